@@ -1,0 +1,4 @@
+//! The command `ca`.
+#![forbid(unsafe_code)]
+
+fn main() {}

@@ -1,0 +1,75 @@
+//! The ordered list of all kinds a build knows, and the list of sources they cite.
+//!
+//! Decides that this list is the only place where a kind is registered. Faces assemble their catalog in one place,
+//! e.g. `Catalog::core().with(ca_lpr::KINDS)`.
+
+use crate::kind::Kind;
+use alloc::vec::Vec;
+
+/// Papers and programs cited by the kinds: key and full reference.
+pub const SOURCES: &[(&str, &str)] = &[
+    (
+        "CMJ 1984",
+        "C. Cadoz, A. Luciani, J.-L. Florens, Responsive input devices and sound synthesis by simulation of instrumental mechanisms: the CORDIS system, Computer Music Journal 8(3), 1984",
+    ),
+    (
+        "CMJ 1993",
+        "C. Cadoz, A. Luciani, J.-L. Florens, CORDIS-ANIMA: a modeling and simulation system for sound and image synthesis, Computer Music Journal 17(1), 1993",
+    ),
+    (
+        "SMC 2007",
+        "A. Kontogeorgakopoulos, C. Cadoz, CORDIS ANIMA physical modeling and simulation system analysis, Sound and Music Computing, 2007",
+    ),
+    (
+        "ICMC 2013",
+        "J. Leonard, N. Castagné, C. Cadoz, J.-L. Florens, Interactive physical design and haptic playing of virtual musical instruments, ICMC, 2013, hal-01089222",
+    ),
+    (
+        "LAC 2019",
+        "J. Leonard, C. Cadoz, M. Christon, mass-interaction modelling in Faust (mi_faust, mi.lib), Linux Audio Conference, 2019",
+    ),
+    (
+        "SMC 2019",
+        "J. Leonard, J. Villeneuve, mi-gen~: an efficient and accessible mass-interaction sound synthesis toolbox, Sound and Music Computing, 2019",
+    ),
+    (
+        "HSP v2",
+        "E. Berdahl, A. Kontogeorgakopoulos, D. Overholt, HSP v2: haptic signal processing with extensions for physical modeling, 2010",
+    ),
+    (
+        "Hunt 1975",
+        "K. H. Hunt, F. R. E. Crossley, Coefficient of restitution interpreted as damping in vibroimpact, J. Applied Mechanics 42, 1975",
+    ),
+    ("Bilbao 2009", "S. Bilbao, Numerical Sound Synthesis, Wiley, 2009"),
+];
+
+/// All kinds a build knows, in the order documentation shows them.
+#[derive(Clone, Debug)]
+pub struct Catalog {
+    kinds: Vec<&'static Kind>,
+}
+
+impl Catalog {
+    /// The one-dimensional kinds of this crate.
+    pub fn core() -> Catalog {
+        let lists = [crate::mat::KINDS, crate::phi::KINDS, crate::io::KINDS, crate::generate::KINDS];
+        Catalog { kinds: lists.concat() }
+    }
+
+    /// Adds the kinds of another crate.
+    #[must_use]
+    pub fn with(mut self, kinds: &[&'static Kind]) -> Catalog {
+        self.kinds.extend_from_slice(kinds);
+        self
+    }
+
+    /// The kind with this code.
+    pub fn get(&self, code: &str) -> Option<&'static Kind> {
+        self.kinds.iter().copied().find(|k| k.code == code)
+    }
+
+    /// All of them.
+    pub fn iter(&self) -> impl Iterator<Item = &'static Kind> + '_ {
+        self.kinds.iter().copied()
+    }
+}

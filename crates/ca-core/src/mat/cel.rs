@@ -1,0 +1,59 @@
+//! CEL: a mass with its own spring and damper to its rest position; one damped oscillation.
+//!
+//! Equation: x_{n+1} = (2 − a − b) x_n + (b − 1) x_{n−1} + (T²/m) f, a = kT²/m, b = zT/m.
+//! Parameters: m [kg] with k [N/m], z [N s/m], or with the heard frequency f [Hz] and the decay time t60 [s].
+//! Source: CMJ 1993; the retuning is numerics 1.5 (exact inversion of the scheme's own warping).
+//! Stability: a + 2b < 4, always true when given by f below half the sound rate and t60. Test: A04, A05, B02.
+
+use super::{Coefs, DX0, MatSpec, V, X};
+use crate::kind::{ABOVE_ZERO, Kind, Need, OneOf, POSITIVE, Param, Role, Unit};
+
+/// CEL in the catalog.
+pub static KIND: Kind = Kind {
+    code: "CEL",
+    title: "oscillator cell",
+    equation: "x' = (2 - a - b) x + (b - 1) x1 + (T²/m) f,  a = kT²/m, b = zT/m",
+    doc: "A mass with its own spring and damper to its rest position. Written by `f` and `t60` it sounds at exactly \
+          that frequency and decays by 60 dB in exactly that time, at any sound rate; `m` then says how hard it is to move.",
+    source: &["CMJ 1993", "SMC 2007"],
+    params: &[
+        Param::number("m", Unit::KILOGRAM, ABOVE_ZERO, Need::Required, "inertia"),
+        Param::number("k", Unit::STIFFNESS, POSITIVE, Need::Optional, "stiffness to the rest position"),
+        Param::number("z", Unit::VISCOSITY, POSITIVE, Need::Optional, "viscosity to the rest position; 0 if left out"),
+        Param::number("f", Unit::HERTZ, ABOVE_ZERO, Need::Optional, "frequency as heard, below half the sound rate"),
+        Param::number("t60", Unit::SECOND, ABOVE_ZERO, Need::Optional, "time to decay by 60 dB; no decay if left out"),
+        X,
+        DX0,
+        V,
+    ],
+    one_of: &[OneOf { sets: &[&["k", "z"], &["f", "t60"]], required: true }],
+    example: r#"
+[CEL]
+bar = { m = "2 g", f = "440 Hz", t60 = "2 s", dx0 = "0.5 mm" }
+[SOX]
+out = { from = "bar", gain = 1000 }
+"#,
+    role: Role::Mat(&MatSpec { coefs, fixed: false }),
+};
+
+fn coefs(p: &[Option<f64>], te: f64) -> Coefs {
+    let m = p[0].unwrap_or(1.0);
+    let c = te * te / m;
+    if let Some(f) = p[3] {
+        let (a, b) = retune(f, p[4].unwrap_or(f64::INFINITY), te);
+        return Coefs { p: 1.0 - b, q: -a, c };
+    }
+    let (k, z) = (p[1].unwrap_or(0.0), p[2].unwrap_or(0.0));
+    Coefs { p: 1.0 - z * te / m, q: -k * c, c }
+}
+
+/// The dimensionless stiffness a = kT²/m and viscosity b = zT/m with which the scheme oscillates at exactly `f` [Hz]
+/// and loses 60 dB in exactly `t60` [s] (numerics 1.5). `t60` may be infinite. Written so that nothing cancels at low
+/// frequency, where 1 − 2r cos θ + r² loses five digits.
+pub fn retune(f: f64, t60: f64, te: f64) -> (f64, f64) {
+    let s = 3.0 * core::f64::consts::LN_10 / t60;
+    let q = -libm::expm1(-s * te);
+    let r = 1.0 - q;
+    let half = libm::sin(core::f64::consts::PI * f * te);
+    (q * q + 4.0 * r * half * half, -libm::expm1(-2.0 * s * te))
+}

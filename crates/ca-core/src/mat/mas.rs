@@ -1,0 +1,35 @@
+//! MAS: a punctual mass, inertia and nothing else.
+//!
+//! Equation: x_{n+1} = 2 x_n − x_{n−1} + (T²/m) f_n. Parameters: m [kg] > 0. Source: CMJ 1993.
+//! Stability: none of its own; with links, T²(k + 2z/T)/m summed over them must stay below 4 (numerics 1.3).
+//! Test: `tests/suite/scheme.rs`.
+
+use super::{Coefs, DX0, MatSpec, V, X};
+use crate::kind::{ABOVE_ZERO, Kind, Need, Param, Role, Unit};
+
+/// MAS in the catalog.
+pub static KIND: Kind = Kind {
+    code: "MAS",
+    title: "punctual mass",
+    equation: "x' = 2x - x1 + (T²/m) f",
+    doc: "Inertia and nothing else: it moves by what its links pull. Heavier is slower.",
+    source: &["CMJ 1993", "SMC 2007"],
+    params: &[Param::number("m", Unit::KILOGRAM, ABOVE_ZERO, Need::Required, "inertia"), X, DX0, V],
+    one_of: &[],
+    example: r#"
+[SOL]
+wall = {}
+[MAS]
+bob = { m = "1 g", dx0 = "0.5 mm" }
+[REF]
+spring = { between = ["wall", "bob"], k = "7.6 kN/m", z = "5 mN s/m" }
+[SOX]
+out = { from = "bob", gain = 1000 }
+"#,
+    role: Role::Mat(&MatSpec { coefs, fixed: false }),
+};
+
+fn coefs(p: &[Option<f64>], te: f64) -> Coefs {
+    let m = p[0].unwrap_or(1.0);
+    Coefs { p: 1.0, q: 0.0, c: te * te / m }
+}

@@ -1,0 +1,45 @@
+//! MAT: what has a position. Every MAT is three coefficients, `d ← P·d + Q·x + C·f ; x ← x + d`.
+//!
+//! Decides that MAS, CEL and SOL do not exist at run time: they differ in three numbers, so one pass advances them all
+//! (seen in mi.lib, style of the field). `x` is relative to the rest position and `d = x_n − x_{n−1}`: this delta form
+//! drifts far less than keeping two positions, and keeps single precision alive.
+
+use crate::kind::{ANY, Kind, Need, Param, Unit};
+
+mod cel;
+mod mas;
+mod sol;
+
+/// The three coefficients of a MAT for one tick.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Coefs {
+    /// persistence of the displacement per tick (1 − zT/m)
+    pub p: f64,
+    /// pull towards rest (−kT²/m)
+    pub q: f64,
+    /// mobility T²/m [m/N]; 0 for what cannot move
+    pub c: f64,
+}
+
+/// How a kind of MAT gets its coefficients.
+#[derive(Clone, Copy)]
+pub struct MatSpec {
+    /// from parameters in SI (in the order of [`Kind::params`]) and the tick `te` [s]
+    pub coefs: fn(params: &[Option<f64>], te: f64) -> Coefs,
+    /// true for what never moves
+    pub fixed: bool,
+}
+
+/// Rest position.
+pub const X: Param = Param::number("x", Unit::METRE, ANY, Need::Default(0.0), "rest position");
+/// Initial displacement.
+pub const DX0: Param =
+    Param::number("dx0", Unit::METRE, ANY, Need::Default(0.0), "initial displacement from the rest position");
+/// Initial velocity.
+pub const V: Param = Param::number("v", Unit::SPEED, ANY, Need::Default(0.0), "initial velocity");
+
+/// All MAT kinds, in the order of the documentation.
+pub const KINDS: &[&Kind] = &[&mas::KIND, &sol::KIND, &cel::KIND];
+pub use cel::{KIND as CEL, retune};
+pub use mas::KIND as MAS;
+pub use sol::KIND as SOL;

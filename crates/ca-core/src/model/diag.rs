@@ -1,0 +1,170 @@
+//! What is said to an author: a code, a title, the places, why, and a fix.
+//!
+//! Decides that the reader and the compiler never stop at the first error: they push into one [`Diags`], which is
+//! sorted by place and shown whole. Wording: lower case, names and commands in backticks, the value after a colon, one
+//! suggestion. Rendering with carets and as JSON lives in `render.rs` (feature `parse`); this file has no dependency,
+//! so that models built by programs get the same diagnostics without the parser.
+
+use super::Span;
+use alloc::string::String;
+use alloc::vec::Vec;
+
+/// How bad it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Severity {
+    /// the model cannot be compiled
+    Error,
+    /// it compiles, but probably does not do what was meant
+    Warning,
+    /// worth knowing
+    Note,
+}
+
+/// A replacement of one span by a text, which would mend the finding.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Fix {
+    /// what is replaced; empty range for an insertion
+    pub span: Span,
+    /// the new text
+    pub text: String,
+}
+
+/// One finding.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Diag {
+    /// entry of [`CODES`]
+    pub code: &'static str,
+    /// error, warning or note
+    pub severity: Severity,
+    /// one line that stands by itself, naming the module concerned
+    pub title: String,
+    /// where, with a few words under the caret; the first is the main one
+    pub labels: Vec<(Span, String)>,
+    /// what to do, in words
+    pub help: Option<String>,
+    /// what to do, as an edit
+    pub fix: Option<Fix>,
+}
+
+impl Diag {
+    /// An error.
+    pub fn error(code: &'static str, title: impl Into<String>) -> Diag {
+        Diag::new(code, Severity::Error, title)
+    }
+    /// A warning.
+    pub fn warning(code: &'static str, title: impl Into<String>) -> Diag {
+        Diag::new(code, Severity::Warning, title)
+    }
+    /// A note.
+    pub fn note(code: &'static str, title: impl Into<String>) -> Diag {
+        Diag::new(code, Severity::Note, title)
+    }
+    fn new(code: &'static str, severity: Severity, title: impl Into<String>) -> Diag {
+        debug_assert!(CODES.iter().any(|c| c.0 == code), "{code} is not in diag::CODES");
+        Diag { code, severity, title: title.into(), labels: Vec::new(), help: None, fix: None }
+    }
+    /// Adds a place and what to say there.
+    #[must_use]
+    pub fn at(mut self, span: Span, label: impl Into<String>) -> Diag {
+        self.labels.push((span, label.into()));
+        self
+    }
+    /// Says what to do.
+    #[must_use]
+    pub fn help(mut self, text: impl Into<String>) -> Diag {
+        self.help = Some(text.into());
+        self
+    }
+    /// Offers an edit.
+    #[must_use]
+    pub fn fix(mut self, span: Span, text: impl Into<String>) -> Diag {
+        if span.is_some() {
+            self.fix = Some(Fix { span, text: text.into() });
+        }
+        self
+    }
+    /// Where it stands, for sorting.
+    pub fn span(&self) -> Span {
+        self.labels.first().map_or(Span::NONE, |l| l.0)
+    }
+}
+
+/// All findings about one model, in order of place once [`Diags::sort`] has run.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Diags {
+    /// the findings
+    pub list: Vec<Diag>,
+}
+
+impl Diags {
+    /// No findings yet.
+    pub fn new() -> Diags {
+        Diags::default()
+    }
+    /// Adds one.
+    pub fn push(&mut self, d: Diag) {
+        self.list.push(d);
+    }
+    /// True where an error is among them.
+    pub fn has_errors(&self) -> bool {
+        self.list.iter().any(|d| d.severity == Severity::Error)
+    }
+    /// Orders by place, keeping the order of findings at one place; findings without a place come last.
+    pub fn sort(&mut self) {
+        self.list.sort_by_key(|d| (d.span().start, d.severity));
+    }
+}
+
+impl core::fmt::Display for Diags {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        for d in &self.list {
+            writeln!(f, "[{}] {}", d.code, d.title)?;
+        }
+        Ok(())
+    }
+}
+impl core::error::Error for Diags {}
+
+/// Every code with what it means in a few words. `E` errors, `W` warnings, `N` notes. `tests/diagnostics/*.md` has a
+/// section for each (checked by a test).
+pub const CODES: &[(&str, &str)] = &[
+    ("E001", "not TOML"),
+    ("E002", "unknown section or kind"),
+    ("E003", "a module must be a table"),
+    ("E004", "unknown parameter"),
+    ("E005", "parameter missing"),
+    ("E006", "wrong type of value"),
+    ("E007", "not a quantity"),
+    ("E008", "unit of the wrong dimension"),
+    ("E009", "value out of range"),
+    ("E010", "parameters exclude each other"),
+    ("E011", "not one of the choices"),
+    ("E012", "name used twice"),
+    ("E013", "unknown name"),
+    ("E014", "not a name"),
+    ("E015", "not a selector"),
+    ("E016", "index out of range"),
+    ("E017", "not a module of the right family"),
+    ("E018", "lists that do not pair"),
+    ("E019", "points that are not a table"),
+    ("E020", "rates that do not fit"),
+    ("E021", "gesture that drives nothing"),
+    ("E022", "a link needs two different ends"),
+    ("E023", "tuning out of reach"),
+    ("E024", "nothing to compute"),
+    ("E025", "not live"),
+    ("E026", "MIDI mapping"),
+    ("E027", "too large"),
+    ("E028", "feature of a later version"),
+    ("W101", "nothing hears it"),
+    ("W102", "a contact acts at load"),
+    ("W103", "unstable by the bound of a module"),
+    ("W104", "stiff contact"),
+    ("W105", "viscous link straight on a device key"),
+    ("W106", "zero link"),
+    ("W107", "stability not proven"),
+    ("W108", "no output"),
+    ("W109", "parameter used by nothing"),
+    ("W110", "active law"),
+    ("N201", "lost on import"),
+];

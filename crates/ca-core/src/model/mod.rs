@@ -1,0 +1,195 @@
+//! What the author wrote, before any number is converted: kinds, names, parameters, spans.
+//!
+//! Decides that text, the Python builder and importers all produce this one type, that it keeps values *as written*
+//! (`"20 g"` stays `"20 g"`), and that every piece carries the [`Span`] it came from, so that any later finding can
+//! point at it. Meaning (units, references, ranges) is given by [`crate::compile`], not here: two readers of meaning
+//! would disagree one day.
+
+use alloc::string::String;
+use alloc::vec::Vec;
+
+pub mod diag;
+#[cfg(feature = "parse")]
+pub mod mims;
+pub mod quantity;
+#[cfg(feature = "parse")]
+pub mod read;
+#[cfg(feature = "parse")]
+pub mod render;
+#[cfg(feature = "parse")]
+pub mod schema;
+pub mod select;
+pub mod write;
+
+/// Byte range in the source text; [`Span::NONE`] for models that were built, not read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Span {
+    /// first byte
+    pub start: usize,
+    /// one past the last byte
+    pub end: usize,
+}
+
+impl Span {
+    /// "nowhere": the model was built by a program.
+    pub const NONE: Span = Span { start: usize::MAX, end: usize::MAX };
+
+    /// True unless this is [`Span::NONE`].
+    pub fn is_some(self) -> bool {
+        self != Span::NONE
+    }
+}
+
+/// A value as written.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Value {
+    /// a bare number, in the model's units
+    Num(f64),
+    /// a quoted string: a quantity, a name, a choice or text, depending on where it stands
+    Text(String),
+    /// `true`, `false`
+    Bool(bool),
+    /// `[ … ]`
+    List(Vec<Entry>),
+    /// `{ … }`; each entry has its key
+    Table(Vec<Entry>),
+}
+
+/// A value with its key and where both stand. Members of a list have an empty key.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Entry {
+    /// the key; empty in lists
+    pub key: String,
+    /// where the key stands
+    pub key_span: Span,
+    /// the value as written
+    pub value: Value,
+    /// where the value stands
+    pub span: Span,
+}
+
+impl Entry {
+    /// An entry built by a program.
+    pub fn new(key: &str, value: impl Into<Value>) -> Entry {
+        Entry { key: key.into(), key_span: Span::NONE, value: value.into(), span: Span::NONE }
+    }
+}
+
+impl From<f64> for Value {
+    fn from(v: f64) -> Value {
+        Value::Num(v)
+    }
+}
+impl From<&str> for Value {
+    fn from(v: &str) -> Value {
+        Value::Text(v.into())
+    }
+}
+impl From<String> for Value {
+    fn from(v: String) -> Value {
+        Value::Text(v)
+    }
+}
+impl From<bool> for Value {
+    fn from(v: bool) -> Value {
+        Value::Bool(v)
+    }
+}
+impl<T: Into<Value>> From<Vec<T>> for Value {
+    fn from(v: Vec<T>) -> Value {
+        Value::List(v.into_iter().map(|x| Entry::new("", x)).collect())
+    }
+}
+
+/// One named module: a MAT, a LIA, a port or a generator.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Item {
+    /// the section it stands in, e.g. `MAS`
+    pub kind: String,
+    /// where the kind is written
+    pub kind_span: Span,
+    /// full name; members of a group carry its name and a dot
+    pub name: String,
+    /// where the name is written
+    pub name_span: Span,
+    /// index into [`Model::groups`], if it is a member of one
+    pub group: Option<usize>,
+    /// the parameters written, in order
+    pub args: Vec<Entry>,
+    /// the whole value
+    pub span: Span,
+}
+
+/// A lower-case table: modules that share a medium (and later a dimension).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Group {
+    /// its name
+    pub name: String,
+    /// where the name is written
+    pub span: Span,
+    /// its own properties, e.g. `gravity`
+    pub props: Vec<Entry>,
+}
+
+/// A model as its author wrote it. Root tables are kept as entries; [`crate::compile`] gives them meaning.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Model {
+    /// name of the file it was read from, for reports; may be empty
+    pub file: String,
+    /// the source text the spans point into; empty for built models
+    pub text: String,
+    /// the comment block at the head of the file, without its `#`
+    pub header: String,
+    /// `[model]`: title, units, reference_rate, gravity, friction
+    pub meta: Vec<Entry>,
+    /// `[rate]`: sound, gesture
+    pub rate: Vec<Entry>,
+    /// `[param]`: name = value or { value, unit, live, min, max, doc }
+    pub params: Vec<Entry>,
+    /// `[gesture]`: port or live parameter = list of [time, value]
+    pub gestures: Vec<Entry>,
+    /// `[equivalence]`: quantity = [real, simulated]
+    pub equivalence: Vec<Entry>,
+    /// groups in document order
+    pub groups: Vec<Group>,
+    /// modules in document order
+    pub items: Vec<Item>,
+}
+
+impl Model {
+    /// Adds a module; the builder's one entry point. `name` must be unique (the compiler reports it otherwise).
+    ///
+    /// ```
+    /// use ca_core::model::{Entry, Model, Value};
+    /// let mut m = Model::default();
+    /// m.add("MAS", "bob", [Entry::new("m", "1 g"), Entry::new("dx0", "1 mm")]);
+    /// m.add("SOL", "wall", []);
+    /// m.add("RES", "spring", [Entry::new("between", Value::from(vec!["wall", "bob"])), Entry::new("k", "40 N/m")]);
+    /// assert_eq!(m.items.len(), 3);
+    /// ```
+    pub fn add(&mut self, kind: &str, name: &str, args: impl IntoIterator<Item = Entry>) -> &mut Self {
+        self.items.push(Item {
+            kind: kind.into(),
+            kind_span: Span::NONE,
+            name: name.into(),
+            name_span: Span::NONE,
+            group: None,
+            args: args.into_iter().collect(),
+            span: Span::NONE,
+        });
+        self
+    }
+
+    /// The value of `key` in `[model]`, if written.
+    pub fn meta(&self, key: &str) -> Option<&Entry> {
+        self.meta.iter().find(|e| e.key == key)
+    }
+
+    /// The `title` of `[model]`, or an empty string.
+    pub fn title(&self) -> &str {
+        match self.meta("title").map(|e| &e.value) {
+            Some(Value::Text(t)) => t,
+            _ => "",
+        }
+    }
+}
