@@ -2,6 +2,8 @@
 
 use crate::kind::Kind;
 
+pub mod midi;
+
 /// What a port does each tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PortRole {
