@@ -1,0 +1,71 @@
+//! BANK: cells side by side, one per partial; the modes of a bell, a bar or a gong, each exactly where it is asked.
+//!
+//! Every cell is a CEL by f and t60 (numerics 1.5), so pitch and decay are exact at any sound rate.
+
+use super::{Args, Build, Generator, Problem};
+use crate::kind::{ABOVE_ZERO, Kind, Need, Param, Role, Type, Unit};
+use crate::mat::X;
+use alloc::format;
+use alloc::vec::Vec;
+
+const fn numbers(unit: Unit) -> Type {
+    Type::Numbers { unit, min: ABOVE_ZERO.0, max: ABOVE_ZERO.1 }
+}
+
+/// BANK in the catalog.
+pub static KIND: Kind = Kind {
+    code: "BANK",
+    title: "bank of cells",
+    equation: "one CEL per frequency",
+    doc: "Cells side by side, each with its frequency, decay and mass; lists of equal length, or one value for all. \
+          Couple them by links, or strike several at once.",
+    source: &["HSP v2"],
+    params: &[
+        Param::new("f", numbers(Unit::HERTZ), Need::Required, "frequencies as heard"),
+        Param::new("t60", numbers(Unit::SECOND), Need::Optional, "times to decay by 60 dB"),
+        Param::new("m", numbers(Unit::KILOGRAM), Need::Required, "inertias"),
+        X,
+    ],
+    one_of: &[],
+    example: r#"
+[BANK]
+bell = { f = ["440 Hz", "881 Hz", "1217 Hz"], t60 = ["3 s", "2 s", "1 s"], m = "5 g" }
+[MAS]
+hammer = { m = "5 g", x = "-1 mm", v = "1 m/s" }
+[BUT]
+strike = { between = ["hammer", "bell[*]"], k = "30 kN/m", z = "0.5 N s/m" }
+[SOX]
+out = { from = "bell[0]", gain = 300 }
+"#,
+    role: Role::Generator(&Generator { derive, build }),
+};
+
+/// Slots: m, f, t60 of cell 0, of cell 1, …
+fn derive(a: &Args<'_>) -> Result<Vec<Option<f64>>, Problem> {
+    let n = a.len("f").unwrap_or(1);
+    for other in ["t60", "m"] {
+        if let Some(len) = a.len(other).filter(|len| *len != n) {
+            return Err(Problem {
+                title: format!("`{other}` has {len} numbers where `f` has {n}"),
+                param: if other == "m" { "m" } else { "t60" },
+                help: "give as many as there are frequencies, or one for all".into(),
+            });
+        }
+    }
+    let (f, t60, m) = (a.list("f", n), a.list("t60", n), a.list("m", n));
+    if let Some(high) = f.iter().flatten().find(|f| **f * a.te >= 0.5) {
+        return Err(Problem {
+            title: format!("{high} Hz is not below half the sound rate"),
+            param: "f",
+            help: format!("stay below {} Hz, or raise `rate.sound`", 0.5 / a.te),
+        });
+    }
+    Ok((0..n).flat_map(|i| [m[i], f[i], t60[i]]).collect())
+}
+
+fn build(a: &Args<'_>, b: &mut Build<'_>) {
+    for i in 0..a.len("f").unwrap_or(1) {
+        let s = 3 * i as u32;
+        b.cell(i, s, s + 1, s + 2);
+    }
+}

@@ -1,0 +1,121 @@
+//! MESH: masses on a rectangular grid, joined to their neighbours.
+//!
+//! Modes with a = kT²/m: closed, λ_pq = 4a (sin²(pπ/(2(nx−1))) + sin²(qπ/(2(ny−1)))), p, q ≥ 1; open,
+//! 4a (sin²(pπ/(2nx)) + sin²(qπ/(2ny))), p + q ≥ 1. Given `f` the lowest is inverted exactly. Stability: a < 1/2 serves
+//! every size. Source: SMC 2019 (mesh, closedMesh, cornerMesh).
+
+use super::string::{DECAY, F, K, M, M_TOTAL, MASSES, T60, TUNING, Z, ZO, ground, mass, target, too_stiff};
+use super::{Args, Build, Generator, Problem};
+use crate::kind::{Kind, Need, Param, Role, Type};
+use crate::mat::X;
+use alloc::format;
+use alloc::vec::Vec;
+
+const SIDE: Type = Type::Count { min: 2, max: 4096 };
+
+/// MESH in the catalog.
+pub static KIND: Kind = Kind {
+    code: "MESH",
+    title: "rectangular mesh",
+    equation: "nx × ny MAS, REF between neighbours; border open, closed or held at the corners",
+    doc: "A membrane (`edges = \"closed\"`), a plate-like sheet with free edges (`open`) or one hung at its corners. \
+          `skin[3,4]` is a node, `skin@0.3,0.4` a point that may move.",
+    source: &["SMC 2019"],
+    params: &[
+        Param::new("nx", SIDE, Need::Required, "nodes along the first direction"),
+        Param::new("ny", SIDE, Need::Required, "nodes along the second direction"),
+        M,
+        M_TOTAL,
+        K,
+        F,
+        Z,
+        ZO,
+        T60,
+        Param::new("edges", Type::Choice(&["open", "closed", "corner"]), Need::Default(0.0), "what holds the border"),
+        X,
+    ],
+    one_of: &[MASSES, TUNING, DECAY],
+    example: r#"
+[MESH]
+skin = { nx = 10, ny = 8, f = "150 Hz", t60 = "1 s", m = "0.5 g", edges = "closed" }
+[MAS]
+stick = { m = "10 g", x = "-1 mm", v = "1 m/s" }
+[BUT]
+strike = { between = ["stick", "skin[4,3]"], k = "10 kN/m", z = "1 N s/m" }
+[SOX]
+out = { from = "skin[2,2]", gain = 200 }
+"#,
+    role: Role::Generator(&Generator { derive, build }),
+};
+
+/// Slots: m, k, z, zo.
+fn derive(a: &Args<'_>) -> Result<Vec<Option<f64>>, Problem> {
+    let (nx, ny) = (a.count("nx"), a.count("ny"));
+    let m = mass(a, nx * ny);
+    let zo = ground(a, m);
+    let k = match a.num("f") {
+        None => a.or0("k"),
+        Some(f) => {
+            let sin2 = |n: usize| {
+                let s = libm::sin(core::f64::consts::FRAC_PI_2 / n as f64);
+                s * s
+            };
+            let shape = match a.count("edges") {
+                0 => sin2(nx.max(ny)),
+                1 if nx > 2 && ny > 2 => sin2(nx - 1) + sin2(ny - 1),
+                1 => {
+                    return Err(Problem {
+                        title: "a closed mesh of this size has nothing that moves".into(),
+                        param: "nx",
+                        help: "use at least 3 nodes each way".into(),
+                    });
+                }
+                _ => {
+                    return Err(Problem {
+                        title: "the pitch of a mesh hung at its corners has no closed form".into(),
+                        param: "f",
+                        help: "give `k`, or use `edges = \"open\"` or `\"closed\"`".into(),
+                    });
+                }
+            };
+            let stiffness = target(a, f, zo, m)? / (4.0 * shape);
+            if stiffness > 0.5 {
+                let mut p = too_stiff(f, nx * ny, 0);
+                p.param = "nx";
+                p.help = format!("use fewer nodes, ask for a lower pitch, or raise `rate.sound` (a = {stiffness:.3}, limit 0.5)");
+                return Err(p);
+            }
+            stiffness * m / (a.te * a.te)
+        }
+    };
+    Ok(alloc::vec![Some(m), Some(k), a.num("z"), Some(zo)])
+}
+
+fn build(a: &Args<'_>, b: &mut Build<'_>) {
+    let (nx, ny, edges) = (a.count("nx"), a.count("ny"), a.count("edges"));
+    let mut grid = Vec::with_capacity(nx * ny);
+    for i in 0..nx {
+        for j in 0..ny {
+            let (rim_x, rim_y) = (i == 0 || i == nx - 1, j == 0 || j == ny - 1);
+            let held = match edges {
+                1 => rim_x || rim_y,
+                2 => rim_x && rim_y,
+                _ => false,
+            };
+            let index = format!("{i},{j}");
+            grid.push(if held { b.fixed(Some(&index)) } else { b.mass(&index, 0, 3) });
+        }
+    }
+    let at = |i: usize, j: usize| grid[i * ny + j];
+    for i in 0..nx {
+        for j in 1..ny {
+            b.link(at(i, j - 1), at(i, j), 1, 2);
+        }
+    }
+    for i in 1..nx {
+        for j in 0..ny {
+            b.link(at(i - 1, j), at(i, j), 1, 2);
+        }
+    }
+    b.walkable(grid, [nx as u32, ny as u32]);
+}

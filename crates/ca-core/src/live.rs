@@ -1,0 +1,304 @@
+//! Changes while playing: by name, in units, computed off the tick and ramped in it.
+//!
+//! Decides that a tick knows nothing of parameters, only of coefficients. [`Controls`] (one per player, outside the
+//! real-time thread) turns `strike.k = 8000` into a [`Patch`] with the very functions the compiler used, so derived
+//! parameters such as f and t60 move all their coefficients together; [`State::apply`] starts the ramps without
+//! allocating. Only what the model declares `live` has a place here (or everything, if the compiler was asked).
+
+use crate::generate::{Args, Generator};
+use crate::kind::{Kind, Unit};
+use crate::mat::MatSpec;
+use crate::op::Op;
+use crate::phi::Law;
+use crate::scene::Scene;
+use crate::state::State;
+use alloc::string::String;
+use alloc::vec::Vec;
+
+/// A parameter that may change while playing.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LiveParam {
+    /// its name: a `[param]`, or `module.parameter` where everything is live
+    pub name: String,
+    /// unit; plain where the model gives none
+    pub unit: Unit,
+    /// smallest value, SI
+    pub min: f64,
+    /// largest value, SI
+    pub max: f64,
+    /// value at load, SI
+    pub value: f64,
+    /// one line for people
+    pub doc: String,
+}
+
+/// Where a number of a module comes from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Source {
+    /// not written
+    Absent,
+    /// this value for good
+    Const(f64),
+    /// slot of the item it was made from
+    Slot(u32),
+}
+
+/// How to compute the coefficients of a module.
+#[derive(Clone, Copy)]
+pub enum Loader {
+    /// a MAT, with the viscosity of its medium [N s/m]
+    Mat(&'static MatSpec, f64),
+    /// its weight, with the gravity of its group [m/s²]; mass is the first parameter
+    Weight(f64),
+    /// a LIA
+    Lia(&'static Law),
+    /// the value itself
+    Plain,
+}
+
+/// A module with coefficients that depend on live parameters.
+#[derive(Clone)]
+pub struct LiveModule {
+    /// how
+    pub loader: Loader,
+    /// from what, in the order of the parameters of its kind
+    pub values: alloc::sync::Arc<[Source]>,
+    /// to where: places in [`LivePlan::coefs`], one per coefficient
+    pub to: Vec<u32>,
+}
+
+/// An item of the model that depends on live parameters.
+#[derive(Clone)]
+pub struct LiveItem {
+    /// its kind
+    pub kind: &'static Kind,
+    /// its resolved parameters
+    pub args: Vec<crate::generate::Arg>,
+    /// which of them follow which live parameter
+    pub follows: Vec<(usize, usize)>,
+    /// the generator that derives numbers from them, if it is one
+    pub generator: Option<&'static Generator>,
+    /// what it became
+    pub modules: Vec<LiveModule>,
+}
+
+/// Everything the compiler knows about live parameters.
+#[derive(Clone, Default)]
+pub struct LivePlan {
+    /// the parameters
+    pub params: Vec<LiveParam>,
+    /// the coefficients they reach: places in [`State::coef`]
+    pub coefs: Vec<u32>,
+    /// how to get from one to the other
+    pub items: Vec<LiveItem>,
+}
+
+/// New values of coefficients, to be applied together.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Patch {
+    /// place in [`LivePlan::coefs`] and value
+    pub set: Vec<(u32, f64)>,
+}
+
+/// Why a change was refused.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Refused {
+    /// no live parameter has this name
+    Unknown(String),
+    /// outside the range it was declared with
+    Range(String, f64, f64),
+    /// the values together have no solution, e.g. a pitch out of reach
+    Unsolvable(String),
+}
+
+impl core::fmt::Display for Refused {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Refused::Unknown(n) => write!(f, "`{n}` is not a live parameter: declare it in [param] with live = true"),
+            Refused::Range(n, lo, hi) => write!(f, "`{n}` must lie between {lo} and {hi}"),
+            Refused::Unsolvable(why) => write!(f, "{why}"),
+        }
+    }
+}
+impl core::error::Error for Refused {}
+
+/// The live parameters of a scene as someone plays them. Lives outside the tick.
+#[derive(Clone)]
+pub struct Controls {
+    plan: LivePlan,
+    te: f64,
+}
+
+impl Controls {
+    /// The parameters at their values at load.
+    pub fn new(scene: &Scene) -> Controls {
+        Controls { plan: scene.live.clone(), te: scene.te }
+    }
+
+    /// The parameters, with their present values.
+    pub fn params(&self) -> &[LiveParam] {
+        &self.plan.params
+    }
+
+    /// Sets `name` to `value` [SI] and returns the coefficients that change.
+    pub fn set(&mut self, name: &str, value: f64) -> Result<Patch, Refused> {
+        let Some(p) = self.plan.params.iter().position(|p| p.name == name) else {
+            return Err(Refused::Unknown(name.into()));
+        };
+        let param = &self.plan.params[p];
+        if !(value >= param.min && value <= param.max) {
+            return Err(Refused::Range(name.into(), param.min, param.max));
+        }
+        let mut patch = Patch::default();
+        let mut items = self.plan.items.clone();
+        for item in &mut items {
+            let mut touched = false;
+            for (arg, q) in &item.follows {
+                if *q == p {
+                    item.args[*arg] = crate::generate::Arg::Num(value);
+                    touched = true;
+                }
+            }
+            if touched {
+                item.patch(self.te, &mut patch)?;
+            }
+        }
+        self.plan.items = items;
+        self.plan.params[p].value = value;
+        Ok(patch)
+    }
+}
+
+impl LiveItem {
+    /// Numbers derived from the item's parameters: those of a generator, or the parameters themselves.
+    fn slots(&self, te: f64) -> Result<Vec<Option<f64>>, Refused> {
+        match self.generator {
+            Some(g) => {
+                (g.derive)(&Args { kind: self.kind, values: &self.args, te }).map_err(|p| Refused::Unsolvable(p.title))
+            }
+            None => Ok(self.args.iter().map(crate::generate::Arg::num).collect()),
+        }
+    }
+
+    fn patch(&self, te: f64, patch: &mut Patch) -> Result<(), Refused> {
+        let slots = self.slots(te)?;
+        let mut out = [0.0; 8];
+        for m in &self.modules {
+            let values: Vec<Option<f64>> = m.values.iter().map(|s| s.get(&slots)).collect();
+            let n = m.loader.load(&values, te, &mut out);
+            patch.set.extend(m.to.iter().copied().zip(out[..n].iter().copied()));
+        }
+        Ok(())
+    }
+}
+
+impl Source {
+    /// The number, given the slots of the item.
+    pub fn get(self, slots: &[Option<f64>]) -> Option<f64> {
+        match self {
+            Source::Absent => None,
+            Source::Const(v) => Some(v),
+            Source::Slot(i) => slots.get(i as usize).copied().flatten(),
+        }
+    }
+}
+
+impl Loader {
+    /// Writes the coefficients for parameter values in SI; returns how many.
+    pub fn load(self, values: &[Option<f64>], te: f64, out: &mut [f64; 8]) -> usize {
+        match self {
+            Loader::Mat(spec, medium) => {
+                let c = (spec.coefs)(values, te);
+                // C = T²/m, so the damper z of the medium takes zT/m = zC/T
+                out[..3].copy_from_slice(&[c.p - medium / te * c.c, c.q, c.c]);
+                3
+            }
+            Loader::Weight(g) => {
+                out[0] = -g * values.first().copied().flatten().unwrap_or(0.0);
+                1
+            }
+            Loader::Lia(law) => {
+                (law.load)(values, te, &mut out[..law.coefs]);
+                law.coefs
+            }
+            Loader::Plain => {
+                out[0] = values.first().copied().flatten().unwrap_or(0.0);
+                1
+            }
+        }
+    }
+}
+
+/// Coefficients on their way (live coefficients each).
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Ramps {
+    left: Vec<u32>,
+    step: Vec<f64>,
+    target: Vec<f64>,
+    /// those with ticks left: the first `moving` entries (as long as the others, so that a clone has room too)
+    active: Vec<u32>,
+    moving: usize,
+}
+
+impl Ramps {
+    /// Room for `n` live coefficients.
+    pub(crate) fn new(n: usize) -> Ramps {
+        Ramps {
+            left: alloc::vec![0; n],
+            step: alloc::vec![0.0; n],
+            target: alloc::vec![0.0; n],
+            active: alloc::vec![0; n],
+            moving: 0,
+        }
+    }
+
+    /// True while something is on its way.
+    pub fn is_moving(&self) -> bool {
+        self.moving > 0
+    }
+}
+
+impl State {
+    /// Starts moving the coefficients of `patch` to their new values, linearly over `ticks` (0 acts like 1), from the
+    /// next tick on. All of one patch arrive in the same tick. Does not allocate. Returns false, having changed
+    /// nothing, where the patch is not of this scene.
+    pub fn apply(&mut self, scene: &Scene, patch: &Patch, ticks: u32) -> bool {
+        let n = self.ramps.left.len();
+        if patch.set.iter().any(|(i, v)| *i as usize >= n || !v.is_finite()) || scene.live.coefs.len() != n {
+            return false;
+        }
+        let ticks = ticks.max(1);
+        for (i, v) in &patch.set {
+            let i = *i as usize;
+            let r = &mut self.ramps;
+            if r.left[i] == 0 {
+                r.active[r.moving] = i as u32;
+                r.moving += 1;
+            }
+            r.left[i] = ticks;
+            r.target[i] = *v;
+            r.step[i] = (*v - self.coef[scene.live.coefs[i] as usize]) / f64::from(ticks);
+        }
+        true
+    }
+}
+
+/// Moves coefficients one tick further.
+pub fn ramp(_op: &Op, scene: &Scene, s: &mut State) {
+    let (r, coef) = (&mut s.ramps, &mut s.coef);
+    let mut k = 0;
+    while k < r.moving {
+        let i = r.active[k] as usize;
+        let c = &mut coef[scene.live.coefs[i] as usize];
+        r.left[i] -= 1;
+        if r.left[i] == 0 {
+            *c = r.target[i];
+            r.moving -= 1;
+            r.active[k] = r.active[r.moving];
+        } else {
+            *c += r.step[i];
+            k += 1;
+        }
+    }
+}

@@ -1,0 +1,37 @@
+//! Gather: links between any two MATs, one by one, in order. The reference kernel: forces are summed in the order of
+//! the links, so the bits are those of a plain loop over modules.
+
+use super::Op;
+use crate::phi::Phi;
+use crate::scene::Scene;
+use crate::state::State;
+
+/// Applies the law of `op` to each of its links.
+pub fn gather<P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bool, const TAP: bool>(
+    op: &Op,
+    scene: &Scene,
+    s: &mut State,
+) {
+    let n = op.n;
+    let ends = &scene.ends[op.first..][..n];
+    let e0 = if OFFSET { &scene.e0[op.first..][..n] } else { &[] };
+    let columns: [&[f64]; C] = core::array::from_fn(|k| &s.coef[op.coef + k * n..][..n]);
+    let (x, d, f) = (&s.x, &s.d, &mut s.f);
+    let mem = &mut s.mem[op.mem..][..n * M];
+    for i in 0..n {
+        let [a, b] = [ends[i][0] as usize, ends[i][1] as usize];
+        let mut e = x[b] - x[a];
+        if OFFSET {
+            e += e0[i];
+        }
+        let w = d[b] - d[a];
+        let c = core::array::from_fn(|k| columns[k][i]);
+        let Some(m) = mem[i * M..].first_chunk_mut::<M>() else { continue };
+        let force = P::force(&c, m, &scene.tables, e, w);
+        f[a] += force;
+        f[b] -= force;
+        if TAP {
+            s.tap[op.tap + i] = force;
+        }
+    }
+}

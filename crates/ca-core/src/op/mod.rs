@@ -1,0 +1,73 @@
+//! Op: one homogeneous pass over many modules.
+//!
+//! Decides that a compiled scene is a flat list of records, each with a plain function that was chosen once, at load
+//! (the law, the form, with or without offsets and taps). A function pointer rather than an enum of passes, because
+//! other crates bring passes of their own (LPR), and rather than a boxed trait object, because the record is then plain
+//! data that `ca check --schedule` can print.
+
+use crate::phi::{Law, Phi};
+use crate::scene::Scene;
+use crate::state::State;
+
+mod gather;
+pub mod pass;
+mod run;
+
+/// One pass, run once per tick.
+pub type Kernel = fn(&Op, &Scene, &mut State);
+
+/// How a batch of links is laid out; chooses the kernel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Form {
+    /// the links join consecutive MATs: link i joins `mat + i` and `mat + i + 1`
+    pub run: bool,
+    /// some link of the batch has e₀ ≠ 0
+    pub offset: bool,
+    /// the force of each link is kept in [`State::tap`]
+    pub tap: bool,
+}
+
+/// A pass and where its modules stand.
+#[derive(Clone, Copy)]
+pub struct Op {
+    /// what to run
+    pub kernel: Kernel,
+    /// what it is, for people: the code of a law, or `advance`, `enx`, …
+    pub name: &'static str,
+    /// the law, for links
+    pub law: Option<&'static Law>,
+    /// layout of a batch of links
+    pub form: Form,
+    /// number of modules
+    pub n: usize,
+    /// first link in [`Scene::ends`], or first entry of whatever list the pass reads
+    pub first: usize,
+    /// first MAT
+    pub mat: usize,
+    /// first coefficient in [`State::coef`]; coefficient s of link i is at `coef + s·n + i`
+    pub coef: usize,
+    /// first number in [`State::mem`]; those of link i start at `mem + i·M`
+    pub mem: usize,
+    /// first place in [`State::tap`]
+    pub tap: usize,
+}
+
+impl Op {
+    /// A pass without links.
+    pub fn pass(name: &'static str, kernel: Kernel, n: usize) -> Op {
+        let form = Form { run: false, offset: false, tap: false };
+        Op { kernel, name, law: None, form, n, first: 0, mat: 0, coef: 0, mem: 0, tap: 0 }
+    }
+}
+
+/// The kernel of a law for one form.
+pub(crate) fn kernel<P: Phi<C, M> + 'static, const C: usize, const M: usize>(form: Form) -> Kernel {
+    match (form.run, form.offset, form.tap) {
+        (false, false, false) => gather::gather::<P, C, M, false, false>,
+        (false, false, true) => gather::gather::<P, C, M, false, true>,
+        (false, true, false) => gather::gather::<P, C, M, true, false>,
+        (false, true, true) => gather::gather::<P, C, M, true, true>,
+        (true, false, _) => run::run::<P, C, M, false>,
+        (true, true, _) => run::run::<P, C, M, true>,
+    }
+}

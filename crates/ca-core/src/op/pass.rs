@@ -1,0 +1,148 @@
+//! The passes that are not links: ports, weight, moving points, advance. Each is there only if the scene has its
+//! modules.
+
+use super::Op;
+use crate::scene::{Heard, Place, Scene};
+use crate::state::{Cell, State};
+
+/// Position ports: `d` is the change of position, so that dampers feel the hand. The first tick only places them.
+pub fn enx(op: &Op, scene: &Scene, s: &mut State) {
+    for p in &scene.enx[..op.n] {
+        let x = s.heard(p.input) - p.rest;
+        let m = p.mat as usize;
+        s.d[m] = if s.tick == 0 { 0.0 } else { x - s.x[m] };
+        s.x[m] = x;
+        s.f[m] = 0.0;
+    }
+}
+
+/// Force ports.
+pub fn enf(op: &Op, scene: &Scene, s: &mut State) {
+    for p in &scene.enf[..op.n] {
+        let v = s.input[p.input as usize];
+        let force = if v.is_finite() { v } else { 0.0 };
+        s.f[p.mat as usize] += force;
+    }
+}
+
+/// Constant forces: weight.
+pub fn weight(op: &Op, scene: &Scene, s: &mut State) {
+    for (k, m) in scene.weighed[..op.n].iter().enumerate() {
+        s.f[*m as usize] += s.coef[op.coef + k];
+    }
+}
+
+/// Finds the cell under each moving point.
+pub fn aim(op: &Op, scene: &Scene, s: &mut State) {
+    for (k, p) in scene.proxies[..op.n].iter().enumerate() {
+        s.cells[k] = cell(scene, s, p);
+    }
+}
+
+fn coordinate(scene: &Scene, s: &State, place: Place) -> f64 {
+    let v = match place {
+        Place::Coef(c) => s.coef[c as usize],
+        Place::Mat(m) => s.x[m as usize] + scene.rest[m as usize],
+    };
+    // a coordinate that is not a number stays where nothing is hurt
+    if v >= 0.0 { v.min(1.0) } else { 0.0 }
+}
+
+/// Node and weight along one direction of `n` nodes.
+fn step(u: f64, n: u32) -> (u32, f64) {
+    let at = u * f64::from(n - 1);
+    let i = (at as u32).min(n.saturating_sub(2));
+    (i, at - f64::from(i))
+}
+
+/// The cell of one moving point at its present coordinates.
+pub fn cell(scene: &Scene, s: &State, p: &crate::scene::Proxy) -> Cell {
+    let (i, a) = step(coordinate(scene, s, p.at[0]), p.size[0]);
+    let node = |i: u32, j: u32| scene.nodes[(p.first + i * p.size[1] + j) as usize];
+    if p.size[1] == 1 {
+        return Cell { n: 2, node: [node(i, 0), node(i + 1, 0), 0, 0], weight: [1.0 - a, a, 0.0, 0.0] };
+    }
+    let (j, b) = step(coordinate(scene, s, p.at[1]), p.size[1]);
+    Cell {
+        n: 4,
+        node: [node(i, j), node(i, j + 1), node(i + 1, j), node(i + 1, j + 1)],
+        weight: [(1.0 - a) * (1.0 - b), (1.0 - a) * b, a * (1.0 - b), a * b],
+    }
+}
+
+/// Positions of moving points from their cells.
+pub fn project(op: &Op, scene: &Scene, s: &mut State) {
+    for (k, p) in scene.proxies[..op.n].iter().enumerate() {
+        let c = s.cells[k];
+        let (mut x, mut d) = (0.0, 0.0);
+        for q in 0..c.n {
+            x += c.weight[q] * s.x[c.node[q] as usize];
+            d += c.weight[q] * s.d[c.node[q] as usize];
+        }
+        let m = p.mat as usize;
+        s.x[m] = x;
+        s.d[m] = d;
+        s.f[m] = 0.0;
+    }
+}
+
+/// Force on moving points back to their cells, with the weights of the position: no energy is made.
+pub fn spread(op: &Op, scene: &Scene, s: &mut State) {
+    for (k, p) in scene.proxies[..op.n].iter().enumerate() {
+        let c = s.cells[k];
+        let f = s.f[p.mat as usize];
+        for q in 0..c.n {
+            s.f[c.node[q] as usize] += c.weight[q] * f;
+        }
+    }
+}
+
+/// Outputs of this tick.
+pub fn outputs(op: &Op, scene: &Scene, s: &mut State) {
+    s.output.fill(0.0);
+    for (k, o) in scene.outputs[..op.n].iter().enumerate() {
+        let v = match o.heard {
+            Heard::Position(m) => s.x[m as usize],
+            Heard::ForceOn(m) => s.f[m as usize],
+            Heard::ForceOf(t) => s.tap[t as usize],
+        };
+        s.output[o.channel as usize] += s.coef[op.coef + k] * v;
+    }
+}
+
+/// Moves MATs `op.mat ..` that only have inertia: d ← d + C·f, x ← x + d.
+pub fn advance_free(op: &Op, scene: &Scene, s: &mut State) {
+    let r = op.mat..op.mat + op.n;
+    let c = &s.coef[2 * scene.n_mat..][r.clone()];
+    let (x, d, f) = (&mut s.x[r.clone()], &mut s.d[r.clone()], &mut s.f[r]);
+    for (((x, d), f), c) in x.iter_mut().zip(d).zip(f).zip(c) {
+        *d += c * *f;
+        *x += *d;
+        *f = 0.0;
+    }
+}
+
+/// Moves MATs `op.mat ..` with spring and damper of their own: d ← P·d + Q·x + C·f, x ← x + d.
+pub fn advance_full(op: &Op, scene: &Scene, s: &mut State) {
+    let (n, r) = (scene.n_mat, op.mat..op.mat + op.n);
+    let (p, q, c) = (&s.coef[..n][r.clone()], &s.coef[n..2 * n][r.clone()], &s.coef[2 * n..][r.clone()]);
+    let (x, d, f) = (&mut s.x[r.clone()], &mut s.d[r.clone()], &mut s.f[r]);
+    for i in 0..x.len() {
+        d[i] = p[i] * d[i] + q[i] * x[i] + c[i] * f[i];
+        x[i] += d[i];
+        f[i] = 0.0;
+    }
+}
+
+/// Clears what is too small to matter, every 1024 ticks, long before it becomes denormal and slow. Part of the tick
+/// rather than a processor flag, so that renderer, host, Python and replay agree in every bit.
+pub fn flush(op: &Op, _scene: &Scene, s: &mut State) {
+    const TINY: f64 = 1e-270;
+    if s.tick & 1023 == 1023 {
+        for v in s.x[..op.n].iter_mut().chain(&mut s.d[..op.n]) {
+            if v.abs() < TINY {
+                *v = 0.0;
+            }
+        }
+    }
+}

@@ -1,0 +1,81 @@
+//! ATT: an attractor, the detent of a knob; also the pluck without hysteresis of mi.lib.
+//!
+//! Equation: F = k e up to |e| = ρd, then falling linearly to 0 at |e| = d, plus (z/T) w inside d; 0 beyond.
+//! Parameters: k [N/m], d [m] > 0, rho in ]0, 1[, z [N s/m]. Source: HSP v2 (contact-detent), LAC 2019 (nlPluck).
+//! Stability: as REF with the steeper of k and kρ/(1 − ρ). Test: conformance suite.
+
+use super::{BETWEEN, Bound, Law, Phi};
+use crate::kind::{ABOVE_ZERO, Kind, Need, POSITIVE, Param, Role, Unit};
+use crate::table::Table;
+
+/// ATT in the catalog.
+pub static KIND: Kind = Kind {
+    code: "ATT",
+    title: "attractor (detent)",
+    equation: "F = k e for |e| < rho d, then straight to 0 at d",
+    doc: "Holds its ends together while they are closer than `d` and lets go smoothly: the click of a knob, or a \
+          pluck that can take hold again from either side.",
+    source: &["HSP v2", "LAC 2019"],
+    params: &[
+        BETWEEN,
+        Param::number("k", Unit::STIFFNESS, POSITIVE, Need::Required, "stiffness near the centre"),
+        Param::number("d", Unit::METRE, ABOVE_ZERO, Need::Required, "reach: nothing acts beyond"),
+        Param::number("rho", Unit::NONE, (1e-6, 0.999_999), Need::Default(0.5), "where the force peaks, as a share of d"),
+        Param::number("z", Unit::VISCOSITY, POSITIVE, Need::Default(0.0), "viscosity inside d"),
+    ],
+    one_of: &[],
+    example: r#"
+[CEL]
+reed = { m = "1 g", f = "220 Hz", t60 = "1 s" }
+[ENX]
+finger = {}
+[ATT]
+pluck = { between = ["reed", "finger"], k = "2 kN/m", d = "2 mm", rho = 0.5, z = "0.02 N s/m" }
+[SOX]
+out = { from = "reed", gain = 500 }
+[gesture]
+finger = [[0, 0], [0.3, "8 mm"]]
+"#,
+    role: Role::Lia(&LAW),
+};
+
+static LAW: Law = Law::of::<Att, 5, 0>("ATT");
+
+/// Triangle; coefficients k, ρd, d, slope of the fall, z/T.
+pub struct Att;
+
+impl Phi<5, 0> for Att {
+    fn coefs(p: &[Option<f64>], te: f64) -> [f64; 5] {
+        let (k, d, rho) = (p[1].unwrap_or(0.0), p[2].unwrap_or(1.0), p[3].unwrap_or(0.5));
+        [k, rho * d, d, k * rho / (1.0 - rho), p[4].unwrap_or(0.0) / te]
+    }
+    #[inline(always)]
+    fn force(&[k, tip, d, fall, z]: &[f64; 5], _: &mut [f64; 0], _: &[Table], e: f64, w: f64) -> f64 {
+        let r = e.abs();
+        if r < tip {
+            k * e + z * w
+        } else if r < d {
+            (fall * (d - r)).copysign(e) + z * w
+        } else {
+            0.0
+        }
+    }
+    fn potential(&[k, tip, d, fall, _]: &[f64; 5], _: &[f64; 0], _: &[Table], e: f64) -> f64 {
+        let r = e.abs();
+        let rest = |r: f64| 0.5 * fall * (d - r) * (d - r);
+        if r < tip {
+            0.5 * k * (r * r - tip * tip) - rest(tip)
+        } else if r < d {
+            -rest(r)
+        } else {
+            0.0
+        }
+    }
+    fn lost(&[_, _, d, _, z]: &[f64; 5], _: &[f64; 0], _: &[Table], e: [f64; 3]) -> f64 {
+        let w = e[1] - e[0];
+        if e[1].abs() < d { z * w * w } else { 0.0 }
+    }
+    fn bound(&[k, _, _, fall, z]: &[f64; 5], _: &[Table]) -> Bound {
+        Bound { k: k.max(fall), z, contact: true, ..Bound::default() }
+    }
+}

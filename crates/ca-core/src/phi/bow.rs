@@ -1,0 +1,146 @@
+//! BOW: dry friction against relative speed, as of a bow on a string.
+//!
+//! Equation: F = f g(v), v = de/dt, with the curve
+//!   smooth     g = u exp(½ − u²/2), u = v/v0 (peak 1 at v0; from a table of 4097 points, within 2e-6)
+//!   piecewise  rises to 1 at v0, falls to fd/f at v1, stays there
+//!   coulomb    v/v0 clipped to ±1: sliding friction with a viscous hold below v0
+//!   table      the points of `points` [m/s, N]
+//! Parameters: f [N], v0 [m/s], v1 [m/s], fd [N]. Source: ICMC 2013 (LNL friction), LAC 2019 (nlBow), HSP v2.
+//! Stability: the slope f/v0 counts as a viscosity; slope·T/m < 1.5 for a faithful stick (numerics 3.5). Passive where
+//! the curve resists, i.e. always but for a table that does not. Test: B07.
+
+use super::{BETWEEN, Bound, Fixed, Law, Phi, lnl};
+use crate::kind::{ABOVE_ZERO, Kind, Need, POSITIVE, Param, Role, Type, Unit};
+use crate::table::Table;
+use alloc::vec::Vec;
+
+/// BOW in the catalog.
+pub static KIND: Kind = Kind {
+    code: "BOW",
+    title: "bow friction",
+    equation: "F = f g(v / v0),  v = de/dt",
+    doc: "Grips while the ends move together and slips when they do not: the stick–slip of a bow. Connect the bow \
+          (an ENX or TGR) to a point of the string and draw it.",
+    source: &["ICMC 2013", "LAC 2019", "HSP v2"],
+    params: &[
+        BETWEEN,
+        Param::new("curve", Type::Choice(&["smooth", "piecewise", "coulomb", "table"]), Need::Default(0.0), "shape"),
+        Param::number("f", Unit::NEWTON, POSITIVE, Need::Optional, "largest friction force"),
+        Param::number("v0", Unit::SPEED, ABOVE_ZERO, Need::Optional, "speed of the largest force"),
+        Param::number("v1", Unit::SPEED, ABOVE_ZERO, Need::Optional, "piecewise: speed where the fall ends; 3 v0"),
+        Param::number("fd", Unit::NEWTON, POSITIVE, Need::Default(0.0), "piecewise: force of fast sliding"),
+        Param::new("points", Type::Points { x: Unit::SPEED, y: Unit::NEWTON }, Need::Optional, "table: [speed, force]"),
+    ],
+    one_of: &[crate::kind::OneOf { sets: &[&["f", "v0", "v1", "fd"], &["points"]], required: true }],
+    example: r#"
+[CEL]
+bar = { m = "1 g", f = "220 Hz", t60 = "0.5 s" }
+[ENX]
+bow = {}
+[BOW]
+rub = { between = ["bar", "bow"], curve = "smooth", f = "0.3 N", v0 = "50 mm/s" }
+[SOX]
+out = { from = "bar", gain = 2000 }
+[gesture]
+bow = [[0, 0], [1, "0.2 m"]]
+"#,
+    role: Role::Lia(&SMOOTH),
+};
+
+static SMOOTH: Law = Law::of::<Smooth, 3, 0>("BOW smooth").with_table(bell).or(|p| match p[1] {
+    Fixed::At(1.0) => Some(&PIECEWISE),
+    Fixed::At(2.0) => Some(&COULOMB),
+    Fixed::At(3.0) => Some(&TABLE),
+    _ => None,
+});
+static PIECEWISE: Law = Law::of::<Piecewise, 5, 0>("BOW piecewise");
+static COULOMB: Law = Law::of::<Coulomb, 2, 0>("BOW coulomb");
+static TABLE: Law = Law {
+    load: |p, te, out| out.copy_from_slice(&[p[6].unwrap_or(f64::MAX), 1.0 / te]),
+    ..Law::of::<lnl::TableFriction, 2, 0>("BOW table")
+};
+
+/// u exp(½ − u²/2) for u in 0 … 8; beyond, the friction is below 1e-12 of its peak.
+fn bell() -> Table {
+    let n = 4096;
+    let points: Vec<[f64; 2]> = (0..=n)
+        .map(|i| {
+            let u = 8.0 * f64::from(i) / f64::from(n);
+            [u, u * libm::exp(0.5 - 0.5 * u * u)]
+        })
+        .collect();
+    Table::new(&points).unwrap_or_else(|| unreachable!("4097 rising finite points"))
+}
+
+/// Coefficients f, 1/(v0 T), number of the bell table.
+pub struct Smooth;
+
+impl Phi<3, 0> for Smooth {
+    fn coefs(p: &[Option<f64>], te: f64) -> [f64; 3] {
+        let bell = p.last().copied().flatten().unwrap_or(f64::MAX);
+        [p[2].unwrap_or(0.0), 1.0 / (p[3].unwrap_or(1.0) * te), bell]
+    }
+    #[inline(always)]
+    fn force(&[f, per, bell]: &[f64; 3], _: &mut [f64; 0], tables: &[Table], _e: f64, w: f64) -> f64 {
+        let u = w * per;
+        tables.get(bell as usize).map_or(0.0, |t| (f * t.at(u.abs())).copysign(u))
+    }
+    fn lost(c: &[f64; 3], m: &[f64; 0], t: &[Table], e: [f64; 3]) -> f64 {
+        let w = e[1] - e[0];
+        Self::force(c, &mut { *m }, t, e[1], w) * w
+    }
+    fn bound(&[f, per, _]: &[f64; 3], _: &[Table]) -> Bound {
+        Bound { z: f * per * 1.648_721_270_700_128_2, ..Bound::default() }
+    }
+}
+
+/// Coefficients f/(v0 T), v0 T, fd, slope of the fall, v1 T.
+pub struct Piecewise;
+
+impl Phi<5, 0> for Piecewise {
+    fn coefs(p: &[Option<f64>], te: f64) -> [f64; 5] {
+        let (f, v0) = (p[2].unwrap_or(0.0), p[3].unwrap_or(1.0) * te);
+        let v1 = p[4].map_or(3.0 * v0, |v| (v * te).max(v0 * (1.0 + 1e-9)));
+        let fd = p[5].unwrap_or(0.0).min(f);
+        [f / v0, v0, fd, (f - fd) / (v1 - v0), v1]
+    }
+    #[inline(always)]
+    fn force(&[rise, v0, fd, fall, v1]: &[f64; 5], _: &mut [f64; 0], _: &[Table], _e: f64, w: f64) -> f64 {
+        let v = w.abs();
+        if v < v0 {
+            rise * w
+        } else if v < v1 {
+            (fd + fall * (v1 - v)).copysign(w)
+        } else {
+            fd.copysign(w)
+        }
+    }
+    fn lost(c: &[f64; 5], m: &[f64; 0], t: &[Table], e: [f64; 3]) -> f64 {
+        let w = e[1] - e[0];
+        Self::force(c, &mut { *m }, t, e[1], w) * w
+    }
+    fn bound(&[rise, ..]: &[f64; 5], _: &[Table]) -> Bound {
+        Bound { z: rise, ..Bound::default() }
+    }
+}
+
+/// Coefficients f/(v0 T), f.
+pub struct Coulomb;
+
+impl Phi<2, 0> for Coulomb {
+    fn coefs(p: &[Option<f64>], te: f64) -> [f64; 2] {
+        let f = p[2].unwrap_or(0.0);
+        [f / (p[3].unwrap_or(1.0) * te), f]
+    }
+    #[inline(always)]
+    fn force(&[rise, f]: &[f64; 2], _: &mut [f64; 0], _: &[Table], _e: f64, w: f64) -> f64 {
+        (rise * w).min(f).max(-f)
+    }
+    fn lost(c: &[f64; 2], m: &[f64; 0], t: &[Table], e: [f64; 3]) -> f64 {
+        let w = e[1] - e[0];
+        Self::force(c, &mut { *m }, t, e[1], w) * w
+    }
+    fn bound(&[rise, _]: &[f64; 2], _: &[Table]) -> Bound {
+        Bound { z: rise, ..Bound::default() }
+    }
+}

@@ -1,0 +1,77 @@
+//! BUT: a buffer, the one-sided contact.
+//!
+//! Equation: F = k (e − d) + (z/T) w while e < d (sense "outside": keeps the second end above the first) or while
+//! e > d (sense "inside": contains it); 0 otherwise. Not clipped against sticking unless `sticky = false`.
+//! Parameters: k [N/m], z [N s/m], d [m]. Source: CMJ 1993, ICMC 2013.
+//! Stability: not passive by itself; kT²/m ≤ 1 recommended, with 0.12 a ≤ zT/m ≤ 1.9 − a nothing is created
+//! (numerics 3.2). Test: A17, B05, C01, C02, C03.
+
+use super::{BETWEEN, Bound, Law, Phi};
+use crate::kind::{ANY, Kind, Need, POSITIVE, Param, Role, Type, Unit};
+use crate::table::Table;
+
+/// BUT in the catalog.
+pub static KIND: Kind = Kind {
+    code: "BUT",
+    title: "buffer (contact)",
+    equation: "F = k (e - d) + z de/dt  while e < d (outside) or e > d (inside)",
+    doc: "Acts only when its ends come closer than `d`, counted along the axis from the first to the second: it keeps \
+          the second above the first. With `sense = \"inside\"` it acts beyond `d` and contains the second instead. \
+          Hammers, felt, frets, rattles. As in the field it may pull a little while it lets go; `sticky = false` clips that.",
+    source: &["CMJ 1993", "ICMC 2013"],
+    params: &[
+        BETWEEN,
+        Param::number("k", Unit::STIFFNESS, POSITIVE, Need::Required, "stiffness in contact"),
+        Param::number("z", Unit::VISCOSITY, POSITIVE, Need::Default(0.0), "viscosity in contact"),
+        Param::number("d", Unit::METRE, ANY, Need::Default(0.0), "threshold of the distance second − first"),
+        Param::new("sense", Type::Choice(&["outside", "inside"]), Need::Default(0.0), "keeps apart, or contains"),
+        Param::new("sticky", Type::Flag, Need::Default(1.0), "false clips the pull while letting go"),
+    ],
+    one_of: &[],
+    example: r#"
+[CEL]
+bar = { m = "2 g", f = "330 Hz", t60 = "1 s" }
+[MAS]
+hammer = { m = "5 g", x = "-1 mm", v = "0.8 m/s" }
+[BUT]
+strike = { between = ["hammer", "bar"], k = "40 kN/m", z = "0.5 N s/m" }
+[SOX]
+out = { from = "bar", gain = 1000 }
+"#,
+    role: Role::Lia(&LAW),
+};
+
+static LAW: Law = Law::of::<But, 5, 0>("BUT");
+
+/// One-sided spring and damper; coefficients k, z/T, d, sign of the sense, 1 where clipped.
+pub struct But;
+
+impl Phi<5, 0> for But {
+    fn coefs(p: &[Option<f64>], te: f64) -> [f64; 5] {
+        [
+            p[1].unwrap_or(0.0),
+            p[2].unwrap_or(0.0) / te,
+            p[3].unwrap_or(0.0),
+            if p[4] == Some(1.0) { -1.0 } else { 1.0 },
+            if p[5] == Some(0.0) { 1.0 } else { 0.0 },
+        ]
+    }
+    #[inline(always)]
+    fn force(&[k, z, d, side, clip]: &[f64; 5], _: &mut [f64; 0], _: &[Table], e: f64, w: f64) -> f64 {
+        let g = e - d;
+        let f = if side * g < 0.0 { k * g + z * w } else { 0.0 };
+        if clip != 0.0 && side * f > 0.0 { 0.0 } else { f }
+    }
+    fn potential(&[k, _, d, side, _]: &[f64; 5], _: &[f64; 0], _: &[Table], e: f64) -> f64 {
+        let g = e - d;
+        if side * g < 0.0 { 0.5 * k * g * g } else { 0.0 }
+    }
+    fn lost(c: &[f64; 5], m: &[f64; 0], t: &[Table], e: [f64; 3]) -> f64 {
+        let w = e[1] - e[0];
+        let elastic = Self::force(&[c[0], 0.0, c[2], c[3], 0.0], &mut { *m }, t, e[1], w);
+        (Self::force(c, &mut { *m }, t, e[1], w) - elastic) * w
+    }
+    fn bound(&[k, z, ..]: &[f64; 5], _: &[Table]) -> Bound {
+        Bound { k, z, contact: true, ..Bound::default() }
+    }
+}

@@ -1,0 +1,62 @@
+//! CUB: a hardening spring.
+//!
+//! Equation: F = k e + k3 e³ + (z/T) w. Parameters: k [N/m], k3 [N/m³] ≥ 0, z [N s/m]. Source: SMC 2019 (nlSpring3).
+//! Stability: the tangent T²(k + 3 k3 e²)/m must stay below about 1 (numerics 3.4). Test: B03.
+
+use super::{BETWEEN, Bound, L0, Law, Phi, linear_lost, linear_stored};
+use crate::kind::{Kind, Need, POSITIVE, Param, Role, Unit};
+use crate::table::Table;
+
+/// CUB in the catalog.
+pub static KIND: Kind = Kind {
+    code: "CUB",
+    title: "hardening spring (cubic)",
+    equation: "F = k e + k3 e³ + z de/dt",
+    doc: "A spring that stiffens as it is drawn out: pitch rises with loudness, and partials appear that a linear \
+          spring does not have.",
+    source: &["SMC 2019"],
+    params: &[
+        BETWEEN,
+        Param::number("k", Unit::STIFFNESS, POSITIVE, Need::Default(0.0), "stiffness at rest"),
+        Param::number("k3", Unit::CUBIC, POSITIVE, Need::Required, "cubic stiffness"),
+        Param::number("z", Unit::VISCOSITY, POSITIVE, Need::Default(0.0), "viscosity"),
+        L0,
+    ],
+    one_of: &[],
+    example: r#"
+[SOL]
+wall = {}
+[MAS]
+bob = { m = "1 g", dx0 = "1 mm" }
+[CUB]
+spring = { between = ["wall", "bob"], k = "1.5 kN/m", k3 = "1e10 N/m^3", z = "3 mN s/m" }
+[SOX]
+out = { from = "bob", gain = 500 }
+"#,
+    role: Role::Lia(&LAW),
+};
+
+static LAW: Law = Law::of::<Cub, 3, 0>("CUB");
+
+/// F = k e + k3 e³ + (z/T) w
+pub struct Cub;
+
+impl Phi<3, 0> for Cub {
+    fn coefs(p: &[Option<f64>], te: f64) -> [f64; 3] {
+        [p[1].unwrap_or(0.0), p[2].unwrap_or(0.0), p[3].unwrap_or(0.0) / te]
+    }
+    #[inline(always)]
+    fn force(&[k, k3, z]: &[f64; 3], _: &mut [f64; 0], _: &[Table], e: f64, w: f64) -> f64 {
+        (k + k3 * e * e) * e + z * w
+    }
+    fn stored(&[k, k3, z]: &[f64; 3], _: &[f64; 0], _: &[Table], e0: f64, e1: f64) -> f64 {
+        let quartic = |e: f64| 0.25 * k3 * e * e * e * e;
+        linear_stored(k, z, e0, e1) + 0.5 * (quartic(e0) + quartic(e1))
+    }
+    fn lost(&[_, _, z]: &[f64; 3], _: &[f64; 0], _: &[Table], e: [f64; 3]) -> f64 {
+        linear_lost(z, e)
+    }
+    fn bound(&[k, _, z]: &[f64; 3], _: &[Table]) -> Bound {
+        Bound { k, z, ..Bound::default() }
+    }
+}

@@ -1,0 +1,56 @@
+//! FRO: a damper.
+//!
+//! Equation: F = (z/T) w. Parameters: z [N s/m] ≥ 0. Source: CMJ 1993. Stability: 2zT(1/m₁ + 1/m₂) < 4 for one link;
+//! the backward difference acts as a centred damper and a negative mass −zT/2 (numerics 1.4). Test: A04, A10.
+
+use super::{BETWEEN, Bound, L0, Law, Phi, linear_lost, linear_stored};
+use crate::kind::{Kind, Need, POSITIVE, Param, Role, Unit};
+use crate::table::Table;
+
+/// FRO in the catalog.
+pub static KIND: Kind = Kind {
+    code: "FRO",
+    title: "damper",
+    equation: "F = z de/dt",
+    doc: "Resists the relative speed of its ends; turns motion into heat.",
+    source: &["CMJ 1993"],
+    params: &[BETWEEN, Param::number("z", Unit::VISCOSITY, POSITIVE, Need::Required, "viscosity"), L0],
+    one_of: &[],
+    example: r#"
+[SOL]
+wall = {}
+[CEL]
+bar = { m = "2 g", f = "330 Hz", dx0 = "0.5 mm" }
+[FRO]
+felt = { between = ["wall", "bar"], z = "10 mN s/m" }
+[SOX]
+out = { from = "bar", gain = 1000 }
+"#,
+    role: Role::Lia(&LAW),
+};
+
+/// The law of FRO; REF without stiffness becomes this.
+pub static LAW: Law = Law::of::<Fro, 1, 0>("FRO");
+
+/// F = (z/T) w
+pub struct Fro;
+
+impl Phi<1, 0> for Fro {
+    const LINEAR: bool = true;
+    fn coefs(p: &[Option<f64>], te: f64) -> [f64; 1] {
+        [p[1].unwrap_or(0.0) / te]
+    }
+    #[inline(always)]
+    fn force(&[z]: &[f64; 1], _: &mut [f64; 0], _: &[Table], _e: f64, w: f64) -> f64 {
+        z * w
+    }
+    fn stored(&[z]: &[f64; 1], _: &[f64; 0], _: &[Table], e0: f64, e1: f64) -> f64 {
+        linear_stored(0.0, z, e0, e1)
+    }
+    fn lost(&[z]: &[f64; 1], _: &[f64; 0], _: &[Table], e: [f64; 3]) -> f64 {
+        linear_lost(z, e)
+    }
+    fn bound(&[z]: &[f64; 1], _: &[Table]) -> Bound {
+        Bound { z, linear: true, ..Bound::default() }
+    }
+}

@@ -1,0 +1,81 @@
+//! HRZ: a Hertz contact, one-sided with a power law, with Hunt–Crossley losses.
+//!
+//! Equation: with the penetration η = d − e (sense "outside") or e − d ("inside"), F = ∓k η^p (1 + h dη/dt) while η > 0.
+//! Parameters: k [N/m^p], p (multiple of 1/4; 1.5 for spheres), h [s/m], d [m]. Source: Hertz via Bilbao 2009, Hunt 1975.
+//! Stability: rule of thumb T²k p η^(p−1)/m ≤ 1 at the deepest point. It never pulls. Test: B04.
+
+use super::pow::{P, quarter_power};
+use super::{BETWEEN, Bound, Law, Phi};
+use crate::kind::{ANY, Dim, Kind, Need, POSITIVE, Param, Role, Type, Unit};
+use crate::table::Table;
+
+/// HRZ in the catalog.
+pub static KIND: Kind = Kind {
+    code: "HRZ",
+    title: "Hertz contact",
+    equation: "F = -k n^p (1 + h dn/dt),  n = d - e > 0",
+    doc: "The contact of rounded bodies: soft at first touch, hard when pressed, so that loud strokes are brighter. \
+          `h` takes energy at each blow and never makes the bodies stick.",
+    source: &["Bilbao 2009", "Hunt 1975"],
+    params: &[
+        BETWEEN,
+        Param::new("k", Type::PowerStiffness { exponent: "p" }, Need::Required, "stiffness in contact"),
+        P,
+        Param::number(
+            "h",
+            Unit { symbol: "s/m", dim: Dim::new(-1.0, 0.0, 1.0) },
+            POSITIVE,
+            Need::Default(0.0),
+            "loss at a blow, relative to the elastic force per unit of speed",
+        ),
+        Param::number("d", Unit::METRE, ANY, Need::Default(0.0), "threshold of the distance second − first"),
+        Param::new("sense", Type::Choice(&["outside", "inside"]), Need::Default(0.0), "keeps apart, or contains"),
+    ],
+    one_of: &[],
+    example: r#"
+[CEL]
+bar = { m = "2 g", f = "440 Hz", t60 = "1 s" }
+[MAS]
+ball = { m = "5 g", x = "-0.5 mm", v = "1 m/s" }
+[HRZ]
+strike = { between = ["ball", "bar"], k = "3e6 N/m^1.5", h = "0.2 s/m" }
+[SOX]
+out = { from = "bar", gain = 1000 }
+"#,
+    role: Role::Lia(&LAW),
+};
+
+static LAW: Law = Law::of::<Hrz, 5, 0>("HRZ");
+
+/// One-sided power law; coefficients k, 4p, h/T, d, sign of the sense.
+pub struct Hrz;
+
+impl Phi<5, 0> for Hrz {
+    fn coefs(p: &[Option<f64>], te: f64) -> [f64; 5] {
+        let n = libm::round(4.0 * p[2].unwrap_or(1.5));
+        let side = if p[5] == Some(1.0) { -1.0 } else { 1.0 };
+        [p[1].unwrap_or(0.0), n, p[3].unwrap_or(0.0) / te, p[4].unwrap_or(0.0), side]
+    }
+    #[inline(always)]
+    fn force(&[k, n, h, d, side]: &[f64; 5], _: &mut [f64; 0], _: &[Table], e: f64, w: f64) -> f64 {
+        let eta = side * (d - e);
+        if eta > 0.0 {
+            let push = k * quarter_power(eta, n) * (1.0 - h * side * w);
+            if push > 0.0 { -side * push } else { 0.0 }
+        } else {
+            0.0
+        }
+    }
+    fn potential(&[k, n, _, d, side]: &[f64; 5], _: &[f64; 0], _: &[Table], e: f64) -> f64 {
+        let eta = side * (d - e);
+        if eta > 0.0 { k * quarter_power(eta, n + 4.0) / (0.25 * n + 1.0) } else { 0.0 }
+    }
+    fn lost(c: &[f64; 5], m: &[f64; 0], t: &[Table], e: [f64; 3]) -> f64 {
+        let w = e[1] - e[0];
+        let elastic = Self::force(&[c[0], c[1], 0.0, c[3], c[4]], &mut { *m }, t, e[1], w);
+        (Self::force(c, &mut { *m }, t, e[1], w) - elastic) * w
+    }
+    fn bound(&[k, n, ..]: &[f64; 5], _: &[Table]) -> Bound {
+        Bound { k: if n == 4.0 { k } else { 0.0 }, contact: true, ..Bound::default() }
+    }
+}

@@ -1,0 +1,128 @@
+//! LNL: a non-linear interaction drawn as a table.
+//!
+//! Equation: F = table(e), or F = table(de/dt), or their sum. Points [[x, F], …], straight between, held outside.
+//! Parameters: `spring` [m, N], `friction` [m/s, N]. Source: ICMC 2013 (LNL, look-up tables).
+//! Stability: rule of thumb on the steepest segment; a friction table is passive where F has the sign of the speed.
+//! The law that runs reads only the tables that are there. Test: conformance suite, table tests.
+
+use super::{BETWEEN, Bound, Fixed, L0, Law, Phi};
+use crate::kind::{Kind, Need, Param, Role, Type, Unit};
+use crate::table::Table;
+
+/// LNL in the catalog.
+pub static KIND: Kind = Kind {
+    code: "LNL",
+    title: "non-linear interaction by table",
+    equation: "F = spring(e) + friction(de/dt)",
+    doc: "A law you draw: `spring` gives the force against elongation, `friction` against relative speed, as points \
+          joined by straight lines and held beyond the ends. F > 0 pulls the ends together.",
+    source: &["ICMC 2013"],
+    params: &[
+        BETWEEN,
+        Param::new(
+            "spring",
+            Type::Points { x: Unit::METRE, y: Unit::NEWTON },
+            Need::Optional,
+            "points [elongation, force]",
+        ),
+        Param::new(
+            "friction",
+            Type::Points { x: Unit::SPEED, y: Unit::NEWTON },
+            Need::Optional,
+            "points [relative speed, force]",
+        ),
+        L0,
+    ],
+    one_of: &[],
+    example: r#"
+[SOL]
+wall = {}
+[MAS]
+bob = { m = "1 g", dx0 = "1 mm" }
+[LNL]
+spring = { between = ["wall", "bob"], spring = [["-2 mm", "-9 N"], ["-0.5 mm", "-1 N"], ["0.5 mm", "1 N"], ["2 mm", "9 N"]] }
+[FRO]
+air = { between = ["wall", "bob"], z = "3 mN s/m" }
+[SOX]
+out = { from = "bob", gain = 500 }
+"#,
+    role: Role::Lia(&LAW),
+};
+
+static LAW: Law = Law::of::<Lnl, 3, 0>("LNL").or(|p| match (p[1], p[2]) {
+    (_, Fixed::Absent) => Some(&SPRING),
+    (Fixed::Absent, _) => Some(&FRICTION),
+    _ => None,
+});
+static SPRING: Law = Law::of::<TableSpring, 1, 0>("LNL spring");
+/// A friction table alone; BOW with `curve = "table"` runs as this.
+pub static FRICTION: Law = Law::of::<TableFriction, 2, 0>("LNL friction");
+
+fn table(tables: &[Table], number: f64) -> Option<&Table> {
+    tables.get(number as usize)
+}
+
+/// F = table(e)
+pub struct TableSpring;
+
+impl Phi<1, 0> for TableSpring {
+    fn coefs(p: &[Option<f64>], _te: f64) -> [f64; 1] {
+        [p[1].unwrap_or(f64::MAX)]
+    }
+    #[inline(always)]
+    fn force(&[n]: &[f64; 1], _: &mut [f64; 0], tables: &[Table], e: f64, _w: f64) -> f64 {
+        table(tables, n).map_or(0.0, |t| t.at(e))
+    }
+    fn potential(&[n]: &[f64; 1], _: &[f64; 0], tables: &[Table], e: f64) -> f64 {
+        table(tables, n).map_or(0.0, |t| t.integral(e))
+    }
+    fn bound(&[n]: &[f64; 1], tables: &[Table]) -> Bound {
+        let (hi, lo) = table(tables, n).map_or((0.0, 0.0), Table::slopes);
+        Bound { k: hi.max(-lo), active: lo < 0.0, ..Bound::default() }
+    }
+}
+
+/// F = table(w/T); coefficients table, 1/T.
+pub struct TableFriction;
+
+impl Phi<2, 0> for TableFriction {
+    fn coefs(p: &[Option<f64>], te: f64) -> [f64; 2] {
+        [p[2].unwrap_or(f64::MAX), 1.0 / te]
+    }
+    #[inline(always)]
+    fn force(&[n, fs]: &[f64; 2], _: &mut [f64; 0], tables: &[Table], _e: f64, w: f64) -> f64 {
+        table(tables, n).map_or(0.0, |t| t.at(w * fs))
+    }
+    fn lost(c: &[f64; 2], m: &[f64; 0], t: &[Table], e: [f64; 3]) -> f64 {
+        let w = e[1] - e[0];
+        Self::force(c, &mut { *m }, t, e[1], w) * w
+    }
+    fn bound(&[n, fs]: &[f64; 2], tables: &[Table]) -> Bound {
+        let t = table(tables, n);
+        let (hi, lo) = t.map_or((0.0, 0.0), Table::slopes);
+        Bound { z: hi.max(-lo) * fs, active: t.is_some_and(|t| !t.resists()), ..Bound::default() }
+    }
+}
+
+/// Both tables; coefficients spring table, friction table, 1/T.
+pub struct Lnl;
+
+impl Phi<3, 0> for Lnl {
+    fn coefs(p: &[Option<f64>], te: f64) -> [f64; 3] {
+        [p[1].unwrap_or(f64::MAX), p[2].unwrap_or(f64::MAX), 1.0 / te]
+    }
+    #[inline(always)]
+    fn force(&[a, b, fs]: &[f64; 3], m: &mut [f64; 0], tables: &[Table], e: f64, w: f64) -> f64 {
+        TableSpring::force(&[a], m, tables, e, w) + TableFriction::force(&[b, fs], m, tables, e, w)
+    }
+    fn potential(&[a, ..]: &[f64; 3], m: &[f64; 0], tables: &[Table], e: f64) -> f64 {
+        TableSpring::potential(&[a], m, tables, e)
+    }
+    fn lost(&[_, b, fs]: &[f64; 3], m: &[f64; 0], t: &[Table], e: [f64; 3]) -> f64 {
+        TableFriction::lost(&[b, fs], m, t, e)
+    }
+    fn bound(&[a, b, fs]: &[f64; 3], tables: &[Table]) -> Bound {
+        let (s, f) = (TableSpring::bound(&[a], tables), TableFriction::bound(&[b, fs], tables));
+        Bound { k: s.k, z: f.z, active: s.active || f.active, ..Bound::default() }
+    }
+}

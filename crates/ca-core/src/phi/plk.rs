@@ -1,0 +1,77 @@
+//! PLK: a plectrum, with true hysteresis.
+//!
+//! Equation: engaged, F = k e + (z/T) w; lets go when |e| ≥ d; takes hold again when e changes sign. Parameters:
+//! k [N/m], z [N s/m], d [m] > 0. Source: HSP v2 (contact-pluck), numerics 2.2 for the energy: what is stored at
+//! release is booked as lost. Stability: as REF while engaged. Test: `tests/suite/laws.rs`.
+
+use super::{BETWEEN, Bound, Law, Phi, linear_lost, linear_stored};
+use crate::kind::{ABOVE_ZERO, Kind, Need, POSITIVE, Param, Role, Unit};
+use crate::table::Table;
+
+/// PLK in the catalog.
+pub static KIND: Kind = Kind {
+    code: "PLK",
+    title: "pluck with hysteresis",
+    equation: "F = k e + z de/dt while engaged; lets go at |e| >= d, engages when e changes sign",
+    doc: "Holds like a spring until it is drawn out by `d`, then lets go for good: it takes hold again only when the \
+          plectrum has come back through the string. One note per passage, however slow.",
+    source: &["HSP v2"],
+    params: &[
+        BETWEEN,
+        Param::number("k", Unit::STIFFNESS, POSITIVE, Need::Required, "stiffness while engaged"),
+        Param::number("z", Unit::VISCOSITY, POSITIVE, Need::Default(0.0), "viscosity while engaged"),
+        Param::number("d", Unit::METRE, ABOVE_ZERO, Need::Required, "elongation at which it lets go"),
+    ],
+    one_of: &[],
+    example: r#"
+[CEL]
+reed = { m = "1 g", f = "220 Hz", t60 = "1 s" }
+[ENX]
+plectrum = {}
+[PLK]
+pluck = { between = ["reed", "plectrum"], k = "2 kN/m", z = "0.05 N s/m", d = "1 mm" }
+[SOX]
+out = { from = "reed", gain = 500 }
+[gesture]
+plectrum = [[0, 0], [0.3, "3 mm"], [0.6, "3 mm"], [1, "-3 mm"]]
+"#,
+    role: Role::Lia(&LAW),
+};
+
+static LAW: Law = Law::of::<Plk, 3, 3>("PLK");
+
+/// Coefficients k, z/T, d; memory: 1 while engaged, the last elongation, energy given up at the last tick.
+pub struct Plk;
+
+impl Phi<3, 3> for Plk {
+    fn coefs(p: &[Option<f64>], te: f64) -> [f64; 3] {
+        [p[1].unwrap_or(0.0), p[2].unwrap_or(0.0) / te, p[3].unwrap_or(f64::MAX)]
+    }
+    fn start(&[_, _, d]: &[f64; 3], e: f64) -> [f64; 3] {
+        [if e.abs() < d { 1.0 } else { 0.0 }, e, 0.0]
+    }
+    #[inline(always)]
+    fn force(&[k, z, d]: &[f64; 3], mem: &mut [f64; 3], _: &[Table], e: f64, w: f64) -> f64 {
+        let [engaged, last, released] = mem;
+        *released = 0.0;
+        if *engaged != 0.0 {
+            if e.abs() >= d {
+                *engaged = 0.0;
+                *released = 0.5 * k * e * e;
+            }
+        } else if e.abs() < d && ((*last <= 0.0 && e >= 0.0) || (*last >= 0.0 && e <= 0.0)) {
+            *engaged = 1.0;
+        }
+        *last = e;
+        if *engaged != 0.0 { k * e + z * w } else { 0.0 }
+    }
+    fn stored(&[k, z, _]: &[f64; 3], mem: &[f64; 3], _: &[Table], e0: f64, e1: f64) -> f64 {
+        if mem[0] != 0.0 { linear_stored(k, z, e0, e1) } else { 0.0 }
+    }
+    fn lost(&[_, z, _]: &[f64; 3], mem: &[f64; 3], _: &[Table], e: [f64; 3]) -> f64 {
+        if mem[0] != 0.0 { linear_lost(z, e) } else { mem[2] }
+    }
+    fn bound(&[k, z, _]: &[f64; 3], _: &[Table]) -> Bound {
+        Bound { k, z, contact: true, ..Bound::default() }
+    }
+}

@@ -1,0 +1,87 @@
+//! POW: a spring with a power law, two-sided.
+//!
+//! Equation: F = k e + q sgn(e)|e|^p + (z/T) w. Parameters: k [N/m], q [N/m^p], p (a multiple of 1/4 from 1 to 5, so
+//! that the tick needs only products and square roots), z [N s/m]. Source: SMC 2019 (nlSpring2 is p = 2).
+//! Stability: rule of thumb on the tangent, as CUB. Test: conformance suite.
+
+use super::{BETWEEN, Bound, L0, Law, Phi, linear_lost, linear_stored};
+use crate::kind::{Kind, Need, POSITIVE, Param, Role, Type, Unit};
+use crate::table::Table;
+
+/// The exponent of a power law.
+pub const P: Param = Param::number("p", Unit::NONE, (1.0, 5.0), Need::Default(1.5), "exponent, a multiple of 1/4");
+
+/// POW in the catalog.
+pub static KIND: Kind = Kind {
+    code: "POW",
+    title: "power-law spring",
+    equation: "F = k e + q sgn(e) |e|^p + z de/dt",
+    doc: "A spring that is soft near rest and hard beyond (p > 1), the same in both directions.",
+    source: &["SMC 2019"],
+    params: &[
+        BETWEEN,
+        Param::number("k", Unit::STIFFNESS, POSITIVE, Need::Default(0.0), "linear stiffness"),
+        Param::new("q", Type::PowerStiffness { exponent: "p" }, Need::Required, "stiffness of the power law"),
+        P,
+        Param::number("z", Unit::VISCOSITY, POSITIVE, Need::Default(0.0), "viscosity"),
+        L0,
+    ],
+    one_of: &[],
+    example: r#"
+[SOL]
+wall = {}
+[MAS]
+bob = { m = "1 g", dx0 = "1 mm" }
+[POW]
+spring = { between = ["wall", "bob"], k = "1 kN/m", q = "3e6 N/m^2", p = 2, z = "3 mN s/m" }
+[SOX]
+out = { from = "bob", gain = 500 }
+"#,
+    role: Role::Lia(&LAW),
+};
+
+static LAW: Law = Law::of::<Pow, 4, 0>("POW");
+
+/// x^(n/4) for x ≥ 0 by products and square roots only, so that every IEEE machine gives the same bits.
+#[inline(always)]
+pub fn quarter_power(x: f64, n: f64) -> f64 {
+    let n = n as u32;
+    let mut y = 1.0;
+    for _ in 0..n / 4 {
+        y *= x;
+    }
+    if n & 3 != 0 {
+        let r = libm::sqrt(x);
+        if n & 2 != 0 {
+            y *= r;
+        }
+        if n & 1 != 0 {
+            y *= libm::sqrt(r);
+        }
+    }
+    y
+}
+
+/// F = k e + q sgn(e)|e|^(n/4) + (z/T) w; coefficients k, q, n, z/T.
+pub struct Pow;
+
+impl Phi<4, 0> for Pow {
+    fn coefs(p: &[Option<f64>], te: f64) -> [f64; 4] {
+        let n = libm::round(4.0 * p[3].unwrap_or(1.5));
+        [p[1].unwrap_or(0.0), p[2].unwrap_or(0.0), n, p[4].unwrap_or(0.0) / te]
+    }
+    #[inline(always)]
+    fn force(&[k, q, n, z]: &[f64; 4], _: &mut [f64; 0], _: &[Table], e: f64, w: f64) -> f64 {
+        k * e + q * quarter_power(e.abs(), n).copysign(e) + z * w
+    }
+    fn stored(&[k, q, n, z]: &[f64; 4], _: &[f64; 0], _: &[Table], e0: f64, e1: f64) -> f64 {
+        let u = |e: f64| q * quarter_power(e.abs(), n + 4.0) / (0.25 * n + 1.0);
+        linear_stored(k, z, e0, e1) + 0.5 * (u(e0) + u(e1))
+    }
+    fn lost(&[_, _, _, z]: &[f64; 4], _: &[f64; 0], _: &[Table], e: [f64; 3]) -> f64 {
+        linear_lost(z, e)
+    }
+    fn bound(&[k, q, n, z]: &[f64; 4], _: &[Table]) -> Bound {
+        Bound { k: if n == 4.0 { k + q } else { k }, z, ..Bound::default() }
+    }
+}

@@ -1,0 +1,69 @@
+//! REF: a spring and a damper side by side.
+//!
+//! Equation: F = k e + (z/T) w. Parameters: k [N/m] ≥ 0, z [N s/m] ≥ 0. Source: CMJ 1993.
+//! Stability: (T²k + 2Tz)(1/m₁ + 1/m₂) < 4 for one link (numerics 1.3). Test: A04, A10.
+//! Without viscosity it runs as RES, without stiffness as FRO, unless the parameter may change while playing.
+
+use super::{BETWEEN, Bound, L0, Law, Phi, fro, linear_lost, linear_stored, res};
+use crate::kind::{Kind, Need, POSITIVE, Param, Role, Unit};
+use crate::table::Table;
+
+/// REF in the catalog.
+pub static KIND: Kind = Kind {
+    code: "REF",
+    title: "spring and damper",
+    equation: "F = k e + z de/dt",
+    doc: "A spring and a damper side by side: the ordinary link of a vibrating structure.",
+    source: &["CMJ 1993"],
+    params: &[
+        BETWEEN,
+        Param::number("k", Unit::STIFFNESS, POSITIVE, Need::Default(0.0), "stiffness"),
+        Param::number("z", Unit::VISCOSITY, POSITIVE, Need::Default(0.0), "viscosity"),
+        L0,
+    ],
+    one_of: &[],
+    example: r#"
+[SOL]
+wall = {}
+[MAS]
+bob = { m = "1 g", dx0 = "0.5 mm" }
+[REF]
+spring = { between = ["wall", "bob"], k = "7.6 kN/m", z = "5 mN s/m" }
+[SOX]
+out = { from = "bob", gain = 1000 }
+"#,
+    role: Role::Lia(&LAW),
+};
+
+/// The law of REF.
+pub static LAW: Law = Law::of::<Ref, 2, 0>("REF").or(|p| match (p[1].is_zero(), p[2].is_zero()) {
+    (_, true) => Some(&res::LAW),
+    (true, false) => Some(&ZONLY),
+    _ => None,
+});
+
+/// FRO with the parameters of REF in their places.
+static ZONLY: Law = Law { load: |p, te, out| out[0] = p[2].unwrap_or(0.0) / te, ..Law::of::<fro::Fro, 1, 0>("FRO") };
+
+/// F = k e + (z/T) w
+pub struct Ref;
+
+impl Phi<2, 0> for Ref {
+    const LINEAR: bool = true;
+    fn coefs(p: &[Option<f64>], te: f64) -> [f64; 2] {
+        [p[1].unwrap_or(0.0), p[2].unwrap_or(0.0) / te]
+    }
+    #[inline(always)]
+    fn force(&[k, z]: &[f64; 2], _: &mut [f64; 0], _: &[Table], e: f64, w: f64) -> f64 {
+        k * e + z * w
+    }
+    fn stored(&[k, z]: &[f64; 2], _: &[f64; 0], _: &[Table], e0: f64, e1: f64) -> f64 {
+        linear_stored(k, z, e0, e1)
+    }
+    fn lost(&[_, z]: &[f64; 2], _: &[f64; 0], _: &[Table], e: [f64; 3]) -> f64 {
+        linear_lost(z, e)
+    }
+    fn bound(&[k, z]: &[f64; 2], _: &[Table]) -> Bound {
+        Bound { k, z, linear: true, ..Bound::default() }
+    }
+}

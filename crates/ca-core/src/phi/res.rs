@@ -1,0 +1,55 @@
+//! RES: a spring.
+//!
+//! Equation: F = k e. Parameters: k [N/m] ≥ 0. Source: CMJ 1993. Stability: T²k(1/m₁ + 1/m₂) < 4 for one link.
+//! Test: A01, A03, A09.
+
+use super::{BETWEEN, Bound, L0, Law, Phi, linear_stored};
+use crate::kind::{Kind, Need, POSITIVE, Param, Role, Unit};
+use crate::table::Table;
+
+/// RES in the catalog.
+pub static KIND: Kind = Kind {
+    code: "RES",
+    title: "spring",
+    equation: "F = k e",
+    doc: "Pulls its ends together in proportion to how far they have been drawn apart. Loses nothing.",
+    source: &["CMJ 1993"],
+    params: &[BETWEEN, Param::number("k", Unit::STIFFNESS, POSITIVE, Need::Required, "stiffness"), L0],
+    one_of: &[],
+    example: r#"
+[SOL]
+wall = {}
+[MAS]
+bob = { m = "1 g", dx0 = "0.5 mm" }
+[RES]
+spring = { between = ["wall", "bob"], k = "3 kN/m" }
+[FRO]
+air = { between = ["wall", "bob"], z = "4 mN s/m" }
+[SOX]
+out = { from = "bob", gain = 1000 }
+"#,
+    role: Role::Lia(&LAW),
+};
+
+/// The law of RES; REF without viscosity becomes this.
+pub static LAW: Law = Law::of::<Res, 1, 0>("RES");
+
+/// F = k e
+pub struct Res;
+
+impl Phi<1, 0> for Res {
+    const LINEAR: bool = true;
+    fn coefs(p: &[Option<f64>], _te: f64) -> [f64; 1] {
+        [p[1].unwrap_or(0.0)]
+    }
+    #[inline(always)]
+    fn force(&[k]: &[f64; 1], _: &mut [f64; 0], _: &[Table], e: f64, _w: f64) -> f64 {
+        k * e
+    }
+    fn stored(&[k]: &[f64; 1], _: &[f64; 0], _: &[Table], e0: f64, e1: f64) -> f64 {
+        linear_stored(k, 0.0, e0, e1)
+    }
+    fn bound(&[k]: &[f64; 1], _: &[Table]) -> Bound {
+        Bound { k, linear: true, ..Bound::default() }
+    }
+}

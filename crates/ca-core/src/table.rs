@@ -1,0 +1,97 @@
+//! Piecewise-linear tables: the laws that authors draw, and curves too dear to compute each tick.
+//!
+//! Decides on linear interpolation with the end values held outside, as the field does (pmpd, GENESIS). The integral
+//! is kept beside the values, so that a table spring has an exact potential and the ledger stays exact about it.
+
+use alloc::vec::Vec;
+
+/// A piecewise-linear function y(x).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Table {
+    /// abscissae, rising (n)
+    x: Vec<f64>,
+    /// values (n)
+    y: Vec<f64>,
+    /// integral of y from x = 0 (n)
+    area: Vec<f64>,
+    /// 1/spacing where the abscissae are evenly spaced, else 0: even tables are addressed without a search
+    per: f64,
+}
+
+impl Table {
+    /// From points with rising x. `None` with fewer than two points, x that does not rise, or a number not finite.
+    pub fn new(points: &[[f64; 2]]) -> Option<Table> {
+        if points.len() < 2
+            || points.windows(2).any(|p| p[1][0] <= p[0][0])
+            || points.iter().flatten().any(|v| !v.is_finite())
+        {
+            return None;
+        }
+        let x: Vec<f64> = points.iter().map(|p| p[0]).collect();
+        let y: Vec<f64> = points.iter().map(|p| p[1]).collect();
+        let step = (x[x.len() - 1] - x[0]) / (x.len() - 1) as f64;
+        let even = x.iter().enumerate().all(|(i, v)| (v - (x[0] + i as f64 * step)).abs() < 1e-9 * step);
+        let mut t = Table { area: alloc::vec![0.0; x.len()], x, y, per: if even { 1.0 / step } else { 0.0 } };
+        for i in 1..t.x.len() {
+            t.area[i] = t.area[i - 1] + 0.5 * (t.y[i] + t.y[i - 1]) * (t.x[i] - t.x[i - 1]);
+        }
+        let zero = t.raw_integral(0.0);
+        t.area.iter_mut().for_each(|a| *a -= zero);
+        Some(t)
+    }
+
+    /// The segment that holds `x`, which lies between the ends.
+    #[inline]
+    fn segment(&self, x: f64) -> usize {
+        let last = self.x.len() - 2;
+        let i = if self.per > 0.0 {
+            ((x - self.x[0]) * self.per) as usize
+        } else {
+            self.x.partition_point(|v| *v <= x).saturating_sub(1)
+        };
+        i.min(last)
+    }
+
+    /// The value at `x`; the end values hold outside.
+    #[inline]
+    pub fn at(&self, x: f64) -> f64 {
+        let n = self.x.len();
+        if x <= self.x[0] {
+            return self.y[0];
+        }
+        if x >= self.x[n - 1] {
+            return self.y[n - 1];
+        }
+        let i = self.segment(x);
+        let (x0, x1, y0, y1) = (self.x[i], self.x[i + 1], self.y[i], self.y[i + 1]);
+        y0 + (y1 - y0) * ((x - x0) / (x1 - x0))
+    }
+
+    fn raw_integral(&self, x: f64) -> f64 {
+        let n = self.x.len();
+        if x <= self.x[0] {
+            return self.area[0] + self.y[0] * (x - self.x[0]);
+        }
+        if x >= self.x[n - 1] {
+            return self.area[n - 1] + self.y[n - 1] * (x - self.x[n - 1]);
+        }
+        let i = self.segment(x);
+        self.area[i] + 0.5 * (self.y[i] + self.at(x)) * (x - self.x[i])
+    }
+
+    /// The integral from 0 to `x`.
+    pub fn integral(&self, x: f64) -> f64 {
+        self.raw_integral(x)
+    }
+
+    /// Largest and smallest slope of any segment.
+    pub fn slopes(&self) -> (f64, f64) {
+        let slope = |i: usize| (self.y[i + 1] - self.y[i]) / (self.x[i + 1] - self.x[i]);
+        (0..self.x.len() - 1).map(slope).fold((f64::MIN, f64::MAX), |(hi, lo), s| (s.max(hi), s.min(lo)))
+    }
+
+    /// True where y has the sign of x everywhere: as friction it only takes energy.
+    pub fn resists(&self) -> bool {
+        self.x.iter().zip(&self.y).all(|(x, y)| x * y >= 0.0) && self.at(0.0) == 0.0
+    }
+}
