@@ -19,6 +19,7 @@ pub mod render;
 #[cfg(feature = "parse")]
 pub mod schema;
 pub mod select;
+pub mod suggest;
 pub mod write;
 
 /// Byte range in the source text; [`Span::NONE`] for models that were built, not read.
