@@ -19,6 +19,9 @@ pub mod render;
 #[cfg(feature = "parse")]
 pub mod schema;
 pub mod select;
+pub mod suggest;
+#[cfg(feature = "parse")]
+mod syntax;
 pub mod write;
 
 /// Byte range in the source text; [`Span::NONE`] for models that were built, not read.

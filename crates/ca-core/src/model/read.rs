@@ -1,1 +1,453 @@
-//! (read)
+//! From TOML text to [`Model`].
+//!
+//! Decides that the document is walked by hand, span by span, and never through derived deserialisation: a derive
+//! stops at its first error and knows no places, and the point of a text format is to be told everything that is wrong
+//! with it at once. Decides also that the reader *goes on with what was probably meant*: a misspelt kind or parameter
+//! is reported and then read as the one suggested, so that one slip does not make ten complaints further down. Only
+//! names and shapes are judged here; numbers, units and references are for the compiler.
+
+use super::diag::{Diag, Diags};
+use super::select::is_word;
+use super::suggest::nearest;
+use super::syntax::{self, Source};
+use super::{Entry, Group, Item, Model, Span, Value};
+use crate::catalog::Catalog;
+use crate::kind::{Kind, Type};
+use alloc::borrow::ToOwned;
+use alloc::collections::BTreeMap;
+use alloc::format;
+use alloc::string::String;
+use alloc::vec::Vec;
+use toml::Spanned;
+use toml::de::{DeString, DeTable, DeValue};
+
+/// Root sections that are not kinds, in the order [`super::write`] gives them.
+pub const SECTIONS: &[&str] = &["model", "rate", "param", "gesture", "equivalence"];
+/// Keys of `[model]`.
+pub const META: &[&str] = &["title", "author", "source", "doc", "units", "reference_rate", "gravity", "friction"];
+/// Keys of `[rate]`.
+pub const RATES: &[&str] = &["sound", "gesture"];
+/// Properties of a group.
+pub const GROUP: &[&str] = &["gravity", "friction", "dim"];
+
+type Key<'i> = Spanned<DeString<'i>>;
+type Val<'i> = Spanned<DeValue<'i>>;
+
+/// Reads the text of a model. `file` is its name in reports.
+///
+/// The model holds all that could be understood, even beside errors. Modules of an unknown kind are kept under the
+/// code as written, so that links to them still resolve; what is written twice or has no valid name is left out.
+///
+/// ```
+/// use ca_core::{catalog::Catalog, model::read::read};
+/// let (model, diags) = read("[MAS]\nbob = { m = '20 g', mm = 3 }", "bob.ca.toml", &Catalog::core());
+/// assert_eq!(model.items[0].name, "bob");
+/// assert_eq!(diags.list[0].title, "`bob`: unknown parameter `mm`");
+/// ```
+pub fn read(text: &str, file: &str, catalog: &Catalog) -> (Model, Diags) {
+    let mut diags = Diags::new();
+    let source = Source::mend(text, &mut diags);
+    let (doc, errors) = DeTable::parse_recoverable(source.text());
+    syntax::report(&source, text, doc.get_ref(), &errors, &mut diags);
+    let model = Model { file: file.into(), text: text.into(), header: header(text), ..Model::default() };
+    let mut reader = Reader { catalog, source: &source, text, model, diags };
+    for (key, value) in ordered(doc.get_ref()) {
+        reader.root(key, value);
+    }
+    let Reader { mut model, mut diags, .. } = reader;
+    unique(&mut model, &mut diags);
+    diags.sort();
+    (model, diags)
+}
+
+/// The comment lines at the head of the file.
+fn header(text: &str) -> String {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let lines = text.lines().skip_while(|l| l.trim().is_empty()).map_while(|l| l.trim_start().strip_prefix('#'));
+    let lines: Vec<&str> = lines.map(|l| l.strip_prefix(' ').unwrap_or(l).trim_end()).collect();
+    lines.join("\n").trim_end().into()
+}
+
+/// Entries in document order; the parser's map is sorted by key.
+fn ordered<'t, 'i>(table: &'t DeTable<'i>) -> Vec<(&'t Key<'i>, &'t Val<'i>)> {
+    let mut list: Vec<_> = table.iter().collect();
+    list.sort_by_key(|(k, _)| k.span().start);
+    list
+}
+
+fn is_code(key: &str) -> bool {
+    key.starts_with(|c: char| c.is_ascii_uppercase())
+}
+
+/// `a`, `b`, `c`
+fn ticked<'a>(words: impl Iterator<Item = &'a str>) -> String {
+    words.map(|w| format!("`{w}`")).collect::<Vec<_>>().join(", ")
+}
+
+fn article(value: &DeValue) -> &'static str {
+    match value {
+        DeValue::String(_) => "a string",
+        DeValue::Integer(_) | DeValue::Float(_) => "a number",
+        DeValue::Boolean(_) => "true or false",
+        DeValue::Datetime(_) => "a date",
+        DeValue::Array(_) => "a list",
+        DeValue::Table(_) => "a table",
+    }
+}
+
+/// Sorts modules by place and leaves out those whose name is taken.
+fn unique(model: &mut Model, diags: &mut Diags) {
+    model.items.sort_by_key(|i| i.name_span);
+    let mut taken: BTreeMap<String, Span> = model.groups.iter().map(|g| (g.name.clone(), g.span)).collect();
+    model.items.retain(|item| {
+        let Some(&first) = taken.get(&item.name) else {
+            taken.insert(item.name.clone(), item.name_span);
+            return true;
+        };
+        diags.push(
+            Diag::error("E012", format!("`{}` is used twice", item.name))
+                .at(item.name_span, "again here")
+                .at(first, "first here")
+                .help("names are unique in a model: rename one of the two"),
+        );
+        false
+    });
+}
+
+struct Reader<'a, 's> {
+    catalog: &'a Catalog,
+    source: &'a Source<'s>,
+    text: &'a str,
+    model: Model,
+    diags: Diags,
+}
+
+impl Reader<'_, '_> {
+    fn span<T>(&self, s: &Spanned<T>) -> Span {
+        self.source.span(s.span())
+    }
+
+    fn root(&mut self, key: &Key, value: &Val) {
+        let name = key.get_ref().as_ref();
+        let DeValue::Table(table) = value.get_ref() else { return self.root_value(key, value) };
+        if SECTIONS.contains(&name) {
+            return self.section(name, table);
+        }
+        if let Some(kind) = self.catalog.get(name) {
+            return self.modules(name, Some(kind), key, table, None);
+        }
+        let entries = || table.keys().map(|k| k.get_ref().as_ref());
+        if !is_code(name) {
+            let only_props = !table.is_empty() && entries().all(|k| GROUP.contains(&k));
+            if only_props || entries().any(is_code) {
+                return self.group(key, table);
+            }
+        }
+        let words =
+            SECTIONS.iter().copied().filter(|s| !self.has_section(s)).chain(self.catalog.iter().map(|k| k.code));
+        match nearest(name, words) {
+            None if table.is_empty() && !is_code(name) => self.group(key, table),
+            Some(meant) => {
+                let d = Diag::error("E002", format!("unknown section: `{name}`"));
+                let d = d.at(self.span(key), "no such section or kind").help(format!("did you mean `{meant}`?"));
+                self.diags.push(d.fix(self.span(key), meant));
+                match self.catalog.get(meant) {
+                    Some(kind) => self.modules(meant, Some(kind), key, table, None),
+                    None => self.section(meant, table),
+                }
+            }
+            None => {
+                let help = if is_code(name) {
+                    format!("kinds are {}", ticked(self.catalog.iter().map(|k| k.code)))
+                } else {
+                    format!(
+                        "sections are {} and kinds in upper case; the modules of a group stand in `[{name}.MAS]`",
+                        ticked(SECTIONS.iter().copied())
+                    )
+                };
+                let d = Diag::error("E002", format!("unknown section: `{name}`"));
+                self.diags.push(d.at(self.span(key), "no such section or kind").help(help));
+                if is_code(name) {
+                    self.modules(name, None, key, table, None);
+                }
+            }
+        }
+    }
+
+    fn has_section(&self, name: &str) -> bool {
+        match name {
+            "model" => !self.model.meta.is_empty(),
+            "rate" => !self.model.rate.is_empty(),
+            "param" => !self.model.params.is_empty(),
+            "gesture" => !self.model.gestures.is_empty(),
+            _ => !self.model.equivalence.is_empty(),
+        }
+    }
+
+    /// What stands before the first section, or a section that is not a table.
+    fn root_value(&mut self, key: &Key, value: &Val) {
+        let name = key.get_ref().as_ref();
+        let what = article(value.get_ref());
+        let known = SECTIONS.contains(&name) || self.catalog.get(name).is_some();
+        let d = if known || is_code(name) {
+            let d = Diag::error("E003", format!("`{name}` must be a section"))
+                .at(self.span(value), format!("this is {what}"));
+            d.help(match value.get_ref() {
+                DeValue::Array(_) => format!("write `[{name}]`, in single brackets, and one line for each module"),
+                _ => format!("write `[{name}]` on a line of its own and its entries below"),
+            })
+        } else {
+            let home = [("model", META), ("rate", RATES)].into_iter().find(|s| s.1.contains(&name));
+            let d = Diag::error("E002", format!("`{name}` stands outside any section"));
+            d.at(self.span(key), "no section yet").help(match home {
+                Some((section, _)) => format!("move it below `[{section}]`"),
+                None => "a model is made of sections: `[model]`, `[rate]`, `[MAS]` and so on".into(),
+            })
+        };
+        self.diags.push(d);
+    }
+
+    fn section(&mut self, name: &str, table: &DeTable) {
+        match name {
+            "model" => self.model.meta = self.known(name, table, META),
+            "rate" => self.model.rate = self.known(name, table, RATES),
+            "param" => self.model.params = self.params(table),
+            "gesture" => {
+                let mut list = Vec::new();
+                self.paths("", table, &mut list);
+                self.model.gestures = list;
+            }
+            _ => self.model.equivalence = self.entries(table),
+        }
+    }
+
+    /// Entries of a section with a closed list of keys.
+    fn known(&mut self, section: &str, table: &DeTable, keys: &[&'static str]) -> Vec<Entry> {
+        let list = self.entries(table);
+        let title = |key: &str| format!("unknown key in `[{section}]`: `{key}`");
+        self.admit(list, keys, title, || format!("`[{section}]` knows {}", ticked(keys.iter().copied())))
+    }
+
+    /// Keeps entries whose key is known, and those whose key is nearly so under the key that was meant.
+    fn admit(
+        &mut self,
+        list: Vec<Entry>,
+        keys: &[&'static str],
+        title: impl Fn(&str) -> String,
+        all: impl Fn() -> String,
+    ) -> Vec<Entry> {
+        let written: Vec<String> = list.iter().map(|e| e.key.clone()).collect();
+        let mut kept: Vec<Entry> = Vec::new();
+        for mut e in list {
+            if keys.contains(&e.key.as_str()) {
+                kept.push(e);
+                continue;
+            }
+            let free = |k: &&str| !written.iter().any(|w| w == k) && !kept.iter().any(|x| x.key == **k);
+            let d = Diag::error("E004", title(&e.key)).at(e.key_span, "not known here");
+            match nearest(&e.key, keys.iter().copied().filter(free)) {
+                Some(meant) => {
+                    self.diags.push(d.help(format!("did you mean `{meant}`?")).fix(e.key_span, meant));
+                    e.key = meant.into();
+                    kept.push(e);
+                }
+                None => self.diags.push(d.help(all())),
+            }
+        }
+        kept
+    }
+
+    fn params(&mut self, table: &DeTable) -> Vec<Entry> {
+        let list = self.entries(table);
+        list.into_iter().filter(|e| self.check_name(&e.key, e.key_span)).collect()
+    }
+
+    /// `[gesture]`: the keys are full names, so `ball.hand` and a nested table are the same.
+    fn paths(&mut self, prefix: &str, table: &DeTable, out: &mut Vec<Entry>) {
+        for (key, value) in ordered(table) {
+            let path = format!("{prefix}{}", key.get_ref());
+            match value.get_ref() {
+                DeValue::Table(inner) => self.paths(&format!("{path}."), inner, out),
+                _ => out.extend(self.entry(path, key, value)),
+            }
+        }
+    }
+
+    fn group(&mut self, key: &Key, table: &DeTable) {
+        let name = key.get_ref().as_ref();
+        let valid = self.check_name(name, self.span(key));
+        let index = self.model.groups.len();
+        let mut props = Vec::new();
+        self.model.groups.push(Group { name: name.into(), span: self.span(key), props: Vec::new() });
+        for (k, v) in ordered(table) {
+            let code = k.get_ref().as_ref();
+            match v.get_ref() {
+                DeValue::Table(t) if is_code(code) => {
+                    let kind = self.group_kind(code, k);
+                    self.modules(kind.map_or(code, |k| k.code), kind, k, t, Some((index, name)));
+                }
+                DeValue::Table(_) if !GROUP.contains(&code) => {
+                    let d = Diag::error("E002", format!("`{name}.{code}` is neither a kind nor a property"));
+                    let d = d.at(self.span(k), "in a group stand kinds, in upper case");
+                    let d = match nearest(code, self.catalog.iter().map(|k| k.code)) {
+                        Some(meant) => d.help(format!("did you mean `{meant}`?")).fix(self.span(k), meant),
+                        None => d.help("groups do not nest"),
+                    };
+                    self.diags.push(d);
+                }
+                _ => props.extend(self.entry(code.into(), k, v)),
+            }
+        }
+        let title = |key: &str| format!("unknown property of the group `{name}`: `{key}`");
+        let props = self.admit(props, GROUP, title, || format!("a group knows {}", ticked(GROUP.iter().copied())));
+        if let Some(group) = self.model.groups.get_mut(index) {
+            group.props = props;
+        }
+        if !valid {
+            // its modules have no usable name either, and its place in the list is taken by nobody
+            self.model.items.retain(|i| i.group != Some(index));
+            self.model.groups.truncate(index);
+        }
+    }
+
+    fn group_kind(&mut self, code: &str, key: &Key) -> Option<&'static Kind> {
+        let found = self.catalog.get(code);
+        if found.is_some() {
+            return found;
+        }
+        let d = Diag::error("E002", format!("unknown kind: `{code}`")).at(self.span(key), "no such kind");
+        let meant = nearest(code, self.catalog.iter().map(|k| k.code));
+        self.diags.push(match meant {
+            Some(m) => d.help(format!("did you mean `{m}`?")).fix(self.span(key), m),
+            None => d.help(format!("kinds are {}", ticked(self.catalog.iter().map(|k| k.code)))),
+        });
+        meant.and_then(|m| self.catalog.get(m))
+    }
+
+    /// The members of one kind; `group` is its index and name.
+    fn modules(
+        &mut self,
+        code: &str,
+        kind: Option<&'static Kind>,
+        kind_key: &Key,
+        table: &DeTable,
+        group: Option<(usize, &str)>,
+    ) {
+        for (key, value) in ordered(table) {
+            let word = key.get_ref().as_ref();
+            let name = group.map_or_else(|| word.to_owned(), |(_, g)| format!("{g}.{word}"));
+            let valid = self.check_name(word, self.span(key));
+            let args = match value.get_ref() {
+                DeValue::Table(t) => {
+                    let list = self.entries(t);
+                    match kind {
+                        Some(kind) => self.admit_params(&name, kind, list),
+                        None => list,
+                    }
+                }
+                other => {
+                    self.not_a_table(&name, kind, article(other), self.span(value));
+                    Vec::new()
+                }
+            };
+            if valid {
+                self.model.items.push(Item {
+                    kind: code.into(),
+                    kind_span: self.span(kind_key),
+                    name,
+                    name_span: self.span(key),
+                    group: group.map(|g| g.0),
+                    args,
+                    span: self.span(value),
+                });
+            }
+        }
+    }
+
+    fn admit_params(&mut self, name: &str, kind: &'static Kind, list: Vec<Entry>) -> Vec<Entry> {
+        let keys: Vec<&'static str> = kind.params.iter().map(|p| p.name).collect();
+        let title = |key: &str| format!("`{name}`: unknown parameter `{key}`");
+        self.admit(list, &keys, title, || format!("`{}` has {}", kind.code, ticked(keys.iter().copied())))
+    }
+
+    fn not_a_table(&mut self, name: &str, kind: Option<&Kind>, what: &str, span: Span) {
+        let first = kind.and_then(|k| k.params.first());
+        let shown = first.map_or("…".into(), |p| format!("{} = …", p.name));
+        let d = Diag::error("E003", format!("`{name}` must be a table")).at(span, format!("this is {what}"));
+        let mut d = d.help(format!("write its parameters in braces: `{{ {shown} }}`"));
+        let written = self.text.get(span.start..span.end);
+        let quantity = first.filter(|p| matches!(p.ty, Type::Number { .. }) && matches!(what, "a string" | "a number"));
+        if let (Some(p), Some(w)) = (quantity, written) {
+            d = d.fix(span, format!("{{ {} = {w} }}", p.name));
+        }
+        self.diags.push(d);
+    }
+
+    fn check_name(&mut self, word: &str, span: Span) -> bool {
+        if is_word(word) {
+            return true;
+        }
+        let mut mended: String = word.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
+        if mended.starts_with(|c: char| c.is_ascii_digit()) {
+            mended.insert(0, '_');
+        }
+        let d = Diag::error("E014", format!("not a name: `{}`", word.escape_debug())).at(span, "not a name");
+        let d = d.help("a name is made of letters, digits and `_`, and starts with a letter");
+        self.diags.push(if is_word(&mended) { d.fix(span, mended) } else { d });
+        false
+    }
+
+    fn entries(&mut self, table: &DeTable) -> Vec<Entry> {
+        ordered(table).into_iter().filter_map(|(k, v)| self.entry(k.get_ref().as_ref().into(), k, v)).collect()
+    }
+
+    fn entry(&mut self, key: String, k: &Key, v: &Val) -> Option<Entry> {
+        let value = self.value(&key, v)?;
+        Some(Entry { key, key_span: self.span(k), value, span: self.span(v) })
+    }
+
+    /// The value as written, or nothing where it has been reported.
+    fn value(&mut self, key: &str, v: &Val) -> Option<Value> {
+        let span = self.span(v);
+        Some(match v.get_ref() {
+            DeValue::String(s) => Value::Text(s.as_ref().into()),
+            DeValue::Boolean(b) => Value::Bool(*b),
+            DeValue::Integer(i) => self.number(key, integer(i.as_str(), i.radix()), span)?,
+            DeValue::Float(f) => self.number(key, float(f.as_str()), span)?,
+            DeValue::Array(a) => {
+                let member = |r: &mut Self, v: &Val| {
+                    let value = r.value(key, v)?;
+                    Some(Entry { key: String::new(), key_span: Span::NONE, value, span: r.span(v) })
+                };
+                Value::List(a.iter().filter_map(|v| member(self, v)).collect())
+            }
+            DeValue::Table(t) => Value::Table(self.entries(t)),
+            DeValue::Datetime(_) => {
+                let d = Diag::error("E006", format!("`{key}`: a date is of no use in a model"));
+                self.diags.push(d.at(span, "this is a date").help("put it in quotes if it is text"));
+                return None;
+            }
+        })
+    }
+
+    fn number(&mut self, key: &str, number: Option<f64>, span: Span) -> Option<Value> {
+        if number.is_none() {
+            self.diags.push(Diag::error("E006", format!("`{key}`: too large for a number")).at(span, "beyond 1.8e308"));
+        }
+        number.map(Value::Num)
+    }
+}
+
+fn integer(digits: &str, radix: u32) -> Option<f64> {
+    if radix == 10 {
+        return float(digits);
+    }
+    let value = digits.chars().filter_map(|c| c.to_digit(radix)).fold(0.0, |v, d| v * f64::from(radix) + f64::from(d));
+    value.is_finite().then_some(value)
+}
+
+/// `None` where the digits are beyond every float; `inf` and `nan` are values, judged by the compiler.
+fn float(text: &str) -> Option<f64> {
+    let value: f64 = text.parse().ok()?;
+    (!value.is_infinite() || text.contains("inf")).then_some(value)
+}

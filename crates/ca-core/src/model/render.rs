@@ -1,1 +1,143 @@
-//! (render)
+//! Findings as text with carets, and as JSON.
+//!
+//! Decides that one finding is one report of `annotate-snippets` (main place, other places, help, and the fix shown as
+//! the edited line), that at most [`SHOWN`] are printed, errors first, and that a last line counts them all. Models
+//! built by a program have no text: their findings keep title and help. JSON carries everything, for editors and
+//! tests; its lines and columns start at 1, columns count characters.
+
+use super::diag::{Diag, Diags, Severity};
+use super::{Model, Span};
+use alloc::format;
+use alloc::string::{String, ToString};
+use alloc::vec::Vec;
+use annotate_snippets::{AnnotationKind, Group, Level, Patch, Renderer, Snippet};
+use core::ops::Range;
+use serde_json::{Value as Json, json};
+
+/// At most so many findings are printed.
+pub const SHOWN: usize = 20;
+
+/// The whole report, for a terminal. Empty where there is nothing to say.
+pub fn text(diags: &Diags, model: &Model, color: bool) -> String {
+    if diags.list.is_empty() {
+        return String::new();
+    }
+    let renderer = if color { Renderer::styled() } else { Renderer::plain() };
+    // which ones: errors before warnings; in which order: as they stand in the file
+    let mut chosen: Vec<usize> = (0..diags.list.len()).collect();
+    chosen.sort_by_key(|&i| (diags.list[i].severity, i));
+    chosen.truncate(SHOWN);
+    chosen.sort_unstable();
+    let mut out = String::new();
+    for i in chosen {
+        out += &renderer.render(&groups(&diags.list[i], model));
+        out += "\n\n";
+    }
+    if diags.list.len() > SHOWN {
+        out += &["… and ", &(diags.list.len() - SHOWN).to_string(), " more\n"].concat();
+    }
+    out + &summary(diags) + "\n"
+}
+
+/// `2 errors, 1 warning`
+pub fn summary(diags: &Diags) -> String {
+    let count = |severity: Severity, word: &str| {
+        let n = diags.list.iter().filter(|d| d.severity == severity).count();
+        (n > 0).then(|| format!("{n} {word}{}", if n == 1 { "" } else { "s" }))
+    };
+    let parts = [(Severity::Error, "error"), (Severity::Warning, "warning"), (Severity::Note, "note")];
+    let parts: Vec<String> = parts.into_iter().filter_map(|(s, w)| count(s, w)).collect();
+    if parts.is_empty() { "no findings".into() } else { parts.join(", ") }
+}
+
+fn groups<'a>(d: &'a Diag, model: &'a Model) -> Vec<Group<'a>> {
+    let level = match d.severity {
+        Severity::Error => Level::ERROR,
+        Severity::Warning => Level::WARNING,
+        Severity::Note => Level::NOTE,
+    };
+    let mut main = Group::with_title(level.primary_title(d.title.as_str()).id(d.code));
+    let mut snippet = source(model);
+    let mut places = 0;
+    for (span, label) in &d.labels {
+        let Some(range) = clamp(*span, &model.text) else { continue };
+        let kind = if places == 0 { AnnotationKind::Primary } else { AnnotationKind::Context };
+        let a = kind.span(range);
+        snippet = snippet.annotation(if label.is_empty() { a } else { a.label(label.as_str()) });
+        places += 1;
+    }
+    if places > 0 {
+        main = main.element(snippet);
+    }
+    let patch = d.fix.as_ref().and_then(|f| Some((clamp(f.span, &model.text)?, f.text.as_str())));
+    let Some((range, new)) = patch else {
+        if let Some(help) = &d.help {
+            main = main.element(Level::HELP.message(help.as_str()));
+        }
+        return alloc::vec![main];
+    };
+    let help = d.help.as_deref().unwrap_or("write it so");
+    let fix = Group::with_title(Level::HELP.secondary_title(help)).element(source(model).patch(Patch::new(range, new)));
+    alloc::vec![main, fix]
+}
+
+fn source<T: Clone>(model: &Model) -> Snippet<'_, T> {
+    let snippet = Snippet::source(model.text.as_str());
+    if model.file.is_empty() { snippet } else { snippet.path(model.file.as_str()) }
+}
+
+/// A span as a range that is within the text and on character borders; nothing for a model without text.
+fn clamp(span: Span, text: &str) -> Option<Range<usize>> {
+    if !span.is_some() || text.is_empty() {
+        return None;
+    }
+    let snap = |mut at: usize| {
+        at = at.min(text.len());
+        while !text.is_char_boundary(at) {
+            at -= 1;
+        }
+        at
+    };
+    let start = snap(span.start);
+    Some(start..snap(span.end).max(start))
+}
+
+/// 1-based line and column of a byte, the column in characters.
+pub fn line_column(text: &str, at: usize) -> (usize, usize) {
+    let at = clamp(Span { start: at, end: at }, text).map_or(0, |r| r.start);
+    let before = &text[..at];
+    let line = before.bytes().filter(|&b| b == b'\n').count() + 1;
+    let start = before.rfind('\n').map_or(0, |i| i + 1);
+    (line, before[start..].chars().count() + 1)
+}
+
+/// A list of `{code, severity, title, file, line, column, end_line, end_column, labels, help, fix}`. What has no place
+/// has `null` for its lines and columns.
+pub fn json(diags: &Diags, model: &Model) -> Json {
+    let place = |span: Span| match clamp(span, &model.text) {
+        Some(r) => {
+            let ((line, column), (end_line, end_column)) =
+                (line_column(&model.text, r.start), line_column(&model.text, r.end));
+            json!({"line": line, "column": column, "end_line": end_line, "end_column": end_column})
+        }
+        None => json!({"line": null, "column": null, "end_line": null, "end_column": null}),
+    };
+    let with = |mut base: Json, more: Json| {
+        if let (Json::Object(a), Json::Object(b)) = (&mut base, more) {
+            a.extend(b);
+        }
+        base
+    };
+    let one = |d: &Diag| {
+        let severity = match d.severity {
+            Severity::Error => "error",
+            Severity::Warning => "warning",
+            Severity::Note => "note",
+        };
+        let labels: Vec<Json> = d.labels.iter().map(|(s, t)| with(place(*s), json!({"text": t}))).collect();
+        let fix = d.fix.as_ref().map(|f| with(place(f.span), json!({"text": f.text})));
+        let head = json!({"code": d.code, "severity": severity, "title": d.title, "file": model.file});
+        with(with(head, place(d.span())), json!({"labels": labels, "help": d.help, "fix": fix}))
+    };
+    Json::Array(diags.list.iter().map(one).collect())
+}

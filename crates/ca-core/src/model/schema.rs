@@ -1,1 +1,216 @@
-//! (schema)
+//! JSON Schema (2020-12) of `*.ca.toml`, for editors.
+//!
+//! Decides that the schema comes from the catalog and nothing else, so it cannot fall behind. It is as strict as a
+//! schema can be without knowing the model: names of parameters, words of choices, what excludes what. Bounds are given
+//! as bounds only where they hold in every system of units (zero, and plain numbers); the others stand in the
+//! description. Whether a name exists is beyond it.
+
+use super::quantity::show;
+use super::read::{GROUP, META, RATES};
+use crate::catalog::Catalog;
+use crate::kind::{Dim, Kind, Need, Param, Type, Unit};
+use alloc::format;
+use alloc::string::{String, ToString};
+use alloc::vec::Vec;
+use serde_json::{Map, Value as Json, json};
+
+/// A word of a name.
+const WORD: &str = "^[A-Za-z_][A-Za-z0-9_]*$";
+/// A quantity, see [`super::quantity`]; any other string names a `[param]`.
+const QUANTITY: &str = r"^\s*[-+−]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?(\s*[A-Za-zµμ%/].*)?$";
+
+/// The schema of the models this catalog can read.
+pub fn schema(catalog: &Catalog) -> Json {
+    let mut defs = Map::new();
+    defs.insert(
+        "quantity".into(),
+        json!({"type": "string", "pattern": QUANTITY, "description": "a number and its unit"}),
+    );
+    defs.insert(
+        "name".into(),
+        json!({"type": "string", "pattern": r"^[A-Za-z_][A-Za-z0-9_.]*$", "description": "a `[param]`"}),
+    );
+    defs.insert(
+        "number".into(),
+        json!({"anyOf": [{"type": "number"}, {"$ref": "#/$defs/quantity"}, {"$ref": "#/$defs/name"}]}),
+    );
+    let mut kinds = Map::new();
+    for kind in catalog.iter() {
+        defs.insert(kind.code.into(), members(kind));
+        kinds.insert(kind.code.into(), json!({"$ref": format!("#/$defs/{}", kind.code)}));
+    }
+    let mut group = kinds.clone();
+    group.extend(GROUP.iter().map(|p| ((*p).to_string(), known(p))));
+    defs.insert(
+        "group".into(),
+        json!({"type": "object", "description": "modules that share a medium", "properties": group, "additionalProperties": false}),
+    );
+    let section = |doc: &str, keys: &[&str]| {
+        let keys: Map<String, Json> = keys.iter().map(|k| ((*k).to_string(), known(k))).collect();
+        json!({"type": "object", "description": doc, "properties": keys, "additionalProperties": false})
+    };
+    let mut properties = kinds;
+    properties.insert("model".into(), section("what the model is", META));
+    properties.insert("rate".into(), section("the two rates", RATES));
+    properties.insert("param".into(), params());
+    properties.insert(
+        "gesture".into(),
+        json!({"type": "object", "description": "a port or a live parameter, and its breakpoints [time, value]"}),
+    );
+    properties.insert("equivalence".into(), json!({
+        "type": "object",
+        "description": "a quantity = [real, simulated]",
+        "additionalProperties": {"type": "array", "minItems": 2, "maxItems": 2, "items": {"$ref": "#/$defs/number"}},
+    }));
+    json!({
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "CORDIS-ANIMA model",
+        "type": "object",
+        "properties": properties,
+        "propertyNames": {"pattern": WORD},
+        "additionalProperties": {"$ref": "#/$defs/group"},
+        "$defs": defs,
+    })
+}
+
+/// Keys that are not parameters of kinds.
+fn known(key: &str) -> Json {
+    let number = |doc: &str| json!({"$ref": "#/$defs/number", "description": doc});
+    match key {
+        "units" => json!({"enum": ["si", "alg"], "default": "si", "description": "units of bare numbers"}),
+        "dim" => json!({"enum": [1, 2, 3], "description": "dimensions of space"}),
+        "reference_rate" => number("rate whose sample is the unit of time of `alg` units [Hz]"),
+        "gravity" => json!({"description": "acceleration of free masses [m/s^2]"}),
+        "friction" => number("viscosity of the medium on every free mass [N s/m]"),
+        "sound" => number("ticks per second [Hz]"),
+        "gesture" => number("device frames per second; sound / gesture is a whole number [Hz]"),
+        _ => json!({"type": "string"}),
+    }
+}
+
+fn params() -> Json {
+    let number = json!({"$ref": "#/$defs/number"});
+    let full = json!({
+        "type": "object",
+        "properties": {
+            "value": number, "min": number, "max": number,
+            "unit": {"type": "string"}, "doc": {"type": "string"},
+            "live": {"type": "boolean", "description": "may be changed while it sounds"},
+        },
+        "required": ["value"],
+    });
+    json!({
+        "type": "object",
+        "description": "named numbers",
+        "propertyNames": {"pattern": WORD},
+        "additionalProperties": {"anyOf": [number, full]},
+    })
+}
+
+/// The section of one kind.
+fn members(kind: &Kind) -> Json {
+    let properties: Map<String, Json> = kind.params.iter().map(|p| (p.name.to_string(), param(p))).collect();
+    let required: Vec<&str> = kind.params.iter().filter(|p| p.need == Need::Required).map(|p| p.name).collect();
+    let mut rules = Vec::new();
+    for one_of in kind.one_of {
+        for (i, a) in one_of.sets.iter().enumerate() {
+            for b in &one_of.sets[i + 1..] {
+                let pairs = a.iter().flat_map(|x| b.iter().map(move |y| (x, y))).filter(|(x, y)| x != y);
+                rules.extend(pairs.map(|(x, y)| json!({"not": {"required": [x, y]}})));
+            }
+        }
+        if one_of.required {
+            let firsts: Vec<Json> =
+                one_of.sets.iter().filter_map(|s| s.first()).map(|f| json!({"required": [f]})).collect();
+            rules.push(json!({"anyOf": firsts}));
+        }
+    }
+    let mut module = json!({"type": "object", "properties": properties, "additionalProperties": false});
+    if !required.is_empty() {
+        module["required"] = json!(required);
+    }
+    if !rules.is_empty() {
+        module["allOf"] = json!(rules);
+    }
+    json!({
+        "type": "object",
+        "title": format!("{}: {}", kind.code, kind.title),
+        "description": format!("{}\n\n{}", kind.doc, kind.equation),
+        "propertyNames": {"pattern": WORD},
+        "additionalProperties": module,
+    })
+}
+
+fn param(p: &Param) -> Json {
+    let (mut json, unit) = match p.ty {
+        Type::Number { unit, min, max } => (number(unit, min, max), Some((unit, min, max))),
+        Type::Numbers { unit, min, max } => {
+            let one = number(unit, min, max);
+            (json!({"anyOf": [one, {"type": "array", "items": one}]}), Some((unit, min, max)))
+        }
+        Type::PowerStiffness { .. } => (number(Unit::STIFFNESS, 0.0, f64::MAX), None),
+        Type::Count { min, max } => {
+            (json!({"anyOf": [{"type": "integer", "minimum": min, "maximum": max}, {"$ref": "#/$defs/name"}]}), None)
+        }
+        Type::Choice(words) => (json!({"enum": words}), None),
+        Type::Flag => (json!({"type": "boolean"}), None),
+        Type::Points { .. } => {
+            let number = json!({"anyOf": [{"type": "number"}, {"$ref": "#/$defs/quantity"}]});
+            let point = json!({"type": "array", "minItems": 2, "maxItems": 2, "items": number});
+            (json!({"type": "array", "minItems": 2, "items": point}), None)
+        }
+        Type::Between => {
+            let end = json!({"anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}}]});
+            (json!({"type": "array", "minItems": 2, "maxItems": 2, "items": end}), None)
+        }
+        Type::Module | Type::Text => (json!({"type": "string"}), None),
+        Type::Midi => (json!({"type": "object"}), None),
+    };
+    let mut doc = Vec::from([p.doc.to_string()]);
+    match p.ty {
+        Type::PowerStiffness { exponent } => doc.push(format!(" [N/m^{exponent}]")),
+        Type::Points { x, y } => doc.push(format!(" [{}, {}]", symbol(x), symbol(y))),
+        _ => {}
+    }
+    if let Some((unit, min, max)) = unit {
+        doc.push(format!(" [{}]", symbol(unit)));
+        let own = |v: f64| v != 0.0 && v.abs() != f64::MAX && v != f64::MIN_POSITIVE;
+        if own(min) {
+            doc.push(format!(", from {}", show(min, unit)));
+        }
+        if own(max) {
+            doc.push(format!(", up to {}", show(max, unit)));
+        }
+        if let Need::Default(v) = p.need {
+            json["default"] = if v == 0.0 || unit.dim == Dim::NONE { json!(v) } else { json!(show(v, unit)) };
+        }
+    } else if let Need::Default(v) = p.need {
+        json["default"] = match p.ty {
+            Type::Choice(words) => json!(words.get(v as usize)),
+            Type::Flag => json!(v != 0.0),
+            Type::Count { .. } => json!(v as u64),
+            _ => json!(v),
+        };
+    }
+    json["description"] = json!(doc.concat());
+    json
+}
+
+fn symbol(unit: Unit) -> &'static str {
+    if unit.symbol.is_empty() { "plain number" } else { unit.symbol }
+}
+
+/// A bare number with the bounds that hold in every system of units, or a quantity, or a name.
+fn number(unit: Unit, min: f64, max: f64) -> Json {
+    let mut bare = json!({"type": "number"});
+    let plain = unit.dim == Dim::NONE;
+    if min == f64::MIN_POSITIVE {
+        bare["exclusiveMinimum"] = json!(0);
+    } else if min == 0.0 || plain && min != f64::MIN {
+        bare["minimum"] = json!(min);
+    }
+    if plain && max != f64::MAX || max == 0.0 {
+        bare["maximum"] = json!(max);
+    }
+    json!({"anyOf": [bare, {"$ref": "#/$defs/quantity"}, {"$ref": "#/$defs/name"}]})
+}

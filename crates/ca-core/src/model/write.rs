@@ -1,1 +1,212 @@
-//! (write)
+//! From [`Model`] back to text: a file its author would be glad to read.
+//!
+//! Decides the order `[model]`, `[rate]`, `[param]`, modules, `[gesture]`, `[equivalence]`, one module a line, names
+//! padded so that the `=` stand in one column. TOML has each section once, so a model that goes MAS, REF, MAS is
+//! written with its kinds in order of first appearance and the order within each kind kept: reading it again gives the
+//! same modules, regrouped. Comments are kept at the head of the file only; the rest of them is not in a [`Model`].
+//! No TOML library: this must work without the feature `parse`, and none writes a module a line.
+
+use super::select::is_word;
+use super::{Entry, Item, Model, Value};
+use alloc::format;
+use alloc::string::{String, ToString};
+use alloc::vec::Vec;
+
+/// A line that would be longer is broken.
+const WIDTH: usize = 110;
+/// Names are padded to the longest of a section up to this length.
+const PAD: usize = 16;
+
+/// The text of a model. `read(write(m))` gives `m` again, up to spans, text and the regrouping said above, for every
+/// model whose names are valid and unique.
+pub fn write(model: &Model) -> String {
+    let mut out = String::new();
+    for line in model.header.trim_end().lines() {
+        let line: String = line.chars().filter(|c| !c.is_control() || *c == '\t').collect();
+        let gap = if line.is_empty() || line.starts_with([':', '!']) { "" } else { " " };
+        emit(&mut out, format!("#{gap}{line}").trim_end());
+    }
+    section(&mut out, "model", &model.meta);
+    section(&mut out, "rate", &model.rate);
+    section(&mut out, "param", &model.params);
+    modules(&mut out, model);
+    section(&mut out, "gesture", &model.gestures);
+    section(&mut out, "equivalence", &model.equivalence);
+    out
+}
+
+fn emit(out: &mut String, line: &str) {
+    out.push_str(line);
+    out.push('\n');
+}
+
+fn head(out: &mut String, name: &str) {
+    if !out.is_empty() {
+        out.push('\n');
+    }
+    emit(out, &format!("[{name}]"));
+}
+
+fn section(out: &mut String, name: &str, entries: &[Entry]) {
+    if entries.is_empty() {
+        return;
+    }
+    head(out, name);
+    let lines: Vec<(String, &Value)> = entries.iter().map(|e| (quoted_key(&e.key), &e.value)).collect();
+    let pad = padding(lines.iter().map(|l| l.0.as_str()));
+    for (key, value) in lines {
+        line(out, &key, pad, value);
+    }
+}
+
+/// The group a module is written in, and its name there.
+fn place<'m>(model: &'m Model, item: &'m Item) -> (&'m str, &'m str) {
+    let own = item.group.and_then(|g| model.groups.get(g)).map(|g| g.name.as_str());
+    match item.name.split_once('.') {
+        Some((g, word)) if own.is_none_or(|o| o == g) && is_word(g) && is_word(word) => (g, word),
+        _ => ("", &item.name),
+    }
+}
+
+/// Modules of one kind in one group, each with its name there.
+struct Section<'m> {
+    group: &'m str,
+    kind: &'m str,
+    members: Vec<(&'m str, &'m Item)>,
+}
+
+fn modules(out: &mut String, model: &Model) {
+    let mut sections: Vec<Section> = Vec::new();
+    for item in &model.items {
+        let (group, word) = place(model, item);
+        match sections.iter_mut().find(|s| s.group == group && s.kind == item.kind) {
+            Some(s) => s.members.push((word, item)),
+            None => sections.push(Section { group, kind: &item.kind, members: Vec::from([(word, item)]) }),
+        }
+    }
+    let mut opened: Vec<&str> = Vec::new();
+    let mut open = |out: &mut String, name: &str, alone: bool| {
+        let Some(group) = model.groups.iter().find(|g| g.name == name) else { return };
+        if !opened.contains(&group.name.as_str()) {
+            opened.push(&group.name);
+            if alone && group.props.is_empty() {
+                head(out, &quoted_key(&group.name));
+            }
+            section(out, &quoted_key(&group.name), &group.props);
+        }
+    };
+    for Section { group, kind, members } in &sections {
+        if !group.is_empty() {
+            open(out, group, false);
+        }
+        let dot = if group.is_empty() { "" } else { "." };
+        head(out, &format!("{group}{dot}{}", quoted_key(kind)));
+        let pad = padding(members.iter().map(|m| m.0));
+        for (word, item) in members {
+            module(out, &quoted_key(word), pad, item);
+        }
+    }
+    for g in &model.groups {
+        open(out, &g.name, true);
+    }
+}
+
+/// `name = { … }`, or one dotted key a line where that would be too long.
+fn module(out: &mut String, key: &str, pad: usize, item: &Item) {
+    let value = table(&item.args);
+    if key.chars().count().max(pad) + 3 + value.chars().count() <= WIDTH || item.args.is_empty() {
+        emit(out, &format!("{key:pad$} = {value}"));
+        return;
+    }
+    let keys: Vec<String> = item.args.iter().map(|e| format!("{key}.{}", quoted_key(&e.key))).collect();
+    let pad = keys.iter().map(|k| k.chars().count()).max().unwrap_or(0).min(2 * PAD);
+    for (k, e) in keys.iter().zip(&item.args) {
+        line(out, k, pad, &e.value);
+    }
+}
+
+fn padding<'a>(names: impl Iterator<Item = &'a str>) -> usize {
+    names.map(|n| n.chars().count()).filter(|&n| n <= PAD).max().unwrap_or(0)
+}
+
+/// `key = value`; a long list gets a line for each few members.
+fn line(out: &mut String, key: &str, pad: usize, value: &Value) {
+    let short = inline(value);
+    let Value::List(list) = value else {
+        emit(out, &format!("{key:pad$} = {short}"));
+        return;
+    };
+    if key.chars().count().max(pad) + 3 + short.chars().count() <= WIDTH {
+        emit(out, &format!("{key:pad$} = {short}"));
+        return;
+    }
+    emit(out, &format!("{key:pad$} = ["));
+    let mut row = String::new();
+    for e in list {
+        let member = format!("{},", inline(&e.value));
+        if !row.is_empty() && row.chars().count() + member.chars().count() + 5 > WIDTH {
+            emit(out, &format!("    {row}"));
+            row.clear();
+        }
+        if !row.is_empty() {
+            row.push(' ');
+        }
+        row += &member;
+    }
+    emit(out, &format!("    {row}"));
+    emit(out, "]");
+}
+
+fn inline(value: &Value) -> String {
+    match value {
+        Value::Num(v) => number(*v),
+        Value::Text(t) => quoted(t),
+        Value::Bool(b) => b.to_string(),
+        Value::List(list) => {
+            format!("[{}]", list.iter().map(|e| inline(&e.value)).collect::<Vec<_>>().join(", "))
+        }
+        Value::Table(entries) => table(entries),
+    }
+}
+
+fn table(entries: &[Entry]) -> String {
+    if entries.is_empty() {
+        return "{}".into();
+    }
+    let list: Vec<String> = entries.iter().map(|e| format!("{} = {}", quoted_key(&e.key), inline(&e.value))).collect();
+    format!("{{ {} }}", list.join(", "))
+}
+
+/// The shortest digits that read back to the same bits.
+fn number(v: f64) -> String {
+    if v.is_nan() {
+        return "nan".into();
+    }
+    let text = format!("{v:?}");
+    match text.strip_suffix(".0") {
+        Some(whole) if v.abs() < 1e15 => whole.into(),
+        _ => text,
+    }
+}
+
+fn quoted_key(key: &str) -> String {
+    let bare = !key.is_empty() && key.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'_' || b == b'-');
+    if bare { key.into() } else { quoted(key) }
+}
+
+fn quoted(text: &str) -> String {
+    let mut out = String::from("\"");
+    for c in text.chars() {
+        match c {
+            '"' => out += "\\\"",
+            '\\' => out += "\\\\",
+            '\n' => out += "\\n",
+            '\t' => out += "\\t",
+            '\r' => out += "\\r",
+            c if c.is_control() => out.extend(["\\u".to_string(), format!("{:04X}", c as u32)]),
+            c => out.push(c),
+        }
+    }
+    out.push('"');
+    out
+}

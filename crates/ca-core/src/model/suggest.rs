@@ -1,0 +1,40 @@
+//! "Did you mean": the candidate nearest to a word.
+//!
+//! Decides that a difference of case alone always wins, and that further away than a third of the word nothing is
+//! suggested: a wrong suggestion costs more than none. Without the feature `parse` only the first rule holds, because
+//! the edit distance comes from a dependency.
+
+/// The candidate nearest to `word`, if one is near; the earlier of two equally near.
+pub fn nearest<'a>(word: &str, candidates: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+    let mut best: Option<(usize, &'a str)> = None;
+    for c in candidates {
+        let d = distance(word, c);
+        if d.is_some_and(|d| best.is_none_or(|b| d < b.0)) {
+            best = d.map(|d| (d, c));
+        }
+    }
+    best.map(|b| b.1)
+}
+
+fn distance(a: &str, b: &str) -> Option<usize> {
+    if a.eq_ignore_ascii_case(b) {
+        return Some(usize::from(a != b));
+    }
+    edits(a, b)
+}
+
+#[cfg(feature = "parse")]
+fn edits(a: &str, b: &str) -> Option<usize> {
+    // a hostile word of a megabyte is near to nothing, and not worth a square table
+    if a.len().max(b.len()) > 64 {
+        return None;
+    }
+    let d = strsim::damerau_levenshtein(&a.to_ascii_lowercase(), &b.to_ascii_lowercase());
+    let longest = a.chars().count().max(b.chars().count());
+    (d <= (longest / 3).max(usize::from(longest > 1))).then_some(d + 1)
+}
+
+#[cfg(not(feature = "parse"))]
+fn edits(_: &str, _: &str) -> Option<usize> {
+    None
+}

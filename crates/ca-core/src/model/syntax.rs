@@ -1,0 +1,262 @@
+//! Where the text is not TOML: say so, mend the usual slips, go on.
+//!
+//! Decides that a missing `"`, `}`, `]` is mended before the parser sees the text. Inline tables may run over lines
+//! since TOML 1.1, so to the parser one missing `}` swallows the whole rest of the file, and every link to a module
+//! below would then be "unknown". A model has one module a line: a new `name =` or `[SECTION]` after a line that does
+//! not end in a comma tells where the table should have ended. What was inserted is taken out of the spans again, so
+//! reports point into the text as written. A text without errors never comes here.
+
+use super::Span;
+use super::diag::{Diag, Diags};
+use alloc::borrow::Cow;
+use alloc::format;
+use alloc::string::String;
+use alloc::vec::Vec;
+use core::ops::Range;
+use toml::de::{DeTable, DeValue, Error};
+
+/// The text the parser reads, and the way back to the text as written.
+pub(super) struct Source<'s> {
+    text: Cow<'s, str>,
+    /// offset in the mended text of each byte inserted, rising
+    inserted: Vec<usize>,
+}
+
+impl<'s> Source<'s> {
+    /// The text itself where it is TOML, else a mended copy; what was mended is reported.
+    pub(super) fn mend(text: &'s str, diags: &mut Diags) -> Source<'s> {
+        if DeTable::parse(text).is_ok() {
+            return Source { text: Cow::Borrowed(text), inserted: Vec::new() };
+        }
+        let mut edits = Mender { text, ..Mender::default() }.run(diags);
+        edits.sort_by_key(|e| e.0);
+        let (mut mended, mut inserted, mut from) = (String::new(), Vec::new(), 0);
+        for (at, closer) in edits {
+            mended.push_str(&text[from..at]);
+            inserted.push(mended.len());
+            mended.push(closer);
+            from = at;
+        }
+        mended.push_str(&text[from..]);
+        Source { text: Cow::Owned(mended), inserted }
+    }
+
+    pub(super) fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// A range of the mended text as a span of the text as written.
+    pub(super) fn span(&self, r: Range<usize>) -> Span {
+        let back = |at: usize| at - self.inserted.partition_point(|&i| i < at);
+        Span { start: back(r.start), end: back(r.end.max(r.start)) }
+    }
+}
+
+/// Turns the parser's errors into findings. Of several on one line the first counts; the rest of a broken line is
+/// guesswork.
+pub(super) fn report(source: &Source, text: &str, doc: &DeTable, errors: &[Error], diags: &mut Diags) {
+    let line = |span: Span| text[..span.start.min(text.len())].bytes().filter(|&b| b == b'\n').count();
+    let mut broken: Vec<usize> = diags.list.iter().flat_map(|d| d.labels.iter().map(|l| line(l.0))).collect();
+    for e in errors {
+        let span = e.span().map_or(Span { start: text.len(), end: text.len() }, |r| source.span(r));
+        let written = text.get(span.start..span.end).unwrap_or("");
+        if e.message() == "duplicate key" {
+            diags.push(duplicate(source, text, doc, span, written));
+            continue;
+        }
+        if e.message().starts_with("string values must be quoted")
+            && !written.is_empty()
+            && !written.contains(['"', '\\'])
+        {
+            let d = Diag::error("E001", "not TOML: a string without quotes").at(span, "put this in quotes");
+            diags.push(d.help("a value with a unit is a string").fix(span, format!("\"{written}\"")));
+            continue;
+        }
+        if broken.contains(&line(span)) {
+            continue;
+        }
+        broken.push(line(span));
+        let (what, expected) = e.message().split_once(", expected ").unwrap_or((e.message(), ""));
+        let label = if expected.is_empty() { String::new() } else { format!("expected {expected}") };
+        diags.push(Diag::error("E001", format!("not TOML: {what}")).at(span, label));
+    }
+}
+
+fn duplicate(source: &Source, text: &str, doc: &DeTable, span: Span, written: &str) -> Diag {
+    let header = |l: &str| l.trim().strip_prefix('[')?.split_once(']').map(|(inside, _)| inside.trim().len());
+    let start = text[..span.start.min(text.len())].rfind('\n').map_or(0, |i| i + 1);
+    let this = text[start..].lines().next().unwrap_or("").trim();
+    if header(this).is_some() {
+        let mut at = 0;
+        let mut first = None;
+        for l in text[..start].split_inclusive('\n') {
+            if first.is_none() && header(l).is_some() && l.trim() == this {
+                let lead = l.len() - l.trim_start().len();
+                first = Some(Span { start: at + lead, end: at + lead + this.len() });
+            }
+            at += l.len();
+        }
+        let d = Diag::error("E012", format!("the section `{this}` is written twice")).at(span, "again here");
+        let d = match first {
+            Some(f) => d.at(f, "first here"),
+            None => d,
+        };
+        return d.help("TOML has each section once: move these lines up to the first");
+    }
+    let mut first = None;
+    last_key_before(source, doc, written, span, &mut first);
+    let d = Diag::error("E012", format!("`{written}` is written twice")).at(span, "again here");
+    let d = match first {
+        Some(f) => d.at(f, "first here"),
+        None => d,
+    };
+    d.help("the first one counts: remove or rename the second")
+}
+
+/// The nearest key of that name before `before`: the one that was repeated, since both stand in one table.
+fn last_key_before(source: &Source, table: &DeTable, name: &str, before: Span, best: &mut Option<Span>) {
+    for (k, v) in table {
+        let span = source.span(k.span());
+        if k.get_ref() == name && span < before && best.is_none_or(|b| b < span) {
+            *best = Some(span);
+        }
+        if let DeValue::Table(inner) = v.get_ref() {
+            last_key_before(source, inner, name, before, best);
+        }
+    }
+}
+
+/// One pass over the text with a stack of open brackets.
+#[derive(Default)]
+struct Mender<'s> {
+    text: &'s str,
+    at: usize,
+    /// open brackets: place and the character that closes them
+    open: Vec<(usize, char)>,
+    edits: Vec<(usize, char)>,
+}
+
+impl Mender<'_> {
+    fn run(mut self, diags: &mut Diags) -> Vec<(usize, char)> {
+        // end of the last thing that is neither blank nor comment, and its last byte
+        let (mut solid, mut last) = (0, b'\n');
+        let mut fresh = true;
+        while let Some(&b) = self.text.as_bytes().get(self.at) {
+            match b {
+                b'\n' => fresh = true,
+                b' ' | b'\t' | b'\r' => {}
+                b'#' => self.at = self.line_end() - 1,
+                _ => {
+                    if fresh && !self.open.is_empty() && !b",{[".contains(&last) && self.is_statement() {
+                        self.close(solid, diags);
+                    }
+                    if fresh && self.open.is_empty() && b == b'[' {
+                        self.header(diags);
+                    } else {
+                        self.token(b, diags);
+                    }
+                    fresh = false;
+                    solid = self.at + 1;
+                    last = self.text.as_bytes().get(self.at).copied().unwrap_or(b' ');
+                }
+            }
+            self.at += 1;
+        }
+        if !self.open.is_empty() {
+            self.close(solid.min(self.text.len()), diags);
+        }
+        self.edits
+    }
+
+    fn line_end(&self) -> usize {
+        let end = self.text.as_bytes()[self.at..].iter().position(|&b| b == b'\n');
+        end.map_or(self.text.len(), |i| self.at + i)
+    }
+
+    fn line(&self) -> &str {
+        self.text.get(self.at..self.line_end()).unwrap_or("")
+    }
+
+    /// Whether a module or a section starts here.
+    fn is_statement(&self) -> bool {
+        let line = self.line();
+        if let Some(rest) = line.strip_prefix('[') {
+            return rest
+                .split_once(']')
+                .is_some_and(|(name, _)| name.split('.').all(|w| super::select::is_word(w.trim())));
+        }
+        line.split_once('=').is_some_and(|(key, _)| super::select::is_name(key.trim()))
+    }
+
+    /// Closes all that is open, at `end`.
+    fn close(&mut self, end: usize, diags: &mut Diags) {
+        let closers: String = self.open.iter().rev().map(|o| o.1).collect();
+        if let Some(&(at, closer)) = self.open.last() {
+            let opener = if closer == '}' { '{' } else { '[' };
+            let d = Diag::error("E001", format!("not TOML: `{opener}` is not closed"));
+            let d = d.at(Span { start: at, end: at + 1 }, format!("`{closer}` is missing"));
+            let gap = if closer == '}' { " " } else { "" };
+            diags.push(d.fix(Span { start: end, end }, format!("{gap}{closers}")));
+        }
+        self.edits.extend(closers.chars().map(|c| (end, c)));
+        self.open.clear();
+    }
+
+    /// `[SECTION]`, with its bracket or without.
+    fn header(&mut self, diags: &mut Diags) {
+        let line = self.line().split('#').next().unwrap_or("").trim_end();
+        let (start, end) = (self.at, self.at + line.len());
+        if !line.contains(']') && !line.contains(['"', '\'']) {
+            let d =
+                Diag::error("E001", "not TOML: `[` is not closed").at(Span { start, end: start + 1 }, "`]` is missing");
+            diags.push(d.fix(Span { start: end, end }, "]"));
+            self.edits.push((end, ']'));
+        }
+        self.at = end.max(start + 1) - 1;
+    }
+
+    fn token(&mut self, b: u8, diags: &mut Diags) {
+        match b {
+            b'{' => self.open.push((self.at, '}')),
+            b'[' => self.open.push((self.at, ']')),
+            b'}' | b']' if self.open.last().is_some_and(|o| o.1 == char::from(b)) => {
+                self.open.pop();
+            }
+            b'"' | b'\'' => self.string(b, diags),
+            _ => {}
+        }
+    }
+
+    /// Steps to the closing quote.
+    fn string(&mut self, quote: u8, diags: &mut Diags) {
+        let bytes = self.text.as_bytes();
+        let start = self.at;
+        if bytes[start..].starts_with(&[quote; 3]) {
+            let mut i = start + 3;
+            while i < bytes.len() && !bytes[i..].starts_with(&[quote; 3]) {
+                i += if quote == b'"' && bytes[i] == b'\\' { 2 } else { 1 };
+            }
+            self.at = (i + 2).min(bytes.len() - 1);
+            return;
+        }
+        let end = self.line_end();
+        let mut i = start + 1;
+        while i < end && bytes[i] != quote {
+            i += if quote == b'"' && bytes[i] == b'\\' { 2 } else { 1 };
+        }
+        if i < end {
+            self.at = i;
+            return;
+        }
+        // not closed on its line: it ended before the brackets that end the line
+        let body = self.text.get(start + 1..end).unwrap_or("");
+        let keep = body.trim_end_matches(|c: char| c.is_whitespace() || matches!(c, '}' | ']' | ','));
+        let at = start + 1 + keep.len();
+        let d =
+            Diag::error("E001", "not TOML: a string is not closed").at(Span { start, end: at }, "its end is missing");
+        let d = d.help("close it with the quote it began with");
+        diags.push(d.fix(Span { start: at, end: at }, char::from(quote)));
+        self.edits.push((at, char::from(quote)));
+        self.at = at - 1;
+    }
+}
