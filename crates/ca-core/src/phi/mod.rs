@@ -37,6 +37,14 @@ pub const BETWEEN: Param =
 pub const L0: Param =
     Param::number("l0", Unit::METRE, ANY, Need::Optional, "length at which it is slack; the rest distance if left out");
 
+/// How many links two lists of ends make.
+pub const PAIRS: Param = Param::new(
+    "pairs",
+    Type::Choice(&["each", "all"]),
+    Need::Default(0.0),
+    "each: lists pair one to one; all: every pair, once",
+);
+
 /// Linear bound of a law: no slope of its force exceeds `k` [N/m] against elongation nor `z` [N/(m/tick)] against
 /// change of elongation. Both ≥ 0 except for springs that are negative on purpose. `contact` marks laws that switch.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

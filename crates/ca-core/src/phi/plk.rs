@@ -4,7 +4,7 @@
 //! k [N/m], z [N s/m], d [m] > 0. Source: HSP v2 (contact-pluck), numerics 2.2 for the energy: what is stored at
 //! release is booked as lost. Stability: as REF while engaged. Test: `tests/suite/laws.rs`.
 
-use super::{BETWEEN, Bound, Law, Phi, linear_lost, linear_stored};
+use super::{BETWEEN, Bound, Law, Phi, linear_lost, linear_stored, PAIRS};
 use crate::kind::{ABOVE_ZERO, Kind, Need, POSITIVE, Param, Role, Unit};
 use crate::table::Table;
 
@@ -20,8 +20,7 @@ pub static KIND: Kind = Kind {
         BETWEEN,
         Param::number("k", Unit::STIFFNESS, POSITIVE, Need::Required, "stiffness while engaged"),
         Param::number("z", Unit::VISCOSITY, POSITIVE, Need::Default(0.0), "viscosity while engaged"),
-        Param::number("d", Unit::METRE, ABOVE_ZERO, Need::Required, "elongation at which it lets go"),
-    ],
+        Param::number("d", Unit::METRE, ABOVE_ZERO, Need::Required, "elongation at which it lets go"), PAIRS],
     one_of: &[],
     example: r#"
 [CEL]

@@ -3,7 +3,7 @@
 //! Equation: F = k e. Parameters: k [N/m] ≥ 0. Source: CMJ 1993. Stability: T²k(1/m₁ + 1/m₂) < 4 for one link.
 //! Test: A01, A03, A09.
 
-use super::{BETWEEN, Bound, L0, Law, Phi, linear_stored};
+use super::{BETWEEN, Bound, L0, Law, Phi, linear_stored, PAIRS};
 use crate::kind::{Kind, Need, POSITIVE, Param, Role, Unit};
 use crate::table::Table;
 
@@ -14,7 +14,7 @@ pub static KIND: Kind = Kind {
     equation: "F = k e",
     doc: "Pulls its ends together in proportion to how far they have been drawn apart. Loses nothing.",
     source: &["CMJ 1993"],
-    params: &[BETWEEN, Param::number("k", Unit::STIFFNESS, POSITIVE, Need::Required, "stiffness"), L0],
+    params: &[BETWEEN, Param::number("k", Unit::STIFFNESS, POSITIVE, Need::Required, "stiffness"), L0, PAIRS],
     one_of: &[],
     example: r#"
 [SOL]

@@ -1,0 +1,81 @@
+//! The scene compiler: from what the author wrote to what runs, leaving out what the scene does not need.
+//!
+//! ```text
+//! Model ─resolve→ Net ─wire→ Net ─prune→ ─specialise→ ─number→ ─schedule→ Scene
+//!        units,          links,    what      cheaper      order    passes     ▲
+//!        ranges          names     nobody    laws         of MATs             └─ certify
+//!                                  hears
+//! ```
+//! Decides on one network of plain records ([`net::Net`]) between model and scene: every pass reads and rewrites that,
+//! and all of them push findings into one list, so an author sees everything at once.
+
+pub mod certify;
+pub mod net;
+mod number;
+mod prune;
+mod resolve;
+mod schedule;
+mod specialise;
+mod values;
+mod wire;
+
+use crate::catalog::Catalog;
+use crate::model::Model;
+use crate::model::diag::Diags;
+use crate::scene::Scene;
+use alloc::string::String;
+use alloc::vec::Vec;
+
+/// Which passes run the links.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum KernelClass {
+    /// batches by law, chains as runs: fast
+    #[default]
+    Fast,
+    /// links one by one in document order: the bits of a plain loop over modules
+    Reference,
+}
+
+/// What the caller asks of a compilation.
+#[derive(Clone, Debug, Default)]
+pub struct Options {
+    /// sound rate [Hz]; the model's own if `None`
+    pub rate: Option<f64>,
+    /// keep the energy book
+    pub energy: bool,
+    /// selectors of modules to be heard besides the outputs: displacement of a MAT, force of a LIA
+    pub probes: Vec<String>,
+    /// which passes run the links
+    pub kernel: KernelClass,
+}
+
+/// Compiles a model. Warnings and notes are in [`Scene::diags`]; with an error there is no scene, and all findings are
+/// returned, sorted.
+pub fn compile(model: &Model, catalog: &Catalog, options: &Options) -> Result<Scene, Diags> {
+    let mut diags = Diags::new();
+    let net = resolve::resolve(model, catalog, options, &mut diags);
+    let mut net = wire::wire(model, net, options, &mut diags);
+    if diags.has_errors() {
+        diags.sort();
+        return Err(diags);
+    }
+    specialise::specialise(model, &mut net, &mut diags);
+    prune::prune(model, &mut net, &mut diags);
+    let certificate = certify::certify(model, &net, &mut diags);
+    let order = match options.kernel {
+        KernelClass::Fast => number::number(&net),
+        KernelClass::Reference => number::document(&net),
+    };
+    let scene = schedule::schedule(model, net, &order, options, certificate, &mut diags);
+    match scene {
+        Some(mut scene) if !diags.has_errors() => {
+            diags.sort();
+            scene.diags = diags;
+            Ok(scene)
+        }
+        _ => {
+            diags.sort();
+            Err(diags)
+        }
+    }
+}

@@ -1,0 +1,263 @@
+//! Net: the network between model and scene: every module by itself, references resolved, numbers in SI.
+
+use crate::generate::Arg;
+use crate::io::PortRole;
+use crate::kind::Kind;
+use crate::live::{LiveParam, Source};
+use crate::mat::MatSpec;
+use crate::phi::Law;
+use crate::scene::Input;
+use crate::table::Table;
+use alloc::collections::BTreeMap;
+use alloc::string::String;
+use alloc::sync::Arc;
+use alloc::vec::Vec;
+
+/// An item of the model, resolved.
+#[derive(Clone)]
+pub struct NetItem {
+    /// its full name
+    pub name: String,
+    /// its kind
+    pub kind: &'static Kind,
+    /// its place in [`crate::model::Model::items`]
+    pub model: usize,
+    /// its group, a place in [`Net::media`]
+    pub group: Option<u32>,
+    /// its parameters in SI
+    pub args: Vec<Arg>,
+    /// which arguments follow which live parameter: (argument, parameter, factor)
+    pub follows: Vec<(usize, usize, f64)>,
+    /// the numbers its modules point at
+    pub slots: Vec<Option<f64>>,
+}
+
+/// What a MAT is.
+#[derive(Clone, Copy)]
+pub enum MatRole {
+    /// moved by forces, or fixed
+    Mat(&'static MatSpec),
+    /// moved from outside, through this place in [`Net::inputs`]
+    Port(PortRole, u32),
+}
+
+/// A MAT.
+#[derive(Clone)]
+pub struct MatNode {
+    /// full name
+    pub name: String,
+    /// code of its kind
+    pub code: &'static str,
+    /// what it is
+    pub role: MatRole,
+    /// where its parameters come from
+    pub values: Arc<[Source]>,
+    /// rest position [m]
+    pub rest: f64,
+    /// initial displacement [m]
+    pub dx0: f64,
+    /// initial velocity [m/s]
+    pub v: f64,
+    /// medium
+    pub group: Option<u32>,
+    /// item it was made from
+    pub item: u32,
+}
+
+impl MatNode {
+    /// True for what no force moves.
+    pub fn is_fixed(&self) -> bool {
+        match self.role {
+            MatRole::Mat(s) => s.fixed,
+            MatRole::Port(..) => true,
+        }
+    }
+}
+
+/// An end of a link, or what an output hears.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum End {
+    /// a MAT
+    Mat(u32),
+    /// a moving point
+    Point(u32),
+}
+
+/// A LIA.
+#[derive(Clone)]
+pub struct LiaNode {
+    /// full name
+    pub name: String,
+    /// its kind as written
+    pub kind: &'static Kind,
+    /// the law that runs
+    pub law: &'static Law,
+    /// where its parameters come from
+    pub values: Arc<[Source]>,
+    /// its ends
+    pub ends: [End; 2],
+    /// rest length [m] if written
+    pub l0: Option<f64>,
+    /// item it was made from
+    pub item: u32,
+}
+
+/// A coordinate of a moving point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Coordinate {
+    /// for good
+    At(f64),
+    /// follows a live parameter
+    Live(u32),
+    /// follows the position of a MAT (an ENX or TGR), in metres read as a plain number
+    Port(u32),
+}
+
+/// A moving point.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PointNode {
+    /// as written
+    pub name: String,
+    /// the family it moves on
+    pub family: String,
+    /// coordinates; one on a string, two on a mesh
+    pub at: Vec<Coordinate>,
+}
+
+/// What an output hears.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ear {
+    /// displacement
+    Position(End),
+    /// summed force
+    ForceOn(End),
+    /// force of a LIA
+    ForceOf(u32),
+}
+
+/// An output or a probe.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OutNode {
+    /// its name
+    pub name: String,
+    /// what it hears
+    pub ear: Ear,
+    /// sound channel; probes come after all of them
+    pub channel: u32,
+    /// where the gain comes from
+    pub gain: Source,
+    /// the item; `None` for probes
+    pub item: Option<u32>,
+}
+
+/// The modules under one name.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Family {
+    /// MATs that `name[i]` means
+    pub masses: Vec<u32>,
+    /// LIAs that `name.link[i]` means
+    pub links: Vec<u32>,
+    /// fixed points that `name.end[i]` means
+    pub tips: Vec<u32>,
+    /// nodes a moving point may stand between
+    pub nodes: Vec<u32>,
+    /// their arrangement; `[n, 1]` in a row
+    pub size: [u32; 2],
+}
+
+/// What surrounds the modules of a group.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Medium {
+    /// acceleration of weight, towards negative x [m/s²]
+    pub gravity: f64,
+    /// viscosity of each MAT to ground [N s/m]
+    pub friction: f64,
+}
+
+/// The network.
+#[derive(Default)]
+pub struct Net {
+    /// sound rate [Hz]
+    pub rate: f64,
+    /// tick [s]
+    pub te: f64,
+    /// ticks per gesture frame
+    pub ratio: u32,
+    /// the items the modules were made from
+    pub items: Vec<NetItem>,
+    /// MATs in document order
+    pub mats: Vec<MatNode>,
+    /// LIAs in document order
+    pub lias: Vec<LiaNode>,
+    /// moving points
+    pub points: Vec<PointNode>,
+    /// names
+    pub families: BTreeMap<String, Family>,
+    /// ports that take something
+    pub inputs: Vec<Input>,
+    /// force ports: input and target
+    pub pushes: Vec<(u32, End)>,
+    /// outputs, then probes
+    pub outs: Vec<OutNode>,
+    /// names of the sound channels
+    pub channels: Vec<String>,
+    /// live parameters
+    pub params: Vec<LiveParam>,
+    /// values of the parameters that are not live, for coordinates and gestures
+    pub constants: BTreeMap<String, f64>,
+    /// tables
+    pub tables: Vec<Table>,
+    /// media of the groups; the last is that of modules without group
+    pub media: Vec<Medium>,
+    /// built-in gestures
+    pub gestures: Vec<(String, Vec<[f64; 2]>)>,
+    /// what was left out, in words
+    pub left_out: Vec<String>,
+    /// MATs that stay, by document number
+    pub alive: Vec<bool>,
+}
+
+impl Net {
+    /// Parameter values of a module, in SI.
+    pub fn values(&self, item: u32, values: &[Source]) -> Vec<Option<f64>> {
+        let slots = &self.items[item as usize].slots;
+        values.iter().map(|s| s.get(slots)).collect()
+    }
+
+    /// True where the module's parameters may change while playing.
+    pub fn is_live(&self, item: u32) -> bool {
+        !self.items[item as usize].follows.is_empty()
+    }
+
+    /// The medium of a MAT.
+    pub fn medium(&self, m: &MatNode) -> Medium {
+        m.group.and_then(|g| self.media.get(g as usize)).or(self.media.last()).copied().unwrap_or_default()
+    }
+
+    /// Rest position of an end.
+    pub fn rest(&self, end: End) -> f64 {
+        match end {
+            End::Mat(m) => self.mats[m as usize].rest,
+            End::Point(p) => self.families[&self.points[p as usize].family]
+                .nodes
+                .first()
+                .map_or(0.0, |m| self.mats[*m as usize].rest),
+        }
+    }
+
+    /// The MATs an end can act on.
+    pub fn under(&self, end: End) -> Vec<u32> {
+        match end {
+            End::Mat(m) => alloc::vec![m],
+            End::Point(p) => self.families[&self.points[p as usize].family].nodes.clone(),
+        }
+    }
+
+    /// Name of an end, for reports.
+    pub fn end_name(&self, end: End) -> &str {
+        match end {
+            End::Mat(m) => &self.mats[m as usize].name,
+            End::Point(p) => &self.points[p as usize].name,
+        }
+    }
+}
