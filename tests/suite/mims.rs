@@ -1,0 +1,453 @@
+//! Import of MIMS models: `tests/mims/*.mdl` are ours, in the older dialect of the scripter; what each becomes, and
+//! what is said about it, stands beside it in `*.txt` (`UPDATE=1` rewrites them; read the diff).
+//!
+//! That generators stand for exactly what was written is not read off but computed: the text and the imported model are
+//! simulated side by side, each by its own few lines, and every mass must move alike.
+
+use ca_core::model::diag::{Diags, Severity};
+use ca_core::model::mims::import;
+use ca_core::model::{Entry, Model, Value};
+use proptest::prelude::*;
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("mims")
+}
+
+fn value(v: &Value) -> String {
+    match v {
+        Value::Num(x) => format!("{x}"),
+        Value::Text(t) => format!("{t:?}"),
+        Value::Bool(b) => format!("{b}"),
+        Value::List(l) => format!("[{}]", l.iter().map(|e| value(&e.value)).collect::<Vec<_>>().join(", ")),
+        Value::Table(t) => format!("{{ {} }}", table(t)),
+    }
+}
+
+fn table(entries: &[Entry]) -> String {
+    entries.iter().map(|e| format!("{} = {}", e.key, value(&e.value))).collect::<Vec<_>>().join(", ")
+}
+
+/// The content of a model and what was said about it, line by line.
+fn shown(model: &Model, diags: &Diags, text: &str) -> String {
+    let mut out = String::new();
+    for line in model.header.lines() {
+        _ = writeln!(out, "# {line}");
+    }
+    for (name, entries) in [("model", &model.meta), ("rate", &model.rate), ("param", &model.params)] {
+        for e in entries {
+            _ = writeln!(out, "[{name}] {} = {}", e.key, value(&e.value));
+        }
+    }
+    for g in &model.groups {
+        _ = writeln!(out, "[{}] {}", g.name, table(&g.props));
+    }
+    for i in &model.items {
+        let group = i.group.map_or(String::new(), |g| format!("({}) ", model.groups[g].name));
+        _ = writeln!(out, "{group}{} {} {{ {} }}", i.kind, i.name, table(&i.args));
+    }
+    for d in &diags.list {
+        let span = d.span();
+        let place = if span.is_some() {
+            let row = text[..span.start].matches('\n').count() + 1;
+            format!(" line {row} `{}`: {}", &text[span.start..span.end], d.labels[0].1)
+        } else {
+            String::new()
+        };
+        _ = writeln!(out, "{} {}{place}", d.code, d.title);
+        if let Some(help) = &d.help {
+            _ = writeln!(out, "  help: {help}");
+        }
+        if let Some(fix) = &d.fix {
+            _ = writeln!(out, "  fix: `{}`", fix.text);
+        }
+    }
+    out
+}
+
+fn models() -> Vec<PathBuf> {
+    let mut all: Vec<PathBuf> = std::fs::read_dir(folder()).unwrap().map(|f| f.unwrap().path()).collect();
+    all.retain(|p| p.extension().is_some_and(|e| e == "mdl"));
+    all.sort();
+    all
+}
+
+#[test]
+fn models_of_our_own_become_what_stands_beside_them() {
+    let mut wrong = Vec::new();
+    for path in models() {
+        let text = std::fs::read_to_string(&path).unwrap();
+        let (model, diags) = import(&text, path.to_str().unwrap());
+        let got = shown(&model, &diags, &text);
+        let beside = path.with_extension("txt");
+        if std::env::var_os("UPDATE").is_some() {
+            std::fs::write(&beside, &got).unwrap();
+        } else if std::fs::read_to_string(&beside).unwrap_or_default() != got {
+            wrong.push(format!("{}:\n{got}", path.display()));
+        }
+    }
+    assert!(models().len() > 8, "the models are missing");
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn every_type_is_among_the_laws() {
+    let text = std::fs::read_to_string(folder().join("laws.mdl")).unwrap();
+    let types: Vec<&str> = text.lines().filter_map(|l| l.split_whitespace().nth(1)).collect();
+    let all = "param audioParam mass massG osc ground posInput spring springDamper damper nlSpring nlSpring2 nlSpring3 \
+               contact detent nlPluck nlBow frcInput posOutput frcOutput";
+    for ty in all.split_whitespace() {
+        assert!(types.contains(&ty), "`{ty}` is in no model");
+    }
+}
+
+/// The polygons of mi.lib against ours, from the numbers in `laws.mdl`.
+#[test]
+fn pluck_and_bow_keep_their_curves() {
+    let text = std::fs::read_to_string(folder().join("laws.mdl")).unwrap();
+    let (model, _) = import(&text, "laws.mdl");
+    let num = |item: &str, key: &str| {
+        let item = model.items.iter().find(|i| i.name == item).unwrap();
+        match item.args.iter().find(|e| e.key == key).map(|e| &e.value) {
+            Some(Value::Num(x)) => *x,
+            other => panic!("{item:?} {key} {other:?}"),
+        }
+    };
+    let (k, scale) = (0.2, 0.1);
+    let (k1, d, rho) = (num("l11", "k"), num("l11", "d"), num("l11", "rho"));
+    let (z, v) = (0.9, 0.27);
+    let (f, v0, v1, fd) = (num("l13", "f"), num("l13", "v0"), num("l13", "v1"), num("l13", "fd"));
+    for i in 0..=400 {
+        let e = 0.0003 * f64::from(i);
+        let theirs = if e < scale / 10.0 {
+            (k - k / 10.0) * e
+        } else if e < scale {
+            scale / 10.0 * k - k / 10.0 * e
+        } else {
+            0.0
+        };
+        let ours = if e <= rho * d {
+            k1 * e
+        } else if e < d {
+            k1 * rho * d * (d - e) / (d - rho * d)
+        } else {
+            0.0
+        };
+        assert!((theirs - ours).abs() < 1e-15, "pluck at {e}: {theirs} {ours}");
+        let w = 0.001 * f64::from(i);
+        let theirs = if w < v / 3.0 {
+            (z - z / 3.0) * w
+        } else if w < v {
+            v / 3.0 * z - z / 3.0 * w
+        } else {
+            0.0
+        };
+        let ours = if w <= v0 {
+            f * w / v0
+        } else if w < v1 {
+            f + (fd - f) * (w - v0) / (v1 - v0)
+        } else {
+            fd
+        };
+        assert!((theirs - ours).abs() < 1e-15, "bow at {w}: {theirs} {ours}");
+    }
+}
+
+#[test]
+fn published_models_are_read() {
+    let dir = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data/mims");
+    if !dir.is_dir() {
+        println!("skipped: no published models beside the workspace");
+        return;
+    }
+    let generators = [
+        ("1000massString", "STRING str 1000, 0 REF"),
+        ("20x30mesh", "MESH mesh 20, CHAIN mesh_2 19, CHAIN mesh_3 19, 42 REF"),
+        ("BowedString", "STRING low 150, 0 REF"),
+        ("IPlayTheTriangle", "4 REF"),
+        ("Resonator", "CHAIN str 30, 2 REF"),
+    ];
+    for (name, expected) in generators {
+        let path = dir.join(format!("{name}.mdl"));
+        let text = std::fs::read_to_string(&path).unwrap();
+        let (model, diags) = import(&text, path.to_str().unwrap());
+        assert!(diags.list.iter().all(|d| d.severity == Severity::Note), "{name}: {diags}");
+        let size = |i: &ca_core::model::Item| match &i.args[0].value {
+            Value::Num(n) => format!("{} {} {n}", i.kind, i.name),
+            _ => String::new(),
+        };
+        let made = model.items.iter().filter(|i| matches!(i.kind.as_str(), "STRING" | "CHAIN" | "MESH"));
+        let mut got: Vec<String> = made.map(size).collect();
+        got.push(format!("{} REF", model.items.iter().filter(|i| i.kind == "REF").count()));
+        assert_eq!(got.join(", "), expected, "{name}");
+        let replaced = format!("@probe frcInput {}", text.split_whitespace().find(|w| w.contains("_m")).unwrap());
+        same_movement(&format!("{text}\n{}", replaced.replace("springDamperDamper", "springDamper")));
+    }
+}
+
+/// Masses and springs by name; what is not linear is left out on both sides.
+#[derive(Default)]
+struct Bare {
+    mass: BTreeMap<String, f64>,
+    spring: Vec<(String, String, f64, f64)>,
+    push: Vec<String>,
+    hear: Vec<String>,
+}
+
+impl Bare {
+    fn of_text(text: &str) -> Bare {
+        let mut bare = Bare::default();
+        let mut params = BTreeMap::new();
+        for line in text.lines() {
+            let words: Vec<&str> = line.split('#').next().unwrap().split_whitespace().collect();
+            let num = |i: usize| {
+                let w: &str = words.get(i).unwrap_or(&"0");
+                w.parse().ok().or_else(|| params.get(w).copied()).unwrap_or(0.0)
+            };
+            let at = |i: usize| words[i].trim_start_matches('@').to_string();
+            match words.get(1).copied().unwrap_or("") {
+                "param" => _ = params.insert(words[0].trim_start_matches('@').to_string(), num(2)),
+                "mass" => _ = bare.mass.insert(at(0), num(2)),
+                "ground" | "posInput" => _ = bare.mass.insert(at(0), f64::INFINITY),
+                "spring" | "springDamper" | "springDamperDamper" => {
+                    bare.spring.push((at(2), at(3), num(4), num(5)));
+                }
+                "frcInput" => bare.push.push(at(2)),
+                "posOutput" => bare.hear.push(at(2)),
+                _ => {}
+            }
+        }
+        bare
+    }
+
+    fn of_model(model: &Model) -> Bare {
+        let mut bare = Bare::default();
+        for item in &model.items {
+            let get = |key: &str| item.args.iter().find(|e| e.key == key).map(|e| &e.value);
+            let num = |key: &str| match get(key) {
+                Some(Value::Num(x)) => *x,
+                Some(Value::Text(name)) => {
+                    let p = model.params.iter().find(|p| &p.key == name).expect("a parameter that is used");
+                    if let Value::Num(x) = p.value { x } else { panic!("{p:?}") }
+                }
+                _ => 0.0,
+            };
+            let text = |key: &str| if let Some(Value::Text(t)) = get(key) { t.clone() } else { String::new() };
+            let (name, m, k, z) = (&item.name, num("m"), num("k"), num("z"));
+            match item.kind.as_str() {
+                "MAS" => _ = bare.mass.insert(name.clone(), m),
+                "SOL" | "ENX" => _ = bare.mass.insert(name.clone(), f64::INFINITY),
+                "RES" | "REF" => {
+                    let Some(Value::List(ends)) = get("between") else { panic!("{item:?}") };
+                    let end = |i: usize| if let Value::Text(t) = &ends[i].value { t.clone() } else { String::new() };
+                    bare.spring.push((end(0), end(1), k, z));
+                }
+                "ENF" => bare.push.push(text("to")),
+                "SOX" => bare.hear.push(text("from")),
+                "STRING" | "CHAIN" => {
+                    let n = num("n") as usize;
+                    let mut row: Vec<String> = (0..n).map(|i| format!("{name}[{i}]")).collect();
+                    bare.mass.extend(row.iter().map(|r| (r.clone(), m)));
+                    if item.kind == "STRING" {
+                        assert_eq!(text("ends"), "fixed");
+                        for (i, at) in [0, n + 1].into_iter().enumerate() {
+                            row.insert(at, format!("{name}.end[{i}]"));
+                            bare.mass.insert(row[at].clone(), f64::INFINITY);
+                        }
+                    }
+                    bare.spring.extend(row.windows(2).map(|w| (w[0].clone(), w[1].clone(), k, z)));
+                }
+                "MESH" => {
+                    let (nx, ny) = (num("nx") as usize, num("ny") as usize);
+                    let at = |i: usize, j: usize| format!("{name}[{i},{j}]");
+                    for i in 0..nx {
+                        for j in 0..ny {
+                            let (ei, ej) = (i == 0 || i == nx - 1, j == 0 || j == ny - 1);
+                            let fixed = match text("edges").as_str() {
+                                "closed" => ei || ej,
+                                "corner" => ei && ej,
+                                _ => false,
+                            };
+                            bare.mass.insert(at(i, j), if fixed { f64::INFINITY } else { m });
+                            if i + 1 < nx {
+                                bare.spring.push((at(i, j), at(i + 1, j), k, z));
+                            }
+                            if j + 1 < ny {
+                                bare.spring.push((at(i, j), at(i, j + 1), k, z));
+                            }
+                        }
+                    }
+                }
+                _ => {}
+            }
+        }
+        bare
+    }
+
+    /// What is heard at each of 60 samples after a push at the first.
+    fn run(&self) -> Vec<Vec<f64>> {
+        let index: BTreeMap<&str, usize> = self.mass.keys().enumerate().map(|(i, n)| (n.as_str(), i)).collect();
+        let at = |n: &String| *index.get(n.as_str()).unwrap_or_else(|| panic!("`{n}` is nowhere"));
+        let m: Vec<f64> = self.mass.values().copied().collect();
+        let springs: Vec<_> = self.spring.iter().map(|(a, b, k, z)| (at(a), at(b), *k, *z)).collect();
+        let (mut x, mut d) = (vec![0.0; m.len()], vec![0.0; m.len()]);
+        let mut heard = Vec::new();
+        for n in 0..60 {
+            let mut f = vec![0.0; m.len()];
+            for p in self.push.iter().filter(|_| n == 0) {
+                f[at(p)] += 1.0;
+            }
+            for &(a, b, k, z) in &springs {
+                let force = k * (x[b] - x[a]) + z * (d[b] - d[a]);
+                f[a] += force;
+                f[b] -= force;
+            }
+            for i in 0..m.len() {
+                d[i] += f[i] / m[i];
+                x[i] += d[i];
+            }
+            heard.push(self.hear.iter().map(|h| x[at(h)]).collect());
+        }
+        heard
+    }
+}
+
+/// Asserts that the import of `text`, with every mass heard, moves as `text` says.
+fn same_movement(text: &str) {
+    let mut text = text.to_string() + "\n";
+    let masses: Vec<String> = Bare::of_text(&text).mass.into_keys().collect();
+    for (i, name) in masses.iter().enumerate() {
+        _ = writeln!(text, "@heard_{i} posOutput @{name}");
+    }
+    let (model, diags) = import(&text, "");
+    assert!(!diags.has_errors(), "{diags}\n{text}");
+    let (theirs, ours) = (Bare::of_text(&text), Bare::of_model(&model));
+    assert_eq!(theirs.push.len(), ours.push.len());
+    let (theirs, ours) = (theirs.run(), ours.run());
+    assert!(theirs.iter().flatten().any(|x| *x != 0.0) || !text.contains("frcInput"), "nothing moves");
+    for (n, (a, b)) in theirs.iter().zip(&ours).enumerate() {
+        assert_eq!(a.len(), b.len());
+        for (i, (a, b)) in a.iter().zip(b).enumerate() {
+            assert!((a - b).abs() < 1e-12, "heard {i} at {n}: {a} {b}\n{}\n{text}", shown(&model, &diags, &text));
+        }
+    }
+}
+
+#[test]
+fn models_of_our_own_move_as_written() {
+    for name in ["string", "chains", "meshes"] {
+        let text = std::fs::read_to_string(folder().join(name).with_extension("mdl")).unwrap();
+        let first = text
+            .split_whitespace()
+            .filter(|w| w.starts_with('@'))
+            .find(|w| w.ends_with("m1_1"))
+            .unwrap_or(if name == "string" { "@gut_m1" } else { "@one_1" });
+        same_movement(&format!("{text}@probe frcInput {first}"));
+    }
+}
+
+/// Rows and lattices with faults: a grid of masses and grounds, links missing, doubled, changed or added.
+fn faulty() -> impl Strategy<Value = String> {
+    let node = prop_oneof![12 => Just('m'), 1 => Just('g'), 1 => Just('h')];
+    let link = prop_oneof![20 => Just('s'), 1 => Just('-'), 1 => Just('2'), 1 => Just('k'), 1 => Just('r')];
+    let nodes = prop::collection::vec(node, 64);
+    let links = prop::collection::vec(link, 128);
+    let extra = prop::collection::vec((0usize..64, 0usize..64), 0..3);
+    let shape = prop_oneof![Just((1usize, 12usize)), Just((4, 5)), Just((6, 4)), Just((2, 9))];
+    (shape, nodes, links, extra, any::<bool>(), 0usize..64, 0u8..4).prop_map(
+        |((nx, ny), nodes, links, extra, turned, push, border)| {
+            let mut text = String::from("@K param 0.1\n");
+            let label = |i: usize, j: usize| if turned { format!("@n{j}_{i}") } else { format!("@n{i}_{j}") };
+            for (i, j) in (0..nx).flat_map(|i| (0..ny).map(move |j| (i, j))) {
+                let (ei, ej) = (i == 0 || i + 1 == nx, j == 0 || j + 1 == ny);
+                let fixed = match border {
+                    1 => ei || ej,
+                    2 => ei && ej,
+                    _ => false,
+                };
+                let kind = match nodes[i * ny + j] {
+                    _ if fixed => "ground 0",
+                    'g' => "ground 0",
+                    'h' => "mass 2 0 0",
+                    _ => "mass 1 0 0",
+                };
+                _ = writeln!(text, "{} {kind}", label(i, j));
+            }
+            let mut say = |a: (usize, usize), b: (usize, usize), how: char| {
+                let (a, b) = (label(a.0, a.1), label(b.0, b.1));
+                _ = match how {
+                    '-' => Ok(()),
+                    '2' => writeln!(text, "@r spring {a} {b} K 0.01\n@r spring {b} {a} K 0.01"),
+                    'k' => writeln!(text, "@r spring {a} {b} 0.2 0.01"),
+                    'r' => writeln!(text, "@r springDamper {b} {a} K 0.01"),
+                    _ => writeln!(text, "@r spring {a} {b} K 0.01"),
+                };
+            };
+            for (i, j) in (0..nx).flat_map(|i| (0..ny).map(move |j| (i, j))) {
+                let n = 2 * (i * ny + j);
+                if i + 1 < nx {
+                    say((i, j), (i + 1, j), links[n]);
+                }
+                if j + 1 < ny {
+                    say((i, j), (i, j + 1), links[n + 1]);
+                }
+            }
+            let place = |p: usize| ((p % (nx * ny)) / ny, p % ny);
+            for (a, b) in extra {
+                if place(a) != place(b) {
+                    say(place(a), place(b), 's');
+                }
+            }
+            let at = place(push);
+            _ = writeln!(text, "@f frcInput {}", label(at.0, at.1));
+            text
+        },
+    )
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 600, ..ProptestConfig::default() })]
+
+    #[test]
+    fn generators_move_as_what_they_replace(text in faulty()) {
+        // a push on a ground moves nothing on either side
+        let still = text.clone();
+        let pushed = still.rsplit('@').next().unwrap().trim().to_string();
+        let fixed = text.lines().any(|l| l.starts_with(&format!("@{pushed} ground")));
+        same_movement(if fixed { text.rsplit_once("@f ").unwrap().0 } else { &text });
+    }
+
+    #[test]
+    fn arbitrary_bytes_never_panic(bytes in prop::collection::vec(any::<u8>(), 0..400)) {
+        let text = String::from_utf8_lossy(&bytes);
+        let (model, diags) = import(&text, &text);
+        prop_assert!(diags.has_errors() == model.items.is_empty() || !diags.has_errors());
+    }
+
+    #[test]
+    fn arbitrary_lines_never_panic(lines in prop::collection::vec(line(), 0..40)) {
+        let text = lines.join("\n");
+        let (model, diags) = import(&text, "x.mdl");
+        shown(&model, &diags, &text);
+    }
+}
+
+/// A line that is nearly right.
+fn line() -> impl Strategy<Value = String> {
+    let label = prop_oneof![8 => "@[abm][0-9]?(_[0-9])?", 1 => "@?\\PC{0,4}"];
+    let ty = prop_oneof![
+        8 => prop::sample::select(vec!["mass", "massG", "osc", "ground", "posInput", "spring", "springDamper", "damper",
+            "nlSpring", "nlSpring2", "nlSpring3", "contact", "detent", "nlPluck", "nlBow", "frcInput", "posOutput",
+            "frcOutput", "param", "audioParam", "springDamperDamper", "NLbow"]).prop_map(String::from),
+        1 => "\\PC{0,6}",
+    ];
+    let arg = prop_oneof![
+        4 => "@[abm][0-9]?(_[0-9])?",
+        4 => "-?[0-9]{1,2}\\.?[0-9]?(e-?[0-9]{1,3})?",
+        1 => "[abm][0-9]",
+        1 => "\\PC{0,5}",
+    ];
+    (label, ty, prop::collection::vec(arg, 0..6)).prop_map(|(l, t, a)| format!("{l} {t} {}", a.join(" ")))
+}
