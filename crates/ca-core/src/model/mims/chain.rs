@@ -99,15 +99,12 @@ fn write(graph: &Graph<'_>, path: &Path, m: Arg, law: Law, names: &mut Names, pl
     for (i, &mass) in path.masses.iter().enumerate() {
         plan.names.insert(mass, format!("{name}[{i}]"));
     }
-    let mut at = path.masses.iter().copied().min().unwrap_or(first);
-    let mut members = (first, last);
+    let at = path.masses.iter().copied().min().unwrap_or(first);
     for (i, (mass, link)) in held.into_iter().flatten().enumerate() {
         let ground = graph.other_end(link, mass);
         plan.names.entry(ground).or_insert_with(|| format!("{name}.end[{i}]"));
         plan.gone[link] = true;
         plan.gone[ground] = true;
-        at = at.min(ground);
-        if i == 0 { members.0 = ground } else { members.1 = ground }
     }
     for &part in path.masses.iter().chain(&path.links) {
         plan.gone[part] = true;
@@ -118,7 +115,7 @@ fn write(graph: &Graph<'_>, path: &Path, m: Arg, law: Law, names: &mut Names, pl
         args.push(("ends", Arg::Word("fixed")));
     }
     let kind = if held.is_some() { "STRING" } else { "CHAIN" };
-    plan.generators.push(Generator { kind, name, args, at, members });
+    plan.generators.push(Generator { kind, name, args, at, members: (first, last) });
 }
 
 /// A link of this law from `mass` to a ground at 0 that a string may make its own.

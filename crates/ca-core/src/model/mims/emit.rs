@@ -111,7 +111,10 @@ fn header(net: &Net, plan: &Plan, file: &str) -> String {
     for g in &plan.generators {
         let label = |p: usize| net.parts.get(p).map_or("", |p| p.name.as_str());
         let (a, b) = g.members;
-        lines.push(format!("`{}`: {}, was {} to {}.", g.name, g.kind, label(a), label(b)));
+        let sides = g.args.iter().filter(|(key, _)| matches!(*key, "n" | "nx" | "ny"));
+        let size: Vec<String> =
+            sides.filter_map(|(_, n)| if let Arg::Num(n) = n { Some(n.to_string()) } else { None }).collect();
+        lines.push(format!("`{}`: {} of {}, was {} to {}.", g.name, g.kind, size.join(" x "), label(a), label(b)));
     }
     let ports = |kinds: &[&str], verb: &str| {
         let of = |p: &Part| match p.ends.first() {

@@ -157,26 +157,31 @@ impl Lattice {
     }
 
     /// The largest rectangle of masses with all its links. For each row, the heights of the columns of masses that
-    /// end there and of the ladders between neighbouring columns; then every span of columns.
+    /// end there and of the ladders between neighbouring columns; then every span of columns. Rows are taken along
+    /// the longer side: the search grows with the square of the shorter one.
     fn largest(&self, graph: &Graph<'_>) -> Option<Area> {
+        let turned = self.cols > self.rows;
+        let (rows, cols) = if turned { (self.cols, self.rows) } else { (self.rows, self.cols) };
+        let at = |i: usize, j: usize| if turned { (j, i) } else { (i, j) };
         let mut best: Option<Area> = None;
-        let mut height = vec![0usize; self.cols];
-        let mut ladder = vec![0usize; self.cols];
-        for i in 0..self.rows {
-            for j in 0..self.cols {
-                let member = self.is_member(graph, i, j);
-                let hangs = i > 0 && self.link((i - 1, j), (i, j)).is_some();
-                let rung = j + 1 < self.cols && self.link((i, j), (i, j + 1)).is_some();
+        let mut height = vec![0usize; cols];
+        let mut ladder = vec![0usize; cols];
+        for i in 0..rows {
+            for j in 0..cols {
+                let here = at(i, j);
+                let member = self.is_member(graph, here.0, here.1);
+                let hangs = i > 0 && self.link(at(i - 1, j), here).is_some();
+                let rung = j + 1 < cols && self.link(here, at(i, j + 1)).is_some();
                 height[j] = usize::from(member) * (1 + if hangs { height[j] } else { 0 });
                 ladder[j] = if rung { ladder[j] + 1 } else { 0 };
             }
-            for j0 in 0..self.cols {
+            for j0 in 0..cols {
                 let mut h = height[j0];
-                for j1 in j0 + 1..=self.cols {
-                    let area = Area { i0: i + 1 - h.min(i + 1), i1: i + 1, j0, j1 };
+                for j1 in j0 + 1..=cols {
                     if h < SMALLEST {
                         break;
                     }
+                    let area = Area { i0: i + 1 - h, i1: i + 1, j0, j1 };
                     if j1 - j0 >= SMALLEST && best.is_none_or(|b| area.size() > b.size()) {
                         best = Some(area);
                     }
@@ -184,7 +189,7 @@ impl Lattice {
                 }
             }
         }
-        best
+        best.map(|a| if turned { Area { i0: a.j0, i1: a.j1, j0: a.i0, j1: a.i1 } } else { a })
     }
 
     fn write(&self, graph: &Graph<'_>, edges: &'static str, area: Area, names: &mut Names, plan: &mut Plan) {

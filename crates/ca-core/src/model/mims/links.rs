@@ -98,7 +98,7 @@ pub(super) fn rest_lengths(parts: &mut [Part]) {
 fn finite(r: &mut Reader<'_, '_>, line: &Line<'_>, part: &Part, arg: Arg) -> f64 {
     let x = r.fold(arg, &part.name);
     if x.abs() > 1e300 {
-        let d = Diag::error("E009", format!("a number of `{}` is out of range: {x}", part.name));
+        let d = Diag::error("E009", format!("a number of `{}` is out of range: {x:e}", part.name));
         r.diags.push(d.at(line.label.span, "this link"));
     }
     x

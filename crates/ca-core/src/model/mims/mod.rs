@@ -23,12 +23,12 @@ mod regular;
 mod types;
 
 use super::Model;
-use super::diag::Diags;
+use super::diag::{Diags, Severity};
 
 /// Reads a MIMS model. `file` is its name, of which only the last part is kept, as title and in the header comment.
 ///
 /// The model carries no text and no spans: it is meant to be written. The spans of the findings point into `text`.
-/// With an error among the findings the model is empty.
+/// With an error among the findings the model is empty and the notes are left out.
 ///
 /// ```
 /// let text = "@a mass 1. 0. 0.\n@s ground 0.\n@r springDamper @s @a 0.1 0.001\n@out1 posOutput @a\n";
@@ -47,6 +47,9 @@ pub fn import(text: &str, file: &str) -> (Model, Diags) {
             let plan = regular::plan(&net.parts, &mut net.names);
             model = emit::emit(&net, &plan, file, &mut diags);
         }
+    }
+    if diags.has_errors() {
+        diags.list.retain(|d| d.severity == Severity::Error); // nothing was imported, so nothing was lost
     }
     diags.sort();
     (model, diags)

@@ -21,7 +21,10 @@ impl Names {
             self.0.insert(wanted.to_string(), 2);
             return wanted.to_string();
         };
-        let free = (next..).find(|n| !self.0.contains_key(&format!("{wanted}_{n}"))).unwrap_or(next);
+        let mut free = next;
+        while self.0.contains_key(&format!("{wanted}_{free}")) {
+            free += 1;
+        }
         self.0.insert(wanted.to_string(), free + 1);
         let name = format!("{wanted}_{free}");
         self.0.insert(name.clone(), 2);

@@ -119,8 +119,21 @@ pub(super) fn build<'a>(typed: &[(&Line<'a>, &'static Type)], diags: &mut Diags)
     }
     let Reader { mut net, losses, diags, .. } = r;
     links::rest_lengths(&mut net.parts);
+    name_groups(&mut net);
     losses.into_diags(diags);
     net
+}
+
+/// Names the groups `g1`, `g2` …, after all labels have theirs, and puts the name before those of their members.
+fn name_groups(net: &mut Net) {
+    for (i, (name, _)) in net.groups.iter_mut().enumerate() {
+        *name = net.names.unique(&format!("g{}", i + 1));
+    }
+    for part in &mut net.parts {
+        if let Some((group, _)) = part.group.and_then(|g| net.groups.get(g)) {
+            part.name = format!("{group}.{}", part.name);
+        }
+    }
 }
 
 impl<'a> Reader<'a, '_> {
@@ -255,13 +268,11 @@ impl<'a> Reader<'a, '_> {
             self.diags.push(d.at(line.args[0].span, "the mass"));
             return;
         }
-        let group = self.net.groups.iter().position(|(_, other)| *other == a).unwrap_or_else(|| {
-            let name = self.net.names.unique(&format!("g{}", self.net.groups.len() + 1));
-            self.net.groups.push((name, a));
-            self.net.groups.len() - 1
-        });
-        part.group = Some(group);
-        part.name = format!("{}.{}", self.net.groups[group].0, part.name);
+        let known = self.net.groups.iter().position(|(_, other)| *other == a);
+        part.group = known.or(Some(self.net.groups.len()));
+        if known.is_none() {
+            self.net.groups.push((String::new(), a));
+        }
     }
 
     /// The number behind an argument, where its name cannot be kept.

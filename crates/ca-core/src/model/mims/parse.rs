@@ -43,15 +43,12 @@ pub(super) fn lines<'a>(text: &'a str, diags: &mut Diags) -> Option<Vec<Line<'a>
             refuse_younger(number, sign.span, "only in the younger dialect", diags);
             return None;
         }
-        match (first.text.strip_prefix('@'), rest.split_first()) {
-            (Some(label), Some((ty, args))) => {
-                let span = Span { start: first.span.start + 1, end: first.span.end };
-                lines.push(Line { label: Token { text: label, span }, ty: *ty, args: args.to_vec(), number });
-            }
-            _ => {
-                n_strange += 1;
-                strange.get_or_insert((*first, number));
-            }
+        if let (Some(label), Some((ty, args))) = (first.text.strip_prefix('@'), rest.split_first()) {
+            let span = Span { start: first.span.start + 1, end: first.span.end };
+            lines.push(Line { label: Token { text: label, span }, ty: *ty, args: args.to_vec(), number });
+        } else {
+            n_strange += 1;
+            strange.get_or_insert((*first, number));
         }
     }
     if let Some((token, number)) = strange {

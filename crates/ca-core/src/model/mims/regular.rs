@@ -21,7 +21,7 @@ pub(super) struct Generator {
     pub kind: &'static str,
     pub name: String,
     pub args: Vec<(&'static str, Arg)>,
-    /// the part it stands in the place of: its first
+    /// the part it stands in the place of: its first mass (its grounds may be others' too)
     pub at: usize,
     /// first and last of the members, for the header
     pub members: (usize, usize),

@@ -184,8 +184,8 @@ fn wrong_count(line: &Line<'_>, ty: &Type, diags: &mut Diags) {
         form.push_str(end);
     }
     for (i, n) in ty.numbers.iter().enumerate() {
-        let may = i + ty.optional >= ty.numbers.len();
-        form.push_str(&if may { format!(" [{n}]") } else { format!(" {n}") });
+        let (open, close) = if i + ty.optional >= ty.numbers.len() { (" [", "]") } else { (" ", "") };
+        form.extend([open, n, close]);
     }
     form.push('`');
     let (n, label) = (line.args.len(), shown(line.label.text));
