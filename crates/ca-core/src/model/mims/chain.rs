@@ -93,8 +93,8 @@ fn write(graph: &Graph<'_>, path: &Path, m: Arg, law: Law, names: &mut Names, pl
     if base.is_empty() {
         base.push_str("chain");
     }
-    let held = ground_link(graph, first, law, None, plan)
-        .and_then(|a| ground_link(graph, last, law, Some(a), plan).map(|b| [(first, a), (last, b)]));
+    let held = ground_link(graph, first, law, plan)
+        .and_then(|a| ground_link(graph, last, law, plan).map(|b| [(first, a), (last, b)]));
     let name = names.unique(&base);
     for (i, &mass) in path.masses.iter().enumerate() {
         plan.names.insert(mass, format!("{name}[{i}]"));
@@ -119,11 +119,9 @@ fn write(graph: &Graph<'_>, path: &Path, m: Arg, law: Law, names: &mut Names, pl
 }
 
 /// A link of this law from `mass` to a ground at 0 that a string may make its own.
-fn ground_link(graph: &Graph<'_>, mass: usize, law: Law, taken: Option<usize>, plan: &Plan) -> Option<usize> {
+fn ground_link(graph: &Graph<'_>, mass: usize, law: Law, plan: &Plan) -> Option<usize> {
     let own =
         |ground: usize| graph.is_ground(ground) && (graph.links[ground].len() == 1 || !graph.weighed.contains(&ground));
-    let fits = |link: usize| {
-        !plan.gone[link] && Some(link) != taken && graph.law(link) == Some(law) && own(graph.other_end(link, mass))
-    };
+    let fits = |link: usize| !plan.gone[link] && graph.law(link) == Some(law) && own(graph.other_end(link, mass));
     graph.links[mass].iter().copied().find(|&link| fits(link))
 }
