@@ -5,6 +5,34 @@
 //! text ─read→ Model ─compile→ Scene (immutable)     State (flat f64 arrays)
 //!                                └──── tick(&scene, &mut state) ────┘
 //! ```
+//! A tour:
+//! ```
+//! # #[cfg(feature = "parse")] {
+//! use ca_core::{Catalog, Options, compile, model::read::read, tick};
+//!
+//! let text = r#"
+//! [SOL]
+//! wall = {}
+//! [MAS]
+//! bob = { m = "1 g", dx0 = "1 mm" }
+//! [REF]
+//! spring = { between = ["wall", "bob"], k = "7.6 kN/m", z = "5 mN s/m" }
+//! [SOX]
+//! out = { from = "bob", gain = 1000 }
+//! "#;
+//! let catalog = Catalog::core();
+//! let (model, findings) = read(text, "bob.ca.toml", &catalog);
+//! assert!(!findings.has_errors());
+//! let scene = compile(&model, &catalog, &Options::default()).expect("it compiles");
+//! let mut state = scene.state();
+//! for _ in 0..48 {
+//!     tick(&scene, &mut state); // one sample at 48 kHz; never allocates
+//! }
+//! assert!(state.output[0].abs() <= 1.0);
+//! # }
+//! ```
+//! The halves of a tick are public ([`sense`] and [`advance`]): a device gets the force of this tick before any mass
+//! moves, so the one-sample delay stays one sample.
 #![no_std]
 #![forbid(unsafe_code)]
 
@@ -12,10 +40,24 @@ extern crate alloc;
 #[cfg(feature = "parse")]
 extern crate std;
 
+pub mod border;
 pub mod catalog;
+pub mod compile;
+pub mod energy;
 pub mod generate;
 pub mod io;
 pub mod kind;
+pub mod live;
 pub mod mat;
 pub mod model;
+pub mod op;
 pub mod phi;
+pub mod scene;
+pub mod state;
+pub mod table;
+
+pub use catalog::Catalog;
+pub use compile::{KernelClass, Options, compile};
+pub use model::Model;
+pub use scene::Scene;
+pub use state::{State, advance, process, sense, tick};

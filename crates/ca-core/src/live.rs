@@ -74,8 +74,8 @@ pub struct LiveItem {
     pub kind: &'static Kind,
     /// its resolved parameters
     pub args: Vec<crate::generate::Arg>,
-    /// which of them follow which live parameter
-    pub follows: Vec<(usize, usize)>,
+    /// which of them follow which live parameter: (argument, parameter, factor)
+    pub follows: Vec<(usize, usize, f64)>,
     /// the generator that derives numbers from them, if it is one
     pub generator: Option<&'static Generator>,
     /// what it became
@@ -154,9 +154,9 @@ impl Controls {
         let mut items = self.plan.items.clone();
         for item in &mut items {
             let mut touched = false;
-            for (arg, q) in &item.follows {
+            for (arg, q, factor) in &item.follows {
                 if *q == p {
-                    item.args[*arg] = crate::generate::Arg::Num(value);
+                    item.args[*arg] = crate::generate::Arg::Num(value * factor);
                     touched = true;
                 }
             }
