@@ -1,1 +1,3 @@
 //! The whole suite in one binary, one file per theme.
+
+mod files;
