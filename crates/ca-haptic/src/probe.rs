@@ -13,7 +13,7 @@ use std::fs::File;
 use std::io::{BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-/// Length of an NPY header [bytes], a multiple of 64 as the format wants it.
+/// Length of an NPY header \[bytes\], a multiple of 64 as the format wants it.
 const HEADER: usize = 128;
 
 enum Kind {
@@ -34,7 +34,7 @@ pub struct ProbeOut {
 }
 
 impl ProbeOut {
-    /// Begins a `.npy` or `.csv` file of these quantities, `rate` [Hz] frames a second from time 0.
+    /// Begins a `.npy` or `.csv` file of these quantities, `rate` \[Hz\] frames a second from time 0.
     pub fn create(path: impl AsRef<Path>, names: &[&str], rate: f64) -> Result<ProbeOut, FileError> {
         let path = path.as_ref();
         let ext = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);

@@ -23,7 +23,7 @@ use std::path::{Path, PathBuf};
 /// Most channels of one file.
 pub const MAX_CHANNELS: usize = 256;
 
-/// Longest data of a WAV file [bytes]: its lengths are 32 bits, and the header needs some of them.
+/// Longest data of a WAV file \[bytes\]: its lengths are 32 bits, and the header needs some of them.
 const MAX_DATA: u64 = u32::MAX as u64 - 100;
 
 /// How a sample is stored.
@@ -38,7 +38,7 @@ pub enum Format {
 }
 
 impl Format {
-    /// Width of a sample [bits].
+    /// Width of a sample \[bits\].
     pub fn bits(self) -> u16 {
         match self {
             Format::F32 => 32,
@@ -55,7 +55,7 @@ pub struct Written {
     pub path: PathBuf,
     /// samples per channel
     pub frames: u64,
-    /// [Hz]
+    /// \[Hz\]
     pub rate: u32,
     /// greatest |sample| of each channel before the ceiling, 1 = full scale
     pub peak: Vec<f64>,
@@ -66,7 +66,7 @@ pub struct Written {
 }
 
 impl Written {
-    /// Length [s].
+    /// Length \[s\].
     pub fn duration(&self) -> f64 {
         self.frames as f64 / f64::from(self.rate)
     }
@@ -87,7 +87,7 @@ pub struct WavOut {
 }
 
 impl WavOut {
-    /// Begins the file at `path`: `rate` [Hz], a whole number; 1 to [`MAX_CHANNELS`] channels.
+    /// Begins the file at `path`: `rate` \[Hz\], a whole number; 1 to [`MAX_CHANNELS`] channels.
     pub fn create(path: impl AsRef<Path>, rate: f64, channels: usize, format: Format) -> Result<WavOut, FileError> {
         let path = path.as_ref();
         if !(1.0..=1e6).contains(&rate) || rate.fract() != 0.0 {

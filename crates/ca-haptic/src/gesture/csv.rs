@@ -8,7 +8,7 @@
 //! 0.2,  -0.005,
 //! ```
 //!
-//! Decides that time [s] stands in every line, rather than a rate in the header: a hand needs three lines for a key
+//! Decides that time \[s\] stands in every line, rather than a rate in the header: a hand needs three lines for a key
 //! stroke, not three thousand. A blank cell means that this column has nothing to say at that time, so it is
 //! interpolated between its neighbours. Lines beginning with `#` are comments. Time may stand still (a jump) but not
 //! run backwards. Only commas separate and only points are decimal: guessing would turn `1,5` into two columns.

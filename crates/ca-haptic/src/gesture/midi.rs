@@ -29,7 +29,9 @@ pub(super) fn read(bytes: &[u8], ports: &[PortMap]) -> Result<Gesture, FileError
     let events = smf::events(bytes)?;
     let mut fingers: Vec<Finger> = ports.iter().map(|p| Finger::new(&p.map)).collect();
     for e in &events {
-        fingers.iter_mut().for_each(|f| f.event(e));
+        for f in &mut fingers {
+            f.event(e);
+        }
     }
     if !fingers.iter().any(|f| f.touched) {
         let wanted: Vec<String> = ports.iter().map(|p| format!("`{}` ({})", p.port, wants(&p.map))).collect();

@@ -8,8 +8,8 @@
 //!
 //! | file | tracks are called | time |
 //! |---|---|---|
-//! | `.csv` | as the header says | column `time` [s] |
-//! | `.npy` | as the fields of its dtype; `ch0`, `ch1`, … without fields | field `time` [s], or the rate given |
+//! | `.csv` | as the header says | column `time` \[s\] |
+//! | `.npy` | as the fields of its dtype; `ch0`, `ch1`, … without fields | field `time` \[s\], or the rate given |
 //! | `.wav` | `ch0`, `ch1`, … | its own rate |
 //! | `.mid`, `.midi` | as the ports it moves | its own tempo map |
 
@@ -86,7 +86,7 @@ impl Gesture {
 
     /// Reads the file at `path` in the format its extension stands for.
     ///
-    /// `ports` says how MIDI moves the model (unused by other formats); `rate` [Hz] is for arrays which have no `time`
+    /// `ports` says how MIDI moves the model (unused by other formats); `rate` \[Hz\] is for arrays which have no `time`
     /// of their own.
     pub fn open(path: impl AsRef<Path>, ports: &[PortMap], rate: Option<f64>) -> Result<Gesture, FileError> {
         let path = path.as_ref();
@@ -127,7 +127,7 @@ impl Gesture {
         self.tracks.iter().find(|t| t.name() == name)
     }
 
-    /// Time of the last value of any track [s].
+    /// Time of the last value of any track \[s\].
     pub fn duration(&self) -> f64 {
         self.tracks.iter().map(Track::duration).fold(0.0, f64::max)
     }

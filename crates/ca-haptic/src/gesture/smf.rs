@@ -11,7 +11,7 @@ use midly::{Format, Fps, MetaMessage, MidiMessage, Timing, TrackEventKind};
 /// One message, when and where.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Event {
-    /// [s] from the beginning
+    /// \[s\] from the beginning
     pub time: f64,
     /// 1 to 16
     pub channel: u8,

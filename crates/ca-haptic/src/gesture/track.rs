@@ -9,14 +9,14 @@
 
 use crate::error::FileError;
 
-/// Longest time a breakpoint may have, either side of zero [s]; beyond it a double no longer tells sound samples apart.
+/// Longest time a breakpoint may have, either side of zero \[s\]; beyond it a double no longer tells sound samples apart.
 pub const LONGEST: f64 = 1e9;
 
 #[derive(Clone, Debug, PartialEq)]
 enum Curve {
-    /// time [s] and value, times never decreasing, at least one
+    /// time \[s\] and value, times never decreasing, at least one
     Points(Vec<(f64, f64)>),
-    /// samples at a rate [Hz] from time 0, at least one
+    /// samples at a rate \[Hz\] from time 0, at least one
     Samples(f64, Vec<f64>),
 }
 
@@ -28,7 +28,7 @@ pub struct Track {
 }
 
 impl Track {
-    /// A track through breakpoints (time [s], value). Times may repeat (a jump) but not run backwards.
+    /// A track through breakpoints (time \[s\], value). Times may repeat (a jump) but not run backwards.
     pub fn points(name: impl Into<String>, points: Vec<(f64, f64)>) -> Result<Track, FileError> {
         let name = name.into();
         let err = |i: usize, what: String| Err(FileError::content(what).at(format!("track `{name}`, point {i}")));
@@ -49,7 +49,7 @@ impl Track {
         Ok(Track { name, curve: Curve::Points(points) })
     }
 
-    /// A track of samples, the first at time 0, at `rate` [Hz].
+    /// A track of samples, the first at time 0, at `rate` \[Hz\].
     pub fn sampled(name: impl Into<String>, rate: f64, samples: Vec<f64>) -> Result<Track, FileError> {
         let name = name.into();
         check_rate(rate)?;
@@ -68,7 +68,7 @@ impl Track {
         &self.name
     }
 
-    /// Time of the last value [s], 0 if there is none after the beginning.
+    /// Time of the last value \[s\], 0 if there is none after the beginning.
     pub fn duration(&self) -> f64 {
         match &self.curve {
             Curve::Points(p) => p[p.len() - 1].0.max(0.0),
@@ -92,7 +92,7 @@ impl Track {
         }
     }
 
-    /// Value at time `t` [s], by bisection; always finite.
+    /// Value at time `t` \[s\], by bisection; always finite.
     pub fn at(&self, t: f64) -> f64 {
         match &self.curve {
             Curve::Points(p) => between(p, p.partition_point(|q| q.0 <= t).saturating_sub(1), t),
@@ -100,7 +100,7 @@ impl Track {
         }
     }
 
-    /// Value at time `t` [s] where `hint` was left by the previous call (0 at first): amortised O(1) while time goes
+    /// Value at time `t` \[s\] where `hint` was left by the previous call (0 at first): amortised O(1) while time goes
     /// forward, a bisection where it jumps back, no allocation. The same bits as [`Track::at`].
     ///
     /// The hint is a bare number so that an engine can own the track and its hint side by side.
@@ -136,7 +136,7 @@ pub struct Cursor<'a> {
 }
 
 impl Cursor<'_> {
-    /// Value at time `t` [s]; see [`Track::at_near`].
+    /// Value at time `t` \[s\]; see [`Track::at_near`].
     pub fn at(&mut self, t: f64) -> f64 {
         self.track.at_near(&mut self.hint, t)
     }

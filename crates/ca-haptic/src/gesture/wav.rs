@@ -55,7 +55,7 @@ fn explain(e: &hound::Error) -> FileError {
         }
         hound::Error::IoError(_) => FileError::format("the file is cut short"),
         hound::Error::FormatError(what) => FileError::format(format!("it is not a WAV file: {}", lower(what))),
-        other => FileError::format(format!("it is not a WAV file: {}", lower(&other.to_string()))),
+        hound::Error::UnfinishedSample => FileError::format("its last frame is not whole"),
     }
 }
 
@@ -69,7 +69,9 @@ mod tests {
         let spec = WavSpec { channels, sample_rate: 8000, bits_per_sample: bits, sample_format: format };
         let mut out = Cursor::new(Vec::new());
         let mut w = WavWriter::new(&mut out, spec).unwrap();
-        samples.iter().for_each(|s| w.write_sample(*s).unwrap());
+        for s in samples {
+            w.write_sample(*s).unwrap();
+        }
         w.finalize().unwrap();
         out.into_inner()
     }
