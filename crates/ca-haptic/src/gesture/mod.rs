@@ -86,8 +86,8 @@ impl Gesture {
 
     /// Reads the file at `path` in the format its extension stands for.
     ///
-    /// `ports` says how MIDI moves the model (unused by other formats); `rate` \[Hz\] is for arrays which have no `time`
-    /// of their own.
+    /// `ports` says how MIDI moves the model (unused by other formats); `rate` \[Hz\] is for arrays without a `time` of
+    /// their own.
     pub fn open(path: impl AsRef<Path>, ports: &[PortMap], rate: Option<f64>) -> Result<Gesture, FileError> {
         let path = path.as_ref();
         let format = GestureFormat::of(path).ok_or_else(|| {

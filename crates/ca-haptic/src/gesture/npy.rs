@@ -1,10 +1,10 @@
 //! NPY gestures: an array as `numpy.save` writes it.
 //!
-//! Decides where time comes from: an array with named fields (a structured dtype) may have a field `time`, in seconds, and its
-//! other fields are the tracks; any other array, of shape `(frames,)` or `(frames, columns)`, is sampled at the rate
-//! the caller gives, and its columns are `ch0`, `ch1`, …. Taking the first column of a plain array for time was the
-//! alternative: it would play a recording as a clock, or a clock as a recording, without a word. Values are taken as
-//! they are, integers too.
+//! Decides where time comes from: an array with named fields (a structured dtype) may have a field `time`, in seconds,
+//! and its other fields are the tracks; any other array, of shape `(frames,)` or `(frames, columns)`, is sampled at the
+//! rate the caller gives, and its columns are `ch0`, `ch1`, …. Taking the first column of a plain array for time was
+//! the alternative: it would play a recording as a clock, or a clock as a recording, without a word. Values are taken
+//! as they are, integers too.
 //!
 //! The header is read here, because the crate for it (npyz, which the tests read and write with) multiplies the shape
 //! without looking, and calls itself once per dimension of a field: a crafted file ends the process by either.

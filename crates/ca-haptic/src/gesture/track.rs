@@ -9,7 +9,7 @@
 
 use crate::error::FileError;
 
-/// Longest time a breakpoint may have, either side of zero \[s\]; beyond it a double no longer tells sound samples apart.
+/// Longest time a breakpoint may have, either side of zero \[s\]: beyond it a double hardly tells sound samples apart.
 pub const LONGEST: f64 = 1e9;
 
 #[derive(Clone, Debug, PartialEq)]

@@ -20,7 +20,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Gesture, FileError> {
     if frames == 0 {
         return Err(FileError::content("it holds no sample"));
     }
-    let mut channels = vec![Vec::with_capacity(frames); usize::from(spec.channels)];
+    let mut channels: Vec<Vec<f64>> = (0..spec.channels).map(|_| Vec::with_capacity(frames)).collect();
     match spec.sample_format {
         SampleFormat::Int => {
             let full = f64::from(spec.bits_per_sample.saturating_sub(1)).exp2();
