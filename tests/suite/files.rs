@@ -1,5 +1,5 @@
 //! Files in and out through the public interface: what one part writes the other reads, independent libraries agree,
-//! and no content of any file ends the process.
+//! and no content of any file ends the process. `PROPTEST_CASES=100000` makes a long search of it.
 
 use ca_core::io::midi::{MidiMap, MidiSource};
 use ca_haptic::FileErrorKind;
@@ -115,8 +115,6 @@ fn the_seeds_of_the_mutations_are_good() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 512, ..ProptestConfig::default() })]
-
     #[test]
     fn arbitrary_bytes_never_panic(bytes in prop::collection::vec(any::<u8>(), 0..400), rate in any::<bool>()) {
         for format in ALL {

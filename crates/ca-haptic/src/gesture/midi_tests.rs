@@ -210,6 +210,10 @@ fn refuses_what_it_would_misread() {
     assert!(read(&good, &[key()]).is_ok());
     assert_eq!(kind(&file(2, MS, &[&[(0, HIT)]])), FileErrorKind::Unsupported);
     assert_eq!(kind(&file(0, 0, &[&[(0, HIT)]])), FileErrorKind::Format);
+    assert_eq!(kind(&file(0, 0xe700, &[&[(0, HIT)]])), FileErrorKind::Format);
+    for frames in [0x80u16, 0x81, 0xff] {
+        assert_eq!(kind(&file(0, frames << 8 | 4, &[&[(0, HIT)]])), FileErrorKind::Unsupported);
+    }
     assert_eq!(kind(b"MThd"), FileErrorKind::Format);
     assert_eq!(kind(b""), FileErrorKind::Format);
     assert_eq!(kind(&file(0, MS, &[&[(0, &[0xff, 0x51, 3, 0, 0, 0]), (0, HIT)]])), FileErrorKind::Content);

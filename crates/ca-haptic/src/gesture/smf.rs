@@ -2,11 +2,12 @@
 //!
 //! Decides that tracks are merged by tick, and where ticks agree by the order of tracks, then of events: what a
 //! sequencer plays. Tempo changes count wherever they stand, as sequencers have it, although format 1 keeps them in
-//! the first track. Midly reads the bytes, event by event, because asked for a whole file it ends a track silently at
-//! the first event it cannot read; here the bytes it leaves unread are an error with a place.
+//! the first track. Midly reads the events, one by one, because asked for a whole track it ends it silently at the
+//! first event it cannot read; here the bytes it leaves unread are an error with a place. The chunks and the header
+//! are read here: midly takes what there is of a chunk for all of it, and overflows on one kind of frame rate.
 
 use crate::error::{FileError, FileErrorKind};
-use midly::{Format, Fps, MetaMessage, MidiMessage, Timing, TrackEventKind};
+use midly::{EventIter, MetaMessage, MidiMessage, TrackEventKind};
 
 /// One message, when and where.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,27 +27,36 @@ enum Raw {
 
 /// All channel messages of a file, in order of time.
 pub(super) fn events(bytes: &[u8]) -> Result<Vec<Event>, FileError> {
-    let (header, tracks) = midly::parse(bytes)
-        .map_err(|e| FileError::format(format!("it is not a Standard MIDI File: {e}")).fix("export it again"))?;
-    if header.format == Format::Sequential {
-        let e = FileError::new(FileErrorKind::Unsupported, "it is of format 2, independent patterns");
+    let not_one = || FileError::format("it is not a Standard MIDI File").fix("export it as one, format 0 or 1");
+    let [b'M', b'T', b'h', b'd', 0, 0, 0, size, 0, format, n1, n0, t1, t0, ..] = *bytes else {
+        return Err(not_one());
+    };
+    let mut rest = bytes.get(8 + usize::from(size.max(6))..).ok_or_else(not_one)?;
+    if format > 1 {
+        let e = FileError::new(FileErrorKind::Unsupported, format!("it is of format {format}, independent patterns"));
         return Err(e.fix("export it as format 0 or 1"));
     }
-    let announced = tracks.size_hint().0;
-    whole(bytes, announced)?;
+    let mut clock = Clock::new([t1, t0])?;
+    let announced = u16::from_be_bytes([n1, n0]);
     let mut raw: Vec<(u64, Raw)> = Vec::new();
     let mut found = 0;
-    for track in tracks {
-        let track = track.map_err(|e| cut(format!("track {} cannot be read: {e}", found + 1)))?;
-        found += 1;
-        read_track(found, track, &mut raw)?;
-    }
-    if found < announced {
-        return Err(cut(format!("{announced} tracks are announced, {found} are there")));
+    while found < announced {
+        let Some((head, after)) = rest.split_at_checked(8) else {
+            return Err(cut(format!("{announced} tracks are announced, {found} are there")));
+        };
+        let size = u32::from_be_bytes([head[4], head[5], head[6], head[7]]) as usize;
+        let Some((body, after)) = after.split_at_checked(size) else {
+            return Err(cut(format!("track {} is {} bytes longer than the file", found + 1, size - after.len())));
+        };
+        rest = after;
+        // chunks of other kinds may stand between
+        if head.starts_with(b"MTrk") {
+            found += 1;
+            read_track(found, EventIter::new(body), &mut raw)?;
+        }
     }
     // stable: the order of tracks and events is kept within a tick
     raw.sort_by_key(|e| e.0);
-    let mut clock = Clock::new(header.timing)?;
     let mut events = Vec::with_capacity(raw.len());
     for (tick, what) in raw {
         match what {
@@ -57,25 +67,11 @@ pub(super) fn events(bytes: &[u8]) -> Result<Vec<Event>, FileError> {
     Ok(events)
 }
 
-/// That the announced tracks are all there to their last byte: midly takes what there is of a chunk for all of it.
-fn whole(bytes: &[u8], announced: usize) -> Result<(), FileError> {
-    let (mut at, mut seen) = (0, 0);
-    while let Some(head) = bytes.get(at..at + 8).filter(|_| seen < announced && bytes.starts_with(b"MThd")) {
-        seen += usize::from(&head[..4] == b"MTrk");
-        let size = u32::from_be_bytes([head[4], head[5], head[6], head[7]]) as usize;
-        at = size.saturating_add(at + 8);
-        if at > bytes.len() {
-            return Err(cut(format!("track {seen} is {} bytes longer than the file", at - bytes.len())));
-        }
-    }
-    Ok(())
-}
-
 fn cut(what: String) -> FileError {
     FileError::format(what).fix("the file is cut short or damaged; export it again")
 }
 
-fn read_track(n: usize, mut track: midly::EventIter<'_>, raw: &mut Vec<(u64, Raw)>) -> Result<(), FileError> {
+fn read_track(n: u16, mut track: EventIter<'_>, raw: &mut Vec<(u64, Raw)>) -> Result<(), FileError> {
     let length = track.unread().len();
     let mut tick = 0u64;
     for event in 1.. {
@@ -115,13 +111,21 @@ struct Clock {
 }
 
 impl Clock {
-    fn new(timing: Timing) -> Result<Clock, FileError> {
-        let (beats, step, per_second) = match timing {
+    /// From the last two bytes of the header.
+    fn new(time: [u8; 2]) -> Result<Clock, FileError> {
+        let sub = f64::from(time[1]);
+        let (beats, step, per_second) = match time[0] {
             // 120 beats a minute until told otherwise
-            Timing::Metrical(ppq) => (true, 500_000, f64::from(ppq.as_int()) * 1e6),
-            // 29 means 30 / 1.001 frames a second
-            Timing::Timecode(Fps::Fps29, sub) => (false, 1001, 30_000.0 * f64::from(sub)),
-            Timing::Timecode(fps, sub) => (false, 1, f64::from(fps.as_int()) * f64::from(sub)),
+            0..0x80 => (true, 500_000, f64::from(u16::from_be_bytes(time)) * 1e6),
+            // frames a second, negative; 29 means 30 / 1.001
+            frames => match frames.wrapping_neg() {
+                29 => (false, 1001, 30_000.0 * sub),
+                fps @ (24 | 25 | 30) => (false, 1, f64::from(fps) * sub),
+                fps => {
+                    let e = FileError::new(FileErrorKind::Unsupported, format!("it counts {fps} frames a second"));
+                    return Err(e.fix("export it with 24, 25, 29 or 30, or in beats"));
+                }
+            },
         };
         if per_second == 0.0 {
             return Err(FileError::format("its header gives a beat or frame no ticks").fix("export it again"));
