@@ -1,3 +1,48 @@
 //! What surrounds a scene: gestures in, sound files out; later devices, frames, the guard, the real-time thread and
 //! MCAP takes.
+//!
+//! A gesture is a few named functions of time, read from CSV, NPY, WAV or MIDI files. A render is a WAV file, and a
+//! probe is any quantity of the model in an NPY or CSV file. All three together:
+//!
+//! ```
+//! use ca_haptic::gesture::{Gesture, GestureFormat};
+//! use ca_haptic::probe::ProbeOut;
+//! use ca_haptic::sound::{Format, WavOut};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! // a key goes down 5 mm in 20 ms, stays, and comes up
+//! let text = "time,key\n0,0\n0.02,-0.005\n0.1,-0.005\n0.15,0\n";
+//! let gesture = Gesture::read(GestureFormat::Csv, text.as_bytes(), &[], None)?;
+//! let mut key = gesture.track("key").unwrap().cursor();
+//!
+//! let dir = tempfile::tempdir()?;
+//! let mut sound = WavOut::create(dir.path().join("out.wav"), 3000.0, 1, Format::I24)?;
+//! let mut probe = ProbeOut::create(dir.path().join("key.npy"), &["key"], 3000.0)?;
+//! for n in 0..450 {
+//!     let x = key.at(f64::from(n) / 3000.0); // [m]; amortised O(1), nothing is allocated
+//!     sound.write(&[x * 300.0])?; // too loud
+//!     probe.write(&[x])?;
+//! }
+//! let told = sound.finish()?; // only now is there a file of that name
+//! assert_eq!((told.frames, told.peak[0]), (450, 1.5));
+//! assert!(told.clipped > 240);
+//! assert_eq!(probe.finish()?, 450);
+//!
+//! // what cannot be read says where, and what to do
+//! let bad = Gesture::read(GestureFormat::Csv, b"time,key\n0,5 mm\n", &[], None).unwrap_err();
+//! assert_eq!(
+//!     bad.to_string(),
+//!     "line 2, column 2 (`key`): `5 mm` is not a number; write it like `-1.5e-3`, without a unit"
+//! );
+//! # Ok(())
+//! # }
+//! ```
 #![forbid(unsafe_code)]
+
+pub mod error;
+pub mod gesture;
+pub mod probe;
+pub mod sound;
+mod staged;
+
+pub use error::{FileError, FileErrorKind};

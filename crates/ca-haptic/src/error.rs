@@ -1,0 +1,114 @@
+//! What is said about a file that cannot be read or written.
+//!
+//! Decides that there is one record for every file format: a kind for programs, and for people the file, the place
+//! in it, what is found there and one thing to do about it. An enum with a variant per mishap was the alternative; it
+//! would grow with every format, while callers only ever ask whether it is the file, its content or their own request.
+
+use std::fmt;
+use std::path::Path;
+
+/// What sort of failure, for programs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum FileErrorKind {
+    /// the operating system refused to open, read, write or rename it
+    Io,
+    /// it is not a file of that format, or is cut short
+    Format,
+    /// a proper file of that format, in a variety that is not read
+    Unsupported,
+    /// it reads, but what it holds cannot drive a model: a gap, a time that runs backwards, a number without a value
+    Content,
+    /// the request does not fit the file: a missing rate, a number of channels
+    Usage,
+    /// the format holds no more: 4 GiB of WAV
+    Full,
+}
+
+/// Why a file could not be read or written.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FileError {
+    /// what sort of failure
+    pub kind: FileErrorKind,
+    /// the file as the caller named it; empty where there is none
+    pub file: String,
+    /// where in the file (`line 3, column 2`); empty where it is all of it
+    pub place: String,
+    /// what is wrong
+    pub what: String,
+    /// what to do about it; empty where nothing sensible can be said
+    pub fix: String,
+}
+
+impl FileError {
+    pub(crate) fn new(kind: FileErrorKind, what: impl Into<String>) -> FileError {
+        FileError { kind, file: String::new(), place: String::new(), what: what.into(), fix: String::new() }
+    }
+    pub(crate) fn io(path: &Path, what: &str, e: &std::io::Error) -> FileError {
+        FileError::new(FileErrorKind::Io, format!("{what}: {}", lower(&e.to_string()))).file(path.display())
+    }
+    pub(crate) fn format(what: impl Into<String>) -> FileError {
+        FileError::new(FileErrorKind::Format, what)
+    }
+    pub(crate) fn content(what: impl Into<String>) -> FileError {
+        FileError::new(FileErrorKind::Content, what)
+    }
+    pub(crate) fn usage(what: impl Into<String>) -> FileError {
+        FileError::new(FileErrorKind::Usage, what)
+    }
+    #[must_use]
+    pub(crate) fn file(mut self, file: impl fmt::Display) -> FileError {
+        if self.file.is_empty() {
+            self.file = file.to_string();
+        }
+        self
+    }
+    #[must_use]
+    pub(crate) fn at(mut self, place: impl Into<String>) -> FileError {
+        self.place = place.into();
+        self
+    }
+    #[must_use]
+    pub(crate) fn fix(mut self, fix: impl Into<String>) -> FileError {
+        self.fix = fix.into();
+        self
+    }
+}
+
+/// The libraries below us begin their messages with a capital.
+pub(crate) fn lower(s: &str) -> String {
+    let mut c = s.chars();
+    match c.next() {
+        Some(a) if !c.as_str().starts_with(char::is_uppercase) => a.to_lowercase().chain(c).collect(),
+        _ => s.to_owned(),
+    }
+}
+
+impl fmt::Display for FileError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match (self.file.is_empty(), self.place.is_empty()) {
+            (false, false) => write!(f, "`{}`, {}: ", self.file, self.place)?,
+            (false, true) => write!(f, "`{}`: ", self.file)?,
+            (true, false) => write!(f, "{}: ", self.place)?,
+            (true, true) => {}
+        }
+        f.write_str(&self.what)?;
+        if self.fix.is_empty() { Ok(()) } else { write!(f, "; {}", self.fix) }
+    }
+}
+
+impl std::error::Error for FileError {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reads_as_one_line() {
+        let e = FileError::content("`abc` is not a number").file("take.csv").at("line 3, column 2").fix("write metres");
+        assert_eq!(e.to_string(), "`take.csv`, line 3, column 2: `abc` is not a number; write metres");
+        assert_eq!(FileError::usage("no rate").to_string(), "no rate");
+        assert_eq!(lower("No such file"), "no such file");
+        assert_eq!(lower("RIFF missing"), "RIFF missing");
+    }
+}

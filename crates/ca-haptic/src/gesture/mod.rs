@@ -1,0 +1,174 @@
+//! Gestures: what a hand did or shall do, from a file.
+//!
+//! Decides that CSV, NPY, WAV and Standard MIDI files all become the same thing before a model sees them, a handful of
+//! named [`Track`]s, so that the engine has one way to be played and a take can be edited in whichever program is at
+//! hand. The whole file is read and checked at once: a bad number in the last line is an error before the first tick,
+//! never in the middle of a performance. The price is memory: eight bytes per sample, 23 MB a minute for one channel
+//! at 48 kHz.
+//!
+//! | file | tracks are called | time |
+//! |---|---|---|
+//! | `.csv` | as the header says | column `time` \[s\] |
+//! | `.npy` | as the fields of its dtype; `ch0`, `ch1`, … without fields | field `time` \[s\], or the rate given |
+//! | `.wav` | `ch0`, `ch1`, … | its own rate |
+//! | `.mid`, `.midi` | as the ports it moves | its own tempo map |
+
+use crate::error::{FileError, FileErrorKind};
+use ca_core::io::midi::MidiMap;
+use std::path::Path;
+
+mod csv;
+mod midi;
+mod npy;
+mod smf;
+mod track;
+mod wav;
+
+pub(crate) use track::check_rate;
+pub use track::{Cursor, LONGEST, Track};
+
+/// How MIDI moves one port of the model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PortMap {
+    /// name of the port
+    pub port: String,
+    /// notes, controller, bend or pressure, and what they mean in the unit of the port
+    pub map: MidiMap,
+}
+
+/// A file format a gesture can come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum GestureFormat {
+    /// text: `time, name…`
+    Csv,
+    /// an array of NumPy
+    Npy,
+    /// sound, one track per channel
+    Wav,
+    /// a Standard MIDI File
+    Midi,
+}
+
+impl GestureFormat {
+    /// The format that the extension of `path` stands for.
+    pub fn of(path: &Path) -> Option<GestureFormat> {
+        let ext = path.extension()?.to_str()?.to_ascii_lowercase();
+        Some(match ext.as_str() {
+            "csv" => GestureFormat::Csv,
+            "npy" => GestureFormat::Npy,
+            "wav" | "wave" => GestureFormat::Wav,
+            "mid" | "midi" | "smf" => GestureFormat::Midi,
+            _ => return None,
+        })
+    }
+}
+
+/// Named tracks that are played together.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Gesture {
+    tracks: Vec<Track>,
+}
+
+impl Gesture {
+    /// A gesture of these tracks, whose names must differ.
+    pub fn new(tracks: Vec<Track>) -> Result<Gesture, FileError> {
+        for (i, t) in tracks.iter().enumerate() {
+            if t.name().is_empty() {
+                return Err(FileError::content(format!("track {i} has no name")).fix("name the port it moves"));
+            }
+            if tracks[..i].iter().any(|u| u.name() == t.name()) {
+                let e = FileError::content(format!("two tracks are called `{}`", t.name()));
+                return Err(e.fix("rename or remove one"));
+            }
+        }
+        Ok(Gesture { tracks })
+    }
+
+    /// Reads the file at `path` in the format its extension stands for.
+    ///
+    /// `ports` says how MIDI moves the model (unused by other formats); `rate` \[Hz\] is for arrays without a `time` of
+    /// their own.
+    pub fn open(path: impl AsRef<Path>, ports: &[PortMap], rate: Option<f64>) -> Result<Gesture, FileError> {
+        let path = path.as_ref();
+        let format = GestureFormat::of(path).ok_or_else(|| {
+            FileError::new(FileErrorKind::Unsupported, "the extension says no format of gestures")
+                .file(path.display())
+                .fix("use a `.csv`, `.npy`, `.wav` or `.mid` file")
+        })?;
+        let bytes = std::fs::read(path).map_err(|e| FileError::io(path, "it cannot be read", &e))?;
+        Gesture::read(format, &bytes, ports, rate).map_err(|e| e.file(path.display()))
+    }
+
+    /// Reads a gesture from memory; errors name no file.
+    pub fn read(
+        format: GestureFormat,
+        bytes: &[u8],
+        ports: &[PortMap],
+        rate: Option<f64>,
+    ) -> Result<Gesture, FileError> {
+        if rate.is_some() && format != GestureFormat::Npy {
+            return Err(FileError::usage("this format tells its own time").fix("leave out `--gesture-rate`"));
+        }
+        match format {
+            GestureFormat::Csv => csv::read(bytes),
+            GestureFormat::Npy => npy::read(bytes, rate),
+            GestureFormat::Wav => wav::read(bytes),
+            GestureFormat::Midi => midi::read(bytes, ports),
+        }
+    }
+
+    /// All tracks, in the order of the file.
+    pub fn tracks(&self) -> &[Track] {
+        &self.tracks
+    }
+
+    /// The track of that name.
+    pub fn track(&self, name: &str) -> Option<&Track> {
+        self.tracks.iter().find(|t| t.name() == name)
+    }
+
+    /// Time of the last value of any track \[s\].
+    pub fn duration(&self) -> f64 {
+        self.tracks.iter().map(Track::duration).fold(0.0, f64::max)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn extensions_choose_the_reader() {
+        for (name, want) in [
+            ("a.csv", Some(GestureFormat::Csv)),
+            ("a.MID", Some(GestureFormat::Midi)),
+            ("a.b.midi", Some(GestureFormat::Midi)),
+            ("a.Npy", Some(GestureFormat::Npy)),
+            ("a.wav", Some(GestureFormat::Wav)),
+            ("a.mp3", None),
+            ("csv", None),
+        ] {
+            assert_eq!(GestureFormat::of(Path::new(name)), want, "{name}");
+        }
+        let e = Gesture::open("take.mp3", &[], None).unwrap_err();
+        assert_eq!(e.kind, FileErrorKind::Unsupported);
+        assert!(e.to_string().starts_with("`take.mp3`: "), "{e}");
+    }
+
+    #[test]
+    fn names_differ_and_the_longest_track_counts() {
+        let a = Track::points("a", vec![(0.0, 1.0), (2.0, 0.0)]).unwrap();
+        let b = Track::sampled("b", 10.0, vec![0.0; 41]).unwrap();
+        assert!(Gesture::new(vec![a.clone(), a.clone()]).unwrap_err().to_string().contains("two tracks"));
+        assert!(Gesture::new(vec![Track::points("", vec![(0.0, 0.0)]).unwrap()]).is_err());
+        let g = Gesture::new(vec![a, b]).unwrap();
+        assert_eq!(g.duration(), 4.0);
+        assert!(g.track("a").unwrap().moves() && !g.track("b").unwrap().moves() && g.track("c").is_none());
+    }
+
+    #[test]
+    fn a_rate_is_only_for_arrays() {
+        let e = Gesture::read(GestureFormat::Csv, b"time,x\n0,1\n", &[], Some(10.0)).unwrap_err();
+        assert_eq!(e.kind, FileErrorKind::Usage);
+    }
+}

@@ -1,0 +1,151 @@
+//! A Standard MIDI File as one list of events with their times.
+//!
+//! Decides that tracks are merged by tick, and where ticks agree by the order of tracks, then of events: what a
+//! sequencer plays. Tempo changes count wherever they stand, as sequencers have it, although format 1 keeps them in
+//! the first track. Midly reads the events, one by one, because asked for a whole track it ends it silently at the
+//! first event it cannot read; here the bytes it leaves unread are an error with a place. The chunks and the header
+//! are read here: midly takes what there is of a chunk for all of it, and overflows on one kind of frame rate.
+
+use crate::error::{FileError, FileErrorKind};
+use midly::{EventIter, MetaMessage, MidiMessage, TrackEventKind};
+
+/// One message, when and where.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Event {
+    /// \[s\] from the beginning
+    pub time: f64,
+    /// 1 to 16
+    pub channel: u8,
+    pub message: MidiMessage,
+}
+
+enum Raw {
+    Message(u8, MidiMessage),
+    /// microseconds per beat
+    Tempo(u32),
+}
+
+/// All channel messages of a file, in order of time.
+pub(super) fn events(bytes: &[u8]) -> Result<Vec<Event>, FileError> {
+    let not_one = || FileError::format("it is not a Standard MIDI File").fix("export it as one, format 0 or 1");
+    let [b'M', b'T', b'h', b'd', 0, 0, 0, size, 0, format, n1, n0, t1, t0, ..] = *bytes else {
+        return Err(not_one());
+    };
+    let mut rest = bytes.get(8 + usize::from(size.max(6))..).ok_or_else(not_one)?;
+    if format > 1 {
+        let e = FileError::new(FileErrorKind::Unsupported, format!("it is of format {format}, independent patterns"));
+        return Err(e.fix("export it as format 0 or 1"));
+    }
+    let mut clock = Clock::new([t1, t0])?;
+    let announced = u16::from_be_bytes([n1, n0]);
+    let mut raw: Vec<(u64, Raw)> = Vec::new();
+    let mut found = 0;
+    while found < announced {
+        let Some((head, after)) = rest.split_at_checked(8) else {
+            return Err(cut(format!("{announced} tracks are announced, {found} are there")));
+        };
+        let size = u32::from_be_bytes([head[4], head[5], head[6], head[7]]) as usize;
+        let Some((body, after)) = after.split_at_checked(size) else {
+            return Err(cut(format!("track {} is {} bytes longer than the file", found + 1, size - after.len())));
+        };
+        rest = after;
+        // chunks of other kinds may stand between
+        if head.starts_with(b"MTrk") {
+            found += 1;
+            read_track(found, EventIter::new(body), &mut raw)?;
+        }
+    }
+    // stable: the order of tracks and events is kept within a tick
+    raw.sort_by_key(|e| e.0);
+    let mut events = Vec::with_capacity(raw.len());
+    for (tick, what) in raw {
+        match what {
+            Raw::Tempo(us) => clock.tempo(tick, us),
+            Raw::Message(channel, message) => events.push(Event { time: clock.time(tick), channel, message }),
+        }
+    }
+    Ok(events)
+}
+
+fn cut(what: String) -> FileError {
+    FileError::format(what).fix("the file is cut short or damaged; export it again")
+}
+
+fn read_track(n: u16, mut track: EventIter<'_>, raw: &mut Vec<(u64, Raw)>) -> Result<(), FileError> {
+    let length = track.unread().len();
+    let mut tick = 0u64;
+    for event in 1.. {
+        let before = track.unread().len();
+        let place = || format!("track {n}, event {event}, byte {} of the track", length - before);
+        let Some(Ok(e)) = track.next() else {
+            let what = if before > 0 { "it is no MIDI event" } else { "the track stops without an end" };
+            return Err(cut(what.to_owned()).at(place()));
+        };
+        tick += u64::from(e.delta.as_int());
+        match e.kind {
+            TrackEventKind::Midi { channel, message } => {
+                raw.push((tick, Raw::Message(channel.as_int() + 1, message)));
+            }
+            TrackEventKind::Meta(MetaMessage::Tempo(us)) if us.as_int() == 0 => {
+                let e = FileError::content("a tempo of 0 µs per beat").at(place());
+                return Err(e.fix("remove the event"));
+            }
+            TrackEventKind::Meta(MetaMessage::Tempo(us)) => raw.push((tick, Raw::Tempo(us.as_int()))),
+            TrackEventKind::Meta(MetaMessage::EndOfTrack) => return Ok(()),
+            _ => {}
+        }
+    }
+    Ok(())
+}
+
+/// From ticks to seconds, in order of time.
+///
+/// Seconds are `(done + (tick − since) · step) / per_second`, all of it integers but the one division.
+struct Clock {
+    done: u128,
+    since: u64,
+    step: u32,
+    per_second: f64,
+    /// SMPTE time knows no tempo
+    beats: bool,
+}
+
+impl Clock {
+    /// From the last two bytes of the header.
+    fn new(time: [u8; 2]) -> Result<Clock, FileError> {
+        let sub = f64::from(time[1]);
+        let (beats, step, per_second) = match time[0] {
+            // 120 beats a minute until told otherwise
+            0..0x80 => (true, 500_000, f64::from(u16::from_be_bytes(time)) * 1e6),
+            // frames a second, negative; 29 means 30 / 1.001
+            frames => match frames.wrapping_neg() {
+                29 => (false, 1001, 30_000.0 * sub),
+                fps @ (24 | 25 | 30) => (false, 1, f64::from(fps) * sub),
+                fps => {
+                    let e = FileError::new(FileErrorKind::Unsupported, format!("it counts {fps} frames a second"));
+                    return Err(e.fix("export it with 24, 25, 29 or 30, or in beats"));
+                }
+            },
+        };
+        if per_second == 0.0 {
+            return Err(FileError::format("its header gives a beat or frame no ticks").fix("export it again"));
+        }
+        Ok(Clock { done: 0, since: 0, step, per_second, beats })
+    }
+
+    fn passed(&self, tick: u64) -> u128 {
+        self.done + u128::from(tick - self.since) * u128::from(self.step)
+    }
+
+    fn time(&self, tick: u64) -> f64 {
+        self.passed(tick) as f64 / self.per_second
+    }
+
+    fn tempo(&mut self, tick: u64, us: u32) {
+        if self.beats {
+            self.done = self.passed(tick);
+            self.since = tick;
+            self.step = us;
+        }
+    }
+}

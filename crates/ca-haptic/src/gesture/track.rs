@@ -1,0 +1,258 @@
+//! One quantity as a function of time, and how it is read while time runs.
+//!
+//! Decides that every gesture, whatever file it came from, is a piecewise-linear function: breakpoints with their own
+//! times, or samples at a rate. Both hold their first value before the beginning and their last after the end, so that
+//! a port always has a value. Two breakpoints at one time are a jump; the later one counts from that time on. Splines
+//! were the alternative: they overshoot, and a hand that strikes must not be pushed below the string by the reader.
+//!
+//! Values and times are finite by construction, and so is everything in between: bad input never reaches a model.
+
+use crate::error::FileError;
+
+/// Longest time a breakpoint may have, either side of zero \[s\]: beyond it a double hardly tells sound samples apart.
+pub const LONGEST: f64 = 1e9;
+
+#[derive(Clone, Debug, PartialEq)]
+enum Curve {
+    /// time \[s\] and value, times never decreasing, at least one
+    Points(Vec<(f64, f64)>),
+    /// samples at a rate \[Hz\] from time 0, at least one
+    Samples(f64, Vec<f64>),
+}
+
+/// One named quantity over time, in the unit of the port or live parameter it is meant for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Track {
+    name: String,
+    curve: Curve,
+}
+
+impl Track {
+    /// A track through breakpoints (time \[s\], value). Times may repeat (a jump) but not run backwards.
+    pub fn points(name: impl Into<String>, points: Vec<(f64, f64)>) -> Result<Track, FileError> {
+        let name = name.into();
+        let err = |i: usize, what: String| Err(FileError::content(what).at(format!("track `{name}`, point {i}")));
+        if points.is_empty() {
+            return Err(FileError::content(format!("track `{name}` has no value")).fix("give it one or leave it out"));
+        }
+        for (i, &(t, v)) in points.iter().enumerate() {
+            if !v.is_finite() {
+                return err(i, format!("the value is {v}"));
+            }
+            if !t.is_finite() || t.abs() > LONGEST {
+                return err(i, format!("the time is {t} s"));
+            }
+            if i > 0 && t < points[i - 1].0 {
+                return err(i, format!("time runs backwards, from {} s to {t} s", points[i - 1].0));
+            }
+        }
+        Ok(Track { name, curve: Curve::Points(points) })
+    }
+
+    /// A track of samples, the first at time 0, at `rate` \[Hz\].
+    pub fn sampled(name: impl Into<String>, rate: f64, samples: Vec<f64>) -> Result<Track, FileError> {
+        let name = name.into();
+        check_rate(rate)?;
+        if samples.is_empty() {
+            return Err(FileError::content(format!("track `{name}` has no value")).fix("give it one or leave it out"));
+        }
+        if let Some(i) = samples.iter().position(|v| !v.is_finite()) {
+            let what = format!("the value is {}", samples[i]);
+            return Err(FileError::content(what).at(format!("track `{name}`, sample {i}")));
+        }
+        Ok(Track { name, curve: Curve::Samples(rate, samples) })
+    }
+
+    /// What it is called: a port or a live parameter.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Time of the last value \[s\], 0 if there is none after the beginning.
+    pub fn duration(&self) -> f64 {
+        match &self.curve {
+            Curve::Points(p) => p[p.len() - 1].0.max(0.0),
+            Curve::Samples(rate, v) => (v.len() - 1) as f64 / rate,
+        }
+    }
+
+    /// Whether the value ever changes.
+    pub fn moves(&self) -> bool {
+        match &self.curve {
+            Curve::Points(p) => p.iter().any(|q| q.1 != p[0].1),
+            Curve::Samples(_, v) => v.iter().any(|q| *q != v[0]),
+        }
+    }
+
+    /// Breakpoints or samples it is made of; never 0.
+    pub fn n_points(&self) -> usize {
+        match &self.curve {
+            Curve::Points(p) => p.len(),
+            Curve::Samples(_, v) => v.len(),
+        }
+    }
+
+    /// Value at time `t` \[s\], by bisection; always finite.
+    pub fn at(&self, t: f64) -> f64 {
+        match &self.curve {
+            Curve::Points(p) => between(p, p.partition_point(|q| q.0 <= t).saturating_sub(1), t),
+            Curve::Samples(rate, v) => sample(*rate, v, t),
+        }
+    }
+
+    /// Value at time `t` \[s\] where `hint` was left by the previous call (0 at first): amortised O(1) while time goes
+    /// forward, a bisection where it jumps back, no allocation. The same bits as [`Track::at`].
+    ///
+    /// The hint is a bare number so that an engine can own the track and its hint side by side.
+    pub fn at_near(&self, hint: &mut usize, t: f64) -> f64 {
+        match &self.curve {
+            Curve::Samples(rate, v) => sample(*rate, v, t),
+            Curve::Points(p) => {
+                let mut i = (*hint).min(p.len() - 1);
+                if p[i].0 > t || t.is_nan() {
+                    i = p.partition_point(|q| q.0 <= t).saturating_sub(1);
+                } else {
+                    while i + 1 < p.len() && p[i + 1].0 <= t {
+                        i += 1;
+                    }
+                }
+                *hint = i;
+                between(p, i, t)
+            }
+        }
+    }
+
+    /// A reader of this track alone, from its beginning.
+    pub fn cursor(&self) -> Cursor<'_> {
+        Cursor { track: self, hint: 0 }
+    }
+}
+
+/// Reads one track as time runs.
+#[derive(Clone, Debug)]
+pub struct Cursor<'a> {
+    track: &'a Track,
+    hint: usize,
+}
+
+impl Cursor<'_> {
+    /// Value at time `t` \[s\]; see [`Track::at_near`].
+    pub fn at(&mut self, t: f64) -> f64 {
+        self.track.at_near(&mut self.hint, t)
+    }
+}
+
+pub(crate) fn check_rate(rate: f64) -> Result<(), FileError> {
+    if rate.is_finite() && rate > 1.0 / LONGEST && rate < LONGEST {
+        return Ok(());
+    }
+    Err(FileError::usage(format!("a rate of {rate} Hz")).fix("give samples per second, for example 3000"))
+}
+
+/// Value at `t` where `i` is the last point at or before `t`, or the first.
+fn between(p: &[(f64, f64)], i: usize, t: f64) -> f64 {
+    let (t0, a) = p[i];
+    match p.get(i + 1) {
+        Some(&(t1, b)) if t > t0 => mix(a, b, (t - t0) / (t1 - t0)),
+        _ => a,
+    }
+}
+
+fn sample(rate: f64, v: &[f64], t: f64) -> f64 {
+    let x = t * rate;
+    if x.is_nan() || x <= 0.0 {
+        return v[0];
+    }
+    if x >= (v.len() - 1) as f64 {
+        return v[v.len() - 1];
+    }
+    // (n / rate) * rate is not always n: a time that means a sample gets that sample, to the bit
+    let near = x.round();
+    if (x - near).abs() <= near * (4.0 * f64::EPSILON) {
+        return v[near as usize];
+    }
+    let i = x as usize;
+    mix(v[i], v[i + 1], x - i as f64)
+}
+
+/// Between `a` and `b`, and never beyond either, even where b − a is not a number of this world.
+fn mix(a: f64, b: f64, u: f64) -> f64 {
+    (a * (1.0 - u) + b * u).clamp(a.min(b), a.max(b))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn holds_both_ends_and_is_linear_between() {
+        let t = Track::points("x", vec![(1.0, 2.0), (3.0, 6.0), (4.0, 0.0)]).unwrap();
+        for (time, want) in [(-1.0, 2.0), (1.0, 2.0), (1.5, 3.0), (3.0, 6.0), (3.25, 4.5), (4.0, 0.0), (99.0, 0.0)] {
+            assert_eq!(t.at(time), want, "at {time}");
+        }
+        assert_eq!(t.duration(), 4.0);
+        assert!(t.at(f64::NAN).is_finite() && t.at(f64::INFINITY) == 0.0 && t.at(f64::NEG_INFINITY) == 2.0);
+    }
+
+    #[test]
+    fn a_repeated_time_is_a_jump() {
+        let t = Track::points("x", vec![(0.0, 0.0), (1.0, 0.0), (1.0, 5.0), (2.0, 5.0)]).unwrap();
+        assert_eq!(t.at(1.0 - 1e-12), 0.0);
+        assert_eq!(t.at(1.0), 5.0);
+        let mut c = t.cursor();
+        assert_eq!((c.at(0.5), c.at(1.0), c.at(1.5), c.at(0.2)), (0.0, 5.0, 5.0, 0.0));
+    }
+
+    #[test]
+    fn sample_times_give_samples_to_the_bit() {
+        for rate in [44_100.0, 48_000.0, 3_000.0, 22_050.0] {
+            let v: Vec<f64> = (0..50_000).map(|n| f64::from(n) * 0.1).collect();
+            let t = Track::sampled("x", rate, v.clone()).unwrap();
+            for (n, want) in v.iter().enumerate() {
+                assert_eq!(t.at(n as f64 / rate), *want, "sample {n} at {rate} Hz");
+            }
+            assert_eq!(t.duration(), 49_999.0 / rate);
+        }
+        let t = Track::sampled("x", 10.0, vec![1.0, 2.0]).unwrap();
+        assert_eq!((t.at(-1.0), t.at(0.05), t.at(9.0)), (1.0, 1.5, 2.0));
+    }
+
+    #[test]
+    fn refuses_what_is_no_function_of_time() {
+        for (points, say) in [
+            (vec![], "no value"),
+            (vec![(0.0, f64::NAN)], "value is NaN"),
+            (vec![(0.0, 0.0), (f64::INFINITY, 1.0)], "time is inf"),
+            (vec![(0.0, 0.0), (2e9, 1.0)], "time is"),
+            (vec![(1.0, 0.0), (0.5, 1.0)], "backwards"),
+        ] {
+            let e = Track::points("x", points).unwrap_err();
+            assert!(e.to_string().contains(say), "{e}");
+        }
+        assert!(Track::sampled("x", 0.0, vec![1.0]).is_err());
+        assert!(Track::sampled("x", 1.0, vec![]).is_err());
+        let e = Track::sampled("x", 1.0, vec![0.0, f64::INFINITY]).unwrap_err();
+        assert!(e.to_string().contains("sample 1"), "{e}");
+    }
+
+    proptest! {
+        #[test]
+        fn the_cursor_reads_the_same_bits(
+            mut times in prop::collection::vec(0.0..10.0f64, 1..40),
+            values in prop::collection::vec(prop::num::f64::NORMAL | prop::num::f64::ZERO, 40),
+            reads in prop::collection::vec(-1.0..11.0f64, 1..60),
+        ) {
+            times.sort_by(f64::total_cmp);
+            let points: Vec<_> = times.iter().copied().zip(values).collect();
+            let (lo, hi) = points.iter().fold((f64::MAX, f64::MIN), |(l, h), p| (l.min(p.1), h.max(p.1)));
+            let t = Track::points("x", points).unwrap();
+            let mut c = t.cursor();
+            for r in reads {
+                let y = t.at(r);
+                prop_assert_eq!(y.to_bits(), c.at(r).to_bits());
+                prop_assert!(y >= lo && y <= hi);
+            }
+        }
+    }
+}

@@ -1,0 +1,296 @@
+//! Sound out: WAV files of renders.
+//!
+//! Decides that ±1 is a hard ceiling in every format, floats too, so that what is heard does not depend on the format;
+//! every sample that hits it is counted, and the peak *before* the ceiling says which gain would have been right. A
+//! sample without a value (NaN, infinite) becomes silence and is counted apart: the one is loud, the other is broken.
+//!
+//! Integers are `round(x · 2ⁿ⁻¹)`, ties to even, at most 2ⁿ⁻¹ − 1: the inverse of how gestures are read, so −1 and all
+//! dyadic values return to the bit, and +1 is one step short. There is no dither: the same model gives the same bytes,
+//! and the noise of a render is then the model's. Its price is distortion where sound fades below −90 dB in 16 bits;
+//! 24 bits, the answer to that, cost half as much again.
+//!
+//! The file takes its place only when it is finished (`staged.rs`). Beyond two channels the header assigns no
+//! loudspeakers: outputs of a model are not left, right, centre and subwoofer, and players that mix down would drop
+//! the fourth one.
+
+use crate::error::{FileError, FileErrorKind, lower};
+use crate::staged::Staged;
+use hound::{SampleFormat, WavSpec, WavWriter};
+use std::fs::File;
+use std::io::{BufWriter, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+
+/// Most channels of one file.
+pub const MAX_CHANNELS: usize = 256;
+
+/// Longest data of a WAV file \[bytes\]: its lengths are 32 bits, and the header needs some of them.
+const MAX_DATA: u64 = u32::MAX as u64 - 100;
+
+/// How a sample is stored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// 32-bit floats
+    F32,
+    /// 24-bit integers
+    I24,
+    /// 16-bit integers
+    I16,
+}
+
+impl Format {
+    /// Width of a sample \[bits\].
+    pub fn bits(self) -> u16 {
+        match self {
+            Format::F32 => 32,
+            Format::I24 => 24,
+            Format::I16 => 16,
+        }
+    }
+}
+
+/// What became of a sound.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Written {
+    /// the file, as the caller named it
+    pub path: PathBuf,
+    /// samples per channel
+    pub frames: u64,
+    /// \[Hz\]
+    pub rate: u32,
+    /// greatest |sample| of each channel before the ceiling, 1 = full scale
+    pub peak: Vec<f64>,
+    /// samples cut off at ±1
+    pub clipped: u64,
+    /// samples without a value, written as 0
+    pub non_finite: u64,
+}
+
+impl Written {
+    /// Length \[s\].
+    pub fn duration(&self) -> f64 {
+        self.frames as f64 / f64::from(self.rate)
+    }
+    /// Whether every sample is what the model meant.
+    pub fn is_faithful(&self) -> bool {
+        self.clipped == 0 && self.non_finite == 0
+    }
+}
+
+/// A WAV file under way.
+pub struct WavOut {
+    // before `staged`, so that it is closed when the sibling is removed
+    writer: WavWriter<BufWriter<File>>,
+    staged: Staged,
+    format: Format,
+    limit: u64,
+    told: Written,
+}
+
+impl WavOut {
+    /// Begins the file at `path`: `rate` \[Hz\], a whole number; 1 to [`MAX_CHANNELS`] channels.
+    pub fn create(path: impl AsRef<Path>, rate: f64, channels: usize, format: Format) -> Result<WavOut, FileError> {
+        let path = path.as_ref();
+        if !(1.0..=1e6).contains(&rate) || rate.fract() != 0.0 {
+            let e = FileError::usage(format!("a WAV file cannot have a rate of {rate} Hz")).file(path.display());
+            return Err(e.fix("render at a whole number of Hz, up to 1 MHz"));
+        }
+        if !(1..=MAX_CHANNELS).contains(&channels) {
+            let e = FileError::usage(format!("{channels} channels")).file(path.display());
+            return Err(e.fix(format!("choose 1 to {MAX_CHANNELS} outputs")));
+        }
+        let sample_format = if format == Format::F32 { SampleFormat::Float } else { SampleFormat::Int };
+        let spec = WavSpec {
+            channels: channels as u16,
+            sample_rate: rate as u32,
+            bits_per_sample: format.bits(),
+            sample_format,
+        };
+        let staged = Staged::create(path)?;
+        let writer =
+            WavWriter::new(BufWriter::with_capacity(1 << 16, staged.handle()?), spec).map_err(|e| failed(path, &e))?;
+        let told = Written {
+            path: path.to_owned(),
+            frames: 0,
+            rate: rate as u32,
+            peak: vec![0.0; channels],
+            clipped: 0,
+            non_finite: 0,
+        };
+        Ok(WavOut { writer, staged, format, limit: MAX_DATA / (channels as u64 * u64::from(format.bits() / 8)), told })
+    }
+
+    /// Appends whole frames of interleaved samples.
+    pub fn write(&mut self, frames: &[f64]) -> Result<(), FileError> {
+        let n = self.told.peak.len();
+        if !frames.len().is_multiple_of(n) {
+            let what = format!("{} samples are no whole frames of {n} channels", frames.len());
+            return Err(FileError::usage(what).file(self.told.path.display()));
+        }
+        if self.told.frames + (frames.len() / n) as u64 > self.limit {
+            let e = FileError::new(FileErrorKind::Full, "a WAV file holds 4 GiB, and they are full");
+            let e = e.file(self.told.path.display()).at(format!("{:.0} s", self.told.duration()));
+            return Err(e.fix("render less time, fewer outputs or fewer bits"));
+        }
+        for frame in frames.chunks_exact(n) {
+            for (x, peak) in frame.iter().zip(&mut self.told.peak) {
+                let x = if x.is_finite() {
+                    *x
+                } else {
+                    self.told.non_finite += 1;
+                    0.0
+                };
+                *peak = peak.max(x.abs());
+                self.told.clipped += u64::from(x.abs() > 1.0);
+                let x = x.clamp(-1.0, 1.0);
+                match self.format {
+                    Format::F32 => self.writer.write_sample(x as f32),
+                    Format::I24 => self.writer.write_sample(integer(x, 8_388_608.0)),
+                    Format::I16 => self.writer.write_sample(integer(x, 32_768.0)),
+                }
+                .map_err(|e| failed(&self.told.path, &e))?;
+            }
+            self.told.frames += 1;
+        }
+        Ok(())
+    }
+
+    /// What has been written so far; the numbers of [`WavOut::finish`], while it goes on.
+    pub fn so_far(&self) -> &Written {
+        &self.told
+    }
+
+    /// Completes the file and puts it in its place.
+    pub fn finish(self) -> Result<Written, FileError> {
+        let WavOut { writer, staged, told, .. } = self;
+        writer.finalize().map_err(|e| failed(&told.path, &e))?;
+        if told.peak.len() > 2 && staged.is_plain() {
+            // dwChannelMask of WAVEFORMATEXTENSIBLE, at this place in what hound writes
+            let mut file = staged.handle()?;
+            file.seek(SeekFrom::Start(40))
+                .and_then(|_| file.write_all(&[0; 4]))
+                .map_err(|e| FileError::io(&told.path, "it cannot be written", &e))?;
+        }
+        staged.commit()?;
+        Ok(told)
+    }
+}
+
+fn integer(x: f64, full: f64) -> i32 {
+    (x * full).round_ties_even().min(full - 1.0) as i32
+}
+
+fn failed(path: &Path, e: &hound::Error) -> FileError {
+    match e {
+        hound::Error::IoError(e) => FileError::io(path, "it cannot be written", e),
+        e => FileError::new(FileErrorKind::Io, lower(&e.to_string())).file(path.display()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use hound::WavReader;
+
+    const ODD: [f64; 8] = [0.0, 0.5, -0.5, 1.0, -1.0, 1.5, -7.0, 0.1];
+
+    fn render(format: Format, samples: &[f64]) -> (tempfile::TempDir, Written) {
+        let dir = tempfile::tempdir().unwrap();
+        let mut out = WavOut::create(dir.path().join("a.wav"), 48_000.0, 1, format).unwrap();
+        samples.chunks(3).for_each(|c| out.write(c).unwrap());
+        let told = out.finish().unwrap();
+        (dir, told)
+    }
+
+    #[test]
+    fn integers_are_exact() {
+        for (format, full) in [(Format::I16, 32_768), (Format::I24, 8_388_608)] {
+            let (_dir, told) = render(format, &ODD);
+            let mut file = WavReader::open(&told.path).unwrap();
+            assert_eq!((file.spec().bits_per_sample, file.spec().sample_rate), (format.bits(), 48_000));
+            let got: Vec<i32> = file.samples().map(Result::unwrap).collect();
+            let tenth = if full == 32_768 { 3277 } else { 838_861 };
+            assert_eq!(got, [0, full / 2, -full / 2, full - 1, -full, full - 1, -full, tenth]);
+            assert_eq!((told.clipped, told.non_finite, told.frames), (2, 0, 8));
+            assert_eq!(told.peak, [7.0]);
+            assert!(!told.is_faithful());
+        }
+        // ties to even
+        let (_dir, told) = render(Format::I16, &[0.5 / 32_768.0, 1.5 / 32_768.0, -2.5 / 32_768.0]);
+        let got: Vec<i32> = WavReader::open(&told.path).unwrap().samples().map(Result::unwrap).collect();
+        assert_eq!(got, [0, 2, -2]);
+    }
+
+    #[test]
+    fn floats_have_the_same_ceiling() {
+        let (_dir, told) = render(Format::F32, &ODD);
+        let got: Vec<f32> = WavReader::open(&told.path).unwrap().samples().map(Result::unwrap).collect();
+        assert_eq!(got, [0.0, 0.5, -0.5, 1.0, -1.0, 1.0, -1.0, 0.1]);
+        assert_eq!(told.clipped, 2);
+    }
+
+    #[test]
+    fn what_has_no_value_is_silence_and_counted_apart() {
+        let (_dir, told) = render(Format::F32, &[f64::NAN, 0.25, f64::INFINITY, f64::NEG_INFINITY]);
+        let got: Vec<f32> = WavReader::open(&told.path).unwrap().samples().map(Result::unwrap).collect();
+        assert_eq!(got, [0.0, 0.25, 0.0, 0.0]);
+        assert_eq!((told.clipped, told.non_finite, told.peak[0]), (0, 3, 0.25));
+    }
+
+    #[test]
+    fn many_channels_have_a_proper_header() {
+        let dir = tempfile::tempdir().unwrap();
+        for channels in [1, 2, 3, 4, 18, 19, 64, MAX_CHANNELS] {
+            for format in [Format::F32, Format::I24, Format::I16] {
+                let path = dir.path().join("many.wav");
+                let mut out = WavOut::create(&path, 44_100.0, channels, format).unwrap();
+                let frame: Vec<f64> = (0..channels).map(|c| c as f64 / 512.0).collect();
+                out.write(&frame).unwrap();
+                out.write(&frame).unwrap();
+                let told = out.finish().unwrap();
+                assert_eq!((told.peak.as_slice(), told.frames), (&frame[..], 2));
+                let bytes = std::fs::read(&path).unwrap();
+                assert_eq!(u32::from_le_bytes(bytes[4..8].try_into().unwrap()) as usize, bytes.len() - 8);
+                assert_eq!(usize::from(u16::from_le_bytes([bytes[22], bytes[23]])), channels);
+                if channels > 2 {
+                    assert_eq!(bytes[20..22], [0xfe, 0xff], "WAVEFORMATEXTENSIBLE");
+                    assert_eq!(bytes[40..44], [0; 4], "no loudspeakers");
+                }
+                let mut file = WavReader::new(&bytes[..]).unwrap();
+                assert_eq!(usize::from(file.spec().channels), channels);
+                let got: Vec<f64> = if format == Format::F32 {
+                    file.samples::<f32>().map(|s| f64::from(s.unwrap())).collect()
+                } else {
+                    let full = f64::from(format.bits() - 1).exp2();
+                    file.samples::<i32>().map(|s| f64::from(s.unwrap()) / full).collect()
+                };
+                assert_eq!(got, [&frame[..], &frame[..]].concat());
+            }
+        }
+    }
+
+    #[test]
+    fn refuses_what_a_wav_file_cannot_be() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.wav");
+        for (rate, channels) in [(0.0, 1), (44_100.5, 1), (f64::NAN, 1), (2e6, 1), (48e3, 0), (48e3, 257)] {
+            let e = WavOut::create(&path, rate, channels, Format::I16).err().unwrap();
+            assert_eq!(e.kind, FileErrorKind::Usage, "{rate} {channels}");
+        }
+        let mut out = WavOut::create(&path, 48e3, 2, Format::I16).unwrap();
+        assert_eq!(out.write(&[0.0; 3]).unwrap_err().kind, FileErrorKind::Usage);
+        out.limit = 2;
+        out.write(&[0.0; 4]).unwrap();
+        let e = out.write(&[0.0; 2]).unwrap_err();
+        assert_eq!((e.kind, out.so_far().frames), (FileErrorKind::Full, 2));
+        drop(out);
+        assert_eq!(std::fs::read_dir(&dir).unwrap().count(), 0, "an unfinished file leaves nothing");
+    }
+
+    #[test]
+    fn four_gib_is_the_limit_of_the_header() {
+        let dir = tempfile::tempdir().unwrap();
+        let out = WavOut::create(dir.path().join("a.wav"), 48e3, 64, Format::F32).unwrap();
+        let bytes = out.limit * 64 * 4;
+        assert!(bytes + 68 < 1 << 32 && bytes > (1 << 32) - 1000);
+    }
+}

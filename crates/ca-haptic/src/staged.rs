@@ -1,0 +1,137 @@
+//! A file that appears whole or not at all.
+//!
+//! Decides that a render is written into a hidden sibling (`.out.wav.1234-0.part`) and takes the place of the old file
+//! in one step when it is finished, so that a crash, a full disk or an interrupted command never leaves half a file
+//! over a good one. A sibling rather than a file in the temporary directory: only within one file system is renaming
+//! one step. What is not finished removes itself; after `kill -9` the sibling stays and says by its name what it is.
+//! A symbolic link keeps pointing; what is not a plain file (`/dev/null`) is written straight, never replaced.
+
+use crate::error::{FileError, FileErrorKind};
+use std::fs::{self, File};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Where the bytes go until they are all there.
+#[derive(Debug)]
+pub(crate) struct Staged {
+    /// what the caller asked for, with symbolic links followed
+    target: PathBuf,
+    /// the sibling, until it has become the target; `None` where the target is written straight
+    part: Option<PathBuf>,
+    file: File,
+}
+
+impl Staged {
+    pub fn create(path: &Path) -> Result<Staged, FileError> {
+        static NEXT: AtomicU64 = AtomicU64::new(0);
+        let fail = |e: &std::io::Error| {
+            let err = FileError::io(path, "it cannot be written", e);
+            if e.kind() == std::io::ErrorKind::NotFound { err.fix("make the directory first") } else { err }
+        };
+        let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+        match fs::metadata(&target) {
+            Ok(m) if m.is_dir() => {
+                let e = FileError::new(FileErrorKind::Io, "it is a directory").file(path.display());
+                return Err(e.fix("give the name of a file"));
+            }
+            Ok(m) if !m.is_file() => {
+                let file = File::options().write(true).open(&target).map_err(|e| fail(&e))?;
+                return Ok(Staged { target, part: None, file });
+            }
+            _ => {}
+        }
+        let Some(name) = target.file_name() else {
+            return Err(FileError::usage("it has no name").file(path.display()));
+        };
+        let n = NEXT.fetch_add(1, Ordering::Relaxed);
+        let part = target.with_file_name(format!(".{}.{}-{n}.part", name.to_string_lossy(), std::process::id()));
+        let file = File::create(&part).map_err(|e| fail(&e))?;
+        Ok(Staged { target, part: Some(part), file })
+    }
+
+    /// Another handle to the same file, for a writer to own.
+    pub fn handle(&self) -> Result<File, FileError> {
+        self.file.try_clone().map_err(|e| FileError::io(&self.target, "it cannot be written", &e))
+    }
+
+    /// Whether the target is a plain file, in which one can go back.
+    pub fn is_plain(&self) -> bool {
+        self.part.is_some()
+    }
+
+    /// Puts the finished file in its place. All that was written must have been flushed.
+    pub fn commit(mut self) -> Result<(), FileError> {
+        if let Some(part) = self.part.take() {
+            let done = self.file.sync_all().and_then(|()| fs::rename(&part, &self.target));
+            if let Err(e) = done {
+                self.part = Some(part);
+                return Err(FileError::io(&self.target, "it cannot be put in its place", &e));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Drop for Staged {
+    fn drop(&mut self) {
+        if let Some(part) = &self.part {
+            let _ = fs::remove_file(part);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::Write;
+
+    #[test]
+    fn the_old_file_stays_until_the_new_one_is_whole() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.wav");
+        fs::write(&path, "good").unwrap();
+        let staged = Staged::create(&path).unwrap();
+        staged.handle().unwrap().write_all(b"ha").unwrap();
+        assert_eq!(fs::read_dir(&dir).unwrap().count(), 2);
+        assert_eq!(fs::read(&path).unwrap(), b"good");
+        drop(staged);
+        assert_eq!(fs::read_dir(&dir).unwrap().count(), 1);
+        assert_eq!(fs::read(&path).unwrap(), b"good");
+        // two at once do not share a sibling, the last one to finish wins
+        let (a, b) = (Staged::create(&path).unwrap(), Staged::create(&path).unwrap());
+        a.handle().unwrap().write_all(b"first").unwrap();
+        b.handle().unwrap().write_all(b"second").unwrap();
+        b.commit().unwrap();
+        a.commit().unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"first");
+        assert_eq!(fs::read_dir(&dir).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn refuses_a_directory_and_a_place_that_is_not() {
+        let dir = tempfile::tempdir().unwrap();
+        assert!(Staged::create(dir.path()).unwrap_err().what.contains("directory"));
+        let e = Staged::create(&dir.path().join("no/such/a.wav")).unwrap_err();
+        assert_eq!((e.kind, e.fix.as_str()), (FileErrorKind::Io, "make the directory first"));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_keep_pointing_and_devices_stay() {
+        let dir = tempfile::tempdir().unwrap();
+        let (real, link) = (dir.path().join("real"), dir.path().join("link"));
+        fs::write(&real, "old").unwrap();
+        std::os::unix::fs::symlink(&real, &link).unwrap();
+        let s = Staged::create(&link).unwrap();
+        s.handle().unwrap().write_all(b"new").unwrap();
+        s.commit().unwrap();
+        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+        assert_eq!(fs::read(&real).unwrap(), b"new");
+        let null = dir.path().join("null");
+        std::os::unix::fs::symlink("/dev/null", &null).unwrap();
+        let s = Staged::create(&null).unwrap();
+        assert!(!s.is_plain());
+        s.commit().unwrap();
+        assert!(!fs::metadata("/dev/null").unwrap().is_file());
+    }
+}
