@@ -323,7 +323,7 @@ impl Values<'_> {
         let (mut sources, mut to, mut good) = (0, false, true);
         for m in entries {
             let what = format!("`{}` in {what}", m.key);
-            let mut time = |v: &mut Self| v.constant(m, Unit::SECOND, crate::kind::POSITIVE, &what);
+            let time = |v: &mut Self| v.constant(m, Unit::SECOND, crate::kind::POSITIVE, &what);
             let done = match m.key.as_str() {
                 "note" => notes(m).map(|(low, high)| map.source = MidiSource::Note { low, high }),
                 "cc" => small(m, 127).map(|n| map.source = MidiSource::Control(n)),
