@@ -1,1 +1,7 @@
 //! The whole suite in one binary, one file per theme.
+
+mod diagnostics;
+mod quantity;
+mod reader;
+mod select;
+mod writer;

@@ -134,13 +134,14 @@ struct Mender<'s> {
     /// open brackets: place and the character that closes them
     open: Vec<(usize, char)>,
     edits: Vec<(usize, char)>,
+    /// end of the last thing that is neither blank nor comment
+    solid: usize,
 }
 
 impl Mender<'_> {
     fn run(mut self, diags: &mut Diags) -> Vec<(usize, char)> {
-        // end of the last thing that is neither blank nor comment, and its last byte
-        let (mut solid, mut last) = (0, b'\n');
-        let mut fresh = true;
+        // the byte before `solid`, and whether the line is blank so far
+        let (mut last, mut fresh) = (b'\n', true);
         while let Some(&b) = self.text.as_bytes().get(self.at) {
             match b {
                 b'\n' => fresh = true,
@@ -148,7 +149,7 @@ impl Mender<'_> {
                 b'#' => self.at = self.line_end() - 1,
                 _ => {
                     if fresh && !self.open.is_empty() && !b",{[".contains(&last) && self.is_statement() {
-                        self.close(solid, diags);
+                        self.close(0, diags);
                     }
                     if fresh && self.open.is_empty() && b == b'[' {
                         self.header(diags);
@@ -156,14 +157,14 @@ impl Mender<'_> {
                         self.token(b, diags);
                     }
                     fresh = false;
-                    solid = self.at + 1;
+                    self.solid = self.at + 1;
                     last = self.text.as_bytes().get(self.at).copied().unwrap_or(b' ');
                 }
             }
             self.at += 1;
         }
         if !self.open.is_empty() {
-            self.close(solid.min(self.text.len()), diags);
+            self.close(0, diags);
         }
         self.edits
     }
@@ -188,10 +189,12 @@ impl Mender<'_> {
         line.split_once('=').is_some_and(|(key, _)| super::select::is_name(key.trim()))
     }
 
-    /// Closes all that is open, at `end`.
-    fn close(&mut self, end: usize, diags: &mut Diags) {
-        let closers: String = self.open.iter().rev().map(|o| o.1).collect();
-        if let Some(&(at, closer)) = self.open.last() {
+    /// Closes all brackets above the first `keep`, after the last thing written.
+    fn close(&mut self, keep: usize, diags: &mut Diags) {
+        let end = self.solid.min(self.text.len());
+        let last = self.open.get(keep..).and_then(<[_]>::last).copied();
+        let closers: String = self.open.drain(keep..).rev().map(|o| o.1).collect();
+        if let Some((at, closer)) = last {
             let opener = if closer == '}' { '{' } else { '[' };
             let d = Diag::error("E001", format!("not TOML: `{opener}` is not closed"));
             let d = d.at(Span { start: at, end: at + 1 }, format!("`{closer}` is missing"));
@@ -199,7 +202,6 @@ impl Mender<'_> {
             diags.push(d.fix(Span { start: end, end }, format!("{gap}{closers}")));
         }
         self.edits.extend(closers.chars().map(|c| (end, c)));
-        self.open.clear();
     }
 
     /// `[SECTION]`, with its bracket or without.
@@ -221,6 +223,13 @@ impl Mender<'_> {
             b'[' => self.open.push((self.at, ']')),
             b'}' | b']' if self.open.last().is_some_and(|o| o.1 == char::from(b)) => {
                 self.open.pop();
+            }
+            // `[1, 2 }`: what is still open inside ends here
+            b'}' | b']' => {
+                if let Some(keep) = self.open.iter().rposition(|o| o.1 == char::from(b)) {
+                    self.close(keep + 1, diags);
+                    self.open.pop();
+                }
             }
             b'"' | b'\'' => self.string(b, diags),
             _ => {}
