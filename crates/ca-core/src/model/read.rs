@@ -30,6 +30,26 @@ pub const RATES: &[&str] = &["sound", "gesture"];
 /// Properties of a group.
 pub const GROUP: &[&str] = &["gravity", "friction", "dim"];
 
+/// What other programs and textbooks call a parameter.
+const OTHER_NAMES: &[(&str, &str)] = &[
+    ("mass", "m"),
+    ("inertia", "m"),
+    ("stiffness", "k"),
+    ("spring", "k"),
+    ("damping", "z"),
+    ("viscosity", "z"),
+    ("friction", "z"),
+    ("frequency", "f"),
+    ("freq", "f"),
+    ("decay", "t60"),
+    ("threshold", "d"),
+    ("distance", "d"),
+    ("length", "l0"),
+    ("position", "x"),
+    ("velocity", "v"),
+    ("speed", "v"),
+];
+
 type Key<'i> = Spanned<DeString<'i>>;
 type Val<'i> = Spanned<DeValue<'i>>;
 
@@ -146,7 +166,8 @@ impl Reader<'_, '_> {
         let words =
             SECTIONS.iter().copied().filter(|s| !self.has_section(s)).chain(self.catalog.iter().map(|k| k.code));
         match nearest(name, words) {
-            None if table.is_empty() && !is_code(name) => self.group(key, table),
+            // a group without members, perhaps with a misspelt property
+            None if !is_code(name) && !table.values().any(|v| v.get_ref().is_table()) => self.group(key, table),
             Some(meant) => {
                 let d = Diag::error("E002", format!("unknown section: `{name}`"));
                 let d = d.at(self.span(key), "no such section or kind").help(format!("did you mean `{meant}`?"));
@@ -245,7 +266,9 @@ impl Reader<'_, '_> {
             }
             let free = |k: &&str| !written.iter().any(|w| w == k) && !kept.iter().any(|x| x.key == **k);
             let d = Diag::error("E004", title(&e.key)).at(e.key_span, "not known here");
-            match nearest(&e.key, keys.iter().copied().filter(free)) {
+            let other = OTHER_NAMES.iter().find(|o| o.0.eq_ignore_ascii_case(&e.key)).map(|o| o.1);
+            let other = keys.iter().copied().find(|k| Some(*k) == other && free(k));
+            match nearest(&e.key, keys.iter().copied().filter(free)).or(other) {
                 Some(meant) => {
                     self.diags.push(d.help(format!("did you mean `{meant}`?")).fix(e.key_span, meant));
                     e.key = meant.into();
@@ -286,14 +309,17 @@ impl Reader<'_, '_> {
                     let kind = self.group_kind(code, k);
                     self.modules(kind.map_or(code, |k| k.code), kind, k, t, Some((index, name)));
                 }
-                DeValue::Table(_) if !GROUP.contains(&code) => {
+                DeValue::Table(t) if !GROUP.contains(&code) => {
                     let d = Diag::error("E002", format!("`{name}.{code}` is neither a kind nor a property"));
                     let d = d.at(self.span(k), "in a group stand kinds, in upper case");
-                    let d = match nearest(code, self.catalog.iter().map(|k| k.code)) {
-                        Some(meant) => d.help(format!("did you mean `{meant}`?")).fix(self.span(k), meant),
+                    let meant = nearest(code, self.catalog.iter().map(|k| k.code));
+                    self.diags.push(match meant {
+                        Some(m) => d.help(format!("did you mean `{m}`?")).fix(self.span(k), m),
                         None => d.help("groups do not nest"),
-                    };
-                    self.diags.push(d);
+                    });
+                    if let Some(kind) = meant.and_then(|m| self.catalog.get(m)) {
+                        self.modules(kind.code, Some(kind), k, t, Some((index, name)));
+                    }
                 }
                 _ => props.extend(self.entry(code.into(), k, v)),
             }

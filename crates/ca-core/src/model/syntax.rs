@@ -8,6 +8,7 @@
 
 use super::Span;
 use super::diag::{Diag, Diags};
+use super::select::{is_name, is_word};
 use alloc::borrow::Cow;
 use alloc::format;
 use alloc::string::String;
@@ -151,6 +152,9 @@ impl Mender<'_> {
                     if fresh && !self.open.is_empty() && !b",{[".contains(&last) && self.is_statement() {
                         self.close(0, diags);
                     }
+                    if fresh && self.open.is_empty() {
+                        self.equals(diags);
+                    }
                     if fresh && self.open.is_empty() && b == b'[' {
                         self.header(diags);
                     } else {
@@ -182,11 +186,10 @@ impl Mender<'_> {
     fn is_statement(&self) -> bool {
         let line = self.line();
         if let Some(rest) = line.strip_prefix('[') {
-            return rest
-                .split_once(']')
-                .is_some_and(|(name, _)| name.split('.').all(|w| super::select::is_word(w.trim())));
+            let name = rest.split([']', '#']).next().unwrap_or("");
+            return name.split('.').all(|w| is_word(w.trim()));
         }
-        line.split_once('=').is_some_and(|(key, _)| super::select::is_name(key.trim()))
+        line.split_once('=').is_some_and(|(key, _)| is_name(key.trim()))
     }
 
     /// Closes all brackets above the first `keep`, after the last thing written.
@@ -215,6 +218,19 @@ impl Mender<'_> {
             self.edits.push((end, ']'));
         }
         self.at = end.max(start + 1) - 1;
+    }
+
+    /// `name { … }`, without its `=`.
+    fn equals(&mut self, diags: &mut Diags) {
+        let Some((key, _)) = self.line().split_once('{') else { return };
+        let name = key.trim_end();
+        if is_name(name) {
+            let (start, at) = (self.at, self.at + name.len());
+            let d =
+                Diag::error("E001", "not TOML: `=` is missing").at(Span { start, end: at }, "this name has no value");
+            diags.push(d.fix(Span { start: at, end: at }, " ="));
+            self.edits.push((at, '='));
+        }
     }
 
     fn token(&mut self, b: u8, diags: &mut Diags) {
