@@ -168,6 +168,52 @@ fn lists_and_tables_may_run_over_lines() {
 }
 
 #[test]
+fn rare_but_right_is_left_alone() {
+    let text = r##"["MAS"] # a
+"a" . m = 1
+'b' = { m = [ [1], # x
+ [2]
+ ]
+, x = """
+[\""""""
+ }
+[ ball . SOL ]
+c = {}
+[model]
+title = '''
+x = {''y'''''
+doc = "# [ { \\"
+"##;
+    let m = clean(text);
+    assert_eq!((m.items.len(), m.title(), m.meta.len()), (3, "x = {''y''", 2));
+}
+
+#[test]
+fn no_file_is_too_deep_or_too_long() {
+    let bombs = [
+        "[".repeat(100_000),
+        format!("a={}", "[".repeat(100_000)),
+        "a={".repeat(100_000),
+        "a={b=1 [] ".repeat(100_000),
+        "a={b=1 []\n".repeat(100_000),
+        "[MAS]\na = { m = 1\n".repeat(30_000),
+        "a={\n[b]\n".repeat(30_000),
+        "[a] \"\"\"\n\"\"\" a={b=1 [] ".repeat(30_000),
+        "a=[ x {".repeat(30_000),
+        format!("[gesture]\n{}a = 1", "a.".repeat(100_000)),
+        format!("[{}a]", "a.".repeat(100_000)),
+        "a\n".repeat(100_000),
+        "a = 1\n".repeat(50_000),
+        "[MAS]\n".repeat(50_000),
+        "a=\"".repeat(100_000),
+    ];
+    for text in bombs {
+        let (model, diags) = read(&text);
+        assert!(diags.has_errors() && !render::text(&diags, &model, false).is_empty());
+    }
+}
+
+#[test]
 fn numbers_as_written() {
     let value = |text: &str| match read(&format!("[MAS]\na = {{ m = {text} }}")).0.items[0].args.first() {
         Some(e) => e.value.clone(),

@@ -4,7 +4,10 @@
 //! since TOML 1.1, so to the parser one missing `}` swallows the whole rest of the file, and every link to a module
 //! below would then be "unknown". A model has one module a line: a new `name =` or `[SECTION]` after a line that does
 //! not end in a comma tells where the table should have ended. What was inserted is taken out of the spans again, so
-//! reports point into the text as written. A text without errors never comes here.
+//! reports point into the text as written. What is TOML passes unchanged.
+//!
+//! The pass also counts brackets: after errors the parser's own guard against deep nesting can be led astray, and a
+//! hostile file would overflow the stack. A text nested deeper than [`DEEP`] is not parsed at all.
 
 use super::Span;
 use super::diag::{Diag, Diags};
@@ -24,12 +27,14 @@ pub(super) struct Source<'s> {
 }
 
 impl<'s> Source<'s> {
-    /// The text itself where it is TOML, else a mended copy; what was mended is reported.
+    /// The text itself where brackets and quotes pair, else a mended copy; what was mended is reported.
     pub(super) fn mend(text: &'s str, diags: &mut Diags) -> Source<'s> {
-        if DeTable::parse(text).is_ok() {
+        let Some(mut edits) = Mender { text, ..Mender::default() }.run(diags) else {
+            return Source { text: Cow::Borrowed(""), inserted: Vec::new() };
+        };
+        if edits.is_empty() {
             return Source { text: Cow::Borrowed(text), inserted: Vec::new() };
         }
-        let mut edits = Mender { text, ..Mender::default() }.run(diags);
         edits.sort_by_key(|e| e.0);
         let (mut mended, mut inserted, mut from) = (String::new(), Vec::new(), 0);
         for (at, closer) in edits {
@@ -53,16 +58,27 @@ impl<'s> Source<'s> {
     }
 }
 
+/// Brackets within brackets: far more than a model needs, far less than a stack holds.
+const DEEP: usize = 64;
+
+/// More broken lines than this are not worth a word each: the file is something else.
+const BROKEN: usize = 100;
+
 /// Turns the parser's errors into findings. Of several on one line the first counts; the rest of a broken line is
 /// guesswork.
 pub(super) fn report(source: &Source, text: &str, doc: &DeTable, errors: &[Error], diags: &mut Diags) {
     let line = |span: Span| text[..span.start.min(text.len())].bytes().filter(|&b| b == b'\n').count();
     let mut broken: Vec<usize> = diags.list.iter().flat_map(|d| d.labels.iter().map(|l| line(l.0))).collect();
+    let mut twice = 0;
     for e in errors {
+        if broken.len() + twice > BROKEN {
+            break;
+        }
         let span = e.span().map_or(Span { start: text.len(), end: text.len() }, |r| source.span(r));
         let written = text.get(span.start..span.end).unwrap_or("");
         if e.message() == "duplicate key" {
             diags.push(duplicate(source, text, doc, span, written));
+            twice += 1;
             continue;
         }
         if e.message().starts_with("string values must be quoted")
@@ -140,7 +156,8 @@ struct Mender<'s> {
 }
 
 impl Mender<'_> {
-    fn run(mut self, diags: &mut Diags) -> Vec<(usize, char)> {
+    /// The characters to insert, or nothing where the text is nested too deep.
+    fn run(mut self, diags: &mut Diags) -> Option<Vec<(usize, char)>> {
         // the byte before `solid`, and whether the line is blank so far
         let (mut last, mut fresh) = (b'\n', true);
         while let Some(&b) = self.text.as_bytes().get(self.at) {
@@ -160,6 +177,11 @@ impl Mender<'_> {
                     } else {
                         self.token(b, diags);
                     }
+                    if self.open.len() > DEEP {
+                        let d = Diag::error("E001", "not TOML: nested too deep");
+                        diags.push(d.at(Span { start: self.at, end: self.at + 1 }, format!("more than {DEEP} deep")));
+                        return None;
+                    }
                     fresh = false;
                     self.solid = self.at + 1;
                     last = self.text.as_bytes().get(self.at).copied().unwrap_or(b' ');
@@ -170,7 +192,7 @@ impl Mender<'_> {
         if !self.open.is_empty() {
             self.close(0, diags);
         }
-        self.edits
+        Some(self.edits)
     }
 
     fn line_end(&self) -> usize {
@@ -207,17 +229,16 @@ impl Mender<'_> {
         self.edits.extend(closers.chars().map(|c| (end, c)));
     }
 
-    /// `[SECTION]`, with its bracket or without.
+    /// `[SECTION]`, with its bracket or without. The name and the bracket are then looked at like anything else.
     fn header(&mut self, diags: &mut Diags) {
         let line = self.line().split('#').next().unwrap_or("").trim_end();
         let (start, end) = (self.at, self.at + line.len());
-        if !line.contains(']') && !line.contains(['"', '\'']) {
+        if !line.contains([']', '"', '\'']) {
             let d =
                 Diag::error("E001", "not TOML: `[` is not closed").at(Span { start, end: start + 1 }, "`]` is missing");
             diags.push(d.fix(Span { start: end, end }, "]"));
             self.edits.push((end, ']'));
         }
-        self.at = end.max(start + 1) - 1;
     }
 
     /// `name { … }`, without its `=`.
@@ -261,7 +282,9 @@ impl Mender<'_> {
             while i < bytes.len() && !bytes[i..].starts_with(&[quote; 3]) {
                 i += if quote == b'"' && bytes[i] == b'\\' { 2 } else { 1 };
             }
-            self.at = (i + 2).min(bytes.len() - 1);
+            // up to two more quotes belong to the text
+            let more = bytes.get(i + 3..).unwrap_or(&[]).iter().take(2).take_while(|&&b| b == quote).count();
+            self.at = (i + 2 + more).min(bytes.len() - 1);
             return;
         }
         let end = self.line_end();
@@ -275,7 +298,7 @@ impl Mender<'_> {
         }
         // not closed on its line: it ended before the brackets that end the line
         let body = self.text.get(start + 1..end).unwrap_or("");
-        let keep = body.trim_end_matches(|c: char| c.is_whitespace() || matches!(c, '}' | ']' | ','));
+        let keep = body.trim_end_matches(|c: char| c.is_whitespace() || matches!(c, '}' | ']' | ',' | '\\'));
         let at = start + 1 + keep.len();
         let d =
             Diag::error("E001", "not TOML: a string is not closed").at(Span { start, end: at }, "its end is missing");
