@@ -13,6 +13,7 @@ use super::Span;
 use super::diag::{Diag, Diags};
 use super::select::{is_name, is_word};
 use alloc::borrow::Cow;
+use alloc::collections::BTreeSet;
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
@@ -29,7 +30,9 @@ pub(super) struct Source<'s> {
 impl<'s> Source<'s> {
     /// The text itself where brackets and quotes pair, else a mended copy; what was mended is reported.
     pub(super) fn mend(text: &'s str, diags: &mut Diags) -> Source<'s> {
-        let Some(mut edits) = Mender { text, ..Mender::default() }.run(diags) else {
+        let edits = Mender { text, ..Mender::default() }.run(diags);
+        diags.list.truncate(BROKEN);
+        let Some(mut edits) = edits else {
             return Source { text: Cow::Borrowed(""), inserted: Vec::new() };
         };
         if edits.is_empty() {
@@ -67,8 +70,9 @@ const BROKEN: usize = 100;
 /// Turns the parser's errors into findings. Of several on one line the first counts; the rest of a broken line is
 /// guesswork.
 pub(super) fn report(source: &Source, text: &str, doc: &DeTable, errors: &[Error], diags: &mut Diags) {
-    let line = |span: Span| text[..span.start.min(text.len())].bytes().filter(|&b| b == b'\n').count();
-    let mut broken: Vec<usize> = diags.list.iter().flat_map(|d| d.labels.iter().map(|l| line(l.0))).collect();
+    let breaks: Vec<usize> = text.bytes().enumerate().filter(|(_, b)| *b == b'\n').map(|(i, _)| i).collect();
+    let line = |span: Span| breaks.partition_point(|&b| b < span.start);
+    let mut broken: BTreeSet<usize> = diags.list.iter().flat_map(|d| d.labels.iter().map(|l| line(l.0))).collect();
     let mut twice = 0;
     for e in errors {
         if broken.len() + twice > BROKEN {
@@ -89,10 +93,9 @@ pub(super) fn report(source: &Source, text: &str, doc: &DeTable, errors: &[Error
             diags.push(d.help("a value with a unit is a string").fix(span, format!("\"{written}\"")));
             continue;
         }
-        if broken.contains(&line(span)) {
+        if !broken.insert(line(span)) {
             continue;
         }
-        broken.push(line(span));
         let (what, expected) = e.message().split_once(", expected ").unwrap_or((e.message(), ""));
         let label = if expected.is_empty() { String::new() } else { format!("expected {expected}") };
         diags.push(Diag::error("E001", format!("not TOML: {what}")).at(span, label));
@@ -287,15 +290,15 @@ impl Mender<'_> {
             self.at = (i + 2 + more).min(bytes.len() - 1);
             return;
         }
-        let end = self.line_end();
         let mut i = start + 1;
-        while i < end && bytes[i] != quote {
-            i += if quote == b'"' && bytes[i] == b'\\' { 2 } else { 1 };
+        while i < bytes.len() && bytes[i] != quote && bytes[i] != b'\n' {
+            i += if quote == b'"' && bytes[i] == b'\\' && bytes.get(i + 1) != Some(&b'\n') { 2 } else { 1 };
         }
-        if i < end {
+        if bytes.get(i) == Some(&quote) {
             self.at = i;
             return;
         }
+        let end = i.min(bytes.len());
         // not closed on its line: it ended before the brackets that end the line
         let body = self.text.get(start + 1..end).unwrap_or("");
         let keep = body.trim_end_matches(|c: char| c.is_whitespace() || matches!(c, '}' | ']' | ',' | '\\'));
