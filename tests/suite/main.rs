@@ -2,3 +2,8 @@
 
 mod mims;
 mod files;
+mod diagnostics;
+mod quantity;
+mod reader;
+mod select;
+mod writer;

@@ -10,6 +10,8 @@ use alloc::vec::Vec;
 
 pub mod diag;
 #[cfg(feature = "parse")]
+mod entry;
+#[cfg(feature = "parse")]
 pub mod mims;
 pub mod quantity;
 #[cfg(feature = "parse")]

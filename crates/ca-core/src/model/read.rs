@@ -7,10 +7,11 @@
 //! names and shapes are judged here; numbers, units and references are for the compiler.
 
 use super::diag::{Diag, Diags};
+use super::entry::{Key, Val, article, ordered};
 use super::select::is_word;
 use super::suggest::nearest;
 use super::syntax::{self, Source};
-use super::{Entry, Group, Item, Model, Span, Value};
+use super::{Entry, Group, Item, Model, Span};
 use crate::catalog::Catalog;
 use crate::kind::{Kind, Type};
 use alloc::borrow::ToOwned;
@@ -18,8 +19,7 @@ use alloc::collections::BTreeMap;
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
-use toml::Spanned;
-use toml::de::{DeString, DeTable, DeValue};
+use toml::de::{DeTable, DeValue};
 
 /// Root sections that are not kinds, in the order [`super::write`] gives them.
 pub const SECTIONS: &[&str] = &["model", "rate", "param", "gesture", "equivalence"];
@@ -30,8 +30,25 @@ pub const RATES: &[&str] = &["sound", "gesture"];
 /// Properties of a group.
 pub const GROUP: &[&str] = &["gravity", "friction", "dim"];
 
-type Key<'i> = Spanned<DeString<'i>>;
-type Val<'i> = Spanned<DeValue<'i>>;
+/// What other programs and textbooks call a parameter.
+const OTHER_NAMES: &[(&str, &str)] = &[
+    ("mass", "m"),
+    ("inertia", "m"),
+    ("stiffness", "k"),
+    ("spring", "k"),
+    ("damping", "z"),
+    ("viscosity", "z"),
+    ("friction", "z"),
+    ("frequency", "f"),
+    ("freq", "f"),
+    ("decay", "t60"),
+    ("threshold", "d"),
+    ("distance", "d"),
+    ("length", "l0"),
+    ("position", "x"),
+    ("velocity", "v"),
+    ("speed", "v"),
+];
 
 /// Reads the text of a model. `file` is its name in reports.
 ///
@@ -68,13 +85,6 @@ fn header(text: &str) -> String {
     lines.join("\n").trim_end().into()
 }
 
-/// Entries in document order; the parser's map is sorted by key.
-fn ordered<'t, 'i>(table: &'t DeTable<'i>) -> Vec<(&'t Key<'i>, &'t Val<'i>)> {
-    let mut list: Vec<_> = table.iter().collect();
-    list.sort_by_key(|(k, _)| k.span().start);
-    list
-}
-
 fn is_code(key: &str) -> bool {
     key.starts_with(|c: char| c.is_ascii_uppercase())
 }
@@ -82,17 +92,6 @@ fn is_code(key: &str) -> bool {
 /// `a`, `b`, `c`
 fn ticked<'a>(words: impl Iterator<Item = &'a str>) -> String {
     words.map(|w| format!("`{w}`")).collect::<Vec<_>>().join(", ")
-}
-
-fn article(value: &DeValue) -> &'static str {
-    match value {
-        DeValue::String(_) => "a string",
-        DeValue::Integer(_) | DeValue::Float(_) => "a number",
-        DeValue::Boolean(_) => "true or false",
-        DeValue::Datetime(_) => "a date",
-        DeValue::Array(_) => "a list",
-        DeValue::Table(_) => "a table",
-    }
 }
 
 /// Sorts modules by place and leaves out those whose name is taken.
@@ -114,19 +113,15 @@ fn unique(model: &mut Model, diags: &mut Diags) {
     });
 }
 
-struct Reader<'a, 's> {
+pub(super) struct Reader<'a, 's> {
     catalog: &'a Catalog,
-    source: &'a Source<'s>,
+    pub(super) source: &'a Source<'s>,
     text: &'a str,
     model: Model,
-    diags: Diags,
+    pub(super) diags: Diags,
 }
 
 impl Reader<'_, '_> {
-    fn span<T>(&self, s: &Spanned<T>) -> Span {
-        self.source.span(s.span())
-    }
-
     fn root(&mut self, key: &Key, value: &Val) {
         let name = key.get_ref().as_ref();
         let DeValue::Table(table) = value.get_ref() else { return self.root_value(key, value) };
@@ -146,7 +141,8 @@ impl Reader<'_, '_> {
         let words =
             SECTIONS.iter().copied().filter(|s| !self.has_section(s)).chain(self.catalog.iter().map(|k| k.code));
         match nearest(name, words) {
-            None if table.is_empty() && !is_code(name) => self.group(key, table),
+            // a group without members, perhaps with a misspelt property
+            None if !is_code(name) && !table.values().any(|v| v.get_ref().is_table()) => self.group(key, table),
             Some(meant) => {
                 let d = Diag::error("E002", format!("unknown section: `{name}`"));
                 let d = d.at(self.span(key), "no such section or kind").help(format!("did you mean `{meant}`?"));
@@ -245,7 +241,9 @@ impl Reader<'_, '_> {
             }
             let free = |k: &&str| !written.iter().any(|w| w == k) && !kept.iter().any(|x| x.key == **k);
             let d = Diag::error("E004", title(&e.key)).at(e.key_span, "not known here");
-            match nearest(&e.key, keys.iter().copied().filter(free)) {
+            let other = OTHER_NAMES.iter().find(|o| o.0.eq_ignore_ascii_case(&e.key)).map(|o| o.1);
+            let other = keys.iter().copied().find(|k| Some(*k) == other && free(k));
+            match nearest(&e.key, keys.iter().copied().filter(free)).or(other) {
                 Some(meant) => {
                     self.diags.push(d.help(format!("did you mean `{meant}`?")).fix(e.key_span, meant));
                     e.key = meant.into();
@@ -286,14 +284,17 @@ impl Reader<'_, '_> {
                     let kind = self.group_kind(code, k);
                     self.modules(kind.map_or(code, |k| k.code), kind, k, t, Some((index, name)));
                 }
-                DeValue::Table(_) if !GROUP.contains(&code) => {
+                DeValue::Table(t) if !GROUP.contains(&code) => {
                     let d = Diag::error("E002", format!("`{name}.{code}` is neither a kind nor a property"));
                     let d = d.at(self.span(k), "in a group stand kinds, in upper case");
-                    let d = match nearest(code, self.catalog.iter().map(|k| k.code)) {
-                        Some(meant) => d.help(format!("did you mean `{meant}`?")).fix(self.span(k), meant),
+                    let meant = nearest(code, self.catalog.iter().map(|k| k.code));
+                    self.diags.push(match meant {
+                        Some(m) => d.help(format!("did you mean `{m}`?")).fix(self.span(k), m),
                         None => d.help("groups do not nest"),
-                    };
-                    self.diags.push(d);
+                    });
+                    if let Some(kind) = meant.and_then(|m| self.catalog.get(m)) {
+                        self.modules(kind.code, Some(kind), k, t, Some((index, name)));
+                    }
                 }
                 _ => props.extend(self.entry(code.into(), k, v)),
             }
@@ -396,58 +397,4 @@ impl Reader<'_, '_> {
         self.diags.push(if is_word(&mended) { d.fix(span, mended) } else { d });
         false
     }
-
-    fn entries(&mut self, table: &DeTable) -> Vec<Entry> {
-        ordered(table).into_iter().filter_map(|(k, v)| self.entry(k.get_ref().as_ref().into(), k, v)).collect()
-    }
-
-    fn entry(&mut self, key: String, k: &Key, v: &Val) -> Option<Entry> {
-        let value = self.value(&key, v)?;
-        Some(Entry { key, key_span: self.span(k), value, span: self.span(v) })
-    }
-
-    /// The value as written, or nothing where it has been reported.
-    fn value(&mut self, key: &str, v: &Val) -> Option<Value> {
-        let span = self.span(v);
-        Some(match v.get_ref() {
-            DeValue::String(s) => Value::Text(s.as_ref().into()),
-            DeValue::Boolean(b) => Value::Bool(*b),
-            DeValue::Integer(i) => self.number(key, integer(i.as_str(), i.radix()), span)?,
-            DeValue::Float(f) => self.number(key, float(f.as_str()), span)?,
-            DeValue::Array(a) => {
-                let member = |r: &mut Self, v: &Val| {
-                    let value = r.value(key, v)?;
-                    Some(Entry { key: String::new(), key_span: Span::NONE, value, span: r.span(v) })
-                };
-                Value::List(a.iter().filter_map(|v| member(self, v)).collect())
-            }
-            DeValue::Table(t) => Value::Table(self.entries(t)),
-            DeValue::Datetime(_) => {
-                let d = Diag::error("E006", format!("`{key}`: a date is of no use in a model"));
-                self.diags.push(d.at(span, "this is a date").help("put it in quotes if it is text"));
-                return None;
-            }
-        })
-    }
-
-    fn number(&mut self, key: &str, number: Option<f64>, span: Span) -> Option<Value> {
-        if number.is_none() {
-            self.diags.push(Diag::error("E006", format!("`{key}`: too large for a number")).at(span, "beyond 1.8e308"));
-        }
-        number.map(Value::Num)
-    }
-}
-
-fn integer(digits: &str, radix: u32) -> Option<f64> {
-    if radix == 10 {
-        return float(digits);
-    }
-    let value = digits.chars().filter_map(|c| c.to_digit(radix)).fold(0.0, |v, d| v * f64::from(radix) + f64::from(d));
-    value.is_finite().then_some(value)
-}
-
-/// `None` where the digits are beyond every float; `inf` and `nan` are values, judged by the compiler.
-fn float(text: &str) -> Option<f64> {
-    let value: f64 = text.parse().ok()?;
-    (!value.is_infinite() || text.contains("inf")).then_some(value)
 }

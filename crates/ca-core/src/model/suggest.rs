@@ -31,7 +31,7 @@ fn edits(a: &str, b: &str) -> Option<usize> {
     }
     let d = strsim::damerau_levenshtein(&a.to_ascii_lowercase(), &b.to_ascii_lowercase());
     let longest = a.chars().count().max(b.chars().count());
-    (d <= (longest / 3).max(usize::from(longest > 1))).then_some(d + 1)
+    (d <= (longest / 3).max(usize::from(longest > 2))).then_some(d + 1)
 }
 
 #[cfg(not(feature = "parse"))]

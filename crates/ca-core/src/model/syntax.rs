@@ -4,11 +4,16 @@
 //! since TOML 1.1, so to the parser one missing `}` swallows the whole rest of the file, and every link to a module
 //! below would then be "unknown". A model has one module a line: a new `name =` or `[SECTION]` after a line that does
 //! not end in a comma tells where the table should have ended. What was inserted is taken out of the spans again, so
-//! reports point into the text as written. A text without errors never comes here.
+//! reports point into the text as written. What is TOML passes unchanged.
+//!
+//! The pass also counts brackets: after errors the parser's own guard against deep nesting can be led astray, and a
+//! hostile file would overflow the stack. A text nested deeper than [`DEEP`] is not parsed at all.
 
 use super::Span;
 use super::diag::{Diag, Diags};
+use super::select::{is_name, is_word};
 use alloc::borrow::Cow;
+use alloc::collections::BTreeSet;
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
@@ -23,12 +28,16 @@ pub(super) struct Source<'s> {
 }
 
 impl<'s> Source<'s> {
-    /// The text itself where it is TOML, else a mended copy; what was mended is reported.
+    /// The text itself where brackets and quotes pair, else a mended copy; what was mended is reported.
     pub(super) fn mend(text: &'s str, diags: &mut Diags) -> Source<'s> {
-        if DeTable::parse(text).is_ok() {
+        let edits = Mender { text, ..Mender::default() }.run(diags);
+        diags.list.truncate(BROKEN);
+        let Some(mut edits) = edits else {
+            return Source { text: Cow::Borrowed(""), inserted: Vec::new() };
+        };
+        if edits.is_empty() {
             return Source { text: Cow::Borrowed(text), inserted: Vec::new() };
         }
-        let mut edits = Mender { text, ..Mender::default() }.run(diags);
         edits.sort_by_key(|e| e.0);
         let (mut mended, mut inserted, mut from) = (String::new(), Vec::new(), 0);
         for (at, closer) in edits {
@@ -52,16 +61,28 @@ impl<'s> Source<'s> {
     }
 }
 
+/// Brackets within brackets: far more than a model needs, far less than a stack holds.
+const DEEP: usize = 64;
+
+/// More broken lines than this are not worth a word each: the file is something else.
+const BROKEN: usize = 100;
+
 /// Turns the parser's errors into findings. Of several on one line the first counts; the rest of a broken line is
 /// guesswork.
 pub(super) fn report(source: &Source, text: &str, doc: &DeTable, errors: &[Error], diags: &mut Diags) {
-    let line = |span: Span| text[..span.start.min(text.len())].bytes().filter(|&b| b == b'\n').count();
-    let mut broken: Vec<usize> = diags.list.iter().flat_map(|d| d.labels.iter().map(|l| line(l.0))).collect();
+    let breaks: Vec<usize> = text.bytes().enumerate().filter(|(_, b)| *b == b'\n').map(|(i, _)| i).collect();
+    let line = |span: Span| breaks.partition_point(|&b| b < span.start);
+    let mut broken: BTreeSet<usize> = diags.list.iter().flat_map(|d| d.labels.iter().map(|l| line(l.0))).collect();
+    let mut twice = 0;
     for e in errors {
+        if broken.len() + twice > BROKEN {
+            break;
+        }
         let span = e.span().map_or(Span { start: text.len(), end: text.len() }, |r| source.span(r));
         let written = text.get(span.start..span.end).unwrap_or("");
         if e.message() == "duplicate key" {
             diags.push(duplicate(source, text, doc, span, written));
+            twice += 1;
             continue;
         }
         if e.message().starts_with("string values must be quoted")
@@ -72,10 +93,9 @@ pub(super) fn report(source: &Source, text: &str, doc: &DeTable, errors: &[Error
             diags.push(d.help("a value with a unit is a string").fix(span, format!("\"{written}\"")));
             continue;
         }
-        if broken.contains(&line(span)) {
+        if !broken.insert(line(span)) {
             continue;
         }
-        broken.push(line(span));
         let (what, expected) = e.message().split_once(", expected ").unwrap_or((e.message(), ""));
         let label = if expected.is_empty() { String::new() } else { format!("expected {expected}") };
         diags.push(Diag::error("E001", format!("not TOML: {what}")).at(span, label));
@@ -134,13 +154,15 @@ struct Mender<'s> {
     /// open brackets: place and the character that closes them
     open: Vec<(usize, char)>,
     edits: Vec<(usize, char)>,
+    /// end of the last thing that is neither blank nor comment
+    solid: usize,
 }
 
 impl Mender<'_> {
-    fn run(mut self, diags: &mut Diags) -> Vec<(usize, char)> {
-        // end of the last thing that is neither blank nor comment, and its last byte
-        let (mut solid, mut last) = (0, b'\n');
-        let mut fresh = true;
+    /// The characters to insert, or nothing where the text is nested too deep.
+    fn run(mut self, diags: &mut Diags) -> Option<Vec<(usize, char)>> {
+        // the byte before `solid`, and whether the line is blank so far
+        let (mut last, mut fresh) = (b'\n', true);
         while let Some(&b) = self.text.as_bytes().get(self.at) {
             match b {
                 b'\n' => fresh = true,
@@ -148,24 +170,32 @@ impl Mender<'_> {
                 b'#' => self.at = self.line_end() - 1,
                 _ => {
                     if fresh && !self.open.is_empty() && !b",{[".contains(&last) && self.is_statement() {
-                        self.close(solid, diags);
+                        self.close(0, diags);
+                    }
+                    if fresh && self.open.is_empty() {
+                        self.equals(diags);
                     }
                     if fresh && self.open.is_empty() && b == b'[' {
                         self.header(diags);
                     } else {
                         self.token(b, diags);
                     }
+                    if self.open.len() > DEEP {
+                        let d = Diag::error("E001", "not TOML: nested too deep");
+                        diags.push(d.at(Span { start: self.at, end: self.at + 1 }, format!("more than {DEEP} deep")));
+                        return None;
+                    }
                     fresh = false;
-                    solid = self.at + 1;
+                    self.solid = self.at + 1;
                     last = self.text.as_bytes().get(self.at).copied().unwrap_or(b' ');
                 }
             }
             self.at += 1;
         }
         if !self.open.is_empty() {
-            self.close(solid.min(self.text.len()), diags);
+            self.close(0, diags);
         }
-        self.edits
+        Some(self.edits)
     }
 
     fn line_end(&self) -> usize {
@@ -181,17 +211,18 @@ impl Mender<'_> {
     fn is_statement(&self) -> bool {
         let line = self.line();
         if let Some(rest) = line.strip_prefix('[') {
-            return rest
-                .split_once(']')
-                .is_some_and(|(name, _)| name.split('.').all(|w| super::select::is_word(w.trim())));
+            let name = rest.split([']', '#']).next().unwrap_or("");
+            return name.split('.').all(|w| is_word(w.trim()));
         }
-        line.split_once('=').is_some_and(|(key, _)| super::select::is_name(key.trim()))
+        line.split_once('=').is_some_and(|(key, _)| is_name(key.trim()))
     }
 
-    /// Closes all that is open, at `end`.
-    fn close(&mut self, end: usize, diags: &mut Diags) {
-        let closers: String = self.open.iter().rev().map(|o| o.1).collect();
-        if let Some(&(at, closer)) = self.open.last() {
+    /// Closes all brackets above the first `keep`, after the last thing written.
+    fn close(&mut self, keep: usize, diags: &mut Diags) {
+        let end = self.solid.min(self.text.len());
+        let last = self.open.get(keep..).and_then(<[_]>::last).copied();
+        let closers: String = self.open.drain(keep..).rev().map(|o| o.1).collect();
+        if let Some((at, closer)) = last {
             let opener = if closer == '}' { '{' } else { '[' };
             let d = Diag::error("E001", format!("not TOML: `{opener}` is not closed"));
             let d = d.at(Span { start: at, end: at + 1 }, format!("`{closer}` is missing"));
@@ -199,20 +230,31 @@ impl Mender<'_> {
             diags.push(d.fix(Span { start: end, end }, format!("{gap}{closers}")));
         }
         self.edits.extend(closers.chars().map(|c| (end, c)));
-        self.open.clear();
     }
 
-    /// `[SECTION]`, with its bracket or without.
+    /// `[SECTION]`, with its bracket or without. The name and the bracket are then looked at like anything else.
     fn header(&mut self, diags: &mut Diags) {
         let line = self.line().split('#').next().unwrap_or("").trim_end();
         let (start, end) = (self.at, self.at + line.len());
-        if !line.contains(']') && !line.contains(['"', '\'']) {
+        if !line.contains([']', '"', '\'']) {
             let d =
                 Diag::error("E001", "not TOML: `[` is not closed").at(Span { start, end: start + 1 }, "`]` is missing");
             diags.push(d.fix(Span { start: end, end }, "]"));
             self.edits.push((end, ']'));
         }
-        self.at = end.max(start + 1) - 1;
+    }
+
+    /// `name { … }`, without its `=`.
+    fn equals(&mut self, diags: &mut Diags) {
+        let Some((key, _)) = self.line().split_once('{') else { return };
+        let name = key.trim_end();
+        if is_name(name) {
+            let (start, at) = (self.at, self.at + name.len());
+            let d =
+                Diag::error("E001", "not TOML: `=` is missing").at(Span { start, end: at }, "this name has no value");
+            diags.push(d.fix(Span { start: at, end: at }, " ="));
+            self.edits.push((at, '='));
+        }
     }
 
     fn token(&mut self, b: u8, diags: &mut Diags) {
@@ -221,6 +263,13 @@ impl Mender<'_> {
             b'[' => self.open.push((self.at, ']')),
             b'}' | b']' if self.open.last().is_some_and(|o| o.1 == char::from(b)) => {
                 self.open.pop();
+            }
+            // `[1, 2 }`: what is still open inside ends here
+            b'}' | b']' => {
+                if let Some(keep) = self.open.iter().rposition(|o| o.1 == char::from(b)) {
+                    self.close(keep + 1, diags);
+                    self.open.pop();
+                }
             }
             b'"' | b'\'' => self.string(b, diags),
             _ => {}
@@ -236,21 +285,23 @@ impl Mender<'_> {
             while i < bytes.len() && !bytes[i..].starts_with(&[quote; 3]) {
                 i += if quote == b'"' && bytes[i] == b'\\' { 2 } else { 1 };
             }
-            self.at = (i + 2).min(bytes.len() - 1);
+            // up to two more quotes belong to the text
+            let more = bytes.get(i + 3..).unwrap_or(&[]).iter().take(2).take_while(|&&b| b == quote).count();
+            self.at = (i + 2 + more).min(bytes.len() - 1);
             return;
         }
-        let end = self.line_end();
         let mut i = start + 1;
-        while i < end && bytes[i] != quote {
-            i += if quote == b'"' && bytes[i] == b'\\' { 2 } else { 1 };
+        while i < bytes.len() && bytes[i] != quote && bytes[i] != b'\n' {
+            i += if quote == b'"' && bytes[i] == b'\\' && bytes.get(i + 1) != Some(&b'\n') { 2 } else { 1 };
         }
-        if i < end {
+        if bytes.get(i) == Some(&quote) {
             self.at = i;
             return;
         }
+        let end = i.min(bytes.len());
         // not closed on its line: it ended before the brackets that end the line
         let body = self.text.get(start + 1..end).unwrap_or("");
-        let keep = body.trim_end_matches(|c: char| c.is_whitespace() || matches!(c, '}' | ']' | ','));
+        let keep = body.trim_end_matches(|c: char| c.is_whitespace() || matches!(c, '}' | ']' | ',' | '\\'));
         let at = start + 1 + keep.len();
         let d =
             Diag::error("E001", "not TOML: a string is not closed").at(Span { start, end: at }, "its end is missing");

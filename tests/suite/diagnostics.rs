@@ -1,0 +1,150 @@
+//! `tests/diagnostics/*.md`: what is said about a model, written down as a reader of the documentation would see it.
+//!
+//! A section `## E004 unknown parameter` holds prose, then a `toml` block and right after it a `text` block with the
+//! report expected. `UPDATE=1 cargo test -p ca-tests diagnostics` writes the reports anew; the difference is reviewed
+//! like code.
+
+use ca_core::catalog::Catalog;
+use ca_core::model::diag::CODES;
+use ca_core::model::{read, render};
+use std::collections::BTreeSet;
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+/// The one place that says what a user is told about a text.
+fn report(text: &str) -> String {
+    let (model, diags) = read::read(text, "model.ca.toml", &Catalog::core());
+    if diags.list.is_empty() { "no findings\n".into() } else { render::text(&diags, &model, false) }
+}
+
+fn files() -> Vec<(PathBuf, String)> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("diagnostics");
+    let entries = std::fs::read_dir(folder).expect("tests/diagnostics is there");
+    let mut list: Vec<PathBuf> = entries.map(|e| e.expect("readable").path()).collect();
+    list.retain(|p| p.extension().is_some_and(|e| e == "md"));
+    list.sort();
+    list.into_iter().map(|p| (p.clone(), std::fs::read_to_string(p).expect("UTF-8"))).collect()
+}
+
+/// One `toml` block: heading it stands under, its text, and the report after it (none where the block is missing).
+struct Case {
+    line: usize,
+    heading: String,
+    input: String,
+    expected: Option<String>,
+}
+
+/// Walks a document; returns its cases and the document with every report made anew.
+fn walk(doc: &str) -> (Vec<Case>, String) {
+    let mut cases: Vec<Case> = Vec::new();
+    let mut fresh = String::new();
+    let mut heading = String::new();
+    let mut waiting = false;
+    let mut lines = doc.lines().enumerate();
+    let emit = |fresh: &mut String, case: &Case| {
+        let _ = write!(fresh, "\n```text\n{}```\n", report(&case.input));
+    };
+    while let Some((i, line)) = lines.next() {
+        let fence = line.strip_prefix("```");
+        if waiting && !(line.is_empty() || fence == Some("text")) {
+            emit(&mut fresh, &cases[cases.len() - 1]);
+            fresh.push('\n');
+            waiting = false;
+        }
+        match fence {
+            None => {
+                if let Some(h) = line.strip_prefix("## ") {
+                    heading = h.to_string();
+                }
+                if !waiting {
+                    fresh.push_str(line);
+                    fresh.push('\n');
+                }
+            }
+            Some(language) => {
+                let mut body = String::new();
+                for (_, l) in lines.by_ref().take_while(|(_, l)| *l != "```") {
+                    body.push_str(l);
+                    body.push('\n');
+                }
+                if language == "text" && waiting {
+                    let case = cases.last_mut().expect("a toml block before");
+                    case.expected = Some(body);
+                    emit(&mut fresh, case);
+                    waiting = false;
+                } else {
+                    let _ = write!(fresh, "```{language}\n{body}```\n");
+                    if language == "toml" {
+                        cases.push(Case { line: i + 1, heading: heading.clone(), input: body, expected: None });
+                        waiting = true;
+                    }
+                }
+            }
+        }
+    }
+    if waiting {
+        emit(&mut fresh, &cases[cases.len() - 1]);
+    }
+    (cases, fresh)
+}
+
+#[test]
+fn reports_are_as_written() {
+    let mut wrong = String::new();
+    let mut n = 0;
+    for (path, doc) in files() {
+        let (cases, fresh) = walk(&doc);
+        n += cases.len();
+        if std::env::var_os("UPDATE").is_some() {
+            std::fs::write(&path, fresh).expect("writable");
+            continue;
+        }
+        for c in cases {
+            let got = report(&c.input);
+            if c.expected.as_deref() != Some(&got) {
+                let want = c.expected.as_deref().unwrap_or("(no text block)\n");
+                let _ =
+                    writeln!(wrong, "{}:{} {}\n--- written\n{want}--- now\n{got}", path.display(), c.line, c.heading);
+            }
+        }
+    }
+    assert!(n > 0, "no case in tests/diagnostics");
+    assert!(wrong.is_empty(), "{wrong}UPDATE=1 writes the reports anew");
+}
+
+#[test]
+fn each_section_shows_its_code() {
+    for (path, doc) in files() {
+        for c in walk(&doc).0 {
+            let code = c.heading.split(' ').next().unwrap_or("");
+            let title = c.heading.strip_prefix(code).unwrap_or("").trim();
+            let known = CODES.iter().any(|k| k.0 == code && k.1 == title);
+            assert!(known, "{}: the heading `{}` is not a line of diag::CODES", path.display(), c.heading);
+            assert!(
+                report(&c.input).contains(&format!("[{code}]")),
+                "{}:{} does not show {code}",
+                path.display(),
+                c.line
+            );
+        }
+    }
+}
+
+#[test]
+#[ignore = "the compiler's codes have no sections yet"]
+fn every_code_has_a_section() {
+    let shown: BTreeSet<String> = files().iter().flat_map(|(_, doc)| walk(doc).0).map(|c| c.heading).collect();
+    let missing: Vec<String> =
+        CODES.iter().map(|(code, title)| format!("{code} {title}")).filter(|h| !shown.contains(h)).collect();
+    assert!(missing.is_empty(), "without a section in tests/diagnostics:\n{}", missing.join("\n"));
+}
+
+#[test]
+fn updating_is_idempotent() {
+    for (path, doc) in files() {
+        let once = walk(&doc).1;
+        assert_eq!(walk(&once).1, once, "{}", path.display());
+    }
+    let (cases, fresh) = walk("## E004 x\n\n```toml\n[model]\nq = 1\n```\nprose\n");
+    assert!(cases[0].expected.is_none() && fresh.contains("```text\nerror[E004]") && fresh.ends_with("```\n\nprose\n"));
+}
