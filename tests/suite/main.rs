@@ -1,8 +1,8 @@
 //! The whole suite in one binary, one file per theme.
 
-mod mims;
-mod files;
 mod diagnostics;
+mod files;
+mod mims;
 mod quantity;
 mod reader;
 mod select;

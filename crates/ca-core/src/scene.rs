@@ -193,6 +193,8 @@ pub struct Scene {
     pub diags: Diags,
     /// title of the model
     pub title: String,
+    /// how long the author lets it sound [s], if said
+    pub seconds: Option<f64>,
     /// the state at load
     pub(crate) initial: State,
 }
@@ -211,6 +213,14 @@ impl Scene {
     /// Name of the MAT at a place of the state.
     pub fn mat_name(&self, mat: usize) -> &str {
         self.symbols.iter().find(|s| s.place == Stands::Mat(mat as u32)).map_or("a moving point", |s| &s.name)
+    }
+
+    /// Name of the link with this number in the ledger.
+    pub fn audited_name(&self, link: usize) -> Option<&str> {
+        let plan = self.ledger.as_ref()?;
+        let of = |(op, first): (&Op, &usize)| op.law.is_some() && (*first..first + op.n).contains(&link);
+        let op = self.forces.iter().zip(&plan.first).position(of)?;
+        Some(self.lia_name(op, link - plan.first[op]))
     }
 
     /// Name of a link by op and position.

@@ -41,6 +41,7 @@
 
 pub mod error;
 pub mod gesture;
+pub mod perform;
 pub mod probe;
 pub mod sound;
 mod staged;

@@ -109,7 +109,7 @@ pub fn certify(model: &Model, net: &Net, diags: &mut Diags) -> Certificate {
         cert.bound = cert.bound.max(g);
         cert.lower = cert.lower.max(r.own * r.c);
     }
-    for l in net.lias.iter() {
+    for l in &net.lias {
         let d = |e: End| net.under(e).iter().map(|m| rows[*m as usize].own * rows[*m as usize].c).fold(0.0, f64::max);
         pair = pair.max(d(l.ends[0]) + d(l.ends[1]));
     }
@@ -340,9 +340,10 @@ impl Negative {
         for (i, j, b) in &self.negative {
             let key = |a: u32, c: u32| (a.min(c), a.max(c));
             let need = 2.0 * b * (1.0 - 1e-12);
-            let middle = around.get(i).into_iter().flatten().copied().find(|m| {
-                [key(*i, *m), key(*m, *j)].iter().all(|k| self.positive.get(k).is_some_and(|v| *v >= need))
-            });
+            let middle =
+                around.get(i).into_iter().flatten().copied().find(|m| {
+                    [key(*i, *m), key(*m, *j)].iter().all(|k| self.positive.get(k).is_some_and(|v| *v >= need))
+                });
             let Some(m) = middle else { return false };
             for k in [key(*i, m), key(m, *j)] {
                 if let Some(v) = self.positive.get_mut(&k) {

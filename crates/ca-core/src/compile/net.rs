@@ -211,6 +211,8 @@ pub struct Net {
     pub media: Vec<Medium>,
     /// built-in gestures
     pub gestures: Vec<(String, Vec<[f64; 2]>)>,
+    /// how long it sounds [s], if said
+    pub seconds: Option<f64>,
     /// what was left out, in words
     pub left_out: Vec<String>,
     /// MATs that stay, by document number

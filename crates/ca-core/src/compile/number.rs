@@ -50,7 +50,10 @@ pub fn number(net: &Net) -> Vec<u32> {
             let follower = if around.contains(&(at + 1)) && !seen[at + 1] {
                 Some(at + 1)
             } else {
-                around.iter().copied().find(|m| !seen[*m] && net.mats[*m].item == net.mats[at].item)
+                around
+                    .iter()
+                    .copied()
+                    .find(|m| !seen[*m] && net.mats[*m].item == net.mats[at].item)
                     .or_else(|| around.iter().copied().find(|m| !seen[*m] && start[m + 1] - start[*m] <= 2))
             };
             match follower {

@@ -10,10 +10,11 @@ use alloc::vec::Vec;
 
 /// Marks the MATs that stay and drops the links that do not.
 pub fn prune(model: &Model, net: &mut Net, diags: &mut Diags) {
-    let heard_at_all = !net.outs.is_empty()
-        || net.mats.iter().any(|m| matches!(m.role, MatRole::Port(PortRole::Tgr, _)));
+    let heard_at_all =
+        !net.outs.is_empty() || net.mats.iter().any(|m| matches!(m.role, MatRole::Port(PortRole::Tgr, _)));
     if net.mats.is_empty() {
-        diags.push(Diag::error("E024", "the model has no modules").help("add `[MAS]`, `[SOL]` and a link, or `ca new`"));
+        diags
+            .push(Diag::error("E024", "the model has no modules").help("add `[MAS]`, `[SOL]` and a link, or `ca new`"));
         return;
     }
     if !heard_at_all {
@@ -64,7 +65,8 @@ pub fn prune(model: &Model, net: &mut Net, diags: &mut Diags) {
     }
     let audible: Vec<bool> = (0..heard.len()).map(|i| heard[sets.root(i)]).collect();
     let mut alive: Vec<bool> = (0..n).map(|i| !fixed[i] && audible[i]).collect();
-    let taps: Vec<u32> = net.outs.iter().filter_map(|o| if let Ear::ForceOf(l) = o.ear { Some(l) } else { None }).collect();
+    let taps: Vec<u32> =
+        net.outs.iter().filter_map(|o| if let Ear::ForceOf(l) = o.ear { Some(l) } else { None }).collect();
     let keep: Vec<bool> = net
         .lias
         .iter()
@@ -121,11 +123,14 @@ fn report(model: &Model, net: &mut Net, alive: &[bool], keep: &[bool], diags: &m
     }
     let silent: Vec<usize> = (0..all.len()).filter(|i| all[*i].0 > 0 && all[*i].1 == 0).collect();
     if let Some(first) = silent.first() {
-        let mut d = Diag::warning("W101", if silent.len() == 1 {
-            format!("nothing hears `{}`", net.items[*first].name)
-        } else {
-            format!("nothing hears `{}` and {} more", net.items[*first].name, silent.len() - 1)
-        });
+        let mut d = Diag::warning(
+            "W101",
+            if silent.len() == 1 {
+                format!("nothing hears `{}`", net.items[*first].name)
+            } else {
+                format!("nothing hears `{}` and {} more", net.items[*first].name, silent.len() - 1)
+            },
+        );
         for i in silent.iter().take(6) {
             d = d.at(model.items[net.items[*i].model].name_span, "left out");
         }

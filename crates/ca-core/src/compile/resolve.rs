@@ -15,7 +15,7 @@ use crate::model::suggest::nearest;
 use crate::model::{Entry, Item, Model, Value};
 use crate::scene::{Input, InputRole};
 use alloc::format;
-use alloc::string::{String, ToString};
+use alloc::string::String;
 use alloc::vec::Vec;
 
 /// More modules than this are refused: indices are 32 bits wide, and a typing error should not eat the machine.
@@ -48,6 +48,11 @@ pub fn resolve(model: &Model, catalog: &Catalog, options: &Options, diags: &mut 
                 break;
             }
         }
+    }
+    if let Some(e) = model.meta("seconds") {
+        let te = v.alg.take();
+        net.seconds = v.number(e, Unit::SECOND, (0.0, 86_400.0), "`model.seconds`").map(|s| s.0);
+        v.alg = te;
     }
     params(&mut v, &mut net);
     net.tables = v.tables;
@@ -208,8 +213,9 @@ fn item_args(kind: &'static Kind, item: &Item, model: usize, v: &mut Values<'_>)
     let mut good = true;
     for e in &item.args {
         let Some(i) = kind.param(&e.key) else {
-            let mut d = Diag::error("E004", format!("`{}` of `{}`: {} has no such parameter", e.key, item.name, kind.code))
-                .at(e.key_span, "unknown");
+            let mut d =
+                Diag::error("E004", format!("`{}` of `{}`: {} has no such parameter", e.key, item.name, kind.code))
+                    .at(e.key_span, "unknown");
             d = match nearest(&e.key, kind.params.iter().map(|p| p.name)) {
                 Some(near) => d.help(format!("did you mean `{near}`?")).fix(e.key_span, near),
                 None => d.help(format!("it has {}", list(kind.params.iter().map(|p| p.name)))),
@@ -233,7 +239,9 @@ fn item_args(kind: &'static Kind, item: &Item, model: usize, v: &mut Values<'_>)
         match p.need {
             Need::Required if !written => {
                 let help = match p.ty {
-                    Type::Number { unit, .. } => format!("add `{} = \"{}\"` ({})", p.name, super::values::example(unit), p.doc),
+                    Type::Number { unit, .. } => {
+                        format!("add `{} = \"{}\"` ({})", p.name, super::values::example(unit), p.doc)
+                    }
                     Type::Between => "add `between = [\"first\", \"second\"]`".into(),
                     _ => format!("add `{}` ({})", p.name, p.doc),
                 };
@@ -248,12 +256,20 @@ fn item_args(kind: &'static Kind, item: &Item, model: usize, v: &mut Values<'_>)
     for choice in kind.one_of {
         good &= one_of(kind, item, choice, v.diags);
     }
-    good.then(|| NetItem { name: item.name.clone(), kind, model, group: item.group.map(|g| g as u32), args, follows, slots: Vec::new() })
+    good.then(|| NetItem {
+        name: item.name.clone(),
+        kind,
+        model,
+        group: item.group.map(|g| g as u32),
+        args,
+        follows,
+        slots: Vec::new(),
+    })
 }
 
 fn one_of(kind: &Kind, item: &Item, choice: &crate::kind::OneOf, diags: &mut Diags) -> bool {
     let written = |set: &&[&str]| item.args.iter().find(|e| set.contains(&e.key.as_str()));
-    let found: Vec<_> = choice.sets.iter().filter_map(|s| written(&s.as_ref()).map(|e| (s, e))).collect();
+    let found: Vec<_> = choice.sets.iter().filter_map(|s| written(s).map(|e| (s, e))).collect();
     match found.as_slice() {
         [] if choice.required => {
             let sets = choice.sets.iter().map(|s| format!("`{}`", s[0])).collect::<Vec<_>>().join(" or ");
@@ -295,7 +311,9 @@ fn nodes(mut item: NetItem, source: &Item, net: &mut Net, v: &mut Values<'_>) ->
                 if f * net.te >= 0.5 {
                     let span = source.args.iter().find(|e| e.key == "f").map_or(source.span, |e| e.span);
                     let d = Diag::error("E023", format!("`{}`: {f} Hz is not below half the sound rate", item.name));
-                    v.diags.push(d.at(span, "too high").help(format!("stay below {} Hz, or raise `rate.sound`", net.rate / 2.0)));
+                    v.diags.push(
+                        d.at(span, "too high").help(format!("stay below {} Hz, or raise `rate.sound`", net.rate / 2.0)),
+                    );
                 }
             }
             let node = MatNode {
@@ -365,9 +383,12 @@ fn port(role: PortRole, item: &NetItem, source: &Item, id: u32, rest: f64, net: 
     let entry = |key: &str| source.args.iter().find(|e| e.key == key);
     let midi = entry("midi").and_then(|e| v.midi(e, unit, &item.name));
     let device = entry("device").and_then(|e| match &e.value {
-        Value::Text(t) => Some((t.clone(), item.kind.param("dof").and_then(|i| item.args[i].num()).unwrap_or(0.0) as u32)),
+        Value::Text(t) => {
+            Some((t.clone(), item.kind.param("dof").and_then(|i| item.args[i].num()).unwrap_or(0.0) as u32))
+        }
         other => {
-            let d = Diag::error("E006", format!("`device` of `{}` must be a text, not {}", item.name, type_name(other)));
+            let d =
+                Diag::error("E006", format!("`device` of `{}` must be a text, not {}", item.name, type_name(other)));
             v.diags.push(d.at(e.span, "not a text"));
             None
         }
@@ -439,7 +460,8 @@ fn gestures(model: &Model, net: &mut Net, alg: Option<f64>, named: &[Named], dia
             (None, None) => {
                 let mut d = Diag::error("E021", format!("gesture `{}` drives nothing", e.key))
                     .at(e.key_span, "neither a port nor a live parameter");
-                let names = net.inputs.iter().map(|i| i.name.as_str()).chain(net.params.iter().map(|p| p.name.as_str()));
+                let names =
+                    net.inputs.iter().map(|i| i.name.as_str()).chain(net.params.iter().map(|p| p.name.as_str()));
                 if let Some(n) = named.iter().find(|n| n.name == e.key && !n.live) {
                     d = d.at(n.span, "declared here, not live").help("add `live = true` to the parameter");
                 } else if let Some(near) = nearest(&e.key, names) {
@@ -473,5 +495,5 @@ fn gestures(model: &Model, net: &mut Net, alg: Option<f64>, named: &[Named], dia
 }
 
 fn list<'a>(names: impl Iterator<Item = &'a str>) -> String {
-    names.map(|n| format!("`{n}`")).collect::<Vec<_>>().join(", ").to_string()
+    names.map(|n| format!("`{n}`")).collect::<Vec<_>>().join(", ").clone()
 }

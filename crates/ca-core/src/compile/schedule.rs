@@ -61,14 +61,8 @@ pub fn schedule(
         }
     }
     let n_mat = n_mat as usize;
-    let mut plan = Plan {
-        net: &net,
-        place,
-        point,
-        coef: alloc::vec![0.0; 3 * n_mat],
-        live: Vec::new(),
-        modules: BTreeMap::new(),
-    };
+    let mut plan =
+        Plan { net: &net, place, point, coef: alloc::vec![0.0; 3 * n_mat], live: Vec::new(), modules: BTreeMap::new() };
     let mut x = alloc::vec![0.0; n_mat];
     let mut v = alloc::vec![0.0; n_mat];
     let mut rest = alloc::vec![0.0; n_mat];
@@ -100,11 +94,8 @@ pub fn schedule(
         .collect()
     };
     let (enx, tgr) = (ports(PortRole::Enx), ports(PortRole::Tgr));
-    let enf: Vec<Enf> = net
-        .pushes
-        .iter()
-        .filter_map(|(input, end)| Some(Enf { input: *input, mat: plan.alive(*end)? }))
-        .collect();
+    let enf: Vec<Enf> =
+        net.pushes.iter().filter_map(|(input, end)| Some(Enf { input: *input, mat: plan.alive(*end)? })).collect();
 
     // weight
     let mut weighed = Vec::new();
@@ -293,6 +284,7 @@ pub fn schedule(
         left_out: net.left_out.clone(),
         diags: Diags::new(),
         title: model.title().to_string(),
+        seconds: net.seconds,
         initial: State::default(),
     };
     scene.tables.extend(own_tables(&net).into_iter().map(|(_, t)| t));
@@ -339,10 +331,10 @@ fn start(scene: &Scene, mut s: State) -> State {
     }
     for i in 0..n {
         let (p, q, c) = (s.coef[i], s.coef[n + i], s.coef[2 * n + i]);
-        if c != 0.0 {
-            s.d[i] -= 0.5 * (c * trial.f[i] + q * s.x[i] - (1.0 - p) * s.d[i]);
-        } else {
+        if c == 0.0 {
             s.d[i] = 0.0;
+        } else {
+            s.d[i] -= 0.5 * (c * trial.f[i] + q * s.x[i] - (1.0 - p) * s.d[i]);
         }
     }
     pass::project(&project, scene, &mut s);
@@ -422,23 +414,20 @@ impl Plan<'_> {
     fn live_plan(&mut self) -> LivePlan {
         let items = core::mem::take(&mut self.modules)
             .into_iter()
-            .map(|(id, modules)| match self.net.items.get(id as usize) {
-                Some(item) => LiveItem {
-                    kind: item.kind,
-                    args: item.args.clone(),
-                    follows: item.follows.clone(),
-                    generator: if let Role::Generator(g) = item.kind.role { Some(g) } else { None },
+            .map(|(id, modules)| if let Some(item) = self.net.items.get(id as usize) { LiveItem {
+                kind: item.kind,
+                args: item.args.clone(),
+                follows: item.follows.clone(),
+                generator: if let Role::Generator(g) = item.kind.role { Some(g) } else { None },
+                modules,
+            } } else {
+                let p = id as usize - self.net.items.len();
+                LiveItem {
+                    kind: &crate::io::ENX,
+                    args: alloc::vec![Arg::Num(self.net.params[p].value)],
+                    follows: alloc::vec![(0, p, 1.0)],
+                    generator: None,
                     modules,
-                },
-                None => {
-                    let p = id as usize - self.net.items.len();
-                    LiveItem {
-                        kind: &crate::io::ENX,
-                        args: alloc::vec![Arg::Num(self.net.params[p].value)],
-                        follows: alloc::vec![(0, p, 1.0)],
-                        generator: None,
-                        modules,
-                    }
                 }
             })
             .collect();
@@ -601,8 +590,16 @@ fn contact_at_load(net: &Net, l: &LiaNode, e0: f64, model: &Model, diags: &mut D
     let known = |d: &Diag| d.code == "W102" && d.span() == item.name_span && item.name_span.is_some();
     if f != 0.0 && !diags.list.iter().any(known) {
         let (a, b) = (net.end_name(l.ends[0]), net.end_name(l.ends[1]));
-        let d = Diag::warning("W102", format!("`{}` presses at load, with {}", l.name, crate::model::quantity::show(f.abs(), crate::kind::Unit::NEWTON)));
-        let help = format!("it keeps `{b}` above `{a}`; swap the ends of `between`, or move one of them by `x` or `dx0`");
+        let d = Diag::warning(
+            "W102",
+            format!(
+                "`{}` presses at load, with {}",
+                l.name,
+                crate::model::quantity::show(f.abs(), crate::kind::Unit::NEWTON)
+            ),
+        );
+        let help =
+            format!("it keeps `{b}` above `{a}`; swap the ends of `between`, or move one of them by `x` or `dx0`");
         diags.push(d.at(item.name_span, format!("`{b}` is {e:.3e} m above `{a}`")).help(help));
     }
 }

@@ -33,7 +33,9 @@ pub fn specialise(model: &Model, net: &mut Net, diags: &mut Diags) {
             .values
             .iter()
             .map(|s| match (s, s.get(&item.slots)) {
-                (Source::Slot(i), Some(_)) if item.follows.iter().any(|f| generated || f.0 == *i as usize) => Fixed::Live,
+                (Source::Slot(i), Some(_)) if item.follows.iter().any(|f| generated || f.0 == *i as usize) => {
+                    Fixed::Live
+                }
                 (_, Some(v)) => Fixed::At(v),
                 (_, None) => Fixed::Absent,
             })

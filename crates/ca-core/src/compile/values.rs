@@ -84,7 +84,8 @@ impl Values<'_> {
                     Span::NONE
                 };
                 let help = format!("write a number and its unit, e.g. `\"{}\"`", example(unit));
-                self.diags.push(Diag::error("E007", format!("{what}: not a quantity")).at(span, err.message).help(help));
+                self.diags
+                    .push(Diag::error("E007", format!("{what}: not a quantity")).at(span, err.message).help(help));
                 None
             }
         }
@@ -125,14 +126,7 @@ impl Values<'_> {
         false
     }
 
-    fn named_number(
-        &mut self,
-        name: &str,
-        unit: Unit,
-        range: (f64, f64),
-        e: &Entry,
-        what: &str,
-    ) -> Option<Followed> {
+    fn named_number(&mut self, name: &str, unit: Unit, range: (f64, f64), e: &Entry, what: &str) -> Option<Followed> {
         let Some(i) = self.named.iter().position(|n| n.name == name) else {
             let mut d = Diag::error("E013", format!("{what}: no parameter `{name}`")).at(e.span, "not in `[param]`");
             match nearest(name, self.named.iter().map(|n| n.name.as_str())) {
@@ -312,14 +306,8 @@ impl Values<'_> {
         let Value::Table(entries) = &e.value else {
             return self.wrong_type(&what, "a table such as `{ note = \"C4\", to = \"5 mm\" }`", &e.value, e.span);
         };
-        let mut map = MidiMap {
-            source: MidiSource::PitchBend,
-            channel: None,
-            from: 0.0,
-            to: 0.0,
-            attack: 0.005,
-            release: 0.03,
-        };
+        let mut map =
+            MidiMap { source: MidiSource::PitchBend, channel: None, from: 0.0, to: 0.0, attack: 0.005, release: 0.03 };
         let (mut sources, mut to, mut good) = (0, false, true);
         for m in entries {
             let what = format!("`{}` in {what}", m.key);

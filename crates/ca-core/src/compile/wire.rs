@@ -97,15 +97,21 @@ impl Wire<'_> {
                 let (code, help) = match why {
                     Pick::Needs => (
                         "E016",
-                        format!("`{}` is {} modules: write `{}[0]` or `{}[*]`", sel.name, list.len(), sel.name, sel.name),
+                        format!(
+                            "`{}` is {} modules: write `{}[0]` or `{}[*]`",
+                            sel.name,
+                            list.len(),
+                            sel.name,
+                            sel.name
+                        ),
                     ),
-                    Pick::Outside if size[1] > 1 => (
-                        "E016",
-                        format!("`{}` goes from [0,0] to [{},{}]", sel.name, size[0] - 1, size[1] - 1),
-                    ),
-                    Pick::Outside => {
-                        ("E016", format!("`{}` has {} of them: 0 to {}", sel.name, list.len(), list.len().saturating_sub(1)))
+                    Pick::Outside if size[1] > 1 => {
+                        ("E016", format!("`{}` goes from [0,0] to [{},{}]", sel.name, size[0] - 1, size[1] - 1))
                     }
+                    Pick::Outside => (
+                        "E016",
+                        format!("`{}` has {} of them: 0 to {}", sel.name, list.len(), list.len().saturating_sub(1)),
+                    ),
                 };
                 let d = Diag::error(code, format!("`{owner}`: no `{text}`")).at(span, "out of range").help(help);
                 self.diags.push(d);
@@ -149,7 +155,8 @@ impl Wire<'_> {
         }
         if at.len() != wants {
             let d = bad(format!("`{owner}`: `{}` takes {wants} coordinate(s), not {}", sel.name, at.len()), "here");
-            let help = if wants == 2 { format!("write `{}@0.3,0.4`", sel.name) } else { format!("write `{}@0.3`", sel.name) };
+            let help =
+                if wants == 2 { format!("write `{}@0.3,0.4`", sel.name) } else { format!("write `{}@0.3`", sel.name) };
             self.diags.push(d.help(help));
             return None;
         }
@@ -185,9 +192,12 @@ impl Wire<'_> {
         }
         let mat = self.net.families.get(name).and_then(|f| f.masses.first().copied());
         match mat {
-            Some(m) if matches!(self.net.mats[m as usize].role, super::net::MatRole::Port(..)) => Some(Coordinate::Port(m)),
+            Some(m) if matches!(self.net.mats[m as usize].role, super::net::MatRole::Port(..)) => {
+                Some(Coordinate::Port(m))
+            }
             _ => {
-                let d = Diag::error("E013", format!("`{owner}`: no parameter or port `{name}`")).at(span, "unknown place");
+                let d =
+                    Diag::error("E013", format!("`{owner}`: no parameter or port `{name}`")).at(span, "unknown place");
                 self.diags.push(d.help("a moving point follows a number, a `[param]`, or an ENX or TGR port"));
                 None
             }
@@ -223,7 +233,8 @@ impl Wire<'_> {
             return;
         };
         let [first, second] = l.as_slice() else {
-            let d = Diag::error("E018", format!("`between` of `{name}` has {} ends, not two", l.len())).at(e.span, "here");
+            let d =
+                Diag::error("E018", format!("`between` of `{name}` has {} ends, not two", l.len())).at(e.span, "here");
             self.diags.push(d.help("write `between = [\"first\", \"second\"]`; each side may itself be a list"));
             return;
         };
@@ -246,7 +257,9 @@ impl Wire<'_> {
             return;
         };
         if self.net.lias.len() + pairs.len() > super::resolve::LARGEST {
-            self.diags.push(Diag::error("E027", format!("`{name}` makes too many links: {}", pairs.len())).at(e.span, "here"));
+            self.diags.push(
+                Diag::error("E027", format!("`{name}` makes too many links: {}", pairs.len())).at(e.span, "here"),
+            );
             return;
         }
         let values: Arc<[Source]> = (0..kind.params.len() as u32).map(Source::Slot).collect();

@@ -82,7 +82,9 @@ fn derive(a: &Args<'_>) -> Result<Vec<Option<f64>>, Problem> {
             if stiffness > 0.5 {
                 let mut p = too_stiff(f, nx * ny, 0);
                 p.param = "nx";
-                p.help = format!("use fewer nodes, ask for a lower pitch, or raise `rate.sound` (a = {stiffness:.3}, limit 0.5)");
+                p.help = format!(
+                    "use fewer nodes, ask for a lower pitch, or raise `rate.sound` (a = {stiffness:.3}, limit 0.5)"
+                );
                 return Err(p);
             }
             stiffness * m / (a.te * a.te)

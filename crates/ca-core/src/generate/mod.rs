@@ -188,7 +188,11 @@ impl<'a> Build<'a> {
             None => format!("{}.end[{}]", self.name, self.tips.len()),
         };
         let id = self.mat(name, &crate::mat::SOL, Arc::from([]));
-        if index.is_some() { self.masses.push(id) } else { self.tips.push(id) }
+        if index.is_some() {
+            self.masses.push(id);
+        } else {
+            self.tips.push(id);
+        }
         id
     }
 

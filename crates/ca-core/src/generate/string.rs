@@ -15,14 +15,23 @@ pub(super) const MANY: u32 = 1_000_000;
 pub(super) const M: Param = Param::number("m", Unit::KILOGRAM, ABOVE_ZERO, Need::Optional, "inertia of each mass");
 pub(super) const M_TOTAL: Param =
     Param::number("m_total", Unit::KILOGRAM, ABOVE_ZERO, Need::Optional, "inertia of the whole, shared evenly");
-pub(super) const K: Param =
-    Param::number("k", Unit::STIFFNESS, POSITIVE, Need::Optional, "stiffness of each spring");
+pub(super) const K: Param = Param::number("k", Unit::STIFFNESS, POSITIVE, Need::Optional, "stiffness of each spring");
 pub(super) const F: Param =
     Param::number("f", Unit::HERTZ, ABOVE_ZERO, Need::Optional, "fundamental as heard, warping included");
-pub(super) const Z: Param =
-    Param::number("z", Unit::VISCOSITY, POSITIVE, Need::Default(0.0), "viscosity of each link: high partials die first");
-pub(super) const ZO: Param =
-    Param::number("zo", Unit::VISCOSITY, POSITIVE, Need::Optional, "viscosity of each mass to ground: all partials die alike");
+pub(super) const Z: Param = Param::number(
+    "z",
+    Unit::VISCOSITY,
+    POSITIVE,
+    Need::Default(0.0),
+    "viscosity of each link: high partials die first",
+);
+pub(super) const ZO: Param = Param::number(
+    "zo",
+    Unit::VISCOSITY,
+    POSITIVE,
+    Need::Optional,
+    "viscosity of each mass to ground: all partials die alike",
+);
 pub(super) const T60: Param =
     Param::number("t60", Unit::SECOND, ABOVE_ZERO, Need::Optional, "time to decay by 60 dB, by damping to ground");
 pub(super) const MASSES: OneOf = OneOf { sets: &[&["m"], &["m_total"]], required: true };

@@ -27,8 +27,12 @@ pub enum PortRole {
 pub const KINDS: &[&Kind] = &[&ENX, &ENF, &SOX, &SOF, &TGR];
 
 const X: Param = Param::number("x", Unit::METRE, ANY, Need::Default(0.0), "where it stands before anything is heard");
-const MIDI: Param =
-    Param::new("midi", Type::Midi, Need::Optional, "how a MIDI note or controller moves it: { note = \"C4\", to = \"5 mm\" }");
+const MIDI: Param = Param::new(
+    "midi",
+    Type::Midi,
+    Need::Optional,
+    "how a MIDI note or controller moves it: { note = \"C4\", to = \"5 mm\" }",
+);
 const GAIN: Param =
     Param::number("gain", Unit::NONE, ANY, Need::Default(1.0), "factor to full scale; a value of 1 is the loudest");
 const CHANNEL: Param = Param::new(
@@ -93,7 +97,11 @@ pub static SOX: Kind = Kind {
     doc: "A microphone on a MAT: its displacement from rest, in metres times `gain`. One channel each unless they \
           share a `channel`.",
     source: &["CMJ 1993"],
-    params: &[Param::new("from", Type::Module, Need::Required, "the MAT it hears; a point `low@0.3` may move"), GAIN, CHANNEL],
+    params: &[
+        Param::new("from", Type::Module, Need::Required, "the MAT it hears; a point `low@0.3` may move"),
+        GAIN,
+        CHANNEL,
+    ],
     one_of: &[],
     example: r#"
 [CEL]

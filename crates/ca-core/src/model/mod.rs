@@ -185,6 +185,42 @@ impl Model {
         self
     }
 
+    /// Sets a parameter from text, as `--set` does: `hammer.m` of a module, or the name of a `[param]`. Numbers and
+    /// quantities are taken as such, `true`/`false` as flags, anything else as text; the compiler checks them like any
+    /// other. Returns false where there is no such name.
+    pub fn set(&mut self, name: &str, text: &str) -> bool {
+        let text = text.trim();
+        let value = match (text.parse::<f64>(), text) {
+            (Ok(v), _) => Value::Num(v),
+            (_, "true") => Value::Bool(true),
+            (_, "false") => Value::Bool(false),
+            _ => Value::Text(text.into()),
+        };
+        if let Some(e) = self.params.iter_mut().find(|e| e.key == name) {
+            match &mut e.value {
+                Value::Table(entries) => match entries.iter_mut().find(|x| x.key == "value") {
+                    Some(x) => x.value = value,
+                    None => entries.push(Entry::new("value", value)),
+                },
+                _ => e.value = value,
+            }
+            return true;
+        }
+        let Some((owner, key)) = name.rsplit_once('.') else { return false };
+        if matches!(owner, "model" | "rate") {
+            let section = if owner == "model" { &mut self.meta } else { &mut self.rate };
+            section.retain(|e| e.key != key);
+            section.push(Entry::new(key, value));
+            return true;
+        }
+        let Some(item) = self.items.iter_mut().find(|i| i.name == owner) else { return false };
+        match item.args.iter_mut().find(|e| e.key == key) {
+            Some(e) => e.value = value,
+            None => item.args.push(Entry::new(key, value)),
+        }
+        true
+    }
+
     /// The value of `key` in `[model]`, if written.
     pub fn meta(&self, key: &str) -> Option<&Entry> {
         self.meta.iter().find(|e| e.key == key)

@@ -24,7 +24,8 @@ use toml::de::{DeTable, DeValue};
 /// Root sections that are not kinds, in the order [`super::write`] gives them.
 pub const SECTIONS: &[&str] = &["model", "rate", "param", "gesture", "equivalence"];
 /// Keys of `[model]`.
-pub const META: &[&str] = &["title", "author", "source", "doc", "units", "reference_rate", "gravity", "friction"];
+pub const META: &[&str] =
+    &["title", "author", "source", "doc", "units", "reference_rate", "gravity", "friction", "seconds"];
 /// Keys of `[rate]`.
 pub const RATES: &[&str] = &["sound", "gesture"];
 /// Properties of a group.

@@ -4,7 +4,7 @@
 //! Parameters: k [N/m], d [m] > 0, rho in ]0, 1[, z [N s/m]. Source: HSP v2 (contact-detent), LAC 2019 (nlPluck).
 //! Stability: as REF with the steeper of k and kρ/(1 − ρ). Test: conformance suite.
 
-use super::{BETWEEN, Bound, Law, Phi, PAIRS};
+use super::{BETWEEN, Bound, Law, PAIRS, Phi};
 use crate::kind::{ABOVE_ZERO, Kind, Need, POSITIVE, Param, Role, Unit};
 use crate::table::Table;
 
@@ -20,8 +20,16 @@ pub static KIND: Kind = Kind {
         BETWEEN,
         Param::number("k", Unit::STIFFNESS, POSITIVE, Need::Required, "stiffness near the centre"),
         Param::number("d", Unit::METRE, ABOVE_ZERO, Need::Required, "reach: nothing acts beyond"),
-        Param::number("rho", Unit::NONE, (1e-6, 0.999_999), Need::Default(0.5), "where the force peaks, as a share of d"),
-        Param::number("z", Unit::VISCOSITY, POSITIVE, Need::Default(0.0), "viscosity inside d"), PAIRS],
+        Param::number(
+            "rho",
+            Unit::NONE,
+            (1e-6, 0.999_999),
+            Need::Default(0.5),
+            "where the force peaks, as a share of d",
+        ),
+        Param::number("z", Unit::VISCOSITY, POSITIVE, Need::Default(0.0), "viscosity inside d"),
+        PAIRS,
+    ],
     one_of: &[],
     example: r#"
 [CEL]

@@ -6,7 +6,7 @@
 //! Stability: not passive by itself; kT²/m ≤ 1 recommended, with 0.12 a ≤ zT/m ≤ 1.9 − a nothing is created
 //! (numerics 3.2). Test: A17, B05, C01, C02, C03.
 
-use super::{BETWEEN, Bound, Law, Phi, PAIRS};
+use super::{BETWEEN, Bound, Law, PAIRS, Phi};
 use crate::kind::{ANY, Kind, Need, POSITIVE, Param, Role, Type, Unit};
 use crate::table::Table;
 
@@ -25,7 +25,9 @@ pub static KIND: Kind = Kind {
         Param::number("z", Unit::VISCOSITY, POSITIVE, Need::Default(0.0), "viscosity in contact"),
         Param::number("d", Unit::METRE, ANY, Need::Default(0.0), "threshold of the distance second − first"),
         Param::new("sense", Type::Choice(&["outside", "inside"]), Need::Default(0.0), "keeps apart, or contains"),
-        Param::new("sticky", Type::Flag, Need::Default(1.0), "false clips the pull while letting go"), PAIRS],
+        Param::new("sticky", Type::Flag, Need::Default(1.0), "false clips the pull while letting go"),
+        PAIRS,
+    ],
     one_of: &[],
     example: r#"
 [CEL]

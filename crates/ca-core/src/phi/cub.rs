@@ -3,7 +3,7 @@
 //! Equation: F = k e + k3 e³ + (z/T) w. Parameters: k [N/m], k3 [N/m³] ≥ 0, z [N s/m]. Source: SMC 2019 (nlSpring3).
 //! Stability: the tangent T²(k + 3 k3 e²)/m must stay below about 1 (numerics 3.4). Test: B03.
 
-use super::{BETWEEN, Bound, L0, Law, Phi, linear_lost, linear_stored, PAIRS};
+use super::{BETWEEN, Bound, L0, Law, PAIRS, Phi, linear_lost, linear_stored};
 use crate::kind::{Kind, Need, POSITIVE, Param, Role, Unit};
 use crate::table::Table;
 
@@ -20,7 +20,9 @@ pub static KIND: Kind = Kind {
         Param::number("k", Unit::STIFFNESS, POSITIVE, Need::Default(0.0), "stiffness at rest"),
         Param::number("k3", Unit::CUBIC, POSITIVE, Need::Required, "cubic stiffness"),
         Param::number("z", Unit::VISCOSITY, POSITIVE, Need::Default(0.0), "viscosity"),
-        L0, PAIRS],
+        L0,
+        PAIRS,
+    ],
     one_of: &[],
     example: r#"
 [SOL]

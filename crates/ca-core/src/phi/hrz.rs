@@ -5,7 +5,7 @@
 //! Stability: rule of thumb T²k p η^(p−1)/m ≤ 1 at the deepest point. It never pulls. Test: B04.
 
 use super::pow::{P, quarter_power};
-use super::{BETWEEN, Bound, Law, Phi, PAIRS};
+use super::{BETWEEN, Bound, Law, PAIRS, Phi};
 use crate::kind::{ANY, Dim, Kind, Need, POSITIVE, Param, Role, Type, Unit};
 use crate::table::Table;
 
@@ -29,7 +29,9 @@ pub static KIND: Kind = Kind {
             "loss at a blow, relative to the elastic force per unit of speed",
         ),
         Param::number("d", Unit::METRE, ANY, Need::Default(0.0), "threshold of the distance second − first"),
-        Param::new("sense", Type::Choice(&["outside", "inside"]), Need::Default(0.0), "keeps apart, or contains"), PAIRS],
+        Param::new("sense", Type::Choice(&["outside", "inside"]), Need::Default(0.0), "keeps apart, or contains"),
+        PAIRS,
+    ],
     one_of: &[],
     example: r#"
 [CEL]

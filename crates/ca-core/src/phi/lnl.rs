@@ -5,7 +5,7 @@
 //! Stability: rule of thumb on the steepest segment; a friction table is passive where F has the sign of the speed.
 //! The law that runs reads only the tables that are there. Test: conformance suite, table tests.
 
-use super::{BETWEEN, Bound, Fixed, L0, Law, Phi, PAIRS};
+use super::{BETWEEN, Bound, Fixed, L0, Law, PAIRS, Phi};
 use crate::kind::{Kind, Need, Param, Role, Type, Unit};
 use crate::table::Table;
 
@@ -31,7 +31,9 @@ pub static KIND: Kind = Kind {
             Need::Optional,
             "points [relative speed, force]",
         ),
-        L0, PAIRS],
+        L0,
+        PAIRS,
+    ],
     one_of: &[],
     example: r#"
 [SOL]

@@ -24,8 +24,17 @@ mod res;
 
 /// All LIA kinds, in the order of the documentation. To add a law: one file, one line here.
 pub const KINDS: &[&Kind] = &[
-    &res::KIND, &fro::KIND, &ref_::KIND, &but::KIND, &cub::KIND, &pow::KIND, &hrz::KIND, &lnl::KIND, &plk::KIND,
-    &att::KIND, &bow::KIND,
+    &res::KIND,
+    &fro::KIND,
+    &ref_::KIND,
+    &but::KIND,
+    &cub::KIND,
+    &pow::KIND,
+    &hrz::KIND,
+    &lnl::KIND,
+    &plk::KIND,
+    &att::KIND,
+    &bow::KIND,
 ];
 
 pub use ref_::KIND as REF;

@@ -4,7 +4,7 @@
 //! k [N/m], z [N s/m], d [m] > 0. Source: HSP v2 (contact-pluck), numerics 2.2 for the energy: what is stored at
 //! release is booked as lost. Stability: as REF while engaged. Test: `tests/suite/laws.rs`.
 
-use super::{BETWEEN, Bound, Law, Phi, linear_lost, linear_stored, PAIRS};
+use super::{BETWEEN, Bound, Law, PAIRS, Phi, linear_lost, linear_stored};
 use crate::kind::{ABOVE_ZERO, Kind, Need, POSITIVE, Param, Role, Unit};
 use crate::table::Table;
 
@@ -20,7 +20,9 @@ pub static KIND: Kind = Kind {
         BETWEEN,
         Param::number("k", Unit::STIFFNESS, POSITIVE, Need::Required, "stiffness while engaged"),
         Param::number("z", Unit::VISCOSITY, POSITIVE, Need::Default(0.0), "viscosity while engaged"),
-        Param::number("d", Unit::METRE, ABOVE_ZERO, Need::Required, "elongation at which it lets go"), PAIRS],
+        Param::number("d", Unit::METRE, ABOVE_ZERO, Need::Required, "elongation at which it lets go"),
+        PAIRS,
+    ],
     one_of: &[],
     example: r#"
 [CEL]
@@ -62,13 +64,13 @@ impl Phi<3, 3> for Plk {
             *engaged = 1.0;
         }
         *last = e;
-        if *engaged != 0.0 { k * e + z * w } else { 0.0 }
+        if *engaged == 0.0 { 0.0 } else { k * e + z * w }
     }
     fn stored(&[k, z, _]: &[f64; 3], mem: &[f64; 3], _: &[Table], e0: f64, e1: f64) -> f64 {
-        if mem[0] != 0.0 { linear_stored(k, z, e0, e1) } else { 0.0 }
+        if mem[0] == 0.0 { 0.0 } else { linear_stored(k, z, e0, e1) }
     }
     fn lost(&[_, z, _]: &[f64; 3], mem: &[f64; 3], _: &[Table], e: [f64; 3]) -> f64 {
-        if mem[0] != 0.0 { linear_lost(z, e) } else { mem[2] }
+        if mem[0] == 0.0 { mem[2] } else { linear_lost(z, e) }
     }
     fn bound(&[k, z, _]: &[f64; 3], _: &[Table]) -> Bound {
         Bound { k, z, contact: true, ..Bound::default() }

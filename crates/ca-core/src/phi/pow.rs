@@ -4,7 +4,7 @@
 //! that the tick needs only products and square roots), z [N s/m]. Source: SMC 2019 (nlSpring2 is p = 2).
 //! Stability: rule of thumb on the tangent, as CUB. Test: conformance suite.
 
-use super::{BETWEEN, Bound, L0, Law, Phi, linear_lost, linear_stored, PAIRS};
+use super::{BETWEEN, Bound, L0, Law, PAIRS, Phi, linear_lost, linear_stored};
 use crate::kind::{Kind, Need, POSITIVE, Param, Role, Type, Unit};
 use crate::table::Table;
 
@@ -24,7 +24,9 @@ pub static KIND: Kind = Kind {
         Param::new("q", Type::PowerStiffness { exponent: "p" }, Need::Required, "stiffness of the power law"),
         P,
         Param::number("z", Unit::VISCOSITY, POSITIVE, Need::Default(0.0), "viscosity"),
-        L0, PAIRS],
+        L0,
+        PAIRS,
+    ],
     one_of: &[],
     example: r#"
 [SOL]

@@ -1,0 +1,161 @@
+//! Perform: a scene, a gesture and the time that passes.
+//!
+//! Decides where a gesture is read: position and force ports every sound sample, device ports once per gesture frame
+//! (through the border of the scene), live parameters once per gesture frame, ramped over it, so that a broken line in
+//! a gesture is a broken line in the coefficient. The command, Python and tests all play scenes through this one loop,
+//! so the same model, gesture and parameters give the same bits everywhere.
+
+use crate::error::{FileError, FileErrorKind};
+use crate::gesture::{Gesture, Track};
+use ca_core::border::frame_due;
+use ca_core::live::Controls;
+use ca_core::scene::{InputRole, Scene};
+use ca_core::{State, tick};
+
+/// Beyond this displacement [m] a scene is taken to have blown up. Far above any scale models are written in (1e-9 to
+/// 1e9), far below overflow.
+pub const WILD: f64 = 1e15;
+
+/// What a track drives.
+enum Target {
+    Input(usize),
+    Device(usize),
+    Param(String),
+}
+
+struct Drive {
+    target: Target,
+    track: Track,
+    near: usize,
+}
+
+/// A scene being played by gestures.
+pub struct Performance<'a> {
+    /// the scene
+    pub scene: &'a Scene,
+    /// its state
+    pub state: State,
+    /// its live parameters
+    pub controls: Controls,
+    drives: Vec<Drive>,
+    /// true once positions have left every sensible range; nothing is computed any more, outputs are 0
+    pub wild: bool,
+}
+
+impl<'a> Performance<'a> {
+    /// Plays `scene` by its built-in gesture; tracks of `gesture` take the place of built-in ones of the same name.
+    /// A track that drives neither a port nor a live parameter is an error that names what could be driven.
+    pub fn new(scene: &'a Scene, gesture: Option<&Gesture>) -> Result<Performance<'a>, FileError> {
+        let mut p = Performance {
+            scene,
+            state: scene.state(),
+            controls: Controls::new(scene),
+            drives: Vec::new(),
+            wild: false,
+        };
+        for (name, points) in &scene.gestures {
+            if gesture.is_none_or(|g| g.track(name).is_none()) {
+                p.drive(Track::points(name.clone(), points.iter().map(|p| (p[0], p[1])).collect())?)?;
+            }
+        }
+        for track in gesture.map_or(&[][..], Gesture::tracks) {
+            p.drive(track.clone())?;
+        }
+        Ok(p)
+    }
+
+    fn drive(&mut self, track: Track) -> Result<(), FileError> {
+        let name = track.name();
+        let target = match self.scene.inputs.iter().position(|i| i.name == name) {
+            Some(i) if self.scene.inputs[i].role == InputRole::Device => Target::Device(i),
+            Some(i) => Target::Input(i),
+            None if self.controls.params().iter().any(|p| p.name == name) => Target::Param(name.into()),
+            None => {
+                let inputs = self.scene.inputs.iter().map(|i| i.name.as_str());
+                let all: Vec<String> = inputs
+                    .chain(self.controls.params().iter().map(|p| p.name.as_str()))
+                    .map(|n| format!("`{n}`"))
+                    .collect();
+                let fix = if all.is_empty() {
+                    "the model has no port or live parameter to drive".into()
+                } else {
+                    format!("this model can be driven at {}", all.join(", "))
+                };
+                return Err(FileError::new(FileErrorKind::Usage, format!("nothing is driven by `{name}`")).fix(fix));
+            }
+        };
+        self.drives.push(Drive { target, track, near: 0 });
+        Ok(())
+    }
+
+    /// Seconds until the last gesture has ended; 0 without gestures.
+    pub fn duration(&self) -> f64 {
+        self.drives.iter().map(|d| d.track.duration()).fold(0.0, f64::max)
+    }
+
+    /// Names of what is being driven.
+    pub fn driven(&self) -> Vec<&str> {
+        self.drives.iter().map(|d| d.track.name()).collect()
+    }
+
+    /// Runs one tick; the outputs are in `state.output`.
+    pub fn tick(&mut self) {
+        if self.wild {
+            self.state.output.fill(0.0);
+            return;
+        }
+        let (scene, s) = (self.scene, &mut self.state);
+        let frame = frame_due(scene, s.tick);
+        let t = s.tick as f64 * scene.te;
+        // what is read at a frame's start is meant for its end
+        let end = if s.tick == 0 { 0.0 } else { t + f64::from(scene.ratio - 1) * scene.te };
+        for d in &mut self.drives {
+            match &d.target {
+                Target::Input(i) => s.input[*i] = d.track.at_near(&mut d.near, t),
+                Target::Device(i) if frame => s.input[*i] = d.track.at_near(&mut d.near, end),
+                Target::Param(name) if frame => {
+                    let v = d.track.at_near(&mut d.near, end);
+                    let moved = self.controls.params().iter().any(|p| p.name == *name && p.value != v);
+                    if moved {
+                        // out of range is clamped: a gesture is a signal, and a signal never stops a performance
+                        let (lo, hi) =
+                            self.controls.params().iter().find(|p| p.name == *name).map_or((v, v), |p| (p.min, p.max));
+                        if let Ok(patch) = self.controls.set(name, v.max(lo).min(hi)) {
+                            s.apply(scene, &patch, if s.tick == 0 { 1 } else { scene.ratio });
+                        }
+                    }
+                }
+                _ => {}
+            }
+        }
+        tick(scene, s);
+        if s.tick & 63 == 0 && !s.is_sound(WILD) {
+            self.wild = true;
+        }
+    }
+
+    /// The module to blame once the scene is [`Performance::wild`], and why: the one the certificate names where that
+    /// found the scene unstable; else the link that made most energy in a second run with the book kept, given as
+    /// `audited`; else the MAT that went furthest.
+    pub fn blame(&self, audited: Option<&Scene>, gesture: Option<&Gesture>) -> (String, String) {
+        let cert = &self.scene.certificate;
+        if cert.lower >= 4.0 {
+            let why = format!("too stiff for its mass at this rate: {:.3}, the limit is 4", cert.lower);
+            return (cert.worst.clone(), why);
+        }
+        if let Some(scene) = audited {
+            if let Ok(mut twin) = Performance::new(scene, gesture) {
+                while !twin.wild && twin.state.tick < self.state.tick + 64 {
+                    twin.tick();
+                }
+                if let Some((link, made)) = twin.state.ledger.as_ref().and_then(ca_core::energy::Ledger::culprit) {
+                    if let Some(name) = scene.audited_name(link) {
+                        return (name.into(), format!("it made {made:.3e} J"));
+                    }
+                }
+            }
+        }
+        let m = self.state.wildest();
+        (self.scene.mat_name(m).into(), "it went furthest".into())
+    }
+}
