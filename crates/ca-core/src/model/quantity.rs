@@ -326,7 +326,7 @@ fn near(word: &str) -> Option<String> {
     suggest::nearest(word, known.iter().map(String::as_str)).map(ToString::to_string)
 }
 
-/// The shortest text for `value` [SI] in `unit`, with a prefix where that is shorter: 0.02 kg is `20 g`, 8000 N/m is
+/// The shortest text for `value` (in SI) in `unit`, with a prefix where that is shorter: 0.02 kg is `20 g`, 8000 N/m is
 /// `8 kN/m`. [`parse`] gives the identical bits back. What is not finite has no such text and is written `inf`, `nan`.
 pub fn show(value: f64, unit: Unit) -> String {
     if !value.is_finite() {

@@ -16,6 +16,8 @@ use serde_json::{Value as Json, json};
 
 /// At most so many findings are printed.
 pub const SHOWN: usize = 20;
+/// A fix in a longer line is not shown as an edited line, which would be printed whole.
+const LONG: usize = 400;
 
 /// The whole report, for a terminal. Empty where there is nothing to say.
 pub fn text(diags: &Diags, model: &Model, color: bool) -> String {
@@ -70,6 +72,7 @@ fn groups<'a>(d: &'a Diag, model: &'a Model) -> Vec<Group<'a>> {
         main = main.element(snippet);
     }
     let patch = d.fix.as_ref().and_then(|f| Some((clamp(f.span, &model.text)?, f.text.as_str())));
+    let patch = patch.filter(|(range, _)| line_length(&model.text, range.start) <= LONG);
     let Some((range, new)) = patch else {
         if let Some(help) = &d.help {
             main = main.element(Level::HELP.message(help.as_str()));
@@ -79,6 +82,11 @@ fn groups<'a>(d: &'a Diag, model: &'a Model) -> Vec<Group<'a>> {
     let help = d.help.as_deref().unwrap_or("write it so");
     let fix = Group::with_title(Level::HELP.secondary_title(help)).element(source(model).patch(Patch::new(range, new)));
     alloc::vec![main, fix]
+}
+
+fn line_length(text: &str, at: usize) -> usize {
+    let (before, after) = text.split_at(at);
+    before.len() - before.rfind('\n').map_or(0, |i| i + 1) + after.find('\n').unwrap_or(after.len())
 }
 
 fn source<T: Clone>(model: &Model) -> Snippet<'_, T> {
