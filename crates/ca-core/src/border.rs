@@ -15,13 +15,13 @@ use crate::state::State;
 /// One device degree of freedom.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Border {
-    /// position at the start of the frame [m]
+    /// position at the start of the frame \[m\]
     pub from: f64,
-    /// position at its end [m]
+    /// position at its end \[m\]
     pub to: f64,
-    /// trapezoid sum of the force so far [N]
+    /// trapezoid sum of the force so far \[N\]
     pub sum: f64,
-    /// mean force of the last whole frame [N], on the hand
+    /// mean force of the last whole frame \[N\], on the hand
     pub force: f64,
 }
 

@@ -19,7 +19,7 @@ pub struct LedgerPlan {
     pub weight: usize,
 }
 
-/// The accounts [J]. `h = h0 + work − lost + source + changed + residual`.
+/// The accounts \[J\]. `h = h0 + work − lost + source + changed + residual`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Ledger {
     /// energy at load
@@ -53,21 +53,21 @@ pub struct Ledger {
 /// Sums of the books, for people.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Balance {
-    /// energy at load [J]
+    /// energy at load \[J\]
     pub h0: f64,
-    /// energy now [J]
+    /// energy now \[J\]
     pub h: f64,
-    /// heat [J]
+    /// heat \[J\]
     pub lost: f64,
-    /// made by non-linear links [J]
+    /// made by non-linear links \[J\]
     pub source: f64,
-    /// received from ports [J]
+    /// received from ports \[J\]
     pub work: f64,
-    /// received by changes [J]
+    /// received by changes \[J\]
     pub changed: f64,
-    /// what does not add up [J]
+    /// what does not add up \[J\]
     pub residual: f64,
-    /// scale of the residual [J]
+    /// scale of the residual \[J\]
     pub peak: f64,
 }
 

@@ -25,25 +25,25 @@ pub struct Dim {
 impl Dim {
     /// A plain number.
     pub const NONE: Dim = Dim::new(0.0, 0.0, 0.0);
-    /// [m]
+    /// \[m\]
     pub const LENGTH: Dim = Dim::new(1.0, 0.0, 0.0);
-    /// [kg]
+    /// \[kg\]
     pub const MASS: Dim = Dim::new(0.0, 1.0, 0.0);
-    /// [s]
+    /// \[s\]
     pub const TIME: Dim = Dim::new(0.0, 0.0, 1.0);
-    /// [Hz]
+    /// \[Hz\]
     pub const FREQUENCY: Dim = Dim::new(0.0, 0.0, -1.0);
-    /// [m/s]
+    /// \[m/s\]
     pub const VELOCITY: Dim = Dim::new(1.0, 0.0, -1.0);
-    /// [m/s^2]
+    /// \[m/s^2\]
     pub const ACCELERATION: Dim = Dim::new(1.0, 0.0, -2.0);
-    /// [N]
+    /// \[N\]
     pub const FORCE: Dim = Dim::new(1.0, 1.0, -2.0);
-    /// [N/m]
+    /// \[N/m\]
     pub const STIFFNESS: Dim = Dim::new(0.0, 1.0, -2.0);
-    /// [N s/m]
+    /// \[N s/m\]
     pub const VISCOSITY: Dim = Dim::new(0.0, 1.0, -1.0);
-    /// [N/m^3]
+    /// \[N/m^3\]
     pub const CUBIC: Dim = Dim::new(-2.0, 1.0, -2.0);
 
     /// A dimension from its three exponents.
@@ -51,7 +51,7 @@ impl Dim {
         Dim { m, kg, s }
     }
 
-    /// [N/m^p], the stiffness of a power law of exponent `p`.
+    /// \[N/m^p\], the stiffness of a power law of exponent `p`.
     pub const fn power_stiffness(p: f64) -> Dim {
         Dim::new(1.0 - p, 1.0, -2.0)
     }
@@ -63,7 +63,7 @@ impl Dim {
     }
 
     /// Factor from `alg` units to SI. Algorithmic units keep the metre and the newton and take one sample of the
-    /// reference rate, `tr` [s], as unit of time, so a mass unit is tr² kg and a viscosity unit tr N s/m
+    /// reference rate, `tr` \[s\], as unit of time, so a mass unit is tr² kg and a viscosity unit tr N s/m
     /// (GENESIS and mi.lib: M = m/T², Z = z/T, K = k).
     pub fn alg_to_si(self, tr: f64) -> f64 {
         libm::pow(tr, 2.0 * self.kg + self.s)

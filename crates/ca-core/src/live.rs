@@ -46,9 +46,9 @@ pub enum Source {
 /// How to compute the coefficients of a module.
 #[derive(Clone, Copy)]
 pub enum Loader {
-    /// a MAT, with the viscosity of its medium [N s/m]
+    /// a MAT, with the viscosity of its medium \[N s/m\]
     Mat(&'static MatSpec, f64),
-    /// its weight, with the gravity of its group [m/s²]; mass is the first parameter
+    /// its weight, with the gravity of its group \[m/s²\]; mass is the first parameter
     Weight(f64),
     /// a LIA
     Lia(&'static Law),
@@ -141,7 +141,7 @@ impl Controls {
         &self.plan.params
     }
 
-    /// Sets `name` to `value` [SI] and returns the coefficients that change.
+    /// Sets `name` to `value` \[SI\] and returns the coefficients that change.
     pub fn set(&mut self, name: &str, value: f64) -> Result<Patch, Refused> {
         let Some(p) = self.plan.params.iter().position(|p| p.name == name) else {
             return Err(Refused::Unknown(name.into()));

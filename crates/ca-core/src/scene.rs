@@ -1,6 +1,6 @@
 //! Scene: a compiled model. Immutable; shared between threads; everything a tick reads and never writes.
 //!
-//! Counts first, then arrays with their shape. All of it is written once, by [`crate::compile`].
+//! Counts first, then arrays with their shape. All of it is written once, by [`compile`](mod@crate::compile).
 
 use crate::energy::LedgerPlan;
 use crate::live::LivePlan;
@@ -18,7 +18,7 @@ pub struct Enx {
     pub input: u32,
     /// the MAT it moves
     pub mat: u32,
-    /// its rest position [m]; the input is absolute
+    /// its rest position \[m\]; the input is absolute
     pub rest: f64,
 }
 
@@ -76,11 +76,11 @@ pub struct Output {
 /// What stands in a place of [`State::input`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum InputRole {
-    /// absolute position [m] per sound sample
+    /// absolute position \[m\] per sound sample
     Position,
-    /// force [N] per sound sample
+    /// force \[N\] per sound sample
     Force,
-    /// absolute position [m] per gesture frame, through the rate border
+    /// absolute position \[m\] per gesture frame, through the rate border
     Device,
 }
 
@@ -91,7 +91,7 @@ pub struct Input {
     pub name: String,
     /// what it takes
     pub role: InputRole,
-    /// the value it has before anything is heard [m] or [N]
+    /// the value it has before anything is heard \[m\] or \[N\]
     pub rest: f64,
     /// its MIDI mapping, if the model has one
     pub midi: Option<crate::io::midi::MidiMap>,
@@ -121,9 +121,9 @@ pub enum Stands {
 
 /// A compiled model.
 pub struct Scene {
-    /// sound rate [Hz]
+    /// sound rate \[Hz\]
     pub rate: f64,
-    /// tick [s], 1/rate
+    /// tick \[s\], 1/rate
     pub te: f64,
     /// ticks per gesture frame
     pub ratio: u32,
@@ -153,9 +153,9 @@ pub struct Scene {
 
     /// ends of links, first and second MAT (n_lia x 2)
     pub ends: Vec<[u32; 2]>,
-    /// constant part of the elongation [m] (n_lia)
+    /// constant part of the elongation \[m\] (n_lia)
     pub e0: Vec<f64>,
-    /// rest positions [m] (n_mat)
+    /// rest positions \[m\] (n_mat)
     pub rest: Vec<f64>,
     /// nodes under moving points (any)
     pub nodes: Vec<u32>,
@@ -181,7 +181,7 @@ pub struct Scene {
     pub ledger: Option<LedgerPlan>,
     /// live coefficients and how to compute them
     pub live: LivePlan,
-    /// the built-in gesture of the model: what it drives and its points [s, value]
+    /// the built-in gesture of the model: what it drives and its points \[s, value\]
     pub gestures: Vec<(String, Vec<[f64; 2]>)>,
     /// name and place of every module, MATs first, in document order
     pub symbols: Vec<Symbol>,
@@ -193,7 +193,7 @@ pub struct Scene {
     pub diags: Diags,
     /// title of the model
     pub title: String,
-    /// how long the author lets it sound [s], if said
+    /// how long the author lets it sound \[s\], if said
     pub seconds: Option<f64>,
     /// the state at load
     pub(crate) initial: State,

@@ -25,20 +25,20 @@ pub struct Cell {
 /// All that changes. Shapes in brackets; the writer of each array is named.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct State {
-    /// displacement from rest [m] (n_mat); written by `moves`, ports by `reads`
+    /// displacement from rest \[m\] (n_mat); written by `moves`, ports by `reads`
     pub x: Vec<f64>,
-    /// x_n − x_{n−1} [m/tick] (n_mat); written with `x`
+    /// x_n − x_{n−1} \[m/tick\] (n_mat); written with `x`
     pub d: Vec<f64>,
-    /// summed force [N] (n_mat); written by `forces`, cleared by `moves`
+    /// summed force \[N\] (n_mat); written by `forces`, cleared by `moves`
     pub f: Vec<f64>,
     /// coefficients (n_coef): P, Q and C of the MATs, then those of weights, links, points and outputs;
     /// written at load and by changes
     pub coef: Vec<f64>,
     /// memory of laws (n_mem); written by `forces`
     pub mem: Vec<f64>,
-    /// forces of links that are heard, audited or in passing [N] (n_tap); written by `forces`
+    /// forces of links that are heard, audited or in passing \[N\] (n_tap); written by `forces`
     pub tap: Vec<f64>,
-    /// what the ports are given, absolute [m] or [N]; written by the caller before a tick (devices: before a frame)
+    /// what the ports are given, absolute \[m\] or \[N\]; written by the caller before a tick (devices: before a frame)
     pub input: Vec<f64>,
     /// the last good value of each input (inputs); written by `reads`
     pub held: Vec<f64>,
@@ -75,7 +75,7 @@ impl State {
         h.finish()
     }
 
-    /// True while every position and motion is finite and below `limit` [m].
+    /// True while every position and motion is finite and below `limit` \[m\].
     pub fn is_sound(&self, limit: f64) -> bool {
         self.x.iter().all(|x| x.abs() < limit) && self.d.iter().all(|d| d.abs() < limit)
     }

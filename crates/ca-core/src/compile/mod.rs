@@ -39,7 +39,7 @@ pub enum KernelClass {
 /// What the caller asks of a compilation.
 #[derive(Clone, Debug, Default)]
 pub struct Options {
-    /// sound rate [Hz]; the model's own if `None`
+    /// sound rate \[Hz\]; the model's own if `None`
     pub rate: Option<f64>,
     /// keep the energy book
     pub energy: bool,

@@ -52,11 +52,11 @@ pub struct MatNode {
     pub role: MatRole,
     /// where its parameters come from
     pub values: Arc<[Source]>,
-    /// rest position [m]
+    /// rest position \[m\]
     pub rest: f64,
-    /// initial displacement [m]
+    /// initial displacement \[m\]
     pub dx0: f64,
-    /// initial velocity [m/s]
+    /// initial velocity \[m/s\]
     pub v: f64,
     /// medium
     pub group: Option<u32>,
@@ -96,7 +96,7 @@ pub struct LiaNode {
     pub values: Arc<[Source]>,
     /// its ends
     pub ends: [End; 2],
-    /// rest length [m] if written
+    /// rest length \[m\] if written
     pub l0: Option<f64>,
     /// item it was made from
     pub item: u32,
@@ -168,18 +168,18 @@ pub struct Family {
 /// What surrounds the modules of a group.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Medium {
-    /// acceleration of weight, towards negative x [m/s²]
+    /// acceleration of weight, towards negative x \[m/s²\]
     pub gravity: f64,
-    /// viscosity of each MAT to ground [N s/m]
+    /// viscosity of each MAT to ground \[N s/m\]
     pub friction: f64,
 }
 
 /// The network.
 #[derive(Default)]
 pub struct Net {
-    /// sound rate [Hz]
+    /// sound rate \[Hz\]
     pub rate: f64,
-    /// tick [s]
+    /// tick \[s\]
     pub te: f64,
     /// ticks per gesture frame
     pub ratio: u32,
@@ -211,7 +211,7 @@ pub struct Net {
     pub media: Vec<Medium>,
     /// built-in gestures
     pub gestures: Vec<(String, Vec<[f64; 2]>)>,
-    /// how long it sounds [s], if said
+    /// how long it sounds \[s\], if said
     pub seconds: Option<f64>,
     /// what was left out, in words
     pub left_out: Vec<String>,

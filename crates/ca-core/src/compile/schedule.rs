@@ -414,20 +414,24 @@ impl Plan<'_> {
     fn live_plan(&mut self) -> LivePlan {
         let items = core::mem::take(&mut self.modules)
             .into_iter()
-            .map(|(id, modules)| if let Some(item) = self.net.items.get(id as usize) { LiveItem {
-                kind: item.kind,
-                args: item.args.clone(),
-                follows: item.follows.clone(),
-                generator: if let Role::Generator(g) = item.kind.role { Some(g) } else { None },
-                modules,
-            } } else {
-                let p = id as usize - self.net.items.len();
-                LiveItem {
-                    kind: &crate::io::ENX,
-                    args: alloc::vec![Arg::Num(self.net.params[p].value)],
-                    follows: alloc::vec![(0, p, 1.0)],
-                    generator: None,
-                    modules,
+            .map(|(id, modules)| {
+                if let Some(item) = self.net.items.get(id as usize) {
+                    LiveItem {
+                        kind: item.kind,
+                        args: item.args.clone(),
+                        follows: item.follows.clone(),
+                        generator: if let Role::Generator(g) = item.kind.role { Some(g) } else { None },
+                        modules,
+                    }
+                } else {
+                    let p = id as usize - self.net.items.len();
+                    LiveItem {
+                        kind: &crate::io::ENX,
+                        args: alloc::vec![Arg::Num(self.net.params[p].value)],
+                        follows: alloc::vec![(0, p, 1.0)],
+                        generator: None,
+                        modules,
+                    }
                 }
             })
             .collect();

@@ -50,7 +50,7 @@ pub struct Args<'a> {
     pub kind: &'static Kind,
     /// in the order of [`Kind::params`]
     pub values: &'a [Arg],
-    /// the tick [s]
+    /// the tick \[s\]
     pub te: f64,
 }
 

@@ -28,12 +28,12 @@ pub struct MidiMap {
     pub source: MidiSource,
     /// 1 to 16; all channels if `None`
     pub channel: Option<u8>,
-    /// value at rest (controller 0, note off), in the unit of the port [m] or [N]
+    /// value at rest (controller 0, note off), in the unit of the port \[m\] or \[N\]
     pub from: f64,
     /// value at full scale (controller at maximum, velocity 127), in the unit of the port
     pub to: f64,
-    /// time to reach a new value [s]; the way is linear
+    /// time to reach a new value \[s\]; the way is linear
     pub attack: f64,
-    /// time to fall back after note off [s]; the way is linear
+    /// time to fall back after note off \[s\]; the way is linear
     pub release: f64,
 }

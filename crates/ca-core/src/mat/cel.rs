@@ -1,7 +1,7 @@
 //! CEL: a mass with its own spring and damper to its rest position; one damped oscillation.
 //!
 //! Equation: x_{n+1} = (2 − a − b) x_n + (b − 1) x_{n−1} + (T²/m) f, a = kT²/m, b = zT/m.
-//! Parameters: m [kg] with k [N/m], z [N s/m], or with the heard frequency f [Hz] and the decay time t60 [s].
+//! Parameters: m \[kg\] with k \[N/m\], z \[N s/m\], or with the heard frequency f \[Hz\] and the decay time t60 \[s\].
 //! Source: CMJ 1993; the retuning is numerics 1.5 (exact inversion of the scheme's own warping).
 //! Stability: a + 2b < 4, always true when given by f below half the sound rate and t60. Test: A04, A05, B02.
 
@@ -47,8 +47,8 @@ fn coefs(p: &[Option<f64>], te: f64) -> Coefs {
     Coefs { p: 1.0 - z * te / m, q: -k * c, c }
 }
 
-/// The dimensionless stiffness a = kT²/m and viscosity b = zT/m with which the scheme oscillates at exactly `f` [Hz]
-/// and loses 60 dB in exactly `t60` [s] (numerics 1.5). `t60` may be infinite. Written so that nothing cancels at low
+/// The dimensionless stiffness a = kT²/m and viscosity b = zT/m with which the scheme oscillates at exactly `f` \[Hz\]
+/// and loses 60 dB in exactly `t60` \[s\] (numerics 1.5). `t60` may be infinite. Written so that nothing cancels at low
 /// frequency, where 1 − 2r cos θ + r² loses five digits.
 pub fn retune(f: f64, t60: f64, te: f64) -> (f64, f64) {
     let s = 3.0 * core::f64::consts::LN_10 / t60;

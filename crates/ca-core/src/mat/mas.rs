@@ -1,6 +1,6 @@
 //! MAS: a punctual mass, inertia and nothing else.
 //!
-//! Equation: x_{n+1} = 2 x_n − x_{n−1} + (T²/m) f_n. Parameters: m [kg] > 0. Source: CMJ 1993.
+//! Equation: x_{n+1} = 2 x_n − x_{n−1} + (T²/m) f_n. Parameters: m \[kg\] > 0. Source: CMJ 1993.
 //! Stability: none of its own; with links, T²(k + 2z/T)/m summed over them must stay below 4 (numerics 1.3).
 //! Test: `tests/suite/scheme.rs`.
 

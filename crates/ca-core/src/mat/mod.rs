@@ -17,14 +17,14 @@ pub struct Coefs {
     pub p: f64,
     /// pull towards rest (−kT²/m)
     pub q: f64,
-    /// mobility T²/m [m/N]; 0 for what cannot move
+    /// mobility T²/m \[m/N\]; 0 for what cannot move
     pub c: f64,
 }
 
 /// How a kind of MAT gets its coefficients.
 #[derive(Clone, Copy)]
 pub struct MatSpec {
-    /// from parameters in SI (in the order of [`Kind::params`]) and the tick `te` [s]
+    /// from parameters in SI (in the order of [`Kind::params`]) and the tick `te` \[s\]
     pub coefs: fn(params: &[Option<f64>], te: f64) -> Coefs,
     /// true for what never moves
     pub fixed: bool,

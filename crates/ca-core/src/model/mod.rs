@@ -2,7 +2,7 @@
 //!
 //! Decides that text, the Python builder and importers all produce this one type, that it keeps values *as written*
 //! (`"20 g"` stays `"20 g"`), and that every piece carries the [`Span`] it came from, so that any later finding can
-//! point at it. Meaning (units, references, ranges) is given by [`crate::compile`], not here: two readers of meaning
+//! point at it. Meaning (units, references, ranges) is given by [`compile`](mod@crate::compile), not here: two readers of meaning
 //! would disagree one day.
 
 use alloc::string::String;
@@ -136,7 +136,7 @@ pub struct Group {
     pub props: Vec<Entry>,
 }
 
-/// A model as its author wrote it. Root tables are kept as entries; [`crate::compile`] gives them meaning.
+/// A model as its author wrote it. Root tables are kept as entries; [`compile`](mod@crate::compile) gives them meaning.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Model {
     /// name of the file it was read from, for reports; may be empty

@@ -4,8 +4,8 @@
 //!   smooth     g = u exp(½ − u²/2), u = v/v0 (peak 1 at v0; from a table of 4097 points, within 2e-6)
 //!   piecewise  rises to 1 at v0, falls to fd/f at v1, stays there
 //!   coulomb    v/v0 clipped to ±1: sliding friction with a viscous hold below v0
-//!   table      the points of `points` [m/s, N]
-//! Parameters: f [N], v0 [m/s], v1 [m/s], fd [N]. Source: ICMC 2013 (LNL friction), LAC 2019 (nlBow), HSP v2.
+//!   table      the points of `points` \[m/s, N\]
+//! Parameters: f \[N\], v0 \[m/s\], v1 \[m/s\], fd \[N\]. Source: ICMC 2013 (LNL friction), LAC 2019 (nlBow), HSP v2.
 //! Stability: the slope f/v0 counts as a viscosity; slope·T/m < 1.5 for a faithful stick (numerics 3.5). Passive where
 //! the curve resists, i.e. always but for a table that does not. Test: B07.
 

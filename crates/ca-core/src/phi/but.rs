@@ -2,7 +2,7 @@
 //!
 //! Equation: F = k (e − d) + (z/T) w while e < d (sense "outside": keeps the second end above the first) or while
 //! e > d (sense "inside": contains it); 0 otherwise. Not clipped against sticking unless `sticky = false`.
-//! Parameters: k [N/m], z [N s/m], d [m]. Source: CMJ 1993, ICMC 2013.
+//! Parameters: k \[N/m\], z \[N s/m\], d \[m\]. Source: CMJ 1993, ICMC 2013.
 //! Stability: not passive by itself; kT²/m ≤ 1 recommended, with 0.12 a ≤ zT/m ≤ 1.9 − a nothing is created
 //! (numerics 3.2). Test: A17, B05, C01, C02, C03.
 

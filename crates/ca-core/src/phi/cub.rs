@@ -1,6 +1,6 @@
 //! CUB: a hardening spring.
 //!
-//! Equation: F = k e + k3 e³ + (z/T) w. Parameters: k [N/m], k3 [N/m³] ≥ 0, z [N s/m]. Source: SMC 2019 (nlSpring3).
+//! Equation: F = k e + k3 e³ + (z/T) w. Parameters: k \[N/m\], k3 \[N/m³\] ≥ 0, z \[N s/m\]. Source: SMC 2019 (nlSpring3).
 //! Stability: the tangent T²(k + 3 k3 e²)/m must stay below about 1 (numerics 3.4). Test: B03.
 
 use super::{BETWEEN, Bound, L0, Law, PAIRS, Phi, linear_lost, linear_stored};

@@ -1,6 +1,6 @@
 //! FRO: a damper.
 //!
-//! Equation: F = (z/T) w. Parameters: z [N s/m] ≥ 0. Source: CMJ 1993. Stability: 2zT(1/m₁ + 1/m₂) < 4 for one link;
+//! Equation: F = (z/T) w. Parameters: z \[N s/m\] ≥ 0. Source: CMJ 1993. Stability: 2zT(1/m₁ + 1/m₂) < 4 for one link;
 //! the backward difference acts as a centred damper and a negative mass −zT/2 (numerics 1.4). Test: A04, A10.
 
 use super::{BETWEEN, Bound, L0, Law, PAIRS, Phi, linear_lost, linear_stored};

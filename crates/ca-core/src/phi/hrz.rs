@@ -1,7 +1,7 @@
 //! HRZ: a Hertz contact, one-sided with a power law, with Hunt–Crossley losses.
 //!
 //! Equation: with the penetration η = d − e (sense "outside") or e − d ("inside"), F = ∓k η^p (1 + h dη/dt) while η > 0.
-//! Parameters: k [N/m^p], p (multiple of 1/4; 1.5 for spheres), h [s/m], d [m]. Source: Hertz via Bilbao 2009, Hunt 1975.
+//! Parameters: k \[N/m^p\], p (multiple of 1/4; 1.5 for spheres), h [s/m], d \[m\]. Source: Hertz via Bilbao 2009, Hunt 1975.
 //! Stability: rule of thumb T²k p η^(p−1)/m ≤ 1 at the deepest point. It never pulls. Test: B04.
 
 use super::pow::{P, quarter_power};

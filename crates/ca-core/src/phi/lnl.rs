@@ -1,7 +1,7 @@
 //! LNL: a non-linear interaction drawn as a table.
 //!
 //! Equation: F = table(e), or F = table(de/dt), or their sum. Points [[x, F], …], straight between, held outside.
-//! Parameters: `spring` [m, N], `friction` [m/s, N]. Source: ICMC 2013 (LNL, look-up tables).
+//! Parameters: `spring` \[m, N\], `friction` \[m/s, N\]. Source: ICMC 2013 (LNL, look-up tables).
 //! Stability: rule of thumb on the steepest segment; a friction table is passive where F has the sign of the speed.
 //! The law that runs reads only the tables that are there. Test: conformance suite, table tests.
 

@@ -54,13 +54,13 @@ pub const PAIRS: Param = Param::new(
     "each: lists pair one to one; all: every pair, once",
 );
 
-/// Linear bound of a law: no slope of its force exceeds `k` [N/m] against elongation nor `z` [N/(m/tick)] against
+/// Linear bound of a law: no slope of its force exceeds `k` \[N/m\] against elongation nor `z` \[N/(m/tick)\] against
 /// change of elongation. Both ≥ 0 except for springs that are negative on purpose. `contact` marks laws that switch.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Bound {
-    /// largest slope against elongation [N/m]
+    /// largest slope against elongation \[N/m\]
     pub k: f64,
-    /// largest slope against change of elongation per tick [N per m/tick]
+    /// largest slope against change of elongation per tick \[N per m/tick\]
     pub z: f64,
     /// true where the force switches on and off with distance
     pub contact: bool,
@@ -75,7 +75,7 @@ pub trait Phi<const C: usize, const M: usize> {
     /// True where force is linear in `e` and `w`: the ledger identity then holds exactly.
     const LINEAR: bool = false;
 
-    /// Coefficients per tick from the parameters in SI (in the order of [`Kind::params`]) and the tick `te` [s].
+    /// Coefficients per tick from the parameters in SI (in the order of [`Kind::params`]) and the tick `te` \[s\].
     fn coefs(p: &[Option<f64>], te: f64) -> [f64; C];
 
     /// Memory at load, for elongation `e`.
@@ -83,20 +83,20 @@ pub trait Phi<const C: usize, const M: usize> {
         [0.0; M]
     }
 
-    /// The force [N], F > 0 pulls the ends together.
+    /// The force \[N\], F > 0 pulls the ends together.
     fn force(c: &[f64; C], mem: &mut [f64; M], tables: &[Table], e: f64, w: f64) -> f64;
 
-    /// Potential energy [J] at elongation `e`.
+    /// Potential energy \[J\] at elongation `e`.
     fn potential(_c: &[f64; C], _mem: &[f64; M], _tables: &[Table], _e: f64) -> f64 {
         0.0
     }
 
-    /// Energy held between two ticks [J] (numerics 2.2); linear laws override it with the exact product form.
+    /// Energy held between two ticks \[J\] (numerics 2.2); linear laws override it with the exact product form.
     fn stored(c: &[f64; C], mem: &[f64; M], tables: &[Table], e0: f64, e1: f64) -> f64 {
         0.5 * (Self::potential(c, mem, tables, e0) + Self::potential(c, mem, tables, e1))
     }
 
-    /// Energy turned to heat during a tick [J], from the elongations at the tick before, at it, and after.
+    /// Energy turned to heat during a tick \[J\], from the elongations at the tick before, at it, and after.
     fn lost(_c: &[f64; C], _mem: &[f64; M], _tables: &[Table], _e: [f64; 3]) -> f64 {
         0.0
     }

@@ -1,7 +1,7 @@
 //! PLK: a plectrum, with true hysteresis.
 //!
 //! Equation: engaged, F = k e + (z/T) w; lets go when |e| ≥ d; takes hold again when e changes sign. Parameters:
-//! k [N/m], z [N s/m], d [m] > 0. Source: HSP v2 (contact-pluck), numerics 2.2 for the energy: what is stored at
+//! k \[N/m\], z \[N s/m\], d \[m\] > 0. Source: HSP v2 (contact-pluck), numerics 2.2 for the energy: what is stored at
 //! release is booked as lost. Stability: as REF while engaged. Test: `tests/suite/laws.rs`.
 
 use super::{BETWEEN, Bound, Law, PAIRS, Phi, linear_lost, linear_stored};

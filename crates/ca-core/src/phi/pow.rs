@@ -1,7 +1,7 @@
 //! POW: a spring with a power law, two-sided.
 //!
-//! Equation: F = k e + q sgn(e)|e|^p + (z/T) w. Parameters: k [N/m], q [N/m^p], p (a multiple of 1/4 from 1 to 5, so
-//! that the tick needs only products and square roots), z [N s/m]. Source: SMC 2019 (nlSpring2 is p = 2).
+//! Equation: F = k e + q sgn(e)|e|^p + (z/T) w. Parameters: k \[N/m\], q \[N/m^p\], p (a multiple of 1/4 from 1 to 5, so
+//! that the tick needs only products and square roots), z \[N s/m\]. Source: SMC 2019 (nlSpring2 is p = 2).
 //! Stability: rule of thumb on the tangent, as CUB. Test: conformance suite.
 
 use super::{BETWEEN, Bound, L0, Law, PAIRS, Phi, linear_lost, linear_stored};

@@ -1,6 +1,6 @@
 //! RES: a spring.
 //!
-//! Equation: F = k e. Parameters: k [N/m] ≥ 0. Source: CMJ 1993. Stability: T²k(1/m₁ + 1/m₂) < 4 for one link.
+//! Equation: F = k e. Parameters: k \[N/m\] ≥ 0. Source: CMJ 1993. Stability: T²k(1/m₁ + 1/m₂) < 4 for one link.
 //! Test: A01, A03, A09.
 
 use super::{BETWEEN, Bound, L0, Law, PAIRS, Phi, linear_stored};
