@@ -10,12 +10,15 @@
 //! and all of them push findings into one list, so an author sees everything at once.
 
 pub mod certify;
+mod links;
 pub mod net;
 mod number;
+mod plan;
 mod prune;
 mod resolve;
 mod schedule;
 mod specialise;
+mod start;
 mod values;
 mod wire;
 
