@@ -12,6 +12,7 @@ use crate::state::State;
 mod gather;
 pub mod pass;
 mod run;
+pub mod wide;
 
 /// One pass, run once per tick.
 pub type Kernel = fn(&Op, &Scene, &mut State);
@@ -67,7 +68,7 @@ pub(crate) fn kernel<P: Phi<C, M> + 'static, const C: usize, const M: usize>(for
         (false, false, true) => gather::gather::<P, C, M, false, true>,
         (false, true, false) => gather::gather::<P, C, M, true, false>,
         (false, true, true) => gather::gather::<P, C, M, true, true>,
-        (true, false, _) => run::run::<P, C, M, false>,
-        (true, true, _) => run::run::<P, C, M, true>,
+        (true, false, _) => wide::wide::<run::Run<P, C, M, false>>,
+        (true, true, _) => wide::wide::<run::Run<P, C, M, true>>,
     }
 }
