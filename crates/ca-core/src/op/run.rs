@@ -1,6 +1,6 @@
-//! Run: links that join consecutive MATs, as in a string. Two passes without indices: forces, then their differences.
-//! Each MAT receives the force of the link before it and then of the link after it, which is the order of the gather
-//! kernel, so the bits are the same.
+//! Run: links in a row between MATs a constant stride apart, as along a string (1) or across the rows of a mesh (its
+//! width). No indices are read, so the loops vectorise. Each MAT receives the force of the link before it and then that
+//! of the link after it, which is the order of the gather kernel, so the bits are the same.
 
 use super::Op;
 use super::wide::Body;
@@ -9,7 +9,7 @@ use crate::scene::Scene;
 use crate::state::State;
 use core::marker::PhantomData;
 
-/// Applies the law of `op` to its chain; forces are left in [`State::tap`] from `op.tap` on.
+/// Applies the law of `op` to its row; forces are left in [`State::tap`] from `op.tap` on.
 pub struct Run<P, const C: usize, const M: usize, const OFFSET: bool>(PhantomData<P>);
 
 impl<P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bool> Body for Run<P, C, M, OFFSET> {
@@ -18,8 +18,9 @@ impl<P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bool> Body for 
         let n = op.n;
         let e0 = if OFFSET { &scene.e0[op.first..][..n] } else { &[] };
         let columns: [&[f64]; C] = core::array::from_fn(|k| &s.coef[op.coef + k * n..][..n]);
-        let (xa, xb) = (&s.x[op.mat..][..n], &s.x[op.mat + 1..][..n]);
-        let (da, db) = (&s.d[op.mat..][..n], &s.d[op.mat + 1..][..n]);
+        let (a, b) = (op.mat, op.mat + op.form.stride);
+        let (xa, xb) = (&s.x[a..][..n], &s.x[b..][..n]);
+        let (da, db) = (&s.d[a..][..n], &s.d[b..][..n]);
         let mem = &mut s.mem[op.mem..][..n * M];
         let force = &mut s.tap[op.tap..][..n];
         for i in 0..n {
@@ -34,11 +35,11 @@ impl<P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bool> Body for 
             let m = if M == 0 { &mut none } else { mem[i * M..].first_chunk_mut::<M>().unwrap_or(&mut none) };
             force[i] = P::force(&c, m, &scene.tables, e, w);
         }
-        let f = &mut s.f[op.mat..][..n + 1];
-        f[0] += force[0];
-        for (f, pair) in f[1..n].iter_mut().zip(force.windows(2)) {
-            *f = *f - pair[0] + pair[1];
+        for (f, force) in s.f[b..][..n].iter_mut().zip(&*force) {
+            *f -= force;
         }
-        f[n] -= force[n - 1];
+        for (f, force) in s.f[a..][..n].iter_mut().zip(&*force) {
+            *f += force;
+        }
     }
 }
