@@ -17,11 +17,14 @@ pub fn enx(op: &Op, scene: &Scene, s: &mut State) {
     }
 }
 
-/// Force ports.
+/// Force ports. What is not finite is no force, and counted once however many MATs the port pushes.
 pub fn enf(op: &Op, scene: &Scene, s: &mut State) {
+    let mut last = u32::MAX;
     for p in &scene.enf[..op.n] {
         let v = s.input[p.input as usize];
         let force = if v.is_finite() { v } else { 0.0 };
+        s.refused += u64::from(!v.is_finite() && p.input != last);
+        last = p.input;
         s.f[p.mat as usize] += force;
     }
 }
