@@ -166,27 +166,32 @@ pub fn ticked<'a>(words: impl Iterator<Item = &'a str>) -> String {
     list.join(", ")
 }
 
-/// Compiles; the findings of the reader and, with errors, those of the compiler are shown and end the command.
-pub fn scene(loaded: &Loaded, options: &Options) -> Result<Scene, Failure> {
-    let failed = |diags: &Diags| {
-        term::findings(&render::text(diags, &loaded.model, term::color()));
-        Failure::Told
-    };
-    if loaded.diags.has_errors() {
-        // what the compiler can say of the rest; one finding is not said twice
-        let mut all = loaded.diags.clone();
-        merge(&mut all, compile(&loaded.model, &catalog(), options).err().unwrap_or_default());
-        return Err(failed(&all));
+/// Compiles. Findings of reader and compiler together, in order of place; one is not said twice.
+pub fn compiled(loaded: &Loaded, options: &Options) -> (Option<Scene>, Diags) {
+    let mut all = loaded.diags.clone();
+    match compile(&loaded.model, &catalog(), options) {
+        Ok(scene) => {
+            merge(&mut all, scene.diags.clone());
+            (if all.has_errors() { None } else { Some(scene) }, all)
+        }
+        Err(more) => {
+            merge(&mut all, more);
+            (None, all)
+        }
     }
-    compile(&loaded.model, &catalog(), options).map_err(|d| {
-        let mut all = loaded.diags.clone();
-        merge(&mut all, d);
-        failed(&all)
+}
+
+/// Compiles, or shows all findings and ends the command.
+pub fn scene(loaded: &Loaded, options: &Options) -> Result<Scene, Failure> {
+    let (scene, diags) = compiled(loaded, options);
+    scene.ok_or_else(|| {
+        term::findings(&render::text(&diags, &loaded.model, term::color()));
+        Failure::Told
     })
 }
 
 /// Adds findings that are not there yet, in order of place.
-pub fn merge(all: &mut Diags, more: Diags) {
+fn merge(all: &mut Diags, more: Diags) {
     for d in more.list {
         let said = all.list.iter().any(|o| d.span().is_some() && o.span() == d.span() && o.code == d.code);
         if !said {

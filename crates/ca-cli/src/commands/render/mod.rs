@@ -7,6 +7,8 @@
 mod play;
 mod told;
 
+pub(crate) use told::{short, stability, stability_json};
+
 use crate::args::{Kernel, RenderArgs, SampleFormat};
 use crate::load::{self, Loaded};
 use crate::{Ended, Failure, Outcome, catalog, term};

@@ -86,6 +86,8 @@ pub(crate) fn play<'a>(
         Some((book, tick)) => (Some(book), tick),
         None => (p.state.ledger.clone(), p.state.tick),
     };
+    // a tick is booked when the next one begins
+    let energy_ticks = energy_ticks.saturating_sub(1);
     Ok(Played { performance: p, written, wall, broke, energy, energy_ticks })
 }
 
@@ -121,7 +123,6 @@ pub(crate) struct Audit {
 pub(crate) fn audit(twin: &Scene, gesture: Option<&Gesture>, frames: u64) -> Option<Audit> {
     let ticks = frames.min(twin.rate as u64).max(1);
     let mut p = Performance::new(twin, gesture).ok()?;
-    // a tick is booked when the next one begins
     while p.state.tick < ticks + 1 && p.state.is_sound(WILD) {
         p.tick();
     }

@@ -60,7 +60,7 @@ fn decibel(peak: f64) -> f64 {
 }
 
 /// Three significant digits.
-fn short(v: f64) -> String {
+pub(crate) fn short(v: f64) -> String {
     if !v.is_finite() || v == 0.0 {
         return v.to_string();
     }
@@ -105,6 +105,15 @@ impl Summary<'_> {
                 format!("; multiply the gain of the outputs by {} or less", short(gain(self.loudest())))
             };
             term::warning(&format!("{samples} beyond full scale, cut off{help}"));
+        }
+        if self.loudest() == 0.0 && !self.args.quiet {
+            let ports: Vec<&str> = self.scene.inputs.iter().map(|i| i.name.as_str()).collect();
+            let help = if ports.is_empty() {
+                "give a module an initial `v` or `dx0`".into()
+            } else {
+                format!("it can be played at {} by `--gesture`", crate::load::ticked(ports.into_iter()))
+            };
+            term::note(&format!("nothing sounds; {help}"));
         }
         if self.refused > 0 {
             term::warning(&format!("{} inputs had no value; the last good one was held instead", self.refused));
@@ -166,7 +175,8 @@ impl Summary<'_> {
             format!(" (first {} s)", short(time).trim_end_matches('0').trim_end_matches('.'))
         };
         let rel = relative(&b);
-        writeln!(out, "  energy     closes to {rel:.1e} of its peak, {}{span}", joule(b.peak))?;
+        let closes = if rel == 0.0 { "exactly".into() } else { format!("to {rel:.1e} of its peak, {}", joule(b.peak)) };
+        writeln!(out, "  energy     closes {closes}{span}")?;
         if !a.whole {
             return Ok(());
         }
