@@ -257,6 +257,7 @@ pub fn schedule(
         weighed,
         outputs,
         inputs: net.inputs.clone(),
+        probe_names: net.outs.iter().filter(|o| o.item.is_none()).map(|o| o.name.clone()).collect(),
         channel_names: net.channels.clone(),
         ledger: options.energy.then_some(LedgerPlan { first: plan_first, weight }),
         live: live_plan,
