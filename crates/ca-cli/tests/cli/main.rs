@@ -56,7 +56,7 @@ fn usage_is_refused_before_anything_is_written() {
 #[test]
 fn errors_of_a_model_point_at_their_places() {
     let desk = Desk::new();
-    let two = "[MAS]\nbob = { m = \"20 s\", dx1 = 3 }\n[RES]\nr = { between = [\"bob\", \"bib\"], k = 1 }\n";
+    let two = "[MAS]\nbill = { m = \"20 s\", dx1 = 3 }\nbob = { m = 1 }\n[RES]\nr = { between = [\"bob\", \"bib\"], k = 1 }\n";
     desk.put("a.ca.toml", two);
     for command in ["render", "check"] {
         let r = desk.ca(&[command, "a.ca.toml"]).is(1).says(&["E004", "E008", "a.ca.toml:2:", "did you mean `bob`?"]);
