@@ -3,7 +3,9 @@
 mod diagnostics;
 mod files;
 mod mims;
+mod play;
 mod quantity;
 mod reader;
+mod scheme;
 mod select;
 mod writer;

@@ -12,6 +12,7 @@ use crate::io::PortRole;
 use crate::live::{self, Loader, Ramps};
 use crate::model::Model;
 use crate::model::diag::Diags;
+use crate::op::wide::wide;
 use crate::op::{Op, pass};
 use crate::scene::{Enf, Enx, Heard, Output, Place, Proxy, Scene, Stands, Symbol};
 use crate::state::{Cell, State};
@@ -316,8 +317,8 @@ impl Plan<'_> {
         let mut ops = Vec::new();
         for stretch in places.chunk_by(|a, b| class(*a) == class(*b)) {
             let (name, kernel): (_, crate::op::Kernel) = match class(stretch[0]) {
-                Class::Free => ("advance MAS", pass::advance_free),
-                Class::Full => ("advance CEL", pass::advance_full),
+                Class::Free => ("advance MAS", wide::<pass::AdvanceFree>),
+                Class::Full => ("advance CEL", wide::<pass::AdvanceFull>),
                 Class::Held => continue,
             };
             ops.push(Op { mat: stretch[0], ..Op::pass(name, kernel, stretch.len()) });
