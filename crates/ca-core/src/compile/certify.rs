@@ -254,14 +254,19 @@ fn unstable(model: &Model, net: &Net, rows: &[Row], bounds: &[Bound], i: usize) 
 
 /// Three digits, towards zero.
 fn round_down(v: f64) -> f64 {
-    let scale = libm::pow(10.0, libm::floor(libm::log10(v.abs().max(1e-300))) - 2.0);
-    libm::floor(v / scale) * scale
+    three_digits(v, libm::floor)
 }
 
 /// Three digits, away from zero.
 fn round_up(v: f64) -> f64 {
-    let scale = libm::pow(10.0, libm::floor(libm::log10(v.abs().max(1e-300))) - 2.0);
-    libm::ceil(v / scale) * scale
+    three_digits(v, libm::ceil)
+}
+
+/// The power of ten goes through text, so that what is shown has three digits and no noise behind them.
+fn three_digits(v: f64, to: fn(f64) -> f64) -> f64 {
+    let ten = libm::floor(libm::log10(v.abs().max(1e-300))) - 2.0;
+    let n = to(v / libm::pow(10.0, ten));
+    format!("{n}e{ten}").parse().unwrap_or(v)
 }
 
 /// Rules for contacts (numerics 3.2): kT²/m ≤ 1 recommended, ≤ 2 at the most, with the other links at the masses.

@@ -51,8 +51,9 @@ pub(crate) fn fix(loaded: &Loaded, scene: &Scene, module: &str) -> Option<String
 
 /// The gain that would just fit, three digits, towards zero.
 fn gain(peak: f64) -> f64 {
-    let scale = 10f64.powf((1.0 / peak).log10().floor() - 2.0);
-    (1.0 / peak / scale).floor() * scale
+    let ten = (1.0 / peak).log10().floor() - 2.0;
+    let n = (1.0 / peak / 10f64.powf(ten)).floor();
+    format!("{n}e{ten}").parse().unwrap_or(n)
 }
 
 fn decibel(peak: f64) -> f64 {
@@ -211,7 +212,11 @@ impl Summary<'_> {
             })
         });
         let broke = self.broke.map(|b| json!({"seconds": b.time, "module": b.module, "why": b.why, "fix": b.fix}));
-        let clipped = (w.clipped > 0).then(|| json!({"samples": w.clipped, "gain": gain(self.loudest())}));
+        let clipped = (w.clipped > 0).then(|| {
+            // after a blow-up the peak says nothing about loudness
+            let gain = self.broke.is_none().then(|| gain(self.loudest()));
+            json!({"samples": w.clipped, "gain": gain})
+        });
         let probes: Vec<Json> = self.probes.iter().map(|p| json!({"name": p.name, "file": p.file})).collect();
         let all = json!({
             "file": w.path, "seconds": w.duration(), "frames": w.frames, "rate": w.rate, "format": self.format(),
