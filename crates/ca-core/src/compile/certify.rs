@@ -65,6 +65,7 @@ impl Certificate {
     }
 }
 
+#[derive(Clone, Copy)]
 struct Row {
     /// T²k + 2Tz of all linear links at this mass
     own: f64,
@@ -78,8 +79,11 @@ struct Row {
 
 /// Judges the network; warnings name the module and what would mend it.
 pub fn certify(model: &Model, net: &Net, diags: &mut Diags) -> Certificate {
-    let mut rows: Vec<Row> = net.mats.iter().map(|m| row(net, m)).collect();
+    let mut rows: Vec<Row> = worst_rows(net);
     let bounds: Vec<Bound> = worst_bounds(net);
+    if overflow(model, net, &rows, &bounds, diags) {
+        return Certificate::default();
+    }
     let mut springs = Negative::default();
     for (l, b) in net.lias.iter().zip(&bounds) {
         let h = b.k + 2.0 * b.z;
@@ -146,6 +150,39 @@ pub fn certify(model: &Model, net: &Net, diags: &mut Diags) -> Certificate {
     contacts(model, net, &rows, &bounds, &mut cert, diags);
     devices(model, net, &bounds, diags);
     cert
+}
+
+/// Numbers so large or so small that the coefficients are not numbers any more. Said for each item, and an error.
+fn overflow(model: &Model, net: &Net, rows: &[Row], bounds: &[Bound], diags: &mut Diags) -> bool {
+    let mats =
+        net.mats.iter().zip(rows).filter(|(_, r)| !(r.c.is_finite() && (r.own * r.c).is_finite())).map(|(m, _)| m.item);
+    let links = net.lias.iter().zip(bounds).filter(|(_, b)| !(b.k.is_finite() && b.z.is_finite())).map(|(l, _)| l.item);
+    let items: alloc::collections::BTreeSet<u32> = mats.chain(links).collect();
+    for item in &items {
+        let name = &net.items[*item as usize].name;
+        let d = Diag::error("E009", format!("the numbers of `{name}` are beyond computing"));
+        diags.push(
+            d.at(span(model, net, *item), "overflows").help("use a larger mass, or less stiffness and viscosity"),
+        );
+    }
+    !items.is_empty()
+}
+
+/// A row for each MAT; generators make thousands with the same values, and each corner may solve for a pitch.
+fn worst_rows(net: &Net) -> Vec<Row> {
+    let mut last: Option<(&super::net::MatNode, Row)> = None;
+    let mut rows = Vec::with_capacity(net.mats.len());
+    for m in &net.mats {
+        let same = last.as_ref().filter(|(o, _)| {
+            o.item == m.item
+                && o.code == m.code
+                && (alloc::sync::Arc::ptr_eq(&o.values, &m.values) || o.values[..] == m.values[..])
+        });
+        let r = same.map_or_else(|| row(net, m), |s| s.1);
+        rows.push(r);
+        last = Some((m, r));
+    }
+    rows
 }
 
 fn row(net: &Net, m: &super::net::MatNode) -> Row {
