@@ -1,9 +1,11 @@
 //! The whole suite in one binary, one file per theme.
 
+mod compile_fuzz;
 mod diagnostics;
 mod files;
 mod mims;
 mod quantity;
 mod reader;
 mod select;
+mod set;
 mod writer;

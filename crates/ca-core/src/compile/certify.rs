@@ -81,9 +81,6 @@ struct Row {
 pub fn certify(model: &Model, net: &Net, diags: &mut Diags) -> Certificate {
     let mut rows: Vec<Row> = worst_rows(net);
     let bounds: Vec<Bound> = worst_bounds(net);
-    if overflow(model, net, &rows, &bounds, diags) {
-        return Certificate::default();
-    }
     let mut springs = Negative::default();
     for (l, b) in net.lias.iter().zip(&bounds) {
         let h = b.k + 2.0 * b.z;
@@ -105,6 +102,9 @@ pub fn certify(model: &Model, net: &Net, diags: &mut Diags) -> Certificate {
         if let [End::Mat(i), End::Mat(j)] = l.ends {
             springs.add(i, j, b.k);
         }
+    }
+    if overflow(model, net, &rows, &bounds, diags) {
+        return Certificate::default();
     }
     let mut cert = Certificate::default();
     let mut pair: f64 = 0.0;
@@ -144,8 +144,12 @@ pub fn certify(model: &Model, net: &Net, diags: &mut Diags) -> Certificate {
         } else {
             "some spring is negative and not covered by those beside it".into()
         };
-        let d = Diag::warning("W107", format!("stability is not proven by the cheap bounds: {why}"));
-        diags.push(d.help(format!("it may well be stable; the module nearest to the limit is `{}`", cert.worst)));
+        let mut d = Diag::warning("W107", format!("stability is not proven by the cheap bounds: {why}"));
+        if let Some(i) = worst {
+            d = d.at(span(model, net, net.mats[i].item), "nearest to the limit");
+        }
+        let help = "it may well be stable; to be sure, lower the stiffness and viscosity at";
+        diags.push(d.help(format!("{help} `{}`, make it heavier, or raise the sound rate", cert.worst)));
     }
     contacts(model, net, &rows, &bounds, &mut cert, diags);
     devices(model, net, &bounds, diags);
@@ -289,16 +293,21 @@ fn unstable(model: &Model, net: &Net, rows: &[Row], bounds: &[Bound], i: usize) 
     }
 }
 
+/// Three digits, rounded by `to`. The scale is a whole power of ten wherever it can be, so that the digits stay three.
+fn three_digits(v: f64, to: fn(f64) -> f64) -> f64 {
+    let place = libm::floor(libm::log10(v.abs().max(1e-300))) - 2.0;
+    let scale = libm::pow(10.0, place.abs());
+    if place < 0.0 { to(v * scale) / scale } else { to(v / scale) * scale }
+}
+
 /// Three digits, towards zero.
 fn round_down(v: f64) -> f64 {
-    let scale = libm::pow(10.0, libm::floor(libm::log10(v.abs().max(1e-300))) - 2.0);
-    libm::floor(v / scale) * scale
+    three_digits(v, libm::floor)
 }
 
 /// Three digits, away from zero.
 fn round_up(v: f64) -> f64 {
-    let scale = libm::pow(10.0, libm::floor(libm::log10(v.abs().max(1e-300))) - 2.0);
-    libm::ceil(v / scale) * scale
+    three_digits(v, libm::ceil)
 }
 
 /// Rules for contacts (numerics 3.2): kT²/m ≤ 1 recommended, ≤ 2 at the most, with the other links at the masses.
@@ -307,7 +316,7 @@ fn contacts(model: &Model, net: &Net, rows: &[Row], bounds: &[Bound], cert: &mut
     for (l, b) in net.lias.iter().zip(bounds) {
         if b.active && told.insert(l.item) {
             let d = Diag::warning("W110", format!("`{}` may feed energy in: its table does not only resist", l.name));
-            diags.push(d.at(span(model, net, l.item), "active").help("make F have the sign of its first column"));
+            diags.push(d.at(span(model, net, l.item), "active").help("a force of the sign of its speed only resists, and a spring that never falls only returns; if it is meant to drive, mind the level"));
         }
         if !b.contact || b.k == 0.0 {
             continue;

@@ -101,9 +101,13 @@ fn named(e: &Entry, diags: &mut Diags) -> Named {
     if let Some((u, span)) = &unit {
         let asked = format!("1 {u}");
         if let Err(err) = quantity::parse(&asked) {
-            let d = Diag::error("E007", format!("`unit` of {what}: {}", err.message)).at(*span, "not a unit");
+            let text = u.clone();
+            let (from, to) = (err.at.saturating_sub(2), err.end.saturating_sub(2));
+            let place = super::values::inside(*span, &text, from, to.max(from + 1));
+            let d = Diag::error("E007", format!("`unit` of {what}: {}", err.message)).at(place, "not a unit");
             diags.push(match &err.hint {
-                Some(h) => d.help(format!("did you mean `{h}`?")).fix(*span, format!("\"{h}\"")),
+                Some(h) if place != *span => d.help(format!("did you mean `{h}`?")).fix(place, h.clone()),
+                Some(h) => d.help(format!("did you mean `{h}`?")),
                 None => d.help("units are made of m, g, s, Hz, N and prefixes, e.g. `N s/m`"),
             });
             unit = None;

@@ -238,7 +238,7 @@ fn nodes(mut item: NetItem, source: &Item, net: &mut Net, v: &mut Values<'_>) {
                 Err(p) => {
                     let d = Diag::error("E023", format!("`{}`: {}", item.name, p.title));
                     let written = source.args.iter().find(|e| e.key == p.param);
-                    v.diags.push(d.at(written.map_or(source.name_span, |e| e.span), "cannot be reached").help(p.help));
+                    v.diags.push(d.at(written.map_or(source.name_span, |e| e.span), "does not fit").help(p.help));
                     net.items.push(item);
                 }
             }

@@ -100,19 +100,11 @@ impl Wire<'_> {
         let len = word.max(rest.chars().next().map_or(0, char::len_utf8));
         let (from, to) = if len == 0 { (e.at.saturating_sub(1), e.at) } else { (e.at, e.at + len) };
         let shown: String = w.text.chars().take(40).collect();
-        let d = Diag::error("E015", format!("`{}`: `{}` is not a selector", w.owner, shown.escape_debug()));
+        let shown =
+            if w.text.trim().is_empty() { "an empty text".into() } else { format!("`{}`", shown.escape_debug()) };
+        let d = Diag::error("E015", format!("`{}`: {shown} is not a selector", w.owner));
         let d = d.at(w.part(from, to), e.message.clone());
-        let squared: String = w
-            .text
-            .trim()
-            .chars()
-            .map(|c| match c {
-                '(' | '{' => '[',
-                ')' | '}' => ']',
-                c => c,
-            })
-            .collect();
-        let meant = [squared, w.text.replace(' ', "")].into_iter().find(|m| select::parse(m).is_ok());
+        let meant = brackets(w.text).filter(|m| select::parse(m).is_ok());
         self.diags.push(match meant {
             Some(m) => d.help(format!("did you mean `{m}`?")).fix(w.span, format!("\"{m}\"")),
             None => d.help("write e.g. `hammer`, `low[8]`, `low[-1]`, `low[*]` or `low@0.31`"),
@@ -201,7 +193,15 @@ impl Wire<'_> {
                     at.len()
                 ),
             );
-            self.diags.push(d.at(w.index(), is).help(help));
+            let d = d.at(w.index(), is);
+            // 0,3 for 0.3
+            let comma = w.text.trim().replace(',', ".");
+            let decimal = wants == 1 && select::parse(&comma).is_ok_and(|s| s.at.is_some_and(|a| a.0.len() == 1));
+            self.diags.push(if decimal {
+                d.help("the decimal sign is a dot").fix(w.span, format!("\"{comma}\""))
+            } else {
+                d.help(help)
+            });
             return None;
         }
         let mut coordinates = Vec::new();
@@ -278,6 +278,14 @@ impl Wire<'_> {
         self.diags.push(d.at(w.index(), "beyond the end").help("0 is one end, 1 the other"));
         None
     }
+}
+
+/// `low(3)`, `low{3}`, `low 3` and `low.3` as `low[3]`.
+fn brackets(text: &str) -> Option<String> {
+    let text = text.trim();
+    let name = text.find(|c: char| !(c.is_ascii_alphanumeric() || c == '_'))?;
+    let index = text[name..].trim_matches(|c: char| " .(){}[]<>".contains(c));
+    (!index.is_empty()).then(|| format!("{}[{index}]", &text[..name]))
 }
 
 fn family_of(kind: &Kind) -> &'static str {

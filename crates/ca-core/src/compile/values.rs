@@ -377,14 +377,26 @@ pub fn bad_quantity(what: &str, e: &Entry, text: &str, err: &QuantityError, unit
     // something missing is shown at what stands before it
     let (from, to) = if err.end > err.at { (err.at, err.end) } else { (err.at.saturating_sub(1), err.at.max(1)) };
     let span = inside(e.span, text, from, to);
+    let word = text.get(from..to).unwrap_or("");
     let d = Diag::error("E007", format!("{what}: {}", err.message)).at(span, "not a quantity");
-    match &err.hint {
-        Some(h) if span != e.span => d.help(format!("did you mean `{h}`?")).fix(span, h.clone()),
-        Some(h) => d.help(format!("did you mean `{h}`?")),
-        None => d.help(match unit {
-            Some(unit) => format!("write a number and its unit, e.g. `{}`", quoted(unit)),
-            None => "write a number and its unit, e.g. `\"8 kN/m\"`".into(),
-        }),
+    let plain = unit.is_some_and(|u| u.dim.same(Dim::NONE));
+    if let (true, "dB", Ok(level)) = (plain, word, text[..from].trim().parse::<f64>()) {
+        let factor = libm::round(libm::pow(10.0, level / 20.0) * 1e4) / 1e4;
+        return d.help(format!("a plain factor is wanted: {level} dB is {factor}")).fix(e.span, format!("{factor}"));
+    }
+    let help = match unit {
+        Some(_) if plain => "write a plain number, e.g. `1`".into(),
+        Some(unit) => format!("write a number and its unit, e.g. `{}`", quoted(unit)),
+        None => "write a number and its unit, e.g. `\"8 kN/m\"`".into(),
+    };
+    let Some(hint) = &err.hint else { return d.help(help) };
+    // a comma is replaced by a dot, a word by the word meant
+    let new = if word == "," { "." } else { hint.as_str() };
+    let mended = [&text[..from], new, &text[to..]].concat();
+    match quantity::parse(&mended) {
+        Ok(_) if span == e.span => d.help(format!("did you mean `{mended}`?")),
+        Ok(_) => d.help(format!("did you mean `{mended}`?")).fix(span, new),
+        Err(_) => d.help(help),
     }
 }
 
@@ -442,7 +454,12 @@ fn wanted(symbol: &str) -> &str {
 /// What to say where a unit has the wrong dimension; `symbol` is the right one.
 pub fn wrong_unit(what: &str, symbol: &str, is: &str, span: Span) -> Diag {
     let is = wanted(is);
-    Diag::error("E008", format!("{what} is given in {is}, not in {}", wanted(symbol))).at(span, format!("this is {is}"))
+    let title = if symbol.is_empty() {
+        format!("{what} is a plain number, not one in {is}")
+    } else {
+        format!("{what} is given in {is}, not in {symbol}")
+    };
+    Diag::error("E008", title).at(span, format!("this is {is}"))
 }
 
 /// What a value is, for people.

@@ -10,7 +10,7 @@ use crate::kind::Role;
 use crate::live::Source;
 use crate::model::diag::{Diag, Diags};
 use crate::model::{Entry, Item, Model, Span, Value};
-use alloc::collections::BTreeMap;
+use alloc::collections::{BTreeMap, BTreeSet};
 use alloc::format;
 use alloc::string::String;
 use alloc::sync::Arc;
@@ -44,6 +44,7 @@ pub fn wire(model: &Model, net: Net, options: &Options, diags: &mut Diags) -> Ne
             _ => {}
         }
     }
+    w.broken_items();
     for probe in &options.probes {
         w.probe(probe);
     }
@@ -125,6 +126,11 @@ impl Wire<'_> {
         };
         let (a, b) = (self.side(first, &name, "between", LINKED), self.side(second, &name, "between", LINKED));
         let (Some(a), Some(b)) = (a, b) else { return };
+        if let Some((side, _)) = [(first, &a), (second, &b)].into_iter().find(|(_, ends)| ends.is_empty()) {
+            let d = Diag::error("E018", format!("`{name}` joins nothing: one side is empty")).at(side.span, "no end");
+            self.diags.push(d.help(help));
+            return;
+        }
         let arg = |key: &str| kind.param(key).and_then(|i| self.net.items[id as usize].args[i].num());
         let all = arg("pairs") == Some(1.0);
         let count = if all { a.len().saturating_mul(b.len()) } else { a.len().max(b.len()) };
@@ -179,6 +185,25 @@ impl Wire<'_> {
             self.net.lias.push(LiaNode { name, kind, law, values: values.clone(), ends, l0, item: id });
         }
         self.net.families.entry(name).or_default().links = made;
+    }
+
+    /// References of modules that could not be resolved are looked up all the same, so that everything is said at once.
+    fn broken_items(&mut self) {
+        let good: BTreeSet<usize> = self.net.items.iter().map(|i| i.model).collect();
+        let model = self.model;
+        for (_, item) in model.items.iter().enumerate().filter(|(i, _)| !good.contains(i)) {
+            for e in &item.args {
+                match (e.key.as_str(), &e.value) {
+                    ("between", Value::List(_)) | ("to", Value::Text(_)) => {
+                        self.side(e, &item.name, &e.key, LINKED);
+                    }
+                    ("from", Value::Text(text)) => {
+                        self.select(Written { text, span: e.span, owner: &item.name }, None);
+                    }
+                    _ => {}
+                }
+            }
+        }
     }
 
     fn push(&mut self, id: u32) {

@@ -364,6 +364,11 @@ impl Reader<'_, '_> {
         for (key, value) in ordered(table) {
             let word = key.get_ref().as_ref();
             let name = group.map_or_else(|| word.to_owned(), |(_, g)| format!("{g}.{word}"));
+            // the value is not TOML, which has been reported: the parser then gives it no place of its own
+            if value.span() == (0..0) {
+                self.model.lost.push(name);
+                continue;
+            }
             let valid = self.check_name(word, self.span(key));
             let args = match value.get_ref() {
                 DeValue::Table(t) => {
