@@ -221,10 +221,13 @@ impl Wire<'_> {
         }
         self.under += nodes;
         if self.under > 4 * LARGEST {
-            let d = Diag::error("E027", format!("`{owner}`: too many moving points on long strings"))
-                .at(w.span, "one too many");
-            self.diags
-                .push(d.help("use fewer of them, or shorter strings: each costs as much as the string has masses"));
+            // once, not for each that follows
+            if self.under - nodes <= 4 * LARGEST {
+                let title = format!("`{owner}`: too many moving points on long strings");
+                let d = Diag::error("E027", title).at(w.span, "one too many");
+                let help = "use fewer of them, or shorter strings: each costs as much as the string has masses";
+                self.diags.push(d.help(help));
+            }
             return None;
         }
         let id = self.net.points.len() as u32;
