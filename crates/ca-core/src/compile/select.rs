@@ -144,7 +144,11 @@ impl Wire<'_> {
         let d = Diag::error("E013", format!("`{}`: no module `{name}`", w.owner)).at(w.name(name), "unknown");
         let group = self.model.groups.iter().any(|g| g.name == name);
         let member = self.net.families.keys().find(|k| k.rsplit('.').next() == Some(name));
-        let near = member.map(String::as_str).or_else(|| nearest(name, self.net.families.keys().map(String::as_str)));
+        // modules that are broken themselves are meant no less
+        let broken =
+            self.model.items.iter().map(|i| i.name.as_str()).filter(|n| !self.net.items.iter().any(|i| i.name == *n));
+        let names = self.net.families.keys().map(String::as_str).chain(broken);
+        let near = member.map(String::as_str).or_else(|| nearest(name, names));
         let d = if self.model.params.iter().any(|p| p.key == name) {
             d.help("that is a parameter; the ends of links and outputs are modules")
         } else if group {
