@@ -8,37 +8,25 @@
 //! forces of tick nR, before the masses move, [`Border::force`] is the mean force of the frame. With R = 1 it is the
 //! force of the tick itself.
 
+use crate::layout::Layout;
 use crate::op::Op;
-use crate::scene::Scene;
+pub use crate::state::Border;
 use crate::state::State;
 
-/// One device degree of freedom.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Border {
-    /// position at the start of the frame \[m\]
-    pub from: f64,
-    /// position at its end \[m\]
-    pub to: f64,
-    /// trapezoid sum of the force so far \[N\]
-    pub sum: f64,
-    /// mean force of the last whole frame \[N\], on the hand
-    pub force: f64,
-}
-
 /// Tick within the frame, 1 … R; 0 at the very first tick, which only places the device.
-fn phase(scene: &Scene, tick: u64) -> u32 {
-    if tick == 0 { 0 } else { ((tick - 1) % u64::from(scene.ratio)) as u32 + 1 }
+fn phase(layout: &Layout, tick: u64) -> u32 {
+    if tick == 0 { 0 } else { ((tick - 1) % u64::from(layout.ratio)) as u32 + 1 }
 }
 
 /// True where the next tick begins a gesture frame, so that new device positions are due.
-pub fn frame_due(scene: &Scene, tick: u64) -> bool {
-    phase(scene, tick) <= 1
+pub fn frame_due(layout: &Layout, tick: u64) -> bool {
+    phase(layout, tick) <= 1
 }
 
 /// Position of device ports at this tick.
-pub fn position(op: &Op, scene: &Scene, s: &mut State) {
-    let j = phase(scene, s.tick);
-    for (k, p) in scene.tgr[..op.n].iter().enumerate() {
+pub fn position(op: &Op, layout: &Layout, s: &mut State) {
+    let j = phase(layout, s.tick);
+    for (k, p) in layout.tgr[..op.n].iter().enumerate() {
         let m = p.mat as usize;
         if j <= 1 {
             let x = s.heard(p.input) - p.rest;
@@ -47,10 +35,10 @@ pub fn position(op: &Op, scene: &Scene, s: &mut State) {
             b.to = x;
         }
         let b = s.border[k];
-        let x = if j == scene.ratio || j == 0 {
+        let x = if j == layout.ratio || j == 0 {
             b.to
         } else {
-            b.from + f64::from(j) / f64::from(scene.ratio) * (b.to - b.from)
+            b.from + f64::from(j) / f64::from(layout.ratio) * (b.to - b.from)
         };
         s.d[m] = if j == 0 { 0.0 } else { x - s.x[m] };
         s.x[m] = x;
@@ -59,13 +47,13 @@ pub fn position(op: &Op, scene: &Scene, s: &mut State) {
 }
 
 /// Collects the force on device ports after the forces of this tick.
-pub fn collect(op: &Op, scene: &Scene, s: &mut State) {
-    let j = phase(scene, s.tick);
-    for (k, p) in scene.tgr[..op.n].iter().enumerate() {
+pub fn collect(op: &Op, layout: &Layout, s: &mut State) {
+    let j = phase(layout, s.tick);
+    for (k, p) in layout.tgr[..op.n].iter().enumerate() {
         let f = s.f[p.mat as usize];
         let b = &mut s.border[k];
-        if j == scene.ratio {
-            b.force = if scene.ratio == 1 { f } else { (b.sum + 0.5 * f) / f64::from(scene.ratio) };
+        if j == layout.ratio {
+            b.force = if layout.ratio == 1 { f } else { (b.sum + 0.5 * f) / f64::from(layout.ratio) };
             b.sum = 0.5 * f;
         } else if j == 0 {
             b.sum = 0.5 * f;

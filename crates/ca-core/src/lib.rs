@@ -40,21 +40,28 @@ extern crate std;
 
 pub mod border;
 pub mod catalog;
+pub mod certificate;
 pub mod compile;
 pub mod energy;
 pub mod generate;
 pub mod io;
 pub mod kind;
+pub mod law;
+pub mod layout;
+pub mod ledger;
 pub mod live;
 #[cfg(feature = "parse")]
 pub mod load;
 pub mod mat;
 pub mod model;
 pub mod op;
+pub mod param;
 pub mod phi;
 pub mod scene;
+pub mod sketch;
 pub mod state;
 pub mod table;
+pub mod tick;
 
 pub use catalog::Catalog;
 pub use compile::{KernelClass, Options, compile};
@@ -62,4 +69,5 @@ pub use compile::{KernelClass, Options, compile};
 pub use load::load;
 pub use model::Model;
 pub use scene::Scene;
-pub use state::{State, advance, process, sense, tick};
+pub use state::State;
+pub use tick::{advance, process, sense, tick};

@@ -5,12 +5,9 @@
 //! parameters such as f and t60 move all their coefficients together; [`State::apply`] starts the ramps without
 //! allocating. Only what the model declares `live` has a place here (or everything, if the compiler was asked).
 
-use crate::generate::{Args, Generator};
-use crate::kind::{Kind, Unit};
-use crate::mat::MatSpec;
-use crate::op::Op;
-use crate::phi::Law;
-use crate::scene::Scene;
+use crate::kind::{Kind, MatSpec, Unit};
+use crate::op::law::Law;
+use crate::sketch::{Arg, Args, Generator};
 use crate::state::State;
 use alloc::string::String;
 use alloc::vec::Vec;
@@ -73,7 +70,7 @@ pub struct LiveItem {
     /// its kind
     pub kind: &'static Kind,
     /// its resolved parameters
-    pub args: Vec<crate::generate::Arg>,
+    pub args: Vec<Arg>,
     /// which of them follow which live parameter: (argument, parameter, factor)
     pub follows: Vec<(usize, usize, f64)>,
     /// the generator that derives numbers from them, if it is one
@@ -131,9 +128,9 @@ pub struct Controls {
 }
 
 impl Controls {
-    /// The parameters at their values at load.
-    pub fn new(scene: &Scene) -> Controls {
-        Controls { plan: scene.live.clone(), te: scene.te }
+    /// The parameters at their values at load; `te` is the tick \[s\].
+    pub fn new(plan: &LivePlan, te: f64) -> Controls {
+        Controls { plan: plan.clone(), te }
     }
 
     /// The parameters, with their present values.
@@ -156,7 +153,7 @@ impl Controls {
             let mut touched = false;
             for (arg, q, factor) in &item.follows {
                 if *q == p {
-                    item.args[*arg] = crate::generate::Arg::Num(value * factor);
+                    item.args[*arg] = Arg::Num(value * factor);
                     touched = true;
                 }
             }
@@ -174,10 +171,9 @@ impl LiveItem {
     /// Numbers derived from the item's parameters: those of a generator, or the parameters themselves.
     fn slots(&self, te: f64) -> Result<Vec<Option<f64>>, Refused> {
         match self.generator {
-            Some(g) => {
-                (g.derive)(&Args { kind: self.kind, values: &self.args, te }).map_err(|p| Refused::Unsolvable(p.title))
-            }
-            None => Ok(self.args.iter().map(crate::generate::Arg::num).collect()),
+            Some(g) => (g.derive)(&Args { code: self.kind.code, params: self.kind.params, values: &self.args, te })
+                .map_err(|p| Refused::Unsolvable(p.title)),
+            None => Ok(self.args.iter().map(Arg::num).collect()),
         }
     }
 
@@ -230,42 +226,13 @@ impl Loader {
     }
 }
 
-/// Coefficients on their way (live coefficients each).
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Ramps {
-    left: Vec<u32>,
-    step: Vec<f64>,
-    target: Vec<f64>,
-    /// those with ticks left: the first `moving` entries (as long as the others, so that a clone has room too)
-    active: Vec<u32>,
-    moving: usize,
-}
-
-impl Ramps {
-    /// Room for `n` live coefficients.
-    pub(crate) fn new(n: usize) -> Ramps {
-        Ramps {
-            left: alloc::vec![0; n],
-            step: alloc::vec![0.0; n],
-            target: alloc::vec![0.0; n],
-            active: alloc::vec![0; n],
-            moving: 0,
-        }
-    }
-
-    /// True while something is on its way.
-    pub fn is_moving(&self) -> bool {
-        self.moving > 0
-    }
-}
-
 impl State {
     /// Starts moving the coefficients of `patch` to their new values, linearly over `ticks` (0 acts like 1), from the
     /// next tick on. All of one patch arrive in the same tick. Does not allocate. Returns false, having changed
     /// nothing, where the patch is not of this scene.
-    pub fn apply(&mut self, scene: &Scene, patch: &Patch, ticks: u32) -> bool {
+    pub fn apply(&mut self, patch: &Patch, ticks: u32) -> bool {
         let n = self.ramps.left.len();
-        if patch.set.iter().any(|(i, v)| *i as usize >= n || !v.is_finite()) || scene.live.coefs.len() != n {
+        if patch.set.iter().any(|(i, v)| *i as usize >= n || !v.is_finite()) {
             return false;
         }
         let ticks = ticks.max(1);
@@ -278,27 +245,8 @@ impl State {
             }
             r.left[i] = ticks;
             r.target[i] = *v;
-            r.step[i] = (*v - self.coef[scene.live.coefs[i] as usize]) / f64::from(ticks);
+            r.step[i] = (*v - self.coef[r.place[i] as usize]) / f64::from(ticks);
         }
         true
-    }
-}
-
-/// Moves coefficients one tick further.
-pub fn ramp(_op: &Op, scene: &Scene, s: &mut State) {
-    let (r, coef) = (&mut s.ramps, &mut s.coef);
-    let mut k = 0;
-    while k < r.moving {
-        let i = r.active[k] as usize;
-        let c = &mut coef[scene.live.coefs[i] as usize];
-        r.left[i] -= 1;
-        if r.left[i] == 0 {
-            *c = r.target[i];
-            r.moving -= 1;
-            r.active[k] = r.active[r.moving];
-        } else {
-            *c += r.step[i];
-            k += 1;
-        }
     }
 }

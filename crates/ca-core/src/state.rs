@@ -4,10 +4,7 @@
 //! number. Positions are relative to rest and motion is the change per tick, which drifts far less than keeping two
 //! absolute positions (numerics 1.6).
 
-use crate::border::Border;
-use crate::energy::Ledger;
-use crate::live::Ramps;
-use crate::scene::Scene;
+use crate::ledger::Ledger;
 use alloc::vec::Vec;
 use core::hash::Hasher;
 
@@ -20,6 +17,52 @@ pub struct Cell {
     pub node: [u32; 4],
     /// weights, which sum to 1
     pub weight: [f64; 4],
+}
+
+/// One device degree of freedom.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Border {
+    /// position at the start of the frame \[m\]
+    pub from: f64,
+    /// position at its end \[m\]
+    pub to: f64,
+    /// trapezoid sum of the force so far \[N\]
+    pub sum: f64,
+    /// mean force of the last whole frame \[N\], on the hand
+    pub force: f64,
+}
+
+/// Coefficients on their way (live coefficients each).
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Ramps {
+    /// the coefficients
+    pub(crate) place: Vec<u32>,
+    pub(crate) left: Vec<u32>,
+    pub(crate) step: Vec<f64>,
+    pub(crate) target: Vec<f64>,
+    /// those with ticks left: the first `moving` entries (as long as the others, so that a clone has room too)
+    pub(crate) active: Vec<u32>,
+    pub(crate) moving: usize,
+}
+
+impl Ramps {
+    /// Room for the live coefficients at these places of [`State::coef`].
+    pub(crate) fn new(place: Vec<u32>) -> Ramps {
+        let n = place.len();
+        Ramps {
+            place,
+            left: alloc::vec![0; n],
+            step: alloc::vec![0.0; n],
+            target: alloc::vec![0.0; n],
+            active: alloc::vec![0; n],
+            moving: 0,
+        }
+    }
+
+    /// True while something is on its way.
+    pub fn is_moving(&self) -> bool {
+        self.moving > 0
+    }
 }
 
 /// All that changes. Shapes in brackets; the writer of each array is named.
@@ -96,37 +139,5 @@ impl State {
             self.refused += 1;
         }
         self.held[i]
-    }
-}
-
-/// Runs one tick: inputs → changes → forces at x_n → outputs → advance.
-pub fn tick(scene: &Scene, s: &mut State) {
-    sense(scene, s);
-    advance(scene, s);
-}
-
-/// The first half of a tick: reads inputs, sums the forces at x_n and writes the outputs. What a device must get of
-/// this tick is known here, before any mass moves.
-pub fn sense(scene: &Scene, s: &mut State) {
-    for op in scene.reads.iter().chain(&scene.forces).chain(&scene.writes) {
-        (op.kernel)(op, scene, s);
-    }
-}
-
-/// The second half of a tick: moves the masses from x_n to x_{n+1}.
-pub fn advance(scene: &Scene, s: &mut State) {
-    for op in &scene.moves {
-        (op.kernel)(op, scene, s);
-    }
-    s.tick += 1;
-}
-
-/// Runs `out.len() / n_out` ticks and writes their outputs, interleaved. Inputs keep the values they have.
-pub fn process(scene: &Scene, s: &mut State, out: &mut [f64]) {
-    for frame in out.chunks_exact_mut(scene.n_out.max(1)) {
-        tick(scene, s);
-        for (o, v) in frame.iter_mut().zip(&s.output) {
-            *o = *v;
-        }
     }
 }

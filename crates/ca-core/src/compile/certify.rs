@@ -6,64 +6,15 @@
 //! below 4 is certainly stable. Contacts and other non-linear links are judged by rule (numerics 3.2) and said to be.
 
 use super::net::{End, LiaNode, Net};
+pub use crate::certificate::{Certificate, Level};
+use crate::kind::Coefs;
 use crate::kind::{Role, Unit};
+use crate::law::Bound;
 use crate::live::Loader;
-use crate::mat::Coefs;
 use crate::model::diag::{Diag, Diags};
 use crate::model::{Model, Span, quantity};
-use crate::phi::Bound;
 use alloc::format;
-use alloc::string::String;
 use alloc::vec::Vec;
-
-/// How sure the statement is.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Level {
-    /// every link is linear and the bound is below the limit: passive by theorem
-    Proven,
-    /// the linear links are proven; contacts and non-linear links obey a rule of thumb
-    RuleOfThumb,
-    /// the cheap bounds do not settle it
-    #[default]
-    NotProven,
-    /// a module passes the limit by itself
-    Unstable,
-}
-
-impl core::fmt::Display for Level {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.write_str(match self {
-            Level::Proven => "proven",
-            Level::RuleOfThumb => "rule of thumb",
-            Level::NotProven => "not proven",
-            Level::Unstable => "unstable",
-        })
-    }
-}
-
-/// What the compiler could prove.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Certificate {
-    /// how sure
-    pub level: Level,
-    /// upper bound of the largest eigenvalue of T²K + 2TC against M; the limit is 4
-    pub bound: f64,
-    /// lower bound of the same
-    pub lower: f64,
-    /// the module nearest to the limit
-    pub worst: String,
-    /// largest contact stiffness ratio kT²/m; recommended up to 1
-    pub contact: f64,
-    /// the contact it belongs to
-    pub stiffest: String,
-}
-
-impl Certificate {
-    /// How many times stiffer everything could be: limit over bound. Infinite for a scene without links.
-    pub fn margin(&self) -> f64 {
-        4.0 / self.bound
-    }
-}
 
 #[derive(Clone, Copy)]
 struct Row {
@@ -213,16 +164,21 @@ fn corners(net: &Net, item: u32, values: &[crate::live::Source]) -> Vec<Vec<Opti
         let param = &net.params[*p];
         for v in [param.min, param.max] {
             let mut args = it.args.clone();
-            args[*arg] = crate::generate::Arg::Num((v * factor).clamp(-1e30, 1e30));
+            args[*arg] = crate::sketch::Arg::Num((v * factor).clamp(-1e30, 1e30));
             let slots = match it.kind.role {
                 Role::Generator(g) => {
-                    match (g.derive)(&crate::generate::Args { kind: it.kind, values: &args, te: net.te }) {
+                    match (g.derive)(&crate::sketch::Args {
+                        code: it.kind.code,
+                        params: it.kind.params,
+                        values: &args,
+                        te: net.te,
+                    }) {
                         Ok(s) => s,
                         // out of reach, so a change to it is refused
                         Err(_) => continue,
                     }
                 }
-                _ => args.iter().map(crate::generate::Arg::num).collect(),
+                _ => args.iter().map(crate::sketch::Arg::num).collect(),
             };
             all.push(values.iter().map(|s| s.get(&slots)).collect());
         }

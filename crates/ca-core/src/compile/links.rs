@@ -7,8 +7,8 @@ use crate::kind::Role;
 use crate::live::{Loader, Source};
 use crate::model::Model;
 use crate::model::diag::{Diag, Diags};
+use crate::op::law::Law;
 use crate::op::{Form, Op};
-use crate::phi::Law;
 use alloc::format;
 use alloc::vec::Vec;
 
@@ -29,8 +29,6 @@ pub struct Links {
     pub tap: usize,
     /// for each link of the net, its op and position in it
     pub where_is: Vec<(u32, u32)>,
-    /// for each op, its first link in the ledger
-    pub first: Vec<usize>,
 }
 
 /// Tables that laws bring with them, in order of first use, after those of the model.
@@ -112,7 +110,6 @@ impl Plan<'_> {
             mem: 0,
             tap: scratch,
             where_is: alloc::vec![(0, 0); net.lias.len()],
-            first: Vec::new(),
         };
         for (batch, stride) in batches {
             let law = self.law(batch[0]);
@@ -144,7 +141,6 @@ impl Plan<'_> {
                 k.tap += n;
             }
             k.mem += n * law.mem;
-            k.first.push(first);
             k.forces.push(op);
         }
         k

@@ -10,12 +10,14 @@
 //! and all of them push findings into one list, so an author sees everything at once.
 
 pub mod certify;
+mod expand;
 mod gesture;
 mod links;
 mod midi;
 pub mod net;
 mod number;
 mod params;
+mod passes;
 mod plan;
 mod prune;
 mod rates;

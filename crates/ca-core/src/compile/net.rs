@@ -1,13 +1,13 @@
 //! Net: the network between model and scene: every module by itself, references resolved, numbers in SI.
 
-use crate::generate::Arg;
-use crate::io::PortRole;
 use crate::kind::Kind;
+use crate::kind::MatSpec;
+use crate::kind::PortRole;
 use crate::live::{LiveParam, Source};
-use crate::mat::MatSpec;
 use crate::model::Span;
-use crate::phi::Law;
+use crate::op::law::Law;
 use crate::scene::Input;
+use crate::sketch::Arg;
 use crate::table::Table;
 use alloc::collections::BTreeMap;
 use alloc::string::String;

@@ -1,10 +1,10 @@
 //! Plan: where modules and their coefficients stand, and how live ones are computed again.
 
 use super::net::{End, Net};
-use crate::generate::Arg;
 use crate::kind::Role;
+use crate::layout::Place;
 use crate::live::{LiveItem, LiveModule, LivePlan, Loader, Source};
-use crate::scene::Place;
+use crate::sketch::Arg;
 use alloc::collections::BTreeMap;
 use alloc::sync::Arc;
 use alloc::vec::Vec;

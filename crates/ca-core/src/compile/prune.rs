@@ -2,7 +2,7 @@
 //! so those do not join what hangs on them.
 
 use super::net::{Ear, End, MatRole, Net};
-use crate::io::PortRole;
+use crate::kind::PortRole;
 use crate::kind::Role;
 use crate::model::Model;
 use crate::model::diag::{Diag, Diags};

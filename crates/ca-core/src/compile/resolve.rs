@@ -1,18 +1,19 @@
 //! Resolve: rates, parameters, media, and every item's parameters in SI; MATs, ports and generators become nodes.
 //! Links wait for all names to be known (`wire.rs`).
 
+use super::expand::expand;
 use super::net::{Family, MatNode, MatRole, Net, NetItem};
 use super::values::{Values, type_name};
 use super::{Options, gesture, params, rates, sense};
 use crate::catalog::Catalog;
-use crate::generate::{Arg, Args, Build};
-use crate::io::PortRole;
+use crate::kind::PortRole;
 use crate::kind::{Kind, Need, OneOf, Role, Type, Unit};
 use crate::live::Source;
 use crate::model::diag::{Diag, Diags};
 use crate::model::suggest::nearest;
 use crate::model::{Item, Model, Span, Value};
 use crate::scene::{Input, InputRole};
+use crate::sketch::{Arg, Args, Sketch};
 use alloc::collections::{BTreeMap, BTreeSet};
 use alloc::format;
 use alloc::string::String;
@@ -218,7 +219,7 @@ fn nodes(mut item: NetItem, source: &Item, net: &mut Net, v: &mut Values<'_>) {
             net.items.push(item);
         }
         Role::Generator(g) => {
-            let args = Args { kind, values: &item.args, te: net.te };
+            let args = Args { code: kind.code, params: kind.params, values: &item.args, te: net.te };
             let before = net.mats.len() + net.lias.len();
             let will = sense::modules(&args);
             if will.saturating_add(before) > LARGEST {
@@ -231,9 +232,9 @@ fn nodes(mut item: NetItem, source: &Item, net: &mut Net, v: &mut Values<'_>) {
                     item.slots.clone_from(&slots);
                     let (args, live, group, te) = (item.args.clone(), !item.follows.is_empty(), item.group, net.te);
                     net.items.push(item);
-                    let mut b = Build::new(net, id, &slots, live, rest, group);
-                    (g.build)(&Args { kind, values: &args, te }, &mut b);
-                    b.finish();
+                    let mut drawing = Sketch::new(&slots, live);
+                    (g.build)(&Args { code: kind.code, params: kind.params, values: &args, te }, &mut drawing);
+                    expand(net, id, &drawing, rest, group);
                 }
                 Err(p) => {
                     let d = Diag::error("E023", format!("`{}`: {}", item.name, p.title));

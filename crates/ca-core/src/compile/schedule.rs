@@ -4,18 +4,18 @@ use super::Options;
 use super::certify::Certificate;
 use super::links::{Links, own_tables};
 use super::net::{Coordinate, Ear, End, MatRole, Net};
+use super::passes;
 use super::plan::Plan;
 use super::start::start;
-use crate::border::{self, Border};
-use crate::energy::{self, Ledger, LedgerPlan};
-use crate::io::PortRole;
-use crate::live::{self, Loader, Ramps};
+use crate::kind::PortRole;
+use crate::layout::{Account, Enf, Enx, Heard, Layout, LedgerPlan, Output, Place, Proxy};
+use crate::ledger::Ledger;
+use crate::live::Loader;
 use crate::model::Model;
 use crate::model::diag::Diags;
-use crate::op::wide::wide;
-use crate::op::{Op, pass};
-use crate::scene::{Enf, Enx, Heard, Output, Place, Proxy, Scene, Stands, Symbol};
-use crate::state::{Cell, State};
+use crate::op::Op;
+use crate::scene::{InputRole, Scene, Stands, Symbol};
+use crate::state::{Border, Cell, Ramps, State};
 use alloc::collections::BTreeMap;
 use alloc::string::ToString;
 use alloc::vec::Vec;
@@ -93,7 +93,7 @@ pub fn schedule(
     }
 
     let links = plan.links(options, diags, model);
-    let Links { mut forces, ends, e0, mem, tap, mut where_is, first } = links;
+    let Links { forces, ends, e0, mem, tap, where_is } = links;
     symbols.extend(net.lias.iter().enumerate().map(|(i, l)| {
         let (op, k) = where_is[i];
         Symbol { name: l.name.clone(), code: l.law.code, place: Stands::Lia(op, k) }
@@ -143,76 +143,56 @@ pub fn schedule(
     }
     let n_out = net.outs.iter().map(|o| o.channel as usize + 1).max().unwrap_or(0).max(net.channels.len());
 
-    // passes
-    let mut reads = Vec::new();
-    let pass = |name, kernel, n: usize| Op::pass(name, kernel, n);
-    if !enx.is_empty() {
-        reads.push(pass("ENX", pass::enx, enx.len()));
-    }
-    if !tgr.is_empty() {
-        reads.push(pass("TGR in", border::position, tgr.len()));
-    }
-    let live_any = !plan.live.is_empty();
-    if options.energy {
-        if !proxies.is_empty() {
-            reads.push(pass("points", pass::project, proxies.len()));
+    // what stands before the links in the list of forces moves them back
+    let lead = u32::from(!enf.is_empty()) + u32::from(!weighed.is_empty());
+    for symbol in &mut symbols {
+        if let Stands::Lia(op, _) = &mut symbol.place {
+            *op += lead;
         }
-        reads.push(pass("ledger", energy::book, n_mat + net.lias.len()));
     }
-    if live_any {
-        reads.push(pass("changes", live::ramp, plan.live.len()));
-    }
-    if aimed {
-        reads.push(pass("aim", pass::aim, proxies.len()));
-    }
-    if !proxies.is_empty() && (!options.energy || aimed) {
-        reads.push(pass("points", pass::project, proxies.len()));
-    }
-    if options.energy && (live_any || aimed) {
-        reads.push(pass("changes booked", energy::rebook, n_mat + net.lias.len()));
-    }
-    let mut before = Vec::new();
-    if !enf.is_empty() {
-        before.push(pass("ENF", pass::enf, enf.len()));
-    }
-    if !weighed.is_empty() {
-        before.push(Op { coef: weight, ..pass("weight", pass::weight, weighed.len()) });
-    }
-    // link ops move back by what stands before them
-    let shift = before.len() as u32;
-    where_is.iter_mut().for_each(|w| w.0 += shift);
-    symbols.iter_mut().for_each(|s| {
-        if let Stands::Lia(op, _) = &mut s.place {
-            *op += shift;
-        }
-    });
-    let mut plan_first: Vec<usize> = alloc::vec![0; before.len()];
-    plan_first.extend(first);
-    before.append(&mut forces);
-    let mut forces = before;
-    if !proxies.is_empty() {
-        forces.push(pass("points back", pass::spread, proxies.len()));
-    }
-    if !tgr.is_empty() {
-        forces.push(pass("TGR out", border::collect, tgr.len()));
-    }
-    if options.energy {
-        forces.push(pass("ledger keeps", energy::keep, n_mat));
-    }
-    plan_first.resize(forces.len(), 0);
-    let writes = if outputs.is_empty() {
-        Vec::new()
-    } else {
-        alloc::vec![Op { coef: gains, ..pass("outputs", pass::outputs, outputs.len()) }]
+    let account = |(i, op): (usize, &Op)| {
+        let law = op.law?;
+        let op_number = i + lead as usize;
+        let Op { n, first, coef, mem, tap, .. } = *op;
+        let (coefs, mems, linear, stored, lost) = (law.coefs, law.mem, law.linear, law.stored, law.lost);
+        Some(Account { op: op_number, n, first, coef, mem, tap, coefs, mems, linear, stored, lost })
     };
-    let moves = plan.moves(order, n_mat);
+    let accounts = forces.iter().enumerate().filter_map(account).collect();
+    let ledger = options.energy.then_some(LedgerPlan { accounts, weight });
 
-    let live_plan = plan.live_plan();
-    let (coef, n_live) = (plan.coef, plan.live.len());
-    let n_lia = ends.len();
-    let input: Vec<f64> =
-        net.inputs.iter().map(|i| if i.role == crate::scene::InputRole::Force { 0.0 } else { i.rest }).collect();
-    let ledger = options.energy.then(|| Ledger::new(n_mat, n_lia, enx.len() + tgr.len() + enf.len()));
+    let moves = plan.moves(order, n_mat);
+    let live = plan.live_plan();
+    let (coef, live_places) = (plan.coef, plan.live);
+    let mut tables = net.tables.clone();
+    tables.extend(own_tables(&net).into_iter().map(|(_, t)| t));
+    let layout = Layout {
+        te: net.te,
+        ratio: net.ratio,
+        n_mat,
+        n_lia: ends.len(),
+        n_coef: coef.len(),
+        n_mem: mem,
+        n_tap: tap,
+        channels: net.channels.len(),
+        n_out,
+        ends,
+        e0,
+        rest,
+        nodes,
+        proxies,
+        tables,
+        enx,
+        enf,
+        tgr,
+        weighed,
+        outputs,
+        ledger,
+    };
+    let reads = passes::reads(&layout, live_places.len(), aimed);
+    let forces = passes::forces(&layout, forces, weight);
+    let writes = passes::writes(&layout, gains);
+    let input: Vec<f64> = net.inputs.iter().map(|i| if i.role == InputRole::Force { 0.0 } else { i.rest }).collect();
+    let ports = layout.enx.len() + layout.tgr.len() + layout.enf.len();
     let initial = State {
         x,
         d: v.iter().map(|v| v * net.te).collect(),
@@ -222,45 +202,26 @@ pub fn schedule(
         held: input.clone(),
         input,
         output: alloc::vec![0.0; n_out],
-        cells: alloc::vec![Cell::default(); proxies.len()],
-        border: alloc::vec![Border::default(); tgr.len()],
-        ramps: Ramps::new(n_live),
-        ledger,
+        cells: alloc::vec![Cell::default(); layout.proxies.len()],
+        border: alloc::vec![Border::default(); layout.tgr.len()],
+        ramps: Ramps::new(live_places),
+        ledger: options.energy.then(|| Ledger::new(n_mat, layout.n_lia, ports)),
         tick: 0,
         refused: 0,
         coef,
     };
-    let mut scene = Scene {
+    let initial = start(&layout, &forces, initial);
+    Some(Scene {
         rate: net.rate,
-        te: net.te,
-        ratio: net.ratio,
-        n_mat,
-        n_lia,
-        n_coef: initial.coef.len(),
-        n_mem: mem,
-        n_tap: tap,
-        channels: net.channels.len(),
-        n_out,
+        layout,
         reads,
         forces,
         writes,
         moves,
-        ends,
-        e0,
-        rest,
-        nodes,
-        proxies,
-        tables: net.tables.clone(),
-        enx,
-        enf,
-        tgr,
-        weighed,
-        outputs,
         inputs: net.inputs.clone(),
         probe_names: net.outs.iter().filter(|o| o.item.is_none()).map(|o| o.name.clone()).collect(),
         channel_names: net.channels.clone(),
-        ledger: options.energy.then_some(LedgerPlan { first: plan_first, weight }),
-        live: live_plan,
+        live,
         gestures: net.gestures.clone(),
         symbols,
         certificate,
@@ -268,11 +229,8 @@ pub fn schedule(
         diags: Diags::new(),
         title: model.title().to_string(),
         seconds: net.seconds,
-        initial: State::default(),
-    };
-    scene.tables.extend(own_tables(&net).into_iter().map(|(_, t)| t));
-    scene.initial = start(&scene, initial);
-    Some(scene)
+        initial,
+    })
 }
 
 fn used_points(net: &Net) -> Vec<bool> {
@@ -288,50 +246,4 @@ fn used_points(net: &Net) -> Vec<bool> {
         }
     }
     used
-}
-
-impl Plan<'_> {
-    /// Advance passes: stretches of MATs with and without coefficients of their own; nothing for what is fixed.
-    fn moves(&self, order: &[u32], n_mat: usize) -> Vec<Op> {
-        #[derive(PartialEq, Clone, Copy)]
-        enum Class {
-            Free,
-            Full,
-            Held,
-        }
-        let live: alloc::collections::BTreeSet<u32> = self.live.iter().copied().collect();
-        // what a fixed point has no use for costs less than two stretches, so it goes with its neighbour
-        let class = |at: usize| match self.net.mats[order[at] as usize].role {
-            MatRole::Port(..) => Some(Class::Held),
-            MatRole::Mat(s) if s.fixed => None,
-            MatRole::Mat(_) => {
-                let own = self.coef[at] != 1.0 || self.coef[n_mat + at] != 0.0 || live.contains(&(at as u32));
-                Some(if own { Class::Full } else { Class::Free })
-            }
-        };
-        let mut classes: Vec<Option<Class>> = (0..order.len()).map(class).collect();
-        for i in 1..classes.len() {
-            classes[i] = classes[i].or(classes[i - 1].filter(|c| *c != Class::Held));
-        }
-        for i in (1..classes.len()).rev() {
-            classes[i - 1] = classes[i - 1].or(classes[i].filter(|c| *c != Class::Held));
-        }
-        let mut ops = Vec::new();
-        let mut at = 0;
-        for stretch in classes.chunk_by(|a, b| a == b) {
-            let first = at;
-            at += stretch.len();
-            let (name, kernel): (_, crate::op::Kernel) = match stretch[0] {
-                Some(Class::Held) => continue,
-                Some(Class::Full) => ("advance CEL", wide::<pass::AdvanceFull>),
-                // a fixed point that stands alone does not move, but the force on it starts from nothing each tick
-                Some(Class::Free) | None => ("advance MAS", wide::<pass::AdvanceFree>),
-            };
-            ops.push(Op { mat: first, ..Op::pass(name, kernel, stretch.len()) });
-        }
-        if !order.is_empty() {
-            ops.push(Op::pass("flush", pass::flush, n_mat));
-        }
-        ops
-    }
 }

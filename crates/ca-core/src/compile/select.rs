@@ -7,7 +7,7 @@ use super::net::{Coordinate, End, Family, MatRole, PointNode};
 use super::resolve::LARGEST;
 use super::values::inside;
 use super::wire::Wire;
-use crate::io::PortRole;
+use crate::kind::PortRole;
 use crate::kind::{Kind, Role};
 use crate::model::Span;
 use crate::model::diag::Diag;

@@ -1,9 +1,9 @@
 //! What the parameter tables of the kinds cannot say: parameters that need each other, and how much a generator makes.
 
-use crate::generate::{Arg, Args};
 use crate::kind::{Kind, Type};
 use crate::model::Item;
 use crate::model::diag::{Diag, Diags};
+use crate::sketch::{Arg, Args};
 use alloc::format;
 
 /// Curves of a BOW that is drawn by `points`, as numbered by its choice.
@@ -45,7 +45,7 @@ pub fn parameters(kind: &Kind, item: &Item, args: &[Arg], diags: &mut Diags) -> 
 /// At most how many MATs and LIAs a generator will make, known before it makes them. Its counts multiply; each mass
 /// brings up to two links of its own, as in a mesh or a stiff string, a lone one in a row brings one.
 pub fn modules(a: &Args<'_>) -> usize {
-    let counts = a.kind.params.iter().zip(a.values).filter(|(p, _)| matches!(p.ty, Type::Count { .. }));
+    let counts = a.params.iter().zip(a.values).filter(|(p, _)| matches!(p.ty, Type::Count { .. }));
     let (mut masses, mut sides) = (1usize, 0);
     for (_, v) in counts {
         masses = masses.saturating_mul(v.num().unwrap_or(1.0) as usize);

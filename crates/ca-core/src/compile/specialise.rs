@@ -5,14 +5,14 @@ use super::net::Net;
 use crate::live::Source;
 use crate::model::Model;
 use crate::model::diag::{Diag, Diags};
-use crate::phi::Fixed;
+use crate::op::law::Fixed;
 use alloc::format;
 use alloc::vec::Vec;
 
 /// Rewrites the laws of the links and drops those that are nothing.
 pub fn specialise(model: &Model, net: &mut Net, diags: &mut Diags) {
     // generators make thousands of links with the same values: the answer of the last one serves
-    let mut last: Option<(u32, alloc::sync::Arc<[Source]>, &'static crate::phi::Law, bool)> = None;
+    let mut last: Option<(u32, alloc::sync::Arc<[Source]>, &'static crate::op::law::Law, bool)> = None;
     let mut lias = core::mem::take(&mut net.lias);
     let mut reported = None;
     let mut zero = 0;

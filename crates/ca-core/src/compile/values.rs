@@ -4,12 +4,12 @@
 //! dimension of the place they stand in, and that a `[param]` without a unit takes the dimension of where it is used.
 
 use super::params::Named;
-use crate::generate::Arg;
 use crate::kind::{Dim, Kind, Need, Param, Type, Unit};
 use crate::model::diag::{Diag, Diags};
 use crate::model::quantity::{self, Quantity, QuantityError};
 use crate::model::suggest::nearest;
 use crate::model::{Entry, Span, Value};
+use crate::sketch::Arg;
 use crate::table::Table;
 use alloc::format;
 use alloc::string::String;

@@ -5,7 +5,7 @@ use super::net::{Ear, End, LiaNode, Net, OutNode};
 use super::resolve::LARGEST;
 use super::select::{Meaning, Written};
 use super::values::type_name;
-use crate::io::PortRole;
+use crate::kind::PortRole;
 use crate::kind::Role;
 use crate::live::Source;
 use crate::model::diag::{Diag, Diags};

@@ -2,9 +2,9 @@
 //!
 //! Every cell is a CEL by f and t60 (numerics 1.5), so pitch and decay are exact at any sound rate.
 
-use super::{Args, Build, Generator, Problem};
 use crate::kind::{ABOVE_ZERO, Kind, Need, Param, Role, Type, Unit};
 use crate::mat::X;
+use crate::sketch::{Args, Generator, Problem, Sketch};
 use alloc::format;
 use alloc::vec::Vec;
 
@@ -63,9 +63,9 @@ fn derive(a: &Args<'_>) -> Result<Vec<Option<f64>>, Problem> {
     Ok((0..n).flat_map(|i| [m[i], f[i], t60[i]]).collect())
 }
 
-fn build(a: &Args<'_>, b: &mut Build<'_>) {
+fn build(a: &Args<'_>, b: &mut Sketch<'_>) {
     for i in 0..a.len("f").unwrap_or(1) {
         let s = 3 * i as u32;
-        b.cell(i, s, s + 1, s + 2);
+        b.cell(format!("{i}"), s, s + 1, s + 2);
     }
 }

@@ -5,9 +5,9 @@
 //! every size. Source: SMC 2019 (mesh, closedMesh, cornerMesh).
 
 use super::string::{DECAY, F, K, M, M_TOTAL, MASSES, T60, TUNING, Z, ZO, ground, mass, target, too_stiff};
-use super::{Args, Build, Generator, Problem};
 use crate::kind::{Kind, Need, Param, Role, Type};
 use crate::mat::X;
+use crate::sketch::{Args, Generator, Problem, Sketch};
 use alloc::format;
 use alloc::vec::Vec;
 
@@ -93,7 +93,7 @@ fn derive(a: &Args<'_>) -> Result<Vec<Option<f64>>, Problem> {
     Ok(alloc::vec![Some(m), Some(k), a.num("z"), Some(zo)])
 }
 
-fn build(a: &Args<'_>, b: &mut Build<'_>) {
+fn build(a: &Args<'_>, b: &mut Sketch<'_>) {
     let (nx, ny, edges) = (a.count("nx"), a.count("ny"), a.count("edges"));
     let mut grid = Vec::with_capacity(nx * ny);
     for i in 0..nx {
@@ -105,7 +105,7 @@ fn build(a: &Args<'_>, b: &mut Build<'_>) {
                 _ => false,
             };
             let index = format!("{i},{j}");
-            grid.push(if held { b.fixed(Some(&index)) } else { b.mass(&index, 0, 3) });
+            grid.push(if held { b.held(index) } else { b.mass(index, 0, 3) });
         }
     }
     let at = |i: usize, j: usize| grid[i * ny + j];

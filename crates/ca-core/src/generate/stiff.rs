@@ -7,9 +7,9 @@
 //! λ_j = 4k s_j² + 16B s_j⁴, s_j = sin(jπ/(2(N+1))), heard as f_j ≈ j f √(1 + b j²). Source: Bilbao 2009.
 
 use super::string::{DECAY, F, K, M, M_TOTAL, MANY, MASSES, T60, TUNING, Z, ZO, ground, mass, target, too_stiff};
-use super::{Args, Build, Generator, Problem};
 use crate::kind::{Kind, Need, OneOf, POSITIVE, Param, Role, Type, Unit};
 use crate::mat::X;
+use crate::sketch::{Args, Generator, Problem, Sketch};
 use alloc::format;
 use alloc::vec::Vec;
 
@@ -100,18 +100,18 @@ fn derive(a: &Args<'_>) -> Result<Vec<Option<f64>>, Problem> {
     Ok(slots)
 }
 
-fn build(a: &Args<'_>, b: &mut Build<'_>) {
+fn build(a: &Args<'_>, b: &mut Sketch<'_>) {
     let n = a.count("n");
     let ends = a.count("ends");
     let mut row = Vec::with_capacity(n + 2);
     if ends != 2 {
-        row.push(b.fixed(None));
+        row.push(b.tip());
     }
     for i in 0..n {
-        row.push(b.mass(&format!("{i}"), 0, 2));
+        row.push(b.mass(format!("{i}"), 0, 2));
     }
     if ends != 2 {
-        row.push(b.fixed(None));
+        row.push(b.tip());
     }
     let last = row.len() - 2;
     for (i, pair) in row.windows(2).enumerate() {

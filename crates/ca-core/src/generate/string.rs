@@ -4,9 +4,9 @@
 //! sin(jπ/(2N)) (numerics 1.2). Given `f`, the first of these is inverted exactly, damping included: with damping to
 //! ground b every mode obeys λ_j = (1−r)² + 4r sin²(θ/2), r² = 1−b, as a CEL does. Source: CMJ 1993, SMC 2019.
 
-use super::{Args, Build, Generator, Problem};
 use crate::kind::{ABOVE_ZERO, Kind, Need, OneOf, POSITIVE, Param, Role, Type, Unit};
 use crate::mat::{X, retune};
+use crate::sketch::{Args, Generator, Problem, Sketch};
 use alloc::format;
 use alloc::vec::Vec;
 
@@ -155,7 +155,7 @@ fn derive(a: &Args<'_>) -> Result<Vec<Option<f64>>, Problem> {
     let n = a.count("n");
     let m = mass(a, n);
     let zo = ground(a, m);
-    let free = a.kind.code == "CHAIN" || a.num("ends") == Some(1.0);
+    let free = a.code == "CHAIN" || a.num("ends") == Some(1.0);
     let k = match a.num("f") {
         None => a.or0("k"),
         Some(f) => {
@@ -176,18 +176,18 @@ fn derive(a: &Args<'_>) -> Result<Vec<Option<f64>>, Problem> {
     Ok(alloc::vec![Some(m), Some(k), a.num("z"), Some(zo)])
 }
 
-fn build(a: &Args<'_>, b: &mut Build<'_>) {
+fn build(a: &Args<'_>, b: &mut Sketch<'_>) {
     let n = a.count("n");
-    let free = a.kind.code == "CHAIN" || a.num("ends") == Some(1.0);
+    let free = a.code == "CHAIN" || a.num("ends") == Some(1.0);
     let mut row = Vec::with_capacity(n + 2);
     if !free {
-        row.push(b.fixed(None));
+        row.push(b.tip());
     }
     for i in 0..n {
-        row.push(b.mass(&format!("{i}"), 0, 3));
+        row.push(b.mass(format!("{i}"), 0, 3));
     }
     if !free {
-        row.push(b.fixed(None));
+        row.push(b.tip());
     }
     for pair in row.windows(2) {
         b.link(pair[0], pair[1], 1, 2);

@@ -4,24 +4,10 @@
 //! force added to a MAT, so that links need to know nothing of ports. What is heard are displacements from rest and
 //! forces, never absolute positions: a resting instrument is silent wherever it stands.
 
+pub use crate::kind::PortRole;
 use crate::kind::{ANY, Kind, Need, Param, Role, Type, Unit};
 
 pub mod midi;
-
-/// What a port does each tick.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum PortRole {
-    /// position in: a MAT moved from outside, once per sound sample
-    Enx,
-    /// force in: added to the force on a MAT, once per sound sample
-    Enf,
-    /// position out
-    Sox,
-    /// force out
-    Sof,
-    /// one degree of freedom of a device: position in, force out, across the rate border
-    Tgr,
-}
 
 /// All port kinds, in the order of the documentation.
 pub const KINDS: &[&Kind] = &[&ENX, &ENF, &SOX, &SOF, &TGR];

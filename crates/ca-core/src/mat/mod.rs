@@ -5,30 +5,11 @@
 //! drifts far less than keeping two positions, and keeps single precision alive.
 
 use crate::kind::{ANY, Kind, Need, Param, Unit};
+pub use crate::kind::{Coefs, MatSpec};
 
 mod cel;
 mod mas;
 mod sol;
-
-/// The three coefficients of a MAT for one tick.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Coefs {
-    /// persistence of the displacement per tick (1 − zT/m)
-    pub p: f64,
-    /// pull towards rest (−kT²/m)
-    pub q: f64,
-    /// mobility T²/m \[m/N\]; 0 for what cannot move
-    pub c: f64,
-}
-
-/// How a kind of MAT gets its coefficients.
-#[derive(Clone, Copy)]
-pub struct MatSpec {
-    /// from parameters in SI (in the order of [`Kind::params`]) and the tick `te` \[s\]
-    pub coefs: fn(params: &[Option<f64>], te: f64) -> Coefs,
-    /// true for what never moves
-    pub fixed: bool,
-}
 
 /// Rest position.
 pub const X: Param = Param::number("x", Unit::METRE, ANY, Need::Default(0.0), "rest position");

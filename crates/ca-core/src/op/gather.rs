@@ -2,19 +2,19 @@
 //! the links, so the bits are those of a plain loop over modules.
 
 use super::Op;
-use crate::phi::Phi;
-use crate::scene::Scene;
+use crate::law::Phi;
+use crate::layout::Layout;
 use crate::state::State;
 
 /// Applies the law of `op` to each of its links.
 pub fn gather<P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bool, const TAP: bool>(
     op: &Op,
-    scene: &Scene,
+    layout: &Layout,
     s: &mut State,
 ) {
     let n = op.n;
-    let ends = &scene.ends[op.first..][..n];
-    let e0 = if OFFSET { &scene.e0[op.first..][..n] } else { &[] };
+    let ends = &layout.ends[op.first..][..n];
+    let e0 = if OFFSET { &layout.e0[op.first..][..n] } else { &[] };
     let columns: [&[f64]; C] = core::array::from_fn(|k| &s.coef[op.coef + k * n..][..n]);
     let (x, d, f) = (&s.x, &s.d, &mut s.f);
     let mem = &mut s.mem[op.mem..][..n * M];
@@ -27,7 +27,7 @@ pub fn gather<P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bool, 
         let w = d[b] - d[a];
         let c = core::array::from_fn(|k| columns[k][i]);
         let Some(m) = mem[i * M..].first_chunk_mut::<M>() else { continue };
-        let force = P::force(&c, m, &scene.tables, e, w);
+        let force = P::force(&c, m, &layout.tables, e, w);
         f[a] += force;
         f[b] -= force;
         if TAP {

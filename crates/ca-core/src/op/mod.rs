@@ -1,21 +1,23 @@
 //! Op: one homogeneous pass over many modules.
 //!
-//! Decides that a compiled scene is a flat list of records, each with a plain function that was chosen once, at load
+//! Decides that a compiled layout is a flat list of records, each with a plain function that was chosen once, at load
 //! (the law, the form, with or without offsets and taps). A function pointer rather than an enum of passes, because
 //! other crates bring passes of their own (LPR), and rather than a boxed trait object, because the record is then plain
 //! data that `ca check --schedule` can print.
 
-use crate::phi::{Law, Phi};
-use crate::scene::Scene;
+use crate::law::Phi;
+use crate::layout::Layout;
 use crate::state::State;
+use law::Law;
 
 mod gather;
+pub mod law;
 pub mod pass;
 mod run;
 pub mod wide;
 
 /// One pass, run once per tick.
-pub type Kernel = fn(&Op, &Scene, &mut State);
+pub type Kernel = fn(&Op, &Layout, &mut State);
 
 /// How a batch of links is laid out; chooses the kernel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,7 +43,7 @@ pub struct Op {
     pub form: Form,
     /// number of modules
     pub n: usize,
-    /// first link in [`Scene::ends`], or first entry of whatever list the pass reads
+    /// first link in [`Layout::ends`], or first entry of whatever list the pass reads
     pub first: usize,
     /// first MAT
     pub mat: usize,

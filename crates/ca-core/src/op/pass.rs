@@ -1,14 +1,14 @@
-//! The passes that are not links: ports, weight, moving points, advance. Each is there only if the scene has its
+//! The passes that are not links: ports, weight, moving points, advance. Each is there only if the layout has its
 //! modules.
 
 use super::Op;
 use super::wide::Body;
-use crate::scene::{Heard, Place, Scene};
+use crate::layout::{Heard, Layout, Place, Proxy};
 use crate::state::{Cell, State};
 
 /// Position ports: `d` is the change of position, so that dampers feel the hand. The first tick only places them.
-pub fn enx(op: &Op, scene: &Scene, s: &mut State) {
-    for p in &scene.enx[..op.n] {
+pub fn enx(op: &Op, layout: &Layout, s: &mut State) {
+    for p in &layout.enx[..op.n] {
         let x = s.heard(p.input) - p.rest;
         let m = p.mat as usize;
         s.d[m] = if s.tick == 0 { 0.0 } else { x - s.x[m] };
@@ -18,9 +18,9 @@ pub fn enx(op: &Op, scene: &Scene, s: &mut State) {
 }
 
 /// Force ports. What is not finite is no force, and counted once however many MATs the port pushes.
-pub fn enf(op: &Op, scene: &Scene, s: &mut State) {
+pub fn enf(op: &Op, layout: &Layout, s: &mut State) {
     let mut last = u32::MAX;
-    for p in &scene.enf[..op.n] {
+    for p in &layout.enf[..op.n] {
         let v = s.input[p.input as usize];
         let force = if v.is_finite() { v } else { 0.0 };
         s.refused += u64::from(!v.is_finite() && p.input != last);
@@ -30,23 +30,23 @@ pub fn enf(op: &Op, scene: &Scene, s: &mut State) {
 }
 
 /// Constant forces: weight.
-pub fn weight(op: &Op, scene: &Scene, s: &mut State) {
-    for (k, m) in scene.weighed[..op.n].iter().enumerate() {
+pub fn weight(op: &Op, layout: &Layout, s: &mut State) {
+    for (k, m) in layout.weighed[..op.n].iter().enumerate() {
         s.f[*m as usize] += s.coef[op.coef + k];
     }
 }
 
 /// Finds the cell under each moving point.
-pub fn aim(op: &Op, scene: &Scene, s: &mut State) {
-    for (k, p) in scene.proxies[..op.n].iter().enumerate() {
-        s.cells[k] = cell(scene, s, p);
+pub fn aim(op: &Op, layout: &Layout, s: &mut State) {
+    for (k, p) in layout.proxies[..op.n].iter().enumerate() {
+        s.cells[k] = cell(layout, s, p);
     }
 }
 
-fn coordinate(scene: &Scene, s: &State, place: Place) -> f64 {
+fn coordinate(layout: &Layout, s: &State, place: Place) -> f64 {
     let v = match place {
         Place::Coef(c) => s.coef[c as usize],
-        Place::Mat(m) => s.x[m as usize] + scene.rest[m as usize],
+        Place::Mat(m) => s.x[m as usize] + layout.rest[m as usize],
     };
     // a coordinate that is not a number stays where nothing is hurt
     if v >= 0.0 { v.min(1.0) } else { 0.0 }
@@ -60,13 +60,13 @@ fn step(u: f64, n: u32) -> (u32, f64) {
 }
 
 /// The cell of one moving point at its present coordinates.
-pub fn cell(scene: &Scene, s: &State, p: &crate::scene::Proxy) -> Cell {
-    let (i, a) = step(coordinate(scene, s, p.at[0]), p.size[0]);
-    let node = |i: u32, j: u32| scene.nodes[(p.first + i * p.size[1] + j) as usize];
+pub fn cell(layout: &Layout, s: &State, p: &Proxy) -> Cell {
+    let (i, a) = step(coordinate(layout, s, p.at[0]), p.size[0]);
+    let node = |i: u32, j: u32| layout.nodes[(p.first + i * p.size[1] + j) as usize];
     if p.size[1] == 1 {
         return Cell { n: 2, node: [node(i, 0), node(i + 1, 0), 0, 0], weight: [1.0 - a, a, 0.0, 0.0] };
     }
-    let (j, b) = step(coordinate(scene, s, p.at[1]), p.size[1]);
+    let (j, b) = step(coordinate(layout, s, p.at[1]), p.size[1]);
     Cell {
         n: 4,
         node: [node(i, j), node(i, j + 1), node(i + 1, j), node(i + 1, j + 1)],
@@ -75,8 +75,8 @@ pub fn cell(scene: &Scene, s: &State, p: &crate::scene::Proxy) -> Cell {
 }
 
 /// Positions of moving points from their cells.
-pub fn project(op: &Op, scene: &Scene, s: &mut State) {
-    for (k, p) in scene.proxies[..op.n].iter().enumerate() {
+pub fn project(op: &Op, layout: &Layout, s: &mut State) {
+    for (k, p) in layout.proxies[..op.n].iter().enumerate() {
         let c = s.cells[k];
         let (mut x, mut d) = (0.0, 0.0);
         for q in 0..c.n {
@@ -91,8 +91,8 @@ pub fn project(op: &Op, scene: &Scene, s: &mut State) {
 }
 
 /// Force on moving points back to their cells, with the weights of the position: no energy is made.
-pub fn spread(op: &Op, scene: &Scene, s: &mut State) {
-    for (k, p) in scene.proxies[..op.n].iter().enumerate() {
+pub fn spread(op: &Op, layout: &Layout, s: &mut State) {
+    for (k, p) in layout.proxies[..op.n].iter().enumerate() {
         let c = s.cells[k];
         let f = s.f[p.mat as usize];
         for q in 0..c.n {
@@ -102,9 +102,9 @@ pub fn spread(op: &Op, scene: &Scene, s: &mut State) {
 }
 
 /// Outputs of this tick.
-pub fn outputs(op: &Op, scene: &Scene, s: &mut State) {
+pub fn outputs(op: &Op, layout: &Layout, s: &mut State) {
     s.output.fill(0.0);
-    for (k, o) in scene.outputs[..op.n].iter().enumerate() {
+    for (k, o) in layout.outputs[..op.n].iter().enumerate() {
         let v = match o.heard {
             Heard::Position(m) => s.x[m as usize],
             Heard::ForceOn(m) => s.f[m as usize],
@@ -119,9 +119,9 @@ pub struct AdvanceFree;
 
 impl Body for AdvanceFree {
     #[inline(always)]
-    fn run(op: &Op, scene: &Scene, s: &mut State) {
+    fn run(op: &Op, layout: &Layout, s: &mut State) {
         let r = op.mat..op.mat + op.n;
-        let c = &s.coef[2 * scene.n_mat..][r.clone()];
+        let c = &s.coef[2 * layout.n_mat..][r.clone()];
         let (x, d, f) = (&mut s.x[r.clone()], &mut s.d[r.clone()], &mut s.f[r]);
         for (((x, d), f), c) in x.iter_mut().zip(d).zip(f).zip(c) {
             *d += c * *f;
@@ -136,8 +136,8 @@ pub struct AdvanceFull;
 
 impl Body for AdvanceFull {
     #[inline(always)]
-    fn run(op: &Op, scene: &Scene, s: &mut State) {
-        let (n, r) = (scene.n_mat, op.mat..op.mat + op.n);
+    fn run(op: &Op, layout: &Layout, s: &mut State) {
+        let (n, r) = (layout.n_mat, op.mat..op.mat + op.n);
         let (p, q, c) = (&s.coef[..n][r.clone()], &s.coef[n..2 * n][r.clone()], &s.coef[2 * n..][r.clone()]);
         let (x, d, f) = (&mut s.x[r.clone()], &mut s.d[r.clone()], &mut s.f[r]);
         for ((((x, d), f), p), (q, c)) in x.iter_mut().zip(d).zip(f).zip(p).zip(q.iter().zip(c)) {
@@ -150,13 +150,32 @@ impl Body for AdvanceFull {
 
 /// Clears what is too small to matter, every 1024 ticks, long before it becomes denormal and slow. Part of the tick
 /// rather than a processor flag, so that renderer, host, Python and replay agree in every bit.
-pub fn flush(op: &Op, _scene: &Scene, s: &mut State) {
+pub fn flush(op: &Op, _layout: &Layout, s: &mut State) {
     const TINY: f64 = 1e-270;
     if s.tick & 1023 == 1023 {
         for v in s.x[..op.n].iter_mut().chain(&mut s.d[..op.n]) {
             if v.abs() < TINY {
                 *v = 0.0;
             }
+        }
+    }
+}
+
+/// Moves coefficients one tick further.
+pub fn ramp(_op: &Op, _layout: &Layout, s: &mut State) {
+    let (r, coef) = (&mut s.ramps, &mut s.coef);
+    let mut k = 0;
+    while k < r.moving {
+        let i = r.active[k] as usize;
+        let c = &mut coef[r.place[i] as usize];
+        r.left[i] -= 1;
+        if r.left[i] == 0 {
+            *c = r.target[i];
+            r.moving -= 1;
+            r.active[k] = r.active[r.moving];
+        } else {
+            *c += r.step[i];
+            k += 1;
         }
     }
 }

@@ -4,8 +4,8 @@
 
 use super::Op;
 use super::wide::Body;
-use crate::phi::Phi;
-use crate::scene::Scene;
+use crate::law::Phi;
+use crate::layout::Layout;
 use crate::state::State;
 use core::marker::PhantomData;
 
@@ -14,9 +14,9 @@ pub struct Run<P, const C: usize, const M: usize, const OFFSET: bool>(PhantomDat
 
 impl<P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bool> Body for Run<P, C, M, OFFSET> {
     #[inline(always)]
-    fn run(op: &Op, scene: &Scene, s: &mut State) {
+    fn run(op: &Op, layout: &Layout, s: &mut State) {
         let n = op.n;
-        let e0 = if OFFSET { &scene.e0[op.first..][..n] } else { &[] };
+        let e0 = if OFFSET { &layout.e0[op.first..][..n] } else { &[] };
         let columns: [&[f64]; C] = core::array::from_fn(|k| &s.coef[op.coef + k * n..][..n]);
         let (a, b) = (op.mat, op.mat + op.form.stride);
         let (xa, xb) = (&s.x[a..][..n], &s.x[b..][..n]);
@@ -33,7 +33,7 @@ impl<P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bool> Body for 
             // laws without memory must not carry a bounds check that keeps the loop from being vectorised
             let mut none = [0.0; M];
             let m = if M == 0 { &mut none } else { mem[i * M..].first_chunk_mut::<M>().unwrap_or(&mut none) };
-            force[i] = P::force(&c, m, &scene.tables, e, w);
+            force[i] = P::force(&c, m, &layout.tables, e, w);
         }
         for (f, force) in s.f[b..][..n].iter_mut().zip(&*force) {
             *f -= force;

@@ -5,19 +5,19 @@
 //! product is fused with a sum, so the bits do not depend on the processor.
 
 use super::Op;
-use crate::scene::Scene;
+use crate::layout::Layout;
 use crate::state::State;
 use core::marker::PhantomData;
 
 /// The loops of a pass. Everything `run` calls must be inlined into it, or it stays narrow.
 pub trait Body {
     /// Runs the pass.
-    fn run(op: &Op, scene: &Scene, s: &mut State);
+    fn run(op: &Op, layout: &Layout, s: &mut State);
 }
 
 struct Call<'a, B> {
     op: &'a Op,
-    scene: &'a Scene,
+    layout: &'a Layout,
     s: &'a mut State,
     body: PhantomData<B>,
 }
@@ -26,11 +26,11 @@ impl<B: Body> pulp::WithSimd for Call<'_, B> {
     type Output = ();
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(self, _: S) {
-        B::run(self.op, self.scene, self.s);
+        B::run(self.op, self.layout, self.s);
     }
 }
 
 /// A pass whose body is `B`.
-pub fn wide<B: Body>(op: &Op, scene: &Scene, s: &mut State) {
-    pulp::Arch::new().dispatch(Call { op, scene, s, body: PhantomData::<B> });
+pub fn wide<B: Body>(op: &Op, layout: &Layout, s: &mut State) {
+    pulp::Arch::new().dispatch(Call { op, layout, s, body: PhantomData::<B> });
 }

@@ -1,0 +1,52 @@
+//! What was proven of a scene's stability, as data; [`compile`](mod@crate::compile) writes it.
+
+use alloc::string::String;
+
+/// How sure the statement is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Level {
+    /// every link is linear and the bound is below the limit: passive by theorem
+    Proven,
+    /// the linear links are proven; contacts and non-linear links obey a rule of thumb
+    RuleOfThumb,
+    /// the cheap bounds do not settle it
+    #[default]
+    NotProven,
+    /// a module passes the limit by itself
+    Unstable,
+}
+
+impl core::fmt::Display for Level {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(match self {
+            Level::Proven => "proven",
+            Level::RuleOfThumb => "rule of thumb",
+            Level::NotProven => "not proven",
+            Level::Unstable => "unstable",
+        })
+    }
+}
+
+/// What the compiler could prove.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Certificate {
+    /// how sure
+    pub level: Level,
+    /// upper bound of the largest eigenvalue of T²K + 2TC against M; the limit is 4
+    pub bound: f64,
+    /// lower bound of the same
+    pub lower: f64,
+    /// the module nearest to the limit
+    pub worst: String,
+    /// largest contact stiffness ratio kT²/m; recommended up to 1
+    pub contact: f64,
+    /// the contact it belongs to
+    pub stiffest: String,
+}
+
+impl Certificate {
+    /// How many times stiffer everything could be: limit over bound. Infinite for a scene without links.
+    pub fn margin(&self) -> f64 {
+        4.0 / self.bound
+    }
+}

@@ -1,0 +1,103 @@
+//! Passes: the lists of what a tick runs, in order. What the scene does not have makes no entry.
+
+use super::net::MatRole;
+use super::plan::Plan;
+use crate::layout::Layout;
+use crate::op::wide::wide;
+use crate::op::{Kernel, Op, pass};
+use crate::{border, energy};
+use alloc::collections::BTreeSet;
+use alloc::vec::Vec;
+
+/// Before the forces: ports, the book of the tick before, changes, moving points.
+pub fn reads(layout: &Layout, live: usize, aimed: bool) -> Vec<Op> {
+    let kept = layout.ledger.is_some();
+    let points = layout.proxies.len();
+    let modules = layout.n_mat + layout.n_lia;
+    let list: [(bool, &'static str, Kernel, usize); 8] = [
+        (!layout.enx.is_empty(), "ENX", pass::enx, layout.enx.len()),
+        (!layout.tgr.is_empty(), "TGR in", border::position, layout.tgr.len()),
+        // the book needs the points where the last tick had them
+        (kept && points > 0, "points", pass::project, points),
+        (kept, "ledger", energy::book, modules),
+        (live > 0, "changes", pass::ramp, live),
+        (aimed, "aim", pass::aim, points),
+        (points > 0 && (!kept || aimed), "points", pass::project, points),
+        (kept && (live > 0 || aimed), "changes booked", energy::rebook, modules),
+    ];
+    list.into_iter().filter(|p| p.0).map(|(_, name, kernel, n)| Op::pass(name, kernel, n)).collect()
+}
+
+/// Forces at the present positions: from outside, weight, links, and what goes on to others.
+pub fn forces(layout: &Layout, links: Vec<Op>, weight: usize) -> Vec<Op> {
+    let mut list = Vec::new();
+    if !layout.enf.is_empty() {
+        list.push(Op::pass("ENF", pass::enf, layout.enf.len()));
+    }
+    if !layout.weighed.is_empty() {
+        list.push(Op { coef: weight, ..Op::pass("weight", pass::weight, layout.weighed.len()) });
+    }
+    list.extend(links);
+    if !layout.proxies.is_empty() {
+        list.push(Op::pass("points back", pass::spread, layout.proxies.len()));
+    }
+    if !layout.tgr.is_empty() {
+        list.push(Op::pass("TGR out", border::collect, layout.tgr.len()));
+    }
+    if layout.ledger.is_some() {
+        list.push(Op::pass("ledger keeps", energy::keep, layout.n_mat));
+    }
+    list
+}
+
+/// Outputs; `gains` is the coefficient of the first.
+pub fn writes(layout: &Layout, gains: usize) -> Vec<Op> {
+    let n = layout.outputs.len();
+    (n > 0).then(|| Op { coef: gains, ..Op::pass("outputs", pass::outputs, n) }).into_iter().collect()
+}
+
+impl Plan<'_> {
+    /// Advance passes: stretches of MATs with and without coefficients of their own; nothing for what is fixed.
+    pub fn moves(&self, order: &[u32], n_mat: usize) -> Vec<Op> {
+        #[derive(PartialEq, Clone, Copy)]
+        enum Class {
+            Free,
+            Full,
+            Held,
+        }
+        let live: BTreeSet<u32> = self.live.iter().copied().collect();
+        // what a fixed point has no use for costs less than two stretches, so it goes with its neighbour
+        let class = |at: usize| match self.net.mats[order[at] as usize].role {
+            MatRole::Port(..) => Some(Class::Held),
+            MatRole::Mat(s) if s.fixed => None,
+            MatRole::Mat(_) => {
+                let own = self.coef[at] != 1.0 || self.coef[n_mat + at] != 0.0 || live.contains(&(at as u32));
+                Some(if own { Class::Full } else { Class::Free })
+            }
+        };
+        let mut classes: Vec<Option<Class>> = (0..order.len()).map(class).collect();
+        for i in 1..classes.len() {
+            classes[i] = classes[i].or(classes[i - 1].filter(|c| *c != Class::Held));
+        }
+        for i in (1..classes.len()).rev() {
+            classes[i - 1] = classes[i - 1].or(classes[i].filter(|c| *c != Class::Held));
+        }
+        let mut ops = Vec::new();
+        let mut at = 0;
+        for stretch in classes.chunk_by(|a, b| a == b) {
+            let first = at;
+            at += stretch.len();
+            let (name, kernel): (_, Kernel) = match stretch[0] {
+                Some(Class::Held) => continue,
+                Some(Class::Full) => ("advance CEL", wide::<pass::AdvanceFull>),
+                // a fixed point that stands alone does not move, but the force on it starts from nothing each tick
+                Some(Class::Free) | None => ("advance MAS", wide::<pass::AdvanceFree>),
+            };
+            ops.push(Op { mat: first, ..Op::pass(name, kernel, stretch.len()) });
+        }
+        if !order.is_empty() {
+            ops.push(Op::pass("flush", pass::flush, n_mat));
+        }
+        ops
+    }
+}

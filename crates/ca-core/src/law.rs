@@ -1,0 +1,60 @@
+//! The shape of a law of interaction.
+//!
+//! Decides that a law is written **once**, as a [`Phi`]: a force from the elongation `e = x_j − x_i + e₀` and its change
+//! per tick `w = d_j − d_i`, F > 0 pulling the ends together. Every form of the law (gather and run here, 3-D and LPR
+//! elsewhere), the energy ledger and the stability bounds call these functions; a law never sees positions, so it
+//! cannot depend on a dimension. Coefficients are an array of fixed size, read column-wise by the kernels, so that a
+//! homogeneous pass vectorises.
+
+use crate::table::Table;
+
+/// Linear bound of a law: no slope of its force exceeds `k` \[N/m\] against elongation nor `z` \[N/(m/tick)\] against
+/// change of elongation. Both ≥ 0 except for springs that are negative on purpose. `contact` marks laws that switch.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Bound {
+    /// largest slope against elongation \[N/m\]
+    pub k: f64,
+    /// largest slope against change of elongation per tick \[N per m/tick\]
+    pub z: f64,
+    /// true where the force switches on and off with distance
+    pub contact: bool,
+    /// true where the law is linear and the bound therefore exact
+    pub linear: bool,
+    /// true where the law can feed energy in by itself
+    pub active: bool,
+}
+
+/// A law of interaction. `C` coefficients per link, `M` numbers of memory per link.
+pub trait Phi<const C: usize, const M: usize> {
+    /// True where force is linear in `e` and `w`: the ledger identity then holds exactly.
+    const LINEAR: bool = false;
+
+    /// Coefficients per tick from the parameters in SI (in the order of `Kind::params`) and the tick `te` \[s\].
+    fn coefs(p: &[Option<f64>], te: f64) -> [f64; C];
+
+    /// Memory at load, for elongation `e`.
+    fn start(_c: &[f64; C], _e: f64) -> [f64; M] {
+        [0.0; M]
+    }
+
+    /// The force \[N\], F > 0 pulls the ends together.
+    fn force(c: &[f64; C], mem: &mut [f64; M], tables: &[Table], e: f64, w: f64) -> f64;
+
+    /// Potential energy \[J\] at elongation `e`.
+    fn potential(_c: &[f64; C], _mem: &[f64; M], _tables: &[Table], _e: f64) -> f64 {
+        0.0
+    }
+
+    /// Energy held between two ticks \[J\] (numerics 2.2); linear laws override it with the exact product form.
+    fn stored(c: &[f64; C], mem: &[f64; M], tables: &[Table], e0: f64, e1: f64) -> f64 {
+        0.5 * (Self::potential(c, mem, tables, e0) + Self::potential(c, mem, tables, e1))
+    }
+
+    /// Energy turned to heat during a tick \[J\], from the elongations at the tick before, at it, and after.
+    fn lost(_c: &[f64; C], _mem: &[f64; M], _tables: &[Table], _e: [f64; 3]) -> f64 {
+        0.0
+    }
+
+    /// Linear bounds, for the certificate.
+    fn bound(c: &[f64; C], tables: &[Table]) -> Bound;
+}

@@ -1,0 +1,157 @@
+//! Layout: the arrays of a compiled scene that its passes read: counts first, then arrays with their shape.
+//!
+//! Decides that a pass sees a layout and a state and nothing else: no names, no findings, no list of passes, so that
+//! what the tick depends on is visible in one place. All of it is written once, by the compiler.
+
+use crate::table::Table;
+use alloc::vec::Vec;
+
+/// A position port.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Enx {
+    /// place in [`State::input`]
+    pub input: u32,
+    /// the MAT it moves
+    pub mat: u32,
+    /// its rest position \[m\]; the input is absolute
+    pub rest: f64,
+}
+
+/// A force port.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Enf {
+    /// place in [`State::input`]
+    pub input: u32,
+    /// the MAT it pushes
+    pub mat: u32,
+}
+
+/// Where a coordinate of a moving point comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// a coefficient, which may be live
+    Coef(u32),
+    /// the absolute position of a MAT, e.g. an ENX
+    Mat(u32),
+}
+
+/// A moving point: a MAT without mass that stands between nodes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Proxy {
+    /// its own place among the MATs
+    pub mat: u32,
+    /// first node in [`Scene::nodes`]
+    pub first: u32,
+    /// nodes along the two directions; 1 for a string
+    pub size: [u32; 2],
+    /// coordinates 0 … 1
+    pub at: [Place; 2],
+}
+
+/// What an output hears.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Heard {
+    /// displacement of a MAT from its rest position
+    Position(u32),
+    /// summed force on a MAT
+    ForceOn(u32),
+    /// force of a LIA, at this place in [`State::tap`]
+    ForceOf(u32),
+}
+
+/// An output or a probe.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Output {
+    /// place in [`State::output`]
+    pub channel: u32,
+    /// what it hears
+    pub heard: Heard,
+}
+
+/// A batch of links as the ledger sees it.
+#[derive(Clone, Copy)]
+pub struct Account {
+    /// its place in the list of passes that sum forces
+    pub op: usize,
+    /// number of links
+    pub n: usize,
+    /// first of them in [`Layout::ends`], which is also their number in the ledger
+    pub first: usize,
+    /// first coefficient, as in a pass
+    pub coef: usize,
+    /// first number of memory, as in a pass
+    pub mem: usize,
+    /// first place in `State::tap`, as in a pass
+    pub tap: usize,
+    /// coefficients per link
+    pub coefs: usize,
+    /// numbers of memory per link
+    pub mems: usize,
+    /// true where the identity holds exactly, so that nothing can be made
+    pub linear: bool,
+    /// energy held between two ticks
+    pub stored: Stored,
+    /// energy turned to heat in a tick
+    pub lost: Lost,
+}
+
+/// Energy held by a link: coefficients, memory, tables, elongations before and after.
+pub type Stored = fn(&[f64], &[f64], &[Table], f64, f64) -> f64;
+/// Heat of a link: coefficients, memory, tables, the elongations before, at and after the tick.
+pub type Lost = fn(&[f64], &[f64], &[Table], [f64; 3]) -> f64;
+
+/// What the ledger needs to find its way.
+#[derive(Clone, Default)]
+pub struct LedgerPlan {
+    /// batches of links, in the order of the passes
+    pub accounts: Vec<Account>,
+    /// coefficient of the first weighed MAT
+    pub weight: usize,
+}
+
+/// The arrays.
+#[derive(Clone, Default)]
+pub struct Layout {
+    /// tick \[s\], 1/rate
+    pub te: f64,
+    /// ticks per gesture frame
+    pub ratio: u32,
+    /// MATs, moving points included
+    pub n_mat: usize,
+    /// links
+    pub n_lia: usize,
+    /// coefficients
+    pub n_coef: usize,
+    /// numbers of memory of laws
+    pub n_mem: usize,
+    /// places for forces kept or in passing
+    pub n_tap: usize,
+    /// channels of sound; probes come after them in [`State::output`]
+    pub channels: usize,
+    /// places in [`State::output`]
+    pub n_out: usize,
+    /// ends of links, first and second MAT (n_lia x 2)
+    pub ends: Vec<[u32; 2]>,
+    /// constant part of the elongation \[m\] (n_lia)
+    pub e0: Vec<f64>,
+    /// rest positions \[m\] (n_mat)
+    pub rest: Vec<f64>,
+    /// nodes under moving points (any)
+    pub nodes: Vec<u32>,
+    /// moving points (any)
+    pub proxies: Vec<Proxy>,
+    /// tables of laws (any)
+    pub tables: Vec<Table>,
+    /// position ports (any)
+    pub enx: Vec<Enx>,
+    /// force ports (any)
+    pub enf: Vec<Enf>,
+    /// device ports (any), across the border
+    pub tgr: Vec<Enx>,
+    /// MATs with weight (any)
+    pub weighed: Vec<u32>,
+    /// what is heard, sound first, then probes (any)
+    pub outputs: Vec<Output>,
+    /// what the ledger needs, where the scene keeps one
+    pub ledger: Option<LedgerPlan>,
+}

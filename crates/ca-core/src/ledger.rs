@@ -1,0 +1,84 @@
+//! The accounts of energy, as data; [`crate::energy`] writes them.
+
+use alloc::vec::Vec;
+
+/// The accounts \[J\]. `h = h0 + work − lost + source + changed + residual`.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Ledger {
+    /// energy at load
+    pub h0: f64,
+    /// energy now, between the last tick and the one before
+    pub h: f64,
+    /// its part in motion
+    pub kinetic: f64,
+    /// largest |h| + Σ|lost| so far, the scale of the residual
+    pub peak: f64,
+    /// heat of MATs with dampers of their own
+    pub lost_mats: f64,
+    /// heat of each link (n_lia)
+    pub lost: Vec<f64>,
+    /// energy made (+) or swallowed (−) by the scheme in each link (n_lia); 0 for linear ones
+    pub source: Vec<f64>,
+    /// work received from each port: position ports, device ports, force ports
+    pub work: Vec<f64>,
+    /// energy that came in by changing parameters or moving interaction points
+    pub changed: f64,
+    /// largest imbalance of a single tick
+    pub worst: f64,
+    /// d of the tick being booked (n_mat)
+    pub(crate) d0: Vec<f64>,
+    /// force on position and device ports, force given by force ports (ports)
+    pub(crate) port: Vec<f64>,
+    /// energy held by each link at the last booking (n_lia)
+    pub(crate) held: Vec<f64>,
+}
+
+/// Sums of the books, for people.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Balance {
+    /// energy at load \[J\]
+    pub h0: f64,
+    /// energy now \[J\]
+    pub h: f64,
+    /// heat \[J\]
+    pub lost: f64,
+    /// made by non-linear links \[J\]
+    pub source: f64,
+    /// received from ports \[J\]
+    pub work: f64,
+    /// received by changes \[J\]
+    pub changed: f64,
+    /// what does not add up \[J\]
+    pub residual: f64,
+    /// scale of the residual \[J\]
+    pub peak: f64,
+}
+
+impl Ledger {
+    /// An empty book for `n_mat` MATs, `n_lia` links and `ports` ports.
+    pub(crate) fn new(n_mat: usize, n_lia: usize, ports: usize) -> Ledger {
+        Ledger {
+            lost: alloc::vec![0.0; n_lia],
+            source: alloc::vec![0.0; n_lia],
+            held: alloc::vec![0.0; n_lia],
+            d0: alloc::vec![0.0; n_mat],
+            port: alloc::vec![0.0; ports],
+            work: alloc::vec![0.0; ports],
+            ..Ledger::default()
+        }
+    }
+
+    /// The sums.
+    pub fn balance(&self) -> Balance {
+        let (lost, source) = (self.lost_mats + self.lost.iter().sum::<f64>(), self.source.iter().sum::<f64>());
+        let work = self.work.iter().sum::<f64>();
+        let residual = self.h - self.h0 - work + lost - source - self.changed;
+        Balance { h0: self.h0, h: self.h, lost, source, work, changed: self.changed, residual, peak: self.peak }
+    }
+
+    /// The link that made the most energy, with its account; `None` where none made any.
+    pub fn culprit(&self) -> Option<(usize, f64)> {
+        let (i, s) = self.source.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1))?;
+        (*s > 0.0).then_some((i, *s))
+    }
+}

@@ -1,0 +1,98 @@
+//! A law as data: what the compiler, the ledger and the certificate call without knowing which law it is.
+
+use super::{Form, Kernel, kernel};
+use crate::law::{Bound, Phi};
+use crate::table::Table;
+
+/// A law as data: the functions of a [`Phi`] over slices, and its kernels.
+#[derive(Clone, Copy)]
+pub struct Law {
+    /// code of the law that runs, e.g. `RES` for a REF without viscosity
+    pub code: &'static str,
+    /// coefficients per link
+    pub coefs: usize,
+    /// numbers of memory per link
+    pub mem: usize,
+    /// see [`Phi::LINEAR`]
+    pub linear: bool,
+    /// see [`Phi::coefs`]; `out` has [`Law::coefs`] places
+    pub load: fn(p: &[Option<f64>], te: f64, out: &mut [f64]),
+    /// see [`Phi::start`]
+    pub start: fn(c: &[f64], e: f64, mem: &mut [f64]),
+    /// see [`Phi::force`]
+    pub force: fn(c: &[f64], mem: &mut [f64], tables: &[Table], e: f64, w: f64) -> f64,
+    /// see [`Phi::stored`]
+    pub stored: fn(c: &[f64], mem: &[f64], tables: &[Table], e0: f64, e1: f64) -> f64,
+    /// see [`Phi::lost`]
+    pub lost: fn(c: &[f64], mem: &[f64], tables: &[Table], e: [f64; 3]) -> f64,
+    /// see [`Phi::bound`]
+    pub bound: fn(c: &[f64], tables: &[Table]) -> Bound,
+    /// the pass for one form of the law
+    pub kernel: fn(Form) -> Kernel,
+    /// a cheaper law for these parameters (`None` marks one that may change while playing), if there is one
+    pub simpler: fn(p: &[Fixed]) -> Option<&'static Law>,
+    /// a table the law needs whatever its parameters; its number is handed over after the last parameter
+    pub table: Option<fn() -> Table>,
+}
+
+/// What is known of a parameter when a law is specialised.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Fixed {
+    /// not written
+    Absent,
+    /// this value, for good
+    At(f64),
+    /// may change while playing
+    Live,
+}
+
+impl Fixed {
+    /// True where the parameter is nothing and stays so.
+    pub fn is_zero(self) -> bool {
+        matches!(self, Fixed::Absent | Fixed::At(0.0))
+    }
+}
+
+fn arr<const N: usize>(s: &[f64]) -> [f64; N] {
+    s.first_chunk::<N>().copied().unwrap_or([0.0; N])
+}
+
+impl Law {
+    /// The record of a law.
+    pub const fn of<P: Phi<C, M> + 'static, const C: usize, const M: usize>(code: &'static str) -> Law {
+        Law {
+            code,
+            coefs: C,
+            mem: M,
+            linear: P::LINEAR,
+            load: |p, te, out| out.copy_from_slice(&P::coefs(p, te)),
+            start: |c, e, mem| mem.copy_from_slice(&P::start(&arr(c), e)),
+            force: |c, mem, tables, e, w| {
+                let mut m = arr(mem);
+                let f = P::force(&arr(c), &mut m, tables, e, w);
+                mem.copy_from_slice(&m);
+                f
+            },
+            stored: |c, mem, tables, e0, e1| P::stored(&arr(c), &arr(mem), tables, e0, e1),
+            lost: |c, mem, tables, e| P::lost(&arr(c), &arr(mem), tables, e),
+            bound: |c, tables| P::bound(&arr(c), tables),
+            kernel: kernel::<P, C, M>,
+            simpler: |_| None,
+            table: None,
+        }
+    }
+
+    /// The same law with a rule that picks a cheaper one.
+    #[must_use]
+    pub const fn or(mut self, simpler: fn(&[Fixed]) -> Option<&'static Law>) -> Law {
+        self.simpler = simpler;
+        self
+    }
+
+    /// The same law with a table of its own.
+    #[must_use]
+    pub const fn with_table(mut self, table: fn() -> Table) -> Law {
+        self.table = Some(table);
+        self
+    }
+}

@@ -1,0 +1,182 @@
+//! Sketch: what a generator draws before the compiler gives it names and kinds.
+//!
+//! Decides that a generator knows neither the network nor the kinds of its modules: it draws masses, fixed points and
+//! links that point at derived numbers, and the compiler expands the drawing. `derive` is the function a live change
+//! calls too, so a string retuned while playing is exactly the string that would have been compiled.
+
+use crate::param::Param;
+use alloc::string::String;
+use alloc::vec::Vec;
+
+/// A resolved parameter, in SI.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Arg {
+    /// not written and without default
+    Absent,
+    /// a number, a choice by index, a flag as 0 or 1, the number of a table
+    Num(f64),
+    /// numbers
+    List(Vec<f64>),
+}
+
+impl Arg {
+    /// The number, if it is one.
+    pub fn num(&self) -> Option<f64> {
+        match self {
+            Arg::Num(v) => Some(*v),
+            _ => None,
+        }
+    }
+}
+
+/// The resolved parameters of a generator.
+#[derive(Clone, Copy)]
+pub struct Args<'a> {
+    /// code of its kind
+    pub code: &'static str,
+    /// the parameters of its kind, which name them
+    pub params: &'static [Param],
+    /// in the same order
+    pub values: &'a [Arg],
+    /// the tick \[s\]
+    pub te: f64,
+}
+
+impl Args<'_> {
+    fn arg(&self, name: &str) -> &Arg {
+        self.params.iter().position(|p| p.name == name).map_or(&Arg::Absent, |i| &self.values[i])
+    }
+    /// The number `name`, if written or defaulted.
+    pub fn num(&self, name: &str) -> Option<f64> {
+        self.arg(name).num()
+    }
+    /// The number `name`, or 0.
+    pub fn or0(&self, name: &str) -> f64 {
+        self.num(name).unwrap_or(0.0)
+    }
+    /// The count `name`, or 0.
+    pub fn count(&self, name: &str) -> usize {
+        self.or0(name) as usize
+    }
+    /// The numbers `name`; a single number stands for `n` of them.
+    pub fn list(&self, name: &str, n: usize) -> Vec<Option<f64>> {
+        match self.arg(name) {
+            Arg::Absent => alloc::vec![None; n],
+            Arg::Num(v) => alloc::vec![Some(*v); n],
+            Arg::List(l) => (0..n).map(|i| l.get(i).copied()).collect(),
+        }
+    }
+    /// How many numbers `name` has; `None` for a single number or none.
+    pub fn len(&self, name: &str) -> Option<usize> {
+        match self.arg(name) {
+            Arg::List(l) => Some(l.len()),
+            _ => None,
+        }
+    }
+}
+
+/// Why a generator cannot do what was asked.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Problem {
+    /// one line
+    pub title: String,
+    /// the parameter to point at
+    pub param: &'static str,
+    /// what to do
+    pub help: String,
+}
+
+/// A kind that expands.
+#[derive(Clone, Copy)]
+pub struct Generator {
+    /// the numbers its modules use, from its parameters; called at load and at live changes
+    pub derive: fn(&Args<'_>) -> Result<Vec<Option<f64>>, Problem>,
+    /// names and connects the modules
+    pub build: fn(&Args<'_>, &mut Sketch<'_>),
+}
+
+/// What a drawn MAT is; numbers are slots of the derived list.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Drawn {
+    /// a mass of slot 0, damped to ground by slot 1 where that holds something
+    Mass(u32, u32),
+    /// a cell of mass, frequency and decay slots
+    Cell(u32, u32, u32),
+    /// a fixed point in the place of a mass
+    Held,
+    /// a fixed point beyond the end
+    Tip,
+}
+
+/// A drawn link: ends, stiffness slot, viscosity slot.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct DrawnLink {
+    /// first and second end, by number of the drawn MAT
+    pub ends: [u32; 2],
+    /// slot of the stiffness
+    pub k: u32,
+    /// slot of the viscosity; one that does not exist means none
+    pub z: u32,
+}
+
+/// A drawing.
+pub struct Sketch<'a> {
+    slots: &'a [Option<f64>],
+    live: bool,
+    /// MATs with the index they are called by, in order
+    pub mats: Vec<(Drawn, String)>,
+    /// links, in order
+    pub links: Vec<DrawnLink>,
+    /// nodes a moving point may stand between
+    pub nodes: Vec<u32>,
+    /// their arrangement, `[n, 1]` in a row
+    pub size: [u32; 2],
+}
+
+impl<'a> Sketch<'a> {
+    /// An empty drawing over the derived numbers; `live` where they may change while playing.
+    pub fn new(slots: &'a [Option<f64>], live: bool) -> Sketch<'a> {
+        Sketch { slots, live, mats: Vec::new(), links: Vec::new(), nodes: Vec::new(), size: [0, 1] }
+    }
+
+    /// True where slot `i` is nothing and stays so.
+    pub fn nothing(&self, i: u32) -> bool {
+        !self.live && self.slots.get(i as usize).copied().flatten().unwrap_or(0.0) == 0.0
+    }
+
+    fn mat(&mut self, what: Drawn, index: String) -> u32 {
+        self.mats.push((what, index));
+        self.mats.len() as u32 - 1
+    }
+
+    /// Adds a mass `name[index]` of mass slot `m`, damped to ground by slot `z`.
+    pub fn mass(&mut self, index: String, m: u32, z: u32) -> u32 {
+        self.mat(Drawn::Mass(m, z), index)
+    }
+
+    /// Adds a cell `name[index]` of mass slot `m`, frequency slot `f`, decay slot `t60`.
+    pub fn cell(&mut self, index: String, m: u32, f: u32, t60: u32) -> u32 {
+        self.mat(Drawn::Cell(m, f, t60), index)
+    }
+
+    /// Adds a fixed point `name[index]` where a mass would be.
+    pub fn held(&mut self, index: String) -> u32 {
+        self.mat(Drawn::Held, index)
+    }
+
+    /// Adds a fixed point `name.end[i]`.
+    pub fn tip(&mut self) -> u32 {
+        self.mat(Drawn::Tip, String::new())
+    }
+
+    /// Adds a link `name.link[i]` of stiffness slot `k` and viscosity slot `z`.
+    pub fn link(&mut self, a: u32, b: u32, k: u32, z: u32) {
+        self.links.push(DrawnLink { ends: [a, b], k, z });
+    }
+
+    /// Declares the points a moving point `name@s` may stand between, as `size[0] × size[1]` nodes.
+    pub fn walkable(&mut self, nodes: Vec<u32>, size: [u32; 2]) {
+        self.nodes = nodes;
+        self.size = size;
+    }
+}
