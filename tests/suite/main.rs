@@ -1,11 +1,15 @@
 //! The whole suite in one binary, one file per theme.
 
 mod acoustics;
+mod compile_fuzz;
 mod diagnostics;
 mod files;
 mod mims;
 mod models;
+mod play;
 mod quantity;
 mod reader;
+mod scheme;
 mod select;
+mod set;
 mod writer;

@@ -12,7 +12,7 @@ use ca_core::live::Controls;
 use ca_core::scene::{InputRole, Scene};
 use ca_core::{State, tick};
 
-/// Beyond this displacement [m] a scene is taken to have blown up. Far above any scale models are written in (1e-9 to
+/// Beyond this displacement \[m\] a scene is taken to have blown up. Far above any scale models are written in (1e-9 to
 /// 1e9), far below overflow.
 pub const WILD: f64 = 1e15;
 

@@ -1,42 +1,24 @@
 //! Schedule: flat arrays and the list of passes. What a scene does not have makes no entry here.
 
+use super::Options;
 use super::certify::Certificate;
-use super::net::{Coordinate, Ear, End, LiaNode, MatRole, Net};
-use super::{KernelClass, Options};
+use super::links::{Links, own_tables};
+use super::net::{Coordinate, Ear, End, MatRole, Net};
+use super::plan::Plan;
+use super::start::start;
 use crate::border::{self, Border};
 use crate::energy::{self, Ledger, LedgerPlan};
-use crate::generate::Arg;
 use crate::io::PortRole;
-use crate::kind::Role;
-use crate::live::{self, LiveItem, LiveModule, LivePlan, Loader, Ramps, Source};
+use crate::live::{self, Loader, Ramps};
 use crate::model::Model;
-use crate::model::diag::{Diag, Diags};
-use crate::op::{Form, Op, pass};
-use crate::phi::Law;
+use crate::model::diag::Diags;
+use crate::op::wide::wide;
+use crate::op::{Op, pass};
 use crate::scene::{Enf, Enx, Heard, Output, Place, Proxy, Scene, Stands, Symbol};
 use crate::state::{Cell, State};
 use alloc::collections::BTreeMap;
-use alloc::format;
 use alloc::string::ToString;
-use alloc::sync::Arc;
 use alloc::vec::Vec;
-
-/// Chains shorter than this are gathered: a run has two loops to set up.
-const SHORTEST_RUN: usize = 4;
-
-struct Plan<'a> {
-    net: &'a Net,
-    /// document number → place in the state; `u32::MAX` for what is left out
-    place: Vec<u32>,
-    /// moving point → place in the state
-    point: Vec<u32>,
-    /// coefficients so far
-    coef: Vec<f64>,
-    /// places of live coefficients
-    live: Vec<u32>,
-    /// modules with live coefficients, by item
-    modules: BTreeMap<u32, Vec<LiveModule>>,
-}
 
 /// Builds the scene. `None` where the findings hold an error.
 pub fn schedule(
@@ -275,6 +257,7 @@ pub fn schedule(
         weighed,
         outputs,
         inputs: net.inputs.clone(),
+        probe_names: net.outs.iter().filter(|o| o.item.is_none()).map(|o| o.name.clone()).collect(),
         channel_names: net.channels.clone(),
         ledger: options.energy.then_some(LedgerPlan { first: plan_first, weight }),
         live: live_plan,
@@ -292,55 +275,6 @@ pub fn schedule(
     Some(scene)
 }
 
-/// Tables that laws bring with them, in order of first use, after those of the model.
-fn own_tables(net: &Net) -> Vec<(&'static Law, crate::table::Table)> {
-    let mut own: Vec<(&'static Law, crate::table::Table)> = Vec::new();
-    for l in &net.lias {
-        if let Some(table) = l.law.table {
-            if !own.iter().any(|(law, _)| core::ptr::eq(*law, l.law)) {
-                own.push((l.law, table()));
-            }
-        }
-    }
-    own
-}
-
-/// The second-order start (numerics 1.1): d₀ = v T − ½ (T²/m) F(x₀).
-fn start(scene: &Scene, mut s: State) -> State {
-    let n = scene.n_mat;
-    let memory = |s: &mut State| {
-        for op in &scene.forces {
-            let Some(law) = op.law.filter(|l| l.mem > 0) else { continue };
-            for i in 0..op.n {
-                let [a, b] = scene.ends[op.first + i].map(|m| m as usize);
-                let e = s.x[b] - s.x[a] + scene.e0[op.first + i];
-                let c: Vec<f64> = (0..law.coefs).map(|k| s.coef[op.coef + k * op.n + i]).collect();
-                (law.start)(&c, e, &mut s.mem[op.mem + i * law.mem..][..law.mem]);
-            }
-        }
-    };
-    for (k, p) in scene.proxies.iter().enumerate() {
-        s.cells[k] = pass::cell(scene, &s, p);
-    }
-    let project = Op::pass("points", pass::project, scene.proxies.len());
-    pass::project(&project, scene, &mut s);
-    memory(&mut s);
-    let mut trial = s.clone();
-    for op in scene.forces.iter().filter(|op| op.name != "TGR out" && op.name != "ENF") {
-        (op.kernel)(op, scene, &mut trial);
-    }
-    for i in 0..n {
-        let (p, q, c) = (s.coef[i], s.coef[n + i], s.coef[2 * n + i]);
-        if c == 0.0 {
-            s.d[i] = 0.0;
-        } else {
-            s.d[i] -= 0.5 * (c * trial.f[i] + q * s.x[i] - (1.0 - p) * s.d[i]);
-        }
-    }
-    pass::project(&project, scene, &mut s);
-    s
-}
-
 fn used_points(net: &Net) -> Vec<bool> {
     let mut used = alloc::vec![false; net.points.len()];
     let ends = net.lias.iter().flat_map(|l| l.ends);
@@ -356,191 +290,7 @@ fn used_points(net: &Net) -> Vec<bool> {
     used
 }
 
-struct Links {
-    forces: Vec<Op>,
-    ends: Vec<[u32; 2]>,
-    e0: Vec<f64>,
-    mem: usize,
-    tap: usize,
-    /// for each link of the net, its op and position in it
-    where_is: Vec<(u32, u32)>,
-    /// for each op, its first link in the ledger
-    first: Vec<usize>,
-}
-
 impl Plan<'_> {
-    fn at(&self, e: End) -> u32 {
-        match e {
-            End::Mat(m) => self.place[m as usize],
-            End::Point(p) => self.point[p as usize],
-        }
-    }
-
-    fn alive(&self, e: End) -> Option<u32> {
-        Some(self.at(e)).filter(|m| *m != u32::MAX)
-    }
-
-    /// Computes coefficients into `to`; remembers how, where they may change.
-    fn load(&mut self, loader: Loader, item: u32, values: &[Source], to: &[usize]) {
-        let mut out = [0.0; 8];
-        let n = loader.load(&self.net.values(item, values), self.net.te, &mut out);
-        for (k, t) in to[..n].iter().enumerate() {
-            self.coef[*t] = out[k];
-        }
-        if self.net.is_live(item) && values.iter().any(|s| matches!(s, Source::Slot(_))) {
-            let places = to[..n].iter().map(|t| self.live_place(*t)).collect();
-            let module = LiveModule { loader, values: Arc::from(values), to: places };
-            self.modules.entry(item).or_default().push(module);
-        }
-    }
-
-    fn live_place(&mut self, coef: usize) -> u32 {
-        self.live.push(coef as u32);
-        self.live.len() as u32 - 1
-    }
-
-    fn coordinate(&mut self, v: f64, param: Option<u32>) -> Place {
-        self.coef.push(v);
-        let at = self.coef.len() - 1;
-        if let Some(p) = param {
-            let to = alloc::vec![self.live_place(at)];
-            let module = LiveModule { loader: Loader::Plain, values: Arc::from([Source::Slot(0)]), to };
-            // points have no item: they are numbered after the items, one per parameter
-            self.modules.entry(self.net.items.len() as u32 + p).or_default().push(module);
-        }
-        Place::Coef(at as u32)
-    }
-
-    fn live_plan(&mut self) -> LivePlan {
-        let items = core::mem::take(&mut self.modules)
-            .into_iter()
-            .map(|(id, modules)| {
-                if let Some(item) = self.net.items.get(id as usize) {
-                    LiveItem {
-                        kind: item.kind,
-                        args: item.args.clone(),
-                        follows: item.follows.clone(),
-                        generator: if let Role::Generator(g) = item.kind.role { Some(g) } else { None },
-                        modules,
-                    }
-                } else {
-                    let p = id as usize - self.net.items.len();
-                    LiveItem {
-                        kind: &crate::io::ENX,
-                        args: alloc::vec![Arg::Num(self.net.params[p].value)],
-                        follows: alloc::vec![(0, p, 1.0)],
-                        generator: None,
-                        modules,
-                    }
-                }
-            })
-            .collect();
-        LivePlan { params: self.net.params.clone(), coefs: self.live.clone(), items }
-    }
-
-    /// Batches of links: in document order, or by law with chains as runs.
-    fn batches(&self, class: KernelClass) -> Vec<(Vec<u32>, bool)> {
-        let same = |a: u32, b: u32| core::ptr::eq(self.law(a), self.law(b));
-        let all: Vec<u32> = (0..self.net.lias.len() as u32).collect();
-        if class == KernelClass::Reference {
-            return all.chunk_by(|a, b| same(*a, *b)).map(|c| (c.to_vec(), false)).collect();
-        }
-        let mut by_law: Vec<Vec<u32>> = Vec::new();
-        for l in all {
-            match by_law.iter_mut().find(|g| same(g[0], l)) {
-                Some(g) => g.push(l),
-                None => by_law.push(alloc::vec![l]),
-            }
-        }
-        let mut out = Vec::new();
-        for group in by_law {
-            let mut loose = Vec::new();
-            let follows = |a: &u32, b: &u32| {
-                let (a, b) = (self.ends(*a), self.ends(*b));
-                a[1] == a[0].wrapping_add(1) && b[0] == a[1] && b[1] == b[0].wrapping_add(1)
-            };
-            for chain in group.chunk_by(follows) {
-                if chain.len() >= SHORTEST_RUN {
-                    out.push((chain.to_vec(), true));
-                } else {
-                    loose.extend_from_slice(chain);
-                }
-            }
-            if !loose.is_empty() {
-                out.push((loose, false));
-            }
-        }
-        out
-    }
-
-    fn law(&self, l: u32) -> &'static Law {
-        self.net.lias[l as usize].law
-    }
-
-    fn ends(&self, l: u32) -> [u32; 2] {
-        self.net.lias[l as usize].ends.map(|e| self.at(e))
-    }
-
-    /// Constant part of the elongation: laws with a rest length are slack at rest, contacts count from position.
-    fn offset(&self, l: &LiaNode) -> f64 {
-        let distance = self.net.rest(l.ends[1]) - self.net.rest(l.ends[0]);
-        let slack = if l.kind.param("l0").is_some() { l.l0.unwrap_or(distance) } else { 0.0 };
-        let generated = matches!(l.kind.role, Role::Lia(_)) && self.net.items[l.item as usize].kind.code != l.kind.code;
-        if generated { 0.0 } else { distance - slack }
-    }
-
-    fn links(&mut self, options: &Options, diags: &mut Diags, model: &Model) -> Links {
-        let net = self.net;
-        let own = own_tables(net);
-        let heard: Vec<u32> =
-            net.outs.iter().filter_map(|o| if let Ear::ForceOf(l) = o.ear { Some(l) } else { None }).collect();
-        let batches = self.batches(options.kernel);
-        let scratch = batches.iter().filter(|b| b.1).map(|b| b.0.len()).max().unwrap_or(0);
-        let mut k = Links {
-            forces: Vec::new(),
-            ends: Vec::with_capacity(net.lias.len()),
-            e0: Vec::with_capacity(net.lias.len()),
-            mem: 0,
-            tap: scratch,
-            where_is: alloc::vec![(0, 0); net.lias.len()],
-            first: Vec::new(),
-        };
-        for (batch, run) in batches {
-            let law = self.law(batch[0]);
-            let n = batch.len();
-            let (first, coef) = (k.ends.len(), self.coef.len());
-            self.coef.resize(coef + n * law.coefs, 0.0);
-            for (i, id) in batch.iter().enumerate() {
-                let l = &net.lias[*id as usize];
-                k.ends.push(self.ends(*id));
-                k.e0.push(self.offset(l));
-                k.where_is[*id as usize] = (k.forces.len() as u32, i as u32);
-                let mut values = l.values.to_vec();
-                if let Some(t) = own.iter().position(|(o, _)| core::ptr::eq(*o, law)) {
-                    values.push(Source::Const((net.tables.len() + t) as f64));
-                }
-                let mut to = [0usize; 8];
-                for (s, t) in to[..law.coefs].iter_mut().enumerate() {
-                    *t = coef + s * n + i;
-                }
-                self.load(Loader::Lia(law), l.item, &values, &to);
-                contact_at_load(net, l, k.e0[first + i], model, diags);
-            }
-            let tap = options.energy || batch.iter().any(|l| heard.contains(l));
-            let form = Form { run, offset: k.e0[first..].iter().any(|e| *e != 0.0), tap };
-            let mut op = Op::pass(law.code, (law.kernel)(form), n);
-            op = Op { law: Some(law), form, first, coef, mem: k.mem, mat: k.ends[first][0] as usize, ..op };
-            if tap {
-                op.tap = k.tap;
-                k.tap += n;
-            }
-            k.mem += n * law.mem;
-            k.first.push(first);
-            k.forces.push(op);
-        }
-        k
-    }
-
     /// Advance passes: stretches of MATs with and without coefficients of their own; nothing for what is fixed.
     fn moves(&self, order: &[u32], n_mat: usize) -> Vec<Op> {
         #[derive(PartialEq, Clone, Copy)]
@@ -550,60 +300,38 @@ impl Plan<'_> {
             Held,
         }
         let live: alloc::collections::BTreeSet<u32> = self.live.iter().copied().collect();
-        let class = |at: usize| {
-            let m = &self.net.mats[order[at] as usize];
-            let (p, q) = (self.coef[at], self.coef[n_mat + at]);
-            match m.role {
-                // a fixed point inside a chain moves with C = 0: cheaper than two stretches
-                MatRole::Mat(s) if s.fixed => Class::Free,
-                MatRole::Mat(_) => {
-                    let own = p != 1.0 || q != 0.0 || (live.contains(&(at as u32)) && m.code == "CEL");
-                    if own { Class::Full } else { Class::Free }
-                }
-                MatRole::Port(..) => Class::Held,
+        // what a fixed point has no use for costs less than two stretches, so it goes with its neighbour
+        let class = |at: usize| match self.net.mats[order[at] as usize].role {
+            MatRole::Port(..) => Some(Class::Held),
+            MatRole::Mat(s) if s.fixed => None,
+            MatRole::Mat(_) => {
+                let own = self.coef[at] != 1.0 || self.coef[n_mat + at] != 0.0 || live.contains(&(at as u32));
+                Some(if own { Class::Full } else { Class::Free })
             }
         };
-        let places: Vec<usize> = (0..order.len()).collect();
+        let mut classes: Vec<Option<Class>> = (0..order.len()).map(class).collect();
+        for i in 1..classes.len() {
+            classes[i] = classes[i].or(classes[i - 1].filter(|c| *c != Class::Held));
+        }
+        for i in (1..classes.len()).rev() {
+            classes[i - 1] = classes[i - 1].or(classes[i].filter(|c| *c != Class::Held));
+        }
         let mut ops = Vec::new();
-        for stretch in places.chunk_by(|a, b| class(*a) == class(*b)) {
-            let (name, kernel): (_, crate::op::Kernel) = match class(stretch[0]) {
-                Class::Free => ("advance MAS", pass::advance_free),
-                Class::Full => ("advance CEL", pass::advance_full),
-                Class::Held => continue,
+        let mut at = 0;
+        for stretch in classes.chunk_by(|a, b| a == b) {
+            let first = at;
+            at += stretch.len();
+            let (name, kernel): (_, crate::op::Kernel) = match stretch[0] {
+                Some(Class::Held) => continue,
+                Some(Class::Full) => ("advance CEL", wide::<pass::AdvanceFull>),
+                // a fixed point that stands alone does not move, but the force on it starts from nothing each tick
+                Some(Class::Free) | None => ("advance MAS", wide::<pass::AdvanceFree>),
             };
-            ops.push(Op { mat: stretch[0], ..Op::pass(name, kernel, stretch.len()) });
+            ops.push(Op { mat: first, ..Op::pass(name, kernel, stretch.len()) });
         }
         if !order.is_empty() {
             ops.push(Op::pass("flush", pass::flush, n_mat));
         }
         ops
-    }
-}
-
-/// Warns of a contact that is pressed together before anything has moved.
-fn contact_at_load(net: &Net, l: &LiaNode, e0: f64, model: &Model, diags: &mut Diags) {
-    if !matches!(l.kind.code, "BUT" | "HRZ") {
-        return;
-    }
-    let at = |e: End| if let End::Mat(m) = e { net.mats[m as usize].dx0 } else { 0.0 };
-    let e = e0 + at(l.ends[1]) - at(l.ends[0]);
-    let mut c = [0.0; 8];
-    (l.law.load)(&net.values(l.item, &l.values), net.te, &mut c[..l.law.coefs]);
-    let f = (l.law.force)(&c[..l.law.coefs], &mut [], &net.tables, e, 0.0);
-    let item = &model.items[net.items[l.item as usize].model];
-    let known = |d: &Diag| d.code == "W102" && d.span() == item.name_span && item.name_span.is_some();
-    if f != 0.0 && !diags.list.iter().any(known) {
-        let (a, b) = (net.end_name(l.ends[0]), net.end_name(l.ends[1]));
-        let d = Diag::warning(
-            "W102",
-            format!(
-                "`{}` presses at load, with {}",
-                l.name,
-                crate::model::quantity::show(f.abs(), crate::kind::Unit::NEWTON)
-            ),
-        );
-        let help =
-            format!("it keeps `{b}` above `{a}`; swap the ends of `between`, or move one of them by `x` or `dx0`");
-        diags.push(d.at(item.name_span, format!("`{b}` is {e:.3e} m above `{a}`")).help(help));
     }
 }

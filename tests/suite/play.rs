@@ -1,0 +1,112 @@
+//! Models from text, compiled and played, and the reference cases of `data/numerics_cases.json`: what the numerical
+//! tests share. `CA_TOL=0 cargo test -p ca-tests -- --nocapture` prints every residual beside its tolerance.
+
+use ca_core::model::{Model, read, render};
+use ca_core::{Catalog, KernelClass, Options, Scene, compile};
+use serde_json::Value;
+use std::sync::OnceLock;
+
+pub const TURN: f64 = std::f64::consts::TAU;
+pub const PI: f64 = std::f64::consts::PI;
+
+/// The model in `text`, which must read without errors.
+pub fn model(text: &str) -> Model {
+    let (model, diags) = read::read(text, "test.ca.toml", &Catalog::core());
+    assert!(!diags.has_errors(), "{text}\n{}", render::text(&diags, &model, false));
+    model
+}
+
+pub fn with(text: &str, options: &Options) -> Scene {
+    let model = model(text);
+    compile(&model, &Catalog::core(), options).unwrap_or_else(|d| panic!("{text}\n{}", render::text(&d, &model, false)))
+}
+
+pub fn scene(text: &str) -> Scene {
+    with(text, &Options::default())
+}
+
+/// With the energy book kept.
+pub fn audited(text: &str) -> Scene {
+    with(text, &Options { energy: true, ..Options::default() })
+}
+
+/// Links one by one in document order.
+pub fn reference() -> Options {
+    Options { kernel: KernelClass::Reference, ..Options::default() }
+}
+
+/// Place of the MAT `name` in the state.
+pub fn mat(scene: &Scene, name: &str) -> usize {
+    (0..scene.n_mat).find(|i| scene.mat_name(*i) == name).unwrap_or_else(|| panic!("no MAT `{name}`"))
+}
+
+/// Places of `name[0] …` in the state.
+pub fn mats(scene: &Scene, name: &str) -> Vec<usize> {
+    (0..scene.n_mat).map_while(|i| (0..scene.n_mat).find(|p| scene.mat_name(*p) == format!("{name}[{i}]"))).collect()
+}
+
+/// A reference case by the start of its id.
+pub fn case(id: &str) -> &'static Value {
+    static CASES: OnceLock<Value> = OnceLock::new();
+    let all = CASES.get_or_init(|| serde_json::from_str(include_str!("../data/numerics_cases.json")).expect("JSON"));
+    let found = |c: &&Value| c["id"].as_str().is_some_and(|i| i.starts_with(id));
+    all["cases"].as_array().and_then(|c| c.iter().find(found)).unwrap_or_else(|| panic!("no case {id}"))
+}
+
+/// A number of a case; the path walks keys and indices, parted by `/`.
+pub fn num(case: &Value, path: &str) -> f64 {
+    case.pointer(&format!("/{path}")).and_then(Value::as_f64).unwrap_or_else(|| panic!("no number {path}"))
+}
+
+/// The rows of a table of a case.
+pub fn rows(case: &Value, path: &str) -> Vec<Vec<f64>> {
+    let array = |v: &Value| v.as_array().cloned().unwrap_or_default();
+    let table = array(case.pointer(&format!("/{path}")).expect("a table"));
+    table.iter().map(|r| array(r).iter().filter_map(Value::as_f64).collect()).collect()
+}
+
+/// The numbers of a list of a case.
+pub fn list(case: &Value, path: &str) -> Vec<f64> {
+    let v = case.pointer(&format!("/{path}")).and_then(Value::as_array).expect("a list");
+    v.iter().filter_map(Value::as_f64).collect()
+}
+
+/// Asserts `residual` ≤ `tolerance`; what is not a number fails.
+#[track_caller]
+pub fn within(what: &str, residual: f64, tolerance: f64) {
+    if std::env::var_os("CA_TOL").is_some() {
+        println!("{what:<42} {residual:9.2e} of {tolerance:.0e}");
+    }
+    assert!(residual <= tolerance, "{what}: {residual:e} is above {tolerance:e}");
+}
+
+/// Relative difference.
+pub fn off(value: f64, reference: f64) -> f64 {
+    ((value - reference) / reference).abs()
+}
+
+/// Largest absolute difference of two columns.
+pub fn apart(a: &[f64], b: &[f64]) -> f64 {
+    assert_eq!(a.len(), b.len());
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, |m, v| if v.is_nan() { f64::NAN } else { v.max(m) })
+}
+
+/// ‖a − b‖ / ‖b‖.
+pub fn rel_l2(a: &[f64], b: &[f64]) -> f64 {
+    assert_eq!(a.len(), b.len());
+    let square = |v: f64| v * v;
+    let miss: f64 = a.iter().zip(b).map(|(a, b)| square(a - b)).sum();
+    (miss / b.iter().map(|v| square(*v)).sum::<f64>()).sqrt()
+}
+
+/// A small deterministic generator (xorshift), for numbers in −1 … 1.
+pub struct Dice(pub u64);
+
+impl Dice {
+    pub fn roll(&mut self) -> f64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    }
+}
