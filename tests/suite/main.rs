@@ -1,9 +1,11 @@
 //! The whole suite in one binary, one file per theme.
 
+mod acoustics;
 mod compile_fuzz;
 mod diagnostics;
 mod files;
 mod mims;
+mod models;
 mod play;
 mod quantity;
 mod reader;
