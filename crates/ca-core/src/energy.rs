@@ -31,7 +31,7 @@ fn coefs(s: &State, a: &Account, i: usize) -> [f64; 8] {
 fn mats(layout: &Layout, s: &State, d0: &[f64]) -> (f64, f64, f64) {
     let n = layout.n_mat;
     let (mut kinetic, mut held, mut lost) = (0.0, 0.0, 0.0);
-    for i in 0..n {
+    for (i, d0) in d0.iter().enumerate() {
         let (p, q, c) = (s.coef[i], s.coef[n + i], s.coef[2 * n + i]);
         if c == 0.0 {
             continue;
@@ -40,7 +40,7 @@ fn mats(layout: &Layout, s: &State, d0: &[f64]) -> (f64, f64, f64) {
         kinetic += 0.5 * d * d / c;
         let z = (1.0 - p) / c;
         held += 0.5 * (-q / c) * x * (x - d) - 0.25 * z * d * d;
-        lost += 0.25 * z * (d + d0[i]) * (d + d0[i]);
+        lost += 0.25 * z * (d + d0) * (d + d0);
     }
     let weight = layout.ledger.as_ref().map_or(0, |l| l.weight);
     for (k, m) in layout.weighed.iter().enumerate() {

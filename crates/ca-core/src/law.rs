@@ -58,3 +58,10 @@ pub trait Phi<const C: usize, const M: usize> {
     /// Linear bounds, for the certificate.
     fn bound(c: &[f64; C], tables: &[Table]) -> Bound;
 }
+
+/// The force of a link: coefficients, memory, tables, elongation, change of elongation per tick.
+pub type Force = fn(&[f64], &mut [f64], &[Table], f64, f64) -> f64;
+/// Energy held by a link: coefficients, memory, tables, elongations before and after.
+pub type Stored = fn(&[f64], &[f64], &[Table], f64, f64) -> f64;
+/// Heat of a link: coefficients, memory, tables, the elongations before, at and after the tick.
+pub type Lost = fn(&[f64], &[f64], &[Table], [f64; 3]) -> f64;

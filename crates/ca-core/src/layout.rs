@@ -3,6 +3,7 @@
 //! Decides that a pass sees a layout and a state and nothing else: no names, no findings, no list of passes, so that
 //! what the tick depends on is visible in one place. All of it is written once, by the compiler.
 
+use crate::law::{Lost, Stored};
 use crate::table::Table;
 use alloc::vec::Vec;
 
@@ -94,11 +95,6 @@ pub struct Account {
     /// energy turned to heat in a tick
     pub lost: Lost,
 }
-
-/// Energy held by a link: coefficients, memory, tables, elongations before and after.
-pub type Stored = fn(&[f64], &[f64], &[Table], f64, f64) -> f64;
-/// Heat of a link: coefficients, memory, tables, the elongations before, at and after the tick.
-pub type Lost = fn(&[f64], &[f64], &[Table], [f64; 3]) -> f64;
 
 /// What the ledger needs to find its way.
 #[derive(Clone, Default)]

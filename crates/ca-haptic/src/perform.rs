@@ -49,7 +49,7 @@ impl<'a> Performance<'a> {
         let mut p = Performance {
             scene,
             state: scene.state(),
-            controls: Controls::new(scene),
+            controls: scene.controls(),
             drives: Vec::new(),
             wild: false,
         };
@@ -121,7 +121,7 @@ impl<'a> Performance<'a> {
                         let (lo, hi) =
                             self.controls.params().iter().find(|p| p.name == *name).map_or((v, v), |p| (p.min, p.max));
                         if let Ok(patch) = self.controls.set(name, v.max(lo).min(hi)) {
-                            s.apply(scene, &patch, if s.tick == 0 { 1 } else { scene.ratio });
+                            s.apply(&patch, if s.tick == 0 { 1 } else { scene.ratio });
                         }
                     }
                 }
@@ -129,7 +129,7 @@ impl<'a> Performance<'a> {
             }
         }
         tick(scene, s);
-        if s.tick & 63 == 0 && !s.is_sound(WILD) {
+        if s.tick.is_multiple_of(64) && !s.is_sound(WILD) {
             self.wild = true;
         }
     }

@@ -82,7 +82,7 @@ pub fn compile(model: &Model, catalog: &Catalog, options: &Options) -> Result<Sc
         KernelClass::Fast => number::number(&net),
         KernelClass::Reference => number::document(&net),
     };
-    let scene = schedule::schedule(model, net, &order, options, certificate, &mut diags);
+    let scene = schedule::schedule(model, &net, &order, options, certificate, &mut diags);
     match scene {
         Some(mut scene) if !diags.has_errors() => {
             diags.sort();

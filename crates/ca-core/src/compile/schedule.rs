@@ -23,13 +23,13 @@ use alloc::vec::Vec;
 /// Builds the scene. `None` where the findings hold an error.
 pub fn schedule(
     model: &Model,
-    net: Net,
+    net: &Net,
     order: &[u32],
     options: &Options,
     certificate: Certificate,
     diags: &mut Diags,
 ) -> Option<Scene> {
-    let used = used_points(&net);
+    let used = used_points(net);
     let mut place = alloc::vec![u32::MAX; net.mats.len()];
     for (i, m) in order.iter().enumerate() {
         place[*m as usize] = i as u32;
@@ -44,7 +44,7 @@ pub fn schedule(
     }
     let n_mat = n_mat as usize;
     let mut plan =
-        Plan { net: &net, place, point, coef: alloc::vec![0.0; 3 * n_mat], live: Vec::new(), modules: BTreeMap::new() };
+        Plan { net, place, point, coef: alloc::vec![0.0; 3 * n_mat], live: Vec::new(), modules: BTreeMap::new() };
     let mut x = alloc::vec![0.0; n_mat];
     let mut v = alloc::vec![0.0; n_mat];
     let mut rest = alloc::vec![0.0; n_mat];
@@ -164,7 +164,7 @@ pub fn schedule(
     let live = plan.live_plan();
     let (coef, live_places) = (plan.coef, plan.live);
     let mut tables = net.tables.clone();
-    tables.extend(own_tables(&net).into_iter().map(|(_, t)| t));
+    tables.extend(own_tables(net).into_iter().map(|(_, t)| t));
     let layout = Layout {
         te: net.te,
         ratio: net.ratio,

@@ -202,10 +202,10 @@ impl Model {
         };
         if let Some(e) = self.params.iter_mut().find(|e| e.key == name) {
             match &mut e.value {
-                Value::Table(entries) => match entries.iter_mut().find(|x| x.key == "value") {
-                    Some(x) => (x.value, x.span) = (value, Span::NONE),
-                    None => entries.push(Entry::new("value", value)),
-                },
+                Value::Table(entries) => {
+                    entries.retain(|x| x.key != "value");
+                    entries.push(Entry::new("value", value));
+                }
                 _ => (e.value, e.span) = (value, Span::NONE),
             }
             return true;

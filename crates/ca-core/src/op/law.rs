@@ -1,7 +1,7 @@
 //! A law as data: what the compiler, the ledger and the certificate call without knowing which law it is.
 
 use super::{Form, Kernel, kernel};
-use crate::law::{Bound, Phi};
+use crate::law::{Bound, Force, Lost, Phi, Stored};
 use crate::table::Table;
 
 /// A law as data: the functions of a [`Phi`] over slices, and its kernels.
@@ -20,11 +20,11 @@ pub struct Law {
     /// see [`Phi::start`]
     pub start: fn(c: &[f64], e: f64, mem: &mut [f64]),
     /// see [`Phi::force`]
-    pub force: fn(c: &[f64], mem: &mut [f64], tables: &[Table], e: f64, w: f64) -> f64,
+    pub force: Force,
     /// see [`Phi::stored`]
-    pub stored: fn(c: &[f64], mem: &[f64], tables: &[Table], e0: f64, e1: f64) -> f64,
+    pub stored: Stored,
     /// see [`Phi::lost`]
-    pub lost: fn(c: &[f64], mem: &[f64], tables: &[Table], e: [f64; 3]) -> f64,
+    pub lost: Lost,
     /// see [`Phi::bound`]
     pub bound: fn(c: &[f64], tables: &[Table]) -> Bound,
     /// the pass for one form of the law
