@@ -198,12 +198,13 @@ impl Model {
             _ => Value::Text(text.into()),
         };
         if let Some(e) = self.params.iter_mut().find(|e| e.key == name) {
-            match &mut e.value {
-                Value::Table(entries) => match entries.iter_mut().find(|x| x.key == "value") {
+            if let Value::Table(entries) = &mut e.value {
+                match entries.iter_mut().find(|x| x.key == "value") {
                     Some(x) => (x.value, x.span) = (value, Span::NONE),
                     None => entries.push(Entry::new("value", value)),
-                },
-                _ => (e.value, e.span) = (value, Span::NONE),
+                }
+            } else {
+                (e.value, e.span) = (value, Span::NONE);
             }
             return true;
         }

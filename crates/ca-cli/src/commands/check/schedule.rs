@@ -81,9 +81,13 @@ fn form(op: &Op) -> String {
     if op.law.is_none() {
         return String::new();
     }
-    let mut words = vec![if op.form.run { "run" } else { "gather" }];
-    words.extend(op.form.offset.then_some("offset"));
-    words.extend(op.form.tap.then_some("tap"));
+    let mut words = vec![match op.form.stride {
+        0 => "gather".into(),
+        1 => "run".into(),
+        n => format!("run of stride {n}"),
+    }];
+    words.extend(op.form.offset.then(|| "offset".into()));
+    words.extend(op.form.tap.then(|| "tap".into()));
     words.join(" + ")
 }
 
@@ -144,7 +148,8 @@ pub(super) fn json(scene: &Scene, m: &Measured) -> Json {
         .map(|r| {
             let of_links = r.op.law.is_some();
             json!({
-                "stage": r.stage, "pass": r.op.name, "modules": r.op.n, "run": of_links.then_some(r.op.form.run),
+                "stage": r.stage, "pass": r.op.name, "modules": r.op.n, "run": of_links.then_some(r.op.form.stride > 0),
+                "stride": of_links.then_some(r.op.form.stride),
                 "offset": of_links.then_some(r.op.form.offset), "tap": of_links.then_some(r.op.form.tap),
                 "ns_per_tick": r.ns, "ns_per_module": r.ns / r.op.n.max(1) as f64,
             })
