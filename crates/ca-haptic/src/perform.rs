@@ -129,7 +129,7 @@ impl<'a> Performance<'a> {
             }
         }
         tick(scene, s);
-        if s.tick & 63 == 0 && !s.is_sound(WILD) {
+        if s.tick.is_multiple_of(64) && !s.is_sound(WILD) {
             self.wild = true;
         }
     }
