@@ -1,5 +1,6 @@
 //! The whole suite in one binary, one file per theme.
 
+mod compile_fuzz;
 mod diagnostics;
 mod files;
 mod mims;
@@ -8,4 +9,5 @@ mod quantity;
 mod reader;
 mod scheme;
 mod select;
+mod set;
 mod writer;

@@ -76,7 +76,7 @@ fn a_new_model_checks_and_sounds() {
     desk.ca(&["new", "mine.ca.toml"]).is(1).says(&["--force"]);
     assert_eq!(fs::read(desk.path("mine.ca.toml")).unwrap(), b"precious");
     desk.ca(&["new", "mine.ca.toml", "--from", "hammered_string", "--force"]).is(0);
-    desk.ca(&["check", "mine.ca.toml"]).is(0).says(&["Hammered string"]);
+    desk.ca(&["check", "mine.ca.toml"]).is(0).says(&["1 BUT", "key"]);
 }
 
 #[test]

@@ -159,6 +159,9 @@ pub struct Model {
     pub groups: Vec<Group>,
     /// modules in document order
     pub items: Vec<Item>,
+    /// names that stand in the text, but in a place or a form that could not be read; that has been reported, so a
+    /// reference to one of them is not reported again
+    pub lost: Vec<String>,
 }
 
 impl Model {

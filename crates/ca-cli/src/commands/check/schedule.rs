@@ -82,12 +82,12 @@ fn form(op: &Op) -> String {
         return String::new();
     }
     let mut words = vec![match op.form.stride {
-        0 => "gather".into(),
-        1 => "run".into(),
-        n => format!("run of stride {n}"),
+        0 => "gather".to_string(),
+        1 => "run".to_string(),
+        n => format!("run, stride {n}"),
     }];
-    words.extend(op.form.offset.then(|| "offset".into()));
-    words.extend(op.form.tap.then(|| "tap".into()));
+    words.extend(op.form.offset.then(|| "offset".to_string()));
+    words.extend(op.form.tap.then(|| "tap".to_string()));
     words.join(" + ")
 }
 
@@ -148,8 +148,7 @@ pub(super) fn json(scene: &Scene, m: &Measured) -> Json {
         .map(|r| {
             let of_links = r.op.law.is_some();
             json!({
-                "stage": r.stage, "pass": r.op.name, "modules": r.op.n, "run": of_links.then_some(r.op.form.stride > 0),
-                "stride": of_links.then_some(r.op.form.stride),
+                "stage": r.stage, "pass": r.op.name, "modules": r.op.n, "stride": of_links.then_some(r.op.form.stride),
                 "offset": of_links.then_some(r.op.form.offset), "tap": of_links.then_some(r.op.form.tap),
                 "ns_per_tick": r.ns, "ns_per_module": r.ns / r.op.n.max(1) as f64,
             })
