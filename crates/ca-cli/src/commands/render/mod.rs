@@ -78,7 +78,7 @@ pub fn run(args: &RenderArgs) -> Outcome {
     let broke = played.broke.map(|tick| {
         let twin = if args.energy { None } else { audited() };
         let (module, why) = played.performance.blame(twin.as_ref().or(Some(&scene)), gesture.as_ref());
-        told::Broke { time: tick as f64 * scene.te, fix: told::fix(&loaded, &scene, &module), module, why }
+        told::Broke { time: tick as f64 * scene.te, fix: told::fix(&scene, &module), module, why }
     });
     let summary = told::Summary {
         args,
@@ -88,7 +88,7 @@ pub fn run(args: &RenderArgs) -> Outcome {
         energy: energy.as_ref(),
         broke: broke.as_ref(),
         refused: played.performance.state.refused,
-        warnings: load::warnings(&loaded.diags) + load::warnings(&scene.diags),
+        warnings: load::warnings(&scene.diags),
         probes: &probes,
     };
     summary.warn();
