@@ -105,7 +105,7 @@ pub struct RenderArgs {
 #[command(after_long_help = "Examples:
   ca check hammered_string
   ca check hammered_string --schedule
-  ca check hammered_string --set low.n=20 --rate '96 kHz' --json")]
+  ca check hammered_string --set hammer.m='30 g' --rate '96 kHz' --json")]
 pub struct CheckArgs {
     /// the model
     #[command(flatten)]

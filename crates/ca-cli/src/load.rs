@@ -5,10 +5,11 @@
 
 use crate::args::Source;
 use crate::{Failure, catalog, term};
+use ca_core::load::finish;
 use ca_core::model::diag::{Diags, Severity};
 use ca_core::model::suggest::nearest;
 use ca_core::model::{Item, mims, read, render};
-use ca_core::{Model, Options, Scene, compile};
+use ca_core::{Model, Options, Scene};
 use std::path::Path;
 
 include!(concat!(env!("OUT_DIR"), "/bundled.rs"));
@@ -100,7 +101,7 @@ fn no_model(word: &str) -> String {
         .flatten()
         .flatten()
         .map(|f| path.with_file_name(f.file_name()).to_string_lossy().into_owned())
-        .filter(|f| f.ends_with(".ca.toml") || f.ends_with(".mdl"))
+        .filter(|f| f.ends_with(".ca.toml") || has_extension(Path::new(f), "mdl"))
         .collect();
     let own = format!("{word}.ca.toml");
     let names = BUNDLED.iter().map(|m| m.0);
@@ -168,16 +169,12 @@ pub fn ticked<'a>(words: impl Iterator<Item = &'a str>) -> String {
 
 /// Compiles. Findings of reader and compiler together, in order of place; one is not said twice.
 pub fn compiled(loaded: &Loaded, options: &Options) -> (Option<Scene>, Diags) {
-    let mut all = loaded.diags.clone();
-    match compile(&loaded.model, &catalog(), options) {
+    match finish(&loaded.model, loaded.diags.clone(), &catalog(), options) {
         Ok(scene) => {
-            merge(&mut all, scene.diags.clone());
-            (if all.has_errors() { None } else { Some(scene) }, all)
+            let diags = scene.diags.clone();
+            (Some(scene), diags)
         }
-        Err(more) => {
-            merge(&mut all, more);
-            (None, all)
-        }
+        Err(diags) => (None, diags),
     }
 }
 
@@ -188,17 +185,6 @@ pub fn scene(loaded: &Loaded, options: &Options) -> Result<Scene, Failure> {
         term::findings(&render::text(&diags, &loaded.model, term::color()));
         Failure::Told
     })
-}
-
-/// Adds findings that are not there yet, in order of place.
-fn merge(all: &mut Diags, more: Diags) {
-    for d in more.list {
-        let said = all.list.iter().any(|o| d.span().is_some() && o.span() == d.span() && o.code == d.code);
-        if !said {
-            all.push(d);
-        }
-    }
-    all.sort();
 }
 
 /// Warnings among findings.

@@ -145,7 +145,8 @@ impl<'a> Performance<'a> {
         }
         if let Some(scene) = audited {
             if let Ok(mut twin) = Performance::new(scene, gesture) {
-                while !twin.wild && twin.state.tick < self.state.tick + 64 {
+                // up to the first tick out of range: what is booked after that says nothing of the cause
+                while twin.state.is_sound(WILD) && twin.state.tick < self.state.tick + 64 {
                     twin.tick();
                 }
                 if let Some((link, made)) = twin.state.ledger.as_ref().and_then(ca_core::energy::Ledger::culprit) {

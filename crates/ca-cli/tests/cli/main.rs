@@ -35,6 +35,7 @@ fn usage_is_refused_before_anything_is_written() {
         (&["render", "bar.ca.toml", "-o", "x.flac"], "`.wav`"),
         (&["render", "bar.ca.toml", "--seconds", "4 kg"], "quantity in s"),
         (&["render", "bar.ca.toml", "--seconds", "0"], "between"),
+        (&["render", "bar.ca.toml", "--seconds", "86400"], "4 GiB"),
         (&["render", "bar.ca.toml", "--rate", "fast"], "starts with a number"),
         (&["render", "bar.ca.toml", "--set", "loud"], "hammer.m"),
         (&["render", "bar.ca.toml", "--format", "8"], "f32"),
@@ -48,7 +49,7 @@ fn usage_is_refused_before_anything_is_written() {
         desk.ca(args).is(2).says(&[word]);
     }
     desk.ca(&["render", "bar.ca.toml", "-o", "no/x.wav"]).is(1).says(&["make the directory first"]);
-    desk.ca(&["render", "hammered_string", "--gesture", "no.csv"]).is(1).says(&["`no.csv`"]);
+    desk.ca(&["render", "bar.ca.toml", "--gesture", "no.csv"]).is(1).says(&["`no.csv`"]);
     assert_eq!(desk.files(), ["bar.ca.toml", "bar.csv", "bar.wav"]);
     assert_eq!(fs::read(desk.path("bar.wav")).unwrap(), b"mine");
 }

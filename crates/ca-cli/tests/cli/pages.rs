@@ -1,20 +1,21 @@
 //! `ca check`, `ca list`, `ca new`, `ca import`.
 
-use crate::desk::{Desk, mims, peak};
+use crate::desk::{Desk, STRUCK, mims, peak};
 use std::fs;
 
 #[test]
 fn check_tells_what_it_knows() {
     let desk = Desk::new();
-    let r = desk.ca(&["check", "hammered_string", "--schedule"]).is(0);
+    desk.put("struck.ca.toml", STRUCK);
+    let r = desk.ca(&["check", "struck.ca.toml", "--schedule"]).is(0);
     let r = r.says(&["45 MAT", "key", "3 kHz", "rule of thumb", "ns/tick", "measured here", "no weight", "run"]);
     let place = |w: &str| r.out.find(w).unwrap_or_else(|| panic!("no {w}"));
     assert!(place("  reads") < place("  forces"));
     assert!(place("  forces") < place("  writes") && place("  writes") < place("  moves"));
-    let j = desk.ca(&["check", "hammered_string", "--schedule", "--json", "--set", "low.n=20"]).is(0).json();
+    let j = desk.ca(&["check", "struck.ca.toml", "--schedule", "--json", "--set", "low.n=20"]).is(0).json();
     assert_eq!(j["summary"]["modules"]["CEL"], 20);
     let passes = j["schedule"]["passes"].as_array().unwrap();
-    assert!(passes.iter().any(|p| p["pass"] == "REF" && p["run"] == true && p["modules"] == 21));
+    assert!(passes.iter().any(|p| p["pass"] == "REF" && p["stride"] == 1 && p["modules"] == 21));
     assert!(passes.iter().all(|p| p["ns_per_tick"].as_f64().is_some()));
     desk.put("a.ca.toml", "[MAS]\nbob = { m = \"20 s\" }\n");
     let j = desk.ca(&["check", "a.ca.toml", "--json"]).is(1).json();
@@ -75,7 +76,7 @@ fn a_new_model_checks_and_sounds() {
     desk.ca(&["new", "mine.ca.toml"]).is(1).says(&["--force"]);
     assert_eq!(fs::read(desk.path("mine.ca.toml")).unwrap(), b"precious");
     desk.ca(&["new", "mine.ca.toml", "--from", "hammered_string", "--force"]).is(0);
-    desk.ca(&["check", "mine.ca.toml"]).is(0).says(&["Hammered string"]);
+    desk.ca(&["check", "mine.ca.toml"]).is(0).says(&["1 BUT", "key"]);
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! `ca render`.
 
-use crate::desk::{BAR, Desk, KEY, peak};
+use crate::desk::{BAR, Desk, KEY, STRUCK, peak};
 use std::fs;
 
 const UNSTABLE: &str = r#"
@@ -33,13 +33,14 @@ push = [[0, 0], [0.01, "200 N"], [0.02, 0]]
 "#;
 
 #[test]
-fn a_bundled_model_sounds() {
+fn a_model_sounds_by_its_own_gesture() {
     let desk = Desk::new();
-    let r = desk.ca(&["render", "hammered_string"]).is(0);
-    let r = r.says(&["hammered_string.wav", "4.000 s", "48 kHz", "real-time factor", "dBFS", "first 1 s", "margin"]);
+    desk.put("struck.ca.toml", STRUCK);
+    let r = desk.ca(&["render", "struck.ca.toml"]).is(0);
+    let r = r.says(&["struck.wav", "4.000 s", "48 kHz", "real-time factor", "dBFS", "first 1 s", "margin"]);
     assert_eq!(r.err, "");
-    assert_eq!(desk.files(), ["hammered_string.wav"]);
-    let (spec, samples) = desk.wav("hammered_string.wav");
+    assert_eq!(desk.files(), ["struck.ca.toml", "struck.wav"]);
+    let (spec, samples) = desk.wav("struck.wav");
     assert_eq!((spec.sample_rate, spec.channels, samples.len()), (48_000, 2, 2 * 192_000));
     assert!((0.1..=1.0).contains(&peak(&samples)));
     // both strokes sound
@@ -50,10 +51,11 @@ fn a_bundled_model_sounds() {
 #[test]
 fn the_same_bits_in_two_runs_and_with_either_kernel() {
     let desk = Desk::new();
+    desk.put("struck.ca.toml", STRUCK);
     for (file, more) in [("a.wav", &[][..]), ("b.wav", &["--energy"]), ("c.wav", &["--kernel", "reference"])] {
-        desk.ca(&[&["render", "hammered_string", "-o", file, "--seconds", "500 ms", "-q"], more].concat()).is(0);
+        desk.ca(&[&["render", "struck.ca.toml", "-o", file, "--seconds", "500 ms", "-q"], more].concat()).is(0);
     }
-    desk.ca(&["render", "hammered_string", "-o", "d.wav", "--seconds", "500 ms", "-q"]).is(0);
+    desk.ca(&["render", "struck.ca.toml", "-o", "d.wav", "--seconds", "500 ms", "-q"]).is(0);
     let a = fs::read(desk.path("a.wav")).unwrap();
     assert!(peak(&desk.wav("a.wav").1) > 0.01);
     assert!(a == fs::read(desk.path("d.wav")).unwrap(), "two runs differ");
@@ -115,6 +117,7 @@ fn what_is_cut_off_is_counted_and_the_gain_fits() {
 #[test]
 fn parameters_and_rates_are_set() {
     let desk = Desk::new();
+    desk.put("struck.ca.toml", STRUCK);
     desk.put("bar.ca.toml", BAR);
     let of = |more: &[&str]| {
         desk.ca(&[&["render", "bar.ca.toml", "--quiet"], more].concat()).is(0);
@@ -130,15 +133,16 @@ fn parameters_and_rates_are_set() {
     assert_eq!(of(&["--seconds", "0.25"]).1.len(), 12_000);
     desk.ca(&["render", "bar.ca.toml", "--set", "bar.m=1 s"]).is(1).says(&["E008", "`m` of `bar`"]);
     // the model fixes 3 kHz: the nearest rate is named
-    let r = desk.ca(&["render", "hammered_string", "--rate", "44.1 kHz"]).is(1);
+    let r = desk.ca(&["render", "struck.ca.toml", "--rate", "44.1 kHz"]).is(1);
     assert!(r.err.contains("E020") && r.err.contains("45000 Hz"), "{}", r.err);
-    desk.ca(&["render", "hammered_string", "--rate", "44.1 kHz", "--set", "rate.gesture=2940 Hz", "-q"]).is(0);
+    desk.ca(&["render", "struck.ca.toml", "--rate", "44.1 kHz", "--set", "rate.gesture=2940 Hz", "-q"]).is(0);
 }
 
 #[test]
 fn probes_are_readable() {
     let desk = Desk::new();
-    let args = ["render", "hammered_string", "--seconds", "1", "--probe", "low[*]", "--probe", "strike=blow.csv"];
+    desk.put("struck.ca.toml", STRUCK);
+    let args = ["render", "struck.ca.toml", "--seconds", "1", "--probe", "low[*]", "--probe", "strike=blow.csv"];
     desk.ca(&[&args[..], &["--probe", "low@0.3", "--probe", "left", "-q"]].concat()).is(0);
     let npy = |name: &str| {
         let bytes = fs::read(desk.path(name)).unwrap();
@@ -166,19 +170,37 @@ fn probes_are_readable() {
 #[test]
 fn a_gesture_file_plays() {
     let desk = Desk::new();
+    desk.put("struck.ca.toml", STRUCK);
     desk.put("key.csv", KEY).put("still.csv", "time,key\n0,-0.003\n");
-    desk.ca(&["render", "hammered_string", "--gesture", "key.csv", "-q"]).is(0);
-    assert!(peak(&desk.wav("hammered_string.wav").1) > 0.1);
+    desk.ca(&["render", "struck.ca.toml", "--gesture", "key.csv", "-q"]).is(0);
+    assert!(peak(&desk.wav("struck.wav").1) > 0.1);
     // takes the place of the built-in one
-    desk.ca(&["render", "hammered_string", "--gesture", "still.csv"]).is(0).says(&["nothing sounds", "`key`"]);
-    assert_eq!(peak(&desk.wav("hammered_string.wav").1), 0.0);
+    desk.ca(&["render", "struck.ca.toml", "--gesture", "still.csv"]).is(0).says(&["nothing sounds", "`key`"]);
+    assert_eq!(peak(&desk.wav("struck.wav").1), 0.0);
     // two files together
     desk.put("z.csv", "time,z\n0,1\n3.5,5\n5,5\n");
-    let args = ["render", "hammered_string", "--gesture", "key.csv", "--gesture", "z.csv"];
+    let args = ["render", "struck.ca.toml", "--gesture", "key.csv", "--gesture", "z.csv"];
     desk.ca(&args).is(0).says(&["the gesture lasts 5.000 s"]);
     desk.put("twin.csv", KEY);
-    let args = ["render", "hammered_string", "--gesture", "key.csv", "--gesture", "twin.csv"];
+    let args = ["render", "struck.ca.toml", "--gesture", "key.csv", "--gesture", "twin.csv"];
     desk.ca(&args).is(1).says(&["two tracks"]);
+}
+
+#[test]
+fn a_midi_file_plays_through_the_mapping_of_the_port() {
+    let desk = Desk::new();
+    desk.put("struck.ca.toml", STRUCK);
+    // one note, an eighth at 120 to the minute
+    let note = |velocity: u8| {
+        let mut b = b"MThd\0\0\0\x06\0\0\0\x01\0\x60MTrk\0\0\0\x0c".to_vec();
+        b.extend([0, 0x90, 60, velocity, 48, 0x80, 60, 0, 0, 0xff, 0x2f, 0]);
+        fs::write(desk.path("note.mid"), b).unwrap();
+        desk.ca(&["render", "struck.ca.toml", "--gesture", "note.mid", "--seconds", "1", "-q"]).is(0);
+        peak(&desk.wav("struck.wav").1)
+    };
+    let (loud, silent) = (note(127), note(1));
+    assert!(loud > 0.1 && silent == 0.0, "{loud} {silent}");
+    desk.ca(&["render", "struck.ca.toml", "--gesture", "note.mid", "--gesture-rate", "100"]).is(2).says(&["leave out"]);
 }
 
 #[test]
@@ -195,9 +217,10 @@ fn length_follows_the_gesture_where_nobody_says() {
 #[test]
 fn the_energy_book_is_shown() {
     let desk = Desk::new();
-    let r = desk.ca(&["render", "hammered_string", "--energy"]).is(0);
+    desk.put("struck.ca.toml", STRUCK);
+    let r = desk.ca(&["render", "struck.ca.toml", "--energy"]).is(0);
     r.says(&["received", "lost", "made", "held", "made by `strike`"]);
-    let j = desk.ca(&["render", "hammered_string", "--json"]).is(0).json();
+    let j = desk.ca(&["render", "struck.ca.toml", "--json"]).is(0).json();
     assert_eq!((j["energy"]["seconds"].as_f64(), j["energy"]["whole"].as_bool()), (Some(1.0), Some(false)));
     assert!(j["energy"]["relative_residual"].as_f64().unwrap() < 1e-10);
     assert!(j["real_time_factor"].as_f64().unwrap() > 0.0 && j["degraded"] == false);

@@ -12,10 +12,14 @@ use ca_core::model::suggest::nearest;
 use ca_core::model::{read, schema};
 use ca_core::{Catalog, Model};
 use serde_json::{Value as Json, json};
+use std::fmt::Write as _;
 use std::io::Write as _;
 
+/// Whether a role is of a family.
+type Belongs = fn(&Role) -> bool;
+
 /// Families in the order of the catalog.
-const FAMILIES: [(&str, fn(&Role) -> bool); 4] = [
+const FAMILIES: [(&str, Belongs); 4] = [
     ("Matter", |r| matches!(r, Role::Mat(_))),
     ("Interactions", |r| matches!(r, Role::Lia(_))),
     ("Ports", |r| matches!(r, Role::Port(_))),
@@ -86,9 +90,9 @@ fn kinds(catalog: &Catalog) -> String {
     let (mut out, widest) = (String::new(), |f: fn(&Kind) -> usize| catalog.iter().map(f).max().unwrap_or(0));
     let (a, b) = (widest(|k| k.code.len()), widest(|k| k.title.chars().count()));
     for (family, is) in FAMILIES {
-        out += &format!("{family}\n");
+        let _ = writeln!(out, "{family}");
         for k in catalog.iter().filter(|k| is(&k.role)) {
-            out += &format!("  {:<a$}  {:<b$}  {}\n", k.code, k.title, k.equation);
+            let _ = writeln!(out, "  {:<a$}  {:<b$}  {}", k.code, k.title, k.equation);
         }
     }
     out
@@ -126,7 +130,8 @@ fn about(name: &str, model: &Model) -> String {
 fn markdown(catalog: &Catalog) -> String {
     let mut out = String::new();
     for (family, is) in FAMILIES {
-        out += &format!("### {family}\n\n| kind | what | equation | parameters | source |\n|---|---|---|---|---|\n");
+        let _ =
+            writeln!(out, "### {family}\n\n| kind | what | equation | parameters | source |\n|---|---|---|---|---|");
         for k in catalog.iter().filter(|k| is(&k.role)) {
             out += &row(k);
         }

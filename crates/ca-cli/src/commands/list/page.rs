@@ -4,6 +4,7 @@ use ca_core::catalog::SOURCES;
 use ca_core::kind::{Dim, Kind, Need, Param, Type, Unit};
 use ca_core::model::quantity::show;
 use serde_json::{Value as Json, json};
+use std::fmt::Write as _;
 
 /// Width of the text.
 const WIDTH: usize = 96;
@@ -66,7 +67,7 @@ fn wrap(text: &str, indent: usize) -> String {
     let gap = " ".repeat(indent);
     for word in text.split_whitespace() {
         if !line.is_empty() && indent + line.chars().count() + 1 + word.chars().count() > WIDTH {
-            out += &format!("{gap}{line}\n");
+            let _ = writeln!(out, "{gap}{line}");
             line.clear();
         }
         if !line.is_empty() {
@@ -90,13 +91,13 @@ pub(super) fn text(k: &Kind) -> String {
         let width = |i: usize| cells.iter().map(|c| c[i].chars().count()).max().unwrap_or(0).min(34);
         let (a, b, c) = (width(0), width(1), width(2));
         for (p, [name, accepts, default]) in k.params.iter().zip(&cells) {
-            out += &format!("  {name:<a$}  {accepts:<b$}  {default:<c$}  {}\n", p.doc);
+            let _ = writeln!(out, "  {name:<a$}  {accepts:<b$}  {default:<c$}  {}", p.doc);
         }
     }
     for o in k.one_of {
         let sets: Vec<String> = o.sets.iter().map(|s| format!("`{}`", s.join("`, `"))).collect();
         let must = if o.required { "one of them is needed" } else { "at most one of them" };
-        out += &format!("  {}: {must}\n", sets.join(" or "));
+        let _ = writeln!(out, "  {}: {must}", sets.join(" or "));
     }
     if !k.source.is_empty() {
         out += "\nSources\n";

@@ -22,6 +22,8 @@ use std::path::{Path, PathBuf};
 /// Seconds of silence after a gesture, and the least of everything.
 const TAIL: f64 = 2.0;
 const LEAST: f64 = 3.0;
+/// Data of a WAV file [bytes].
+const MOST: u64 = u32::MAX as u64 - 100;
 
 /// A probe as asked.
 pub(crate) struct Probe {
@@ -61,6 +63,10 @@ pub fn run(args: &RenderArgs) -> Outcome {
         SampleFormat::I16 => Format::I16,
     };
 
+    if frames.saturating_mul(scene.channels as u64 * u64::from(format.bits() / 8)) > MOST {
+        let what = format!("{seconds} s of {} channels are more than the 4 GiB a WAV file holds", scene.channels);
+        return Err(Failure::Usage(format!("{what}; render less with `--seconds`, or `--format 16`")));
+    }
     let wav = WavOut::create(&output, scene.rate, scene.channels, format)?;
     let outs = open_probes(&probes, &scene)?;
     let show = !args.quiet && !args.json;
@@ -72,7 +78,7 @@ pub fn run(args: &RenderArgs) -> Outcome {
     let broke = played.broke.map(|tick| {
         let twin = if args.energy { None } else { audited() };
         let (module, why) = played.performance.blame(twin.as_ref().or(Some(&scene)), gesture.as_ref());
-        told::Broke { time: tick as f64 * scene.te, fix: told::fix(&loaded, &scene, &module), module, why }
+        told::Broke { time: tick as f64 * scene.te, fix: told::fix(&scene, &module), module, why }
     });
     let summary = told::Summary {
         args,
@@ -82,7 +88,7 @@ pub fn run(args: &RenderArgs) -> Outcome {
         energy: energy.as_ref(),
         broke: broke.as_ref(),
         refused: played.performance.state.refused,
-        warnings: load::warnings(&loaded.diags) + load::warnings(&scene.diags),
+        warnings: load::warnings(&scene.diags),
         probes: &probes,
     };
     summary.warn();

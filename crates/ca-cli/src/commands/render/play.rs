@@ -30,13 +30,13 @@ pub(crate) struct Played<'a> {
 }
 
 /// Plays `frames` ticks into the files, and finishes them.
-pub(crate) fn play<'a>(
-    mut p: Performance<'a>,
+pub(crate) fn play(
+    mut p: Performance<'_>,
     frames: u64,
     mut wav: WavOut,
     mut probes: Vec<(ProbeOut, usize)>,
     show: bool,
-) -> Result<Played<'a>, Failure> {
+) -> Result<Played<'_>, Failure> {
     let (channels, n_out) = (p.scene.channels, p.scene.n_out);
     let mut sound = Vec::with_capacity(BLOCK as usize * channels);
     let mut heard: Vec<Vec<f64>> = probes.iter().map(|_| Vec::new()).collect();

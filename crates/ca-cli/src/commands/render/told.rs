@@ -3,7 +3,6 @@
 use super::Probe;
 use super::play::Audit;
 use crate::args::{RenderArgs, SampleFormat};
-use crate::load::Loaded;
 use crate::{Failure, term};
 use ca_core::Scene;
 use ca_core::compile::certify::Certificate;
@@ -41,8 +40,8 @@ pub(crate) struct Summary<'a> {
 }
 
 /// What the warnings of the compiler offer against the blow-up of `module`: those that name it come first.
-pub(crate) fn fix(loaded: &Loaded, scene: &Scene, module: &str) -> Option<String> {
-    let list = || scene.diags.list.iter().chain(&loaded.diags.list);
+pub(crate) fn fix(scene: &Scene, module: &str) -> Option<String> {
+    let list = || scene.diags.list.iter();
     let about = |d: &&ca_core::model::diag::Diag| matches!(d.code, "W103" | "W104" | "W110" | "W105");
     let named = format!("`{module}`");
     let d = list().filter(about).find(|d| d.title.contains(&named)).or_else(|| list().find(about))?;
