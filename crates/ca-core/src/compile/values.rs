@@ -174,6 +174,20 @@ impl Values<'_> {
         Some(v)
     }
 
+    /// The exponent written beside a power stiffness; what is wrong with it is reported where it stands.
+    fn exponent(&self, value: &Value) -> Option<f64> {
+        let raw = match value {
+            Value::Num(v) => Raw::Bare(*v),
+            Value::Text(t) if quantity::is_quantity(t) => Raw::Quantity(quantity::parse(t).ok()?),
+            Value::Text(t) => self.named.iter().find(|n| n.name == *t)?.value,
+            _ => return None,
+        };
+        Some(match raw {
+            Raw::Bare(v) => v,
+            Raw::Quantity(q) => q.value,
+        })
+    }
+
     /// The argument `param` of an item.
     pub fn arg(
         &mut self,
@@ -187,6 +201,10 @@ impl Values<'_> {
         let plain = |v: f64| Some((Arg::Num(v), None));
         match param.ty {
             Type::Number { unit, min, max } => {
+                // where a model starts, lengths and exponents are no coefficients: nothing would follow a change of them
+                if matches!(param.name, "x" | "dx0" | "v" | "l0" | "p") {
+                    self.constant(e, unit, (min, max), &what)?;
+                }
                 let (v, follows) = self.number(e, unit, (min, max), &what)?;
                 if param.name == "p" && v * 4.0 != libm::round(v * 4.0) {
                     let d = Diag::error("E009", format!("{what} is not a multiple of 1/4: {v}"))
@@ -200,10 +218,7 @@ impl Values<'_> {
             Type::PowerStiffness { exponent } => {
                 let p = siblings.iter().find(|s| s.key == exponent).map_or_else(
                     || kind.param(exponent).map(|i| kind.params[i].need),
-                    |s| match s.value {
-                        Value::Num(v) => Some(Need::Default(v)),
-                        _ => None,
-                    },
+                    |s| self.exponent(&s.value).map(Need::Default),
                 );
                 let Some(Need::Default(p)) = p else { return plain(0.0) };
                 let unit = Unit { symbol: power_symbol(p), dim: Dim::power_stiffness(p) };
