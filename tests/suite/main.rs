@@ -1,11 +1,17 @@
 //! The whole suite in one binary, one file per theme.
 
+mod border;
+mod chance;
+mod conformance;
 mod diagnostics;
 mod files;
+mod interpreter;
 mod mims;
+mod oracle;
 mod play;
 mod quantity;
 mod reader;
+mod references;
 mod scheme;
 mod select;
 mod writer;

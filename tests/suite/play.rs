@@ -18,8 +18,7 @@ pub fn model(text: &str) -> Model {
 
 pub fn with(text: &str, options: &Options) -> Scene {
     let model = model(text);
-    compile(&model, &Catalog::core(), options)
-        .unwrap_or_else(|d| panic!("{text}\n{}", render::text(&d, &model, false)))
+    compile(&model, &Catalog::core(), options).unwrap_or_else(|d| panic!("{text}\n{}", render::text(&d, &model, false)))
 }
 
 pub fn scene(text: &str) -> Scene {

@@ -102,7 +102,8 @@ fn a02_warping() {
             within(&format!("A02 {} Hz in cents", row[0]), (cents - row[2]).abs(), 1e-9);
         }
         // a cell asked for the frequency it would be heard at is not warped
-        let asked = scene(&format!("[CEL]\nbob = {{ m = 0.001, f = {:?} }}\n[SOX]\nout = {{ from = \"bob\" }}\n", row[0]));
+        let asked =
+            scene(&format!("[CEL]\nbob = {{ m = 0.001, f = {:?} }}\n[SOX]\nout = {{ from = \"bob\" }}\n", row[0]));
         let f = heard(mode(&asked, &[mat(&asked, "bob")], &[1.0]).0, FS);
         within(&format!("A02 {} Hz asked", row[0]), off(f, row[0]), tolerance);
     }
@@ -473,8 +474,8 @@ point = { from = "low@finger" }
                 tick(&scene, &mut s);
                 let all = [&s.x, &s.d, &s.f, &s.output, &s.tap];
                 assert!(all.iter().all(|v| v.iter().all(|v| v.is_finite())), "{bad} at tick {n}");
-                let due = scene.inputs[*port].device.is_none() && *port != inputs[1]
-                    || ca_core::border::frame_due(&scene, n);
+                let due =
+                    scene.inputs[*port].device.is_none() && *port != inputs[1] || ca_core::border::frame_due(&scene, n);
                 assert_eq!(s.refused - refused, u64::from(glitch && due), "{bad}, port {port}, tick {n}");
                 if glitch && *port != inputs[2] {
                     assert_eq!(s.held[*port], held, "the last good value is held");
