@@ -1,1 +1,89 @@
-//! benches
+//! Scenes that the benches share.
+
+use ca_core::{Catalog, KernelClass, Model, Options, Scene, compile};
+use std::fmt::Write as _;
+
+/// Reads a model of ours; a finding is a defect of the bench.
+pub fn model(text: &str) -> Model {
+    let (model, findings) = ca_core::model::read::read(text, "bench.ca.toml", &Catalog::core());
+    assert!(!findings.has_errors(), "{findings}");
+    model
+}
+
+/// Compiles a model with one class of kernels.
+pub fn scene(model: &Model, kernel: KernelClass, energy: bool) -> Scene {
+    compile(model, &Catalog::core(), &Options { kernel, energy, ..Options::default() }).expect("the bench compiles")
+}
+
+/// A string of `n` masses by its generator.
+pub fn string(n: usize) -> String {
+    format!(
+        "[STRING]\ns = {{ n = {n}, m = \"1 g\", k = \"100 kN/m\", z = \"1 mN s/m\" }}\n[SOX]\nout = {{ from = \"s[3]\" }}\n"
+    )
+}
+
+/// A mesh of `n` × `n` masses by its generator.
+pub fn mesh(n: usize) -> String {
+    format!(
+        "[MESH]\ns = {{ nx = {n}, ny = {n}, m = \"1 g\", k = \"50 kN/m\", z = \"1 mN s/m\" }}\n[SOX]\nout = {{ from = \"s[3,3]\" }}\n"
+    )
+}
+
+/// A string of `n` masses with every module written by hand.
+pub fn by_hand(n: usize) -> String {
+    let mut t = String::from("[SOL]\nwall = {}\n[MAS]\n");
+    for i in 0..n {
+        let _ = writeln!(t, "m{i} = {{ m = \"1 g\" }}");
+    }
+    t += "[REF]\nr0 = { between = [\"wall\", \"m0\"], k = \"100 kN/m\", z = 0.001 }\n";
+    for i in 1..n {
+        let _ = writeln!(t, "r{i} = {{ between = [\"m{}\", \"m{i}\"], k = \"100 kN/m\", z = 0.001 }}", i - 1);
+    }
+    t + "[SOX]\nout = { from = \"m3\" }\n"
+}
+
+/// `masses` joined at random by `links` REF: the worst case, nothing stands in a row.
+pub fn random(masses: u64, links: u64) -> String {
+    let mut t = String::from("[MAS]\n");
+    for i in 0..masses {
+        let _ = writeln!(t, "m{i} = {{ m = \"1 g\" }}");
+    }
+    t += "[REF]\n";
+    let mut seed = 12345u64;
+    let mut next = || {
+        seed ^= seed << 13;
+        seed ^= seed >> 7;
+        seed ^= seed << 17;
+        seed % masses
+    };
+    for i in 0..links {
+        let (a, b) = (next(), next());
+        let b = if a == b { (b + 1) % masses } else { b };
+        let _ = writeln!(t, "r{i} = {{ between = [\"m{a}\", \"m{b}\"], k = \"1 kN/m\", z = 0.001 }}");
+    }
+    t + "[SOX]\nout = { from = \"m3\" }\n"
+}
+
+/// A MIMS file of ours: a 20 × 30 mesh held at two corners, one line per module, as that format is written.
+pub fn mims_mesh() -> String {
+    let mut t = String::from("@M param 1.0\n@K param 0.1\n@Z param 0.01\n");
+    let corner = |i: usize, j: usize| (i == 0 && j == 0) || (i == 19 && j == 29);
+    for i in 0..20 {
+        for j in 0..30 {
+            let kind = if corner(i, j) { "ground 0." } else { "mass M 0. 0." };
+            let _ = writeln!(t, "@n_m{i}_{j} {kind}");
+        }
+    }
+    let mut r = 0;
+    for i in 0..20 {
+        for j in 0..30 {
+            for (p, q) in [(i, j + 1), (i + 1, j)] {
+                if p < 20 && q < 30 {
+                    let _ = writeln!(t, "@n_r{r} springDamper @n_m{i}_{j} @n_m{p}_{q} K Z");
+                    r += 1;
+                }
+            }
+        }
+    }
+    t + "@in1 frcInput @n_m2_6\n@out1 posOutput @n_m19_3\n"
+}

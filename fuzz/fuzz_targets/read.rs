@@ -1,10 +1,11 @@
-//! Arbitrary bytes as a model file: read, report, write, and read what was written.
+//! Arbitrary bytes as a model file: read, compile, report, write, and read what was written.
 //!
 //! `cargo +nightly fuzz run read`, from the root of the repository. The folder `tests/diagnostics` makes good seeds.
 #![no_main]
 
 use ca_core::catalog::Catalog;
 use ca_core::model::{quantity, read, render, select, write};
+use ca_core::{Options, load};
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|data: &[u8]| {
@@ -22,6 +23,14 @@ fuzz_target!(|data: &[u8]| {
     }
     render::text(&diags, &model, false);
     render::json(&diags, &model);
+    let (model, result) = load(&text, "fuzz", &catalog, &Options::default());
+    let found = result.map_or_else(|d| d, |scene| scene.diags);
+    for d in &found.list {
+        for (span, _) in &d.labels {
+            assert!(!span.is_some() || span.start <= span.end && span.end <= text.len(), "{d:?}");
+        }
+    }
+    render::text(&found, &model, false);
     let written = write::write(&model);
     if diags.list.is_empty() {
         let (again, diags) = read::read(&written, "again", &catalog);

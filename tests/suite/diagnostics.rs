@@ -1,19 +1,26 @@
 //! `tests/diagnostics/*.md`: what is said about a model, written down as a reader of the documentation would see it.
 //!
-//! A section `## E004 unknown parameter` holds prose, then a `toml` block and right after it a `text` block with the
-//! report expected. `UPDATE=1 cargo test -p ca-tests diagnostics` writes the reports anew; the difference is reviewed
+//! A section `## E004 unknown parameter` holds prose, then a `toml` block (or `mdl`, a MIMS model to import) and right
+//! after it a `text` block with the report expected. `UPDATE=1 cargo test -p ca-tests diagnostics` writes the reports anew; the difference is reviewed
 //! like code.
 
 use ca_core::catalog::Catalog;
 use ca_core::model::diag::CODES;
-use ca_core::model::{read, render};
+use ca_core::model::{Model, mims, render};
+use ca_core::{Options, load};
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 /// The one place that says what a user is told about a text.
-fn report(text: &str) -> String {
-    let (model, diags) = read::read(text, "model.ca.toml", &Catalog::core());
+fn report(language: &str, text: &str) -> String {
+    let (model, diags) = if language == "mdl" {
+        let diags = mims::import(text, "model.mdl").1;
+        (Model { file: "model.mdl".into(), text: text.into(), ..Model::default() }, diags)
+    } else {
+        let (model, result) = load(text, "model.ca.toml", &Catalog::core(), &Options::default());
+        (model, result.map_or_else(|diags| diags, |scene| scene.diags))
+    };
     if diags.list.is_empty() { "no findings\n".into() } else { render::text(&diags, &model, false) }
 }
 
@@ -26,10 +33,11 @@ fn files() -> Vec<(PathBuf, String)> {
     list.into_iter().map(|p| (p.clone(), std::fs::read_to_string(p).expect("UTF-8"))).collect()
 }
 
-/// One `toml` block: heading it stands under, its text, and the report after it (none where the block is missing).
+/// One block of input: heading it stands under, its text, and the report after it (none where the block is missing).
 struct Case {
     line: usize,
     heading: String,
+    language: String,
     input: String,
     expected: Option<String>,
 }
@@ -42,7 +50,7 @@ fn walk(doc: &str) -> (Vec<Case>, String) {
     let mut waiting = false;
     let mut lines = doc.lines().enumerate();
     let emit = |fresh: &mut String, case: &Case| {
-        let _ = write!(fresh, "\n```text\n{}```\n", report(&case.input));
+        let _ = write!(fresh, "\n```text\n{}```\n", report(&case.language, &case.input));
     };
     while let Some((i, line)) = lines.next() {
         let fence = line.strip_prefix("```");
@@ -74,8 +82,9 @@ fn walk(doc: &str) -> (Vec<Case>, String) {
                     waiting = false;
                 } else {
                     let _ = write!(fresh, "```{language}\n{body}```\n");
-                    if language == "toml" {
-                        cases.push(Case { line: i + 1, heading: heading.clone(), input: body, expected: None });
+                    if matches!(language, "toml" | "mdl") {
+                        let (heading, language) = (heading.clone(), language.to_string());
+                        cases.push(Case { line: i + 1, heading, language, input: body, expected: None });
                         waiting = true;
                     }
                 }
@@ -100,7 +109,7 @@ fn reports_are_as_written() {
             continue;
         }
         for c in cases {
-            let got = report(&c.input);
+            let got = report(&c.language, &c.input);
             if c.expected.as_deref() != Some(&got) {
                 let want = c.expected.as_deref().unwrap_or("(no text block)\n");
                 let _ =
@@ -121,7 +130,7 @@ fn each_section_shows_its_code() {
             let known = CODES.iter().any(|k| k.0 == code && k.1 == title);
             assert!(known, "{}: the heading `{}` is not a line of diag::CODES", path.display(), c.heading);
             assert!(
-                report(&c.input).contains(&format!("[{code}]")),
+                report(&c.language, &c.input).contains(&format!("[{code}]")),
                 "{}:{} does not show {code}",
                 path.display(),
                 c.line
@@ -131,7 +140,6 @@ fn each_section_shows_its_code() {
 }
 
 #[test]
-#[ignore = "the compiler's codes have no sections yet"]
 fn every_code_has_a_section() {
     let shown: BTreeSet<String> = files().iter().flat_map(|(_, doc)| walk(doc).0).map(|c| c.heading).collect();
     let missing: Vec<String> =

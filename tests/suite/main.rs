@@ -2,6 +2,7 @@
 
 mod border;
 mod chance;
+mod compile_fuzz;
 mod conformance;
 mod diagnostics;
 mod files;
@@ -14,4 +15,5 @@ mod reader;
 mod references;
 mod scheme;
 mod select;
+mod set;
 mod writer;

@@ -1,4 +1,94 @@
-//! The command `ca`.
+//! The command `ca`: models in text to sound, findings and pages.
+//!
+//! Decides what every command shares: exit codes (0 ok, 1 failed, 2 usage, 3 finished but degraded), where things are
+//! printed (results on stdout, everything about them on stderr), that a reader who goes away is no failure, and which
+//! kinds exist ([`catalog`], the one place). A command is one file of `commands/` with one function `run`.
 #![forbid(unsafe_code)]
 
-fn main() {}
+mod args;
+mod commands;
+mod load;
+mod term;
+
+use args::{Cli, Command};
+use ca_core::Catalog;
+use clap::Parser as _;
+use std::process::ExitCode;
+
+/// How a command ended where it did not fail.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ended {
+    /// as asked
+    Well,
+    /// something was made, but not what was meant: unstable, clipped, inputs refused
+    Degraded,
+}
+
+/// Why a command failed. What is said ends up on stderr.
+#[derive(Debug)]
+pub enum Failure {
+    /// the request makes no sense: exit code 2
+    Usage(String),
+    /// the request could not be done: exit code 1
+    Failed(String),
+    /// as before, but all is already said: exit code 1
+    Told,
+    /// the reader of stdout went away
+    BrokenPipe,
+}
+
+impl From<std::io::Error> for Failure {
+    fn from(e: std::io::Error) -> Failure {
+        match e.kind() {
+            std::io::ErrorKind::BrokenPipe => Failure::BrokenPipe,
+            _ => Failure::Failed(format!("stdout cannot be written: {e}")),
+        }
+    }
+}
+
+impl From<ca_haptic::FileError> for Failure {
+    fn from(e: ca_haptic::FileError) -> Failure {
+        match e.kind {
+            ca_haptic::FileErrorKind::Usage | ca_haptic::FileErrorKind::Unsupported => Failure::Usage(e.to_string()),
+            _ => Failure::Failed(e.to_string()),
+        }
+    }
+}
+
+/// What every command gives back.
+pub type Outcome = Result<Ended, Failure>;
+
+/// All kinds this build knows.
+pub fn catalog() -> Catalog {
+    Catalog::core()
+}
+
+fn main() -> ExitCode {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(e) => {
+            let _ = e.print();
+            return ExitCode::from(if e.use_stderr() { 2 } else { 0 });
+        }
+    };
+    let outcome = match &cli.command {
+        Command::Render(a) => commands::render::run(a),
+        Command::Check(a) => commands::check::run(a),
+        Command::List(a) => commands::list::run(a),
+        Command::New(a) => commands::new::run(a),
+        Command::Import(a) => commands::import::run(a),
+    };
+    match outcome {
+        Ok(Ended::Well) | Err(Failure::BrokenPipe) => ExitCode::SUCCESS,
+        Ok(Ended::Degraded) => ExitCode::from(3),
+        Err(Failure::Told) => ExitCode::from(1),
+        Err(Failure::Failed(what)) => {
+            term::error(&what);
+            ExitCode::from(1)
+        }
+        Err(Failure::Usage(what)) => {
+            term::error(&what);
+            ExitCode::from(2)
+        }
+    }
+}

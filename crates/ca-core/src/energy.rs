@@ -28,7 +28,7 @@ pub struct Ledger {
     pub h: f64,
     /// its part in motion
     pub kinetic: f64,
-    /// largest h + Σ|lost| so far, the scale of the residual
+    /// largest |h| + Σ|lost| so far, the scale of the residual
     pub peak: f64,
     /// heat of MATs with dampers of their own
     pub lost_mats: f64,
@@ -215,7 +215,7 @@ pub fn book(_op: &Op, scene: &Scene, s: &mut State) {
     });
     l.h = h;
     l.worst = l.worst.max((h - before - work + lost - source).abs());
-    l.peak = l.peak.max(h + l.lost_mats + l.lost.iter().map(|v| v.abs()).sum::<f64>());
+    l.peak = l.peak.max(h.abs() + l.lost_mats + l.lost.iter().map(|v| v.abs()).sum::<f64>());
     s.ledger = Some(l);
 }
 

@@ -8,7 +8,7 @@
 //! A tour:
 //! ```
 //! # #[cfg(feature = "parse")] {
-//! use ca_core::{Catalog, Options, compile, model::read::read, tick};
+//! use ca_core::{Catalog, Options, load, tick};
 //!
 //! let text = r#"
 //! [SOL]
@@ -20,10 +20,8 @@
 //! [SOX]
 //! out = { from = "bob", gain = 1000 }
 //! "#;
-//! let catalog = Catalog::core();
-//! let (model, findings) = read(text, "bob.ca.toml", &catalog);
-//! assert!(!findings.has_errors());
-//! let scene = compile(&model, &catalog, &Options::default()).expect("it compiles");
+//! let (_model, result) = load(text, "bob.ca.toml", &Catalog::core(), &Options::default());
+//! let scene = result.expect("it compiles");
 //! let mut state = scene.state();
 //! for _ in 0..48 {
 //!     tick(&scene, &mut state); // one sample at 48 kHz; never allocates
@@ -48,6 +46,8 @@ pub mod generate;
 pub mod io;
 pub mod kind;
 pub mod live;
+#[cfg(feature = "parse")]
+pub mod load;
 pub mod mat;
 pub mod model;
 pub mod op;
@@ -58,6 +58,8 @@ pub mod table;
 
 pub use catalog::Catalog;
 pub use compile::{KernelClass, Options, compile};
+#[cfg(feature = "parse")]
+pub use load::load;
 pub use model::Model;
 pub use scene::Scene;
 pub use state::{State, advance, process, sense, tick};

@@ -177,6 +177,8 @@ pub struct Scene {
     pub inputs: Vec<Input>,
     /// names of the sound channels (channels)
     pub channel_names: Vec<String>,
+    /// names of the probes (n_out − channels): the selector, with `#i` where it chose several
+    pub probe_names: Vec<String>,
     /// what the ledger needs, where the scene keeps one
     pub ledger: Option<LedgerPlan>,
     /// live coefficients and how to compute them

@@ -65,6 +65,7 @@ impl Certificate {
     }
 }
 
+#[derive(Clone, Copy)]
 struct Row {
     /// T²k + 2Tz of all linear links at this mass
     own: f64,
@@ -78,7 +79,7 @@ struct Row {
 
 /// Judges the network; warnings name the module and what would mend it.
 pub fn certify(model: &Model, net: &Net, diags: &mut Diags) -> Certificate {
-    let mut rows: Vec<Row> = net.mats.iter().map(|m| row(net, m)).collect();
+    let mut rows: Vec<Row> = worst_rows(net);
     let bounds: Vec<Bound> = worst_bounds(net);
     let mut springs = Negative::default();
     for (l, b) in net.lias.iter().zip(&bounds) {
@@ -101,6 +102,9 @@ pub fn certify(model: &Model, net: &Net, diags: &mut Diags) -> Certificate {
         if let [End::Mat(i), End::Mat(j)] = l.ends {
             springs.add(i, j, b.k);
         }
+    }
+    if overflow(model, net, &rows, &bounds, diags) {
+        return Certificate::default();
     }
     let mut cert = Certificate::default();
     let mut pair: f64 = 0.0;
@@ -140,12 +144,49 @@ pub fn certify(model: &Model, net: &Net, diags: &mut Diags) -> Certificate {
         } else {
             "some spring is negative and not covered by those beside it".into()
         };
-        let d = Diag::warning("W107", format!("stability is not proven by the cheap bounds: {why}"));
-        diags.push(d.help(format!("it may well be stable; the module nearest to the limit is `{}`", cert.worst)));
+        let mut d = Diag::warning("W107", format!("stability is not proven by the cheap bounds: {why}"));
+        if let Some(i) = worst {
+            d = d.at(span(model, net, net.mats[i].item), "nearest to the limit");
+        }
+        let help = "it may well be stable; to be sure, lower the stiffness and viscosity at";
+        diags.push(d.help(format!("{help} `{}`, make it heavier, or raise the sound rate", cert.worst)));
     }
     contacts(model, net, &rows, &bounds, &mut cert, diags);
     devices(model, net, &bounds, diags);
     cert
+}
+
+/// Numbers so large or so small that the coefficients are not numbers any more. Said for each item, and an error.
+fn overflow(model: &Model, net: &Net, rows: &[Row], bounds: &[Bound], diags: &mut Diags) -> bool {
+    let mats =
+        net.mats.iter().zip(rows).filter(|(_, r)| !(r.c.is_finite() && (r.own * r.c).is_finite())).map(|(m, _)| m.item);
+    let links = net.lias.iter().zip(bounds).filter(|(_, b)| !(b.k.is_finite() && b.z.is_finite())).map(|(l, _)| l.item);
+    let items: alloc::collections::BTreeSet<u32> = mats.chain(links).collect();
+    for item in &items {
+        let name = &net.items[*item as usize].name;
+        let d = Diag::error("E009", format!("the numbers of `{name}` are beyond computing"));
+        diags.push(
+            d.at(span(model, net, *item), "overflows").help("use a larger mass, or less stiffness and viscosity"),
+        );
+    }
+    !items.is_empty()
+}
+
+/// A row for each MAT; generators make thousands with the same values, and each corner may solve for a pitch.
+fn worst_rows(net: &Net) -> Vec<Row> {
+    let mut last: Option<(&super::net::MatNode, Row)> = None;
+    let mut rows = Vec::with_capacity(net.mats.len());
+    for m in &net.mats {
+        let same = last.as_ref().filter(|(o, _)| {
+            o.item == m.item
+                && o.code == m.code
+                && (alloc::sync::Arc::ptr_eq(&o.values, &m.values) || o.values[..] == m.values[..])
+        });
+        let r = same.map_or_else(|| row(net, m), |s| s.1);
+        rows.push(r);
+        last = Some((m, r));
+    }
+    rows
 }
 
 fn row(net: &Net, m: &super::net::MatNode) -> Row {
@@ -252,16 +293,31 @@ fn unstable(model: &Model, net: &Net, rows: &[Row], bounds: &[Bound], i: usize) 
     }
 }
 
+/// Three digits, rounded by `to`. The scale is a whole power of ten wherever it can be, so that the digits stay three.
+fn three_digits(v: f64, to: fn(f64) -> f64) -> f64 {
+    let place = libm::floor(libm::log10(v.abs().max(1e-300))) - 2.0;
+    let scale = libm::pow(10.0, place.abs());
+    if place < 0.0 { to(v * scale) / scale } else { to(v / scale) * scale }
+}
+
 /// Three digits, towards zero.
 fn round_down(v: f64) -> f64 {
-    let scale = libm::pow(10.0, libm::floor(libm::log10(v.abs().max(1e-300))) - 2.0);
-    libm::floor(v / scale) * scale
+    three_digits(v, libm::floor)
 }
 
 /// Three digits, away from zero.
 fn round_up(v: f64) -> f64 {
-    let scale = libm::pow(10.0, libm::floor(libm::log10(v.abs().max(1e-300))) - 2.0);
-    libm::ceil(v / scale) * scale
+    three_digits(v, libm::ceil)
+<<<<<<< HEAD
+}
+
+/// The power of ten goes through text, so that what is shown has three digits and no noise behind them.
+fn three_digits(v: f64, to: fn(f64) -> f64) -> f64 {
+    let ten = libm::floor(libm::log10(v.abs().max(1e-300))) - 2.0;
+    let n = to(v / libm::pow(10.0, ten));
+    format!("{n}e{ten}").parse().unwrap_or(v)
+=======
+>>>>>>> 526db6da5cd85b8041bfd7ce233226cc89f8256f
 }
 
 /// Rules for contacts (numerics 3.2): kT²/m ≤ 1 recommended, ≤ 2 at the most, with the other links at the masses.
@@ -270,7 +326,7 @@ fn contacts(model: &Model, net: &Net, rows: &[Row], bounds: &[Bound], cert: &mut
     for (l, b) in net.lias.iter().zip(bounds) {
         if b.active && told.insert(l.item) {
             let d = Diag::warning("W110", format!("`{}` may feed energy in: its table does not only resist", l.name));
-            diags.push(d.at(span(model, net, l.item), "active").help("make F have the sign of its first column"));
+            diags.push(d.at(span(model, net, l.item), "active").help("a force of the sign of its speed only resists, and a spring that never falls only returns; if it is meant to drive, mind the level"));
         }
         if !b.contact || b.k == 0.0 {
             continue;

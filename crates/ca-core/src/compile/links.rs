@@ -1,4 +1,4 @@
-//! Links: batches of one law, chains as runs, and where each link ends up.
+//! Links: batches of one law, rows as runs, and where each link ends up.
 
 use super::net::{Ear, End, LiaNode, Net};
 use super::plan::Plan;
@@ -12,7 +12,7 @@ use crate::phi::Law;
 use alloc::format;
 use alloc::vec::Vec;
 
-/// Chains shorter than this are gathered: a run has two loops to set up.
+/// Rows shorter than this are gathered: a run has two loops to set up.
 const SHORTEST_RUN: usize = 4;
 
 /// The links, laid out.
@@ -47,12 +47,12 @@ pub fn own_tables(net: &Net) -> Vec<(&'static Law, crate::table::Table)> {
 }
 
 impl Plan<'_> {
-    /// Batches of links: in document order, or by law with chains as runs.
-    fn batches(&self, class: KernelClass) -> Vec<(Vec<u32>, bool)> {
+    /// Batches of links: in document order, or by law with rows as runs; each with its stride, 0 where there is none.
+    fn batches(&self, class: KernelClass) -> Vec<(Vec<u32>, usize)> {
         let same = |a: u32, b: u32| core::ptr::eq(self.law(a), self.law(b));
         let all: Vec<u32> = (0..self.net.lias.len() as u32).collect();
         if class == KernelClass::Reference {
-            return all.chunk_by(|a, b| same(*a, *b)).map(|c| (c.to_vec(), false)).collect();
+            return all.chunk_by(|a, b| same(*a, *b)).map(|c| (c.to_vec(), 0)).collect();
         }
         let mut by_law: Vec<Vec<u32>> = Vec::new();
         for l in all {
@@ -64,19 +64,18 @@ impl Plan<'_> {
         let mut out = Vec::new();
         for group in by_law {
             let mut loose = Vec::new();
-            let follows = |a: &u32, b: &u32| {
-                let (a, b) = (self.ends(*a), self.ends(*b));
-                a[1] == a[0].wrapping_add(1) && b[0] == a[1] && b[1] == b[0].wrapping_add(1)
-            };
-            for chain in group.chunk_by(follows) {
-                if chain.len() >= SHORTEST_RUN {
-                    out.push((chain.to_vec(), true));
+            let stride = |l: u32| self.ends(l)[1].wrapping_sub(self.ends(l)[0]);
+            let follows =
+                |a: &u32, b: &u32| stride(*a) == stride(*b) && self.ends(*b)[0] == self.ends(*a)[0].wrapping_add(1);
+            for row in group.chunk_by(follows) {
+                if row.len() >= SHORTEST_RUN && stride(row[0]) < u32::MAX / 2 {
+                    out.push((row.to_vec(), stride(row[0]) as usize));
                 } else {
-                    loose.extend_from_slice(chain);
+                    loose.extend_from_slice(row);
                 }
             }
             if !loose.is_empty() {
-                out.push((loose, false));
+                out.push((loose, 0));
             }
         }
         out
@@ -105,7 +104,7 @@ impl Plan<'_> {
         let heard: Vec<u32> =
             net.outs.iter().filter_map(|o| if let Ear::ForceOf(l) = o.ear { Some(l) } else { None }).collect();
         let batches = self.batches(options.kernel);
-        let scratch = batches.iter().filter(|b| b.1).map(|b| b.0.len()).max().unwrap_or(0);
+        let scratch = batches.iter().filter(|b| b.1 > 0).map(|b| b.0.len()).max().unwrap_or(0);
         let mut k = Links {
             forces: Vec::new(),
             ends: Vec::with_capacity(net.lias.len()),
@@ -115,7 +114,7 @@ impl Plan<'_> {
             where_is: alloc::vec![(0, 0); net.lias.len()],
             first: Vec::new(),
         };
-        for (batch, run) in batches {
+        for (batch, stride) in batches {
             let law = self.law(batch[0]);
             let n = batch.len();
             let (first, coef) = (k.ends.len(), self.coef.len());
@@ -137,7 +136,7 @@ impl Plan<'_> {
                 contact_at_load(net, l, k.e0[first + i], model, diags);
             }
             let tap = options.energy || batch.iter().any(|l| heard.contains(l));
-            let form = Form { run, offset: k.e0[first..].iter().any(|e| *e != 0.0), tap };
+            let form = Form { stride, offset: k.e0[first..].iter().any(|e| *e != 0.0), tap };
             let mut op = Op::pass(law.code, (law.kernel)(form), n);
             op = Op { law: Some(law), form, first, coef, mem: k.mem, mat: k.ends[first][0] as usize, ..op };
             if tap {

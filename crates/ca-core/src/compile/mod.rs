@@ -10,13 +10,24 @@
 //! and all of them push findings into one list, so an author sees everything at once.
 
 pub mod certify;
+<<<<<<< HEAD
 mod links;
 pub mod net;
 mod number;
 mod plan;
+=======
+mod gesture;
+mod midi;
+pub mod net;
+mod number;
+mod params;
+>>>>>>> 526db6da5cd85b8041bfd7ce233226cc89f8256f
 mod prune;
+mod rates;
 mod resolve;
 mod schedule;
+mod select;
+mod sense;
 mod specialise;
 mod start;
 mod values;
@@ -62,9 +73,14 @@ pub fn compile(model: &Model, catalog: &Catalog, options: &Options) -> Result<Sc
         diags.sort();
         return Err(diags);
     }
+    params::report_unused(&net, &mut diags);
     specialise::specialise(model, &mut net, &mut diags);
     prune::prune(model, &mut net, &mut diags);
     let certificate = certify::certify(model, &net, &mut diags);
+    if diags.has_errors() {
+        diags.sort();
+        return Err(diags);
+    }
     let order = match options.kernel {
         KernelClass::Fast => number::number(&net),
         KernelClass::Reference => number::document(&net),

@@ -5,6 +5,7 @@ use crate::io::PortRole;
 use crate::kind::Kind;
 use crate::live::{LiveParam, Source};
 use crate::mat::MatSpec;
+use crate::model::Span;
 use crate::phi::Law;
 use crate::scene::Input;
 use crate::table::Table;
@@ -203,6 +204,10 @@ pub struct Net {
     pub channels: Vec<String>,
     /// live parameters
     pub params: Vec<LiveParam>,
+    /// parameters that nothing has used so far, and where they are declared
+    pub unused: Vec<(String, Span)>,
+    /// a name that is there but broken, to which something refers
+    pub incomplete: Option<String>,
     /// values of the parameters that are not live, for coordinates and gestures
     pub constants: BTreeMap<String, f64>,
     /// tables

@@ -5,6 +5,7 @@
 //! written in, and kernels can run through them without indices. What already stands in a row is left as it is.
 
 use super::net::{End, Net};
+use crate::kind::Role;
 use alloc::vec::Vec;
 
 /// Storage order: document numbers of the MATs that stay, as they stand in the state.
@@ -46,15 +47,15 @@ pub fn number(net: &Net) -> Vec<u32> {
             seen[at] = true;
             order.push(at as u32);
             let around = &next[start[at]..start[at + 1]];
-            // the one written next, if it is linked; else, inside a chain, the first that is not yet placed
+            // the one written next, if it is linked; else the first neighbour that is not yet placed and written by
+            // hand, inside a chain: what a generator made stands as it should, and does not turn at the rim of a mesh
+            let by_hand = |m: usize| matches!(net.items[net.mats[m].item as usize].kind.role, Role::Mat(_));
             let follower = if around.contains(&(at + 1)) && !seen[at + 1] {
                 Some(at + 1)
+            } else if by_hand(at) {
+                around.iter().copied().find(|m| !seen[*m] && by_hand(*m) && start[m + 1] - start[*m] <= 2)
             } else {
-                around
-                    .iter()
-                    .copied()
-                    .find(|m| !seen[*m] && net.mats[*m].item == net.mats[at].item)
-                    .or_else(|| around.iter().copied().find(|m| !seen[*m] && start[m + 1] - start[*m] <= 2))
+                None
             };
             match follower {
                 Some(m) => at = m,

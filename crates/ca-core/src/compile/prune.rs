@@ -3,6 +3,7 @@
 
 use super::net::{Ear, End, MatRole, Net};
 use crate::io::PortRole;
+use crate::kind::Role;
 use crate::model::Model;
 use crate::model::diag::{Diag, Diags};
 use alloc::format;
@@ -121,7 +122,11 @@ fn report(model: &Model, net: &mut Net, alive: &[bool], keep: &[bool], diags: &m
     if n > 0 {
         net.left_out.push(format!("{n} modules that nothing hears"));
     }
-    let silent: Vec<usize> = (0..all.len()).filter(|i| all[*i].0 > 0 && all[*i].1 == 0).collect();
+    // what hung on a link that does nothing has been said with that link
+    let zero = diags.list.iter().any(|d| d.code == "W106");
+    let fixed = |i: usize| matches!(net.items[i].kind.role, Role::Mat(s) if s.fixed);
+    let gone = |i: &usize| all[*i].0 > 0 && all[*i].1 == 0 && !(zero && fixed(*i));
+    let silent: Vec<usize> = (0..all.len()).filter(gone).collect();
     if let Some(first) = silent.first() {
         let mut d = Diag::warning(
             "W101",

@@ -12,6 +12,7 @@ use crate::io::PortRole;
 use crate::live::{self, Loader, Ramps};
 use crate::model::Model;
 use crate::model::diag::Diags;
+use crate::op::wide::wide;
 use crate::op::{Op, pass};
 use crate::scene::{Enf, Enx, Heard, Output, Place, Proxy, Scene, Stands, Symbol};
 use crate::state::{Cell, State};
@@ -256,6 +257,7 @@ pub fn schedule(
         weighed,
         outputs,
         inputs: net.inputs.clone(),
+        probe_names: net.outs.iter().filter(|o| o.item.is_none()).map(|o| o.name.clone()).collect(),
         channel_names: net.channels.clone(),
         ledger: options.energy.then_some(LedgerPlan { first: plan_first, weight }),
         live: live_plan,
@@ -298,28 +300,34 @@ impl Plan<'_> {
             Held,
         }
         let live: alloc::collections::BTreeSet<u32> = self.live.iter().copied().collect();
-        let class = |at: usize| {
-            let m = &self.net.mats[order[at] as usize];
-            let (p, q) = (self.coef[at], self.coef[n_mat + at]);
-            match m.role {
-                // a fixed point inside a chain moves with C = 0: cheaper than two stretches
-                MatRole::Mat(s) if s.fixed => Class::Free,
-                MatRole::Mat(_) => {
-                    let own = p != 1.0 || q != 0.0 || (live.contains(&(at as u32)) && m.code == "CEL");
-                    if own { Class::Full } else { Class::Free }
-                }
-                MatRole::Port(..) => Class::Held,
+        // what a fixed point has no use for costs less than two stretches, so it goes with its neighbour
+        let class = |at: usize| match self.net.mats[order[at] as usize].role {
+            MatRole::Port(..) => Some(Class::Held),
+            MatRole::Mat(s) if s.fixed => None,
+            MatRole::Mat(_) => {
+                let own = self.coef[at] != 1.0 || self.coef[n_mat + at] != 0.0 || live.contains(&(at as u32));
+                Some(if own { Class::Full } else { Class::Free })
             }
         };
-        let places: Vec<usize> = (0..order.len()).collect();
+        let mut classes: Vec<Option<Class>> = (0..order.len()).map(class).collect();
+        for i in 1..classes.len() {
+            classes[i] = classes[i].or(classes[i - 1].filter(|c| *c != Class::Held));
+        }
+        for i in (1..classes.len()).rev() {
+            classes[i - 1] = classes[i - 1].or(classes[i].filter(|c| *c != Class::Held));
+        }
         let mut ops = Vec::new();
-        for stretch in places.chunk_by(|a, b| class(*a) == class(*b)) {
-            let (name, kernel): (_, crate::op::Kernel) = match class(stretch[0]) {
-                Class::Free => ("advance MAS", pass::advance_free),
-                Class::Full => ("advance CEL", pass::advance_full),
-                Class::Held => continue,
+        let mut at = 0;
+        for stretch in classes.chunk_by(|a, b| a == b) {
+            let first = at;
+            at += stretch.len();
+            let (name, kernel): (_, crate::op::Kernel) = match stretch[0] {
+                Some(Class::Held) => continue,
+                Some(Class::Full) => ("advance CEL", wide::<pass::AdvanceFull>),
+                // a fixed point that stands alone does not move, but the force on it starts from nothing each tick
+                Some(Class::Free) | None => ("advance MAS", wide::<pass::AdvanceFree>),
             };
-            ops.push(Op { mat: stretch[0], ..Op::pass(name, kernel, stretch.len()) });
+            ops.push(Op { mat: first, ..Op::pass(name, kernel, stretch.len()) });
         }
         if !order.is_empty() {
             ops.push(Op::pass("flush", pass::flush, n_mat));

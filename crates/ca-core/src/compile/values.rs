@@ -1,13 +1,13 @@
-//! Values: from what is written to numbers in SI: units, ranges, named parameters, tables, MIDI mappings.
+//! Values: from what is written to numbers in SI: units, ranges, named parameters, tables.
 //!
 //! Decides that a bare number is in the model's units and a quantity in its own, that both are checked against the
 //! dimension of the place they stand in, and that a `[param]` without a unit takes the dimension of where it is used.
 
+use super::params::Named;
 use crate::generate::Arg;
-use crate::io::midi::{MidiMap, MidiSource};
 use crate::kind::{Dim, Kind, Need, Param, Type, Unit};
 use crate::model::diag::{Diag, Diags};
-use crate::model::quantity::{self, Quantity};
+use crate::model::quantity::{self, Quantity, QuantityError};
 use crate::model::suggest::nearest;
 use crate::model::{Entry, Span, Value};
 use crate::table::Table;
@@ -24,25 +24,14 @@ pub enum Raw {
     Quantity(Quantity),
 }
 
-/// A `[param]`.
-#[derive(Clone, Debug)]
-pub struct Named {
-    /// its name
-    pub name: String,
-    /// its value
-    pub value: Raw,
-    /// may change while playing
-    pub live: bool,
-    /// smallest value while playing
-    pub min: Option<Raw>,
-    /// largest value while playing
-    pub max: Option<Raw>,
-    /// one line
-    pub doc: String,
-    /// where it stands
-    pub span: Span,
-    /// where it was first used: unit and range of that place
-    pub used: Option<(Unit, f64, f64)>,
+impl Raw {
+    /// The number, in SI if it has a unit.
+    pub fn number(self) -> f64 {
+        match self {
+            Raw::Bare(v) => v,
+            Raw::Quantity(q) => q.value,
+        }
+    }
 }
 
 /// A number and, if it follows a live parameter, which one and by what factor.
@@ -60,6 +49,13 @@ pub struct Values<'a> {
     pub diags: &'a mut Diags,
 }
 
+impl<'a> Values<'a> {
+    /// Without named parameters.
+    pub fn new(alg: Option<f64>, diags: &'a mut Diags) -> Values<'a> {
+        Values { alg, named: Vec::new(), tables: Vec::new(), diags }
+    }
+}
+
 impl Values<'_> {
     /// Factor from a bare number of dimension `dim` to SI.
     fn bare(&self, dim: Dim) -> f64 {
@@ -72,20 +68,13 @@ impl Values<'_> {
             Ok(q) if !q.has_unit => Some(q.value * self.bare(unit.dim)),
             Ok(q) if q.dim.same(unit.dim) => Some(q.value),
             Ok(q) => {
-                let is = quantity::unit_of(q.dim);
-                self.diags.push(wrong_unit(what, unit, &is, e.span));
+                let d = wrong_unit(what, unit.symbol, &quantity::unit_of(q.dim), unit_span(e, text));
+                let d = instead(d, text, &q, unit, e);
+                self.diags.push(d);
                 None
             }
             Err(err) => {
-                let inside = |at: usize| if e.span.is_some() { (e.span.start + 1 + at).min(e.span.end) } else { at };
-                let span = if e.span.is_some() {
-                    Span { start: inside(err.at), end: inside(err.end.max(err.at + 1)) }
-                } else {
-                    Span::NONE
-                };
-                let help = format!("write a number and its unit, e.g. `\"{}\"`", example(unit));
-                self.diags
-                    .push(Diag::error("E007", format!("{what}: not a quantity")).at(span, err.message).help(help));
+                self.diags.push(bad_quantity(what, e, text, &err, Some(unit)));
                 None
             }
         }
@@ -99,74 +88,78 @@ impl Values<'_> {
             Value::Text(t) => self.named_number(t, unit, range, e, what)?,
             other => {
                 let title = format!("{what} must be a number, not {}", type_name(other));
-                let help = format!("write e.g. `\"{}\"`, or the name of a `[param]`", example(unit));
+                let help = format!("write e.g. `{}`, or the name of a `[param]`", quoted(unit));
                 self.diags.push(Diag::error("E006", title).at(e.span, "not a number").help(help));
                 return None;
             }
         };
-        self.in_range(followed.0, unit, range, e.span, what).then_some(followed)
+        self.in_range(followed.0, unit, range, e, what).then_some(followed)
     }
 
-    fn in_range(&mut self, v: f64, unit: Unit, (min, max): (f64, f64), span: Span, what: &str) -> bool {
+    fn in_range(&mut self, v: f64, unit: Unit, (min, max): (f64, f64), e: &Entry, what: &str) -> bool {
         if v >= min && v <= max {
             return true;
         }
-        let show = |v: f64| quantity::show(v, unit);
-        let help = if !v.is_finite() || (min == f64::MIN && max == f64::MAX) {
-            "use a finite number".into()
-        } else if max == f64::MAX && min == f64::MIN_POSITIVE {
-            "use a value above 0".into()
-        } else if max == f64::MAX {
-            format!("use {} or more", show(min))
-        } else {
-            format!("use a value from {} to {}", show(min), show(max))
+        let show = |v: f64| {
+            if (1e-4..1e7).contains(&v.abs()) && unit.symbol.is_empty() {
+                format!("{v}")
+            } else {
+                quantity::show(v, unit)
+            }
         };
-        let title = format!("{what} is out of range: {}", show(v));
-        self.diags.push(Diag::error("E009", title).at(span, "out of range").help(help));
+        let written = match &e.value {
+            Value::Text(t) if quantity::is_quantity(t) => t.trim().into(),
+            _ => show(v),
+        };
+        let mut d = Diag::error("E009", format!("{what} is out of range: {written}")).at(e.span, "out of range");
+        if let Value::Text(t) = &e.value {
+            if let Some(n) = self.named.iter().find(|n| n.name == *t) {
+                d = d.at(n.value_span, "from here");
+            }
+        }
+        let help = if v.is_finite() { range_help(min, max, show) } else { "use a finite number".into() };
+        self.diags.push(d.help(help));
         false
     }
 
     fn named_number(&mut self, name: &str, unit: Unit, range: (f64, f64), e: &Entry, what: &str) -> Option<Followed> {
         let Some(i) = self.named.iter().position(|n| n.name == name) else {
-            let mut d = Diag::error("E013", format!("{what}: no parameter `{name}`")).at(e.span, "not in `[param]`");
-            match nearest(name, self.named.iter().map(|n| n.name.as_str())) {
-                Some(near) => d = d.help(format!("did you mean `{near}`?")).fix(e.span, format!("\"{near}\"")),
-                None => {
-                    d = d.help(format!(
-                        "declare it under `[param]`, or write a quantity such as `\"{}\"`",
-                        example(unit)
-                    ));
-                }
-            }
-            self.diags.push(d);
+            let d = Diag::error("E013", format!("{what}: no parameter `{name}`")).at(e.span, "not in `[param]`");
+            let near = nearest(name, self.named.iter().filter(|n| n.value.is_some()).map(|n| n.name.as_str()));
+            self.diags.push(match near {
+                Some(near) => d.help(format!("did you mean `{near}`?")).fix(e.span, format!("\"{near}\"")),
+                None => d.help(format!("declare it under `[param]`, or write a value such as `{}`", quoted(unit))),
+            });
             return None;
         };
-        let factor = match self.named[i].value {
-            Raw::Bare(_) => self.bare(unit.dim),
-            Raw::Quantity(q) if !q.has_unit => self.bare(unit.dim),
-            Raw::Quantity(q) if q.dim.same(unit.dim) => 1.0,
-            Raw::Quantity(q) => {
+        let factor = match self.named[i].value? {
+            Raw::Quantity(q) if q.has_unit && q.dim.same(unit.dim) => 1.0,
+            Raw::Quantity(q) if q.has_unit => {
                 let is = quantity::unit_of(q.dim);
-                let d = wrong_unit(what, unit, &is, e.span).at(self.named[i].span, "declared here");
-                self.diags.push(d);
+                let d = wrong_unit(what, unit.symbol, &is, e.span).at(self.named[i].value_span, "declared here");
+                self.diags
+                    .push(d.help(format!("give `{name}` in {}, or use another parameter here", wanted(unit.symbol))));
                 return None;
             }
-        };
-        let raw = |r: Raw| match r {
-            Raw::Bare(v) => v,
-            Raw::Quantity(q) => q.value,
+            _ => self.bare(unit.dim),
         };
         let n = &mut self.named[i];
-        n.used.get_or_insert((unit, range.0, range.1));
-        Some((raw(n.value) * factor, n.live.then_some((i, factor))))
+        match &mut n.used {
+            // several places: the narrowest range of them
+            Some((u, min, max)) if u.dim.same(unit.dim) => (*min, *max) = (min.max(range.0), max.min(range.1)),
+            Some(_) => {}
+            none => *none = Some((unit, range.0, range.1)),
+        }
+        Some((n.value?.number() * factor, n.live.then_some((i, factor))))
     }
 
     /// A plain number that cannot follow anything.
-    fn constant(&mut self, e: &Entry, unit: Unit, range: (f64, f64), what: &str) -> Option<f64> {
+    pub fn constant(&mut self, e: &Entry, unit: Unit, range: (f64, f64), what: &str) -> Option<f64> {
         let (v, follows) = self.number(e, unit, range, what)?;
-        if follows.is_some() {
+        if let Some((i, _)) = follows {
             let d = Diag::error("E025", format!("{what} cannot change while playing"))
                 .at(e.span, "names a live parameter")
+                .at(self.named[i].span, "live here")
                 .help("write the number itself, or take `live` from the parameter");
             self.diags.push(d);
             return None;
@@ -174,6 +167,7 @@ impl Values<'_> {
         Some(v)
     }
 
+<<<<<<< HEAD
     /// The exponent written beside a power stiffness; what is wrong with it is reported where it stands.
     fn exponent(&self, value: &Value) -> Option<f64> {
         let raw = match value {
@@ -186,6 +180,22 @@ impl Values<'_> {
             Raw::Bare(v) => v,
             Raw::Quantity(q) => q.value,
         })
+=======
+    /// The exponent `name` of a power law among the arguments of its module; `None` where it is wrong, which is said
+    /// when its own turn comes.
+    fn exponent(&self, kind: &Kind, name: &str, siblings: &[Entry]) -> Option<f64> {
+        let p = match siblings.iter().find(|s| s.key == name).map(|s| &s.value) {
+            None => match kind.param(name).map(|i| kind.params[i].need) {
+                Some(Need::Default(p)) => p,
+                _ => return None,
+            },
+            Some(Value::Num(p)) => *p,
+            Some(Value::Text(t)) if quantity::is_quantity(t) => quantity::parse(t).ok()?.value,
+            Some(Value::Text(t)) => self.named.iter().find(|n| n.name == *t)?.value?.number(),
+            Some(_) => return None,
+        };
+        (quarters(p) && (1.0..=5.0).contains(&p)).then_some(p)
+>>>>>>> 03629855cd55239c7afce234836a8849f9a57e87
     }
 
     /// The argument `param` of an item.
@@ -201,26 +211,44 @@ impl Values<'_> {
         let plain = |v: f64| Some((Arg::Num(v), None));
         match param.ty {
             Type::Number { unit, min, max } => {
+<<<<<<< HEAD
                 // where a model starts, lengths and exponents are no coefficients: nothing would follow a change of them
                 if matches!(param.name, "x" | "dx0" | "v" | "l0" | "p") {
                     self.constant(e, unit, (min, max), &what)?;
                 }
                 let (v, follows) = self.number(e, unit, (min, max), &what)?;
                 if param.name == "p" && v * 4.0 != libm::round(v * 4.0) {
+=======
+                let exponent = kind
+                    .params
+                    .iter()
+                    .any(|p| matches!(p.ty, Type::PowerStiffness { exponent } if exponent == param.name));
+                if !exponent {
+                    let (v, follows) = self.number(e, unit, (min, max), &what)?;
+                    return Some((Arg::Num(v), follows));
+                }
+                // the unit of the stiffness hangs on it, so it cannot move
+                let v = self.constant(e, unit, (min, max), &what)?;
+                if !quarters(v) {
+                    let near = libm::round(v * 4.0) / 4.0;
+>>>>>>> 03629855cd55239c7afce234836a8849f9a57e87
                     let d = Diag::error("E009", format!("{what} is not a multiple of 1/4: {v}"))
-                        .at(e.span, "the tick has only products and square roots")
-                        .help(format!("use {}", libm::round(v * 4.0) / 4.0));
-                    self.diags.push(d);
+                        .at(e.span, "the tick has only products and square roots");
+                    self.diags.push(d.help(format!("the nearest is {near}")).fix(e.span, format!("{near}")));
                     return None;
                 }
-                Some((Arg::Num(v), follows))
+                plain(v)
             }
             Type::PowerStiffness { exponent } => {
+<<<<<<< HEAD
                 let p = siblings.iter().find(|s| s.key == exponent).map_or_else(
                     || kind.param(exponent).map(|i| kind.params[i].need),
                     |s| self.exponent(&s.value).map(Need::Default),
                 );
                 let Some(Need::Default(p)) = p else { return plain(0.0) };
+=======
+                let p = self.exponent(kind, exponent, siblings)?;
+>>>>>>> 03629855cd55239c7afce234836a8849f9a57e87
                 let unit = Unit { symbol: power_symbol(p), dim: Dim::power_stiffness(p) };
                 let (v, follows) = self.number(e, unit, crate::kind::POSITIVE, &what)?;
                 Some((Arg::Num(v), follows))
@@ -229,7 +257,8 @@ impl Values<'_> {
                 let v = self.constant(e, Unit::NONE, (f64::from(min), f64::from(max)), &what)?;
                 if v != libm::floor(v) {
                     let d = Diag::error("E006", format!("{what} must be a whole number: {v}")).at(e.span, "not whole");
-                    self.diags.push(d);
+                    let near = libm::round(v).max(f64::from(min));
+                    self.diags.push(d.help(format!("the nearest is {near}")).fix(e.span, format!("{near}")));
                     return None;
                 }
                 plain(v)
@@ -248,19 +277,23 @@ impl Values<'_> {
                     self.diags.push(d);
                     None
                 }
-                other => self.wrong_type(&what, "a word in quotes", other, e.span),
+                other => {
+                    let list = words.iter().map(|w| format!("`\"{w}\"`")).collect::<Vec<_>>().join(", ");
+                    self.wrong_type(&what, "a word in quotes", other, e.span, &format!("choose one of {list}"))
+                }
             },
             Type::Flag => match e.value {
                 Value::Bool(b) => plain(f64::from(u8::from(b))),
-                ref other => self.wrong_type(&what, "`true` or `false`", other, e.span),
+                ref other => self.wrong_type(&what, "`true` or `false`", other, e.span, "write it without quotes"),
             },
             Type::Numbers { unit, min, max } => match &e.value {
+                Value::List(list) if list.is_empty() => {
+                    let d = Diag::error("E006", format!("{what} is an empty list")).at(e.span, "no number");
+                    self.diags.push(d.help(format!("write one number or more, e.g. `[{}]`", quoted(unit))));
+                    None
+                }
                 Value::List(list) => {
-                    let read: Vec<_> =
-                        list.iter().map(|x| self.constant(x, unit, (min, max), &what)).collect::<Vec<_>>();
-                    if list.is_empty() {
-                        return self.wrong_type(&what, "a list with at least one number", &e.value, e.span);
-                    }
+                    let read: Vec<_> = list.iter().map(|x| self.constant(x, unit, (min, max), &what)).collect();
                     read.into_iter().collect::<Option<Vec<f64>>>().map(|l| (Arg::List(l), None))
                 }
                 _ => self.number(e, unit, (min, max), &what).map(|(v, f)| (Arg::Num(v), f)),
@@ -268,10 +301,7 @@ impl Values<'_> {
             Type::Points { x, y } => {
                 let points = self.points(e, x, y, &what)?;
                 let Some(table) = Table::new(&points) else {
-                    let d = Diag::error("E019", format!("{what} needs at least two points with rising first numbers"))
-                        .at(e.span, "not a table")
-                        .help("write `[[x, y], [x, y], …]` with x going up");
-                    self.diags.push(d);
+                    self.not_a_table(e, &points, x, &what);
                     return None;
                 };
                 self.tables.push(table);
@@ -285,7 +315,8 @@ impl Values<'_> {
     /// A list of points, each column in its unit.
     pub fn points(&mut self, e: &Entry, x: Unit, y: Unit, what: &str) -> Option<Vec<[f64; 2]>> {
         let Value::List(list) = &e.value else {
-            return self.wrong_type(what, "a list of `[x, y]` points", &e.value, e.span);
+            let help = format!("write `[[{}, {}], …]`", quoted(x), quoted(y));
+            return self.wrong_type(what, "a list of points", &e.value, e.span, &help);
         };
         let mut points = Vec::with_capacity(list.len());
         let mut good = true;
@@ -300,8 +331,12 @@ impl Values<'_> {
                     }
                 }
                 _ => {
-                    let d = Diag::error("E019", format!("{what}: a point has two numbers")).at(p.span, "not `[x, y]`");
-                    self.diags.push(d);
+                    // said once: a list of plain numbers has it wrong everywhere
+                    if good {
+                        let d =
+                            Diag::error("E019", format!("{what}: a point has two numbers")).at(p.span, "not a pair");
+                        self.diags.push(d.help(format!("write `[[{}, {}], …]`", quoted(x), quoted(y))));
+                    }
                     good = false;
                 }
             }
@@ -309,92 +344,109 @@ impl Values<'_> {
         good.then_some(points)
     }
 
-    fn wrong_type<T>(&mut self, what: &str, wanted: &str, is: &Value, span: Span) -> Option<T> {
+    fn not_a_table(&mut self, e: &Entry, points: &[[f64; 2]], x: Unit, what: &str) {
+        let Value::List(list) = &e.value else { return };
+        let d = match (1..points.len()).find(|i| points[*i][0] <= points[i - 1][0]) {
+            Some(i) => {
+                let show = |i: usize| quantity::show(points[i][0], x);
+                let d = Diag::error(
+                    "E019",
+                    format!("{what}: the first numbers must rise: {} after {}", show(i), show(i - 1)),
+                );
+                let d = d.at(list[i].span, "does not rise").at(list[i - 1].span, "the point before");
+                d.help("write the points from left to right, each place once")
+            }
+            None => {
+                let many = ["no point", "one point"].get(points.len()).copied().unwrap_or("too few points");
+                let d = Diag::error("E019", format!("{what} has {many}, a table needs two")).at(e.span, "not a table");
+                d.help("write `[[x, y], [x, y], …]` with x going up; beyond the ends the last value holds")
+            }
+        };
+        self.diags.push(d);
+    }
+
+    fn wrong_type<T>(&mut self, what: &str, wanted: &str, is: &Value, span: Span, help: &str) -> Option<T> {
         let title = format!("{what} must be {wanted}, not {}", type_name(is));
-        self.diags.push(Diag::error("E006", title).at(span, "wrong type"));
+        self.diags.push(Diag::error("E006", title).at(span, "wrong type").help(help));
         None
     }
+}
 
-    /// A MIDI mapping.
-    pub fn midi(&mut self, e: &Entry, unit: Unit, owner: &str) -> Option<MidiMap> {
-        let what = format!("`midi` of `{owner}`");
-        let Value::Table(entries) = &e.value else {
-            return self.wrong_type(&what, "a table such as `{ note = \"C4\", to = \"5 mm\" }`", &e.value, e.span);
-        };
-        let mut map =
-            MidiMap { source: MidiSource::PitchBend, channel: None, from: 0.0, to: 0.0, attack: 0.005, release: 0.03 };
-        let (mut sources, mut to, mut good) = (0, false, true);
-        for m in entries {
-            let what = format!("`{}` in {what}", m.key);
-            let time = |v: &mut Self| v.constant(m, Unit::SECOND, crate::kind::POSITIVE, &what);
-            let done = match m.key.as_str() {
-                "note" => notes(m).map(|(low, high)| map.source = MidiSource::Note { low, high }),
-                "cc" => small(m, 127).map(|n| map.source = MidiSource::Control(n)),
-                "bend" => (m.value == Value::Bool(true)).then(|| map.source = MidiSource::PitchBend),
-                "pressure" => (m.value == Value::Bool(true)).then(|| map.source = MidiSource::Pressure),
-                "channel" => small(m, 16).filter(|n| *n > 0).map(|n| map.channel = Some(n)),
-                "from" => self.constant(m, unit, crate::kind::ANY, &what).map(|v| map.from = v),
-                "to" => self.constant(m, unit, crate::kind::ANY, &what).map(|v| map.to = v),
-                "attack" => time(self).map(|v| map.attack = v),
-                "release" => time(self).map(|v| map.release = v),
-                _ => None,
-            };
-            sources += i32::from(matches!(m.key.as_str(), "note" | "cc" | "bend" | "pressure"));
-            to |= m.key == "to";
-            if done.is_none() {
-                good = false;
-                let d = Diag::error("E026", format!("{what} is not understood")).at(m.key_span, "here").help(
-                    "use one of note (\"C4\", 60 or [48, 72]), cc (0 to 127), bend = true, pressure = true, \
-                     and channel, from, to, attack, release",
-                );
-                self.diags.push(d);
-            }
-        }
-        if good && (sources != 1 || !to) {
-            let title = format!("{what} needs one of `note`, `cc`, `bend`, `pressure`, and `to`");
-            self.diags.push(Diag::error("E026", title).at(e.span, "incomplete"));
-            return None;
-        }
-        good.then_some(map)
+fn quarters(p: f64) -> bool {
+    p * 4.0 == libm::round(p * 4.0)
+}
+
+/// What to write to be within a range.
+pub fn range_help(min: f64, max: f64, show: impl Fn(f64) -> String) -> String {
+    match (min, max) {
+        (f64::MIN, f64::MAX) => "use a finite number".into(),
+        (f64::MIN_POSITIVE, f64::MAX) => "use a value above 0".into(),
+        (_, f64::MAX) => format!("use {} or more", show(min)),
+        (f64::MIN, _) => format!("use {} or less", show(max)),
+        _ => format!("use a value from {} to {}", show(min), show(max)),
     }
 }
 
-fn small(e: &Entry, max: u8) -> Option<u8> {
-    match e.value {
-        Value::Num(v) if v == libm::floor(v) && v >= 0.0 && v <= f64::from(max) => Some(v as u8),
-        _ => None,
+/// The place of bytes `from .. to` of the text that stands in quotes at `span`; the whole where quotes and escapes do
+/// not let it be told.
+pub fn inside(span: Span, text: &str, from: usize, to: usize) -> Span {
+    if !span.is_some() || span.end < span.start || span.end - span.start != text.len() + 2 {
+        return span;
     }
+    let start = span.start + 1;
+    Span { start: start + from.min(text.len()), end: start + to.min(text.len()) }
 }
 
-/// A note as number or name (C4 = 60), or a range of two.
-fn notes(e: &Entry) -> Option<(u8, u8)> {
-    match &e.value {
-        Value::List(l) if l.len() == 2 => Some((note(&l[0])?, note(&l[1])?)).filter(|(a, b)| a <= b),
-        _ => note(e).map(|n| (n, n)),
-    }
+/// The place of the unit in a quantity that was read.
+fn unit_span(e: &Entry, text: &str) -> Span {
+    let end = text.trim_end().len();
+    let at = text.char_indices().find(|(_, c)| c.is_alphabetic() && !matches!(c, 'e' | 'E') || *c == '%').map(|c| c.0);
+    at.map_or(e.span, |at| inside(e.span, text, at, end))
 }
 
-fn note(e: &Entry) -> Option<u8> {
-    let Value::Text(t) = &e.value else { return small(e, 127) };
-    let mut chars = t.chars();
-    let step = match chars.next()?.to_ascii_uppercase() {
-        'C' => 0,
-        'D' => 2,
-        'E' => 4,
-        'F' => 5,
-        'G' => 7,
-        'A' => 9,
-        'B' => 11,
-        _ => return None,
+/// What to say where a text is no quantity.
+pub fn bad_quantity(what: &str, e: &Entry, text: &str, err: &QuantityError, unit: Option<Unit>) -> Diag {
+    // something missing is shown at what stands before it
+    let (from, to) = if err.end > err.at { (err.at, err.end) } else { (err.at.saturating_sub(1), err.at.max(1)) };
+    let span = inside(e.span, text, from, to);
+    let word = text.get(from..to).unwrap_or("");
+    let d = Diag::error("E007", format!("{what}: {}", err.message)).at(span, "not a quantity");
+    let plain = unit.is_some_and(|u| u.dim.same(Dim::NONE));
+    if let (true, "dB", Ok(level)) = (plain, word, text[..from].trim().parse::<f64>()) {
+        let factor = libm::round(libm::pow(10.0, level / 20.0) * 1e4) / 1e4;
+        return d.help(format!("a plain factor is wanted: {level} dB is {factor}")).fix(e.span, format!("{factor}"));
+    }
+    let help = match unit {
+        Some(_) if plain => "write a plain number, e.g. `1`".into(),
+        Some(unit) => format!("write a number and its unit, e.g. `{}`", quoted(unit)),
+        None => "write a number and its unit, e.g. `\"8 kN/m\"`".into(),
     };
-    let rest = chars.as_str();
-    let (sharp, octave) = match rest.chars().next()? {
-        '#' | '♯' => (1, &rest[rest.chars().next()?.len_utf8()..]),
-        'b' | '♭' => (-1, &rest[rest.chars().next()?.len_utf8()..]),
-        _ => (0, rest),
-    };
-    let number = 12 * (octave.parse::<i32>().ok()?.checked_add(1)?.clamp(-9, 20)) + step + sharp;
-    u8::try_from(number).ok().filter(|n| *n < 128)
+    let Some(hint) = &err.hint else { return d.help(help) };
+    // a comma is replaced by a dot, a word by the word meant
+    let new = if word == "," { "." } else { hint.as_str() };
+    let mended = [&text[..from], new, &text[to..]].concat();
+    match quantity::parse(&mended) {
+        Ok(_) if span == e.span => d.help(format!("did you mean `{mended}`?")),
+        Ok(_) => d.help(format!("did you mean `{mended}`?")).fix(span, new),
+        Err(_) => d.help(help),
+    }
+}
+
+/// What to write instead of a quantity of the wrong dimension.
+fn instead(d: Diag, text: &str, q: &Quantity, unit: Unit, e: &Entry) -> Diag {
+    if unit.dim.same(Dim::NONE) {
+        let end = text.char_indices().find(|(_, c)| c.is_alphabetic() && !matches!(c, 'e' | 'E'));
+        let number = text[..end.map_or(text.len(), |c| c.0)].trim();
+        return d.help("write the number without a unit").fix(e.span, number);
+    }
+    let turned = [(Dim::FREQUENCY, Dim::TIME), (Dim::TIME, Dim::FREQUENCY)];
+    if q.value > 0.0 && turned.iter().any(|(is, wants)| q.dim.same(*is) && unit.dim.same(*wants)) {
+        let other = quantity::show(1.0 / q.value, unit);
+        if other.len() < 12 {
+            return d.help(format!("its reciprocal is {other}; write e.g. `{}`", quoted(unit)));
+        }
+    }
+    d.help(format!("write e.g. `{}`", quoted(unit)))
 }
 
 /// The unit of a power law of exponent `p`, a multiple of 1/4 from 1 to 5.
@@ -416,18 +468,30 @@ pub fn example(unit: Unit) -> String {
         "N/m" => "8 kN/m",
         "N s/m" => "0.2 N s/m",
         "m/s" => "0.5 m/s",
-        "" => return "1.0".into(),
+        "" => return "1".into(),
         other => return format!("1 {other}"),
     };
     n.into()
 }
 
-fn wrong_unit(what: &str, unit: Unit, is: &str, span: Span) -> Diag {
-    let wants = if unit.symbol.is_empty() { "a plain number" } else { unit.symbol };
-    let is = if is.is_empty() { "a plain number" } else { is };
-    Diag::error("E008", format!("{what} wants {wants}, this is {is}"))
-        .at(span, format!("this is {is}"))
-        .help(format!("write e.g. `\"{}\"`", example(unit)))
+/// The same as it stands in a file: in quotes, unless it is a plain number.
+pub fn quoted(unit: Unit) -> String {
+    if unit.symbol.is_empty() { example(unit) } else { format!("\"{}\"", example(unit)) }
+}
+
+fn wanted(symbol: &str) -> &str {
+    if symbol.is_empty() { "a plain number" } else { symbol }
+}
+
+/// What to say where a unit has the wrong dimension; `symbol` is the right one.
+pub fn wrong_unit(what: &str, symbol: &str, is: &str, span: Span) -> Diag {
+    let is = wanted(is);
+    let title = if symbol.is_empty() {
+        format!("{what} is a plain number, not one in {is}")
+    } else {
+        format!("{what} is given in {is}, not in {symbol}")
+    };
+    Diag::error("E008", title).at(span, format!("this is {is}"))
 }
 
 /// What a value is, for people.

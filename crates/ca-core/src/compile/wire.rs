@@ -1,36 +1,36 @@
 //! Wire: what is written between quotes becomes ends of links, ears of outputs and moving points.
 
 use super::Options;
-use super::net::{Coordinate, Ear, End, LiaNode, Net, OutNode, PointNode};
+use super::net::{Ear, End, LiaNode, Net, OutNode};
+use super::resolve::LARGEST;
+use super::select::{Meaning, Written};
+use super::values::type_name;
 use crate::io::PortRole;
 use crate::kind::Role;
 use crate::live::Source;
 use crate::model::diag::{Diag, Diags};
-use crate::model::select::{self, Coord, Index, Part, Selector};
-use crate::model::suggest::nearest;
 use crate::model::{Entry, Item, Model, Span, Value};
-use alloc::collections::BTreeMap;
+use alloc::collections::{BTreeMap, BTreeSet};
 use alloc::format;
 use alloc::string::String;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
-/// What a selector means.
-enum Meaning {
-    Ends(Vec<End>),
-    Links(Vec<u32>),
+pub(super) struct Wire<'a> {
+    pub model: &'a Model,
+    pub net: Net,
+    pub diags: &'a mut Diags,
+    /// moving points by their text
+    pub points: BTreeMap<String, u32>,
+    /// nodes under all moving points, and under the moving points of all links
+    pub under: usize,
 }
 
-struct Wire<'a> {
-    model: &'a Model,
-    net: Net,
-    diags: &'a mut Diags,
-    points: BTreeMap<String, u32>,
-}
+const LINKED: &str = "a link joins MATs: masses, fixed points, cells, ports moved from outside";
 
 /// Adds links, force ports, outputs and probes.
 pub fn wire(model: &Model, net: Net, options: &Options, diags: &mut Diags) -> Net {
-    let mut w = Wire { model, net, diags, points: BTreeMap::new() };
+    let mut w = Wire { model, net, diags, points: BTreeMap::new(), under: 0 };
     for id in 0..w.net.items.len() {
         if let Role::Lia(_) = w.net.items[id].kind.role {
             w.link(id as u32);
@@ -44,8 +44,13 @@ pub fn wire(model: &Model, net: Net, options: &Options, diags: &mut Diags) -> Ne
             _ => {}
         }
     }
+    w.broken_items();
     for probe in &options.probes {
         w.probe(probe);
+    }
+    if let (Some(name), false) = (&w.net.incomplete, w.diags.has_errors()) {
+        let d = Diag::error("E013", format!("`{name}` could not be read, and something refers to it"));
+        w.diags.push(d.help("mend what the reader reported first"));
     }
     w.net.alive = alloc::vec![true; w.net.mats.len()];
     w.net
@@ -60,188 +65,79 @@ impl Wire<'_> {
         self.item(id).args.iter().find(|e| e.key == key).cloned()
     }
 
-    /// Reads one selector and looks it up.
-    fn select(&mut self, text: &str, span: Span, owner: &str, wants_mat: bool) -> Option<Meaning> {
-        let sel = match select::parse(text) {
-            Ok(s) => s,
-            Err(e) => {
-                let d = Diag::error("E015", format!("`{owner}`: `{text}` is not a selector")).at(span, e.message);
-                self.diags.push(d.help("write e.g. `hammer`, `low[8]`, `low[-1]`, `low[*]` or `low@0.31`"));
-                return None;
-            }
-        };
-        let Some(family) = self.net.families.get(&sel.name) else {
-            self.unknown(&sel.name, span, owner);
-            return None;
-        };
-        if let Some(at) = &sel.at {
-            let at = at.0.clone();
-            return self.moving(text, &sel, &at, span, owner).map(|p| Meaning::Ends(alloc::vec![End::Point(p)]));
-        }
-        let plain_link = family.masses.is_empty() && !family.links.is_empty();
-        let (list, links) = match sel.part {
-            Part::Mass if plain_link => (&family.links, true),
-            Part::Mass => (&family.masses, false),
-            Part::Link => (&family.links, true),
-            Part::End => (&family.tips, false),
-        };
-        let size = family.size;
-        if links && wants_mat {
-            let d = Diag::error("E017", format!("`{owner}`: `{text}` is a link, a MAT is wanted")).at(span, "a LIA");
-            self.diags.push(d);
-            return None;
-        }
-        let chosen = match pick(list, sel.index, size) {
-            Ok(ids) => ids,
-            Err(why) => {
-                let (code, help) = match why {
-                    Pick::Needs => (
-                        "E016",
-                        format!(
-                            "`{}` is {} modules: write `{}[0]` or `{}[*]`",
-                            sel.name,
-                            list.len(),
-                            sel.name,
-                            sel.name
-                        ),
-                    ),
-                    Pick::Outside if size[1] > 1 => {
-                        ("E016", format!("`{}` goes from [0,0] to [{},{}]", sel.name, size[0] - 1, size[1] - 1))
-                    }
-                    Pick::Outside => (
-                        "E016",
-                        format!("`{}` has {} of them: 0 to {}", sel.name, list.len(), list.len().saturating_sub(1)),
-                    ),
-                };
-                let d = Diag::error(code, format!("`{owner}`: no `{text}`")).at(span, "out of range").help(help);
-                self.diags.push(d);
-                return None;
-            }
-        };
-        Some(if links { Meaning::Links(chosen) } else { Meaning::Ends(chosen.into_iter().map(End::Mat).collect()) })
-    }
-
-    fn unknown(&mut self, name: &str, span: Span, owner: &str) {
-        let mut d = Diag::error("E013", format!("`{owner}`: no module `{name}`")).at(span, "unknown");
-        if let Some(item) = self.model.items.iter().find(|i| i.name == name) {
-            // it is there, but it is an output, or it is broken and reported elsewhere
-            if matches!(item.kind.as_str(), "SOX" | "SOF" | "ENF") {
-                d = Diag::error("E017", format!("`{owner}`: `{name}` is not something a link can hold"))
-                    .at(span, format!("{} is not a MAT or LIA", item.kind));
-            } else {
-                return;
-            }
-        } else if let Some(near) = nearest(name, self.net.families.keys().map(String::as_str)) {
-            d = d.help(format!("did you mean `{near}`?"));
-        } else {
-            d = d.help("declare it, e.g. under `[MAS]` or `[SOL]`");
-        }
-        self.diags.push(d);
-    }
-
-    /// A moving point; the same text is the same point.
-    fn moving(&mut self, text: &str, sel: &Selector, at: &[Coord], span: Span, owner: &str) -> Option<u32> {
-        if let Some(p) = self.points.get(text) {
-            return Some(*p);
-        }
-        let family = &self.net.families[&sel.name];
-        let wants = if family.size[1] > 1 { 2 } else { 1 };
-        let nodes = family.nodes.len();
-        let bad = |title: String, label: &str| Diag::error("E015", title).at(span, label);
-        if nodes < 2 || sel.part != Part::Mass || sel.index != Index::None {
-            let d = bad(format!("`{owner}`: nothing to move along in `{}`", sel.name), "not a string or mesh");
-            self.diags.push(d.help("`name@s` needs a STRING, STIFFSTRING, CHAIN or MESH"));
-            return None;
-        }
-        if at.len() != wants {
-            let d = bad(format!("`{owner}`: `{}` takes {wants} coordinate(s), not {}", sel.name, at.len()), "here");
-            let help =
-                if wants == 2 { format!("write `{}@0.3,0.4`", sel.name) } else { format!("write `{}@0.3`", sel.name) };
-            self.diags.push(d.help(help));
-            return None;
-        }
-        let mut coordinates = Vec::new();
-        for c in at {
-            coordinates.push(match c {
-                Coord::Num(v) if (0.0..=1.0).contains(v) => Coordinate::At(*v),
-                Coord::Num(v) => {
-                    let d = Diag::error("E009", format!("`{owner}`: coordinate {v} of `{}` is not in 0 … 1", sel.name));
-                    self.diags.push(d.at(span, "out of range"));
-                    return None;
-                }
-                Coord::Name(n) => self.coordinate(n, span, owner)?,
-            });
-        }
-        let id = self.net.points.len() as u32;
-        self.net.points.push(PointNode { name: text.into(), family: sel.name.clone(), at: coordinates });
-        self.points.insert(text.into(), id);
-        Some(id)
-    }
-
-    fn coordinate(&mut self, name: &str, span: Span, owner: &str) -> Option<Coordinate> {
-        if let Some(p) = self.net.params.iter_mut().find(|p| p.name == name) {
-            // the place it stands in bounds it, unless the author was stricter
-            p.min = p.min.max(0.0);
-            p.max = p.max.min(1.0);
-        }
-        if let Some(p) = self.net.params.iter().position(|p| p.name == name) {
-            return Some(Coordinate::Live(p as u32));
-        }
-        if let Some(v) = self.net.constants.get(name) {
-            return Some(Coordinate::At(v.clamp(0.0, 1.0)));
-        }
-        let mat = self.net.families.get(name).and_then(|f| f.masses.first().copied());
-        match mat {
-            Some(m) if matches!(self.net.mats[m as usize].role, super::net::MatRole::Port(..)) => {
-                Some(Coordinate::Port(m))
-            }
-            _ => {
-                let d =
-                    Diag::error("E013", format!("`{owner}`: no parameter or port `{name}`")).at(span, "unknown place");
-                self.diags.push(d.help("a moving point follows a number, a `[param]`, or an ENX or TGR port"));
-                None
-            }
-        }
-    }
-
-    /// The ends on one side of `between`.
-    fn side(&mut self, e: &Entry, owner: &str) -> Option<Vec<End>> {
+    /// The ends on one side of `between`, or what a force pushes; `why` says what is wanted there.
+    fn side(&mut self, e: &Entry, owner: &str, key: &str, why: &str) -> Option<Vec<End>> {
         match &e.value {
-            Value::Text(t) => match self.select(t, e.span, owner, true)? {
+            Value::Text(t) => match self.select(Written { text: t, span: e.span, owner }, Some(why))? {
                 Meaning::Ends(v) => Some(v),
                 Meaning::Links(_) => None,
             },
             Value::List(l) => {
-                let sides: Vec<_> = l.iter().map(|x| self.side(x, owner)).collect();
-                sides.into_iter().collect::<Option<Vec<_>>>().map(|v| v.concat())
+                let mut all = Some(Vec::new());
+                for x in l {
+                    let ends = self.side(x, owner, key, why);
+                    if all.as_ref().zip(ends.as_ref()).is_some_and(|(a, b)| a.len() + b.len() > LARGEST) {
+                        self.too_many(owner, "ends", e.span);
+                        return None;
+                    }
+                    all = all.zip(ends).map(|(mut a, b)| {
+                        a.extend(b);
+                        a
+                    });
+                }
+                all
             }
-            _ => {
-                let d = Diag::error("E006", format!("`between` of `{owner}` holds names")).at(e.span, "not a name");
-                self.diags.push(d.help("write `between = [\"first\", \"second\"]`"));
+            other => {
+                let title = format!("`{key}` of `{owner}` holds names of modules, not {}", type_name(other));
+                let d = Diag::error("E006", title).at(e.span, "not a name");
+                let quoted = "put the name in quotes, e.g. `\"hammer\"` or `\"low[8]\"`";
+                self.diags.push(d.help(quoted));
                 None
             }
         }
+    }
+
+    fn too_many(&mut self, owner: &str, what: &str, span: Span) {
+        let d = Diag::error("E027", format!("`{owner}` makes too many {what}")).at(span, "here");
+        self.diags.push(d.help(format!("a model holds up to {LARGEST} masses and links")));
     }
 
     fn link(&mut self, id: u32) {
         let (name, kind) = (self.net.items[id as usize].name.clone(), self.net.items[id as usize].kind);
         let Role::Lia(law) = kind.role else { return };
         let Some(e) = self.entry(id, "between") else { return };
+        let help = "write `between = [\"first\", \"second\"]`";
         let Value::List(l) = &e.value else {
-            let d = Diag::error("E006", format!("`between` of `{name}` must be a list of two ends")).at(e.span, "here");
-            self.diags.push(d.help("write `between = [\"first\", \"second\"]`"));
+            let d = Diag::error("E006", format!("`between` of `{name}` must be a list of two ends"));
+            self.diags.push(d.at(e.span, format!("this is {}", type_name(&e.value))).help(help));
             return;
         };
         let [first, second] = l.as_slice() else {
+            let count = ["no end", "one end"].get(l.len()).map_or_else(|| format!("{} ends", l.len()), |s| (*s).into());
             let d =
-                Diag::error("E018", format!("`between` of `{name}` has {} ends, not two", l.len())).at(e.span, "here");
-            self.diags.push(d.help("write `between = [\"first\", \"second\"]`; each side may itself be a list"));
+                Diag::error("E018", format!("`between` of `{name}` has {count}, not two")).at(e.span, "two are wanted");
+            let help = if l.len() > 2 {
+                "a link has a first and a second end; to link many, make each side a list: `[[\"a\", \"b\"], \"c\"]`"
+            } else {
+                help
+            };
+            self.diags.push(d.help(help));
             return;
         };
-        let (a, b) = (self.side(first, &name), self.side(second, &name));
+        let (a, b) = (self.side(first, &name, "between", LINKED), self.side(second, &name, "between", LINKED));
         let (Some(a), Some(b)) = (a, b) else { return };
+        if let Some((side, _)) = [(first, &a), (second, &b)].into_iter().find(|(_, ends)| ends.is_empty()) {
+            let d = Diag::error("E018", format!("`{name}` joins nothing: one side is empty")).at(side.span, "no end");
+            self.diags.push(d.help(help));
+            return;
+        }
         let arg = |key: &str| kind.param(key).and_then(|i| self.net.items[id as usize].args[i].num());
         let all = arg("pairs") == Some(1.0);
+        let count = if all { a.len().saturating_mul(b.len()) } else { a.len().max(b.len()) };
+        if self.net.mats.len() + self.net.lias.len() + count > LARGEST {
+            self.too_many(&name, "links", e.span);
+            return;
+        }
         let pairs: Vec<[End; 2]> = if all && a == b {
             (0..a.len()).flat_map(|i| (i + 1..a.len()).map(move |j| (i, j))).map(|(i, j)| [a[i], a[j]]).collect()
         } else if all {
@@ -249,17 +145,24 @@ impl Wire<'_> {
         } else if a.len() == b.len() {
             a.iter().zip(&b).map(|(x, y)| [*x, *y]).collect()
         } else if a.len() == 1 || b.len() == 1 {
-            (0..a.len().max(b.len())).map(|i| [a[i.min(a.len() - 1)], b[i.min(b.len() - 1)]]).collect()
+            (0..count).map(|i| [a[i.min(a.len() - 1)], b[i.min(b.len() - 1)]]).collect()
         } else {
-            let d = Diag::error("E018", format!("`{name}`: {} ends on one side, {} on the other", a.len(), b.len()));
-            let d = d.at(e.span, "do not pair").help("give equal numbers, one against many, or `pairs = \"all\"`");
-            self.diags.push(d);
+            let ends = |n: usize| if n == 1 { "1 end".into() } else { format!("{n} ends") };
+            let d =
+                Diag::error("E018", format!("`{name}`: {} on one side, {} on the other", ends(a.len()), ends(b.len())));
+            let d = d.at(first.span, ends(a.len())).at(second.span, ends(b.len()));
+            self.diags.push(d.help("give equal numbers, one against many, or `pairs = \"all\"`"));
             return;
         };
-        if self.net.lias.len() + pairs.len() > super::resolve::LARGEST {
-            self.diags.push(
-                Diag::error("E027", format!("`{name}` makes too many links: {}", pairs.len())).at(e.span, "here"),
-            );
+        if pairs.is_empty() {
+            let d = Diag::error("E018", format!("`{name}` joins nothing: one module makes no pair with itself"));
+            self.diags.push(d.at(e.span, "no pair").help("name two different ends"));
+            return;
+        }
+        let points = |end: &End| if let End::Point(_) = end { self.net.under(*end).len() } else { 0 };
+        self.under = self.under.saturating_add(pairs.iter().flatten().map(points).sum());
+        if self.under > 40 * LARGEST {
+            self.too_many(&name, "links to moving points on long strings", e.span);
             return;
         }
         let values: Arc<[Source]> = (0..kind.params.len() as u32).map(Source::Slot).collect();
@@ -269,7 +172,12 @@ impl Wire<'_> {
         for (i, ends) in pairs.into_iter().enumerate() {
             if ends[0] == ends[1] {
                 let d = Diag::error("E022", format!("`{name}` joins `{}` to itself", self.net.end_name(ends[0])));
-                self.diags.push(d.at(e.span, "the same at both ends"));
+                let help = if many {
+                    "leave it out of one side, or link by `pairs = \"all\"` with one list on both sides"
+                } else {
+                    "name two different modules"
+                };
+                self.diags.push(d.at(e.span, "the same at both ends").help(help));
                 return;
             }
             made.push(self.net.lias.len() as u32);
@@ -279,21 +187,46 @@ impl Wire<'_> {
         self.net.families.entry(name).or_default().links = made;
     }
 
+    /// References of modules that could not be resolved are looked up all the same, so that everything is said at once.
+    fn broken_items(&mut self) {
+        let good: BTreeSet<usize> = self.net.items.iter().map(|i| i.model).collect();
+        let model = self.model;
+        for (_, item) in model.items.iter().enumerate().filter(|(i, _)| !good.contains(i)) {
+            for e in &item.args {
+                match (e.key.as_str(), &e.value) {
+                    ("between", Value::List(_)) | ("to", Value::Text(_)) => {
+                        self.side(e, &item.name, &e.key, LINKED);
+                    }
+                    ("from", Value::Text(text)) => {
+                        self.select(Written { text, span: e.span, owner: &item.name }, None);
+                    }
+                    _ => {}
+                }
+            }
+        }
+    }
+
     fn push(&mut self, id: u32) {
         let name = self.net.items[id as usize].name.clone();
         let Some(e) = self.entry(id, "to") else { return };
-        let Some(ends) = self.side(&e, &name) else { return };
+        let Some(ends) = self.side(&e, &name, "to", "a force pushes a MAT: a mass or a cell") else { return };
         let Some(input) = self.net.inputs.iter().position(|i| i.name == name) else { return };
+        if self.net.pushes.len() + ends.len() > LARGEST {
+            self.too_many(&name, "forces", e.span);
+            return;
+        }
         self.net.pushes.extend(ends.into_iter().map(|end| (input as u32, end)));
     }
 
     fn ears(&mut self, e: &Entry, name: &str, force: bool) -> Vec<Ear> {
         let Value::Text(text) = &e.value else {
-            let d = Diag::error("E006", format!("`from` of `{name}` must be the name of a module")).at(e.span, "here");
-            self.diags.push(d);
+            let title = format!("`from` of `{name}` must be the name of a module, not {}", type_name(&e.value));
+            let help = "put the name in quotes, e.g. `\"bar\"`; several of one kind are `\"low[*]\"`";
+            self.diags.push(Diag::error("E006", title).at(e.span, "not a name").help(help));
             return Vec::new();
         };
-        match self.select(text, e.span, name, !force) {
+        let why = "SOX hears the position of a mass; SOF hears the force of a link";
+        match self.select(Written { text, span: e.span, owner: name }, (!force).then_some(why)) {
             Some(Meaning::Links(l)) => l.into_iter().map(Ear::ForceOf).collect(),
             Some(Meaning::Ends(v)) if force => v.into_iter().map(Ear::ForceOn).collect(),
             Some(Meaning::Ends(v)) => v.into_iter().map(Ear::Position).collect(),
@@ -312,13 +245,20 @@ impl Wire<'_> {
         for (i, ear) in ears.into_iter().enumerate() {
             let own = if many { format!("{name}[{i}]") } else { name.clone() };
             let channel = channel.map_or(self.net.channels.len() as u32, |c| c as u32);
+            if channel > 255 {
+                // once, not for each output that follows
+                if !self.diags.list.iter().any(|d| d.code == "E027" && d.title.ends_with("256 channels")) {
+                    let d = Diag::error("E027", format!("`{name}` would be the first beyond 256 channels"));
+                    self.diags.push(d.at(e.span, "one too many").help("give several outputs the same `channel`"));
+                }
+                return;
+            }
+            if self.net.outs.len() >= LARGEST {
+                self.too_many(&name, "outputs", e.span);
+                return;
+            }
             while self.net.channels.len() <= channel as usize {
                 self.net.channels.push(own.clone());
-            }
-            if channel > 255 {
-                let d = Diag::error("E027", format!("`{name}` would make more than 256 channels")).at(e.span, "here");
-                self.diags.push(d.help("give several outputs the same `channel`"));
-                return;
             }
             let gain = Source::Slot(index("gain") as u32);
             self.net.outs.push(OutNode { name: own, ear, channel, gain, item: Some(id) });
@@ -333,7 +273,7 @@ impl Wire<'_> {
             self.net.outs.push(out);
             return;
         }
-        let ears = match self.select(text, Span::NONE, "probe", false) {
+        let ears = match self.select(Written { text, span: Span::NONE, owner: "probe" }, None) {
             Some(Meaning::Links(l)) => l.into_iter().map(Ear::ForceOf).collect::<Vec<_>>(),
             Some(Meaning::Ends(v)) => v.into_iter().map(Ear::Position).collect(),
             None => return,
@@ -348,33 +288,5 @@ impl Wire<'_> {
 
     fn probes(&self) -> usize {
         self.net.outs.iter().filter(|o| o.item.is_none()).count()
-    }
-}
-
-enum Pick {
-    Needs,
-    Outside,
-}
-
-fn pick(list: &[u32], index: Index, size: [u32; 2]) -> Result<Vec<u32>, Pick> {
-    let wrap = |i: i64, n: usize| {
-        let at = if i < 0 { i + n as i64 } else { i };
-        usize::try_from(at).ok().filter(|k| *k < n).ok_or(Pick::Outside)
-    };
-    match index {
-        Index::None if list.len() == 1 => Ok(list.to_vec()),
-        Index::None => Err(Pick::Needs),
-        Index::All => Ok(list.to_vec()),
-        Index::One(i) => Ok(alloc::vec![list[wrap(i, list.len())?]]),
-        Index::Two(i, j) => {
-            let (i, j) = (wrap(i, size[0] as usize)?, wrap(j, size[1] as usize)?);
-            list.get(i * size[1] as usize + j).map(|m| alloc::vec![*m]).ok_or(Pick::Outside)
-        }
-        Index::Range(a, b) => {
-            let n = list.len();
-            let a = wrap(a, n)?;
-            let b = if b == n as i64 { n } else { wrap(b, n)? };
-            if a < b { Ok(list[a..b].to_vec()) } else { Err(Pick::Outside) }
-        }
     }
 }

@@ -46,7 +46,7 @@ fn derive(a: &Args<'_>) -> Result<Vec<Option<f64>>, Problem> {
     for other in ["t60", "m"] {
         if let Some(len) = a.len(other).filter(|len| *len != n) {
             return Err(Problem {
-                title: format!("`{other}` has {len} numbers where `f` has {n}"),
+                title: format!("`{other}` has {len} number{} where `f` has {n}", if len == 1 { "" } else { "s" }),
                 param: if other == "m" { "m" } else { "t60" },
                 help: "give as many as there are frequencies, or one for all".into(),
             });

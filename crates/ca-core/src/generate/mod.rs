@@ -122,6 +122,8 @@ pub struct Build<'a> {
     tips: Vec<u32>,
     size: [u32; 2],
     nodes: Vec<u32>,
+    /// where the parameters of the last links and masses come from: most of a generator's modules share theirs
+    shared: Vec<Arc<[Source]>>,
 }
 
 impl<'a> Build<'a> {
@@ -148,7 +150,19 @@ impl<'a> Build<'a> {
             tips: Vec::new(),
             size: [0, 1],
             nodes: Vec::new(),
+            shared: Vec::new(),
         }
+    }
+
+    /// The same list of sources as before, if it was met lately.
+    fn share(&mut self, values: &[Source]) -> Arc<[Source]> {
+        if let Some(known) = self.shared.iter().find(|s| s[..] == *values) {
+            return known.clone();
+        }
+        let new: Arc<[Source]> = Arc::from(values);
+        self.shared.truncate(7);
+        self.shared.insert(0, new.clone());
+        new
     }
 
     /// True where slot `i` is nothing and stays so.
@@ -165,7 +179,8 @@ impl<'a> Build<'a> {
         if damped {
             values[2] = Source::Slot(z);
         }
-        let id = self.mat(format!("{}[{index}]", self.name), kind, values.into());
+        let values = self.share(&values);
+        let id = self.mat(format!("{}[{index}]", self.name), kind, values);
         self.masses.push(id);
         id
     }
@@ -216,12 +231,13 @@ impl<'a> Build<'a> {
     /// later, by the same pass that treats links written by hand.
     pub fn link(&mut self, a: u32, b: u32, k: u32, z: u32) {
         let crate::kind::Role::Lia(law) = crate::phi::REF.role else { return };
+        let values = self.share(&[Source::Absent, Source::Slot(k), Source::Slot(z), Source::Absent]);
         self.links.push(self.net.lias.len() as u32);
         self.net.lias.push(LiaNode {
             name: format!("{}.link[{}]", self.name, self.links.len() - 1),
             kind: &crate::phi::REF,
             law,
-            values: Arc::from([Source::Absent, Source::Slot(k), Source::Slot(z), Source::Absent]),
+            values,
             ends: [End::Mat(a), End::Mat(b)],
             l0: None,
             item: self.item,

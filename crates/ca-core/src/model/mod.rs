@@ -159,6 +159,9 @@ pub struct Model {
     pub groups: Vec<Group>,
     /// modules in document order
     pub items: Vec<Item>,
+    /// names that stand in the text, but in a place or a form that could not be read; that has been reported, so a
+    /// reference to one of them is not reported again
+    pub lost: Vec<String>,
 }
 
 impl Model {
@@ -187,7 +190,8 @@ impl Model {
 
     /// Sets a parameter from text, as `--set` does: `hammer.m` of a module, or the name of a `[param]`. Numbers and
     /// quantities are taken as such, `true`/`false` as flags, anything else as text; the compiler checks them like any
-    /// other. Returns false where there is no such name.
+    /// other, but their findings point nowhere: what is set does not stand in the text. Returns false where there is
+    /// no such name.
     pub fn set(&mut self, name: &str, text: &str) -> bool {
         let text = text.trim();
         let value = match (text.parse::<f64>(), text) {
@@ -199,10 +203,10 @@ impl Model {
         if let Some(e) = self.params.iter_mut().find(|e| e.key == name) {
             match &mut e.value {
                 Value::Table(entries) => match entries.iter_mut().find(|x| x.key == "value") {
-                    Some(x) => x.value = value,
+                    Some(x) => (x.value, x.span) = (value, Span::NONE),
                     None => entries.push(Entry::new("value", value)),
                 },
-                _ => e.value = value,
+                _ => (e.value, e.span) = (value, Span::NONE),
             }
             return true;
         }
@@ -215,7 +219,7 @@ impl Model {
         }
         let Some(item) = self.items.iter_mut().find(|i| i.name == owner) else { return false };
         match item.args.iter_mut().find(|e| e.key == key) {
-            Some(e) => e.value = value,
+            Some(e) => (e.value, e.span) = (value, Span::NONE),
             None => item.args.push(Entry::new(key, value)),
         }
         true

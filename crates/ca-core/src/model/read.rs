@@ -54,7 +54,8 @@ const OTHER_NAMES: &[(&str, &str)] = &[
 /// Reads the text of a model. `file` is its name in reports.
 ///
 /// The model holds all that could be understood, even beside errors. Modules of an unknown kind are kept under the
-/// code as written, so that links to them still resolve; what is written twice or has no valid name is left out.
+/// code as written, so that links to them still resolve; what is written twice or has no valid name is left out, the
+/// name kept in [`Model::lost`].
 ///
 /// ```
 /// use ca_core::{catalog::Catalog, model::read::read};
@@ -74,8 +75,23 @@ pub fn read(text: &str, file: &str, catalog: &Catalog) -> (Model, Diags) {
     }
     let Reader { mut model, mut diags, .. } = reader;
     unique(&mut model, &mut diags);
+    broken_lines(&mut model, &diags);
     diags.sort();
     (model, diags)
+}
+
+/// Names of lines that are not TOML are lost, so far as nothing was read of them.
+fn broken_lines(model: &mut Model, diags: &Diags) {
+    for d in diags.list.iter().filter(|d| d.code == "E001") {
+        let at = d.span().start.min(model.text.len());
+        let Some(before) = model.text.get(..at) else { continue };
+        let start = before.rfind('\n').map_or(0, |i| i + 1);
+        let line = model.text[start..].lines().next().unwrap_or("").trim_start();
+        let name: String = line.chars().take_while(|c| c.is_ascii_alphanumeric() || *c == '_').collect();
+        if is_word(&name) && !model.items.iter().any(|i| i.name == name) && !model.lost.contains(&name) {
+            model.lost.push(name);
+        }
+    }
 }
 
 /// The comment lines at the head of the file.
@@ -166,9 +182,16 @@ impl Reader<'_, '_> {
                 self.diags.push(d.at(self.span(key), "no such section or kind").help(help));
                 if is_code(name) {
                     self.modules(name, None, key, table, None);
+                } else {
+                    self.lose(table);
                 }
             }
         }
+    }
+
+    /// Remembers the names in a table that is not read.
+    fn lose(&mut self, table: &DeTable) {
+        self.model.lost.extend(table.keys().map(|k| String::from(k.get_ref().as_ref())));
     }
 
     fn has_section(&self, name: &str) -> bool {
@@ -293,8 +316,9 @@ impl Reader<'_, '_> {
                         Some(m) => d.help(format!("did you mean `{m}`?")).fix(self.span(k), m),
                         None => d.help("groups do not nest"),
                     });
-                    if let Some(kind) = meant.and_then(|m| self.catalog.get(m)) {
-                        self.modules(kind.code, Some(kind), k, t, Some((index, name)));
+                    match meant.and_then(|m| self.catalog.get(m)) {
+                        Some(kind) => self.modules(kind.code, Some(kind), k, t, Some((index, name))),
+                        None => self.lose(t),
                     }
                 }
                 _ => props.extend(self.entry(code.into(), k, v)),
@@ -307,6 +331,8 @@ impl Reader<'_, '_> {
         }
         if !valid {
             // its modules have no usable name either, and its place in the list is taken by nobody
+            let members = self.model.items.iter().filter(|i| i.group == Some(index)).map(|i| i.name.clone());
+            self.model.lost.extend(members.collect::<Vec<_>>());
             self.model.items.retain(|i| i.group != Some(index));
             self.model.groups.truncate(index);
         }
@@ -338,6 +364,11 @@ impl Reader<'_, '_> {
         for (key, value) in ordered(table) {
             let word = key.get_ref().as_ref();
             let name = group.map_or_else(|| word.to_owned(), |(_, g)| format!("{g}.{word}"));
+            // the value is not TOML, which has been reported: the parser then gives it no place of its own
+            if value.span() == (0..0) {
+                self.model.lost.push(name);
+                continue;
+            }
             let valid = self.check_name(word, self.span(key));
             let args = match value.get_ref() {
                 DeValue::Table(t) => {
@@ -396,6 +427,7 @@ impl Reader<'_, '_> {
         let d = Diag::error("E014", format!("not a name: `{}`", word.escape_debug())).at(span, "not a name");
         let d = d.help("a name is made of letters, digits and `_`, and starts with a letter");
         self.diags.push(if is_word(&mended) { d.fix(span, mended) } else { d });
+        self.model.lost.push(word.into());
         false
     }
 }

@@ -12,6 +12,7 @@ use crate::state::State;
 mod gather;
 pub mod pass;
 mod run;
+pub mod wide;
 
 /// One pass, run once per tick.
 pub type Kernel = fn(&Op, &Scene, &mut State);
@@ -19,8 +20,8 @@ pub type Kernel = fn(&Op, &Scene, &mut State);
 /// How a batch of links is laid out; chooses the kernel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Form {
-    /// the links join consecutive MATs: link i joins `mat + i` and `mat + i + 1`
-    pub run: bool,
+    /// 0: any MATs; else link i joins `mat + i` and `mat + i + stride`
+    pub stride: usize,
     /// some link of the batch has e₀ ≠ 0
     pub offset: bool,
     /// the force of each link is kept in [`State::tap`]
@@ -55,19 +56,19 @@ pub struct Op {
 impl Op {
     /// A pass without links.
     pub fn pass(name: &'static str, kernel: Kernel, n: usize) -> Op {
-        let form = Form { run: false, offset: false, tap: false };
+        let form = Form { stride: 0, offset: false, tap: false };
         Op { kernel, name, law: None, form, n, first: 0, mat: 0, coef: 0, mem: 0, tap: 0 }
     }
 }
 
 /// The kernel of a law for one form.
 pub(crate) fn kernel<P: Phi<C, M> + 'static, const C: usize, const M: usize>(form: Form) -> Kernel {
-    match (form.run, form.offset, form.tap) {
+    match (form.stride > 0, form.offset, form.tap) {
         (false, false, false) => gather::gather::<P, C, M, false, false>,
         (false, false, true) => gather::gather::<P, C, M, false, true>,
         (false, true, false) => gather::gather::<P, C, M, true, false>,
         (false, true, true) => gather::gather::<P, C, M, true, true>,
-        (true, false, _) => run::run::<P, C, M, false>,
-        (true, true, _) => run::run::<P, C, M, true>,
+        (true, false, _) => wide::wide::<run::Run<P, C, M, false>>,
+        (true, true, _) => wide::wide::<run::Run<P, C, M, true>>,
     }
 }

@@ -2,6 +2,7 @@
 //! modules.
 
 use super::Op;
+use super::wide::Body;
 use crate::scene::{Heard, Place, Scene};
 use crate::state::{Cell, State};
 
@@ -114,26 +115,36 @@ pub fn outputs(op: &Op, scene: &Scene, s: &mut State) {
 }
 
 /// Moves MATs `op.mat ..` that only have inertia: d ← d + C·f, x ← x + d.
-pub fn advance_free(op: &Op, scene: &Scene, s: &mut State) {
-    let r = op.mat..op.mat + op.n;
-    let c = &s.coef[2 * scene.n_mat..][r.clone()];
-    let (x, d, f) = (&mut s.x[r.clone()], &mut s.d[r.clone()], &mut s.f[r]);
-    for (((x, d), f), c) in x.iter_mut().zip(d).zip(f).zip(c) {
-        *d += c * *f;
-        *x += *d;
-        *f = 0.0;
+pub struct AdvanceFree;
+
+impl Body for AdvanceFree {
+    #[inline(always)]
+    fn run(op: &Op, scene: &Scene, s: &mut State) {
+        let r = op.mat..op.mat + op.n;
+        let c = &s.coef[2 * scene.n_mat..][r.clone()];
+        let (x, d, f) = (&mut s.x[r.clone()], &mut s.d[r.clone()], &mut s.f[r]);
+        for (((x, d), f), c) in x.iter_mut().zip(d).zip(f).zip(c) {
+            *d += c * *f;
+            *x += *d;
+            *f = 0.0;
+        }
     }
 }
 
 /// Moves MATs `op.mat ..` with spring and damper of their own: d ← P·d + Q·x + C·f, x ← x + d.
-pub fn advance_full(op: &Op, scene: &Scene, s: &mut State) {
-    let (n, r) = (scene.n_mat, op.mat..op.mat + op.n);
-    let (p, q, c) = (&s.coef[..n][r.clone()], &s.coef[n..2 * n][r.clone()], &s.coef[2 * n..][r.clone()]);
-    let (x, d, f) = (&mut s.x[r.clone()], &mut s.d[r.clone()], &mut s.f[r]);
-    for i in 0..x.len() {
-        d[i] = p[i] * d[i] + q[i] * x[i] + c[i] * f[i];
-        x[i] += d[i];
-        f[i] = 0.0;
+pub struct AdvanceFull;
+
+impl Body for AdvanceFull {
+    #[inline(always)]
+    fn run(op: &Op, scene: &Scene, s: &mut State) {
+        let (n, r) = (scene.n_mat, op.mat..op.mat + op.n);
+        let (p, q, c) = (&s.coef[..n][r.clone()], &s.coef[n..2 * n][r.clone()], &s.coef[2 * n..][r.clone()]);
+        let (x, d, f) = (&mut s.x[r.clone()], &mut s.d[r.clone()], &mut s.f[r]);
+        for ((((x, d), f), p), (q, c)) in x.iter_mut().zip(d).zip(f).zip(p).zip(q.iter().zip(c)) {
+            *d = p * *d + q * *x + c * *f;
+            *x += *d;
+            *f = 0.0;
+        }
     }
 }
 

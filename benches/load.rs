@@ -1,0 +1,38 @@
+//! From text to a scene that can sound. The requirement: under 50 ms for a 1000-mass string and for a 20 × 30 mesh in
+//! the format of MIMS, read, recognised and compiled.
+#![allow(missing_docs)]
+
+use ca_benches::{by_hand, mims_mesh, scene, string};
+use ca_core::{Catalog, KernelClass, model::mims, model::read::read};
+use criterion::{Criterion, criterion_group, criterion_main};
+use std::hint::black_box;
+
+fn load(c: &mut Criterion) {
+    let mut g = c.benchmark_group("load");
+    let catalog = Catalog::core();
+    for (name, text) in [("string of 1000, generated", string(1000)), ("string of 1000, by hand", by_hand(1000))] {
+        g.bench_function(name, |b| {
+            b.iter(|| {
+                let (model, _) = read(black_box(&text), "bench.ca.toml", &catalog);
+                scene(&model, KernelClass::Fast, false)
+            });
+        });
+    }
+    let ours = mims_mesh();
+    g.bench_function("MIMS mesh 20 x 30", |b| {
+        b.iter(|| scene(&mims::import(black_box(&ours), "mesh.mdl").0, KernelClass::Fast, false));
+    });
+    // models that others published, where they are at hand
+    for name in ["20x30mesh", "1000massString"] {
+        let path = format!("{}/../../shared/data/mims/{name}.mdl", env!("CARGO_MANIFEST_DIR"));
+        if let Ok(text) = std::fs::read_to_string(path) {
+            g.bench_function(format!("published {name}"), |b| {
+                b.iter(|| scene(&mims::import(black_box(&text), name).0, KernelClass::Fast, false));
+            });
+        }
+    }
+    g.finish();
+}
+
+criterion_group!(benches, load);
+criterion_main!(benches);

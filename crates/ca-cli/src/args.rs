@@ -1,0 +1,234 @@
+//! What can be typed. Every command says in one line what it is for, then in a paragraph how it thinks, then shows
+//! examples that run (a test extracts and runs them).
+
+use ca_core::kind::Unit;
+use ca_core::model::quantity;
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::path::PathBuf;
+
+/// Virtual instruments made of masses and interactions (CORDIS-ANIMA).
+#[derive(Parser)]
+#[command(name = "ca", version, about, max_term_width = 100)]
+#[command(after_help = "Exit codes: 0 ok, 1 failed, 2 usage, 3 finished but degraded (unstable, clipped).\n\
+                        A model is a file `*.ca.toml`, a MIMS file `*.mdl`, or the name of a bundled model (`ca list`).")]
+pub struct Cli {
+    /// what to do
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// The commands.
+#[derive(Subcommand)]
+pub enum Command {
+    /// Plays a model into a WAV file
+    Render(RenderArgs),
+    /// Says everything that can be known of a model before it sounds
+    Check(CheckArgs),
+    /// Lists kinds of modules and bundled models, or shows one of them
+    List(ListArgs),
+    /// Starts a model of your own
+    New(NewArgs),
+    /// Turns a MIMS model into a model file
+    Import(ImportArgs),
+}
+
+/// Which model, and what to change in it.
+#[derive(Args)]
+pub struct Source {
+    /// `*.ca.toml` file, MIMS `.mdl` file, or name of a bundled model
+    pub model: String,
+    /// Changes a parameter: of a module (`hammer.m="30 g"`), a `[param]`, or `rate.gesture`; repeatable
+    #[arg(long = "set", value_name = "NAME=VALUE", value_parser = pair)]
+    pub set: Vec<(String, String)>,
+    /// Sound rate, e.g. "96 kHz"; the model's own, or 48 kHz
+    #[arg(long, value_name = "HZ", value_parser = hertz)]
+    pub rate: Option<f64>,
+}
+
+/// Plays a model into a WAV file
+///
+/// The model is played by its built-in gesture, or by files: CSV, NPY, WAV or MIDI, whose tracks are named like the
+/// ports and live parameters they drive. The same model, gesture and options give the same bits on every machine. The
+/// length is `--seconds`, else `seconds` of the model, else the gesture and 2 s more, at least 3 s. Samples beyond
+/// full scale are cut off and counted; a model that blows up is silenced, and the guilty module named: both finish
+/// with exit code 3.
+#[derive(Args)]
+#[command(after_long_help = "Examples:
+  ca render hammered_string
+  ca render hammered_string -o slow.wav --seconds 6 --set hammer.m='30 g'
+  ca render hammered_string -o take.wav --gesture key.csv --format 24
+  ca render hammered_string --probe 'low[3]' --probe strike=blow.csv --seconds '500 ms'
+  ca render hammered_string --energy --json")]
+pub struct RenderArgs {
+    /// the model
+    #[command(flatten)]
+    pub source: Source,
+    /// The WAV file; the name of the model in the current directory if left out
+    #[arg(short, long, value_name = "FILE.wav")]
+    pub output: Option<PathBuf>,
+    /// How long, e.g. 4 or "4 s"
+    #[arg(long, value_name = "S", value_parser = seconds)]
+    pub seconds: Option<f64>,
+    /// A gesture that plays it (csv, npy, wav, mid); its tracks take the place of built-in ones; repeatable
+    #[arg(long, value_name = "FILE")]
+    pub gesture: Vec<PathBuf>,
+    /// Rate of an NPY gesture without a time of its own
+    #[arg(long, value_name = "HZ", value_parser = hertz, requires = "gesture")]
+    pub gesture_rate: Option<f64>,
+    /// Samples: 32-bit float (lossless, the default), or 24 or 16 bits
+    #[arg(long, value_enum, default_value_t = SampleFormat::F32)]
+    pub format: SampleFormat,
+    /// Writes any quantity to a file, `.npy` (default) or `.csv`: `low[3]`, `strike`, `low@0.3`; repeatable
+    #[arg(long, value_name = "NAME[=FILE]")]
+    pub probe: Vec<String>,
+    /// Keeps the energy book for the whole length (slower)
+    #[arg(long)]
+    pub energy: bool,
+    /// Which passes run the links; the same sound, `reference` slower and link by link
+    #[arg(long, value_enum, default_value_t = Kernel::Fast)]
+    pub kernel: Kernel,
+    /// Prints nothing but warnings and errors
+    #[arg(short, long)]
+    pub quiet: bool,
+    /// Prints the summary as JSON
+    #[arg(long, conflicts_with = "quiet")]
+    pub json: bool,
+}
+
+/// Says everything that can be known of a model before it sounds
+///
+/// Reads, checks and compiles the model, shows every finding with its place and what to do, and sums up: modules,
+/// rates, what is proven of stability and which module is nearest to the limit. With `--schedule`, the passes of one
+/// tick in order with their cost, measured here and now, and what the compiler left out. Exit code 1 with errors, 3 if
+/// the model is certainly unstable.
+#[derive(Args)]
+#[command(after_long_help = "Examples:
+  ca check hammered_string
+  ca check hammered_string --schedule
+  ca check hammered_string --set low.n=20 --rate '96 kHz' --json")]
+pub struct CheckArgs {
+    /// the model
+    #[command(flatten)]
+    pub source: Source,
+    /// Shows the passes of one tick and measures what each costs
+    #[arg(long)]
+    pub schedule: bool,
+    /// Prints `{diagnostics, summary, schedule}` as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Lists kinds of modules and bundled models, or shows one of them
+///
+/// Without a name: both lists. With the code of a kind, its page: equation, parameters with unit and range, sources, a
+/// complete example. With the name of a bundled model, what it is and how to play it.
+#[derive(Args)]
+#[command(after_long_help = "Examples:
+  ca list
+  ca list BUT
+  ca list hammered_string
+  ca list kinds --markdown
+  ca list --schema > ca.schema.json")]
+pub struct ListArgs {
+    /// `kinds`, `models`, the code of a kind or the name of a bundled model
+    pub what: Option<String>,
+    /// As JSON
+    #[arg(long, conflicts_with_all = ["schema", "markdown"])]
+    pub json: bool,
+    /// The JSON Schema of model files, for editors
+    #[arg(long, conflicts_with = "markdown")]
+    pub schema: bool,
+    /// The table of kinds as Markdown
+    #[arg(long)]
+    pub markdown: bool,
+}
+
+/// Starts a model of your own
+///
+/// Writes a small commented model, a struck string, or a copy of a bundled one. A file that exists is left alone
+/// unless `--force` is given.
+#[derive(Args)]
+#[command(after_long_help = "Examples:
+  ca new mine.ca.toml
+  ca new other.ca.toml --from hammered_string
+  ca new other.ca.toml --force")]
+pub struct NewArgs {
+    /// The file to write, `*.ca.toml`
+    pub file: PathBuf,
+    /// `string`, or the name of a bundled model (`ca list models`)
+    #[arg(long, value_name = "NAME", default_value = "string")]
+    pub from: String,
+    /// Overwrites the file
+    #[arg(long)]
+    pub force: bool,
+}
+
+/// Turns a MIMS model into a model file
+///
+/// Everything that is guessed, changed or lost is said as a note that points into the MIMS file. Strings and meshes
+/// become generators again. Numbers stay as they are, in algorithmic units. The result is compiled and its findings
+/// are shown.
+#[derive(Args)]
+#[command(after_long_help = "Examples:
+  ca import string.mdl
+  ca import string.mdl -o gut.ca.toml --force")]
+pub struct ImportArgs {
+    /// The MIMS model, `*.mdl`
+    pub file: PathBuf,
+    /// The file to write; the name of the model in the current directory if left out
+    #[arg(short, long, value_name = "FILE.ca.toml")]
+    pub output: Option<PathBuf>,
+    /// Overwrites the file
+    #[arg(long)]
+    pub force: bool,
+}
+
+/// How samples are stored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum SampleFormat {
+    /// 32-bit floats
+    F32,
+    /// 24-bit integers
+    #[value(name = "24")]
+    I24,
+    /// 16-bit integers
+    #[value(name = "16")]
+    I16,
+}
+
+/// Which passes run the links.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Kernel {
+    /// link by link in document order
+    Reference,
+    /// batches and runs
+    Fast,
+}
+
+fn pair(text: &str) -> Result<(String, String), String> {
+    match text.split_once('=') {
+        Some((name, value)) if !name.trim().is_empty() && !value.trim().is_empty() => {
+            Ok((name.trim().into(), value.trim().into()))
+        }
+        _ => Err("write it like `hammer.m=30 g`".into()),
+    }
+}
+
+fn quantity_of(text: &str, unit: Unit, range: (f64, f64)) -> Result<f64, String> {
+    let q = quantity::parse(text.trim()).map_err(|e| e.to_string())?;
+    if q.has_unit && !q.dim.same(unit.dim) {
+        return Err(format!("a quantity in {} is wanted", unit.symbol));
+    }
+    if q.value < range.0 || q.value > range.1 {
+        return Err(format!("it lies between {} and {} {}", range.0, range.1, unit.symbol));
+    }
+    Ok(q.value)
+}
+
+fn hertz(text: &str) -> Result<f64, String> {
+    quantity_of(text, Unit::HERTZ, (1.0, 1e6))
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    quantity_of(text, Unit::SECOND, (1e-6, 86_400.0))
+}

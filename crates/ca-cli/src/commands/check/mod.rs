@@ -1,0 +1,110 @@
+//! `ca check`: everything that can be known of a model before it sounds.
+//!
+//! Decides that findings go to stderr, where every command shows them, and that the summary, which is what was asked
+//! for, goes to stdout.
+
+mod schedule;
+
+use crate::args::CheckArgs;
+use crate::commands::render::{short, stability, stability_json};
+use crate::load::{self, Loaded};
+use crate::{Ended, Failure, Outcome, term};
+use ca_core::compile::certify::Level;
+use ca_core::kind::Unit;
+use ca_core::model::quantity::show;
+use ca_core::model::render;
+use ca_core::{Options, Scene};
+use serde_json::{Value as Json, json};
+use std::io::Write as _;
+
+/// Runs the command.
+pub fn run(args: &CheckArgs) -> Outcome {
+    let loaded = load::load(&args.source)?;
+    let (scene, diags) = load::compiled(&loaded, &Options { rate: args.source.rate, ..Options::default() });
+    let rows = scene.as_ref().filter(|_| args.schedule).map(schedule::measure);
+    if args.json {
+        let all = json!({
+            "diagnostics": render::json(&diags, &loaded.model),
+            "summary": scene.as_ref().map(|s| summary_json(&loaded, s)),
+            "schedule": scene.as_ref().zip(rows.as_ref()).map(|(s, r)| schedule::json(s, r)),
+        });
+        writeln!(std::io::stdout().lock(), "{all:#}")?;
+    } else {
+        term::findings(&render::text(&diags, &loaded.model, term::color()));
+        if let Some(scene) = &scene {
+            summary(&loaded, scene)?;
+        }
+        if let Some((scene, rows)) = scene.as_ref().zip(rows.as_ref()) {
+            schedule::text(scene, rows)?;
+        }
+    }
+    match scene {
+        None => Err(Failure::Told),
+        Some(s) if s.certificate.level == Level::Unstable => Ok(Ended::Degraded),
+        Some(_) => Ok(Ended::Well),
+    }
+}
+
+/// How many modules of each code run, in order of first appearance.
+fn codes(scene: &Scene) -> Vec<(&'static str, usize)> {
+    let mut list: Vec<(&'static str, usize)> = Vec::new();
+    for s in &scene.symbols {
+        match list.iter_mut().find(|c| c.0 == s.code) {
+            Some(c) => c.1 += 1,
+            None => list.push((s.code, 1)),
+        }
+    }
+    list
+}
+
+fn ops(scene: &Scene) -> usize {
+    scene.reads.len() + scene.forces.len() + scene.writes.len() + scene.moves.len()
+}
+
+/// What the border adds between a hand and the sound: a position read at the start of a frame is reached at its end.
+fn latency(scene: &Scene) -> Option<f64> {
+    (!scene.tgr.is_empty()).then(|| f64::from(scene.ratio - 1) * scene.te)
+}
+
+fn summary(loaded: &Loaded, scene: &Scene) -> Result<(), Failure> {
+    let mut out = std::io::stdout().lock();
+    let title = if scene.title.is_empty() { &loaded.name } else { &scene.title };
+    writeln!(out, "{title}")?;
+    let by_code: Vec<String> = codes(scene).iter().map(|(c, n)| format!("{n} {c}")).collect();
+    writeln!(out, "  modules    {} MAT, {} LIA: {}", scene.n_mat, scene.n_lia, by_code.join(", "))?;
+    writeln!(out, "  passes     {} in a tick", ops(scene))?;
+    let heard = if scene.channel_names.is_empty() { "none".into() } else { scene.channel_names.join(", ") };
+    writeln!(out, "  outputs    {heard}")?;
+    if !scene.inputs.is_empty() {
+        let names: Vec<&str> = scene.inputs.iter().map(|i| i.name.as_str()).collect();
+        writeln!(out, "  inputs     {}", names.join(", "))?;
+    }
+    if !scene.live.params.is_empty() {
+        let names: Vec<&str> = scene.live.params.iter().map(|p| p.name.as_str()).collect();
+        writeln!(out, "  live       {}", names.join(", "))?;
+    }
+    let (rate, gesture) = (show(scene.rate, Unit::HERTZ), show(scene.rate / f64::from(scene.ratio), Unit::HERTZ));
+    writeln!(out, "  rates      sound {rate}, gesture {gesture}, {} ticks a frame", scene.ratio)?;
+    if let Some(s) = latency(scene) {
+        writeln!(out, "  border     positions {} ms late, forces the mean of a frame", short(s * 1e3))?;
+    }
+    let c = &scene.certificate;
+    writeln!(out, "  stability  {}", stability(c))?;
+    writeln!(out, "             bound {}, the limit is 4", short(c.bound))?;
+    if c.contact > 0.0 {
+        writeln!(out, "  contacts   `{}` is the stiffest: kT²/m {}, up to 1 is safe", c.stiffest, short(c.contact))?;
+    }
+    Ok(())
+}
+
+fn summary_json(loaded: &Loaded, scene: &Scene) -> Json {
+    let codes: serde_json::Map<String, Json> = codes(scene).iter().map(|(c, n)| ((*c).to_owned(), json!(n))).collect();
+    let inputs: Vec<&str> = scene.inputs.iter().map(|i| i.name.as_str()).collect();
+    let live: Vec<&str> = scene.live.params.iter().map(|p| p.name.as_str()).collect();
+    json!({
+        "name": loaded.name, "title": scene.title, "n_mat": scene.n_mat, "n_lia": scene.n_lia, "modules": codes,
+        "passes": ops(scene), "rate": scene.rate, "gesture_rate": scene.rate / f64::from(scene.ratio),
+        "ratio": scene.ratio, "border_latency": latency(scene), "outputs": scene.channel_names, "inputs": inputs,
+        "live": live, "seconds": scene.seconds, "stability": stability_json(&scene.certificate),
+    })
+}

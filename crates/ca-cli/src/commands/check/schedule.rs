@@ -1,0 +1,161 @@
+//! The passes of one tick, and what each costs.
+//!
+//! Decides to measure instead of to estimate from a table: a table is of another machine. Each pass is run over and
+//! over on a copy of a state that is in motion, the copy renewed before every batch so that nothing decays to zero or
+//! grows; the fastest batch counts, which is the one that nobody disturbed. What this leaves out is that passes warm
+//! the caches for each other, so the whole tick is measured too and the sum may differ from it.
+
+use crate::Failure;
+use crate::commands::render::short;
+use ca_core::op::Op;
+use ca_core::{Scene, State, tick};
+use ca_haptic::perform::Performance;
+use serde_json::{Value as Json, json};
+use std::hint::black_box;
+use std::io::Write as _;
+use std::time::{Duration, Instant};
+
+/// A batch lasts at least this long.
+const BATCH: Duration = Duration::from_micros(200);
+/// Batches per pass.
+const BATCHES: u32 = 9;
+/// Playing so long brings the state into motion [s].
+const WARM: f64 = 0.2;
+
+/// One pass.
+pub(super) struct Row {
+    stage: &'static str,
+    op: Op,
+    /// per tick
+    ns: f64,
+}
+
+/// All passes, and the whole tick.
+pub(super) struct Measured {
+    rows: Vec<Row>,
+    tick: f64,
+}
+
+/// Measures every pass of a tick.
+pub(super) fn measure(scene: &Scene) -> Measured {
+    let mut state = scene.state();
+    if let Ok(mut p) = Performance::new(scene, None) {
+        for _ in 0..(WARM * scene.rate) as u64 {
+            p.tick();
+        }
+        if !p.wild {
+            state = p.state;
+        }
+    }
+    let stages =
+        [("reads", &scene.reads), ("forces", &scene.forces), ("writes", &scene.writes), ("moves", &scene.moves)];
+    let rows = stages
+        .into_iter()
+        .flat_map(|(stage, ops)| ops.iter().map(move |op| (stage, *op)))
+        .map(|(stage, op)| Row { stage, op, ns: cost(&state, |s| (op.kernel)(&op, scene, s)) })
+        .collect();
+    Measured { rows, tick: cost(&state, |s| tick(scene, s)) }
+}
+
+/// Fastest time of one call [ns].
+fn cost(state: &State, mut run: impl FnMut(&mut State)) -> f64 {
+    let mut copy = state.clone();
+    let mut batch = |n: u32| {
+        copy.clone_from(state);
+        let begin = Instant::now();
+        for _ in 0..n {
+            run(black_box(&mut copy));
+        }
+        begin.elapsed()
+    };
+    let mut n = 1;
+    while batch(n) < BATCH && n < 1 << 20 {
+        n *= 2;
+    }
+    let best = (0..BATCHES).map(|_| batch(n)).min().unwrap_or_default();
+    best.as_secs_f64() * 1e9 / f64::from(n)
+}
+
+/// How the links of a pass are laid out.
+fn form(op: &Op) -> String {
+    if op.law.is_none() {
+        return String::new();
+    }
+    let mut words = vec![match op.form.stride {
+        0 => "gather".to_string(),
+        1 => "run".to_string(),
+        n => format!("run, stride {n}"),
+    }];
+    words.extend(op.form.offset.then(|| "offset".to_string()));
+    words.extend(op.form.tap.then(|| "tap".to_string()));
+    words.join(" + ")
+}
+
+/// What a scene could have and this one has not.
+fn absent(scene: &Scene) -> Vec<&'static str> {
+    let any = |name: &str| {
+        [&scene.reads, &scene.forces, &scene.writes, &scene.moves].into_iter().flatten().any(|o| o.name == name)
+    };
+    [
+        ("ledger", "no energy book"),
+        ("changes", "no live parameters"),
+        ("TGR in", "no border to a device"),
+        ("ENX", "no position inputs"),
+        ("ENF", "no force inputs"),
+        ("points", "no moving points"),
+        ("weight", "no weight"),
+        ("outputs", "no outputs"),
+    ]
+    .into_iter()
+    .filter(|a| !any(a.0))
+    .map(|a| a.1)
+    .collect()
+}
+
+/// For people.
+pub(super) fn text(scene: &Scene, m: &Measured) -> Result<(), Failure> {
+    let mut out = std::io::stdout().lock();
+    writeln!(out, "\nOne tick, measured here:")?;
+    writeln!(out, "  {:<7} {:<15} {:>8}  {:<20} {:>10} {:>10}", "", "pass", "modules", "form", "ns/tick", "ns/module")?;
+    let mut last = "";
+    for r in &m.rows {
+        let stage = if r.stage == last { "" } else { r.stage };
+        last = r.stage;
+        let each = r.ns / r.op.n.max(1) as f64;
+        let (name, n, form) = (r.op.name, r.op.n, form(&r.op));
+        writeln!(out, "  {stage:<7} {name:<15} {n:>8}  {form:<20} {:>10.1} {each:>10.2}", r.ns)?;
+    }
+    let budget = 1e9 * scene.te;
+    writeln!(
+        out,
+        "  whole tick {:.1} ns of {budget:.0} ns: {} times real time on one core",
+        m.tick,
+        short(budget / m.tick.max(1e-3))
+    )?;
+    writeln!(out, "\nLeft out:")?;
+    for what in &scene.left_out {
+        writeln!(out, "  {what}")?;
+    }
+    writeln!(out, "  {}", absent(scene).join(", "))?;
+    Ok(())
+}
+
+/// For programs.
+pub(super) fn json(scene: &Scene, m: &Measured) -> Json {
+    let rows: Vec<Json> = m
+        .rows
+        .iter()
+        .map(|r| {
+            let of_links = r.op.law.is_some();
+            json!({
+                "stage": r.stage, "pass": r.op.name, "modules": r.op.n, "stride": of_links.then_some(r.op.form.stride),
+                "offset": of_links.then_some(r.op.form.offset), "tap": of_links.then_some(r.op.form.tap),
+                "ns_per_tick": r.ns, "ns_per_module": r.ns / r.op.n.max(1) as f64,
+            })
+        })
+        .collect();
+    json!({
+        "passes": rows, "ns_per_tick": m.tick, "budget_ns": 1e9 * scene.te, "measured": "here",
+        "left_out": scene.left_out, "absent": absent(scene),
+    })
+}

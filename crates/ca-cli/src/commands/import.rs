@@ -1,0 +1,40 @@
+//! `ca import`: a MIMS model becomes a model file.
+//!
+//! Decides that an import ends with a compilation, because what was imported is only worth something if it runs.
+
+use crate::args::ImportArgs;
+use crate::load::{self, Loaded};
+use crate::{Ended, Failure, Outcome, catalog, term};
+use ca_core::Options;
+use ca_core::compile::certify::Level;
+use ca_core::model::{Model, read, render, write};
+use std::io::Write as _;
+use std::path::PathBuf;
+
+/// Runs the command.
+pub fn run(args: &ImportArgs) -> Outcome {
+    let text = load::text(&args.file)?;
+    let file = args.file.display().to_string();
+    let (model, notes) = load::import(&text, &file);
+    // the findings point into the MIMS text
+    let original = Model { file, text, ..Model::default() };
+    term::findings(&render::text(&notes, &original, term::color()));
+    if notes.has_errors() {
+        return Err(Failure::Told);
+    }
+    let output = args.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.ca.toml", load::stem(&args.file))));
+    let text = write::write(&model);
+    super::new::write(&output, &text, args.force)?;
+    let mut out = std::io::stdout().lock();
+    let shown = output.display().to_string();
+    writeln!(out, "{shown} written: {} lines from {}", text.lines().count(), original.text.lines().count())?;
+
+    let (model, diags) = read::read(&text, &shown, &catalog());
+    let loaded = Loaded { model, diags, name: load::stem(&output) };
+    let (scene, diags) = load::compiled(&loaded, &Options::default());
+    term::findings(&render::text(&diags, &loaded.model, term::color()));
+    let Some(scene) = scene else { return Err(Failure::Told) };
+    writeln!(out, "it compiles: {} MAT, {} LIA, stability {}", scene.n_mat, scene.n_lia, scene.certificate.level)?;
+    writeln!(out, "hear it with\n\n  ca render {shown}\n")?;
+    Ok(if scene.certificate.level == Level::Unstable { Ended::Degraded } else { Ended::Well })
+}

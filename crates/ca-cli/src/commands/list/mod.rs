@@ -1,0 +1,150 @@
+//! `ca list`: what this build knows.
+//!
+//! Decides that pages, tables and schema come from the catalog alone, so none of them can fall behind it.
+
+mod page;
+
+use crate::args::ListArgs;
+use crate::load::{self, BUNDLED};
+use crate::{Ended, Failure, Outcome, catalog};
+use ca_core::kind::{Kind, Role};
+use ca_core::model::suggest::nearest;
+use ca_core::model::{read, schema};
+use ca_core::{Catalog, Model};
+use serde_json::{Value as Json, json};
+use std::io::Write as _;
+
+/// Families in the order of the catalog.
+const FAMILIES: [(&str, fn(&Role) -> bool); 4] = [
+    ("Matter", |r| matches!(r, Role::Mat(_))),
+    ("Interactions", |r| matches!(r, Role::Lia(_))),
+    ("Ports", |r| matches!(r, Role::Port(_))),
+    ("Generators", |r| matches!(r, Role::Generator(_))),
+];
+
+/// Runs the command.
+pub fn run(args: &ListArgs) -> Outcome {
+    let catalog = catalog();
+    if args.schema {
+        print(&format!("{:#}\n", schema::schema(&catalog)))?;
+        return Ok(Ended::Well);
+    }
+    if args.markdown {
+        if !matches!(args.what.as_deref(), None | Some("kinds")) {
+            return Err(Failure::Usage("--markdown: the table is of all kinds; leave out the name".into()));
+        }
+        print(&markdown(&catalog))?;
+        return Ok(Ended::Well);
+    }
+    let text = match args.what.as_deref() {
+        None if args.json => pretty(&json!({"kinds": kinds_json(&catalog), "models": models_json(&catalog)})),
+        None => format!(
+            "{}\nBundled models\n{}\n`ca list BUT` shows one of them in full; `ca render NAME` plays a model.\n",
+            kinds(&catalog),
+            models(&catalog)
+        ),
+        Some("kinds") if args.json => pretty(&kinds_json(&catalog)),
+        Some("kinds") => kinds(&catalog),
+        Some("models") if args.json => pretty(&models_json(&catalog)),
+        Some("models") => models(&catalog),
+        Some(word) => one(word, &catalog, args.json)?,
+    };
+    print(&text)?;
+    Ok(Ended::Well)
+}
+
+fn print(text: &str) -> Result<(), Failure> {
+    let mut out = std::io::stdout().lock();
+    out.write_all(text.as_bytes())?;
+    out.flush()?;
+    Ok(())
+}
+
+fn pretty(v: &Json) -> String {
+    format!("{v:#}\n")
+}
+
+fn one(word: &str, catalog: &Catalog, json: bool) -> Result<String, Failure> {
+    if let Some(kind) = catalog.get(&word.to_ascii_uppercase()) {
+        return Ok(if json { pretty(&page::json(kind)) } else { page::text(kind) });
+    }
+    if let Some(text) = load::bundled(word) {
+        let model = read::read(text, word, catalog).0;
+        return Ok(if json { pretty(&model_json(word, &model)) } else { about(word, &model) });
+    }
+    let names =
+        ["kinds", "models"].into_iter().chain(catalog.iter().map(|k| k.code)).chain(BUNDLED.iter().map(|m| m.0));
+    let hint = match nearest(word, names) {
+        Some(m) => format!("did you mean `{m}`?"),
+        None => "`ca list` shows them all".into(),
+    };
+    Err(Failure::Usage(format!("`{word}` is neither a kind nor a bundled model; {hint}")))
+}
+
+/// Kinds in families: code, title, equation.
+fn kinds(catalog: &Catalog) -> String {
+    let (mut out, widest) = (String::new(), |f: fn(&Kind) -> usize| catalog.iter().map(f).max().unwrap_or(0));
+    let (a, b) = (widest(|k| k.code.len()), widest(|k| k.title.chars().count()));
+    for (family, is) in FAMILIES {
+        out += &format!("{family}\n");
+        for k in catalog.iter().filter(|k| is(&k.role)) {
+            out += &format!("  {:<a$}  {:<b$}  {}\n", k.code, k.title, k.equation);
+        }
+    }
+    out
+}
+
+fn kinds_json(catalog: &Catalog) -> Json {
+    Json::Array(catalog.iter().map(|k| json!({"code": k.code, "title": k.title, "equation": k.equation})).collect())
+}
+
+fn models(catalog: &Catalog) -> String {
+    let width = BUNDLED.iter().map(|m| m.0.len()).max().unwrap_or(0);
+    let line =
+        |(name, text): &(&str, &str)| format!("  {name:<width$}  {}\n", read::read(text, name, catalog).0.title());
+    BUNDLED.iter().map(line).collect()
+}
+
+fn models_json(catalog: &Catalog) -> Json {
+    let one = |(name, text): &(&str, &str)| json!({"name": name, "title": read::read(text, name, catalog).0.title()});
+    Json::Array(BUNDLED.iter().map(one).collect())
+}
+
+fn model_json(name: &str, model: &Model) -> Json {
+    json!({"name": name, "title": model.title(), "about": model.header, "text": model.text})
+}
+
+fn about(name: &str, model: &Model) -> String {
+    format!(
+        "{name}: {}\n\n{}\n\n  ca render {name}\n  ca check {name}\n  ca new mine.ca.toml --from {name}\n",
+        model.title(),
+        model.header
+    )
+}
+
+/// The generated table of the documentation.
+fn markdown(catalog: &Catalog) -> String {
+    let mut out = String::new();
+    for (family, is) in FAMILIES {
+        out += &format!("### {family}\n\n| kind | what | equation | parameters | source |\n|---|---|---|---|---|\n");
+        for k in catalog.iter().filter(|k| is(&k.role)) {
+            out += &row(k);
+        }
+        out.push('\n');
+    }
+    out.truncate(out.trim_end().len());
+    out + "\n"
+}
+
+fn row(k: &Kind) -> String {
+    let params: Vec<String> = k.params.iter().map(|p| format!("`{}`", p.name)).collect();
+    let cell = |s: &str| s.replace('|', "\\|");
+    format!(
+        "| {} | {} | `{}` | {} | {} |\n",
+        k.code,
+        cell(k.title),
+        cell(k.equation),
+        params.join(" "),
+        k.source.join(", ")
+    )
+}

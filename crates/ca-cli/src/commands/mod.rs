@@ -1,0 +1,7 @@
+//! The commands, one file each.
+
+pub mod check;
+pub mod import;
+pub mod list;
+pub mod new;
+pub mod render;

@@ -1,0 +1,48 @@
+//! `ca new`: a model to begin with.
+
+use crate::args::NewArgs;
+use crate::load::{self, BUNDLED};
+use crate::{Ended, Failure, Outcome};
+use ca_core::model::suggest::nearest;
+use std::io::Write as _;
+use std::path::Path;
+
+/// The model that `ca new` writes by default.
+pub const STARTER: &str = include_str!("starter.ca.toml");
+
+/// Runs the command.
+pub fn run(args: &NewArgs) -> Outcome {
+    let text = match (load::bundled(&args.from), args.from.as_str()) {
+        (Some(text), _) => text,
+        (None, "string") => STARTER,
+        (None, word) => {
+            let hint = match nearest(word, BUNDLED.iter().map(|m| m.0).chain(["string"])) {
+                Some(m) => format!("did you mean `{m}`?"),
+                None => "`ca list models` shows them, and there is `string`".into(),
+            };
+            return Err(Failure::Usage(format!("--from: no bundled model `{word}`; {hint}")));
+        }
+    };
+    write(&args.file, text, args.force)?;
+    let file = args.file.display();
+    writeln!(std::io::stdout().lock(), "{file} written; hear it with\n\n  ca render {file}\n")?;
+    Ok(Ended::Well)
+}
+
+/// Writes a model file, never over another one unless told so.
+pub(super) fn write(path: &Path, text: &str, force: bool) -> Result<(), Failure> {
+    if !path.to_string_lossy().to_ascii_lowercase().ends_with(".ca.toml") {
+        let own = path.with_file_name(format!("{}.ca.toml", load::stem(path)));
+        let what = format!("`{}`: a model file ends in `.ca.toml`", path.display());
+        return Err(Failure::Usage(format!("{what}; write `{}`", own.display())));
+    }
+    let file = std::fs::File::options().write(true).create(true).truncate(true).create_new(!force).open(path);
+    file.and_then(|mut f| f.write_all(text.as_bytes())).map_err(|e| {
+        let what = match e.kind() {
+            std::io::ErrorKind::AlreadyExists => "it exists; `--force` overwrites it".into(),
+            std::io::ErrorKind::NotFound => "it cannot be written; make the directory first".into(),
+            _ => format!("it cannot be written: {}", load::reason(&e)),
+        };
+        Failure::Failed(format!("`{}`: {what}", path.display()))
+    })
+}

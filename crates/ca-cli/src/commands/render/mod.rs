@@ -1,0 +1,178 @@
+//! `ca render`: a model into a WAV file.
+//!
+//! Decides that everything that can be refused is refused before the first tick, so that a long render never ends in a
+//! spelling mistake; and that sound which is not what the model meant (cut off, blown up) is still written, finite and
+//! within full scale, but never called a success.
+
+mod play;
+mod told;
+
+pub(crate) use told::{short, stability, stability_json};
+
+use crate::args::{Kernel, RenderArgs, SampleFormat};
+use crate::load::{self, Loaded};
+use crate::{Ended, Failure, Outcome, catalog, term};
+use ca_core::{KernelClass, Options, Scene, compile};
+use ca_haptic::gesture::{Gesture, PortMap, Track};
+use ca_haptic::perform::Performance;
+use ca_haptic::probe::ProbeOut;
+use ca_haptic::sound::{Format, WavOut};
+use std::path::{Path, PathBuf};
+
+/// Seconds of silence after a gesture, and the least of everything.
+const TAIL: f64 = 2.0;
+const LEAST: f64 = 3.0;
+
+/// A probe as asked.
+pub(crate) struct Probe {
+    /// selector
+    pub name: String,
+    /// where to
+    pub file: PathBuf,
+}
+
+/// Runs the command.
+pub fn run(args: &RenderArgs) -> Outcome {
+    let loaded = load::load(&args.source)?;
+    let output = output(args, &loaded)?;
+    let probes = probes(args, &output)?;
+    let options = Options {
+        rate: args.source.rate,
+        energy: args.energy,
+        probes: probes.iter().map(|p| p.name.clone()).collect(),
+        kernel: if args.kernel == Kernel::Fast { KernelClass::Fast } else { KernelClass::Reference },
+    };
+    let scene = load::scene(&loaded, &options)?;
+    if scene.channels == 0 {
+        let what = format!("`{}` has no output, so there is nothing to write", loaded.name);
+        return Err(Failure::Failed(format!("{what}; add e.g. `[SOX]` with `out = {{ from = \"…\" }}`")));
+    }
+    let audited = || {
+        let options = Options { energy: true, probes: Vec::new(), ..options.clone() };
+        compile(&loaded.model, &catalog(), &options).ok()
+    };
+    let gesture = gesture(args, &scene, &output)?;
+    let performance = Performance::new(&scene, gesture.as_ref())?;
+    let seconds = length(args, &scene, &performance);
+    let frames = (seconds * scene.rate).round().max(1.0) as u64;
+    let format = match args.format {
+        SampleFormat::F32 => Format::F32,
+        SampleFormat::I24 => Format::I24,
+        SampleFormat::I16 => Format::I16,
+    };
+
+    let wav = WavOut::create(&output, scene.rate, scene.channels, format)?;
+    let outs = open_probes(&probes, &scene)?;
+    let show = !args.quiet && !args.json;
+    let played = play::play(performance, frames, wav, outs, show)?;
+    let energy = match &played.energy {
+        Some(book) => Some(play::Audit { book: book.clone(), ticks: played.energy_ticks, whole: true }),
+        None => audited().and_then(|twin| play::audit(&twin, gesture.as_ref(), frames)),
+    };
+    let broke = played.broke.map(|tick| {
+        let twin = if args.energy { None } else { audited() };
+        let (module, why) = played.performance.blame(twin.as_ref().or(Some(&scene)), gesture.as_ref());
+        told::Broke { time: tick as f64 * scene.te, fix: told::fix(&loaded, &scene, &module), module, why }
+    });
+    let summary = told::Summary {
+        args,
+        scene: &scene,
+        written: &played.written,
+        wall: played.wall,
+        energy: energy.as_ref(),
+        broke: broke.as_ref(),
+        refused: played.performance.state.refused,
+        warnings: load::warnings(&loaded.diags) + load::warnings(&scene.diags),
+        probes: &probes,
+    };
+    summary.warn();
+    if args.json {
+        summary.json()?;
+    } else if !args.quiet {
+        summary.text()?;
+    }
+    Ok(if summary.degraded() { Ended::Degraded } else { Ended::Well })
+}
+
+/// Where the sound goes.
+fn output(args: &RenderArgs, loaded: &Loaded) -> Result<PathBuf, Failure> {
+    let Some(path) = args.output.clone() else { return Ok(PathBuf::from(format!("{}.wav", loaded.name))) };
+    // a device such as /dev/null has no extension, and need not
+    let plain = !path.exists() || path.is_file();
+    if plain && !load::has_extension(&path, "wav") {
+        let what = format!("`{}`: sound is written as WAV", path.display());
+        return Err(Failure::Usage(format!("{what}; give the file the extension `.wav`")));
+    }
+    Ok(path)
+}
+
+/// Whether two names mean the same file, as far as that exists.
+fn same(a: &Path, b: &Path) -> bool {
+    a == b || a.canonicalize().is_ok_and(|a| b.canonicalize().is_ok_and(|b| a == b))
+}
+
+fn probes(args: &RenderArgs, output: &Path) -> Result<Vec<Probe>, Failure> {
+    let mut list: Vec<Probe> = Vec::new();
+    for text in &args.probe {
+        let (name, file) = text.split_once('=').map_or((text.as_str(), None), |(n, f)| (n, Some(f)));
+        let (name, file) = (name.trim(), file.map(str::trim));
+        if name.is_empty() || file == Some("") {
+            return Err(Failure::Usage(format!("--probe: `{text}`; write it like `low[3]` or `low[3]=bridge.csv`")));
+        }
+        // `*` is not for files
+        let default = || output.with_file_name(format!("{}.npy", name.replace('*', "all")));
+        let file = file.map_or_else(default, PathBuf::from);
+        if list.iter().any(|p| p.name == name) {
+            return Err(Failure::Usage(format!("--probe: `{name}` is asked for twice")));
+        }
+        if list.iter().any(|p| same(&p.file, &file)) || same(output, &file) {
+            return Err(Failure::Usage(format!("--probe: `{}` would be written twice", file.display())));
+        }
+        list.push(Probe { name: name.into(), file });
+    }
+    Ok(list)
+}
+
+/// Opens the files of all probes, each with its columns.
+fn open_probes(probes: &[Probe], scene: &Scene) -> Result<Vec<(ProbeOut, usize)>, Failure> {
+    let mut names = scene.probe_names.iter().peekable();
+    let mut outs = Vec::new();
+    for p in probes {
+        let mut own = Vec::new();
+        let mine = |n: &str| n == p.name || n.strip_prefix(&p.name).is_some_and(|r| r.starts_with('#'));
+        while let Some(n) = names.next_if(|n| mine(n)) {
+            own.push(n.as_str());
+        }
+        outs.push((ProbeOut::create(&p.file, &own, scene.rate)?, own.len()));
+    }
+    Ok(outs)
+}
+
+/// All gesture files as one gesture.
+fn gesture(args: &RenderArgs, scene: &Scene, output: &Path) -> Result<Option<Gesture>, Failure> {
+    let map = |i: &ca_core::scene::Input| Some(PortMap { port: i.name.clone(), map: i.midi? });
+    let ports: Vec<PortMap> = scene.inputs.iter().filter_map(map).collect();
+    let mut tracks: Vec<Track> = Vec::new();
+    for file in &args.gesture {
+        if same(file, output) {
+            let what = format!("`{}` is the gesture and would be overwritten", file.display());
+            return Err(Failure::Usage(format!("{what}; choose another file with `-o`")));
+        }
+        // a rate is for arrays; among several files it is theirs alone
+        let array = load::has_extension(file, "npy") || args.gesture.len() == 1;
+        let gesture = Gesture::open(file, &ports, args.gesture_rate.filter(|_| array))?;
+        tracks.extend(gesture.tracks().iter().cloned());
+    }
+    Ok(if args.gesture.is_empty() { None } else { Some(Gesture::new(tracks)?) })
+}
+
+fn length(args: &RenderArgs, scene: &Scene, p: &Performance) -> f64 {
+    let gesture = p.duration();
+    let seconds = args.seconds.or(scene.seconds).unwrap_or((gesture + TAIL).max(LEAST));
+    if args.seconds.is_none() && !args.gesture.is_empty() && gesture > seconds {
+        term::note(&format!(
+            "the gesture lasts {gesture:.3} s, the model asks for {seconds} s; use `--seconds` to hear all of it"
+        ));
+    }
+    seconds
+}

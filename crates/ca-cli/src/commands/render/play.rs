@@ -1,0 +1,131 @@
+//! The loop that plays, and the twin that is audited.
+
+use crate::{Failure, term};
+use ca_core::Scene;
+use ca_core::energy::Ledger;
+use ca_haptic::gesture::Gesture;
+use ca_haptic::perform::{Performance, WILD};
+use ca_haptic::probe::ProbeOut;
+use ca_haptic::sound::{WavOut, Written};
+use indicatif::{ProgressBar, ProgressStyle};
+use std::time::{Duration, Instant};
+
+/// Ticks between two writes.
+const BLOCK: u64 = 1024;
+/// How long a render may last unseen.
+const PATIENCE: Duration = Duration::from_millis(500);
+
+/// What playing left behind.
+pub(crate) struct Played<'a> {
+    pub performance: Performance<'a>,
+    pub written: Written,
+    /// time spent
+    pub wall: Duration,
+    /// the tick at which it was found to have blown up
+    pub broke: Option<u64>,
+    /// the book at the end, or before anything left its range
+    pub energy: Option<Ledger>,
+    /// ticks in the book
+    pub energy_ticks: u64,
+}
+
+/// Plays `frames` ticks into the files, and finishes them.
+pub(crate) fn play<'a>(
+    mut p: Performance<'a>,
+    frames: u64,
+    mut wav: WavOut,
+    mut probes: Vec<(ProbeOut, usize)>,
+    show: bool,
+) -> Result<Played<'a>, Failure> {
+    let (channels, n_out) = (p.scene.channels, p.scene.n_out);
+    let mut sound = Vec::with_capacity(BLOCK as usize * channels);
+    let mut heard: Vec<Vec<f64>> = probes.iter().map(|_| Vec::new()).collect();
+    let mut bar: Option<ProgressBar> = None;
+    let mut last_good: Option<(Ledger, u64)> = None;
+    let begin = Instant::now();
+    let mut done = 0;
+    while done < frames {
+        let block = BLOCK.min(frames - done);
+        sound.clear();
+        heard.iter_mut().for_each(Vec::clear);
+        for _ in 0..block {
+            keep_book(&p, &mut last_good);
+            p.tick();
+            let out = &p.state.output[..n_out];
+            sound.extend_from_slice(&out[..channels]);
+            let mut at = channels;
+            for ((_, n), column) in probes.iter().zip(&mut heard) {
+                column.extend_from_slice(&out[at..at + n]);
+                at += n;
+            }
+        }
+        wav.write(&sound)?;
+        for ((file, _), values) in probes.iter_mut().zip(&heard) {
+            file.write(values)?;
+        }
+        done += block;
+        if show && bar.is_none() && begin.elapsed() > PATIENCE {
+            bar = Some(progress(frames));
+        }
+        if let Some(bar) = &bar {
+            bar.set_position(done);
+        }
+    }
+    let wall = begin.elapsed();
+    if let Some(bar) = bar {
+        bar.finish_and_clear();
+    }
+    let written = wav.finish()?;
+    for (file, _) in probes {
+        file.finish()?;
+    }
+    // what blew up between two looks at the state is found here at the latest
+    p.wild |= !p.state.is_sound(WILD);
+    let broke = p.wild.then_some(p.state.tick);
+    let (energy, energy_ticks) = match last_good {
+        Some((book, tick)) => (Some(book), tick),
+        None => (p.state.ledger.clone(), p.state.tick),
+    };
+    // a tick is booked when the next one begins
+    let energy_ticks = energy_ticks.saturating_sub(1);
+    Ok(Played { performance: p, written, wall, broke, energy, energy_ticks })
+}
+
+/// Where a book is kept and the positions have just left every range: the book as it was.
+fn keep_book(p: &Performance, last_good: &mut Option<(Ledger, u64)>) {
+    if let (Some(book), None, false) = (&p.state.ledger, &*last_good, p.wild) {
+        if !p.state.is_sound(WILD) {
+            *last_good = Some((book.clone(), p.state.tick));
+        }
+    }
+}
+
+fn progress(frames: u64) -> ProgressBar {
+    // hidden by itself where stderr is no terminal
+    let bar = ProgressBar::new(frames);
+    let template =
+        if term::color() { "{bar:40.cyan} {percent:>3} % {eta} left" } else { "{bar:40} {percent:>3} % {eta} left" };
+    if let Ok(style) = ProgressStyle::with_template(template) {
+        bar.set_style(style);
+    }
+    bar
+}
+
+/// An energy book, and how much time it covers.
+pub(crate) struct Audit {
+    pub book: Ledger,
+    pub ticks: u64,
+    /// whether it was kept all the time
+    pub whole: bool,
+}
+
+/// Plays the first second once more with the book kept, up to the last tick before any blow-up.
+pub(crate) fn audit(twin: &Scene, gesture: Option<&Gesture>, frames: u64) -> Option<Audit> {
+    let ticks = frames.min(twin.rate as u64).max(1);
+    let mut p = Performance::new(twin, gesture).ok()?;
+    while p.state.tick < ticks + 1 && p.state.is_sound(WILD) {
+        p.tick();
+    }
+    let booked = p.state.tick.saturating_sub(1);
+    p.state.ledger.map(|book| Audit { book, ticks: booked, whole: false })
+}

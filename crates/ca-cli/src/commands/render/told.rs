@@ -1,0 +1,254 @@
+//! What is said of a render: on stdout as text or JSON, on stderr what went wrong.
+
+use super::Probe;
+use super::play::Audit;
+use crate::args::{RenderArgs, SampleFormat};
+use crate::load::Loaded;
+use crate::{Failure, term};
+use ca_core::Scene;
+use ca_core::compile::certify::Certificate;
+use ca_core::energy::Balance;
+use ca_core::kind::Unit;
+use ca_core::model::quantity::show;
+use ca_haptic::sound::Written;
+use serde_json::{Value as Json, json};
+use std::io::Write as _;
+use std::time::Duration;
+
+/// A scene that left every range.
+pub(crate) struct Broke {
+    /// [s]
+    pub time: f64,
+    /// to blame
+    pub module: String,
+    /// why it
+    pub why: String,
+    /// what to do, where the certificate knows
+    pub fix: Option<String>,
+}
+
+/// All that is said.
+pub(crate) struct Summary<'a> {
+    pub args: &'a RenderArgs,
+    pub scene: &'a Scene,
+    pub written: &'a Written,
+    pub wall: Duration,
+    pub energy: Option<&'a Audit>,
+    pub broke: Option<&'a Broke>,
+    pub refused: u64,
+    pub warnings: usize,
+    pub probes: &'a [Probe],
+}
+
+/// What the warnings of the compiler offer against the blow-up of `module`: those that name it come first.
+pub(crate) fn fix(loaded: &Loaded, scene: &Scene, module: &str) -> Option<String> {
+    let list = || scene.diags.list.iter().chain(&loaded.diags.list);
+    let about = |d: &&ca_core::model::diag::Diag| matches!(d.code, "W103" | "W104" | "W110" | "W105");
+    let named = format!("`{module}`");
+    let d = list().filter(about).find(|d| d.title.contains(&named)).or_else(|| list().find(about))?;
+    d.help.clone()
+}
+
+/// The gain that would just fit, three digits, towards zero.
+fn gain(peak: f64) -> f64 {
+    let ten = (1.0 / peak).log10().floor() - 2.0;
+    let n = (1.0 / peak / 10f64.powf(ten)).floor();
+    format!("{n}e{ten}").parse().unwrap_or(n)
+}
+
+fn decibel(peak: f64) -> f64 {
+    20.0 * peak.log10()
+}
+
+/// Three significant digits.
+pub(crate) fn short(v: f64) -> String {
+    if !v.is_finite() || v == 0.0 {
+        return v.to_string();
+    }
+    let digits = 2 - v.abs().log10().floor() as i32;
+    if (0..=4).contains(&digits) { format!("{v:.*}", digits as usize) } else { format!("{v:.2e}") }
+}
+
+fn relative(b: &Balance) -> f64 {
+    if b.peak > 0.0 { b.residual.abs() / b.peak } else { 0.0 }
+}
+
+fn joule(v: f64) -> String {
+    format!("{} J", short(v))
+}
+
+impl Summary<'_> {
+    /// Whether something is not as meant.
+    pub fn degraded(&self) -> bool {
+        self.broke.is_some() || !self.written.is_faithful() || self.refused > 0
+    }
+
+    fn loudest(&self) -> f64 {
+        self.written.peak.iter().copied().fold(0.0, f64::max)
+    }
+
+    /// What went wrong, on stderr.
+    pub fn warn(&self) {
+        if let Some(b) = self.broke {
+            let fix = b.fix.as_ref().map(|f| format!("; {f}")).unwrap_or_default();
+            let Broke { module, why, time, .. } = b;
+            term::warning(&format!("the model blew up at {time:.4} s, silence after that: `{module}`: {why}{fix}"));
+        } else if self.written.non_finite > 0 {
+            term::warning(&format!("{} samples had no value and became silence", self.written.non_finite));
+        }
+        if self.written.clipped > 0 {
+            let n = self.written.clipped;
+            let samples = if n == 1 { "1 sample".into() } else { format!("{n} samples") };
+            // after a blow-up the peak says nothing about loudness
+            let help = if self.broke.is_some() {
+                String::new()
+            } else {
+                format!("; multiply the gain of the outputs by {} or less", short(gain(self.loudest())))
+            };
+            term::warning(&format!("{samples} beyond full scale, cut off{help}"));
+        }
+        if self.loudest() == 0.0 && !self.args.quiet {
+            let ports: Vec<&str> = self.scene.inputs.iter().map(|i| i.name.as_str()).collect();
+            let help = if ports.is_empty() {
+                "give a module an initial `v` or `dx0`".into()
+            } else {
+                format!("it can be played at {} by `--gesture`", crate::load::ticked(ports.into_iter()))
+            };
+            term::note(&format!("nothing sounds; {help}"));
+        }
+        if self.refused > 0 {
+            term::warning(&format!("{} inputs had no value; the last good one was held instead", self.refused));
+        }
+    }
+
+    fn format(&self) -> &'static str {
+        match self.args.format {
+            SampleFormat::F32 => "32-bit float",
+            SampleFormat::I24 => "24-bit",
+            SampleFormat::I16 => "16-bit",
+        }
+    }
+
+    fn real_time_factor(&self) -> f64 {
+        self.wall.as_secs_f64() / self.written.duration()
+    }
+
+    /// The summary for people.
+    pub fn text(&self) -> Result<(), Failure> {
+        let mut out = std::io::stdout().lock();
+        let w = self.written;
+        let channels = if w.peak.len() == 1 { "1 channel".into() } else { format!("{} channels", w.peak.len()) };
+        let (seconds, khz) = (w.duration(), show(self.scene.rate, Unit::HERTZ));
+        writeln!(out, "{}  {seconds:.3} s, {channels}, {khz}, {}", w.path.display(), self.format())?;
+        let rtf = self.real_time_factor();
+        let how = if self.args.energy { " with the energy book" } else { "" };
+        writeln!(out, "  speed      {} times real time{how} (real-time factor {})", short(1.0 / rtf), short(rtf))?;
+        let name = |i: usize| self.scene.channel_names.get(i).map_or("?", String::as_str);
+        let peaks: Vec<String> = (0..w.peak.len())
+            .map(|i| {
+                let dbfs = if w.peak[i] > 0.0 { format!("{:.1} dBFS", decibel(w.peak[i])) } else { "silent".into() };
+                format!("{} {dbfs}", name(i))
+            })
+            .collect();
+        writeln!(out, "  peak       {}", peaks.join(", "))?;
+        if let Some(a) = self.energy {
+            self.energy(&mut out, a)?;
+        }
+        writeln!(out, "  stability  {}", stability(&self.scene.certificate))?;
+        for p in self.probes {
+            writeln!(out, "  probe      {} → {}", p.name, p.file.display())?;
+        }
+        if self.warnings > 0 {
+            let s = if self.warnings == 1 { "" } else { "s" };
+            writeln!(out, "  findings   {} warning{s}, see `ca check {}`", self.warnings, self.args.source.model)?;
+        }
+        Ok(())
+    }
+
+    fn energy(&self, out: &mut impl std::io::Write, a: &Audit) -> Result<(), Failure> {
+        let b = a.book.balance();
+        let time = a.ticks as f64 * self.scene.te;
+        let span = if a.whole && self.broke.is_none() {
+            String::new()
+        } else if self.broke.is_some() {
+            format!(" (up to the blow-up, {} s)", short(time))
+        } else {
+            format!(" (first {} s)", short(time).trim_end_matches('0').trim_end_matches('.'))
+        };
+        let rel = relative(&b);
+        let closes = if rel == 0.0 { "exactly".into() } else { format!("to {rel:.1e} of its peak, {}", joule(b.peak)) };
+        writeln!(out, "  energy     closes {closes}{span}")?;
+        if !a.whole {
+            return Ok(());
+        }
+        writeln!(out, "    at load  {}", joule(b.h0))?;
+        writeln!(out, "    received {} from ports, {} by changes", joule(b.work), joule(b.changed))?;
+        writeln!(out, "    lost     {}", joule(b.lost))?;
+        writeln!(out, "    made     {} by the scheme", joule(b.source))?;
+        writeln!(out, "    held     {}", joule(b.h))?;
+        for (name, made) in makers(self.scene, a).iter().take(5) {
+            writeln!(out, "      {} made by `{name}`", joule(*made))?;
+        }
+        Ok(())
+    }
+
+    /// The summary for programs.
+    pub fn json(&self) -> Result<(), Failure> {
+        let w = self.written;
+        let channels: Vec<Json> = (0..w.peak.len())
+            .map(|i| {
+                let dbfs = (w.peak[i] > 0.0).then(|| decibel(w.peak[i]));
+                json!({"name": self.scene.channel_names.get(i), "peak": w.peak[i], "peak_dbfs": dbfs})
+            })
+            .collect();
+        let energy = self.energy.map(|a| {
+            let b = a.book.balance();
+            let makers: Vec<Json> =
+                makers(self.scene, a).iter().take(5).map(|(n, v)| json!({"link": n, "made": v})).collect();
+            json!({
+                "seconds": a.ticks as f64 * self.scene.te, "whole": a.whole, "residual": b.residual,
+                "relative_residual": relative(&b), "peak": b.peak, "at_load": b.h0, "received": b.work,
+                "changed": b.changed, "lost": b.lost, "made": b.source, "held": b.h, "makers": makers,
+            })
+        });
+        let broke = self.broke.map(|b| json!({"seconds": b.time, "module": b.module, "why": b.why, "fix": b.fix}));
+        let clipped = (w.clipped > 0).then(|| {
+            // after a blow-up the peak says nothing about loudness
+            let gain = self.broke.is_none().then(|| gain(self.loudest()));
+            json!({"samples": w.clipped, "gain": gain})
+        });
+        let probes: Vec<Json> = self.probes.iter().map(|p| json!({"name": p.name, "file": p.file})).collect();
+        let all = json!({
+            "file": w.path, "seconds": w.duration(), "frames": w.frames, "rate": w.rate, "format": self.format(),
+            "channels": channels, "real_time_factor": self.real_time_factor(), "energy": energy,
+            "stability": stability_json(&self.scene.certificate), "warnings": self.warnings, "probes": probes,
+            "clipped": clipped, "without_value": w.non_finite, "refused_inputs": self.refused, "blown_up": broke,
+            "degraded": self.degraded(),
+        });
+        writeln!(std::io::stdout().lock(), "{all:#}")?;
+        Ok(())
+    }
+}
+
+/// Links that made energy, most first.
+fn makers(scene: &Scene, a: &Audit) -> Vec<(String, f64)> {
+    let made = a.book.source.iter().enumerate().filter(|(_, v)| **v > 0.0);
+    let mut list: Vec<(String, f64)> =
+        made.filter_map(|(i, v)| Some((scene.audited_name(i)?.to_owned(), *v))).collect();
+    list.sort_by(|a, b| b.1.total_cmp(&a.1));
+    list
+}
+
+/// One line.
+pub(crate) fn stability(c: &Certificate) -> String {
+    let worst = if c.worst.is_empty() { String::new() } else { format!(", `{}` is nearest to the limit", c.worst) };
+    format!("{}, margin {}{worst}", c.level, short(c.margin()))
+}
+
+/// The same for programs.
+pub(crate) fn stability_json(c: &Certificate) -> Json {
+    json!({
+        "level": c.level.to_string(), "bound": c.bound, "lower": c.lower, "limit": 4.0, "margin": c.margin(),
+        "worst": c.worst, "contact": c.contact, "stiffest": c.stiffest,
+    })
+}

@@ -1,0 +1,38 @@
+//! The terminal: colour only where someone looks, and the few words that lead a line.
+//!
+//! Decides that `NO_COLOR`, `TERM=dumb` and anything that is not a terminal mean plain text, and that nothing panics
+//! where stderr is closed.
+
+use std::io::{IsTerminal as _, Write as _};
+
+/// Whether stderr takes colour.
+pub fn color() -> bool {
+    let set = |name: &str| std::env::var_os(name).is_some_and(|v| !v.is_empty());
+    !set("NO_COLOR") && std::env::var_os("TERM").is_none_or(|t| t != "dumb") && std::io::stderr().is_terminal()
+}
+
+fn lead(word: &str, code: &str, text: &str) {
+    let mut err = std::io::stderr().lock();
+    let _ =
+        if color() { writeln!(err, "\x1b[1;{code}m{word}\x1b[0m: {text}") } else { writeln!(err, "{word}: {text}") };
+}
+
+/// `error: …`
+pub fn error(text: &str) {
+    lead("error", "31", text);
+}
+
+/// `warning: …`
+pub fn warning(text: &str) {
+    lead("warning", "33", text);
+}
+
+/// `note: …`
+pub fn note(text: &str) {
+    lead("note", "36", text);
+}
+
+/// Rendered findings, as they are.
+pub fn findings(text: &str) {
+    let _ = write!(std::io::stderr().lock(), "{text}");
+}

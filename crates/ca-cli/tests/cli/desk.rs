@@ -1,0 +1,100 @@
+//! An empty directory in which the built command is run, and what a run gives.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// An empty directory to run in.
+pub struct Desk(pub tempfile::TempDir);
+
+/// What a run gave.
+pub struct Ran {
+    /// exit code
+    pub code: i32,
+    /// stdout
+    pub out: String,
+    /// stderr
+    pub err: String,
+}
+
+impl Desk {
+    pub fn new() -> Desk {
+        Desk(tempfile::tempdir().unwrap())
+    }
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+    pub fn put(&self, name: &str, text: &str) -> &Desk {
+        fs::write(self.path(name), text).unwrap();
+        self
+    }
+    pub fn ca(&self, args: &[&str]) -> Ran {
+        let o = Command::new(env!("CARGO_BIN_EXE_ca")).args(args).current_dir(&self.0).output().unwrap();
+        let text = |b: &[u8]| String::from_utf8(b.to_vec()).unwrap();
+        Ran { code: o.status.code().unwrap(), out: text(&o.stdout), err: text(&o.stderr) }
+    }
+    pub fn files(&self) -> Vec<String> {
+        let mut list: Vec<String> =
+            fs::read_dir(&self.0).unwrap().map(|f| f.unwrap().file_name().into_string().unwrap()).collect();
+        list.sort();
+        list
+    }
+    /// Samples of a WAV file, full scale 1.
+    pub fn wav(&self, name: &str) -> (hound::WavSpec, Vec<f64>) {
+        let mut r = hound::WavReader::open(self.path(name)).unwrap();
+        let spec = r.spec();
+        let samples = match spec.sample_format {
+            hound::SampleFormat::Float => r.samples::<f32>().map(|s| f64::from(s.unwrap())).collect(),
+            hound::SampleFormat::Int => {
+                let full = f64::from(1 << (spec.bits_per_sample - 1));
+                r.samples::<i32>().map(|s| f64::from(s.unwrap()) / full).collect()
+            }
+        };
+        (spec, samples)
+    }
+}
+
+impl Ran {
+    #[track_caller]
+    pub fn is(self, code: i32) -> Ran {
+        assert_eq!(self.code, code, "stdout:\n{}\nstderr:\n{}", self.out, self.err);
+        self
+    }
+    #[track_caller]
+    pub fn says(self, words: &[&str]) -> Ran {
+        for w in words {
+            assert!(self.out.contains(w) || self.err.contains(w), "no `{w}` in\n{}\n{}", self.out, self.err);
+        }
+        self
+    }
+    #[track_caller]
+    pub fn json(&self) -> serde_json::Value {
+        serde_json::from_str(&self.out).unwrap_or_else(|e| panic!("{e}\n{}", self.out))
+    }
+}
+
+/// Greatest size of a sample.
+pub fn peak(samples: &[f64]) -> f64 {
+    samples.iter().fold(0.0, |p, s| p.max(s.abs()))
+}
+
+/// A MIMS model of the workspace's tests.
+pub fn mims(name: &str) -> String {
+    fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/mims").join(name)).unwrap()
+}
+
+/// One cell, so that its peak is known: the displacement at load.
+pub const BAR: &str = r#"
+[model]
+title = "One bar"
+seconds = "100 ms"
+[param]
+loud = 500
+[CEL]
+bar = { m = "1 g", f = "220 Hz", t60 = "1 s", dx0 = "1 mm" }
+[SOX]
+out = { from = "bar", gain = "loud" }
+"#;
+
+/// A gesture for the hammered string.
+pub const KEY: &str = "time,key\n0,-0.003\n0.05,-0.003\n0.056,-0.0005\n0.09,-0.003\n";

@@ -1,0 +1,110 @@
+//! The command as people use it: the built binary in an empty directory.
+
+mod desk;
+mod pages;
+mod render;
+
+use desk::{BAR, Desk, KEY, mims};
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+#[test]
+fn what_is_misspelt_gets_an_answer() {
+    let desk = Desk::new();
+    desk.put("bar.ca.toml", BAR);
+    desk.ca(&["render", "hammred_string"]).is(2).says(&["did you mean `hammered_string`?"]);
+    desk.ca(&["render", "bra.ca.toml"]).is(2).says(&["no such file", "did you mean `bar.ca.toml`?"]);
+    desk.ca(&["check", "bar"]).is(2).says(&["did you mean `bar.ca.toml`?"]);
+    desk.ca(&["render", "bar.ca.toml", "--set", "laud=1"]).is(2).says(&["did you mean `loud`?"]);
+    desk.ca(&["render", "bar.ca.toml", "--set", "bar.t6=1"]).is(2).says(&["did you mean `bar.t60`?"]);
+    desk.ca(&["render", "bar.ca.toml", "--set", "bra.m=1"]).is(2).says(&["did you mean `bar.m`?"]);
+    desk.ca(&["render", "bar.ca.toml", "--probe", "bat"]).is(1).says(&["E013", "`bat`", "`bar`"]);
+    desk.ca(&["list", "BTU"]).is(2).says(&["did you mean `BUT`?"]);
+    desk.ca(&["new", "x.ca.toml", "--from", "strin"]).is(2).says(&["did you mean `string`?"]);
+    desk.ca(&["rendr"]).is(2).says(&["render"]);
+    assert_eq!(desk.files(), ["bar.ca.toml"]);
+}
+
+#[test]
+fn usage_is_refused_before_anything_is_written() {
+    let desk = Desk::new();
+    desk.put("bar.ca.toml", BAR).put("bar.csv", "time,bar\n0,1\n").put("bar.wav", "mine");
+    for (args, word) in [
+        (&["render"][..], "MODEL"),
+        (&["render", "bar.ca.toml", "-o", "x.flac"], "`.wav`"),
+        (&["render", "bar.ca.toml", "--seconds", "4 kg"], "quantity in s"),
+        (&["render", "bar.ca.toml", "--seconds", "0"], "between"),
+        (&["render", "bar.ca.toml", "--rate", "fast"], "starts with a number"),
+        (&["render", "bar.ca.toml", "--set", "loud"], "hammer.m"),
+        (&["render", "bar.ca.toml", "--format", "8"], "f32"),
+        (&["render", "bar.ca.toml", "--probe", "bar", "--probe", "bar"], "twice"),
+        (&["render", "bar.ca.toml", "--probe", "bar=a.npy", "--probe", "out=a.npy"], "twice"),
+        (&["render", "bar.ca.toml", "--probe", "bar=x.mat"], "`.npy` or `.csv`"),
+        (&["render", "bar.ca.toml", "--gesture", "bar.csv"], "nothing is driven by `bar`"),
+        (&["render", "bar.ca.toml", "--gesture", "bar.wav"], "overwritten"),
+        (&["new", "x.toml"], "x.ca.toml"),
+    ] {
+        desk.ca(args).is(2).says(&[word]);
+    }
+    desk.ca(&["render", "bar.ca.toml", "-o", "no/x.wav"]).is(1).says(&["make the directory first"]);
+    desk.ca(&["render", "hammered_string", "--gesture", "no.csv"]).is(1).says(&["`no.csv`"]);
+    assert_eq!(desk.files(), ["bar.ca.toml", "bar.csv", "bar.wav"]);
+    assert_eq!(fs::read(desk.path("bar.wav")).unwrap(), b"mine");
+}
+
+#[test]
+fn errors_of_a_model_point_at_their_places() {
+    let desk = Desk::new();
+    let two = "[MAS]\nbill = { m = \"20 s\", dx1 = 3 }\nbob = { m = 1 }\n[RES]\nr = { between = [\"bob\", \"bib\"], k = 1 }\n";
+    desk.put("a.ca.toml", two);
+    for command in ["render", "check"] {
+        let r = desk.ca(&[command, "a.ca.toml"]).is(1).says(&["E004", "E008", "a.ca.toml:2:", "did you mean `bob`?"]);
+        assert_eq!(r.out, "");
+    }
+    desk.put("mute.ca.toml", "[CEL]\nbar = { m = 1, f = 9, dx0 = 1 }\n");
+    desk.ca(&["render", "mute.ca.toml"]).is(1).says(&["no output", "SOX"]);
+    fs::write(desk.path("odd.ca.toml"), [b'[', 0xff]).unwrap();
+    desk.ca(&["render", "odd.ca.toml"]).is(1).says(&["UTF-8"]);
+    desk.ca(&["render", "."]).is(1);
+    assert_eq!(desk.files(), ["a.ca.toml", "mute.ca.toml", "odd.ca.toml"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn examples_of_the_help_run() {
+    let bin = Path::new(env!("CARGO_BIN_EXE_ca")).parent().unwrap();
+    let path = format!("{}:{}", bin.display(), std::env::var("PATH").unwrap());
+    let mut ran = 0;
+    for command in ["render", "check", "list", "new", "import"] {
+        let desk = Desk::new();
+        desk.put("key.csv", KEY).put("string.mdl", &mims("string.mdl"));
+        let help = desk.ca(&[command, "--help"]).is(0).out;
+        let general = desk.ca(&["--help"]).is(0).out;
+        assert!(
+            general.contains(help.lines().next().unwrap()),
+            "{command} says two things of itself:\n{help}\n{general}"
+        );
+        let (_, examples) = help.split_once("Examples:\n").unwrap_or_else(|| panic!("{command} has no examples"));
+        for line in examples.lines().filter(|l| !l.trim().is_empty()) {
+            let o = Command::new("sh").args(["-ec", line]).env("PATH", &path).current_dir(&desk.0).output().unwrap();
+            let err = String::from_utf8_lossy(&o.stderr);
+            assert_eq!(o.status.code(), Some(0), "{line}\n{err}");
+            ran += 1;
+        }
+    }
+    assert!(ran >= 15, "only {ran} examples were found");
+}
+
+#[test]
+fn a_reader_who_goes_away_is_no_failure() {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_ca"))
+        .args(["list", "--schema"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    let o = child.wait_with_output().unwrap();
+    assert_eq!((o.status.code(), o.stderr.len()), (Some(0), 0));
+}

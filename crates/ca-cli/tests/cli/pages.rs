@@ -1,0 +1,96 @@
+//! `ca check`, `ca list`, `ca new`, `ca import`.
+
+use crate::desk::{Desk, mims, peak};
+use std::fs;
+
+#[test]
+fn check_tells_what_it_knows() {
+    let desk = Desk::new();
+    let r = desk.ca(&["check", "hammered_string", "--schedule"]).is(0);
+    let r = r.says(&["45 MAT", "key", "3 kHz", "rule of thumb", "ns/tick", "measured here", "no weight", "run"]);
+    let place = |w: &str| r.out.find(w).unwrap_or_else(|| panic!("no {w}"));
+    assert!(place("  reads") < place("  forces"));
+    assert!(place("  forces") < place("  writes") && place("  writes") < place("  moves"));
+    let j = desk.ca(&["check", "hammered_string", "--schedule", "--json", "--set", "low.n=20"]).is(0).json();
+    assert_eq!(j["summary"]["modules"]["CEL"], 20);
+    let passes = j["schedule"]["passes"].as_array().unwrap();
+    assert!(passes.iter().any(|p| p["pass"] == "REF" && p["run"] == true && p["modules"] == 21));
+    assert!(passes.iter().all(|p| p["ns_per_tick"].as_f64().is_some()));
+    desk.put("a.ca.toml", "[MAS]\nbob = { m = \"20 s\" }\n");
+    let j = desk.ca(&["check", "a.ca.toml", "--json"]).is(1).json();
+    assert!(j["summary"].is_null() && j["schedule"].is_null());
+    assert_eq!((&j["diagnostics"][0]["code"], &j["diagnostics"][0]["line"]), (&"E008".into(), &2.into()));
+}
+
+#[test]
+fn list_shows_kinds_models_and_pages() {
+    let desk = Desk::new();
+    let j = desk.ca(&["list", "--json"]).is(0).json();
+    let codes: Vec<&str> = j["kinds"].as_array().unwrap().iter().map(|k| k["code"].as_str().unwrap()).collect();
+    assert!(codes.contains(&"BUT") && codes.contains(&"STRING"));
+    let table = desk.ca(&["list", "--markdown"]).is(0).out;
+    let text = desk.ca(&["list"]).is(0).out;
+    for code in &codes {
+        let page = desk.ca(&["list", &code.to_lowercase()]).is(0).says(&["Example", "Sources"]);
+        assert!(page.out.starts_with(code) && text.contains(code) && table.contains(&format!("| {code} | ")));
+        let page = desk.ca(&["list", code, "--json"]).is(0).json();
+        assert!(page["sources"].as_array().unwrap().iter().all(|s| s["reference"].as_str().unwrap().len() > 20));
+        // the example of a page is a model that sounds
+        desk.put("example.ca.toml", page["example"].as_str().unwrap());
+        desk.ca(&["render", "example.ca.toml", "--seconds", "500 ms", "-q"]).is(0);
+        assert!(peak(&desk.wav("example.wav").1) > 0.001, "the example of {code} is silent");
+    }
+    // cells hold no bare bar: every row has as many as the head
+    let bars = |l: &str| l.replace("\\|", "").matches('|').count();
+    assert!(table.lines().filter(|l| l.starts_with('|')).all(|l| bars(l) == 6), "{table}");
+    desk.ca(&["list", "BUT"]).is(0).says(&["[N/m] ≥ 0", "outside | inside", "hal-01089222", "hammer"]);
+    let schema = desk.ca(&["list", "--schema"]).is(0).json();
+    assert!(schema["properties"]["BUT"].is_object());
+}
+
+#[test]
+fn bundled_models_have_a_title_and_no_errors() {
+    let desk = Desk::new();
+    let j = desk.ca(&["list", "models", "--json"]).is(0).json();
+    assert!(!j.as_array().unwrap().is_empty());
+    for model in j.as_array().unwrap() {
+        let (name, title) = (model["name"].as_str().unwrap(), model["title"].as_str().unwrap());
+        assert!(!title.is_empty());
+        desk.ca(&["list", name]).is(0).says(&[title, "ca render"]);
+        // some are there to show what blows up
+        let r = desk.ca(&["check", name, "--json"]);
+        assert!(r.code == 0 || r.code == 3, "{name}: {}", r.out);
+    }
+}
+
+#[test]
+fn a_new_model_checks_and_sounds() {
+    let desk = Desk::new();
+    desk.ca(&["new", "mine.ca.toml"]).is(0).says(&["ca render mine.ca.toml"]);
+    let r = desk.ca(&["check", "mine.ca.toml"]).is(0);
+    assert_eq!(r.err, "", "the first model of a newcomer has no findings");
+    desk.ca(&["render", "mine.ca.toml"]).is(0);
+    assert!(peak(&desk.wav("mine.wav").1) > 0.05);
+    desk.put("mine.ca.toml", "precious");
+    desk.ca(&["new", "mine.ca.toml"]).is(1).says(&["--force"]);
+    assert_eq!(fs::read(desk.path("mine.ca.toml")).unwrap(), b"precious");
+    desk.ca(&["new", "mine.ca.toml", "--from", "hammered_string", "--force"]).is(0);
+    desk.ca(&["check", "mine.ca.toml"]).is(0).says(&["Hammered string"]);
+}
+
+#[test]
+fn a_mims_model_is_imported_and_compiled() {
+    let desk = Desk::new();
+    desk.put("string.mdl", &mims("string.mdl")).put("odd.mdl", "@a mass one 0. 0.\n");
+    desk.ca(&["import", "string.mdl"]).is(0).says(&["N201", "string.mdl:6:2", "it compiles", "9 MAT"]);
+    let first = fs::read(desk.path("string.ca.toml")).unwrap();
+    desk.ca(&["import", "string.mdl"]).is(1).says(&["--force"]);
+    desk.ca(&["import", "string.mdl", "-o", "gut.ca.toml"]).is(0);
+    assert_eq!(first, fs::read(desk.path("gut.ca.toml")).unwrap());
+    desk.ca(&["render", "string.mdl", "-q"]).is(0);
+    assert_eq!(desk.wav("string.wav").0.sample_rate, 44_100);
+    let r = desk.ca(&["import", "odd.mdl"]).is(1).says(&["odd.mdl:1:"]);
+    assert_eq!(r.out, "");
+    desk.ca(&["render", "odd.mdl"]).is(1).says(&["odd.mdl:1:"]);
+    desk.ca(&["import", "no.mdl"]).is(1);
+}

@@ -1,0 +1,205 @@
+//! `ca render`.
+
+use crate::desk::{BAR, Desk, KEY, peak};
+use std::fs;
+
+const UNSTABLE: &str = r#"
+[SOL]
+wall = {}
+[MAS]
+bob = { m = "1 g", dx0 = "1 mm" }
+[REF]
+spring = { between = ["wall", "bob"], k = "20 MN/m", z = "1 mN s/m" }
+[SOX]
+out = { from = "bob", gain = 100 }
+"#;
+
+/// Two walls far too hard for the bar between them.
+const RATTLE: &str = r#"
+[CEL]
+bar = { m = "2 g", f = "330 Hz", t60 = "1 s" }
+[SOL]
+wall = { x = "1 mm" }
+floor = { x = "-1 mm" }
+[BUT]
+up = { between = ["bar", "wall"], k = "40 MN/m" }
+down = { between = ["floor", "bar"], k = "40 MN/m" }
+[ENF]
+push = { to = "bar" }
+[SOX]
+out = { from = "bar", gain = 100 }
+[gesture]
+push = [[0, 0], [0.01, "200 N"], [0.02, 0]]
+"#;
+
+#[test]
+fn a_bundled_model_sounds() {
+    let desk = Desk::new();
+    let r = desk.ca(&["render", "hammered_string"]).is(0);
+    let r = r.says(&["hammered_string.wav", "4.000 s", "48 kHz", "real-time factor", "dBFS", "first 1 s", "margin"]);
+    assert_eq!(r.err, "");
+    assert_eq!(desk.files(), ["hammered_string.wav"]);
+    let (spec, samples) = desk.wav("hammered_string.wav");
+    assert_eq!((spec.sample_rate, spec.channels, samples.len()), (48_000, 2, 2 * 192_000));
+    assert!((0.1..=1.0).contains(&peak(&samples)));
+    // both strokes sound
+    assert!(peak(&samples[..2 * 2400]) == 0.0 && peak(&samples[..2 * 24_000]) > 0.1);
+    assert!(peak(&samples[2 * 70_000..2 * 72_000]) < 0.9 * peak(&samples[2 * 72_000..2 * 80_000]));
+}
+
+#[test]
+fn the_same_bits_in_two_runs_and_with_either_kernel() {
+    let desk = Desk::new();
+    for (file, more) in [("a.wav", &[][..]), ("b.wav", &["--energy"]), ("c.wav", &["--kernel", "reference"])] {
+        desk.ca(&[&["render", "hammered_string", "-o", file, "--seconds", "500 ms", "-q"], more].concat()).is(0);
+    }
+    desk.ca(&["render", "hammered_string", "-o", "d.wav", "--seconds", "500 ms", "-q"]).is(0);
+    let a = fs::read(desk.path("a.wav")).unwrap();
+    assert!(peak(&desk.wav("a.wav").1) > 0.01);
+    assert!(a == fs::read(desk.path("d.wav")).unwrap(), "two runs differ");
+    assert!(a == fs::read(desk.path("b.wav")).unwrap(), "the book changes the sound");
+    assert!(a == fs::read(desk.path("c.wav")).unwrap(), "the kernels differ");
+}
+
+#[test]
+fn formats_hold_the_same_sound() {
+    let desk = Desk::new();
+    desk.put("bar.ca.toml", BAR);
+    for (format, bits, step) in [("f32", 32, 1e-7), ("24", 24, 2e-7), ("16", 16, 4e-5)] {
+        let r = desk.ca(&["render", "bar.ca.toml", "--format", format, "-o", "x.wav", "--quiet"]).is(0);
+        assert_eq!((r.out.as_str(), r.err.as_str()), ("", ""));
+        let (spec, samples) = desk.wav("x.wav");
+        assert_eq!((spec.bits_per_sample, samples.len()), (bits, 4800));
+        assert!((samples[0] - 0.5).abs() < step, "{format}: {}", samples[0]);
+    }
+}
+
+#[test]
+fn an_unstable_model_is_named_and_silenced() {
+    let desk = Desk::new();
+    desk.put("bad.ca.toml", UNSTABLE).put("rattle.ca.toml", RATTLE);
+    let cases = [("bad", &["bob"][..], "keep `k` of `spring`"), ("rattle", &["up", "down"], "use `k` up to")];
+    for (model, guilty, advice) in cases {
+        let file = format!("{model}.ca.toml");
+        let r = desk.ca(&["render", &file, "--seconds", "1"]).is(3);
+        let module = guilty.iter().find(|m| r.err.contains(&format!("`{m}`: "))).unwrap_or_else(|| panic!("{}", r.err));
+        assert!(r.err.contains("blew up at 0.00") && r.err.contains(advice), "{}", r.err);
+        let (_, samples) = desk.wav(&format!("{model}.wav"));
+        assert_eq!(samples.len(), 48_000);
+        assert!(samples.iter().all(|s| s.is_finite() && s.abs() <= 1.0));
+        assert!(peak(&samples) > 0.01 && peak(&samples[4800..]) == 0.0);
+        // the book stops in time, and says the same
+        let j = desk.ca(&["render", &file, "--seconds", "1", "--energy", "--json"]).is(3).json();
+        assert_eq!(j["blown_up"]["module"].as_str(), Some(*module));
+        assert!(j["energy"]["relative_residual"].as_f64().unwrap() < 1e-9, "{j:#}");
+        assert!(j["energy"]["seconds"].as_f64().unwrap() < 0.01);
+    }
+    desk.ca(&["check", "bad.ca.toml"]).is(3).says(&["W103", "unstable"]);
+    desk.ca(&["check", "rattle.ca.toml"]).is(0).says(&["W104", "`up` is the stiffest"]);
+}
+
+#[test]
+fn what_is_cut_off_is_counted_and_the_gain_fits() {
+    let desk = Desk::new();
+    desk.put("bar.ca.toml", BAR);
+    let j = desk.ca(&["render", "bar.ca.toml", "--set", "loud=1500", "--json"]).is(3).json();
+    assert!(j["clipped"]["samples"].as_u64().unwrap() > 100 && j["blown_up"].is_null());
+    assert!((j["channels"][0]["peak"].as_f64().unwrap() - 1.5).abs() < 0.01);
+    assert_eq!(peak(&desk.wav("bar.wav").1), 1.0);
+    let fits = 1500.0 * j["clipped"]["gain"].as_f64().unwrap();
+    desk.ca(&["render", "bar.ca.toml", "--set", &format!("loud={fits}")]).is(0);
+    assert!(peak(&desk.wav("bar.wav").1) > 0.99);
+    desk.ca(&["render", "bar.ca.toml", "--set", "loud=1500"]).is(3).says(&["beyond full scale", "0.66"]);
+}
+
+#[test]
+fn parameters_and_rates_are_set() {
+    let desk = Desk::new();
+    desk.put("bar.ca.toml", BAR);
+    let of = |more: &[&str]| {
+        desk.ca(&[&["render", "bar.ca.toml", "--quiet"], more].concat()).is(0);
+        desk.wav("bar.wav")
+    };
+    let rising = |s: &[f64]| s.windows(2).filter(|w| w[0] < 0.0 && w[1] >= 0.0).count();
+    assert_eq!(rising(&of(&[]).1), 22);
+    assert_eq!(rising(&of(&["--set", "bar.f=440 Hz"]).1), 44);
+    assert!((of(&["--set", "loud=250", "--set", "bar.dx0=2 mm"]).1[0] - 0.5).abs() < 1e-7);
+    let (spec, samples) = of(&["--rate", "96 kHz"]);
+    assert_eq!((spec.sample_rate, samples.len(), rising(&samples)), (96_000, 9600, 22));
+    assert_eq!(of(&["--rate", "44100"]).0.sample_rate, 44_100);
+    assert_eq!(of(&["--seconds", "0.25"]).1.len(), 12_000);
+    desk.ca(&["render", "bar.ca.toml", "--set", "bar.m=1 s"]).is(1).says(&["E008", "`m` of `bar`"]);
+    // the model fixes 3 kHz: the nearest rate is named
+    let r = desk.ca(&["render", "hammered_string", "--rate", "44.1 kHz"]).is(1);
+    assert!(r.err.contains("E020") && r.err.contains("45000 Hz"), "{}", r.err);
+    desk.ca(&["render", "hammered_string", "--rate", "44.1 kHz", "--set", "rate.gesture=2940 Hz", "-q"]).is(0);
+}
+
+#[test]
+fn probes_are_readable() {
+    let desk = Desk::new();
+    let args = ["render", "hammered_string", "--seconds", "1", "--probe", "low[*]", "--probe", "strike=blow.csv"];
+    desk.ca(&[&args[..], &["--probe", "low@0.3", "--probe", "left", "-q"]].concat()).is(0);
+    let npy = |name: &str| {
+        let bytes = fs::read(desk.path(name)).unwrap();
+        let n = npyz::NpyFile::new(&bytes[..]).unwrap();
+        (n.shape().to_vec(), n.into_vec::<f64>().unwrap())
+    };
+    let (shape, all) = npy("low[all].npy");
+    assert_eq!(shape, [48_000, 40]);
+    let (shape, point) = npy("low@0.3.npy");
+    assert_eq!(shape, [48_000]);
+    // 41 intervals from end to end: 0.3 of the way is 12.3, between the masses 11 and 12
+    for n in [4000, 20_000] {
+        let want = 0.7 * all[40 * n + 11] + 0.3 * all[40 * n + 12];
+        assert!(want != 0.0 && (point[n] - want).abs() < 1e-9 * want.abs(), "{n}: {want} {}", point[n]);
+    }
+    // an output is probed without its gain
+    let (_, left) = npy("left.npy");
+    assert_eq!(left[20_000], all[40 * 20_000 + 3]);
+    let csv = fs::read_to_string(desk.path("blow.csv")).unwrap();
+    assert_eq!((csv.lines().next().unwrap(), csv.lines().count()), ("time,strike", 48_001));
+    let force = csv.lines().skip(1).map(|l| l.split_once(',').unwrap().1.parse::<f64>().unwrap());
+    assert!(force.fold(0.0, |m: f64, f| m.max(f.abs())) > 0.1);
+}
+
+#[test]
+fn a_gesture_file_plays() {
+    let desk = Desk::new();
+    desk.put("key.csv", KEY).put("still.csv", "time,key\n0,-0.003\n");
+    desk.ca(&["render", "hammered_string", "--gesture", "key.csv", "-q"]).is(0);
+    assert!(peak(&desk.wav("hammered_string.wav").1) > 0.1);
+    // takes the place of the built-in one
+    desk.ca(&["render", "hammered_string", "--gesture", "still.csv"]).is(0).says(&["nothing sounds", "`key`"]);
+    assert_eq!(peak(&desk.wav("hammered_string.wav").1), 0.0);
+    // two files together
+    desk.put("z.csv", "time,z\n0,1\n3.5,5\n5,5\n");
+    let args = ["render", "hammered_string", "--gesture", "key.csv", "--gesture", "z.csv"];
+    desk.ca(&args).is(0).says(&["the gesture lasts 5.000 s"]);
+    desk.put("twin.csv", KEY);
+    let args = ["render", "hammered_string", "--gesture", "key.csv", "--gesture", "twin.csv"];
+    desk.ca(&args).is(1).says(&["two tracks"]);
+}
+
+#[test]
+fn length_follows_the_gesture_where_nobody_says() {
+    let desk = Desk::new();
+    let bar = BAR.replace("seconds = \"100 ms\"", "");
+    for (end, frames) in [(0.5, 144_000), (2.0, 192_000)] {
+        let push = format!("[ENF]\np = {{ to = \"bar\" }}\n[gesture]\np = [[0, 0], [{end}, 0]]\n");
+        desk.put("m.ca.toml", &(bar.clone() + &push)).ca(&["render", "m.ca.toml", "-q"]).is(0);
+        assert_eq!(desk.wav("m.wav").1.len(), frames);
+    }
+}
+
+#[test]
+fn the_energy_book_is_shown() {
+    let desk = Desk::new();
+    let r = desk.ca(&["render", "hammered_string", "--energy"]).is(0);
+    r.says(&["received", "lost", "made", "held", "made by `strike`"]);
+    let j = desk.ca(&["render", "hammered_string", "--json"]).is(0).json();
+    assert_eq!((j["energy"]["seconds"].as_f64(), j["energy"]["whole"].as_bool()), (Some(1.0), Some(false)));
+    assert!(j["energy"]["relative_residual"].as_f64().unwrap() < 1e-10);
+    assert!(j["real_time_factor"].as_f64().unwrap() > 0.0 && j["degraded"] == false);
+    assert_eq!(j["channels"][1]["name"], "right");
+}

@@ -1,0 +1,137 @@
+//! Rates, units and media: what holds for the whole model or for a group of modules.
+
+use super::Options;
+use super::net::{Medium, Net};
+use super::values::Values;
+use crate::kind::{ANY, POSITIVE, Unit};
+use crate::model::diag::{Diag, Diags};
+use crate::model::suggest::nearest;
+use crate::model::{Entry, Model, Span, Value};
+use alloc::format;
+
+/// Slowest and fastest clock \[Hz\].
+const CLOCK: (f64, f64) = (1.0, 1e7);
+
+/// Sound rate, tick and ratio.
+pub fn rates(model: &Model, options: &Options, net: &mut Net, diags: &mut Diags) {
+    let hertz = |key: &str, diags: &mut Diags| {
+        let e = model.rate.iter().find(|e| e.key == key)?;
+        let mut v = Values::new(None, diags);
+        Some((v.number(e, Unit::HERTZ, CLOCK, &format!("`rate.{key}`")).map(|n| n.0), e.span))
+    };
+    let written = hertz("sound", diags);
+    let gesture = hertz("gesture", diags);
+    let asked = options.rate.filter(|r| {
+        let good = (CLOCK.0..=CLOCK.1).contains(r);
+        if !good {
+            let d = Diag::error("E020", format!("no sound rate can be {r} Hz"));
+            diags.push(d.help(format!("ask for {} to {} Hz", CLOCK.0, CLOCK.1)));
+        }
+        good
+    });
+    let sound = asked.or(written.and_then(|w| w.0)).unwrap_or(48_000.0);
+    net.rate = sound;
+    net.te = 1.0 / sound;
+    net.ratio = 1;
+    // a rate that could not be read fits nothing
+    if matches!(written, Some((None, _))) || matches!(gesture, Some((None, _))) || options.rate != asked {
+        return;
+    }
+    // 3 kHz or the nearest that divides the sound rate: 44.1 kHz / 15
+    let slow = gesture.and_then(|g| g.0).unwrap_or(sound / libm::round(sound / 3000.0).max(1.0));
+    let ratio = libm::round(sound / slow).max(1.0);
+    if (sound / ratio - slow).abs() > 1e-6 * slow || slow > sound {
+        let place = |w: Option<(Option<f64>, Span)>| w.map_or(Span::NONE, |w| w.1);
+        let span = place(gesture);
+        let title = format!("the sound rate, {sound} Hz, is not a multiple of the gesture rate, {slow} Hz");
+        let mut d = Diag::error("E020", title).at(span, "does not divide the sound rate");
+        if asked.is_some() {
+            d = d.help(format!("with this gesture rate ask for a sound rate of {} Hz", slow * ratio));
+        } else {
+            if place(written).is_some() {
+                d = d.at(place(written), "the sound rate");
+            }
+            let near = sound / ratio;
+            d = d.help(format!("the nearest that does is {near} Hz"));
+            // a fraction of a hertz would be a fix nobody wants
+            if near == libm::round(near) {
+                d = d.fix(span, format!("\"{near} Hz\""));
+            }
+        }
+        diags.push(d);
+    }
+    net.ratio = ratio as u32;
+}
+
+/// Tick of the reference rate, for `alg` units.
+pub fn reference(model: &Model, net: &Net, diags: &mut Diags) -> Option<f64> {
+    let e = model.meta("units")?;
+    let word = if let Value::Text(t) = &e.value { t.as_str() } else { "" };
+    match word {
+        "si" => None,
+        "alg" => {
+            let Some(e) = model.meta("reference_rate") else { return Some(net.te) };
+            let mut v = Values::new(None, diags);
+            v.number(e, Unit::HERTZ, CLOCK, "`model.reference_rate`").map(|r| 1.0 / r.0)
+        }
+        _ => {
+            let d = Diag::error("E011", "`units` of `[model]` is neither `si` nor `alg`").at(e.span, "not a choice");
+            let all = "`si`: SI units; `alg`: per-sample units at `reference_rate`, as in GENESIS and mi.lib";
+            diags.push(match nearest(word, ["si", "alg"].into_iter()) {
+                Some(near) => d.help(all).fix(e.span, format!("\"{near}\"")),
+                None => d.help(all),
+            });
+            None
+        }
+    }
+}
+
+/// Gravity and friction of every group; those of the model come last.
+pub fn media(model: &Model, net: &mut Net, v: &mut Values<'_>) {
+    let root = medium(&model.meta, "`[model]`", Medium::default(), v);
+    for g in &model.groups {
+        let m = medium(&g.props, &format!("group `{}`", g.name), root, v);
+        net.media.push(m);
+    }
+    net.media.push(root);
+}
+
+fn medium(props: &[Entry], owner: &str, outer: Medium, v: &mut Values<'_>) -> Medium {
+    let mut m = outer;
+    for e in props {
+        let what = format!("`{}` of {owner}", e.key);
+        match e.key.as_str() {
+            "gravity" if matches!(e.value, Value::List(_)) => {
+                let d = Diag::error("E028", format!("{what}: a direction in space is of a later version"));
+                let d = d.at(e.span, "a vector");
+                v.diags.push(d.help("write one number: the pull towards negative positions, e.g. `\"9.81 m/s^2\"`"));
+            }
+            "gravity" => {
+                if let Some(g) = v.constant(e, Unit::ACCELERATION, ANY, &what) {
+                    m.gravity = g;
+                }
+            }
+            "friction" => {
+                if let Some(z) = v.constant(e, Unit::VISCOSITY, POSITIVE, &what) {
+                    m.friction = z;
+                }
+            }
+            "dim" if e.value != Value::Num(1.0) => {
+                let many = matches!(e.value, Value::Num(n) if n == 2.0 || n == 3.0);
+                let (code, title) = if many {
+                    ("E028", format!("{what}: two and three dimensions are of a later version"))
+                } else {
+                    ("E009", format!("{what} is a number of dimensions: 1 for now"))
+                };
+                v.diags.push(
+                    Diag::error(code, title)
+                        .at(e.span, "only 1 is built yet")
+                        .help("write `dim = 1`, or leave it out")
+                        .fix(e.span, "1"),
+                );
+            }
+            _ => {}
+        }
+    }
+    m
+}

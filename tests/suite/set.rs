@@ -1,0 +1,80 @@
+//! `Model::set`, behind `--set`.
+
+use ca_core::model::{Model, Value, read};
+use ca_core::{Catalog, Options, load::finish};
+
+const TEXT: &str = r#"
+[param]
+z = { value = 1.0, unit = "N s/m", live = true }
+q = 3
+empty = { live = true }
+[ball]
+[ball.CEL]
+bar = { m = "1 g", f = "440 Hz" }
+[SOX]
+out = { from = "ball.bar", gain = "q" }
+"#;
+
+fn model() -> Model {
+    read::read(TEXT, "m.ca.toml", &Catalog::core()).0
+}
+
+fn arg<'m>(m: &'m Model, item: &str, key: &str) -> Option<&'m Value> {
+    let item = m.items.iter().find(|i| i.name == item)?;
+    item.args.iter().find(|e| e.key == key).map(|e| &e.value)
+}
+
+fn param<'m>(m: &'m Model, key: &str) -> &'m Value {
+    let e = m.params.iter().find(|e| e.key == key).expect("declared");
+    match &e.value {
+        Value::Table(t) => t.iter().find(|x| x.key == "value").map_or(&e.value, |x| &x.value),
+        v => v,
+    }
+}
+
+#[test]
+fn a_parameter_of_a_module_is_replaced_or_added() {
+    let mut m = model();
+    assert!(m.set("ball.bar.m", "2 g") && m.set("ball.bar.t60", " 3 ") && m.set("out.gain", "-0.5e1"));
+    assert_eq!(arg(&m, "ball.bar", "m"), Some(&Value::Text("2 g".into())));
+    assert_eq!(arg(&m, "ball.bar", "t60"), Some(&Value::Num(3.0)));
+    assert_eq!(arg(&m, "out", "gain"), Some(&Value::Num(-5.0)));
+    assert_eq!(m.items.len(), 2);
+}
+
+#[test]
+fn a_named_parameter_keeps_what_else_it_has() {
+    let mut m = model();
+    assert!(m.set("z", "2 N s/m") && m.set("q", "true") && m.set("empty", "4"));
+    assert_eq!(param(&m, "z"), &Value::Text("2 N s/m".into()));
+    assert_eq!(param(&m, "q"), &Value::Bool(true));
+    assert_eq!(param(&m, "empty"), &Value::Num(4.0));
+    let z = m.params.iter().find(|e| e.key == "z").expect("declared");
+    assert!(matches!(&z.value, Value::Table(t) if t.len() == 3));
+}
+
+#[test]
+fn sections_and_names_that_are_not_there() {
+    let mut m = model();
+    assert!(m.set("rate.sound", "44.1 kHz") && m.set("rate.sound", "96000") && m.set("model.title", "Bell"));
+    assert_eq!(m.rate.len(), 1);
+    assert_eq!(m.title(), "Bell");
+    for name in ["", ".", "bar.m", "nobody.m", "nobody", "ball.m", "ball.bar"] {
+        assert!(!m.set(name, "1"), "{name}");
+    }
+}
+
+#[test]
+fn what_is_set_is_checked_like_what_is_written() {
+    let compiled = |name: &str, text: &str| {
+        let (mut m, found) = read::read(TEXT.replace("empty = { live = true }", "").as_str(), "m", &Catalog::core());
+        assert!(m.set(name, text));
+        finish(&m, found, &Catalog::core(), &Options::default()).map_err(|d| d.list[0].code)
+    };
+    assert_eq!(compiled("ball.bar.m", "2 g").map(|s| s.n_mat), Ok(1));
+    assert_eq!(compiled("ball.bar.m", "2 Hz").err(), Some("E008"));
+    assert_eq!(compiled("ball.bar.mm", "2").err(), Some("E004"));
+    assert_eq!(compiled("ball.bar.m", "-1").err(), Some("E009"));
+    assert_eq!(compiled("rate.sound", "1").err(), Some("E023"));
+    assert_eq!(compiled("q", "inf").err(), Some("E009"));
+}
