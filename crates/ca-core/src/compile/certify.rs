@@ -293,13 +293,6 @@ fn unstable(model: &Model, net: &Net, rows: &[Row], bounds: &[Bound], i: usize) 
     }
 }
 
-/// Three digits, rounded by `to`. The scale is a whole power of ten wherever it can be, so that the digits stay three.
-fn three_digits(v: f64, to: fn(f64) -> f64) -> f64 {
-    let place = libm::floor(libm::log10(v.abs().max(1e-300))) - 2.0;
-    let scale = libm::pow(10.0, place.abs());
-    if place < 0.0 { to(v * scale) / scale } else { to(v / scale) * scale }
-}
-
 /// Three digits, towards zero.
 fn round_down(v: f64) -> f64 {
     three_digits(v, libm::floor)
@@ -308,7 +301,6 @@ fn round_down(v: f64) -> f64 {
 /// Three digits, away from zero.
 fn round_up(v: f64) -> f64 {
     three_digits(v, libm::ceil)
-<<<<<<< HEAD
 }
 
 /// The power of ten goes through text, so that what is shown has three digits and no noise behind them.
@@ -316,8 +308,6 @@ fn three_digits(v: f64, to: fn(f64) -> f64) -> f64 {
     let ten = libm::floor(libm::log10(v.abs().max(1e-300))) - 2.0;
     let n = to(v / libm::pow(10.0, ten));
     format!("{n}e{ten}").parse().unwrap_or(v)
-=======
->>>>>>> 526db6da5cd85b8041bfd7ce233226cc89f8256f
 }
 
 /// Rules for contacts (numerics 3.2): kT²/m ≤ 1 recommended, ≤ 2 at the most, with the other links at the masses.

@@ -10,18 +10,13 @@
 //! and all of them push findings into one list, so an author sees everything at once.
 
 pub mod certify;
-<<<<<<< HEAD
-mod links;
-pub mod net;
-mod number;
-mod plan;
-=======
 mod gesture;
+mod links;
 mod midi;
 pub mod net;
 mod number;
 mod params;
->>>>>>> 526db6da5cd85b8041bfd7ce233226cc89f8256f
+mod plan;
 mod prune;
 mod rates;
 mod resolve;
