@@ -167,20 +167,6 @@ impl Values<'_> {
         Some(v)
     }
 
-<<<<<<< HEAD
-    /// The exponent written beside a power stiffness; what is wrong with it is reported where it stands.
-    fn exponent(&self, value: &Value) -> Option<f64> {
-        let raw = match value {
-            Value::Num(v) => Raw::Bare(*v),
-            Value::Text(t) if quantity::is_quantity(t) => Raw::Quantity(quantity::parse(t).ok()?),
-            Value::Text(t) => self.named.iter().find(|n| n.name == *t)?.value,
-            _ => return None,
-        };
-        Some(match raw {
-            Raw::Bare(v) => v,
-            Raw::Quantity(q) => q.value,
-        })
-=======
     /// The exponent `name` of a power law among the arguments of its module; `None` where it is wrong, which is said
     /// when its own turn comes.
     fn exponent(&self, kind: &Kind, name: &str, siblings: &[Entry]) -> Option<f64> {
@@ -195,7 +181,6 @@ impl Values<'_> {
             Some(_) => return None,
         };
         (quarters(p) && (1.0..=5.0).contains(&p)).then_some(p)
->>>>>>> 03629855cd55239c7afce234836a8849f9a57e87
     }
 
     /// The argument `param` of an item.
@@ -211,19 +196,15 @@ impl Values<'_> {
         let plain = |v: f64| Some((Arg::Num(v), None));
         match param.ty {
             Type::Number { unit, min, max } => {
-<<<<<<< HEAD
-                // where a model starts, lengths and exponents are no coefficients: nothing would follow a change of them
-                if matches!(param.name, "x" | "dx0" | "v" | "l0" | "p") {
-                    self.constant(e, unit, (min, max), &what)?;
-                }
-                let (v, follows) = self.number(e, unit, (min, max), &what)?;
-                if param.name == "p" && v * 4.0 != libm::round(v * 4.0) {
-=======
                 let exponent = kind
                     .params
                     .iter()
                     .any(|p| matches!(p.ty, Type::PowerStiffness { exponent } if exponent == param.name));
                 if !exponent {
+                    // where a model starts and lengths at rest are no coefficients: nothing would follow a change
+                    if matches!(param.name, "x" | "dx0" | "v" | "l0") {
+                        return plain(self.constant(e, unit, (min, max), &what)?);
+                    }
                     let (v, follows) = self.number(e, unit, (min, max), &what)?;
                     return Some((Arg::Num(v), follows));
                 }
@@ -231,7 +212,6 @@ impl Values<'_> {
                 let v = self.constant(e, unit, (min, max), &what)?;
                 if !quarters(v) {
                     let near = libm::round(v * 4.0) / 4.0;
->>>>>>> 03629855cd55239c7afce234836a8849f9a57e87
                     let d = Diag::error("E009", format!("{what} is not a multiple of 1/4: {v}"))
                         .at(e.span, "the tick has only products and square roots");
                     self.diags.push(d.help(format!("the nearest is {near}")).fix(e.span, format!("{near}")));
@@ -240,15 +220,7 @@ impl Values<'_> {
                 plain(v)
             }
             Type::PowerStiffness { exponent } => {
-<<<<<<< HEAD
-                let p = siblings.iter().find(|s| s.key == exponent).map_or_else(
-                    || kind.param(exponent).map(|i| kind.params[i].need),
-                    |s| self.exponent(&s.value).map(Need::Default),
-                );
-                let Some(Need::Default(p)) = p else { return plain(0.0) };
-=======
                 let p = self.exponent(kind, exponent, siblings)?;
->>>>>>> 03629855cd55239c7afce234836a8849f9a57e87
                 let unit = Unit { symbol: power_symbol(p), dim: Dim::power_stiffness(p) };
                 let (v, follows) = self.number(e, unit, crate::kind::POSITIVE, &what)?;
                 Some((Arg::Num(v), follows))
