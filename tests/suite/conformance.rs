@@ -46,7 +46,12 @@ fn args(kind: &Kind, dice: &mut Dice) -> Vec<Entry> {
         if mentioned.is_some_and(|(_, set)| !set.contains(&p.name)) {
             continue;
         }
-        if mentioned.is_none() && p.need == Need::Optional && p.name != "l0" && dice.roll() > 0.6 {
+        // the last table of a kind is left out only where there is another
+        let table = |t: &Type| matches!(t, Type::Points { .. });
+        let only = table(&p.ty)
+            && kind.params.iter().rfind(|q| table(&q.ty)).is_some_and(|q| q.name == p.name)
+            && !out.iter().any(|e: &Entry| matches!(e.value, Value::List(_)));
+        if mentioned.is_none() && p.need == Need::Optional && p.name != "l0" && !only && dice.roll() > 0.6 {
             continue;
         }
         let value: Value = match p.ty {
@@ -348,7 +353,7 @@ fn all_forms_of_a_law_give_the_same_bits() {
                 let play = |o: &Options| {
                     let scene = built(&m, o);
                     scene.forces.iter().filter(|o| o.law.is_some()).for_each(|o| {
-                        seen.insert((o.form.run, o.form.offset, o.form.tap));
+                        seen.insert((o.form.stride > 0, o.form.offset, o.form.tap));
                     });
                     let places: Vec<usize> = (0..6).map(|i| mat(&scene, &format!("m{i}"))).collect();
                     let mut s = scene.state();
@@ -399,7 +404,13 @@ fn live(m: &Model, item: usize, arg: usize, v: Option<f64>) -> Option<(Model, f6
         _ => return None,
     };
     e.value = "dial".into();
-    let entries = vec![Entry::new("value", v.unwrap_or(si)), Entry::new("live", true)];
+    let range = if si == 0.0 { [0.0, 1e-3] } else { [si * 0.7, si * 1.4] };
+    let entries = vec![
+        Entry::new("value", v.unwrap_or(si)),
+        Entry::new("live", true),
+        Entry::new("min", range[0].min(range[1])),
+        Entry::new("max", range[0].max(range[1])),
+    ];
     m.params.push(Entry::new("dial", Value::Table(entries)));
     Some((m, si))
 }
