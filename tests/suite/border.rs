@@ -58,7 +58,7 @@ fn play(scene: &Scene, x: &[f64]) -> Played {
         sense(scene, &mut s);
         positions.push(s.x[key]);
         forces.push(s.f[key]);
-        let last = s.tick > 0 && s.tick % u64::from(scene.ratio) == 0;
+        let last = s.tick > 0 && s.tick.is_multiple_of(u64::from(scene.ratio));
         if last {
             frames -= s.border[0].force * (x[frame] - x[frame - 1]);
         }

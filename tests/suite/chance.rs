@@ -68,6 +68,16 @@ fn survives(text: &str) {
     }
 }
 
+#[test]
+fn a_finding_never_splits_a_letter() {
+    let text = "[SOX]\nout = { from = \"[é\" }\n";
+    let (model, _) = read::read(text, "chance", &Catalog::core());
+    let found = compile(&model, &Catalog::core(), &Options::default()).expect_err("no module");
+    for (span, _) in found.list.iter().flat_map(|d| &d.labels).filter(|l| l.0.is_some()) {
+        assert!(text.get(span.start..span.end).is_some(), "{span:?}");
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 400, ..ProptestConfig::default() })]
 

@@ -28,8 +28,7 @@ fn written(unit: Unit, (min, max): (f64, f64), dice: &mut Dice) -> f64 {
         "N/m" => size(0, 4),
         "N s/m" => size(-4, -1),
         "m" => size(-4, -3),
-        "N" => size(-2, 0),
-        "m/s" => size(-2, 0),
+        "N" | "m/s" => size(-2, 0),
         "N/m^3" => size(4, 9),
         _ => u,
     };
