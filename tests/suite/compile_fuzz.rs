@@ -1,6 +1,6 @@
 //! The compiler: whatever it is given, it answers with a scene or with findings, in little time and memory.
 
-use ca_core::model::{Entry, Model, Value, render};
+use ca_core::model::{Entry, Model, Value, mims, render};
 use ca_core::{Catalog, Options, load, tick};
 use proptest::prelude::*;
 
@@ -114,6 +114,21 @@ fn rates_asked_for_are_checked() {
     }
     let options = Options { probes: vec!["nobody".into(), "b[7]".into()], ..Options::default() };
     assert_eq!(load(text, "", &Catalog::core(), &options).1.expect_err("no such probes").list.len(), 2);
+}
+
+/// What the importer makes of its own examples is a model like any other.
+#[test]
+fn imported_models_compile() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("mims");
+    for file in std::fs::read_dir(folder).expect("tests/mims is there") {
+        let path = file.expect("readable").path();
+        let text = std::fs::read_to_string(&path).expect("UTF-8");
+        let (model, diags) = mims::import(&text, "m.mdl");
+        if path.extension().is_some_and(|e| e == "mdl") && !diags.has_errors() {
+            let made = ca_core::compile(&model, &Catalog::core(), &Options::default());
+            assert!(made.is_ok(), "{}: {}", path.display(), made.expect_err("seen"));
+        }
+    }
 }
 
 fn number() -> impl Strategy<Value = String> {

@@ -26,7 +26,7 @@ pub const SOURCES: &[(&str, &str)] = &[
     ),
     (
         "LAC 2019",
-        "J. Leonard, C. Cadoz, M. Christon, mass-interaction modelling in Faust (mi_faust, mi.lib), Linux Audio Conference, 2019",
+        "J. Leonard, J. Villeneuve, R. Michon, Y. Orlarey, S. Letz, Formalizing mass-interaction physical modeling in Faust, Linux Audio Conference, 2019",
     ),
     (
         "SMC 2019",
@@ -34,7 +34,7 @@ pub const SOURCES: &[(&str, &str)] = &[
     ),
     (
         "HSP v2",
-        "E. Berdahl, A. Kontogeorgakopoulos, D. Overholt, HSP v2: haptic signal processing with extensions for physical modeling, 2010",
+        "E. Berdahl, A. Kontogeorgakopoulos, D. Overholt, HSP v2: haptic signal processing with extensions for physical modeling",
     ),
     (
         "Hunt 1975",

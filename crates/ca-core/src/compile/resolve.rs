@@ -228,7 +228,7 @@ fn nodes(mut item: NetItem, source: &Item, net: &mut Net, v: &mut Values<'_>) {
             }
             match (g.derive)(&args) {
                 Ok(slots) => {
-                    item.slots = slots.clone();
+                    item.slots.clone_from(&slots);
                     let (args, live, group, te) = (item.args.clone(), !item.follows.is_empty(), item.group, net.te);
                     net.items.push(item);
                     let mut b = Build::new(net, id, &slots, live, rest, group);

@@ -146,7 +146,11 @@ impl Wire<'_> {
         let d = Diag::error("E013", format!("`{}`: no module `{name}`", w.owner)).at(w.name(name), "unknown");
         let group = self.model.groups.iter().any(|g| g.name == name);
         let member = self.net.families.keys().find(|k| k.rsplit('.').next() == Some(name));
-        let near = member.map(String::as_str).or_else(|| nearest(name, self.net.families.keys().map(String::as_str)));
+        // modules that are broken themselves are meant no less
+        let broken =
+            self.model.items.iter().map(|i| i.name.as_str()).filter(|n| !self.net.items.iter().any(|i| i.name == *n));
+        let names = self.net.families.keys().map(String::as_str).chain(broken);
+        let near = member.map(String::as_str).or_else(|| nearest(name, names));
         let d = if self.model.params.iter().any(|p| p.key == name) {
             d.help("that is a parameter; the ends of links and outputs are modules")
         } else if group {
@@ -223,10 +227,13 @@ impl Wire<'_> {
         }
         self.under += nodes;
         if self.under > 4 * LARGEST {
-            let d = Diag::error("E027", format!("`{owner}`: too many moving points on long strings"))
-                .at(w.span, "one too many");
-            self.diags
-                .push(d.help("use fewer of them, or shorter strings: each costs as much as the string has masses"));
+            // once, not for each that follows
+            if self.under - nodes <= 4 * LARGEST {
+                let title = format!("`{owner}`: too many moving points on long strings");
+                let d = Diag::error("E027", title).at(w.span, "one too many");
+                let help = "use fewer of them, or shorter strings: each costs as much as the string has masses";
+                self.diags.push(d.help(help));
+            }
             return None;
         }
         let id = self.net.points.len() as u32;

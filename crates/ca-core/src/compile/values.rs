@@ -318,22 +318,17 @@ impl Values<'_> {
 
     fn not_a_table(&mut self, e: &Entry, points: &[[f64; 2]], x: Unit, what: &str) {
         let Value::List(list) = &e.value else { return };
-        let d = match (1..points.len()).find(|i| points[*i][0] <= points[i - 1][0]) {
-            Some(i) => {
-                let show = |i: usize| quantity::show(points[i][0], x);
-                let d = Diag::error(
-                    "E019",
-                    format!("{what}: the first numbers must rise: {} after {}", show(i), show(i - 1)),
-                );
-                let d = d.at(list[i].span, "does not rise").at(list[i - 1].span, "the point before");
-                d.help("write the points from left to right, each place once")
-            }
-            None => {
-                let many = ["no point", "one point"].get(points.len()).copied().unwrap_or("too few points");
-                let d = Diag::error("E019", format!("{what} has {many}, a table needs two")).at(e.span, "not a table");
-                d.help("write `[[x, y], [x, y], …]` with x going up; beyond the ends the last value holds")
-            }
-        };
+        if let Some(i) = (1..points.len()).find(|i| points[*i][0] <= points[i - 1][0]) {
+            let show = |i: usize| quantity::show(points[i][0], x);
+            let title = format!("{what}: the first numbers must rise: {} after {}", show(i), show(i - 1));
+            let d =
+                Diag::error("E019", title).at(list[i].span, "does not rise").at(list[i - 1].span, "the point before");
+            self.diags.push(d.help("write the points from left to right, each place once"));
+            return;
+        }
+        let many = ["no point", "one point"].get(points.len()).copied().unwrap_or("too few points");
+        let d = Diag::error("E019", format!("{what} has {many}, a table needs two")).at(e.span, "not a table");
+        let d = d.help("write `[[x, y], [x, y], …]` with x going up; beyond the ends the last value holds");
         self.diags.push(d);
     }
 

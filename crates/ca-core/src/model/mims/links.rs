@@ -15,6 +15,7 @@
 use super::net::{Arg, Part, Reader};
 use super::parse::Line;
 use super::types::What;
+use crate::catalog::Catalog;
 use crate::model::diag::Diag;
 use alloc::format;
 use alloc::vec::Vec;
@@ -80,11 +81,13 @@ pub(super) fn give_meaning(r: &mut Reader<'_, '_>, line: &Line<'_>, what: What, 
     }
 }
 
-/// Writes the rest length, 0 for every link of MIMS, where our default, the rest distance, is another.
+/// Writes the rest length, 0 for every link of MIMS, where our default, the rest distance, is another. Laws without a
+/// rest length (contacts, plucks) measure from 0 as MIMS does.
 pub(super) fn rest_lengths(parts: &mut [Part]) {
+    let catalog = Catalog::core();
     let rests: Vec<Arg> = parts.iter().map(|p| p.rest).collect();
     for part in parts {
-        let elastic = !matches!(part.kind, "FRO" | "BOW");
+        let elastic = part.kind != "FRO" && catalog.get(part.kind).is_some_and(|k| k.param("l0").is_some());
         if let [a, b] = part.ends[..]
             && elastic
             && rests.get(a) != rests.get(b)
