@@ -1,5 +1,6 @@
-<<<<<<< HEAD
-//! What the test binaries share: every model there is, and how to play one by its own gesture.
+//! What the test binaries share: every model there is, and how to play one by its own gesture. The suite is in
+//! `suite/`. Below stands the README, so that its Rust is compiled and run.
+#![doc = include_str!("../../README.md")]
 
 use ca_core::{Catalog, Scene, State};
 use std::path::Path;
@@ -49,7 +50,3 @@ pub fn gesture(scene: &Scene, s: &mut State) {
         }
     }
 }
-=======
-//! Nothing lives here but the README, so that its Rust is compiled and run: the suite is in `suite/`.
-#![doc = include_str!("../../README.md")]
->>>>>>> d536d0d1d1e6878147e5e016a17844ab61843c8f
