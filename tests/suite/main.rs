@@ -1,14 +1,20 @@
 //! The whole suite in one binary, one file per theme.
 
 mod acoustics;
+mod border;
+mod chance;
 mod compile_fuzz;
+mod conformance;
 mod diagnostics;
 mod files;
+mod interpreter;
 mod mims;
 mod models;
+mod oracle;
 mod play;
 mod quantity;
 mod reader;
+mod references;
 mod scheme;
 mod select;
 mod set;

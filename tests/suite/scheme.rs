@@ -465,7 +465,9 @@ point = { from = "low@finger" }
             let mut s = scene.state();
             for n in 0..480u64 {
                 let good = 1e-3 * (n as f64 * 0.01).sin();
-                inputs.iter().for_each(|i| s.input[*i] = good);
+                for i in &inputs {
+                    s.input[*i] = good;
+                }
                 let glitch = (100..200).contains(&n);
                 if glitch {
                     s.input[*port] = bad;

@@ -31,6 +31,10 @@ struct Row {
 /// Judges the network; warnings name the module and what would mend it.
 pub fn certify(model: &Model, net: &Net, diags: &mut Diags) -> Certificate {
     let mut rows: Vec<Row> = worst_rows(net);
+    // what is left out does not move
+    for (r, _) in rows.iter_mut().zip(&net.alive).filter(|(_, alive)| !**alive) {
+        *r = Row { own: 0.0, disc: 0.0, c: 0.0, touch: 0.0 };
+    }
     let bounds: Vec<Bound> = worst_bounds(net);
     let mut springs = Negative::default();
     for (l, b) in net.lias.iter().zip(&bounds) {

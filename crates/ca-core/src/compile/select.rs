@@ -98,7 +98,9 @@ impl Wire<'_> {
         let rest = w.text.get(e.at..).unwrap_or("");
         let word = rest.find(|c: char| !c.is_ascii_alphanumeric()).unwrap_or(rest.len());
         let len = word.max(rest.chars().next().map_or(0, char::len_utf8));
-        let (from, to) = if len == 0 { (e.at.saturating_sub(1), e.at) } else { (e.at, e.at + len) };
+        // what is missing at the end is shown at the last character
+        let last = w.text.get(..e.at).and_then(|t| t.chars().next_back()).map_or(0, char::len_utf8);
+        let (from, to) = if len == 0 { (e.at - last, e.at) } else { (e.at, e.at + len) };
         let shown: String = w.text.chars().take(40).collect();
         let shown =
             if w.text.trim().is_empty() { "an empty text".into() } else { format!("`{}`", shown.escape_debug()) };

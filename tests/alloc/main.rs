@@ -1,0 +1,132 @@
+//! A tick never allocates: every call of the allocator on this thread is counted while scenes play.
+//!
+//! A binary of its own, because a program has one allocator. The counter is per thread, so that the harness and other
+//! tests do not disturb it.
+#![allow(unsafe_code)]
+
+use ca_core::live::Controls;
+use ca_core::{Catalog, KernelClass, Options, Scene, State, advance, compile, model::read, process, sense, tick};
+use ca_tests::{gesture, texts};
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+
+thread_local! {
+    static CALLS: Cell<u64> = const { Cell::new(0) };
+}
+
+struct Counting;
+
+fn count() {
+    // a thread that is ending has no counter any more
+    let _ = CALLS.try_with(|c| c.set(c.get() + 1));
+}
+
+// SAFETY: every call is passed on to the system's allocator as it came; counting touches a `Cell` that is initialised
+// in a constant and has no destructor, so it allocates nothing itself.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        count();
+        // SAFETY: the caller keeps the contract of `alloc`, which is that of `System`.
+        unsafe { System.alloc(layout) }
+    }
+    unsafe fn dealloc(&self, ptr: *mut u8, layout: Layout) {
+        count();
+        // SAFETY: `ptr` came from `System` through `alloc` above, with this layout.
+        unsafe { System.dealloc(ptr, layout) }
+    }
+    unsafe fn realloc(&self, ptr: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        count();
+        // SAFETY: `ptr` came from `System` through `alloc` above, with this layout.
+        unsafe { System.realloc(ptr, layout, size) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+/// How often the allocator was called by `f`, freeing included.
+fn calls(f: impl FnOnce()) -> u64 {
+    let before = CALLS.with(Cell::get);
+    f();
+    CALLS.with(Cell::get) - before
+}
+
+fn scenes() -> Vec<(String, Scene)> {
+    let catalog = Catalog::core();
+    let mut all = Vec::new();
+    for (name, text) in texts() {
+        let (model, _) = read::read(&text, &name, &catalog);
+        for energy in [false, true] {
+            for kernel in [KernelClass::Fast, KernelClass::Reference] {
+                let options = Options { energy, kernel, ..Options::default() };
+                let scene = compile(&model, &catalog, &options).unwrap_or_else(|d| panic!("{name}: {d}"));
+                all.push((format!("{name}, energy {energy}, {kernel:?}"), scene));
+            }
+        }
+    }
+    assert!(all.len() > 100);
+    all
+}
+
+#[test]
+fn the_counter_counts() {
+    assert!(calls(|| drop(std::hint::black_box(vec![1u8; 100]))) >= 2);
+    assert_eq!(calls(|| assert_eq!(std::hint::black_box([1u8; 100]).len(), 100)), 0);
+}
+
+#[test]
+fn a_tick_allocates_nothing() {
+    for (name, scene) in scenes() {
+        let mut s = scene.state();
+        let n = calls(|| {
+            for _ in 0..200 {
+                gesture(&scene, &mut s);
+                sense(&scene, &mut s);
+                advance(&scene, &mut s);
+                tick(&scene, &mut s);
+            }
+        });
+        assert_eq!(n, 0, "{name}");
+        let mut block = vec![0.0; 64 * scene.n_out.max(1)];
+        assert_eq!(calls(|| process(&scene, &mut s, &mut block)), 0, "{name}");
+    }
+}
+
+#[test]
+fn nor_with_bad_inputs() {
+    for (name, scene) in scenes() {
+        let mut s = scene.state();
+        let n = calls(|| {
+            for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300] {
+                s.input.fill(bad);
+                (0..40).for_each(|_| tick(&scene, &mut s));
+            }
+        });
+        assert_eq!(n, 0, "{name}");
+    }
+}
+
+#[test]
+fn nor_while_parameters_move() {
+    let mut moved = 0;
+    for (name, scene) in scenes() {
+        let mut controls = Controls::new(&scene);
+        let params: Vec<_> = controls.params().to_vec();
+        for p in params {
+            let to = p.value * 1.01 + if p.value == 0.0 { p.min.max(0.0) } else { 0.0 };
+            let Ok(patch) = controls.set(&p.name, to.clamp(p.min, p.max)) else { continue };
+            // a clone has the room of the original
+            let mut s: State = scene.state().clone();
+            let mut good = false;
+            let n = calls(|| {
+                good = s.apply(&scene, &patch, 30);
+                (0..20).for_each(|_| tick(&scene, &mut s));
+                good &= s.apply(&scene, &patch, 3);
+                (0..20).for_each(|_| tick(&scene, &mut s));
+            });
+            assert_eq!((n, good), (0, true), "{name}: {}", p.name);
+            moved += patch.set.len();
+        }
+    }
+    assert!(moved > 0, "no model has a live parameter");
+}

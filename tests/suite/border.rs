@@ -1,0 +1,154 @@
+//! The border between the rate of the hand and the rate of sound: what the hand gives is what the scene gets.
+
+use crate::play::{Dice, TURN, audited, case, mat, num, within};
+use ca_core::border::frame_due;
+use ca_core::{Scene, advance, sense};
+
+const SPRING: &str = "[REF]\nlink = { between = [\"key\", \"wall\"], k = 2e4, z = 0.05 }\n";
+const ONE_SIDED: &str = "[BUT]\nlink = { between = [\"key\", \"wall\"], k = 2e4, z = 0.05, d = 0 }\n";
+
+fn held(sound: u32, gesture: u32, link: &str) -> Scene {
+    audited(&format!("[rate]\nsound = {sound}\ngesture = {gesture}\n[SOL]\nwall = {{}}\n[TGR]\nkey = {{}}\n{link}"))
+}
+
+/// The hand of E01, still at the end so that the last frame is whole.
+fn hand(frames: usize, rate: f64) -> Vec<f64> {
+    let mut dice = Dice(43);
+    let mut walk = 0.0;
+    let mut x: Vec<f64> = (0..frames)
+        .map(|n| {
+            let t = n as f64 / rate;
+            walk += 1e-5 * dice.roll();
+            3e-3 * (TURN * 7.0 * t).sin() + 1e-3 * (TURN * 43.0 * t + 1.0).sin() + walk
+        })
+        .collect();
+    let last = x[frames - 1];
+    x.extend([last; 2]);
+    x
+}
+
+/// What a run gave.
+struct Played {
+    /// Σ F̄ ΔX over frames, as work of the hand on the scene
+    frames: f64,
+    /// Σ f_j (X_{j+1} − X_{j−1})/2 over ticks
+    ticks: f64,
+    /// the same by the ledger of the port
+    booked: f64,
+    /// Σ|P|
+    scale: f64,
+    /// residual of the whole book over its peak
+    residual: f64,
+}
+
+fn play(scene: &Scene, x: &[f64]) -> Played {
+    let key = mat(scene, "key");
+    let mut s = scene.state();
+    let (mut frame, mut frames) = (0, 0.0);
+    let (mut positions, mut forces) = (Vec::new(), Vec::new());
+    s.input[0] = x[0];
+    loop {
+        if frame_due(scene, s.tick) && s.tick > 0 {
+            frame += 1;
+            if frame == x.len() {
+                break;
+            }
+            s.input[0] = x[frame];
+        }
+        sense(scene, &mut s);
+        positions.push(s.x[key]);
+        forces.push(s.f[key]);
+        let last = s.tick > 0 && s.tick.is_multiple_of(u64::from(scene.ratio));
+        if last {
+            frames -= s.border[0].force * (x[frame] - x[frame - 1]);
+        }
+        advance(scene, &mut s);
+    }
+    let at = |j: usize| positions[j.min(positions.len() - 1)];
+    let power: Vec<f64> = (0..forces.len()).map(|j| -forces[j] * 0.5 * (at(j + 1) - at(j.saturating_sub(1)))).collect();
+    let book = s.ledger.as_ref().expect("a book");
+    let b = book.balance();
+    Played {
+        frames,
+        ticks: power.iter().sum(),
+        booked: book.work[0],
+        scale: power.iter().map(|p| p.abs()).sum(),
+        residual: b.residual.abs() / b.peak,
+    }
+}
+
+#[test]
+fn e01_the_border_makes_nothing() {
+    let tolerance = num(case("E01"), "tolerance/rel");
+    for (sound, gesture) in [(48_000, 3000), (44_100, 2940)] {
+        let x = hand(gesture as usize, f64::from(gesture));
+        for (name, link) in [("spring", SPRING), ("one-sided", ONE_SIDED)] {
+            let scene = held(sound, gesture, link);
+            assert_eq!(scene.ratio, sound / gesture);
+            let p = play(&scene, &x);
+            let what = format!("E01 {name}, R = {}", scene.ratio);
+            assert!(p.scale > 1e-3);
+            within(&what, (p.frames - p.ticks).abs() / p.scale, tolerance);
+            within(&format!("{what}, by the ledger"), (p.frames - p.booked).abs() / p.scale, tolerance);
+            within(&format!("{what}, residual"), p.residual, 1e-12);
+        }
+    }
+}
+
+#[test]
+fn e01_with_an_instrument_behind_the_key() {
+    let tolerance = num(case("E01"), "tolerance/rel");
+    let text = r#"
+[TGR]
+key = {}
+[MAS]
+hammer = { m = "5 g", x = "4 mm", v = "0.1 m/s" }
+[REF]
+shank = { between = ["key", "hammer"], k = "2 kN/m", z = "0.05 N s/m" }
+[STRING]
+low = { n = 10, f = "110 Hz", t60 = "1 s", m = "1 g", x = "8 mm" }
+[BUT]
+strike = { between = ["hammer", "low[3]"], k = "20 kN/m", z = "0.5 N s/m" }
+[SOX]
+out = { from = "low[5]" }
+"#;
+    let p = play(&audited(text), &hand(3000, 3000.0));
+    within("E01 an instrument", (p.frames - p.booked).abs() / p.scale, tolerance);
+    within("E01 an instrument, by ticks", (p.frames - p.ticks).abs() / p.scale, tolerance);
+    within("E01 an instrument, residual", p.residual, 1e-12);
+}
+
+#[test]
+fn force_is_that_on_the_hand() {
+    // the key is pressed 1 mm above a wall it is tied to: the spring pulls the hand down
+    for (sound, gesture) in [(48_000, 3000), (3000, 3000)] {
+        let scene = held(sound, gesture, "[RES]\nlink = { between = [\"wall\", \"key\"], k = 2e4 }\n");
+        let mut s = scene.state();
+        s.input[0] = 1e-3;
+        (0..=scene.ratio).for_each(|_| ca_core::tick(&scene, &mut s));
+        within("20 N towards the wall", (s.border[0].force + 20.0).abs(), 1e-12);
+    }
+    // a buffer below a key that dips into it pushes up
+    let scene = held(48_000, 3000, "[BUT]\nlink = { between = [\"wall\", \"key\"], k = 2e4 }\n");
+    let mut s = scene.state();
+    s.input[0] = -1e-3;
+    (0..=scene.ratio).for_each(|_| ca_core::tick(&scene, &mut s));
+    within("20 N out of the wall", (s.border[0].force - 20.0).abs(), 1e-12);
+}
+
+#[test]
+fn at_one_rate_the_force_is_that_of_the_tick() {
+    let scene = held(3000, 3000, SPRING);
+    assert_eq!(scene.ratio, 1);
+    let key = mat(&scene, "key");
+    let mut s = scene.state();
+    for x in hand(300, 3000.0) {
+        s.input[0] = x;
+        sense(&scene, &mut s);
+        if s.tick > 0 {
+            assert_eq!(s.border[0].force, s.f[key]);
+            assert_eq!(s.x[key], x);
+        }
+        advance(&scene, &mut s);
+    }
+}
