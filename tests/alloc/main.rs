@@ -110,7 +110,7 @@ fn nor_with_bad_inputs() {
 fn nor_while_parameters_move() {
     let mut moved = 0;
     for (name, scene) in scenes() {
-        let mut controls = Controls::new(&scene);
+        let mut controls = scene.controls();
         let params: Vec<_> = controls.params().to_vec();
         for p in params {
             let to = p.value * 1.01 + if p.value == 0.0 { p.min.max(0.0) } else { 0.0 };
@@ -119,9 +119,9 @@ fn nor_while_parameters_move() {
             let mut s: State = scene.state().clone();
             let mut good = false;
             let n = calls(|| {
-                good = s.apply(&scene, &patch, 30);
+                good = s.apply(&patch, 30);
                 (0..20).for_each(|_| tick(&scene, &mut s));
-                good &= s.apply(&scene, &patch, 3);
+                good &= s.apply(&patch, 3);
                 (0..20).for_each(|_| tick(&scene, &mut s));
             });
             assert_eq!((n, good), (0, true), "{name}: {}", p.name);

@@ -450,10 +450,10 @@ fn a_live_change_ends_where_a_fresh_compile_begins() {
                     continue;
                 };
                 assert!(scene.e0 == fresh.e0 && scene.rest == fresh.rest, "{what} moves something that is not live");
-                let patch = Controls::new(&scene).set("dial", to).unwrap_or_else(|e| panic!("{what}: {e}"));
+                let patch = scene.controls().set("dial", to).unwrap_or_else(|e| panic!("{what}: {e}"));
                 let mut s = scene.state();
                 (0..5).for_each(|_| tick(&scene, &mut s));
-                assert!(s.apply(&scene, &patch, TICKS));
+                assert!(s.apply(&patch, TICKS));
                 let target = fresh.state().coef;
                 let moved: Vec<usize> = (0..target.len()).filter(|i| s.coef[*i] != target[*i]).collect();
                 for left in (0..TICKS).rev() {

@@ -46,13 +46,8 @@ impl<'a> Performance<'a> {
     /// Plays `scene` by its built-in gesture; tracks of `gesture` take the place of built-in ones of the same name.
     /// A track that drives neither a port nor a live parameter is an error that names what could be driven.
     pub fn new(scene: &'a Scene, gesture: Option<&Gesture>) -> Result<Performance<'a>, FileError> {
-        let mut p = Performance {
-            scene,
-            state: scene.state(),
-            controls: scene.controls(),
-            drives: Vec::new(),
-            wild: false,
-        };
+        let mut p =
+            Performance { scene, state: scene.state(), controls: scene.controls(), drives: Vec::new(), wild: false };
         for (name, points) in &scene.gestures {
             if gesture.is_none_or(|g| g.track(name).is_none()) {
                 p.drive(Track::points(name.clone(), points.iter().map(|p| (p[0], p[1])).collect())?)?;
