@@ -4,7 +4,6 @@
 //! tests do not disturb it.
 #![allow(unsafe_code)]
 
-use ca_core::live::Controls;
 use ca_core::{Catalog, KernelClass, Options, Scene, State, advance, compile, model::read, process, sense, tick};
 use ca_tests::{gesture, texts};
 use std::alloc::{GlobalAlloc, Layout, System};

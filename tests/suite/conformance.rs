@@ -4,7 +4,6 @@
 use crate::play::{Dice, audited, mat, model, reference, scene, with};
 use ca_core::catalog::SOURCES;
 use ca_core::kind::{Kind, Need, Role, Type, Unit};
-use ca_core::live::Controls;
 use ca_core::model::{Entry, Model, Value, quantity, read, render};
 use ca_core::phi::Law;
 use ca_core::scene::Stands;

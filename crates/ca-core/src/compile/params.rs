@@ -226,8 +226,9 @@ pub fn place(v: &mut Values<'_>, net: &mut Net) {
         net.params.push(LiveParam {
             name: n.name.clone(),
             unit,
-            min: n.min.map_or(min / factor, Raw::number),
-            max: n.max.map_or(max / factor, Raw::number),
+            // a declared range never widens that of the place
+            min: n.min.map_or(min / factor, Raw::number).max(min / factor),
+            max: n.max.map_or(max / factor, Raw::number).min(max / factor),
             value: raw.number(),
             doc: n.doc.clone(),
         });

@@ -201,12 +201,11 @@ impl Model {
             _ => Value::Text(text.into()),
         };
         if let Some(e) = self.params.iter_mut().find(|e| e.key == name) {
-            match &mut e.value {
-                Value::Table(entries) => {
-                    entries.retain(|x| x.key != "value");
-                    entries.push(Entry::new("value", value));
-                }
-                _ => (e.value, e.span) = (value, Span::NONE),
+            if let Value::Table(entries) = &mut e.value {
+                entries.retain(|x| x.key != "value");
+                entries.push(Entry::new("value", value));
+            } else {
+                (e.value, e.span) = (value, Span::NONE);
             }
             return true;
         }
