@@ -157,6 +157,8 @@ pub enum Type {
         /// unit of the second column
         y: Unit,
     },
+    /// a list of `[i, j]` nodes of a grid, counted from 0, or from −1 backwards
+    Nodes,
     /// the two ends of a link: a list of two selectors, or of two lists that pair one to one
     Between,
     /// a selector of modules, e.g. `low[3]`

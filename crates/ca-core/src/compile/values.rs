@@ -279,9 +279,31 @@ impl Values<'_> {
                 self.tables.push(table);
                 plain(self.tables.len() as f64 - 1.0)
             }
+            Type::Nodes => self.nodes(e, &what).map(|list| (Arg::List(list), None)),
             // structure, read elsewhere
             Type::Between | Type::Module | Type::Text | Type::Midi => Some((Arg::Absent, None)),
         }
+    }
+
+    /// A list of nodes, flat.
+    fn nodes(&mut self, e: &Entry, what: &str) -> Option<Vec<f64>> {
+        let whole = |v: &Entry| match v.value {
+            Value::Num(n) if n == libm::floor(n) && n.abs() < 1e6 => Some(n),
+            _ => None,
+        };
+        let node = |p: &Entry| match &p.value {
+            Value::List(pair) if pair.len() == 2 => Some([whole(&pair[0])?, whole(&pair[1])?]),
+            _ => None,
+        };
+        let Value::List(list) = &e.value else {
+            return self.wrong_type(what, "a list of nodes such as `[[0, 0], [-1, -1]]`", &e.value, e.span);
+        };
+        if let Some(bad) = list.iter().find(|p| node(p).is_none()) {
+            let d = Diag::error("E006", format!("{what}: a node is two whole numbers")).at(bad.span, "not a node");
+            self.diags.push(d.help("write e.g. `[[0, 0], [-1, -1]]`; −1 is the last"));
+            return None;
+        }
+        Some(list.iter().filter_map(node).flatten().collect())
     }
 
     /// A list of points, each column in its unit.

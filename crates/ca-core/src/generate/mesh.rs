@@ -32,6 +32,7 @@ pub static KIND: Kind = Kind {
         ZO,
         T60,
         Param::new("edges", Type::Choice(&["open", "closed", "corner"]), Need::Default(0.0), "what holds the border"),
+        Param::new("fixed", Type::Nodes, Need::Optional, "nodes that are held besides, e.g. [[0, 0], [-1, -1]]"),
         X,
     ],
     one_of: &[MASSES, TUNING, DECAY],
@@ -53,8 +54,16 @@ fn derive(a: &Args<'_>) -> Result<Vec<Option<f64>>, Problem> {
     let (nx, ny) = (a.count("nx"), a.count("ny"));
     let m = mass(a, nx * ny);
     let zo = ground(a, m);
+    let held = held(a, nx, ny)?;
     let k = match a.num("f") {
         None => a.or0("k"),
+        Some(_) if !held.is_empty() => {
+            return Err(Problem {
+                title: "the pitch of a mesh with nodes held here and there has no closed form".into(),
+                param: "f",
+                help: "give `k`, or leave out `fixed`".into(),
+            });
+        }
         Some(f) => {
             let sin2 = |n: usize| {
                 let s = libm::sin(core::f64::consts::FRAC_PI_2 / n as f64);
@@ -93,17 +102,40 @@ fn derive(a: &Args<'_>) -> Result<Vec<Option<f64>>, Problem> {
     Ok(alloc::vec![Some(m), Some(k), a.num("z"), Some(zo)])
 }
 
+/// The nodes of `fixed`, counted from the start.
+fn held(a: &Args<'_>, nx: usize, ny: usize) -> Result<Vec<[usize; 2]>, Problem> {
+    let n = a.len("fixed").unwrap_or(0);
+    let flat = a.list("fixed", n);
+    let wrap = |v: Option<f64>, n: usize| {
+        let v = v.unwrap_or(0.0);
+        let at = if v < 0.0 { v + n as f64 } else { v };
+        (at >= 0.0 && at < n as f64).then_some(at as usize)
+    };
+    let node = |pair: &[Option<f64>]| match (wrap(pair[0], nx), wrap(pair[1], ny)) {
+        (Some(i), Some(j)) => Ok([i, j]),
+        _ => Err(Problem {
+            title: format!("a node of `fixed` is not on a mesh of {nx} × {ny}"),
+            param: "fixed",
+            help: format!("nodes go from [0, 0] to [{}, {}]", nx - 1, ny - 1),
+        }),
+    };
+    flat.chunks_exact(2).map(node).collect()
+}
+
 fn build(a: &Args<'_>, b: &mut Sketch<'_>) {
     let (nx, ny, edges) = (a.count("nx"), a.count("ny"), a.count("edges"));
     let mut grid = Vec::with_capacity(nx * ny);
+    // `derive` has refused nodes that are not there
+    let fixed = held(a, nx, ny).unwrap_or_default();
     for i in 0..nx {
         for j in 0..ny {
             let (rim_x, rim_y) = (i == 0 || i == nx - 1, j == 0 || j == ny - 1);
-            let held = match edges {
-                1 => rim_x || rim_y,
-                2 => rim_x && rim_y,
-                _ => false,
-            };
+            let held = fixed.contains(&[i, j])
+                || match edges {
+                    1 => rim_x || rim_y,
+                    2 => rim_x && rim_y,
+                    _ => false,
+                };
             let index = format!("{i},{j}");
             grid.push(if held { b.held(index) } else { b.mass(index, 0, 3) });
         }

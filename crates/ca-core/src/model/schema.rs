@@ -159,6 +159,10 @@ fn param(p: &Param) -> Json {
             let point = json!({"type": "array", "minItems": 2, "maxItems": 2, "items": number});
             (json!({"type": "array", "minItems": 2, "items": point}), None)
         }
+        Type::Nodes => {
+            let node = json!({"type": "array", "minItems": 2, "maxItems": 2, "items": {"type": "integer"}});
+            (json!({"type": "array", "items": node}), None)
+        }
         Type::Between => {
             let end = json!({"anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}}]});
             (json!({"type": "array", "minItems": 2, "maxItems": 2, "items": end}), None)

@@ -18,6 +18,7 @@ fn accepts(p: &Param) -> String {
         Type::Choice(words) => words.join(" | "),
         Type::Flag => "true | false".into(),
         Type::Numbers { unit, min, max } => format!("{}, one or a list", number(unit, min, max)),
+        Type::Nodes => "list of [i, j]".into(),
         Type::Points { x, y } => format!("list of [{}, {}]", symbol(x), symbol(y)),
         Type::Between => "two modules, or two lists".into(),
         Type::Module => "a module".into(),
