@@ -296,7 +296,7 @@ impl Values<'_> {
             _ => None,
         };
         let Value::List(list) = &e.value else {
-            return self.wrong_type(what, "a list of nodes such as `[[0, 0], [-1, -1]]`", &e.value, e.span);
+            return self.wrong_type(what, "a list of nodes", &e.value, e.span, "write e.g. `[[0, 0], [-1, -1]]`");
         };
         if let Some(bad) = list.iter().find(|p| node(p).is_none()) {
             let d = Diag::error("E006", format!("{what}: a node is two whole numbers")).at(bad.span, "not a node");
