@@ -12,6 +12,7 @@ mod mims;
 mod models;
 mod oracle;
 mod play;
+mod published;
 mod quantity;
 mod reader;
 mod references;

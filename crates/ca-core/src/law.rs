@@ -8,8 +8,10 @@
 
 use crate::table::Table;
 
-/// Linear bound of a law: no slope of its force exceeds `k` \[N/m\] against elongation nor `z` \[N/(m/tick)\] against
-/// change of elongation. Both ≥ 0 except for springs that are negative on purpose. `contact` marks laws that switch.
+/// Linear bound of a law: its largest slopes, `k` \[N/m\] against elongation and `z` \[N/(m/tick)\] against change of
+/// elongation. Exact for linear laws and for contacts of constant stiffness; of laws that stiffen without end (CUB,
+/// POW, HRZ) it is the slope at rest, and the certificate says "rule of thumb". Both ≥ 0 except for springs that are
+/// negative on purpose. `contact` marks laws that switch.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Bound {
     /// largest slope against elongation \[N/m\]
