@@ -1,7 +1,7 @@
 //! `[gesture]`: what the model plays by itself, as points \[s, value\] for a port or a live parameter.
 
+use super::named::Named;
 use super::net::Net;
-use super::params::Named;
 use super::values::Values;
 use crate::kind::Unit;
 use crate::model::diag::{Diag, Diags};
@@ -64,7 +64,7 @@ pub fn gestures(model: &Model, net: &mut Net, alg: Option<f64>, named: &[Named],
             if let Some(i) = points.iter().position(|p| p[1] < min || p[1] > max) {
                 let title = format!("{what} leaves the range of the parameter: {}", points[i][1]);
                 let d = Diag::error("E009", title).at(list[i].span, "out of range");
-                let help = super::values::range_help(min, max, |v| format!("{v}"));
+                let help = super::say::range_help(min, max, |v| format!("{v}"));
                 diags.push(d.help(help));
                 continue;
             }

@@ -1,8 +1,8 @@
 //! Links: batches of one law, rows as runs, and where each link ends up.
 
 use super::net::{Ear, End, LiaNode, Net};
+use super::options::{KernelClass, Options};
 use super::plan::Plan;
-use super::{KernelClass, Options};
 use crate::kind::Role;
 use crate::live::{Loader, Source};
 use crate::model::Model;

@@ -1,6 +1,7 @@
 //! MIDI: the meaning of `midi = { … }` on a port, checked word by word.
 
-use super::values::{Values, type_name};
+use super::say::type_name;
+use super::values::Values;
 use crate::io::midi::{MidiMap, MidiSource};
 use crate::kind::{ANY, POSITIVE, Unit};
 use crate::model::diag::Diag;
@@ -69,7 +70,7 @@ impl Values<'_> {
             let (missing, help) = if to {
                 ("a source", "add one of `note = \"C4\"`, `cc = 1`, `bend = true`, `pressure = true`".into())
             } else {
-                ("`to`", format!("add `to = \"{}\"`: the value at full scale", super::values::example(unit)))
+                ("`to`", format!("add `to = \"{}\"`: the value at full scale", super::say::example(unit)))
             };
             let d = Diag::error("E026", format!("`midi` of `{owner}` needs {missing}")).at(e.span, "incomplete");
             self.diags.push(d.help(help));

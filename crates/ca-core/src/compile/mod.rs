@@ -14,14 +14,17 @@ mod expand;
 mod gesture;
 mod links;
 mod midi;
+mod named;
 pub mod net;
 mod number;
+mod options;
 mod params;
 mod passes;
 mod plan;
 mod prune;
 mod rates;
 mod resolve;
+mod say;
 mod schedule;
 mod select;
 mod sense;
@@ -29,36 +32,14 @@ mod specialise;
 mod start;
 mod values;
 mod wire;
+mod wiring;
+
+pub use options::{KernelClass, Options};
 
 use crate::catalog::Catalog;
 use crate::model::Model;
 use crate::model::diag::Diags;
 use crate::scene::Scene;
-use alloc::string::String;
-use alloc::vec::Vec;
-
-/// Which passes run the links.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum KernelClass {
-    /// batches by law, chains as runs: fast
-    #[default]
-    Fast,
-    /// links one by one in document order: the bits of a plain loop over modules
-    Reference,
-}
-
-/// What the caller asks of a compilation.
-#[derive(Clone, Debug, Default)]
-pub struct Options {
-    /// sound rate \[Hz\]; the model's own if `None`
-    pub rate: Option<f64>,
-    /// keep the energy book
-    pub energy: bool,
-    /// selectors of modules to be heard besides the outputs: displacement of a MAT, force of a LIA
-    pub probes: Vec<String>,
-    /// which passes run the links
-    pub kernel: KernelClass,
-}
 
 /// Compiles a model. Warnings and notes are in [`Scene::diags`]; with an error there is no scene, and all findings are
 /// returned, sorted.

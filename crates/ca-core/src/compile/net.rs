@@ -14,6 +14,10 @@ use alloc::string::String;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
+/// More modules (MATs and LIAs) than this are refused before any is made: a slip of a digit should not eat the machine,
+/// and no machine plays a tenth of them in real time.
+pub const LARGEST: usize = 1_000_000;
+
 /// An item of the model, resolved.
 #[derive(Clone)]
 pub struct NetItem {

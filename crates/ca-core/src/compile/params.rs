@@ -1,7 +1,9 @@
 //! `[param]`: named numbers, live or not, and what became of them.
 
+use super::named::{Named, Raw};
 use super::net::Net;
-use super::values::{Raw, Values, bad_quantity, range_help, type_name, wrong_unit};
+use super::say::{bad_quantity, inside, range_help, type_name, wrong_unit};
+use super::values::Values;
 use crate::kind::Unit;
 use crate::live::LiveParam;
 use crate::model::diag::{Diag, Diags};
@@ -12,46 +14,6 @@ use alloc::string::String;
 use alloc::vec::Vec;
 
 const KEYS: &[&str] = &["value", "unit", "live", "min", "max", "doc"];
-
-/// A `[param]`.
-#[derive(Clone, Debug)]
-pub struct Named {
-    /// its name
-    pub name: String,
-    /// its value; `None` where it could not be read, which has been reported
-    pub value: Option<Raw>,
-    /// may change while playing
-    pub live: bool,
-    /// smallest value while playing
-    pub min: Option<Raw>,
-    /// largest value while playing
-    pub max: Option<Raw>,
-    /// one line
-    pub doc: String,
-    /// where it is declared
-    pub span: Span,
-    /// where its value stands
-    pub value_span: Span,
-    /// where it was first used: unit and range of that place
-    pub used: Option<(Unit, f64, f64)>,
-}
-
-impl Named {
-    /// A parameter that exists, but has no value.
-    fn broken(name: &str, span: Span) -> Named {
-        Named {
-            name: name.into(),
-            value: None,
-            live: false,
-            min: None,
-            max: None,
-            doc: String::new(),
-            span,
-            value_span: span,
-            used: None,
-        }
-    }
-}
 
 /// The parameters of a model.
 pub fn all(model: &Model, diags: &mut Diags) -> Vec<Named> {
@@ -103,7 +65,7 @@ fn named(e: &Entry, diags: &mut Diags) -> Named {
         if let Err(err) = quantity::parse(&asked) {
             let text = u.clone();
             let (from, to) = (err.at.saturating_sub(2), err.end.saturating_sub(2));
-            let place = super::values::inside(*span, &text, from, to.max(from + 1));
+            let place = inside(*span, &text, from, to.max(from + 1));
             let d = Diag::error("E007", format!("`unit` of {what}: {}", err.message)).at(place, "not a unit");
             diags.push(match &err.hint {
                 Some(h) if place != *span => d.help(format!("did you mean `{h}`?")).fix(place, h.clone()),

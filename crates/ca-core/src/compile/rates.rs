@@ -1,7 +1,7 @@
 //! Rates, units and media: what holds for the whole model or for a group of modules.
 
-use super::Options;
 use super::net::{Medium, Net};
+use super::options::Options;
 use super::values::Values;
 use crate::kind::{ANY, POSITIVE, Unit};
 use crate::model::diag::{Diag, Diags};

@@ -2,8 +2,9 @@
 //! Links wait for all names to be known (`wire.rs`).
 
 use super::expand::expand;
-use super::net::{Family, MatNode, MatRole, Net, NetItem};
-use super::values::{Values, type_name};
+use super::net::{Family, LARGEST, MatNode, MatRole, Net, NetItem};
+use super::say::type_name;
+use super::values::Values;
 use super::{Options, gesture, params, rates, sense};
 use crate::catalog::Catalog;
 use crate::kind::PortRole;
@@ -18,10 +19,6 @@ use alloc::collections::{BTreeMap, BTreeSet};
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
-
-/// More modules (MATs and LIAs) than this are refused before any is made: a slip of a digit should not eat the machine,
-/// and no machine plays a tenth of them in real time.
-pub const LARGEST: usize = 1_000_000;
 
 /// Everything but links and outputs.
 pub fn resolve(model: &Model, catalog: &Catalog, options: &Options, diags: &mut Diags) -> Net {
@@ -114,7 +111,7 @@ fn item_args(kind: &'static Kind, item: &Item, model: usize, v: &mut Values<'_>)
             Need::Required if !written => {
                 let help = match p.ty {
                     Type::Number { unit, .. } => {
-                        format!("add e.g. `{} = {}` ({})", p.name, super::values::quoted(unit), p.doc)
+                        format!("add e.g. `{} = {}` ({})", p.name, super::say::quoted(unit), p.doc)
                     }
                     Type::Between => "add `between = [\"first\", \"second\"]`, the modules at its ends".into(),
                     Type::Module => format!("add `{} = \"…\"` ({})", p.name, p.doc),
@@ -149,7 +146,7 @@ fn one_of(kind: &Kind, item: &Item, choice: &OneOf, diags: &mut Diags) -> bool {
     let found: Vec<_> = choice.sets.iter().filter_map(|s| written(s).map(|e| (s, e))).collect();
     let title = |name: &str| kind.param(name).map_or("", |i| kind.params[i].doc);
     let value = |name: &str| match kind.param(name).map(|i| kind.params[i].ty) {
-        Some(Type::Number { unit, .. }) => super::values::quoted(unit),
+        Some(Type::Number { unit, .. }) => super::say::quoted(unit),
         _ => "…".into(),
     };
     match found.as_slice() {

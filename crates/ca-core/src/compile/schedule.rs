@@ -1,9 +1,9 @@
 //! Schedule: flat arrays and the list of passes. What a scene does not have makes no entry here.
 
-use super::Options;
 use super::certify::Certificate;
 use super::links::{Links, own_tables};
 use super::net::{Coordinate, Ear, End, MatRole, Net};
+use super::options::Options;
 use super::passes;
 use super::plan::Plan;
 use super::start::start;

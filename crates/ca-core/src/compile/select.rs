@@ -3,10 +3,9 @@
 //! Decides that a name which exists but could not be compiled is passed over in silence: what is wrong with it has been
 //! said where it stands, and one mistake is one finding.
 
-use super::net::{Coordinate, End, Family, MatRole, PointNode};
-use super::resolve::LARGEST;
-use super::values::inside;
-use super::wire::Wire;
+use super::net::{Coordinate, End, Family, LARGEST, MatRole, PointNode};
+use super::say::inside;
+use super::wiring::Wiring;
 use crate::kind::PortRole;
 use crate::kind::{Kind, Role};
 use crate::model::Span;
@@ -49,7 +48,7 @@ impl Written<'_> {
     }
 }
 
-impl Wire<'_> {
+impl Wiring<'_> {
     /// Reads one selector and looks it up. `wants_mat`: why a MAT is wanted, if one is.
     pub(super) fn select(&mut self, w: Written<'_>, wants_mat: Option<&str>) -> Option<Meaning> {
         let sel = match select::parse(w.text) {

@@ -3,36 +3,17 @@
 //! Decides that a bare number is in the model's units and a quantity in its own, that both are checked against the
 //! dimension of the place they stand in, and that a `[param]` without a unit takes the dimension of where it is used.
 
-use super::params::Named;
+use super::named::{Named, Raw};
+use super::say::{bad_quantity, instead, quoted, range_help, type_name, unit_span, wanted, wrong_unit};
 use crate::kind::{Dim, Kind, Need, Param, Type, Unit};
 use crate::model::diag::{Diag, Diags};
-use crate::model::quantity::{self, Quantity, QuantityError};
+use crate::model::quantity;
 use crate::model::suggest::nearest;
 use crate::model::{Entry, Span, Value};
 use crate::sketch::Arg;
 use crate::table::Table;
 use alloc::format;
-use alloc::string::String;
 use alloc::vec::Vec;
-
-/// A number as written in `[param]`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Raw {
-    /// in the model's units, whatever the dimension
-    Bare(f64),
-    /// with its unit
-    Quantity(Quantity),
-}
-
-impl Raw {
-    /// The number, in SI if it has a unit.
-    pub fn number(self) -> f64 {
-        match self {
-            Raw::Bare(v) => v,
-            Raw::Quantity(q) => q.value,
-        }
-    }
-}
 
 /// A number and, if it follows a live parameter, which one and by what factor.
 pub type Followed = (f64, Option<(usize, f64)>);
@@ -365,79 +346,6 @@ fn quarters(p: f64) -> bool {
     p * 4.0 == libm::round(p * 4.0)
 }
 
-/// What to write to be within a range.
-pub fn range_help(min: f64, max: f64, show: impl Fn(f64) -> String) -> String {
-    match (min, max) {
-        (f64::MIN, f64::MAX) => "use a finite number".into(),
-        (f64::MIN_POSITIVE, f64::MAX) => "use a value above 0".into(),
-        (_, f64::MAX) => format!("use {} or more", show(min)),
-        (f64::MIN, _) => format!("use {} or less", show(max)),
-        _ => format!("use a value from {} to {}", show(min), show(max)),
-    }
-}
-
-/// The place of bytes `from .. to` of the text that stands in quotes at `span`; the whole where quotes and escapes do
-/// not let it be told.
-pub fn inside(span: Span, text: &str, from: usize, to: usize) -> Span {
-    if !span.is_some() || span.end < span.start || span.end - span.start != text.len() + 2 {
-        return span;
-    }
-    let start = span.start + 1;
-    Span { start: start + from.min(text.len()), end: start + to.min(text.len()) }
-}
-
-/// The place of the unit in a quantity that was read.
-fn unit_span(e: &Entry, text: &str) -> Span {
-    let end = text.trim_end().len();
-    let at = text.char_indices().find(|(_, c)| c.is_alphabetic() && !matches!(c, 'e' | 'E') || *c == '%').map(|c| c.0);
-    at.map_or(e.span, |at| inside(e.span, text, at, end))
-}
-
-/// What to say where a text is no quantity.
-pub fn bad_quantity(what: &str, e: &Entry, text: &str, err: &QuantityError, unit: Option<Unit>) -> Diag {
-    // something missing is shown at what stands before it
-    let (from, to) = if err.end > err.at { (err.at, err.end) } else { (err.at.saturating_sub(1), err.at.max(1)) };
-    let span = inside(e.span, text, from, to);
-    let word = text.get(from..to).unwrap_or("");
-    let d = Diag::error("E007", format!("{what}: {}", err.message)).at(span, "not a quantity");
-    let plain = unit.is_some_and(|u| u.dim.same(Dim::NONE));
-    if let (true, "dB", Ok(level)) = (plain, word, text[..from].trim().parse::<f64>()) {
-        let factor = libm::round(libm::pow(10.0, level / 20.0) * 1e4) / 1e4;
-        return d.help(format!("a plain factor is wanted: {level} dB is {factor}")).fix(e.span, format!("{factor}"));
-    }
-    let help = match unit {
-        Some(_) if plain => "write a plain number, e.g. `1`".into(),
-        Some(unit) => format!("write a number and its unit, e.g. `{}`", quoted(unit)),
-        None => "write a number and its unit, e.g. `\"8 kN/m\"`".into(),
-    };
-    let Some(hint) = &err.hint else { return d.help(help) };
-    // a comma is replaced by a dot, a word by the word meant
-    let new = if word == "," { "." } else { hint.as_str() };
-    let mended = [&text[..from], new, &text[to..]].concat();
-    match quantity::parse(&mended) {
-        Ok(_) if span == e.span => d.help(format!("did you mean `{mended}`?")),
-        Ok(_) => d.help(format!("did you mean `{mended}`?")).fix(span, new),
-        Err(_) => d.help(help),
-    }
-}
-
-/// What to write instead of a quantity of the wrong dimension.
-fn instead(d: Diag, text: &str, q: &Quantity, unit: Unit, e: &Entry) -> Diag {
-    if unit.dim.same(Dim::NONE) {
-        let end = text.char_indices().find(|(_, c)| c.is_alphabetic() && !matches!(c, 'e' | 'E'));
-        let number = text[..end.map_or(text.len(), |c| c.0)].trim();
-        return d.help("write the number without a unit").fix(e.span, number);
-    }
-    let turned = [(Dim::FREQUENCY, Dim::TIME), (Dim::TIME, Dim::FREQUENCY)];
-    if q.value > 0.0 && turned.iter().any(|(is, wants)| q.dim.same(*is) && unit.dim.same(*wants)) {
-        let other = quantity::show(1.0 / q.value, unit);
-        if other.len() < 12 {
-            return d.help(format!("its reciprocal is {other}; write e.g. `{}`", quoted(unit)));
-        }
-    }
-    d.help(format!("write e.g. `{}`", quoted(unit)))
-}
-
 /// The unit of a power law of exponent `p`, a multiple of 1/4 from 1 to 5.
 fn power_symbol(p: f64) -> &'static str {
     const SYMBOLS: [&str; 17] = [
@@ -445,51 +353,4 @@ fn power_symbol(p: f64) -> &'static str {
         "N/m^3.5", "N/m^3.75", "N/m^4", "N/m^4.25", "N/m^4.5", "N/m^4.75", "N/m^5",
     ];
     SYMBOLS.get(libm::round(4.0 * (p - 1.0)).max(0.0) as usize).copied().unwrap_or("N/m^p")
-}
-
-/// A plausible quantity of a unit, for help texts.
-pub fn example(unit: Unit) -> String {
-    let n = match unit.symbol {
-        "m" => "2 mm",
-        "kg" => "20 g",
-        "s" => "0.5 s",
-        "Hz" => "440 Hz",
-        "N/m" => "8 kN/m",
-        "N s/m" => "0.2 N s/m",
-        "m/s" => "0.5 m/s",
-        "" => return "1".into(),
-        other => return format!("1 {other}"),
-    };
-    n.into()
-}
-
-/// The same as it stands in a file: in quotes, unless it is a plain number.
-pub fn quoted(unit: Unit) -> String {
-    if unit.symbol.is_empty() { example(unit) } else { format!("\"{}\"", example(unit)) }
-}
-
-fn wanted(symbol: &str) -> &str {
-    if symbol.is_empty() { "a plain number" } else { symbol }
-}
-
-/// What to say where a unit has the wrong dimension; `symbol` is the right one.
-pub fn wrong_unit(what: &str, symbol: &str, is: &str, span: Span) -> Diag {
-    let is = wanted(is);
-    let title = if symbol.is_empty() {
-        format!("{what} is a plain number, not one in {is}")
-    } else {
-        format!("{what} is given in {is}, not in {symbol}")
-    };
-    Diag::error("E008", title).at(span, format!("this is {is}"))
-}
-
-/// What a value is, for people.
-pub fn type_name(v: &Value) -> &'static str {
-    match v {
-        Value::Num(_) => "a number",
-        Value::Text(_) => "a text",
-        Value::Bool(_) => "true or false",
-        Value::List(_) => "a list",
-        Value::Table(_) => "a table",
-    }
 }

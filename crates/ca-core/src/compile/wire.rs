@@ -1,10 +1,10 @@
 //! Wire: what is written between quotes becomes ends of links, ears of outputs and moving points.
 
-use super::Options;
-use super::net::{Ear, End, LiaNode, Net, OutNode};
-use super::resolve::LARGEST;
+use super::net::{Ear, End, LARGEST, LiaNode, Net, OutNode};
+use super::options::Options;
+use super::say::type_name;
 use super::select::{Meaning, Written};
-use super::values::type_name;
+use super::wiring::Wiring;
 use crate::kind::PortRole;
 use crate::kind::Role;
 use crate::live::Source;
@@ -12,25 +12,14 @@ use crate::model::diag::{Diag, Diags};
 use crate::model::{Entry, Item, Model, Span, Value};
 use alloc::collections::{BTreeMap, BTreeSet};
 use alloc::format;
-use alloc::string::String;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
-
-pub(super) struct Wire<'a> {
-    pub model: &'a Model,
-    pub net: Net,
-    pub diags: &'a mut Diags,
-    /// moving points by their text
-    pub points: BTreeMap<String, u32>,
-    /// nodes under all moving points, and under the moving points of all links
-    pub under: usize,
-}
 
 const LINKED: &str = "a link joins MATs: masses, fixed points, cells, ports moved from outside";
 
 /// Adds links, force ports, outputs and probes.
 pub fn wire(model: &Model, net: Net, options: &Options, diags: &mut Diags) -> Net {
-    let mut w = Wire { model, net, diags, points: BTreeMap::new(), under: 0 };
+    let mut w = Wiring { model, net, diags, points: BTreeMap::new(), under: 0 };
     for id in 0..w.net.items.len() {
         if let Role::Lia(_) = w.net.items[id].kind.role {
             w.link(id as u32);
@@ -56,7 +45,7 @@ pub fn wire(model: &Model, net: Net, options: &Options, diags: &mut Diags) -> Ne
     w.net
 }
 
-impl Wire<'_> {
+impl Wiring<'_> {
     fn item(&self, id: u32) -> &Item {
         &self.model.items[self.net.items[id as usize].model]
     }

@@ -6,9 +6,10 @@
 //! law, else a CHAIN whose end links stay. A ground shared by several strings is given to each: it does not move, so
 //! no one can tell, except an output that weighs it, and then it is left alone.
 
+use super::graph::{Graph, Law, LawKey, key, medium};
 use super::names::{Names, stem};
-use super::net::Arg;
-use super::regular::{Generator, Graph, Law, LawKey, Plan, key, medium};
+use super::part::Arg;
+use super::plan::{Generator, Plan};
 use alloc::collections::{BTreeMap, BTreeSet};
 use alloc::format;
 use alloc::vec::Vec;

@@ -5,8 +5,8 @@
 //! nothing names any more are left out with a note.
 
 use super::names::Losses;
-use super::net::{Arg, Net, Part};
-use super::regular::{Generator, Plan};
+use super::part::{Arg, Net, Part};
+use super::plan::{Generator, Plan};
 use crate::model::diag::{Diag, Diags};
 use crate::model::{Entry, Group, Item, Model, Span, Value};
 use alloc::collections::{BTreeMap, BTreeSet};

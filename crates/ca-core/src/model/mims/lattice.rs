@@ -4,9 +4,10 @@
 //! all of it except two columns is one; the columns are left to [`super::chain`] and only their links to the
 //! mesh are written singly. Borders of grounds are taken along where all of them (or the four corners) are grounds.
 
+use super::graph::{Graph, Law, key, medium};
 use super::names::{Names, stem};
-use super::net::Arg;
-use super::regular::{Generator, Graph, Law, Plan, key, medium};
+use super::part::Arg;
+use super::plan::{Generator, Plan};
 use alloc::collections::BTreeMap;
 use alloc::format;
 use alloc::vec;

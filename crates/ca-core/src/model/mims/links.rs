@@ -12,8 +12,9 @@
 //! polygon: K s/10 − (K/10) s and Z s/3 − (Z/3) s are 0. A piecewise law of their own in the catalog would be the same
 //! force under a second name.
 
-use super::net::{Arg, Part, Reader};
 use super::parse::Line;
+use super::part::{Arg, Part};
+use super::reader::Reader;
 use super::types::What;
 use crate::catalog::Catalog;
 use crate::model::diag::Diag;

@@ -14,11 +14,15 @@
 
 mod chain;
 mod emit;
+mod graph;
 mod lattice;
 mod links;
 mod names;
 mod net;
 mod parse;
+mod part;
+mod plan;
+mod reader;
 mod regular;
 mod types;
 

@@ -8,82 +8,17 @@
 //! displacement there and a rest position everywhere else.
 
 use super::links;
-use super::names::{Losses, Names, legal};
-use super::parse::{Line, Token, shown};
-use super::types::{Type, What, nearest};
+use super::names::Losses;
+use super::parse::{Line, shown};
+use super::part::{Arg, Net, Param, Part};
+use super::reader::{Reader, number};
+use super::types::{Type, What};
 use crate::model::Span;
 use crate::model::diag::{Diag, Diags};
 use alloc::collections::BTreeMap;
 use alloc::format;
-use alloc::string::{String, ToString};
+use alloc::string::String;
 use alloc::vec::Vec;
-
-/// An argument of a part.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Arg {
-    Num(f64),
-    /// index into [`Net::params`]
-    Param(usize),
-    Word(&'static str),
-}
-
-impl Arg {
-    /// The same argument as an ordered key; numbers by their bits.
-    pub fn key(self) -> (u8, u64) {
-        match self {
-            Arg::Num(x) => (0, x.to_bits()),
-            Arg::Param(i) => (1, i as u64),
-            Arg::Word(w) => (2, w.len() as u64),
-        }
-    }
-}
-
-/// A named parameter.
-#[derive(Clone, Debug)]
-pub(super) struct Param {
-    pub name: String,
-    pub span: Span,
-    pub value: f64,
-    /// the first part that took its value as a number
-    pub folded: Option<String>,
-}
-
-/// A module.
-#[derive(Clone, Debug)]
-pub(super) struct Part {
-    pub name: String,
-    pub kind: &'static str,
-    pub args: Vec<(&'static str, Arg)>,
-    /// the parts it holds on to: none, one (port) or two (link)
-    pub ends: Vec<usize>,
-    /// index into [`Net::groups`]
-    pub group: Option<usize>,
-    /// rest position of a material element
-    pub rest: Arg,
-}
-
-/// A model before it is written.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Net {
-    pub params: Vec<Param>,
-    /// in document order
-    pub parts: Vec<Part>,
-    /// name and acceleration [m per sample²] of each group
-    pub groups: Vec<(String, f64)>,
-    pub names: Names,
-}
-
-/// What the lines are read with.
-pub(super) struct Reader<'a, 'd> {
-    pub net: Net,
-    pub losses: Losses,
-    pub diags: &'d mut Diags,
-    params: BTreeMap<&'a str, usize>,
-    /// label of a material element → its part
-    mats: BTreeMap<&'a str, usize>,
-    /// labels of anything else
-    others: BTreeMap<&'a str, Span>,
-}
 
 /// Gives every line its meaning. Parts are only to be used where `diags` has no error.
 pub(super) fn build<'a>(typed: &[(&Line<'a>, &'static Type)], diags: &mut Diags) -> Net {
@@ -274,99 +209,4 @@ impl<'a> Reader<'a, '_> {
             self.net.groups.push((String::new(), a));
         }
     }
-
-    /// The number behind an argument, where its name cannot be kept.
-    pub fn fold(&mut self, arg: Arg, by: &str) -> f64 {
-        match arg {
-            Arg::Num(x) => x,
-            Arg::Param(i) => {
-                let p = &mut self.net.params[i];
-                p.folded.get_or_insert_with(|| by.to_string());
-                p.value
-            }
-            Arg::Word(_) => 0.0,
-        }
-    }
-
-    /// A name of its own for `label`, saying where it had to be changed.
-    fn name(&mut self, label: Token<'a>) -> String {
-        let wanted = legal(label.text);
-        if wanted.is_empty() {
-            let d = Diag::error("E014", "not a name: `@` alone");
-            self.diags.push(d.at(label.span, "expected a label"));
-        }
-        let name = self.net.names.unique(&wanted);
-        if name != wanted {
-            let d = Diag::note("N201", format!("`{}` is used twice; this one is now `{name}`", shown(label.text)));
-            self.losses.add(&name, d.at(label.span, "renamed"));
-        } else if wanted != label.text {
-            let d = Diag::note("N201", format!("`{}` is not a name here; it is now `{name}`", shown(label.text)));
-            self.losses.add("renamed", d.at(label.span, "letters, digits and `_`"));
-        }
-        name
-    }
-
-    fn twice(&mut self, line: &Line<'a>, first: Span) {
-        let d = Diag::error("E012", format!("name used twice: `{}`", shown(line.label.text)))
-            .at(line.label.span, "again here")
-            .at(first, "first here")
-            .help("references to it would not say which one; rename one of them");
-        self.diags.push(d);
-    }
-
-    fn mat(&mut self, token: &Token<'a>) -> Option<usize> {
-        let Some(label) = token.text.strip_prefix('@') else {
-            let d = Diag::error("E006", format!("expected a module: `{}`", shown(token.text)));
-            self.diags.push(d.at(token.span, "a module is written `@label`"));
-            return None;
-        };
-        if let Some(&part) = self.mats.get(label) {
-            return Some(part);
-        }
-        let found = shown(label);
-        let d = if self.others.contains_key(label) || self.params.contains_key(label) {
-            Diag::error("E017", format!("not a material element: `{found}`"))
-                .at(token.span, "expected a mass or ground")
-        } else {
-            let d = Diag::error("E013", format!("unknown name: `{found}`")).at(token.span, "no line defines it");
-            match nearest(label, self.mats.keys().copied().take(1000)) {
-                Some(name) => d.help(format!("did you mean `@{name}`?")).fix(token.span, format!("@{name}")),
-                None => d,
-            }
-        };
-        self.diags.push(d);
-        None
-    }
-
-    fn arg(&mut self, token: &Token<'a>) -> Option<Arg> {
-        if let Some(x) = number(token.text) {
-            return Some(Arg::Num(x));
-        }
-        if let Some(&i) = self.params.get(token.text) {
-            return Some(Arg::Param(i));
-        }
-        let found = shown(token.text);
-        let d = if token.text.starts_with('@') {
-            Diag::error("E006", format!("expected a number: `{found}`")).at(token.span, "a module")
-        } else if token.text.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c)) {
-            Diag::error("E007", format!("not a number: `{found}`")).at(token.span, "expected a number")
-        } else {
-            let d =
-                Diag::error("E013", format!("unknown parameter: `{found}`")).at(token.span, "no `param` of this name");
-            match nearest(token.text, self.params.keys().copied().take(1000)) {
-                Some(name) => d.help(format!("did you mean `{name}`?")).fix(token.span, name),
-                None => d,
-            }
-        };
-        self.diags.push(d);
-        None
-    }
-}
-
-/// A finite number as MIMS writes them (`0.`, `.5`, `1e-3`); words like `inf` are names.
-fn number(text: &str) -> Option<f64> {
-    text.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c))
-        .then(|| text.parse::<f64>().ok())
-        .flatten()
-        .filter(|x| x.is_finite())
 }

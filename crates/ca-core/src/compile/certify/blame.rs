@@ -1,0 +1,85 @@
+//! Which module is to blame, and what would mend it, in numbers an author can type.
+
+use super::worst::Row;
+use crate::compile::net::{LiaNode, Net};
+use crate::kind::Unit;
+use crate::law::Bound;
+use crate::model::diag::{Diag, Diags};
+use crate::model::{Model, Span, quantity};
+use alloc::collections::BTreeSet;
+use alloc::format;
+
+/// Numbers so large or so small that the coefficients are not numbers any more. Said for each item, and an error.
+pub fn overflow(model: &Model, net: &Net, rows: &[Row], bounds: &[Bound], diags: &mut Diags) -> bool {
+    let mats =
+        net.mats.iter().zip(rows).filter(|(_, r)| !(r.c.is_finite() && (r.own * r.c).is_finite())).map(|(m, _)| m.item);
+    let links = net.lias.iter().zip(bounds).filter(|(_, b)| !(b.k.is_finite() && b.z.is_finite())).map(|(l, _)| l.item);
+    let items: BTreeSet<u32> = mats.chain(links).collect();
+    for item in &items {
+        let name = &net.items[*item as usize].name;
+        let d = Diag::error("E009", format!("the numbers of `{name}` are beyond computing"));
+        diags.push(
+            d.at(span(model, net, *item), "overflows").help("use a larger mass, or less stiffness and viscosity"),
+        );
+    }
+    !items.is_empty()
+}
+
+/// Where a module is named.
+pub fn span(model: &Model, net: &Net, item: u32) -> Span {
+    model.items[net.items[item as usize].model].name_span
+}
+
+/// What makes a mass unstable, and the numbers that would mend it.
+pub fn unstable(model: &Model, net: &Net, rows: &[Row], bounds: &[Bound], i: usize) -> Diag {
+    let m = &net.mats[i];
+    let r = &rows[i];
+    let at = r.own * r.c;
+    let title = format!("`{}` is too stiff for its mass at this sound rate: {at:.3}, the limit is 4", m.name);
+    let d = Diag::warning("W103", title).at(span(model, net, m.item), "this mass");
+    // the link that weighs most is the one to change
+    let mut most: Option<(&LiaNode, &Bound)> = None;
+    for (l, b) in net.lias.iter().zip(bounds) {
+        let touches = b.linear && l.ends.iter().any(|e| net.under(*e).contains(&(i as u32)));
+        if touches && most.is_none_or(|(_, o)| b.k + 2.0 * b.z > o.k + 2.0 * o.z) {
+            most = Some((l, b));
+        }
+    }
+    let mass = net.te * net.te / r.c * at / 4.0;
+    let heavier = format!("make `{}` heavier than {}", m.name, quantity::show(round_up(mass), Unit::KILOGRAM));
+    let rate = format!("raise the sound rate above {:.0} Hz", net.rate * libm::sqrt(at / 4.0));
+    match most {
+        Some((l, b)) => {
+            let h = b.k + 2.0 * b.z;
+            let room = 4.0 / r.c - (r.own - h);
+            let fix = if room > 0.0 && b.k >= 2.0 * b.z {
+                let k = quantity::show(round_down(room - 2.0 * b.z), Unit::STIFFNESS);
+                format!("keep `k` of `{}` below {k}", l.name)
+            } else if room > 0.0 {
+                let z = quantity::show(round_down((room - b.k) * 0.5 * net.te), Unit::VISCOSITY);
+                format!("keep `z` of `{}` below {z}", l.name)
+            } else {
+                format!("soften `{}` and the other links of `{}`", l.name, m.name)
+            };
+            d.at(span(model, net, l.item), "its stiffest link").help(format!("{fix}, or {heavier}, or {rate}"))
+        }
+        None => d.help(format!("{heavier}, or {rate}")),
+    }
+}
+
+/// Three digits, towards zero.
+pub fn round_down(v: f64) -> f64 {
+    three_digits(v, libm::floor)
+}
+
+/// Three digits, away from zero.
+fn round_up(v: f64) -> f64 {
+    three_digits(v, libm::ceil)
+}
+
+/// The power of ten goes through text, so that what is shown has three digits and no noise behind them.
+fn three_digits(v: f64, to: fn(f64) -> f64) -> f64 {
+    let ten = libm::floor(libm::log10(v.abs().max(1e-300))) - 2.0;
+    let n = to(v / libm::pow(10.0, ten));
+    format!("{n}e{ten}").parse().unwrap_or(v)
+}

@@ -1,0 +1,104 @@
+//! Certify: what can be said of stability before anything moves, and which module to blame.
+//!
+//! Decides for the cheap bounds of numerics 1.3 (two sums per module, no matrix), which settle almost every scene; the
+//! exact test by one sparse factorisation is for `analysis`. With h = T²k + 2Tz for each link and d_i their sum at mass
+//! i: d_i/m_i ≥ 4 is certainly unstable and this module is the cause; the smaller of the Gershgorin and the link bound
+//! below 4 is certainly stable. Contacts and other non-linear links are judged by rule (numerics 3.2) and said to be.
+
+mod blame;
+mod negative;
+mod rules;
+mod worst;
+
+use super::net::{End, Net};
+pub use crate::certificate::{Certificate, Level};
+use crate::model::Model;
+use crate::model::diag::{Diag, Diags};
+use alloc::format;
+use blame::{overflow, span, unstable};
+use negative::Negative;
+use rules::{contacts, devices};
+use worst::{Row, worst_bounds, worst_rows};
+
+/// Judges the network; warnings name the module and what would mend it.
+pub fn certify(model: &Model, net: &Net, diags: &mut Diags) -> Certificate {
+    let mut rows = worst_rows(net);
+    // what is left out does not move
+    for (r, _) in rows.iter_mut().zip(&net.alive).filter(|(_, alive)| !**alive) {
+        *r = Row { own: 0.0, disc: 0.0, c: 0.0, touch: 0.0 };
+    }
+    let bounds = worst_bounds(net);
+    let mut springs = Negative::default();
+    for (l, b) in net.lias.iter().zip(&bounds) {
+        let h = b.k + 2.0 * b.z;
+        let sides = l.ends.map(|e| net.under(e));
+        let moving = |ids: &[u32]| ids.iter().any(|m| rows[*m as usize].c > 0.0);
+        let both = moving(&sides[0]) && moving(&sides[1]);
+        for m in sides.iter().flatten() {
+            let r = &mut rows[*m as usize];
+            if b.linear {
+                r.own += h;
+                r.disc += if both { h + h.abs() } else { h };
+            } else if !b.contact {
+                r.own += b.k + 2.0 * b.z;
+                r.disc += (b.k + 2.0 * b.z) * if both { 2.0 } else { 1.0 };
+            } else {
+                r.touch += h;
+            }
+        }
+        if let [End::Mat(i), End::Mat(j)] = l.ends {
+            springs.add(i, j, b.k);
+        }
+    }
+    if overflow(model, net, &rows, &bounds, diags) {
+        return Certificate::default();
+    }
+    let mut cert = Certificate::default();
+    let mut pair: f64 = 0.0;
+    for r in &rows {
+        let g = r.disc * r.c;
+        cert.bound = cert.bound.max(g);
+        cert.lower = cert.lower.max(r.own * r.c);
+    }
+    for l in &net.lias {
+        let d = |e: End| net.under(e).iter().map(|m| rows[*m as usize].own * rows[*m as usize].c).fold(0.0, f64::max);
+        pair = pair.max(d(l.ends[0]) + d(l.ends[1]));
+    }
+    // a mass with a spring of its own is a link to the ground
+    pair = rows.iter().map(|r| r.own * r.c).fold(pair, f64::max);
+    let negative = bounds.iter().any(|b| b.k < 0.0);
+    if !negative {
+        cert.bound = cert.bound.min(pair);
+    }
+    let worst = (0..rows.len()).max_by(|a, b| (rows[*a].own * rows[*a].c).total_cmp(&(rows[*b].own * rows[*b].c)));
+    cert.worst = worst.map(|i| net.mats[i].name.clone()).unwrap_or_default();
+
+    let covered = !negative || springs.covered();
+    let linear = bounds.iter().all(|b| b.linear);
+    cert.level = if cert.lower >= 4.0 {
+        Level::Unstable
+    } else if cert.bound < 4.0 && covered {
+        if linear { Level::Proven } else { Level::RuleOfThumb }
+    } else {
+        Level::NotProven
+    };
+    if let (Level::Unstable, Some(i)) = (cert.level, worst) {
+        diags.push(unstable(model, net, &rows, &bounds, i));
+    }
+    if cert.level == Level::NotProven {
+        let why = if covered {
+            format!("the bounds allow up to {:.3}, the limit is 4", cert.bound)
+        } else {
+            "some spring is negative and not covered by those beside it".into()
+        };
+        let mut d = Diag::warning("W107", format!("stability is not proven by the cheap bounds: {why}"));
+        if let Some(i) = worst {
+            d = d.at(span(model, net, net.mats[i].item), "nearest to the limit");
+        }
+        let help = "it may well be stable; to be sure, lower the stiffness and viscosity at";
+        diags.push(d.help(format!("{help} `{}`, make it heavier, or raise the sound rate", cert.worst)));
+    }
+    contacts(model, net, &rows, &bounds, &mut cert, diags);
+    devices(model, net, &bounds, diags);
+    cert
+}

@@ -1,0 +1,59 @@
+//! What no bound tells: contacts and device keys, judged by rule.
+
+use super::blame::{round_down, span};
+use super::worst::Row;
+use crate::certificate::Certificate;
+use crate::compile::net::{End, Net};
+use crate::kind::Unit;
+use crate::law::Bound;
+use crate::model::diag::{Diag, Diags};
+use crate::model::{Model, quantity};
+use alloc::collections::BTreeSet;
+use alloc::format;
+
+/// Rules for contacts (numerics 3.2): kT²/m ≤ 1 recommended, ≤ 2 at the most, with the other links at the masses.
+pub fn contacts(model: &Model, net: &Net, rows: &[Row], bounds: &[Bound], cert: &mut Certificate, diags: &mut Diags) {
+    let mut told = BTreeSet::new();
+    for (l, b) in net.lias.iter().zip(bounds) {
+        if b.active && told.insert(l.item) {
+            let d = Diag::warning("W110", format!("`{}` may feed energy in: its table does not only resist", l.name));
+            diags.push(d.at(span(model, net, l.item), "active").help("a force of the sign of its speed only resists, and a spring that never falls only returns; if it is meant to drive, mind the level"));
+        }
+        if !b.contact || b.k == 0.0 {
+            continue;
+        }
+        let c: f64 = l.ends.iter().map(|e| net.under(*e).iter().map(|m| rows[*m as usize].c).fold(0.0, f64::max)).sum();
+        let a = b.k * c;
+        if a > cert.contact {
+            cert.contact = a;
+            cert.stiffest.clone_from(&l.name);
+        }
+        if a > 1.0 && told.insert(l.item) {
+            let safe = quantity::show(round_down(1.0 / c), Unit::STIFFNESS);
+            let word = if a > 2.0 { "makes energy at every blow" } else { "may make energy at a blow" };
+            let d = Diag::warning("W104", format!("contact `{}` {word}: kT²/m is {a:.3}, stay below 1", l.name));
+            let (lo, hi) = (0.12 * a, 1.9 - a);
+            let help = if hi > lo {
+                let z = |b: f64| quantity::show(round_down(b / (c / net.te)), Unit::VISCOSITY);
+                format!("use `k` up to {safe}, or add viscosity `z` between {} and {}", z(lo), z(hi))
+            } else {
+                format!("use `k` up to {safe}, heavier masses, or a higher sound rate")
+            };
+            diags.push(d.at(span(model, net, l.item), "stiff contact").help(help));
+        }
+    }
+}
+
+/// The delay of a device turns viscosity straight on a key into noise and instability (ICMC 2013, 7.1).
+pub fn devices(model: &Model, net: &Net, bounds: &[Bound], diags: &mut Diags) {
+    let is_key = |e: &End| matches!(e, End::Mat(m) if net.mats[*m as usize].code == "TGR");
+    let mut told = BTreeSet::new();
+    for (l, b) in net.lias.iter().zip(bounds) {
+        if b.z > 0.0 && l.ends.iter().any(is_key) && told.insert(l.item) {
+            let d = Diag::warning("W105", format!("`{}` puts viscosity straight on a device key", l.name))
+                .at(span(model, net, l.item), "noisy, and limited by the device's own friction")
+                .help("tie the key to a MAS by a RES, and damp that MAS to ground instead");
+            diags.push(d);
+        }
+    }
+}

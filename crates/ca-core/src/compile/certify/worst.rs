@@ -1,0 +1,103 @@
+//! The worst of what may change: for each mass and each link, its numbers at the ends of the ranges of all live
+//! parameters it follows.
+
+use crate::compile::net::{MatNode, MatRole, Net};
+use crate::kind::{Coefs, Role};
+use crate::law::Bound;
+use crate::live::{Loader, Source};
+use crate::sketch::{Arg, Args};
+use alloc::sync::Arc;
+use alloc::vec::Vec;
+
+/// What the linear bounds need of one mass.
+#[derive(Clone, Copy)]
+pub struct Row {
+    /// T²k + 2Tz of all linear links at this mass
+    pub own: f64,
+    /// the same with links between masses counted twice
+    pub disc: f64,
+    /// T²/m
+    pub c: f64,
+    /// contacts
+    pub touch: f64,
+}
+
+/// A row for each MAT; generators make thousands with the same values, and each corner may solve for a pitch.
+pub fn worst_rows(net: &Net) -> Vec<Row> {
+    let mut last: Option<(&MatNode, Row)> = None;
+    let mut rows = Vec::with_capacity(net.mats.len());
+    for m in &net.mats {
+        let same = last.as_ref().filter(|(o, _)| {
+            o.item == m.item && o.code == m.code && (Arc::ptr_eq(&o.values, &m.values) || o.values[..] == m.values[..])
+        });
+        let r = same.map_or_else(|| row(net, m), |s| s.1);
+        rows.push(r);
+        last = Some((m, r));
+    }
+    rows
+}
+
+fn row(net: &Net, m: &MatNode) -> Row {
+    let MatRole::Mat(spec) = m.role else { return Row { own: 0.0, disc: 0.0, c: 0.0, touch: 0.0 } };
+    let mut out = [0.0; 8];
+    let mut corner = Coefs { p: 1.0, q: 0.0, c: 0.0 };
+    // worst corner of what may change: lightest, stiffest, most damped
+    for values in corners(net, m.item, &m.values) {
+        Loader::Mat(spec, net.medium(m).friction).load(&values, net.te, &mut out);
+        corner = Coefs { p: corner.p.min(out[0]), q: corner.q.min(out[1]), c: corner.c.max(out[2]) };
+    }
+    if corner.c == 0.0 || spec.fixed {
+        return Row { own: 0.0, disc: 0.0, c: 0.0, touch: 0.0 };
+    }
+    let own = (-corner.q + 2.0 * (1.0 - corner.p)) / corner.c;
+    Row { own, disc: own, c: corner.c, touch: 0.0 }
+}
+
+/// The parameter values of a module at load and, for each live parameter it follows, at both ends of its range.
+fn corners(net: &Net, item: u32, values: &[Source]) -> Vec<Vec<Option<f64>>> {
+    let it = &net.items[item as usize];
+    let mut all = alloc::vec![net.values(item, values)];
+    for (arg, p, factor) in &it.follows {
+        let param = &net.params[*p];
+        for v in [param.min, param.max] {
+            let mut args = it.args.clone();
+            args[*arg] = Arg::Num((v * factor).clamp(-1e30, 1e30));
+            let slots = match it.kind.role {
+                Role::Generator(g) => {
+                    match (g.derive)(&Args { code: it.kind.code, params: it.kind.params, values: &args, te: net.te }) {
+                        Ok(s) => s,
+                        // out of reach, so a change to it is refused
+                        Err(_) => continue,
+                    }
+                }
+                _ => args.iter().map(Arg::num).collect(),
+            };
+            all.push(values.iter().map(|s| s.get(&slots)).collect());
+        }
+    }
+    all
+}
+
+/// The bound of each link, at the worst corner of what may change.
+pub fn worst_bounds(net: &Net) -> Vec<Bound> {
+    let mut last: Option<(u32, Arc<[Source]>, Bound)> = None;
+    let mut bounds = Vec::with_capacity(net.lias.len());
+    for l in &net.lias {
+        if let Some((item, values, b)) = &last {
+            if *item == l.item && values[..] == l.values[..] {
+                bounds.push(*b);
+                continue;
+            }
+        }
+        let mut worst = Bound::default();
+        for (i, values) in corners(net, l.item, &l.values).into_iter().enumerate() {
+            let mut c = [0.0; 8];
+            (l.law.load)(&values, net.te, &mut c[..l.law.coefs]);
+            let b = (l.law.bound)(&c[..l.law.coefs], &net.tables);
+            worst = if i == 0 { b } else { Bound { k: worst.k.max(b.k), z: worst.z.max(b.z), ..b } };
+        }
+        last = Some((l.item, l.values.clone(), worst));
+        bounds.push(worst);
+    }
+    bounds
+}

@@ -1,0 +1,27 @@
+//! What the caller asks of a compilation.
+
+use alloc::string::String;
+use alloc::vec::Vec;
+
+/// Which passes run the links.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum KernelClass {
+    /// batches by law, chains as runs: fast
+    #[default]
+    Fast,
+    /// links one by one in document order: the bits of a plain loop over modules
+    Reference,
+}
+
+/// What the caller asks of a compilation.
+#[derive(Clone, Debug, Default)]
+pub struct Options {
+    /// sound rate \[Hz\]; the model's own if `None`
+    pub rate: Option<f64>,
+    /// keep the energy book
+    pub energy: bool,
+    /// selectors of modules to be heard besides the outputs: displacement of a MAT, force of a LIA
+    pub probes: Vec<String>,
+    /// which passes run the links
+    pub kernel: KernelClass,
+}

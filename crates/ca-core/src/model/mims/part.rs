@@ -1,0 +1,61 @@
+//! Parts: every module with its kind, its arguments and what it holds on to, by index.
+
+use super::names::Names;
+use crate::model::Span;
+use alloc::string::String;
+use alloc::vec::Vec;
+
+/// An argument of a part.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Arg {
+    Num(f64),
+    /// index into [`Net::params`]
+    Param(usize),
+    Word(&'static str),
+}
+
+impl Arg {
+    /// The same argument as an ordered key; numbers by their bits.
+    pub fn key(self) -> (u8, u64) {
+        match self {
+            Arg::Num(x) => (0, x.to_bits()),
+            Arg::Param(i) => (1, i as u64),
+            Arg::Word(w) => (2, w.len() as u64),
+        }
+    }
+}
+
+/// A named parameter.
+#[derive(Clone, Debug)]
+pub(super) struct Param {
+    pub name: String,
+    pub span: Span,
+    pub value: f64,
+    /// the first part that took its value as a number
+    pub folded: Option<String>,
+}
+
+/// A module.
+#[derive(Clone, Debug)]
+pub(super) struct Part {
+    pub name: String,
+    pub kind: &'static str,
+    pub args: Vec<(&'static str, Arg)>,
+    /// the parts it holds on to: none, one (port) or two (link)
+    pub ends: Vec<usize>,
+    /// index into [`Net::groups`]
+    pub group: Option<usize>,
+    /// rest position of a material element
+    pub rest: Arg,
+}
+
+/// A model before it is written.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Net {
+    pub params: Vec<Param>,
+    /// in document order
+    pub parts: Vec<Part>,
+    /// name and acceleration [m per sample²] of each group
+    pub groups: Vec<(String, f64)>,
+    pub names: Names,
+}
