@@ -85,11 +85,12 @@ impl Bare {
                     for i in 0..nx {
                         for j in 0..ny {
                             let (ei, ej) = (i == 0 || i == nx - 1, j == 0 || j == ny - 1);
-                            let fixed = match text("edges").as_str() {
-                                "closed" => ei || ej,
-                                "corner" => ei && ej,
-                                _ => false,
-                            };
+                            let fixed = held(item).contains(&[i as f64, j as f64])
+                                || match text("edges").as_str() {
+                                    "closed" => ei || ej,
+                                    "corner" => ei && ej,
+                                    _ => false,
+                                };
                             bare.mass.insert(at(i, j), if fixed { f64::INFINITY } else { m });
                             if i + 1 < nx {
                                 bare.spring.push((at(i, j), at(i + 1, j), k, z));
@@ -153,4 +154,12 @@ pub fn same_movement(text: &str) {
             assert!((a - b).abs() < 1e-12, "heard {i} at {n}: {a} {b}\n{}\n{text}", shown(&model, &diags, &text));
         }
     }
+}
+
+/// The nodes of a mesh that are held besides its edges.
+fn held(item: &ca_core::model::Item) -> Vec<[f64; 2]> {
+    let list = |v: &Value| if let Value::List(l) = v { l.clone() } else { Vec::new() };
+    let num = |v: &Value| if let Value::Num(n) = v { *n } else { f64::NAN };
+    let fixed = item.args.iter().find(|e| e.key == "fixed").map_or(Vec::new(), |e| list(&e.value));
+    fixed.iter().map(|p| list(&p.value)).map(|p| [num(&p[0].value), num(&p[1].value)]).collect()
 }

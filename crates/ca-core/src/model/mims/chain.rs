@@ -116,7 +116,7 @@ fn write(graph: &Graph<'_>, path: &Path, m: Arg, law: Law, names: &mut Names, pl
         args.push(("ends", Arg::Word("fixed")));
     }
     let kind = if held.is_some() { "STRING" } else { "CHAIN" };
-    plan.generators.push(Generator { kind, name, args, at, members: (first, last) });
+    plan.generators.push(Generator { kind, name, args, fixed: Vec::new(), at, members: (first, last) });
 }
 
 /// A link of this law from `mass` to a ground at 0 that a string may make its own.

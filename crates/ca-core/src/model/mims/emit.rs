@@ -32,7 +32,7 @@ pub(super) fn emit(net: &Net, plan: &Plan, file: &str, diags: &mut Diags) -> Mod
     let first: BTreeMap<usize, &Generator> = plan.generators.iter().map(|g| (g.at, g)).collect();
     for (i, part) in net.parts.iter().enumerate() {
         if let Some(g) = first.get(&i) {
-            let args = entries(net, &g.args, &mut used);
+            let args = generator(net, g, &mut used);
             model.items.push(item(g.kind, g.name.clone(), None, args));
         } else if !plan.gone.get(i).copied().unwrap_or(false) {
             let mut args = ends(net, plan, part);
@@ -72,6 +72,15 @@ fn entries(net: &Net, args: &[(&'static str, Arg)], used: &mut BTreeSet<usize>) 
         }
     };
     args.iter().map(|&(key, arg)| Entry::new(key, value(arg, used))).collect()
+}
+
+fn generator(net: &Net, g: &Generator, used: &mut BTreeSet<usize>) -> Vec<Entry> {
+    let mut all = entries(net, &g.args, used);
+    if !g.fixed.is_empty() {
+        let nodes: Vec<Vec<f64>> = g.fixed.iter().map(|n| n.iter().map(|i| *i as f64).collect()).collect();
+        all.push(Entry::new("fixed", nodes));
+    }
+    all
 }
 
 fn params(net: &Net, used: &BTreeSet<usize>, model: &mut Model, diags: &mut Diags) {

@@ -1,8 +1,8 @@
 //! Meshes: masses whose labels end in `row_column`, each holding on to its neighbours.
 //!
-//! Decides on the largest rectangle. A membrane with two of four corners held, as published, is no MESH of ours, but
-//! all of it except two columns is one; the columns are left to [`super::chain`] and only their links to the
-//! mesh are written singly. Borders of grounds are taken along where all of them (or the four corners) are grounds.
+//! Decides on the whole where it is a rectangle of masses with some of its nodes held (all of the border, the four
+//! corners, or any others, which are then named), else on the largest rectangle of masses; what is left over goes to
+//! [`super::chain`] or is written singly.
 
 use super::graph::{Graph, Law, key, medium};
 use super::names::{Names, stem};
@@ -56,8 +56,12 @@ pub(super) fn meshes(graph: &Graph<'_>, names: &mut Names, plan: &mut Plan) {
         let Some(lattice) = lattice(graph, &group) else { continue };
         let whole = Area { i0: 0, i1: lattice.rows, j0: 0, j1: lattice.cols };
         let bordered = ["closed", "corner"].into_iter().find(|e| lattice.is_whole(graph, e)).map(|e| (e, whole));
-        if let Some((edges, area)) = bordered.or_else(|| lattice.largest(graph).map(|a| ("open", a))) {
-            lattice.write(graph, edges, area, names, plan);
+        if let Some((edges, area)) = bordered {
+            lattice.write(graph, edges, Vec::new(), area, names, plan);
+        } else if let Some(fixed) = lattice.held(graph) {
+            lattice.write(graph, "open", fixed, whole, names, plan);
+        } else if let Some(area) = lattice.largest(graph) {
+            lattice.write(graph, "open", Vec::new(), area, names, plan);
         }
     }
 }
@@ -139,10 +143,22 @@ impl Lattice {
     /// Whether all of it is a mesh with these edges.
     fn is_whole(&self, graph: &Graph<'_>, edges: &str) -> bool {
         let end = |i: usize, n: usize| i == 0 || i + 1 == n;
-        let fixed = |i: usize, j: usize| match edges {
+        self.is_mesh(graph, |i, j| match edges {
             "closed" => end(i, self.rows) || end(j, self.cols),
             _ => end(i, self.rows) && end(j, self.cols),
-        };
+        })
+    }
+
+    /// The nodes that are held, where all of it is a mesh with some, but only few, of them.
+    fn held(&self, graph: &Graph<'_>) -> Option<Vec<[usize; 2]>> {
+        let places = (0..self.rows).flat_map(|i| (0..self.cols).map(move |j| [i, j]));
+        let fixed: Vec<[usize; 2]> = places.filter(|[i, j]| self.is_ground(graph, *i, *j)).collect();
+        let few = !fixed.is_empty() && fixed.len() <= 16;
+        (few && self.is_mesh(graph, |i, j| fixed.contains(&[i, j]))).then_some(fixed)
+    }
+
+    /// Whether all of it is a mesh with grounds at the places of `fixed` and masses elsewhere.
+    fn is_mesh(&self, graph: &Graph<'_>, fixed: impl Fn(usize, usize) -> bool) -> bool {
         let tied =
             |a: (usize, usize), b: (usize, usize)| (fixed(a.0, a.1) && fixed(b.0, b.1)) || self.link(a, b).is_some();
         self.rows >= SMALLEST
@@ -193,7 +209,15 @@ impl Lattice {
         best.map(|a| if turned { Area { i0: a.j0, i1: a.j1, j0: a.i0, j1: a.i1 } } else { a })
     }
 
-    fn write(&self, graph: &Graph<'_>, edges: &'static str, area: Area, names: &mut Names, plan: &mut Plan) {
+    fn write(
+        &self,
+        graph: &Graph<'_>,
+        edges: &'static str,
+        fixed: Vec<[usize; 2]>,
+        area: Area,
+        names: &mut Names,
+        plan: &mut Plan,
+    ) {
         let places = || (area.i0..area.i1).flat_map(|i| (area.j0..area.j1).map(move |j| (i, j)));
         let parts: Vec<usize> = places().filter_map(|(i, j)| self.node(i, j)).collect();
         let labels: Vec<&str> = parts.iter().map(|&p| graph.parts[p].name.as_str()).collect();
@@ -219,6 +243,6 @@ impl Lattice {
         args.extend(medium(self.m, self.law));
         args.push(("edges", Arg::Word(edges)));
         let at = parts.iter().copied().min().unwrap_or(first);
-        plan.generators.push(Generator { kind: "MESH", name, args, at, members: (first, last) });
+        plan.generators.push(Generator { kind: "MESH", name, args, fixed, at, members: (first, last) });
     }
 }

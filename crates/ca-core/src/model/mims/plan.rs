@@ -11,6 +11,8 @@ pub(super) struct Generator {
     pub kind: &'static str,
     pub name: String,
     pub args: Vec<(&'static str, Arg)>,
+    /// nodes of a mesh that are held besides its edges
+    pub fixed: Vec<[usize; 2]>,
     /// the part it stands in the place of: its first mass (its grounds may be others' too)
     pub at: usize,
     /// first and last of the members, for the header
