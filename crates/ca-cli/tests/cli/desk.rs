@@ -33,6 +33,16 @@ impl Desk {
         let text = |b: &[u8]| String::from_utf8(b.to_vec()).unwrap();
         Ran { code: o.status.code().unwrap(), out: text(&o.stdout), err: text(&o.stderr) }
     }
+    /// A line of a shell in which `ca` is the built command.
+    #[cfg(unix)]
+    pub fn sh(&self, line: &str) -> Ran {
+        let bin = Path::new(env!("CARGO_BIN_EXE_ca")).parent().unwrap();
+        let path = format!("{}:{}", bin.display(), std::env::var("PATH").unwrap());
+        let o = Command::new("sh").args(["-ec", line]).env("PATH", path).current_dir(&self.0).output().unwrap();
+        let text = |b: &[u8]| String::from_utf8(b.to_vec()).unwrap();
+        let err = format!("$ {line}\n{}", text(&o.stderr));
+        Ran { code: o.status.code().unwrap(), out: text(&o.stdout), err }
+    }
     pub fn files(&self) -> Vec<String> {
         let mut list: Vec<String> =
             fs::read_dir(&self.0).unwrap().map(|f| f.unwrap().file_name().into_string().unwrap()).collect();
@@ -78,9 +88,26 @@ pub fn peak(samples: &[f64]) -> f64 {
     samples.iter().fold(0.0, |p, s| p.max(s.abs()))
 }
 
+/// A path from the root of the workspace.
+pub fn from_root(path: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(path)
+}
+
 /// A MIMS model of the workspace's tests.
 pub fn mims(name: &str) -> String {
-    fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/mims").join(name)).unwrap()
+    fs::read_to_string(from_root("tests/mims").join(name)).unwrap()
+}
+
+/// The blocks of a Markdown page in one language, each with the text of the page before it.
+pub fn blocks<'a>(page: &'a str, language: &str) -> Vec<(&'a str, &'a str)> {
+    let fence = format!("\n```{language}\n");
+    page.match_indices(&fence)
+        .map(|(at, _)| {
+            let start = at + fence.len();
+            let end = page[start..].find("```").map_or(page.len(), |n| start + n);
+            (&page[..at], &page[start..end])
+        })
+        .collect()
 }
 
 /// One cell, so that its peak is known: the displacement at load.

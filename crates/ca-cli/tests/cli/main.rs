@@ -1,12 +1,13 @@
 //! The command as people use it: the built binary in an empty directory.
 
 mod desk;
+mod docs;
 mod pages;
+mod readme;
 mod render;
 
 use desk::{BAR, Desk, KEY, mims};
 use std::fs;
-use std::path::Path;
 use std::process::{Command, Stdio};
 
 #[test]
@@ -74,8 +75,6 @@ fn errors_of_a_model_point_at_their_places() {
 #[cfg(unix)]
 #[test]
 fn examples_of_the_help_run() {
-    let bin = Path::new(env!("CARGO_BIN_EXE_ca")).parent().unwrap();
-    let path = format!("{}:{}", bin.display(), std::env::var("PATH").unwrap());
     let mut ran = 0;
     for command in ["render", "check", "list", "new", "import"] {
         let desk = Desk::new();
@@ -88,9 +87,7 @@ fn examples_of_the_help_run() {
         );
         let (_, examples) = help.split_once("Examples:\n").unwrap_or_else(|| panic!("{command} has no examples"));
         for line in examples.lines().filter(|l| !l.trim().is_empty()) {
-            let o = Command::new("sh").args(["-ec", line]).env("PATH", &path).current_dir(&desk.0).output().unwrap();
-            let err = String::from_utf8_lossy(&o.stderr);
-            assert_eq!(o.status.code(), Some(0), "{line}\n{err}");
+            desk.sh(line).is(0);
             ran += 1;
         }
     }
