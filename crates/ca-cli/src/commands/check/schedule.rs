@@ -19,7 +19,7 @@ use std::time::{Duration, Instant};
 const BATCH: Duration = Duration::from_micros(200);
 /// Batches per pass.
 const BATCHES: u32 = 9;
-/// Playing so long brings the state into motion [s].
+/// Playing so long brings the state into motion \[s\].
 const WARM: f64 = 0.2;
 
 /// One pass.
@@ -57,7 +57,7 @@ pub(super) fn measure(scene: &Scene) -> Measured {
     Measured { rows, tick: cost(&state, |s| tick(scene, s)) }
 }
 
-/// Fastest time of one call [ns].
+/// Fastest time of one call \[ns\].
 fn cost(state: &State, mut run: impl FnMut(&mut State)) -> f64 {
     let mut copy = state.clone();
     let mut batch = |n: u32| {

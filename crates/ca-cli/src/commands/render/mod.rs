@@ -22,7 +22,7 @@ use std::path::{Path, PathBuf};
 /// Seconds of silence after a gesture, and the least of everything.
 const TAIL: f64 = 2.0;
 const LEAST: f64 = 3.0;
-/// Data of a WAV file [bytes].
+/// Data of a WAV file \[bytes\].
 const MOST: u64 = u32::MAX as u64 - 100;
 
 /// A probe as asked.

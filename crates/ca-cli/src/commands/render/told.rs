@@ -16,7 +16,7 @@ use std::time::Duration;
 
 /// A scene that left every range.
 pub(crate) struct Broke {
-    /// [s]
+    /// \[s\]
     pub time: f64,
     /// to blame
     pub module: String,
