@@ -8,7 +8,8 @@ use std::path::PathBuf;
 
 /// Virtual instruments made of masses and interactions (CORDIS-ANIMA).
 #[derive(Parser)]
-#[command(name = "ca", version, about, max_term_width = 100)]
+#[command(name = "ca", version, about = "Virtual instruments made of masses and interactions (CORDIS-ANIMA)")]
+#[command(max_term_width = 100)]
 #[command(after_help = "Exit codes: 0 ok, 1 failed, 2 usage, 3 finished but degraded (unstable, clipped).\n\
                         A model is a file `*.ca.toml`, a MIMS file `*.mdl`, or the name of a bundled model (`ca list`).")]
 pub struct Cli {
@@ -41,7 +42,7 @@ pub struct Source {
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = pair)]
     pub set: Vec<(String, String)>,
     /// Sound rate, e.g. "96 kHz"; the model's own, or 48 kHz
-    #[arg(long, value_name = "HZ", value_parser = hertz)]
+    #[arg(long, value_name = "HZ", value_parser = hertz, allow_negative_numbers = true)]
     pub rate: Option<f64>,
 }
 
@@ -67,11 +68,12 @@ pub struct RenderArgs {
     #[arg(short, long, value_name = "FILE.wav")]
     pub output: Option<PathBuf>,
     /// How long, e.g. 4 or "4 s"
-    #[arg(long, value_name = "S", value_parser = seconds)]
+    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     pub seconds: Option<f64>,
-    /// A gesture that plays it (csv, npy, wav, mid); its tracks take the place of built-in ones; repeatable
-    #[arg(long, value_name = "FILE")]
-    pub gesture: Vec<PathBuf>,
+    /// A gesture that plays it (csv, npy, wav, mid); its tracks take the place of built-in ones; repeatable. The one
+    /// nameless track of an array or a sound is given to a port by `key=FILE`
+    #[arg(long, value_name = "[PORT=]FILE")]
+    pub gesture: Vec<String>,
     /// Rate of an NPY gesture without a time of its own
     #[arg(long, value_name = "HZ", value_parser = hertz, requires = "gesture")]
     pub gesture_rate: Option<f64>,

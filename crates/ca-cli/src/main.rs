@@ -33,6 +33,8 @@ pub enum Failure {
     Failed(String),
     /// as before, but all is already said: exit code 1
     Told,
+    /// somebody pressed Ctrl-C: exit code 130, as of any command that ends so
+    Interrupted,
     /// the reader of stdout went away
     BrokenPipe,
 }
@@ -82,6 +84,7 @@ fn main() -> ExitCode {
         Ok(Ended::Well) | Err(Failure::BrokenPipe) => ExitCode::SUCCESS,
         Ok(Ended::Degraded) => ExitCode::from(3),
         Err(Failure::Told) => ExitCode::from(1),
+        Err(Failure::Interrupted) => ExitCode::from(130),
         Err(Failure::Failed(what)) => {
             term::error(&what);
             ExitCode::from(1)

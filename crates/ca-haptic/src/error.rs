@@ -45,7 +45,10 @@ impl FileError {
         FileError { kind, file: String::new(), place: String::new(), what: what.into(), fix: String::new() }
     }
     pub(crate) fn io(path: &Path, what: &str, e: &std::io::Error) -> FileError {
-        FileError::new(FileErrorKind::Io, format!("{what}: {}", lower(&e.to_string()))).file(path.display())
+        // the number says nothing that the words do not
+        let why = e.to_string();
+        let why = why.split(" (os error").next().unwrap_or(&why);
+        FileError::new(FileErrorKind::Io, format!("{what}: {}", lower(why))).file(path.display())
     }
     pub(crate) fn format(what: impl Into<String>) -> FileError {
         FileError::new(FileErrorKind::Format, what)

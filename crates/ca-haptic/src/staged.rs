@@ -3,7 +3,7 @@
 //! Decides that a render is written into a hidden sibling (`.out.wav.1234-0.part`) and takes the place of the old file
 //! in one step when it is finished, so that a crash, a full disk or an interrupted command never leaves half a file
 //! over a good one. A sibling rather than a file in the temporary directory: only within one file system is renaming
-//! one step. What is not finished removes itself; after `kill -9` the sibling stays and says by its name what it is.
+//! one step. What is not finished removes itself; after a kill the sibling stays and says by its name what it is.
 //! A symbolic link keeps pointing; what is not a plain file (`/dev/null`) is written straight, never replaced.
 
 use crate::error::{FileError, FileErrorKind};

@@ -187,6 +187,74 @@ fn a_gesture_file_plays() {
 }
 
 #[test]
+fn a_nameless_track_is_given_to_a_port() {
+    let desk = Desk::new();
+    desk.put("struck.ca.toml", STRUCK);
+    let spec = hound::WavSpec {
+        channels: 1,
+        sample_rate: 1000,
+        bits_per_sample: 32,
+        sample_format: hound::SampleFormat::Float,
+    };
+    let save = |name: &str, channels: u16| {
+        let mut w = hound::WavWriter::create(desk.path(name), hound::WavSpec { channels, ..spec }).unwrap();
+        let key = |i: i32| if (50..56).contains(&i) { -0.0005f32 } else { -0.003 };
+        (0..200).flat_map(|i| vec![key(i); channels.into()]).for_each(|v| w.write_sample(v).unwrap());
+        w.finalize().unwrap();
+    };
+    save("hand.wav", 1);
+    save("hands.wav", 2);
+    desk.ca(&["render", "struck.ca.toml", "--gesture", "key=hand.wav", "-q"]).is(0);
+    assert!(peak(&desk.wav("struck.wav").1) > 0.1);
+    desk.ca(&["render", "struck.ca.toml", "--gesture", "hand.wav"])
+        .is(2)
+        .says(&["driven by `ch0`", "`--gesture key=FILE`"]);
+    desk.ca(&["render", "struck.ca.toml", "--gesture", "key=hands.wav"]).is(2).says(&["2 tracks", "`ch1`"]);
+    desk.ca(&["render", "struck.ca.toml", "--gesture", "hand.wav", "-o", "hand.wav"]).is(2).says(&["overwritten"]);
+    desk.ca(&["render", "struck.ca.toml", "--gesture", "key=hand.wav", "-o", "hand.wav"]).is(2).says(&["overwritten"]);
+}
+
+#[test]
+fn what_blows_is_told_with_the_command_that_shows_why() {
+    let desk = Desk::new();
+    desk.put("struck.ca.toml", STRUCK);
+    desk.put("key.csv", KEY);
+    let args = ["render", "struck.ca.toml", "--set", "strike.k=1e15 N/m", "--gesture", "key.csv"];
+    let r = desk.ca(&args).is(3).says(&["findings", "`ca check struck.ca.toml --set 'strike.k=1e15 N/m'`"]);
+    assert!(!r.err.contains("multiply the gain"), "{}", r.err);
+    desk.ca(&["check", "struck.ca.toml", "--set", "strike.k=1e15 N/m"]).says(&["W104", "`strike`"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn ctrl_c_leaves_nothing_behind() {
+    use std::process::{Command, Stdio};
+    use std::time::Duration;
+    let desk = Desk::new();
+    desk.put("bar.ca.toml", BAR);
+    let mut child = Command::new(env!("CARGO_BIN_EXE_ca"))
+        .args(["render", "bar.ca.toml", "--seconds", "20000", "--probe", "bar"])
+        .current_dir(&desk.0)
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    // both files stand, and have grown: the handler is in place
+    let grown = || {
+        let parts = fs::read_dir(&desk.0).unwrap().map(|f| f.unwrap());
+        let parts = parts.filter(|f| f.file_name().to_string_lossy().ends_with(".part"));
+        parts.filter(|f| f.metadata().is_ok_and(|m| m.len() > 100_000)).count() == 2
+    };
+    while !grown() {
+        assert!(child.try_wait().unwrap().is_none(), "it ended before it was interrupted");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    assert_eq!(desk.files(), ["bar.ca.toml"]);
+}
+
+#[test]
 fn a_midi_file_plays_through_the_mapping_of_the_port() {
     let desk = Desk::new();
     desk.put("struck.ca.toml", STRUCK);

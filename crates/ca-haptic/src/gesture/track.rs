@@ -63,6 +63,13 @@ impl Track {
         Ok(Track { name, curve: Curve::Samples(rate, samples) })
     }
 
+    /// The same track under another name.
+    #[must_use]
+    pub fn named(mut self, name: impl Into<String>) -> Track {
+        self.name = name.into();
+        self
+    }
+
     /// What it is called: a port or a live parameter.
     pub fn name(&self) -> &str {
         &self.name

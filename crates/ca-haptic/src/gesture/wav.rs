@@ -1,7 +1,7 @@
 //! WAV gestures: every channel a track, `ch0`, `ch1`, …
 //!
-//! Decides that full scale is 1 and nothing more: the gain of the port turns it into metres or newtons, as it does for
-//! a sensor. Integers of 8, 16, 24 and 32 bits are divided by 2ⁿ⁻¹, so that the most negative one is −1 exactly, and
+//! Decides that full scale is 1 and nothing more, one metre or one newton at a port: a recorded hand fills a small part
+//! of it, so floats serve best. Integers of 8, 16, 24 and 32 bits are divided by 2ⁿ⁻¹, so that the most negative one is −1 exactly, and
 //! the writer of sounds agrees to the bit. Floats may exceed 1; they may not be infinite.
 
 use super::{Gesture, Track};

@@ -12,6 +12,7 @@ pub(crate) use told::{short, stability, stability_json};
 use crate::args::{Kernel, RenderArgs, SampleFormat};
 use crate::load::{self, Loaded};
 use crate::{Ended, Failure, Outcome, catalog, term};
+use ca_core::model::select::is_name;
 use ca_core::{KernelClass, Options, Scene, compile};
 use ca_haptic::gesture::{Gesture, PortMap, Track};
 use ca_haptic::perform::Performance;
@@ -159,7 +160,8 @@ fn gesture(args: &RenderArgs, scene: &Scene, output: &Path) -> Result<Option<Ges
     let map = |i: &ca_core::scene::Input| Some(PortMap { port: i.name.clone(), map: i.midi? });
     let ports: Vec<PortMap> = scene.inputs.iter().filter_map(map).collect();
     let mut tracks: Vec<Track> = Vec::new();
-    for file in &args.gesture {
+    for text in &args.gesture {
+        let (port, file) = port_and_file(text);
         if same(file, output) {
             let what = format!("`{}` is the gesture and would be overwritten", file.display());
             return Err(Failure::Usage(format!("{what}; choose another file with `-o`")));
@@ -167,9 +169,42 @@ fn gesture(args: &RenderArgs, scene: &Scene, output: &Path) -> Result<Option<Ges
         // a rate is for arrays; among several files it is theirs alone
         let array = load::has_extension(file, "npy") || args.gesture.len() == 1;
         let gesture = Gesture::open(file, &ports, args.gesture_rate.filter(|_| array))?;
-        tracks.extend(gesture.tracks().iter().cloned());
+        match (port, gesture.tracks()) {
+            (None, all) => {
+                nameless(all, scene, file)?;
+                tracks.extend(all.iter().cloned());
+            }
+            (Some(port), [one]) => tracks.push(one.clone().named(port)),
+            (Some(port), all) => {
+                let names = load::ticked(all.iter().map(Track::name));
+                let what = format!("`{}` has {} tracks, {names}", file.display(), all.len());
+                return Err(Failure::Usage(format!("--gesture: {what}; `{port}=` gives a name to a single one")));
+            }
+        }
     }
     Ok(if args.gesture.is_empty() { None } else { Some(Gesture::new(tracks)?) })
+}
+
+/// Refuses a single `ch0` that nobody is called by, with the way to name it.
+fn nameless(tracks: &[Track], scene: &Scene, file: &Path) -> Result<(), Failure> {
+    let [one] = tracks else { return Ok(()) };
+    let drives = |n: &str| scene.inputs.iter().any(|i| i.name == n) || scene.live.params.iter().any(|p| p.name == n);
+    let first = scene.inputs.first().map(|i| &i.name).or(scene.live.params.first().map(|p| &p.name));
+    match first {
+        Some(first) if one.name() == "ch0" && !drives("ch0") => {
+            let what = format!("`{}`: nothing is driven by `ch0`, its only track", file.display());
+            Err(Failure::Usage(format!("{what}; give it to a port, as in `--gesture {first}=FILE`")))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// `key=take.wav`, unless there is a file of that very name.
+fn port_and_file(text: &str) -> (Option<&str>, &Path) {
+    match text.split_once('=') {
+        Some((port, file)) if !Path::new(text).exists() && is_name(port) => (Some(port), Path::new(file)),
+        _ => (None, Path::new(text)),
+    }
 }
 
 fn length(args: &RenderArgs, scene: &Scene, p: &Performance) -> f64 {

@@ -8,10 +8,13 @@ use ca_haptic::perform::{Performance, WILD};
 use ca_haptic::probe::ProbeOut;
 use ca_haptic::sound::{WavOut, Written};
 use indicatif::{ProgressBar, ProgressStyle};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 /// Ticks between two writes.
 const BLOCK: u64 = 1024;
+/// Somebody pressed Ctrl-C.
+static STOP: AtomicBool = AtomicBool::new(false);
 /// How long a render may last unseen.
 const PATIENCE: Duration = Duration::from_millis(500);
 
@@ -44,7 +47,13 @@ pub(crate) fn play(
     let mut last_good: Option<(Ledger, u64)> = None;
     let begin = Instant::now();
     let mut done = 0;
+    // without a handler Ctrl-C ends the process as ever, and leaves the unfinished file behind
+    let _ = ctrlc::set_handler(|| STOP.store(true, Ordering::Relaxed));
     while done < frames {
+        if STOP.load(Ordering::Relaxed) {
+            // what is not finished removes itself
+            return Err(Failure::Interrupted);
+        }
         let block = BLOCK.min(frames - done);
         sound.clear();
         heard.iter_mut().for_each(Vec::clear);

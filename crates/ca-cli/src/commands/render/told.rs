@@ -14,6 +14,9 @@ use serde_json::{Value as Json, json};
 use std::io::Write as _;
 use std::time::Duration;
 
+/// A peak from which on the loudness is not the question, 40 dB over full scale.
+const FAR: f64 = 100.0;
+
 /// A scene that left every range.
 pub(crate) struct Broke {
     /// \[s\]
@@ -59,6 +62,11 @@ fn decibel(peak: f64) -> f64 {
     20.0 * peak.log10()
 }
 
+/// One decimal, and no minus before nothing.
+fn tenths(v: f64) -> String {
+    format!("{:.1}", (v * 10.0).round() / 10.0 + 0.0)
+}
+
 /// Three significant digits.
 pub(crate) fn short(v: f64) -> String {
     if !v.is_finite() || v == 0.0 {
@@ -72,8 +80,15 @@ fn relative(b: &Balance) -> f64 {
     if b.peak > 0.0 { b.residual.abs() / b.peak } else { 0.0 }
 }
 
+/// A word for a shell.
+fn quoted(word: &str) -> String {
+    let plain = |c: char| c.is_alphanumeric() || "._-=/+".contains(c);
+    if word.chars().all(plain) { word.into() } else { format!("'{}'", word.replace('\'', r"'\''")) }
+}
+
 fn joule(v: f64) -> String {
-    format!("{} J", short(v))
+    // no minus before nothing
+    format!("{} J", short(v + 0.0))
 }
 
 impl Summary<'_> {
@@ -101,6 +116,8 @@ impl Summary<'_> {
             // after a blow-up the peak says nothing about loudness
             let help = if self.broke.is_some() {
                 String::new()
+            } else if self.warnings > 0 && self.loudest() > FAR {
+                format!("; a gain is not what is wrong, see `{}`", self.check())
             } else {
                 format!("; multiply the gain of the outputs by {} or less", short(gain(self.loudest())))
             };
@@ -118,6 +135,17 @@ impl Summary<'_> {
         if self.refused > 0 {
             term::warning(&format!("{} inputs had no value; the last good one was held instead", self.refused));
         }
+    }
+
+    /// The command that shows the findings of this render.
+    fn check(&self) -> String {
+        let source = &self.args.source;
+        let mut all = format!("ca check {}", quoted(&source.model));
+        for (name, value) in &source.set {
+            all += &format!(" --set {}", quoted(&format!("{name}={value}")));
+        }
+        source.rate.iter().for_each(|r| all += &format!(" --rate {r}"));
+        all
     }
 
     fn format(&self) -> &'static str {
@@ -145,7 +173,8 @@ impl Summary<'_> {
         let name = |i: usize| self.scene.channel_names.get(i).map_or("?", String::as_str);
         let peaks: Vec<String> = (0..w.peak.len())
             .map(|i| {
-                let dbfs = if w.peak[i] > 0.0 { format!("{:.1} dBFS", decibel(w.peak[i])) } else { "silent".into() };
+                let dbfs =
+                    if w.peak[i] > 0.0 { format!("{} dBFS", tenths(decibel(w.peak[i]))) } else { "silent".into() };
                 format!("{} {dbfs}", name(i))
             })
             .collect();
@@ -159,7 +188,7 @@ impl Summary<'_> {
         }
         if self.warnings > 0 {
             let s = if self.warnings == 1 { "" } else { "s" };
-            writeln!(out, "  findings   {} warning{s}, see `ca check {}`", self.warnings, self.args.source.model)?;
+            writeln!(out, "  findings   {} warning{s}, see `{}`", self.warnings, self.check())?;
         }
         Ok(())
     }
