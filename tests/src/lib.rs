@@ -31,7 +31,7 @@ fn collect(folder: &Path, found: &mut Vec<(String, String)>) {
     }
 }
 
-/// Value at time `t` [s] of breakpoints, held outside.
+/// Value at time `t` \[s\] of breakpoints, held outside.
 pub fn follow(points: &[[f64; 2]], t: f64) -> f64 {
     let i = points.partition_point(|p| p[0] <= t);
     match (i.checked_sub(1).map(|i| points[i]), points.get(i).copied()) {

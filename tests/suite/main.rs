@@ -7,7 +7,6 @@ mod compile_fuzz;
 mod conformance;
 mod diagnostics;
 mod files;
-mod interpreter;
 mod mims;
 mod models;
 mod oracle;

@@ -10,7 +10,7 @@ use alloc::vec::Vec;
 /// A position port.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Enx {
-    /// place in `State::input`
+    /// place in [`State::input`](crate::state::State)
     pub input: u32,
     /// the MAT it moves
     pub mat: u32,
@@ -21,7 +21,7 @@ pub struct Enx {
 /// A force port.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Enf {
-    /// place in `State::input`
+    /// place in [`State::input`](crate::state::State)
     pub input: u32,
     /// the MAT it pushes
     pub mat: u32,
@@ -41,7 +41,7 @@ pub enum Place {
 pub struct Proxy {
     /// its own place among the MATs
     pub mat: u32,
-    /// first node in `Scene::nodes`
+    /// first node in [`Layout::nodes`]
     pub first: u32,
     /// nodes along the two directions; 1 for a string
     pub size: [u32; 2],
@@ -56,14 +56,14 @@ pub enum Heard {
     Position(u32),
     /// summed force on a MAT
     ForceOn(u32),
-    /// force of a LIA, at this place in `State::tap`
+    /// force of a LIA, at this place in [`State::tap`](crate::state::State)
     ForceOf(u32),
 }
 
 /// An output or a probe.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Output {
-    /// place in `State::output`
+    /// place in [`State::output`](crate::state::State)
     pub channel: u32,
     /// what it hears
     pub heard: Heard,
@@ -122,9 +122,9 @@ pub struct Layout {
     pub n_mem: usize,
     /// places for forces kept or in passing
     pub n_tap: usize,
-    /// channels of sound; probes come after them in `State::output`
+    /// channels of sound; probes come after them in [`State::output`](crate::state::State)
     pub channels: usize,
-    /// places in `State::output`
+    /// places in [`State::output`](crate::state::State)
     pub n_out: usize,
     /// ends of links, first and second MAT (n_lia x 2)
     pub ends: Vec<[u32; 2]>,

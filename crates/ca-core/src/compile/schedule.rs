@@ -29,158 +29,40 @@ pub fn schedule(
     certificate: Certificate,
     diags: &mut Diags,
 ) -> Option<Scene> {
-    let used = used_points(net);
-    let mut place = alloc::vec![u32::MAX; net.mats.len()];
-    for (i, m) in order.iter().enumerate() {
-        place[*m as usize] = i as u32;
-    }
-    let mut point = alloc::vec![u32::MAX; net.points.len()];
-    let mut n_mat = order.len() as u32;
-    for (p, u) in point.iter_mut().zip(&used) {
-        if *u {
-            *p = n_mat;
-            n_mat += 1;
-        }
-    }
-    let n_mat = n_mat as usize;
-    let mut plan =
-        Plan { net, place, point, coef: alloc::vec![0.0; 3 * n_mat], live: Vec::new(), modules: BTreeMap::new() };
-    let mut x = alloc::vec![0.0; n_mat];
-    let mut v = alloc::vec![0.0; n_mat];
-    let mut rest = alloc::vec![0.0; n_mat];
-    let mut symbols = Vec::with_capacity(net.mats.len() + net.lias.len());
-    for (i, m) in net.mats.iter().enumerate() {
-        let at = plan.place[i] as usize;
-        if at == u32::MAX as usize {
-            continue;
-        }
-        (x[at], v[at], rest[at]) = (m.dx0, m.v, m.rest);
-        symbols.push(Symbol { name: m.name.clone(), code: m.code, place: Stands::Mat(at as u32) });
-        if let MatRole::Mat(spec) = m.role {
-            let loader = Loader::Mat(spec, if spec.fixed { 0.0 } else { net.medium(m).friction });
-            plan.load(loader, m.item, &m.values, &[at, n_mat + at, 2 * n_mat + at]);
-        }
-    }
-    for (p, at) in plan.point.iter().enumerate() {
-        if *at != u32::MAX {
-            rest[*at as usize] = net.rest(End::Point(p as u32));
-        }
-    }
-
-    let ports = |role: PortRole| -> Vec<Enx> {
-        let all = net.mats.iter().zip(&plan.place).filter(|(_, at)| **at != u32::MAX);
-        all.filter_map(|(m, at)| match m.role {
-            MatRole::Port(r, input) if r == role => Some(Enx { input, mat: *at, rest: m.rest }),
-            _ => None,
-        })
-        .collect()
-    };
-    let (enx, tgr) = (ports(PortRole::Enx), ports(PortRole::Tgr));
+    let mut plan = places(net, order);
+    let Masses { x, v, rest } = masses(&mut plan);
+    let n_mat = x.len();
+    let (enx, tgr) = (ports(&plan, PortRole::Enx), ports(&plan, PortRole::Tgr));
     let enf: Vec<Enf> =
         net.pushes.iter().filter_map(|(input, end)| Some(Enf { input: *input, mat: plan.alive(*end)? })).collect();
-
-    // weight
-    let mut weighed = Vec::new();
-    let weight = plan.coef.len();
-    for (i, m) in net.mats.iter().enumerate() {
-        let g = net.medium(m).gravity;
-        if g != 0.0 && !m.is_fixed() && plan.place[i] != u32::MAX {
-            weighed.push(plan.place[i]);
-            plan.coef.push(0.0);
-            let to = plan.coef.len() - 1;
-            plan.load(Loader::Weight(g), m.item, &m.values, &[to]);
-        }
-    }
-
+    // in this order, coefficients stand one behind the other
+    let (weight, weighed) = weigh(&mut plan);
     let links = plan.links(options, diags, model);
-    let Links { forces, ends, e0, mem, tap, where_is } = links;
-    symbols.extend(net.lias.iter().enumerate().map(|(i, l)| {
-        let (op, k) = where_is[i];
-        Symbol { name: l.name.clone(), code: l.law.code, place: Stands::Lia(op, k) }
-    }));
-
-    // moving points
-    let mut nodes = Vec::new();
-    let mut proxies = Vec::new();
-    for (p, at) in net.points.iter().zip(&plan.point.clone()) {
-        if *at == u32::MAX {
-            continue;
-        }
-        let family = &net.families[&p.family];
-        let first = nodes.len() as u32;
-        nodes.extend(family.nodes.iter().map(|m| plan.place[*m as usize]));
-        let mut places = [Place::Coef(0); 2];
-        for (k, c) in p.at.iter().enumerate() {
-            places[k] = match c {
-                Coordinate::Port(m) => Place::Mat(plan.place[*m as usize]),
-                Coordinate::At(v) => plan.coordinate(*v, None),
-                Coordinate::Live(q) => plan.coordinate(net.params[*q as usize].value, Some(*q)),
-            };
-        }
-        proxies.push(Proxy { mat: *at, first, size: family.size, at: places });
-    }
-    let aimed = net.points.iter().zip(&used).any(|(p, u)| *u && p.at.iter().any(|c| !matches!(c, Coordinate::At(_))));
-
-    // outputs
-    let gains = plan.coef.len();
-    let mut outputs = Vec::new();
-    for o in &net.outs {
-        let heard = match o.ear {
-            Ear::Position(e) => Heard::Position(plan.alive(e)?),
-            Ear::ForceOn(e) => Heard::ForceOn(plan.alive(e)?),
-            Ear::ForceOf(l) => {
-                let (op, k) = where_is[l as usize];
-                Heard::ForceOf((forces[op as usize].tap + k as usize) as u32)
-            }
-        };
-        outputs.push(Output { channel: o.channel, heard });
-        plan.coef.push(0.0);
-        let to = plan.coef.len() - 1;
-        match (o.item, o.gain) {
-            (Some(item), gain) => plan.load(Loader::Plain, item, &[gain], &[to]),
-            (None, gain) => plan.coef[to] = gain.get(&[]).unwrap_or(1.0),
-        }
-    }
-    let n_out = net.outs.iter().map(|o| o.channel as usize + 1).max().unwrap_or(0).max(net.channels.len());
-
+    let Points { nodes, proxies, aimed } = points(&mut plan);
+    let (gains, outputs) = outputs(&mut plan, &links)?;
     // what stands before the links in the list of forces moves them back
-    let lead = u32::from(!enf.is_empty()) + u32::from(!weighed.is_empty());
-    for symbol in &mut symbols {
-        if let Stands::Lia(op, _) = &mut symbol.place {
-            *op += lead;
-        }
-    }
-    let account = |(i, op): (usize, &Op)| {
-        let law = op.law?;
-        let op_number = i + lead as usize;
-        let Op { n, first, coef, mem, tap, .. } = *op;
-        let (coefs, mems, linear, stored, lost) = (law.coefs, law.mem, law.linear, law.stored, law.lost);
-        Some(Account { op: op_number, n, first, coef, mem, tap, coefs, mems, linear, stored, lost })
-    };
-    let accounts = forces.iter().enumerate().filter_map(account).collect();
-    let ledger = options.energy.then_some(LedgerPlan { accounts, weight });
-
+    let lead = usize::from(!enf.is_empty()) + usize::from(!weighed.is_empty());
+    let ledger = options.energy.then(|| LedgerPlan { accounts: accounts(&links.forces, lead), weight });
+    let symbols = symbols(&plan, &links, lead as u32);
     let moves = plan.moves(order, n_mat);
     let live = plan.live_plan();
     let (coef, live_places) = (plan.coef, plan.live);
-    let mut tables = net.tables.clone();
-    tables.extend(own_tables(net).into_iter().map(|(_, t)| t));
     let layout = Layout {
         te: net.te,
         ratio: net.ratio,
         n_mat,
-        n_lia: ends.len(),
+        n_lia: links.ends.len(),
         n_coef: coef.len(),
-        n_mem: mem,
-        n_tap: tap,
+        n_mem: links.mem,
+        n_tap: links.tap,
         channels: net.channels.len(),
-        n_out,
-        ends,
-        e0,
+        n_out: net.outs.iter().map(|o| o.channel as usize + 1).max().unwrap_or(0).max(net.channels.len()),
+        ends: links.ends,
+        e0: links.e0,
         rest,
         nodes,
         proxies,
-        tables,
+        tables: net.tables.iter().cloned().chain(own_tables(net).into_iter().map(|(_, t)| t)).collect(),
         enx,
         enf,
         tgr,
@@ -189,28 +71,9 @@ pub fn schedule(
         ledger,
     };
     let reads = passes::reads(&layout, live_places.len(), aimed);
-    let forces = passes::forces(&layout, forces, weight);
+    let forces = passes::forces(&layout, links.forces, weight);
     let writes = passes::writes(&layout, gains);
-    let input: Vec<f64> = net.inputs.iter().map(|i| if i.role == InputRole::Force { 0.0 } else { i.rest }).collect();
-    let ports = layout.enx.len() + layout.tgr.len() + layout.enf.len();
-    let initial = State {
-        x,
-        d: v.iter().map(|v| v * net.te).collect(),
-        f: alloc::vec![0.0; n_mat],
-        mem: alloc::vec![0.0; mem],
-        tap: alloc::vec![0.0; tap],
-        held: input.clone(),
-        input,
-        output: alloc::vec![0.0; n_out],
-        cells: alloc::vec![Cell::default(); layout.proxies.len()],
-        border: alloc::vec![Border::default(); layout.tgr.len()],
-        ramps: Ramps::new(live_places),
-        ledger: options.energy.then(|| Ledger::new(n_mat, layout.n_lia, ports)),
-        tick: 0,
-        refused: 0,
-        coef,
-    };
-    let initial = start(&layout, &forces, initial);
+    let initial = start(&layout, &forces, loaded(net, &layout, x, &v, coef, live_places));
     Some(Scene {
         rate: net.rate,
         layout,
@@ -231,6 +94,186 @@ pub fn schedule(
         seconds: net.seconds,
         initial,
     })
+}
+
+/// Places: MATs in their order, moving points behind them; what nobody needs has none.
+fn places<'n>(net: &'n Net, order: &[u32]) -> Plan<'n> {
+    let mut place = alloc::vec![u32::MAX; net.mats.len()];
+    for (i, m) in order.iter().enumerate() {
+        place[*m as usize] = i as u32;
+    }
+    let mut point = alloc::vec![u32::MAX; net.points.len()];
+    let mut n_mat = order.len() as u32;
+    for (p, used) in point.iter_mut().zip(used_points(net)) {
+        if used {
+            *p = n_mat;
+            n_mat += 1;
+        }
+    }
+    let coef = alloc::vec![0.0; 3 * n_mat as usize];
+    Plan { net, place, point, coef, live: Vec::new(), modules: BTreeMap::new() }
+}
+
+/// Where MATs and moving points start, how fast, and where they rest.
+struct Masses {
+    x: Vec<f64>,
+    v: Vec<f64>,
+    rest: Vec<f64>,
+}
+
+/// Positions and coefficients of MATs, rest positions of moving points too.
+fn masses(plan: &mut Plan) -> Masses {
+    let net = plan.net;
+    let n_mat = plan.coef.len() / 3;
+    let zero = alloc::vec![0.0; n_mat];
+    let mut all = Masses { x: zero.clone(), v: zero.clone(), rest: zero };
+    for (i, m) in net.mats.iter().enumerate() {
+        let at = plan.place[i] as usize;
+        if at == u32::MAX as usize {
+            continue;
+        }
+        (all.x[at], all.v[at], all.rest[at]) = (m.dx0, m.v, m.rest);
+        if let MatRole::Mat(spec) = m.role {
+            let loader = Loader::Mat(spec, if spec.fixed { 0.0 } else { net.medium(m).friction });
+            plan.load(loader, m.item, &m.values, &[at, n_mat + at, 2 * n_mat + at]);
+        }
+    }
+    for (p, at) in plan.point.iter().enumerate() {
+        if *at != u32::MAX {
+            all.rest[*at as usize] = net.rest(End::Point(p as u32));
+        }
+    }
+    all
+}
+
+/// The ports of one role that move a MAT.
+fn ports(plan: &Plan, role: PortRole) -> Vec<Enx> {
+    let all = plan.net.mats.iter().zip(&plan.place).filter(|(_, at)| **at != u32::MAX);
+    all.filter_map(|(m, at)| match m.role {
+        MatRole::Port(r, input) if r == role => Some(Enx { input, mat: *at, rest: m.rest }),
+        _ => None,
+    })
+    .collect()
+}
+
+/// MATs under gravity, behind the place of their first coefficient.
+fn weigh(plan: &mut Plan) -> (usize, Vec<u32>) {
+    let net = plan.net;
+    let first = plan.coef.len();
+    let mut weighed = Vec::new();
+    for (i, m) in net.mats.iter().enumerate() {
+        let g = net.medium(m).gravity;
+        if g != 0.0 && !m.is_fixed() && plan.place[i] != u32::MAX {
+            weighed.push(plan.place[i]);
+            plan.coef.push(0.0);
+            let to = plan.coef.len() - 1;
+            plan.load(Loader::Weight(g), m.item, &m.values, &[to]);
+        }
+    }
+    (first, weighed)
+}
+
+/// Moving points, laid out.
+struct Points {
+    /// the MATs under them
+    nodes: Vec<u32>,
+    proxies: Vec<Proxy>,
+    /// whether one of them moves along what it stands on
+    aimed: bool,
+}
+
+fn points(plan: &mut Plan) -> Points {
+    let net = plan.net;
+    let mut all = Points { nodes: Vec::new(), proxies: Vec::new(), aimed: false };
+    for (i, p) in net.points.iter().enumerate() {
+        let mat = plan.point[i];
+        if mat == u32::MAX {
+            continue;
+        }
+        let family = &net.families[&p.family];
+        let first = all.nodes.len() as u32;
+        all.nodes.extend(family.nodes.iter().map(|m| plan.place[*m as usize]));
+        let mut at = [Place::Coef(0); 2];
+        for (k, c) in p.at.iter().enumerate() {
+            at[k] = match c {
+                Coordinate::Port(m) => Place::Mat(plan.place[*m as usize]),
+                Coordinate::At(v) => plan.coordinate(*v, None),
+                Coordinate::Live(q) => plan.coordinate(net.params[*q as usize].value, Some(*q)),
+            };
+            all.aimed |= !matches!(c, Coordinate::At(_));
+        }
+        all.proxies.push(Proxy { mat, first, size: family.size, at });
+    }
+    all
+}
+
+/// Outputs, behind the place of the first gain. `None` where one hears what was left out.
+fn outputs(plan: &mut Plan, links: &Links) -> Option<(usize, Vec<Output>)> {
+    let first = plan.coef.len();
+    let mut all = Vec::new();
+    for o in &plan.net.outs {
+        let heard = match o.ear {
+            Ear::Position(e) => Heard::Position(plan.alive(e)?),
+            Ear::ForceOn(e) => Heard::ForceOn(plan.alive(e)?),
+            Ear::ForceOf(l) => {
+                let (op, k) = links.where_is[l as usize];
+                Heard::ForceOf((links.forces[op as usize].tap + k as usize) as u32)
+            }
+        };
+        all.push(Output { channel: o.channel, heard });
+        plan.coef.push(0.0);
+        let to = plan.coef.len() - 1;
+        match (o.item, o.gain) {
+            (Some(item), gain) => plan.load(Loader::Plain, item, &[gain], &[to]),
+            (None, gain) => plan.coef[to] = gain.get(&[]).unwrap_or(1.0),
+        }
+    }
+    Some((first, all))
+}
+
+/// What the energy book reads of each pass of links; `lead` passes stand before them.
+fn accounts(forces: &[Op], lead: usize) -> Vec<Account> {
+    let account = |(i, op): (usize, &Op)| {
+        let law = op.law?;
+        let Op { n, first, coef, mem, tap, .. } = *op;
+        let (coefs, mems, linear, stored, lost) = (law.coefs, law.mem, law.linear, law.stored, law.lost);
+        Some(Account { op: i + lead, n, first, coef, mem, tap, coefs, mems, linear, stored, lost })
+    };
+    forces.iter().enumerate().filter_map(account).collect()
+}
+
+/// The modules by name: MATs that stay, then links, whose passes have `lead` others before them.
+fn symbols(plan: &Plan, links: &Links, lead: u32) -> Vec<Symbol> {
+    let net = plan.net;
+    let mats = net.mats.iter().zip(&plan.place).filter(|(_, at)| **at != u32::MAX);
+    let mats = mats.map(|(m, at)| Symbol { name: m.name.clone(), code: m.code, place: Stands::Mat(*at) });
+    let lias = net.lias.iter().zip(&links.where_is);
+    let lias =
+        lias.map(|(l, (op, k))| Symbol { name: l.name.clone(), code: l.law.code, place: Stands::Lia(op + lead, *k) });
+    mats.chain(lias).collect()
+}
+
+/// The state as written: every mass where its author put it, with the speed it was given.
+fn loaded(net: &Net, layout: &Layout, x: Vec<f64>, v: &[f64], coef: Vec<f64>, live: Vec<u32>) -> State {
+    let input: Vec<f64> = net.inputs.iter().map(|i| if i.role == InputRole::Force { 0.0 } else { i.rest }).collect();
+    let ports = layout.enx.len() + layout.tgr.len() + layout.enf.len();
+    State {
+        x,
+        d: v.iter().map(|v| v * net.te).collect(),
+        f: alloc::vec![0.0; layout.n_mat],
+        mem: alloc::vec![0.0; layout.n_mem],
+        tap: alloc::vec![0.0; layout.n_tap],
+        held: input.clone(),
+        input,
+        output: alloc::vec![0.0; layout.n_out],
+        cells: alloc::vec![Cell::default(); layout.proxies.len()],
+        border: alloc::vec![Border::default(); layout.tgr.len()],
+        ramps: Ramps::new(live),
+        ledger: layout.ledger.is_some().then(|| Ledger::new(layout.n_mat, layout.n_lia, ports)),
+        tick: 0,
+        refused: 0,
+        coef,
+    }
 }
 
 fn used_points(net: &Net) -> Vec<bool> {

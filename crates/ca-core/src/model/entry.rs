@@ -5,7 +5,7 @@
 //! because a [`Value`] has no place for them.
 
 use super::diag::Diag;
-use super::read::Reader;
+use super::reader::Reader;
 use super::{Entry, Span, Value};
 use alloc::format;
 use alloc::string::String;
@@ -36,10 +36,6 @@ pub(super) fn article(value: &DeValue) -> &'static str {
 }
 
 impl Reader<'_, '_> {
-    pub(super) fn span<T>(&self, s: &Spanned<T>) -> Span {
-        self.source.span(s.span())
-    }
-
     pub(super) fn entries(&mut self, table: &DeTable) -> Vec<Entry> {
         ordered(table).into_iter().filter_map(|(k, v)| self.entry(k.get_ref().as_ref().into(), k, v)).collect()
     }

@@ -12,14 +12,20 @@ pub mod diag;
 #[cfg(feature = "parse")]
 mod entry;
 #[cfg(feature = "parse")]
+mod members;
+#[cfg(feature = "parse")]
 pub mod mims;
 pub mod quantity;
 #[cfg(feature = "parse")]
 pub mod read;
 #[cfg(feature = "parse")]
+mod reader;
+#[cfg(feature = "parse")]
 pub mod render;
 #[cfg(feature = "parse")]
 pub mod schema;
+#[cfg(feature = "parse")]
+mod sections;
 pub mod select;
 pub mod suggest;
 #[cfg(feature = "parse")]

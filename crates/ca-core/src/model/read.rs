@@ -8,48 +8,18 @@
 
 use super::diag::{Diag, Diags};
 use super::entry::{Key, Val, article, ordered};
+use super::reader::{Reader, is_code, ticked};
+pub use super::sections::{GROUP, META, RATES, SECTIONS};
 use super::select::is_word;
 use super::suggest::nearest;
 use super::syntax::{self, Source};
-use super::{Entry, Group, Item, Model, Span};
+use super::{Entry, Model, Span};
 use crate::catalog::Catalog;
-use crate::kind::{Kind, Type};
-use alloc::borrow::ToOwned;
 use alloc::collections::BTreeMap;
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
 use toml::de::{DeTable, DeValue};
-
-/// Root sections that are not kinds, in the order [`super::write`] gives them.
-pub const SECTIONS: &[&str] = &["model", "rate", "param", "gesture", "equivalence"];
-/// Keys of `[model]`.
-pub const META: &[&str] =
-    &["title", "author", "source", "doc", "units", "reference_rate", "gravity", "friction", "seconds"];
-/// Keys of `[rate]`.
-pub const RATES: &[&str] = &["sound", "gesture"];
-/// Properties of a group.
-pub const GROUP: &[&str] = &["gravity", "friction", "dim"];
-
-/// What other programs and textbooks call a parameter.
-const OTHER_NAMES: &[(&str, &str)] = &[
-    ("mass", "m"),
-    ("inertia", "m"),
-    ("stiffness", "k"),
-    ("spring", "k"),
-    ("damping", "z"),
-    ("viscosity", "z"),
-    ("friction", "z"),
-    ("frequency", "f"),
-    ("freq", "f"),
-    ("decay", "t60"),
-    ("threshold", "d"),
-    ("distance", "d"),
-    ("length", "l0"),
-    ("position", "x"),
-    ("velocity", "v"),
-    ("speed", "v"),
-];
 
 /// Reads the text of a model. `file` is its name in reports.
 ///
@@ -102,15 +72,6 @@ fn header(text: &str) -> String {
     lines.join("\n").trim_end().into()
 }
 
-fn is_code(key: &str) -> bool {
-    key.starts_with(|c: char| c.is_ascii_uppercase())
-}
-
-/// `a`, `b`, `c`
-fn ticked<'a>(words: impl Iterator<Item = &'a str>) -> String {
-    words.map(|w| format!("`{w}`")).collect::<Vec<_>>().join(", ")
-}
-
 /// Sorts modules by place and leaves out those whose name is taken.
 fn unique(model: &mut Model, diags: &mut Diags) {
     model.items.sort_by_key(|i| i.name_span);
@@ -128,14 +89,6 @@ fn unique(model: &mut Model, diags: &mut Diags) {
         );
         false
     });
-}
-
-pub(super) struct Reader<'a, 's> {
-    catalog: &'a Catalog,
-    pub(super) source: &'a Source<'s>,
-    text: &'a str,
-    model: Model,
-    pub(super) diags: Diags,
 }
 
 impl Reader<'_, '_> {
@@ -189,11 +142,6 @@ impl Reader<'_, '_> {
         }
     }
 
-    /// Remembers the names in a table that is not read.
-    fn lose(&mut self, table: &DeTable) {
-        self.model.lost.extend(table.keys().map(|k| String::from(k.get_ref().as_ref())));
-    }
-
     fn has_section(&self, name: &str) -> bool {
         match name {
             "model" => !self.model.meta.is_empty(),
@@ -241,49 +189,6 @@ impl Reader<'_, '_> {
         }
     }
 
-    /// Entries of a section with a closed list of keys.
-    fn known(&mut self, section: &str, table: &DeTable, keys: &[&'static str]) -> Vec<Entry> {
-        let list = self.entries(table);
-        let title = |key: &str| format!("unknown key in `[{section}]`: `{key}`");
-        self.admit(list, keys, title, || format!("`[{section}]` knows {}", ticked(keys.iter().copied())))
-    }
-
-    /// Keeps entries whose key is known, and those whose key is nearly so under the key that was meant.
-    fn admit(
-        &mut self,
-        list: Vec<Entry>,
-        keys: &[&'static str],
-        title: impl Fn(&str) -> String,
-        all: impl Fn() -> String,
-    ) -> Vec<Entry> {
-        let written: Vec<String> = list.iter().map(|e| e.key.clone()).collect();
-        let mut kept: Vec<Entry> = Vec::new();
-        for mut e in list {
-            if keys.contains(&e.key.as_str()) {
-                kept.push(e);
-                continue;
-            }
-            let free = |k: &&str| !written.iter().any(|w| w == k) && !kept.iter().any(|x| x.key == **k);
-            let d = Diag::error("E004", title(&e.key)).at(e.key_span, "not known here");
-            let other = OTHER_NAMES.iter().find(|o| o.0.eq_ignore_ascii_case(&e.key)).map(|o| o.1);
-            let other = keys.iter().copied().find(|k| Some(*k) == other && free(k));
-            match nearest(&e.key, keys.iter().copied().filter(free)).or(other) {
-                Some(meant) => {
-                    self.diags.push(d.help(format!("did you mean `{meant}`?")).fix(e.key_span, meant));
-                    e.key = meant.into();
-                    kept.push(e);
-                }
-                None => self.diags.push(d.help(all())),
-            }
-        }
-        kept
-    }
-
-    fn params(&mut self, table: &DeTable) -> Vec<Entry> {
-        let list = self.entries(table);
-        list.into_iter().filter(|e| self.check_name(&e.key, e.key_span)).collect()
-    }
-
     /// `[gesture]`: the keys are full names, so `ball.hand` and a nested table are the same.
     fn paths(&mut self, prefix: &str, table: &DeTable, out: &mut Vec<Entry>) {
         for (key, value) in ordered(table) {
@@ -295,139 +200,15 @@ impl Reader<'_, '_> {
         }
     }
 
-    fn group(&mut self, key: &Key, table: &DeTable) {
-        let name = key.get_ref().as_ref();
-        let valid = self.check_name(name, self.span(key));
-        let index = self.model.groups.len();
-        let mut props = Vec::new();
-        self.model.groups.push(Group { name: name.into(), span: self.span(key), props: Vec::new() });
-        for (k, v) in ordered(table) {
-            let code = k.get_ref().as_ref();
-            match v.get_ref() {
-                DeValue::Table(t) if is_code(code) => {
-                    let kind = self.group_kind(code, k);
-                    self.modules(kind.map_or(code, |k| k.code), kind, k, t, Some((index, name)));
-                }
-                DeValue::Table(t) if !GROUP.contains(&code) => {
-                    let d = Diag::error("E002", format!("`{name}.{code}` is neither a kind nor a property"));
-                    let d = d.at(self.span(k), "in a group stand kinds, in upper case");
-                    let meant = nearest(code, self.catalog.iter().map(|k| k.code));
-                    self.diags.push(match meant {
-                        Some(m) => d.help(format!("did you mean `{m}`?")).fix(self.span(k), m),
-                        None => d.help("groups do not nest"),
-                    });
-                    match meant.and_then(|m| self.catalog.get(m)) {
-                        Some(kind) => self.modules(kind.code, Some(kind), k, t, Some((index, name))),
-                        None => self.lose(t),
-                    }
-                }
-                _ => props.extend(self.entry(code.into(), k, v)),
-            }
-        }
-        let title = |key: &str| format!("unknown property of the group `{name}`: `{key}`");
-        let props = self.admit(props, GROUP, title, || format!("a group knows {}", ticked(GROUP.iter().copied())));
-        if let Some(group) = self.model.groups.get_mut(index) {
-            group.props = props;
-        }
-        if !valid {
-            // its modules have no usable name either, and its place in the list is taken by nobody
-            let members = self.model.items.iter().filter(|i| i.group == Some(index)).map(|i| i.name.clone());
-            self.model.lost.extend(members.collect::<Vec<_>>());
-            self.model.items.retain(|i| i.group != Some(index));
-            self.model.groups.truncate(index);
-        }
+    /// Entries of a section with a closed list of keys.
+    fn known(&mut self, section: &str, table: &DeTable, keys: &[&'static str]) -> Vec<Entry> {
+        let list = self.entries(table);
+        let title = |key: &str| format!("unknown key in `[{section}]`: `{key}`");
+        self.admit(list, keys, title, || format!("`[{section}]` knows {}", ticked(keys.iter().copied())))
     }
 
-    fn group_kind(&mut self, code: &str, key: &Key) -> Option<&'static Kind> {
-        let found = self.catalog.get(code);
-        if found.is_some() {
-            return found;
-        }
-        let d = Diag::error("E002", format!("unknown kind: `{code}`")).at(self.span(key), "no such kind");
-        let meant = nearest(code, self.catalog.iter().map(|k| k.code));
-        self.diags.push(match meant {
-            Some(m) => d.help(format!("did you mean `{m}`?")).fix(self.span(key), m),
-            None => d.help(format!("kinds are {}", ticked(self.catalog.iter().map(|k| k.code)))),
-        });
-        meant.and_then(|m| self.catalog.get(m))
-    }
-
-    /// The members of one kind; `group` is its index and name.
-    fn modules(
-        &mut self,
-        code: &str,
-        kind: Option<&'static Kind>,
-        kind_key: &Key,
-        table: &DeTable,
-        group: Option<(usize, &str)>,
-    ) {
-        for (key, value) in ordered(table) {
-            let word = key.get_ref().as_ref();
-            let name = group.map_or_else(|| word.to_owned(), |(_, g)| format!("{g}.{word}"));
-            // the value is not TOML, which has been reported: the parser then gives it no place of its own
-            if value.span() == (0..0) {
-                self.model.lost.push(name);
-                continue;
-            }
-            let valid = self.check_name(word, self.span(key));
-            let args = match value.get_ref() {
-                DeValue::Table(t) => {
-                    let list = self.entries(t);
-                    match kind {
-                        Some(kind) => self.admit_params(&name, kind, list),
-                        None => list,
-                    }
-                }
-                other => {
-                    self.not_a_table(&name, kind, article(other), self.span(value));
-                    Vec::new()
-                }
-            };
-            if valid {
-                self.model.items.push(Item {
-                    kind: code.into(),
-                    kind_span: self.span(kind_key),
-                    name,
-                    name_span: self.span(key),
-                    group: group.map(|g| g.0),
-                    args,
-                    span: self.span(value),
-                });
-            }
-        }
-    }
-
-    fn admit_params(&mut self, name: &str, kind: &'static Kind, list: Vec<Entry>) -> Vec<Entry> {
-        let keys: Vec<&'static str> = kind.params.iter().map(|p| p.name).collect();
-        let title = |key: &str| format!("`{name}`: unknown parameter `{key}`");
-        self.admit(list, &keys, title, || format!("`{}` has {}", kind.code, ticked(keys.iter().copied())))
-    }
-
-    fn not_a_table(&mut self, name: &str, kind: Option<&Kind>, what: &str, span: Span) {
-        let first = kind.and_then(|k| k.params.first());
-        let shown = first.map_or("…".into(), |p| format!("{} = …", p.name));
-        let d = Diag::error("E003", format!("`{name}` must be a table")).at(span, format!("this is {what}"));
-        let mut d = d.help(format!("write its parameters in braces: `{{ {shown} }}`"));
-        let written = self.text.get(span.start..span.end);
-        let quantity = first.filter(|p| matches!(p.ty, Type::Number { .. }) && matches!(what, "a string" | "a number"));
-        if let (Some(p), Some(w)) = (quantity, written) {
-            d = d.fix(span, format!("{{ {} = {w} }}", p.name));
-        }
-        self.diags.push(d);
-    }
-
-    fn check_name(&mut self, word: &str, span: Span) -> bool {
-        if is_word(word) {
-            return true;
-        }
-        let mut mended: String = word.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
-        if mended.starts_with(|c: char| c.is_ascii_digit()) {
-            mended.insert(0, '_');
-        }
-        let d = Diag::error("E014", format!("not a name: `{}`", word.escape_debug())).at(span, "not a name");
-        let d = d.help("a name is made of letters, digits and `_`, and starts with a letter");
-        self.diags.push(if is_word(&mended) { d.fix(span, mended) } else { d });
-        self.model.lost.push(word.into());
-        false
+    fn params(&mut self, table: &DeTable) -> Vec<Entry> {
+        let list = self.entries(table);
+        list.into_iter().filter(|e| self.check_name(&e.key, e.key_span)).collect()
     }
 }

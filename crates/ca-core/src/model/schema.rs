@@ -6,7 +6,7 @@
 //! description. Whether a name exists is beyond it.
 
 use super::quantity::show;
-use super::read::{GROUP, META, RATES};
+use super::sections::{GROUP, META, RATES};
 use crate::catalog::Catalog;
 use crate::kind::{Dim, Kind, Need, Param, Type, Unit};
 use alloc::format;

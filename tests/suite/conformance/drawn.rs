@@ -1,0 +1,152 @@
+//! Kinds with drawn parameters, compiled: what the other files hold to their promises.
+
+use crate::play::{Dice, model};
+use ca_core::kind::{Kind, Need, Role, Type, Unit};
+use ca_core::model::{Entry, Model, Value};
+use ca_core::phi::Law;
+use ca_core::table::Table;
+use ca_core::{Catalog, Options, Scene, compile};
+
+pub fn laws() -> Vec<(&'static Kind, &'static Law)> {
+    let list: Vec<_> =
+        Catalog::core().iter().filter_map(|k| if let Role::Lia(l) = k.role { Some((k, l)) } else { None }).collect();
+    assert!(list.len() >= 11);
+    list
+}
+
+/// A value for a parameter of a link, as it would be written, of the size it has in an instrument.
+pub fn written(unit: Unit, (min, max): (f64, f64), dice: &mut Dice) -> f64 {
+    let u = 0.5 * (dice.roll() + 1.0);
+    let size = |lo: i32, hi: i32| 10f64.powf(f64::from(lo) + u * f64::from(hi - lo));
+    let v = match unit.symbol {
+        "N/m" => size(0, 4),
+        "N s/m" => size(-4, -1),
+        "m" => size(-4, -3),
+        "N" | "m/s" => size(-2, 0),
+        "N/m^3" => size(4, 9),
+        _ => u,
+    };
+    v.clamp(min, max)
+}
+
+/// Parameters of a link, drawn within their ranges; tables rise, so that they resist.
+pub fn args(kind: &Kind, dice: &mut Dice) -> Vec<Entry> {
+    let mut out = Vec::new();
+    let chosen = |set: &'static [&'static [&'static str]], roll: f64| set[usize::from(roll > 0.0) % set.len()];
+    let sets: Vec<_> = kind.one_of.iter().map(|o| (o.sets, chosen(o.sets, dice.roll()))).collect();
+    for p in kind.params {
+        let mentioned = sets.iter().find(|(all, _)| all.iter().any(|s| s.contains(&p.name)));
+        if mentioned.is_some_and(|(_, set)| !set.contains(&p.name)) {
+            continue;
+        }
+        // the last table of a kind is left out only where there is another
+        let table = |t: &Type| matches!(t, Type::Points { .. });
+        let only = table(&p.ty)
+            && kind.params.iter().rfind(|q| table(&q.ty)).is_some_and(|q| q.name == p.name)
+            && !out.iter().any(|e: &Entry| matches!(e.value, Value::List(_)));
+        if mentioned.is_none() && p.need == Need::Optional && p.name != "l0" && !only && dice.roll() > 0.6 {
+            continue;
+        }
+        let value: Value = match p.ty {
+            Type::Number { .. } if p.name == "p" => (0.25 * (4.0 + (4.0 * (dice.roll() + 1.0)).floor())).into(),
+            // a rest length would only move the elongation, which is drawn anyway
+            Type::Number { .. } if p.name == "l0" => 0.0.into(),
+            Type::Number { unit, min, max } => written(unit, (min, max), dice).into(),
+            Type::PowerStiffness { .. } => written(Unit::STIFFNESS, (0.0, f64::MAX), dice).into(),
+            Type::Choice(words) if p.name == "curve" => {
+                // the curve follows the set that was chosen
+                let table = sets.iter().any(|(_, s)| s.contains(&"points"));
+                let i = ((dice.roll() + 1.0) * 1.5) as usize;
+                words[if table { words.len() - 1 } else { i.min(words.len() - 2) }].into()
+            }
+            Type::Choice(words) => words[usize::from(dice.roll() > 0.0) % words.len()].into(),
+            Type::Flag => (dice.roll() > 0.0).into(),
+            Type::Points { .. } => {
+                let (x, y) = (1e-3 * (2.0 + dice.roll()), 2.0 + dice.roll());
+                let row = |a: f64, b: f64| Value::from(vec![a, b]);
+                vec![row(-2.0 * x, -3.0 * y), row(-x, -y), row(0.0, 0.0), row(1.5 * x, 0.5 * y), row(4.0 * x, 2.0 * y)]
+                    .into()
+            }
+            _ => continue,
+        };
+        out.push(Entry::new(p.name, value));
+    }
+    out
+}
+
+/// `low` and `high` joined by one link of this kind.
+pub fn pair(kind: &Kind, dice: &mut Dice) -> Model {
+    let mut m = model("[MAS]\nlow = { m = 1 }\nhigh = { m = 2 }\n[SOX]\nout = { from = \"low\" }\n");
+    let mut list = args(kind, dice);
+    list.push(Entry::new("between", Value::from(vec!["low", "high"])));
+    m.add(kind.code, "link", list);
+    m
+}
+
+pub fn built(m: &Model, options: &Options) -> Scene {
+    compile(m, &Catalog::core(), options).unwrap_or_else(|d| panic!("{d}\n{}", ca_core::model::write::write(m)))
+}
+
+/// A law with its coefficients, memory and tables, taken from a compiled scene.
+pub struct Loaded {
+    pub law: &'static Law,
+    pub c: Vec<f64>,
+    pub mem: Vec<f64>,
+    pub tables: Vec<Table>,
+    pub named: String,
+}
+
+impl Loaded {
+    pub fn new(kind: &Kind, dice: &mut Dice) -> Loaded {
+        let m = pair(kind, dice);
+        let scene = built(&m, &Options::default());
+        let s = scene.state();
+        let op = scene.forces.iter().find(|o| o.law.is_some()).expect("a link");
+        let law = op.law.expect("a law");
+        let c: Vec<f64> = (0..law.coefs).map(|k| s.coef[op.coef + k * op.n]).collect();
+        let mut l = Loaded {
+            law,
+            c,
+            mem: vec![0.0; law.mem],
+            tables: scene.tables.clone(),
+            named: ca_core::model::write::write(&m),
+        };
+        l.start(0.0);
+        l
+    }
+    pub fn start(&mut self, e: f64) {
+        (self.law.start)(&self.c, e, &mut self.mem);
+    }
+    pub fn force(&mut self, e: f64, w: f64) -> f64 {
+        (self.law.force)(&self.c, &mut self.mem, &self.tables, e, w)
+    }
+    pub fn stored(&self, e: f64) -> f64 {
+        (self.law.stored)(&self.c, &self.mem, &self.tables, e, e)
+    }
+}
+
+/// A row of six masses joined by one law each, and a seventh across, so that batches hold a run and a loose link.
+pub fn row(kind: &Kind, apart: bool, dice: &mut Dice) -> Model {
+    let mut m = model("[SOX]\nout = { from = \"m3\" }\n");
+    for i in 0..6 {
+        let x = if apart { 1e-4 * f64::from(i) } else { 0.0 };
+        let own = [
+            Entry::new("m", 0.5 + 0.1 * f64::from(i)),
+            Entry::new("x", x),
+            Entry::new("dx0", 1e-3 * dice.roll()),
+            Entry::new("v", 0.1 * dice.roll()),
+        ];
+        m.add("MAS", &format!("m{i}"), own);
+    }
+    let list = args(kind, dice);
+    for (k, (a, b)) in [(0, 1), (1, 2), (2, 3), (3, 4), (4, 5), (0, 3)].into_iter().enumerate() {
+        let mut own = list.clone();
+        own.retain(|e| e.key != "l0");
+        own.push(Entry::new("between", Value::from(vec![format!("m{a}"), format!("m{b}")])));
+        if apart && kind.param("l0").is_some() {
+            own.push(Entry::new("l0", 5e-5));
+        }
+        m.add(kind.code, &format!("l{k}"), own);
+    }
+    m
+}

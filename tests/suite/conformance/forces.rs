@@ -1,0 +1,125 @@
+//! Forces of every law: action and reaction, bounds, passivity, and the energy of each.
+
+use super::drawn::{Loaded, built, laws, pair};
+use crate::play::{Dice, mat};
+use ca_core::model::{Entry, Value};
+use ca_core::{Options, tick};
+use proptest::prelude::*;
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 48, ..ProptestConfig::default() })]
+
+    #[test]
+    fn action_is_reaction(seed in 1u64.., x in -2e-3..2e-3f64, y in -2e-3..2e-3f64, v in -1e-5..1e-5f64) {
+        for (kind, _) in laws() {
+            let scene = built(&pair(kind, &mut Dice(seed)), &Options::default());
+            let (a, b) = (mat(&scene, "low"), mat(&scene, "high"));
+            let mut s = scene.state();
+            (s.x[a], s.x[b], s.d[a]) = (x, y, v);
+            for _ in 0..200 {
+                ca_core::sense(&scene, &mut s);
+                prop_assert_eq!(s.f[a], -s.f[b], "{}", kind.code);
+                ca_core::advance(&scene, &mut s);
+            }
+        }
+    }
+
+    /// Force is the slope of the potential: ΔU = ∫F de at rest, by the midpoint rule.
+    #[test]
+    fn potential_is_the_integral_of_force(seed in 1u64.., from in -1e-3..1e-3f64, way in -2e-3..2e-3f64) {
+        for (kind, _) in laws() {
+            let mut l = Loaded::new(kind, &mut Dice(seed));
+            // a plectrum has a potential while it holds
+            let reach = if l.law.mem > 0 { l.c[2] * 0.999 } else { f64::INFINITY };
+            let clip = |e: f64| e.clamp(-reach, reach);
+            let (e0, e1) = (clip(from), clip(from + way));
+            l.start(0.0);
+            let n = 20_000;
+            let h = (e1 - e0) / f64::from(n);
+            let (mut work, mut scale) = (0.0, 0.0f64);
+            for i in 0..n {
+                let f = l.force(e0 + (f64::from(i) + 0.5) * h, 0.0);
+                work += f * h;
+                scale = scale.max((f * (e1 - e0)).abs());
+            }
+            let gain = l.stored(e1) - l.stored(e0);
+            prop_assert!((gain - work).abs() <= 1e-6 * scale.max(1e-300), "{gain} is not {work}\n{}", l.named);
+        }
+    }
+
+    /// Round and round a closed path, a link takes work or nothing; what it says it turns to heat is never negative.
+    #[test]
+    fn a_cycle_gains_nothing(seed in 1u64.., middle in -5e-4..5e-4f64, swing in 1e-4..2e-3f64) {
+        for (kind, _) in laws() {
+            let mut l = Loaded::new(kind, &mut Dice(seed));
+            let n = 20_000;
+            let path = |i: i32| middle + swing * (f64::from(i) * std::f64::consts::TAU / f64::from(n)).sin();
+            // once round to forget where it began
+            let (mut taken, mut scale) = (0.0, 0.0f64);
+            for i in -n..n {
+                let e = [path(i - 1), path(i), path(i + 1)];
+                let f = l.force(e[1], e[1] - e[0]);
+                let heat = (l.law.lost)(&l.c, &l.mem, &l.tables, e);
+                prop_assert!(heat >= 0.0, "heat {heat} at {e:?}\n{}", l.named);
+                if i >= 0 {
+                    let work = f * 0.5 * (e[2] - e[0]);
+                    taken += work;
+                    scale += work.abs();
+                }
+            }
+            prop_assert!(taken >= -1e-3 * scale, "{taken} of {scale}\n{}", l.named);
+        }
+    }
+
+    /// No slope is above the bound the certificate uses (at rest for laws that harden, whose rule of thumb it is).
+    #[test]
+    fn bounds_bound(seed in 1u64.., e in -2e-3..2e-3f64, step in 1e-7..1e-4f64, w in -1e-5..1e-5f64) {
+        for (kind, _) in laws() {
+            let mut l = Loaded::new(kind, &mut Dice(seed));
+            let bound = (l.law.bound)(&l.c, &l.tables);
+            // the bound of laws that harden is their slope at rest, for a rule of thumb; a Hertz contact has none
+            let hardens = matches!(kind.code, "CUB" | "POW");
+            let reach = if l.law.mem > 0 { 0.9 * l.c[2] } else { f64::INFINITY };
+            let (e, step) = if hardens { (0.0, 1e-12) } else { (e.clamp(-reach, reach), step.min(0.1 * reach)) };
+            let rise = (l.force(e + step, 0.0) - l.force(e, 0.0)).abs() / step;
+            let room = if kind.code == "POW" { l.c[1] * step.powf(0.25 * l.c[2] - 1.0) } else { 0.0 };
+            if kind.code != "HRZ" {
+                prop_assert!(rise <= bound.k * (1.0 + 1e-6) + room + 1e-6, "{rise} above {}\n{}", bound.k, l.named);
+            }
+            let tug = (l.force(e, w + 1e-6) - l.force(e, w)).abs() / 1e-6;
+            let by_hand = if kind.code == "HRZ" { f64::INFINITY } else { bound.z };
+            prop_assert!(tug <= by_hand * (1.0 + 1e-6) + 1e-6, "{tug} above {}\n{}", bound.z, l.named);
+            prop_assert!(!bound.active, "a table that resists is not active\n{}", l.named);
+        }
+    }
+
+    /// With the book kept: every law's accounts close, heat is never negative, linear laws make nothing, and what only
+    /// resists never makes a mass faster.
+    #[test]
+    fn books_close(seed in 1u64.., x in -1e-3..1e-3f64, v in -0.2..0.2f64) {
+        for (kind, _) in laws() {
+            let mut m = pair(kind, &mut Dice(seed));
+            m.add("SOL", "ground", []);
+            m.add("RES", "tie", [Entry::new("between", Value::from(vec!["ground", "low"])), Entry::new("k", 1e4)]);
+            let scene = built(&m, &Options { energy: true, ..Options::default() });
+            let mut s = scene.state();
+            let high = mat(&scene, "high");
+            (s.x[high], s.d[high]) = (x, v * scene.te);
+            let mut before = 0.0;
+            for n in 0..2000 {
+                tick(&scene, &mut s);
+                let book = s.ledger.as_ref().expect("a book");
+                prop_assert!(book.lost.iter().all(|l| *l >= 0.0), "{}", kind.code);
+                let only_resists = matches!(scene.forces[0].law.map(|l| l.code), Some("FRO" | "LNL friction"))
+                    || kind.code == "BOW" && scene.forces.iter().all(|o| o.law.is_some());
+                if n > 0 && only_resists {
+                    prop_assert!(book.h <= before + book.source.iter().sum::<f64>().abs() + 1e-12 * book.peak);
+                }
+                before = book.h;
+            }
+            let b = s.ledger.as_ref().expect("a book").balance();
+            prop_assert!(b.residual.abs() <= 1e-12 * b.peak, "{}: {b:?}", kind.code);
+            prop_assert!(b.source == 0.0 || scene.forces.iter().any(|o| o.law.is_some_and(|l| !l.linear)));
+        }
+    }
+}

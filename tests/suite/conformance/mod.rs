@@ -1,0 +1,8 @@
+//! Every kind of the catalog keeps the promises of its record; nothing here is written for one kind by name, so a new
+//! law is tested the day it is listed.
+
+mod drawn;
+mod forces;
+mod forms;
+mod records;
+mod time;

@@ -1,0 +1,135 @@
+//! What goes on: live changes, snapshots, blocks.
+
+use crate::play::{audited, model, scene, with};
+use ca_core::kind::Type;
+use ca_core::model::{Entry, Model, Value, quantity};
+use ca_core::{Catalog, KernelClass, Options, State, compile, process, tick};
+use ca_tests::{gesture, texts};
+
+/// Makes argument `arg` of item `item` a live parameter of value `v`, and says what its value was in SI.
+fn live(m: &Model, item: usize, arg: usize, v: Option<f64>) -> Option<(Model, f64)> {
+    let mut m = m.clone();
+    let e = &mut m.items[item].args[arg];
+    let si = match &e.value {
+        Value::Num(v) => *v,
+        Value::Text(t) if quantity::is_quantity(t) => quantity::parse(t).ok()?.value,
+        _ => return None,
+    };
+    e.value = "dial".into();
+    let range = if si == 0.0 { [0.0, 1e-3] } else { [si * 0.7, si * 1.4] };
+    let entries = vec![
+        Entry::new("value", v.unwrap_or(si)),
+        Entry::new("live", true),
+        Entry::new("min", range[0].min(range[1])),
+        Entry::new("max", range[0].max(range[1])),
+    ];
+    m.params.push(Entry::new("dial", Value::Table(entries)));
+    Some((m, si))
+}
+
+#[test]
+fn a_live_change_ends_where_a_fresh_compile_begins() {
+    const TICKS: u32 = 7;
+    let catalog = Catalog::core();
+    let mut dialled = std::collections::BTreeSet::new();
+    for (name, text) in texts() {
+        let plain = model(&text);
+        if plain.items.len() > 60 {
+            continue;
+        }
+        let rate = scene(&text).rate;
+        for item in 0..plain.items.len() {
+            let kind = catalog.get(&plain.items[item].kind).expect("a kind");
+            for arg in 0..plain.items[item].args.len() {
+                let p = kind.param(&plain.items[item].args[arg].key).map(|i| &kind.params[i]).expect("a parameter");
+                if !matches!(p.ty, Type::Number { .. } | Type::PowerStiffness { .. }) {
+                    continue;
+                }
+                let Some((before, si)) = live(&plain, item, arg, None) else { continue };
+                let to = if si == 0.0 { 1e-4 } else { si * 1.03 };
+                let what = format!("{name}: {}.{}", plain.items[item].name, p.name);
+                let options = Options { rate: Some(rate), ..Options::default() };
+                let (after, _) = live(&plain, item, arg, Some(to)).expect("a number");
+                let (Ok(scene), Ok(fresh)) =
+                    (compile(&before, &catalog, &options), compile(&after, &catalog, &options))
+                else {
+                    // positions and lengths are where a model starts, an exponent is another law: not live, and said so
+                    let refused = compile(&before, &catalog, &options).expect_err("refused");
+                    assert!(refused.list.iter().any(|d| d.code == "E025"), "{what}: {refused}");
+                    assert!(matches!(p.name, "x" | "dx0" | "v" | "l0" | "p"), "{what}: {refused}");
+                    continue;
+                };
+                assert!(scene.e0 == fresh.e0 && scene.rest == fresh.rest, "{what} moves something that is not live");
+                let patch = scene.controls().set("dial", to).unwrap_or_else(|e| panic!("{what}: {e}"));
+                let mut s = scene.state();
+                (0..5).for_each(|_| tick(&scene, &mut s));
+                assert!(s.apply(&patch, TICKS));
+                let target = fresh.state().coef;
+                let moved: Vec<usize> = (0..target.len()).filter(|i| s.coef[*i] != target[*i]).collect();
+                for left in (0..TICKS).rev() {
+                    let way = s.coef.clone();
+                    tick(&scene, &mut s);
+                    for i in &moved {
+                        assert!(s.coef[*i] != way[*i], "{what}: coefficient {i} waits");
+                    }
+                    assert_eq!(s.coef == target, left == 0, "{what}, {left} ticks to go");
+                    assert_eq!(s.ramps.is_moving(), left > 0);
+                    if moved.is_empty() {
+                        break;
+                    }
+                }
+                if !moved.is_empty() {
+                    dialled.insert(format!("{}.{}", kind.code, p.name));
+                }
+            }
+        }
+    }
+    for must in
+        ["CEL.f", "CEL.t60", "STRING.f", "STRING.t60", "MESH.f", "STIFFSTRING.b", "REF.k", "BUT.d", "BOW.f", "SOX.gain"]
+    {
+        assert!(dialled.contains(must), "{must} was never changed: {dialled:?}");
+    }
+}
+
+/// What decides the future is in the state: a clone goes on bit by bit, and the hash says so.
+#[test]
+fn a_snapshot_goes_on_as_if_nothing_had_happened() {
+    for (name, text) in texts() {
+        let scene = audited(&text);
+        let mut s = scene.state();
+        let run = |s: &mut State, n: usize| {
+            for _ in 0..n {
+                gesture(&scene, s);
+                tick(&scene, s);
+            }
+        };
+        run(&mut s, 700);
+        let mut twin = s.clone();
+        assert_eq!(twin.bits(), s.bits());
+        run(&mut s, 700);
+        assert!(scene.n_mat == 0 || twin.bits() != s.bits(), "{name}: the hash does not see time");
+        run(&mut twin, 700);
+        assert_eq!(twin.bits(), s.bits(), "{name}");
+        assert!(twin == s, "{name}");
+    }
+}
+
+#[test]
+fn blocks_are_ticks() {
+    for (name, text) in texts() {
+        let scene = with(&text, &Options { kernel: KernelClass::Fast, ..Options::default() });
+        let (mut a, mut b) = (scene.state(), scene.state());
+        let n = scene.n_out.max(1);
+        let mut out = Vec::new();
+        for block in [1usize, 3, 64, 100] {
+            let mut part = vec![f64::NAN; block * n];
+            process(&scene, &mut a, &mut part);
+            out.extend(part);
+        }
+        for frame in out.chunks_exact(n) {
+            tick(&scene, &mut b);
+            assert!(scene.n_out == 0 || frame == b.output, "{name}");
+        }
+        assert!(a == b, "{name}");
+    }
+}

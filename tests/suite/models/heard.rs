@@ -1,0 +1,146 @@
+//! A model played by its own gesture, as heard and as probed, and what every model must keep.
+
+use crate::acoustics::{cents, damping, db, mode, partial, peak, sin2, stiffness};
+use ca_core::model::read::read;
+use ca_core::model::{Model, Value, quantity, render};
+use ca_core::{Catalog, Options, Scene, compile};
+use ca_haptic::gesture::Gesture;
+use ca_haptic::perform::Performance;
+use std::path::PathBuf;
+
+pub fn folder() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../models")
+}
+
+pub fn file_names() -> Vec<String> {
+    let mut names: Vec<String> = std::fs::read_dir(folder())
+        .unwrap()
+        .map(|e| e.unwrap().file_name().into_string().unwrap())
+        .filter_map(|n| n.strip_suffix(".ca.toml").map(String::from))
+        .collect();
+    names.sort();
+    names
+}
+
+pub fn load(name: &str) -> Model {
+    let text = std::fs::read_to_string(folder().join(format!("{name}.ca.toml"))).unwrap();
+    let (model, found) = read(&text, &format!("{name}.ca.toml"), &Catalog::core());
+    assert!(found.list.is_empty(), "{}", render::text(&found, &model, false));
+    model
+}
+
+/// Warnings a header explains.
+pub fn explained(name: &str) -> &'static [&'static str] {
+    match name {
+        "harmonic_chain" => &["W107"],
+        _ => &[],
+    }
+}
+
+/// A performance, as heard and as probed.
+pub struct Heard {
+    pub model: Model,
+    pub rate: f64,
+    /// sound, by channel
+    pub sound: Vec<Vec<f64>>,
+    /// probes, in the order asked
+    pub probe: Vec<Vec<f64>>,
+}
+
+/// Plays a model by its own gesture, and holds it to what every model must keep.
+pub fn play(name: &str, probes: &[&str]) -> Heard {
+    let model = load(name);
+    for word in ["Play:", "Try:", "Source:"] {
+        assert!(model.header.contains(word), "{name}: the header has no `{word}`");
+    }
+    assert!(model.title().len() > 10 && !model.title().contains('\n'));
+    let scene = scene(&model, probes);
+    let told: Vec<&str> = scene.diags.list.iter().map(|d| d.code).filter(|c| c.starts_with('W')).collect();
+    assert_eq!(told, explained(name), "{}", render::text(&scene.diags, &model, false));
+    for code in &told {
+        assert!(model.header.contains(code), "{name}: {code} is not explained in the header");
+    }
+    let heard = perform(model, &scene, None, scene.seconds.expect("a model says how long it sounds"));
+    let level = heard.sound.iter().map(|c| db(peak(c))).fold(f64::MIN, f64::max);
+    assert!((-12.0..=-0.5).contains(&level), "{name} peaks at {level:.2} dBFS");
+    heard
+}
+
+pub fn scene(model: &Model, probes: &[&str]) -> Scene {
+    let options = Options { probes: probes.iter().map(|p| (*p).into()).collect(), energy: true, ..Options::default() };
+    compile(model, &Catalog::core(), &options).unwrap_or_else(|d| panic!("{}", render::text(&d, model, false)))
+}
+
+pub fn perform(model: Model, scene: &Scene, gesture: Option<&Gesture>, seconds: f64) -> Heard {
+    let mut p = Performance::new(scene, gesture).unwrap();
+    assert!(gesture.is_some() || p.duration() <= seconds, "the gesture is longer than the sound");
+    let n = (seconds * scene.rate) as usize;
+    let mut out = vec![Vec::with_capacity(n); scene.n_out];
+    for _ in 0..n {
+        p.tick();
+        out.iter_mut().zip(&p.state.output).for_each(|(o, v)| o.push(*v));
+    }
+    assert!(!p.wild && out.iter().flatten().all(|v| v.is_finite()), "{}: wild", scene.title);
+    // the books close, and contacts and hard springs are soft enough for the scheme to make next to no energy
+    let book = p.state.ledger.as_ref().unwrap().balance();
+    let (open, made) = (book.residual.abs() / book.peak, book.source.abs() / book.peak);
+    assert!(book.peak == 0.0 || (open < 1e-9 && made < 0.02), "{}: open {open:e}, made {made:e}", scene.title);
+    let probe = out.split_off(scene.channels);
+    Heard { model, rate: scene.rate, sound: out, probe }
+}
+
+impl Heard {
+    /// Samples from `t0` to `t1` [s].
+    pub fn cut<'a>(&self, x: &'a [f64], t0: f64, t1: f64) -> &'a [f64] {
+        &x[(t0 * self.rate) as usize..((t1 * self.rate) as usize).min(x.len())]
+    }
+    /// Sound of channel `c` from `t0` to `t1` [s].
+    pub fn at(&self, c: usize, t0: f64, t1: f64) -> &[f64] {
+        self.cut(&self.sound[c], t0, t1)
+    }
+    /// Probe number `i` from `t0` to `t1` [s].
+    pub fn probed(&self, i: usize, t0: f64, t1: f64) -> &[f64] {
+        self.cut(&self.probe[i], t0, t1)
+    }
+    /// The numbers of a parameter as written, in SI.
+    pub fn numbers(&self, owner: &str, key: &str) -> Vec<f64> {
+        let item = self.model.items.iter().find(|i| i.name == owner).unwrap();
+        let value = |v: &Value| match v {
+            Value::Num(v) => *v,
+            Value::Text(t) => quantity::parse(t).unwrap().value,
+            other => panic!("{owner}.{key}: {other:?}"),
+        };
+        match &item.args.iter().find(|e| e.key == key).unwrap_or_else(|| panic!("{owner}.{key}")).value {
+            Value::List(l) => l.iter().map(|e| value(&e.value)).collect(),
+            v => vec![value(v)],
+        }
+    }
+    pub fn number(&self, owner: &str, key: &str) -> f64 {
+        self.numbers(owner, key)[0]
+    }
+
+    /// Partial `j` of the STRING or hinged STIFFSTRING `name`: frequency [Hz] and T60 [s], link viscosity included.
+    pub fn string(&self, name: &str, j: usize) -> (f64, f64) {
+        let n1 = self.number(name, "n") as usize + 1;
+        let zo = damping(self.number(name, "t60"), self.rate);
+        let shape = |j: usize| {
+            let s = sin2(j, n1);
+            let item = self.model.items.iter().find(|i| i.name == name).unwrap();
+            let b = item.args.iter().find(|e| e.key == "b").map_or(0.0, |_| self.number(name, "b"));
+            4.0 * s * (1.0 + 4.0 * s * b * (n1 * n1) as f64 / std::f64::consts::PI.powi(2))
+        };
+        let a = stiffness(self.number(name, "f"), zo, self.rate) * shape(j) / shape(1);
+        // dampers are along the links, without bending
+        let z = self.number(name, "z") / (self.number(name, "m") * self.rate) * 4.0 * sin2(j, n1);
+        mode(a, zo + z, self.rate)
+    }
+
+    /// Asserts that partials of the sound stand where they should, within `within` cents.
+    pub fn stands(&self, c: usize, t: [f64; 2], partials: impl IntoIterator<Item = f64>, reach: f64, within: f64) {
+        for f in partials {
+            let found = partial(self.at(c, t[0], t[1]), self.rate, f, reach).0;
+            let off = cents(found, f);
+            assert!(off.abs() < within, "{}: {found:.3} Hz is {off:+.2} cents from {f:.3} Hz", self.model.title());
+        }
+    }
+}

@@ -1,0 +1,60 @@
+//! The instruments in `models/`: each reads, compiles without more warnings than its header explains, plays its own
+//! gesture at a good level, and sounds as its header says, by spectrum and envelope.
+
+mod bars;
+mod heard;
+mod plates;
+mod played;
+mod strings;
+
+use bars::{glass, iron_bar, marimba};
+use ca_core::Catalog;
+use heard::{file_names, load};
+use plates::{gong, membrane, plate};
+use played::{physical_lfo, piano_key, rain_stick, wind};
+use std::collections::BTreeSet;
+use strings::{
+    bowed_string, hammered_string, harmonic_chain, natural_harmonic, piano_wire, pinched_string, plucked_string,
+    slide_guitar,
+};
+
+/// One test per model of this name, and the list of them.
+macro_rules! models {
+    ($($name:ident),* $(,)?) => {
+        const CHECKED: &[&str] = &[$(stringify!($name)),*];
+        mod each {
+            $(#[test] fn $name() { super::$name(); })*
+        }
+    };
+}
+
+models!(
+    bowed_string,
+    glass,
+    gong,
+    hammered_string,
+    harmonic_chain,
+    iron_bar,
+    marimba,
+    membrane,
+    natural_harmonic,
+    physical_lfo,
+    piano_key,
+    piano_wire,
+    pinched_string,
+    plate,
+    plucked_string,
+    rain_stick,
+    slide_guitar,
+    wind,
+);
+
+#[test]
+fn every_model_is_checked_and_every_kind_is_played() {
+    assert_eq!(file_names(), CHECKED, "a model without a check, or a check without a model");
+    let used: BTreeSet<String> = file_names().iter().flat_map(|n| load(n).items.into_iter().map(|i| i.kind)).collect();
+    let known: BTreeSet<String> = Catalog::core().iter().map(|k| k.code.to_string()).collect();
+    assert_eq!(used, known, "kinds no model plays");
+    let titles: BTreeSet<String> = file_names().iter().map(|n| load(n).title().to_string()).collect();
+    assert_eq!(titles.len(), file_names().len(), "two models share a title");
+}

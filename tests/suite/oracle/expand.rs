@@ -1,0 +1,142 @@
+//! What the generators stand for, as plain masses and springs: drawn here a second time, from their definitions.
+
+use super::network::{Law, Link, Mat, Network};
+use super::numbers::{Numbers, entry, list, word};
+use ca_core::model::Item;
+use std::f64::consts::{FRAC_PI_2, PI};
+
+/// What a name may be asked for.
+#[derive(Default, Clone)]
+pub struct Family {
+    pub masses: Vec<usize>,
+    pub links: Vec<usize>,
+    pub ends: Vec<usize>,
+    /// places a moving point stands between, and their arrangement
+    pub nodes: Vec<usize>,
+    pub size: [usize; 2],
+}
+
+/// A MAT of mass `m`, infinite where fixed, in the medium of its module.
+pub fn mat(numbers: &Numbers, net: &mut Network, i: &Item, m: f64, p: f64, q: f64) -> usize {
+    let c = if m == f64::INFINITY { 0.0 } else { numbers.te * numbers.te / m };
+    let p = p - numbers.medium(i, "friction", 1.0) / numbers.te * c;
+    let weight = if c == 0.0 { 0.0 } else { -numbers.medium(i, "gravity", -2.0) * m };
+    net.mats.push(Mat { rest: numbers.num(i, "x"), pqc: [p, q, c], weight, ..Mat::default() });
+    net.mats.len() - 1
+}
+
+pub fn fixed(numbers: &Numbers, net: &mut Network, i: &Item) -> usize {
+    mat(numbers, net, i, f64::INFINITY, 0.0, 0.0)
+}
+
+/// A cell for each frequency.
+pub fn bank(numbers: &Numbers, net: &mut Network, i: &Item) -> Family {
+    let n = entry(&i.args, "f").map_or(1, |l| list(l).len().max(1));
+    let get = |key: &str, j: usize, power| {
+        entry(&i.args, key).map(|v| numbers.value(list(v).get(j).map_or(v, |e| &e.value), power))
+    };
+    let cell = |j| {
+        let (f, t60) = (get("f", j, -1.0).expect("f"), get("t60", j, 1.0).unwrap_or(f64::INFINITY));
+        let (a, b) = numbers.heard_at(f, t60);
+        mat(numbers, net, i, get("m", j, 2.0).expect("m"), 1.0 - b, -a)
+    };
+    Family { masses: (0..n).map(cell).collect(), size: [1, 1], ..Family::default() }
+}
+
+fn tie(net: &mut Network, family: &mut Family, a: usize, b: usize, k: f64, z: f64) {
+    family.links.push(net.links.len());
+    net.links.push(Link { ends: [a, b], e0: 0.0, law: Law::Linear { k, z }, f: 0.0 });
+}
+
+/// Mass, damping to ground as the factor p, and eigenvalue kT²/m of the lowest mode where it is asked for by frequency.
+fn matter(numbers: &Numbers, i: &Item, n: usize) -> (f64, f64, Option<f64>) {
+    let te = numbers.te;
+    let m = numbers.maybe(i, "m").unwrap_or_else(|| numbers.num(i, "m_total") / n as f64);
+    let t60 = numbers.maybe(i, "t60");
+    let zo = t60.map_or(numbers.num(i, "zo"), |t| numbers.heard_at(0.0, t).1 * m / te);
+    let p = 1.0 - zo * te / m;
+    let eigenvalue = numbers.maybe(i, "f").map(|f| {
+        let (r, half) = (p.max(0.0).sqrt(), libm::sin(PI * f * te));
+        (1.0 - r) * (1.0 - r) + 4.0 * r * half * half
+    });
+    (m, p, eigenvalue)
+}
+
+/// Masses in a row, STRING, CHAIN or STIFFSTRING; unless free, between two fixed ends.
+///
+/// A row of n between fixed ends has λ₁ = 4a sin²(π/2(n+1)), a free one 4a sin²(π/2n). Stiffness is bending: second
+/// differences, whose square is a spring to the neighbour but one of −kb and shares of kb on the near ones.
+pub fn row(numbers: &Numbers, net: &mut Network, i: &Item) -> Family {
+    let (te, n, stiff) = (numbers.te, numbers.num(i, "n") as usize, i.kind == "STIFFSTRING");
+    let free = i.kind == "CHAIN" || word(i, "ends") == "free";
+    let (m, p, eigenvalue) = matter(numbers, i, n);
+    let (mut k, mut bend) = (numbers.num(i, "k"), numbers.num(i, "kb"));
+    if let Some(lambda) = eigenvalue {
+        let n1 = n as f64 + 1.0;
+        let s = libm::sin(FRAC_PI_2 / if free && !stiff { n as f64 } else { n1 });
+        let beta = numbers.num(i, "b") * n1 * n1 / (PI * PI);
+        (k, bend) = if stiff {
+            let (a, unit) = (lambda / (4.0 * s * s * (1.0 + 4.0 * beta * s * s)), m / (te * te));
+            (a * unit, beta * a * unit)
+        } else {
+            (lambda / (4.0 * s * s) * m / (te * te), 0.0)
+        };
+    }
+    let ends = usize::from(!free);
+    let place = |j| {
+        let outside = j < ends || j >= n + ends;
+        if outside { fixed(numbers, net, i) } else { mat(numbers, net, i, m, p, 0.0) }
+    };
+    let nodes: Vec<usize> = (0..n + 2 * ends).map(place).collect();
+    let mut family = Family { masses: nodes[ends..n + ends].to_vec(), size: [nodes.len(), 1], ..Family::default() };
+    if !free {
+        family.ends = vec![nodes[0], nodes[n + 1]];
+    }
+    let last = nodes.len() - 2;
+    for j in 0..=last {
+        let (start, end) = (u32::from(j == 0), u32::from(j == last));
+        let clamped = u32::from(word(i, "ends") == "fixed") * (start + end);
+        let shares = f64::from(2 * (1 - start) + 2 * (1 - end) + clamped);
+        let k = if stiff { k + shares * bend } else { k };
+        tie(net, &mut family, nodes[j], nodes[j + 1], k, numbers.num(i, "z") / te);
+    }
+    if stiff && bend != 0.0 {
+        (0..last).for_each(|j| tie(net, &mut family, nodes[j], nodes[j + 2], -bend, 0.0));
+    }
+    Family { nodes, ..family }
+}
+
+/// Masses in a grid, with springs to the neighbours: those along y first.
+///
+/// The lowest mode has λ₁ = 4a (sin²(π/2(nx−1)) + sin²(π/2(ny−1))) held at the rim, 4a sin²(π/2 max(nx, ny)) else.
+pub fn mesh(numbers: &Numbers, net: &mut Network, i: &Item) -> Family {
+    let (te, [nx, ny]) = (numbers.te, ["nx", "ny"].map(|key| numbers.num(i, key) as usize));
+    let (m, p, eigenvalue) = matter(numbers, i, nx * ny);
+    let sin2 = |n: usize| {
+        let s = libm::sin(FRAC_PI_2 / n as f64);
+        s * s
+    };
+    let closed = word(i, "edges") == "closed";
+    let shape = if closed { sin2(nx - 1) + sin2(ny - 1) } else { sin2(nx.max(ny)) };
+    let k = eigenvalue.map_or(numbers.num(i, "k"), |lambda| lambda / (4.0 * shape) * m / (te * te));
+    let places = (0..nx).flat_map(|x| (0..ny).map(move |y| (x, y)));
+    let place = |(x, y)| {
+        let rim = [x == 0 || x == nx - 1, y == 0 || y == ny - 1];
+        let held = match word(i, "edges") {
+            "closed" => rim[0] || rim[1],
+            "corner" => rim[0] && rim[1],
+            _ => false,
+        };
+        if held { fixed(numbers, net, i) } else { mat(numbers, net, i, m, p, 0.0) }
+    };
+    let nodes: Vec<usize> = places.clone().map(place).collect();
+    let mut family = Family { masses: nodes.clone(), size: [nx, ny], ..Family::default() };
+    let z = numbers.num(i, "z") / te;
+    for (x, y) in places.clone().filter(|(_, y)| *y > 0) {
+        tie(net, &mut family, nodes[x * ny + y - 1], nodes[x * ny + y], k, z);
+    }
+    for (x, y) in places.filter(|(x, _)| *x > 0) {
+        tie(net, &mut family, nodes[(x - 1) * ny + y], nodes[x * ny + y], k, z);
+    }
+    Family { nodes, ..family }
+}

@@ -1,0 +1,137 @@
+//! The oracle: plays a network module by module, one tick after the other. It holds the equations of CORDIS-ANIMA as
+//! they are written in books, and shares nothing with the compiler. To give the same bits it sums in the same order:
+//! the links as the document has them.
+
+use super::network::{Heard, Law, Network, Point};
+use ca_tests::follow;
+
+/// x to the power of quarters/4, by products and roots.
+fn power(x: f64, quarters: u32) -> f64 {
+    let whole = (0..quarters / 4).fold(1.0, |y, _| y * x);
+    let half = if quarters & 2 == 0 { whole } else { whole * x.sqrt() };
+    if quarters & 1 == 0 { half } else { half * x.sqrt().sqrt() }
+}
+
+impl Law {
+    /// Force on the first end, of stretch e [m] and its change w in the last tick [m].
+    fn force(&mut self, e: f64, w: f64) -> f64 {
+        match *self {
+            Law::Linear { k, z } => k * e + z * w,
+            Law::Cubic { k, k3, z } => (k + k3 * e * e) * e + z * w,
+            Law::Power { k, q, quarters, z } => k * e + q * power(e.abs(), quarters).copysign(e) + z * w,
+            Law::Buffer { d, side, .. } if side * (e - d) >= 0.0 => 0.0,
+            Law::Buffer { k, z, d, side, sticky } => {
+                let f = k * (e - d) + z * w;
+                if sticky || side * f <= 0.0 { f } else { 0.0 }
+            }
+            Law::Hertz { d, side, .. } if side * (d - e) <= 0.0 => 0.0,
+            Law::Hertz { k, quarters, h, d, side } => {
+                -side * (k * power(side * (d - e), quarters) * (1.0 - h * side * w)).max(0.0)
+            }
+            Law::Attract { d, .. } if e.abs() >= d => 0.0,
+            Law::Attract { k, z, d, rho } if e.abs() < rho * d => k * e + z * w,
+            Law::Attract { k, z, d, rho } => (k * rho / (1.0 - rho) * (d - e.abs())).copysign(e) + z * w,
+            Law::Pluck { k, z, d, ref mut held, ref mut last } => {
+                let crossed = *last <= 0.0 && e >= 0.0 || *last >= 0.0 && e <= 0.0;
+                let holds = e.abs() < d && (held.unwrap_or(true) || crossed);
+                (*held, *last) = (Some(holds), e);
+                if holds { k * e + z * w } else { 0.0 }
+            }
+            Law::Curves { ref spring, ref friction, te } => {
+                let pull = spring.as_ref().map_or(0.0, |s| follow(s, e));
+                pull + friction.as_ref().map_or(0.0, |f| follow(f, w * (1.0 / te)))
+            }
+            Law::Stribeck { f, v0, .. } if w.abs() < v0 => f / v0 * w,
+            Law::Stribeck { f, fd, v0, v1 } => (fd + (f - fd) / (v1 - v0) * (v1 - w.abs()).max(0.0)).copysign(w),
+            Law::Smooth { f, v0, ref bell } => (f * follow(bell, w.abs() * (1.0 / v0))).copysign(w),
+        }
+    }
+}
+
+impl Network {
+    /// The nodes of a point and their parts in it.
+    fn parts(&self, point: &Point) -> Vec<(usize, f64)> {
+        let mut parts = vec![(0, 1.0)];
+        for (at, n) in point.at.iter().zip(point.size) {
+            let u = (self.mats[*at].x + self.mats[*at].rest).clamp(0.0, 1.0) * (n - 1) as f64;
+            let cell = (u as usize).min(n - 2);
+            let b = u - cell as f64;
+            let split = |(i, a)| [(i * n + cell, a * (1.0 - b)), (i * n + cell + 1, a * b)];
+            parts = parts.into_iter().flat_map(split).collect();
+        }
+        parts.into_iter().map(|(i, a)| (point.nodes[i], a)).collect()
+    }
+
+    /// Weight, then the links in document order, then what points bear goes to their nodes.
+    fn forces(&mut self) {
+        for at in 0..self.points.len() {
+            let (mat, parts) = (self.points[at].mat, self.parts(&self.points[at]));
+            self.mats[mat].x = parts.iter().fold(0.0, |x, (node, a)| x + a * self.mats[*node].x);
+            self.mats[mat].d = parts.iter().fold(0.0, |d, (node, a)| d + a * self.mats[*node].d);
+        }
+        self.mats.iter_mut().for_each(|m| m.f += m.weight);
+        for link in &mut self.links {
+            let [a, b] = link.ends;
+            let (e, w) = (self.mats[b].x - self.mats[a].x + link.e0, self.mats[b].d - self.mats[a].d);
+            link.f = link.law.force(e, w);
+            self.mats[a].f += link.f;
+            self.mats[b].f -= link.f;
+        }
+        for point in &self.points {
+            for (node, a) in self.parts(point) {
+                self.mats[node].f += a * self.mats[point.mat].f;
+            }
+        }
+    }
+
+    /// From speeds v at the start, written as d = vT, back half a tick to the ways the scheme starts from.
+    pub fn start(&mut self) {
+        self.forces();
+        for m in &mut self.mats {
+            let [p, q, c] = m.pqc;
+            m.d = if c == 0.0 { 0.0 } else { m.d - 0.5 * (c * m.f + q * m.x - (1.0 - p) * m.d) };
+            m.f = 0.0;
+        }
+    }
+
+    /// One tick: the values of the ports in, the channels out.
+    pub fn tick(&mut self, inputs: &[f64], out: &mut [f64]) {
+        for (port, value) in self.ports.iter_mut().zip(inputs) {
+            let Some(period) = port.period else {
+                port.to.iter().for_each(|m| self.mats[*m].f += value);
+                continue;
+            };
+            let (m, phase) = (&mut self.mats[port.to[0]], (self.n.max(1) - 1) % period + 1);
+            if phase == 1 {
+                (port.from, port.held) = (port.held, value - m.rest);
+            }
+            let way = port.held - port.from;
+            let x =
+                if self.n == 0 || phase == period { port.held } else { port.from + phase as f64 / period as f64 * way };
+            (m.d, m.x) = (if self.n == 0 { 0.0 } else { x - m.x }, x);
+        }
+        self.forces();
+        out.fill(0.0);
+        for (channel, gain, heard) in &self.outputs {
+            out[*channel] += gain
+                * match heard {
+                    Heard::Position(m) => self.mats[*m].x,
+                    Heard::ForceOn(m) => self.mats[*m].f,
+                    Heard::ForceOf(link) => self.links[*link].f,
+                };
+        }
+        for m in &mut self.mats {
+            if m.pqc[2] != 0.0 {
+                m.d = m.pqc[0] * m.d + m.pqc[1] * m.x + m.pqc[2] * m.f;
+                m.x += m.d;
+            }
+            // what has died out falls silent, before numbers get too small to be computed with fast
+            if self.n & 1023 == 1023 {
+                m.x = if m.x.abs() < 1e-270 { 0.0 } else { m.x };
+                m.d = if m.d.abs() < 1e-270 { 0.0 } else { m.d };
+            }
+            m.f = 0.0;
+        }
+        self.n += 1;
+    }
+}

@@ -1,0 +1,81 @@
+//! The model as plain modules: what reading it leaves and the interpreter plays. Data only.
+//! Time counts in ticks T: `x` [m] is measured from the rest, `d` [m] is the way of the last tick, z stands for z/T.
+
+/// d ← p·d + q·x + c·f, then x ← x + d. A mass has p = 1, q = 0, c = T²/m; a cell p = 1 − zT/m, q = −kT²/m, c = T²/m;
+/// what is fixed, moved from outside or between nodes has c = 0.
+#[derive(Default, Clone)]
+pub struct Mat {
+    pub x: f64,
+    pub d: f64,
+    pub f: f64,
+    pub rest: f64,
+    pub pqc: [f64; 3],
+    pub weight: f64,
+}
+
+/// Breakpoints, joined by straight lines and held outside.
+pub type Curve = Vec<[f64; 2]>;
+
+/// A contact within distance d has side −1, one beyond it 1. Powers are in quarters; table velocities in m/s.
+pub enum Law {
+    Linear { k: f64, z: f64 },
+    Cubic { k: f64, k3: f64, z: f64 },
+    Power { k: f64, q: f64, quarters: u32, z: f64 },
+    Buffer { k: f64, z: f64, d: f64, side: f64, sticky: bool },
+    Hertz { k: f64, quarters: u32, h: f64, d: f64, side: f64 },
+    Attract { k: f64, z: f64, d: f64, rho: f64 },
+    Pluck { k: f64, z: f64, d: f64, held: Option<bool>, last: f64 },
+    Curves { spring: Option<Curve>, friction: Option<Curve>, te: f64 },
+    Stribeck { f: f64, fd: f64, v0: f64, v1: f64 },
+    Smooth { f: f64, v0: f64, bell: Curve },
+}
+
+/// Sees e = x₂ − x₁ + e₀ and w = d₂ − d₁; its force pulls the first end and pushes the second.
+pub struct Link {
+    pub ends: [usize; 2],
+    pub e0: f64,
+    pub law: Law,
+    pub f: f64,
+}
+
+/// A MAT between the nodes of a row or a mesh of `size`, where the MATs `at` stand, from 0 to 1, one for each axis.
+pub struct Point {
+    pub mat: usize,
+    pub nodes: Vec<usize>,
+    pub size: [usize; 2],
+    pub at: Vec<usize>,
+}
+
+/// Pushes all MATs `to`, or moves one, straight over a period of this many ticks.
+pub struct Port {
+    pub name: String,
+    pub to: Vec<usize>,
+    pub period: Option<u64>,
+    pub held: f64,
+    pub from: f64,
+}
+
+/// What an output listens to, by number of the MAT or link.
+pub enum Heard {
+    Position(usize),
+    ForceOn(usize),
+    ForceOf(usize),
+}
+
+#[derive(Default)]
+pub struct Network {
+    pub mats: Vec<Mat>,
+    pub links: Vec<Link>,
+    pub points: Vec<Point>,
+    pub ports: Vec<Port>,
+    /// channel, gain and source
+    pub outputs: Vec<(usize, f64, Heard)>,
+    /// ticks played
+    pub n: u64,
+}
+
+impl Network {
+    pub fn channels(&self) -> usize {
+        self.outputs.iter().map(|(channel, _, _)| channel + 1).max().unwrap_or(0)
+    }
+}

@@ -1,0 +1,101 @@
+//! The numbers of a model in SI, by name of the parameter.
+
+use super::network::Curve;
+use ca_core::model::{Entry, Item, Model, Value, quantity};
+
+pub fn entry<'e>(list: &'e [Entry], key: &str) -> Option<&'e Value> {
+    list.iter().find(|e| e.key == key).map(|e| &e.value)
+}
+
+pub fn list(v: &Value) -> &[Entry] {
+    if let Value::List(l) = v { l } else { &[] }
+}
+
+/// The text of a parameter, empty where it has none.
+pub fn word<'i>(i: &'i Item, key: &str) -> &'i str {
+    if let Some(Value::Text(t)) = entry(&i.args, key) { t } else { "" }
+}
+
+pub struct Numbers<'a> {
+    pub model: &'a Model,
+    /// the tick [s]
+    pub te: f64,
+    /// ticks to a gesture period
+    pub ratio: u64,
+    /// the tick that numbers without unit are written for [s], in per-sample units
+    sample: Option<f64>,
+}
+
+impl<'a> Numbers<'a> {
+    pub fn new(model: &'a Model) -> Numbers<'a> {
+        let mut n = Numbers { model, te: 1.0, ratio: 1, sample: None };
+        let sound = entry(&model.rate, "sound").map_or(48e3, |v| n.value(v, 0.0));
+        let near = sound / (sound / 3000.0).round().max(1.0);
+        let gesture = entry(&model.rate, "gesture").map_or(near, |v| n.value(v, 0.0));
+        (n.te, n.ratio) = (1.0 / sound, (sound / gesture).round() as u64);
+        if model.meta("units").is_some_and(|e| e.value == "alg".into()) {
+            n.sample = Some(model.meta("reference_rate").map_or(n.te, |e| 1.0 / n.value(&e.value, 0.0)));
+        }
+        n
+    }
+
+    /// A number, a quantity or a parameter's name; a number without unit scales with the sample to this power.
+    pub fn value(&self, v: &Value, power: f64) -> f64 {
+        let bare = self.sample.map_or(1.0, |t| libm::pow(t, power));
+        let read = |t: &str| match quantity::parse(t) {
+            Ok(q) if q.has_unit => q.value,
+            Ok(q) => q.value * bare,
+            Err(_) => f64::NAN,
+        };
+        match v {
+            Value::Num(v) => v * bare,
+            Value::Bool(b) => f64::from(u8::from(*b)),
+            Value::Text(t) if quantity::is_quantity(t) => read(t),
+            Value::Text(t) => match entry(&self.model.params, t) {
+                Some(Value::Table(p)) => match (entry(p, "value"), entry(p, "unit")) {
+                    (Some(Value::Num(v)), Some(Value::Text(u))) if !u.is_empty() => read(&format!("{v} {u}")),
+                    (v, _) => self.value(v.expect("a value"), power),
+                },
+                v => self.value(v.expect("a parameter"), power),
+            },
+            _ => f64::NAN,
+        }
+    }
+
+    pub fn maybe(&self, i: &Item, key: &str) -> Option<f64> {
+        let power = match (i.kind.as_str(), key) {
+            (_, "m" | "m_total") => 2.0,
+            (_, "z" | "zo" | "t60" | "h") => 1.0,
+            ("BOW", "f") => 0.0,
+            (_, "f" | "v" | "v0" | "v1") => -1.0,
+            _ => 0.0,
+        };
+        entry(&i.args, key).map(|v| self.value(v, power))
+    }
+
+    pub fn num(&self, i: &Item, key: &str) -> f64 {
+        self.maybe(i, key).unwrap_or(0.0)
+    }
+
+    /// Gravity or friction where the module lives: of its group, else of the model.
+    pub fn medium(&self, i: &Item, key: &str, power: f64) -> f64 {
+        let group = i.group.and_then(|g| entry(&self.model.groups[g].props, key));
+        group.or(self.model.meta(key).map(|e| &e.value)).map_or(0.0, |v| self.value(v, power))
+    }
+
+    pub fn curve(&self, i: &Item, key: &str, power: f64) -> Option<Curve> {
+        let pair = |e: &Entry| {
+            let pair = list(&e.value);
+            [self.value(&pair[0].value, power), self.value(&pair[1].value, 0.0)]
+        };
+        entry(&i.args, key).map(|v| list(v).iter().map(pair).collect())
+    }
+
+    /// kT²/m and zT/m of what is heard at `f` and has lost 60 dB after `t60`.
+    pub fn heard_at(&self, f: f64, t60: f64) -> (f64, f64) {
+        let decay = 3.0 * std::f64::consts::LN_10 / t60;
+        let lost = -libm::expm1(-decay * self.te);
+        let half = libm::sin(std::f64::consts::PI * f * self.te);
+        (lost * lost + 4.0 * (1.0 - lost) * half * half, -libm::expm1(-2.0 * decay * self.te))
+    }
+}

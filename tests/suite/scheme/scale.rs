@@ -1,0 +1,110 @@
+//! Scale: powers of two change no bit, large ones little, and what is not a number stays outside.
+
+use crate::play::{apart, audited, case, list, model, num, scene, within};
+use ca_core::tick;
+
+/// A struck string with a hardening end, everything scaled: forces by `k`, lengths by `l`.
+fn scaled(k: f64, l: f64) -> Vec<f64> {
+    let n = |v: f64| format!("{v:?}");
+    let text = format!(
+        "[STRING]\ns = {{ n = 12, m = {}, k = {}, z = {}, zo = {} }}\n[MAS]\nhammer = {{ m = {}, x = {}, v = {} }}\n\
+         [BUT]\nstrike = {{ between = [\"hammer\", \"s[3]\"], k = {}, z = {} }}\n[SOL]\nend = {{}}\n\
+         [CUB]\nhard = {{ between = [\"end\", \"s[7]\"], k = {}, k3 = {} }}\n[SOX]\nout = {{ from = \"s[5]\" }}\n",
+        n(1e-3 * k),
+        n(9e5 * k),
+        n(0.01 * k),
+        n(0.002 * k),
+        n(5e-3 * k),
+        n(-1e-3 * l),
+        n(2.0 * l),
+        n(2e4 * k),
+        n(0.1 * k),
+        n(1e3 * k),
+        n(1e8 * k / (l * l)),
+    );
+    let scene = scene(&text);
+    let mut s = scene.state();
+    let mut out = Vec::with_capacity(20_000);
+    for _ in 0..20_000 {
+        tick(&scene, &mut s);
+        out.push(s.output[0] / l);
+    }
+    out
+}
+
+#[test]
+fn h01_scales_of_two_change_no_bit() {
+    let c = case("H01");
+    assert!(c["values"]["bit_identical"] == true && num(c, "tolerance/bits") == 0.0);
+    let plain = scaled(1.0, 1.0);
+    assert!(plain.iter().any(|v| v.abs() > 1e-5), "the hammer is heard");
+    for (k, l) in [(30, 0), (-900, 0), (0, -30), (30, -30)] {
+        assert!(scaled(2f64.powi(k), 2f64.powi(l)) == plain, "2^{k}, 2^{l}");
+    }
+}
+
+#[test]
+fn h02_scales_of_a_thousand_million() {
+    let c = case("H02");
+    let plain = scaled(1.0, 1.0);
+    let peak = plain.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+    for scale in list(c, "setup/scales") {
+        within(&format!("H02 × {scale:e}"), apart(&scaled(scale, 1.0), &plain) / peak, num(c, "tolerance/rel"));
+        within(&format!("H02 lengths × {scale:e}"), apart(&scaled(1.0, scale), &plain) / peak, num(c, "tolerance/rel"));
+    }
+}
+
+#[test]
+fn h07_what_is_not_a_number_stays_outside() {
+    assert!(case("H07")["tolerance"]["finite"] == true);
+    let text = r#"
+[CEL]
+bar = { m = "1 g", f = "220 Hz", t60 = "1 s" }
+[ENX]
+finger = { x = "1 mm" }
+[TGR]
+key = {}
+[ENF]
+blow = { to = "bar" }
+[STRING]
+low = { n = 8, f = "110 Hz", m = "1 g" }
+[REF]
+a = { between = ["finger", "bar"], k = 100, z = 0.01 }
+b = { between = ["key", "bar"], k = 100, z = 0.01 }
+c = { between = ["low@finger", "bar"], k = 100, z = 0.01 }
+[SOX]
+out = { from = "bar" }
+point = { from = "low@finger" }
+"#;
+    let scene = audited(text);
+    assert!(!model(text).items.is_empty());
+    let inputs: Vec<usize> = ["finger", "key", "blow"].map(|n| scene.input(n).expect(n)).into();
+    for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        for port in &inputs {
+            let mut s = scene.state();
+            for n in 0..480u64 {
+                let good = 1e-3 * (n as f64 * 0.01).sin();
+                for i in &inputs {
+                    s.input[*i] = good;
+                }
+                let glitch = (100..200).contains(&n);
+                if glitch {
+                    s.input[*port] = bad;
+                }
+                let (held, refused) = (s.held[*port], s.refused);
+                tick(&scene, &mut s);
+                let all = [&s.x, &s.d, &s.f, &s.output, &s.tap];
+                assert!(all.iter().all(|v| v.iter().all(|v| v.is_finite())), "{bad} at tick {n}");
+                let due =
+                    scene.inputs[*port].device.is_none() && *port != inputs[1] || ca_core::border::frame_due(&scene, n);
+                assert_eq!(s.refused - refused, u64::from(glitch && due), "{bad}, port {port}, tick {n}");
+                if glitch && *port != inputs[2] {
+                    assert_eq!(s.held[*port], held, "the last good value is held");
+                }
+            }
+            assert!(s.refused > 0);
+            let b = s.ledger.as_ref().expect("a book").balance();
+            within("H07 the books still close", b.residual.abs() / b.peak, 1e-11);
+        }
+    }
+}
