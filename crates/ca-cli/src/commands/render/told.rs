@@ -140,12 +140,10 @@ impl Summary<'_> {
     /// The command that shows the findings of this render.
     fn check(&self) -> String {
         let source = &self.args.source;
-        let mut all = format!("ca check {}", quoted(&source.model));
-        for (name, value) in &source.set {
-            all += &format!(" --set {}", quoted(&format!("{name}={value}")));
-        }
-        source.rate.iter().for_each(|r| all += &format!(" --rate {r}"));
-        all
+        let set = source.set.iter().map(|(name, value)| format!("--set {}", quoted(&format!("{name}={value}"))));
+        let rate = source.rate.map(|r| format!("--rate {r}"));
+        let words = [String::from("ca check"), quoted(&source.model)].into_iter().chain(set).chain(rate);
+        words.collect::<Vec<_>>().join(" ")
     }
 
     fn format(&self) -> &'static str {
