@@ -31,6 +31,12 @@ pub fn parameters(kind: &Kind, item: &Item, args: &[Arg], diags: &mut Diags) -> 
         "BOW" if entry("f").is_some() && entry("v0").is_none() => {
             missing("v0", "f", "add e.g. `v0 = \"50 mm/s\"` (speed of the largest force)")
         }
+        "BOW" if falls_backwards(num("v0"), num("v1")) => {
+            let d = Diag::error("E009", format!("`v1` of `{}` is not above `v0`", item.name));
+            let span = entry("v1").map_or(item.name_span, |e| e.span);
+            d.at(span, "friction falls from `v0` to `v1`")
+                .help("make `v1` larger, e.g. three times `v0`, or leave it out")
+        }
         "LNL" if entry("spring").is_none() && entry("friction").is_none() => {
             let d = Diag::error("E005", format!("`{}` needs `spring` or `friction`", item.name));
             let d = d.at(item.name_span, "LNL without a table");
@@ -40,6 +46,11 @@ pub fn parameters(kind: &Kind, item: &Item, args: &[Arg], diags: &mut Diags) -> 
     };
     diags.push(d);
     false
+}
+
+/// True where the friction of a bow would fall before it has risen.
+fn falls_backwards(v0: Option<f64>, v1: Option<f64>) -> bool {
+    v0.zip(v1).is_some_and(|(v0, v1)| v1 <= v0)
 }
 
 /// At most how many MATs and LIAs a generator will make, known before it makes them. Its counts multiply; each mass

@@ -120,8 +120,8 @@ impl Phi<5, 0> for Piecewise {
         let w = e[1] - e[0];
         Self::force(c, &mut { *m }, t, e[1], w) * w
     }
-    fn bound(&[rise, ..]: &[f64; 5], _: &[Table]) -> Bound {
-        Bound { z: rise, ..Bound::default() }
+    fn bound(&[rise, _, _, fall, _]: &[f64; 5], _: &[Table]) -> Bound {
+        Bound { z: rise.max(fall), ..Bound::default() }
     }
 }
 

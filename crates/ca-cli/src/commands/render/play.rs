@@ -128,9 +128,14 @@ pub(crate) struct Audit {
     pub whole: bool,
 }
 
+/// Modules times ticks the audited twin may take: a second of a thousand-mass string. Larger scenes are audited for
+/// less, and the summary says for how long.
+const AUDITED: u64 = 100_000_000;
+
 /// Plays the first second once more with the book kept, up to the last tick before any blow-up.
 pub(crate) fn audit(twin: &Scene, gesture: Option<&Gesture>, frames: u64) -> Option<Audit> {
-    let ticks = frames.min(twin.rate as u64).max(1);
+    let afford = AUDITED / (twin.n_mat + twin.n_lia).max(1) as u64;
+    let ticks = frames.min(twin.rate as u64).min(afford).max(1);
     let mut p = Performance::new(twin, gesture).ok()?;
     while p.state.tick < ticks + 1 && p.state.is_sound(WILD) {
         p.tick();
