@@ -71,6 +71,13 @@ pub fn args(kind: &Kind, dice: &mut Dice) -> Vec<Entry> {
         };
         out.push(Entry::new(p.name, value));
     }
+    // the friction of a bow falls only after it has risen
+    let num = |key: &str| {
+        out.iter().find(|e| e.key == key).and_then(|e| if let Value::Num(v) = e.value { Some(v) } else { None })
+    };
+    if let (Some(v0), Some(v1)) = (num("v0"), num("v1")) {
+        out.iter_mut().filter(|e| e.key == "v1").for_each(|e| e.value = (v0 + v1).into());
+    }
     out
 }
 
