@@ -171,6 +171,10 @@ fn contact_at_load(net: &Net, l: &LiaNode, e0: f64, model: &Model, diags: &mut D
         );
         let help =
             format!("it keeps `{b}` above `{a}`; swap the ends of `between`, or move one of them by `x` or `dx0`");
-        diags.push(d.at(item.name_span, format!("`{b}` is {e:.3e} m above `{a}`")).help(help));
+        // three digits are enough to find the place
+        let gap = format!("{:.2e}", e.abs()).parse().unwrap_or(e.abs());
+        let gap = crate::model::quantity::show(gap, crate::kind::Unit::METRE);
+        let side = if e < 0.0 { "below" } else { "above" };
+        diags.push(d.at(item.name_span, format!("`{b}` is {gap} {side} `{a}`")).help(help));
     }
 }
