@@ -119,7 +119,8 @@ pub fn book(_op: &Op, layout: &Layout, s: &mut State) {
     });
     l.h = h;
     l.worst = l.worst.max((h - before - work + lost - source).abs());
-    l.peak = l.peak.max(h.abs() + l.lost_mats + l.lost.iter().map(|v| v.abs()).sum::<f64>());
+    l.heat += lost.abs();
+    l.peak = l.peak.max(h.abs() + l.heat);
     s.ledger = Some(l);
 }
 

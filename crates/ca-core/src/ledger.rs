@@ -27,6 +27,8 @@ pub struct Ledger {
     pub worst: f64,
     /// d of the tick being booked (n_mat)
     pub(crate) d0: Vec<f64>,
+    /// heat of everything so far, kept apart so that no tick sums over all links again
+    pub(crate) heat: f64,
     /// force on position and device ports, force given by force ports (ports)
     pub(crate) port: Vec<f64>,
     /// energy held by each link at the last booking (n_lia)
