@@ -10,6 +10,7 @@ mod files;
 mod mims;
 mod models;
 mod oracle;
+mod outputs;
 mod play;
 mod published;
 mod quantity;

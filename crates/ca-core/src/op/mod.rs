@@ -10,8 +10,10 @@ use crate::layout::Layout;
 use crate::state::State;
 use law::Law;
 
+pub mod blocker;
 mod gather;
 pub mod law;
+pub mod lowpass;
 pub mod pass;
 mod run;
 pub mod wide;
