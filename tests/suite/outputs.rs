@@ -175,7 +175,8 @@ fn a_low_pass_is_the_one_it_says() {
 
 #[test]
 fn every_channel_is_filtered_and_no_probe() {
-    let text = "[rate]\nfilter = \"18 kHz\"\n[ENX]\nin = {}\n[SOX]\na = { from = \"in\" }\nb = { from = \"in\", gain = -3 }\n";
+    let text =
+        "[rate]\nfilter = \"18 kHz\"\n[ENX]\nin = {}\n[SOX]\na = { from = \"in\" }\nb = { from = \"in\", gain = -3 }\n";
     let probed = crate::play::with(text, &ca_core::Options { probes: vec!["in".into()], ..Default::default() });
     let n = probed.lowpass.len() - 1;
     let mut s = probed.state();

@@ -105,7 +105,15 @@ fn books(rate: &str, late: usize, felt: bool) -> [f64; 4] {
     let at = |n: usize| x[n.saturating_sub(late)];
     let mean = |n: usize| if n == 0 { 0.0 } else { 2e4 * 0.5 * (at(n) + at(n - 1)) };
     let one_rate = end.tick == x.len() as u64;
-    let sent = |n: usize| if !felt || n == 0 { 0.0 } else if one_rate { 2e4 * at(n) } else { mean(n) };
+    let sent = |n: usize| {
+        if !felt || n == 0 {
+            0.0
+        } else if one_rate {
+            2e4 * at(n)
+        } else {
+            mean(n)
+        }
+    };
     let frames = 1..x.len();
     let received = frames.clone().map(|n| mean(n) * (at(n) - at(n - 1))).sum();
     let given = frames.map(|n| sent(n - 1) * (x[n] - x[n - 1])).sum();

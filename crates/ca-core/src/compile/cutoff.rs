@@ -43,6 +43,7 @@ pub fn blockers(model: &Model, net: &Net, diags: &mut Diags) -> Vec<Blocker> {
 fn too_high(model: &Model, net: &Net, o: &OutNode, f: f64) -> Diag {
     let item = o.item.map(|i| &model.items[net.items[i as usize].model]);
     let span = item.and_then(|i| i.args.iter().find(|e| e.key == "dc")).map_or(Span::NONE, |e| e.span);
-    let title = format!("`dc` of `{}`: {} is not below half the sound rate", o.name, show(f, Unit::HERTZ));
+    let name = item.map_or(&o.name, |i| &i.name);
+    let title = format!("`dc` of `{name}`: {} is not below half the sound rate", show(f, Unit::HERTZ));
     Diag::error("E023", title).at(span, "too high").help("what is steady goes with `\"7 Hz\"` or less")
 }
