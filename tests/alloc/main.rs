@@ -52,9 +52,9 @@ fn calls(f: impl FnOnce()) -> u64 {
 }
 
 /// The same with all that the border and the outputs can do.
-fn burdened(model: &Model) -> Model {
+fn burdened(model: &Model, border: &str, feedback: &str) -> Model {
     let mut m = model.clone();
-    for (key, value) in [("border", "hold"), ("latency", "3"), ("feedback", "false"), ("filter", "2 kHz")] {
+    for (key, value) in [("border", border), ("latency", "3"), ("feedback", feedback), ("filter", "2 kHz")] {
         assert!(m.set(&format!("rate.{key}"), value));
     }
     let outputs = model.items.iter().filter(|i| matches!(i.kind.as_str(), "SOX" | "SOF"));
@@ -67,7 +67,8 @@ fn scenes() -> Vec<(String, Scene)> {
     let mut all = Vec::new();
     for (name, text) in texts() {
         let (plain, _) = read::read(&text, &name, &catalog);
-        for (model, what) in [(&plain, ""), (&burdened(&plain), ", late and filtered")] {
+        let (held, line) = (burdened(&plain, "hold", "false"), burdened(&plain, "linear", "true"));
+        for (model, what) in [(&plain, ""), (&held, ", late, held and mute"), (&line, ", late")] {
             for energy in [false, true] {
                 for kernel in [KernelClass::Fast, KernelClass::Reference] {
                     let options = Options { energy, kernel, ..Options::default() };

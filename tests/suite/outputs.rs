@@ -148,7 +148,7 @@ fn a_low_pass_is_the_one_it_says() {
         let (middle, beta) = (n / 2, 0.1102 * (88.0 - 8.7));
         let ideal = |i: usize| {
             let t = i as f64 - middle as f64;
-            let cut = (edge / rate + 0.5) / 2.0;
+            let cut = f64::midpoint(edge / rate, 0.5);
             let sinc = if t == 0.0 { 2.0 * cut } else { (TURN * cut * t).sin() / (PI * t) };
             sinc * bessel(beta * (1.0 - (t / middle as f64).powi(2)).max(0.0).sqrt()) / bessel(beta)
         };

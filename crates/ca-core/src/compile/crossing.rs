@@ -9,8 +9,8 @@ use crate::layout::{Crossing, Shape};
 use crate::model::Model;
 use crate::model::diag::Diags;
 
-/// Longest delay \[frames\], 10 s at 3 kHz: it is room in the state.
-const LATEST: u32 = 30_000;
+/// Longest delay \[frames\], 3 s at 3 kHz: it is room in the state.
+const LATEST: u32 = 10_000;
 
 const BORDER: Param =
     Param::new("border", Type::Choice(&["linear", "hold"]), Need::Default(0.0), "position of a device within a frame");
