@@ -8,6 +8,8 @@ use alloc::vec::Vec;
 pub enum Level {
     /// every link is linear and the bound is below the limit: passive by theorem
     Proven,
+    /// as `Proven` for small motions; distances in space keep energy to O(T²), bounded and without drift
+    Linearised,
     /// the linear links are proven; contacts and non-linear links obey a rule of thumb
     RuleOfThumb,
     /// the cheap bounds do not settle it
@@ -21,6 +23,7 @@ impl core::fmt::Display for Level {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.write_str(match self {
             Level::Proven => "proven",
+            Level::Linearised => "linearised",
             Level::RuleOfThumb => "rule of thumb",
             Level::NotProven => "not proven",
             Level::Unstable => "unstable",

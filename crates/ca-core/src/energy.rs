@@ -5,17 +5,28 @@
 //! account, which names the module that makes energy. Sample n is booked when x_{n+1} is known of ports too, that is
 //! at the beginning of tick n+1, before changes. A scene that does not ask has no pass, array or test of this.
 
-use crate::layout::{Account, Layout};
+use crate::layout::{Account, Gauge, Layout};
 pub use crate::ledger::{Balance, Exchange, Ledger};
-use crate::op::Op;
+use crate::op::{Op, gauge};
 use crate::state::State;
 
-/// Elongations of link `i` of `op` before, at and after the tick being booked, where `d0` is the motion into that tick.
-fn elongations(layout: &Layout, s: &State, d0: &[f64], a: &Account, i: usize) -> [f64; 3] {
-    let [p, q] = layout.ends[a.first + i].map(|m| m as usize);
-    let after = s.x[q] - s.x[p] + layout.e0[a.first + i];
-    let at = after - (s.d[q] - s.d[p]);
-    [at - (d0[q] - d0[p]), at, after]
+/// Link `i` of a batch around the tick being booked, where `d0` is the motion into that tick: its elongations before,
+/// at and after, and how far its ends moved along its force in the two ticks together.
+fn elongations(layout: &Layout, s: &State, d0: &[f64], a: &Account, i: usize) -> ([f64; 3], f64) {
+    if a.ports.gauge == Gauge::Line && a.ports.onto.is_none() {
+        let [p, q] = layout.ends[a.first + i].map(|m| m as usize);
+        let after = s.x[q] - s.x[p] + layout.e0[a.first + i];
+        let at = after - (s.d[q] - s.d[p]);
+        let e = [at - (d0[q] - d0[p]), at, after];
+        return (e, e[2] - e[0]);
+    }
+    let (mut e, mut moved) = ([layout.e0[a.first + i]; 3], 0.0);
+    for (gauge, ends, reach) in gauge::ports(layout, &a.ports, a.first, i) {
+        let (part, along) = gauge::around(gauge, &s.x, &s.d, d0, ends, &reach);
+        (0..3).for_each(|k| e[k] += part[k]);
+        moved += along;
+    }
+    (e, moved)
 }
 
 /// Coefficients of link `i`, gathered from their columns. Eight is more than any law has.
@@ -63,7 +74,7 @@ fn hold(layout: &Layout, s: &State, l: &mut Ledger) -> f64 {
     l.kinetic = kinetic;
     h += kinetic;
     links(layout, |a, i| {
-        let e = elongations(layout, s, &s.d, a, i);
+        let (e, _) = elongations(layout, s, &s.d, a, i);
         let mem = &s.mem[a.mem + i * a.mems..][..a.mems];
         let held = (a.stored)(&coefs(s, a, i), mem, &layout.tables, e[1], e[2]);
         l.held[a.first + i] = held;
@@ -102,12 +113,12 @@ pub fn book(_op: &Op, layout: &Layout, s: &mut State) {
     h += kinetic;
     links(layout, |a, i| {
         let (k, c) = (a.first + i, coefs(s, a, i));
-        let e = elongations(layout, s, &l.d0, a, i);
+        let (e, moved) = elongations(layout, s, &l.d0, a, i);
         let mem = &s.mem[a.mem + i * a.mems..][..a.mems];
         let held = (a.stored)(&c, mem, &layout.tables, e[1], e[2]);
         let heat = (a.lost)(&c, mem, &layout.tables, e);
         if !a.linear {
-            let work = -s.tap[a.tap + i] * 0.5 * (e[2] - e[0]);
+            let work = -s.tap[a.tap + i] * 0.5 * moved;
             let made = held - l.held[k] + work + heat;
             l.source[k] += made;
             source += made;

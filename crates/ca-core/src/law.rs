@@ -31,6 +31,14 @@ pub trait Phi<const C: usize, const M: usize> {
     /// True where force is linear in `e` and `w`: the ledger identity then holds exactly.
     const LINEAR: bool = false;
 
+    /// True where the law does nothing, and remembers nothing, on one side of a threshold (see [`Phi::idle`]).
+    const CONTACT: bool = false;
+
+    /// The elongations from … to at which there is no force, for contacts; kernels in space then skip the square root.
+    fn idle(_c: &[f64; C]) -> (f64, f64) {
+        (f64::INFINITY, f64::NEG_INFINITY)
+    }
+
     /// Coefficients per tick from the parameters in SI (in the order of `Kind::params`) and the tick `te` \[s\].
     fn coefs(p: &[Option<f64>], te: f64) -> [f64; C];
 

@@ -7,6 +7,30 @@ use crate::law::{Lost, Stored};
 use crate::table::Table;
 use alloc::vec::Vec;
 
+/// How a port of a link measures its two ends.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Gauge {
+    /// the difference of two places: on a line, or along one axis of space
+    #[default]
+    Line,
+    /// the difference of two points in space along a fixed direction
+    Along,
+    /// the distance of two points in space
+    Radial,
+}
+
+/// The ports of a batch of links: how they measure, and where their numbers stand.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Ports {
+    /// of the first port
+    pub gauge: Gauge,
+    /// its first entry in [`Layout::reach`], unless it is a line
+    pub reach: usize,
+    /// of the second port, where the links are quadripoles: gauge, first entry in [`Layout::onto`], first in
+    /// [`Layout::reach`]
+    pub onto: Option<(Gauge, usize, usize)>,
+}
+
 /// A position port.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Enx {
@@ -112,6 +136,8 @@ pub struct Account {
     pub op: usize,
     /// number of links
     pub n: usize,
+    /// how they measure
+    pub ports: Ports,
     /// first of them in [`Layout::ends`], which is also their number in the ledger
     pub first: usize,
     /// first coefficient, as in a pass
@@ -148,7 +174,7 @@ pub struct Layout {
     pub te: f64,
     /// ticks per gesture frame
     pub ratio: u32,
-    /// MATs, moving points included
+    /// places of MATs, moving points included: one for a MAT on a line, three in a row for one in space
     pub n_mat: usize,
     /// links
     pub n_lia: usize,
@@ -162,8 +188,13 @@ pub struct Layout {
     pub channels: usize,
     /// places in [`State::output`](crate::state::State)
     pub n_out: usize,
-    /// ends of links, first and second MAT (n_lia x 2)
+    /// ends of links, first place of the first and of the second MAT (n_lia x 2)
     pub ends: Vec<[u32; 2]>,
+    /// ends of the second ports of quadripoles (any x 2)
+    pub onto: Vec<[u32; 2]>,
+    /// what a port in space needs beside its ends: for [`Gauge::Radial`] the vector between the ends at rest \[m\] and
+    /// the square of the softening length \[m²\], for [`Gauge::Along`] the direction and nothing (any x 4)
+    pub reach: Vec<[f64; 4]>,
     /// constant part of the elongation \[m\] (n_lia)
     pub e0: Vec<f64>,
     /// rest positions \[m\] (n_mat)

@@ -45,12 +45,10 @@ pub enum Source {
 pub enum Loader {
     /// a MAT, with the viscosity of its medium \[N s/m\]
     Mat(&'static MatSpec, f64),
-    /// its weight, with the gravity of its group \[m/s²\]; mass is the first parameter
-    Weight(f64),
     /// a LIA
     Lia(&'static Law),
-    /// the value itself
-    Plain,
+    /// its first parameter times this: the gain of an output, or, with an acceleration \[m/s²\], the weight of a mass
+    Times(f64),
 }
 
 /// A module with coefficients that depend on live parameters.
@@ -69,6 +67,8 @@ pub struct LiveModule {
 pub struct LiveItem {
     /// its kind
     pub kind: &'static Kind,
+    /// axes along which its MATs move
+    pub dim: u8,
     /// its resolved parameters
     pub args: Vec<Arg>,
     /// which of them follow which live parameter: (argument, parameter, factor)
@@ -171,8 +171,14 @@ impl LiveItem {
     /// Numbers derived from the item's parameters: those of a generator, or the parameters themselves.
     fn slots(&self, te: f64) -> Result<Vec<Option<f64>>, Refused> {
         match self.generator {
-            Some(g) => (g.derive)(&Args { code: self.kind.code, params: self.kind.params, values: &self.args, te })
-                .map_err(|p| Refused::Unsolvable(p.title)),
+            Some(g) => (g.derive)(&Args {
+                code: self.kind.code,
+                params: self.kind.params,
+                values: &self.args,
+                te,
+                dim: self.dim,
+            })
+            .map_err(|p| Refused::Unsolvable(p.title)),
             None => Ok(self.args.iter().map(Arg::num).collect()),
         }
     }
@@ -210,16 +216,12 @@ impl Loader {
                 out[..3].copy_from_slice(&[c.p - medium / te * c.c, c.q, c.c]);
                 3
             }
-            Loader::Weight(g) => {
-                out[0] = -g * values.first().copied().flatten().unwrap_or(0.0);
-                1
-            }
             Loader::Lia(law) => {
                 (law.load)(values, te, &mut out[..law.coefs]);
                 law.coefs
             }
-            Loader::Plain => {
-                out[0] = values.first().copied().flatten().unwrap_or(0.0);
+            Loader::Times(by) => {
+                out[0] = by * values.first().copied().flatten().unwrap_or(0.0);
                 1
             }
         }

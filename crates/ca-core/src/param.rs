@@ -157,6 +157,20 @@ pub enum Type {
         /// unit of the second column
         y: Unit,
     },
+    /// a place, or a velocity: a number on a line, two in a plane, three in space
+    Place {
+        /// unit and dimension
+        unit: Unit,
+    },
+    /// a direction in space: `"x"`, `"y"`, `"z"`, or a list of two or three numbers, of any length but 0
+    Direction,
+    /// a whole number, or a list of them, each `min ..= max`
+    Counts {
+        /// smallest
+        min: u32,
+        /// largest
+        max: u32,
+    },
     /// a list of `[i, j]` nodes of a grid, counted from 0, or from −1 backwards
     Nodes,
     /// the two ends of a link: a list of two selectors, or of two lists that pair one to one

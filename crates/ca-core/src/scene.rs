@@ -45,6 +45,8 @@ pub struct Symbol {
     pub name: String,
     /// code of what runs, e.g. `MAS`, `RES`
     pub code: &'static str,
+    /// axes along which a MAT moves: 1 on a line, 2 in a plane, 3 in space; 1 for a LIA
+    pub axes: u8,
     /// where it stands
     pub place: Stands,
 }
@@ -52,7 +54,7 @@ pub struct Symbol {
 /// Where a module stands in the state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stands {
-    /// a MAT: place in [`State::x`]
+    /// a MAT: place in [`State::x`], the first of three where it has more than one axis
     Mat(u32),
     /// a LIA: op number in [`Scene::forces`] and position in it
     Lia(u32, u32),
@@ -77,7 +79,8 @@ pub struct Scene {
     pub inputs: Vec<Input>,
     /// names of the sound channels (channels)
     pub channel_names: Vec<String>,
-    /// names of the probes (n_out − channels): the selector, with `#i` where it chose several
+    /// names of the probes (n_out − channels): the selector, with `#i` where it chose several and `.x`, `.y`, `.z` for
+    /// what is in space
     pub probe_names: Vec<String>,
     /// live coefficients and how to compute them
     pub live: LivePlan,
@@ -105,14 +108,23 @@ impl Scene {
         self.initial.clone()
     }
 
+    /// MATs by number, whatever their axes.
+    pub fn mats(&self) -> usize {
+        self.symbols.iter().filter(|s| matches!(s.place, Stands::Mat(_))).count()
+    }
+
     /// The place in [`State::input`] of the port `name`.
     pub fn input(&self, name: &str) -> Option<usize> {
         self.inputs.iter().position(|i| i.name == name)
     }
 
-    /// Name of the MAT at a place of the state.
+    /// Name of the MAT at a place of the state; the three places of one in space have its name.
     pub fn mat_name(&self, mat: usize) -> &str {
-        self.symbols.iter().find(|s| s.place == Stands::Mat(mat as u32)).map_or("a moving point", |s| &s.name)
+        let here = |s: &&Symbol| match s.place {
+            Stands::Mat(at) => (at as usize..at as usize + if s.axes > 1 { 3 } else { 1 }).contains(&mat),
+            Stands::Lia(..) => false,
+        };
+        self.symbols.iter().find(here).map_or("a moving point", |s| &s.name)
     }
 
     /// Name of the link with this number in the ledger.
@@ -143,6 +155,6 @@ impl core::ops::Deref for Scene {
 
 impl core::fmt::Debug for Scene {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        write!(f, "Scene({} MAT, {} LIA, {} ops at {} Hz)", self.n_mat, self.n_lia, self.forces.len(), self.rate)
+        write!(f, "Scene({} MAT, {} LIA, {} ops at {} Hz)", self.mats(), self.n_lia, self.forces.len(), self.rate)
     }
 }

@@ -40,6 +40,8 @@ pub struct Args<'a> {
     pub values: &'a [Arg],
     /// the tick \[s\]
     pub te: f64,
+    /// axes along which its MATs move
+    pub dim: u8,
 }
 
 impl Args<'_> {
@@ -89,6 +91,8 @@ pub struct Problem {
 /// A kind that expands.
 #[derive(Clone, Copy)]
 pub struct Generator {
+    /// in how many dimensions it can be drawn, e.g. `&[1]` for what lives on a line
+    pub dims: &'static [u8],
     /// the numbers its modules use, from its parameters; called at load and at live changes
     pub derive: fn(&Args<'_>) -> Result<Vec<Option<f64>>, Problem>,
     /// names and connects the modules
@@ -127,6 +131,10 @@ pub struct Sketch<'a> {
     pub mats: Vec<(Drawn, String)>,
     /// links, in order
     pub links: Vec<DrawnLink>,
+    /// rest positions of the MATs drawn, from that of the item \[m\]; none on a line
+    pub places: Vec<[f64; 3]>,
+    /// initial velocities of the MATs drawn \[m/s\]; none where all are at rest
+    pub speeds: Vec<[f64; 3]>,
     /// nodes a moving point may stand between
     pub nodes: Vec<u32>,
     /// their arrangement, `[n, 1]` in a row
@@ -136,7 +144,16 @@ pub struct Sketch<'a> {
 impl<'a> Sketch<'a> {
     /// An empty drawing over the derived numbers; `live` where they may change while playing.
     pub fn new(slots: &'a [Option<f64>], live: bool) -> Sketch<'a> {
-        Sketch { slots, live, mats: Vec::new(), links: Vec::new(), nodes: Vec::new(), size: [0, 1] }
+        Sketch {
+            slots,
+            live,
+            mats: Vec::new(),
+            links: Vec::new(),
+            places: Vec::new(),
+            speeds: Vec::new(),
+            nodes: Vec::new(),
+            size: [0, 1],
+        }
     }
 
     /// True where slot `i` is nothing and stays so.

@@ -3,6 +3,7 @@
 mod degraded;
 mod images;
 mod looped;
+mod space;
 
 use crate::play::{Dice, TURN, audited, case, mat, num, within};
 use ca_core::border::frame_due;

@@ -39,6 +39,10 @@ pub fn args(kind: &Kind, dice: &mut Dice) -> Vec<Entry> {
         if mentioned.is_some_and(|(_, set)| !set.contains(&p.name)) {
             continue;
         }
+        // both ends of the link drawn live on a line
+        if p.name == "soften" {
+            continue;
+        }
         // the last table of a kind is left out only where there is another
         let table = |t: &Type| matches!(t, Type::Points { .. });
         let only = table(&p.ty)

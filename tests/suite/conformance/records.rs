@@ -32,7 +32,7 @@ fn every_record_is_complete() {
                         assert!(min <= v && v <= max, "{what}: {v} is not in {min} … {max}");
                     }
                 }
-                (Type::Count { min, max }, need) => {
+                (Type::Count { min, max } | Type::Counts { min, max }, need) => {
                     assert!(min < max, "{what}");
                     if let Need::Default(v) = need {
                         assert!(f64::from(min) <= v && v <= f64::from(max) && v.fract() == 0.0, "{what}: {v}");

@@ -34,7 +34,7 @@ pub fn run(args: &ImportArgs) -> Outcome {
     let (scene, diags) = load::compiled(&loaded, &Options::default());
     term::findings(&render::text(&diags, &loaded.model, term::color()));
     let Some(scene) = scene else { return Err(Failure::Told) };
-    writeln!(out, "it compiles: {} MAT, {} LIA, stability {}", scene.n_mat, scene.n_lia, scene.certificate.level)?;
+    writeln!(out, "it compiles: {} MAT, {} LIA, stability {}", scene.mats(), scene.n_lia, scene.certificate.level)?;
     writeln!(out, "hear it with\n\n  ca render {shown}\n")?;
     Ok(if scene.certificate.level == Level::Unstable { Ended::Degraded } else { Ended::Well })
 }

@@ -1,6 +1,6 @@
 //! Expand: a generator's drawing becomes modules with names, kinds and places for their numbers.
 
-use super::net::{End, Family, LiaNode, MatNode, MatRole, Net};
+use super::net::{End, Family, LiaNode, MatNode, MatRole, Measure, Net};
 use crate::kind::{Kind, Role};
 use crate::live::Source;
 use crate::sketch::{Drawn, Sketch};
@@ -26,7 +26,7 @@ impl Shared {
 
 /// Adds the drawing of item `item` to the net. The cheapest law that serves each link is chosen later, by the same
 /// pass that treats links written by hand.
-pub fn expand(net: &mut Net, item: u32, sketch: &Sketch<'_>, rest: f64, group: Option<u32>) {
+pub fn expand(net: &mut Net, item: u32, sketch: &Sketch<'_>, (dim, rest): (u8, [f64; 3]), group: Option<u32>) {
     let name = net.items[item as usize].name.clone();
     let base = net.mats.len() as u32;
     let mut shared = Shared::default();
@@ -56,9 +56,10 @@ pub fn expand(net: &mut Net, item: u32, sketch: &Sketch<'_>, rest: f64, group: O
             code: kind.code,
             role: MatRole::Mat(spec),
             values: shared.list(&values),
-            rest,
-            dx0: 0.0,
-            v: 0.0,
+            axes: dim,
+            rest: sketch.places.get(i).map_or(rest, |p| core::array::from_fn(|k| rest[k] + p[k])),
+            dx0: [0.0; 3],
+            v: sketch.speeds.get(i).copied().unwrap_or([0.0; 3]),
             group,
             item,
         });
@@ -72,7 +73,10 @@ pub fn expand(net: &mut Net, item: u32, sketch: &Sketch<'_>, rest: f64, group: O
             law,
             values: shared.list(&[Source::Absent, Source::Slot(l.k), Source::Slot(l.z), Source::Absent]),
             ends: l.ends.map(|e| End::Mat(base + e)),
+            measure: if dim == 1 { Measure::Line([0, 0]) } else { Measure::Radial },
+            onto: None,
             l0: None,
+            soften: 0.0,
             item,
         });
     }

@@ -1,14 +1,15 @@
 //! Links: batches of one law, rows as runs, and where each link ends up.
 
-use super::net::{Ear, End, LiaNode, Net};
+use super::net::{Ear, End, LiaNode, Measure, Net};
 use super::options::{KernelClass, Options};
 use super::plan::Plan;
 use crate::kind::Role;
 use crate::live::{Loader, Source};
 use crate::model::Model;
 use crate::model::diag::{Diag, Diags};
+use crate::op::gauge::measure;
 use crate::op::law::Law;
-use crate::op::{Form, Op};
+use crate::op::{Form, Gauge, Op, Ports};
 use alloc::format;
 use alloc::vec::Vec;
 
@@ -19,8 +20,12 @@ const SHORTEST_RUN: usize = 4;
 pub struct Links {
     /// their passes
     pub forces: Vec<Op>,
-    /// first and second MAT of each
+    /// first and second place of each
     pub ends: Vec<[u32; 2]>,
+    /// the same of second ports
+    pub onto: Vec<[u32; 2]>,
+    /// what ports in space need
+    pub reach: Vec<[f64; 4]>,
     /// constant part of the elongation of each
     pub e0: Vec<f64>,
     /// numbers of memory
@@ -44,10 +49,26 @@ pub fn own_tables(net: &Net) -> Vec<(&'static Law, crate::table::Table)> {
     own
 }
 
+/// What links of one batch have in common.
+#[derive(Clone, Copy, PartialEq)]
+struct Shape {
+    law: *const Law,
+    gauge: Gauge,
+    onto: Option<Gauge>,
+}
+
+fn gauge(m: Measure) -> Gauge {
+    match m {
+        Measure::Line(_) => Gauge::Line,
+        Measure::Along(_) => Gauge::Along,
+        Measure::Radial => Gauge::Radial,
+    }
+}
+
 impl Plan<'_> {
     /// Batches of links: in document order, or by law with rows as runs; each with its stride, 0 where there is none.
     fn batches(&self, class: KernelClass) -> Vec<(Vec<u32>, usize)> {
-        let same = |a: u32, b: u32| core::ptr::eq(self.law(a), self.law(b));
+        let same = |a: u32, b: u32| self.shape(a) == self.shape(b);
         let all: Vec<u32> = (0..self.net.lias.len() as u32).collect();
         if class == KernelClass::Reference {
             return all.chunk_by(|a, b| same(*a, *b)).map(|c| (c.to_vec(), 0)).collect();
@@ -61,6 +82,11 @@ impl Plan<'_> {
         }
         let mut out = Vec::new();
         for group in by_law {
+            let shape = self.shape(group[0]);
+            if shape.gauge != Gauge::Line || shape.onto.is_some() {
+                out.push((group, 0));
+                continue;
+            }
             let mut loose = Vec::new();
             let stride = |l: u32| self.ends(l)[1].wrapping_sub(self.ends(l)[0]);
             let follows =
@@ -83,16 +109,70 @@ impl Plan<'_> {
         self.net.lias[l as usize].law
     }
 
-    fn ends(&self, l: u32) -> [u32; 2] {
-        self.net.lias[l as usize].ends.map(|e| self.at(e))
+    fn shape(&self, l: u32) -> Shape {
+        let l = &self.net.lias[l as usize];
+        Shape { law: l.law, gauge: gauge(l.measure), onto: l.onto.map(|o| gauge(o.measure)) }
     }
 
-    /// Constant part of the elongation: laws with a rest length are slack at rest, contacts count from position.
+    fn ends(&self, l: u32) -> [u32; 2] {
+        let l = &self.net.lias[l as usize];
+        self.port(l.ends, l.measure)
+    }
+
+    /// First places of two ends; on a line, those of the axes it measures.
+    fn port(&self, ends: [End; 2], measure: Measure) -> [u32; 2] {
+        let axes = if let Measure::Line(axes) = measure { axes } else { [0, 0] };
+        [0, 1].map(|k| self.at(ends[k]) + u32::from(axes[k]))
+    }
+
+    /// What a port in space needs beside its ends, if it is one.
+    fn reach(&self, ends: [End; 2], measure: Measure, soften: f64) -> Option<[f64; 4]> {
+        match measure {
+            Measure::Line(_) => None,
+            Measure::Along(n) => Some([n[0], n[1], n[2], 0.0]),
+            Measure::Radial => {
+                let [x, y, z] = self.net.apart(ends);
+                Some([x, y, z, soften * soften])
+            }
+        }
+    }
+
+    /// What two ends at rest add to the elongation beside what the kernel measures, and their distance.
+    fn at_rest(&self, ends: [End; 2], measure: Measure) -> (f64, f64) {
+        let v = self.net.apart(ends);
+        match measure {
+            Measure::Line([a, b]) => {
+                let d = self.net.rest(ends[1])[b as usize] - self.net.rest(ends[0])[a as usize];
+                (d, d)
+            }
+            Measure::Along(n) => {
+                let d = n[0] * v[0] + n[1] * v[1] + n[2] * v[2];
+                (d, d)
+            }
+            // the kernel measures the whole distance
+            Measure::Radial => (0.0, libm::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])),
+        }
+    }
+
+    /// Constant part of the elongation: laws with a rest length are slack at rest, contacts count from position. The
+    /// second port of a quadripole is slack at rest.
     fn offset(&self, l: &LiaNode) -> f64 {
-        let distance = self.net.rest(l.ends[1]) - self.net.rest(l.ends[0]);
-        let slack = if l.kind.param("l0").is_some() { l.l0.unwrap_or(distance) } else { 0.0 };
+        let (constant, distance) = self.at_rest(l.ends, l.measure);
         let generated = matches!(l.kind.role, Role::Lia(_)) && self.net.items[l.item as usize].kind.code != l.kind.code;
-        if generated { 0.0 } else { distance - slack }
+        let has_length = generated || l.kind.param("l0").is_some();
+        let slack = if has_length { l.l0.unwrap_or(distance) } else { 0.0 };
+        let slack = if l.measure == Measure::Radial && l.soften != 0.0 {
+            libm::sqrt(slack * slack + l.soften * l.soften)
+        } else {
+            slack
+        };
+        let second = l.onto.map_or(0.0, |o| {
+            let (constant, distance) = self.at_rest(o.ends, o.measure);
+            let soft = if o.measure == Measure::Radial { l.soften } else { 0.0 };
+            let slack = if soft == 0.0 { distance } else { libm::sqrt(distance * distance + soft * soft) };
+            constant - slack
+        });
+        constant - slack + second
     }
 
     /// Lays out all links.
@@ -106,6 +186,8 @@ impl Plan<'_> {
         let mut k = Links {
             forces: Vec::new(),
             ends: Vec::with_capacity(net.lias.len()),
+            onto: Vec::new(),
+            reach: Vec::new(),
             e0: Vec::with_capacity(net.lias.len()),
             mem: 0,
             tap: scratch,
@@ -115,6 +197,18 @@ impl Plan<'_> {
             let law = self.law(batch[0]);
             let n = batch.len();
             let (first, coef) = (k.ends.len(), self.coef.len());
+            let shape = self.shape(batch[0]);
+            let mut ports = Ports { gauge: shape.gauge, reach: k.reach.len(), onto: None };
+            let nodes = || batch.iter().map(|id| &net.lias[*id as usize]);
+            k.reach.extend(nodes().filter_map(|l| self.reach(l.ends, l.measure, l.soften)));
+            if let Some(g) = shape.onto {
+                ports.onto = Some((g, k.onto.len(), k.reach.len()));
+                k.onto.extend(nodes().filter_map(|l| l.onto).map(|o| self.port(o.ends, o.measure)));
+                k.reach.extend(nodes().filter_map(|l| {
+                    let o = l.onto?;
+                    self.reach(o.ends, o.measure, l.soften)
+                }));
+            }
             self.coef.resize(coef + n * law.coefs, 0.0);
             for (i, id) in batch.iter().enumerate() {
                 let l = &net.lias[*id as usize];
@@ -130,12 +224,15 @@ impl Plan<'_> {
                     *t = coef + s * n + i;
                 }
                 self.load(Loader::Lia(law), l.item, &values, &to);
-                contact_at_load(net, l, k.e0[first + i], model, diags);
+                let onto = l.onto.map(|o| self.reach(o.ends, o.measure, l.soften).unwrap_or_default());
+                let reach = [self.reach(l.ends, l.measure, l.soften).unwrap_or_default(), onto.unwrap_or_default()];
+                contact_at_load(net, l, k.e0[first + i], &reach, model, diags);
             }
             let tap = options.energy || batch.iter().any(|l| heard.contains(l));
-            let form = Form { stride, offset: k.e0[first..].iter().any(|e| *e != 0.0), tap };
+            let offset = k.e0[first..].iter().any(|e| *e != 0.0);
+            let form = Form { stride, offset, tap, gauge: shape.gauge, onto: shape.onto };
             let mut op = Op::pass(law.code, (law.kernel)(form), n);
-            op = Op { law: Some(law), form, first, coef, mem: k.mem, mat: k.ends[first][0] as usize, ..op };
+            op = Op { law: Some(law), form, ports, first, coef, mem: k.mem, mat: k.ends[first][0] as usize, ..op };
             if tap {
                 op.tap = k.tap;
                 k.tap += n;
@@ -148,33 +245,41 @@ impl Plan<'_> {
 }
 
 /// Warns of a contact that is pressed together before anything has moved.
-fn contact_at_load(net: &Net, l: &LiaNode, e0: f64, model: &Model, diags: &mut Diags) {
-    if !matches!(l.kind.code, "BUT" | "HRZ") {
+fn contact_at_load(net: &Net, l: &LiaNode, e0: f64, reach: &[[f64; 4]; 2], model: &Model, diags: &mut Diags) {
+    if !l.law.contact {
         return;
     }
-    let at = |e: End| if let End::Mat(m) = e { net.mats[m as usize].dx0 } else { 0.0 };
-    let e = e0 + at(l.ends[1]) - at(l.ends[0]);
+    let felt = |ends: [End; 2], m: Measure, reach: &[f64; 4]| {
+        let at = ends.map(|e| if let End::Mat(m) = e { net.mats[m as usize].dx0 } else { [0.0; 3] });
+        let places = match m {
+            Measure::Line([a, b]) => [at[0][a as usize], 0.0, 0.0, at[1][b as usize], 0.0, 0.0],
+            _ => [at[0][0], at[0][1], at[0][2], at[1][0], at[1][1], at[1][2]],
+        };
+        measure(gauge(m), &places, &[0.0; 6], [0, 3], reach).e
+    };
+    let second = l.onto.map_or(0.0, |o| felt(o.ends, o.measure, &reach[1]));
+    let e = e0 + felt(l.ends, l.measure, &reach[0]) + second;
     let mut c = [0.0; 8];
     (l.law.load)(&net.values(l.item, &l.values), net.te, &mut c[..l.law.coefs]);
     let f = (l.law.force)(&c[..l.law.coefs], &mut [], &net.tables, e, 0.0);
     let item = &model.items[net.items[l.item as usize].model];
     let known = |d: &Diag| d.code == "W102" && d.span() == item.name_span && item.name_span.is_some();
-    if f != 0.0 && !diags.list.iter().any(known) {
-        let (a, b) = (net.end_name(l.ends[0]), net.end_name(l.ends[1]));
-        let d = Diag::warning(
-            "W102",
-            format!(
-                "`{}` presses at load, with {}",
-                l.name,
-                crate::model::quantity::show(f.abs(), crate::kind::Unit::NEWTON)
-            ),
-        );
-        let help =
-            format!("it keeps `{b}` above `{a}`; swap the ends of `between`, or move one of them by `x` or `dx0`");
-        // three digits are enough to find the place
-        let gap = format!("{:.2e}", e.abs()).parse().unwrap_or(e.abs());
-        let gap = crate::model::quantity::show(gap, crate::kind::Unit::METRE);
-        let side = if e < 0.0 { "below" } else { "above" };
-        diags.push(d.at(item.name_span, format!("`{b}` is {gap} {side} `{a}`")).help(help));
+    if f == 0.0 || diags.list.iter().any(known) {
+        return;
     }
+    let (a, b) = (net.end_name(l.ends[0]), net.end_name(l.ends[1]));
+    let force = crate::model::quantity::show(f.abs(), crate::kind::Unit::NEWTON);
+    let d = Diag::warning("W102", format!("`{}` presses at load, with {force}", l.name));
+    // three digits are enough to find the place
+    let gap = format!("{:.2e}", e.abs()).parse().unwrap_or(e.abs());
+    let gap = crate::model::quantity::show(gap, crate::kind::Unit::METRE);
+    let (label, help) = if l.is_radial() {
+        let way = if f < 0.0 { "move them apart" } else { "move them closer" };
+        (format!("`{b}` is {gap} from `{a}`"), format!("{way} by `x` or `dx0`, or change `d`"))
+    } else {
+        let side = if e < 0.0 { "below" } else { "above" };
+        let way = "swap the ends of `between`, or move one of them by `x` or `dx0`";
+        (format!("`{b}` is {gap} {side} `{a}`"), format!("it keeps `{b}` above `{a}`; {way}"))
+    };
+    diags.push(d.at(item.name_span, label).help(help));
 }

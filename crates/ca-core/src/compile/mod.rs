@@ -31,6 +31,7 @@ mod say;
 mod schedule;
 mod select;
 mod sense;
+mod space;
 mod specialise;
 mod start;
 mod values;

@@ -30,6 +30,8 @@ pub struct NetItem {
     pub model: usize,
     /// its group, a place in [`Net::media`]
     pub group: Option<u32>,
+    /// axes along which its MATs move
+    pub dim: u8,
     /// its parameters in SI
     pub args: Vec<Arg>,
     /// which arguments follow which live parameter: (argument, parameter, factor)
@@ -43,8 +45,8 @@ pub struct NetItem {
 pub enum MatRole {
     /// moved by forces, or fixed
     Mat(&'static MatSpec),
-    /// moved from outside, through this place in [`Net::inputs`]
-    Port(PortRole, u32),
+    /// moved from outside, each axis through its place in [`Net::inputs`]; axes without one are fixed
+    Port(PortRole, [Option<u32>; 3]),
 }
 
 /// A MAT.
@@ -58,12 +60,14 @@ pub struct MatNode {
     pub role: MatRole,
     /// where its parameters come from
     pub values: Arc<[Source]>,
-    /// rest position \[m\]
-    pub rest: f64,
+    /// axes it moves along: 1 on a line, 2 in a plane (which is space with z frozen), 3 in space
+    pub axes: u8,
+    /// rest position \[m\]; on a line only the first number counts
+    pub rest: [f64; 3],
     /// initial displacement \[m\]
-    pub dx0: f64,
+    pub dx0: [f64; 3],
     /// initial velocity \[m/s\]
-    pub v: f64,
+    pub v: [f64; 3],
     /// medium
     pub group: Option<u32>,
     /// item it was made from
@@ -78,6 +82,36 @@ impl MatNode {
             MatRole::Port(..) => true,
         }
     }
+
+    /// True in a plane or in space.
+    pub fn in_space(&self) -> bool {
+        self.axes > 1
+    }
+
+    /// Places it takes in the state: one on a line, three in a row in space.
+    pub fn places(&self) -> u32 {
+        if self.in_space() { 3 } else { 1 }
+    }
+}
+
+/// How a port of a link measures its two ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Measure {
+    /// a difference: on a line, or of these axes of the first and the second end
+    Line([u8; 2]),
+    /// a difference along this unit vector
+    Along([f64; 3]),
+    /// the distance in space
+    Radial,
+}
+
+/// A second pair of ends, for quadripoles.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SecondPort {
+    /// its ends
+    pub ends: [End; 2],
+    /// how it measures
+    pub measure: Measure,
 }
 
 /// An end of a link, or what an output hears.
@@ -102,10 +136,28 @@ pub struct LiaNode {
     pub values: Arc<[Source]>,
     /// its ends
     pub ends: [End; 2],
+    /// how it measures them
+    pub measure: Measure,
+    /// its other ends, if it is a quadripole
+    pub onto: Option<SecondPort>,
     /// rest length \[m\] if written
     pub l0: Option<f64>,
+    /// softening length \[m\]
+    pub soften: f64,
     /// item it was made from
     pub item: u32,
+}
+
+impl LiaNode {
+    /// All its ends.
+    pub fn all_ends(&self) -> impl Iterator<Item = End> + use<> {
+        self.ends.into_iter().chain(self.onto.into_iter().flat_map(|o| o.ends))
+    }
+
+    /// True where it measures a distance in space.
+    pub fn is_radial(&self) -> bool {
+        self.measure == Measure::Radial || self.onto.is_some_and(|o| o.measure == Measure::Radial)
+    }
 }
 
 /// A coordinate of a moving point.
@@ -148,6 +200,10 @@ pub struct OutNode {
     pub name: String,
     /// what it hears
     pub ear: Ear,
+    /// of something in space, the axis it hears
+    pub axis: u8,
+    /// factor, beside the gain: the share of this axis in the direction it hears
+    pub share: f64,
     /// sound channel; probes come after all of them
     pub channel: u32,
     /// where the gain comes from
@@ -172,12 +228,31 @@ pub struct Family {
 }
 
 /// What surrounds the modules of a group.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Medium {
-    /// acceleration of weight, towards negative x \[m/s²\]
-    pub gravity: f64,
+    /// axes along which its MATs move: 1, 2 or 3
+    pub dim: u8,
+    /// acceleration of weight \[m/s²\]
+    pub gravity: [f64; 3],
     /// viscosity of each MAT to ground \[N s/m\]
     pub friction: f64,
+}
+
+impl Default for Medium {
+    fn default() -> Medium {
+        Medium { dim: 1, gravity: [0.0; 3], friction: 0.0 }
+    }
+}
+
+/// A force from outside on one axis of an end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Push {
+    /// place in [`Net::inputs`]
+    pub input: u32,
+    /// what it pushes
+    pub end: End,
+    /// along which axis
+    pub axis: u8,
 }
 
 /// The network.
@@ -205,8 +280,8 @@ pub struct Net {
     pub families: BTreeMap<String, Family>,
     /// ports that take something
     pub inputs: Vec<Input>,
-    /// force ports: input and target
-    pub pushes: Vec<(u32, End)>,
+    /// force ports
+    pub pushes: Vec<Push>,
     /// outputs, then probes
     pub outs: Vec<OutNode>,
     /// names of the sound channels
@@ -247,17 +322,36 @@ impl Net {
 
     /// The medium of a MAT.
     pub fn medium(&self, m: &MatNode) -> Medium {
-        m.group.and_then(|g| self.media.get(g as usize)).or(self.media.last()).copied().unwrap_or_default()
+        self.medium_of(m.group)
+    }
+
+    /// The medium of a group; that of the model without one.
+    pub fn medium_of(&self, group: Option<u32>) -> Medium {
+        group.and_then(|g| self.media.get(g as usize)).or(self.media.last()).copied().unwrap_or_default()
     }
 
     /// Rest position of an end.
-    pub fn rest(&self, end: End) -> f64 {
+    pub fn rest(&self, end: End) -> [f64; 3] {
         match end {
             End::Mat(m) => self.mats[m as usize].rest,
             End::Point(p) => self.families[&self.points[p as usize].family]
                 .nodes
                 .first()
-                .map_or(0.0, |m| self.mats[*m as usize].rest),
+                .map_or([0.0; 3], |m| self.mats[*m as usize].rest),
+        }
+    }
+
+    /// The vector from the first to the second end, at rest.
+    pub fn apart(&self, [a, b]: [End; 2]) -> [f64; 3] {
+        let (a, b) = (self.rest(a), self.rest(b));
+        core::array::from_fn(|k| b[k] - a[k])
+    }
+
+    /// Axes along which an end moves; moving points are on a line.
+    pub fn axes(&self, end: End) -> u8 {
+        match end {
+            End::Mat(m) => self.mats[m as usize].axes,
+            End::Point(_) => 1,
         }
     }
 

@@ -19,7 +19,7 @@ pub fn number(net: &Net) -> Vec<u32> {
     let n = net.mats.len();
     let pairs = || {
         net.lias.iter().filter_map(|l| match l.ends {
-            [End::Mat(a), End::Mat(b)] => Some((a as usize, b as usize)),
+            [End::Mat(a), End::Mat(b)] if !l.is_radial() => Some((a as usize, b as usize)),
             _ => None,
         })
     };

@@ -82,15 +82,22 @@ impl Plan<'_> {
         }
         let live: BTreeSet<u32> = self.live.iter().copied().collect();
         // what a fixed point has no use for costs less than two stretches, so it goes with its neighbour
-        let class = |at: usize| match self.net.mats[order[at] as usize].role {
-            MatRole::Port(..) => Some(Class::Held),
-            MatRole::Mat(s) if s.fixed => None,
-            MatRole::Mat(_) => {
-                let own = self.coef[at] != 1.0 || self.coef[n_mat + at] != 0.0 || live.contains(&(at as u32));
-                Some(if own { Class::Full } else { Class::Free })
+        let mut classes: Vec<Option<Class>> = Vec::new();
+        for m in order {
+            let m = &self.net.mats[*m as usize];
+            for k in 0..m.places() as usize {
+                let at = classes.len();
+                classes.push(match m.role {
+                    MatRole::Port(_, inputs) if inputs[k].is_some() => Some(Class::Held),
+                    MatRole::Mat(s) if !s.fixed && k < m.axes as usize => {
+                        let own = self.coef[at] != 1.0 || self.coef[n_mat + at] != 0.0 || live.contains(&(at as u32));
+                        Some(if own { Class::Full } else { Class::Free })
+                    }
+                    // a fixed point, a frozen axis
+                    _ => None,
+                });
             }
-        };
-        let mut classes: Vec<Option<Class>> = (0..order.len()).map(class).collect();
+        }
         for i in 1..classes.len() {
             classes[i] = classes[i].or(classes[i - 1].filter(|c| *c != Class::Held));
         }

@@ -13,7 +13,7 @@ use alloc::vec::Vec;
 pub struct Plan<'a> {
     /// the network
     pub net: &'a Net,
-    /// document number → place in the state; `u32::MAX` for what is left out
+    /// document number → first place in the state; `u32::MAX` for what is left out
     pub place: Vec<u32>,
     /// moving point → place in the state
     pub point: Vec<u32>,
@@ -34,9 +34,9 @@ impl Plan<'_> {
         }
     }
 
-    /// Place of an end, if it stays.
-    pub fn alive(&self, e: End) -> Option<u32> {
-        Some(self.at(e)).filter(|m| *m != u32::MAX)
+    /// Place of one axis of an end, if it stays.
+    pub fn alive(&self, e: End, axis: u8) -> Option<u32> {
+        Some(self.at(e)).filter(|m| *m != u32::MAX).map(|m| m + u32::from(axis))
     }
 
     /// Computes coefficients into `to`; remembers how, where they may change.
@@ -64,7 +64,7 @@ impl Plan<'_> {
         let at = self.coef.len() - 1;
         if let Some(p) = param {
             let to = alloc::vec![self.live_place(at)];
-            let module = LiveModule { loader: Loader::Plain, values: Arc::from([Source::Slot(0)]), to };
+            let module = LiveModule { loader: Loader::Times(1.0), values: Arc::from([Source::Slot(0)]), to };
             // points have no item: they are numbered after the items, one per parameter
             self.modules.entry(self.net.items.len() as u32 + p).or_default().push(module);
         }
@@ -79,6 +79,7 @@ impl Plan<'_> {
                 if let Some(item) = self.net.items.get(id as usize) {
                     LiveItem {
                         kind: item.kind,
+                        dim: item.dim,
                         args: item.args.clone(),
                         follows: item.follows.clone(),
                         generator: if let Role::Generator(g) = item.kind.role { Some(g) } else { None },
@@ -88,6 +89,7 @@ impl Plan<'_> {
                     let p = id as usize - self.net.items.len();
                     LiveItem {
                         kind: &crate::io::ENX,
+                        dim: 1,
                         args: alloc::vec![Arg::Num(self.net.params[p].value)],
                         follows: alloc::vec![(0, p, 1.0)],
                         generator: None,

@@ -43,8 +43,9 @@ pub fn prune(model: &Model, net: &mut Net, diags: &mut Diags) {
         End::Point(_) => true,
     };
     for l in &net.lias {
-        if moves(l.ends[0]) && moves(l.ends[1]) {
-            sets.join(place(l.ends[0]), place(l.ends[1]));
+        let mut moving = l.all_ends().filter(|e| moves(*e)).map(place);
+        if let Some(first) = moving.next() {
+            moving.for_each(|e| sets.join(first, e));
         }
     }
     let mut heard = alloc::vec![false; n + net.points.len()];
@@ -53,15 +54,15 @@ pub fn prune(model: &Model, net: &mut Net, diags: &mut Diags) {
     for o in &net.outs {
         match o.ear {
             Ear::Position(e) | Ear::ForceOn(e) => hear(&mut sets, e),
-            Ear::ForceOf(l) => net.lias[l as usize].ends.iter().for_each(|e| hear(&mut sets, *e)),
+            Ear::ForceOf(l) => net.lias[l as usize].all_ends().for_each(|e| hear(&mut sets, e)),
         }
     }
     let listened: Vec<End> =
         net.outs.iter().filter_map(|o| if let Ear::ForceOn(e) = o.ear { Some(e) } else { None }).collect();
     // whoever pulls on a device, or on a fixed point whose force is heard, is felt
     for l in &net.lias {
-        if l.ends.iter().any(|e| tgr(*e) || listened.contains(e)) {
-            l.ends.iter().filter(|e| moves(**e)).for_each(|e| hear(&mut sets, *e));
+        if l.all_ends().any(|e| tgr(e) || listened.contains(&e)) {
+            l.all_ends().filter(|e| moves(*e)).for_each(|e| hear(&mut sets, e));
         }
     }
     let audible: Vec<bool> = (0..heard.len()).map(|i| heard[sets.root(i)]).collect();
@@ -73,16 +74,16 @@ pub fn prune(model: &Model, net: &mut Net, diags: &mut Diags) {
         .iter()
         .enumerate()
         .map(|(i, l)| {
-            let moving = l.ends.iter().any(|e| moves(*e));
-            let felt = l.ends.iter().any(|e| tgr(*e) || listened.contains(e)) || taps.contains(&(i as u32));
-            if moving { l.ends.iter().all(|e| !moves(*e) || audible[place(*e)]) } else { felt }
+            let moving = l.all_ends().any(moves);
+            let felt = l.all_ends().any(|e| tgr(e) || listened.contains(&e)) || taps.contains(&(i as u32));
+            if moving { l.all_ends().all(|e| !moves(e) || audible[place(e)]) } else { felt }
         })
         .collect();
     // fixed points and ports stay where something holds them
     let hold = |alive: &mut Vec<bool>, e: End| net.under(e).into_iter().for_each(|m| alive[m as usize] = true);
     for (l, k) in net.lias.iter().zip(&keep) {
         if *k {
-            l.ends.iter().for_each(|e| hold(&mut alive, *e));
+            l.all_ends().for_each(|e| hold(&mut alive, e));
         }
     }
     for o in &net.outs {

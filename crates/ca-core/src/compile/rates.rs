@@ -98,16 +98,27 @@ pub fn media(model: &Model, net: &mut Net, v: &mut Values<'_>) {
 
 fn medium(props: &[Entry], owner: &str, outer: Medium, v: &mut Values<'_>) -> Medium {
     let mut m = outer;
+    // which way is down hangs on the number of axes
+    if let Some(e) = props.iter().find(|e| e.key == "dim") {
+        let what = format!("`dim` of {owner}");
+        match e.value {
+            Value::Num(n) if [1.0, 2.0, 3.0].contains(&n) => m.dim = n as u8,
+            _ => {
+                let d = Diag::error("E009", format!("{what} is the number of axes: 1, 2 or 3"));
+                let d = d.at(e.span, "neither 1, 2 nor 3");
+                v.diags.push(d.help("1: a line; 2: a plane; 3: space").fix(e.span, "3"));
+            }
+        }
+        // the weight of the model is along its own axes
+        if m.dim != outer.dim {
+            m.gravity = down(m.dim, -down_of(outer));
+        }
+    }
     for e in props {
         let what = format!("`{}` of {owner}", e.key);
         match e.key.as_str() {
-            "gravity" if matches!(e.value, Value::List(_)) => {
-                let d = Diag::error("E028", format!("{what}: a direction in space is of a later version"));
-                let d = d.at(e.span, "a vector");
-                v.diags.push(d.help("write one number: the pull towards negative positions, e.g. `\"9.81 m/s^2\"`"));
-            }
             "gravity" => {
-                if let Some(g) = v.constant(e, Unit::ACCELERATION, ANY, &what) {
+                if let Some(g) = gravity(e, m.dim, &what, v) {
                     m.gravity = g;
                 }
             }
@@ -116,22 +127,29 @@ fn medium(props: &[Entry], owner: &str, outer: Medium, v: &mut Values<'_>) -> Me
                     m.friction = z;
                 }
             }
-            "dim" if e.value != Value::Num(1.0) => {
-                let many = matches!(e.value, Value::Num(n) if n == 2.0 || n == 3.0);
-                let (code, title) = if many {
-                    ("E028", format!("{what}: two and three dimensions are of a later version"))
-                } else {
-                    ("E009", format!("{what} is a number of dimensions: 1 for now"))
-                };
-                v.diags.push(
-                    Diag::error(code, title)
-                        .at(e.span, "only 1 is built yet")
-                        .help("write `dim = 1`, or leave it out")
-                        .fix(e.span, "1"),
-                );
-            }
             _ => {}
         }
     }
     m
+}
+
+/// A pull `g` towards negative positions of the last axis.
+fn down(dim: u8, g: f64) -> [f64; 3] {
+    let mut all = [0.0; 3];
+    all[dim as usize - 1] = -g;
+    all
+}
+
+/// What pulls along the last axis.
+fn down_of(m: Medium) -> f64 {
+    m.gravity[m.dim as usize - 1]
+}
+
+/// One number, the pull towards negative positions of the last axis; or the acceleration, a number per axis.
+fn gravity(e: &Entry, dim: u8, what: &str, v: &mut Values<'_>) -> Option<[f64; 3]> {
+    if let Value::List(_) = e.value {
+        let list = v.place(e, Unit::ACCELERATION, what)?;
+        return super::space::place(Some(&list), dim, e.span, what, v.diags);
+    }
+    v.constant(e, Unit::ACCELERATION, ANY, what).map(|g| down(dim, g))
 }

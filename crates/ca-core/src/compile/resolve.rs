@@ -6,7 +6,7 @@ use super::expand::expand;
 use super::net::{Family, LARGEST, MatNode, MatRole, Net, NetItem};
 use super::say::type_name;
 use super::values::Values;
-use super::{Options, gesture, params, rates, sense};
+use super::{Options, gesture, params, rates, sense, space};
 use crate::catalog::Catalog;
 use crate::kind::PortRole;
 use crate::kind::{Kind, Need, OneOf, Role, Type, Unit};
@@ -137,6 +137,7 @@ fn item_args(kind: &'static Kind, item: &Item, model: usize, v: &mut Values<'_>)
         kind,
         model,
         group: item.group.map(|g| g as u32),
+        dim: 1,
         args,
         follows,
         slots: Vec::new(),
@@ -186,9 +187,17 @@ fn one_of(kind: &Kind, item: &Item, choice: &OneOf, diags: &mut Diags) -> bool {
 fn nodes(mut item: NetItem, source: &Item, net: &mut Net, v: &mut Values<'_>) {
     let id = net.items.len() as u32;
     let kind = item.kind;
-    let num = |item: &NetItem, name: &str| kind.param(name).and_then(|i| item.args[i].num()).unwrap_or(0.0);
     item.slots = item.args.iter().map(Arg::num).collect();
-    let rest = num(&item, "x");
+    let dim = net.medium_of(item.group).dim;
+    item.dim = dim;
+    let mut place = |item: &NetItem, name: &str| {
+        let arg = kind.param(name).map(|i| &item.args[i]);
+        let span = source.args.iter().find(|e| e.key == name).map_or(Span::NONE, |e| e.span);
+        let what = format!("`{name}` of `{}`", item.name);
+        space::place(arg, dim, span, &what, v.diags)
+    };
+    let (rest, dx0, speed) = (place(&item, "x"), place(&item, "dx0"), place(&item, "v"));
+    let (Some(rest), Some(dx0), Some(speed)) = (rest, dx0, speed) else { return };
     match kind.role {
         Role::Mat(spec) => {
             if let (Some(f), "CEL") = (kind.param("f").and_then(|i| item.args[i].num()), kind.code) {
@@ -204,9 +213,10 @@ fn nodes(mut item: NetItem, source: &Item, net: &mut Net, v: &mut Values<'_>) {
                 code: kind.code,
                 role: MatRole::Mat(spec),
                 values: (0..kind.params.len() as u32).map(Source::Slot).collect(),
+                axes: dim,
                 rest,
-                dx0: num(&item, "dx0"),
-                v: num(&item, "v"),
+                dx0,
+                v: speed,
                 group: item.group,
                 item: id,
             };
@@ -214,11 +224,22 @@ fn nodes(mut item: NetItem, source: &Item, net: &mut Net, v: &mut Values<'_>) {
             net.items.push(item);
         }
         Role::Port(role) => {
-            port(role, &item, source, id, rest, net, v);
+            port(role, &item, source, id, (dim, rest), net, v);
             net.items.push(item);
         }
         Role::Generator(g) => {
-            let args = Args { code: kind.code, params: kind.params, values: &item.args, te: net.te };
+            if !g.dims.contains(&dim) {
+                let lives = if dim == 1 { "on a line" } else { "in space" };
+                let d = Diag::error("E029", format!("`{}`: a {} cannot live {lives}", item.name, kind.code));
+                let help = if dim == 1 {
+                    "put it into a group with `dim = 3`"
+                } else {
+                    "put it into a group without `dim`, and couple the two by an LPR or a link with `along`"
+                };
+                v.diags.push(d.at(source.name_span, format!("in a group with `dim = {dim}`")).help(help));
+                return;
+            }
+            let args = Args { code: kind.code, params: kind.params, values: &item.args, te: net.te, dim };
             let before = net.mats.len() + net.lias.len();
             let will = sense::modules(&args);
             if will.saturating_add(before) > LARGEST {
@@ -232,8 +253,8 @@ fn nodes(mut item: NetItem, source: &Item, net: &mut Net, v: &mut Values<'_>) {
                     let (args, live, group, te) = (item.args.clone(), !item.follows.is_empty(), item.group, net.te);
                     net.items.push(item);
                     let mut drawing = Sketch::new(&slots, live);
-                    (g.build)(&Args { code: kind.code, params: kind.params, values: &args, te }, &mut drawing);
-                    expand(net, id, &drawing, rest, group);
+                    (g.build)(&Args { code: kind.code, params: kind.params, values: &args, te, dim }, &mut drawing);
+                    expand(net, id, &drawing, (dim, rest), group);
                 }
                 Err(p) => {
                     let d = Diag::error("E023", format!("`{}`: {}", item.name, p.title));
@@ -268,7 +289,15 @@ fn single(net: &mut Net, node: MatNode) {
     net.mats.push(node);
 }
 
-fn port(role: PortRole, item: &NetItem, source: &Item, id: u32, rest: f64, net: &mut Net, v: &mut Values<'_>) {
+fn port(
+    role: PortRole,
+    item: &NetItem,
+    source: &Item,
+    id: u32,
+    (dim, rest): (u8, [f64; 3]),
+    net: &mut Net,
+    v: &mut Values<'_>,
+) {
     if matches!(role, PortRole::Sox | PortRole::Sof) {
         return;
     }
@@ -280,9 +309,7 @@ fn port(role: PortRole, item: &NetItem, source: &Item, id: u32, rest: f64, net: 
     let entry = |key: &str| source.args.iter().find(|e| e.key == key);
     let midi = entry("midi").and_then(|e| v.midi(e, unit, &item.name));
     let device = entry("device").and_then(|e| match &e.value {
-        Value::Text(t) => {
-            Some((t.clone(), item.kind.param("dof").and_then(|i| item.args[i].num()).unwrap_or(0.0) as u32))
-        }
+        Value::Text(t) => Some(t.clone()),
         other => {
             let title = format!("`device` of `{}` must be a text, not {}", item.name, type_name(other));
             let d = Diag::error("E006", title).at(e.span, "not a text");
@@ -290,17 +317,43 @@ fn port(role: PortRole, item: &NetItem, source: &Item, id: u32, rest: f64, net: 
             None
         }
     });
-    let input = net.inputs.len() as u32;
-    net.inputs.push(Input { name: item.name.clone(), role: input_role, rest, midi, device });
+    // a force has the one axis it pushes along
+    let dim = if role == PortRole::Enf { 1 } else { dim };
+    let dofs = match item.kind.param("dof").map(|i| &item.args[i]) {
+        Some(Arg::List(l)) => l.clone(),
+        Some(Arg::Num(v)) if dim == 1 || entry("dof").is_some() => alloc::vec![*v],
+        _ => (0..dim).map(f64::from).collect(),
+    };
+    if dofs.len() > dim as usize || dofs.is_empty() {
+        let span = entry("dof").map_or(source.name_span, |e| e.span);
+        let title = format!("`dof` of `{}` has {} degrees of freedom for {dim} axes", item.name, dofs.len());
+        let help = "give one number for each axis that moves, or put the port into a group with `dim = 3`";
+        v.diags.push(Diag::error("E006", title).at(span, "does not fit").help(help));
+        return;
+    }
+    if let (true, Some(e)) = (dofs.len() > 1, entry("midi")) {
+        let d = Diag::error("E026", format!("`{}`: a note moves one axis, not {}", item.name, dofs.len()));
+        v.diags
+            .push(d.at(e.span, "in space").help("let it move an ENX on a line, tied to this by a link with `along`"));
+    }
+    let mut inputs = [None; 3];
+    for (k, dof) in dofs.iter().enumerate() {
+        inputs[k] = Some(net.inputs.len() as u32);
+        let name = if dim == 1 { item.name.clone() } else { format!("{}.{}", item.name, space::AXES[k]) };
+        let device = device.as_ref().map(|d| (d.clone(), *dof as u32));
+        let rest = if role == PortRole::Enf { 0.0 } else { rest[k] };
+        net.inputs.push(Input { name, role: input_role, rest, midi, device });
+    }
     if role != PortRole::Enf {
         let node = MatNode {
             name: item.name.clone(),
             code: item.kind.code,
-            role: MatRole::Port(role, input),
+            role: MatRole::Port(role, inputs),
             values: [].into(),
+            axes: dim,
             rest,
-            dx0: 0.0,
-            v: 0.0,
+            dx0: [0.0; 3],
+            v: [0.0; 3],
             group: item.group,
             item: id,
         };

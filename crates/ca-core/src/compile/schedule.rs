@@ -3,13 +3,13 @@
 use super::certify::Certificate;
 use super::cutoff::{blockers, plain_first};
 use super::links::{Links, own_tables};
-use super::net::{Coordinate, Ear, End, MatRole, Net};
+use super::net::{Coordinate, Ear, End, LiaNode, MatRole, Net, OutNode};
 use super::options::Options;
 use super::passes;
 use super::plan::Plan;
 use super::start::start;
 use crate::kind::PortRole;
-use crate::layout::{Account, Enf, Enx, Heard, Layout, LedgerPlan, Output, Place, Proxy};
+use crate::layout::{Account, Enf, Enx, Gauge, Heard, Layout, LedgerPlan, Output, Place, Proxy};
 use crate::ledger::Ledger;
 use crate::live::Loader;
 use crate::model::Model;
@@ -18,7 +18,7 @@ use crate::op::Op;
 use crate::scene::{InputRole, Scene, Stands, Symbol};
 use crate::state::{Border, Cell, Ramps, State};
 use alloc::collections::BTreeMap;
-use alloc::string::ToString;
+use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 
 /// Builds the scene. `None` where the findings hold an error.
@@ -35,7 +35,7 @@ pub fn schedule(
     let n_mat = x.len();
     let (enx, tgr) = (ports(&plan, PortRole::Enx), ports(&plan, PortRole::Tgr));
     let enf: Vec<Enf> =
-        net.pushes.iter().filter_map(|(input, end)| Some(Enf { input: *input, mat: plan.alive(*end)? })).collect();
+        net.pushes.iter().filter_map(|p| Some(Enf { input: p.input, mat: plan.alive(p.end, p.axis)? })).collect();
     // in this order, coefficients stand one behind the other
     let (weight, weighed) = weigh(&mut plan);
     let links = plan.links(options, diags, model);
@@ -59,6 +59,8 @@ pub fn schedule(
         channels: net.channels.len(),
         n_out: net.outs.iter().map(|o| o.channel as usize + 1).max().unwrap_or(0).max(net.channels.len()),
         ends: links.ends,
+        onto: links.onto,
+        reach: links.reach,
         e0: links.e0,
         rest,
         nodes,
@@ -86,7 +88,7 @@ pub fn schedule(
         writes,
         moves,
         inputs: net.inputs.clone(),
-        probe_names: net.outs.iter().filter(|o| o.item.is_none()).map(|o| o.name.clone()).collect(),
+        probe_names: probe_names(net),
         channel_names: net.channels.clone(),
         live,
         gestures: net.gestures.clone(),
@@ -103,11 +105,12 @@ pub fn schedule(
 /// Places: MATs in their order, moving points behind them; what nobody needs has none.
 fn places<'n>(net: &'n Net, order: &[u32]) -> Plan<'n> {
     let mut place = alloc::vec![u32::MAX; net.mats.len()];
-    for (i, m) in order.iter().enumerate() {
-        place[*m as usize] = i as u32;
+    let mut n_mat = 0;
+    for m in order {
+        place[*m as usize] = n_mat;
+        n_mat += net.mats[*m as usize].places();
     }
     let mut point = alloc::vec![u32::MAX; net.points.len()];
-    let mut n_mat = order.len() as u32;
     for (p, used) in point.iter_mut().zip(used_points(net)) {
         if used {
             *p = n_mat;
@@ -136,28 +139,35 @@ fn masses(plan: &mut Plan) -> Masses {
         if at == u32::MAX as usize {
             continue;
         }
-        (all.x[at], all.v[at], all.rest[at]) = (m.dx0, m.v, m.rest);
+        for k in 0..m.places() as usize {
+            (all.x[at + k], all.v[at + k], all.rest[at + k]) = (m.dx0[k], m.v[k], m.rest[k]);
+        }
         if let MatRole::Mat(spec) = m.role {
             let loader = Loader::Mat(spec, if spec.fixed { 0.0 } else { net.medium(m).friction });
-            plan.load(loader, m.item, &m.values, &[at, n_mat + at, 2 * n_mat + at]);
+            // a frozen axis keeps the coefficients 0, 0, 0 of a fixed point
+            for at in at..at + m.axes as usize {
+                plan.load(loader, m.item, &m.values, &[at, n_mat + at, 2 * n_mat + at]);
+            }
         }
     }
     for (p, at) in plan.point.iter().enumerate() {
         if *at != u32::MAX {
-            all.rest[*at as usize] = net.rest(End::Point(p as u32));
+            all.rest[*at as usize] = net.rest(End::Point(p as u32))[0];
         }
     }
     all
 }
 
-/// The ports of one role that move a MAT.
+/// The ports of one role that move a MAT, axis by axis.
 fn ports(plan: &Plan, role: PortRole) -> Vec<Enx> {
-    let all = plan.net.mats.iter().zip(&plan.place).filter(|(_, at)| **at != u32::MAX);
-    all.filter_map(|(m, at)| match m.role {
-        MatRole::Port(r, input) if r == role => Some(Enx { input, mat: *at, rest: m.rest }),
-        _ => None,
-    })
-    .collect()
+    let mut all = Vec::new();
+    for (m, at) in plan.net.mats.iter().zip(&plan.place).filter(|(_, at)| **at != u32::MAX) {
+        let MatRole::Port(r, inputs) = m.role else { continue };
+        for (k, input) in inputs.iter().enumerate().filter(|_| r == role) {
+            all.extend(input.map(|input| Enx { input, mat: at + k as u32, rest: m.rest[k] }));
+        }
+    }
+    all
 }
 
 /// MATs under gravity, behind the place of their first coefficient.
@@ -166,12 +176,14 @@ fn weigh(plan: &mut Plan) -> (usize, Vec<u32>) {
     let first = plan.coef.len();
     let mut weighed = Vec::new();
     for (i, m) in net.mats.iter().enumerate() {
-        let g = net.medium(m).gravity;
-        if g != 0.0 && !m.is_fixed() && plan.place[i] != u32::MAX {
-            weighed.push(plan.place[i]);
+        if m.is_fixed() || plan.place[i] == u32::MAX {
+            continue;
+        }
+        for (k, g) in net.medium(m).gravity[..m.axes as usize].iter().enumerate().filter(|(_, g)| **g != 0.0) {
+            weighed.push(plan.place[i] + k as u32);
             plan.coef.push(0.0);
             let to = plan.coef.len() - 1;
-            plan.load(Loader::Weight(g), m.item, &m.values, &[to]);
+            plan.load(Loader::Times(*g), m.item, &m.values, &[to]);
         }
     }
     (first, weighed)
@@ -217,8 +229,8 @@ fn outputs(plan: &mut Plan, links: &Links) -> Option<(usize, Vec<Output>)> {
     let mut all = Vec::new();
     for o in plain_first(plan.net) {
         let heard = match o.ear {
-            Ear::Position(e) => Heard::Position(plan.alive(e)?),
-            Ear::ForceOn(e) => Heard::ForceOn(plan.alive(e)?),
+            Ear::Position(e) => Heard::Position(plan.alive(e, o.axis)?),
+            Ear::ForceOn(e) => Heard::ForceOn(plan.alive(e, o.axis)?),
             Ear::ForceOf(l) => {
                 let (op, k) = links.where_is[l as usize];
                 Heard::ForceOf((links.forces[op as usize].tap + k as usize) as u32)
@@ -228,8 +240,8 @@ fn outputs(plan: &mut Plan, links: &Links) -> Option<(usize, Vec<Output>)> {
         plan.coef.push(0.0);
         let to = plan.coef.len() - 1;
         match (o.item, o.gain) {
-            (Some(item), gain) => plan.load(Loader::Plain, item, &[gain], &[to]),
-            (None, gain) => plan.coef[to] = gain.get(&[]).unwrap_or(1.0),
+            (Some(item), gain) => plan.load(Loader::Times(o.share), item, &[gain], &[to]),
+            (None, gain) => plan.coef[to] = o.share * gain.get(&[]).unwrap_or(1.0),
         }
     }
     Some((first, all))
@@ -239,9 +251,12 @@ fn outputs(plan: &mut Plan, links: &Links) -> Option<(usize, Vec<Output>)> {
 fn accounts(forces: &[Op], lead: usize) -> Vec<Account> {
     let account = |(i, op): (usize, &Op)| {
         let law = op.law?;
-        let Op { n, first, coef, mem, tap, .. } = *op;
-        let (coefs, mems, linear, stored, lost) = (law.coefs, law.mem, law.linear, law.stored, law.lost);
-        Some(Account { op: i + lead, n, first, coef, mem, tap, coefs, mems, linear, stored, lost })
+        let Op { n, ports, first, coef, mem, tap, .. } = *op;
+        let (coefs, mems, stored, lost) = (law.coefs, law.mem, law.stored, law.lost);
+        // a distance is no linear function of places: the identity then holds only with what the link made
+        let radial = ports.gauge == Gauge::Radial || ports.onto.is_some_and(|o| o.0 == Gauge::Radial);
+        let linear = law.linear && !radial;
+        Some(Account { op: i + lead, n, ports, first, coef, mem, tap, coefs, mems, linear, stored, lost })
     };
     forces.iter().enumerate().filter_map(account).collect()
 }
@@ -250,10 +265,14 @@ fn accounts(forces: &[Op], lead: usize) -> Vec<Account> {
 fn symbols(plan: &Plan, links: &Links, lead: u32) -> Vec<Symbol> {
     let net = plan.net;
     let mats = net.mats.iter().zip(&plan.place).filter(|(_, at)| **at != u32::MAX);
-    let mats = mats.map(|(m, at)| Symbol { name: m.name.clone(), code: m.code, place: Stands::Mat(*at) });
+    let mats = mats.map(|(m, at)| Symbol { name: m.name.clone(), code: m.code, axes: m.axes, place: Stands::Mat(*at) });
     let lias = net.lias.iter().zip(&links.where_is);
-    let lias =
-        lias.map(|(l, (op, k))| Symbol { name: l.name.clone(), code: l.law.code, place: Stands::Lia(op + lead, *k) });
+    let lias = lias.map(|(l, (op, k))| Symbol {
+        name: l.name.clone(),
+        code: l.law.code,
+        axes: 1,
+        place: Stands::Lia(op + lead, *k),
+    });
     mats.chain(lias).collect()
 }
 
@@ -283,14 +302,21 @@ fn loaded(net: &Net, layout: &Layout, x: Vec<f64>, v: &[f64], coef: Vec<f64>, li
     }
 }
 
+/// The probes by name, one for each place behind the channels.
+fn probe_names(net: &Net) -> Vec<String> {
+    let mut all: Vec<&OutNode> = net.outs.iter().filter(|o| o.item.is_none()).collect();
+    all.dedup_by_key(|o| o.channel);
+    all.into_iter().map(|o| o.name.clone()).collect()
+}
+
 fn used_points(net: &Net) -> Vec<bool> {
     let mut used = alloc::vec![false; net.points.len()];
-    let ends = net.lias.iter().flat_map(|l| l.ends);
+    let ends = net.lias.iter().flat_map(LiaNode::all_ends);
     let heard = net.outs.iter().filter_map(|o| match o.ear {
         Ear::Position(e) | Ear::ForceOn(e) => Some(e),
         Ear::ForceOf(_) => None,
     });
-    for e in ends.chain(heard).chain(net.pushes.iter().map(|p| p.1)) {
+    for e in ends.chain(heard).chain(net.pushes.iter().map(|p| p.end)) {
         if let End::Point(p) = e {
             used[p as usize] = net.under(e).iter().all(|m| net.alive[*m as usize]);
         }

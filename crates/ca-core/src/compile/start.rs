@@ -1,7 +1,7 @@
 //! Start: the state at load.
 
 use crate::layout::Layout;
-use crate::op::{Op, pass};
+use crate::op::{Op, gauge, pass};
 use crate::state::State;
 use alloc::vec::Vec;
 
@@ -12,8 +12,9 @@ pub fn start(layout: &Layout, forces: &[Op], mut s: State) -> State {
         for op in forces {
             let Some(law) = op.law.filter(|l| l.mem > 0) else { continue };
             for i in 0..op.n {
-                let [a, b] = layout.ends[op.first + i].map(|m| m as usize);
-                let e = s.x[b] - s.x[a] + layout.e0[op.first + i];
+                let felt = gauge::ports(layout, &op.ports, op.first, i)
+                    .map(|(gauge, ends, reach)| gauge::measure(gauge, &s.x, &s.d, ends, &reach).e);
+                let e = layout.e0[op.first + i] + felt.sum::<f64>();
                 let c: Vec<f64> = (0..law.coefs).map(|k| s.coef[op.coef + k * op.n + i]).collect();
                 (law.start)(&c, e, &mut s.mem[op.mem + i * law.mem..][..law.mem]);
             }

@@ -182,8 +182,8 @@ impl Values<'_> {
                     .iter()
                     .any(|p| matches!(p.ty, Type::PowerStiffness { exponent } if exponent == param.name));
                 if !exponent {
-                    // where a model starts, lengths at rest and filters are no coefficients: nothing would follow a change
-                    if matches!(param.name, "x" | "dx0" | "v" | "l0" | "dc") {
+                    // lengths at rest and filters are no coefficients: nothing would follow a change
+                    if matches!(param.name, "l0" | "soften" | "dc") {
                         return plain(self.constant(e, unit, (min, max), &what)?);
                     }
                     let (v, follows) = self.number(e, unit, (min, max), &what)?;
@@ -206,16 +206,7 @@ impl Values<'_> {
                 let (v, follows) = self.number(e, unit, crate::kind::POSITIVE, &what)?;
                 Some((Arg::Num(v), follows))
             }
-            Type::Count { min, max } => {
-                let v = self.constant(e, Unit::NONE, (f64::from(min), f64::from(max)), &what)?;
-                if v != libm::floor(v) {
-                    let d = Diag::error("E006", format!("{what} must be a whole number: {v}")).at(e.span, "not whole");
-                    let near = libm::round(v).max(f64::from(min));
-                    self.diags.push(d.help(format!("the nearest is {near}")).fix(e.span, format!("{near}")));
-                    return None;
-                }
-                plain(v)
-            }
+            Type::Count { min, max } => plain(self.count(e, (min, max), &what)?),
             Type::Choice(words) => match &e.value {
                 Value::Text(t) if words.contains(&t.as_str()) => {
                     plain(words.iter().position(|w| w == t).unwrap_or(0) as f64)
@@ -260,10 +251,66 @@ impl Values<'_> {
                 self.tables.push(table);
                 plain(self.tables.len() as f64 - 1.0)
             }
+            Type::Place { unit } => self.place(e, unit, &what).map(|a| (a, None)),
+            Type::Direction => self.direction(e, &what).map(|a| (a, None)),
+            Type::Counts { min, max } => match &e.value {
+                Value::List(list) => {
+                    let read: Vec<_> = list.iter().map(|x| self.count(x, (min, max), &what)).collect();
+                    read.into_iter().collect::<Option<Vec<f64>>>().map(|l| (Arg::List(l), None))
+                }
+                _ => self.count(e, (min, max), &what).map(|v| (Arg::Num(v), None)),
+            },
             Type::Nodes => self.nodes(e, &what).map(|list| (Arg::List(list), None)),
             // structure, read elsewhere
             Type::Between | Type::Module | Type::Text | Type::Midi => Some((Arg::Absent, None)),
         }
+    }
+
+    /// A whole number.
+    fn count(&mut self, e: &Entry, (min, max): (u32, u32), what: &str) -> Option<f64> {
+        let v = self.constant(e, Unit::NONE, (f64::from(min), f64::from(max)), what)?;
+        if v != libm::floor(v) {
+            let d = Diag::error("E006", format!("{what} must be a whole number: {v}")).at(e.span, "not whole");
+            let near = libm::round(v).max(f64::from(min));
+            self.diags.push(d.help(format!("the nearest is {near}")).fix(e.span, format!("{near}")));
+            return None;
+        }
+        Some(v)
+    }
+
+    /// A place, or a velocity: a number, or a list of them. How many there must be is known where the group is.
+    pub fn place(&mut self, e: &Entry, unit: Unit, what: &str) -> Option<Arg> {
+        let Value::List(list) = &e.value else {
+            return self.constant(e, unit, crate::kind::ANY, what).map(Arg::Num);
+        };
+        let read: Vec<_> = list.iter().map(|x| self.constant(x, unit, crate::kind::ANY, what)).collect();
+        read.into_iter().collect::<Option<Vec<f64>>>().map(Arg::List)
+    }
+
+    /// A direction, as a unit vector.
+    fn direction(&mut self, e: &Entry, what: &str) -> Option<Arg> {
+        const HELP: &str = "write `\"x\"`, `\"y\"`, `\"z\"`, or a list of two or three numbers such as `[0, 0.6, 0.8]`";
+        let n = match &e.value {
+            Value::Text(t) => super::space::AXES.iter().position(|a| a == t).map(|k| {
+                let mut n = [0.0; 3];
+                n[k] = 1.0;
+                n
+            }),
+            Value::List(list) if matches!(list.len(), 2 | 3) => {
+                let mut n = [0.0; 3];
+                for (n, x) in n.iter_mut().zip(list) {
+                    *n = self.constant(x, Unit::NONE, (-1e100, 1e100), what)?;
+                }
+                let l = libm::sqrt(n.iter().map(|v| v * v).sum::<f64>());
+                (l > 0.0 && l.is_finite()).then(|| n.map(|v| v / l))
+            }
+            _ => None,
+        };
+        if n.is_none() {
+            let d = Diag::error("E006", format!("{what} is not a direction")).at(e.span, "not a direction");
+            self.diags.push(d.help(HELP));
+        }
+        n.map(|n| Arg::List(n.to_vec()))
     }
 
     /// A list of nodes, flat.

@@ -1,9 +1,10 @@
 //! Wire: what is written between quotes becomes ends of links, ears of outputs and moving points.
 
-use super::net::{Ear, End, LARGEST, LiaNode, Net, OutNode};
+use super::net::{Ear, End, LARGEST, LiaNode, Measure, Net, OutNode, Push, SecondPort};
 use super::options::Options;
 use super::say::type_name;
 use super::select::{Meaning, Written};
+use super::space;
 use super::wiring::Wiring;
 use crate::kind::PortRole;
 use crate::kind::Role;
@@ -121,7 +122,9 @@ impl Wiring<'_> {
             return;
         }
         let arg = |key: &str| kind.param(key).and_then(|i| self.net.items[id as usize].args[i].num());
-        let all = arg("pairs") == Some(1.0);
+        // a set with itself makes all pairs: one to one would join each to itself
+        let all = arg("pairs") == Some(1.0) || (a.len() > 1 && a == b);
+        let (l0, soften) = (arg("l0"), arg("soften").unwrap_or(0.0));
         let count = if all { a.len().saturating_mul(b.len()) } else { a.len().max(b.len()) };
         if self.net.mats.len() + self.net.lias.len() + count > LARGEST {
             self.too_many(&name, "links", e.span);
@@ -148,6 +151,8 @@ impl Wiring<'_> {
             self.diags.push(d.at(e.span, "no pair").help("name two different ends"));
             return;
         }
+        let Ok(onto) = self.onto(id, &name, pairs.len()) else { return };
+        let along = kind.param("along").and_then(|i| space::direction(&self.net.items[id as usize].args[i]));
         let points = |end: &End| if let End::Point(_) = end { self.net.under(*end).len() } else { 0 };
         self.under = self.under.saturating_add(pairs.iter().flatten().map(points).sum());
         if self.under > 40 * LARGEST {
@@ -155,7 +160,6 @@ impl Wiring<'_> {
             return;
         }
         let values: Arc<[Source]> = (0..kind.params.len() as u32).map(Source::Slot).collect();
-        let l0 = arg("l0");
         let many = pairs.len() > 1;
         let mut made = Vec::with_capacity(pairs.len());
         for (i, ends) in pairs.into_iter().enumerate() {
@@ -169,11 +173,68 @@ impl Wiring<'_> {
                 self.diags.push(d.at(e.span, "the same at both ends").help(help));
                 return;
             }
-            made.push(self.net.lias.len() as u32);
+            let measured = space::measure(&self.net, ends, along).and_then(|m| match onto.get(i) {
+                Some(o) => Ok((m, Some(SecondPort { ends: *o, measure: space::measure(&self.net, *o, None)? }))),
+                None => Ok((m, None)),
+            });
+            let (mut measure, mut onto) = match measured {
+                Ok(found) => found,
+                Err((what, help)) => {
+                    let at = self.entry(id, "along").map_or(e.span, |e| e.span);
+                    let d = Diag::error("E029", format!("`{name}` {what}")).at(at, "does not fit");
+                    self.diags.push(d.help(help));
+                    return;
+                }
+            };
+            let mut ends = ends;
+            // a quadripole is the same either way round: the port in space comes first
+            if let (Measure::Line(_), Some(o)) = (measure, &mut onto) {
+                core::mem::swap(&mut ends, &mut o.ends);
+                core::mem::swap(&mut measure, &mut o.measure);
+            }
             let name = if many { format!("{name}[{i}]") } else { name.clone() };
-            self.net.lias.push(LiaNode { name, kind, law, values: values.clone(), ends, l0, item: id });
+            let values = values.clone();
+            let node = LiaNode { name, kind, law, values, ends, measure, onto, l0, soften, item: id };
+            if soften > 0.0 && !node.is_radial() {
+                let at = self.entry(id, "soften").map_or(e.span, |e| e.span);
+                let d = Diag::error("E029", format!("`{}` softens no distance", node.name)).at(at, "on a line");
+                self.diags.push(d.help("leave out `soften`: it keeps the direction of a distance in space defined"));
+                return;
+            }
+            for l in space::vectorial(&self.net, node) {
+                made.push(self.net.lias.len() as u32);
+                self.net.lias.push(l);
+            }
         }
         self.net.families.entry(name).or_default().links = made;
+    }
+
+    /// The second ports of `count` quadripoles, one pair of ends each; none for a link of two ends.
+    fn onto(&mut self, id: u32, name: &str, count: usize) -> Result<Vec<[End; 2]>, ()> {
+        let Some(e) = self.entry(id, "onto") else { return Ok(Vec::new()) };
+        let help = "write `onto = [\"first\", \"second\"]`, the ends in the other world";
+        let pair = if let Value::List(l) = &e.value { <&[Entry; 2]>::try_from(l.as_slice()).ok() } else { None };
+        let Some([first, second]) = pair else {
+            let d = Diag::error("E018", format!("`onto` of `{name}` is not a pair of ends"));
+            self.diags.push(d.at(e.span, "two are wanted").help(help));
+            return Err(());
+        };
+        let (a, b) = (self.side(first, name, "onto", LINKED), self.side(second, name, "onto", LINKED));
+        let (Some(a), Some(b)) = (a, b) else { return Err(()) };
+        if [&a, &b].iter().any(|side| side.is_empty() || (side.len() != 1 && side.len() != count)) {
+            let (a, b) = (a.len(), b.len());
+            let title = format!("`{name}`: {count} links, but {a} and {b} ends in `onto`");
+            let d = Diag::error("E018", title).at(e.span, "does not fit");
+            self.diags.push(d.help("give one end, or as many as `between` makes links, on each side"));
+            return Err(());
+        }
+        let pairs: Vec<[End; 2]> = (0..count).map(|i| [a[i.min(a.len() - 1)], b[i.min(b.len() - 1)]]).collect();
+        if let Some(same) = pairs.iter().find(|p| p[0] == p[1]) {
+            let title = format!("`{name}` joins `{}` to itself", self.net.end_name(same[0]));
+            self.diags.push(Diag::error("E022", title).at(e.span, "the same at both ends").help(help));
+            return Err(());
+        }
+        Ok(pairs)
     }
 
     /// References of modules that could not be resolved are looked up all the same, so that everything is said at once.
@@ -183,7 +244,7 @@ impl Wiring<'_> {
         for (_, item) in model.items.iter().enumerate().filter(|(i, _)| !good.contains(i)) {
             for e in &item.args {
                 match (e.key.as_str(), &e.value) {
-                    ("between", Value::List(_)) | ("to", Value::Text(_)) => {
+                    ("between" | "onto", Value::List(_)) | ("to", Value::Text(_)) => {
                         self.side(e, &item.name, &e.key, LINKED);
                     }
                     ("from", Value::Text(text)) => {
@@ -200,11 +261,48 @@ impl Wiring<'_> {
         let Some(e) = self.entry(id, "to") else { return };
         let Some(ends) = self.side(&e, &name, "to", "a force pushes a MAT: a mass or a cell") else { return };
         let Some(input) = self.net.inputs.iter().position(|i| i.name == name) else { return };
+        let along = self.net.items[id as usize].args.get(2).and_then(space::direction);
         if self.net.pushes.len() + ends.len() > LARGEST {
             self.too_many(&name, "forces", e.span);
             return;
         }
-        self.net.pushes.extend(ends.into_iter().map(|end| (input as u32, end)));
+        for end in ends {
+            let Some(parts) = self.directed(end, along, &name, e.span, "pushes") else { return };
+            let [(axis, share)] = parts[..] else {
+                let d = Diag::error("E029", format!("`{name}` pushes along no axis")).at(e.span, "a slanted direction");
+                self.diags.push(d.help("a force port has one axis: use two of them"));
+                return;
+            };
+            debug_assert!(share == 1.0);
+            self.net.pushes.push(Push { input: input as u32, end, axis });
+        }
+    }
+
+    /// The axes of an end that a port hears or pushes, with their shares.
+    fn directed(
+        &mut self,
+        end: End,
+        along: Option<[f64; 3]>,
+        owner: &str,
+        span: Span,
+        does: &str,
+    ) -> Option<Vec<(u8, f64)>> {
+        let axes = self.net.axes(end);
+        let name = self.net.end_name(end);
+        let d = match (axes, along) {
+            (1, None) => return Some(alloc::vec![(0, 1.0)]),
+            (1, Some(_)) => Diag::error("E029", format!("`{owner}` has a direction, but `{name}` lives on a line"))
+                .at(span, "on a line")
+                .help("leave out `along`"),
+            (_, None) => Diag::error("E029", format!("`{owner}` {does} `{name}`, which moves along {axes} axes"))
+                .at(span, "along which?")
+                .help("add `along = \"x\"`, `\"y\"`, `\"z\"` or a direction such as `[0, 0.6, 0.8]`"),
+            (_, Some(n)) => {
+                return Some((0..3u8).filter(|k| n[*k as usize] != 0.0).map(|k| (k, n[k as usize])).collect());
+            }
+        };
+        self.diags.push(d);
+        None
     }
 
     fn ears(&mut self, e: &Entry, name: &str, force: bool) -> Vec<Ear> {
@@ -228,6 +326,7 @@ impl Wiring<'_> {
         let (name, kind) = (item.name.clone(), item.kind);
         let index = |key: &str| kind.param(key).unwrap_or(0);
         let channel = item.args[index("channel")].num();
+        let along = kind.param("along").and_then(|i| space::direction(&item.args[i]));
         let Some(e) = self.entry(id, "from") else { return };
         let ears = self.ears(&e, &name, force);
         let many = ears.len() > 1 && channel.is_none();
@@ -250,16 +349,27 @@ impl Wiring<'_> {
                 self.net.channels.push(own.clone());
             }
             let gain = Source::Slot(index("gain") as u32);
-            self.net.outs.push(OutNode { name: own, ear, channel, gain, item: Some(id) });
+            let parts = match ear {
+                Ear::Position(end) | Ear::ForceOn(end) => self.directed(end, along, &name, e.span, "hears"),
+                Ear::ForceOf(_) => Some(alloc::vec![(0, 1.0)]),
+            };
+            for (axis, share) in parts.into_iter().flatten() {
+                let name = own.clone();
+                self.net.outs.push(OutNode { name, ear, axis, share, channel, gain, item: Some(id) });
+            }
         }
     }
 
+    /// A probe: one value for what lives on a line, a value for each axis of what lives in space.
     fn probe(&mut self, text: &str) {
         // an output's name means what it hears
-        if let Some(o) = self.net.outs.iter().find(|o| o.name == text && o.item.is_some()) {
-            let (ear, channel) = (o.ear, self.net.channels.len() + self.probes());
-            let out = OutNode { name: text.into(), ear, channel: channel as u32, gain: Source::Const(1.0), item: None };
-            self.net.outs.push(out);
+        let heard: Vec<OutNode> =
+            self.net.outs.iter().filter(|o| o.name == text && o.item.is_some()).cloned().collect();
+        if let Some(first) = heard.first() {
+            let channel = self.next_probe();
+            for o in heard.iter().take_while(|o| o.channel == first.channel) {
+                self.net.outs.push(OutNode { channel, gain: Source::Const(1.0), item: None, ..o.clone() });
+            }
             return;
         }
         let ears = match self.select(Written { text, span: Span::NONE, owner: "probe" }, None) {
@@ -269,13 +379,20 @@ impl Wiring<'_> {
         };
         let many = ears.len() > 1;
         for (i, ear) in ears.into_iter().enumerate() {
-            let channel = (self.net.channels.len() + self.probes()) as u32;
             let name = if many { format!("{text}#{i}") } else { text.into() };
-            self.net.outs.push(OutNode { name, ear, channel, gain: Source::Const(1.0), item: None });
+            let axes = if let Ear::Position(e) = ear { self.net.axes(e) } else { 1 };
+            // of a plane too: its frozen axis is a number like the others
+            for axis in 0..if axes > 1 { 3 } else { 1 } {
+                let name = if axes > 1 { format!("{name}.{}", space::AXES[axis as usize]) } else { name.clone() };
+                let (channel, gain) = (self.next_probe(), Source::Const(1.0));
+                self.net.outs.push(OutNode { name, ear, axis, share: 1.0, channel, gain, item: None });
+            }
         }
     }
 
-    fn probes(&self) -> usize {
-        self.net.outs.iter().filter(|o| o.item.is_none()).count()
+    /// The place of the next probe, behind all channels.
+    fn next_probe(&self) -> u32 {
+        let probes = self.net.outs.iter().filter(|o| o.item.is_none()).map(|o| o.channel + 1).max();
+        probes.unwrap_or(self.net.channels.len() as u32)
     }
 }

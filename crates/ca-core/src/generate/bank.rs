@@ -37,7 +37,7 @@ strike = { between = ["hammer", "bell[*]"], k = "30 kN/m", z = "0.5 N s/m" }
 [SOX]
 out = { from = "bell[0]", gain = 300 }
 "#,
-    role: Role::Generator(&Generator { derive, build }),
+    role: Role::Generator(&Generator { dims: &[1], derive, build }),
 };
 
 /// Slots: m, f, t60 of cell 0, of cell 1, …

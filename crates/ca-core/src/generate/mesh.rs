@@ -46,7 +46,7 @@ strike = { between = ["stick", "skin[4,3]"], k = "10 kN/m", z = "1 N s/m" }
 [SOX]
 out = { from = "skin[2,2]", gain = 200 }
 "#,
-    role: Role::Generator(&Generator { derive, build }),
+    role: Role::Generator(&Generator { dims: &[1], derive, build }),
 };
 
 /// Slots: m, k, z, zo.

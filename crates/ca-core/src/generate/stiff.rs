@@ -57,7 +57,7 @@ strike = { between = ["hammer", "low[6]"], k = "30 kN/m", z = "1 N s/m" }
 [SOX]
 out = { from = "low[3]", gain = 200 }
 "#,
-    role: Role::Generator(&Generator { derive, build }),
+    role: Role::Generator(&Generator { dims: &[1], derive, build }),
 };
 
 /// Slots: m, z, zo, −B across a node, then the springs between neighbours with 0, 1, 2, 3 and 4 shares of B.

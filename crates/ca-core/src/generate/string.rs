@@ -70,7 +70,7 @@ strike = { between = ["hammer", "low[8]"], k = "30 kN/m", z = "1 N s/m" }
 [SOX]
 out = { from = "low[3]", gain = 200 }
 "#,
-    role: Role::Generator(&Generator { derive, build }),
+    role: Role::Generator(&Generator { dims: &[1], derive, build }),
 };
 
 /// CHAIN in the catalog.
@@ -106,7 +106,7 @@ strike = { between = ["hammer", "tail[-1]"], k = "30 kN/m", z = "1 N s/m" }
 [SOX]
 out = { from = "tail[5]", gain = 200 }
 "#,
-    role: Role::Generator(&Generator { derive, build }),
+    role: Role::Generator(&Generator { dims: &[1], derive, build }),
 };
 
 /// The mass of each of `n`.

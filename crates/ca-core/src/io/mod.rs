@@ -12,7 +12,10 @@ pub mod midi;
 /// All port kinds, in the order of the documentation.
 pub const KINDS: &[&Kind] = &[&ENX, &ENF, &SOX, &SOF, &TGR];
 
-const X: Param = Param::number("x", Unit::METRE, ANY, Need::Default(0.0), "where it stands before anything is heard");
+const X: Param =
+    Param::new("x", Type::Place { unit: Unit::METRE }, Need::Default(0.0), "where it stands before anything is heard");
+const ALONG: Param =
+    Param::new("along", Type::Direction, Need::Optional, "in space: the direction it hears or pushes; required there");
 const MIDI: Param = Param::new(
     "midi",
     Type::Midi,
@@ -67,7 +70,7 @@ pub static ENF: Kind = Kind {
     equation: "f += input",
     doc: "A force from outside on a MAT, once per sound sample.",
     source: &["CMJ 1993"],
-    params: &[Param::new("to", Type::Module, Need::Required, "the MAT it pushes"), MIDI],
+    params: &[Param::new("to", Type::Module, Need::Required, "the MAT it pushes"), MIDI, ALONG],
     one_of: &[],
     example: r#"
 [CEL]
@@ -95,6 +98,7 @@ pub static SOX: Kind = Kind {
         GAIN,
         CHANNEL,
         DC,
+        ALONG,
     ],
     one_of: &[],
     example: r#"
@@ -113,7 +117,7 @@ pub static SOF: Kind = Kind {
     equation: "out = gain F",
     doc: "Hears the force of a LIA, or the summed force on a MAT: the bridge of a string, the bow on the hair.",
     source: &["CMJ 1993"],
-    params: &[Param::new("from", Type::Module, Need::Required, "the LIA or MAT it hears"), GAIN, CHANNEL, DC],
+    params: &[Param::new("from", Type::Module, Need::Required, "the LIA or MAT it hears"), GAIN, CHANNEL, DC, ALONG],
     one_of: &[],
     example: r#"
 [SOL]
@@ -138,7 +142,12 @@ pub static TGR: Kind = Kind {
     source: &["ICMC 2013"],
     params: &[
         Param::new("device", Type::Text, Need::Optional, "name of the device"),
-        Param::new("dof", Type::Count { min: 0, max: 31 }, Need::Default(0.0), "degree of freedom of the device"),
+        Param::new(
+            "dof",
+            Type::Counts { min: 0, max: 31 },
+            Need::Default(0.0),
+            "degree of freedom of the device; in space a list, for x, y and z in this order: axes without one are fixed",
+        ),
         X,
         MIDI,
     ],

@@ -4,20 +4,24 @@
 //! (seen in mi.lib, style of the field). `x` is relative to the rest position and `d = x_n − x_{n−1}`: this delta form
 //! drifts far less than keeping two positions, and keeps single precision alive.
 
-use crate::kind::{ANY, Kind, Need, Param, Unit};
 pub use crate::kind::{Coefs, MatSpec};
+use crate::kind::{Kind, Need, Param, Type, Unit};
 
 mod cel;
 mod mas;
 mod sol;
 
 /// Rest position.
-pub const X: Param = Param::number("x", Unit::METRE, ANY, Need::Default(0.0), "rest position");
+pub const X: Param = Param::new("x", Type::Place { unit: Unit::METRE }, Need::Default(0.0), "rest position");
 /// Initial displacement.
-pub const DX0: Param =
-    Param::number("dx0", Unit::METRE, ANY, Need::Default(0.0), "initial displacement from the rest position");
+pub const DX0: Param = Param::new(
+    "dx0",
+    Type::Place { unit: Unit::METRE },
+    Need::Default(0.0),
+    "initial displacement from the rest position",
+);
 /// Initial velocity.
-pub const V: Param = Param::number("v", Unit::SPEED, ANY, Need::Default(0.0), "initial velocity");
+pub const V: Param = Param::new("v", Type::Place { unit: Unit::SPEED }, Need::Default(0.0), "initial velocity");
 
 /// All MAT kinds, in the order of the documentation.
 pub const KINDS: &[&Kind] = &[&mas::KIND, &sol::KIND, &cel::KIND];

@@ -156,6 +156,7 @@ pub const CODES: &[(&str, &str)] = &[
     ("E026", "MIDI mapping"),
     ("E027", "too large"),
     ("E028", "feature of a later version"),
+    ("E029", "does not fit the space it is in"),
     ("E030", "not a MIMS model"),
     ("W101", "nothing hears it"),
     ("W102", "a contact acts at load"),

@@ -129,7 +129,9 @@ impl Reader<'_, '_> {
         let d = Diag::error("E003", format!("`{name}` must be a table")).at(span, format!("this is {what}"));
         let mut d = d.help(format!("write its parameters in braces: `{{ {shown} }}`"));
         let written = self.text.get(span.start..span.end);
-        let quantity = first.filter(|p| matches!(p.ty, Type::Number { .. }) && matches!(what, "a string" | "a number"));
+        let quantity = first.filter(|p| {
+            matches!(p.ty, Type::Number { .. } | Type::Place { .. }) && matches!(what, "a string" | "a number")
+        });
         if let (Some(p), Some(w)) = (quantity, written) {
             d = d.fix(span, format!("{{ {} = {w} }}", p.name));
         }

@@ -167,6 +167,19 @@ fn param(p: &Param) -> Json {
             let point = json!({"type": "array", "minItems": 2, "maxItems": 2, "items": number});
             (json!({"type": "array", "minItems": 2, "items": point}), None)
         }
+        Type::Place { unit } => {
+            let one = number(unit, f64::MIN, f64::MAX);
+            let list = json!({"type": "array", "minItems": 2, "maxItems": 3, "items": one});
+            (json!({"anyOf": [one, list]}), Some((unit, f64::MIN, f64::MAX)))
+        }
+        Type::Direction => {
+            let list = json!({"type": "array", "minItems": 2, "maxItems": 3, "items": {"type": "number"}});
+            (json!({"anyOf": [{"enum": ["x", "y", "z"]}, list]}), None)
+        }
+        Type::Counts { min, max } => {
+            let one = json!({"type": "integer", "minimum": min, "maximum": max});
+            (json!({"anyOf": [one, {"type": "array", "items": one}, {"$ref": "#/$defs/name"}]}), None)
+        }
         Type::Nodes => {
             let node = json!({"type": "array", "minItems": 2, "maxItems": 2, "items": {"type": "integer"}});
             (json!({"type": "array", "items": node}), None)
@@ -200,7 +213,7 @@ fn param(p: &Param) -> Json {
         json["default"] = match p.ty {
             Type::Choice(words) => json!(words.get(v as usize)),
             Type::Flag => json!(v != 0.0),
-            Type::Count { .. } => json!(v as u64),
+            Type::Count { .. } | Type::Counts { .. } => json!(v as u64),
             _ => json!(v),
         };
     }

@@ -15,6 +15,8 @@ pub struct Law {
     pub mem: usize,
     /// see [`Phi::LINEAR`]
     pub linear: bool,
+    /// see [`Phi::CONTACT`]
+    pub contact: bool,
     /// see [`Phi::coefs`]; `out` has [`Law::coefs`] places
     pub load: fn(p: &[Option<f64>], te: f64, out: &mut [f64]),
     /// see [`Phi::start`]
@@ -65,6 +67,7 @@ impl Law {
             coefs: C,
             mem: M,
             linear: P::LINEAR,
+            contact: P::CONTACT,
             load: |p, te, out| out.copy_from_slice(&P::coefs(p, te)),
             start: |c, e, mem| mem.copy_from_slice(&P::start(&arr(c), e)),
             force: |c, mem, tables, e, w| {

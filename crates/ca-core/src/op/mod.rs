@@ -7,22 +7,25 @@
 
 use crate::law::Phi;
 use crate::layout::Layout;
+pub use crate::layout::{Gauge, Ports};
 use crate::state::State;
 use law::Law;
 
 pub mod blocker;
 mod gather;
+pub mod gauge;
 pub mod law;
 pub mod lowpass;
 pub mod pass;
 mod run;
+mod space;
 pub mod wide;
 
 /// One pass, run once per tick.
 pub type Kernel = fn(&Op, &Layout, &mut State);
 
 /// How a batch of links is laid out; chooses the kernel.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Form {
     /// 0: any MATs; else link i joins `mat + i` and `mat + i + stride`
     pub stride: usize,
@@ -30,6 +33,10 @@ pub struct Form {
     pub offset: bool,
     /// the force of each link is kept in [`State::tap`]
     pub tap: bool,
+    /// how the first port measures
+    pub gauge: Gauge,
+    /// how the second port measures, for quadripoles
+    pub onto: Option<Gauge>,
 }
 
 /// A pass and where its modules stand.
@@ -43,6 +50,8 @@ pub struct Op {
     pub law: Option<&'static Law>,
     /// layout of a batch of links
     pub form: Form,
+    /// where the numbers of its ports stand
+    pub ports: Ports,
     /// number of modules
     pub n: usize,
     /// first link in [`Layout::ends`], or first entry of whatever list the pass reads
@@ -60,19 +69,23 @@ pub struct Op {
 impl Op {
     /// A pass without links.
     pub fn pass(name: &'static str, kernel: Kernel, n: usize) -> Op {
-        let form = Form { stride: 0, offset: false, tap: false };
-        Op { kernel, name, law: None, form, n, first: 0, mat: 0, coef: 0, mem: 0, tap: 0 }
+        let (form, ports) = (Form::default(), Ports::default());
+        Op { kernel, name, law: None, form, ports, n, first: 0, mat: 0, coef: 0, mem: 0, tap: 0 }
     }
 }
 
-/// The kernel of a law for one form.
+/// The kernel of a law for one form of a dipole.
 pub(crate) fn kernel<P: Phi<C, M> + 'static, const C: usize, const M: usize>(form: Form) -> Kernel {
-    match (form.stride > 0, form.offset, form.tap) {
-        (false, false, false) => gather::gather::<P, C, M, false, false>,
-        (false, false, true) => gather::gather::<P, C, M, false, true>,
-        (false, true, false) => gather::gather::<P, C, M, true, false>,
-        (false, true, true) => gather::gather::<P, C, M, true, true>,
-        (true, false, _) => wide::wide::<run::Run<P, C, M, false>>,
-        (true, true, _) => wide::wide::<run::Run<P, C, M, true>>,
+    match (form.gauge, form.stride > 0, form.offset, form.tap) {
+        (Gauge::Line, false, false, false) => gather::gather::<P, C, M, false, false>,
+        (Gauge::Line, false, false, true) => gather::gather::<P, C, M, false, true>,
+        (Gauge::Line, false, true, false) => gather::gather::<P, C, M, true, false>,
+        (Gauge::Line, false, true, true) => gather::gather::<P, C, M, true, true>,
+        (Gauge::Line, true, false, _) => wide::wide::<run::Run<P, C, M, false>>,
+        (Gauge::Line, true, true, _) => wide::wide::<run::Run<P, C, M, true>>,
+        (Gauge::Along, _, _, false) => space::space::<P, gauge::Along, C, M, false>,
+        (Gauge::Along, _, _, true) => space::space::<P, gauge::Along, C, M, true>,
+        (Gauge::Radial, _, _, false) => space::space::<P, gauge::Radial, C, M, false>,
+        (Gauge::Radial, _, _, true) => space::space::<P, gauge::Radial, C, M, true>,
     }
 }

@@ -4,7 +4,7 @@
 //! Parameters: k \[N/m\], d \[m\] > 0, rho in ]0, 1[, z \[N s/m\]. Source: HSP v2 (contact-detent), LAC 2019 (nlPluck).
 //! Stability: as REF with the steeper of k and kρ/(1 − ρ). Test: conformance suite.
 
-use super::{BETWEEN, Bound, Law, PAIRS, Phi};
+use super::{ALONG, BETWEEN, Bound, Law, PAIRS, Phi};
 use crate::kind::{ABOVE_ZERO, Kind, Need, POSITIVE, Param, Role, Unit};
 use crate::table::Table;
 
@@ -29,6 +29,7 @@ pub static KIND: Kind = Kind {
         ),
         Param::number("z", Unit::VISCOSITY, POSITIVE, Need::Default(0.0), "viscosity inside d"),
         PAIRS,
+        ALONG,
     ],
     one_of: &[],
     example: r#"

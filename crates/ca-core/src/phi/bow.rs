@@ -9,7 +9,7 @@
 //! Stability: the slope f/v0 counts as a viscosity; slope·T/m < 1.5 for a faithful stick (numerics 3.5). Passive where
 //! the curve resists, i.e. always but for a table that does not. Test: B07.
 
-use super::{BETWEEN, Bound, Fixed, Law, PAIRS, Phi, lnl};
+use super::{ALONG, BETWEEN, Bound, Fixed, Law, PAIRS, Phi, lnl};
 use crate::kind::{ABOVE_ZERO, Kind, Need, POSITIVE, Param, Role, Type, Unit};
 use crate::table::Table;
 use alloc::vec::Vec;
@@ -31,6 +31,7 @@ pub static KIND: Kind = Kind {
         Param::number("fd", Unit::NEWTON, POSITIVE, Need::Default(0.0), "piecewise: force of fast sliding"),
         Param::new("points", Type::Points { x: Unit::SPEED, y: Unit::NEWTON }, Need::Optional, "table: [speed, force]"),
         PAIRS,
+        ALONG,
     ],
     one_of: &[crate::kind::OneOf { sets: &[&["f", "v0", "v1", "fd"], &["points"]], required: true }],
     example: r#"

@@ -6,7 +6,7 @@
 //! Stability: not passive by itself; kT²/m ≤ 1 recommended, with 0.12 a ≤ zT/m ≤ 1.9 − a nothing is created
 //! (numerics 3.2). Test: A17, B05, C01, C02, C03.
 
-use super::{BETWEEN, Bound, Law, PAIRS, Phi};
+use super::{ALONG, BETWEEN, Bound, Law, PAIRS, Phi};
 use crate::kind::{ANY, Kind, Need, POSITIVE, Param, Role, Type, Unit};
 use crate::table::Table;
 
@@ -27,6 +27,7 @@ pub static KIND: Kind = Kind {
         Param::new("sense", Type::Choice(&["outside", "inside"]), Need::Default(0.0), "keeps apart, or contains"),
         Param::new("sticky", Type::Flag, Need::Default(1.0), "false clips the pull while letting go"),
         PAIRS,
+        ALONG,
     ],
     one_of: &[],
     example: r#"
@@ -48,6 +49,11 @@ static LAW: Law = Law::of::<But, 5, 0>("BUT");
 pub struct But;
 
 impl Phi<5, 0> for But {
+    const CONTACT: bool = true;
+    #[inline(always)]
+    fn idle(&[_, _, d, side, _]: &[f64; 5]) -> (f64, f64) {
+        if side > 0.0 { (d, f64::INFINITY) } else { (f64::NEG_INFINITY, d) }
+    }
     fn coefs(p: &[Option<f64>], te: f64) -> [f64; 5] {
         [
             p[1].unwrap_or(0.0),

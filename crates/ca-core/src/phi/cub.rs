@@ -3,7 +3,7 @@
 //! Equation: F = k e + k3 e³ + (z/T) w. Parameters: k \[N/m\], k3 \[N/m³\] ≥ 0, z \[N s/m\]. Source: SMC 2019 (nlSpring3).
 //! Stability: the tangent T²(k + 3 k3 e²)/m must stay below about 1 (numerics 3.4). Test: B03.
 
-use super::{BETWEEN, Bound, L0, Law, PAIRS, Phi, linear_lost, linear_stored};
+use super::{ALONG, BETWEEN, Bound, L0, Law, PAIRS, Phi, SOFTEN, linear_lost, linear_stored};
 use crate::kind::{Kind, Need, POSITIVE, Param, Role, Unit};
 use crate::table::Table;
 
@@ -22,6 +22,8 @@ pub static KIND: Kind = Kind {
         Param::number("z", Unit::VISCOSITY, POSITIVE, Need::Default(0.0), "viscosity"),
         L0,
         PAIRS,
+        ALONG,
+        SOFTEN,
     ],
     one_of: &[],
     example: r#"

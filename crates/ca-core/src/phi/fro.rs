@@ -3,7 +3,7 @@
 //! Equation: F = (z/T) w. Parameters: z \[N s/m\] ≥ 0. Source: CMJ 1993. Stability: 2zT(1/m₁ + 1/m₂) < 4 for one link;
 //! the backward difference acts as a centred damper and a negative mass −zT/2 (numerics 1.4). Test: A04, A10.
 
-use super::{BETWEEN, Bound, L0, Law, PAIRS, Phi, linear_lost, linear_stored};
+use super::{ALONG, BETWEEN, Bound, L0, Law, PAIRS, Phi, SOFTEN, linear_lost, linear_stored};
 use crate::kind::{Kind, Need, POSITIVE, Param, Role, Unit};
 use crate::table::Table;
 
@@ -14,7 +14,14 @@ pub static KIND: Kind = Kind {
     equation: "F = z de/dt",
     doc: "Resists the relative speed of its ends; turns motion into heat.",
     source: &["CMJ 1993"],
-    params: &[BETWEEN, Param::number("z", Unit::VISCOSITY, POSITIVE, Need::Required, "viscosity"), L0, PAIRS],
+    params: &[
+        BETWEEN,
+        Param::number("z", Unit::VISCOSITY, POSITIVE, Need::Required, "viscosity"),
+        L0,
+        PAIRS,
+        ALONG,
+        SOFTEN,
+    ],
     one_of: &[],
     example: r#"
 [SOL]

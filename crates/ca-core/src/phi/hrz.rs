@@ -5,7 +5,7 @@
 //! Stability: rule of thumb T²k p η^(p−1)/m ≤ 1 at the deepest point. It never pulls. Test: B04.
 
 use super::pow::{P, quarter_power};
-use super::{BETWEEN, Bound, Law, PAIRS, Phi};
+use super::{ALONG, BETWEEN, Bound, Law, PAIRS, Phi};
 use crate::kind::{ANY, Dim, Kind, Need, POSITIVE, Param, Role, Type, Unit};
 use crate::table::Table;
 
@@ -31,6 +31,7 @@ pub static KIND: Kind = Kind {
         Param::number("d", Unit::METRE, ANY, Need::Default(0.0), "threshold of the distance second − first"),
         Param::new("sense", Type::Choice(&["outside", "inside"]), Need::Default(0.0), "keeps apart, or contains"),
         PAIRS,
+        ALONG,
     ],
     one_of: &[],
     example: r#"
@@ -52,6 +53,11 @@ static LAW: Law = Law::of::<Hrz, 5, 0>("HRZ");
 pub struct Hrz;
 
 impl Phi<5, 0> for Hrz {
+    const CONTACT: bool = true;
+    #[inline(always)]
+    fn idle(&[_, _, _, d, side]: &[f64; 5]) -> (f64, f64) {
+        if side > 0.0 { (d, f64::INFINITY) } else { (f64::NEG_INFINITY, d) }
+    }
     fn coefs(p: &[Option<f64>], te: f64) -> [f64; 5] {
         let n = libm::round(4.0 * p[2].unwrap_or(1.5));
         let side = if p[5] == Some(1.0) { -1.0 } else { 1.0 };

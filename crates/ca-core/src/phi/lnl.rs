@@ -5,7 +5,7 @@
 //! Stability: rule of thumb on the steepest segment; a friction table is passive where F has the sign of the speed.
 //! The law that runs reads only the tables that are there. Test: conformance suite, table tests.
 
-use super::{BETWEEN, Bound, Fixed, L0, Law, PAIRS, Phi};
+use super::{ALONG, BETWEEN, Bound, Fixed, L0, Law, PAIRS, Phi, SOFTEN};
 use crate::kind::{Kind, Need, Param, Role, Type, Unit};
 use crate::table::Table;
 
@@ -33,6 +33,8 @@ pub static KIND: Kind = Kind {
         ),
         L0,
         PAIRS,
+        ALONG,
+        SOFTEN,
     ],
     one_of: &[],
     example: r#"

@@ -1,6 +1,6 @@
 //! LIA: the laws of interaction between two MATs, one file each. What a law is: [`crate::law`].
 
-use crate::kind::{ANY, Kind, Need, Param, Type, Unit};
+use crate::kind::{ANY, Kind, Need, POSITIVE, Param, Type, Unit};
 pub use crate::law::{Bound, Phi};
 pub use crate::op::law::{Fixed, Law};
 
@@ -39,6 +39,22 @@ pub const BETWEEN: Param =
 /// Rest length.
 pub const L0: Param =
     Param::number("l0", Unit::METRE, ANY, Need::Optional, "length at which it is slack; the rest distance if left out");
+
+/// A direction, for links of which one end lives on a line, or that act on a difference along one direction of space.
+pub const ALONG: Param = Param::new(
+    "along",
+    Type::Direction,
+    Need::Optional,
+    "in space: acts on the difference along this direction, as on a line, and not on the distance",
+);
+/// The softening length.
+pub const SOFTEN: Param = Param::number(
+    "soften",
+    Unit::METRE,
+    POSITIVE,
+    Need::Default(0.0),
+    "in space: distances are sqrt(D² + soften²), so that ends may pass through each other",
+);
 
 /// How many links two lists of ends make.
 pub const PAIRS: Param = Param::new(

@@ -4,7 +4,7 @@
 //! k \[N/m\], z \[N s/m\], d \[m\] > 0. Source: HSP v2 (contact-pluck), numerics 2.2 for the energy: what is stored at
 //! release is booked as lost. Stability: as REF while engaged. Test: `tests/suite/laws.rs`.
 
-use super::{BETWEEN, Bound, Law, PAIRS, Phi, linear_lost, linear_stored};
+use super::{ALONG, BETWEEN, Bound, Law, PAIRS, Phi, linear_lost, linear_stored};
 use crate::kind::{ABOVE_ZERO, Kind, Need, POSITIVE, Param, Role, Unit};
 use crate::table::Table;
 
@@ -22,6 +22,7 @@ pub static KIND: Kind = Kind {
         Param::number("z", Unit::VISCOSITY, POSITIVE, Need::Default(0.0), "viscosity while engaged"),
         Param::number("d", Unit::METRE, ABOVE_ZERO, Need::Required, "elongation at which it lets go"),
         PAIRS,
+        ALONG,
     ],
     one_of: &[],
     example: r#"

@@ -4,7 +4,7 @@
 //! that the tick needs only products and square roots), z \[N s/m\]. Source: SMC 2019 (nlSpring2 is p = 2).
 //! Stability: rule of thumb on the tangent, as CUB. Test: conformance suite.
 
-use super::{BETWEEN, Bound, L0, Law, PAIRS, Phi, linear_lost, linear_stored};
+use super::{ALONG, BETWEEN, Bound, L0, Law, PAIRS, Phi, SOFTEN, linear_lost, linear_stored};
 use crate::kind::{Kind, Need, POSITIVE, Param, Role, Type, Unit};
 use crate::table::Table;
 
@@ -26,6 +26,8 @@ pub static KIND: Kind = Kind {
         Param::number("z", Unit::VISCOSITY, POSITIVE, Need::Default(0.0), "viscosity"),
         L0,
         PAIRS,
+        ALONG,
+        SOFTEN,
     ],
     one_of: &[],
     example: r#"

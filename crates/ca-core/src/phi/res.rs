@@ -3,7 +3,7 @@
 //! Equation: F = k e. Parameters: k \[N/m\] ≥ 0. Source: CMJ 1993. Stability: T²k(1/m₁ + 1/m₂) < 4 for one link.
 //! Test: A01, A03, A09.
 
-use super::{BETWEEN, Bound, L0, Law, PAIRS, Phi, linear_stored};
+use super::{ALONG, BETWEEN, Bound, L0, Law, PAIRS, Phi, SOFTEN, linear_stored};
 use crate::kind::{Kind, Need, POSITIVE, Param, Role, Unit};
 use crate::table::Table;
 
@@ -14,7 +14,14 @@ pub static KIND: Kind = Kind {
     equation: "F = k e",
     doc: "Pulls its ends together in proportion to how far they have been drawn apart. Loses nothing.",
     source: &["CMJ 1993"],
-    params: &[BETWEEN, Param::number("k", Unit::STIFFNESS, POSITIVE, Need::Required, "stiffness"), L0, PAIRS],
+    params: &[
+        BETWEEN,
+        Param::number("k", Unit::STIFFNESS, POSITIVE, Need::Required, "stiffness"),
+        L0,
+        PAIRS,
+        ALONG,
+        SOFTEN,
+    ],
     one_of: &[],
     example: r#"
 [SOL]

@@ -68,7 +68,7 @@ fn summary(loaded: &Loaded, scene: &Scene) -> Result<(), Failure> {
     let title = if scene.title.is_empty() { &loaded.name } else { &scene.title };
     writeln!(out, "{title}")?;
     let by_code: Vec<String> = codes(scene).iter().map(|(c, n)| format!("{n} {c}")).collect();
-    writeln!(out, "  modules    {} MAT, {} LIA: {}", scene.n_mat, scene.n_lia, by_code.join(", "))?;
+    writeln!(out, "  modules    {} MAT, {} LIA: {}", scene.mats(), scene.n_lia, by_code.join(", "))?;
     writeln!(out, "  passes     {} in a tick", ops(scene))?;
     let heard = if scene.channel_names.is_empty() { "none".into() } else { scene.channel_names.join(", ") };
     writeln!(out, "  outputs    {heard}")?;
@@ -99,7 +99,7 @@ fn summary_json(loaded: &Loaded, scene: &Scene) -> Json {
     let inputs: Vec<&str> = scene.inputs.iter().map(|i| i.name.as_str()).collect();
     let live: Vec<&str> = scene.live.params.iter().map(|p| p.name.as_str()).collect();
     json!({
-        "name": loaded.name, "title": scene.title, "n_mat": scene.n_mat, "n_lia": scene.n_lia, "modules": codes,
+        "name": loaded.name, "title": scene.title, "n_mat": scene.mats(), "n_lia": scene.n_lia, "modules": codes,
         "passes": ops(scene), "rate": scene.rate, "gesture_rate": scene.rate / f64::from(scene.ratio),
         "ratio": scene.ratio, "latency": border::json(scene), "outputs": scene.channel_names, "inputs": inputs,
         "live": live, "seconds": scene.seconds, "stability": stability_json(&scene.certificate),

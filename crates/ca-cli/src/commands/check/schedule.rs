@@ -7,7 +7,7 @@
 
 use crate::Failure;
 use crate::commands::render::short;
-use ca_core::op::Op;
+use ca_core::op::{Gauge, Op};
 use ca_core::{Scene, State, tick};
 use ca_haptic::perform::Performance;
 use serde_json::{Value as Json, json};
@@ -81,12 +81,20 @@ fn form(op: &Op) -> String {
     if op.law.is_none() {
         return String::new();
     }
-    let mut words = vec![match op.form.stride {
-        0 => "gather".to_string(),
-        1 => "run".to_string(),
-        n => format!("run, stride {n}"),
+    let gauge = |g: Gauge| match g {
+        Gauge::Line => "line",
+        Gauge::Along => "direction",
+        Gauge::Radial => "distance",
+    };
+    let mut words = vec![match (op.form.gauge, op.form.onto, op.form.stride) {
+        (a, Some(b), _) => format!("{} onto {}", gauge(a), gauge(b)),
+        (Gauge::Line, None, 0) => "gather".to_string(),
+        (Gauge::Line, None, 1) => "run".to_string(),
+        (Gauge::Line, None, n) => format!("run, stride {n}"),
+        (g, None, _) => gauge(g).to_string(),
     }];
-    words.extend(op.form.offset.then(|| "offset".to_string()));
+    let offset = op.form.offset && op.form.gauge == Gauge::Line;
+    words.extend(offset.then(|| "offset".to_string()));
     words.extend(op.form.tap.then(|| "tap".to_string()));
     words.join(" + ")
 }
@@ -96,7 +104,8 @@ fn absent(scene: &Scene) -> Vec<&'static str> {
     let any = |name: &str| {
         [&scene.reads, &scene.forces, &scene.writes, &scene.moves].into_iter().flatten().any(|o| o.name == name)
     };
-    [
+    let space = scene.symbols.iter().any(|s| s.axes > 1);
+    let absent = [
         ("ledger", "no energy book"),
         ("changes", "no live parameters"),
         ("TGR in", "no border to a device"),
@@ -110,8 +119,8 @@ fn absent(scene: &Scene) -> Vec<&'static str> {
     ]
     .into_iter()
     .filter(|a| !any(a.0))
-    .map(|a| a.1)
-    .collect()
+    .map(|a| a.1);
+    absent.chain((!space).then_some("nothing in space")).collect()
 }
 
 /// For people.

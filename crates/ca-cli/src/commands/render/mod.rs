@@ -148,7 +148,8 @@ fn open_probes(probes: &[Probe], scene: &Scene) -> Result<Vec<(ProbeOut, usize)>
     let mut outs = Vec::new();
     for p in probes {
         let mut own = Vec::new();
-        let mine = |n: &str| n == p.name || n.strip_prefix(&p.name).is_some_and(|r| r.starts_with('#'));
+        // `#3` of several, `.x` of what is in space
+        let mine = |n: &str| n == p.name || n.strip_prefix(&p.name).is_some_and(|r| r.starts_with(['#', '.']));
         while let Some(n) = names.next_if(|n| mine(n)) {
             own.push(n.as_str());
         }

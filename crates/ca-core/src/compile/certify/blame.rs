@@ -40,7 +40,7 @@ pub fn unstable(model: &Model, net: &Net, rows: &[Row], bounds: &[Bound], i: usi
     // the link that weighs most is the one to change
     let mut most: Option<(&LiaNode, &Bound)> = None;
     for (l, b) in net.lias.iter().zip(bounds) {
-        let touches = b.linear && l.ends.iter().any(|e| net.under(*e).contains(&(i as u32)));
+        let touches = b.linear && l.all_ends().any(|e| net.under(e).contains(&(i as u32)));
         if touches && most.is_none_or(|(_, o)| b.k + 2.0 * b.z > o.k + 2.0 * o.z) {
             most = Some((l, b));
         }

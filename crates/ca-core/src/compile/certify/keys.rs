@@ -1,7 +1,7 @@
 //! The springs on each device key: what a device must bear to stay passive (numerics 5.2).
 //!
 //! Decides to add up the slopes of all links at a key, as if all contacts were closed and all live parameters at their
-//! stiffest. What hangs behind these links does not matter: it is passive by the rest of the certificate.
+//! stiffest, and in space pulled in one direction. What hangs behind these links does not matter: it is passive by the rest of the certificate.
 
 use crate::certificate::Key;
 use crate::compile::net::{End, MatRole, Net};
@@ -13,7 +13,7 @@ use alloc::vec::Vec;
 pub fn keys(net: &Net, bounds: &[Bound]) -> Vec<Key> {
     let mut sums = alloc::vec![0.0; net.mats.len()];
     for (l, b) in net.lias.iter().zip(bounds) {
-        for e in l.ends {
+        for e in l.all_ends() {
             if let End::Mat(m) = e {
                 sums[m as usize] += b.k.max(0.0);
             }

@@ -11,11 +11,12 @@ mod negative;
 mod rules;
 mod worst;
 
-use super::net::{End, Net};
+use super::net::{End, LiaNode, Net};
 pub use crate::certificate::{Certificate, Level};
 use crate::model::Model;
 use crate::model::diag::{Diag, Diags};
 use alloc::format;
+use alloc::vec::Vec;
 use blame::{overflow, span, unstable};
 use negative::Negative;
 use rules::{contacts, devices};
@@ -26,23 +27,23 @@ pub fn certify(model: &Model, net: &Net, diags: &mut Diags) -> Certificate {
     let mut rows = worst_rows(net);
     // what is left out does not move
     for (r, _) in rows.iter_mut().zip(&net.alive).filter(|(_, alive)| !**alive) {
-        *r = Row { own: 0.0, disc: 0.0, c: 0.0, touch: 0.0 };
+        *r = Row::default();
     }
     let bounds = worst_bounds(net);
     let mut springs = Negative::default();
     for (l, b) in net.lias.iter().zip(&bounds) {
         let h = b.k + 2.0 * b.z;
-        let sides = l.ends.map(|e| net.under(e));
-        let moving = |ids: &[u32]| ids.iter().any(|m| rows[*m as usize].c > 0.0);
-        let both = moving(&sides[0]) && moving(&sides[1]);
+        let sides: Vec<Vec<u32>> = l.all_ends().map(|e| net.under(e)).collect();
+        // ends that move: the row of the link at each of them holds so many entries
+        let moving = sides.iter().filter(|ids| ids.iter().any(|m| rows[*m as usize].c > 0.0)).count();
+        let others = moving.saturating_sub(1) as f64;
         for m in sides.iter().flatten() {
             let r = &mut rows[*m as usize];
-            if b.linear {
+            if b.linear || !b.contact {
                 r.own += h;
-                r.disc += if both { h + h.abs() } else { h };
-            } else if !b.contact {
-                r.own += b.k + 2.0 * b.z;
-                r.disc += (b.k + 2.0 * b.z) * if both { 2.0 } else { 1.0 };
+                r.disc += h + others * h.abs();
+                r.most = r.most.max(h);
+                r.radial |= l.is_radial();
             } else {
                 r.touch += h;
             }
@@ -59,11 +60,13 @@ pub fn certify(model: &Model, net: &Net, diags: &mut Diags) -> Certificate {
     for r in &rows {
         let g = r.disc * r.c;
         cert.bound = cert.bound.max(g);
-        cert.lower = cert.lower.max(r.own * r.c);
+        // springs of different directions do not add up: a third of them does, and so does the stiffest
+        let sure = if r.radial { (r.own / 3.0).max(r.most) } else { r.own };
+        cert.lower = cert.lower.max(sure * r.c);
     }
     for l in &net.lias {
         let d = |e: End| net.under(e).iter().map(|m| rows[*m as usize].own * rows[*m as usize].c).fold(0.0, f64::max);
-        pair = pair.max(d(l.ends[0]) + d(l.ends[1]));
+        pair = pair.max(l.all_ends().map(d).sum());
     }
     // a mass with a spring of its own is a link to the ground
     pair = rows.iter().map(|r| r.own * r.c).fold(pair, f64::max);
@@ -76,10 +79,15 @@ pub fn certify(model: &Model, net: &Net, diags: &mut Diags) -> Certificate {
 
     let covered = !negative || springs.covered();
     let linear = bounds.iter().all(|b| b.linear);
+    let radial = net.lias.iter().any(LiaNode::is_radial);
     cert.level = if cert.lower >= 4.0 {
         Level::Unstable
     } else if cert.bound < 4.0 && covered {
-        if linear { Level::Proven } else { Level::RuleOfThumb }
+        match (linear, radial) {
+            (true, false) => Level::Proven,
+            (true, true) => Level::Linearised,
+            (false, _) => Level::RuleOfThumb,
+        }
     } else {
         Level::NotProven
     };

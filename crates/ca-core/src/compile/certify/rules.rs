@@ -22,7 +22,7 @@ pub fn contacts(model: &Model, net: &Net, rows: &[Row], bounds: &[Bound], cert: 
         if !b.contact || b.k == 0.0 {
             continue;
         }
-        let c: f64 = l.ends.iter().map(|e| net.under(*e).iter().map(|m| rows[*m as usize].c).fold(0.0, f64::max)).sum();
+        let c: f64 = l.all_ends().map(|e| net.under(e).iter().map(|m| rows[*m as usize].c).fold(0.0, f64::max)).sum();
         let a = b.k * c;
         if a > cert.contact {
             cert.contact = a;
@@ -49,7 +49,7 @@ pub fn devices(model: &Model, net: &Net, bounds: &[Bound], diags: &mut Diags) {
     let is_key = |e: &End| matches!(e, End::Mat(m) if net.mats[*m as usize].code == "TGR");
     let mut told = BTreeSet::new();
     for (l, b) in net.lias.iter().zip(bounds) {
-        if b.z > 0.0 && l.ends.iter().any(is_key) && told.insert(l.item) {
+        if b.z > 0.0 && l.all_ends().any(|e| is_key(&e)) && told.insert(l.item) {
             let d = Diag::warning("W105", format!("`{}` puts viscosity straight on a device key", l.name))
                 .at(span(model, net, l.item), "noisy, and limited by the device's own friction")
                 .help("tie the key to a MAS by a RES, and damp that MAS to ground instead");

@@ -10,7 +10,7 @@ use alloc::sync::Arc;
 use alloc::vec::Vec;
 
 /// What the linear bounds need of one mass.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 pub struct Row {
     /// T²k + 2Tz of all linear links at this mass
     pub own: f64,
@@ -20,6 +20,10 @@ pub struct Row {
     pub c: f64,
     /// contacts
     pub touch: f64,
+    /// T²k + 2Tz of the stiffest of them
+    pub most: f64,
+    /// true where some of them are radial, so that they act in different directions
+    pub radial: bool,
 }
 
 /// A row for each MAT; generators make thousands with the same values, and each corner may solve for a pitch.
@@ -38,7 +42,7 @@ pub fn worst_rows(net: &Net) -> Vec<Row> {
 }
 
 fn row(net: &Net, m: &MatNode) -> Row {
-    let MatRole::Mat(spec) = m.role else { return Row { own: 0.0, disc: 0.0, c: 0.0, touch: 0.0 } };
+    let MatRole::Mat(spec) = m.role else { return Row::default() };
     let mut out = [0.0; 8];
     let mut corner = Coefs { p: 1.0, q: 0.0, c: 0.0 };
     // worst corner of what may change: lightest, stiffest, most damped
@@ -47,10 +51,10 @@ fn row(net: &Net, m: &MatNode) -> Row {
         corner = Coefs { p: corner.p.min(out[0]), q: corner.q.min(out[1]), c: corner.c.max(out[2]) };
     }
     if corner.c == 0.0 || spec.fixed {
-        return Row { own: 0.0, disc: 0.0, c: 0.0, touch: 0.0 };
+        return Row::default();
     }
     let own = (-corner.q + 2.0 * (1.0 - corner.p)) / corner.c;
-    Row { own, disc: own, c: corner.c, touch: 0.0 }
+    Row { own, disc: own, c: corner.c, ..Row::default() }
 }
 
 /// The parameter values of a module at load and, for each live parameter it follows, at both ends of its range.
@@ -64,7 +68,13 @@ fn corners(net: &Net, item: u32, values: &[Source]) -> Vec<Vec<Option<f64>>> {
             args[*arg] = Arg::Num((v * factor).clamp(-1e30, 1e30));
             let slots = match it.kind.role {
                 Role::Generator(g) => {
-                    match (g.derive)(&Args { code: it.kind.code, params: it.kind.params, values: &args, te: net.te }) {
+                    match (g.derive)(&Args {
+                        code: it.kind.code,
+                        params: it.kind.params,
+                        values: &args,
+                        te: net.te,
+                        dim: it.dim,
+                    }) {
                         Ok(s) => s,
                         // out of reach, so a change to it is refused
                         Err(_) => continue,

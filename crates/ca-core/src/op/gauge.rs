@@ -1,0 +1,164 @@
+//! Gauge: what a port measures of its two ends, and how a force goes back to them.
+//!
+//! Decides that a law never sees positions: a gauge turns the two ends into an elongation and its change per tick, and
+//! the scalar force of the law back into forces on the ends, along the gradient of that elongation, so power in equals
+//! power out whatever the law. On a line that is a difference; along a direction the projected difference; in space
+//! the distance of two points. The kernels in space, the quadripoles of other crates, the energy book and the start
+//! all measure by these functions.
+//!
+//! The change of a distance is `(D + D')·(D − D') / (l + l')` with D' the vector one tick before: the difference of
+//! lengths (numerics 1.1), exactly zero in translation and to rounding in rotation, without a remembered length and
+//! without its cancellation. At zero length the direction is undefined and the force is zero (numerics 4.4); with a
+//! softening length δ the distance is `sqrt(D² + δ²)`, smooth everywhere.
+
+use crate::layout::{Gauge, Layout, Ports};
+use nalgebra::Vector3;
+
+/// What a port measured.
+#[derive(Clone, Copy, Debug)]
+pub struct Felt {
+    /// its part of the elongation \[m\]
+    pub e: f64,
+    /// the change of that in this tick \[m/tick\]
+    pub w: f64,
+    /// gradient of the elongation against the second end; −u against the first
+    pub u: Vector3<f64>,
+}
+
+/// A way of measuring, as a type, for kernels.
+pub trait Measure {
+    /// True where the ends are points in space, with an entry in [`Layout::reach`].
+    const SPACE: bool;
+
+    /// Measures between the places `a` and `b`.
+    fn measure(x: &[f64], d: &[f64], ends: [usize; 2], reach: &[f64; 4]) -> Felt;
+
+    /// The square of the elongation, and zero where that says nothing of its sign: cheaper, for contacts that are idle.
+    fn square(_x: &[f64], _ends: [usize; 2], _reach: &[f64; 4]) -> Option<f64> {
+        None
+    }
+
+    /// Pulls the ends together with `force` \[N\] along the direction measured.
+    fn pull(f: &mut [f64], ends: [usize; 2], u: &Vector3<f64>, force: f64);
+}
+
+/// Two places on a line.
+pub struct Line;
+/// Two points in space, along a fixed direction.
+pub struct Along;
+/// The distance of two points in space.
+pub struct Radial;
+
+#[inline(always)]
+fn at(x: &[f64], i: usize) -> Vector3<f64> {
+    x[i..].first_chunk::<3>().map_or_else(Vector3::zeros, |v| Vector3::from(*v))
+}
+
+#[inline(always)]
+fn vector(reach: &[f64; 4]) -> Vector3<f64> {
+    Vector3::new(reach[0], reach[1], reach[2])
+}
+
+#[inline(always)]
+fn pull3(f: &mut [f64], [a, b]: [usize; 2], u: &Vector3<f64>, force: f64) {
+    let g = u * force;
+    for k in 0..3 {
+        f[a + k] += g[k];
+        f[b + k] -= g[k];
+    }
+}
+
+impl Measure for Line {
+    const SPACE: bool = false;
+    #[inline(always)]
+    fn measure(x: &[f64], d: &[f64], [a, b]: [usize; 2], _: &[f64; 4]) -> Felt {
+        Felt { e: x[b] - x[a], w: d[b] - d[a], u: Vector3::new(1.0, 0.0, 0.0) }
+    }
+    #[inline(always)]
+    fn pull(f: &mut [f64], [a, b]: [usize; 2], _: &Vector3<f64>, force: f64) {
+        f[a] += force;
+        f[b] -= force;
+    }
+}
+
+impl Measure for Along {
+    const SPACE: bool = true;
+    #[inline(always)]
+    fn measure(x: &[f64], d: &[f64], [a, b]: [usize; 2], reach: &[f64; 4]) -> Felt {
+        let n = vector(reach);
+        Felt { e: n.dot(&(at(x, b) - at(x, a))), w: n.dot(&(at(d, b) - at(d, a))), u: n }
+    }
+    #[inline(always)]
+    fn pull(f: &mut [f64], ends: [usize; 2], u: &Vector3<f64>, force: f64) {
+        pull3(f, ends, u, force);
+    }
+}
+
+impl Measure for Radial {
+    const SPACE: bool = true;
+    #[inline(always)]
+    fn measure(x: &[f64], d: &[f64], [a, b]: [usize; 2], reach: &[f64; 4]) -> Felt {
+        let now = vector(reach) + (at(x, b) - at(x, a));
+        let moved = at(d, b) - at(d, a);
+        let before = now - moved;
+        let l = libm::sqrt(now.dot(&now) + reach[3]);
+        let l0 = libm::sqrt(before.dot(&before) + reach[3]);
+        let w = (now + before).dot(&moved) / (l + l0).max(f64::MIN_POSITIVE);
+        Felt { e: l, w, u: now / l.max(f64::MIN_POSITIVE) }
+    }
+    #[inline(always)]
+    fn square(x: &[f64], [a, b]: [usize; 2], reach: &[f64; 4]) -> Option<f64> {
+        let now = vector(reach) + (at(x, b) - at(x, a));
+        Some(now.dot(&now) + reach[3])
+    }
+    #[inline(always)]
+    fn pull(f: &mut [f64], ends: [usize; 2], u: &Vector3<f64>, force: f64) {
+        pull3(f, ends, u, force);
+    }
+}
+
+/// Measures by a gauge known only at run time, for what is not a kernel.
+pub fn measure(gauge: Gauge, x: &[f64], d: &[f64], ends: [u32; 2], reach: &[f64; 4]) -> Felt {
+    let ends = ends.map(|m| m as usize);
+    match gauge {
+        Gauge::Line => Line::measure(x, d, ends, reach),
+        Gauge::Along => Along::measure(x, d, ends, reach),
+        Gauge::Radial => Radial::measure(x, d, ends, reach),
+    }
+}
+
+/// A port around a tick, seen from after it: `d` the motion of that tick, `d0` the motion into it. Its parts of the
+/// elongation before, at and after, and how far its ends moved, over both, along the direction at the tick.
+pub fn around(gauge: Gauge, x: &[f64], d: &[f64], d0: &[f64], ends: [u32; 2], reach: &[f64; 4]) -> ([f64; 3], f64) {
+    let [a, b] = ends.map(|m| m as usize);
+    if gauge == Gauge::Line {
+        let after = x[b] - x[a];
+        let at = after - (d[b] - d[a]);
+        let before = at - (d0[b] - d0[a]);
+        return ([before, at, after], after - before);
+    }
+    let (out, into) = (at(d, b) - at(d, a), at(d0, b) - at(d0, a));
+    let after = at(x, b) - at(x, a);
+    let v = vector(reach);
+    if gauge == Gauge::Along {
+        let (after, out, into) = (v.dot(&after), v.dot(&out), v.dot(&into));
+        return ([after - out - into, after - out, after], out + into);
+    }
+    let now = v + (after - out);
+    let length = |v: Vector3<f64>| libm::sqrt(v.dot(&v) + reach[3]);
+    let l = length(now);
+    ([length(now - into), l, length(now + out)], now.dot(&(out + into)) / l.max(f64::MIN_POSITIVE))
+}
+
+/// The ports of link `i` of a batch whose first link is `first`: gauge, ends and reach of each.
+pub fn ports(
+    layout: &Layout,
+    ports: &Ports,
+    first: usize,
+    i: usize,
+) -> impl Iterator<Item = (Gauge, [u32; 2], [f64; 4])> {
+    let reach = |g: Gauge, at: usize| if g == Gauge::Line { [0.0; 4] } else { layout.reach[at + i] };
+    let one = (ports.gauge, layout.ends[first + i], reach(ports.gauge, ports.reach));
+    let two = ports.onto.map(|(g, ends, at)| (g, layout.onto[ends + i], reach(g, at)));
+    core::iter::once(one).chain(two)
+}

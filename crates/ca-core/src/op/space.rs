@@ -1,0 +1,44 @@
+//! Space: links between points in space, one by one, in order. The force of the law pulls along what the gauge
+//! measured; contacts that are idle cost a squared distance and no square root.
+
+use super::Op;
+use super::gauge::Measure;
+use crate::law::Phi;
+use crate::layout::Layout;
+use crate::state::State;
+
+/// Applies the law of `op` to each of its links.
+pub fn space<P: Phi<C, M>, G: Measure, const C: usize, const M: usize, const TAP: bool>(
+    op: &Op,
+    layout: &Layout,
+    s: &mut State,
+) {
+    let n = op.n;
+    let ends = &layout.ends[op.first..][..n];
+    let e0 = &layout.e0[op.first..][..n];
+    let reach = &layout.reach[op.ports.reach..][..n];
+    let columns: [&[f64]; C] = core::array::from_fn(|k| &s.coef[op.coef + k * n..][..n]);
+    let (x, d, f) = (&s.x, &s.d, &mut s.f);
+    let mem = &mut s.mem[op.mem..][..n * M];
+    for i in 0..n {
+        let at = ends[i].map(|m| m as usize);
+        let c = core::array::from_fn(|k| columns[k][i]);
+        if P::CONTACT {
+            let (from, to) = P::idle(&c);
+            let (from, to) = (from.max(0.0), to.max(0.0));
+            if G::square(x, at, &reach[i]).is_some_and(|l| l >= from * from && l <= to * to) {
+                if TAP {
+                    s.tap[op.tap + i] = 0.0;
+                }
+                continue;
+            }
+        }
+        let felt = G::measure(x, d, at, &reach[i]);
+        let Some(m) = mem[i * M..].first_chunk_mut::<M>() else { continue };
+        let force = P::force(&c, m, &layout.tables, felt.e + e0[i], felt.w);
+        G::pull(f, at, &felt.u, force);
+        if TAP {
+            s.tap[op.tap + i] = force;
+        }
+    }
+}
