@@ -18,4 +18,5 @@ mod references;
 mod scheme;
 mod select;
 mod set;
+mod space;
 mod writer;
