@@ -19,4 +19,5 @@ mod references;
 mod scheme;
 mod select;
 mod set;
+mod space;
 mod writer;
