@@ -126,11 +126,19 @@ fn d05_modes_of_a_tetrahedron() {
     for (strain, lambda) in strains.into_iter().zip(list(case("D05"), "values/lam")) {
         let u = corners.map(strain);
         for (f, u) in stiffness(&scene, &u, 1e-5).into_iter().zip(u) {
-            within("D05 F = −λ u", norm(minus(f, u.map(|u| -lambda * u))), case("D05")["tolerance"]["abs"].as_f64().unwrap());
+            within(
+                "D05 F = −λ u",
+                norm(minus(f, u.map(|u| -lambda * u))),
+                case("D05")["tolerance"]["abs"].as_f64().unwrap(),
+            );
         }
     }
     // moved and turned as a whole, it does not resist
     for rigid in [|_: [f64; 3]| [1.0, 2.0, -1.0], |[x, y, _]: [f64; 3]| [-y, x, 0.0]] {
-        within("D05 zero", stiffness(&scene, &corners.map(rigid), 1e-5).into_iter().map(norm).fold(0.0, f64::max), 1e-10);
+        within(
+            "D05 zero",
+            stiffness(&scene, &corners.map(rigid), 1e-5).into_iter().map(norm).fold(0.0, f64::max),
+            1e-10,
+        );
     }
 }

@@ -1,6 +1,7 @@
 //! Resolve: rates, parameters, media, and every item's parameters in SI; MATs, ports and generators become nodes.
 //! Links wait for all names to be known (`wire.rs`).
 
+use super::crossing::crossing;
 use super::expand::expand;
 use super::net::{Family, LARGEST, MatNode, MatRole, Net, NetItem};
 use super::say::type_name;
@@ -24,6 +25,7 @@ use alloc::vec::Vec;
 pub fn resolve(model: &Model, catalog: &Catalog, options: &Options, diags: &mut Diags) -> Net {
     let mut net = Net::default();
     rates::rates(model, options, &mut net, diags);
+    crossing(model, &mut net, diags);
     let alg = rates::reference(model, &net, diags);
     unique(model, diags);
     let mut v = Values::new(alg, diags);
