@@ -7,6 +7,7 @@ mod compile_fuzz;
 mod conformance;
 mod diagnostics;
 mod files;
+mod generate_space;
 mod mims;
 mod models;
 mod oracle;
