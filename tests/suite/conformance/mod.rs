@@ -1,6 +1,7 @@
 //! Every kind of the catalog keeps the promises of its record; nothing here is written for one kind by name, so a new
 //! law is tested the day it is listed.
 
+mod axes;
 mod drawn;
 mod forces;
 mod forms;

@@ -1,7 +1,7 @@
 //! From the text of a model to plain modules: what names mean, who is linked to whom by which law, what goes in and out.
 
 use super::expand::{Family, bank, fixed, mat, mesh, row};
-use super::network::{Heard, Law, Link, Mat, Network, Point, Port};
+use super::network::{Gauge, Heard, Law, Link, Mat, Network, Point, Port};
 use super::numbers::{Numbers, entry, list, word};
 use ca_core::model::select::{At, Coord, Index, Part, parse};
 use ca_core::model::{Item, Model, Value};
@@ -25,7 +25,9 @@ pub fn build(model: &Model) -> Network {
         match i.kind.as_str() {
             "ENF" => {
                 let to = b.pick(word(i, "to")).1;
-                b.net.ports.iter_mut().find(|p| p.name == i.name).expect("its port").to = to;
+                let axis = b.numbers.along(i).map_or(0, |n| n.iter().position(|v| *v == 1.0).expect("an axis"));
+                let port = b.net.ports.iter_mut().find(|p| p.name == i.name).expect("its port");
+                (port.to, port.axis) = (to, axis);
             }
             "SOX" | "SOF" => b.output(i),
             _ => {}
@@ -52,7 +54,7 @@ impl Builder<'_> {
                     None => (numbers.num(i, "k") * (te * te / m), numbers.num(i, "z") * te / m),
                 };
                 let at = mat(numbers, net, i, m, 1.0 - b, -a);
-                (net.mats[at].x, net.mats[at].d) = (numbers.num(i, "dx0"), numbers.num(i, "v") * te);
+                (net.mats[at].x, net.mats[at].d) = (numbers.place(i, "dx0"), numbers.place(i, "v").map(|v| v * te));
                 one(at)
             }
             "SOL" => one(fixed(numbers, net, i)),
@@ -63,8 +65,12 @@ impl Builder<'_> {
                     _ => None,
                 };
                 let family = if period.is_some() { one(fixed(numbers, net, i)) } else { Family::default() };
-                let (name, to) = (i.name.clone(), family.masses.clone());
-                net.ports.push(Port { name, to, period, held: 0.0, from: 0.0 });
+                let axes = if i.kind == "ENF" { 1 } else { numbers.axes(i) };
+                let given = entry(&i.args, "dof").filter(|_| axes > 1).map_or(axes, |v| list(v).len());
+                for axis in 0..given {
+                    let name = if axes == 1 { i.name.clone() } else { format!("{}.{}", i.name, ["x", "y", "z"][axis]) };
+                    net.ports.push(Port { name, to: family.masses.clone(), axis, period, held: 0.0, from: 0.0 });
+                }
                 family
             }
             "BANK" => bank(numbers, net, i),
@@ -109,12 +115,12 @@ impl Builder<'_> {
                 Coord::Name(n) if self.names.contains_key(n) => return self.names[n].masses[0],
                 Coord::Name(n) => self.numbers.value(&n.as_str().into(), 0.0),
             };
-            self.net.mats.push(Mat { rest, ..Mat::default() });
+            self.net.mats.push(Mat { axes: 1, rest: [rest, 0.0, 0.0], ..Mat::default() });
             self.net.mats.len() - 1
         };
         let at = at.iter().map(&mut place).collect();
         let mat = self.net.mats.len();
-        self.net.mats.push(Mat { rest: self.net.mats[family.nodes[0]].rest, ..Mat::default() });
+        self.net.mats.push(Mat { axes: 1, rest: self.net.mats[family.nodes[0]].rest, ..Mat::default() });
         self.net.points.push(Point { mat, nodes: family.nodes, size: family.size, at });
         self.points.insert(text.into(), mat);
         mat
@@ -128,28 +134,74 @@ impl Builder<'_> {
     }
 
     fn link(&mut self, i: &Item) {
-        let between = list(entry(&i.args, "between").expect("between"));
-        let (a, b) = (self.side(&between[0].value), self.side(&between[1].value));
+        let sides = |key: &str| entry(&i.args, key).map(|v| [&list(v)[0].value, &list(v)[1].value]);
+        let [a, b] = sides("between").expect("between").map(|v| self.side(v));
+        let onto = sides("onto").map(|s| s.map(|v| self.side(v)));
         let first = self.net.links.len();
-        if word(i, "pairs") == "all" {
+        let mut pairs: Vec<[usize; 2]> = Vec::new();
+        if word(i, "pairs") == "all" || a.len() > 1 && a == b {
             for (j, from) in a.iter().enumerate() {
                 let start = if a == b { j + 1 } else { 0 };
-                b[start..].iter().for_each(|to| self.tie(i, [*from, *to]));
+                b[start..].iter().for_each(|to| pairs.push([*from, *to]));
             }
         } else {
-            for j in 0..a.len().max(b.len()) {
-                self.tie(i, [a[j.min(a.len() - 1)], b[j.min(b.len() - 1)]]);
-            }
+            (0..a.len().max(b.len())).for_each(|j| pairs.push([a[j.min(a.len() - 1)], b[j.min(b.len() - 1)]]));
+        }
+        for (j, ends) in pairs.into_iter().enumerate() {
+            self.tie(i, ends, onto.as_ref().map(|s| [0, 1].map(|k| s[k][j.min(s[k].len() - 1)])));
         }
         let links = (first..self.net.links.len()).collect();
         self.names.insert(i.name.clone(), Family { links, ..Family::default() });
     }
 
-    fn tie(&mut self, i: &Item, ends: [usize; 2]) {
-        let distance = self.net.mats[ends[1]].rest - self.net.mats[ends[0]].rest;
-        let springs = ["RES", "FRO", "REF", "CUB", "POW", "LNL"].contains(&i.kind.as_str());
-        let slack = if springs { self.numbers.maybe(i, "l0").unwrap_or(distance) } else { 0.0 };
-        self.net.links.push(Link { ends, e0: distance - slack, law: self.law(i), f: 0.0 });
+    /// A port between two ends, what it adds to the elongation at rest, and its length at rest.
+    fn port(&self, i: &Item, ends: [usize; 2], along: Option<[f64; 3]>) -> (Gauge, f64, f64) {
+        let [a, b] = ends.map(|m| &self.net.mats[m]);
+        let apart = [0, 1, 2].map(|k| b.rest[k] - a.rest[k]);
+        let axis = |m: &Mat| if m.axes == 1 { Some(0) } else { along?.iter().position(|v| *v == 1.0) };
+        match (axis(a), axis(b), along) {
+            (Some(j), Some(k), _) => {
+                let d = b.rest[k] - a.rest[j];
+                (Gauge::Line([j, k]), d, d)
+            }
+            (.., Some(n)) => {
+                let d = n[0] * apart[0] + n[1] * apart[1] + n[2] * apart[2];
+                (Gauge::Along(n), d, d)
+            }
+            (.., None) => {
+                let soft = self.num(i, "soften");
+                (Gauge::Radial(apart, soft * soft), 0.0, apart.iter().map(|v| v * v).sum::<f64>().sqrt())
+            }
+        }
+    }
+
+    fn tie(&mut self, i: &Item, ends: [usize; 2], onto: Option<[usize; 2]>) {
+        let springs = ["RES", "FRO", "REF", "CUB", "POW", "LNL", "LPR"];
+        let law = i.kind.strip_prefix("LPR_").unwrap_or(&i.kind);
+        let (gauge, e0, distance) = self.port(i, ends, self.numbers.along(i));
+        let soft = |l: f64, g: &Gauge| match g {
+            Gauge::Radial(_, soft) if *soft != 0.0 => (l * l + soft).sqrt(),
+            _ => l,
+        };
+        let length = if springs.contains(&law) { self.numbers.maybe(i, "l0").unwrap_or(distance) } else { 0.0 };
+        let mut e0 = e0 - soft(length, &gauge);
+        if onto.is_none() && length == 0.0 && ["RES", "FRO", "REF"].contains(&law) && matches!(gauge, Gauge::Radial(..))
+        {
+            // without length it has no direction of its own
+            for k in 0..self.net.mats[ends[0]].axes.max(self.net.mats[ends[1]].axes) {
+                let e0 = self.net.mats[ends[1]].rest[k] - self.net.mats[ends[0]].rest[k];
+                let ports = vec![(ends, Gauge::Line([k, k]))];
+                self.net.links.push(Link { ports, e0, law: self.law(i), f: 0.0 });
+            }
+            return;
+        }
+        let mut ports = vec![(ends, gauge)];
+        if let Some(ends) = onto {
+            let (gauge, constant, distance) = self.port(i, ends, None);
+            e0 += constant - soft(distance, &gauge);
+            ports.push((ends, gauge));
+        }
+        self.net.links.push(Link { ports, e0, law: self.law(i), f: 0.0 });
     }
 
     fn law(&self, i: &Item) -> Law {
@@ -158,8 +210,8 @@ impl Builder<'_> {
         let [z, h] = ["z", "h"].map(|key| self.num(i, key) / te);
         let quarters = (4.0 * self.numbers.maybe(i, "p").unwrap_or(1.5)) as u32;
         let side = if word(i, "sense") == "inside" { -1.0 } else { 1.0 };
-        match (i.kind.as_str(), word(i, "curve")) {
-            ("RES" | "FRO" | "REF", _) => Law::Linear { k, z },
+        match (i.kind.strip_prefix("LPR_").unwrap_or(&i.kind), word(i, "curve")) {
+            ("RES" | "FRO" | "REF" | "LPR", _) => Law::Linear { k, z },
             ("CUB", _) => Law::Cubic { k, k3: self.num(i, "k3"), z },
             ("POW", _) => Law::Power { k, q: self.num(i, "q"), quarters, z },
             ("BUT", _) => Law::Buffer { k, z, d, side, sticky: entry(&i.args, "sticky") != Some(&Value::Bool(false)) },
@@ -193,14 +245,16 @@ impl Builder<'_> {
     fn output(&mut self, i: &Item) {
         let (links, chosen) = self.pick(word(i, "from"));
         let gain = self.numbers.maybe(i, "gain").unwrap_or(1.0);
+        let n = self.numbers.along(i).unwrap_or([1.0, 0.0, 0.0]);
         for at in chosen {
-            let heard = match i.kind.as_str() {
-                _ if links => Heard::ForceOf(at),
-                "SOF" => Heard::ForceOn(at),
-                _ => Heard::Position(at),
-            };
             let channel = self.numbers.maybe(i, "channel").map_or(self.net.channels(), |c| c as usize);
-            self.net.outputs.push((channel, gain, heard));
+            let heard = |k: usize| match i.kind.as_str() {
+                _ if links => Heard::ForceOf(at),
+                "SOF" => Heard::ForceOn(at, k),
+                _ => Heard::Position(at, k),
+            };
+            let axes = (0..3).filter(|k| n[*k] != 0.0);
+            self.net.outputs.extend(axes.map(|k| (channel, n[k] * gain, heard(k))));
         }
     }
 }

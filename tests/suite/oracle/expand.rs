@@ -1,6 +1,6 @@
 //! What the generators stand for, as plain masses and springs: drawn here a second time, from their definitions.
 
-use super::network::{Law, Link, Mat, Network};
+use super::network::{Gauge, Law, Link, Mat, Network};
 use super::numbers::{Numbers, entry, list, word};
 use ca_core::model::Item;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -19,9 +19,12 @@ pub struct Family {
 /// A MAT of mass `m`, infinite where fixed, in the medium of its module.
 pub fn mat(numbers: &Numbers, net: &mut Network, i: &Item, m: f64, p: f64, q: f64) -> usize {
     let c = if m == f64::INFINITY { 0.0 } else { numbers.te * numbers.te / m };
-    let p = p - numbers.medium(i, "friction", 1.0) / numbers.te * c;
-    let weight = if c == 0.0 { 0.0 } else { -numbers.medium(i, "gravity", -2.0) * m };
-    net.mats.push(Mat { rest: numbers.num(i, "x"), pqc: [p, q, c], weight, ..Mat::default() });
+    let p = p - numbers.friction(i) / numbers.te * c;
+    let mut weight = [0.0; 3];
+    if c != 0.0 {
+        weight = numbers.gravity(i).map(|g| g * m);
+    }
+    net.mats.push(Mat { axes: numbers.axes(i), rest: numbers.place(i, "x"), pqc: [p, q, c], weight, ..Mat::default() });
     net.mats.len() - 1
 }
 
@@ -45,7 +48,7 @@ pub fn bank(numbers: &Numbers, net: &mut Network, i: &Item) -> Family {
 
 fn tie(net: &mut Network, family: &mut Family, a: usize, b: usize, k: f64, z: f64) {
     family.links.push(net.links.len());
-    net.links.push(Link { ends: [a, b], e0: 0.0, law: Law::Linear { k, z }, f: 0.0 });
+    net.links.push(Link { ports: vec![([a, b], Gauge::Line([0, 0]))], e0: 0.0, law: Law::Linear { k, z }, f: 0.0 });
 }
 
 /// Mass, damping to ground as the factor p, and eigenvalue kT²/m of the lowest mode where it is asked for by frequency.

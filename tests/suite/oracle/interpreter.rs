@@ -2,7 +2,7 @@
 //! they are written in books, and shares nothing with the compiler. To give the same bits it sums in the same order:
 //! the links as the document has them.
 
-use super::network::{Heard, Law, Network, Point};
+use super::network::{Gauge, Heard, Law, Network, Point};
 use ca_tests::follow;
 
 /// x to the power of quarters/4, by products and roots.
@@ -53,7 +53,7 @@ impl Network {
     fn parts(&self, point: &Point) -> Vec<(usize, f64)> {
         let mut parts = vec![(0, 1.0)];
         for (at, n) in point.at.iter().zip(point.size) {
-            let u = (self.mats[*at].x + self.mats[*at].rest).clamp(0.0, 1.0) * (n - 1) as f64;
+            let u = (self.mats[*at].x[0] + self.mats[*at].rest[0]).clamp(0.0, 1.0) * (n - 1) as f64;
             let cell = (u as usize).min(n - 2);
             let b = u - cell as f64;
             let split = |(i, a)| [(i * n + cell, a * (1.0 - b)), (i * n + cell + 1, a * b)];
@@ -66,20 +66,25 @@ impl Network {
     fn forces(&mut self) {
         for at in 0..self.points.len() {
             let (mat, parts) = (self.points[at].mat, self.parts(&self.points[at]));
-            self.mats[mat].x = parts.iter().fold(0.0, |x, (node, a)| x + a * self.mats[*node].x);
-            self.mats[mat].d = parts.iter().fold(0.0, |d, (node, a)| d + a * self.mats[*node].d);
+            self.mats[mat].x[0] = parts.iter().fold(0.0, |x, (node, a)| x + a * self.mats[*node].x[0]);
+            self.mats[mat].d[0] = parts.iter().fold(0.0, |d, (node, a)| d + a * self.mats[*node].d[0]);
         }
-        self.mats.iter_mut().for_each(|m| m.f += m.weight);
+        self.mats.iter_mut().for_each(|m| (0..3).for_each(|k| m.f[k] += m.weight[k]));
         for link in &mut self.links {
-            let [a, b] = link.ends;
-            let (e, w) = (self.mats[b].x - self.mats[a].x + link.e0, self.mats[b].d - self.mats[a].d);
-            link.f = link.law.force(e, w);
-            self.mats[a].f += link.f;
-            self.mats[b].f -= link.f;
+            let felt: Vec<_> = link.ports.iter().map(|([a, b], g)| g.feel(&self.mats[*a], &self.mats[*b])).collect();
+            let sum = |of: fn(&(f64, f64, [f64; 3])) -> f64| felt.iter().map(of).reduce(|a, b| a + b).unwrap_or(0.0);
+            link.f = link.law.force(sum(|p| p.0) + link.e0, sum(|p| p.1));
+            for (([a, b], gauge), (_, _, u)) in link.ports.iter().zip(&felt) {
+                let axes = if let Gauge::Line(of) = gauge { vec![*of] } else { vec![[0, 0], [1, 1], [2, 2]] };
+                for [i, j] in axes {
+                    self.mats[*a].f[i] += u[i] * link.f;
+                    self.mats[*b].f[j] -= u[j] * link.f;
+                }
+            }
         }
         for point in &self.points {
             for (node, a) in self.parts(point) {
-                self.mats[node].f += a * self.mats[point.mat].f;
+                self.mats[node].f[0] += a * self.mats[point.mat].f[0];
             }
         }
     }
@@ -89,8 +94,11 @@ impl Network {
         self.forces();
         for m in &mut self.mats {
             let [p, q, c] = m.pqc;
-            m.d = if c == 0.0 { 0.0 } else { m.d - 0.5 * (c * m.f + q * m.x - (1.0 - p) * m.d) };
-            m.f = 0.0;
+            for k in 0..m.axes {
+                let d = m.d[k];
+                m.d[k] = if c == 0.0 { 0.0 } else { d - 0.5 * (c * m.f[k] + q * m.x[k] - (1.0 - p) * d) };
+            }
+            m.f = [0.0; 3];
         }
     }
 
@@ -98,39 +106,40 @@ impl Network {
     pub fn tick(&mut self, inputs: &[f64], out: &mut [f64]) {
         for (port, value) in self.ports.iter_mut().zip(inputs) {
             let Some(period) = port.period else {
-                port.to.iter().for_each(|m| self.mats[*m].f += value);
+                port.to.iter().for_each(|m| self.mats[*m].f[port.axis] += value);
                 continue;
             };
             let (m, phase) = (&mut self.mats[port.to[0]], (self.n.max(1) - 1) % period + 1);
             if phase == 1 {
-                (port.from, port.held) = (port.held, value - m.rest);
+                (port.from, port.held) = (port.held, value - m.rest[port.axis]);
             }
             let way = port.held - port.from;
             let x =
                 if self.n == 0 || phase == period { port.held } else { port.from + phase as f64 / period as f64 * way };
-            (m.d, m.x) = (if self.n == 0 { 0.0 } else { x - m.x }, x);
+            let last = m.x[port.axis];
+            (m.d[port.axis], m.x[port.axis]) = (if self.n == 0 { 0.0 } else { x - last }, x);
         }
         self.forces();
         out.fill(0.0);
         for (channel, gain, heard) in &self.outputs {
             out[*channel] += gain
                 * match heard {
-                    Heard::Position(m) => self.mats[*m].x,
-                    Heard::ForceOn(m) => self.mats[*m].f,
+                    Heard::Position(m, k) => self.mats[*m].x[*k],
+                    Heard::ForceOn(m, k) => self.mats[*m].f[*k],
                     Heard::ForceOf(link) => self.links[*link].f,
                 };
         }
         for m in &mut self.mats {
-            if m.pqc[2] != 0.0 {
-                m.d = m.pqc[0] * m.d + m.pqc[1] * m.x + m.pqc[2] * m.f;
-                m.x += m.d;
+            for k in 0..if m.pqc[2] == 0.0 { 0 } else { m.axes } {
+                m.d[k] = m.pqc[0] * m.d[k] + m.pqc[1] * m.x[k] + m.pqc[2] * m.f[k];
+                m.x[k] += m.d[k];
             }
             // what has died out falls silent, before numbers get too small to be computed with fast
             if self.n & 1023 == 1023 {
-                m.x = if m.x.abs() < 1e-270 { 0.0 } else { m.x };
-                m.d = if m.d.abs() < 1e-270 { 0.0 } else { m.d };
+                let alive = |v: f64| if v.abs() < 1e-270 { 0.0 } else { v };
+                (m.x, m.d) = (m.x.map(alive), m.d.map(alive));
             }
-            m.f = 0.0;
+            m.f = [0.0; 3];
         }
         self.n += 1;
     }

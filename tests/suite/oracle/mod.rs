@@ -1,8 +1,9 @@
 //! The compiled scene against the oracle, which plays the same text module by module: `build` reads it into the plain
-//! modules of `network`, with `numbers` and `expand`, and `interpreter` plays them.
+//! modules of `network`, with `numbers` and `expand`; `interpreter` plays them, and measures by `gauge`.
 
 mod build;
 mod expand;
+mod gauge;
 mod interpreter;
 mod network;
 mod numbers;

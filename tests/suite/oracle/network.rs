@@ -3,14 +3,16 @@
 
 /// d ← p·d + q·x + c·f, then x ← x + d. A mass has p = 1, q = 0, c = T²/m; a cell p = 1 − zT/m, q = −kT²/m, c = T²/m;
 /// what is fixed, moved from outside or between nodes has c = 0.
+/// On a line only the first axis counts; in a plane two; `axes` says how many move.
 #[derive(Default, Clone)]
 pub struct Mat {
-    pub x: f64,
-    pub d: f64,
-    pub f: f64,
-    pub rest: f64,
+    pub axes: usize,
+    pub x: [f64; 3],
+    pub d: [f64; 3],
+    pub f: [f64; 3],
+    pub rest: [f64; 3],
     pub pqc: [f64; 3],
-    pub weight: f64,
+    pub weight: [f64; 3],
 }
 
 /// Breakpoints, joined by straight lines and held outside.
@@ -30,9 +32,18 @@ pub enum Law {
     Smooth { f: f64, v0: f64, bell: Curve },
 }
 
-/// Sees e = x₂ − x₁ + e₀ and w = d₂ − d₁; its force pulls the first end and pushes the second.
+/// How two ends are measured: these axes of them, their difference along a direction, or their distance, of which the
+/// vector at rest and the square of the softening length are given.
+pub enum Gauge {
+    Line([usize; 2]),
+    Along([f64; 3]),
+    Radial([f64; 3], f64),
+}
+
+/// Sees the sum of what its ports measure, and e₀, and the change of that; its force pulls the first end of each port
+/// and pushes the second. A dipole has one port, a quadripole two.
 pub struct Link {
-    pub ends: [usize; 2],
+    pub ports: Vec<([usize; 2], Gauge)>,
     pub e0: f64,
     pub law: Law,
     pub f: f64,
@@ -50,15 +61,17 @@ pub struct Point {
 pub struct Port {
     pub name: String,
     pub to: Vec<usize>,
+    /// axis it moves or pushes along
+    pub axis: usize,
     pub period: Option<u64>,
     pub held: f64,
     pub from: f64,
 }
 
-/// What an output listens to, by number of the MAT or link.
+/// What an output listens to, by number of the MAT and its axis, or of the link.
 pub enum Heard {
-    Position(usize),
-    ForceOn(usize),
+    Position(usize, usize),
+    ForceOn(usize, usize),
     ForceOf(usize),
 }
 

@@ -77,10 +77,55 @@ impl<'a> Numbers<'a> {
         self.maybe(i, key).unwrap_or(0.0)
     }
 
-    /// Gravity or friction where the module lives: of its group, else of the model.
-    pub fn medium(&self, i: &Item, key: &str, power: f64) -> f64 {
+    /// Gravity, friction or the number of axes where the module lives: of its group, else of the model.
+    fn around(&self, i: &Item, key: &str) -> Option<&Value> {
         let group = i.group.and_then(|g| entry(&self.model.groups[g].props, key));
-        group.or(self.model.meta(key).map(|e| &e.value)).map_or(0.0, |v| self.value(v, power))
+        group.or(self.model.meta(key).map(|e| &e.value))
+    }
+
+    pub fn friction(&self, i: &Item) -> f64 {
+        self.around(i, "friction").map_or(0.0, |v| self.value(v, 1.0))
+    }
+
+    /// Axes along which the module moves.
+    pub fn axes(&self, i: &Item) -> usize {
+        self.around(i, "dim").map_or(1.0, |v| self.value(v, 0.0)) as usize
+    }
+
+    /// An acceleration; one number pulls down along the last axis.
+    pub fn gravity(&self, i: &Item) -> [f64; 3] {
+        let mut g = [0.0; 3];
+        match self.around(i, "gravity") {
+            Some(v @ Value::List(_)) => list(v).iter().zip(&mut g).for_each(|(e, g)| *g = self.value(&e.value, -2.0)),
+            Some(v) => g[self.axes(i) - 1] = -self.value(v, -2.0),
+            None => {}
+        }
+        g
+    }
+
+    /// A number for each axis.
+    pub fn place(&self, i: &Item, key: &str) -> [f64; 3] {
+        let power = if key == "v" { -1.0 } else { 0.0 };
+        let mut place = [0.0; 3];
+        match entry(&i.args, key) {
+            Some(v @ Value::List(_)) => {
+                list(v).iter().zip(&mut place).for_each(|(e, p)| *p = self.value(&e.value, power));
+            }
+            Some(v) => place[0] = self.value(v, power),
+            None => {}
+        }
+        place
+    }
+
+    /// A unit vector, if one is written.
+    pub fn along(&self, i: &Item) -> Option<[f64; 3]> {
+        let v = entry(&i.args, "along")?;
+        if let Value::Text(t) = v {
+            return Some(["x", "y", "z"].map(|a| f64::from(u8::from(a == t))));
+        }
+        let n = self.place(i, "along");
+        let l = n.iter().map(|v| v * v).sum::<f64>().sqrt();
+        Some(n.map(|v| v / l))
     }
 
     pub fn curve(&self, i: &Item, key: &str, power: f64) -> Option<Curve> {

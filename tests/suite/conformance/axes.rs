@@ -1,0 +1,130 @@
+//! In space, along one direction, every law does what it does on a line; along an axis of space it does so in every
+//! bit but those of the square root.
+
+use super::drawn::{args, built, laws};
+use crate::play::{Dice, model, within};
+use ca_core::kind::Kind;
+use ca_core::model::{Entry, Model, Value};
+use ca_core::{Options, State, tick};
+
+/// Two masses with a distance between them, on a line or along `n` in space, joined by one link; `along` for a link
+/// that acts on the difference along `n`.
+fn pair(kind: &Kind, list: &[Entry], n: Option<[f64; 3]>, along: Option<[f64; 3]>) -> Model {
+    let at = |v: f64| n.map_or(format!("{v}"), |n| format!("[{}, {}, {}]", v * n[0], v * n[1], v * n[2]));
+    let (from, speed, back) = (at(3e-3), at(0.4), at(-0.3));
+    let dim = if n.is_some() { "dim = 3" } else { "dim = 1" };
+    let mut m = model(&format!(
+        "[room]\n{dim}\n[room.MAS]\nlow = {{ m = 1, v = {back} }}\nhigh = {{ m = 2, x = {from}, v = {speed} }}\n"
+    ));
+    let mut list = list.to_vec();
+    list.push(Entry::new("between", Value::from(vec!["room.low", "room.high"])));
+    list.extend(along.map(|n| Entry::new("along", Value::from(n.to_vec()))));
+    m.add(kind.code, "link", list);
+    m
+}
+
+/// Places of both masses along `n` after each tick.
+fn run(m: &Model, n: Option<[f64; 3]>, ticks: usize) -> Vec<[f64; 2]> {
+    let scene = built(m, &Options::default());
+    let mut s = scene.state();
+    let along = |s: &State, i: usize| match n {
+        None => s.x[i],
+        Some(n) => (0..3).map(|k| n[k] * s.x[3 * i + k]).sum(),
+    };
+    let mut all = Vec::new();
+    for _ in 0..ticks {
+        tick(&scene, &mut s);
+        all.push([along(&s, 0), along(&s, 1)]);
+    }
+    all
+}
+
+fn worst(a: &[[f64; 2]], b: &[[f64; 2]]) -> f64 {
+    let size = a.iter().flatten().fold(0.0f64, |m, v| m.max(v.abs()));
+    let apart = a.iter().flatten().zip(b.iter().flatten()).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max);
+    apart / size
+}
+
+const AXES: [[f64; 3]; 4] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0], [0.36, 0.48, 0.8]];
+
+#[test]
+fn along_a_direction_every_law_is_that_of_the_line() {
+    for (kind, _) in laws() {
+        for seed in 1..8 {
+            let list = args(kind, &mut Dice(seed * 7919));
+            let line = run(&pair(kind, &list, None, None), None, 600);
+            assert!(line.iter().flatten().all(|x| x.is_finite()), "{}", kind.code);
+            // the distance of two points has no sign: compared while the second stays above the first
+            let crossed = line.iter().position(|[a, b]| b - a + 3e-3 <= 1e-4).unwrap_or(line.len());
+            for n in AXES {
+                let with = run(&pair(kind, &list, Some(n), Some(n)), Some(n), 600);
+                within(&format!("{} along {n:?}", kind.code), worst(&line, &with), 1e-12);
+                let free = run(&pair(kind, &list, Some(n), None), Some(n), crossed);
+                within(&format!("{} between points on {n:?}", kind.code), worst(&line[..crossed], &free), 1e-12);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_link_without_length_is_three_links() {
+    let text = |links: &str| {
+        format!(
+            "[room]\ndim = 3\n[room.SOL]\nnail = {{}}\n[room.MAS]\nbob = {{ m = \"1 g\", x = [0.1, 0.2, -0.3], \
+             dx0 = [0.01, 0, 0.02], v = [0, 1, 2] }}\n{links}\n[SOX]\nout = {{ from = \"room.bob\", along = \"x\" }}\n"
+        )
+    };
+    let one = "[REF]\nall = { between = [\"room.nail\", \"room.bob\"], k = 50, z = 0.01, l0 = 0 }";
+    let link = |k: &str| {
+        format!("{k} = {{ between = [\"room.nail\", \"room.bob\"], along = \"{k}\", k = 50, z = 0.01, l0 = 0 }}\n")
+    };
+    let three = format!("[REF]\n{}{}{}", link("x"), link("y"), link("z"));
+    let play = |links: &str| {
+        let scene = built(&model(&text(links)), &Options::default());
+        let mut s = scene.state();
+        (0..2000).for_each(|_| tick(&scene, &mut s));
+        s.bits()
+    };
+    assert_eq!(play(one), play(&three));
+}
+
+#[test]
+fn a_plane_is_space_with_a_frozen_axis() {
+    let text = |dim: u8, v: &dyn Fn(&str, &str) -> String| {
+        let (zero, at, speed) = (v("0", "0"), v("0.03", "0.04"), v("0.5", "-0.2"));
+        let gravity = if dim == 2 { "[0, -9.81]" } else { "[0, -9.81, 0]" };
+        format!(
+            "[room]\ndim = {dim}\ngravity = {gravity}\nfriction = 1e-3\n[room.SOL]\nnail = {{ x = {zero} }}\n\
+             [room.MAS]\nbob = {{ m = \"2 g\", x = {at}, v = {speed} }}\n[REF]\narm = {{ between = [\"room.nail\", \
+             \"room.bob\"], k = 300, z = 0.02 }}\n[SOX]\nout = {{ from = \"room.bob\", along = \"y\" }}\n"
+        )
+    };
+    let play = |text: &str| {
+        let scene = built(&model(text), &Options::default());
+        let mut s = scene.state();
+        (0..5000).for_each(|_| tick(&scene, &mut s));
+        let bob = 3;
+        assert_eq!((s.x[bob + 2], s.d[bob + 2]), (0.0, 0.0));
+        [s.x[bob].to_bits(), s.x[bob + 1].to_bits()]
+    };
+    let flat = play(&text(2, &|a, b| format!("[{a}, {b}]")));
+    assert_eq!(flat, play(&text(3, &|a, b| format!("[{a}, {b}, 0]"))));
+}
+
+#[test]
+fn the_books_close_in_space() {
+    for (kind, _) in laws() {
+        for seed in 1..4 {
+            let list = args(kind, &mut Dice(seed * 31));
+            let m = pair(kind, &list, Some(AXES[3]), None);
+            let scene = built(&m, &Options { energy: true, ..Options::default() });
+            let mut s = scene.state();
+            // the second mass goes sideways too, so that the link turns
+            s.d[5] += 1e-5;
+            (0..3000).for_each(|_| tick(&scene, &mut s));
+            let ledger = s.ledger.as_ref().expect("asked for");
+            let b = ledger.balance();
+            within(&format!("{}: books in space", kind.code), b.residual.abs() / b.peak, 1e-12);
+        }
+    }
+}
