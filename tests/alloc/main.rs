@@ -4,7 +4,7 @@
 //! tests do not disturb it.
 #![allow(unsafe_code)]
 
-use ca_core::{Catalog, KernelClass, Options, Scene, State, advance, compile, model::read, process, sense, tick};
+use ca_core::{KernelClass, Options, Scene, State, advance, compile, model::read, process, sense, tick};
 use ca_tests::{gesture, texts};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -51,7 +51,7 @@ fn calls(f: impl FnOnce()) -> u64 {
 }
 
 fn scenes() -> Vec<(String, Scene)> {
-    let catalog = Catalog::core();
+    let catalog = ca_tests::catalog();
     let mut all = Vec::new();
     for (name, text) in texts() {
         let (model, _) = read::read(&text, &name, &catalog);
