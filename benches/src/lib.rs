@@ -3,16 +3,21 @@
 use ca_core::{Catalog, KernelClass, Model, Options, Scene, compile};
 use std::fmt::Write as _;
 
+/// All kinds there are.
+pub fn catalog() -> Catalog {
+    Catalog::core().with(ca_lpr::KINDS)
+}
+
 /// Reads a model of ours; a finding is a defect of the bench.
 pub fn model(text: &str) -> Model {
-    let (model, findings) = ca_core::model::read::read(text, "bench.ca.toml", &Catalog::core());
+    let (model, findings) = ca_core::model::read::read(text, "bench.ca.toml", &catalog());
     assert!(!findings.has_errors(), "{findings}");
     model
 }
 
 /// Compiles a model with one class of kernels.
 pub fn scene(model: &Model, kernel: KernelClass, energy: bool) -> Scene {
-    compile(model, &Catalog::core(), &Options { kernel, energy, ..Options::default() }).expect("the bench compiles")
+    compile(model, &catalog(), &Options { kernel, energy, ..Options::default() }).expect("the bench compiles")
 }
 
 /// A string of `n` masses by its generator.

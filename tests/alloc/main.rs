@@ -5,7 +5,7 @@
 #![allow(unsafe_code)]
 
 use ca_core::model::{Model, read};
-use ca_core::{Catalog, KernelClass, Options, Scene, State, advance, compile, process, sense, tick};
+use ca_core::{KernelClass, Options, Scene, State, advance, compile, process, sense, tick};
 use ca_tests::{gesture, texts};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -63,7 +63,7 @@ fn burdened(model: &Model, border: &str, feedback: &str) -> Model {
 }
 
 fn scenes() -> Vec<(String, Scene)> {
-    let catalog = Catalog::core();
+    let catalog = ca_tests::catalog();
     let mut all = Vec::new();
     for (name, text) in texts() {
         let (plain, _) = read::read(&text, &name, &catalog);

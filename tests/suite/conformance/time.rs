@@ -3,7 +3,7 @@
 use crate::play::{audited, model, scene, with};
 use ca_core::kind::Type;
 use ca_core::model::{Entry, Model, Value, quantity};
-use ca_core::{Catalog, KernelClass, Options, State, compile, process, tick};
+use ca_core::{KernelClass, Options, State, compile, process, tick};
 use ca_tests::{gesture, texts};
 
 /// Makes argument `arg` of item `item` a live parameter of value `v`, and says what its value was in SI.
@@ -30,7 +30,7 @@ fn live(m: &Model, item: usize, arg: usize, v: Option<f64>) -> Option<(Model, f6
 #[test]
 fn a_live_change_ends_where_a_fresh_compile_begins() {
     const TICKS: u32 = 7;
-    let catalog = Catalog::core();
+    let catalog = ca_tests::catalog();
     let mut dialled = std::collections::BTreeSet::new();
     for (name, text) in texts() {
         let plain = model(&text);

@@ -43,7 +43,8 @@ out = { from = "bar", gain = 1000 }
     role: Role::Lia(&LAW),
 };
 
-static LAW: Law = Law::of::<But, 5, 0>("BUT");
+/// The law of BUT.
+pub static LAW: Law = Law::of::<But, 5, 0>("BUT");
 
 /// One-sided spring and damper; coefficients k, z/T, d, sign of the sense, 1 where clipped.
 pub struct But;
