@@ -36,7 +36,8 @@ fn heard(text: &str) -> String {
 /// Forty grains in a shell, all pairs of which may touch.
 fn shaken(contact: &str) -> String {
     let (all, body) = (names(0, 40), grains(40, 0.012, 1.0, &mut Dice(7)));
-    let shell = format!("[BUT]\nshell = {{ between = [\"room.middle\", {all}], k = 2000, d = 0.012, sense = \"inside\" }}");
+    let shell =
+        format!("[BUT]\nshell = {{ between = [\"room.middle\", {all}], k = 2000, d = 0.012, sense = \"inside\" }}");
     heard(&format!("{body}{shell}\n{contact}"))
 }
 
@@ -157,7 +158,8 @@ fn positions_that_are_huge_or_no_numbers_stop_nothing() {
             }
         }
         // what is no number has no bits worth comparing
-        let clean = |b: Vec<u64>| b.into_iter().map(|b| if f64::from_bits(b).is_nan() { 0 } else { b }).collect::<Vec<_>>();
+        let clean =
+            |b: Vec<u64>| b.into_iter().map(|b| if f64::from_bits(b).is_nan() { 0 } else { b }).collect::<Vec<_>>();
         assert_eq!(clean(bits(&plain, &s)), clean(bits(&set, &t)), "{bad}");
     }
 }
@@ -271,7 +273,9 @@ fn the_rule_for_contacts_takes_the_lightest_pair() {
          g2 = { m = \"2 g\", x = [2,0,0] }\ng3 = { m = \"3 g\", x = [3,0,0] }\ng4 = { m = \"4 g\", x = [4,0,0] }\n\
          g5 = { m = \"9 g\", x = [5,0,0] }\n[BUT]\n";
     let (all, a, b) = (names(0, 6), names(0, 3), names(3, 6));
-    for (between, c) in [(format!("[{all}, {all}]"), 1.0 + 0.5), (format!("[{a}, {b}], pairs = \"all\""), 1.0 + 1.0 / 3.0)] {
+    for (between, c) in
+        [(format!("[{all}, {all}]"), 1.0 + 0.5), (format!("[{a}, {b}], pairs = \"all\""), 1.0 + 1.0 / 3.0)]
+    {
         let text = heard(&format!("{body}hits = {{ between = {}, k = 4e5, d = 1e-3 }}", between));
         let (set, pairs) = (scene(&text), with(&text, &reference()));
         assert_eq!(set.clouds.len(), 1);

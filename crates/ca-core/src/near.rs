@@ -15,13 +15,17 @@
 use alloc::vec::Vec;
 
 /// The skin at load, in parts of the distance asked for.
-const SKIN: f64 = 0.25;
-/// Listing costs as much, per point, as testing so many pairs: a list that will not last for that is not made.
-const BUILD: f64 = 150.0;
+const SKIN: f64 = 0.5;
+/// Listing by the grid costs as much, per point, as testing so many pairs.
+const GRID: f64 = 200.0;
+/// A list must save so many times what it costs.
+const WORTH: f64 = 2.0;
 /// Room in the list, per point.
 const ROOM: usize = 16;
 /// Distances computed at a time, where all pairs are tested.
 const LANES: usize = 8;
+/// Edge of a cell of the grid, in parts of the reach: wider, so that rounding cannot put near points two cells apart.
+const WIDER: f64 = 1.01;
 /// Rounding of a place, relative to the numbers it is the sum of, with a generous margin.
 const ROUNDING: f64 = 1.0 / (1u64 << 40) as f64;
 
@@ -132,9 +136,11 @@ impl Near {
             return;
         }
         let fastest = (0..self.n).map(speed).fold(0.0, |a: f64, v| a.max(finite(v)));
-        let (half, cost) = (0.5 * skin * self.pairs(), BUILD * self.n as f64);
+        // it lasts until the fastest has moved half the skin, and saves the test of all pairs in each tick
+        let (pairs, grid) = (self.pairs(), GRID * self.n as f64);
+        let (half, cost) = (0.5 * skin * pairs, WORTH * pairs.min(grid));
         if half * half >= cost * cost * fastest && 8.0 * self.rounding <= skin {
-            self.build(radius + skin);
+            self.list(radius + skin, grid < pairs);
         }
     }
 
@@ -142,28 +148,36 @@ impl Near {
     /// are visited, so each must be measured. An infinite radius visits all.
     #[inline(always)]
     pub fn each(&self, radius: f64, mut visit: impl FnMut(usize, usize)) {
-        let n = self.n;
-        let far = radius + 4.0 * self.rounding;
-        // compares with nothing: no pair is far
-        let far = if far < f64::INFINITY { far * far } else { f64::NAN };
+        let far = self.far(radius);
+        if self.full || !self.serves(radius) {
+            return self.all(far, visit);
+        }
         let [x, y, z] = &self.at;
-        if self.serves(radius) && !self.full {
-            for i in 0..self.rows {
-                let (xi, yi, zi) = (x[i], y[i], z[i]);
-                for j in &self.list[self.start[i] as usize..self.start[i + 1] as usize] {
-                    let j = *j as usize;
-                    let (dx, dy, dz) = (x[j] - xi, y[j] - yi, z[j] - zi);
-                    if !is_far(dx * dx + dy * dy + dz * dz, far) {
-                        visit(i, j);
-                    }
+        for i in 0..self.rows {
+            for j in &self.list[self.start[i] as usize..self.start[i + 1] as usize] {
+                let j = *j as usize;
+                let (dx, dy, dz) = (x[j] - x[i], y[j] - y[i], z[j] - z[i]);
+                if !is_far(dx * dx + dy * dy + dz * dz, far) {
+                    visit(i, j);
                 }
             }
-            return;
         }
+    }
+
+    /// The square of the distance from which on a pair is certainly not closer than `radius`; no number where none is.
+    fn far(&self, radius: f64) -> f64 {
+        let far = radius + 4.0 * self.rounding;
+        if far < f64::INFINITY { far * far } else { f64::NAN }
+    }
+
+    /// Calls `visit` for every pair that is not `far`, by testing all of them.
+    #[inline(always)]
+    fn all(&self, far: f64, mut visit: impl FnMut(usize, usize)) {
+        let [x, y, z] = &self.at;
         for i in 0..self.rows {
             let (xi, yi, zi) = (x[i], y[i], z[i]);
             let mut j = self.first.max(i + 1);
-            while j < n {
+            while j < self.n {
                 let (x, y, z) = (&x[j..][..LANES], &y[j..][..LANES], &z[j..][..LANES]);
                 let mut square = [0.0; LANES];
                 for k in 0..LANES {
@@ -171,7 +185,7 @@ impl Near {
                     square[k] = dx * dx + dy * dy + dz * dz;
                 }
                 if !square.iter().fold(true, |all, s| all & is_far(*s, far)) {
-                    for k in 0..LANES.min(n - j) {
+                    for k in 0..LANES.min(self.n - j) {
                         if !is_far(square[k], far) {
                             visit(i, j + k);
                         }
@@ -182,17 +196,46 @@ impl Near {
         }
     }
 
-    /// Lists the pairs within `reach`.
-    fn build(&mut self, reach: f64) {
+    /// Lists the pairs within `reach`, by the grid or by testing all.
+    #[inline(always)]
+    fn list(&mut self, reach: f64, by_grid: bool) {
         self.reach = reach;
-        self.full = false;
         self.moved = 0.0;
         self.lists += 1;
         for (was, at) in self.was.iter_mut().zip(&self.at) {
             was.copy_from_slice(&at[..self.n]);
         }
-        // a little wider than the reach, so that rounding cannot put near points two cells apart
-        let grid = Grid { bits: self.bits, inverse: 1.0 / (reach * 1.01) };
+        let far = self.far(reach);
+        let (mut list, mut start) = (core::mem::take(&mut self.list), core::mem::take(&mut self.start));
+        let mut end = 0;
+        if by_grid {
+            self.fill_grid(1.0 / (reach * WIDER));
+            for i in 0..self.rows {
+                let begin = end;
+                self.around(i, 1.0 / (reach * WIDER), far, |j| {
+                    list.get_mut(end).into_iter().for_each(|entry| *entry = j as u32);
+                    end += 1;
+                });
+                start[i + 1] = end as u32;
+                list.get_mut(begin..end).into_iter().for_each(<[u32]>::sort_unstable);
+            }
+        } else {
+            start.fill(0);
+            self.all(far, |i, j| {
+                list.get_mut(end).into_iter().for_each(|entry| *entry = j as u32);
+                end += 1;
+                start[i + 1] = end as u32;
+            });
+            // rows without a pair end where the one before them does
+            (0..self.rows).for_each(|i| start[i + 1] = start[i + 1].max(start[i]));
+        }
+        self.full = end > list.len();
+        (self.list, self.start) = (list, start);
+    }
+
+    /// Puts the columns into the cells of the grid, by counting.
+    fn fill_grid(&mut self, inverse: f64) {
+        let grid = Grid { bits: self.bits, inverse };
         self.head.fill(0);
         for (k, c) in self.cell.iter_mut().enumerate() {
             let p = grid.place(grid.cell(&self.at, self.first + k));
@@ -204,44 +247,30 @@ impl Near {
             sum += *h;
             *h = sum;
         }
-        // filling moves each beginning to the next: from the back, they end where they began
+        // filling moves each end to the beginning: afterwards the columns of cell c begin at head[c + 1]
         for (k, c) in self.cell.iter().enumerate().rev() {
             let end = &mut self.head[*c as usize + 1];
             *end -= 1;
             self.order[*end as usize] = (self.first + k) as u32;
         }
-        self.fill(reach + 4.0 * self.rounding, &grid);
     }
 
-    /// Lists the pairs closer than `far`, cell by cell, and sorts each row.
-    fn fill(&mut self, far: f64, grid: &Grid) {
+    /// Calls `visit` for the columns behind row `i` that are not `far` from it, cell by cell.
+    #[inline(always)]
+    fn around(&self, i: usize, inverse: f64, far: f64, mut visit: impl FnMut(usize)) {
+        let grid = Grid { bits: self.bits, inverse };
         let [x, y, z] = &self.at;
-        let mut end = 0;
-        for i in 0..self.rows {
-            let begin = end;
-            self.start[i] = begin as u32;
-            let least = self.first.max(i + 1);
-            let here = grid.cell(&self.at, i);
-            for cells in grid.around(here) {
-                // after filling, the columns of cell c begin at head[c + 1]
-                let [from, to] = [cells.start, cells.end].map(|c| self.head[c + 1] as usize);
-                for j in &self.order[from..to] {
-                    let j = *j as usize;
-                    let (dx, dy, dz) = (x[j] - x[i], y[j] - y[i], z[j] - z[i]);
-                    if j < least || dx * dx + dy * dy + dz * dz > far * far {
-                        continue;
-                    }
-                    let Some(entry) = self.list.get_mut(end) else {
-                        self.full = true;
-                        return;
-                    };
-                    *entry = j as u32;
-                    end += 1;
+        let least = self.first.max(i + 1);
+        for cells in grid.around(grid.cell(&self.at, i)) {
+            let [from, to] = [cells.start, cells.end].map(|c| self.head[c + 1] as usize);
+            for j in &self.order[from..to] {
+                let j = *j as usize;
+                let (dx, dy, dz) = (x[j] - x[i], y[j] - y[i], z[j] - z[i]);
+                if j >= least && !is_far(dx * dx + dy * dy + dz * dz, far) {
+                    visit(j);
                 }
             }
-            self.list[begin..end].sort_unstable();
         }
-        self.start[self.rows] = end as u32;
     }
 }
 
