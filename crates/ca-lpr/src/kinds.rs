@@ -9,9 +9,8 @@ use ca_core::kind::{Kind, Need, Param, Role, Type};
 use ca_core::phi;
 
 /// All kinds of this crate, in the order of the documentation.
-pub const KINDS: &[&Kind] = &[
-    &LPR, &LPR_RES, &LPR_FRO, &LPR_BUT, &LPR_CUB, &LPR_POW, &LPR_HRZ, &LPR_LNL, &LPR_PLK, &LPR_ATT, &LPR_BOW,
-];
+pub const KINDS: &[&Kind] =
+    &[&LPR, &LPR_RES, &LPR_FRO, &LPR_BUT, &LPR_CUB, &LPR_POW, &LPR_HRZ, &LPR_LNL, &LPR_PLK, &LPR_ATT, &LPR_BOW];
 
 const ONTO: Param = Param::new(
     "onto",
