@@ -4,7 +4,8 @@
 //! tests do not disturb it.
 #![allow(unsafe_code)]
 
-use ca_core::{KernelClass, Options, Scene, State, advance, compile, model::read, process, sense, tick};
+use ca_core::model::{Model, read};
+use ca_core::{KernelClass, Options, Scene, State, advance, compile, process, sense, tick};
 use ca_tests::{gesture, texts};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -50,16 +51,30 @@ fn calls(f: impl FnOnce()) -> u64 {
     CALLS.with(Cell::get) - before
 }
 
+/// The same with all that the border and the outputs can do.
+fn burdened(model: &Model, border: &str, feedback: &str) -> Model {
+    let mut m = model.clone();
+    for (key, value) in [("border", border), ("latency", "3"), ("feedback", feedback), ("filter", "2 kHz")] {
+        assert!(m.set(&format!("rate.{key}"), value));
+    }
+    let outputs = model.items.iter().filter(|i| matches!(i.kind.as_str(), "SOX" | "SOF"));
+    outputs.for_each(|i| assert!(m.set(&format!("{}.dc", i.name), "7 Hz")));
+    m
+}
+
 fn scenes() -> Vec<(String, Scene)> {
     let catalog = ca_tests::catalog();
     let mut all = Vec::new();
     for (name, text) in texts() {
-        let (model, _) = read::read(&text, &name, &catalog);
-        for energy in [false, true] {
-            for kernel in [KernelClass::Fast, KernelClass::Reference] {
-                let options = Options { energy, kernel, ..Options::default() };
-                let scene = compile(&model, &catalog, &options).unwrap_or_else(|d| panic!("{name}: {d}"));
-                all.push((format!("{name}, energy {energy}, {kernel:?}"), scene));
+        let (plain, _) = read::read(&text, &name, &catalog);
+        let (held, line) = (burdened(&plain, "hold", "false"), burdened(&plain, "linear", "true"));
+        for (model, what) in [(&plain, ""), (&held, ", late, held and mute"), (&line, ", late")] {
+            for energy in [false, true] {
+                for kernel in [KernelClass::Fast, KernelClass::Reference] {
+                    let options = Options { energy, kernel, ..Options::default() };
+                    let scene = compile(model, &catalog, &options).unwrap_or_else(|d| panic!("{name}: {d}"));
+                    all.push((format!("{name}{what}, energy {energy}, {kernel:?}"), scene));
+                }
             }
         }
     }

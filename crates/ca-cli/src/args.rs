@@ -44,6 +44,40 @@ pub struct Source {
     /// Sound rate, e.g. "96 kHz"; the model's own, or 48 kHz
     #[arg(long, value_name = "HZ", value_parser = hertz, allow_negative_numbers = true)]
     pub rate: Option<f64>,
+    /// Position of devices within a gesture frame, as `--set rate.border=hold`
+    #[arg(long, value_enum)]
+    pub border: Option<Border>,
+    /// Gesture frames added to the position of each device, as `--set rate.latency=5`
+    #[arg(long, value_name = "FRAMES")]
+    pub latency: Option<u32>,
+    /// Gives the hand no force, as `--set rate.feedback=false`
+    #[arg(long)]
+    pub no_feedback: bool,
+}
+
+impl Source {
+    /// What is changed of the border, as names and values of `--set`.
+    pub fn crossing(&self) -> impl Iterator<Item = (String, String)> {
+        let border =
+            self.border.map(|b| ("rate.border", if b == Border::Hold { "hold" } else { "linear" }.to_string()));
+        let latency = self.latency.map(|n| ("rate.latency", n.to_string()));
+        let mute = self.no_feedback.then(|| ("rate.feedback", "false".to_string()));
+        [border, latency, mute].into_iter().flatten().map(|(name, value)| (name.to_string(), value))
+    }
+
+    /// All that is changed, in that form.
+    pub fn changes(&self) -> impl Iterator<Item = (String, String)> {
+        self.set.iter().cloned().chain(self.crossing())
+    }
+}
+
+/// Where a device is within a gesture frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Border {
+    /// on a straight line
+    Linear,
+    /// where it was read
+    Hold,
 }
 
 /// Plays a model into a WAV file
@@ -59,7 +93,9 @@ pub struct Source {
   ca render hammered_string -o slow.wav --seconds 6 --set hammer.m='30 g'
   ca render hammered_string -o take.wav --gesture key.csv --format 24
   ca render hammered_string --probe 'low[3]' --probe strike=blow.csv --seconds '500 ms'
-  ca render hammered_string --energy --json")]
+  ca render hammered_string --energy --json
+  ca render piano_key --latency 30 --no-feedback
+  ca render piano_key --border hold --set rate.filter='18 kHz'")]
 pub struct RenderArgs {
     /// the model
     #[command(flatten)]
@@ -100,14 +136,16 @@ pub struct RenderArgs {
 /// Says everything that can be known of a model before it sounds
 ///
 /// Reads, checks and compiles the model, shows every finding with its place and what to do, and sums up: modules,
-/// rates, what is proven of stability and which module is nearest to the limit. With `--schedule`, the passes of one
+/// rates, how late force and sound answer a gesture, what the springs at each device key ask of a device, what is proven
+/// of stability and which module is nearest to the limit. With `--schedule`, the passes of one
 /// tick in order with their cost, measured here and now, and what the compiler left out. Exit code 1 with errors, 3 if
 /// the model is certainly unstable.
 #[derive(Args)]
 #[command(after_long_help = "Examples:
   ca check hammered_string
   ca check hammered_string --schedule
-  ca check hammered_string --set hammer.m='30 g' --rate '96 kHz' --json")]
+  ca check hammered_string --set hammer.m='30 g' --rate '96 kHz' --json
+  ca check piano_key --latency 1")]
 pub struct CheckArgs {
     /// the model
     #[command(flatten)]

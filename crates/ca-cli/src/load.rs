@@ -75,8 +75,8 @@ pub fn load(source: &Source) -> Result<Loaded, Failure> {
     } else {
         return Err(Failure::Usage(no_model(&source.model)));
     };
-    for (name, value) in &source.set {
-        set(&mut model, name, value)?;
+    for (name, value) in source.changes() {
+        set(&mut model, &name, &value)?;
     }
     Ok(Loaded { model, diags, name: stem(path) })
 }

@@ -1,6 +1,7 @@
 //! What was proven of a scene's stability, as data; [`compile`](mod@crate::compile) writes it.
 
 use alloc::string::String;
+use alloc::vec::Vec;
 
 /// How sure the statement is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -30,6 +31,15 @@ impl core::fmt::Display for Level {
     }
 }
 
+/// A device key and what holds it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Key {
+    /// its name
+    pub name: String,
+    /// sum of the largest slopes of all links at it \[N/m\]; of laws that stiffen without end, the slope at rest
+    pub k: f64,
+}
+
 /// What the compiler could prove.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Certificate {
@@ -45,6 +55,8 @@ pub struct Certificate {
     pub contact: f64,
     /// the contact it belongs to
     pub stiffest: String,
+    /// device keys that something stiff holds
+    pub keys: Vec<Key>,
 }
 
 impl Certificate {

@@ -6,7 +6,7 @@
 //! at the beginning of tick n+1, before changes. A scene that does not ask has no pass, array or test of this.
 
 use crate::layout::{Account, Gauge, Layout};
-pub use crate::ledger::{Balance, Ledger};
+pub use crate::ledger::{Balance, Exchange, Ledger};
 use crate::op::{Op, gauge};
 use crate::state::State;
 

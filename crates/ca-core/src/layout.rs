@@ -93,6 +93,42 @@ pub struct Output {
     pub heard: Heard,
 }
 
+/// How the position of a device comes in and its force goes out where a frame has several ticks.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Shape {
+    /// linear position, trapezoid mean force
+    #[default]
+    Linear,
+    /// position held, mean of the forces around its jump
+    Hold,
+}
+
+/// How device ports cross the border between the rates.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Crossing {
+    /// positions in, forces out
+    pub shape: Shape,
+    /// whole frames between the position of a device and all else
+    pub latency: u32,
+    /// whether the hand gets a force
+    pub feedback: bool,
+}
+
+impl Default for Crossing {
+    fn default() -> Crossing {
+        Crossing { shape: Shape::Linear, latency: 0, feedback: true }
+    }
+}
+
+/// The high pass of an output, y ← r·y + g·(v − v′).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Blocker {
+    /// what stays of y each tick
+    pub r: f64,
+    /// gain
+    pub g: f64,
+}
+
 /// A batch of links as the ledger sees it.
 #[derive(Clone, Copy)]
 pub struct Account {
@@ -175,10 +211,16 @@ pub struct Layout {
     pub enf: Vec<Enf>,
     /// device ports (any), across the border
     pub tgr: Vec<Enx>,
+    /// how they cross it
+    pub crossing: Crossing,
     /// MATs with weight (any)
     pub weighed: Vec<u32>,
-    /// what is heard, sound first, then probes (any)
+    /// what is heard (any): as it is first, then what goes through a high pass
     pub outputs: Vec<Output>,
+    /// the high passes of the last of them (any)
+    pub blockers: Vec<Blocker>,
+    /// low-pass of the sound channels: the first half of its coefficients, up to the middle one (any)
+    pub lowpass: Vec<f64>,
     /// what the ledger needs, where the scene keeps one
     pub ledger: Option<LedgerPlan>,
 }

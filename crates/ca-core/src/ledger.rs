@@ -21,6 +21,8 @@ pub struct Ledger {
     pub source: Vec<f64>,
     /// work received from each port: position ports, device ports, force ports
     pub work: Vec<f64>,
+    /// what crossed each device port (tgr), counted by frames
+    pub hands: Vec<Exchange>,
     /// energy that came in by changing parameters or moving interaction points
     pub changed: f64,
     /// largest imbalance of a single tick
@@ -33,6 +35,28 @@ pub struct Ledger {
     pub(crate) port: Vec<f64>,
     /// energy held by each link at the last booking (n_lia)
     pub(crate) held: Vec<f64>,
+}
+
+/// What crossed the border at one device port, whole frames only \[J\].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Exchange {
+    /// energy the scene received: the force of each frame times the motion of the port in it
+    pub received: f64,
+    /// energy the hand gave: the force it was sent, held over the frame, times its own motion
+    pub given: f64,
+    /// where the hand was at the last frame, absolute \[m\]
+    pub(crate) hand: f64,
+    /// the force on the port at the last frame's end \[N\]
+    pub(crate) last: f64,
+    /// the force it has been held since \[N\]
+    pub(crate) held: f64,
+}
+
+impl Exchange {
+    /// Energy the border made (+) or swallowed (−), by answering late or not at all.
+    pub fn leak(&self) -> f64 {
+        self.received - self.given
+    }
 }
 
 /// Sums of the books, for people.
@@ -57,8 +81,8 @@ pub struct Balance {
 }
 
 impl Ledger {
-    /// An empty book for `n_mat` MATs, `n_lia` links and `ports` ports.
-    pub(crate) fn new(n_mat: usize, n_lia: usize, ports: usize) -> Ledger {
+    /// An empty book for `n_mat` MATs, `n_lia` links and `ports` ports, `tgr` of them of devices.
+    pub(crate) fn new(n_mat: usize, n_lia: usize, ports: usize, tgr: usize) -> Ledger {
         Ledger {
             lost: alloc::vec![0.0; n_lia],
             source: alloc::vec![0.0; n_lia],
@@ -66,6 +90,7 @@ impl Ledger {
             d0: alloc::vec![0.0; n_mat],
             port: alloc::vec![0.0; ports],
             work: alloc::vec![0.0; ports],
+            hands: alloc::vec![Exchange::default(); tgr],
             ..Ledger::default()
         }
     }

@@ -26,9 +26,9 @@ pub struct Border {
     pub from: f64,
     /// position at its end \[m\]
     pub to: f64,
-    /// trapezoid sum of the force so far \[N\]
+    /// what has been collected of the force so far \[N\]
     pub sum: f64,
-    /// mean force of the last whole frame \[N\], on the hand
+    /// force of the last whole frame \[N\], on the hand
     pub force: f64,
 }
 
@@ -91,6 +91,12 @@ pub struct State {
     pub cells: Vec<Cell>,
     /// device ports (tgr); written by the border
     pub border: Vec<Border>,
+    /// positions of devices that are under way, absolute \[m\] (tgr x latency), a ring each; written by the border
+    pub late: Vec<f64>,
+    /// outputs with a high pass (blockers): what they heard last, and what they gave; written by `writes`
+    pub blocked: Vec<[f64; 2]>,
+    /// past of the sound channels before the low-pass (channels x 2n), a ring each, twice; written by `writes`
+    pub lowpass: Vec<f64>,
     /// coefficients on their way to a new value
     pub ramps: Ramps,
     /// energy book, where the scene keeps one
@@ -103,10 +109,11 @@ pub struct State {
 
 impl State {
     /// A hash of everything that decides the future: FNV-1a over the bits of positions, motions, coefficients, memory,
-    /// border and tick. Equal states have equal hashes on every machine.
+    /// border, filters of the outputs and tick. Equal states have equal hashes on every machine.
     pub fn bits(&self) -> u64 {
         let mut h = fnv::FnvHasher::default();
-        for v in [&self.x, &self.d, &self.coef, &self.mem].into_iter().flatten() {
+        let flat = [&self.x, &self.d, &self.coef, &self.mem, &self.late, &self.lowpass].into_iter().flatten();
+        for v in flat.chain(self.blocked.iter().flatten()) {
             h.write(&v.to_bits().to_le_bytes());
         }
         for b in &self.border {

@@ -1,5 +1,6 @@
-//! The commands, one file each.
+//! The commands, one file each; `border.rs` holds words that two of them share.
 
+mod border;
 pub mod check;
 pub mod import;
 pub mod list;

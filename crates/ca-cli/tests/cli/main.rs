@@ -1,5 +1,6 @@
 //! The command as people use it: the built binary in an empty directory.
 
+mod border;
 mod desk;
 mod docs;
 mod pages;

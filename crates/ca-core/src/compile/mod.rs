@@ -10,9 +10,12 @@
 //! and all of them push findings into one list, so an author sees everything at once.
 
 pub mod certify;
+mod crossing;
+mod cutoff;
 mod expand;
 mod gesture;
 mod links;
+mod lowpass;
 mod midi;
 mod named;
 pub mod net;

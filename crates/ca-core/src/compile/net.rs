@@ -3,6 +3,7 @@
 use crate::kind::Kind;
 use crate::kind::MatSpec;
 use crate::kind::PortRole;
+use crate::layout::Crossing;
 use crate::live::{LiveParam, Source};
 use crate::model::Span;
 use crate::op::law::Law;
@@ -263,6 +264,10 @@ pub struct Net {
     pub te: f64,
     /// ticks per gesture frame
     pub ratio: u32,
+    /// how device ports cross the border
+    pub crossing: Crossing,
+    /// low-pass of the sound channels, as in the layout
+    pub lowpass: Vec<f64>,
     /// the items the modules were made from
     pub items: Vec<NetItem>,
     /// MATs in document order

@@ -4,7 +4,7 @@ use super::net::MatRole;
 use super::plan::Plan;
 use crate::layout::Layout;
 use crate::op::wide::wide;
-use crate::op::{Kernel, Op, pass};
+use crate::op::{Kernel, Op, blocker, lowpass, pass};
 use crate::{border, energy};
 use alloc::collections::BTreeSet;
 use alloc::vec::Vec;
@@ -16,7 +16,7 @@ pub fn reads(layout: &Layout, live: usize, aimed: bool) -> Vec<Op> {
     let modules = layout.n_mat + layout.n_lia;
     let list: [(bool, &'static str, Kernel, usize); 8] = [
         (!layout.enx.is_empty(), "ENX", pass::enx, layout.enx.len()),
-        (!layout.tgr.is_empty(), "TGR in", border::position, layout.tgr.len()),
+        (!layout.tgr.is_empty(), "TGR in", border::position(layout), layout.tgr.len()),
         // the book needs the points where the last tick had them
         (kept && points > 0, "points", pass::project, points),
         (kept, "ledger", energy::book, modules),
@@ -41,8 +41,15 @@ pub fn forces(layout: &Layout, links: Vec<Op>, weight: usize) -> Vec<Op> {
     if !layout.proxies.is_empty() {
         list.push(Op::pass("points back", pass::spread, layout.proxies.len()));
     }
-    if !layout.tgr.is_empty() {
-        list.push(Op::pass("TGR out", border::collect, layout.tgr.len()));
+    let (keys, kept, felt) = (layout.tgr.len(), layout.ledger.is_some(), layout.crossing.feedback);
+    if keys > 0 && (felt || kept) {
+        list.push(Op::pass("TGR out", border::collect(layout), keys));
+    }
+    if keys > 0 && kept {
+        list.push(Op::pass("border booked", border::book(layout), keys));
+    }
+    if keys > 0 && kept && !felt {
+        list.push(Op::pass("TGR mute", border::mute, keys));
     }
     if layout.ledger.is_some() {
         list.push(Op::pass("ledger keeps", energy::keep, layout.n_mat));
@@ -52,8 +59,16 @@ pub fn forces(layout: &Layout, links: Vec<Op>, weight: usize) -> Vec<Op> {
 
 /// Outputs; `gains` is the coefficient of the first.
 pub fn writes(layout: &Layout, gains: usize) -> Vec<Op> {
-    let n = layout.outputs.len();
-    (n > 0).then(|| Op { coef: gains, ..Op::pass("outputs", pass::outputs, n) }).into_iter().collect()
+    let high = layout.blockers.len();
+    let plain = layout.outputs.len() - high;
+    let list = [
+        // it clears what the others add to
+        (plain + high > 0, "outputs", pass::outputs as Kernel, plain, 0),
+        (high > 0, "high pass", blocker::blocker, high, plain),
+        (!layout.lowpass.is_empty(), "low pass", lowpass::lowpass, layout.channels, 0),
+    ];
+    let op = |(_, name, kernel, n, first)| Op { first, coef: gains + first, ..Op::pass(name, kernel, n) };
+    list.into_iter().filter(|p| p.0).map(op).collect()
 }
 
 impl Plan<'_> {

@@ -1,6 +1,7 @@
 //! Schedule: flat arrays and the list of passes. What a scene does not have makes no entry here.
 
 use super::certify::Certificate;
+use super::cutoff::{blockers, plain_first};
 use super::links::{Links, own_tables};
 use super::net::{Coordinate, Ear, End, LiaNode, MatRole, Net, OutNode};
 use super::options::Options;
@@ -68,8 +69,11 @@ pub fn schedule(
         enx,
         enf,
         tgr,
+        crossing: net.crossing,
         weighed,
         outputs,
+        blockers: blockers(model, net, diags),
+        lowpass: if net.channels.is_empty() { Vec::new() } else { net.lowpass.clone() },
         ledger,
     };
     let reads = passes::reads(&layout, live_places.len(), aimed);
@@ -223,7 +227,7 @@ fn points(plan: &mut Plan) -> Points {
 fn outputs(plan: &mut Plan, links: &Links) -> Option<(usize, Vec<Output>)> {
     let first = plan.coef.len();
     let mut all = Vec::new();
-    for o in &plan.net.outs {
+    for o in plain_first(plan.net) {
         let heard = match o.ear {
             Ear::Position(e) => Heard::Position(plan.alive(e, o.axis)?),
             Ear::ForceOn(e) => Heard::ForceOn(plan.alive(e, o.axis)?),
@@ -287,8 +291,11 @@ fn loaded(net: &Net, layout: &Layout, x: Vec<f64>, v: &[f64], coef: Vec<f64>, li
         output: alloc::vec![0.0; layout.n_out],
         cells: alloc::vec![Cell::default(); layout.proxies.len()],
         border: alloc::vec![Border::default(); layout.tgr.len()],
+        late: alloc::vec![0.0; layout.tgr.len() * layout.crossing.latency as usize],
+        blocked: alloc::vec![[0.0; 2]; layout.blockers.len()],
+        lowpass: alloc::vec![0.0; layout.channels * 2 * (2 * layout.lowpass.len()).saturating_sub(1)],
         ramps: Ramps::new(live),
-        ledger: layout.ledger.is_some().then(|| Ledger::new(layout.n_mat, layout.n_lia, ports)),
+        ledger: layout.ledger.is_some().then(|| Ledger::new(layout.n_mat, layout.n_lia, ports, layout.tgr.len())),
         tick: 0,
         refused: 0,
         coef,

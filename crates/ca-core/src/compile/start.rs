@@ -27,7 +27,7 @@ pub fn start(layout: &Layout, forces: &[Op], mut s: State) -> State {
     pass::project(&project, layout, &mut s);
     memory(&mut s);
     let mut trial = s.clone();
-    for op in forces.iter().filter(|op| op.name != "TGR out" && op.name != "ENF") {
+    for op in forces.iter().filter(|op| !matches!(op.name, "TGR out" | "border booked" | "TGR mute" | "ENF")) {
         (op.kernel)(op, layout, &mut trial);
     }
     for i in 0..n {

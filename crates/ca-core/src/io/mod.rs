@@ -5,7 +5,7 @@
 //! forces, never absolute positions: a resting instrument is silent wherever it stands.
 
 pub use crate::kind::PortRole;
-use crate::kind::{ANY, Kind, Need, Param, Role, Type, Unit};
+use crate::kind::{ANY, Kind, Need, POSITIVE, Param, Role, Type, Unit};
 
 pub mod midi;
 
@@ -24,6 +24,13 @@ const MIDI: Param = Param::new(
 );
 const GAIN: Param =
     Param::number("gain", Unit::NONE, ANY, Need::Default(1.0), "factor to full scale; a value of 1 is the loudest");
+const DC: Param = Param::number(
+    "dc",
+    Unit::HERTZ,
+    POSITIVE,
+    Need::Optional,
+    "takes away what is steady, by a high pass of this cut-off; 0 for none",
+);
 const CHANNEL: Param = Param::new(
     "channel",
     Type::Count { min: 0, max: 255 },
@@ -90,6 +97,7 @@ pub static SOX: Kind = Kind {
         Param::new("from", Type::Module, Need::Required, "the MAT it hears; a point `low@0.3` may move"),
         GAIN,
         CHANNEL,
+        DC,
         ALONG,
     ],
     one_of: &[],
@@ -109,7 +117,7 @@ pub static SOF: Kind = Kind {
     equation: "out = gain F",
     doc: "Hears the force of a LIA, or the summed force on a MAT: the bridge of a string, the bow on the hair.",
     source: &["CMJ 1993"],
-    params: &[Param::new("from", Type::Module, Need::Required, "the LIA or MAT it hears"), GAIN, CHANNEL, ALONG],
+    params: &[Param::new("from", Type::Module, Need::Required, "the LIA or MAT it hears"), GAIN, CHANNEL, DC, ALONG],
     one_of: &[],
     example: r#"
 [SOL]

@@ -84,6 +84,14 @@ fn known(key: &str) -> Json {
         "friction" => number("viscosity of the medium on every free mass [N s/m]"),
         "sound" => number("ticks per second [Hz]"),
         "gesture" => number("device frames per second; sound / gesture is a whole number [Hz]"),
+        "border" => {
+            json!({"enum": ["linear", "hold"], "default": "linear", "description": "position of a device within a frame"})
+        }
+        "latency" => {
+            json!({"type": "integer", "minimum": 0, "default": 0, "description": "frames added to the position of each device"})
+        }
+        "feedback" => json!({"type": "boolean", "default": true, "description": "whether the hand gets a force"}),
+        "filter" => number("edge of the pass band of the low-pass on all outputs [Hz]"),
         _ => json!({"type": "string"}),
     }
 }

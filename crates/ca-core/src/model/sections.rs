@@ -6,6 +6,6 @@ pub const SECTIONS: &[&str] = &["model", "rate", "param", "gesture", "equivalenc
 pub const META: &[&str] =
     &["title", "author", "source", "doc", "units", "reference_rate", "gravity", "friction", "seconds"];
 /// Keys of `[rate]`.
-pub const RATES: &[&str] = &["sound", "gesture"];
+pub const RATES: &[&str] = &["sound", "gesture", "border", "latency", "feedback", "filter"];
 /// Properties of a group.
 pub const GROUP: &[&str] = &["gravity", "friction", "dim"];

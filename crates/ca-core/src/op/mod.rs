@@ -11,9 +11,11 @@ pub use crate::layout::{Gauge, Ports};
 use crate::state::State;
 use law::Law;
 
+pub mod blocker;
 mod gather;
 pub mod gauge;
 pub mod law;
+pub mod lowpass;
 pub mod pass;
 mod run;
 mod space;

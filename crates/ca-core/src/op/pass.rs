@@ -3,7 +3,7 @@
 
 use super::Op;
 use super::wide::Body;
-use crate::layout::{Heard, Layout, Place, Proxy};
+use crate::layout::{Heard, Layout, Output, Place, Proxy};
 use crate::state::{Cell, State};
 
 /// Position ports: `d` is the change of position, so that dampers feel the hand. The first tick only places them.
@@ -105,12 +105,16 @@ pub fn spread(op: &Op, layout: &Layout, s: &mut State) {
 pub fn outputs(op: &Op, layout: &Layout, s: &mut State) {
     s.output.fill(0.0);
     for (k, o) in layout.outputs[..op.n].iter().enumerate() {
-        let v = match o.heard {
-            Heard::Position(m) => s.x[m as usize],
-            Heard::ForceOn(m) => s.f[m as usize],
-            Heard::ForceOf(t) => s.tap[t as usize],
-        };
-        s.output[o.channel as usize] += s.coef[op.coef + k] * v;
+        s.output[o.channel as usize] += s.coef[op.coef + k] * heard(o, s);
+    }
+}
+
+/// What an output hears at this tick.
+pub(super) fn heard(o: &Output, s: &State) -> f64 {
+    match o.heard {
+        Heard::Position(m) => s.x[m as usize],
+        Heard::ForceOn(m) => s.f[m as usize],
+        Heard::ForceOf(t) => s.tap[t as usize],
     }
 }
 

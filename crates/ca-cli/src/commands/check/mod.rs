@@ -6,6 +6,7 @@
 mod schedule;
 
 use crate::args::CheckArgs;
+use crate::commands::border;
 use crate::commands::render::{short, stability, stability_json};
 use crate::load::{self, Loaded};
 use crate::{Ended, Failure, Outcome, term};
@@ -32,6 +33,7 @@ pub fn run(args: &CheckArgs) -> Outcome {
     } else {
         term::findings(&render::text(&diags, &loaded.model, term::color()));
         if let Some(scene) = &scene {
+            border::idle(&args.source, scene);
             summary(&loaded, scene)?;
         }
         if let Some((scene, rows)) = scene.as_ref().zip(rows.as_ref()) {
@@ -61,11 +63,6 @@ fn ops(scene: &Scene) -> usize {
     scene.reads.len() + scene.forces.len() + scene.writes.len() + scene.moves.len()
 }
 
-/// What the border adds between a hand and the sound: a position read at the start of a frame is reached at its end.
-fn latency(scene: &Scene) -> Option<f64> {
-    (!scene.tgr.is_empty()).then(|| f64::from(scene.ratio - 1) * scene.te)
-}
-
 fn summary(loaded: &Loaded, scene: &Scene) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
     let title = if scene.title.is_empty() { &loaded.name } else { &scene.title };
@@ -85,9 +82,9 @@ fn summary(loaded: &Loaded, scene: &Scene) -> Result<(), Failure> {
     }
     let (rate, gesture) = (show(scene.rate, Unit::HERTZ), show(scene.rate / f64::from(scene.ratio), Unit::HERTZ));
     writeln!(out, "  rates      sound {rate}, gesture {gesture}, {} ticks a frame", scene.ratio)?;
-    if let Some(s) = latency(scene) {
-        writeln!(out, "  border     positions {} ms late, forces the mean of a frame", short(s * 1e3))?;
-    }
+    border::crossing(&mut out, scene)?;
+    border::text(&mut out, scene)?;
+    border::keys(&mut out, scene)?;
     let c = &scene.certificate;
     writeln!(out, "  stability  {}", stability(c))?;
     writeln!(out, "             bound {}, the limit is 4", short(c.bound))?;
@@ -104,7 +101,7 @@ fn summary_json(loaded: &Loaded, scene: &Scene) -> Json {
     json!({
         "name": loaded.name, "title": scene.title, "n_mat": scene.mats(), "n_lia": scene.n_lia, "modules": codes,
         "passes": ops(scene), "rate": scene.rate, "gesture_rate": scene.rate / f64::from(scene.ratio),
-        "ratio": scene.ratio, "border_latency": latency(scene), "outputs": scene.channel_names, "inputs": inputs,
+        "ratio": scene.ratio, "latency": border::json(scene), "outputs": scene.channel_names, "inputs": inputs,
         "live": live, "seconds": scene.seconds, "stability": stability_json(&scene.certificate),
     })
 }

@@ -114,6 +114,8 @@ fn absent(scene: &Scene) -> Vec<&'static str> {
         ("points", "no moving points"),
         ("weight", "no weight"),
         ("outputs", "no outputs"),
+        ("high pass", "no high pass"),
+        ("low pass", "no low-pass"),
     ]
     .into_iter()
     .filter(|a| !any(a.0))

@@ -10,6 +10,7 @@ mod told;
 pub(crate) use told::{short, stability, stability_json};
 
 use crate::args::{Kernel, RenderArgs, SampleFormat};
+use crate::commands::border;
 use crate::load::{self, Loaded};
 use crate::{Ended, Failure, Outcome, catalog, term};
 use ca_core::model::select::is_name;
@@ -50,6 +51,7 @@ pub fn run(args: &RenderArgs) -> Outcome {
         let what = format!("`{}` has no output, so there is nothing to write", loaded.name);
         return Err(Failure::Failed(format!("{what}; add e.g. `[SOX]` with `out = {{ from = \"…\" }}`")));
     }
+    border::idle(&args.source, &scene);
     let audited = || {
         let options = Options { energy: true, probes: Vec::new(), ..options.clone() };
         compile(&loaded.model, &catalog(), &options).ok()

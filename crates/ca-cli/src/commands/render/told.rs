@@ -3,6 +3,7 @@
 use super::Probe;
 use super::play::Audit;
 use crate::args::{RenderArgs, SampleFormat};
+use crate::commands::border;
 use crate::{Failure, term};
 use ca_core::Scene;
 use ca_core::compile::certify::Certificate;
@@ -140,7 +141,7 @@ impl Summary<'_> {
     /// The command that shows the findings of this render.
     fn check(&self) -> String {
         let source = &self.args.source;
-        let set = source.set.iter().map(|(name, value)| format!("--set {}", quoted(&format!("{name}={value}"))));
+        let set = source.changes().map(|(name, value)| format!("--set {}", quoted(&format!("{name}={value}"))));
         let rate = source.rate.map(|r| format!("--rate {r}"));
         let words = [String::from("ca check"), quoted(&source.model)].into_iter().chain(set).chain(rate);
         words.collect::<Vec<_>>().join(" ")
@@ -177,6 +178,7 @@ impl Summary<'_> {
             })
             .collect();
         writeln!(out, "  peak       {}", peaks.join(", "))?;
+        border::text(&mut out, self.scene)?;
         if let Some(a) = self.energy {
             self.energy(&mut out, a)?;
         }
@@ -212,6 +214,10 @@ impl Summary<'_> {
         writeln!(out, "    lost     {}", joule(b.lost))?;
         writeln!(out, "    made     {} by the scheme", joule(b.source))?;
         writeln!(out, "    held     {}", joule(b.h))?;
+        for (name, received, given) in border::exchanged(self.scene, &a.book) {
+            let (leak, received, given) = (joule(received - given), joule(received), joule(given));
+            writeln!(out, "    border   {received} through `{name}`, {given} given by its hand: {leak} made")?;
+        }
         for (name, made) in makers(self.scene, a).iter().take(5) {
             writeln!(out, "      {} made by `{name}`", joule(*made))?;
         }
@@ -231,10 +237,15 @@ impl Summary<'_> {
             let b = a.book.balance();
             let makers: Vec<Json> =
                 makers(self.scene, a).iter().take(5).map(|(n, v)| json!({"link": n, "made": v})).collect();
+            let hands: Vec<Json> = border::exchanged(self.scene, &a.book)
+                .iter()
+                .map(|(name, r, g)| json!({"name": name, "received": r, "given": g, "leak": r - g}))
+                .collect();
             json!({
                 "seconds": a.ticks as f64 * self.scene.te, "whole": a.whole, "residual": b.residual,
                 "relative_residual": relative(&b), "peak": b.peak, "at_load": b.h0, "received": b.work,
                 "changed": b.changed, "lost": b.lost, "made": b.source, "held": b.h, "makers": makers,
+                "hands": hands,
             })
         });
         let broke = self.broke.map(|b| json!({"seconds": b.time, "module": b.module, "why": b.why, "fix": b.fix}));
@@ -246,7 +257,7 @@ impl Summary<'_> {
         let probes: Vec<Json> = self.probes.iter().map(|p| json!({"name": p.name, "file": p.file})).collect();
         let all = json!({
             "file": w.path, "seconds": w.duration(), "frames": w.frames, "rate": w.rate, "format": self.format(),
-            "channels": channels, "real_time_factor": self.real_time_factor(), "energy": energy,
+            "channels": channels, "latency": border::json(self.scene), "real_time_factor": self.real_time_factor(), "energy": energy,
             "stability": stability_json(&self.scene.certificate), "warnings": self.warnings, "probes": probes,
             "clipped": clipped, "without_value": w.non_finite, "refused_inputs": self.refused, "blown_up": broke,
             "degraded": self.degraded(),

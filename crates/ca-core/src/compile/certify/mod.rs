@@ -6,6 +6,7 @@
 //! below 4 is certainly stable. Contacts and other non-linear links are judged by rule (numerics 3.2) and said to be.
 
 mod blame;
+mod keys;
 mod negative;
 mod rules;
 mod worst;
@@ -108,5 +109,6 @@ pub fn certify(model: &Model, net: &Net, diags: &mut Diags) -> Certificate {
     }
     contacts(model, net, &rows, &bounds, &mut cert, diags);
     devices(model, net, &bounds, diags);
+    cert.keys = keys::keys(net, &bounds);
     cert
 }

@@ -1,0 +1,139 @@
+//! What a hand may expect of a scene: how late force and sound answer, and what its keys ask of a device.
+//!
+//! Decides to say it in the same words wherever it is said, and only of what the model settles: the loop of a device
+//! and the buffers of a sound card come on top.
+
+use crate::args::Source;
+use crate::commands::render::short;
+use crate::{Failure, term};
+use ca_core::Scene;
+use ca_core::border::{Delays, delays};
+use ca_core::certificate::Key;
+use ca_core::kind::Unit;
+use ca_core::layout::Shape;
+use ca_core::ledger::Ledger;
+use ca_core::model::quantity::show;
+use serde_json::{Value as Json, json};
+use std::io::Write;
+
+/// Keys that are told one by one.
+const KEYS: usize = 5;
+
+fn ms(seconds: f64) -> String {
+    format!("{} ms", short(seconds * 1e3))
+}
+
+/// One line on delays; nothing for a scene that has none.
+fn latency(scene: &Scene) -> Option<String> {
+    let d = delays(scene);
+    let filter = (d.filter > 0.0).then(|| format!("{} of it the filter of the outputs", ms(d.filter)));
+    if scene.tgr.is_empty() {
+        return filter.is_some().then(|| format!("sound {} late by the filter of the outputs", ms(d.filter)));
+    }
+    let force = if scene.crossing.feedback { ms(d.force) } else { "never".into() };
+    let mut notes: Vec<String> = Vec::new();
+    if scene.crossing.latency > 0 {
+        let s = if scene.crossing.latency == 1 { "" } else { "s" };
+        notes.push(format!("{} frame{s} of it `latency`", scene.crossing.latency));
+    }
+    notes.extend(filter);
+    let notes = if notes.is_empty() { String::new() } else { format!(" ({})", notes.join(", ")) };
+    Some(format!("gesture to force {force}, gesture to sound {}{notes}", ms(d.sound)))
+}
+
+/// Lines on the delays of a scene.
+pub(crate) fn text(out: &mut impl Write, scene: &Scene) -> Result<(), Failure> {
+    if let Some(line) = latency(scene) {
+        writeln!(out, "  latency    {line}")?;
+    }
+    Ok(())
+}
+
+/// How the border works, for a scene that has one.
+pub(crate) fn crossing(out: &mut impl Write, scene: &Scene) -> Result<(), Failure> {
+    if scene.tgr.is_empty() {
+        return Ok(());
+    }
+    let how = match (scene.ratio, scene.crossing.shape) {
+        (1, _) => "one tick a frame, the force of the tick",
+        (_, Shape::Linear) => "positions in a line through the frame, force its mean",
+        (_, Shape::Hold) => "positions held over the frame, force the mean around their jump",
+    };
+    writeln!(out, "  border     {how}")?;
+    Ok(())
+}
+
+/// Keys that a hand feels, stiffest first.
+fn felt(scene: &Scene) -> Vec<&Key> {
+    let mut keys: Vec<&Key> = scene.certificate.keys.iter().filter(|_| scene.crossing.feedback).collect();
+    keys.sort_by(|a, b| b.k.total_cmp(&a.k));
+    keys
+}
+
+/// What the keys ask of a device.
+pub(crate) fn keys(out: &mut impl Write, scene: &Scene) -> Result<(), Failure> {
+    let (d, keys) = (delays(scene), felt(scene));
+    let mut lead = "keys       ";
+    for key in keys.iter().take(KEYS) {
+        let (k, b) = (quantity(key.k), short(d.friction(key.k)));
+        writeln!(
+            out,
+            "  {lead}`{}`: springs sum to {k}; to stay passive a device needs {b} N s/m of its own",
+            key.name
+        )?;
+        lead = "           ";
+    }
+    if keys.len() > KEYS {
+        writeln!(out, "  {lead}and {} that are no stiffer", keys.len() - KEYS)?;
+    }
+    if !keys.is_empty() {
+        let later = Delays { spring: d.spring + d.frame, ..d };
+        let [most, less] = [d, later].map(|d| quantity(d.stiffest(1.0)));
+        writeln!(out, "             1 N s/m bears {most}, or {less} where the device takes each force a frame later")?;
+    }
+    Ok(())
+}
+
+/// Three digits of a stiffness.
+fn quantity(k: f64) -> String {
+    show(short(k).parse().unwrap_or(k), Unit::STIFFNESS)
+}
+
+/// All of it for programs.
+pub(crate) fn json(scene: &Scene) -> Json {
+    let d = delays(scene);
+    let device = !scene.tgr.is_empty();
+    let keys: Vec<Json> =
+        felt(scene).iter().map(|k| json!({"name": k.name, "k": k.k, "friction": d.friction(k.k)})).collect();
+    let border = device.then(|| {
+        json!({
+            "shape": if scene.ratio == 1 { "synchronous" } else { shape(scene) }, "latency": scene.crossing.latency,
+            "feedback": scene.crossing.feedback, "spring_delay_ms": d.spring * 1e3,
+            "stiffest_per_friction": d.stiffest(1.0), "keys": keys,
+        })
+    });
+    json!({
+        "gesture_to_force_ms": (device && scene.crossing.feedback).then_some(d.force * 1e3),
+        "gesture_to_sound_ms": device.then_some(d.sound * 1e3), "filter_ms": d.filter * 1e3, "border": border,
+    })
+}
+
+fn shape(scene: &Scene) -> &'static str {
+    match scene.crossing.shape {
+        Shape::Linear => "linear",
+        Shape::Hold => "hold",
+    }
+}
+
+/// Name of each device key, what the scene received there and what the hand gave \[J\].
+pub(crate) fn exchanged<'a>(scene: &'a Scene, book: &Ledger) -> Vec<(&'a str, f64, f64)> {
+    let name = |input: u32| scene.inputs.get(input as usize).map_or("?", |i| i.name.as_str());
+    scene.tgr.iter().zip(&book.hands).map(|(p, e)| (name(p.input), e.received, e.given)).collect()
+}
+
+/// Says so where something was asked of a border that is not there.
+pub(crate) fn idle(source: &Source, scene: &Scene) {
+    if scene.tgr.is_empty() && source.crossing().next().is_some() {
+        term::note("the model has no device key (TGR): `--border`, `--latency` and `--no-feedback` change nothing");
+    }
+}

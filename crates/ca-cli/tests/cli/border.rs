@@ -1,0 +1,91 @@
+//! What the commands say and change of the border and of the output stage.
+
+use crate::desk::{Desk, KEY, STRUCK, peak};
+
+#[test]
+fn check_tells_delays_and_what_a_key_asks_of_a_device() {
+    let desk = Desk::new();
+    desk.put("struck.ca.toml", STRUCK);
+    let r = desk.ca(&["check", "struck.ca.toml"]).is(0);
+    r.says(&["gesture to force 0.333 ms, gesture to sound 0.333 ms\n", "in a line through the frame"])
+        .says(&["`key`: springs sum to 2 kN/m; to stay passive a device needs 0.667 N s/m of its own"])
+        .says(&["1 N s/m bears 3 kN/m, or 1.5 kN/m where the device takes each force a frame later"]);
+    let set = ["check", "struck.ca.toml", "--latency", "2", "--border", "hold", "--set", "rate.filter=18 kHz"];
+    let r = desk.ca(&set).is(0);
+    r.says(&["gesture to force 1.00 ms, gesture to sound 1.50 ms", "2 frames of it", "0.500 ms of it the filter"])
+        .says(&["held over the frame", "needs 2.00 N s/m", "1 N s/m bears 1 kN/m"]);
+    let j = desk.ca(&[&set[..], &["--json"]].concat()).is(0).json();
+    let of = |path: &str| j["summary"]["latency"].pointer(path).cloned().unwrap();
+    for (path, want) in [
+        ("/gesture_to_force_ms", 1.0),
+        ("/gesture_to_sound_ms", 1.5),
+        ("/filter_ms", 0.5),
+        ("/border/spring_delay_ms", 1.0),
+        ("/border/stiffest_per_friction", 1000.0),
+        ("/border/keys/0/k", 2000.0),
+        ("/border/keys/0/friction", 2.0),
+    ] {
+        let is = of(path).as_f64().unwrap();
+        assert!((is / want - 1.0).abs() < 1e-9, "{path}: {is}");
+    }
+    assert_eq!((of("/border/shape"), of("/border/latency")), ("hold".into(), 2.into()));
+    let r = desk.ca(&["check", "struck.ca.toml", "--no-feedback"]).is(0).says(&["gesture to force never"]);
+    assert!(!r.out.contains("passive"), "{}", r.out);
+    let one = ["check", "struck.ca.toml", "--set", "rate.gesture=48 kHz"];
+    desk.ca(&one).is(0).says(&["the force of the tick", "0.0208 N s/m"]);
+}
+
+#[test]
+fn a_render_is_late_without_a_force_or_filtered() {
+    let desk = Desk::new();
+    desk.put("struck.ca.toml", STRUCK).put("key.csv", KEY);
+    let play = |more: &[&str]| {
+        let args = ["render", "struck.ca.toml", "--gesture", "key.csv", "--seconds", "500 ms", "-q"];
+        desk.ca(&[&args[..], more].concat()).is(0);
+        desk.wav("struck.wav").1
+    };
+    let plain = play(&[]);
+    assert!(peak(&plain) > 0.1);
+    assert!(play(&["--no-feedback"]) == plain);
+    let late = play(&["--latency", "30"]);
+    // two channels, sixteen ticks a frame
+    assert!(late[2 * 16 * 30..] == plain[..plain.len() - 2 * 16 * 30]);
+    assert!(play(&["--border", "hold"]) != plain);
+    // 24 ticks late, and otherwise the same below the edge
+    let filtered = play(&["--set", "rate.filter=18 kHz"]);
+    let off = filtered[48..].iter().zip(&plain).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(off < 1e-3 * peak(&plain), "{off}");
+}
+
+#[test]
+fn the_report_says_how_late_and_what_each_hand_gave() {
+    let desk = Desk::new();
+    desk.put("struck.ca.toml", STRUCK);
+    let args = ["render", "struck.ca.toml", "--latency", "1", "--energy"];
+    let r = desk.ca(&args).is(0).says(&["latency    gesture to force 0.667 ms", "through `key`", "given by its hand"]);
+    assert!(r.err.is_empty(), "{}", r.err);
+    let book = |more: &[&str]| {
+        let args = ["render", "struck.ca.toml", "--energy", "--json"];
+        let j = desk.ca(&[&args[..], more].concat()).is(0).json();
+        let of = |key: &str| j["energy"]["hands"][0][key].as_f64().unwrap();
+        (of("received"), of("given"), of("leak"), j["latency"]["gesture_to_sound_ms"].as_f64().unwrap())
+    };
+    let now = book(&[]);
+    assert!((now.0 - now.1 - now.2).abs() < 1e-12 && now.0 > 0.0 && now.2 != 0.0);
+    let numb = book(&["--no-feedback", "--latency", "2"]);
+    assert!(numb.1 == 0.0 && numb.2 == numb.0 && (numb.3 - 1.0).abs() < 1e-9);
+}
+
+#[test]
+fn what_is_asked_of_a_border_that_is_not_there_is_said() {
+    let desk = Desk::new();
+    desk.put("bar.ca.toml", crate::desk::BAR);
+    for verb in ["check", "render"] {
+        desk.ca(&[verb, "bar.ca.toml", "--latency", "3"]).is(0).says(&["no device key", "change nothing"]);
+        let r = desk.ca(&[verb, "bar.ca.toml"]).is(0);
+        assert!(r.err.is_empty() && !r.out.contains("latency"), "{}{}", r.out, r.err);
+    }
+    desk.ca(&["check", "bar.ca.toml", "--set", "rate.filter=18 kHz"]).says(&["sound 0.500 ms late by the filter"]);
+    desk.ca(&["check", "bar.ca.toml", "--latency", "-1"]).is(2);
+    desk.ca(&["check", "bar.ca.toml", "--border", "cubic"]).is(2).says(&["linear", "hold"]);
+}

@@ -1,0 +1,34 @@
+//! The book of the border: what each hand gave and what the scene received from it, frame by frame (numerics 5.3).
+//!
+//! Decides to keep it exact rather than to estimate: a device holds its force u from one frame to the next, so what the
+//! hand gives during frame n is u_{n−1} times the motion of the hand, and what the scene receives is the mean force of
+//! frame n times the motion of its port. Without delay the two motions are the same and the difference is the price of
+//! sending forces late; with `latency` the port moves as the hand did before, and without `feedback` the hand meets no
+//! force and gives nothing. Signs are those of [`Border::force`](super::Border::force), the force *on* the hand.
+
+use super::phase;
+use crate::layout::Layout;
+use crate::op::Op;
+use crate::state::State;
+
+/// At the end of a frame, once its force is known. With `SYNC`, where the hand is sent the force of the tick, the mean
+/// with the one before is what the scene receives by.
+pub(super) fn book<const SYNC: bool>(op: &Op, layout: &Layout, s: &mut State) {
+    let j = phase(layout, s.tick);
+    if j != 0 && j != layout.ratio {
+        return;
+    }
+    let Some(l) = &mut s.ledger else { return };
+    for (k, p) in layout.tgr[..op.n].iter().enumerate() {
+        // what was taken at the start of the frame, whatever the caller has written since
+        let hand = s.held[p.input as usize];
+        let (b, e, f) = (&s.border[k], &mut l.hands[k], s.f[p.mat as usize]);
+        if j > 0 {
+            let mean = if SYNC { 0.5 * (e.last + f) } else { b.force };
+            e.received -= mean * (b.to - b.from);
+            e.given -= e.held * (hand - e.hand);
+            e.held = if layout.crossing.feedback { b.force } else { 0.0 };
+        }
+        (e.hand, e.last) = (hand, f);
+    }
+}

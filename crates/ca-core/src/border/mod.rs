@@ -1,0 +1,93 @@
+//! The border between two rates: a device that speaks R times slower than the sound.
+//!
+//! Decides on pairs of position in and force out that conserve power for any link behind them (numerics 5.1): the force
+//! of a frame times the motion of its port, summed over frames, is the sum of f·(X_{j+1} − X_{j−1})/2 over ticks.
+//! `linear.rs` is the default, since it does not print a 3 kHz staircase on the sound; `hold.rs` is the other such pair,
+//! for comparison; `synchronous.rs` is both where R = 1. Which of them runs is chosen once, at load, and what a scene
+//! does not ask for (delay, book, silence towards the hand) is no branch of theirs but a pass or a kernel of its own.
+//!
+//! Frame n covers the ticks (n−1)R+1 … nR. The caller writes X_n to [`State::input`] before tick (n−1)R+1; after the
+//! forces of tick nR, before the masses move, [`Border::force`] is the force of the frame, to be held by the device
+//! until the next.
+
+use crate::layout::{Enx, Layout, Shape};
+use crate::op::{Kernel, Op};
+pub use crate::state::Border;
+use crate::state::State;
+
+mod book;
+mod delays;
+mod hold;
+mod linear;
+mod synchronous;
+
+pub use delays::{Delays, delays};
+
+/// Tick within the frame, 1 … R; 0 at the very first tick, which only places the device.
+fn phase(layout: &Layout, tick: u64) -> u32 {
+    if tick == 0 { 0 } else { ((tick - 1) % u64::from(layout.ratio)) as u32 + 1 }
+}
+
+/// True where the next tick begins a gesture frame, so that new device positions are due.
+pub fn frame_due(layout: &Layout, tick: u64) -> bool {
+    phase(layout, tick) <= 1
+}
+
+/// The pass that moves device ports, for what this layout asks.
+pub(crate) fn position(layout: &Layout) -> Kernel {
+    match (layout.ratio, layout.crossing.shape, layout.crossing.latency > 0) {
+        (1, _, false) => synchronous::position::<false>,
+        (1, _, true) => synchronous::position::<true>,
+        (_, Shape::Linear, false) => linear::position::<false>,
+        (_, Shape::Linear, true) => linear::position::<true>,
+        (_, Shape::Hold, false) => hold::position::<false>,
+        (_, Shape::Hold, true) => hold::position::<true>,
+    }
+}
+
+/// The pass that takes the force on device ports after the forces of a tick.
+pub(crate) fn collect(layout: &Layout) -> Kernel {
+    match (layout.ratio, layout.crossing.shape) {
+        (1, _) => synchronous::collect,
+        (_, Shape::Linear) => linear::collect,
+        (_, Shape::Hold) => hold::collect,
+    }
+}
+
+/// The pass that keeps the book of the border.
+pub(crate) fn book(layout: &Layout) -> Kernel {
+    if layout.ratio == 1 { book::book::<true> } else { book::book::<false> }
+}
+
+/// Where no force goes to the hand: it is taken for the book, and never given.
+pub(crate) fn mute(op: &Op, _layout: &Layout, s: &mut State) {
+    for b in &mut s.border[..op.n] {
+        b.force = 0.0;
+    }
+}
+
+/// The device position that reaches the scene with this frame \[m\], absolute: the one just read, or that of
+/// `latency` frames ago. The very first stands for all before it.
+fn arrive<const LATE: bool>(layout: &Layout, s: &mut State, k: usize, p: &Enx) -> f64 {
+    let x = s.heard(p.input);
+    if !LATE {
+        return x;
+    }
+    let n = layout.crossing.latency as usize;
+    let line = k * n..(k + 1) * n;
+    if s.tick == 0 {
+        s.late[line].fill(x);
+        return x;
+    }
+    let frame = (s.tick - 1) / u64::from(layout.ratio) + 1;
+    let at = line.start + (frame % n as u64) as usize;
+    core::mem::replace(&mut s.late[at], x)
+}
+
+/// Puts port `k` at `x`, relative to its rest.
+fn place(s: &mut State, p: &Enx, x: f64) {
+    let m = p.mat as usize;
+    s.d[m] = if s.tick == 0 { 0.0 } else { x - s.x[m] };
+    s.x[m] = x;
+    s.f[m] = 0.0;
+}

@@ -1,0 +1,26 @@
+//! The low-pass of the sound channels: a linear-phase FIR.
+//!
+//! Decides on the direct form over a past written twice, so that the window is one slice without a wrap, and on the
+//! symmetry of the coefficients, which halves the products. The sound comes out (n−1)/2 ticks late, whatever its
+//! frequency; probes are not filtered.
+
+use super::Op;
+use crate::layout::Layout;
+use crate::state::State;
+
+/// Filters every sound channel. `layout.lowpass` holds the first half of the n coefficients up to the middle one.
+pub fn lowpass(op: &Op, layout: &Layout, s: &mut State) {
+    let Some((middle, sides)) = layout.lowpass.split_last() else { return };
+    let n = 2 * sides.len() + 1;
+    let at = (s.tick % n as u64) as usize;
+    for (out, past) in s.output[..op.n].iter_mut().zip(s.lowpass.chunks_exact_mut(2 * n)) {
+        past[at] = *out;
+        past[at + n] = *out;
+        let window = &past[at + 1..][..n];
+        let mut y = middle * window[sides.len()];
+        for ((h, a), b) in sides.iter().zip(window).zip(window.iter().rev()) {
+            y += h * (a + b);
+        }
+        *out = y;
+    }
+}

@@ -1,0 +1,144 @@
+//! The paper's degraded experiments, latency and no feedback, and what the book of the border says of them.
+
+use super::{INSTRUMENT, hand};
+use crate::play::{TURN, audited, scene, within};
+use ca_core::border::frame_due;
+use ca_core::{Scene, State, tick};
+
+/// What a run gave: outputs of each tick, force sent in each frame, the state at its end.
+struct Run {
+    sound: Vec<u64>,
+    force: Vec<u64>,
+    end: State,
+}
+
+fn run(scene: &Scene, x: &[f64]) -> Run {
+    let mut s = scene.state();
+    let (mut sound, mut force) = (Vec::new(), Vec::new());
+    let mut hand = x.iter();
+    loop {
+        if frame_due(scene, s.tick) {
+            let Some(x) = hand.next() else { break };
+            s.input[0] = *x;
+        }
+        tick(scene, &mut s);
+        sound.extend(s.output.iter().map(|v| v.to_bits()));
+        if (s.tick - 1).is_multiple_of(u64::from(scene.ratio)) {
+            force.push(s.border[0].force.to_bits());
+        }
+    }
+    Run { sound, force, end: s }
+}
+
+/// A struck string, quite still until the key moves.
+fn still(rate: &str) -> Scene {
+    let text = INSTRUMENT.replace("x = \"4 mm\", v = \"0.1 m/s\"", "x = \"4 mm\"");
+    scene(&format!("[rate]\n{rate}\n{}", text.replace("[TGR]\nkey = {}", "[TGR]\nkey = { x = \"0 mm\" }")))
+}
+
+/// Still for a while, then two strokes.
+fn strokes(frames: usize) -> Vec<f64> {
+    let stroke = |t: f64| if t > 0.0 { 8e-3 * (1.0 - (TURN * 9.0 * t).cos()) } else { 0.0 };
+    (0..frames).map(|n| stroke(n as f64 / 3000.0 - 0.02)).collect()
+}
+
+#[test]
+fn latency_is_the_same_later_in_every_bit() {
+    for rate in ["", "border = \"hold\"", "sound = 3000\ngesture = 3000"] {
+        let now = still(rate);
+        let x = strokes(900);
+        let a = run(&now, &x);
+        assert!(a.sound.iter().any(|v| f64::from_bits(*v).abs() > 1e-6), "{rate}: nothing sounds");
+        for latency in [1, 5, 60] {
+            let late = still(&format!("{rate}\nlatency = {latency}"));
+            let b = run(&late, &x);
+            let shift = latency * now.ratio as usize;
+            assert!(a.sound != b.sound);
+            assert!(a.sound[..a.sound.len() - shift] == b.sound[shift..], "{rate}: {latency} frames, the sound");
+            assert!(a.force[..a.force.len() - latency] == b.force[latency..], "{rate}: {latency} frames, the force");
+        }
+    }
+}
+
+#[test]
+fn without_latency_there_is_no_trace_of_it() {
+    let (a, b) = (still(""), still("latency = 0"));
+    let passes = |s: &Scene| s.reads.iter().chain(&s.forces).chain(&s.writes).map(|o| o.name).collect::<Vec<_>>();
+    assert_eq!(passes(&a), passes(&b));
+    assert!(a.state().late.is_empty());
+    let x = strokes(300);
+    assert_eq!(run(&a, &x).end.bits(), run(&b, &x).end.bits());
+    assert_eq!(still("latency = 7").state().late.len(), 7);
+}
+
+#[test]
+fn positions_under_way_are_part_of_the_state() {
+    let scene = still("latency = 3");
+    let mut a = run(&scene, &strokes(100)).end;
+    let b = a.bits();
+    a.late[1] += 1e-12;
+    assert_ne!(a.bits(), b);
+}
+
+#[test]
+fn without_feedback_the_hand_feels_nothing_and_the_sound_is_the_same() {
+    for rate in ["", "border = \"hold\"", "sound = 3000\ngesture = 3000"] {
+        let x = strokes(600);
+        let felt = run(&still(rate), &x);
+        let numb = still(&format!("{rate}\nfeedback = false"));
+        assert!(!numb.forces.iter().any(|o| o.name == "TGR out"));
+        let numb = run(&numb, &x);
+        assert!(felt.force.iter().any(|f| f64::from_bits(*f).abs() > 1.0));
+        assert!(numb.force.iter().all(|f| *f == 0.0f64.to_bits()), "{rate}");
+        assert!(felt.sound == numb.sound, "{rate}: the sound");
+    }
+}
+
+const WALL: &str = "[SOL]\nwall = {}\n[TGR]\nkey = {}\n[RES]\nlink = { between = [\"wall\", \"key\"], k = 2e4 }\n";
+
+/// The book of the border for a hand on a wall, and the same from the positions of the hand alone: received, given.
+fn books(rate: &str, late: usize, felt: bool) -> [f64; 4] {
+    let x = [vec![0.0; 2 + late], hand(3000, 3000.0)].concat();
+    let end = run(&audited(&format!("[rate]\n{rate}\n{WALL}")), &x).end;
+    let book = end.ledger.as_ref().expect("a book").hands[0];
+    within("leak", (book.leak() - (book.received - book.given)).abs(), 0.0);
+    let at = |n: usize| x[n.saturating_sub(late)];
+    let mean = |n: usize| if n == 0 { 0.0 } else { 2e4 * 0.5 * (at(n) + at(n - 1)) };
+    let one_rate = end.tick == x.len() as u64;
+    let sent = |n: usize| {
+        if !felt || n == 0 {
+            0.0
+        } else if one_rate {
+            2e4 * at(n)
+        } else {
+            mean(n)
+        }
+    };
+    let frames = 1..x.len();
+    let received = frames.clone().map(|n| mean(n) * (at(n) - at(n - 1))).sum();
+    let given = frames.map(|n| sent(n - 1) * (x[n] - x[n - 1])).sum();
+    [book.received, received, book.given, given]
+}
+
+#[test]
+fn the_book_of_the_border() {
+    for (rate, late, felt) in [
+        ("", 0, true),
+        ("border = \"hold\"", 0, true),
+        ("sound = 3000\ngesture = 3000", 0, true),
+        ("latency = 4", 4, true),
+        ("feedback = false", 0, false),
+        ("sound = 3000\ngesture = 3000\nlatency = 2\nfeedback = false", 2, false),
+    ] {
+        let [received, want, given, gave] = books(rate, late, felt);
+        let scale = 0.5 * 2e4 * 4e-3 * 4e-3;
+        within(&format!("received, {rate}"), (received - want).abs() / scale, 1e-12);
+        within(&format!("given, {rate}"), (given - gave).abs() / scale, 1e-12);
+        if felt {
+            // a spring that answers late gives back more than it took
+            assert!(received - given > 1e-3 * scale, "{rate}: {received} {given}");
+        } else {
+            assert_eq!(given, 0.0, "{rate}");
+        }
+    }
+}

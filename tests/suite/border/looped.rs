@@ -1,0 +1,178 @@
+//! A device in the loop: how stiff a key may be before the hand is shaken (E02), and how late its spring is (E05).
+//!
+//! The device is exact (a mass with friction under a force held over each frame); the scene is compiled from text. One
+//! frame of both together is a linear map, which is measured column by column; it is stable while its spectral radius
+//! is below 1.
+
+use crate::play::{PI, case, list, mat, num, off, rows, scene, within};
+use ca_core::border::delays;
+use ca_core::{Scene, State, tick};
+
+/// A device: mass \[kg\], friction \[N s/m\], length of a frame \[s\].
+struct Device {
+    m: f64,
+    b: f64,
+    t: f64,
+}
+
+impl Device {
+    /// Position and speed after a frame under a force.
+    fn go(&self, [x, v]: [f64; 2], force: f64) -> [f64; 2] {
+        let tau = self.m / self.b;
+        let fade = -(-self.t / tau).exp_m1();
+        [x + v * tau * fade + force / self.b * (self.t - tau * fade), v * (1.0 - fade) + force / self.b * fade]
+    }
+}
+
+/// A row of E02 as a model: ticks a frame, what `[rate]` says more, whether a damper KT/2 stands beside the spring.
+struct Row {
+    ratio: u32,
+    more: &'static str,
+    damped: bool,
+}
+
+const ROWS: [Row; 5] = [
+    Row { ratio: 1, more: "", damped: false },
+    Row { ratio: 16, more: "", damped: false },
+    Row { ratio: 16, more: "", damped: true },
+    Row { ratio: 1, more: "latency = 1", damped: false },
+    Row { ratio: 16, more: "latency = 1", damped: false },
+];
+
+/// A wall of stiffness `k` behind a key.
+fn wall(row: &Row, gesture: f64, k: f64) -> Scene {
+    let z = if row.damped { k / gesture / 2.0 } else { 0.0 };
+    let rate = format!("sound = {:e}\ngesture = {gesture:e}\n{}", gesture * f64::from(row.ratio), row.more);
+    let link = format!("link = {{ between = [\"wall\", \"key\"], k = {k:e}, z = {z:e} }}");
+    scene(&format!("[rate]\n{rate}\n[SOL]\nwall = {{}}\n[TGR]\nkey = {{}}\n[REF]\n{link}\n"))
+}
+
+fn frame(scene: &Scene, s: &mut State, x: f64) -> f64 {
+    s.input[0] = x;
+    (0..scene.ratio).for_each(|_| tick(scene, s));
+    s.border[0].force
+}
+
+/// The map of one frame, by columns: position and speed of the device, then what the border remembers.
+fn map(scene: &Scene, device: &Device) -> Vec<Vec<f64>> {
+    let key = mat(scene, "key");
+    let mut still = scene.state();
+    tick(scene, &mut still);
+    frame(scene, &mut still, 0.0);
+    let column = |i: usize| {
+        let unit = |j: usize| f64::from(u8::from(i == j));
+        let mut s = still.clone();
+        (s.border[0].to, s.x[key]) = (unit(2), unit(2));
+        s.border[0].sum = unit(3);
+        s.late.iter_mut().enumerate().for_each(|(k, x)| *x = unit(4 + k));
+        let hand = [unit(0), unit(1)];
+        let force = frame(scene, &mut s, hand[0]);
+        assert_eq!(s.x[key], s.border[0].to);
+        let [x, v] = device.go(hand, force);
+        // at one rate nothing is collected
+        let sum = if scene.ratio > 1 { s.border[0].sum } else { 0.0 };
+        [&[x, v, s.border[0].to, sum], &s.late[..]].concat()
+    };
+    (0..4 + still.late.len()).map(column).collect()
+}
+
+/// Logarithm of the spectral radius, by squaring 40 times.
+fn growth(map: &[Vec<f64>]) -> f64 {
+    let n = map.len();
+    let mut a = map.to_vec();
+    let mut log = 0.0;
+    for turn in 0..40 {
+        let most = a.iter().flatten().fold(0.0, |m: f64, v| m.max(v.abs()));
+        a.iter_mut().flatten().for_each(|v| *v /= most);
+        log += most.ln() / 2f64.powi(turn);
+        let product = |i: usize, j: usize| (0..n).map(|k| a[k][i] * a[j][k]).sum();
+        a = (0..n).map(|j| (0..n).map(|i| product(i, j)).collect()).collect();
+    }
+    log
+}
+
+/// The stiffness at which the loop begins to grow.
+fn limit(row: &Row, device: &Device) -> f64 {
+    let grows = |k: f64| growth(&map(&wall(row, 1.0 / device.t, k), device)) > 0.0;
+    let (mut lo, mut hi) = (100.0, 1e6);
+    assert!(!grows(lo) && grows(hi));
+    while hi / lo > 1.0 + 1e-6 {
+        let k = (lo * hi).sqrt();
+        *(if grows(k) { &mut hi } else { &mut lo }) = k;
+    }
+    lo
+}
+
+/// Force towards the wall per frame after a step back of 1 m, in units of K.
+fn response(scene: &Scene, k: f64) -> Vec<f64> {
+    let mut s = scene.state();
+    tick(scene, &mut s);
+    (0..8).map(|n| -frame(scene, &mut s, f64::from(u8::from(n == 2))) / k).skip(2).collect()
+}
+
+/// Friction that keeps the loop passive, over KT (Colgate and Schenkel).
+fn least(h: &[f64]) -> f64 {
+    let at = |w: f64| {
+        let re = |n: usize| (w * n as f64).cos() - (w * (n + 1) as f64).cos();
+        0.5 / (1.0 - w.cos()) * h.iter().enumerate().map(|(n, h)| h * re(n)).sum::<f64>()
+    };
+    // a step from 0 on, where the limit is 0/0 and its rounding shows
+    (40..=40_000).map(|i| at(PI * f64::from(i) / 40_000.0)).fold(0.0, f64::max)
+}
+
+#[test]
+fn e02_how_stiff_a_key_may_be() {
+    let case = case("E02");
+    let (m, b, rel) = (num(case, "setup/md"), num(case, "setup/bd"), num(case, "tolerance/rel"));
+    for (row, want) in ROWS.iter().zip(rows(case, "values/rows")) {
+        let what = format!("E02 R = {}, {}, damper {}", row.ratio, row.more, row.damped);
+        for (gesture, k) in [(3000.0, want[1]), (48_000.0, want[2])] {
+            let device = Device { m, b, t: 1.0 / gesture };
+            within(&format!("{what}, {gesture} Hz"), off(limit(row, &device), k), rel);
+        }
+        let scene = wall(row, 3000.0, 2000.0);
+        // at the first tick of a frame a damper still feels the speed of the frame before: half of one in R
+        let rel = if row.damped { 1.2 / (2.0 * f64::from(row.ratio)) } else { rel };
+        within(&format!("{what}, friction"), off(least(&response(&scene, 2000.0)), want[0]), rel);
+        // what `ca check` says of a key; it knows nothing of a damper
+        if !row.damped {
+            let d = delays(&scene);
+            assert_eq!(scene.certificate.keys[0].name, "key");
+            within(&what, off(d.friction(scene.certificate.keys[0].k), want[0] * 2000.0 / 3000.0), 1e-8);
+            within(&what, off(d.stiffest(b), b * 3000.0 / want[0]), 1e-8);
+        }
+    }
+}
+
+/// Holding the position does not make the key stiffer: the force that keeps power exact is a mean here too.
+#[test]
+fn a_held_position_is_as_late_as_a_line() {
+    let row = |more| Row { ratio: 16, more, damped: false };
+    let device = Device { m: 0.2, b: 2.0, t: 1.0 / 3000.0 };
+    let (line, held) = (limit(&row(""), &device), limit(&row("border = \"hold\""), &device));
+    within("E02 hold", off(held, line), 1e-5);
+    let h = response(&wall(&row("border = \"hold\""), 3000.0, 2000.0), 2000.0);
+    assert_eq!(h[..3], [0.5, 0.5, 0.0]);
+}
+
+#[test]
+fn e05_how_late_a_spring_is() {
+    let case = case("E05");
+    let ms = list(case, "values/ms");
+    let tolerance = num(case, "tolerance/abs_ms");
+    let rows = [("", 1, ms[0]), ("", 16, ms[1]), ("border = \"hold\"", 16, ms[1]), ("latency = 1", 16, ms[2])];
+    for (more, ratio, want) in rows {
+        let scene = wall(&Row { ratio, more, damped: false }, 3000.0, 2000.0);
+        let h = response(&scene, 2000.0);
+        let sum: f64 = h.iter().sum();
+        within("the spring", off(sum, 1.0), 1e-12);
+        // the mean of its answer, and half a frame in which the device holds it
+        let frames = h.iter().enumerate().map(|(n, h)| n as f64 * h).sum::<f64>() / sum + 0.5;
+        let (is, said) = (frames * 1e3 / 3000.0, delays(&scene));
+        within(&format!("E05 R = {ratio}, {more}"), (is - want).abs(), tolerance);
+        within(&format!("E05 R = {ratio}, {more}, as said"), (said.spring * 1e3 - want).abs(), tolerance);
+        let late = f64::from(scene.crossing.latency);
+        within("gesture to force", (said.force - (1.0 + late) / 3000.0).abs(), 1e-15);
+        assert_eq!((said.filter, said.sound), (0.0, said.force));
+    }
+}

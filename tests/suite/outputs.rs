@@ -1,0 +1,196 @@
+//! The output stage: the high pass of an output and the low-pass of all channels, against their closed forms.
+
+use crate::play::{PI, TURN, apart, scene, within};
+use ca_core::border::delays;
+use ca_core::{Scene, tick};
+
+/// A port that is heard, so that any signal can be sent through an output.
+fn wire(rate: &str, out: &str) -> Scene {
+    scene(&format!("[rate]\n{rate}\n[ENX]\nin = {{}}\n[SOX]\nout = {{ from = \"in\"{out} }}\n"))
+}
+
+/// What comes out where `x` goes in.
+fn through(scene: &Scene, x: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut s = scene.state();
+    x.map(|x| {
+        s.input[0] = x;
+        tick(scene, &mut s);
+        s.output[0]
+    })
+    .collect()
+}
+
+/// The answer to a unit impulse one tick after load, without that tick.
+fn impulse(scene: &Scene, n: usize) -> Vec<f64> {
+    through(scene, (0..=n).map(|i| f64::from(u8::from(i == 1)))).split_off(1)
+}
+
+/// Gain and phase \[rad\] of an impulse response at `w` \[rad/tick\].
+fn response(h: &[f64], w: f64) -> (f64, f64) {
+    let part = |f: fn(f64) -> f64| h.iter().enumerate().map(|(n, h)| h * f(w * n as f64)).sum::<f64>();
+    let (re, im) = (part(f64::cos), -part(f64::sin));
+    (re.hypot(im), im.atan2(re))
+}
+
+#[test]
+fn a_high_pass_is_the_one_it_says() {
+    for (rate, fc) in [(48_000.0, 7.0), (44_100.0, 20.0), (48_000.0, 1000.0)] {
+        let scene = wire(&format!("sound = {rate}"), &format!(", gain = 2, dc = \"{fc} Hz\""));
+        let h = impulse(&scene, (40.0 * rate / (TURN * fc)) as usize);
+        for f in [0.3 * fc, fc, 5.0 * fc, 0.25 * rate, 0.49 * rate] {
+            // the analogue one, with the frequency axis bent by the bilinear map
+            let (t, c) = ((PI * f / rate).tan(), (PI * fc / rate).tan());
+            let (gain, phase) = response(&h, TURN * f / rate);
+            within(&format!("high pass {fc} Hz at {f} Hz"), (gain - 2.0 * t / t.hypot(c)).abs(), 1e-11);
+            within(&format!("high pass {fc} Hz at {f} Hz, phase"), (phase - (c / t).atan()).abs(), 1e-9);
+        }
+    }
+}
+
+#[test]
+fn what_is_steady_goes_and_makes_no_thump() {
+    let scene = wire("", ", gain = 1000, dc = \"7 Hz\"");
+    assert!(through(&scene, (0..1000).map(|_| 1e-3)).iter().all(|y| *y == 0.0));
+    let late = through(&scene, (0..96_000).map(|n| if n < 10 { 0.0 } else { 1e-3 }));
+    assert!(late[10] > 0.99 && late[95_999].abs() < 1e-30);
+    // long after, it is nothing at all, not something denormal
+    let pulse = impulse(&scene, 800_000);
+    assert_eq!(pulse[799_999], 0.0);
+}
+
+#[test]
+fn outputs_with_and_without_a_high_pass_share_a_channel() {
+    let text = |a: &str, b: &str| {
+        let bars = "[CEL]\nx = { m = 1e-3, f = 220, dx0 = 1e-3 }\ny = { m = 1e-3, f = 330, dx0 = 1e-3 }\n";
+        let outs = format!("a = {{ from = \"x\", channel = 0{a} }}\nb = {{ from = \"y\", channel = 0{b} }}");
+        scene(&format!("{bars}[SOX]\n{outs}\n"))
+    };
+    let play = |s: &Scene| through_free(s, 2000);
+    let [plain, both, first, second] =
+        [text("", ""), text(", dc = 30", ", dc = 30"), text(", dc = 30", ""), text("", ", dc = 30")].map(|s| play(&s));
+    let sum = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a + b).collect::<Vec<_>>();
+    within("superposed", apart(&sum(&plain, &both), &sum(&first, &second)), 1e-17);
+    assert!(apart(&first, &second) > 1e-6 && apart(&plain, &both) > 1e-6);
+    // the order of the file does not matter
+    assert_eq!(text("", ", dc = 30").blockers.len(), 1);
+}
+
+fn through_free(scene: &Scene, n: usize) -> Vec<f64> {
+    let mut s = scene.state();
+    let sample = |_| {
+        tick(scene, &mut s);
+        s.output[0]
+    };
+    (0..n).map(sample).collect()
+}
+
+#[test]
+fn several_ears_and_forces_have_a_high_pass_each() {
+    let text = "[STRING]\nlow = { n = 5, f = 110, t60 = 1, m = 1e-3 }\n[ENF]\npush = { to = \"low[2]\" }\n\
+                [SOX]\nall = { from = \"low[*]\", channel = 0, dc = 7 }\n\
+                [SOF]\nbridge = { from = \"low.link[0]\", channel = 1, dc = 7 }\n";
+    let scene = scene(text);
+    assert_eq!((scene.blockers.len(), scene.state().blocked.len()), (6, 6));
+    let names: Vec<_> = scene.writes.iter().map(|o| (o.name, o.n)).collect();
+    assert_eq!(names, [("outputs", 0), ("high pass", 6)]);
+    // a steady push bends the string; nothing of that is heard for long
+    let mut s = scene.state();
+    s.input[0] = 0.1;
+    let mut most = [0.0f64; 2];
+    for n in 0..4 * 48_000 {
+        tick(&scene, &mut s);
+        for (m, y) in most.iter_mut().zip(&s.output) {
+            *m = if n == 48_000 { 0.0 } else { m.max(y.abs()) };
+        }
+    }
+    assert!(s.x.iter().fold(0.0f64, |m, x| m.max(*x)) > 1e-6);
+    assert!(s.output.iter().all(|y| y.abs() < 1e-9), "{:?}", s.output);
+}
+
+#[test]
+fn what_is_not_asked_for_is_not_there() {
+    let (plain, off) = (wire("", ""), wire("", ", dc = 0"));
+    for s in [&plain, &off] {
+        assert_eq!(s.writes.iter().map(|o| o.name).collect::<Vec<_>>(), ["outputs"]);
+        let state = s.state();
+        assert!(state.blocked.is_empty() && state.lowpass.is_empty() && s.lowpass.is_empty() && s.blockers.is_empty());
+    }
+}
+
+#[test]
+fn filters_are_part_of_the_state() {
+    let scene = wire("filter = \"18 kHz\"", ", dc = 7");
+    let mut s = scene.state();
+    s.input[0] = 1e-3;
+    tick(&scene, &mut s);
+    tick(&scene, &mut s);
+    let bits = s.bits();
+    let (mut a, mut b) = (s.clone(), s.clone());
+    a.blocked[0][1] += 1e-9;
+    b.lowpass[3] += 1e-9;
+    assert!(a.bits() != bits && b.bits() != bits && a.bits() != b.bits());
+}
+
+/// I₀ by its integral: the mean of exp(x cos θ) over half a turn, which the trapezoid rule finds exactly.
+fn bessel(x: f64) -> f64 {
+    (0..200).map(|i| (x * (PI * (f64::from(i) + 0.5) / 200.0).cos()).exp()).sum::<f64>() / 200.0
+}
+
+#[test]
+fn a_low_pass_is_the_one_it_says() {
+    for (rate, edge) in [(48_000.0, 18_000.0), (96_000.0, 20_000.0), (44_100.0, 20_000.0), (48_000.0, 500.0)] {
+        let scene = wire(&format!("sound = {rate}\nfilter = {edge}"), "");
+        let n = 2 * scene.lowpass.len() - 1;
+        let what = format!("low-pass {edge} Hz of {rate}");
+        let h = impulse(&scene, n + 3);
+        assert!(h[n..].iter().all(|y| *y == 0.0), "{what}: {n} coefficients");
+        // Kaiser's window and a sinc from the middle of the band between the edge and half the rate
+        let (middle, beta) = (n / 2, 0.1102 * (88.0 - 8.7));
+        let ideal = |i: usize| {
+            let t = i as f64 - middle as f64;
+            let cut = f64::midpoint(edge / rate, 0.5);
+            let sinc = if t == 0.0 { 2.0 * cut } else { (TURN * cut * t).sin() / (PI * t) };
+            sinc * bessel(beta * (1.0 - (t / middle as f64).powi(2)).max(0.0).sqrt()) / bessel(beta)
+        };
+        let ideal: Vec<f64> = (0..n).map(ideal).collect();
+        let sum: f64 = ideal.iter().sum();
+        let ideal: Vec<f64> = ideal.iter().map(|v| v / sum).collect();
+        within(&what, apart(&h[..n], &ideal), 1e-14);
+        // what is promised: 80 dB at half the rate, as little ripple below the edge, one delay for all
+        let delay = delays(&scene).filter * rate;
+        assert_eq!(delay.round() as usize, middle);
+        within(&format!("{what}, stop"), response(&h, PI).0, 1e-4);
+        for i in 0..=100 {
+            let w = TURN * edge * f64::from(i) / 100.0 / rate;
+            let (gain, phase) = response(&h, w);
+            within(&format!("{what}, pass"), (gain - 1.0).abs(), 1e-4);
+            let turns = (phase + w * middle as f64) / TURN;
+            within(&format!("{what}, delay"), (turns - turns.round()).abs(), 1e-9);
+        }
+        within(&format!("{what}, middle"), (response(&h, PI * (edge / rate + 0.5)).0 - 0.5).abs(), 1e-3);
+        // and no more coefficients than the band asks for
+        assert!(n as f64 <= 80.1 / (2.285 * TURN * (0.5 - edge / rate)) + 5.0, "{what}: {n}");
+    }
+}
+
+#[test]
+fn every_channel_is_filtered_and_no_probe() {
+    let text =
+        "[rate]\nfilter = \"18 kHz\"\n[ENX]\nin = {}\n[SOX]\na = { from = \"in\" }\nb = { from = \"in\", gain = -3 }\n";
+    let probed = crate::play::with(text, &ca_core::Options { probes: vec!["in".into()], ..Default::default() });
+    let n = probed.lowpass.len() - 1;
+    let mut s = probed.state();
+    let mut heard = Vec::new();
+    for t in 0..100u32 {
+        s.input[0] = (f64::from(t) * 0.1).sin();
+        tick(&probed, &mut s);
+        heard.push([s.output[0], s.output[1], s.output[2]]);
+    }
+    for (t, y) in heard.iter().enumerate() {
+        assert_eq!(y[2], (t as f64 * 0.1).sin());
+        within("the other channel", (y[1] + 3.0 * y[0]).abs(), 1e-14);
+        if t > 3 * n {
+            within("late", (y[0] - heard[t - n][2]).abs(), 1e-4);
+        }
+    }
+}

@@ -1,0 +1,3 @@
+//! Scenes in three dimensions.
+
+mod reference;
