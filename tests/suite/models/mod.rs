@@ -5,6 +5,7 @@ mod bars;
 mod heard;
 mod plates;
 mod played;
+mod space;
 mod strings;
 
 use bars::{glass, iron_bar, marimba};
@@ -12,6 +13,7 @@ use ca_core::Catalog;
 use heard::{file_names, load};
 use plates::{gong, membrane, plate};
 use played::{physical_lfo, piano_key, rain_stick, wind};
+use space::{chimes, maracas, rattle, rattle_stick};
 use std::collections::BTreeSet;
 use strings::{
     bowed_string, hammered_string, harmonic_chain, natural_harmonic, piano_wire, pinched_string, plucked_string,
@@ -30,11 +32,13 @@ macro_rules! models {
 
 models!(
     bowed_string,
+    chimes,
     glass,
     gong,
     hammered_string,
     harmonic_chain,
     iron_bar,
+    maracas,
     marimba,
     membrane,
     natural_harmonic,
@@ -45,6 +49,8 @@ models!(
     plate,
     plucked_string,
     rain_stick,
+    rattle,
+    rattle_stick,
     slide_guitar,
     wind,
 );
