@@ -86,6 +86,11 @@ pub fn args(kind: &Kind, dice: &mut Dice) -> Vec<Entry> {
     out
 }
 
+/// The code of a law, whatever its form.
+pub fn plain(code: &str) -> &str {
+    code.strip_prefix("LPR_").unwrap_or(code)
+}
+
 /// The second port of a quadripole, on two fixed points: what is left is the plain link.
 pub fn held(kind: &Kind, m: &mut Model, args: &mut Vec<Entry>) {
     if kind.param("onto").is_some() {

@@ -13,6 +13,7 @@ pub mod certify;
 mod crossing;
 mod cutoff;
 mod expand;
+mod fed;
 mod gesture;
 mod links;
 mod lowpass;
@@ -60,6 +61,7 @@ pub fn compile(model: &Model, catalog: &Catalog, options: &Options) -> Result<Sc
     params::report_unused(&net, &mut diags);
     specialise::specialise(model, &mut net, &mut diags);
     prune::prune(model, &mut net, &mut diags);
+    fed::mark(&mut net);
     let certificate = certify::certify(model, &net, &mut diags);
     if diags.has_errors() {
         diags.sort();

@@ -312,6 +312,8 @@ pub struct Net {
     pub left_out: Vec<String>,
     /// MATs that stay, by document number
     pub alive: Vec<bool>,
+    /// MATs that hang on the line port of a quadripole, by document number; empty where there is none
+    pub fed: Vec<bool>,
 }
 
 impl Net {

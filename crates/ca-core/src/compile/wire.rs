@@ -177,10 +177,10 @@ impl Wiring<'_> {
                 self.diags.push(d.at(e.span, "the same at both ends").help(help));
                 return;
             }
-            let measured = space::measure(&self.net, ends, along).and_then(|m| match onto.get(i) {
-                Some(o) => Ok((m, Some(SecondPort { ends: *o, measure: space::measure(&self.net, *o, None)? }))),
-                None => Ok((m, None)),
-            });
+            let measured = match onto.get(i) {
+                None => space::measure(&self.net, ends, along).map(|m| (m, None)),
+                Some(o) => self.ports(ends, *o).map(|(m, o)| (m, Some(o))),
+            };
             let (mut measure, mut onto) = match measured {
                 Ok(found) => found,
                 Err((what, help)) => {
@@ -211,6 +211,15 @@ impl Wiring<'_> {
             }
         }
         self.net.families.entry(name).or_default().links = made;
+    }
+
+    /// How the two ports of a quadripole measure; an error in words where the ends of one are in different worlds.
+    fn ports(&self, first: [End; 2], second: [End; 2]) -> Result<(Measure, SecondPort), (&'static str, &'static str)> {
+        let measure = |ends| space::measure(&self.net, ends, None);
+        let help = "the ends of one port stand in one world: both on a line, or both in space";
+        let first = measure(first).map_err(|_| ("joins a line and space by `between`", help))?;
+        let there = measure(second).map_err(|_| ("joins a line and space by `onto`", help))?;
+        Ok((first, SecondPort { ends: second, measure: there }))
     }
 
     /// The second ports of `count` quadripoles, one pair of ends each; none for a link of two ends.

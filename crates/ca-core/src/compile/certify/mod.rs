@@ -8,6 +8,7 @@
 mod blame;
 mod keys;
 mod negative;
+mod rigid;
 mod rules;
 mod worst;
 
@@ -108,6 +109,7 @@ pub fn certify(model: &Model, net: &Net, diags: &mut Diags) -> Certificate {
         let help = "it may well be stable; to be sure, lower the stiffness and viscosity at";
         diags.push(d.help(format!("{help} `{}`, make it heavier, or raise the sound rate", cert.worst)));
     }
+    rigid::rigid(model, net, diags);
     contacts(model, net, &rows, &bounds, &mut cert, diags);
     devices(model, net, &bounds, diags);
     cert.keys = keys::keys(net, &bounds);
