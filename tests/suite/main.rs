@@ -20,4 +20,5 @@ mod scheme;
 mod select;
 mod set;
 mod space;
+mod stable;
 mod writer;

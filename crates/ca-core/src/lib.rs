@@ -53,6 +53,7 @@ pub mod live;
 #[cfg(feature = "parse")]
 pub mod load;
 pub mod mat;
+pub mod method;
 pub mod model;
 pub mod op;
 pub mod param;
@@ -62,6 +63,7 @@ pub mod sketch;
 pub mod state;
 pub mod table;
 pub mod tick;
+pub mod touch;
 
 pub use catalog::Catalog;
 pub use compile::{KernelClass, Options, compile};

@@ -39,7 +39,9 @@ pub fn certify(model: &Model, net: &Net, diags: &mut Diags) -> Certificate {
         let others = moving.saturating_sub(1) as f64;
         for m in sides.iter().flatten() {
             let r = &mut rows[*m as usize];
-            if b.linear || !b.contact {
+            if l.law.is_late() {
+                // passive whatever it holds, and no part of the linear network
+            } else if b.linear || !b.contact {
                 r.own += h;
                 r.disc += h + others * h.abs();
                 r.most = r.most.max(h);
@@ -48,7 +50,8 @@ pub fn certify(model: &Model, net: &Net, diags: &mut Diags) -> Certificate {
                 r.touch += h;
             }
         }
-        if let [End::Mat(i), End::Mat(j)] = l.ends {
+        // what is not always there covers nothing
+        if let ([End::Mat(i), End::Mat(j)], false) = (l.ends, b.contact) {
             springs.add(i, j, b.k);
         }
     }
@@ -78,8 +81,9 @@ pub fn certify(model: &Model, net: &Net, diags: &mut Diags) -> Certificate {
     cert.worst = worst.map(|i| net.mats[i].name.clone()).unwrap_or_default();
 
     let covered = !negative || springs.covered();
-    let linear = bounds.iter().all(|b| b.linear);
-    let radial = net.lias.iter().any(LiaNode::is_radial);
+    let (late, explicit): (Vec<_>, Vec<_>) = net.lias.iter().zip(&bounds).partition(|(l, _)| l.law.is_late());
+    let linear = explicit.iter().all(|(_, b)| b.linear);
+    let radial = explicit.iter().any(|(l, _)| l.is_radial());
     cert.level = if cert.lower >= 4.0 {
         Level::Unstable
     } else if cert.bound < 4.0 && covered {
