@@ -29,10 +29,9 @@ pub fn text(a: f64, method: &str, seed: u64) -> String {
     };
     let unit = CORNER * RATE * RATE;
     let (k, contact) = (0.1 * unit, a * unit);
-    let mut t = format!(
-        "[rate]\nsound = {RATE}\n[room]\ndim = 3\n[room.MAS]\nball = {{ m = 0.05 }}\n"
-    );
-    let (half, corners) = (EDGE / 8f64.sqrt(), [[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]]);
+    let mut t = format!("[rate]\nsound = {RATE}\n[room]\ndim = 3\n[room.MAS]\nball = {{ m = 0.05 }}\n");
+    let (half, corners) =
+        (EDGE / 8f64.sqrt(), [[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]]);
     let centres = [[0.022, 0.0, 0.0], [-0.011, 0.019, 0.0], [-0.011, -0.019, 0.0]];
     for (name, centre) in ["p", "q", "r"].iter().zip(centres) {
         let speed: [f64; 3] = std::array::from_fn(|_| roll());
@@ -93,8 +92,7 @@ pub fn fares(a: f64, method: &str, seed: u64, seconds: f64) -> Fared {
         let Some(book) = s.ledger.as_ref() else { break };
         f.end = book.h / h0;
         f.worst = f.worst.max((f.end - 1.0).abs());
-        // also where it is no number
-        if !(f.end < BLOWN) {
+        if f.end.is_nan() || f.end >= BLOWN {
             (f.worst, f.seconds) = (f64::INFINITY, n as f64 / RATE);
             break;
         }

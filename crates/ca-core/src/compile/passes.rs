@@ -44,7 +44,8 @@ pub fn forces(layout: &Layout, mut links: Vec<Op>, late: usize, weight: usize) -
     if !layout.proxies.is_empty() {
         list.push(Op::pass("points back", pass::spread, layout.proxies.len()));
     }
-    let together = late.iter().find_map(|o| if let Some(Turn::Together(f)) = o.law.map(|l| l.turn) { Some(f) } else { None });
+    let together =
+        late.iter().find_map(|o| if let Some(Turn::Together(f)) = o.law.map(|l| l.turn) { Some(f) } else { None });
     list.extend(late);
     list.extend(together.map(|solve| Op::pass("contacts", solve, layout.n_touch)));
     let (keys, kept, felt) = (layout.tgr.len(), layout.ledger.is_some(), layout.crossing.feedback);

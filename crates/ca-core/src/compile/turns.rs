@@ -33,7 +33,8 @@ pub fn turns(model: &Model, net: &mut Net, diags: &mut Diags) {
         }
     }
     let shared = |l: &LiaNode| {
-        !matches!(l.measure, Measure::Line(_)) || places(net, l).iter().any(|(m, k)| count[*m as usize][*k as usize] > 1)
+        !matches!(l.measure, Measure::Line(_))
+            || places(net, l).iter().any(|(m, k)| count[*m as usize][*k as usize] > 1)
     };
     let laws: Vec<_> = net
         .lias

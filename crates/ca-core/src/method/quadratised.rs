@@ -158,8 +158,8 @@ fn conjugate(list: &mut [Touch], push: &mut [f64], mobility: &[f64]) {
     let goal = EXACT * rho;
     // in exact arithmetic as many steps as contacts; rounding may ask for more
     for _ in 0..10 * list.len() + 10 {
-        // also where a number is none: it is not for here to find out
-        if !(rho > goal) {
+        // what is no number is not for here to find out
+        if rho.is_nan() || rho <= goal {
             break;
         }
         respond(list, push, mobility);

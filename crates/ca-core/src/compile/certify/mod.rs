@@ -11,7 +11,7 @@ mod negative;
 mod rules;
 mod worst;
 
-use super::net::{End, LiaNode, Net};
+use super::net::{End, Net};
 pub use crate::certificate::{Certificate, Level};
 use crate::model::Model;
 use crate::model::diag::{Diag, Diags};
@@ -67,7 +67,7 @@ pub fn certify(model: &Model, net: &Net, diags: &mut Diags) -> Certificate {
         let sure = if r.radial { (r.own / 3.0).max(r.most) } else { r.own };
         cert.lower = cert.lower.max(sure * r.c);
     }
-    for l in &net.lias {
+    for l in net.lias.iter().filter(|l| !l.law.is_late()) {
         let d = |e: End| net.under(e).iter().map(|m| rows[*m as usize].own * rows[*m as usize].c).fold(0.0, f64::max);
         pair = pair.max(l.all_ends().map(d).sum());
     }
@@ -81,7 +81,7 @@ pub fn certify(model: &Model, net: &Net, diags: &mut Diags) -> Certificate {
     cert.worst = worst.map(|i| net.mats[i].name.clone()).unwrap_or_default();
 
     let covered = !negative || springs.covered();
-    let (late, explicit): (Vec<_>, Vec<_>) = net.lias.iter().zip(&bounds).partition(|(l, _)| l.law.is_late());
+    let explicit: Vec<_> = net.lias.iter().zip(&bounds).filter(|(l, _)| !l.law.is_late()).collect();
     let linear = explicit.iter().all(|(_, b)| b.linear);
     let radial = explicit.iter().any(|(l, _)| l.is_radial());
     cert.level = if cert.lower >= 4.0 {
