@@ -6,7 +6,7 @@
 
 use ca_benches::rattle;
 use ca_core::model::{Model, read};
-use ca_core::{Catalog, KernelClass, Options, Scene, State, advance, compile, process, sense, tick};
+use ca_core::{KernelClass, Options, Scene, State, advance, compile, process, sense, tick};
 use ca_tests::{gesture, texts};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -88,7 +88,7 @@ more = { from = "b" }
 }
 
 fn scenes() -> Vec<(String, Scene)> {
-    let catalog = Catalog::core();
+    let catalog = ca_tests::catalog();
     let mut all = Vec::new();
     for (name, text) in texts().into_iter().chain(stable()) {
         let (plain, _) = read::read(&text, &name, &catalog);

@@ -4,10 +4,10 @@
 //! after it a `text` block with the report expected. `UPDATE=1 cargo test -p ca-tests diagnostics` writes the reports anew; the difference is reviewed
 //! like code.
 
-use ca_core::catalog::Catalog;
 use ca_core::model::diag::CODES;
 use ca_core::model::{Model, mims, render};
 use ca_core::{Options, load};
+use ca_tests::catalog;
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -18,7 +18,7 @@ fn report(language: &str, text: &str) -> String {
         let diags = mims::import(text, "model.mdl").1;
         (Model { file: "model.mdl".into(), text: text.into(), ..Model::default() }, diags)
     } else {
-        let (model, result) = load(text, "model.ca.toml", &Catalog::core(), &Options::default());
+        let (model, result) = load(text, "model.ca.toml", &catalog(), &Options::default());
         (model, result.map_or_else(|diags| diags, |scene| scene.diags))
     };
     if diags.list.is_empty() { "no findings\n".into() } else { render::text(&diags, &model, false) }

@@ -55,6 +55,7 @@ pub mod load;
 pub mod mat;
 pub mod method;
 pub mod model;
+pub mod near;
 pub mod op;
 pub mod param;
 pub mod phi;

@@ -158,7 +158,7 @@ impl<'a> Sketch<'a> {
 
     /// True where slot `i` is nothing and stays so.
     pub fn nothing(&self, i: u32) -> bool {
-        !self.live && self.slots.get(i as usize).copied().flatten().unwrap_or(0.0) == 0.0
+        self.slots.get(i as usize).is_none_or(|v| !self.live && v.unwrap_or(0.0) == 0.0)
     }
 
     fn mat(&mut self, what: Drawn, index: String) -> u32 {

@@ -115,7 +115,9 @@ fn item_args(kind: &'static Kind, item: &Item, model: usize, v: &mut Values<'_>)
                     Type::Number { unit, .. } => {
                         format!("add e.g. `{} = {}` ({})", p.name, super::say::quoted(unit), p.doc)
                     }
-                    Type::Between => "add `between = [\"first\", \"second\"]`, the modules at its ends".into(),
+                    Type::Between => {
+                        format!("add `{} = [\"first\", \"second\"]`, the modules at its ends", p.name)
+                    }
                     Type::Module => format!("add `{} = \"…\"` ({})", p.name, p.doc),
                     Type::Count { min, .. } => format!("add e.g. `{} = {}` ({})", p.name, min.max(40), p.doc),
                     _ => format!("add `{}` ({})", p.name, p.doc),
@@ -190,14 +192,16 @@ fn nodes(mut item: NetItem, source: &Item, net: &mut Net, v: &mut Values<'_>) {
     item.slots = item.args.iter().map(Arg::num).collect();
     let dim = net.medium_of(item.group).dim;
     item.dim = dim;
-    let mut place = |item: &NetItem, name: &str| {
-        let arg = kind.param(name).map(|i| &item.args[i]);
-        let span = source.args.iter().find(|e| e.key == name).map_or(Span::NONE, |e| e.span);
-        let what = format!("`{name}` of `{}`", item.name);
-        space::place(arg, dim, span, &what, v.diags)
-    };
-    let (rest, dx0, speed) = (place(&item, "x"), place(&item, "dx0"), place(&item, "v"));
-    let (Some(rest), Some(dx0), Some(speed)) = (rest, dx0, speed) else { return };
+    let mut places = BTreeMap::new();
+    for (p, arg) in kind.params.iter().zip(&item.args).filter(|(p, _)| matches!(p.ty, Type::Place { .. })) {
+        let span = source.args.iter().find(|e| e.key == p.name).map_or(Span::NONE, |e| e.span);
+        let what = format!("`{}` of `{}`", p.name, item.name);
+        places.insert(p.name, space::place(Some(arg), dim, span, &what, v.diags));
+    }
+    if places.values().any(Option::is_none) {
+        return;
+    }
+    let [rest, dx0, speed] = ["x", "dx0", "v"].map(|name| places.get(name).copied().flatten().unwrap_or_default());
     match kind.role {
         Role::Mat(spec) => {
             if let (Some(f), "CEL") = (kind.param("f").and_then(|i| item.args[i].num()), kind.code) {
@@ -229,9 +233,9 @@ fn nodes(mut item: NetItem, source: &Item, net: &mut Net, v: &mut Values<'_>) {
         }
         Role::Generator(g) => {
             if !g.dims.contains(&dim) {
-                let lives = if dim == 1 { "on a line" } else { "in space" };
+                let lives = ["on a line", "in a plane", "in space"][usize::from(dim) - 1];
                 let d = Diag::error("E029", format!("`{}`: a {} cannot live {lives}", item.name, kind.code));
-                let help = if dim == 1 {
+                let help = if g.dims.contains(&3) {
                     "put it into a group with `dim = 3`"
                 } else {
                     "put it into a group without `dim`, and couple the two by an LPR or a link with `along`"

@@ -182,8 +182,8 @@ impl Values<'_> {
                     .iter()
                     .any(|p| matches!(p.ty, Type::PowerStiffness { exponent } if exponent == param.name));
                 if !exponent {
-                    // lengths at rest and filters are no coefficients: nothing would follow a change
-                    if matches!(param.name, "l0" | "soften" | "dc") {
+                    // lengths and filters are no coefficients: nothing would follow a change
+                    if matches!(param.name, "l0" | "soften" | "dc" | "edge" | "dx" | "stretch" | "scale" | "reach") {
                         return plain(self.constant(e, unit, (min, max), &what)?);
                     }
                     let (v, follows) = self.number(e, unit, (min, max), &what)?;

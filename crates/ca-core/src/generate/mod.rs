@@ -7,9 +7,13 @@ use crate::kind::Kind;
 pub use crate::sketch::{Arg, Args, Generator, Problem, Sketch};
 
 mod bank;
+mod grains;
 mod mesh;
+mod pose;
 mod stiff;
 mod string;
+mod tetra;
 
 /// All generator kinds, in the order of the documentation.
-pub const KINDS: &[&Kind] = &[&string::STRING, &string::CHAIN, &stiff::KIND, &mesh::KIND, &bank::KIND];
+pub const KINDS: &[&Kind] =
+    &[&string::STRING, &string::CHAIN, &stiff::KIND, &mesh::KIND, &bank::KIND, &tetra::KIND, &grains::KIND];

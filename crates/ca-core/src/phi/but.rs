@@ -19,8 +19,8 @@ pub static KIND: Kind = Kind {
     equation: "F = k (e - d) + z de/dt  while e < d (outside) or e > d (inside)",
     doc: "Acts only when its ends come closer than `d`, counted along the axis from the first to the second: it keeps \
           the second above the first. With `sense = \"inside\"` it acts beyond `d` and contains the second instead. \
-          Hammers, felt, frets, rattles. As in the field it may pull a little while it lets go; `sticky = false` clips that. As in the field, \
-          too, it makes or takes energy at a blow, the more the stiffer it is; `method = \"stable\"` does not at any \
+          Hammers, felt, frets, rattles. As in the field it may pull a little while it lets go, which `sticky = false` \
+          clips, and makes or takes energy at a blow, the more the stiffer it is; `method = \"stable\"` does not at any \
           stiffness.",
     source: &["CMJ 1993", "ICMC 2013"],
     params: &[
@@ -54,7 +54,8 @@ out = { from = "bar", gain = 1000 }
     role: Role::Lia(&LAW),
 };
 
-static LAW: Law = Law::of::<But, 5, 0>("BUT").or(|p| match p[8] {
+/// The law of BUT.
+pub static LAW: Law = Law::of::<But, 5, 0>("BUT").or(|p| match p.get(8)? {
     Fixed::At(1.0) => Some(&STABLE),
     Fixed::At(2.0) => Some(&STABLE3D),
     _ => None,

@@ -8,6 +8,7 @@
 mod blame;
 mod keys;
 mod negative;
+mod rigid;
 mod rules;
 mod worst;
 
@@ -67,7 +68,8 @@ pub fn certify(model: &Model, net: &Net, diags: &mut Diags) -> Certificate {
         let sure = if r.radial { (r.own / 3.0).max(r.most) } else { r.own };
         cert.lower = cert.lower.max(sure * r.c);
     }
-    for l in net.lias.iter().filter(|l| !l.law.is_late()) {
+    // the contacts of a set are judged by rule, and no two of its members are tied
+    for l in net.lias.iter().filter(|l| l.sets.is_none() && !l.law.is_late()) {
         let d = |e: End| net.under(e).iter().map(|m| rows[*m as usize].own * rows[*m as usize].c).fold(0.0, f64::max);
         pair = pair.max(l.all_ends().map(d).sum());
     }
@@ -111,6 +113,7 @@ pub fn certify(model: &Model, net: &Net, diags: &mut Diags) -> Certificate {
         let help = "it may well be stable; to be sure, lower the stiffness and viscosity at";
         diags.push(d.help(format!("{help} `{}`, make it heavier, or raise the sound rate", cert.worst)));
     }
+    rigid::rigid(model, net, diags);
     contacts(model, net, &rows, &bounds, &mut cert, diags);
     devices(model, net, &bounds, diags);
     cert.keys = keys::keys(net, &bounds);
