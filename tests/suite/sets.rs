@@ -49,7 +49,7 @@ fn hits() -> String {
 /// Positions and motions in the order of the model.
 fn bits(scene: &Scene, s: &State) -> Vec<u64> {
     let grains: Vec<usize> = (0..40).map(|i| mat(scene, &format!("room.g{i}"))).collect();
-    grains.iter().flat_map(|m| (0..3).flat_map(move |k| [s.x[m + k].to_bits(), s.d[m + k].to_bits()])).collect()
+    grains.iter().flat_map(|m| s.x[*m..][..3].iter().chain(&s.d[*m..][..3])).map(|v| v.to_bits()).collect()
 }
 
 /// Throws some grains about: a jump of a metre and back, and speeds from a crawl to many diameters a tick.
@@ -101,7 +101,7 @@ fn every_bit_is_that_of_the_pairs() {
         assert_eq!(touched, 16_000);
         let lists = states.each_ref().map(|s| s.near.first().map_or(0, |n| n.lists));
         // what contains has no use for a list
-        let expected = if which == 3 { lists == [0; 5] } else { lists[1] == 0 && lists[2] > lists[3] && lists[3] > 1 };
+        let expected = if which == 3 { lists == [0; 5] } else { lists[1] == 0 && lists[2..].iter().all(|n| *n > 10) };
         assert!(expected, "{contact}: {lists:?}");
     }
 }
@@ -265,6 +265,9 @@ fn a_pair_that_is_heard_makes_the_pairs() {
     let line = "[MAS]\na = { m = 1 }\nb = { m = 1, x = 1 }\nc = { m = 1, x = 2 }\nd = { m = 1, x = 3 }\n[BUT]\n\
          hits = { between = [[\"a\", \"b\", \"c\", \"d\"], [\"a\", \"b\", \"c\", \"d\"]], k = 1 }\n[SOX]\nout = { from = \"a\" }\n";
     assert_eq!(scene(line).n_lia, 6);
+    // nor is one against many worth it
+    let one = format!("rim = {{ between = [\"room.middle\", {}], pairs = \"all\", k = 1, d = {D} }}", names(0, 40));
+    assert!(scene(&shaken(&one)).clouds.is_empty());
 }
 
 #[test]
@@ -301,7 +304,7 @@ fn ten_thousand_grains_are_one_module() {
     let pressed = scene(&text("4 mm"));
     assert_eq!(pressed.diags.list.len(), 1);
     let said = &pressed.diags.list[0];
-    assert!(said.code == "W102" && said.title.contains("`hits` presses at load, with 100 mN"), "{}", pressed.diags);
+    assert!(said.code == "W102" && said.title.contains("`hits` presses at load, with 0.1 N"), "{}", pressed.diags);
     // the pairs themselves would be too many
     let refused = compile(&model(&text("6 mm")), &Catalog::core(), &reference()).expect_err("too many");
     assert!(refused.list.iter().any(|d| d.code == "E027"), "{refused}");

@@ -98,7 +98,7 @@ fn set(layout: &Layout, s: &State, near: &mut Near, d0: &[f64], a: &Account, at:
     });
     let pushed = layout.clouds[at].members.iter().zip(s.tap[a.tap..].chunks(3));
     let moved = |i: usize| 0.5 * (s.d[i] + d0[i]);
-    let work = pushed.map(|(m, f)| f.iter().zip(*m as usize..).map(|(f, i)| f * moved(i)).sum::<f64>()).sum();
+    let work = pushed.map(|(m, f)| (0..3).map(|k| f[k] * moved(*m as usize + k)).sum::<f64>()).sum();
     Entry { held, heat, work }
 }
 

@@ -7,6 +7,20 @@
 //! squared distance each. Both ways give pairs in the same order, so whoever sums over them gets the same bits. A grid
 //! in every tick and a sweep along one axis were measured too, and lose to the list at any speed that sounds.
 //!
+//! Measured (`benches/contacts.rs`), ns per tick for grains at 0.001 diameters per tick that fill a tenth of a shell,
+//! and in brackets a third; at ten times the speed the list takes up to twice as long, and wins all the same:
+//!
+//! | grains | each pair a module | all tested | list |
+//! |---|---|---|---|
+//! | 4 | 40 (50) | 41 (48) | 34 (45) |
+//! | 16 | 460 (510) | 180 (190) | 100 (140) |
+//! | 64 | 7700 | 1230 (1580) | 410 (700) |
+//! | 256 | 240 000 | 14 100 (15 100) | 2 300 (4 600) |
+//! | 1024 | | 260 000 (420 000) | 22 000 (46 000) |
+//!
+//! A pair that does not touch costs 4 ns and more as a module, 0.4 to 0.8 ns where all are tested. A skin of a quarter
+//! or of three quarters of the distance is within a fifth of that of a half.
+//!
 //! The list is made by a uniform grid that wraps around, so that one point far away costs nothing and no box has to be
 //! known; points are put into its cells by counting. All arrays have their size from the start. Nothing here decides
 //! the future of a scene, so the hash of a state leaves it out; a restored state is right, because displacements are
@@ -17,7 +31,7 @@ use alloc::vec::Vec;
 /// The skin at load, in parts of the distance asked for.
 const SKIN: f64 = 0.5;
 /// Listing by the grid costs as much, per point, as testing so many pairs.
-const GRID: f64 = 200.0;
+const GRID: f64 = 400.0;
 /// A list must save so many times what it costs.
 const WORTH: f64 = 2.0;
 /// Room in the list, per point.
@@ -185,8 +199,8 @@ impl Near {
                     square[k] = dx * dx + dy * dy + dz * dz;
                 }
                 if !square.iter().fold(true, |all, s| all & is_far(*s, far)) {
-                    for k in 0..LANES.min(self.n - j) {
-                        if !is_far(square[k], far) {
+                    for (k, square) in square.iter().enumerate().take(self.n - j) {
+                        if !is_far(*square, far) {
                             visit(i, j + k);
                         }
                     }

@@ -16,8 +16,8 @@ use alloc::string::String;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
-/// Fewer pairs than this are cheaper as they are (`benches/contacts.rs`).
-const FEWEST: usize = 6;
+/// Fewer pairs than this for each member are cheaper as they are: three grains, or one thing against many.
+const FEWEST: f64 = 1.5;
 
 /// Names of what outputs and probes hear.
 pub fn heard(model: &Model, options: &Options) -> BTreeSet<String> {
@@ -40,18 +40,12 @@ impl Wiring<'_> {
         };
         let (Some(first), Some(second)) = (mats(a), mats(b)) else { return false };
         let itself = first == second;
-        let pairs = if itself {
-            first.len() * first.len().saturating_sub(1) / 2
-        } else {
-            first.len().saturating_mul(second.len())
-        };
+        let (n, m) = (first.len() as f64, second.len() as f64);
+        let enough = if itself { 0.5 * (n - 1.0) >= FEWEST } else { n * m >= FEWEST * (n + m) };
         let written = |key: &str| self.entry(id, key).is_some();
         // a method of its own keeps something for each pair; a module joined to itself is an error that pairs tell
         let plain = law.contact && law.mem == 0 && arg("method").is_none_or(|m| m == 0.0);
-        if !plain
-            || pairs < FEWEST
-            || self.heard.contains(&name)
-            || ["along", "onto", "soften", "l0"].into_iter().any(written)
+        if !plain || !enough || self.heard.contains(&name) || ["along", "onto", "soften", "l0"].into_iter().any(written)
         {
             return false;
         }

@@ -4,8 +4,6 @@
 //! Decides that the pairs that touch are computed exactly as single links are, by the same functions and in the order
 //! of the pairs, so a set and its pairs written out agree in every bit; how they are found is for [`crate::near`]. What
 //! contains (`sense = "inside"`) acts on those that are far apart: then all are measured.
-//!
-//! Measured on one core (`benches/contacts.rs`), ns per tick at 0.001 diameters per tick, fill 0.1: TODO
 
 use super::Op;
 use super::gauge::{Measure, Radial};
