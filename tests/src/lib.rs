@@ -12,8 +12,7 @@ pub fn catalog() -> Catalog {
 
 /// Name and text of every model: the examples of the catalog, `models/` and `tests/models/`.
 pub fn texts() -> Vec<(String, String)> {
-    let mut all: Vec<_> =
-        catalog().iter().map(|k| (format!("example of {}", k.code), k.example.into())).collect();
+    let mut all: Vec<_> = catalog().iter().map(|k| (format!("example of {}", k.code), k.example.into())).collect();
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
     for folder in [here.join("models"), here.join("../models")] {
         let mut found = Vec::new();

@@ -26,7 +26,8 @@ fn tetra(l: f64, m: f64, k: f64, onto: &str) -> String {
 /// The same upon a chain of twelve masses of the same mass and stiffness, an edge on each two of them.
 fn on_chain(l: f64, m: f64, k: f64) -> String {
     let side = |first: usize| format!("{:?}", (first..12).step_by(2).map(|i| format!("c[{i}]")).collect::<Vec<_>>());
-    let chain = format!("[STRING]\nc = {{ n = 12, m = {m:?}, k = {k:?} }}\n[SOX]\nout = {{ from = \"c[3]\", dc = 0 }}\n");
+    let chain =
+        format!("[STRING]\nc = {{ n = 12, m = {m:?}, k = {k:?} }}\n[SOX]\nout = {{ from = \"c[3]\", dc = 0 }}\n");
     tetra(l, m, k, &format!("[{}, {}]", side(0), side(1))) + &chain
 }
 
@@ -187,16 +188,20 @@ fn the_bound_of_four_ends_is_a_bound() {
     }
 }
 
-/// Spins the tetrahedron in the relative equilibrium of the scheme, each edge upon two cells of stiffness `kc`: the
-/// extension of the two edges across the axis, and by how much the cells move while it spins for a second.
+/// Spins the tetrahedron in the relative equilibrium of the scheme, each edge upon two cells of stiffness `kc`, or upon
+/// fixed points where that is infinite: the extension of the two edges across the axis, and by how much the cells move while it spins for a second.
 fn spin(turns: f64, kc: f64) -> (f64, f64) {
     let (l, m, k) = (0.02, 1e-3, 230_400.0);
     let cells = |c: char| format!("{:?}", (0..6).map(|i| format!("{c}{i}")).collect::<Vec<_>>());
-    let mut text = tetra(l, m, k, &format!("[{}, {}]", cells('p'), cells('q'))) + "[CEL]\n";
+    let mut text = tetra(l, m, k, &format!("[{}, {}]", cells('p'), cells('q')));
+    let (code, args) =
+        if kc < f64::INFINITY { ("CEL", format!("m = {m:?}, k = {kc:?}")) } else { ("SOL", String::new()) };
+    let _ = writeln!(text, "[{code}]");
     for i in 0..6 {
-        let _ = writeln!(text, "p{i} = {{ m = {m:?}, k = {kc:?} }}\nq{i} = {{ m = {m:?}, k = {kc:?} }}");
+        let _ = writeln!(text, "p{i} = {{ {args} }}\nq{i} = {{ {args} }}");
     }
-    let scene = scene(&(text + "[SOX]\nout = { from = \"p0\", dc = 0 }\n"));
+    let scene =
+        scene(&(text + "[SOX]\nout = { from = \"air.v0\", along = \"x\" }\nedge = { from = \"p0\", dc = 0 }\n"));
     let theta = std::f64::consts::TAU * turns / FS;
     // the scheme's own centripetal force of one corner per metre of radius
     let pull = m * (2.0 * (0.5 * theta).sin() * FS).powi(2);
@@ -242,7 +247,7 @@ fn spin(turns: f64, kc: f64) -> (f64, f64) {
 fn turning_is_silent_but_for_what_is_steady() {
     // micrometres of numerics 4.3, of edges whose other ports are held
     for (turns, published) in [(1.0, 0.0017), (5.0, 0.0428), (20.0, 0.685)] {
-        let (extension, moved) = spin(turns, 1e12);
+        let (extension, moved) = spin(turns, f64::INFINITY);
         within(&format!("extension at {turns} Hz"), (extension * 1e6 - published).abs(), 5e-4);
         within(&format!("AC at {turns} Hz, held"), moved, 1e-12);
         within(&format!("AC at {turns} Hz"), spin(turns, 5e5).1, 1e-12);
@@ -256,14 +261,19 @@ fn outputs_that_a_body_in_space_feeds_lose_what_is_steady() {
                 [MAS]\nfar = { m = 0.01 }\n[CEL]\nbar = { m = 0.01, k = 5e4 }\nlone = { m = 0.01, k = 5e4 }\n[RES]\n\
                 string = { between = [\"bar\", \"far\"], k = 1e4 }\nside = { between = [\"wall\", \"lone\"], k = 1e4 }\n\
                 [LPR]\nedge = { between = [\"air.nail\", \"air.ball\"], onto = [\"wall\", \"bar\"], k = 1e4 }\n";
-    let high_passes = |outs: &str| scene(&format!("{body}[SOX]\nfly = {{ from = \"air.ball\", along = \"x\", dc = 0 }}\n{outs}")).blockers.len();
+    let high_passes = |outs: &str| {
+        scene(&format!("{body}[SOX]\nfly = {{ from = \"air.ball\", along = \"x\", dc = 0 }}\n{outs}")).blockers.len()
+    };
     for (out, many) in [
         ("out = { from = \"bar\" }", 1),
         ("out = { from = \"far\" }", 1),
         ("out = { from = \"far\", dc = 0 }", 0),
         ("out = { from = \"lone\" }", 0),
         ("out = { from = \"air.ball\", along = \"y\" }", 0),
-        ("out = { from = \"bar\" }\n[SOF]\nedge_force = { from = \"edge\" }\nother = { from = \"side\" }\nlone_force = { from = \"lone\" }", 2),
+        (
+            "out = { from = \"bar\" }\n[SOF]\nedge_force = { from = \"edge\" }\nother = { from = \"side\" }\nlone_force = { from = \"lone\" }",
+            2,
+        ),
     ] {
         assert_eq!(high_passes(out), many, "{out}");
     }
@@ -313,12 +323,14 @@ fn with_a_port_held_it_is_the_plain_link() {
                     continue;
                 }
                 let play = |code: &str| {
-                    let scene = built(&twins(code, &list, space, onto), &Options { energy: true, ..Options::default() });
+                    let scene =
+                        built(&twins(code, &list, space, onto), &Options { energy: true, ..Options::default() });
                     let mut s = scene.state();
                     (0..4000).for_each(|_| tick(&scene, &mut s));
                     let b = s.ledger.as_ref().expect("a book").balance();
                     assert!(b.residual.abs() <= 1e-12 * b.peak, "{code}: {b:?}");
-                    let [low, high] = ["low", "high"].map(|n| mat(&scene, &format!("{}{n}", if space { "room." } else { "" })));
+                    let [low, high] =
+                        ["low", "high"].map(|n| mat(&scene, &format!("{}{n}", if space { "room." } else { "" })));
                     let n = if space { 3 } else { 1 };
                     (0..n).flat_map(|k| [s.x[low + k], s.x[high + k]]).collect::<Vec<_>>()
                 };
@@ -377,7 +389,7 @@ fn between_worlds_of_one_kind_the_books_close() {
             );
         }
         let along = if dim == 3 { ", along = \"x\"" } else { "" };
-        t + "[RES]\nown = { between = [\"b.nail\", \"b.ball\"], k = 3e3 }\n[LPR]\nedge = { between = [\"a.nail\", \
+        t + "[RES]\nown = { between = [\"b.nail\", \"b.ball\"], k = 2e4 }\n[LPR]\nedge = { between = [\"a.nail\", \
              \"a.ball\"], onto = [\"b.nail\", \"b.ball\"], k = 1e4, z = 0.1 }\n[SOX]\nout = { from = \"b.ball\""
             + along
             + " }\n"
@@ -442,7 +454,7 @@ fn softening_keeps_energy_where_ends_pass_through_each_other() {
             if std::env::var_os("CA_TOL").is_some() {
                 println!("soften, a = {a}, miss {miss}: {sharp:.3} becomes {soft:.3}");
             }
-            assert!(soft < 0.2 && soft < 0.5 * sharp, "a = {a}, miss {miss}: {sharp} becomes {soft}");
+            assert!(soft < 0.2 && soft < 0.9 * sharp, "a = {a}, miss {miss}: {sharp} becomes {soft}");
         }
     }
 }

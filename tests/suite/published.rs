@@ -4,9 +4,9 @@
 use crate::acoustics::{cents, partial, peak, period, rms};
 use ca_core::model::{mims, read, render, write};
 use ca_core::{Options, Scene, compile};
-use ca_tests::catalog;
 use ca_haptic::gesture::{Gesture, Track};
 use ca_haptic::perform::Performance;
+use ca_tests::catalog;
 use std::path::PathBuf;
 
 /// The scene of a published model, by way of the text `ca import` writes; `None` where it is not at hand.

@@ -9,9 +9,8 @@ use ca_core::kind::{Kind, Need, Param, Role, Type};
 use ca_core::phi;
 
 /// All kinds of this crate, in the order of the documentation.
-pub const KINDS: &[&Kind] = &[
-    &LPR, &LPR_RES, &LPR_FRO, &LPR_BUT, &LPR_CUB, &LPR_POW, &LPR_HRZ, &LPR_LNL, &LPR_PLK, &LPR_ATT, &LPR_BOW,
-];
+pub const KINDS: &[&Kind] =
+    &[&LPR, &LPR_RES, &LPR_FRO, &LPR_BUT, &LPR_CUB, &LPR_POW, &LPR_HRZ, &LPR_LNL, &LPR_PLK, &LPR_ATT, &LPR_BOW];
 
 const ONTO: Param = Param::new(
     "onto",
@@ -93,7 +92,7 @@ macro_rules! kind {
                 $doc,
                 " Its elongation `e` is the sum of those of two pairs of ends, `between` and `onto`, each a distance \
                  in space or a difference on a line; the same force pulls at both, so energy crosses and none is made. \
-                 The second port is slack at rest. For the law itself see the kind without `LPR_`."
+                 The second port, or the one on a line where only one is in space, is slack at rest. For the law itself see the kind without `LPR_`."
             ),
             source: &["Rattle"],
             params: {

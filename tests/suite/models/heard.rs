@@ -4,9 +4,9 @@ use crate::acoustics::{cents, damping, db, mode, partial, peak, sin2, stiffness}
 use ca_core::model::read::read;
 use ca_core::model::{Model, Value, quantity, render};
 use ca_core::{Options, Scene, compile};
-use ca_tests::catalog;
 use ca_haptic::gesture::Gesture;
 use ca_haptic::perform::Performance;
+use ca_tests::catalog;
 use std::path::PathBuf;
 
 pub fn folder() -> PathBuf {

@@ -108,7 +108,8 @@ pub fn rattle_stick() {
     let hands = ["key_x", "key_y", "toy.stick"];
     let ties = ["hold_x", "hold_y"];
     let body = |h: &Heard| {
-        let all = h.model.items.iter().filter(|i| !hands.contains(&i.name.as_str()) && !ties.contains(&i.name.as_str()));
+        let all =
+            h.model.items.iter().filter(|i| !hands.contains(&i.name.as_str()) && !ties.contains(&i.name.as_str()));
         let bare = |i: &ca_core::model::Item| {
             let args: Vec<_> = i.args.iter().map(|e| (e.key.clone(), plain(&e.value))).collect();
             (i.kind.clone(), i.name.clone(), args)

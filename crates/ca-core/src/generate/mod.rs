@@ -15,4 +15,5 @@ mod string;
 mod tetra;
 
 /// All generator kinds, in the order of the documentation.
-pub const KINDS: &[&Kind] = &[&string::STRING, &string::CHAIN, &stiff::KIND, &mesh::KIND, &bank::KIND, &tetra::KIND, &grains::KIND];
+pub const KINDS: &[&Kind] =
+    &[&string::STRING, &string::CHAIN, &stiff::KIND, &mesh::KIND, &bank::KIND, &tetra::KIND, &grains::KIND];
