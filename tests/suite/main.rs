@@ -21,5 +21,6 @@ mod references;
 mod scheme;
 mod select;
 mod set;
+mod sets;
 mod space;
 mod writer;

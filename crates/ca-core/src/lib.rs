@@ -54,6 +54,7 @@ pub mod live;
 pub mod load;
 pub mod mat;
 pub mod model;
+pub mod near;
 pub mod op;
 pub mod param;
 pub mod phi;

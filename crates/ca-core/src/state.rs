@@ -5,6 +5,7 @@
 //! absolute positions (numerics 1.6).
 
 use crate::ledger::Ledger;
+use crate::near::Near;
 use alloc::vec::Vec;
 use core::hash::Hasher;
 
@@ -89,6 +90,8 @@ pub struct State {
     pub output: Vec<f64>,
     /// moving points (proxies); written by `aim`
     pub cells: Vec<Cell>,
+    /// which members of sets are near (clouds); written by `forces`, and no part of what decides the future
+    pub near: Vec<Near>,
     /// device ports (tgr); written by the border
     pub border: Vec<Border>,
     /// positions of devices that are under way, absolute \[m\] (tgr x latency), a ring each; written by the border

@@ -59,8 +59,9 @@ models!(
 fn every_model_is_checked_and_every_kind_is_played() {
     assert_eq!(file_names(), CHECKED, "a model without a check, or a check without a model");
     let used: BTreeSet<String> = file_names().iter().flat_map(|n| load(n).items.into_iter().map(|i| i.kind)).collect();
-    let known: BTreeSet<String> = Catalog::core().iter().map(|k| k.code.to_string()).collect();
-    assert_eq!(used, known, "kinds no model plays");
+    let core: BTreeSet<String> = Catalog::core().iter().map(|k| k.code.to_string()).collect();
+    let unplayed: Vec<&String> = core.difference(&used).collect();
+    assert!(unplayed.is_empty(), "kinds no model plays: {unplayed:?}");
     let titles: BTreeSet<String> = file_names().iter().map(|n| load(n).title().to_string()).collect();
     assert_eq!(titles.len(), file_names().len(), "two models share a title");
 }

@@ -4,6 +4,7 @@ use super::heard::{Heard, load, perform, play, scene};
 use crate::acoustics::{cents, db, partial, peak, rms};
 use ca_core::Scene;
 use ca_core::scene::Stands;
+use ca_haptic::gesture::{Gesture, Track};
 
 /// Places of the modules `names` over time [m], absolute, from probes of the same names in the same order.
 struct Motion<'a> {
@@ -82,24 +83,28 @@ fn played(name: &str) -> Heard {
 
 pub fn rattle() {
     let h = played("rattle");
-    // the degraded experiments: without force feedback the sound of a given gesture is the same, and the hand feels
-    // nothing; late by 30 frames, the sphere has not moved when the 30 frames are over
-    let mut numb = load("rattle");
-    assert!(numb.set("rate.feedback", "false"));
-    let scene_numb = scene(&numb, &[]);
-    let deaf = perform(numb, &scene_numb, None, 1.0);
-    assert_eq!(deaf.sound[0], h.at(0, 0.0, 1.0));
-    let mut late = load("rattle");
-    assert!(late.set("rate.latency", "30"));
-    let scene_late = scene(&late, &["key_x"]);
-    let late = perform(late, &scene_late, None, 0.5);
-    let prompt = {
-        let m = load("rattle");
-        let scene = scene(&m, &["key_x"]);
-        perform(m, &scene, None, 0.5)
+    // the degraded experiments: without force feedback the sound of a given gesture is the same, and nothing is sent to
+    // the hand; late by 30 frames of 16 ticks, the key moves 480 ticks later
+    let push = || {
+        let x = Track::points("key_x", vec![(0.0, 0.0), (0.1, 30e-3), (0.2, -30e-3), (0.3, 0.0)]).unwrap();
+        let y = Track::points("key_y", vec![(0.0, 0.0), (0.15, 20e-3), (0.3, 0.0)]).unwrap();
+        Gesture::new(vec![x, y]).unwrap()
     };
-    let shift = 30 * 16;
-    assert_eq!(late.probe[0][shift..], prompt.probe[0][..late.probe[0].len() - shift]);
+    let played = |key: &str, value: &str| {
+        let mut m = load("rattle");
+        assert!(m.set(key, value));
+        let scene = scene(&m, &["key_x", "key_y"]);
+        perform(m, &scene, Some(&push()), 0.4)
+    };
+    let (plain, numb, late) =
+        (played("rate.latency", "0"), played("rate.feedback", "false"), played("rate.latency", "30"));
+    assert!(peak(&plain.sound[0]) > 0.0);
+    assert_eq!(numb.sound, plain.sound);
+    for key in 0..2 {
+        let n = plain.probe[key].len() - 480;
+        assert_eq!(late.probe[key][480..], plain.probe[key][..n]);
+    }
+    assert!(late.sound != plain.sound);
 }
 
 pub fn rattle_stick() {

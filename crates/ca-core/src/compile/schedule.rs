@@ -14,6 +14,7 @@ use crate::ledger::Ledger;
 use crate::live::Loader;
 use crate::model::Model;
 use crate::model::diag::Diags;
+use crate::near::Near;
 use crate::op::Op;
 use crate::scene::{InputRole, Scene, Stands, Symbol};
 use crate::state::{Border, Cell, Ramps, State};
@@ -61,6 +62,7 @@ pub fn schedule(
         ends: links.ends,
         onto: links.onto,
         reach: links.reach,
+        clouds: links.clouds,
         e0: links.e0,
         rest,
         nodes,
@@ -252,11 +254,11 @@ fn accounts(forces: &[Op], lead: usize) -> Vec<Account> {
     let account = |(i, op): (usize, &Op)| {
         let law = op.law?;
         let Op { n, ports, first, coef, mem, tap, .. } = *op;
-        let (coefs, mems, stored, lost) = (law.coefs, law.mem, law.stored, law.lost);
+        let (coefs, mems, stored, lost, idle) = (law.coefs, law.mem, law.stored, law.lost, law.idle);
         // a distance is no linear function of places: the identity then holds only with what the link made
         let radial = ports.gauge == Gauge::Radial || ports.onto.is_some_and(|o| o.0 == Gauge::Radial);
         let linear = law.linear && !radial;
-        Some(Account { op: i + lead, n, ports, first, coef, mem, tap, coefs, mems, linear, stored, lost })
+        Some(Account { op: i + lead, n, ports, first, coef, mem, tap, coefs, mems, linear, stored, lost, idle })
     };
     forces.iter().enumerate().filter_map(account).collect()
 }
@@ -289,6 +291,7 @@ fn loaded(net: &Net, layout: &Layout, x: Vec<f64>, v: &[f64], coef: Vec<f64>, li
         held: input.clone(),
         input,
         output: alloc::vec![0.0; layout.n_out],
+        near: layout.clouds.iter().map(|c| Near::new(c.members.len(), c.rows, c.columns)).collect(),
         cells: alloc::vec![Cell::default(); layout.proxies.len()],
         border: alloc::vec![Border::default(); layout.tgr.len()],
         late: alloc::vec![0.0; layout.tgr.len() * layout.crossing.latency as usize],

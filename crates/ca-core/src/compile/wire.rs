@@ -1,9 +1,10 @@
 //! Wire: what is written between quotes becomes ends of links, ears of outputs and moving points.
 
 use super::net::{Ear, End, LARGEST, LiaNode, Measure, Net, OutNode, Push, SecondPort};
-use super::options::Options;
+use super::options::{KernelClass, Options};
 use super::say::type_name;
 use super::select::{Meaning, Written};
+use super::sets::heard;
 use super::space;
 use super::wiring::Wiring;
 use crate::kind::PortRole;
@@ -20,10 +21,10 @@ const LINKED: &str = "a link joins MATs: masses, fixed points, cells, ports move
 
 /// Adds links, force ports, outputs and probes.
 pub fn wire(model: &Model, net: Net, options: &Options, diags: &mut Diags) -> Net {
-    let mut w = Wiring { model, net, diags, points: BTreeMap::new(), under: 0 };
+    let mut w = Wiring { model, net, diags, heard: heard(model, options), points: BTreeMap::new(), under: 0 };
     for id in 0..w.net.items.len() {
         if let Role::Lia(_) = w.net.items[id].kind.role {
-            w.link(id as u32);
+            w.link(id as u32, options.kernel);
         }
     }
     for id in 0..w.net.items.len() {
@@ -51,7 +52,7 @@ impl Wiring<'_> {
         &self.model.items[self.net.items[id as usize].model]
     }
 
-    fn entry(&self, id: u32, key: &str) -> Option<Entry> {
+    pub(super) fn entry(&self, id: u32, key: &str) -> Option<Entry> {
         self.item(id).args.iter().find(|e| e.key == key).cloned()
     }
 
@@ -92,7 +93,7 @@ impl Wiring<'_> {
         self.diags.push(d.help(format!("a model holds up to {LARGEST} masses and links")));
     }
 
-    fn link(&mut self, id: u32) {
+    fn link(&mut self, id: u32, class: KernelClass) {
         let (name, kind) = (self.net.items[id as usize].name.clone(), self.net.items[id as usize].kind);
         let Role::Lia(law) = kind.role else { return };
         let Some(e) = self.entry(id, "between") else { return };
@@ -125,6 +126,9 @@ impl Wiring<'_> {
         // a set with itself makes all pairs: one to one would join each to itself
         let all = arg("pairs") == Some(1.0) || (a.len() > 1 && a == b);
         let (l0, soften) = (arg("l0"), arg("soften").unwrap_or(0.0));
+        if all && class == KernelClass::Fast && self.set(id, law, &a, &b) {
+            return;
+        }
         let count = if all { a.len().saturating_mul(b.len()) } else { a.len().max(b.len()) };
         if self.net.mats.len() + self.net.lias.len() + count > LARGEST {
             self.too_many(&name, "links", e.span);
@@ -194,7 +198,7 @@ impl Wiring<'_> {
             }
             let name = if many { format!("{name}[{i}]") } else { name.clone() };
             let values = values.clone();
-            let node = LiaNode { name, kind, law, values, ends, measure, onto, l0, soften, item: id };
+            let node = LiaNode { name, kind, law, values, ends, measure, onto, sets: None, l0, soften, item: id };
             if soften > 0.0 && !node.is_radial() {
                 let at = self.entry(id, "soften").map_or(e.span, |e| e.span);
                 let d = Diag::error("E029", format!("`{}` softens no distance", node.name)).at(at, "on a line");

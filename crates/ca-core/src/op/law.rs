@@ -1,7 +1,7 @@
 //! A law as data: what the compiler, the ledger and the certificate call without knowing which law it is.
 
 use super::{Form, Kernel, kernel};
-use crate::law::{Bound, Force, Lost, Phi, Stored};
+use crate::law::{Bound, Force, Idle, Lost, Phi, Stored};
 use crate::table::Table;
 
 /// A law as data: the functions of a [`Phi`] over slices, and its kernels.
@@ -27,6 +27,8 @@ pub struct Law {
     pub stored: Stored,
     /// see [`Phi::lost`]
     pub lost: Lost,
+    /// see [`Phi::idle`]
+    pub idle: Idle,
     /// see [`Phi::bound`]
     pub bound: fn(c: &[f64], tables: &[Table]) -> Bound,
     /// the pass for one form of the law
@@ -78,6 +80,7 @@ impl Law {
             },
             stored: |c, mem, tables, e0, e1| P::stored(&arr(c), &arr(mem), tables, e0, e1),
             lost: |c, mem, tables, e| P::lost(&arr(c), &arr(mem), tables, e),
+            idle: |c| P::idle(&arr(c)),
             bound: |c, tables| P::bound(&arr(c), tables),
             kernel: kernel::<P, C, M>,
             simpler: |_| None,

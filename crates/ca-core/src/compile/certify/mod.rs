@@ -49,7 +49,7 @@ pub fn certify(model: &Model, net: &Net, diags: &mut Diags) -> Certificate {
                 r.touch += h;
             }
         }
-        if let [End::Mat(i), End::Mat(j)] = l.ends {
+        if let ([End::Mat(i), End::Mat(j)], None) = (l.ends, &l.sets) {
             springs.add(i, j, b.k);
         }
     }
@@ -65,7 +65,8 @@ pub fn certify(model: &Model, net: &Net, diags: &mut Diags) -> Certificate {
         let sure = if r.radial { (r.own / 3.0).max(r.most) } else { r.own };
         cert.lower = cert.lower.max(sure * r.c);
     }
-    for l in &net.lias {
+    // the contacts of a set are judged by rule, and no two of its members are tied
+    for l in net.lias.iter().filter(|l| l.sets.is_none()) {
         let d = |e: End| net.under(e).iter().map(|m| rows[*m as usize].own * rows[*m as usize].c).fold(0.0, f64::max);
         pair = pair.max(l.all_ends().map(d).sum());
     }

@@ -3,7 +3,7 @@
 use super::blame::{round_down, span};
 use super::worst::Row;
 use crate::certificate::Certificate;
-use crate::compile::net::{End, Net};
+use crate::compile::net::{End, LiaNode, Net};
 use crate::kind::Unit;
 use crate::law::Bound;
 use crate::model::diag::{Diag, Diags};
@@ -22,7 +22,7 @@ pub fn contacts(model: &Model, net: &Net, rows: &[Row], bounds: &[Bound], cert: 
         if !b.contact || b.k == 0.0 {
             continue;
         }
-        let c: f64 = l.all_ends().map(|e| net.under(e).iter().map(|m| rows[*m as usize].c).fold(0.0, f64::max)).sum();
+        let c = mobility(net, l, rows);
         let a = b.k * c;
         if a > cert.contact {
             cert.contact = a;
@@ -42,6 +42,18 @@ pub fn contacts(model: &Model, net: &Net, rows: &[Row], bounds: &[Bound], cert: 
             diags.push(d.at(span(model, net, l.item), "stiff contact").help(help));
         }
     }
+}
+
+/// T²/m of both ends of a contact together; of a set, of its most mobile pair.
+fn mobility(net: &Net, l: &LiaNode, rows: &[Row]) -> f64 {
+    let end = |e: End| net.under(e).iter().map(|m| rows[*m as usize].c).fold(0.0, f64::max);
+    let Some(sets) = &l.sets else { return l.all_ends().map(end).sum() };
+    // the largest and the next
+    let two = |set: &[u32]| {
+        set.iter().map(|m| rows[*m as usize].c).fold((0.0f64, 0.0f64), |(a, b), c| (a.max(c), b.max(a.min(c))))
+    };
+    let (first, next) = two(&sets[0]);
+    if sets[1].is_empty() { first + next } else { first + two(&sets[1]).0 }
 }
 
 /// The delay of a device turns viscosity straight on a key into noise and instability (ICMC 2013, 7.1).
