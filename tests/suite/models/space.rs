@@ -82,7 +82,7 @@ fn played(name: &str) -> Heard {
 }
 
 pub fn rattle() {
-    let h = played("rattle");
+    played("rattle");
     // the degraded experiments: without force feedback the sound of a given gesture is the same, and nothing is sent to
     // the hand; late by 30 frames of 16 ticks, the key moves 480 ticks later
     let push = || {
