@@ -93,7 +93,7 @@ macro_rules! kind {
                 $doc,
                 " Its elongation `e` is the sum of those of two pairs of ends, `between` and `onto`, each a distance \
                  in space or a difference on a line; the same force pulls at both, so energy crosses and none is made. \
-                 The second port is slack at rest. For the law itself see the kind without `LPR_`."
+                 The second port, or the one on a line where only one is in space, is slack at rest. For the law itself see the kind without `LPR_`."
             ),
             source: &["Rattle"],
             params: {

@@ -192,7 +192,7 @@ impl Wiring<'_> {
             };
             let mut ends = ends;
             // a quadripole is the same either way round: the port in space comes first
-            if let (Measure::Line(_), Some(o)) = (measure, &mut onto) {
+            if let (Measure::Line(_), Some(o @ SecondPort { measure: Measure::Radial, .. })) = (measure, &mut onto) {
                 core::mem::swap(&mut ends, &mut o.ends);
                 core::mem::swap(&mut measure, &mut o.measure);
             }

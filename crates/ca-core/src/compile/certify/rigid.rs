@@ -229,7 +229,8 @@ pub fn rigid(model: &Model, net: &Net, diags: &mut Diags) {
                     break;
                 }
             };
-            found = found.or(Some(d));
+            // of two that do not hold, what is at least something
+            found = found.filter(|f: &Diag| f.code == "W112").or(Some(d));
         }
         if let (Some(d), false) = (found, held) {
             told.insert(l.item);
