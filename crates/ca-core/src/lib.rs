@@ -41,6 +41,7 @@ extern crate std;
 pub mod border;
 pub mod catalog;
 pub mod certificate;
+pub mod cloud;
 pub mod compile;
 pub mod energy;
 pub mod generate;

@@ -85,6 +85,7 @@ pub fn schedule(
     let forces = passes::forces(&layout, links.forces, links.late, weight);
     let writes = passes::writes(&layout, gains);
     let initial = start(&layout, &forces, loaded(net, &layout, x, &v, coef, live_places));
+    let (probe_names, probe_of) = probes(net);
     Some(Scene {
         rate: net.rate,
         layout,
@@ -93,7 +94,8 @@ pub fn schedule(
         writes,
         moves,
         inputs: net.inputs.clone(),
-        probe_names: probe_names(net),
+        probe_names,
+        probe_of,
         channel_names: net.channels.clone(),
         live,
         gestures: net.gestures.clone(),
@@ -313,11 +315,11 @@ fn loaded(net: &Net, layout: &Layout, x: Vec<f64>, v: &[f64], coef: Vec<f64>, li
     }
 }
 
-/// The probes by name, one for each place behind the channels.
-fn probe_names(net: &Net) -> Vec<String> {
+/// The probes by name and by what asked for them, one for each place behind the channels.
+fn probes(net: &Net) -> (Vec<String>, Vec<u32>) {
     let mut all: Vec<&OutNode> = net.outs.iter().filter(|o| o.item.is_none()).collect();
     all.dedup_by_key(|o| o.channel);
-    all.into_iter().map(|o| o.name.clone()).collect()
+    all.into_iter().map(|o| (o.name.clone(), o.asked)).unzip()
 }
 
 fn used_points(net: &Net) -> Vec<bool> {
