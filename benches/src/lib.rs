@@ -1,5 +1,7 @@
 //! Scenes that the benches share.
 
+pub mod rattle;
+
 use ca_core::{Catalog, KernelClass, Model, Options, Scene, compile};
 use std::fmt::Write as _;
 

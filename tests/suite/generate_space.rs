@@ -1,7 +1,10 @@
 //! What generators draw in space: where things are, how they start, what they weigh and how they vibrate.
 
 use crate::play::{mats, off, reference, scene, with, within};
+use ca_core::cloud::Cloud;
+use ca_core::{Options, compile};
 use ca_core::{Scene, sense};
+use ca_haptic::cloud::{of_model, open};
 
 /// A body in a room, every mass of it tied to the origin first, so that the reach of the ties is where it is at rest.
 fn room(body: &str) -> String {
@@ -137,4 +140,238 @@ fn d05_modes_of_a_tetrahedron() {
             1e-10,
         );
     }
+}
+
+/// Corners of a pyramid on a square, with the top twice, the sides and the square as faces, and one face without area.
+const CORNERS: [[f64; 3]; 6] =
+    [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0], [0.5, 0.5, 0.75], [0.5, 0.5, 0.75]];
+const FACES: [&[u32]; 6] = [&[0, 1, 2, 3], &[0, 1, 4], &[1, 2, 5], &[2, 3, 4], &[3, 0, 5], &[4, 5, 0]];
+
+fn pyramid() -> Cloud {
+    let edges = vec![[0, 1], [0, 3], [0, 4], [1, 2], [1, 4], [2, 3], [2, 4], [3, 4]];
+    Cloud { points: CORNERS[..5].to_vec(), edges, merged: 1, flat: 1 }
+}
+
+/// The pyramid as PLY: the header, then text, or binary with the bytes of each number put by `f32`, `u32`.
+fn ply(format: &str, number: fn(f32) -> [u8; 4], index: fn(u32) -> [u8; 4]) -> Vec<u8> {
+    let mut out = format!(
+        "ply\nformat {format} 1.0\ncomment a pyramid\nelement vertex 6\nproperty float x\nproperty float y\n\
+         property float z\nproperty uchar red\nelement face 6\nproperty list uchar uint vertex_indices\nend_header\n"
+    )
+    .into_bytes();
+    let text = format == "ascii";
+    for p in CORNERS {
+        if text {
+            out.extend(format!("{} {} {} 255\n", p[0], p[1], p[2]).bytes());
+        } else {
+            p.into_iter().for_each(|v| out.extend(number(v as f32)));
+            out.push(255);
+        }
+    }
+    for f in FACES {
+        if text {
+            out.extend(format!("{}{}\n", f.len(), f.iter().map(|i| format!(" {i}")).collect::<String>()).bytes());
+        } else {
+            out.push(f.len() as u8);
+            f.iter().for_each(|i| out.extend(index(*i)));
+        }
+    }
+    out
+}
+
+fn obj() -> String {
+    let v = CORNERS.map(|[x, y, z]| format!("v {x} {y} {z}\n")).concat();
+    // from 1 forwards with pictures and normals, and from −1 backwards
+    let face = |f: &[u32]| format!("f{}\n", f.iter().map(|i| format!(" {}/1/7", i + 1)).collect::<String>());
+    let back = |f: &[u32]| format!("f{}\n", f.iter().map(|i| format!(" {}", i64::from(*i) - 6)).collect::<String>());
+    let (head, tail) = FACES.split_at(3);
+    let f: String = head.iter().map(|f| face(f)).chain(tail.iter().map(|f| back(f))).collect();
+    format!("# a pyramid\no pyramid\n{v}vn 0 0 1\nusemtl stone\n{f}")
+}
+
+#[test]
+fn every_format_gives_the_same_cloud() {
+    let dir = tempfile::tempdir().unwrap();
+    let put = |name: &str, bytes: &[u8]| {
+        let path = dir.path().join(name);
+        std::fs::write(&path, bytes).unwrap();
+        open(&path).unwrap_or_else(|e| panic!("{e}"))
+    };
+    assert_eq!(put("a.ply", &ply("ascii", f32::to_le_bytes, u32::to_le_bytes)), pyramid());
+    assert_eq!(put("l.PLY", &ply("binary_little_endian", f32::to_le_bytes, u32::to_le_bytes)), pyramid());
+    assert_eq!(put("b.ply", &ply("binary_big_endian", f32::to_be_bytes, u32::to_be_bytes)), pyramid());
+    assert_eq!(put("a.obj", obj().as_bytes()), pyramid());
+    // lines join as they go, and are not closed
+    let lines = put("l.obj", b"v 0 0 0\nv 1 0 0\nv 2 0 0\nv -0 0 0\nl 1 2 3\nl 3 2\n");
+    assert_eq!((lines.points.len(), lines.edges, lines.merged), (3, vec![[0, 1], [1, 2]], 1));
+    let edges = "ply\nformat ascii 1.0\nelement vertex 2\nproperty double x\nproperty double y\nproperty double z\n\
+                 element edge 1\nproperty int vertex1\nproperty int vertex2\nend_header\n0 0 0\n0.1 0 0\n1 0\n";
+    let edges = put("e.ply", edges.as_bytes());
+    assert_eq!((edges.points, edges.edges), (vec![[0.0; 3], [0.1, 0.0, 0.0]], vec![[0, 1]]));
+    // rows: with a header and other columns, or plain
+    let rows = CORNERS.map(|[x, y, z]| format!("7,{z},{x},{y}\n")).concat();
+    let plain = CORNERS.map(|[x, y, z]| format!("{x}, {y}, {z}\n")).concat();
+    let points = Cloud { edges: Vec::new(), flat: 0, ..pyramid() };
+    assert_eq!(put("h.csv", format!("id,Z,x,y\n{rows}").as_bytes()), points);
+    assert_eq!(put("p.csv", format!("# plain\n{plain}").as_bytes()), points);
+}
+
+#[test]
+fn files_that_are_no_clouds_say_why() {
+    let dir = tempfile::tempdir().unwrap();
+    let said = |name: &str, bytes: &[u8]| {
+        let path = dir.path().join(name);
+        std::fs::write(&path, bytes).unwrap();
+        let text = open(&path).expect_err(name).to_string();
+        text.replace(&format!("`{}`", path.display()), "it")
+    };
+    let header = "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\n";
+    let list = "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
+    assert!(said("a.ply", b"solid\n").starts_with("it, line 1: "), "{}", said("a.ply", b"solid\n"));
+    assert_eq!(
+        said("b.ply", format!("{header}end_header\n0 0\n1 1\n").as_bytes()),
+        "it: its points have no `z`; export x, y and z"
+    );
+    let short = said("c.ply", format!("{header}property float z\n{list}0 0 0\n1 1 1\n").as_bytes());
+    assert!(short.starts_with("it"), "{short}");
+    let face = said("d.ply", format!("{header}property float z\n{list}0 0 0\n1 1 1\n3 0 1 2\n").as_bytes());
+    assert_eq!(face, "it: a face names point 2; there are 2, counted from 0");
+    let nan = said("e.ply", format!("{header}property float z\nend_header\n0 0 0\n1 nan 1\n").as_bytes());
+    assert!(nan.contains("nowhere") || nan.contains("line 9"), "{nan}");
+    let huge = header.replace("vertex 2", "vertex 4000000000");
+    let huge = said("f.ply", format!("{huge}property float z\nend_header\n").as_bytes());
+    assert_eq!(huge, "it: 4000000000 points are more than the 1000000 a model holds; simplify it");
+    assert_eq!(
+        said("a.obj", b"v 0 0 0\nf 1 2 3\n"),
+        "it, line 2: `2` is no point; points count from 1, and stand above"
+    );
+    assert_eq!(said("b.obj", b"v 0 zero 0\n"), "it, line 1: `zero` is not a number; a point is `v x y z`");
+    assert_eq!(said("c.obj", b"v 0 0\n"), "it, line 1: a number is missing; a point is `v x y z`");
+    assert_eq!(said("d.obj", b"f 1 2 3\n").split(';').next(), Some("it, line 1: `1` is no point"));
+    assert_eq!(said("e.obj", b""), "it: it holds no points");
+    let number = "write it like `-1.5e-3`, without a unit";
+    assert_eq!(said("a.csv", b"x,y,z\n0,0,1 cm\n"), format!("it, line 2, column 3: `1 cm` is not a number; {number}"));
+    assert_eq!(said("b.csv", b"x,y,z\n0,inf,1\n"), format!("it, line 2, column 2: `inf` is not a number; {number}"));
+    assert_eq!(said("c.csv", b"0,0,0\n0,0\n"), format!("it, line 2, column 3: there is no number; {number}"));
+    assert!(said("d.csv", b"x;y;z\n").contains("neither three numbers nor a header"));
+    assert_eq!(said("a.stl", b""), "it: the extension says no format of points; use `.ply`, `.obj` or `.csv`");
+    assert!(open(dir.path().join("none.ply")).unwrap_err().to_string().contains("cannot be read"));
+}
+
+#[test]
+fn a_cloud_becomes_masses_and_springs() {
+    let dir = tempfile::tempdir().unwrap();
+    std::fs::write(dir.path().join("pyramid.obj"), obj()).unwrap();
+    let build = |body: &str| {
+        let model = crate::play::model(&room(body));
+        let clouds = of_model(&model, &ca_core::Catalog::core(), dir.path());
+        compile(&model, &ca_core::Catalog::core(), &Options { clouds, ..reference() })
+    };
+    let args = "file = \"pyramid.obj\", scale = \"20 %\", m_total = \"10 g\", k = 100, x = [1, 0, 0], v = [0, 3, 0]";
+    let scene = build(&format!("[room.CLOUD]\np = {{ {args}, turn = [0, 0, \"25 %\"] }}\n")).unwrap();
+    let at = mats(&scene, "room.p");
+    assert_eq!((at.len(), scene.n_lia), (5, 5 + 8));
+    let s = scene.state();
+    for (i, [x, y, z]) in CORNERS[..5].iter().enumerate() {
+        let rest = [0, 1, 2].map(|k| scene.layout.reach[i][k]);
+        within("at its place", norm(minus(rest, [1.0 - 0.2 * y, 0.2 * x, 0.2 * z])), 1e-15);
+        within("thrown", (s.d[at[i] + 1] / scene.te - 3.0).abs(), 1e-14);
+        within("a fifth of the whole", off(scene.te * scene.te / s.coef[2 * scene.n_mat + at[i]], 2e-3), 1e-15);
+    }
+    assert!(scene.diags.list.iter().any(|d| d.code == "N202"), "{}", scene.diags);
+    // by reach: the sides of the square, not its diagonals, nor the slanting edges of 1.03
+    let near = build(&format!("[room.CLOUD]\np = {{ {args}, reach = 0.2001 }}\n")).unwrap();
+    assert_eq!(near.n_lia, 5 + 4);
+    // without k only masses
+    assert_eq!(build("[room.CLOUD]\np = { file = \"pyramid.obj\", m = 1 }\n").unwrap().n_lia, 5);
+    let missing = build("[room.CLOUD]\np = { file = \"cone.obj\", m = 1 }\n").unwrap_err();
+    assert!(missing.list.iter().any(|d| d.code == "E031" && d.title.contains("cone.obj") && d.span().is_some()));
+}
+
+#[test]
+fn neighbours_are_all_pairs_that_are_near() {
+    let mut dice = crate::play::Dice(5);
+    let points: Vec<[f64; 3]> = (0..200).map(|_| [0; 3].map(|_| dice.roll())).collect();
+    let cloud = Cloud { points: points.clone(), ..Cloud::default() };
+    let pairs = (0..200u32).flat_map(|i| (i + 1..200).map(move |j| [i, j]));
+    let near: Vec<[u32; 2]> =
+        pairs.filter(|[i, j]| norm(minus(points[*i as usize], points[*j as usize])) <= 0.4).collect();
+    assert!(near.len() > 100);
+    assert_eq!(cloud.within(0.4, near.len()).as_ref(), Some(&near));
+    assert_eq!(cloud.within(0.4, near.len() - 1), None);
+}
+
+/// Displacement across a mesh in its lowest mode, and the force on it there, as −λ k.
+fn across(body: &str, nx: usize, ny: usize, axis: usize) -> (f64, f64, Scene) {
+    let text = format!(
+        "[room]\ndim = 3\n[room.MESH]\np = {{ nx = {nx}, ny = {ny}, edges = \"closed\", {body} }}\n[SOX]\nout = {{ from = \"room.p[1,1]\", along = \"z\" }}\n"
+    );
+    let scene = scene(&text);
+    let name = |i: usize, j: usize| crate::play::mat(&scene, &format!("room.p[{i},{j}]"));
+    let shape = |i: usize, j: usize| {
+        let pi = std::f64::consts::PI;
+        (pi * i as f64 / (nx - 1) as f64).sin() * (pi * j as f64 / (ny - 1) as f64).sin()
+    };
+    let inner: Vec<(usize, usize)> = (1..nx - 1).flat_map(|i| (1..ny - 1).map(move |j| (i, j))).collect();
+    let mut s = scene.state();
+    let by = 1e-7;
+    inner.iter().for_each(|(i, j)| s.x[name(*i, *j) + axis] = by * shape(*i, *j));
+    sense(&scene, &mut s);
+    let (mut projected, mut square) = (0.0, 0.0);
+    for (i, j) in &inner {
+        projected -= s.f[name(*i, *j) + axis] * shape(*i, *j) / by;
+        square += shape(*i, *j) * shape(*i, *j);
+    }
+    let stiffness = projected / square;
+    let stray = inner.iter().map(|(i, j)| (s.f[name(*i, *j) + axis] / by + stiffness * shape(*i, *j)).abs());
+    (stiffness, stray.fold(0.0, f64::max) / stiffness, scene)
+}
+
+#[test]
+fn a_stretched_mesh_sounds_across_as_asked() {
+    let pi = std::f64::consts::PI;
+    for (stretch, shear) in [(0.1, ""), (0.5, ", shear = 300"), (1.0, "")] {
+        // by stiffness: 4 k stretch (sin² + sin²)
+        let (stiffness, stray, _) =
+            across(&format!("m = 1e-3, k = 2e4, dx = 0.01, stretch = {stretch}{shear}"), 7, 5, 2);
+        let want = 4.0 * 2e4 * stretch * ((pi / 12.0).sin().powi(2) + (pi / 8.0).sin().powi(2));
+        within("stiffness across", off(stiffness, want), 1e-7);
+        within("it is a mode", stray, 1e-7);
+        // by pitch: heard at f, warping included
+        let (stiffness, _, scene) =
+            across(&format!("m = 1e-3, f = 220, dx = 0.01, stretch = {stretch}{shear}"), 7, 5, 2);
+        let half = 0.5 * scene.te * (stiffness / 1e-3).sqrt();
+        within("f", off(half.asin() / (pi * scene.te), 220.0), 1e-7);
+    }
+    // turned up, it moves along y; and it moves at all: a period of the lowest mode comes back
+    let (stiffness, _, scene) =
+        across("m = 1e-3, f = 220, dx = 0.01, stretch = 0.5, turn = [\"-25 %\", 0, 0]", 7, 5, 1);
+    within("turned", off((0.5 * scene.te * (stiffness / 1e-3).sqrt()).asin() / (pi * scene.te), 220.0), 1e-7);
+}
+
+#[test]
+fn probes_are_called_by_the_modules_they_hear() {
+    let probe = |text: &str, probes: &[&str]| {
+        let options = Options { probes: probes.iter().map(|p| (*p).into()).collect(), ..Options::default() };
+        let scene = with(text, &options);
+        (scene.probe_names.clone(), scene.probe_of.clone())
+    };
+    let (names, of) = probe(&room(&tetra("k = 1000")), &["room.p[*]", "room.p[2]", "room.p.link[1..3]"]);
+    let want: Vec<String> = (0..4).flat_map(|i| ["x", "y", "z"].map(|a| format!("room.p[{i}].{a}"))).collect();
+    assert_eq!(names[..12], want);
+    assert_eq!(names[12..], ["room.p[2].x", "room.p[2].y", "room.p[2].z", "room.p.link[1]", "room.p.link[2]"]);
+    assert_eq!(of[11..], [0, 1, 1, 1, 2, 2]);
+    let string = "[STRING]\nlow = { n = 5, f = 100, m = 1e-3 }\n[RES]\nnone = { between = [\"low[0]\", \"low[1]\"], k = 0 }\n\
+                  [SOX]\nout = { from = \"low[0]\" }\n";
+    let (names, of) = probe(string, &["low[1..3]", "low.link[*]", "none", "low[-1]"]);
+    assert_eq!(names[..3], ["low[1]", "low[2]", "low.link[0]"]);
+    // what does nothing has no column, and leaves no gap
+    assert_eq!((names.last().map(String::as_str), of.last(), of.contains(&2)), (Some("low[-1]"), Some(&3), false));
+    let options = Options { probes: vec!["none".into(), "low[1]".into()], ..Options::default() };
+    let scene = with(string, &options);
+    assert_eq!(scene.n_out, 2);
+    let mut s = scene.state();
+    s.x[crate::play::mat(&scene, "low[1]")] = 0.25;
+    ca_core::tick(&scene, &mut s);
+    assert_eq!(s.output[1], 0.25);
 }

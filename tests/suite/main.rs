@@ -23,4 +23,5 @@ mod select;
 mod set;
 mod sets;
 mod space;
+mod stable;
 mod writer;

@@ -5,6 +5,7 @@
 
 use crate::args::Source;
 use crate::{Failure, catalog, term};
+use ca_core::cloud::Clouds;
 use ca_core::load::finish;
 use ca_core::model::diag::{Diags, Severity};
 use ca_core::model::suggest::nearest;
@@ -22,6 +23,8 @@ pub struct Loaded {
     pub diags: Diags,
     /// its name without folder and extension
     pub name: String,
+    /// what the files it names hold
+    pub clouds: Clouds,
 }
 
 /// Text of a bundled model.
@@ -78,7 +81,8 @@ pub fn load(source: &Source) -> Result<Loaded, Failure> {
     for (name, value) in source.changes() {
         set(&mut model, &name, &value)?;
     }
-    Ok(Loaded { model, diags, name: stem(path) })
+    let clouds = ca_haptic::cloud::of_model(&model, &catalog(), path.parent().unwrap_or(Path::new("")));
+    Ok(Loaded { model, diags, name: stem(path), clouds })
 }
 
 /// Reads a MIMS text. With errors, the model that comes back is empty but for the text they point into.
@@ -169,7 +173,8 @@ pub fn ticked<'a>(words: impl Iterator<Item = &'a str>) -> String {
 
 /// Compiles. Findings of reader and compiler together, in order of place; one is not said twice.
 pub fn compiled(loaded: &Loaded, options: &Options) -> (Option<Scene>, Diags) {
-    match finish(&loaded.model, loaded.diags.clone(), &catalog(), options) {
+    let options = Options { clouds: loaded.clouds.clone(), ..options.clone() };
+    match finish(&loaded.model, loaded.diags.clone(), &catalog(), &options) {
         Ok(scene) => {
             let diags = scene.diags.clone();
             (Some(scene), diags)

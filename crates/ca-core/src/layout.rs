@@ -212,6 +212,8 @@ pub struct Layout {
     pub n_coef: usize,
     /// numbers of memory of laws
     pub n_mem: usize,
+    /// contacts that are solved together
+    pub n_touch: usize,
     /// places for forces kept or in passing
     pub n_tap: usize,
     /// channels of sound; probes come after them in [`State::output`](crate::state::State)

@@ -41,6 +41,7 @@ extern crate std;
 pub mod border;
 pub mod catalog;
 pub mod certificate;
+pub mod cloud;
 pub mod compile;
 pub mod energy;
 pub mod generate;
@@ -53,6 +54,7 @@ pub mod live;
 #[cfg(feature = "parse")]
 pub mod load;
 pub mod mat;
+pub mod method;
 pub mod model;
 pub mod near;
 pub mod op;
@@ -63,6 +65,7 @@ pub mod sketch;
 pub mod state;
 pub mod table;
 pub mod tick;
+pub mod touch;
 
 pub use catalog::Catalog;
 pub use compile::{KernelClass, Options, compile};

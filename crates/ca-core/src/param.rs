@@ -177,6 +177,13 @@ pub enum Type {
     Between,
     /// a selector of modules, e.g. `low[3]`
     Module,
+    /// a file of points, see [`crate::cloud`]
+    File,
+    /// a list of places
+    Places {
+        /// unit and dimension
+        unit: Unit,
+    },
     /// free text
     Text,
     /// the mapping of a MIDI note or controller onto a port (an inline table, see [`crate::io::midi`])

@@ -79,9 +79,11 @@ pub struct Scene {
     pub inputs: Vec<Input>,
     /// names of the sound channels (channels)
     pub channel_names: Vec<String>,
-    /// names of the probes (n_out − channels): the selector, with `#i` where it chose several and `.x`, `.y`, `.z` for
-    /// what is in space
+    /// names of the probes (n_out − channels): the selector, or the module where it chose several, with `.x`, `.y`, `.z`
+    /// for what is in space
     pub probe_names: Vec<String>,
+    /// for each of them the selector that asked for it, a place in [`crate::Options::probes`]
+    pub probe_of: Vec<u32>,
     /// live coefficients and how to compute them
     pub live: LivePlan,
     /// the built-in gesture of the model: what it drives and its points \[s, value\]

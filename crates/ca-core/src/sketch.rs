@@ -4,8 +4,10 @@
 //! links that point at derived numbers, and the compiler expands the drawing. `derive` is the function a live change
 //! calls too, so a string retuned while playing is exactly the string that would have been compiled.
 
+use crate::cloud::Cloud;
 use crate::param::Param;
 use alloc::string::String;
+use alloc::sync::Arc;
 use alloc::vec::Vec;
 
 /// A resolved parameter, in SI.
@@ -17,6 +19,8 @@ pub enum Arg {
     Num(f64),
     /// numbers
     List(Vec<f64>),
+    /// what a file holds
+    Cloud(Arc<Cloud>),
 }
 
 impl Arg {
@@ -48,6 +52,10 @@ impl Args<'_> {
     fn arg(&self, name: &str) -> &Arg {
         self.params.iter().position(|p| p.name == name).map_or(&Arg::Absent, |i| &self.values[i])
     }
+    /// Whether `name` is written or defaulted.
+    pub fn is_written(&self, name: &str) -> bool {
+        *self.arg(name) != Arg::Absent
+    }
     /// The number `name`, if written or defaulted.
     pub fn num(&self, name: &str) -> Option<f64> {
         self.arg(name).num()
@@ -63,9 +71,16 @@ impl Args<'_> {
     /// The numbers `name`; a single number stands for `n` of them.
     pub fn list(&self, name: &str, n: usize) -> Vec<Option<f64>> {
         match self.arg(name) {
-            Arg::Absent => alloc::vec![None; n],
+            Arg::Absent | Arg::Cloud(_) => alloc::vec![None; n],
             Arg::Num(v) => alloc::vec![Some(*v); n],
             Arg::List(l) => (0..n).map(|i| l.get(i).copied()).collect(),
+        }
+    }
+    /// What the file `name` holds.
+    pub fn cloud(&self, name: &str) -> Option<&Cloud> {
+        match self.arg(name) {
+            Arg::Cloud(c) => Some(c),
+            _ => None,
         }
     }
     /// How many numbers `name` has; `None` for a single number or none.
@@ -113,7 +128,7 @@ pub enum Drawn {
 }
 
 /// A drawn link: ends, stiffness slot, viscosity slot.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DrawnLink {
     /// first and second end, by number of the drawn MAT
     pub ends: [u32; 2],
@@ -121,6 +136,8 @@ pub struct DrawnLink {
     pub k: u32,
     /// slot of the viscosity; one that does not exist means none
     pub z: u32,
+    /// rest length \[m\]; slack where its ends are at rest if `None`
+    pub l0: Option<f64>,
 }
 
 /// A drawing.
@@ -188,7 +205,12 @@ impl<'a> Sketch<'a> {
 
     /// Adds a link `name.link[i]` of stiffness slot `k` and viscosity slot `z`.
     pub fn link(&mut self, a: u32, b: u32, k: u32, z: u32) {
-        self.links.push(DrawnLink { ends: [a, b], k, z });
+        self.links.push(DrawnLink { ends: [a, b], k, z, l0: None });
+    }
+
+    /// Adds a link of rest length `l0` \[m\].
+    pub fn stretched(&mut self, a: u32, b: u32, k: u32, z: u32, l0: f64) {
+        self.links.push(DrawnLink { ends: [a, b], k, z, l0: Some(l0) });
     }
 
     /// Declares the points a moving point `name@s` may stand between, as `size[0] × size[1]` nodes.

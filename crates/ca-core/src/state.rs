@@ -6,6 +6,7 @@
 
 use crate::ledger::Ledger;
 use crate::near::Near;
+use crate::touch::Touches;
 use alloc::vec::Vec;
 use core::hash::Hasher;
 
@@ -100,6 +101,8 @@ pub struct State {
     pub blocked: Vec<[f64; 2]>,
     /// past of the sound channels before the low-pass (channels x 2n), a ring each, twice; written by `writes`
     pub lowpass: Vec<f64>,
+    /// contacts that are solved together; empty between ticks, written by `forces`
+    pub touches: Touches,
     /// coefficients on their way to a new value
     pub ramps: Ramps,
     /// energy book, where the scene keeps one

@@ -56,6 +56,9 @@ impl FileError {
     pub(crate) fn content(what: impl Into<String>) -> FileError {
         FileError::new(FileErrorKind::Content, what)
     }
+    pub(crate) fn unsupported(what: impl Into<String>) -> FileError {
+        FileError::new(FileErrorKind::Unsupported, what)
+    }
     pub(crate) fn usage(what: impl Into<String>) -> FileError {
         FileError::new(FileErrorKind::Usage, what)
     }

@@ -39,6 +39,7 @@
 //! ```
 #![forbid(unsafe_code)]
 
+pub mod cloud;
 pub mod error;
 pub mod gesture;
 pub mod perform;

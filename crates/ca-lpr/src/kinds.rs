@@ -1,7 +1,7 @@
 //! The kinds: one for each law, made of the kind of the core at compile time.
 //!
 //! Decides that parameters, their docs and their alternatives are those of the law, copied as data, so that they cannot
-//! fall apart; what is taken away is `along`, since both ports measure what their world is made of, and what is added
+//! fall apart; what is taken away is `along`, since both ports measure what their world is made of, and `method`; what is added
 //! is `onto`, behind the others, since a law knows its parameters by number.
 
 use crate::laws;
@@ -20,7 +20,8 @@ const ONTO: Param = Param::new(
 );
 
 const fn is_kept(p: &Param) -> bool {
-    !matches!(p.ty, Type::Direction)
+    // the methods of contacts know of one port
+    !matches!(p.ty, Type::Direction) && !matches!(p.name.as_bytes(), b"method")
 }
 
 /// How many parameters the LPR of `kind` has.
@@ -92,7 +93,7 @@ macro_rules! kind {
                 $doc,
                 " Its elongation `e` is the sum of those of two pairs of ends, `between` and `onto`, each a distance \
                  in space or a difference on a line; the same force pulls at both, so energy crosses and none is made. \
-                 The second port is slack at rest. For the law itself see the kind without `LPR_`."
+                 The second port, or the one on a line where only one is in space, is slack at rest. For the law itself see the kind without `LPR_`."
             ),
             source: &["Rattle"],
             params: {

@@ -40,8 +40,8 @@ pub fn args(kind: &Kind, dice: &mut Dice) -> Vec<Entry> {
         if mentioned.is_some_and(|(_, set)| !set.contains(&p.name)) {
             continue;
         }
-        // both ends of the link drawn live on a line
-        if p.name == "soften" {
+        // both ends of the link drawn live on a line, and a method other than the first is no explicit law
+        if matches!(p.name, "soften" | "method") {
             continue;
         }
         // the last table of a kind is left out only where there is another

@@ -6,6 +6,7 @@ use crate::args::ImportArgs;
 use crate::load::{self, Loaded};
 use crate::{Ended, Failure, Outcome, catalog, term};
 use ca_core::Options;
+use ca_core::cloud::Clouds;
 use ca_core::compile::certify::Level;
 use ca_core::model::{Model, read, render, write};
 use std::io::Write as _;
@@ -30,7 +31,7 @@ pub fn run(args: &ImportArgs) -> Outcome {
     writeln!(out, "{shown} written: {} lines from {}", text.lines().count(), original.text.lines().count())?;
 
     let (model, diags) = read::read(&text, &shown, &catalog());
-    let loaded = Loaded { model, diags, name: load::stem(&output) };
+    let loaded = Loaded { model, diags, name: load::stem(&output), clouds: Clouds::new() };
     let (scene, diags) = load::compiled(&loaded, &Options::default());
     term::findings(&render::text(&diags, &loaded.model, term::color()));
     let Some(scene) = scene else { return Err(Failure::Told) };

@@ -26,7 +26,9 @@ pub fn mark(net: &mut Net) {
         let first = if line(l.measure) { moving(&l.ends) } else { Vec::new() };
         let other = l.onto.filter(|o| line(o.measure)).map_or(Vec::new(), |o| moving(&o.ends));
         let all: Vec<u32> = first.into_iter().chain(other).collect();
-        all.iter().for_each(|m| at[*m as usize].push(joins.len() as u32));
+        for m in &all {
+            at[*m as usize].push(joins.len() as u32);
+        }
         joins.push(all);
     }
     let mut fed = alloc::vec![false; net.mats.len()];

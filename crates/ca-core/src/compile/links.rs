@@ -9,7 +9,7 @@ use crate::layout::Cloud;
 use crate::live::{Loader, Source};
 use crate::model::Model;
 use crate::model::diag::Diags;
-use crate::op::law::Law;
+use crate::op::law::{Law, Turn};
 use crate::op::{Form, Gauge, Op, Ports};
 use alloc::vec::Vec;
 
@@ -20,6 +20,10 @@ const SHORTEST_RUN: usize = 4;
 pub struct Links {
     /// their passes
     pub forces: Vec<Op>,
+    /// the first of those that look ahead
+    pub late: usize,
+    /// contacts that are solved together
+    pub touch: usize,
     /// first and second place of each
     pub ends: Vec<[u32; 2]>,
     /// the same of second ports
@@ -87,7 +91,7 @@ impl Plan<'_> {
         let mut out = Vec::new();
         for group in by_law {
             let shape = self.shape(group[0]);
-            if shape.gauge != Gauge::Line || shape.onto.is_some() {
+            if shape.gauge != Gauge::Line || shape.onto.is_some() || self.law(group[0]).is_late() {
                 out.push((group, 0));
                 continue;
             }
@@ -186,10 +190,13 @@ impl Plan<'_> {
         let own = own_tables(net);
         let heard: Vec<u32> =
             net.outs.iter().filter_map(|o| if let Ear::ForceOf(l) = o.ear { Some(l) } else { None }).collect();
-        let batches = self.batches(options.kernel);
+        let mut batches = self.batches(options.kernel);
+        batches.sort_by_key(|b| self.law(b.0[0]).is_late());
         let scratch = batches.iter().filter(|b| b.1 > 0).map(|b| b.0.len()).max().unwrap_or(0);
         let mut k = Links {
             forces: Vec::new(),
+            late: batches.iter().filter(|b| !self.law(b.0[0]).is_late()).count(),
+            touch: 0,
             ends: Vec::with_capacity(net.lias.len()),
             onto: Vec::new(),
             reach: Vec::new(),
@@ -253,6 +260,7 @@ impl Plan<'_> {
                 k.tap += ports.cloud.map_or(n, |c| 3 * k.clouds[c].members.len());
             }
             k.mem += n * law.mem;
+            k.touch += if matches!(law.turn, Turn::Together(_)) { n } else { 0 };
             k.forces.push(op);
         }
         k

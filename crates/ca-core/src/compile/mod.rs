@@ -37,6 +37,7 @@ mod sets;
 mod space;
 mod specialise;
 mod start;
+mod turns;
 mod values;
 mod wire;
 mod wiring;
@@ -61,6 +62,7 @@ pub fn compile(model: &Model, catalog: &Catalog, options: &Options) -> Result<Sc
     params::report_unused(&net, &mut diags);
     specialise::specialise(model, &mut net, &mut diags);
     prune::prune(model, &mut net, &mut diags);
+    turns::turns(model, &mut net, &mut diags);
     fed::mark(&mut net);
     let certificate = certify::certify(model, &net, &mut diags);
     if diags.has_errors() {

@@ -216,6 +216,8 @@ pub struct OutNode {
     pub gain: Source,
     /// the item; `None` for probes
     pub item: Option<u32>,
+    /// of a probe, its place in [`super::Options::probes`]
+    pub asked: u32,
 }
 
 /// The modules under one name.

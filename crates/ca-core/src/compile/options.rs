@@ -1,5 +1,6 @@
 //! What the caller asks of a compilation.
 
+use crate::cloud::Clouds;
 use alloc::string::String;
 use alloc::vec::Vec;
 
@@ -22,6 +23,8 @@ pub struct Options {
     pub energy: bool,
     /// selectors of modules to be heard besides the outputs: displacement of a MAT, force of a LIA
     pub probes: Vec<String>,
+    /// what the files named in the model hold
+    pub clouds: Clouds,
     /// which passes run the links
     pub kernel: KernelClass,
 }

@@ -29,6 +29,7 @@ pub fn resolve(model: &Model, catalog: &Catalog, options: &Options, diags: &mut 
     let alg = rates::reference(model, &net, diags);
     unique(model, diags);
     let mut v = Values::new(alg, diags);
+    v.clouds.clone_from(&options.clouds);
     v.named = params::all(model, v.diags);
     rates::media(model, &mut net, &mut v);
     let mut unknown = BTreeSet::new();

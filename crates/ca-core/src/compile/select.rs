@@ -184,6 +184,13 @@ impl Wiring<'_> {
             self.diags.push(d);
             return None;
         }
+        if self.net.mats[family.nodes[0] as usize].in_space() {
+            let d = Diag::error("E029", format!("`{owner}`: points move along what lives on a line only"));
+            let help =
+                format!("name a node of `{name}`, or tie a mesh or string on a line to it by links with `along`");
+            self.diags.push(d.at(w.index(), "in space").help(help));
+            return None;
+        }
         if at.len() != wants {
             let (help, is) = if wants == 2 {
                 (format!("write `{name}@0.3,0.4`: where along both sides"), "a mesh has two")

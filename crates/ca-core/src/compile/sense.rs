@@ -56,6 +56,9 @@ fn falls_backwards(v0: Option<f64>, v1: Option<f64>) -> bool {
 /// At most how many MATs and LIAs a generator will make, known before it makes them. Its counts multiply; each mass
 /// brings up to two links of its own, as in a mesh or a stiff string, a lone one in a row brings one.
 pub fn modules(a: &Args<'_>) -> usize {
+    if let Some(c) = a.values.iter().find_map(|v| if let Arg::Cloud(c) = v { Some(c) } else { None }) {
+        return c.points.len() + c.edges.len();
+    }
     let counts = a.params.iter().zip(a.values).filter(|(p, _)| matches!(p.ty, Type::Count { .. }));
     let (mut masses, mut sides) = (1usize, 0);
     for (_, v) in counts {
@@ -63,5 +66,6 @@ pub fn modules(a: &Args<'_>) -> usize {
         sides += 1;
     }
     let longest = a.values.iter().map(|v| if let Arg::List(l) = v { l.len() } else { 1 }).max().unwrap_or(1);
-    masses.max(longest).saturating_mul(if sides > 1 { 3 } else { 2 })
+    let shear = usize::from(a.is_written("shear"));
+    masses.max(longest).saturating_mul(if sides > 1 { 3 + 2 * shear } else { 2 })
 }

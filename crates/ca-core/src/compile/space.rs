@@ -41,6 +41,7 @@ pub fn place(arg: Option<&Arg>, dim: u8, span: Span, what: &str, diags: &mut Dia
             diags.push(wrong(&format!("a list of {}", l.len())));
             None
         }
+        Some(Arg::Cloud(_)) => None,
     }
 }
 

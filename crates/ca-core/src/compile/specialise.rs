@@ -93,5 +93,12 @@ impl Net {
         }
         // an output that hears a link that is nothing hears nothing; its channel stays
         self.outs.retain(|o| o.ear != super::net::Ear::ForceOf(u32::MAX));
+        // a probe that does leaves no gap
+        let (mut was, mut next) = (None, self.channels.len() as u32);
+        for o in self.outs.iter_mut().filter(|o| o.item.is_none()) {
+            next += u32::from(was.is_some_and(|w| w != o.channel));
+            was = Some(o.channel);
+            o.channel = next;
+        }
     }
 }

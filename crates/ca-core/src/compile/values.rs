@@ -5,6 +5,7 @@
 
 use super::named::{Named, Raw};
 use super::say::{bad_quantity, instead, quoted, range_help, type_name, unit_span, wanted, wrong_unit};
+use crate::cloud::Clouds;
 use crate::kind::{Dim, Kind, Need, Param, Type, Unit};
 use crate::model::diag::{Diag, Diags};
 use crate::model::quantity;
@@ -13,6 +14,7 @@ use crate::model::{Entry, Span, Value};
 use crate::sketch::Arg;
 use crate::table::Table;
 use alloc::format;
+use alloc::string::String;
 use alloc::vec::Vec;
 
 /// A number and, if it follows a live parameter, which one and by what factor.
@@ -24,6 +26,8 @@ pub struct Values<'a> {
     pub alg: Option<f64>,
     /// the parameters
     pub named: Vec<Named>,
+    /// what the files hold
+    pub clouds: Clouds,
     /// tables met so far
     pub tables: Vec<Table>,
     /// findings
@@ -33,7 +37,7 @@ pub struct Values<'a> {
 impl<'a> Values<'a> {
     /// Without named parameters.
     pub fn new(alg: Option<f64>, diags: &'a mut Diags) -> Values<'a> {
-        Values { alg, named: Vec::new(), tables: Vec::new(), diags }
+        Values { alg, named: Vec::new(), clouds: Clouds::new(), tables: Vec::new(), diags }
     }
 }
 
@@ -261,6 +265,8 @@ impl Values<'_> {
                 _ => self.count(e, (min, max), &what).map(|v| (Arg::Num(v), None)),
             },
             Type::Nodes => self.nodes(e, &what).map(|list| (Arg::List(list), None)),
+            Type::File => self.file(e, &what).map(|a| (a, None)),
+            Type::Places { unit } => self.places(e, unit, &what).map(|l| (Arg::List(l), None)),
             // structure, read elsewhere
             Type::Between | Type::Module | Type::Text | Type::Midi => Some((Arg::Absent, None)),
         }
@@ -285,6 +291,70 @@ impl Values<'_> {
         };
         let read: Vec<_> = list.iter().map(|x| self.constant(x, unit, crate::kind::ANY, what)).collect();
         read.into_iter().collect::<Option<Vec<f64>>>().map(Arg::List)
+    }
+
+    /// A list of places in space, flat.
+    fn places(&mut self, e: &Entry, unit: Unit, what: &str) -> Option<Vec<f64>> {
+        let help = format!("write e.g. `[[0, 0, 0], [{}, 0, 0]]`", quoted(unit));
+        let Value::List(list) = &e.value else {
+            return self.wrong_type(what, "a list of points", &e.value, e.span, &help);
+        };
+        let mut all = Vec::with_capacity(3 * list.len());
+        for p in list {
+            match self.place(p, unit, what)? {
+                Arg::List(l) if l.len() == 3 => all.extend(l),
+                _ => {
+                    let d = Diag::error("E006", format!("{what}: a point in space has three numbers"));
+                    self.diags.push(d.at(p.span, "does not fit").help(help));
+                    return None;
+                }
+            }
+        }
+        if all.is_empty() {
+            self.diags.push(Diag::error("E006", format!("{what} is an empty list")).at(e.span, "no point").help(help));
+        }
+        (!all.is_empty()).then_some(all)
+    }
+
+    /// What a file holds, with a note of what was left out of it.
+    fn file(&mut self, e: &Entry, what: &str) -> Option<Arg> {
+        let Value::Text(name) = &e.value else {
+            return self.wrong_type(what, "the name of a file", &e.value, e.span, "write e.g. `\"bell.ply\"`");
+        };
+        let unread = |what: String| Diag::error("E031", what).at(e.span, "cannot be read");
+        match self.clouds.get(name).cloned() {
+            Some(Ok(cloud)) => {
+                let count = |n: usize, one: &str, many: &str| match n {
+                    0 => None,
+                    1 => Some(format!("1 {one}")),
+                    n => Some(format!("{n} {many}")),
+                };
+                let left = [
+                    count(
+                        cloud.merged,
+                        "point stands where another does and was merged with it",
+                        "points stand where others do and were merged with them",
+                    ),
+                    count(cloud.flat, "face without area was left out", "faces without area were left out"),
+                ];
+                let left = left.into_iter().flatten().collect::<Vec<_>>().join("; ");
+                if !left.is_empty() {
+                    let d = Diag::note("N202", format!("{what}: {left}")).at(e.span, "not all of it is used");
+                    self.diags
+                        .push(d.help("nothing is amiss if the drawing has seams; else mend it where it was made"));
+                }
+                Some(Arg::Cloud(cloud))
+            }
+            Some(Err(why)) => {
+                self.diags.push(unread(format!("{what}: {}", why.what)).help(why.help));
+                None
+            }
+            None => {
+                let help = "save the model in a file beside it; a program that compiles hands over what files hold";
+                self.diags.push(unread(format!("{what}: `{name}` is not at hand")).help(help));
+                None
+            }
+        }
     }
 
     /// A direction, as a unit vector.

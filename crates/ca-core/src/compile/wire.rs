@@ -14,6 +14,7 @@ use crate::model::diag::{Diag, Diags};
 use crate::model::{Entry, Item, Model, Span, Value};
 use alloc::collections::{BTreeMap, BTreeSet};
 use alloc::format;
+use alloc::string::String;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
@@ -36,8 +37,8 @@ pub fn wire(model: &Model, net: Net, options: &Options, diags: &mut Diags) -> Ne
         }
     }
     w.broken_items();
-    for probe in &options.probes {
-        w.probe(probe);
+    for (asked, probe) in options.probes.iter().enumerate() {
+        w.probe(probe, asked as u32);
     }
     if let (Some(name), false) = (&w.net.incomplete, w.diags.has_errors()) {
         let d = Diag::error("E013", format!("`{name}` could not be read, and something refers to it"));
@@ -192,7 +193,7 @@ impl Wiring<'_> {
             };
             let mut ends = ends;
             // a quadripole is the same either way round: the port in space comes first
-            if let (Measure::Line(_), Some(o)) = (measure, &mut onto) {
+            if let (Measure::Line(_), Some(o @ SecondPort { measure: Measure::Radial, .. })) = (measure, &mut onto) {
                 core::mem::swap(&mut ends, &mut o.ends);
                 core::mem::swap(&mut measure, &mut o.measure);
             }
@@ -368,20 +369,20 @@ impl Wiring<'_> {
             };
             for (axis, share) in parts.into_iter().flatten() {
                 let name = own.clone();
-                self.net.outs.push(OutNode { name, ear, axis, share, channel, gain, item: Some(id) });
+                self.net.outs.push(OutNode { name, ear, axis, share, channel, gain, item: Some(id), asked: 0 });
             }
         }
     }
 
     /// A probe: one value for what lives on a line, a value for each axis of what lives in space.
-    fn probe(&mut self, text: &str) {
+    fn probe(&mut self, text: &str, asked: u32) {
         // an output's name means what it hears
         let heard: Vec<OutNode> =
             self.net.outs.iter().filter(|o| o.name == text && o.item.is_some()).cloned().collect();
         if let Some(first) = heard.first() {
             let channel = self.next_probe();
             for o in heard.iter().take_while(|o| o.channel == first.channel) {
-                self.net.outs.push(OutNode { channel, gain: Source::Const(1.0), item: None, ..o.clone() });
+                self.net.outs.push(OutNode { channel, gain: Source::Const(1.0), item: None, asked, ..o.clone() });
             }
             return;
         }
@@ -391,14 +392,20 @@ impl Wiring<'_> {
             None => return,
         };
         let many = ears.len() > 1;
-        for (i, ear) in ears.into_iter().enumerate() {
-            let name = if many { format!("{text}#{i}") } else { text.into() };
+        for ear in ears {
+            // one is called as it was asked for, several each by its own name
+            let name = match ear {
+                _ if !many => text,
+                Ear::Position(end) | Ear::ForceOn(end) => self.net.end_name(end),
+                Ear::ForceOf(l) => &self.net.lias[l as usize].name,
+            };
+            let name = String::from(name);
             let axes = if let Ear::Position(e) = ear { self.net.axes(e) } else { 1 };
             // of a plane too: its frozen axis is a number like the others
             for axis in 0..if axes > 1 { 3 } else { 1 } {
                 let name = if axes > 1 { format!("{name}.{}", space::AXES[axis as usize]) } else { name.clone() };
                 let (channel, gain) = (self.next_probe(), Source::Const(1.0));
-                self.net.outs.push(OutNode { name, ear, axis, share: 1.0, channel, gain, item: None });
+                self.net.outs.push(OutNode { name, ear, axis, share: 1.0, channel, gain, item: None, asked });
             }
         }
     }

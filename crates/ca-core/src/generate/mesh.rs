@@ -3,9 +3,16 @@
 //! Modes with a = kT²/m: closed, λ_pq = 4a (sin²(pπ/(2(nx−1))) + sin²(qπ/(2(ny−1)))), p, q ≥ 1; open,
 //! 4a (sin²(pπ/(2nx)) + sin²(qπ/(2ny))), p + q ≥ 1. Given `f` the lowest is inverted exactly. Stability: a < 1/2 serves
 //! every size. Source: SMC 2019 (mesh, closedMesh, cornerMesh).
+//!
+//! In space the springs are radial and shorter at rest than the spacing: l0 = (1 − stretch) dx. Each then pulls with
+//! k (dx − l0), and a small displacement across it meets tension/dx = stretch · k, so that transverse modes are those
+//! above with that stiffness, and `f` is the lowest of them. In the plane a spring is k; both together want
+//! (1 + stretch) a ≤ 1. Shear springs lie along the diagonals, slack at rest, and change no transverse mode. Only a mesh
+//! held all around is in balance when stretched.
 
+use super::pose::{Pose, TURN};
 use super::string::{DECAY, F, K, M, M_TOTAL, MASSES, T60, TUNING, Z, ZO, ground, mass, target, too_stiff};
-use crate::kind::{Kind, Need, Param, Role, Type};
+use crate::kind::{ABOVE_ZERO, Kind, Need, POSITIVE, Param, Role, Type, Unit};
 use crate::mat::X;
 use crate::sketch::{Args, Generator, Problem, Sketch};
 use alloc::format;
@@ -19,7 +26,9 @@ pub static KIND: Kind = Kind {
     title: "rectangular mesh",
     equation: "nx × ny MAS, REF between neighbours; border open, closed or held at the corners",
     doc: "A membrane (`edges = \"closed\"`), a plate-like sheet with free edges (`open`) or one hung at its corners. \
-          `skin[3,4]` is a node, `skin@0.3,0.4` a point that may move.",
+          `skin[3,4]` is a node, `skin@0.3,0.4` a point that may move. In a group with `dim = 3` it lies in the \
+          x–y plane from its node [0,0] at `x` on, `dx` from node to node, turned about that node by `turn`; what \
+          makes it sound across is `stretch`, and `f` is its lowest transverse mode.",
     source: &["SMC 2019"],
     params: &[
         Param::new("nx", SIDE, Need::Required, "nodes along the first direction"),
@@ -34,6 +43,22 @@ pub static KIND: Kind = Kind {
         Param::new("edges", Type::Choice(&["open", "closed", "corner"]), Need::Default(0.0), "what holds the border"),
         Param::new("fixed", Type::Nodes, Need::Optional, "nodes that are held besides, e.g. [[0, 0], [-1, -1]]"),
         X,
+        Param::number("dx", Unit::METRE, ABOVE_ZERO, Need::Optional, "spacing of the nodes; needed in space"),
+        Param::number(
+            "stretch",
+            Unit::NONE,
+            (0.0, 1.0),
+            Need::Optional,
+            "in space: how much shorter than `dx` the springs are at rest, e.g. \"10 %\"",
+        ),
+        Param::number(
+            "shear",
+            Unit::STIFFNESS,
+            POSITIVE,
+            Need::Optional,
+            "in space: stiffness of springs along diagonals",
+        ),
+        TURN,
     ],
     one_of: &[MASSES, TUNING, DECAY],
     example: r#"
@@ -46,11 +71,40 @@ strike = { between = ["stick", "skin[4,3]"], k = "10 kN/m", z = "1 N s/m" }
 [SOX]
 out = { from = "skin[2,2]", gain = 200 }
 "#,
-    role: Role::Generator(&Generator { dims: &[1], derive, build }),
+    role: Role::Generator(&Generator { dims: &[1, 3], derive, build }),
 };
 
-/// Slots: m, k, z, zo.
+/// What makes no sense in the space the mesh is in.
+fn fits(a: &Args<'_>) -> Result<(), Problem> {
+    let no = |title: &str, param, help: &str| Err(Problem { title: title.into(), param, help: help.into() });
+    let closed = a.count("edges") == 1;
+    if a.dim == 1 {
+        return match ["dx", "stretch", "shear", "turn"].into_iter().find(|p| a.is_written(p)) {
+            Some(p) => {
+                no("a mesh on a line has no extent", p, "leave it out, or put the mesh into a group with `dim = 3`")
+            }
+            None => Ok(()),
+        };
+    }
+    if a.num("dx").is_none() {
+        return no("a mesh in space needs `dx`", "dx", "add e.g. `dx = \"1 cm\"` (spacing of the nodes)");
+    }
+    if a.or0("stretch") > 0.0 && !closed {
+        return no("only a mesh held all around can be stretched", "stretch", "use `edges = \"closed\"`");
+    }
+    if a.num("f").is_some() && a.or0("stretch") == 0.0 {
+        return no(
+            "a mesh in space is tuned by its tension",
+            "f",
+            "add e.g. `stretch = \"10 %\"` and `edges = \"closed\"`, or give `k`",
+        );
+    }
+    Ok(())
+}
+
+/// Slots: m, k, z, zo, shear.
 fn derive(a: &Args<'_>) -> Result<Vec<Option<f64>>, Problem> {
+    fits(a)?;
     let (nx, ny) = (a.count("nx"), a.count("ny"));
     let m = mass(a, nx * ny);
     let zo = ground(a, m);
@@ -88,18 +142,22 @@ fn derive(a: &Args<'_>) -> Result<Vec<Option<f64>>, Problem> {
                 }
             };
             let stiffness = target(a, f, zo, m)? / (4.0 * shape);
-            if stiffness > 0.5 {
+            // stiffness across a spring, along it, and what both together may be
+            let share = if a.dim == 1 { 1.0 } else { a.or0("stretch") };
+            let along = stiffness / share;
+            if stiffness + along > 1.0 {
+                let limit = share / (1.0 + share);
                 let mut p = too_stiff(f, nx * ny, 0);
                 p.param = "nx";
                 p.help = format!(
-                    "use fewer nodes, ask for a lower pitch, or raise `rate.sound` (a = {stiffness:.3}, limit 0.5)"
+                    "use fewer nodes, ask for a lower pitch, or raise `rate.sound` (a = {stiffness:.3}, limit {limit:.3})"
                 );
                 return Err(p);
             }
-            stiffness * m / (a.te * a.te)
+            along * m / (a.te * a.te)
         }
     };
-    Ok(alloc::vec![Some(m), Some(k), a.num("z"), Some(zo)])
+    Ok(alloc::vec![Some(m), Some(k), a.num("z"), Some(zo), a.num("shear")])
 }
 
 /// The nodes of `fixed`, counted from the start.
@@ -124,6 +182,7 @@ fn held(a: &Args<'_>, nx: usize, ny: usize) -> Result<Vec<[usize; 2]>, Problem> 
 
 fn build(a: &Args<'_>, b: &mut Sketch<'_>) {
     let (nx, ny, edges) = (a.count("nx"), a.count("ny"), a.count("edges"));
+    let (dx, pose) = (a.num("dx"), Pose::new(a));
     let mut grid = Vec::with_capacity(nx * ny);
     // `derive` has refused nodes that are not there
     let fixed = held(a, nx, ny).unwrap_or_default();
@@ -138,17 +197,30 @@ fn build(a: &Args<'_>, b: &mut Sketch<'_>) {
                 };
             let index = format!("{i},{j}");
             grid.push(if held { b.held(index) } else { b.mass(index, 0, 3) });
+            if let Some(dx) = dx {
+                b.places.push(pose.place([i as f64 * dx, j as f64 * dx, 0.0]));
+            }
         }
     }
     let at = |i: usize, j: usize| grid[i * ny + j];
+    let mut join = |from: u32, to: u32| match dx {
+        Some(dx) => b.stretched(from, to, 1, 2, dx * (1.0 - a.or0("stretch"))),
+        None => b.link(from, to, 1, 2),
+    };
     for i in 0..nx {
         for j in 1..ny {
-            b.link(at(i, j - 1), at(i, j), 1, 2);
+            join(at(i, j - 1), at(i, j));
         }
     }
     for i in 1..nx {
         for j in 0..ny {
-            b.link(at(i - 1, j), at(i, j), 1, 2);
+            join(at(i - 1, j), at(i, j));
+        }
+    }
+    if a.num("shear").is_some() {
+        for (i, j) in (1..nx).flat_map(|i| (1..ny).map(move |j| (i, j))) {
+            b.link(at(i - 1, j - 1), at(i, j), 4, u32::MAX);
+            b.link(at(i, j - 1), at(i - 1, j), 4, u32::MAX);
         }
     }
     b.walkable(grid, [nx as u32, ny as u32]);

@@ -19,9 +19,9 @@ pub(super) const Z: Param = Param::number("z", Unit::VISCOSITY, POSITIVE, Need::
 pub static KIND: Kind = Kind {
     code: "TETRA",
     title: "tetrahedron",
-    equation: "4 MAS; with `k` or `z`, 6 REF between all of them",
+    equation: "4 MAS; with `k`, 6 REF between all of them",
     doc: "Four masses at the corners of a regular tetrahedron around `x`, with six springs `p.link[0]` to `p.link[5]` \
-          (corners 01 02 03 12 13 23), or without them where neither `k` nor `z` is written. Unturned, and with \
+          (corners 01 02 03 12 13 23), or without them where `k` is not written. Unturned, and with \
           s = edge/√8 from the centre, corner 0 is at (s, s, s), 1 at (s, −s, −s), 2 at (−s, s, −s), 3 at (−s, −s, s).",
     source: &["Rattle"],
     params: &[
@@ -52,8 +52,18 @@ out = { from = "room.p.link[0]", gain = 0.1 }
     role: Role::Generator(&Generator { dims: &[3], derive, build }),
 };
 
+/// Refuses viscosity where there are no springs for it.
+pub(super) fn springs(a: &Args<'_>) -> Result<(), Problem> {
+    if a.num("k").is_some() || a.num("z").is_none() {
+        return Ok(());
+    }
+    let title = "`z` without `k`: there are no springs to damp".into();
+    Err(Problem { title, param: "z", help: "add `k`, or leave out `z`".into() })
+}
+
 /// Slots: m, k, z.
 fn derive(a: &Args<'_>) -> Result<Vec<Option<f64>>, Problem> {
+    springs(a)?;
     Ok(alloc::vec![Some(mass(a, 4)), a.num("k"), a.num("z")])
 }
 
@@ -64,7 +74,7 @@ fn build(a: &Args<'_>, b: &mut Sketch<'_>) {
         b.places.push(pose.place(corner));
         b.speeds.push(pose.speed(b.places[i]));
     }
-    if a.num("k").is_some() || a.num("z").is_some() {
+    if a.num("k").is_some() {
         for [i, j] in [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]] {
             b.link(i, j, 1, 2);
         }

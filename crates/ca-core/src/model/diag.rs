@@ -158,6 +158,7 @@ pub const CODES: &[(&str, &str)] = &[
     ("E028", "feature of a later version"),
     ("E029", "does not fit the space it is in"),
     ("E030", "not a MIMS model"),
+    ("E031", "file that cannot be read"),
     ("W101", "nothing hears it"),
     ("W102", "a contact acts at load"),
     ("W103", "unstable by the bound of a module"),
@@ -171,4 +172,5 @@ pub const CODES: &[(&str, &str)] = &[
     ("W111", "an LPR leans on nothing"),
     ("W112", "an LPR leans on less than itself"),
     ("N201", "lost on import"),
+    ("N202", "not all of a file is used"),
 ];

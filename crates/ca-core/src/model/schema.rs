@@ -172,6 +172,11 @@ fn param(p: &Param) -> Json {
             let list = json!({"type": "array", "minItems": 2, "maxItems": 3, "items": one});
             (json!({"anyOf": [one, list]}), Some((unit, f64::MIN, f64::MAX)))
         }
+        Type::Places { unit } => {
+            let one = number(unit, f64::MIN, f64::MAX);
+            let place = json!({"type": "array", "minItems": 3, "maxItems": 3, "items": one});
+            (json!({"type": "array", "minItems": 1, "items": place}), Some((unit, f64::MIN, f64::MAX)))
+        }
         Type::Direction => {
             let list = json!({"type": "array", "minItems": 2, "maxItems": 3, "items": {"type": "number"}});
             (json!({"anyOf": [{"enum": ["x", "y", "z"]}, list]}), None)
@@ -188,7 +193,7 @@ fn param(p: &Param) -> Json {
             let end = json!({"anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}}]});
             (json!({"type": "array", "minItems": 2, "maxItems": 2, "items": end}), None)
         }
-        Type::Module | Type::Text => (json!({"type": "string"}), None),
+        Type::Module | Type::Text | Type::File => (json!({"type": "string"}), None),
         Type::Midi => (json!({"type": "object"}), None),
     };
     let mut doc = Vec::from([p.doc.to_string()]);

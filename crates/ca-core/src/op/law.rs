@@ -17,6 +17,8 @@ pub struct Law {
     pub linear: bool,
     /// see [`Phi::CONTACT`]
     pub contact: bool,
+    /// when its force is computed
+    pub turn: Turn,
     /// see [`Phi::coefs`]; `out` has [`Law::coefs`] places
     pub load: fn(p: &[Option<f64>], te: f64, out: &mut [f64]),
     /// see [`Phi::start`]
@@ -37,6 +39,18 @@ pub struct Law {
     pub simpler: fn(p: &[Fixed]) -> Option<&'static Law>,
     /// a table the law needs whatever its parameters; its number is handed over after the last parameter
     pub table: Option<fn() -> Table>,
+}
+
+/// When the force of a law is computed among the forces of a tick.
+#[derive(Clone, Copy)]
+pub enum Turn {
+    /// from what is known at its beginning
+    Any,
+    /// after all forces of turn `Any`, from the motion they would cause: on a line, where no other link of a later turn
+    /// moves the same place. Elsewhere this law runs instead
+    Alone(&'static Law),
+    /// after all others, collected link by link and then computed at once by this pass
+    Together(Kernel),
 }
 
 /// What is known of a parameter when a law is specialised.
@@ -70,12 +84,13 @@ impl Law {
             mem: M,
             linear: P::LINEAR,
             contact: P::CONTACT,
+            turn: Turn::Any,
             load: |p, te, out| out.copy_from_slice(&P::coefs(p, te)),
-            start: |c, e, mem| mem.copy_from_slice(&P::start(&arr(c), e)),
+            start: |c, e, mem| mem[..M].copy_from_slice(&P::start(&arr(c), e)),
             force: |c, mem, tables, e, w| {
                 let mut m = arr(mem);
                 let f = P::force(&arr(c), &mut m, tables, e, w);
-                mem.copy_from_slice(&m);
+                mem[..M].copy_from_slice(&m);
                 f
             },
             stored: |c, mem, tables, e0, e1| P::stored(&arr(c), &arr(mem), tables, e0, e1),
@@ -86,6 +101,11 @@ impl Law {
             simpler: |_| None,
             table: None,
         }
+    }
+
+    /// True where the force depends on the motion that others would cause.
+    pub const fn is_late(&self) -> bool {
+        !matches!(self.turn, Turn::Any)
     }
 
     /// The same law with a rule that picks a cheaper one.

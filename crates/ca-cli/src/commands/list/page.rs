@@ -25,6 +25,8 @@ fn accepts(p: &Param) -> String {
         Type::Points { x, y } => format!("list of [{}, {}]", symbol(x), symbol(y)),
         Type::Between => "two modules, or two lists".into(),
         Type::Module => "a module".into(),
+        Type::File => "a file".into(),
+        Type::Places { unit } => format!("list of [x, y, z] in [{}]", symbol(unit)),
         Type::Text => "text".into(),
         Type::Midi => "table".into(),
     }

@@ -45,6 +45,7 @@ pub fn run(args: &RenderArgs) -> Outcome {
         energy: args.energy,
         probes: probes.iter().map(|p| p.name.clone()).collect(),
         kernel: if args.kernel == Kernel::Fast { KernelClass::Fast } else { KernelClass::Reference },
+        clouds: loaded.clouds.clone(),
     };
     let scene = load::scene(&loaded, &options)?;
     if scene.channels == 0 {
@@ -144,14 +145,13 @@ fn probes(args: &RenderArgs, output: &Path) -> Result<Vec<Probe>, Failure> {
 
 /// Opens the files of all probes, each with its columns.
 fn open_probes(probes: &[Probe], scene: &Scene) -> Result<Vec<(ProbeOut, usize)>, Failure> {
-    let mut names = scene.probe_names.iter().peekable();
     let mut outs = Vec::new();
-    for p in probes {
-        let mut own = Vec::new();
-        // `#3` of several, `.x` of what is in space
-        let mine = |n: &str| n == p.name || n.strip_prefix(&p.name).is_some_and(|r| r.starts_with(['#', '.']));
-        while let Some(n) = names.next_if(|n| mine(n)) {
-            own.push(n.as_str());
+    for (i, p) in probes.iter().enumerate() {
+        let columns = scene.probe_names.iter().zip(&scene.probe_of);
+        let own: Vec<&str> = columns.filter(|(_, of)| **of as usize == i).map(|(n, _)| n.as_str()).collect();
+        if own.is_empty() {
+            let what = format!("--probe: `{}` does nothing, so it was left out", p.name);
+            return Err(Failure::Usage(format!("{what}; probe the modules at its ends")));
         }
         outs.push((ProbeOut::create(&p.file, &own, scene.rate)?, own.len()));
     }

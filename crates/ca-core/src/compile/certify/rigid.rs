@@ -177,7 +177,8 @@ enum Hold {
 
 fn hold(net: &Net, s: &Springs, parts: &mut Vec<Part>, ends: [End; 2], axes: [u8; 2]) -> Hold {
     // of an end that moves along a string, the string has to hold
-    let place = |e: End, axis: u8| net.under(e).first().filter(|m| !net.mats[**m as usize].is_fixed()).map(|m| node(*m, axis));
+    let place =
+        |e: End, axis: u8| net.under(e).first().filter(|m| !net.mats[**m as usize].is_fixed()).map(|m| node(*m, axis));
     let at = [place(ends[0], axes[0]), place(ends[1], axes[1])];
     let mut find = |n: Node| {
         parts.iter().position(|p| p.nodes.binary_search(&n).is_ok()).unwrap_or_else(|| {
@@ -228,7 +229,8 @@ pub fn rigid(model: &Model, net: &Net, diags: &mut Diags) {
                     break;
                 }
             };
-            found = found.or(Some(d));
+            // of two that do not hold, what is at least something
+            found = found.filter(|f: &Diag| f.code == "W112").or(Some(d));
         }
         if let (Some(d), false) = (found, held) {
             told.insert(l.item);

@@ -19,7 +19,7 @@ pub fn contacts(model: &Model, net: &Net, rows: &[Row], bounds: &[Bound], cert: 
             let d = Diag::warning("W110", format!("`{}` may feed energy in: its table does not only resist", l.name));
             diags.push(d.at(span(model, net, l.item), "active").help("a force of the sign of its speed only resists, and a spring that never falls only returns; if it is meant to drive, mind the level"));
         }
-        if !b.contact || b.k == 0.0 {
+        if !b.contact || b.k == 0.0 || l.law.is_late() {
             continue;
         }
         let c = mobility(net, l, rows);
@@ -35,11 +35,12 @@ pub fn contacts(model: &Model, net: &Net, rows: &[Row], bounds: &[Bound], cert: 
             let (lo, hi) = (0.12 * a, 1.9 - a);
             let help = if hi > lo {
                 let z = |b: f64| quantity::show(round_down(b / (c / net.te)), Unit::VISCOSITY);
-                format!("use `k` up to {safe}, or add viscosity `z` between {} and {}", z(lo), z(hi))
+                format!("use `k` up to {safe}, or viscosity `z` between {} and {}", z(lo), z(hi))
             } else {
-                format!("use `k` up to {safe}, heavier masses, or a higher sound rate")
+                format!("use `k` up to {safe}, heavier masses, a higher sound rate")
             };
-            diags.push(d.at(span(model, net, l.item), "stiff contact").help(help));
+            let stable = if l.kind.param("method").is_some() { ", or `method = \"stable\"`" } else { "" };
+            diags.push(d.at(span(model, net, l.item), "stiff contact").help(help + stable));
         }
     }
 }

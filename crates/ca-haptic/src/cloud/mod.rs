@@ -1,0 +1,127 @@
+//! Clouds: bodies as drawing programs write them, into points and edges.
+//!
+//! Decides that points keep the order of the file and that those in the very same place become one, the first: exporters
+//! write a corner once for each seam, and two masses in one place are never meant. A face or line gives its edges, each
+//! once; a face with less than three different corners, or one corner twice, is left out and counted. What a model
+//! cannot hold, and what is no number, is refused.
+
+mod csv;
+mod obj;
+mod ply;
+
+use crate::error::FileError;
+use ca_core::Catalog;
+use ca_core::Model;
+use ca_core::cloud::{Cloud, Clouds, Unread};
+use ca_core::compile::net::LARGEST;
+use ca_core::kind::Type;
+use ca_core::model::Value;
+use std::collections::{BTreeSet, HashMap};
+use std::path::Path;
+use std::sync::Arc;
+
+/// What a file holds, as it stands there.
+#[derive(Default)]
+struct Drawing {
+    points: Vec<[f64; 3]>,
+    /// corners of closed faces
+    faces: Vec<Vec<u32>>,
+    /// corners of open lines
+    lines: Vec<Vec<u32>>,
+}
+
+/// Reads a `.ply`, `.obj` or `.csv` file.
+pub fn open(path: impl AsRef<Path>) -> Result<Cloud, FileError> {
+    let path = path.as_ref();
+    let ext = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
+    let read = match ext.as_deref() {
+        Some("ply") => ply::read,
+        Some("obj") => obj::read,
+        Some("csv") => csv::read,
+        _ => {
+            let e = FileError::unsupported("the extension says no format of points").file(path.display());
+            return Err(e.fix("use `.ply`, `.obj` or `.csv`"));
+        }
+    };
+    let bytes = std::fs::read(path).map_err(|e| FileError::io(path, "it cannot be read", &e))?;
+    read(&bytes).and_then(|d| cloud(&d)).map_err(|e| e.file(path.display()))
+}
+
+/// Reads all files a model names, from its folder.
+pub fn of_model(model: &Model, catalog: &Catalog, folder: &Path) -> Clouds {
+    let files = model.items.iter().flat_map(|item| {
+        let params = catalog.get(&item.kind).map_or(&[][..], |k| k.params);
+        let is_file = |key: &str| params.iter().any(|p| p.name == key && p.ty == Type::File);
+        item.args.iter().filter(move |e| is_file(&e.key))
+    });
+    let names: BTreeSet<&String> =
+        files.filter_map(|e| if let Value::Text(t) = &e.value { Some(t) } else { None }).collect();
+    let read = |name: &String| {
+        open(folder.join(name)).map(Arc::new).map_err(|e| {
+            let help =
+                if e.fix.is_empty() { "the path starts from the folder of the model".into() } else { e.fix.clone() };
+            Unread { what: FileError { fix: String::new(), ..e }.to_string(), help }
+        })
+    };
+    names.into_iter().map(|name| (name.clone(), read(name))).collect()
+}
+
+/// Refuses more points than a model holds.
+fn not_too_many(points: usize) -> Result<(), FileError> {
+    if points <= LARGEST {
+        return Ok(());
+    }
+    Err(FileError::content(format!("{points} points are more than the {LARGEST} a model holds")).fix("simplify it"))
+}
+
+/// Merges, counts and pairs.
+fn cloud(d: &Drawing) -> Result<Cloud, FileError> {
+    not_too_many(d.points.len())?;
+    if d.points.is_empty() {
+        return Err(FileError::content("it holds no points"));
+    }
+    if let Some(i) = d.points.iter().position(|p| !p.iter().all(|v| v.is_finite())) {
+        return Err(FileError::content(format!("point {i} is nowhere: {:?}", d.points[i])).fix("write finite numbers"));
+    }
+    let mut cloud = Cloud::default();
+    let mut seen: HashMap<[u64; 3], u32> = HashMap::with_capacity(d.points.len());
+    let mut number = Vec::with_capacity(d.points.len());
+    for p in &d.points {
+        // 0 and −0 are the same place
+        let place = p.map(|v| (v + 0.0).to_bits());
+        number.push(*seen.entry(place).or_insert_with(|| {
+            cloud.points.push(*p);
+            cloud.points.len() as u32 - 1
+        }));
+    }
+    cloud.merged = d.points.len() - cloud.points.len();
+    let mut edges = BTreeSet::new();
+    for (corners, closed) in d.faces.iter().map(|c| (c, true)).chain(d.lines.iter().map(|c| (c, false))) {
+        let mut own = Vec::with_capacity(corners.len());
+        for c in corners {
+            let Some(c) = number.get(*c as usize) else {
+                let what = format!("a {} names point {c}", if closed { "face" } else { "line" });
+                let fix = format!("there are {}, counted from 0", d.points.len());
+                return Err(FileError::content(what).fix(fix));
+            };
+            own.push(*c);
+        }
+        let different: BTreeSet<u32> = own.iter().copied().collect();
+        if closed && (different.len() < 3 || different.len() < own.len()) {
+            cloud.flat += 1;
+            continue;
+        }
+        let back = if closed { own.first().copied() } else { None };
+        for (a, b) in own.iter().copied().zip(own.iter().skip(1).copied().chain(back)) {
+            if a != b {
+                edges.insert([a.min(b), a.max(b)]);
+            }
+        }
+        if edges.len() > LARGEST {
+            let what = format!("it has more than the {LARGEST} edges a model holds");
+            return Err(FileError::content(what).fix("simplify it"));
+        }
+    }
+    cloud.edges = edges.into_iter().collect();
+    Ok(cloud)
+}
