@@ -147,7 +147,9 @@ fn respond(list: &mut [Touch], push: &mut [f64], mobility: &[f64]) {
 
 /// Solves for `y` of all contacts listed.
 fn conjugate(list: &mut [Touch], push: &mut [f64], mobility: &[f64]) {
-    list.iter_mut().for_each(|t| t.p = t.gamma * t.psi);
+    for t in list.iter_mut() {
+        t.p = t.gamma * t.psi;
+    }
     respond(list, push, mobility);
     let mut rho = 0.0;
     for t in &mut *list {
