@@ -272,8 +272,9 @@ fn a_cloud_becomes_masses_and_springs() {
     let at = mats(&scene, "room.p");
     assert_eq!((at.len(), scene.n_lia), (5, 5 + 8));
     let s = scene.state();
+    // its own springs come first, then the ties to the origin
     for (i, [x, y, z]) in CORNERS[..5].iter().enumerate() {
-        let rest = [0, 1, 2].map(|k| scene.layout.reach[i][k]);
+        let rest = [0, 1, 2].map(|k| scene.layout.reach[8 + i][k]);
         within("at its place", norm(minus(rest, [1.0 - 0.2 * y, 0.2 * x, 0.2 * z])), 1e-15);
         within("thrown", (s.d[at[i] + 1] / scene.te - 3.0).abs(), 1e-14);
         within("a fifth of the whole", off(scene.te * scene.te / s.coef[2 * scene.n_mat + at[i]], 2e-3), 1e-15);
