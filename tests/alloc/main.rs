@@ -4,8 +4,9 @@
 //! tests do not disturb it.
 #![allow(unsafe_code)]
 
+use ca_benches::rattle;
 use ca_core::model::{Model, read};
-use ca_core::{Catalog, KernelClass, Options, Scene, State, advance, compile, process, sense, tick};
+use ca_core::{KernelClass, Options, Scene, State, advance, compile, process, sense, tick};
 use ca_tests::{gesture, texts};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -62,10 +63,34 @@ fn burdened(model: &Model, border: &str, feedback: &str) -> Model {
     m
 }
 
+/// Contacts that look ahead: by themselves, and together, some of which may not pull.
+fn stable() -> Vec<(String, String)> {
+    let alone = r#"
+[param]
+k = { value = 1e7, unit = "N/m", live = true, min = 1e5, max = 1e9 }
+[SOL]
+wall = {}
+[MAS]
+a = { m = "1 g", x = "1 mm", v = "-3 m/s" }
+b = { m = "1 g", x = "1 mm", v = "-2 m/s" }
+[BUT]
+one = { between = ["wall", "a"], k = "k", z = 1, method = "stable" }
+two = { between = ["wall", "b"], k = "k", z = 100, sticky = false, method = "stable" }
+[SOX]
+out = { from = "a" }
+more = { from = "b" }
+"#;
+    let clipped = rattle::text(1.0, "stable3d", 3).replace("method =", "z = 20, sticky = false, method =");
+    let rattle = rattle::text(1e4, "stable", 2);
+    [("alone", alone.into()), ("together", rattle), ("clipped", clipped)]
+        .map(|(n, t)| (format!("stable, {n}"), t))
+        .into()
+}
+
 fn scenes() -> Vec<(String, Scene)> {
-    let catalog = Catalog::core();
+    let catalog = ca_tests::catalog();
     let mut all = Vec::new();
-    for (name, text) in texts() {
+    for (name, text) in texts().into_iter().chain(stable()) {
         let (plain, _) = read::read(&text, &name, &catalog);
         let (held, line) = (burdened(&plain, "hold", "false"), burdened(&plain, "linear", "true"));
         for (model, what) in [(&plain, ""), (&held, ", late, held and mute"), (&line, ", late")] {

@@ -5,10 +5,14 @@
 use ca_core::{Catalog, Scene, State};
 use std::path::Path;
 
+/// All kinds there are.
+pub fn catalog() -> Catalog {
+    Catalog::core().with(ca_lpr::KINDS)
+}
+
 /// Name and text of every model: the examples of the catalog, `models/` and `tests/models/`.
 pub fn texts() -> Vec<(String, String)> {
-    let mut all: Vec<_> =
-        Catalog::core().iter().map(|k| (format!("example of {}", k.code), k.example.into())).collect();
+    let mut all: Vec<_> = catalog().iter().map(|k| (format!("example of {}", k.code), k.example.into())).collect();
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
     for folder in [here.join("models"), here.join("../models")] {
         let mut found = Vec::new();

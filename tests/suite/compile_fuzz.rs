@@ -1,17 +1,18 @@
 //! The compiler: whatever it is given, it answers with a scene or with findings, in little time and memory.
 
 use ca_core::model::{Entry, Model, Value, mims, render};
-use ca_core::{Catalog, Options, load, tick};
+use ca_core::{Options, load, tick};
+use ca_tests::catalog;
 use proptest::prelude::*;
 
 /// Every example of the catalog.
 fn examples() -> Vec<&'static str> {
-    Catalog::core().iter().map(|k| k.example).collect()
+    catalog().iter().map(|k| k.example).collect()
 }
 
 /// Loads a text, checks what is said about it and plays a little of what came out.
 fn survives(text: &str) -> Vec<&'static str> {
-    let (model, result) = load(text, "m.ca.toml", &Catalog::core(), &Options::default());
+    let (model, result) = load(text, "m.ca.toml", &catalog(), &Options::default());
     let diags = match result {
         Ok(scene) => {
             assert!(!scene.diags.has_errors(), "{text}\n{}", scene.diags);
@@ -109,11 +110,11 @@ fn rates_asked_for_are_checked() {
     let text = "[CEL]\nb = { m = '1 g', f = 440 }\n[SOX]\no = { from = 'b' }\n[rate]\ngesture = '3 kHz'";
     for rate in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e300, 44_100.0, 2000.0] {
         let options = Options { rate: Some(rate), ..Options::default() };
-        let found = load(text, "", &Catalog::core(), &options).1.expect_err("does not fit");
+        let found = load(text, "", &catalog(), &options).1.expect_err("does not fit");
         assert_eq!(found.list.iter().map(|d| d.code).collect::<Vec<_>>(), ["E020"], "{rate}");
     }
     let options = Options { probes: vec!["nobody".into(), "b[7]".into()], ..Options::default() };
-    assert_eq!(load(text, "", &Catalog::core(), &options).1.expect_err("no such probes").list.len(), 2);
+    assert_eq!(load(text, "", &catalog(), &options).1.expect_err("no such probes").list.len(), 2);
 }
 
 /// What the importer makes of its own examples is a model like any other.
@@ -125,7 +126,7 @@ fn imported_models_compile() {
         let text = std::fs::read_to_string(&path).expect("UTF-8");
         let (model, diags) = mims::import(&text, "m.mdl");
         if path.extension().is_some_and(|e| e == "mdl") && !diags.has_errors() {
-            let made = ca_core::compile(&model, &Catalog::core(), &Options::default());
+            let made = ca_core::compile(&model, &catalog(), &Options::default());
             assert!(made.is_ok(), "{}: {}", path.display(), made.expect_err("seen"));
         }
     }
@@ -178,7 +179,7 @@ proptest! {
     /// A model made by a program, with no text to point at.
     #[test]
     fn a_model_that_was_built(items in prop::collection::vec((0usize..30, "[ab]", 0usize..12, number()), 0..6)) {
-        let catalog = Catalog::core();
+        let catalog = ca_tests::catalog();
         let kinds: Vec<_> = catalog.iter().collect();
         let mut model = Model::default();
         for (kind, name, arg, text) in items {

@@ -4,11 +4,11 @@
 //! after it a `text` block with the report expected. `UPDATE=1 cargo test -p ca-tests diagnostics` writes the reports anew; the difference is reviewed
 //! like code.
 
-use ca_core::catalog::Catalog;
 use ca_core::cloud::{Cloud, Unread};
 use ca_core::model::diag::CODES;
 use ca_core::model::{Model, mims, render};
 use ca_core::{Options, load};
+use ca_tests::catalog;
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -24,7 +24,7 @@ fn report(language: &str, text: &str) -> String {
         let cut = Unread { what: "`cut.ply`, line 9: it ends here".into(), help: "export it anew".into() };
         let clouds = [("seam.obj".into(), Ok(seam.into())), ("cut.ply".into(), Err(cut))].into();
         let options = Options { clouds, ..Options::default() };
-        let (model, result) = load(text, "model.ca.toml", &Catalog::core(), &options);
+        let (model, result) = load(text, "model.ca.toml", &catalog(), &options);
         (model, result.map_or_else(|diags| diags, |scene| scene.diags))
     };
     if diags.list.is_empty() { "no findings\n".into() } else { render::text(&diags, &model, false) }

@@ -2,7 +2,8 @@
 //! tests share. `CA_TOL=0 cargo test -p ca-tests -- --nocapture` prints every residual beside its tolerance.
 
 use ca_core::model::{Model, read, render};
-use ca_core::{Catalog, KernelClass, Options, Scene, compile};
+use ca_core::{KernelClass, Options, Scene, compile};
+use ca_tests::catalog;
 use serde_json::Value;
 use std::sync::OnceLock;
 
@@ -11,14 +12,14 @@ pub const PI: f64 = std::f64::consts::PI;
 
 /// The model in `text`, which must read without errors.
 pub fn model(text: &str) -> Model {
-    let (model, diags) = read::read(text, "test.ca.toml", &Catalog::core());
+    let (model, diags) = read::read(text, "test.ca.toml", &catalog());
     assert!(!diags.has_errors(), "{text}\n{}", render::text(&diags, &model, false));
     model
 }
 
 pub fn with(text: &str, options: &Options) -> Scene {
     let model = model(text);
-    compile(&model, &Catalog::core(), options).unwrap_or_else(|d| panic!("{text}\n{}", render::text(&d, &model, false)))
+    compile(&model, &catalog(), options).unwrap_or_else(|d| panic!("{text}\n{}", render::text(&d, &model, false)))
 }
 
 pub fn scene(text: &str) -> Scene {

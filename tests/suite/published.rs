@@ -3,9 +3,10 @@
 
 use crate::acoustics::{cents, partial, peak, period, rms};
 use ca_core::model::{mims, read, render, write};
-use ca_core::{Catalog, Options, Scene, compile};
+use ca_core::{Options, Scene, compile};
 use ca_haptic::gesture::{Gesture, Track};
 use ca_haptic::perform::Performance;
+use ca_tests::catalog;
 use std::path::PathBuf;
 
 /// The scene of a published model, by way of the text `ca import` writes; `None` where it is not at hand.
@@ -18,10 +19,10 @@ fn published(name: &str) -> Option<Scene> {
     let (model, notes) = mims::import(&text, name);
     assert!(!notes.has_errors(), "{name}: {notes}");
     let written = write::write(&model);
-    let (model, findings) = read::read(&written, name, &Catalog::core());
+    let (model, findings) = read::read(&written, name, &catalog());
     assert!(findings.list.is_empty(), "{}", render::text(&findings, &model, false));
     Some(
-        compile(&model, &Catalog::core(), &Options::default())
+        compile(&model, &catalog(), &Options::default())
             .unwrap_or_else(|d| panic!("{}", render::text(&d, &model, false))),
     )
 }

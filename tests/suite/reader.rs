@@ -1,12 +1,12 @@
 //! The reader: what a model holds, where its spans point, and that nothing stops it.
 
-use ca_core::catalog::Catalog;
 use ca_core::model::diag::{Diag, Diags, Severity};
 use ca_core::model::{Entry, Model, Span, Value, read, render, schema};
+use ca_tests::catalog;
 use proptest::prelude::*;
 
 fn read(text: &str) -> (Model, Diags) {
-    read::read(text, "m.ca.toml", &Catalog::core())
+    read::read(text, "m.ca.toml", &catalog())
 }
 
 fn clean(text: &str) -> Model {
@@ -259,8 +259,8 @@ fn json_counts_lines_and_characters_from_one() {
 
 #[test]
 fn the_schema_holds_the_catalog() {
-    let s = schema::schema(&Catalog::core());
-    for kind in Catalog::core().iter() {
+    let s = schema::schema(&catalog());
+    for kind in catalog().iter() {
         let module = &s["$defs"][kind.code]["additionalProperties"];
         for p in kind.params {
             let doc = module["properties"][p.name]["description"].as_str();

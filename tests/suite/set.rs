@@ -1,7 +1,8 @@
 //! `Model::set`, behind `--set`.
 
 use ca_core::model::{Model, Value, read};
-use ca_core::{Catalog, Options, load::finish};
+use ca_core::{Options, load::finish};
+use ca_tests::catalog;
 
 const TEXT: &str = r#"
 [param]
@@ -16,7 +17,7 @@ out = { from = "ball.bar", gain = "q" }
 "#;
 
 fn model() -> Model {
-    read::read(TEXT, "m.ca.toml", &Catalog::core()).0
+    read::read(TEXT, "m.ca.toml", &catalog()).0
 }
 
 fn arg<'m>(m: &'m Model, item: &str, key: &str) -> Option<&'m Value> {
@@ -67,9 +68,9 @@ fn sections_and_names_that_are_not_there() {
 #[test]
 fn what_is_set_is_checked_like_what_is_written() {
     let compiled = |name: &str, text: &str| {
-        let (mut m, found) = read::read(TEXT.replace("empty = { live = true }", "").as_str(), "m", &Catalog::core());
+        let (mut m, found) = read::read(TEXT.replace("empty = { live = true }", "").as_str(), "m", &catalog());
         assert!(m.set(name, text));
-        finish(&m, found, &Catalog::core(), &Options::default()).map_err(|d| d.list[0].code)
+        finish(&m, found, &catalog(), &Options::default()).map_err(|d| d.list[0].code)
     };
     assert_eq!(compiled("ball.bar.m", "2 g").map(|s| s.n_mat), Ok(1));
     assert_eq!(compiled("ball.bar.m", "2 Hz").err(), Some("E008"));

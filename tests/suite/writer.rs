@@ -1,7 +1,7 @@
 //! The writer: what is written reads back to the same model.
 
-use ca_core::catalog::Catalog;
 use ca_core::model::{Entry, Group, Item, Model, Span, Value, read, render, write};
+use ca_tests::catalog;
 use proptest::prelude::*;
 
 /// A model without spans, text and file, its modules gathered by group and kind, its groups by name.
@@ -44,7 +44,7 @@ fn bare(m: &Model) -> Model {
 
 fn back(m: &Model) -> (String, Model) {
     let text = write::write(m);
-    let (again, diags) = read::read(&text, "", &Catalog::core());
+    let (again, diags) = read::read(&text, "", &catalog());
     assert!(diags.list.is_empty(), "{text}\n{}", render::text(&diags, &again, false));
     (text, again)
 }

@@ -62,7 +62,7 @@ pub type Outcome = Result<Ended, Failure>;
 
 /// All kinds this build knows.
 pub fn catalog() -> Catalog {
-    Catalog::core()
+    Catalog::core().with(ca_lpr::KINDS)
 }
 
 fn main() -> ExitCode {

@@ -33,10 +33,13 @@ pub const SOURCES: &[(&str, &str)] = &[
         "J. Leonard, J. Villeneuve, mi-gen~: an efficient and accessible mass-interaction sound synthesis toolbox, Sound and Music Computing, 2019",
     ),
     (
+        "Rattle",
+        "Sharp colliding of multiple sound objects with haptic feedback: a child rattle, section 2.2, radial projection coupling (LPR)",
+    ),
+    (
         "HSP v2",
         "E. Berdahl, A. Kontogeorgakopoulos, D. Overholt, HSP v2: haptic signal processing with extensions for physical modeling",
     ),
-    ("Rattle", "Sharp Colliding of Multiple Sound Objects with Haptic Feedback"),
     (
         "Hunt 1975",
         "K. H. Hunt, F. R. E. Crossley, Coefficient of restitution interpreted as damping in vibroimpact, J. Applied Mechanics 42, 1975",

@@ -7,7 +7,8 @@
 
 use crate::layout::{Account, Gauge, Layout};
 pub use crate::ledger::{Balance, Exchange, Ledger};
-use crate::op::{Op, gauge};
+use crate::near::Near;
+use crate::op::{Op, cloud, gauge};
 use crate::state::State;
 
 /// Link `i` of a batch around the tick being booked, where `d0` is the motion into that tick: its elongations before,
@@ -61,24 +62,54 @@ fn mats(layout: &Layout, s: &State, d0: &[f64]) -> (f64, f64, f64) {
     (kinetic, held, lost)
 }
 
-/// Visits every link: its batch and its position there.
-fn links(layout: &Layout, mut visit: impl FnMut(&Account, usize)) {
+/// What a link holds after the tick being booked, its heat in that tick, and the work of its force on its ends.
+struct Entry {
+    held: f64,
+    heat: f64,
+    work: f64,
+}
+
+/// Visits every link: its batch, its number in the ledger and its energies.
+fn links(layout: &Layout, s: &State, near: &mut [Near], d0: &[f64], mut visit: impl FnMut(&Account, usize, Entry)) {
     for a in layout.ledger.iter().flat_map(|p| &p.accounts) {
-        (0..a.n).for_each(|i| visit(a, i));
+        if let Some(at) = a.ports.cloud {
+            visit(a, a.first, set(layout, s, &mut near[at], d0, a, at));
+            continue;
+        }
+        for i in 0..a.n {
+            let c = coefs(s, a, i);
+            let (e, moved) = elongations(layout, s, d0, a, i);
+            let mem = &s.mem[a.mem + i * a.mems..][..a.mems];
+            let held = (a.stored)(&c, mem, &layout.tables, e[1], e[2]);
+            let heat = (a.lost)(&c, mem, &layout.tables, e);
+            let work = if a.linear { 0.0 } else { -s.tap[a.tap + i] * 0.5 * moved };
+            visit(a, a.first + i, Entry { held, heat, work });
+        }
     }
 }
 
+/// All pairs of a set together; its work is that of what it did to each of its members.
+fn set(layout: &Layout, s: &State, near: &mut Near, d0: &[f64], a: &Account, at: usize) -> Entry {
+    let c = coefs(s, a, 0);
+    let (mut held, mut heat) = (0.0, 0.0);
+    cloud::touched(layout, s, near, d0, at, (a.idle)(&c), |e| {
+        held += (a.stored)(&c, &[], &layout.tables, e[1], e[2]);
+        heat += (a.lost)(&c, &[], &layout.tables, e);
+    });
+    let pushed = layout.clouds[at].members.iter().zip(s.tap[a.tap..].chunks(3));
+    let moved = |i: usize| 0.5 * (s.d[i] + d0[i]);
+    let work = pushed.map(|(m, f)| (0..3).map(|k| f[k] * moved(*m as usize + k)).sum::<f64>()).sum();
+    Entry { held, heat, work }
+}
+
 /// Recomputes what everything holds with the present coefficients; returns the total.
-fn hold(layout: &Layout, s: &State, l: &mut Ledger) -> f64 {
+fn hold(layout: &Layout, s: &State, near: &mut [Near], l: &mut Ledger) -> f64 {
     let (kinetic, mut h, _) = mats(layout, s, &s.d);
     l.kinetic = kinetic;
     h += kinetic;
-    links(layout, |a, i| {
-        let (e, _) = elongations(layout, s, &s.d, a, i);
-        let mem = &s.mem[a.mem + i * a.mems..][..a.mems];
-        let held = (a.stored)(&coefs(s, a, i), mem, &layout.tables, e[1], e[2]);
-        l.held[a.first + i] = held;
-        h += held;
+    links(layout, s, near, &s.d, |_, k, entry| {
+        l.held[k] = entry.held;
+        h += entry.held;
     });
     h
 }
@@ -86,8 +117,10 @@ fn hold(layout: &Layout, s: &State, l: &mut Ledger) -> f64 {
 /// Books the tick that has just been completed by reading the inputs of the next.
 pub fn book(_op: &Op, layout: &Layout, s: &mut State) {
     let Some(mut l) = s.ledger.take() else { return };
+    let mut near = core::mem::take(&mut s.near);
     if s.tick == 0 {
-        l.h0 = hold(layout, s, &mut l);
+        l.h0 = hold(layout, s, &mut near, &mut l);
+        s.near = near;
         l.h = l.h0;
         l.peak = l.h0.abs();
         s.ledger = Some(l);
@@ -111,14 +144,8 @@ pub fn book(_op: &Op, layout: &Layout, s: &mut State) {
     l.lost_mats += heat;
     lost += heat;
     h += kinetic;
-    links(layout, |a, i| {
-        let (k, c) = (a.first + i, coefs(s, a, i));
-        let (e, moved) = elongations(layout, s, &l.d0, a, i);
-        let mem = &s.mem[a.mem + i * a.mems..][..a.mems];
-        let held = (a.stored)(&c, mem, &layout.tables, e[1], e[2]);
-        let heat = (a.lost)(&c, mem, &layout.tables, e);
+    links(layout, s, &mut near, &l.d0, |a, k, Entry { held, heat, work }| {
         if !a.linear {
-            let work = -s.tap[a.tap + i] * 0.5 * moved;
             let made = held - l.held[k] + work + heat;
             l.source[k] += made;
             source += made;
@@ -132,13 +159,16 @@ pub fn book(_op: &Op, layout: &Layout, s: &mut State) {
     l.worst = l.worst.max((h - before - work + lost - source).abs());
     l.heat += lost.abs();
     l.peak = l.peak.max(h.abs() + l.heat);
+    s.near = near;
     s.ledger = Some(l);
 }
 
 /// After changes of parameters or of moving points: what they brought in.
 pub fn rebook(_op: &Op, layout: &Layout, s: &mut State) {
     let Some(mut l) = s.ledger.take() else { return };
-    let h = hold(layout, s, &mut l);
+    let mut near = core::mem::take(&mut s.near);
+    let h = hold(layout, s, &mut near, &mut l);
+    s.near = near;
     l.changed += h - l.h;
     l.h = h;
     s.ledger = Some(l);

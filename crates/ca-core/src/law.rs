@@ -75,3 +75,5 @@ pub type Force = fn(&[f64], &mut [f64], &[Table], f64, f64) -> f64;
 pub type Stored = fn(&[f64], &[f64], &[Table], f64, f64) -> f64;
 /// Heat of a link: coefficients, memory, tables, the elongations before, at and after the tick.
 pub type Lost = fn(&[f64], &[f64], &[Table], [f64; 3]) -> f64;
+/// Where a contact has no force: coefficients; the elongations from … to (see [`Phi::idle`]).
+pub type Idle = fn(&[f64]) -> (f64, f64);

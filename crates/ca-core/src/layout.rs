@@ -3,7 +3,7 @@
 //! Decides that a pass sees a layout and a state and nothing else: no names, no findings, no list of passes, so that
 //! what the tick depends on is visible in one place. All of it is written once, by the compiler.
 
-use crate::law::{Lost, Stored};
+use crate::law::{Idle, Lost, Stored};
 use crate::table::Table;
 use alloc::vec::Vec;
 
@@ -29,6 +29,34 @@ pub struct Ports {
     /// of the second port, where the links are quadripoles: gauge, first entry in [`Layout::onto`], first in
     /// [`Layout::reach`]
     pub onto: Option<(Gauge, usize, usize)>,
+    /// where all pairs of two sets are one module, its place in [`Layout::clouds`]
+    pub cloud: Option<usize>,
+}
+
+/// Two sets of points in space of which every pair is joined, or all pairs of one.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Cloud {
+    /// first place of each member, those of the first set first (members)
+    pub members: Vec<u32>,
+    /// members that are first ends: the first set
+    pub rows: usize,
+    /// first member that is a second end; each row joins those from there on that stand behind it
+    pub columns: usize,
+}
+
+impl Cloud {
+    /// The cloud of a first and a second set; without a second, of all pairs of the first.
+    pub fn new([first, second]: [&[u32]; 2]) -> Cloud {
+        let rows = first.len();
+        let columns = if second.is_empty() { 0 } else { rows };
+        Cloud { members: [first, second].concat(), rows, columns }
+    }
+
+    /// Number of pairs.
+    pub fn pairs(&self) -> u64 {
+        let (n, rows) = (self.members.len() as u64, self.rows as u64);
+        if self.columns == 0 { n * n.saturating_sub(1) / 2 } else { rows * (n - rows) }
+    }
 }
 
 /// A position port.
@@ -156,6 +184,8 @@ pub struct Account {
     pub stored: Stored,
     /// energy turned to heat in a tick
     pub lost: Lost,
+    /// where there is no force, for contacts
+    pub idle: Idle,
 }
 
 /// What the ledger needs to find its way.
@@ -182,6 +212,8 @@ pub struct Layout {
     pub n_coef: usize,
     /// numbers of memory of laws
     pub n_mem: usize,
+    /// contacts that are solved together
+    pub n_touch: usize,
     /// places for forces kept or in passing
     pub n_tap: usize,
     /// channels of sound; probes come after them in [`State::output`](crate::state::State)
@@ -195,6 +227,8 @@ pub struct Layout {
     /// what a port in space needs beside its ends: for [`Gauge::Radial`] the vector between the ends at rest \[m\] and
     /// the square of the softening length \[m²\], for [`Gauge::Along`] the direction and nothing (any x 4)
     pub reach: Vec<[f64; 4]>,
+    /// sets of which all pairs are joined (any)
+    pub clouds: Vec<Cloud>,
     /// constant part of the elongation \[m\] (n_lia)
     pub e0: Vec<f64>,
     /// rest positions \[m\] (n_mat)

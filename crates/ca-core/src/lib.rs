@@ -54,7 +54,9 @@ pub mod live;
 #[cfg(feature = "parse")]
 pub mod load;
 pub mod mat;
+pub mod method;
 pub mod model;
+pub mod near;
 pub mod op;
 pub mod param;
 pub mod phi;
@@ -63,6 +65,7 @@ pub mod sketch;
 pub mod state;
 pub mod table;
 pub mod tick;
+pub mod touch;
 
 pub use catalog::Catalog;
 pub use compile::{KernelClass, Options, compile};

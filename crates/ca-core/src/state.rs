@@ -5,6 +5,8 @@
 //! absolute positions (numerics 1.6).
 
 use crate::ledger::Ledger;
+use crate::near::Near;
+use crate::touch::Touches;
 use alloc::vec::Vec;
 use core::hash::Hasher;
 
@@ -89,6 +91,8 @@ pub struct State {
     pub output: Vec<f64>,
     /// moving points (proxies); written by `aim`
     pub cells: Vec<Cell>,
+    /// which members of sets are near (clouds); written by `forces`, and no part of what decides the future
+    pub near: Vec<Near>,
     /// device ports (tgr); written by the border
     pub border: Vec<Border>,
     /// positions of devices that are under way, absolute \[m\] (tgr x latency), a ring each; written by the border
@@ -97,6 +101,8 @@ pub struct State {
     pub blocked: Vec<[f64; 2]>,
     /// past of the sound channels before the low-pass (channels x 2n), a ring each, twice; written by `writes`
     pub lowpass: Vec<f64>,
+    /// contacts that are solved together; empty between ticks, written by `forces`
+    pub touches: Touches,
     /// coefficients on their way to a new value
     pub ramps: Ramps,
     /// energy book, where the scene keeps one

@@ -5,11 +5,12 @@ use ca_core::kind::{Kind, Need, Role, Type, Unit};
 use ca_core::model::{Entry, Model, Value};
 use ca_core::phi::Law;
 use ca_core::table::Table;
-use ca_core::{Catalog, Options, Scene, compile};
+use ca_core::{Options, Scene, compile};
+use ca_tests::catalog;
 
 pub fn laws() -> Vec<(&'static Kind, &'static Law)> {
     let list: Vec<_> =
-        Catalog::core().iter().filter_map(|k| if let Role::Lia(l) = k.role { Some((k, l)) } else { None }).collect();
+        catalog().iter().filter_map(|k| if let Role::Lia(l) = k.role { Some((k, l)) } else { None }).collect();
     assert!(list.len() >= 11);
     list
 }
@@ -39,8 +40,8 @@ pub fn args(kind: &Kind, dice: &mut Dice) -> Vec<Entry> {
         if mentioned.is_some_and(|(_, set)| !set.contains(&p.name)) {
             continue;
         }
-        // both ends of the link drawn live on a line
-        if p.name == "soften" {
+        // both ends of the link drawn live on a line, and a method other than the first is no explicit law
+        if matches!(p.name, "soften" | "method") {
             continue;
         }
         // the last table of a kind is left out only where there is another
@@ -85,17 +86,32 @@ pub fn args(kind: &Kind, dice: &mut Dice) -> Vec<Entry> {
     out
 }
 
+/// The code of a law, whatever its form.
+pub fn plain(code: &str) -> &str {
+    code.strip_prefix("LPR_").unwrap_or(code)
+}
+
+/// The second port of a quadripole, on two fixed points: what is left is the plain link.
+pub fn held(kind: &Kind, m: &mut Model, args: &mut Vec<Entry>) {
+    if kind.param("onto").is_some() {
+        m.add("SOL", "north", []);
+        m.add("SOL", "south", []);
+        args.push(Entry::new("onto", Value::from(vec!["north", "south"])));
+    }
+}
+
 /// `low` and `high` joined by one link of this kind.
 pub fn pair(kind: &Kind, dice: &mut Dice) -> Model {
     let mut m = model("[MAS]\nlow = { m = 1 }\nhigh = { m = 2 }\n[SOX]\nout = { from = \"low\" }\n");
     let mut list = args(kind, dice);
+    held(kind, &mut m, &mut list);
     list.push(Entry::new("between", Value::from(vec!["low", "high"])));
     m.add(kind.code, "link", list);
     m
 }
 
 pub fn built(m: &Model, options: &Options) -> Scene {
-    compile(m, &Catalog::core(), options).unwrap_or_else(|d| panic!("{d}\n{}", ca_core::model::write::write(m)))
+    compile(m, &catalog(), options).unwrap_or_else(|d| panic!("{d}\n{}", ca_core::model::write::write(m)))
 }
 
 /// A law with its coefficients, memory and tables, taken from a compiled scene.
@@ -149,7 +165,8 @@ pub fn row(kind: &Kind, apart: bool, dice: &mut Dice) -> Model {
         ];
         m.add("MAS", &format!("m{i}"), own);
     }
-    let list = args(kind, dice);
+    let mut list = args(kind, dice);
+    held(kind, &mut m, &mut list);
     for (k, (a, b)) in [(0, 1), (1, 2), (2, 3), (3, 4), (4, 5), (0, 3)].into_iter().enumerate() {
         let mut own = list.clone();
         own.retain(|e| e.key != "l0");

@@ -2,7 +2,7 @@
 //! law is tested the day it is listed.
 
 mod axes;
-mod drawn;
+pub mod drawn;
 mod forces;
 mod forms;
 mod records;

@@ -3,7 +3,7 @@
 use crate::play::{audited, model, scene, with};
 use ca_core::kind::Type;
 use ca_core::model::{Entry, Model, Value, quantity};
-use ca_core::{Catalog, KernelClass, Options, State, compile, process, tick};
+use ca_core::{KernelClass, Options, State, compile, process, tick};
 use ca_tests::{gesture, texts};
 
 /// Makes argument `arg` of item `item` a live parameter of value `v`, and says what its value was in SI.
@@ -30,7 +30,7 @@ fn live(m: &Model, item: usize, arg: usize, v: Option<f64>) -> Option<(Model, f6
 #[test]
 fn a_live_change_ends_where_a_fresh_compile_begins() {
     const TICKS: u32 = 7;
-    let catalog = Catalog::core();
+    let catalog = ca_tests::catalog();
     let mut dialled = std::collections::BTreeSet::new();
     for (name, text) in texts() {
         let plain = model(&text);
@@ -56,7 +56,7 @@ fn a_live_change_ends_where_a_fresh_compile_begins() {
                     // positions and lengths are where a model starts, an exponent is another law: not live, and said so
                     let refused = compile(&before, &catalog, &options).expect_err("refused");
                     assert!(refused.list.iter().any(|d| d.code == "E025"), "{what}: {refused}");
-                    assert!(matches!(p.name, "x" | "dx0" | "v" | "l0" | "p"), "{what}: {refused}");
+                    assert!(matches!(p.name, "x" | "dx0" | "v" | "l0" | "soften" | "dc" | "p"), "{what}: {refused}");
                     continue;
                 };
                 assert!(scene.e0 == fresh.e0 && scene.rest == fresh.rest, "{what} moves something that is not live");

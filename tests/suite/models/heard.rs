@@ -3,9 +3,10 @@
 use crate::acoustics::{cents, damping, db, mode, partial, peak, sin2, stiffness};
 use ca_core::model::read::read;
 use ca_core::model::{Model, Value, quantity, render};
-use ca_core::{Catalog, Options, Scene, compile};
+use ca_core::{Options, Scene, compile};
 use ca_haptic::gesture::Gesture;
 use ca_haptic::perform::Performance;
+use ca_tests::catalog;
 use std::path::PathBuf;
 
 pub fn folder() -> PathBuf {
@@ -24,7 +25,7 @@ pub fn file_names() -> Vec<String> {
 
 pub fn load(name: &str) -> Model {
     let text = std::fs::read_to_string(folder().join(format!("{name}.ca.toml"))).unwrap();
-    let (model, found) = read(&text, &format!("{name}.ca.toml"), &Catalog::core());
+    let (model, found) = read(&text, &format!("{name}.ca.toml"), &catalog());
     assert!(found.list.is_empty(), "{}", render::text(&found, &model, false));
     model
 }
@@ -68,7 +69,7 @@ pub fn play(name: &str, probes: &[&str]) -> Heard {
 
 pub fn scene(model: &Model, probes: &[&str]) -> Scene {
     let options = Options { probes: probes.iter().map(|p| (*p).into()).collect(), energy: true, ..Options::default() };
-    compile(model, &Catalog::core(), &options).unwrap_or_else(|d| panic!("{}", render::text(&d, model, false)))
+    compile(model, &catalog(), &options).unwrap_or_else(|d| panic!("{}", render::text(&d, model, false)))
 }
 
 pub fn perform(model: Model, scene: &Scene, gesture: Option<&Gesture>, seconds: f64) -> Heard {

@@ -109,7 +109,7 @@ impl<'a> Numbers<'a> {
         let mut place = [0.0; 3];
         match entry(&i.args, key) {
             Some(v @ Value::List(_)) => {
-                list(v).iter().zip(&mut place).for_each(|(e, p)| *p = self.value(&e.value, power))
+                list(v).iter().zip(&mut place).for_each(|(e, p)| *p = self.value(&e.value, power));
             }
             Some(v) => place[0] = self.value(v, power),
             None => {}

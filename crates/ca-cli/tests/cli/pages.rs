@@ -17,6 +17,10 @@ fn check_tells_what_it_knows() {
     let passes = j["schedule"]["passes"].as_array().unwrap();
     assert!(passes.iter().any(|p| p["pass"] == "REF" && p["stride"] == 1 && p["modules"] == 21));
     assert!(passes.iter().all(|p| p["ns_per_tick"].as_f64().is_some()));
+    // a contact that looks ahead comes after all that does not
+    let r = desk.ca(&["check", "struck.ca.toml", "--schedule", "--set", "strike.method=stable"]).is(0);
+    let place = |w: &str| r.out.rfind(w).unwrap_or_else(|| panic!("no {w}"));
+    assert!(place("REF") < place("BUT stable") && place("BUT stable") < place("writes"));
     desk.put("a.ca.toml", "[MAS]\nbob = { m = \"20 s\" }\n");
     let j = desk.ca(&["check", "a.ca.toml", "--json"]).is(1).json();
     assert!(j["summary"].is_null() && j["schedule"].is_null());

@@ -13,11 +13,16 @@ use alloc::format;
 use alloc::vec::Vec;
 use core::f64::consts::PI;
 
-/// The cut-off \[Hz\] of an output: what is written, where that is not 0; none by default.
+/// What a spinning body stretches by is far larger than its sound and as slow as a gesture \[Hz\] (numerics 4.3).
+const FED: f64 = 7.0;
+
+/// The cut-off \[Hz\] of an output: what is written, where that is not 0; by default none, but for what a body in space
+/// feeds through a quadripole.
 fn cutoff(net: &Net, o: &OutNode) -> Option<f64> {
     let item = &net.items[o.item? as usize];
     let written = item.kind.param("dc").and_then(|i| item.args[i].num());
-    written.filter(|f| *f > 0.0)
+    let own = || Some(FED).filter(|f| net.fed(o) && f * net.te < 0.5);
+    written.or_else(own).filter(|f| *f > 0.0)
 }
 
 /// Outputs without a high pass, then those with one.

@@ -75,6 +75,7 @@ pub fn expand(net: &mut Net, item: u32, sketch: &Sketch<'_>, (dim, rest): (u8, [
             ends: l.ends.map(|e| End::Mat(base + e)),
             measure: if dim == 1 { Measure::Line([0, 0]) } else { Measure::Radial },
             onto: None,
+            sets: None,
             l0: l.l0,
             soften: 0.0,
             item,

@@ -3,14 +3,14 @@
 use super::net::{Ear, End, LiaNode, Measure, Net};
 use super::options::{KernelClass, Options};
 use super::plan::Plan;
+use super::pressed;
 use crate::kind::Role;
+use crate::layout::Cloud;
 use crate::live::{Loader, Source};
 use crate::model::Model;
-use crate::model::diag::{Diag, Diags};
-use crate::op::gauge::measure;
-use crate::op::law::Law;
+use crate::model::diag::Diags;
+use crate::op::law::{Law, Turn};
 use crate::op::{Form, Gauge, Op, Ports};
-use alloc::format;
 use alloc::vec::Vec;
 
 /// Rows shorter than this are gathered: a run has two loops to set up.
@@ -20,12 +20,18 @@ const SHORTEST_RUN: usize = 4;
 pub struct Links {
     /// their passes
     pub forces: Vec<Op>,
+    /// the first of those that look ahead
+    pub late: usize,
+    /// contacts that are solved together
+    pub touch: usize,
     /// first and second place of each
     pub ends: Vec<[u32; 2]>,
     /// the same of second ports
     pub onto: Vec<[u32; 2]>,
     /// what ports in space need
     pub reach: Vec<[f64; 4]>,
+    /// sets of which all pairs are joined
+    pub clouds: Vec<Cloud>,
     /// constant part of the elongation of each
     pub e0: Vec<f64>,
     /// numbers of memory
@@ -55,9 +61,11 @@ struct Shape {
     law: *const Law,
     gauge: Gauge,
     onto: Option<Gauge>,
+    /// for sets, which: each is a batch of its own
+    set: Option<u32>,
 }
 
-fn gauge(m: Measure) -> Gauge {
+pub(super) fn gauge(m: Measure) -> Gauge {
     match m {
         Measure::Line(_) => Gauge::Line,
         Measure::Along(_) => Gauge::Along,
@@ -83,7 +91,7 @@ impl Plan<'_> {
         let mut out = Vec::new();
         for group in by_law {
             let shape = self.shape(group[0]);
-            if shape.gauge != Gauge::Line || shape.onto.is_some() {
+            if shape.gauge != Gauge::Line || shape.onto.is_some() || self.law(group[0]).is_late() {
                 out.push((group, 0));
                 continue;
             }
@@ -110,8 +118,9 @@ impl Plan<'_> {
     }
 
     fn shape(&self, l: u32) -> Shape {
-        let l = &self.net.lias[l as usize];
-        Shape { law: l.law, gauge: gauge(l.measure), onto: l.onto.map(|o| gauge(o.measure)) }
+        let node = &self.net.lias[l as usize];
+        let set = node.sets.as_ref().map(|_| l);
+        Shape { law: node.law, gauge: gauge(node.measure), onto: node.onto.map(|o| gauge(o.measure)), set }
     }
 
     fn ends(&self, l: u32) -> [u32; 2] {
@@ -181,13 +190,17 @@ impl Plan<'_> {
         let own = own_tables(net);
         let heard: Vec<u32> =
             net.outs.iter().filter_map(|o| if let Ear::ForceOf(l) = o.ear { Some(l) } else { None }).collect();
-        let batches = self.batches(options.kernel);
+        let mut batches = self.batches(options.kernel);
+        batches.sort_by_key(|b| self.law(b.0[0]).is_late());
         let scratch = batches.iter().filter(|b| b.1 > 0).map(|b| b.0.len()).max().unwrap_or(0);
         let mut k = Links {
             forces: Vec::new(),
+            late: batches.iter().filter(|b| !self.law(b.0[0]).is_late()).count(),
+            touch: 0,
             ends: Vec::with_capacity(net.lias.len()),
             onto: Vec::new(),
             reach: Vec::new(),
+            clouds: Vec::new(),
             e0: Vec::with_capacity(net.lias.len()),
             mem: 0,
             tap: scratch,
@@ -198,7 +211,7 @@ impl Plan<'_> {
             let n = batch.len();
             let (first, coef) = (k.ends.len(), self.coef.len());
             let shape = self.shape(batch[0]);
-            let mut ports = Ports { gauge: shape.gauge, reach: k.reach.len(), onto: None };
+            let mut ports = Ports { gauge: shape.gauge, reach: k.reach.len(), onto: None, cloud: None };
             let nodes = || batch.iter().map(|id| &net.lias[*id as usize]);
             k.reach.extend(nodes().filter_map(|l| self.reach(l.ends, l.measure, l.soften)));
             if let Some(g) = shape.onto {
@@ -208,6 +221,12 @@ impl Plan<'_> {
                     let o = l.onto?;
                     self.reach(o.ends, o.measure, l.soften)
                 }));
+            }
+            let sets = net.lias[batch[0] as usize].sets.as_ref();
+            if let Some(sets) = sets {
+                let places = |set: &[u32]| set.iter().map(|m| self.place[*m as usize]).collect::<Vec<u32>>();
+                ports.cloud = Some(k.clouds.len());
+                k.clouds.push(Cloud::new([&places(&sets[0]), &places(&sets[1])]));
             }
             self.coef.resize(coef + n * law.coefs, 0.0);
             for (i, id) in batch.iter().enumerate() {
@@ -226,60 +245,24 @@ impl Plan<'_> {
                 self.load(Loader::Lia(law), l.item, &values, &to);
                 let onto = l.onto.map(|o| self.reach(o.ends, o.measure, l.soften).unwrap_or_default());
                 let reach = [self.reach(l.ends, l.measure, l.soften).unwrap_or_default(), onto.unwrap_or_default()];
-                contact_at_load(net, l, k.e0[first + i], &reach, model, diags);
+                if l.law.contact {
+                    pressed::warn(net, l, k.e0[first + i], &reach, model, diags);
+                }
             }
             let tap = options.energy || batch.iter().any(|l| heard.contains(l));
             let offset = k.e0[first..].iter().any(|e| *e != 0.0);
-            let form = Form { stride, offset, tap, gauge: shape.gauge, onto: shape.onto };
+            let form = Form { stride, offset, tap, gauge: shape.gauge, onto: shape.onto, set: sets.is_some() };
             let mut op = Op::pass(law.code, (law.kernel)(form), n);
             op = Op { law: Some(law), form, ports, first, coef, mem: k.mem, mat: k.ends[first][0] as usize, ..op };
             if tap {
                 op.tap = k.tap;
-                k.tap += n;
+                // of a set, the force on each axis of each member
+                k.tap += ports.cloud.map_or(n, |c| 3 * k.clouds[c].members.len());
             }
             k.mem += n * law.mem;
+            k.touch += if matches!(law.turn, Turn::Together(_)) { n } else { 0 };
             k.forces.push(op);
         }
         k
     }
-}
-
-/// Warns of a contact that is pressed together before anything has moved.
-fn contact_at_load(net: &Net, l: &LiaNode, e0: f64, reach: &[[f64; 4]; 2], model: &Model, diags: &mut Diags) {
-    if !l.law.contact {
-        return;
-    }
-    let felt = |ends: [End; 2], m: Measure, reach: &[f64; 4]| {
-        let at = ends.map(|e| if let End::Mat(m) = e { net.mats[m as usize].dx0 } else { [0.0; 3] });
-        let places = match m {
-            Measure::Line([a, b]) => [at[0][a as usize], 0.0, 0.0, at[1][b as usize], 0.0, 0.0],
-            _ => [at[0][0], at[0][1], at[0][2], at[1][0], at[1][1], at[1][2]],
-        };
-        measure(gauge(m), &places, &[0.0; 6], [0, 3], reach).e
-    };
-    let second = l.onto.map_or(0.0, |o| felt(o.ends, o.measure, &reach[1]));
-    let e = e0 + felt(l.ends, l.measure, &reach[0]) + second;
-    let mut c = [0.0; 8];
-    (l.law.load)(&net.values(l.item, &l.values), net.te, &mut c[..l.law.coefs]);
-    let f = (l.law.force)(&c[..l.law.coefs], &mut [], &net.tables, e, 0.0);
-    let item = &model.items[net.items[l.item as usize].model];
-    let known = |d: &Diag| d.code == "W102" && d.span() == item.name_span && item.name_span.is_some();
-    if f == 0.0 || diags.list.iter().any(known) {
-        return;
-    }
-    let (a, b) = (net.end_name(l.ends[0]), net.end_name(l.ends[1]));
-    let force = crate::model::quantity::show(f.abs(), crate::kind::Unit::NEWTON);
-    let d = Diag::warning("W102", format!("`{}` presses at load, with {force}", l.name));
-    // three digits are enough to find the place
-    let gap = format!("{:.2e}", e.abs()).parse().unwrap_or(e.abs());
-    let gap = crate::model::quantity::show(gap, crate::kind::Unit::METRE);
-    let (label, help) = if l.is_radial() {
-        let way = if f < 0.0 { "move them apart" } else { "move them closer" };
-        (format!("`{b}` is {gap} from `{a}`"), format!("{way} by `x` or `dx0`, or change `d`"))
-    } else {
-        let side = if e < 0.0 { "below" } else { "above" };
-        let way = "swap the ends of `between`, or move one of them by `x` or `dx0`";
-        (format!("`{b}` is {gap} {side} `{a}`"), format!("it keeps `{b}` above `{a}`; {way}"))
-    };
-    diags.push(d.at(item.name_span, label).help(help));
 }

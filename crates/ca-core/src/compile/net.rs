@@ -140,6 +140,9 @@ pub struct LiaNode {
     pub measure: Measure,
     /// its other ends, if it is a quadripole
     pub onto: Option<SecondPort>,
+    /// the first and the second ends, where it joins every pair of two sets of MATs in space; without second ends,
+    /// every pair of the first
+    pub sets: Option<Arc<[Vec<u32>; 2]>>,
     /// rest length \[m\] if written
     pub l0: Option<f64>,
     /// softening length \[m\]
@@ -150,8 +153,11 @@ pub struct LiaNode {
 
 impl LiaNode {
     /// All its ends.
-    pub fn all_ends(&self) -> impl Iterator<Item = End> + use<> {
-        self.ends.into_iter().chain(self.onto.into_iter().flat_map(|o| o.ends))
+    pub fn all_ends(&self) -> impl Iterator<Item = End> + '_ {
+        let sets = self.sets.iter().flat_map(|s| s.iter().flatten().map(|m| End::Mat(*m)));
+        // of a set, the ends are those of one pair
+        let own = self.ends.into_iter().chain(self.onto.into_iter().flat_map(|o| o.ends));
+        own.take(if self.sets.is_some() { 0 } else { 4 }).chain(sets)
     }
 
     /// True where it measures a distance in space.
@@ -308,6 +314,8 @@ pub struct Net {
     pub left_out: Vec<String>,
     /// MATs that stay, by document number
     pub alive: Vec<bool>,
+    /// MATs that hang on the line port of a quadripole, by document number; empty where there is none
+    pub fed: Vec<bool>,
 }
 
 impl Net {

@@ -3,6 +3,7 @@
 use super::net::MatRole;
 use super::plan::Plan;
 use crate::layout::Layout;
+use crate::op::law::Turn;
 use crate::op::wide::wide;
 use crate::op::{Kernel, Op, blocker, lowpass, pass};
 use crate::{border, energy};
@@ -28,8 +29,9 @@ pub fn reads(layout: &Layout, live: usize, aimed: bool) -> Vec<Op> {
     list.into_iter().filter(|p| p.0).map(|(_, name, kernel, n)| Op::pass(name, kernel, n)).collect()
 }
 
-/// Forces at the present positions: from outside, weight, links, and what goes on to others.
-pub fn forces(layout: &Layout, links: Vec<Op>, weight: usize) -> Vec<Op> {
+/// Forces at the present positions: from outside, weight, links, and what goes on to others. Links from `late` on need
+/// all of that.
+pub fn forces(layout: &Layout, mut links: Vec<Op>, late: usize, weight: usize) -> Vec<Op> {
     let mut list = Vec::new();
     if !layout.enf.is_empty() {
         list.push(Op::pass("ENF", pass::enf, layout.enf.len()));
@@ -37,10 +39,15 @@ pub fn forces(layout: &Layout, links: Vec<Op>, weight: usize) -> Vec<Op> {
     if !layout.weighed.is_empty() {
         list.push(Op { coef: weight, ..Op::pass("weight", pass::weight, layout.weighed.len()) });
     }
+    let late = links.split_off(late);
     list.extend(links);
     if !layout.proxies.is_empty() {
         list.push(Op::pass("points back", pass::spread, layout.proxies.len()));
     }
+    let together =
+        late.iter().find_map(|o| if let Some(Turn::Together(f)) = o.law.map(|l| l.turn) { Some(f) } else { None });
+    list.extend(late);
+    list.extend(together.map(|solve| Op::pass("contacts", solve, layout.n_touch)));
     let (keys, kept, felt) = (layout.tgr.len(), layout.ledger.is_some(), layout.crossing.feedback);
     if keys > 0 && (felt || kept) {
         list.push(Op::pass("TGR out", border::collect(layout), keys));

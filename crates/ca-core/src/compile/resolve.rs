@@ -116,7 +116,9 @@ fn item_args(kind: &'static Kind, item: &Item, model: usize, v: &mut Values<'_>)
                     Type::Number { unit, .. } => {
                         format!("add e.g. `{} = {}` ({})", p.name, super::say::quoted(unit), p.doc)
                     }
-                    Type::Between => "add `between = [\"first\", \"second\"]`, the modules at its ends".into(),
+                    Type::Between => {
+                        format!("add `{} = [\"first\", \"second\"]`, the modules at its ends", p.name)
+                    }
                     Type::Module => format!("add `{} = \"…\"` ({})", p.name, p.doc),
                     Type::Count { min, .. } => format!("add e.g. `{} = {}` ({})", p.name, min.max(40), p.doc),
                     _ => format!("add `{}` ({})", p.name, p.doc),

@@ -14,9 +14,11 @@ use crate::ledger::Ledger;
 use crate::live::Loader;
 use crate::model::Model;
 use crate::model::diag::Diags;
+use crate::near::Near;
 use crate::op::Op;
 use crate::scene::{InputRole, Scene, Stands, Symbol};
 use crate::state::{Border, Cell, Ramps, State};
+use crate::touch::Touches;
 use alloc::collections::BTreeMap;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
@@ -41,10 +43,11 @@ pub fn schedule(
     let links = plan.links(options, diags, model);
     let Points { nodes, proxies, aimed } = points(&mut plan);
     let (gains, outputs) = outputs(&mut plan, &links)?;
-    // what stands before the links in the list of forces moves them back
+    // what stands before the links in the list of forces moves them back, moving points only those of a later turn
     let lead = usize::from(!enf.is_empty()) + usize::from(!weighed.is_empty());
-    let ledger = options.energy.then(|| LedgerPlan { accounts: accounts(&links.forces, lead), weight });
-    let symbols = symbols(&plan, &links, lead as u32);
+    let place = |op: usize| op + lead + usize::from(op >= links.late && !proxies.is_empty());
+    let ledger = options.energy.then(|| LedgerPlan { accounts: accounts(&links.forces, place), weight });
+    let symbols = symbols(&plan, &links, place);
     let moves = plan.moves(order, n_mat);
     let live = plan.live_plan();
     let (coef, live_places) = (plan.coef, plan.live);
@@ -55,12 +58,14 @@ pub fn schedule(
         n_lia: links.ends.len(),
         n_coef: coef.len(),
         n_mem: links.mem,
+        n_touch: links.touch,
         n_tap: links.tap,
         channels: net.channels.len(),
         n_out: net.outs.iter().map(|o| o.channel as usize + 1).max().unwrap_or(0).max(net.channels.len()),
         ends: links.ends,
         onto: links.onto,
         reach: links.reach,
+        clouds: links.clouds,
         e0: links.e0,
         rest,
         nodes,
@@ -77,7 +82,7 @@ pub fn schedule(
         ledger,
     };
     let reads = passes::reads(&layout, live_places.len(), aimed);
-    let forces = passes::forces(&layout, links.forces, weight);
+    let forces = passes::forces(&layout, links.forces, links.late, weight);
     let writes = passes::writes(&layout, gains);
     let initial = start(&layout, &forces, loaded(net, &layout, x, &v, coef, live_places));
     let (probe_names, probe_of) = probes(net);
@@ -143,6 +148,10 @@ fn masses(plan: &mut Plan) -> Masses {
         }
         for k in 0..m.places() as usize {
             (all.x[at + k], all.v[at + k], all.rest[at + k]) = (m.dx0[k], m.v[k], m.rest[k]);
+        }
+        if let MatRole::Port(_, inputs) = m.role {
+            // as far as anyone can tell, it goes on as it went
+            (0..3).filter(|k| inputs[*k].is_some()).for_each(|k| plan.coef[at + k] = 1.0);
         }
         if let MatRole::Mat(spec) = m.role {
             let loader = Loader::Mat(spec, if spec.fixed { 0.0 } else { net.medium(m).friction });
@@ -249,22 +258,22 @@ fn outputs(plan: &mut Plan, links: &Links) -> Option<(usize, Vec<Output>)> {
     Some((first, all))
 }
 
-/// What the energy book reads of each pass of links; `lead` passes stand before them.
-fn accounts(forces: &[Op], lead: usize) -> Vec<Account> {
+/// What the energy book reads of each pass of links, and its `place` among the forces.
+fn accounts(forces: &[Op], place: impl Fn(usize) -> usize) -> Vec<Account> {
     let account = |(i, op): (usize, &Op)| {
         let law = op.law?;
         let Op { n, ports, first, coef, mem, tap, .. } = *op;
-        let (coefs, mems, stored, lost) = (law.coefs, law.mem, law.stored, law.lost);
+        let (coefs, mems, stored, lost, idle) = (law.coefs, law.mem, law.stored, law.lost, law.idle);
         // a distance is no linear function of places: the identity then holds only with what the link made
         let radial = ports.gauge == Gauge::Radial || ports.onto.is_some_and(|o| o.0 == Gauge::Radial);
         let linear = law.linear && !radial;
-        Some(Account { op: i + lead, n, ports, first, coef, mem, tap, coefs, mems, linear, stored, lost })
+        Some(Account { op: place(i), n, ports, first, coef, mem, tap, coefs, mems, linear, stored, lost, idle })
     };
     forces.iter().enumerate().filter_map(account).collect()
 }
 
-/// The modules by name: MATs that stay, then links, whose passes have `lead` others before them.
-fn symbols(plan: &Plan, links: &Links, lead: u32) -> Vec<Symbol> {
+/// The modules by name: MATs that stay, then links, whose passes have a `place` among the forces.
+fn symbols(plan: &Plan, links: &Links, place: impl Fn(usize) -> usize) -> Vec<Symbol> {
     let net = plan.net;
     let mats = net.mats.iter().zip(&plan.place).filter(|(_, at)| **at != u32::MAX);
     let mats = mats.map(|(m, at)| Symbol { name: m.name.clone(), code: m.code, axes: m.axes, place: Stands::Mat(*at) });
@@ -273,7 +282,7 @@ fn symbols(plan: &Plan, links: &Links, lead: u32) -> Vec<Symbol> {
         name: l.name.clone(),
         code: l.law.code,
         axes: 1,
-        place: Stands::Lia(op + lead, *k),
+        place: Stands::Lia(place(*op as usize) as u32, *k),
     });
     mats.chain(lias).collect()
 }
@@ -291,12 +300,14 @@ fn loaded(net: &Net, layout: &Layout, x: Vec<f64>, v: &[f64], coef: Vec<f64>, li
         held: input.clone(),
         input,
         output: alloc::vec![0.0; layout.n_out],
+        near: layout.clouds.iter().map(|c| Near::new(c.members.len(), c.rows, c.columns)).collect(),
         cells: alloc::vec![Cell::default(); layout.proxies.len()],
         border: alloc::vec![Border::default(); layout.tgr.len()],
         late: alloc::vec![0.0; layout.tgr.len() * layout.crossing.latency as usize],
         blocked: alloc::vec![[0.0; 2]; layout.blockers.len()],
         lowpass: alloc::vec![0.0; layout.channels * 2 * (2 * layout.lowpass.len()).saturating_sub(1)],
         ramps: Ramps::new(live),
+        touches: Touches::new(layout.n_touch, layout.n_mat),
         ledger: layout.ledger.is_some().then(|| Ledger::new(layout.n_mat, layout.n_lia, ports, layout.tgr.len())),
         tick: 0,
         refused: 0,

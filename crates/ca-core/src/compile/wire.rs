@@ -1,9 +1,10 @@
 //! Wire: what is written between quotes becomes ends of links, ears of outputs and moving points.
 
 use super::net::{Ear, End, LARGEST, LiaNode, Measure, Net, OutNode, Push, SecondPort};
-use super::options::Options;
+use super::options::{KernelClass, Options};
 use super::say::type_name;
 use super::select::{Meaning, Written};
+use super::sets::heard;
 use super::space;
 use super::wiring::Wiring;
 use crate::kind::PortRole;
@@ -21,10 +22,10 @@ const LINKED: &str = "a link joins MATs: masses, fixed points, cells, ports move
 
 /// Adds links, force ports, outputs and probes.
 pub fn wire(model: &Model, net: Net, options: &Options, diags: &mut Diags) -> Net {
-    let mut w = Wiring { model, net, diags, points: BTreeMap::new(), under: 0 };
+    let mut w = Wiring { model, net, diags, heard: heard(model, options), points: BTreeMap::new(), under: 0 };
     for id in 0..w.net.items.len() {
         if let Role::Lia(_) = w.net.items[id].kind.role {
-            w.link(id as u32);
+            w.link(id as u32, options.kernel);
         }
     }
     for id in 0..w.net.items.len() {
@@ -52,7 +53,7 @@ impl Wiring<'_> {
         &self.model.items[self.net.items[id as usize].model]
     }
 
-    fn entry(&self, id: u32, key: &str) -> Option<Entry> {
+    pub(super) fn entry(&self, id: u32, key: &str) -> Option<Entry> {
         self.item(id).args.iter().find(|e| e.key == key).cloned()
     }
 
@@ -93,7 +94,7 @@ impl Wiring<'_> {
         self.diags.push(d.help(format!("a model holds up to {LARGEST} masses and links")));
     }
 
-    fn link(&mut self, id: u32) {
+    fn link(&mut self, id: u32, class: KernelClass) {
         let (name, kind) = (self.net.items[id as usize].name.clone(), self.net.items[id as usize].kind);
         let Role::Lia(law) = kind.role else { return };
         let Some(e) = self.entry(id, "between") else { return };
@@ -126,6 +127,9 @@ impl Wiring<'_> {
         // a set with itself makes all pairs: one to one would join each to itself
         let all = arg("pairs") == Some(1.0) || (a.len() > 1 && a == b);
         let (l0, soften) = (arg("l0"), arg("soften").unwrap_or(0.0));
+        if all && class == KernelClass::Fast && self.set(id, law, &a, &b) {
+            return;
+        }
         let count = if all { a.len().saturating_mul(b.len()) } else { a.len().max(b.len()) };
         if self.net.mats.len() + self.net.lias.len() + count > LARGEST {
             self.too_many(&name, "links", e.span);
@@ -174,10 +178,10 @@ impl Wiring<'_> {
                 self.diags.push(d.at(e.span, "the same at both ends").help(help));
                 return;
             }
-            let measured = space::measure(&self.net, ends, along).and_then(|m| match onto.get(i) {
-                Some(o) => Ok((m, Some(SecondPort { ends: *o, measure: space::measure(&self.net, *o, None)? }))),
-                None => Ok((m, None)),
-            });
+            let measured = match onto.get(i) {
+                None => space::measure(&self.net, ends, along).map(|m| (m, None)),
+                Some(o) => self.ports(ends, *o).map(|(m, o)| (m, Some(o))),
+            };
             let (mut measure, mut onto) = match measured {
                 Ok(found) => found,
                 Err((what, help)) => {
@@ -189,13 +193,13 @@ impl Wiring<'_> {
             };
             let mut ends = ends;
             // a quadripole is the same either way round: the port in space comes first
-            if let (Measure::Line(_), Some(o)) = (measure, &mut onto) {
+            if let (Measure::Line(_), Some(o @ SecondPort { measure: Measure::Radial, .. })) = (measure, &mut onto) {
                 core::mem::swap(&mut ends, &mut o.ends);
                 core::mem::swap(&mut measure, &mut o.measure);
             }
             let name = if many { format!("{name}[{i}]") } else { name.clone() };
             let values = values.clone();
-            let node = LiaNode { name, kind, law, values, ends, measure, onto, l0, soften, item: id };
+            let node = LiaNode { name, kind, law, values, ends, measure, onto, sets: None, l0, soften, item: id };
             if soften > 0.0 && !node.is_radial() {
                 let at = self.entry(id, "soften").map_or(e.span, |e| e.span);
                 let d = Diag::error("E029", format!("`{}` softens no distance", node.name)).at(at, "on a line");
@@ -208,6 +212,15 @@ impl Wiring<'_> {
             }
         }
         self.net.families.entry(name).or_default().links = made;
+    }
+
+    /// How the two ports of a quadripole measure; an error in words where the ends of one are in different worlds.
+    fn ports(&self, first: [End; 2], second: [End; 2]) -> Result<(Measure, SecondPort), (&'static str, &'static str)> {
+        let measure = |ends| space::measure(&self.net, ends, None);
+        let help = "the ends of one port stand in one world: both on a line, or both in space";
+        let first = measure(first).map_err(|_| ("joins a line and space by `between`", help))?;
+        let there = measure(second).map_err(|_| ("joins a line and space by `onto`", help))?;
+        Ok((first, SecondPort { ends: second, measure: there }))
     }
 
     /// The second ports of `count` quadripoles, one pair of ends each; none for a link of two ends.

@@ -8,6 +8,7 @@ pub use crate::sketch::{Arg, Args, Generator, Problem, Sketch};
 
 mod bank;
 mod cloud;
+mod grains;
 mod mesh;
 mod pose;
 mod stiff;
@@ -15,5 +16,13 @@ mod string;
 mod tetra;
 
 /// All generator kinds, in the order of the documentation.
-pub const KINDS: &[&Kind] =
-    &[&string::STRING, &string::CHAIN, &stiff::KIND, &mesh::KIND, &bank::KIND, &tetra::KIND, &cloud::KIND];
+pub const KINDS: &[&Kind] = &[
+    &string::STRING,
+    &string::CHAIN,
+    &stiff::KIND,
+    &mesh::KIND,
+    &bank::KIND,
+    &tetra::KIND,
+    &cloud::KIND,
+    &grains::KIND,
+];

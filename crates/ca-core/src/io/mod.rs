@@ -29,7 +29,7 @@ const DC: Param = Param::number(
     Unit::HERTZ,
     POSITIVE,
     Need::Optional,
-    "takes away what is steady, by a high pass of this cut-off; 0 for none",
+    "takes away what is steady, by a high pass of this cut-off; 0 for none; 7 Hz where an LPR feeds it, else none",
 );
 const CHANNEL: Param = Param::new(
     "channel",

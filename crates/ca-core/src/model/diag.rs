@@ -169,6 +169,8 @@ pub const CODES: &[(&str, &str)] = &[
     ("W108", "no output"),
     ("W109", "parameter used by nothing"),
     ("W110", "active law"),
+    ("W111", "an LPR leans on nothing"),
+    ("W112", "an LPR leans on less than itself"),
     ("N201", "lost on import"),
     ("N202", "not all of a file is used"),
 ];

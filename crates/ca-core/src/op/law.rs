@@ -1,7 +1,7 @@
 //! A law as data: what the compiler, the ledger and the certificate call without knowing which law it is.
 
 use super::{Form, Kernel, kernel};
-use crate::law::{Bound, Force, Lost, Phi, Stored};
+use crate::law::{Bound, Force, Idle, Lost, Phi, Stored};
 use crate::table::Table;
 
 /// A law as data: the functions of a [`Phi`] over slices, and its kernels.
@@ -17,6 +17,8 @@ pub struct Law {
     pub linear: bool,
     /// see [`Phi::CONTACT`]
     pub contact: bool,
+    /// when its force is computed
+    pub turn: Turn,
     /// see [`Phi::coefs`]; `out` has [`Law::coefs`] places
     pub load: fn(p: &[Option<f64>], te: f64, out: &mut [f64]),
     /// see [`Phi::start`]
@@ -27,6 +29,8 @@ pub struct Law {
     pub stored: Stored,
     /// see [`Phi::lost`]
     pub lost: Lost,
+    /// see [`Phi::idle`]
+    pub idle: Idle,
     /// see [`Phi::bound`]
     pub bound: fn(c: &[f64], tables: &[Table]) -> Bound,
     /// the pass for one form of the law
@@ -35,6 +39,18 @@ pub struct Law {
     pub simpler: fn(p: &[Fixed]) -> Option<&'static Law>,
     /// a table the law needs whatever its parameters; its number is handed over after the last parameter
     pub table: Option<fn() -> Table>,
+}
+
+/// When the force of a law is computed among the forces of a tick.
+#[derive(Clone, Copy)]
+pub enum Turn {
+    /// from what is known at its beginning
+    Any,
+    /// after all forces of turn `Any`, from the motion they would cause: on a line, where no other link of a later turn
+    /// moves the same place. Elsewhere this law runs instead
+    Alone(&'static Law),
+    /// after all others, collected link by link and then computed at once by this pass
+    Together(Kernel),
 }
 
 /// What is known of a parameter when a law is specialised.
@@ -68,21 +84,28 @@ impl Law {
             mem: M,
             linear: P::LINEAR,
             contact: P::CONTACT,
+            turn: Turn::Any,
             load: |p, te, out| out.copy_from_slice(&P::coefs(p, te)),
-            start: |c, e, mem| mem.copy_from_slice(&P::start(&arr(c), e)),
+            start: |c, e, mem| mem[..M].copy_from_slice(&P::start(&arr(c), e)),
             force: |c, mem, tables, e, w| {
                 let mut m = arr(mem);
                 let f = P::force(&arr(c), &mut m, tables, e, w);
-                mem.copy_from_slice(&m);
+                mem[..M].copy_from_slice(&m);
                 f
             },
             stored: |c, mem, tables, e0, e1| P::stored(&arr(c), &arr(mem), tables, e0, e1),
             lost: |c, mem, tables, e| P::lost(&arr(c), &arr(mem), tables, e),
+            idle: |c| P::idle(&arr(c)),
             bound: |c, tables| P::bound(&arr(c), tables),
             kernel: kernel::<P, C, M>,
             simpler: |_| None,
             table: None,
         }
+    }
+
+    /// True where the force depends on the motion that others would cause.
+    pub const fn is_late(&self) -> bool {
+        !matches!(self.turn, Turn::Any)
     }
 
     /// The same law with a rule that picks a cheaper one.

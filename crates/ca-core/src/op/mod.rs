@@ -12,6 +12,7 @@ use crate::state::State;
 use law::Law;
 
 pub mod blocker;
+pub mod cloud;
 mod gather;
 pub mod gauge;
 pub mod law;
@@ -37,6 +38,8 @@ pub struct Form {
     pub gauge: Gauge,
     /// how the second port measures, for quadripoles
     pub onto: Option<Gauge>,
+    /// all pairs of two sets are one module; only for contacts without memory
+    pub set: bool,
 }
 
 /// A pass and where its modules stand.
@@ -76,6 +79,13 @@ impl Op {
 
 /// The kernel of a law for one form of a dipole.
 pub(crate) fn kernel<P: Phi<C, M> + 'static, const C: usize, const M: usize>(form: Form) -> Kernel {
+    if form.set {
+        return if form.tap {
+            wide::wide::<cloud::All<P, C, M, true>>
+        } else {
+            wide::wide::<cloud::All<P, C, M, false>>
+        };
+    }
     match (form.gauge, form.stride > 0, form.offset, form.tap) {
         (Gauge::Line, false, false, false) => gather::gather::<P, C, M, false, false>,
         (Gauge::Line, false, false, true) => gather::gather::<P, C, M, false, true>,

@@ -47,7 +47,8 @@ finger = [[0, 0], [0.3, "8 mm"]]
     role: Role::Lia(&LAW),
 };
 
-static LAW: Law = Law::of::<Att, 5, 0>("ATT");
+/// The law of ATT.
+pub static LAW: Law = Law::of::<Att, 5, 0>("ATT");
 
 /// Triangle; coefficients k, ρd, d, slope of the fall, z/T.
 pub struct Att;

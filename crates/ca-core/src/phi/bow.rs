@@ -49,15 +49,19 @@ bow = [[0, 0], [1, "0.2 m"]]
     role: Role::Lia(&SMOOTH),
 };
 
-static SMOOTH: Law = Law::of::<Smooth, 3, 0>("BOW smooth").with_table(bell).or(|p| match p[1] {
+/// The law of BOW, and what it becomes with another curve.
+pub static SMOOTH: Law = Law::of::<Smooth, 3, 0>("BOW smooth").with_table(bell).or(|p| match p[1] {
     Fixed::At(1.0) => Some(&PIECEWISE),
     Fixed::At(2.0) => Some(&COULOMB),
     Fixed::At(3.0) => Some(&TABLE),
     _ => None,
 });
-static PIECEWISE: Law = Law::of::<Piecewise, 5, 0>("BOW piecewise");
-static COULOMB: Law = Law::of::<Coulomb, 2, 0>("BOW coulomb");
-static TABLE: Law = Law {
+/// With `curve = "piecewise"`.
+pub static PIECEWISE: Law = Law::of::<Piecewise, 5, 0>("BOW piecewise");
+/// With `curve = "coulomb"`.
+pub static COULOMB: Law = Law::of::<Coulomb, 2, 0>("BOW coulomb");
+/// With `curve = "table"`.
+pub static TABLE: Law = Law {
     load: |p, te, out| out.copy_from_slice(&[p[6].unwrap_or(f64::MAX), 1.0 / te]),
     ..Law::of::<lnl::TableFriction, 2, 0>("BOW table")
 };

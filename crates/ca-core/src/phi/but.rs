@@ -3,11 +3,13 @@
 //! Equation: F = k (e − d) + (z/T) w while e < d (sense "outside": keeps the second end above the first) or while
 //! e > d (sense "inside": contains it); 0 otherwise. Not clipped against sticking unless `sticky = false`.
 //! Parameters: k \[N/m\], z \[N s/m\], d \[m\]. Source: CMJ 1993, ICMC 2013.
-//! Stability: not passive by itself; kT²/m ≤ 1 recommended, with 0.12 a ≤ zT/m ≤ 1.9 − a nothing is created
-//! (numerics 3.2). Test: A17, B05, C01, C02, C03.
+//! Stability: method "ca" is not passive by itself; kT²/m ≤ 1 recommended, with 0.12 a ≤ zT/m ≤ 1.9 − a nothing is
+//! created (numerics 3.2). "stable" and "stable3d" are passive at any stiffness ([`crate::method`]).
+//! Test: A17, B05, C01 to C06.
 
-use super::{ALONG, BETWEEN, Bound, Law, PAIRS, Phi};
+use super::{ALONG, BETWEEN, Bound, Fixed, Law, PAIRS, Phi};
 use crate::kind::{ANY, Kind, Need, POSITIVE, Param, Role, Type, Unit};
+use crate::method::{gradient, quadratised};
 use crate::table::Table;
 
 /// BUT in the catalog.
@@ -17,7 +19,9 @@ pub static KIND: Kind = Kind {
     equation: "F = k (e - d) + z de/dt  while e < d (outside) or e > d (inside)",
     doc: "Acts only when its ends come closer than `d`, counted along the axis from the first to the second: it keeps \
           the second above the first. With `sense = \"inside\"` it acts beyond `d` and contains the second instead. \
-          Hammers, felt, frets, rattles. As in the field it may pull a little while it lets go; `sticky = false` clips that.",
+          Hammers, felt, frets, rattles. As in the field it may pull a little while it lets go, which `sticky = false` \
+          clips, and makes or takes energy at a blow, the more the stiffer it is; `method = \"stable\"` does not at any \
+          stiffness.",
     source: &["CMJ 1993", "ICMC 2013"],
     params: &[
         BETWEEN,
@@ -28,6 +32,13 @@ pub static KIND: Kind = Kind {
         Param::new("sticky", Type::Flag, Need::Default(1.0), "false clips the pull while letting go"),
         PAIRS,
         ALONG,
+        Param::new(
+            "method",
+            Type::Choice(&["ca", "stable", "stable3d"]),
+            Need::Default(0.0),
+            "ca: explicit, as in the field; stable: keeps energy at any stiffness; stable3d: the same by the method for \
+             space and shared masses, which stable takes where it must",
+        ),
     ],
     one_of: &[],
     example: r#"
@@ -43,7 +54,14 @@ out = { from = "bar", gain = 1000 }
     role: Role::Lia(&LAW),
 };
 
-static LAW: Law = Law::of::<But, 5, 0>("BUT");
+/// The law of BUT.
+pub static LAW: Law = Law::of::<But, 5, 0>("BUT").or(|p| match p.get(8)? {
+    Fixed::At(1.0) => Some(&STABLE),
+    Fixed::At(2.0) => Some(&STABLE3D),
+    _ => None,
+});
+static STABLE: Law = gradient::law(Law::of::<But, 5, 0>("BUT stable"), &STABLE3D);
+static STABLE3D: Law = quadratised::law(Law::of::<But, 5, 0>("BUT stable3d"));
 
 /// One-sided spring and damper; coefficients k, z/T, d, sign of the sense, 1 where clipped.
 pub struct But;

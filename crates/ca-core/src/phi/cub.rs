@@ -39,7 +39,8 @@ out = { from = "bob", gain = 500 }
     role: Role::Lia(&LAW),
 };
 
-static LAW: Law = Law::of::<Cub, 3, 0>("CUB");
+/// The law of CUB.
+pub static LAW: Law = Law::of::<Cub, 3, 0>("CUB");
 
 /// F = k e + k3 e³ + (z/T) w
 pub struct Cub;

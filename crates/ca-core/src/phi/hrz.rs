@@ -47,7 +47,8 @@ out = { from = "bar", gain = 1000 }
     role: Role::Lia(&LAW),
 };
 
-static LAW: Law = Law::of::<Hrz, 5, 0>("HRZ");
+/// The law of HRZ.
+pub static LAW: Law = Law::of::<Hrz, 5, 0>("HRZ");
 
 /// One-sided power law; coefficients k, 4p, h/T, d, sign of the sense.
 pub struct Hrz;

@@ -52,12 +52,14 @@ out = { from = "bob", gain = 500 }
     role: Role::Lia(&LAW),
 };
 
-static LAW: Law = Law::of::<Lnl, 3, 0>("LNL").or(|p| match (p[1], p[2]) {
+/// The law of LNL; with one table only it becomes one of the next two.
+pub static LAW: Law = Law::of::<Lnl, 3, 0>("LNL").or(|p| match (p[1], p[2]) {
     (_, Fixed::Absent) => Some(&SPRING),
     (Fixed::Absent, _) => Some(&FRICTION),
     _ => None,
 });
-static SPRING: Law = Law::of::<TableSpring, 1, 0>("LNL spring");
+/// A spring table alone.
+pub static SPRING: Law = Law::of::<TableSpring, 1, 0>("LNL spring");
 /// A friction table alone; BOW with `curve = "table"` runs as this.
 pub static FRICTION: Law = Law::of::<TableFriction, 2, 0>("LNL friction");
 

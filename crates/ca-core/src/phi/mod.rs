@@ -1,20 +1,21 @@
-//! LIA: the laws of interaction between two MATs, one file each. What a law is: [`crate::law`].
+//! LIA: the laws of interaction between two MATs, one file each. What a law is: [`crate::law`]. The files are public:
+//! other crates bring other forms of the same laws (LPR).
 
 use crate::kind::{ANY, Kind, Need, POSITIVE, Param, Type, Unit};
 pub use crate::law::{Bound, Phi};
 pub use crate::op::law::{Fixed, Law};
 
-mod att;
-mod bow;
-mod but;
-mod cub;
-mod fro;
-mod hrz;
-mod lnl;
-mod plk;
-mod pow;
-mod ref_;
-mod res;
+pub mod att;
+pub mod bow;
+pub mod but;
+pub mod cub;
+pub mod fro;
+pub mod hrz;
+pub mod lnl;
+pub mod plk;
+pub mod pow;
+pub mod ref_;
+pub mod res;
 
 /// All LIA kinds, in the order of the documentation. To add a law: one file, one line here.
 pub const KINDS: &[&Kind] = &[

@@ -40,7 +40,8 @@ plectrum = [[0, 0], [0.3, "3 mm"], [0.6, "3 mm"], [1, "-3 mm"]]
     role: Role::Lia(&LAW),
 };
 
-static LAW: Law = Law::of::<Plk, 3, 3>("PLK");
+/// The law of PLK.
+pub static LAW: Law = Law::of::<Plk, 3, 3>("PLK");
 
 /// Coefficients k, z/T, d; memory: 1 while engaged, the last elongation, energy given up at the last tick.
 pub struct Plk;

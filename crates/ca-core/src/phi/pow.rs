@@ -43,7 +43,8 @@ out = { from = "bob", gain = 500 }
     role: Role::Lia(&LAW),
 };
 
-static LAW: Law = Law::of::<Pow, 4, 0>("POW");
+/// The law of POW.
+pub static LAW: Law = Law::of::<Pow, 4, 0>("POW");
 
 /// x^(n/4) for x ≥ 0 by products and square roots only, so that every IEEE machine gives the same bits.
 #[inline(always)]

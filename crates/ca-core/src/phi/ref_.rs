@@ -46,7 +46,8 @@ pub static LAW: Law = Law::of::<Ref, 2, 0>("REF").or(|p| match (p[1].is_zero(), 
 });
 
 /// FRO with the parameters of REF in their places.
-static ZONLY: Law = Law { load: |p, te, out| out[0] = p[2].unwrap_or(0.0) / te, ..Law::of::<fro::Fro, 1, 0>("FRO") };
+pub static ZONLY: Law =
+    Law { load: |p, te, out| out[0] = p[2].unwrap_or(0.0) / te, ..Law::of::<fro::Fro, 1, 0>("FRO") };
 
 /// F = k e + (z/T) w
 pub struct Ref;

@@ -86,6 +86,9 @@ fn form(op: &Op) -> String {
         Gauge::Along => "direction",
         Gauge::Radial => "distance",
     };
+    if op.form.set {
+        return if op.form.tap { "all pairs, neighbour list + tap".into() } else { "all pairs, neighbour list".into() };
+    }
     let mut words = vec![match (op.form.gauge, op.form.onto, op.form.stride) {
         (a, Some(b), _) => format!("{} onto {}", gauge(a), gauge(b)),
         (Gauge::Line, None, 0) => "gather".to_string(),
@@ -97,6 +100,11 @@ fn form(op: &Op) -> String {
     words.extend(offset.then(|| "offset".to_string()));
     words.extend(op.form.tap.then(|| "tap".to_string()));
     words.join(" + ")
+}
+
+/// How many pairs a pass joins as one module, if it does.
+fn pairs(scene: &Scene, op: &Op) -> Option<u64> {
+    op.ports.cloud.map(|c| scene.clouds[c].pairs())
 }
 
 /// What a scene could have and this one has not.
@@ -127,14 +135,21 @@ fn absent(scene: &Scene) -> Vec<&'static str> {
 pub(super) fn text(scene: &Scene, m: &Measured) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
     writeln!(out, "\nOne tick, measured here:")?;
-    writeln!(out, "  {:<7} {:<15} {:>8}  {:<20} {:>10} {:>10}", "", "pass", "modules", "form", "ns/tick", "ns/module")?;
+    let forms: Vec<String> = m.rows.iter().map(|r| form(&r.op)).collect();
+    let wide = forms.iter().map(String::len).fold(20, usize::max);
+    writeln!(
+        out,
+        "  {:<7} {:<15} {:>8}  {:<wide$} {:>10} {:>10}",
+        "", "pass", "modules", "form", "ns/tick", "ns/module"
+    )?;
     let mut last = "";
-    for r in &m.rows {
+    for (r, form) in m.rows.iter().zip(forms) {
         let stage = if r.stage == last { "" } else { r.stage };
         last = r.stage;
         let each = r.ns / r.op.n.max(1) as f64;
-        let (name, n, form) = (r.op.name, r.op.n, form(&r.op));
-        writeln!(out, "  {stage:<7} {name:<15} {n:>8}  {form:<20} {:>10.1} {each:>10.2}", r.ns)?;
+        let (n, name) = (r.op.n, r.op.name);
+        let name = pairs(scene, &r.op).map_or(name.to_string(), |p| format!("{name} ({p} pairs)"));
+        writeln!(out, "  {stage:<7} {name:<15} {n:>8}  {form:<wide$} {:>10.1} {each:>10.2}", r.ns)?;
     }
     let budget = 1e9 * scene.te;
     writeln!(
@@ -161,7 +176,7 @@ pub(super) fn json(scene: &Scene, m: &Measured) -> Json {
             json!({
                 "stage": r.stage, "pass": r.op.name, "modules": r.op.n, "stride": of_links.then_some(r.op.form.stride),
                 "offset": of_links.then_some(r.op.form.offset), "tap": of_links.then_some(r.op.form.tap),
-                "ns_per_tick": r.ns, "ns_per_module": r.ns / r.op.n.max(1) as f64,
+                "pairs": pairs(scene, &r.op), "ns_per_tick": r.ns, "ns_per_module": r.ns / r.op.n.max(1) as f64,
             })
         })
         .collect();

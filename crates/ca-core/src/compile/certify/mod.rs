@@ -8,10 +8,11 @@
 mod blame;
 mod keys;
 mod negative;
+mod rigid;
 mod rules;
 mod worst;
 
-use super::net::{End, LiaNode, Net};
+use super::net::{End, Net};
 pub use crate::certificate::{Certificate, Level};
 use crate::model::Model;
 use crate::model::diag::{Diag, Diags};
@@ -39,7 +40,9 @@ pub fn certify(model: &Model, net: &Net, diags: &mut Diags) -> Certificate {
         let others = moving.saturating_sub(1) as f64;
         for m in sides.iter().flatten() {
             let r = &mut rows[*m as usize];
-            if b.linear || !b.contact {
+            if l.law.is_late() {
+                // passive whatever it holds, and no part of the linear network
+            } else if b.linear || !b.contact {
                 r.own += h;
                 r.disc += h + others * h.abs();
                 r.most = r.most.max(h);
@@ -48,7 +51,8 @@ pub fn certify(model: &Model, net: &Net, diags: &mut Diags) -> Certificate {
                 r.touch += h;
             }
         }
-        if let [End::Mat(i), End::Mat(j)] = l.ends {
+        // what is not always there covers nothing
+        if let ([End::Mat(i), End::Mat(j)], false) = (l.ends, b.contact) {
             springs.add(i, j, b.k);
         }
     }
@@ -64,7 +68,8 @@ pub fn certify(model: &Model, net: &Net, diags: &mut Diags) -> Certificate {
         let sure = if r.radial { (r.own / 3.0).max(r.most) } else { r.own };
         cert.lower = cert.lower.max(sure * r.c);
     }
-    for l in &net.lias {
+    // the contacts of a set are judged by rule, and no two of its members are tied
+    for l in net.lias.iter().filter(|l| l.sets.is_none() && !l.law.is_late()) {
         let d = |e: End| net.under(e).iter().map(|m| rows[*m as usize].own * rows[*m as usize].c).fold(0.0, f64::max);
         pair = pair.max(l.all_ends().map(d).sum());
     }
@@ -78,8 +83,9 @@ pub fn certify(model: &Model, net: &Net, diags: &mut Diags) -> Certificate {
     cert.worst = worst.map(|i| net.mats[i].name.clone()).unwrap_or_default();
 
     let covered = !negative || springs.covered();
-    let linear = bounds.iter().all(|b| b.linear);
-    let radial = net.lias.iter().any(LiaNode::is_radial);
+    let explicit: Vec<_> = net.lias.iter().zip(&bounds).filter(|(l, _)| !l.law.is_late()).collect();
+    let linear = explicit.iter().all(|(_, b)| b.linear);
+    let radial = explicit.iter().any(|(l, _)| l.is_radial());
     cert.level = if cert.lower >= 4.0 {
         Level::Unstable
     } else if cert.bound < 4.0 && covered {
@@ -107,6 +113,7 @@ pub fn certify(model: &Model, net: &Net, diags: &mut Diags) -> Certificate {
         let help = "it may well be stable; to be sure, lower the stiffness and viscosity at";
         diags.push(d.help(format!("{help} `{}`, make it heavier, or raise the sound rate", cert.worst)));
     }
+    rigid::rigid(model, net, diags);
     contacts(model, net, &rows, &bounds, &mut cert, diags);
     devices(model, net, &bounds, diags);
     cert.keys = keys::keys(net, &bounds);

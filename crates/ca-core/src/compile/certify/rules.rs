@@ -3,7 +3,7 @@
 use super::blame::{round_down, span};
 use super::worst::Row;
 use crate::certificate::Certificate;
-use crate::compile::net::{End, Net};
+use crate::compile::net::{End, LiaNode, Net};
 use crate::kind::Unit;
 use crate::law::Bound;
 use crate::model::diag::{Diag, Diags};
@@ -19,10 +19,10 @@ pub fn contacts(model: &Model, net: &Net, rows: &[Row], bounds: &[Bound], cert: 
             let d = Diag::warning("W110", format!("`{}` may feed energy in: its table does not only resist", l.name));
             diags.push(d.at(span(model, net, l.item), "active").help("a force of the sign of its speed only resists, and a spring that never falls only returns; if it is meant to drive, mind the level"));
         }
-        if !b.contact || b.k == 0.0 {
+        if !b.contact || b.k == 0.0 || l.law.is_late() {
             continue;
         }
-        let c: f64 = l.all_ends().map(|e| net.under(e).iter().map(|m| rows[*m as usize].c).fold(0.0, f64::max)).sum();
+        let c = mobility(net, l, rows);
         let a = b.k * c;
         if a > cert.contact {
             cert.contact = a;
@@ -35,13 +35,26 @@ pub fn contacts(model: &Model, net: &Net, rows: &[Row], bounds: &[Bound], cert: 
             let (lo, hi) = (0.12 * a, 1.9 - a);
             let help = if hi > lo {
                 let z = |b: f64| quantity::show(round_down(b / (c / net.te)), Unit::VISCOSITY);
-                format!("use `k` up to {safe}, or add viscosity `z` between {} and {}", z(lo), z(hi))
+                format!("use `k` up to {safe}, or viscosity `z` between {} and {}", z(lo), z(hi))
             } else {
-                format!("use `k` up to {safe}, heavier masses, or a higher sound rate")
+                format!("use `k` up to {safe}, heavier masses, a higher sound rate")
             };
-            diags.push(d.at(span(model, net, l.item), "stiff contact").help(help));
+            let stable = if l.kind.param("method").is_some() { ", or `method = \"stable\"`" } else { "" };
+            diags.push(d.at(span(model, net, l.item), "stiff contact").help(help + stable));
         }
     }
+}
+
+/// T²/m of both ends of a contact together; of a set, of its most mobile pair.
+fn mobility(net: &Net, l: &LiaNode, rows: &[Row]) -> f64 {
+    let end = |e: End| net.under(e).iter().map(|m| rows[*m as usize].c).fold(0.0, f64::max);
+    let Some(sets) = &l.sets else { return l.all_ends().map(end).sum() };
+    // the largest and the next
+    let two = |set: &[u32]| {
+        set.iter().map(|m| rows[*m as usize].c).fold((0.0f64, 0.0f64), |(a, b), c| (a.max(c), b.max(a.min(c))))
+    };
+    let (first, next) = two(&sets[0]);
+    if sets[1].is_empty() { first + next } else { first + two(&sets[1]).0 }
 }
 
 /// The delay of a device turns viscosity straight on a key into noise and instability (ICMC 2013, 7.1).

@@ -1,0 +1,62 @@
+//! Contacts between all pairs of grains in a shell: each pair a module, all pairs tested in one pass, and by a list of
+//! neighbours. What is timed is that pass alone, inside the tick, on grains that go on flying, each time from the same
+//! state. The constants of `ca_core::near` and the least number of pairs that make a set come from here.
+//!
+//! `… apart` is a set of which nothing ever touches: its time by its pairs is what a pair costs that is idle.
+#![allow(missing_docs)]
+
+use ca_benches::{grains, model, scene};
+use ca_core::{KernelClass, Scene, State, advance, tick};
+use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
+use std::time::{Duration, Instant};
+
+/// Ticks before anything is timed, so that the grains have met.
+const WARM: u64 = 500;
+
+/// Time of the pass of the grains in `ticks` ticks.
+fn pass(scene: &Scene, s: &mut State, ticks: u64) -> Duration {
+    let hits = scene.forces.iter().rposition(|op| op.law.is_some()).expect("the contact of the grains");
+    let mut spent = Duration::ZERO;
+    for _ in 0..ticks {
+        for (i, op) in scene.reads.iter().chain(&scene.forces).enumerate() {
+            let begin = (i == hits + scene.reads.len()).then(Instant::now);
+            (op.kernel)(op, scene, s);
+            spent += begin.map_or(Duration::ZERO, |b| b.elapsed());
+        }
+        advance(scene, s);
+    }
+    // reading the clock is no part of it
+    let begin = Instant::now();
+    let clock = (0..1000).map(|_| Instant::now().elapsed()).sum::<Duration>();
+    spent.saturating_sub(clock.min(begin.elapsed()) * u32::try_from(ticks).unwrap_or(u32::MAX) / 1000)
+}
+
+fn contacts(c: &mut Criterion) {
+    for (fill, speed) in [(0.1, 0.001), (0.35, 0.001), (0.1, 0.01), (0.35, 0.01), (0.001, 0.0)] {
+        let apart = if speed == 0.0 { ", apart" } else { "" };
+        let mut g = c.benchmark_group(format!("fill {fill}, {speed} diameters per tick{apart}"));
+        g.sample_size(10).warm_up_time(Duration::from_millis(50)).measurement_time(Duration::from_millis(300));
+        for n in [3, 4, 6, 8, 16, 32, 64, 128, 256, 512, 1024] {
+            let model = model(&grains(n, fill, speed));
+            for (method, class, skin) in [
+                ("pairs", KernelClass::Reference, 0.0),
+                ("set", KernelClass::Fast, 0.0),
+                ("list", KernelClass::Fast, 0.25),
+                ("list, wider", KernelClass::Fast, 0.5),
+                ("list, narrower", KernelClass::Fast, 0.12),
+            ] {
+                let scene = scene(&model, class, false);
+                let mut warm = scene.state();
+                warm.near.iter_mut().for_each(|near| near.skin = skin);
+                (0..WARM).for_each(|_| tick(&scene, &mut warm));
+                g.bench_function(BenchmarkId::new(method, n), |b| {
+                    b.iter_custom(|ticks| pass(&scene, &mut warm.clone(), ticks));
+                });
+            }
+        }
+        g.finish();
+    }
+}
+
+criterion_group!(benches, contacts);
+criterion_main!(benches);

@@ -1,0 +1,119 @@
+//! The rattle of the reference cases C05 and C06: three pyramids in a hollow sphere which is one mass, without
+//! damping. How its energy fares tells how stiff a contact may be.
+
+pub mod page;
+
+use crate::model;
+use ca_core::{Catalog, Options, Scene, compile, tick};
+use std::fmt::Write as _;
+use std::time::Instant;
+
+/// Length of an edge \[m\].
+const EDGE: f64 = 0.02;
+/// Mass of a corner \[kg\].
+const CORNER: f64 = 1e-3;
+/// Sound rate \[Hz\].
+const RATE: f64 = 48e3;
+/// More energy than this many times that of the start is a scene that has blown up.
+const BLOWN: f64 = 1e7;
+
+/// The model: contacts of stiffness kT²/m = `a` by `method`, velocities drawn with `seed`. Corners of different pyramids
+/// keep 4 mm apart.
+pub fn text(a: f64, method: &str, seed: u64) -> String {
+    let mut dice = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1;
+    let mut roll = || {
+        dice ^= dice << 13;
+        dice ^= dice >> 7;
+        dice ^= dice << 17;
+        (dice >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    };
+    let unit = CORNER * RATE * RATE;
+    let (k, contact) = (0.1 * unit, a * unit);
+    let mut t = format!("[rate]\nsound = {RATE}\n[room]\ndim = 3\n[room.MAS]\nball = {{ m = 0.05 }}\n");
+    let (half, corners) =
+        (EDGE / 8f64.sqrt(), [[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]]);
+    let centres = [[0.022, 0.0, 0.0], [-0.011, 0.019, 0.0], [-0.011, -0.019, 0.0]];
+    for (name, centre) in ["p", "q", "r"].iter().zip(centres) {
+        let speed: [f64; 3] = std::array::from_fn(|_| roll());
+        for (i, corner) in corners.iter().enumerate() {
+            let x: [f64; 3] = std::array::from_fn(|n| centre[n] + half * corner[n]);
+            let v: [f64; 3] = std::array::from_fn(|n| speed[n] + 0.1 * roll());
+            let _ = writeln!(t, "{name}{i} = {{ m = {CORNER}, x = {x:?}, v = {v:?} }}");
+        }
+    }
+    let all = |name: &str| (0..4).map(|i| format!("\"room.{name}{i}\"")).collect::<Vec<_>>().join(", ");
+    let (p, q, r) = (all("p"), all("q"), all("r"));
+    t += "[RES]\n";
+    for (name, list) in [("edge_p", &p), ("edge_q", &q), ("edge_r", &r)] {
+        let _ = writeln!(t, "{name} = {{ between = [[{list}], [{list}]], k = {k:?} }}");
+    }
+    let how = format!("k = {contact:?}, method = \"{method}\"");
+    let _ = writeln!(
+        t,
+        "[BUT]\ntouch = {{ between = [\"room.ball\", [{p}, {q}, {r}]], d = 0.05, sense = \"inside\", {how} }}"
+    );
+    for (name, one, other) in [("touch_pq", &p, &q), ("touch_qr", &q, &r), ("touch_rp", &r, &p)] {
+        let _ = writeln!(t, "{name} = {{ between = [[{one}], [{other}]], pairs = \"all\", d = 0.004, {how} }}");
+    }
+    t + "[SOX]\nout = { from = \"room.p0\", along = \"x\" }\n"
+}
+
+fn built(a: f64, method: &str, seed: u64, energy: bool) -> Scene {
+    let model = model(&text(a, method, seed));
+    compile(&model, &Catalog::core(), &Options { energy, ..Options::default() }).expect("the rattle compiles")
+}
+
+/// How the energy of a run fared.
+#[derive(Clone, Copy, Debug)]
+pub struct Fared {
+    /// energy at the end, or when it blew up, over that at the start
+    pub end: f64,
+    /// largest |E/E₀ − 1| at any tick
+    pub worst: f64,
+    /// largest |energy that does not add up| over that at the start
+    pub residual: f64,
+    /// largest |energy made| of a contact over that at the start
+    pub made: f64,
+    /// played so long \[s\]
+    pub seconds: f64,
+}
+
+/// Plays the rattle for `seconds`, or until it blows up, with the energy book kept.
+pub fn fares(a: f64, method: &str, seed: u64, seconds: f64) -> Fared {
+    let scene = built(a, method, seed, true);
+    let mut s = scene.state();
+    tick(&scene, &mut s);
+    let h0 = s.ledger.as_ref().map_or(f64::NAN, |l| l.h0);
+    let touches = |i: &usize| scene.audited_name(*i).is_some_and(|n| n.starts_with("touch"));
+    let contacts: Vec<usize> = (0..scene.n_lia).filter(touches).collect();
+    let mut f = Fared { end: 1.0, worst: 0.0, residual: 0.0, made: 0.0, seconds };
+    for n in 0..(seconds * RATE) as u64 {
+        tick(&scene, &mut s);
+        let Some(book) = s.ledger.as_ref() else { break };
+        f.end = book.h / h0;
+        f.worst = f.worst.max((f.end - 1.0).abs());
+        if f.end.is_nan() || f.end >= BLOWN {
+            (f.worst, f.seconds) = (f64::INFINITY, n as f64 / RATE);
+            break;
+        }
+    }
+    if let Some(book) = s.ledger.as_ref() {
+        f.residual = book.balance().residual.abs() / h0;
+        f.made = contacts.iter().map(|i| book.source[*i].abs()).fold(0.0, f64::max) / h0;
+    }
+    f
+}
+
+/// Time of a tick without the energy book \[ns\], the best of three runs of `seconds`.
+pub fn costs(a: f64, method: &str, seed: u64, seconds: f64) -> f64 {
+    let scene = built(a, method, seed, false);
+    let ticks = (seconds * RATE) as u64;
+    let run = |_| {
+        let mut s = scene.state();
+        let begin = Instant::now();
+        (0..ticks).for_each(|_| tick(&scene, &mut s));
+        std::hint::black_box(&s);
+        begin.elapsed().as_secs_f64() * 1e9 / ticks as f64
+    };
+    (0..3).map(run).fold(f64::INFINITY, f64::min)
+}

@@ -1,0 +1,63 @@
+//! Turns: which of the links that look ahead may do so by themselves, and which are computed together.
+//!
+//! A link that counts on the motion all other forces would cause is right only if no other link of its kind changes
+//! that motion. Decides by counting at every place that moves, so a row of contacts between separate pairs stays a row
+//! of closed forms, and only those that share a mass pay for a solver.
+
+use super::net::{End, LiaNode, Measure, Net};
+use crate::model::Model;
+use crate::model::diag::{Diag, Diags};
+use crate::op::law::Turn;
+use alloc::collections::BTreeSet;
+use alloc::format;
+use alloc::vec::Vec;
+
+/// Gives links that may not act alone the law that acts together; refuses those at moving points, whose motion is that
+/// of several masses.
+pub fn turns(model: &Model, net: &mut Net, diags: &mut Diags) {
+    let mut count: Vec<[u32; 3]> = alloc::vec![[0; 3]; net.mats.len()];
+    let mut told = BTreeSet::new();
+    for l in net.lias.iter().filter(|l| l.law.is_late()) {
+        if let Some(point) = l.ends.into_iter().find(|e| matches!(e, End::Point(_))) {
+            if told.insert(l.item) {
+                let item = &model.items[net.items[l.item as usize].model];
+                let entry = item.args.iter().find(|e| e.key == "method");
+                let title = format!("`{}` is a stable contact at a moving point, `{}`", l.name, net.end_name(point));
+                let d = Diag::error("E028", title).at(entry.map_or(item.name_span, |e| e.span), "not at moving points");
+                let d = d.help("use `method = \"ca\"`, or a mass such as `low[8]` in its place");
+                diags.push(if let Some(e) = entry { d.fix(e.span, "\"ca\"") } else { d });
+            }
+        }
+        for (m, axis) in places(net, l) {
+            count[m as usize][axis as usize] += 1;
+        }
+    }
+    let shared = |l: &LiaNode| {
+        !matches!(l.measure, Measure::Line(_))
+            || places(net, l).iter().any(|(m, k)| count[*m as usize][*k as usize] > 1)
+    };
+    let laws: Vec<_> = net
+        .lias
+        .iter()
+        .map(|l| match l.law.turn {
+            Turn::Alone(together) if shared(l) => together,
+            _ => l.law,
+        })
+        .collect();
+    net.lias.iter_mut().zip(laws).for_each(|(l, law)| l.law = law);
+}
+
+/// The places that a link moves: MATs and axes.
+fn places(net: &Net, l: &LiaNode) -> Vec<(u32, u8)> {
+    let mut all = Vec::new();
+    for (side, end) in l.ends.into_iter().enumerate() {
+        let End::Mat(m) = end else { continue };
+        let mat = &net.mats[m as usize];
+        match l.measure {
+            _ if mat.is_fixed() => {}
+            Measure::Line(axes) => all.push((m, axes[side])),
+            Measure::Along(_) | Measure::Radial => all.extend((0..mat.axes).map(|k| (m, k))),
+        }
+    }
+    all
+}

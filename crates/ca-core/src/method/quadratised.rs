@@ -1,0 +1,232 @@
+//! Energy quadratisation: the energy of a contact is the square of a number that is carried along, so that the push is
+//! linear in the motion to come and all active contacts are one linear system (Ducceschi, Bilbao, Willemsen and
+//! Serafin, JASA 149(5), 2021; numerics 3.4). For contacts in space, and where several share a mass.
+//!
+//! ψ stands for √(2U) between ticks; with s the change of penetration over two ticks and γ known at the tick,
+//! ```text
+//! ψ₊ = ψ + γ s/2        N = γ (ψ + ψ₊)/2 + z s/2 = γψ + R s        R = γ²/4 + z/2
+//! ```
+//! so that the work N s/2 is (ψ₊² − ψ²)/2 plus the heat z s²/4, for **any** γ. Pressed together, γ is the slope of
+//! √(2U) at the tick, √k; ψ and −ψ are the same energy, so ψ is kept positive and the contact pushes. Once apart, γ is
+//! what gives all of ψ back in this tick: ψ₊ = 0 with s = s* − Wγψ/2 asks Wψγ²/2 − s*γ − 2ψ = 0, whose positive root
+//! is 4ψ/(q − s*), q = √(s*² + 4Wψ²), with s* the change that all other forces would cause and W the mobility of this
+//! contact; one that closes again keeps ψ for then. A contact that holds nothing and is opening holds on to nothing.
+//!
+//! With G the gradients of the active penetrations and W = G M⁻¹Gᵀ T² their mobilities, s = s* − W N. In terms of
+//! y = N − γψ, which is R s:
+//! ```text
+//! (W + R⁻¹) y = s* − W γψ
+//! ```
+//! Symmetric and positive definite, the right side within the range of W, and what W cannot tell apart (a mass held
+//! from more sides than it has axes) stays zero in y. Solved by conjugate gradients scaled by the diagonal: nothing is
+//! stored but one vector over places, contacts that share nothing are done in one step, and no number of them is too
+//! large. A factorisation was the alternative; it needs room that grows with the square. s is then taken as y/R, so an
+//! error ε of the solver makes no more energy than N·ε/2, which [`EXACT`] keeps at the rounding of the blow itself.
+//!
+//! With `sticky = false` contacts that would pull are taken out and the rest is solved again, until none does; their ψ
+//! follows the motion as far as that loses energy.
+
+use super::{Buffer, goes, mobility};
+use crate::layout::{Gauge, Layout};
+use crate::op::gauge::{Along, Line, Measure, Radial};
+use crate::op::law::{Law, Turn};
+use crate::op::{Form, Kernel, Op};
+use crate::state::State;
+use crate::touch::{Touch, Touches};
+
+/// The residual is brought below this part of what it was, squared.
+const EXACT: f64 = 1e-30;
+
+/// A one-sided spring by this method. Memory: ψ \[√J\], heat of the tick \[J\].
+pub const fn law(spring: Law) -> Law {
+    Law {
+        mem: 2,
+        start: |c, e, mem| {
+            let b = Buffer::of(c);
+            mem[0] = libm::sqrt(2.0 * b.potential(b.penetration(e)));
+            mem[1] = 0.0;
+        },
+        stored: |_, mem, _, _, _| 0.5 * mem[0] * mem[0],
+        lost: |_, mem, _, _| mem[1],
+        kernel,
+        turn: Turn::Together(solve),
+        ..spring
+    }
+}
+
+fn kernel(form: Form) -> Kernel {
+    match form.gauge {
+        Gauge::Line => gather::<Line>,
+        Gauge::Along => gather::<Along>,
+        Gauge::Radial => gather::<Radial>,
+    }
+}
+
+/// Collects the contacts of `op` that act in this tick.
+fn gather<G: Measure>(op: &Op, layout: &Layout, s: &mut State) {
+    for i in 0..op.n {
+        let buffer = Buffer::read(s, op.coef, op.n, i);
+        let ends = layout.ends[op.first + i].map(|m| m as usize);
+        let reach = if G::SPACE { layout.reach[op.ports.reach + i] } else { [0.0; 4] };
+        let mem = op.mem + 2 * i;
+        let psi = s.mem[mem];
+        s.mem[mem + 1] = 0.0;
+        if op.form.tap {
+            s.tap[op.tap + i] = 0.0;
+        }
+        if psi == 0.0 {
+            // idle, without the square root
+            let d = buffer.d.max(0.0);
+            if G::square(&s.x, ends, &reach).is_some_and(|l| buffer.side * (d * d - l) < 0.0) {
+                continue;
+            }
+        }
+        let felt = G::measure(&s.x, &s.d, ends, &reach);
+        let eta = buffer.penetration(felt.e + layout.e0[op.first + i]);
+        if eta < 0.0 && psi == 0.0 {
+            continue;
+        }
+        let g: [f64; 3] = (felt.u * -buffer.side).into();
+        let places = if G::SPACE { 3 } else { 1 };
+        let (mut free, mut w) = (0.0, 0.0);
+        for (k, g) in g[..places].iter().enumerate() {
+            let [a, b] = ends.map(|m| m + k);
+            free += g * (goes(layout, s, b) + s.d[b] - goes(layout, s, a) - s.d[a]);
+            w += g * g * (mobility(layout, s, a) + mobility(layout, s, b));
+        }
+        let (gamma, z) = match (eta >= 0.0, free < 0.0) {
+            (true, opening) => (if opening && psi == 0.0 { 0.0 } else { libm::sqrt(buffer.k) }, buffer.z),
+            (false, true) => (4.0 * psi / (libm::sqrt(free * free + 4.0 * w * psi * psi) - free), 0.0),
+            (false, false) => (0.0, 0.0),
+        };
+        let stiff = 0.25 * gamma * gamma + 0.5 * z;
+        let touches = &mut s.touches;
+        let Some(t) = touches.list.get_mut(touches.n).filter(|_| stiff > 0.0) else { continue };
+        *t = Touch {
+            ends: layout.ends[op.first + i],
+            places,
+            g,
+            mem,
+            tap: op.form.tap.then_some(op.tap + i),
+            side: buffer.side,
+            clip: buffer.clip,
+            open: eta < 0.0,
+            gamma,
+            psi,
+            z,
+            stiff,
+            free,
+            diag: w + 1.0 / stiff,
+            ..Touch::default()
+        };
+        touches.n += 1;
+    }
+}
+
+/// Sets `q` of each contact to W p.
+fn respond(list: &mut [Touch], push: &mut [f64], mobility: &[f64]) {
+    let places = |t: &Touch| {
+        let ([a, b], n) = (t.ends.map(|m| m as usize), t.places);
+        (0..n).map(move |k| (a + k, b + k, k))
+    };
+    for t in &*list {
+        for (a, b, k) in places(t) {
+            push[a] -= t.g[k] * t.p;
+            push[b] += t.g[k] * t.p;
+        }
+    }
+    for t in &mut *list {
+        t.q = places(t).map(|(a, b, k)| t.g[k] * (mobility[b] * push[b] - mobility[a] * push[a])).sum();
+    }
+    for t in &*list {
+        for (a, b, _) in places(t) {
+            (push[a], push[b]) = (0.0, 0.0);
+        }
+    }
+}
+
+/// Solves for `y` of all contacts listed.
+fn conjugate(list: &mut [Touch], push: &mut [f64], mobility: &[f64]) {
+    list.iter_mut().for_each(|t| t.p = t.gamma * t.psi);
+    respond(list, push, mobility);
+    let mut rho = 0.0;
+    for t in &mut *list {
+        (t.y, t.r) = (0.0, t.free - t.q);
+        t.p = t.r / t.diag;
+        rho += t.r * t.p;
+    }
+    let goal = EXACT * rho;
+    // in exact arithmetic as many steps as contacts; rounding may ask for more
+    for _ in 0..10 * list.len() + 10 {
+        // what is no number is not for here to find out
+        if rho.is_nan() || rho <= goal {
+            break;
+        }
+        respond(list, push, mobility);
+        let mut along = 0.0;
+        for t in &mut *list {
+            t.q += t.p / t.stiff;
+            along += t.p * t.q;
+        }
+        let (step, before) = (rho / along, rho);
+        rho = 0.0;
+        for t in &mut *list {
+            t.y += step * t.p;
+            t.r -= step * t.q;
+            rho += t.r * t.r / t.diag;
+        }
+        for t in &mut *list {
+            t.p = t.r / t.diag + rho / before * t.p;
+        }
+    }
+}
+
+/// Computes the pushes of all contacts collected and applies them.
+fn solve(_op: &Op, layout: &Layout, s: &mut State) {
+    let mobility = &s.coef[2 * layout.n_mat..];
+    let Touches { n, list, push } = &mut s.touches;
+    let all = &mut list[..core::mem::take(n)];
+    let mut acting = all.len();
+    loop {
+        conjugate(&mut all[..acting], push, mobility);
+        let before = acting;
+        let mut i = 0;
+        while i < acting {
+            if all[i].clip && all[i].gamma * all[i].psi + all[i].y < 0.0 {
+                acting -= 1;
+                all.swap(i, acting);
+            } else {
+                i += 1;
+            }
+        }
+        if acting == before {
+            break;
+        }
+    }
+    for t in &mut all[..acting] {
+        let moved = t.y / t.stiff;
+        t.p = t.gamma * t.psi + t.y;
+        let left = (t.psi + 0.5 * t.gamma * moved).abs();
+        let nothing = t.open && t.psi * t.psi + left * left == t.psi * t.psi;
+        s.mem[t.mem] = if nothing { 0.0 } else { left };
+        s.mem[t.mem + 1] = 0.25 * t.z * moved * moved;
+        for k in 0..t.places {
+            let [a, b] = t.ends.map(|m| m as usize + k);
+            s.f[a] += t.g[k] * t.p;
+            s.f[b] -= t.g[k] * t.p;
+        }
+        if let Some(tap) = t.tap {
+            s.tap[tap] = -t.side * t.p;
+        }
+    }
+    if acting < all.len() {
+        all[acting..].iter_mut().for_each(|t| t.p = 0.0);
+        respond(all, push, mobility);
+        for t in &all[acting..] {
+            let follows = t.psi + 0.5 * t.gamma * (t.free - t.q);
+            let left = follows.abs().min(t.psi);
+            s.mem[t.mem] = left;
+            s.mem[t.mem + 1] = 0.5 * (t.psi - left) * (t.psi + left);
+        }
+    }
+}

@@ -1,0 +1,66 @@
+//! Contacts that are solved together in a tick, as data; [`crate::method::quadratised`] fills and empties them.
+//!
+//! Decides for one record per contact with the vectors of the solver in it, instead of an array per vector: few are
+//! ever active at once, and all numbers of one are used together. Room for all is made at load, so no tick allocates.
+
+use alloc::vec::Vec;
+
+/// One contact that acts in this tick.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Touch {
+    /// first place of either end
+    pub ends: [u32; 2],
+    /// places of an end: 1 on a line, 3 in space
+    pub places: usize,
+    /// gradient of the penetration against the second end; its negative against the first
+    pub g: [f64; 3],
+    /// its memory
+    pub mem: usize,
+    /// where its force is heard, if it is
+    pub tap: Option<usize>,
+    /// sign that turns its push into the tension of a link
+    pub side: f64,
+    /// may only push
+    pub clip: bool,
+    /// lets go: is not pressed together any more, but still holds energy
+    pub open: bool,
+    /// change of ψ per change of penetration \[√(N/m)\]
+    pub gamma: f64,
+    /// ψ before the tick \[√J\]; the energy held is ψ²/2
+    pub psi: f64,
+    /// viscosity \[N per m/tick\]
+    pub z: f64,
+    /// push per change of penetration over two ticks, γ²/4 + z/2 \[N/m\]
+    pub stiff: f64,
+    /// the change of penetration over two ticks that all other forces would cause \[m\]
+    pub free: f64,
+    /// diagonal of the system \[m/N\]
+    pub diag: f64,
+    /// push beyond γψ \[N\]: the unknown
+    pub y: f64,
+    /// residual \[m\]
+    pub r: f64,
+    /// direction of search \[N\]
+    pub p: f64,
+    /// what the system makes of the direction \[m\]
+    pub q: f64,
+}
+
+/// The contacts of this tick.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Touches {
+    /// how many act so far
+    pub(crate) n: usize,
+    /// the first `n` of them act (as long as there are contacts that may)
+    pub(crate) list: Vec<Touch>,
+    /// pushes on places, nothing between solutions (`n_mat`, none without such contacts)
+    pub(crate) push: Vec<f64>,
+}
+
+impl Touches {
+    /// Room for `contacts` among `places`.
+    pub(crate) fn new(contacts: usize, places: usize) -> Touches {
+        let places = if contacts == 0 { 0 } else { places };
+        Touches { n: 0, list: alloc::vec![Touch::default(); contacts], push: alloc::vec![0.0; places] }
+    }
+}

@@ -1,0 +1,226 @@
+//! The kinds: one for each law, made of the kind of the core at compile time.
+//!
+//! Decides that parameters, their docs and their alternatives are those of the law, copied as data, so that they cannot
+//! fall apart; what is taken away is `along`, since both ports measure what their world is made of, and `method`; what is added
+//! is `onto`, behind the others, since a law knows its parameters by number.
+
+use crate::laws;
+use ca_core::kind::{Kind, Need, Param, Role, Type};
+use ca_core::phi;
+
+/// All kinds of this crate, in the order of the documentation.
+pub const KINDS: &[&Kind] =
+    &[&LPR, &LPR_RES, &LPR_FRO, &LPR_BUT, &LPR_CUB, &LPR_POW, &LPR_HRZ, &LPR_LNL, &LPR_PLK, &LPR_ATT, &LPR_BOW];
+
+const ONTO: Param = Param::new(
+    "onto",
+    Type::Between,
+    Need::Required,
+    "the two ends of the second port, in the other world; each side one end, or as many as `between` makes links",
+);
+
+const fn is_kept(p: &Param) -> bool {
+    // the methods of contacts know of one port
+    !matches!(p.ty, Type::Direction) && !matches!(p.name.as_bytes(), b"method")
+}
+
+/// How many parameters the LPR of `kind` has.
+const fn count(kind: &Kind) -> usize {
+    let (mut n, mut i) = (1, 0);
+    while i < kind.params.len() {
+        n += is_kept(&kind.params[i]) as usize;
+        i += 1;
+    }
+    n
+}
+
+/// They.
+const fn params<const N: usize>(kind: &Kind) -> [Param; N] {
+    let mut all = [ONTO; N];
+    let (mut n, mut i) = (0, 0);
+    while i < kind.params.len() {
+        if is_kept(&kind.params[i]) {
+            all[n] = kind.params[i];
+            n += 1;
+        }
+        i += 1;
+    }
+    all
+}
+
+/// A body of two masses in space whose edge is the link, heard on a cell: `speed` along the edge.
+macro_rules! edge {
+    ($code:literal, $speed:literal, $args:literal, $gain:literal) => {
+        concat!(
+            "\n[air]\ndim = 3\n[air.SOL]\nnail = { x = [0, 0, 0] }\n[air.MAS]\nball = { m = \"5 g\", x = [\"12 mm\", \
+             \"16 mm\", 0], v = [",
+            $speed,
+            "] }\n[SOL]\nwall = {}\n[CEL]\nbar = { m = \"1 g\", f = \"440 Hz\", t60 = \"1 s\" }\n[",
+            $code,
+            "]\nedge = { between = [\"air.nail\", \"air.ball\"], onto = [\"wall\", \"bar\"], ",
+            $args,
+            " }\n[SOX]\nout = { from = \"bar\", gain = ",
+            $gain,
+            " }\n"
+        )
+    };
+}
+
+/// Two cells and something that is led past them, all on lines: the link holds the first and sounds on both.
+macro_rules! drawn {
+    ($code:literal, $args:literal, $gain:literal, $gesture:literal) => {
+        concat!(
+            "\n[CEL]\nreed = { m = \"1 g\", f = \"220 Hz\", t60 = \"1 s\" }\nbar = { m = \"1 g\", f = \"330 Hz\", t60 \
+             = \"1 s\" }\n[ENX]\nhand = {}\n[SOL]\nwall = {}\n[",
+            $code,
+            "]\nlink = { between = [\"reed\", \"hand\"], onto = [\"wall\", \"bar\"], ",
+            $args,
+            " }\n[SOX]\nout = { from = \"bar\", gain = ",
+            $gain,
+            " }\n[gesture]\nhand = ",
+            $gesture,
+            "\n"
+        )
+    };
+}
+
+macro_rules! kind {
+    ($name:ident, $code:literal, $law:ident, $of:path, $title:literal, $doc:literal, $example:expr) => {
+        static $name: Kind = Kind {
+            code: $code,
+            title: $title,
+            doc: concat!(
+                $doc,
+                " Its elongation `e` is the sum of those of two pairs of ends, `between` and `onto`, each a distance \
+                 in space or a difference on a line; the same force pulls at both, so energy crosses and none is made. \
+                 The second port, or the one on a line where only one is in space, is slack at rest. For the law itself see the kind without `LPR_`."
+            ),
+            source: &["Rattle"],
+            params: {
+                const N: usize = count(&$of);
+                const PARAMS: [Param; N] = params(&$of);
+                &PARAMS
+            },
+            example: $example,
+            role: Role::Lia(&laws::$law),
+            ..$of
+        };
+    };
+}
+
+kind!(
+    LPR,
+    "LPR",
+    REF,
+    phi::ref_::KIND,
+    "spring and damper across two worlds",
+    "An edge of a body in space that sounds in a world on a line: the link of the rattle. The world it sounds in must \
+     itself hold the two ends together, by springs or to the ground; the edge is softer by as much as that world gives.",
+    edge!("LPR", "\"60 mm/s\", \"80 mm/s\", 0", "k = \"5 kN/m\", z = \"0.1 N s/m\"", "3000")
+);
+kind!(
+    LPR_RES,
+    "LPR_RES",
+    RES,
+    phi::res::KIND,
+    "spring across two worlds",
+    "An edge without losses of its own.",
+    edge!("LPR_RES", "\"60 mm/s\", \"80 mm/s\", 0", "k = \"5 kN/m\"", "3000")
+);
+kind!(
+    LPR_FRO,
+    "LPR_FRO",
+    FRO,
+    phi::fro::KIND,
+    "damper across two worlds",
+    "What resists in one world moves the other.",
+    edge!("LPR_FRO", "\"0.6 m/s\", \"0.8 m/s\", 0", "z = \"0.3 N s/m\"", "3000")
+);
+kind!(
+    LPR_BUT,
+    "LPR_BUT",
+    BUT,
+    phi::but::KIND,
+    "buffer across two worlds",
+    "A blow in space that is heard on a line.",
+    edge!("LPR_BUT", "\"-0.6 m/s\", \"-0.8 m/s\", 0", "k = \"20 kN/m\", z = \"0.5 N s/m\", d = \"10 mm\"", "1000")
+);
+kind!(
+    LPR_CUB,
+    "LPR_CUB",
+    CUB,
+    phi::cub::KIND,
+    "hardening spring across two worlds",
+    "An edge that stiffens as it is drawn out.",
+    edge!("LPR_CUB", "\"60 mm/s\", \"80 mm/s\", 0", "k = \"2 kN/m\", k3 = \"1e10 N/m^3\", z = \"0.1 N s/m\"", "3000")
+);
+kind!(
+    LPR_POW,
+    "LPR_POW",
+    POW,
+    phi::pow::KIND,
+    "power-law spring across two worlds",
+    "An edge that is soft near rest and hard beyond.",
+    edge!(
+        "LPR_POW",
+        "\"60 mm/s\", \"80 mm/s\", 0",
+        "k = \"2 kN/m\", q = \"3e6 N/m^2\", p = 2, z = \"0.1 N s/m\"",
+        "3000"
+    )
+);
+kind!(
+    LPR_HRZ,
+    "LPR_HRZ",
+    HRZ,
+    phi::hrz::KIND,
+    "Hertz contact across two worlds",
+    "A blow of round bodies in space that is heard on a line.",
+    edge!("LPR_HRZ", "\"-0.6 m/s\", \"-0.8 m/s\", 0", "k = \"1e6 N/m^1.5\", h = \"0.2 s/m\", d = \"10 mm\"", "1000")
+);
+kind!(
+    LPR_LNL,
+    "LPR_LNL",
+    LNL,
+    phi::lnl::KIND,
+    "interaction by table across two worlds",
+    "A law you draw.",
+    edge!(
+        "LPR_LNL",
+        "\"60 mm/s\", \"80 mm/s\", 0",
+        "spring = [[\"-2 mm\", \"-9 N\"], [\"-0.1 mm\", \"-0.2 N\"], [\"0.1 mm\", \"0.2 N\"], [\"2 mm\", \"9 N\"]], \
+         friction = [[\"-1 m/s\", \"-0.1 N\"], [\"1 m/s\", \"0.1 N\"]]",
+        "3000"
+    )
+);
+kind!(
+    LPR_PLK,
+    "LPR_PLK",
+    PLK,
+    phi::plk::KIND,
+    "pluck across two worlds",
+    "One plectrum for two.",
+    drawn!(
+        "LPR_PLK",
+        "k = \"2 kN/m\", z = \"0.05 N s/m\", d = \"1 mm\"",
+        "500",
+        "[[0, 0], [0.3, \"3 mm\"], [0.6, \"3 mm\"], [1, \"-3 mm\"]]"
+    )
+);
+kind!(
+    LPR_ATT,
+    "LPR_ATT",
+    ATT,
+    phi::att::KIND,
+    "attractor across two worlds",
+    "One detent for two.",
+    drawn!("LPR_ATT", "k = \"2 kN/m\", d = \"2 mm\", z = \"0.02 N s/m\"", "500", "[[0, 0], [0.3, \"8 mm\"]]")
+);
+kind!(
+    LPR_BOW,
+    "LPR_BOW",
+    BOW,
+    phi::bow::KIND,
+    "bow friction across two worlds",
+    "One bow for two: what it draws is the sum of their speeds.",
+    drawn!("LPR_BOW", "f = \"0.3 N\", v0 = \"50 mm/s\"", "2000", "[[0, 0], [1, \"0.2 m\"]]")
+);

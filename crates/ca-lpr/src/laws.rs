@@ -1,0 +1,49 @@
+//! The laws of the core with the kernels of quadripoles: law list × op.
+//!
+//! Decides that a record is that of the core, bounds, energy, table and all, with another kernel, so that no law is
+//! written twice. Where the core knows a cheaper law for some parameters, its twin here takes the place; one that had
+//! no twin would not be taken, and the general law would run.
+
+use crate::op::kernel;
+use ca_core::op::law::Law;
+use ca_core::phi;
+
+/// Records `name`, `code`, law of the core, its [`Phi`](ca_core::law::Phi); and the list of pairs.
+macro_rules! laws {
+    ($($name:ident $code:literal $of:path, $phi:ty;)*) => {
+        $(
+            pub static $name: Law = Law {
+                code: $code,
+                kernel: kernel::<$phi, _, _>,
+                simpler: |p| twin(($of.simpler)(p)?),
+                ..$of
+            };
+        )*
+        static TWINS: &[(&Law, &Law)] = &[$((&$of, &$name)),*];
+    };
+}
+
+laws! {
+    RES "LPR_RES" phi::res::LAW, phi::res::Res;
+    FRO "LPR_FRO" phi::fro::LAW, phi::fro::Fro;
+    REF "LPR" phi::ref_::LAW, phi::ref_::Ref;
+    ZONLY "LPR_FRO" phi::ref_::ZONLY, phi::fro::Fro;
+    BUT "LPR_BUT" phi::but::LAW, phi::but::But;
+    CUB "LPR_CUB" phi::cub::LAW, phi::cub::Cub;
+    POW "LPR_POW" phi::pow::LAW, phi::pow::Pow;
+    HRZ "LPR_HRZ" phi::hrz::LAW, phi::hrz::Hrz;
+    LNL "LPR_LNL" phi::lnl::LAW, phi::lnl::Lnl;
+    SPRING "LPR_LNL spring" phi::lnl::SPRING, phi::lnl::TableSpring;
+    FRICTION "LPR_LNL friction" phi::lnl::FRICTION, phi::lnl::TableFriction;
+    PLK "LPR_PLK" phi::plk::LAW, phi::plk::Plk;
+    ATT "LPR_ATT" phi::att::LAW, phi::att::Att;
+    BOW "LPR_BOW smooth" phi::bow::SMOOTH, phi::bow::Smooth;
+    PIECEWISE "LPR_BOW piecewise" phi::bow::PIECEWISE, phi::bow::Piecewise;
+    COULOMB "LPR_BOW coulomb" phi::bow::COULOMB, phi::bow::Coulomb;
+    TABLE "LPR_BOW table" phi::bow::TABLE, phi::lnl::TableFriction;
+}
+
+/// The law of this crate that is the form of `law`.
+fn twin(law: &'static Law) -> Option<&'static Law> {
+    TWINS.iter().find(|(of, _)| core::ptr::eq(*of, law)).map(|(_, own)| *own)
+}

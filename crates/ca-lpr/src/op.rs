@@ -1,0 +1,63 @@
+//! The op of an LPR: two ports measured, one law, one force pulled at both.
+//!
+//! Decides for the sum of two gauges rather than a law of four positions: the law sees an elongation and its change as
+//! everywhere, so energy and stability need nothing of their own, and a port that is held leaves the plain link. The
+//! kernel is made once for each law and each pair of worlds: space and a line, space and space, a line and a line.
+//! Contacts are not looked at before they are measured, as those of two ends in space are: the sign of a sum is known
+//! only with its square roots.
+//!
+//! At zero length a port in space has no direction and pulls nothing, while the law and the other port go on
+//! (numerics 4.4); `soften` keeps the direction where ends pass through each other.
+
+use ca_core::State;
+use ca_core::law::Phi;
+use ca_core::layout::Layout;
+use ca_core::op::gauge::{Line, Measure, Radial};
+use ca_core::op::{Form, Gauge, Kernel, Op};
+
+/// Applies the law of `op` to each of its quadripoles, whose ports measure by `A` and `B`.
+pub fn lpr<P: Phi<C, M>, A: Measure, B: Measure, const C: usize, const M: usize, const TAP: bool>(
+    op: &Op,
+    layout: &Layout,
+    s: &mut State,
+) {
+    let n = op.n;
+    let Some((_, onto, far)) = op.ports.onto else { return };
+    let (between, onto) = (&layout.ends[op.first..][..n], &layout.onto[onto..][..n]);
+    let (near, far) = (reach::<A>(layout, op.ports.reach, n), reach::<B>(layout, far, n));
+    let e0 = &layout.e0[op.first..][..n];
+    let columns: [&[f64]; C] = core::array::from_fn(|k| &s.coef[op.coef + k * n..][..n]);
+    let (x, d, f) = (&s.x, &s.d, &mut s.f);
+    let mem = &mut s.mem[op.mem..][..n * M];
+    for i in 0..n {
+        let (first, second) = (between[i].map(|m| m as usize), onto[i].map(|m| m as usize));
+        let a = A::measure(x, d, first, if A::SPACE { &near[i] } else { &[0.0; 4] });
+        let b = B::measure(x, d, second, if B::SPACE { &far[i] } else { &[0.0; 4] });
+        let c = core::array::from_fn(|k| columns[k][i]);
+        let Some(m) = mem[i * M..].first_chunk_mut::<M>() else { continue };
+        let force = P::force(&c, m, &layout.tables, a.e + b.e + e0[i], a.w + b.w);
+        A::pull(f, first, &a.u, force);
+        B::pull(f, second, &b.u, force);
+        if TAP {
+            s.tap[op.tap + i] = force;
+        }
+    }
+}
+
+/// What ports in space need beside their ends; a line needs nothing and has no entries.
+fn reach<G: Measure>(layout: &Layout, first: usize, n: usize) -> &[[f64; 4]] {
+    if G::SPACE { &layout.reach[first..][..n] } else { &[] }
+}
+
+/// The kernel of a law for one form of a quadripole. The compiler puts a port in space first, and an LPR has no
+/// parameter that would give a port a fixed direction.
+pub fn kernel<P: Phi<C, M> + 'static, const C: usize, const M: usize>(form: Form) -> Kernel {
+    match (form.gauge, form.onto, form.tap) {
+        (Gauge::Line, _, false) => lpr::<P, Line, Line, C, M, false>,
+        (Gauge::Line, _, true) => lpr::<P, Line, Line, C, M, true>,
+        (_, Some(Gauge::Radial), false) => lpr::<P, Radial, Radial, C, M, false>,
+        (_, Some(Gauge::Radial), true) => lpr::<P, Radial, Radial, C, M, true>,
+        (_, _, false) => lpr::<P, Radial, Line, C, M, false>,
+        (_, _, true) => lpr::<P, Radial, Line, C, M, true>,
+    }
+}

@@ -1,0 +1,173 @@
+//! Instruments in space, held by a hand: the rattle in its two manipulations, maracas, wind chimes.
+
+use super::heard::{Heard, load, perform, play, scene};
+use crate::acoustics::{cents, db, partial, peak, rms};
+use ca_core::Scene;
+use ca_core::scene::Stands;
+use ca_haptic::gesture::{Gesture, Track};
+
+/// Places of the modules `names` over time [m], absolute, from probes of the same names in the same order.
+struct Motion<'a> {
+    heard: &'a Heard,
+    rest: Vec<[f64; 3]>,
+}
+
+impl<'a> Motion<'a> {
+    fn new(heard: &'a Heard, scene: &Scene, names: &[String]) -> Motion<'a> {
+        let rest = names.iter().map(|n| {
+            let symbol = scene.symbols.iter().find(|s| s.name == *n).unwrap_or_else(|| panic!("no `{n}`"));
+            let Stands::Mat(at) = symbol.place else { panic!("`{n}` is a link") };
+            [0, 1, 2].map(|k| scene.rest[at as usize + k])
+        });
+        Motion { rest: rest.collect(), heard }
+    }
+
+    fn at(&self, i: usize, n: usize) -> [f64; 3] {
+        [0, 1, 2].map(|k| self.rest[i][k] + self.heard.probe[3 * i + k][n])
+    }
+
+    fn apart(&self, i: usize, j: usize, n: usize) -> f64 {
+        let (a, b) = (self.at(i, n), self.at(j, n));
+        (0..3).map(|k| (a[k] - b[k]) * (a[k] - b[k])).sum::<f64>().sqrt()
+    }
+
+    fn ticks(&self) -> usize {
+        self.heard.probe[0].len()
+    }
+}
+
+/// Blows in a force: how often it begins after 2 ms of nothing.
+fn blows(force: &[f64], rate: f64) -> usize {
+    let pause = (0.002 * rate) as usize;
+    let mut last = 0;
+    let mut count = 0;
+    for (n, f) in force.iter().enumerate().filter(|(_, f)| **f != 0.0) {
+        count += usize::from(f.is_finite() && (count == 0 || n - last > pause));
+        last = n;
+    }
+    count
+}
+
+fn played(name: &str) -> Heard {
+    let corners = ["low", "mid", "high"].iter().flat_map(|p| (0..4).map(move |i| format!("toy.{p}[{i}]")));
+    let names: Vec<String> = std::iter::once("toy.ball".to_string()).chain(corners).collect();
+    let mut probes: Vec<&str> = names.iter().map(String::as_str).collect();
+    probes.push("keep[*]");
+    let h = play(name, &probes);
+    let scene = scene(&h.model, &[]);
+    let motion = Motion::new(&h, &scene, &names);
+    let keep = &h.probe[3 * names.len()..];
+    for n in 0..motion.ticks() {
+        for corner in 1..13 {
+            // a blow presses a corner in by less than a tenth of a millimetre for each newton a softer shell would give
+            assert!(motion.apart(0, corner, n) < 46e-3, "{name}: a corner is outside, tick {n}");
+        }
+        for body in 0..3 {
+            for (i, j) in [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)] {
+                let edge = motion.apart(1 + 4 * body + i, 1 + 4 * body + j, n);
+                assert!((edge / 20e-3 - 1.0).abs() < 0.02, "{name}: an edge of {edge} m, tick {n}");
+            }
+        }
+    }
+    // flying and turning are silent: nothing is heard before the first blow
+    let first = (0..motion.ticks()).find(|n| keep.iter().any(|f| f[*n] != 0.0)).expect("a blow");
+    let loudest = peak(&h.sound[0]);
+    assert!(first > 200 && peak(&h.sound[0][..first]) < 1e-9 * loudest, "{name}: a sound of nothing");
+    let count: usize = keep.iter().map(|f| blows(f, h.rate)).sum();
+    assert!((60..5000).contains(&count), "{name}: {count} blows");
+    // louder while it is shaken than after
+    let level = |t0: f64, t1: f64| db(rms(h.at(0, t0, t1)));
+    assert!(level(0.4, 2.0) > level(5.4, 6.0) + 12.0, "{name}: {} dB, {} dB", level(0.4, 2.0), level(5.4, 6.0));
+    h
+}
+
+pub fn rattle() {
+    played("rattle");
+    // the degraded experiments: without force feedback the sound of a given gesture is the same, and nothing is sent to
+    // the hand; late by 30 frames of 16 ticks, the key moves 480 ticks later
+    let push = || {
+        let x = Track::points("key_x", vec![(0.0, 0.0), (0.1, 30e-3), (0.2, -30e-3), (0.3, 0.0)]).unwrap();
+        let y = Track::points("key_y", vec![(0.0, 0.0), (0.15, 20e-3), (0.3, 0.0)]).unwrap();
+        Gesture::new(vec![x, y]).unwrap()
+    };
+    let played = |key: &str, value: &str| {
+        let mut m = load("rattle");
+        assert!(m.set(key, value));
+        let scene = scene(&m, &["key_x", "key_y"]);
+        perform(m, &scene, Some(&push()), 0.4)
+    };
+    let (plain, numb, late) =
+        (played("rate.latency", "0"), played("rate.feedback", "false"), played("rate.latency", "30"));
+    assert!(peak(&plain.sound[0]) > 0.0);
+    assert_eq!(numb.sound, plain.sound);
+    for key in 0..2 {
+        let n = plain.probe[key].len() - 480;
+        assert_eq!(late.probe[key][480..], plain.probe[key][..n]);
+    }
+    assert!(late.sound != plain.sound);
+}
+
+pub fn rattle_stick() {
+    let (stick, keys) = (played("rattle_stick"), played("rattle"));
+    assert_eq!(stick.sound, keys.sound, "the manipulation differs, the instrument does not");
+    let hands = ["key_x", "key_y", "toy.stick"];
+    let ties = ["hold_x", "hold_y"];
+    let body = |h: &Heard| {
+        let all =
+            h.model.items.iter().filter(|i| !hands.contains(&i.name.as_str()) && !ties.contains(&i.name.as_str()));
+        let bare = |i: &ca_core::model::Item| {
+            let args: Vec<_> = i.args.iter().map(|e| (e.key.clone(), plain(&e.value))).collect();
+            (i.kind.clone(), i.name.clone(), args)
+        };
+        all.map(bare).collect::<Vec<_>>()
+    };
+    assert_eq!(body(&stick), body(&keys));
+}
+
+/// A value without the places it was read from.
+fn plain(v: &ca_core::model::Value) -> String {
+    use ca_core::model::Value;
+    match v {
+        Value::List(l) => format!("[{}]", l.iter().map(|e| plain(&e.value)).collect::<Vec<_>>().join(", ")),
+        other => format!("{other:?}"),
+    }
+}
+
+pub fn maracas() {
+    let names: Vec<String> =
+        std::iter::once("room.gourd".to_string()).chain((0..80).map(|i| format!("room.seeds[{i}]"))).collect();
+    let probes: Vec<&str> = names.iter().map(String::as_str).collect();
+    let h = play("maracas", &probes);
+    let scene = scene(&h.model, &[]);
+    let motion = Motion::new(&h, &scene, &names);
+    for n in 0..motion.ticks() {
+        for seed in 1..names.len() {
+            assert!(motion.apart(0, seed, n) < 36e-3, "a seed has left the gourd, tick {n}");
+        }
+    }
+    // without what rests on the skin: differences of the sound
+    let swing = |t0: f64, t1: f64| {
+        let x = h.at(0, t0, t1);
+        let d: Vec<f64> = x.windows(2).map(|w| w[1] - w[0]).collect();
+        db(rms(&d))
+    };
+    assert!(swing(0.3, 1.9) > swing(2.15, 2.4) + 6.0, "{} dB, {} dB", swing(0.3, 1.9), swing(2.15, 2.4));
+    assert!(swing(2.5, 3.4) > swing(4.0, 4.5) + 12.0, "{} dB, {} dB", swing(2.5, 3.4), swing(4.0, 4.5));
+}
+
+pub fn chimes() {
+    let tubes = ["a", "b", "c", "d", "e"];
+    let knocks: Vec<String> = tubes.iter().map(|t| format!("knock_{t}")).collect();
+    let probes: Vec<&str> = knocks.iter().map(String::as_str).collect();
+    let h = play("chimes", &probes);
+    let struck: Vec<usize> = (0..5).filter(|i| blows(&h.probe[*i], h.rate) > 0).collect();
+    assert!(struck.len() >= 3, "the wind reaches {struck:?}");
+    for i in struck {
+        // heard where it is tuned, in the second after its last blow
+        let last = h.probe[i].iter().rposition(|f| *f != 0.0).unwrap() as f64 / h.rate + 0.01;
+        let to = (last + 1.0).min(h.sound[0].len() as f64 / h.rate);
+        let f = h.number(&format!("tube_{}", tubes[i]), "f");
+        let found = partial(h.at(i % 2, last, to), h.rate, f, 15.0).0;
+        assert!(cents(found, f).abs() < 8.0, "tube {}: {found:.2} Hz, not {f}", tubes[i]);
+    }
+}
