@@ -15,7 +15,7 @@ fn ring(section: &str, args: &str, onto: bool) -> String {
     let mut t = String::from("[air]\ndim = 3\n[air.MAS]\n");
     for i in 0..N {
         let (s, c) = (i as f64 * std::f64::consts::TAU / N as f64).sin_cos();
-        let _ = writeln!(t, "v{i} = {{ m = \"1 g\", x = [{:?}, {:?}, 0] }}", s, c);
+        let _ = writeln!(t, "v{i} = {{ m = \"1 g\", x = [{s:?}, {c:?}, 0] }}");
     }
     t += "[CEL]\n";
     for i in 0..N {

@@ -169,7 +169,7 @@ fn ply(format: &str, number: fn(f32) -> [u8; 4], index: fn(u32) -> [u8; 4]) -> V
         if text {
             out.extend(format!("{} {} {} 255\n", p[0], p[1], p[2]).bytes());
         } else {
-            p.into_iter().for_each(|v| out.extend(number(v as f32)));
+            out.extend(p.into_iter().flat_map(|v| number(v as f32)));
             out.push(255);
         }
     }
@@ -178,7 +178,7 @@ fn ply(format: &str, number: fn(f32) -> [u8; 4], index: fn(u32) -> [u8; 4]) -> V
             out.extend(format!("{}{}\n", f.len(), words(f, |i| format!(" {i}"))).bytes());
         } else {
             out.push(f.len() as u8);
-            f.iter().for_each(|i| out.extend(index(*i)));
+            out.extend(f.iter().flat_map(|i| index(*i)));
         }
     }
     out
@@ -321,7 +321,9 @@ fn across(body: &str, nx: usize, ny: usize, axis: usize) -> (f64, f64, Scene) {
     let inner: Vec<(usize, usize)> = (1..nx - 1).flat_map(|i| (1..ny - 1).map(move |j| (i, j))).collect();
     let mut s = scene.state();
     let by = 1e-7;
-    inner.iter().for_each(|(i, j)| s.x[name(*i, *j) + axis] = by * shape(*i, *j));
+    for (i, j) in &inner {
+        s.x[name(*i, *j) + axis] = by * shape(*i, *j);
+    }
     sense(&scene, &mut s);
     let (mut projected, mut square) = (0.0, 0.0);
     for (i, j) in &inner {

@@ -68,11 +68,11 @@ fn shake(scene: &Scene, s: &mut State, n: u64, dice: &mut Dice) {
 
 #[test]
 fn every_bit_is_that_of_the_pairs() {
-    let (a, b) = (names(0, 15), names(15, 40));
+    let (all, a, b) = (names(0, 40), names(0, 15), names(15, 40));
     let contacts = [
         hits(),
         format!("two = {{ between = [{a}, {b}], pairs = \"all\", k = 5000, d = {D}, sticky = false }}"),
-        format!("[HRZ]\nhertz = {{ between = [{b}, {b}], k = 3e5, h = 0.2, d = {D} }}"),
+        format!("[HRZ]\nhertz = {{ between = [{all}, {all}], k = 3e5, h = 0.2, d = {D} }}"),
         format!("bag = {{ between = [{a}, {b}], pairs = \"all\", k = 300, d = 0.015, sense = \"inside\" }}"),
     ];
     for (which, contact) in contacts.iter().enumerate() {

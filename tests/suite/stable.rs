@@ -4,6 +4,7 @@ use crate::play::{Dice, audited, case, list, mat, num, off, reference, scene, wi
 use ca_benches::rattle::{fares, page};
 use ca_core::certificate::Level;
 use ca_core::{Options, Scene, State, tick};
+use std::fmt::Write as _;
 
 fn heat(scene: &Scene, s: &State) -> f64 {
     let book = s.ledger.as_ref().expect("a book");
@@ -171,14 +172,16 @@ fn masses_that_share_a_blow_keep_their_energy() {
         let mut dice = Dice(7);
         for i in 0..7 {
             let m = 1e-3 * (1.0 + 0.5 * dice.roll());
-            text += &format!("b{i} = {{ m = {m:?}, x = {:?}, v = {:?} }}\n", 0.01 * f64::from(i), 3.0 * dice.roll());
+            let _ =
+                write!(text, "b{i} = {{ m = {m:?}, x = {:?}, v = {:?} }}\n", 0.01 * f64::from(i), 3.0 * dice.roll());
         }
         let how = format!("k = {k:?}, method = \"stable\", d = 0.001");
-        text += &format!(
+        let _ = write!(
+            text,
             "[BUT]\nl = {{ between = [\"left\", \"b0\"], {how} }}\nr = {{ between = [\"b6\", \"right\"], {how} }}\n"
         );
         for i in 0..6 {
-            text += &format!("c{i} = {{ between = [\"b{i}\", \"b{}\"], {how} }}\n", i + 1);
+            let _ = write!(text, "c{i} = {{ between = [\"b{i}\", \"b{}\"], {how} }}\n", i + 1);
         }
         text += "[RES]\ntie = { between = [\"b2\", \"b3\"], k = 1e4 }\n[SOX]\nout = { from = \"b3\" }\n";
         let scene = audited(&text);
@@ -216,13 +219,13 @@ fn held_from_more_sides_than_it_has_axes() {
         "[room]\ndim = 3\ngravity = \"9.81 m/s^2\"\n[room.MAS]\nball = { m = \"1 g\", v = [1, 0.3, -2] }\n[room.SOL]\n",
     );
     for (i, n) in [[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]].iter().enumerate() {
-        text += &format!("w{i} = {{ x = [{}, {}, {}] }}\n", n[0], n[1], n[2]);
+        let _ = write!(text, "w{i} = {{ x = [{}, {}, {}] }}\n", n[0], n[1], n[2]);
     }
     text += "[BUT]\n";
     let how = "k = 1e9, d = 0.999, method = \"stable\"";
     for i in 0..6 {
         for copy in 0..3 {
-            text += &format!("c{i}{copy} = {{ between = [\"room.w{i}\", \"room.ball\"], {how} }}\n");
+            let _ = write!(text, "c{i}{copy} = {{ between = [\"room.w{i}\", \"room.ball\"], {how} }}\n");
         }
     }
     let scene = audited(&(text + "[SOX]\nout = { from = \"room.ball\", along = \"x\" }\n"));
@@ -258,7 +261,7 @@ fn a_contact_pressed_at_load_and_a_hand() {
             for n in 0..2000 {
                 // the hand comes at 1 m/s and stops
                 if !scene.inputs.is_empty() {
-                    s.input[0] = -1e-3 + (f64::from(n) / scene.rate as f64).min(0.02);
+                    s.input[0] = -1e-3 + (f64::from(n) / scene.rate).min(0.02);
                 }
                 tick(&scene, &mut s);
             }

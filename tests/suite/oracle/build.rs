@@ -1,5 +1,6 @@
 //! From the text of a model to plain modules: what names mean, who is linked to whom by which law, what goes in and out.
 
+use super::bodies::body;
 use super::expand::{Family, bank, fixed, mat, mesh, row};
 use super::network::{Gauge, Heard, Law, Link, Mat, Network, Point, Port};
 use super::numbers::{Numbers, entry, list, word};
@@ -73,6 +74,7 @@ impl Builder<'_> {
                 }
                 family
             }
+            "TETRA" | "GRAINS" | "CLOUD" => body(numbers, net, i),
             "BANK" => bank(numbers, net, i),
             "STRING" | "CHAIN" | "STIFFSTRING" => row(numbers, net, i),
             "MESH" => mesh(numbers, net, i),

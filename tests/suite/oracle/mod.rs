@@ -1,6 +1,7 @@
 //! The compiled scene against the oracle, which plays the same text module by module: `build` reads it into the plain
-//! modules of `network`, with `numbers` and `expand`; `interpreter` plays them, and measures by `gauge`.
+//! modules of `network`, with `numbers`, `expand` and `bodies`; `interpreter` plays them, and measures by `gauge`.
 
+mod bodies;
 mod build;
 mod expand;
 mod gauge;

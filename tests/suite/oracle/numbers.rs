@@ -105,7 +105,7 @@ impl<'a> Numbers<'a> {
 
     /// A number for each axis.
     pub fn place(&self, i: &Item, key: &str) -> [f64; 3] {
-        let power = if key == "v" { -1.0 } else { 0.0 };
+        let power = if matches!(key, "v" | "spin") { -1.0 } else { 0.0 };
         let mut place = [0.0; 3];
         match entry(&i.args, key) {
             Some(v @ Value::List(_)) => {

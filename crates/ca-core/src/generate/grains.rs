@@ -47,6 +47,7 @@ out = { from = "room.centre", along = "z", gain = 0.1 }
 };
 
 /// Slots: m.
+#[allow(clippy::unnecessary_wraps)] // the shape all generators have
 fn derive(a: &Args<'_>) -> Result<Vec<Option<f64>>, Problem> {
     Ok(alloc::vec![Some(mass(a, a.count("n")))])
 }
@@ -58,8 +59,8 @@ fn lattice(n: usize, dim: u8) -> Vec<[i32; 3]> {
         let all = (-r..=r).flat_map(move |x| (-r..=r).flat_map(move |y| (-flat..=flat).map(move |z| [x, y, z])));
         all.filter(move |p| p.iter().map(|v| v * v).sum::<i32>() <= r * r)
     };
-    // the smallest ball that has enough of them
-    let r = (0..).find(|r| inside(*r).count() >= n).unwrap_or(0);
+    // the smallest ball that has enough of them; one of 100 000 has a radius of 29
+    let r = (0..n as i32).find(|r| inside(*r).count() >= n).unwrap_or(0);
     let mut all: Vec<[i32; 3]> = inside(r).collect();
     all.sort_by_key(|p| (p.iter().map(|v| v * v).sum::<i32>(), *p));
     all.truncate(n);

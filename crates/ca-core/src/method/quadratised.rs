@@ -147,7 +147,9 @@ fn respond(list: &mut [Touch], push: &mut [f64], mobility: &[f64]) {
 
 /// Solves for `y` of all contacts listed.
 fn conjugate(list: &mut [Touch], push: &mut [f64], mobility: &[f64]) {
-    list.iter_mut().for_each(|t| t.p = t.gamma * t.psi);
+    for t in &mut *list {
+        t.p = t.gamma * t.psi;
+    }
     respond(list, push, mobility);
     let mut rho = 0.0;
     for t in &mut *list {
@@ -220,7 +222,9 @@ fn solve(_op: &Op, layout: &Layout, s: &mut State) {
         }
     }
     if acting < all.len() {
-        all[acting..].iter_mut().for_each(|t| t.p = 0.0);
+        for t in &mut all[acting..] {
+            t.p = 0.0;
+        }
         respond(all, push, mobility);
         for t in &all[acting..] {
             let follows = t.psi + 0.5 * t.gamma * (t.free - t.q);
