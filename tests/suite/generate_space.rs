@@ -152,6 +152,11 @@ fn pyramid() -> Cloud {
     Cloud { points: CORNERS[..5].to_vec(), edges, merged: 1, flat: 1 }
 }
 
+/// The corners of a face in a line.
+fn words(f: &[u32], word: impl Fn(u32) -> String) -> String {
+    f.iter().map(|i| word(*i)).collect()
+}
+
 /// The pyramid as PLY: the header, then text, or binary with the bytes of each number put by `f32`, `u32`.
 fn ply(format: &str, number: fn(f32) -> [u8; 4], index: fn(u32) -> [u8; 4]) -> Vec<u8> {
     let mut out = format!(
@@ -164,16 +169,16 @@ fn ply(format: &str, number: fn(f32) -> [u8; 4], index: fn(u32) -> [u8; 4]) -> V
         if text {
             out.extend(format!("{} {} {} 255\n", p[0], p[1], p[2]).bytes());
         } else {
-            p.into_iter().for_each(|v| out.extend(number(v as f32)));
+            out.extend(p.into_iter().flat_map(|v| number(v as f32)));
             out.push(255);
         }
     }
     for f in FACES {
         if text {
-            out.extend(format!("{}{}\n", f.len(), f.iter().map(|i| format!(" {i}")).collect::<String>()).bytes());
+            out.extend(format!("{}{}\n", f.len(), words(f, |i| format!(" {i}"))).bytes());
         } else {
             out.push(f.len() as u8);
-            f.iter().for_each(|i| out.extend(index(*i)));
+            out.extend(f.iter().flat_map(|i| index(*i)));
         }
     }
     out
@@ -182,8 +187,8 @@ fn ply(format: &str, number: fn(f32) -> [u8; 4], index: fn(u32) -> [u8; 4]) -> V
 fn obj() -> String {
     let v = CORNERS.map(|[x, y, z]| format!("v {x} {y} {z}\n")).concat();
     // from 1 forwards with pictures and normals, and from −1 backwards
-    let face = |f: &[u32]| format!("f{}\n", f.iter().map(|i| format!(" {}/1/7", i + 1)).collect::<String>());
-    let back = |f: &[u32]| format!("f{}\n", f.iter().map(|i| format!(" {}", i64::from(*i) - 6)).collect::<String>());
+    let face = |f: &[u32]| format!("f{}\n", words(f, |i| format!(" {}/1/7", i + 1)));
+    let back = |f: &[u32]| format!("f{}\n", words(f, |i| format!(" {}", i64::from(i) - 6)));
     let (head, tail) = FACES.split_at(3);
     let f: String = head.iter().map(|f| face(f)).chain(tail.iter().map(|f| back(f))).collect();
     format!("# a pyramid\no pyramid\n{v}vn 0 0 1\nusemtl stone\n{f}")
@@ -316,7 +321,9 @@ fn across(body: &str, nx: usize, ny: usize, axis: usize) -> (f64, f64, Scene) {
     let inner: Vec<(usize, usize)> = (1..nx - 1).flat_map(|i| (1..ny - 1).map(move |j| (i, j))).collect();
     let mut s = scene.state();
     let by = 1e-7;
-    inner.iter().for_each(|(i, j)| s.x[name(*i, *j) + axis] = by * shape(*i, *j));
+    for (i, j) in &inner {
+        s.x[name(*i, *j) + axis] = by * shape(*i, *j);
+    }
     sense(&scene, &mut s);
     let (mut projected, mut square) = (0.0, 0.0);
     for (i, j) in &inner {
