@@ -282,7 +282,7 @@ fn the_rule_for_contacts_takes_the_lightest_pair() {
     for (between, c) in
         [(format!("[{all}, {all}]"), 1.0 + 0.5), (format!("[{a}, {b}], pairs = \"all\""), 1.0 + 1.0 / 3.0)]
     {
-        let text = heard(&format!("{body}hits = {{ between = {}, k = 4e5, d = 1e-3 }}", between));
+        let text = heard(&format!("{body}hits = {{ between = {between}, k = 4e5, d = 1e-3 }}"));
         let (set, pairs) = (scene(&text), with(&text, &reference()));
         assert_eq!(set.crowds.len(), 1);
         within("kT²/m", (set.certificate.contact / (4e5 * c / 1e-3 / 48e3 / 48e3) - 1.0).abs(), 1e-14);

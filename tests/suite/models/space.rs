@@ -185,7 +185,9 @@ fn stretching(points: &[[f64; 3]], length: f64) -> Vec<f64> {
             }
             let row: Vec<(usize, f64)> = (0..3).flat_map(|k| [(3 * i + k, -d[k] / l), (3 * j + k, d[k] / l)]).collect();
             for (p, u) in &row {
-                row.iter().for_each(|(q, v)| k[*p][*q] += u * v);
+                for (q, v) in &row {
+                    k[*p][*q] += u * v;
+                }
             }
         }
     }

@@ -36,7 +36,9 @@ fn plain(text: &str) -> Model {
     let mut m = model(text);
     let outputs: Vec<String> =
         m.items.iter().filter(|i| matches!(i.kind.as_str(), "SOX" | "SOF")).map(|i| i.name.clone()).collect();
-    outputs.iter().for_each(|name| assert!(m.set(&format!("{name}.dc"), "0")));
+    for name in outputs {
+        assert!(m.set(&format!("{name}.dc"), "0"));
+    }
     m
 }
 
