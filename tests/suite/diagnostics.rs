@@ -4,6 +4,7 @@
 //! after it a `text` block with the report expected. `UPDATE=1 cargo test -p ca-tests diagnostics` writes the reports anew; the difference is reviewed
 //! like code.
 
+use ca_core::cloud::{Cloud, Unread};
 use ca_core::model::diag::CODES;
 use ca_core::model::{Model, mims, render};
 use ca_core::{Options, load};
@@ -18,7 +19,12 @@ fn report(language: &str, text: &str) -> String {
         let diags = mims::import(text, "model.mdl").1;
         (Model { file: "model.mdl".into(), text: text.into(), ..Model::default() }, diags)
     } else {
-        let (model, result) = load(text, "model.ca.toml", &catalog(), &Options::default());
+        // what lies beside the model: a drawing with a seam, and one that is cut short
+        let seam = Cloud { points: vec![[0.0; 3], [0.1, 0.0, 0.0]], edges: vec![[0, 1]], merged: 2, flat: 1 };
+        let cut = Unread { what: "`cut.ply`, line 9: it ends here".into(), help: "export it anew".into() };
+        let clouds = [("seam.obj".into(), Ok(seam.into())), ("cut.ply".into(), Err(cut))].into();
+        let options = Options { clouds, ..Options::default() };
+        let (model, result) = load(text, "model.ca.toml", &catalog(), &options);
         (model, result.map_or_else(|diags| diags, |scene| scene.diags))
     };
     if diags.list.is_empty() { "no findings\n".into() } else { render::text(&diags, &model, false) }

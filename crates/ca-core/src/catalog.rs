@@ -40,7 +40,6 @@ pub const SOURCES: &[(&str, &str)] = &[
         "HSP v2",
         "E. Berdahl, A. Kontogeorgakopoulos, D. Overholt, HSP v2: haptic signal processing with extensions for physical modeling",
     ),
-    ("Rattle", "Sharp Colliding of Multiple Sound Objects with Haptic Feedback"),
     (
         "Hunt 1975",
         "K. H. Hunt, F. R. E. Crossley, Coefficient of restitution interpreted as damping in vibroimpact, J. Applied Mechanics 42, 1975",

@@ -294,3 +294,56 @@ fn the_energy_book_is_shown() {
     assert!(j["real_time_factor"].as_f64().unwrap() > 0.0 && j["degraded"] == false);
     assert_eq!(j["channels"][1]["name"], "right");
 }
+
+/// A body thrown at the floor, from a file beside the model.
+const BODY: &str = r#"
+[room]
+dim = 3
+[room.CLOUD]
+bell = { file = "parts/bell.obj", scale = 0.1, m = "1 g", k = "8 kN/m", z = "2 mN s/m", v = [0, 0, "-1 m/s"] }
+[room.SOL]
+floor = { x = [0, 0, "-1 cm"] }
+[room.BUT]
+fall = { between = ["room.floor", "room.bell[*]"], k = "20 kN/m", along = "z" }
+[SOF]
+out = { from = "room.bell.link[0]", gain = 0.01 }
+"#;
+
+#[test]
+fn a_body_is_read_from_the_folder_of_its_model() {
+    let desk = Desk::new();
+    fs::create_dir_all(desk.path("models/parts")).unwrap();
+    desk.put("models/body.ca.toml", BODY);
+    let r = desk.ca(&["check", "models/body.ca.toml"]).is(1);
+    r.says(&["error[E031]: `file` of `room.bell`: `models/parts/bell.obj`: it cannot be read", "^ cannot be read"]);
+    desk.put("models/parts/bell.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 9\n");
+    let r = desk.ca(&["render", "models/body.ca.toml"]).is(1);
+    r.says(&["`models/parts/bell.obj`, line 6: `9` is no point", "help: points count from 1"]);
+    desk.put("models/parts/bell.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\n");
+    desk.ca(&["check", "models/body.ca.toml"]).is(0).says(&["5 MAT", "5 REF"]);
+    let render = ["render", "models/body.ca.toml", "--seconds", "200 ms", "--energy", "-o", "body.wav", "-q"];
+    desk.ca(&[&render[..], &["--probe", "room.bell[1..3]=two.csv", "--probe", "room.bell[0]=one.npy"]].concat()).is(0);
+    assert!(peak(&desk.wav("body.wav").1) > 1e-3);
+    let columns = "time,room.bell[1].x,room.bell[1].y,room.bell[1].z,room.bell[2].x,room.bell[2].y,room.bell[2].z";
+    let csv = fs::read_to_string(desk.path("two.csv")).unwrap();
+    assert_eq!(csv.lines().next(), Some(columns));
+    assert_eq!(csv.lines().count(), 1 + 9600);
+    assert!(fs::read(desk.path("one.npy")).unwrap().starts_with(b"\x93NUMPY"));
+    let npy = String::from_utf8_lossy(&fs::read(desk.path("one.npy")).unwrap()[..100]).into_owned();
+    assert!(npy.contains("'shape': (9600, 3)"), "{npy}");
+}
+
+#[test]
+fn probes_of_several_are_called_by_their_modules() {
+    let desk = Desk::new();
+    let more = "[STRING]\nlow = { n = 5, f = 100, m = 1e-3 }\n[RES]\nnone = { between = [\"low[0]\", \"low[2]\"], k = 0 }\n\
+                [SOX]\nout = { from = \"low[0]\" }\n[MAS]\nbob = { m = 1, v = 0.01 }\n[REF]\ntie = { between = [\"bob\", \"low[1]\"], k = 100 }\n";
+    desk.put("low.ca.toml", more);
+    let render = ["render", "low.ca.toml", "--seconds", "10 ms", "-q"];
+    desk.ca(&[&render[..], &["--probe", "low[1..4]=a.csv", "--probe", "low[-1]=b.csv"]].concat()).is(0);
+    let first = |file: &str| fs::read_to_string(desk.path(file)).unwrap().lines().next().unwrap().to_string();
+    assert_eq!((first("a.csv"), first("b.csv")), ("time,low[1],low[2],low[3]".into(), "time,low[-1]".into()));
+    let r = desk.ca(&[&render[..], &["--probe", "none"]].concat()).is(2);
+    r.says(&["--probe: `none` does nothing, so it was left out; probe the modules at its ends"]);
+    desk.ca(&[&render[..], &["--probe", "*"]].concat()).is(1).says(&["`*` is not a selector"]);
+}

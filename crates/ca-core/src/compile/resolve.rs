@@ -241,7 +241,8 @@ fn nodes(mut item: NetItem, source: &Item, net: &mut Net, v: &mut Values<'_>) {
                 } else {
                     "put it into a group without `dim`, and couple the two by an LPR or a link with `along`"
                 };
-                v.diags.push(d.at(source.name_span, format!("in a group with `dim = {dim}`")).help(help));
+                let place = if dim == 1 { "on a line".into() } else { format!("in a group with `dim = {dim}`") };
+                v.diags.push(d.at(source.name_span, place).help(help));
                 return;
             }
             let args = Args { code: kind.code, params: kind.params, values: &item.args, te: net.te, dim };

@@ -24,7 +24,7 @@ pub static KIND: Kind = Kind {
           along the edges of the faces and lines of the file, or with `reach` to all that is near. The springs are \
           slack at rest. Points in the very same place are one; faces without area are left out. `bell[17]` is point \
           17 of the file, `x` its origin.",
-    source: &[],
+    source: &["CMJ 1993"],
     params: &[
         Param::new("file", Type::File, Need::Optional, "a .ply, .obj or .csv file, from the folder of the model"),
         Param::new("points", Type::Places { unit: Unit::METRE }, Need::Optional, "the points themselves"),
