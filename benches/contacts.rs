@@ -41,10 +41,14 @@ fn contacts(c: &mut Criterion) {
             for (method, class, skin) in [
                 ("pairs", KernelClass::Reference, 0.0),
                 ("set", KernelClass::Fast, 0.0),
-                ("list", KernelClass::Fast, 0.25),
-                ("list, wider", KernelClass::Fast, 0.5),
-                ("list, narrower", KernelClass::Fast, 0.12),
+                ("list", KernelClass::Fast, 0.5),
+                ("list, wider", KernelClass::Fast, 0.75),
+                ("list, narrower", KernelClass::Fast, 0.25),
             ] {
+                // half a million modules show nothing new
+                if class == KernelClass::Reference && n > 512 {
+                    continue;
+                }
                 let scene = scene(&model, class, false);
                 let mut warm = scene.state();
                 warm.near.iter_mut().for_each(|near| near.skin = skin);

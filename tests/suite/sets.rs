@@ -78,7 +78,7 @@ fn every_bit_is_that_of_the_pairs() {
     for (which, contact) in contacts.iter().enumerate() {
         let text = shaken(contact);
         let scenes = [with(&text, &reference()), scene(&text), scene(&text), scene(&text), audited(&text)];
-        assert!(scenes[0].clouds.is_empty() && scenes[1].clouds.len() == 1, "{contact}");
+        assert!(scenes[0].crowds.is_empty() && scenes[1].crowds.len() == 1, "{contact}");
         let skins = [0.0, 0.0, 0.25, 1.0, 0.25];
         let mut states = scenes.each_ref().map(Scene::state);
         for (s, skin) in states.iter_mut().zip(skins) {
@@ -256,7 +256,7 @@ fn the_energy_book_closes_and_agrees_with_that_of_the_pairs() {
 #[test]
 fn a_pair_that_is_heard_makes_the_pairs() {
     let one = scene(&shaken(&hits()));
-    assert_eq!((one.n_lia, one.clouds[0].pairs()), (41, 780));
+    assert_eq!((one.n_lia, one.crowds[0].pairs()), (41, 780));
     let sof = "\n[SOF]\nblow = { from = \"hits[3]\" }\n";
     assert_eq!(scene(&(shaken(&hits()) + sof)).n_lia, 40 + 780);
     let probed = Options { probes: vec!["hits[5]".into()], ..Options::default() };
@@ -265,9 +265,12 @@ fn a_pair_that_is_heard_makes_the_pairs() {
     let line = "[MAS]\na = { m = 1 }\nb = { m = 1, x = 1 }\nc = { m = 1, x = 2 }\nd = { m = 1, x = 3 }\n[BUT]\n\
          hits = { between = [[\"a\", \"b\", \"c\", \"d\"], [\"a\", \"b\", \"c\", \"d\"]], k = 1 }\n[SOX]\nout = { from = \"a\" }\n";
     assert_eq!(scene(line).n_lia, 6);
+    // a method that remembers something of each pair too
+    let stable = hits().replace("k = 5000", "k = 5000, method = \"stable\"");
+    assert_eq!(scene(&shaken(&stable)).n_lia, 40 + 780);
     // nor is one against many worth it
     let one = format!("rim = {{ between = [\"room.middle\", {}], pairs = \"all\", k = 1, d = {D} }}", names(0, 40));
-    assert!(scene(&shaken(&one)).clouds.is_empty());
+    assert!(scene(&shaken(&one)).crowds.is_empty());
 }
 
 #[test]
@@ -279,9 +282,9 @@ fn the_rule_for_contacts_takes_the_lightest_pair() {
     for (between, c) in
         [(format!("[{all}, {all}]"), 1.0 + 0.5), (format!("[{a}, {b}], pairs = \"all\""), 1.0 + 1.0 / 3.0)]
     {
-        let text = heard(&format!("{body}hits = {{ between = {}, k = 4e5, d = 1e-3 }}", between));
+        let text = heard(&format!("{body}hits = {{ between = {between}, k = 4e5, d = 1e-3 }}"));
         let (set, pairs) = (scene(&text), with(&text, &reference()));
-        assert_eq!(set.clouds.len(), 1);
+        assert_eq!(set.crowds.len(), 1);
         within("kT²/m", (set.certificate.contact / (4e5 * c / 1e-3 / 48e3 / 48e3) - 1.0).abs(), 1e-14);
         assert!((set.certificate.contact - pairs.certificate.contact).abs() < 1e-12);
         assert_eq!(set.certificate.level, pairs.certificate.level);
@@ -298,7 +301,7 @@ fn ten_thousand_grains_are_one_module() {
         )
     };
     let apart = scene(&text("6 mm"));
-    assert_eq!((apart.n_lia, apart.clouds[0].pairs()), (1, 49_995_000));
+    assert_eq!((apart.n_lia, apart.crowds[0].pairs()), (1, 49_995_000));
     assert!(apart.diags.list.is_empty(), "{}", apart.diags);
     // once, for the first pair there is
     let pressed = scene(&text("4 mm"));

@@ -173,7 +173,7 @@ fn masses_that_share_a_blow_keep_their_energy() {
         for i in 0..7 {
             let m = 1e-3 * (1.0 + 0.5 * dice.roll());
             let _ =
-                write!(text, "b{i} = {{ m = {m:?}, x = {:?}, v = {:?} }}\n", 0.01 * f64::from(i), 3.0 * dice.roll());
+                writeln!(text, "b{i} = {{ m = {m:?}, x = {:?}, v = {:?} }}", 0.01 * f64::from(i), 3.0 * dice.roll());
         }
         let how = format!("k = {k:?}, method = \"stable\", d = 0.001");
         let _ = write!(
@@ -181,7 +181,7 @@ fn masses_that_share_a_blow_keep_their_energy() {
             "[BUT]\nl = {{ between = [\"left\", \"b0\"], {how} }}\nr = {{ between = [\"b6\", \"right\"], {how} }}\n"
         );
         for i in 0..6 {
-            let _ = write!(text, "c{i} = {{ between = [\"b{i}\", \"b{}\"], {how} }}\n", i + 1);
+            let _ = writeln!(text, "c{i} = {{ between = [\"b{i}\", \"b{}\"], {how} }}", i + 1);
         }
         text += "[RES]\ntie = { between = [\"b2\", \"b3\"], k = 1e4 }\n[SOX]\nout = { from = \"b3\" }\n";
         let scene = audited(&text);
@@ -219,13 +219,13 @@ fn held_from_more_sides_than_it_has_axes() {
         "[room]\ndim = 3\ngravity = \"9.81 m/s^2\"\n[room.MAS]\nball = { m = \"1 g\", v = [1, 0.3, -2] }\n[room.SOL]\n",
     );
     for (i, n) in [[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]].iter().enumerate() {
-        let _ = write!(text, "w{i} = {{ x = [{}, {}, {}] }}\n", n[0], n[1], n[2]);
+        let _ = writeln!(text, "w{i} = {{ x = [{}, {}, {}] }}", n[0], n[1], n[2]);
     }
     text += "[BUT]\n";
     let how = "k = 1e9, d = 0.999, method = \"stable\"";
     for i in 0..6 {
         for copy in 0..3 {
-            let _ = write!(text, "c{i}{copy} = {{ between = [\"room.w{i}\", \"room.ball\"], {how} }}\n");
+            let _ = writeln!(text, "c{i}{copy} = {{ between = [\"room.w{i}\", \"room.ball\"], {how} }}");
         }
     }
     let scene = audited(&(text + "[SOX]\nout = { from = \"room.ball\", along = \"x\" }\n"));

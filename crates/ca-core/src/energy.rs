@@ -8,7 +8,7 @@
 use crate::layout::{Account, Gauge, Layout};
 pub use crate::ledger::{Balance, Exchange, Ledger};
 use crate::near::Near;
-use crate::op::{Op, cloud, gauge};
+use crate::op::{Op, crowd, gauge};
 use crate::state::State;
 
 /// Link `i` of a batch around the tick being booked, where `d0` is the motion into that tick: its elongations before,
@@ -72,7 +72,7 @@ struct Entry {
 /// Visits every link: its batch, its number in the ledger and its energies.
 fn links(layout: &Layout, s: &State, near: &mut [Near], d0: &[f64], mut visit: impl FnMut(&Account, usize, Entry)) {
     for a in layout.ledger.iter().flat_map(|p| &p.accounts) {
-        if let Some(at) = a.ports.cloud {
+        if let Some(at) = a.ports.crowd {
             visit(a, a.first, set(layout, s, &mut near[at], d0, a, at));
             continue;
         }
@@ -92,11 +92,11 @@ fn links(layout: &Layout, s: &State, near: &mut [Near], d0: &[f64], mut visit: i
 fn set(layout: &Layout, s: &State, near: &mut Near, d0: &[f64], a: &Account, at: usize) -> Entry {
     let c = coefs(s, a, 0);
     let (mut held, mut heat) = (0.0, 0.0);
-    cloud::touched(layout, s, near, d0, at, (a.idle)(&c), |e| {
+    crowd::touched(layout, s, near, d0, at, (a.idle)(&c), |e| {
         held += (a.stored)(&c, &[], &layout.tables, e[1], e[2]);
         heat += (a.lost)(&c, &[], &layout.tables, e);
     });
-    let pushed = layout.clouds[at].members.iter().zip(s.tap[a.tap..].chunks(3));
+    let pushed = layout.crowds[at].members.iter().zip(s.tap[a.tap..].chunks(3));
     let moved = |i: usize| 0.5 * (s.d[i] + d0[i]);
     let work = pushed.map(|(m, f)| (0..3).map(|k| f[k] * moved(*m as usize + k)).sum::<f64>()).sum();
     Entry { held, heat, work }

@@ -29,13 +29,13 @@ pub struct Ports {
     /// of the second port, where the links are quadripoles: gauge, first entry in [`Layout::onto`], first in
     /// [`Layout::reach`]
     pub onto: Option<(Gauge, usize, usize)>,
-    /// where all pairs of two sets are one module, its place in [`Layout::clouds`]
-    pub cloud: Option<usize>,
+    /// where all pairs of two sets are one module, its place in [`Layout::crowds`]
+    pub crowd: Option<usize>,
 }
 
 /// Two sets of points in space of which every pair is joined, or all pairs of one.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Cloud {
+pub struct Crowd {
     /// first place of each member, those of the first set first (members)
     pub members: Vec<u32>,
     /// members that are first ends: the first set
@@ -44,12 +44,12 @@ pub struct Cloud {
     pub columns: usize,
 }
 
-impl Cloud {
-    /// The cloud of a first and a second set; without a second, of all pairs of the first.
-    pub fn new([first, second]: [&[u32]; 2]) -> Cloud {
+impl Crowd {
+    /// The crowd of a first and a second set; without a second, of all pairs of the first.
+    pub fn new([first, second]: [&[u32]; 2]) -> Crowd {
         let rows = first.len();
         let columns = if second.is_empty() { 0 } else { rows };
-        Cloud { members: [first, second].concat(), rows, columns }
+        Crowd { members: [first, second].concat(), rows, columns }
     }
 
     /// Number of pairs.
@@ -228,7 +228,7 @@ pub struct Layout {
     /// the square of the softening length \[m²\], for [`Gauge::Along`] the direction and nothing (any x 4)
     pub reach: Vec<[f64; 4]>,
     /// sets of which all pairs are joined (any)
-    pub clouds: Vec<Cloud>,
+    pub crowds: Vec<Crowd>,
     /// constant part of the elongation \[m\] (n_lia)
     pub e0: Vec<f64>,
     /// rest positions \[m\] (n_mat)

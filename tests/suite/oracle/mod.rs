@@ -11,7 +11,9 @@ mod numbers;
 
 use self::build::build;
 use self::network::{Law, Network};
-use crate::play::{model, reference, with, within};
+use crate::conformance::drawn::built;
+use crate::play::{model, reference, within};
+use ca_core::Model;
 use ca_core::{KernelClass, Options, Scene, State, tick};
 use ca_tests::{gesture, texts};
 
@@ -29,11 +31,22 @@ fn play(scene: &Scene, oracle: &mut Network, mut each: impl FnMut(usize, &Networ
     }
 }
 
+/// The model without what stands behind the microphones: outputs have filters of their own, with tests of their own.
+fn plain(text: &str) -> Model {
+    let mut m = model(text);
+    let outputs: Vec<String> =
+        m.items.iter().filter(|i| matches!(i.kind.as_str(), "SOX" | "SOF")).map(|i| i.name.clone()).collect();
+    for name in outputs {
+        assert!(m.set(&format!("{name}.dc"), "0"));
+    }
+    m
+}
+
 #[test]
 fn one_by_one_every_bit_is_that_of_a_plain_loop() {
     for (name, text) in texts() {
-        let model = model(&text);
-        let scene = with(&text, &reference());
+        let model = plain(&text);
+        let scene = built(&model, &reference());
         let mut heard = 0.0f64;
         play(&scene, &mut build(&model), |n, _, out, s| {
             let same = out.iter().zip(&s.output).all(|(a, b)| a.to_bits() == b.to_bits());
@@ -47,8 +60,8 @@ fn one_by_one_every_bit_is_that_of_a_plain_loop() {
 #[test]
 fn in_batches_it_is_the_same_to_rounding() {
     for (name, text) in texts() {
-        let model = model(&text);
-        let scene = with(&text, &Options { kernel: KernelClass::Fast, ..Options::default() });
+        let model = plain(&text);
+        let scene = built(&model, &Options { kernel: KernelClass::Fast, ..Options::default() });
         let (mut worst, mut peak, mut struck) = (0.0f64, 0.0f64, false);
         let mut power = [0.0, 0.0];
         play(&scene, &mut build(&model), |_, oracle, out, s| {

@@ -1,3 +1,4 @@
 //! Scenes in three dimensions.
 
+mod absent;
 mod reference;

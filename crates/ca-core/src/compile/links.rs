@@ -5,7 +5,7 @@ use super::options::{KernelClass, Options};
 use super::plan::Plan;
 use super::pressed;
 use crate::kind::Role;
-use crate::layout::Cloud;
+use crate::layout::Crowd;
 use crate::live::{Loader, Source};
 use crate::model::Model;
 use crate::model::diag::Diags;
@@ -31,7 +31,7 @@ pub struct Links {
     /// what ports in space need
     pub reach: Vec<[f64; 4]>,
     /// sets of which all pairs are joined
-    pub clouds: Vec<Cloud>,
+    pub crowds: Vec<Crowd>,
     /// constant part of the elongation of each
     pub e0: Vec<f64>,
     /// numbers of memory
@@ -200,7 +200,7 @@ impl Plan<'_> {
             ends: Vec::with_capacity(net.lias.len()),
             onto: Vec::new(),
             reach: Vec::new(),
-            clouds: Vec::new(),
+            crowds: Vec::new(),
             e0: Vec::with_capacity(net.lias.len()),
             mem: 0,
             tap: scratch,
@@ -211,7 +211,7 @@ impl Plan<'_> {
             let n = batch.len();
             let (first, coef) = (k.ends.len(), self.coef.len());
             let shape = self.shape(batch[0]);
-            let mut ports = Ports { gauge: shape.gauge, reach: k.reach.len(), onto: None, cloud: None };
+            let mut ports = Ports { gauge: shape.gauge, reach: k.reach.len(), onto: None, crowd: None };
             let nodes = || batch.iter().map(|id| &net.lias[*id as usize]);
             k.reach.extend(nodes().filter_map(|l| self.reach(l.ends, l.measure, l.soften)));
             if let Some(g) = shape.onto {
@@ -225,8 +225,8 @@ impl Plan<'_> {
             let sets = net.lias[batch[0] as usize].sets.as_ref();
             if let Some(sets) = sets {
                 let places = |set: &[u32]| set.iter().map(|m| self.place[*m as usize]).collect::<Vec<u32>>();
-                ports.cloud = Some(k.clouds.len());
-                k.clouds.push(Cloud::new([&places(&sets[0]), &places(&sets[1])]));
+                ports.crowd = Some(k.crowds.len());
+                k.crowds.push(Crowd::new([&places(&sets[0]), &places(&sets[1])]));
             }
             self.coef.resize(coef + n * law.coefs, 0.0);
             for (i, id) in batch.iter().enumerate() {
@@ -257,7 +257,7 @@ impl Plan<'_> {
             if tap {
                 op.tap = k.tap;
                 // of a set, the force on each axis of each member
-                k.tap += ports.cloud.map_or(n, |c| 3 * k.clouds[c].members.len());
+                k.tap += ports.crowd.map_or(n, |c| 3 * k.crowds[c].members.len());
             }
             k.mem += n * law.mem;
             k.touch += if matches!(law.turn, Turn::Together(_)) { n } else { 0 };

@@ -3,10 +3,10 @@
 use super::links::gauge;
 use super::net::{End, LiaNode, Measure, Net};
 use crate::kind::Unit;
-use crate::layout::Cloud;
+use crate::layout::Crowd;
 use crate::model::diag::{Diag, Diags};
 use crate::model::{Model, quantity};
-use crate::op::cloud;
+use crate::op::crowd;
 use crate::op::gauge::measure;
 use alloc::format;
 use alloc::vec::Vec;
@@ -69,10 +69,10 @@ fn of_set(net: &Net, l: &LiaNode) -> Option<Pressed> {
     let rest: Vec<f64> = members().flat_map(|m| m.rest).collect();
     let x: Vec<f64> = members().flat_map(|m| m.dx0).collect();
     let places = [0..sets[0].len(), sets[0].len()..rest.len() / 3].map(|r| r.map(|k| 3 * k as u32).collect::<Vec<_>>());
-    let cloud = Cloud::new([&places[0], &places[1]]);
+    let crowd = Crowd::new([&places[0], &places[1]]);
     let c = coefs(net, l);
     let force = |e| (l.law.force)(&c, &mut [], &net.tables, e, 0.0);
-    let (i, j, e, f) = cloud::pressed(&cloud, &rest, &x, (l.law.idle)(&c), force)?;
+    let (i, j, e, f) = crowd::pressed(&crowd, &rest, &x, (l.law.idle)(&c), force)?;
     let name = |k: usize| sets.iter().flatten().nth(k).map(|m| End::Mat(*m));
     Some(([name(i)?, name(j)?], e, f))
 }

@@ -12,7 +12,7 @@ use crate::state::State;
 use law::Law;
 
 pub mod blocker;
-pub mod cloud;
+pub mod crowd;
 mod gather;
 pub mod gauge;
 pub mod law;
@@ -81,9 +81,9 @@ impl Op {
 pub(crate) fn kernel<P: Phi<C, M> + 'static, const C: usize, const M: usize>(form: Form) -> Kernel {
     if form.set {
         return if form.tap {
-            wide::wide::<cloud::All<P, C, M, true>>
+            wide::wide::<crowd::All<P, C, M, true>>
         } else {
-            wide::wide::<cloud::All<P, C, M, false>>
+            wide::wide::<crowd::All<P, C, M, false>>
         };
     }
     match (form.gauge, form.stride > 0, form.offset, form.tap) {

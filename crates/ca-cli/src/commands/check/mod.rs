@@ -70,8 +70,8 @@ fn summary(loaded: &Loaded, scene: &Scene) -> Result<(), Failure> {
     let by_code: Vec<String> = codes(scene).iter().map(|(c, n)| format!("{n} {c}")).collect();
     writeln!(out, "  modules    {} MAT, {} LIA: {}", scene.mats(), scene.n_lia, by_code.join(", "))?;
     for (op, name) in scene.forces.iter().enumerate().map(|(i, op)| (op, scene.lia_name(i, 0))) {
-        if let Some(cloud) = op.ports.cloud {
-            writeln!(out, "             `{name}` joins all {} pairs", scene.clouds[cloud].pairs())?;
+        if let Some(crowd) = op.ports.crowd {
+            writeln!(out, "             `{name}` joins all {} pairs", scene.crowds[crowd].pairs())?;
         }
     }
     writeln!(out, "  passes     {} in a tick", ops(scene))?;

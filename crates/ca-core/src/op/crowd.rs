@@ -1,4 +1,4 @@
-//! Cloud: a contact between all pairs of two sets of points in space, as one module: one row of coefficients, and only
+//! Crowd: a contact between all pairs of two sets of points in space, as one module: one row of coefficients, and only
 //! pairs that touch are computed.
 //!
 //! Decides that the pairs that touch are computed exactly as single links are, by the same functions and in the order
@@ -9,7 +9,7 @@ use super::Op;
 use super::gauge::{Measure, Radial};
 use super::wide::Body;
 use crate::law::Phi;
-use crate::layout::{Cloud, Layout};
+use crate::layout::{Crowd, Layout};
 use crate::near::Near;
 use crate::state::State;
 use core::marker::PhantomData;
@@ -28,8 +28,8 @@ fn square([x, y, z]: [f64; 3]) -> f64 {
 
 /// The ends of a pair, and what a radial port needs beside them.
 #[inline(always)]
-fn pair(cloud: &Cloud, rest: &[f64], i: usize, j: usize) -> ([usize; 2], [f64; 4]) {
-    let (a, b) = (cloud.members[i], cloud.members[j]);
+fn pair(crowd: &Crowd, rest: &[f64], i: usize, j: usize) -> ([usize; 2], [f64; 4]) {
+    let (a, b) = (crowd.members[i], crowd.members[j]);
     let (p, q) = (three(rest, a), three(rest, b));
     ([a as usize, b as usize], [q[0] - p[0], q[1] - p[1], q[2] - p[2], 0.0])
 }
@@ -42,22 +42,22 @@ fn radius((from, to): (f64, f64)) -> f64 {
 
 /// Puts the members where they are.
 #[inline(always)]
-fn place(near: &mut Near, cloud: &Cloud, rest: &[f64], x: &[f64]) {
-    let members = &cloud.members;
+fn place(near: &mut Near, crowd: &Crowd, rest: &[f64], x: &[f64]) {
+    let members = &crowd.members;
     near.place(|k| [three(rest, members[k]), three(x, members[k])]);
 }
 
-/// Applies the law of `op` to all pairs of its cloud; the force on each member is kept in [`State::tap`] if asked.
+/// Applies the law of `op` to all pairs of its crowd; the force on each member is kept in [`State::tap`] if asked.
 pub struct All<P, const C: usize, const M: usize, const TAP: bool>(PhantomData<P>);
 
 impl<P: Phi<C, M>, const C: usize, const M: usize, const TAP: bool> Body for All<P, C, M, TAP> {
     #[inline(always)]
     fn run(op: &Op, layout: &Layout, s: &mut State) {
-        let Some(at) = op.ports.cloud else { return };
-        let (cloud, near) = (&layout.clouds[at], &mut s.near[at]);
+        let Some(at) = op.ports.crowd else { return };
+        let (crowd, near) = (&layout.crowds[at], &mut s.near[at]);
         let Some(c) = s.coef[op.coef..].first_chunk::<C>() else { return };
         let (x, d, f, rest) = (&s.x, &s.d, &mut s.f, &layout.rest);
-        let tap = if TAP { &mut s.tap[op.tap..][..3 * cloud.members.len()] } else { &mut [] };
+        let tap = if TAP { &mut s.tap[op.tap..][..3 * crowd.members.len()] } else { &mut [] };
         tap.fill(0.0);
         let (from, to) = P::idle(c);
         let radius = radius((from, to));
@@ -66,10 +66,10 @@ impl<P: Phi<C, M>, const C: usize, const M: usize, const TAP: bool> Body for All
         }
         let (from, to) = (from.max(0.0), to.max(0.0));
         let mut none = [0.0; M];
-        place(near, cloud, rest, x);
-        near.renew(radius, |k| square(three(d, cloud.members[k])));
+        place(near, crowd, rest, x);
+        near.renew(radius, |k| square(three(d, crowd.members[k])));
         near.each(radius, |i, j| {
-            let (ends, reach) = pair(cloud, rest, i, j);
+            let (ends, reach) = pair(crowd, rest, i, j);
             if Radial::square(x, ends, &reach).is_some_and(|l| l >= from * from && l <= to * to) {
                 return;
             }
@@ -85,19 +85,19 @@ impl<P: Phi<C, M>, const C: usize, const M: usize, const TAP: bool> Body for All
 
 /// The first pair that presses while nothing moves: its members and its force \[N\], by `force` of the elongation.
 pub fn pressed(
-    cloud: &Cloud,
+    crowd: &Crowd,
     rest: &[f64],
     x: &[f64],
     idle: (f64, f64),
     force: impl Fn(f64) -> f64,
 ) -> Option<Pressed> {
-    let mut near = Near::new(cloud.members.len(), cloud.rows, cloud.columns);
-    place(&mut near, cloud, rest, x);
+    let mut near = Near::new(crowd.members.len(), crowd.rows, crowd.columns);
+    place(&mut near, crowd, rest, x);
     near.renew(radius(idle), |_| 0.0);
     let mut found: Option<Pressed> = None;
     near.each(radius(idle), |i, j| {
         if found.is_none() {
-            let (ends, reach) = pair(cloud, rest, i, j);
+            let (ends, reach) = pair(crowd, rest, i, j);
             let e = Radial::square(x, ends, &reach).map_or(0.0, libm::sqrt);
             found = Some((i, j, e, force(e))).filter(|p| p.3 != 0.0);
         }
@@ -105,10 +105,10 @@ pub fn pressed(
     found
 }
 
-/// Two members of a cloud by number, their distance \[m\], and the force between them \[N\].
+/// Two members of a crowd by number, their distance \[m\], and the force between them \[N\].
 pub type Pressed = (usize, usize, f64, f64);
 
-/// Calls `visit` for all pairs of a cloud that may have been in touch in the last two ticks, with the elongations
+/// Calls `visit` for all pairs of a crowd that may have been in touch in the last two ticks, with the elongations
 /// before, at and after the tick between them; `d0` is the motion before the last one.
 pub fn touched(
     layout: &Layout,
@@ -119,12 +119,12 @@ pub fn touched(
     idle: (f64, f64),
     mut visit: impl FnMut([f64; 3]),
 ) {
-    let (cloud, x, d) = (&layout.clouds[at], &s.x, &s.d);
-    place(near, cloud, &layout.rest, x);
-    let fastest = |d: &[f64]| libm::sqrt(cloud.members.iter().map(|m| square(three(d, *m))).fold(0.0, f64::max));
+    let (crowd, x, d) = (&layout.crowds[at], &s.x, &s.d);
+    place(near, crowd, &layout.rest, x);
+    let fastest = |d: &[f64]| libm::sqrt(crowd.members.iter().map(|m| square(three(d, *m))).fold(0.0, f64::max));
     let moved = 2.0 * (fastest(d) + fastest(d0));
     near.each(radius(idle) + moved, |i, j| {
-        let (ends, reach) = pair(cloud, &layout.rest, i, j);
+        let (ends, reach) = pair(crowd, &layout.rest, i, j);
         visit(super::gauge::around(crate::layout::Gauge::Radial, x, d, d0, ends.map(|e| e as u32), &reach).0);
     });
 }

@@ -1,0 +1,67 @@
+//! A scene has no pass and no array for what it does not use: space, second ports, crowds, borders, filters.
+
+use crate::play::{scene, with};
+use ca_core::{Options, Scene};
+
+fn passes(s: &Scene) -> Vec<&'static str> {
+    [&s.reads, &s.forces, &s.writes, &s.moves].into_iter().flatten().map(|o| o.name).collect()
+}
+
+/// The length of every array that only some scenes need.
+fn arrays(s: &Scene) -> [usize; 17] {
+    let t = s.state();
+    let (few, many) = (&s.layout, &t);
+    let touches = usize::from(many.touches != ca_core::state::Touches::default());
+    [
+        few.onto.len(),
+        few.reach.len(),
+        few.crowds.len(),
+        few.proxies.len(),
+        few.enx.len(),
+        few.enf.len(),
+        few.tgr.len(),
+        few.weighed.len(),
+        few.blockers.len(),
+        few.lowpass.len(),
+        many.cells.len(),
+        many.near.len(),
+        many.border.len(),
+        many.late.len(),
+        many.blocked.len(),
+        many.lowpass.len(),
+        touches,
+    ]
+}
+
+const STRING: &str = "[STRING]\ns = { n = 30, m = 1e-3, k = 1e5, z = 1e-3 }\n[SOX]\nout = { from = \"s[3]\" }\n";
+/// A body in space, a sheet it pulls at and a crowd, which nothing hears.
+const SILENT: &str = "[room]\ndim = 3\n[room.TETRA]\np = { edge = 0.02, m = 1e-3 }\n[room.GRAINS]\n\
+                      g = { n = 60, gap = 0.01, m = 1e-4 }\n[CEL]\nc = { m = 1e-3, k = 1e5 }\n[SOL]\nrim = {}\n[LPR]\n\
+                      edges = { between = [\"room.p[*]\", \"room.p[*]\"], onto = [\"rim\", \"c\"], k = 2e4 }\n[BUT]\n\
+                      grit = { between = [\"room.g[*]\", \"room.g[*]\"], k = 100, d = 5e-3 }\n";
+
+#[test]
+fn a_string_has_the_passes_of_a_string() {
+    let plain = scene(STRING);
+    assert_eq!(passes(&plain), ["REF", "outputs", "advance MAS", "flush"]);
+    assert_eq!(arrays(&plain), [0; 17]);
+}
+
+#[test]
+fn what_nobody_hears_leaves_nothing_behind() {
+    let (plain, full) = (scene(STRING), scene(&format!("{STRING}{SILENT}")));
+    assert_eq!(passes(&full), passes(&plain));
+    assert_eq!(arrays(&full), [0; 17]);
+    assert_eq!(
+        (full.n_mat, full.n_lia, full.n_coef, full.n_tap),
+        (plain.n_mat, plain.n_lia, plain.n_coef, plain.n_tap)
+    );
+    // and where it is heard, all of it is there
+    let heard = with(
+        &format!("{STRING}{SILENT}"),
+        &Options { probes: vec!["c".into(), "room.g[0]".into()], ..Options::default() },
+    );
+    let (names, [onto, reach, crowds, ..]) = (passes(&heard), arrays(&heard));
+    assert!(["LPR_RES", "BUT"].iter().all(|n| names.contains(n)), "{names:?}");
+    assert_eq!((onto, reach, crowds), (6, 6, 1));
+}
