@@ -13,7 +13,7 @@ use ca_core::Catalog;
 use heard::{file_names, load};
 use plates::{gong, membrane, plate};
 use played::{physical_lfo, piano_key, rain_stick, wind};
-use space::{chimes, crystal, maracas, rattle, rattle_stick};
+use space::{chimes, crystal, jack, maracas, rattle, rattle_stick};
 use std::collections::BTreeSet;
 use strings::{
     bowed_string, hammered_string, harmonic_chain, natural_harmonic, piano_wire, pinched_string, plucked_string,
@@ -39,6 +39,7 @@ models!(
     hammered_string,
     harmonic_chain,
     iron_bar,
+    jack,
     maracas,
     marimba,
     membrane,

@@ -1,4 +1,5 @@
-//! Instruments in space, held by a hand: the rattle in its two manipulations, maracas, wind chimes.
+//! Instruments in space, held by a hand: the rattle in its two manipulations, maracas, wind chimes; and one that is
+//! dropped, a jack.
 
 use super::heard::{Heard, load, perform, play, scene};
 use crate::acoustics::{cents, db, eigenvalues, mode, partial, peak, rms};
@@ -170,6 +171,35 @@ pub fn chimes() {
         let found = partial(h.at(i % 2, last, to), h.rate, f, 15.0).0;
         assert!(cents(found, f).abs() < 8.0, "tube {}: {found:.2} Hz, not {f}", tubes[i]);
     }
+}
+
+pub fn jack() {
+    let names: Vec<String> = (0..7).map(|i| format!("room.jack[{i}]")).collect();
+    let mut probes: Vec<&str> = names.iter().map(String::as_str).collect();
+    probes.push("land[*]");
+    let h = play("jack", &probes);
+    let scene = scene(&h.model, &[]);
+    let motion = Motion::new(&h, &scene, &names);
+    for n in 0..motion.ticks() {
+        for tip in 1..7 {
+            assert!((motion.apart(0, tip, n) / 0.01 - 1.0).abs() < 0.02, "it is bent, tick {n}");
+        }
+    }
+    let land = &h.probe[21..];
+    let any: Vec<f64> = (0..motion.ticks()).map(|n| land.iter().map(|f| f[n]).sum()).collect();
+    let struck = land.iter().filter(|f| f.iter().any(|f| *f != 0.0)).count();
+    assert!(struck >= 4 && blows(&any, h.rate) >= 20, "{struck} tips, {} blows", blows(&any, h.rate));
+    // it falls from 9 cm and ends on the skin, which it presses by its weight alone
+    let first = any.iter().position(|f| *f != 0.0).unwrap() as f64 / h.rate;
+    assert!((0.13..0.14).contains(&first), "{first}");
+    let weight = 7.0 * h.number("room.jack", "m") * 9.81;
+    let end = any[any.len() - 1000..].iter().sum::<f64>() / 1000.0;
+    assert!((-end / weight - 1.0).abs() < 0.02, "{end} N, {weight} N");
+    // while it is in the air the skin is heard where it is tuned
+    let f = h.number("drum", "f");
+    let found = partial(h.at(0, first + 0.01, first + 0.15), h.rate, f, 20.0).0;
+    assert!(cents(found, f).abs() < 20.0, "{found:.2} Hz");
+    assert!(rms(h.at(0, 3.0, 4.0)) < 1e-2 * rms(h.at(0, 0.0, 1.0)));
 }
 
 /// Eigenvalues of the stiffness of springs of 1 N/m along the edges `length` long between masses of 1 kg at `points`.

@@ -4,7 +4,7 @@
 //! and that the springs are the edges of the drawing, each once, or, where `reach` is written, join all points that are
 //! near. Stiffness is the same for all of them: a drawing says nothing of thickness.
 
-use super::pose::{Pose, TURN, V};
+use super::pose::{Pose, SPIN, TURN, V};
 use super::string::{K, M, M_TOTAL, MANY, MASSES, mass};
 use super::tetra::Z;
 use crate::cloud::Cloud;
@@ -23,7 +23,7 @@ pub static KIND: Kind = Kind {
     doc: "A body with a mass at every point of a file (PLY, OBJ, or CSV with a point in each row) or of a list, joined \
           along the edges of the faces and lines of the file, or with `reach` to all that is near. The springs are \
           slack at rest. Points in the very same place are one; faces without area are left out. `bell[17]` is point \
-          17 of the file, `x` its origin.",
+          17 of the file, `x` its origin, about which it turns and spins.",
     source: &["CMJ 1993"],
     params: &[
         Param::new("file", Type::File, Need::Optional, "a .ply, .obj or .csv file, from the folder of the model"),
@@ -43,6 +43,7 @@ pub static KIND: Kind = Kind {
         X,
         V,
         TURN,
+        SPIN,
     ],
     one_of: &[OneOf { sets: &[&["file"], &["points"]], required: true }, MASSES],
     example: r#"
@@ -105,7 +106,7 @@ fn build(a: &Args<'_>, b: &mut Sketch<'_>) {
     for (i, p) in cloud.points.iter().enumerate() {
         b.mass(format!("{i}"), 0, u32::MAX);
         b.places.push(pose.place(p.map(|p| p * scale)));
-        b.speeds.push(pose.speed([0.0; 3]));
+        b.speeds.push(pose.speed(b.places[i]));
     }
     // `derive` has refused what cannot be joined
     for [i, j] in joined(a, &cloud).unwrap_or_default() {
