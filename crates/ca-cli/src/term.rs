@@ -36,3 +36,12 @@ pub fn note(text: &str) {
 pub fn findings(text: &str) {
     let _ = write!(std::io::stderr().lock(), "{text}");
 }
+
+/// Three significant digits.
+pub fn short(v: f64) -> String {
+    if !v.is_finite() || v == 0.0 {
+        return v.to_string();
+    }
+    let digits = 2 - v.abs().log10().floor() as i32;
+    if (0..=4).contains(&digits) { format!("{v:.*}", digits as usize) } else { format!("{v:.2e}") }
+}

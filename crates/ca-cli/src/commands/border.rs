@@ -4,7 +4,7 @@
 //! and the buffers of a sound card come on top.
 
 use crate::args::Source;
-use crate::commands::render::short;
+use crate::term::short;
 use crate::{Failure, term};
 use ca_core::Scene;
 use ca_core::border::{Delays, delays};

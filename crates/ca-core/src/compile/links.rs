@@ -65,14 +65,6 @@ struct Shape {
     set: Option<u32>,
 }
 
-pub(super) fn gauge(m: Measure) -> Gauge {
-    match m {
-        Measure::Line(_) => Gauge::Line,
-        Measure::Along(_) => Gauge::Along,
-        Measure::Radial => Gauge::Radial,
-    }
-}
-
 impl Plan<'_> {
     /// Batches of links: in document order, or by law with rows as runs; each with its stride, 0 where there is none.
     fn batches(&self, class: KernelClass) -> Vec<(Vec<u32>, usize)> {
@@ -120,7 +112,7 @@ impl Plan<'_> {
     fn shape(&self, l: u32) -> Shape {
         let node = &self.net.lias[l as usize];
         let set = node.sets.as_ref().map(|_| l);
-        Shape { law: node.law, gauge: gauge(node.measure), onto: node.onto.map(|o| gauge(o.measure)), set }
+        Shape { law: node.law, gauge: node.measure.gauge(), onto: node.onto.map(|o| o.measure.gauge()), set }
     }
 
     fn ends(&self, l: u32) -> [u32; 2] {

@@ -12,10 +12,12 @@
 pub mod certify;
 mod crossing;
 mod cutoff;
+mod ears;
 mod expand;
 mod fed;
 mod gesture;
 mod links;
+mod lists;
 mod lowpass;
 mod midi;
 mod named;

@@ -4,6 +4,7 @@ use crate::kind::Kind;
 use crate::kind::MatSpec;
 use crate::kind::PortRole;
 use crate::layout::Crossing;
+use crate::layout::Gauge;
 use crate::live::{LiveParam, Source};
 use crate::model::Span;
 use crate::op::law::Law;
@@ -103,6 +104,17 @@ pub enum Measure {
     Along([f64; 3]),
     /// the distance in space
     Radial,
+}
+
+impl Measure {
+    /// The gauge a kernel measures by.
+    pub fn gauge(self) -> Gauge {
+        match self {
+            Measure::Line(_) => Gauge::Line,
+            Measure::Along(_) => Gauge::Along,
+            Measure::Radial => Gauge::Radial,
+        }
+    }
 }
 
 /// A second pair of ends, for quadripoles.

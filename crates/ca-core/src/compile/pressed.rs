@@ -1,6 +1,5 @@
 //! Pressed: a contact that is pressed together before anything has moved. Of a set, the first of its pairs is told.
 
-use super::links::gauge;
 use super::net::{End, LiaNode, Measure, Net};
 use crate::kind::Unit;
 use crate::layout::Crowd;
@@ -54,7 +53,7 @@ fn of_pair(net: &Net, l: &LiaNode, e0: f64, reach: &[[f64; 4]; 2]) -> Option<Pre
             Measure::Line([a, b]) => [at[0][a as usize], 0.0, 0.0, at[1][b as usize], 0.0, 0.0],
             _ => [at[0][0], at[0][1], at[0][2], at[1][0], at[1][1], at[1][2]],
         };
-        measure(gauge(m), &places, &[0.0; 6], [0, 3], reach).e
+        measure(m.gauge(), &places, &[0.0; 6], [0, 3], reach).e
     };
     let second = l.onto.map_or(0.0, |o| felt(o.ends, o.measure, &reach[1]));
     let e = e0 + felt(l.ends, l.measure, &reach[0]) + second;

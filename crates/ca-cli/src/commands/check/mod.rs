@@ -7,8 +7,9 @@ mod schedule;
 
 use crate::args::CheckArgs;
 use crate::commands::border;
-use crate::commands::render::{short, stability, stability_json};
+use crate::commands::render::{stability, stability_json};
 use crate::load::{self, Loaded};
+use crate::term::short;
 use crate::{Ended, Failure, Outcome, term};
 use ca_core::compile::certify::Level;
 use ca_core::kind::Unit;

@@ -6,7 +6,7 @@
 //! the caches for each other, so the whole tick is measured too and the sum may differ from it.
 
 use crate::Failure;
-use crate::commands::render::short;
+use crate::term::short;
 use ca_core::op::{Gauge, Op};
 use ca_core::{Scene, State, tick};
 use ca_haptic::perform::Performance;

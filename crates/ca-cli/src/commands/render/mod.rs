@@ -7,7 +7,7 @@
 mod play;
 mod told;
 
-pub(crate) use told::{short, stability, stability_json};
+pub(crate) use told::{stability, stability_json};
 
 use crate::args::{Kernel, RenderArgs, SampleFormat};
 use crate::commands::border;

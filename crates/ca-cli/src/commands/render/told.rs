@@ -4,6 +4,7 @@ use super::Probe;
 use super::play::Audit;
 use crate::args::{RenderArgs, SampleFormat};
 use crate::commands::border;
+use crate::term::short;
 use crate::{Failure, term};
 use ca_core::Scene;
 use ca_core::compile::certify::Certificate;
@@ -66,15 +67,6 @@ fn decibel(peak: f64) -> f64 {
 /// One decimal, and no minus before nothing.
 fn tenths(v: f64) -> String {
     format!("{:.1}", (v * 10.0).round() / 10.0 + 0.0)
-}
-
-/// Three significant digits.
-pub(crate) fn short(v: f64) -> String {
-    if !v.is_finite() || v == 0.0 {
-        return v.to_string();
-    }
-    let digits = 2 - v.abs().log10().floor() as i32;
-    if (0..=4).contains(&digits) { format!("{v:.*}", digits as usize) } else { format!("{v:.2e}") }
 }
 
 fn relative(b: &Balance) -> f64 {
