@@ -21,7 +21,7 @@
 //! from more sides than it has axes) stays zero in y. Solved by conjugate gradients scaled by the diagonal: nothing is
 //! stored but one vector over places, contacts that share nothing are done in one step, and no number of them is too
 //! large. A factorisation was the alternative; it needs room that grows with the square. s is then taken as y/R, so an
-//! error ε of the solver makes no more energy than N·ε/2, which [`EXACT`] keeps at the rounding of the blow itself.
+//! error ε of the solver makes no more energy than N·ε/2, which `EXACT` keeps at the rounding of the blow itself.
 //!
 //! With `sticky = false` contacts that would pull are taken out and the rest is solved again, until none does; their ψ
 //! follows the motion as far as that loses energy.
