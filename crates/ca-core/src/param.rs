@@ -201,17 +201,25 @@ pub struct Param {
     pub need: Need,
     /// one line for people
     pub doc: &'static str,
+    /// whether a number may follow a live parameter; not where it decides what is built rather than a coefficient
+    pub live: bool,
 }
 
 impl Param {
     /// A number with unit and range.
     pub const fn number(name: &'static str, unit: Unit, range: (f64, f64), need: Need, doc: &'static str) -> Param {
-        Param { name, ty: Type::Number { unit, min: range.0, max: range.1 }, need, doc }
+        Param { name, ty: Type::Number { unit, min: range.0, max: range.1 }, need, doc, live: true }
     }
 
     /// A parameter of any other type.
     pub const fn new(name: &'static str, ty: Type, need: Need, doc: &'static str) -> Param {
-        Param { name, ty, need, doc }
+        Param { name, ty, need, doc, live: true }
+    }
+
+    /// The same, but for good: a length or a filter, of which nothing would follow a change.
+    #[must_use]
+    pub const fn for_good(self) -> Param {
+        Param { live: false, ..self }
     }
 }
 

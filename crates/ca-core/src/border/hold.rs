@@ -4,7 +4,7 @@
 //! mean of these two is the only force that keeps power exact. The force at the first tick alone would react half a
 //! frame sooner and make energy, 3 % of what crosses (numerics 5.1).
 
-use super::{arrive, phase, place};
+use super::{begin, phase, place};
 use crate::layout::Layout;
 use crate::op::Op;
 use crate::state::State;
@@ -14,10 +14,7 @@ pub(super) fn position<const LATE: bool>(op: &Op, layout: &Layout, s: &mut State
     let j = phase(layout, s.tick);
     for (k, p) in layout.tgr[..op.n].iter().enumerate() {
         if j <= 1 {
-            let x = arrive::<LATE>(layout, s, k, p) - p.rest;
-            let b = &mut s.border[k];
-            b.from = if j == 0 { x } else { b.to };
-            b.to = x;
+            begin::<LATE>(layout, s, k, p);
         }
         place(s, p, s.border[k].to);
     }

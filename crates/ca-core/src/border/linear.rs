@@ -1,6 +1,6 @@
 //! Linear position, trapezoid mean force: the default border.
 
-use super::{arrive, phase, place};
+use super::{begin, phase, place};
 use crate::layout::Layout;
 use crate::op::Op;
 use crate::state::State;
@@ -10,10 +10,7 @@ pub(super) fn position<const LATE: bool>(op: &Op, layout: &Layout, s: &mut State
     let j = phase(layout, s.tick);
     for (k, p) in layout.tgr[..op.n].iter().enumerate() {
         if j <= 1 {
-            let x = arrive::<LATE>(layout, s, k, p) - p.rest;
-            let b = &mut s.border[k];
-            b.from = if j == 0 { x } else { b.to };
-            b.to = x;
+            begin::<LATE>(layout, s, k, p);
         }
         let b = s.border[k];
         let x = if j == layout.ratio || j == 0 {

@@ -84,7 +84,15 @@ fn arrive<const LATE: bool>(layout: &Layout, s: &mut State, k: usize, p: &Enx) -
     core::mem::replace(&mut s.late[at], x)
 }
 
-/// Puts port `k` at `x`, relative to its rest.
+/// Takes in the position of port `k` for the frame that begins.
+fn begin<const LATE: bool>(layout: &Layout, s: &mut State, k: usize, p: &Enx) {
+    let x = arrive::<LATE>(layout, s, k, p) - p.rest;
+    let b = &mut s.border[k];
+    b.from = if s.tick == 0 { x } else { b.to };
+    b.to = x;
+}
+
+/// Puts a port at `x`, relative to its rest.
 fn place(s: &mut State, p: &Enx, x: f64) {
     let m = p.mat as usize;
     s.d[m] = if s.tick == 0 { 0.0 } else { x - s.x[m] };

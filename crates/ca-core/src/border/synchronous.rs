@@ -3,7 +3,7 @@
 //! Decides against the mean with the tick before, which would keep power exact at the price of half a frame: at one
 //! rate there is nothing to resample, and this is the delay the papers take for granted.
 
-use super::{arrive, place};
+use super::{begin, place};
 use crate::layout::Layout;
 use crate::op::Op;
 use crate::state::State;
@@ -11,11 +11,8 @@ use crate::state::State;
 /// Position of device ports at this tick.
 pub(super) fn position<const LATE: bool>(op: &Op, layout: &Layout, s: &mut State) {
     for (k, p) in layout.tgr[..op.n].iter().enumerate() {
-        let x = arrive::<LATE>(layout, s, k, p) - p.rest;
-        let b = &mut s.border[k];
-        b.from = if s.tick == 0 { x } else { b.to };
-        b.to = x;
-        place(s, p, x);
+        begin::<LATE>(layout, s, k, p);
+        place(s, p, s.border[k].to);
     }
 }
 

@@ -185,11 +185,7 @@ impl Values<'_> {
                     .iter()
                     .any(|p| matches!(p.ty, Type::PowerStiffness { exponent } if exponent == param.name));
                 if !exponent {
-                    // lengths and filters are no coefficients: nothing would follow a change
-                    if matches!(
-                        param.name,
-                        "l0" | "soften" | "dc" | "edge" | "gap" | "dx" | "stretch" | "scale" | "reach"
-                    ) {
+                    if !param.live {
                         return plain(self.constant(e, unit, (min, max), &what)?);
                     }
                     let (v, follows) = self.number(e, unit, (min, max), &what)?;

@@ -28,7 +28,8 @@ pub static KIND: Kind = Kind {
     params: &[
         Param::new("file", Type::File, Need::Optional, "a .ply, .obj or .csv file, from the folder of the model"),
         Param::new("points", Type::Places { unit: Unit::METRE }, Need::Optional, "the points themselves"),
-        Param::number("scale", Unit::NONE, ABOVE_ZERO, Need::Default(1.0), "metres per unit of the file or list"),
+        Param::number("scale", Unit::NONE, ABOVE_ZERO, Need::Default(1.0), "metres per unit of the file or list")
+            .for_good(),
         M,
         M_TOTAL,
         K,
@@ -39,7 +40,8 @@ pub static KIND: Kind = Kind {
             ABOVE_ZERO,
             Need::Optional,
             "joins all points at most this far apart, instead of the edges of the file; a little more than the spacing",
-        ),
+        )
+        .for_good(),
         X,
         V,
         TURN,

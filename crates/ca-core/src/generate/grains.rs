@@ -24,7 +24,8 @@ pub static KIND: Kind = Kind {
         Param::new("n", Type::Count { min: 1, max: 100_000 }, Need::Required, "how many"),
         M,
         M_TOTAL,
-        Param::number("gap", Unit::METRE, ABOVE_ZERO, Need::Required, "distance of neighbours on the lattice"),
+        Param::number("gap", Unit::METRE, ABOVE_ZERO, Need::Required, "distance of neighbours on the lattice")
+            .for_good(),
         X,
         V,
     ],

@@ -43,14 +43,16 @@ pub static KIND: Kind = Kind {
         Param::new("edges", Type::Choice(&["open", "closed", "corner"]), Need::Default(0.0), "what holds the border"),
         Param::new("fixed", Type::Nodes, Need::Optional, "nodes that are held besides, e.g. [[0, 0], [-1, -1]]"),
         X,
-        Param::number("dx", Unit::METRE, ABOVE_ZERO, Need::Optional, "spacing of the nodes; needed in space"),
+        Param::number("dx", Unit::METRE, ABOVE_ZERO, Need::Optional, "spacing of the nodes; needed in space")
+            .for_good(),
         Param::number(
             "stretch",
             Unit::NONE,
             (0.0, 1.0),
             Need::Optional,
             "in space: how much shorter than `dx` the springs are at rest, e.g. \"10 %\"",
-        ),
+        )
+        .for_good(),
         Param::number(
             "shear",
             Unit::STIFFNESS,

@@ -25,7 +25,7 @@ pub static KIND: Kind = Kind {
           s = edge/√8 from the centre, corner 0 is at (s, s, s), 1 at (s, −s, −s), 2 at (−s, s, −s), 3 at (−s, −s, s).",
     source: &["Rattle"],
     params: &[
-        Param::number("edge", Unit::METRE, ABOVE_ZERO, Need::Required, "length of each of its six edges"),
+        Param::number("edge", Unit::METRE, ABOVE_ZERO, Need::Required, "length of each of its six edges").for_good(),
         M,
         M_TOTAL,
         K,

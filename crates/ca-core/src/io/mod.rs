@@ -30,7 +30,8 @@ const DC: Param = Param::number(
     POSITIVE,
     Need::Optional,
     "takes away what is steady, by a high pass of this cut-off; 0 for none; 7 Hz where an LPR feeds it, else none",
-);
+)
+.for_good();
 const CHANNEL: Param = Param::new(
     "channel",
     Type::Count { min: 0, max: 255 },

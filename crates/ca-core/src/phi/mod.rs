@@ -39,7 +39,8 @@ pub const BETWEEN: Param =
     Param::new("between", Type::Between, Need::Required, "the two ends, first and second; lists pair one to one");
 /// Rest length.
 pub const L0: Param =
-    Param::number("l0", Unit::METRE, ANY, Need::Optional, "length at which it is slack; the rest distance if left out");
+    Param::number("l0", Unit::METRE, ANY, Need::Optional, "length at which it is slack; the rest distance if left out")
+        .for_good();
 
 /// A direction, for links of which one end lives on a line, or that act on a difference along one direction of space.
 pub const ALONG: Param = Param::new(
@@ -55,7 +56,8 @@ pub const SOFTEN: Param = Param::number(
     POSITIVE,
     Need::Default(0.0),
     "in space: distances are sqrt(D² + soften²), so that ends may pass through each other",
-);
+)
+.for_good();
 
 /// How many links two lists of ends make.
 pub const PAIRS: Param = Param::new(
