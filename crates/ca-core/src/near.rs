@@ -10,13 +10,14 @@
 //! Measured (`benches/contacts.rs`), ns per tick for grains at 0.001 diameters per tick that fill a tenth of a shell,
 //! and in brackets a third; at ten times the speed the list takes up to twice as long, and wins all the same:
 //!
-//! | grains | each pair a module | all tested | list |
+//! | grains | each pair a module | all tested (no skin) | list |
 //! |---|---|---|---|
-//! | 4 | 40 (50) | 41 (48) | 34 (45) |
-//! | 16 | 460 (510) | 180 (190) | 100 (140) |
-//! | 64 | 7700 | 1230 (1580) | 410 (700) |
-//! | 256 | 240 000 | 14 100 (15 100) | 2 300 (4 600) |
-//! | 1024 | | 260 000 (420 000) | 22 000 (46 000) |
+//! | 4 | 32 (73) | 59 (91) | 39 (59) |
+//! | 8 | 137 (183) | 108 (108) | 71 (125) |
+//! | 16 | 620 (490) | 205 (214) | 113 (181) |
+//! | 64 | 8 000 (10 900) | 1 900 (2 100) | 510 (1 300) |
+//! | 256 | 129 000 (124 000) | 15 700 (14 700) | 2 600 (4 700) |
+//! | 1024 | | 215 000 (306 000) | 21 000 (45 000) |
 //!
 //! A pair that does not touch costs 4 ns and more as a module, 0.4 to 0.8 ns where all are tested. A skin of a quarter
 //! or of three quarters of the distance is within a fifth of that of a half.
