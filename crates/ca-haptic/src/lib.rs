@@ -37,13 +37,19 @@
 //! # Ok(())
 //! # }
 //! ```
-#![forbid(unsafe_code)]
 
+pub mod calibration;
 pub mod cloud;
+pub mod engine;
+pub mod equivalence;
 pub mod error;
+pub mod frame;
 pub mod gesture;
+pub mod guard;
 pub mod perform;
 pub mod probe;
+pub mod profile;
+pub mod record;
 pub mod sound;
 mod staged;
 

@@ -1,0 +1,250 @@
+//! The engine: frames of devices in, forces and sound out, one gesture frame at a time.
+//!
+//! Decides that this is a pure function of what it is given: the scene, the order of frames and acts, and nothing else,
+//! no clock, no thread. Real time is somebody else's ([`serve`](crate::serve)); a take replays the same calls and gets
+//! the same bits. A frame has two halves, because the force of the frame is known before the masses of its last tick
+//! move: [`Engine::answer`] makes the force frames, to be sent at once, and [`Engine::finish`] does the rest. After
+//! [`Engine::new`] nothing allocates, locks, logs or panics.
+//!
+//! Frame n covers the ticks (n−1)R+1 … nR (numerics 5.1); the very first only places the devices.
+
+mod port;
+mod sound;
+#[cfg(test)]
+mod tests;
+
+pub use port::{Link, Port, Setup};
+
+use crate::frame::{Cause, DeviceFrame, ForceFrame};
+use crate::guard::Order;
+use crate::guard::input::Verdict;
+use ca_core::live::Patch;
+use ca_core::{Scene, State, advance, sense};
+use sound::Ceiling;
+use std::sync::Arc;
+
+/// Several parameters that change in one tick, made ready outside the engine.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Change {
+    /// live parameter by number, and its value \[SI\]: for the record
+    pub params: Vec<(u32, f64)>,
+    /// what it does to the coefficients, in order
+    pub patches: Vec<Patch>,
+}
+
+/// What somebody asks of a running engine.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Act {
+    /// new values of parameters, ramped over the next gesture frame
+    Set(Box<Change>),
+    /// forces on or off, of one device or all
+    Order(Option<u32>, Order),
+    /// this state of the same scene instead, usually that at load, and forces off; made outside, since that allocates
+    Reload(Box<State>),
+}
+
+/// What an act leaves behind, to be freed elsewhere.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Spent {
+    /// a change that was made
+    Change(Box<Change>),
+    /// the state before a reload
+    State(Box<State>),
+}
+
+/// Numbers of an engine that are not of the scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Options {
+    /// a number that changes with every start, sent with every force frame
+    pub session: u64,
+    /// displacement \[m\] or motion a tick beyond which the model has blown up (H15)
+    pub wild: f64,
+}
+
+impl Default for Options {
+    fn default() -> Options {
+        Options { session: 1, wild: 1e3 }
+    }
+}
+
+/// What was counted. Nothing is lost without a number here.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// gesture frames done
+    pub frames: u64,
+    /// device frames used
+    pub taken: u64,
+    /// device frames dropped by the input checks (H10)
+    pub dropped: u64,
+    /// gesture frames for which a device that was there sent nothing
+    pub stale: u64,
+    /// faults that latched
+    pub faults: u64,
+    /// sound samples that hit the ceiling or were no number (H16)
+    pub clipped: u64,
+    /// acts that did not fit the scene
+    pub refused: u64,
+}
+
+/// A scene being played by devices.
+pub struct Engine {
+    /// the scene
+    pub scene: Arc<Scene>,
+    /// its state
+    pub state: State,
+    /// its devices
+    pub ports: Vec<Port>,
+    /// what was counted
+    pub counts: Counts,
+    options: Options,
+    /// sound of this frame, interleaved (R × channels)
+    sound: Vec<f64>,
+    filled: usize,
+    ceiling: Ceiling,
+    wild: bool,
+}
+
+impl Engine {
+    /// An engine at rest. Devices and scene have been matched by [`Port::new`].
+    pub fn new(scene: Arc<Scene>, ports: Vec<Port>, options: Options) -> Engine {
+        let state = scene.state();
+        let channels = scene.channels;
+        let sound = vec![0.0; scene.ratio as usize * channels];
+        let ceiling = Ceiling::new(channels, scene.rate);
+        let mut engine =
+            Engine { scene, state, ports, counts: Counts::default(), options, sound, filled: 0, ceiling, wild: false };
+        for p in &mut engine.ports {
+            p.out.session = options.session;
+        }
+        engine
+    }
+
+    /// The first tick of the frame that comes next: what is taken now is stamped with it.
+    pub fn due(&self) -> u64 {
+        self.state.tick
+    }
+
+    /// Takes a frame of device number `k`, and stamps it. Several may come before one gesture frame; the last good one
+    /// counts.
+    pub fn take(&mut self, k: usize, frame: &mut DeviceFrame) -> Verdict {
+        frame.tick = self.state.tick;
+        let Some(port) = self.ports.get_mut(k) else { return Verdict::Foreign };
+        let verdict = port.take(frame);
+        if verdict == Verdict::Good {
+            self.counts.taken += 1;
+        } else {
+            self.counts.dropped += 1;
+        }
+        verdict
+    }
+
+    /// Does what somebody asked, from the next tick on. Gives back what must be freed elsewhere.
+    pub fn act(&mut self, act: Act) -> Option<Spent> {
+        match act {
+            Act::Set(change) => {
+                // at once where nothing has sounded yet
+                let ticks = if self.state.tick == 0 { 1 } else { self.scene.ratio };
+                for patch in &change.patches {
+                    if !self.state.apply(patch, ticks) {
+                        self.counts.refused += 1;
+                    }
+                }
+                return Some(Spent::Change(change));
+            }
+            Act::Order(which, order) => match which {
+                None => self.ports.iter_mut().for_each(|p| p.chain.order(order)),
+                Some(k) => match self.ports.get_mut(k as usize) {
+                    Some(p) => p.chain.order(order),
+                    None => self.counts.refused += 1,
+                },
+            },
+            Act::Reload(mut state) => {
+                let fits = state.x.len() == self.state.x.len() && state.coef.len() == self.state.coef.len();
+                if fits {
+                    // the tick goes on: it says which phase of a frame comes, and numbers the frames of a take
+                    state.tick = self.state.tick;
+                    core::mem::swap(&mut self.state, &mut state);
+                    self.wild = false;
+                    self.ceiling.reset();
+                    for p in &mut self.ports {
+                        p.chain.order(Order::Disarm);
+                        p.reach_again(&self.state);
+                    }
+                } else {
+                    self.counts.refused += 1;
+                }
+                return Some(Spent::State(state));
+            }
+        }
+        None
+    }
+
+    /// The first half of a gesture frame: runs the scene up to the force of the frame, guards it and gives the frames
+    /// to send, one per device.
+    pub fn answer(&mut self) -> impl Iterator<Item = &ForceFrame> {
+        let first = self.state.tick == 0;
+        for p in &mut self.ports {
+            p.place(&mut self.state);
+            self.counts.stale += u64::from(p.hand.age > 0 && p.hand.age != u32::MAX);
+        }
+        self.filled = 0;
+        let ticks = if first { 1 } else { self.scene.ratio };
+        for j in 1..=ticks {
+            if j > 1 && !self.wild {
+                advance(&self.scene, &mut self.state);
+            }
+            self.sample();
+        }
+        self.watch();
+        let (state, wild, options) = (&self.state, self.wild, &self.options);
+        for p in &mut self.ports {
+            if wild {
+                p.hand.trip(Cause::ModelUnstable);
+            }
+            let armed = p.chain.is_armed();
+            p.answer(state, options.session, wild);
+            self.counts.faults += u64::from(armed && !p.chain.is_armed());
+        }
+        self.ports.iter().map(|p| &p.out)
+    }
+
+    /// The second half: the masses of the last tick move. Returns the sound of the frame, interleaved.
+    pub fn finish(&mut self) -> &[f64] {
+        if self.wild {
+            // time goes on, so that frames keep their numbers
+            self.state.tick += 1;
+        } else {
+            advance(&self.scene, &mut self.state);
+        }
+        self.counts.frames += 1;
+        &self.sound[..self.filled]
+    }
+
+    /// One tick up to its outputs.
+    fn sample(&mut self) {
+        let n = self.scene.channels;
+        if self.wild {
+            self.state.output.fill(0.0);
+            // the tick of the frame's last sample moves in `finish`
+            self.state.tick += u64::from(self.filled > 0);
+        } else {
+            sense(&self.scene, &mut self.state);
+        }
+        let to = &mut self.sound[self.filled..self.filled + n];
+        to.copy_from_slice(&self.state.output[..n]);
+        self.counts.clipped += self.ceiling.pass(to, self.wild);
+        self.filled += n;
+    }
+
+    /// H15: whether positions are still those of an instrument.
+    fn watch(&mut self) {
+        if !self.wild && !self.state.is_sound(self.options.wild) {
+            self.wild = true;
+        }
+    }
+
+    /// Whether the model has blown up.
+    pub fn is_wild(&self) -> bool {
+        self.wild
+    }
+}

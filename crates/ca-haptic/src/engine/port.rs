@@ -1,0 +1,171 @@
+//! One device as the engine sees it: which of its DOF move which ports of the scene, its guard, its force frame.
+
+use crate::calibration::Calibration;
+use crate::equivalence::Gains;
+use crate::frame::{DOF, DeviceFrame, ForceFrame};
+use crate::guard::input::{Inlet, Verdict};
+use crate::guard::{Chain, Hand};
+use crate::profile::Profile;
+use ca_core::scene::InputRole;
+use ca_core::{Scene, State};
+
+/// A degree of freedom of a device, and the port of the scene it moves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Link {
+    /// degree of freedom of the device
+    pub dof: usize,
+    /// place in [`State::input`]
+    pub input: usize,
+    /// place in [`State::border`]
+    pub border: usize,
+    /// between the real and the simulated world
+    pub gains: Gains,
+}
+
+/// What makes a port: a device and the choices that go with it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Setup {
+    /// name of the device, as in the model
+    pub device: String,
+    /// its numbers
+    pub profile: Profile,
+    /// from what the device says to metres, and from newtons to what it takes
+    pub calibration: Calibration,
+    /// of each of its DOF; the unit where shorter
+    pub gains: Vec<Gains>,
+}
+
+/// A device in an engine.
+pub struct Port {
+    /// name of the device
+    pub name: String,
+    /// its numbers
+    pub profile: Profile,
+    /// its guard
+    pub chain: Chain,
+    /// the frame under way
+    pub hand: Hand,
+    /// the last force frame
+    pub out: ForceFrame,
+    /// what moves what
+    pub links: Vec<Link>,
+    inlet: Inlet,
+    calibration: Calibration,
+    /// where each DOF stood in the frame before \[m\]
+    before: [f64; DOF],
+    /// the farthest a port of the scene follows in a frame \[m\], real
+    reach: f64,
+    /// where the scene has each DOF \[m\], real
+    there: [f64; DOF],
+}
+
+impl Port {
+    /// The port of a device, with the inputs of `scene` that name it.
+    pub fn new(scene: &Scene, setup: Setup) -> Port {
+        let te = f64::from(scene.ratio) * scene.te;
+        let Setup { device, profile, calibration, gains } = setup;
+        let mut links = Vec::new();
+        for (border, p) in scene.tgr.iter().enumerate() {
+            let input = p.input as usize;
+            let i = &scene.inputs[input];
+            if i.role != InputRole::Device {
+                continue;
+            }
+            if let Some((_, dof)) = i.device.as_ref().filter(|d| d.0 == device) {
+                let dof = *dof as usize;
+                if dof < DOF {
+                    links.push(Link { dof, input, border, gains: gains.get(dof).copied().unwrap_or_default() });
+                }
+            }
+        }
+        let n = profile.dof as usize;
+        let mut out = ForceFrame::new(&device, n);
+        out.ttl_us = (profile.guard.ttl * 1e6) as u32;
+        out.calibration = calibration.id();
+        let mut there = [0.0; DOF];
+        for l in &links {
+            there[l.dof] = scene.inputs[l.input].rest / l.gains.alpha;
+        }
+        Port {
+            chain: Chain::new(&profile, te),
+            inlet: Inlet::new(&profile, te),
+            hand: Hand::new(n, te),
+            reach: 2.0 * profile.guard.speed * te,
+            name: device,
+            profile,
+            out,
+            links,
+            calibration,
+            before: [0.0; DOF],
+            there,
+        }
+    }
+
+    /// A frame that came from the device.
+    pub(super) fn take(&mut self, frame: &DeviceFrame) -> Verdict {
+        let mut real = *frame;
+        self.calibration.positions(&mut real.pos);
+        let verdict = self.inlet.take(&real, &mut self.hand);
+        if verdict == Verdict::Good && self.out.ack == 0 {
+            self.before = self.hand.x;
+        }
+        verdict
+    }
+
+    /// Once a frame, before its first tick: moves the ports of the scene towards the hand. They follow no faster than a
+    /// hand can move, so that a device which appears far from where the scene expects it does not strike.
+    pub(super) fn place(&mut self, state: &mut State) {
+        self.inlet.settle(&mut self.hand, &self.before);
+        self.before = self.hand.x;
+        if self.hand.age == u32::MAX {
+            return;
+        }
+        for l in &self.links {
+            let step = (self.hand.x[l.dof] - self.there[l.dof]).clamp(-self.reach, self.reach);
+            // exactly the hand where it can be reached
+            self.there[l.dof] = if step.abs() < self.reach { self.hand.x[l.dof] } else { self.there[l.dof] + step };
+            state.input[l.input] = l.gains.alpha * self.there[l.dof];
+        }
+    }
+
+    /// The force of the frame, through the guard, onto the wire.
+    pub(super) fn answer(&mut self, state: &State, session: u64, wild: bool) {
+        let hand = &mut self.hand;
+        hand.force = [0.0; DOF];
+        hand.flags = 0;
+        hand.inject = 0.0;
+        if !wild {
+            for l in &self.links {
+                // +β · force on the port (architecture 11); several ports of one DOF add
+                hand.force[l.dof] += l.gains.beta * state.border[l.border].force;
+            }
+        }
+        self.chain.pass(hand);
+        let (ack_session, ack) = self.inlet.ack();
+        let out = &mut self.out;
+        (out.session, out.ack_session, out.ack) = (session, ack_session, ack);
+        out.seq += 1;
+        out.tick = state.tick;
+        (out.mode, out.cause, out.flags) = (hand.mode as u32, hand.cause as u16, hand.flags);
+        out.inject = hand.inject as f32;
+        for k in 0..hand.n {
+            out.force[k] = hand.force[k] as f32;
+        }
+        self.calibration.forces(&mut out.force);
+        hand.frame += 1;
+        hand.fresh = false;
+        hand.tripped = crate::frame::Cause::None;
+    }
+
+    /// After a reload the scene has its devices at rest again.
+    pub(super) fn reach_again(&mut self, initial: &State) {
+        for l in &self.links {
+            self.there[l.dof] = initial.input[l.input] / l.gains.alpha;
+        }
+    }
+
+    /// Frames the input checks dropped.
+    pub fn dropped(&self) -> u64 {
+        self.inlet.dropped
+    }
+}

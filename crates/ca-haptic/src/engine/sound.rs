@@ -1,0 +1,52 @@
+//! H16 and the audible half of H15: nothing louder than full scale, nothing sudden when an instrument is loaded or dies.
+
+/// The last thing a sample passes.
+pub(super) struct Ceiling {
+    last: Vec<f64>,
+    rise: f64,
+    gain: f64,
+    fall: f64,
+    rest: f64,
+}
+
+/// Fade-in after a load \[s\].
+const RISE: f64 = 0.05;
+/// Fade-out after a blow-up \[s\].
+const FALL: f64 = 0.005;
+
+impl Ceiling {
+    pub(super) fn new(channels: usize, rate: f64) -> Ceiling {
+        Ceiling {
+            last: vec![0.0; channels],
+            rise: 1.0 / (RISE * rate),
+            gain: 0.0,
+            fall: 1.0 / (FALL * rate),
+            rest: 1.0,
+        }
+    }
+
+    /// A sample of each channel. Returns how many were cut. Once `wild`, the last sample fades away.
+    pub(super) fn pass(&mut self, frame: &mut [f64], wild: bool) -> u64 {
+        if wild {
+            self.rest = (self.rest - self.fall).max(0.0);
+            for (x, last) in frame.iter_mut().zip(&self.last) {
+                *x = last * self.rest;
+            }
+            return 0;
+        }
+        let mut cut = 0;
+        self.gain = (self.gain + self.rise).min(1.0);
+        for (x, last) in frame.iter_mut().zip(&mut self.last) {
+            let y = if x.is_finite() { *x * self.gain } else { 0.0 };
+            *last = y.clamp(-1.0, 1.0);
+            cut += u64::from(!x.is_finite() || *last != y);
+            *x = *last;
+        }
+        cut
+    }
+
+    pub(super) fn reset(&mut self) {
+        (self.gain, self.rest) = (0.0, 1.0);
+        self.last.fill(0.0);
+    }
+}

@@ -1,0 +1,157 @@
+//! What a device says: where the hand is.
+
+use super::{DOF, VERSION, fnv};
+#[cfg(feature = "iceoryx")]
+use iceoryx2::prelude::ZeroCopySend;
+use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
+
+/// Bits of [`DeviceFrame::status`].
+pub mod status {
+    /// the process reaches its hardware
+    pub const CONNECTED: u32 = 1;
+    /// its motors have power
+    pub const POWERED: u32 = 2;
+    /// positions are metres, forces newtons
+    pub const CALIBRATED: u32 = 4;
+    /// somebody holds it
+    pub const IN_USE: u32 = 8;
+    /// the dead man's switch is there and released
+    pub const DEADMAN: u32 = 16;
+    /// motors are shorted
+    pub const BRAKE: u32 = 32;
+    /// motors are warm
+    pub const THERMAL: u32 = 64;
+    /// at the edge of its travel
+    pub const EDGE: u32 = 128;
+    /// no hardware: a simulation
+    pub const SIMULATED: u32 = 256;
+}
+
+/// One frame of a device, 792 bytes.
+#[derive(Clone, Copy, Debug, PartialEq, FromBytes, IntoBytes, KnownLayout, Immutable)]
+#[cfg_attr(feature = "iceoryx", derive(ZeroCopySend), type_name("ca.v1.DeviceFrame"))]
+#[repr(C)]
+pub struct DeviceFrame {
+    /// [`DeviceFrame::MAGIC`]
+    pub magic: u32,
+    /// [`VERSION`]
+    pub version: u32,
+    /// [`DeviceFrame::LAYOUT`]
+    pub layout: u64,
+    /// name of the device, zeros after it
+    pub device: [u8; 16],
+    /// a number that changes whenever the device process starts
+    pub session: u64,
+    /// counts frames of a session, from 1
+    pub seq: u64,
+    /// `seq` of the last force frame that was used; 0 before any
+    pub ack: u64,
+    /// clock of the device \[ns\]
+    pub t_device_ns: u64,
+    /// `CLOCK_MONOTONIC` when published \[ns\]
+    pub t_host_ns: u64,
+    /// id of the calibration the positions were made with; 0 for none
+    pub calibration: u64,
+    /// sound sample at which the engine took it; 0 on the wire
+    pub tick: u64,
+    /// time between frames \[ns\]
+    pub period_ns: u32,
+    /// bits of [`status`]
+    pub status: u32,
+    /// why the device itself gives no force, a [`Cause`](super::Cause)
+    pub cause: u16,
+    /// degrees of freedom in use, at most [`DOF`]
+    pub n: u16,
+    /// which positions are valid, a bit each
+    pub mask: u32,
+    /// which velocities are measured, a bit each
+    pub vel_mask: u32,
+    /// buttons, a bit each
+    pub buttons: u32,
+    /// positions \[m\]
+    pub pos: [f64; DOF],
+    /// velocities \[m/s\], where measured
+    pub vel: [f64; DOF],
+    /// forces measured \[N\]; 0 where not
+    pub force_measured: [f32; DOF],
+    /// orientation; zeros where there is none
+    pub quat: [f32; 4],
+    /// pressure, grip and the like
+    pub aux: [f32; 4],
+    /// of the motors \[°C\]; 0 where not measured
+    pub temperature: f32,
+    /// 0
+    pub reserved: u32,
+}
+
+impl DeviceFrame {
+    /// "caDF"
+    pub const MAGIC: u32 = u32::from_le_bytes(*b"caDF");
+    /// The definition of this frame as a ROS 2 message.
+    pub const SCHEMA: &'static str = "\
+uint32 magic
+uint32 version
+uint64 layout
+uint8[16] device
+uint64 session
+uint64 seq
+uint64 ack
+uint64 t_device_ns
+uint64 t_host_ns
+uint64 calibration
+uint64 tick
+uint32 period_ns
+uint32 status
+uint16 cause
+uint16 n
+uint32 mask
+uint32 vel_mask
+uint32 buttons
+float64[32] pos
+float64[32] vel
+float32[32] force_measured
+float32[4] quat
+float32[4] aux
+float32 temperature
+uint32 reserved
+";
+    /// Hash of that text.
+    pub const LAYOUT: u64 = fnv(Self::SCHEMA.as_bytes());
+
+    /// A frame of a device with `n` degrees of freedom at rest, connected, powered and calibrated.
+    pub fn new(name: &str, n: usize) -> DeviceFrame {
+        let n = n.min(DOF);
+        DeviceFrame {
+            magic: Self::MAGIC,
+            version: VERSION,
+            layout: Self::LAYOUT,
+            device: super::uid(name),
+            session: 0,
+            seq: 0,
+            ack: 0,
+            t_device_ns: 0,
+            t_host_ns: 0,
+            calibration: 0,
+            tick: 0,
+            period_ns: 0,
+            status: status::CONNECTED | status::POWERED | status::CALIBRATED,
+            cause: 0,
+            n: n as u16,
+            mask: if n == DOF { u32::MAX } else { (1 << n) - 1 },
+            vel_mask: 0,
+            buttons: 0,
+            pos: [0.0; DOF],
+            vel: [0.0; DOF],
+            force_measured: [0.0; DOF],
+            quat: [0.0; 4],
+            aux: [0.0; 4],
+            temperature: 0.0,
+            reserved: 0,
+        }
+    }
+
+    /// True where magic, version, layout and number of DOF are those of this build.
+    pub fn is_ours(&self) -> bool {
+        self.magic == Self::MAGIC && self.version == VERSION && self.layout == Self::LAYOUT && (self.n as usize) <= DOF
+    }
+}

@@ -1,0 +1,22 @@
+//! H1: a force that is no number never leaves.
+
+use super::{Hand, Stage};
+use crate::frame::Cause;
+
+/// Zero instead, and a fault in the same frame.
+pub struct Finite;
+
+impl Stage for Finite {
+    fn name(&self) -> &'static str {
+        "finite"
+    }
+
+    fn pass(&mut self, hand: &mut Hand) {
+        if hand.force[..hand.n].iter().any(|f| !f.is_finite()) {
+            hand.force = [0.0; crate::frame::DOF];
+            hand.trip(Cause::Nonfinite);
+        }
+    }
+
+    fn reset(&mut self) {}
+}

@@ -1,0 +1,148 @@
+//! H5, H6, H8, H9: when forces may reach the hand at all.
+//!
+//! Off → (armed, calibrated, fresh, and nothing pushes for a while) → ramp → on; any fault latches until somebody arms
+//! again, never ends by data returning. Too fast a motion brakes for a moment before it is off. Without fresh frames
+//! the force is held, then fades, then is a fault.
+
+use super::{Hand, Order, Stage};
+use crate::frame::{Cause, DOF, Mode, flag};
+use crate::profile::Profile;
+
+/// Arming, fading in, faults.
+pub struct Gate {
+    axes: usize,
+    mode: Mode,
+    cause: Cause,
+    armed: bool,
+    /// frames since nothing pushed, since the ramp or the brake began
+    since: u32,
+    clear: f64,
+    clear_frames: u32,
+    ramp_frames: u32,
+    hold: u32,
+    zero: u32,
+    speed: f64,
+    brake: f64,
+    stop_frames: u32,
+    most: f64,
+}
+
+/// Whole frames in `t` seconds, at least 1.
+pub(super) fn frames(t: f64, te: f64) -> u32 {
+    (t / te).round().clamp(1.0, 1e9) as u32
+}
+
+impl Gate {
+    /// As the profile says, at frames of `te` seconds.
+    pub fn new(profile: &Profile, te: f64) -> Gate {
+        let l = &profile.guard;
+        Gate {
+            axes: profile.axes as usize,
+            mode: Mode::Off,
+            cause: Cause::Disarmed,
+            armed: false,
+            since: 0,
+            clear: l.clear * profile.force,
+            clear_frames: frames(l.clear_time, te),
+            ramp_frames: frames(l.ramp, te),
+            hold: frames(profile.hold(), te),
+            zero: frames(l.zero, te),
+            speed: l.speed,
+            brake: l.brake,
+            stop_frames: frames(l.stop, te),
+            most: profile.force,
+        }
+    }
+
+    /// Arms, disarms or trips.
+    pub fn order(&mut self, order: Order) {
+        match order {
+            Order::Arm => {
+                if !self.armed || matches!(self.mode, Mode::Fault | Mode::Damp) {
+                    (self.armed, self.mode, self.cause, self.since) = (true, Mode::Off, Cause::None, 0);
+                }
+            }
+            Order::Disarm => {
+                (self.armed, self.mode, self.cause, self.since) = (false, Mode::Off, Cause::Disarmed, 0);
+            }
+            Order::Trip(cause) => self.fault(cause),
+        }
+    }
+
+    fn fault(&mut self, cause: Cause) {
+        if self.armed && self.mode != Mode::Fault {
+            (self.mode, self.cause, self.armed, self.since) = (Mode::Fault, cause, false, 0);
+        }
+    }
+
+    /// Whether somebody armed it, and no fault ended that.
+    pub fn is_armed(&self) -> bool {
+        self.armed
+    }
+}
+
+impl Stage for Gate {
+    fn name(&self) -> &'static str {
+        "gate"
+    }
+
+    fn pass(&mut self, hand: &mut Hand) {
+        let fast = hand.v[..hand.n].iter().any(|v| v.abs() > self.speed);
+        if fast && self.armed && matches!(self.mode, Mode::Ramp | Mode::On) {
+            (self.mode, self.cause, self.since) = (Mode::Damp, Cause::Velocity, 0);
+        }
+        if self.mode != Mode::Off && hand.age >= self.zero {
+            self.fault(Cause::WatchdogIn);
+        }
+        if hand.tripped != Cause::None {
+            self.fault(hand.tripped);
+        }
+        let mut gain = 0.0;
+        match self.mode {
+            Mode::Off if self.armed => {
+                hand.flags |= flag::WAIT_CLEAR;
+                let pushes = (0..hand.n).step_by(self.axes).any(|at| hand.length(at, self.axes) >= self.clear);
+                let clear = hand.calibrated && hand.age <= self.hold && !pushes && !fast;
+                self.since = if clear { self.since + 1 } else { 0 };
+                if self.since >= self.clear_frames {
+                    (self.mode, self.since) = (Mode::Ramp, 0);
+                }
+            }
+            Mode::Ramp => {
+                self.since += 1;
+                gain = f64::from(self.since) / f64::from(self.ramp_frames);
+                if self.since >= self.ramp_frames {
+                    self.mode = Mode::On;
+                }
+            }
+            Mode::On => gain = 1.0,
+            Mode::Damp => {
+                self.since += 1;
+                for k in 0..hand.n {
+                    hand.force[k] = (-self.brake * hand.v[k]).clamp(-self.most, self.most);
+                }
+                gain = 1.0;
+                if self.since >= self.stop_frames {
+                    self.fault(Cause::Velocity);
+                    gain = 0.0;
+                }
+            }
+            _ => {}
+        }
+        if hand.age > self.hold {
+            hand.flags |= flag::STALE;
+            let left = f64::from(self.zero.saturating_sub(hand.age)) / f64::from((self.zero - self.hold).max(1));
+            gain *= left.clamp(0.0, 1.0);
+        }
+        if gain == 0.0 {
+            hand.force = [0.0; DOF];
+        } else if gain != 1.0 {
+            for f in &mut hand.force[..hand.n] {
+                *f *= gain;
+            }
+        }
+        (hand.mode, hand.cause) = (self.mode, self.cause);
+    }
+
+    fn reset(&mut self) {}
+}

@@ -1,0 +1,45 @@
+//! H3: no force changes faster than the stiffest thing the device renders could change it. A fault may, towards zero.
+
+use super::{Hand, Stage, norm};
+use crate::frame::{DOF, Mode, flag};
+use crate::profile::Profile;
+
+/// The largest change a frame.
+pub struct Slew {
+    axes: usize,
+    most: f64,
+}
+
+impl Slew {
+    /// As the profile says, at frames of `te` seconds.
+    pub fn new(profile: &Profile, te: f64) -> Slew {
+        Slew { axes: profile.axes as usize, most: profile.slew() * te }
+    }
+}
+
+impl Stage for Slew {
+    fn name(&self) -> &'static str {
+        "slew"
+    }
+
+    fn pass(&mut self, hand: &mut Hand) {
+        let off = matches!(hand.mode, Mode::Off | Mode::Fault);
+        for at in (0..hand.n).step_by(self.axes) {
+            let end = (at + self.axes).min(hand.n);
+            let mut step = [0.0; DOF];
+            for (k, step) in step.iter_mut().enumerate().take(end).skip(at) {
+                *step = hand.force[k] - hand.sent[k];
+            }
+            let size = norm(&step[at..end]);
+            let zero = norm(&hand.force[at..end]) == 0.0;
+            if size > self.most && !(off && zero) {
+                for (k, step) in step.iter().enumerate().take(end).skip(at) {
+                    hand.force[k] = hand.sent[k] + step / size * self.most;
+                }
+                hand.flags |= flag::SLEWED;
+            }
+        }
+    }
+
+    fn reset(&mut self) {}
+}

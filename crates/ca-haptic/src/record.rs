@@ -1,0 +1,60 @@
+//! What a running engine leaves behind for those who write it down.
+//!
+//! Decides that the real-time thread hands over plain values through a ring and never waits: a record that finds no room
+//! is counted and gone. Boxes travel the same way, so that they are freed where freeing is allowed.
+
+use crate::engine::Spent;
+use crate::frame::{DeviceFrame, ForceFrame};
+use crate::guard::Order;
+use ca_core::ledger::Balance;
+
+/// One thing that happened. `tick` is the sound sample before which it took effect.
+// frames are the many, boxes the few: a ring of values of one size is what the real-time thread can write
+#[allow(clippy::large_enum_variant)]
+#[derive(Clone, Debug, PartialEq)]
+pub enum Record {
+    /// a frame that was looked at, stamped with the tick; also those that were dropped
+    Device {
+        /// number of the device in the engine
+        port: u32,
+        /// the frame
+        frame: DeviceFrame,
+    },
+    /// a frame that was sent; its publishing time is not in it
+    Force {
+        /// number of the device in the engine
+        port: u32,
+        /// the frame
+        frame: ForceFrame,
+    },
+    /// parameters changed, or the scene was loaded again
+    Spent {
+        /// when
+        tick: u64,
+        /// what it was
+        spent: Spent,
+    },
+    /// forces were armed, disarmed or tripped
+    Order {
+        /// when
+        tick: u64,
+        /// one device, or all
+        port: Option<u32>,
+        /// what was asked
+        order: Order,
+    },
+    /// a hash of the state, once a second
+    Hash {
+        /// when
+        tick: u64,
+        /// [`ca_core::State::bits`]
+        bits: u64,
+    },
+    /// the energy book
+    Energy {
+        /// when
+        tick: u64,
+        /// its sums
+        balance: Balance,
+    },
+}
