@@ -50,7 +50,9 @@ pub mod perform;
 pub mod probe;
 pub mod profile;
 pub mod record;
+pub mod rt;
 pub mod sound;
+pub mod stats;
 mod staged;
 
 pub use error::{FileError, FileErrorKind};
