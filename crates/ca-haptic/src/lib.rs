@@ -51,8 +51,9 @@ pub mod probe;
 pub mod profile;
 pub mod record;
 pub mod rt;
+pub mod serve;
 pub mod sound;
-pub mod stats;
 mod staged;
+pub mod stats;
 
 pub use error::{FileError, FileErrorKind};

@@ -88,7 +88,9 @@ mod system {
         let t = libc::timespec { tv_sec: (at / 1_000_000_000) as _, tv_nsec: (at % 1_000_000_000) as _ };
         // SAFETY: `t` is valid; a null remainder is allowed with an absolute time. A signal ends it early, which the
         // caller's spin makes up for.
-        unsafe { libc::clock_nanosleep(libc::CLOCK_MONOTONIC, libc::TIMER_ABSTIME, &raw const t, std::ptr::null_mut()) };
+        unsafe {
+            libc::clock_nanosleep(libc::CLOCK_MONOTONIC, libc::TIMER_ABSTIME, &raw const t, std::ptr::null_mut())
+        };
     }
 
     /// Makes short sleeps of this thread short: without it the kernel rounds them up by 50 µs.

@@ -1,0 +1,350 @@
+//! The desk: takes what the engine leaves behind to those who want it, and what people ask to the engine.
+
+use super::loops::Loops;
+use super::summary::{DeviceSummary, Fault, Pulse, Summary};
+use super::{Beat, DeskEnds, Shared};
+use crate::FileError;
+use crate::engine::{Act, Change, Engine, Port};
+use crate::frame::{Cause, Mode};
+use crate::guard::Order;
+use crate::record::Record;
+use crate::stats::Times;
+use ca_core::Scene;
+use ca_core::live::Controls;
+use std::sync::Arc;
+use std::sync::atomic::Ordering::Relaxed;
+
+/// Where records end: a sound file, a take, a terminal.
+pub trait Sink {
+    /// Something happened.
+    fn record(&mut self, record: &Record) -> Result<(), FileError> {
+        let _ = record;
+        Ok(())
+    }
+    /// Sound, interleaved.
+    fn sound(&mut self, frames: &[f64]) -> Result<(), FileError> {
+        let _ = frames;
+        Ok(())
+    }
+    /// A picture: displacement \[m\] of every place of the state, as it was before `tick`.
+    fn view(&mut self, tick: u64, x: &[f64]) -> Result<(), FileError> {
+        let _ = (tick, x);
+        Ok(())
+    }
+    /// Once a second.
+    fn pulse(&mut self, pulse: &Pulse) -> Result<(), FileError> {
+        let _ = pulse;
+        Ok(())
+    }
+    /// Something people should know.
+    fn said(&mut self, happened: &Happened) -> Result<(), FileError> {
+        let _ = happened;
+        Ok(())
+    }
+}
+
+/// Something people should know.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Happened {
+    /// sound sample
+    pub tick: u64,
+    /// something went wrong
+    pub bad: bool,
+    /// in words
+    pub text: String,
+}
+
+/// One device as the desk sees it.
+struct Seen {
+    name: String,
+    profile: String,
+    mode: Mode,
+    cause: Cause,
+    frames: u64,
+    loops: Loops,
+    times: Times,
+}
+
+/// Looks after a running engine.
+pub struct Desk {
+    ends: DeskEnds,
+    shared: Arc<Shared>,
+    scene: Arc<Scene>,
+    controls: Controls,
+    sinks: Vec<Box<dyn Sink>>,
+    seen: Vec<Seen>,
+    frame_times: Times,
+    late_times: Times,
+    /// since the last pulse
+    second: (Times, Times, u64),
+    frames: u64,
+    missed: u64,
+    tick: u64,
+    /// gesture frames a second, rounded
+    rate: u64,
+    faults: Vec<Fault>,
+    happened: Vec<Happened>,
+    block: Vec<f64>,
+    broken: Vec<FileError>,
+}
+
+impl Desk {
+    /// A desk for an engine with these ports; what it learns goes to `sinks`.
+    pub fn new(
+        ends: DeskEnds,
+        shared: Arc<Shared>,
+        scene: Arc<Scene>,
+        ports: &[Port],
+        sinks: Vec<Box<dyn Sink>>,
+    ) -> Desk {
+        let seen = |p: &Port| Seen {
+            name: p.name.clone(),
+            profile: p.profile.name.clone(),
+            mode: Mode::Off,
+            cause: Cause::Disarmed,
+            frames: 0,
+            loops: Loops::new(),
+            times: Times::new(),
+        };
+        Desk {
+            ends,
+            shared,
+            controls: scene.controls(),
+            sinks,
+            seen: ports.iter().map(seen).collect(),
+            frame_times: Times::new(),
+            late_times: Times::new(),
+            second: (Times::new(), Times::new(), 0),
+            frames: 0,
+            missed: 0,
+            tick: 0,
+            rate: ((scene.rate / f64::from(scene.ratio)).round() as u64).max(1),
+            faults: Vec::new(),
+            happened: Vec::new(),
+            block: Vec::new(),
+            broken: Vec::new(),
+            scene,
+        }
+    }
+
+    /// Takes everything that lies in the rings; to be called every few milliseconds. Returns what people should know.
+    pub fn turn(&mut self) -> Vec<Happened> {
+        while let Ok(record) = self.ends.records.pop() {
+            self.look(&record);
+            self.tell(|s| s.record(&record));
+        }
+        let whole = self.ends.sound.slots() / self.scene.channels.max(1) * self.scene.channels;
+        if let Ok(chunk) = self.ends.sound.read_chunk(whole) {
+            self.block.clear();
+            self.block.extend(chunk);
+            let block = std::mem::take(&mut self.block);
+            if !block.is_empty() {
+                self.tell(|s| s.sound(&block));
+            }
+            self.block = block;
+        }
+        self.views();
+        while let Ok(beat) = self.ends.beats.pop() {
+            self.beat(beat);
+        }
+        let happened = std::mem::take(&mut self.happened);
+        for h in &happened {
+            self.tell(|s| s.said(h));
+        }
+        happened
+    }
+
+    /// A sink that fails is told of once, and left out from then on; playing goes on.
+    fn tell(&mut self, mut f: impl FnMut(&mut dyn Sink) -> Result<(), FileError>) {
+        let broken = &mut self.broken;
+        self.sinks.retain_mut(|s| match f(s.as_mut()) {
+            Ok(()) => true,
+            Err(e) => {
+                broken.push(e);
+                false
+            }
+        });
+    }
+
+    /// Sinks that failed since the last call, and why.
+    pub fn broken(&mut self) -> Vec<FileError> {
+        std::mem::take(&mut self.broken)
+    }
+
+    fn views(&mut self) {
+        let places = self.scene.n_mat + 1;
+        while let Some(Ok(chunk)) = self.ends.views.as_mut().map(|v| v.read_chunk(places)) {
+            self.block.clear();
+            self.block.extend(chunk);
+            let block = std::mem::take(&mut self.block);
+            self.tell(|s| s.view(block[0] as u64, &block[1..]));
+            self.block = block;
+        }
+    }
+
+    fn beat(&mut self, beat: Beat) {
+        self.frames += 1;
+        self.missed += beat.start.missed;
+        self.frame_times.add(beat.took);
+        self.late_times.add(beat.start.late);
+        self.second.0.add(beat.took);
+        self.second.2 += beat.took;
+        if self.frames.is_multiple_of(self.rate) {
+            let frame = self.rate as f64 / (self.scene.rate / f64::from(self.scene.ratio));
+            let pulse = Pulse {
+                tick: self.tick,
+                frames: self.frames,
+                frame_us: self.second.0.told(),
+                loop_us: self.second.1.told(),
+                missed: self.missed,
+                dropped: self.shared.dropped.load(Relaxed),
+                lost: self.lost(),
+                load: self.second.2 as f64 * 1e-9 / frame,
+            };
+            self.second = (Times::new(), Times::new(), 0);
+            self.tell(|s| s.pulse(&pulse));
+        }
+    }
+
+    fn lost(&self) -> u64 {
+        let s = &self.shared;
+        [&s.lost_forces, &s.lost_records, &s.lost_sound, &s.lost_views].map(|n| n.load(Relaxed)).iter().sum()
+    }
+
+    fn look(&mut self, record: &Record) {
+        match record {
+            Record::Device { port, frame } => {
+                let Some(seen) = self.seen.get_mut(*port as usize) else { return };
+                seen.frames += 1;
+                if let Some(ns) = seen.loops.device(frame) {
+                    seen.times.add(ns);
+                    self.second.1.add(ns);
+                }
+            }
+            Record::Force { port, frame } => {
+                self.tick = frame.tick;
+                let Some(seen) = self.seen.get_mut(*port as usize) else { return };
+                seen.loops.force(frame);
+                let now = (Mode::read(frame.mode), Cause::read(frame.cause));
+                if now == (seen.mode, seen.cause) {
+                    return;
+                }
+                (seen.mode, seen.cause) = now;
+                let bad = matches!(now.0, Mode::Fault | Mode::Damp);
+                let text = match now {
+                    (Mode::Fault, cause) => format!("{}: forces off, {}", seen.name, cause.name()),
+                    (Mode::Damp, cause) => format!("{}: braking, {}", seen.name, cause.name()),
+                    (Mode::Off, Cause::None) => format!("{}: armed; waiting until nothing pushes", seen.name),
+                    (Mode::Off, _) => format!("{}: forces off", seen.name),
+                    (Mode::Ramp, _) => format!("{}: forces fade in", seen.name),
+                    (Mode::On, _) => format!("{}: forces on", seen.name),
+                };
+                self.happened.push(Happened { tick: frame.tick, bad, text });
+                if now.0 == Mode::Fault {
+                    self.faults.push(Fault { device: seen.name.clone(), cause: now.1, tick: frame.tick });
+                }
+            }
+            _ => {}
+        }
+    }
+
+    fn act(&mut self, act: Act) -> Result<(), String> {
+        self.ends.acts.push(act).map_err(|_| "the engine has more to do than it can take; try again".to_string())
+    }
+
+    /// Sets several live parameters \[SI\] in one tick. Nothing changes where one of them is refused.
+    pub fn set(&mut self, values: &[(String, f64)]) -> Result<(), String> {
+        let mut controls = self.controls.clone();
+        let mut change = Change::default();
+        for (name, value) in values {
+            let patch = controls.set(name, *value).map_err(|e| e.to_string())?;
+            let place = controls.params().iter().position(|p| p.name == *name).unwrap_or_default();
+            change.params.push((place as u32, *value));
+            change.patches.push(patch);
+        }
+        self.act(Act::Set(Box::new(change)))?;
+        self.controls = controls;
+        Ok(())
+    }
+
+    /// The live parameters with their present values.
+    pub fn controls(&self) -> &Controls {
+        &self.controls
+    }
+
+    /// Arms or disarms a device, or all. A model that blew up is loaded again first.
+    pub fn order(&mut self, device: Option<&str>, order: Order) -> Result<(), String> {
+        let which = match device {
+            None => None,
+            Some(name) => {
+                let Some(k) = self.seen.iter().position(|s| s.name == name) else {
+                    let all: Vec<_> = self.seen.iter().map(|s| format!("`{}`", s.name)).collect();
+                    return Err(format!("no device `{name}` here; there is {}", all.join(", ")));
+                };
+                Some(k as u32)
+            }
+        };
+        if order == Order::Arm && self.shared.wild.load(Relaxed) {
+            self.reload()?;
+        }
+        self.act(Act::Order(which, order))
+    }
+
+    /// The scene as at load, with all parameters as at load, and forces off.
+    pub fn reload(&mut self) -> Result<(), String> {
+        self.act(Act::Reload(Box::new(self.scene.state())))?;
+        self.controls = self.scene.controls();
+        Ok(())
+    }
+
+    /// Mode and cause of each device, by name.
+    pub fn devices(&self) -> impl Iterator<Item = (&str, Mode, Cause, u64)> {
+        self.seen.iter().map(|s| (s.name.as_str(), s.mode, s.cause, s.frames))
+    }
+
+    /// Gesture frames so far, and the sound sample they came to.
+    pub fn progress(&self) -> (u64, u64) {
+        (self.frames, self.tick)
+    }
+
+    /// The account, once the engine has ended.
+    pub fn summary(&mut self, engine: &Engine, granted: Vec<(String, String)>) -> Summary {
+        let s = &self.shared;
+        Summary {
+            seconds: engine.state.tick as f64 / self.scene.rate,
+            frames: engine.counts.frames,
+            period_us: 1e6 * f64::from(self.scene.ratio) * self.scene.te,
+            frame_us: self.frame_times.told(),
+            late_us: self.late_times.told(),
+            missed: self.missed,
+            stale: engine.counts.stale,
+            dropped: engine.counts.dropped,
+            lost_forces: s.lost_forces.load(Relaxed),
+            lost_records: s.lost_records.load(Relaxed),
+            lost_sound: s.lost_sound.load(Relaxed),
+            lost_views: s.lost_views.load(Relaxed),
+            clipped: engine.counts.clipped,
+            refused: engine.counts.refused,
+            unstable: engine.is_wild(),
+            devices: self
+                .seen
+                .iter()
+                .zip(&engine.ports)
+                .map(|(s, p)| DeviceSummary {
+                    device: s.name.clone(),
+                    profile: s.profile.clone(),
+                    frames: s.frames,
+                    dropped: p.dropped(),
+                    loop_us: s.times.told(),
+                })
+                .collect(),
+            faults: std::mem::take(&mut self.faults),
+            granted,
+        }
+    }
+
+    /// The sinks, to be finished.
+    pub fn into_sinks(self) -> Vec<Box<dyn Sink>> {
+        self.sinks
+    }
+}

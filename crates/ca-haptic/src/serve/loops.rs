@@ -1,0 +1,68 @@
+//! Loop latency: from a position a device sent to the first position it sent after using the force that answers it.
+//!
+//! Both ends are stamped by the device, so no clocks are compared; `ack` on either side ties them together.
+
+use crate::frame::{DeviceFrame, ForceFrame};
+
+/// Frames that are remembered: a third of a second at 3 kHz.
+const KEPT: usize = 1024;
+
+/// Of one device.
+pub(super) struct Loops {
+    /// when each position frame was sent, by its number: (seq, ns)
+    sent: Vec<(u64, u64)>,
+    /// which position each force frame answers, by its number: (seq, seq of the position)
+    answered: Vec<(u64, u64)>,
+    session: u64,
+    /// the last force that was counted
+    last: u64,
+}
+
+impl Loops {
+    pub(super) fn new() -> Loops {
+        Loops { sent: vec![(0, 0); KEPT], answered: vec![(0, 0); KEPT], session: 0, last: 0 }
+    }
+
+    pub(super) fn force(&mut self, f: &ForceFrame) {
+        if f.ack > 0 && f.ack_session == self.session {
+            self.answered[f.seq as usize % KEPT] = (f.seq, f.ack);
+        }
+    }
+
+    /// The latency this frame closes \[ns\], if it is the first to use a force.
+    pub(super) fn device(&mut self, f: &DeviceFrame) -> Option<u64> {
+        if f.session != self.session {
+            *self = Loops { session: f.session, ..Loops::new() };
+        }
+        self.sent[f.seq as usize % KEPT] = (f.seq, f.t_host_ns);
+        if f.ack <= self.last {
+            return None;
+        }
+        self.last = f.ack;
+        let (seq, position) = self.answered[f.ack as usize % KEPT];
+        let (sent, at) = self.sent[position as usize % KEPT];
+        (seq == f.ack && sent == position && f.t_host_ns > at).then(|| f.t_host_ns - at)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_loop_is_from_the_position_to_the_first_one_after_its_force() {
+        let (mut l, mut d, mut f) = (Loops::new(), DeviceFrame::new("a", 1), ForceFrame::new("a", 1));
+        (d.session, f.ack_session) = (9, 9);
+        for n in 1..=5000_u64 {
+            // the force that answers frame n is used two frames later
+            (d.seq, d.ack, d.t_host_ns) = (n, n.saturating_sub(2), 1000 * n);
+            let told = l.device(&d);
+            assert_eq!(told, (n > 2).then_some(2000), "{n}");
+            (f.seq, f.ack) = (n, n);
+            l.force(&f);
+        }
+        d.session = 10;
+        (d.seq, d.ack) = (1, 4000);
+        assert_eq!(l.device(&d), None, "another session knows nothing of the past");
+    }
+}

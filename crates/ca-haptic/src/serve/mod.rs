@@ -1,0 +1,85 @@
+//! A scene played in real time: the engine on its thread, rings to its neighbours, and the desk that looks after it.
+//!
+//! ```text
+//! devices ⇄ gateway ⇄ rings ⇄ engine thread ─► rings ─► desk ─► sound file, take, terminal
+//!                                   ▲────────── acts ─────┘
+//! ```
+//!
+//! Decides that the engine thread knows rings only. Who fills them (shared memory, a test) and where records end is the
+//! caller's: [`rings`] makes both sides. The desk is no thread of its own but a turn to be taken every few milliseconds
+//! by the caller, so that a program embeds it in the loop it has.
+
+mod clock;
+mod desk;
+mod live;
+mod loops;
+mod summary;
+
+pub use clock::{Clock, Start};
+pub use desk::{Desk, Happened, Sink};
+pub use live::{Beat, Every, Live, Rings, Shared};
+pub use summary::{DeviceSummary, Fault, Pulse, Summary};
+
+use crate::engine::Act;
+use crate::frame::{DeviceFrame, ForceFrame};
+use crate::record::Record;
+use ca_core::Scene;
+use rtrb::{Consumer, Producer, RingBuffer};
+
+/// The gateway's ends of the rings.
+pub struct GatewayEnds {
+    /// frames of devices, by number
+    pub frames: Producer<(u32, DeviceFrame)>,
+    /// frames of forces, by number
+    pub forces: Consumer<(u32, ForceFrame)>,
+}
+
+/// The desk's ends of the rings.
+pub struct DeskEnds {
+    /// what is asked
+    pub acts: Producer<Act>,
+    /// what happened
+    pub records: Consumer<Record>,
+    /// sound, interleaved
+    pub sound: Consumer<f64>,
+    /// how each frame went
+    pub beats: Consumer<Beat>,
+    /// pictures; none where nobody looks
+    pub views: Option<Consumer<f64>>,
+}
+
+/// How long the desk may be away \[s\] before something is lost, and counted.
+const AWAY: f64 = 2.0;
+
+/// Rings for a scene with so many devices; `pictures` a second, 0 for none.
+pub fn rings(scene: &Scene, devices: usize, pictures: u32) -> (Rings, GatewayEnds, DeskEnds) {
+    let rate = scene.rate / f64::from(scene.ratio);
+    let frames = (AWAY * rate) as usize;
+    // the gateway is never away: a device that sends in bursts, or one that is suspended and comes back
+    let (frames_in, frames_out) = RingBuffer::new(64 * devices.max(1));
+    let (forces_in, forces_out) = RingBuffer::new(64 * devices.max(1));
+    let (acts_in, acts_out) = RingBuffer::new(64);
+    let (records_in, records_out) = RingBuffer::new(frames * 2 * devices + 256);
+    let (sound_in, sound_out) = RingBuffer::new((AWAY * scene.rate) as usize * scene.channels);
+    let (beats_in, beats_out) = RingBuffer::new(frames);
+    let (views_in, views_out) = if pictures > 0 {
+        let places = scene.n_mat + 1;
+        let (a, b) = RingBuffer::new(places * (AWAY * f64::from(pictures)).max(2.0) as usize);
+        (Some(a), Some(b))
+    } else {
+        (None, None)
+    };
+    (
+        Rings {
+            frames: frames_out,
+            forces: forces_in,
+            acts: acts_out,
+            records: records_in,
+            sound: sound_in,
+            beats: beats_in,
+            views: views_in,
+        },
+        GatewayEnds { frames: frames_in, forces: forces_out },
+        DeskEnds { acts: acts_in, records: records_out, sound: sound_out, beats: beats_out, views: views_out },
+    )
+}

@@ -1,0 +1,101 @@
+//! What is told of a performance: once a second, and at its end.
+
+use crate::frame::Cause;
+use crate::stats::Told;
+use serde::Serialize;
+
+/// Once a second.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Pulse {
+    /// sound sample
+    pub tick: u64,
+    /// gesture frames so far
+    pub frames: u64,
+    /// computing time of a gesture frame in the last second \[µs\]
+    pub frame_us: Told,
+    /// loop latency in the last second, all devices \[µs\]
+    pub loop_us: Told,
+    /// periods left out so far
+    pub missed: u64,
+    /// device frames dropped by the input checks so far
+    pub dropped: u64,
+    /// records, sounds and forces lost so far
+    pub lost: u64,
+    /// part of the time the engine computes, 1 = all of it
+    pub load: f64,
+}
+
+/// A fault that latched.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Fault {
+    /// which device
+    pub device: String,
+    /// why
+    pub cause: Cause,
+    /// sound sample
+    pub tick: u64,
+}
+
+/// One device at the end.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct DeviceSummary {
+    /// its name
+    pub device: String,
+    /// its profile
+    pub profile: String,
+    /// frames that came
+    pub frames: u64,
+    /// of these, dropped by the input checks
+    pub dropped: u64,
+    /// loop latency \[µs\]
+    pub loop_us: Told,
+}
+
+/// All of a performance.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Summary {
+    /// how long it sounded \[s\]
+    pub seconds: f64,
+    /// gesture frames
+    pub frames: u64,
+    /// a gesture frame \[µs\]
+    pub period_us: f64,
+    /// computing time of a gesture frame \[µs\]
+    pub frame_us: Told,
+    /// how late gesture frames began \[µs\]
+    pub late_us: Told,
+    /// periods left out because the one before was not done
+    pub missed: u64,
+    /// gesture frames without news from a device that had been there
+    pub stale: u64,
+    /// device frames dropped by the input checks
+    pub dropped: u64,
+    /// force frames nobody fetched
+    pub lost_forces: u64,
+    /// records nobody fetched
+    pub lost_records: u64,
+    /// sound samples nobody fetched
+    pub lost_sound: u64,
+    /// pictures nobody fetched
+    pub lost_views: u64,
+    /// sound samples cut at full scale
+    pub clipped: u64,
+    /// changes that did not fit
+    pub refused: u64,
+    /// the model blew up, and was not loaded again
+    pub unstable: bool,
+    /// devices
+    pub devices: Vec<DeviceSummary>,
+    /// faults, in order
+    pub faults: Vec<Fault>,
+    /// what the system granted each thread, as it says itself
+    pub granted: Vec<(String, String)>,
+}
+
+impl Summary {
+    /// True where nothing was lost, cut, missed or blown up. Faults of a hand or device are no loss.
+    pub fn is_faithful(&self) -> bool {
+        let lost = self.lost_forces + self.lost_records + self.lost_sound + self.lost_views;
+        lost == 0 && self.clipped == 0 && !self.unstable && self.refused == 0
+    }
+}
