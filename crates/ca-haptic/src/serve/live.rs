@@ -6,6 +6,7 @@
 use super::clock::{Clock, Pace, Start, wait_for};
 use crate::engine::{Act, Engine};
 use crate::frame::{DeviceFrame, ForceFrame};
+use crate::guard::Order;
 use crate::record::Record;
 use crate::rt::now_ns;
 use rtrb::{Consumer, Producer};
@@ -92,7 +93,7 @@ impl Live {
         let scene = &self.engine.scene;
         let mut pace = Pace::new(f64::from(scene.ratio) * scene.te);
         let mut left = frames;
-        while left != Some(0) && !self.shared.stop.load(Relaxed) {
+        while left != Some(0) {
             let start = match self.clock {
                 Clock::Monotonic => pace.next(),
                 Clock::Device { patience } => {
@@ -100,11 +101,18 @@ impl Live {
                     wait_for(patience, || frames.slots() > 0 || stop.load(Relaxed))
                 }
             };
+            if self.shared.stop.load(Relaxed) {
+                break;
+            }
             let begin = now_ns();
             self.frame();
             let _ = self.rings.beats.push(Beat { start, took: now_ns() - begin });
             left = left.map(|n| n - 1);
         }
+        // the last word is that forces are off, not silence until the device notices
+        self.engine.act(Act::Order(None, Order::Disarm));
+        self.keep(Record::Order { tick: self.engine.due(), port: None, order: Order::Disarm });
+        self.frame();
         self.engine
     }
 

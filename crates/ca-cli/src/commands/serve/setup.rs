@@ -1,0 +1,67 @@
+//! From a scene and what was typed to an engine with its devices.
+
+use crate::args::ServeArgs;
+use crate::{Failure, store, term};
+use ca_core::Scene;
+use ca_core::scene::InputRole;
+use ca_haptic::engine::{Engine, Options, Port, Setup};
+use ca_haptic::frame::DOF;
+use std::sync::Arc;
+
+/// The devices a scene names, in order.
+pub(crate) fn devices(scene: &Scene) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    for i in scene.inputs.iter().filter(|i| i.role == InputRole::Device) {
+        if let Some((name, _)) = &i.device {
+            if !names.contains(name) {
+                names.push(name.clone());
+            }
+        }
+    }
+    names
+}
+
+/// Everything that belongs to each device.
+pub(super) fn setups(args: &ServeArgs, scene: &Scene) -> Result<Vec<Setup>, Failure> {
+    let names = devices(scene);
+    for given in args.profile.iter().chain(&args.calibration) {
+        if let Some((device, _)) = given.split_once('=') {
+            if !names.iter().any(|n| n == device) {
+                let all = crate::load::ticked(names.iter().map(String::as_str));
+                return Err(Failure::Usage(format!("`{given}`: the model has no device `{device}`; it has {all}")));
+            }
+        }
+    }
+    let mut setups = Vec::new();
+    for device in names {
+        let mut profile = store::profile_of(&device, &args.profile)?;
+        let calibration = store::calibration_of(&device, &args.calibration)?;
+        let wanted = dofs(scene, &device);
+        if wanted as usize > DOF {
+            return Err(Failure::Failed(format!("`{device}`: dof {}; a device has at most {DOF}", wanted - 1)));
+        }
+        if wanted > profile.dof {
+            if profile.axes > 1 {
+                let what = format!("the model uses dof {} of `{device}`", wanted - 1);
+                return Err(Failure::Failed(format!("{what}, a {} has {}", profile.title, profile.dof)));
+            }
+            let what = format!("the model uses {wanted} keys of `{device}`, its profile has {}", profile.dof);
+            term::warning(&format!("{what}; taken as {wanted} keys of that kind"));
+            profile.dof = wanted;
+        }
+        setups.push(Setup { device, profile, calibration, gains: Vec::new() });
+    }
+    Ok(setups)
+}
+
+/// One more than the highest DOF of a device that a scene uses.
+pub(crate) fn dofs(scene: &Scene, device: &str) -> u32 {
+    let of = |i: &ca_core::scene::Input| i.device.as_ref().filter(|d| d.0 == device).map(|d| d.1 + 1);
+    scene.inputs.iter().filter_map(of).max().unwrap_or(0)
+}
+
+/// The engine.
+pub(super) fn engine(scene: Arc<Scene>, setups: &[Setup], session: u64) -> Engine {
+    let ports = setups.iter().map(|s| Port::new(&scene, s.clone())).collect();
+    Engine::new(scene, ports, Options { session, ..Options::default() })
+}

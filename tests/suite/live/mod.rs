@@ -1,0 +1,233 @@
+//! The real-time loop without shared memory: engine thread, rings and desk, fed by the test.
+
+use crate::play::scene;
+use ca_core::Scene;
+use ca_haptic::calibration::Calibration;
+use ca_haptic::engine::{Engine, Options, Port, Setup};
+use ca_haptic::frame::{Cause, DeviceFrame, ForceFrame, Mode};
+use ca_haptic::guard::Order;
+use ca_haptic::profile::Profile;
+use ca_haptic::record::Record;
+use ca_haptic::serve::{Clock, Desk, Every, GatewayEnds, Live, Shared, Sink, rings};
+use std::sync::atomic::Ordering::Relaxed;
+use std::sync::{Arc, Mutex};
+use std::thread::JoinHandle;
+
+const MODEL: &str = r#"
+[param]
+k = { value = 500, unit = "N/m", live = true, min = 0, max = 1000 }
+z = { value = 0.001, unit = "N s/m", live = true, min = 0, max = 1 }
+[TGR]
+key = { device = "key", dof = 0 }
+[MAS]
+bob = { m = "10 g" }
+[SOL]
+wall = {}
+[REF]
+spring = { between = ["key", "bob"], k = "k", z = "z" }
+[RES]
+string = { between = ["wall", "bob"], k = 20000 }
+[SOX]
+out = { from = "bob", gain = 100 }
+"#;
+
+fn engine(scene: &Arc<Scene>) -> Engine {
+    let mut profile = Profile::shipped("tgr12").unwrap();
+    profile.dof = 1;
+    let setup = Setup { device: "key".into(), profile, calibration: Calibration::default(), gains: vec![] };
+    let port = Port::new(scene, setup);
+    Engine::new(scene.clone(), vec![port], Options::default())
+}
+
+/// Frame `n`, from 1: a key that goes down and up 20 times a second, further and further in the first 2000 frames, so
+/// that nothing pushes while the guard waits for that.
+fn device(n: u64) -> DeviceFrame {
+    let mut f = DeviceFrame::new("key", 1);
+    (f.session, f.seq, f.t_device_ns) = (3, n, n * 333_333);
+    f.pos[0] = 0.002 * (n as f64 / 2000.0).min(1.0) * (n as f64 * 20.0 / 3000.0 * crate::play::TURN).sin();
+    f
+}
+
+/// All a sink is told.
+#[derive(Clone, Default)]
+struct Heard(Arc<Mutex<(Vec<Record>, Vec<f64>, Vec<u64>)>>);
+
+impl Sink for Heard {
+    fn record(&mut self, record: &Record) -> Result<(), ca_haptic::FileError> {
+        self.0.lock().unwrap().0.push(record.clone());
+        Ok(())
+    }
+    fn sound(&mut self, frames: &[f64]) -> Result<(), ca_haptic::FileError> {
+        self.0.lock().unwrap().1.extend(frames);
+        Ok(())
+    }
+    fn view(&mut self, tick: u64, x: &[f64]) -> Result<(), ca_haptic::FileError> {
+        assert_eq!(x.len(), 3);
+        self.0.lock().unwrap().2.push(tick);
+        Ok(())
+    }
+}
+
+struct Running {
+    thread: JoinHandle<Engine>,
+    gateway: GatewayEnds,
+    desk: Desk,
+    shared: Arc<Shared>,
+    heard: Heard,
+}
+
+fn start(scene: &Arc<Scene>, clock: Clock) -> Running {
+    let engine = engine(scene);
+    let (ends, gateway, desk_ends) = rings(scene, 1, 60);
+    let (shared, heard) = (Arc::new(Shared::default()), Heard::default());
+    let sinks: Vec<Box<dyn Sink>> = vec![Box::new(heard.clone())];
+    let desk = Desk::new(desk_ends, shared.clone(), scene.clone(), &engine.ports, sinks);
+    let every = Every { energy: 30, view: 50, hash: 3000 };
+    let live = Live::new(engine, ends, shared.clone(), clock, every);
+    Running { thread: std::thread::spawn(move || live.run(None)), gateway, desk, shared, heard }
+}
+
+/// In lock-step with the clock of the device, what the threads do is what the engine alone does, to the bit.
+#[test]
+fn threads_add_nothing_to_the_engine() {
+    let scene = Arc::new(scene(MODEL));
+    let mut run = start(&scene, Clock::Device { patience: 60_000_000_000 });
+    let mut forces: Vec<ForceFrame> = Vec::new();
+    run.desk.order(None, Order::Arm).unwrap();
+    for n in 1..=4000 {
+        run.gateway.frames.push((0, device(n))).unwrap();
+        // the frame that answers it
+        loop {
+            if let Ok((0, f)) = run.gateway.forces.pop() {
+                forces.push(f);
+                break;
+            }
+            std::thread::yield_now();
+        }
+        run.desk.turn();
+    }
+    run.shared.stop.store(true, Relaxed);
+    let engine_after = run.thread.join().unwrap();
+    run.desk.turn();
+    let summary = run.desk.summary(&engine_after, vec![]);
+
+    let mut alone = engine(&scene);
+    alone.act(ca_haptic::engine::Act::Order(None, Order::Arm));
+    let mut sound = Vec::new();
+    for n in 1..=4000 {
+        alone.take(0, &mut device(n));
+        let f = *alone.answer().next().unwrap();
+        assert_eq!(f, forces[n as usize - 1], "frame {n}");
+        sound.extend_from_slice(alone.finish());
+    }
+    assert_eq!(forces.last().unwrap().mode, Mode::On as u32);
+    assert!(forces.iter().any(|f| f.force[0].abs() > 0.5));
+    let heard = run.heard.0.lock().unwrap();
+    assert_eq!(heard.1[..sound.len()], sound);
+    // and one frame more at the end, which says that forces are off
+    assert_eq!(heard.1.len(), sound.len() + 16);
+    let last = heard.0.iter().rev().find_map(|r| if let Record::Force { frame, .. } = r { Some(*frame) } else { None });
+    let last = last.unwrap();
+    assert_eq!((last.mode, last.cause, last.force[0]), (Mode::Off as u32, Cause::Disarmed as u16, 0.0));
+    let devices = heard.0.iter().filter(|r| matches!(r, Record::Device { .. })).count();
+    assert_eq!((devices, summary.frames, summary.dropped), (4000, 4001, 0));
+    assert_eq!(heard.2.len(), 80, "pictures: one in fifty frames");
+    assert!(heard.0.iter().any(|r| matches!(r, Record::Hash { .. })));
+    assert!(summary.is_faithful() && summary.faults.is_empty(), "{summary:?}");
+    assert_eq!(summary.frame_us.n, 4000);
+}
+
+/// Two parameters asked for together change in the same tick; a wrong one among them changes nothing.
+#[test]
+fn parameters_change_together_or_not_at_all() {
+    let scene = Arc::new(scene(MODEL));
+    let mut run = start(&scene, Clock::Device { patience: 60_000_000_000 });
+    let mut step = |run: &mut Running, n: u64| {
+        run.gateway.frames.push((0, device(n))).unwrap();
+        while run.gateway.forces.pop().is_err() {
+            std::thread::yield_now();
+        }
+        run.desk.turn();
+    };
+    for n in 1..=10 {
+        step(&mut run, n);
+    }
+    let two = |k: f64, z: f64| [("k".to_string(), k), ("z".to_string(), z)];
+    assert!(run.desk.set(&two(900.0, 7.0)).unwrap_err().contains("`z` must lie between 0 and 1"));
+    assert!(run.desk.set(&[("q".to_string(), 1.0)]).unwrap_err().contains("`q`"));
+    assert!(run.desk.order(Some("kay"), Order::Arm).unwrap_err().contains("`key`"));
+    run.desk.set(&two(900.0, 0.5)).unwrap();
+    for n in 11..=20 {
+        step(&mut run, n);
+    }
+    run.shared.stop.store(true, Relaxed);
+    let engine = run.thread.join().unwrap();
+    run.desk.turn();
+    let heard = run.heard.0.lock().unwrap();
+    let changes: Vec<_> = heard
+        .0
+        .iter()
+        .filter_map(|r| match r {
+            Record::Spent { tick, spent: ca_haptic::engine::Spent::Change(c) } => Some((*tick, c.params.clone())),
+            _ => None,
+        })
+        .collect();
+    assert_eq!(changes, [(9 * 16 + 1, vec![(0, 900.0), (1, 0.5)])]);
+    let fresh = {
+        let mut c = scene.controls();
+        let mut s = scene.state();
+        for (name, v) in two(900.0, 0.5) {
+            assert!(s.apply(&c.set(&name, v).unwrap(), 1));
+        }
+        ca_core::tick(&scene, &mut s);
+        s.coef
+    };
+    for (a, b) in engine.state.coef.iter().zip(&fresh) {
+        assert!((a - b).abs() <= 1e-12 * b.abs(), "{a} {b}");
+    }
+}
+
+/// On the monotonic clock: a device that stops is noticed and forces end; nothing is lost without a count.
+#[test]
+fn a_device_that_stops_is_a_fault() {
+    let scene = Arc::new(scene(MODEL));
+    let mut run = start(&scene, Clock::Monotonic);
+    run.desk.order(None, Order::Arm).unwrap();
+    let (mut n, mut used, mut last) = (0, 0, ForceFrame::new("key", 1));
+    let begin = std::time::Instant::now();
+    // one frame for each force: whatever the machine does, the device is as fast as the engine
+    while last.mode != Mode::On as u32 && begin.elapsed().as_secs() < 60 {
+        while let Ok((_, f)) = run.gateway.forces.pop() {
+            last = f;
+            n += 1;
+            let mut frame = device(n);
+            (frame.ack, frame.t_host_ns) = (f.seq, ca_haptic::rt::now_ns());
+            frame.pos[0] *= 0.01;
+            let _ = run.gateway.frames.push((0, frame));
+            used += 1;
+        }
+        run.desk.turn();
+        if last.mode == Mode::Fault as u32 {
+            run.desk.order(None, Order::Arm).unwrap();
+        }
+    }
+    assert_eq!(last.mode, Mode::On as u32, "{last:?}");
+    let mut off = None;
+    while off.is_none() && begin.elapsed().as_secs() < 120 {
+        while let Ok((_, f)) = run.gateway.forces.pop() {
+            last = f;
+            if f.mode == Mode::Fault as u32 {
+                off = off.or(Some(f));
+            }
+        }
+        run.desk.turn();
+    }
+    assert_eq!((off.unwrap().cause, off.unwrap().force[0]), (Cause::WatchdogIn as u16, 0.0));
+    run.shared.stop.store(true, Relaxed);
+    let engine = run.thread.join().unwrap();
+    run.desk.turn();
+    let s = run.desk.summary(&engine, vec![("engine".into(), "as granted".into())]);
+    assert!(s.faults.iter().any(|f| f.cause == Cause::WatchdogIn && f.device == "key"));
+    assert!(s.stale > 0 && s.devices[0].frames == used && s.devices[0].loop_us.n > 0, "{s:?}");
+    assert_eq!(s.frames, s.frame_us.n + 1);
+}
