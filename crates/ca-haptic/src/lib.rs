@@ -46,6 +46,8 @@ pub mod error;
 pub mod frame;
 pub mod gesture;
 pub mod guard;
+#[cfg(feature = "iceoryx")]
+pub mod host;
 pub mod perform;
 pub mod probe;
 pub mod profile;

@@ -1,0 +1,70 @@
+//! The smallest device: a damped finger of 100 g that the force of the engine moves.
+//!
+//! It sends where it is 1000 times a second, is moved by what `safe_force` lets through, and prints what it saw.
+//! `cargo run -p ca-haptic --features iceoryx --example device -- finger 3000`
+
+use ca_haptic::frame::{About, DOF, DeviceFrame, Mode, VERSION, uid};
+use ca_haptic::host::{DeviceClient, HostError, Site};
+use std::time::{Duration, Instant};
+
+/// Mass of the finger \[kg\].
+const M: f64 = 0.1;
+/// Its viscosity \[N s/m\].
+const Z: f64 = 2.0;
+/// Time between frames \[s\].
+const DT: f64 = 0.001;
+
+/// Runs a finger for some frames. Returns the line it prints.
+pub fn run(name: &str, frames: u64) -> Result<String, HostError> {
+    let mut about = About {
+        magic: About::MAGIC,
+        version: VERSION,
+        layout: About::LAYOUT,
+        device: uid(name),
+        session: 0,
+        calibration: 0,
+        model: [0; 32],
+        serial: [0; 32],
+        firmware: [0; 16],
+        rate: (1.0 / DT) as u32,
+        n: 1,
+        axes: 1,
+        low: [-0.02; DOF],
+        high: [0.02; DOF],
+        force: [10.0; DOF],
+        continuous: [10.0; DOF],
+        stiffness: [0.0; DOF],
+        damping: [0.0; DOF],
+    };
+    about.model[..6].copy_from_slice(b"finger");
+    let mut device = DeviceClient::open(&Site::of_user()?, about)?;
+    let mut frame = DeviceFrame::new(name, 1);
+    let (mut x, mut v) = (0.0, 0.0);
+    let (mut seen, mut felt, mut most) = (0_u64, 0_u64, 0.0_f64);
+    let start = Instant::now();
+    for n in 0..frames {
+        frame.pos[0] = x;
+        frame.t_device_ns = start.elapsed().as_nanos() as u64;
+        device.send(&mut frame)?;
+        // the force came from another process: it is used only if it is fresh, ours and meant
+        let force = device.safe_force()[0];
+        v = (v + force / M * DT) / (1.0 + Z / M * DT);
+        x += v * DT;
+        seen = device.watch().last().map_or(0, |f| f.seq);
+        felt += u64::from(force != 0.0);
+        most = most.max(force.abs());
+        let due = start + Duration::from_secs_f64((n + 1) as f64 * DT);
+        std::thread::sleep(due.saturating_duration_since(Instant::now()));
+    }
+    let mode = device.watch().last().map_or("none", |f| Mode::read(f.mode).name());
+    Ok(format!("sent {frames} seen {seen} felt {felt} most {most:.3} x {x:.6} mode {mode}"))
+}
+
+#[allow(dead_code)]
+fn main() -> Result<(), HostError> {
+    let mut args = std::env::args().skip(1);
+    let name = args.next().unwrap_or_else(|| "finger".into());
+    let frames = args.next().and_then(|n| n.parse().ok()).unwrap_or(3000);
+    println!("{}", run(&name, frames)?);
+    Ok(())
+}

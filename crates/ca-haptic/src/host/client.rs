@@ -1,0 +1,128 @@
+//! The side of a device: positions out, forces in.
+//!
+//! Decides that a device process needs five calls and no knowledge of who comes first: it opens or makes its lines,
+//! sends, takes the newest force, may wait for it, and asks [`DeviceClient::safe_force`] for what may reach a motor. An
+//! engine that is killed, stopped or started again is no error here: forces become zero (see [`watch`](super::watch))
+//! and come back with the next engine.
+
+use super::clock;
+use super::error::HostError;
+use super::lines::{Bell, Frames, Ipc, Line, check_name};
+use super::site::Site;
+use super::watch::Watch;
+use crate::frame::{About, Cause, DOF, DeviceFrame, ForceFrame, VERSION, text, uid};
+use iceoryx2::port::listener::Listener;
+use iceoryx2::port::publisher::Publisher;
+use iceoryx2::port::subscriber::Subscriber;
+use iceoryx2::port::update_connections::UpdateConnections;
+use iceoryx2::prelude::Node;
+use std::time::Duration;
+
+/// How often a device says who it is \[ns\].
+const EVERY_NS: u64 = 1_000_000_000;
+
+/// A device on its lines.
+pub struct DeviceClient {
+    about: About,
+    seq: u64,
+    told: u64,
+    watch: Watch,
+    // ports before the node they belong to
+    frames: Publisher<Ipc, DeviceFrame, ()>,
+    forces: Subscriber<Ipc, ForceFrame, ()>,
+    says: Publisher<Ipc, About, ()>,
+    bell: Listener<Ipc>,
+    _node: Node<Ipc>,
+}
+
+impl DeviceClient {
+    /// Opens the lines of the device that `about` names ([`About::device`]); session and header are filled in here.
+    pub fn open(site: &Site, mut about: About) -> Result<DeviceClient, HostError> {
+        let name = text(&about.device);
+        check_name(&name)?;
+        super::debris::strangers(site)?;
+        (about.magic, about.version, about.layout) = (About::MAGIC, VERSION, About::LAYOUT);
+        (about.device, about.session) = (uid(&name), clock::session());
+        let node = site.node(&format!("device {name}"))?;
+        // first the line that only one can have
+        let frames = Frames::open(&node, &name, Line::In, 0)?.publisher(site)?;
+        let forces = Frames::open(&node, &name, Line::Out, 0)?.subscriber(site, 0)?;
+        let says = Frames::open(&node, &name, Line::About, 1)?.publisher(site)?;
+        let bell = Bell::open(&node, &name)?.listener(site)?;
+        let watch = Watch::new(about.device);
+        let mut client = DeviceClient { about, seq: 0, told: 0, watch, frames, forces, says, bell, _node: node };
+        client.tell(clock::now_ns())?;
+        Ok(client)
+    }
+
+    /// What it says of itself.
+    pub fn about(&self) -> &About {
+        &self.about
+    }
+
+    fn tell(&mut self, now: u64) -> Result<(), HostError> {
+        self.told = now;
+        self.says.send_copy(self.about).map_err(|e| HostError::system("what the device is cannot be said", e))?;
+        Ok(())
+    }
+
+    /// Sends a frame: fills in who it is from (header, device, session), its number, the last force seen, the time and,
+    /// where 0, the period. Returns how many read it; 0 is no error, the engine may come later.
+    pub fn send(&mut self, frame: &mut DeviceFrame) -> Result<usize, HostError> {
+        let now = clock::now_ns();
+        if now.saturating_sub(self.told) >= EVERY_NS {
+            self.tell(now)?;
+        } else {
+            // one who came since is given the last at once
+            let _ = self.says.update_connections();
+        }
+        self.seq += 1;
+        (frame.magic, frame.version, frame.layout) = (DeviceFrame::MAGIC, VERSION, DeviceFrame::LAYOUT);
+        (frame.device, frame.session, frame.seq) = (self.about.device, self.about.session, self.seq);
+        frame.ack = self.watch.last().map_or(0, |f| f.seq);
+        frame.t_host_ns = now;
+        if frame.period_ns == 0 && self.about.rate > 0 {
+            frame.period_ns = 1_000_000_000 / self.about.rate;
+        }
+        self.frames.send_copy(*frame).map_err(|e| HostError::system("a frame cannot be sent", e))
+    }
+
+    /// Takes all that came. True if there is a newer frame than before.
+    fn drain(&mut self) -> bool {
+        let mut newer = false;
+        // what cannot be received is not there: the watch makes it zero
+        while let Ok(Some(frame)) = self.forces.receive() {
+            newer |= self.watch.take(&frame);
+        }
+        newer
+    }
+
+    /// The newest force frame of this layout and for this device, if one came since the last call. For display and
+    /// measurement; motors get [`DeviceClient::safe_force`].
+    pub fn force(&mut self) -> Option<ForceFrame> {
+        if self.drain() { self.watch.last().copied() } else { None }
+    }
+
+    /// What may reach the motors now \[N\]: zeros after the life of the last frame, when off or at fault, from an engine
+    /// not yet seen at rest.
+    pub fn safe_force(&mut self) -> [f64; DOF] {
+        self.drain();
+        self.watch.force(clock::now_ns())
+    }
+
+    /// Why [`DeviceClient::safe_force`] gives nothing; [`Cause::None`] where it gives a force.
+    pub fn cause(&mut self) -> Cause {
+        self.drain();
+        self.watch.cause(clock::now_ns())
+    }
+
+    /// What it knows of its engine.
+    pub fn watch(&self) -> &Watch {
+        &self.watch
+    }
+
+    /// Sleeps until a force frame comes, at most this long. True if one came.
+    pub fn wait(&mut self, timeout: Duration) -> bool {
+        self.bell.timed_wait(|_| {}, timeout).is_ok_and(|n| n > 0)
+    }
+}

@@ -1,0 +1,282 @@
+//! The side of the server: N devices, one thread.
+//!
+//! Decides that this thread polls instead of waiting for events: a wait on a set of events allocates and costs more than
+//! a look every 50 µs, and the engine is woken by its own clock. Frames are only looked at for their layout and their
+//! sender here; whether they can be true is the guard's question. A device is there from its first frame and gone after
+//! a quarter of a second of silence, whatever its process does.
+
+use super::clock;
+use super::error::{HostError, HostErrorKind};
+use super::lines::{Bell, Frames, Ipc, Line, check_name};
+use super::site::Site;
+use crate::frame::{About, DeviceFrame, ForceFrame, text, uid};
+use iceoryx2::port::notifier::Notifier;
+use iceoryx2::port::publisher::Publisher;
+use iceoryx2::port::subscriber::Subscriber;
+use iceoryx2::prelude::Node;
+use std::collections::VecDeque;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
+use std::sync::{Arc, mpsc};
+use std::thread::{JoinHandle, sleep};
+use std::time::Duration;
+
+/// Time between two looks.
+pub const POLL: Duration = Duration::from_micros(50);
+/// Silence after which a device is gone \[ns\].
+pub const SILENCE_NS: u64 = 250_000_000;
+
+/// What happened to a device.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Event {
+    /// its first frame came, of a process with this session
+    Here {
+        /// as in its frames
+        session: u64,
+    },
+    /// it says who it is; again whenever that changes
+    About(Box<About>),
+    /// nothing came for a quarter of a second
+    Gone,
+    /// frames came that are of another version or for another device; told once a session of silence
+    Foreign {
+        /// version they claim
+        version: u32,
+        /// device they claim
+        device: String,
+    },
+}
+
+/// What was counted, for all devices together.
+#[derive(Debug, Default)]
+pub struct Traffic {
+    /// device frames received
+    pub received: AtomicU64,
+    /// of these, not of this version or of another device
+    pub foreign: AtomicU64,
+    /// device frames that were never seen here: gaps in their numbers
+    pub missed: AtomicU64,
+    /// device frames for which the ring to the engine had no room
+    pub full: AtomicU64,
+    /// force frames sent
+    pub sent: AtomicU64,
+    /// force frames that could not be sent
+    pub unsent: AtomicU64,
+}
+
+/// One device, seen from here.
+struct Place {
+    name: String,
+    uid: [u8; 16],
+    frames: Subscriber<Ipc, DeviceFrame, ()>,
+    says: Subscriber<Ipc, About, ()>,
+    forces: Publisher<Ipc, ForceFrame, ()>,
+    bell: Notifier<Ipc>,
+    session: u64,
+    seq: u64,
+    /// when the last frame came \[ns\]; 0 while it is gone
+    heard: u64,
+    complained: bool,
+    about: Option<About>,
+}
+
+/// All devices of a server.
+pub struct Gateway {
+    places: Vec<Place>,
+    events: VecDeque<(usize, Event)>,
+    traffic: Arc<Traffic>,
+    // after the ports that belong to it
+    _node: Node<Ipc>,
+}
+
+impl Gateway {
+    /// Opens the lines of these devices. Another server that has one of them is an error; one that was killed is not.
+    pub fn open<S: AsRef<str>>(site: &Site, names: &[S]) -> Result<Gateway, HostError> {
+        super::debris::strangers(site)?;
+        let node = site.node("server")?;
+        let mut places: Vec<Place> = Vec::new();
+        for name in names {
+            let name = name.as_ref();
+            check_name(name)?;
+            if places.iter().any(|p| p.name == name) {
+                let what = format!("the device `{name}` is wanted twice");
+                return Err(HostError::new(HostErrorKind::Name, what, "name it once"));
+            }
+            places.push(Place {
+                // first the line that only one can have
+                forces: Frames::open(&node, name, Line::Out, 0)?.publisher(site)?,
+                frames: Frames::open(&node, name, Line::In, 0)?.subscriber(site, 0)?,
+                says: Frames::open(&node, name, Line::About, 1)?.subscriber(site, 1)?,
+                bell: Bell::open(&node, name)?.notifier(site)?,
+                name: name.into(),
+                uid: uid(name),
+                session: 0,
+                seq: 0,
+                heard: 0,
+                complained: false,
+                about: None,
+            });
+        }
+        Ok(Gateway { places, events: VecDeque::new(), traffic: Arc::default(), _node: node })
+    }
+
+    /// Takes all frames that came, oldest first: the number of the device, and the frame.
+    pub fn poll(&mut self, incoming: &mut impl FnMut(usize, DeviceFrame)) {
+        let now = clock::now_ns();
+        for (k, p) in self.places.iter_mut().enumerate() {
+            while let Ok(Some(frame)) = p.frames.receive() {
+                self.traffic.received.fetch_add(1, Relaxed);
+                if !frame.is_ours() || frame.device != p.uid {
+                    self.traffic.foreign.fetch_add(1, Relaxed);
+                    if !p.complained {
+                        p.complained = true;
+                        let event = Event::Foreign { version: frame.version, device: text(&frame.device) };
+                        self.events.push_back((k, event));
+                    }
+                    continue;
+                }
+                if p.heard == 0 || p.session != frame.session {
+                    self.events.push_back((k, Event::Here { session: frame.session }));
+                    p.complained = false;
+                } else {
+                    self.traffic.missed.fetch_add(frame.seq.saturating_sub(p.seq + 1), Relaxed);
+                }
+                (p.session, p.seq, p.heard) = (frame.session, frame.seq, now.max(1));
+                incoming(k, *frame);
+            }
+            if p.heard != 0 && now.saturating_sub(p.heard) > SILENCE_NS {
+                p.heard = 0;
+                self.events.push_back((k, Event::Gone));
+            }
+            while let Ok(Some(about)) = p.says.receive() {
+                if about.is_ours() && about.device == p.uid && p.about.as_ref() != Some(&*about) {
+                    p.about = Some(*about);
+                    self.events.push_back((k, Event::About(Box::new(*about))));
+                }
+            }
+        }
+    }
+
+    /// Sends a force to device `k`, stamped with the time, and wakes it. Never waits.
+    pub fn send(&mut self, k: usize, frame: &mut ForceFrame) {
+        let Some(p) = self.places.get(k) else { return };
+        frame.t_host_ns = clock::now_ns();
+        let count = if p.forces.send_copy(*frame).is_ok() { &self.traffic.sent } else { &self.traffic.unsent };
+        count.fetch_add(1, Relaxed);
+        // a sleeper that cannot be woken looks by itself sooner or later
+        let _ = p.bell.notify();
+    }
+
+    /// The oldest event not yet told: the number of the device, and what happened.
+    pub fn event(&mut self) -> Option<(usize, Event)> {
+        self.events.pop_front()
+    }
+
+    /// What device `k` said of itself last.
+    pub fn about(&self, k: usize) -> Option<&About> {
+        self.places.get(k)?.about.as_ref()
+    }
+
+    /// What was counted.
+    pub fn traffic(&self) -> Arc<Traffic> {
+        self.traffic.clone()
+    }
+
+    /// Moves frames between shared memory and rings until told to stop. Returns itself, with its places.
+    pub fn run(mut self, rings: &mut Rings, stop: &AtomicBool) -> Gateway {
+        while !stop.load(Relaxed) {
+            let traffic = self.traffic.clone();
+            self.poll(&mut |k, frame| {
+                if rings.incoming.push((k as u32, frame)).is_err() {
+                    traffic.full.fetch_add(1, Relaxed);
+                }
+            });
+            while let Ok((k, mut frame)) = rings.outgoing.pop() {
+                self.send(k as usize, &mut frame);
+            }
+            while let Some((k, event)) = self.event() {
+                // one who no longer listens does not want to know
+                let _ = rings.events.send((k as u32, event));
+            }
+            sleep(POLL);
+        }
+        self
+    }
+
+    /// Opens the lines in a thread of their own, where they stay (ports do not change threads), and runs there.
+    pub fn start<S: AsRef<str>>(site: &Site, names: &[S], mut rings: Rings) -> Result<Running, HostError> {
+        let (site, names): (Site, Vec<String>) = (site.clone(), names.iter().map(|n| n.as_ref().into()).collect());
+        let stop = Arc::new(AtomicBool::new(false));
+        let (tell, told) = mpsc::channel();
+        let end = stop.clone();
+        let thread = std::thread::Builder::new()
+            .name("ca gateway".into())
+            .spawn(move || match Gateway::open(&site, &names) {
+                Ok(gateway) => {
+                    let _ = tell.send(Ok(gateway.traffic()));
+                    drop(gateway.run(&mut rings, &end));
+                }
+                Err(e) => {
+                    let _ = tell.send(Err(e));
+                }
+            })
+            .map_err(|e| HostError::system("no thread", e))?;
+        let traffic = told.recv().map_err(|e| HostError::system("the gateway ended", e))??;
+        Ok(Running { traffic, stop, thread: Some(thread) })
+    }
+}
+
+/// What joins the gateway thread to the rest of a server.
+pub struct Rings {
+    /// frames of devices, to the engine; where it is full, the newest are lost and counted
+    pub incoming: rtrb::Producer<(u32, DeviceFrame)>,
+    /// forces, from the engine
+    pub outgoing: rtrb::Consumer<(u32, ForceFrame)>,
+    /// what happens to devices, to somebody who has time
+    pub events: mpsc::Sender<(u32, Event)>,
+}
+
+/// A gateway thread. Ends when dropped.
+pub struct Running {
+    /// what is counted
+    pub traffic: Arc<Traffic>,
+    stop: Arc<AtomicBool>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        self.stop.store(true, Relaxed);
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}
+
+/// Every device that speaks at this place, within this time: most answer within a few milliseconds, a device that sends
+/// seldom within a second.
+pub fn list_devices(site: &Site, patience: Duration) -> Result<Vec<About>, HostError> {
+    let node = site.node("list")?;
+    let mut lines = Vec::new();
+    for name in super::lines::devices(site)? {
+        let line = Frames::<About>::open(&node, &name, Line::About, 1)?;
+        let reader = line.subscriber(site, 1)?;
+        lines.push((line, reader, None));
+    }
+    let end = std::time::Instant::now() + patience;
+    loop {
+        let mut waiting = false;
+        for (line, reader, said) in &mut lines {
+            while let Ok(Some(about)) = reader.receive() {
+                if about.is_ours() {
+                    *said = Some(*about);
+                }
+            }
+            waiting |= said.is_none() && line.writers() > 0;
+        }
+        if !waiting || std::time::Instant::now() >= end {
+            break;
+        }
+        sleep(Duration::from_millis(2));
+    }
+    Ok(lines.into_iter().filter_map(|l| l.2).collect())
+}

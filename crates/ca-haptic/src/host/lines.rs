@@ -1,0 +1,286 @@
+//! The services of a device, and how both sides open them.
+//!
+//! Decides the sizes of all queues in one place, so that it does not matter who comes first. One publisher a line: a
+//! second device of the same name, or a second server, is refused with the name of the process that has the place. Of a
+//! process that was killed, the place is swept and taken.
+
+use super::error::{HostError, HostErrorKind};
+use super::site::Site;
+use iceoryx2::port::listener::Listener;
+use iceoryx2::port::notifier::Notifier;
+use iceoryx2::port::publisher::{Publisher, PublisherCreateError};
+use iceoryx2::port::subscriber::{Subscriber, SubscriberCreateError};
+use iceoryx2::prelude::{
+    BackpressureStrategy, CallbackProgression, Node, PortFactory as _, Service as _, ServiceName, ZeroCopySend, ipc,
+};
+use iceoryx2::service::builder::publish_subscribe::{
+    PublishSubscribeCreateError as Create, PublishSubscribeOpenError as Open,
+    PublishSubscribeOpenOrCreateError as Either,
+};
+use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
+use std::fmt::Debug;
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+/// Shared memory between processes, with ports for one thread each.
+pub(super) type Ipc = ipc::Service;
+
+/// Newest frames kept for a reader that is late.
+const BUFFER: usize = 4;
+/// Readers of a line: the other side, and those who list or watch.
+const READERS: usize = 8;
+/// How long somebody who comes or goes may stand in the way.
+const PATIENCE: Duration = Duration::from_millis(1000);
+
+/// Which line of a device.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Line {
+    /// device frames
+    In,
+    /// force frames
+    Out,
+    /// what the device says of itself
+    About,
+    /// wakes the device
+    Wake,
+}
+
+impl Line {
+    /// Name of the service of a device.
+    pub fn of(self, device: &str) -> String {
+        let end = match self {
+            Line::In => "in",
+            Line::Out => "out",
+            Line::About => "about",
+            Line::Wake => "wake",
+        };
+        format!("ca/v{}/{device}/{end}", crate::frame::VERSION)
+    }
+}
+
+/// Whether a device can have this name: 1 to 16 letters, digits, `_`, `-`, `.`
+pub fn check_name(name: &str) -> Result<(), HostError> {
+    let plain = name.bytes().all(|b| b.is_ascii_alphanumeric() || matches!(b, b'_' | b'-' | b'.'));
+    if (1..=16).contains(&name.len()) && plain {
+        return Ok(());
+    }
+    let what = format!("a device cannot be named `{}`", name.escape_debug());
+    Err(HostError::new(HostErrorKind::Name, what, "take 1 to 16 of a-z A-Z 0-9 _ - ."))
+}
+
+fn service_name(name: &str) -> Result<ServiceName, HostError> {
+    ServiceName::new(name).map_err(|e| HostError::system(format!("`{name}`"), e))
+}
+
+/// A line of frames, opened or made.
+pub(super) struct Frames<T: Debug + ZeroCopySend + 'static> {
+    name: String,
+    device: String,
+    factory: PortFactory<Ipc, T, ()>,
+}
+
+impl<T: Debug + Copy + ZeroCopySend + 'static> Frames<T> {
+    /// Opens or makes it. `history` is how many past frames one who comes later is given.
+    pub fn open(node: &Node<Ipc>, device: &str, line: Line, history: usize) -> Result<Frames<T>, HostError> {
+        let name = line.of(device);
+        let service = service_name(&name)?;
+        let end = Instant::now() + PATIENCE;
+        loop {
+            let made = node
+                .service_builder(&service)
+                .publish_subscribe::<T>()
+                .enable_safe_overflow(true)
+                .history_size(history)
+                .subscriber_max_buffer_size(BUFFER)
+                .subscriber_max_borrowed_samples(2)
+                .max_publishers(1)
+                .max_subscribers(READERS)
+                .max_nodes(4 * READERS)
+                .open_or_create();
+            match made {
+                Ok(factory) => return Ok(Frames { name, device: device.into(), factory }),
+                Err(e) if passing(e) && Instant::now() < end => sleep(Duration::from_millis(5)),
+                Err(e) => return Err(refused(&name, e)),
+            }
+        }
+    }
+
+    /// The one who writes on it. Never waits: a reader that is late loses the oldest.
+    pub fn publisher(&self, site: &Site) -> Result<Publisher<Ipc, T, ()>, HostError> {
+        let end = Instant::now() + PATIENCE;
+        loop {
+            let made =
+                self.factory.publisher_builder().backpressure_strategy(BackpressureStrategy::DiscardData).create();
+            match made {
+                Ok(port) => return Ok(port),
+                Err(PublisherCreateError::ExceedsMaxSupportedPublishers) => {
+                    let swept = site.sweep();
+                    if swept.removed == 0 && (self.holder(site).is_some() || Instant::now() > end) {
+                        return Err(self.busy(site));
+                    }
+                    sleep(Duration::from_millis(5));
+                }
+                Err(e) => return Err(HostError::system(format!("`{}` cannot be written", self.name), e)),
+            }
+        }
+    }
+
+    /// A reader.
+    pub fn subscriber(&self, site: &Site, history: usize) -> Result<Subscriber<Ipc, T, ()>, HostError> {
+        let end = Instant::now() + PATIENCE;
+        loop {
+            match self.factory.subscriber_builder().history_request(history).create() {
+                Ok(port) => return Ok(port),
+                Err(SubscriberCreateError::ExceedsMaxSupportedSubscribers) if Instant::now() < end => {
+                    site.sweep();
+                    sleep(Duration::from_millis(5));
+                }
+                Err(SubscriberCreateError::ExceedsMaxSupportedSubscribers) => {
+                    let what = format!("`{}` has {READERS} readers, and no room for more", self.name);
+                    return Err(HostError::new(HostErrorKind::Busy, what, "end one of them"));
+                }
+                Err(e) => return Err(HostError::system(format!("`{}` cannot be read", self.name), e)),
+            }
+        }
+    }
+
+    /// The living process that writes on this line.
+    fn holder(&self, site: &Site) -> Option<String> {
+        let mut node = None;
+        self.factory.dynamic_config().list_publishers(|p| {
+            node = Some(p.node_id);
+            CallbackProgression::Stop
+        });
+        let node = node?;
+        site.who(|id| *id == node)
+    }
+
+    /// How many write on it.
+    pub fn writers(&self) -> usize {
+        self.factory.dynamic_config().number_of_publishers()
+    }
+
+    fn busy(&self, site: &Site) -> HostError {
+        let who = self.holder(site).unwrap_or_else(|| "another process".into());
+        let (role, fix) = if self.name.ends_with("/out") {
+            ("a server", "one server plays a device: stop that one, or set another CA_SHM_ROOT")
+        } else {
+            ("a device", "end that process, or give this device another name")
+        };
+        HostError::new(HostErrorKind::Busy, format!("`{}` has {role} already: {who}", self.device), fix)
+    }
+}
+
+/// Whether somebody is just coming or going.
+fn passing(e: Either) -> bool {
+    use Either::{PublishSubscribeCreateError as C, PublishSubscribeOpenError as O};
+    matches!(
+        e,
+        O(Open::DoesNotExist | Open::HangsInCreation | Open::IsMarkedForDestruction | Open::ServiceInCorruptedState)
+            | C(Create::AlreadyExists | Create::HangsInCreation | Create::IsBeingCreatedByAnotherInstance)
+    )
+}
+
+fn refused(name: &str, e: Either) -> HostError {
+    use Either::PublishSubscribeOpenError as O;
+    let kind = HostErrorKind::Version;
+    match e {
+        O(Open::IncompatibleTypes) => HostError::new(
+            kind,
+            format!("`{name}` is open, with frames of another layout"),
+            "build or install both sides from one release of ca",
+        ),
+        O(
+            Open::IncompatibleOverflowBehavior
+            | Open::DoesNotSupportRequestedMinBufferSize
+            | Open::DoesNotSupportRequestedMinHistorySize
+            | Open::DoesNotSupportRequestedMinSubscriberBorrowedSamples
+            | Open::DoesNotSupportRequestedAmountOfPublishers
+            | Open::DoesNotSupportRequestedAmountOfSubscribers
+            | Open::DoesNotSupportRequestedAmountOfNodes
+            | Open::IncompatibleMessagingPattern,
+        ) => HostError::new(
+            kind,
+            format!("`{name}` is open, with other queues ({e:?})"),
+            "open it as the examples of ca-haptic do: overflow, buffer 4, one writer",
+        ),
+        O(Open::VersionMismatch) => HostError::new(
+            kind,
+            format!("`{name}` was made by another release of iceoryx2"),
+            "`ca shm clean`, then start both sides from one release of ca",
+        ),
+        O(Open::ServiceInCorruptedState) => HostError::new(
+            HostErrorKind::System,
+            format!("`{name}` is broken: its maker was killed while making it"),
+            "`ca shm clean`",
+        ),
+        e => HostError::system(format!("`{name}` cannot be opened"), e),
+    }
+}
+
+/// Names of the devices that have lines at this place.
+pub(super) fn devices(site: &Site) -> Result<Vec<String>, HostError> {
+    let (start, end) = (format!("ca/v{}/", crate::frame::VERSION), "/about");
+    let mut names = Vec::new();
+    Ipc::list(&site.config(), |service| {
+        let name = service.static_details.name().as_str();
+        if let Some(device) = name.strip_prefix(&start).and_then(|n| n.strip_suffix(end))
+            && check_name(device).is_ok()
+        {
+            names.push(device.to_owned());
+        }
+        CallbackProgression::Continue
+    })
+    .map_err(|e| HostError::system(format!("`{}` cannot be listed", site.root().display()), e))?;
+    names.sort();
+    names.dedup();
+    Ok(names)
+}
+
+/// The bell of a device.
+pub(super) struct Bell {
+    factory: iceoryx2::service::port_factory::event::PortFactory<Ipc>,
+    name: String,
+}
+
+impl Bell {
+    /// Opens or makes it.
+    pub fn open(node: &Node<Ipc>, device: &str) -> Result<Bell, HostError> {
+        let name = Line::Wake.of(device);
+        let service = service_name(&name)?;
+        let end = Instant::now() + PATIENCE;
+        loop {
+            let made = node
+                .service_builder(&service)
+                .event()
+                .event_id_max_value(1)
+                .max_notifiers(READERS)
+                .max_listeners(READERS)
+                .max_nodes(4 * READERS)
+                .open_or_create();
+            match made {
+                Ok(factory) => return Ok(Bell { factory, name }),
+                // every refusal of a bell passes, or stays for the text
+                Err(_) if Instant::now() < end => sleep(Duration::from_millis(5)),
+                Err(e) => return Err(HostError::system(format!("`{name}` cannot be opened"), e)),
+            }
+        }
+    }
+
+    /// The one who rings.
+    pub fn notifier(&self, site: &Site) -> Result<Notifier<Ipc>, HostError> {
+        self.port(site, || self.factory.notifier_builder().create())
+    }
+
+    /// The one who is woken.
+    pub fn listener(&self, site: &Site) -> Result<Listener<Ipc>, HostError> {
+        self.port(site, || self.factory.listener_builder().create())
+    }
+
+    fn port<P, E: Debug>(&self, site: &Site, make: impl Fn() -> Result<P, E>) -> Result<P, HostError> {
+        make().or_else(|_| {
+            site.sweep();
+            make().map_err(|e| HostError::system(format!("`{}` has no room", self.name), e))
+        })
+    }
+}

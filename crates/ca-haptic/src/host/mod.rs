@@ -1,0 +1,30 @@
+//! Devices in other processes: frames over shared memory, and the control of a running server.
+//!
+//! Decides that iceoryx2 is seen nowhere but in this folder. Its ports allocate when they publish and when a peer
+//! connects, so they live in the [`gateway`] thread, which the engine meets through rings only. Live frames go by
+//! publish and subscribe with overflow: the newest four, nobody ever waits. A blackboard would be faster, and locked for
+//! good by a writer that is killed.
+//!
+//! ```text
+//! ca/v1/<device>/in     DeviceFrame   device → engine
+//! ca/v1/<device>/out    ForceFrame    engine → device
+//! ca/v1/<device>/about  About         device → all, once a second, the last is kept for those who come later
+//! ca/v1/<device>/wake   event         a force frame is there
+//! ca/v1/control         JSON          requests and replies of `ca set`, `ca arm` …
+//! ```
+//!
+//! The trust boundary is the user: every process of the same user can write into this memory, no other can open it.
+
+pub mod client;
+pub mod clock;
+pub mod debris;
+mod error;
+pub mod gateway;
+pub mod lines;
+pub mod site;
+pub mod watch;
+
+pub use client::DeviceClient;
+pub use error::{HostError, HostErrorKind};
+pub use gateway::{Event, Gateway, Rings, Running, Traffic};
+pub use site::Site;

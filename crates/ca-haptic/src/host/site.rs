@@ -1,0 +1,176 @@
+//! Where the shared memory of a user lives.
+//!
+//! Decides on one folder a user, `CA_SHM_ROOT` or `/tmp/ca-<uid>`, closed to others, and on a prefix of all names that
+//! is stamped with the version of our frames, the release of iceoryx2 (its layout changes with each) and a hash of the
+//! folder's name, since `/dev/shm` is one for all folders. So two versions or two folders never touch each other's
+//! memory. A configuration file of iceoryx2 is not read: sizes of queues are part of the protocol. In Python:
+//!
+//! ```text
+//! root = os.environ.get("CA_SHM_ROOT", f"/tmp/ca-{os.getuid()}").rstrip("/")
+//! fnv = functools.reduce(lambda h, b: (h ^ b) * 0x100000001b3 % 2**64, root.encode(), 0xcbf29ce484222325)
+//! prefix = f"ca1-0.10.0-{fnv % 2**32:08x}_"
+//! ```
+
+use super::error::{HostError, HostErrorKind};
+use super::lines::Ipc;
+use crate::frame::{VERSION, fnv};
+use iceoryx2::node::NodeView;
+use iceoryx2::prelude::{
+    CallbackProgression, Config, FileName, Node, NodeBuilder, NodeName, NodeState, Path as IoxPath,
+};
+use iceoryx2::prelude::{LogLevel, SemanticString, SignalHandlingMode, set_log_level_from_env_or};
+use std::fs;
+use std::os::unix::fs::{DirBuilderExt, MetadataExt};
+use std::path::{Path, PathBuf};
+use std::sync::Once;
+
+/// Release of iceoryx2 this build speaks.
+pub const IOX: &str = "0.10.0";
+/// Longest name of the folder \[bytes\]: with the prefix and a name it must fit the address of a socket.
+pub const LONGEST: usize = 64;
+
+/// Where devices and engine of a user meet.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Site {
+    root: PathBuf,
+    prefix: String,
+}
+
+/// Dead processes whose remains were found by [`Site::sweep`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Swept {
+    /// remains that were removed
+    pub removed: u32,
+    /// remains that could not be removed now
+    pub left: u32,
+}
+
+impl Site {
+    /// The place of this user: `CA_SHM_ROOT`, or `/tmp/ca-<uid>`.
+    pub fn of_user() -> Result<Site, HostError> {
+        match std::env::var_os("CA_SHM_ROOT") {
+            Some(root) if !root.is_empty() => Site::at(Path::new(&root)),
+            _ => Site::at(Path::new(&format!("/tmp/ca-{}", uid()))),
+        }
+    }
+
+    /// A place of one's own, made if it is not there.
+    pub fn at(root: &Path) -> Result<Site, HostError> {
+        let bad =
+            |what: &str, fix: &str| HostError::new(HostErrorKind::Site, format!("`{}` {what}", root.display()), fix);
+        let fix = "set CA_SHM_ROOT to a short folder of your own, e.g. /tmp/ca-me";
+        let text = root.to_str().ok_or_else(|| bad("is not UTF-8", fix))?.trim_end_matches('/');
+        if !text.starts_with('/') {
+            return Err(bad("is no absolute path", fix));
+        }
+        if text.len() > LONGEST {
+            return Err(bad(&format!("has {} bytes; shared memory wants at most {LONGEST}", text.len()), fix));
+        }
+        let root = PathBuf::from(text);
+        if !root.exists() {
+            fs::DirBuilder::new()
+                .mode(0o700)
+                .recursive(true)
+                .create(&root)
+                .map_err(|e| bad(&format!("cannot be made: {e}"), fix))?;
+        }
+        let about = fs::metadata(&root).map_err(|e| bad(&format!("cannot be looked at: {e}"), fix))?;
+        if !about.is_dir() {
+            return Err(bad("is no folder", fix));
+        }
+        if about.uid() != uid() {
+            return Err(bad(&format!("belongs to user {}, who could read and change every frame", about.uid()), fix));
+        }
+        if about.mode() & 0o022 != 0 {
+            return Err(bad("can be written by other users", "close it: `chmod 700`"));
+        }
+        static ONCE: Once = Once::new();
+        ONCE.call_once(|| set_log_level_from_env_or(LogLevel::Fatal));
+        let prefix = format!("{}{:08x}_", stamp(), fnv(text.as_bytes()) as u32);
+        Ok(Site { root, prefix })
+    }
+
+    /// The folder.
+    pub fn root(&self) -> &Path {
+        &self.root
+    }
+
+    /// What all names of ours begin with, in the folder and in `/dev/shm`.
+    pub fn prefix(&self) -> &str {
+        &self.prefix
+    }
+
+    /// For iceoryx2.
+    pub fn config(&self) -> Config {
+        let mut config = Config::default();
+        // both were checked when the site was made
+        if let Ok(root) = IoxPath::new(self.root.as_os_str().as_encoded_bytes()) {
+            config.global.set_root_path(&root);
+        }
+        if let Ok(prefix) = FileName::new(self.prefix.as_bytes()) {
+            config.global.prefix = prefix;
+        }
+        config
+    }
+
+    /// A node of iceoryx2, named so that others can say who it is. Making one removes what dead ones left.
+    pub(super) fn node(&self, name: &str) -> Result<Node<Ipc>, HostError> {
+        let failed =
+            |e: &dyn std::fmt::Debug| HostError::system(format!("`{}` cannot be used", self.root.display()), e);
+        let name = NodeName::new(name).map_err(|e| failed(&e))?;
+        // Ctrl-C is the program's
+        NodeBuilder::new()
+            .config(&self.config())
+            .name(&name)
+            .signal_handling_mode(SignalHandlingMode::Disabled)
+            .create::<Ipc>()
+            .map_err(|e| failed(&e))
+    }
+
+    /// Every node: its name, its process, whether it lives.
+    pub(super) fn nodes(&self, mut each: impl FnMut(NodeState<Ipc>)) -> Result<(), HostError> {
+        Node::<Ipc>::list(&self.config(), |state| {
+            each(state);
+            CallbackProgression::Continue
+        })
+        .map_err(|e| HostError::system(format!("`{}` cannot be listed", self.root.display()), e))
+    }
+
+    /// Removes what killed processes left behind, so that their places are free. A fraction of a millisecond when there
+    /// is nothing to do, some milliseconds when there is: for a thread that has time, once to ten times a second.
+    pub fn sweep(&self) -> Swept {
+        let mut swept = Swept::default();
+        let _ = self.nodes(|state| {
+            if let NodeState::Dead(node) = state {
+                match node.try_remove_stale_resources() {
+                    Ok(()) => swept.removed += 1,
+                    Err(_) => swept.left += 1,
+                }
+            }
+        });
+        swept
+    }
+
+    /// The process and the name of a living node.
+    pub(super) fn who(&self, id: impl Fn(&iceoryx2::identifiers::UniqueNodeId) -> bool) -> Option<String> {
+        let mut who = None;
+        let _ = self.nodes(|state| {
+            if let NodeState::Alive(node) = state {
+                if let (true, Some(d)) = (id(node.id()), node.details()) {
+                    who = Some(format!("process {} (`{}`)", d.process_id().value(), d.executable()));
+                }
+            }
+        });
+        who
+    }
+}
+
+/// What names of this version begin with, before the folder's hash.
+pub(super) fn stamp() -> String {
+    format!("ca{VERSION}-{IOX}-")
+}
+
+/// The user of this process. `/proc/self` belongs to it.
+fn uid() -> u32 {
+    fs::metadata("/proc/self").map_or(0, |m| m.uid())
+}

@@ -1,0 +1,118 @@
+//! What the tests share: a place of its own, a device, a gateway, and waiting for what must happen.
+
+use ca_haptic::frame::{About, DOF, ForceFrame, Mode, VERSION, uid};
+use ca_haptic::host::{Gateway, Site};
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+/// A place that vanishes with the test.
+pub struct Place {
+    pub site: Site,
+    _dir: tempfile::TempDir,
+}
+
+pub fn place() -> Place {
+    let dir = tempfile::Builder::new().prefix("ca").tempdir_in("/tmp").unwrap();
+    Place { site: Site::at(dir.path()).unwrap(), _dir: dir }
+}
+
+impl Drop for Place {
+    fn drop(&mut self) {
+        // names in /dev/shm are not in the folder
+        ca_haptic::host::debris::clean(&self.site);
+    }
+}
+
+/// A device of `n` DOF.
+pub fn about(name: &str, n: usize) -> About {
+    About {
+        magic: About::MAGIC,
+        version: VERSION,
+        layout: About::LAYOUT,
+        device: uid(name),
+        session: 0,
+        calibration: 0,
+        model: [0; 32],
+        serial: [0; 32],
+        firmware: [0; 16],
+        rate: 1000,
+        n: n as u16,
+        axes: 1,
+        low: [0.0; DOF],
+        high: [0.02; DOF],
+        force: [10.0; DOF],
+        continuous: [10.0; DOF],
+        stiffness: [0.0; DOF],
+        damping: [0.0; DOF],
+    }
+}
+
+/// The force an engine of these tests sends for a position: a spring, so that values can be checked.
+pub fn spring(x: f64) -> f32 {
+    (-1000.0 * x) as f32
+}
+
+/// Tries again and again until it is so; a machine under load is slow, not wrong.
+pub fn until(what: &str, mut is: impl FnMut() -> bool) {
+    let end = Instant::now() + Duration::from_secs(30);
+    while !is() {
+        assert!(Instant::now() < end, "{what}: not within 30 s");
+        std::thread::sleep(Duration::from_micros(500));
+    }
+}
+
+/// A server without a scene: answers every frame with the spring, first at rest, then on.
+pub struct Server {
+    pub gateway: Gateway,
+    pub session: u64,
+    pub seq: Vec<u64>,
+    /// frames of each device
+    pub got: Vec<u64>,
+    names: Vec<String>,
+}
+
+impl Server {
+    pub fn open(site: &Site, names: &[&str], session: u64) -> Server {
+        Server {
+            gateway: Gateway::open(site, names).unwrap(),
+            session,
+            seq: vec![0; names.len()],
+            got: vec![0; names.len()],
+            names: names.iter().map(|n| (*n).into()).collect(),
+        }
+    }
+
+    /// Answers what came.
+    pub fn serve(&mut self) {
+        let mut came = Vec::new();
+        self.gateway.poll(&mut |k, f| came.push((k, f)));
+        for (k, f) in came {
+            self.got[k] += 1;
+            self.seq[k] += 1;
+            let mut out = ForceFrame::new(&self.names[k], f.n as usize);
+            (out.session, out.seq, out.ack_session, out.ack) = (self.session, self.seq[k], f.session, f.seq);
+            out.ttl_us = 5000;
+            if self.seq[k] > 3 {
+                out.mode = Mode::On as u32;
+                out.cause = 0;
+                for d in 0..f.n as usize {
+                    out.force[d] = spring(f.pos[d]);
+                }
+            }
+            self.gateway.send(k, &mut out);
+        }
+    }
+}
+
+/// Runs one of the roles of [`crate::processes`] in a process of its own.
+pub fn spawn(site: &Site, role: &str, args: &str) -> Child {
+    Command::new(std::env::current_exe().unwrap())
+        .args(["--exact", "processes::role", "--nocapture", "--quiet"])
+        .env("CA_SHM_ROOT", site.root())
+        .env("CA_TEST_ROLE", role)
+        .env("CA_TEST_ARGS", args)
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap()
+}

@@ -1,0 +1,190 @@
+//! Both sides in one process: what goes through, who may be where, what is said when it may not.
+
+use crate::desk::{Server, about, place, spring, until};
+use ca_haptic::frame::{Cause, DOF, DeviceFrame, ForceFrame, text};
+use ca_haptic::host::gateway::list_devices;
+use ca_haptic::host::{DeviceClient, Event, Gateway, HostErrorKind, Rings, Site};
+use std::path::Path;
+use std::time::Duration;
+
+#[test]
+fn frames_cross_whoever_comes_first() {
+    for device_first in [true, false] {
+        let place = place();
+        let site = &place.site;
+        let (mut device, mut server);
+        if device_first {
+            device = DeviceClient::open(site, about("key", 3)).unwrap();
+            assert_eq!(device.send(&mut DeviceFrame::new("key", 3)).unwrap(), 0, "nobody there");
+            server = Server::open(site, &["key"], 7);
+        } else {
+            server = Server::open(site, &["key"], 7);
+            device = DeviceClient::open(site, about("key", 3)).unwrap();
+        }
+        let mut frame = DeviceFrame::new("key", 3);
+        (frame.pos[0], frame.pos[2]) = (0.001, -0.003);
+        assert_eq!((device.cause(), device.safe_force()), (Cause::Disconnect, [0.0; DOF]));
+        until("a force arrives", || {
+            device.send(&mut frame).unwrap();
+            server.serve();
+            device.wait(Duration::from_millis(10));
+            device.safe_force()[0] != 0.0
+        });
+        let mut want = [0.0; DOF];
+        (want[0], want[1], want[2]) = (f64::from(spring(0.001)), f64::from(spring(0.0)), f64::from(spring(-0.003)));
+        device.send(&mut frame).unwrap();
+        server.serve();
+        assert!(device.force().is_some_and(|f| f.ack == frame.seq && f.ack_session == frame.session));
+        assert_eq!(device.safe_force(), want);
+        assert!(frame.t_host_ns > 0 && frame.period_ns == 1_000_000 && frame.session == device.about().session);
+        // the next frame says which force was seen
+        device.send(&mut frame).unwrap();
+        assert_eq!(frame.ack, server.seq[0]);
+        // what came and who it is
+        let mut events = Vec::new();
+        until("the device introduces itself", || {
+            server.serve();
+            events.extend(std::iter::from_fn(|| server.gateway.event()));
+            server.gateway.about(0).is_some_and(|a| a.n == 3)
+        });
+        assert_eq!(events[0], (0, Event::Here { session: frame.session }));
+        // silence is absence
+        until("the device is gone", || {
+            server.serve();
+            std::iter::from_fn(|| server.gateway.event()).any(|e| e == (0, Event::Gone))
+        });
+        assert_eq!((device.safe_force(), device.cause()), ([0.0; DOF], Cause::WatchdogOut), "H7");
+    }
+}
+
+#[test]
+fn a_place_that_is_taken_says_who_has_it() {
+    let place = place();
+    let site = &place.site;
+    let _device = DeviceClient::open(site, about("key", 1)).unwrap();
+    let e = DeviceClient::open(site, about("key", 1)).err().expect("a second device of this name");
+    let me = format!("process {}", std::process::id());
+    assert_eq!(e.kind, HostErrorKind::Busy);
+    assert!(e.what.contains("`key`") && e.what.contains(&me), "{e}");
+    let _server = Gateway::open(site, &["key"]).unwrap();
+    let e = Gateway::open(site, &["other", "key"]).err().expect("a second server");
+    assert!(e.kind == HostErrorKind::Busy && e.what.contains("`key`") && e.what.contains(&me), "{e}");
+    // what the refused one had opened is free again
+    Gateway::open(site, &["other"]).unwrap();
+    assert_eq!(Gateway::open(site, &["a", "a"]).err().unwrap().kind, HostErrorKind::Name);
+}
+
+#[test]
+fn bad_names_and_places_are_refused() {
+    let place = place();
+    for bad in ["", "a/b", "ä", "with space", "x\n"] {
+        let e = DeviceClient::open(&place.site, about(bad, 1)).err().expect(bad);
+        assert_eq!(e.kind, HostErrorKind::Name, "{bad}");
+        assert_eq!(Gateway::open(&place.site, &[bad]).err().unwrap().kind, HostErrorKind::Name);
+    }
+    assert_eq!(Gateway::open(&place.site, &["seventeen-letters"]).err().unwrap().kind, HostErrorKind::Name);
+    let long = format!("/tmp/{}", "x".repeat(60));
+    for bad in ["relative", long.as_str(), "/proc/ca", "/etc/hostname", "/tmp"] {
+        let e = Site::at(Path::new(bad)).expect_err(bad);
+        assert_eq!(e.kind, HostErrorKind::Site, "{e}");
+        assert!(!e.fix.is_empty());
+        assert!(!Path::new(&long).exists());
+    }
+}
+
+#[test]
+fn the_longest_place_works() {
+    let dir = tempfile::Builder::new().prefix("ca").tempdir_in("/tmp").unwrap();
+    let rest = ca_haptic::host::site::LONGEST - dir.path().as_os_str().len() - 1;
+    let site = Site::at(&dir.path().join("x".repeat(rest))).unwrap();
+    let mut server = Server::open(&site, &["sixteen-letters."], 1);
+    let mut device = DeviceClient::open(&site, about("sixteen-letters.", 1)).unwrap();
+    let mut frame = DeviceFrame::new("", 1);
+    until("a wake-up", || {
+        device.send(&mut frame).unwrap();
+        server.serve();
+        device.wait(Duration::from_millis(5))
+    });
+    drop((device, server));
+    ca_haptic::host::debris::clean(&site);
+}
+
+#[test]
+fn five_devices_and_twenty_four_keys_through_the_rings() {
+    let place = place();
+    let names = ["a", "b", "c", "d", "keys"];
+    let (incoming, mut from) = rtrb::RingBuffer::new(64);
+    let (mut to, outgoing) = rtrb::RingBuffer::new(64);
+    let (events, happened) = std::sync::mpsc::channel();
+    let running = Gateway::start(&place.site, &names, Rings { incoming, outgoing, events }).unwrap();
+    let mut devices: Vec<_> = names.iter().map(|n| DeviceClient::open(&place.site, about(n, 24)).unwrap()).collect();
+    let mut frames = names.map(|n| DeviceFrame::new(n, 24));
+    let (mut got, mut seq) = ([0_u64; 5], 0);
+    until("every device has 200 forces of its own", || {
+        for (device, frame) in devices.iter_mut().zip(&mut frames) {
+            device.send(frame).unwrap();
+        }
+        while let Ok((k, f)) = from.pop() {
+            assert_eq!(text(&f.device), names[k as usize], "frames stay with their device");
+            seq += 1;
+            let mut out = ForceFrame::new(names[k as usize], 24);
+            (out.session, out.seq, out.ttl_us) = (1, seq, 5000);
+            out.force[23] = k as f32 + 0.5;
+            let _ = to.push((k, out));
+        }
+        for (k, device) in devices.iter_mut().enumerate() {
+            if let Some(f) = device.force() {
+                assert_eq!(f.force[23], k as f32 + 0.5);
+                got[k] += 1;
+            }
+        }
+        got.iter().all(|n| *n >= 200)
+    });
+    let here = happened.try_iter().filter(|e| matches!(e.1, Event::Here { .. })).count();
+    assert_eq!(here, 5);
+    let listed: Vec<_> = list_devices(&place.site, Duration::ZERO).unwrap();
+    assert!(listed.is_empty(), "nothing can be heard in no time");
+    let mut listed = Vec::new();
+    until("all are listed", || {
+        for (device, frame) in devices.iter_mut().zip(&mut frames) {
+            device.send(frame).unwrap();
+        }
+        // devices speak while somebody lists: from another thread, as in life
+        let site = place.site.clone();
+        let list = std::thread::spawn(move || list_devices(&site, Duration::from_millis(300)).unwrap());
+        while !list.is_finished() {
+            for (device, frame) in devices.iter_mut().zip(&mut frames) {
+                device.send(frame).unwrap();
+            }
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        listed = list.join().unwrap().iter().map(|a| (text(&a.device), a.n)).collect();
+        listed.len() == 5
+    });
+    assert_eq!(listed, names.map(|n| (n.to_owned(), 24)));
+    drop(running);
+    // the places are free at once
+    Gateway::open(&place.site, &names).unwrap();
+}
+
+#[test]
+fn a_ring_that_is_full_is_counted_and_nobody_waits() {
+    let place = place();
+    let (incoming, from) = rtrb::RingBuffer::new(2);
+    let (_to, outgoing) = rtrb::RingBuffer::new(2);
+    let (events, _) = std::sync::mpsc::channel();
+    let running = Gateway::start(&place.site, &["key"], Rings { incoming, outgoing, events }).unwrap();
+    let mut device = DeviceClient::open(&place.site, about("key", 1)).unwrap();
+    let mut frame = DeviceFrame::new("key", 1);
+    let load = std::sync::atomic::Ordering::Relaxed;
+    until("frames find no room", || {
+        device.send(&mut frame).unwrap();
+        running.traffic.full.load(load) >= 10
+    });
+    let t = &running.traffic;
+    assert_eq!(from.slots(), 2);
+    assert!(t.received.load(load) >= t.full.load(load) + 2);
+    // every frame sent was received, missed or is still on its way (at most the four that are kept)
+    let known = t.received.load(load) + t.missed.load(load);
+    assert!(known <= frame.seq && frame.seq - known <= 4 + 60, "{known} of {}", frame.seq);
+}

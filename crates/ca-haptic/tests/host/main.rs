@@ -1,0 +1,6 @@
+//! Devices and server over real shared memory, in threads and in processes of their own.
+
+mod desk;
+mod frames;
+mod lines;
+mod processes;
