@@ -50,6 +50,7 @@ pub mod perform;
 pub mod probe;
 pub mod profile;
 pub mod record;
+pub mod simulated;
 pub mod sound;
 mod staged;
 
