@@ -54,6 +54,7 @@ pub mod profile;
 pub mod record;
 pub mod rt;
 pub mod serve;
+pub mod simulated;
 pub mod sound;
 mod staged;
 pub mod stats;

@@ -15,7 +15,7 @@ mod tests;
 
 pub use port::{Link, Port, Setup};
 
-use crate::frame::{Cause, DeviceFrame, ForceFrame};
+use crate::frame::{DeviceFrame, ForceFrame};
 use crate::guard::Order;
 use crate::guard::input::Verdict;
 use ca_core::live::Patch;
@@ -76,7 +76,7 @@ pub struct Counts {
     pub taken: u64,
     /// device frames dropped by the input checks (H10)
     pub dropped: u64,
-    /// gesture frames for which a device that was there sent nothing
+    /// gesture frames for which a device that was there sent nothing, beyond what its rate explains
     pub stale: u64,
     /// faults that latched
     pub faults: u64,
@@ -185,7 +185,7 @@ impl Engine {
         let first = self.state.tick == 0;
         for p in &mut self.ports {
             p.place(&mut self.state);
-            self.counts.stale += u64::from(p.hand.age > 0 && p.hand.age != u32::MAX);
+            self.counts.stale += u64::from(p.is_late());
         }
         self.filled = 0;
         let ticks = if first { 1 } else { self.scene.ratio };
@@ -198,11 +198,8 @@ impl Engine {
         self.watch();
         let (state, wild, options) = (&self.state, self.wild, &self.options);
         for p in &mut self.ports {
-            if wild {
-                p.hand.trip(Cause::ModelUnstable);
-            }
             let armed = p.chain.is_armed();
-            p.answer(state, options.session, wild);
+            p.answer(&self.scene, state, options.session, wild);
             self.counts.faults += u64::from(armed && !p.chain.is_armed());
         }
         self.ports.iter().map(|p| &p.out)

@@ -2,7 +2,7 @@
 
 use crate::calibration::Calibration;
 use crate::equivalence::Gains;
-use crate::frame::{DOF, DeviceFrame, ForceFrame};
+use crate::frame::{Cause, DOF, DeviceFrame, ForceFrame};
 use crate::guard::input::{Inlet, Verdict};
 use crate::guard::{Chain, Hand};
 use crate::profile::Profile;
@@ -51,8 +51,10 @@ pub struct Port {
     pub links: Vec<Link>,
     inlet: Inlet,
     calibration: Calibration,
-    /// where each DOF stood in the frame before \[m\]
-    before: [f64; DOF],
+    /// force of each link in the frame before \[N\], of the scene
+    last: Vec<f64>,
+    /// frames of the engine from one frame of the device to the next
+    pace: u32,
     /// the farthest a port of the scene follows in a frame \[m\], real
     reach: f64,
     /// where the scene has each DOF \[m\], real
@@ -90,13 +92,15 @@ impl Port {
             chain: Chain::new(&profile, te),
             inlet: Inlet::new(&profile, te),
             hand: Hand::new(n, te),
-            reach: 2.0 * profile.guard.speed * te,
+            // a device slower than the engine moves farther at once
+            reach: 2.0 * profile.guard.speed * te.max(1.0 / profile.rate),
+            pace: (1.0 / (profile.rate * te)).ceil().clamp(1.0, 1e9) as u32,
+            last: vec![0.0; links.len()],
             name: device,
             profile,
             out,
             links,
             calibration,
-            before: [0.0; DOF],
             there,
         }
     }
@@ -105,40 +109,54 @@ impl Port {
     pub(super) fn take(&mut self, frame: &DeviceFrame) -> Verdict {
         let mut real = *frame;
         self.calibration.positions(&mut real.pos);
-        let verdict = self.inlet.take(&real, &mut self.hand);
-        if verdict == Verdict::Good && self.out.ack == 0 {
-            self.before = self.hand.x;
-        }
-        verdict
+        self.inlet.take(&real, &mut self.hand)
     }
 
     /// Once a frame, before its first tick: moves the ports of the scene towards the hand. They follow no faster than a
     /// hand can move, so that a device which appears far from where the scene expects it does not strike.
     pub(super) fn place(&mut self, state: &mut State) {
-        self.inlet.settle(&mut self.hand, &self.before);
-        self.before = self.hand.x;
+        self.inlet.settle(&mut self.hand);
         if self.hand.age == u32::MAX {
             return;
         }
-        for l in &self.links {
-            let step = (self.hand.x[l.dof] - self.there[l.dof]).clamp(-self.reach, self.reach);
+        for k in 0..self.hand.n {
+            let step = (self.hand.x[k] - self.there[k]).clamp(-self.reach, self.reach);
             // exactly the hand where it can be reached
-            self.there[l.dof] = if step.abs() < self.reach { self.hand.x[l.dof] } else { self.there[l.dof] + step };
+            self.there[k] = if step.abs() < self.reach { self.hand.x[k] } else { self.there[k] + step };
+        }
+        for l in &self.links {
             state.input[l.input] = l.gains.alpha * self.there[l.dof];
         }
     }
 
+    /// True where the device is there and its next frame did not come when it was due.
+    pub(super) fn is_late(&self) -> bool {
+        self.hand.age != u32::MAX && self.hand.age >= self.pace
+    }
+
     /// The force of the frame, through the guard, onto the wire.
-    pub(super) fn answer(&mut self, state: &State, session: u64, wild: bool) {
+    pub(super) fn answer(&mut self, scene: &Scene, state: &State, session: u64, wild: bool) {
         let hand = &mut self.hand;
         hand.force = [0.0; DOF];
+        hand.received = [0.0; DOF];
         hand.flags = 0;
         hand.inject = 0.0;
-        if !wild {
-            for l in &self.links {
-                // +β · force on the port (architecture 11); several ports of one DOF add
-                hand.force[l.dof] += l.gains.beta * state.border[l.border].force;
+        for (l, last) in self.links.iter().zip(&mut self.last) {
+            let b = &state.border[l.border];
+            // +β · force on the port (architecture 11); several ports of one DOF add
+            hand.force[l.dof] += l.gains.beta * b.force;
+            // at one rate the force is that of a tick, and power is exact by the mean of two (numerics 5.1)
+            let mean = if scene.ratio == 1 { 0.5 * (*last + b.force) } else { b.force };
+            *last = b.force;
+            hand.received[l.dof] -= l.gains.beta / l.gains.alpha * mean * (b.to - b.from);
+        }
+        if wild {
+            // a force that is no number says more than that the model blew up
+            if hand.force[..hand.n].iter().any(|f| !f.is_finite()) {
+                hand.trip(Cause::Nonfinite);
             }
+            hand.trip(Cause::ModelUnstable);
+            (hand.force, hand.received) = ([0.0; DOF], [0.0; DOF]);
         }
         self.chain.pass(hand);
         let (ack_session, ack) = self.inlet.ack();
@@ -154,7 +172,7 @@ impl Port {
         self.calibration.forces(&mut out.force);
         hand.frame += 1;
         hand.fresh = false;
-        hand.tripped = crate::frame::Cause::None;
+        hand.tripped = Cause::None;
     }
 
     /// After a reload the scene has its devices at rest again.
@@ -162,6 +180,7 @@ impl Port {
         for l in &self.links {
             self.there[l.dof] = initial.input[l.input] / l.gains.alpha;
         }
+        self.last.fill(0.0);
     }
 
     /// Frames the input checks dropped.

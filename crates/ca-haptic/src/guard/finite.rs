@@ -17,6 +17,4 @@ impl Stage for Finite {
             hand.trip(Cause::Nonfinite);
         }
     }
-
-    fn reset(&mut self) {}
 }

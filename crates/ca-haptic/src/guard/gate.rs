@@ -2,8 +2,11 @@
 //!
 //! Off → (armed, calibrated, fresh, and nothing pushes for a while) → ramp → on; any fault latches until somebody arms
 //! again, never ends by data returning. Too fast a motion brakes for a moment before it is off. Without fresh frames
-//! the force is held, then fades, then is a fault.
+//! the force is held, then fades, then is a fault. A device that loses its calibration while forces are on says
+//! positions that are no metres, which is implausible. The soft edge counts as something that pushes: a device that lies
+//! at its stop waits until the hand has lifted it out.
 
+use super::saturation::limit;
 use super::{Hand, Order, Stage};
 use crate::frame::{Cause, DOF, Mode, flag};
 use crate::profile::Profile;
@@ -94,6 +97,9 @@ impl Stage for Gate {
         if self.mode != Mode::Off && hand.age >= self.zero {
             self.fault(Cause::WatchdogIn);
         }
+        if self.mode != Mode::Off && !hand.calibrated {
+            self.fault(Cause::Implausible);
+        }
         if hand.tripped != Cause::None {
             self.fault(hand.tripped);
         }
@@ -101,7 +107,8 @@ impl Stage for Gate {
         match self.mode {
             Mode::Off if self.armed => {
                 hand.flags |= flag::WAIT_CLEAR;
-                let pushes = (0..hand.n).step_by(self.axes).any(|at| hand.length(at, self.axes) >= self.clear);
+                let heavy = |f: f64| f > 0.0 && f >= self.clear;
+                let pushes = (0..hand.n).step_by(self.axes).any(|at| heavy(hand.length(at, self.axes)));
                 let clear = hand.calibrated && hand.age <= self.hold && !pushes && !fast;
                 self.since = if clear { self.since + 1 } else { 0 };
                 if self.since >= self.clear_frames {
@@ -119,7 +126,10 @@ impl Stage for Gate {
             Mode::Damp => {
                 self.since += 1;
                 for k in 0..hand.n {
-                    hand.force[k] = (-self.brake * hand.v[k]).clamp(-self.most, self.most);
+                    hand.force[k] = -self.brake * hand.v[k];
+                }
+                for at in (0..hand.n).step_by(self.axes) {
+                    limit(&mut hand.force[at..(at + self.axes).min(hand.n)], self.most);
                 }
                 gain = 1.0;
                 if self.since >= self.stop_frames {
@@ -143,6 +153,4 @@ impl Stage for Gate {
         }
         (hand.mode, hand.cause) = (self.mode, self.cause);
     }
-
-    fn reset(&mut self) {}
 }

@@ -1,9 +1,14 @@
-//! H10: which frames of a device can be true.
+//! H10: which frames of a device can be true, and how fast the hand moves.
 //!
 //! Decides before the model sees anything: a frame of another layout, of a number that does not grow, with a position
 //! that is no number or that no hand could have reached since the last good frame is dropped and counted; the last good
 //! position stays. Ten of them within a tenth of a second are a fault. A new session of the device process starts
 //! afresh, with forces off: what was armed was another process.
+//!
+//! Speed is measured over frames of the *device*, at least three of them and so long that a step of its sensor is no
+//! motion: an 8-bit fader at 500 Hz moves in jumps of 0.39 mm, which over a single frame of the engine would be more
+//! than a metre a second. One wrong position within what H10 lets pass is then no velocity trip either. The clock of the
+//! device is used where it agrees with ours, else ours.
 
 use super::Hand;
 use crate::frame::{Cause, DOF, DeviceFrame, status};
@@ -30,62 +35,89 @@ pub struct Inlet {
     te: f64,
     session: u64,
     seq: u64,
-    /// frame of the engine in which the last good frame came
-    at: Option<u64>,
-    t_device: u64,
+    /// fastest motion that is believed \[m/s\], and what the sensor adds to it \[m\]
     reach: f64,
+    grain: f64,
+    /// length over which speed is measured \[s\]
+    window: f64,
     bad: u32,
     bad_frames: u64,
     /// engine frames of the last bad ones, a ring
     when: [u64; 64],
     count: u64,
-    /// positions of the last good frames, for the speed
-    past: [[f64; DOF]; PAST],
-    turn: usize,
+    /// the last good frames, a ring, and how many there were in this session
+    past: [Seen; PAST],
+    seen: usize,
+    /// where the hand was in the frame before \[m\]
+    before: [f64; DOF],
     /// frames that were dropped
     pub dropped: u64,
 }
 
-/// Frames over which speed is measured: 1 ms at 3 kHz.
-const PAST: usize = 3;
+/// A good frame.
+#[derive(Clone, Copy)]
+struct Seen {
+    /// engine frame before which it came
+    at: u64,
+    /// clock of the device \[ns\]
+    clock: u64,
+    x: [f64; DOF],
+}
+
+/// Good frames that are remembered.
+const PAST: usize = 32;
+/// Steps of the sensor in the window of a speed, at the speed of the trip: it errs by an eighth of that at most.
+const STEPS: f64 = 8.0;
+/// Standard deviations of noise that count as a step.
+const SIGMAS: f64 = 6.0;
 
 impl Inlet {
     /// As the profile says, at engine frames of `te` seconds.
     pub fn new(profile: &Profile, te: f64) -> Inlet {
+        let grain = profile.body.step + SIGMAS * profile.body.noise;
         Inlet {
             n: profile.dof as usize,
             te,
             session: 0,
             seq: 0,
-            at: None,
-            t_device: 0,
             reach: 2.0 * profile.guard.speed,
+            grain,
+            window: (3.0 / profile.rate).max(0.001).max(te).max(STEPS * grain / profile.guard.speed),
             bad: profile.guard.bad.clamp(1, 64),
             bad_frames: u64::from(super::gate::frames(profile.guard.bad_time, te)),
             when: [0; 64],
             count: 0,
-            past: [[0.0; DOF]; PAST],
-            turn: 0,
+            past: [Seen { at: 0, clock: 0, x: [0.0; DOF] }; PAST],
+            seen: 0,
+            before: [0.0; DOF],
             dropped: 0,
         }
+    }
+
+    /// The last good frame but `back`.
+    fn last(&self, back: usize) -> Option<&Seen> {
+        (back < self.seen.min(PAST)).then(|| &self.past[(self.seen - 1 - back) % PAST])
     }
 
     /// Looks at a frame that came before engine frame `hand.frame`; a good one moves the hand.
     pub fn take(&mut self, f: &DeviceFrame, hand: &mut Hand) -> Verdict {
         let verdict = self.judge(f, hand);
         if verdict == Verdict::Good {
-            let restarted = f.session != self.session;
-            if restarted && self.session != 0 {
-                hand.trip(Cause::Disconnect);
+            if self.seen == 0 || f.session != self.session {
+                if self.seen > 0 {
+                    hand.trip(Cause::Disconnect);
+                }
+                self.seen = 0;
+                self.before[..self.n].copy_from_slice(&f.pos[..self.n]);
+                hand.v = [0.0; DOF];
             }
-            (self.session, self.seq, self.t_device, self.at) = (f.session, f.seq, f.t_device_ns, Some(hand.frame));
+            (self.session, self.seq) = (f.session, f.seq);
             hand.x[..self.n].copy_from_slice(&f.pos[..self.n]);
+            self.past[self.seen % PAST] = Seen { at: hand.frame, clock: f.t_device_ns, x: hand.x };
+            // it counts on for ever, but a ring of 32 forgets how often it went round
+            self.seen = if self.seen + 1 == 2 * PAST { PAST } else { self.seen + 1 };
             hand.calibrated = f.status & status::CALIBRATED != 0;
             hand.fresh = true;
-            if restarted {
-                self.past = [hand.x; PAST];
-                hand.moved = [0.0; DOF];
-            }
             device_says(f, hand);
         } else {
             self.dropped += 1;
@@ -105,35 +137,59 @@ impl Inlet {
         if !f.is_ours() || (f.n as usize) < self.n {
             return Verdict::Foreign;
         }
-        let same = f.session == self.session;
-        if same && f.seq <= self.seq {
+        let last = self.last(0).filter(|_| f.session == self.session);
+        if last.is_some() && f.seq <= self.seq {
             return Verdict::Old;
         }
         if f.pos[..self.n].iter().any(|x| !x.is_finite()) {
             return Verdict::Nonfinite;
         }
-        if let (true, Some(at)) = (same, self.at) {
+        if let Some(last) = last {
             // the longer of the two clocks: a frame that was late in one of them is no jump
-            let ours = (hand.frame - at + 1) as f64 * self.te;
-            let theirs = f.t_device_ns.saturating_sub(self.t_device).min(1_000_000_000) as f64 * 1e-9;
-            let most = self.reach * ours.max(theirs);
-            if f.pos[..self.n].iter().zip(&hand.x).any(|(a, b)| (a - b).abs() > most) {
+            let ours = (hand.frame - last.at + 1) as f64 * self.te;
+            let theirs = f.t_device_ns.saturating_sub(last.clock).min(1_000_000_000) as f64 * 1e-9;
+            let most = self.reach * ours.max(theirs) + self.grain;
+            if f.pos[..self.n].iter().zip(&last.x).any(|(a, b)| (a - b).abs() > most) {
                 return Verdict::Jump;
             }
         }
         Verdict::Good
     }
 
-    /// Once a frame, after all frames that came: speed, motion and age.
-    pub fn settle(&mut self, hand: &mut Hand, before: &[f64; DOF]) {
-        let old = self.past[self.turn];
-        self.past[self.turn] = hand.x;
-        self.turn = (self.turn + 1) % PAST;
+    /// Once a frame, after all frames that came: motion, speed and age.
+    pub fn settle(&mut self, hand: &mut Hand) {
         for k in 0..self.n {
-            hand.moved[k] = hand.x[k] - before[k];
-            hand.v[k] = (hand.x[k] - old[k]) / (PAST as f64 * self.te);
+            hand.moved[k] = hand.x[k] - self.before[k];
         }
-        hand.age = self.at.map_or(u32::MAX, |at| u32::try_from(hand.frame - at).unwrap_or(u32::MAX));
+        self.before = hand.x;
+        let Some(new) = self.last(0) else { return };
+        hand.age = u32::try_from(hand.frame - new.at).unwrap_or(u32::MAX);
+        if !hand.fresh {
+            return;
+        }
+        // a quarter of a frame less: three frames of a clock are three frames
+        let (mut old, mut length) = (new, 0.0);
+        for back in 1..PAST {
+            let Some(earlier) = self.last(back) else { break };
+            (old, length) = (earlier, self.between(earlier, new));
+            if length >= self.window - 0.25 * self.te {
+                break;
+            }
+        }
+        if length > 0.0 {
+            for k in 0..self.n {
+                hand.v[k] = (new.x[k] - old.x[k]) / length;
+            }
+        }
+    }
+
+    /// Seconds between two good frames.
+    fn between(&self, old: &Seen, new: &Seen) -> f64 {
+        let ours = ((new.at - old.at) as f64 * self.te).max(self.te);
+        let theirs = new.clock.saturating_sub(old.clock) as f64 * 1e-9;
+        // frames wait in queues, so ours may be short or long by some; a clock in other units is off by far more
+        let slack = 3.0 * self.te;
+        if theirs > 0.5 * (ours - slack) && theirs < 2.0 * (ours + slack) && theirs > 0.0 { theirs } else { ours }
     }
 
     /// Session and number of the last good frame.
@@ -144,13 +200,18 @@ impl Inlet {
 
 /// What the device reports of itself.
 fn device_says(f: &DeviceFrame, hand: &mut Hand) {
+    if f.status & status::CONNECTED == 0 {
+        hand.trip(Cause::Disconnect);
+    }
     if f.status & status::DEADMAN != 0 {
         hand.trip(Cause::Deadman);
     }
     if f.status & status::THERMAL != 0 {
         hand.trip(Cause::Thermal);
     }
-    if f.cause != 0 {
-        hand.trip(Cause::read(f.cause));
+    match Cause::read(f.cause) {
+        // it repeats that nobody armed it, which we know
+        Cause::None | Cause::Disarmed => {}
+        cause => hand.trip(cause),
     }
 }

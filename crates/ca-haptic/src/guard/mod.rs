@@ -1,23 +1,31 @@
 //! The guard: what stands between a model and a hand.
 //!
 //! Decides on one ordered chain per device, a stage a file, each taking and giving a [`Hand`]; the order is here and
-//! nowhere else. A stage that a profile or a scene does not ask for is not in the chain. Nothing allocates, locks or
-//! panics after [`Chain::new`], and everything counts frames, never a clock: a take replays it bit for bit.
+//! nowhere else. A stage that a profile does not ask for is not in the chain. Nothing allocates, locks or panics after
+//! [`Chain::new`], and everything counts frames, never a clock: a take replays it bit for bit.
 //!
 //! ```text
-//! input (before the model) → finite → workspace → passivity → oscillation → thermal → saturation → gate → slew
+//! input (before the model) → finite → workspace → saturation → passivity → oscillation → thermal → gate → slew
 //! ```
 //!
-//! The gate (arming, fade-in, latched faults, damped stop) stands before the slew limit rather than after it, so that
-//! the last stage is the one whose promise |ΔF| ≤ limit a watcher on the wire can hold us to. A fault goes to zero at
-//! once. Velocity, staleness and a model that blew up trip from wherever they are noticed: [`Hand::trip`]. The TTL is
-//! stamped on the frame by the engine.
+//! The largest force comes before the stages that weaken: a gain on 800 N that the next stage cuts to 10 N would weaken
+//! nothing. None of those after it makes a vector longer (the passivity controller cuts its own sum). The gate (arming,
+//! fade-in, latched faults, damped stop) stands before the slew limit rather than after it, so that the last stage is
+//! the one whose promise |ΔF| ≤ limit a watcher on the wire can hold us to. A fault goes to zero at once. Velocity,
+//! staleness and a model that blew up trip from wherever they are noticed: [`Hand::trip`]. What leaves is rounded
+//! towards zero to the single precision of the wire, so that rounding passes no limit and the books know what was sent.
+//! The TTL is stamped on the frame by the engine.
 
+pub mod book;
 pub mod finite;
 pub mod gate;
 pub mod input;
+pub mod oscillation;
+pub mod passivity;
 pub mod saturation;
 pub mod slew;
+pub mod thermal;
+pub mod workspace;
 
 use crate::frame::{Cause, DOF, Mode};
 use crate::profile::Profile;
@@ -41,8 +49,10 @@ pub struct Hand {
     pub x: [f64; DOF],
     /// motion since the last frame \[m\]
     pub moved: [f64; DOF],
-    /// speed \[m/s\], a mean over about a millisecond
+    /// speed \[m/s\], a mean over a few frames of the device
     pub v: [f64; DOF],
+    /// energy the model received during this frame, by its mean force \[J\] in the measure of the hand
+    pub received: [f64; DOF],
     /// force on the hand \[N\]; what each stage changes
     pub force: [f64; DOF],
     /// what was sent with the frame before \[N\]
@@ -51,7 +61,7 @@ pub struct Hand {
     pub inject: f64,
     /// bits of [`flag`](crate::frame::flag) so far
     pub flags: u32,
-    /// how the force is meant, written by the gate
+    /// how the force is meant, written by the gate; before it, that of the frame before
     pub mode: Mode,
     /// why it is off, written by the gate
     pub cause: Cause,
@@ -72,6 +82,7 @@ impl Hand {
             x: [0.0; DOF],
             moved: [0.0; DOF],
             v: [0.0; DOF],
+            received: [0.0; DOF],
             force: [0.0; DOF],
             sent: [0.0; DOF],
             inject: 0.0,
@@ -100,6 +111,13 @@ pub fn norm(v: &[f64]) -> f64 {
     if let [x] = v { x.abs() } else { v.iter().map(|x| x * x).sum::<f64>().sqrt() }
 }
 
+/// A number that the wire holds exactly, no larger than `f`; 0 for what is no number.
+fn wired(f: f64) -> f64 {
+    // the 29 bits that single precision does not have
+    let cut = f64::from_bits(f.to_bits() & !((1 << 29) - 1));
+    if f.is_finite() { f64::from(cut as f32) } else { 0.0 }
+}
+
 /// One stage of the chain.
 pub trait Stage: Send {
     /// What it is called in reports.
@@ -110,8 +128,6 @@ pub trait Stage: Send {
     fn sent(&mut self, hand: &Hand) {
         let _ = hand;
     }
-    /// Forgets the past, when somebody arms.
-    fn reset(&mut self);
 }
 
 /// What a person or program asks of a chain.
@@ -127,6 +143,10 @@ pub enum Order {
 
 /// The stages of one device, in order.
 pub struct Chain {
+    /// what the hand gave, and what became of it
+    pub book: book::Book,
+    finite: finite::Finite,
+    /// those a profile may leave out, and the largest force
     stages: Vec<Box<dyn Stage>>,
     gate: gate::Gate,
     slew: slew::Slew,
@@ -135,29 +155,40 @@ pub struct Chain {
 impl Chain {
     /// The chain a profile asks for, at frames of `te` seconds.
     pub fn new(profile: &Profile, te: f64) -> Chain {
-        let stages: Vec<Box<dyn Stage>> =
-            vec![Box::new(finite::Finite), Box::new(saturation::Saturation::new(profile))];
-        Chain { stages, gate: gate::Gate::new(profile, te), slew: slew::Slew::new(profile, te) }
+        fn boxed<S: Stage + 'static>(s: S) -> Box<dyn Stage> {
+            Box::new(s)
+        }
+        let stages = [
+            workspace::Workspace::new(profile).map(boxed),
+            Some(boxed(saturation::Saturation::new(profile))),
+            passivity::Passivity::new(profile).map(boxed),
+            oscillation::Oscillation::new(profile, te).map(boxed),
+            thermal::Thermal::new(profile, te).map(boxed),
+        ];
+        Chain {
+            book: book::Book::default(),
+            finite: finite::Finite,
+            stages: stages.into_iter().flatten().collect(),
+            gate: gate::Gate::new(profile, te),
+            slew: slew::Slew::new(profile, te),
+        }
     }
 
     /// Arms, disarms or trips.
     pub fn order(&mut self, order: Order) {
-        if order == Order::Arm {
-            for s in &mut self.stages {
-                s.reset();
-            }
-            self.slew.reset();
-        }
         self.gate.order(order);
     }
 
     /// Passes a frame; afterwards `hand.force` may go to the hand.
     pub fn pass(&mut self, hand: &mut Hand) {
+        self.finite.pass(hand);
+        self.book.frame(hand);
         for s in &mut self.stages {
             s.pass(hand);
         }
         self.gate.pass(hand);
         self.slew.pass(hand);
+        hand.force[..hand.n].iter_mut().for_each(|f| *f = wired(*f));
         for s in &mut self.stages {
             s.sent(hand);
         }
@@ -171,6 +202,38 @@ impl Chain {
 
     /// Names of the stages, in order.
     pub fn names(&self) -> Vec<&'static str> {
-        self.stages.iter().map(|s| s.name()).chain([self.gate.name(), self.slew.name()]).collect()
+        let own = self.stages.iter().map(|s| s.name());
+        [self.finite.name()].into_iter().chain(own).chain([self.gate.name(), self.slew.name()]).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_stage_nobody_asks_for_is_not_there() {
+        let full = "finite workspace saturation passivity oscillation thermal gate slew";
+        let mut p = Profile::shipped("tgr12").expect("shipped");
+        p.continuous = Some(3.0);
+        let names = |p: &Profile| Chain::new(p, 1.0 / 3000.0).names().join(" ");
+        assert_eq!(names(&p), full);
+        p.continuous = None;
+        assert_eq!(names(&p), full.replace("thermal ", ""));
+        (p.guard.passivity, p.guard.oscillation, p.guard.edge) = (false, false, 0.0);
+        assert_eq!(names(&p), "finite saturation gate slew");
+        // no motors, no forces to guard
+        let mouse = Profile::shipped("mouse").expect("shipped");
+        assert_eq!(names(&mouse), "finite saturation gate slew");
+    }
+
+    #[test]
+    fn the_wire_rounds_towards_zero() {
+        for f in [0.1, -0.1, 1.0 / 3.0, 2.0, 1.56, -10.0, 1e-30, 1e-320] {
+            let w = wired(f);
+            assert!(w.abs() <= f.abs() && f64::from(w as f32) == w, "{f} {w}");
+            assert!((w - f).abs() <= 1.2e-7 * f.abs() + 1e-45, "{f} {w}");
+        }
+        assert_eq!([f64::NAN, f64::INFINITY].map(wired), [0.0, 0.0]);
     }
 }

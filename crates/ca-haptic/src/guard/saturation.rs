@@ -1,6 +1,6 @@
 //! H2: no vector of force longer than the device may give, its direction kept.
 
-use super::{Hand, Stage};
+use super::{Hand, Stage, norm};
 use crate::frame::flag;
 use crate::profile::Profile;
 
@@ -17,6 +17,24 @@ impl Saturation {
     }
 }
 
+/// Shortens `v` to the length `most`; true where it was longer.
+pub(super) fn limit(v: &mut [f64], most: f64) -> bool {
+    let large = v.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+    if large > most {
+        // first to a size whose square is a number: a force of 1e300 keeps its direction too
+        for x in &mut *v {
+            *x /= large;
+        }
+    } else if norm(v) <= most {
+        return false;
+    }
+    let size = norm(v);
+    for x in v {
+        *x = (*x / size * most).clamp(-most, most);
+    }
+    true
+}
+
 impl Stage for Saturation {
     fn name(&self) -> &'static str {
         "saturation"
@@ -24,17 +42,28 @@ impl Stage for Saturation {
 
     fn pass(&mut self, hand: &mut Hand) {
         for at in (0..hand.n).step_by(self.axes) {
-            let size = hand.length(at, self.axes);
-            if size > self.most {
-                let end = (at + self.axes).min(hand.n);
-                for f in &mut hand.force[at..end] {
-                    // the quotient first: a force of 1e300 must not overflow on its way
-                    *f = (*f / size * self.most).clamp(-self.most, self.most);
-                }
+            if limit(&mut hand.force[at..(at + self.axes).min(hand.n)], self.most) {
                 hand.flags |= flag::SATURATED;
             }
         }
     }
+}
 
-    fn reset(&mut self) {}
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keeps_directions_of_any_size() {
+        for scale in [1e-300, 1e-3, 1.0, 2.0, 1e10, 1e160, 5e307] {
+            let mut v = [2.0 * scale, -1.0 * scale, 2.0 * scale];
+            let cut = limit(&mut v, 6.0);
+            assert_eq!(cut, scale > 2.0, "{scale}");
+            let size = norm(&v.map(|x| x / v[0].abs())) * v[0].abs();
+            assert!(size <= 6.0 * (1.0 + 1e-15), "{scale}: {v:?}");
+            assert!((v[0] / v[1] + 2.0).abs() < 1e-12 && v[0] == v[2], "{scale}: {v:?}");
+        }
+        let mut none = [1.0, 2.0];
+        assert!(limit(&mut none, 0.0) && none == [0.0, 0.0]);
+    }
 }

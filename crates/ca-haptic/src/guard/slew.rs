@@ -1,4 +1,5 @@
-//! H3: no force changes faster than the stiffest thing the device renders could change it. A fault may, towards zero.
+//! H3: no force changes faster than the stiffest thing the device renders could change it. Off and fault are zero at
+//! once.
 
 use super::{Hand, Stage, norm};
 use crate::frame::{DOF, Mode, flag};
@@ -23,7 +24,9 @@ impl Stage for Slew {
     }
 
     fn pass(&mut self, hand: &mut Hand) {
-        let off = matches!(hand.mode, Mode::Off | Mode::Fault);
+        if matches!(hand.mode, Mode::Off | Mode::Fault) {
+            return;
+        }
         for at in (0..hand.n).step_by(self.axes) {
             let end = (at + self.axes).min(hand.n);
             let mut step = [0.0; DOF];
@@ -31,8 +34,7 @@ impl Stage for Slew {
                 *step = hand.force[k] - hand.sent[k];
             }
             let size = norm(&step[at..end]);
-            let zero = norm(&hand.force[at..end]) == 0.0;
-            if size > self.most && !(off && zero) {
+            if size > self.most {
                 for (k, step) in step.iter().enumerate().take(end).skip(at) {
                     hand.force[k] = hand.sent[k] + step / size * self.most;
                 }
@@ -40,6 +42,4 @@ impl Stage for Slew {
             }
         }
     }
-
-    fn reset(&mut self) {}
 }

@@ -107,7 +107,7 @@ pub struct Limits {
     pub bad_time: f64,
     /// part of the travel at each end that is softly closed (H11)
     pub edge: f64,
-    /// stiffness of the soft edge \[N/m\]; absent: half the stiffness of the device, at most (H11)
+    /// stiffness of the soft edge \[N/m\]; absent: see [`Profile::edge_stiffness`] (H11)
     pub edge_stiffness: Option<f64>,
     /// the passivity controller (H12)
     pub passivity: bool,
@@ -251,6 +251,13 @@ impl Profile {
         if l.zero <= self.hold() {
             return Err("`guard.zero` must be later than `guard.hold`".into());
         }
+        let [low, high] = l.oscillation_band;
+        if !(low > 0.0 && high > low && high.is_finite()) {
+            return Err("`guard.oscillation_band` = [lowest, highest] in hertz, more than 0".into());
+        }
+        if l.oscillation_gain > 1.0 {
+            return Err(format!("`guard.oscillation_gain` weakens: at most 1, it is {}", l.oscillation_gain));
+        }
         if l.edge >= 0.5 {
             return Err("`guard.edge` is less than half of the travel".into());
         }
@@ -260,6 +267,14 @@ impl Profile {
     /// Largest change of force a second \[N/s\] (H3).
     pub fn slew(&self) -> f64 {
         self.guard.slew.unwrap_or(self.stiffness.unwrap_or(1000.0) * self.guard.speed)
+    }
+
+    /// Stiffness of the soft edge \[N/m\] (H11): half of what the device renders, or what reaches the largest force at
+    /// the end stop, whichever is less.
+    pub fn edge_stiffness(&self) -> f64 {
+        let width = self.guard.edge * (self.range[1] - self.range[0]);
+        let whole = if width > 0.0 { self.force / width } else { 0.0 };
+        self.guard.edge_stiffness.unwrap_or_else(|| self.stiffness.map_or(whole, |k| whole.min(0.5 * k)))
     }
 
     /// How long the force is held without fresh frames \[s\] (H6).

@@ -1,0 +1,47 @@
+//! The account of energy at the hand, per degree of freedom, in joules of the real world.
+//!
+//! Decides to write three sums rather than their differences, each exact (numerics 5.3): what the model received by the
+//! mean force of each frame, what the hand would have given had the model's force been sent, and what it gave to the
+//! force that was sent. The first two are the book of the scene ([`Exchange`](ca_core::ledger::Exchange)) times β/α;
+//! the guard's own share is a line of its own, their difference to the third.
+
+use super::Hand;
+use crate::frame::DOF;
+
+/// Sums since the engine began \[J\].
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Book {
+    /// energy the model received
+    pub received: [f64; DOF],
+    /// energy the hand would have given to the forces the model asked for
+    pub asked: [f64; DOF],
+    /// energy the hand gave to the forces that were sent
+    pub given: [f64; DOF],
+    /// what the model asked for in the frame before \[N\]
+    last: [f64; DOF],
+}
+
+impl Book {
+    /// Books the frame that ends at the present position; `hand.force` is what the model asks for now.
+    pub(super) fn frame(&mut self, hand: &Hand) {
+        for k in 0..hand.n {
+            // a model that blew up receives nothing that could be counted
+            if hand.received[k].is_finite() {
+                self.received[k] += hand.received[k];
+            }
+            self.asked[k] -= self.last[k] * hand.moved[k];
+            self.given[k] -= hand.sent[k] * hand.moved[k];
+            self.last[k] = hand.force[k];
+        }
+    }
+
+    /// Energy the border made by answering late (+) or swallowed (−), before the guard \[J\].
+    pub fn leak(&self, k: usize) -> f64 {
+        self.received[k] - self.asked[k]
+    }
+
+    /// Energy that the guard kept from the hand's work on the model: what it cut off (+) or added (−) \[J\].
+    pub fn removed(&self, k: usize) -> f64 {
+        self.asked[k] - self.given[k]
+    }
+}

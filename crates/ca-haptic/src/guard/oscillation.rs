@@ -1,0 +1,190 @@
+//! H13: a force that shakes the hand is weakened.
+//!
+//! Decides on the level of the force in a band (a high-pass and a low-pass of second order, then a running mean of the
+//! squares): where it stays above its share of the largest force for a while, the force is weakened by a fixed gain. It
+//! comes back by itself once the force that is asked for has been quiet for twenty times as long, fading in as after
+//! arming: a latch would be the alternative, and would take a player's instrument away for a loud passage. If it
+//! oscillates again it is weakened again, and every frame of it says so. The share is that of the r.m.s. value.
+
+use super::gate::frames;
+use super::{Hand, Stage};
+use crate::frame::{DOF, Mode, flag};
+use crate::profile::Profile;
+
+/// A detector per vector of force.
+pub struct Oscillation {
+    axes: usize,
+    high: Biquad,
+    low: Biquad,
+    /// share of the new square in the running mean
+    share: f64,
+    threshold: f64,
+    gain: f64,
+    rise: f64,
+    frames: u32,
+    past: [Past; DOF],
+    seen: [Seen; DOF],
+}
+
+/// Quiet for so many times `oscillation_time`, before the force comes back.
+const QUIET: u32 = 20;
+/// How many times shorter than `oscillation_time` the mean of the squares is.
+const MEAN: f64 = 5.0;
+
+/// A filter of second order.
+#[derive(Clone, Copy)]
+struct Biquad {
+    b: [f64; 3],
+    a: [f64; 2],
+}
+
+#[derive(Clone, Copy, Default)]
+struct Past {
+    high: [f64; 2],
+    low: [f64; 2],
+}
+
+#[derive(Clone, Copy)]
+struct Seen {
+    square: f64,
+    loud: u32,
+    quiet: u32,
+    gain: f64,
+}
+
+const NEW: Seen = Seen { square: 0.0, loud: 0, quiet: 0, gain: 1.0 };
+
+/// tan(π f te) to a few percent up to a quarter of the rate, without a function whose last bit differs between machines.
+fn warped(f: f64, te: f64) -> f64 {
+    let w = std::f64::consts::PI * (f * te).min(0.4);
+    w / (1.0 - w * w / 3.0)
+}
+
+impl Biquad {
+    /// Butterworth, by the bilinear transform.
+    fn new(f: f64, te: f64, high: bool) -> Biquad {
+        let k = warped(f, te);
+        let norm = 1.0 / (1.0 + std::f64::consts::SQRT_2 * k + k * k);
+        let a = [2.0 * (k * k - 1.0) * norm, (1.0 - std::f64::consts::SQRT_2 * k + k * k) * norm];
+        let b = if high { [norm, -2.0 * norm, norm] } else { [k * k * norm, 2.0 * k * k * norm, k * k * norm] };
+        Biquad { b, a }
+    }
+
+    /// Transposed direct form II.
+    fn pass(&self, s: &mut [f64; 2], x: f64) -> f64 {
+        let y = self.b[0] * x + s[0];
+        *s = [self.b[1] * x - self.a[0] * y + s[1], self.b[2] * x - self.a[1] * y];
+        y
+    }
+}
+
+impl Oscillation {
+    /// As the profile says, at frames of `te` seconds; `None` where it is not wanted.
+    pub fn new(profile: &Profile, te: f64) -> Option<Oscillation> {
+        let l = &profile.guard;
+        let level = l.oscillation_level * profile.force;
+        (l.oscillation && level > 0.0).then(|| Oscillation {
+            axes: profile.axes as usize,
+            high: Biquad::new(l.oscillation_band[0], te, true),
+            low: Biquad::new(l.oscillation_band[1], te, false),
+            share: te / (te + l.oscillation_time / MEAN),
+            threshold: level * level,
+            gain: l.oscillation_gain,
+            rise: te / l.ramp,
+            frames: frames(l.oscillation_time, te),
+            past: [Past::default(); DOF],
+            seen: [NEW; DOF],
+        })
+    }
+}
+
+impl Stage for Oscillation {
+    fn name(&self) -> &'static str {
+        "oscillation"
+    }
+
+    fn pass(&mut self, hand: &mut Hand) {
+        // nothing is weakened that nobody feels: waiting for the hand to be clear judges the full force
+        if matches!(hand.mode, Mode::Off | Mode::Fault) {
+            (self.past, self.seen) = ([Past::default(); DOF], [NEW; DOF]);
+            return;
+        }
+        for at in (0..hand.n).step_by(self.axes) {
+            let end = (at + self.axes).min(hand.n);
+            let mut square = 0.0;
+            for k in at..end {
+                let p = &mut self.past[k];
+                let y = self.low.pass(&mut p.low, self.high.pass(&mut p.high, hand.force[k]));
+                square += y * y;
+            }
+            let s = &mut self.seen[at];
+            s.square += self.share * (square - s.square);
+            let loud = s.square > self.threshold;
+            (s.loud, s.quiet) = if loud { (s.loud.saturating_add(1), 0) } else { (0, s.quiet.saturating_add(1)) };
+            if s.loud >= self.frames {
+                s.gain = self.gain.min(s.gain);
+            } else if s.quiet >= QUIET * self.frames {
+                s.gain = (s.gain + self.rise).min(1.0);
+            }
+            if s.gain < 1.0 {
+                hand.force[at..end].iter_mut().for_each(|f| *f *= s.gain);
+                hand.flags |= flag::OSCILLATION;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TE: f64 = 1.0 / 3000.0;
+
+    /// Frame in which a sine of `f` hertz and `size` times the largest force is first weakened, of `n`.
+    fn weakened(f: f64, size: f64, n: usize) -> Option<usize> {
+        let p = Profile::shipped("tgr12").expect("shipped");
+        let mut stage = Oscillation::new(&p, TE).expect("it is on");
+        let mut hand = Hand::new(1, TE);
+        hand.mode = Mode::On;
+        (0..n).find(|i| {
+            hand.force[0] = size * p.force * (std::f64::consts::TAU * f * *i as f64 * TE).sin();
+            (hand.flags, hand.inject) = (0, 0.0);
+            stage.pass(&mut hand);
+            hand.flags & flag::OSCILLATION != 0
+        })
+    }
+
+    #[test]
+    fn hears_the_band_and_nothing_else() {
+        // r.m.s. 0.42 of the largest force is above 0.3, 0.28 is below
+        for f in [60.0, 100.0, 200.0] {
+            let at = weakened(f, 0.6, 3000).expect("an oscillation");
+            assert!((150..220).contains(&at), "{f} Hz after {at} frames");
+            assert_eq!(weakened(f, 0.4, 3000), None, "{f} Hz");
+        }
+        // an octave and a half outside, and a hand that presses
+        for f in [0.0, 2.0, 10.0, 1000.0] {
+            assert_eq!(weakened(f, 1.0, 6000), None, "{f} Hz");
+        }
+    }
+
+    #[test]
+    fn comes_back_when_it_is_quiet() {
+        let p = Profile::shipped("tgr12").expect("shipped");
+        let mut stage = Oscillation::new(&p, TE).expect("it is on");
+        let mut hand = Hand::new(1, TE);
+        hand.mode = Mode::On;
+        let mut gains = Vec::new();
+        for i in 0..12_000 {
+            let shake = if i < 600 { 9.0 * (std::f64::consts::TAU * 100.0 * f64::from(i) * TE).sin() } else { 1.0 };
+            hand.force[0] = shake;
+            stage.pass(&mut hand);
+            gains.push(if shake == 0.0 { 1.0 } else { hand.force[0] / shake });
+        }
+        let near = |a: f64, b: f64| (a - b).abs() < 1e-9;
+        assert!(near(gains[1], 1.0) && near(gains[599], 0.3) && near(gains[3500], 0.3), "{}", gains[3500]);
+        assert!(near(gains[11_999], 1.0));
+        // back within the time of a ramp, never in a jump
+        assert!(gains.windows(2).all(|g| g[1] - g[0] < 1.0 / 2900.0));
+    }
+}

@@ -1,0 +1,86 @@
+//! H11: the ends of the travel are soft.
+//!
+//! Decides that the model sees the hand where it is, at any place, and that the hand meets a spring of the guard's own
+//! in the last part of the travel. Clamping what the model sees was the alternative: there the instrument would stop
+//! following the hand, and its force would come from a place where nobody is. The spring is as stiff as half of what
+//! the device renders, or so that the largest force is reached at the end stop, whichever is less.
+
+use super::{Hand, Stage};
+use crate::frame::{DOF, flag};
+use crate::profile::Profile;
+
+/// A spring at each end of each axis.
+pub struct Workspace {
+    low: f64,
+    high: f64,
+    k: f64,
+    /// its force of the frame before \[N\]
+    last: [f64; DOF],
+}
+
+impl Workspace {
+    /// As the profile says; `None` where it wants hard ends.
+    pub fn new(profile: &Profile) -> Option<Workspace> {
+        let [low, high] = profile.range;
+        let width = profile.guard.edge * (high - low);
+        let k = profile.edge_stiffness();
+        (width > 0.0 && k > 0.0).then_some(Workspace { low: low + width, high: high - width, k, last: [0.0; DOF] })
+    }
+}
+
+impl Stage for Workspace {
+    fn name(&self) -> &'static str {
+        "workspace"
+    }
+
+    fn pass(&mut self, hand: &mut Hand) {
+        for i in 0..hand.n {
+            let x = hand.x[i];
+            let push = self.k * ((self.low - x).max(0.0) - (x - self.high).max(0.0));
+            if push != 0.0 {
+                hand.force[i] += push;
+                hand.flags |= flag::EDGE;
+            }
+            // what the spring takes is the mean of its force over the motion, exactly
+            hand.received[i] -= 0.5 * (self.last[i] + push) * hand.moved[i];
+            self.last[i] = push;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pushes_back_from_both_ends_up_to_the_largest_force() {
+        let p = Profile::shipped("tgr12").expect("shipped");
+        let mut stage = Workspace::new(&p).expect("it has edges");
+        // 5 % of 20 mm; 10 N at the stop is less than half of 40 N/mm
+        for (x, want) in [(0.0, 0.0), (8.9e-3, 0.0), (9.5e-3, -5.0), (0.01, -10.0), (-9.1e-3, 1.0), (-0.01, 10.0)] {
+            let mut hand = Hand::new(1, 1.0 / 3000.0);
+            hand.x[0] = x;
+            stage.pass(&mut hand);
+            assert!((hand.force[0] - want).abs() < 1e-9, "{x}: {}", hand.force[0]);
+            assert_eq!(hand.flags & flag::EDGE != 0, want != 0.0);
+        }
+        let mut hard = p;
+        hard.guard.edge = 0.0;
+        assert!(Workspace::new(&hard).is_none());
+    }
+
+    #[test]
+    fn takes_what_it_stores() {
+        let p = Profile::shipped("tgr12").expect("shipped");
+        let mut stage = Workspace::new(&p).expect("it has edges");
+        let mut hand = Hand::new(1, 1.0 / 3000.0);
+        hand.x[0] = 9e-3;
+        for _ in 0..100 {
+            hand.moved[0] = 1e-5;
+            hand.x[0] += 1e-5;
+            stage.pass(&mut hand);
+        }
+        let stored = 0.5 * 1e4 * 1e-3 * 1e-3;
+        assert!((hand.received[0] - stored).abs() < 1e-12 * stored.max(1.0), "{} J of {stored}", hand.received[0]);
+    }
+}

@@ -1,0 +1,260 @@
+//! A device as physics: what `ca device sim` is, and what tests hold in their hand.
+//!
+//! Decides on a device that is exact between frames rather than integrated in small steps: a mass with viscous and dry
+//! friction between end stops, in a hand that is a mass, a spring and a damper around what the player intends, all under
+//! a force that is held over the frame. So a loop that shakes does it for the reasons of numerics 5.2 and for no other.
+//! Then the imperfections of the hardware: steps and noise of the sensor, steps of the force, frames of delay. It knows
+//! no clock and no transport; the same seed and forces give the same positions.
+
+mod body;
+mod script;
+
+pub use script::{Intention, SCRIPTS, Script};
+
+use crate::frame::{DOF, DeviceFrame, status, uid};
+use crate::profile::Profile;
+use body::Mechanics;
+
+/// The hand on a device, for each degree of freedom.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hand {
+    /// stiffness with which it keeps to what it intends \[N/m\]
+    pub stiffness: f64,
+    /// viscosity of the same \[N s/m\]
+    pub damping: f64,
+    /// mass that moves with the device \[kg\]
+    pub mass: f64,
+}
+
+impl Hand {
+    /// No hand.
+    pub const NONE: Hand = Hand { stiffness: 0.0, damping: 0.0, mass: 0.0 };
+
+    /// A finger that holds a key of `travel` metres with up to `force` newtons: it gives way by a tenth of the travel,
+    /// and is damped critically with 20 g of its own.
+    pub fn finger(force: f64, travel: f64) -> Hand {
+        let (stiffness, mass) = ((force / (0.1 * travel)).max(100.0), 0.02);
+        Hand { stiffness, damping: 2.0 * (stiffness * mass).sqrt(), mass }
+    }
+}
+
+/// A simulated device.
+pub struct Device {
+    n: usize,
+    mechanics: Mechanics,
+    hand: Hand,
+    script: Script,
+    step: f64,
+    noise: f64,
+    force_step: f64,
+    most: f64,
+    dice: Dice,
+    /// position \[m\] and speed \[m/s\] of each DOF
+    state: [[f64; 2]; DOF],
+    measured: [f64; DOF],
+    /// forces under way \[N\], a ring
+    late: Vec<[f64; DOF]>,
+    turn: usize,
+    time: f64,
+    frames: u64,
+    te: f64,
+}
+
+impl Device {
+    /// A device of this profile in this hand, which plays `script`; it begins where the script does. `delay` is how many
+    /// frames a force is under way before the motors have it.
+    pub fn new(profile: &Profile, hand: Hand, script: Script, delay: usize, seed: u64) -> Device {
+        let b = &profile.body;
+        let n = (profile.dof as usize).min(DOF);
+        let mechanics = Mechanics { mass: b.mass + hand.mass, friction: b.friction, dry: b.dry, range: profile.range };
+        let mut state = [[0.0; 2]; DOF];
+        for (k, s) in state.iter_mut().enumerate().take(n) {
+            s[0] = script.at(k, 0.0).position.clamp(profile.range[0], profile.range[1]);
+        }
+        let mut device = Device {
+            n,
+            mechanics,
+            hand,
+            script,
+            step: b.step,
+            noise: b.noise,
+            force_step: b.force_step,
+            most: profile.force,
+            dice: Dice(seed | 1),
+            state,
+            measured: [0.0; DOF],
+            late: vec![[0.0; DOF]; delay],
+            turn: 0,
+            time: 0.0,
+            frames: 0,
+            te: 0.0,
+        };
+        device.measure();
+        device
+    }
+
+    /// A frame of `te` seconds under forces \[N\], which the motors cut to what they can. Returns what the sensor says at
+    /// its end \[m\].
+    pub fn step(&mut self, force: &[f64], te: f64) -> &[f64] {
+        let mut now = [0.0; DOF];
+        for (to, f) in now.iter_mut().zip(force).take(self.n) {
+            *to = if f.is_finite() { f.clamp(-self.most, self.most) } else { 0.0 };
+            if self.force_step > 0.0 {
+                *to = (*to / self.force_step).round() * self.force_step;
+            }
+        }
+        if !self.late.is_empty() {
+            core::mem::swap(&mut now, &mut self.late[self.turn]);
+            self.turn = (self.turn + 1) % self.late.len();
+        }
+        for (k, now) in now.iter().enumerate().take(self.n) {
+            let (a, b) = (self.script.at(k, self.time), self.script.at(k, self.time + te));
+            let drive = body::Drive {
+                force: now + 0.5 * (a.force + b.force),
+                from: a.position,
+                to: b.position,
+                stiffness: self.hand.stiffness,
+                damping: self.hand.damping,
+            };
+            self.state[k] = self.mechanics.go(self.state[k], &drive, te);
+        }
+        self.frames += 1;
+        (self.time, self.te) = (self.time + te, te);
+        self.measure();
+        &self.measured[..self.n]
+    }
+
+    fn measure(&mut self) {
+        for k in 0..self.n {
+            let noise = if self.noise > 0.0 { self.noise * self.dice.normal() } else { 0.0 };
+            let x = self.state[k][0] + noise;
+            self.measured[k] = if self.step > 0.0 { (x / self.step).round() * self.step } else { x };
+        }
+    }
+
+    /// What the sensor says \[m\].
+    pub fn measured(&self) -> &[f64] {
+        &self.measured[..self.n]
+    }
+
+    /// Where a degree of freedom really is \[m\], and its speed \[m/s\].
+    pub fn truth(&self, k: usize) -> [f64; 2] {
+        self.state[k]
+    }
+
+    /// Seconds it has played.
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+
+    /// Writes what it measures to the next frame of a session, which the caller began with [`DeviceFrame::new`].
+    pub fn frame(&self, to: &mut DeviceFrame) {
+        to.seq += 1;
+        to.n = self.n as u16;
+        to.status |= status::SIMULATED | status::CONNECTED | status::POWERED | status::CALIBRATED;
+        to.t_device_ns = (self.time * 1e9).round() as u64;
+        to.period_ns = (self.te * 1e9).round() as u32;
+        to.pos[..self.n].copy_from_slice(&self.measured[..self.n]);
+        let [low, high] = self.mechanics.range;
+        let at_end = self.state[..self.n].iter().any(|s| s[0] <= low || s[0] >= high);
+        to.status = if at_end { to.status | status::EDGE } else { to.status & !status::EDGE };
+        if to.device == [0; 16] {
+            to.device = uid("simulated");
+        }
+    }
+}
+
+/// A small deterministic generator: xorshift, and two of its numbers for a normal one.
+struct Dice(u64);
+
+impl Dice {
+    /// Even in 0 … 1, neither included.
+    fn even(&mut self) -> f64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        ((self.0 >> 12) as f64 + 0.5) / (1_u64 << 52) as f64
+    }
+
+    /// Normal, of mean 0 and deviation 1 (Box and Muller).
+    fn normal(&mut self) -> f64 {
+        let radius = (-2.0 * self.even().ln()).sqrt();
+        radius * (std::f64::consts::TAU * self.even()).cos()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn plain() -> Profile {
+        let mut p = Profile::shipped("tgr12").expect("shipped");
+        (p.body.step, p.body.noise) = (0.0, 0.0);
+        p
+    }
+
+    #[test]
+    fn the_same_seed_gives_the_same_bits() {
+        let p = Profile::shipped("firefader").expect("shipped");
+        let run = |seed| {
+            let script = Script::named("bow", &p).expect("a script");
+            let mut noisy = p.clone();
+            noisy.body.noise = 1e-4;
+            let mut d = Device::new(&noisy, Hand::finger(1.0, 0.1), script, 1, seed);
+            (0..500).flat_map(|_| d.step(&[0.1, -0.1], 0.002).to_vec()).map(f64::to_bits).collect::<Vec<_>>()
+        };
+        assert_eq!(run(7), run(7));
+        assert_ne!(run(7), run(8));
+    }
+
+    #[test]
+    fn sensor_and_motor_have_steps_and_delay() {
+        let mut p = plain();
+        (p.body.step, p.body.force_step, p.force) = (1e-4, 0.5, 10.0);
+        let push = |delay: usize, f: f64, n: usize| {
+            let mut d = Device::new(&p, Hand::NONE, Script::Push { force: 0.0 }, delay, 1);
+            for _ in 0..n {
+                let x = d.step(&[f], 1.0 / 3000.0)[0];
+                assert!((x / 1e-4 - (x / 1e-4).round()).abs() < 1e-6);
+            }
+            d.truth(0)
+        };
+        assert_eq!(push(0, 0.2, 30), [0.0; 2], "less than half a step of force is none");
+        assert_eq!(push(0, 0.6, 30), push(0, 0.5, 30));
+        assert_eq!(push(0, 1e9, 30), push(0, 10.0, 30), "no more than the motors have");
+        assert_eq!(push(0, f64::NAN, 30), [0.0; 2]);
+        assert_eq!(push(4, 1.0, 4), [0.0; 2]);
+        assert_eq!(push(4, 1.0, 34), push(0, 1.0, 30));
+    }
+
+    #[test]
+    fn noise_is_as_loud_as_said() {
+        let mut p = plain();
+        p.body.noise = 1e-5;
+        let mut d = Device::new(&p, Hand::NONE, Script::Push { force: 0.0 }, 0, 3);
+        let n = 20_000;
+        let x: Vec<f64> = (0..n).map(|_| d.step(&[0.0], 1.0 / 3000.0)[0]).collect();
+        let mean = x.iter().sum::<f64>() / f64::from(n);
+        let rms = (x.iter().map(|x| x * x).sum::<f64>() / f64::from(n)).sqrt();
+        // four standard errors
+        assert!(mean.abs() < 4.0 * 1e-5 / f64::from(n).sqrt(), "{mean}");
+        assert!((rms / 1e-5 - 1.0).abs() < 4.0 / f64::from(2 * n).sqrt(), "{rms}");
+    }
+
+    #[test]
+    fn frames_count_and_tell_the_time() {
+        let p = plain();
+        let mut d = Device::new(&p, Hand::NONE, Script::Push { force: 1.0 }, 0, 1);
+        let mut f = DeviceFrame::new("key", 12);
+        d.frame(&mut f);
+        assert_eq!((f.seq, f.t_device_ns, f.pos[0]), (1, 0, 0.0));
+        for _ in 0..3000 {
+            d.step(&[], 1.0 / 3000.0);
+        }
+        d.frame(&mut f);
+        assert_eq!((f.seq, f.t_device_ns, f.period_ns), (2, 1_000_000_000, 333_333));
+        // pushed against its stop
+        assert_eq!(f.pos[0], 0.01);
+        assert!(f.status & status::EDGE != 0 && f.is_ours());
+    }
+}

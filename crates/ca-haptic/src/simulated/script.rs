@@ -1,0 +1,151 @@
+//! What a simulated player intends: functions of time, for each degree of freedom.
+//!
+//! Decides on six gestures that between them ask everything of a loop: `strike` meets things fast and lets go, `bow`
+//! crosses them back and forth, `shake` goes fast and stays small, `hold` does nothing while a force acts, `push` is a
+//! force without a place, and `file` is what somebody recorded. Each begins at rest, so that arming finds nothing to
+//! wait for; neighbouring DOF are a little later than the first, as fingers are.
+
+use crate::gesture::Gesture;
+use crate::profile::Profile;
+
+/// What is intended at a time.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Intention {
+    /// where the hand wants to be \[m\]
+    pub position: f64,
+    /// what it pushes with, wherever it is \[N\]
+    pub force: f64,
+}
+
+/// A gesture of a simulated player.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Script {
+    /// down and up again, from `rest` by `depth` \[m\] (negative is down), `rate` times a second
+    Strike {
+        /// where it waits \[m\]
+        rest: f64,
+        /// how far it goes \[m\]
+        depth: f64,
+        /// strokes a second \[Hz\]
+        rate: f64,
+    },
+    /// at an even speed from one end to the other and back, turning softly
+    Bow {
+        /// in the middle of its path \[m\]
+        rest: f64,
+        /// to each side \[m\]
+        depth: f64,
+        /// there and back a second \[Hz\]
+        rate: f64,
+    },
+    /// a sine
+    Shake {
+        /// in the middle \[m\]
+        rest: f64,
+        /// to each side \[m\]
+        depth: f64,
+        /// \[Hz\]
+        rate: f64,
+    },
+    /// stays
+    Hold {
+        /// where \[m\]
+        rest: f64,
+    },
+    /// pushes, from the first moment
+    Push {
+        /// with what \[N\]
+        force: f64,
+    },
+    /// the tracks of a gesture, one per DOF \[m\]; those it lacks stay at 0
+    File(Gesture),
+}
+
+/// Names of the scripts that need no file.
+pub const SCRIPTS: [&str; 5] = ["strike", "bow", "shake", "hold", "push"];
+
+/// How much later each DOF begins than the one before \[s\].
+const LATER: f64 = 0.05;
+/// Time before the first motion \[s\]: forces need two to be on (H5: 0.1 s clear, 1 s of ramp).
+const BEGIN: f64 = 1.5;
+
+impl Script {
+    /// The script of that name, sized for the travel and force of a device; `None` where there is none.
+    pub fn named(name: &str, profile: &Profile) -> Option<Script> {
+        let [low, high] = profile.range;
+        let (rest, travel) = (0.5 * (low + high), high - low);
+        // no faster than half of what trips the guard
+        let slow = |rate: f64, path: f64| rate.min(0.5 * profile.guard.speed / path);
+        Some(match name {
+            "strike" => Script::Strike { rest, depth: -0.35 * travel, rate: slow(2.0, 3.3 * travel) },
+            "bow" => Script::Bow { rest, depth: 0.3 * travel, rate: slow(1.0, 1.65 * travel) },
+            "shake" => Script::Shake { rest, depth: 0.05 * travel, rate: slow(8.0, 0.32 * travel) },
+            "hold" => Script::Hold { rest },
+            "push" => Script::Push { force: -0.2 * profile.force },
+            _ => return None,
+        })
+    }
+
+    /// What DOF `k` intends at `t` seconds.
+    pub fn at(&self, k: usize, t: f64) -> Intention {
+        let turn = std::f64::consts::TAU;
+        let t = t - BEGIN - LATER * k as f64;
+        let since = t.max(0.0);
+        let position = match self {
+            // a third of the period down and up, then rest
+            Script::Strike { rest, depth, rate } => {
+                let phase = (since * rate).fract() * 3.0;
+                if phase < 1.0 { rest + 0.5 * depth * (1.0 - (turn * phase).cos()) } else { *rest }
+            }
+            // the first two terms of a triangle: nearly even on its way, round at the ends
+            Script::Bow { rest, depth, rate } => {
+                let w = turn * rate * since;
+                rest + depth * (w.sin() - (3.0 * w).sin() / 9.0) * 0.9
+            }
+            Script::Shake { rest, depth, rate } => rest + depth * (turn * rate * since).sin(),
+            Script::Hold { rest } => *rest,
+            Script::Push { force } => return Intention { position: 0.0, force: *force },
+            // a file has its own beginning
+            Script::File(g) => g.tracks().get(k).map_or(0.0, |track| track.at(t + BEGIN + LATER * k as f64)),
+        };
+        Intention { position, force: 0.0 }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gesture::Track;
+    use crate::profile::SHIPPED;
+
+    #[test]
+    fn every_script_begins_at_rest_and_stays_in_the_travel_of_every_device() {
+        for (name, _) in SHIPPED {
+            let p = Profile::shipped(name).expect("shipped");
+            for script in SCRIPTS {
+                let s = Script::named(script, &p).expect("a script");
+                let (mut last, mut moved) = (s.at(0, 0.0), false);
+                for n in 0..20_000 {
+                    let now = s.at(0, f64::from(n) / 2000.0);
+                    assert!(now.position >= p.range[0] && now.position <= p.range[1], "{name} {script}");
+                    let speed = (now.position - last.position).abs() * 2000.0;
+                    assert!(speed <= 0.51 * p.guard.speed, "{name} {script}: {speed} m/s");
+                    assert!(n > 2900 || now == last, "{name} {script} begins at rest");
+                    moved |= speed > 0.0;
+                    last = now;
+                }
+                assert_eq!(moved, !matches!(script, "hold" | "push"), "{name} {script}");
+                assert!(last.force.abs() <= p.force);
+            }
+        }
+        assert_eq!(Script::named("wave", &Profile::shipped("tgr12").expect("shipped")), None);
+    }
+
+    #[test]
+    fn a_file_moves_dof_by_dof() {
+        let a = Track::points("a", vec![(0.0, 0.0), (1.0, 0.01)]).expect("a track");
+        let s = Script::File(Gesture::new(vec![a]).expect("a gesture"));
+        assert!((s.at(0, 0.5).position - 0.005).abs() < 1e-15);
+        assert_eq!(s.at(1, 0.5), Intention::default());
+    }
+}
