@@ -6,6 +6,7 @@ mod chance;
 mod compile_fuzz;
 mod conformance;
 mod diagnostics;
+mod equivalence;
 mod files;
 mod generate_space;
 mod live;

@@ -25,6 +25,8 @@ pub enum Command {
     Render(RenderArgs),
     /// Says everything that can be known of a model before it sounds
     Check(CheckArgs),
+    /// Shows and sets how large and how heavy a model is in the hand
+    Equiv(EquivArgs),
     /// Lists kinds of modules and bundled models, or shows one of them
     List(ListArgs),
     /// Starts a model of your own
@@ -138,14 +140,17 @@ pub struct RenderArgs {
 /// Reads, checks and compiles the model, shows every finding with its place and what to do, and sums up: modules,
 /// rates, how late force and sound answer a gesture, what the springs at each device key ask of a device, what is proven
 /// of stability and which module is nearest to the limit. With `--schedule`, the passes of one
-/// tick in order with their cost, measured here and now, and what the compiler left out. Exit code 1 with errors, 3 if
-/// the model is certainly unstable.
+/// tick in order with their cost, measured here and now, and what the compiler left out. With `--device`, what of it that
+/// device can render: each key's stiffness against the device's own and against what stays passive, the force over the
+/// travel against the largest, degrees of freedom and rates. Exit code 1 with errors, 3 if the model is certainly unstable
+/// or asks more of the device than it can give.
 #[derive(Args)]
 #[command(after_long_help = "Examples:
   ca check hammered_string
   ca check hammered_string --schedule
   ca check hammered_string --set hammer.m='30 g' --rate '96 kHz' --json
-  ca check piano_key --latency 1")]
+  ca check piano_key --latency 1
+  ca check hammer_piano --device tgr12")]
 pub struct CheckArgs {
     /// the model
     #[command(flatten)]
@@ -153,7 +158,63 @@ pub struct CheckArgs {
     /// Shows the passes of one tick and measures what each costs
     #[arg(long)]
     pub schedule: bool,
-    /// Prints `{diagnostics, summary, schedule}` as JSON
+    /// Compares with a device: the name of a profile that comes with us, or a file `profile.toml`
+    #[arg(long, value_name = "NAME|FILE")]
+    pub device: Option<String>,
+    /// Prints `{diagnostics, summary, schedule, device}` as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Shows and sets how large and how heavy a model is in the hand
+///
+/// The table says what 1 of each quantity of the model is in the real world. `--set` makes one equivalence true and
+/// recomputes all others: of one row, while the anchor stays (the travel of the keys, unless said otherwise); of two rows
+/// of different kinds, both. `--key` lets one key differ from the others: `--lever` keeps its energy, `--position` and
+/// `--force-factor` are the two factors of their own. Nothing is written unless `--write` or `--in-place` says where; the
+/// rest of the file, its comments too, stays as it is.
+#[derive(Args)]
+#[command(after_long_help = "Examples:
+  ca equiv piano_key
+  ca equiv piano_key --set mass='20 g:10 g' --write heavy.ca.toml
+  ca equiv heavy.ca.toml --set position='20 mm:10 mm' --in-place
+  ca equiv heavy.ca.toml --set energy='1 mJ:2 mJ' --anchor impedance --json
+  ca equiv heavy.ca.toml --key g --lever 2 --verbose")]
+#[command(group(clap::ArgGroup::new("own").multiple(true)))]
+pub struct EquivArgs {
+    /// `*.ca.toml` file, MIMS `.mdl` file, or name of a bundled model
+    pub model: String,
+    /// Makes so much in the hand equal so much in the model, e.g. mass=20g:1.0; once or twice
+    #[arg(long = "set", value_name = "ROW=REAL:SIM", value_parser = equivalence)]
+    pub set: Vec<(String, String)>,
+    /// What stays while one row is set: position, force, impedance, energy, or a row that stands for one of them
+    #[arg(long, value_name = "ROW")]
+    pub anchor: Option<String>,
+    /// The device key (TGR) that is given a scale of its own
+    #[arg(long, requires = "own")]
+    pub key: Option<String>,
+    /// Both factors of the key: a lever
+    #[arg(long, value_parser = factor, group = "own", requires = "key", conflicts_with_all = ["position", "force_factor"])]
+    pub lever: Option<f64>,
+    /// Its positions, beside those of the other keys
+    #[arg(long, value_parser = factor, group = "own", requires = "key")]
+    pub position: Option<f64>,
+    /// Its forces, beside those of the other keys
+    #[arg(long, value_parser = factor, group = "own", requires = "key")]
+    pub force_factor: Option<f64>,
+    /// Writes the model with these equivalences to a new file
+    #[arg(long, value_name = "FILE.ca.toml", conflicts_with = "in_place")]
+    pub write: Option<PathBuf>,
+    /// Writes them into the model file itself
+    #[arg(long)]
+    pub in_place: bool,
+    /// Overwrites the file of `--write`
+    #[arg(long)]
+    pub force: bool,
+    /// Shows alpha and beta too
+    #[arg(short, long)]
+    pub verbose: bool,
+    /// Prints the table as JSON
     #[arg(long)]
     pub json: bool,
 }
@@ -252,6 +313,14 @@ fn pair(text: &str) -> Result<(String, String), String> {
         }
         _ => Err("write it like `hammer.m=30 g`".into()),
     }
+}
+
+fn equivalence(text: &str) -> Result<(String, String), String> {
+    pair(text).map_err(|_| "write it like `mass=20g:1.0`".into())
+}
+
+fn factor(text: &str) -> Result<f64, String> {
+    quantity_of(text, Unit::NONE, (1e-6, 1e6))
 }
 
 fn quantity_of(text: &str, unit: Unit, range: (f64, f64)) -> Result<f64, String> {

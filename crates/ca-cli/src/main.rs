@@ -76,6 +76,7 @@ fn main() -> ExitCode {
     let outcome = match &cli.command {
         Command::Render(a) => commands::render::run(a),
         Command::Check(a) => commands::check::run(a),
+        Command::Equiv(a) => commands::equiv::run(a),
         Command::List(a) => commands::list::run(a),
         Command::New(a) => commands::new::run(a),
         Command::Import(a) => commands::import::run(a),

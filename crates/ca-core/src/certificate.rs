@@ -38,6 +38,8 @@ pub struct Key {
     pub name: String,
     /// sum of the largest slopes of all links at it \[N/m\]; of laws that stiffen without end, the slope at rest
     pub k: f64,
+    /// of which modules: name and slope \[N/m\], those of a list or a set together
+    pub links: Vec<(String, f64)>,
 }
 
 /// What the compiler could prove.

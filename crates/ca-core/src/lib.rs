@@ -44,6 +44,7 @@ pub mod certificate;
 pub mod cloud;
 pub mod compile;
 pub mod energy;
+pub mod equivalence;
 pub mod generate;
 pub mod io;
 pub mod kind;

@@ -38,6 +38,14 @@ impl Dim {
     pub const VISCOSITY: Dim = Dim::new(0.0, 1.0, -1.0);
     /// \[N/m^3\]
     pub const CUBIC: Dim = Dim::new(-2.0, 1.0, -2.0);
+    /// \[N s\]
+    pub const MOMENTUM: Dim = Dim::new(1.0, 1.0, -1.0);
+    /// \[m/N\]
+    pub const COMPLIANCE: Dim = Dim::new(0.0, -1.0, 2.0);
+    /// \[J\]
+    pub const ENERGY: Dim = Dim::new(2.0, 1.0, -2.0);
+    /// \[W\]
+    pub const POWER: Dim = Dim::new(2.0, 1.0, -3.0);
 
     /// A dimension from its three exponents.
     pub const fn new(m: f64, kg: f64, s: f64) -> Dim {
@@ -100,6 +108,14 @@ units! {
     VISCOSITY = "N s/m", Dim::VISCOSITY;
     /// cubic stiffness
     CUBIC = "N/m^3", Dim::CUBIC;
+    /// momentum, impulse
+    MOMENTUM = "N s", Dim::MOMENTUM;
+    /// compliance
+    COMPLIANCE = "m/N", Dim::COMPLIANCE;
+    /// joule
+    JOULE = "J", Dim::ENERGY;
+    /// watt
+    WATT = "W", Dim::POWER;
 }
 
 /// Whether a number must be written.

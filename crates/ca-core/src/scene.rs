@@ -3,6 +3,7 @@
 //! Counts first, then arrays with their shape. All of it is written once, by [`compile`](mod@crate::compile).
 
 use crate::certificate::Certificate;
+use crate::equivalence::{Equivalence, Gains};
 use crate::io::midi::MidiMap;
 use crate::layout::{Account, Layout};
 use crate::live::{Controls, LivePlan};
@@ -36,6 +37,8 @@ pub struct Input {
     pub midi: Option<MidiMap>,
     /// device and degree of freedom of a TGR
     pub device: Option<(String, u32)>,
+    /// between the hand and this place, for a device
+    pub gains: Gains,
 }
 
 /// Name, kind and place of a module that was compiled.
@@ -92,6 +95,8 @@ pub struct Scene {
     pub symbols: Vec<Symbol>,
     /// stability as the compiler could prove it
     pub certificate: Certificate,
+    /// how large and heavy the model is in the hand
+    pub equivalence: Equivalence,
     /// what the passes of the compiler left out, in words
     pub left_out: Vec<String>,
     /// warnings and notes of the compiler

@@ -1,19 +1,23 @@
 //! Equivalence: how large and how heavy the simulated world is in the hand.
 //!
-//! X = α·x from real to simulated position, f = β·F from simulated to real force (GENESIS paper, 6.3; numerics 6). Per
-//! key the two are tuned: together they are a lever, apart an amplifier of energy.
+//! X = α·x from real to simulated position, f = β·F from simulated to real force (GENESIS paper, 6.3; numerics 6). The
+//! table, and what an author writes about it, are of the model: [`ca_core::equivalence`]. Here is what a device needs
+//! of it, which is two numbers for each of its degrees of freedom.
 
-/// Between the real and the simulated world, for one degree of freedom.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Gains {
-    /// simulated metres per real metre
-    pub alpha: f64,
-    /// real newtons per simulated newton
-    pub beta: f64,
-}
+use ca_core::Scene;
+pub use ca_core::equivalence::Gains;
 
-impl Default for Gains {
-    fn default() -> Gains {
-        Gains { alpha: 1.0, beta: 1.0 }
+/// The gains of each degree of freedom of `device`, as the model says; one to one where nothing of the scene moves with
+/// it.
+pub fn gains(scene: &Scene, device: &str) -> Vec<Gains> {
+    let mut all: Vec<Gains> = Vec::new();
+    for i in &scene.inputs {
+        let Some((_, dof)) = i.device.as_ref().filter(|d| d.0 == device) else { continue };
+        let dof = *dof as usize;
+        if all.len() <= dof {
+            all.resize(dof + 1, Gains::default());
+        }
+        all[dof] = i.gains;
     }
+    all
 }

@@ -9,9 +9,10 @@ use crate::{Failure, term};
 use ca_core::Scene;
 use ca_core::border::{Delays, delays};
 use ca_core::certificate::Key;
+use ca_core::equivalence::Scale;
 use ca_core::kind::Unit;
-use ca_core::layout::Shape;
-use ca_core::ledger::Ledger;
+use ca_core::layout::{Enx, Shape};
+use ca_core::ledger::{Exchange, Ledger};
 use ca_core::model::quantity::show;
 use serde_json::{Value as Json, json};
 use std::io::Write;
@@ -66,7 +67,7 @@ pub(crate) fn crossing(out: &mut impl Write, scene: &Scene) -> Result<(), Failur
 /// Keys that a hand feels, stiffest first.
 fn felt(scene: &Scene) -> Vec<&Key> {
     let mut keys: Vec<&Key> = scene.certificate.keys.iter().filter(|_| scene.crossing.feedback).collect();
-    keys.sort_by(|a, b| b.k.total_cmp(&a.k));
+    keys.sort_by(|a, b| felt_as(scene, b).total_cmp(&felt_as(scene, a)));
     keys
 }
 
@@ -75,7 +76,8 @@ pub(crate) fn keys(out: &mut impl Write, scene: &Scene) -> Result<(), Failure> {
     let (d, keys) = (delays(scene), felt(scene));
     let mut lead = "keys       ";
     for key in keys.iter().take(KEYS) {
-        let (k, b) = (quantity(key.k), short(d.friction(key.k)));
+        let k = felt_as(scene, key);
+        let (k, b) = (quantity(k), short(d.friction(k)));
         writeln!(
             out,
             "  {lead}`{}`: springs sum to {k}; to stay passive a device needs {b} N s/m of its own",
@@ -94,8 +96,26 @@ pub(crate) fn keys(out: &mut impl Write, scene: &Scene) -> Result<(), Failure> {
     Ok(())
 }
 
+/// How a key with a scale of its own differs from the others, for people.
+pub(crate) fn scale_of(k: &Scale) -> String {
+    let (g, h) = (short(k.position), short(k.force));
+    if k.is_lever() {
+        return format!("a lever of {g}: positions and forces × {g}, energy as everywhere");
+    }
+    let (gain, inverse) = (short(k.force / k.position), short(k.position / k.force));
+    format!(
+        "no lever but an amplifier of energy: positions × {g}, forces × {h}; a joule of the model is {gain} times what it \
+         is at the other keys, so energy given here comes out there × {inverse}"
+    )
+}
+
+/// What a spring of the model on this key is in the hand.
+fn felt_as(scene: &Scene, key: &Key) -> f64 {
+    key.k * scene.equivalence.of(&key.name).stiffness()
+}
+
 /// Three digits of a stiffness.
-fn quantity(k: f64) -> String {
+pub(crate) fn quantity(k: f64) -> String {
     show(short(k).parse().unwrap_or(k), Unit::STIFFNESS)
 }
 
@@ -103,8 +123,10 @@ fn quantity(k: f64) -> String {
 pub(crate) fn json(scene: &Scene) -> Json {
     let d = delays(scene);
     let device = !scene.tgr.is_empty();
-    let keys: Vec<Json> =
-        felt(scene).iter().map(|k| json!({"name": k.name, "k": k.k, "friction": d.friction(k.k)})).collect();
+    let keys: Vec<Json> = felt(scene)
+        .iter()
+        .map(|k| json!({"name": k.name, "k": felt_as(scene, k), "friction": d.friction(felt_as(scene, k))}))
+        .collect();
     let border = device.then(|| {
         json!({
             "shape": if scene.ratio == 1 { "synchronous" } else { shape(scene) }, "latency": scene.crossing.latency,
@@ -125,10 +147,12 @@ fn shape(scene: &Scene) -> &'static str {
     }
 }
 
-/// Name of each device key, what the scene received there and what the hand gave \[J\].
+/// Name of each device key, what the scene received there and what the hand gave, in joules of the hand.
 pub(crate) fn exchanged<'a>(scene: &'a Scene, book: &Ledger) -> Vec<(&'a str, f64, f64)> {
     let name = |input: u32| scene.inputs.get(input as usize).map_or("?", |i| i.name.as_str());
-    scene.tgr.iter().zip(&book.hands).map(|(p, e)| (name(p.input), e.received, e.given)).collect()
+    let joules = |input: u32| scene.inputs.get(input as usize).map_or(1.0, |i| i.gains.energy());
+    let row = |p: &Enx, e: &Exchange| (name(p.input), e.received * joules(p.input), e.given * joules(p.input));
+    scene.tgr.iter().zip(&book.hands).map(|(p, e)| row(p, e)).collect()
 }
 
 /// Says so where something was asked of a border that is not there.

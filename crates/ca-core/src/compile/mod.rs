@@ -13,6 +13,7 @@ pub mod certify;
 mod crossing;
 mod cutoff;
 mod ears;
+mod equivalence;
 mod expand;
 mod fed;
 mod gesture;

@@ -1,5 +1,6 @@
 //! Net: the network between model and scene: every module by itself, references resolved, numbers in SI.
 
+use crate::equivalence::Equivalence;
 use crate::kind::Kind;
 use crate::kind::MatSpec;
 use crate::kind::PortRole;
@@ -286,6 +287,8 @@ pub struct Net {
     pub ratio: u32,
     /// how device ports cross the border
     pub crossing: Crossing,
+    /// how large and heavy the model is in the hand
+    pub equivalence: Equivalence,
     /// low-pass of the sound channels, as in the layout
     pub lowpass: Vec<f64>,
     /// the items the modules were made from

@@ -70,7 +70,7 @@ fn named(e: &Entry, diags: &mut Diags) -> Named {
             diags.push(match &err.hint {
                 Some(h) if place != *span => d.help(format!("did you mean `{h}`?")).fix(place, h.clone()),
                 Some(h) => d.help(format!("did you mean `{h}`?")),
-                None => d.help("units are made of m, g, s, Hz, N and prefixes, e.g. `N s/m`"),
+                None => d.help("units are made of m, g, s, Hz, N, J, W and prefixes, e.g. `N s/m`"),
             });
             unit = None;
             // what follows would only say it again

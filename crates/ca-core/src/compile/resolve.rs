@@ -6,8 +6,9 @@ use super::expand::expand;
 use super::net::{Family, LARGEST, MatNode, MatRole, Net, NetItem};
 use super::say::type_name;
 use super::values::Values;
-use super::{Options, gesture, params, rates, sense, space};
+use super::{Options, equivalence, gesture, params, rates, sense, space};
 use crate::catalog::Catalog;
+use crate::equivalence::Gains;
 use crate::kind::PortRole;
 use crate::kind::{Kind, Need, OneOf, Role, Type, Unit};
 use crate::live::Source;
@@ -50,6 +51,7 @@ pub fn resolve(model: &Model, catalog: &Catalog, options: &Options, diags: &mut 
         net.seconds = v.number(e, Unit::SECOND, (0.0, 86_400.0), "`seconds` of `[model]`").map(|s| s.0);
         v.alg = te;
     }
+    equivalence::equivalence(model, &mut net, &mut v);
     params::place(&mut v, &mut net);
     net.tables = v.tables;
     gesture::gestures(model, &mut net, alg, &v.named, diags);
@@ -348,7 +350,7 @@ fn port(
         let name = if dim == 1 { item.name.clone() } else { format!("{}.{}", item.name, space::AXES[k]) };
         let device = device.as_ref().map(|d| (d.clone(), *dof as u32));
         let rest = if role == PortRole::Enf { 0.0 } else { rest[k] };
-        net.inputs.push(Input { name, role: input_role, rest, midi, device });
+        net.inputs.push(Input { name, role: input_role, rest, midi, device, gains: Gains::default() });
     }
     if role != PortRole::Enf {
         let node = MatNode {

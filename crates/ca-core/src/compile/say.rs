@@ -90,6 +90,7 @@ pub fn example(unit: Unit) -> String {
         "N/m" => "8 kN/m",
         "N s/m" => "0.2 N s/m",
         "m/s" => "0.5 m/s",
+        "J" => "10 mJ",
         "" => return "1".into(),
         other => return format!("1 {other}"),
     };

@@ -101,6 +101,7 @@ pub fn schedule(
         gestures: net.gestures.clone(),
         symbols,
         certificate,
+        equivalence: net.equivalence.clone(),
         left_out: net.left_out.clone(),
         diags: Diags::new(),
         title: model.title().to_string(),

@@ -159,6 +159,7 @@ pub const CODES: &[(&str, &str)] = &[
     ("E029", "does not fit the space it is in"),
     ("E030", "not a MIMS model"),
     ("E031", "file that cannot be read"),
+    ("E032", "equivalences that do not fit together"),
     ("W101", "nothing hears it"),
     ("W102", "a contact acts at load"),
     ("W103", "unstable by the bound of a module"),

@@ -8,6 +8,7 @@
 use super::quantity::show;
 use super::sections::{GROUP, META, RATES};
 use crate::catalog::Catalog;
+use crate::equivalence::{Class, ROWS, Row};
 use crate::kind::{Dim, Kind, Need, Param, Type, Unit};
 use alloc::format;
 use alloc::string::{String, ToString};
@@ -57,11 +58,7 @@ pub fn schema(catalog: &Catalog) -> Json {
         "gesture".into(),
         json!({"type": "object", "description": "a port or a live parameter, and its breakpoints [time, value]"}),
     );
-    properties.insert("equivalence".into(), json!({
-        "type": "object",
-        "description": "a quantity = [real, simulated]",
-        "additionalProperties": {"type": "array", "minItems": 2, "maxItems": 2, "items": {"$ref": "#/$defs/number"}},
-    }));
+    properties.insert("equivalence".into(), equivalence());
     json!({
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "CORDIS-ANIMA model",
@@ -112,6 +109,29 @@ fn params() -> Json {
         "description": "named numbers",
         "propertyNames": {"pattern": WORD},
         "additionalProperties": {"anyOf": [number, full]},
+    })
+}
+
+/// Rows as pairs, the anchor, and a table for each device key (a group's key is a table in a table).
+fn equivalence() -> Json {
+    let number = json!({"$ref": "#/$defs/number"});
+    let rows = ROWS.iter().filter(|r| r.class() != Class::Time);
+    let pair = |r: &Row| {
+        let doc = format!("[real, simulated]; the real one in {} where no unit is written", r.unit.symbol);
+        json!({"type": "array", "minItems": 2, "maxItems": 2, "items": number, "description": doc})
+    };
+    let mut known: Map<String, Json> = rows.clone().map(|r| (r.name.to_string(), pair(r))).collect();
+    let anchors: Vec<&str> = ["impedance"].into_iter().chain(rows.map(|r| r.name)).collect();
+    known.insert("anchor".into(), json!({"enum": anchors, "description": "what stays where one row is given"}));
+    let factor = json!({"$ref": "#/$defs/number", "description": "factor beside the scale of the whole"});
+    let key = json!({
+        "type": "object", "description": "how this device key differs from the others",
+        "properties": {"lever": factor, "position": factor, "force": factor}, "additionalProperties": {"type": "object"},
+        "allOf": [{"not": {"required": ["lever", "position"]}}, {"not": {"required": ["lever", "force"]}}],
+    });
+    json!({
+        "type": "object", "description": "how large and how heavy the model is in the hand: a quantity = [real, simulated]",
+        "properties": known, "additionalProperties": key,
     })
 }
 

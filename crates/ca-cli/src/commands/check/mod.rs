@@ -3,6 +3,7 @@
 //! Decides that findings go to stderr, where every command shows them, and that the summary, which is what was asked
 //! for, goes to stdout.
 
+mod device;
 mod schedule;
 
 use crate::args::CheckArgs;
@@ -21,14 +22,17 @@ use std::io::Write as _;
 
 /// Runs the command.
 pub fn run(args: &CheckArgs) -> Outcome {
+    let profile = args.device.as_deref().map(device::profile).transpose()?;
     let loaded = load::load(&args.source)?;
     let (scene, diags) = load::compiled(&loaded, &Options { rate: args.source.rate, ..Options::default() });
     let rows = scene.as_ref().filter(|_| args.schedule).map(schedule::measure);
+    let asked = scene.as_ref().zip(profile.as_ref()).map(|(s, p)| device::Asked::new(s, p));
     if args.json {
         let all = json!({
             "diagnostics": render::json(&diags, &loaded.model),
             "summary": scene.as_ref().map(|s| summary_json(&loaded, s)),
             "schedule": scene.as_ref().zip(rows.as_ref()).map(|(s, r)| schedule::json(s, r)),
+            "device": asked.as_ref().map(device::Asked::json),
         });
         writeln!(std::io::stdout().lock(), "{all:#}")?;
     } else {
@@ -40,10 +44,14 @@ pub fn run(args: &CheckArgs) -> Outcome {
         if let Some((scene, rows)) = scene.as_ref().zip(rows.as_ref()) {
             schedule::text(scene, rows)?;
         }
+        if let Some(asked) = &asked {
+            asked.text(&mut std::io::stdout().lock())?;
+        }
     }
     match scene {
         None => Err(Failure::Told),
         Some(s) if s.certificate.level == Level::Unstable => Ok(Ended::Degraded),
+        Some(_) if asked.is_some_and(|a| a.too_much()) => Ok(Ended::Degraded),
         Some(_) => Ok(Ended::Well),
     }
 }

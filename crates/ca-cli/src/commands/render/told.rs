@@ -209,6 +209,9 @@ impl Summary<'_> {
         for (name, received, given) in border::exchanged(self.scene, &a.book) {
             let (leak, received, given) = (joule(received - given), joule(received), joule(given));
             writeln!(out, "    border   {received} through `{name}`, {given} given by its hand: {leak} made")?;
+            if let Some(scale) = self.scene.equivalence.keys.iter().find(|k| k.key == name) {
+                writeln!(out, "             `{name}` is {}", border::scale_of(scale))?;
+            }
         }
         for (name, made) in makers(self.scene, a).iter().take(5) {
             writeln!(out, "      {} made by `{name}`", joule(*made))?;

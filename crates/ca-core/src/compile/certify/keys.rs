@@ -11,14 +11,24 @@ use alloc::vec::Vec;
 
 /// A row for each key that something stiff holds, in the order of the document.
 pub fn keys(net: &Net, bounds: &[Bound]) -> Vec<Key> {
-    let mut sums = alloc::vec![0.0; net.mats.len()];
+    let mut held: Vec<Vec<(u32, f64)>> = alloc::vec![Vec::new(); net.mats.len()];
     for (l, b) in net.lias.iter().zip(bounds) {
         for e in l.all_ends() {
-            if let End::Mat(m) = e {
-                sums[m as usize] += b.k.max(0.0);
+            let End::Mat(m) = e else { continue };
+            let links = &mut held[m as usize];
+            match links.last_mut().filter(|(item, _)| *item == l.item) {
+                Some((_, k)) => *k += b.k.max(0.0),
+                None => links.push((l.item, b.k.max(0.0))),
             }
         }
     }
-    let held = net.mats.iter().zip(sums).filter(|(m, k)| matches!(m.role, MatRole::Port(PortRole::Tgr, _)) && *k > 0.0);
-    held.map(|(m, k)| Key { name: m.name.clone(), k }).collect()
+    let mut keys = Vec::new();
+    for (m, links) in net.mats.iter().zip(held) {
+        let k: f64 = links.iter().map(|l| l.1).sum();
+        if k > 0.0 && matches!(m.role, MatRole::Port(PortRole::Tgr, _)) {
+            let links = links.into_iter().map(|(item, k)| (net.items[item as usize].name.clone(), k)).collect();
+            keys.push(Key { name: m.name.clone(), k, links });
+        }
+    }
+    keys
 }

@@ -81,6 +81,10 @@ pub fn unit_of(dim: Dim) -> String {
         Unit::NEWTON,
         Unit::STIFFNESS,
         Unit::VISCOSITY,
+        Unit::MOMENTUM,
+        Unit::COMPLIANCE,
+        Unit::JOULE,
+        Unit::WATT,
     ];
     if let Some(u) = NAMED.iter().find(|u| u.dim.same(dim)) {
         return u.symbol.into();

@@ -13,6 +13,8 @@ pub(super) const UNITS: &[(&str, Dim, i32)] = &[
     ("s", Dim::TIME, 0),
     ("Hz", Dim::FREQUENCY, 0),
     ("N", Dim::FORCE, 0),
+    ("J", Dim::ENERGY, 0),
+    ("W", Dim::POWER, 0),
     ("%", Dim::NONE, -2),
 ];
 
@@ -48,6 +50,10 @@ const SPELLINGS: &[(&str, &str)] = &[
     ("hertz", "Hz"),
     ("newton", "N"),
     ("newtons", "N"),
+    ("joule", "J"),
+    ("joules", "J"),
+    ("watt", "W"),
+    ("watts", "W"),
     ("percent", "%"),
     ("micron", "µm"),
 ];

@@ -1,0 +1,306 @@
+//! What a model asks of a device, before anybody plays it.
+//!
+//! Decides to take the larger of two stiffnesses of a key: the sum that the compiler certifies (all contacts closed, live
+//! parameters at their stiffest) and the steepest place of the force measured over the whole travel of the device, with
+//! everything behind the key at rest, which is how a law that stiffens without end shows itself. Both limits are told:
+//! what the device says it renders, and what stays passive with its own friction, K ≤ b/(κT), where κT is the delay of
+//! the border and one frame more, since a real device takes each force a frame later (numerics 5.2: κ = 2). A force
+//! beyond the largest is no fault of the model, every hard stop has it: it is told where in the travel it begins.
+
+use crate::Failure;
+use crate::commands::border::quantity;
+use crate::load::{self, ticked};
+use crate::term::short;
+use ca_core::border::{Delays, delays};
+use ca_core::certificate::Key;
+use ca_core::equivalence::Gains;
+use ca_core::kind::Unit;
+use ca_core::model::quantity::show;
+use ca_core::model::suggest::nearest;
+use ca_core::{Scene, sense};
+use ca_haptic::profile::{Profile, SHIPPED};
+use serde_json::{Value as Json, json};
+use std::io::Write;
+use std::path::Path;
+
+/// Steps in which a key is moved over its travel.
+const STEPS: usize = 2000;
+
+/// The profile a word names: a file if there is one, else one that comes with us.
+pub(super) fn profile(word: &str) -> Result<Profile, Failure> {
+    let path = Path::new(word);
+    if path.is_file() {
+        return Ok(Profile::read(&load::text(path)?, word)?);
+    }
+    Profile::shipped(word).ok_or_else(|| {
+        let names = || SHIPPED.iter().map(|s| s.0);
+        Failure::Usage(match nearest(word, names()) {
+            Some(near) => format!("--device: no file and no profile `{word}`; did you mean `{near}`?"),
+            None => {
+                let all: Vec<&str> = names().collect();
+                format!("--device: no file and no profile `{word}`; there are {}", all.join(", "))
+            }
+        })
+    })
+}
+
+/// A key against the device, in the units of the hand.
+struct Row<'a> {
+    name: &'a str,
+    dof: u32,
+    gains: Gains,
+    /// what the compiler certifies \[N/m\]
+    certified: f64,
+    /// the steepest place of the travel \[N/m\]
+    steepest: f64,
+    /// largest force within the travel \[N\]
+    force: f64,
+    /// where in the travel the force first passes the largest of the device, from the rest of the key \[m\]
+    saturates: Option<f64>,
+    /// links straight on it, stiffest first, with their stiffness in the hand
+    links: Vec<(&'a str, f64)>,
+    /// the device has this degree of freedom
+    there: bool,
+}
+
+impl Row<'_> {
+    fn k(&self) -> f64 {
+        self.certified.max(self.steepest)
+    }
+}
+
+/// All that is asked.
+pub(super) struct Asked<'a> {
+    profile: &'a Profile,
+    rows: Vec<Row<'a>>,
+    /// the stiffest sum of springs on which it stays passive \[N/m\]
+    passive: f64,
+    /// ... were forces taken at once
+    at_once: f64,
+    /// gesture frames a second
+    rate: f64,
+    /// names of the devices of the model that were compared
+    devices: Vec<&'a str>,
+    feedback: bool,
+}
+
+impl<'a> Asked<'a> {
+    /// Compares. The devices of the model that bear the profile's name are meant, or all where none does.
+    pub(super) fn new(scene: &'a Scene, profile: &'a Profile) -> Asked<'a> {
+        let mut devices: Vec<&str> =
+            scene.inputs.iter().filter_map(|i| i.device.as_ref()).map(|d| d.0.as_str()).collect();
+        devices.sort_unstable();
+        devices.dedup();
+        if devices.contains(&profile.name.as_str()) {
+            devices.retain(|d| *d == profile.name);
+        }
+        let d = delays(scene);
+        let b = profile.body.friction;
+        let later = Delays { spring: d.spring + d.frame, ..d };
+        let rows = (0..scene.tgr.len()).filter_map(|t| row(scene, t, profile, &devices)).collect();
+        Asked {
+            profile,
+            rows,
+            passive: later.stiffest(b),
+            at_once: d.stiffest(b),
+            rate: scene.rate / f64::from(scene.ratio),
+            devices,
+            feedback: scene.crossing.feedback,
+        }
+    }
+
+    fn missing(&self) -> Vec<&Row<'a>> {
+        self.rows.iter().filter(|r| !r.there).collect()
+    }
+
+    fn slow(&self) -> bool {
+        self.profile.rate < self.rate * (1.0 - 1e-9)
+    }
+
+    /// Keys the device cannot render, and which limit they pass.
+    fn beyond(&self, r: &Row) -> [bool; 2] {
+        let felt = self.feedback;
+        [
+            felt && self.profile.stiffness.is_some_and(|k| r.k() > k * (1.0 + 1e-9)),
+            felt && r.k() > self.passive * (1.0 + 1e-9),
+        ]
+    }
+
+    /// Whether something is asked that the device cannot give.
+    pub(super) fn too_much(&self) -> bool {
+        !self.missing().is_empty() || self.rows.iter().any(|r| self.beyond(r).contains(&true))
+    }
+
+    /// For people.
+    pub(super) fn text(&self, out: &mut impl Write) -> Result<(), Failure> {
+        let p = self.profile;
+        writeln!(out, "\nOn {} (`{}`):", p.title, p.name)?;
+        let metre = |v: f64| show(short(v).parse().unwrap_or(v), Unit::METRE);
+        let newton = |v: f64| show(short(v).parse().unwrap_or(v), Unit::NEWTON);
+        let own = p.stiffness.map_or("stiffness not known".into(), |k| format!("stiffness {}", quantity(k)));
+        writeln!(
+            out,
+            "  device     {} degrees of freedom, travel {}, force {}, {own}, friction {} N s/m",
+            p.dof,
+            metre(p.range[1] - p.range[0]),
+            newton(p.force),
+            short(p.body.friction)
+        )?;
+        writeln!(
+            out,
+            "  passive    up to {} with that friction, each force a frame later; {} were it taken at once",
+            quantity(self.passive),
+            quantity(self.at_once)
+        )?;
+        let (wants, has) = (show(self.rate, Unit::HERTZ), show(p.rate, Unit::HERTZ));
+        if self.slow() {
+            writeln!(
+                out,
+                "  rates      the model wants {wants} and the device gives {has}: a frame without a new position repeats the last"
+            )?;
+        } else {
+            writeln!(out, "  rates      {wants} wanted, {has} given")?;
+        }
+        if self.devices.is_empty() {
+            writeln!(out, "  keys       none: the model has no TGR with a `device`")?;
+            return Ok(());
+        }
+        let missing = self.missing();
+        if !missing.is_empty() {
+            let names = ticked(missing.iter().map(|r| r.name));
+            writeln!(
+                out,
+                "  keys       {names} want degrees of freedom beyond the {} it has: they stay at rest",
+                p.dof
+            )?;
+        }
+        if !self.feedback {
+            writeln!(out, "  forces     none reach the hand: `feedback` is false")?;
+            return Ok(());
+        }
+        writeln!(
+            out,
+            "\n  {:<12} {:>4} {:>11} {:>11} {:>11} {:>11}  result",
+            "key", "dof", "stiffness", "of device", "passive", "force"
+        )?;
+        for r in &self.rows {
+            let limit = p.stiffness.map_or("?".into(), |k| format!("{} %", short(100.0 * r.k() / k)));
+            let passive = format!("{} %", short(100.0 * r.k() / self.passive));
+            writeln!(
+                out,
+                "  {:<12} {:>4} {:>11} {limit:>11} {passive:>11} {:>11}  {}",
+                r.name,
+                r.dof,
+                quantity(r.k()),
+                newton(r.force),
+                self.verdict(r)
+            )?;
+            if self.beyond(r).contains(&true) {
+                let steeper = r.steepest > r.certified * (1.0 + 1e-6);
+                let all: Vec<String> = r.links.iter().take(4).map(|(n, k)| format!("`{n}` {}", quantity(*k))).collect();
+                let more = if steeper { "; it stiffens within the travel" } else { "" };
+                writeln!(out, "  {:<17} {}{more}", "", all.join(", "))?;
+            }
+            if let Some(x) = r.saturates {
+                writeln!(
+                    out,
+                    "  {:<17} the force passes {} {} from rest and stays there",
+                    "",
+                    newton(p.force),
+                    metre(x)
+                )?;
+            }
+        }
+        if self.rows.iter().any(|r| self.beyond(r).contains(&true)) {
+            writeln!(
+                out,
+                "\n  What is beyond a limit is softer, or buzzes, in the hand. Lower the stiffness of these links, make the \
+                 model lighter\n  in the hand (`ca equiv --set stiffness=…`), or raise `rate.gesture`: passive stiffness grows with it."
+            )?;
+        }
+        Ok(())
+    }
+
+    fn verdict(&self, r: &Row) -> String {
+        if !r.there {
+            return "not on this device".into();
+        }
+        let times = |limit: f64| short(r.k() / limit);
+        match self.beyond(r) {
+            [true, true] => format!(
+                "× {} what it renders, × {} what stays passive",
+                times(self.profile.stiffness.unwrap_or(f64::INFINITY)),
+                times(self.passive)
+            ),
+            [true, false] => format!("× {} what it renders", times(self.profile.stiffness.unwrap_or(f64::INFINITY))),
+            [false, true] => format!("× {} what stays passive", times(self.passive)),
+            [false, false] => "rendered".into(),
+        }
+    }
+
+    /// For programs.
+    pub(super) fn json(&self) -> Json {
+        let p = self.profile;
+        let keys: Vec<Json> = self
+            .rows
+            .iter()
+            .map(|r| {
+                let [stiff, active] = self.beyond(r);
+                let links: Vec<Json> = r.links.iter().map(|(n, k)| json!({"name": n, "k": k})).collect();
+                json!({
+                    "name": r.name, "dof": r.dof, "there": r.there, "k": r.k(), "certified": r.certified,
+                    "steepest": r.steepest, "force": r.force, "saturates": r.saturates, "links": links,
+                    "alpha": r.gains.alpha, "beta": r.gains.beta,
+                    "beyond_stiffness": stiff, "beyond_passive": active,
+                })
+            })
+            .collect();
+        json!({
+            "profile": p.name, "dof": p.dof, "range": p.range, "force": p.force, "stiffness": p.stiffness,
+            "friction": p.body.friction, "rate": p.rate, "gesture_rate": self.rate, "slow": self.slow(),
+            "passive": self.passive, "passive_at_once": self.at_once, "devices": self.devices, "keys": keys,
+            "too_much": self.too_much(),
+        })
+    }
+}
+
+/// Device port number `t` of the scene.
+fn row<'a>(scene: &'a Scene, t: usize, profile: &Profile, devices: &[&str]) -> Option<Row<'a>> {
+    let port = scene.tgr[t];
+    let input = &scene.inputs[port.input as usize];
+    let (device, dof) = input.device.as_ref()?;
+    if !devices.contains(&device.as_str()) {
+        return None;
+    }
+    let (gains, at) = (input.gains, port.mat as usize);
+    let key: Option<&Key> = scene.certificate.keys.iter().find(|k| k.name == scene.mat_name(at));
+    let mut links: Vec<(&str, f64)> =
+        key.iter().flat_map(|k| &k.links).map(|(n, k)| (n.as_str(), k * gains.stiffness())).collect();
+    links.sort_by(|a, b| b.1.total_cmp(&a.1));
+    // the force over the travel, everything else where it is at load and without motion
+    let mut state = scene.state();
+    state.d.fill(0.0);
+    let force_at = |x: f64| {
+        let mut s = state.clone();
+        s.input[port.input as usize] = gains.alpha * x;
+        sense(scene, &mut s);
+        gains.beta * s.f[at]
+    };
+    let span = profile.range[1] - profile.range[0];
+    let places: Vec<f64> = (0..=STEPS).map(|i| profile.range[0] + span * i as f64 / STEPS as f64).collect();
+    let forces: Vec<f64> = places.iter().map(|x| force_at(*x)).collect();
+    let steepest = forces.windows(2).map(|w| (w[1] - w[0]).abs() / (span / STEPS as f64)).fold(0.0, f64::max);
+    let rest = input.rest / gains.alpha;
+    let beyond = places.iter().zip(&forces).filter(|(_, f)| f.abs() > profile.force).map(|(x, _)| (x - rest).abs());
+    Some(Row {
+        name: &input.name,
+        dof: *dof,
+        gains,
+        certified: key.map_or(0.0, |k| k.k * gains.stiffness()),
+        steepest,
+        force: forces.iter().fold(0.0, |m, f| m.max(f.abs())),
+        saturates: beyond.min_by(f64::total_cmp),
+        links,
+        there: *dof < profile.dof,
+    })
+}

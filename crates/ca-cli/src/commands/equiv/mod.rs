@@ -1,0 +1,71 @@
+//! `ca equiv`: how large and how heavy a model is in the hand.
+//!
+//! Decides that what is asked becomes text first, the `[equivalence]` of the model file, and that everything shown comes
+//! from compiling that text: what is printed is what the file will do. α and β are shown to those who ask (GENESIS
+//! paper, 6.4: nobody ever has to touch them).
+
+mod edit;
+mod table;
+
+use crate::args::{EquivArgs, Source};
+use crate::load::{self, Loaded};
+use crate::{Ended, Failure, Outcome, catalog, term};
+use ca_core::Options;
+use ca_core::model::{read, render, write};
+use std::io::Write as _;
+use std::path::Path;
+
+/// Runs the command.
+pub fn run(args: &EquivArgs) -> Outcome {
+    let source = Source {
+        model: args.model.clone(),
+        set: Vec::new(),
+        rate: None,
+        border: None,
+        latency: None,
+        no_feedback: false,
+    };
+    let mut loaded = load::load(&source)?;
+    let mut scene = load::scene(&loaded, &Options::default())?;
+    let mdl = load::has_extension(Path::new(&args.model), "mdl");
+    let mut text = if mdl { write::write(&loaded.model) } else { loaded.model.text.clone() };
+    if !args.set.is_empty() || args.anchor.is_some() || args.key.is_some() {
+        text = edit::edit(&text, &loaded.model, &scene.equivalence, args)?;
+        let (model, diags) = read::read(&text, &loaded.model.file, &catalog());
+        loaded = Loaded { model, diags, ..loaded };
+        scene = load::scene(&loaded, &Options::default())?;
+    }
+    if args.in_place {
+        let path = Path::new(&args.model);
+        if mdl || !path.exists() {
+            let why = if mdl { "a MIMS file holds no equivalences" } else { "a bundled model is not yours to change" };
+            return Err(Failure::Usage(format!("`{}`: {why}; name a file by `--write FILE.ca.toml`", args.model)));
+        }
+        replace(path, &text)?;
+    } else if let Some(path) = &args.write {
+        super::new::write(path, &text, args.force)?;
+    }
+    let all = table::Table::new(&loaded, &scene);
+    if args.json {
+        writeln!(std::io::stdout().lock(), "{:#}", all.json())?;
+    } else {
+        all.text(&mut std::io::stdout().lock(), args.verbose)?;
+    }
+    if let Some(path) = args.write.as_deref().or(args.in_place.then_some(Path::new(&args.model))) {
+        term::note(&format!("written to `{}`", path.display()));
+    }
+    // findings that are not errors, as every command that compiles shows them
+    term::findings(&render::text(&loaded.diags, &loaded.model, term::color()));
+    Ok(Ended::Well)
+}
+
+/// The new text in the place of the old one, in one step: an author's file is never half written.
+fn replace(path: &Path, text: &str) -> Result<(), Failure> {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let aside = path.with_file_name(format!(".{name}.new"));
+    let rights = || std::fs::metadata(path).and_then(|m| std::fs::set_permissions(&aside, m.permissions()));
+    std::fs::write(&aside, text).and_then(|()| rights()).and_then(|()| std::fs::rename(&aside, path)).map_err(|e| {
+        let _ = std::fs::remove_file(&aside);
+        Failure::Failed(format!("`{}`: it cannot be written: {}", path.display(), load::reason(&e)))
+    })
+}

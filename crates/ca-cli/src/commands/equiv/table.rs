@@ -1,0 +1,113 @@
+//! The table of equivalences, for people and for programs.
+
+use crate::Failure;
+use crate::commands::border::scale_of;
+use crate::load::Loaded;
+use ca_core::Scene;
+use ca_core::equivalence::{Class, Equivalence, Gains, ROWS, Row, Scale};
+use ca_core::kind::Unit;
+use ca_core::model::quantity::show;
+use serde_json::{Value as Json, json};
+use std::io::Write;
+
+/// What there is to show.
+pub(super) struct Table<'a> {
+    name: &'a str,
+    scene: &'a Scene,
+}
+
+impl<'a> Table<'a> {
+    pub(super) fn new(loaded: &'a Loaded, scene: &'a Scene) -> Table<'a> {
+        Table { name: if scene.title.is_empty() { &loaded.name } else { &scene.title }, scene }
+    }
+
+    fn e(&self) -> &Equivalence {
+        &self.scene.equivalence
+    }
+
+    fn alg(&self) -> bool {
+        self.e().te != 1.0
+    }
+
+    /// 1 of the model, in the hand.
+    fn real(&self, row: &Row, g: Gains) -> String {
+        digits(row.factor(g, self.e().te), row.unit)
+    }
+
+    /// A unit as the model has it.
+    fn one(&self, row: &Row) -> String {
+        if self.alg() { "1".into() } else { format!("1 {}", row.unit.symbol) }
+    }
+
+    /// For people.
+    pub(super) fn text(&self, out: &mut impl Write, verbose: bool) -> Result<(), Failure> {
+        let e = self.e();
+        writeln!(out, "{}", self.name)?;
+        if self.alg() {
+            let rate = digits(1.0 / e.te, Unit::HERTZ);
+            writeln!(out, "  the model's numbers are per sample of {rate}: real = factor × simulated")?;
+        } else {
+            writeln!(out, "  the model's numbers are in SI: real = factor × simulated")?;
+        }
+        if self.scene.tgr.is_empty() {
+            writeln!(out, "  no device key (TGR): nothing of this is felt")?;
+        }
+        let keys: Vec<&Scale> = e.keys.iter().collect();
+        let all = if keys.is_empty() { "in the hand" } else { "all other keys" };
+        write!(out, "\n  {:<13} {:<10} {all:<16}", "quantity", "simulated")?;
+        keys.iter().try_for_each(|k| write!(out, " {:<16}", k.key))?;
+        writeln!(out)?;
+        for row in ROWS {
+            write!(out, "  {:<13} {:<10} {:<16}", row.name, self.one(row), self.real(row, e.gains))?;
+            keys.iter().try_for_each(|k| write!(out, " {:<16}", self.real(row, e.of(&k.key))))?;
+            writeln!(out)?;
+        }
+        for k in keys {
+            writeln!(out, "\n  `{}` is {}", k.key, scale_of(k))?;
+        }
+        if verbose {
+            writeln!(
+                out,
+                "\n  alpha {} simulated metres per metre, beta {} newtons per simulated newton",
+                e.gains.alpha, e.gains.beta
+            )?;
+            for k in &e.keys {
+                let g = e.of(&k.key);
+                writeln!(out, "  `{}`: alpha {}, beta {}", k.key, g.alpha, g.beta)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// For programs.
+    pub(super) fn json(&self) -> Json {
+        let e = self.e();
+        let factors = |g: Gains| -> serde_json::Map<String, Json> {
+            ROWS.iter().map(|r| (r.name.to_string(), json!(r.factor(g, e.te)))).collect()
+        };
+        let rows: Vec<Json> = ROWS
+            .iter()
+            .map(|r| json!({"name": r.name, "unit": r.unit.symbol, "class": r.class().name(), "factor": r.factor(e.gains, e.te)}))
+            .collect();
+        let keys: Vec<Json> = e
+            .keys
+            .iter()
+            .map(|k| {
+                let g = e.of(&k.key);
+                json!({
+                    "name": k.key, "position": k.position, "force": k.force, "lever": k.is_lever(),
+                    "energy_gain": k.force / k.position, "factors": factors(g), "alpha": g.alpha, "beta": g.beta,
+                })
+            })
+            .collect();
+        json!({
+            "title": self.name, "units": if self.alg() { "alg" } else { "si" }, "te": e.te,
+            "anchor": e.anchor.map(Class::name), "rows": rows, "keys": keys, "alpha": e.gains.alpha, "beta": e.gains.beta,
+        })
+    }
+}
+
+/// Six digits.
+fn digits(v: f64, unit: Unit) -> String {
+    show(format!("{v:.5e}").parse().unwrap_or(v), unit)
+}

@@ -1,0 +1,234 @@
+//! Equivalences: the table of numerics 6, what an author writes about it, and a driving point measured in a compiled
+//! scene.
+
+use ca_core::equivalence::{Class, Gains, Pair, ROWS, Row, anchor_for, keep, row, solve};
+use ca_core::{Options, Scene, State, advance, load, sense};
+use ca_haptic::equivalence::gains;
+use ca_tests::catalog;
+use proptest::prelude::*;
+
+const TE: f64 = 1.0 / 44_100.0;
+
+fn near(what: &str, is: f64, want: f64, within: f64) {
+    assert!((is / want - 1.0).abs() <= within, "{what}: {is} is not {want}");
+}
+
+fn scene(text: &str) -> Scene {
+    let (model, scene) = load(text, "hand.ca.toml", &catalog(), &Options::default());
+    scene.unwrap_or_else(|d| panic!("{}", ca_core::model::render::text(&d, &model, false)))
+}
+
+fn at(name: &str) -> &'static Row {
+    row(name).unwrap()
+}
+
+/// A key on a mass of `m` and a spring to a fixed point, per-sample units at 44.1 kHz, and `[equivalence]` as given.
+fn paper(link: &str, section: &str) -> Scene {
+    scene(&format!(
+        "[model]\nunits = \"alg\"\nreference_rate = \"44.1 kHz\"\n[rate]\nsound = \"44.1 kHz\"\ngesture = \"44.1 kHz\"\n\
+         [TGR]\nkey = {{ device = \"hand\" }}\nother = {{ device = \"hand\", dof = 2 }}\n{link}\n\
+         [SOX]\nout = {{ from = \"key\" }}\n[equivalence]\n{section}"
+    ))
+}
+
+#[test]
+fn the_table_of_the_paper() {
+    let s = paper(
+        "[SOL]\nwall = {}\n[RES]\nspring = { between = [[\"key\", \"other\"], \"wall\"], k = 2e-4 }",
+        "mass = [\"20 g\", 1.0]\nposition = [\"20 mm\", 1]",
+    );
+    let e = &s.equivalence;
+    near("alpha", e.gains.alpha, 50.0, 1e-15);
+    near("beta", e.gains.beta, 777_924.0, 1e-15);
+    near("time", e.te, 22.675_736_961_451_25e-6, 1e-15);
+    // every row of numerics 6, as real = factor x simulated, and its exponents of alpha, beta and Te
+    let table = [
+        ("position", 0.02, [-1, 0, 0]),
+        ("velocity", 882.0, [-1, 0, -1]),
+        ("acceleration", 38_896_200.0, [-1, 0, -2]),
+        ("force", 777_924.0, [0, 1, 0]),
+        ("momentum", 17.64, [0, 1, 1]),
+        ("mass", 0.02, [1, 1, 2]),
+        ("stiffness", 38_896_200.0, [1, 1, 0]),
+        ("viscosity", 882.0, [1, 1, 1]),
+        ("compliance", 1.0 / 38_896_200.0, [-1, -1, 0]),
+        ("energy", 15_558.48, [-1, 1, 0]),
+        ("power", 15_558.48 * 44_100.0, [-1, 1, -1]),
+        ("time", TE, [0, 0, 1]),
+    ];
+    assert_eq!(table.map(|t| t.0).to_vec(), ROWS.iter().map(|r| r.name).collect::<Vec<_>>());
+    for (name, factor, exponents) in table {
+        assert_eq!(at(name).exponents(), exponents, "{name}");
+        near(name, at(name).factor(e.gains, e.te), factor, 1e-14);
+    }
+}
+
+#[test]
+fn a_mass_on_the_key_weighs_what_the_table_says() {
+    // the hand shakes a mass that is tied to nothing else by a spring so hard that it follows: F = m a by the second
+    // difference of the position, at 5 Hz
+    let s = paper(
+        "[MAS]\nbob = { m = 1.0 }\n[RES]\nspring = { between = [\"key\", \"bob\"], k = 0.25 }",
+        "mass = [\"20 g\", 1.0]\nposition = [\"20 mm\", 1]",
+    );
+    let g = gains(&s, "hand")[0];
+    let mut state: State = s.state();
+    let input = s.input("key").unwrap();
+    let (mut x, mut f) = (Vec::new(), Vec::new());
+    let amplitude = 0.005;
+    let w = 2.0 * std::f64::consts::PI * 5.0 * s.te;
+    for n in 0..(44_100 * 2) {
+        // begins with neither place nor speed, so that the mass does not ring on its spring
+        let t = f64::from(n) * w;
+        let rise = (f64::from(n) / 44_100.0).min(1.0);
+        let rise = rise * rise * rise * (10.0 - 15.0 * rise + 6.0 * rise * rise);
+        let hand = amplitude * rise * t.sin();
+        state.input[input] = g.alpha * hand;
+        sense(&s, &mut state);
+        x.push(hand);
+        f.push(g.beta * state.border[0].force);
+        advance(&s, &mut state);
+    }
+    // least squares of the force on the hand against its acceleration, over whole periods of the second second
+    let a = |n: usize| (x[n + 1] - 2.0 * x[n] + x[n - 1]) / (s.te * s.te);
+    let range = 44_100..(2 * 44_100 - 1);
+    let (fa, aa) = range.fold((0.0, 0.0), |(fa, aa), n| (fa + f[n] * a(n), aa + a(n) * a(n)));
+    let m = -fa / aa;
+    println!("driving-point mass {m:.10} kg");
+    // what is left is the spring: a mass behind it weighs 1/(1 − 4 sin²(ω/2)·M/K) times as much
+    near("driving-point mass", m, 0.02 / (1.0 - 4.0 * (w / 2.0).sin().powi(2) / 0.25), 1e-8);
+}
+
+#[test]
+fn a_device_on_a_spring_swings_as_the_table_says() {
+    // 0.1 kg on K = 2e-4: 7779.24 N/m, 44.3904 Hz
+    let s = paper(
+        "[SOL]\nwall = {}\n[RES]\nspring = { between = [[\"key\", \"other\"], \"wall\"], k = 2e-4 }",
+        "mass = [\"20 g\", 1.0]\nposition = [\"20 mm\", 1]",
+    );
+    let g = gains(&s, "hand")[0];
+    let k = s.certificate.keys[0].k * g.stiffness();
+    near("stiffness", k, 7779.24, 1e-14);
+    let (m, te) = (0.1, s.te);
+    let (mut x, mut v) = (0.001, 0.0);
+    let mut state = s.state();
+    let mut crossings = Vec::new();
+    for n in 0..44_100 {
+        state.input[s.input("key").unwrap()] = g.alpha * x;
+        state.input[s.input("other").unwrap()] = 0.0;
+        sense(&s, &mut state);
+        let force = g.beta * state.border[0].force;
+        advance(&s, &mut state);
+        let before = x;
+        v += force / m * te;
+        x += v * te;
+        if before < 0.0 && x >= 0.0 {
+            crossings.push(f64::from(n) + before / (before - x));
+        }
+    }
+    let periods = crossings.len() as f64 - 1.0;
+    let f = periods / ((crossings[crossings.len() - 1] - crossings[0]) * te);
+    println!("a device of 0.1 kg swings at {f:.6} Hz");
+    near("frequency", f, 44.390_4, 2e-6);
+}
+
+#[test]
+fn si_models_are_in_si() {
+    let model = |section: &str| {
+        scene(&format!(
+            "[TGR]\nkey = {{ device = \"hand\" }}\n[CEL]\nbar = {{ m = \"1 g\", f = 220 }}\n[RES]\nshank = {{ between = [\"key\", \"bar\"], k = 100 }}\n[SOX]\nout = {{ from = \"bar\" }}\n{section}"
+        ))
+    };
+    let none = model("");
+    assert_eq!(none.equivalence.gains, Gains::default());
+    assert!(ROWS.iter().all(|r| r.factor(none.equivalence.gains, none.equivalence.te) == 1.0));
+    // one row keeps the travel
+    let heavy = model("[equivalence]\nmass = [\"20 g\", \"1 g\"]\n").equivalence.gains;
+    assert_eq!((heavy.alpha, heavy.beta), (1.0, 20.0));
+    // unless it is the travel: then the feel
+    let far = model("[equivalence]\nposition = [\"1 mm\", \"1 m\"]\n").equivalence.gains;
+    assert_eq!((far.alpha, far.beta), (1000.0, 0.001));
+    // or as the author says
+    let held =
+        |anchor: &str| model(&format!("[equivalence]\nmass = [4, 1]\nanchor = \"{anchor}\"\n")).equivalence.gains;
+    assert_eq!(held("force"), Gains { alpha: 4.0, beta: 1.0 });
+    assert_eq!(held("energy"), Gains { alpha: 2.0, beta: 2.0 });
+    // a number without a unit is in SI on the real side, and so are both
+    assert_eq!(model("[equivalence]\nmass = [\"4 kg\", 1]\n").equivalence.gains, held("position"));
+    // and [param] serves
+    assert_eq!(
+        model("[param]\nbig = \"4 kg\"\n[equivalence]\nmass = [\"big\", 1]\n").equivalence.gains,
+        held("position")
+    );
+}
+
+#[test]
+fn keys_differ() {
+    let s = paper(
+        "[SOL]\nwall = {}\n[RES]\nspring = { between = [[\"key\", \"other\"], \"wall\"], k = 1 }",
+        "force = [3, 1]\nposition = [0.5, 1]\n[equivalence.other]\nposition = 2\nforce = 8\n",
+    );
+    let all = gains(&s, "hand");
+    assert_eq!(all, [Gains { alpha: 2.0, beta: 3.0 }, Gains::default(), Gains { alpha: 4.0, beta: 24.0 }]);
+    assert!(gains(&s, "another").is_empty());
+    let scale = &s.equivalence.keys[0];
+    assert!(!scale.is_lever());
+    // energy given here comes out four times as large there
+    near("amplifier", s.equivalence.of("other").energy() / s.equivalence.of("key").energy(), 4.0, 1e-15);
+    let s = paper(
+        "[SOL]\nwall = {}\n[RES]\nspring = { between = [[\"key\", \"other\"], \"wall\"], k = 1 }",
+        "[equivalence.other]\nlever = 3\n",
+    );
+    assert!(s.equivalence.keys[0].is_lever());
+    near("lever", s.equivalence.of("other").energy(), 1.0, 1e-15);
+    near("lever", s.equivalence.of("other").stiffness(), 9.0, 1e-15);
+}
+
+#[test]
+fn keys_in_space_and_in_groups_have_their_scale() {
+    let s = scene(
+        "[room]\ndim = 3\n[room.TGR]\nhand = { device = \"falcon\", dof = [0, 1, 2] }\n[room.MAS]\nball = { m = 0.1, x = [0, 0, 0.1] }\n\
+         [RES]\nband = { between = [\"room.hand\", \"room.ball\"], k = 10 }\n[SOX]\nout = { from = \"room.ball\", along = \"z\" }\n\
+         [equivalence]\nforce = [2, 1]\n[equivalence.room.hand]\nlever = 5\n",
+    );
+    assert_eq!(gains(&s, "falcon"), [Gains { alpha: 5.0, beta: 10.0 }; 3]);
+}
+
+fn settable() -> Vec<&'static Row> {
+    ROWS.iter().filter(|r| r.class() != Class::Time).collect()
+}
+
+proptest! {
+    /// Any two rows of different classes settle the table, and both are then true; of one class, none does.
+    #[test]
+    fn two_rows_settle_all(i in 0..11_usize, j in 0..11_usize, a in -9.0..9.0, b in -9.0..9.0, alg: bool) {
+        let (rows, te) = (settable(), if alg { TE } else { 1.0 });
+        // as such a model would say it, so that nothing is beyond all scales
+        let wild = Gains { alpha: 10f64.powf(a), beta: 10f64.powf(b) };
+        let pairs = [rows[i], rows[j]].map(|row| Pair { row, ratio: row.factor(wild, te) });
+        let found = solve(pairs, te);
+        prop_assert_eq!(found.is_some(), rows[i].class() != rows[j].class());
+        if let Some(g) = found {
+            prop_assert!((g.alpha / wild.alpha - 1.0).abs() < 1e-13 && (g.beta / wild.beta - 1.0).abs() < 1e-13);
+        }
+    }
+
+    /// Editing one row makes it true and leaves all rows of the anchor as they were.
+    #[test]
+    fn the_anchor_stays(i in 0..11_usize, a in -3.0..3.0, b in -3.0..3.0, ratio in 0.01..100.0) {
+        let row = settable()[i];
+        let held = Gains { alpha: 10f64.powf(a), beta: 10f64.powf(b) };
+        let pair = Pair { row, ratio: ratio * row.factor(held, TE) };
+        for anchor in [Class::Position, Class::Force, Class::Impedance, Class::Energy] {
+            let Some(g) = keep(pair, anchor, held, TE) else {
+                prop_assert_eq!(anchor, row.class());
+                continue;
+            };
+            prop_assert!((row.factor(g, TE) / pair.ratio - 1.0).abs() < 1e-13);
+            for r in anchor.rows() {
+                prop_assert!((r.factor(g, TE) / r.factor(held, TE) - 1.0).abs() < 1e-13);
+            }
+        }
+        prop_assert!(keep(pair, anchor_for(row.class()), held, TE).is_some());
+    }
+}
