@@ -33,6 +33,8 @@ pub enum Command {
     New(NewArgs),
     /// Turns a MIMS model into a model file
     Import(ImportArgs),
+    /// Plays a model in real time, by device processes
+    Serve(ServeArgs),
 }
 
 /// Which model, and what to change in it.
@@ -173,6 +175,7 @@ pub struct CheckArgs {
 /// of different kinds, both. `--key` lets one key differ from the others: `--lever` keeps its energy, `--position` and
 /// `--force-factor` are the two factors of their own. Nothing is written unless `--write` or `--in-place` says where; the
 /// rest of the file, its comments too, stays as it is.
+#[allow(clippy::struct_excessive_bools)]
 #[derive(Args)]
 #[command(after_long_help = "Examples:
   ca equiv piano_key
@@ -282,6 +285,72 @@ pub struct ImportArgs {
     /// Overwrites the file
     #[arg(long)]
     pub force: bool,
+}
+
+/// Plays a model in real time, by device processes
+///
+/// The engine computes gesture frames (3000 a second, unless the model says otherwise) on a thread of its own, takes
+/// positions from the devices the model names and gives forces back, over shared memory; `ca device sim` is such a
+/// device. Forces stay off until a device is armed (`--arm`, or `ca device arm`) and nothing pushes. Priority, memory
+/// lock and core are asked for, read back and said; without them it runs all the same. Ends with Ctrl-C, `ca stop` or
+/// `--seconds`, and tells how it went: times, losses, faults. Exit code 3 where something was lost or cut.
+///
+/// Software cannot replace a switch that cuts the power of the motors: keep one within reach.
+#[allow(clippy::struct_excessive_bools)]
+#[derive(Args)]
+#[command(after_long_help = "Examples:
+  ca serve piano_key --seconds 2
+  ca serve piano_key --seconds 1 --arm -o played.wav
+  ca serve piano_key --seconds 1 --profile tgr12=falcon --priority 0 --no-lock --json")]
+pub struct ServeArgs {
+    /// the model
+    #[command(flatten)]
+    pub source: Source,
+    /// How long, e.g. 60 or "1 min"; until stopped if left out
+    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
+    pub seconds: Option<f64>,
+    /// Writes the sound to a WAV file
+    #[arg(short, long, value_name = "FILE.wav")]
+    pub output: Option<PathBuf>,
+    /// What a device is: a profile by name (`ca device list`) or file; for all of them without `DEVICE=`; repeatable
+    #[arg(long, value_name = "[DEVICE=]PROFILE")]
+    pub profile: Vec<String>,
+    /// The calibration of a device, if not the one `ca device calibrate` keeps; repeatable
+    #[arg(long, value_name = "DEVICE=FILE")]
+    pub calibration: Vec<String>,
+    /// Arms every device at the start
+    #[arg(long)]
+    pub arm: bool,
+    /// What gesture frames follow: a clock of ours, or each frame of the first device
+    #[arg(long, value_enum, default_value_t = ClockKind::Monotonic)]
+    pub clock: ClockKind,
+    /// Priority of the engine (SCHED_FIFO); 0 asks for none
+    #[arg(long, value_name = "0-99", default_value_t = 70, value_parser = clap::value_parser!(u8).range(0..=99))]
+    pub priority: u8,
+    /// The core the engine stays on
+    #[arg(long, value_name = "N")]
+    pub cpu: Option<usize>,
+    /// Does not ask to keep memory in RAM
+    #[arg(long)]
+    pub no_lock: bool,
+    /// Keeps the energy book (slower)
+    #[arg(long)]
+    pub energy: bool,
+    /// Prints nothing but warnings and errors
+    #[arg(short, long)]
+    pub quiet: bool,
+    /// Prints the summary as JSON
+    #[arg(long, conflicts_with = "quiet")]
+    pub json: bool,
+}
+
+/// What gesture frames follow.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ClockKind {
+    /// the clock of this machine
+    Monotonic,
+    /// each frame of the first device
+    Device,
 }
 
 /// How samples are stored.

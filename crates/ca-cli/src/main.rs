@@ -8,6 +8,7 @@
 mod args;
 mod commands;
 mod load;
+mod store;
 mod term;
 
 use args::{Cli, Command};
@@ -57,6 +58,12 @@ impl From<ca_haptic::FileError> for Failure {
     }
 }
 
+impl From<ca_haptic::host::HostError> for Failure {
+    fn from(e: ca_haptic::host::HostError) -> Failure {
+        Failure::Failed(e.to_string())
+    }
+}
+
 /// What every command gives back.
 pub type Outcome = Result<Ended, Failure>;
 
@@ -80,6 +87,7 @@ fn main() -> ExitCode {
         Command::List(a) => commands::list::run(a),
         Command::New(a) => commands::new::run(a),
         Command::Import(a) => commands::import::run(a),
+        Command::Serve(a) => commands::serve::run(a),
     };
     match outcome {
         Ok(Ended::Well) | Err(Failure::BrokenPipe) => ExitCode::SUCCESS,

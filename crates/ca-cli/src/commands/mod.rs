@@ -7,3 +7,4 @@ pub mod import;
 pub mod list;
 pub mod new;
 pub mod render;
+pub mod serve;

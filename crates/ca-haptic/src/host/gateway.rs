@@ -10,6 +10,7 @@ use super::error::{HostError, HostErrorKind};
 use super::lines::{Bell, Frames, Ipc, Line, check_name};
 use super::site::Site;
 use crate::frame::{About, DeviceFrame, ForceFrame, text, uid};
+use crate::rt::{Granted, Wish};
 use iceoryx2::port::notifier::Notifier;
 use iceoryx2::port::publisher::Publisher;
 use iceoryx2::port::subscriber::Subscriber;
@@ -203,7 +204,8 @@ impl Gateway {
     }
 
     /// Opens the lines in a thread of their own, where they stay (ports do not change threads), and runs there.
-    pub fn start<S: AsRef<str>>(site: &Site, names: &[S], mut rings: Rings) -> Result<Running, HostError> {
+    /// Asks the system for `wish`; what it granted is in [`Running::granted`].
+    pub fn start<S: AsRef<str>>(site: &Site, names: &[S], mut rings: Rings, wish: Wish) -> Result<Running, HostError> {
         let (site, names): (Site, Vec<String>) = (site.clone(), names.iter().map(|n| n.as_ref().into()).collect());
         let stop = Arc::new(AtomicBool::new(false));
         let (tell, told) = mpsc::channel();
@@ -212,7 +214,7 @@ impl Gateway {
             .name("ca gateway".into())
             .spawn(move || match Gateway::open(&site, &names) {
                 Ok(gateway) => {
-                    let _ = tell.send(Ok(gateway.traffic()));
+                    let _ = tell.send(Ok((gateway.traffic(), crate::rt::ask(wish))));
                     drop(gateway.run(&mut rings, &end));
                 }
                 Err(e) => {
@@ -220,8 +222,8 @@ impl Gateway {
                 }
             })
             .map_err(|e| HostError::system("no thread", e))?;
-        let traffic = told.recv().map_err(|e| HostError::system("the gateway ended", e))??;
-        Ok(Running { traffic, stop, thread: Some(thread) })
+        let (traffic, granted) = told.recv().map_err(|e| HostError::system("the gateway ended", e))??;
+        Ok(Running { traffic, granted, stop, thread: Some(thread) })
     }
 }
 
@@ -239,6 +241,8 @@ pub struct Rings {
 pub struct Running {
     /// what is counted
     pub traffic: Arc<Traffic>,
+    /// what the system granted its thread
+    pub granted: Granted,
     stop: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
 }

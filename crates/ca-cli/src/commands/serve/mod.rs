@@ -6,6 +6,7 @@
 
 mod setup;
 mod sinks;
+mod talk;
 mod told;
 
 use crate::args::{ClockKind, ServeArgs};
@@ -17,7 +18,7 @@ use ca_haptic::guard::Order;
 use ca_haptic::rt::{self, Wish};
 use ca_haptic::serve::{Clock, Desk, Every, Live, Shared, Sink, rings};
 use ca_haptic::sound::{Format, WavOut};
-pub(crate) use setup::{devices, dofs};
+pub(crate) use setup::devices;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
@@ -26,3 +27,138 @@ use std::time::Duration;
 
 /// Between two turns of the desk.
 const TURN: Duration = Duration::from_millis(2);
+
+/// Between two sweeps of dead processes, in turns.
+const SWEEP: u64 = 250;
+/// How long the engine waits for a device that sets the pace \[ns\].
+const PATIENCE: u64 = 100_000_000;
+
+/// Runs the command.
+pub fn run(args: &ServeArgs) -> Outcome {
+    let loaded = load::load(&args.source)?;
+    let options =
+        Options { rate: args.source.rate, energy: args.energy, clouds: loaded.clouds.clone(), ..Options::default() };
+    let scene = Arc::new(load::scene(&loaded, &options)?);
+    let names = devices(&scene);
+    let setups = setup::setups(args, &scene)?;
+    if args.clock == ClockKind::Device && names.is_empty() {
+        return Err(Failure::Usage("--clock device: the model has no device".into()));
+    }
+    if names.is_empty() {
+        term::note("the model has no device: nobody can play it; `ca render` plays its own gesture");
+    }
+    let session = ca_haptic::host::clock::session();
+    let engine = setup::engine(scene.clone(), &setups, session);
+
+    let (mut sinks, mut files): (Vec<Box<dyn Sink>>, Vec<&Path>) = (Vec::new(), Vec::new());
+    let wav = match &args.output {
+        Some(path) if scene.channels > 0 => {
+            let wav = sinks::Wav::new(WavOut::create(path, scene.rate, scene.channels, Format::F32)?);
+            sinks.push(Box::new(wav.clone()));
+            files.push(path);
+            Some(wav)
+        }
+        Some(_) => return Err(Failure::Usage("-o: the model has no output, so there is no sound to write".into())),
+        None => None,
+    };
+
+    let (ends, gateway_ends, desk_ends) = rings(&scene, names.len(), 0);
+    let shared = Arc::new(Shared::default());
+    let mut desk = Desk::new(desk_ends, shared.clone(), scene.clone(), &engine.ports, sinks);
+    let mut talk = talk::Talk::open(&names, &scene, gateway_ends, wish(args, -5))?;
+    if args.arm {
+        desk.order(None, Order::Arm).map_err(Failure::Failed)?;
+    }
+
+    let clock = match args.clock {
+        ClockKind::Monotonic => Clock::Monotonic,
+        ClockKind::Device => Clock::Device { patience: PATIENCE },
+    };
+    let frame_rate = scene.rate / f64::from(scene.ratio);
+    let every = Every { energy: if args.energy { (frame_rate / 100.0).max(1.0) as u64 } else { 0 }, view: 0, hash: 0 };
+    let frames = args.seconds.map(|s| (s * frame_rate).round().max(1.0) as u64);
+    let live = Live::new(engine, ends, shared.clone(), clock, every);
+    let (thread, granted) = engine_thread(live, wish(args, 0), frames)?;
+    let mut threads = vec![("engine".to_string(), granted)];
+    threads.extend(talk.granted().map(|g| ("gateway".to_string(), g)));
+    if !args.quiet {
+        for (name, granted) in &threads {
+            term::note(&format!("{name}: {granted}"));
+        }
+        for s in &setups {
+            term::note(&format!("device `{}`: {}, at most {} N", s.device, s.profile.title, s.profile.force));
+        }
+    }
+
+    let engine = attend(thread, &mut desk, &mut talk, &shared, args.quiet);
+    drop(talk);
+    let engine = engine.map_err(|_| Failure::Failed("the engine thread ended by itself".into()))?;
+    desk.turn();
+    for e in desk.broken() {
+        term::error(&e.to_string());
+    }
+    let summary = desk.summary(&engine, threads);
+    let written = match wav.and_then(|w| w.finish()) {
+        Some(w) => Some(w?),
+        None => None,
+    };
+    let files: Vec<_> = files.iter().map(|f| (*f, written.as_ref())).collect();
+    if args.json {
+        println!("{:#}", told::value(&summary, &loaded.name, &files));
+    } else if !args.quiet {
+        told::text(&summary, &loaded.name, &files, scene.rate)?;
+    }
+    Ok(if summary.is_faithful() { Ended::Well } else { Ended::Degraded })
+}
+
+/// What a thread asks for; `lower` than the engine.
+fn wish(args: &ServeArgs, lower: i32) -> Wish {
+    let priority = (args.priority > 0).then(|| (i32::from(args.priority) + lower).clamp(1, 99) as u8);
+    Wish { priority, cpu: args.cpu.filter(|_| lower == 0), lock: !args.no_lock && lower == 0 }
+}
+
+/// Starts the engine on its thread; what the system granted is known before the first frame.
+fn engine_thread(live: Live, wish: Wish, frames: Option<u64>) -> Result<(JoinHandle<Engine>, String), Failure> {
+    let (tell, told) = std::sync::mpsc::channel();
+    let thread = std::thread::Builder::new()
+        .name("ca engine".into())
+        .spawn(move || {
+            let _ = tell.send(rt::ask(wish).to_string());
+            live.run(frames)
+        })
+        .map_err(|e| Failure::Failed(format!("no thread for the engine: {e}")))?;
+    Ok((thread, told.recv().unwrap_or_default()))
+}
+
+/// The desk, until the engine ends or somebody stops it.
+fn attend(
+    thread: JoinHandle<Engine>,
+    desk: &mut Desk,
+    talk: &mut talk::Talk,
+    shared: &Arc<Shared>,
+    quiet: bool,
+) -> std::thread::Result<Engine> {
+    static STOP: AtomicBool = AtomicBool::new(false);
+    // a handler can be set once in a process; where that fails, Ctrl-C ends the process as it would anyway
+    let _ = ctrlc::set_handler(|| STOP.store(true, Relaxed));
+    let mut turns = 0_u64;
+    while !thread.is_finished() {
+        for h in desk.turn() {
+            if h.bad {
+                term::warning(&h.text);
+            } else if !quiet {
+                term::note(&h.text);
+            }
+        }
+        for e in desk.broken() {
+            term::error(&e.to_string());
+        }
+        let leave = talk.turn(desk, turns.is_multiple_of(SWEEP), quiet);
+        if leave || STOP.load(Relaxed) {
+            shared.stop.store(true, Relaxed);
+        }
+        turns += 1;
+        std::thread::sleep(TURN);
+    }
+    thread.join()
+}

@@ -49,13 +49,14 @@ pub(super) fn setups(args: &ServeArgs, scene: &Scene) -> Result<Vec<Setup>, Fail
             term::warning(&format!("{what}; taken as {wanted} keys of that kind"));
             profile.dof = wanted;
         }
-        setups.push(Setup { device, profile, calibration, gains: Vec::new() });
+        let gains = ca_haptic::equivalence::gains(scene, &device);
+        setups.push(Setup { device, profile, calibration, gains });
     }
     Ok(setups)
 }
 
 /// One more than the highest DOF of a device that a scene uses.
-pub(crate) fn dofs(scene: &Scene, device: &str) -> u32 {
+fn dofs(scene: &Scene, device: &str) -> u32 {
     let of = |i: &ca_core::scene::Input| i.device.as_ref().filter(|d| d.0 == device).map(|d| d.1 + 1);
     scene.inputs.iter().filter_map(of).max().unwrap_or(0)
 }
