@@ -25,7 +25,7 @@ pub mod flag {
     pub const WAIT_CLEAR: u32 = 128;
 }
 
-/// One frame of forces, 248 bytes.
+/// One frame of forces, 240 bytes.
 #[derive(Clone, Copy, Debug, PartialEq, FromBytes, IntoBytes, KnownLayout, Immutable)]
 #[cfg_attr(feature = "iceoryx", derive(ZeroCopySend), type_name("ca.v1.ForceFrame"))]
 #[repr(C)]

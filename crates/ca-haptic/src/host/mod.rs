@@ -17,6 +17,7 @@
 
 pub mod client;
 pub mod clock;
+pub mod control;
 pub mod debris;
 mod error;
 pub mod gateway;

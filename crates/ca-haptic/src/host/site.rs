@@ -26,8 +26,9 @@ use std::sync::Once;
 
 /// Release of iceoryx2 this build speaks.
 pub const IOX: &str = "0.10.0";
-/// Longest name of the folder \[bytes\]: with the prefix and a name it must fit the address of a socket.
-pub const LONGEST: usize = 64;
+/// Longest name of the folder \[bytes\]: with the prefix, a number of at most 36 digits and a suffix it must fit the
+/// address of a socket, 107 bytes.
+pub const LONGEST: usize = 44;
 
 /// Where devices and engine of a user meet.
 #[derive(Clone, Debug, PartialEq, Eq)]

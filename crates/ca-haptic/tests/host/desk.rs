@@ -82,6 +82,11 @@ impl Server {
         }
     }
 
+    /// What a second server of this device is told.
+    pub fn refused(site: &Site, name: &str) -> String {
+        Gateway::open(site, &[name]).err().expect("one server a device").to_string()
+    }
+
     /// Answers what came.
     pub fn serve(&mut self) {
         let mut came = Vec::new();

@@ -72,7 +72,7 @@ fn texts_and_structures_agree() {
     );
     agree!(
         ForceFrame,
-        248,
+        240,
         magic,
         version,
         layout,

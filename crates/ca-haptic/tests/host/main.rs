@@ -1,5 +1,7 @@
 //! Devices and server over real shared memory, in threads and in processes of their own.
 
+mod control;
+mod debris;
 mod desk;
 mod frames;
 mod lines;

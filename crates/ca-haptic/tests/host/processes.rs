@@ -1,7 +1,11 @@
 //! Devices and servers in processes of their own, which are killed, stopped, started again.
 
-use crate::desk::{Server, spawn};
-use ca_haptic::host::Site;
+use crate::desk::{Server, about, place, spawn, until};
+use ca_haptic::frame::{Cause, DOF, DeviceFrame, Mode};
+use ca_haptic::host::{DeviceClient, Event, Site};
+use std::io::BufRead;
+use std::process::{Child, Command};
+use std::time::Duration;
 
 #[path = "../../examples/device.rs"]
 mod example;
@@ -25,20 +29,193 @@ fn role() {
                 std::thread::sleep(std::time::Duration::from_micros(100));
             }
         }
+        "control" => {
+            let mut server = ca_haptic::host::control::ControlServer::open(&Site::of_user().unwrap()).unwrap();
+            println!("open");
+            loop {
+                server.poll(&mut |_| ca_haptic::host::control::Reply::done(std::process::id().to_string()));
+                std::thread::sleep(std::time::Duration::from_micros(100));
+            }
+        }
         other => panic!("no role `{other}`"),
+    }
+}
+
+/// Sends a signal to a process this test started.
+fn signal(child: &Child, name: &str) {
+    let id = child.id().to_string();
+    assert!(Command::new("kill").args([format!("-{name}"), id]).status().unwrap().success());
+}
+
+/// A server process that is ready.
+fn server(place: &crate::desk::Place, names: &str) -> Child {
+    let mut child = spawn(&place.site, "server", names);
+    let mut lines = std::io::BufReader::new(child.stdout.take().unwrap()).lines();
+    assert!(lines.any(|l| l.unwrap().contains("open")), "the server opens");
+    child
+}
+
+/// Sends until the force is what the server's spring says.
+fn play(device: &mut DeviceClient, frame: &mut DeviceFrame) {
+    until("forces come", || {
+        device.send(frame).unwrap();
+        device.wait(Duration::from_millis(5));
+        device.safe_force()[0] == f64::from(crate::desk::spring(frame.pos[0]))
+    });
+}
+
+/// Sends, and never has a force once the last frame is too old.
+fn falls_silent(device: &mut DeviceClient, frame: &mut DeviceFrame) {
+    until("the force ends", || {
+        device.send(frame).unwrap();
+        std::thread::sleep(Duration::from_millis(1));
+        device.cause() == Cause::WatchdogOut
+    });
+    for _ in 0..50 {
+        device.send(frame).unwrap();
+        assert_eq!(device.safe_force(), [0.0; DOF]);
     }
 }
 
 #[test]
 fn the_example_plays() {
-    let place = crate::desk::place();
+    let place = place();
     let mut child = spawn(&place.site, "device", "finger 500");
     let mut server = Server::open(&place.site, &["finger"], 3);
-    crate::desk::until("it ends", || {
+    until("it ends", || {
         server.serve();
         child.try_wait().unwrap().is_some()
     });
     let out = child.wait_with_output().unwrap();
     let said = String::from_utf8_lossy(&out.stdout).into_owned();
     assert!(out.status.success() && said.contains("sent 500") && said.contains("mode on"), "{said}");
+}
+
+#[test]
+fn a_server_that_is_killed_is_zero_force_and_the_next_one_takes_its_place() {
+    let place = place();
+    let mut device = DeviceClient::open(&place.site, about("key", 2)).unwrap();
+    let mut frame = DeviceFrame::new("key", 2);
+    frame.pos[0] = 0.002;
+    for round in 0..3 {
+        let mut child = server(&place, "key");
+        play(&mut device, &mut frame);
+        let last = *device.watch().last().unwrap();
+        assert_eq!((last.session, device.watch().restarts), (u64::from(child.id()), round));
+        assert_eq!(Mode::read(last.mode), Mode::On);
+        child.kill().unwrap();
+        child.wait().unwrap();
+        falls_silent(&mut device, &mut frame);
+    }
+}
+
+#[test]
+fn a_server_that_is_stopped_is_zero_force_until_it_goes_on() {
+    let place = place();
+    let mut child = server(&place, "key");
+    let mut device = DeviceClient::open(&place.site, about("key", 1)).unwrap();
+    let mut frame = DeviceFrame::new("key", 1);
+    frame.pos[0] = 0.001;
+    play(&mut device, &mut frame);
+    signal(&child, "STOP");
+    falls_silent(&mut device, &mut frame);
+    // it still has its place
+    let busy = Server::refused(&place.site, "key");
+    assert!(busy.contains(&child.id().to_string()), "{busy}");
+    signal(&child, "CONT");
+    play(&mut device, &mut frame);
+    child.kill().unwrap();
+    child.wait().unwrap();
+}
+
+#[test]
+fn a_device_that_is_killed_is_gone_and_its_place_is_free() {
+    let place = place();
+    let mut server = Server::open(&place.site, &["key"], 5);
+    let mut sessions = Vec::new();
+    for _ in 0..3 {
+        let mut child = spawn(&place.site, "device", "key 1000000");
+        let mut gone = false;
+        until("it plays", || {
+            server.serve();
+            for (_, event) in std::iter::from_fn(|| server.gateway.event()) {
+                if let Event::Here { session } = event {
+                    sessions.push(session);
+                }
+            }
+            server.got[0] > 100
+        });
+        // while it lives, the name is taken
+        let e = DeviceClient::open(&place.site, about("key", 1)).err().expect("a second one");
+        assert!(e.what.contains(&format!("process {}", child.id())), "{e}");
+        child.kill().unwrap();
+        child.wait().unwrap();
+        until("silence is told", || {
+            server.serve();
+            gone |= std::iter::from_fn(|| server.gateway.event()).any(|e| e == (0, Event::Gone));
+            gone
+        });
+        server.got[0] = 0;
+    }
+    assert_eq!(sessions.len(), 3);
+    assert!(sessions[0] != sessions[1] && sessions[1] != sessions[2]);
+    // the desk's sweep finds the last one
+    until("the dead are swept", || place.site.sweep().removed > 0);
+}
+
+#[test]
+fn a_device_that_is_stopped_does_not_stop_the_server() {
+    let place = place();
+    let mut server = Server::open(&place.site, &["key", "other"], 5);
+    let mut child = spawn(&place.site, "device", "key 1000000");
+    let mut other = DeviceClient::open(&place.site, about("other", 1)).unwrap();
+    let mut frame = DeviceFrame::new("other", 1);
+    frame.pos[0] = 0.004;
+    until("it plays", || {
+        server.serve();
+        server.got[0] > 20
+    });
+    signal(&child, "STOP");
+    // far more forces than its queues and its bell hold
+    let before = server.got[1];
+    until("10 000 forces go to both", || {
+        other.send(&mut frame).unwrap();
+        server.serve();
+        let mut out = ca_haptic::frame::ForceFrame::new("key", 1);
+        server.seq[0] += 1;
+        (out.session, out.seq) = (5, server.seq[0]);
+        server.gateway.send(0, &mut out);
+        other.safe_force();
+        server.got[1] - before > 10_000
+    });
+    let traffic = server.gateway.traffic();
+    assert_eq!(traffic.unsent.load(std::sync::atomic::Ordering::Relaxed), 0);
+    // it goes on with the newest, of the same process
+    signal(&child, "CONT");
+    let heard = server.got[0];
+    until("it plays again", || {
+        server.serve();
+        server.got[0] > heard + 20
+    });
+    child.kill().unwrap();
+    child.wait().unwrap();
+}
+
+#[test]
+fn both_killed_leave_nothing_to_clean_by_hand() {
+    let place = place();
+    let mut child = server(&place, "key");
+    let mut player = spawn(&place.site, "device", "key 1000000");
+    std::thread::sleep(Duration::from_millis(100));
+    for c in [&mut child, &mut player] {
+        c.kill().unwrap();
+        c.wait().unwrap();
+    }
+    let mut child = server(&place, "key");
+    let mut device = DeviceClient::open(&place.site, about("key", 1)).unwrap();
+    let mut frame = DeviceFrame::new("key", 1);
+    frame.pos[0] = 0.003;
+    play(&mut device, &mut frame);
+    child.kill().unwrap();
+    child.wait().unwrap();
 }
