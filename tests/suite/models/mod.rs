@@ -3,6 +3,7 @@
 
 mod bars;
 mod heard;
+mod piano;
 mod plates;
 mod played;
 mod space;
@@ -11,6 +12,7 @@ mod strings;
 use bars::{glass, iron_bar, marimba};
 use ca_core::Catalog;
 use heard::{file_names, load};
+use piano::hammer_piano;
 use plates::{gong, membrane, plate};
 use played::{physical_lfo, piano_key, rain_stick, wind};
 use space::{chimes, crystal, jack, maracas, rattle, rattle_stick};
@@ -36,6 +38,7 @@ models!(
     crystal,
     glass,
     gong,
+    hammer_piano,
     hammered_string,
     harmonic_chain,
     iron_bar,
