@@ -79,6 +79,8 @@ fn main() -> ExitCode {
         Command::List(a) => commands::list::run(a),
         Command::New(a) => commands::new::run(a),
         Command::Import(a) => commands::import::run(a),
+        Command::Replay(a) => commands::replay::run(a),
+        Command::Log(a) => commands::log::run(a),
     };
     match outcome {
         Ok(Ended::Well) | Err(Failure::BrokenPipe) => ExitCode::SUCCESS,

@@ -52,5 +52,7 @@ pub mod profile;
 pub mod record;
 pub mod sound;
 mod staged;
+#[cfg(feature = "mcap")]
+pub mod take;
 
 pub use error::{FileError, FileErrorKind};

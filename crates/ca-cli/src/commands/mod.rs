@@ -4,5 +4,7 @@ mod border;
 pub mod check;
 pub mod import;
 pub mod list;
+pub mod log;
 pub mod new;
 pub mod render;
+pub mod replay;

@@ -6,6 +6,7 @@ mod docs;
 mod pages;
 mod readme;
 mod render;
+mod take;
 
 use desk::{BAR, Desk, KEY, mims};
 use std::fs;
