@@ -232,6 +232,14 @@ impl Performer {
         self.frames(more);
     }
 
+    /// Records and samples that found no room.
+    pub fn lost(&self) -> u64 {
+        match &self.sink {
+            Some(Sink::Thread(r, _)) => r.lost(),
+            _ => 0,
+        }
+    }
+
     /// Completes the take.
     pub fn finish(&mut self) -> Told {
         match self.sink.take().expect("not finished") {
@@ -247,4 +255,11 @@ pub fn duo(path: &Path, frames: u64) -> Performer {
     p.play(frames);
     p.finish();
     p
+}
+
+/// A take with a device of that name.
+pub fn tgr12(path: &Path) {
+    let mut p = Performer::new(&DUO.replace("\"left\"", "\"tgr12\""), path, false);
+    p.play(1500);
+    p.finish();
 }
