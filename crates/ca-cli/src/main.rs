@@ -88,6 +88,8 @@ fn main() -> ExitCode {
         Command::New(a) => commands::new::run(a),
         Command::Import(a) => commands::import::run(a),
         Command::Serve(a) => commands::serve::run(a),
+        Command::Replay(a) => commands::replay::run(a),
+        Command::Log(a) => commands::log::run(a),
     };
     match outcome {
         Ok(Ended::Well) | Err(Failure::BrokenPipe) => ExitCode::SUCCESS,

@@ -58,5 +58,7 @@ pub mod simulated;
 pub mod sound;
 mod staged;
 pub mod stats;
+#[cfg(feature = "mcap")]
+pub mod take;
 
 pub use error::{FileError, FileErrorKind};

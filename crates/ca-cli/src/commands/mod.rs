@@ -5,6 +5,8 @@ pub mod check;
 pub mod equiv;
 pub mod import;
 pub mod list;
+pub mod log;
 pub mod new;
 pub mod render;
 pub mod serve;
+pub mod replay;

@@ -6,6 +6,7 @@ mod docs;
 mod pages;
 mod readme;
 mod render;
+mod take;
 
 use desk::{BAR, Desk, KEY, mims};
 use std::fs;
@@ -77,8 +78,11 @@ fn errors_of_a_model_point_at_their_places() {
 #[test]
 fn examples_of_the_help_run() {
     let mut ran = 0;
-    for command in ["render", "check", "list", "new", "import"] {
+    for command in ["render", "check", "list", "new", "import", "replay", "log"] {
         let desk = Desk::new();
+        if ["replay", "log"].contains(&command) {
+            take::performer::tgr12(&desk.path("take.mcap"));
+        }
         desk.put("key.csv", KEY).put("string.mdl", &mims("string.mdl"));
         let help = desk.ca(&[command, "--help"]).is(0).out;
         let general = desk.ca(&["--help"]).is(0).out;
@@ -92,7 +96,7 @@ fn examples_of_the_help_run() {
             ran += 1;
         }
     }
-    assert!(ran >= 15, "only {ran} examples were found");
+    assert!(ran >= 25, "only {ran} examples were found");
 }
 
 #[test]

@@ -171,7 +171,11 @@ fn gesture(args: &RenderArgs, scene: &Scene, output: &Path) -> Result<Option<Ges
         }
         // a rate is for arrays; among several files it is theirs alone
         let array = load::has_extension(file, "npy") || args.gesture.len() == 1;
-        let gesture = Gesture::open(file, &ports, args.gesture_rate.filter(|_| array))?;
+        let gesture = if load::has_extension(file, "mcap") {
+            ca_haptic::take::gesture(file, &catalog())?
+        } else {
+            Gesture::open(file, &ports, args.gesture_rate.filter(|_| array))?
+        };
         match (port, gesture.tracks()) {
             (None, all) => {
                 nameless(all, scene, file)?;

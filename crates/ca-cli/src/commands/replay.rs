@@ -1,0 +1,67 @@
+//! `ca replay`: a take played again, and whether it is as it was.
+//!
+//! Decides that comparing is what a replay is for, so it always does; what differs between plain and `--verify` is only
+//! whether a difference is a failure (a test of a build) or news (another version, another machine).
+
+use crate::args::ReplayArgs;
+use crate::load::has_extension;
+use crate::{Ended, Failure, Outcome, catalog, term};
+use ca_haptic::sound::{Format, WavOut};
+use ca_haptic::take::{Replay, Take, Verdict};
+use serde_json::json;
+use std::io::Write as _;
+
+/// Runs the command.
+pub fn run(args: &ReplayArgs) -> Outcome {
+    if let Some(path) = args.output.as_ref().filter(|p| !has_extension(p, "wav") && !p.exists()) {
+        let what = format!("`{}`: sound is written as WAV", path.display());
+        return Err(Failure::Usage(format!("{what}; give the file the extension `.wav`")));
+    }
+    let take = Take::open(&args.file)?;
+    let replay = Replay::new(&take, &catalog())?;
+    let channels = replay.engine.scene.channels;
+    let wav = args.output.as_ref().map(|p| WavOut::create(p, take.header.rate, channels, Format::F32));
+    let mut wav = wav.transpose()?;
+    let verdict = replay.run(&take, &mut |_| (), &mut |heard| wav.as_mut().map_or(Ok(()), |w| w.write(heard)))?;
+    if let Some(wav) = wav {
+        wav.finish()?;
+    }
+    if args.json { json_of(&take, &verdict)? } else { text(&take, &verdict)? }
+    if verdict.is_identical() {
+        return Ok(Ended::Well);
+    }
+    if args.verify { Err(Failure::Told) } else { Ok(Ended::Degraded) }
+}
+
+fn text(take: &Take, v: &Verdict) -> Result<(), Failure> {
+    let mut out = std::io::stdout().lock();
+    writeln!(out, "{}: {:.3} s of `{}`", take.path.display(), v.seconds, take.header.title)?;
+    writeln!(
+        out,
+        "  compared   {} force frames, {} sound samples, {} hashes of the state",
+        v.forces, v.samples, v.hashes
+    )?;
+    match (&v.difference, v.hole) {
+        (None, None) => writeln!(out, "  identical  to the bit")?,
+        (Some(d), _) => writeln!(out, "  differs    {d}")?,
+        (None, Some(t)) => writeln!(out, "  identical  to the bit, up to {t:.3} s: records are missing there")?,
+    }
+    drop(out);
+    if let Some(why) = &v.cut {
+        term::note(&format!("the file was cut off: {why}"));
+    }
+    Ok(())
+}
+
+fn json_of(take: &Take, v: &Verdict) -> Result<(), Failure> {
+    let difference = v.difference.as_ref().map(
+        |d| json!({"tick": d.tick, "time": d.time, "what": d.what, "was": d.was, "is": d.is}),
+    );
+    let all = json!({
+        "file": take.path.display().to_string(), "title": take.header.title, "seconds": v.seconds,
+        "identical": v.is_identical(), "gesture_frames": v.frames, "device_frames": v.taken, "force_frames": v.forces,
+        "samples": v.samples, "hashes": v.hashes, "difference": difference, "hole": v.hole, "cut": v.cut,
+    });
+    writeln!(std::io::stdout().lock(), "{all:#}")?;
+    Ok(())
+}

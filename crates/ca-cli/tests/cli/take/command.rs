@@ -1,0 +1,116 @@
+//! `ca replay`, `ca log`, and `ca render --gesture take.mcap`.
+
+use super::performer::duo;
+use crate::desk::{Desk, peak};
+use std::fs;
+
+#[test]
+fn a_replay_tells_and_sounds() {
+    let desk = Desk::new();
+    let p = duo(&desk.path("take.mcap"), 1600);
+    desk.ca(&["replay", "take.mcap"]).is(0).says(&["identical  to the bit", "3200 force frames", "`Duo`"]);
+    let j = desk.ca(&["replay", "take.mcap", "--verify", "--json", "-o", "again.wav"]).is(0).json();
+    assert_eq!((&j["identical"], &j["force_frames"], &j["samples"]), (&true.into(), &3200.into(), &p.sound.len().into()));
+    let (spec, heard) = desk.wav("again.wav");
+    assert_eq!((spec.sample_rate, spec.channels), (48_000, 2));
+    assert!(heard.iter().zip(&p.sound).all(|(a, b)| *a == f64::from(*b as f32)) && heard.len() == p.sound.len());
+    // cut off: still identical, up to there
+    let bytes = fs::read(desk.path("take.mcap")).unwrap();
+    fs::write(desk.path("cut.mcap"), &bytes[..bytes.len() - 2000]).unwrap();
+    desk.ca(&["replay", "cut.mcap", "--verify"]).is(0).says(&["identical", "cut off"]);
+    desk.ca(&["replay", "no.mcap"]).is(1).says(&["`no.mcap`"]);
+    desk.put("x.mcap", "hello").ca(&["replay", "x.mcap"]).is(1).says(&["no MCAP file"]);
+    desk.ca(&["replay", "take.mcap", "-o", "x.flac"]).is(2).says(&["`.wav`"]);
+}
+
+#[test]
+fn info_counts_what_is_there() {
+    let desk = Desk::new();
+    duo(&desk.path("take.mcap"), 1600);
+    let words = ["/device/left/in", "ca_v1/msg/DeviceFrame", "foxglove.PointCloud", "SOFTWARE at 0.2", "bar.f = 231 Hz"];
+    let r = desk.ca(&["log", "info", "take.mcap"]).is(0).says(&words);
+    assert!(r.out.contains("attached   model/duo.ca.toml") && r.out.contains("layout/ca-foxglove.json"), "{}", r.out);
+    let j = desk.ca(&["log", "info", "take.mcap", "--json"]).is(0).json();
+    let topics = &j["topics"];
+    assert_eq!(topics["/device/left/out"]["messages"], 1600);
+    // two of three oddities of the devices are frames, one is silence
+    assert_eq!(topics["/device/right/in"]["messages"], 1599);
+    let rate = topics["/device/right/out"]["rate"].as_f64().unwrap();
+    assert!((rate - 3000.0).abs() < 5.0, "{rate}");
+    assert!((j["seconds"].as_f64().unwrap() - 1600.0 / 3000.0).abs() < 0.01);
+    assert_eq!((&j["faults"][0]["cause"], &j["faults"][0]["device"]), (&"SOFTWARE".into(), &"left".into()));
+    assert!(j["cut"].is_null() && j["lost"]["records"] == 0 && j["devices"].as_array().unwrap().len() == 2);
+}
+
+#[test]
+fn what_was_cut_off_is_saved() {
+    let desk = Desk::new();
+    duo(&desk.path("take.mcap"), 1600);
+    let bytes = fs::read(desk.path("take.mcap")).unwrap();
+    fs::write(desk.path("cut.mcap"), &bytes[..bytes.len() * 3 / 4]).unwrap();
+    desk.ca(&["log", "info", "cut.mcap"]).is(0).says(&["cut off", "ca log recover cut.mcap"]);
+    desk.ca(&["log", "recover", "cut.mcap"]).is(3).says(&["messages", "cut off", "quarter of a second"]);
+    let r = desk.ca(&["log", "info", "cut.recovered.mcap"]).is(0);
+    assert_eq!(r.err, "");
+    desk.ca(&["replay", "cut.recovered.mcap", "--verify"]).is(0).says(&["identical"]);
+    desk.ca(&["log", "recover", "cut.mcap"]).is(1).says(&["--force"]);
+    desk.ca(&["log", "recover", "cut.mcap", "--force"]).is(3);
+    desk.ca(&["log", "recover", "cut.mcap", "-o", "cut.mcap", "--force"]).is(2).says(&["overwritten"]);
+    desk.ca(&["log", "recover", "take.mcap", "-o", "copy.mcap"]).is(0).says(&["was whole"]);
+    assert_eq!(fs::read(desk.path("take.mcap")).unwrap(), bytes, "the take itself is left alone");
+}
+
+#[test]
+fn parts_come_out_as_files() {
+    let desk = Desk::new();
+    let p = duo(&desk.path("take.mcap"), 1600);
+    desk.ca(&["log", "export", "take.mcap", "sound", "-o", "s.wav"]).is(0);
+    let (_, heard) = desk.wav("s.wav");
+    assert!(heard.iter().zip(&p.sound).all(|(a, b)| *a == f64::from(*b as f32)) && heard.len() == p.sound.len());
+    desk.ca(&["log", "export", "take.mcap", "model", "-o", "m.ca.toml"]).is(0).says(&["--set bar.f='231 Hz'"]);
+    assert_eq!(fs::read_to_string(desk.path("m.ca.toml")).unwrap(), super::performer::DUO);
+    desk.ca(&["log", "export", "take.mcap", "profile/left.toml", "-o", "p.toml"]).is(0);
+    assert!(fs::read_to_string(desk.path("p.toml")).unwrap().contains("tgr12"));
+
+    // CSV: a column a number, only the DOF there are; NPY: rows are the frames themselves
+    desk.ca(&["log", "export", "take.mcap", "/device/right/out", "-o", "f.csv"]).is(0).says(&["1600 messages"]);
+    let csv = fs::read_to_string(desk.path("f.csv")).unwrap();
+    let head: Vec<&str> = csv.lines().next().unwrap().split(',').collect();
+    assert!(head.contains(&"force[2]") && !head.contains(&"force[3]") && head[0] == "time", "{head:?}");
+    let column = |line: &str, name: &str| line.split(',').nth(head.iter().position(|h| *h == name).unwrap()).unwrap().to_owned();
+    let last = csv.lines().last().unwrap();
+    assert_eq!((column(last, "seq"), column(last, "tick"), column(last, "device")), ("1600".into(), (1599 * 16).to_string(), "right".into()));
+    desk.ca(&["log", "export", "take.mcap", "/device/right/out", "-o", "f.npy"]).is(0);
+    let npy = fs::read(desk.path("f.npy")).unwrap();
+    let frame = size_of::<ca_haptic::frame::ForceFrame>();
+    assert_eq!(npy.len(), 1024 + 1600 * frame);
+    let seq = npyz::NpyFile::new(&npy[..]).unwrap();
+    assert_eq!(seq.shape(), [1600]);
+    let at = npy.len() - frame;
+    let force = f32::from_le_bytes(npy[at + 116..at + 120].try_into().unwrap());
+    assert_eq!(force.to_string(), column(last, "force[1]"), "the same number in both");
+    desk.ca(&["log", "export", "take.mcap", "/param", "-o", "p.csv"]).is(0).says(&["2 messages"]);
+    assert!(fs::read_to_string(desk.path("p.csv")).unwrap().contains(",731,stiff\n"));
+    desk.ca(&["log", "export", "take.mcap", "/param", "-o", "p.npy"]).is(2).says(&["`.csv`"]);
+    desk.ca(&["log", "export", "take.mcap", "/scene", "-o", "s.csv"]).is(2).says(&["for viewers"]);
+    desk.ca(&["log", "export", "take.mcap", "/no", "-o", "s.csv"]).is(2).says(&["nothing on `/no`"]);
+    desk.ca(&["log", "export", "take.mcap", "/hash", "-o", "s.xls"]).is(2).says(&["`.csv` or `.npy`"]);
+    desk.ca(&["log", "export", "take.mcap", "nothing", "-o", "n"]).is(2).says(&["no `nothing` is attached"]);
+    desk.ca(&["log", "export", "take.mcap", "sound", "-o", "s.wav"]).is(1).says(&["--force"]);
+    desk.ca(&["log", "export", "take.mcap", "sound", "-o", "take.mcap", "--force"]).is(2).says(&["overwritten"]);
+}
+
+#[test]
+fn a_take_plays_another_model() {
+    let desk = Desk::new();
+    duo(&desk.path("take.mcap"), 3000);
+    let other = "[TGR]\nkey = { x = \"-5 mm\" }\npad = {}\n[param]\nstiff = { value = \"1 N/m\", live = true, min = 0, max = 2000 }\n\
+                 [CEL]\nbell = { m = \"2 g\", f = \"700 Hz\", t60 = \"1 s\" }\n\
+                 [RES]\nr = { between = [\"key\", \"bell\"], k = \"stiff\" }\n[SOX]\nout = { from = \"bell\", gain = 500 }\n";
+    desk.put("bell.ca.toml", &other.replace("pad = {}\n", "pad = { device = \"x\", dof = 1 }\n"));
+    let r = desk.ca(&["render", "bell.ca.toml", "--gesture", "take.mcap", "--seconds", "1"]);
+    assert_eq!(r.code, 0, "{}{}", r.out, r.err);
+    assert!(peak(&desk.wav("bell.wav").1) > 0.01);
+    desk.put("deaf.ca.toml", "[CEL]\nbar = { m = 1, f = 9, dx0 = 1 }\n[SOX]\nout = { from = \"bar\", gain = 0.1 }\n");
+    desk.ca(&["render", "deaf.ca.toml", "--gesture", "take.mcap"]).is(2).says(&["nothing is driven by `key`"]);
+}

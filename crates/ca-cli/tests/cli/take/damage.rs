@@ -1,0 +1,164 @@
+//! Takes that are damaged, forged or foreign: a finding with both values, or a clear error, never a panic.
+
+use super::performer::{DUO, Performer, catalog, duo};
+use super::replay;
+use ca_haptic::FileErrorKind;
+use ca_haptic::take::{End, Replay, Take, TakeWriter};
+use mcap::records::Record;
+use std::fs;
+use std::path::Path;
+
+/// A copy of a take in which one message of a topic is changed.
+fn forge(from: &Path, to: &Path, topic: &str, nth: usize, change: impl Fn(&mut Vec<u8>)) {
+    let bytes = fs::read(from).unwrap();
+    let mut out = mcap::Writer::new(std::io::BufWriter::new(fs::File::create(to).unwrap())).unwrap();
+    for record in mcap::read::LinearReader::new(&bytes).unwrap() {
+        match record.unwrap() {
+            Record::Attachment { header, data, .. } => out
+                .attach(&mcap::Attachment {
+                    log_time: header.log_time,
+                    create_time: header.create_time,
+                    name: header.name,
+                    media_type: header.media_type,
+                    data,
+                })
+                .unwrap(),
+            Record::Metadata(m) => out.write_metadata(&m).unwrap(),
+            _ => {}
+        }
+    }
+    let mut seen = 0;
+    for message in mcap::MessageStream::new(&bytes).unwrap() {
+        let mut message = message.unwrap();
+        if message.channel.topic == topic {
+            if seen == nth {
+                change(message.data.to_mut());
+            }
+            seen += 1;
+        }
+        out.write(&message).unwrap();
+    }
+    assert!(seen > nth);
+    out.finish().unwrap();
+}
+
+#[test]
+fn the_first_difference_is_found_with_both_values() {
+    let dir = tempfile::tempdir().unwrap();
+    let (good, bad) = (dir.path().join("good.mcap"), dir.path().join("bad.mcap"));
+    duo(&good, 1600);
+    assert!(replay(&good).is_identical());
+
+    // a force that was not: the 1200th frame of the second device, its second key, a tenth of a newton
+    let at = 4 + 112 + 4;
+    forge(&good, &bad, "/device/right/out", 1199, |data| {
+        data[at..at + 4].copy_from_slice(&0.1f32.to_le_bytes());
+    });
+    let d = replay(&bad).difference.expect("a difference");
+    assert!(d.what.contains("force of degree 1") && d.what.contains("`right`"), "{d}");
+    assert_eq!((d.was.as_str(), d.tick), ("1e-1 N", 1199 * 16 + 1), "{d}");
+
+    // a hand that was elsewhere, by a nanometre: every force and sample after it may differ, and something does
+    let x = 4 + 112;
+    forge(&good, &bad, "/device/left/in", 700, |data| {
+        let old = f64::from_le_bytes(data[x..x + 8].try_into().unwrap());
+        data[x..x + 8].copy_from_slice(&(old + 1e-9).to_le_bytes());
+    });
+    let v = replay(&bad);
+    let d = v.difference.clone().expect("a difference");
+    assert!(v.frames >= 700 && v.frames < 720, "{v:?}");
+    assert!(d.was != d.is, "{d}");
+
+    // one bit of one sample
+    forge(&good, &bad, "/sound", 10, |data| *data.last_mut().unwrap() ^= 1);
+    let d = replay(&bad).difference.expect("a difference");
+    assert!(d.what.contains("sound of channel 1"), "{d}");
+
+    // one bit of a hash
+    forge(&good, &bad, "/hash", 2, |data| data[12] ^= 1);
+    let d = replay(&bad).difference.expect("a difference");
+    assert!(d.what.contains("hash"), "{d}");
+
+    // a change of another size, a message cut short, one that is no CDR
+    for change in [|d: &mut Vec<u8>| d.truncate(40), |d: &mut Vec<u8>| d[0] = 7] {
+        forge(&good, &bad, "/change", 0, change);
+        let take = Take::open(&bad).unwrap();
+        let run = Replay::new(&take, &catalog()).unwrap().run(&take, &mut |_| (), &mut |_| Ok(()));
+        let e = run.unwrap_err();
+        assert!(e.to_string().contains("`/change`"), "{e}");
+    }
+}
+
+#[test]
+fn a_take_cut_anywhere_reads_up_to_there() {
+    let dir = tempfile::tempdir().unwrap();
+    let (good, bad) = (dir.path().join("good.mcap"), dir.path().join("bad.mcap"));
+    // chunks all along
+    let mut p = Performer::new(DUO, &good, true);
+    p.frames(900);
+    p.finish();
+    let bytes = fs::read(&good).unwrap();
+    let mut longest = 0;
+    for part in 0..40 {
+        fs::write(&bad, &bytes[..bytes.len() * part / 40]).unwrap();
+        match Take::open(&bad) {
+            Ok(take) => {
+                let v = replay(&bad);
+                assert!(v.difference.is_none(), "{v:?}");
+                assert!(v.frames >= longest, "more of the file is more of the take");
+                longest = v.frames;
+                let s = take.summary().unwrap();
+                assert!(matches!(s.end, End::Cut(..)) || s.seconds > 0.29, "{:?}", s.end);
+            }
+            Err(e) => assert_eq!(e.kind, FileErrorKind::Format, "{e}"),
+        }
+    }
+    assert!(longest >= 880, "{longest} of 900");
+    // and where bytes are wrong in the middle
+    for place in (2000..bytes.len()).step_by(bytes.len() / 23) {
+        let mut wrong = bytes.clone();
+        wrong[place] ^= 0x55;
+        fs::write(&bad, &wrong).unwrap();
+        if let Ok(take) = Take::open(&bad) {
+            let Ok(r) = Replay::new(&take, &catalog()) else { continue };
+            let v = r.run(&take, &mut |_| (), &mut |_| Ok(()));
+            // chunks are checked as a whole: nothing wrong is believed
+            assert!(v.as_ref().is_ok_and(|v| v.difference.is_none()), "byte {place}: {v:?}");
+        }
+    }
+}
+
+#[test]
+fn what_is_no_take_says_so() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("x.mcap");
+    for text in [&b""[..], b"hello", b"RIFF0000WAVEfmt "] {
+        fs::write(&path, text).unwrap();
+        let e = Take::open(&path).unwrap_err();
+        assert_eq!(e.kind, FileErrorKind::Format);
+        assert!(e.to_string().contains("no MCAP file"), "{e}");
+    }
+    let mut out = mcap::Writer::new(std::io::BufWriter::new(fs::File::create(&path).unwrap())).unwrap();
+    out.finish().unwrap();
+    drop(out);
+    let e = Take::open(&path).unwrap_err();
+    assert!(e.to_string().contains("no take of `ca`"), "{e}");
+    let mut out = mcap::Writer::new(std::io::BufWriter::new(fs::File::create(&path).unwrap())).unwrap();
+    let metadata = [("format", "99"), ("host.ca", "7.0")].map(|(k, v)| (k.to_owned(), v.to_owned())).into();
+    out.write_metadata(&mcap::records::Metadata { name: "ca.take".into(), metadata }).unwrap();
+    out.finish().unwrap();
+    drop(out);
+    let e = Take::open(&path).unwrap_err();
+    assert_eq!(e.kind, FileErrorKind::Unsupported);
+    assert!(e.to_string().contains("`ca` 7.0"), "{e}");
+    assert_eq!(Take::open(dir.path().join("no.mcap")).unwrap_err().kind, FileErrorKind::Io);
+
+    // a performance is never overwritten
+    duo(&dir.path().join("mine.mcap"), 1);
+    let take = Take::open(dir.path().join("mine.mcap")).unwrap();
+    let scene = take.header.scene(&catalog()).unwrap();
+    let e = TakeWriter::create(dir.path().join("mine.mcap"), &take.header, &scene).err().unwrap();
+    assert!(e.to_string().contains("never overwritten"), "{e}");
+    let e = TakeWriter::create(dir.path().join("no/such.mcap"), &take.header, &scene).err().unwrap();
+    assert!(e.to_string().contains("make the directory first"), "{e}");
+}

@@ -1,0 +1,265 @@
+//! A performance without a server: an engine, scripted devices that send real frames, and a take of it.
+
+use ca_core::{Catalog, Options, State};
+use ca_haptic::engine::{self, Act, Change, Engine, Port, Setup};
+use ca_haptic::equivalence::Gains;
+use ca_haptic::frame::DeviceFrame;
+use ca_haptic::guard::Order;
+use ca_haptic::profile::Profile;
+use ca_haptic::record::Record;
+use ca_haptic::take::{Header, Recorder, Rings, Rt, TakeWriter, Told};
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Duration;
+
+/// Two devices, a live parameter, contacts, two channels, an energy book.
+pub const DUO: &str = r#"
+# Two hands on one bar.
+[model]
+title = "Duo"
+[param]
+stiff = { value = "400 N/m", live = true, min = 100, max = 2000 }
+[TGR]
+key = { device = "left", dof = 0, x = "-5 mm" }
+pad = { device = "right", dof = 1, x = "0 mm" }
+[CEL]
+bar = { m = "5 g", f = "220 Hz", t60 = "1 s" }
+[SOL]
+wall = {}
+[RES]
+shank = { between = ["key", "bar"], k = "stiff" }
+[BUT]
+hit = { between = ["pad", "bar"], k = "2 kN/m", z = "0.1 N s/m" }
+[SOX]
+out = { from = "bar", gain = 100 }
+other = { from = "pad", gain = 10 }
+"#;
+
+/// All kinds there are.
+pub fn catalog() -> Catalog {
+    Catalog::core().with(ca_lpr::KINDS)
+}
+
+/// What takes note.
+pub enum Sink {
+    Writer(Box<TakeWriter>),
+    Thread(Recorder, Box<Rings>),
+}
+
+/// A performance under way.
+pub struct Performer {
+    pub engine: Engine,
+    pub sink: Option<Sink>,
+    /// what was played, interleaved
+    pub sound: Vec<f64>,
+    /// of each DOF of each device: where it is \[m\], as a function of time
+    script: fn(usize, usize, f64) -> f64,
+    seq: u64,
+    controls: ca_core::live::Controls,
+}
+
+/// Slow and fast, within what a hand does.
+pub fn swing(device: usize, dof: usize, t: f64) -> f64 {
+    let f = 1.5 + dof as f64 + 0.7 * device as f64;
+    -0.002 + 0.003 * (std::f64::consts::TAU * f * t).sin()
+}
+
+impl Performer {
+    /// Ready to play `text` with every device it names.
+    pub fn new(text: &str, path: &Path, threaded: bool) -> Performer {
+        let options = Options { energy: true, ..Options::default() };
+        let (mut model, found) = ca_core::model::read::read(text, "some/where/duo.ca.toml", &catalog());
+        let changes = vec![("bar.f".to_owned(), "231 Hz".to_owned())];
+        let changes = if text.contains("bar") { changes } else { Vec::new() };
+        for (name, value) in &changes {
+            assert!(model.set(name, value));
+        }
+        let scene = ca_core::load::finish(&model, found, &catalog(), &options).expect("it compiles");
+        let mut names: Vec<String> = scene.inputs.iter().filter_map(|i| Some(i.device.as_ref()?.0.clone())).collect();
+        names.dedup();
+        let mut profile = Profile::shipped("tgr12").expect("shipped");
+        profile.guard.ramp = 0.05;
+        profile.guard.clear_time = 0.01;
+        profile.guard.clear = 0.5;
+        let setup = |(k, device): (usize, &String)| Setup {
+            device: device.clone(),
+            profile: Profile { dof: 2 + k as u32, ..profile.clone() },
+            calibration: ca_haptic::calibration::Calibration::default(),
+            gains: vec![Gains { alpha: 1.0 / 1.3, beta: 1.1 }],
+        };
+        let setups: Vec<Setup> = names.iter().enumerate().map(setup).collect();
+        let own = engine::Options { session: 0xfeed_face_dead_beef, wild: 1e3 };
+        let header = Header::new(&model, changes, options, &scene, setups.clone(), own);
+        let sink = if threaded {
+            let (recorder, rings) = Recorder::start(path, &header, &scene).expect("a take");
+            Sink::Thread(recorder, Box::new(rings))
+        } else {
+            Sink::Writer(Box::new(TakeWriter::create(path, &header, &scene).expect("a take")))
+        };
+        let scene = Arc::new(scene);
+        let ports = setups.into_iter().map(|s| Port::new(&scene, s)).collect();
+        let controls = scene.controls();
+        let engine = Engine::new(scene, ports, own);
+        Performer { engine, sink: Some(sink), sound: Vec::new(), script: swing, seq: 0, controls }
+    }
+
+    fn note(&mut self, record: Record) {
+        match self.sink.as_mut().expect("not finished") {
+            Sink::Writer(w) => w.record(record).expect("written"),
+            Sink::Thread(_, rings) => rings.record(record),
+        }
+    }
+
+    /// Does what somebody asks, between frames.
+    pub fn act(&mut self, act: Act) {
+        let tick = self.engine.due();
+        if let Act::Order(port, order) = act {
+            self.engine.act(act);
+            self.note(Record::Order { tick, port, order });
+        } else if let Some(spent) = self.engine.act(act) {
+            self.note(Record::Spent { tick, spent });
+        }
+    }
+
+    /// `name = value`, as `ca set` does.
+    pub fn set(&mut self, name: &str, value: f64) {
+        let p = self.controls.params().iter().position(|p| p.name == name).expect("a live parameter") as u32;
+        let patch = self.controls.set(name, value).expect("in range");
+        self.act(Act::Set(Box::new(Change { params: vec![(p, value)], patches: vec![patch] })));
+    }
+
+    /// The scene as at load.
+    pub fn reload(&mut self) {
+        let fresh: State = self.engine.scene.state();
+        self.controls = self.engine.scene.controls();
+        self.act(Act::Reload(Box::new(fresh)));
+    }
+
+    /// One gesture frame, all devices sending.
+    pub fn frame(&mut self) {
+        self.seq += 1;
+        let due = self.engine.due();
+        let ratio = u64::from(self.engine.scene.ratio);
+        let t = (due.saturating_sub(1) / ratio) as f64 * self.engine.scene.te * ratio as f64;
+        for k in 0..self.engine.ports.len() {
+            let (name, n) = (self.engine.ports[k].name.clone(), self.engine.ports[k].profile.dof as usize);
+            let mut frame = DeviceFrame::new(&name, n);
+            (frame.session, frame.seq, frame.t_device_ns) = (9, self.seq, (t * 1e9) as u64);
+            for dof in 0..n {
+                frame.pos[dof] = (self.script)(k, dof, t);
+            }
+            // now and then something no hand does, or nothing at all
+            match self.seq % 997 {
+                500 => frame.pos[0] = f64::NAN,
+                501 => frame.seq -= 2,
+                502 => continue,
+                _ => {}
+            }
+            self.engine.take(k, &mut frame);
+            self.note(Record::Device { port: k as u32, frame });
+        }
+        let forces: Vec<_> = self.engine.answer().copied().collect();
+        for (k, frame) in forces.into_iter().enumerate() {
+            self.note(Record::Force { port: k as u32, frame });
+        }
+        let x = self.engine.state.x.clone();
+        let heard = self.engine.finish().to_vec();
+        self.sound.extend_from_slice(&heard);
+        let rt = Rt { tick: due, frames: self.engine.counts.frames, late_p50: 1.5, ..Rt::default() };
+        let (view, second) = (self.seq % 50 == 1, self.seq % 300 == 0);
+        match self.sink.as_mut().expect("not finished") {
+            Sink::Writer(w) => {
+                w.sound(due, &heard).expect("written");
+                if view {
+                    w.view(due, &x).expect("written");
+                }
+                if second {
+                    w.stats(&rt).expect("written");
+                }
+            }
+            Sink::Thread(_, rings) => {
+                rings.sound(due, &heard);
+                if view {
+                    rings.view(due, &x);
+                }
+                if second {
+                    rings.stats(rt);
+                }
+            }
+        }
+        if second {
+            let (tick, bits) = (self.engine.due(), self.engine.state.bits());
+            self.note(Record::Hash { tick, bits });
+            if let Some(book) = &self.engine.state.ledger {
+                let balance = book.balance();
+                self.note(Record::Energy { tick, balance });
+            }
+        }
+    }
+
+    /// Frames at about the pace of a hand.
+    pub fn frames(&mut self, n: u64) {
+        for _ in 0..n {
+            self.frame();
+            // rings hold a second: this is far slower than they are emptied, and faster than real time
+            if matches!(self.sink, Some(Sink::Thread(..))) && self.seq.is_multiple_of(30) {
+                std::thread::sleep(Duration::from_millis(4));
+            }
+        }
+    }
+
+    /// A performance with all that can happen in it, of `n` frames, at least 1500.
+    pub fn play(&mut self, n: u64) {
+        self.frames(10);
+        self.act(Act::Order(None, Order::Arm));
+        self.frames(400);
+        let has_param = !self.controls.params().is_empty();
+        if has_param {
+            self.set("stiff", 731.0);
+            self.frames(1);
+            self.set("stiff", 1000.0 / 3.0);
+        }
+        self.frames(300);
+        self.act(Act::Order(Some(0), Order::Trip(ca_haptic::frame::Cause::Software)));
+        self.frames(200);
+        self.act(Act::Order(Some(0), Order::Arm));
+        self.frames(300);
+        if has_param {
+            self.reload();
+            self.act(Act::Order(None, Order::Arm));
+        }
+        let more = n.saturating_sub(self.seq);
+        self.frames(more);
+    }
+
+    /// Records and samples that found no room.
+    pub fn lost(&self) -> u64 {
+        match &self.sink {
+            Some(Sink::Thread(r, _)) => r.lost(),
+            _ => 0,
+        }
+    }
+
+    /// Completes the take.
+    pub fn finish(&mut self) -> Told {
+        match self.sink.take().expect("not finished") {
+            Sink::Writer(w) => w.finish().expect("finished"),
+            Sink::Thread(r, _) => r.finish().expect("finished"),
+        }
+    }
+}
+
+/// A take of [`DUO`] at `path`.
+pub fn duo(path: &Path, frames: u64) -> Performer {
+    let mut p = Performer::new(DUO, path, false);
+    p.play(frames);
+    p.finish();
+    p
+}
+
+/// A take with a device of that name.
+pub fn tgr12(path: &Path) {
+    let mut p = Performer::new(&DUO.replace("\"left\"", "\"tgr12\""), path, false);
+    p.play(1500);
+    p.finish();
+}

@@ -1,0 +1,45 @@
+//! Takes as others read them: the Python libraries of MCAP, in an environment of their own.
+
+use super::performer::{DUO, Performer, duo};
+use crate::desk::{Desk, from_root};
+use std::process::Command;
+
+/// The Python with the libraries; `None`, with the reason printed, where they cannot be had.
+fn python() -> Option<String> {
+    let made = Command::new("bash").arg(from_root("tests/python/venv")).output().ok()?;
+    let said = String::from_utf8_lossy(&made.stdout).trim().to_owned();
+    if made.status.success() {
+        return said.lines().last().map(str::to_owned);
+    }
+    println!("skipped: {}", String::from_utf8_lossy(&made.stderr).trim());
+    None
+}
+
+#[test]
+fn every_message_is_read_by_the_libraries_of_others() {
+    let Some(python) = python() else { return };
+    let desk = Desk::new();
+    duo(&desk.path("whole.mcap"), 1600);
+    let mut p = Performer::new(DUO, &desk.path("x.mcap"), true);
+    p.frames(1000);
+    p.finish();
+    let bytes = std::fs::read(desk.path("x.mcap")).unwrap();
+    std::fs::write(desk.path("cut.mcap"), &bytes[..bytes.len() * 4 / 5]).unwrap();
+    desk.ca(&["log", "recover", "cut.mcap", "-o", "saved.mcap"]).is(3);
+    desk.ca(&["log", "export", "whole.mcap", "/device/left/in", "-o", "hand.npy"]).is(0);
+    for (file, extra) in [("whole.mcap", "hand.npy"), ("cut.mcap", "-"), ("saved.mcap", "-")] {
+        let o = Command::new(&python)
+            .arg(from_root("tests/python/take.py"))
+            .args([desk.path(file), desk.path(extra)])
+            .output()
+            .unwrap();
+        let (out, err) = (String::from_utf8_lossy(&o.stdout), String::from_utf8_lossy(&o.stderr));
+        assert!(o.status.success(), "{file}:\n{out}\n{err}");
+        let counted: serde_json::Value = serde_json::from_str(out.lines().last().unwrap()).unwrap();
+        let ours = desk.ca(&["log", "info", file, "--json"]).is(0).json();
+        for (topic, t) in ours["topics"].as_object().unwrap() {
+            assert_eq!(counted[topic], t["messages"], "{file}: {topic}");
+        }
+        assert!(counted["/scene"].as_u64().unwrap() > 3);
+    }
+}

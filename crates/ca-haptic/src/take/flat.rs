@@ -1,0 +1,171 @@
+//! Records of a take that are flat: what happens beside frames.
+//!
+//! Decides that they are made like frames (`frame/`): a structure without padding whose ROS 2 definition stands beside
+//! it, so that bytes in the file, row in NumPy and structure in memory are one. A macro writes both from one list of
+//! fields, so they cannot differ.
+
+use ca_core::ledger::Balance;
+use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
+
+macro_rules! flat {
+    ($(#[$doc:meta])* $name:ident { $($(#[$field_doc:meta])* $field:ident: $rust:ty = $ros:literal),* $(,)? }) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug, Default, PartialEq, FromBytes, IntoBytes, KnownLayout, Immutable)]
+        #[repr(C)]
+        pub struct $name {
+            $($(#[$field_doc])* pub $field: $rust,)*
+        }
+
+        impl $name {
+            /// The definition of this record as a ROS 2 message.
+            pub const SCHEMA: &'static str = concat!($($ros, " ", stringify!($field), "\n"),*);
+        }
+    };
+}
+
+flat! {
+    /// Forces were armed, disarmed or tripped.
+    Ordered {
+        /// sound sample before which it took effect
+        tick: u64 = "uint64",
+        /// number of the device; [`Ordered::ALL`] for all
+        port: u32 = "uint32",
+        /// 0 arm, 1 disarm, 2 trip
+        order: u32 = "uint32",
+        /// of a trip, a [`Cause`](crate::frame::Cause)
+        cause: u32 = "uint32",
+        /// 0
+        reserved: u32 = "uint32",
+    }
+}
+
+impl Ordered {
+    /// Number that stands for all devices.
+    pub const ALL: u32 = u32::MAX;
+}
+
+flat! {
+    /// The scene was put back to its state at load.
+    Reloaded {
+        /// sound sample before which it took effect
+        tick: u64 = "uint64",
+        /// [`ca_core::State::bits`] of the state that was given up
+        bits: u64 = "uint64",
+        /// its places of MATs; others than those of the scene where the reload was refused
+        places: u32 = "uint32",
+        /// its coefficients
+        coefs: u32 = "uint32",
+    }
+}
+
+flat! {
+    /// A hash of the state.
+    Hashed {
+        /// the next sound sample
+        tick: u64 = "uint64",
+        /// [`ca_core::State::bits`]
+        bits: u64 = "uint64",
+    }
+}
+
+flat! {
+    /// The energy book.
+    Energy {
+        /// the next sound sample
+        tick: u64 = "uint64",
+        /// energy at load \[J\]
+        h0: f64 = "float64",
+        /// energy now \[J\]
+        h: f64 = "float64",
+        /// heat \[J\]
+        lost: f64 = "float64",
+        /// made by non-linear links \[J\]
+        source: f64 = "float64",
+        /// received from ports \[J\]
+        work: f64 = "float64",
+        /// received by changes \[J\]
+        changed: f64 = "float64",
+        /// what does not add up \[J\]
+        residual: f64 = "float64",
+        /// scale of the residual \[J\]
+        peak: f64 = "float64",
+    }
+}
+
+impl Energy {
+    /// The book at a tick.
+    pub fn new(tick: u64, b: &Balance) -> Energy {
+        let Balance { h0, h, lost, source, work, changed, residual, peak } = *b;
+        Energy { tick, h0, h, lost, source, work, changed, residual, peak }
+    }
+}
+
+flat! {
+    /// What found no room on its way to the take, since the last of these records.
+    Lost {
+        /// sound sample of the last record before
+        tick: u64 = "uint64",
+        /// frames and events
+        records: u64 = "uint64",
+        /// sound samples, of all channels
+        samples: u64 = "uint64",
+        /// views
+        views: u64 = "uint64",
+    }
+}
+
+flat! {
+    /// How the real-time thread does, once a second. Counts are since the start.
+    Rt {
+        /// the next sound sample
+        tick: u64 = "uint64",
+        /// gesture frames done
+        frames: u64 = "uint64",
+        /// gesture frames that began later than the one after was due
+        missed: u64 = "uint64",
+        /// gesture frames without news of a device that was there
+        stale: u64 = "uint64",
+        /// device frames dropped by the input checks
+        dropped: u64 = "uint64",
+        /// faults that latched
+        faults: u64 = "uint64",
+        /// sound samples that hit the ceiling
+        clipped: u64 = "uint64",
+        /// time from when a frame was due to when it began, median of the last second \[µs\]
+        late_p50: f64 = "float64",
+        /// the same, 99th percentile \[µs\]
+        late_p99: f64 = "float64",
+        /// the same, largest \[µs\]
+        late_max: f64 = "float64",
+        /// part of the last second spent computing
+        busy: f64 = "float64",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::take::cdr::{self, Field};
+
+    fn agrees<T: IntoBytes + Immutable + Default>(schema: &str) {
+        let fields = cdr::fields(schema);
+        let size: usize = fields.iter().map(Field::size).sum();
+        assert_eq!(size, size_of::<T>(), "{schema}");
+        let mut at = 0;
+        for f in &fields {
+            assert_eq!(at % f.kind.size(), 0, "{} is not aligned", f.name);
+            at += f.size();
+        }
+    }
+
+    #[test]
+    fn text_and_structure_are_of_one_size_and_aligned() {
+        agrees::<Ordered>(Ordered::SCHEMA);
+        agrees::<Reloaded>(Reloaded::SCHEMA);
+        agrees::<Hashed>(Hashed::SCHEMA);
+        agrees::<Energy>(Energy::SCHEMA);
+        agrees::<Lost>(Lost::SCHEMA);
+        agrees::<Rt>(Rt::SCHEMA);
+        assert_eq!(Hashed::SCHEMA, "uint64 tick\nuint64 bits\n");
+    }
+}

@@ -1,0 +1,329 @@
+//! What a take says before its first frame: all that is needed to make the same engine again.
+//!
+//! Decides that a take holds the model as its author wrote it and what was changed on the command line, rather than a
+//! model put together from both: `model::write` groups modules of a kind, and another order of modules is another order
+//! of sums, so other bits. (The resolved text goes along for people to read.) Bodies from files travel as OBJ, profiles
+//! and calibrations as the files they are, so that nothing outside a take is needed and any program can look inside. A
+//! take begins with the engine, at tick 0, so its snapshot is the state at load; a hash of it stands in the header, and
+//! who compiles the model to other numbers is told at once.
+
+use crate::calibration::Calibration;
+use crate::cloud;
+use crate::engine::{self, Engine, Port, Setup};
+use crate::equivalence::Gains;
+use crate::error::FileError;
+use crate::profile::Profile;
+use ca_core::cloud::Clouds;
+use ca_core::model::{Model, mims, read, write};
+use ca_core::{Catalog, KernelClass, Options, Scene};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// Version of what is written here.
+pub const FORMAT: u32 = 1;
+/// Name of the metadata record of a take.
+pub const META: &str = "ca.take";
+
+/// All that is needed to make the same engine again, and what people want to know.
+#[derive(Clone, Debug)]
+pub struct Header {
+    /// title of the model
+    pub title: String,
+    /// name of the model's file, without its folder
+    pub file: String,
+    /// the model as its author wrote it
+    pub text: String,
+    /// what was changed on the command line, in order: name and value
+    pub changes: Vec<(String, String)>,
+    /// the model with these changes, for people
+    pub resolved: String,
+    /// what was asked of the compiler
+    pub options: Options,
+    /// the devices
+    pub setups: Vec<Setup>,
+    /// numbers of the engine
+    pub engine: engine::Options,
+    /// sound rate \[Hz\]
+    pub rate: f64,
+    /// ticks of a gesture frame
+    pub ratio: u32,
+    /// names of the sound channels
+    pub channels: Vec<String>,
+    /// [`ca_core::State::bits`] at load
+    pub start: u64,
+    /// when it began, since 1970 \[ns\]
+    pub began_ns: u64,
+    /// what wrote it, and where: `ca`, `mcap`, `os`, `arch`, `cpus`
+    pub host: BTreeMap<String, String>,
+}
+
+/// What may stand in an attachment.
+pub(super) struct Attached {
+    pub name: String,
+    pub media: &'static str,
+    pub data: String,
+}
+
+impl Header {
+    /// The header of a performance: `model` with its `changes` applied was compiled with `options` to `scene`, and is
+    /// played with `setups` by an engine of these options.
+    pub fn new(
+        model: &Model,
+        changes: Vec<(String, String)>,
+        options: Options,
+        scene: &Scene,
+        setups: Vec<Setup>,
+        engine: engine::Options,
+    ) -> Header {
+        let resolved = write::write(model);
+        // a model that a program built has no text but this one
+        let built = model.text.is_empty();
+        let text = if built { resolved.clone() } else { model.text.clone() };
+        let changes = if built { Vec::new() } else { changes };
+        let file = model.file.rsplit(['/', '\\']).next().unwrap_or_default();
+        let file = if file.is_empty() { "model.ca.toml" } else { file };
+        let since = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap_or_default();
+        let cpus = std::thread::available_parallelism().map_or(0, std::num::NonZero::get);
+        let host = [
+            ("ca", env!("CARGO_PKG_VERSION").into()),
+            ("mcap", mcap::VERSION.into()),
+            ("os", std::env::consts::OS.into()),
+            ("arch", std::env::consts::ARCH.into()),
+            ("cpus", cpus.to_string()),
+        ];
+        Header {
+            title: scene.title.clone(),
+            file: file.into(),
+            text,
+            changes,
+            resolved,
+            options,
+            setups,
+            engine,
+            rate: scene.rate,
+            ratio: scene.ratio,
+            channels: scene.channel_names.clone(),
+            start: scene.state().bits(),
+            began_ns: since.as_nanos() as u64,
+            host: host.into_iter().map(|(k, v)| (k.to_owned(), v)).collect(),
+        }
+    }
+
+    /// Time of a tick, since 1970 \[ns\].
+    pub fn time(&self, tick: u64) -> u64 {
+        self.began_ns.saturating_add((tick as f64 * 1e9 / self.rate) as u64)
+    }
+
+    /// The scene that was played, compiled again.
+    pub fn scene(&self, catalog: &Catalog) -> Result<Scene, FileError> {
+        let mdl = self.file.to_ascii_lowercase().ends_with(".mdl");
+        let (mut model, found) =
+            if mdl { mims::import(&self.text, &self.file) } else { read::read(&self.text, &self.file, catalog) };
+        for (name, value) in &self.changes {
+            if !model.set(name, value) {
+                return Err(FileError::content(format!("its model has no `{name}`, which was set to `{value}`")));
+            }
+        }
+        let scene = ca_core::load::finish(&model, found, catalog, &self.options).map_err(|d| {
+            let first = d.list.first().map_or("", |d| d.title.as_str());
+            FileError::content(format!("its model does not compile: {first}")).fix(self.other())
+        })?;
+        if (scene.rate, scene.ratio) != (self.rate, self.ratio) || scene.state().bits() != self.start {
+            return Err(FileError::content("its model compiles to other numbers here").fix(self.other()));
+        }
+        Ok(scene)
+    }
+
+    /// The engine that played it, at rest.
+    pub fn engine(&self, catalog: &Catalog) -> Result<Engine, FileError> {
+        let scene = Arc::new(self.scene(catalog)?);
+        let ports = self.setups.iter().map(|s| Port::new(&scene, s.clone())).collect();
+        Ok(Engine::new(scene, ports, self.engine))
+    }
+
+    fn other(&self) -> String {
+        let ca = self.host.get("ca").map_or("", String::as_str);
+        format!("it was written by `ca` {ca}, this is {}: use that version", env!("CARGO_PKG_VERSION"))
+    }
+
+    /// What is attached to a take, and the metadata for the rest.
+    pub(super) fn write(&self) -> (Vec<Attached>, BTreeMap<String, String>) {
+        let toml = "application/toml";
+        let mut files = Vec::new();
+        let mut put = |name: String, media, data| files.push(Attached { name, media, data });
+        put(format!("model/{}", self.file), toml, self.text.clone());
+        put("resolved.ca.toml".into(), toml, self.resolved.clone());
+        for s in &self.setups {
+            put(format!("profile/{}.toml", s.device), toml, s.profile.write());
+            put(format!("calibration/{}.toml", s.device), toml, s.calibration.write());
+        }
+        for (name, c) in &self.options.clouds {
+            if let Ok(c) = c {
+                put(format!("cloud/{name}.obj"), "model/obj", cloud::write_obj(c));
+            }
+        }
+        put("layout/ca-foxglove.json".into(), "application/json", super::LAYOUT.into());
+        let names: Vec<&str> = self.setups.iter().map(|s| s.device.as_str()).collect();
+        let kernel = if self.options.kernel == KernelClass::Fast { "fast" } else { "reference" };
+        let mut meta: BTreeMap<String, String> = [
+            ("format", FORMAT.to_string()),
+            ("title", self.title.clone()),
+            ("file", self.file.clone()),
+            ("changes", json(&self.changes)),
+            ("devices", json(&names)),
+            ("asked.rate", self.options.rate.map(exact).unwrap_or_default()),
+            ("asked.energy", self.options.energy.to_string()),
+            ("asked.probes", json(&self.options.probes)),
+            ("asked.kernel", kernel.into()),
+            ("engine.session", self.engine.session.to_string()),
+            ("engine.wild", exact(self.engine.wild)),
+            ("sound.rate", exact(self.rate)),
+            ("sound.channels", json(&self.channels)),
+            ("gesture.ratio", self.ratio.to_string()),
+            ("start.bits", format!("{:016x}", self.start)),
+            ("began_ns", self.began_ns.to_string()),
+        ]
+        .into_iter()
+        .map(|(k, v)| (k.to_owned(), v))
+        .collect();
+        meta.extend(self.host.iter().map(|(k, v)| (format!("host.{k}"), v.clone())));
+        for s in &self.setups {
+            let gains = s.gains.iter().map(|g| format!("{} {}", exact(g.alpha), exact(g.beta)));
+            meta.insert(format!("gains.{}", s.device), gains.collect::<Vec<_>>().join(", "));
+        }
+        (files, meta)
+    }
+
+    /// The other way round.
+    pub(super) fn read(files: &[(String, String)], meta: &BTreeMap<String, String>) -> Result<Header, FileError> {
+        let format: Option<u32> = meta.get("format").and_then(|f| f.parse().ok());
+        if format != Some(FORMAT) {
+            let by = meta.get("host.ca").map_or("?", String::as_str);
+            let e = FileError::unsupported(format!("a take of another format, written by `ca` {by}"));
+            return Err(e.fix(format!("use that version; this one is {}", env!("CARGO_PKG_VERSION"))));
+        }
+        let text = |key: &str| {
+            let e = || FileError::format(format!("its metadata has no `{key}`")).fix("`ca log recover` what is left");
+            meta.get(key).cloned().ok_or_else(e)
+        };
+        let bad = |key: &str| FileError::format(format!("its metadata has no sensible `{key}`"));
+        let file_of = |name: &str| {
+            let e = || FileError::format(format!("`{name}` is not attached to it"));
+            files.iter().find(|f| f.0 == name).map(|f| f.1.clone()).ok_or_else(e)
+        };
+        let number = |key: &str| text(key)?.parse::<f64>().map_err(|_| bad(key));
+        let whole = |key: &str| text(key)?.parse::<u64>().map_err(|_| bad(key));
+        let list = |key: &str| serde_json::from_str::<Vec<String>>(&text(key)?).map_err(|_| bad(key));
+        let mut setups = Vec::new();
+        for device in list("devices")? {
+            let (profile, calibration) = (format!("profile/{device}.toml"), format!("calibration/{device}.toml"));
+            let key = format!("gains.{device}");
+            let gains = text(&key)?.split(", ").filter(|g| !g.is_empty()).map(pair).collect::<Option<Vec<Gains>>>();
+            setups.push(Setup {
+                profile: Profile::read(&file_of(&profile)?, &profile)?,
+                calibration: Calibration::read(&file_of(&calibration)?, &calibration)?,
+                gains: gains.ok_or_else(|| bad(&key))?,
+                device,
+            });
+        }
+        let mut clouds = Clouds::new();
+        for (name, data) in files {
+            if let Some(own) = name.strip_prefix("cloud/").and_then(|n| n.strip_suffix(".obj")) {
+                clouds.insert(own.into(), Ok(Arc::new(cloud::read_obj(data.as_bytes())?)));
+            }
+        }
+        let asked = text("asked.rate")?;
+        let rate = if asked.is_empty() { None } else { Some(number("asked.rate")?) };
+        let kernel = if text("asked.kernel")? == "reference" { KernelClass::Reference } else { KernelClass::Fast };
+        let file = text("file")?;
+        let host = meta.iter().filter_map(|(k, v)| Some((k.strip_prefix("host.")?.to_owned(), v.clone())));
+        let header = Header {
+            title: text("title")?,
+            text: file_of(&format!("model/{file}"))?,
+            resolved: file_of("resolved.ca.toml")?,
+            file,
+            changes: serde_json::from_str(&text("changes")?).map_err(|_| bad("changes"))?,
+            options: Options {
+                rate,
+                energy: text("asked.energy")? == "true",
+                probes: list("asked.probes")?,
+                clouds,
+                kernel,
+            },
+            setups,
+            engine: engine::Options { session: whole("engine.session")?, wild: number("engine.wild")? },
+            rate: number("sound.rate")?,
+            ratio: u32::try_from(whole("gesture.ratio")?).map_err(|_| bad("gesture.ratio"))?,
+            channels: list("sound.channels")?,
+            start: u64::from_str_radix(&text("start.bits")?, 16).map_err(|_| bad("start.bits"))?,
+            began_ns: whole("began_ns")?,
+            host: host.collect(),
+        };
+        if header.rate.is_finite() && header.rate > 0.0 && header.ratio > 0 {
+            Ok(header)
+        } else {
+            Err(bad("sound.rate"))
+        }
+    }
+}
+
+/// The shortest digits that read back as the same number.
+fn exact(v: f64) -> String {
+    format!("{v:?}")
+}
+
+fn json<T: serde::Serialize>(v: &T) -> String {
+    serde_json::to_string(v).unwrap_or_default()
+}
+
+fn pair(text: &str) -> Option<Gains> {
+    let (a, b) = text.split_once(' ')?;
+    Some(Gains { alpha: a.parse().ok()?, beta: b.parse().ok()? })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::calibration::Axis;
+    use crate::profile::SHIPPED;
+    use ca_core::cloud::Cloud;
+
+    #[test]
+    fn everything_comes_back_to_the_bit() {
+        let text = "[TGR]\nkey = { device = \"a b\", dof = 0 }\n[SOL]\nw = {}\n[RES]\nr = { between = [\"key\", \"w\"], k = 5 }\n[SOX]\nout = { from = \"key\" }\n";
+        let (mut model, _) = read::read(text, "some/where/key.ca.toml", &Catalog::core());
+        assert!(model.set("r.k", "7"));
+        let points = vec![[0.1, -1.0 / 3.0, 1e-300], [1.0, 2.0, 3.0], [0.0, 0.5, 1e300]];
+        let cloud = Cloud { points, edges: vec![[0, 2], [1, 2]], merged: 0, flat: 0 };
+        let mut options = Options { rate: Some(44_100.0), energy: true, probes: vec!["r".into()], ..Options::default() };
+        options.clouds.insert("a/b c.ply".into(), Ok(Arc::new(cloud.clone())));
+        let scene = ca_core::compile(&model, &Catalog::core(), &options).expect("it compiles");
+        for (name, _) in SHIPPED {
+            let axis = Axis { scale: 0.1, offset: -1.0 / 3.0, force: 1e-7 };
+            let setup = Setup {
+                device: "a b".into(),
+                profile: Profile::shipped(name).expect("shipped"),
+                calibration: Calibration { device: "a b".into(), by: "me".into(), axis: vec![axis; 3] },
+                gains: vec![Gains { alpha: 1.0 / 3.0, beta: 1e17 }, Gains::default()],
+            };
+            let engine = engine::Options { session: u64::MAX, wild: 0.1 };
+            let changes = vec![("r.k".to_owned(), "7".to_owned())];
+            let h = Header::new(&model, changes, options.clone(), &scene, vec![setup], engine);
+            let (files, meta) = h.write();
+            let files: Vec<(String, String)> = files.into_iter().map(|f| (f.name, f.data)).collect();
+            let back = Header::read(&files, &meta).unwrap_or_else(|e| panic!("{name}: {e}"));
+            assert_eq!(back.setups, h.setups);
+            assert_eq!((back.engine, back.rate, back.start, back.began_ns), (h.engine, h.rate, h.start, h.began_ns));
+            assert_eq!(back.options.clouds["a/b c.ply"], Ok(Arc::new(cloud.clone())));
+            assert_eq!((back.file.as_str(), back.text.as_str()), ("key.ca.toml", text));
+            assert!(back.resolved.contains("k = 7"));
+            let again = back.scene(&Catalog::core()).expect("it compiles again");
+            assert_eq!(again.state().bits(), scene.state().bits());
+            for key in meta.keys().filter(|k| !k.starts_with("host.")) {
+                let mut less = meta.clone();
+                less.remove(key);
+                assert!(Header::read(&files, &less).is_err(), "without `{key}`");
+            }
+        }
+    }
+}

@@ -1,0 +1,164 @@
+//! Reads a take: its header, and what happened in the order in which it happened.
+//!
+//! Decides that what a reload gave up comes back as its record, not as a state: a take holds a hash of it. Messages of
+//! topics that are not ours, and those for viewers, are passed over by name, so that a take somebody added to still
+//! replays.
+
+use super::flat::{Energy, Hashed, Lost, Ordered, Reloaded, Rt};
+use super::header::{Header, META};
+use super::source::{End, Item, Source, torn};
+use super::{cdr, topic};
+use crate::engine::Change;
+use crate::error::FileError;
+use crate::frame::{Cause, DeviceFrame, ForceFrame};
+use crate::guard::Order;
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+
+/// One thing in a take.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Event {
+    /// a frame that was looked at
+    Device(usize, Box<DeviceFrame>),
+    /// a frame that was sent
+    Force(usize, Box<ForceFrame>),
+    /// parameters changed before this tick
+    Change(u64, Change),
+    /// the scene was loaded again
+    Reload(Reloaded),
+    /// forces were armed, disarmed or tripped before this tick, of one device or all
+    Order(u64, Option<u32>, Order),
+    /// a hash of the state
+    Hash(Hashed),
+    /// the energy book
+    Energy(Energy),
+    /// sound, interleaved, from this tick on
+    Sound(u64, Vec<f64>),
+    /// something is missing here
+    Lost(Lost),
+    /// how the real-time thread did
+    Rt(Rt),
+    /// of no meaning for a replay
+    View,
+}
+
+/// A take.
+#[derive(Clone, Debug)]
+pub struct Take {
+    /// the file
+    pub path: PathBuf,
+    /// what it says before its first frame
+    pub header: Header,
+}
+
+impl Take {
+    /// Opens the take at `path`, finished or not.
+    pub fn open(path: impl AsRef<Path>) -> Result<Take, FileError> {
+        let path = path.as_ref();
+        let name = |e: FileError| e.file(path.display());
+        let mut files = Vec::new();
+        let mut meta = None;
+        // attachments and metadata come before the first message
+        let mut source = Source::open(path)?;
+        for item in source.by_ref() {
+            match item? {
+                Item::Attachment { name, data, .. } => files.push((name, String::from_utf8_lossy(&data).into_owned())),
+                Item::Metadata(m) if m.name == META => {
+                    meta = Some(m.metadata);
+                    break;
+                }
+                Item::Metadata(_) => {}
+                Item::Message { .. } => break,
+            }
+        }
+        let Some(meta) = meta else {
+            let cut = matches!(source.end(), Some(End::Cut(..)));
+            let what = if cut { "it ends before its first frame" } else { "an MCAP file, but no take of `ca`" };
+            return Err(name(FileError::format(what).fix("takes are made by `ca serve --take`")));
+        };
+        let header = Header::read(&files, &meta).map_err(name)?;
+        Ok(Take { path: path.to_owned(), header })
+    }
+
+    /// What happened, in order.
+    pub fn events(&self) -> Result<Events, FileError> {
+        let mut ports = HashMap::new();
+        for (k, s) in self.header.setups.iter().enumerate() {
+            ports.insert(topic::device(&s.device), (k, false));
+            ports.insert(topic::force(&s.device), (k, true));
+        }
+        Ok(Events { source: Source::open(&self.path)?, path: self.path.clone(), ports })
+    }
+}
+
+/// Goes through a take.
+pub struct Events {
+    source: Source,
+    path: PathBuf,
+    /// of topics of frames: number of the device, and whether they are forces
+    ports: HashMap<String, (usize, bool)>,
+}
+
+impl Events {
+    /// How the file ended; `None` while it has not.
+    pub fn end(&self) -> Option<&End> {
+        self.source.end()
+    }
+
+    /// What a message says; `None` where it is not what its topic promises.
+    fn event(&self, name: &str, data: &[u8]) -> Option<Event> {
+        if let Some((k, force)) = self.ports.get(name) {
+            return Some(if *force {
+                Event::Force(*k, Box::new(cdr::record(data).filter(ForceFrame::is_ours)?))
+            } else {
+                // also those of another layout: a frame is recorded as it came
+                Event::Device(*k, Box::new(cdr::record::<DeviceFrame>(data)?))
+            });
+        }
+        Some(match name {
+            topic::CHANGE => {
+                let (tick, change) = cdr::read_change(data)?;
+                Event::Change(tick, change)
+            }
+            topic::RELOAD => Event::Reload(cdr::record(data)?),
+            topic::ORDER => {
+                let o: Ordered = cdr::record(data)?;
+                let order = match o.order {
+                    0 => Order::Arm,
+                    1 => Order::Disarm,
+                    2 => Order::Trip(Cause::read(u16::try_from(o.cause).ok()?)),
+                    _ => return None,
+                };
+                Event::Order(o.tick, (o.port != Ordered::ALL).then_some(o.port), order)
+            }
+            topic::HASH => Event::Hash(cdr::record(data)?),
+            topic::ENERGY => Event::Energy(cdr::record(data)?),
+            topic::LOST => Event::Lost(cdr::record(data)?),
+            topic::RT => Event::Rt(cdr::record(data)?),
+            topic::SOUND => {
+                let mut r = cdr::In::new(data)?;
+                let (tick, _, _) = (r.get::<u64>()?, r.get::<u32>()?, r.get::<u32>()?);
+                Event::Sound(tick, r.list()?)
+            }
+            _ => Event::View,
+        })
+    }
+}
+
+impl Iterator for Events {
+    type Item = Result<Event, FileError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        loop {
+            match self.source.next()? {
+                Err(e) => return Some(Err(e)),
+                Ok(Item::Message { channel, sequence, data, .. }) => {
+                    let event = self.event(&channel.topic, &data);
+                    let e = || torn(&channel.topic, sequence).file(self.path.display());
+                    return Some(event.ok_or_else(e));
+                }
+                Ok(_) => {}
+            }
+        }
+    }
+}

@@ -1,0 +1,72 @@
+//! Makes a take that was cut off whole again: the same messages, with an index.
+//!
+//! Decides to copy message by message what was written whole, under the same names and numbers, into a new file: the
+//! old one is left as it is, since what a crash left behind is evidence.
+
+use super::source::{End, Item, Source};
+use super::write::failed;
+use crate::error::FileError;
+use crate::staged::Staged;
+use mcap::{Attachment, Compression, McapResult, Message, WriteOptions, Writer};
+use std::fs::File;
+use std::io::BufWriter;
+use std::path::Path;
+
+/// What was saved.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Recovered {
+    /// messages in the new file
+    pub messages: u64,
+    /// time from the first to the last of them \[s\]
+    pub seconds: f64,
+    /// attachments in the new file
+    pub attachments: u64,
+    /// why the old one ended early, and the bytes at its end that are of no use; `None` where it was whole
+    pub cut: Option<(String, u64)>,
+}
+
+/// Copies what is whole of the file `from` to `to`.
+pub fn recover(from: impl AsRef<Path>, to: impl AsRef<Path>) -> Result<Recovered, FileError> {
+    let (from, to) = (from.as_ref(), to.as_ref());
+    let mut source = Source::open(from)?;
+    let staged = Staged::create(to)?;
+    let file = BufWriter::with_capacity(1 << 16, staged.handle()?);
+    let options = WriteOptions::new()
+        .profile("ca")
+        .library(format!("ca {} {}", env!("CARGO_PKG_VERSION"), mcap::LIBRARY_IDENTIFIER))
+        .compression(Some(Compression::Zstd))
+        .compression_threads(0);
+    let mut out = options.create(file).map_err(|e| failed(to, &e))?;
+    let mut told = Recovered { messages: 0, seconds: 0.0, attachments: 0, cut: None };
+    let mut first = None;
+    for item in source.by_ref() {
+        let item = item?;
+        if let Item::Message { time, .. } = &item {
+            told.messages += 1;
+            let begin = *first.get_or_insert(*time);
+            told.seconds = told.seconds.max(time.saturating_sub(begin) as f64 * 1e-9);
+        }
+        told.attachments += u64::from(matches!(item, Item::Attachment { .. }));
+        copy(&mut out, item).map_err(|e| failed(to, &e))?;
+    }
+    out.finish().map_err(|e| failed(to, &e))?;
+    out.into_inner().into_inner().map_err(|e| FileError::io(to, "it cannot be written", e.error()))?;
+    staged.commit()?;
+    if let Some(End::Cut(why, bytes)) = source.end() {
+        told.cut = Some((why.clone(), *bytes));
+    }
+    Ok(told)
+}
+
+fn copy(out: &mut Writer<BufWriter<File>>, item: Item) -> McapResult<()> {
+    match item {
+        Item::Message { channel, sequence, time, data } => {
+            out.write(&Message { channel, sequence, log_time: time, publish_time: time, data: data.into() })
+        }
+        Item::Attachment { name, media, time, data } => {
+            let (log_time, create_time) = (time, time);
+            out.attach(&Attachment { log_time, create_time, name, media_type: media, data: data.into() })
+        }
+        Item::Metadata(m) => out.write_metadata(&m),
+    }
+}

@@ -1,0 +1,313 @@
+//! Replays a take, and finds the first thing that is not as it was.
+//!
+//! Decides to drive the engine by the records alone, in the order in which they stand: before a frame or an act of tick
+//! n the engine runs until n is due, and every force frame, stretch of sound and hash in the file is compared with what
+//! the engine makes, byte for byte. What is recorded of an engine is thereby checked, not only what it was asked. A
+//! hole in the take ends the comparison where it is: what came after it may have depended on what is missing.
+
+use super::read::{Event, Take};
+use super::source::End;
+use crate::engine::{Act, Change, Engine, Spent};
+use crate::error::FileError;
+use crate::frame::{DeviceFrame, ForceFrame};
+use ca_core::Catalog;
+use std::collections::VecDeque;
+use std::fmt;
+use zerocopy::IntoBytes;
+
+/// The first thing that is not as it was.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Difference {
+    /// sound sample
+    pub tick: u64,
+    /// when \[s\]
+    pub time: f64,
+    /// what: which frame of which device and which of its fields, which sample, which hash
+    pub what: String,
+    /// as it was
+    pub was: String,
+    /// as it is
+    pub is: String,
+}
+
+impl fmt::Display for Difference {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Difference { tick, time, what, was, is } = self;
+        write!(f, "{what} at {time:.6} s (tick {tick}): it was {was}, it is {is}")
+    }
+}
+
+/// What a replay found.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Verdict {
+    /// gesture frames computed again
+    pub frames: u64,
+    /// device frames given to the engine
+    pub taken: u64,
+    /// force frames compared
+    pub forces: u64,
+    /// sound samples compared, of all channels
+    pub samples: u64,
+    /// hashes of the state compared
+    pub hashes: u64,
+    /// length \[s\]
+    pub seconds: f64,
+    /// the first thing that is not as it was
+    pub difference: Option<Difference>,
+    /// where something is missing in the take, so that nothing after it was compared \[s\]
+    pub hole: Option<f64>,
+    /// why the file ends early, where it does
+    pub cut: Option<String>,
+}
+
+impl Verdict {
+    /// True where everything compared is as it was, and nothing is missing up to the end of the file.
+    pub fn is_identical(&self) -> bool {
+        self.difference.is_none() && self.hole.is_none()
+    }
+}
+
+/// A replay under way.
+pub struct Replay {
+    /// the engine
+    pub engine: Engine,
+    rate: f64,
+    channels: usize,
+    /// what was found so far
+    pub verdict: Verdict,
+    /// force frames made and not compared yet, of each device
+    made: Vec<VecDeque<ForceFrame>>,
+    /// sound made and not compared yet, and the tick of its first sample
+    sound: VecDeque<f64>,
+    sound_tick: u64,
+    /// whether the take holds sound
+    heard: bool,
+}
+
+impl Replay {
+    /// The engine of a take, at rest.
+    pub fn new(take: &Take, catalog: &Catalog) -> Result<Replay, FileError> {
+        let engine = take.header.engine(catalog).map_err(|e| e.file(take.path.display()))?;
+        Ok(Replay {
+            rate: engine.scene.rate,
+            channels: engine.scene.channels,
+            verdict: Verdict::default(),
+            made: engine.ports.iter().map(|_| VecDeque::new()).collect(),
+            sound: VecDeque::new(),
+            sound_tick: 0,
+            heard: true,
+            engine,
+        })
+    }
+
+    /// Replays all of `take`. `each` sees every gesture frame: the engine at its end, before the masses of the last
+    /// tick move, and then the sound of the frame.
+    pub fn run(
+        mut self,
+        take: &Take,
+        each: &mut dyn FnMut(&Engine),
+        sound: &mut dyn FnMut(&[f64]) -> Result<(), FileError>,
+    ) -> Result<Verdict, FileError> {
+        let mut events = take.events()?;
+        for event in events.by_ref() {
+            self.step(event?, each, sound)?;
+            if self.verdict.difference.is_some() || self.verdict.hole.is_some() {
+                break;
+            }
+        }
+        if let Some(End::Cut(why, _)) = events.end() {
+            self.verdict.cut = Some(why.clone());
+        }
+        self.verdict.seconds = self.engine.due() as f64 / self.rate;
+        Ok(self.verdict)
+    }
+
+    fn step(
+        &mut self,
+        event: Event,
+        each: &mut dyn FnMut(&Engine),
+        sound: &mut dyn FnMut(&[f64]) -> Result<(), FileError>,
+    ) -> Result<(), FileError> {
+        // what must have been computed before this
+        let due = match &event {
+            Event::Device(_, f) => f.tick,
+            Event::Change(tick, _) | Event::Order(tick, ..) => *tick,
+            Event::Reload(r) => r.tick,
+            Event::Hash(h) => h.tick,
+            Event::Force(_, f) => f.tick + 1,
+            Event::Sound(tick, samples) => tick + (samples.len() / self.channels.max(1)) as u64,
+            Event::Energy(_) | Event::Rt(_) | Event::Lost(_) | Event::View => 0,
+        };
+        while self.engine.due() < due {
+            self.frame(each, sound)?;
+        }
+        let now = self.engine.due();
+        let late = |what: &str, tick: u64| (what.to_owned(), format!("at tick {tick}"), format!("due at {now}"));
+        let odd = match event {
+            Event::Device(_, f) if f.tick != now => Some(late("a device frame between frames", f.tick)),
+            Event::Change(tick, _) | Event::Order(tick, ..) if tick != now => {
+                Some(late("an act between frames", tick))
+            }
+            Event::Reload(r) if r.tick != now => Some(late("a reload between frames", r.tick)),
+            Event::Hash(h) if h.tick != now => Some(late("a hash between frames", h.tick)),
+            Event::Device(k, frame) => {
+                self.device(k, &frame);
+                None
+            }
+            Event::Change(_, change) => {
+                self.change(change);
+                None
+            }
+            Event::Order(_, port, order) => {
+                self.engine.act(Act::Order(port, order));
+                None
+            }
+            Event::Reload(r) => {
+                let mine = (self.engine.state.x.len() as u32, self.engine.state.coef.len() as u32);
+                if mine == (r.places, r.coefs) {
+                    let fresh = Box::new(self.engine.scene.state());
+                    match self.engine.act(Act::Reload(fresh)) {
+                        Some(Spent::State(old)) if old.bits() != r.bits => {
+                            let bits = |b: u64| format!("{b:016x}");
+                            Some(("the state before a reload".into(), bits(r.bits), bits(old.bits())))
+                        }
+                        _ => None,
+                    }
+                } else {
+                    // it was refused then, too
+                    None
+                }
+            }
+            Event::Hash(h) => {
+                self.verdict.hashes += 1;
+                let bits = self.engine.state.bits();
+                let hex = |b: u64| format!("{b:016x}");
+                (bits != h.bits).then(|| ("the hash of the state".into(), hex(h.bits), hex(bits)))
+            }
+            Event::Force(k, was) => self.force(k, &was),
+            Event::Sound(tick, samples) => {
+                self.compare(tick, &samples);
+                None
+            }
+            Event::Lost(l) => {
+                if l.records > 0 {
+                    self.verdict.hole = Some(l.tick as f64 / self.rate);
+                }
+                None
+            }
+            Event::Energy(_) | Event::Rt(_) | Event::View => None,
+        };
+        if let Some((what, was, is)) = odd {
+            self.differs(now, what, was, is);
+        }
+        Ok(())
+    }
+
+    /// One gesture frame.
+    fn frame(
+        &mut self,
+        each: &mut dyn FnMut(&Engine),
+        sound: &mut dyn FnMut(&[f64]) -> Result<(), FileError>,
+    ) -> Result<(), FileError> {
+        for (made, f) in self.made.iter_mut().zip(self.engine.answer()) {
+            made.push_back(*f);
+        }
+        each(&self.engine);
+        let heard = self.engine.finish();
+        if self.heard {
+            self.sound.extend(heard);
+        }
+        sound(heard)?;
+        self.verdict.frames += 1;
+        // a take without sound must not fill the memory
+        if self.sound.len() > 60 * self.rate as usize * self.channels.max(1) {
+            self.heard = false;
+            self.sound = VecDeque::new();
+        }
+        Ok(())
+    }
+
+    fn device(&mut self, k: usize, frame: &DeviceFrame) {
+        let mut frame = *frame;
+        frame.tick = 0;
+        self.engine.take(k, &mut frame);
+        self.verdict.taken += 1;
+    }
+
+    fn change(&mut self, change: Change) {
+        self.engine.act(Act::Set(Box::new(change)));
+    }
+
+    fn force(&mut self, k: usize, was: &ForceFrame) -> Option<(String, String, String)> {
+        self.verdict.forces += 1;
+        let name = self.engine.ports.get(k)?.name.clone();
+        let made = self.made.get_mut(k)?;
+        while made.front().is_some_and(|f| f.tick < was.tick) {
+            made.pop_front();
+        }
+        let Some(is) = made.pop_front() else {
+            let what = format!("a force frame of `{name}`");
+            return Some((what, format!("number {}", was.seq), "none".into()));
+        };
+        // published after the engine was done with it
+        let is = ForceFrame { t_host_ns: was.t_host_ns, ..is };
+        if is.as_bytes() == was.as_bytes() {
+            return None;
+        }
+        let (field, a, b) = which(was, &is);
+        Some((format!("{field} of force frame {} of `{name}`", was.seq), a, b))
+    }
+
+    fn compare(&mut self, tick: u64, samples: &[f64]) {
+        let channels = self.channels.max(1);
+        if !self.heard {
+            return;
+        }
+        // a stretch that found no room is passed over: sound decides nothing
+        while self.sound_tick < tick && self.sound.len() >= channels {
+            self.sound.drain(..channels);
+            self.sound_tick += 1;
+        }
+        for (i, was) in samples.iter().enumerate() {
+            let Some(is) = self.sound.pop_front() else { break };
+            self.verdict.samples += 1;
+            if is.to_bits() != was.to_bits() && self.verdict.difference.is_none() {
+                let what = format!("sound of channel {}", i % channels);
+                self.differs(tick + (i / channels) as u64, what, format!("{was:e}"), format!("{is:e}"));
+            }
+        }
+        self.sound_tick = tick + (samples.len() / channels) as u64;
+    }
+
+    fn differs(&mut self, tick: u64, what: String, was: String, is: String) {
+        let time = tick as f64 / self.rate;
+        self.verdict.difference.get_or_insert(Difference { tick, time, what, was, is });
+    }
+}
+
+/// The first field in which two force frames differ, with both values.
+fn which(was: &ForceFrame, is: &ForceFrame) -> (String, String, String) {
+    if let Some(k) = (0..was.force.len()).find(|k| was.force[*k].to_bits() != is.force[*k].to_bits()) {
+        return (format!("the force of degree {k}"), format!("{:e} N", was.force[k]), format!("{:e} N", is.force[k]));
+    }
+    let fields = |f: &ForceFrame| {
+        [
+            ("mode", u64::from(f.mode)),
+            ("cause", u64::from(f.cause)),
+            ("flags", u64::from(f.flags)),
+            ("inject", u64::from(f.inject.to_bits())),
+            ("seq", f.seq),
+            ("session", f.session),
+            ("ack", f.ack),
+            ("ack_session", f.ack_session),
+            ("tick", f.tick),
+            ("calibration", f.calibration),
+            ("ttl_us", u64::from(f.ttl_us)),
+        ]
+    };
+    let differ = fields(was).into_iter().zip(fields(is)).find(|(a, b)| a.1 != b.1);
+    differ.map_or_else(
+        || ("the head".into(), "other bytes".into(), "others".into()),
+        |(a, b)| (format!("`{}`", a.0), a.1.to_string(), b.1.to_string()),
+    )
+}

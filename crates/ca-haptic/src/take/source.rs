@@ -1,0 +1,185 @@
+//! An MCAP file from its beginning to wherever it ends.
+//!
+//! Decides to read in a stream, so that a take of an hour takes no more memory than one of a second, and to check each
+//! chunk as a whole before anything of it is used: a file that ends early gives all that was written whole, and then
+//! says that it was cut.
+
+use crate::error::{FileError, FileErrorKind};
+use mcap::McapError;
+use mcap::read::ChannelAccumulator;
+use mcap::records::{Metadata, Record};
+use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
+use std::fs::File;
+use std::io::{BufReader, Read};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Room for a chunk that shrank well \[bytes\].
+const CHUNK: usize = 64 << 20;
+
+/// One thing in the file.
+pub enum Item {
+    /// a message
+    Message {
+        /// its channel
+        channel: Arc<mcap::Channel<'static>>,
+        /// its number
+        sequence: u32,
+        /// since 1970 \[ns\]
+        time: u64,
+        /// its bytes
+        data: Vec<u8>,
+    },
+    /// a file within the file
+    Attachment {
+        /// its name
+        name: String,
+        /// what it is
+        media: String,
+        /// since 1970 \[ns\]
+        time: u64,
+        /// its bytes
+        data: Vec<u8>,
+    },
+    /// names and texts
+    Metadata(Metadata),
+}
+
+/// How a file ended.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum End {
+    /// as its writer meant
+    Whole,
+    /// early: why, and how many bytes at the end are of no use
+    Cut(String, u64),
+}
+
+/// Reads a file.
+pub struct Source {
+    path: PathBuf,
+    file: BufReader<File>,
+    size: u64,
+    /// bytes handed to the reader, and those up to the last thing that was whole
+    read: u64,
+    used: u64,
+    reader: LinearReader,
+    known: ChannelAccumulator<'static>,
+    end: Option<End>,
+}
+
+impl Source {
+    /// At the beginning of the file at `path`.
+    pub fn open(path: &Path) -> Result<Source, FileError> {
+        let io = |e: &std::io::Error| FileError::io(path, "it cannot be read", e);
+        let file = File::open(path).map_err(|e| io(&e))?;
+        let size = file.metadata().map_err(|e| io(&e))?.len();
+        let mut file = BufReader::with_capacity(1 << 16, file);
+        let mut magic = Vec::new();
+        file.by_ref().take(mcap::MAGIC.len() as u64).read_to_end(&mut magic).map_err(|e| io(&e))?;
+        if magic != mcap::MAGIC {
+            let e = FileError::format("it is no MCAP file").file(path.display());
+            return Err(e.fix("takes are made by `ca serve --take`"));
+        }
+        let options = LinearReaderOptions::default()
+            .with_skip_start_magic(true)
+            .with_skip_end_magic(true)
+            .with_prevalidate_chunk_crcs(true)
+            .with_record_length_limit(CHUNK.saturating_add(size as usize));
+        Ok(Source {
+            path: path.to_owned(),
+            file,
+            size,
+            read: mcap::MAGIC.len() as u64,
+            used: 0,
+            reader: LinearReader::new_with_options(options),
+            known: ChannelAccumulator::default(),
+            end: None,
+        })
+    }
+
+    /// How it ended; `None` while it has not.
+    pub fn end(&self) -> Option<&End> {
+        self.end.as_ref()
+    }
+
+    fn cut(&mut self, e: &McapError) -> Option<Result<Item, FileError>> {
+        let why = match e {
+            McapError::UnexpectedEof | McapError::UnexpectedEoc => "it ends in the middle".into(),
+            e => crate::error::lower(&e.to_string()),
+        };
+        self.end = Some(End::Cut(why, self.size.saturating_sub(self.used)));
+        None
+    }
+
+    fn accept(&mut self, record: Record<'static>) -> Result<Option<Item>, McapError> {
+        Ok(match record {
+            Record::Schema { header, data } => {
+                self.known.add_schema(header, data)?;
+                None
+            }
+            Record::Channel(c) => {
+                self.known.add_channel(c)?;
+                None
+            }
+            Record::Message { header, data } => {
+                let unknown = McapError::UnknownChannel(header.sequence, header.channel_id);
+                let channel = self.known.get(header.channel_id).ok_or(unknown)?;
+                let (sequence, time) = (header.sequence, header.log_time);
+                Some(Item::Message { channel, sequence, time, data: data.into_owned() })
+            }
+            Record::Attachment { header, data, .. } => Some(Item::Attachment {
+                name: header.name,
+                media: header.media_type,
+                time: header.log_time,
+                data: data.into_owned(),
+            }),
+            Record::Metadata(m) => Some(Item::Metadata(m)),
+            Record::DataEnd(_) => {
+                self.end = Some(End::Whole);
+                None
+            }
+            _ => None,
+        })
+    }
+}
+
+impl Iterator for Source {
+    type Item = Result<Item, FileError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        while self.end.is_none() {
+            let record = match self.reader.next_event() {
+                None => return self.cut(&McapError::UnexpectedEof),
+                Some(Err(e)) => return self.cut(&e),
+                Some(Ok(LinearReadEvent::ReadRequest(need))) => {
+                    let read = match self.file.read(self.reader.insert(need)) {
+                        Ok(n) => n,
+                        Err(e) if e.kind() == std::io::ErrorKind::Interrupted => continue,
+                        Err(e) => {
+                            self.end = Some(End::Whole);
+                            return Some(Err(FileError::io(&self.path, "it cannot be read", &e)));
+                        }
+                    };
+                    self.reader.notify_read(read);
+                    self.read += read as u64;
+                    continue;
+                }
+                Some(Ok(LinearReadEvent::Record { data, opcode })) => {
+                    mcap::parse_record(opcode, data).map(Record::into_owned)
+                }
+            };
+            self.used = self.read;
+            match record.and_then(|r| self.accept(r)) {
+                Ok(Some(item)) => return Some(Ok(item)),
+                Ok(None) => {}
+                Err(e) => return self.cut(&e),
+            }
+        }
+        None
+    }
+}
+
+/// What is wrong with a message.
+pub fn torn(topic: &str, sequence: u32) -> FileError {
+    FileError::new(FileErrorKind::Format, format!("message {sequence} of `{topic}` is not what its topic holds"))
+}

@@ -1,0 +1,276 @@
+//! The writer on its own thread, behind rings the real-time thread never waits for.
+//!
+//! Decides that what finds no room is counted and gone, and that the count travels in its place among the records, so
+//! that a reader knows where the hole is. Frames leave a few places free: what is asked of an engine is rare, decides
+//! its future, and comes in boxes that must not be freed on the real-time thread. Each round takes note of the sound
+//! there is *before* it drains the records, so that sound never comes before what made it. A round a hundredth of a
+//! second, a chunk closed every fifth: a killed process loses at most that and a round.
+
+use super::flat::Rt;
+use super::views::Level;
+use super::write::{TakeWriter, Told};
+use super::Header;
+use crate::error::{FileError, FileErrorKind};
+use crate::record::Record;
+use ca_core::Scene;
+use rtrb::{Consumer, Producer, RingBuffer};
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::mpsc;
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+/// How long rings hold what comes \[s\].
+const HELD: f64 = 1.0;
+/// Places that frames leave to what is asked of the engine.
+const KEPT: usize = 64;
+/// Time between rounds.
+const ROUND: Duration = Duration::from_millis(10);
+/// Time between chunks.
+const CHUNK: Duration = Duration::from_millis(200);
+/// Views that find room.
+const VIEWS: usize = 16;
+
+/// What is in the ring.
+enum Slot {
+    Record(Record),
+    Lost(u64),
+}
+
+/// What was lost on the way, of everything so far.
+#[derive(Default)]
+struct Losses {
+    records: AtomicU64,
+    samples: AtomicU64,
+    views: AtomicU64,
+}
+
+/// The end of the real-time thread. Nothing here allocates, frees, locks or waits.
+pub struct Rings {
+    records: Producer<Slot>,
+    sound: Producer<f64>,
+    views: Producer<f64>,
+    rt: Producer<Rt>,
+    /// records lost since the last one that found room
+    missing: u64,
+    places: usize,
+    losses: Arc<Losses>,
+}
+
+impl Rings {
+    /// Hands over one thing that happened. Without room it is counted; its box, if it has one, is left behind for good,
+    /// since it must not be freed here.
+    pub fn record(&mut self, record: Record) {
+        let many = matches!(record, Record::Device { .. } | Record::Force { .. });
+        if self.records.slots() < if many { KEPT } else { 2 } {
+            self.missing += 1;
+            self.losses.records.fetch_add(1, Ordering::Relaxed);
+            core::mem::forget(record);
+            return;
+        }
+        if self.missing > 0 && self.records.push(Slot::Lost(self.missing)).is_ok() {
+            self.missing = 0;
+        }
+        // there is room: only this thread fills the ring
+        if let Err(rtrb::PushError::Full(slot)) = self.records.push(Slot::Record(record)) {
+            core::mem::forget(slot);
+        }
+    }
+
+    /// Hands over the sound of a gesture frame, interleaved, whose first sample is that of `tick`.
+    pub fn sound(&mut self, tick: u64, samples: &[f64]) {
+        if !put(&mut self.sound, [tick as f64, samples.len() as f64], samples) {
+            self.losses.samples.fetch_add(samples.len() as u64, Ordering::Relaxed);
+        }
+    }
+
+    /// Hands over the displacements of the state, to be drawn.
+    pub fn view(&mut self, tick: u64, x: &[f64]) {
+        if x.len() != self.places || !put(&mut self.views, [tick as f64, x.len() as f64], x) {
+            self.losses.views.fetch_add(1, Ordering::Relaxed);
+        }
+    }
+
+    /// Hands over how this thread does. Without room it is left out: there will be another.
+    pub fn stats(&mut self, rt: Rt) {
+        let _ = self.rt.push(rt);
+    }
+
+    /// Records and sound samples that found no room so far.
+    pub fn lost(&self) -> u64 {
+        self.losses.records.load(Ordering::Relaxed) + self.losses.samples.load(Ordering::Relaxed)
+    }
+}
+
+/// Head and values, all or nothing.
+fn put(ring: &mut Producer<f64>, head: [f64; 2], values: &[f64]) -> bool {
+    match ring.write_chunk_uninit(values.len() + 2) {
+        Ok(chunk) => {
+            chunk.fill_from_iter(head.into_iter().chain(values.iter().copied()));
+            true
+        }
+        Err(_) => false,
+    }
+}
+
+/// Head and values of one `put`; empty where there is none.
+fn take(ring: &mut Consumer<f64>, into: &mut Vec<f64>) -> Option<u64> {
+    let tick = ring.pop().ok()?;
+    let n = ring.pop().ok()? as usize;
+    let chunk = ring.read_chunk(n).ok()?;
+    into.clear();
+    into.extend(chunk);
+    Some(tick as u64)
+}
+
+/// A take being written by its thread.
+pub struct Recorder {
+    thread: Option<JoinHandle<Result<Told, FileError>>>,
+    stop: Arc<AtomicBool>,
+    words: mpsc::Sender<(Level, String, String)>,
+    losses: Arc<Losses>,
+}
+
+impl Recorder {
+    /// Begins the take at `path`, and gives the rings to feed it by.
+    pub fn start(path: impl AsRef<Path>, header: &Header, scene: &Scene) -> Result<(Recorder, Rings), FileError> {
+        let writer = TakeWriter::create(&path, header, scene)?;
+        let ticks = (HELD * scene.rate) as usize;
+        let frames = ticks / scene.ratio.max(1) as usize + 1;
+        let (records, from_records) = RingBuffer::new(frames * (2 * header.setups.len() + 1) + 2 * KEPT);
+        let (sound, from_sound) = RingBuffer::new(ticks * scene.channels + 2 * frames + 2);
+        let (views, from_views) = RingBuffer::new(VIEWS * (writer.places() + 2));
+        let (rt, from_rt) = RingBuffer::new(VIEWS);
+        let losses = Arc::<Losses>::default();
+        let stop = Arc::<AtomicBool>::default();
+        let (words, from_words) = mpsc::channel();
+        let rings = Rings { records, sound, views, rt, missing: 0, places: writer.places(), losses: losses.clone() };
+        let desk = Desk {
+            writer,
+            records: from_records,
+            sound: from_sound,
+            views: from_views,
+            rt: from_rt,
+            words: from_words,
+            losses: losses.clone(),
+            told: [0; 3],
+        };
+        let until = stop.clone();
+        let thread = std::thread::Builder::new()
+            .name("take".into())
+            .spawn(move || desk.run(&until))
+            .map_err(|e| FileError::io(path.as_ref(), "no thread to write it", &e))?;
+        Ok((Recorder { thread: Some(thread), stop, words, losses }, rings))
+    }
+
+    /// Writes words about `name`, at about now.
+    pub fn log(&self, level: Level, name: &str, message: &str) {
+        // a writer that gave up says so at the end
+        let _ = self.words.send((level, name.into(), message.into()));
+    }
+
+    /// Records and sound samples that found no room so far.
+    pub fn lost(&self) -> u64 {
+        self.losses.records.load(Ordering::Relaxed) + self.losses.samples.load(Ordering::Relaxed)
+    }
+
+    /// Whether it still writes: a full disk ends that.
+    pub fn is_writing(&self) -> bool {
+        self.thread.as_ref().is_some_and(|t| !t.is_finished())
+    }
+
+    /// Writes what is still in the rings and completes the file. The real-time thread must be done with its rings.
+    pub fn finish(mut self) -> Result<Told, FileError> {
+        self.end().unwrap_or_else(|| Ok(Told::default()))
+    }
+
+    fn end(&mut self) -> Option<Result<Told, FileError>> {
+        self.stop.store(true, Ordering::Release);
+        let gone = || Err(FileError::new(FileErrorKind::Io, "the thread that writes the take is gone"));
+        self.thread.take().map(|t| t.join().unwrap_or_else(|_| gone()))
+    }
+}
+
+impl Drop for Recorder {
+    fn drop(&mut self) {
+        let _ = self.end();
+    }
+}
+
+/// The other end of the rings.
+struct Desk {
+    writer: TakeWriter,
+    records: Consumer<Slot>,
+    sound: Consumer<f64>,
+    views: Consumer<f64>,
+    rt: Consumer<Rt>,
+    words: mpsc::Receiver<(Level, String, String)>,
+    losses: Arc<Losses>,
+    /// losses that are written: records, samples, views
+    told: [u64; 3],
+}
+
+impl Desk {
+    fn run(mut self, stop: &AtomicBool) -> Result<Told, FileError> {
+        let mut flushed = Instant::now();
+        let mut buffer = Vec::new();
+        loop {
+            // before the round, so that the last round takes all there is
+            let last = stop.load(Ordering::Acquire);
+            self.round(&mut buffer)?;
+            if last {
+                break;
+            }
+            if flushed.elapsed() >= CHUNK {
+                self.writer.flush()?;
+                flushed = Instant::now();
+            }
+            std::thread::sleep(ROUND);
+        }
+        self.losses(true)?;
+        self.writer.finish()
+    }
+
+    fn round(&mut self, buffer: &mut Vec<f64>) -> Result<(), FileError> {
+        let mut heard = self.sound.slots();
+        for _ in 0..self.records.slots() {
+            match self.records.pop() {
+                Ok(Slot::Record(record)) => self.writer.record(record)?,
+                Ok(Slot::Lost(n)) => {
+                    self.told[0] += n;
+                    self.writer.lost(n, 0, 0)?;
+                }
+                Err(_) => break,
+            }
+        }
+        while heard > 0 {
+            let Some(tick) = take(&mut self.sound, buffer) else { break };
+            heard = heard.saturating_sub(buffer.len() + 2);
+            self.writer.sound(tick, buffer)?;
+        }
+        while let Some(tick) = take(&mut self.views, buffer) {
+            self.writer.view(tick, buffer)?;
+        }
+        while let Ok(rt) = self.rt.pop() {
+            self.writer.stats(&rt)?;
+        }
+        while let Ok((level, name, message)) = self.words.try_recv() {
+            self.writer.log(self.writer.tick(), level, &name, &message)?;
+        }
+        self.losses(false)
+    }
+
+    /// Losses of sound and views; those of records come in their place, and at the end.
+    fn losses(&mut self, end: bool) -> Result<(), FileError> {
+        let read = |a: &AtomicU64| a.load(Ordering::Relaxed);
+        let now = [read(&self.losses.records), read(&self.losses.samples), read(&self.losses.views)];
+        let records = if end { now[0] - self.told[0] } else { 0 };
+        let [samples, views] = [now[1] - self.told[1], now[2] - self.told[2]];
+        if records + samples + views > 0 {
+            self.told = [self.told[0] + records, now[1], now[2]];
+            self.writer.lost(records, samples, views)?;
+        }
+        Ok(())
+    }
+}
