@@ -35,6 +35,16 @@ pub enum Command {
     Import(ImportArgs),
     /// Plays a model in real time, by device processes
     Serve(ServeArgs),
+    /// Changes live parameters of a running `ca serve`
+    Set(SetArgs),
+    /// Turns the forces of a running `ca serve` on
+    Arm(ArmArgs),
+    /// Turns them off
+    Disarm(ArmArgs),
+    /// Asks a running `ca serve` how it goes
+    Status(StatusArgs),
+    /// Ends a running `ca serve`
+    Stop(StatusArgs),
     /// Plays a take again, and says whether it is as it was
     Replay(ReplayArgs),
     /// Looks into takes, saves what was cut off, and takes parts out
@@ -295,7 +305,7 @@ pub struct ImportArgs {
 ///
 /// The engine computes gesture frames (3000 a second, unless the model says otherwise) on a thread of its own, takes
 /// positions from the devices the model names and gives forces back, over shared memory; `ca device sim` is such a
-/// device. Forces stay off until a device is armed (`--arm`, or `ca device arm`) and nothing pushes. Priority, memory
+/// device. Forces stay off until a device is armed (`--arm`, or `ca arm`) and nothing pushes. Priority, memory
 /// lock and core are asked for, read back and said; without them it runs all the same. Ends with Ctrl-C, `ca stop` or
 /// `--seconds`, and tells how it went: times, losses, faults. Exit code 3 where something was lost or cut.
 ///
@@ -434,6 +444,52 @@ pub enum LogCommand {
         #[arg(long)]
         force: bool,
     },
+}
+
+/// Changes live parameters of a running `ca serve`
+///
+/// All of them change in the same tick, ramped over one gesture frame, or none where one is refused. Values may have
+/// units; plain numbers are in SI units. Without any, the live parameters and their values are listed.
+#[derive(Args)]
+#[command(after_long_help = "Examples:
+  ca set
+  ca set k='900 N/m' z=0.5")]
+pub struct SetArgs {
+    /// What to change
+    #[arg(value_name = "NAME=VALUE", value_parser = pair)]
+    pub values: Vec<(String, String)>,
+    /// Prints the answer as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Turns the forces of a running `ca serve` on or off
+///
+/// Once armed, forces fade in within a second, as soon as nothing pushes. A fault turns them off until somebody arms
+/// again; a model that blew up is loaded again first.
+#[derive(Args)]
+#[command(after_long_help = "Examples:
+  ca arm
+  ca arm tgr12
+  ca disarm")]
+pub struct ArmArgs {
+    /// One device; all of them if left out
+    pub device: Option<String>,
+    /// Prints the answer as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Asks a running `ca serve` how it goes, or to end
+#[derive(Args)]
+#[command(after_long_help = "Examples:
+  ca status
+  ca status --json
+  ca stop")]
+pub struct StatusArgs {
+    /// Prints the answer as JSON
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// How samples are stored.

@@ -88,6 +88,11 @@ fn main() -> ExitCode {
         Command::New(a) => commands::new::run(a),
         Command::Import(a) => commands::import::run(a),
         Command::Serve(a) => commands::serve::run(a),
+        Command::Set(a) => commands::control::set(a),
+        Command::Arm(a) => commands::control::arm(a),
+        Command::Disarm(a) => commands::control::disarm(a),
+        Command::Status(a) => commands::control::status(a),
+        Command::Stop(a) => commands::control::stop(a),
         Command::Replay(a) => commands::replay::run(a),
         Command::Log(a) => commands::log::run(a),
     };

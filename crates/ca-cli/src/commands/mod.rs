@@ -2,6 +2,7 @@
 
 mod border;
 pub mod check;
+pub mod control;
 pub mod equiv;
 pub mod import;
 pub mod list;

@@ -4,6 +4,7 @@
 //! and this one, the desk, does everything that may take its time. A model without devices gets no gateway and no
 //! shared memory; one without live parameters either gets no control.
 
+mod answer;
 mod setup;
 mod sinks;
 mod talk;

@@ -1,7 +1,9 @@
 //! What goes through shared memory: the gateway of the devices, and the control.
 
+use super::answer::answer;
 use crate::{Failure, term};
 use ca_core::Scene;
+use ca_haptic::host::control::ControlServer;
 use ca_haptic::host::{Event, Gateway, Rings, Running, Site};
 use ca_haptic::rt::Wish;
 use ca_haptic::serve::{Desk, GatewayEnds};
@@ -11,6 +13,7 @@ use std::sync::mpsc::{Receiver, channel};
 pub(super) struct Talk {
     names: Vec<String>,
     site: Option<Site>,
+    control: Option<ControlServer>,
     gateway: Option<Running>,
     events: Receiver<(u32, Event)>,
 }
@@ -18,7 +21,7 @@ pub(super) struct Talk {
 impl Talk {
     pub(super) fn open(names: &[String], scene: &Scene, ends: GatewayEnds, wish: Wish) -> Result<Talk, Failure> {
         let (tell, events) = channel();
-        let mut talk = Talk { names: names.to_vec(), site: None, gateway: None, events };
+        let mut talk = Talk { names: names.to_vec(), site: None, control: None, gateway: None, events };
         if names.is_empty() && scene.live.params.is_empty() {
             return Ok(talk);
         }
@@ -28,6 +31,7 @@ impl Talk {
             let rings = Rings { incoming: ends.frames, outgoing: ends.forces, events: tell };
             talk.gateway = Some(Gateway::start(&site, names, rings, wish)?);
         }
+        talk.control = Some(ControlServer::open(&site)?);
         talk.site = Some(site);
         Ok(talk)
     }
@@ -54,7 +58,10 @@ impl Talk {
                 site.sweep();
             }
         }
-        let _ = desk;
-        false
+        let mut leave = false;
+        if let Some(control) = &mut self.control {
+            control.poll(&mut |request| answer(desk, request, &mut leave));
+        }
+        leave
     }
 }

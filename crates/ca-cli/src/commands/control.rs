@@ -1,0 +1,64 @@
+//! `ca set`, `ca arm`, `ca disarm`, `ca status`, `ca stop`: what is said to a running `ca serve`.
+
+use crate::args::{ArmArgs, SetArgs, StatusArgs};
+use crate::{Ended, Failure, Outcome};
+use ca_haptic::host::Site;
+use ca_haptic::host::control::{Given, Reply, Request, ask};
+use std::io::Write as _;
+use std::time::Duration;
+
+/// How long a server may take to answer: it does so every 2 ms, unless the machine is very busy.
+const PATIENCE: Duration = Duration::from_secs(5);
+
+/// `ca set`.
+pub fn set(args: &SetArgs) -> Outcome {
+    if args.values.is_empty() {
+        return told(&Request::Status, args.json, |r| {
+            let list = r.fields.get("params").and_then(|p| p.as_array()).cloned().unwrap_or_default();
+            if list.is_empty() {
+                return "this model has no live parameters".into();
+            }
+            let line = |p: &serde_json::Value| {
+                let part = |k: &str| p[k].as_str().map_or_else(|| p[k].to_string(), String::from);
+                format!("{} = {} {} ({} to {})", part("name"), part("value"), part("unit"), part("min"), part("max"))
+            };
+            list.iter().map(line).collect::<Vec<_>>().join("\n")
+        });
+    }
+    let values = args.values.iter().map(|(n, v)| (n.clone(), Given::Text(v.clone()))).collect();
+    told(&Request::Set { values }, args.json, |r| r.text.clone())
+}
+
+/// `ca arm`.
+pub fn arm(args: &ArmArgs) -> Outcome {
+    told(&Request::Arm { device: args.device.clone() }, args.json, |r| r.text.clone())
+}
+
+/// `ca disarm`.
+pub fn disarm(args: &ArmArgs) -> Outcome {
+    told(&Request::Disarm { device: args.device.clone() }, args.json, |r| r.text.clone())
+}
+
+/// `ca status`.
+pub fn status(args: &StatusArgs) -> Outcome {
+    told(&Request::Status, args.json, |r| r.text.clone())
+}
+
+/// `ca stop`.
+pub fn stop(args: &StatusArgs) -> Outcome {
+    told(&Request::Stop, args.json, |r| r.text.clone())
+}
+
+fn told(request: &Request, json: bool, text: impl FnOnce(&Reply) -> String) -> Outcome {
+    let reply = ask(&Site::of_user()?, request, PATIENCE)?;
+    let mut out = std::io::stdout().lock();
+    if json {
+        writeln!(out, "{:#}", serde_json::to_value(&reply).unwrap_or_default())?;
+        return if reply.ok { Ok(Ended::Well) } else { Err(Failure::Told) };
+    }
+    if !reply.ok {
+        return Err(Failure::Failed(reply.text));
+    }
+    writeln!(out, "{}", text(&reply))?;
+    Ok(Ended::Well)
+}

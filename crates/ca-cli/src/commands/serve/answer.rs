@@ -1,0 +1,89 @@
+//! What a running server answers.
+
+use ca_core::live::LiveParam;
+use ca_core::model::quantity;
+use ca_haptic::guard::Order;
+use ca_haptic::host::control::{Given, Reply, Request};
+use ca_haptic::serve::Desk;
+use serde_json::{Map, Value, json};
+
+/// Does what is asked; sets `leave` where that is the end.
+pub(super) fn answer(desk: &mut Desk, request: Request, leave: &mut bool) -> Reply {
+    let done = |r: Result<(), String>, text: String| match r {
+        Ok(()) => Reply::done(text),
+        Err(why) => Reply::refused(why),
+    };
+    match request {
+        Request::Set { values } => {
+            let mut list: Vec<(String, f64)> = Vec::new();
+            for (name, given) in values {
+                match value(desk, &name, given) {
+                    Ok(v) => list.push((name, v)),
+                    Err(why) => return Reply::refused(why),
+                }
+            }
+            let names: Vec<String> = list.iter().map(|(n, v)| format!("{n} = {v}")).collect();
+            done(desk.set(&list), names.join(", "))
+        }
+        Request::Arm { device } => {
+            let who = device.as_deref().unwrap_or("all devices").to_string();
+            done(desk.order(device.as_deref(), Order::Arm), format!("{who}: armed; forces fade in once nothing pushes"))
+        }
+        Request::Disarm { device } => {
+            let who = device.as_deref().unwrap_or("all devices").to_string();
+            done(desk.order(device.as_deref(), Order::Disarm), format!("{who}: forces off"))
+        }
+        Request::Reload => done(desk.reload(), "loaded again; forces off".into()),
+        Request::Stop => {
+            *leave = true;
+            Reply::done("ends")
+        }
+        Request::Status => status(desk),
+    }
+}
+
+fn value(desk: &Desk, name: &str, given: Given) -> Result<f64, String> {
+    let params = desk.controls().params();
+    let Some(param) = params.iter().find(|p| p.name == name) else {
+        let meant = ca_core::model::suggest::nearest(name, params.iter().map(|p| p.name.as_str()));
+        let hint = match meant {
+            Some(m) => format!("did you mean `{m}`?"),
+            None => "declare it in [param] with live = true".into(),
+        };
+        return Err(format!("`{name}` is not a live parameter of this model; {hint}"));
+    };
+    match given {
+        Given::Number(v) => Ok(v),
+        Given::Text(text) => {
+            let q = quantity::parse(text.trim()).map_err(|e| format!("`{name}`: {e}"))?;
+            if q.has_unit && !q.dim.same(param.unit.dim) {
+                return Err(format!("`{name}` is a quantity in {}", param.unit.symbol));
+            }
+            Ok(q.value)
+        }
+    }
+}
+
+fn status(desk: &Desk) -> Reply {
+    let (frames, tick) = desk.progress();
+    let param = |p: &LiveParam| {
+        json!({"name": p.name, "value": p.value, "min": p.min, "max": p.max, "unit": p.unit.symbol, "doc": p.doc})
+    };
+    let params: Vec<Value> = desk.controls().params().iter().map(param).collect();
+    let devices: Vec<Value> = desk
+        .devices()
+        .map(|(name, mode, cause, frames)| {
+            json!({"device": name, "mode": mode.name(), "cause": cause.name(), "frames": frames})
+        })
+        .collect();
+    let mut text = format!("{frames} gesture frames, sample {tick}");
+    for (name, mode, cause, frames) in desk.devices() {
+        text += &format!("\n{name}: {} ({}), {frames} frames", mode.name(), cause.name());
+    }
+    let mut fields = Map::new();
+    fields.insert("frames".into(), json!(frames));
+    fields.insert("tick".into(), json!(tick));
+    fields.insert("devices".into(), devices.into());
+    fields.insert("params".into(), params.into());
+    Reply { ok: true, text, fields }
+}
