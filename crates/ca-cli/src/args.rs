@@ -365,6 +365,8 @@ pub enum ClockKind {
     Monotonic,
     /// each frame of the first device
     Device,
+}
+
 /// Plays a take again, and says whether it is as it was
 ///
 /// A take (`*.mcap`) holds the model, the devices and every frame, so nothing else is needed. Each force frame, each

@@ -9,5 +9,5 @@ pub mod list;
 pub mod log;
 pub mod new;
 pub mod render;
-pub mod serve;
 pub mod replay;
+pub mod serve;

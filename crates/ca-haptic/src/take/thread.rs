@@ -6,10 +6,10 @@
 //! there is *before* it drains the records, so that sound never comes before what made it. A round a hundredth of a
 //! second, a chunk closed every fifth: a killed process loses at most that and a round.
 
+use super::Header;
 use super::flat::Rt;
 use super::views::Level;
 use super::write::{TakeWriter, Told};
-use super::Header;
 use crate::error::{FileError, FileErrorKind};
 use crate::record::Record;
 use ca_core::Scene;

@@ -66,9 +66,7 @@ fn value(desk: &Desk, name: &str, given: Given) -> Result<f64, String> {
 
 fn status(desk: &Desk) -> Reply {
     let (frames, tick) = desk.progress();
-    let param = |p: &LiveParam| {
-        json!({"name": p.name, "value": p.value, "min": p.min, "max": p.max, "unit": p.unit.symbol, "doc": p.doc})
-    };
+    let param = |p: &LiveParam| json!({"name": p.name, "value": p.value, "min": p.min, "max": p.max, "unit": p.unit.symbol, "doc": p.doc});
     let params: Vec<Value> = desk.controls().params().iter().map(param).collect();
     let devices: Vec<Value> = desk
         .devices()
