@@ -13,33 +13,33 @@ pub(super) fn text(s: &Summary, name: &str, files: &[(&Path, Option<&Written>)],
     let mut out = io::stdout().lock();
     writeln!(out, "{name}: {} s in {} gesture frames of {:.1} us", short(s.seconds), s.frames, s.period_us)?;
     for (thread, granted) in &s.granted {
-        writeln!(out, "  {thread:<13}{granted}")?;
+        writeln!(out, "  {thread:<15}{granted}")?;
     }
-    writeln!(out, "  {:<13}{}", "a frame takes", times(&s.frame_us))?;
-    writeln!(out, "  {:<13}{}; {} periods left out", "begins late", times(&s.late_us), s.missed)?;
+    writeln!(out, "  {:<15}{}", "a frame takes", times(&s.frame_us))?;
+    writeln!(out, "  {:<15}{}; {} periods left out", "begins late", times(&s.late_us), s.missed)?;
     for d in &s.devices {
         let loops = if d.loop_us.n == 0 { "no loop was closed".into() } else { times(&d.loop_us) };
-        writeln!(out, "  {:<13}{} frames, {} dropped; loop {loops}", d.device, d.frames, d.dropped)?;
+        writeln!(out, "  {:<15}{} frames, {} dropped; loop {loops}", d.device, d.frames, d.dropped)?;
     }
     if !s.devices.is_empty() {
-        writeln!(out, "  {:<13}{} frames without news, {} forces not fetched", "stale", s.stale, s.lost_forces)?;
+        writeln!(out, "  {:<15}{} frames without news, {} forces not fetched", "stale", s.stale, s.lost_forces)?;
     }
     let lost = [(s.lost_records, "records"), (s.lost_sound, "samples"), (s.lost_views, "pictures")];
     let lost: Vec<String> = lost.iter().filter(|l| l.0 > 0).map(|(n, what)| format!("{n} {what}")).collect();
-    writeln!(out, "  {:<13}{}", "lost", if lost.is_empty() { "nothing".into() } else { lost.join(", ") })?;
+    writeln!(out, "  {:<15}{}", "lost", if lost.is_empty() { "nothing".into() } else { lost.join(", ") })?;
     if s.faults.is_empty() {
-        writeln!(out, "  {:<13}none", "faults")?;
+        writeln!(out, "  {:<15}none", "faults")?;
     }
     for f in &s.faults {
-        writeln!(out, "  {:<13}{} {} at {:.3} s", "fault", f.device, f.cause.name(), f.tick as f64 / rate)?;
+        writeln!(out, "  {:<15}{} {} at {:.3} s", "fault", f.device, f.cause.name(), f.tick as f64 / rate)?;
     }
     if s.clipped > 0 {
-        writeln!(out, "  {:<13}{} samples at full scale", "clipped", s.clipped)?;
+        writeln!(out, "  {:<15}{} samples at full scale", "clipped", s.clipped)?;
     }
     for (path, written) in files {
         match written {
-            Some(w) => writeln!(out, "  {:<13}{}, {} s", "sound", path.display(), short(w.duration()))?,
-            None => writeln!(out, "  {:<13}{}", "take", path.display())?,
+            Some(w) => writeln!(out, "  {:<15}{}, {} s", "sound", path.display(), short(w.duration()))?,
+            None => writeln!(out, "  {:<15}{}", "take", path.display())?,
         }
     }
     Ok(())
