@@ -8,6 +8,7 @@ mod conformance;
 mod diagnostics;
 mod files;
 mod generate_space;
+mod guard;
 mod lpr;
 mod mims;
 mod models;
