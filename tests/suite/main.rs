@@ -10,6 +10,7 @@ mod equivalence;
 mod files;
 mod generate_space;
 mod live;
+mod guard;
 mod lpr;
 mod mims;
 mod models;

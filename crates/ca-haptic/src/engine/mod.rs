@@ -198,10 +198,9 @@ impl Engine {
         self.watch();
         let (state, wild, options) = (&self.state, self.wild, &self.options);
         for p in &mut self.ports {
-            let armed = p.chain.is_armed();
             p.answer(&self.scene, state, options.session, wild);
-            self.counts.faults += u64::from(armed && !p.chain.is_armed());
         }
+        self.counts.faults = self.ports.iter().map(|p| p.chain.faults()).sum();
         self.ports.iter().map(|p| &p.out)
     }
 

@@ -15,7 +15,7 @@ pub struct Book {
     pub received: [f64; DOF],
     /// energy the hand would have given to the forces the model asked for
     pub asked: [f64; DOF],
-    /// energy the hand gave to the forces that were sent
+    /// energy the hand gave to the forces the device held
     pub given: [f64; DOF],
     /// what the model asked for in the frame before \[N\]
     last: [f64; DOF],
@@ -30,7 +30,7 @@ impl Book {
                 self.received[k] += hand.received[k];
             }
             self.asked[k] -= self.last[k] * hand.moved[k];
-            self.given[k] -= hand.sent[k] * hand.moved[k];
+            self.given[k] -= hand.acting[k] * hand.moved[k];
             self.last[k] = hand.force[k];
         }
     }
@@ -40,7 +40,8 @@ impl Book {
         self.received[k] - self.asked[k]
     }
 
-    /// Energy that the guard kept from the hand's work on the model: what it cut off (+) or added (−) \[J\].
+    /// Energy that the guard, and a device that takes forces later than the next frame, kept from the hand's work on
+    /// the model: what they cut off (+) or added (−) \[J\].
     pub fn removed(&self, k: usize) -> f64 {
         self.asked[k] - self.given[k]
     }

@@ -3,8 +3,7 @@
 //! Off → (armed, calibrated, fresh, and nothing pushes for a while) → ramp → on; any fault latches until somebody arms
 //! again, never ends by data returning. Too fast a motion brakes for a moment before it is off. Without fresh frames
 //! the force is held, then fades, then is a fault. A device that loses its calibration while forces are on says
-//! positions that are no metres, which is implausible. The soft edge counts as something that pushes: a device that lies
-//! at its stop waits until the hand has lifted it out.
+//! positions that are no metres, which is implausible.
 
 use super::saturation::limit;
 use super::{Hand, Order, Stage};
@@ -28,6 +27,7 @@ pub struct Gate {
     brake: f64,
     stop_frames: u32,
     most: f64,
+    faults: u64,
 }
 
 /// Whole frames in `t` seconds, at least 1.
@@ -54,6 +54,7 @@ impl Gate {
             brake: l.brake,
             stop_frames: frames(l.stop, te),
             most: profile.force,
+            faults: 0,
         }
     }
 
@@ -75,7 +76,13 @@ impl Gate {
     fn fault(&mut self, cause: Cause) {
         if self.armed && self.mode != Mode::Fault {
             (self.mode, self.cause, self.armed, self.since) = (Mode::Fault, cause, false, 0);
+            self.faults += 1;
         }
+    }
+
+    /// Faults that latched so far.
+    pub fn faults(&self) -> u64 {
+        self.faults
     }
 
     /// Whether somebody armed it, and no fault ended that.

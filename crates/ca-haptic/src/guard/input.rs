@@ -118,6 +118,7 @@ impl Inlet {
             self.seen = if self.seen + 1 == 2 * PAST { PAST } else { self.seen + 1 };
             hand.calibrated = f.status & status::CALIBRATED != 0;
             hand.fresh = true;
+            hand.ack = f.ack;
             device_says(f, hand);
         } else {
             self.dropped += 1;
@@ -170,7 +171,8 @@ impl Inlet {
         // a quarter of a frame less: three frames of a clock are three frames
         let (mut old, mut length) = (new, 0.0);
         for back in 1..PAST {
-            let Some(earlier) = self.last(back) else { break };
+            // too short a past says more of the sensor than of the hand
+            let Some(earlier) = self.last(back) else { return };
             (old, length) = (earlier, self.between(earlier, new));
             if length >= self.window - 0.25 * self.te {
                 break;

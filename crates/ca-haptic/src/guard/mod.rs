@@ -57,6 +57,10 @@ pub struct Hand {
     pub force: [f64; DOF],
     /// what was sent with the frame before \[N\]
     pub sent: [f64; DOF],
+    /// number of the force frame the device held during its motion, from 1; 0 where it does not say
+    pub ack: u64,
+    /// that force \[N\]; where the device does not say, what was sent with the frame before
+    pub acting: [f64; DOF],
     /// largest damping injected \[N s/m\]
     pub inject: f64,
     /// bits of [`flag`](crate::frame::flag) so far
@@ -85,6 +89,8 @@ impl Hand {
             received: [0.0; DOF],
             force: [0.0; DOF],
             sent: [0.0; DOF],
+            ack: 0,
+            acting: [0.0; DOF],
             inject: 0.0,
             flags: 0,
             mode: Mode::Off,
@@ -150,7 +156,12 @@ pub struct Chain {
     stages: Vec<Box<dyn Stage>>,
     gate: gate::Gate,
     slew: slew::Slew,
+    /// the last forces sent \[N\], a ring by the number of their frame
+    past: Box<[[f64; DOF]; PAST]>,
 }
+
+/// Forces that are remembered until the device says which of them it held.
+const PAST: usize = 32;
 
 impl Chain {
     /// The chain a profile asks for, at frames of `te` seconds.
@@ -161,7 +172,7 @@ impl Chain {
         let stages = [
             workspace::Workspace::new(profile).map(boxed),
             Some(boxed(saturation::Saturation::new(profile))),
-            passivity::Passivity::new(profile).map(boxed),
+            passivity::Passivity::new(profile, te).map(boxed),
             oscillation::Oscillation::new(profile, te).map(boxed),
             thermal::Thermal::new(profile, te).map(boxed),
         ];
@@ -171,6 +182,7 @@ impl Chain {
             stages: stages.into_iter().flatten().collect(),
             gate: gate::Gate::new(profile, te),
             slew: slew::Slew::new(profile, te),
+            past: Box::new([[0.0; DOF]; PAST]),
         }
     }
 
@@ -181,6 +193,9 @@ impl Chain {
 
     /// Passes a frame; afterwards `hand.force` may go to the hand.
     pub fn pass(&mut self, hand: &mut Hand) {
+        let ago = (hand.frame + 1).saturating_sub(hand.ack);
+        let known = hand.ack > 0 && (1..=PAST as u64).contains(&ago);
+        hand.acting = if known { self.past[hand.ack as usize % PAST] } else { hand.sent };
         self.finite.pass(hand);
         self.book.frame(hand);
         for s in &mut self.stages {
@@ -193,11 +208,17 @@ impl Chain {
             s.sent(hand);
         }
         hand.sent = hand.force;
+        self.past[(hand.frame + 1) as usize % PAST] = hand.force;
     }
 
     /// Whether somebody armed it, and no fault ended that.
     pub fn is_armed(&self) -> bool {
         self.gate.is_armed()
+    }
+
+    /// Faults that latched so far.
+    pub fn faults(&self) -> u64 {
+        self.gate.faults()
     }
 
     /// Names of the stages, in order.

@@ -4,9 +4,13 @@
 //! in the last part of the travel. Clamping what the model sees was the alternative: there the instrument would stop
 //! following the hand, and its force would come from a place where nobody is. The spring is as stiff as half of what
 //! the device renders, or so that the largest force is reached at the end stop, whichever is less.
+//!
+//! A fader parked at its end, or an arm that hangs at its lowest, is in the soft edge when somebody arms. It is not
+//! pushed out, which nobody asked for, and does not have to be lifted before forces begin: an edge is there once the hand
+//! has been outside of it.
 
 use super::{Hand, Stage};
-use crate::frame::{DOF, flag};
+use crate::frame::{DOF, Mode, flag};
 use crate::profile::Profile;
 
 /// A spring at each end of each axis.
@@ -16,6 +20,8 @@ pub struct Workspace {
     k: f64,
     /// its force of the frame before \[N\]
     last: [f64; DOF],
+    /// axes that have been outside since forces were off
+    left: [bool; DOF],
 }
 
 impl Workspace {
@@ -24,7 +30,13 @@ impl Workspace {
         let [low, high] = profile.range;
         let width = profile.guard.edge * (high - low);
         let k = profile.edge_stiffness();
-        (width > 0.0 && k > 0.0).then_some(Workspace { low: low + width, high: high - width, k, last: [0.0; DOF] })
+        (width > 0.0 && k > 0.0).then_some(Workspace {
+            low: low + width,
+            high: high - width,
+            k,
+            last: [0.0; DOF],
+            left: [false; DOF],
+        })
     }
 }
 
@@ -36,10 +48,16 @@ impl Stage for Workspace {
     fn pass(&mut self, hand: &mut Hand) {
         for i in 0..hand.n {
             let x = hand.x[i];
-            let push = self.k * ((self.low - x).max(0.0) - (x - self.high).max(0.0));
-            if push != 0.0 {
-                hand.force[i] += push;
+            let mut push = self.k * ((self.low - x).max(0.0) - (x - self.high).max(0.0));
+            if push == 0.0 {
+                self.left[i] = true;
+            } else {
+                self.left[i] &= !matches!(hand.mode, Mode::Off | Mode::Fault);
                 hand.flags |= flag::EDGE;
+                if !self.left[i] {
+                    push = 0.0;
+                }
+                hand.force[i] += push;
             }
             // what the spring takes is the mean of its force over the motion, exactly
             hand.received[i] -= 0.5 * (self.last[i] + push) * hand.moved[i];
@@ -59,10 +77,23 @@ mod tests {
         // 5 % of 20 mm; 10 N at the stop is less than half of 40 N/mm
         for (x, want) in [(0.0, 0.0), (8.9e-3, 0.0), (9.5e-3, -5.0), (0.01, -10.0), (-9.1e-3, 1.0), (-0.01, 10.0)] {
             let mut hand = Hand::new(1, 1.0 / 3000.0);
-            hand.x[0] = x;
+            (hand.x[0], hand.mode) = (x, Mode::On);
             stage.pass(&mut hand);
             assert!((hand.force[0] - want).abs() < 1e-9, "{x}: {}", hand.force[0]);
             assert_eq!(hand.flags & flag::EDGE != 0, want != 0.0);
+        }
+        // armed while inside: not pushed out, and closed again once it has been outside
+        let mut hand = Hand::new(1, 1.0 / 3000.0);
+        for (x, mode, want) in [
+            (0.01, Mode::Off, 0.0),
+            (0.01, Mode::On, 0.0),
+            (0.0095, Mode::On, 0.0),
+            (0.008, Mode::On, 0.0),
+            (0.0095, Mode::On, -5.0),
+        ] {
+            (hand.x[0], hand.mode, hand.force[0]) = (x, mode, 0.0);
+            stage.pass(&mut hand);
+            assert!((hand.force[0] - want).abs() < 1e-9, "{x}: {}", hand.force[0]);
         }
         let mut hard = p;
         hard.guard.edge = 0.0;
@@ -74,6 +105,8 @@ mod tests {
         let p = Profile::shipped("tgr12").expect("shipped");
         let mut stage = Workspace::new(&p).expect("it has edges");
         let mut hand = Hand::new(1, 1.0 / 3000.0);
+        hand.mode = Mode::On;
+        stage.pass(&mut hand);
         hand.x[0] = 9e-3;
         for _ in 0..100 {
             hand.moved[0] = 1e-5;

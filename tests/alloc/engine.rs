@@ -1,0 +1,126 @@
+//! Nor does the engine with its guard: arming, faults, a reload, changes and frames of any kind.
+
+use super::calls;
+use ca_core::{Options as Compile, Scene, State, compile, model::read};
+use ca_haptic::calibration::{Axis, Calibration};
+use ca_haptic::engine::{Act, Change, Engine, Options, Port, Setup, Spent};
+use ca_haptic::frame::{CAUSES, DeviceFrame, Mode};
+use ca_haptic::guard::Order;
+use ca_haptic::profile::Profile;
+use std::sync::Arc;
+
+const TEXT: &str = r#"
+[param]
+k = { value = 500, unit = "N/m", live = true, min = 100, max = 1000 }
+[TGR]
+x = { device = "hand", dof = 0 }
+y = { device = "hand", dof = 1 }
+[SOL]
+wall = {}
+[CEL]
+bar = { m = "2 g", f = "220 Hz" }
+[RES]
+a = { between = ["x", "bar"], k = "k" }
+b = { between = ["y", "wall"], k = "k" }
+[SOX]
+out = { from = "bar", gain = 100 }
+"#;
+
+fn engine(energy: bool) -> (Engine, State, Change) {
+    let catalog = ca_tests::catalog();
+    let (model, _) = read::read(TEXT, "hand.ca.toml", &catalog);
+    let scene: Scene = compile(&model, &catalog, &Compile { energy, ..Compile::default() }).expect("it compiles");
+    let mut profile = Profile::shipped("tgr12").expect("shipped");
+    // every stage there is
+    (profile.dof, profile.axes, profile.continuous) = (2, 2, Some(3.0));
+    (profile.guard.clear_time, profile.guard.ramp) = (0.01, 0.02);
+    let calibration = Calibration { axis: vec![Axis::default(); 2], ..Calibration::default() };
+    let mut controls = scene.controls();
+    let patch = controls.set("k", 600.0).expect("live");
+    let change = Change { params: vec![(0, 600.0)], patches: vec![patch] };
+    let setup = Setup { device: "hand".into(), profile, calibration, gains: vec![] };
+    let scene = Arc::new(scene);
+    let port = Port::new(&scene, setup);
+    assert_eq!(port.chain.names().len(), 8);
+    let state = scene.state();
+    (Engine::new(scene, vec![port], Options::default()), state, change)
+}
+
+#[test]
+fn an_engine_allocates_nothing() {
+    for energy in [false, true] {
+        let (mut e, state, change) = engine(energy);
+        let mut boxes: Vec<Box<State>> = (0..4).map(|_| Box::new(state.clone())).collect();
+        let mut changes: Vec<Box<Change>> = (0..8).map(|_| Box::new(change.clone())).collect();
+        let mut spent: Vec<Spent> = Vec::with_capacity(16);
+        let mut next = DeviceFrame::new("hand", 2);
+        next.session = 1;
+        let mut dice = 0x9e37_79b9_7f4a_7c15_u64;
+        let mut modes = [0; 5];
+        let mut wild = 0;
+        let n = calls(|| {
+            for n in 0..12_000_u32 {
+                let t = n % 3000;
+                if t % 500 == 0 {
+                    e.act(Act::Order(None, Order::Arm));
+                }
+                if t == 700 {
+                    if let Some(c) = changes.pop() {
+                        spent.extend(e.act(Act::Set(c)));
+                    }
+                }
+                if t % 500 == 450 {
+                    let why = CAUSES[(n / 500) as usize % CAUSES.len()];
+                    e.act(Act::Order(Some(0), if t < 500 { Order::Disarm } else { Order::Trip(why) }));
+                }
+                // the model blows up, and is loaded again
+                if t == 2800 {
+                    let last = e.state.x.len() - 1;
+                    e.state.x[last] = if n < 6000 { 1e9 } else { f64::NAN };
+                }
+                if t == 2990 {
+                    if let Some(s) = boxes.pop() {
+                        spent.extend(e.act(Act::Reload(s)));
+                    }
+                }
+                dice ^= dice << 13;
+                dice ^= dice >> 7;
+                dice ^= dice << 17;
+                next.seq += 1;
+                next.t_device_ns += 333_333;
+                // pressed, thrown, gone
+                let phase = f64::from(t % 500) / 500.0;
+                next.pos[0] = if t > 1000 { 0.01 * (0.25 - (phase - 0.75).abs()).max(0.0) } else { 0.0 };
+                next.pos[1] = if t > 2000 { next.pos[0] * 20.0 } else { next.pos[0] };
+                if !(1600..1650).contains(&t) {
+                    let mut f = next;
+                    e.take(0, &mut f);
+                }
+                if dice.is_multiple_of(100) {
+                    let mut f = next;
+                    match dice % 7 {
+                        0 => f.pos[0] = f64::NAN,
+                        1 => f.layout = dice,
+                        2 => f.seq = 0,
+                        3 => f.n = dice as u16,
+                        4 => f.status = dice as u32,
+                        5 => f.cause = dice as u16,
+                        _ => f.pos[1] = f64::INFINITY,
+                    }
+                    f.seq = f.seq.saturating_add(dice % 2);
+                    e.take(0, &mut f);
+                }
+                for out in e.answer() {
+                    modes[Mode::read(out.mode) as usize] += 1;
+                }
+                e.finish();
+                wild += u32::from(e.is_wild());
+            }
+        });
+        assert_eq!(n, 0, "energy {energy}");
+        assert!(modes.iter().all(|n| *n > 20), "off, ramp, on, damp, fault: {modes:?}");
+        assert!(wild > 100 && !e.is_wild() && spent.len() == 8, "{wild} wild, {} given back", spent.len());
+        let c = e.counts;
+        assert!(c.faults > 3 && c.dropped > 50 && c.stale > 40 && c.refused == 0, "{c:?}");
+    }
+}
