@@ -219,6 +219,20 @@ pub struct EquivArgs {
     /// Its forces, beside those of the other keys
     #[arg(long, value_parser = factor, group = "own", requires = "key")]
     pub force_factor: Option<f64>,
+    /// where it is written
+    #[command(flatten)]
+    pub to: WriteTo,
+    /// Shows alpha and beta too
+    #[arg(short, long)]
+    pub verbose: bool,
+    /// Prints the table as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Where a changed model goes.
+#[derive(Args)]
+pub struct WriteTo {
     /// Writes the model with these equivalences to a new file
     #[arg(long, value_name = "FILE.ca.toml", conflicts_with = "in_place")]
     pub write: Option<PathBuf>,
@@ -228,12 +242,6 @@ pub struct EquivArgs {
     /// Overwrites the file of `--write`
     #[arg(long)]
     pub force: bool,
-    /// Shows alpha and beta too
-    #[arg(short, long)]
-    pub verbose: bool,
-    /// Prints the table as JSON
-    #[arg(long)]
-    pub json: bool,
 }
 
 /// Lists kinds of modules and bundled models, or shows one of them

@@ -3,6 +3,7 @@
 mod border;
 mod desk;
 mod docs;
+mod equiv;
 mod pages;
 mod readme;
 mod render;
@@ -78,7 +79,7 @@ fn errors_of_a_model_point_at_their_places() {
 #[test]
 fn examples_of_the_help_run() {
     let mut ran = 0;
-    for command in ["render", "check", "list", "new", "import", "replay", "log"] {
+    for command in ["render", "check", "equiv", "list", "new", "import", "serve", "replay", "log"] {
         let desk = Desk::new();
         if ["replay", "log"].contains(&command) {
             take::performer::tgr12(&desk.path("take.mcap"));

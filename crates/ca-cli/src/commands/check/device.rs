@@ -33,14 +33,10 @@ pub(super) fn profile(word: &str) -> Result<Profile, Failure> {
         return Ok(Profile::read(&load::text(path)?, word)?);
     }
     Profile::shipped(word).ok_or_else(|| {
-        let names = || SHIPPED.iter().map(|s| s.0);
-        Failure::Usage(match nearest(word, names()) {
-            Some(near) => format!("--device: no file and no profile `{word}`; did you mean `{near}`?"),
-            None => {
-                let all: Vec<&str> = names().collect();
-                format!("--device: no file and no profile `{word}`; there are {}", all.join(", "))
-            }
-        })
+        let names: Vec<&str> = SHIPPED.iter().map(|s| s.0).collect();
+        let hint = nearest(word, names.iter().copied())
+            .map_or_else(|| format!("there are {}", names.join(", ")), |near| format!("did you mean `{near}`?"));
+        Failure::Usage(format!("--device: no file and no profile `{word}`; {hint}"))
     })
 }
 
