@@ -7,6 +7,7 @@ mod equiv;
 mod pages;
 mod readme;
 mod render;
+mod serve;
 mod take;
 
 use desk::{BAR, Desk, KEY, mims};
