@@ -144,6 +144,8 @@ fn check_says_what_a_device_cannot_render() {
     desk.put("mine.toml", own);
     let told = desk.ca(&["check", "paper.ca.toml", "--device", "mine.toml"]).is(3);
     told.says(&["3 kHz and the device gives 1 kHz", "× 1.56 what it renders"]);
+    let j = desk.ca(&["check", "paper.ca.toml", "--device", "mine.toml", "--json"]).is(3).json();
+    near(j["device"]["passive"].as_f64().unwrap(), 20.0 / (2.0 / 1000.0));
     desk.ca(&["check", "paper.ca.toml", "--device", "tgr21"]).is(2).says(&["did you mean `tgr12`?"]);
     desk.put("bad.toml", "name = 3\n");
     desk.ca(&["check", "paper.ca.toml", "--device", "bad.toml"]).is(1).says(&["bad.toml"]);

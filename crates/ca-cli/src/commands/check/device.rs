@@ -4,7 +4,8 @@
 //! parameters at their stiffest) and the steepest place of the force measured over the whole travel of the device, with
 //! everything behind the key at rest, which is how a law that stiffens without end shows itself. Both limits are told:
 //! what the device says it renders, and what stays passive with its own friction, K ≤ b/(κT), where κT is the delay of
-//! the border and one frame more, since a real device takes each force a frame later (numerics 5.2: κ = 2). A force
+//! the border and one frame more, since a real device takes each force a frame later (numerics 5.2: κ = 2), of the frames
+//! of the device where those are longer. A force
 //! beyond the largest is no fault of the model, every hard stop has it: it is told where in the travel it begins.
 
 use crate::Failure;
@@ -90,7 +91,11 @@ impl<'a> Asked<'a> {
         if devices.contains(&profile.name.as_str()) {
             devices.retain(|d| *d == profile.name);
         }
-        let d = delays(scene);
+        let rate = scene.rate / f64::from(scene.ratio);
+        // a slower device holds each force for longer
+        let longer = (rate / profile.rate).max(1.0);
+        let own = delays(scene);
+        let d = Delays { spring: own.spring * longer, frame: own.frame * longer, ..own };
         let b = profile.body.friction;
         let later = Delays { spring: d.spring + d.frame, ..d };
         let rows = (0..scene.tgr.len()).filter_map(|t| row(scene, t, profile, &devices)).collect();
@@ -99,7 +104,7 @@ impl<'a> Asked<'a> {
             rows,
             passive: later.stiffest(b),
             at_once: d.stiffest(b),
-            rate: scene.rate / f64::from(scene.ratio),
+            rate,
             devices,
             feedback: scene.crossing.feedback,
         }
