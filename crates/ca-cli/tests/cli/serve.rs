@@ -52,7 +52,7 @@ fn the_examples_of_the_control_run_against_a_server() {
         }
     }
     desk.ca(&["set"]).is(0).says(&["k = 900 N/m (0 to 1000)", "z = 0.5 N s/m (0 to 1)"]);
-    desk.ca(&["set", "k=800", "zz=1"]).is(1).says(&["`zz`", "did you mean `z`?"]);
+    desk.ca(&["set", "k=800", "zz=1"]).is(1).says(&["`zz`", "live = true"]);
     desk.ca(&["set", "k=800", "z=7"]).is(1).says(&["`z` must lie between 0 and 1"]);
     desk.ca(&["set", "k=3 kg"]).is(1).says(&["`k` is a quantity in N/m"]);
     desk.ca(&["arm", "tgr"]).is(1).says(&["no device `tgr`", "`tgr12`"]);

@@ -54,6 +54,7 @@ pub fn run(args: &ServeArgs) -> Outcome {
     let (mut sinks, mut files): (Vec<Box<dyn Sink>>, Vec<&Path>) = (Vec::new(), Vec::new());
     let wav = match &args.output {
         Some(path) if scene.channels > 0 => {
+            load::is_sound(path)?;
             let wav = sinks::Wav::new(WavOut::create(path, scene.rate, scene.channels, Format::F32)?);
             sinks.push(Box::new(wav.clone()));
             files.push(path);
