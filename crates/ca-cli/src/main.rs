@@ -79,6 +79,7 @@ fn main() -> ExitCode {
         Command::List(a) => commands::list::run(a),
         Command::New(a) => commands::new::run(a),
         Command::Import(a) => commands::import::run(a),
+        Command::Shm(a) => commands::shm::run(a),
     };
     match outcome {
         Ok(Ended::Well) | Err(Failure::BrokenPipe) => ExitCode::SUCCESS,

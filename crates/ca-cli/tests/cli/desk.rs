@@ -29,7 +29,12 @@ impl Desk {
         self
     }
     pub fn ca(&self, args: &[&str]) -> Ran {
-        let o = Command::new(env!("CARGO_BIN_EXE_ca")).args(args).current_dir(&self.0).output().unwrap();
+        let o = Command::new(env!("CARGO_BIN_EXE_ca"))
+            .args(args)
+            .env("CA_SHM_ROOT", self.path("shm"))
+            .current_dir(&self.0)
+            .output()
+            .unwrap();
         let text = |b: &[u8]| String::from_utf8(b.to_vec()).unwrap();
         Ran { code: o.status.code().unwrap(), out: text(&o.stdout), err: text(&o.stderr) }
     }
@@ -38,7 +43,13 @@ impl Desk {
     pub fn sh(&self, line: &str) -> Ran {
         let bin = Path::new(env!("CARGO_BIN_EXE_ca")).parent().unwrap();
         let path = format!("{}:{}", bin.display(), std::env::var("PATH").unwrap());
-        let o = Command::new("sh").args(["-ec", line]).env("PATH", path).current_dir(&self.0).output().unwrap();
+        let o = Command::new("sh")
+            .args(["-ec", line])
+            .env("PATH", path)
+            .env("CA_SHM_ROOT", self.path("shm"))
+            .current_dir(&self.0)
+            .output()
+            .unwrap();
         let text = |b: &[u8]| String::from_utf8(b.to_vec()).unwrap();
         let err = format!("$ {line}\n{}", text(&o.stderr));
         Ran { code: o.status.code().unwrap(), out: text(&o.stdout), err }

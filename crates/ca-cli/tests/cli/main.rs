@@ -6,6 +6,7 @@ mod docs;
 mod pages;
 mod readme;
 mod render;
+mod shm;
 
 use desk::{BAR, Desk, KEY, mims};
 use std::fs;
@@ -77,7 +78,7 @@ fn errors_of_a_model_point_at_their_places() {
 #[test]
 fn examples_of_the_help_run() {
     let mut ran = 0;
-    for command in ["render", "check", "list", "new", "import"] {
+    for command in ["render", "check", "list", "new", "import", "shm"] {
         let desk = Desk::new();
         desk.put("key.csv", KEY).put("string.mdl", &mims("string.mdl"));
         let help = desk.ca(&[command, "--help"]).is(0).out;

@@ -68,6 +68,8 @@ pub struct Server {
     pub seq: Vec<u64>,
     /// frames of each device
     pub got: Vec<u64>,
+    /// stiffness \[N/m\] and constant force \[N\] of what it plays, life of its forces \[µs\]
+    pub plays: (f64, f64, u32),
     names: Vec<String>,
 }
 
@@ -78,6 +80,7 @@ impl Server {
             session,
             seq: vec![0; names.len()],
             got: vec![0; names.len()],
+            plays: (1000.0, 0.0, 5000),
             names: names.iter().map(|n| (*n).into()).collect(),
         }
     }
@@ -96,12 +99,12 @@ impl Server {
             self.seq[k] += 1;
             let mut out = ForceFrame::new(&self.names[k], f.n as usize);
             (out.session, out.seq, out.ack_session, out.ack) = (self.session, self.seq[k], f.session, f.seq);
-            out.ttl_us = 5000;
+            out.ttl_us = self.plays.2;
             if self.seq[k] > 3 {
                 out.mode = Mode::On as u32;
                 out.cause = 0;
                 for d in 0..f.n as usize {
-                    out.force[d] = spring(f.pos[d]);
+                    out.force[d] = (self.plays.1 - self.plays.0 * f.pos[d]) as f32;
                 }
             }
             self.gateway.send(k, &mut out);
