@@ -38,17 +38,17 @@ fn mistakes_are_errors_with_words() {
     // SAFETY: null pointers are what is tested, all others point to what they should
     unsafe {
         assert_eq!(ca_device_about(null_mut(), c"key".as_ptr(), 1, 1, 1000), -1);
-        assert_eq!(ca_device_about(&raw mut zeroed(), null(), 1, 1, 1000), -1);
+        assert_eq!(ca_device_about(&mut zeroed(), null(), 1, 1, 1000), -1);
         assert!(error().contains("null"), "{}", error());
         for (n, axes) in [(0, 1), (33, 1), (3, 0), (4, 3), (8, 4)] {
-            assert_eq!(ca_device_about(&raw mut zeroed(), c"key".as_ptr(), n, axes, 1000), -1, "{n} {axes}");
+            assert_eq!(ca_device_about(&mut zeroed(), c"key".as_ptr(), n, axes, 1000), -1, "{n} {axes}");
         }
         assert_eq!(about(c"no spaces please", 1).0, -1);
         assert!(error().contains("no spaces please"), "{}", error());
         assert_eq!(about(c"\xff", 1).0, -1);
         assert_eq!(ca_device_open(root.as_ptr(), null()), 0);
         assert_eq!(ca_device_open(root.as_ptr(), &raw const *Box::new(zeroed())), 0, "no name");
-        assert_eq!(ca_device_open(c"relative".as_ptr(), &raw const about(c"key", 1).1), 0);
+        assert_eq!(ca_device_open(c"relative".as_ptr(), &about(c"key", 1).1), 0);
         assert!(error().contains("absolute"), "{}", error());
         // nothing is open
         for handle in [0, 1, u64::MAX] {

@@ -1,6 +1,6 @@
 //! The header that is checked in is what the source says. `UPDATE=1` writes it again.
 
-use ca_haptic::frame::{About, CAUSES, DOF, DeviceFrame, ForceFrame, VERSION};
+use ca_haptic::frame::{About, CAUSES, DeviceFrame, ForceFrame, VERSION};
 use core::mem::{offset_of, size_of};
 use std::fmt::Write as _;
 use std::path::Path;
@@ -155,7 +155,14 @@ fn the_header_is_up_to_date() {
         ..cbindgen::Config::default()
     };
     config.export.include = ["About", "DeviceFrame", "ForceFrame", "DOF"].map(String::from).into();
-    config.export.exclude = ["VERSION", "CAUSES", "Cause", "Mode"].map(String::from).into();
+    // numbers have prefixes of ours
+    config.export.exclude = numbers()
+        .lines()
+        .filter_map(|l| l.strip_prefix("#define CA_STATUS_").or(l.strip_prefix("#define CA_FLAG_")))
+        .filter_map(|l| l.split(' ').next())
+        .chain(["VERSION", "CAUSES", "Cause", "Mode"])
+        .map(String::from)
+        .collect();
     for name in ["About", "DeviceFrame", "ForceFrame"] {
         config.export.rename.insert(name.into(), format!("Ca{name}"));
     }
@@ -172,12 +179,12 @@ fn the_header_is_up_to_date() {
         .generate()
         .expect("the source can be read")
         .write(&mut made);
-    let made = String::from_utf8(made).unwrap();
+    // brackets as rustdoc wants them, links it follows
+    let made = String::from_utf8(made).unwrap().replace("\\[", "[").replace("\\]", "]").replace("(super::Cause)", "");
     let path = here.join("include/ca_device.h");
     if std::env::var_os("UPDATE").is_some() {
         std::fs::write(&path, &made).unwrap();
     }
     let there = std::fs::read_to_string(&path).unwrap_or_default();
     assert!(there == made, "{} is not what the source says; UPDATE=1 writes it:\n{made}", path.display());
-    assert_eq!(DOF, 32);
 }
