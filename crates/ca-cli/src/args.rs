@@ -49,6 +49,8 @@ pub enum Command {
     Replay(ReplayArgs),
     /// Looks into takes, saves what was cut off, and takes parts out
     Log(LogArgs),
+    /// Shows or removes what lies in shared memory
+    Shm(ShmArgs),
 }
 
 /// Which model, and what to change in it.
@@ -500,6 +502,34 @@ pub struct StatusArgs {
     /// Prints the answer as JSON
     #[arg(long)]
     pub json: bool,
+}
+
+/// Shows or removes what lies in shared memory
+///
+/// Devices and servers of one user meet in the folder `CA_SHM_ROOT`, or `/tmp/ca-<uid>`, and in `/dev/shm`. `list` says
+/// what lies there, of which version, and which processes use it. `clean` removes what no living process uses, also of
+/// other versions, and says what; nothing of a living process is touched. Exit code 3 if something could not be removed.
+#[derive(Args)]
+#[command(after_long_help = "Examples:
+  ca shm list
+  ca shm clean
+  ca shm list --json")]
+pub struct ShmArgs {
+    /// what to do
+    #[arg(value_enum)]
+    pub what: ShmWhat,
+    /// As JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// What to do with shared memory.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ShmWhat {
+    /// what lies there, and who uses it
+    List,
+    /// removes what nobody uses
+    Clean,
 }
 
 /// How samples are stored.

@@ -25,9 +25,9 @@ impl Desk {
     pub fn path(&self, name: &str) -> PathBuf {
         self.0.path().join(name)
     }
-    /// Where its shared memory would be.
+    /// Where its shared memory would be: names in there begin with the last part of the path.
     pub fn shm(&self) -> PathBuf {
-        self.1.path().join("shm")
+        self.1.path().join(self.1.path().file_name().unwrap())
     }
     pub fn put(&self, name: &str, text: &str) -> &Desk {
         fs::write(self.path(name), text).unwrap();

@@ -8,6 +8,7 @@ mod pages;
 mod readme;
 mod render;
 mod serve;
+mod shm;
 mod take;
 
 use desk::{BAR, Desk, KEY, mims};
@@ -80,7 +81,7 @@ fn errors_of_a_model_point_at_their_places() {
 #[test]
 fn examples_of_the_help_run() {
     let mut ran = 0;
-    for command in ["render", "check", "equiv", "list", "new", "import", "serve", "replay", "log"] {
+    for command in ["render", "check", "equiv", "list", "new", "import", "serve", "replay", "log", "shm"] {
         let desk = Desk::new();
         if ["replay", "log"].contains(&command) {
             take::performer::tgr12(&desk.path("take.mcap"));
