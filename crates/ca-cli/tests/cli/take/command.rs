@@ -104,7 +104,7 @@ fn parts_come_out_as_files() {
 fn a_take_plays_another_model() {
     let desk = Desk::new();
     duo(&desk.path("take.mcap"), 3000);
-    let other = "[TGR]\nkey = { x = \"-5 mm\" }\npad = {}\n[param]\nstiff = { value = \"1 N/m\", live = true, min = 0, max = 2000 }\n\
+    let other = "[TGR]\nkey = { x = \"-5 mm\" }\npad = {}\n[param]\nstiff = { value = 1, unit = \"N/m\", live = true, min = 0, max = 2000 }\n\
                  [CEL]\nbell = { m = \"2 g\", f = \"700 Hz\", t60 = \"1 s\" }\n\
                  [RES]\nr = { between = [\"key\", \"bell\"], k = \"stiff\" }\n[SOX]\nout = { from = \"bell\", gain = 500 }\n";
     desk.put("bell.ca.toml", &other.replace("pad = {}\n", "pad = { device = \"x\", dof = 1 }\n"));

@@ -18,7 +18,7 @@ pub const DUO: &str = r#"
 [model]
 title = "Duo"
 [param]
-stiff = { value = "400 N/m", live = true, min = 100, max = 2000 }
+stiff = { value = 400, unit = "N/m", live = true, min = 100, max = 2000 }
 [TGR]
 key = { device = "left", dof = 0, x = "-5 mm" }
 pad = { device = "right", dof = 1, x = "0 mm" }
