@@ -4,6 +4,8 @@
 //! tests do not disturb it.
 #![allow(unsafe_code)]
 
+mod take;
+
 use ca_benches::rattle;
 use ca_core::model::{Model, read};
 use ca_core::{KernelClass, Options, Scene, State, advance, compile, process, sense, tick};

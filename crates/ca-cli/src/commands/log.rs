@@ -16,7 +16,11 @@ pub fn run(args: &LogArgs) -> Outcome {
         LogCommand::Info { file, json } => {
             let take = Take::open(file)?;
             let summary = take.summary()?;
-            if *json { info_json(&take, &summary)? } else { info(&take, &summary)? }
+            if *json {
+                info_json(&take, &summary)?;
+            } else {
+                info(&take, &summary)?;
+            }
             if let End::Cut(why, bytes) = &summary.end {
                 let fix = format!("`ca log recover {}` saves the rest", file.display());
                 term::warning(&format!("the file was cut off: {why}; {bytes} bytes at its end are of no use; {fix}"));
@@ -148,11 +152,8 @@ fn info_json(take: &Take, s: &Summary) -> Result<(), Failure> {
         .collect();
     let faults: Vec<_> =
         s.faults.iter().map(|f| json!({"device": f.device, "time": f.time, "cause": f.cause.name()})).collect();
-    let devices: Vec<_> = h
-        .setups
-        .iter()
-        .map(|d| json!({"name": d.device, "profile": d.profile.name, "dof": d.profile.dof}))
-        .collect();
+    let devices: Vec<_> =
+        h.setups.iter().map(|d| json!({"name": d.device, "profile": d.profile.name, "dof": d.profile.dof})).collect();
     let cut = if let End::Cut(why, bytes) = &s.end { Some(json!({"why": why, "bytes": bytes})) } else { None };
     let all = json!({
         "file": take.path.display().to_string(), "title": h.title, "model": h.file, "set": h.changes,

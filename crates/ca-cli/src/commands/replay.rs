@@ -26,7 +26,11 @@ pub fn run(args: &ReplayArgs) -> Outcome {
     if let Some(wav) = wav {
         wav.finish()?;
     }
-    if args.json { json_of(&take, &verdict)? } else { text(&take, &verdict)? }
+    if args.json {
+        json_of(&take, &verdict)?;
+    } else {
+        text(&take, &verdict)?;
+    }
     if verdict.is_identical() {
         return Ok(Ended::Well);
     }
@@ -54,9 +58,10 @@ fn text(take: &Take, v: &Verdict) -> Result<(), Failure> {
 }
 
 fn json_of(take: &Take, v: &Verdict) -> Result<(), Failure> {
-    let difference = v.difference.as_ref().map(
-        |d| json!({"tick": d.tick, "time": d.time, "what": d.what, "was": d.was, "is": d.is}),
-    );
+    let difference = v
+        .difference
+        .as_ref()
+        .map(|d| json!({"tick": d.tick, "time": d.time, "what": d.what, "was": d.was, "is": d.is}));
     let all = json!({
         "file": take.path.display().to_string(), "title": take.header.title, "seconds": v.seconds,
         "identical": v.is_identical(), "gesture_frames": v.frames, "device_frames": v.taken, "force_frames": v.forces,

@@ -67,7 +67,7 @@ impl<'a> Out<'a> {
     }
 
     /// A number.
-    pub fn put<T: IntoBytes + Immutable>(&mut self, v: T) -> &mut Self {
+    pub fn put<T: IntoBytes + Immutable + Copy>(&mut self, v: T) -> &mut Self {
         self.align(size_of::<T>());
         self.0.extend_from_slice(v.as_bytes());
         self
@@ -153,8 +153,7 @@ pub fn read_change(data: &[u8]) -> Option<(u64, Change)> {
         return None;
     }
     let mut all = place.into_iter().zip(coef);
-    let patches: Vec<Patch> =
-        length.iter().map(|n| Patch { set: all.by_ref().take(*n as usize).collect() }).collect();
+    let patches: Vec<Patch> = length.iter().map(|n| Patch { set: all.by_ref().take(*n as usize).collect() }).collect();
     let whole = patches.iter().zip(&length).all(|(p, n)| p.set.len() == *n as usize) && all.next().is_none();
     whole.then(|| (tick, Change { params: param.into_iter().zip(value).collect(), patches }))
 }

@@ -295,7 +295,8 @@ mod tests {
         assert!(model.set("r.k", "7"));
         let points = vec![[0.1, -1.0 / 3.0, 1e-300], [1.0, 2.0, 3.0], [0.0, 0.5, 1e300]];
         let cloud = Cloud { points, edges: vec![[0, 2], [1, 2]], merged: 0, flat: 0 };
-        let mut options = Options { rate: Some(44_100.0), energy: true, probes: vec!["r".into()], ..Options::default() };
+        let mut options =
+            Options { rate: Some(44_100.0), energy: true, probes: vec!["r".into()], ..Options::default() };
         options.clouds.insert("a/b c.ply".into(), Ok(Arc::new(cloud.clone())));
         let scene = ca_core::compile(&model, &Catalog::core(), &options).expect("it compiles");
         for (name, _) in SHIPPED {

@@ -145,9 +145,7 @@ impl Replay {
         let late = |what: &str, tick: u64| (what.to_owned(), format!("at tick {tick}"), format!("due at {now}"));
         let odd = match event {
             Event::Device(_, f) if f.tick != now => Some(late("a device frame between frames", f.tick)),
-            Event::Change(tick, _) | Event::Order(tick, ..) if tick != now => {
-                Some(late("an act between frames", tick))
-            }
+            Event::Change(tick, _) | Event::Order(tick, ..) if tick != now => Some(late("an act between frames", tick)),
             Event::Reload(r) if r.tick != now => Some(late("a reload between frames", r.tick)),
             Event::Hash(h) if h.tick != now => Some(late("a hash between frames", h.tick)),
             Event::Device(k, frame) => {

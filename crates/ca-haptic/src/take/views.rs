@@ -4,9 +4,9 @@
 //! own library. They are for eyes and ears: rounded, decimated, never read back. What stands on a line is drawn as a
 //! row, one module a centimetre, with its position upwards.
 
-use ca_core::scene::{InputRole, Stands};
 use ca_core::Scene;
 use ca_core::layout::Layout;
+use ca_core::scene::{InputRole, Stands};
 use foxglove::Encode;
 use foxglove::messages::{
     Color, JointState, JointStates, LinePrimitive, Log, PackedElementField, Point3, PointCloud, RawAudio, SceneEntity,

@@ -333,11 +333,7 @@ impl TakeWriter {
 }
 
 /// Declares all channels.
-fn channels(
-    out: &mut Writer<NoSeek<BufWriter<File>>>,
-    header: &Header,
-    scene: &Scene,
-) -> McapResult<(Ids, Vec<Hand>)> {
+fn channels(out: &mut Writer<NoSeek<BufWriter<File>>>, header: &Header, scene: &Scene) -> McapResult<(Ids, Vec<Hand>)> {
     let none = BTreeMap::new();
     let mut flat = |topic: &str, name: &str, schema: &str| {
         let id = out.add_schema(&format!("ca_v1/msg/{name}"), "ros2msg", schema.as_bytes())?;
