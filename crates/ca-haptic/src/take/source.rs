@@ -85,7 +85,7 @@ impl Source {
         file.by_ref().take(mcap::MAGIC.len() as u64).read_to_end(&mut magic).map_err(|e| io(&e))?;
         if magic != mcap::MAGIC {
             let e = FileError::format("it is no MCAP file").file(path.display());
-            return Err(e.fix("takes are made by `ca serve --take`"));
+            return Err(e.fix("give a file that `ca` wrote while playing"));
         }
         let options = LinearReaderOptions::default()
             .with_skip_start_magic(true)
