@@ -324,7 +324,7 @@ pub struct ImportArgs {
 #[derive(Args)]
 #[command(after_long_help = "Examples:
   ca serve piano_key --seconds 2
-  ca serve piano_key --seconds 1 --arm -o played.wav
+  ca serve piano_key --seconds 1 --arm -o played.wav --log played.mcap
   ca serve piano_key --seconds 1 --profile tgr12=falcon --priority 0 --no-lock --json")]
 pub struct ServeArgs {
     /// the model
@@ -336,6 +336,9 @@ pub struct ServeArgs {
     /// Writes the sound to a WAV file
     #[arg(short, long, value_name = "FILE.wav")]
     pub output: Option<PathBuf>,
+    /// Writes a take: every frame, event and sample, to be played again by `ca replay`
+    #[arg(long, value_name = "FILE.mcap")]
+    pub log: Option<PathBuf>,
     /// What a device is: a profile by name (`ca device list`) or file; for all of them without `DEVICE=`; repeatable
     #[arg(long, value_name = "[DEVICE=]PROFILE")]
     pub profile: Vec<String>,

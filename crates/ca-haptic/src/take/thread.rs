@@ -10,6 +10,7 @@ use super::Header;
 use super::flat::Rt;
 use super::views::Level;
 use super::write::{TakeWriter, Told};
+use crate::blocks::{put, take};
 use crate::error::{FileError, FileErrorKind};
 use crate::record::Record;
 use ca_core::Scene;
@@ -32,14 +33,6 @@ const CHUNK: Duration = Duration::from_millis(200);
 /// Views that find room.
 const VIEWS: usize = 16;
 
-/// What is in the ring.
-// places of a ring are of one size anyway
-#[allow(clippy::large_enum_variant)]
-enum Slot {
-    Record(Record),
-    Lost(u64),
-}
-
 /// What was lost on the way, of everything so far.
 #[derive(Default)]
 struct Losses {
@@ -50,7 +43,7 @@ struct Losses {
 
 /// The end of the real-time thread. Nothing here allocates, frees, locks or waits.
 pub struct Rings {
-    records: Producer<Slot>,
+    records: Producer<Record>,
     sound: Producer<f64>,
     views: Producer<f64>,
     rt: Producer<Rt>,
@@ -71,12 +64,13 @@ impl Rings {
             core::mem::forget(record);
             return;
         }
-        if self.missing > 0 && self.records.push(Slot::Lost(self.missing)).is_ok() {
+        let tick = record.tick();
+        if self.missing > 0 && self.records.push(Record::Lost { tick, records: self.missing }).is_ok() {
             self.missing = 0;
         }
         // there is room: only this thread fills the ring
-        if let Err(rtrb::PushError::Full(slot)) = self.records.push(Slot::Record(record)) {
-            core::mem::forget(slot);
+        if let Err(rtrb::PushError::Full(record)) = self.records.push(record) {
+            core::mem::forget(record);
         }
     }
 
@@ -103,27 +97,6 @@ impl Rings {
     pub fn lost(&self) -> u64 {
         self.losses.records.load(Ordering::Relaxed) + self.losses.samples.load(Ordering::Relaxed)
     }
-}
-
-/// Head and values, all or nothing.
-fn put(ring: &mut Producer<f64>, head: [f64; 2], values: &[f64]) -> bool {
-    match ring.write_chunk_uninit(values.len() + 2) {
-        Ok(chunk) => {
-            chunk.fill_from_iter(head.into_iter().chain(values.iter().copied()));
-            true
-        }
-        Err(_) => false,
-    }
-}
-
-/// Head and values of one `put`; empty where there is none.
-fn take(ring: &mut Consumer<f64>, into: &mut Vec<f64>) -> Option<u64> {
-    let tick = ring.pop().ok()?;
-    let n = ring.pop().ok()? as usize;
-    let chunk = ring.read_chunk(n).ok()?;
-    into.clear();
-    into.extend(chunk);
-    Some(tick as u64)
 }
 
 /// A take being written by its thread.
@@ -212,7 +185,7 @@ type Words = (Level, String, String);
 /// The other end of the rings.
 struct Desk {
     writer: TakeWriter,
-    records: Consumer<Slot>,
+    records: Consumer<Record>,
     sound: Consumer<f64>,
     views: Consumer<f64>,
     rt: Consumer<Rt>,
@@ -252,10 +225,11 @@ impl Desk {
         let mut heard = self.sound.slots();
         for _ in 0..self.records.slots() {
             match self.records.pop() {
-                Ok(Slot::Record(record)) => self.writer.record(record)?,
-                Ok(Slot::Lost(n)) => {
-                    self.told[0] += n;
-                    self.writer.lost(n, 0, 0)?;
+                Ok(record) => {
+                    if let Record::Lost { records, .. } = record {
+                        self.told[0] += records;
+                    }
+                    self.writer.record(record)?;
                 }
                 Err(_) => break,
             }
