@@ -43,7 +43,7 @@ fn ended(child: Child) -> (i32, String, String) {
 #[test]
 fn the_examples_of_the_control_run_against_a_server() {
     let desk = Desk::new();
-    let server = serve(&desk, &["--json", "-o", "played.wav", "--energy"]);
+    let server = serve(&desk, &["--json", "-o", "played.wav", "--log", "take.mcap", "--energy"]);
     for command in ["set", "arm", "disarm", "status"] {
         let help = desk.ca(&[command, "--help"]).is(0).out;
         let (_, examples) = help.split_once("Examples:\n").unwrap_or_else(|| panic!("{command} has no examples"));
@@ -83,6 +83,13 @@ fn the_examples_of_the_control_run_against_a_server() {
     assert!((samples.len() as f64 / 48000.0 - seconds).abs() < 1e-3, "{} of {seconds}", samples.len());
     assert!(crate::desk::peak(&samples) > 0.01);
     desk.ca(&["status"]).is(1).says(&["no server runs", "ca serve"]);
+
+    // all of it again from the take: forces, sound and state, also what was changed while it ran
+    assert_eq!(told["take"]["lost"], 0);
+    let again = desk.ca(&["replay", "take.mcap", "--verify", "--json", "-o", "again.wav"]).is(0).json();
+    assert_eq!(again["identical"], true, "{again}");
+    assert_eq!(desk.wav("again.wav").1, samples);
+    desk.ca(&["log", "info", "take.mcap"]).is(0).says(&["/param", "/device/tgr12/out"]);
 }
 
 #[test]
