@@ -6,6 +6,10 @@ use ca_core::model::quantity;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
+mod device;
+
+pub use device::{CalibrateArgs, ConformanceArgs, DeviceArgs, DeviceCommand, ScriptKind, SimArgs};
+
 /// Virtual instruments made of masses and interactions (CORDIS-ANIMA).
 #[derive(Parser)]
 #[command(name = "ca", version, about = "Virtual instruments made of masses and interactions (CORDIS-ANIMA)")]
@@ -49,6 +53,8 @@ pub enum Command {
     Replay(ReplayArgs),
     /// Looks into takes, saves what was cut off, and takes parts out
     Log(LogArgs),
+    /// Simulates a device, finds devices, and tests and calibrates them
+    Device(DeviceArgs),
 }
 
 /// Which model, and what to change in it.

@@ -92,6 +92,7 @@ pub fn run(args: &ServeArgs) -> Outcome {
     }
 
     let engine = attend(thread, &mut desk, &mut talk, &shared, args.quiet);
+    let traffic = talk.traffic();
     drop(talk);
     let engine = engine.map_err(|_| Failure::Failed("the engine thread ended by itself".into()))?;
     desk.turn();
@@ -105,7 +106,7 @@ pub fn run(args: &ServeArgs) -> Outcome {
     };
     let files: Vec<_> = files.iter().map(|f| (*f, written.as_ref())).collect();
     if args.json {
-        println!("{:#}", told::value(&summary, &loaded.name, &files));
+        println!("{:#}", told::value(&summary, &loaded.name, &files, traffic));
     } else if !args.quiet {
         told::text(&summary, &loaded.name, &files, scene.rate)?;
     }

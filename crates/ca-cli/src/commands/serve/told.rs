@@ -50,9 +50,15 @@ fn times(t: &Told) -> String {
 }
 
 /// As JSON.
-pub(super) fn value(s: &Summary, name: &str, files: &[(&Path, Option<&Written>)]) -> Value {
+pub(super) fn value(
+    s: &Summary,
+    name: &str,
+    files: &[(&Path, Option<&Written>)],
+    traffic: Option<[(&'static str, u64); 6]>,
+) -> Value {
     let mut v = serde_json::to_value(s).unwrap_or_default();
     v["model"] = json!(name);
+    v["traffic"] = traffic.map(|t| t.into_iter().collect::<Value>()).into();
     v["faithful"] = json!(s.is_faithful());
     v["files"] = files.iter().map(|(p, _)| p.display().to_string()).collect();
     v
