@@ -38,6 +38,9 @@ pub enum Lie {
     Measured,
 }
 
+/// Frame of 3000 a second \[ns\].
+const PERIOD: u64 = 333_333;
+
 /// A device in a thread. Ends with its value.
 pub struct Liar {
     stop: Arc<AtomicBool>,
@@ -84,6 +87,26 @@ impl Liar {
         let (end, count, site, name) = (stop.clone(), sent.clone(), site.clone(), name.to_owned());
         let thread = std::thread::spawn(move || play(&Place::new(&site), &name, &end, &count));
         Liar { stop, sent, thread: Some(thread) }
+    }
+
+    /// A sensor that moves as `frame` says, 3000 times a second, and takes no force: number of the frame, from 1.
+    pub fn moving(site: &Site, name: &str, mut frame: impl FnMut(u64, &mut DeviceFrame) + Send + 'static) -> Liar {
+        Liar::with(site, name, move |place, name, stop, sent| {
+            let line = place.writer::<DeviceFrame>(name, "in", 0);
+            let mut f = DeviceFrame::new(name, 1);
+            (f.session, f.period_ns) = (1, PERIOD as u32);
+            for n in 1.. {
+                if stop.load(Relaxed) {
+                    return;
+                }
+                f.seq += 1;
+                (f.t_host_ns, f.t_device_ns) = (now_ns(), n * PERIOD);
+                frame(n, &mut f);
+                line.send_copy(f).unwrap();
+                sent.store(n, Relaxed);
+                wait_until(f.t_host_ns + PERIOD);
+            }
+        })
     }
 
     pub fn is_done(&self) -> bool {
@@ -148,7 +171,8 @@ fn play(place: &Place, name: &str, lie: Lie, stop: &AtomicBool, count: &AtomicU6
             }
             _ => watch.cause(now),
         };
-        if lie == Lie::GoesOn && cause == Cause::WatchdogOut && watch.last().is_some_and(|f| f.mode == Mode::On as u32) {
+        if lie == Lie::GoesOn && cause == Cause::WatchdogOut && watch.last().is_some_and(|f| f.mode == Mode::On as u32)
+        {
             continue;
         }
         frame.force_measured[0] = if cause == Cause::None { held.force[0] } else { 0.0 };

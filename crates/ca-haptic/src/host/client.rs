@@ -51,7 +51,8 @@ impl DeviceClient {
         let says = Frames::open(&node, &name, Line::About, 1)?.publisher(site)?;
         let bell = Bell::open(&node, &name)?.listener(site)?;
         let watch = Watch::new(about.device);
-        let mut client = DeviceClient { about, seq: 0, told: 0, held: None, watch, frames, forces, says, bell, _node: node };
+        let mut client =
+            DeviceClient { about, seq: 0, told: 0, held: None, watch, frames, forces, says, bell, _node: node };
         client.tell(clock::now_ns())?;
         Ok(client)
     }

@@ -43,7 +43,9 @@ pub fn run(args: &CalibrateArgs) -> Outcome {
     let mut axes = Vec::new();
     for (k, stops) in stops.iter().enumerate() {
         axes.push(match stops {
-            Some(stops) => axis(*stops, &profile, old.axis.get(k)).map_err(|e| Failure::Failed(format!("axis {k}: {e}")))?,
+            Some(stops) => {
+                axis(*stops, &profile, old.axis.get(k)).map_err(|e| Failure::Failed(format!("axis {k}: {e}")))?
+            }
             None => old.axis.get(k).copied().unwrap_or_default(),
         });
     }
@@ -52,7 +54,8 @@ pub fn run(args: &CalibrateArgs) -> Outcome {
     put(&path, &c.write())?;
     let mut out = std::io::stdout().lock();
     if args.json {
-        let v = serde_json::json!({"file": path.display().to_string(), "id": format!("{:x}", c.id()), "calibration": c});
+        let v =
+            serde_json::json!({"file": path.display().to_string(), "id": format!("{:x}", c.id()), "calibration": c});
         writeln!(out, "{v:#}")?;
     } else {
         for (k, a) in c.axis.iter().enumerate() {
@@ -77,15 +80,16 @@ fn axis([low, high]: [f64; 2], profile: &Profile, old: Option<&Axis>) -> Result<
     let [a, b] = profile.range;
     let scale = (b - a) / (high - low);
     if !(scale.is_finite() && low.is_finite() && scale != 0.0) {
-        return Err(format!("it says {low} at its low stop and {high} at its high one: two different numbers are needed"));
+        return Err(format!(
+            "it says {low} at its low stop and {high} at its high one: two different numbers are needed"
+        ));
     }
     Ok(Axis { scale, offset: a - scale * low, force: old.map_or(1.0, |o| o.force) })
 }
 
 fn put(path: &Path, text: &str) -> Result<(), Failure> {
-    let failed = |e: &std::io::Error| {
-        Failure::Failed(format!("`{}` cannot be written: {}", path.display(), load::reason(e)))
-    };
+    let failed =
+        |e: &std::io::Error| Failure::Failed(format!("`{}` cannot be written: {}", path.display(), load::reason(e)));
     if let Some(folder) = path.parent().filter(|p| !p.as_os_str().is_empty()) {
         std::fs::create_dir_all(folder).map_err(|e| failed(&e))?;
     }
@@ -106,7 +110,8 @@ fn asked(name: &str, n: usize) -> Result<Vec<Option<[f64; 2]>>, Failure> {
     let mut stops = Vec::new();
     for k in 0..n {
         stops.push(loop {
-            let (Some(low), Some(high)) = (stop(&mut lines, name, k, "low")?, stop(&mut lines, name, k, "high")?) else {
+            let (Some(low), Some(high)) = (stop(&mut lines, name, k, "low")?, stop(&mut lines, name, k, "high")?)
+            else {
                 break None;
             };
             let way = (high.0 - low.0).abs();

@@ -136,11 +136,7 @@ fn left_over(site: &Site) -> Row {
         let found = format!("{} processes ended without leaving, and cannot be swept", swept.left);
         return Row::poor("debris", found, "`ca shm clean`");
     }
-    if dead.is_empty() {
-        Row::good("debris", "none")
-    } else {
-        Row::poor("debris", dead.join(", "), "`ca shm clean`")
-    }
+    if dead.is_empty() { Row::good("debris", "none") } else { Row::poor("debris", dead.join(", "), "`ca shm clean`") }
 }
 
 /// Frames there and back between a device and a server, both here, through shared memory.
@@ -218,7 +214,10 @@ fn limits() -> Vec<Row> {
         rows.push(Row::poor("frequency", format!("governor `{governor}`: cores sleep and wake slowly"), fix));
     }
     if let Some(us) = read("/proc/sys/kernel/sched_rt_runtime_us") {
-        rows.push(Row::good("throttle", format!("real-time threads get {us} us of each second; ours sleep, and stay below")));
+        rows.push(Row::good(
+            "throttle",
+            format!("real-time threads get {us} us of each second; ours sleep, and stay below"),
+        ));
     }
     rows
 }

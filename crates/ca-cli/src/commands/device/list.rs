@@ -40,8 +40,8 @@ pub fn run(asked: bool) -> Outcome {
     for (p, own) in &profiles {
         let travel = short(1e3 * (p.range[1] - p.range[0]));
         let own = if *own { " (yours)" } else { "" };
-        let (force, rate) = (short(p.force), short(p.rate));
-        writeln!(out, "  {:<17}{:>2} x {travel:>4} mm {force:>5} N {rate:>5} Hz  {}{own}", p.name, p.dof, p.title)?;
+        let (force, rate) = (short(p.force), p.rate);
+        writeln!(out, "  {:<17}{:>2} x {travel:>4} mm {force:>5} N {rate:>4} Hz  {}{own}", p.name, p.dof, p.title)?;
     }
     Ok(Ended::Well)
 }

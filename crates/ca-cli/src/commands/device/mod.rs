@@ -47,8 +47,7 @@ fn about(name: &str, p: &Profile) -> About {
     for k in 0..(p.dof as usize).min(DOF) {
         (about.low[k], about.high[k]) = (p.range[0] as f32, p.range[1] as f32);
         (about.force[k], about.continuous[k]) = (p.force as f32, p.continuous() as f32);
-        (about.stiffness[k], about.damping[k]) =
-            (p.stiffness.unwrap_or(0.0) as f32, p.damping.unwrap_or(0.0) as f32);
+        (about.stiffness[k], about.damping[k]) = (p.stiffness.unwrap_or(0.0) as f32, p.damping.unwrap_or(0.0) as f32);
     }
     write(&mut about.model, &p.title);
     write(&mut about.firmware, concat!("ca ", env!("CARGO_PKG_VERSION")));

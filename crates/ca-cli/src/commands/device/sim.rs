@@ -265,7 +265,7 @@ impl Seen {
             });
             return writeln!(out, "{v:#}");
         }
-        writeln!(out, "{name}: {} frames at {} Hz", self.frames, short(rate))?;
+        writeln!(out, "{name}: {} frames at {rate} Hz", self.frames)?;
         let again = if self.again > 0 { format!(", {} said again", self.again) } else { String::new() };
         writeln!(out, "  {:<10}{} read by nobody, {} periods left out{again}", "sent", self.unread, self.left_out)?;
         let (k, most) = self.most.iter().enumerate().fold((0, 0.0), |a, (k, f)| if *f > a.1 { (k, *f) } else { a });

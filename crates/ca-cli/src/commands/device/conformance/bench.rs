@@ -153,7 +153,8 @@ impl Player {
 
 /// A spring that pulls at each degree of freedom, as much as the parameter `pull` says.
 fn scene(name: &str, n: usize, x: &[f64; DOF]) -> Result<Scene, Failure> {
-    let mut text = String::from("[param]\npull = { value = 0, unit = \"N/m\", live = true, min = 0, max = 100 }\n[TGR]\n");
+    let mut text =
+        String::from("[param]\npull = { value = 0, unit = \"N/m\", live = true, min = 0, max = 100 }\n[TGR]\n");
     for (k, x) in x.iter().enumerate().take(n) {
         let _ = writeln!(text, "d{k} = {{ device = \"{name}\", dof = {k}, x = {x:e} }}");
     }

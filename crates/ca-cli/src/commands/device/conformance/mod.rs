@@ -79,8 +79,7 @@ fn told(table: &Table, args: &ConformanceArgs) -> Outcome {
     let failed = table.0.iter().filter(|r| !r.pass).count();
     let mut out = std::io::stdout().lock();
     if args.json {
-        let rows: Vec<_> =
-            table.0.iter().map(|r| json!({"name": r.name, "pass": r.pass, "found": r.found})).collect();
+        let rows: Vec<_> = table.0.iter().map(|r| json!({"name": r.name, "pass": r.pass, "found": r.found})).collect();
         writeln!(out, "{:#}", json!({"device": args.name, "pass": failed == 0, "rows": rows}))?;
     } else {
         for r in &table.0 {
@@ -103,7 +102,9 @@ fn presented(b: &mut Bench, t: &mut Table) -> Result<Option<About>, Failure> {
             t.row("frames", false, "of another version or for another device; build it anew");
             return Ok(None);
         }
-        return Err(Failure::Failed("no device of that name speaks; start it, `ca device list` shows those that do".into()));
+        return Err(Failure::Failed(
+            "no device of that name speaks; start it, `ca device list` shows those that do".into(),
+        ));
     }
     // it says who it is once a second
     for _ in 0..20 {
@@ -149,7 +150,11 @@ fn alive(b: &mut Bench, a: &About, t: &mut Table) {
     t.row("session", same, format!("{:x}, as said of itself", a.session));
     let grows = last > 0 && frames.windows(2).all(|w| w[1].seq > w[0].seq);
     let lost = frames.last().map_or(0, |f| f.seq.saturating_sub(frames[0].seq + last as u64));
-    t.row("numbers", grows, format!("{} the frames, {lost} not seen", if grows { "grow with" } else { "do not grow with" }));
+    t.row(
+        "numbers",
+        grows,
+        format!("{} the frames, {lost} not seen", if grows { "grow with" } else { "do not grow with" }),
+    );
     let clocks = frames.windows(2).all(|w| w[1].t_host_ns > w[0].t_host_ns && w[1].t_device_ns >= w[0].t_device_ns);
     t.row("clocks", clocks, "of host and device run forward");
     // of neighbours only, and their median: what the machine delayed says nothing of the device
@@ -161,16 +166,13 @@ fn alive(b: &mut Bench, a: &About, t: &mut Table) {
     gaps.sort_unstable();
     let rate = gaps.get(gaps.len() / 2).filter(|g| **g > 0).map_or(0.0, |g| 1e9 / *g as f64);
     let near = (rate / f64::from(a.rate) - 1.0).abs() <= 0.05;
-    t.row("rate", near, format!("{} a second, {} were said", short(rate), a.rate));
+    t.row("rate", near, format!("{rate:.1} a second, {} were said", a.rate));
     let finite = frames.iter().all(|f| f.pos[..n].iter().all(|x| x.is_finite()));
-    let outside = frames
-        .iter()
-        .flat_map(|f| (0..n).map(move |k| (k, f.pos[k])))
-        .find(|(k, x)| {
-            let [low, high] = [a.low[*k], a.high[*k]].map(f64::from);
-            let slack = 0.01 * (high - low);
-            !(low - slack..=high + slack).contains(x)
-        });
+    let outside = frames.iter().flat_map(|f| (0..n).map(move |k| (k, f.pos[k]))).find(|(k, x)| {
+        let [low, high] = [a.low[*k], a.high[*k]].map(f64::from);
+        let slack = 0.01 * (high - low);
+        !(low - slack..=high + slack).contains(x)
+    });
     let found = match outside {
         Some((k, x)) => format!("axis {k} is at {x} m, its range is {} to {} m", a.low[k], a.high[k]),
         None => "inside the range".into(),
@@ -229,7 +231,8 @@ fn forces(b: &mut Bench, p: &mut Player, force: f64, t: &mut Table) -> Result<bo
         b.forget();
         if !on(b, p)? {
             let (mode, cause) = b.mode();
-            let waits = if mode == Mode::Off { ", which waits until it is calibrated, fresh and nothing pushes" } else { "" };
+            let waits =
+                if mode == Mode::Off { ", which waits until it is calibrated, fresh and nothing pushes" } else { "" };
             t.row("arms", false, format!("mode {}{waits}, {}", mode.name(), cause.name()));
             return Ok(false);
         }
@@ -249,7 +252,11 @@ fn forces(b: &mut Bench, p: &mut Player, force: f64, t: &mut Table) -> Result<bo
         match told {
             Some((is, want)) => {
                 let near = is.iter().zip(&want).all(|(a, b)| (a - b).abs() <= 0.1 * force.max(1e-9));
-                t.row("measured", near, format!("{} N, {} N were asked of the first axis", short(is[0]), short(want[0])));
+                t.row(
+                    "measured",
+                    near,
+                    format!("{} N, {} N were asked of the first axis", short(is[0]), short(want[0])),
+                );
             }
             None => t.row("measured", true, "not told"),
         }
