@@ -210,6 +210,9 @@ impl Sim {
         if let Some(f) = latest.filter(|f| f.seq != self.seen.last) {
             self.seen.last = f.seq;
             self.seen.forces += 1;
+            if f.ack > 0 && f.ack_session == self.frame.session && self.seen.first == 0 {
+                self.seen.first = f.ack;
+            }
             let (sent, at) = self.sent[f.ack as usize % KEPT];
             if f.ack > 0 && f.ack_session == self.frame.session && sent == f.ack {
                 self.seen.loops.add(now_ns().saturating_sub(at));
@@ -245,6 +248,8 @@ struct Seen {
     again: u64,
     forces: u64,
     last: u64,
+    /// number of its first position that was answered
+    first: u64,
     most: Vec<f64>,
     loops: Times,
     causes: [u64; ca_haptic::frame::CAUSES.len()],
@@ -260,7 +265,7 @@ impl Seen {
                 causes().map(|(c, n)| (c.name().into(), json!(n))).collect();
             let v = json!({
                 "device": name, "rate": rate, "frames": self.frames, "unread": self.unread,
-                "left_out": self.left_out, "asked_again": self.again, "forces": self.forces,
+                "first_answered": self.first, "left_out": self.left_out, "asked_again": self.again, "forces": self.forces,
                 "largest": self.most, "loop_us": loops, "causes": causes, "restarts": restarts,
             });
             return writeln!(out, "{v:#}");
