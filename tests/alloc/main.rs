@@ -5,6 +5,7 @@
 #![allow(unsafe_code)]
 
 mod engine;
+mod take;
 
 use ca_benches::rattle;
 use ca_core::model::{Model, read};

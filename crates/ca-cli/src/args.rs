@@ -7,8 +7,14 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
 mod device;
+mod equiv;
+mod serve;
+mod take;
 
 pub use device::{CalibrateArgs, ConformanceArgs, DeviceArgs, DeviceCommand, ScriptKind, SimArgs};
+pub use equiv::EquivArgs;
+pub use serve::{ArmArgs, ClockKind, ServeArgs, SetArgs, ShmArgs, ShmWhat, StatusArgs};
+pub use take::{LogArgs, LogCommand, ReplayArgs};
 
 /// Virtual instruments made of masses and interactions (CORDIS-ANIMA).
 #[derive(Parser)]
@@ -55,6 +61,8 @@ pub enum Command {
     Log(LogArgs),
     /// Simulates a device, finds devices, and tests and calibrates them
     Device(DeviceArgs),
+    /// Shows or removes what lies in shared memory
+    Shm(ShmArgs),
 }
 
 /// Which model, and what to change in it.
@@ -188,60 +196,6 @@ pub struct CheckArgs {
     pub json: bool,
 }
 
-/// Shows and sets how large and how heavy a model is in the hand
-///
-/// The table says what 1 of each quantity of the model is in the real world. `--set` makes one equivalence true and
-/// recomputes all others: of one row, while the anchor stays (the travel of the keys, unless said otherwise); of two rows
-/// of different kinds, both. `--key` lets one key differ from the others: `--lever` keeps its energy, `--position` and
-/// `--force-factor` are the two factors of their own. Nothing is written unless `--write` or `--in-place` says where; the
-/// rest of the file, its comments too, stays as it is.
-#[allow(clippy::struct_excessive_bools)]
-#[derive(Args)]
-#[command(after_long_help = "Examples:
-  ca equiv piano_key
-  ca equiv piano_key --set mass='20 g:10 g' --write heavy.ca.toml
-  ca equiv heavy.ca.toml --set position='20 mm:10 mm' --in-place
-  ca equiv heavy.ca.toml --set energy='1 mJ:2 mJ' --anchor impedance --json
-  ca equiv heavy.ca.toml --key g --lever 2 --verbose")]
-#[command(group(clap::ArgGroup::new("own").multiple(true)))]
-pub struct EquivArgs {
-    /// `*.ca.toml` file, MIMS `.mdl` file, or name of a bundled model
-    pub model: String,
-    /// Makes so much in the hand equal so much in the model, e.g. mass=20g:1.0; once or twice
-    #[arg(long = "set", value_name = "ROW=REAL:SIM", value_parser = equivalence)]
-    pub set: Vec<(String, String)>,
-    /// What stays while one row is set: position, force, impedance, energy, or a row that stands for one of them
-    #[arg(long, value_name = "ROW")]
-    pub anchor: Option<String>,
-    /// The device key (TGR) that is given a scale of its own
-    #[arg(long, requires = "own")]
-    pub key: Option<String>,
-    /// Both factors of the key: a lever
-    #[arg(long, value_parser = factor, group = "own", requires = "key", conflicts_with_all = ["position", "force_factor"])]
-    pub lever: Option<f64>,
-    /// Its positions, beside those of the other keys
-    #[arg(long, value_parser = factor, group = "own", requires = "key")]
-    pub position: Option<f64>,
-    /// Its forces, beside those of the other keys
-    #[arg(long, value_parser = factor, group = "own", requires = "key")]
-    pub force_factor: Option<f64>,
-    /// Writes the model with these equivalences to a new file
-    #[arg(long, value_name = "FILE.ca.toml", conflicts_with = "in_place")]
-    pub write: Option<PathBuf>,
-    /// Writes them into the model file itself
-    #[arg(long)]
-    pub in_place: bool,
-    /// Overwrites the file of `--write`
-    #[arg(long)]
-    pub force: bool,
-    /// Shows alpha and beta too
-    #[arg(short, long)]
-    pub verbose: bool,
-    /// Prints the table as JSON
-    #[arg(long)]
-    pub json: bool,
-}
-
 /// Lists kinds of modules and bundled models, or shows one of them
 ///
 /// Without a name: both lists. With the code of a kind, its page: equation, parameters with unit and range, sources, a
@@ -307,199 +261,6 @@ pub struct ImportArgs {
     pub force: bool,
 }
 
-/// Plays a model in real time, by device processes
-///
-/// The engine computes gesture frames (3000 a second, unless the model says otherwise) on a thread of its own, takes
-/// positions from the devices the model names and gives forces back, over shared memory; `ca device sim` is such a
-/// device. Forces stay off until a device is armed (`--arm`, or `ca arm`) and nothing pushes. Priority, memory
-/// lock and core are asked for, read back and said; without them it runs all the same. Ends with Ctrl-C, `ca stop` or
-/// `--seconds`, and tells how it went: times, losses, faults. Exit code 3 where something was lost or cut.
-///
-/// Software cannot replace a switch that cuts the power of the motors: keep one within reach.
-#[allow(clippy::struct_excessive_bools)]
-#[derive(Args)]
-#[command(after_long_help = "Examples:
-  ca serve piano_key --seconds 2
-  ca serve piano_key --seconds 1 --arm -o played.wav
-  ca serve piano_key --seconds 1 --profile tgr12=falcon --priority 0 --no-lock --json")]
-pub struct ServeArgs {
-    /// the model
-    #[command(flatten)]
-    pub source: Source,
-    /// How long, e.g. 60 or "1 min"; until stopped if left out
-    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
-    pub seconds: Option<f64>,
-    /// Writes the sound to a WAV file
-    #[arg(short, long, value_name = "FILE.wav")]
-    pub output: Option<PathBuf>,
-    /// What a device is: a profile by name (`ca device list`) or file; for all of them without `DEVICE=`; repeatable
-    #[arg(long, value_name = "[DEVICE=]PROFILE")]
-    pub profile: Vec<String>,
-    /// The calibration of a device, if not the one `ca device calibrate` keeps; repeatable
-    #[arg(long, value_name = "DEVICE=FILE")]
-    pub calibration: Vec<String>,
-    /// Arms every device at the start
-    #[arg(long)]
-    pub arm: bool,
-    /// What gesture frames follow: a clock of ours, or each frame of the first device
-    #[arg(long, value_enum, default_value_t = ClockKind::Monotonic)]
-    pub clock: ClockKind,
-    /// Priority of the engine (SCHED_FIFO); 0 asks for none
-    #[arg(long, value_name = "0-99", default_value_t = 70, value_parser = clap::value_parser!(u8).range(0..=99))]
-    pub priority: u8,
-    /// The core the engine stays on
-    #[arg(long, value_name = "N")]
-    pub cpu: Option<usize>,
-    /// Does not ask to keep memory in RAM
-    #[arg(long)]
-    pub no_lock: bool,
-    /// Keeps the energy book (slower)
-    #[arg(long)]
-    pub energy: bool,
-    /// Prints nothing but warnings and errors
-    #[arg(short, long)]
-    pub quiet: bool,
-    /// Prints the summary as JSON
-    #[arg(long, conflicts_with = "quiet")]
-    pub json: bool,
-}
-
-/// What gesture frames follow.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum ClockKind {
-    /// the clock of this machine
-    Monotonic,
-    /// each frame of the first device
-    Device,
-}
-
-/// Plays a take again, and says whether it is as it was
-///
-/// A take (`*.mcap`) holds the model, the devices and every frame, so nothing else is needed. Each force frame, each
-/// sound sample and each hash of the state is computed again and compared to the bit; the first difference is shown,
-/// with both values. Exit code 3 if something is not as it was, or is missing in the take; with `--verify`, 1.
-#[derive(Args)]
-#[command(after_long_help = "Examples:
-  ca replay take.mcap
-  ca replay take.mcap --verify --json
-  ca replay take.mcap -o again.wav")]
-pub struct ReplayArgs {
-    /// The take, `*.mcap`, finished or cut off
-    pub file: PathBuf,
-    /// Fails if anything is not as it was
-    #[arg(long)]
-    pub verify: bool,
-    /// Writes the sound as it is computed now
-    #[arg(short, long, value_name = "FILE.wav")]
-    pub output: Option<PathBuf>,
-    /// Prints the verdict as JSON
-    #[arg(long)]
-    pub json: bool,
-}
-
-/// Looks into takes, saves what was cut off, and takes parts out
-///
-/// A take (`*.mcap`) is one performance: model, devices, every frame, sound, events. It opens in Foxglove, Lichtblick,
-/// PlotJuggler and Python (`mcap`); these commands do without. A take whose program was killed reads up to its last
-/// quarter of a second.
-#[derive(Args)]
-#[command(after_long_help = "Examples:
-  ca log info take.mcap
-  ca log info take.mcap --json
-  ca log recover take.mcap -o whole.mcap
-  ca log export take.mcap sound -o take.wav
-  ca log export take.mcap model -o played.ca.toml
-  ca log export take.mcap /device/tgr12/in -o hand.npy
-  ca log export take.mcap /device/tgr12/out -o force.csv")]
-pub struct LogArgs {
-    /// what to do
-    #[command(subcommand)]
-    pub what: LogCommand,
-}
-
-/// What is done with a take.
-#[derive(Subcommand)]
-pub enum LogCommand {
-    /// Shows topics, counts, length, what was lost, and faults with cause and time
-    Info {
-        /// The take, `*.mcap`
-        file: PathBuf,
-        /// As JSON
-        #[arg(long)]
-        json: bool,
-    },
-    /// Copies what is whole of a take that was cut off into a new file with an index
-    Recover {
-        /// The take, `*.mcap`; it is left as it is
-        file: PathBuf,
-        /// The file to write; `NAME.recovered.mcap` beside the take if left out
-        #[arg(short, long, value_name = "FILE.mcap")]
-        output: Option<PathBuf>,
-        /// Overwrites the file
-        #[arg(long)]
-        force: bool,
-    },
-    /// Takes a part out: a topic as .csv or .npy, `sound` as .wav, `model`, or an attachment by its name
-    Export {
-        /// The take, `*.mcap`
-        file: PathBuf,
-        /// `sound`, `model`, a topic such as `/device/tgr12/in`, or the name of an attachment
-        what: String,
-        /// The file to write
-        #[arg(short, long, value_name = "FILE")]
-        output: PathBuf,
-        /// Overwrites the file
-        #[arg(long)]
-        force: bool,
-    },
-}
-
-/// Changes live parameters of a running `ca serve`
-///
-/// All of them change in the same tick, ramped over one gesture frame, or none where one is refused. Values may have
-/// units; plain numbers are in SI units. Without any, the live parameters and their values are listed.
-#[derive(Args)]
-#[command(after_long_help = "Examples:
-  ca set
-  ca set k='900 N/m' z=0.5")]
-pub struct SetArgs {
-    /// What to change
-    #[arg(value_name = "NAME=VALUE", value_parser = pair)]
-    pub values: Vec<(String, String)>,
-    /// Prints the answer as JSON
-    #[arg(long)]
-    pub json: bool,
-}
-
-/// Turns the forces of a running `ca serve` on or off
-///
-/// Once armed, forces fade in within a second, as soon as nothing pushes. A fault turns them off until somebody arms
-/// again; a model that blew up is loaded again first.
-#[derive(Args)]
-#[command(after_long_help = "Examples:
-  ca arm
-  ca arm tgr12
-  ca disarm")]
-pub struct ArmArgs {
-    /// One device; all of them if left out
-    pub device: Option<String>,
-    /// Prints the answer as JSON
-    #[arg(long)]
-    pub json: bool,
-}
-
-/// Asks a running `ca serve` how it goes, or to end
-#[derive(Args)]
-#[command(after_long_help = "Examples:
-  ca status
-  ca status --json
-  ca stop")]
-pub struct StatusArgs {
-    /// Prints the answer as JSON
-    #[arg(long)]
-    pub json: bool,
-}
-
 /// How samples are stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum SampleFormat {
@@ -529,14 +290,6 @@ fn pair(text: &str) -> Result<(String, String), String> {
         }
         _ => Err("write it like `hammer.m=30 g`".into()),
     }
-}
-
-fn equivalence(text: &str) -> Result<(String, String), String> {
-    pair(text).map_err(|_| "write it like `mass=20g:1.0`".into())
-}
-
-fn factor(text: &str) -> Result<f64, String> {
-    quantity_of(text, Unit::NONE, (1e-6, 1e6))
 }
 
 fn quantity_of(text: &str, unit: Unit, range: (f64, f64)) -> Result<f64, String> {

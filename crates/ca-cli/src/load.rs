@@ -55,6 +55,17 @@ pub fn has_extension(path: &Path, ext: &str) -> bool {
     path.extension().is_some_and(|e| e.eq_ignore_ascii_case(ext))
 }
 
+/// Refuses to write sound to a file that is not called `.wav`.
+pub fn is_sound(path: &Path) -> Result<(), Failure> {
+    // a device such as /dev/null has no extension, and need not
+    let plain = !path.exists() || path.is_file();
+    if plain && !has_extension(path, "wav") {
+        let what = format!("`{}`: sound is written as WAV", path.display());
+        return Err(Failure::Usage(format!("{what}; give the file the extension `.wav`")));
+    }
+    Ok(())
+}
+
 /// `a/b/gut.ca.toml` → `gut`
 pub fn stem(path: &Path) -> String {
     let name = path.file_name().unwrap_or_default().to_string_lossy();

@@ -96,6 +96,7 @@ fn main() -> ExitCode {
         Command::Replay(a) => commands::replay::run(a),
         Command::Log(a) => commands::log::run(a),
         Command::Device(a) => commands::device::run(a),
+        Command::Shm(a) => commands::shm::run(a),
     };
     match outcome {
         Ok(Ended::Well) | Err(Failure::BrokenPipe) => ExitCode::SUCCESS,

@@ -1,5 +1,10 @@
-//! What surrounds a scene: gestures in, sound files out; later devices, frames, the guard, the real-time thread and
-//! MCAP takes.
+//! What surrounds a scene: gestures in, sound files out; devices, their safety, the real-time loop and takes.
+//!
+//! ```text
+//! frame, profile, calibration, equivalence → guard → engine → record → serve
+//!                                 rt, stats ──────────────────────────────┘
+//! simulated (a device as physics)    host (shared memory, feature `iceoryx`)    take (MCAP, feature `mcap`)
+//! ```
 //!
 //! A gesture is a few named functions of time, read from CSV, NPY, WAV or MIDI files. A render is a WAV file, and a
 //! probe is any quantity of the model in an NPY or CSV file. All three together:
@@ -38,6 +43,7 @@
 //! # }
 //! ```
 
+mod blocks;
 pub mod calibration;
 pub mod cloud;
 pub mod engine;

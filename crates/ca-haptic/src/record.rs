@@ -57,4 +57,26 @@ pub enum Record {
         /// its sums
         balance: Balance,
     },
+    /// here so many records are missing: there was no room for them
+    Lost {
+        /// when there was room again
+        tick: u64,
+        /// how many
+        records: u64,
+    },
+}
+
+impl Record {
+    /// When it happened.
+    pub fn tick(&self) -> u64 {
+        match self {
+            Record::Device { frame, .. } => frame.tick,
+            Record::Force { frame, .. } => frame.tick,
+            Record::Spent { tick, .. }
+            | Record::Order { tick, .. }
+            | Record::Hash { tick, .. }
+            | Record::Energy { tick, .. }
+            | Record::Lost { tick, .. } => *tick,
+        }
+    }
 }

@@ -206,7 +206,7 @@ fn h9_a_throw_is_braked_then_off() {
         x += 0.75 * TE;
         let f = rig.go(&[x]);
         match mode(&f) {
-            Mode::On => assert!(n < 3, "frame {n} at 0.75 m/s"),
+            Mode::On => assert!(n < 4, "frame {n} at 0.75 m/s"),
             Mode::Damp => {
                 damped += 1;
                 assert_eq!(cause(&f), Cause::Velocity);

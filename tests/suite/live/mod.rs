@@ -57,8 +57,10 @@ impl Sink for Heard {
         self.0.lock().unwrap().0.push(record.clone());
         Ok(())
     }
-    fn sound(&mut self, frames: &[f64]) -> Result<(), ca_haptic::FileError> {
-        self.0.lock().unwrap().1.extend(frames);
+    fn sound(&mut self, tick: u64, frames: &[f64]) -> Result<(), ca_haptic::FileError> {
+        let sound = &mut self.0.lock().unwrap().1;
+        assert_eq!(sound.len() as u64, tick, "one channel, and nothing is missing");
+        sound.extend(frames);
         Ok(())
     }
     fn view(&mut self, tick: u64, x: &[f64]) -> Result<(), ca_haptic::FileError> {

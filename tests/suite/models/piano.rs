@@ -206,7 +206,9 @@ fn page() -> (String, f64) {
     ];
     for (i, row) in rows.iter().enumerate() {
         let _ = write!(out, "\n| {row} |");
-        energy.iter().for_each(|e| _ = write!(out, " {} |", milli(e[i])));
+        for e in &energy {
+            let _ = write!(out, " {} |", milli(e[i]));
+        }
     }
     out += "\n| residual |";
     let mut worst: f64 = 0.0;

@@ -19,7 +19,10 @@ pub fn set(args: &SetArgs) -> Outcome {
                 return "this model has no live parameters".into();
             }
             let line = |p: &serde_json::Value| {
-                let part = |k: &str| p[k].as_str().map_or_else(|| p[k].to_string(), String::from);
+                let part = |k: &str| match &p[k] {
+                    serde_json::Value::String(s) => s.clone(),
+                    v => v.as_f64().map_or_else(|| v.to_string(), |v| v.to_string()),
+                };
                 format!("{} = {} {} ({} to {})", part("name"), part("value"), part("unit"), part("min"), part("max"))
             };
             list.iter().map(line).collect::<Vec<_>>().join("\n")

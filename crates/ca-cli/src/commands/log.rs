@@ -17,9 +17,9 @@ pub fn run(args: &LogArgs) -> Outcome {
             let take = Take::open(file)?;
             let summary = take.summary()?;
             if *json {
-                info_json(&take, &summary)?
+                info_json(&take, &summary)?;
             } else {
-                info(&take, &summary)?
+                info(&take, &summary)?;
             }
             if let End::Cut(why, bytes) = &summary.end {
                 let fix = format!("`ca log recover {}` saves the rest", file.display());

@@ -12,3 +12,4 @@ pub mod new;
 pub mod render;
 pub mod replay;
 pub mod serve;
+pub mod shm;

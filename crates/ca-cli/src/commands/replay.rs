@@ -27,9 +27,9 @@ pub fn run(args: &ReplayArgs) -> Outcome {
         wav.finish()?;
     }
     if args.json {
-        json_of(&take, &verdict)?
+        json_of(&take, &verdict)?;
     } else {
-        text(&take, &verdict)?
+        text(&take, &verdict)?;
     }
     if verdict.is_identical() {
         return Ok(Ended::Well);

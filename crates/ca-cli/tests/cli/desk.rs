@@ -2,10 +2,10 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Child, Command, Stdio};
 
-/// An empty directory to run in.
-pub struct Desk(pub tempfile::TempDir);
+/// An empty directory to run in, and one for shared memory and another for settings that nobody else uses.
+pub struct Desk(pub tempfile::TempDir, tempfile::TempDir);
 
 /// What a run gave.
 pub struct Ran {
@@ -19,17 +19,33 @@ pub struct Ran {
 
 impl Desk {
     pub fn new() -> Desk {
-        Desk(tempfile::tempdir().unwrap())
+        // short: sockets have little room for names
+        Desk(tempfile::tempdir().unwrap(), tempfile::Builder::new().prefix("ca").tempdir_in("/tmp").unwrap())
     }
     pub fn path(&self, name: &str) -> PathBuf {
         self.0.path().join(name)
+    }
+    /// Where its shared memory would be: names in there begin with the last part of the path.
+    pub fn shm(&self) -> PathBuf {
+        self.1.path().join(self.1.path().file_name().unwrap())
     }
     pub fn put(&self, name: &str, text: &str) -> &Desk {
         fs::write(self.path(name), text).unwrap();
         self
     }
+    /// A program with this directory, its own shared memory and its own settings.
+    fn command(&self, program: &str) -> Command {
+        let mut c = Command::new(program);
+        c.current_dir(&self.0).env("CA_SHM_ROOT", self.shm()).env("CA_CONFIG", self.1.path().join("cfg"));
+        c
+    }
+    /// The built command, started and not waited for.
+    pub fn start(&self, args: &[&str]) -> Child {
+        let mut c = self.command(env!("CARGO_BIN_EXE_ca"));
+        c.args(args).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+    }
     pub fn ca(&self, args: &[&str]) -> Ran {
-        let o = Command::new(env!("CARGO_BIN_EXE_ca")).args(args).current_dir(&self.0).output().unwrap();
+        let o = self.command(env!("CARGO_BIN_EXE_ca")).args(args).output().unwrap();
         let text = |b: &[u8]| String::from_utf8(b.to_vec()).unwrap();
         Ran { code: o.status.code().unwrap(), out: text(&o.stdout), err: text(&o.stderr) }
     }
@@ -38,7 +54,7 @@ impl Desk {
     pub fn sh(&self, line: &str) -> Ran {
         let bin = Path::new(env!("CARGO_BIN_EXE_ca")).parent().unwrap();
         let path = format!("{}:{}", bin.display(), std::env::var("PATH").unwrap());
-        let o = Command::new("sh").args(["-ec", line]).env("PATH", path).current_dir(&self.0).output().unwrap();
+        let o = self.command("sh").args(["-ec", line]).env("PATH", path).output().unwrap();
         let text = |b: &[u8]| String::from_utf8(b.to_vec()).unwrap();
         let err = format!("$ {line}\n{}", text(&o.stderr));
         Ran { code: o.status.code().unwrap(), out: text(&o.stdout), err }

@@ -49,3 +49,37 @@ fn the_page_of_the_format_names_all_there_is() {
         assert!(page.contains(&format!("`[{section}]`")), "the page does not know `[{section}]`");
     }
 }
+
+/// Every number of the guard stands on the page of safety with its default, every cause with its name, and the README
+/// leads there (H19).
+#[test]
+fn the_page_of_safety_has_the_numbers_of_the_guard() {
+    let page = std::fs::read_to_string(from_root("docs/safety.md")).unwrap();
+    let defaults = serde_json::to_value(ca_haptic::profile::Limits::default()).unwrap();
+    let mut seen = 0;
+    for (name, value) in defaults.as_object().unwrap() {
+        // the band, the stiffness of an edge and the like are not chosen by people
+        let Some(row) = page.lines().find(|l| l.contains(&format!("| `{name}` |"))) else {
+            assert!(value.is_null() || value.is_array(), "`{name}` is not on the page");
+            continue;
+        };
+        let cell = row.trim_end_matches('|').rsplit('|').next().unwrap().trim();
+        let first = cell.split(' ').next().unwrap();
+        match value {
+            serde_json::Value::Number(n) => {
+                assert_eq!(first.parse::<f64>().ok(), n.as_f64(), "{row}");
+                seen += 1;
+            }
+            serde_json::Value::Bool(b) => assert_eq!(first, b.to_string(), "{row}"),
+            _ => {}
+        }
+    }
+    assert!(seen >= 12, "{seen}");
+    for cause in ca_haptic::frame::CAUSES {
+        assert!(page.contains(cause.name()), "{cause:?}");
+    }
+    for words in ["cannot replace a switch", "Hands off", "who calibrated"] {
+        assert!(page.contains(words), "{words}");
+    }
+    assert!(std::fs::read_to_string(from_root("README.md")).unwrap().contains("docs/safety.md"));
+}

@@ -3,9 +3,12 @@
 mod border;
 mod desk;
 mod docs;
+mod equiv;
 mod pages;
 mod readme;
 mod render;
+mod serve;
+mod shm;
 mod take;
 
 use desk::{BAR, Desk, KEY, mims};
@@ -78,7 +81,7 @@ fn errors_of_a_model_point_at_their_places() {
 #[test]
 fn examples_of_the_help_run() {
     let mut ran = 0;
-    for command in ["render", "check", "list", "new", "import", "replay", "log"] {
+    for command in ["render", "check", "equiv", "list", "new", "import", "serve", "replay", "log", "shm"] {
         let desk = Desk::new();
         if ["replay", "log"].contains(&command) {
             take::performer::tgr12(&desk.path("take.mcap"));

@@ -211,7 +211,7 @@ b = { between = ["key", "low"], k = "down", l0 = 0 }
     }
     // none where one is refused
     stage.ca(&["set", "up=200", "down=2000"]).is(1);
-    stage.ca(&["set"]).is(0).says(&["up = 100.0 N/m", "down = 100.0 N/m"]);
+    stage.ca(&["set"]).is(0).says(&["up = 100", "down = 100"]);
     let last = watch.last().unwrap().seq;
     until("frames pass", || watch.last().unwrap().seq > last + 100);
     let before = watch.last().unwrap().seq;

@@ -239,6 +239,11 @@ impl Engine {
         }
     }
 
+    /// The numbers it was made with.
+    pub fn options(&self) -> Options {
+        self.options
+    }
+
     /// Whether the model has blown up.
     pub fn is_wild(&self) -> bool {
         self.wild

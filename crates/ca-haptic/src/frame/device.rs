@@ -44,7 +44,7 @@ pub struct DeviceFrame {
     pub session: u64,
     /// counts frames of a session, from 1
     pub seq: u64,
-    /// `seq` of the last force frame that was used; 0 before any
+    /// `seq` of the force frame the motors held while the hand came to this position; 0 where not known
     pub ack: u64,
     /// clock of the device \[ns\]
     pub t_device_ns: u64,

@@ -68,6 +68,9 @@ struct Seen {
 const PAST: usize = 32;
 /// Steps of the sensor in the window of a speed, at the speed of the trip: it errs by an eighth of that at most.
 const STEPS: f64 = 8.0;
+/// Longest times between two good frames in that window: the farthest jump that is believed goes at twice the speed of
+/// the trip for one of them.
+const SPIKE: f64 = 2.3;
 /// Standard deviations of noise that count as a step.
 const SIGMAS: f64 = 6.0;
 
@@ -82,7 +85,9 @@ impl Inlet {
             seq: 0,
             reach: 2.0 * profile.guard.speed,
             grain,
-            window: (3.0 / profile.rate).max(0.001).max(te).max(STEPS * grain / profile.guard.speed),
+            window: (3.0 / profile.rate)
+                .max(SPIKE * (1.0 / profile.rate + te))
+                .max(STEPS * grain / profile.guard.speed),
             bad: profile.guard.bad.clamp(1, 64),
             bad_frames: u64::from(super::gate::frames(profile.guard.bad_time, te)),
             when: [0; 64],
@@ -217,5 +222,69 @@ fn device_says(f: &DeviceFrame, hand: &mut Hand) {
         // it missed forces that were never on: those of an engine before this one, or the first of this one
         Cause::WatchdogOut | Cause::Disconnect if hand.mode == Mode::Off => {}
         cause => hand.trip(cause),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TE: f64 = 1.0 / 3000.0;
+
+    /// The largest speed seen while a device of `rate` frames a second moves at `speed`, with a clock of its own and one
+    /// frame at `spike` metres from the truth.
+    fn fastest(rate: u32, speed: f64, clock: impl Fn(f64) -> u64, spike: f64) -> (f64, f64, u64) {
+        let mut p = Profile::shipped("tgr12").expect("shipped");
+        (p.dof, p.rate, p.guard.speed) = (1, f64::from(rate), 1.0);
+        let (mut inlet, mut hand) = (Inlet::new(&p, TE), Hand::new(1, TE));
+        let mut f = DeviceFrame::new("key", 1);
+        let (mut most, mut last) = (0.0f64, 0.0);
+        let every = 3000 / rate;
+        for n in 0..3000_u32 {
+            if n.is_multiple_of(every) {
+                let t = f64::from(n) * TE;
+                f.seq += 1;
+                f.t_device_ns = clock(t);
+                f.pos[0] = speed * t + if n == 1500 { spike } else { 0.0 };
+                inlet.take(&f, &mut hand);
+            }
+            inlet.settle(&mut hand);
+            (hand.frame, hand.fresh) = (hand.frame + 1, false);
+            most = most.max(hand.v[0].abs());
+            last = hand.v[0];
+        }
+        (most, last, inlet.dropped)
+    }
+
+    #[test]
+    fn speed_is_that_of_the_hand_whatever_its_clock_says() {
+        type Clock = (&'static str, fn(f64) -> u64);
+        let clocks: [Clock; 5] = [
+            ("right", |t| (t * 1e9) as u64 + 77),
+            ("none", |_| 0),
+            ("microseconds", |t| (t * 1e6) as u64),
+            ("a thousand times too fast", |t| (t * 1e12) as u64),
+            ("backwards", |t| 10_000_000_000 - (t * 1e9) as u64),
+        ];
+        for rate in [3000, 1000, 500] {
+            for (name, clock) in clocks {
+                let (most, last, dropped) = fastest(rate, 0.4, clock, 0.0);
+                assert!((most - 0.4).abs() < 1e-5 && (last - 0.4).abs() < 1e-5, "{rate} Hz, {name}: {most} {last}");
+                assert_eq!(dropped, 0, "{rate} Hz, {name}");
+            }
+        }
+    }
+
+    #[test]
+    fn one_wrong_position_is_no_throw() {
+        for rate in [3000, 1000, 500] {
+            let frame = 1.0 / f64::from(rate);
+            let clock = |t: f64| (t * 1e9) as u64;
+            // as far as H10 lets pass, from a hand at rest; farther is dropped
+            let (most, _, dropped) = fastest(rate, 0.0, clock, 1.99 * (frame + TE));
+            assert!(dropped == 0 && most > 0.5 && most < 1.0, "{rate} Hz: {most} m/s, {dropped} dropped");
+            let (most, _, dropped) = fastest(rate, 0.0, clock, 5.0 * frame);
+            assert!(dropped == 1 && most == 0.0, "{rate} Hz: {most} m/s, {dropped} dropped");
+        }
     }
 }

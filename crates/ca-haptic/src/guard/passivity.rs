@@ -2,11 +2,11 @@
 //!
 //! Decides on the exact account of numerics 5.3 instead of an estimate from sampled force and speed: the model received
 //! F̄·Δ in this frame, the hand gave u·Δ with the force u the device really held: the one it says it used, else what
-//! was sent in the frame before. Their difference over frames, the leak, is energy made by answering late; while it is positive and the hand moves, a force against the
-//! motion takes it back within the frame, as far as that does not turn the motion round: the viscosity of the injection
-//! is at most m/T, with the mass of the bare device and its own frame, which stops it dead. Without that bound what is
-//! owed is paid at the turning points, where a nanometre of motion would ask for the largest force there is, and a wall
-//! of 20 kN/m at rest is kicked by 0.1 mm every few seconds.
+//! was sent in the frame before. Their difference over frames, the leak, is energy made by answering late; while it is
+//! positive and the hand moves, a force against the motion takes it back within the frame, as far as that does not turn
+//! the motion round: the viscosity of the injection is at most m/T, with the mass of the bare device and its own frame,
+//! which stops it dead. Without that bound what is owed is paid at the turning points, where a nanometre of motion would
+//! ask for the largest force there is, and a wall of 20 kN/m at rest is kicked by 0.1 mm every few seconds.
 //!
 //! The account begins anew whenever forces are not fully on: fading in, the hand gives less than the model receives by
 //! intent. A device slower than the engine moves in some frames only, and keeps what was injected until it moves again.

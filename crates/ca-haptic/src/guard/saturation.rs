@@ -56,7 +56,7 @@ mod tests {
     #[test]
     fn keeps_directions_of_any_size() {
         for scale in [1e-300, 1e-3, 1.0, 2.0, 1e10, 1e160, 5e307] {
-            let mut v = [2.0 * scale, -1.0 * scale, 2.0 * scale];
+            let mut v = [2.0 * scale, -scale, 2.0 * scale];
             let cut = limit(&mut v, 6.0);
             assert_eq!(cut, scale > 2.0, "{scale}");
             let size = norm(&v.map(|x| x / v[0].abs())) * v[0].abs();

@@ -4,6 +4,7 @@ use super::loops::Loops;
 use super::summary::{DeviceSummary, Fault, Pulse, Summary};
 use super::{Beat, DeskEnds, Shared};
 use crate::FileError;
+use crate::blocks::take;
 use crate::engine::{Act, Change, Engine, Port};
 use crate::frame::{Cause, Mode};
 use crate::guard::Order;
@@ -21,9 +22,9 @@ pub trait Sink {
         let _ = record;
         Ok(())
     }
-    /// Sound, interleaved.
-    fn sound(&mut self, frames: &[f64]) -> Result<(), FileError> {
-        let _ = frames;
+    /// Sound, interleaved, the first of it at `tick`. It never comes before the records of what made it.
+    fn sound(&mut self, tick: u64, frames: &[f64]) -> Result<(), FileError> {
+        let _ = (tick, frames);
         Ok(())
     }
     /// A picture: displacement \[m\] of every place of the state, as it was before `tick`.
@@ -48,6 +49,8 @@ pub trait Sink {
 pub struct Happened {
     /// sound sample
     pub tick: u64,
+    /// the device it is about, if it is about one
+    pub device: Option<String>,
     /// something went wrong
     pub bad: bool,
     /// in words
@@ -65,6 +68,16 @@ struct Seen {
     times: Times,
 }
 
+/// What was measured since the last pulse.
+#[derive(Default)]
+struct Second {
+    frames: Times,
+    late: Times,
+    loops: Times,
+    /// computing time \[ns\]
+    took: u64,
+}
+
 /// Looks after a running engine.
 pub struct Desk {
     ends: DeskEnds,
@@ -76,7 +89,7 @@ pub struct Desk {
     frame_times: Times,
     late_times: Times,
     /// since the last pulse
-    second: (Times, Times, u64),
+    second: Second,
     frames: u64,
     missed: u64,
     tick: u64,
@@ -114,7 +127,7 @@ impl Desk {
             seen: ports.iter().map(seen).collect(),
             frame_times: Times::new(),
             late_times: Times::new(),
-            second: (Times::new(), Times::new(), 0),
+            second: Second::default(),
             frames: 0,
             missed: 0,
             tick: 0,
@@ -129,21 +142,22 @@ impl Desk {
 
     /// Takes everything that lies in the rings; to be called every few milliseconds. Returns what people should know.
     pub fn turn(&mut self) -> Vec<Happened> {
+        // what there is now, so that records come first
+        let mut heard = self.ends.sound.slots();
         while let Ok(record) = self.ends.records.pop() {
             self.look(&record);
             self.tell(|s| s.record(&record));
         }
-        let whole = self.ends.sound.slots() / self.scene.channels.max(1) * self.scene.channels;
-        if let Ok(chunk) = self.ends.sound.read_chunk(whole) {
-            self.block.clear();
-            self.block.extend(chunk);
-            let block = std::mem::take(&mut self.block);
-            if !block.is_empty() {
-                self.tell(|s| s.sound(&block));
-            }
-            self.block = block;
+        let mut block = std::mem::take(&mut self.block);
+        while heard > 0 {
+            let Some(tick) = take(&mut self.ends.sound, &mut block) else { break };
+            heard = heard.saturating_sub(block.len() + 2);
+            self.tell(|s| s.sound(tick, &block));
         }
-        self.views();
+        while let Some(tick) = self.ends.views.as_mut().and_then(|v| take(v, &mut block)) {
+            self.tell(|s| s.view(tick, &block));
+        }
+        self.block = block;
         while let Ok(beat) = self.ends.beats.pop() {
             self.beat(beat);
         }
@@ -171,37 +185,31 @@ impl Desk {
         std::mem::take(&mut self.broken)
     }
 
-    fn views(&mut self) {
-        let places = self.scene.n_mat + 1;
-        while let Some(Ok(chunk)) = self.ends.views.as_mut().map(|v| v.read_chunk(places)) {
-            self.block.clear();
-            self.block.extend(chunk);
-            let block = std::mem::take(&mut self.block);
-            self.tell(|s| s.view(block[0] as u64, &block[1..]));
-            self.block = block;
-        }
-    }
-
     fn beat(&mut self, beat: Beat) {
         self.frames += 1;
         self.missed += beat.start.missed;
         self.frame_times.add(beat.took);
         self.late_times.add(beat.start.late);
-        self.second.0.add(beat.took);
-        self.second.2 += beat.took;
+        self.second.frames.add(beat.took);
+        self.second.late.add(beat.start.late);
+        self.second.took += beat.took;
         if self.frames.is_multiple_of(self.rate) {
             let frame = self.rate as f64 / (self.scene.rate / f64::from(self.scene.ratio));
             let pulse = Pulse {
                 tick: self.tick,
                 frames: self.frames,
-                frame_us: self.second.0.told(),
-                loop_us: self.second.1.told(),
+                frame_us: self.second.frames.told(),
+                late_us: self.second.late.told(),
+                loop_us: self.second.loops.told(),
                 missed: self.missed,
                 dropped: self.shared.dropped.load(Relaxed),
+                stale: self.shared.stale.load(Relaxed),
+                faults: self.faults.len() as u64,
+                clipped: self.shared.clipped.load(Relaxed),
                 lost: self.lost(),
-                load: self.second.2 as f64 * 1e-9 / frame,
+                load: self.second.took as f64 * 1e-9 / frame,
             };
-            self.second = (Times::new(), Times::new(), 0);
+            self.second = Second::default();
             self.tell(|s| s.pulse(&pulse));
         }
     }
@@ -218,7 +226,7 @@ impl Desk {
                 seen.frames += 1;
                 if let Some(ns) = seen.loops.device(frame) {
                     seen.times.add(ns);
-                    self.second.1.add(ns);
+                    self.second.loops.add(ns);
                 }
             }
             Record::Force { port, frame } => {
@@ -239,7 +247,8 @@ impl Desk {
                     (Mode::Ramp, _) => format!("{}: forces fade in", seen.name),
                     (Mode::On, _) => format!("{}: forces on", seen.name),
                 };
-                self.happened.push(Happened { tick: frame.tick, bad, text });
+                let device = Some(seen.name.clone());
+                self.happened.push(Happened { tick: frame.tick, device, bad, text });
                 if now.0 == Mode::Fault {
                     self.faults.push(Fault { device: seen.name.clone(), cause: now.1, tick: frame.tick });
                 }
@@ -341,10 +350,5 @@ impl Desk {
             faults: std::mem::take(&mut self.faults),
             granted,
         }
-    }
-
-    /// The sinks, to be finished.
-    pub fn into_sinks(self) -> Vec<Box<dyn Sink>> {
-        self.sinks
     }
 }

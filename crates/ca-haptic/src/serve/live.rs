@@ -4,6 +4,7 @@
 //! freed travels to the desk, and waits here until there is room.
 
 use super::clock::{Clock, Pace, Start, wait_for};
+use crate::blocks::put;
 use crate::engine::{Act, Engine};
 use crate::frame::{DeviceFrame, ForceFrame};
 use crate::guard::Order;
@@ -23,11 +24,11 @@ pub struct Rings {
     pub acts: Consumer<Act>,
     /// what happened
     pub records: Producer<Record>,
-    /// sound, interleaved
+    /// sound of a gesture frame: its first tick, how many samples, and they, interleaved
     pub sound: Producer<f64>,
     /// how each frame went
     pub beats: Producer<Beat>,
-    /// pictures: positions \[m\] of all places, the tick before them; none where nobody looks
+    /// pictures: a tick, how many places, and their displacements \[m\]; none where nobody looks
     pub views: Option<Producer<f64>>,
 }
 
@@ -55,6 +56,10 @@ pub struct Shared {
     pub lost_views: AtomicU64,
     /// device frames the input checks dropped
     pub dropped: AtomicU64,
+    /// gesture frames without news of a device that was there
+    pub stale: AtomicU64,
+    /// sound samples at the ceiling
+    pub clipped: AtomicU64,
     /// the model has blown up
     pub wild: AtomicBool,
 }
@@ -69,7 +74,12 @@ pub struct Live {
     every: Every,
     /// a record that found no room and must not be freed here
     waiting: Option<Record>,
+    /// records lost since the last one that found room
+    missing: u64,
 }
+
+/// Places of the ring that frames leave to what is asked of the engine, which is rare and decides its future.
+const KEPT: usize = 64;
 
 /// How often things are recorded, in gesture frames; 0 for never.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -85,7 +95,7 @@ pub struct Every {
 impl Live {
     /// Ready to run.
     pub fn new(engine: Engine, rings: Rings, shared: Arc<Shared>, clock: Clock, every: Every) -> Live {
-        Live { engine, rings, shared, clock, every, waiting: None }
+        Live { engine, rings, shared, clock, every, waiting: None, missing: 0 }
     }
 
     /// Runs until [`Shared::stop`], or `frames` gesture frames. Gives the engine back.
@@ -120,30 +130,23 @@ impl Live {
     pub fn frame(&mut self) {
         self.acts();
         self.devices();
-        for (k, out) in self.engine.answer().enumerate() {
+        let due = self.engine.due();
+        let Live { engine, rings, shared, missing, .. } = self;
+        for (k, out) in engine.answer().enumerate() {
             let port = k as u32;
-            if self.rings.forces.push((port, *out)).is_err() {
-                self.shared.lost_forces.fetch_add(1, Relaxed);
+            if rings.forces.push((port, *out)).is_err() {
+                shared.lost_forces.fetch_add(1, Relaxed);
             }
-            if self.rings.records.push(Record::Force { port, frame: *out }).is_err() {
-                self.shared.lost_records.fetch_add(1, Relaxed);
-            }
+            note(rings, missing, shared, Record::Force { port, frame: *out });
         }
-        let sound = self.engine.finish();
-        let lost = match self.rings.sound.write_chunk_uninit(sound.len()) {
-            Ok(chunk) => {
-                chunk.fill_from_iter(sound.iter().copied());
-                0
-            }
-            Err(_) => sound.len() as u64,
-        };
-        if lost > 0 {
-            self.shared.lost_sound.fetch_add(lost, Relaxed);
+        let sound = engine.finish();
+        if !put(&mut rings.sound, [due as f64, sound.len() as f64], sound) {
+            shared.lost_sound.fetch_add(sound.len() as u64, Relaxed);
         }
-        if self.engine.is_wild() {
-            self.shared.wild.store(true, Relaxed);
-        }
-        self.shared.dropped.store(self.engine.counts.dropped, Relaxed);
+        shared.wild.store(engine.is_wild(), Relaxed);
+        shared.dropped.store(engine.counts.dropped, Relaxed);
+        shared.stale.store(engine.counts.stale, Relaxed);
+        shared.clipped.store(engine.counts.clipped, Relaxed);
         self.regular();
     }
 
@@ -156,9 +159,6 @@ impl Live {
             let tick = self.engine.due();
             if let Act::Order(port, order) = act {
                 self.keep(Record::Order { tick, port, order });
-            }
-            if matches!(act, Act::Reload(_)) {
-                self.shared.wild.store(false, Relaxed);
             }
             if let Some(spent) = self.engine.act(act) {
                 self.keep(Record::Spent { tick, spent });
@@ -176,9 +176,7 @@ impl Live {
     fn devices(&mut self) {
         while let Ok((port, mut frame)) = self.rings.frames.pop() {
             self.engine.take(port as usize, &mut frame);
-            if self.rings.records.push(Record::Device { port, frame }).is_err() {
-                self.shared.lost_records.fetch_add(1, Relaxed);
-            }
+            note(&mut self.rings, &mut self.missing, &self.shared, Record::Device { port, frame });
             // one frame of the engine for each of the first device: the next one waits for its own
             if port == 0 && matches!(self.clock, Clock::Device { .. }) {
                 return;
@@ -195,20 +193,26 @@ impl Live {
         let energy = energy.map(|l| Record::Energy { tick, balance: l.balance() });
         let hash = due(self.every.hash).then(|| Record::Hash { tick, bits: e.state.bits() });
         for record in [energy, hash].into_iter().flatten() {
-            if self.rings.records.push(record).is_err() {
-                self.shared.lost_records.fetch_add(1, Relaxed);
-            }
+            note(&mut self.rings, &mut self.missing, &self.shared, record);
         }
         if let Some(views) = self.rings.views.as_mut().filter(|_| due(self.every.view)) {
             let x = &self.engine.state.x;
-            match views.write_chunk_uninit(x.len() + 1) {
-                Ok(chunk) => {
-                    chunk.fill_from_iter(std::iter::once(tick as f64).chain(x.iter().copied()));
-                }
-                Err(_) => {
-                    self.shared.lost_views.fetch_add(1, Relaxed);
-                }
+            if !put(views, [tick as f64, x.len() as f64], x) {
+                self.shared.lost_views.fetch_add(1, Relaxed);
             }
         }
     }
+}
+
+/// Hands over one thing that happened, or counts it; the count travels in its place once there is room.
+fn note(rings: &mut Rings, missing: &mut u64, shared: &Shared, record: Record) {
+    if rings.records.slots() < KEPT {
+        *missing += 1;
+        shared.lost_records.fetch_add(1, Relaxed);
+        return;
+    }
+    if *missing > 0 {
+        let _ = rings.records.push(Record::Lost { tick: record.tick(), records: core::mem::take(missing) });
+    }
+    let _ = rings.records.push(record);
 }

@@ -40,7 +40,7 @@ pub struct DeskEnds {
     pub acts: Producer<Act>,
     /// what happened
     pub records: Consumer<Record>,
-    /// sound, interleaved
+    /// sound of gesture frames: first tick, how many samples, and they, interleaved
     pub sound: Consumer<f64>,
     /// how each frame went
     pub beats: Consumer<Beat>,
@@ -59,11 +59,11 @@ pub fn rings(scene: &Scene, devices: usize, pictures: u32) -> (Rings, GatewayEnd
     let (frames_in, frames_out) = RingBuffer::new(64 * devices.max(1));
     let (forces_in, forces_out) = RingBuffer::new(64 * devices.max(1));
     let (acts_in, acts_out) = RingBuffer::new(64);
-    let (records_in, records_out) = RingBuffer::new(frames * 2 * devices + 256);
-    let (sound_in, sound_out) = RingBuffer::new((AWAY * scene.rate) as usize * scene.channels);
+    let (records_in, records_out) = RingBuffer::new(frames * (2 * devices + 1) + 256);
+    let (sound_in, sound_out) = RingBuffer::new((AWAY * scene.rate) as usize * scene.channels + 2 * frames);
     let (beats_in, beats_out) = RingBuffer::new(frames);
     let (views_in, views_out) = if pictures > 0 {
-        let places = scene.n_mat + 1;
+        let places = scene.n_mat + 2;
         let (a, b) = RingBuffer::new(places * (AWAY * f64::from(pictures)).max(2.0) as usize);
         (Some(a), Some(b))
     } else {

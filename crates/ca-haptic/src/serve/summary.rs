@@ -13,12 +13,20 @@ pub struct Pulse {
     pub frames: u64,
     /// computing time of a gesture frame in the last second \[µs\]
     pub frame_us: Told,
+    /// how late they began in the last second \[µs\]
+    pub late_us: Told,
     /// loop latency in the last second, all devices \[µs\]
     pub loop_us: Told,
     /// periods left out so far
     pub missed: u64,
     /// device frames dropped by the input checks so far
     pub dropped: u64,
+    /// gesture frames without news of a device that was there, so far
+    pub stale: u64,
+    /// faults that latched so far
+    pub faults: u64,
+    /// sound samples at the ceiling so far
+    pub clipped: u64,
     /// records, sounds and forces lost so far
     pub lost: u64,
     /// part of the time the engine computes, 1 = all of it

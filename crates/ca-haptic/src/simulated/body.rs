@@ -232,6 +232,6 @@ mod tests {
         // to the stop, and pulled off again by a hand that turns
         let d = Drive { force: 0.0, from: 0.02, to: -0.02, stiffness: 100.0, damping: 0.0 };
         let [x, v] = m.go([0.01, 0.0], &d, 0.1);
-        assert!(x < 0.01 && x >= 0.0 && v <= 0.0, "{x} {v}");
+        assert!((0.0..0.01).contains(&x) && v <= 0.0, "{x} {v}");
     }
 }

@@ -156,7 +156,9 @@ impl Device {
         self.time
     }
 
-    /// Writes what it measures to the next frame of a session, which the caller began with [`DeviceFrame::new`].
+    /// Writes what it measures to the next frame of a session, which the caller began with [`DeviceFrame::new`]. The
+    /// caller knows which force frame it gave to the last [`Device::step`], and writes its number to
+    /// [`DeviceFrame::ack`].
     pub fn frame(&self, to: &mut DeviceFrame) {
         to.seq += 1;
         to.n = self.n as u16;

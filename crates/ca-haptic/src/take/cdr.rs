@@ -67,7 +67,7 @@ impl<'a> Out<'a> {
     }
 
     /// A number.
-    pub fn put<T: IntoBytes + Immutable>(&mut self, v: T) -> &mut Self {
+    pub fn put<T: IntoBytes + Immutable + Copy>(&mut self, v: T) -> &mut Self {
         self.align(size_of::<T>());
         self.0.extend_from_slice(v.as_bytes());
         self

@@ -41,6 +41,11 @@ pub fn gesture(path: impl AsRef<Path>, catalog: &Catalog) -> Result<Gesture, Fil
         let e = FileError::content(format!("its replay is not as it was: {d}")).file(path.display());
         return Err(e.fix("play it with the version of `ca` that wrote it"));
     }
+    if let Some(t) = verdict.hole {
+        let what = format!("records are missing in it at {t:.3} s, so what came after is not known");
+        let e = FileError::content(what).file(path.display());
+        return Err(e.fix("`ca log export` gives the frames that are there"));
+    }
     let rate = scene.rate / f64::from(scene.ratio);
     let mut tracks = Vec::new();
     for (samples, k) in seen.into_iter().zip(ports) {

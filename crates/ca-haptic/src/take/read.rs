@@ -74,7 +74,7 @@ impl Take {
         let Some(meta) = meta else {
             let cut = matches!(source.end(), Some(End::Cut(..)));
             let what = if cut { "it ends before its first frame" } else { "an MCAP file, but no take of `ca`" };
-            return Err(name(FileError::format(what).fix("takes are made by `ca serve --take`")));
+            return Err(name(FileError::format(what).fix("give a file that `ca` wrote while playing")));
         };
         let header = Header::read(&files, &meta).map_err(name)?;
         Ok(Take { path: path.to_owned(), header })

@@ -10,7 +10,7 @@ use mcap::read::ChannelAccumulator;
 use mcap::records::{Metadata, Record};
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use std::fs::File;
-use std::io::{BufReader, Read};
+use std::io::{BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -65,6 +65,8 @@ pub struct Source {
     reader: LinearReader,
     known: ChannelAccumulator<'static>,
     end: Option<End>,
+    /// whether its last bytes are those of a finished file
+    finished: bool,
 }
 
 impl Source {
@@ -73,12 +75,17 @@ impl Source {
         let io = |e: &std::io::Error| FileError::io(path, "it cannot be read", e);
         let file = File::open(path).map_err(|e| io(&e))?;
         let size = file.metadata().map_err(|e| io(&e))?.len();
+        let mut tail = Vec::new();
+        let seek = |to| (&file).seek(to).map_err(|e| io(&e));
+        seek(SeekFrom::Start(size.saturating_sub(mcap::MAGIC.len() as u64)))?;
+        (&file).read_to_end(&mut tail).map_err(|e| io(&e))?;
+        seek(SeekFrom::Start(0))?;
         let mut file = BufReader::with_capacity(1 << 16, file);
         let mut magic = Vec::new();
         file.by_ref().take(mcap::MAGIC.len() as u64).read_to_end(&mut magic).map_err(|e| io(&e))?;
         if magic != mcap::MAGIC {
             let e = FileError::format("it is no MCAP file").file(path.display());
-            return Err(e.fix("takes are made by `ca serve --take`"));
+            return Err(e.fix("give a file that `ca` wrote while playing"));
         }
         let options = LinearReaderOptions::default()
             .with_skip_start_magic(true)
@@ -94,6 +101,7 @@ impl Source {
             reader: LinearReader::new_with_options(options),
             known: ChannelAccumulator::default(),
             end: None,
+            finished: tail == mcap::MAGIC,
         })
     }
 
@@ -135,7 +143,8 @@ impl Source {
             }),
             Record::Metadata(m) => Some(Item::Metadata(m)),
             Record::DataEnd(_) => {
-                self.end = Some(End::Whole);
+                let index = || End::Cut("only its index is missing".into(), 0);
+                self.end = Some(if self.finished { End::Whole } else { index() });
                 None
             }
             _ => None,

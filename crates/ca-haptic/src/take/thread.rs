@@ -10,6 +10,7 @@ use super::Header;
 use super::flat::Rt;
 use super::views::Level;
 use super::write::{TakeWriter, Told};
+use crate::blocks::{put, take};
 use crate::error::{FileError, FileErrorKind};
 use crate::record::Record;
 use ca_core::Scene;
@@ -32,12 +33,6 @@ const CHUNK: Duration = Duration::from_millis(200);
 /// Views that find room.
 const VIEWS: usize = 16;
 
-/// What is in the ring.
-enum Slot {
-    Record(Record),
-    Lost(u64),
-}
-
 /// What was lost on the way, of everything so far.
 #[derive(Default)]
 struct Losses {
@@ -48,7 +43,7 @@ struct Losses {
 
 /// The end of the real-time thread. Nothing here allocates, frees, locks or waits.
 pub struct Rings {
-    records: Producer<Slot>,
+    records: Producer<Record>,
     sound: Producer<f64>,
     views: Producer<f64>,
     rt: Producer<Rt>,
@@ -69,12 +64,13 @@ impl Rings {
             core::mem::forget(record);
             return;
         }
-        if self.missing > 0 && self.records.push(Slot::Lost(self.missing)).is_ok() {
+        let tick = record.tick();
+        if self.missing > 0 && self.records.push(Record::Lost { tick, records: self.missing }).is_ok() {
             self.missing = 0;
         }
         // there is room: only this thread fills the ring
-        if let Err(rtrb::PushError::Full(slot)) = self.records.push(Slot::Record(record)) {
-            core::mem::forget(slot);
+        if let Err(rtrb::PushError::Full(record)) = self.records.push(record) {
+            core::mem::forget(record);
         }
     }
 
@@ -103,59 +99,20 @@ impl Rings {
     }
 }
 
-/// Head and values, all or nothing.
-fn put(ring: &mut Producer<f64>, head: [f64; 2], values: &[f64]) -> bool {
-    match ring.write_chunk_uninit(values.len() + 2) {
-        Ok(chunk) => {
-            chunk.fill_from_iter(head.into_iter().chain(values.iter().copied()));
-            true
-        }
-        Err(_) => false,
-    }
-}
-
-/// Head and values of one `put`; empty where there is none.
-fn take(ring: &mut Consumer<f64>, into: &mut Vec<f64>) -> Option<u64> {
-    let tick = ring.pop().ok()?;
-    let n = ring.pop().ok()? as usize;
-    let chunk = ring.read_chunk(n).ok()?;
-    into.clear();
-    into.extend(chunk);
-    Some(tick as u64)
-}
-
 /// A take being written by its thread.
 pub struct Recorder {
     thread: Option<JoinHandle<Result<Told, FileError>>>,
     stop: Arc<AtomicBool>,
-    words: mpsc::Sender<(Level, String, String)>,
+    words: mpsc::Sender<Words>,
     losses: Arc<Losses>,
 }
 
 impl Recorder {
     /// Begins the take at `path`, and gives the rings to feed it by.
     pub fn start(path: impl AsRef<Path>, header: &Header, scene: &Scene) -> Result<(Recorder, Rings), FileError> {
-        let writer = TakeWriter::create(&path, header, scene)?;
-        let ticks = (HELD * scene.rate) as usize;
-        let frames = ticks / scene.ratio.max(1) as usize + 1;
-        let (records, from_records) = RingBuffer::new(frames * (2 * header.setups.len() + 1) + 2 * KEPT);
-        let (sound, from_sound) = RingBuffer::new(ticks * scene.channels + 2 * frames + 2);
-        let (views, from_views) = RingBuffer::new(VIEWS * (writer.places() + 2));
-        let (rt, from_rt) = RingBuffer::new(VIEWS);
-        let losses = Arc::<Losses>::default();
+        let (desk, rings, words) = desk(TakeWriter::create(&path, header, scene)?, header, scene);
         let stop = Arc::<AtomicBool>::default();
-        let (words, from_words) = mpsc::channel();
-        let rings = Rings { records, sound, views, rt, missing: 0, places: writer.places(), losses: losses.clone() };
-        let desk = Desk {
-            writer,
-            records: from_records,
-            sound: from_sound,
-            views: from_views,
-            rt: from_rt,
-            words: from_words,
-            losses: losses.clone(),
-            told: [0; 3],
-        };
+        let losses = desk.losses.clone();
         let until = stop.clone();
         let thread = std::thread::Builder::new()
             .name("take".into())
@@ -198,14 +155,41 @@ impl Drop for Recorder {
     }
 }
 
+/// Both ends of the rings of a take, and a way to send words.
+fn desk(writer: TakeWriter, header: &Header, scene: &Scene) -> (Desk, Rings, mpsc::Sender<Words>) {
+    let ticks = (HELD * scene.rate) as usize;
+    let frames = ticks / scene.ratio.max(1) as usize + 1;
+    let (records, from_records) = RingBuffer::new(frames * (2 * header.setups.len() + 1) + 2 * KEPT);
+    let (sound, from_sound) = RingBuffer::new(ticks * scene.channels + 2 * frames + 2);
+    let (views, from_views) = RingBuffer::new(VIEWS * (writer.places() + 2));
+    let (rt, from_rt) = RingBuffer::new(VIEWS);
+    let losses = Arc::<Losses>::default();
+    let (words, from_words) = mpsc::channel();
+    let rings = Rings { records, sound, views, rt, missing: 0, places: writer.places(), losses: losses.clone() };
+    let desk = Desk {
+        writer,
+        records: from_records,
+        sound: from_sound,
+        views: from_views,
+        rt: from_rt,
+        words: from_words,
+        losses,
+        told: [0; 3],
+    };
+    (desk, rings, words)
+}
+
+/// How grave, about what, and what.
+type Words = (Level, String, String);
+
 /// The other end of the rings.
 struct Desk {
     writer: TakeWriter,
-    records: Consumer<Slot>,
+    records: Consumer<Record>,
     sound: Consumer<f64>,
     views: Consumer<f64>,
     rt: Consumer<Rt>,
-    words: mpsc::Receiver<(Level, String, String)>,
+    words: mpsc::Receiver<Words>,
     losses: Arc<Losses>,
     /// losses that are written: records, samples, views
     told: [u64; 3],
@@ -228,6 +212,11 @@ impl Desk {
             }
             std::thread::sleep(ROUND);
         }
+        self.end()
+    }
+
+    /// What was lost since the last record stands at the end.
+    fn end(mut self) -> Result<Told, FileError> {
         self.losses(true)?;
         self.writer.finish()
     }
@@ -236,10 +225,11 @@ impl Desk {
         let mut heard = self.sound.slots();
         for _ in 0..self.records.slots() {
             match self.records.pop() {
-                Ok(Slot::Record(record)) => self.writer.record(record)?,
-                Ok(Slot::Lost(n)) => {
-                    self.told[0] += n;
-                    self.writer.lost(n, 0, 0)?;
+                Ok(record) => {
+                    if let Record::Lost { records, .. } = record {
+                        self.told[0] += records;
+                    }
+                    self.writer.record(record)?;
                 }
                 Err(_) => break,
             }
@@ -272,5 +262,86 @@ impl Desk {
             self.writer.lost(records, samples, views)?;
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::calibration::Calibration;
+    use crate::engine::{Act, Engine, Setup};
+    use crate::frame::DeviceFrame;
+    use crate::profile::Profile;
+    use crate::take::{Event, Replay, Take};
+    use ca_core::model::read;
+    use ca_core::{Catalog, Options, compile};
+
+    const KEY: &str = "[TGR]\nkey = { device = \"key\", dof = 0 }\n[SOL]\nwall = {}\n\
+        [RES]\nspring = { between = [\"key\", \"wall\"], k = 500 }\n[SOX]\nout = { from = \"key\" }\n";
+
+    fn begin(path: &Path) -> (Desk, Rings, Engine) {
+        let (model, _) = read::read(KEY, "key.ca.toml", &Catalog::core());
+        let scene = compile(&model, &Catalog::core(), &Options::default()).expect("it compiles");
+        let profile = Profile { dof: 1, ..Profile::shipped("tgr12").expect("shipped") };
+        let setup = Setup { device: "key".into(), profile, calibration: Calibration::default(), gains: vec![] };
+        let own = crate::engine::Options::default();
+        let header = Header::new(&model, vec![], Options::default(), &scene, vec![setup], own);
+        let writer = TakeWriter::create(path, &header, &scene).expect("a file");
+        let (desk, rings, _) = desk(writer, &header, &scene);
+        (desk, rings, header.engine(&Catalog::core()).expect("an engine"))
+    }
+
+    fn play(e: &mut Engine, rings: &mut Rings, frames: u64) {
+        for _ in 0..frames {
+            let due = e.due();
+            let mut frame = DeviceFrame::new("key", 1);
+            (frame.session, frame.seq, frame.pos[0]) = (1, due + 1, 1e-3 * (due as f64 * 1e-3).sin());
+            e.take(0, &mut frame);
+            rings.record(Record::Device { port: 0, frame });
+            let frame = *e.answer().next().expect("one device");
+            rings.record(Record::Force { port: 0, frame });
+            let x = e.state.x.clone();
+            rings.sound(due, e.finish());
+            rings.view(due, &x);
+        }
+    }
+
+    #[test]
+    fn what_finds_no_room_is_counted_and_told_where_it_is_missing() {
+        let dir = tempfile::tempdir().expect("a directory");
+        let path = dir.path().join("a.mcap");
+        let (mut desk, mut rings, mut e) = begin(&path);
+        // a ring holds a second: nobody reads for two
+        play(&mut e, &mut rings, 6000);
+        // what is asked of the engine still finds room
+        let spent = e.act(Act::Set(Box::default())).expect("spent");
+        rings.record(Record::Spent { tick: e.due(), spent });
+        let mut buffer = Vec::new();
+        desk.round(&mut buffer).expect("written");
+        let early = rings.lost();
+        assert!(early > 2000, "{early}");
+        play(&mut e, &mut rings, 100);
+        assert_eq!(rings.lost(), early, "there is room again");
+        desk.round(&mut buffer).expect("written");
+        let told = desk.end().expect("finished");
+        assert_eq!(told.lost, early);
+
+        let take = Take::open(&path).expect("a take");
+        let s = take.summary().expect("a summary");
+        assert_eq!(s.lost[0] + s.lost[1], early);
+        assert!(s.lost[1] >= 40_000 && s.lost[2] > 5000, "{:?}", s.lost);
+        // the hole stands right before the change, which is there
+        let events: Vec<Event> = take.events().expect("open").map(|e| e.expect("read")).collect();
+        let hole = events.iter().position(|e| matches!(e, Event::Lost(l) if l.records > 0)).expect("a hole");
+        let change = events.iter().position(|e| matches!(e, Event::Change(..))).expect("the change");
+        let is_frame = |e: &Event| matches!(e, Event::Device(..) | Event::Force(..));
+        assert!(hole < change && !events[hole..change].iter().any(is_frame));
+        // and a replay stands by what is before it
+        let r = Replay::new(&take, &Catalog::core()).expect("an engine");
+        let v = r.run(&take, &mut |_| (), &mut |_| Ok(())).expect("replayed");
+        assert!(v.difference.is_none() && !v.is_identical(), "{v:?}");
+        let before = events[..hole].iter().filter(|e| matches!(e, Event::Force(..))).count() as u64;
+        assert!(v.forces == before && before > 4000, "{v:?}");
+        assert!(v.hole.is_some_and(|t| t > 1.3 && t < 2.0), "{v:?}");
     }
 }

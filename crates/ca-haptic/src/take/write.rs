@@ -194,6 +194,10 @@ impl TakeWriter {
                 cdr::body(&mut self.data, &Ordered { tick, port, order: number, cause, reserved: 0 });
                 self.put(self.ids.order, tick)
             }
+            Record::Lost { tick, records } => {
+                self.tick = tick;
+                self.lost(records, 0, 0)
+            }
             Record::Hash { tick, bits } => {
                 self.tick = tick;
                 cdr::body(&mut self.data, &Hashed { tick, bits });

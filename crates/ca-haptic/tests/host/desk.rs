@@ -68,6 +68,8 @@ pub struct Server {
     pub seq: Vec<u64>,
     /// frames of each device
     pub got: Vec<u64>,
+    /// stiffness \[N/m\] and constant force \[N\] of what it plays, life of its forces \[µs\]
+    pub plays: (f64, f64, u32),
     names: Vec<String>,
 }
 
@@ -78,6 +80,7 @@ impl Server {
             session,
             seq: vec![0; names.len()],
             got: vec![0; names.len()],
+            plays: (1000.0, 0.0, 5000),
             names: names.iter().map(|n| (*n).into()).collect(),
         }
     }
@@ -96,17 +99,41 @@ impl Server {
             self.seq[k] += 1;
             let mut out = ForceFrame::new(&self.names[k], f.n as usize);
             (out.session, out.seq, out.ack_session, out.ack) = (self.session, self.seq[k], f.session, f.seq);
-            out.ttl_us = 5000;
+            out.ttl_us = self.plays.2;
             if self.seq[k] > 3 {
                 out.mode = Mode::On as u32;
                 out.cause = 0;
                 for d in 0..f.n as usize {
-                    out.force[d] = spring(f.pos[d]);
+                    out.force[d] = (self.plays.1 - self.plays.0 * f.pos[d]) as f32;
                 }
             }
             self.gateway.send(k, &mut out);
         }
     }
+}
+
+/// Plays with an example until it ends, and reads its last line: a finger of 100 g on a spring of 100 N/m that is pushed
+/// with 0.5 N comes to rest at 5 mm.
+pub fn played(place: &Place, mut child: Child) {
+    let mut server = Server::open(&place.site, &["finger"], 3);
+    server.plays = (100.0, 0.5, 100_000);
+    until("it ends", || {
+        server.serve();
+        child.try_wait().unwrap().is_some()
+    });
+    let out = child.wait_with_output().unwrap();
+    let (said, err) = (String::from_utf8_lossy(&out.stdout), String::from_utf8_lossy(&out.stderr));
+    assert!(out.status.success(), "{said}\n{err}");
+    let line = said.lines().find_map(|l| l.find("sent ").map(|at| &l[at..])).unwrap_or_else(|| panic!("{said}\n{err}"));
+    let words: Vec<_> = line.split_whitespace().collect();
+    let number = |name: &str| words[words.iter().position(|w| *w == name).unwrap() + 1].parse::<f64>().unwrap();
+    assert_eq!((number("sent"), words.last().copied()), (2000.0, Some("on")), "{line}");
+    assert!(number("seen") > 100.0 && number("felt") > 100.0, "{line}");
+    assert!((number("x") - 0.005).abs() < 0.0005, "{line}");
+    assert!(number("most") <= 0.5 + 1e-6, "it never swings back beyond the push: {line}");
+    let device = server.gateway.about(0).expect("it says who it is");
+    assert_eq!((device.n, device.rate, device.force[0]), (1, 1000, 10.0));
+    assert!(server.got[0] >= 1900, "{} of 2000 frames came", server.got[0]);
 }
 
 /// Runs one of the roles of [`crate::processes`] in a process of its own.

@@ -3,6 +3,7 @@
 mod control;
 mod debris;
 mod desk;
+mod examples;
 mod frames;
 mod lines;
 mod processes;

@@ -78,20 +78,6 @@ fn falls_silent(device: &mut DeviceClient, frame: &mut DeviceFrame) {
 }
 
 #[test]
-fn the_example_plays() {
-    let place = place();
-    let mut child = spawn(&place.site, "device", "finger 500");
-    let mut server = Server::open(&place.site, &["finger"], 3);
-    until("it ends", || {
-        server.serve();
-        child.try_wait().unwrap().is_some()
-    });
-    let out = child.wait_with_output().unwrap();
-    let said = String::from_utf8_lossy(&out.stdout).into_owned();
-    assert!(out.status.success() && said.contains("sent 500") && said.contains("mode on"), "{said}");
-}
-
-#[test]
 fn a_server_that_is_killed_is_zero_force_and_the_next_one_takes_its_place() {
     let place = place();
     let mut device = DeviceClient::open(&place.site, about("key", 2)).unwrap();

@@ -4,7 +4,8 @@
 //! parameters at their stiffest) and the steepest place of the force measured over the whole travel of the device, with
 //! everything behind the key at rest, which is how a law that stiffens without end shows itself. Both limits are told:
 //! what the device says it renders, and what stays passive with its own friction, K ≤ b/(κT), where κT is the delay of
-//! the border and one frame more, since a real device takes each force a frame later (numerics 5.2: κ = 2). A force
+//! the border and one frame more, since a real device takes each force a frame later (numerics 5.2: κ = 2), of the frames
+//! of the device where those are longer. A force
 //! beyond the largest is no fault of the model, every hard stop has it: it is told where in the travel it begins.
 
 use crate::Failure;
@@ -33,14 +34,10 @@ pub(super) fn profile(word: &str) -> Result<Profile, Failure> {
         return Ok(Profile::read(&load::text(path)?, word)?);
     }
     Profile::shipped(word).ok_or_else(|| {
-        let names = || SHIPPED.iter().map(|s| s.0);
-        Failure::Usage(match nearest(word, names()) {
-            Some(near) => format!("--device: no file and no profile `{word}`; did you mean `{near}`?"),
-            None => {
-                let all: Vec<&str> = names().collect();
-                format!("--device: no file and no profile `{word}`; there are {}", all.join(", "))
-            }
-        })
+        let names: Vec<&str> = SHIPPED.iter().map(|s| s.0).collect();
+        let hint = nearest(word, names.iter().copied())
+            .map_or_else(|| format!("there are {}", names.join(", ")), |near| format!("did you mean `{near}`?"));
+        Failure::Usage(format!("--device: no file and no profile `{word}`; {hint}"))
     })
 }
 
@@ -94,7 +91,11 @@ impl<'a> Asked<'a> {
         if devices.contains(&profile.name.as_str()) {
             devices.retain(|d| *d == profile.name);
         }
-        let d = delays(scene);
+        let rate = scene.rate / f64::from(scene.ratio);
+        // a slower device holds each force for longer
+        let longer = (rate / profile.rate).max(1.0);
+        let own = delays(scene);
+        let d = Delays { spring: own.spring * longer, frame: own.frame * longer, ..own };
         let b = profile.body.friction;
         let later = Delays { spring: d.spring + d.frame, ..d };
         let rows = (0..scene.tgr.len()).filter_map(|t| row(scene, t, profile, &devices)).collect();
@@ -103,7 +104,7 @@ impl<'a> Asked<'a> {
             rows,
             passive: later.stiffest(b),
             at_once: d.stiffest(b),
-            rate: scene.rate / f64::from(scene.ratio),
+            rate,
             devices,
             feedback: scene.crossing.feedback,
         }

@@ -35,15 +35,15 @@ pub fn run(args: &EquivArgs) -> Outcome {
         loaded = Loaded { model, diags, ..loaded };
         scene = load::scene(&loaded, &Options::default())?;
     }
-    if args.in_place {
+    if args.to.in_place {
         let path = Path::new(&args.model);
         if mdl || !path.exists() {
             let why = if mdl { "a MIMS file holds no equivalences" } else { "a bundled model is not yours to change" };
             return Err(Failure::Usage(format!("`{}`: {why}; name a file by `--write FILE.ca.toml`", args.model)));
         }
         replace(path, &text)?;
-    } else if let Some(path) = &args.write {
-        super::new::write(path, &text, args.force)?;
+    } else if let Some(path) = &args.to.write {
+        super::new::write(path, &text, args.to.force)?;
     }
     let all = table::Table::new(&loaded, &scene);
     if args.json {
@@ -51,7 +51,7 @@ pub fn run(args: &EquivArgs) -> Outcome {
     } else {
         all.text(&mut std::io::stdout().lock(), args.verbose)?;
     }
-    if let Some(path) = args.write.as_deref().or(args.in_place.then_some(Path::new(&args.model))) {
+    if let Some(path) = args.to.write.as_deref().or(args.to.in_place.then_some(Path::new(&args.model))) {
         term::note(&format!("written to `{}`", path.display()));
     }
     // findings that are not errors, as every command that compiles shows them

@@ -107,12 +107,7 @@ pub fn run(args: &RenderArgs) -> Outcome {
 /// Where the sound goes.
 fn output(args: &RenderArgs, loaded: &Loaded) -> Result<PathBuf, Failure> {
     let Some(path) = args.output.clone() else { return Ok(PathBuf::from(format!("{}.wav", loaded.name))) };
-    // a device such as /dev/null has no extension, and need not
-    let plain = !path.exists() || path.is_file();
-    if plain && !load::has_extension(&path, "wav") {
-        let what = format!("`{}`: sound is written as WAV", path.display());
-        return Err(Failure::Usage(format!("{what}; give the file the extension `.wav`")));
-    }
+    load::is_sound(&path)?;
     Ok(path)
 }
 

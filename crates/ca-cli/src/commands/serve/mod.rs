@@ -19,8 +19,9 @@ use ca_haptic::guard::Order;
 use ca_haptic::rt::{self, Wish};
 use ca_haptic::serve::{Clock, Desk, Every, Live, Shared, Sink, rings};
 use ca_haptic::sound::{Format, WavOut};
+use ca_haptic::take::{Header, Recorder};
 pub(crate) use setup::devices;
-use std::path::Path;
+use sinks::Kept;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::thread::JoinHandle;
@@ -31,6 +32,10 @@ const TURN: Duration = Duration::from_millis(2);
 
 /// Between two sweeps of dead processes, in turns.
 const SWEEP: u64 = 250;
+/// Pictures a second in a take.
+const PICTURES: u32 = 60;
+/// Places of the largest scene whose state is hashed every second.
+const HASHED: usize = 10_000;
 /// How long the engine waits for a device that sets the pace \[ns\].
 const PATIENCE: u64 = 100_000_000;
 
@@ -51,19 +56,29 @@ pub fn run(args: &ServeArgs) -> Outcome {
     let session = ca_haptic::host::clock::session();
     let engine = setup::engine(scene.clone(), &setups, session);
 
-    let (mut sinks, mut files): (Vec<Box<dyn Sink>>, Vec<&Path>) = (Vec::new(), Vec::new());
+    let mut sinks: Vec<Box<dyn Sink>> = Vec::new();
     let wav = match &args.output {
         Some(path) if scene.channels > 0 => {
-            let wav = sinks::Wav::new(WavOut::create(path, scene.rate, scene.channels, Format::F32)?);
-            sinks.push(Box::new(wav.clone()));
-            files.push(path);
-            Some(wav)
+            load::is_sound(path)?;
+            let out = WavOut::create(path, scene.rate, scene.channels, Format::F32)?;
+            Some(Kept::new(sinks::Wav::new(out, scene.channels)))
         }
         Some(_) => return Err(Failure::Usage("-o: the model has no output, so there is no sound to write".into())),
         None => None,
     };
+    let take = match &args.log {
+        Some(path) => {
+            let changes = args.source.changes().collect();
+            let header = Header::new(&loaded.model, changes, options, &scene, setups.clone(), engine.options());
+            Some(Kept::new(sinks::Take::new(Recorder::start(path, &header, &scene)?)))
+        }
+        None => None,
+    };
+    sinks.extend(wav.clone().map(|w| Box::new(w) as Box<dyn Sink>));
+    sinks.extend(take.clone().map(|t| Box::new(t) as Box<dyn Sink>));
 
-    let (ends, gateway_ends, desk_ends) = rings(&scene, names.len(), 0);
+    let pictures = if take.is_some() { PICTURES } else { 0 };
+    let (ends, gateway_ends, desk_ends) = rings(&scene, names.len(), pictures);
     let shared = Arc::new(Shared::default());
     let mut desk = Desk::new(desk_ends, shared.clone(), scene.clone(), &engine.ports, sinks);
     let mut talk = talk::Talk::open(&names, &scene, gateway_ends, wish(args, -5))?;
@@ -76,7 +91,13 @@ pub fn run(args: &ServeArgs) -> Outcome {
         ClockKind::Device => Clock::Device { patience: PATIENCE },
     };
     let frame_rate = scene.rate / f64::from(scene.ratio);
-    let every = Every { energy: if args.energy { (frame_rate / 100.0).max(1.0) as u64 } else { 0 }, view: 0, hash: 0 };
+    let each = |a_second: f64, wanted: bool| if wanted { (frame_rate / a_second).max(1.0) as u64 } else { 0 };
+    let every = Every {
+        energy: each(100.0, args.energy),
+        view: each(f64::from(PICTURES), take.is_some()),
+        // of a large state it would take longer than a frame has
+        hash: each(1.0, take.is_some() && scene.n_mat <= HASHED),
+    };
     let frames = args.seconds.map(|s| (s * frame_rate).round().max(1.0) as u64);
     let live = Live::new(engine, ends, shared.clone(), clock, every);
     let (thread, granted) = engine_thread(live, wish(args, 0), frames)?;
@@ -100,17 +121,22 @@ pub fn run(args: &ServeArgs) -> Outcome {
         term::error(&e.to_string());
     }
     let summary = desk.summary(&engine, threads);
-    let written = match wav.and_then(|w| w.finish()) {
-        Some(w) => Some(w?),
-        None => None,
+    let written = wav.and_then(|w| w.end()).map(sinks::Wav::finish).transpose()?;
+    let told_of_take = take.and_then(|t| t.end()).map(sinks::Take::finish).transpose()?;
+    let lost = told_of_take.as_ref().map_or(0, |t| t.lost);
+    if lost > 0 {
+        term::warning(&format!("the take has holes: {lost} records or samples found no room"));
+    }
+    let files = told::Files {
+        sound: args.output.as_deref().zip(written.as_ref()),
+        take: args.log.as_deref().zip(told_of_take.as_ref()),
     };
-    let files: Vec<_> = files.iter().map(|f| (*f, written.as_ref())).collect();
     if args.json {
         println!("{:#}", told::value(&summary, &loaded.name, &files, traffic));
     } else if !args.quiet {
         told::text(&summary, &loaded.name, &files, scene.rate)?;
     }
-    Ok(if summary.is_faithful() { Ended::Well } else { Ended::Degraded })
+    Ok(if summary.is_faithful() && lost == 0 { Ended::Well } else { Ended::Degraded })
 }
 
 /// What a thread asks for; `lower` than the engine.

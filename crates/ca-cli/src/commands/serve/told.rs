@@ -4,12 +4,19 @@ use crate::term::short;
 use ca_haptic::serve::Summary;
 use ca_haptic::sound::Written;
 use ca_haptic::stats::Told;
+use ca_haptic::take;
 use serde_json::{Value, json};
 use std::io::{self, Write as _};
 use std::path::Path;
 
+/// What was written.
+pub(super) struct Files<'a> {
+    pub sound: Option<(&'a Path, &'a Written)>,
+    pub take: Option<(&'a Path, &'a take::Told)>,
+}
+
 /// As text, one line a thing.
-pub(super) fn text(s: &Summary, name: &str, files: &[(&Path, Option<&Written>)], rate: f64) -> io::Result<()> {
+pub(super) fn text(s: &Summary, name: &str, files: &Files, rate: f64) -> io::Result<()> {
     let mut out = io::stdout().lock();
     writeln!(out, "{name}: {} s in {} gesture frames of {:.1} us", short(s.seconds), s.frames, s.period_us)?;
     for (thread, granted) in &s.granted {
@@ -36,11 +43,12 @@ pub(super) fn text(s: &Summary, name: &str, files: &[(&Path, Option<&Written>)],
     if s.clipped > 0 {
         writeln!(out, "  {:<15}{} samples at full scale", "clipped", s.clipped)?;
     }
-    for (path, written) in files {
-        match written {
-            Some(w) => writeln!(out, "  {:<15}{}, {} s", "sound", path.display(), short(w.duration()))?,
-            None => writeln!(out, "  {:<15}{}", "take", path.display())?,
-        }
+    if let Some((path, w)) = files.sound {
+        writeln!(out, "  {:<15}{}, {} s", "sound", path.display(), short(w.duration()))?;
+    }
+    if let Some((path, t)) = files.take {
+        let lost = if t.lost > 0 { format!(", {} lost", t.lost) } else { String::new() };
+        writeln!(out, "  {:<15}{}, {} messages{lost}; `ca replay` plays it again", "take", path.display(), t.messages)?;
     }
     Ok(())
 }
@@ -50,16 +58,12 @@ fn times(t: &Told) -> String {
 }
 
 /// As JSON.
-pub(super) fn value(
-    s: &Summary,
-    name: &str,
-    files: &[(&Path, Option<&Written>)],
-    traffic: Option<[(&'static str, u64); 6]>,
-) -> Value {
+pub(super) fn value(s: &Summary, name: &str, files: &Files, traffic: Option<[(&'static str, u64); 6]>) -> Value {
     let mut v = serde_json::to_value(s).unwrap_or_default();
     v["model"] = json!(name);
     v["traffic"] = traffic.map(|t| t.into_iter().collect::<Value>()).into();
     v["faithful"] = json!(s.is_faithful());
-    v["files"] = files.iter().map(|(p, _)| p.display().to_string()).collect();
+    v["sound"] = json!(files.sound.map(|(p, _)| p));
+    v["take"] = json!(files.take.map(|(p, t)| json!({"file": p, "messages": t.messages, "lost": t.lost})));
     v
 }

@@ -27,7 +27,7 @@ fn plays_until_it_is_killed() {
             std::thread::sleep(rest);
         }
         // how far it is, for who kills it
-        if n % 30 == 0 {
+        if n.is_multiple_of(30) {
             std::fs::write(path.with_extension("told"), p.engine.due().to_string()).unwrap();
         }
     }

@@ -90,35 +90,6 @@ fn a_take_played_on_its_own_model_gives_its_sound() {
     assert!(loud > 1000);
 }
 
-#[test]
-fn what_finds_no_room_is_counted_and_told_where() {
-    let dir = tempfile::tempdir().unwrap();
-    let path = dir.path().join("a.mcap");
-    let mut p = Performer::new(DUO, &path, true);
-    // faster than any disk: the ring holds a second
-    for _ in 0..60_000 {
-        p.frame();
-        if p.lost() > 0 {
-            break;
-        }
-    }
-    let lost = p.lost();
-    p.frames(300);
-    let told = p.finish();
-    let v = replay(&path);
-    let take = Take::open(&path).unwrap();
-    let summary = take.summary().unwrap();
-    assert_eq!(told.lost, summary.lost[0] + summary.lost[1]);
-    assert!(v.difference.is_none(), "{v:?}");
-    if lost > 0 {
-        assert!(told.lost >= lost);
-        // what is compared is the part before the first hole, if records are missing
-        assert_eq!(v.hole.is_some(), summary.lost[0] > 0);
-    } else {
-        assert!(v.is_identical());
-    }
-}
-
 /// What the layouts draw is in a take: every topic and field of ours that they name.
 #[test]
 fn the_layouts_name_what_there_is() {

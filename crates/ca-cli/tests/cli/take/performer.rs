@@ -18,14 +18,12 @@ pub const DUO: &str = r#"
 [model]
 title = "Duo"
 [param]
-stiff = { value = "400 N/m", live = true, min = 100, max = 2000 }
+stiff = { value = 400, unit = "N/m", live = true, min = 100, max = 2000 }
 [TGR]
 key = { device = "left", dof = 0, x = "-5 mm" }
 pad = { device = "right", dof = 1, x = "0 mm" }
 [CEL]
 bar = { m = "5 g", f = "220 Hz", t60 = "1 s" }
-[SOL]
-wall = {}
 [RES]
 shank = { between = ["key", "bar"], k = "stiff" }
 [BUT]
@@ -166,7 +164,7 @@ impl Performer {
         let heard = self.engine.finish().to_vec();
         self.sound.extend_from_slice(&heard);
         let rt = Rt { tick: due, frames: self.engine.counts.frames, late_p50: 1.5, ..Rt::default() };
-        let (view, second) = (self.seq % 50 == 1, self.seq % 300 == 0);
+        let (view, second) = (self.seq % 50 == 1, self.seq.is_multiple_of(300));
         match self.sink.as_mut().expect("not finished") {
             Sink::Writer(w) => {
                 w.sound(due, &heard).expect("written");
@@ -230,14 +228,6 @@ impl Performer {
         }
         let more = n.saturating_sub(self.seq);
         self.frames(more);
-    }
-
-    /// Records and samples that found no room.
-    pub fn lost(&self) -> u64 {
-        match &self.sink {
-            Some(Sink::Thread(r, _)) => r.lost(),
-            _ => 0,
-        }
     }
 
     /// Completes the take.

@@ -1,0 +1,148 @@
+//! Playing in real time, and what is said to it.
+
+use super::{Source, pair, seconds};
+use clap::{Args, ValueEnum};
+use std::path::PathBuf;
+
+/// Plays a model in real time, by device processes
+///
+/// The engine computes gesture frames (3000 a second, unless the model says otherwise) on a thread of its own, takes
+/// positions from the devices the model names and gives forces back, over shared memory; `ca device sim` is such a
+/// device. Forces stay off until a device is armed (`--arm`, or `ca arm`) and nothing pushes. Priority, memory
+/// lock and core are asked for, read back and said; without them it runs all the same. Ends with Ctrl-C, `ca stop` or
+/// `--seconds`, and tells how it went: times, losses, faults. Exit code 3 where something was lost or cut.
+///
+/// Software cannot replace a switch that cuts the power of the motors: keep one within reach.
+#[allow(clippy::struct_excessive_bools)]
+#[derive(Args)]
+#[command(after_long_help = "Examples:
+  ca serve piano_key --seconds 2
+  ca serve piano_key --seconds 1 --arm -o played.wav --log played.mcap
+  ca serve piano_key --seconds 1 --profile tgr12=falcon --priority 0 --no-lock --json")]
+pub struct ServeArgs {
+    /// the model
+    #[command(flatten)]
+    pub source: Source,
+    /// How long, e.g. 60 or "1 min"; until stopped if left out
+    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
+    pub seconds: Option<f64>,
+    /// Writes the sound to a WAV file
+    #[arg(short, long, value_name = "FILE.wav")]
+    pub output: Option<PathBuf>,
+    /// Writes a take: every frame, event and sample, to be played again by `ca replay`
+    #[arg(long, value_name = "FILE.mcap")]
+    pub log: Option<PathBuf>,
+    /// What a device is: a profile by name (`ca device list`) or file; for all of them without `DEVICE=`; repeatable
+    #[arg(long, value_name = "[DEVICE=]PROFILE")]
+    pub profile: Vec<String>,
+    /// The calibration of a device, if not the one `ca device calibrate` keeps; repeatable
+    #[arg(long, value_name = "DEVICE=FILE")]
+    pub calibration: Vec<String>,
+    /// Arms every device at the start
+    #[arg(long)]
+    pub arm: bool,
+    /// What gesture frames follow: a clock of ours, or each frame of the first device
+    #[arg(long, value_enum, default_value_t = ClockKind::Monotonic)]
+    pub clock: ClockKind,
+    /// Priority of the engine (SCHED_FIFO); 0 asks for none
+    #[arg(long, value_name = "0-99", default_value_t = 70, value_parser = clap::value_parser!(u8).range(0..=99))]
+    pub priority: u8,
+    /// The core the engine stays on
+    #[arg(long, value_name = "N")]
+    pub cpu: Option<usize>,
+    /// Does not ask to keep memory in RAM
+    #[arg(long)]
+    pub no_lock: bool,
+    /// Keeps the energy book (slower)
+    #[arg(long)]
+    pub energy: bool,
+    /// Prints nothing but warnings and errors
+    #[arg(short, long)]
+    pub quiet: bool,
+    /// Prints the summary as JSON
+    #[arg(long, conflicts_with = "quiet")]
+    pub json: bool,
+}
+
+/// What gesture frames follow.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ClockKind {
+    /// the clock of this machine
+    Monotonic,
+    /// each frame of the first device
+    Device,
+}
+
+/// Changes live parameters of a running `ca serve`
+///
+/// All of them change in the same tick, ramped over one gesture frame, or none where one is refused. Values may have
+/// units; plain numbers are in SI units. Without any, the live parameters and their values are listed.
+#[derive(Args)]
+#[command(after_long_help = "Examples:
+  ca set
+  ca set k='900 N/m' z=0.5")]
+pub struct SetArgs {
+    /// What to change
+    #[arg(value_name = "NAME=VALUE", value_parser = pair)]
+    pub values: Vec<(String, String)>,
+    /// Prints the answer as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Turns the forces of a running `ca serve` on or off
+///
+/// Once armed, forces fade in within a second, as soon as nothing pushes. A fault turns them off until somebody arms
+/// again; a model that blew up is loaded again first.
+#[derive(Args)]
+#[command(after_long_help = "Examples:
+  ca arm
+  ca arm tgr12
+  ca disarm")]
+pub struct ArmArgs {
+    /// One device; all of them if left out
+    pub device: Option<String>,
+    /// Prints the answer as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Asks a running `ca serve` how it goes, or to end
+#[derive(Args)]
+#[command(after_long_help = "Examples:
+  ca status
+  ca status --json
+  ca stop")]
+pub struct StatusArgs {
+    /// Prints the answer as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Shows or removes what lies in shared memory
+///
+/// Devices and servers of one user meet in the folder `CA_SHM_ROOT`, or `/tmp/ca-<uid>`, and in `/dev/shm`. `list` says
+/// what lies there, of which version, and which processes use it. `clean` removes what no living process uses, also of
+/// other versions, and says what; nothing of a living process is touched. Exit code 3 if something could not be removed.
+#[derive(Args)]
+#[command(after_long_help = "Examples:
+  ca shm list
+  ca shm clean
+  ca shm list --json")]
+pub struct ShmArgs {
+    /// what to do
+    #[arg(value_enum)]
+    pub what: ShmWhat,
+    /// As JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// What to do with shared memory.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ShmWhat {
+    /// what lies there, and who uses it
+    List,
+    /// removes what nobody uses
+    Clean,
+}

@@ -1,0 +1,95 @@
+//! `ca shm`: what devices and servers keep in shared memory, and what dead ones left there.
+//!
+//! Decides that nothing of a living process is ever removed, not even on request: whoever wants that ends the process.
+//! Servers and devices sweep what killed ones of their own version left; this is for what no program of this version
+//! reads any more, and for looking.
+
+use crate::args::{ShmArgs, ShmWhat};
+use crate::{Ended, Failure, Outcome, term};
+use ca_haptic::host::debris::{self, Group};
+use ca_haptic::host::{HostError, HostErrorKind, Site};
+use serde_json::{Value, json};
+use std::io::Write as _;
+
+impl From<HostError> for Failure {
+    fn from(e: HostError) -> Failure {
+        match e.kind {
+            HostErrorKind::Site | HostErrorKind::Name => Failure::Usage(e.to_string()),
+            _ => Failure::Failed(e.to_string()),
+        }
+    }
+}
+
+/// Runs the command.
+pub fn run(args: &ShmArgs) -> Outcome {
+    let site = Site::of_user()?;
+    match args.what {
+        ShmWhat::List => list(&site, args.json),
+        ShmWhat::Clean => clean(&site, args.json),
+    }
+}
+
+fn size(bytes: u64) -> String {
+    if bytes < 10_000 { format!("{bytes} bytes") } else { format!("{} kB", bytes / 1000) }
+}
+
+fn told(group: &Group) -> String {
+    let who = group.alive.iter().map(|(id, name)| format!("{id} ({name})")).collect::<Vec<_>>().join(", ");
+    let who = if who.is_empty() { "dead".into() } else { format!("used by {who}") };
+    let version = format!("frames {} over iceoryx2 {}", group.frames, group.iox);
+    let version = if group.ours { version } else { format!("{version}, another version") };
+    format!("{version}: {} files, {}, {who}", group.files.len(), size(group.bytes()))
+}
+
+fn as_json(group: &Group) -> Value {
+    let files: Vec<_> = group.files.iter().map(|(p, b)| json!({"path": p, "bytes": b})).collect();
+    let alive: Vec<_> = group.alive.iter().map(|(id, name)| json!({"process": id, "name": name})).collect();
+    json!({"prefix": group.prefix, "frames": group.frames, "iceoryx2": group.iox, "ours": group.ours, "alive": alive,
+           "bytes": group.bytes(), "files": files})
+}
+
+fn list(site: &Site, as_text: bool) -> Outcome {
+    let groups = debris::list(site);
+    let mut out = std::io::stdout().lock();
+    if as_text {
+        let groups: Vec<_> = groups.iter().map(as_json).collect();
+        let page = json!({"root": site.root(), "prefix": site.prefix(), "groups": groups});
+        writeln!(out, "{page:#}")?;
+        return Ok(Ended::Well);
+    }
+    writeln!(out, "{}, names begin with {}", site.root().display(), site.prefix())?;
+    if groups.is_empty() {
+        writeln!(out, "nothing there")?;
+    }
+    for group in &groups {
+        writeln!(out, "{}", told(group))?;
+        for (path, bytes) in &group.files {
+            writeln!(out, "  {} ({})", path.display(), size(*bytes))?;
+        }
+    }
+    Ok(Ended::Well)
+}
+
+fn clean(site: &Site, as_text: bool) -> Outcome {
+    let cleaned = debris::clean(site);
+    let bytes: u64 = cleaned.removed.iter().map(|r| r.1).sum();
+    let mut out = std::io::stdout().lock();
+    if as_text {
+        let removed: Vec<_> = cleaned.removed.iter().map(|(p, b)| json!({"path": p, "bytes": b})).collect();
+        let failed: Vec<_> = cleaned.failed.iter().map(|(p, why)| json!({"path": p, "why": why})).collect();
+        let kept: Vec<_> = cleaned.kept.iter().map(as_json).collect();
+        writeln!(out, "{:#}", json!({"root": site.root(), "removed": removed, "failed": failed, "kept": kept}))?;
+    } else {
+        for (path, size) in &cleaned.removed {
+            writeln!(out, "removed {} ({size} bytes)", path.display())?;
+        }
+        writeln!(out, "{} files removed, {}", cleaned.removed.len(), size(bytes))?;
+        for group in &cleaned.kept {
+            writeln!(out, "kept {}", told(group))?;
+        }
+    }
+    for (path, why) in &cleaned.failed {
+        term::warning(&format!("`{}` cannot be removed: {why}", path.display()));
+    }
+    Ok(if cleaned.failed.is_empty() { Ended::Well } else { Ended::Degraded })
+}

@@ -1,0 +1,165 @@
+//! `ca equiv` and `ca check --device`: the scale of a model in the hand, as shown, as written, and against a device.
+
+use crate::desk::{Desk, STRUCK};
+use std::fs;
+
+/// Per-sample units at 44.1 kHz, with comments that an author wants to keep.
+const PAPER: &str = r#"# mine
+[model]
+units = "alg"             # as in GENESIS
+reference_rate = "44.1 kHz"
+
+[TGR]
+key3 = { device = "tgr12", dof = 3 }   # the good one
+key4 = { device = "tgr12", dof = 14 }
+
+[CEL]
+bar = { m = 1, k = 1e-3 }
+[RES]
+shank = { between = [["key3", "key4"], "bar"], k = 2e-4 }
+[SOX]
+out = { from = "bar" }
+"#;
+
+#[track_caller]
+fn factor(j: &serde_json::Value, row: &str) -> f64 {
+    let rows = j["rows"].as_array().unwrap();
+    rows.iter().find(|r| r["name"] == row).unwrap()["factor"].as_f64().unwrap()
+}
+
+#[track_caller]
+fn near(is: f64, want: f64) {
+    assert!((is / want - 1.0).abs() < 1e-12, "{is} is not {want}");
+}
+
+#[test]
+fn a_row_is_set_and_the_others_follow() {
+    let desk = Desk::new();
+    desk.put("paper.ca.toml", PAPER);
+    let both = ["equiv", "paper.ca.toml", "--set", "mass=20g:1.0", "--set", "position=20 mm:1"];
+    let j = desk.ca(&[&both[..], &["--json"]].concat()).is(0).json();
+    for (row, want) in [("position", 0.02), ("force", 777_924.0), ("mass", 0.02), ("stiffness", 38_896_200.0)] {
+        near(factor(&j, row), want);
+    }
+    let shown = desk.ca(&both).is(0).says(&["per sample of 44.1 kHz", "777924 N", "15558.5 J"]);
+    assert!(!shown.out.contains("alpha"), "{}", shown.out);
+    desk.ca(&[&both[..], &["--verbose"]].concat()).is(0).says(&["alpha 50 ", "beta 777924"]);
+    // nothing was written
+    assert_eq!(fs::read_to_string(desk.path("paper.ca.toml")).unwrap(), PAPER);
+}
+
+#[test]
+fn a_file_is_changed_there_and_nowhere_else() {
+    let desk = Desk::new();
+    desk.put("paper.ca.toml", PAPER);
+    let read = || fs::read_to_string(desk.path("paper.ca.toml")).unwrap();
+    let table = || desk.ca(&["equiv", "paper.ca.toml", "--json"]).is(0).json();
+    let go = |args: &[&str]| desk.ca(&[&["equiv", "paper.ca.toml", "--in-place"], args].concat()).is(0);
+    go(&["--set", "position=20 mm:1"]);
+    assert!(read().starts_with(PAPER), "{}", read());
+    assert!(read().ends_with("[equivalence]\nposition = [\"20 mm\", 1.0]\n"), "{}", read());
+    near(factor(&table(), "stiffness"), 1.0);
+    // the travel stays while the weight is set
+    go(&["--set", "mass=20 g:1"]);
+    near(factor(&table(), "position"), 0.02);
+    near(factor(&table(), "force"), 777_924.0);
+    // the weight stays while the travel is set; then energy is set and the weight held
+    go(&["--set", "position=10 mm:1"]);
+    near(factor(&table(), "mass"), 0.02);
+    near(factor(&table(), "position"), 0.01);
+    go(&["--set", "energy=1 J:1", "--anchor", "viscosity"]);
+    near(factor(&table(), "mass"), 0.02);
+    near(factor(&table(), "energy"), 1.0);
+    // the padlock alone changes no number, and is used from then on
+    let before = table();
+    go(&["--anchor", "force"]);
+    assert_eq!(table()["rows"], before["rows"]);
+    let force = factor(&before, "force");
+    go(&["--set", "mass=1 g:1"]);
+    near(factor(&table(), "force"), force);
+    near(factor(&table(), "mass"), 0.001);
+    go(&["--key", "key3", "--lever", "2"]);
+    go(&["--key", "key4", "--position", "2", "--force-factor", "3"]).says(&["`key3` is a lever", "`key4` is no lever"]);
+    let j = table();
+    near(j["keys"][0]["factors"]["stiffness"].as_f64().unwrap(), 4.0 * factor(&j, "stiffness"));
+    assert_eq!((&j["keys"][0]["lever"], &j["keys"][1]["energy_gain"]), (&true.into(), &1.5.into()));
+    // what an author wrote is where it was
+    assert!(read().starts_with(PAPER), "{}", read());
+    // and what is told of the key elsewhere is told in the hand
+    desk.ca(&["check", "paper.ca.toml"]).is(0).says(&["`key3`: springs sum to"]);
+}
+
+#[test]
+fn what_does_not_fit_is_refused() {
+    let desk = Desk::new();
+    desk.put("paper.ca.toml", PAPER).put("struck.ca.toml", STRUCK);
+    for (args, word) in [
+        (&["--set", "mass=20g:1", "--set", "stiffness=1:1"][..], "beside `mass`, set one of `position`"),
+        (&["--set", "mass=20g:1", "--anchor", "stiffness"], "one equivalence said twice"),
+        (&["--set", "mass=1:1", "--set", "force=1:1", "--set", "energy=1:1"], "two equivalences settle"),
+        (&["--set", "mas=20g:1"], "did you mean `mass`?"),
+        (&["--set", "mass=20mm:1"], "`20mm` is in m, and `mass` in kg"),
+        (&["--set", "mass=20g"], "the real one and the simulated one"),
+        (&["--set", "mass=0:1"], "above 0"),
+        (&["--set", "time=1:1"], "the clock decides"),
+        (&["--anchor", "impedence"], "did you mean `impedance`?"),
+        (&["--key", "key3"], "--lever"),
+        (&["--key", "key3", "--lever", "2", "--position", "2"], "cannot be used with"),
+        (&["--lever", "2"], "--key"),
+    ] {
+        desk.ca(&[&["equiv", "paper.ca.toml"], args].concat()).is(2).says(&[word]);
+    }
+    desk.ca(&["equiv", "paper.ca.toml", "--key", "key5", "--lever", "2"]).is(1).says(&["E013", "did you mean `key"]);
+    desk.ca(&["equiv", "piano_key", "--in-place"]).is(2).says(&["--write"]);
+    desk.ca(&["equiv", "paper.ca.toml", "--write", "struck.ca.toml"]).is(1).says(&["--force"]);
+    assert_eq!(desk.files(), ["paper.ca.toml", "struck.ca.toml"]);
+}
+
+#[test]
+fn check_says_what_a_device_cannot_render() {
+    let desk = Desk::new();
+    desk.put("paper.ca.toml", PAPER);
+    // K = 2e-4 at 20 g and 20 mm is 7779.24 N/m; a TGR of 2 N s/m is passive up to 2 / (2 · frame)
+    let set = ["equiv", "paper.ca.toml", "--set", "mass=20g:1", "--set", "position=20 mm:1", "--in-place"];
+    desk.ca(&set).is(0);
+    let j = desk.ca(&["check", "paper.ca.toml", "--device", "tgr12", "--json"]).is(3).json();
+    let key = &j["device"]["keys"][0];
+    near(key["certified"].as_f64().unwrap(), 7779.24);
+    assert!(
+        (key["steepest"].as_f64().unwrap() / 7779.24 - 1.0).abs() < 1e-9,
+        "the measured slope is that of the spring"
+    );
+    near(j["device"]["passive"].as_f64().unwrap(), 2.0 / (2.0 / 3000.0));
+    assert_eq!((&key["beyond_stiffness"], &key["beyond_passive"]), (&false.into(), &true.into()));
+    // from rest in the middle: 10 N at 10/7779.24 m, found to a step of the travel
+    let x = key["saturates"].as_f64().unwrap();
+    assert!((x - 10.0 / 7779.24).abs() < 0.02 / 2000.0 + 1e-12, "{x}");
+    near(key["force"].as_f64().unwrap(), 7779.24 * 0.01);
+    // the second key wants a degree of freedom that twelve keys have not
+    assert_eq!(j["device"]["keys"][1]["there"], false);
+    let told = desk.ca(&["check", "paper.ca.toml", "--device", "tgr12"]).is(3);
+    told.says(&["× 2.59 what stays passive", "`shank`", "beyond the 12 it has", "not on this device"]);
+    // a profile of one's own, stiffer and slower
+    let own = "name = \"mine\"\ntitle = \"Mine\"\nsource = \"me\"\ndof = 15\nrange = [-0.01, 0.01]\nforce = 100\nstiffness = 5000\nrate = 1000\n[body]\nfriction = 20\n";
+    desk.put("mine.toml", own);
+    let told = desk.ca(&["check", "paper.ca.toml", "--device", "mine.toml"]).is(3);
+    told.says(&["3 kHz and the device gives 1 kHz", "× 1.56 what it renders"]);
+    let j = desk.ca(&["check", "paper.ca.toml", "--device", "mine.toml", "--json"]).is(3).json();
+    near(j["device"]["passive"].as_f64().unwrap(), 20.0 / (2.0 / 1000.0));
+    desk.ca(&["check", "paper.ca.toml", "--device", "tgr21"]).is(2).says(&["did you mean `tgr12`?"]);
+    desk.put("bad.toml", "name = 3\n");
+    desk.ca(&["check", "paper.ca.toml", "--device", "bad.toml"]).is(1).says(&["bad.toml"]);
+    desk.ca(&["check", "hammer_piano", "--device", "tgr12"]).is(0).says(&["rendered"]);
+    desk.ca(&["check", "hammered_string", "--device", "mouse"]).says(&["On "]);
+}
+
+#[test]
+fn a_law_that_stiffens_is_measured() {
+    // k = 0 at rest, F = c e^3: its slope at the end of the travel is 3 c e^2
+    let desk = Desk::new();
+    let hard = "[TGR]\nkey = { device = \"tgr12\" }\n[SOL]\nwall = {}\n[CUB]\nhard = { between = [\"key\", \"wall\"], k = 1, k3 = 1e7 }\n[SOF]\nout = { from = \"hard\" }\n";
+    desk.put("hard.ca.toml", hard);
+    let j = desk.ca(&["check", "hard.ca.toml", "--device", "tgr12", "--json"]).json();
+    let k = j["device"]["keys"][0]["steepest"].as_f64().unwrap_or_else(|| panic!("{j:#}"));
+    assert!((k / (3.0 * 1e7 * 1e-4) - 1.0).abs() < 2e-3, "{k}");
+}

@@ -1,0 +1,140 @@
+//! `ca serve` and what is said to it while it runs.
+
+use crate::desk::Desk;
+use std::process::Child;
+use std::time::{Duration, Instant};
+
+const MODEL: &str = r#"
+[param]
+k = { value = 500, unit = "N/m", live = true, min = 0, max = 1000 }
+z = { value = 0.001, unit = "N s/m", live = true, min = 0, max = 1 }
+[TGR]
+key = { device = "tgr12", dof = 0 }
+[MAS]
+bob = { m = "10 g", dx0 = "1 mm" }
+[SOL]
+wall = {}
+[REF]
+spring = { between = ["key", "bob"], k = "k", z = "z" }
+string = { between = ["wall", "bob"], k = 20000, z = 0.1 }
+[SOX]
+out = { from = "bob", gain = 100 }
+"#;
+
+/// A server that answers.
+fn serve(desk: &Desk, args: &[&str]) -> Child {
+    desk.put("key.ca.toml", MODEL);
+    let mut child = desk.start(&[&["serve", "key.ca.toml"], args].concat());
+    let begin = Instant::now();
+    while desk.ca(&["status"]).code != 0 {
+        assert!(child.try_wait().unwrap().is_none(), "it ended");
+        assert!(begin.elapsed().as_secs() < 60, "it does not answer");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    child
+}
+
+fn ended(child: Child) -> (i32, String, String) {
+    let o = child.wait_with_output().unwrap();
+    let text = |b: Vec<u8>| String::from_utf8(b).unwrap();
+    (o.status.code().unwrap(), text(o.stdout), text(o.stderr))
+}
+
+#[test]
+fn the_examples_of_the_control_run_against_a_server() {
+    let desk = Desk::new();
+    let server = serve(&desk, &["--json", "-o", "played.wav", "--log", "take.mcap", "--energy"]);
+    for command in ["set", "arm", "disarm", "status"] {
+        let help = desk.ca(&[command, "--help"]).is(0).out;
+        let (_, examples) = help.split_once("Examples:\n").unwrap_or_else(|| panic!("{command} has no examples"));
+        for line in examples.lines().filter(|l| !l.trim().is_empty() && !l.contains("ca stop")) {
+            desk.sh(line).is(0);
+        }
+    }
+    desk.ca(&["set"]).is(0).says(&["k = 900 N/m (0 to 1000)", "z = 0.5 N s/m (0 to 1)"]);
+    desk.ca(&["set", "k=800", "zz=1"]).is(1).says(&["`zz`", "live = true"]);
+    desk.ca(&["set", "k=800", "z=7"]).is(1).says(&["`z` must lie between 0 and 1"]);
+    desk.ca(&["set", "k=3 kg"]).is(1).says(&["`k` is a quantity in N/m"]);
+    desk.ca(&["arm", "tgr"]).is(1).says(&["no device `tgr`", "`tgr12`"]);
+    desk.ca(&["set"]).is(0).says(&["k = 900 N/m"]);
+    let status = desk.ca(&["status", "--json"]).is(0).json();
+    assert!(status["fields"]["frames"].as_u64().unwrap() > 0);
+    assert_eq!(status["fields"]["devices"][0]["device"], "tgr12");
+    assert_eq!(status["fields"]["params"][0]["value"], 900.0);
+
+    // a second server is refused, and says by whom
+    let second = desk.ca(&["serve", "key.ca.toml", "--seconds", "1"]).is(1);
+    second.says(&["tgr12"]);
+
+    desk.ca(&["stop"]).is(0);
+    let (code, out, err) = ended(server);
+    let told: serde_json::Value = serde_json::from_str(&out).unwrap_or_else(|e| panic!("{e}\n{out}\n{err}"));
+    assert_eq!(code, if told["faithful"] == true { 0 } else { 3 }, "{err}");
+    assert_eq!((told["lost_sound"].as_u64(), told["clipped"].as_u64()), (Some(0), Some(0)));
+    assert_eq!(told["granted"][0][0], "engine");
+    assert!(told["granted"][0][1].as_str().unwrap().starts_with("policy "), "{out}");
+    for times in ["frame_us", "late_us"] {
+        let t = &told[times];
+        assert!(t["n"].as_u64().unwrap() > 0 && t["p50"].as_f64().unwrap() <= t["max"].as_f64().unwrap());
+    }
+    let (spec, samples) = desk.wav("played.wav");
+    assert_eq!((spec.channels, spec.sample_rate), (1, 48000));
+    let seconds = told["seconds"].as_f64().unwrap();
+    assert!((samples.len() as f64 / 48000.0 - seconds).abs() < 1e-3, "{} of {seconds}", samples.len());
+    assert!(crate::desk::peak(&samples) > 0.01);
+    desk.ca(&["status"]).is(1).says(&["no server runs", "ca serve"]);
+
+    // all of it again from the take: forces, sound and state, also what was changed while it ran
+    assert_eq!(told["take"]["lost"], 0);
+    let again = desk.ca(&["replay", "take.mcap", "--verify", "--json", "-o", "again.wav"]).is(0).json();
+    assert_eq!(again["identical"], true, "{again}");
+    assert_eq!(desk.wav("again.wav").1, samples);
+    desk.ca(&["log", "info", "take.mcap"]).is(0).says(&["/param", "/device/tgr12/out"]);
+}
+
+#[test]
+fn what_cannot_be_served_is_refused() {
+    let desk = Desk::new();
+    desk.put("key.ca.toml", MODEL);
+    for (args, word) in [
+        (&["--profile", "tgr21"][..], "did you mean `tgr12`?"),
+        (&["--profile", "tgr=falcon"], "no device `tgr`"),
+        (&["--priority", "100"], "99"),
+        (&["-o", "x.flac", "--seconds", "1"], ".wav"),
+    ] {
+        desk.ca(&[&["serve", "key.ca.toml"], args].concat()).is(2).says(&[word]);
+    }
+    desk.put("bad.toml", "name = \"x\"\ntitle = \"x\"\nsource = \"x\"\ndof = 1\nrange = [1, 0]\nforce = 1\n");
+    desk.ca(&["serve", "key.ca.toml", "--profile", "bad.toml"]).is(1).says(&["bad.toml", "`range`"]);
+    desk.put("cal.toml", "[[axis]]\nscale = 0\n");
+    desk.ca(&["serve", "key.ca.toml", "--calibration", "tgr12=cal.toml"]).is(1).says(&["cal.toml", "axis 0"]);
+    assert_eq!(desk.files(), ["bad.toml", "cal.toml", "key.ca.toml"]);
+}
+
+/// A scene without devices and live parameters: no shared memory, no thread but the engine's.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_scene_without_devices_opens_nothing() {
+    let desk = Desk::new();
+    desk.put("mute.ca.toml", "[CEL]\nbar = { m = 1, f = 100, dx0 = 0.001 }\n[SOX]\nout = { from = \"bar\" }\n");
+    let mut child = desk.start(&["serve", "mute.ca.toml", "--no-lock", "--priority", "0"]);
+    let tasks = |pid: u32| {
+        let names = std::fs::read_dir(format!("/proc/{pid}/task")).into_iter().flatten().flatten();
+        names.filter_map(|t| std::fs::read_to_string(t.path().join("comm")).ok()).collect::<Vec<String>>()
+    };
+    let begin = Instant::now();
+    while !tasks(child.id()).iter().any(|t| t.trim() == "ca engine") {
+        assert!(begin.elapsed().as_secs() < 60, "{:?}", tasks(child.id()));
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    std::thread::sleep(Duration::from_millis(100));
+    let threads = tasks(child.id());
+    let maps = std::fs::read_to_string(format!("/proc/{}/maps", child.id())).unwrap();
+    assert!(!threads.iter().any(|t| t.contains("gateway")), "{threads:?}");
+    // the command itself, the engine, and the one that waits for Ctrl-C
+    assert!(threads.len() <= 3, "{threads:?}");
+    assert!(!maps.contains("/dev/shm") && !maps.contains("iox2"), "{maps}");
+    assert!(!desk.shm().exists());
+    child.kill().unwrap();
+    child.wait().unwrap();
+}
