@@ -6,10 +6,12 @@ use ca_core::model::quantity;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
+mod device;
 mod equiv;
 mod serve;
 mod take;
 
+pub use device::{CalibrateArgs, ConformanceArgs, DeviceArgs, DeviceCommand, ScriptKind, SimArgs};
 pub use equiv::EquivArgs;
 pub use serve::{ArmArgs, ClockKind, ServeArgs, SetArgs, ShmArgs, ShmWhat, StatusArgs};
 pub use take::{LogArgs, LogCommand, ReplayArgs};
@@ -57,6 +59,8 @@ pub enum Command {
     Replay(ReplayArgs),
     /// Looks into takes, saves what was cut off, and takes parts out
     Log(LogArgs),
+    /// Simulates a device, finds devices, and tests and calibrates them
+    Device(DeviceArgs),
     /// Shows or removes what lies in shared memory
     Shm(ShmArgs),
 }

@@ -95,6 +95,7 @@ fn main() -> ExitCode {
         Command::Stop(a) => commands::control::stop(a),
         Command::Replay(a) => commands::replay::run(a),
         Command::Log(a) => commands::log::run(a),
+        Command::Device(a) => commands::device::run(a),
         Command::Shm(a) => commands::shm::run(a),
     };
     match outcome {

@@ -133,3 +133,21 @@ fn the_first_cause_stays() {
         assert_eq!(cause(&provoke(&mut rig, why)), Cause::Button);
     }
 }
+
+#[test]
+fn what_a_device_missed_before_forces_were_on_is_no_fault() {
+    // it has heard of an engine before this one, or not yet of this one
+    for why in [Cause::WatchdogOut, Cause::Disconnect] {
+        let mut rig = Rig::new(KEY, profile(|_| {}));
+        rig.order(Order::Arm);
+        rig.next.cause = why as u16;
+        for _ in 0..100 {
+            let f = rig.go(&[0.0]);
+            assert_eq!((mode(&f), cause(&f), f.force[0]), (Mode::Off, Cause::None, 0.0));
+        }
+        rig.next.cause = 0;
+        rig.on(&[0.0]);
+        rig.next.cause = why as u16;
+        assert!(is_off(&rig.go(&[0.0]), why), "{}", why.name());
+    }
+}

@@ -3,6 +3,7 @@
 mod border;
 pub mod check;
 pub mod control;
+pub mod device;
 pub mod equiv;
 pub mod import;
 pub mod list;

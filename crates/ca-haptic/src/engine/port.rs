@@ -2,7 +2,7 @@
 
 use crate::calibration::Calibration;
 use crate::equivalence::Gains;
-use crate::frame::{Cause, DOF, DeviceFrame, ForceFrame};
+use crate::frame::{Cause, DOF, DeviceFrame, ForceFrame, status};
 use crate::guard::input::{Inlet, Verdict};
 use crate::guard::{Chain, Hand};
 use crate::profile::Profile;
@@ -109,6 +109,10 @@ impl Port {
     pub(super) fn take(&mut self, frame: &DeviceFrame) -> Verdict {
         let mut real = *frame;
         self.calibration.positions(&mut real.pos);
+        if !self.calibration.axis.is_empty() {
+            // counts of a sensor are metres from here on, whatever the device knows of them
+            real.status |= status::CALIBRATED;
+        }
         self.inlet.take(&real, &mut self.hand)
     }
 

@@ -11,7 +11,7 @@
 //! device is used where it agrees with ours, else ours.
 
 use super::Hand;
-use crate::frame::{Cause, DOF, DeviceFrame, status};
+use crate::frame::{Cause, DOF, DeviceFrame, Mode, status};
 use crate::profile::Profile;
 
 /// What became of a frame.
@@ -219,6 +219,8 @@ fn device_says(f: &DeviceFrame, hand: &mut Hand) {
     match Cause::read(f.cause) {
         // it repeats that nobody armed it, which we know
         Cause::None | Cause::Disarmed => {}
+        // it missed forces that were never on: those of an engine before this one, or the first of this one
+        Cause::WatchdogOut | Cause::Disconnect if hand.mode == Mode::Off => {}
         cause => hand.trip(cause),
     }
 }

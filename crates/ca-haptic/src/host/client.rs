@@ -26,6 +26,7 @@ pub struct DeviceClient {
     about: About,
     seq: u64,
     told: u64,
+    held: Option<u64>,
     watch: Watch,
     // ports before the node they belong to
     frames: Publisher<Ipc, DeviceFrame, ()>,
@@ -50,7 +51,8 @@ impl DeviceClient {
         let says = Frames::open(&node, &name, Line::About, 1)?.publisher(site)?;
         let bell = Bell::open(&node, &name)?.listener(site)?;
         let watch = Watch::new(about.device);
-        let mut client = DeviceClient { about, seq: 0, told: 0, watch, frames, forces, says, bell, _node: node };
+        let mut client =
+            DeviceClient { about, seq: 0, told: 0, held: None, watch, frames, forces, says, bell, _node: node };
         client.tell(clock::now_ns())?;
         Ok(client)
     }
@@ -66,8 +68,16 @@ impl DeviceClient {
         Ok(())
     }
 
+    /// Says that what moved the motors until the next frame was force frame `seq`, and not the newest, as in a device
+    /// that takes forces later than they come, or by other rules than [`DeviceClient::safe_force`]. Holds for one
+    /// [`DeviceClient::send`], which then leaves it to the caller to say why there is no force.
+    pub fn held(&mut self, seq: u64) {
+        self.held = Some(seq);
+    }
+
     /// Sends a frame: fills in who it is from (header, device, session), its number, the last force seen, the time and,
-    /// where 0, the period. Returns how many read it; 0 is no error, the engine may come later.
+    /// where 0, the period; on the wire also why there is no force, where the frame gives no reason of its own. Returns
+    /// how many read it; 0 is no error, the engine may come later.
     pub fn send(&mut self, frame: &mut DeviceFrame) -> Result<usize, HostError> {
         let now = clock::now_ns();
         if now.saturating_sub(self.told) >= EVERY_NS {
@@ -79,12 +89,18 @@ impl DeviceClient {
         self.seq += 1;
         (frame.magic, frame.version, frame.layout) = (DeviceFrame::MAGIC, VERSION, DeviceFrame::LAYOUT);
         (frame.device, frame.session, frame.seq) = (self.about.device, self.about.session, self.seq);
-        frame.ack = self.watch.last().map_or(0, |f| f.seq);
+        let own = self.held.is_none();
+        frame.ack = self.held.take().unwrap_or_else(|| self.watch.last().map_or(0, |f| f.seq));
         frame.t_host_ns = now;
         if frame.period_ns == 0 && self.about.rate > 0 {
             frame.period_ns = 1_000_000_000 / self.about.rate;
         }
-        self.frames.send_copy(*frame).map_err(|e| HostError::system("a frame cannot be sent", e))
+        let mut sent = *frame;
+        if own && sent.cause == 0 {
+            // one that never heard of an engine misses none
+            sent.cause = self.watch.last().map_or(Cause::Disarmed, |_| self.watch.cause(now)) as u16;
+        }
+        self.frames.send_copy(sent).map_err(|e| HostError::system("a frame cannot be sent", e))
     }
 
     /// Takes all that came. True if there is a newer frame than before.

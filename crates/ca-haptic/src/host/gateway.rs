@@ -200,6 +200,10 @@ impl Gateway {
             }
             sleep(POLL);
         }
+        // the last word of an engine is that forces are off: nobody should have to wait for its silence
+        while let Ok((k, mut frame)) = rings.outgoing.pop() {
+            self.send(k as usize, &mut frame);
+        }
         self
     }
 

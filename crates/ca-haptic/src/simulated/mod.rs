@@ -52,6 +52,8 @@ pub struct Device {
     /// position \[m\] and speed \[m/s\] of each DOF
     state: [[f64; 2]; DOF],
     measured: [f64; DOF],
+    /// what the motors gave in the last frame \[N\]
+    held: [f64; DOF],
     /// forces under way \[N\], a ring
     late: Vec<[f64; DOF]>,
     turn: usize,
@@ -83,6 +85,7 @@ impl Device {
             dice: Dice(seed | 1),
             state,
             measured: [0.0; DOF],
+            held: [0.0; DOF],
             late: vec![[0.0; DOF]; delay],
             turn: 0,
             time: 0.0,
@@ -107,6 +110,7 @@ impl Device {
             core::mem::swap(&mut now, &mut self.late[self.turn]);
             self.turn = (self.turn + 1) % self.late.len();
         }
+        self.held = now;
         for (k, now) in now.iter().enumerate().take(self.n) {
             let (a, b) = (self.script.at(k, self.time), self.script.at(k, self.time + te));
             let drive = body::Drive {
@@ -137,6 +141,11 @@ impl Device {
         &self.measured[..self.n]
     }
 
+    /// What the motors gave in the last frame \[N\].
+    pub fn held(&self) -> &[f64] {
+        &self.held[..self.n]
+    }
+
     /// Where a degree of freedom really is \[m\], and its speed \[m/s\].
     pub fn truth(&self, k: usize) -> [f64; 2] {
         self.state[k]
@@ -157,6 +166,9 @@ impl Device {
         to.t_device_ns = (self.time * 1e9).round() as u64;
         to.period_ns = (self.te * 1e9).round() as u32;
         to.pos[..self.n].copy_from_slice(&self.measured[..self.n]);
+        for (to, held) in to.force_measured.iter_mut().zip(&self.held).take(self.n) {
+            *to = *held as f32;
+        }
         let [low, high] = self.mechanics.range;
         let at_end = self.state[..self.n].iter().any(|s| s[0] <= low || s[0] >= high);
         to.status = if at_end { to.status | status::EDGE } else { to.status & !status::EDGE };

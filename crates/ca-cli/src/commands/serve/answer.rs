@@ -6,6 +6,7 @@ use ca_haptic::guard::Order;
 use ca_haptic::host::control::{Given, Reply, Request};
 use ca_haptic::serve::Desk;
 use serde_json::{Map, Value, json};
+use std::fmt::Write as _;
 
 /// Does what is asked; sets `leave` where that is the end.
 pub(super) fn answer(desk: &mut Desk, request: Request, leave: &mut bool) -> Reply {
@@ -76,7 +77,7 @@ fn status(desk: &Desk) -> Reply {
         .collect();
     let mut text = format!("{frames} gesture frames, sample {tick}");
     for (name, mode, cause, frames) in desk.devices() {
-        text += &format!("\n{name}: {} ({}), {frames} frames", mode.name(), cause.name());
+        let _ = write!(text, "\n{name}: {} ({}), {frames} frames", mode.name(), cause.name());
     }
     let mut fields = Map::new();
     fields.insert("frames".into(), json!(frames));

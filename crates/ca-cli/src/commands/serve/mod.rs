@@ -113,6 +113,7 @@ pub fn run(args: &ServeArgs) -> Outcome {
     }
 
     let engine = attend(thread, &mut desk, &mut talk, &shared, args.quiet);
+    let traffic = talk.traffic();
     drop(talk);
     let engine = engine.map_err(|_| Failure::Failed("the engine thread ended by itself".into()))?;
     desk.turn();
@@ -131,7 +132,7 @@ pub fn run(args: &ServeArgs) -> Outcome {
         take: args.log.as_deref().zip(told_of_take.as_ref()),
     };
     if args.json {
-        println!("{:#}", told::value(&summary, &loaded.name, &files));
+        println!("{:#}", told::value(&summary, &loaded.name, &files, traffic));
     } else if !args.quiet {
         told::text(&summary, &loaded.name, &files, scene.rate)?;
     }

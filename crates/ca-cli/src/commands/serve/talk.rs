@@ -7,6 +7,7 @@ use ca_haptic::host::control::ControlServer;
 use ca_haptic::host::{Event, Gateway, Rings, Running, Site};
 use ca_haptic::rt::Wish;
 use ca_haptic::serve::{Desk, GatewayEnds};
+use std::sync::atomic::Ordering::Relaxed;
 use std::sync::mpsc::{Receiver, channel};
 
 /// Open lines; none for a scene that needs none.
@@ -34,6 +35,20 @@ impl Talk {
         talk.control = Some(ControlServer::open(&site)?);
         talk.site = Some(site);
         Ok(talk)
+    }
+
+    /// What went over the lines of all devices: received, of these foreign, never seen, no room; sent, not sent.
+    pub(super) fn traffic(&self) -> Option<[(&'static str, u64); 6]> {
+        let t = &self.gateway.as_ref()?.traffic;
+        let counts = [
+            ("received", &t.received),
+            ("foreign", &t.foreign),
+            ("missed", &t.missed),
+            ("full", &t.full),
+            ("sent", &t.sent),
+            ("unsent", &t.unsent),
+        ];
+        Some(counts.map(|(name, n)| (name, n.load(Relaxed))))
     }
 
     pub(super) fn granted(&self) -> Option<String> {

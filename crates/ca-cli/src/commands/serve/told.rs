@@ -58,9 +58,10 @@ fn times(t: &Told) -> String {
 }
 
 /// As JSON.
-pub(super) fn value(s: &Summary, name: &str, files: &Files) -> Value {
+pub(super) fn value(s: &Summary, name: &str, files: &Files, traffic: Option<[(&'static str, u64); 6]>) -> Value {
     let mut v = serde_json::to_value(s).unwrap_or_default();
     v["model"] = json!(name);
+    v["traffic"] = traffic.map(|t| t.into_iter().collect::<Value>()).into();
     v["faithful"] = json!(s.is_faithful());
     v["sound"] = json!(files.sound.map(|(p, _)| p));
     v["take"] = json!(files.take.map(|(p, t)| json!({"file": p, "messages": t.messages, "lost": t.lost})));

@@ -1,0 +1,363 @@
+//! `ca device conformance`: whether a device process keeps what the engine relies on.
+//!
+//! Decides to look only at what the device says on its lines, since that is all an engine has: no driver is opened, no
+//! code of the device is linked. The script plays a whole life: silence, an engine at rest, small forces, an engine that
+//! dies, another one, one that was never at rest, frames that are not for it. Forces go through the real guard, with the
+//! device's own numbers as limits. What the device does not tell (measured forces are optional) is not held against it.
+
+mod bench;
+
+use crate::args::ConformanceArgs;
+use crate::term::short;
+use crate::{Ended, Failure, Outcome, store, term};
+use bench::{Bench, Player};
+use ca_haptic::frame::{About, Cause, DOF, DeviceFrame, ForceFrame, Mode, status, text};
+use ca_haptic::guard::Order;
+use ca_haptic::host::Site;
+use ca_haptic::profile::Profile;
+use ca_haptic::rt::{self, Wish};
+use serde_json::json;
+use std::io::Write as _;
+
+/// Frames of the device that are looked at in a phase.
+const LOOK: usize = 200;
+/// Engine frames of a phase at rest.
+const REST: u32 = 600;
+/// How long a device may take for its first word, and for a phase \[ns\].
+const PATIENCE: u64 = 5_000_000_000;
+/// How often forces are tried to be on: a machine that is busy trips watchdogs, which is not the device's fault.
+const TRIES: u32 = 8;
+/// Added to the number of a frame that must not be used, so that it is known again.
+const FAR: u64 = 1_000_000;
+
+/// One thing that is asked of a device.
+struct Row {
+    name: &'static str,
+    pass: bool,
+    found: String,
+}
+
+/// The table.
+#[derive(Default)]
+struct Table(Vec<Row>);
+
+impl Table {
+    fn row(&mut self, name: &'static str, pass: bool, found: impl Into<String>) {
+        self.0.push(Row { name, pass, found: found.into() });
+    }
+}
+
+/// Runs the command.
+pub fn run(args: &ConformanceArgs) -> Outcome {
+    if !(args.force >= 0.0 && args.force.is_finite()) {
+        return Err(Failure::Usage("--force is 0 or more newtons".into()));
+    }
+    let calibration = store::calibration_of(&args.name, &[])?;
+    let mut bench = Bench::open(&Site::of_user()?, &args.name, calibration)?;
+    rt::ask(Wish { priority: Some(70), ..Wish::default() });
+    let mut table = Table::default();
+    if let Some(about) = presented(&mut bench, &mut table)? {
+        let profile = profile(&about);
+        let force = args.force.min(0.05 * profile.force) / f64::from(profile.axes);
+        if force > 0.0 && !args.json {
+            term::note(&format!("`{}` is given forces of up to {} N", args.name, short(force)));
+        }
+        alive(&mut bench, &about, &mut table);
+        let mut player = bench.player(&profile)?;
+        rest(&mut bench, &mut player, &mut table);
+        let on = forces(&mut bench, &mut player, force, &mut table)?;
+        if on {
+            silence(&mut bench, &about, &mut table);
+        }
+        another(&mut bench, &profile, force, &mut table)?;
+        strangers(&mut bench, &mut table);
+    }
+    told(&table, args)
+}
+
+fn told(table: &Table, args: &ConformanceArgs) -> Outcome {
+    let failed = table.0.iter().filter(|r| !r.pass).count();
+    let mut out = std::io::stdout().lock();
+    if args.json {
+        let rows: Vec<_> = table.0.iter().map(|r| json!({"name": r.name, "pass": r.pass, "found": r.found})).collect();
+        writeln!(out, "{:#}", json!({"device": args.name, "pass": failed == 0, "rows": rows}))?;
+    } else {
+        for r in &table.0 {
+            writeln!(out, "{:<5}{:<10}{}", if r.pass { "pass" } else { "FAIL" }, r.name, r.found)?;
+        }
+    }
+    if failed > 0 {
+        let what = format!("`{}` fails {failed} of {}", args.name, table.0.len());
+        return Err(Failure::Failed(format!("{what}; an engine may hurt a hand through it, or be blind to it")));
+    }
+    Ok(Ended::Well)
+}
+
+/// Who it is. `None` where nothing more can be asked.
+fn presented(b: &mut Bench, t: &mut Table) -> Result<Option<About>, Failure> {
+    b.forget();
+    b.listen(1, PATIENCE);
+    if b.frames.is_empty() {
+        if b.foreign > 0 {
+            t.row("frames", false, "of another version or for another device; build it anew");
+            return Ok(None);
+        }
+        return Err(Failure::Failed(
+            "no device of that name speaks; start it, `ca device list` shows those that do".into(),
+        ));
+    }
+    // it says who it is once a second
+    for _ in 0..20 {
+        if b.about().is_some() {
+            break;
+        }
+        b.listen(usize::MAX, 100_000_000);
+    }
+    let Some(a) = b.about() else {
+        t.row("about", false, "never says who it is");
+        return Ok(None);
+    };
+    let n = (a.n as usize).min(DOF);
+    let axes_fit = (1..=3).contains(&a.axes) && a.n % a.axes == 0;
+    let ranges = (0..n).all(|k| a.low[k].is_finite() && a.high[k].is_finite() && a.low[k] < a.high[k]);
+    let forces = (0..n).all(|k| a.force[k].is_finite() && a.force[k] >= 0.0);
+    let fine = n > 0 && axes_fit && ranges && forces && a.rate > 0;
+    t.row("about", fine, format!("{}, {} degrees of freedom, {} frames a second", text(&a.model), a.n, a.rate));
+    Ok(fine.then_some(a))
+}
+
+/// Limits of the guard: the device's own words.
+fn profile(a: &About) -> Profile {
+    let n = a.n as usize;
+    let fold = |v: &[f32], f: fn(f64, f64) -> f64, from: f64| v[..n].iter().fold(from, |m, x| f(m, f64::from(*x)));
+    let mut p = Profile::shipped("unknown").unwrap_or_else(|| unreachable!());
+    (p.dof, p.axes, p.rate) = (u32::from(a.n), u32::from(a.axes), f64::from(a.rate));
+    p.range = [fold(&a.low, f64::min, f64::INFINITY), fold(&a.high, f64::max, f64::NEG_INFINITY)];
+    p.force = fold(&a.force, f64::min, f64::INFINITY);
+    p.stiffness = Some(fold(&a.stiffness, f64::max, 0.0)).filter(|k| *k > 0.0).or(p.stiffness);
+    p.title = text(&a.model);
+    p
+}
+
+/// What it sends, unasked.
+fn alive(b: &mut Bench, a: &About, t: &mut Table) {
+    b.forget();
+    b.listen((a.rate as usize / 2).max(LOOK), PATIENCE);
+    let (frames, n) = (&b.frames, a.n as usize);
+    let last = frames.len().saturating_sub(1);
+    t.row("frames", b.foreign == 0 && last > 0, format!("{} of this version, {} others", frames.len(), b.foreign));
+    let same = frames.iter().all(|f| f.session == a.session && f.session != 0 && f.n == a.n);
+    t.row("session", same, format!("{:x}, as said of itself", a.session));
+    let grows = last > 0 && frames.windows(2).all(|w| w[1].seq > w[0].seq);
+    let lost = frames.last().map_or(0, |f| f.seq.saturating_sub(frames[0].seq + last as u64));
+    t.row(
+        "numbers",
+        grows,
+        format!("{} the frames, {lost} not seen", if grows { "grow with" } else { "do not grow with" }),
+    );
+    let clocks = frames.windows(2).all(|w| w[1].t_host_ns > w[0].t_host_ns && w[1].t_device_ns >= w[0].t_device_ns);
+    t.row("clocks", clocks, "of host and device run forward");
+    // of neighbours only, and their median: what the machine delayed says nothing of the device
+    let mut gaps: Vec<u64> = frames
+        .windows(2)
+        .filter(|w| w[1].seq == w[0].seq + 1)
+        .map(|w| w[1].t_host_ns.saturating_sub(w[0].t_host_ns))
+        .collect();
+    gaps.sort_unstable();
+    let rate = gaps.get(gaps.len() / 2).filter(|g| **g > 0).map_or(0.0, |g| 1e9 / *g as f64);
+    let near = (rate / f64::from(a.rate) - 1.0).abs() <= 0.05;
+    t.row("rate", near, format!("{rate:.1} a second, {} were said", a.rate));
+    let finite = frames.iter().all(|f| f.pos[..n].iter().all(|x| x.is_finite()));
+    let outside = frames.iter().flat_map(|f| (0..n).map(move |k| (k, f.pos[k]))).find(|(k, x)| {
+        let [low, high] = [a.low[*k], a.high[*k]].map(f64::from);
+        let slack = 0.01 * (high - low);
+        !(low - slack..=high + slack).contains(x)
+    });
+    let found = match outside {
+        Some((k, x)) => format!("axis {k} is at {x} m, its range is {} to {} m", a.low[k], a.high[k]),
+        None => "inside the range".into(),
+    };
+    t.row("positions", finite && outside.is_none(), found);
+    let ready = frames.iter().all(|f| f.status & (status::CONNECTED | status::POWERED) == 3);
+    t.row("status", ready, "connected and powered");
+}
+
+/// What went wrong with frames that should have no force.
+fn gives(frames: &[DeviceFrame]) -> Option<String> {
+    let none = |f: &&DeviceFrame| Cause::read(f.cause) == Cause::None;
+    let pushes = |f: &DeviceFrame| f.force_measured[..(f.n as usize).min(DOF)].iter().any(|x| *x != 0.0);
+    let (silent, pushing) = (frames.iter().filter(none).count(), frames.iter().filter(|f| pushes(f)).count());
+    (silent + pushing > 0)
+        .then(|| format!("of {} frames {silent} give no reason and {pushing} give a force", frames.len()))
+}
+
+/// The frames of a phase after the device must have heard: those that ack what we sent first, and a few.
+fn late(b: &Bench) -> &[DeviceFrame] {
+    &b.frames[b.frames.len() / 2..]
+}
+
+/// An engine at rest.
+fn rest(b: &mut Bench, p: &mut Player, t: &mut Table) {
+    b.forget();
+    b.play(p, REST);
+    let (sent, frames) = (b.sent.last().map_or(0, |f| f.seq), late(b));
+    let (first, last) = (frames.first().map_or(0, |f| f.ack), frames.last().map_or(0, |f| f.ack));
+    let follows = last > first && last <= sent && frames.windows(2).all(|w| w[1].ack >= w[0].ack);
+    t.row("ack", follows, format!("{sent} forces were sent, it says it used number {last}"));
+    let bad = gives(frames);
+    t.row("rest", !frames.is_empty() && bad.is_none(), bad.unwrap_or_else(|| "no force from an engine at rest".into()));
+}
+
+/// Forces on; false where they cannot be.
+fn on(b: &mut Bench, p: &mut Player) -> Result<bool, Failure> {
+    for _ in 0..TRIES {
+        p.pull(0.0)?;
+        p.order(Order::Arm);
+        for _ in 0..60 {
+            b.play(p, 100);
+            match b.mode() {
+                (Mode::On, _) => return Ok(true),
+                (Mode::Fault, _) => break,
+                _ => {}
+            }
+        }
+    }
+    Ok(false)
+}
+
+/// Small forces. True where the device was left with them.
+fn forces(b: &mut Bench, p: &mut Player, force: f64, t: &mut Table) -> Result<bool, Failure> {
+    for attempt in 1..=TRIES {
+        b.forget();
+        if !on(b, p)? {
+            let (mode, cause) = b.mode();
+            let waits =
+                if mode == Mode::Off { ", which waits until it is calibrated, fresh and nothing pushes" } else { "" };
+            t.row("arms", false, format!("mode {}{waits}, {}", mode.name(), cause.name()));
+            return Ok(false);
+        }
+        p.pull(force)?;
+        b.play(p, 100);
+        b.forget();
+        b.play(p, REST);
+        if b.mode().0 != Mode::On && attempt < TRIES {
+            continue;
+        }
+        let (mode, cause) = b.mode();
+        t.row("arms", mode == Mode::On, format!("mode {}, {}", mode.name(), cause.name()));
+        let held = b.frames.iter().filter(|f| Cause::read(f.cause) == Cause::None).count();
+        let most = held * 10 >= b.frames.len() * 9 && held > 0;
+        t.row("forces", most, format!("of {} frames {held} have them", b.frames.len()));
+        let told = measured(b);
+        match told {
+            Some((is, want)) => {
+                let near = is.iter().zip(&want).all(|(a, b)| (a - b).abs() <= 0.1 * force.max(1e-9));
+                t.row(
+                    "measured",
+                    near,
+                    format!("{} N, {} N were asked of the first axis", short(is[0]), short(want[0])),
+                );
+            }
+            None => t.row("measured", true, "not told"),
+        }
+        return Ok(mode == Mode::On);
+    }
+    Ok(false)
+}
+
+/// Forces it measured and those it was told, of the last frame whose force is known; `None` where it measures none.
+fn measured(b: &Bench) -> Option<(Vec<f64>, Vec<f64>)> {
+    let n = |f: &DeviceFrame| (f.n as usize).min(DOF);
+    b.frames.iter().rev().find_map(|f| {
+        let asked: &ForceFrame = b.sent.iter().find(|s| s.seq == f.ack)?;
+        f.force_measured[..n(f)].iter().any(|x| *x != 0.0).then(|| {
+            let wide = |v: &[f32]| v[..n(f)].iter().map(|x| f64::from(*x)).collect();
+            (wide(&f.force_measured), wide(&asked.force))
+        })
+    })
+}
+
+/// The engine dies.
+fn silence(b: &mut Bench, a: &About, t: &mut Table) {
+    let Some(last) = b.sent.last().copied() else { return };
+    b.forget();
+    let quarter = a.rate as usize / 4;
+    b.listen(quarter.max(LOOK), PATIENCE);
+    let over = last.t_host_ns + u64::from(last.ttl_us) * 1000;
+    let mut expired: Vec<DeviceFrame> = b.frames.iter().filter(|f| f.t_host_ns > over).copied().collect();
+    // the frame under way when the life of the force ends, and the one after it
+    expired.drain(..expired.len().min(2));
+    let goes_on = expired.len() * 2 > LOOK;
+    t.row("goes on", goes_on, format!("{} frames after the engine fell silent", expired.len()));
+    let bad = gives(&expired);
+    let found = bad.clone().unwrap_or_else(|| {
+        let cause = expired.last().map_or(Cause::None, |f| Cause::read(f.cause));
+        format!("no force {} ms after the last frame, {}", last.ttl_us / 1000, cause.name())
+    });
+    t.row("watchdog", goes_on && bad.is_none(), found);
+}
+
+/// Another engine.
+fn another(b: &mut Bench, profile: &Profile, force: f64, t: &mut Table) -> Result<(), Failure> {
+    let mut p = b.player(profile)?;
+    b.forget();
+    b.play(&mut p, REST);
+    let sent = b.sent.last().map_or(0, |f| f.seq);
+    let ack = late(b).iter().all(|f| (1..=sent).contains(&f.ack)) && !late(b).is_empty();
+    let found = late(b).last().map_or(0, |f| f.ack);
+    t.row("restart", ack, format!("number {found} of {sent} of the new engine is used"));
+    let bad = gives(late(b));
+    t.row("at rest", bad.is_none(), bad.unwrap_or_else(|| "the new engine is at rest, and so is the device".into()));
+    if !on(b, &mut p)? {
+        let (mode, cause) = b.mode();
+        t.row("disarm", false, format!("cannot be armed again: mode {}, {}", mode.name(), cause.name()));
+        return Ok(());
+    }
+    p.pull(force)?;
+    b.play(&mut p, 200);
+    p.order(Order::Disarm);
+    b.forget();
+    b.play(&mut p, REST);
+    let bad = gives(late(b));
+    t.row("disarm", bad.is_none(), bad.unwrap_or_else(|| "no force once disarmed".into()));
+    Ok(())
+}
+
+/// What must not be used: an engine that was never at rest, frames of another layout, of another device, of the past.
+/// All of them ask for no force.
+fn strangers(b: &mut Bench, t: &mut Table) {
+    let n = b.frames.last().map_or(1, |f| f.n as usize);
+    let name = b.frames.last().map(|f| text(&f.device)).unwrap_or_default();
+    let mut frame = ForceFrame::new(&name, n);
+    (frame.session, frame.ttl_us, frame.mode, frame.cause) =
+        (ca_haptic::host::clock::session(), 5000, Mode::On as u32, 0);
+    let mut send = |b: &mut Bench, change: &dyn Fn(&mut ForceFrame)| {
+        b.forget();
+        while b.frames.len() < LOOK / 2 && b.sent.len() < 5000 {
+            frame.seq += 1;
+            let mut f = frame;
+            change(&mut f);
+            b.send(&mut f);
+            b.listen(b.frames.len() + 1, 10_000_000);
+        }
+        frame.seq
+    };
+    send(b, &|_| {});
+    let bad = gives(late(b));
+    t.row("unrested", bad.is_none(), bad.unwrap_or_else(|| "no force from an engine that was not seen at rest".into()));
+    let wrong: [(&'static str, fn(&mut ForceFrame)); 4] = [
+        ("layout", |f| (f.layout, f.seq) = (f.layout ^ 1, f.seq + FAR)),
+        ("address", |f| (f.device[0], f.seq) = (f.device[0] ^ 1, f.seq + FAR)),
+        ("version", |f| (f.version, f.seq) = (f.version + 1, f.seq + FAR)),
+        ("past", |f| f.seq = 1),
+    ];
+    for (name, change) in wrong {
+        let sent = send(b, &change);
+        let used = late(b).iter().find(|f| f.ack > sent || f.ack == 1);
+        let found = match used {
+            Some(f) => format!("it says it used number {}", f.ack),
+            None => "not used".into(),
+        };
+        t.row(name, used.is_none() && !late(b).is_empty(), found);
+    }
+}

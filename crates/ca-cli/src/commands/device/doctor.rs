@@ -1,0 +1,237 @@
+//! `ca device doctor`: whether this machine can play, and what helps.
+//!
+//! Decides to try rather than to guess: shared memory by a device and a server that talk to each other, real time by
+//! asking for it and reading back what was granted, the timer by a second of gesture frames. What is not as it should be
+//! comes with one thing to do. Only shared memory that does not work is a failure: everything else costs punctuality.
+
+use super::about;
+use crate::{Ended, Failure, Outcome, term};
+use ca_haptic::frame::{DeviceFrame, ForceFrame};
+use ca_haptic::host::control::{Request, ask};
+use ca_haptic::host::gateway::list_devices;
+use ca_haptic::host::{DeviceClient, Gateway, HostError, HostErrorKind, Site, debris};
+use ca_haptic::profile::Profile;
+use ca_haptic::rt::{self, Wish, now_ns, wait_until};
+use ca_haptic::stats::{Times, Told};
+use serde_json::json;
+use std::fs;
+use std::io::Write as _;
+use std::time::Duration;
+
+/// Gesture frame of most models \[ns\].
+const PERIOD: u64 = 333_333;
+/// Frames of a second.
+const FRAMES: u64 = 3000;
+/// Frames that go round through shared memory.
+const ROUNDS: u64 = 200;
+
+/// How a thing is.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum State {
+    Good,
+    Poor,
+    Bad,
+}
+
+/// One thing that was looked at.
+struct Row {
+    state: State,
+    what: &'static str,
+    found: String,
+    fix: String,
+}
+
+impl Row {
+    fn good(what: &'static str, found: impl Into<String>) -> Row {
+        Row { state: State::Good, what, found: found.into(), fix: String::new() }
+    }
+    fn poor(what: &'static str, found: impl Into<String>, fix: impl Into<String>) -> Row {
+        Row { state: State::Poor, what, found: found.into(), fix: fix.into() }
+    }
+    fn bad(what: &'static str, e: &HostError) -> Row {
+        Row { state: State::Bad, what, found: e.what.clone(), fix: e.fix.clone() }
+    }
+}
+
+/// Runs the command.
+pub fn run(asked: bool) -> Outcome {
+    let mut rows = Vec::new();
+    match Site::of_user() {
+        Ok(site) => {
+            rows.push(Row::good("place", format!("{}, yours alone", site.root().display())));
+            rows.push(left_over(&site));
+            rows.push(match round(&site) {
+                Ok(t) => Row::good("memory", format!("{ROUNDS} frames there and back, p50 {:.1} us", t.p50)),
+                Err(e) => Row::bad("memory", &e),
+            });
+            rows.extend(others(&site));
+        }
+        Err(e) => rows.push(Row::bad("place", &e)),
+    }
+    rows.extend(limits());
+    let second = std::thread::Builder::new()
+        .name("ca doctor".into())
+        .spawn(second)
+        .map_err(|e| Failure::Failed(format!("no thread: {e}")))?;
+    let (granted, late, over) = second.join().map_err(|_| Failure::Failed("the timer thread ended".into()))?;
+    rows.push(if granted.refused.is_empty() {
+        Row::good("real time", granted.to_string())
+    } else {
+        let fix = "give your user `rtprio 95` and `memlock unlimited` in /etc/security/limits.conf, and log in again";
+        Row::poor("real time", granted.to_string(), fix)
+    });
+    let told = format!("{FRAMES} wake-ups, late by {}; {over} by more than a frame", times(&late));
+    rows.push(if over <= FRAMES / 100 {
+        Row::good("timer", told)
+    } else {
+        Row::poor("timer", told, "end what keeps the cores busy, or give the engine a core: `ca serve --cpu N`")
+    });
+
+    let mut out = std::io::stdout().lock();
+    if asked {
+        let rows: Vec<_> = rows
+            .iter()
+            .map(|r| json!({"what": r.what, "state": name(r.state), "found": r.found, "fix": r.fix}))
+            .collect();
+        let usable = rows.iter().all(|r| r["state"] != "bad");
+        let v = json!({"usable": usable, "rows": rows, "late_us": late, "late_by_a_frame": over});
+        writeln!(out, "{v:#}")?;
+    } else {
+        for r in &rows {
+            writeln!(out, "{:<5}{:<11}{}", name(r.state), r.what, r.found)?;
+            if !r.fix.is_empty() {
+                writeln!(out, "     {:<11}{}", "", r.fix)?;
+            }
+        }
+    }
+    if rows.iter().any(|r| r.state == State::Bad) {
+        return Err(Failure::Failed("devices cannot be played on this machine as it is".into()));
+    }
+    Ok(Ended::Well)
+}
+
+fn name(state: State) -> &'static str {
+    match state {
+        State::Good => "good",
+        State::Poor => "poor",
+        State::Bad => "bad",
+    }
+}
+
+fn times(t: &Told) -> String {
+    let [a, b, c, d] = [t.p50, t.p99, t.p999, t.max].map(term::short);
+    format!("p50 {a}  p99 {b}  p99.9 {c}  max {d} us")
+}
+
+/// What others left behind.
+fn left_over(site: &Site) -> Row {
+    let groups = debris::list(site);
+    let dead: Vec<String> = groups
+        .iter()
+        .filter(|g| !g.ours && g.alive.is_empty())
+        .map(|g| format!("{} files of frames {} over iceoryx2 {}", g.files.len(), g.frames, g.iox))
+        .collect();
+    let swept = site.sweep();
+    if swept.left > 0 {
+        let found = format!("{} processes ended without leaving, and cannot be swept", swept.left);
+        return Row::poor("debris", found, "`ca shm clean`");
+    }
+    if dead.is_empty() { Row::good("debris", "none") } else { Row::poor("debris", dead.join(", "), "`ca shm clean`") }
+}
+
+/// Frames there and back between a device and a server, both here, through shared memory.
+fn round(site: &Site) -> Result<Told, HostError> {
+    let name = format!("doctor-{}", std::process::id());
+    let profile = Profile { dof: 1, axes: 1, ..Profile::shipped("unknown").unwrap_or_else(|| unreachable!()) };
+    let mut device = DeviceClient::open(site, about(&name, &profile))?;
+    let mut server = Gateway::open(site, &[&name])?;
+    let (mut frame, mut force) = (DeviceFrame::new(&name, 1), ForceFrame::new(&name, 1));
+    let mut times = Times::new();
+    (force.session, force.ttl_us) = (1, 5000);
+    for n in 1..=ROUNDS {
+        let begin = now_ns();
+        frame.pos[0] = n as f64;
+        device.send(&mut frame)?;
+        let mut came = None;
+        server.poll(&mut |_, f| came = Some(f));
+        let answer = came.filter(|f| f.pos[0] == n as f64).and_then(|f| {
+            (force.seq, force.ack_session, force.ack) = (n, f.session, f.seq);
+            server.send(0, &mut force);
+            device.force().filter(|f| f.seq == n)
+        });
+        if answer.is_none() {
+            return Err(HostError {
+                kind: HostErrorKind::System,
+                what: format!("frame {n} of {ROUNDS} did not come back through shared memory"),
+                fix: "see whether /dev/shm is full: `df /dev/shm`".into(),
+            });
+        }
+        times.add(now_ns() - begin);
+    }
+    Ok(times.told())
+}
+
+/// Who is here.
+fn others(site: &Site) -> Vec<Row> {
+    let server = match ask(site, &Request::Status, Duration::from_millis(500)) {
+        Ok(r) => Row::good("server", format!("runs: {}", r.text.lines().next().unwrap_or_default())),
+        Err(e) if e.kind == HostErrorKind::Absent => Row::good("server", "none runs; `ca serve MODEL` is one"),
+        Err(e) => Row::poor("server", e.what, e.fix),
+    };
+    let devices = match list_devices(site, Duration::from_millis(1500)) {
+        Ok(list) if list.is_empty() => Row::good("devices", "none speaks"),
+        Ok(list) => {
+            let names: Vec<_> = list.iter().map(|a| ca_haptic::frame::text(&a.device)).collect();
+            Row::good("devices", names.join(", "))
+        }
+        Err(e) => Row::poor("devices", e.what, e.fix),
+    };
+    vec![server, devices]
+}
+
+/// What the system says of itself.
+fn limits() -> Vec<Row> {
+    let mut rows = Vec::new();
+    let cores = std::thread::available_parallelism().map_or(0, std::num::NonZero::get);
+    rows.push(if cores >= 2 {
+        Row::good("cores", cores.to_string())
+    } else {
+        Row::poor("cores", cores.to_string(), "engine and gateway want a core each: expect frames that begin late")
+    });
+    let read = |path: &str| fs::read_to_string(path).ok().map(|t| t.trim().to_string());
+    if let Some(limits) = read("/proc/self/limits") {
+        let of = |name: &str| {
+            let line = limits.lines().find(|l| l.starts_with(name))?;
+            line[name.len()..].split_whitespace().next().map(str::to_owned)
+        };
+        let (lock, priority) = (of("Max locked memory"), of("Max realtime priority"));
+        let [lock, priority] = [lock, priority].map(|v| v.unwrap_or_else(|| "?".into()));
+        rows.push(Row::good("limits", format!("memlock {lock} bytes, rtprio {priority} (root needs neither)")));
+    }
+    let governor = read("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor");
+    if let Some(governor) = governor.filter(|g| g != "performance") {
+        let fix = "`cpupower frequency-set -g performance` while you play";
+        rows.push(Row::poor("frequency", format!("governor `{governor}`: cores sleep and wake slowly"), fix));
+    }
+    if let Some(us) = read("/proc/sys/kernel/sched_rt_runtime_us") {
+        rows.push(Row::good(
+            "throttle",
+            format!("real-time threads get {us} us of each second; ours sleep, and stay below"),
+        ));
+    }
+    rows
+}
+
+/// A second of gesture frames as the engine waits for them: what was granted, lateness, and how many were a frame late.
+fn second() -> (rt::Granted, Told, u64) {
+    let granted = rt::ask(Wish { priority: Some(70), cpu: None, lock: true });
+    let (mut late, mut over) = (Times::new(), 0);
+    let start = now_ns();
+    for n in 1..=FRAMES {
+        let due = start + n * PERIOD;
+        let by = wait_until(due) - due;
+        late.add(by);
+        over += u64::from(by > PERIOD);
+    }
+    (granted, late.told(), over)
+}

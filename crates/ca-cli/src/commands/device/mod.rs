@@ -1,0 +1,62 @@
+//! `ca device`: device processes, simulated and tested.
+
+mod calibrate;
+mod conformance;
+mod doctor;
+mod list;
+mod sim;
+
+use crate::Outcome;
+use crate::args::{DeviceArgs, DeviceCommand};
+use ca_haptic::frame::{About, DOF, VERSION, uid};
+use ca_haptic::profile::Profile;
+
+/// Runs the command.
+pub fn run(args: &DeviceArgs) -> Outcome {
+    match &args.what {
+        DeviceCommand::Sim(a) => sim::run(a),
+        DeviceCommand::List { json } => list::run(*json),
+        DeviceCommand::Doctor { json } => doctor::run(*json),
+        DeviceCommand::Calibrate(a) => calibrate::run(a),
+        DeviceCommand::Conformance(a) => conformance::run(a),
+    }
+}
+
+/// What a device of this profile says of itself.
+fn about(name: &str, p: &Profile) -> About {
+    let mut about = About {
+        magic: About::MAGIC,
+        version: VERSION,
+        layout: About::LAYOUT,
+        device: uid(name),
+        session: 0,
+        calibration: 0,
+        model: [0; 32],
+        serial: [0; 32],
+        firmware: [0; 16],
+        rate: p.rate.round() as u32,
+        n: p.dof as u16,
+        axes: p.axes as u16,
+        low: [0.0; DOF],
+        high: [0.0; DOF],
+        force: [0.0; DOF],
+        continuous: [0.0; DOF],
+        stiffness: [0.0; DOF],
+        damping: [0.0; DOF],
+    };
+    for k in 0..(p.dof as usize).min(DOF) {
+        (about.low[k], about.high[k]) = (p.range[0] as f32, p.range[1] as f32);
+        (about.force[k], about.continuous[k]) = (p.force as f32, p.continuous() as f32);
+        (about.stiffness[k], about.damping[k]) = (p.stiffness.unwrap_or(0.0) as f32, p.damping.unwrap_or(0.0) as f32);
+    }
+    write(&mut about.model, &p.title);
+    write(&mut about.firmware, concat!("ca ", env!("CARGO_PKG_VERSION")));
+    about
+}
+
+/// A text into a place of fixed length, zeros after it, cut between letters.
+fn write(to: &mut [u8], text: &str) {
+    let end = text.char_indices().map(|(at, c)| at + c.len_utf8()).take_while(|e| *e <= to.len()).last();
+    let end = end.unwrap_or(0);
+    to[..end].copy_from_slice(&text.as_bytes()[..end]);
+}

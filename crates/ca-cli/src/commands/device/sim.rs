@@ -1,0 +1,331 @@
+//! `ca device sim`: a device that is a process, and no hardware.
+//!
+//! Decides that it does what a driver of a real device does, no more: once a period it says where the hand is, and gives
+//! its motors what [`DeviceClient::safe_force`] lets through. What it was late for is left out and counted, never made
+//! up for in a burst; a process that was suspended goes on from where it stopped. With `--lockstep` the engine's answer
+//! is its clock: the force is used as it comes, and the loop is the same every time, however slow the machine.
+
+use super::about;
+use crate::args::{ScriptKind, SimArgs};
+use crate::term::short;
+use crate::{Ended, Failure, Outcome, store, term};
+use ca_haptic::frame::{Cause, DOF, DeviceFrame, ForceFrame, Mode};
+use ca_haptic::gesture::Gesture;
+use ca_haptic::host::{DeviceClient, HostError, Site};
+use ca_haptic::profile::Profile;
+use ca_haptic::rt::{self, Wish, now_ns, wait_until};
+use ca_haptic::simulated::{Device, Hand, Script};
+use ca_haptic::stats::Times;
+use serde_json::json;
+use std::fmt::Write as _;
+use std::fs::File;
+use std::io::{BufWriter, Write as _};
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use std::time::Duration;
+
+static STOP: AtomicBool = AtomicBool::new(false);
+
+/// In lock-step: how long an answer may take before the position is said again \[ns\]. Longer than the engine waits.
+const AGAIN: u64 = 300_000_000;
+/// Frames whose times are remembered.
+const KEPT: usize = 4096;
+
+/// Runs the command.
+pub fn run(args: &SimArgs) -> Outcome {
+    let mut profile = store::profile(&args.profile)?;
+    if let Some(rate) = args.rate {
+        profile.rate = rate;
+    }
+    let name = args.name.clone().unwrap_or_else(|| profile.name.clone());
+    let script = script(args, &profile)?;
+    let [low, high] = profile.range;
+    let hand = if args.script == ScriptKind::Push {
+        Hand::NONE
+    } else {
+        // where nothing pushes back any hand will do
+        Hand::finger(if profile.force > 0.0 { profile.force } else { 1.0 }, high - low)
+    };
+    let device = Device::new(&profile, hand, script, usize::from(args.delay), args.seed);
+    let log = args.force_log.as_deref().map(|path| Log::create(path, profile.dof as usize)).transpose()?;
+    let client = DeviceClient::open(&Site::of_user()?, about(&name, &profile))?;
+    // a handler can be set once in a process; where that fails, Ctrl-C ends the process as it would anyway
+    let _ = ctrlc::set_handler(|| STOP.store(true, Relaxed));
+    let granted = rt::ask(Wish { priority: (args.priority > 0).then_some(args.priority), ..Wish::default() });
+    term::note(&format!("`{name}`: {}, simulated, {} frames a second; {granted}", profile.title, profile.rate));
+    let mut sim = Sim {
+        frame: DeviceFrame::new(&name, profile.dof as usize),
+        n: profile.dof as usize,
+        te: 1.0 / profile.rate,
+        delay: usize::from(args.delay),
+        strict: args.lockstep,
+        device,
+        client,
+        log,
+        held: [0; DOF],
+        sent: vec![(0, 0); KEPT],
+        seen: Seen { most: vec![0.0; profile.dof as usize], ..Seen::default() },
+        cause: Cause::Disarmed,
+    };
+    let frames = args.seconds.map(|s| (s * profile.rate).round().max(1.0) as u64);
+    let ended = if args.lockstep { sim.lockstep(frames) } else { sim.free(frames) };
+    // what was logged is worth keeping even where the lines broke
+    if let Some(log) = sim.log.take() {
+        log.finish()?;
+    }
+    ended?;
+    sim.seen.told(&name, profile.rate, sim.client.watch().restarts, args.json)?;
+    Ok(Ended::Well)
+}
+
+fn script(args: &SimArgs, profile: &Profile) -> Result<Script, Failure> {
+    if args.push.is_some() && args.script != ScriptKind::Push {
+        return Err(Failure::Usage("--push is the force of `--script push`".into()));
+    }
+    if args.gesture.is_some() && args.script != ScriptKind::File {
+        return Err(Failure::Usage("--gesture is played by `--script file`".into()));
+    }
+    let name = match args.script {
+        ScriptKind::Strike => "strike",
+        ScriptKind::Bow => "bow",
+        ScriptKind::Shake => "shake",
+        ScriptKind::Hold => "hold",
+        ScriptKind::Push => match args.push {
+            Some(force) if force.is_finite() => return Ok(Script::Push { force }),
+            Some(_) => return Err(Failure::Usage("--push is a force in newtons".into())),
+            None => "push",
+        },
+        ScriptKind::File => {
+            let path = args.gesture.as_deref().unwrap_or(Path::new(""));
+            return Ok(Script::File(Gesture::open(path, &[], None)?));
+        }
+    };
+    // every name above is one of a script
+    Script::named(name, profile).ok_or_else(|| Failure::Usage(format!("no script `{name}`")))
+}
+
+/// A device under way.
+struct Sim {
+    device: Device,
+    client: DeviceClient,
+    frame: DeviceFrame,
+    n: usize,
+    te: f64,
+    delay: usize,
+    /// forces are used as they come
+    strict: bool,
+    /// numbers of the forces under way to the motors, the newest first
+    held: [u64; DOF],
+    /// when each position was sent \[ns\], by its number
+    sent: Vec<(u64, u64)>,
+    log: Option<Log>,
+    seen: Seen,
+    cause: Cause,
+}
+
+impl Sim {
+    /// At its own rate, for so many periods.
+    fn free(&mut self, periods: Option<u64>) -> Result<(), Failure> {
+        let (start, period) = (now_ns(), self.te * 1e9);
+        let mut force = [0.0; DOF];
+        let mut n = 0_u64;
+        while !STOP.load(Relaxed) && periods.is_none_or(|all| n < all) {
+            if n > 0 {
+                self.device.step(&force[..self.n], self.te);
+            }
+            self.send()?;
+            force = self.client.safe_force();
+            let cause = self.client.cause();
+            let latest = self.client.watch().last().copied();
+            self.note(cause, latest.as_ref())?;
+            n += 1;
+            let due = start + (n as f64 * period) as u64;
+            let late = (wait_until(due) - due) as f64 / period;
+            // whole periods that are over say nothing of where the hand is now
+            self.seen.left_out += late as u64;
+            n += late as u64;
+        }
+        Ok(())
+    }
+
+    /// At the engine's pace, for so many frames.
+    fn lockstep(&mut self, frames: Option<u64>) -> Result<(), Failure> {
+        let mut n = 0_u64;
+        while !STOP.load(Relaxed) && frames.is_none_or(|all| n < all) {
+            let mut at = self.send()?;
+            let answer = loop {
+                if STOP.load(Relaxed) {
+                    return Ok(());
+                }
+                self.client.wait(Duration::from_millis(1));
+                self.client.force();
+                let (me, seq) = (self.frame.session, self.frame.seq);
+                if let Some(f) = self.client.watch().last().filter(|f| f.ack_session == me && f.ack == seq) {
+                    break *f;
+                }
+                if now_ns() > at + AGAIN {
+                    // nobody listened yet, or the server is another one now
+                    at = self.send()?;
+                    self.seen.again += 1;
+                }
+            };
+            let mode = Mode::read(answer.mode);
+            let cause = match mode {
+                Mode::Off | Mode::Fault => Some(Cause::read(answer.cause)).filter(|c| *c != Cause::None),
+                _ => None,
+            };
+            let cause = cause.unwrap_or(if mode == Mode::Off { Cause::Disarmed } else { Cause::None });
+            self.note(cause, Some(&answer))?;
+            let mut force = [0.0; DOF];
+            for (to, f) in force.iter_mut().zip(&answer.force[..self.n]) {
+                *to = f64::from(*f);
+            }
+            self.device.step(&force[..self.n], self.te);
+            n += 1;
+        }
+        Ok(())
+    }
+
+    /// Says where the hand is. Returns the time \[ns\].
+    fn send(&mut self) -> Result<u64, HostError> {
+        self.device.frame(&mut self.frame);
+        if self.strict {
+            self.client.held(self.held[self.delay]);
+            self.frame.cause = self.cause as u16;
+        } else if self.delay > 0 {
+            self.client.held(self.held[self.delay]);
+            let heard = self.client.watch().last().is_some();
+            self.frame.cause = if heard { self.client.cause() } else { Cause::Disarmed } as u16;
+        }
+        let readers = self.client.send(&mut self.frame)?;
+        self.sent[self.frame.seq as usize % KEPT] = (self.frame.seq, self.frame.t_host_ns);
+        self.seen.frames += 1;
+        self.seen.unread += u64::from(readers == 0);
+        Ok(self.frame.t_host_ns)
+    }
+
+    /// Takes note of what acts from now on.
+    fn note(&mut self, cause: Cause, latest: Option<&ForceFrame>) -> Result<(), Failure> {
+        let seq = latest.map_or(0, |f| f.seq);
+        if let Some(f) = latest.filter(|f| f.seq != self.seen.last) {
+            self.seen.last = f.seq;
+            self.seen.forces += 1;
+            if f.ack > 0 && f.ack_session == self.frame.session && self.seen.first == 0 {
+                self.seen.first = f.ack;
+            }
+            let (sent, at) = self.sent[f.ack as usize % KEPT];
+            if f.ack > 0 && f.ack_session == self.frame.session && sent == f.ack {
+                self.seen.loops.add(now_ns().saturating_sub(at));
+            }
+        }
+        self.held.copy_within(0..DOF - 1, 1);
+        self.held[0] = seq;
+        if cause != self.cause {
+            self.cause = cause;
+            term::note(&format!("frame {}: {}", self.frame.seq, said(cause)));
+        }
+        self.seen.causes[cause as usize] += 1;
+        for (most, f) in self.seen.most.iter_mut().zip(self.device.held()) {
+            *most = most.max(f.abs());
+        }
+        if let Some(log) = &mut self.log {
+            log.line(&self.frame, latest, cause, &self.device)?;
+        }
+        Ok(())
+    }
+}
+
+fn said(cause: Cause) -> String {
+    if cause == Cause::None { "forces come".into() } else { format!("no force, {}", cause.name()) }
+}
+
+/// What it saw.
+#[derive(Default)]
+struct Seen {
+    frames: u64,
+    unread: u64,
+    left_out: u64,
+    again: u64,
+    forces: u64,
+    last: u64,
+    /// number of its first position that was answered
+    first: u64,
+    most: Vec<f64>,
+    loops: Times,
+    causes: [u64; ca_haptic::frame::CAUSES.len()],
+}
+
+impl Seen {
+    fn told(&self, name: &str, rate: f64, restarts: u64, asked: bool) -> std::io::Result<()> {
+        let mut out = std::io::stdout().lock();
+        let causes = || ca_haptic::frame::CAUSES.iter().zip(self.causes).filter(|c| c.1 > 0);
+        let loops = self.loops.told();
+        if asked {
+            let causes: serde_json::Map<String, serde_json::Value> =
+                causes().map(|(c, n)| (c.name().into(), json!(n))).collect();
+            let v = json!({
+                "device": name, "rate": rate, "frames": self.frames, "unread": self.unread,
+                "first_answered": self.first, "left_out": self.left_out, "asked_again": self.again, "forces": self.forces,
+                "largest": self.most, "loop_us": loops, "causes": causes, "restarts": restarts,
+            });
+            return writeln!(out, "{v:#}");
+        }
+        writeln!(out, "{name}: {} frames at {rate} Hz", self.frames)?;
+        let again = if self.again > 0 { format!(", {} said again", self.again) } else { String::new() };
+        writeln!(out, "  {:<10}{} read by nobody, {} periods left out{again}", "sent", self.unread, self.left_out)?;
+        let (k, most) = self.most.iter().enumerate().fold((0, 0.0), |a, (k, f)| if *f > a.1 { (k, *f) } else { a });
+        let engine = if restarts > 0 { format!("; {restarts} times another engine") } else { String::new() };
+        writeln!(out, "  {:<10}{} frames, largest {} N (dof {k}){engine}", "forces", self.forces, short(most))?;
+        if loops.n > 0 {
+            let [a, b, c, d] = [loops.p50, loops.p99, loops.p999, loops.max].map(short);
+            writeln!(out, "  {:<10}p50 {a}  p99 {b}  p99.9 {c}  max {d} us, from a position to its force", "loop")?;
+        }
+        let list: Vec<String> = causes().map(|(c, n)| format!("{} {n}", c.name())).collect();
+        writeln!(out, "  {:<10}{} (frames)", "off", list.join(", "))
+    }
+}
+
+/// The file of `--force-log`.
+struct Log {
+    to: BufWriter<File>,
+    path: String,
+    line: String,
+}
+
+impl Log {
+    fn create(path: &Path, n: usize) -> Result<Log, Failure> {
+        let name = path.display().to_string();
+        let file = File::create(path)
+            .map_err(|e| Failure::Failed(format!("`{name}` cannot be written: {}", crate::load::reason(&e))))?;
+        let mut log = Log { to: BufWriter::with_capacity(1 << 16, file), path: name, line: String::new() };
+        log.line += "seq,time,force,answers,mode,off,flags";
+        for what in ["x", "f"] {
+            for k in 0..n {
+                let _ = write!(log.line, ",{what}{k}");
+            }
+        }
+        log.put()?;
+        Ok(log)
+    }
+
+    fn line(&mut self, frame: &DeviceFrame, f: Option<&ForceFrame>, off: Cause, d: &Device) -> Result<(), Failure> {
+        self.line.clear();
+        let (seq, ack, flags) = f.map_or((0, 0, 0), |f| (f.seq, f.ack, f.flags));
+        let mode = f.map_or("none", |f| Mode::read(f.mode).name());
+        let _ = write!(self.line, "{},{},{seq},{ack},{mode},{},{flags}", frame.seq, d.time(), off.name());
+        for v in d.measured().iter().chain(d.held()) {
+            let _ = write!(self.line, ",{v}");
+        }
+        self.put()
+    }
+
+    fn put(&mut self) -> Result<(), Failure> {
+        let written = writeln!(self.to, "{}", self.line);
+        written.map_err(|e| Failure::Failed(format!("`{}` cannot be written: {}", self.path, crate::load::reason(&e))))
+    }
+
+    fn finish(mut self) -> Result<(), Failure> {
+        let written = self.to.flush();
+        written.map_err(|e| Failure::Failed(format!("`{}` cannot be written: {}", self.path, crate::load::reason(&e))))
+    }
+}

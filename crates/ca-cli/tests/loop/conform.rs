@@ -1,0 +1,95 @@
+//! `ca device conformance`: what keeps the rules passes, and every lie is found by the row that is about it.
+
+use super::liar::{Liar, Lie};
+use super::stage::{Ran, Stage};
+use serde_json::Value;
+
+fn row(v: &Value, name: &str) -> (bool, String) {
+    let rows = v["rows"].as_array().unwrap();
+    let r = rows.iter().find(|r| r["name"] == name).unwrap_or_else(|| panic!("no row `{name}` in {v:#}"));
+    (r["pass"].as_bool().unwrap(), r["found"].as_str().unwrap().to_owned())
+}
+
+fn tested(stage: &Stage, name: &str) -> Ran {
+    stage.ca(&["device", "conformance", name, "--json"])
+}
+
+/// Passes within a few tries: its rate is measured by the clock of a machine that may be busy with other tests.
+fn passes(stage: &Stage, name: &str) -> Value {
+    let mut last = Value::Null;
+    for _ in 0..4 {
+        let ran = tested(stage, name);
+        last = ran.json();
+        if ran.code == Some(0) {
+            assert_eq!(last["pass"], true);
+            return last;
+        }
+    }
+    panic!("{last:#}");
+}
+
+#[test]
+fn simulated_devices_pass() {
+    let stage = Stage::new();
+    for name in ["falcon", "key"] {
+        let device = stage.spawn(&["device", "sim", "--profile", name, "--script", "hold"]);
+        let v = passes(&stage, name);
+        assert!(v["rows"].as_array().unwrap().len() >= 20, "{v:#}");
+        let (pass, found) = row(&v, "watchdog");
+        assert!(pass && found.contains("WATCHDOG_OUT"), "{found}");
+        // forces were really there
+        assert!(row(&v, "measured").1.contains("were asked"), "{v:#}");
+        let seen = device.stop().is(0);
+        assert!(seen.says(&["WATCHDOG_OUT", "another engine"]).out.contains(name));
+    }
+}
+
+#[test]
+fn a_device_without_our_client_passes() {
+    let stage = Stage::new();
+    let _device = Liar::new(&stage.site, "key", Lie::None);
+    passes(&stage, "key");
+}
+
+#[test]
+fn a_device_that_cannot_be_had_is_an_error() {
+    // nobody is there
+    let stage = Stage::new();
+    stage.ca(&["device", "conformance", "nobody"]).is(1).says(&["nobody", "ca device list"]);
+    // the server has it
+    let _server = stage.serve("key.ca.toml", &["--quiet"]);
+    stage.ca(&["device", "conformance", "key"]).is(1).says(&["has a server already"]);
+}
+
+/// The row that finds a lie.
+fn found(lie: Lie, name: &str) {
+    let stage = Stage::new();
+    let _device = Liar::new(&stage.site, "key", lie);
+    let ran = tested(&stage, "key");
+    let v = ran.json();
+    assert!(!row(&v, name).0, "{lie:?}: {v:#}");
+    assert_eq!((ran.code, v["pass"].as_bool()), (Some(1), Some(false)));
+}
+
+#[test]
+fn lies_of_frames_are_found() {
+    found(Lie::Numbers, "numbers");
+    found(Lie::Rate, "rate");
+    found(Lie::Positions, "positions");
+    found(Lie::Session, "session");
+}
+
+#[test]
+fn lies_of_forces_are_found() {
+    found(Lie::Ack, "ack");
+    found(Lie::Measured, "measured");
+    found(Lie::Layout, "layout");
+}
+
+#[test]
+fn lies_of_engines_are_found() {
+    found(Lie::Watchdog, "watchdog");
+    found(Lie::GoesOn, "goes on");
+    found(Lie::Restart, "restart");
+    found(Lie::Unrested, "unrested");
+}

@@ -1,0 +1,199 @@
+//! Models and devices that go wrong, through shared memory: every force on the line is watched.
+
+use super::liar::Liar;
+use super::stage::{KEY, Stage, until};
+use super::watch::{Watch, key};
+use ca_haptic::frame::{Cause, DOF, DeviceFrame, Mode, status};
+use ca_haptic::rt::now_ns;
+use std::path::Path;
+use std::sync::atomic::Ordering::Relaxed;
+use std::time::Duration;
+
+#[test]
+fn h9_a_throw_brakes_and_ends() {
+    let stage = Stage::new();
+    // a weak spring: nothing pushes at either end
+    stage.put("weak.ca.toml", &KEY.replace("0.9 mm", "0 mm").replace("k = 500", "k = 10"));
+    // 15 mm in 10 ms, every four seconds
+    let mut throws = String::from("time,key\n0,-0.0075\n");
+    for k in 0..8 {
+        let t = 4.0 * f64::from(k) + 3.0;
+        let [a, b] = if k % 2 == 0 { [-0.0075, 0.0075] } else { [0.0075, -0.0075] };
+        throws += &format!("{t},{a}\n{},{b}\n", t + 0.01);
+    }
+    stage.put("throw.csv", &throws);
+    let watch = Watch::of(&stage.site, "key");
+    let server = stage.serve("weak.ca.toml", &["--json"]);
+    let _device = stage.key(&["--script", "file", "--gesture", "throw.csv"]);
+    stage.armed("it trips", |mode, cause| mode == "fault" && cause == "VELOCITY");
+    let count = watch.count();
+    until("it stays so", || watch.count() > count + 300);
+    assert_eq!(stage.state().1, "VELOCITY");
+    let told = server.stop().json();
+    assert!(told["faults"].as_array().unwrap().iter().any(|f| f["cause"] == "VELOCITY"), "{told:#}");
+    let seen = watch.end(&key());
+    // 200 ms of brake, of 600 frames most are seen; against a motion of 0.5 m/s with 5 N s/m
+    let brake: Vec<f32> = seen.of(Mode::Damp).map(|f| f.force[0].abs()).collect();
+    assert!(brake.len() > 100 && brake.len() <= 600, "{} frames of brake", brake.len());
+    assert!(brake.iter().copied().fold(0.0, f32::max) > 2.0, "{brake:?}");
+}
+
+#[test]
+fn h1_a_model_that_gives_no_number_is_no_force() {
+    let stage = Stage::new();
+    // nothing within 13 cm, and beyond it forces near the largest number there is: the sum over a frame is none
+    let wild = r#"
+[TGR]
+key = { device = "key", dof = 0 }
+[SOL]
+wall = {}
+[LNL]
+cliff = { between = ["wall", "key"], spring = [[-1, -1.4e308], [-0.13, 0], [0.13, 0], [1, 1.4e308]] }
+"#;
+    let long = super::stage::PROFILE.replace("0.01", "0.5");
+    stage.put("wild.ca.toml", wild).put("c/profiles/key.toml", &long);
+    let watch = Watch::of(&stage.site, "key");
+    let _server = stage.serve("wild.ca.toml", &["--quiet"]);
+    // three seconds at rest, then out to 30 cm and back at 0.3 m/s, again and again
+    let _device = Liar::moving(&stage.site, "key", |n, f| {
+        let t = (n % 18_000) as f64 / 3000.0;
+        f.pos[0] = (0.3 * (t - 3.0)).min(0.3 * (6.0 - t)).clamp(0.0, 0.3);
+    });
+    stage.armed("it trips", |mode, cause| mode == "fault" && (cause == "NONFINITE" || cause == "MODEL_UNSTABLE"));
+    assert_eq!(stage.state().1, "NONFINITE");
+    let p = ca_haptic::profile::Profile::read(&long, "key").unwrap();
+    let seen = watch.end(&p);
+    assert!(seen.faults().contains(&Cause::Nonfinite), "{:?}", seen.faults());
+    // on its way there it met a wall of ten newtons
+    let most = seen.of(Mode::On).map(|f| f.force[0].abs()).fold(0.0, f32::max);
+    assert!(most > 9.9, "{most}");
+}
+
+#[test]
+fn h15_h16_a_model_that_explodes_leaves_hand_and_ear() {
+    let stage = Stage::new();
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/models/exploding_resonator.ca.toml");
+    stage.put("bang.ca.toml", &std::fs::read_to_string(root).unwrap());
+    let watch = Watch::of(&stage.site, "key");
+    let _device = stage.key(&["--script", "hold"]);
+    let server = stage.serve("bang.ca.toml", &["--json", "-o", "bang.wav"]);
+    stage.armed("it blows up with forces on", |mode, cause| mode == "fault" && cause == "MODEL_UNSTABLE");
+    let count = watch.count();
+    until("it stays so", || watch.count() > count + 300);
+    let told = server.stop().is(3).json();
+    assert_eq!(told["unstable"], true);
+    let seen = watch.end(&key());
+    assert_eq!(seen.frames.last().map(|f| Mode::read(f.mode)), Some(Mode::Off), "the last word of a server");
+    assert!(seen.of(Mode::Ramp).next().is_some());
+    let samples: Vec<f32> =
+        hound::WavReader::open(stage.path("bang.wav")).unwrap().samples::<f32>().map(Result::unwrap).collect();
+    let peak = samples.iter().fold(0.0_f32, |a, b| a.max(b.abs()));
+    assert!(peak > 0.1 && peak <= 1.0, "{peak}");
+    // silence to the end, at least the hundred milliseconds that were waited for
+    assert!(samples[samples.len() - 2400..].iter().all(|s| *s == 0.0));
+}
+
+/// xorshift
+fn dice(seed: &mut u64) -> u64 {
+    *seed ^= *seed << 13;
+    *seed ^= *seed >> 7;
+    *seed ^= *seed << 17;
+    *seed
+}
+
+/// A frame that is wrong in one or several ways, or in none.
+fn spoiled(good: &DeviceFrame, seed: &mut u64) -> DeviceFrame {
+    let mut f = *good;
+    for _ in 0..dice(seed) % 4 {
+        let (what, with) = (dice(seed) % 16, dice(seed));
+        let any = f64::from_bits(with);
+        match what {
+            0 => f.magic ^= with as u32,
+            1 => f.layout ^= with,
+            2 => f.device[0] ^= with as u8,
+            3 => f.session = with % 4,
+            4 => f.seq = with,
+            5 => f.seq = f.seq.saturating_sub(with % 100),
+            6 => f.ack = with,
+            7 => f.n = with as u16,
+            8 => f.pos = [any; DOF],
+            9 => f.pos[0] = [f64::NAN, f64::INFINITY, f64::MAX, -1e9, 0.05, -0.0][with as usize % 6],
+            10 => f.vel = [any; DOF],
+            11 => f.status = with as u32,
+            12 => f.cause = with as u16,
+            13 => f.t_device_ns = with,
+            14 => f.period_ns = with as u32,
+            _ => f.pos[0] += 1e-4 * (any.to_bits() as i8 as f64),
+        }
+    }
+    f
+}
+
+#[test]
+fn h10_no_frame_of_a_device_moves_a_force_beyond_its_limits() {
+    let all: u64 = if std::env::var_os("CA_LONG").is_some() { 1_000_000 } else { 100_000 };
+    let stage = Stage::new();
+    stage.put("key.ca.toml", &KEY.replace("k = 500", "k = 20000").replace("0.9 mm", "0 mm"));
+    let watch = Watch::of(&stage.site, "key");
+    let server = stage.serve("key.ca.toml", &["--json"]);
+    let device = Liar::with(&stage.site, "key", move |place, name, stop, sent| {
+        let line = place.writer::<DeviceFrame>(name, "in", 0);
+        let (mut good, mut seed) = (DeviceFrame::new(name, 1), 0x9e37_79b9_7f4a_7c15_u64);
+        (good.session, good.period_ns) = (1, 333_333);
+        good.status |= status::SIMULATED;
+        for n in 1.. {
+            if stop.load(Relaxed) {
+                return;
+            }
+            good.seq += 1;
+            (good.t_host_ns, good.t_device_ns) = (now_ns(), n * 100_000);
+            // spells in which nothing is wrong, so that forces get on in between
+            let calm = n > all || (n / 15_000) % 2 == 1;
+            let frame = if calm { good } else { spoiled(&good, &mut seed) };
+            line.send_copy(frame).unwrap();
+            sent.store(n, Relaxed);
+            // the queue holds four; the gateway looks every 50 us
+            if n % 2 == 0 {
+                std::thread::sleep(Duration::from_micros(60));
+            }
+        }
+    });
+    let end = std::time::Instant::now() + Duration::from_secs(600);
+    while device.sent.load(Relaxed) < all {
+        assert!(std::time::Instant::now() < end && !device.is_done());
+        stage.arm();
+        std::thread::sleep(Duration::from_millis(100));
+    }
+    // once nothing is wrong any more it can be played again
+    stage.on();
+    drop(device);
+    let told = server.stop().json();
+    let seen = watch.end(&key());
+    let causes = seen.faults();
+    assert!(causes.contains(&Cause::Implausible), "{causes:?}");
+    let received = told["traffic"]["received"].as_u64().unwrap();
+    let foreign = told["traffic"]["foreign"].as_u64().unwrap();
+    let dropped = told["dropped"].as_u64().unwrap();
+    // what was overwritten in the queue was never there; most must have been
+    assert!(received > all / 4 && foreign > all / 100 && dropped > all / 100, "{told:#}");
+    eprintln!(
+        "{received} received, {foreign} foreign, {dropped} dropped, {} forces seen, {causes:?}",
+        seen.frames.len()
+    );
+}
+
+#[test]
+fn h8_another_session_is_another_device() {
+    let stage = Stage::new();
+    let watch = Watch::of(&stage.site, "key");
+    let _server = stage.serve("key.ca.toml", &["--quiet"]);
+    // each ten seconds it is pulled and plugged, within a frame
+    let device = Liar::moving(&stage.site, "key", |n, f| {
+        if n % 30_000 == 0 {
+            (f.session, f.seq) = (f.session + 1, 1);
+        }
+    });
+    stage.armed("it is noticed", |mode, cause| mode == "fault" && cause == "DISCONNECT");
+    drop(device);
+    assert!(watch.end(&key()).faults().contains(&Cause::Disconnect));
+}

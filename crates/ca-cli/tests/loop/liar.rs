@@ -1,0 +1,191 @@
+//! A device written without our client, which may lie in one way; and one that sends anything at all.
+
+use super::raw::Place;
+use ca_haptic::frame::{About, Cause, DOF, DeviceFrame, ForceFrame, Mode, VERSION, uid};
+use ca_haptic::host::Site;
+use ca_haptic::host::watch::Watch;
+use ca_haptic::rt::{now_ns, wait_until};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
+use std::thread::JoinHandle;
+
+/// What is wrong with it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Lie {
+    /// nothing
+    None,
+    /// its frames have one number
+    Numbers,
+    /// it never says which force it used
+    Ack,
+    /// it goes on with the last force for ever
+    Watchdog,
+    /// it sends half as often as it says
+    Rate,
+    /// it is where it cannot be
+    Positions,
+    /// it believes the first engine for ever
+    Restart,
+    /// it believes an engine that was not seen at rest
+    Unrested,
+    /// it takes every force frame for its own
+    Layout,
+    /// it ends with its engine
+    GoesOn,
+    /// its session is not the one it says
+    Session,
+    /// it gives another force than it was told
+    Measured,
+}
+
+/// Frame of 3000 a second \[ns\].
+const PERIOD: u64 = 333_333;
+
+/// A device in a thread. Ends with its value.
+pub struct Liar {
+    stop: Arc<AtomicBool>,
+    pub sent: Arc<AtomicU64>,
+    thread: Option<JoinHandle<()>>,
+}
+
+pub fn about(name: &str, rate: u32) -> About {
+    About {
+        magic: About::MAGIC,
+        version: VERSION,
+        layout: About::LAYOUT,
+        device: uid(name),
+        session: 77,
+        calibration: 0,
+        model: [0; 32],
+        serial: [0; 32],
+        firmware: [0; 16],
+        rate,
+        n: 1,
+        axes: 1,
+        low: [-0.01; DOF],
+        high: [0.01; DOF],
+        force: [10.0; DOF],
+        continuous: [10.0; DOF],
+        stiffness: [0.0; DOF],
+        damping: [0.0; DOF],
+    }
+}
+
+impl Liar {
+    /// Speaks as `name`, 1000 times a second.
+    pub fn new(site: &Site, name: &str, lie: Lie) -> Liar {
+        Liar::with(site, name, move |place, name, stop, sent| play(place, name, lie, stop, sent))
+    }
+
+    /// Sends what `play` sends.
+    pub fn with(
+        site: &Site,
+        name: &str,
+        play: impl FnOnce(&Place, &str, &AtomicBool, &AtomicU64) + Send + 'static,
+    ) -> Liar {
+        let (stop, sent) = (Arc::new(AtomicBool::new(false)), Arc::new(AtomicU64::new(0)));
+        let (end, count, site, name) = (stop.clone(), sent.clone(), site.clone(), name.to_owned());
+        let thread = std::thread::spawn(move || play(&Place::new(&site), &name, &end, &count));
+        Liar { stop, sent, thread: Some(thread) }
+    }
+
+    /// A sensor that moves as `frame` says, 3000 times a second, and takes no force: number of the frame, from 1.
+    pub fn moving(site: &Site, name: &str, mut frame: impl FnMut(u64, &mut DeviceFrame) + Send + 'static) -> Liar {
+        Liar::with(site, name, move |place, name, stop, sent| {
+            let line = place.writer::<DeviceFrame>(name, "in", 0);
+            let mut f = DeviceFrame::new(name, 1);
+            (f.session, f.period_ns) = (1, PERIOD as u32);
+            for n in 1.. {
+                if stop.load(Relaxed) {
+                    return;
+                }
+                f.seq += 1;
+                (f.t_host_ns, f.t_device_ns) = (now_ns(), n * PERIOD);
+                frame(n, &mut f);
+                line.send_copy(f).unwrap();
+                sent.store(n, Relaxed);
+                wait_until(f.t_host_ns + PERIOD);
+            }
+        })
+    }
+
+    pub fn is_done(&self) -> bool {
+        self.thread.as_ref().is_none_or(JoinHandle::is_finished)
+    }
+}
+
+impl Drop for Liar {
+    fn drop(&mut self) {
+        self.stop.store(true, Relaxed);
+        if let Some(thread) = self.thread.take() {
+            // its panic is the test's
+            let ended = thread.join();
+            assert!(ended.is_ok() || std::thread::panicking());
+        }
+    }
+}
+
+fn play(place: &Place, name: &str, lie: Lie, stop: &AtomicBool, count: &AtomicU64) {
+    let frames = place.writer::<DeviceFrame>(name, "in", 0);
+    let forces = place.reader::<ForceFrame>(name, "out");
+    let says = place.writer::<About>(name, "about", 1);
+    let who = about(name, 1000);
+    let period = if lie == Lie::Rate { 2_000_000 } else { 1_000_000 };
+    let mut watch = Watch::new(who.device);
+    let mut held = ForceFrame::new(name, 1);
+    let (start, mut frame) = (now_ns(), DeviceFrame::new(name, 1));
+    frame.session = if lie == Lie::Session { 78 } else { 77 };
+    let mut first = None;
+    for n in 1.. {
+        if stop.load(Relaxed) {
+            return;
+        }
+        if n % 500 == 1 {
+            says.send_copy(who).unwrap();
+        }
+        while let Some(f) = forces.receive().unwrap() {
+            let f = *f;
+            match lie {
+                Lie::Restart if f.is_ours() && *first.get_or_insert(f.session) != f.session => {}
+                Lie::Layout => {
+                    held = f;
+                    let _ = watch.take(&f);
+                }
+                _ => {
+                    if watch.take(&f) {
+                        held = f;
+                    }
+                }
+            }
+        }
+        let now = now_ns();
+        let cause = match lie {
+            Lie::Watchdog | Lie::Unrested if watch.last().is_some() => {
+                let on = !matches!(Mode::read(held.mode), Mode::Off | Mode::Fault);
+                let fresh = lie == Lie::Watchdog || now.saturating_sub(held.t_host_ns) < u64::from(held.ttl_us) * 1000;
+                match watch.cause(now) {
+                    _ if on && fresh => Cause::None,
+                    Cause::None => Cause::Disarmed,
+                    cause => cause,
+                }
+            }
+            _ => watch.cause(now),
+        };
+        if lie == Lie::GoesOn && cause == Cause::WatchdogOut && watch.last().is_some_and(|f| f.mode == Mode::On as u32)
+        {
+            continue;
+        }
+        frame.force_measured[0] = if cause == Cause::None { held.force[0] } else { 0.0 };
+        if lie == Lie::Measured {
+            frame.force_measured[0] *= 2.0;
+        }
+        frame.cause = if watch.last().is_none() { Cause::Disarmed } else { cause } as u16;
+        frame.seq = if lie == Lie::Numbers { 1 } else { n };
+        frame.ack = if lie == Lie::Ack { 0 } else { held.seq };
+        frame.pos[0] = if lie == Lie::Positions { 0.02 } else { 0.0 };
+        (frame.t_device_ns, frame.t_host_ns, frame.period_ns) = (n * period, now, period as u32);
+        frames.send_copy(frame).unwrap();
+        count.store(n, Relaxed);
+        wait_until((start + n * period).max(now + period / 2));
+    }
+}

@@ -1,0 +1,62 @@
+//! A model without a device asks for nothing of what devices need: no thread of theirs, no shared memory, no folder.
+
+use super::stage::{Proc, Stage, until};
+use std::fs;
+
+const BAR: &str =
+    "[CEL]\nbar = { m = \"1 g\", f = \"220 Hz\", t60 = \"1 s\", dx0 = \"1 mm\" }\n[SOX]\nout = { from = \"bar\" }\n";
+
+/// Names of the threads of a process.
+fn threads(p: &Proc) -> Vec<String> {
+    let tasks = fs::read_dir(format!("/proc/{}/task", p.id())).unwrap();
+    let mut names: Vec<String> = tasks
+        .filter_map(|t| fs::read_to_string(t.unwrap().path().join("comm")).ok())
+        .map(|n| n.trim().to_owned())
+        .collect();
+    names.sort();
+    names
+}
+
+fn has_no_shared_memory(stage: &Stage, p: &Proc) {
+    let maps = fs::read_to_string(format!("/proc/{}/maps", p.id())).unwrap();
+    assert!(!maps.contains("/dev/shm") && !maps.contains("iox2"), "{maps}");
+    assert!(maps.contains("/ca"), "the maps of our own process:\n{maps}");
+    let root = stage.site.root();
+    assert!(fs::read_dir(root).unwrap().next().is_none(), "nothing in {}", root.display());
+}
+
+#[test]
+fn rendering_starts_no_thread_and_opens_no_shared_memory() {
+    let stage = Stage::new();
+    stage.put("bar.ca.toml", BAR).put("dev.ca.toml", super::stage::KEY);
+    // rendering never has a device, even where the model names one
+    for model in ["bar.ca.toml", "dev.ca.toml"] {
+        let p = stage.spawn(&["render", model, "-o", "/dev/null", "--seconds", "3600", "--quiet"]);
+        // one waits for Ctrl-C
+        until("it has begun", || threads(&p).iter().any(|n| n == "ctrl-c"));
+        for _ in 0..20 {
+            assert_eq!(threads(&p), ["ca", "ctrl-c"], "{}", p.said());
+            std::thread::sleep(std::time::Duration::from_millis(5));
+        }
+        has_no_shared_memory(&stage, &p);
+        p.kill();
+    }
+}
+
+#[test]
+fn serving_a_model_without_devices_opens_no_shared_memory() {
+    let stage = Stage::new();
+    stage.put("bar.ca.toml", BAR);
+    let p = stage.spawn(&["serve", "bar.ca.toml", "--seconds", "60", "--priority", "0", "--no-lock"]);
+    until("it plays", || threads(&p).iter().any(|n| n == "ca engine"));
+    until("it is ready for Ctrl-C", || threads(&p).len() >= 3);
+    assert_eq!(threads(&p), ["ca", "ca engine", "ctrl-c"], "{}", p.said());
+    has_no_shared_memory(&stage, &p);
+    let ran = p.stop();
+    assert_eq!(ran.code, Some(0), "{}{}", ran.out, ran.err);
+    // with a device there are both: this test can see them
+    let p = stage.serve("key.ca.toml", &["--quiet"]);
+    assert!(threads(&p).iter().any(|n| n == "ca gateway"), "{:?}", threads(&p));
+    let maps = fs::read_to_string(format!("/proc/{}/maps", p.id())).unwrap();
+    assert!(maps.contains("/dev/shm"));
+}

@@ -1,0 +1,235 @@
+//! A place of its own in which servers and devices run, and end with the test.
+
+use ca_haptic::host::Site;
+use ca_haptic::host::control::{Reply, Request, ask};
+use std::fs::{self, File};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
+use std::time::{Duration, Instant};
+
+/// A spring that pushes a little: 0.45 N where the key rests, which counts as nothing.
+pub const KEY: &str = r#"
+[TGR]
+key = { device = "key", dof = 0 }
+[SOL]
+wall = { x = "0.9 mm" }
+[RES]
+spring = { between = ["key", "wall"], k = 500, l0 = 0 }
+[SOX]
+out = { from = "key" }
+"#;
+
+/// A key: a twelfth of the TGR.
+pub const PROFILE: &str = r#"
+name = "key"
+title = "one key"
+source = "tgr12"
+dof = 1
+range = [-0.01, 0.01]
+force = 10.0
+stiffness = 40000
+rate = 3000
+[body]
+mass = 0.2
+friction = 2.0
+[guard]
+speed = 0.5
+"#;
+
+/// A place, with the profile of the device `key`.
+pub struct Stage {
+    dir: tempfile::TempDir,
+    pub site: Site,
+    runs: AtomicU32,
+}
+
+/// A process of ours. Ends with its value.
+pub struct Proc {
+    child: Child,
+    out: PathBuf,
+    err: PathBuf,
+}
+
+/// What a run gave.
+pub struct Ran {
+    pub code: Option<i32>,
+    pub out: String,
+    pub err: String,
+}
+
+/// Tries again and again until it is so; a machine under load is slow, not wrong.
+#[track_caller]
+pub fn until(what: &str, mut is: impl FnMut() -> bool) {
+    let end = Instant::now() + Duration::from_secs(30);
+    while !is() {
+        assert!(Instant::now() < end, "{what}: not within 30 s");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
+impl Stage {
+    pub fn new() -> Stage {
+        // the path must be short, wherever the system would have it
+        let dir = tempfile::Builder::new().prefix("cal").tempdir_in("/tmp").unwrap();
+        let site = Site::at(&dir.path().join("s")).unwrap();
+        fs::create_dir_all(dir.path().join("c/profiles")).unwrap();
+        let stage = Stage { dir, site, runs: AtomicU32::new(0) };
+        stage.put("c/profiles/key.toml", PROFILE).put("key.ca.toml", KEY);
+        stage
+    }
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.dir.path().join(name)
+    }
+    pub fn put(&self, name: &str, text: &str) -> &Stage {
+        fs::write(self.path(name), text).unwrap();
+        self
+    }
+    pub fn read(&self, name: &str) -> String {
+        fs::read_to_string(self.path(name)).unwrap()
+    }
+    fn command(&self, program: &str, args: &[&str]) -> Command {
+        let mut c = Command::new(program);
+        c.args(args).current_dir(&self.dir).env("CA_SHM_ROOT", self.site.root()).env("CA_CONFIG", self.path("c"));
+        c
+    }
+    fn start(&self, mut command: Command) -> Proc {
+        let n = self.runs.fetch_add(1, Relaxed);
+        let (out, err) = (self.path(&format!("{n}.out")), self.path(&format!("{n}.err")));
+        command.stdin(Stdio::null()).stdout(File::create(&out).unwrap()).stderr(File::create(&err).unwrap());
+        Proc { child: command.spawn().unwrap(), out, err }
+    }
+    /// Starts the command.
+    pub fn spawn(&self, args: &[&str]) -> Proc {
+        self.start(self.command(env!("CARGO_BIN_EXE_ca"), args))
+    }
+    /// Runs the command to its end.
+    pub fn ca(&self, args: &[&str]) -> Ran {
+        self.spawn(args).end()
+    }
+    /// A line of a shell in which `ca` is the built command.
+    pub fn sh(&self, line: &str) -> Ran {
+        let bin = Path::new(env!("CARGO_BIN_EXE_ca")).parent().unwrap();
+        let mut c = self.command("sh", &["-ec", line]);
+        c.env("PATH", format!("{}:{}", bin.display(), std::env::var("PATH").unwrap()));
+        self.start(c).end()
+    }
+    /// A server of `model` that answers.
+    pub fn serve(&self, model: &str, more: &[&str]) -> Proc {
+        let mut server = self.spawn(&[&["serve", model], more].concat());
+        until("the server answers", || {
+            assert!(server.lives(), "{}", server.said());
+            self.ask(&Request::Status).is_some()
+        });
+        server
+    }
+    /// A simulated key.
+    pub fn key(&self, more: &[&str]) -> Proc {
+        self.spawn(&[&["device", "sim", "--profile", "key"], more].concat())
+    }
+    /// Asks the server; `None` where there is none.
+    pub fn ask(&self, request: &Request) -> Option<Reply> {
+        ask(&self.site, request, Duration::from_secs(2)).ok()
+    }
+    /// Mode and cause of the first device, and how many frames of it came.
+    pub fn state(&self) -> (String, String, u64) {
+        let Some(r) = self.ask(&Request::Status) else { return Default::default() };
+        let d = &r.fields["devices"][0];
+        let text = |k: &str| d[k].as_str().unwrap().to_owned();
+        (text("mode"), text("cause"), d["frames"].as_u64().unwrap())
+    }
+    pub fn arm(&self) {
+        self.ask(&Request::Arm { device: None });
+    }
+    /// Arms until forces are on. A busy machine trips watchdogs now and then, which is what they are for.
+    pub fn on(&self) {
+        self.armed("forces on", |mode, _| mode == "on");
+    }
+    /// Until it is so; arms whenever forces are off.
+    pub fn armed(&self, what: &str, is: impl Fn(&str, &str) -> bool) {
+        let end = Instant::now() + Duration::from_secs(30);
+        loop {
+            let (mode, cause, frames) = self.state();
+            if is(&mode, &cause) {
+                return;
+            }
+            assert!(Instant::now() < end, "{what}: not within 30 s, but {mode}, {cause}, {frames} frames");
+            if mode == "fault" || cause == "DISARMED" {
+                self.arm();
+            }
+            std::thread::sleep(Duration::from_millis(10));
+        }
+    }
+}
+
+impl Drop for Stage {
+    fn drop(&mut self) {
+        // names in /dev/shm are not in the folder
+        ca_haptic::host::debris::clean(&self.site);
+    }
+}
+
+impl Proc {
+    pub fn id(&self) -> u32 {
+        self.child.id()
+    }
+    pub fn lives(&mut self) -> bool {
+        self.child.try_wait().unwrap().is_none()
+    }
+    pub fn signal(&self, name: &str) {
+        let id = self.child.id().to_string();
+        assert!(Command::new("kill").args([format!("-{name}"), id]).status().unwrap().success());
+    }
+    /// What it printed so far.
+    pub fn said(&self) -> String {
+        [&self.out, &self.err].map(|p| fs::read_to_string(p).unwrap()).concat()
+    }
+    /// Waits for its end.
+    pub fn end(mut self) -> Ran {
+        // a soak lasts longer than anything else
+        let end = Instant::now() + Duration::from_secs(180);
+        while self.lives() {
+            assert!(Instant::now() < end, "it does not end\n{}", self.said());
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        let read = |p: &PathBuf| fs::read_to_string(p).unwrap();
+        Ran { code: self.child.wait().unwrap().code(), out: read(&self.out), err: read(&self.err) }
+    }
+    /// Asks it to end, as Ctrl-C does.
+    pub fn stop(self) -> Ran {
+        self.signal("INT");
+        self.end()
+    }
+    /// Without a chance to say anything.
+    pub fn kill(mut self) {
+        self.child.kill().unwrap();
+        self.child.wait().unwrap();
+    }
+}
+
+impl Drop for Proc {
+    fn drop(&mut self) {
+        // one that ended already cannot be killed
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+impl Ran {
+    #[track_caller]
+    pub fn is(self, code: i32) -> Ran {
+        assert_eq!(self.code, Some(code), "stdout:\n{}\nstderr:\n{}", self.out, self.err);
+        self
+    }
+    #[track_caller]
+    pub fn says(self, words: &[&str]) -> Ran {
+        for w in words {
+            assert!(self.out.contains(w) || self.err.contains(w), "no `{w}` in\n{}\n{}", self.out, self.err);
+        }
+        self
+    }
+    #[track_caller]
+    pub fn json(&self) -> serde_json::Value {
+        serde_json::from_str(&self.out).unwrap_or_else(|e| panic!("{e}\n{}\n{}", self.out, self.err))
+    }
+}

@@ -1,0 +1,227 @@
+//! Processes that are suspended, killed and started again: H5 to H8 through shared memory, counted in frames.
+
+use super::stage::{KEY, Stage, until};
+use super::watch::{Watch, key};
+use ca_haptic::frame::{Cause, ForceFrame, Mode, flag};
+use ca_haptic::host::control::Request;
+
+/// Frames from the last fresh position to zero force: 10 ms of 3000 a second.
+const ZERO: u64 = 30;
+
+/// The frames after the device fell silent, with how many frames at least lie between it and them.
+fn aged(frames: &[ForceFrame]) -> impl Iterator<Item = (u64, &ForceFrame)> {
+    let last = frames.last().unwrap();
+    let silent = frames.iter().filter(move |f| (f.session, f.ack) == (last.session, last.ack));
+    // the frame that first used the last position has age 0; where it was not seen, ages are larger than they look
+    let first = silent.clone().next().unwrap().seq;
+    silent.map(move |f| (f.seq - first, f))
+}
+
+#[test]
+fn h5_a_hand_inside_a_wall_waits() {
+    let stage = Stage::new();
+    let watch = Watch::of(&stage.site, "key");
+    // 5 mm into 500 N/m: 2.5 N
+    stage.put("wall.ca.toml", &KEY.replace("0.9 mm", "5 mm"));
+    let _server = stage.serve("wall.ca.toml", &["--quiet", "--arm"]);
+    let _device = stage.key(&["--script", "hold"]);
+    until("it waits", || {
+        stage.armed("it waits", |mode, cause| mode == "off" && cause == "NONE");
+        watch.count() > 6000
+    });
+    let seen = watch.end(&key());
+    assert!(seen.frames.iter().all(|f| f.force[0] == 0.0 && Mode::read(f.mode) != Mode::On));
+    let waits = seen.frames.iter().filter(|f| f.flags & flag::WAIT_CLEAR != 0).count();
+    assert!(waits > 1000, "{waits}");
+}
+
+#[test]
+fn h6_h8_a_suspended_device_is_zero_force_and_stays_so() {
+    let stage = Stage::new();
+    let watch = Watch::of(&stage.site, "key");
+    let server = stage.serve("key.ca.toml", &["--json"]);
+    let device = stage.key(&["--script", "hold"]);
+    // where this machine itself stood still at that moment, the fault is another one
+    let noticed = (0..5).any(|_| {
+        stage.on();
+        device.signal("STOP");
+        until("the server notices", || stage.state().0 == "fault");
+        let noticed = stage.state().1 == "WATCHDOG_IN";
+        if !noticed {
+            device.signal("CONT");
+        }
+        noticed
+    });
+    assert!(noticed, "{:?}", stage.state());
+    let count = watch.count();
+    until("it goes on without", || watch.count() > count + 300);
+    let silent = watch.last().unwrap();
+    // it comes back, and nobody arms
+    let before = stage.state().2;
+    device.signal("CONT");
+    until("it speaks again", || stage.state().2 > before + 900);
+    let (mode, cause, _) = stage.state();
+    assert_eq!((mode.as_str(), cause.as_str()), ("fault", "WATCHDOG_IN"));
+    stage.on();
+    let seen = watch.end(&key());
+    let end = seen.frames.iter().position(|f| f.seq == silent.seq).unwrap() + 1;
+    let old = aged(&seen.frames[..end]).filter(|(age, _)| *age >= ZERO).collect::<Vec<_>>();
+    assert!(old.len() > 200, "{}", old.len());
+    for (age, f) in old {
+        assert!(Mode::read(f.mode) == Mode::Fault && f.force[0] == 0.0, "{age} frames after the last position: {f:?}");
+        assert_eq!(Cause::read(f.cause), Cause::WatchdogIn);
+    }
+    // what it says once it is back changes nothing
+    let back = &seen.frames[end..];
+    let fresh = back.iter().filter(|f| f.ack > silent.ack && Mode::read(f.mode) == Mode::Fault).count();
+    assert!(fresh > 300, "{fresh} frames at fault with a device that speaks");
+    assert!(server.stop().json()["faults"].as_array().unwrap().iter().any(|f| f["cause"] == "WATCHDOG_IN"));
+}
+
+#[test]
+fn h8_a_killed_device_is_another_one_when_it_comes_back() {
+    let stage = Stage::new();
+    let watch = Watch::of(&stage.site, "key");
+    let _server = stage.serve("key.ca.toml", &["--quiet"]);
+    let device = stage.key(&["--script", "hold"]);
+    stage.on();
+    device.kill();
+    until("the server notices", || stage.state().0 == "fault");
+    let dead = watch.last().unwrap();
+    let before = stage.state().2;
+    let _device = stage.key(&["--script", "hold"]);
+    until("another one speaks", || stage.state().2 > before + 900);
+    assert_eq!(stage.state().0, "fault", "its coming back arms nothing");
+    stage.on();
+    let seen = watch.end(&key());
+    let other = seen.frames.iter().find(|f| f.ack > 0 && f.ack_session != dead.ack_session).unwrap().ack_session;
+    let mut of_other = seen.frames.iter().filter(|f| f.ack_session == other);
+    let off = of_other.clone().take_while(|f| Mode::read(f.mode) == Mode::Fault).count();
+    assert!(off > 300, "{off}");
+    assert!(of_other.any(|f| f.force[0] != 0.0), "armed, it is played");
+}
+
+/// A line of the log of a device: number of the force, mode, why off, force held.
+fn log(text: &str) -> Vec<(u64, String, String, f64)> {
+    text.lines()
+        .skip(1)
+        .map(|l| {
+            let c: Vec<&str> = l.split(',').collect();
+            (c[2].parse().unwrap(), c[4].into(), c[5].into(), c[8].parse().unwrap())
+        })
+        .collect()
+}
+
+#[test]
+fn h7_a_killed_server_is_zero_force_at_the_device_and_the_next_one_is_taken() {
+    let stage = Stage::new();
+    let device = stage.key(&["--script", "hold", "--force-log", "felt.csv"]);
+    let server = stage.serve("key.ca.toml", &["--quiet"]);
+    stage.on();
+    server.kill();
+    let _server = stage.serve("key.ca.toml", &["--quiet"]);
+    let before = stage.state().2;
+    until("the same device plays", || stage.state().2 > before + 300);
+    assert_eq!(stage.state().0, "off");
+    stage.on();
+    let frames = stage.state().2;
+    until("for a while", || stage.state().2 > frames + 300);
+    device.stop().is(0).says(&["1 times another engine", "WATCHDOG_OUT"]);
+    let log = log(&stage.read("felt.csv"));
+    // the last force of the first server: after it numbers begin anew
+    let new = log.windows(2).position(|w| w[1].0 < w[0].0).unwrap() + 1;
+    let last = log[..new].iter().rposition(|l| l.0 != log[new - 1].0).unwrap() + 1;
+    let felt = log[last..new].iter().rposition(|l| l.3 != 0.0).map_or(0, |k| k + 1);
+    // 5 ms are 15 frames; the force in hand when they are over is held for its frame
+    assert!(felt <= 15 + 2, "{felt} frames of force after the last word of the server");
+    assert!(log[last..new].iter().any(|l| l.2 == "WATCHDOG_OUT"));
+    assert!(log[..last].iter().any(|l| l.3 != 0.0), "there were forces before");
+    assert!(log[new..].iter().any(|l| l.3 != 0.0), "and with the next server");
+    // that one begins at rest
+    let first = log[new..].iter().position(|l| l.3 != 0.0).unwrap();
+    assert!(first > 100, "{first}");
+}
+
+#[test]
+fn disarm_is_zero_at_once_and_arm_fades_in() {
+    let stage = Stage::new();
+    let watch = Watch::of(&stage.site, "key");
+    let _server = stage.serve("key.ca.toml", &["--quiet"]);
+    let _device = stage.key(&["--script", "hold"]);
+    for _ in 0..2 {
+        stage.on();
+        stage.ca(&["disarm", "key"]).is(0).says(&["key", "forces off"]);
+        until("forces are off", || stage.state().0 == "off" && stage.state().1 == "DISARMED");
+        let count = watch.count();
+        until("for a while", || watch.count() > count + 100);
+    }
+    stage.ca(&["arm", "kye"]).is(1).says(&["no device `kye`", "`key`"]);
+    stage.ca(&["arm"]).is(0);
+    let seen = watch.end(&key());
+    let ramp = seen.of(Mode::Ramp).count();
+    assert!(ramp > 1000, "{ramp} frames of two seconds of ramp were seen");
+    assert!(seen.of(Mode::On).any(|f| (f.force[0] - 0.45).abs() < 0.1), "about 0.45 N once on");
+}
+
+#[test]
+fn a_second_server_and_a_second_device_are_refused() {
+    let stage = Stage::new();
+    let server = stage.serve("key.ca.toml", &["--quiet"]);
+    let busy = stage.ca(&["serve", "key.ca.toml", "--seconds", "1"]).is(1);
+    busy.says(&["has a server already", &server.id().to_string(), "CA_SHM_ROOT"]);
+    let device = stage.key(&["--script", "hold"]);
+    until("it speaks", || stage.state().2 > 100);
+    let busy = stage.key(&["--seconds", "1"]).end().is(1);
+    busy.says(&["has a device already", &device.id().to_string()]);
+    // both go on
+    let frames = stage.state().2;
+    until("the first ones go on", || stage.state().2 > frames + 300);
+}
+
+#[test]
+fn several_parameters_change_in_one_tick() {
+    let stage = Stage::new();
+    // two springs to either side, of one stiffness: their sum is zero while both are the same
+    stage.put(
+        "two.ca.toml",
+        r#"
+[param]
+up = { value = "100 N/m", live = true, min = 10, max = 1000 }
+down = { value = "100 N/m", live = true, min = 10, max = 1000 }
+[TGR]
+key = { device = "key", dof = 0 }
+[SOL]
+high = { x = "1 mm" }
+low = { x = "-1 mm" }
+[RES]
+a = { between = ["key", "high"], k = "up", l0 = 0 }
+b = { between = ["key", "low"], k = "down", l0 = 0 }
+"#,
+    );
+    // a bare device without noise that nothing pushes stays where it is
+    let quiet = super::stage::PROFILE.replace("[guard]", "step = 0\nnoise = 0\n[guard]");
+    stage.put("c/profiles/key.toml", &quiet);
+    let watch = Watch::of(&stage.site, "key");
+    let _server = stage.serve("two.ca.toml", &["--quiet"]);
+    let _device = stage.key(&["--script", "hold"]);
+    stage.on();
+    for k in [300, 20, 500, 700, 100] {
+        let (up, down) = (format!("up={k}"), format!("down={k} N/m"));
+        stage.ca(&["set", &up, &down]).is(0);
+    }
+    // none where one is refused
+    stage.ca(&["set", "up=200", "down=2000"]).is(1);
+    stage.ca(&["set"]).is(0).says(&["up = 100", "down = 100"]);
+    let last = watch.last().unwrap().seq;
+    until("frames pass", || watch.last().unwrap().seq > last + 100);
+    let before = watch.last().unwrap().seq;
+    stage.ca(&["set", "up=200"]).is(0);
+    until("one alone is felt", || watch.last().unwrap().force[0] > 0.05);
+    let params = stage.ask(&Request::Status).unwrap().fields["params"].clone();
+    assert!(params.as_array().unwrap().iter().any(|p| p["name"] == "up" && p["value"] == 200.0), "{params}");
+    let seen = watch.end(&key());
+    let together = seen.of(Mode::On).filter(|f| f.seq <= before);
+    // two equal forces of up to 0.7 N cancel but for their rounding
+    let most = together.map(|f| f.force[0].abs()).fold(0.0, f32::max);
+    assert!(most < 1e-9, "{most} N while both were set together");
+}

@@ -1,0 +1,121 @@
+//! `ca device list`, `doctor`, `calibrate`, and the examples of the help.
+
+use super::stage::{Stage, until};
+use ca_haptic::calibration::Calibration;
+use ca_haptic::host::Site;
+
+#[test]
+fn list_shows_who_speaks_and_what_there_is() {
+    let stage = Stage::new();
+    stage.ca(&["device", "list"]).is(0).says(&["no device speaks", "falcon", "one key (yours)"]);
+    let device = stage.key(&["--script", "hold", "--name", "left"]);
+    until("it is listed", || stage.ca(&["device", "list"]).is(0).out.starts_with("left: one key"));
+    let v = stage.ca(&["device", "list", "--json"]).is(0).json();
+    let d = &v["devices"][0];
+    assert_eq!((&d["device"], &d["rate"], &d["dof"]), (&"left".into(), &3000.into(), &1.into()));
+    assert!((d["force"][0].as_f64().unwrap() - 10.0).abs() < 1e-6);
+    assert!(v["profiles"].as_array().unwrap().iter().any(|p| p["own"] == true && p["profile"]["name"] == "key"));
+    // SIGTERM ends it as Ctrl-C does
+    device.signal("TERM");
+    device.end().is(0).says(&["left: ", "DISARMED"]);
+    assert_eq!(stage.ca(&["device", "list", "--json"]).json()["devices"].as_array().unwrap().len(), 0);
+}
+
+#[test]
+fn the_doctor_tries_shared_memory_and_finds_who_is_there() {
+    let stage = Stage::new();
+    let v = stage.ca(&["device", "doctor", "--json"]).is(0).json();
+    let row = |v: &serde_json::Value, name: &str| {
+        let rows = v["rows"].as_array().unwrap();
+        rows.iter().find(|r| r["what"] == name).unwrap_or_else(|| panic!("no `{name}` in {v:#}")).clone()
+    };
+    assert_eq!((&v["usable"], &row(&v, "memory")["state"]), (&true.into(), &"good".into()));
+    assert_eq!(v["late_us"]["n"], 3000);
+    assert!(row(&v, "server")["found"].as_str().unwrap().contains("none runs"));
+    // what is poor says what helps
+    for r in v["rows"].as_array().unwrap() {
+        assert_eq!(r["state"] == "good", r["fix"] == "", "{r}");
+    }
+    let _server = stage.serve("key.ca.toml", &["--quiet"]);
+    let _device = stage.key(&["--script", "hold"]);
+    until("it is found", || {
+        let v = stage.ca(&["device", "doctor", "--json"]).is(0).json();
+        row(&v, "server")["found"].as_str().unwrap().contains("gesture frames") && row(&v, "devices")["found"] == "key"
+    });
+    // a place that others can write is none
+    let open = stage.path("open");
+    std::fs::create_dir(&open).unwrap();
+    let mode = std::os::unix::fs::PermissionsExt::from_mode(0o777);
+    std::fs::set_permissions(&open, mode).unwrap();
+    assert!(Site::at(&open).is_err());
+    let line = format!("CA_SHM_ROOT={} ca device doctor", open.display());
+    stage.sh(&line).is(1).says(&["bad", "place", "chmod 700", "cannot be played"]);
+}
+
+#[test]
+fn calibrate_writes_what_serve_reads() {
+    let stage = Stage::new();
+    stage.ca(&["device", "calibrate", "key", "--low", "100", "--high", "4100"]).is(0).says(&["c/calibration/key.toml"]);
+    let c = Calibration::read(&stage.read("c/calibration/key.toml"), "key").unwrap();
+    let a = c.axis[0];
+    assert!((a.scale * 100.0 + a.offset + 0.01).abs() < 1e-15 && (a.scale * 4100.0 + a.offset - 0.01).abs() < 1e-15);
+    // a device that says counts, and does not know of metres: 2600 is 2.5 mm
+    let watch = super::watch::Watch::of(&stage.site, "key");
+    stage.put("far.ca.toml", &super::stage::KEY.replace("0.9 mm", "3.2 mm"));
+    let _server = stage.serve("far.ca.toml", &["--quiet"]);
+    let _device = super::liar::Liar::moving(&stage.site, "key", |_, f| {
+        f.pos[0] = 2600.0;
+        f.status &= !ca_haptic::frame::status::CALIBRATED;
+    });
+    stage.on();
+    // 0.7 mm of 500 N/m
+    until("the force is that of metres", || (watch.last().unwrap().force[0] - 0.35).abs() < 1e-4);
+    assert_eq!(watch.last().unwrap().calibration, c.id());
+    for (args, word) in [
+        (&["--low", "1", "--high", "1"][..], "two different numbers"),
+        (&["--low", "1,2", "--high", "3"], "give 1 or 1"),
+        (&[], "nobody can be asked"),
+    ] {
+        let ran = stage.ca(&[&["device", "calibrate", "key"], args].concat());
+        assert!(matches!(ran.code, Some(1 | 2)) && ran.err.contains(word), "{args:?}: {}", ran.err);
+    }
+    assert_eq!(Calibration::read(&stage.read("c/calibration/key.toml"), "key").unwrap(), c, "nothing is half written");
+}
+
+#[test]
+fn what_makes_no_sense_is_refused() {
+    let stage = Stage::new();
+    for (args, word) in [
+        (&["--profile", "falcn"][..], "did you mean `falcon`?"),
+        (&["--script", "file"], "--gesture"),
+        (&["--script", "bow", "--push", "1"], "`--script push`"),
+        (&["--name", "a name that is far too long"], "1 to 16"),
+        (&["--force-log", "no/where.csv"], "`no/where.csv`"),
+        (&["--rate", "fast"], "starts with a number"),
+    ] {
+        let ran = stage.ca(&[&["device", "sim", "--seconds", "0.1"], args].concat());
+        assert!(matches!(ran.code, Some(1 | 2)) && ran.err.contains(word), "{args:?}: {:?} {}", ran.code, ran.err);
+    }
+}
+
+#[test]
+fn examples_of_the_help_run() {
+    let stage = Stage::new();
+    let mut ran = 0;
+    let help = stage.ca(&["device", "--help"]).is(0).out;
+    let general = stage.ca(&["--help"]).is(0).out;
+    assert!(general.contains(help.lines().next().unwrap()), "two things are said of it:\n{help}\n{general}");
+    let (_, examples) = help.split_once("Examples:\n").unwrap();
+    for line in examples.lines().filter(|l| !l.trim().is_empty()) {
+        // a device is measured by the clock of a machine that may be busy with other tests
+        let tries = if line.contains("conformance") { 4 } else { 1 };
+        let fine = (0..tries).any(|_| {
+            let r = stage.sh(line);
+            eprintln!("$ {line}\n{}{}", r.out, r.err);
+            r.code == Some(0)
+        });
+        assert!(fine, "{line}");
+        ran += 1;
+    }
+    assert!(ran >= 6, "only {ran} examples were found");
+}
