@@ -13,6 +13,7 @@ mod term;
 
 use args::{Cli, Command};
 use ca_core::Catalog;
+use ca_haptic::host::{HostError, HostErrorKind};
 use clap::Parser as _;
 use std::process::ExitCode;
 
@@ -58,9 +59,12 @@ impl From<ca_haptic::FileError> for Failure {
     }
 }
 
-impl From<ca_haptic::host::HostError> for Failure {
-    fn from(e: ca_haptic::host::HostError) -> Failure {
-        Failure::Failed(e.to_string())
+impl From<HostError> for Failure {
+    fn from(e: HostError) -> Failure {
+        match e.kind {
+            HostErrorKind::Site | HostErrorKind::Name => Failure::Usage(e.to_string()),
+            _ => Failure::Failed(e.to_string()),
+        }
     }
 }
 

@@ -48,9 +48,10 @@ fn device(n: u64) -> DeviceFrame {
     f
 }
 
-/// All a sink is told.
+/// All a sink is told: records, sound, ticks of pictures.
 #[derive(Clone, Default)]
-struct Heard(Arc<Mutex<(Vec<Record>, Vec<f64>, Vec<u64>)>>);
+struct Heard(Arc<Mutex<Told>>);
+type Told = (Vec<Record>, Vec<f64>, Vec<u64>);
 
 impl Sink for Heard {
     fn record(&mut self, record: &Record) -> Result<(), ca_haptic::FileError> {
@@ -144,7 +145,7 @@ fn threads_add_nothing_to_the_engine() {
 fn parameters_change_together_or_not_at_all() {
     let scene = Arc::new(scene(MODEL));
     let mut run = start(&scene, Clock::Device { patience: 60_000_000_000 });
-    let mut step = |run: &mut Running, n: u64| {
+    let step = |run: &mut Running, n: u64| {
         run.gateway.frames.push((0, device(n))).unwrap();
         while run.gateway.forces.pop().is_err() {
             std::thread::yield_now();
@@ -219,7 +220,6 @@ fn a_device_that_stops_is_a_fault() {
     let mut off = None;
     while off.is_none() && begin.elapsed().as_secs() < 120 {
         while let Ok((_, f)) = run.gateway.forces.pop() {
-            last = f;
             if f.mode == Mode::Fault as u32 {
                 off = off.or(Some(f));
             }

@@ -142,7 +142,7 @@ fn a_scene_without_devices_opens_nothing() {
     }
     std::thread::sleep(Duration::from_millis(100));
     let threads = tasks(pid);
-    let maps = std::fs::read_to_string(format!("/proc/{}/maps", pid)).unwrap();
+    let maps = std::fs::read_to_string(format!("/proc/{pid}/maps")).unwrap();
     assert!(!threads.iter().any(|t| t.contains("gateway")), "{threads:?}");
     // the command itself, the engine, and the one that waits for Ctrl-C
     assert!(threads.len() <= 3, "{threads:?}");

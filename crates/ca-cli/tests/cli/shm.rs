@@ -11,7 +11,7 @@ fn debris_is_shown_and_removed() {
     let other = prefix.replacen("ca1-", "ca0-", 1);
     let (ours, theirs) = (format!("/dev/shm/{prefix}test.data"), format!("/dev/shm/{other}test.data"));
     fs::write(&ours, [0; 64]).unwrap();
-    fs::write(&theirs, [0; 20_000]).unwrap();
+    fs::write(&theirs, vec![0; 20_000]).unwrap();
     let list = desk.ca(&["shm", "list"]).is(0).says(&[&ours, &theirs, "dead", "another version", "20 kB"]);
     assert!(!list.out.contains("used by"));
     let held = fs::File::open(&theirs).unwrap();

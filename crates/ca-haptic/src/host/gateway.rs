@@ -183,6 +183,7 @@ impl Gateway {
     }
 
     /// Moves frames between shared memory and rings until told to stop. Returns itself, with its places.
+    #[must_use]
     pub fn run(mut self, rings: &mut Rings, stop: &AtomicBool) -> Gateway {
         while !stop.load(Relaxed) {
             let traffic = self.traffic.clone();

@@ -30,7 +30,7 @@ const BUFFER: usize = 4;
 /// Readers of a line: the other side, and those who list or watch.
 const READERS: usize = 8;
 /// How long somebody who comes or goes may stand in the way.
-const PATIENCE: Duration = Duration::from_millis(1000);
+const PATIENCE: Duration = Duration::from_secs(1);
 
 /// Which line of a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

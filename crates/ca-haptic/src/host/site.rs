@@ -30,6 +30,9 @@ pub const IOX: &str = "0.10.0";
 /// address of a socket, 107 bytes.
 pub const LONGEST: usize = 44;
 
+/// The library's own log is set once a process.
+static LOGS: Once = Once::new();
+
 /// Where devices and engine of a user meet.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Site {
@@ -85,8 +88,7 @@ impl Site {
         if about.mode() & 0o022 != 0 {
             return Err(bad("can be written by other users", "close it: `chmod 700`"));
         }
-        static ONCE: Once = Once::new();
-        ONCE.call_once(|| set_log_level_from_env_or(LogLevel::Fatal));
+        LOGS.call_once(|| set_log_level_from_env_or(LogLevel::Fatal));
         let prefix = format!("{}{:08x}_", stamp(), fnv(text.as_bytes()) as u32);
         Ok(Site { root, prefix })
     }

@@ -116,7 +116,9 @@ fn five_devices_and_twenty_four_keys_through_the_rings() {
     let (incoming, mut from) = rtrb::RingBuffer::new(64);
     let (mut to, outgoing) = rtrb::RingBuffer::new(64);
     let (events, happened) = std::sync::mpsc::channel();
-    let running = Gateway::start(&place.site, &names, Rings { incoming, outgoing, events }).unwrap();
+    let running =
+        Gateway::start(&place.site, &names, Rings { incoming, outgoing, events }, ca_haptic::rt::Wish::default())
+            .unwrap();
     let mut devices: Vec<_> = names.iter().map(|n| DeviceClient::open(&place.site, about(n, 24)).unwrap()).collect();
     let mut frames = names.map(|n| DeviceFrame::new(n, 24));
     let (mut got, mut seq) = ([0_u64; 5], 0);
@@ -173,7 +175,9 @@ fn a_ring_that_is_full_is_counted_and_nobody_waits() {
     let (incoming, from) = rtrb::RingBuffer::new(2);
     let (_to, outgoing) = rtrb::RingBuffer::new(2);
     let (events, _) = std::sync::mpsc::channel();
-    let running = Gateway::start(&place.site, &["key"], Rings { incoming, outgoing, events }).unwrap();
+    let running =
+        Gateway::start(&place.site, &["key"], Rings { incoming, outgoing, events }, ca_haptic::rt::Wish::default())
+            .unwrap();
     let mut device = DeviceClient::open(&place.site, about("key", 1)).unwrap();
     let mut frame = DeviceFrame::new("key", 1);
     let load = std::sync::atomic::Ordering::Relaxed;
@@ -195,7 +199,9 @@ fn every_ping_comes_back_with_its_number() {
     let (incoming, mut from) = rtrb::RingBuffer::new(64);
     let (mut to, outgoing) = rtrb::RingBuffer::new(64);
     let (events, _told) = std::sync::mpsc::channel();
-    let running = Gateway::start(&place.site, &["key"], Rings { incoming, outgoing, events }).unwrap();
+    let running =
+        Gateway::start(&place.site, &["key"], Rings { incoming, outgoing, events }, ca_haptic::rt::Wish::default())
+            .unwrap();
     let over = std::sync::atomic::AtomicBool::new(false);
     let mut times = std::thread::scope(|threads| {
         // an engine that answers as soon as it looks
