@@ -60,7 +60,11 @@ impl From<ca_haptic::FileError> for Failure {
 
 impl From<ca_haptic::host::HostError> for Failure {
     fn from(e: ca_haptic::host::HostError) -> Failure {
-        Failure::Failed(e.to_string())
+        use ca_haptic::host::HostErrorKind::{Name, Site};
+        match e.kind {
+            Site | Name => Failure::Usage(e.to_string()),
+            _ => Failure::Failed(e.to_string()),
+        }
     }
 }
 

@@ -7,18 +7,9 @@
 use crate::args::{ShmArgs, ShmWhat};
 use crate::{Ended, Failure, Outcome, term};
 use ca_haptic::host::debris::{self, Group};
-use ca_haptic::host::{HostError, HostErrorKind, Site};
+use ca_haptic::host::Site;
 use serde_json::{Value, json};
 use std::io::Write as _;
-
-impl From<HostError> for Failure {
-    fn from(e: HostError) -> Failure {
-        match e.kind {
-            HostErrorKind::Site | HostErrorKind::Name => Failure::Usage(e.to_string()),
-            _ => Failure::Failed(e.to_string()),
-        }
-    }
-}
 
 /// Runs the command.
 pub fn run(args: &ShmArgs) -> Outcome {
