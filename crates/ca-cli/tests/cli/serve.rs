@@ -21,21 +21,33 @@ string = { between = ["wall", "bob"], k = 20000, z = 0.1 }
 out = { from = "bob", gain = 100 }
 "#;
 
+/// A process that does not outlive its test, whatever happens.
+struct Server(Option<Child>);
+
+impl Drop for Server {
+    fn drop(&mut self) {
+        if let Some(mut child) = self.0.take() {
+            let _ = child.kill();
+            let _ = child.wait();
+        }
+    }
+}
+
 /// A server that answers.
-fn serve(desk: &Desk, args: &[&str]) -> Child {
+fn serve(desk: &Desk, args: &[&str]) -> Server {
     desk.put("key.ca.toml", MODEL);
-    let mut child = desk.start(&[&["serve", "key.ca.toml"], args].concat());
+    let mut server = Server(Some(desk.start(&[&["serve", "key.ca.toml"], args].concat())));
     let begin = Instant::now();
     while desk.ca(&["status"]).code != 0 {
-        assert!(child.try_wait().unwrap().is_none(), "it ended");
+        assert!(server.0.as_mut().unwrap().try_wait().unwrap().is_none(), "it ended");
         assert!(begin.elapsed().as_secs() < 60, "it does not answer");
         std::thread::sleep(Duration::from_millis(20));
     }
-    child
+    server
 }
 
-fn ended(child: Child) -> (i32, String, String) {
-    let o = child.wait_with_output().unwrap();
+fn ended(mut server: Server) -> (i32, String, String) {
+    let o = server.0.take().unwrap().wait_with_output().unwrap();
     let text = |b: Vec<u8>| String::from_utf8(b).unwrap();
     (o.status.code().unwrap(), text(o.stdout), text(o.stderr))
 }
@@ -117,24 +129,23 @@ fn what_cannot_be_served_is_refused() {
 fn a_scene_without_devices_opens_nothing() {
     let desk = Desk::new();
     desk.put("mute.ca.toml", "[CEL]\nbar = { m = 1, f = 100, dx0 = 0.001 }\n[SOX]\nout = { from = \"bar\" }\n");
-    let mut child = desk.start(&["serve", "mute.ca.toml", "--no-lock", "--priority", "0"]);
+    let server = Server(Some(desk.start(&["serve", "mute.ca.toml", "--no-lock", "--priority", "0"])));
+    let pid = server.0.as_ref().unwrap().id();
     let tasks = |pid: u32| {
         let names = std::fs::read_dir(format!("/proc/{pid}/task")).into_iter().flatten().flatten();
         names.filter_map(|t| std::fs::read_to_string(t.path().join("comm")).ok()).collect::<Vec<String>>()
     };
     let begin = Instant::now();
-    while !tasks(child.id()).iter().any(|t| t.trim() == "ca engine") {
-        assert!(begin.elapsed().as_secs() < 60, "{:?}", tasks(child.id()));
+    while !tasks(pid).iter().any(|t| t.trim() == "ca engine") {
+        assert!(begin.elapsed().as_secs() < 60, "{:?}", tasks(pid));
         std::thread::sleep(Duration::from_millis(5));
     }
     std::thread::sleep(Duration::from_millis(100));
-    let threads = tasks(child.id());
-    let maps = std::fs::read_to_string(format!("/proc/{}/maps", child.id())).unwrap();
+    let threads = tasks(pid);
+    let maps = std::fs::read_to_string(format!("/proc/{}/maps", pid)).unwrap();
     assert!(!threads.iter().any(|t| t.contains("gateway")), "{threads:?}");
     // the command itself, the engine, and the one that waits for Ctrl-C
     assert!(threads.len() <= 3, "{threads:?}");
     assert!(!maps.contains("/dev/shm") && !maps.contains("iox2"), "{maps}");
     assert!(!desk.shm().exists());
-    child.kill().unwrap();
-    child.wait().unwrap();
 }
