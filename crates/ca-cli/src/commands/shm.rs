@@ -5,7 +5,7 @@
 //! reads any more, and for looking.
 
 use crate::args::{ShmArgs, ShmWhat};
-use crate::{Ended, Failure, Outcome, term};
+use crate::{Ended, Outcome, term};
 use ca_haptic::host::debris::{self, Group};
 use ca_haptic::host::Site;
 use serde_json::{Value, json};
