@@ -6,8 +6,8 @@
 
 use crate::args::{ShmArgs, ShmWhat};
 use crate::{Ended, Outcome, term};
-use ca_haptic::host::debris::{self, Group};
 use ca_haptic::host::Site;
+use ca_haptic::host::debris::{self, Group};
 use serde_json::{Value, json};
 use std::io::Write as _;
 
