@@ -55,7 +55,7 @@ fn a_device_without_our_client_passes() {
 fn a_device_that_cannot_be_had_is_an_error() {
     // nobody is there
     let stage = Stage::new();
-    stage.ca(&["device", "conformance", "nobody"]).is(1).says(&["nobody", "ca device list"]);
+    stage.ca(&["device", "conformance", "nobody"]).is(1).says(&["no device of that name", "ca device list"]);
     // the server has it
     let _server = stage.serve("key.ca.toml", &["--quiet"]);
     stage.ca(&["device", "conformance", "key"]).is(1).says(&["has a server already"]);

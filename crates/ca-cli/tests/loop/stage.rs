@@ -20,7 +20,8 @@ spring = { between = ["key", "wall"], k = 500, l0 = 0 }
 out = { from = "key" }
 "#;
 
-/// A key: a twelfth of the TGR.
+/// A key: a twelfth of the TGR, whose forces are on in an eighth of a second, since each stop of a busy machine for 10 ms
+/// begins that anew.
 pub const PROFILE: &str = r#"
 name = "key"
 title = "one key"
@@ -35,6 +36,8 @@ mass = 0.2
 friction = 2.0
 [guard]
 speed = 0.5
+clear_time = 0.025
+ramp = 0.1
 "#;
 
 /// A place, with the profile of the device `key`.

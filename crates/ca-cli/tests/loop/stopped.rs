@@ -139,7 +139,7 @@ fn h7_a_killed_server_is_zero_force_at_the_device_and_the_next_one_is_taken() {
     assert!(log[new..].iter().any(|l| l.3 != 0.0), "and with the next server");
     // that one begins at rest
     let first = log[new..].iter().position(|l| l.3 != 0.0).unwrap();
-    assert!(first > 100, "{first}");
+    assert!(first > 30, "{first}");
 }
 
 #[test]
@@ -159,7 +159,7 @@ fn disarm_is_zero_at_once_and_arm_fades_in() {
     stage.ca(&["arm"]).is(0);
     let seen = watch.end(&key());
     let ramp = seen.of(Mode::Ramp).count();
-    assert!(ramp > 1000, "{ramp} frames of two seconds of ramp were seen");
+    assert!(ramp > 100, "{ramp} frames of two ramps of 300 were seen");
     assert!(seen.of(Mode::On).any(|f| (f.force[0] - 0.45).abs() < 0.1), "about 0.45 N once on");
 }
 
@@ -186,8 +186,8 @@ fn several_parameters_change_in_one_tick() {
         "two.ca.toml",
         r#"
 [param]
-up = { value = "100 N/m", live = true, min = 10, max = 1000 }
-down = { value = "100 N/m", live = true, min = 10, max = 1000 }
+up = { value = 100, unit = "N/m", live = true, min = 10, max = 1000 }
+down = { value = 100, unit = "N/m", live = true, min = 10, max = 1000 }
 [TGR]
 key = { device = "key", dof = 0 }
 [SOL]

@@ -17,7 +17,7 @@ fn list_shows_who_speaks_and_what_there_is() {
     assert!(v["profiles"].as_array().unwrap().iter().any(|p| p["own"] == true && p["profile"]["name"] == "key"));
     // SIGTERM ends it as Ctrl-C does
     device.signal("TERM");
-    device.end().is(0).says(&["left: ", "DISARMED"]);
+    device.end().is(0).says(&["left: ", "DISCONNECT"]);
     assert_eq!(stage.ca(&["device", "list", "--json"]).json()["devices"].as_array().unwrap().len(), 0);
 }
 

@@ -214,7 +214,12 @@ fn on(b: &mut Bench, p: &mut Player) -> Result<bool, Failure> {
         p.pull(0.0)?;
         p.order(Order::Arm);
         for _ in 0..60 {
+            let before = b.frames.len();
             b.play(p, 100);
+            if b.frames.len() == before {
+                // it has left
+                return Ok(false);
+            }
             match b.mode() {
                 (Mode::On, _) => return Ok(true),
                 (Mode::Fault, _) => break,
@@ -333,7 +338,7 @@ fn strangers(b: &mut Bench, t: &mut Table) {
         (ca_haptic::host::clock::session(), 5000, Mode::On as u32, 0);
     let mut send = |b: &mut Bench, change: &dyn Fn(&mut ForceFrame)| {
         b.forget();
-        while b.frames.len() < LOOK / 2 && b.sent.len() < 5000 {
+        while b.frames.len() < LOOK / 2 && b.sent.len() < LOOK {
             frame.seq += 1;
             let mut f = frame;
             change(&mut f);
