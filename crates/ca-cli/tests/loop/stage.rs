@@ -6,6 +6,7 @@ use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 /// A spring that pushes a little: 0.45 N where the key rests, which counts as nothing.
@@ -45,7 +46,11 @@ pub struct Stage {
     dir: tempfile::TempDir,
     pub site: Site,
     runs: AtomicU32,
+    _alone: MutexGuard<'static, ()>,
 }
+
+/// One stage at a time: each has threads of real time, and this machine has few cores.
+static ONE: Mutex<()> = Mutex::new(());
 
 /// A process of ours. Ends with its value.
 pub struct Proc {
@@ -77,7 +82,8 @@ impl Stage {
         let dir = tempfile::Builder::new().prefix("cal").tempdir_in("/tmp").unwrap();
         let site = Site::at(&dir.path().join("s")).unwrap();
         fs::create_dir_all(dir.path().join("c/profiles")).unwrap();
-        let stage = Stage { dir, site, runs: AtomicU32::new(0) };
+        let alone = ONE.lock().unwrap_or_else(PoisonError::into_inner);
+        let stage = Stage { dir, site, runs: AtomicU32::new(0), _alone: alone };
         stage.put("c/profiles/key.toml", PROFILE).put("key.ca.toml", KEY);
         stage
     }

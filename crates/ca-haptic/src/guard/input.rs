@@ -217,8 +217,13 @@ fn device_says(f: &DeviceFrame, hand: &mut Hand) {
         hand.trip(Cause::Thermal);
     }
     match Cause::read(f.cause) {
-        // it repeats that nobody armed it, which we know
-        Cause::None | Cause::Disarmed => {}
+        // what only an engine can find: it repeats what it was sent, and must not keep alive a fault that was ended
+        Cause::None
+        | Cause::Disarmed
+        | Cause::WatchdogIn
+        | Cause::Nonfinite
+        | Cause::Implausible
+        | Cause::ModelUnstable => {}
         // it missed forces that were never on: those of an engine before this one, or the first of this one
         Cause::WatchdogOut | Cause::Disconnect if hand.mode == Mode::Off => {}
         cause => hand.trip(cause),

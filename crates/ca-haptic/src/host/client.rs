@@ -97,8 +97,13 @@ impl DeviceClient {
         }
         let mut sent = *frame;
         if own && sent.cause == 0 {
-            // one that never heard of an engine misses none
-            sent.cause = self.watch.last().map_or(Cause::Disarmed, |_| self.watch.cause(now)) as u16;
+            // what it found itself; else, where the engine gives no force, that it was not asked for one: why, the engine
+            // knows better, and would take its own fault for another. One that never heard of an engine misses none
+            let found = self.watch.last().map_or(Cause::Disarmed, |_| self.watch.cause(now));
+            sent.cause = match found {
+                Cause::None | Cause::WatchdogOut | Cause::Disconnect => found,
+                _ => Cause::Disarmed,
+            } as u16;
         }
         self.frames.send_copy(sent).map_err(|e| HostError::system("a frame cannot be sent", e))
     }
