@@ -5,6 +5,7 @@ use super::stage::{KEY, Stage, until};
 use super::watch::{Watch, key};
 use ca_haptic::frame::{Cause, DOF, DeviceFrame, Mode, status};
 use ca_haptic::rt::now_ns;
+use std::fmt::Write as _;
 use std::path::Path;
 use std::sync::atomic::Ordering::Relaxed;
 use std::time::Duration;
@@ -19,7 +20,7 @@ fn h9_a_throw_brakes_and_ends() {
     for k in 0..8 {
         let t = 4.0 * f64::from(k) + 3.0;
         let [a, b] = if k % 2 == 0 { [-0.0075, 0.0075] } else { [0.0075, -0.0075] };
-        throws += &format!("{t},{a}\n{},{b}\n", t + 0.01);
+        writeln!(throws, "{t},{a}\n{},{b}", t + 0.01).unwrap();
     }
     stage.put("throw.csv", &throws);
     let watch = Watch::of(&stage.site, "key");

@@ -62,7 +62,9 @@ fn played(seconds: u64, load: bool) -> (Value, Value, [u64; 2]) {
     });
     let summary = server.stop().json();
     stop.store(true, Relaxed);
-    burners.into_iter().for_each(|b| b.join().unwrap());
+    for b in burners {
+        b.join().unwrap();
+    }
     (told, summary, [early, late])
 }
 

@@ -102,8 +102,8 @@ fn check(frames: &[ForceFrame], p: &Profile) -> u64 {
             }
             // a session begins at rest, and what is off is zero
             let mut step = [0.0_f32; 3];
-            for a in 0..axes {
-                step[a] = f.force[at + a] - before.map_or(0.0, |b| b.force[at + a]);
+            for (a, step) in step.iter_mut().enumerate().take(axes) {
+                *step = f.force[at + a] - before.map_or(0.0, |b| b.force[at + a]);
             }
             let jump = size(&step);
             assert!(jump <= slew * apart as f64 * (1.0 + 1e-5) + 1e-6, "{jump} N in {apart} frames: {f:?}");

@@ -25,6 +25,9 @@ const LOOK: usize = 200;
 const REST: u32 = 600;
 /// How long a device may take for its first word, and for a phase \[ns\].
 const PATIENCE: u64 = 5_000_000_000;
+/// What is wrong with a force frame, and how it is made so.
+type Wrong = (&'static str, fn(&mut ForceFrame));
+
 /// How often forces are tried to be on: a machine that is busy trips watchdogs, which is not the device's fault.
 const TRIES: u32 = 8;
 /// Added to the number of a frame that must not be used, so that it is known again.
@@ -350,7 +353,7 @@ fn strangers(b: &mut Bench, t: &mut Table) {
     send(b, &|_| {});
     let bad = gives(late(b));
     t.row("unrested", bad.is_none(), bad.unwrap_or_else(|| "no force from an engine that was not seen at rest".into()));
-    let wrong: [(&'static str, fn(&mut ForceFrame)); 4] = [
+    let wrong: [Wrong; 4] = [
         ("layout", |f| (f.layout, f.seq) = (f.layout ^ 1, f.seq + FAR)),
         ("address", |f| (f.device[0], f.seq) = (f.device[0] ^ 1, f.seq + FAR)),
         ("version", |f| (f.version, f.seq) = (f.version + 1, f.seq + FAR)),
