@@ -71,10 +71,10 @@ pub struct SimArgs {
     /// Frames that a force is under way before the motors have it
     #[arg(long, value_name = "FRAMES", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=31))]
     pub delay: u16,
-    /// What `--script file` plays: its tracks are degrees of freedom in order [m] (csv, npy, wav)
+    /// What `--script file` plays: its tracks are degrees of freedom in order, in metres (csv, npy, wav)
     #[arg(long, value_name = "FILE", required_if_eq("script", "file"))]
     pub gesture: Option<PathBuf>,
-    /// Force of `--script push` [N]; a fifth of its largest, downwards, if left out
+    /// Force of `--script push` in newtons; a fifth of its largest, downwards, if left out
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub push: Option<f64>,
     /// Waits for the force that answers each frame, and keeps no time of its own: with `ca serve --clock device` a loop
@@ -136,7 +136,7 @@ pub struct CalibrateArgs {
 pub struct ConformanceArgs {
     /// The device, running
     pub name: String,
-    /// Largest force it is given [N]; at most a twentieth of what it says it can give. 0 tests without
+    /// Largest force it is given, in newtons; at most a twentieth of what it says it can give. 0 tests without
     #[arg(long, value_name = "N", default_value_t = 0.5)]
     pub force: f64,
     /// Prints the table as JSON
