@@ -107,7 +107,7 @@ typedef struct {
   uint64_t session;
   // counts frames of a session, from 1
   uint64_t seq;
-  // `seq` of the last force frame that was used; 0 before any
+  // `seq` of the force frame the motors held while the hand came to this position; 0 where not known
   uint64_t ack;
   // clock of the device [ns]
   uint64_t t_device_ns;
