@@ -75,7 +75,9 @@ impl Finger {
         let scene = Arc::new(compile(&load("hammer_piano"), &ca_tests::catalog(), &options).expect("it compiles"));
         let gains = gains(&scene, "tgr12");
         assert_eq!(gains, [Gains::default(); 12]);
-        let profile = Profile::shipped("tgr12").expect("shipped");
+        // the model as it is: what the guard takes from it has tests of its own
+        let mut profile = Profile::shipped("tgr12").expect("shipped");
+        (profile.guard.passivity, profile.guard.oscillation, profile.guard.edge) = (false, false, 0.0);
         let setup = Setup { device: "tgr12".into(), profile, calibration: Calibration::default(), gains };
         let port = Port::new(&scene, setup);
         let engine = Engine::new(scene.clone(), vec![port], EngineOptions::default());
