@@ -3,7 +3,7 @@
 //! It sends where it is 1000 times a second, is moved by what `safe_force` lets through, and prints what it saw.
 //! `cargo run -p ca-haptic --features iceoryx --example device -- finger 3000`
 
-use ca_haptic::frame::{About, DOF, DeviceFrame, Mode, VERSION, uid};
+use ca_haptic::frame::{About, DOF, DeviceFrame, Mode};
 use ca_haptic::host::{DeviceClient, HostError, Site};
 use std::time::{Duration, Instant};
 
@@ -17,24 +17,11 @@ const DT: f64 = 0.001;
 /// Runs a finger for some frames. Returns the line it prints.
 pub fn run(name: &str, frames: u64) -> Result<String, HostError> {
     let mut about = About {
-        magic: About::MAGIC,
-        version: VERSION,
-        layout: About::LAYOUT,
-        device: uid(name),
-        session: 0,
-        calibration: 0,
-        model: [0; 32],
-        serial: [0; 32],
-        firmware: [0; 16],
-        rate: (1.0 / DT) as u32,
-        n: 1,
-        axes: 1,
         low: [-0.02; DOF],
         high: [0.02; DOF],
         force: [10.0; DOF],
         continuous: [10.0; DOF],
-        stiffness: [0.0; DOF],
-        damping: [0.0; DOF],
+        ..About::new(name, (1.0 / DT) as u32, 1)
     };
     about.model[..6].copy_from_slice(b"finger");
     let mut device = DeviceClient::open(&Site::of_user()?, about)?;

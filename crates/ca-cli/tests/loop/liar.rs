@@ -1,7 +1,7 @@
 //! A device written without our client, which may lie in one way; and one that sends anything at all.
 
 use super::raw::Place;
-use ca_haptic::frame::{About, Cause, DOF, DeviceFrame, ForceFrame, Mode, VERSION, uid};
+use ca_haptic::frame::{About, Cause, DOF, DeviceFrame, ForceFrame, Mode};
 use ca_haptic::host::Site;
 use ca_haptic::host::watch::Watch;
 use ca_haptic::rt::{now_ns, wait_until};
@@ -50,24 +50,12 @@ pub struct Liar {
 
 pub fn about(name: &str, rate: u32) -> About {
     About {
-        magic: About::MAGIC,
-        version: VERSION,
-        layout: About::LAYOUT,
-        device: uid(name),
         session: 77,
-        calibration: 0,
-        model: [0; 32],
-        serial: [0; 32],
-        firmware: [0; 16],
-        rate,
-        n: 1,
-        axes: 1,
         low: [-0.01; DOF],
         high: [0.01; DOF],
         force: [10.0; DOF],
         continuous: [10.0; DOF],
-        stiffness: [0.0; DOF],
-        damping: [0.0; DOF],
+        ..About::new(name, rate, 1)
     }
 }
 

@@ -6,7 +6,7 @@
 //! sense it is an error; what they point to must be a whole structure. No panic crosses into C.
 #![allow(unsafe_code)]
 
-use ca_haptic::frame::{About, DOF, DeviceFrame, ForceFrame, uid};
+use ca_haptic::frame::{About, DOF, DeviceFrame, ForceFrame};
 use ca_haptic::host::{DeviceClient, Site};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -62,26 +62,7 @@ pub unsafe extern "C" fn ca_device_about(about: *mut About, name: *const c_char,
         // SAFETY: not null; that it ends with a zero is the caller's word
         let name = unsafe { CStr::from_ptr(name) }.to_str().map_err(|_| "ca_device_about: the name is not UTF-8")?;
         ca_haptic::host::lines::check_name(name).map_err(|e| e.to_string())?;
-        let made = About {
-            magic: About::MAGIC,
-            version: ca_haptic::frame::VERSION,
-            layout: About::LAYOUT,
-            device: uid(name),
-            session: 0,
-            calibration: 0,
-            model: [0; 32],
-            serial: [0; 32],
-            firmware: [0; 16],
-            rate,
-            n,
-            axes,
-            low: [0.0; DOF],
-            high: [0.0; DOF],
-            force: [0.0; DOF],
-            continuous: [0.0; DOF],
-            stiffness: [0.0; DOF],
-            damping: [0.0; DOF],
-        };
+        let made = About { n, axes, ..About::new(name, rate, 0) };
         // SAFETY: not null; that it points to a structure of this type is the caller's word
         unsafe { about.write(made) };
         Ok(0)

@@ -75,6 +75,30 @@ float32[32] damping
     /// Hash of that text.
     pub const LAYOUT: u64 = fnv(Self::SCHEMA.as_bytes());
 
+    /// Of a device of `n` keys that says nothing more of itself than `rate` frames a second.
+    pub fn new(name: &str, rate: u32, n: usize) -> About {
+        About {
+            magic: Self::MAGIC,
+            version: VERSION,
+            layout: Self::LAYOUT,
+            device: super::uid(name),
+            session: 0,
+            calibration: 0,
+            model: [0; 32],
+            serial: [0; 32],
+            firmware: [0; 16],
+            rate,
+            n: n.min(DOF) as u16,
+            axes: 1,
+            low: [0.0; DOF],
+            high: [0.0; DOF],
+            force: [0.0; DOF],
+            continuous: [0.0; DOF],
+            stiffness: [0.0; DOF],
+            damping: [0.0; DOF],
+        }
+    }
+
     /// True where magic, version, layout and number of DOF are those of this build.
     pub fn is_ours(&self) -> bool {
         self.magic == Self::MAGIC && self.version == VERSION && self.layout == Self::LAYOUT && (self.n as usize) <= DOF

@@ -5,12 +5,13 @@
 //! engine that is killed, stopped or started again is no error here: forces become zero (see [`watch`](super::watch))
 //! and come back with the next engine.
 
-use super::clock;
 use super::error::HostError;
 use super::lines::{Bell, Frames, Ipc, Line, check_name};
+use super::session::session;
 use super::site::Site;
 use super::watch::Watch;
 use crate::frame::{About, Cause, DOF, DeviceFrame, ForceFrame, VERSION, text, uid};
+use crate::rt::now_ns;
 use iceoryx2::port::listener::Listener;
 use iceoryx2::port::publisher::Publisher;
 use iceoryx2::port::subscriber::Subscriber;
@@ -43,7 +44,7 @@ impl DeviceClient {
         check_name(&name)?;
         super::debris::strangers(site)?;
         (about.magic, about.version, about.layout) = (About::MAGIC, VERSION, About::LAYOUT);
-        (about.device, about.session) = (uid(&name), clock::session());
+        (about.device, about.session) = (uid(&name), session());
         let node = site.node(&format!("device {name}"))?;
         // first the line that only one can have
         let frames = Frames::open(&node, &name, Line::In, 0)?.publisher(site)?;
@@ -53,7 +54,7 @@ impl DeviceClient {
         let watch = Watch::new(about.device);
         let mut client =
             DeviceClient { about, seq: 0, told: 0, held: None, watch, frames, forces, says, bell, _node: node };
-        client.tell(clock::now_ns())?;
+        client.tell(now_ns())?;
         Ok(client)
     }
 
@@ -79,7 +80,7 @@ impl DeviceClient {
     /// where 0, the period; on the wire also why there is no force, where the frame gives no reason of its own. Returns
     /// how many read it; 0 is no error, the engine may come later.
     pub fn send(&mut self, frame: &mut DeviceFrame) -> Result<usize, HostError> {
-        let now = clock::now_ns();
+        let now = now_ns();
         if now.saturating_sub(self.told) >= EVERY_NS {
             self.tell(now)?;
         } else {
@@ -128,13 +129,13 @@ impl DeviceClient {
     /// not yet seen at rest.
     pub fn safe_force(&mut self) -> [f64; DOF] {
         self.drain();
-        self.watch.force(clock::now_ns())
+        self.watch.force(now_ns())
     }
 
     /// Why [`DeviceClient::safe_force`] gives nothing; [`Cause::None`] where it gives a force.
     pub fn cause(&mut self) -> Cause {
         self.drain();
-        self.watch.cause(clock::now_ns())
+        self.watch.cause(now_ns())
     }
 
     /// What it knows of its engine.

@@ -5,12 +5,11 @@
 //! sender here; whether they can be true is the guard's question. A device is there from its first frame and gone after
 //! a quarter of a second of silence, whatever its process does.
 
-use super::clock;
 use super::error::{HostError, HostErrorKind};
 use super::lines::{Bell, Frames, Ipc, Line, check_name};
 use super::site::Site;
 use crate::frame::{About, DeviceFrame, ForceFrame, text, uid};
-use crate::rt::{Granted, Wish};
+use crate::rt::{Granted, Wish, now_ns};
 use iceoryx2::port::notifier::Notifier;
 use iceoryx2::port::publisher::Publisher;
 use iceoryx2::port::subscriber::Subscriber;
@@ -122,7 +121,7 @@ impl Gateway {
 
     /// Takes all frames that came, oldest first: the number of the device, and the frame.
     pub fn poll(&mut self, incoming: &mut impl FnMut(usize, DeviceFrame)) {
-        let now = clock::now_ns();
+        let now = now_ns();
         for (k, p) in self.places.iter_mut().enumerate() {
             while let Ok(Some(frame)) = p.frames.receive() {
                 self.traffic.received.fetch_add(1, Relaxed);
@@ -160,7 +159,7 @@ impl Gateway {
     /// Sends a force to device `k`, stamped with the time, and wakes it. Never waits.
     pub fn send(&mut self, k: usize, frame: &mut ForceFrame) {
         let Some(p) = self.places.get(k) else { return };
-        frame.t_host_ns = clock::now_ns();
+        frame.t_host_ns = now_ns();
         let count = if p.forces.send_copy(*frame).is_ok() { &self.traffic.sent } else { &self.traffic.unsent };
         count.fetch_add(1, Relaxed);
         // a sleeper that cannot be woken looks by itself sooner or later

@@ -16,16 +16,17 @@
 //! The trust boundary is the user: every process of the same user can write into this memory, no other can open it.
 
 pub mod client;
-pub mod clock;
 pub mod control;
 pub mod debris;
 mod error;
 pub mod gateway;
 pub mod lines;
+mod session;
 pub mod site;
 pub mod watch;
 
 pub use client::DeviceClient;
 pub use error::{HostError, HostErrorKind};
 pub use gateway::{Event, Gateway, Rings, Running, Traffic};
+pub use session::session;
 pub use site::Site;

@@ -81,3 +81,10 @@ pub mod topic {
         format!("/device/{name}/out")
     }
 }
+
+/// How every take is written: compressed, by the thread that writes it, and signed with both versions.
+fn options() -> mcap::WriteOptions {
+    let by = format!("ca {} {}", env!("CARGO_PKG_VERSION"), mcap::LIBRARY_IDENTIFIER);
+    let options = mcap::WriteOptions::new().profile("ca").compression(Some(mcap::Compression::Zstd));
+    mcap::WriteOptions::library(options, by).compression_threads(0)
+}

@@ -3,11 +3,12 @@
 //! Decides to copy message by message what was written whole, under the same names and numbers, into a new file: the
 //! old one is left as it is, since what a crash left behind is evidence.
 
+use super::options;
 use super::source::{End, Item, Source};
 use super::write::failed;
 use crate::error::FileError;
 use crate::staged::Staged;
-use mcap::{Attachment, Compression, McapResult, Message, WriteOptions, Writer};
+use mcap::{Attachment, McapResult, Message, Writer};
 use std::fs::File;
 use std::io::BufWriter;
 use std::path::Path;
@@ -31,12 +32,7 @@ pub fn recover(from: impl AsRef<Path>, to: impl AsRef<Path>) -> Result<Recovered
     let mut source = Source::open(from)?;
     let staged = Staged::create(to)?;
     let file = BufWriter::with_capacity(1 << 16, staged.handle()?);
-    let options = WriteOptions::new()
-        .profile("ca")
-        .library(format!("ca {} {}", env!("CARGO_PKG_VERSION"), mcap::LIBRARY_IDENTIFIER))
-        .compression(Some(Compression::Zstd))
-        .compression_threads(0);
-    let mut out = options.create(file).map_err(|e| failed(to, &e))?;
+    let mut out = options().create(file).map_err(|e| failed(to, &e))?;
     let mut told = Recovered { messages: 0, seconds: 0.0, attachments: 0, cut: None };
     let mut first = None;
     for item in source.by_ref() {

@@ -12,7 +12,7 @@
 use super::flat::{Energy, Hashed, Lost, Ordered, Reloaded, Rt};
 use super::header::{Header, META};
 use super::views::{self, Level, Picture};
-use super::{cdr, topic};
+use super::{cdr, options, topic};
 use crate::engine::Spent;
 use crate::error::{FileError, FileErrorKind};
 use crate::frame::{Cause, DOF, DeviceFrame, ForceFrame, Mode};
@@ -21,7 +21,7 @@ use crate::record::Record;
 use ca_core::Scene;
 use mcap::records::MessageHeader;
 use mcap::write::NoSeek;
-use mcap::{Attachment, Compression, McapError, McapResult, WriteOptions, Writer};
+use mcap::{Attachment, McapError, McapResult, Writer};
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::BufWriter;
@@ -107,13 +107,7 @@ impl TakeWriter {
             FileError::io(&path, "it cannot be created", &e).fix(fix)
         })?;
         let begin = || {
-            let options = WriteOptions::new()
-                .profile("ca")
-                .library(format!("ca {} {}", env!("CARGO_PKG_VERSION"), mcap::LIBRARY_IDENTIFIER))
-                .compression(Some(Compression::Zstd))
-                .compression_level(1)
-                .compression_threads(0)
-                .disable_seeking(true);
+            let options = options().compression_level(1).disable_seeking(true);
             let mut out = options.create(NoSeek::new(BufWriter::with_capacity(1 << 16, file)))?;
             let (files, metadata) = header.write();
             for f in files {

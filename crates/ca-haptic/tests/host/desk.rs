@@ -1,6 +1,6 @@
 //! What the tests share: a place of its own, a device, a gateway, and waiting for what must happen.
 
-use ca_haptic::frame::{About, DOF, ForceFrame, Mode, VERSION, uid};
+use ca_haptic::frame::{About, DOF, ForceFrame, Mode};
 use ca_haptic::host::{Gateway, Site};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
@@ -25,26 +25,7 @@ impl Drop for Place {
 
 /// A device of `n` DOF.
 pub fn about(name: &str, n: usize) -> About {
-    About {
-        magic: About::MAGIC,
-        version: VERSION,
-        layout: About::LAYOUT,
-        device: uid(name),
-        session: 0,
-        calibration: 0,
-        model: [0; 32],
-        serial: [0; 32],
-        firmware: [0; 16],
-        rate: 1000,
-        n: n as u16,
-        axes: 1,
-        low: [0.0; DOF],
-        high: [0.02; DOF],
-        force: [10.0; DOF],
-        continuous: [10.0; DOF],
-        stiffness: [0.0; DOF],
-        damping: [0.0; DOF],
-    }
+    About { high: [0.02; DOF], force: [10.0; DOF], continuous: [10.0; DOF], ..About::new(name, 1000, n) }
 }
 
 /// The force an engine of these tests sends for a position: a spring, so that values can be checked.

@@ -10,36 +10,20 @@
 
 use crate::Failure;
 use crate::commands::border::quantity;
-use crate::load::{self, ticked};
+use crate::load::ticked;
 use crate::term::short;
 use ca_core::border::{Delays, delays};
 use ca_core::certificate::Key;
 use ca_core::equivalence::Gains;
 use ca_core::kind::Unit;
 use ca_core::model::quantity::show;
-use ca_core::model::suggest::nearest;
 use ca_core::{Scene, sense};
-use ca_haptic::profile::{Profile, SHIPPED};
+use ca_haptic::profile::Profile;
 use serde_json::{Value as Json, json};
 use std::io::Write;
-use std::path::Path;
 
 /// Steps in which a key is moved over its travel.
 const STEPS: usize = 2000;
-
-/// The profile a word names: a file if there is one, else one that comes with us.
-pub(super) fn profile(word: &str) -> Result<Profile, Failure> {
-    let path = Path::new(word);
-    if path.is_file() {
-        return Ok(Profile::read(&load::text(path)?, word)?);
-    }
-    Profile::shipped(word).ok_or_else(|| {
-        let names: Vec<&str> = SHIPPED.iter().map(|s| s.0).collect();
-        let hint = nearest(word, names.iter().copied())
-            .map_or_else(|| format!("there are {}", names.join(", ")), |near| format!("did you mean `{near}`?"));
-        Failure::Usage(format!("--device: no file and no profile `{word}`; {hint}"))
-    })
-}
 
 /// A key against the device, in the units of the hand.
 struct Row<'a> {

@@ -22,7 +22,7 @@ use std::io::Write as _;
 
 /// Runs the command.
 pub fn run(args: &CheckArgs) -> Outcome {
-    let profile = args.device.as_deref().map(device::profile).transpose()?;
+    let profile = args.device.as_deref().map(crate::store::profile).transpose()?;
     let loaded = load::load(&args.source)?;
     let (scene, diags) = load::compiled(&loaded, &Options { rate: args.source.rate, ..Options::default() });
     let rows = scene.as_ref().filter(|_| args.schedule).map(schedule::measure);

@@ -8,7 +8,7 @@ mod sim;
 
 use crate::Outcome;
 use crate::args::{DeviceArgs, DeviceCommand};
-use ca_haptic::frame::{About, DOF, VERSION, uid};
+use ca_haptic::frame::{About, DOF};
 use ca_haptic::profile::Profile;
 
 /// Runs the command.
@@ -24,26 +24,7 @@ pub fn run(args: &DeviceArgs) -> Outcome {
 
 /// What a device of this profile says of itself.
 fn about(name: &str, p: &Profile) -> About {
-    let mut about = About {
-        magic: About::MAGIC,
-        version: VERSION,
-        layout: About::LAYOUT,
-        device: uid(name),
-        session: 0,
-        calibration: 0,
-        model: [0; 32],
-        serial: [0; 32],
-        firmware: [0; 16],
-        rate: p.rate.round() as u32,
-        n: p.dof as u16,
-        axes: p.axes as u16,
-        low: [0.0; DOF],
-        high: [0.0; DOF],
-        force: [0.0; DOF],
-        continuous: [0.0; DOF],
-        stiffness: [0.0; DOF],
-        damping: [0.0; DOF],
-    };
+    let mut about = About { axes: p.axes as u16, ..About::new(name, p.rate.round() as u32, p.dof as usize) };
     for k in 0..(p.dof as usize).min(DOF) {
         (about.low[k], about.high[k]) = (p.range[0] as f32, p.range[1] as f32);
         (about.force[k], about.continuous[k]) = (p.force as f32, p.continuous() as f32);

@@ -53,7 +53,7 @@ pub fn run(args: &ServeArgs) -> Outcome {
     if names.is_empty() {
         term::note("the model has no device: nobody can play it; `ca render` plays its own gesture");
     }
-    let session = ca_haptic::host::clock::session();
+    let session = ca_haptic::host::session();
     let engine = setup::engine(scene.clone(), &setups, session);
 
     let mut sinks: Vec<Box<dyn Sink>> = Vec::new();

@@ -9,7 +9,7 @@ use ca_haptic::calibration::Calibration;
 use ca_haptic::engine::{Act, Change, Engine, Options, Port, Setup};
 use ca_haptic::frame::{About, Cause, DOF, DeviceFrame, ForceFrame, Mode};
 use ca_haptic::guard::Order;
-use ca_haptic::host::{Event, Gateway, HostError, Site, clock};
+use ca_haptic::host::{Event, Gateway, HostError, Site, session};
 use ca_haptic::profile::Profile;
 use ca_haptic::rt::{now_ns, wait_until};
 use std::fmt::Write as _;
@@ -132,7 +132,7 @@ impl Bench {
         };
         let port = Port::new(&scene, setup);
         let (controls, period) = (scene.controls(), 1e9 * f64::from(scene.ratio) / scene.rate);
-        let own = Options { session: clock::session(), ..Options::default() };
+        let own = Options { session: session(), ..Options::default() };
         Ok(Player { engine: Engine::new(scene, vec![port], own), controls, period })
     }
 }
