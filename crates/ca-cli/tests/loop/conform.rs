@@ -87,7 +87,6 @@ fn lies_of_forces_are_found() {
 }
 
 #[test]
-#[ignore = "one of these devices makes the conformance test wait for ever: to be found"]
 fn lies_of_engines_are_found() {
     found(Lie::Watchdog, "watchdog");
     found(Lie::GoesOn, "goes on");

@@ -161,6 +161,7 @@ fn play(place: &Place, name: &str, lie: Lie, stop: &AtomicBool, count: &AtomicU6
         };
         if lie == Lie::GoesOn && cause == Cause::WatchdogOut && watch.last().is_some_and(|f| f.mode == Mode::On as u32)
         {
+            wait_until(start + n * period);
             continue;
         }
         frame.force_measured[0] = if cause == Cause::None { held.force[0] } else { 0.0 };
