@@ -307,6 +307,14 @@ fn hertz(text: &str) -> Result<f64, String> {
     quantity_of(text, Unit::HERTZ, (1.0, 1e6))
 }
 
+fn metres(text: &str) -> Result<f64, String> {
+    quantity_of(text, Unit::METRE, (-1.0, 1.0))
+}
+
+fn speed(text: &str) -> Result<f64, String> {
+    quantity_of(text, Unit::SPEED, (1e-4, 10.0))
+}
+
 fn seconds(text: &str) -> Result<f64, String> {
     quantity_of(text, Unit::SECOND, (1e-6, 86_400.0))
 }

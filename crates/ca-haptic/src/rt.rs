@@ -53,21 +53,51 @@ impl fmt::Display for Granted {
     }
 }
 
-/// How long before its time a wait stops sleeping and spins \[ns\]: more than most wake-ups are late by.
+/// How long before its time a wait stops sleeping and spins \[ns\], at most: more than most wake-ups are late by. At
+/// least, with a machine that wakes as it should.
 const SPIN: u64 = 80_000;
+const LEAST_SPIN: u64 = 5_000;
+/// Waits over which a late wake-up is forgotten: it was a second ago at 3000 a second.
+const FORGET: u64 = 3000;
 
-/// Waits until `at` \[ns of [`now_ns`]\]; returns the time it is then.
-pub fn wait_until(at: u64) -> u64 {
-    if at > now_ns() + SPIN {
-        system::sleep_until(at - SPIN);
+/// The waits of one thread: they sleep until shortly before the time, by as much as this machine woke us late of late,
+/// and spin the rest. So a quiet machine spins for a few per cent of the time, and a restless one for a quarter.
+#[derive(Clone, Debug)]
+pub struct Waits {
+    /// \[ns\]
+    spin: u64,
+}
+
+impl Default for Waits {
+    fn default() -> Waits {
+        Waits { spin: SPIN }
     }
-    loop {
-        let now = now_ns();
-        if now >= at {
-            return now;
+}
+
+impl Waits {
+    /// Waits until `at` \[ns of [`now_ns`]\]; returns the time it is then.
+    pub fn until(&mut self, at: u64) -> u64 {
+        let wake = at.saturating_sub(self.spin);
+        if wake > now_ns() {
+            system::sleep_until(wake);
+            let late = now_ns().saturating_sub(wake);
+            // a thread that was put off for longer than it would spin is not helped by spinning
+            let wanted = if late < SPIN { late + late / 4 } else { 0 };
+            self.spin = (self.spin - self.spin / FORGET).max(wanted).clamp(LEAST_SPIN, SPIN);
         }
-        core::hint::spin_loop();
+        loop {
+            let now = now_ns();
+            if now >= at {
+                return now;
+            }
+            core::hint::spin_loop();
+        }
     }
+}
+
+/// A single wait until `at` \[ns of [`now_ns`]\]; returns the time it is then.
+pub fn wait_until(at: u64) -> u64 {
+    Waits::default().until(at)
 }
 
 pub use system::{ask, fine_sleep, now_ns};
@@ -206,13 +236,17 @@ mod tests {
 
     #[test]
     fn a_wait_is_never_early_and_the_clock_never_runs_back() {
-        let mut last = now_ns();
-        for _ in 0..20 {
-            let at = last + 200_000;
-            let now = wait_until(at);
+        let (mut last, mut waits) = (now_ns(), Waits::default());
+        for n in 0..200_u64 {
+            // short ones only spin, and one of the past does nothing
+            let at = last + 1000 * (n % 200);
+            let now = waits.until(at);
             assert!(now >= at && now >= last);
+            assert!((LEAST_SPIN..=SPIN).contains(&waits.spin));
             last = now;
         }
+        assert!(wait_until(last + 100_000) >= last + 100_000);
+        assert!(waits.until(0) > last);
     }
 
     #[test]

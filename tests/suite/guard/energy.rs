@@ -40,7 +40,7 @@ fn accounts(profile: Profile, rate: &str, exact: bool) -> [f64; 4] {
     let mut p = profile;
     p.dof = 2;
     let script = Script::Bow { rest: 0.0, depth: 8e-3, rate: 3.0 };
-    let mut device = Device::new(&p, Hand::finger(10.0, 0.02), script, 0, 3);
+    let mut device = Device::new(&p, Hand::finger(10.0, &p), script, 0, 3);
     let mut rig = Rig::with(&format!("{rate}\n{INSTRUMENT}"), p, gains(), true);
     rig.order(Order::Arm);
     let mut force = [0.0; 2];

@@ -9,7 +9,7 @@ use crate::play::{case, off, rows, within};
 use ca_haptic::frame::{Mode, flag};
 use ca_haptic::guard::Order;
 use ca_haptic::profile::Profile;
-use ca_haptic::simulated::{Device, Hand, Script};
+use ca_haptic::simulated::{Device, Hand, Script, Wish};
 
 /// The device of E02: 0.2 kg, 2 N s/m.
 fn e02() -> Profile {
@@ -194,8 +194,8 @@ fn every_script_can_be_played_on_every_device() {
         for script in ca_haptic::simulated::SCRIPTS {
             let middle = 0.5 * (p.range[0] + p.range[1]);
             let travel = p.range[1] - p.range[0];
-            let hand = if script == "push" { Hand::NONE } else { Hand::finger(p.force, travel) };
-            let s = Script::named(script, &p).expect("a script");
+            let hand = if script == "push" { Hand::NONE } else { Hand::finger(p.force, &p) };
+            let s = Script::named(script, &p, Wish::default()).expect("a script");
             let mut device = Device::new(&p, hand, s, 0, 1);
             let text = KEY.replace("500", "2").replace("dof = 0", &format!("dof = 0, x = {middle}"));
             let mut rig = Rig::new(&text.replace("wall = {}", &format!("wall = {{ x = {middle} }}")), p.clone());

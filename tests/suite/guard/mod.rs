@@ -1,6 +1,7 @@
 //! The guard between a model and a hand: one test per requirement, one per cause, any frames and forces there can be,
 //! and the loop of a simulated device against theory. No clock: everything counts frames.
 
+mod arrival;
 mod causes;
 mod energy;
 mod fuzz;

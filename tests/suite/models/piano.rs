@@ -51,6 +51,11 @@ pub fn hammer_piano() {
     // a key that goes down slowly is silent
     let slow = perform(load("hammer_piano"), &scene, Some(&one_key("c", &[(0.0, UP), (0.5, -0.9e-3)])), 1.0);
     assert_eq!(peak(&slow.sound[0]), 0.0);
+    // and so are twelve keys that stand pressed when their device appears
+    let mut found = Finger::at(0.0);
+    found.stay(1.5);
+    assert!(found.engine.ports[0].hand.met);
+    assert_eq!(peak(&found.sound), 0.0);
 }
 
 /// A finger on the key `c` of a TGR, and the engine that answers.
@@ -71,6 +76,15 @@ struct Finger {
 impl Finger {
     /// At rest on a key whose forces are on.
     fn new() -> Finger {
+        let mut f = Finger::at(UP);
+        f.engine.act(Act::Order(None, Order::Arm));
+        f.stay(1.2);
+        assert_eq!(f.engine.ports[0].out.mode, Mode::On as u32, "forces are not on");
+        f
+    }
+
+    /// A device whose keys all stand there, not heard of yet.
+    fn at(x: f64) -> Finger {
         let options = Options { energy: true, ..Options::default() };
         let scene = Arc::new(compile(&load("hammer_piano"), &ca_tests::catalog(), &options).expect("it compiles"));
         let gains = gains(&scene, "tgr12");
@@ -83,12 +97,8 @@ impl Finger {
         let engine = Engine::new(scene.clone(), vec![port], EngineOptions::default());
         let mut frame = DeviceFrame::new("tgr12", 12);
         frame.session = 1;
-        frame.pos[..12].fill(UP);
-        let mut f = Finger { scene, engine, frame, x: UP, force: 0.0, work: 0.0, sound: Vec::new() };
-        f.engine.act(Act::Order(None, Order::Arm));
-        f.stay(1.2);
-        assert_eq!(f.engine.ports[0].out.mode, Mode::On as u32, "forces are not on");
-        f
+        frame.pos[..12].fill(x);
+        Finger { scene, engine, frame, x, force: 0.0, work: 0.0, sound: Vec::new() }
     }
 
     /// Goes to a place and hears the answer: one gesture frame.

@@ -1,6 +1,6 @@
 //! `ca device`: what can be typed.
 
-use super::{hertz, seconds};
+use super::{hertz, metres, seconds, speed};
 use clap::{Args, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
@@ -15,6 +15,7 @@ use std::path::PathBuf;
   ca device list
   ca device doctor
   ca device sim --seconds 1
+  ca device sim --rest '-8 mm' --depth '7.4 mm' --speed '0.4 m/s' --seconds 1
   ca device sim --profile falcon --script shake --rate 500 --seconds 1 --force-log felt.csv
   ca device calibrate tgr12 --low 0 --high 4095 -o tgr12.toml
   ca device sim --profile falcon --script hold --seconds 20 & ca device conformance falcon; kill $!")]
@@ -56,6 +57,15 @@ pub struct SimArgs {
     /// What its hand does
     #[arg(long, value_enum, default_value_t = ScriptKind::Strike)]
     pub script: ScriptKind,
+    /// Where its hand rests; the middle of its travel if left out
+    #[arg(long, value_name = "M", value_parser = metres, allow_hyphen_values = true)]
+    pub rest: Option<f64>,
+    /// How far its hand goes from there, down where negative
+    #[arg(long, value_name = "M", value_parser = metres, allow_hyphen_values = true)]
+    pub depth: Option<f64>,
+    /// How fast its hand is at most; half of what trips the guard, or less, if left out
+    #[arg(long, value_name = "M/S", value_parser = speed)]
+    pub speed: Option<f64>,
     /// What it is called, as models name it; the name of its profile if left out
     #[arg(long)]
     pub name: Option<String>,

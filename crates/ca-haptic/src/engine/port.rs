@@ -55,8 +55,11 @@ pub struct Port {
     last: Vec<f64>,
     /// frames of the engine from one frame of the device to the next
     pace: u32,
-    /// the farthest a port of the scene follows in a frame \[m\], real
+    /// the farthest a port of the scene follows in a frame, and on its way to a device that appears \[m\], real
     reach: f64,
+    gentle: f64,
+    /// DOF that move something, a bit each
+    used: u32,
     /// where the scene has each DOF \[m\], real
     there: [f64; DOF],
 }
@@ -88,13 +91,16 @@ impl Port {
         for l in &links {
             there[l.dof] = scene.inputs[l.input].rest / l.gains.alpha;
         }
+        // a device slower than the engine moves farther at once
+        let frame = te.max(1.0 / profile.rate);
         Port {
             chain: Chain::new(&profile, te),
             inlet: Inlet::new(&profile, te),
             hand: Hand::new(n, te),
-            // a device slower than the engine moves farther at once
-            reach: 2.0 * profile.guard.speed * te.max(1.0 / profile.rate),
+            reach: 2.0 * profile.guard.speed * frame,
+            gentle: (profile.range[1] - profile.range[0]) / profile.guard.approach * te,
             pace: (1.0 / (profile.rate * te)).ceil().clamp(1.0, 1e9) as u32,
+            used: links.iter().fold(0, |u, l| u | 1 << l.dof),
             last: vec![0.0; links.len()],
             name: device,
             profile,
@@ -117,17 +123,22 @@ impl Port {
     }
 
     /// Once a frame, before its first tick: moves the ports of the scene towards the hand. They follow no faster than a
-    /// hand can move, so that a device which appears far from where the scene expects it does not strike.
+    /// hand can move; and to a device that appears somewhere else they go gently, so that its appearance does not strike.
     pub(super) fn place(&mut self, state: &mut State) {
         self.inlet.settle(&mut self.hand);
         if self.hand.age == u32::MAX {
             return;
         }
-        for k in 0..self.hand.n {
-            let step = (self.hand.x[k] - self.there[k]).clamp(-self.reach, self.reach);
+        let reach = if self.hand.met { self.reach } else { self.gentle };
+        let mut met = true;
+        for k in (0..self.hand.n).filter(|k| self.used >> k & 1 == 1) {
+            let step = self.hand.x[k] - self.there[k];
+            let near = step.abs() < reach;
             // exactly the hand where it can be reached
-            self.there[k] = if step.abs() < self.reach { self.hand.x[k] } else { self.there[k] + step };
+            self.there[k] = if near { self.hand.x[k] } else { self.there[k] + step.clamp(-reach, reach) };
+            met &= near;
         }
+        self.hand.met |= met;
         for l in &self.links {
             state.input[l.input] = l.gains.alpha * self.there[l.dof];
         }
@@ -184,6 +195,7 @@ impl Port {
         for l in &self.links {
             self.there[l.dof] = initial.input[l.input] / l.gains.alpha;
         }
+        self.hand.met = false;
         self.last.fill(0.0);
     }
 

@@ -1,6 +1,6 @@
 //! H5, H6, H8, H9: when forces may reach the hand at all.
 //!
-//! Off → (armed, calibrated, fresh, and nothing pushes for a while) → ramp → on; any fault latches until somebody arms
+//! Off → (armed, calibrated, fresh, where the scene has it, and nothing pushes for a while) → ramp → on; any fault latches until somebody arms
 //! again, never ends by data returning. Too fast a motion brakes for a moment before it is off. Without fresh frames
 //! the force is held, then fades, then is a fault. A device that loses its calibration while forces are on says
 //! positions that are no metres, which is implausible.
@@ -116,7 +116,7 @@ impl Stage for Gate {
                 hand.flags |= flag::WAIT_CLEAR;
                 let heavy = |f: f64| f > 0.0 && f >= self.clear;
                 let pushes = (0..hand.n).step_by(self.axes).any(|at| heavy(hand.length(at, self.axes)));
-                let clear = hand.calibrated && hand.age <= self.hold && !pushes && !fast;
+                let clear = hand.calibrated && hand.met && hand.age <= self.hold && !pushes && !fast;
                 self.since = if clear { self.since + 1 } else { 0 };
                 if self.since >= self.clear_frames {
                     (self.mode, self.since) = (Mode::Ramp, 0);

@@ -2,7 +2,7 @@
 //!
 //! Decides before the model sees anything: a frame of another layout, of a number that does not grow, with a position
 //! that is no number or that no hand could have reached since the last good frame is dropped and counted; the last good
-//! position stays. Ten of them within a tenth of a second are a fault. A new session of the device process starts
+//! position stays. Ten of them within a tenth of a second are a fault, and ten old ones in order a new beginning. A new session of the device process starts
 //! afresh, with forces off: what was armed was another process.
 //!
 //! Speed is measured over frames of the *device*, at least three of them and so long that a step of its sensor is no
@@ -48,6 +48,9 @@ pub struct Inlet {
     /// the last good frames, a ring, and how many there were in this session
     past: [Seen; PAST],
     seen: usize,
+    /// number of the last frame that was too old, and how many came before it, one after the other
+    stray: u64,
+    strays: u32,
     /// where the hand was in the frame before \[m\]
     before: [f64; DOF],
     /// frames that were dropped
@@ -94,6 +97,8 @@ impl Inlet {
             count: 0,
             past: [Seen { at: 0, clock: 0, x: [0.0; DOF] }; PAST],
             seen: 0,
+            stray: 0,
+            strays: 0,
             before: [0.0; DOF],
             dropped: 0,
         }
@@ -112,7 +117,7 @@ impl Inlet {
                 if self.seen > 0 {
                     hand.trip(Cause::Disconnect);
                 }
-                self.seen = 0;
+                (self.seen, hand.met) = (0, false);
                 self.before[..self.n].copy_from_slice(&f.pos[..self.n]);
                 hand.v = [0.0; DOF];
             }
@@ -126,6 +131,9 @@ impl Inlet {
             hand.ack = f.ack;
             device_says(f, hand);
         } else {
+            if verdict == Verdict::Old {
+                self.astray(f.seq, hand);
+            }
             self.dropped += 1;
             self.when[(self.count % 64) as usize] = hand.frame;
             self.count += 1;
@@ -137,6 +145,17 @@ impl Inlet {
             }
         }
         verdict
+    }
+
+    /// A number that was too large once is believed no longer than the frames after it go on as if it had never been:
+    /// as many of them as make a fault begin anew, with forces off.
+    fn astray(&mut self, seq: u64, hand: &mut Hand) {
+        self.strays = if seq == self.stray.wrapping_add(1) { self.strays + 1 } else { 0 };
+        self.stray = seq;
+        if self.strays >= self.bad {
+            (self.seen, self.strays) = (0, 0);
+            hand.trip(Cause::Implausible);
+        }
     }
 
     fn judge(&self, f: &DeviceFrame, hand: &Hand) -> Verdict {

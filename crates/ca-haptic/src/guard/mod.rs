@@ -45,6 +45,8 @@ pub struct Hand {
     pub age: u32,
     /// the device says its positions are metres
     pub calibrated: bool,
+    /// the scene has the device where it is: it goes there gently when one appears
+    pub met: bool,
     /// position \[m\], of the device
     pub x: [f64; DOF],
     /// motion since the last frame \[m\]
@@ -83,6 +85,7 @@ impl Hand {
             fresh: false,
             age: u32::MAX,
             calibrated: false,
+            met: false,
             x: [0.0; DOF],
             moved: [0.0; DOF],
             v: [0.0; DOF],

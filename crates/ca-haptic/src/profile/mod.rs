@@ -91,6 +91,8 @@ pub struct Limits {
     pub clear_time: f64,
     /// time to fade forces in \[s\] (H5)
     pub ramp: f64,
+    /// in how long the scene crosses the travel to where a device is when it appears \[s\]
+    pub approach: f64,
     /// how long the force is held without fresh frames \[s\]; absent: 1 ms, or two frames of a slower device (H6)
     pub hold: Option<f64>,
     /// when it has reached zero \[s\] (H6)
@@ -132,6 +134,7 @@ impl Default for Limits {
             clear: 0.05,
             clear_time: 0.1,
             ramp: 1.0,
+            approach: 1.0,
             hold: None,
             zero: 0.01,
             ttl: 0.005,
@@ -203,6 +206,7 @@ impl Profile {
             ("guard.clear", l.clear),
             ("guard.clear_time", l.clear_time),
             ("guard.ramp", l.ramp),
+            ("guard.approach", l.approach),
             ("guard.hold", self.hold()),
             ("guard.zero", l.zero),
             ("guard.ttl", l.ttl),

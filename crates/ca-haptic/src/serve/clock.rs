@@ -4,7 +4,7 @@
 //! device's own clock takes one frame of the first device for each frame of the engine: no slip between the two, for a
 //! device that drives everything, and for closed loops that must be the same every time.
 
-use crate::rt::{now_ns, wait_until};
+use crate::rt::{Waits, now_ns, wait_until};
 
 /// The clock of the gesture frames.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,11 +32,12 @@ pub(super) struct Pace {
     start: u64,
     period: f64,
     n: u64,
+    waits: Waits,
 }
 
 impl Pace {
     pub(super) fn new(period: f64) -> Pace {
-        Pace { start: now_ns(), period: period * 1e9, n: 0 }
+        Pace { start: now_ns(), period: period * 1e9, n: 0, waits: Waits::default() }
     }
 
     /// Waits for the next deadline. Where it is already a whole period past, the periods between are left out: no frame
@@ -44,7 +45,7 @@ impl Pace {
     pub(super) fn next(&mut self) -> Start {
         self.n += 1;
         let due = self.start + (self.n as f64 * self.period) as u64;
-        let late = wait_until(due) - due;
+        let late = self.waits.until(due) - due;
         let missed = (late as f64 / self.period) as u64;
         self.n += missed;
         Start { late, missed }

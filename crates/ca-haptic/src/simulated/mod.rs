@@ -9,7 +9,7 @@
 mod body;
 mod script;
 
-pub use script::{Intention, SCRIPTS, Script};
+pub use script::{Intention, SCRIPTS, Script, Wish};
 
 use crate::frame::{DOF, DeviceFrame, status, uid};
 use crate::profile::Profile;
@@ -30,11 +30,12 @@ impl Hand {
     /// No hand.
     pub const NONE: Hand = Hand { stiffness: 0.0, damping: 0.0, mass: 0.0 };
 
-    /// A finger that holds a key of `travel` metres with up to `force` newtons: it gives way by a tenth of the travel,
-    /// and is damped critically with 20 g of its own.
-    pub fn finger(force: f64, travel: f64) -> Hand {
+    /// A finger that holds a device with up to `force` newtons: it gives way by a tenth of the travel, and goes where
+    /// it wants without overshooting, damped critically with 20 g of its own and the mass it moves.
+    pub fn finger(force: f64, profile: &Profile) -> Hand {
+        let travel = profile.range[1] - profile.range[0];
         let (stiffness, mass) = ((force / (0.1 * travel)).max(100.0), 0.02);
-        Hand { stiffness, damping: 2.0 * (stiffness * mass).sqrt(), mass }
+        Hand { stiffness, damping: 2.0 * (stiffness * (mass + profile.body.mass)).sqrt(), mass }
     }
 }
 
@@ -211,10 +212,10 @@ mod tests {
     fn the_same_seed_gives_the_same_bits() {
         let p = Profile::shipped("firefader").expect("shipped");
         let run = |seed| {
-            let script = Script::named("bow", &p).expect("a script");
+            let script = Script::named("bow", &p, Wish::default()).expect("a script");
             let mut noisy = p.clone();
             noisy.body.noise = 1e-4;
-            let mut d = Device::new(&noisy, Hand::finger(1.0, 0.1), script, 1, seed);
+            let mut d = Device::new(&noisy, Hand::finger(1.0, &noisy), script, 1, seed);
             (0..500).flat_map(|_| d.step(&[0.1, -0.1], 0.002).to_vec()).map(f64::to_bits).collect::<Vec<_>>()
         };
         assert_eq!(run(7), run(7));

@@ -7,6 +7,7 @@
 
 use crate::gesture::Gesture;
 use crate::profile::Profile;
+use std::f64::consts::PI;
 
 /// What is intended at a time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -28,6 +29,8 @@ pub enum Script {
         depth: f64,
         /// strokes a second \[Hz\]
         rate: f64,
+        /// how long one takes \[s\]
+        stroke: f64,
     },
     /// at an even speed from one end to the other and back, turning softly
     Bow {
@@ -69,17 +72,39 @@ const LATER: f64 = 0.05;
 /// Time before the first motion \[s\]: forces need two to be on (H5: 0.1 s clear, 1 s of ramp).
 const BEGIN: f64 = 1.5;
 
+/// What somebody wishes of a script; what is left out suits the device.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Wish {
+    /// where it rests \[m\]; in the middle of the travel
+    pub rest: Option<f64>,
+    /// how far it goes from there \[m\], down where negative
+    pub depth: Option<f64>,
+    /// its fastest moment \[m/s\]; at most half of what trips the guard
+    pub speed: Option<f64>,
+}
+
 impl Script {
-    /// The script of that name, sized for the travel and force of a device; `None` where there is none.
-    pub fn named(name: &str, profile: &Profile) -> Option<Script> {
+    /// The script of that name, as the profile of a device and what somebody wishes make it; `None` where there is none.
+    pub fn named(name: &str, profile: &Profile, wish: Wish) -> Option<Script> {
         let [low, high] = profile.range;
-        let (rest, travel) = (0.5 * (low + high), high - low);
-        // no faster than half of what trips the guard
-        let slow = |rate: f64, path: f64| rate.min(0.5 * profile.guard.speed / path);
+        let (rest, travel) = (wish.rest.unwrap_or(0.5 * (low + high)), high - low);
+        let deep = |part: f64| wish.depth.unwrap_or(part * travel);
+        // unasked no faster than half of what trips the guard
+        let fast = |suits: f64| wish.speed.unwrap_or(suits.min(0.5 * profile.guard.speed));
         Some(match name {
-            "strike" => Script::Strike { rest, depth: -0.35 * travel, rate: slow(2.0, 3.3 * travel) },
-            "bow" => Script::Bow { rest, depth: 0.3 * travel, rate: slow(1.0, 1.65 * travel) },
-            "shake" => Script::Shake { rest, depth: 0.05 * travel, rate: slow(8.0, 0.32 * travel) },
+            "strike" => {
+                let depth = deep(-0.35);
+                let stroke = PI * depth.abs() / fast(6.0 * PI * depth.abs());
+                Script::Strike { rest, depth, rate: (1.0 / (3.0 * stroke)).min(2.0), stroke }
+            }
+            "bow" => {
+                let depth = deep(0.3);
+                Script::Bow { rest, depth, rate: fast(5.5 * depth.abs()) / (5.5 * depth.abs()) }
+            }
+            "shake" => {
+                let depth = deep(0.05);
+                Script::Shake { rest, depth, rate: fast(16.0 * PI * depth.abs()) / (2.0 * PI * depth.abs()) }
+            }
             "hold" => Script::Hold { rest },
             "push" => Script::Push { force: -0.2 * profile.force },
             _ => return None,
@@ -92,9 +117,9 @@ impl Script {
         let t = t - BEGIN - LATER * k as f64;
         let since = t.max(0.0);
         let position = match self {
-            // a third of the period down and up, then rest
-            Script::Strike { rest, depth, rate } => {
-                let phase = (since * rate).fract() * 3.0;
+            // down and up, then rest
+            Script::Strike { rest, depth, rate, stroke } => {
+                let phase = (since * rate).fract() / (rate * stroke);
                 if phase < 1.0 { rest + 0.5 * depth * (1.0 - (turn * phase).cos()) } else { *rest }
             }
             // the first two terms of a triangle: nearly even on its way, round at the ends
@@ -123,7 +148,7 @@ mod tests {
         for (name, _) in SHIPPED {
             let p = Profile::shipped(name).expect("shipped");
             for script in SCRIPTS {
-                let s = Script::named(script, &p).expect("a script");
+                let s = Script::named(script, &p, Wish::default()).expect("a script");
                 let (mut last, mut moved) = (s.at(0, 0.0), false);
                 for n in 0..20_000 {
                     let now = s.at(0, f64::from(n) / 2000.0);
@@ -138,7 +163,25 @@ mod tests {
                 assert!(last.force.abs() <= p.force);
             }
         }
-        assert_eq!(Script::named("wave", &Profile::shipped("tgr12").expect("shipped")), None);
+        assert_eq!(Script::named("wave", &Profile::shipped("tgr12").expect("shipped"), Wish::default()), None);
+    }
+
+    #[test]
+    fn a_script_rests_and_goes_where_it_is_told() {
+        let p = Profile::shipped("tgr12").expect("shipped");
+        for (script, low, high) in [("strike", -0.008, -6e-4), ("bow", -0.0154, -6e-4), ("shake", -0.0154, -6e-4)] {
+            for speed in [None, Some(0.4)] {
+                let wish = Wish { rest: Some(-0.008), depth: Some(0.0074), speed };
+                let s = Script::named(script, &p, wish).expect("a script");
+                let way: Vec<f64> = (0..40_000).map(|n| s.at(0, f64::from(n) / 4000.0).position).collect();
+                let (least, most) = way.iter().fold((0.0f64, -1.0f64), |m, x| (m.0.min(*x), m.1.max(*x)));
+                // a bow is the beginning of a triangle
+                assert!((least - low).abs() < 6e-4 && (most - high).abs() < 6e-4, "{script}: {least} to {most}");
+                let fastest = way.windows(2).map(|w| (w[1] - w[0]).abs() * 4000.0).fold(0.0, f64::max);
+                let want = speed.unwrap_or(fastest);
+                assert!((fastest / want - 1.0).abs() < 0.03 && fastest > 0.04, "{script}: {fastest} m/s");
+            }
+        }
     }
 
     #[test]

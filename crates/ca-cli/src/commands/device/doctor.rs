@@ -11,7 +11,7 @@ use ca_haptic::host::control::{Request, ask};
 use ca_haptic::host::gateway::list_devices;
 use ca_haptic::host::{DeviceClient, Gateway, HostError, HostErrorKind, Site, debris};
 use ca_haptic::profile::Profile;
-use ca_haptic::rt::{self, Wish, now_ns, wait_until};
+use ca_haptic::rt::{self, Waits, Wish, now_ns};
 use ca_haptic::stats::{Times, Told};
 use serde_json::json;
 use std::fs;
@@ -225,11 +225,11 @@ fn limits() -> Vec<Row> {
 /// A second of gesture frames as the engine waits for them: what was granted, lateness, and how many were a frame late.
 fn second() -> (rt::Granted, Told, u64) {
     let granted = rt::ask(Wish { priority: Some(70), cpu: None, lock: true });
-    let (mut late, mut over) = (Times::new(), 0);
+    let (mut late, mut over, mut waits) = (Times::new(), 0, Waits::default());
     let start = now_ns();
     for n in 1..=FRAMES {
         let due = start + n * PERIOD;
-        let by = wait_until(due) - due;
+        let by = waits.until(due) - due;
         late.add(by);
         over += u64::from(by > PERIOD);
     }

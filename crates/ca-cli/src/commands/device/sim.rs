@@ -13,8 +13,8 @@ use ca_haptic::frame::{Cause, DOF, DeviceFrame, ForceFrame, Mode};
 use ca_haptic::gesture::Gesture;
 use ca_haptic::host::{DeviceClient, HostError, Site};
 use ca_haptic::profile::Profile;
-use ca_haptic::rt::{self, Wish, now_ns, wait_until};
-use ca_haptic::simulated::{Device, Hand, Script};
+use ca_haptic::rt::{self, Waits, now_ns};
+use ca_haptic::simulated::{Device, Hand, Script, Wish};
 use ca_haptic::stats::Times;
 use serde_json::json;
 use std::fmt::Write as _;
@@ -39,19 +39,18 @@ pub fn run(args: &SimArgs) -> Outcome {
     }
     let name = args.name.clone().unwrap_or_else(|| profile.name.clone());
     let script = script(args, &profile)?;
-    let [low, high] = profile.range;
     let hand = if args.script == ScriptKind::Push {
         Hand::NONE
     } else {
         // where nothing pushes back any hand will do
-        Hand::finger(if profile.force > 0.0 { profile.force } else { 1.0 }, high - low)
+        Hand::finger(if profile.force > 0.0 { profile.force } else { 1.0 }, &profile)
     };
     let device = Device::new(&profile, hand, script, usize::from(args.delay), args.seed);
     let log = args.force_log.as_deref().map(|path| Log::create(path, profile.dof as usize)).transpose()?;
     let client = DeviceClient::open(&Site::of_user()?, about(&name, &profile))?;
     // a handler can be set once in a process; where that fails, Ctrl-C ends the process as it would anyway
     let _ = ctrlc::set_handler(|| STOP.store(true, Relaxed));
-    let granted = rt::ask(Wish { priority: (args.priority > 0).then_some(args.priority), ..Wish::default() });
+    let granted = rt::ask(rt::Wish { priority: (args.priority > 0).then_some(args.priority), ..rt::Wish::default() });
     term::note(&format!("`{name}`: {}, simulated, {} frames a second; {granted}", profile.title, profile.rate));
     let mut sim = Sim {
         frame: DeviceFrame::new(&name, profile.dof as usize),
@@ -82,6 +81,10 @@ fn script(args: &SimArgs, profile: &Profile) -> Result<Script, Failure> {
     if args.push.is_some() && args.script != ScriptKind::Push {
         return Err(Failure::Usage("--push is the force of `--script push`".into()));
     }
+    let wish = Wish { rest: args.rest, depth: args.depth, speed: args.speed };
+    if wish != Wish::default() && matches!(args.script, ScriptKind::Push | ScriptKind::File) {
+        return Err(Failure::Usage("--rest, --depth and --speed are of scripts that go somewhere by themselves".into()));
+    }
     if args.gesture.is_some() && args.script != ScriptKind::File {
         return Err(Failure::Usage("--gesture is played by `--script file`".into()));
     }
@@ -100,8 +103,19 @@ fn script(args: &SimArgs, profile: &Profile) -> Result<Script, Failure> {
             return Ok(Script::File(Gesture::open(path, &[], None)?));
         }
     };
+    let [low, high] = profile.range;
+    let rest = args.rest.unwrap_or(0.5 * (low + high));
+    for (what, x) in [("--rest", rest), ("--rest and --depth", rest + args.depth.unwrap_or(0.0))] {
+        if !(low..=high).contains(&x) {
+            let travel = format!("its travel is {} to {} m", short(low), short(high));
+            return Err(Failure::Usage(format!("{what}: {} m is where a {} cannot be; {travel}", short(x), profile.title)));
+        }
+    }
+    if args.depth == Some(0.0) {
+        return Err(Failure::Usage("--depth 0 is `--script hold`".into()));
+    }
     // every name above is one of a script
-    Script::named(name, profile).ok_or_else(|| Failure::Usage(format!("no script `{name}`")))
+    Script::named(name, profile, wish).ok_or_else(|| Failure::Usage(format!("no script `{name}`")))
 }
 
 /// A device under way.
@@ -126,7 +140,7 @@ struct Sim {
 impl Sim {
     /// At its own rate, for so many periods.
     fn free(&mut self, periods: Option<u64>) -> Result<(), Failure> {
-        let (start, period) = (now_ns(), self.te * 1e9);
+        let (start, period, mut waits) = (now_ns(), self.te * 1e9, Waits::default());
         let mut force = [0.0; DOF];
         let mut n = 0_u64;
         while !STOP.load(Relaxed) && periods.is_none_or(|all| n < all) {
@@ -140,7 +154,7 @@ impl Sim {
             self.note(cause, latest.as_ref())?;
             n += 1;
             let due = start + (n as f64 * period) as u64;
-            let late = (wait_until(due) - due) as f64 / period;
+            let late = (waits.until(due) - due) as f64 / period;
             // whole periods that are over say nothing of where the hand is now
             self.seen.left_out += late as u64;
             n += late as u64;

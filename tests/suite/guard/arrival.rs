@@ -1,0 +1,78 @@
+//! A device that appears, or comes back, anywhere: it is met gently, and whatever number it says it has a way back.
+
+use super::{KEY, Rig, TE, cause, force, is_off, mode, profile};
+use crate::play::within;
+use ca_haptic::frame::{Cause, Mode, flag};
+use ca_haptic::guard::Order;
+use ca_haptic::guard::input::Verdict;
+
+/// Frames until the scene has a device that stands 8 mm away: the travel of 20 mm takes a second.
+const WAY: u32 = 1200;
+
+/// Stands still at 8 mm while the scene goes there: no faster than it should, no force before.
+fn met(rig: &mut Rig, x: f64) {
+    let most = 0.02 * TE;
+    let mut last = rig.engine.state.input[0];
+    let mut frames = 0_u32;
+    while rig.engine.state.input[0] != x {
+        let f = rig.go(&[x]);
+        frames += 1;
+        assert!(mode(&f) == Mode::Off && force(&f) == 0.0 && f.flags & flag::WAIT_CLEAR != 0, "{f:?}");
+        let now = rig.engine.state.input[0];
+        assert!((now - last).abs() <= most * (1.0 + 1e-9), "{now} after {last}");
+        last = now;
+    }
+    assert!(frames.abs_diff(WAY) <= 1, "{frames}");
+}
+
+#[test]
+fn a_device_that_appears_elsewhere_is_met_gently() {
+    // nothing pushes there, so only the way is waited for
+    let mut rig = Rig::new(&KEY.replace("500", "0"), profile(|_| {}));
+    rig.order(Order::Arm);
+    met(&mut rig, 8e-3);
+    let wait = (0..400).find(|_| mode(&rig.go(&[8e-3])) == Mode::Ramp).expect("a ramp");
+    assert!((298..=300).contains(&wait), "a tenth of a second from there: {wait}");
+    // met once, it is followed as fast as a hand can move
+    for n in 1..=60 {
+        let x = 8e-3 - 1.2e-4 * f64::from(n);
+        rig.go(&[x]);
+        within("followed", (rig.engine.state.input[0] - x).abs(), 1e-15);
+    }
+    // another process is another device
+    rig.next.session += 1;
+    rig.next.seq = 0;
+    rig.go(&[8.8e-3]);
+    within("not followed", (rig.engine.state.input[0] - 8e-4).abs(), 1e-5);
+    rig.order(Order::Arm);
+    met(&mut rig, 8.8e-3);
+}
+
+#[test]
+fn a_number_from_nowhere_is_no_end() {
+    let mut rig = Rig::new(KEY, profile(|_| {}));
+    rig.on(&[0.0]);
+    let seq = rig.next.seq;
+    rig.next.seq = u64::MAX - 1;
+    assert_eq!(rig.send(&[0.0]), Verdict::Good);
+    rig.frame();
+    rig.next.seq = seq;
+    // the frames go on as if nothing had been: the tenth in order is a fault, and the next the beginning
+    let found: Vec<_> = (0..12)
+        .map(|_| {
+            let verdict = rig.send(&[0.0]);
+            (verdict, cause(&rig.frame()))
+        })
+        .collect();
+    assert!(found[..11].iter().all(|f| f.0 == Verdict::Old) && found[11].0 == Verdict::Good, "{found:?}");
+    assert!(found[11].1 == Cause::Implausible);
+    assert!(is_off(&rig.go(&[0.0]), Cause::Implausible), "and nobody armed");
+    rig.on(&[0.0]);
+    // frames that stand still, or come twice, are no such order
+    for _ in 0..40 {
+        rig.next.seq = 5;
+        assert_eq!(rig.send(&[0.0]), Verdict::Old);
+        rig.frame();
+    }
+    assert!(is_off(&rig.frame(), Cause::Implausible));
+}
