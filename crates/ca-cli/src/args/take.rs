@@ -12,6 +12,7 @@ use std::path::PathBuf;
 #[command(after_long_help = "Examples:
   ca replay take.mcap
   ca replay take.mcap --verify --json
+  ca replay take.mcap --energy
   ca replay take.mcap -o again.wav")]
 pub struct ReplayArgs {
     /// The take, `*.mcap`, finished or cut off
@@ -22,6 +23,9 @@ pub struct ReplayArgs {
     /// Writes the sound as it is computed now
     #[arg(short, long, value_name = "FILE.wav")]
     pub output: Option<PathBuf>,
+    /// Keeps the energy book, and says where the energy of the hands went
+    #[arg(long)]
+    pub energy: bool,
     /// Prints the verdict as JSON
     #[arg(long)]
     pub json: bool,

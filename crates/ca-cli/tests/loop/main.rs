@@ -6,6 +6,7 @@
 mod conform;
 mod faults;
 mod liar;
+mod piano;
 mod quiet;
 mod raw;
 mod soak;

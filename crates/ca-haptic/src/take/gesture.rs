@@ -17,7 +17,7 @@ use std::path::Path;
 pub fn gesture(path: impl AsRef<Path>, catalog: &Catalog) -> Result<Gesture, FileError> {
     let path = path.as_ref();
     let take = Take::open(path)?;
-    let replay = Replay::new(&take, catalog)?;
+    let mut replay = Replay::new(&take, catalog)?;
     let scene = replay.engine.scene.clone();
     let ports: Vec<usize> = scene
         .inputs

@@ -104,9 +104,9 @@ impl Replay {
     }
 
     /// Replays all of `take`. `each` sees every gesture frame: the engine at its end, before the masses of the last
-    /// tick move, and then the sound of the frame.
+    /// tick move, and then the sound of the frame. The engine stays as it ended.
     pub fn run(
-        mut self,
+        &mut self,
         take: &Take,
         each: &mut dyn FnMut(&Engine),
         sound: &mut dyn FnMut(&[f64]) -> Result<(), FileError>,
@@ -122,7 +122,7 @@ impl Replay {
             self.verdict.cut = Some(why.clone());
         }
         self.verdict.seconds = self.engine.due() as f64 / self.rate;
-        Ok(self.verdict)
+        Ok(std::mem::take(&mut self.verdict))
     }
 
     fn step(

@@ -83,7 +83,9 @@ fn script(args: &SimArgs, profile: &Profile) -> Result<Script, Failure> {
     }
     let wish = Wish { rest: args.rest, depth: args.depth, speed: args.speed };
     if wish != Wish::default() && matches!(args.script, ScriptKind::Push | ScriptKind::File) {
-        return Err(Failure::Usage("--rest, --depth and --speed are of scripts that go somewhere by themselves".into()));
+        return Err(Failure::Usage(
+            "--rest, --depth and --speed are of scripts that go somewhere by themselves".into(),
+        ));
     }
     if args.gesture.is_some() && args.script != ScriptKind::File {
         return Err(Failure::Usage("--gesture is played by `--script file`".into()));
@@ -108,7 +110,11 @@ fn script(args: &SimArgs, profile: &Profile) -> Result<Script, Failure> {
     for (what, x) in [("--rest", rest), ("--rest and --depth", rest + args.depth.unwrap_or(0.0))] {
         if !(low..=high).contains(&x) {
             let travel = format!("its travel is {} to {} m", short(low), short(high));
-            return Err(Failure::Usage(format!("{what}: {} m is where a {} cannot be; {travel}", short(x), profile.title)));
+            return Err(Failure::Usage(format!(
+                "{what}: {} m is where a {} cannot be; {travel}",
+                short(x),
+                profile.title
+            )));
         }
     }
     if args.depth == Some(0.0) {

@@ -3,9 +3,12 @@
 //! Decides that comparing is what a replay is for, so it always does; what differs between plain and `--verify` is only
 //! whether a difference is a failure (a test of a build) or news (another version, another machine).
 
+mod account;
+
 use crate::args::ReplayArgs;
 use crate::load::has_extension;
 use crate::{Ended, Failure, Outcome, catalog, term};
+use account::Account;
 use ca_haptic::sound::{Format, WavOut};
 use ca_haptic::take::{Replay, Take, Verdict};
 use serde_json::json;
@@ -17,8 +20,10 @@ pub fn run(args: &ReplayArgs) -> Outcome {
         let what = format!("`{}`: sound is written as WAV", path.display());
         return Err(Failure::Usage(format!("{what}; give the file the extension `.wav`")));
     }
-    let take = Take::open(&args.file)?;
-    let replay = Replay::new(&take, &catalog())?;
+    let mut take = Take::open(&args.file)?;
+    // the book changes no bit of what is played, which the comparison shows
+    take.header.options.energy |= args.energy;
+    let mut replay = Replay::new(&take, &catalog())?;
     let channels = replay.engine.scene.channels;
     let wav = args.output.as_ref().map(|p| WavOut::create(p, take.header.rate, channels, Format::F32));
     let mut wav = wav.transpose()?;
@@ -26,10 +31,11 @@ pub fn run(args: &ReplayArgs) -> Outcome {
     if let Some(wav) = wav {
         wav.finish()?;
     }
+    let account = if args.energy { Account::of(&replay.engine) } else { None };
     if args.json {
-        json_of(&take, &verdict)?;
+        json_of(&take, &verdict, account.as_ref())?;
     } else {
-        text(&take, &verdict)?;
+        text(&take, &verdict, account.as_ref())?;
     }
     if verdict.is_identical() {
         return Ok(Ended::Well);
@@ -37,7 +43,7 @@ pub fn run(args: &ReplayArgs) -> Outcome {
     if args.verify { Err(Failure::Told) } else { Ok(Ended::Degraded) }
 }
 
-fn text(take: &Take, v: &Verdict) -> Result<(), Failure> {
+fn text(take: &Take, v: &Verdict, account: Option<&Account>) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
     writeln!(out, "{}: {:.3} s of `{}`", take.path.display(), v.seconds, take.header.title)?;
     writeln!(
@@ -50,6 +56,9 @@ fn text(take: &Take, v: &Verdict) -> Result<(), Failure> {
         (Some(d), _) => writeln!(out, "  differs    {d}")?,
         (None, Some(t)) => writeln!(out, "  identical  to the bit, up to {t:.3} s: records are missing there")?,
     }
+    if let Some(account) = account {
+        account.text(&mut out)?;
+    }
     drop(out);
     if let Some(why) = &v.cut {
         term::note(&format!("the file was cut off: {why}"));
@@ -57,7 +66,7 @@ fn text(take: &Take, v: &Verdict) -> Result<(), Failure> {
     Ok(())
 }
 
-fn json_of(take: &Take, v: &Verdict) -> Result<(), Failure> {
+fn json_of(take: &Take, v: &Verdict, account: Option<&Account>) -> Result<(), Failure> {
     let difference = v
         .difference
         .as_ref()
@@ -66,6 +75,7 @@ fn json_of(take: &Take, v: &Verdict) -> Result<(), Failure> {
         "file": take.path.display().to_string(), "title": take.header.title, "seconds": v.seconds,
         "identical": v.is_identical(), "gesture_frames": v.frames, "device_frames": v.taken, "force_frames": v.forces,
         "samples": v.samples, "hashes": v.hashes, "difference": difference, "hole": v.hole, "cut": v.cut,
+        "energy": account.map(Account::json),
     });
     writeln!(std::io::stdout().lock(), "{all:#}")?;
     Ok(())

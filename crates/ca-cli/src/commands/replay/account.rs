@@ -1,0 +1,107 @@
+//! Where the energy of the hands went: one table, from the forces on the wire to the heat of every link.
+//!
+//! Decides on joules of the hand, so that what a finger gave is what a finger feels: joules of the model times the one
+//! scale of the equivalence. What crossed at a key of another scale is first made joules of the model there. Links are
+//! summed by their name in the file, since twelve keys have twelve of each. What no row explains is the residual.
+
+use crate::term::short;
+use ca_core::ledger::Ledger;
+use ca_core::{Scene, equivalence::Gains};
+use ca_haptic::engine::{Engine, Port};
+use serde_json::{Value, json};
+use std::io::Write;
+
+/// The rows \[J\], and what they do not explain.
+pub(super) struct Account {
+    /// what came in: given by the hands, added by guard and device, made by the border, from other ports, by changes
+    sources: Vec<(String, f64)>,
+    /// where it is: lost in links and masses, held, swallowed by the scheme
+    sinks: Vec<(String, f64)>,
+    /// largest energy held and lost so far
+    peak: f64,
+}
+
+impl Account {
+    /// Of an engine that keeps the energy book; `None` where it does not.
+    pub(super) fn of(engine: &Engine) -> Option<Account> {
+        let scene = &engine.scene;
+        let book = engine.state.ledger.as_ref()?;
+        let scale = scene.equivalence.of("").energy();
+        let hand = |f: fn(&Port, usize) -> f64| -> f64 { engine.ports.iter().map(|p| at_hand(p, scale, f)).sum() };
+        let given = hand(|p, k| p.chain.book.given[k]);
+        let removed = hand(|p, k| p.chain.book.removed(k));
+        let leak = hand(|p, k| p.chain.book.leak(k));
+        let b = book.balance();
+        let received: f64 = book.hands.iter().map(|e| e.received).sum();
+        let sources = vec![
+            ("given by the hands".into(), given),
+            ("added by guard and device".into(), removed),
+            ("made by the border".into(), leak),
+            ("received at other ports".into(), scale * (b.work - received)),
+            ("brought by changes".into(), scale * b.changed),
+        ];
+        let mut sinks: Vec<(String, f64)> = lost(scene, book).into_iter().map(|(n, j)| (n, scale * j)).collect();
+        sinks.push(("lost in masses".into(), scale * book.lost_mats));
+        sinks.push(("held, more than at load".into(), scale * (b.h - b.h0)));
+        sinks.push(("swallowed by the scheme".into(), -scale * b.source));
+        Some(Account { sources, sinks, peak: scale * b.peak })
+    }
+
+    /// What no row explains \[J\].
+    fn residual(&self) -> f64 {
+        let sum = |rows: &[(String, f64)]| rows.iter().map(|r| r.1).sum::<f64>();
+        sum(&self.sources) - sum(&self.sinks)
+    }
+
+    /// For people. A row in which nothing happened is not there.
+    pub(super) fn text(&self, out: &mut impl Write) -> std::io::Result<()> {
+        let given = self.sources[0].1;
+        for (i, (what, j)) in self.sources.iter().chain(&self.sinks).enumerate() {
+            let lead = if i == 0 { "energy" } else { "" };
+            // what rounding leaves is nothing
+            if i == 0 || j.abs() > 1e-12 * self.peak {
+                let part = if given > 0.0 && i > 0 { format!("{:9.3} %", 100.0 * j / given) } else { String::new() };
+                writeln!(out, "  {lead:<10} {what:<28} {:>10} mJ{part}", short(1e3 * j))?;
+            }
+        }
+        writeln!(out, "  {:<10} {:<28} {:>10.1e} of its peak", "", "not explained", self.residual().abs() / self.peak)
+    }
+
+    /// For programs.
+    pub(super) fn json(&self) -> Value {
+        let rows =
+            |list: &[(String, f64)]| list.iter().map(|(n, j)| json!({"what": n, "joules": j})).collect::<Vec<_>>();
+        json!({
+            "sources": rows(&self.sources), "sinks": rows(&self.sinks), "residual": self.residual(), "peak": self.peak,
+        })
+    }
+}
+
+/// The sum over the degrees of freedom of a device that move something, as joules of the hand at the common scale.
+fn at_hand(port: &Port, scale: f64, f: fn(&Port, usize) -> f64) -> f64 {
+    let mut seen = 0_u32;
+    let mut sum = 0.0;
+    for l in &port.links {
+        // two ports of one degree of freedom are one hand
+        if seen >> l.dof & 1 == 0 {
+            sum += f(port, l.dof) * scale / Gains::energy(l.gains);
+        }
+        seen |= 1 << l.dof;
+    }
+    sum
+}
+
+/// Heat of links, by their name in the file, most first.
+fn lost(scene: &Scene, book: &Ledger) -> Vec<(String, f64)> {
+    let mut list: Vec<(String, f64)> = Vec::new();
+    for (i, j) in book.lost.iter().enumerate() {
+        let name = scene.audited_name(i).unwrap_or("?").split('[').next().unwrap_or("?");
+        let name = format!("lost in `{name}`");
+        match list.iter_mut().find(|r| r.0 == name) {
+            Some(row) => row.1 += j,
+            None => list.push((name, *j)),
+        }
+    }
+    list.sort_by(|a, b| b.1.total_cmp(&a.1));
+    list
+}
