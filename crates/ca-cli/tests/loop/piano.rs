@@ -1,6 +1,6 @@
 //! The hammer piano played across shared memory by a simulated TGR in a hand that gives way: `docs/hammer-piano-played.md`.
 //!
-//! Device and engine wait for each other, so that the page is the same every time; `UPDATE=1` writes it anew.
+//! Device and engine wait for each other, so that the page is the same every time, but for a last digit; `UPDATE=1` writes it anew.
 
 use super::stage::Stage;
 use serde_json::Value;
@@ -112,7 +112,8 @@ fn page(all: &[Played]) -> String {
          Made by `UPDATE=1 cargo test -p ca-cli --test loop piano`: do not edit.\n\n\
          `ca device sim --profile tgr12 --script strike` strikes the twelve keys of `ca serve hammer_piano` across shared\n\
          memory, five times each. Its hand is a finger that gives way (5 kN/m, 20 g) on keys of 200 g; its fastest moment is\n\
-         the speed at the head of each column. Device and engine wait for each other, so the figures are the same every time.\n\n\
+         the speed at the head of each column. Device and engine wait for each other, so the figures are the same every time,\n\
+         but for a last digit.\n\n\
          ## What the finger feels\n\n\
          Key `c`, first stroke, on its way down: the force its motor held, positive against the finger, and how fast the key\n\
          went there. The bed is at 7 mm.\n\n| depth (mm) |",
@@ -180,6 +181,18 @@ fn page(all: &[Played]) -> String {
     out + "\n"
 }
 
+/// Word by word, numbers within a hundredth: how many frames the engine goes on without its device is not the same every
+/// time, and a last digit may turn over.
+fn same(a: &str, b: &str) -> bool {
+    let near = |(a, b): (&str, &str)| match (a.parse::<f64>(), b.parse::<f64>()) {
+        (Ok(a), Ok(b)) => (a - b).abs() <= 0.01 * a.abs().max(b.abs()),
+        _ => a == b,
+    };
+    a.lines().count() == b.lines().count()
+        && a.split_whitespace().count() == b.split_whitespace().count()
+        && a.split_whitespace().zip(b.split_whitespace()).all(near)
+}
+
 #[test]
 fn the_page_of_the_piano_played_by_a_device_holds() {
     let all: Vec<Played> = SPEEDS.into_iter().map(play).collect();
@@ -193,7 +206,7 @@ fn the_page_of_the_piano_played_by_a_device_holds() {
     }
     let is = std::fs::read_to_string(path).unwrap_or_default();
     assert!(
-        is == want,
+        same(&is, &want),
         "docs/hammer-piano-played.md is stale; run `UPDATE=1 cargo test -p ca-cli --test loop piano`\n{want}"
     );
 }
