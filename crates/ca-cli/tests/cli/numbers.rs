@@ -24,11 +24,11 @@ fn no_number_has_more_digits_than_a_float_has() {
         for args in [
             &["check", "far.ca.toml"][..],
             &["check", "far.ca.toml", "--device", "tgr12"],
-            &["render", "far.ca.toml", "--seconds", "0.01", "--force"],
-            &["render", "far.ca.toml", "--seconds", k, "--force"],
-            &["render", "far.ca.toml", "--seconds", "0.01", "--force", "--set", &low],
-            &["render", "far.ca.toml", "--seconds", "0.01", "--force", "--set", &high],
-            &["render", "far.ca.toml", "--seconds", "0.01", "--force", "--rate", k],
+            &["render", "far.ca.toml", "--seconds", "0.01"],
+            &["render", "far.ca.toml", "--seconds", k],
+            &["render", "far.ca.toml", "--seconds", "0.01", "--set", &low],
+            &["render", "far.ca.toml", "--seconds", "0.01", "--set", &high],
+            &["render", "far.ca.toml", "--seconds", "0.01", "--rate", k],
             &["equiv", "far.ca.toml", "--set", "mass=20g:1.0"],
             &["equiv", "far.ca.toml", "--set", &format!("mass={k}:1.0")],
             &["equiv", "far.ca.toml", "--set", &format!("mass=1.0:{k}")],
@@ -41,5 +41,5 @@ fn no_number_has_more_digits_than_a_float_has() {
     }
     // and it is not because nothing is said
     desk.ca(&["equiv", "far.ca.toml", "--set", "mass=1e99:1.0"]).is(1).says(&["[1e99, 1.0]"]);
-    desk.ca(&["render", "far.ca.toml", "--set", "a.k=1e99", "--force"]).says(&["too stiff for its mass", "e91"]);
+    desk.ca(&["render", "far.ca.toml", "--set", "a.k=1e99"]).says(&["too stiff for its mass", "e91"]);
 }

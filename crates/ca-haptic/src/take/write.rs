@@ -2,8 +2,7 @@
 //!
 //! Decides on the writer's mode without seeking: a chunk is built in memory and written whole, so that a file whose
 //! writer was killed ends with a whole chunk and reads without repair up to there; a chunk is closed at least every
-//! quarter of a second. It is written by whoever calls: the desk, which may be away for as long as its rings hold. All of
-//! what decides the future (frames as they were looked at, changes, orders, reloads) is in
+//! quarter of a second. All of what decides the future (frames as they were looked at, changes, orders, reloads) is in
 //! the order in which it happened, and numbered. Sound is kept as the engine made it, 64 bits, in blocks of 40 ms, so
 //! that a replay can be compared to the bit even where the file ends early; a WAV attached at the end would be missing
 //! in just the take one wants to understand. Its price is 1.4 GB an hour and channel at 48 kHz. Beside it 16 bits to

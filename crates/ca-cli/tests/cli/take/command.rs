@@ -133,7 +133,7 @@ fn a_full_disk_is_told_once_and_playing_goes_on() {
         "[CEL]\nbar = { m = 1, f = 443.1, dx0 = 1 }\n[SOX]\nout = { from = \"bar\", gain = 0.1 }\n",
     );
     // 200 kB, half a second of sound or so
-    let r = desk.sh("ulimit -f 400; trap '' XFSZ; ca serve bar.ca.toml --seconds 3 --log take.mcap --json --quiet");
+    let r = desk.sh("ulimit -f 400; trap '' XFSZ; ca serve bar.ca.toml --seconds 3 --log take.mcap --json");
     assert_eq!(r.code, 3, "{}{}", r.out, r.err);
     let told = r.err.lines().filter(|l| l.starts_with("error: ") && l.contains("take.mcap")).count();
     assert_eq!(told, 1, "{}", r.err);
