@@ -26,7 +26,7 @@ b = { between = ["y", "wall"], k = "k" }
 out = { from = "bar", gain = 100 }
 "#;
 
-fn engine(energy: bool) -> (Engine, State, Change) {
+pub fn engine(energy: bool) -> (Engine, State, Change) {
     let catalog = ca_tests::catalog();
     let (model, _) = read::read(TEXT, "hand.ca.toml", &catalog);
     let scene: Scene = compile(&model, &catalog, &Compile { energy, ..Compile::default() }).expect("it compiles");

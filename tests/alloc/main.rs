@@ -5,7 +5,7 @@
 #![allow(unsafe_code)]
 
 mod engine;
-mod take;
+mod rings;
 
 use ca_benches::rattle;
 use ca_core::model::{Model, read};

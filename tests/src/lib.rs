@@ -1,8 +1,11 @@
-//! What the test binaries share: every model there is, and how to play one by its own gesture. The suite is in
+//! What the test binaries share: every model there is, how to play one by its own gesture, and a key. The suite is in
 //! `suite/`. Below stands the README, so that its Rust is compiled and run.
 #![doc = include_str!("../../README.md")]
 
 use ca_core::{Catalog, Scene, State};
+use ca_haptic::calibration::Calibration;
+use ca_haptic::engine::Setup;
+use ca_haptic::profile::Profile;
 use std::path::Path;
 
 /// All kinds there are.
@@ -53,4 +56,29 @@ pub fn gesture(scene: &Scene, s: &mut State) {
             s.input[i] = follow(points, t);
         }
     }
+}
+
+/// A key on a spring of 500 N/m.
+pub const KEY: &str = r#"
+[TGR]
+key = { device = "key", dof = 0 }
+[SOL]
+wall = {}
+[RES]
+spring = { between = ["key", "wall"], k = 500 }
+[SOX]
+out = { from = "key" }
+"#;
+
+/// One key of the TGR, with whatever a test changes.
+pub fn profile(change: impl FnOnce(&mut Profile)) -> Profile {
+    let mut profile = Profile::shipped("tgr12").unwrap_or_else(|| panic!("no profile `tgr12`"));
+    profile.dof = 1;
+    change(&mut profile);
+    profile
+}
+
+/// A device as its profile says, neither calibrated nor weighed against the model.
+pub fn setup(device: &str, profile: Profile) -> Setup {
+    Setup { device: device.into(), profile, calibration: Calibration::default(), gains: vec![] }
 }

@@ -1,7 +1,7 @@
 //! Quantities: bits, units, errors with their place.
 
 use ca_core::kind::{Dim, Unit};
-use ca_core::model::quantity::{Quantity, parse, show, unit_of};
+use ca_core::model::quantity::{Plain, Quantity, parse, show, unit_of};
 use proptest::prelude::*;
 
 fn value(text: &str, dim: Dim) -> f64 {
@@ -152,6 +152,22 @@ fn back(v: f64) {
         let q = parse(&text).unwrap_or_else(|e| panic!("{text}: {e}"));
         assert_eq!(q.value.to_bits(), v.to_bits(), "{text}");
         assert!(q.dim.same(unit.dim), "{text}");
+    }
+}
+
+#[test]
+fn plain_numbers_get_an_exponent_where_digits_cannot_be_counted() {
+    for (v, text, three) in [
+        (0.0, "0", "0.000"),
+        (1e-4, "0.0001", "0.000"),
+        (9.9e-5, "9.9e-5", "9.900e-5"),
+        (-9_999_999.5, "-9999999.5", "-9999999.500"),
+        (1e7, "1e7", "1.000e7"),
+        (-1e99, "-1e99", "-1.000e99"),
+        (f64::MAX, "1.7976931348623157e308", "1.798e308"),
+        (f64::INFINITY, "inf", "inf"),
+    ] {
+        assert_eq!((format!("{}", Plain(v)).as_str(), format!("{:.3}", Plain(v)).as_str()), (text, three));
     }
 }
 

@@ -6,6 +6,7 @@
 //! allocating. Only what the model declares `live` has a place here (or everything, if the compiler was asked).
 
 use crate::kind::{Kind, MatSpec, Unit};
+use crate::model::quantity::Plain;
 use crate::op::law::Law;
 use crate::sketch::{Arg, Args, Generator};
 use crate::state::State;
@@ -113,7 +114,7 @@ impl core::fmt::Display for Refused {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
             Refused::Unknown(n) => write!(f, "`{n}` is not a live parameter: declare it in [param] with live = true"),
-            Refused::Range(n, lo, hi) => write!(f, "`{n}` must lie between {lo} and {hi}"),
+            Refused::Range(n, lo, hi) => write!(f, "`{n}` must lie between {} and {}", Plain(*lo), Plain(*hi)),
             Refused::Unsolvable(why) => write!(f, "{why}"),
         }
     }

@@ -9,6 +9,7 @@ use crate::error::{FileError, FileErrorKind};
 use crate::gesture::{Gesture, Track};
 use ca_core::border::frame_due;
 use ca_core::live::Controls;
+use ca_core::model::quantity::Plain;
 use ca_core::scene::{InputRole, Scene};
 use ca_core::{State, tick};
 
@@ -135,7 +136,7 @@ impl<'a> Performance<'a> {
     pub fn blame(&self, audited: Option<&Scene>, gesture: Option<&Gesture>) -> (String, String) {
         let cert = &self.scene.certificate;
         if cert.lower >= 4.0 {
-            let why = format!("too stiff for its mass at this rate: {:.3}, the limit is 4", cert.lower);
+            let why = format!("too stiff for its mass at this rate: {:.3}, the limit is 4", Plain(cert.lower));
             return (cert.worst.clone(), why);
         }
         if let Some(scene) = audited {

@@ -15,6 +15,7 @@
 
 use crate::error::{FileError, FileErrorKind, lower};
 use crate::staged::Staged;
+use ca_core::model::quantity::Plain;
 use hound::{SampleFormat, WavSpec, WavWriter};
 use std::fs::File;
 use std::io::{BufWriter, Seek, SeekFrom, Write};
@@ -91,7 +92,8 @@ impl WavOut {
     pub fn create(path: impl AsRef<Path>, rate: f64, channels: usize, format: Format) -> Result<WavOut, FileError> {
         let path = path.as_ref();
         if !(1.0..=1e6).contains(&rate) || rate.fract() != 0.0 {
-            let e = FileError::usage(format!("a WAV file cannot have a rate of {rate} Hz")).file(path.display());
+            let e =
+                FileError::usage(format!("a WAV file cannot have a rate of {} Hz", Plain(rate))).file(path.display());
             return Err(e.fix("render at a whole number of Hz, up to 1 MHz"));
         }
         if !(1..=MAX_CHANNELS).contains(&channels) {

@@ -11,37 +11,17 @@ mod slow;
 
 use crate::play::with;
 use ca_core::Options as Compile;
-use ca_haptic::calibration::Calibration;
 use ca_haptic::engine::{Act, Engine, Options, Port, Setup};
 use ca_haptic::equivalence::Gains;
 use ca_haptic::frame::{Cause, DeviceFrame, ForceFrame, Mode};
 use ca_haptic::guard::Order;
 use ca_haptic::guard::input::Verdict;
 use ca_haptic::profile::Profile;
+pub use ca_tests::{KEY, profile};
 use std::sync::Arc;
 
 /// Gesture frames of the default rates \[s\].
 pub const TE: f64 = 1.0 / 3000.0;
-
-/// A key on a spring of 500 N/m.
-pub const KEY: &str = r#"
-[TGR]
-key = { device = "key", dof = 0 }
-[SOL]
-wall = {}
-[RES]
-spring = { between = ["key", "wall"], k = 500 }
-[SOX]
-out = { from = "key" }
-"#;
-
-/// A key of the TGR, with whatever a test changes.
-pub fn profile(change: impl FnOnce(&mut Profile)) -> Profile {
-    let mut p = Profile::shipped("tgr12").expect("shipped");
-    p.dof = 1;
-    change(&mut p);
-    p
-}
 
 /// A device that limits nothing, arms within two frames and renders what the model says.
 pub fn bare() -> Profile {
@@ -71,7 +51,7 @@ impl Rig {
         let scene = Arc::new(with(text, &Compile { energy, ..Compile::default() }));
         let mut next = DeviceFrame::new("key", profile.dof as usize);
         next.session = 7;
-        let setup = Setup { device: "key".into(), profile, calibration: Calibration::default(), gains };
+        let setup = Setup { gains, ..ca_tests::setup("key", profile) };
         let port = Port::new(&scene, setup);
         assert!(!port.links.is_empty(), "the device moves nothing");
         Rig { engine: Engine::new(scene, vec![port], Options::default()), next, sound: vec![] }

@@ -2,11 +2,9 @@
 
 use crate::play::scene;
 use ca_core::Scene;
-use ca_haptic::calibration::Calibration;
-use ca_haptic::engine::{Engine, Options, Port, Setup};
+use ca_haptic::engine::{Engine, Options, Port};
 use ca_haptic::frame::{Cause, DeviceFrame, ForceFrame, Mode};
 use ca_haptic::guard::Order;
-use ca_haptic::profile::Profile;
 use ca_haptic::record::Record;
 use ca_haptic::serve::{Clock, Desk, Every, GatewayEnds, Live, Shared, Sink, rings};
 use std::sync::atomic::Ordering::Relaxed;
@@ -32,10 +30,7 @@ out = { from = "bob", gain = 100 }
 "#;
 
 fn engine(scene: &Arc<Scene>) -> Engine {
-    let mut profile = Profile::shipped("tgr12").unwrap();
-    profile.dof = 1;
-    let setup = Setup { device: "key".into(), profile, calibration: Calibration::default(), gains: vec![] };
-    let port = Port::new(scene, setup);
+    let port = Port::new(scene, ca_tests::setup("key", ca_tests::profile(|_| ())));
     Engine::new(scene.clone(), vec![port], Options::default())
 }
 

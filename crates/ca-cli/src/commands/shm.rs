@@ -39,10 +39,10 @@ fn as_json(group: &Group) -> Value {
            "bytes": group.bytes(), "files": files})
 }
 
-fn list(site: &Site, as_text: bool) -> Outcome {
+fn list(site: &Site, json: bool) -> Outcome {
     let groups = debris::list(site);
     let mut out = std::io::stdout().lock();
-    if as_text {
+    if json {
         let groups: Vec<_> = groups.iter().map(as_json).collect();
         let page = json!({"root": site.root(), "prefix": site.prefix(), "groups": groups});
         writeln!(out, "{page:#}")?;
@@ -61,11 +61,11 @@ fn list(site: &Site, as_text: bool) -> Outcome {
     Ok(Ended::Well)
 }
 
-fn clean(site: &Site, as_text: bool) -> Outcome {
+fn clean(site: &Site, json: bool) -> Outcome {
     let cleaned = debris::clean(site);
     let bytes: u64 = cleaned.removed.iter().map(|r| r.1).sum();
     let mut out = std::io::stdout().lock();
-    if as_text {
+    if json {
         let removed: Vec<_> = cleaned.removed.iter().map(|(p, b)| json!({"path": p, "bytes": b})).collect();
         let failed: Vec<_> = cleaned.failed.iter().map(|(p, why)| json!({"path": p, "why": why})).collect();
         let kept: Vec<_> = cleaned.kept.iter().map(as_json).collect();

@@ -4,6 +4,7 @@ mod border;
 mod desk;
 mod docs;
 mod equiv;
+mod numbers;
 mod pages;
 mod readme;
 mod render;

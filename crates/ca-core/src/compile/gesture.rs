@@ -5,6 +5,7 @@ use super::net::Net;
 use super::values::Values;
 use crate::kind::Unit;
 use crate::model::diag::{Diag, Diags};
+use crate::model::quantity::Plain;
 use crate::model::suggest::nearest;
 use crate::model::{Entry, Model, Value};
 use crate::scene::InputRole;
@@ -49,22 +50,22 @@ pub fn gestures(model: &Model, net: &mut Net, alg: Option<f64>, named: &[Named],
         if let Some(i) = back {
             let d = Diag::error(
                 "E019",
-                format!("{what} goes back in time: {} s after {} s", points[i][0], points[i - 1][0]),
+                format!("{what} goes back in time: {} s after {} s", Plain(points[i][0]), Plain(points[i - 1][0])),
             );
             let d = d.at(list[i].span, "earlier than the point before").at(list[i - 1].span, "the point before");
             diags.push(d.help("write the points in order of time"));
             continue;
         }
         if let Some(i) = points.iter().position(|p| p[0] < 0.0) {
-            let d = Diag::error("E019", format!("{what} begins before time 0: {} s", points[i][0]));
+            let d = Diag::error("E019", format!("{what} begins before time 0: {} s", Plain(points[i][0])));
             diags.push(d.at(list[i].span, "before the beginning").help("times are seconds from the first sample"));
             continue;
         }
         if let Some((min, max)) = limits {
             if let Some(i) = points.iter().position(|p| p[1] < min || p[1] > max) {
-                let title = format!("{what} leaves the range of the parameter: {}", points[i][1]);
+                let title = format!("{what} leaves the range of the parameter: {}", Plain(points[i][1]));
                 let d = Diag::error("E009", title).at(list[i].span, "out of range");
-                let help = super::say::range_help(min, max, |v| format!("{v}"));
+                let help = super::say::range_help(min, max, |v| format!("{}", Plain(v)));
                 diags.push(d.help(help));
                 continue;
             }

@@ -4,6 +4,7 @@ use super::say::quoted;
 use super::values::Values;
 use crate::kind::Unit;
 use crate::model::diag::Diag;
+use crate::model::quantity::Plain;
 use crate::model::{Entry, Value};
 use crate::sketch::Arg;
 use alloc::format;
@@ -15,7 +16,7 @@ impl Values<'_> {
     pub(super) fn count(&mut self, e: &Entry, (min, max): (u32, u32), what: &str) -> Option<f64> {
         let v = self.constant(e, Unit::NONE, (f64::from(min), f64::from(max)), what)?;
         if v != libm::floor(v) {
-            let d = Diag::error("E006", format!("{what} must be a whole number: {v}")).at(e.span, "not whole");
+            let d = Diag::error("E006", format!("{what} must be a whole number: {}", Plain(v))).at(e.span, "not whole");
             let near = libm::round(v).max(f64::from(min));
             self.diags.push(d.help(format!("the nearest is {near}")).fix(e.span, format!("{near}")));
             return None;

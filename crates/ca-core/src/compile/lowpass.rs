@@ -8,6 +8,7 @@
 use crate::kind::Unit;
 use crate::model::Span;
 use crate::model::diag::{Diag, Diags};
+use crate::model::quantity::Plain;
 use crate::model::quantity::show;
 use alloc::format;
 use alloc::vec::Vec;
@@ -23,7 +24,11 @@ const NARROWEST: f64 = 0.01;
 pub fn design(edge: f64, rate: f64, span: Option<Span>, diags: &mut Diags) -> Vec<f64> {
     let (half, most) = (0.5 * rate, 0.5 * rate * (1.0 - NARROWEST));
     if edge > most {
-        let title = format!("`filter` of `[rate]`: no room between {edge} Hz and half the sound rate, {half} Hz");
+        let title = format!(
+            "`filter` of `[rate]`: no room between {} Hz and half the sound rate, {} Hz",
+            Plain(edge),
+            Plain(half)
+        );
         let d = Diag::error("E023", title).at(span.unwrap_or(Span::NONE), "too high");
         diags.push(d.help(format!("stay below {}, or raise `sound`", show(most, Unit::HERTZ))));
         return Vec::new();

@@ -7,6 +7,7 @@ use super::values::Values;
 use crate::kind::Unit;
 use crate::live::LiveParam;
 use crate::model::diag::{Diag, Diags};
+use crate::model::quantity::Plain;
 use crate::model::suggest::nearest;
 use crate::model::{Entry, Model, Span, Value, quantity};
 use alloc::format;
@@ -163,7 +164,7 @@ fn limits(n: &mut Named, spans: [Span; 2], what: &str, diags: &mut Diags) {
     let v = value.number();
     if low.is_some_and(|a| v < a) || high.is_some_and(|b| v > b) {
         let unit = dim(value).map_or(String::new(), quantity::unit_of);
-        let show = |v: f64| if unit.is_empty() { format!("{v}") } else { format!("{v} {unit}") };
+        let show = |v: f64| if unit.is_empty() { format!("{}", Plain(v)) } else { format!("{} {unit}", Plain(v)) };
         let d = Diag::error("E009", format!("{what} is outside its own range: {}", show(v)));
         let (a, b) = (low.unwrap_or(f64::MIN), high.unwrap_or(f64::MAX));
         diags.push(d.at(n.value_span, "out of range").help(range_help(a, b, show)));

@@ -5,6 +5,7 @@ use super::options::Options;
 use super::values::Values;
 use crate::kind::{ANY, POSITIVE, Unit};
 use crate::model::diag::{Diag, Diags};
+use crate::model::quantity::Plain;
 use crate::model::suggest::nearest;
 use crate::model::{Entry, Model, Span, Value};
 use alloc::format;
@@ -24,8 +25,8 @@ pub fn rates(model: &Model, options: &Options, net: &mut Net, diags: &mut Diags)
     let asked = options.rate.filter(|r| {
         let good = (CLOCK.0..=CLOCK.1).contains(r);
         if !good {
-            let d = Diag::error("E020", format!("no sound rate can be {r} Hz"));
-            diags.push(d.help(format!("ask for {} to {} Hz", CLOCK.0, CLOCK.1)));
+            let d = Diag::error("E020", format!("no sound rate can be {} Hz", Plain(*r)));
+            diags.push(d.help(format!("ask for {} to {} Hz", Plain(CLOCK.0), Plain(CLOCK.1))));
         }
         good
     });
@@ -43,16 +44,17 @@ pub fn rates(model: &Model, options: &Options, net: &mut Net, diags: &mut Diags)
     if (sound / ratio - slow).abs() > 1e-6 * slow || slow > sound {
         let place = |w: Option<(Option<f64>, Span)>| w.map_or(Span::NONE, |w| w.1);
         let span = place(gesture);
-        let title = format!("the sound rate, {sound} Hz, is not a multiple of the gesture rate, {slow} Hz");
+        let title =
+            format!("the sound rate, {} Hz, is not a multiple of the gesture rate, {} Hz", Plain(sound), Plain(slow));
         let mut d = Diag::error("E020", title).at(span, "does not divide the sound rate");
         if asked.is_some() {
-            d = d.help(format!("with this gesture rate ask for a sound rate of {} Hz", slow * ratio));
+            d = d.help(format!("with this gesture rate ask for a sound rate of {} Hz", Plain(slow * ratio)));
         } else {
             if place(written).is_some() {
                 d = d.at(place(written), "the sound rate");
             }
             let near = sound / ratio;
-            d = d.help(format!("the nearest that does is {near} Hz"));
+            d = d.help(format!("the nearest that does is {} Hz", Plain(near)));
             // a fraction of a hertz would be a fix nobody wants
             if near == libm::round(near) {
                 d = d.fix(span, format!("\"{near} Hz\""));

@@ -13,6 +13,7 @@ use crate::kind::PortRole;
 use crate::kind::{Kind, Need, OneOf, Role, Type, Unit};
 use crate::live::Source;
 use crate::model::diag::{Diag, Diags};
+use crate::model::quantity::Plain;
 use crate::model::suggest::nearest;
 use crate::model::{Item, Model, Span, Value};
 use crate::scene::{Input, InputRole};
@@ -210,8 +211,11 @@ fn nodes(mut item: NetItem, source: &Item, net: &mut Net, v: &mut Values<'_>) {
             if let (Some(f), "CEL") = (kind.param("f").and_then(|i| item.args[i].num()), kind.code) {
                 if f * net.te >= 0.5 {
                     let span = source.args.iter().find(|e| e.key == "f").map_or(source.span, |e| e.span);
-                    let d = Diag::error("E023", format!("`{}`: {f} Hz is not below half the sound rate", item.name));
-                    let help = format!("stay below {} Hz, or raise `sound` in `[rate]`", net.rate / 2.0);
+                    let d = Diag::error(
+                        "E023",
+                        format!("`{}`: {} Hz is not below half the sound rate", item.name, Plain(f)),
+                    );
+                    let help = format!("stay below {} Hz, or raise `sound` in `[rate]`", Plain(net.rate / 2.0));
                     v.diags.push(d.at(span, "too high").help(help));
                 }
             }

@@ -10,6 +10,7 @@ use crate::kind::PortRole;
 use crate::kind::{Kind, Role};
 use crate::model::Span;
 use crate::model::diag::Diag;
+use crate::model::quantity::Plain;
 use crate::model::select::{self, Coord, Index, Part, Selector};
 use crate::model::suggest::nearest;
 use alloc::format;
@@ -221,7 +222,10 @@ impl Wiring<'_> {
             coordinates.push(match c {
                 Coord::Num(v) if (0.0..=1.0).contains(v) => Coordinate::At(*v),
                 Coord::Num(v) => {
-                    let d = Diag::error("E009", format!("`{owner}`: the place {v} on `{name}` is not between 0 and 1"));
+                    let d = Diag::error(
+                        "E009",
+                        format!("`{owner}`: the place {} on `{name}` is not between 0 and 1", Plain(*v)),
+                    );
                     let d = d.at(w.index(), "beyond the end");
                     self.diags.push(
                         d.help(format!("0 is one end, 1 the other; a single mass is `{name}[{}]`", libm::trunc(*v))),
@@ -289,7 +293,7 @@ impl Wiring<'_> {
     }
 
     fn off_the_end(&mut self, name: &str, v: f64, w: Written<'_>) -> Option<Coordinate> {
-        let d = Diag::error("E009", format!("`{}`: the place `{name}` is not between 0 and 1: {v}", w.owner));
+        let d = Diag::error("E009", format!("`{}`: the place `{name}` is not between 0 and 1: {}", w.owner, Plain(v)));
         self.diags.push(d.at(w.index(), "beyond the end").help("0 is one end, 1 the other"));
         None
     }

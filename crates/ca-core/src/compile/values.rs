@@ -9,6 +9,7 @@ use crate::cloud::Clouds;
 use crate::kind::{Dim, Kind, Need, Param, Type, Unit};
 use crate::model::diag::{Diag, Diags};
 use crate::model::quantity;
+use crate::model::quantity::Plain;
 use crate::model::suggest::nearest;
 use crate::model::{Entry, Span, Value};
 use crate::sketch::Arg;
@@ -85,11 +86,7 @@ impl Values<'_> {
             return true;
         }
         let show = |v: f64| {
-            if (1e-4..1e7).contains(&v.abs()) && unit.symbol.is_empty() {
-                format!("{v}")
-            } else {
-                quantity::show(v, unit)
-            }
+            if unit.symbol.is_empty() { format!("{}", Plain(v)) } else { quantity::show(v, unit) }
         };
         let written = match &e.value {
             Value::Text(t) if quantity::is_quantity(t) => t.trim().into(),
@@ -195,7 +192,7 @@ impl Values<'_> {
                 let v = self.constant(e, unit, (min, max), &what)?;
                 if !quarters(v) {
                     let near = libm::round(v * 4.0) / 4.0;
-                    let d = Diag::error("E009", format!("{what} is not a multiple of 1/4: {v}"))
+                    let d = Diag::error("E009", format!("{what} is not a multiple of 1/4: {}", Plain(v)))
                         .at(e.span, "the tick has only products and square roots");
                     self.diags.push(d.help(format!("the nearest is {near}")).fix(e.span, format!("{near}")));
                     return None;

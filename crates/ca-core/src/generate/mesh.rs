@@ -14,6 +14,7 @@ use super::pose::{Pose, TURN};
 use super::string::{DECAY, F, K, M, M_TOTAL, MASSES, T60, TUNING, Z, ZO, ground, mass, target, too_stiff};
 use crate::kind::{ABOVE_ZERO, Kind, Need, POSITIVE, Param, Role, Type, Unit};
 use crate::mat::X;
+use crate::model::quantity::Plain;
 use crate::sketch::{Args, Generator, Problem, Sketch};
 use alloc::format;
 use alloc::vec::Vec;
@@ -152,7 +153,8 @@ fn derive(a: &Args<'_>) -> Result<Vec<Option<f64>>, Problem> {
                 let mut p = too_stiff(f, nx * ny, 0);
                 p.param = "nx";
                 p.help = format!(
-                    "use fewer nodes, ask for a lower pitch, or raise `rate.sound` (a = {stiffness:.3}, limit {limit:.3})"
+                    "use fewer nodes, ask for a lower pitch, or raise `rate.sound` (a = {:.3}, limit {limit:.3})",
+                    Plain(stiffness)
                 );
                 return Err(p);
             }

@@ -6,6 +6,7 @@
 
 use crate::kind::{ABOVE_ZERO, Kind, Need, OneOf, POSITIVE, Param, Role, Type, Unit};
 use crate::mat::{X, retune};
+use crate::model::quantity::Plain;
 use crate::sketch::{Args, Generator, Problem, Sketch};
 use alloc::format;
 use alloc::vec::Vec;
@@ -126,9 +127,9 @@ pub(super) fn ground(a: &Args<'_>, m: f64) -> f64 {
 pub(super) fn target(a: &Args<'_>, f: f64, zo: f64, m: f64) -> Result<f64, Problem> {
     if f * a.te >= 0.5 {
         return Err(Problem {
-            title: format!("{f} Hz is not below half the sound rate"),
+            title: format!("{} Hz is not below half the sound rate", Plain(f)),
             param: "f",
-            help: format!("stay below {} Hz, or raise `rate.sound`", 0.5 / a.te),
+            help: format!("stay below {} Hz, or raise `rate.sound`", Plain(0.5 / a.te)),
         });
     }
     let b = zo * a.te / m;
@@ -140,7 +141,7 @@ pub(super) fn target(a: &Args<'_>, f: f64, zo: f64, m: f64) -> Result<f64, Probl
 /// "too stiff": what to say where the spring asked for would pass the stability limit.
 pub(super) fn too_stiff(f: f64, n: usize, fewer: usize) -> Problem {
     Problem {
-        title: format!("{n} masses cannot sound {f} Hz at this sound rate"),
+        title: format!("{n} masses cannot sound {} Hz at this sound rate", Plain(f)),
         param: "n",
         help: if fewer > 0 {
             format!("use at most {fewer} masses, or raise `rate.sound`")

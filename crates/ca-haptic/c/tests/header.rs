@@ -1,7 +1,6 @@
 //! The header that is checked in is what the source says. `UPDATE=1` writes it again.
 
 use ca_haptic::frame::{About, CAUSES, DeviceFrame, ForceFrame, VERSION};
-use core::mem::{offset_of, size_of};
 use std::fmt::Write as _;
 use std::path::Path;
 
@@ -12,87 +11,24 @@ const HEAD: &str = "\
  * opened it. Link with -lca_device. Written by a test from the Rust source; do not edit. */
 ";
 
-macro_rules! asserts {
-    ($to:ident, $t:ident, $c:literal, $($field:ident),*) => {
-        writeln!($to, "_Static_assert(sizeof({}) == {}, \"size of {}\");", $c, size_of::<$t>(), $c).unwrap();
-        $(writeln!(
-            $to,
-            "_Static_assert(offsetof({}, {}) == {}, \"{}.{}\");",
-            $c, stringify!($field), offset_of!($t, $field), $c, stringify!($field)
-        ).unwrap();)*
-    };
+/// Size and places of the fields of a structure as its text has them; that text and structure agree is a test of theirs.
+fn asserts(to: &mut String, c: &str, schema: &str) {
+    let (mut at, mut lines) = (0, String::new());
+    for line in schema.lines() {
+        let (kind, name) = line.split_once(' ').unwrap();
+        let (base, count) = kind.trim_end_matches(']').split_once('[').unwrap_or((kind, "1"));
+        writeln!(lines, "_Static_assert(offsetof({c}, {name}) == {at}, \"{c}.{name}\");").unwrap();
+        let bits: usize = base.trim_start_matches(char::is_alphabetic).parse().unwrap();
+        at += bits / 8 * count.parse::<usize>().unwrap();
+    }
+    writeln!(to, "_Static_assert(sizeof({c}) == {at}, \"size of {c}\");\n{}", lines.trim_end()).unwrap();
 }
 
 fn trailer() -> String {
     let mut s = String::from("/* the layout both sides rely on */\n#ifndef __cplusplus\n");
-    asserts!(
-        s,
-        DeviceFrame,
-        "CaDeviceFrame",
-        device,
-        session,
-        seq,
-        ack,
-        t_device_ns,
-        t_host_ns,
-        calibration,
-        tick,
-        period_ns,
-        status,
-        cause,
-        n,
-        mask,
-        vel_mask,
-        buttons,
-        pos,
-        vel,
-        force_measured,
-        quat,
-        aux,
-        temperature,
-        reserved
-    );
-    asserts!(
-        s,
-        ForceFrame,
-        "CaForceFrame",
-        device,
-        session,
-        seq,
-        ack_session,
-        ack,
-        t_host_ns,
-        tick,
-        calibration,
-        ttl_us,
-        mode,
-        cause,
-        n,
-        flags,
-        inject,
-        reserved,
-        force
-    );
-    asserts!(
-        s,
-        About,
-        "CaAbout",
-        device,
-        session,
-        calibration,
-        model,
-        serial,
-        firmware,
-        rate,
-        n,
-        axes,
-        low,
-        high,
-        force,
-        continuous,
-        stiffness,
-        damping
-    );
+    asserts(&mut s, "CaDeviceFrame", DeviceFrame::SCHEMA);
+    asserts(&mut s, "CaForceFrame", ForceFrame::SCHEMA);
+    asserts(&mut s, "CaAbout", About::SCHEMA);
     s.push_str("#endif\n");
     s
 }

@@ -11,7 +11,7 @@
 mod port;
 mod sound;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 
 pub use port::{Link, Port, Setup};
 

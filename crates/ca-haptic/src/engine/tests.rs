@@ -8,7 +8,8 @@ use crate::profile::Profile;
 use ca_core::{Catalog, load};
 use std::sync::Arc;
 
-const MODEL: &str = r#"
+/// A key on a spring of 500 N/m, and nothing else.
+pub(crate) const KEY: &str = r#"
 [TGR]
 key = { device = "key", dof = 0 }
 [SOL]
@@ -19,13 +20,16 @@ spring = { between = ["key", "wall"], k = 500 }
 out = { from = "key" }
 "#;
 
+/// A device of one key.
+pub(crate) fn setup() -> Setup {
+    let profile = Profile { dof: 1, ..Profile::shipped("tgr12").expect("shipped") };
+    Setup { device: "key".into(), profile, calibration: Calibration::default(), gains: vec![] }
+}
+
 fn engine() -> Engine {
-    let (_, scene) = load(MODEL, "key.ca.toml", &Catalog::core(), &ca_core::Options::default());
+    let (_, scene) = load(KEY, "key.ca.toml", &Catalog::core(), &ca_core::Options::default());
     let scene = Arc::new(scene.expect("it compiles"));
-    let mut profile = Profile::shipped("tgr12").expect("shipped");
-    profile.dof = 1;
-    let setup = Setup { device: "key".into(), profile, calibration: Calibration::default(), gains: vec![] };
-    let port = Port::new(&scene, setup);
+    let port = Port::new(&scene, setup());
     Engine::new(scene, vec![port], Options::default())
 }
 

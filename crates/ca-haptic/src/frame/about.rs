@@ -101,7 +101,7 @@ float32[32] damping
 
     /// True where magic, version, layout and number of DOF are those of this build.
     pub fn is_ours(&self) -> bool {
-        self.magic == Self::MAGIC && self.version == VERSION && self.layout == Self::LAYOUT && (self.n as usize) <= DOF
+        super::is_ours([self.magic, Self::MAGIC], [self.layout, Self::LAYOUT], self.version, self.n)
     }
 }
 

@@ -152,6 +152,6 @@ uint32 reserved
 
     /// True where magic, version, layout and number of DOF are those of this build.
     pub fn is_ours(&self) -> bool {
-        self.magic == Self::MAGIC && self.version == VERSION && self.layout == Self::LAYOUT && (self.n as usize) <= DOF
+        super::is_ours([self.magic, Self::MAGIC], [self.layout, Self::LAYOUT], self.version, self.n)
     }
 }

@@ -31,6 +31,11 @@ pub const fn fnv(text: &[u8]) -> u64 {
     hash
 }
 
+/// Whether a head is one of this build: magic and layout as they are and as they should be, version, number of DOF.
+fn is_ours(magic: [u32; 2], layout: [u64; 2], version: u32, n: u16) -> bool {
+    magic[0] == magic[1] && layout[0] == layout[1] && version == VERSION && usize::from(n) <= DOF
+}
+
 /// What names a device on the wire: its name, cut to 16 bytes, zeros after it.
 pub fn uid(name: &str) -> [u8; 16] {
     let mut uid = [0; 16];

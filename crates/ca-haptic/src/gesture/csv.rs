@@ -16,6 +16,7 @@
 use super::{Gesture, LONGEST, Track};
 use crate::error::{FileError, FileErrorKind, lower};
 use ::csv::{ByteRecord, ReaderBuilder, Trim};
+use ca_core::model::quantity::Plain;
 
 /// Reads a CSV gesture.
 pub(super) fn read(bytes: &[u8]) -> Result<Gesture, FileError> {
@@ -35,10 +36,10 @@ pub(super) fn read(bytes: &[u8]) -> Result<Gesture, FileError> {
             return Err(FileError::content("the time is blank").at(place(line, 0, "time")).fix("write it in seconds"));
         };
         if time.abs() > LONGEST {
-            return Err(FileError::content(format!("the time is {time} s")).at(place(line, 0, "time")));
+            return Err(FileError::content(format!("the time is {} s", Plain(time))).at(place(line, 0, "time")));
         }
         if time < before {
-            let e = FileError::content(format!("time runs backwards, from {before} s to {time} s"));
+            let e = FileError::content(format!("time runs backwards, from {} s to {} s", Plain(before), Plain(time)));
             return Err(e.at(place(line, 0, "time")).fix("sort the lines by time"));
         }
         before = time;

@@ -16,6 +16,7 @@ use super::smf::{self, Event};
 use super::{Gesture, PortMap, Track};
 use crate::error::FileError;
 use ca_core::io::midi::{MidiMap, MidiSource};
+use ca_core::model::quantity::Plain;
 use midly::MidiMessage;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -46,7 +47,7 @@ fn check(p: &PortMap) -> Result<(), FileError> {
     let m = &p.map;
     let times = [("attack", m.attack), ("release", m.release)];
     if let Some((name, t)) = times.iter().find(|(_, t)| !(0.0..=super::LONGEST).contains(t)) {
-        let e = FileError::usage(format!("port `{}`: `{name}` is {t} s", p.port));
+        let e = FileError::usage(format!("port `{}`: `{name}` is {} s", p.port, Plain(*t)));
         return Err(e.fix("give a time that is not negative"));
     }
     if !(m.from.is_finite() && m.to.is_finite()) {

@@ -11,6 +11,7 @@
 
 use super::{Gesture, Track, check_rate};
 use crate::error::{FileError, FileErrorKind};
+use ca_core::model::quantity::Plain;
 
 /// More columns than this are a matrix the wrong way round.
 const MAX_COLUMNS: usize = 1024;
@@ -109,7 +110,7 @@ fn tracks(mut columns: Vec<(String, Vec<f64>)>, rate: Option<f64>) -> Result<Ges
         }
         (Some(time), None) => {
             if let Some(r) = time.windows(2).position(|w| w[1] < w[0]) {
-                let what = format!("time runs backwards, from {} s to {} s", time[r], time[r + 1]);
+                let what = format!("time runs backwards, from {} s to {} s", Plain(time[r]), Plain(time[r + 1]));
                 return Err(FileError::content(what).at(format!("row {}, column `time`", r + 1)).fix("sort the rows"));
             }
             columns.into_iter().map(|(name, v)| Track::points(name, time.iter().copied().zip(v).collect())).collect()

@@ -8,6 +8,7 @@
 //! Values and times are finite by construction, and so is everything in between: bad input never reaches a model.
 
 use crate::error::FileError;
+use ca_core::model::quantity::Plain;
 
 /// Longest time a breakpoint may have, either side of zero \[s\]: beyond it a double hardly tells sound samples apart.
 pub const LONGEST: f64 = 1e9;
@@ -40,10 +41,10 @@ impl Track {
                 return err(i, format!("the value is {v}"));
             }
             if !t.is_finite() || t.abs() > LONGEST {
-                return err(i, format!("the time is {t} s"));
+                return err(i, format!("the time is {} s", Plain(t)));
             }
             if i > 0 && t < points[i - 1].0 {
-                return err(i, format!("time runs backwards, from {} s to {t} s", points[i - 1].0));
+                return err(i, format!("time runs backwards, from {} s to {} s", Plain(points[i - 1].0), Plain(t)));
             }
         }
         Ok(Track { name, curve: Curve::Points(points) })
@@ -153,7 +154,7 @@ pub(crate) fn check_rate(rate: f64) -> Result<(), FileError> {
     if rate.is_finite() && rate > 1.0 / LONGEST && rate < LONGEST {
         return Ok(());
     }
-    Err(FileError::usage(format!("a rate of {rate} Hz")).fix("give samples per second, for example 3000"))
+    Err(FileError::usage(format!("a rate of {} Hz", Plain(rate))).fix("give samples per second, for example 3000"))
 }
 
 /// Value at `t` where `i` is the last point at or before `t`, or the first.

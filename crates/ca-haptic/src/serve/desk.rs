@@ -99,6 +99,8 @@ pub struct Desk {
     happened: Vec<Happened>,
     block: Vec<f64>,
     broken: Vec<FileError>,
+    /// sinks that failed, of all time
+    failed: Vec<String>,
 }
 
 impl Desk {
@@ -136,6 +138,7 @@ impl Desk {
             happened: Vec::new(),
             block: Vec::new(),
             broken: Vec::new(),
+            failed: Vec::new(),
             scene,
         }
     }
@@ -182,6 +185,7 @@ impl Desk {
 
     /// Sinks that failed since the last call, and why.
     pub fn broken(&mut self) -> Vec<FileError> {
+        self.failed.extend(self.broken.iter().map(ToString::to_string));
         std::mem::take(&mut self.broken)
     }
 
@@ -348,6 +352,7 @@ impl Desk {
                 })
                 .collect(),
             faults: std::mem::take(&mut self.faults),
+            broken: std::mem::take(&mut self.failed),
             granted,
         }
     }

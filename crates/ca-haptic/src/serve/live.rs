@@ -123,6 +123,9 @@ impl Live {
         self.engine.act(Act::Order(None, Order::Disarm));
         self.keep(Record::Order { tick: self.engine.due(), port: None, order: Order::Disarm });
         self.frame();
+        if self.waiting.is_some() {
+            self.shared.lost_records.fetch_add(1, Relaxed);
+        }
         self.engine
     }
 
@@ -166,11 +169,14 @@ impl Live {
         }
     }
 
-    /// Hands over what must not be lost.
+    /// Hands over what must not be lost, or waits with it.
     fn keep(&mut self, record: Record) {
-        if let Err(rtrb::PushError::Full(record)) = self.rings.records.push(record) {
-            self.waiting = Some(record);
+        if self.waiting.is_some() {
+            // only the last order can come upon one that waits
+            self.shared.lost_records.fetch_add(1, Relaxed);
+            return;
         }
+        self.waiting = hand(&mut self.rings, &mut self.missing, record, 2).err();
     }
 
     fn devices(&mut self) {
@@ -204,15 +210,26 @@ impl Live {
     }
 }
 
-/// Hands over one thing that happened, or counts it; the count travels in its place once there is room.
+/// Hands over one thing that happened, or counts it.
 fn note(rings: &mut Rings, missing: &mut u64, shared: &Shared, record: Record) {
-    if rings.records.slots() < KEPT {
+    if hand(rings, missing, record, KEPT).is_err() {
         *missing += 1;
         shared.lost_records.fetch_add(1, Relaxed);
-        return;
+    }
+}
+
+/// Hands over one thing that happened, and before it the count of what is missing there. Given back where fewer than
+/// `room` places, at least two, are free.
+// a record is as large as a place of the ring; a box would be a call of the allocator
+#[allow(clippy::result_large_err)]
+fn hand(rings: &mut Rings, missing: &mut u64, record: Record, room: usize) -> Result<(), Record> {
+    if rings.records.slots() < room {
+        return Err(record);
     }
     if *missing > 0 {
         let _ = rings.records.push(Record::Lost { tick: record.tick(), records: core::mem::take(missing) });
     }
+    // there is room: only this thread fills the ring
     let _ = rings.records.push(record);
+    Ok(())
 }

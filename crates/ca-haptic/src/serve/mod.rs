@@ -11,12 +11,14 @@
 
 mod clock;
 mod desk;
+mod keep;
 mod live;
 mod loops;
 mod summary;
 
 pub use clock::{Clock, Start};
 pub use desk::{Desk, Happened, Sink};
+pub use keep::Kept;
 pub use live::{Beat, Every, Live, Rings, Shared};
 pub use summary::{DeviceSummary, Fault, Pulse, Summary};
 

@@ -96,14 +96,16 @@ pub struct Summary {
     pub devices: Vec<DeviceSummary>,
     /// faults, in order
     pub faults: Vec<Fault>,
+    /// files that could not be written to their end, and why
+    pub broken: Vec<String>,
     /// what the system granted each thread, as it says itself
     pub granted: Vec<(String, String)>,
 }
 
 impl Summary {
-    /// True where nothing was lost, cut, missed or blown up. Faults of a hand or device are no loss.
+    /// True where nothing was lost, cut, left unwritten or blown up. Faults of a hand or device are no loss.
     pub fn is_faithful(&self) -> bool {
         let lost = self.lost_forces + self.lost_records + self.lost_sound + self.lost_views;
-        lost == 0 && self.clipped == 0 && !self.unstable && self.refused == 0
+        lost == 0 && self.broken.is_empty() && self.clipped == 0 && !self.unstable && self.refused == 0
     }
 }

@@ -2,13 +2,26 @@
 //!
 //! Decides that they are made like frames (`frame/`): a structure without padding whose ROS 2 definition stands beside
 //! it, so that bytes in the file, row in NumPy and structure in memory are one. A macro writes both from one list of
-//! fields, so they cannot differ.
+//! fields and types, so they cannot differ; a structure with padding does not compile.
 
 use ca_core::ledger::Balance;
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
 
+/// The word of ROS 2 for a type.
+macro_rules! ros {
+    (u32) => {
+        "uint32"
+    };
+    (u64) => {
+        "uint64"
+    };
+    (f64) => {
+        "float64"
+    };
+}
+
 macro_rules! flat {
-    ($(#[$doc:meta])* $name:ident { $($(#[$field_doc:meta])* $field:ident: $rust:ty = $ros:literal),* $(,)? }) => {
+    ($(#[$doc:meta])* $name:ident { $($(#[$field_doc:meta])* $field:ident: $rust:tt),* $(,)? }) => {
         $(#[$doc])*
         #[derive(Clone, Copy, Debug, Default, PartialEq, FromBytes, IntoBytes, KnownLayout, Immutable)]
         #[repr(C)]
@@ -18,7 +31,7 @@ macro_rules! flat {
 
         impl $name {
             /// The definition of this record as a ROS 2 message.
-            pub const SCHEMA: &'static str = concat!($($ros, " ", stringify!($field), "\n"),*);
+            pub const SCHEMA: &'static str = concat!($(ros!($rust), " ", stringify!($field), "\n"),*);
         }
     };
 }
@@ -27,15 +40,15 @@ flat! {
     /// Forces were armed, disarmed or tripped.
     Ordered {
         /// sound sample before which it took effect
-        tick: u64 = "uint64",
+        tick: u64,
         /// number of the device; [`Ordered::ALL`] for all
-        port: u32 = "uint32",
+        port: u32,
         /// 0 arm, 1 disarm, 2 trip
-        order: u32 = "uint32",
+        order: u32,
         /// of a trip, a [`Cause`](crate::frame::Cause)
-        cause: u32 = "uint32",
+        cause: u32,
         /// 0
-        reserved: u32 = "uint32",
+        reserved: u32,
     }
 }
 
@@ -48,13 +61,13 @@ flat! {
     /// The scene was put back to its state at load.
     Reloaded {
         /// sound sample before which it took effect
-        tick: u64 = "uint64",
+        tick: u64,
         /// [`ca_core::State::bits`] of the state that was given up
-        bits: u64 = "uint64",
+        bits: u64,
         /// its places of MATs; others than those of the scene where the reload was refused
-        places: u32 = "uint32",
+        places: u32,
         /// its coefficients
-        coefs: u32 = "uint32",
+        coefs: u32,
     }
 }
 
@@ -62,9 +75,9 @@ flat! {
     /// A hash of the state.
     Hashed {
         /// the next sound sample
-        tick: u64 = "uint64",
+        tick: u64,
         /// [`ca_core::State::bits`]
-        bits: u64 = "uint64",
+        bits: u64,
     }
 }
 
@@ -72,23 +85,23 @@ flat! {
     /// The energy book.
     Energy {
         /// the next sound sample
-        tick: u64 = "uint64",
+        tick: u64,
         /// energy at load \[J\]
-        h0: f64 = "float64",
+        h0: f64,
         /// energy now \[J\]
-        h: f64 = "float64",
+        h: f64,
         /// heat \[J\]
-        lost: f64 = "float64",
+        lost: f64,
         /// made by non-linear links \[J\]
-        source: f64 = "float64",
+        source: f64,
         /// received from ports \[J\]
-        work: f64 = "float64",
+        work: f64,
         /// received by changes \[J\]
-        changed: f64 = "float64",
+        changed: f64,
         /// what does not add up \[J\]
-        residual: f64 = "float64",
+        residual: f64,
         /// scale of the residual \[J\]
-        peak: f64 = "float64",
+        peak: f64,
     }
 }
 
@@ -104,13 +117,13 @@ flat! {
     /// What found no room on its way to the take, since the last of these records.
     Lost {
         /// sound sample of the last record before
-        tick: u64 = "uint64",
+        tick: u64,
         /// frames and events
-        records: u64 = "uint64",
+        records: u64,
         /// sound samples, of all channels
-        samples: u64 = "uint64",
+        samples: u64,
         /// views
-        views: u64 = "uint64",
+        views: u64,
     }
 }
 
@@ -118,54 +131,38 @@ flat! {
     /// How the real-time thread does, once a second. Counts are since the start.
     Rt {
         /// the next sound sample
-        tick: u64 = "uint64",
+        tick: u64,
         /// gesture frames done
-        frames: u64 = "uint64",
+        frames: u64,
         /// gesture frames that began later than the one after was due
-        missed: u64 = "uint64",
+        missed: u64,
         /// gesture frames without news of a device that was there
-        stale: u64 = "uint64",
+        stale: u64,
         /// device frames dropped by the input checks
-        dropped: u64 = "uint64",
+        dropped: u64,
         /// faults that latched
-        faults: u64 = "uint64",
+        faults: u64,
         /// sound samples that hit the ceiling
-        clipped: u64 = "uint64",
+        clipped: u64,
         /// time from when a frame was due to when it began, median of the last second \[µs\]
-        late_p50: f64 = "float64",
+        late_p50: f64,
         /// the same, 99th percentile \[µs\]
-        late_p99: f64 = "float64",
+        late_p99: f64,
         /// the same, largest \[µs\]
-        late_max: f64 = "float64",
+        late_max: f64,
         /// part of the last second spent computing
-        busy: f64 = "float64",
+        busy: f64,
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::take::cdr::{self, Field};
-
-    fn agrees<T: IntoBytes + Immutable + Default>(schema: &str) {
-        let fields = cdr::fields(schema);
-        let size: usize = fields.iter().map(Field::size).sum();
-        assert_eq!(size, size_of::<T>(), "{schema}");
-        let mut at = 0;
-        for f in &fields {
-            assert_eq!(at % f.kind.size(), 0, "{} is not aligned", f.name);
-            at += f.size();
-        }
-    }
 
     #[test]
-    fn text_and_structure_are_of_one_size_and_aligned() {
-        agrees::<Ordered>(Ordered::SCHEMA);
-        agrees::<Reloaded>(Reloaded::SCHEMA);
-        agrees::<Hashed>(Hashed::SCHEMA);
-        agrees::<Energy>(Energy::SCHEMA);
-        agrees::<Lost>(Lost::SCHEMA);
-        agrees::<Rt>(Rt::SCHEMA);
+    fn a_text_names_every_field_in_order() {
         assert_eq!(Hashed::SCHEMA, "uint64 tick\nuint64 bits\n");
+        assert_eq!(Ordered::SCHEMA, "uint64 tick\nuint32 port\nuint32 order\nuint32 cause\nuint32 reserved\n");
+        assert!(Rt::SCHEMA.ends_with("float64 busy\n"));
     }
 }

@@ -22,7 +22,6 @@ mod recover;
 mod replay;
 mod source;
 mod summary;
-mod thread;
 mod views;
 mod write;
 
@@ -34,7 +33,6 @@ pub use recover::{Recovered, recover};
 pub use replay::{Difference, Replay, Verdict};
 pub use source::End;
 pub use summary::{Fault, Summary, Topic};
-pub use thread::{Recorder, Rings};
 pub use views::Level;
 pub use write::{TakeWriter, Told};
 
@@ -82,7 +80,7 @@ pub mod topic {
     }
 }
 
-/// How every take is written: compressed, by the thread that writes it, and signed with both versions.
+/// How every take is written: compressed, by the thread that writes it alone, and signed with both versions.
 fn options() -> mcap::WriteOptions {
     let by = format!("ca {} {}", env!("CARGO_PKG_VERSION"), mcap::LIBRARY_IDENTIFIER);
     let options = mcap::WriteOptions::new().profile("ca").compression(Some(mcap::Compression::Zstd));

@@ -89,7 +89,8 @@ impl Take {
             last = last.max(time);
             if channel.topic == topic::LOST {
                 if let Some(l) = cdr::record::<Lost>(&data) {
-                    lost = [lost[0] + l.records, lost[1] + l.samples, lost[2] + l.views];
+                    let more = [l.records, l.samples, l.views];
+                    lost = std::array::from_fn(|k| u64::saturating_add(lost[k], more[k]));
                 }
             }
             if let Some(k) = outs.iter().position(|o| *o == channel.topic) {

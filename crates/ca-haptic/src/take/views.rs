@@ -33,8 +33,6 @@ pub enum Level {
 pub struct Picture {
     /// first place of each MAT, and whether it has three
     mats: Vec<(usize, bool)>,
-    /// MAT at each place of the state
-    of: Vec<u32>,
     rest: Vec<f64>,
     links: Vec<[u32; 2]>,
 }
@@ -61,12 +59,7 @@ impl Picture {
             (a != u32::MAX && b != u32::MAX && a != b).then_some([a, b])
         };
         let links = layout.ends.iter().filter_map(drawn).take(LINKS).collect();
-        Picture { links, of, rest: layout.rest.clone(), mats }
-    }
-
-    /// Displacements it takes.
-    pub fn places(&self) -> usize {
-        self.of.len()
+        Picture { links, rest: layout.rest.clone(), mats }
     }
 
     /// Where each MAT is \[m\], given the displacements of the state.

@@ -26,11 +26,14 @@ use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
 /// Length of a block of sound \[s\].
 const BLOCK: f64 = 0.04;
 /// Joints a second.
 const JOINTS: f64 = 100.0;
+/// Time between chunks, at most: a killed process loses as much.
+const CHUNK: Duration = Duration::from_millis(200);
 
 /// What became of a take.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -91,6 +94,10 @@ pub struct TakeWriter {
     joints_due: u64,
     sound: Vec<f64>,
     sound_tick: u64,
+    /// when the last chunk was closed
+    flushed: Instant,
+    /// what was told to have found no room: records, sound samples, views
+    lost: [u64; 3],
     told: Told,
 }
 
@@ -140,36 +147,43 @@ impl TakeWriter {
             joints_due: 0,
             sound: Vec::new(),
             sound_tick: 0,
+            flushed: Instant::now(),
+            lost: [0; 3],
         })
     }
 
-    /// The message in `self.data`, at a tick.
+    /// The message in `self.data`, at a tick; closes the chunk where it is time.
     fn put(&mut self, channel: u16, tick: u64) -> Result<(), FileError> {
         self.sequence = self.sequence.wrapping_add(1);
         let time = self.header.time(tick);
         let head = MessageHeader { channel_id: channel, sequence: self.sequence, log_time: time, publish_time: time };
         self.told.messages += 1;
         self.told.seconds = self.told.seconds.max(tick as f64 / self.header.rate);
-        self.out.write_to_known_channel(&head, &self.data).map_err(|e| failed(&self.path, &e))
+        let mut done = self.out.write_to_known_channel(&head, &self.data);
+        if done.is_ok() && self.flushed.elapsed() >= CHUNK {
+            done = self.out.flush();
+            self.flushed = Instant::now();
+        }
+        done.map_err(|e| failed(&self.path, &e))
     }
 
-    /// Writes one thing that happened; what it holds is freed here.
-    pub fn record(&mut self, record: Record) -> Result<(), FileError> {
-        match record {
-            Record::Device { port, frame } => self.device(port as usize, &frame),
-            Record::Force { port, frame } => self.force(port as usize, &frame),
-            Record::Spent { tick, spent: Spent::Change(change) } => {
+    /// Writes one thing that happened.
+    pub fn record(&mut self, record: &Record) -> Result<(), FileError> {
+        match *record {
+            Record::Device { port, ref frame } => self.device(port as usize, frame),
+            Record::Force { port, ref frame } => self.force(port as usize, frame),
+            Record::Spent { tick, spent: Spent::Change(ref change) } => {
                 self.tick = tick;
-                cdr::change(&mut self.data, tick, &change);
+                cdr::change(&mut self.data, tick, change);
                 self.put(self.ids.change, tick)?;
-                for (p, v) in change.params {
+                for &(p, v) in &change.params {
                     let name = self.params.get(p as usize).map_or("?", String::as_str);
                     cdr::Out::new(&mut self.data).put(tick).put(v).text(name);
                     self.put(self.ids.param, tick)?;
                 }
                 Ok(())
             }
-            Record::Spent { tick, spent: Spent::State(old) } => {
+            Record::Spent { tick, spent: Spent::State(ref old) } => {
                 self.tick = tick;
                 let (places, coefs) = (old.x.len() as u32, old.coef.len() as u32);
                 cdr::body(&mut self.data, &Reloaded { tick, bits: old.bits(), places, coefs });
@@ -197,9 +211,9 @@ impl TakeWriter {
                 cdr::body(&mut self.data, &Hashed { tick, bits });
                 self.put(self.ids.hash, tick)
             }
-            Record::Energy { tick, balance } => {
+            Record::Energy { tick, ref balance } => {
                 self.tick = tick;
-                cdr::body(&mut self.data, &Energy::new(tick, &balance));
+                cdr::body(&mut self.data, &Energy::new(tick, balance));
                 self.put(self.ids.energy, tick)
             }
         }
@@ -242,11 +256,16 @@ impl TakeWriter {
         Ok(())
     }
 
-    /// Writes sound, interleaved, the first of it at `tick`.
+    /// Writes sound, interleaved, the first of it at `tick`. What is missing before it is counted.
     pub fn sound(&mut self, tick: u64, samples: &[f64]) -> Result<(), FileError> {
-        let channels = self.header.channels.len().max(1);
-        if tick != self.sound_tick + (self.sound.len() / channels) as u64 {
+        let channels = self.header.channels.len();
+        if channels == 0 {
+            return Ok(());
+        }
+        let next = self.sound_tick + (self.sound.len() / channels) as u64;
+        if tick != next {
             self.sound_block()?;
+            self.lost(0, tick.saturating_sub(next) * channels as u64, 0)?;
             self.sound_tick = tick;
         }
         self.sound.extend_from_slice(samples);
@@ -282,11 +301,6 @@ impl TakeWriter {
         self.put(self.ids.scene, tick)
     }
 
-    /// Displacements that a view takes.
-    pub fn places(&self) -> usize {
-        self.picture.places()
-    }
-
     /// Writes how the real-time thread does.
     pub fn stats(&mut self, rt: &Rt) -> Result<(), FileError> {
         cdr::body(&mut self.data, rt);
@@ -301,7 +315,12 @@ impl TakeWriter {
     }
 
     /// Says that something found no room on its way here, after the last record.
-    pub fn lost(&mut self, records: u64, samples: u64, views: u64) -> Result<(), FileError> {
+    fn lost(&mut self, records: u64, samples: u64, views: u64) -> Result<(), FileError> {
+        if records + samples + views == 0 {
+            return Ok(());
+        }
+        let [r, s, v] = self.lost;
+        self.lost = [r + records, s + samples, v + views];
         self.told.lost += records + samples;
         cdr::body(&mut self.data, &Lost { tick: self.tick, records, samples, views });
         self.put(self.ids.lost, self.tick)?;
@@ -309,19 +328,12 @@ impl TakeWriter {
         self.log(self.tick, Level::Warning, "take", &what)
     }
 
-    /// Tick of the last record.
-    pub fn tick(&self) -> u64 {
-        self.tick
-    }
-
-    /// Makes what was written so far safe from a crash of this process.
-    pub fn flush(&mut self) -> Result<(), FileError> {
-        self.out.flush().map_err(|e| failed(&self.path, &e))
-    }
-
-    /// Completes the file: its index, and everything on the disk.
-    pub fn finish(mut self) -> Result<Told, FileError> {
+    /// Completes the file: its index, and everything on the disk. Of the records, sound samples and views that found no
+    /// room in all, those that were not told where they are missing are told at the end.
+    pub fn finish(mut self, lost: [u64; 3]) -> Result<Told, FileError> {
         self.sound_block()?;
+        let [records, samples, views] = std::array::from_fn(|k| lost[k].saturating_sub(self.lost[k]));
+        self.lost(records, samples, views)?;
         self.out.finish().map_err(|e| failed(&self.path, &e))?;
         let io = |e: &std::io::Error| FileError::io(&self.path, "it cannot be written", e);
         let file = self.out.into_inner().into_inner().into_inner().map_err(|e| io(e.error()))?;

@@ -71,7 +71,7 @@ fn asked(text: &(String, String)) -> Result<(&'static Row, Array), Failure> {
         if q.value <= 0.0 {
             return Err(bad(format!("`{side}`: it must be above 0")));
         }
-        if q.has_unit { list.push(side) } else { list.push(q.value) }
+        if q.has_unit { list.push(side) } else { list.push(number(q.value)) }
     }
     Ok((row, list))
 }
@@ -150,6 +150,11 @@ fn beside(class: Class) -> String {
     crate::load::ticked(settable().filter(|r| r.class() != class).map(|r| r.name))
 }
 
+/// As it stands in a file: the library would write 1e99 with all its zeros.
+fn number(v: f64) -> toml_edit::Value {
+    format!("{v:?}").parse().unwrap_or_else(|_| v.into())
+}
+
 /// Writes down what a class is now.
 fn pin(section: &mut dyn TableLike, class: Class, now: &Equivalence) {
     let row = class.row();
@@ -171,7 +176,7 @@ fn scale(section: &mut dyn TableLike, key: &str, args: &EquivArgs) -> Result<(),
     if let Some(lever) = args.lever {
         at.remove("position");
         at.remove("force");
-        at.insert("lever", value(lever));
+        at.insert("lever", value(number(lever)));
         return Ok(());
     }
     let old = at.remove("lever");

@@ -23,7 +23,7 @@ pub(super) fn answer(desk: &mut Desk, request: Request, leave: &mut bool) -> Rep
                     Err(why) => return Reply::refused(why),
                 }
             }
-            let names: Vec<String> = list.iter().map(|(n, v)| format!("{n} = {v}")).collect();
+            let names: Vec<String> = list.iter().map(|(n, v)| format!("{n} = {}", quantity::Plain(*v))).collect();
             done(desk.set(&list), names.join(", "))
         }
         Request::Arm { device } => {

@@ -6,22 +6,22 @@
 
 mod answer;
 mod setup;
-mod sinks;
 mod talk;
 mod told;
+mod wav;
 
 use crate::args::{ClockKind, ServeArgs};
 use crate::load;
 use crate::{Ended, Failure, Outcome, term};
 use ca_core::Options;
+use ca_haptic::FileError;
 use ca_haptic::engine::Engine;
 use ca_haptic::guard::Order;
 use ca_haptic::rt::{self, Wish};
-use ca_haptic::serve::{Clock, Desk, Every, Live, Shared, Sink, rings};
+use ca_haptic::serve::{Clock, Desk, Every, Kept, Live, Shared, Sink, rings};
 use ca_haptic::sound::{Format, WavOut};
-use ca_haptic::take::{Header, Recorder};
+use ca_haptic::take::{Header, TakeWriter};
 pub(crate) use setup::devices;
-use sinks::Kept;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::thread::JoinHandle;
@@ -61,7 +61,7 @@ pub fn run(args: &ServeArgs) -> Outcome {
         Some(path) if scene.channels > 0 => {
             load::is_sound(path)?;
             let out = WavOut::create(path, scene.rate, scene.channels, Format::F32)?;
-            Some(Kept::new(sinks::Wav::new(out, scene.channels)))
+            Some(Kept::new(wav::Wav::new(out, scene.channels)))
         }
         Some(_) => return Err(Failure::Usage("-o: the model has no output, so there is no sound to write".into())),
         None => None,
@@ -70,7 +70,7 @@ pub fn run(args: &ServeArgs) -> Outcome {
         Some(path) => {
             let changes = args.source.changes().collect();
             let header = Header::new(&loaded.model, changes, options, &scene, setups.clone(), engine.options());
-            Some(Kept::new(sinks::Take::new(Recorder::start(path, &header, &scene)?)))
+            Some(Kept::new(TakeWriter::create(path, &header, &scene)?))
         }
         None => None,
     };
@@ -120,11 +120,15 @@ pub fn run(args: &ServeArgs) -> Outcome {
     for e in desk.broken() {
         term::error(&e.to_string());
     }
-    let summary = desk.summary(&engine, threads);
-    let written = wav.and_then(|w| w.end()).map(sinks::Wav::finish).transpose()?;
-    let told_of_take = take.and_then(|t| t.end()).map(sinks::Take::finish).transpose()?;
-    let lost = told_of_take.as_ref().map_or(0, |t| t.lost);
-    if lost > 0 {
+    let mut summary = desk.summary(&engine, threads);
+    let lost = [summary.lost_records, summary.lost_sound, summary.lost_views];
+    let mut broken = |e: FileError| {
+        term::error(&e.to_string());
+        summary.broken.push(e.to_string());
+    };
+    let written = wav.and_then(|w| w.end()?.finish().map_err(&mut broken).ok());
+    let told_of_take = take.and_then(|t| t.end()?.finish(lost).map_err(&mut broken).ok());
+    if let Some(lost) = told_of_take.as_ref().map(|t| t.lost).filter(|n| *n > 0) {
         term::warning(&format!("the take has holes: {lost} records or samples found no room"));
     }
     let files = told::Files {
@@ -136,7 +140,7 @@ pub fn run(args: &ServeArgs) -> Outcome {
     } else if !args.quiet {
         told::text(&summary, &loaded.name, &files, scene.rate)?;
     }
-    Ok(if summary.is_faithful() && lost == 0 { Ended::Well } else { Ended::Degraded })
+    Ok(if summary.is_faithful() { Ended::Well } else { Ended::Degraded })
 }
 
 /// What a thread asks for; `lower` than the engine.

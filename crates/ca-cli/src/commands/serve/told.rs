@@ -40,6 +40,9 @@ pub(super) fn text(s: &Summary, name: &str, files: &Files, rate: f64) -> io::Res
     for f in &s.faults {
         writeln!(out, "  {:<15}{} {} at {:.3} s", "fault", f.device, f.cause.name(), f.tick as f64 / rate)?;
     }
+    for what in &s.broken {
+        writeln!(out, "  {:<15}{what}", "not written")?;
+    }
     if s.clipped > 0 {
         writeln!(out, "  {:<15}{} samples at full scale", "clipped", s.clipped)?;
     }

@@ -94,7 +94,7 @@ fn a_take_cut_anywhere_reads_up_to_there() {
     let dir = tempfile::tempdir().unwrap();
     let (good, bad) = (dir.path().join("good.mcap"), dir.path().join("bad.mcap"));
     // chunks all along
-    let mut p = Performer::new(DUO, &good, true);
+    let mut p = Performer::new(DUO, &good);
     p.frames(900);
     p.finish();
     let bytes = fs::read(&good).unwrap();

@@ -15,7 +15,7 @@ const PLACE: &str = "CA_TEST_TAKE";
 #[ignore = "run by another test, in a process of its own, until it is killed"]
 fn plays_until_it_is_killed() {
     let Some(path) = std::env::var_os(PLACE).map(PathBuf::from) else { return };
-    let mut p = Performer::new(DUO, &path, true);
+    let mut p = Performer::new(DUO, &path);
     p.act(ca_haptic::engine::Act::Order(None, ca_haptic::guard::Order::Arm));
     let begin = Instant::now();
     // two minutes at most, should nobody come

@@ -18,30 +18,28 @@ fn replay(path: &Path) -> Verdict {
 #[test]
 fn a_replay_is_the_same_to_the_bit() {
     let dir = tempfile::tempdir().unwrap();
-    for threaded in [false, true] {
-        let path = dir.path().join(format!("{threaded}.mcap"));
-        let mut p = Performer::new(DUO, &path, threaded);
-        p.play(2500);
-        let told = p.finish();
-        assert_eq!(told.lost, 0);
-        assert!(p.sound.iter().any(|x| x.abs() > 0.01), "it is heard");
-        let v = replay(&path);
-        assert_eq!((v.difference.clone(), v.hole, v.cut.clone()), (None, None, None), "{v:?}");
-        assert!(v.is_identical());
-        assert_eq!((v.frames, v.forces, v.taken), (2500, 5000, p.engine.counts.taken + p.engine.counts.dropped));
-        assert_eq!((v.samples, v.hashes), (p.sound.len() as u64, 8));
-        assert_eq!(v.seconds, p.engine.due() as f64 / 48_000.0);
-        // all that can happen did happen
-        let take = Take::open(&path).unwrap();
-        let count = |f: &dyn Fn(&Event) -> bool| take.events().unwrap().filter(|e| f(e.as_ref().unwrap())).count();
-        assert_eq!(count(&|e| matches!(e, Event::Change(..))), 2);
-        assert_eq!(count(&|e| matches!(e, Event::Order(..))), 4);
-        assert_eq!(count(&|e| matches!(e, Event::Reload(_))), 1);
-        assert_eq!(count(&|e| matches!(e, Event::Energy(_))), 8);
-        let on = |e: &Event| matches!(e, Event::Force(0, f) if f.mode == 2 && f.force[0].abs() > 0.1);
-        assert!(count(&on) > 100, "forces were felt");
-        assert!(p.engine.counts.dropped > 0, "frames were refused");
-    }
+    let path = dir.path().join("a.mcap");
+    let mut p = Performer::new(DUO, &path);
+    p.play(2500);
+    let told = p.finish();
+    assert_eq!(told.lost, 0);
+    assert!(p.sound.iter().any(|x| x.abs() > 0.01), "it is heard");
+    let v = replay(&path);
+    assert_eq!((v.difference.clone(), v.hole, v.cut.clone()), (None, None, None), "{v:?}");
+    assert!(v.is_identical());
+    assert_eq!((v.frames, v.forces, v.taken), (2500, 5000, p.engine.counts.taken + p.engine.counts.dropped));
+    assert_eq!((v.samples, v.hashes), (p.sound.len() as u64, 8));
+    assert_eq!(v.seconds, p.engine.due() as f64 / 48_000.0);
+    // all that can happen did happen
+    let take = Take::open(&path).unwrap();
+    let count = |f: &dyn Fn(&Event) -> bool| take.events().unwrap().filter(|e| f(e.as_ref().unwrap())).count();
+    assert_eq!(count(&|e| matches!(e, Event::Change(..))), 2);
+    assert_eq!(count(&|e| matches!(e, Event::Order(..))), 4);
+    assert_eq!(count(&|e| matches!(e, Event::Reload(_))), 1);
+    assert_eq!(count(&|e| matches!(e, Event::Energy(_))), 8);
+    let on = |e: &Event| matches!(e, Event::Force(0, f) if f.mode == 2 && f.force[0].abs() > 0.1);
+    assert!(count(&on) > 100, "forces were felt");
+    assert!(p.engine.counts.dropped > 0, "frames were refused");
 }
 
 #[test]
@@ -64,7 +62,7 @@ fn the_sound_in_it_is_the_sound_that_was() {
 fn a_take_played_on_its_own_model_gives_its_sound() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("a.mcap");
-    let mut p = Performer::new(DUO, &path, false);
+    let mut p = Performer::new(DUO, &path);
     p.frames(500);
     p.set("stiff", 731.0);
     p.frames(700);

@@ -7,10 +7,9 @@ use ca_haptic::frame::DeviceFrame;
 use ca_haptic::guard::Order;
 use ca_haptic::profile::Profile;
 use ca_haptic::record::Record;
-use ca_haptic::take::{Header, Recorder, Rings, Rt, TakeWriter, Told};
+use ca_haptic::take::{Header, Rt, TakeWriter, Told};
 use std::path::Path;
 use std::sync::Arc;
-use std::time::Duration;
 
 /// Two devices, a live parameter, contacts, two channels, an energy book.
 pub const DUO: &str = r#"
@@ -38,16 +37,10 @@ pub fn catalog() -> Catalog {
     Catalog::core().with(ca_lpr::KINDS)
 }
 
-/// What takes note.
-pub enum Sink {
-    Writer(Box<TakeWriter>),
-    Thread(Recorder, Box<Rings>),
-}
-
 /// A performance under way.
 pub struct Performer {
     pub engine: Engine,
-    pub sink: Option<Sink>,
+    take: Option<TakeWriter>,
     /// what was played, interleaved
     pub sound: Vec<f64>,
     /// of each DOF of each device: where it is \[m\], as a function of time
@@ -64,7 +57,7 @@ pub fn swing(device: usize, dof: usize, t: f64) -> f64 {
 
 impl Performer {
     /// Ready to play `text` with every device it names.
-    pub fn new(text: &str, path: &Path, threaded: bool) -> Performer {
+    pub fn new(text: &str, path: &Path) -> Performer {
         let options = Options { energy: true, ..Options::default() };
         let (mut model, found) = ca_core::model::read::read(text, "some/where/duo.ca.toml", &catalog());
         let changes = vec![("bar.f".to_owned(), "231 Hz".to_owned())];
@@ -88,24 +81,16 @@ impl Performer {
         let setups: Vec<Setup> = names.iter().enumerate().map(setup).collect();
         let own = engine::Options { session: 0xfeed_face_dead_beef, wild: 1e3 };
         let header = Header::new(&model, changes, options, &scene, setups.clone(), own);
-        let sink = if threaded {
-            let (recorder, rings) = Recorder::start(path, &header, &scene).expect("a take");
-            Sink::Thread(recorder, Box::new(rings))
-        } else {
-            Sink::Writer(Box::new(TakeWriter::create(path, &header, &scene).expect("a take")))
-        };
+        let take = TakeWriter::create(path, &header, &scene).expect("a take");
         let scene = Arc::new(scene);
         let ports = setups.into_iter().map(|s| Port::new(&scene, s)).collect();
         let controls = scene.controls();
         let engine = Engine::new(scene, ports, own);
-        Performer { engine, sink: Some(sink), sound: Vec::new(), script: swing, seq: 0, controls }
+        Performer { engine, take: Some(take), sound: Vec::new(), script: swing, seq: 0, controls }
     }
 
     fn note(&mut self, record: Record) {
-        match self.sink.as_mut().expect("not finished") {
-            Sink::Writer(w) => w.record(record).expect("written"),
-            Sink::Thread(_, rings) => rings.record(record),
-        }
+        self.take.as_mut().expect("not finished").record(&record).expect("written");
     }
 
     /// Does what somebody asks, between frames.
@@ -165,25 +150,13 @@ impl Performer {
         self.sound.extend_from_slice(&heard);
         let rt = Rt { tick: due, frames: self.engine.counts.frames, late_p50: 1.5, ..Rt::default() };
         let (view, second) = (self.seq % 50 == 1, self.seq.is_multiple_of(300));
-        match self.sink.as_mut().expect("not finished") {
-            Sink::Writer(w) => {
-                w.sound(due, &heard).expect("written");
-                if view {
-                    w.view(due, &x).expect("written");
-                }
-                if second {
-                    w.stats(&rt).expect("written");
-                }
-            }
-            Sink::Thread(_, rings) => {
-                rings.sound(due, &heard);
-                if view {
-                    rings.view(due, &x);
-                }
-                if second {
-                    rings.stats(rt);
-                }
-            }
+        let take = self.take.as_mut().expect("not finished");
+        take.sound(due, &heard).expect("written");
+        if view {
+            take.view(due, &x).expect("written");
+        }
+        if second {
+            take.stats(&rt).expect("written");
         }
         if second {
             let (tick, bits) = (self.engine.due(), self.engine.state.bits());
@@ -195,15 +168,9 @@ impl Performer {
         }
     }
 
-    /// Frames at about the pace of a hand.
+    /// Frames, as fast as they come.
     pub fn frames(&mut self, n: u64) {
-        for _ in 0..n {
-            self.frame();
-            // rings hold a second: this is far slower than they are emptied, and faster than real time
-            if matches!(self.sink, Some(Sink::Thread(..))) && self.seq.is_multiple_of(30) {
-                std::thread::sleep(Duration::from_millis(4));
-            }
-        }
+        (0..n).for_each(|_| self.frame());
     }
 
     /// A performance with all that can happen in it, of `n` frames, at least 1500.
@@ -232,16 +199,13 @@ impl Performer {
 
     /// Completes the take.
     pub fn finish(&mut self) -> Told {
-        match self.sink.take().expect("not finished") {
-            Sink::Writer(w) => w.finish().expect("finished"),
-            Sink::Thread(r, _) => r.finish().expect("finished"),
-        }
+        self.take.take().expect("not finished").finish([0; 3]).expect("finished")
     }
 }
 
 /// A take of [`DUO`] at `path`.
 pub fn duo(path: &Path, frames: u64) -> Performer {
-    let mut p = Performer::new(DUO, path, false);
+    let mut p = Performer::new(DUO, path);
     p.play(frames);
     p.finish();
     p
@@ -249,7 +213,7 @@ pub fn duo(path: &Path, frames: u64) -> Performer {
 
 /// A take with a device of that name.
 pub fn tgr12(path: &Path) {
-    let mut p = Performer::new(&DUO.replace("\"left\"", "\"tgr12\""), path, false);
+    let mut p = Performer::new(&DUO.replace("\"left\"", "\"tgr12\""), path);
     p.play(1500);
     p.finish();
 }

@@ -20,7 +20,7 @@ fn every_message_is_read_by_the_libraries_of_others() {
     let Some(python) = python() else { return };
     let desk = Desk::new();
     duo(&desk.path("whole.mcap"), 1600);
-    let mut p = Performer::new(DUO, &desk.path("x.mcap"), true);
+    let mut p = Performer::new(DUO, &desk.path("x.mcap"));
     p.frames(1000);
     p.finish();
     let bytes = std::fs::read(desk.path("x.mcap")).unwrap();

@@ -35,7 +35,11 @@ pub fn unstable(model: &Model, net: &Net, rows: &[Row], bounds: &[Bound], i: usi
     let m = &net.mats[i];
     let r = &rows[i];
     let at = r.own * r.c;
-    let title = format!("`{}` is too stiff for its mass at this sound rate: {at:.3}, the limit is 4", m.name);
+    let title = format!(
+        "`{}` is too stiff for its mass at this sound rate: {:.3}, the limit is 4",
+        m.name,
+        quantity::Plain(at)
+    );
     let d = Diag::warning("W103", title).at(span(model, net, m.item), "this mass");
     // the link that weighs most is the one to change
     let mut most: Option<(&LiaNode, &Bound)> = None;
@@ -47,7 +51,7 @@ pub fn unstable(model: &Model, net: &Net, rows: &[Row], bounds: &[Bound], i: usi
     }
     let mass = net.te * net.te / r.c * at / 4.0;
     let heavier = format!("make `{}` heavier than {}", m.name, quantity::show(round_up(mass), Unit::KILOGRAM));
-    let rate = format!("raise the sound rate above {:.0} Hz", net.rate * libm::sqrt(at / 4.0));
+    let rate = format!("raise the sound rate above {:.0} Hz", quantity::Plain(net.rate * libm::sqrt(at / 4.0)));
     match most {
         Some((l, b)) => {
             let h = b.k + 2.0 * b.z;

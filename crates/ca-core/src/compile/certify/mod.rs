@@ -16,6 +16,7 @@ use super::net::{End, Net};
 pub use crate::certificate::{Certificate, Level};
 use crate::model::Model;
 use crate::model::diag::{Diag, Diags};
+use crate::model::quantity::Plain;
 use alloc::format;
 use alloc::vec::Vec;
 use blame::{overflow, span, unstable};
@@ -102,7 +103,7 @@ pub fn certify(model: &Model, net: &Net, diags: &mut Diags) -> Certificate {
     }
     if cert.level == Level::NotProven {
         let why = if covered {
-            format!("the bounds allow up to {:.3}, the limit is 4", cert.bound)
+            format!("the bounds allow up to {:.3}, the limit is 4", Plain(cert.bound))
         } else {
             "some spring is negative and not covered by those beside it".into()
         };

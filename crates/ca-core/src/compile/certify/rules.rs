@@ -31,7 +31,10 @@ pub fn contacts(model: &Model, net: &Net, rows: &[Row], bounds: &[Bound], cert: 
         if a > 1.0 && told.insert(l.item) {
             let safe = quantity::show(round_down(1.0 / c), Unit::STIFFNESS);
             let word = if a > 2.0 { "makes energy at every blow" } else { "may make energy at a blow" };
-            let d = Diag::warning("W104", format!("contact `{}` {word}: kT²/m is {a:.3}, stay below 1", l.name));
+            let d = Diag::warning(
+                "W104",
+                format!("contact `{}` {word}: kT²/m is {:.3}, stay below 1", l.name, quantity::Plain(a)),
+            );
             let (lo, hi) = (0.12 * a, 1.9 - a);
             let help = if hi > lo {
                 let z = |b: f64| quantity::show(round_down(b / (c / net.te)), Unit::VISCOSITY);

@@ -15,6 +15,7 @@ use super::reader::{Reader, number};
 use super::types::{Type, What};
 use crate::model::Span;
 use crate::model::diag::{Diag, Diags};
+use crate::model::quantity::Plain;
 use alloc::collections::BTreeMap;
 use alloc::format;
 use alloc::string::String;
@@ -199,7 +200,10 @@ impl<'a> Reader<'a, '_> {
         }
         let a = force / mass;
         if !a.is_finite() {
-            let d = Diag::error("E009", format!("the acceleration of `{}` is out of range: {force}/{mass}", part.name));
+            let d = Diag::error(
+                "E009",
+                format!("the acceleration of `{}` is out of range: {}/{}", part.name, Plain(force), Plain(mass)),
+            );
             self.diags.push(d.at(line.args[0].span, "the mass"));
             return;
         }

@@ -8,6 +8,7 @@ use crate::kind::{Dim, Unit};
 use alloc::format;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
+use core::fmt;
 
 /// The shortest text for `value` (in SI) in `unit`, with a prefix where that is shorter: 0.02 kg is `20 g`, 8000 N/m is
 /// `8 kN/m`. [`parse`](super::parse) gives the identical bits back. What is not finite has no such text and is written `inf`, `nan`.
@@ -65,6 +66,19 @@ fn decimal(digits: &str, point: i32) -> String {
     } else {
         let (a, b) = digits.split_at(point as usize + 1);
         format!("{a}.{b}")
+    }
+}
+
+/// A number for people: with an exponent beyond 1e7 and below 1e-4, where digits cannot be counted any more. As many
+/// digits behind the point as the format asks for; else the fewest that read back.
+#[derive(Clone, Copy, Debug)]
+pub struct Plain(pub f64);
+
+impl fmt::Display for Plain {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let v = self.0;
+        let wide = v != 0.0 && v.is_finite() && !(1e-4..1e7).contains(&v.abs());
+        if wide { fmt::LowerExp::fmt(&v, f) } else { fmt::Display::fmt(&v, f) }
     }
 }
 

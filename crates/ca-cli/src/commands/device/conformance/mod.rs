@@ -11,6 +11,7 @@ use crate::args::ConformanceArgs;
 use crate::term::short;
 use crate::{Ended, Failure, Outcome, store, term};
 use bench::{Bench, Player};
+use ca_core::model::quantity::Plain;
 use ca_haptic::frame::{About, Cause, DOF, DeviceFrame, ForceFrame, Mode, status, text};
 use ca_haptic::guard::Order;
 use ca_haptic::host::Site;
@@ -177,7 +178,7 @@ fn alive(b: &mut Bench, a: &About, t: &mut Table) {
         !(low - slack..=high + slack).contains(x)
     });
     let found = match outside {
-        Some((k, x)) => format!("axis {k} is at {x} m, its range is {} to {} m", a.low[k], a.high[k]),
+        Some((k, x)) => format!("axis {k} is at {} m, its range is {} to {} m", Plain(x), a.low[k], a.high[k]),
         None => "inside the range".into(),
     };
     t.row("positions", finite && outside.is_none(), found);
