@@ -193,7 +193,6 @@ fn every_script_can_be_played_on_every_device() {
         let p = Profile::shipped(name).expect("shipped");
         for script in ca_haptic::simulated::SCRIPTS {
             let middle = 0.5 * (p.range[0] + p.range[1]);
-            let travel = p.range[1] - p.range[0];
             let hand = if script == "push" { Hand::NONE } else { Hand::finger(p.force, &p) };
             let s = Script::named(script, &p, Wish::default()).expect("a script");
             let mut device = Device::new(&p, hand, s, 0, 1);

@@ -17,6 +17,10 @@ use std::sync::atomic::Ordering::Relaxed;
 
 /// Where records end: a sound file, a take, a terminal.
 pub trait Sink {
+    /// Whether it can take more; while one cannot, everything stays in the rings of the engine.
+    fn is_ready(&self) -> bool {
+        true
+    }
     /// Something happened.
     fn record(&mut self, record: &Record) -> Result<(), FileError> {
         let _ = record;
@@ -143,8 +147,14 @@ impl Desk {
         }
     }
 
-    /// Takes everything that lies in the rings; to be called every few milliseconds. Returns what people should know.
+    /// Takes what lies in the rings, if the sinks can; to be called every few milliseconds. Returns what people should
+    /// know.
     pub fn turn(&mut self) -> Vec<Happened> {
+        if self.sinks.iter().all(|s| s.is_ready()) { self.end() } else { Vec::new() }
+    }
+
+    /// Takes everything that lies in the rings, once the engine has ended.
+    pub fn end(&mut self) -> Vec<Happened> {
         // what there is now, so that records come first
         let mut heard = self.ends.sound.slots();
         while let Ok(record) = self.ends.records.pop() {

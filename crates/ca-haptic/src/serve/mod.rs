@@ -9,16 +9,17 @@
 //! caller's: [`rings`] makes both sides. The desk is no thread of its own but a turn to be taken every few milliseconds
 //! by the caller, so that a program embeds it in the loop it has.
 
+mod aside;
 mod clock;
 mod desk;
-mod keep;
 mod live;
 mod loops;
 mod summary;
+mod taken;
 
+pub use aside::{Aside, Line};
 pub use clock::{Clock, Start};
 pub use desk::{Desk, Happened, Sink};
-pub use keep::Kept;
 pub use live::{Beat, Every, Live, Rings, Shared};
 pub use summary::{DeviceSummary, Fault, Pulse, Summary};
 

@@ -1,7 +1,7 @@
 //! `ca serve`: a model played in real time by device processes.
 //!
 //! Decides who does what: the engine thread computes, the gateway thread moves frames between shared memory and rings,
-//! and this one, the desk, does everything that may take its time. A model without devices gets no gateway and no
+//! files are written by threads of their own, and this one, the desk, does everything else that may take its time. A model without devices gets no gateway and no
 //! shared memory; one without live parameters either gets no control.
 
 mod answer;
@@ -18,7 +18,7 @@ use ca_haptic::FileError;
 use ca_haptic::engine::Engine;
 use ca_haptic::guard::Order;
 use ca_haptic::rt::{self, Wish};
-use ca_haptic::serve::{Clock, Desk, Every, Kept, Live, Shared, Sink, rings};
+use ca_haptic::serve::{Aside, Clock, Desk, Every, Live, Shared, Sink, rings};
 use ca_haptic::sound::{Format, WavOut};
 use ca_haptic::take::{Header, TakeWriter};
 pub(crate) use setup::devices;
@@ -61,7 +61,7 @@ pub fn run(args: &ServeArgs) -> Outcome {
         Some(path) if scene.channels > 0 => {
             load::is_sound(path)?;
             let out = WavOut::create(path, scene.rate, scene.channels, Format::F32)?;
-            Some(Kept::new(wav::Wav::new(out, scene.channels)))
+            Some(aside(&mut sinks, "ca sound", wav::Wav::new(out, scene.channels))?)
         }
         Some(_) => return Err(Failure::Usage("-o: the model has no output, so there is no sound to write".into())),
         None => None,
@@ -70,12 +70,10 @@ pub fn run(args: &ServeArgs) -> Outcome {
         Some(path) => {
             let changes = args.source.changes().collect();
             let header = Header::new(&loaded.model, changes, options, &scene, setups.clone(), engine.options());
-            Some(Kept::new(TakeWriter::create(path, &header, &scene)?))
+            Some(aside(&mut sinks, "ca take", TakeWriter::create(path, &header, &scene)?)?)
         }
         None => None,
     };
-    sinks.extend(wav.clone().map(|w| Box::new(w) as Box<dyn Sink>));
-    sinks.extend(take.clone().map(|t| Box::new(t) as Box<dyn Sink>));
 
     let pictures = if take.is_some() { PICTURES } else { 0 };
     let (ends, gateway_ends, desk_ends) = rings(&scene, names.len(), pictures);
@@ -116,7 +114,7 @@ pub fn run(args: &ServeArgs) -> Outcome {
     let traffic = talk.traffic();
     drop(talk);
     let engine = engine.map_err(|_| Failure::Failed("the engine thread ended by itself".into()))?;
-    desk.turn();
+    desk.end();
     for e in desk.broken() {
         term::error(&e.to_string());
     }
@@ -126,8 +124,10 @@ pub fn run(args: &ServeArgs) -> Outcome {
         term::error(&e.to_string());
         summary.broken.push(e.to_string());
     };
-    let written = wav.and_then(|w| w.end()?.finish().map_err(&mut broken).ok());
-    let told_of_take = take.and_then(|t| t.end()?.finish(lost).map_err(&mut broken).ok());
+    let written = wav.map(|w| w.end().and_then(|w| w.map(wav::Wav::finish).transpose()));
+    let written = written.and_then(|w| w.map_err(&mut broken).ok().flatten());
+    let told_of_take = take.map(|t| t.end().and_then(|t| t.map(|t| t.finish(lost)).transpose()));
+    let told_of_take = told_of_take.and_then(|t| t.map_err(&mut broken).ok().flatten());
     if let Some(lost) = told_of_take.as_ref().map(|t| t.lost).filter(|n| *n > 0) {
         term::warning(&format!("the take has holes: {lost} records or samples found no room"));
     }
@@ -141,6 +141,13 @@ pub fn run(args: &ServeArgs) -> Outcome {
         told::text(&summary, &loaded.name, &files, scene.rate)?;
     }
     Ok(if summary.is_faithful() { Ended::Well } else { Ended::Degraded })
+}
+
+/// Gives the desk a sink that is written by a thread of its own.
+fn aside<T: Sink + Send + 'static>(sinks: &mut Vec<Box<dyn Sink>>, name: &str, sink: T) -> Result<Aside<T>, Failure> {
+    let (line, aside) = Aside::start(name, sink)?;
+    sinks.push(Box::new(line));
+    Ok(aside)
 }
 
 /// What a thread asks for; `lower` than the engine.

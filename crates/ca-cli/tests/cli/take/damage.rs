@@ -120,7 +120,7 @@ fn a_take_cut_anywhere_reads_up_to_there() {
         wrong[place] ^= 0x55;
         fs::write(&bad, &wrong).unwrap();
         if let Ok(take) = Take::open(&bad) {
-            let Ok(r) = Replay::new(&take, &catalog()) else { continue };
+            let Ok(mut r) = Replay::new(&take, &catalog()) else { continue };
             let v = r.run(&take, &mut |_| (), &mut |_| Ok(()));
             // chunks are checked as a whole: nothing wrong is believed
             assert!(v.as_ref().is_ok_and(|v| v.difference.is_none()), "byte {place}: {v:?}");

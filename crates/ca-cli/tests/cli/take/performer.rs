@@ -89,8 +89,8 @@ impl Performer {
         Performer { engine, take: Some(take), sound: Vec::new(), script: swing, seq: 0, controls }
     }
 
-    fn note(&mut self, record: Record) {
-        self.take.as_mut().expect("not finished").record(&record).expect("written");
+    fn note(&mut self, record: &Record) {
+        self.take.as_mut().expect("not finished").record(record).expect("written");
     }
 
     /// Does what somebody asks, between frames.
@@ -98,9 +98,9 @@ impl Performer {
         let tick = self.engine.due();
         if let Act::Order(port, order) = act {
             self.engine.act(act);
-            self.note(Record::Order { tick, port, order });
+            self.note(&Record::Order { tick, port, order });
         } else if let Some(spent) = self.engine.act(act) {
-            self.note(Record::Spent { tick, spent });
+            self.note(&Record::Spent { tick, spent });
         }
     }
 
@@ -139,11 +139,11 @@ impl Performer {
                 _ => {}
             }
             self.engine.take(k, &mut frame);
-            self.note(Record::Device { port: k as u32, frame });
+            self.note(&Record::Device { port: k as u32, frame });
         }
         let forces: Vec<_> = self.engine.answer().copied().collect();
         for (k, frame) in forces.into_iter().enumerate() {
-            self.note(Record::Force { port: k as u32, frame });
+            self.note(&Record::Force { port: k as u32, frame });
         }
         let x = self.engine.state.x.clone();
         let heard = self.engine.finish().to_vec();
@@ -160,10 +160,10 @@ impl Performer {
         }
         if second {
             let (tick, bits) = (self.engine.due(), self.engine.state.bits());
-            self.note(Record::Hash { tick, bits });
+            self.note(&Record::Hash { tick, bits });
             if let Some(book) = &self.engine.state.ledger {
                 let balance = book.balance();
-                self.note(Record::Energy { tick, balance });
+                self.note(&Record::Energy { tick, balance });
             }
         }
     }

@@ -1,70 +1,10 @@
-//! Sinks that are finished by others than the desk, and the take as a sink.
-//!
-//! Decides that the desk writes a take by itself, and not a thread behind rings of its own: the rings of the engine hold
-//! two seconds, a system takes what is written into its memory within milliseconds also while the disk is at work, and
-//! so what finds no room is counted in one place. A disk that stands still for longer holds up the desk, and with it
-//! what people ask, but never the engine and its guard.
+//! The take as a sink.
 
 use super::desk::{Happened, Sink};
 use super::summary::Pulse;
 use crate::error::FileError;
 use crate::record::Record;
 use crate::take::{Level, Rt, TakeWriter};
-use std::cell::RefCell;
-use std::rc::Rc;
-
-/// A sink kept by two: the desk writes it, its owner finishes it.
-pub struct Kept<T>(Rc<RefCell<Option<T>>>);
-
-impl<T> Clone for Kept<T> {
-    fn clone(&self) -> Kept<T> {
-        Kept(self.0.clone())
-    }
-}
-
-impl<T> Kept<T> {
-    /// Keeps it.
-    pub fn new(of: T) -> Kept<T> {
-        Kept(Rc::new(RefCell::new(Some(of))))
-    }
-
-    /// It, once; `None` where it failed.
-    pub fn end(&self) -> Option<T> {
-        self.0.borrow_mut().take()
-    }
-
-    /// What fails is dropped: the desk tells of it once, and playing goes on.
-    fn with(&self, f: impl FnOnce(&mut T) -> Result<(), FileError>) -> Result<(), FileError> {
-        let mut of = self.0.borrow_mut();
-        let done = of.as_mut().map_or(Ok(()), f);
-        if done.is_err() {
-            *of = None;
-        }
-        done
-    }
-}
-
-impl<T: Sink> Sink for Kept<T> {
-    fn record(&mut self, record: &Record) -> Result<(), FileError> {
-        self.with(|t| t.record(record))
-    }
-
-    fn sound(&mut self, tick: u64, frames: &[f64]) -> Result<(), FileError> {
-        self.with(|t| t.sound(tick, frames))
-    }
-
-    fn view(&mut self, tick: u64, x: &[f64]) -> Result<(), FileError> {
-        self.with(|t| t.view(tick, x))
-    }
-
-    fn pulse(&mut self, pulse: &Pulse) -> Result<(), FileError> {
-        self.with(|t| t.pulse(pulse))
-    }
-
-    fn said(&mut self, happened: &Happened) -> Result<(), FileError> {
-        self.with(|t| t.said(happened))
-    }
-}
 
 impl Sink for TakeWriter {
     fn record(&mut self, record: &Record) -> Result<(), FileError> {
@@ -110,7 +50,7 @@ mod tests {
     use crate::engine::Options;
     use crate::engine::tests::{KEY, setup};
     use crate::frame::DeviceFrame;
-    use crate::serve::{Clock, Desk, Every, Live, Shared, rings};
+    use crate::serve::{Aside, Clock, Desk, Every, Live, Shared, rings};
     use crate::take::{Event, Header, Replay, Take};
     use ca_core::model::read;
     use ca_core::{Catalog, compile};
@@ -128,8 +68,8 @@ mod tests {
         let (ends, mut gateway, desk_ends) = rings(&scene, 1, 60);
         let shared = Arc::new(Shared::default());
         let take = TakeWriter::create(&path, &header, &scene).expect("a file");
-        let take = Kept::new(take);
-        let mut desk = Desk::new(desk_ends, shared.clone(), scene, &engine.ports, vec![Box::new(take.clone())]);
+        let (line, take) = Aside::start("take", take).expect("a thread");
+        let mut desk = Desk::new(desk_ends, shared.clone(), scene, &engine.ports, vec![Box::new(line)]);
         let every = Every { energy: 0, view: 50, hash: 3000 };
         let mut live = Live::new(engine, ends, shared, Clock::Device { patience: 0 }, every);
         let mut play = |live: &mut Live, frames: std::ops::Range<u64>| {
@@ -151,11 +91,11 @@ mod tests {
         // and away again until the end
         play(&mut live, 12_101..24_001);
         let engine = live.run(Some(0));
-        desk.turn();
+        desk.end();
         let s = desk.summary(&engine, vec![]);
         assert!(!s.is_faithful() && s.lost_records > 8000 && s.lost_sound > 80_000 && s.lost_views > 60, "{s:?}");
         let lost = [s.lost_records, s.lost_sound, s.lost_views];
-        let told = take.end().expect("no sink failed").finish(lost).expect("finished");
+        let told = take.end().expect("no failure").expect("a take").finish(lost).expect("finished");
         assert_eq!(told.lost, s.lost_records + s.lost_sound);
 
         let take = Take::open(&path).expect("a take");
@@ -167,7 +107,7 @@ mod tests {
         let is_frame = |e: &Event| matches!(e, Event::Device(..) | Event::Force(..));
         assert!(hole < change && !events[hole..change].iter().any(is_frame));
         // and a replay stands by what is before it
-        let r = Replay::new(&take, &Catalog::core()).expect("an engine");
+        let mut r = Replay::new(&take, &Catalog::core()).expect("an engine");
         let v = r.run(&take, &mut |_| (), &mut |_| Ok(())).expect("replayed");
         assert!(v.difference.is_none() && !v.is_identical(), "{v:?}");
         let before = events[..hole].iter().filter(|e| matches!(e, Event::Force(..))).count() as u64;
