@@ -113,8 +113,7 @@ pub fn run(args: &ServeArgs) -> Outcome {
     }
 
     let engine = attend(thread, &mut desk, &mut talk, &shared, args.quiet);
-    let traffic = talk.traffic();
-    drop(talk);
+    let traffic = talk.end();
     let engine = engine.map_err(|_| Failure::Failed("the engine thread ended by itself".into()))?;
     desk.turn();
     for e in desk.broken() {
