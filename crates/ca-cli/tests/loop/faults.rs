@@ -14,10 +14,10 @@ fn h9_a_throw_brakes_and_ends() {
     let stage = Stage::new();
     // a weak spring: nothing pushes at either end
     stage.put("weak.ca.toml", &KEY.replace("0.9 mm", "0 mm").replace("k = 500", "k = 10"));
-    // 15 mm in 10 ms, every four seconds
+    // 15 mm in 10 ms, every second and a half: some come while forces are on
     let mut throws = String::from("time,key\n0,-0.0075\n");
-    for k in 0..8 {
-        let t = 4.0 * f64::from(k) + 3.0;
+    for k in 0..40 {
+        let t = 1.5 * f64::from(k) + 3.0;
         let [a, b] = if k % 2 == 0 { [-0.0075, 0.0075] } else { [0.0075, -0.0075] };
         writeln!(throws, "{t},{a}\n{},{b}", t + 0.01).unwrap();
     }
@@ -77,14 +77,16 @@ fn h15_h16_a_model_that_explodes_leaves_hand_and_ear() {
     let watch = Watch::of(&stage.site, "key");
     let _device = stage.key(&["--script", "hold"]);
     let server = stage.serve("bang.ca.toml", &["--json", "-o", "bang.wav"]);
-    stage.armed("it blows up with forces on", |mode, cause| mode == "fault" && cause == "MODEL_UNSTABLE");
+    // where the machine stood still it blew up before; arming loads it again
+    stage.armed("it blows up with forces on", |mode, cause| {
+        mode == "fault" && cause == "MODEL_UNSTABLE" && watch.so_far().of(Mode::Ramp).next().is_some()
+    });
     let count = watch.count();
     until("it stays so", || watch.count() > count + 300);
     let told = server.stop().is(3).json();
     assert_eq!(told["unstable"], true);
     let seen = watch.end(&key());
     assert_eq!(seen.frames.last().map(|f| Mode::read(f.mode)), Some(Mode::Off), "the last word of a server");
-    assert!(seen.of(Mode::Ramp).next().is_some());
     let samples: Vec<f32> =
         hound::WavReader::open(stage.path("bang.wav")).unwrap().samples::<f32>().map(Result::unwrap).collect();
     let peak = samples.iter().fold(0.0_f32, |a, b| a.max(b.abs()));
@@ -124,7 +126,7 @@ fn h10_no_frame_of_a_device_moves_a_force_beyond_its_limits() {
          {watched} of {sent} forces seen, {} missed by number; {causes:?}",
         seen.unseen
     );
-    assert!(watched <= sent && watched + seen.unseen + number("unsent") <= told["frames"].as_u64().unwrap());
+    assert!(watched <= sent && watched + seen.unseen <= told["frames"].as_u64().unwrap(), "{told:#}");
     // a third of a second of standing still is let pass; here none does for that long, and a hundredth is generous
     assert!(watched >= sent - sent / 100, "{watched} of {sent} forces were seen");
 }
@@ -134,9 +136,9 @@ fn h8_another_session_is_another_device() {
     let stage = Stage::new();
     let watch = Watch::of(&stage.site, "key");
     let _server = stage.serve("key.ca.toml", &["--quiet"]);
-    // each ten seconds it is pulled and plugged, within a frame
+    // every two seconds it is pulled and plugged, within a frame
     let device = Liar::moving(&stage.site, "key", |n, f| {
-        if n % 30_000 == 0 {
+        if n % 6000 == 0 {
             (f.session, f.seq) = (f.session + 1, 1);
         }
     });

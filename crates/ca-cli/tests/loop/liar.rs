@@ -111,7 +111,7 @@ fn play(place: &Place, name: &str, lie: Lie, stop: &AtomicBool) {
     let period = if lie == Lie::Rate { 2_000_000 } else { 1_000_000 };
     let mut watch = Watch::new(who.device);
     let mut held = ForceFrame::new(name, 1);
-    let (start, mut frame) = (now_ns(), DeviceFrame::new(name, 1));
+    let (mut due, mut frame) = (now_ns(), DeviceFrame::new(name, 1));
     frame.session = if lie == Lie::Session { 78 } else { 77 };
     let mut first = None;
     for n in 1.. {
@@ -151,7 +151,7 @@ fn play(place: &Place, name: &str, lie: Lie, stop: &AtomicBool) {
         };
         if lie == Lie::GoesOn && cause == Cause::WatchdogOut && watch.last().is_some_and(|f| f.mode == Mode::On as u32)
         {
-            wait_until(start + n * period);
+            due = wait_until(due + period);
             continue;
         }
         frame.force_measured[0] = if cause == Cause::None { held.force[0] } else { 0.0 };
@@ -164,6 +164,7 @@ fn play(place: &Place, name: &str, lie: Lie, stop: &AtomicBool) {
         frame.pos[0] = if lie == Lie::Positions { 0.02 } else { 0.0 };
         (frame.t_device_ns, frame.t_host_ns, frame.period_ns) = (n * period, now, period as u32);
         frames.send_copy(frame).unwrap();
-        wait_until((start + n * period).max(now + period / 2));
+        // what stood still goes on at its rate, and does not catch up
+        due = wait_until((due + period).max(now + period / 2));
     }
 }

@@ -54,6 +54,11 @@ impl Role {
         self.record.metadata().unwrap().len() as usize
     }
 
+    /// What it has written so far.
+    pub fn read(&self) -> Vec<u8> {
+        std::fs::read(&self.record).unwrap()
+    }
+
     /// The last whole piece of `size` bytes it has written.
     pub fn last(&self, size: usize) -> Option<Vec<u8>> {
         let end = self.written() / size * size;
@@ -69,7 +74,7 @@ impl Role {
         drop(self.child.stdin.take());
         super::stage::until("the part ends", || !self.lives());
         assert!(self.child.wait().unwrap().success(), "the part failed; what it says stands above");
-        std::fs::read(&self.record).unwrap()
+        self.read()
     }
 }
 

@@ -21,7 +21,7 @@ pub struct Watch(Role);
 /// What was watched.
 pub struct Seen {
     pub frames: Vec<ForceFrame>,
-    /// frames that were not seen: before the first of a session, and between two
+    /// frames that were not seen: before the first of a session, and between two; counted at the end
     pub unseen: u64,
 }
 
@@ -41,16 +41,24 @@ impl Watch {
         self.0.last(size_of::<ForceFrame>()).map(|b| ForceFrame::read_from_bytes(&b).unwrap())
     }
 
+    /// All so far.
+    pub fn so_far(&self) -> Seen {
+        Seen { frames: read(&self.0.read()), unseen: 0 }
+    }
+
     /// Ends, and holds all frames to the promises of the guard with these numbers, at 3000 frames a second.
     pub fn end(self, p: &Profile) -> Seen {
-        let bytes = self.0.end();
-        let frames = bytes.chunks(size_of::<ForceFrame>()).map(|b| ForceFrame::read_from_bytes(b).unwrap());
-        let frames: Vec<ForceFrame> = frames.collect();
+        let frames = read(&self.0.end());
         let unseen = check(&frames, p);
         eprintln!("{} frames of forces watched, {unseen} not seen", frames.len());
         assert!(frames.len() > 100, "only {} frames were seen", frames.len());
         Seen { frames, unseen }
     }
+}
+
+/// The whole frames of a record.
+fn read(record: &[u8]) -> Vec<ForceFrame> {
+    record.chunks_exact(size_of::<ForceFrame>()).map(|b| ForceFrame::read_from_bytes(b).unwrap()).collect()
 }
 
 #[test]
