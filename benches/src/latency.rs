@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 const HEAD: &str = "# How late is the loop?
 
-Made by `UPDATE=1 cargo bench -p ca-cli --bench latency`: do not edit.
+`UPDATE=1 cargo bench -p ca-cli --bench latency` makes it anew: do not edit.
 
 `ca serve hammer_piano`, twelve keys at 3 kHz, with `ca device sim --profile tgr12 --script strike` on the other side of
 the shared memory: two processes, three threads of real time and the desk. The period is **333.3 µs**; all times are in
@@ -24,7 +24,8 @@ for the gateway and 60 for the device; without it all three are as any other pro
 frame could begin is left out, and is in the second table, not in the first.
 
 The machine of this page is a virtual one with two cores, which it shares with others: it stands still for 5 to 20 ms now
-and then, whatever runs on it. The largest times tell of that. For a machine to play on, run the bench there.
+and then, whatever runs on it. The largest times tell of that, and \"none\" is only what the bench adds: what else ran there
+meanwhile, compilers too, is in all rows. For a machine to play on, run the bench there.
 ";
 
 /// A run: with real-time priority or without, with load or without.
@@ -88,7 +89,10 @@ pub fn page(runs: &[Run]) -> String {
         let run = runs.iter().zip(RUNS).find(|(_, which)| which.0 == priority);
         run.map_or("not run", |(r, _)| r.granted.as_str())
     };
-    let _ = write!(t, "\nThe engine's thread with priority: {}.\n\nWithout: {}.\n", granted(true), granted(false));
+    // what is slower for it is the computing
+    let build = if cfg!(debug_assertions) { "for development, little optimised" } else { "for release" };
+    let _ = write!(t, "\nThe command was built: {build}.\n\nThe engine's thread with priority: {}.\n\n", granted(true));
+    let _ = writeln!(t, "Without: {}.", granted(false));
     t
 }
 
@@ -98,7 +102,7 @@ mod tests {
 
     /// What is not a number that was measured: the text, and the cells that name rows and columns.
     fn frame(page: &str) -> Vec<String> {
-        let without_numbers = |l: &str| match l.split_once(": policy ") {
+        let without_numbers = |l: &str| match l.split_once(": policy ").or_else(|| l.split_once(": for ")) {
             Some((what, _)) => what.to_string(),
             None if l.starts_with('|') => {
                 let measured = |c: &&str| c.trim().parse::<f64>().is_err();

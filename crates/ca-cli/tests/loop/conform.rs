@@ -69,6 +69,10 @@ fn found(lie: Lie, name: &str) {
     let mut last = Value::Null;
     for _ in 0..12 {
         let ran = tested(&stage, "key");
+        if ran.err.contains("no device of that name speaks") {
+            // it says who it is twice a second
+            continue;
+        }
         last = ran.json();
         assert_eq!((ran.code, last["pass"].as_bool()), (Some(1), Some(false)));
         if last["rows"].as_array().unwrap().iter().any(|r| r["name"] == name) {
