@@ -1,5 +1,6 @@
 //! Scenes that the benches share.
 
+pub mod latency;
 pub mod rattle;
 
 use ca_core::{Catalog, KernelClass, Model, Options, Scene, compile};

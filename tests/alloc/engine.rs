@@ -26,14 +26,17 @@ b = { between = ["y", "wall"], k = "k" }
 out = { from = "bar", gain = 100 }
 "#;
 
-pub fn engine(energy: bool) -> (Engine, State, Change) {
+/// An engine with a device that has every stage there is; `patient` with a machine that stands still.
+pub(super) fn engine(energy: bool, patient: bool) -> (Engine, State, Change) {
     let catalog = ca_tests::catalog();
     let (model, _) = read::read(TEXT, "hand.ca.toml", &catalog);
     let scene: Scene = compile(&model, &catalog, &Compile { energy, ..Compile::default() }).expect("it compiles");
     let mut profile = Profile::shipped("tgr12").expect("shipped");
-    // every stage there is
     (profile.dof, profile.axes, profile.continuous) = (2, 2, Some(3.0));
     (profile.guard.clear_time, profile.guard.ramp) = (0.01, 0.02);
+    if patient {
+        (profile.guard.hold, profile.guard.zero) = (Some(0.05), 0.09);
+    }
     let calibration = Calibration { axis: vec![Axis::default(); 2], ..Calibration::default() };
     let mut controls = scene.controls();
     let patch = controls.set("k", 600.0).expect("live");
@@ -49,7 +52,7 @@ pub fn engine(energy: bool) -> (Engine, State, Change) {
 #[test]
 fn an_engine_allocates_nothing() {
     for energy in [false, true] {
-        let (mut e, state, change) = engine(energy);
+        let (mut e, state, change) = engine(energy, false);
         let mut boxes: Vec<Box<State>> = (0..4).map(|_| Box::new(state.clone())).collect();
         let mut changes: Vec<Box<Change>> = (0..8).map(|_| Box::new(change.clone())).collect();
         let mut spent: Vec<Spent> = Vec::with_capacity(16);

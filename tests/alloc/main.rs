@@ -5,6 +5,7 @@
 #![allow(unsafe_code)]
 
 mod engine;
+mod live;
 mod rings;
 
 use ca_benches::rattle;

@@ -10,7 +10,7 @@ use std::sync::atomic::Ordering::Relaxed;
 
 #[test]
 fn handing_over_allocates_nothing() {
-    let (engine, ..) = engine(true);
+    let (engine, ..) = engine(true, false);
     let (ends, mut gateway, mut desk) = rings(&engine.scene, 1, 60);
     let shared = Arc::new(Shared::default());
     let every = Every { energy: 30, view: 50, hash: 3000 };

@@ -14,10 +14,11 @@ fn tested(stage: &Stage, name: &str) -> Ran {
     stage.ca(&["device", "conformance", name, "--json"])
 }
 
-/// Passes within a few tries: its rate is measured by the clock of a machine that may be busy with other tests.
+/// Passes within a few tries: it is measured by the clock of a machine that may be busy, and forces come on only where
+/// nothing stands still for a tenth of a second.
 fn passes(stage: &Stage, name: &str) -> Value {
     let mut last = Value::Null;
-    for _ in 0..4 {
+    for _ in 0..12 {
         let ran = tested(stage, name);
         last = ran.json();
         if ran.code == Some(0) {
@@ -61,14 +62,24 @@ fn a_device_that_cannot_be_had_is_an_error() {
     stage.ca(&["device", "conformance", "key"]).is(1).says(&["has a server already"]);
 }
 
-/// The row that finds a lie.
+/// The row that finds a lie; it comes after others, at which a device that is stopped by a busy machine is left.
 fn found(lie: Lie, name: &str) {
     let stage = Stage::new();
     let _device = Liar::new(&stage.site, "key", lie);
-    let ran = tested(&stage, "key");
-    let v = ran.json();
-    assert!(!row(&v, name).0, "{lie:?}: {v:#}");
-    assert_eq!((ran.code, v["pass"].as_bool()), (Some(1), Some(false)));
+    let mut last = Value::Null;
+    for _ in 0..12 {
+        let ran = tested(&stage, "key");
+        if ran.err.contains("no device of that name speaks") {
+            // it says who it is twice a second
+            continue;
+        }
+        last = ran.json();
+        assert_eq!((ran.code, last["pass"].as_bool()), (Some(1), Some(false)));
+        if last["rows"].as_array().unwrap().iter().any(|r| r["name"] == name) {
+            break;
+        }
+    }
+    assert!(!row(&last, name).0, "{lie:?}: {last:#}");
 }
 
 #[test]

@@ -1,25 +1,23 @@
 //! Models and devices that go wrong, through shared memory: every force on the line is watched.
 
+use super::fuzz::Fuzz;
 use super::liar::Liar;
 use super::stage::{KEY, Stage, until};
 use super::watch::{Watch, key};
-use ca_haptic::frame::{Cause, DOF, DeviceFrame, Mode, status};
-use ca_haptic::rt::now_ns;
+use ca_haptic::frame::{Cause, Mode};
 use std::fmt::Write as _;
 use std::path::Path;
-use std::sync::atomic::Ordering::Relaxed;
 use std::time::Duration;
 
 #[test]
-#[ignore = "on a machine that stands still for 5 ms now and then the watchdog of the device is often first"]
 fn h9_a_throw_brakes_and_ends() {
     let stage = Stage::new();
     // a weak spring: nothing pushes at either end
     stage.put("weak.ca.toml", &KEY.replace("0.9 mm", "0 mm").replace("k = 500", "k = 10"));
-    // 15 mm in 10 ms, every four seconds
+    // 15 mm in 10 ms, every second and a half: some come while forces are on
     let mut throws = String::from("time,key\n0,-0.0075\n");
-    for k in 0..8 {
-        let t = 4.0 * f64::from(k) + 3.0;
+    for k in 0..40 {
+        let t = 1.5 * f64::from(k) + 3.0;
         let [a, b] = if k % 2 == 0 { [-0.0075, 0.0075] } else { [0.0075, -0.0075] };
         writeln!(throws, "{t},{a}\n{},{b}", t + 0.01).unwrap();
     }
@@ -79,56 +77,22 @@ fn h15_h16_a_model_that_explodes_leaves_hand_and_ear() {
     let watch = Watch::of(&stage.site, "key");
     let _device = stage.key(&["--script", "hold"]);
     let server = stage.serve("bang.ca.toml", &["--json", "-o", "bang.wav"]);
-    stage.armed("it blows up with forces on", |mode, cause| mode == "fault" && cause == "MODEL_UNSTABLE");
+    // where the machine stood still it blew up before; arming loads it again
+    stage.armed("it blows up with forces on", |mode, cause| {
+        mode == "fault" && cause == "MODEL_UNSTABLE" && watch.so_far().of(Mode::Ramp).next().is_some()
+    });
     let count = watch.count();
     until("it stays so", || watch.count() > count + 300);
     let told = server.stop().is(3).json();
     assert_eq!(told["unstable"], true);
     let seen = watch.end(&key());
     assert_eq!(seen.frames.last().map(|f| Mode::read(f.mode)), Some(Mode::Off), "the last word of a server");
-    assert!(seen.of(Mode::Ramp).next().is_some());
     let samples: Vec<f32> =
         hound::WavReader::open(stage.path("bang.wav")).unwrap().samples::<f32>().map(Result::unwrap).collect();
     let peak = samples.iter().fold(0.0_f32, |a, b| a.max(b.abs()));
     assert!(peak > 0.1 && peak <= 1.0, "{peak}");
     // silence to the end, at least the hundred milliseconds that were waited for
     assert!(samples[samples.len() - 2400..].iter().all(|s| *s == 0.0));
-}
-
-/// xorshift
-fn dice(seed: &mut u64) -> u64 {
-    *seed ^= *seed << 13;
-    *seed ^= *seed >> 7;
-    *seed ^= *seed << 17;
-    *seed
-}
-
-/// A frame that is wrong in one or several ways, or in none.
-fn spoiled(good: &DeviceFrame, seed: &mut u64) -> DeviceFrame {
-    let mut f = *good;
-    for _ in 0..dice(seed) % 4 {
-        let (what, with) = (dice(seed) % 16, dice(seed));
-        let any = f64::from_bits(with);
-        match what {
-            0 => f.magic ^= with as u32,
-            1 => f.layout ^= with,
-            2 => f.device[0] ^= with as u8,
-            3 => f.session = with % 4,
-            4 => f.seq = with,
-            5 => f.seq = f.seq.saturating_sub(with % 100),
-            6 => f.ack = with,
-            7 => f.n = with as u16,
-            8 => f.pos = [any; DOF],
-            9 => f.pos[0] = [f64::NAN, f64::INFINITY, f64::MAX, -1e9, 0.05, -0.0][with as usize % 6],
-            10 => f.vel = [any; DOF],
-            11 => f.status = with as u32,
-            12 => f.cause = with as u16,
-            13 => f.t_device_ns = with,
-            14 => f.period_ns = with as u32,
-            _ => f.pos[0] += 1e-4 * (any.to_bits() as i8 as f64),
-        }
-    }
-    f
 }
 
 #[test]
@@ -138,54 +102,33 @@ fn h10_no_frame_of_a_device_moves_a_force_beyond_its_limits() {
     stage.put("key.ca.toml", &KEY.replace("k = 500", "k = 20000").replace("0.9 mm", "0 mm"));
     let watch = Watch::of(&stage.site, "key");
     let server = stage.serve("key.ca.toml", &["--json"]);
-    let device = Liar::with(&stage.site, "key", move |place, name, stop, sent| {
-        let line = place.writer::<DeviceFrame>(name, "in", 0);
-        let (mut good, mut seed) = (DeviceFrame::new(name, 1), 0x9e37_79b9_7f4a_7c15_u64);
-        (good.session, good.period_ns) = (1, 333_333);
-        good.status |= status::SIMULATED;
-        for n in 1.. {
-            if stop.load(Relaxed) {
-                return;
-            }
-            if n == all + 1 {
-                // a number that is too large is believed for as long as the session lasts: the process is started again
-                (good.session, good.seq) = (9, 0);
-            }
-            good.seq += 1;
-            (good.t_host_ns, good.t_device_ns) = (now_ns(), n * 100_000);
-            // spells in which nothing is wrong, so that forces get on in between
-            let calm = n > all || (n / 15_000) % 2 == 1;
-            let frame = if calm { good } else { spoiled(&good, &mut seed) };
-            line.send_copy(frame).unwrap();
-            sent.store(n, Relaxed);
-            // the queue holds four; the gateway looks every 50 us
-            if n % 2 == 0 {
-                std::thread::sleep(Duration::from_micros(60));
-            }
-        }
-    });
+    let mut device = Fuzz::of(&stage.site, "key", all);
     let end = std::time::Instant::now() + Duration::from_secs(600);
-    while device.sent.load(Relaxed) < all {
-        assert!(std::time::Instant::now() < end && !device.is_done());
+    while device.sent() < all {
+        assert!(std::time::Instant::now() < end && device.lives(), "{} frames were sent", device.sent());
         stage.arm();
         std::thread::sleep(Duration::from_millis(100));
     }
     // once nothing is wrong any more it can be played again
     stage.on();
-    drop(device);
+    device.end();
     let told = server.stop().json();
     let seen = watch.end(&key());
     let causes = seen.faults();
     assert!(causes.contains(&Cause::Implausible), "{causes:?}");
-    let received = told["traffic"]["received"].as_u64().unwrap();
-    let foreign = told["traffic"]["foreign"].as_u64().unwrap();
-    let dropped = told["dropped"].as_u64().unwrap();
+    let number = |k: &str| told["traffic"][k].as_u64().unwrap();
+    let (received, foreign, dropped) = (number("received"), number("foreign"), told["dropped"].as_u64().unwrap());
     // what was overwritten in the queue was never there; most must have been
     assert!(received > all / 4 && foreign > all / 100 && dropped > all / 100, "{told:#}");
+    let (sent, watched) = (number("sent"), seen.frames.len() as u64);
     eprintln!(
-        "{received} received, {foreign} foreign, {dropped} dropped, {} forces seen, {causes:?}",
-        seen.frames.len()
+        "{all} frames of anything: {received} received, {foreign} foreign, {dropped} dropped; \
+         {watched} of {sent} forces seen, {} missed by number; {causes:?}",
+        seen.unseen
     );
+    assert!(watched <= sent && watched + seen.unseen <= told["frames"].as_u64().unwrap(), "{told:#}");
+    // a third of a second of standing still is let pass; here none does for that long, and a hundredth is generous
+    assert!(watched >= sent - sent / 100, "{watched} of {sent} forces were seen");
 }
 
 #[test]
@@ -193,9 +136,9 @@ fn h8_another_session_is_another_device() {
     let stage = Stage::new();
     let watch = Watch::of(&stage.site, "key");
     let _server = stage.serve("key.ca.toml", &["--quiet"]);
-    // each ten seconds it is pulled and plugged, within a frame
+    // every two seconds it is pulled and plugged, within a frame
     let device = Liar::moving(&stage.site, "key", |n, f| {
-        if n % 30_000 == 0 {
+        if n % 6000 == 0 {
             (f.session, f.seq) = (f.session + 1, 1);
         }
     });

@@ -1,4 +1,4 @@
-//! A device written without our client, which may lie in one way; and one that sends anything at all.
+//! A device written without our client, which may lie in one way.
 
 use super::raw::Place;
 use ca_haptic::frame::{About, Cause, DOF, DeviceFrame, ForceFrame, Mode};
@@ -6,7 +6,7 @@ use ca_haptic::host::Site;
 use ca_haptic::host::watch::Watch;
 use ca_haptic::rt::{now_ns, wait_until};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::thread::JoinHandle;
 
 /// What is wrong with it.
@@ -44,7 +44,6 @@ const PERIOD: u64 = 333_333;
 /// A device in a thread. Ends with its value.
 pub struct Liar {
     stop: Arc<AtomicBool>,
-    pub sent: Arc<AtomicU64>,
     thread: Option<JoinHandle<()>>,
 }
 
@@ -62,24 +61,20 @@ pub fn about(name: &str, rate: u32) -> About {
 impl Liar {
     /// Speaks as `name`, 1000 times a second.
     pub fn new(site: &Site, name: &str, lie: Lie) -> Liar {
-        Liar::with(site, name, move |place, name, stop, sent| play(place, name, lie, stop, sent))
+        Liar::with(site, name, move |place, name, stop| play(place, name, lie, stop))
     }
 
     /// Sends what `play` sends.
-    pub fn with(
-        site: &Site,
-        name: &str,
-        play: impl FnOnce(&Place, &str, &AtomicBool, &AtomicU64) + Send + 'static,
-    ) -> Liar {
-        let (stop, sent) = (Arc::new(AtomicBool::new(false)), Arc::new(AtomicU64::new(0)));
-        let (end, count, site, name) = (stop.clone(), sent.clone(), site.clone(), name.to_owned());
-        let thread = std::thread::spawn(move || play(&Place::new(&site), &name, &end, &count));
-        Liar { stop, sent, thread: Some(thread) }
+    fn with(site: &Site, name: &str, play: impl FnOnce(&Place, &str, &AtomicBool) + Send + 'static) -> Liar {
+        let stop = Arc::new(AtomicBool::new(false));
+        let (end, site, name) = (stop.clone(), site.clone(), name.to_owned());
+        let thread = std::thread::spawn(move || play(&Place::new(&site), &name, &end));
+        Liar { stop, thread: Some(thread) }
     }
 
     /// A sensor that moves as `frame` says, 3000 times a second, and takes no force: number of the frame, from 1.
     pub fn moving(site: &Site, name: &str, mut frame: impl FnMut(u64, &mut DeviceFrame) + Send + 'static) -> Liar {
-        Liar::with(site, name, move |place, name, stop, sent| {
+        Liar::with(site, name, move |place, name, stop| {
             let line = place.writer::<DeviceFrame>(name, "in", 0);
             let mut f = DeviceFrame::new(name, 1);
             (f.session, f.period_ns) = (1, PERIOD as u32);
@@ -91,14 +86,9 @@ impl Liar {
                 (f.t_host_ns, f.t_device_ns) = (now_ns(), n * PERIOD);
                 frame(n, &mut f);
                 line.send_copy(f).unwrap();
-                sent.store(n, Relaxed);
                 wait_until(f.t_host_ns + PERIOD);
             }
         })
-    }
-
-    pub fn is_done(&self) -> bool {
-        self.thread.as_ref().is_none_or(JoinHandle::is_finished)
     }
 }
 
@@ -113,7 +103,7 @@ impl Drop for Liar {
     }
 }
 
-fn play(place: &Place, name: &str, lie: Lie, stop: &AtomicBool, count: &AtomicU64) {
+fn play(place: &Place, name: &str, lie: Lie, stop: &AtomicBool) {
     let frames = place.writer::<DeviceFrame>(name, "in", 0);
     let forces = place.reader::<ForceFrame>(name, "out");
     let says = place.writer::<About>(name, "about", 1);
@@ -121,7 +111,7 @@ fn play(place: &Place, name: &str, lie: Lie, stop: &AtomicBool, count: &AtomicU6
     let period = if lie == Lie::Rate { 2_000_000 } else { 1_000_000 };
     let mut watch = Watch::new(who.device);
     let mut held = ForceFrame::new(name, 1);
-    let (start, mut frame) = (now_ns(), DeviceFrame::new(name, 1));
+    let (mut due, mut frame) = (now_ns(), DeviceFrame::new(name, 1));
     frame.session = if lie == Lie::Session { 78 } else { 77 };
     let mut first = None;
     for n in 1.. {
@@ -161,7 +151,7 @@ fn play(place: &Place, name: &str, lie: Lie, stop: &AtomicBool, count: &AtomicU6
         };
         if lie == Lie::GoesOn && cause == Cause::WatchdogOut && watch.last().is_some_and(|f| f.mode == Mode::On as u32)
         {
-            wait_until(start + n * period);
+            due = wait_until(due + period);
             continue;
         }
         frame.force_measured[0] = if cause == Cause::None { held.force[0] } else { 0.0 };
@@ -174,7 +164,7 @@ fn play(place: &Place, name: &str, lie: Lie, stop: &AtomicBool, count: &AtomicU6
         frame.pos[0] = if lie == Lie::Positions { 0.02 } else { 0.0 };
         (frame.t_device_ns, frame.t_host_ns, frame.period_ns) = (n * period, now, period as u32);
         frames.send_copy(frame).unwrap();
-        count.store(n, Relaxed);
-        wait_until((start + n * period).max(now + period / 2));
+        // what stood still goes on at its rate, and does not catch up
+        due = wait_until((due + period).max(now + period / 2));
     }
 }

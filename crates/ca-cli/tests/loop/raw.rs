@@ -8,6 +8,9 @@ use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
 use std::fmt::Debug;
 use std::time::{Duration, Instant};
 
+/// Frames that lie in the queue of a reader.
+const QUEUE: usize = 4;
+
 /// What keeps lines open; ports before it.
 pub struct Place(Node<ipc::Service>);
 
@@ -26,6 +29,7 @@ impl Place {
         device: &str,
         line: &str,
         history: usize,
+        queue: usize,
     ) -> PortFactory<ipc::Service, T, ()> {
         let name = ServiceName::new(&format!("ca/v1/{device}/{line}")).unwrap();
         let end = Instant::now() + Duration::from_secs(30);
@@ -36,7 +40,7 @@ impl Place {
                 .publish_subscribe::<T>()
                 .enable_safe_overflow(true)
                 .history_size(history)
-                .subscriber_max_buffer_size(4)
+                .subscriber_max_buffer_size(queue)
                 .subscriber_max_borrowed_samples(2)
                 .max_publishers(1)
                 .max_subscribers(8)
@@ -57,7 +61,7 @@ impl Place {
         line: &str,
         history: usize,
     ) -> Publisher<ipc::Service, T, ()> {
-        let factory = self.line::<T>(device, line, history);
+        let factory = self.line::<T>(device, line, history, QUEUE);
         factory.publisher_builder().backpressure_strategy(BackpressureStrategy::DiscardData).create().unwrap()
     }
 
@@ -66,6 +70,16 @@ impl Place {
         device: &str,
         line: &str,
     ) -> Subscriber<ipc::Service, T, ()> {
-        self.line::<T>(device, line, 0).subscriber_builder().create().unwrap()
+        self.deep_reader(device, line, QUEUE)
+    }
+
+    /// A reader with a queue longer than that of devices and servers: only who makes a line can have one.
+    pub fn deep_reader<T: Debug + Copy + ZeroCopySend + 'static>(
+        &self,
+        device: &str,
+        line: &str,
+        queue: usize,
+    ) -> Subscriber<ipc::Service, T, ()> {
+        self.line::<T>(device, line, 0, queue).subscriber_builder().buffer_size(queue).create().unwrap()
     }
 }

@@ -21,8 +21,8 @@ spring = { between = ["key", "wall"], k = 500, l0 = 0 }
 out = { from = "key" }
 "#;
 
-/// A key: a twelfth of the TGR, whose forces are on in an eighth of a second, since each stop of a busy machine for 10 ms
-/// begins that anew.
+/// A key: a twelfth of the TGR, whose forces are on in an eighth of a second. Its watchdogs are patient: this machine may
+/// stand still for 20 ms at a time, and that is not what these tests are about.
 pub const PROFILE: &str = r#"
 name = "key"
 title = "one key"
@@ -39,6 +39,9 @@ friction = 2.0
 speed = 0.5
 clear_time = 0.025
 ramp = 0.1
+hold = 0.05
+zero = 0.09
+ttl = 0.06
 "#;
 
 /// A place, with the profile of the device `key`.

@@ -1,76 +1,92 @@
-//! A watcher on the force line: a third process beside server and device, which keeps every force frame it sees and
-//! holds it to what the guard promises. Frames it was too slow for are known by their numbers.
+//! A watcher on the force line: a third process beside server and device, which writes down every force frame it sees.
+//! Afterwards they are held to what the guard promises. It makes the line, before server and device come, with a queue
+//! of a third of a second, and leaves files to a thread, so that it misses none while the machine stands still; what it
+//! missed all the same is known by the numbers.
 
 use super::raw::Place;
+use super::role::{Job, Role};
 use ca_haptic::frame::{Cause, ForceFrame, Mode};
 use ca_haptic::host::Site;
 use ca_haptic::profile::Profile;
-use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
-use std::sync::{Arc, Mutex};
-use std::thread::JoinHandle;
+use ca_haptic::rt::{Wish, ask};
+use std::io::Write as _;
 use std::time::Duration;
+use zerocopy::{FromBytes as _, IntoBytes as _};
 
-pub struct Watch {
-    frames: Arc<Mutex<Vec<ForceFrame>>>,
-    stop: Arc<AtomicBool>,
-    thread: Option<JoinHandle<()>>,
-}
+/// Frames the watcher may be late.
+const QUEUE: usize = 1024;
+
+pub struct Watch(Role);
 
 /// What was watched.
 pub struct Seen {
     pub frames: Vec<ForceFrame>,
+    /// frames that were not seen: before the first of a session, and between two; counted at the end
+    pub unseen: u64,
 }
 
 impl Watch {
-    /// Watches the forces of `device` from now on.
+    /// Watches the forces of `device`, which has no server yet.
     pub fn of(site: &Site, device: &str) -> Watch {
-        let (frames, stop) = (Arc::new(Mutex::new(Vec::new())), Arc::new(AtomicBool::new(false)));
-        let (to, end, site, device) = (frames.clone(), stop.clone(), site.clone(), device.to_owned());
-        let (ready, is_ready) = std::sync::mpsc::channel();
-        let thread = std::thread::spawn(move || {
-            let place = Place::new(&site);
-            let reader = place.reader::<ForceFrame>(&device, "out");
-            ready.send(()).unwrap();
-            while !end.load(Relaxed) {
-                while let Some(f) = reader.receive().unwrap() {
-                    to.lock().unwrap().push(*f);
-                }
-                std::thread::sleep(Duration::from_micros(100));
-            }
-        });
-        is_ready.recv().unwrap();
-        Watch { frames, stop, thread: Some(thread) }
+        Watch(Role::start(site, "watch::every_force", device, 0))
     }
 
     /// How many so far.
     pub fn count(&self) -> usize {
-        self.frames.lock().unwrap().len()
+        self.0.written() / size_of::<ForceFrame>()
     }
 
     /// The newest.
     pub fn last(&self) -> Option<ForceFrame> {
-        self.frames.lock().unwrap().last().copied()
+        self.0.last(size_of::<ForceFrame>()).map(|b| ForceFrame::read_from_bytes(&b).unwrap())
+    }
+
+    /// All so far.
+    pub fn so_far(&self) -> Seen {
+        Seen { frames: read(&self.0.read()), unseen: 0 }
     }
 
     /// Ends, and holds all frames to the promises of the guard with these numbers, at 3000 frames a second.
-    pub fn end(mut self, p: &Profile) -> Seen {
-        self.stop.store(true, Relaxed);
-        self.thread.take().unwrap().join().unwrap();
-        let frames = std::mem::take(&mut *self.frames.lock().unwrap());
-        let gaps = check(&frames, p);
-        eprintln!("{} frames of forces watched, {gaps} between them not seen", frames.len());
+    pub fn end(self, p: &Profile) -> Seen {
+        let frames = read(&self.0.end());
+        let unseen = check(&frames, p);
+        eprintln!("{} frames of forces watched, {unseen} not seen", frames.len());
         assert!(frames.len() > 100, "only {} frames were seen", frames.len());
-        Seen { frames }
+        Seen { frames, unseen }
     }
 }
 
-impl Drop for Watch {
-    fn drop(&mut self) {
-        self.stop.store(true, Relaxed);
-        if let Some(thread) = self.thread.take() {
-            let _ = thread.join();
+/// The whole frames of a record.
+fn read(record: &[u8]) -> Vec<ForceFrame> {
+    record.chunks_exact(size_of::<ForceFrame>()).map(|b| ForceFrame::read_from_bytes(b).unwrap()).collect()
+}
+
+#[test]
+#[ignore = "a part of other tests"]
+fn every_force() {
+    let Some(job) = Job::asked() else { return };
+    let place = Place::new(&job.site);
+    let reader = place.deep_reader::<ForceFrame>(&job.device, "out", QUEUE);
+    let mut record = job.ready();
+    let (heap, heaps) = std::sync::mpsc::channel::<Vec<u8>>();
+    // a file can take its time
+    let writer = std::thread::spawn(move || heaps.iter().for_each(|h| record.write_all(&h).unwrap()));
+    ask(Wish { priority: Some(50), ..Wish::default() });
+    loop {
+        // what came before the end is still taken
+        let over = job.is_over();
+        let mut frames = Vec::new();
+        while let Some(f) = reader.receive().unwrap() {
+            frames.extend_from_slice(f.as_bytes());
         }
+        heap.send(frames).unwrap();
+        if over {
+            break;
+        }
+        std::thread::sleep(Duration::from_millis(1));
     }
+    drop(heap);
+    writer.join().unwrap();
 }
 
 /// Length of the first vector of a frame.
@@ -93,14 +109,15 @@ fn check(frames: &[ForceFrame], p: &Profile) -> u64 {
         }
         let before = frames[..k].last().filter(|b| b.session == f.session);
         assert!(before.is_none_or(|b| f.seq > b.seq), "numbers grow");
-        let apart = before.map_or(1, |b| f.seq - b.seq);
+        // a session begins with 1, at rest
+        let apart = f.seq - before.map_or(0, |b| b.seq);
         gaps += apart - 1;
         for at in (0..n).step_by(axes) {
             assert!(size(&f.force[at..at + axes]) <= p.force * (1.0 + 1e-6), "{f:?}");
             if matches!(mode, Mode::Off | Mode::Fault) {
                 continue;
             }
-            // a session begins at rest, and what is off is zero
+            // what is off is zero
             let mut step = [0.0_f32; 3];
             for (a, step) in step.iter_mut().enumerate().take(axes) {
                 *step = f.force[at + a] - before.map_or(0.0, |b| b.force[at + a]);

@@ -125,11 +125,11 @@ impl<T: Debug + Copy + ZeroCopySend + 'static> Frames<T> {
         }
     }
 
-    /// A reader.
+    /// A reader. Its queue is of our length, also where somebody who records made the line with room for longer ones.
     pub fn subscriber(&self, site: &Site, history: usize) -> Result<Subscriber<Ipc, T, ()>, HostError> {
         let end = Instant::now() + PATIENCE;
         loop {
-            match self.factory.subscriber_builder().history_request(history).create() {
+            match self.factory.subscriber_builder().buffer_size(BUFFER).history_request(history).create() {
                 Ok(port) => return Ok(port),
                 Err(SubscriberCreateError::ExceedsMaxSupportedSubscribers) if Instant::now() < end => {
                     site.sweep();

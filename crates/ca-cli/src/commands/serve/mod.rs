@@ -111,8 +111,7 @@ pub fn run(args: &ServeArgs) -> Outcome {
     }
 
     let engine = attend(thread, &mut desk, &mut talk, &shared, args.quiet);
-    let traffic = talk.traffic();
-    drop(talk);
+    let traffic = talk.end();
     let engine = engine.map_err(|_| Failure::Failed("the engine thread ended by itself".into()))?;
     desk.end();
     for e in desk.broken() {

@@ -37,9 +37,12 @@ impl Talk {
         Ok(talk)
     }
 
-    /// What went over the lines of all devices: received, of these foreign, never seen, no room; sent, not sent.
-    pub(super) fn traffic(&self) -> Option<[(&'static str, u64); 6]> {
-        let t = &self.gateway.as_ref()?.traffic;
+    /// Closes the lines once the last force is sent. What went over those of all devices: received, of these foreign,
+    /// never seen, no room; sent, not sent.
+    pub(super) fn end(self) -> Option<[(&'static str, u64); 6]> {
+        let gateway = self.gateway?;
+        let t = gateway.traffic.clone();
+        drop(gateway);
         let counts = [
             ("received", &t.received),
             ("foreign", &t.foreign),

@@ -1,0 +1,120 @@
+//! How late the loop through the hand is: `ca serve` and `ca device sim` as processes, with and without real-time
+//! priority, with and without load.
+//!
+//! Decides on what the two commands tell of themselves: they count every frame, and nothing of the bench stands in their
+//! way. Prints the tables; with `UPDATE=1` writes them to `docs/latency.md`.
+#![allow(missing_docs)]
+
+#[cfg(target_os = "linux")]
+mod linux {
+    use ca_benches::latency::{RUNS, Run, Told, page};
+    use ca_haptic::host::Site;
+    use ca_haptic::host::control::{Request, ask};
+    use serde_json::Value;
+    use std::path::Path;
+    use std::process::{Child, Command, Stdio};
+    use std::time::{Duration, Instant};
+
+    /// A process that ends with its value.
+    struct Proc(Child);
+
+    impl Drop for Proc {
+        fn drop(&mut self) {
+            // one that ended already cannot be killed
+            let _ = self.0.kill();
+            let _ = self.0.wait();
+        }
+    }
+
+    impl Proc {
+        fn ca(site: &Site, args: &[&str]) -> Proc {
+            let mut c = Command::new(env!("CARGO_BIN_EXE_ca"));
+            c.args(args).env("CA_SHM_ROOT", site.root()).env_remove("CA_CONFIG");
+            Proc(c.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::null()).spawn().expect("ca starts"))
+        }
+
+        /// Computes until its standard input ends.
+        fn load() -> Proc {
+            let mut c = Command::new(std::env::current_exe().expect("this program"));
+            Proc(c.arg("--load").stdin(Stdio::piped()).spawn().expect("load starts"))
+        }
+
+        /// What it told, at its end.
+        fn told(mut self) -> Value {
+            let out = self.0.stdout.take().expect("a pipe");
+            let told = serde_json::from_reader(out).expect("ca tells of its run as JSON");
+            self.0.wait().expect("it ends");
+            told
+        }
+    }
+
+    fn told(v: &Value) -> Told {
+        let us = ["p50", "p99", "p999", "max"].map(|k| v[k].as_f64().unwrap_or(f64::NAN));
+        Told { n: v["n"].as_u64().unwrap_or(0), us }
+    }
+
+    fn run((priority, load): (bool, bool), seconds: f64) -> Run {
+        let dir = tempfile::Builder::new().prefix("cab").tempdir_in("/tmp").expect("a folder");
+        let site = Site::at(&dir.path().join("s")).expect("a place");
+        let load: Vec<Proc> = (0..if load { 2 } else { 0 }).map(|_| Proc::load()).collect();
+        let model = concat!(env!("CARGO_MANIFEST_DIR"), "/../../models/hammer_piano.ca.toml");
+        let [engine, device] = if priority { ["70", "60"] } else { ["0", "0"] };
+        let server = Proc::ca(&site, &["serve", model, "--arm", "--json", "--priority", engine]);
+        let end = Instant::now() + Duration::from_secs(60);
+        while ask(&site, &Request::Status, Duration::from_secs(2)).is_err() {
+            assert!(Instant::now() < end, "the server does not answer");
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        let length = seconds.to_string();
+        let sim = ["device", "sim", "--profile", "tgr12", "--script", "strike", "--seconds", &length, "--json"];
+        let device = Proc::ca(&site, &[&sim[..], &["--priority", device]].concat()).told();
+        ask(&site, &Request::Stop, Duration::from_secs(30)).expect("the server ends");
+        let server = server.told();
+        drop(load);
+        ca_haptic::host::debris::clean(&site);
+        let number = |v: &Value| v.as_u64().unwrap_or(0);
+        let granted = server["granted"].as_array().into_iter().flatten().find(|g| g[0] == "engine");
+        Run {
+            told: [
+                told(&server["frame_us"]),
+                told(&server["late_us"]),
+                told(&device["loop_us"]),
+                told(&server["devices"][0]["loop_us"]),
+            ],
+            counts: [
+                number(&server["frames"]),
+                number(&server["missed"]),
+                number(&device["left_out"]),
+                number(&server["traffic"]["missed"]),
+            ],
+            granted: granted.and_then(|g| g[1].as_str()).unwrap_or("unknown").into(),
+        }
+    }
+
+    pub fn main() {
+        if std::env::args().any(|a| a == "--load") {
+            std::thread::spawn(|| {
+                let _ = std::io::Read::read(&mut std::io::stdin(), &mut [0]);
+                std::process::exit(0);
+            });
+            loop {
+                std::hint::spin_loop();
+            }
+        }
+        // `cargo test --benches` asks whether it runs at all
+        let long = std::env::args().any(|a| a == "--bench");
+        let seconds = if long { 20.0 } else { 0.2 };
+        let runs: Vec<Run> = RUNS.iter().map(|which| run(*which, seconds)).collect();
+        let text = page(&runs);
+        println!("{text}");
+        if long && std::env::var_os("UPDATE").is_some() {
+            let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/latency.md");
+            std::fs::write(path, text).expect("the page can be written");
+        }
+    }
+}
+
+fn main() {
+    #[cfg(target_os = "linux")]
+    linux::main();
+}

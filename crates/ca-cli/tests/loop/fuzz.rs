@@ -1,0 +1,106 @@
+//! A device as a process that sends anything at all, free-running: frames that are wrong in one or several ways, and
+//! spells in which nothing is wrong, so that forces get on in between.
+
+use super::raw::Place;
+use super::role::{Job, Role};
+use ca_haptic::frame::{DOF, DeviceFrame, status};
+use ca_haptic::host::Site;
+use ca_haptic::rt::now_ns;
+use std::io::Write as _;
+use std::time::Duration;
+
+/// Frames for each byte of its record.
+const EACH: u64 = 1000;
+/// Frames of a spell.
+const SPELL: u64 = 15_000;
+
+pub struct Fuzz(Role);
+
+impl Fuzz {
+    /// Speaks as `device`: so many frames like that, in which a spell is one of anything; then good ones until it ends.
+    pub fn of(site: &Site, device: &str, all: u64) -> Fuzz {
+        Fuzz(Role::start(site, "fuzz::anything", device, all))
+    }
+
+    /// How many frames it has sent.
+    pub fn sent(&self) -> u64 {
+        self.0.written() as u64 * EACH
+    }
+
+    pub fn lives(&mut self) -> bool {
+        self.0.lives()
+    }
+
+    pub fn end(self) {
+        self.0.end();
+    }
+}
+
+/// xorshift
+fn dice(seed: &mut u64) -> u64 {
+    *seed ^= *seed << 13;
+    *seed ^= *seed >> 7;
+    *seed ^= *seed << 17;
+    *seed
+}
+
+/// A frame that is wrong in one or several ways, or in none.
+fn spoiled(good: &DeviceFrame, seed: &mut u64) -> DeviceFrame {
+    let mut f = *good;
+    for _ in 0..dice(seed) % 4 {
+        let (what, with) = (dice(seed) % 16, dice(seed));
+        let any = f64::from_bits(with);
+        match what {
+            0 => f.magic ^= with as u32,
+            1 => f.layout ^= with,
+            2 => f.device[0] ^= with as u8,
+            3 => f.session = with % 4,
+            4 => f.seq = with,
+            5 => f.seq = f.seq.saturating_sub(with % 100),
+            6 => f.ack = with,
+            7 => f.n = with as u16,
+            8 => f.pos = [any; DOF],
+            9 => f.pos[0] = [f64::NAN, f64::INFINITY, f64::MAX, -1e9, 0.05, -0.0][with as usize % 6],
+            10 => f.vel = [any; DOF],
+            11 => f.status = with as u32,
+            12 => f.cause = with as u16,
+            13 => f.t_device_ns = with,
+            14 => f.period_ns = with as u32,
+            _ => f.pos[0] += 1e-4 * (any.to_bits() as i8 as f64),
+        }
+    }
+    f
+}
+
+#[test]
+#[ignore = "a part of other tests"]
+fn anything() {
+    let Some(job) = Job::asked() else { return };
+    let (place, name) = (Place::new(&job.site), job.device.as_str());
+    let line = place.writer::<DeviceFrame>(name, "in", 0);
+    let (mut good, mut seed) = (DeviceFrame::new(name, 1), 0x9e37_79b9_7f4a_7c15_u64);
+    (good.session, good.period_ns) = (1, 333_333);
+    good.status |= status::SIMULATED;
+    let mut record = job.ready();
+    for n in 1.. {
+        if job.is_over() {
+            return;
+        }
+        if n == job.more + 1 {
+            // a number that is too large is believed for as long as the session lasts: the process is started again
+            (good.session, good.seq) = (9, 0);
+        }
+        good.seq += 1;
+        (good.t_host_ns, good.t_device_ns) = (now_ns(), n * 100_000);
+        let calm = n > job.more || (n / SPELL) % 2 == 1;
+        let frame = if calm { good } else { spoiled(&good, &mut seed) };
+        line.send_copy(frame).unwrap();
+        if n % EACH == 0 {
+            record.write_all(&[0]).unwrap();
+        }
+        // the queue holds four; the gateway looks every 50 us
+        if n % 2 == 0 {
+            std::thread::sleep(Duration::from_micros(60));
+        }
+    }
+}

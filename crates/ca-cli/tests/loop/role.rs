@@ -1,0 +1,137 @@
+//! Parts that must be processes of their own: the watcher of forces, the device that sends anything, load.
+//!
+//! Decides that a part is this very program, started again for one test that is skipped otherwise: nothing more is
+//! built, and the part knows frames as the tests do. It writes what it has seen to a file and ends when its standard
+//! input does, so that none outlives the test, however that ends.
+
+use ca_haptic::host::Site;
+use std::fs::File;
+use std::io::{Read as _, Seek as _, SeekFrom};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+
+/// Names the file of a part; where it is not set, nobody asked for one.
+const RECORD: &str = "CA_LOOP_RECORD";
+const DEVICE: &str = "CA_LOOP_DEVICE";
+const MORE: &str = "CA_LOOP_MORE";
+
+/// A part that runs. Ends with its value.
+pub struct Role {
+    child: Child,
+    record: PathBuf,
+    _dir: tempfile::TempDir,
+}
+
+impl Role {
+    /// Starts the test `name` as a process that plays at `site`, and waits until it says it is ready.
+    pub fn start(site: &Site, name: &str, device: &str, more: u64) -> Role {
+        let dir = tempfile::tempdir().unwrap();
+        let record = dir.path().join("record");
+        let child = Command::new(std::env::current_exe().unwrap())
+            .args(["--exact", name, "--ignored", "--nocapture"])
+            .env("CA_SHM_ROOT", site.root())
+            .envs([(RECORD, record.as_os_str()), (DEVICE, device.as_ref()), (MORE, more.to_string().as_ref())])
+            .stdin(Stdio::piped())
+            .stdout(Stdio::null())
+            .spawn()
+            .unwrap();
+        let mut role = Role { child, record, _dir: dir };
+        super::stage::until("the part is ready", || {
+            assert!(role.lives(), "`{name}` ended at once");
+            role.record.exists()
+        });
+        role
+    }
+
+    pub fn lives(&mut self) -> bool {
+        self.child.try_wait().unwrap().is_none()
+    }
+
+    /// Length of what it has written \[bytes\].
+    pub fn written(&self) -> usize {
+        self.record.metadata().unwrap().len() as usize
+    }
+
+    /// What it has written so far.
+    pub fn read(&self) -> Vec<u8> {
+        std::fs::read(&self.record).unwrap()
+    }
+
+    /// The last whole piece of `size` bytes it has written.
+    pub fn last(&self, size: usize) -> Option<Vec<u8>> {
+        let end = self.written() / size * size;
+        let mut file = File::open(&self.record).unwrap();
+        file.seek(SeekFrom::Start(end.checked_sub(size)? as u64)).unwrap();
+        let mut piece = vec![0; size];
+        file.read_exact(&mut piece).unwrap();
+        Some(piece)
+    }
+
+    /// Ends it; what it has written.
+    pub fn end(mut self) -> Vec<u8> {
+        drop(self.child.stdin.take());
+        super::stage::until("the part ends", || !self.lives());
+        assert!(self.child.wait().unwrap().success(), "the part failed; what it says stands above");
+        self.read()
+    }
+}
+
+impl Drop for Role {
+    fn drop(&mut self) {
+        // one that ended already cannot be killed
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+/// What a part was asked for, seen from within.
+pub struct Job {
+    pub site: Site,
+    pub device: String,
+    pub more: u64,
+    record: PathBuf,
+    end: Arc<AtomicBool>,
+}
+
+impl Job {
+    /// None where nobody asked: all skipped tests are being run.
+    pub fn asked() -> Option<Job> {
+        let record = PathBuf::from(std::env::var_os(RECORD)?);
+        let text = |name| std::env::var(name).unwrap();
+        let end = Arc::new(AtomicBool::new(false));
+        let ended = end.clone();
+        std::thread::spawn(move || {
+            // nothing is ever said to it, but that it is over
+            let _ = std::io::stdin().read(&mut [0]);
+            ended.store(true, Relaxed);
+        });
+        let site = Site::at(Path::new(&text("CA_SHM_ROOT"))).unwrap();
+        Some(Job { site, device: text(DEVICE), more: text(MORE).parse().unwrap(), record, end })
+    }
+
+    /// Says that it is ready; the file for what it sees.
+    pub fn ready(&self) -> File {
+        File::create(&self.record).unwrap()
+    }
+
+    pub fn is_over(&self) -> bool {
+        self.end.load(Relaxed)
+    }
+}
+
+/// Two processes that do nothing but keep both cores busy.
+pub fn load(site: &Site) -> [Role; 2] {
+    [0, 1].map(|_| Role::start(site, "role::burn", "", 0))
+}
+
+#[test]
+#[ignore = "a part of other tests"]
+fn burn() {
+    let Some(job) = Job::asked() else { return };
+    job.ready();
+    while !job.is_over() {
+        std::hint::spin_loop();
+    }
+}

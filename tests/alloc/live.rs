@@ -1,0 +1,189 @@
+//! Nor does the whole loop in its thread: rings, clock, engine and guard, with a device, a gateway and a desk beside it,
+//! both cores busy, and faults, changes and reloads all the time. What was handed over and what was lost must add up.
+//! Three seconds; a minute with `CA_LONG=1`.
+
+use super::{calls, engine};
+use ca_core::State;
+use ca_haptic::engine::{Act, Engine, Spent};
+use ca_haptic::frame::{CAUSES, DeviceFrame, Mode};
+use ca_haptic::guard::Order;
+use ca_haptic::record::Record;
+use ca_haptic::rt::{now_ns, wait_until};
+use ca_haptic::serve::{Clock, Every, GatewayEnds, Live, Shared, rings};
+use rtrb::Consumer;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use std::time::Duration;
+
+/// Ends all threads of a test, also where it fails.
+struct Over<'a>(&'a AtomicBool);
+
+impl Drop for Over<'_> {
+    fn drop(&mut self) {
+        self.0.store(true, Relaxed);
+    }
+}
+
+/// A hand that presses, throws, leaves and comes back, and now and then a frame that cannot be. How many frames it
+/// sent, how many found no room, and how many forces it took.
+fn play(mut ends: GatewayEnds, over: &AtomicBool) -> (u64, u64, u64) {
+    let (mut sent, mut full, mut forces) = (0, 0, 0);
+    let mut next = DeviceFrame::new("hand", 2);
+    next.session = 1;
+    let mut due = now_ns();
+    for n in 0_u64.. {
+        while ends.forces.pop().is_ok() {
+            forces += 1;
+        }
+        if over.load(Relaxed) {
+            break;
+        }
+        let t = n % 3000;
+        let phase = (t % 500) as f64 / 500.0;
+        next.seq += 1;
+        next.t_device_ns += 333_333;
+        next.pos[0] = if t > 1000 { 0.01 * (0.25 - (phase - 0.75).abs()).max(0.0) } else { 0.0 };
+        next.pos[1] = if t > 2000 { next.pos[0] * 20.0 } else { next.pos[0] };
+        let mut f = next;
+        match n % 97 {
+            0 => f.pos[0] = f64::NAN,
+            1 => f.layout = n,
+            2 => f.seq = 0,
+            _ => {}
+        }
+        if !(1600..1900).contains(&t) {
+            match ends.frames.push((0, f)) {
+                Ok(()) => sent += 1,
+                Err(_) => full += 1,
+            }
+        }
+        // what stood still goes on, and does not catch up
+        due = wait_until(due + 333_333);
+    }
+    while ends.forces.pop().is_ok() {
+        forces += 1;
+    }
+    (sent, full, forces)
+}
+
+/// What the desk found in the rings.
+#[derive(Debug, Default)]
+struct Found {
+    devices: u64,
+    forces: u64,
+    /// energy and hashes
+    regular: u64,
+    /// those that are told to be missing
+    lost: u64,
+    sound: u64,
+    modes: [u64; 5],
+    reloads: u64,
+    acts: u64,
+}
+
+impl Found {
+    fn look(&mut self, records: &mut Consumer<Record>, sound: &mut Consumer<f64>) {
+        while let Ok(r) = records.pop() {
+            match r {
+                Record::Device { .. } => self.devices += 1,
+                Record::Force { frame, .. } => {
+                    self.forces += 1;
+                    self.modes[Mode::read(frame.mode) as usize] += 1;
+                }
+                Record::Lost { records, .. } => self.lost += records,
+                Record::Energy { .. } | Record::Hash { .. } => self.regular += 1,
+                Record::Spent { spent: Spent::State(_), .. } => self.reloads += 1,
+                Record::Spent { .. } | Record::Order { .. } => self.acts += 1,
+            }
+        }
+        // what there is, each with its tick and its length
+        while let Ok(_tick) = sound.pop() {
+            let n = sound.pop().expect("a length");
+            self.sound += n as u64;
+            sound.read_chunk(n as usize).expect("as many as it says").commit_all();
+        }
+    }
+}
+
+#[test]
+fn nor_does_the_loop_while_both_cores_are_busy() {
+    let frames: u64 = if std::env::var_os("CA_LONG").is_some() { 180_000 } else { 9000 };
+    let (engine, state, change) = engine::engine(true, true);
+    let scene = engine.scene.clone();
+    let (ends, gateway, mut desk) = rings(&scene, 1, 0);
+    let shared = Arc::new(Shared::default());
+    let live = Live::new(engine, ends, shared.clone(), Clock::Monotonic, Every { energy: 30, view: 0, hash: 3000 });
+    let (over, ended) = (AtomicBool::new(false), AtomicBool::new(false));
+    let mut found = Found::default();
+    let (n, engine, device) = std::thread::scope(|s| {
+        let all_over = Over(&over);
+        for _ in 0..2 {
+            s.spawn(|| burn(&over));
+        }
+        let device = s.spawn(|| play(gateway, &over));
+        let engine = s.spawn(|| {
+            let _ended = Over(&ended);
+            let mut back: Option<Engine> = None;
+            let n = calls(|| back = Some(live.run(Some(frames))));
+            (n, back.expect("it ran"))
+        });
+        let mut turns = 0_u64;
+        while !ended.load(Relaxed) {
+            found.look(&mut desk.records, &mut desk.sound);
+            while desk.beats.pop().is_ok() {}
+            let act = match turns % 25 {
+                3 | 8 => Some(Act::Order(None, Order::Arm)),
+                13 => Some(Act::Set(Box::new(change.clone()))),
+                20 => Some(Act::Order(Some(0), Order::Trip(CAUSES[(turns / 25) as usize % CAUSES.len()]))),
+                23 if (turns / 25) % 4 == 3 => Some(Act::Reload(Box::<State>::new(state.clone()))),
+                _ => None,
+            };
+            // where it has no room, the engine has enough to do
+            let _ = act.map(|a| desk.acts.push(a));
+            turns += 1;
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        drop(all_over);
+        let (n, engine) = engine.join().expect("the engine");
+        (n, engine, device.join().expect("the device"))
+    });
+    found.look(&mut desk.records, &mut desk.sound);
+    let c = engine.counts;
+    let (sent, full, forces) = device;
+    let lost = [&shared.lost_records, &shared.lost_forces, &shared.lost_sound];
+    let [lost_records, lost_forces, lost_sound] = lost.map(|n| n.load(Relaxed));
+    eprintln!(
+        "{} frames, {n} calls of the allocator; positions: {sent} sent, {full} not taken, {} used, {} dropped; \
+         forces: {forces} fetched, {lost_forces} lost; records: {lost_records} lost; {c:?}; {found:?}",
+        c.frames, c.taken, c.dropped
+    );
+    assert_eq!(n, 0, "calls of the allocator");
+    // the last frame says that forces are off
+    assert_eq!(c.frames, frames + 1);
+    assert_eq!(forces + lost_forces, c.frames, "every force was fetched, or counted");
+    // what was sent when the engine had ended still lies in its ring
+    let looked = c.taken + c.dropped;
+    assert!(looked <= sent && sent - looked <= 64, "{sent} positions, {looked} looked at");
+    let noted = looked + c.frames + c.frames / 30 + c.frames / 3000;
+    assert_eq!(found.devices + found.forces + found.regular + lost_records, noted, "every record, or counted");
+    assert!(found.lost <= lost_records);
+    assert_eq!(found.sound + lost_sound, c.frames * u64::from(scene.ratio) * scene.channels as u64 - first(&scene));
+    let [off, ramp, on, _, fault] = found.modes;
+    assert!([off, ramp, on, fault].iter().all(|n| *n > 20), "off, ramp, on, damp, fault: {found:?}");
+    assert!(
+        found.reloads > 0 && found.acts > 10 && c.faults > 3 && c.dropped > 50 && c.stale > 40 && c.refused == 0,
+        "{c:?} {found:?}"
+    );
+}
+
+/// Keeps a core busy.
+fn burn(over: &AtomicBool) {
+    while !over.load(Relaxed) {
+        std::hint::spin_loop();
+    }
+}
+
+/// The very first frame only places the devices, and sounds shorter.
+fn first(scene: &ca_core::Scene) -> u64 {
+    u64::from(scene.ratio - 1) * scene.channels as u64
+}
