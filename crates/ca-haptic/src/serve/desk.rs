@@ -1,5 +1,6 @@
 //! The desk: takes what the engine leaves behind to those who want it, and what people ask to the engine.
 
+use super::audio::Watch;
 use super::loops::Loops;
 use super::summary::{DeviceSummary, Fault, Pulse, Summary};
 use super::{Beat, DeskEnds, Shared};
@@ -99,6 +100,7 @@ pub struct Desk {
     happened: Vec<Happened>,
     block: Vec<f64>,
     broken: Vec<FileError>,
+    audio: Option<Watch>,
 }
 
 impl Desk {
@@ -136,8 +138,21 @@ impl Desk {
             happened: Vec::new(),
             block: Vec::new(),
             broken: Vec::new(),
+            audio: None,
             scene,
         }
+    }
+
+    /// Sound goes to a device, too.
+    pub fn hears(&mut self, audio: Watch) {
+        let who = &audio.who;
+        self.say(false, format!("sound: {} ({}), {} Hz", who.device, who.host, who.rate));
+        self.audio = Some(audio);
+    }
+
+    /// Something people should know, and a take: told at the next turn.
+    pub fn say(&mut self, bad: bool, text: String) {
+        self.happened.push(Happened { tick: self.tick, device: None, bad, text });
     }
 
     /// Takes everything that lies in the rings; to be called every few milliseconds. Returns what people should know.
@@ -160,6 +175,9 @@ impl Desk {
         self.block = block;
         while let Ok(beat) = self.ends.beats.pop() {
             self.beat(beat);
+        }
+        for text in self.audio.as_mut().map(Watch::news).unwrap_or_default() {
+            self.say(true, text);
         }
         let happened = std::mem::take(&mut self.happened);
         for h in &happened {
@@ -195,6 +213,7 @@ impl Desk {
         self.second.took += beat.took;
         if self.frames.is_multiple_of(self.rate) {
             let frame = self.rate as f64 / (self.scene.rate / f64::from(self.scene.ratio));
+            let audio = self.audio.as_ref().map(Watch::summary);
             let pulse = Pulse {
                 tick: self.tick,
                 frames: self.frames,
@@ -208,6 +227,8 @@ impl Desk {
                 clipped: self.shared.clipped.load(Relaxed),
                 lost: self.lost(),
                 load: self.second.took as f64 * 1e-9 / frame,
+                underruns: audio.as_ref().map_or(0, |a| a.underruns + a.xruns),
+                ppm: audio.map_or(0.0, |a| a.ppm),
             };
             self.second = Second::default();
             self.tell(|s| s.pulse(&pulse));
@@ -349,6 +370,7 @@ impl Desk {
                 .collect(),
             faults: std::mem::take(&mut self.faults),
             granted,
+            audio: self.audio.as_ref().map(Watch::summary),
         }
     }
 }

@@ -139,6 +139,10 @@ flat! {
         late_max: f64 = "float64",
         /// part of the last second spent computing
         busy: f64 = "float64",
+        /// times the device that plays the sound had nothing to play, or said so
+        underruns: u64 = "uint64",
+        /// its rate against the monotonic clock \[ppm\]
+        audio_ppm: f64 = "float64",
     }
 }
 
