@@ -99,7 +99,8 @@ fn find(wanted: &str) -> Result<(HostId, Device), Failure> {
     if wanted.is_empty() {
         let host = cpal::default_host();
         let none = || Failure::Failed(format!("no sound device here; {}", there_is()));
-        return Ok((host.id(), host.default_output_device().ok_or_else(none)?));
+        let device = host.default_output_device().filter(|d| d.supports_output());
+        return Ok((host.id(), device.ok_or_else(none)?));
     }
     if let Ok(id) = wanted.parse::<HostId>() {
         let host = cpal::host_from_id(id).map_err(|e| Failure::Failed(format!("--audio {wanted}: {e}")))?;

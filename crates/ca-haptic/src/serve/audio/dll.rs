@@ -6,7 +6,9 @@
 //! steps by samples, not by calls, so that calls may be of any size and may be missing. A call that is far from where it
 //! was expected is a device that was stopped: the loop locks again, and keeps the rate it knows.
 //!
-//! What is late by chance is never early: the first calls after a lock may move the time back at once, not forward.
+//! What is late by chance is never early, and a linear loop that took a call of 30 ms late for a phase would overshoot by
+//! 6 ms. So a call much too early moves the time back at once, as do the first calls after a lock; one much too late is
+//! left out, until so many in a row are that the device must have lost time.
 
 /// Bandwidth \[Hz\]: a rate that is off by 1000 ppm is never followed later than by 0.15 ms.
 const BANDWIDTH: f64 = 0.5;
@@ -14,6 +16,11 @@ const BANDWIDTH: f64 = 0.5;
 const TURN: f64 = 0.3;
 /// Off by more than this \[ns\], or two calls, it locks again.
 const JUMP: f64 = 5e7;
+/// Off by more \[ns\], or this part of a call, and it is no jitter.
+const JITTER: f64 = 1e6;
+const PART: f64 = 0.02;
+/// So many calls late in a row, and the device has lost time.
+const LATE: u32 = 8;
 /// Calls after a lock that may move the time back at once.
 const SETTLE: u32 = 16;
 /// The loop has settled after so long \[ns\]: e^{−ωt/√2} is 1e-3 there.
@@ -37,13 +44,28 @@ pub struct Dll {
     since: Option<(u64, f64)>,
     settle: u32,
     locked: bool,
+    /// calls in a row that were much too late, and the least of them \[ns\]
+    late: u32,
+    least: f64,
 }
 
 impl Dll {
     /// Of a device of so many samples a second.
     pub fn new(rate: f64) -> Dll {
         let dt = 1e9 / rate;
-        Dll { nominal: dt, base: 0, n: 0, t: 0.0, dt, lock: 0.0, since: None, settle: 0, locked: false }
+        Dll {
+            nominal: dt,
+            base: 0,
+            n: 0,
+            t: 0.0,
+            dt,
+            lock: 0.0,
+            since: None,
+            settle: 0,
+            locked: false,
+            late: 0,
+            least: 0.0,
+        }
     }
 
     /// At `at` \[ns\] the device asked for samples from `n` on. True where that was so far off that it locked again.
@@ -61,12 +83,26 @@ impl Dll {
             self.lock_on(n, at);
             return true;
         }
+        self.n = n;
+        let much = JITTER.max(PART * h * self.dt);
+        if e > much {
+            self.least = if self.late == 0 { e } else { self.least.min(e) };
+            self.late += 1;
+            let lost = self.late == LATE;
+            self.shift(if lost { due + self.least } else { due }, lost);
+            return false;
+        }
+        self.late = 0;
+        if e < -much {
+            self.shift(at, true);
+            return false;
+        }
         let w = (std::f64::consts::TAU * BANDWIDTH * h * self.dt * 1e-9).min(TURN);
         if self.settle > 0 {
             self.settle -= 1;
         }
         let gain = if self.settle > 0 && e < 0.0 { 1.0 } else { std::f64::consts::SQRT_2 * w };
-        (self.n, self.t) = (n, due + gain * e);
+        self.t = due + gain * e;
         self.dt = (self.dt + w * w * e / h).clamp(self.nominal * (1.0 - WRONG), self.nominal * (1.0 + WRONG));
         if self.since.is_none() && self.t - self.lock > SETTLED {
             self.since = Some((n, self.t));
@@ -75,9 +111,16 @@ impl Dll {
     }
 
     fn lock_on(&mut self, n: u64, at: f64) {
-        (self.n, self.t, self.lock) = (n, at, at);
-        self.since = None;
-        self.settle = SETTLE;
+        (self.n, self.settle, self.late) = (n, SETTLE, 0);
+        self.shift(at, true);
+    }
+
+    /// Sets the phase; what was `lost` is no rate.
+    fn shift(&mut self, at: f64, lost: bool) {
+        self.t = at;
+        if lost {
+            (self.lock, self.since, self.late) = (at, None, 0);
+        }
     }
 
     /// When sample `n` is asked for \[ns\].
@@ -154,11 +197,11 @@ mod tests {
         }
     }
 
-    /// Calls that come up to J late: never off by more than the sum of the loop's impulse response says, and by
+    /// Calls that come up to J early or late: never off by more than the sum of the loop's impulse response says, and by
     /// √(1.5·ω/√2·T) of the deviation of the jitter in the mean.
     #[test]
     fn jitter_is_filtered() {
-        for (rate, jitter) in [(RATE, 4e6), (RATE * 1.0003, 1e6)] {
+        for (rate, jitter) in [(RATE, 8e5), (RATE * 1.0003, 2e5)] {
             let (mut d, mut seed) = (Dll::new(RATE), 7);
             let (mut worst, mut sum, mut many) = (0_f64, 0.0, 0.0);
             for k in 0..60_000_u64 {
@@ -179,6 +222,43 @@ mod tests {
             assert!((rms / theory - 1.0).abs() < 0.25, "{rms} ns, theory {theory}");
             assert!(worst < 1.4345 * jitter && worst < 6.0 * theory, "{worst} {theory}");
             assert!((d.ppm() - (rate / RATE - 1.0) * 1e6).abs() < 2.0 * 2.0 * worst * 1e-9 / 70.0 * 1e6, "{}", d.ppm());
+        }
+    }
+
+    /// Most calls come soon, one in ten some milliseconds late: those are left out, and the others are filtered.
+    #[test]
+    fn what_is_much_too_late_does_not_count() {
+        let (mut d, mut seed) = (Dll::new(RATE), 3);
+        for k in 0..60_000_u64 {
+            let n = k * CALL;
+            let real = at(n, RATE * 0.9998, 1e9);
+            let soon = 1e5 * (1.0 + noise(&mut seed));
+            let late = if noise(&mut seed) > 0.8 { 4e6 * (1.0 + noise(&mut seed)) } else { 0.0 };
+            d.add(n, (real + soon + late) as u64);
+            if n as f64 > 10.0 * RATE {
+                // in the mean 0.1 ms, and those between it and a millisecond: 1 in 80
+                let e = d.when(n as i64) - real;
+                assert!((5e4..2.5e5).contains(&e), "{e} at {k}");
+            }
+        }
+    }
+
+    /// A device that loses 30 ms at once: never late by it, and the rate it had.
+    #[test]
+    fn a_step_does_not_overshoot() {
+        for (step, calls) in [(3e7, LATE), (2e6, LATE), (-2e7, 1)] {
+            let mut d = Dll::new(RATE);
+            for k in 0..20_000 {
+                d.add(k * CALL, at(k * CALL, RATE, 1e9) as u64);
+            }
+            for k in 20_000..40_000_u64 {
+                let real = at(k * CALL, RATE, 1e9) + step;
+                assert!(!d.add(k * CALL, real as u64));
+                let e = d.when((k * CALL) as i64) - real;
+                assert!(e < 5.0, "{e} ns late at {k}");
+                assert!(k < 20_000 + u64::from(calls) - 1 || e > -5.0, "{e} at {k}");
+            }
+            assert!(d.ppm().abs() < 1e-3);
         }
     }
 

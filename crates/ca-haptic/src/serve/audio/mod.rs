@@ -124,6 +124,8 @@ pub struct Watch {
     pub counts: Arc<Counts>,
     gaps: Consumer<u64>,
     told: Vec<u64>,
+    /// gaps before this sample are not told of
+    quiet: u64,
     was_alive: bool,
 }
 
@@ -137,6 +139,10 @@ impl Watch {
         while let Ok(at) = self.gaps.pop() {
             if self.told.len() < GAPS {
                 self.told.push(at);
+            }
+            // once a second is enough, the summary has all of them
+            if at >= self.quiet {
+                self.quiet = at + u64::from(self.who.rate);
                 news.push(format!("{}: nothing to play at sample {at}", self.who.device));
             }
         }
@@ -194,5 +200,5 @@ pub fn link(channels: usize, frame: u32, who: Who, buffer: u32) -> (Follow, Play
     counts.lead.store(lead, Relaxed);
     let player = Player::new(channels, rate, held as u64, samples, calls, gaps, counts.clone());
     let follow = Follow::new(channels, frame, rate, buffer, samples_in, calls_out, counts.clone());
-    (follow, player, Watch { who, counts, gaps: gaps_out, told: Vec::new(), was_alive: false })
+    (follow, player, Watch { who, counts, gaps: gaps_out, told: Vec::new(), quiet: 0, was_alive: false })
 }
