@@ -35,7 +35,7 @@ pub struct ServeArgs {
     pub audio: Option<String>,
     /// Frames the sound device is given at once; 256, or what its server decides
     #[arg(long, value_name = "FRAMES", requires = "audio", value_parser = clap::value_parser!(u32).range(1..=65536))]
-    #[cfg_attr(not(feature = "audio"), expect(dead_code, reason = "for builds with sound devices"))]
+    #[cfg_attr(not(feature = "audio"), allow(dead_code))]
     pub audio_buffer: Option<u32>,
     /// Writes a take: every frame, event and sample, to be played again by `ca replay`
     #[arg(long, value_name = "FILE.mcap")]

@@ -11,7 +11,9 @@ use ca_haptic::rt::now_ns;
 use ca_haptic::serve::Desk;
 use ca_haptic::serve::audio::{Counts, Follow, Who, link};
 use cpal::traits::{DeviceTrait as _, HostTrait as _, StreamTrait as _};
-use cpal::{BufferSize, Device, ErrorKind, HostId, SampleFormat, StreamConfig, SupportedBufferSize};
+use cpal::{
+    BufferSize, Device, ErrorKind, HostId, SampleFormat, StreamConfig, SupportedBufferSize, SupportedStreamConfigRange,
+};
 use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
 use std::sync::mpsc::{Receiver, channel};
@@ -37,9 +39,8 @@ pub(super) fn open(args: &ServeArgs, scene: &Scene, desk: &mut Desk) -> Result<O
     jack::set_logger(jack::LoggerType::None);
     let (host, device) = find(wanted)?;
     let name = device.to_string();
-    let config = fit(&device, scene, args.audio_buffer)?;
+    let (config, buffer) = fit(&device, scene, args.audio_buffer)?;
     let wide = config.channels as usize;
-    let BufferSize::Fixed(buffer) = config.buffer_size else { unreachable!("`fit` chose a number") };
     let who =
         Who { host: host.name().into(), device: name.clone(), rate: config.sample_rate, channels: config.channels };
     let (follow, mut player, watch) = link(scene.channels, scene.ratio, who, buffer);
@@ -56,11 +57,10 @@ pub(super) fn open(args: &ServeArgs, scene: &Scene, desk: &mut Desk) -> Result<O
                 called.delay.store(delay.as_nanos() as u64, Relaxed);
                 player.fill(out, wide, at);
             },
-            move |e| match e.kind() {
-                ErrorKind::Xrun => {
+            move |e| {
+                if e.kind() == ErrorKind::Xrun {
                     xruns.xruns.fetch_add(1, Relaxed);
-                }
-                _ => {
+                } else {
                     let _ = tell.send(e.to_string());
                 }
             },
@@ -99,7 +99,7 @@ fn find(wanted: &str) -> Result<(HostId, Device), Failure> {
     if wanted.is_empty() {
         let host = cpal::default_host();
         let none = || Failure::Failed(format!("no sound device here; {}", there_is()));
-        let device = host.default_output_device().filter(|d| d.supports_output());
+        let device = host.default_output_device().filter(cpal::traits::DeviceTrait::supports_output);
         return Ok((host.id(), device.ok_or_else(none)?));
     }
     if let Ok(id) = wanted.parse::<HostId>() {
@@ -137,15 +137,15 @@ fn there_is() -> String {
     format!("there is {}", load::ticked(names.iter().map(String::as_str)))
 }
 
-/// How a device plays a scene as it is.
-fn fit(device: &Device, scene: &Scene, buffer: Option<u32>) -> Result<StreamConfig, Failure> {
+/// How a device plays a scene as it is, and how many frames it asks for at once.
+fn fit(device: &Device, scene: &Scene, buffer: Option<u32>) -> Result<(StreamConfig, u32), Failure> {
     let refused = |why: String| Failure::Failed(format!("`{device}` {why}"));
     let configs: Vec<_> = device
         .supported_output_configs()
         .map_err(|e| refused(format!("does not say what it plays: {e}")))?
         .filter(|c| c.sample_format() == SampleFormat::F32)
         .collect();
-    let Some(most) = configs.iter().map(|c| c.channels()).max() else {
+    let Some(most) = configs.iter().map(SupportedStreamConfigRange::channels).max() else {
         return Err(refused("plays no 32-bit floats; a device that converts does, e.g. ALSA's `default`".into()));
     };
     if scene.channels > most as usize {
@@ -157,7 +157,7 @@ fn fit(device: &Device, scene: &Scene, buffer: Option<u32>) -> Result<StreamConf
     let at_rate = wide.clone().filter(|c| plays(c.min_sample_rate(), c.max_sample_rate()));
     // one channel is heard on both sides
     let wanted = if scene.channels == 1 { 2 } else { scene.channels };
-    let near = |c: &&cpal::SupportedStreamConfigRange| (c.channels() as usize).abs_diff(wanted);
+    let near = |c: &&SupportedStreamConfigRange| (c.channels() as usize).abs_diff(wanted);
     let Some(config) = at_rate.min_by_key(near) else {
         let mut rates: Vec<_> = wide.map(|c| (c.min_sample_rate(), c.max_sample_rate())).collect();
         rates.sort_unstable();
@@ -181,9 +181,6 @@ fn fit(device: &Device, scene: &Scene, buffer: Option<u32>) -> Result<StreamConf
         Some(n) => return Err(refused(format!("takes buffers of {min} to {max} frames, not {n}"))),
         None => BUFFER.clamp(min, max.max(min)),
     };
-    Ok(StreamConfig {
-        channels: config.channels(),
-        sample_rate: scene.rate as u32,
-        buffer_size: BufferSize::Fixed(frames),
-    })
+    let (channels, sample_rate) = (config.channels(), scene.rate as u32);
+    Ok((StreamConfig { channels, sample_rate, buffer_size: BufferSize::Fixed(frames) }, frames))
 }

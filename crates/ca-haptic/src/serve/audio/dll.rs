@@ -98,9 +98,7 @@ impl Dll {
             return false;
         }
         let w = (std::f64::consts::TAU * BANDWIDTH * h * self.dt * 1e-9).min(TURN);
-        if self.settle > 0 {
-            self.settle -= 1;
-        }
+        self.settle = self.settle.saturating_sub(1);
         let gain = if self.settle > 0 && e < 0.0 { 1.0 } else { std::f64::consts::SQRT_2 * w };
         self.t = due + gain * e;
         self.dt = (self.dt + w * w * e / h).clamp(self.nominal * (1.0 - WRONG), self.nominal * (1.0 + WRONG));

@@ -231,7 +231,7 @@ fn channels_go_where_they_belong() {
 #[test]
 fn the_end_is_no_underrun() {
     let Hall { mut follow, mut player, mut watch, .. } = Hall::new(64, 0.0);
-    follow.put(&vec![0.5; 100]);
+    follow.put(&[0.5; 100]);
     drop(follow);
     let mut heard = Vec::new();
     while !watch.counts.done.load(Relaxed) {
