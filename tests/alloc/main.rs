@@ -4,6 +4,7 @@
 //! tests do not disturb it.
 #![allow(unsafe_code)]
 
+mod audio;
 mod engine;
 mod live;
 mod rings;

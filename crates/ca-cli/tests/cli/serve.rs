@@ -149,3 +149,25 @@ fn a_scene_without_devices_opens_nothing() {
     assert!(!maps.contains("/dev/shm") && !maps.contains("iox2"), "{maps}");
     assert!(!desk.shm().exists());
 }
+
+#[test]
+fn a_sound_device_needs_sound_and_is_the_only_clock() {
+    let desk = Desk::new();
+    desk.put("key.ca.toml", MODEL).put("mute.ca.toml", "[CEL]\nbar = { m = 1, f = 9, dx0 = 1 }\n");
+    desk.ca(&["serve", "mute.ca.toml", "--audio", "jack"]).is(2).says(&["no output"]);
+    desk.ca(&["serve", "key.ca.toml", "--audio", "jack", "--clock", "device"]).is(2).says(&["--clock"]);
+    desk.ca(&["serve", "key.ca.toml", "--audio-buffer", "64"]).is(2).says(&["--audio"]);
+    desk.ca(&["serve", "key.ca.toml", "--audio=jack", "--audio-buffer", "0"]).is(2).says(&["--audio-buffer"]);
+}
+
+#[cfg(not(feature = "audio"))]
+#[test]
+fn a_build_without_sound_devices_says_how_to_get_them() {
+    let desk = Desk::new();
+    desk.put("key.ca.toml", MODEL);
+    for args in [&["--audio"][..], &["--audio", "jack", "--audio-buffer", "64"]] {
+        let args = [&["serve", "key.ca.toml", "-o", "key.wav"], args].concat();
+        desk.ca(&args).is(1).says(&["without sound devices", "--features audio", "libjack-jackd2-dev"]);
+    }
+    assert_eq!(desk.files(), ["key.ca.toml"]);
+}

@@ -3,6 +3,8 @@
 //! waited for, times are counted in frames.
 #![cfg(target_os = "linux")]
 
+#[cfg(feature = "audio")]
+mod audio;
 mod conform;
 mod faults;
 mod fuzz;

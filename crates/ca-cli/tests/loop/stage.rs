@@ -100,12 +100,14 @@ impl Stage {
     pub fn read(&self, name: &str) -> String {
         fs::read_to_string(self.path(name)).unwrap()
     }
-    fn command(&self, program: &str, args: &[&str]) -> Command {
+    /// A program in this place.
+    pub fn command(&self, program: &str, args: &[&str]) -> Command {
         let mut c = Command::new(program);
         c.args(args).current_dir(&self.dir).env("CA_SHM_ROOT", self.site.root()).env("CA_CONFIG", self.path("c"));
         c
     }
-    fn start(&self, mut command: Command) -> Proc {
+    /// Starts a program.
+    pub fn start(&self, mut command: Command) -> Proc {
         let n = self.runs.fetch_add(1, Relaxed);
         let (out, err) = (self.path(&format!("{n}.out")), self.path(&format!("{n}.err")));
         command.stdin(Stdio::null()).stdout(File::create(&out).unwrap()).stderr(File::create(&err).unwrap());

@@ -1,8 +1,10 @@
 //! Which clock the gesture frames follow.
 //!
-//! Decides on two. The monotonic clock is the one for playing: frames fall due a period apart, whatever devices do. The
-//! device's own clock takes one frame of the first device for each frame of the engine: no slip between the two, for a
-//! device that drives everything, and for closed loops that must be the same every time.
+//! Decides on three, one at a time. The monotonic clock is the one for playing: frames fall due a period apart, whatever
+//! devices do. Where sound goes straight to a device that plays it, that device's clock rules: no other keeps the ring
+//! between the two from running full or dry. The device's own clock takes one frame of the first device for each frame
+//! of the engine: no slip between the two, for a device that drives everything, and for closed loops that must be the
+//! same every time.
 
 use crate::rt::{Waits, now_ns, wait_until};
 
@@ -11,6 +13,8 @@ use crate::rt::{Waits, now_ns, wait_until};
 pub enum Clock {
     /// a period apart
     Monotonic,
+    /// as the device needs it that plays the sound, [`Rings::audio`](super::Rings::audio); a period apart without one
+    Audio,
     /// with each frame of the first device; without one for this long \[ns\], a frame all the same
     Device {
         /// \[ns\]

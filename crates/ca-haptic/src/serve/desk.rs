@@ -1,5 +1,6 @@
 //! The desk: takes what the engine leaves behind to those who want it, and what people ask to the engine.
 
+use super::audio::Watch;
 use super::loops::Loops;
 use super::summary::{DeviceSummary, Fault, Pulse, Summary};
 use super::{Beat, DeskEnds, Shared};
@@ -105,6 +106,7 @@ pub struct Desk {
     broken: Vec<FileError>,
     /// sinks that failed, of all time
     failed: Vec<String>,
+    audio: Option<Watch>,
 }
 
 impl Desk {
@@ -143,8 +145,21 @@ impl Desk {
             block: Vec::new(),
             broken: Vec::new(),
             failed: Vec::new(),
+            audio: None,
             scene,
         }
+    }
+
+    /// Sound goes to a device, too.
+    pub fn hears(&mut self, audio: Watch) {
+        let who = &audio.who;
+        self.say(false, format!("sound: {} ({}), {} Hz", who.device, who.host, who.rate));
+        self.audio = Some(audio);
+    }
+
+    /// Something people should know, and a take: told at the next turn.
+    pub fn say(&mut self, bad: bool, text: String) {
+        self.happened.push(Happened { tick: self.tick, device: None, bad, text });
     }
 
     /// Takes what lies in the rings, if the sinks can; to be called every few milliseconds. Returns what people should
@@ -173,6 +188,9 @@ impl Desk {
         self.block = block;
         while let Ok(beat) = self.ends.beats.pop() {
             self.beat(beat);
+        }
+        for text in self.audio.as_mut().map(Watch::news).unwrap_or_default() {
+            self.say(true, text);
         }
         let happened = std::mem::take(&mut self.happened);
         for h in &happened {
@@ -209,6 +227,7 @@ impl Desk {
         self.second.took += beat.took;
         if self.frames.is_multiple_of(self.rate) {
             let frame = self.rate as f64 / (self.scene.rate / f64::from(self.scene.ratio));
+            let audio = self.audio.as_ref().map(Watch::summary);
             let pulse = Pulse {
                 tick: self.tick,
                 frames: self.frames,
@@ -222,6 +241,8 @@ impl Desk {
                 clipped: self.shared.clipped.load(Relaxed),
                 lost: self.lost(),
                 load: self.second.took as f64 * 1e-9 / frame,
+                underruns: audio.as_ref().map_or(0, |a| a.underruns + a.xruns),
+                ppm: audio.map_or(0.0, |a| a.ppm),
             };
             self.second = Second::default();
             self.tell(|s| s.pulse(&pulse));
@@ -364,6 +385,7 @@ impl Desk {
             faults: std::mem::take(&mut self.faults),
             broken: std::mem::take(&mut self.failed),
             granted,
+            audio: self.audio.as_ref().map(Watch::summary),
         }
     }
 }

@@ -3,6 +3,7 @@
 //! Decides that this loop calls the kernel for nothing but its wait. What does not fit a ring is counted; what must be
 //! freed travels to the desk, and waits here until there is room.
 
+use super::audio::Follow;
 use super::clock::{Clock, Pace, Start, wait_for};
 use crate::blocks::put;
 use crate::engine::{Act, Engine};
@@ -30,6 +31,8 @@ pub struct Rings {
     pub beats: Producer<Beat>,
     /// pictures: a tick, how many places, and their displacements \[m\]; none where nobody looks
     pub views: Option<Producer<f64>>,
+    /// what plays the sound at once; none where it only goes to files
+    pub audio: Option<Follow>,
 }
 
 /// How a gesture frame went.
@@ -104,9 +107,10 @@ impl Live {
         let mut pace = Pace::new(f64::from(scene.ratio) * scene.te);
         let mut left = frames;
         while left != Some(0) {
-            let start = match self.clock {
-                Clock::Monotonic => pace.next(),
-                Clock::Device { patience } => {
+            let start = match (self.clock, &mut self.rings.audio) {
+                (Clock::Audio, Some(audio)) => audio.next(),
+                (Clock::Monotonic | Clock::Audio, _) => pace.next(),
+                (Clock::Device { patience }, _) => {
                     let (frames, stop) = (&self.rings.frames, &self.shared.stop);
                     wait_for(patience, || frames.slots() > 0 || stop.load(Relaxed))
                 }
@@ -145,6 +149,9 @@ impl Live {
         let sound = engine.finish();
         if !put(&mut rings.sound, [due as f64, sound.len() as f64], sound) {
             shared.lost_sound.fetch_add(sound.len() as u64, Relaxed);
+        }
+        if let Some(audio) = &mut rings.audio {
+            audio.put(sound);
         }
         shared.wild.store(engine.is_wild(), Relaxed);
         shared.dropped.store(engine.counts.dropped, Relaxed);

@@ -2,7 +2,8 @@
 //!
 //! ```text
 //! devices ⇄ gateway ⇄ rings ⇄ engine thread ─► rings ─► desk ─► sound file, take, terminal
-//!                                   ▲────────── acts ─────┘
+//!                                   │▲───────── acts ─────┘
+//!                                   └──► ring ─► device that plays sound, where there is one
 //! ```
 //!
 //! Decides that the engine thread knows rings only. Who fills them (shared memory, a test) and where records end is the
@@ -10,6 +11,7 @@
 //! by the caller, so that a program embeds it in the loop it has.
 
 mod aside;
+pub mod audio;
 mod clock;
 mod desk;
 mod live;
@@ -54,7 +56,8 @@ pub struct DeskEnds {
 /// How long the desk may be away \[s\] before something is lost, and counted.
 const AWAY: f64 = 2.0;
 
-/// Rings for a scene with so many devices; `pictures` a second, 0 for none.
+/// Rings for a scene with so many devices; `pictures` a second, 0 for none. What plays sound at once comes from
+/// [`audio::link`].
 pub fn rings(scene: &Scene, devices: usize, pictures: u32) -> (Rings, GatewayEnds, DeskEnds) {
     let rate = scene.rate / f64::from(scene.ratio);
     let frames = (AWAY * rate) as usize;
@@ -81,6 +84,7 @@ pub fn rings(scene: &Scene, devices: usize, pictures: u32) -> (Rings, GatewayEnd
             sound: sound_in,
             beats: beats_in,
             views: views_in,
+            audio: None,
         },
         GatewayEnds { frames: frames_in, forces: forces_out },
         DeskEnds { acts: acts_in, records: records_out, sound: sound_out, beats: beats_out, views: views_out },

@@ -1,5 +1,6 @@
 //! What is told of a performance: once a second, and at its end.
 
+use super::audio::AudioSummary;
 use crate::frame::Cause;
 use crate::stats::Told;
 use serde::Serialize;
@@ -31,6 +32,10 @@ pub struct Pulse {
     pub lost: u64,
     /// part of the time the engine computes, 1 = all of it
     pub load: f64,
+    /// times there was nothing to play, or the device that plays said so, so far; 0 without one
+    pub underruns: u64,
+    /// its rate against the monotonic clock \[ppm\]; 0 without one
+    pub ppm: f64,
 }
 
 /// A fault that latched.
@@ -100,12 +105,15 @@ pub struct Summary {
     pub broken: Vec<String>,
     /// what the system granted each thread, as it says itself
     pub granted: Vec<(String, String)>,
+    /// the device that played the sound, if one did
+    pub audio: Option<AudioSummary>,
 }
 
 impl Summary {
     /// True where nothing was lost, cut, left unwritten or blown up. Faults of a hand or device are no loss.
     pub fn is_faithful(&self) -> bool {
         let lost = self.lost_forces + self.lost_records + self.lost_sound + self.lost_views;
-        lost == 0 && self.broken.is_empty() && self.clipped == 0 && !self.unstable && self.refused == 0
+        let heard = self.audio.as_ref().is_none_or(AudioSummary::is_faithful);
+        lost == 0 && self.broken.is_empty() && self.clipped == 0 && !self.unstable && self.refused == 0 && heard
     }
 }

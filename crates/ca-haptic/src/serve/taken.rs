@@ -32,6 +32,8 @@ impl Sink for TakeWriter {
             late_p99: p.late_us.p99,
             late_max: p.late_us.max,
             busy: p.load,
+            underruns: p.underruns,
+            audio_ppm: p.ppm,
         })
     }
 

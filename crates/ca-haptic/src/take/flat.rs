@@ -152,6 +152,10 @@ flat! {
         late_max: f64,
         /// part of the last second spent computing
         busy: f64,
+        /// times the device that plays the sound had nothing to play, or said so
+        underruns: u64,
+        /// its rate against the monotonic clock \[ppm\]
+        audio_ppm: f64,
     }
 }
 

@@ -1,10 +1,13 @@
 //! `ca serve`: a model played in real time by device processes.
 //!
 //! Decides who does what: the engine thread computes, the gateway thread moves frames between shared memory and rings,
-//! files are written by threads of their own, and this one, the desk, does everything else that may take its time. A model without devices gets no gateway and no
-//! shared memory; one without live parameters either gets no control.
+//! files are written by threads of their own, and this one, the desk, does everything else that may take its time. A
+//! model without devices gets no gateway and no shared memory; one without live parameters either gets no control; sound
+//! goes to a device only where that is asked.
 
 mod answer;
+#[cfg_attr(not(feature = "audio"), path = "no_audio.rs")]
+mod audio;
 mod setup;
 mod talk;
 mod told;
@@ -66,6 +69,9 @@ pub fn run(args: &ServeArgs) -> Outcome {
         Some(_) => return Err(Failure::Usage("-o: the model has no output, so there is no sound to write".into())),
         None => None,
     };
+    if args.audio.is_some() && scene.channels == 0 {
+        return Err(Failure::Usage("--audio: the model has no output, so there is no sound to play".into()));
+    }
     let take = match &args.log {
         Some(path) => {
             let changes = args.source.changes().collect();
@@ -76,15 +82,19 @@ pub fn run(args: &ServeArgs) -> Outcome {
     };
 
     let pictures = if take.is_some() { PICTURES } else { 0 };
-    let (ends, gateway_ends, desk_ends) = rings(&scene, names.len(), pictures);
+    let (mut ends, gateway_ends, desk_ends) = rings(&scene, names.len(), pictures);
     let shared = Arc::new(Shared::default());
     let mut desk = Desk::new(desk_ends, shared.clone(), scene.clone(), &engine.ports, sinks);
+    let (playing, follow) = audio::open(args, &scene, &mut desk)?.unzip();
+    ends.audio = follow;
     let mut talk = talk::Talk::open(&names, &scene, gateway_ends, wish(args, -5))?;
     if args.arm {
         desk.order(None, Order::Arm).map_err(Failure::Failed)?;
     }
 
     let clock = match args.clock {
+        // one clock rules
+        ClockKind::Monotonic if playing.is_some() => Clock::Audio,
         ClockKind::Monotonic => Clock::Monotonic,
         ClockKind::Device => Clock::Device { patience: PATIENCE },
     };
@@ -98,6 +108,7 @@ pub fn run(args: &ServeArgs) -> Outcome {
     };
     let frames = args.seconds.map(|s| (s * frame_rate).round().max(1.0) as u64);
     let live = Live::new(engine, ends, shared.clone(), clock, every);
+    playing.as_ref().map_or(Ok(()), audio::Playing::start)?;
     let (thread, granted) = engine_thread(live, wish(args, 0), frames)?;
     let mut threads = vec![("engine".to_string(), granted)];
     threads.extend(talk.granted().map(|g| ("gateway".to_string(), g)));
@@ -110,7 +121,10 @@ pub fn run(args: &ServeArgs) -> Outcome {
         }
     }
 
-    let engine = attend(thread, &mut desk, &mut talk, &shared, args.quiet);
+    let engine = attend(thread, &mut desk, &mut talk, playing.as_ref(), &shared, args.quiet);
+    if let Some(playing) = playing {
+        playing.end(scene.rate);
+    }
     let traffic = talk.end();
     let engine = engine.map_err(|_| Failure::Failed("the engine thread ended by itself".into()))?;
     desk.end();
@@ -173,6 +187,7 @@ fn attend(
     thread: JoinHandle<Engine>,
     desk: &mut Desk,
     talk: &mut talk::Talk,
+    playing: Option<&audio::Playing>,
     shared: &Arc<Shared>,
     quiet: bool,
 ) -> std::thread::Result<Engine> {
@@ -181,6 +196,9 @@ fn attend(
     let _ = ctrlc::set_handler(|| STOP.store(true, Relaxed));
     let mut turns = 0_u64;
     while !thread.is_finished() {
+        if let Some(playing) = playing {
+            playing.turn(desk);
+        }
         for h in desk.turn() {
             if h.bad {
                 term::warning(&h.text);

@@ -46,6 +46,21 @@ pub(super) fn text(s: &Summary, name: &str, files: &Files, rate: f64) -> io::Res
     if s.clipped > 0 {
         writeln!(out, "  {:<15}{} samples at full scale", "clipped", s.clipped)?;
     }
+    if let Some(a) = &s.audio {
+        let (rate, buffer, ms, ppm) = (a.who.rate, a.buffer, short(a.latency_ms), a.ppm);
+        let who = format!("{} ({})", a.who.device, a.who.host);
+        writeln!(out, "  {:<15}{who}, {rate} Hz {ppm:+.1} ppm, {buffer} frames, heard after {ms} ms", "played by")?;
+        let lost = [
+            (a.underruns, "times nothing to play"),
+            (a.xruns, "xruns of the device"),
+            (a.stops, "times the device stopped"),
+            (a.silent, "samples of silence"),
+            (a.skipped, "samples too old"),
+            (a.unheard, "samples unheard"),
+        ];
+        let lost: Vec<String> = lost.iter().filter(|l| l.0 > 0).map(|(n, what)| format!("{n} {what}")).collect();
+        writeln!(out, "  {:<15}{}", "not played", if lost.is_empty() { "nothing".into() } else { lost.join(", ") })?;
+    }
     if let Some((path, w)) = files.sound {
         writeln!(out, "  {:<15}{}, {} s", "sound", path.display(), short(w.duration()))?;
     }

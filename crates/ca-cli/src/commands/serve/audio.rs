@@ -1,0 +1,186 @@
+//! Sound straight to the system's sound device.
+//!
+//! Decides that a device is asked for what the model makes, and refused where it cannot play that as it is: nothing is
+//! converted to another rate here. Its callback takes samples from a ring and reads the clock, no more; what a device
+//! complains of is told by the desk.
+
+use crate::args::ServeArgs;
+use crate::{Failure, load};
+use ca_core::Scene;
+use ca_haptic::rt::now_ns;
+use ca_haptic::serve::Desk;
+use ca_haptic::serve::audio::{Counts, Follow, Who, link};
+use cpal::traits::{DeviceTrait as _, HostTrait as _, StreamTrait as _};
+use cpal::{
+    BufferSize, Device, ErrorKind, HostId, SampleFormat, StreamConfig, SupportedBufferSize, SupportedStreamConfigRange,
+};
+use std::sync::Arc;
+use std::sync::atomic::Ordering::Relaxed;
+use std::sync::mpsc::{Receiver, channel};
+use std::time::{Duration, Instant};
+
+/// Frames a device is given at once where nobody says and it has a choice.
+const BUFFER: u32 = 256;
+/// What is in the ring at the end is waited for at most so long, besides the time it takes to play.
+const LATE: Duration = Duration::from_millis(200);
+
+/// An open device.
+pub(super) struct Playing {
+    stream: cpal::Stream,
+    counts: Arc<Counts>,
+    words: Receiver<String>,
+    name: String,
+}
+
+/// Opens what was asked for, and hands the engine's side of it to engine and desk; `None` where nothing was.
+pub(super) fn open(args: &ServeArgs, scene: &Scene, desk: &mut Desk) -> Result<Option<(Playing, Follow)>, Failure> {
+    let Some(wanted) = &args.audio else { return Ok(None) };
+    // what the library would print, cpal says in words of its own
+    jack::set_logger(jack::LoggerType::None);
+    let (host, device) = find(wanted)?;
+    let name = device.to_string();
+    let (config, buffer) = fit(&device, scene, args.audio_buffer)?;
+    let wide = config.channels as usize;
+    let who =
+        Who { host: host.name().into(), device: name.clone(), rate: config.sample_rate, channels: config.channels };
+    let (follow, mut player, watch) = link(scene.channels, scene.ratio, who, buffer);
+    let (tell, words) = channel();
+    let (counts, called, xruns) = (watch.counts.clone(), watch.counts.clone(), watch.counts.clone());
+    let failed = |e: cpal::Error| Failure::Failed(format!("`{name}` cannot be played: {e}"));
+    let stream = device
+        .build_output_stream::<f32, _, _>(
+            config,
+            move |out, info| {
+                let at = now_ns();
+                let t = info.timestamp();
+                let delay = t.playback.checked_duration_since(t.callback).unwrap_or_default();
+                called.delay.store(delay.as_nanos() as u64, Relaxed);
+                player.fill(out, wide, at);
+            },
+            move |e| {
+                if e.kind() == ErrorKind::Xrun {
+                    xruns.xruns.fetch_add(1, Relaxed);
+                } else {
+                    let _ = tell.send(e.to_string());
+                }
+            },
+            None,
+        )
+        .map_err(failed)?;
+    desk.hears(watch);
+    Ok(Some((Playing { stream, counts, words, name }, follow)))
+}
+
+impl Playing {
+    /// From now on the device asks.
+    pub(super) fn start(&self) -> Result<(), Failure> {
+        self.stream.play().map_err(|e| Failure::Failed(format!("`{}` does not start: {e}", self.name)))
+    }
+
+    /// What the device complains of.
+    pub(super) fn turn(&self, desk: &mut Desk) {
+        for text in self.words.try_iter() {
+            desk.say(true, format!("{}: {text}", self.name));
+        }
+    }
+
+    /// Lets what the engine left be heard.
+    pub(super) fn end(self, rate: f64) {
+        let left = 2.0 * self.counts.lead.load(Relaxed) as f64 / rate;
+        let end = Instant::now() + LATE + Duration::from_secs_f64(left);
+        while !self.counts.done.load(Relaxed) && Instant::now() < end {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    }
+}
+
+/// A host by name, a device by name or id; the default device of the default host where nothing is said.
+fn find(wanted: &str) -> Result<(HostId, Device), Failure> {
+    if wanted.is_empty() {
+        let host = cpal::default_host();
+        let none = || Failure::Failed(format!("no sound device here; {}", there_is()));
+        let device = host.default_output_device().filter(cpal::traits::DeviceTrait::supports_output);
+        return Ok((host.id(), device.ok_or_else(none)?));
+    }
+    if let Ok(id) = wanted.parse::<HostId>() {
+        let host = cpal::host_from_id(id).map_err(|e| Failure::Failed(format!("--audio {wanted}: {e}")))?;
+        let none = || {
+            let how = if id == HostId::Jack {
+                "no JACK server answers; start one, e.g. `jackd -d alsa -r 48000 -p 64`, or name it in \
+                 JACK_DEFAULT_SERVER"
+            } else {
+                "it has no device that plays"
+            };
+            Failure::Failed(format!("--audio {wanted}: {how}"))
+        };
+        return Ok((id, host.default_output_device().ok_or_else(none)?));
+    }
+    let is = |d: &Device| {
+        let id = d.id().ok();
+        d.to_string() == wanted || id.is_some_and(|i| i.id() == wanted || i.to_string() == wanted)
+    };
+    let none = || Failure::Failed(format!("no sound device `{wanted}`; {}", there_is()));
+    all().into_iter().find(|(_, d)| is(d)).ok_or_else(none)
+}
+
+/// Everything that plays.
+fn all() -> Vec<(HostId, Device)> {
+    let hosts = cpal::available_hosts().into_iter().filter_map(|id| Some((id, cpal::host_from_id(id).ok()?)));
+    hosts.flat_map(|(id, host)| host.output_devices().into_iter().flatten().map(move |d| (id, d))).collect()
+}
+
+fn there_is() -> String {
+    let names: Vec<String> = all().iter().filter_map(|(_, d)| Some(d.id().ok()?.to_string())).collect();
+    if names.is_empty() {
+        return "there is none; a JACK server is one, `--audio jack`".into();
+    }
+    format!("there is {}", load::ticked(names.iter().map(String::as_str)))
+}
+
+/// How a device plays a scene as it is, and how many frames it asks for at once.
+fn fit(device: &Device, scene: &Scene, buffer: Option<u32>) -> Result<(StreamConfig, u32), Failure> {
+    let refused = |why: String| Failure::Failed(format!("`{device}` {why}"));
+    let configs: Vec<_> = device
+        .supported_output_configs()
+        .map_err(|e| refused(format!("does not say what it plays: {e}")))?
+        .filter(|c| c.sample_format() == SampleFormat::F32)
+        .collect();
+    let Some(most) = configs.iter().map(SupportedStreamConfigRange::channels).max() else {
+        return Err(refused("plays no 32-bit floats; a device that converts does, e.g. ALSA's `default`".into()));
+    };
+    if scene.channels > most as usize {
+        let why = format!("plays {most} channels, and the model has {} outputs; join some of them", scene.channels);
+        return Err(refused(why));
+    }
+    let wide = configs.iter().filter(|c| c.channels() as usize >= scene.channels);
+    let plays = |lo: u32, hi: u32| (f64::from(lo)..=f64::from(hi)).contains(&scene.rate) && scene.rate.fract() == 0.0;
+    let at_rate = wide.clone().filter(|c| plays(c.min_sample_rate(), c.max_sample_rate()));
+    // one channel is heard on both sides
+    let wanted = if scene.channels == 1 { 2 } else { scene.channels };
+    let near = |c: &&SupportedStreamConfigRange| (c.channels() as usize).abs_diff(wanted);
+    let Some(config) = at_rate.min_by_key(near) else {
+        let mut rates: Vec<_> = wide.map(|c| (c.min_sample_rate(), c.max_sample_rate())).collect();
+        rates.sort_unstable();
+        rates.dedup();
+        let said = |(lo, hi): &(u32, u32)| if lo == hi { format!("{lo}") } else { format!("{lo} to {hi}") };
+        let all: Vec<String> = rates.iter().map(said).collect();
+        let one = rates.first().map_or(48_000, |r| r.1);
+        let why = format!("plays at {} Hz, not at {}; say `--rate {one}Hz`", all.join(", "), scene.rate);
+        return Err(refused(why));
+    };
+    let (min, max) = match *config.buffer_size() {
+        SupportedBufferSize::Range { min, max } => (min.max(1), max.max(1)),
+        SupportedBufferSize::Unknown => (1, u32::MAX),
+    };
+    let frames = match buffer {
+        Some(n) if (min..=max).contains(&n) => n,
+        Some(n) if min == max => {
+            let why = format!("is asked in buffers of {min} frames, not {n}; its server decides that (jackd -p {n})");
+            return Err(refused(why));
+        }
+        Some(n) => return Err(refused(format!("takes buffers of {min} to {max} frames, not {n}"))),
+        None => BUFFER.clamp(min, max.max(min)),
+    };
+    let (channels, sample_rate) = (config.channels(), scene.rate as u32);
+    Ok((StreamConfig { channels, sample_rate, buffer_size: BufferSize::Fixed(frames) }, frames))
+}

@@ -1,0 +1,232 @@
+//! Sound straight to a sound device: a real JACK server without hardware plays a model, and a client of ours listens at
+//! its port. What it hears is what the same run wrote to its file, to the bit, wherever nothing was counted as lost.
+//!
+//! The listener is this binary once more, in the role of a process, since only a process can be told its server.
+
+use super::stage::{Proc, Stage, until};
+use ca_haptic::host::control::Request;
+use std::fs;
+use std::io::Write as _;
+use std::process::{Command, Stdio};
+use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
+use std::time::{Duration, Instant};
+
+const BAR: &str = "[CEL]\nbar = { m = \"1 g\", f = \"220 Hz\", t60 = \"20 s\", dx0 = \"1 mm\" }\n\
+                   [SOX]\nout = { from = \"bar\", gain = 500 }\n";
+
+/// A JACK server of a name of its own.
+struct Jack {
+    name: String,
+    server: Option<Proc>,
+}
+
+impl Jack {
+    /// One that asks for so many frames at once; `None` where JACK is not installed.
+    fn start(stage: &Stage, frames: u32) -> Option<Jack> {
+        static RUNS: AtomicU32 = AtomicU32::new(0);
+        let there = Command::new("jackd").arg("--version").stdout(Stdio::null()).stderr(Stdio::null()).status();
+        if there.is_err() {
+            println!("jackd is not installed: sound devices are not tested");
+            return None;
+        }
+        let name = format!("ca{}_{}", std::process::id(), RUNS.fetch_add(1, Relaxed));
+        // it waits for clients that are late, so that a busy machine makes sound late, not wrong
+        let mut c = stage.command("jackd", &["-r", "-S", "-t", "5000", "-n", &name, "-d", "dummy", "-r", "48000"]);
+        c.args(["-p", &frames.to_string()]).env("JACK_NO_AUDIO_RESERVATION", "1");
+        let mut jack = Jack { server: Some(stage.start(c)), name };
+        until("the server of JACK answers", || {
+            let server = jack.server.as_mut().unwrap();
+            assert!(server.lives(), "{}", server.said());
+            let mut lsp = Command::new("jack_lsp");
+            lsp.args(["-s", &jack.name]).stdout(Stdio::null()).stderr(Stdio::null());
+            lsp.status().is_ok_and(|s| s.success())
+        });
+        Some(jack)
+    }
+
+    /// `ca` with this server.
+    fn ca(&self, stage: &Stage, args: &[&str]) -> Proc {
+        let mut c = stage.command(env!("CARGO_BIN_EXE_ca"), args);
+        c.env("JACK_DEFAULT_SERVER", &self.name);
+        stage.start(c)
+    }
+
+    /// A process that writes what it hears to a file, until nobody speaks.
+    fn listener(&self, stage: &Stage, file: &str) -> Proc {
+        let me = std::env::current_exe().unwrap();
+        let mut c = stage.command(me.to_str().unwrap(), &["--exact", "audio::role_of_a_listener", "--nocapture"]);
+        c.env("JACK_DEFAULT_SERVER", &self.name).env("CA_TEST_HEARD", stage.path(file));
+        stage.start(c)
+    }
+}
+
+impl Drop for Jack {
+    fn drop(&mut self) {
+        let Some(mut server) = self.server.take() else { return };
+        if server.lives() {
+            // asked to, it takes its names along
+            server.signal("TERM");
+            let end = Instant::now() + Duration::from_secs(10);
+            while server.lives() && Instant::now() < end {
+                std::thread::sleep(Duration::from_millis(5));
+            }
+        }
+        drop(server);
+        for f in fs::read_dir("/dev/shm").into_iter().flatten().flatten() {
+            if f.file_name().to_string_lossy().contains(&self.name) {
+                let _ = fs::remove_file(f.path());
+            }
+        }
+    }
+}
+
+/// Ears: copies what comes.
+struct Ears(jack::Port<jack::AudioIn>, jack::RingBufferWriter);
+
+impl jack::ProcessHandler for Ears {
+    fn process(&mut self, _: &jack::Client, scope: &jack::ProcessScope) -> jack::Control {
+        for x in self.0.as_slice(scope) {
+            self.1.write_buffer(&x.to_le_bytes());
+        }
+        jack::Control::Continue
+    }
+}
+
+/// Not a test but a process of the ones below; passes at once where none of them asks.
+#[test]
+fn role_of_a_listener() {
+    let Some(file) = std::env::var_os("CA_TEST_HEARD") else { return };
+    let mut file = fs::File::create(file).unwrap();
+    let (client, _) = jack::Client::new("ears", jack::ClientOptions::NO_START_SERVER).unwrap();
+    let port = client.register_port("in", jack::AudioIn::default()).unwrap();
+    let ours = port.name().unwrap();
+    // ten seconds
+    let (mut heard, writer) = jack::RingBuffer::new(4 * 480_000).unwrap().into_reader_writer();
+    let client = client.activate_async((), Ears(port, writer)).unwrap();
+    let speaks = || client.as_client().ports(Some("cpal_client_.*:out_0"), None, jack::PortFlags::empty());
+    until("somebody speaks", || {
+        speaks().first().is_some_and(|p| client.as_client().connect_ports_by_name(p, &ours).is_ok())
+    });
+    println!("listens");
+    let mut block = vec![0; 1 << 16];
+    // a server that lost patience with this client calls it no more
+    let mut quiet = 0;
+    while quiet < 500 {
+        let over = speaks().is_empty();
+        let n = heard.read_buffer(&mut block);
+        file.write_all(&block[..n]).unwrap();
+        quiet = if n == 0 { quiet + 1 } else { 0 };
+        if over && n == 0 {
+            return;
+        }
+        std::thread::sleep(Duration::from_millis(10));
+    }
+}
+
+fn samples(stage: &Stage, file: &str) -> Vec<f32> {
+    let bytes = fs::read(stage.path(file)).unwrap();
+    bytes.chunks_exact(4).map(|b| f32::from_le_bytes(b.try_into().unwrap())).collect()
+}
+
+/// Samples that must be equal before two places are taken for one.
+const SURE: usize = 48;
+
+/// How much of `heard` is `written`, in order; how often it had to look for where it goes on.
+fn compare(heard: &[f32], written: &[f32]) -> (usize, usize) {
+    let (mut same, mut breaks, mut from, mut at) = (0, 0, 0, 0);
+    let mut looked = 0;
+    while at + SURE <= heard.len() {
+        let piece = &heard[at..at + SURE];
+        // silence is everywhere
+        if piece[0] == 0.0 {
+            at += 1;
+            continue;
+        }
+        looked += 1;
+        assert!(looked < 5000, "only {same} samples are those that were written");
+        let Some(found) = written[from..].windows(SURE).position(|w| w == piece) else {
+            at += 1;
+            continue;
+        };
+        breaks += 1;
+        let equal = heard[at..].iter().zip(&written[from + found..]).take_while(|(a, b)| a == b).count();
+        (same, at, from) = (same + equal, at + equal, from + found + equal);
+        if from + SURE > written.len() {
+            break;
+        }
+    }
+    (same, breaks.max(1) - 1)
+}
+
+#[test]
+fn what_is_heard_is_what_is_written() {
+    for frames in [64, 256] {
+        let stage = Stage::new();
+        stage.put("bar.ca.toml", BAR);
+        let Some(jack) = Jack::start(&stage, frames) else { return };
+        let listener = jack.listener(&stage, "heard");
+        let args = ["serve", "bar.ca.toml", "--audio", "jack", "--seconds", "5", "-o", "bar.wav", "--json"];
+        let played = jack.ca(&stage, &[&args[..], &["--log", "bar.mcap"]].concat()).end();
+        listener.end().is(0).says(&["listens"]);
+        let told = played.json();
+        let audio = &told["audio"];
+        let n = |k: &str| audio[k].as_u64().unwrap_or_else(|| panic!("no {k} in {audio:#}"));
+        assert_eq!((&audio["host"], n("rate"), n("channels"), n("buffer")), (&"JACK".into(), 48_000, 2, frames.into()));
+        // what is asked for at once, a gesture frame, and a margin
+        assert_eq!(n("lead"), u64::from(frames + 16 + 48.max(frames / 2)));
+        assert!(audio["latency_ms"].as_f64().unwrap() >= (n("lead") + u64::from(frames)) as f64 / 48.0);
+        let lost = n("underruns") + n("xruns") + n("stops");
+        assert_eq!(played.code, Some(if told["faithful"] == true { 0 } else { 3 }), "{told:#}");
+        assert!(lost == 0 || played.code == Some(3), "{told:#}");
+
+        let heard = samples(&stage, "heard");
+        let mut wav = hound::WavReader::open(stage.path("bar.wav")).unwrap();
+        let written: Vec<f32> = wav.samples().map(Result::unwrap).collect();
+        let (same, breaks) = compare(&heard, &written);
+        println!("{frames} frames: {same} of {} samples to the bit, {breaks} breaks, {audio:#}", written.len());
+        assert!(same >= 48_000, "{same} of {} samples", written.len());
+        assert!(breaks as u64 <= lost, "{breaks} breaks, and {lost} were counted: {audio:#}");
+        // the listener may come late, and sound begins with a 0
+        assert!(lost > 0 || same + 48_000 > written.len(), "{same} of {}", written.len());
+        let log = stage.ca(&["log", "info", "bar.mcap"]);
+        assert_eq!(log.code, Some(0), "{}{}", log.out, log.err);
+    }
+}
+
+#[test]
+fn a_server_that_dies_takes_no_force_along() {
+    let stage = Stage::new();
+    let Some(mut jack) = Jack::start(&stage, 256) else { return };
+    let mut server = jack.ca(&stage, &["serve", "key.ca.toml", "--audio", "jack", "--json"]);
+    let frames = || stage.ask(&Request::Status).map_or(0, |r| r.fields["frames"].as_u64().unwrap());
+    until("it plays", || {
+        assert!(server.lives(), "{}", server.said());
+        frames() > 1000
+    });
+    jack.server.take().unwrap().kill();
+    until("it is told", || server.said().contains("no longer asks for sound"));
+    let begin = frames();
+    until("frames go on", || frames() > begin + 6000);
+    assert!(server.lives());
+    let told = server.stop().is(3).json();
+    assert_eq!((&told["audio"]["stops"], &told["faithful"]), (&1.into(), &false.into()), "{told:#}");
+    assert!(told["audio"]["unheard"].as_u64().unwrap() > 0, "{told:#}");
+}
+
+#[test]
+fn what_no_device_plays_is_refused_before_anything_is_written() {
+    let stage = Stage::new();
+    stage.put("bar.ca.toml", BAR);
+    let nobody = Jack { name: "ca_nobody".into(), server: None };
+    let run = |jack: &Jack, more: &[&str]| {
+        let ran = jack.ca(&stage, &[&["serve", "bar.ca.toml", "--seconds", "1", "-o", "bar.wav"], more].concat()).end();
+        assert!(!stage.path("bar.wav").exists());
+        ran.is(1)
+    };
+    run(&nobody, &["--audio", "jack"]).says(&["no JACK server answers", "jackd -d"]);
+    run(&nobody, &["--audio", "organ"]).says(&["no sound device `organ`", "there is"]);
+    let Some(jack) = Jack::start(&stage, 128) else { return };
+    run(&jack, &["--audio", "organ"]).says(&["jack:output"]);
+    run(&jack, &["--audio", "jack", "--rate", "96 kHz"]).says(&["48000 Hz, not at 96000", "--rate 48000Hz"]);
+    run(&jack, &["--audio", "jack", "--audio-buffer", "64"]).says(&["buffers of 128 frames, not 64", "-p 64"]);
+}

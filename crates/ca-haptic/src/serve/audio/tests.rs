@@ -1,0 +1,246 @@
+//! Both sides against devices that exist on paper: time is a number here, so every delay is what the test says.
+
+use super::*;
+use crate::serve::audio::follow::lead;
+
+const RATE: f64 = 48_000.0;
+const R: u64 = 16;
+
+/// An engine and a device in one time.
+struct Hall {
+    follow: Follow,
+    player: Player,
+    watch: Watch,
+    /// frames the device asks for at once
+    call: usize,
+    /// \[ns\]
+    now: f64,
+    /// when the engine's next frame begins, when the device asks next \[ns\]
+    frame: Option<(f64, f64)>,
+    ask: f64,
+    /// a sample of the device \[ns\]
+    dt: f64,
+    /// how late the engine wakes up, how late calls come \[ns\]
+    late: fn(u64) -> f64,
+    jitter: fn(u64) -> f64,
+    calls: u64,
+    frames: u64,
+    sent: u64,
+    heard: Vec<f32>,
+    /// when each frame began \[ns\]
+    began: Vec<f64>,
+    asks: bool,
+}
+
+fn none(_: u64) -> f64 {
+    0.0
+}
+
+/// 0 … 1, as if at random.
+fn chance(k: u64) -> f64 {
+    (k.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(1) >> 40) as f64 / f64::from(1 << 24)
+}
+
+/// Sample `n` of the sound; never 0.
+fn sound(n: u64) -> f64 {
+    0.25 + 0.5 * chance(n)
+}
+
+impl Hall {
+    fn new(call: u32, ppm: f64) -> Hall {
+        let who = Who { host: "paper".into(), device: "paper".into(), rate: RATE as u32, channels: 2 };
+        let (follow, player, watch) = link(1, R as u32, who, call);
+        Hall {
+            follow,
+            player,
+            watch,
+            call: call as usize,
+            now: 1e9,
+            frame: None,
+            ask: 1e9 + 3e5,
+            dt: 1e9 / RATE / (1.0 + ppm * 1e-6),
+            late: none,
+            jitter: none,
+            calls: 0,
+            frames: 0,
+            sent: 0,
+            heard: Vec::new(),
+            began: Vec::new(),
+            asks: true,
+        }
+    }
+
+    fn run(&mut self, seconds: f64) {
+        let end = self.now + seconds * 1e9;
+        while self.now < end {
+            let frame = *self.frame.get_or_insert_with(|| {
+                self.follow.hear(self.now as u64);
+                let due = self.follow.due();
+                // one that need not wait is not late
+                (due, if due > self.now { due + (self.late)(self.frames) } else { self.now })
+            });
+            let call = if self.asks { self.ask + (self.jitter)(self.calls) } else { f64::MAX };
+            self.now = self.now.max(frame.1.min(call));
+            if frame.1 <= call {
+                self.follow.begin(frame.0, self.now as u64);
+                let n = if self.frames == 0 { 1 } else { R };
+                let block: Vec<f64> = (self.sent..self.sent + n).map(sound).collect();
+                self.follow.put(&block);
+                self.sent += n;
+                self.frames += 1;
+                self.began.push(self.now);
+                self.frame = None;
+            } else {
+                let mut out = vec![9.0; 2 * self.call];
+                self.player.fill(&mut out, 2, self.now as u64);
+                for both in out.chunks(2) {
+                    assert_eq!(both[0], both[1], "one channel is heard on both sides");
+                    self.heard.push(both[0]);
+                }
+                self.calls += 1;
+                self.ask += self.call as f64 * self.dt;
+            }
+        }
+    }
+
+    /// Where sample 0 was heard.
+    fn first(&self) -> usize {
+        self.heard.iter().position(|x| *x != 0.0).expect("something was heard")
+    }
+
+    fn told(&mut self) -> AudioSummary {
+        self.watch.news();
+        self.watch.summary()
+    }
+}
+
+/// A device of another rate, calls that are late, a thread that wakes up late: every sample once, in order, to the bit.
+#[test]
+fn a_steady_device_hears_every_sample() {
+    for (call, ppm) in [(64, -800.0), (64, 90.0), (256, 1000.0), (1024, -40.0)] {
+        let mut h = Hall::new(call, ppm);
+        h.late = |k| 3e5 * chance(k);
+        h.jitter = |k| 4e5 * chance(k + 7);
+        h.run(30.0);
+        let told = h.told();
+        assert!(told.is_faithful(), "{told:?}");
+        let first = h.first();
+        for (n, x) in h.heard[first..].iter().enumerate() {
+            assert_eq!(*x, sound(n as u64) as f32, "{n}");
+        }
+        // the engine has its clock from the device: frames for the samples that were asked for, and the lead
+        let asked = h.heard.len() as f64 - first as f64;
+        let ahead = h.sent as f64 - asked;
+        let lead = lead(call, R as u32, RATE) as f64;
+        assert_eq!(told.lead as f64, lead);
+        // at any time between two calls: the lead, less what was just taken; late wake-ups and calls take from it
+        assert!(ahead > lead - f64::from(call) - 64.0 && ahead < lead + 64.0, "{ahead} of {lead}");
+        assert!((told.ppm - ppm).abs() < 2.0, "{} for {ppm}", told.ppm);
+        // forces keep their pace: each frame but the few of the start, half to twice a period after the other
+        let late = |w: &[f64]| (w[1] - w[0]) * 1e-9 * RATE / R as f64;
+        assert!(h.began.windows(2).skip(100).all(|w| (-0.1..4.0).contains(&late(w))));
+    }
+}
+
+/// The engine stands still for longer than the lead: a gap is counted where it is, and sound goes on after it to the bit.
+#[test]
+fn a_gap_is_counted_and_heard_as_a_fade() {
+    let mut h = Hall::new(64, 0.0);
+    h.late = |k| if k == 6000 { 2e7 } else { 0.0 };
+    h.run(4.0);
+    let told = h.told();
+    assert_eq!((told.underruns, told.gaps.len(), told.skipped, told.xruns, told.stops), (1, 1, 0, 0, 0), "{told:?}");
+    assert!(!told.is_faithful());
+    // 20 ms, less what the ring held
+    assert!((640..960).contains(&told.silent), "{told:?}");
+    let (first, gap) = (h.first(), told.gaps[0] as usize);
+    let before = &h.heard[first..first + gap];
+    assert!(before.iter().enumerate().all(|(n, x)| *x == sound(n as u64) as f32));
+    let silence = &h.heard[first + gap..first + gap + told.silent as usize];
+    let fade = (0.001 * RATE) as usize;
+    // out of the last sample, in steps of a fade, into nothing
+    for (k, x) in silence.iter().enumerate() {
+        let want = before[gap - 1] * (1.0 - (k + 1) as f32 / fade as f32).max(0.0);
+        assert!((x - want).abs() < 1e-5, "{k}: {x}, not {want}");
+    }
+    let after = &h.heard[first + gap + told.silent as usize..];
+    for (k, x) in after.iter().enumerate() {
+        let want = sound((gap + k) as u64) as f32;
+        if k < fade {
+            assert!((x - want * k as f32 / fade as f32).abs() < 1e-5, "{k}");
+        } else if k > fade {
+            assert_eq!(*x, want, "{k}");
+        }
+    }
+    // the lead is there again
+    let ahead = h.sent as i64 - (h.heard.len() - first) as i64 + told.silent as i64;
+    assert!((64..=160).contains(&ahead), "{ahead}");
+}
+
+/// The device stops asking: frames go on at its last rate; it comes back: old sound is left out, the lead is as before.
+#[test]
+fn forces_do_not_depend_on_a_sound_device() {
+    let ppm = 500.0;
+    let mut h = Hall::new(64, ppm);
+    h.run(5.0);
+    h.asks = false;
+    let (at, frames) = (h.now, h.frames);
+    h.run(3.0);
+    assert_eq!(h.told().stops, 1);
+    assert!(!h.watch.counts.alive.load(Relaxed));
+    let rate = RATE / R as f64 * (1.0 + ppm * 1e-6);
+    let want = (h.now - at) * 1e-9 * rate;
+    // in the tenth of a second before it is noticed frames may come at half the rate
+    assert!(((h.frames - frames) as f64 - want).abs() < 0.06 * rate, "{} of {want}", h.frames - frames);
+    let (at, frames) = (h.now, h.frames);
+    h.run(1.0);
+    let want = (h.now - at) * 1e-9 * rate;
+    assert!(((h.frames - frames) as f64 - want).abs() < 1.5, "{} of {want}", h.frames - frames);
+    (h.asks, h.ask) = (true, h.now + 1e6);
+    let heard = h.heard.len();
+    h.run(2.0);
+    let told = h.told();
+    assert!(h.watch.counts.alive.load(Relaxed));
+    assert!(told.skipped > 0 && told.unheard > 0 && told.stops == 1, "{told:?}");
+    // all there is: heard, left out, or without room; the rest is the lead, less what was just taken
+    let silent = (h.heard.len() - h.first()) as i64 - told.silent as i64;
+    let rest = h.sent as i64 - silent - (told.skipped + told.unheard) as i64;
+    assert!((told.lead as i64 - 128..=told.lead as i64 + 64).contains(&rest), "{rest}: {told:?}");
+    assert!(h.heard.len() - heard > 90_000);
+    let period = 1e9 / rate;
+    let steps = |w: &[f64]| (w[1] - w[0]) / period;
+    assert!(h.began.windows(2).skip(1).all(|w| (0.49..2.01).contains(&steps(w))), "never a jump of the frames");
+}
+
+/// A device of more channels is given silence on the others; of as many, each its own.
+#[test]
+fn channels_go_where_they_belong() {
+    for (channels, wide, want) in
+        [(1, 1, vec![1.0]), (1, 4, vec![1.0, 1.0, 0.0, 0.0]), (2, 2, vec![1.0, 2.0]), (3, 4, vec![1.0, 2.0, 3.0, 0.0])]
+    {
+        let (mut follow, mut player, _) = link(channels, R as u32, Who { rate: 48_000, ..Who::default() }, 8);
+        let frame: Vec<f64> = (1..=channels).map(|c| c as f64).collect();
+        follow.put(&frame.repeat(500));
+        let mut out = vec![9.0; 8 * wide];
+        player.fill(&mut out, wide, 1);
+        assert_eq!(out, want.repeat(8), "{channels} on {wide}");
+    }
+}
+
+/// At the end the rest is played, and its lack is no gap.
+#[test]
+fn the_end_is_no_underrun() {
+    let Hall { mut follow, mut player, mut watch, .. } = Hall::new(64, 0.0);
+    follow.put(&[0.5; 100]);
+    drop(follow);
+    let mut heard = Vec::new();
+    while !watch.counts.done.load(Relaxed) {
+        let mut out = [9.0; 128];
+        player.fill(&mut out, 2, 1);
+        heard.extend_from_slice(&out);
+        assert!(heard.len() < 10_000);
+    }
+    assert!(heard[..200].iter().all(|x| *x == 0.5) && heard[200..].iter().all(|x| x.abs() < 0.5));
+    watch.news();
+    assert!(watch.summary().is_faithful(), "{:?}", watch.summary());
+}

@@ -1,0 +1,51 @@
+//! Nor do the two sides of a sound device, each on its thread: what starts and ends a run is the same however long it is.
+
+use super::calls;
+use ca_core::{Options as Compile, compile, model::read};
+use ca_haptic::engine::{Engine, Options};
+use ca_haptic::rt::now_ns;
+use ca_haptic::serve::audio::{Who, link};
+use ca_haptic::serve::{Clock, Every, Live, Shared, rings};
+use std::sync::Arc;
+use std::sync::atomic::Ordering::Relaxed;
+use std::time::Duration;
+
+const TEXT: &str = "[CEL]\nbar = { m = \"1 g\", f = \"220 Hz\", dx0 = \"1 mm\" }\n[SOX]\nout = { from = \"bar\" }\n";
+
+/// Calls of the allocator in a run of so many frames: by the engine, and by the device, which stops on the way.
+fn run(frames: u64) -> (u64, u64) {
+    let catalog = ca_tests::catalog();
+    let (model, _) = read::read(TEXT, "bar.ca.toml", &catalog);
+    let scene = Arc::new(compile(&model, &catalog, &Compile::default()).expect("it compiles"));
+    let engine = Engine::new(scene.clone(), vec![], Options::default());
+    let (mut ends, _gateway, _desk) = rings(&scene, 0, 0);
+    let who = Who { rate: 48_000, channels: 2, ..Who::default() };
+    let (follow, mut player, watch) = link(scene.channels, scene.ratio, who, 64);
+    ends.audio = Some(follow);
+    let counts = watch.counts.clone();
+    let device = std::thread::spawn(move || {
+        let mut out = [0.0; 128];
+        let (mut fills, mut n) = (0, 0);
+        while !counts.done.load(Relaxed) {
+            std::thread::sleep(Duration::from_micros(1300));
+            // every so often it is away for long, and asks twice when it comes back
+            if fills % 100 == 99 {
+                std::thread::sleep(Duration::from_millis(150));
+                n += calls(|| player.fill(&mut out, 2, now_ns()));
+            }
+            n += calls(|| player.fill(&mut out, 2, now_ns()));
+            fills += 1;
+        }
+        n
+    });
+    let live = Live::new(engine, ends, Arc::new(Shared::default()), Clock::Audio, Every::default());
+    let n = calls(|| assert_eq!(live.run(Some(frames)).counts.frames, frames + 1));
+    (n, device.join().expect("no panic"))
+}
+
+#[test]
+fn a_sound_device_allocates_nothing() {
+    let (short, long) = (run(3), run(3000));
+    assert_eq!(short.0, long.0, "the engine");
+    assert_eq!((short.1, long.1), (0, 0), "the device");
+}
