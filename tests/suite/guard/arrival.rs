@@ -49,6 +49,21 @@ fn a_device_that_appears_elsewhere_is_met_gently() {
 }
 
 #[test]
+fn keys_that_move_all_the_time_are_met_one_by_one() {
+    let two = KEY.replace("500", "0").replace("[SOL]", "other = { device = \"key\", dof = 1 }\n[SOL]");
+    let mut rig = Rig::new(&two, profile(|p| p.dof = 2));
+    rig.order(Order::Arm);
+    // 8 mm each way, ten times as fast as the scene may go to them, never both where it has them
+    let at = |n: u32| [0.0, 1.0].map(|late| 8e-3 * (25.0 * (f64::from(n) * TE - late)).sin());
+    let met = (1..6000).find(|n| mode(&rig.go(&at(*n))) == Mode::Ramp).expect("a ramp");
+    assert!(met < 3000, "{met}");
+    for n in met + 1..met + 300 {
+        rig.go(&at(n));
+        assert_eq!(rig.engine.state.input[..2], at(n), "followed");
+    }
+}
+
+#[test]
 fn a_number_from_nowhere_is_no_end() {
     let mut rig = Rig::new(KEY, profile(|_| {}));
     rig.on(&[0.0]);

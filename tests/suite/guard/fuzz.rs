@@ -85,7 +85,7 @@ fn any_force_of_a_model() {
             (p.guard.slew, p.guard.passivity, p.guard.edge) = (Some(1e9), false, 0.0);
         }
         let (mut chain, mut hand) = (Chain::new(&p, TE), Hand::new(3, TE));
-        (hand.calibrated, hand.met, hand.age) = (true, true, 0);
+        (hand.calibrated, hand.met, hand.age) = (true, u32::MAX, 0);
         let mut w = Watcher::new(&p);
         let mut dice = Dice(99 + u64::from(axes));
         let (mut size, mut turned) = (0.0, 0);

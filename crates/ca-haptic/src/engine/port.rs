@@ -129,16 +129,18 @@ impl Port {
         if self.hand.age == u32::MAX {
             return;
         }
-        let reach = if self.hand.met { self.reach } else { self.gentle };
-        let mut met = true;
+        self.hand.met |= !self.used;
         for k in (0..self.hand.n).filter(|k| self.used >> k & 1 == 1) {
+            let reach = if self.hand.met >> k & 1 == 1 { self.reach } else { self.gentle };
             let step = self.hand.x[k] - self.there[k];
-            let near = step.abs() < reach;
-            // exactly the hand where it can be reached
-            self.there[k] = if near { self.hand.x[k] } else { self.there[k] + step.clamp(-reach, reach) };
-            met &= near;
+            // exactly the hand where it can be reached, or came by
+            if step.abs() < reach || step * (step - self.hand.moved[k]) < 0.0 {
+                self.there[k] = self.hand.x[k];
+                self.hand.met |= 1 << k;
+            } else {
+                self.there[k] += step.clamp(-reach, reach);
+            }
         }
-        self.hand.met |= met;
         for l in &self.links {
             state.input[l.input] = l.gains.alpha * self.there[l.dof];
         }
@@ -195,7 +197,7 @@ impl Port {
         for l in &self.links {
             self.there[l.dof] = initial.input[l.input] / l.gains.alpha;
         }
-        self.hand.met = false;
+        self.hand.met = 0;
         self.last.fill(0.0);
     }
 

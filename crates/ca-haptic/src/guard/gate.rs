@@ -116,7 +116,7 @@ impl Stage for Gate {
                 hand.flags |= flag::WAIT_CLEAR;
                 let heavy = |f: f64| f > 0.0 && f >= self.clear;
                 let pushes = (0..hand.n).step_by(self.axes).any(|at| heavy(hand.length(at, self.axes)));
-                let clear = hand.calibrated && hand.met && hand.age <= self.hold && !pushes && !fast;
+                let clear = hand.calibrated && hand.met == u32::MAX && hand.age <= self.hold && !pushes && !fast;
                 self.since = if clear { self.since + 1 } else { 0 };
                 if self.since >= self.clear_frames {
                     (self.mode, self.since) = (Mode::Ramp, 0);

@@ -117,7 +117,7 @@ impl Inlet {
                 if self.seen > 0 {
                     hand.trip(Cause::Disconnect);
                 }
-                (self.seen, hand.met) = (0, false);
+                (self.seen, hand.met) = (0, 0);
                 self.before[..self.n].copy_from_slice(&f.pos[..self.n]);
                 hand.v = [0.0; DOF];
             }

@@ -45,8 +45,9 @@ pub struct Hand {
     pub age: u32,
     /// the device says its positions are metres
     pub calibrated: bool,
-    /// the scene has the device where it is: it goes there gently when one appears
-    pub met: bool,
+    /// DOF that the scene has where they are, a bit each, those it has not at all included: it goes there gently when a
+    /// device appears
+    pub met: u32,
     /// position \[m\], of the device
     pub x: [f64; DOF],
     /// motion since the last frame \[m\]
@@ -85,7 +86,7 @@ impl Hand {
             fresh: false,
             age: u32::MAX,
             calibrated: false,
-            met: false,
+            met: 0,
             x: [0.0; DOF],
             moved: [0.0; DOF],
             v: [0.0; DOF],

@@ -60,13 +60,13 @@ fn the_first_difference_is_found_with_both_values() {
 
     // a hand that was elsewhere, by a nanometre: every force and sample after it may differ, and something does
     let x = 4 + 112;
-    forge(&good, &bad, "/device/left/in", 700, |data| {
+    forge(&good, &bad, "/device/left/in", 1150, |data| {
         let old = f64::from_le_bytes(data[x..x + 8].try_into().unwrap());
         data[x..x + 8].copy_from_slice(&(old + 1e-9).to_le_bytes());
     });
     let v = replay(&bad);
     let d = v.difference.clone().expect("a difference");
-    assert!(v.frames >= 700 && v.frames < 720, "{v:?}");
+    assert!(v.frames >= 1150 && v.frames < 1170, "{v:?}");
     assert!(d.was != d.is, "{d}");
 
     // one bit of one sample
