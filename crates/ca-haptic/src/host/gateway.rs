@@ -1,7 +1,7 @@
 //! The side of the server: N devices, one thread.
 //!
 //! Decides that this thread polls instead of waiting for events: a wait on a set of events allocates and costs more than
-//! a look every 50 µs, and the engine is woken by its own clock. Frames are only looked at for their layout and their
+//! a look every 50 µs (a millisecond while no device is there), and the engine is woken by its own clock. Frames are only looked at for their layout and their
 //! sender here; whether they can be true is the guard's question. A device is there from its first frame and gone after
 //! a quarter of a second of silence, whatever its process does.
 
@@ -20,10 +20,11 @@ use std::sync::{Arc, mpsc};
 use std::thread::{JoinHandle, sleep};
 use std::time::Duration;
 
-/// Time between two looks.
-pub const POLL: Duration = Duration::from_micros(50);
+/// Time between two looks, and while no device is there.
+const POLL: Duration = Duration::from_micros(50);
+const IDLE: Duration = Duration::from_millis(1);
 /// Silence after which a device is gone \[ns\].
-pub const SILENCE_NS: u64 = 250_000_000;
+const SILENCE_NS: u64 = 250_000_000;
 
 /// Frames in a row that nobody misses without being gone.
 const UNLIKELY: u64 = 1 << 32;
@@ -203,7 +204,7 @@ impl Gateway {
                 // one who no longer listens does not want to know
                 let _ = rings.events.send((k as u32, event));
             }
-            sleep(POLL);
+            sleep(if self.places.iter().any(|p| p.heard != 0) { POLL } else { IDLE });
         }
         // the last word of an engine is that forces are off: nobody should have to wait for its silence
         while let Ok((k, mut frame)) = rings.outgoing.pop() {
