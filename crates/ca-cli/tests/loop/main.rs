@@ -9,6 +9,7 @@ mod conform;
 mod faults;
 mod fuzz;
 mod liar;
+mod limits;
 mod piano;
 mod quiet;
 mod raw;

@@ -6,9 +6,9 @@
 //! and come back with the next engine.
 
 use super::error::HostError;
-use super::lines::{Bell, Frames, Ipc, Line, check_name};
+use super::lines::{Bell, Frames, Line, check_name};
 use super::session::session;
-use super::site::Site;
+use super::site::{Ipc, Site};
 use super::watch::Watch;
 use crate::frame::{About, Cause, DOF, DeviceFrame, ForceFrame, VERSION, text, uid};
 use crate::rt::now_ns;

@@ -5,8 +5,7 @@
 //! request land in one tick.
 
 use super::error::{HostError, HostErrorKind};
-use super::lines::Ipc;
-use super::site::Site;
+use super::site::{Ipc, Site};
 use crate::frame::VERSION;
 use iceoryx2::port::server::Server;
 use iceoryx2::prelude::{

@@ -6,8 +6,8 @@
 //! a quarter of a second of silence, whatever its process does.
 
 use super::error::{HostError, HostErrorKind};
-use super::lines::{Bell, Frames, Ipc, Line, check_name};
-use super::site::Site;
+use super::lines::{Bell, Frames, Line, check_name};
+use super::site::{Ipc, Site};
 use crate::frame::{About, DeviceFrame, ForceFrame, text, uid};
 use crate::rt::{Granted, Wish, now_ns};
 use iceoryx2::port::notifier::Notifier;

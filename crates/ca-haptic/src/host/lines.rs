@@ -5,13 +5,13 @@
 //! process that was killed, the place is swept and taken.
 
 use super::error::{HostError, HostErrorKind};
-use super::site::Site;
+use super::site::{Ipc, Site};
 use iceoryx2::port::listener::Listener;
 use iceoryx2::port::notifier::Notifier;
 use iceoryx2::port::publisher::{Publisher, PublisherCreateError};
 use iceoryx2::port::subscriber::{Subscriber, SubscriberCreateError};
 use iceoryx2::prelude::{
-    BackpressureStrategy, CallbackProgression, Node, PortFactory as _, Service as _, ServiceName, ZeroCopySend, ipc,
+    BackpressureStrategy, CallbackProgression, Node, PortFactory as _, Service as _, ServiceName, ZeroCopySend,
 };
 use iceoryx2::service::builder::publish_subscribe::{
     PublishSubscribeCreateError as Create, PublishSubscribeOpenError as Open,
@@ -21,9 +21,6 @@ use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
 use std::fmt::Debug;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
-
-/// Shared memory between processes, with ports for one thread each.
-pub(super) type Ipc = ipc::Service;
 
 /// Newest frames kept for a reader that is late.
 const BUFFER: usize = 4;

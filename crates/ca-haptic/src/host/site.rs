@@ -12,17 +12,19 @@
 //! ```
 
 use super::error::{HostError, HostErrorKind};
-use super::lines::Ipc;
 use crate::frame::{VERSION, fnv};
 use iceoryx2::node::NodeView;
 use iceoryx2::prelude::{
-    CallbackProgression, Config, FileName, Node, NodeBuilder, NodeName, NodeState, Path as IoxPath,
+    CallbackProgression, Config, FileName, Node, NodeBuilder, NodeName, NodeState, Path as IoxPath, ipc,
 };
 use iceoryx2::prelude::{LogLevel, SemanticString, SignalHandlingMode, set_log_level_from_env_or};
 use std::fs;
 use std::os::unix::fs::{DirBuilderExt, MetadataExt};
 use std::path::{Path, PathBuf};
 use std::sync::Once;
+
+/// Shared memory between processes, with ports for one thread each.
+pub(super) type Ipc = ipc::Service;
 
 /// Release of iceoryx2 this build speaks.
 pub const IOX: &str = "0.10.0";

@@ -1,0 +1,156 @@
+//! What the guard takes away, on the wire: H4, H11, H13, and each cause of H14 that a device can give, through shared
+//! memory. The positions are functions of their numbers, so that each force is held to a closed form by its `ack`.
+
+use super::liar::Liar;
+use super::stage::{PROFILE, Stage, until};
+use super::watch::{Seen, Watch};
+use ca_haptic::frame::{Cause, DeviceFrame, Mode, flag, status};
+use ca_haptic::profile::Profile;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+
+/// A spring from the key to a place far away, whose stiffness is played: nothing at first.
+fn spring(far: &str, most: f64) -> String {
+    format!(
+        "[param]\nk = {{ value = 0, unit = \"N/m\", live = true, min = 0, max = {most} }}\n\
+         [TGR]\nkey = {{ device = \"key\", dof = 0 }}\n[SOL]\nfar = {{ x = \"{far}\" }}\n\
+         [RES]\ns = {{ between = [\"key\", \"far\"], k = \"k\", l0 = 0 }}\n"
+    )
+}
+
+/// A stage with that model and a key with more in its profile.
+fn stage(model: &str, root: &str, guard: &str) -> (Stage, Profile) {
+    let stage = Stage::new();
+    let text = PROFILE.replace("dof = 1", &format!("dof = 1\n{root}")) + guard;
+    stage.put("c/profiles/key.toml", &text).put("key.ca.toml", model);
+    (stage, Profile::read(&text, "key").unwrap())
+}
+
+/// Frames with forces fully on, from a fresh position, and with a flag.
+fn with(seen: &Seen, bit: u32) -> Vec<(u64, f64)> {
+    seen.of(Mode::On).filter(|f| f.flags & (bit | flag::STALE) == bit).map(|f| (f.ack, f64::from(f.force[0]))).collect()
+}
+
+#[test]
+fn h4_motors_stay_within_their_rating() {
+    let (stage, p) = stage(&spring("1 m", 20.0), "continuous = 3.0", "");
+    let watch = Watch::of(&stage.site, "key");
+    let _server = stage.serve("key.ca.toml", &["--quiet"]);
+    let _device = Liar::moving(&stage.site, "key", |_, _| {});
+    let count = watch.count();
+    until("four seconds of it", || {
+        // where forces went off meanwhile, the time at rest is no harm
+        if stage.state().0 != "on" {
+            stage.ca(&["set", "k=0 N/m"]).is(0);
+            stage.on();
+            stage.ca(&["set", "k=10 N/m"]).is(0);
+        }
+        watch.count() > count + 15_000
+    });
+    let seen = watch.end(&p);
+    // an independent account: exponential over one second, of what was sent
+    let (mut heat, mut worst, mut last) = (0.0_f64, 0.0_f64, None);
+    for f in &seen.frames {
+        let apart = last.map_or(1, |s: u64| f.seq.saturating_sub(s));
+        heat += (1.0 - (-(apart as f64) / 3000.0).exp()) * (f64::from(f.force[0]).powi(2) - heat);
+        (worst, last) = (worst.max(heat.sqrt()), Some(f.seq));
+    }
+    assert!(worst <= 3.0 * (1.0 + 1e-3), "{worst} N r.m.s. over a second");
+    assert!(worst > 2.9, "it was never warm: {worst} N");
+    assert!(seen.frames.iter().any(|f| f.force[0] > 9.99), "full force for a moment");
+    assert!(with(&seen, flag::THERMAL).len() > 1000);
+}
+
+#[test]
+fn h11_the_edge_of_the_travel_is_soft() {
+    let (stage, p) = stage(&spring("0 m", 20.0), "", "passivity = false\n");
+    let watch = Watch::of(&stage.site, "key");
+    let _server = stage.serve("key.ca.toml", &["--quiet"]);
+    let place = |n: u64| 0.0099 * (std::f64::consts::TAU * 0.2 * n as f64 / 3000.0).sin();
+    let _device = Liar::moving(&stage.site, "key", move |n, f| f.pos[0] = place(n));
+    until("both edges are felt", || {
+        stage.on();
+        let edges = with(&watch.so_far(), flag::EDGE);
+        edges.iter().any(|f| f.1 > 8.0) && edges.iter().any(|f| f.1 < -8.0)
+    });
+    let seen = watch.end(&p);
+    // ten newtons over the last millimetre
+    for (ack, force) in with(&seen, flag::EDGE) {
+        let x = place(ack);
+        let want = -1e4 * (x.abs() - 0.009).max(0.0) * x.signum();
+        assert!((force - want).abs() < 1e-3, "at {x} m: {force} N, not {want} N");
+    }
+    let free: Vec<f32> = seen.of(Mode::On).filter(|f| f.flags & flag::EDGE == 0).map(|f| f.force[0]).collect();
+    assert!(free.len() > 1000 && free.iter().all(|f| *f == 0.0));
+}
+
+#[test]
+fn h13_an_oscillation_is_weakened() {
+    let (stage, p) = stage(&spring("0 m", 9000.0), "", "passivity = false\n");
+    let watch = Watch::of(&stage.site, "key");
+    let _server = stage.serve("key.ca.toml", &["--quiet"]);
+    // a second at rest, half a second of 60 Hz: 0.38 m/s, and with 5 kN/m 5 N
+    let burst = |n: u64| (n % 4500).checked_sub(3000);
+    let place = move |n: u64| burst(n).map_or(0.0, |b| 1e-3 * (std::f64::consts::TAU * b as f64 / 50.0).sin());
+    let _device = Liar::moving(&stage.site, "key", move |n, f| f.pos[0] = place(n));
+    stage.on();
+    stage.ca(&["set", "k=5 kN/m"]).is(0);
+    // the end of a burst, long after it was noticed
+    let late = |f: &&(u64, f64)| burst(f.0).is_some_and(|b| b > 600);
+    until("it is noticed", || {
+        stage.on();
+        with(&watch.so_far(), flag::OSCILLATION).iter().filter(late).count() > 600
+    });
+    let seen = watch.end(&p);
+    for (ack, force) in with(&seen, flag::OSCILLATION).iter().filter(late) {
+        // the force of a frame is its mean; a frame of the device may be left out
+        let want = -0.3 * 5e3 * 0.5 * (place(*ack) + place(ack - 1));
+        assert!((force - want).abs() < 0.1, "{force} N, not {want} N");
+    }
+    let before = seen.of(Mode::On).filter(|f| f.flags & flag::OSCILLATION == 0);
+    assert!(before.map(|f| f.force[0].abs()).fold(0.0, f32::max) > 4.9, "it was felt before");
+}
+
+#[test]
+fn h14_what_a_device_says_of_itself_ends_forces_with_its_cause() {
+    const SAID: [(fn(&mut DeviceFrame), Cause); 7] = [
+        (|f| f.status |= status::DEADMAN, Cause::Deadman),
+        (|f| f.status |= status::THERMAL, Cause::Thermal),
+        (|f| f.status &= !status::CONNECTED, Cause::Disconnect),
+        (|f| f.status &= !status::CALIBRATED, Cause::Implausible),
+        (|f| f.cause = Cause::Button as u16, Cause::Button),
+        (|f| f.cause = Cause::Software as u16, Cause::Software),
+        (|f| f.cause = Cause::Velocity as u16, Cause::Velocity),
+    ];
+    let stage = Stage::new();
+    let watch = Watch::of(&stage.site, "key");
+    let _server = stage.serve("key.ca.toml", &["--quiet"]);
+    let says = Arc::new(AtomicUsize::new(SAID.len()));
+    let what = says.clone();
+    let good = DeviceFrame::new("key", 1);
+    let _device = Liar::moving(&stage.site, "key", move |_, f| {
+        (f.status, f.cause) = (good.status, good.cause);
+        if let Some((say, _)) = SAID.get(what.load(Relaxed)) {
+            say(f);
+        }
+    });
+    for (k, (_, cause)) in SAID.iter().enumerate() {
+        until(cause.name(), || {
+            says.store(SAID.len(), Relaxed);
+            stage.on();
+            says.store(k, Relaxed);
+            until("forces are off", || stage.state().0 == "fault");
+            stage.state().1 == cause.name()
+        });
+        // it stays so while the device is well again
+        says.store(SAID.len(), Relaxed);
+        let frames = stage.state().2;
+        until("frames come", || stage.state().2 > frames + 300);
+        let (mode, now, _) = stage.state();
+        assert_eq!((mode.as_str(), now.as_str()), ("fault", cause.name()));
+    }
+    let seen = watch.end(&super::watch::key());
+    for (_, cause) in SAID {
+        assert!(seen.faults().contains(&cause), "{cause:?}: {:?}", seen.faults());
+    }
+}
