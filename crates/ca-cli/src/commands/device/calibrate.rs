@@ -110,10 +110,8 @@ fn asked(name: &str, n: usize) -> Result<Vec<Option<[f64; 2]>>, Failure> {
     let mut stops = Vec::new();
     for k in 0..n {
         stops.push(loop {
-            let (Some(low), Some(high)) = (stop(&mut lines, name, k, "low")?, stop(&mut lines, name, k, "high")?)
-            else {
-                break None;
-            };
+            let Some(low) = stop(&mut lines, name, k, "low")? else { break None };
+            let Some(high) = stop(&mut lines, name, k, "high")? else { break None };
             let way = (high.0 - low.0).abs();
             if way > 0.0 && low.1.max(high.1) <= STILL * way {
                 break Some([low.0, high.0]);

@@ -1,0 +1,94 @@
+//! `ca device calibrate` asked in a terminal: a person who brings a device to its stops, skips an axis, lets it move.
+
+use super::liar::Liar;
+use super::stage::{Stage, until};
+use std::fs::File;
+use std::io::Write as _;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicI64, Ordering::Relaxed};
+
+/// The command in a terminal of its own, which `script` of util-linux makes. Ends with its value.
+struct Terminal {
+    child: Child,
+    shown: std::path::PathBuf,
+    seen: usize,
+}
+
+impl Terminal {
+    fn of(stage: &Stage, line: &str) -> Terminal {
+        let shown = stage.path("shown");
+        let bin = Path::new(env!("CARGO_BIN_EXE_ca")).parent().unwrap();
+        let mut c = stage.command("script", &["-qefc", line, "/dev/null"]);
+        c.env("PATH", format!("{}:{}", bin.display(), std::env::var("PATH").unwrap()));
+        c.stdin(Stdio::piped()).stdout(File::create(&shown).unwrap()).stderr(Stdio::null());
+        Terminal { child: c.spawn().unwrap(), shown, seen: 0 }
+    }
+    /// Waits for words that were not there yet.
+    fn shows(&mut self, words: &str) {
+        until(words, || {
+            let all = std::fs::read(&self.shown).unwrap();
+            let new = String::from_utf8_lossy(&all[self.seen.min(all.len())..]).into_owned();
+            let found = new.find(words);
+            if let Some(at) = found {
+                self.seen += at + words.len();
+            }
+            found.is_some()
+        });
+    }
+    fn types(&mut self, line: &str) {
+        writeln!(self.child.stdin.as_mut().unwrap(), "{line}").unwrap();
+    }
+}
+
+impl Drop for Terminal {
+    fn drop(&mut self) {
+        // one that ended already cannot be killed
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+#[test]
+fn a_person_is_asked_for_each_stop() {
+    if Command::new("script").arg("--version").output().is_err() {
+        println!("`script` is not installed: nobody is asked in a terminal");
+        return;
+    }
+    let stage = Stage::new();
+    let profile = super::stage::PROFILE.replace("dof = 1", "dof = 2");
+    stage.put("c/profiles/key.toml", &profile);
+    // what its sensor says, in counts; it shakes while that is negative
+    let says = Arc::new(AtomicI64::new(100));
+    let counts = says.clone();
+    let _device = Liar::moving(&stage.site, "key", move |n, f| {
+        let at = counts.load(Relaxed);
+        f.n = 2;
+        f.pos[0] = if at < 0 { 1000.0 * (n % 2) as f64 } else { at as f64 };
+    });
+    let mut t = Terminal::of(&stage, "ca device calibrate key");
+    t.shows("axis 0, low stop: ");
+    t.types("");
+    t.shows("axis 0, high stop: ");
+    // it moves while it is read: asked again from the beginning
+    says.store(-1, Relaxed);
+    t.types("");
+    t.shows("it moved while it was read");
+    t.shows("axis 0, low stop: ");
+    says.store(4100, Relaxed);
+    t.types("");
+    t.shows("axis 0, high stop: ");
+    says.store(100, Relaxed);
+    t.types("");
+    t.shows("axis 1, low stop: ");
+    t.types("s");
+    t.shows("calibration");
+    until("it ends", || t.child.try_wait().unwrap().is_some());
+    let text = stage.read("c/calibration/key.toml");
+    let c = ca_haptic::calibration::Calibration::read(&text, "key.toml").unwrap();
+    // 20 mm over 4000 counts, upside down; the axis that was skipped is as it was
+    assert!((c.axis[0].scale + 5e-6).abs() < 1e-15 && (c.axis[0].offset - 0.0105).abs() < 1e-12, "{text}");
+    assert_eq!(c.axis[1], ca_haptic::calibration::Axis::default());
+    assert_eq!(c.device, "key");
+}
