@@ -1,8 +1,8 @@
 //! Sound straight to a sound device: a real JACK server without hardware plays a model, and a client of ours listens at
-//! its port. What it hears is what the same run wrote to its file, to the bit, wherever nothing was counted as lost.
-//!
-//! The listener is this binary once more, in the role of a process, since only a process can be told its server.
+//! its port, as a process of its own, since only a process can be told its server. What it hears is what the same run
+//! wrote to its file, to the bit, wherever nothing was counted as lost.
 
+use super::role::{Job, Role};
 use super::stage::{Proc, Stage, until};
 use ca_haptic::host::control::Request;
 use std::fs;
@@ -51,12 +51,9 @@ impl Jack {
         stage.start(c)
     }
 
-    /// A process that writes what it hears to a file, until nobody speaks.
-    fn listener(&self, stage: &Stage, file: &str) -> Proc {
-        let me = std::env::current_exe().unwrap();
-        let mut c = stage.command(me.to_str().unwrap(), &["--exact", "audio::role_of_a_listener", "--nocapture"]);
-        c.env("JACK_DEFAULT_SERVER", &self.name).env("CA_TEST_HEARD", stage.path(file));
-        stage.start(c)
+    /// A process that writes what it hears to a file.
+    fn listener(&self, stage: &Stage) -> Role {
+        Role::start(&stage.site, "audio::ears", &self.name, 0)
     }
 }
 
@@ -92,39 +89,42 @@ impl jack::ProcessHandler for Ears {
     }
 }
 
-/// Not a test but a process of the ones below; passes at once where none of them asks.
 #[test]
-fn role_of_a_listener() {
-    let Some(file) = std::env::var_os("CA_TEST_HEARD") else { return };
-    let mut file = fs::File::create(file).unwrap();
+#[ignore = "a part of other tests"]
+fn ears() {
+    let Some(job) = Job::asked() else { return };
     let (client, _) = jack::Client::new("ears", jack::ClientOptions::NO_START_SERVER).unwrap();
     let port = client.register_port("in", jack::AudioIn::default()).unwrap();
     let ours = port.name().unwrap();
     // ten seconds
     let (mut heard, writer) = jack::RingBuffer::new(4 * 480_000).unwrap().into_reader_writer();
     let client = client.activate_async((), Ears(port, writer)).unwrap();
-    let speaks = || client.as_client().ports(Some("cpal_client_.*:out_0"), None, jack::PortFlags::empty());
-    until("somebody speaks", || {
-        speaks().first().is_some_and(|p| client.as_client().connect_ports_by_name(p, &ours).is_ok())
-    });
-    println!("listens");
+    let mut file = job.ready();
     let mut block = vec![0; 1 << 16];
-    // a server that lost patience with this client calls it no more
-    let mut quiet = 0;
-    while quiet < 500 {
-        let over = speaks().is_empty();
-        let n = heard.read_buffer(&mut block);
-        file.write_all(&block[..n]).unwrap();
-        quiet = if n == 0 { quiet + 1 } else { 0 };
-        if over && n == 0 {
-            return;
-        }
+    let mut listens = false;
+    loop {
+        let over = job.is_over();
+        // what is under way is there before this turn is over
         std::thread::sleep(Duration::from_millis(10));
+        if !listens && !over {
+            let speaks = client.as_client().ports(Some("cpal_client_.*:out_0"), None, jack::PortFlags::empty());
+            listens = speaks.first().is_some_and(|p| client.as_client().connect_ports_by_name(p, &ours).is_ok());
+        }
+        loop {
+            let n = heard.read_buffer(&mut block);
+            file.write_all(&block[..n]).unwrap();
+            if n == 0 {
+                break;
+            }
+        }
+        if over {
+            // a client that takes its leave may wait for its server for ever
+            std::process::exit(i32::from(!listens));
+        }
     }
 }
 
-fn samples(stage: &Stage, file: &str) -> Vec<f32> {
-    let bytes = fs::read(stage.path(file)).unwrap();
+fn samples(bytes: &[u8]) -> Vec<f32> {
     bytes.chunks_exact(4).map(|b| f32::from_le_bytes(b.try_into().unwrap())).collect()
 }
 
@@ -164,10 +164,10 @@ fn what_is_heard_is_what_is_written() {
         let stage = Stage::new();
         stage.put("bar.ca.toml", BAR);
         let Some(jack) = Jack::start(&stage, frames) else { return };
-        let listener = jack.listener(&stage, "heard");
+        let listener = jack.listener(&stage);
         let args = ["serve", "bar.ca.toml", "--audio", "jack", "--seconds", "5", "-o", "bar.wav", "--json"];
         let played = jack.ca(&stage, &[&args[..], &["--log", "bar.mcap"]].concat()).end();
-        listener.end().is(0).says(&["listens"]);
+        let heard = samples(&listener.end());
         let told = played.json();
         let audio = &told["audio"];
         let n = |k: &str| audio[k].as_u64().unwrap_or_else(|| panic!("no {k} in {audio:#}"));
@@ -179,7 +179,6 @@ fn what_is_heard_is_what_is_written() {
         assert_eq!(played.code, Some(if told["faithful"] == true { 0 } else { 3 }), "{told:#}");
         assert!(lost == 0 || played.code == Some(3), "{told:#}");
 
-        let heard = samples(&stage, "heard");
         let mut wav = hound::WavReader::open(stage.path("bar.wav")).unwrap();
         let written: Vec<f32> = wav.samples().map(Result::unwrap).collect();
         let (same, breaks) = compare(&heard, &written);

@@ -32,6 +32,8 @@ impl Role {
         let child = Command::new(std::env::current_exe().unwrap())
             .args(["--exact", name, "--ignored", "--nocapture"])
             .env("CA_SHM_ROOT", site.root())
+            // a part that listens to sound is at the server of this name
+            .env("JACK_DEFAULT_SERVER", device)
             .envs([(RECORD, record.as_os_str()), (DEVICE, device.as_ref()), (MORE, more.to_string().as_ref())])
             .stdin(Stdio::piped())
             .stdout(Stdio::null())
