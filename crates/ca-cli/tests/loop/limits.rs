@@ -111,9 +111,12 @@ fn h13_an_oscillation_is_weakened() {
     assert!(before.map(|f| f.force[0].abs()).fold(0.0, f32::max) > 4.9, "it was felt before");
 }
 
+/// What a device says of itself.
+type Say = fn(&mut DeviceFrame);
+
 #[test]
 fn h14_what_a_device_says_of_itself_ends_forces_with_its_cause() {
-    const SAID: [(fn(&mut DeviceFrame), Cause); 7] = [
+    const SAID: [(Say, Cause); 7] = [
         (|f| f.status |= status::DEADMAN, Cause::Deadman),
         (|f| f.status |= status::THERMAL, Cause::Thermal),
         (|f| f.status &= !status::CONNECTED, Cause::Disconnect),
