@@ -35,7 +35,7 @@ fn handing_over_allocates_nothing() {
     assert!(lost > 100_000, "nothing was too much");
     // more is asked than finds room: boxes come back or wait, and are not freed here
     for _ in 0..3 {
-        while desk.acts.push(Act::Set(Box::<Change>::default())).is_ok() {}
+        while desk.acts.push((0, Act::Set(Box::<Change>::default()))).is_ok() {}
         assert_eq!(calls(|| live.frame()), 0, "boxes are freed elsewhere");
     }
 }

@@ -47,8 +47,10 @@ pub fn profile_of(device: &str, given: &[String]) -> Result<Profile, Failure> {
     if let Some(word) = named.or(plain) {
         return profile(word);
     }
-    if let Ok(p) = profile(device) {
-        return Ok(p);
+    // one that is there and cannot be read is an error, not another device
+    match profile(device) {
+        Err(Failure::Usage(_)) => {}
+        found => return found,
     }
     let p = profile("unknown")?;
     term::warning(&format!(

@@ -87,22 +87,25 @@ def main(name, frames):
                 continue
             rested = (rested and last.session == f.session) or f.mode not in (1, 2, 3)
             last = f
-        if last is None or not rested or last.mode not in (1, 2, 3):
-            return 0.0
-        age = time.monotonic_ns() - last.t_host_ns
+        if last is None or not rested:
+            return 0.0, 10  # nobody there, or not seen at rest: DISCONNECT
+        if not 0 <= time.monotonic_ns() - last.t_host_ns <= min(last.ttl_us * 1000, 100_000_000):
+            return 0.0, 6  # too old: WATCHDOG_OUT
+        if last.mode not in (1, 2, 3):
+            return 0.0, 1  # at rest: DISARMED
         x = last.force[0]
-        return x if 0 <= age <= min(last.ttl_us * 1000, 100_000_000) and abs(x) < float("inf") else 0.0
+        return (x, 0) if abs(x) < float("inf") else (0.0, 7)  # no number: NONFINITE
 
     x = v = most = 0.0
-    felt, due = 0, time.monotonic()
+    felt, cause, due = 0, 10, time.monotonic()
     for seq in range(1, frames + 1):
         if seq % int(1 / DT) == 1:  # once a second
             tells.send_copy(about)
         now = time.monotonic_ns()
         sends.send_copy(fill(DeviceFrame, seq=seq, ack=last.seq if last else 0, t_device_ns=now, t_host_ns=now,
-                             period_ns=int(DT * 1e9), status=1 | 2 | 4 | 256, n=1, mask=1,
+                             period_ns=int(DT * 1e9), status=1 | 2 | 4 | 256, cause=cause, n=1, mask=1,
                              pos=(c.c_double * DOF)(x)))
-        force = safe_force()
+        force, cause = safe_force()
         v = (v + force / M * DT) / (1 + Z / M * DT)
         x, felt, most = x + v * DT, felt + (force != 0), max(most, abs(force))
         due += DT

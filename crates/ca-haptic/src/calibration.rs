@@ -33,7 +33,7 @@ pub struct Calibration {
     /// name of the device
     #[serde(default)]
     pub device: String,
-    /// who did it, and when
+    /// who did it, and with what
     #[serde(default)]
     pub by: String,
     /// its degrees of freedom, from the first; those beyond have no correction

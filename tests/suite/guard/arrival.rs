@@ -2,7 +2,7 @@
 
 use super::{KEY, Rig, TE, cause, force, is_off, mode, profile};
 use crate::play::within;
-use ca_haptic::frame::{Cause, Mode, flag};
+use ca_haptic::frame::{Cause, Mode, flag, status};
 use ca_haptic::guard::Order;
 use ca_haptic::guard::input::Verdict;
 
@@ -90,4 +90,96 @@ fn a_number_from_nowhere_is_no_end() {
         rig.frame();
     }
     assert!(is_off(&rig.frame(), Cause::Implausible));
+}
+
+#[test]
+fn nobody_is_armed_on_a_position_that_nobody_sends() {
+    let mut rig = Rig::new(KEY, profile(|_| {}));
+    rig.on(&[9e-4]);
+    // in one frame: a wild number, and as many old ones as begin anew; then silence
+    let seq = rig.next.seq;
+    rig.next.seq = u64::MAX - 1;
+    rig.send(&[9e-4]);
+    rig.next.seq = seq;
+    (0..11).for_each(|_| assert_eq!(rig.send(&[9e-4]), Verdict::Old));
+    rig.frame();
+    assert!(is_off(&rig.frame(), Cause::Implausible));
+    rig.order(Order::Arm);
+    for _ in 0..6000 {
+        let f = rig.frame();
+        assert!(mode(&f) == Mode::Off && force(&f) == 0.0, "{f:?}");
+    }
+}
+
+#[test]
+fn a_clock_in_other_units_lets_no_jump_through() {
+    for (wild, units) in [(false, 1000), (true, 1)] {
+        let mut rig = Rig::new(KEY, profile(|_| {}));
+        let step = |rig: &mut Rig, x: f64| {
+            rig.next.t_host_ns += 333_333;
+            rig.next.t_device_ns += 333_333 * (units - 1);
+            rig.send(&[x])
+        };
+        rig.order(Order::Arm);
+        let on = (0..6000).find(|_| {
+            step(&mut rig, 0.0);
+            mode(&rig.frame()) == Mode::On
+        });
+        assert!(on.is_some());
+        if wild {
+            rig.next.t_device_ns += 1_000_000_000;
+        }
+        assert_eq!(step(&mut rig, 5e-3), Verdict::Jump, "{units}");
+        let f = rig.frame();
+        assert!(mode(&f) == Mode::On && force(&f).abs() < 1e-9, "{f:?}");
+    }
+}
+
+#[test]
+fn power_that_comes_late_is_no_step() {
+    let mut rig = Rig::new(KEY, profile(|_| {}));
+    let ready = rig.next.status;
+    for (lost, at_once) in [(status::POWERED, ready & !status::POWERED), (status::BRAKE, ready | status::BRAKE)] {
+        rig.next.status = at_once;
+        rig.order(Order::Arm);
+        for _ in 0..6000 {
+            let f = rig.go(&[0.0]);
+            assert!(mode(&f) == Mode::Off && f.flags & flag::WAIT_CLEAR != 0, "{lost}: {f:?}");
+        }
+        rig.next.status = ready;
+        assert_eq!(mode(&rig.on(&[0.0])), Mode::On);
+        rig.next.status = at_once;
+        assert!(is_off(&rig.go(&[0.0]), Cause::Disconnect), "{lost}");
+    }
+}
+
+#[test]
+fn a_brake_ends_in_its_fault_whoever_arms() {
+    let mut rig = Rig::new(KEY, profile(|_| {}));
+    rig.on(&[0.0]);
+    // 0.6 m/s
+    let braking = (1..60).find(|n| mode(&rig.go(&[2e-4 * f64::from(*n) - 5e-3])) == Mode::Damp);
+    let braking = braking.or_else(|| (1..60).find(|n| mode(&rig.go(&[2e-4 * f64::from(*n)])) == Mode::Damp));
+    assert!(braking.is_some());
+    let x = rig.next.pos[0];
+    rig.order(Order::Arm);
+    let rest: Vec<_> = (0..700).map(|_| rig.go(&[x])).collect();
+    assert_eq!((mode(&rest[0]), rig.engine.counts.faults), (Mode::Damp, 1));
+    assert!(is_off(&rest[699], Cause::Velocity));
+}
+
+#[test]
+fn a_device_that_says_again_what_it_was_told_can_be_armed() {
+    for told in [Cause::Velocity, Cause::Software, Cause::Disconnect, Cause::WatchdogOut] {
+        let mut rig = Rig::new(KEY, profile(|_| {}));
+        rig.on(&[0.0]);
+        rig.order(Order::Trip(told));
+        rig.next.cause = told as u16;
+        (0..10).for_each(|_| assert!(is_off(&rig.go(&[0.0]), told)));
+        rig.order(Order::Arm);
+        // it hears of it a few frames later
+        assert_eq!(mode(&rig.go(&[0.0])), Mode::Off, "{told:?}");
+        rig.next.cause = Cause::Disarmed as u16;
+        assert_eq!(mode(&rig.on(&[0.0])), Mode::On, "{told:?}");
+    }
 }

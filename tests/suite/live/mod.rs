@@ -1,5 +1,7 @@
 //! The real-time loop without shared memory: engine thread, rings and desk, fed by the test.
 
+mod disarm;
+
 use crate::play::scene;
 use ca_core::Scene;
 use ca_haptic::engine::{Engine, Options, Port};
@@ -97,7 +99,9 @@ fn threads_add_nothing_to_the_engine() {
         // the frame that answers it
         loop {
             if let Ok((0, f)) = run.gateway.forces.pop() {
-                forces.push(f);
+                // when it was made is the thread's, all else the engine's
+                assert!(f.t_host_ns > 0);
+                forces.push(ForceFrame { t_host_ns: 0, ..f });
                 break;
             }
             std::thread::yield_now();

@@ -13,12 +13,16 @@ use std::collections::BTreeMap;
 use std::ffi::{CStr, CString, c_char};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::time::Duration;
 
 thread_local! {
-    static OPEN: RefCell<(u64, BTreeMap<u64, DeviceClient>)> = const { RefCell::new((0, BTreeMap::new())) };
+    static OPEN: RefCell<BTreeMap<u64, DeviceClient>> = const { RefCell::new(BTreeMap::new()) };
     static ERROR: RefCell<CString> = RefCell::new(CString::default());
 }
+
+/// Handles given out, by all threads: none is ever two devices.
+static HANDLES: AtomicU64 = AtomicU64::new(0);
 
 /// Runs what may fail, keeps the words of a failure and gives `otherwise`.
 fn guarded<T>(otherwise: T, work: impl FnOnce() -> Result<T, String>) -> T {
@@ -37,7 +41,7 @@ fn guarded<T>(otherwise: T, work: impl FnOnce() -> Result<T, String>) -> T {
 fn with<T>(device: u64, work: impl FnOnce(&mut DeviceClient) -> Result<T, String>) -> Result<T, String> {
     OPEN.try_with(|open| {
         let mut open = open.borrow_mut();
-        let client = open.1.get_mut(&device).ok_or("this device is not open in this thread")?;
+        let client = open.get_mut(&device).ok_or("this device is not open in this thread")?;
         work(client)
     })
     .map_err(|_| "this thread is ending".to_owned())?
@@ -92,10 +96,8 @@ pub unsafe extern "C" fn ca_device_open(root: *const c_char, about: *const About
         let site = site.map_err(|e| e.to_string())?;
         let client = DeviceClient::open(&site, about).map_err(|e| e.to_string())?;
         OPEN.try_with(|open| {
-            let mut open = open.borrow_mut();
-            open.0 += 1;
-            let handle = open.0;
-            open.1.insert(handle, client);
+            let handle = HANDLES.fetch_add(1, Relaxed) + 1;
+            open.borrow_mut().insert(handle, client);
             handle
         })
         .map_err(|_| "this thread is ending".into())
@@ -162,9 +164,8 @@ pub extern "C" fn ca_device_wait(device: u64, timeout_us: u32) -> i32 {
 #[unsafe(no_mangle)]
 pub extern "C" fn ca_device_close(device: u64) -> i32 {
     guarded(-1, || {
-        let client = OPEN
-            .try_with(|open| open.borrow_mut().1.remove(&device))
-            .map_err(|_| "this thread is ending".to_owned())?;
+        let client =
+            OPEN.try_with(|open| open.borrow_mut().remove(&device)).map_err(|_| "this thread is ending".to_owned())?;
         client.map(|_| 0).ok_or_else(|| "this device is not open in this thread".into())
     })
 }

@@ -115,7 +115,7 @@ impl Port {
     pub(super) fn take(&mut self, frame: &DeviceFrame) -> Verdict {
         let mut real = *frame;
         self.calibration.positions(&mut real.pos);
-        if !self.calibration.axis.is_empty() {
+        if self.calibration.axis.len() >= self.profile.dof as usize {
             // counts of a sensor are metres from here on, whatever the device knows of them
             real.status |= status::CALIBRATED;
         }

@@ -53,7 +53,7 @@ impl Gate {
             speed: l.speed,
             brake: l.brake,
             stop_frames: frames(l.stop, te),
-            most: profile.force,
+            most: profile.force.min(profile.continuous()),
             faults: 0,
         }
     }
@@ -62,7 +62,8 @@ impl Gate {
     pub fn order(&mut self, order: Order) {
         match order {
             Order::Arm => {
-                if !self.armed || matches!(self.mode, Mode::Fault | Mode::Damp) {
+                // a brake ends in its fault first
+                if !self.armed || self.mode == Mode::Fault {
                     (self.armed, self.mode, self.cause, self.since) = (true, Mode::Off, Cause::None, 0);
                 }
             }
@@ -84,11 +85,6 @@ impl Gate {
     pub fn faults(&self) -> u64 {
         self.faults
     }
-
-    /// Whether somebody armed it, and no fault ended that.
-    pub fn is_armed(&self) -> bool {
-        self.armed
-    }
 }
 
 impl Stage for Gate {
@@ -101,14 +97,14 @@ impl Stage for Gate {
         if fast && self.armed && matches!(self.mode, Mode::Ramp | Mode::On) {
             (self.mode, self.cause, self.since) = (Mode::Damp, Cause::Velocity, 0);
         }
+        if hand.tripped != Cause::None {
+            self.fault(hand.tripped);
+        }
         if self.mode != Mode::Off && hand.age >= self.zero {
             self.fault(Cause::WatchdogIn);
         }
         if self.mode != Mode::Off && !hand.calibrated {
             self.fault(Cause::Implausible);
-        }
-        if hand.tripped != Cause::None {
-            self.fault(hand.tripped);
         }
         let mut gain = 0.0;
         match self.mode {
@@ -148,7 +144,8 @@ impl Stage for Gate {
         }
         if hand.age > self.hold {
             hand.flags |= flag::STALE;
-            let left = f64::from(self.zero.saturating_sub(hand.age)) / f64::from((self.zero - self.hold).max(1));
+            let left =
+                f64::from(self.zero.saturating_sub(hand.age)) / f64::from(self.zero.saturating_sub(self.hold).max(1));
             gain *= left.clamp(0.0, 1.0);
         }
         if gain == 0.0 {

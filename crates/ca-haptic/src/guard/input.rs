@@ -62,8 +62,9 @@ pub struct Inlet {
 struct Seen {
     /// engine frame before which it came
     at: u64,
-    /// clock of the device \[ns\]
+    /// clock of the device, and ours as it read it \[ns\]
     clock: u64,
+    host: u64,
     x: [f64; DOF],
 }
 
@@ -74,6 +75,8 @@ const STEPS: f64 = 8.0;
 /// Longest times between two good frames in that window: the farthest jump that is believed goes at twice the speed of
 /// the trip for one of them.
 const SPIKE: f64 = 2.3;
+/// What must be so, and not so, before forces may come.
+const READY: u32 = status::CALIBRATED | status::POWERED | status::BRAKE;
 /// Standard deviations of noise that count as a step.
 const SIGMAS: f64 = 6.0;
 
@@ -95,7 +98,7 @@ impl Inlet {
             bad_frames: u64::from(super::gate::frames(profile.guard.bad_time, te)),
             when: [0; 64],
             count: 0,
-            past: [Seen { at: 0, clock: 0, x: [0.0; DOF] }; PAST],
+            past: [Seen { at: 0, clock: 0, host: 0, x: [0.0; DOF] }; PAST],
             seen: 0,
             stray: 0,
             strays: 0,
@@ -123,16 +126,19 @@ impl Inlet {
             }
             (self.session, self.seq) = (f.session, f.seq);
             hand.x[..self.n].copy_from_slice(&f.pos[..self.n]);
-            self.past[self.seen % PAST] = Seen { at: hand.frame, clock: f.t_device_ns, x: hand.x };
+            self.past[self.seen % PAST] = Seen { at: hand.frame, clock: f.t_device_ns, host: f.t_host_ns, x: hand.x };
             // it counts on for ever, but a ring of 32 forgets how often it went round
             self.seen = if self.seen + 1 == 2 * PAST { PAST } else { self.seen + 1 };
-            hand.calibrated = f.status & status::CALIBRATED != 0;
+            hand.calibrated = f.status & READY == status::CALIBRATED | status::POWERED;
             hand.fresh = true;
             hand.ack = f.ack;
             device_says(f, hand);
         } else {
-            if verdict == Verdict::Old {
-                self.astray(f.seq, hand);
+            match verdict {
+                Verdict::Old => self.astray(f.seq, hand),
+                // where it is cannot be true; that somebody let go may be
+                Verdict::Nonfinite | Verdict::Jump => device_says(f, hand),
+                _ => {}
             }
             self.dropped += 1;
             self.when[(self.count % 64) as usize] = hand.frame;
@@ -154,6 +160,7 @@ impl Inlet {
         self.stray = seq;
         if self.strays >= self.bad {
             (self.seen, self.strays) = (0, 0);
+            (hand.calibrated, hand.met) = (false, 0);
             hand.trip(Cause::Implausible);
         }
     }
@@ -172,7 +179,12 @@ impl Inlet {
         if let Some(last) = last {
             // the longer of the two clocks: a frame that was late in one of them is no jump
             let ours = (hand.frame - last.at + 1) as f64 * self.te;
-            let theirs = f.t_device_ns.saturating_sub(last.clock).min(1_000_000_000) as f64 * 1e-9;
+            let mut theirs = f.t_device_ns.saturating_sub(last.clock).min(1_000_000_000);
+            if f.t_host_ns > 0 && last.host > 0 {
+                // a clock in other units, or a wild one, is as long as the other one says
+                theirs = theirs.min(f.t_host_ns.saturating_sub(last.host));
+            }
+            let theirs = theirs as f64 * 1e-9;
             let most = self.reach * ours.max(theirs) + self.grain;
             if f.pos[..self.n].iter().zip(&last.x).any(|(a, b)| (a - b).abs() > most) {
                 return Verdict::Jump;
@@ -187,7 +199,11 @@ impl Inlet {
             hand.moved[k] = hand.x[k] - self.before[k];
         }
         self.before = hand.x;
-        let Some(new) = self.last(0) else { return };
+        let Some(new) = self.last(0) else {
+            // nobody speaks, or nobody who can be believed
+            hand.age = u32::MAX;
+            return;
+        };
         hand.age = u32::try_from(hand.frame - new.at).unwrap_or(u32::MAX);
         if !hand.fresh {
             return;
@@ -229,6 +245,10 @@ fn device_says(f: &DeviceFrame, hand: &mut Hand) {
     if f.status & status::CONNECTED == 0 {
         hand.trip(Cause::Disconnect);
     }
+    let gives = matches!(hand.mode, Mode::Ramp | Mode::On | Mode::Damp);
+    if gives && f.status & (status::POWERED | status::BRAKE) != status::POWERED {
+        hand.trip(Cause::Disconnect);
+    }
     if f.status & status::DEADMAN != 0 {
         hand.trip(Cause::Deadman);
     }
@@ -243,8 +263,9 @@ fn device_says(f: &DeviceFrame, hand: &mut Hand) {
         | Cause::Nonfinite
         | Cause::Implausible
         | Cause::ModelUnstable => {}
-        // it missed forces that were never on: those of an engine before this one, or the first of this one
-        Cause::WatchdogOut | Cause::Disconnect if hand.mode == Mode::Off => {}
+        // it missed forces that were not on, or says again what it was told: no reason against the next ones
+        Cause::WatchdogOut | Cause::Disconnect | Cause::Velocity | Cause::Software
+            if matches!(hand.mode, Mode::Off | Mode::Fault) => {}
         cause => hand.trip(cause),
     }
 }

@@ -215,11 +215,6 @@ impl Chain {
         self.past[(hand.frame + 1) as usize % PAST] = hand.force;
     }
 
-    /// Whether somebody armed it, and no fault ended that.
-    pub fn is_armed(&self) -> bool {
-        self.gate.is_armed()
-    }
-
     /// Faults that latched so far.
     pub fn faults(&self) -> u64 {
         self.gate.faults()

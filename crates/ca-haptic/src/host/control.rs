@@ -55,8 +55,6 @@ pub enum Request {
     },
     /// how it goes
     Status,
-    /// the scene at its start again, forces off
-    Reload,
     /// the end
     Stop,
 }

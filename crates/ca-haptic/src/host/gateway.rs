@@ -26,6 +26,10 @@ const IDLE: Duration = Duration::from_millis(1);
 /// Silence after which a device is gone \[ns\].
 const SILENCE_NS: u64 = 250_000_000;
 
+/// Between two words on a device that is another all the time \[ns\].
+const TOLD_NS: u64 = 10_000_000;
+/// Frames of a device in one look: one that sends without end is no reason for the others to wait.
+const BURST: usize = 16;
 /// Frames in a row that nobody misses without being gone.
 const UNLIKELY: u64 = 1 << 32;
 
@@ -80,6 +84,8 @@ struct Place {
     /// when the last frame came \[ns\]; 0 while it is gone
     heard: u64,
     complained: bool,
+    /// when it was last told that it is here \[ns\]
+    told: u64,
     about: Option<About>,
 }
 
@@ -117,6 +123,7 @@ impl Gateway {
                 seq: 0,
                 heard: 0,
                 complained: false,
+                told: 0,
                 about: None,
             });
         }
@@ -127,7 +134,8 @@ impl Gateway {
     pub fn poll(&mut self, incoming: &mut impl FnMut(usize, DeviceFrame)) {
         let now = now_ns();
         for (k, p) in self.places.iter_mut().enumerate() {
-            while let Ok(Some(frame)) = p.frames.receive() {
+            for _ in 0..BURST {
+                let Ok(Some(frame)) = p.frames.receive() else { break };
                 self.traffic.received.fetch_add(1, Relaxed);
                 if !frame.is_ours() || frame.device != p.uid {
                     self.traffic.foreign.fetch_add(1, Relaxed);
@@ -139,8 +147,11 @@ impl Gateway {
                     continue;
                 }
                 if p.heard == 0 || p.session != frame.session {
-                    self.events.push_back((k, Event::Here { session: frame.session }));
-                    p.complained = false;
+                    // one that changes all the time is told of now and then
+                    if now.saturating_sub(p.told) > TOLD_NS {
+                        self.events.push_back((k, Event::Here { session: frame.session }));
+                        (p.told, p.complained) = (now, false);
+                    }
                 } else {
                     let gap = frame.seq.saturating_sub(p.seq).saturating_sub(1);
                     // a number from nowhere is not so many frames
@@ -162,10 +173,10 @@ impl Gateway {
         }
     }
 
-    /// Sends a force to device `k`, stamped with the time, and wakes it. Never waits.
-    pub fn send(&mut self, k: usize, frame: &mut ForceFrame) {
+    /// Sends a force to device `k` and wakes it. Never waits. Its life is counted from `t_host_ns`, which whoever made it
+    /// has written: a force that was held up on its way here is no fresh one.
+    pub fn send(&mut self, k: usize, frame: &ForceFrame) {
         let Some(p) = self.places.get(k) else { return };
-        frame.t_host_ns = now_ns();
         let count = if p.forces.send_copy(*frame).is_ok() { &self.traffic.sent } else { &self.traffic.unsent };
         count.fetch_add(1, Relaxed);
         // a sleeper that cannot be woken looks by itself sooner or later
@@ -197,8 +208,8 @@ impl Gateway {
                     traffic.full.fetch_add(1, Relaxed);
                 }
             });
-            while let Ok((k, mut frame)) = rings.outgoing.pop() {
-                self.send(k as usize, &mut frame);
+            while let Ok((k, frame)) = rings.outgoing.pop() {
+                self.send(k as usize, &frame);
             }
             while let Some((k, event)) = self.event() {
                 // one who no longer listens does not want to know
@@ -207,8 +218,8 @@ impl Gateway {
             sleep(if self.places.iter().any(|p| p.heard != 0) { POLL } else { IDLE });
         }
         // the last word of an engine is that forces are off: nobody should have to wait for its silence
-        while let Ok((k, mut frame)) = rings.outgoing.pop() {
-            self.send(k as usize, &mut frame);
+        while let Ok((k, frame)) = rings.outgoing.pop() {
+            self.send(k as usize, &frame);
         }
         self
     }

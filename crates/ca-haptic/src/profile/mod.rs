@@ -262,6 +262,9 @@ impl Profile {
         if l.oscillation_gain > 1.0 {
             return Err(format!("`guard.oscillation_gain` weakens: at most 1, it is {}", l.oscillation_gain));
         }
+        if l.bad == 0 || l.bad > 64 {
+            return Err(format!("`guard.bad` lies between 1 and 64, it is {}", l.bad));
+        }
         if l.edge >= 0.5 {
             return Err("`guard.edge` is less than half of the travel".into());
         }

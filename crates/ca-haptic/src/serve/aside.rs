@@ -8,7 +8,7 @@ use super::desk::{Happened, Sink};
 use super::summary::Pulse;
 use crate::error::FileError;
 use crate::record::Record;
-use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering::Relaxed};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{Builder, JoinHandle};
@@ -30,12 +30,22 @@ enum Thing {
 #[derive(Default)]
 struct Shared {
     waiting: AtomicUsize,
+    over: AtomicBool,
     failed: Mutex<Option<FileError>>,
 }
 
 impl Shared {
     fn failed(&self) -> Option<FileError> {
         self.failed.lock().unwrap_or_else(PoisonError::into_inner).take()
+    }
+}
+
+/// Says that the thread has ended, however it did: nobody waits for it any more.
+struct Over<'a>(&'a Shared);
+
+impl Drop for Over<'_> {
+    fn drop(&mut self) {
+        self.0.over.store(true, Relaxed);
     }
 }
 
@@ -60,11 +70,14 @@ impl<T: Sink + Send + 'static> Aside<T> {
         let of = shared.clone();
         let thread = Builder::new()
             .name(name.into())
-            .spawn(move || match work(&mut sink, &from, &of.waiting) {
-                Ok(()) => Some(sink),
-                Err(e) => {
-                    *of.failed.lock().unwrap_or_else(PoisonError::into_inner) = Some(e);
-                    None
+            .spawn(move || {
+                let _over = Over(&of);
+                match work(&mut sink, &from, &of.waiting) {
+                    Ok(()) => Some(sink),
+                    Err(e) => {
+                        *of.failed.lock().unwrap_or_else(PoisonError::into_inner) = Some(e);
+                        None
+                    }
                 }
             })
             .map_err(|e| FileError::content(format!("no thread to write with: {e}")))?;
@@ -105,7 +118,8 @@ impl Line {
 
 impl Sink for Line {
     fn is_ready(&self) -> bool {
-        self.shared.waiting.load(Relaxed) < FULL
+        // the next word of one that has ended is why
+        self.shared.over.load(Relaxed) || self.shared.waiting.load(Relaxed) < FULL
     }
 
     fn record(&mut self, record: &Record) -> Result<(), FileError> {
@@ -176,6 +190,13 @@ mod tests {
         let engine = live.run(Some(0));
         drop(held);
         let before = desk.broken();
+        if room < 100 && hold {
+            // the desk comes by again, and goes on
+            while desk.broken().is_empty() {
+                desk.turn();
+                std::thread::yield_now();
+            }
+        }
         desk.end();
         let summary = desk.summary(&engine, vec![]);
         (before, disk.end(), summary.lost_sound)
@@ -189,6 +210,12 @@ mod tests {
         let ticks = disk.expect("no failure").expect("a disk").ticks;
         assert_eq!((broken.len(), lost, ticks.len() as u64), (0, 0, frames + 1));
         assert!(ticks.windows(2).all(|w| w[0] < w[1]));
+    }
+
+    #[test]
+    fn a_disk_that_fails_with_much_behind_it_is_told_once_and_holds_up_nobody() {
+        let (before, disk, lost) = play(10, FULL as u64 / 2 + 3000, true);
+        assert_eq!((before.len(), disk.err().map(|e| e.what), lost), (0, None, 0), "the desk has told");
     }
 
     #[test]

@@ -14,7 +14,7 @@ use crate::stats::Times;
 use ca_core::Scene;
 use ca_core::live::Controls;
 use std::sync::Arc;
-use std::sync::atomic::Ordering::Relaxed;
+use std::sync::atomic::Ordering::{Relaxed, Release};
 
 /// Where records end: a sound file, a take, a terminal.
 pub trait Sink {
@@ -96,7 +96,6 @@ pub struct Desk {
     /// since the last pulse
     second: Second,
     frames: u64,
-    missed: u64,
     tick: u64,
     /// gesture frames a second, rounded
     rate: u64,
@@ -137,7 +136,6 @@ impl Desk {
             late_times: Times::new(),
             second: Second::default(),
             frames: 0,
-            missed: 0,
             tick: 0,
             rate: ((scene.rate / f64::from(scene.ratio)).round() as u64).max(1),
             faults: Vec::new(),
@@ -219,7 +217,6 @@ impl Desk {
 
     fn beat(&mut self, beat: Beat) {
         self.frames += 1;
-        self.missed += beat.start.missed;
         self.frame_times.add(beat.took);
         self.late_times.add(beat.start.late);
         self.second.frames.add(beat.took);
@@ -234,7 +231,7 @@ impl Desk {
                 frame_us: self.second.frames.told(),
                 late_us: self.second.late.told(),
                 loop_us: self.second.loops.told(),
-                missed: self.missed,
+                missed: self.shared.missed.load(Relaxed),
                 dropped: self.shared.dropped.load(Relaxed),
                 stale: self.shared.stale.load(Relaxed),
                 faults: self.faults.len() as u64,
@@ -251,7 +248,10 @@ impl Desk {
 
     fn lost(&self) -> u64 {
         let s = &self.shared;
-        [&s.lost_forces, &s.lost_records, &s.lost_sound, &s.lost_views].map(|n| n.load(Relaxed)).iter().sum()
+        [&s.lost_forces, &s.lost_records, &s.lost_sound, &s.lost_views, &s.lost_beats]
+            .map(|n| n.load(Relaxed))
+            .iter()
+            .sum()
     }
 
     fn look(&mut self, record: &Record) {
@@ -293,7 +293,11 @@ impl Desk {
     }
 
     fn act(&mut self, act: Act) -> Result<(), String> {
-        self.ends.acts.push(act).map_err(|_| "the engine has more to do than it can take; try again".to_string())
+        let disarms = self.shared.disarms.load(Relaxed);
+        self.ends
+            .acts
+            .push((disarms, act))
+            .map_err(|_| "the engine has more to do than it can take; try again".to_string())
     }
 
     /// Sets several live parameters \[SI\] in one tick. Nothing changes where one of them is refused.
@@ -328,6 +332,12 @@ impl Desk {
                 Some(k as u32)
             }
         };
+        if order == Order::Disarm {
+            // first the count, so that no arming of before slips through
+            self.shared.disarms.fetch_add(1, Relaxed);
+            self.shared.disarm.fetch_or(which.map_or(u64::MAX, |k| 1 << k.min(63)), Release);
+            return Ok(());
+        }
         if order == Order::Arm && self.shared.wild.load(Relaxed) {
             self.reload()?;
         }
@@ -360,13 +370,14 @@ impl Desk {
             period_us: 1e6 * f64::from(self.scene.ratio) * self.scene.te,
             frame_us: self.frame_times.told(),
             late_us: self.late_times.told(),
-            missed: self.missed,
+            missed: self.shared.missed.load(Relaxed),
             stale: engine.counts.stale,
             dropped: engine.counts.dropped,
             lost_forces: s.lost_forces.load(Relaxed),
             lost_records: s.lost_records.load(Relaxed),
             lost_sound: s.lost_sound.load(Relaxed),
             lost_views: s.lost_views.load(Relaxed),
+            lost_beats: s.lost_beats.load(Relaxed),
             clipped: engine.counts.clipped,
             refused: engine.counts.refused,
             unstable: engine.is_wild(),

@@ -7,13 +7,13 @@ use super::audio::Follow;
 use super::clock::{Clock, Pace, Start, wait_for};
 use crate::blocks::put;
 use crate::engine::{Act, Engine};
-use crate::frame::{DeviceFrame, ForceFrame};
+use crate::frame::{Cause, DeviceFrame, ForceFrame, Mode};
 use crate::guard::Order;
 use crate::record::Record;
 use crate::rt::now_ns;
 use rtrb::{Consumer, Producer};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Acquire, Ordering::Relaxed};
 
 /// The engine's ends of the rings.
 pub struct Rings {
@@ -21,8 +21,8 @@ pub struct Rings {
     pub frames: Consumer<(u32, DeviceFrame)>,
     /// frames of forces, by number
     pub forces: Producer<(u32, ForceFrame)>,
-    /// what is asked
-    pub acts: Consumer<Act>,
+    /// what is asked, and how many disarms were asked for before
+    pub acts: Consumer<(u64, Act)>,
     /// what happened
     pub records: Producer<Record>,
     /// sound of a gesture frame: its first tick, how many samples, and they, interleaved
@@ -49,6 +49,14 @@ pub struct Beat {
 pub struct Shared {
     /// asks all threads to end
     pub stop: AtomicBool,
+    /// devices whose forces are to be off with the next frame, a bit each: no ring that is full stands in its way
+    pub disarm: AtomicU64,
+    /// how often that was asked: arming that was asked for before is void
+    pub disarms: AtomicU64,
+    /// periods left out
+    pub missed: AtomicU64,
+    /// beats nobody fetched in time
+    pub lost_beats: AtomicU64,
     /// force frames the gateway did not fetch in time
     pub lost_forces: AtomicU64,
     /// records nobody fetched in time
@@ -119,8 +127,12 @@ impl Live {
                 break;
             }
             let begin = now_ns();
+            self.lapsed(start.late);
             self.frame();
-            let _ = self.rings.beats.push(Beat { start, took: now_ns() - begin });
+            self.shared.missed.fetch_add(start.missed, Relaxed);
+            if self.rings.beats.push(Beat { start, took: now_ns() - begin }).is_err() {
+                self.shared.lost_beats.fetch_add(1, Relaxed);
+            }
             left = left.map(|n| n - 1);
         }
         // the last word is that forces are off, not silence until the device notices
@@ -133,15 +145,45 @@ impl Live {
         self.engine
     }
 
+    /// A frame that begins so late \[ns\] that the device let go of the last force: it does not come back in one step.
+    fn lapsed(&mut self, late: u64) {
+        for k in 0..self.engine.ports.len() {
+            let p = &self.engine.ports[k];
+            let gives = matches!(p.hand.mode, Mode::Ramp | Mode::On | Mode::Damp);
+            if gives && late >= u64::from(p.out.ttl_us) * 1000 {
+                self.order(k as u32, Order::Trip(Cause::WatchdogOut));
+            }
+        }
+    }
+
+    /// An order that is obeyed at once; only what tells of it may find no room.
+    fn order(&mut self, port: u32, order: Order) {
+        let tick = self.engine.due();
+        let _ = self.engine.act(Act::Order(Some(port), order));
+        let record = Record::Order { tick, port: Some(port), order };
+        if hand(&mut self.rings, &mut self.missing, record, 2).is_err() {
+            self.missing += 1;
+            self.shared.lost_records.fetch_add(1, Relaxed);
+        }
+    }
+
     /// One gesture frame.
     pub fn frame(&mut self) {
+        let off = self.shared.disarm.swap(0, Acquire);
+        for k in 0..self.engine.ports.len() {
+            if off >> k.min(63) & 1 == 1 {
+                self.order(k as u32, Order::Disarm);
+            }
+        }
         self.acts();
         self.devices();
         let due = self.engine.due();
         let Live { engine, rings, shared, missing, .. } = self;
         for (k, out) in engine.answer().enumerate() {
             let port = k as u32;
-            if rings.forces.push((port, *out)).is_err() {
+            // its life begins here, however long it waits on its way
+            let sent = ForceFrame { t_host_ns: now_ns(), ..*out };
+            if rings.forces.push((port, sent)).is_err() {
                 shared.lost_forces.fetch_add(1, Relaxed);
             }
             note(rings, missing, shared, Record::Force { port, frame: *out });
@@ -165,7 +207,10 @@ impl Live {
             self.keep(record);
         }
         while self.waiting.is_none() {
-            let Ok(act) = self.rings.acts.pop() else { return };
+            let Ok((disarms, act)) = self.rings.acts.pop() else { return };
+            if matches!(act, Act::Order(_, Order::Arm)) && disarms < self.shared.disarms.load(Relaxed) {
+                continue;
+            }
             let tick = self.engine.due();
             if let Act::Order(port, order) = act {
                 self.keep(Record::Order { tick, port, order });
@@ -187,7 +232,9 @@ impl Live {
     }
 
     fn devices(&mut self) {
-        while let Ok((port, mut frame)) = self.rings.frames.pop() {
+        // those that are there: one who sends without end is no reason for the forces of others to wait
+        for _ in 0..self.rings.frames.slots() {
+            let Ok((port, mut frame)) = self.rings.frames.pop() else { return };
             self.engine.take(port as usize, &mut frame);
             note(&mut self.rings, &mut self.missing, &self.shared, Record::Device { port, frame });
             // one frame of the engine for each of the first device: the next one waits for its own

@@ -42,7 +42,7 @@ pub struct GatewayEnds {
 /// The desk's ends of the rings.
 pub struct DeskEnds {
     /// what is asked
-    pub acts: Producer<Act>,
+    pub acts: Producer<(u64, Act)>,
     /// what happened
     pub records: Consumer<Record>,
     /// sound of gesture frames: first tick, how many samples, and they, interleaved

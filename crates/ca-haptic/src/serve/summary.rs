@@ -91,6 +91,8 @@ pub struct Summary {
     pub lost_sound: u64,
     /// pictures nobody fetched
     pub lost_views: u64,
+    /// frames whose times are in none of the figures above: nobody fetched them in time
+    pub lost_beats: u64,
     /// sound samples cut at full scale
     pub clipped: u64,
     /// changes that did not fit
@@ -112,7 +114,7 @@ pub struct Summary {
 impl Summary {
     /// True where nothing was lost, cut, left unwritten or blown up. Faults of a hand or device are no loss.
     pub fn is_faithful(&self) -> bool {
-        let lost = self.lost_forces + self.lost_records + self.lost_sound + self.lost_views;
+        let lost = self.lost_forces + self.lost_records + self.lost_sound + self.lost_views + self.lost_beats;
         let heard = self.audio.as_ref().is_none_or(AudioSummary::is_faithful);
         lost == 0 && self.broken.is_empty() && self.clipped == 0 && !self.unstable && self.refused == 0 && heard
     }

@@ -88,7 +88,8 @@ impl Server {
                     out.force[d] = (self.plays.1 - self.plays.0 * f.pos[d]) as f32;
                 }
             }
-            self.gateway.send(k, &mut out);
+            out.t_host_ns = ca_haptic::rt::now_ns();
+            self.gateway.send(k, &out);
         }
     }
 }

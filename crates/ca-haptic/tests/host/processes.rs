@@ -170,7 +170,8 @@ fn a_device_that_is_stopped_does_not_stop_the_server() {
         let mut out = ca_haptic::frame::ForceFrame::new("key", 1);
         server.seq[0] += 1;
         (out.session, out.seq) = (5, server.seq[0]);
-        server.gateway.send(0, &mut out);
+        out.t_host_ns = ca_haptic::rt::now_ns();
+        server.gateway.send(0, &out);
         other.safe_force();
         server.got[1] - before > 10_000
     });

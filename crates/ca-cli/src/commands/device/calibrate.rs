@@ -46,7 +46,9 @@ pub fn run(args: &CalibrateArgs) -> Outcome {
             Some(stops) => {
                 axis(*stops, &profile, old.axis.get(k)).map_err(|e| Failure::Failed(format!("axis {k}: {e}")))?
             }
-            None => old.axis.get(k).copied().unwrap_or_default(),
+            None => *old.axis.get(k).ok_or_else(|| {
+                Failure::Failed(format!("axis {k} was skipped and has no calibration to keep; nothing is written"))
+            })?,
         });
     }
     let by = std::env::var("USER").unwrap_or_else(|_| "somebody".into());

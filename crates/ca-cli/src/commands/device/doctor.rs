@@ -156,7 +156,8 @@ fn round(site: &Site) -> Result<Told, HostError> {
         server.poll(&mut |_, f| came = Some(f));
         let answer = came.filter(|f| f.pos[0] == n as f64).and_then(|f| {
             (force.seq, force.ack_session, force.ack) = (n, f.session, f.seq);
-            server.send(0, &mut force);
+            force.t_host_ns = now_ns();
+            server.send(0, &force);
             device.force().filter(|f| f.seq == n)
         });
         if answer.is_none() {

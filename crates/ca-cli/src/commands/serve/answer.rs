@@ -34,7 +34,6 @@ pub(super) fn answer(desk: &mut Desk, request: Request, leave: &mut bool) -> Rep
             let who = device.as_deref().unwrap_or("all devices").to_string();
             done(desk.order(device.as_deref(), Order::Disarm), format!("{who}: forces off"))
         }
-        Request::Reload => done(desk.reload(), "loaded again; forces off".into()),
         Request::Stop => {
             *leave = true;
             Reply::done("ends")

@@ -21,12 +21,12 @@ use ca_haptic::FileError;
 use ca_haptic::engine::Engine;
 use ca_haptic::guard::Order;
 use ca_haptic::rt::{self, Wish};
-use ca_haptic::serve::{Aside, Clock, Desk, Every, Live, Shared, Sink, rings};
+use ca_haptic::serve::{Aside, Clock, Desk, Every, Happened, Live, Shared, Sink, rings};
 use ca_haptic::sound::{Format, WavOut};
 use ca_haptic::take::{Header, TakeWriter};
 pub(crate) use setup::devices;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use std::sync::atomic::Ordering::Relaxed;
 use std::thread::JoinHandle;
 use std::time::Duration;
 
@@ -60,6 +60,13 @@ pub fn run(args: &ServeArgs) -> Outcome {
     let engine = setup::engine(scene.clone(), &setups, session);
 
     let mut sinks: Vec<Box<dyn Sink>> = Vec::new();
+    let words = Words { quiet: args.quiet };
+    let words = if names.is_empty() {
+        sinks.push(Box::new(words));
+        None
+    } else {
+        Some(aside(&mut sinks, "ca words", words)?)
+    };
     let wav = match &args.output {
         Some(path) if scene.channels > 0 => {
             load::is_sound(path)?;
@@ -87,7 +94,7 @@ pub fn run(args: &ServeArgs) -> Outcome {
     let mut desk = Desk::new(desk_ends, shared.clone(), scene.clone(), &engine.ports, sinks);
     let (playing, follow) = audio::open(args, &scene, &mut desk)?.unzip();
     ends.audio = follow;
-    let mut talk = talk::Talk::open(&names, &scene, gateway_ends, wish(args, -5))?;
+    let mut talk = talk::Talk::open(&setups, &scene, gateway_ends, wish(args, -5))?;
     if args.arm {
         desk.order(None, Order::Arm).map_err(Failure::Failed)?;
     }
@@ -121,13 +128,14 @@ pub fn run(args: &ServeArgs) -> Outcome {
         }
     }
 
-    let engine = attend(thread, &mut desk, &mut talk, playing.as_ref(), &shared, args.quiet);
+    let engine = attend(thread, &mut desk, &mut talk, playing.as_ref(), &shared);
     if let Some(playing) = playing {
         playing.end(scene.rate);
     }
     let traffic = talk.end();
     let engine = engine.map_err(|_| Failure::Failed("the engine thread ended by itself".into()))?;
     desk.end();
+    let _ = words.map(Aside::end);
     for e in desk.broken() {
         term::error(&e.to_string());
     }
@@ -151,7 +159,7 @@ pub fn run(args: &ServeArgs) -> Outcome {
     if args.json {
         println!("{:#}", told::value(&summary, &loaded.name, &files, traffic));
     } else if !args.quiet {
-        told::text(&summary, &loaded.name, &files, scene.rate)?;
+        told::text(&summary, &loaded.name, &files, traffic, scene.rate)?;
     }
     Ok(if summary.is_faithful() { Ended::Well } else { Ended::Degraded })
 }
@@ -189,32 +197,41 @@ fn attend(
     talk: &mut talk::Talk,
     playing: Option<&audio::Playing>,
     shared: &Arc<Shared>,
-    quiet: bool,
 ) -> std::thread::Result<Engine> {
-    static STOP: AtomicBool = AtomicBool::new(false);
     // a handler can be set once in a process; where that fails, Ctrl-C ends the process as it would anyway
-    let _ = ctrlc::set_handler(|| STOP.store(true, Relaxed));
+    let stop = shared.clone();
+    let _ = ctrlc::set_handler(move || stop.stop.store(true, Relaxed));
     let mut turns = 0_u64;
     while !thread.is_finished() {
         if let Some(playing) = playing {
             playing.turn(desk);
         }
-        for h in desk.turn() {
-            if h.bad {
-                term::warning(&h.text);
-            } else if !quiet {
-                term::note(&h.text);
-            }
-        }
+        desk.turn();
         for e in desk.broken() {
-            term::error(&e.to_string());
+            desk.say(true, e.to_string());
         }
-        let leave = talk.turn(desk, turns.is_multiple_of(SWEEP), quiet);
-        if leave || STOP.load(Relaxed) {
+        if talk.turn(desk, turns.is_multiple_of(SWEEP)) {
             shared.stop.store(true, Relaxed);
         }
         turns += 1;
         std::thread::sleep(TURN);
     }
     thread.join()
+}
+
+/// What people should know, on the terminal; on a thread of its own, since a terminal may stand still for as long as
+/// somebody likes.
+struct Words {
+    quiet: bool,
+}
+
+impl Sink for Words {
+    fn said(&mut self, h: &Happened) -> Result<(), FileError> {
+        if h.bad {
+            term::warning(&h.text);
+        } else if !self.quiet {
+            term::note(&h.text);
+        }
+        Ok(())
+    }
 }

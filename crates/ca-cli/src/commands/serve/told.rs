@@ -15,8 +15,11 @@ pub(super) struct Files<'a> {
     pub take: Option<(&'a Path, &'a take::Told)>,
 }
 
+/// What went over the lines.
+pub(super) type Traffic = [(&'static str, u64); 6];
+
 /// As text, one line a thing.
-pub(super) fn text(s: &Summary, name: &str, files: &Files, rate: f64) -> io::Result<()> {
+pub(super) fn text(s: &Summary, name: &str, files: &Files, traffic: Option<Traffic>, rate: f64) -> io::Result<()> {
     let mut out = io::stdout().lock();
     writeln!(out, "{name}: {} s in {} gesture frames of {:.1} us", short(s.seconds), s.frames, s.period_us)?;
     for (thread, granted) in &s.granted {
@@ -31,7 +34,13 @@ pub(super) fn text(s: &Summary, name: &str, files: &Files, rate: f64) -> io::Res
     if !s.devices.is_empty() {
         writeln!(out, "  {:<15}{} frames without news, {} forces not fetched", "stale", s.stale, s.lost_forces)?;
     }
-    let lost = [(s.lost_records, "records"), (s.lost_sound, "samples"), (s.lost_views, "pictures")];
+    let on_the_way: Vec<String> =
+        traffic.iter().flatten().filter(|t| t.1 > 0).map(|(k, n)| format!("{n} {k}")).collect();
+    if !on_the_way.is_empty() {
+        writeln!(out, "  {:<15}{}", "frames", on_the_way.join(", "))?;
+    }
+    let lost =
+        [(s.lost_records, "records"), (s.lost_sound, "samples"), (s.lost_views, "pictures"), (s.lost_beats, "times")];
     let lost: Vec<String> = lost.iter().filter(|l| l.0 > 0).map(|(n, what)| format!("{n} {what}")).collect();
     writeln!(out, "  {:<15}{}", "lost", if lost.is_empty() { "nothing".into() } else { lost.join(", ") })?;
     if s.faults.is_empty() {
@@ -76,7 +85,7 @@ fn times(t: &Told) -> String {
 }
 
 /// As JSON.
-pub(super) fn value(s: &Summary, name: &str, files: &Files, traffic: Option<[(&'static str, u64); 6]>) -> Value {
+pub(super) fn value(s: &Summary, name: &str, files: &Files, traffic: Option<Traffic>) -> Value {
     let mut v = serde_json::to_value(s).unwrap_or_default();
     v["model"] = json!(name);
     v["traffic"] = traffic.map(|t| t.into_iter().collect::<Value>()).into();

@@ -111,6 +111,7 @@ impl Bench {
 
     /// A force frame as it is, stamped with the time.
     pub fn send(&mut self, frame: &mut ForceFrame) {
+        frame.t_host_ns = now_ns();
         self.lines.send(0, frame);
         self.sent.push(*frame);
     }

@@ -61,8 +61,11 @@ pub fn run(args: &ConformanceArgs) -> Outcome {
     rt::ask(Wish { priority: Some(70), ..Wish::default() });
     let mut table = Table::default();
     if let Some(about) = presented(&mut bench, &mut table)? {
-        let profile = profile(&about);
+        let mut profile = profile(&about);
         let force = args.force.min(0.05 * profile.force) / f64::from(profile.axes);
+        // nothing of the guard's own is stronger: no edge, and a brake that is as weak as the pull
+        profile.guard.edge = 0.0;
+        profile.guard.brake = force / profile.guard.speed;
         if force > 0.0 && !args.json {
             term::note(&format!("`{}` is given forces of up to {} N", args.name, short(force)));
         }
@@ -140,6 +143,7 @@ fn profile(a: &About) -> Profile {
     p.force = fold(&a.force, f64::min, f64::INFINITY);
     p.stiffness = Some(fold(&a.stiffness, f64::max, 0.0)).filter(|k| *k > 0.0).or(p.stiffness);
     p.title = text(&a.model);
+    p.guard.zero = p.guard.zero.max(2.0 * p.hold());
     p
 }
 
@@ -153,7 +157,7 @@ fn alive(b: &mut Bench, a: &About, t: &mut Table) {
     let same = frames.iter().all(|f| f.session == a.session && f.session != 0 && f.n == a.n);
     t.row("session", same, format!("{:x}, as said of itself", a.session));
     let grows = last > 0 && frames.windows(2).all(|w| w[1].seq > w[0].seq);
-    let lost = frames.last().map_or(0, |f| f.seq.saturating_sub(frames[0].seq + last as u64));
+    let lost = frames.last().map_or(0, |f| f.seq.saturating_sub(frames[0].seq).saturating_sub(last as u64));
     t.row(
         "numbers",
         grows,
@@ -164,7 +168,7 @@ fn alive(b: &mut Bench, a: &About, t: &mut Table) {
     // of neighbours only, and their median: what the machine delayed says nothing of the device
     let mut gaps: Vec<u64> = frames
         .windows(2)
-        .filter(|w| w[1].seq == w[0].seq + 1)
+        .filter(|w| w[1].seq == w[0].seq.wrapping_add(1))
         .map(|w| w[1].t_host_ns.saturating_sub(w[0].t_host_ns))
         .collect();
     gaps.sort_unstable();
