@@ -27,8 +27,8 @@ impl Jack {
             println!("jackd is not installed: sound devices are not tested");
             return None;
         }
-        // always the same: JACK has places for eight names, and those of servers that were killed stay taken
-        let name = "ca_test".to_owned();
+        // one of few: JACK has places for eight names, and those of servers that were killed stay taken
+        let name = format!("ca_test{}", std::process::id() % 4);
         // it waits for clients that are late, so that a busy machine makes sound late, not wrong
         let mut c = stage.command("jackd", &["-r", "-S", "-t", "5000", "-n", &name, "-d", "dummy", "-r", "48000"]);
         c.args(["-p", &frames.to_string()]).env("JACK_NO_AUDIO_RESERVATION", "1");
