@@ -119,7 +119,11 @@ fn any_force_of_a_model() {
             w.see(hand.mode, hand.flags, &hand.force[..3], n);
             // only cut: in the direction it was asked for
             if continuous == p.force && hand.mode == Mode::On && hand.flags & flag::SATURATED != 0 && size < 1e200 {
-                let of = |f: &[f64; DOF]| [f[0], f[1], f[2]];
+                // of a size whose square is a number
+                let of = |f: &[f64; DOF]| {
+                    let most = f[..3].iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+                    [f[0] / most, f[1] / most, f[2] / most]
+                };
                 let a = angle(of(&hand.force), of(&asked));
                 assert!(a < 1e-6, "frame {n}: {a}");
                 turned += 1;
