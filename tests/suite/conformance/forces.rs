@@ -128,7 +128,9 @@ proptest! {
                 before = book.h;
             }
             let b = s.ledger.as_ref().expect("a book").balance();
-            prop_assert!(b.residual.abs() <= 1e-12 * b.peak, "{}: {b:?}", kind.code);
+            // rounding alone: eight sums a tick, should all of them ever lean one way
+            let rounding = 2000.0 * 8.0 * f64::EPSILON;
+            prop_assert!(b.residual.abs() <= rounding * b.peak, "{}: {b:?}", kind.code);
             prop_assert!(b.source == 0.0 || scene.forces.iter().any(|o| o.law.is_some_and(|l| !l.linear)));
         }
     }
