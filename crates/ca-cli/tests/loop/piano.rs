@@ -1,6 +1,8 @@
-//! The hammer piano played across shared memory by a simulated TGR in a hand that gives way: `docs/hammer-piano-played.md`.
+//! The hammer piano played across shared memory by a simulated TGR in a hand that gives way:
+//! `docs/hammer-piano-played.md`.
 //!
-//! Device and engine wait for each other, so that the page is the same every time, but for a last digit; `UPDATE=1` writes it anew.
+//! Device and engine wait for each other, so that the page is the same every time, but for a last digit; `UPDATE=1`
+//! writes it anew.
 
 use super::stage::Stage;
 use serde_json::Value;

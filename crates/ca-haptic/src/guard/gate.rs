@@ -1,8 +1,8 @@
 //! H5, H6, H8, H9: when forces may reach the hand at all.
 //!
-//! Off → (armed, calibrated, fresh, where the scene has it, and nothing pushes for a while) → ramp → on; any fault latches until somebody arms
-//! again, never ends by data returning. Too fast a motion brakes for a moment before it is off. Without fresh frames
-//! the force is held, then fades, then is a fault. A device that loses its calibration while forces are on says
+//! Off → (armed, calibrated, fresh, where the scene has it, and nothing pushes for a while) → ramp → on; any fault
+//! latches until somebody arms again, never ends by data returning. Too fast a motion brakes for a moment before it is
+//! off. Without fresh frames the force is held, then fades, then is a fault. A device that loses its calibration while forces are on says
 //! positions that are no metres, which is implausible.
 
 use super::saturation::limit;

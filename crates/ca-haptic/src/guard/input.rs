@@ -2,8 +2,8 @@
 //!
 //! Decides before the model sees anything: a frame of another layout, of a number that does not grow, with a position
 //! that is no number or that no hand could have reached since the last good frame is dropped and counted; the last good
-//! position stays. Ten of them within a tenth of a second are a fault, and ten old ones in order a new beginning. A new session of the device process starts
-//! afresh, with forces off: what was armed was another process.
+//! position stays. Ten of them within a tenth of a second are a fault, and ten old ones in order a new beginning. A new
+//! session of the device process starts afresh, with forces off: what was armed was another process.
 //!
 //! Speed is measured over frames of the *device*, at least three of them and so long that a step of its sensor is no
 //! motion: an 8-bit fader at 500 Hz moves in jumps of 0.39 mm, which over a single frame of the engine would be more

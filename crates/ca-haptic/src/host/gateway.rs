@@ -1,9 +1,9 @@
 //! The side of the server: N devices, one thread.
 //!
 //! Decides that this thread polls instead of waiting for events: a wait on a set of events allocates and costs more than
-//! a look every 50 µs (a millisecond while no device is there), and the engine is woken by its own clock. Frames are only looked at for their layout and their
-//! sender here; whether they can be true is the guard's question. A device is there from its first frame and gone after
-//! a quarter of a second of silence, whatever its process does.
+//! a look every 50 µs (a millisecond while no device is there), and the engine is woken by its own clock. Frames are only
+//! looked at for their layout and their sender here; whether they can be true is the guard's question. A device is there
+//! from its first frame and gone after a quarter of a second of silence, whatever its process does.
 
 use super::error::{HostError, HostErrorKind};
 use super::lines::{Bell, Frames, Line, check_name};

@@ -103,8 +103,6 @@ pub struct Desk {
     happened: Vec<Happened>,
     block: Vec<f64>,
     broken: Vec<FileError>,
-    /// sinks that failed, of all time
-    failed: Vec<String>,
     audio: Option<Watch>,
 }
 
@@ -142,7 +140,6 @@ impl Desk {
             happened: Vec::new(),
             block: Vec::new(),
             broken: Vec::new(),
-            failed: Vec::new(),
             audio: None,
             scene,
         }
@@ -160,14 +157,15 @@ impl Desk {
         self.happened.push(Happened { tick: self.tick, device: None, bad, text });
     }
 
-    /// Takes what lies in the rings, if the sinks can; to be called every few milliseconds. Returns what people should
-    /// know.
-    pub fn turn(&mut self) -> Vec<Happened> {
-        if self.sinks.iter().all(|s| s.is_ready()) { self.end() } else { Vec::new() }
+    /// Takes what lies in the rings, if the sinks can; to be called every few milliseconds.
+    pub fn turn(&mut self) {
+        if self.sinks.iter().all(|s| s.is_ready()) {
+            self.end();
+        }
     }
 
     /// Takes everything that lies in the rings, once the engine has ended.
-    pub fn end(&mut self) -> Vec<Happened> {
+    pub fn end(&mut self) {
         // what there is now, so that records come first
         let mut heard = self.ends.sound.slots();
         while let Ok(record) = self.ends.records.pop() {
@@ -190,29 +188,27 @@ impl Desk {
         for text in self.audio.as_mut().map(Watch::news).unwrap_or_default() {
             self.say(true, text);
         }
-        let happened = std::mem::take(&mut self.happened);
-        for h in &happened {
-            self.tell(|s| s.said(h));
+        // a sink that fails meanwhile is news for those left
+        while !self.happened.is_empty() {
+            for h in std::mem::take(&mut self.happened) {
+                self.tell(|s| s.said(&h));
+            }
         }
-        happened
     }
 
     /// A sink that fails is told of once, and left out from then on; playing goes on.
     fn tell(&mut self, mut f: impl FnMut(&mut dyn Sink) -> Result<(), FileError>) {
-        let broken = &mut self.broken;
-        self.sinks.retain_mut(|s| match f(s.as_mut()) {
-            Ok(()) => true,
-            Err(e) => {
-                broken.push(e);
-                false
-            }
-        });
+        let mut broken = Vec::new();
+        self.sinks.retain_mut(|s| f(s.as_mut()).map_err(|e| broken.push(e)).is_ok());
+        for e in broken {
+            self.say(true, e.to_string());
+            self.broken.push(e);
+        }
     }
 
-    /// Sinks that failed since the last call, and why.
-    pub fn broken(&mut self) -> Vec<FileError> {
-        self.failed.extend(self.broken.iter().map(ToString::to_string));
-        std::mem::take(&mut self.broken)
+    /// Why sinks failed, one each.
+    pub fn broken(&self) -> &[FileError] {
+        &self.broken
     }
 
     fn beat(&mut self, beat: Beat) {
@@ -394,7 +390,7 @@ impl Desk {
                 })
                 .collect(),
             faults: std::mem::take(&mut self.faults),
-            broken: std::mem::take(&mut self.failed),
+            broken: self.broken.iter().map(ToString::to_string).collect(),
             granted,
             audio: self.audio.as_ref().map(Watch::summary),
         }

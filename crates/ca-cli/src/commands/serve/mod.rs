@@ -136,9 +136,6 @@ pub fn run(args: &ServeArgs) -> Outcome {
     let engine = engine.map_err(|_| Failure::Failed("the engine thread ended by itself".into()))?;
     desk.end();
     let _ = words.map(Aside::end);
-    for e in desk.broken() {
-        term::error(&e.to_string());
-    }
     let mut summary = desk.summary(&engine, threads);
     let lost = [summary.lost_records, summary.lost_sound, summary.lost_views];
     let mut broken = |e: FileError| {
@@ -207,9 +204,6 @@ fn attend(
             playing.turn(desk);
         }
         desk.turn();
-        for e in desk.broken() {
-            desk.say(true, e.to_string());
-        }
         if talk.turn(desk, turns.is_multiple_of(SWEEP)) {
             shared.stop.store(true, Relaxed);
         }

@@ -8,7 +8,7 @@
 //! asks is left out; frames go on at the rate it had.
 
 use super::{Call, Counts, Dll};
-use crate::rt::{now_ns, wait_until};
+use crate::rt::{Waits, now_ns};
 use crate::serve::Start;
 use rtrb::{Consumer, Producer};
 use std::sync::Arc;
@@ -32,6 +32,7 @@ pub struct Follow {
     calls: Consumer<Call>,
     counts: Arc<Counts>,
     dll: Dll,
+    waits: Waits,
     rate: f64,
     channels: usize,
     /// samples of a gesture frame
@@ -66,6 +67,7 @@ impl Follow {
             calls,
             counts,
             dll: Dll::new(rate),
+            waits: Waits::default(),
             rate,
             channels,
             frame,
@@ -84,7 +86,8 @@ impl Follow {
     pub(in crate::serve) fn next(&mut self) -> Start {
         self.hear(now_ns());
         let due = self.due();
-        self.begin(due, wait_until(due as u64))
+        let now = self.waits.until(due as u64);
+        self.begin(due, now)
     }
 
     /// Learns what the device did.
