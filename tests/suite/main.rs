@@ -2,6 +2,7 @@
 
 mod acoustics;
 mod border;
+mod certificate;
 mod chance;
 mod compile_fuzz;
 mod conformance;

@@ -179,6 +179,7 @@ pub struct RenderArgs {
   ca check hammered_string
   ca check hammered_string --schedule
   ca check hammered_string --set hammer.m='30 g' --rate '96 kHz' --json
+  ca check harmonic_chain --exact
   ca check piano_key --latency 1
   ca check hammer_piano --device tgr12")]
 pub struct CheckArgs {
@@ -188,6 +189,9 @@ pub struct CheckArgs {
     /// Shows the passes of one tick and measures what each costs
     #[arg(long)]
     pub schedule: bool,
+    /// Narrows down the largest eigenvalue, and so how much stiffer everything could be
+    #[arg(long)]
+    pub exact: bool,
     /// Compares with a device: the name of a profile that comes with us, or a file `profile.toml`
     #[arg(long, value_name = "NAME|FILE")]
     pub device: Option<String>,

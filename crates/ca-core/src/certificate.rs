@@ -8,14 +8,14 @@ use alloc::vec::Vec;
 pub enum Level {
     /// every link is linear and the bound is below the limit: passive by theorem
     Proven,
-    /// as `Proven` for small motions; distances in space keep energy to O(T²), bounded and without drift
+    /// as `Proven` for small motions about the pose at load; distances in space keep energy to O(T²), bounded and without drift
     Linearised,
     /// the linear links are proven; contacts and non-linear links obey a rule of thumb
     RuleOfThumb,
-    /// the cheap bounds do not settle it
+    /// neither the bounds nor, where there was one, a factorisation settles it
     #[default]
     NotProven,
-    /// a module passes the limit by itself
+    /// above the limit, by a module alone or by all together
     Unstable,
 }
 
@@ -51,6 +51,10 @@ pub struct Certificate {
     pub bound: f64,
     /// lower bound of the same
     pub lower: f64,
+    /// true where a factorisation decided what the bounds left open
+    pub exact: bool,
+    /// the largest eigenvalue itself, from … to, where it was asked for
+    pub largest: Option<(f64, f64)>,
     /// the module nearest to the limit
     pub worst: String,
     /// largest contact stiffness ratio kT²/m; recommended up to 1
@@ -62,8 +66,9 @@ pub struct Certificate {
 }
 
 impl Certificate {
-    /// How many times stiffer everything could be: limit over bound. Infinite for a scene without links.
+    /// How many times stiffer everything could be: limit over what is known of the largest eigenvalue from above.
+    /// Infinite for a scene without links.
     pub fn margin(&self) -> f64 {
-        4.0 / self.bound
+        4.0 / self.largest.map_or(self.bound, |l| l.1)
     }
 }

@@ -38,6 +38,8 @@ extern crate alloc;
 #[cfg(feature = "parse")]
 extern crate std;
 
+#[cfg(feature = "analysis")]
+pub mod analysis;
 pub mod border;
 pub mod catalog;
 pub mod certificate;

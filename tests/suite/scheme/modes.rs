@@ -88,8 +88,9 @@ fn a12_a_mesh_at_its_limit() {
         let largest = s.x.iter().fold(0.0f64, |m, x| m.max(x.abs()));
         // bounded by about 1/√(4 − λ) below; e^(2√1e-6 n) above
         assert_eq!(largest > 1e6, side > 0.0, "a = {a}: {largest}");
-        // the cheap bounds do not settle what is that near, and say so; far below they do
-        assert_eq!(scene.certificate.level, Level::NotProven);
+        // the cheap bounds do not settle what is that near, a factorisation does; far below it is not needed
+        let level = if side > 0.0 { Level::Unstable } else { Level::Proven };
+        assert_eq!((scene.certificate.level, scene.certificate.exact), (level, true));
     }
-    assert_eq!(mesh(0.499).certificate.level, Level::Proven);
+    assert!(mesh(0.499).certificate.level == Level::Proven && !mesh(0.499).certificate.exact);
 }

@@ -98,6 +98,11 @@ fn an_unstable_model_is_named_and_silenced() {
     }
     desk.ca(&["check", "bad.ca.toml"]).is(3).says(&["W103", "unstable"]);
     desk.ca(&["check", "rattle.ca.toml"]).is(0).says(&["W104", "`up` is the stiffest"]);
+    // between the cheap bounds a factorisation decides, and on request says how near the limit is
+    let r = desk.ca(&["check", "harmonic_chain", "--exact"]).is(0);
+    for word in ["stability  proven", "decided by a factorisation", "largest eigenvalue 3.99"] {
+        assert!(r.out.contains(word), "{}", r.out);
+    }
 }
 
 #[test]

@@ -17,6 +17,8 @@ mod equivalence;
 mod expand;
 mod fed;
 mod gesture;
+#[cfg(feature = "analysis")]
+mod linear;
 mod links;
 mod lists;
 mod lowpass;
@@ -67,7 +69,7 @@ pub fn compile(model: &Model, catalog: &Catalog, options: &Options) -> Result<Sc
     prune::prune(model, &mut net, &mut diags);
     turns::turns(model, &mut net, &mut diags);
     fed::mark(&mut net);
-    let certificate = certify::certify(model, &net, &mut diags);
+    let certificate = certify::certify(model, &net, options.exact, &mut diags);
     if diags.has_errors() {
         diags.sort();
         return Err(diags);

@@ -25,6 +25,8 @@ pub struct Options {
     pub probes: Vec<String>,
     /// what the files named in the model hold
     pub clouds: Clouds,
+    /// narrow down the largest eigenvalue, where the build can
+    pub exact: bool,
     /// which passes run the links
     pub kernel: KernelClass,
 }

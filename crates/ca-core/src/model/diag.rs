@@ -162,7 +162,7 @@ pub const CODES: &[(&str, &str)] = &[
     ("E032", "equivalences that do not fit together"),
     ("W101", "nothing hears it"),
     ("W102", "a contact acts at load"),
-    ("W103", "unstable by the bound of a module"),
+    ("W103", "unstable"),
     ("W104", "stiff contact"),
     ("W105", "viscous link straight on a device key"),
     ("W106", "zero link"),
@@ -172,6 +172,7 @@ pub const CODES: &[(&str, &str)] = &[
     ("W110", "active law"),
     ("W111", "an LPR leans on nothing"),
     ("W112", "an LPR leans on less than itself"),
+    ("W113", "steep friction"),
     ("N201", "lost on import"),
     ("N202", "not all of a file is used"),
 ];

@@ -53,7 +53,7 @@ fn coordinate(layout: &Layout, s: &State, place: Place) -> f64 {
 }
 
 /// Node and weight along one direction of `n` nodes.
-fn step(u: f64, n: u32) -> (u32, f64) {
+pub fn step(u: f64, n: u32) -> (u32, f64) {
     let at = u * f64::from(n - 1);
     let i = (at as u32).min(n.saturating_sub(2));
     (i, at - f64::from(i))

@@ -249,6 +249,7 @@ impl Header {
                 probes: list("asked.probes")?,
                 clouds,
                 kernel,
+                ..Options::default()
             },
             setups,
             engine: engine::Options { session: whole("engine.session")?, wild: number("engine.wild")? },

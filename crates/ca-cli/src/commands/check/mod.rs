@@ -14,7 +14,7 @@ use crate::term::short;
 use crate::{Ended, Failure, Outcome, term};
 use ca_core::compile::certify::Level;
 use ca_core::kind::Unit;
-use ca_core::model::quantity::show;
+use ca_core::model::quantity::{Plain, show};
 use ca_core::model::render;
 use ca_core::{Options, Scene};
 use serde_json::{Value as Json, json};
@@ -24,7 +24,8 @@ use std::io::Write as _;
 pub fn run(args: &CheckArgs) -> Outcome {
     let profile = args.device.as_deref().map(crate::store::profile).transpose()?;
     let loaded = load::load(&args.source)?;
-    let (scene, diags) = load::compiled(&loaded, &Options { rate: args.source.rate, ..Options::default() });
+    let options = Options { rate: args.source.rate, exact: args.exact, ..Options::default() };
+    let (scene, diags) = load::compiled(&loaded, &options);
     let rows = scene.as_ref().filter(|_| args.schedule).map(schedule::measure);
     let asked = scene.as_ref().zip(profile.as_ref()).map(|(s, p)| device::Asked::new(s, p));
     if args.json {
@@ -39,7 +40,7 @@ pub fn run(args: &CheckArgs) -> Outcome {
         term::findings(&render::text(&diags, &loaded.model, term::color()));
         if let Some(scene) = &scene {
             border::idle(&args.source, scene);
-            summary(&loaded, scene)?;
+            summary(&loaded, scene, args.exact)?;
         }
         if let Some((scene, rows)) = scene.as_ref().zip(rows.as_ref()) {
             schedule::text(scene, rows)?;
@@ -72,7 +73,7 @@ fn ops(scene: &Scene) -> usize {
     scene.reads.len() + scene.forces.len() + scene.writes.len() + scene.moves.len()
 }
 
-fn summary(loaded: &Loaded, scene: &Scene) -> Result<(), Failure> {
+fn summary(loaded: &Loaded, scene: &Scene, exact: bool) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
     let title = if scene.title.is_empty() { &loaded.name } else { &scene.title };
     writeln!(out, "{title}")?;
@@ -101,7 +102,20 @@ fn summary(loaded: &Loaded, scene: &Scene) -> Result<(), Failure> {
     border::keys(&mut out, scene)?;
     let c = &scene.certificate;
     writeln!(out, "  stability  {}", stability(c))?;
-    writeln!(out, "             bound {}, the limit is 4", short(c.bound))?;
+    let decided = if c.exact { "; decided by a factorisation" } else { "" };
+    writeln!(out, "             bound {}, the limit is 4{decided}", short(c.bound))?;
+    match c.largest {
+        Some((_, to)) => writeln!(
+            out,
+            "             largest eigenvalue {:.9}: everything could be {:.6} times stiffer",
+            Plain(to),
+            Plain(4.0 / to)
+        )?,
+        None if exact => {
+            writeln!(out, "             the largest eigenvalue depends on where points stand or what meets")?
+        }
+        None => {}
+    }
     if c.contact > 0.0 {
         writeln!(out, "  contacts   `{}` is the stiffest: kT²/m {}, up to 1 is safe", c.stiffest, short(c.contact))?;
     }

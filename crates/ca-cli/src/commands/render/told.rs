@@ -281,6 +281,7 @@ pub(crate) fn stability(c: &Certificate) -> String {
 pub(crate) fn stability_json(c: &Certificate) -> Json {
     json!({
         "level": c.level.to_string(), "bound": c.bound, "lower": c.lower, "limit": 4.0, "margin": c.margin(),
+        "exact": c.exact, "largest": c.largest.map(|l| [l.0, l.1]),
         "worst": c.worst, "contact": c.contact, "stiffest": c.stiffest,
     })
 }

@@ -77,7 +77,7 @@ pub fn round_down(v: f64) -> f64 {
 }
 
 /// Three digits, away from zero.
-fn round_up(v: f64) -> f64 {
+pub fn round_up(v: f64) -> f64 {
     three_digits(v, libm::ceil)
 }
 

@@ -1,31 +1,48 @@
 //! Certify: what can be said of stability before anything moves, and which module to blame.
 //!
-//! Decides for the cheap bounds of numerics 1.3 (two sums per module, no matrix), which settle almost every scene; the
-//! exact test by one sparse factorisation is for `analysis`. With h = T²k + 2Tz for each link and d_i their sum at mass
-//! i: d_i/m_i ≥ 4 is certainly unstable and this module is the cause; the smaller of the Gershgorin and the link bound
-//! below 4 is certainly stable. Contacts and other non-linear links are judged by rule (numerics 3.2) and said to be.
+//! Decides for the cheap bounds of numerics 1.3 first (two sums per module, no matrix), which settle almost every scene.
+//! With h = T²k + 2Tz for each link and d_i their sum at mass i: d_i/m_i ≥ 4 is certainly unstable and this module is
+//! the cause; the smaller of the Gershgorin and the link bound below 4 is certainly stable. Between them, and with the
+//! feature `analysis`, one sparse factorisation decides. Contacts and other non-linear links are judged by rule
+//! (numerics 3.2) and said to be.
 
 mod blame;
+#[cfg_attr(not(feature = "analysis"), path = "no_exact.rs")]
+mod exact;
 mod keys;
 mod negative;
 mod rigid;
 mod rules;
 mod worst;
 
-use super::net::{End, Net};
+use super::net::{End, LiaNode, Net};
 pub use crate::certificate::{Certificate, Level};
+use crate::law::Bound;
 use crate::model::Model;
 use crate::model::diag::{Diag, Diags};
 use crate::model::quantity::Plain;
 use alloc::format;
 use alloc::vec::Vec;
 use blame::{overflow, span, unstable};
+use exact::Exact;
 use negative::Negative;
-use rules::{contacts, devices};
+use rules::{contacts, devices, frictions, rubs};
 use worst::{Row, worst_bounds, worst_rows};
 
-/// Judges the network; warnings name the module and what would mend it.
-pub fn certify(model: &Model, net: &Net, diags: &mut Diags) -> Certificate {
+/// What a factorisation says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// all eigenvalues are below the limit
+    Stable,
+    /// one is above it
+    Unstable,
+    /// it depends on more than was looked at
+    Open,
+}
+
+/// Judges the network; warnings name the module and what would mend it. The largest eigenvalue is narrowed down only
+/// where it is `asked` for.
+pub fn certify(model: &Model, net: &Net, asked: bool, diags: &mut Diags) -> Certificate {
     let mut rows = worst_rows(net);
     // what is left out does not move
     for (r, _) in rows.iter_mut().zip(&net.alive).filter(|(_, alive)| !**alive) {
@@ -87,9 +104,17 @@ pub fn certify(model: &Model, net: &Net, diags: &mut Diags) -> Certificate {
     let explicit: Vec<_> = net.lias.iter().zip(&bounds).filter(|(l, _)| !l.law.is_late()).collect();
     let linear = explicit.iter().all(|(_, b)| b.linear);
     let radial = explicit.iter().any(|(l, _)| l.is_radial());
-    cert.level = if cert.lower >= 4.0 {
+    let held = |l: &LiaNode| l.all_ends().flat_map(|e| net.under(e)).any(|m| rows[m as usize].own > 0.0);
+    let ruled = |b: &Bound| (b.contact && b.k > 0.0) || rubs(b);
+    let touching = net.lias.iter().zip(&bounds).filter(|(l, b)| ruled(b) && !l.law.is_late() && held(l)).count();
+    let between = cert.lower < 4.0 && cert.bound >= 4.0 && covered;
+    let exact = if between || touching > 0 || asked { Exact::new(net, &rows, &bounds) } else { None };
+    let verdict = exact.as_ref().filter(|_| between).map_or(Verdict::Open, |e| e.verdict(&bounds));
+    cert.exact = verdict != Verdict::Open;
+    cert.largest = exact.as_ref().filter(|_| asked).and_then(|e| e.largest(&cert, true));
+    cert.level = if cert.lower >= 4.0 || verdict == Verdict::Unstable {
         Level::Unstable
-    } else if cert.bound < 4.0 && covered {
+    } else if (cert.bound < 4.0 || verdict == Verdict::Stable) && covered {
         match (linear, radial) {
             (true, false) => Level::Proven,
             (true, true) => Level::Linearised,
@@ -99,7 +124,10 @@ pub fn certify(model: &Model, net: &Net, diags: &mut Diags) -> Certificate {
         Level::NotProven
     };
     if let (Level::Unstable, Some(i)) = (cert.level, worst) {
-        diags.push(unstable(model, net, &rows, &bounds, i));
+        diags.push(match &exact {
+            Some(e) if verdict == Verdict::Unstable => e.blame(model, net, &bounds, i, &cert),
+            _ => unstable(model, net, &rows, &bounds, i),
+        });
     }
     if cert.level == Level::NotProven {
         let why = if covered {
@@ -107,7 +135,7 @@ pub fn certify(model: &Model, net: &Net, diags: &mut Diags) -> Certificate {
         } else {
             "some spring is negative and not covered by those beside it".into()
         };
-        let mut d = Diag::warning("W107", format!("stability is not proven by the cheap bounds: {why}"));
+        let mut d = Diag::warning("W107", format!("stability is not proven: {why}"));
         if let Some(i) = worst {
             d = d.at(span(model, net, net.mats[i].item), "nearest to the limit");
         }
@@ -115,7 +143,9 @@ pub fn certify(model: &Model, net: &Net, diags: &mut Diags) -> Certificate {
         diags.push(d.help(format!("{help} `{}`, make it heavier, or raise the sound rate", cert.worst)));
     }
     rigid::rigid(model, net, diags);
-    contacts(model, net, &rows, &bounds, &mut cert, diags);
+    let held = |l: &LiaNode, b: &Bound| exact.as_ref().and_then(|e| e.mobility(net, l, b, touching));
+    contacts(model, net, &rows, &bounds, held, &mut cert, diags);
+    frictions(model, net, &rows, &bounds, held, diags);
     devices(model, net, &bounds, diags);
     cert.keys = keys::keys(net, &bounds);
     cert

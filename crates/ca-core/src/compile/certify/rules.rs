@@ -1,6 +1,6 @@
 //! What no bound tells: contacts and device keys, judged by rule.
 
-use super::blame::{round_down, span};
+use super::blame::{round_down, round_up, span};
 use super::worst::Row;
 use crate::certificate::Certificate;
 use crate::compile::net::{End, LiaNode, Net};
@@ -11,8 +11,17 @@ use crate::model::{Model, quantity};
 use alloc::collections::BTreeSet;
 use alloc::format;
 
-/// Rules for contacts (numerics 3.2): kT²/m ≤ 1 recommended, ≤ 2 at the most, with the other links at the masses.
-pub fn contacts(model: &Model, net: &Net, rows: &[Row], bounds: &[Bound], cert: &mut Certificate, diags: &mut Diags) {
+/// Rules for contacts (numerics 3.2): kT²/m ≤ 1 recommended, ≤ 2 at the most. The mobility is that of both ends with the
+/// links that hold them (`held`), where that is known.
+pub fn contacts(
+    model: &Model,
+    net: &Net,
+    rows: &[Row],
+    bounds: &[Bound],
+    held: impl Fn(&LiaNode, &Bound) -> Option<f64>,
+    cert: &mut Certificate,
+    diags: &mut Diags,
+) {
     let mut told = BTreeSet::new();
     for (l, b) in net.lias.iter().zip(bounds) {
         if b.active && told.insert(l.item) {
@@ -22,7 +31,7 @@ pub fn contacts(model: &Model, net: &Net, rows: &[Row], bounds: &[Bound], cert: 
         if !b.contact || b.k == 0.0 || l.law.is_late() {
             continue;
         }
-        let c = mobility(net, l, rows);
+        let c = held(l, b).unwrap_or_else(|| mobility(net, l, rows));
         let a = b.k * c;
         if a > cert.contact {
             cert.contact = a;
@@ -46,6 +55,40 @@ pub fn contacts(model: &Model, net: &Net, rows: &[Row], bounds: &[Bound], cert: 
             diags.push(d.at(span(model, net, l.item), "stiff contact").help(help + stable));
         }
     }
+}
+
+/// Rule for friction that is no straight line, as of a bow (numerics 3.5): slope·T/m up to 1.5, or what should stick
+/// rings at every other sample.
+pub fn frictions(
+    model: &Model,
+    net: &Net,
+    rows: &[Row],
+    bounds: &[Bound],
+    held: impl Fn(&LiaNode, &Bound) -> Option<f64>,
+    diags: &mut Diags,
+) {
+    let mut told = BTreeSet::new();
+    for (l, b) in net.lias.iter().zip(bounds).filter(|(_, b)| rubs(b)) {
+        let c = held(l, b).unwrap_or_else(|| mobility(net, l, rows));
+        let steep = b.z * c;
+        if steep > 1.5 && told.insert(l.item) {
+            let title = format!(
+                "`{}` is too steep to stick: slope·T/m is {:.3}, stay below 1.5",
+                l.name,
+                quantity::Plain(steep)
+            );
+            let less = quantity::Plain(round_up(steep / 1.5));
+            let help = format!(
+                "a {less} times smaller force or larger speed of stick, heavier masses, or a higher sound rate"
+            );
+            diags.push(Diag::warning("W113", title).at(span(model, net, l.item), "steep friction").help(help));
+        }
+    }
+}
+
+/// True where a law resists motion along a curve.
+pub fn rubs(b: &Bound) -> bool {
+    b.z > 0.0 && !b.linear && !b.contact
 }
 
 /// T²/m of both ends of a contact together; of a set, of its most mobile pair.

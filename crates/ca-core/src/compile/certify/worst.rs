@@ -18,6 +18,10 @@ pub struct Row {
     pub disc: f64,
     /// T²/m
     pub c: f64,
+    /// stiffness of its own \[N/m\], as of a CEL
+    pub k: f64,
+    /// viscosity of its own and of its medium \[N per m/tick\]
+    pub z: f64,
     /// contacts
     pub touch: f64,
     /// T²k + 2Tz of the stiffest of them
@@ -53,8 +57,9 @@ fn row(net: &Net, m: &MatNode) -> Row {
     if corner.c == 0.0 || spec.fixed {
         return Row::default();
     }
+    let (k, z) = (-corner.q / corner.c, (1.0 - corner.p) / corner.c);
     let own = (-corner.q + 2.0 * (1.0 - corner.p)) / corner.c;
-    Row { own, disc: own, c: corner.c, ..Row::default() }
+    Row { own, disc: own, c: corner.c, k, z, ..Row::default() }
 }
 
 /// The parameter values of a module at load and, for each live parameter it follows, at both ends of its range.

@@ -1,0 +1,35 @@
+//! A build without `analysis`: only the cheap bounds speak.
+
+use super::Verdict;
+use super::worst::Row;
+use crate::certificate::Certificate;
+use crate::compile::net::{LiaNode, Net};
+use crate::law::Bound;
+use crate::model::Model;
+use crate::model::diag::Diag;
+
+/// There is none.
+pub enum Exact {}
+
+impl Exact {
+    /// None.
+    pub fn new(_: &Net, _: &[Row], _: &[Bound]) -> Option<Exact> {
+        None
+    }
+    /// Never asked.
+    pub fn verdict(&self, _: &[Bound]) -> Verdict {
+        match *self {}
+    }
+    /// Never asked.
+    pub fn mobility(&self, _: &Net, _: &LiaNode, _: &Bound, _: usize) -> Option<f64> {
+        match *self {}
+    }
+    /// Never asked.
+    pub fn largest(&self, _: &Certificate, _: bool) -> Option<(f64, f64)> {
+        match *self {}
+    }
+    /// Never asked.
+    pub fn blame(&self, _: &Model, _: &Net, _: &[Bound], _: usize, _: &Certificate) -> Diag {
+        match *self {}
+    }
+}

@@ -1,0 +1,171 @@
+//! From the network to matrices: which places move, and how each link pulls at them at the pose of load.
+//!
+//! Decides that a link at a moving point is as many links as there are nodes under it: its row is a mean of theirs, so
+//! whatever holds for each of them holds wherever the point stands.
+
+use super::net::{Coordinate, End, LiaNode, Measure, Net};
+use crate::analysis::{Linear, Place};
+use crate::law::Bound;
+use crate::op::pass;
+use alloc::vec::Vec;
+
+/// What a MAT is to the linear network: mobility \[m/N\], own stiffness \[N/m\], own viscosity \[N per m/tick\].
+#[derive(Clone, Copy, Default)]
+pub struct Own {
+    /// T²/m; 0 for what does not move
+    pub c: f64,
+    /// stiffness to the ground
+    pub k: f64,
+    /// viscosity to the ground
+    pub z: f64,
+}
+
+/// Where the places of each MAT begin in the linear network; `None` for what does not move.
+pub struct Numbers(Vec<Option<u32>>);
+
+/// The places of a network, without links.
+pub fn places(net: &Net, own: &[Own]) -> (Linear, Numbers) {
+    let mut linear = Linear::default();
+    let mut numbers = Vec::with_capacity(net.mats.len());
+    for (i, (m, own)) in net.mats.iter().zip(own).enumerate() {
+        let moves = own.c > 0.0;
+        numbers.push(moves.then_some(linear.places.len() as u32));
+        let axes = if moves { m.axes } else { 0 };
+        linear.places.extend((0..axes).map(|axis| Place { mat: i as u32, axis, c: own.c, k: own.k, z: own.z }));
+    }
+    (linear, Numbers(numbers))
+}
+
+/// The networks's links that `counts`, with their slopes. A set of pairs cannot be taken in: false where one counts.
+pub fn links(
+    net: &Net,
+    bounds: &[Bound],
+    numbers: &Numbers,
+    linear: &mut Linear,
+    counts: impl Fn(&LiaNode, &Bound) -> bool,
+) -> bool {
+    let mut all = true;
+    for (i, (l, b)) in net.lias.iter().zip(bounds).enumerate().filter(|(_, (l, b))| counts(l, b)) {
+        if l.sets.is_some() {
+            all = false;
+            continue;
+        }
+        for row in rows(net, l, b, numbers) {
+            match row {
+                Pull::At(weight, entries) => linear.link(i as u32, b.k * weight, b.z * weight, &entries),
+                Pull::Anywhere(at) => linear.loose.push(crate::analysis::Loose { lia: i as u32, k: b.k, z: b.z, at }),
+            }
+        }
+    }
+    all
+}
+
+/// One row of a link, as a share of its slopes, or one for each node a point may stand at.
+pub enum Pull {
+    /// here
+    At(f64, Vec<(u32, f64)>),
+    /// at any of these
+    Anywhere(Vec<Vec<(u32, f64)>>),
+}
+
+/// The rows of a link: its own, and for one under tension in space those across it.
+pub fn rows(net: &Net, l: &LiaNode, b: &Bound, numbers: &Numbers) -> Vec<Pull> {
+    let ports: Vec<_> = core::iter::once((l.ends, l.measure)).chain(l.onto.map(|o| (o.ends, o.measure))).collect();
+    // of each port, its direction; of each end, the nodes it may be at
+    let mut choices: Vec<Vec<(u32, f64)>> = alloc::vec![Vec::new()];
+    for (ends, measure) in &ports {
+        for (side, end) in ends.iter().enumerate() {
+            let sign = if side == 0 { -1.0 } else { 1.0 };
+            let pulls = at_end(net, *end, numbers, |first, axes| {
+                direction(net, *ends, *measure, l.soften, side, axes)
+                    .map(|(k, u)| (first + u32::from(k), sign * u))
+                    .collect()
+            });
+            choices = choices.iter().flat_map(|c| pulls.iter().map(|p| c.iter().chain(p).copied().collect())).collect();
+        }
+    }
+    if choices.len() > 1 {
+        return alloc::vec![Pull::Anywhere(choices)];
+    }
+    let mut rows: Vec<Pull> = choices.into_iter().map(|c| Pull::At(1.0, c)).collect();
+    // across a link under tension there is stiffness too: F/l
+    if let (Measure::Radial, None, true) = (l.measure, l.onto, b.k > 0.0 && b.linear) {
+        let (u, length) = unit(net, l.ends, l.soften);
+        let slack = l.l0.unwrap_or(length);
+        let tension = (length - slack) / length;
+        if tension > 0.0 && tension.is_finite() {
+            for k in 0..3_u8 {
+                // I − uuᵀ, row by row: its rows' squares sum to itself
+                let across: [f64; 3] =
+                    core::array::from_fn(|j| f64::from(u8::from(j == k as usize)) - u[k as usize] * u[j]);
+                let mut entries = Vec::new();
+                for (end, sign) in l.ends.iter().zip([-1.0, 1.0]) {
+                    let End::Mat(m) = end else { continue };
+                    let Some(first) = numbers.0[*m as usize] else { continue };
+                    entries.extend(
+                        (0..net.mats[*m as usize].axes).map(|j| (first + u32::from(j), sign * across[j as usize])),
+                    );
+                }
+                rows.push(Pull::At(tension, entries));
+            }
+        }
+    }
+    rows
+}
+
+/// What a pull on an end is on the places under it, one list for each node it may be at.
+fn at_end(net: &Net, end: End, numbers: &Numbers, pull: impl Fn(u32, u8) -> Vec<(u32, f64)>) -> Vec<Vec<(u32, f64)>> {
+    let on = |m: u32| {
+        let axes = net.mats[m as usize].axes;
+        numbers.0[m as usize].map(|first| pull(first, axes)).unwrap_or_default()
+    };
+    let End::Point(p) = end else {
+        let End::Mat(m) = end else { return alloc::vec![Vec::new()] };
+        return alloc::vec![on(m)];
+    };
+    let point = &net.points[p as usize];
+    let family = &net.families[&point.family];
+    let still: Option<Vec<f64>> =
+        point.at.iter().map(|c| if let Coordinate::At(v) = c { Some(*v) } else { None }).collect();
+    let Some(at) = still else { return family.nodes.iter().map(|m| on(*m)).collect() };
+    let size = family.size;
+    let steps = [0, 1].map(|k| pass::step(at.get(k).copied().unwrap_or(0.0).clamp(0.0, 1.0), size[k].max(1)));
+    let mut here = Vec::new();
+    for (i, a) in [(steps[0].0, 1.0 - steps[0].1), (steps[0].0 + 1, steps[0].1)] {
+        for (j, b) in [(steps[1].0, 1.0 - steps[1].1), (steps[1].0 + 1, steps[1].1)] {
+            let node = family.nodes.get((i * size[1].max(1) + j) as usize).filter(|_| a * b > 0.0);
+            here.extend(node.into_iter().flat_map(|m| on(*m)).map(|(place, u)| (place, u * a * b)));
+        }
+    }
+    alloc::vec![here]
+}
+
+/// Axes and weights by which a port feels one of its ends.
+fn direction(
+    net: &Net,
+    ends: [End; 2],
+    measure: Measure,
+    soften: f64,
+    side: usize,
+    axes: u8,
+) -> impl Iterator<Item = (u8, f64)> {
+    let u = match measure {
+        Measure::Line(axis) => core::array::from_fn(|k| f64::from(u8::from(k == axis[side] as usize))),
+        Measure::Along(n) => n,
+        Measure::Radial => unit(net, ends, soften).0,
+    };
+    (0..axes).map(move |k| (k, u[k as usize])).filter(|(_, u)| *u != 0.0)
+}
+
+/// Direction and length from the first to the second end, where they are at load.
+fn unit(net: &Net, ends: [End; 2], soften: f64) -> ([f64; 3], f64) {
+    let at = |e: End| {
+        let moved = if let End::Mat(m) = e { net.mats[m as usize].dx0 } else { [0.0; 3] };
+        let rest = net.rest(e);
+        core::array::from_fn::<f64, 3, _>(|k| rest[k] + moved[k])
+    };
+    let (a, b) = (at(ends[0]), at(ends[1]));
+    let v: [f64; 3] = core::array::from_fn(|k| b[k] - a[k]);
+    let length = libm::sqrt(v.iter().map(|x| x * x).sum::<f64>() + soften * soften).max(f64::MIN_POSITIVE);
+    (v.map(|x| x / length), length)
+}

@@ -1,0 +1,233 @@
+//! The certificate against brute force: what a factorisation says of random networks of all linear links, over six
+//! decades, is what the eigenvalues of the running engine say.
+//!
+//! The brute force knows nothing of matrices K and C: it moves each number of the state a little either way, lets the
+//! engine tick, and takes the spectral radius of what came out.
+
+use crate::play::{Dice, num, off, scene, with, within};
+use ca_core::certificate::Level;
+use ca_core::model::read;
+use ca_core::{Options, Scene, State, compile, tick};
+use ca_tests::catalog;
+use proptest::prelude::*;
+use std::fmt::Write as _;
+
+/// A network of masses, cells, a string with a point on it, and a body in space that leans on them; T = 1 and all
+/// stiffness and viscosity times `scale`.
+fn drawn(seed: u64, scale: f64) -> String {
+    let mut dice = Dice(seed);
+    let mut roll = || 0.5 * (dice.roll() + 1.0);
+    let mut text = String::from("[rate]\nsound = 1\ngesture = 1\n[SOL]\nwall = {}\n");
+    let n = 2 + (roll() * 6.0) as usize;
+    let decades = |r: f64| 10f64.powf(6.0 * r - 3.0);
+    let (mut masses, mut cells) = (String::from("[MAS]\n"), String::from("[CEL]\n"));
+    for i in 0..n {
+        let m = decades(roll());
+        if roll() < 0.3 {
+            let (k, z) = (scale * decades(roll()), if roll() < 0.5 { 0.0 } else { scale * decades(roll()) });
+            let _ = writeln!(cells, "n{i} = {{ m = {m:e}, k = {k:e}, z = {z:e} }}");
+        } else {
+            let _ = writeln!(masses, "n{i} = {{ m = {m:e} }}");
+        }
+    }
+    let string = roll() < 0.4;
+    let body = roll() < 0.5;
+    text += &(masses + &cells + "[REF]\n");
+    let count = n + (roll() * n as f64) as usize;
+    for l in 0..count {
+        let a = (roll() * n as f64) as usize;
+        let b = (roll() * (n + 1) as f64) as usize;
+        let other = if b == n || b == a { "wall".into() } else { format!("n{b}") };
+        let (k, z) = (scale * decades(roll()), if roll() < 0.5 { 0.0 } else { scale * decades(roll()) });
+        let _ = writeln!(text, "l{l} = {{ between = [\"n{a}\", \"{other}\"], k = {k:e}, z = {z:e} }}");
+    }
+    if string {
+        let (m, k) = (decades(roll()), scale * decades(roll()));
+        let _ = writeln!(
+            text,
+            "at = {{ between = [\"n0\", \"s@{:.3}\"], k = {:e}, z = 0 }}",
+            roll(),
+            scale * decades(roll())
+        );
+        let _ = writeln!(text, "[STRING]\ns = {{ n = 4, m = {m:e}, k = {k:e} }}");
+    }
+    if body {
+        text += "[ball]\ndim = 3\n[ball.MAS]\n";
+        for i in 0..4 {
+            let place = [roll(), roll(), roll()].map(|v| format!("{v:.3}")).join(", ");
+            let _ = writeln!(text, "b{i} = {{ m = {:e}, x = [{place}] }}", decades(roll()));
+        }
+        let pairs = [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)];
+        text += "[LPR]\n";
+        for (i, j) in &pairs[..2] {
+            let (k, z) = (scale * decades(roll()), scale * decades(roll()));
+            let _ = writeln!(
+                text,
+                "q{i}{j} = {{ between = [\"ball.b{i}\", \"ball.b{j}\"], onto = [\"wall\", \"n1\"], k = {k:e}, z = {z:e} }}"
+            );
+        }
+        text += "[REF]\n";
+        let mut links = String::new();
+        for (i, j) in &pairs[2..] {
+            let (k, z) = (scale * decades(roll()), if roll() < 0.5 { 0.0 } else { scale * decades(roll()) });
+            let _ = writeln!(links, "e{i}{j} = {{ between = [\"ball.b{i}\", \"ball.b{j}\"], k = {k:e}, z = {z:e} }}");
+        }
+        // one section of a kind in a file
+        let at = text.find("[REF]\n").expect("it is there") + 6;
+        text.truncate(text.len() - 6);
+        text.insert_str(at, &links);
+    }
+    let all: Vec<String> = (0..n).map(|i| format!("o{i} = {{ from = \"n{i}\" }}\n")).collect();
+    text + "[SOX]\n" + &all.concat()
+}
+
+/// Compiles without judging the findings; `None` where the numbers are refused.
+fn compiled(text: &str) -> Option<Scene> {
+    let (model, found) = read::read(text, "drawn.ca.toml", &catalog());
+    assert!(!found.has_errors(), "{text}\n{}", ca_core::model::render::text(&found, &model, false));
+    compile(&model, &catalog(), &Options { exact: true, ..Options::default() }).ok()
+}
+
+/// A drawn network, scaled so that its limit is near.
+fn near_the_limit(seed: u64) -> Option<(String, Scene)> {
+    let bound = compiled(&drawn(seed, 1.0))?.certificate.bound;
+    let mut dice = Dice(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15).max(1));
+    let text = drawn(seed, (4.4 + 1.8 * dice.roll()) / bound);
+    let scene = compiled(&text)?;
+    Some((text, scene))
+}
+
+/// The spectral radius of one tick about the pose at load.
+fn radius(scene: &Scene) -> f64 {
+    let start = scene.state();
+    let moving: Vec<usize> = (0..scene.n_mat).filter(|i| start.coef[2 * scene.n_mat + i] > 0.0).collect();
+    let n = moving.len();
+    let place = |s: &mut State, i: usize, by: f64| match i {
+        i if i < n => s.x[moving[i]] += by,
+        i if i < 2 * n => s.d[moving[i - n]] += by,
+        i => s.mem[i - 2 * n] += by,
+    };
+    let read = |s: &State| -> Vec<f64> {
+        moving.iter().map(|i| s.x[*i]).chain(moving.iter().map(|i| s.d[*i])).chain(s.mem.iter().copied()).collect()
+    };
+    let size = 2 * n + start.mem.len();
+    let step = 1e-6;
+    let mut map = faer::Mat::<f64>::zeros(size, size);
+    for j in 0..size {
+        let [up, down] = [step, -step].map(|by| {
+            let mut s = start.clone();
+            place(&mut s, j, by);
+            tick(scene, &mut s);
+            read(&s)
+        });
+        for i in 0..size {
+            map[(i, j)] = (up[i] - down[i]) / (2.0 * step);
+        }
+    }
+    let values = map.eigenvalues().expect("they are found");
+    values.iter().map(|v| v.re.hypot(v.im)).fold(0.0, f64::max)
+}
+
+/// What the certificate says of a drawn network, held against the engine; false where it is too near the limit to tell.
+fn agrees(seed: u64) -> Option<(Level, bool)> {
+    let (text, scene) = near_the_limit(seed)?;
+    let c = &scene.certificate;
+    let (low, high) = c.largest?;
+    assert!(low <= high && high - low <= 1e-12 * high, "{low} … {high}");
+    // the cheap bounds hold the eigenvalue
+    assert!(c.lower <= high * (1.0 + 1e-12) && low <= c.bound * (1.0 + 1e-12), "{c:?}\n{text}");
+    if (high / 4.0 - 1.0).abs() < 1e-6 {
+        return None;
+    }
+    let r = radius(&scene);
+    match c.level {
+        // a mode that moves freely has the double eigenvalue 1, which differences only know to half their digits
+        Level::Proven | Level::Linearised => assert!(high < 4.0 && r < 1.0 + 1e-4, "{r}, {c:?}\n{text}"),
+        Level::Unstable => assert!(high > 4.0 && r > 1.0 + 1e-4, "{r}, {c:?}\n{text}"),
+        _ => panic!("nothing here is open: {c:?}\n{text}"),
+    }
+    Some((c.level, c.exact))
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 300, ..ProptestConfig::default() })]
+
+    #[test]
+    fn no_disagreement_with_the_spectral_radius(seed in 1u64..) {
+        agrees(seed);
+    }
+}
+
+#[test]
+fn the_drawn_networks_are_of_every_kind() {
+    let seen: Vec<(Level, bool)> = (1..200u64).filter_map(|i| agrees(i.wrapping_mul(0x2545_f491_4f6c_dd1d))).collect();
+    for level in [Level::Proven, Level::Linearised, Level::Unstable] {
+        let n = seen.iter().filter(|s| **s == (level, true)).count();
+        assert!(n >= 5, "{level}: {n} by a factorisation of {}", seen.len());
+    }
+}
+
+/// numerics 1.3: the eigenvalues of its table, to all their digits.
+#[test]
+fn the_largest_eigenvalue_is_exact() {
+    let exact = Options { exact: true, ..Options::default() };
+    let chain = |n: usize| {
+        format!(
+            "[rate]\nsound = 1\ngesture = 1\n[STRING]\nm = {{ n = {n}, m = 1, k = 1 }}\n[SOX]\no = {{ from = \"m[0]\" }}\n"
+        )
+    };
+    let s = with(&chain(40), &exact);
+    let (low, high) = s.certificate.largest.expect("asked for");
+    let closed = 4.0 * (std::f64::consts::PI * 40.0 / 82.0).sin().powi(2);
+    within("chain of 40", off(low, closed).max(off(high, closed)), 1e-12);
+    assert_eq!((s.certificate.level, s.certificate.exact), (Level::Proven, true));
+    let mesh = |n: usize| {
+        format!(
+            "[rate]\nsound = 1\ngesture = 1\n[MESH]\nm = {{ nx = {n}, ny = {n}, m = 1, k = 0.5 }}\n[SOX]\no = {{ from = \"m[0,0]\" }}\n"
+        )
+    };
+    let s = with(&mesh(200), &exact);
+    let closed = 4.0 * (std::f64::consts::PI * 199.0 / 400.0).sin().powi(2);
+    within("mesh of 200 x 200", off(s.certificate.largest.expect("asked for").1, closed), 1e-11);
+    assert_eq!((s.certificate.level, s.certificate.exact), (Level::Proven, true));
+}
+
+/// What is too stiff only all together is told with numbers that mend it, and just.
+#[test]
+fn the_mended_number_mends() {
+    let text = |k: f64| {
+        format!(
+            "[rate]\nsound = 1\ngesture = 1\n[MAS]\na = {{ m = 1 }}\nb = {{ m = 1 }}\nc = {{ m = 1 }}\n[SOL]\nw = {{}}\n[REF]\n\
+             one = {{ between = [\"a\", \"b\"], k = 1.2 }}\ntwo = {{ between = [\"b\", \"c\"], k = {k:?} }}\nsoft = {{ between = [\"a\", \"w\"], k = 0.1 }}\n\
+             [SOX]\nout = {{ from = \"a\" }}\n"
+        )
+    };
+    let s = scene(&text(1.6));
+    assert_eq!((s.certificate.level, s.certificate.exact), (Level::Unstable, true));
+    let told = s.diags.list.iter().find(|d| d.code == "W103").expect("told");
+    let help = told.help.clone().unwrap_or_default();
+    let number = help.split("below ").nth(1).and_then(|t| t.split(' ').next()).and_then(|t| t.parse::<f64>().ok());
+    let safe = number.unwrap_or_else(|| panic!("{help}"));
+    assert!(help.contains("`two`") && safe < 1.6, "{help}");
+    assert_eq!(scene(&text(safe)).certificate.level, Level::Proven);
+    assert_eq!(scene(&text(safe * 1.02)).certificate.level, Level::Unstable, "{help}");
+    assert!(num(&serde_json::json!({ "a": radius(&scene(&text(safe))) }), "a") < 1.0 + 1e-6);
+}
+
+/// A point that wanders is judged wherever it may stand.
+#[test]
+fn a_point_that_wanders_is_judged_at_every_node() {
+    let text = |k: f64, at: &str| {
+        format!(
+            "[rate]\nsound = 1\ngesture = 1\n[param]\nwhere = {{ value = 0.01, live = true, min = 0, max = 1 }}\n[STRING]\n\
+             s = {{ n = 9, m = 1, k = 0.8, ends = \"fixed\" }}\n[MAS]\nfinger = {{ m = 1e3 }}\n[RES]\n\
+             hold = {{ between = [\"finger\", \"s@{at}\"], k = {k:?} }}\n[SOX]\nout = {{ from = \"s[2]\", gain = \"where\" }}\n"
+        )
+    };
+    let level = |k: f64, at: &str| scene(&text(k, at)).certificate.level;
+    // the end of the string bears anything, its middle does not
+    assert_eq!(level(2.0, "0"), Level::Proven);
+    assert_eq!(level(2.0, "0.5"), Level::Unstable);
+    assert_eq!(level(2.0, "where"), Level::Unstable);
+    assert_eq!((level(0.3, "0.5"), level(0.3, "where")), (Level::Proven, Level::Proven));
+}
