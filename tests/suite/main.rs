@@ -15,6 +15,7 @@ mod live;
 mod lpr;
 mod mims;
 mod models;
+mod modes;
 mod oracle;
 mod outputs;
 mod play;

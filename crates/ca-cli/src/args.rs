@@ -8,13 +8,17 @@ use std::path::PathBuf;
 
 mod device;
 mod equiv;
+mod modes;
 mod serve;
 mod take;
+mod tune;
 
 pub use device::{CalibrateArgs, ConformanceArgs, DeviceArgs, DeviceCommand, ScriptKind, SimArgs};
 pub use equiv::EquivArgs;
+pub use modes::ModesArgs;
 pub use serve::{ArmArgs, ClockKind, ServeArgs, SetArgs, ShmArgs, ShmWhat, StatusArgs};
 pub use take::{LogArgs, LogCommand, ReplayArgs};
+pub use tune::{Scale, TuneArgs};
 
 /// Virtual instruments made of masses and interactions (CORDIS-ANIMA).
 #[derive(Parser)]
@@ -35,6 +39,10 @@ pub enum Command {
     Render(RenderArgs),
     /// Says everything that can be known of a model before it sounds
     Check(CheckArgs),
+    /// Says how the linear part of a model sings
+    Modes(ModesArgs),
+    /// Tunes strings, meshes, cells and banks
+    Tune(TuneArgs),
     /// Shows and sets how large and how heavy a model is in the hand
     Equiv(EquivArgs),
     /// Lists kinds of modules and bundled models, or shows one of them

@@ -87,6 +87,8 @@ fn main() -> ExitCode {
     let outcome = match &cli.command {
         Command::Render(a) => commands::render::run(a),
         Command::Check(a) => commands::check::run(a),
+        Command::Modes(a) => commands::modes::run(a),
+        Command::Tune(a) => commands::tune::run(a),
         Command::Equiv(a) => commands::equiv::run(a),
         Command::List(a) => commands::list::run(a),
         Command::New(a) => commands::new::run(a),

@@ -6,6 +6,7 @@ mod docs;
 mod equiv;
 mod numbers;
 mod pages;
+mod pitch;
 mod readme;
 mod render;
 mod serve;
@@ -82,7 +83,9 @@ fn errors_of_a_model_point_at_their_places() {
 #[test]
 fn examples_of_the_help_run() {
     let mut ran = 0;
-    for command in ["render", "check", "equiv", "list", "new", "import", "serve", "replay", "log", "shm"] {
+    for command in
+        ["render", "check", "equiv", "modes", "tune", "list", "new", "import", "serve", "replay", "log", "shm"]
+    {
         let desk = Desk::new();
         if ["replay", "log"].contains(&command) {
             take::performer::tgr12(&desk.path("take.mcap"));
@@ -100,7 +103,7 @@ fn examples_of_the_help_run() {
             ran += 1;
         }
     }
-    assert!(ran >= 25, "only {ran} examples were found");
+    assert!(ran >= 33, "only {ran} examples were found");
 }
 
 #[test]

@@ -4,6 +4,7 @@
 //! Decides to keep rows instead of matrices: stability wants T²K + 2TC at once, modes want them apart, and the largest
 //! safe value of one link wants all the others.
 
+use alloc::string::String;
 use alloc::vec::Vec;
 
 /// A place that moves: one axis of one MAT.
@@ -74,4 +75,30 @@ impl Linear {
         let (first, n) = row.entries;
         self.entries.get(first as usize..(first + n) as usize).unwrap_or_default()
     }
+}
+
+/// Where a network is driven or heard: a displacement there is the sum of its entries' weights times displacements.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Port {
+    /// name of the output, the input or the link
+    pub name: String,
+    /// what it does: `hears`, `pushes`, or `acts` for a link that is not linear
+    pub role: &'static str,
+    /// places and weights
+    pub at: Vec<(u32, f64)>,
+}
+
+/// The linear part of a model at load.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Network {
+    /// tick \[s\]
+    pub te: f64,
+    /// its places and links
+    pub linear: Linear,
+    /// name of each place: its module, with `.x`, `.y` or `.z` in space
+    pub names: Vec<String>,
+    /// where it is driven and heard
+    pub ports: Vec<Port>,
+    /// links that are not linear, and so not in it: name and law
+    pub left_out: Vec<(String, &'static str)>,
 }

@@ -1,10 +1,12 @@
-//! What can be computed of a scene before it sounds: the exact answer to "is it stable".
+//! What can be computed of a scene before it sounds: whether it is stable, and how its linear part sings.
 //!
-//! Decides for faer: sparse Cholesky with a fill-reducing order, in safe Rust, without a system library. All of it
-//! stands behind the feature `analysis`; a build without it proves by the cheap bounds alone and says so.
+//! Decides for faer: sparse Cholesky with a fill-reducing order and eigenvalues, in Rust, without a system library. All
+//! of it stands behind the feature `analysis`; a build without it proves by the cheap bounds alone and says so.
 
 pub mod factor;
 pub mod linear;
+pub mod modes;
 
 pub use factor::{Factor, Pencil};
-pub use linear::{Linear, Loose, Place, Row};
+pub use linear::{Linear, Loose, Network, Place, Port, Row};
+pub use modes::{Mode, Modes};

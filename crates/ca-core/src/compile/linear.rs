@@ -3,21 +3,20 @@
 //! Decides that a link at a moving point is as many links as there are nodes under it: its row is a mean of theirs, so
 //! whatever holds for each of them holds wherever the point stands.
 
-use super::net::{Coordinate, End, LiaNode, Measure, Net};
-use crate::analysis::{Linear, Place};
+use super::net::{Coordinate, Ear, End, LiaNode, Measure, Net};
+use super::slopes::{self, Own};
+use crate::analysis::{Linear, Loose, Network, Place, Port};
 use crate::law::Bound;
 use crate::op::pass;
 use alloc::vec::Vec;
 
-/// What a MAT is to the linear network: mobility \[m/N\], own stiffness \[N/m\], own viscosity \[N per m/tick\].
-#[derive(Clone, Copy, Default)]
-pub struct Own {
-    /// T²/m; 0 for what does not move
-    pub c: f64,
-    /// stiffness to the ground
-    pub k: f64,
-    /// viscosity to the ground
-    pub z: f64,
+/// Where moving points are taken to be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Points {
+    /// where they are at load
+    AtLoad,
+    /// anywhere they may come
+    Anywhere,
 }
 
 /// Where the places of each MAT begin in the linear network; `None` for what does not move.
@@ -41,6 +40,7 @@ pub fn links(
     net: &Net,
     bounds: &[Bound],
     numbers: &Numbers,
+    points: Points,
     linear: &mut Linear,
     counts: impl Fn(&LiaNode, &Bound) -> bool,
 ) -> bool {
@@ -50,14 +50,71 @@ pub fn links(
             all = false;
             continue;
         }
-        for row in rows(net, l, b, numbers) {
+        for row in rows(net, l, b, numbers, points) {
             match row {
                 Pull::At(weight, entries) => linear.link(i as u32, b.k * weight, b.z * weight, &entries),
-                Pull::Anywhere(at) => linear.loose.push(crate::analysis::Loose { lia: i as u32, k: b.k, z: b.z, at }),
+                Pull::Anywhere(at) => linear.loose.push(Loose { lia: i as u32, k: b.k, z: b.z, at }),
             }
         }
     }
     all
+}
+
+/// The linear part of a network at load, and where it is driven and heard.
+pub fn network(net: &Net) -> Network {
+    let own: Vec<Own> = net
+        .mats
+        .iter()
+        .zip(&net.alive)
+        .map(|(m, alive)| if *alive { slopes::own(net, m) } else { Own::default() })
+        .collect();
+    let slopes: Vec<Bound> = net.lias.iter().map(|l| slopes::slopes(net, l)).collect();
+    let (mut linear, numbers) = places(net, &own);
+    let counts = |l: &LiaNode, b: &Bound| b.linear && !l.law.is_late();
+    let whole = links(net, &slopes, &numbers, Points::AtLoad, &mut linear, counts);
+    debug_assert!(whole, "the laws of sets are not linear");
+    let mut ports = Vec::new();
+    for (name, ear, axis, share) in
+        net.outs.iter().filter(|o| o.item.is_some()).map(|o| (&o.name, o.ear, o.axis, o.share))
+    {
+        let (Ear::Position(end) | Ear::ForceOn(end)) = ear else { continue };
+        let here = at_end(net, end, &numbers, Points::AtLoad, |first, _| alloc::vec![(first + u32::from(axis), share)]);
+        ports.push(Port { name: name.clone(), role: "hears", at: here.into_iter().flatten().collect() });
+    }
+    for p in &net.pushes {
+        let here =
+            at_end(net, p.end, &numbers, Points::AtLoad, |first, _| alloc::vec![(first + u32::from(p.axis), 1.0)]);
+        let name = net.inputs[p.input as usize].name.clone();
+        ports.push(Port { name, role: "pushes", at: here.into_iter().flatten().collect() });
+    }
+    let mut left_out: Vec<(u32, &str)> = Vec::new();
+    for (l, b) in net.lias.iter().zip(&slopes).filter(|(l, b)| !counts(l, b)) {
+        if left_out.last().is_some_and(|o| o.0 == l.item) {
+            continue;
+        }
+        left_out.push((l.item, l.law.code));
+        if l.sets.is_none() {
+            let row = rows(net, l, b, &numbers, Points::AtLoad).into_iter().next();
+            if let Some(Pull::At(_, at)) = row {
+                ports.push(Port { name: l.name.clone(), role: "acts", at });
+            }
+        }
+    }
+    let names = linear.places.iter().map(|p| {
+        let m = &net.mats[p.mat as usize];
+        if m.in_space() {
+            alloc::format!("{}.{}", m.name, ["x", "y", "z"][p.axis as usize % 3])
+        } else {
+            m.name.clone()
+        }
+    });
+    Network {
+        te: net.te,
+        names: names.collect(),
+        ports,
+        left_out: left_out.into_iter().map(|(i, code)| (net.items[i as usize].name.clone(), code)).collect(),
+        linear,
+    }
 }
 
 /// One row of a link, as a share of its slopes, or one for each node a point may stand at.
@@ -69,14 +126,14 @@ pub enum Pull {
 }
 
 /// The rows of a link: its own, and for one under tension in space those across it.
-pub fn rows(net: &Net, l: &LiaNode, b: &Bound, numbers: &Numbers) -> Vec<Pull> {
+pub fn rows(net: &Net, l: &LiaNode, b: &Bound, numbers: &Numbers, points: Points) -> Vec<Pull> {
     let ports: Vec<_> = core::iter::once((l.ends, l.measure)).chain(l.onto.map(|o| (o.ends, o.measure))).collect();
     // of each port, its direction; of each end, the nodes it may be at
     let mut choices: Vec<Vec<(u32, f64)>> = alloc::vec![Vec::new()];
     for (ends, measure) in &ports {
         for (side, end) in ends.iter().enumerate() {
             let sign = if side == 0 { -1.0 } else { 1.0 };
-            let pulls = at_end(net, *end, numbers, |first, axes| {
+            let pulls = at_end(net, *end, numbers, points, |first, axes| {
                 direction(net, *ends, *measure, l.soften, side, axes)
                     .map(|(k, u)| (first + u32::from(k), sign * u))
                     .collect()
@@ -114,7 +171,13 @@ pub fn rows(net: &Net, l: &LiaNode, b: &Bound, numbers: &Numbers) -> Vec<Pull> {
 }
 
 /// What a pull on an end is on the places under it, one list for each node it may be at.
-fn at_end(net: &Net, end: End, numbers: &Numbers, pull: impl Fn(u32, u8) -> Vec<(u32, f64)>) -> Vec<Vec<(u32, f64)>> {
+fn at_end(
+    net: &Net,
+    end: End,
+    numbers: &Numbers,
+    points: Points,
+    pull: impl Fn(u32, u8) -> Vec<(u32, f64)>,
+) -> Vec<Vec<(u32, f64)>> {
     let on = |m: u32| {
         let axes = net.mats[m as usize].axes;
         numbers.0[m as usize].map(|first| pull(first, axes)).unwrap_or_default()
@@ -125,8 +188,13 @@ fn at_end(net: &Net, end: End, numbers: &Numbers, pull: impl Fn(u32, u8) -> Vec<
     };
     let point = &net.points[p as usize];
     let family = &net.families[&point.family];
-    let still: Option<Vec<f64>> =
-        point.at.iter().map(|c| if let Coordinate::At(v) = c { Some(*v) } else { None }).collect();
+    let stands = |c: &Coordinate| match *c {
+        Coordinate::At(v) => Some(v),
+        _ if points == Points::Anywhere => None,
+        Coordinate::Live(p) => Some(net.params[p as usize].value),
+        Coordinate::Port(m) => Some(net.mats[m as usize].rest[0]),
+    };
+    let still: Option<Vec<f64>> = point.at.iter().map(stands).collect();
     let Some(at) = still else { return family.nodes.iter().map(|m| on(*m)).collect() };
     let size = family.size;
     let steps = [0, 1].map(|k| pass::step(at.get(k).copied().unwrap_or(0.0).clamp(0.0, 1.0), size[k].max(1)));

@@ -39,6 +39,7 @@ mod schedule;
 mod select;
 mod sense;
 mod sets;
+mod slopes;
 mod space;
 mod specialise;
 mod start;
@@ -53,10 +54,10 @@ use crate::catalog::Catalog;
 use crate::model::Model;
 use crate::model::diag::Diags;
 use crate::scene::Scene;
+use net::Net;
 
-/// Compiles a model. Warnings and notes are in [`Scene::diags`]; with an error there is no scene, and all findings are
-/// returned, sorted.
-pub fn compile(model: &Model, catalog: &Catalog, options: &Options) -> Result<Scene, Diags> {
+/// The network of a model, without what nobody hears.
+fn network(model: &Model, catalog: &Catalog, options: &Options) -> Result<(Net, Diags), Diags> {
     let mut diags = Diags::new();
     let net = resolve::resolve(model, catalog, options, &mut diags);
     let mut net = wire::wire(model, net, options, &mut diags);
@@ -69,6 +70,28 @@ pub fn compile(model: &Model, catalog: &Catalog, options: &Options) -> Result<Sc
     prune::prune(model, &mut net, &mut diags);
     turns::turns(model, &mut net, &mut diags);
     fed::mark(&mut net);
+    Ok((net, diags))
+}
+
+/// The linear part of a model at load, for its modes.
+#[cfg(feature = "analysis")]
+pub fn linear(model: &Model, catalog: &Catalog, options: &Options) -> Result<crate::analysis::Network, Diags> {
+    let (net, mut diags) = network(model, catalog, options)?;
+    let linear = linear::network(&net);
+    let numbers = |p: &crate::analysis::Place| [p.c, p.k, p.z].iter().all(|v| v.is_finite());
+    if !linear.linear.places.iter().all(numbers) || !linear.linear.rows.iter().all(|r| (r.k + r.z).is_finite()) {
+        // what the numbers are is for the certificate to say
+        certify::certify(model, &net, false, &mut diags);
+        diags.sort();
+        return Err(diags);
+    }
+    Ok(linear)
+}
+
+/// Compiles a model. Warnings and notes are in [`Scene::diags`]; with an error there is no scene, and all findings are
+/// returned, sorted.
+pub fn compile(model: &Model, catalog: &Catalog, options: &Options) -> Result<Scene, Diags> {
+    let (net, mut diags) = network(model, catalog, options)?;
     let certificate = certify::certify(model, &net, options.exact, &mut diags);
     if diags.has_errors() {
         diags.sort();

@@ -102,7 +102,11 @@ fn summary(loaded: &Loaded, scene: &Scene, exact: bool) -> Result<(), Failure> {
     border::keys(&mut out, scene)?;
     let c = &scene.certificate;
     writeln!(out, "  stability  {}", stability(c))?;
-    let decided = if c.exact { "; decided by a factorisation" } else { "" };
+    let decided = match (c.exact, c.level) {
+        (false, _) => "",
+        (true, Level::Linearised) => "; decided by a factorisation at the pose of load",
+        (true, _) => "; decided by a factorisation",
+    };
     writeln!(out, "             bound {}, the limit is 4{decided}", short(c.bound))?;
     match c.largest {
         Some((_, to)) => writeln!(

@@ -60,7 +60,7 @@ pub fn run(args: &EquivArgs) -> Outcome {
 }
 
 /// The new text in the place of the old one, in one step: an author's file is never half written.
-fn replace(path: &Path, text: &str) -> Result<(), Failure> {
+pub(super) fn replace(path: &Path, text: &str) -> Result<(), Failure> {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let aside = path.with_file_name(format!(".{name}.new"));
     let rights = || std::fs::metadata(path).and_then(|m| std::fs::set_permissions(&aside, m.permissions()));

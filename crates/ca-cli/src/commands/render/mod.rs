@@ -46,6 +46,7 @@ pub fn run(args: &RenderArgs) -> Outcome {
         probes: probes.iter().map(|p| p.name.clone()).collect(),
         kernel: if args.kernel == Kernel::Fast { KernelClass::Fast } else { KernelClass::Reference },
         clouds: loaded.clouds.clone(),
+        exact: false,
     };
     let scene = load::scene(&loaded, &options)?;
     if scene.channels == 0 {

@@ -9,8 +9,9 @@ use super::blame::{round_down, span};
 use super::worst::Row;
 use crate::analysis::{Factor, Linear, Pencil};
 use crate::certificate::Certificate;
-use crate::compile::linear::{Numbers, Own, Pull, links, places, rows};
+use crate::compile::linear::{Numbers, Points, Pull, links, places, rows};
 use crate::compile::net::{LiaNode, Net};
+use crate::compile::slopes::Own;
 use crate::kind::{Role, Unit};
 use crate::law::Bound;
 use crate::model::diag::Diag;
@@ -40,7 +41,9 @@ impl Exact {
     pub fn new(net: &Net, worst: &[Row], bounds: &[Bound]) -> Option<Exact> {
         let own: Vec<Own> = worst.iter().map(|r| Own { c: r.c, k: r.k, z: r.z }).collect();
         let (mut linear, numbers) = places(net, &own);
-        let whole = links(net, bounds, &numbers, &mut linear, |l, b| !l.law.is_late() && (b.linear || !b.contact));
+        let whole = links(net, bounds, &numbers, Points::Anywhere, &mut linear, |l, b| {
+            !l.law.is_late() && (b.linear || !b.contact)
+        });
         let pencil = Pencil::new(&linear, |_| 1.0)?;
         let factor = pencil.below(4.0 * (1.0 - ROUNDING));
         Some(Exact { linear, numbers, pencil, factor, whole })
@@ -87,7 +90,7 @@ impl Exact {
             let g = factor.gives(b);
             4.0 * g / (1.0 + h * g)
         };
-        rows(net, l, &Bound::default(), &self.numbers)
+        rows(net, l, &Bound::default(), &self.numbers, Points::Anywhere)
             .iter()
             .map(|row| match row {
                 Pull::At(_, b) => of(b),

@@ -10,9 +10,9 @@
 //! Springs that push (bending) count in the compliance and not in the connection.
 
 use super::blame::{round_down, span};
-use crate::compile::net::{End, LiaNode, MatRole, Measure, Net};
+use crate::compile::net::{End, LiaNode, Measure, Net};
+use crate::compile::slopes;
 use crate::kind::Unit;
-use crate::live::Loader;
 use crate::model::diag::{Diag, Diags};
 use crate::model::{Model, quantity};
 use alloc::collections::BTreeSet;
@@ -41,9 +41,7 @@ fn node(mat: u32, axis: u8) -> Node {
 
 /// Stiffness of a link at rest; 0 of contacts, which may be open.
 fn stiffness(net: &Net, l: &LiaNode) -> f64 {
-    let mut c = [0.0; 8];
-    (l.law.load)(&net.values(l.item, &l.values), net.te, &mut c[..l.law.coefs]);
-    let b = (l.law.bound)(&c[..l.law.coefs], &net.tables);
+    let b = slopes::slopes(net, l);
     if b.contact { 0.0 } else { b.k }
 }
 
@@ -52,12 +50,8 @@ impl Springs {
         let n = 3 * net.mats.len();
         let mut s = Springs { ground: alloc::vec![0.0; n], around: alloc::vec![Vec::new(); n], moving: false };
         for (i, m) in net.mats.iter().enumerate() {
-            let MatRole::Mat(spec) = m.role else { continue };
-            let mut out = [0.0; 8];
-            Loader::Mat(spec, 0.0).load(&net.values(m.item, &m.values), net.te, &mut out);
-            if out[2] > 0.0 {
-                (0..m.axes).for_each(|k| s.ground[node(i as u32, k)] = -out[1] / out[2]);
-            }
+            let k = slopes::own(net, m).k;
+            (0..m.axes).for_each(|axis| s.ground[node(i as u32, axis)] = k);
         }
         for l in net.lias.iter().filter(|l| l.onto.is_none()) {
             let Measure::Line([p, q]) = l.measure else { continue };

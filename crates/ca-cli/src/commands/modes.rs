@@ -1,0 +1,150 @@
+//! `ca modes`: how the linear part of a model sings.
+//!
+//! Decides to show each port as a column in dB below the mode that is strongest there: what a player asks is which modes
+//! a blow or a pickup favours, not how many roots of a kilogram they weigh. The raw numbers are in the JSON.
+
+use crate::args::ModesArgs;
+use crate::load;
+use crate::{Ended, Failure, Outcome, catalog, term};
+use ca_core::Options;
+use ca_core::analysis::{Mode, Modes, Network, modes};
+use ca_core::model::quantity::Plain;
+use ca_core::model::render;
+use serde_json::{Value as Json, json};
+use std::io::Write as _;
+use std::path::Path;
+
+/// Ports that fit beside each other on a page; all of them are in the JSON.
+const COLUMNS: usize = 8;
+/// A port hears nothing of a mode from here on down \[dB\].
+const SILENT: f64 = -200.0;
+
+/// Runs the command.
+pub fn run(args: &ModesArgs) -> Outcome {
+    let loaded = load::load(&args.source)?;
+    let options = Options { rate: args.source.rate, clouds: loaded.clouds.clone(), ..Options::default() };
+    let network = ca_core::compile::linear(&loaded.model, &catalog(), &options).map_err(|diags| {
+        term::findings(&render::text(&diags, &loaded.model, term::color()));
+        Failure::Told
+    })?;
+    let n = network.linear.places.len();
+    if n == 0 {
+        return Err(Failure::Failed("nothing in this model moves".into()));
+    }
+    let Some(found) = modes::modes(&network) else {
+        let most = modes::LARGEST;
+        return Err(Failure::Failed(format!(
+            "{n} places move, which is too much for a table of modes: at most {most}"
+        )));
+    };
+    if let Some(path) = &args.shapes {
+        shapes(path, &network, &found)?;
+        term::note(&format!("shapes written to `{}`", path.display()));
+    }
+    if args.json {
+        writeln!(std::io::stdout().lock(), "{:#}", value(&loaded.name, &network, &found))?;
+    } else {
+        text(&loaded.name, &network, &found, args.modes)?;
+    }
+    Ok(Ended::Well)
+}
+
+/// What a port makes of each mode, in dB below the strongest.
+fn levels(found: &Modes, port: &[(u32, f64)]) -> Vec<f64> {
+    let at: Vec<f64> = found.list.iter().map(|m| m.at(port).abs()).collect();
+    let top = at.iter().copied().fold(0.0, f64::max);
+    at.iter().map(|v| if *v > 0.0 && top > 0.0 { 20.0 * (v / top).log10() } else { f64::NEG_INFINITY }).collect()
+}
+
+fn text(name: &str, network: &Network, found: &Modes, most: usize) -> Result<(), Failure> {
+    let mut out = std::io::stdout().lock();
+    let swings = found.list.iter().filter(|m| m.heard > 0.0).count();
+    writeln!(
+        out,
+        "{name}: {} places that move, {swings} modes that swing, at {} Hz",
+        network.names.len(),
+        (1.0 / network.te).round()
+    )?;
+    if !network.left_out.is_empty() {
+        let names: Vec<String> = network.left_out.iter().map(|(name, code)| format!("`{name}` ({code})")).collect();
+        writeln!(out, "  not linear, so not part of it: {}", names.join(", "))?;
+    }
+    let ports: Vec<_> = network.ports.iter().take(COLUMNS).collect();
+    let columns: Vec<Vec<f64>> = ports.iter().map(|p| levels(found, &p.at)).collect();
+    let wide = |name: &str| name.chars().count().max(8);
+    write!(out, "\n  {:>4} {:>12} {:>12} {:>9} {:>9}", "mode", "free [Hz]", "heard [Hz]", "cents", "T60 [s]")?;
+    ports.iter().try_for_each(|p| write!(out, "  {:>1$}", p.name, wide(&p.name)))?;
+    writeln!(out)?;
+    for (j, m) in found.list.iter().enumerate().take(most) {
+        write!(out, "  {:>4} {:>12} {:>12} {:>9} {:>9}", j + 1, hertz(m.f), hertz(m.heard), cents(m), seconds(m.t60))?;
+        for (p, c) in ports.iter().zip(&columns) {
+            let level = if c[j] > SILENT { format!("{:.1} dB", c[j]) } else { "silent".into() };
+            write!(out, "  {level:>0$}", wide(&p.name))?;
+        }
+        writeln!(out)?;
+    }
+    if found.list.len() > most {
+        writeln!(out, "  … {} more: `--modes {}`", found.list.len() - most, found.list.len())?;
+    }
+    if network.ports.len() > COLUMNS {
+        writeln!(out, "  {} more ports are in `--json`", network.ports.len() - COLUMNS)?;
+    }
+    if found.approximate {
+        writeln!(out, "  damping ties modes to each other; T60 is that of each mode by itself")?;
+    }
+    Ok(())
+}
+
+fn hertz(f: f64) -> String {
+    if f > 0.0 { format!("{:.4}", Plain(f)) } else { "-".into() }
+}
+
+fn cents(m: &Mode) -> String {
+    if m.f > 0.0 && m.heard > 0.0 { format!("{:+.3}", m.cents()) } else { "-".into() }
+}
+
+fn seconds(t: f64) -> String {
+    if t.is_finite() { format!("{:.4}", Plain(t)) } else { "for ever".into() }
+}
+
+fn value(name: &str, network: &Network, found: &Modes) -> Json {
+    let finite = |v: f64| if v.is_finite() { json!(v) } else { Json::Null };
+    let list: Vec<Json> = found
+        .list
+        .iter()
+        .map(|m| {
+            let ports: serde_json::Map<String, Json> =
+                network.ports.iter().map(|p| (p.name.clone(), json!(m.at(&p.at)))).collect();
+            json!({
+                "free_hz": m.f, "heard_hz": m.heard, "cents": m.cents(), "t60_s": finite(m.t60),
+                "t60_free_s": finite(m.t60_free), "a": m.a, "b": m.b, "coupled": m.coupled, "ports": ports,
+            })
+        })
+        .collect();
+    let ports: Vec<Json> = network.ports.iter().map(|p| json!({ "name": p.name, "role": p.role })).collect();
+    let left_out: Vec<Json> =
+        network.left_out.iter().map(|(name, code)| json!({ "name": name, "law": code })).collect();
+    json!({
+        "name": name, "rate": 1.0 / network.te, "places": network.names, "ports": ports, "left_out": left_out,
+        "approximate": found.approximate, "modes": list,
+    })
+}
+
+/// A row for each place, a column for each mode \[1/√kg\].
+fn shapes(path: &Path, network: &Network, found: &Modes) -> Result<(), Failure> {
+    let bad = |e: std::io::Error| Failure::Failed(format!("`{}` cannot be written: {e}", path.display()));
+    let mut file = std::io::BufWriter::new(std::fs::File::create(path).map_err(bad)?);
+    let mut write = || -> std::io::Result<()> {
+        write!(file, "place")?;
+        (1..=found.list.len()).try_for_each(|j| write!(file, ",mode {j}"))?;
+        writeln!(file)?;
+        for (i, name) in network.names.iter().enumerate() {
+            // names with commas are those of meshes
+            write!(file, "\"{name}\"")?;
+            found.list.iter().try_for_each(|m| write!(file, ",{:e}", m.shape[i]))?;
+            writeln!(file)?;
+        }
+        file.flush()
+    };
+    write().map_err(bad)
+}

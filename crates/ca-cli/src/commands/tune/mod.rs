@@ -1,0 +1,297 @@
+//! `ca tune`: parts of a model brought to a pitch.
+//!
+//! Decides to ask the modes of the whole model, not a formula of one generator: what hangs on a string pulls its pitch,
+//! and it is heard through the scheme. A generator that knows `f` is right at once; what is left is found by the secant
+//! of two logarithms, since a frequency is a power of a stiffness. What is written is found again by reading it.
+
+mod pitch;
+
+use crate::args::{Source, TuneArgs};
+use crate::load::{self, Loaded};
+use crate::{Ended, Failure, Outcome, catalog, term};
+use ca_core::Options;
+use ca_core::analysis::{Mode, Network, modes};
+use ca_core::certificate::Level;
+use ca_core::kind::Unit;
+use ca_core::model::{Model, Value, quantity, read, render};
+use pitch::pitch;
+use serde_json::{Value as Json, json};
+use std::io::Write as _;
+use std::path::Path;
+use toml_edit::{DocumentMut, Item};
+
+/// A pitch is met where it is nearer than this \[cents\].
+const MET: f64 = 1e-6;
+/// Steps of the secant.
+const STEPS: usize = 16;
+
+/// What of the text is changed for a part, and by what it is measured.
+struct Knob {
+    /// the part
+    part: String,
+    /// of a bank, the cell
+    cell: Option<usize>,
+    /// keys from the root of the file to the number
+    path: Vec<String>,
+    /// unit it is written in
+    unit: &'static str,
+    /// pitch over number, as powers
+    slope: f64,
+}
+
+/// A part as it became.
+struct Tuned {
+    part: String,
+    wanted: f64,
+    before: f64,
+    heard: f64,
+    number: String,
+}
+
+/// Runs the command.
+pub fn run(args: &TuneArgs) -> Outcome {
+    let source = Source {
+        model: args.model.clone(),
+        set: Vec::new(),
+        rate: None,
+        border: None,
+        latency: None,
+        no_feedback: false,
+    };
+    let mut loaded = load::load(&source)?;
+    if load::has_extension(Path::new(&args.model), "mdl") {
+        return Err(Failure::Usage("a MIMS file cannot be tuned; `ca import` makes a model file of it".into()));
+    }
+    load::scene(&loaded, &Options::default())?;
+    let mut doc: DocumentMut = loaded.model.text.parse().map_err(|e: toml_edit::TomlError| {
+        Failure::Failed(format!("`{}`: it cannot be edited: {}", loaded.model.file, e.message()))
+    })?;
+    let mut done = Vec::new();
+    for (part, cell, wanted) in wishes(args, &loaded.model)? {
+        let knob = knob(&loaded.model, &part, cell)?;
+        done.push(tune(&mut loaded, &mut doc, &knob, wanted, args.mode)?);
+    }
+    let scene = load::scene(&loaded, &Options::default())?;
+    if scene.certificate.level == Level::Unstable {
+        term::findings(&render::text(&scene.diags, &loaded.model, term::color()));
+        return Err(Failure::Failed("so tuned, the model would blow up: a lower pitch, or a higher sound rate".into()));
+    }
+    let text = doc.to_string();
+    if args.to.in_place {
+        let path = Path::new(&args.model);
+        if !path.exists() {
+            let why = "a bundled model is not yours to change; name a file by `--write FILE.ca.toml`";
+            return Err(Failure::Usage(format!("`{}`: {why}", args.model)));
+        }
+        super::equiv::replace(path, &text)?;
+    } else if let Some(path) = &args.to.write {
+        super::new::write(path, &text, args.to.force)?;
+    }
+    told(&loaded, &done, args.json)?;
+    if let Some(path) = args.to.write.as_deref().or(args.to.in_place.then_some(Path::new(&args.model))) {
+        term::note(&format!("written to `{}`", path.display()));
+    }
+    Ok(Ended::Well)
+}
+
+/// Parts, the cells of banks one by one, and the pitches they shall have.
+fn wishes(args: &TuneArgs, model: &Model) -> Result<Vec<(String, Option<usize>, f64)>, Failure> {
+    let usage = Failure::Usage;
+    let Some((scale, root)) = args.scale.zip(args.root.as_deref()) else {
+        let wish = |text: &String| {
+            let (part, to) = text.split_once('=').ok_or_else(|| format!("`{text}`: write it like `low=A2`"))?;
+            Ok((part.trim().to_owned(), None, pitch(to, args.a4)?))
+        };
+        return args.parts.iter().map(wish).collect::<Result<_, String>>().map_err(usage);
+    };
+    let root = pitch(root, args.a4).map_err(usage)?;
+    let mut all = Vec::new();
+    for part in &args.parts {
+        if part.contains('=') {
+            return Err(usage(format!("`{part}`: with `--scale` the scale gives the pitch; name the part alone")));
+        }
+        let cells = model.items.iter().find(|i| i.name == *part).and_then(|i| i.args.iter().find(|e| e.key == "f"));
+        match cells.map(|e| &e.value) {
+            Some(Value::List(list)) => (0..list.len()).for_each(|k| all.push((part.clone(), Some(k), 0.0))),
+            _ => all.push((part.clone(), None, 0.0)),
+        }
+    }
+    all.iter_mut().enumerate().for_each(|(n, w)| w.2 = root * scale.degree(n));
+    Ok(all)
+}
+
+/// Which number of the text tunes a part.
+fn knob(model: &Model, part: &str, cell: Option<usize>) -> Result<Knob, Failure> {
+    let Some(item) = model.items.iter().find(|i| i.name == part) else {
+        let names = || model.items.iter().map(|i| i.name.as_str());
+        let near = ca_core::model::suggest::nearest(part, names());
+        let hint =
+            near.map_or_else(|| format!("there is {}", load::ticked(names())), |n| format!("did you mean `{n}`?"));
+        return Err(Failure::Usage(format!("the model has no `{part}`; {hint}")));
+    };
+    let of = |key: &str| item.args.iter().find(|e| e.key == key);
+    let (key, unit, slope) = match (of("f"), of("k")) {
+        (Some(_), _) => ("f", "Hz", 1.0),
+        (None, Some(_)) => ("k", "N/m", 0.5),
+        (None, None) => {
+            return Err(Failure::Usage(format!("`{part}` has neither `f` nor `k`, so nothing of it can be tuned")));
+        }
+    };
+    let entry = of(key).map(|e| &e.value);
+    if let (Some(Value::List(list)), None) = (entry, cell) {
+        let n = list.len();
+        return Err(Failure::Usage(format!(
+            "`{part}` has {n} pitches: give it a scale, `--scale equal --root A4 {part}`"
+        )));
+    }
+    let mut path: Vec<String> = part.split('.').map(str::to_owned).collect();
+    let leaf = path.pop().unwrap_or_default();
+    path.extend([item.kind.clone(), leaf, key.to_owned()]);
+    // what follows a parameter is tuned by it
+    if let Some(Value::Text(name)) = entry {
+        if let Some(p) = model.params.iter().find(|p| p.key == *name) {
+            path = vec!["param".into(), name.clone()];
+            path.extend(matches!(p.value, Value::Table(_)).then(|| "value".to_owned()));
+        }
+    }
+    Ok(Knob { part: part.into(), cell, path, unit, slope })
+}
+
+/// The number a knob stands at, in SI or in the model's own.
+fn number(doc: &DocumentMut, knob: &Knob) -> Option<(f64, bool)> {
+    let mut at = doc.as_item();
+    for key in &knob.path {
+        at = at.get(key.as_str())?;
+    }
+    let value = match knob.cell {
+        Some(k) => at.as_array()?.get(k)?,
+        None => at.as_value()?,
+    };
+    if let Some(text) = value.as_str() {
+        let q = quantity::parse(text).ok()?;
+        return Some((q.value, q.has_unit));
+    }
+    value.as_float().or(value.as_integer().map(|i| i as f64)).map(|v| (v, false))
+}
+
+/// Turns a knob in the text.
+fn turn(doc: &mut DocumentMut, knob: &Knob, v: f64, units: bool) -> Option<String> {
+    let written = if units { format!("\"{v:?} {}\"", knob.unit) } else { format!("{v:?}") };
+    let mut at: &mut Item = doc.as_item_mut();
+    for key in &knob.path {
+        at = at.get_mut(key.as_str())?;
+    }
+    let place = match knob.cell {
+        Some(k) => at.as_array_mut()?.get_mut(k)?,
+        None => at.as_value_mut()?,
+    };
+    let decor = place.decor().clone();
+    *place = written.parse().ok()?;
+    *place.decor_mut() = decor;
+    Some(written.trim_matches('"').to_owned())
+}
+
+/// Brings a part to its pitch.
+fn tune(loaded: &mut Loaded, doc: &mut DocumentMut, knob: &Knob, wanted: f64, mode: u32) -> Result<Tuned, Failure> {
+    let name = knob.cell.map_or(knob.part.clone(), |k| format!("{}[{k}]", knob.part));
+    let Some((mut v, units)) = number(doc, knob) else {
+        return Err(Failure::Failed(format!("`{name}`: `{}` is no number that could be tuned", knob.path.join("."))));
+    };
+    let before = heard(loaded, &name, knob, mode)?;
+    let (mut slope, mut now, mut written) = (knob.slope, before, String::new());
+    for step in 0..STEPS {
+        let off = (wanted / now).log2();
+        if off.abs() * 1200.0 < MET && step > 0 {
+            break;
+        }
+        // a number that is the pitch itself is right at once, whatever it was before
+        let next = if step == 0 && knob.slope == 1.0 && units { wanted } else { v * (off / slope).exp2() };
+        let outside = || {
+            Failure::Failed(format!(
+                "`{name}` cannot sound at {wanted} Hz: `{}` would leave its range",
+                knob.path.join(".")
+            ))
+        };
+        if !(next.is_finite() && next > 0.0) {
+            return Err(outside());
+        }
+        written = turn(doc, knob, next, units).ok_or_else(outside)?;
+        let (model, diags) = read::read(&doc.to_string(), &loaded.model.file, &catalog());
+        *loaded =
+            Loaded { model, diags, name: std::mem::take(&mut loaded.name), clouds: std::mem::take(&mut loaded.clouds) };
+        let f = heard(loaded, &name, knob, mode)?;
+        let (moved, turned) = ((f / now).log2(), (next / v).log2());
+        if turned.abs() > 1e-9 && (0.05..5.0).contains(&(moved / turned)) {
+            slope = moved / turned;
+        }
+        (v, now) = (next, f);
+    }
+    let left = 1200.0 * (wanted / now).log2();
+    if left.abs() > 0.01 {
+        let what = format!("`{name}` comes no nearer to {wanted} Hz than {now} Hz ({left:+.3} cents)");
+        return Err(Failure::Failed(format!(
+            "{what}: what hangs on it holds its pitch, or it is near half the sound rate"
+        )));
+    }
+    Ok(Tuned { part: name, wanted, before, heard: now, number: written })
+}
+
+/// The pitch of a part: of the modes that are mostly it, number `mode` from below.
+fn heard(loaded: &Loaded, name: &str, knob: &Knob, mode: u32) -> Result<f64, Failure> {
+    let options = Options { clouds: loaded.clouds.clone(), ..Options::default() };
+    let network = ca_core::compile::linear(&loaded.model, &catalog(), &options).map_err(|diags| {
+        term::findings(&render::text(&diags, &loaded.model, term::color()));
+        Failure::Told
+    })?;
+    let Some(found) = modes::modes(&network) else {
+        let n = network.names.len();
+        return Err(Failure::Failed(format!(
+            "{n} places move, which is too much for modes: at most {}",
+            modes::LARGEST
+        )));
+    };
+    let own: Vec<usize> = (0..network.names.len()).filter(|i| is_of(&network.names[*i], name, knob)).collect();
+    let most = found.list.iter().filter(|m| m.heard > 0.0 && share(&network, m, &own) > 0.5);
+    let Some(m) = most.clone().nth(mode as usize - 1) else {
+        let n = most.count();
+        return Err(Failure::Failed(format!(
+            "`{name}` has {n} modes that are mostly its own; number {mode} is asked for"
+        )));
+    };
+    Ok(m.heard)
+}
+
+/// Whether a place belongs to a part.
+fn is_of(place: &str, name: &str, knob: &Knob) -> bool {
+    let rest = place.strip_prefix(name);
+    rest.is_some_and(|r| r.is_empty() || r.starts_with('.') || (knob.cell.is_none() && r.starts_with('[')))
+}
+
+/// How much of a mode's kinetic energy is in these places.
+fn share(network: &Network, m: &Mode, places: &[usize]) -> f64 {
+    let te = network.te;
+    places.iter().map(|i| m.shape[*i] * m.shape[*i] * te * te / network.linear.places[*i].c).sum()
+}
+
+fn told(loaded: &Loaded, done: &[Tuned], as_json: bool) -> Result<(), Failure> {
+    let mut out = std::io::stdout().lock();
+    if as_json {
+        let list: Vec<Json> = done
+            .iter()
+            .map(|t| {
+                let off = 1200.0 * (t.heard / t.wanted).log2();
+                json!({ "part": t.part, "wanted_hz": t.wanted, "before_hz": t.before, "heard_hz": t.heard, "off_cents": off,
+                    "number": t.number })
+            })
+            .collect();
+        writeln!(out, "{:#}", json!({ "name": loaded.name, "tuned": list }))?;
+        return Ok(());
+    }
+    writeln!(out, "{}", loaded.name)?;
+    for t in done {
+        let (from, to) = (quantity::show(t.before, Unit::HERTZ), quantity::show(t.heard, Unit::HERTZ));
+        let off = 1200.0 * (t.heard / t.wanted).log2();
+        writeln!(out, "  {}: {from} → {to}, {off:+.6} cents off, by {}", t.part, t.number)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,92 @@
+//! Pitches as people write them: hertz, or notes with octave and cents; and scales.
+
+use crate::args::Scale;
+use ca_core::kind::Unit;
+use ca_core::model::quantity;
+
+/// A pitch \[Hz\]: `220 Hz`, `220`, `A3`, `C#4`, `Bb2+14.5`.
+pub(super) fn pitch(text: &str, a4: f64) -> Result<f64, String> {
+    let text = text.trim();
+    let f = if text.starts_with(|c: char| c.is_ascii_alphabetic()) { note(text, a4) } else { hertz(text) };
+    match f {
+        Some(f) if f.is_finite() && f > 0.0 => Ok(f),
+        _ => Err(format!("`{text}` is no pitch; write `220 Hz`, `A3`, `C#4` or `Bb2+14.5`")),
+    }
+}
+
+fn hertz(text: &str) -> Option<f64> {
+    let q = quantity::parse(text).ok()?;
+    (!q.has_unit || q.dim.same(Unit::HERTZ.dim)).then_some(q.value)
+}
+
+fn note(text: &str, a4: f64) -> Option<f64> {
+    let mut rest = text.chars();
+    let step = match rest.next()?.to_ascii_uppercase() {
+        'C' => -9,
+        'D' => -7,
+        'E' => -5,
+        'F' => -4,
+        'G' => -2,
+        'A' => 0,
+        'B' => 2,
+        _ => return None,
+    };
+    let rest = rest.as_str();
+    let signs = rest.chars().take_while(|c| matches!(c, '#' | 'b')).count();
+    let bent: i32 = rest.chars().take(signs).map(|c| if c == '#' { 1 } else { -1 }).sum();
+    let rest = &rest[signs..];
+    // the octave may be negative; a sign after its digits begins the cents
+    let cut = rest.char_indices().skip(1).find(|(_, c)| matches!(c, '+' | '-')).map_or(rest.len(), |(i, _)| i);
+    let octave: i32 = rest[..cut].parse().ok()?;
+    let cents: f64 = if cut < rest.len() { rest[cut..].parse().ok()? } else { 0.0 };
+    let octaves = f64::from(octave.clamp(-20, 20) - 4);
+    Some(a4 * (octaves + (f64::from(step + bent) + cents / 100.0) / 12.0).exp2())
+}
+
+impl Scale {
+    /// Degree `n` of the scale, 0 the root: its ratio to the root.
+    pub(super) fn degree(self, n: usize) -> f64 {
+        const EQUAL: [f64; 7] = [0.0, 2.0, 4.0, 5.0, 7.0, 9.0, 11.0];
+        const JUST: [f64; 7] = [1.0, 9.0 / 8.0, 5.0 / 4.0, 4.0 / 3.0, 3.0 / 2.0, 5.0 / 3.0, 15.0 / 8.0];
+        const FIFTHS: [f64; 7] = [1.0, 9.0 / 8.0, 81.0 / 64.0, 4.0 / 3.0, 3.0 / 2.0, 27.0 / 16.0, 243.0 / 128.0];
+        let (octave, step) = ((n / 7) as f64, n % 7);
+        match self {
+            Scale::Equal => (octave + EQUAL[step] / 12.0).exp2(),
+            Scale::Just => octave.exp2() * JUST[step],
+            Scale::Pythagorean => octave.exp2() * FIFTHS[step],
+            Scale::Harmonic => n as f64 + 1.0,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn notes_are_what_they_are_called() {
+        let near = |text: &str, f: f64| assert!((pitch(text, 440.0).expect(text) / f - 1.0).abs() < 1e-12, "{text}");
+        near("A4", 440.0);
+        near("a3", 220.0);
+        near("C4", 440.0 * (-9.0f64 / 12.0).exp2());
+        near("Bb2", 440.0 * (-2.0f64 + 1.0 / 12.0).exp2());
+        near("C#4+50", 440.0 * (-7.5f64 / 12.0).exp2());
+        near("A-1", 440.0 / 32.0);
+        near("A-1-100", 440.0 / 32.0 * (-1.0f64 / 12.0).exp2());
+        near("220 Hz", 220.0);
+        near("1.5 kHz", 1500.0);
+        for wrong in ["H4", "A", "4 m", "", "-3", "A4+", "A4x", "é4", "Aé"] {
+            assert!(pitch(wrong, 440.0).is_err(), "{wrong}");
+        }
+        assert!((pitch("A4", 442.0).expect("a pitch") - 442.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn scales_rise_and_repeat_by_octaves() {
+        for scale in [Scale::Equal, Scale::Just, Scale::Pythagorean, Scale::Harmonic] {
+            assert_eq!(scale.degree(0), 1.0);
+            assert!((1..30).all(|n| scale.degree(n) > scale.degree(n - 1)));
+        }
+        assert!((Scale::Just.degree(11) - 3.0).abs() < 1e-15 && (Scale::Equal.degree(7) - 2.0).abs() < 1e-15);
+    }
+}

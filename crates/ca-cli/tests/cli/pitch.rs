@@ -1,0 +1,137 @@
+//! `ca modes` and `ca tune`: what a model sings, and what it sings when it was tuned.
+
+use crate::desk::Desk;
+use std::fs;
+
+/// Strings by frequency and by stiffness, one that follows a parameter and drags a mass along, a cell and a bank.
+const PARTS: &str = r#"# mine
+[param]
+tension = { value = "9 kN/m", unit = "N/m", live = true, min = 1, max = 1e6 }   # of the third
+
+[STRING]
+low = { n = 20, f = "110 Hz", m = "1 g", t60 = "2 s" }   # by frequency
+mid = { n = 20, k = "20 kN/m", m = "1 g" }
+top = { n = 10, k = "tension", m = "1 g" }
+
+[MAS]
+weight = { m = "2 g" }
+hammer = { m = "10 g", x = "-5 mm", v = "1 m/s" }
+
+[REF]
+tie = { between = ["top[4]", "weight"], k = "300 N/m", z = "2 mN s/m" }
+
+[BANK]
+bell = { f = ["400 Hz", "900 Hz", "1300 Hz"], t60 = "1 s", m = "5 g" }
+
+[BUT]
+strike = { between = ["hammer", "low[4]"], k = "8 kN/m" }
+
+[SOX]
+a = { from = "low[3]" }
+b = { from = "mid[3]" }
+c = { from = "top[3]" }
+d = { from = "bell[0]" }
+e = { from = "bell[1]" }
+f = { from = "bell[2]" }
+"#;
+
+fn cents(is: f64, want: f64) -> f64 {
+    1200.0 * (is / want).log2().abs()
+}
+
+/// Modes of a file: heard frequency, T60, participation by port.
+fn modes(desk: &Desk, file: &str) -> Vec<serde_json::Value> {
+    desk.ca(&["modes", file, "--json"]).is(0).json()["modes"].as_array().unwrap().clone()
+}
+
+/// The lowest mode that a port hears more of than of any other.
+fn heard(desk: &Desk, file: &str, port: &str) -> f64 {
+    let list = modes(desk, file);
+    let at = |m: &serde_json::Value, p: &str| m["ports"][p].as_f64().unwrap().abs();
+    let top = list.iter().map(|m| at(m, port)).fold(0.0, f64::max);
+    let mine = |m: &&serde_json::Value| {
+        at(m, port) > 0.3 * top
+            && ["a", "b", "c", "d", "e", "f"].iter().filter(|p| **p != port).all(|p| at(m, p) < 0.2 * at(m, port))
+    };
+    list.iter().find(mine).unwrap()["heard_hz"].as_f64().unwrap()
+}
+
+#[test]
+fn modes_are_told_with_pitch_decay_and_where_they_are_heard() {
+    let desk = Desk::new();
+    desk.put("parts.ca.toml", PARTS);
+    let r = desk.ca(&["modes", "parts.ca.toml", "-n", "5"]).is(0);
+    for word in ["110.0000", "`strike` (BUT)", "silent", "heard [Hz]", "more: `--modes"] {
+        assert!(r.out.contains(word), "{word}\n{}", r.out);
+    }
+    let list = modes(&desk, "parts.ca.toml");
+    let low = list.iter().find(|m| cents(m["heard_hz"].as_f64().unwrap().max(1e-9), 110.0) < 1e-5).expect("the string");
+    assert!((low["t60_s"].as_f64().unwrap() / 2.0 - 1.0).abs() < 1e-6, "{low}");
+    // the weight on the third string leads its damper into all its modes
+    assert!(list.iter().any(|m| m["coupled"].as_f64().unwrap() > 1e-6));
+    desk.ca(&["modes", "parts.ca.toml", "--shapes", "shapes.csv"]).is(0);
+    let csv = fs::read_to_string(desk.path("shapes.csv")).unwrap();
+    assert_eq!(csv.lines().count(), 1 + list.len());
+    assert!(csv.lines().all(|l| l.split(',').count() == 1 + list.len()) && csv.contains("\"low[3]\","));
+    desk.ca(&["modes", "jack", "-n", "4"]).is(0);
+    desk.put("still.ca.toml", "[SOL]\nwall = {}\n[ENX]\nhand = {}\n[SOX]\nout = { from = \"hand\" }\n");
+    desk.ca(&["modes", "still.ca.toml"]).is(1).says(&["nothing in this model moves"]);
+}
+
+#[test]
+fn parts_are_tuned_and_the_rest_of_the_file_stays() {
+    let desk = Desk::new();
+    desk.put("parts.ca.toml", PARTS);
+    let args = ["tune", "parts.ca.toml", "low=A2+20", "mid=C#4", "top=300 Hz", "--a4", "442 Hz"];
+    let j = desk.ca(&[&args[..], &["--json"]].concat()).is(0).json();
+    assert_eq!(fs::read_to_string(desk.path("parts.ca.toml")).unwrap(), PARTS, "nothing was asked to be written");
+    for (k, port) in ["a", "b", "c"].iter().enumerate() {
+        let t = &j["tuned"][k];
+        assert!(t["off_cents"].as_f64().unwrap().abs() < 1e-5, "{t}");
+        let before = heard(&desk, "parts.ca.toml", port);
+        assert!(cents(before, t["before_hz"].as_f64().unwrap()) < 1e-6, "{t}, {before}");
+    }
+    desk.ca(&[&args[..], &["--write", "tuned.ca.toml"]].concat()).is(0);
+    let want = [110.5 * (20.0f64 / 1200.0).exp2(), 442.0 * (-8.0f64 / 12.0).exp2(), 300.0];
+    for (want, port) in want.iter().zip(["a", "b", "c"]) {
+        assert!(cents(heard(&desk, "tuned.ca.toml", port), *want) < 0.01, "{port}");
+    }
+    let text = fs::read_to_string(desk.path("tuned.ca.toml")).unwrap();
+    for kept in ["# mine\n", "# of the third\n", "# by frequency\n", "mid = { n = 20, k = \"", "k = \"tension\""] {
+        assert!(text.contains(kept), "{kept}\n{text}");
+    }
+    // once more is no change
+    desk.ca(&["tune", "tuned.ca.toml", "top=300 Hz", "--in-place"]).is(0);
+    assert!(cents(heard(&desk, "tuned.ca.toml", "c"), 300.0) < 0.01);
+}
+
+#[test]
+fn a_bank_takes_a_scale() {
+    let desk = Desk::new();
+    desk.put("parts.ca.toml", PARTS);
+    desk.ca(&["tune", "parts.ca.toml", "bell", "--scale", "just", "--root", "A4", "--in-place"]).is(0);
+    for (port, want) in [("d", 440.0), ("e", 495.0), ("f", 550.0)] {
+        assert!(cents(heard(&desk, "parts.ca.toml", port), want) < 0.01, "{port}");
+    }
+}
+
+#[test]
+fn what_cannot_be_tuned_is_told() {
+    let desk = Desk::new();
+    desk.put("parts.ca.toml", PARTS);
+    let no = |args: &[&str], code: i32, words: &[&str]| {
+        desk.ca(&[&["tune", "parts.ca.toml"], args].concat()).is(code).says(words);
+    };
+    no(&["lo=A2"], 2, &["did you mean `low`?"]);
+    no(&["low=H2"], 2, &["`H2` is no pitch"]);
+    no(&["low"], 2, &["write it like `low=A2`"]);
+    no(&["weight=A2"], 2, &["neither `f` nor `k`"]);
+    no(&["bell=A2"], 2, &["3 pitches", "--scale"]);
+    no(&["low=A2", "--mode", "40"], 1, &["20 modes"]);
+    no(&["low=30 kHz"], 1, &["`low`"]);
+    // what the file says of its parameter holds, and what would blow up is not written
+    no(&["top=5 kHz", "--in-place"], 1, &["`tension`"]);
+    no(&["mid=23.9 kHz", "--mode", "19", "--in-place"], 1, &["mid"]);
+    desk.ca(&["tune", "hammered_string", "low=A2", "--in-place"]).is(2).says(&["a bundled model is not yours"]);
+    assert_eq!(fs::read_to_string(desk.path("parts.ca.toml")).unwrap(), PARTS);
+}

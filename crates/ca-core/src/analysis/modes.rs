@@ -1,0 +1,192 @@
+//! The modes of a linear network: what it sings without the scheme, what the scheme makes of it, how long, and where.
+//!
+//! With a = ω²T² and b = zT/m of a mode, the scheme's poles are the roots of w² − (2 − a − b) w + (1 − b): its pitch is
+//! (fs/2π) arg w, and it dies by |w| = √(1 − b) a sample (numerics 1.2, 1.4). Without the scheme the same mode sings
+//! √(ω² − s²) and dies by e^(−st), s = b/2T.
+//!
+//! Decides for one symmetric eigenproblem, of T² M^-½ K M^-½: modes are orthogonal and every one is found. Damping that
+//! is not proportional couples them; how much is told for each mode ([`Mode::coupled`]), and up to [`EXACT`] places the
+//! poles are then those of the whole scheme.
+
+use super::linear::{Linear, Network};
+use alloc::vec::Vec;
+use faer::{Mat, Side};
+
+/// Most places of a network whose modes are computed: the matrix is dense.
+pub const LARGEST: usize = 4000;
+/// Most places of a network with coupled damping whose poles are computed as they are.
+pub const EXACT: usize = 400;
+/// From here on damping couples modes by more than rounding.
+const COUPLED: f64 = 1e-9;
+
+/// One mode.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mode {
+    /// ω²T²
+    pub a: f64,
+    /// zT/m of the mode
+    pub b: f64,
+    /// frequency without the scheme \[Hz\]; 0 where it does not swing
+    pub f: f64,
+    /// frequency as the scheme plays it \[Hz\]; 0 where it does not swing
+    pub heard: f64,
+    /// time to fall by 60 dB, as the scheme plays it \[s\]; infinite without damping
+    pub t60: f64,
+    /// the same without the scheme \[s\]
+    pub t60_free: f64,
+    /// how much damping ties it to its neighbours: share of its own damping, over their distance; 0 where not at all
+    pub coupled: f64,
+    /// displacement of each place \[1/√kg\], for a modal mass of 1 kg
+    pub shape: Vec<f64>,
+}
+
+/// All modes, lowest first.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Modes {
+    /// they
+    pub list: Vec<Mode>,
+    /// true where coupled damping is not in the figures: they are those of each mode by itself
+    pub approximate: bool,
+}
+
+impl Mode {
+    /// How far the scheme moves its pitch \[cents\]; 0 where it does not swing.
+    pub fn cents(&self) -> f64 {
+        if self.f > 0.0 && self.heard > 0.0 { 1200.0 * libm::log2(self.heard / self.f) } else { 0.0 }
+    }
+
+    /// How much it moves a port \[1/√kg\].
+    pub fn at(&self, port: &[(u32, f64)]) -> f64 {
+        port.iter().map(|(i, w)| w * self.shape.get(*i as usize).copied().unwrap_or(0.0)).sum()
+    }
+}
+
+/// K and C scaled by the roots of the masses: T² M^-½ K M^-½ and T M^-½ C M^-½.
+fn matrices(linear: &Linear) -> (Mat<f64>, Mat<f64>) {
+    let n = linear.places.len();
+    let root: Vec<f64> = linear.places.iter().map(|p| libm::sqrt(p.c)).collect();
+    let (mut k, mut z) = (Mat::<f64>::zeros(n, n), Mat::<f64>::zeros(n, n));
+    for (i, p) in linear.places.iter().enumerate() {
+        k[(i, i)] += p.c * p.k;
+        z[(i, i)] += p.c * p.z;
+    }
+    for row in &linear.rows {
+        let entries = linear.entries(row);
+        for (i, a) in entries {
+            for (j, b) in entries {
+                let (i, j) = (*i as usize, *j as usize);
+                let both = a * root[i] * (b * root[j]);
+                k[(i, j)] += row.k * both;
+                z[(i, j)] += row.z * both;
+            }
+        }
+    }
+    (k, z)
+}
+
+/// The modes of a network; `None` where it is too large, or where the numbers are beyond computing.
+pub fn modes(network: &Network) -> Option<Modes> {
+    let n = network.linear.places.len();
+    if n > LARGEST {
+        return None;
+    }
+    let te = network.te;
+    let (k, z) = matrices(&network.linear);
+    let found = k.self_adjoint_eigen(Side::Lower).ok()?;
+    let (u, values) = (found.U(), found.S());
+    let damping = u.transpose() * &z * u;
+    let top = (0..n).map(|j| values[j]).fold(0.0, f64::max);
+    let mut list: Vec<Mode> = Vec::with_capacity(n);
+    for j in 0..n {
+        // what rounding leaves of a motion that is free
+        let a = if values[j].abs() > 1e-13 * top { values[j] } else { 0.0 };
+        let b = damping[(j, j)].max(0.0);
+        let coupled = (0..n)
+            .filter(|i| *i != j)
+            .map(|i| {
+                damping[(i, j)].abs() / ((values[i] - values[j]).abs() + damping[(i, i)].max(b)).max(f64::MIN_POSITIVE)
+            })
+            .fold(0.0, f64::max);
+        let places = &network.linear.places;
+        let shape = (0..n).map(|i| u[(i, j)] * libm::sqrt(places[i].c) / te).collect();
+        let mut mode = Mode { a, b, f: 0.0, heard: 0.0, t60: f64::INFINITY, t60_free: f64::INFINITY, coupled, shape };
+        mode.alone(te);
+        list.push(mode);
+    }
+    let ties = list.iter().any(|m| m.coupled > COUPLED);
+    if ties && n <= EXACT {
+        poles(&k, &z, u, te, &mut list)?;
+    }
+    Some(Modes { list, approximate: ties && n > EXACT })
+}
+
+const TURN: f64 = core::f64::consts::TAU;
+
+/// Seconds to fall by 60 dB at a rate of decay \[1/s\].
+fn t60(s: f64) -> f64 {
+    if s > 0.0 { 3.0 * core::f64::consts::LN_10 / s } else { f64::INFINITY }
+}
+
+impl Mode {
+    /// Pitch and decay of the mode by itself.
+    fn alone(&mut self, te: f64) {
+        let (a, b) = (self.a, self.b);
+        // continuous: ω² = a/T², s = b/2T
+        let (square, s) = (a - 0.25 * b * b, 0.5 * b / te);
+        self.f = if square > 0.0 && a > 0.0 { libm::sqrt(square) / (TURN * te) } else { 0.0 };
+        self.t60_free = if square >= 0.0 || a == 0.0 { t60(s) } else { t60(s - libm::sqrt(-square) / te) };
+        // the scheme: the middle of its two poles is 1 − (a + b)/2, their distance twice the root of this
+        let half = 1.0 - 0.5 * (a + b);
+        let off = a - 0.25 * (a + b) * (a + b);
+        if off > 0.0 && a > 0.0 {
+            self.heard = libm::atan2(libm::sqrt(off), half) / (TURN * te);
+            self.t60 = t60(-0.5 * libm::log1p(-b) / te);
+        } else {
+            let slowest = half.abs() + libm::sqrt((-off).max(0.0));
+            self.t60 = if a == 0.0 { t60(-libm::log1p(-b) / te) } else { t60(-libm::log(slowest) / te) };
+        }
+    }
+}
+
+/// The poles of the whole scheme, given to the modes whose shapes they have.
+fn poles(k: &Mat<f64>, z: &Mat<f64>, u: faer::MatRef<'_, f64>, te: f64, list: &mut [Mode]) -> Option<()> {
+    let n = list.len();
+    let mut map = Mat::<f64>::zeros(2 * n, 2 * n);
+    for i in 0..n {
+        for j in 0..n {
+            let one = if i == j { 1.0 } else { 0.0 };
+            map[(i, j)] = 2.0 * one - k[(i, j)] - z[(i, j)];
+            map[(i, n + j)] = z[(i, j)] - one;
+        }
+        map[(n + i, i)] = 1.0;
+    }
+    let found = map.eigen().ok()?;
+    let (vectors, values) = (found.U(), found.S());
+    let swings: Vec<usize> = (0..2 * n).filter(|p| values[*p].im > 1e-12).collect();
+    // how much each pole's shape is a mode's
+    let mut pairs: Vec<(f64, usize, usize)> = Vec::with_capacity(swings.len() * n);
+    for p in swings {
+        let mut dots = alloc::vec![(0.0, 0.0); n];
+        let mut whole = 0.0;
+        for (j, dot) in dots.iter_mut().enumerate() {
+            for i in 0..n {
+                dot.0 += u[(i, j)] * vectors[(i, p)].re;
+                dot.1 += u[(i, j)] * vectors[(i, p)].im;
+            }
+            whole += dot.0 * dot.0 + dot.1 * dot.1;
+        }
+        pairs.extend(dots.iter().enumerate().map(|(j, d)| ((d.0 * d.0 + d.1 * d.1) / whole, j, p)));
+    }
+    pairs.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let (mut given, mut taken) = (alloc::vec![false; n], alloc::vec![false; 2 * n]);
+    for (_, j, p) in pairs {
+        if given[j] || taken[p] || list[j].heard == 0.0 {
+            continue;
+        }
+        (given[j], taken[p]) = (true, true);
+        let w = values[p];
+        list[j].heard = libm::atan2(w.im, w.re) / (TURN * te);
+        list[j].t60 = t60(-libm::log(libm::hypot(w.re, w.im)) / te);
+    }
+    Some(())
+}

@@ -1,0 +1,32 @@
+//! What modules are at load to small motions: slopes of links, mobility and own stiffness of MATs.
+
+use super::net::{LiaNode, MatNode, MatRole, Net};
+use crate::law::Bound;
+use crate::live::Loader;
+
+/// What a MAT is to the linear network: mobility \[m/N\], own stiffness \[N/m\], own viscosity \[N per m/tick\].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Own {
+    /// T²/m; 0 for what does not move
+    pub c: f64,
+    /// stiffness to the ground
+    pub k: f64,
+    /// viscosity to the ground
+    pub z: f64,
+}
+
+/// A MAT at load.
+pub fn own(net: &Net, m: &MatNode) -> Own {
+    let MatRole::Mat(spec) = m.role else { return Own::default() };
+    let mut out = [0.0; 8];
+    Loader::Mat(spec, net.medium(m).friction).load(&net.values(m.item, &m.values), net.te, &mut out);
+    let c = if spec.fixed { 0.0 } else { out[2] };
+    if c > 0.0 { Own { c, k: -out[1] / c, z: (1.0 - out[0]) / c } } else { Own::default() }
+}
+
+/// The slopes of a link at load.
+pub fn slopes(net: &Net, l: &LiaNode) -> Bound {
+    let mut c = [0.0; 8];
+    (l.law.load)(&net.values(l.item, &l.values), net.te, &mut c[..l.law.coefs]);
+    (l.law.bound)(&c[..l.law.coefs], &net.tables)
+}

@@ -1,0 +1,145 @@
+//! `analysis::modes` against closed forms and against the running engine: A02, A07, D05, damping that couples.
+
+use crate::play::{PI, case, list, mat, mats, model, num, off, rows, scene, within};
+use ca_core::analysis::modes::{Modes, modes};
+use ca_core::{Options, tick};
+use ca_tests::catalog;
+use std::fmt::Write as _;
+
+fn of(text: &str) -> (ca_core::analysis::Network, Modes) {
+    let network = ca_core::compile::linear(&model(text), &catalog(), &Options::default()).expect("it compiles");
+    let found = modes(&network).expect("they are found");
+    (network, found)
+}
+
+/// One cell for each frequency: what the scheme makes of it.
+#[test]
+fn a02_cells_are_warped_as_the_table_says() {
+    let c = case("A02");
+    let table = rows(c, "values/rows_f0_fsim_cents");
+    let mut text = String::from("[CEL]\n");
+    for (i, row) in table.iter().enumerate() {
+        let _ = writeln!(text, "c{i} = {{ m = 1, k = {:e} }}", (2.0 * PI * row[0]).powi(2));
+    }
+    text += "[SOX]\n";
+    (0..table.len()).for_each(|i| _ = writeln!(text, "o{i} = {{ from = \"c{i}\" }}"));
+    let (_, found) = of(&text);
+    for (m, row) in found.list.iter().zip(&table) {
+        within("A02 free", off(m.f, row[0]), 1e-8);
+        within("A02 heard", off(m.heard, row[1]), 1e-8);
+        assert!((m.cents() - row[2]).abs() < 2e-5 && m.t60.is_infinite(), "{m:?}");
+    }
+}
+
+#[test]
+fn a07_the_modes_of_a_chain() {
+    let c = case("A07");
+    let (n, a) = (num(c, "setup/N") as usize, num(c, "setup/a"));
+    let text = format!(
+        "[STRING]\ns = {{ n = {n}, m = 1, k = {:e} }}\n[SOX]\nout = {{ from = \"s[9]\" }}\n[ENF]\nhand = {{ to = \"s@0.21\" }}\n",
+        a * 48e3 * 48e3
+    );
+    let (network, found) = of(&text);
+    assert_eq!(found.list.len(), n);
+    for (j, m) in found.list.iter().enumerate() {
+        let angle = (j + 1) as f64 * PI / (2.0 * (n as f64 + 1.0));
+        within("A07 heard", off(m.heard, 48e3 / PI * (a.sqrt() * angle.sin()).asin()), 1e-10);
+        within("A07 free", off(m.f, 48e3 / PI * a.sqrt() * angle.sin()), 1e-10);
+        // of unit modal mass: √(2/(N + 1)) sin
+        let shape = (2.0 / (n as f64 + 1.0)).sqrt();
+        let want = shape * (2.0 * angle * 10.0).sin().abs();
+        within("A07 at the output", (m.at(&network.ports[0].at).abs() - want).abs(), 1e-9);
+    }
+    // a point between two masses hears their mean
+    let push = &network.ports.iter().find(|p| p.role == "pushes").expect("a port").at;
+    within("A07 a point's weights", (push.iter().map(|e| e.1).sum::<f64>() - 1.0).abs(), 1e-15);
+    assert_eq!(push.len(), 2);
+}
+
+#[test]
+fn d05_the_stretching_modes_of_a_tetrahedron() {
+    let c = case("D05");
+    let mut text = String::from("[b]\ndim = 3\n[b.MAS]\n");
+    for (i, [x, y, z]) in [[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]].into_iter().enumerate() {
+        let _ = writeln!(text, "v{i} = {{ m = 1, x = [{x}, {y}, {z}] }}");
+    }
+    text += "[b.RES]\n";
+    for (i, j) in [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)] {
+        let _ = writeln!(text, "e{i}{j} = {{ between = [\"b.v{i}\", \"b.v{j}\"], k = 1e8 }}");
+    }
+    text += "[SOX]\nout = { from = \"b.v0\", along = \"x\" }\n";
+    let (_, found) = of(&text);
+    let mut lambda: Vec<f64> = found.list.iter().map(|m| m.a * 48e3 * 48e3 / 1e8).collect();
+    lambda.reverse();
+    let want = list(c, "values/lam");
+    for (got, want) in lambda.iter().zip(want.iter().chain([0.0; 6].iter())) {
+        within("D05", (got - want).abs(), 1e-12);
+    }
+    assert!(found.list[..6].iter().all(|m| m.heard == 0.0 && m.t60.is_infinite()), "six motions are free");
+}
+
+/// A damper at one place of a string couples its modes: pitches and decays are those of the running engine.
+#[test]
+fn coupled_damping_is_that_of_the_engine() {
+    let text = "[STRING]\ns = { n = 12, m = \"1 g\", f = \"800 Hz\" }\n[FRO]\nfelt = { between = [\"ground\", \"s[3]\"], z = 1.5 }\n\
+                [SOL]\nground = {}\n[SOX]\nout = { from = \"s[5]\" }\n";
+    let (_, found) = of(text);
+    assert!(!found.approximate && found.list.iter().any(|m| m.coupled > 1e-3));
+    let s = scene(text);
+    let places = mats(&s, "s");
+    let start = s.state();
+    let n = places.len();
+    let mut map = faer::Mat::<f64>::zeros(2 * n, 2 * n);
+    for j in 0..2 * n {
+        let mut state = start.clone();
+        state.x.fill(0.0);
+        state.d.fill(0.0);
+        if j < n {
+            state.x[places[j]] = 1.0
+        } else {
+            state.d[places[j - n]] = 1.0
+        }
+        tick(&s, &mut state);
+        for i in 0..n {
+            map[(i, j)] = state.x[places[i]];
+            map[(n + i, j)] = state.d[places[i]];
+        }
+    }
+    let mut poles: Vec<(f64, f64)> = map
+        .eigenvalues()
+        .expect("they are found")
+        .iter()
+        .filter(|w| w.im > 1e-9)
+        .map(|w| {
+            (w.im.atan2(w.re) * 48e3 / (2.0 * PI), 3.0 * std::f64::consts::LN_10 / (-w.re.hypot(w.im).ln() * 48e3))
+        })
+        .collect();
+    poles.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut ours: Vec<(f64, f64)> = found.list.iter().filter(|m| m.heard > 0.0).map(|m| (m.heard, m.t60)).collect();
+    ours.sort_by(|a, b| a.0.total_cmp(&b.0));
+    assert_eq!(ours.len(), poles.len());
+    for (a, b) in ours.iter().zip(&poles) {
+        within("pitch", off(a.0, b.0), 1e-9);
+        within("decay", off(a.1, b.1), 1e-7);
+    }
+    assert!(mat(&s, "s[3]") < s.n_mat);
+}
+
+/// Proportional damping: the closed form of numerics 1.4, and what rings for ever does.
+#[test]
+fn damping_by_itself() {
+    let (f, t60) = (440.0, 2.0);
+    let (_, found) = of("[CEL]\nc = { m = \"1 g\", f = \"440 Hz\", t60 = \"2 s\" }\n[SOX]\nout = { from = \"c\" }\n");
+    let m = &found.list[0];
+    within("heard", off(m.heard, f), 1e-12);
+    within("t60", off(m.t60, t60), 1e-9);
+    // a heavy damper: no pitch, and the slower of the two decays
+    let (_, found) =
+        of("[CEL]\nc = { m = \"1 g\", k = \"1 kN/m\", z = \"20 N s/m\" }\n[SOX]\nout = { from = \"c\" }\n");
+    let m = &found.list[0];
+    assert!(m.f == 0.0 && m.heard == 0.0);
+    let (a, b) = (1e6 / 48e3 / 48e3, 20.0 / 1e-3 / 48e3);
+    let half: f64 = 1.0 - 0.5 * (a + b);
+    let pole = half + (half * half - (1.0 - b)).sqrt();
+    within("the slower decay", off(m.t60, 3.0 * std::f64::consts::LN_10 / (-pole.ln() * 48e3)), 1e-9);
+}
