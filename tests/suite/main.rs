@@ -18,6 +18,7 @@ mod models;
 mod modes;
 mod oracle;
 mod outputs;
+mod peers;
 mod play;
 mod published;
 mod quantity;
