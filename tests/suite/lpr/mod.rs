@@ -179,8 +179,8 @@ fn the_bound_of_four_ends_is_a_bound() {
         assert!(cert.bound >= exact * (1.0 - 1e-9), "a = {a}: {} is below {exact}", cert.bound);
         assert!(cert.lower <= exact * (1.0 + 1e-9), "a = {a}: {} is above {exact}", cert.lower);
         assert_eq!(exact < 4.0, stable, "a = {a}: λ = {exact}");
-        let said = if cert.bound < 4.0 { Level::Linearised } else { Level::NotProven };
-        assert_eq!(cert.level, said, "a = {a}: {cert:?}");
+        let said = if stable { Level::Linearised } else { Level::Unstable };
+        assert_eq!((cert.level, cert.exact), (said, cert.bound >= 4.0), "a = {a}: {cert:?}");
         let mut s = scene.state();
         kick(&scene, &mut s, 1e-3, &mut Dice(3));
         (0..20_000).for_each(|_| tick(&scene, &mut s));

@@ -118,25 +118,28 @@ fn pluck_and_bow_keep_their_curves() {
         }
     };
     let (k, scale) = (0.2, 0.1);
-    let (k1, d, rho) = (num("l11", "k"), num("l11", "d"), num("l11", "rho"));
+    let pluck = model.items.iter().find(|i| i.name == "l11").unwrap();
+    let points = match pluck.args.iter().find(|e| e.key == "spring").map(|e| &e.value) {
+        Some(Value::List(points)) => points.iter().map(|p| match &p.value {
+            Value::List(p) => [0, 1].map(|k| if let Value::Num(x) = p[k].value { x } else { f64::NAN }),
+            other => panic!("{other:?}"),
+        }),
+        other => panic!("{other:?}"),
+    };
+    let points: Vec<[f64; 2]> = points.collect();
     let (z, v) = (0.9, 0.27);
     let (f, v0, v1, fd) = (num("l13", "f"), num("l13", "v0"), num("l13", "v1"), num("l13", "fd"));
     for i in 0..=400 {
         let e = 0.0003 * f64::from(i);
-        let theirs = if e < scale / 10.0 {
+        // it pushes away
+        let theirs = -if e < scale / 10.0 {
             (k - k / 10.0) * e
         } else if e < scale {
             scale / 10.0 * k - k / 10.0 * e
         } else {
             0.0
         };
-        let ours = if e <= rho * d {
-            k1 * e
-        } else if e < d {
-            k1 * rho * d * (d - e) / (d - rho * d)
-        } else {
-            0.0
-        };
+        let ours = ca_tests::follow(&points, e);
         assert!((theirs - ours).abs() < 1e-15, "pluck at {e}: {theirs} {ours}");
         let w = 0.001 * f64::from(i);
         let theirs = if w < v / 3.0 {

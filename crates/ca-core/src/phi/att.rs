@@ -1,7 +1,7 @@
-//! ATT: an attractor, the detent of a knob; also the pluck without hysteresis of mi.lib.
+//! ATT: an attractor, the detent of a knob; also a pluck without hysteresis.
 //!
 //! Equation: F = k e up to |e| = ρd, then falling linearly to 0 at |e| = d, plus (z/T) w inside d; 0 beyond.
-//! Parameters: k \[N/m\], d \[m\] > 0, rho in ]0, 1[, z \[N s/m\]. Source: HSP v2 (contact-detent), LAC 2019 (nlPluck).
+//! Parameters: k \[N/m\], d \[m\] > 0, rho in ]0, 1[, z \[N s/m\]. Source: HSP v2 (contact-detent), LAC 2019 (pluck).
 //! Stability: as REF with the steeper of k and kρ/(1 − ρ). Test: conformance suite.
 
 use super::{ALONG, BETWEEN, Bound, Law, PAIRS, Phi};

@@ -66,6 +66,7 @@ fn entries(net: &Net, args: &[(&'static str, Arg)], used: &mut BTreeSet<usize>) 
     let value = |arg: Arg, used: &mut BTreeSet<usize>| match arg {
         Arg::Num(x) => Value::Num(x),
         Arg::Word(w) => Value::from(w),
+        Arg::Curve(points) => Value::from(points.map(|p| p.to_vec()).to_vec()),
         Arg::Param(i) => {
             used.insert(i);
             net.params.get(i).map_or(Value::Num(0.0), |p| Value::from(p.name.as_str()))

@@ -5,10 +5,10 @@
 //! | `spring K`, `springDamper K Z`, `damper Z` | K d + Z v | RES, REF, FRO |
 //! | `nlSpring2 K Q Z`, `nlSpring3 K Q Z` | K d + Q sgn(d)\|d\|^p + Z v, p = 2, 3 | POW, CUB |
 //! | `contact K Z t` | K (d − t) + Z v while d < t | BUT |
-//! | `nlPluck K s` | slope K − K/10 up to s/10, then falling to 0 at s | ATT |
+//! | `nlPluck K s` | slope K/10 − K up to s/10, then rising to 0 at s: it pushes away | LNL |
 //! | `nlBow Z s` | slope Z − Z/3 up to s/3, then falling to 0 at s | BOW |
 //!
-//! Decides that the two curves are written in the parameters of our laws (k, d, rho; f, v0, v1), which give the same
+//! Decides that the two curves are written in the parameters of our laws (four points; f, v0, v1), which give the same
 //! polygon: K s/10 − (K/10) s and Z s/3 − (Z/3) s are 0. A piecewise law of their own in the catalog would be the same
 //! force under a second name.
 
@@ -61,9 +61,10 @@ pub(super) fn give_meaning(r: &mut Reader<'_, '_>, line: &Line<'_>, what: What, 
             }
         }
         (What::NlPluck, &[k, scale]) => {
-            part.kind = "ATT";
-            let k = 9.0 * finite(r, line, part, k) / 10.0;
-            part.args.extend([("k", Arg::Num(k)), ("d", scale), ("rho", Arg::Num(0.1))]);
+            part.kind = "LNL";
+            let (k, reach) = (finite(r, line, part, k), finite(r, line, part, scale));
+            let (tip, most) = (reach / 10.0, 0.9 * k * reach / 10.0);
+            part.args.push(("spring", Arg::Curve([[-reach, 0.0], [-tip, most], [tip, -most], [reach, 0.0]])));
         }
         (What::NlBow, &[z, scale]) => {
             part.kind = "BOW";

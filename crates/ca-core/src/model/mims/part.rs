@@ -12,6 +12,8 @@ pub(super) enum Arg {
     /// index into [`Net::params`]
     Param(usize),
     Word(&'static str),
+    /// points of a curve
+    Curve([[f64; 2]; 4]),
 }
 
 impl Arg {
@@ -21,6 +23,7 @@ impl Arg {
             Arg::Num(x) => (0, x.to_bits()),
             Arg::Param(i) => (1, i as u64),
             Arg::Word(w) => (2, w.len() as u64),
+            Arg::Curve(points) => (3, points.iter().flatten().fold(0, |h, x| h.rotate_left(7) ^ x.to_bits())),
         }
     }
 }

@@ -35,7 +35,7 @@ impl<'a> Reader<'a, '_> {
                 p.folded.get_or_insert_with(|| by.to_string());
                 p.value
             }
-            Arg::Word(_) => 0.0,
+            Arg::Word(_) | Arg::Curve(_) => 0.0,
         }
     }
 
