@@ -95,9 +95,9 @@ fn coupled_damping_is_that_of_the_engine() {
         state.x.fill(0.0);
         state.d.fill(0.0);
         if j < n {
-            state.x[places[j]] = 1.0
+            state.x[places[j]] = 1.0;
         } else {
-            state.d[places[j - n]] = 1.0
+            state.d[places[j - n]] = 1.0;
         }
         tick(&s, &mut state);
         for i in 0..n {

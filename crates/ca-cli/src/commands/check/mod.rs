@@ -116,7 +116,7 @@ fn summary(loaded: &Loaded, scene: &Scene, exact: bool) -> Result<(), Failure> {
             Plain(4.0 / to)
         )?,
         None if exact => {
-            writeln!(out, "             the largest eigenvalue depends on where points stand or what meets")?
+            writeln!(out, "             the largest eigenvalue depends on where points stand or what meets")?;
         }
         None => {}
     }
