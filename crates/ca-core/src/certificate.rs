@@ -8,7 +8,8 @@ use alloc::vec::Vec;
 pub enum Level {
     /// every link is linear and the bound is below the limit: passive by theorem
     Proven,
-    /// as `Proven` for small motions about the pose at load; distances in space keep energy to O(T²), bounded and without drift
+    /// as `Proven` for small motions about the pose at load; distances in space keep energy to O(T²), bounded and
+    /// without drift
     Linearised,
     /// the linear links are proven; contacts and non-linear links obey a rule of thumb
     RuleOfThumb,
@@ -29,6 +30,17 @@ impl core::fmt::Display for Level {
             Level::Unstable => "unstable",
         })
     }
+}
+
+/// What a factorisation says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// all eigenvalues are below the limit
+    Stable,
+    /// one is above it
+    Unstable,
+    /// it depends on more than was looked at
+    Open,
 }
 
 /// A device key and what holds it.

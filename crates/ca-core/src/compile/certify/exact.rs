@@ -4,11 +4,10 @@
 //! load. Where that is not enough and some slopes are only bounds, the linear links alone say whether the scene is
 //! certainly unstable. A link at a moving point is judged at every node under it.
 
-use super::Verdict;
 use super::blame::{round_down, span};
 use super::worst::Row;
 use crate::analysis::{Factor, Linear, Pencil};
-use crate::certificate::Certificate;
+use crate::certificate::{Certificate, Verdict};
 use crate::compile::linear::{Numbers, Points, Pull, links, places, rows};
 use crate::compile::net::{LiaNode, Net};
 use crate::compile::slopes::Own;

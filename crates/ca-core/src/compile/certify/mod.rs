@@ -16,6 +16,7 @@ mod rules;
 mod worst;
 
 use super::net::{End, LiaNode, Net};
+use crate::certificate::Verdict;
 pub use crate::certificate::{Certificate, Level};
 use crate::law::Bound;
 use crate::model::Model;
@@ -28,17 +29,6 @@ use exact::Exact;
 use negative::Negative;
 use rules::{contacts, devices, frictions, rubs};
 use worst::{Row, worst_bounds, worst_rows};
-
-/// What a factorisation says.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Verdict {
-    /// all eigenvalues are below the limit
-    Stable,
-    /// one is above it
-    Unstable,
-    /// it depends on more than was looked at
-    Open,
-}
 
 /// Judges the network; warnings name the module and what would mend it. The largest eigenvalue is narrowed down only
 /// where it is `asked` for.

@@ -1,8 +1,7 @@
 //! A build without `analysis`: only the cheap bounds speak.
 
-use super::Verdict;
 use super::worst::Row;
-use crate::certificate::Certificate;
+use crate::certificate::{Certificate, Verdict};
 use crate::compile::net::{LiaNode, Net};
 use crate::law::Bound;
 use crate::model::Model;
