@@ -12,7 +12,6 @@ use crate::{Ended, Failure, Outcome, catalog, term};
 use ca_core::Options;
 use ca_core::analysis::{Mode, Network, modes};
 use ca_core::certificate::Level;
-use ca_core::kind::Unit;
 use ca_core::model::{Model, Value, quantity, read, render};
 use pitch::pitch;
 use serde_json::{Value as Json, json};
@@ -289,9 +288,9 @@ fn told(loaded: &Loaded, done: &[Tuned], as_json: bool) -> Result<(), Failure> {
     }
     writeln!(out, "{}", loaded.name)?;
     for t in done {
-        let (from, to) = (quantity::show(t.before, Unit::HERTZ), quantity::show(t.heard, Unit::HERTZ));
         let off = 1200.0 * (t.heard / t.wanted).log2();
-        writeln!(out, "  {}: {from} → {to}, {off:+.6} cents off, by {}", t.part, t.number)?;
+        let (from, to) = (quantity::Plain(t.before), quantity::Plain(t.heard));
+        writeln!(out, "  {}: {from:.4} Hz → {to:.4} Hz, {off:+.6} cents off, by {}", t.part, t.number)?;
     }
     Ok(())
 }

@@ -21,7 +21,7 @@ use alloc::vec::Vec;
 /// Rounding of the factorisation, as a share of the limit.
 const ROUNDING: f64 = 1e-12;
 /// Products that looking for the worst place of a moving point, or at many contacts, may take.
-const WORK: usize = 20_000_000;
+const WORK: usize = 2_000_000;
 /// How far the largest eigenvalue is narrowed for a message, and where it was asked for.
 const TOLD: f64 = 1e-5;
 const ASKED: f64 = 1e-13;
