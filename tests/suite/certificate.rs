@@ -128,6 +128,12 @@ fn radius(scene: &Scene) -> f64 {
     values.iter().map(|v| v.re.hypot(v.im)).fold(0.0, f64::max)
 }
 
+/// So many networks, or as many as the long form asks for.
+fn cases(n: u32) -> ProptestConfig {
+    let asked = std::env::var("PROPTEST_CASES").ok().and_then(|n| n.parse().ok());
+    ProptestConfig { cases: asked.unwrap_or(n), ..ProptestConfig::default() }
+}
+
 /// What the certificate says of a drawn network, held against the engine; false where it is too near the limit to tell.
 fn agrees(seed: u64) -> Option<(Level, bool)> {
     let (text, scene) = near_the_limit(seed)?;
@@ -150,7 +156,7 @@ fn agrees(seed: u64) -> Option<(Level, bool)> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 300, ..ProptestConfig::default() })]
+    #![proptest_config(cases(300))]
 
     #[test]
     fn no_disagreement_with_the_spectral_radius(seed in 1u64..) {
@@ -159,11 +165,11 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 40, ..ProptestConfig::default() })]
+    #![proptest_config(cases(40))]
 
     #[test]
     fn what_is_proven_makes_no_energy(seed in 1u64..) {
-        soak(seed, if std::env::var_os("CA_LONG").is_some() { 1_000_000 } else { 20_000 });
+        soak(seed, 20_000);
     }
 }
 
@@ -192,6 +198,16 @@ fn soak(seed: u64, ticks: u64) {
             assert!(b.h <= released + 1e-9 * b.peak, "{n}: {b:?}\n{text}");
             released = b.h;
         }
+    }
+}
+
+#[test]
+fn a_million_ticks_make_no_energy() {
+    let n = if std::env::var_os("CA_LONG").is_some() { 20 } else { 1 };
+    let proven = |seed: &u64| near_the_limit(*seed).is_some_and(|s| s.1.certificate.level == Level::Proven);
+    let seeds: Vec<u64> = (1..).map(|i: u64| i.wrapping_mul(0x2545_f491_4f6c_dd1d)).filter(proven).take(n).collect();
+    for seed in seeds {
+        soak(seed, 1_000_000);
     }
 }
 
@@ -251,6 +267,57 @@ fn the_mended_number_mends() {
     assert!(num(&serde_json::json!({ "a": radius(&scene(&text(safe))) }), "a") < 1.0 + 1e-6);
 }
 
+/// Two live parameters of one module: their worst corner is one that neither reaches alone.
+#[test]
+fn live_parameters_count_at_their_worst_together() {
+    let text = |most: f64| {
+        format!(
+            "[rate]\nsound = 1\ngesture = 1\n[param]\nmm = {{ value = 10, live = true, min = 1, max = 10 }}\n\
+             kk = {{ value = 1, live = true, min = 1, max = {most:?} }}\n[CEL]\nc = {{ m = \"mm\", k = \"kk\" }}\n\
+             [SOX]\nout = {{ from = \"c\" }}\n"
+        )
+    };
+    assert_eq!(scene(&text(3.9)).certificate.level, Level::Proven);
+    assert_eq!(scene(&text(4.1)).certificate.level, Level::Unstable);
+}
+
+/// A spring in space that is pulled out holds sideways, without viscosity; the matrix has what the engine does.
+#[test]
+fn tension_holds_sideways() {
+    for (l0, dx0) in [(0.4, 0.0), (1.0, 0.5), (0.7, 0.2)] {
+        let text = format!(
+            "[rate]\nsound = 1\ngesture = 1\n[a]\ndim = 3\n[a.SOL]\nw = {{ x = [0, 0, 0] }}\n[a.MAS]\nb = {{ m = 1, x = [1, 0, 0], \
+             dx0 = [{dx0:?}, 0, 0] }}\n[a.REF]\ns = {{ between = [\"a.w\", \"a.b\"], k = 0.3, z = 0.1, l0 = {l0:?} }}\n\
+             [SOX]\nout = {{ from = \"a.b\", along = \"y\" }}\n"
+        );
+        let network =
+            ca_core::compile::linear(&crate::play::model(&text), &catalog(), &Options::default()).expect("it compiles");
+        let found = ca_core::analysis::modes::modes(&network).expect("they are found");
+        let length = 1.0 + dx0;
+        // sideways twice F/l, along it k
+        let mut want = [0.3 * (length - l0) / length, 0.3 * (length - l0) / length, 0.3];
+        want.sort_by(f64::total_cmp);
+        for (m, want) in found.list.iter().zip(want) {
+            within("ω²T²", (m.a - want).abs(), 1e-12);
+            within("zT/m", (m.b - if want == 0.3 { 0.1 } else { 0.0 }).abs(), 1e-12);
+        }
+    }
+}
+
+/// A bow that is steep chatters and does not blow up: nobody says it would.
+#[test]
+fn a_steep_bow_is_told_and_not_called_unstable() {
+    let s = scene(
+        "[MAS]\nreed = { m = \"1 g\" }\n[ENX]\nbow = {}\n[BOW]\nrub = { between = [\"reed\", \"bow\"], f = \"20 N\", v0 = \"10 mm/s\" }\n\
+         [SOX]\nout = { from = \"reed\" }\n[gesture]\nbow = [[0, 0], [1, \"0.2 m\"]]\n",
+    );
+    assert_eq!(s.certificate.level, Level::NotProven);
+    assert!(s.diags.list.iter().any(|d| d.code == "W113"));
+    let mut state = s.state();
+    (0..20_000).for_each(|_| tick(&s, &mut state));
+    assert!(state.is_sound(1.0));
+}
+
 /// A point that wanders is judged wherever it may stand.
 #[test]
 fn a_point_that_wanders_is_judged_at_every_node() {
@@ -265,6 +332,7 @@ fn a_point_that_wanders_is_judged_at_every_node() {
     // the end of the string bears anything, its middle does not
     assert_eq!(level(2.0, "0"), Level::Proven);
     assert_eq!(level(2.0, "0.5"), Level::Unstable);
-    assert_eq!(level(2.0, "where"), Level::Unstable);
+    // it stands well, and might be led where it does not
+    assert_eq!(level(2.0, "where"), Level::NotProven);
     assert_eq!((level(0.3, "0.5"), level(0.3, "where")), (Level::Proven, Level::Proven));
 }

@@ -133,6 +133,15 @@ fn damping_by_itself() {
     let m = &found.list[0];
     within("heard", off(m.heard, f), 1e-12);
     within("t60", off(m.t60, t60), 1e-9);
+    // a free mass in a medium: no pitch, and one decay
+    let (_, found) = of(
+        "[param]\n[MAS]\nm = { m = \"1 g\" }\n[SOL]\nw = {}\n[FRO]\nf = { between = [\"w\", \"m\"], z = \"1 mN s/m\" }\n[SOX]\nout = { from = \"m\" }\n",
+    );
+    within("free decay", off(found.list[0].t60_free, 3.0 * std::f64::consts::LN_10), 1e-12);
+    assert!((found.list[0].t60 / found.list[0].t60_free - 1.0).abs() < 1e-4);
+    // beyond the limit it grows, and is said to
+    let (_, found) = of("[CEL]\nc = { m = \"1 g\", k = \"10 MN/m\" }\n[SOX]\nout = { from = \"c\" }\n");
+    assert!(found.list[0].grows && found.list[0].heard == 0.0);
     // a heavy damper: no pitch, and the slower of the two decays
     let (_, found) =
         of("[CEL]\nc = { m = \"1 g\", k = \"1 kN/m\", z = \"20 N s/m\" }\n[SOX]\nout = { from = \"c\" }\n");

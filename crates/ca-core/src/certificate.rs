@@ -6,7 +6,8 @@ use alloc::vec::Vec;
 /// How sure the statement is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Level {
-    /// every link is linear and the bound is below the limit: passive by theorem
+    /// every link is linear and the bound is below the limit: passive by theorem at every setting; changing a parameter
+    /// or moving a point does work
     Proven,
     /// as `Proven` for small motions about the pose at load; distances in space keep energy to O(T²), bounded and
     /// without drift

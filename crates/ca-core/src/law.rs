@@ -12,6 +12,8 @@ use crate::table::Table;
 /// elongation. Exact for linear laws and for contacts of constant stiffness; of laws that stiffen without end (CUB,
 /// POW, HRZ) it is the slope at rest, and the certificate says "rule of thumb". Both ≥ 0 except for springs that are
 /// negative on purpose. `contact` marks laws that switch.
+// four answers to four questions, any of which may be yes
+#[allow(clippy::struct_excessive_bools)]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Bound {
     /// largest slope against elongation \[N/m\]
@@ -22,6 +24,8 @@ pub struct Bound {
     pub contact: bool,
     /// true where the law is linear and the bound therefore exact
     pub linear: bool,
+    /// true where `z` is the steepest place of a curve against speed, as of dry friction
+    pub curve: bool,
     /// true where the law can feed energy in by itself
     pub active: bool,
 }

@@ -56,10 +56,10 @@ pub struct EquivArgs {
 /// Where a changed model goes.
 #[derive(Args)]
 pub struct WriteTo {
-    /// Writes the model with these equivalences to a new file
+    /// Writes the changed model to a new file
     #[arg(long, value_name = "FILE.ca.toml", conflicts_with = "in_place")]
     pub write: Option<PathBuf>,
-    /// Writes them into the model file itself
+    /// Changes the model file itself
     #[arg(long)]
     pub in_place: bool,
     /// Overwrites the file of `--write`

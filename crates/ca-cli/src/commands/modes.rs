@@ -76,7 +76,7 @@ fn text(name: &str, network: &Network, found: &Modes, most: usize) -> Result<(),
     ports.iter().try_for_each(|p| write!(out, "  {:>1$}", p.name, wide(&p.name)))?;
     writeln!(out)?;
     for (j, m) in found.list.iter().enumerate().take(most) {
-        write!(out, "  {:>4} {:>12} {:>12} {:>9} {:>9}", j + 1, hertz(m.f), hertz(m.heard), cents(m), seconds(m.t60))?;
+        write!(out, "  {:>4} {:>12} {:>12} {:>9} {:>9}", j + 1, hertz(m.f), hertz(m.heard), cents(m), seconds(m))?;
         for (p, c) in ports.iter().zip(&columns) {
             let level = if c[j] > SILENT { format!("{:.1} dB", c[j]) } else { "silent".into() };
             write!(out, "  {level:>0$}", wide(&p.name))?;
@@ -88,6 +88,16 @@ fn text(name: &str, network: &Network, found: &Modes, most: usize) -> Result<(),
     }
     if network.ports.len() > COLUMNS {
         writeln!(out, "  {} more ports are in `--json`", network.ports.len() - COLUMNS)?;
+    }
+    if !network.deaf.is_empty() {
+        writeln!(
+            out,
+            "  these hear forces, which are no displacements: {}",
+            load::ticked(network.deaf.iter().map(String::as_str))
+        )?;
+    }
+    if found.list.iter().any(|m| m.grows) {
+        writeln!(out, "  a mode grows: the scene is unstable at this sound rate, see `ca check`")?;
     }
     if found.approximate {
         writeln!(out, "  damping ties modes to each other; T60 is that of each mode by itself")?;
@@ -103,8 +113,12 @@ fn cents(m: &Mode) -> String {
     if m.f > 0.0 && m.heard > 0.0 { format!("{:+.3}", m.cents()) } else { "-".into() }
 }
 
-fn seconds(t: f64) -> String {
-    if t.is_finite() { format!("{:.4}", Plain(t)) } else { "for ever".into() }
+fn seconds(m: &Mode) -> String {
+    match m.t60 {
+        _ if m.grows => "grows".into(),
+        t if t.is_finite() => format!("{:.4}", Plain(t)),
+        _ => "for ever".into(),
+    }
 }
 
 fn value(name: &str, network: &Network, found: &Modes) -> Json {
@@ -117,7 +131,7 @@ fn value(name: &str, network: &Network, found: &Modes) -> Json {
                 network.ports.iter().map(|p| (p.name.clone(), json!(m.at(&p.at)))).collect();
             json!({
                 "free_hz": m.f, "heard_hz": m.heard, "cents": m.cents(), "t60_s": finite(m.t60),
-                "t60_free_s": finite(m.t60_free), "a": m.a, "b": m.b, "coupled": m.coupled, "ports": ports,
+                "t60_free_s": finite(m.t60_free), "a": m.a, "b": m.b, "grows": m.grows, "coupled": m.coupled, "ports": ports,
             })
         })
         .collect();
@@ -126,7 +140,7 @@ fn value(name: &str, network: &Network, found: &Modes) -> Json {
         network.left_out.iter().map(|(name, code)| json!({ "name": name, "law": code })).collect();
     json!({
         "name": name, "rate": 1.0 / network.te, "places": network.names, "ports": ports, "left_out": left_out,
-        "approximate": found.approximate, "modes": list,
+        "approximate": found.approximate, "force_outputs": network.deaf, "modes": list,
     })
 }
 

@@ -127,6 +127,9 @@ fn what_cannot_be_tuned_is_told() {
     no(&["low"], 2, &["write it like `low=A2`"]);
     no(&["weight=A2"], 2, &["neither `f` nor `k`"]);
     no(&["bell=A2"], 2, &["3 pitches", "--scale"]);
+    // two parts of one parameter cannot have two pitches
+    desk.put("two.ca.toml", &PARTS.replace("mid = { n = 20, k = \"20 kN/m\"", "mid = { n = 20, k = \"tension\""));
+    desk.ca(&["tune", "two.ca.toml", "mid=100", "top=300"]).is(1).says(&["`mid`", "one parameter"]);
     no(&["low=A2", "--mode", "40"], 1, &["20 modes"]);
     no(&["low=30 kHz"], 1, &["`low`"]);
     // what the file says of its parameter holds, and what would blow up is not written

@@ -74,6 +74,10 @@ impl Pencil {
     /// Bounds of the largest eigenvalue, `digits` apart or nearer, from bounds that are known.
     pub fn largest(&self, lower: f64, upper: f64, digits: f64) -> (f64, f64) {
         let (mut low, mut high) = (lower.max(0.0), upper.max(lower));
+        // what was taken for a bound may be one of other places than those looked at
+        if self.below(low).is_some() {
+            (low, high) = (0.0, low);
+        }
         while high < 1e300 && self.below(high).is_none() {
             (low, high) = (high, (2.0 * high).max(1e-300));
         }

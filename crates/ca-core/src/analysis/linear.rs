@@ -99,6 +99,8 @@ pub struct Network {
     pub names: Vec<String>,
     /// where it is driven and heard
     pub ports: Vec<Port>,
+    /// outputs that hear a force, which is no displacement
+    pub deaf: Vec<String>,
     /// links that are not linear, and so not in it: name and law
     pub left_out: Vec<(String, &'static str)>,
 }

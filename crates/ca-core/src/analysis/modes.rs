@@ -34,6 +34,8 @@ pub struct Mode {
     pub t60: f64,
     /// the same without the scheme \[s\]
     pub t60_free: f64,
+    /// true where the scheme makes it grow: the scene is unstable
+    pub grows: bool,
     /// how much damping ties it to its neighbours: share of its own damping, over their distance; 0 where not at all
     pub coupled: f64,
     /// displacement of each place \[1/√kg\], for a modal mass of 1 kg
@@ -109,7 +111,17 @@ pub fn modes(network: &Network) -> Option<Modes> {
             .fold(0.0, f64::max);
         let places = &network.linear.places;
         let shape = (0..n).map(|i| u[(i, j)] * libm::sqrt(places[i].c) / te).collect();
-        let mut mode = Mode { a, b, f: 0.0, heard: 0.0, t60: f64::INFINITY, t60_free: f64::INFINITY, coupled, shape };
+        let mut mode = Mode {
+            a,
+            b,
+            f: 0.0,
+            heard: 0.0,
+            t60: f64::INFINITY,
+            t60_free: f64::INFINITY,
+            grows: false,
+            coupled,
+            shape,
+        };
         mode.alone(te);
         list.push(mode);
     }
@@ -134,7 +146,11 @@ impl Mode {
         // continuous: ω² = a/T², s = b/2T
         let (square, s) = (a - 0.25 * b * b, 0.5 * b / te);
         self.f = if square > 0.0 && a > 0.0 { libm::sqrt(square) / (TURN * te) } else { 0.0 };
-        self.t60_free = if square >= 0.0 || a == 0.0 { t60(s) } else { t60(s - libm::sqrt(-square) / te) };
+        self.t60_free = match () {
+            () if a == 0.0 => t60(2.0 * s),
+            () if square >= 0.0 => t60(s),
+            () => t60(s - libm::sqrt(-square) / te),
+        };
         // the scheme: the middle of its two poles is 1 − (a + b)/2, their distance twice the root of this
         let half = 1.0 - 0.5 * (a + b);
         let off = a - 0.25 * (a + b) * (a + b);
@@ -143,6 +159,7 @@ impl Mode {
             self.t60 = t60(-0.5 * libm::log1p(-b) / te);
         } else {
             let slowest = half.abs() + libm::sqrt((-off).max(0.0));
+            self.grows = a > 0.0 && slowest > 1.0;
             self.t60 = if a == 0.0 { t60(-libm::log1p(-b) / te) } else { t60(-libm::log(slowest) / te) };
         }
     }

@@ -35,7 +35,11 @@ pub fn places(net: &Net, own: &[Own]) -> (Linear, Numbers) {
     (linear, Numbers(numbers))
 }
 
-/// The networks's links that `counts`, with their slopes. A set of pairs cannot be taken in: false where one counts.
+/// As many places as the points of one link may come to, together.
+const SPOTS: usize = 10_000;
+
+/// The links of the network that `counts`, with their slopes. False where one that counts cannot be taken in: a set of
+/// pairs, or one with points that may come to too many places.
 pub fn links(
     net: &Net,
     bounds: &[Bound],
@@ -46,13 +50,14 @@ pub fn links(
 ) -> bool {
     let mut all = true;
     for (i, (l, b)) in net.lias.iter().zip(bounds).enumerate().filter(|(_, (l, b))| counts(l, b)) {
-        if l.sets.is_some() {
+        let spots = l.all_ends().map(|e| net.under(e).len()).fold(1, usize::saturating_mul);
+        if l.sets.is_some() || (points == Points::Anywhere && spots > SPOTS) {
             all = false;
             continue;
         }
         for row in rows(net, l, b, numbers, points) {
             match row {
-                Pull::At(weight, entries) => linear.link(i as u32, b.k * weight, b.z * weight, &entries),
+                Pull::At(k, z, entries) => linear.link(i as u32, b.k * k, b.z * z, &entries),
                 Pull::Anywhere(at) => linear.loose.push(Loose { lia: i as u32, k: b.k, z: b.z, at }),
             }
         }
@@ -73,13 +78,21 @@ pub fn network(net: &Net) -> Network {
     let counts = |l: &LiaNode, b: &Bound| b.linear && !l.law.is_late();
     let whole = links(net, &slopes, &numbers, Points::AtLoad, &mut linear, counts);
     debug_assert!(whole, "the laws of sets are not linear");
-    let mut ports = Vec::new();
+    let (mut ports, mut deaf): (Vec<Port>, Vec<_>) = (Vec::new(), Vec::new());
     for (name, ear, axis, share) in
         net.outs.iter().filter(|o| o.item.is_some()).map(|o| (&o.name, o.ear, o.axis, o.share))
     {
-        let (Ear::Position(end) | Ear::ForceOn(end)) = ear else { continue };
+        let Ear::Position(end) = ear else {
+            deaf.push(name.clone());
+            continue;
+        };
         let here = at_end(net, end, &numbers, Points::AtLoad, |first, _| alloc::vec![(first + u32::from(axis), share)]);
-        ports.push(Port { name: name.clone(), role: "hears", at: here.into_iter().flatten().collect() });
+        let here = here.into_iter().flatten();
+        // a direction is heard axis by axis
+        match ports.last_mut().filter(|p: &&mut Port| p.name == *name) {
+            Some(port) => port.at.extend(here),
+            None => ports.push(Port { name: name.clone(), role: "hears", at: here.collect() }),
+        }
     }
     for p in &net.pushes {
         let here =
@@ -95,7 +108,7 @@ pub fn network(net: &Net) -> Network {
         left_out.push((l.item, l.law.code));
         if l.sets.is_none() {
             let row = rows(net, l, b, &numbers, Points::AtLoad).into_iter().next();
-            if let Some(Pull::At(_, at)) = row {
+            if let Some(Pull::At(_, _, at)) = row {
                 ports.push(Port { name: l.name.clone(), role: "acts", at });
             }
         }
@@ -112,6 +125,7 @@ pub fn network(net: &Net) -> Network {
         te: net.te,
         names: names.collect(),
         ports,
+        deaf,
         left_out: left_out.into_iter().map(|(i, code)| (net.items[i as usize].name.clone(), code)).collect(),
         linear,
     }
@@ -119,8 +133,8 @@ pub fn network(net: &Net) -> Network {
 
 /// One row of a link, as a share of its slopes, or one for each node a point may stand at.
 pub enum Pull {
-    /// here
-    At(f64, Vec<(u32, f64)>),
+    /// here, with these shares of its stiffness and of its viscosity
+    At(f64, f64, Vec<(u32, f64)>),
     /// at any of these
     Anywhere(Vec<Vec<(u32, f64)>>),
 }
@@ -144,30 +158,57 @@ pub fn rows(net: &Net, l: &LiaNode, b: &Bound, numbers: &Numbers, points: Points
     if choices.len() > 1 {
         return alloc::vec![Pull::Anywhere(choices)];
     }
-    let mut rows: Vec<Pull> = choices.into_iter().map(|c| Pull::At(1.0, c)).collect();
-    // across a link under tension there is stiffness too: F/l
-    if let (Measure::Radial, None, true) = (l.measure, l.onto, b.k > 0.0 && b.linear) {
-        let (u, length) = unit(net, l.ends, l.soften);
-        let slack = l.l0.unwrap_or(length);
-        let tension = (length - slack) / length;
-        if tension > 0.0 && tension.is_finite() {
-            for k in 0..3_u8 {
-                // I − uuᵀ, row by row: its rows' squares sum to itself
-                let across: [f64; 3] =
-                    core::array::from_fn(|j| f64::from(u8::from(j == k as usize)) - u[k as usize] * u[j]);
-                let mut entries = Vec::new();
-                for (end, sign) in l.ends.iter().zip([-1.0, 1.0]) {
-                    let End::Mat(m) = end else { continue };
-                    let Some(first) = numbers.0[*m as usize] else { continue };
-                    entries.extend(
-                        (0..net.mats[*m as usize].axes).map(|j| (first + u32::from(j), sign * across[j as usize])),
-                    );
-                }
-                rows.push(Pull::At(tension, entries));
+    let mut rows: Vec<Pull> = choices.into_iter().map(|c| Pull::At(1.0, 1.0, c)).collect();
+    if !(b.k > 0.0 && b.linear) {
+        return rows;
+    }
+    // across a link under tension there is stiffness too, F/l, and no viscosity
+    let pulled: f64 = ports.iter().enumerate().map(|(i, (ends, m))| stretch(net, l, *ends, *m, i == 0)).sum();
+    for (ends, _) in ports.iter().filter(|(_, m)| *m == Measure::Radial) {
+        let (u, length) = unit(net, *ends, l.soften);
+        let tension = pulled / length;
+        if !(tension > 0.0 && tension.is_finite()) {
+            continue;
+        }
+        for k in 0..3_u8 {
+            // I − uuᵀ, row by row: its rows' squares sum to itself
+            let across: [f64; 3] =
+                core::array::from_fn(|j| f64::from(u8::from(j == k as usize)) - u[k as usize] * u[j]);
+            let mut entries = Vec::new();
+            for (end, sign) in ends.iter().zip([-1.0, 1.0]) {
+                let End::Mat(m) = end else { continue };
+                let Some(first) = numbers.0[*m as usize] else { continue };
+                let axes = 0..net.mats[*m as usize].axes;
+                entries.extend(axes.map(|j| (first + u32::from(j), sign * across[j as usize])));
             }
+            rows.push(Pull::At(tension, 0.0, entries));
         }
     }
     rows
+}
+
+/// How far a port is pulled out at load \[m\]: nothing where no end was moved and no length is written.
+fn stretch(net: &Net, l: &LiaNode, ends: [End; 2], measure: Measure, first: bool) -> f64 {
+    let rest = net.apart(ends);
+    let moved = |e: End| if let End::Mat(m) = e { net.mats[m as usize].dx0 } else { [0.0; 3] };
+    let by: [f64; 3] = core::array::from_fn(|k| moved(ends[1])[k] - moved(ends[0])[k]);
+    let written = if first { l.l0 } else { None };
+    match measure {
+        Measure::Line([a, b]) => {
+            let apart = net.rest(ends[1])[b as usize] - net.rest(ends[0])[a as usize];
+            let by = moved(ends[1])[b as usize] - moved(ends[0])[a as usize];
+            apart + by - written.unwrap_or(apart)
+        }
+        Measure::Along(n) => {
+            let dot = |v: [f64; 3]| n[0] * v[0] + n[1] * v[1] + n[2] * v[2];
+            dot(rest) + dot(by) - written.unwrap_or(dot(rest))
+        }
+        Measure::Radial => {
+            let soft = |v: f64| libm::sqrt(v * v + l.soften * l.soften);
+            let slack = written.unwrap_or(libm::sqrt(rest.iter().map(|x| x * x).sum()));
+            unit(net, ends, l.soften).1 - soft(slack)
+        }
+    }
 }
 
 /// What a pull on an end is on the places under it, one list for each node it may be at.

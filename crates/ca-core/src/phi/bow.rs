@@ -96,7 +96,7 @@ impl Phi<3, 0> for Smooth {
         Self::force(c, &mut { *m }, t, e[1], w) * w
     }
     fn bound(&[f, per, _]: &[f64; 3], _: &[Table]) -> Bound {
-        Bound { z: f * per * 1.648_721_270_700_128_2, ..Bound::default() }
+        Bound { z: f * per * 1.648_721_270_700_128_2, curve: true, ..Bound::default() }
     }
 }
 
@@ -126,7 +126,7 @@ impl Phi<5, 0> for Piecewise {
         Self::force(c, &mut { *m }, t, e[1], w) * w
     }
     fn bound(&[rise, _, _, fall, _]: &[f64; 5], _: &[Table]) -> Bound {
-        Bound { z: rise.max(fall), ..Bound::default() }
+        Bound { z: rise.max(fall), curve: true, ..Bound::default() }
     }
 }
 
@@ -147,6 +147,6 @@ impl Phi<2, 0> for Coulomb {
         Self::force(c, &mut { *m }, t, e[1], w) * w
     }
     fn bound(&[rise, _]: &[f64; 2], _: &[Table]) -> Bound {
-        Bound { z: rise, ..Bound::default() }
+        Bound { z: rise, curve: true, ..Bound::default() }
     }
 }

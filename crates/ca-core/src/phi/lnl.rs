@@ -105,7 +105,7 @@ impl Phi<2, 0> for TableFriction {
     fn bound(&[n, fs]: &[f64; 2], tables: &[Table]) -> Bound {
         let t = table(tables, n);
         let (hi, lo) = t.map_or((0.0, 0.0), Table::slopes);
-        Bound { z: hi.max(-lo) * fs, active: t.is_some_and(|t| !t.resists()), ..Bound::default() }
+        Bound { z: hi.max(-lo) * fs, curve: true, active: t.is_some_and(|t| !t.resists()), ..Bound::default() }
     }
 }
 
@@ -128,6 +128,6 @@ impl Phi<3, 0> for Lnl {
     }
     fn bound(&[a, b, fs]: &[f64; 3], tables: &[Table]) -> Bound {
         let (s, f) = (TableSpring::bound(&[a], tables), TableFriction::bound(&[b, fs], tables));
-        Bound { k: s.k, z: f.z, active: s.active || f.active, ..Bound::default() }
+        Bound { k: s.k, z: f.z, curve: true, active: s.active || f.active, ..Bound::default() }
     }
 }

@@ -109,6 +109,7 @@ fn summary(loaded: &Loaded, scene: &Scene, exact: bool) -> Result<(), Failure> {
     };
     writeln!(out, "             bound {}, the limit is 4{decided}", short(c.bound))?;
     match c.largest {
+        Some((_, to)) if to < 1e-200 => writeln!(out, "             largest eigenvalue 0: nothing holds anything")?,
         Some((_, to)) => writeln!(
             out,
             "             largest eigenvalue {:.9}: everything could be {:.6} times stiffer",
@@ -116,7 +117,10 @@ fn summary(loaded: &Loaded, scene: &Scene, exact: bool) -> Result<(), Failure> {
             Plain(4.0 / to)
         )?,
         None if exact => {
-            writeln!(out, "             the largest eigenvalue depends on where points stand or what meets")?;
+            writeln!(
+                out,
+                "             no largest eigenvalue: nothing moves, or it depends on where points stand or what meets"
+            )?;
         }
         None => {}
     }

@@ -21,6 +21,10 @@ use toml_edit::{DocumentMut, Item};
 
 /// A pitch is met where it is nearer than this \[cents\].
 const MET: f64 = 1e-6;
+/// What is further away was not tuned \[cents\].
+const NEAR: f64 = 0.01;
+/// Rounds over all parts, where there are several.
+const SWEEPS: usize = 2;
 /// Steps of the secant.
 const STEPS: usize = 16;
 
@@ -47,6 +51,12 @@ struct Tuned {
     number: String,
 }
 
+impl Tuned {
+    fn off(&self) -> f64 {
+        1200.0 * (self.heard / self.wanted).log2()
+    }
+}
+
 /// Runs the command.
 pub fn run(args: &TuneArgs) -> Outcome {
     let source = Source {
@@ -65,10 +75,27 @@ pub fn run(args: &TuneArgs) -> Outcome {
     let mut doc: DocumentMut = loaded.model.text.parse().map_err(|e: toml_edit::TomlError| {
         Failure::Failed(format!("`{}`: it cannot be edited: {}", loaded.model.file, e.message()))
     })?;
-    let mut done = Vec::new();
-    for (part, cell, wanted) in wishes(args, &loaded.model)? {
-        let knob = knob(&loaded.model, &part, cell)?;
-        done.push(tune(&mut loaded, &mut doc, &knob, wanted, args.mode)?);
+    let mut wishes = Vec::new();
+    for (part, cell, wanted) in self::wishes(args, &loaded.model)? {
+        wishes.push((knob(&loaded.model, &part, cell)?, wanted));
+    }
+    let mut done: Vec<Tuned> = Vec::new();
+    for (knob, wanted) in &wishes {
+        done.push(tune(&mut loaded, &mut doc, knob, *wanted, args.mode)?);
+    }
+    // what hangs together moves each other
+    for _ in 0..if wishes.len() > 1 { SWEEPS } else { 0 } {
+        for (t, (knob, wanted)) in done.iter_mut().zip(&wishes) {
+            let before = t.before;
+            *t = Tuned { before, ..tune(&mut loaded, &mut doc, knob, *wanted, args.mode)? };
+        }
+    }
+    for (t, (knob, _)) in done.iter_mut().zip(&wishes) {
+        t.heard = heard(&loaded, &t.part, knob, args.mode)?;
+        if t.off().abs() > NEAR {
+            let what = format!("`{}` cannot be {} Hz beside the others: it is {} Hz", t.part, t.wanted, t.heard);
+            return Err(Failure::Failed(format!("{what}; do they follow one parameter?")));
+        }
     }
     let scene = load::scene(&loaded, &Options::default())?;
     if scene.certificate.level == Level::Unstable {
@@ -197,10 +224,10 @@ fn tune(loaded: &mut Loaded, doc: &mut DocumentMut, knob: &Knob, wanted: f64, mo
         return Err(Failure::Failed(format!("`{name}`: `{}` is no number that could be tuned", knob.path.join("."))));
     };
     let before = heard(loaded, &name, knob, mode)?;
-    let (mut slope, mut now, mut written) = (knob.slope, before, String::new());
+    let (mut slope, mut now, mut written) = (knob.slope, before, format!("{v:?}"));
     for step in 0..STEPS {
         let off = (wanted / now).log2();
-        if off.abs() * 1200.0 < MET && step > 0 {
+        if off.abs() * 1200.0 < MET {
             break;
         }
         // a number that is the pitch itself is right at once, whatever it was before
@@ -226,7 +253,7 @@ fn tune(loaded: &mut Loaded, doc: &mut DocumentMut, knob: &Knob, wanted: f64, mo
         (v, now) = (next, f);
     }
     let left = 1200.0 * (wanted / now).log2();
-    if left.abs() > 0.01 {
+    if left.abs() > NEAR {
         let what = format!("`{name}` comes no nearer to {wanted} Hz than {now} Hz ({left:+.3} cents)");
         return Err(Failure::Failed(format!(
             "{what}: what hangs on it holds its pitch, or it is near half the sound rate"
@@ -278,8 +305,7 @@ fn told(loaded: &Loaded, done: &[Tuned], as_json: bool) -> Result<(), Failure> {
         let list: Vec<Json> = done
             .iter()
             .map(|t| {
-                let off = 1200.0 * (t.heard / t.wanted).log2();
-                json!({ "part": t.part, "wanted_hz": t.wanted, "before_hz": t.before, "heard_hz": t.heard, "off_cents": off,
+                json!({ "part": t.part, "wanted_hz": t.wanted, "before_hz": t.before, "heard_hz": t.heard, "off_cents": t.off(),
                     "number": t.number })
             })
             .collect();
@@ -288,7 +314,7 @@ fn told(loaded: &Loaded, done: &[Tuned], as_json: bool) -> Result<(), Failure> {
     }
     writeln!(out, "{}", loaded.name)?;
     for t in done {
-        let off = 1200.0 * (t.heard / t.wanted).log2();
+        let off = t.off();
         let (from, to) = (quantity::Plain(t.before), quantity::Plain(t.heard));
         writeln!(out, "  {}: {from:.4} Hz → {to:.4} Hz, {off:+.6} cents off, by {}", t.part, t.number)?;
     }

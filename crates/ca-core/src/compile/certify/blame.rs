@@ -8,11 +8,12 @@ use crate::model::diag::{Diag, Diags};
 use crate::model::{Model, Span, quantity};
 use alloc::collections::BTreeSet;
 use alloc::format;
+use alloc::string::String;
 
 /// Numbers so large or so small that the coefficients are not numbers any more. Said for each item, and an error.
 pub fn overflow(model: &Model, net: &Net, rows: &[Row], bounds: &[Bound], diags: &mut Diags) -> bool {
     let mats =
-        net.mats.iter().zip(rows).filter(|(_, r)| !(r.c.is_finite() && (r.own * r.c).is_finite())).map(|(m, _)| m.item);
+        net.mats.iter().zip(rows).filter(|(_, r)| !(r.c.is_finite() && (r.all * r.c).is_finite())).map(|(m, _)| m.item);
     let links = net.lias.iter().zip(bounds).filter(|(_, b)| !(b.k.is_finite() && b.z.is_finite())).map(|(l, _)| l.item);
     let items: BTreeSet<u32> = mats.chain(links).collect();
     for item in &items {
@@ -51,7 +52,8 @@ pub fn unstable(model: &Model, net: &Net, rows: &[Row], bounds: &[Bound], i: usi
     }
     let mass = net.te * net.te / r.c * at / 4.0;
     let heavier = format!("make `{}` heavier than {}", m.name, quantity::show(round_up(mass), Unit::KILOGRAM));
-    let rate = format!("raise the sound rate above {:.0} Hz", quantity::Plain(net.rate * libm::sqrt(at / 4.0)));
+    let viscous = net.lias.iter().zip(bounds).any(|(_, b)| b.z > 0.0) || r.z > 0.0;
+    let rate = faster(net, at, viscous);
     match most {
         Some((l, b)) => {
             let h = b.k + 2.0 * b.z;
@@ -69,6 +71,12 @@ pub fn unstable(model: &Model, net: &Net, rows: &[Row], bounds: &[Bound], i: usi
         }
         None => d.help(format!("{heavier}, or {rate}")),
     }
+}
+
+/// The sound rate at which an eigenvalue of now would be at the limit: stiffness falls with its square, viscosity with it.
+pub fn faster(net: &Net, now: f64, viscous: bool) -> String {
+    let times = if viscous { now / 4.0 } else { libm::sqrt(now / 4.0) };
+    format!("raise the sound rate above {:.0} Hz", quantity::Plain(net.rate * times))
 }
 
 /// Three digits, towards zero.

@@ -42,19 +42,24 @@ pub fn certify(model: &Model, net: &Net, asked: bool, diags: &mut Diags) -> Cert
     let mut springs = Negative::default();
     for (l, b) in net.lias.iter().zip(&bounds) {
         let h = b.k + 2.0 * b.z;
-        let sides: Vec<Vec<u32>> = l.all_ends().map(|e| net.under(e)).collect();
+        let sides: Vec<(bool, Vec<u32>)> = l.all_ends().map(|e| (matches!(e, End::Mat(_)), net.under(e))).collect();
+        // of a curve of friction the slope is one that it has somewhere
+        let sure = if b.curve { b.k } else { h };
         // ends that move: the row of the link at each of them holds so many entries
-        let moving = sides.iter().filter(|ids| ids.iter().any(|m| rows[*m as usize].c > 0.0)).count();
+        let moving = sides.iter().filter(|(_, ids)| ids.iter().any(|m| rows[*m as usize].c > 0.0)).count();
         let others = moving.saturating_sub(1) as f64;
-        for m in sides.iter().flatten() {
+        for (here, m) in sides.iter().flat_map(|(here, ids)| ids.iter().map(move |m| (*here, m))) {
             let r = &mut rows[*m as usize];
             if l.law.is_late() {
                 // passive whatever it holds, and no part of the linear network
             } else if b.linear || !b.contact {
-                r.own += h;
+                r.all += h;
                 r.disc += h + others * h.abs();
-                r.most = r.most.max(h);
-                r.radial |= l.is_radial();
+                if here {
+                    r.own += sure;
+                    r.most = r.most.max(sure);
+                    r.radial |= l.is_radial();
+                }
             } else {
                 r.touch += h;
             }
@@ -78,28 +83,31 @@ pub fn certify(model: &Model, net: &Net, asked: bool, diags: &mut Diags) -> Cert
     }
     // the contacts of a set are judged by rule, and no two of its members are tied
     for l in net.lias.iter().filter(|l| l.sets.is_none() && !l.law.is_late()) {
-        let d = |e: End| net.under(e).iter().map(|m| rows[*m as usize].own * rows[*m as usize].c).fold(0.0, f64::max);
+        let d = |e: End| net.under(e).iter().map(|m| rows[*m as usize].all * rows[*m as usize].c).fold(0.0, f64::max);
         pair = pair.max(l.all_ends().map(d).sum());
     }
     // a mass with a spring of its own is a link to the ground
-    pair = rows.iter().map(|r| r.own * r.c).fold(pair, f64::max);
+    pair = rows.iter().map(|r| r.all * r.c).fold(pair, f64::max);
     let negative = bounds.iter().any(|b| b.k < 0.0);
     if !negative {
         cert.bound = cert.bound.min(pair);
     }
-    let worst = (0..rows.len()).max_by(|a, b| (rows[*a].own * rows[*a].c).total_cmp(&(rows[*b].own * rows[*b].c)));
+    let worst = (0..rows.len()).max_by(|a, b| (rows[*a].all * rows[*a].c).total_cmp(&(rows[*b].all * rows[*b].c)));
     cert.worst = worst.map(|i| net.mats[i].name.clone()).unwrap_or_default();
 
     let covered = !negative || springs.covered();
     let explicit: Vec<_> = net.lias.iter().zip(&bounds).filter(|(l, _)| !l.law.is_late()).collect();
     let linear = explicit.iter().all(|(_, b)| b.linear);
     let radial = explicit.iter().any(|(l, _)| l.is_radial());
-    let held = |l: &LiaNode| l.all_ends().flat_map(|e| net.under(e)).any(|m| rows[m as usize].own > 0.0);
+    let held = |l: &LiaNode| l.all_ends().flat_map(|e| net.under(e)).any(|m| rows[m as usize].all > 0.0);
     let ruled = |b: &Bound| (b.contact && b.k > 0.0) || rubs(b);
-    let touching = net.lias.iter().zip(&bounds).filter(|(l, b)| ruled(b) && !l.law.is_late() && held(l)).count();
+    let judged = |l: &LiaNode, b: &Bound| ruled(b) && l.sets.is_none() && !l.law.is_late() && held(l);
+    let spots = |l: &LiaNode| l.ends.iter().map(|e| net.under(*e).len()).product::<usize>();
+    let touching: usize = net.lias.iter().zip(&bounds).filter(|(l, b)| judged(l, b)).map(|(l, _)| spots(l)).sum();
+    let few = touching > 0 && touching.saturating_mul(rows.len()) <= exact::WORK;
     let between = cert.lower < 4.0 && cert.bound >= 4.0 && covered;
-    let exact = if between || touching > 0 || asked { Exact::new(net, &rows, &bounds) } else { None };
-    let verdict = exact.as_ref().filter(|_| between).map_or(Verdict::Open, |e| e.verdict(&bounds));
+    let exact = if between || few || asked { Exact::new(net, &rows, &bounds) } else { None };
+    let verdict = exact.as_ref().filter(|_| between).map_or(Verdict::Open, |e| e.verdict(net, &bounds));
     cert.exact = verdict != Verdict::Open;
     cert.largest = exact.as_ref().filter(|_| asked).and_then(|e| e.largest(&cert, true));
     cert.level = if cert.lower >= 4.0 || verdict == Verdict::Unstable {
@@ -133,7 +141,7 @@ pub fn certify(model: &Model, net: &Net, asked: bool, diags: &mut Diags) -> Cert
         diags.push(d.help(format!("{help} `{}`, make it heavier, or raise the sound rate", cert.worst)));
     }
     rigid::rigid(model, net, diags);
-    let held = |l: &LiaNode, b: &Bound| exact.as_ref().and_then(|e| e.mobility(net, l, b, touching));
+    let held = |l: &LiaNode, b: &Bound| exact.as_ref().filter(|_| few).and_then(|e| e.mobility(net, l, b));
     contacts(model, net, &rows, &bounds, held, &mut cert, diags);
     frictions(model, net, &rows, &bounds, held, diags);
     devices(model, net, &bounds, diags);

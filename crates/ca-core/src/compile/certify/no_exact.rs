@@ -7,6 +7,9 @@ use crate::law::Bound;
 use crate::model::Model;
 use crate::model::diag::Diag;
 
+/// As many products as a factorisation may take for contacts alone.
+pub const WORK: usize = 0;
+
 /// There is none.
 pub enum Exact {}
 
@@ -16,11 +19,11 @@ impl Exact {
         None
     }
     /// Never asked.
-    pub fn verdict(&self, _: &[Bound]) -> Verdict {
+    pub fn verdict(&self, _: &Net, _: &[Bound]) -> Verdict {
         match *self {}
     }
     /// Never asked.
-    pub fn mobility(&self, _: &Net, _: &LiaNode, _: &Bound, _: usize) -> Option<f64> {
+    pub fn mobility(&self, _: &Net, _: &LiaNode, _: &Bound) -> Option<f64> {
         match *self {}
     }
     /// Never asked.

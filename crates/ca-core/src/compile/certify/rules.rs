@@ -88,7 +88,7 @@ pub fn frictions(
 
 /// True where a law resists motion along a curve.
 pub fn rubs(b: &Bound) -> bool {
-    b.z > 0.0 && !b.linear && !b.contact
+    b.curve && b.z > 0.0
 }
 
 /// T²/m of both ends of a contact together; of a set, of its most mobile pair.

@@ -12,15 +12,19 @@ use alloc::vec::Vec;
 /// What the linear bounds need of one mass.
 #[derive(Clone, Copy, Default)]
 pub struct Row {
-    /// T²k + 2Tz of all linear links at this mass
+    /// T²k + 2Tz of all links at this mass that are certainly there, as steep as that
     pub own: f64,
+    /// the same of all links that may be
+    pub all: f64,
     /// the same with links between masses counted twice
     pub disc: f64,
     /// T²/m
     pub c: f64,
     /// stiffness of its own \[N/m\], as of a CEL
+    #[cfg_attr(not(feature = "analysis"), allow(dead_code))]
     pub k: f64,
     /// viscosity of its own and of its medium \[N per m/tick\]
+    #[cfg_attr(not(feature = "analysis"), allow(dead_code))]
     pub z: f64,
     /// contacts
     pub touch: f64,
@@ -59,36 +63,45 @@ fn row(net: &Net, m: &MatNode) -> Row {
     }
     let (k, z) = (-corner.q / corner.c, (1.0 - corner.p) / corner.c);
     let own = (-corner.q + 2.0 * (1.0 - corner.p)) / corner.c;
-    Row { own, disc: own, c: corner.c, k, z, ..Row::default() }
+    Row { own, all: own, disc: own, c: corner.c, k, z, ..Row::default() }
 }
 
-/// The parameter values of a module at load and, for each live parameter it follows, at both ends of its range.
+/// The parameter values of a module at load and at every corner of the ranges of the live parameters it follows.
 fn corners(net: &Net, item: u32, values: &[Source]) -> Vec<Vec<Option<f64>>> {
     let it = &net.items[item as usize];
     let mut all = alloc::vec![net.values(item, values)];
-    for (arg, p, factor) in &it.follows {
-        let param = &net.params[*p];
-        for v in [param.min, param.max] {
-            let mut args = it.args.clone();
+    let mut live: Vec<usize> = it.follows.iter().map(|f| f.1).collect();
+    live.sort_unstable();
+    live.dedup();
+    if live.is_empty() {
+        return all;
+    }
+    // no kind has so many parameters that this were a number to fear
+    for corner in 0_u32..1 << live.len().min(16) {
+        let mut args = it.args.clone();
+        for (arg, p, factor) in &it.follows {
+            let param = &net.params[*p];
+            let high = live.iter().position(|l| l == p).is_some_and(|k| corner >> k & 1 == 1);
+            let v = if high { param.max } else { param.min };
             args[*arg] = Arg::Num((v * factor).clamp(-1e30, 1e30));
-            let slots = match it.kind.role {
-                Role::Generator(g) => {
-                    match (g.derive)(&Args {
-                        code: it.kind.code,
-                        params: it.kind.params,
-                        values: &args,
-                        te: net.te,
-                        dim: it.dim,
-                    }) {
-                        Ok(s) => s,
-                        // out of reach, so a change to it is refused
-                        Err(_) => continue,
-                    }
-                }
-                _ => args.iter().map(Arg::num).collect(),
-            };
-            all.push(values.iter().map(|s| s.get(&slots)).collect());
         }
+        let slots = match it.kind.role {
+            Role::Generator(g) => {
+                match (g.derive)(&Args {
+                    code: it.kind.code,
+                    params: it.kind.params,
+                    values: &args,
+                    te: net.te,
+                    dim: it.dim,
+                }) {
+                    Ok(s) => s,
+                    // out of reach, so a change to it is refused
+                    Err(_) => continue,
+                }
+            }
+            _ => args.iter().map(Arg::num).collect(),
+        };
+        all.push(values.iter().map(|s| s.get(&slots)).collect());
     }
     all
 }
