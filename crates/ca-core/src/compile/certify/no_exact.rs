@@ -8,7 +8,7 @@ use crate::model::Model;
 use crate::model::diag::Diag;
 
 /// As many products as a factorisation may take for contacts alone.
-pub const WORK: usize = 0;
+pub const WORK: usize = 1;
 
 /// There is none.
 pub enum Exact {}
