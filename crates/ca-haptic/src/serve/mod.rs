@@ -17,6 +17,7 @@ mod desk;
 mod live;
 mod loops;
 mod summary;
+#[cfg(feature = "mcap")]
 mod taken;
 
 pub use aside::{Aside, Line};
