@@ -96,6 +96,12 @@ pub struct Source {
 }
 
 impl Source {
+    /// A model as it is.
+    pub fn of(model: &str) -> Source {
+        let model = model.to_owned();
+        Source { model, set: Vec::new(), rate: None, border: None, latency: None, no_feedback: false }
+    }
+
     /// What is changed of the border, as names and values of `--set`.
     pub fn crossing(&self) -> impl Iterator<Item = (String, String)> {
         let border =

@@ -17,15 +17,7 @@ use std::path::Path;
 
 /// Runs the command.
 pub fn run(args: &EquivArgs) -> Outcome {
-    let source = Source {
-        model: args.model.clone(),
-        set: Vec::new(),
-        rate: None,
-        border: None,
-        latency: None,
-        no_feedback: false,
-    };
-    let mut loaded = load::load(&source)?;
+    let mut loaded = load::load(&Source::of(&args.model))?;
     let mut scene = load::scene(&loaded, &Options::default())?;
     let mdl = load::has_extension(Path::new(&args.model), "mdl");
     let mut text = if mdl { write::write(&loaded.model) } else { loaded.model.text.clone() };

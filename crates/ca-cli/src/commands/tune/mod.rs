@@ -59,15 +59,7 @@ impl Tuned {
 
 /// Runs the command.
 pub fn run(args: &TuneArgs) -> Outcome {
-    let source = Source {
-        model: args.model.clone(),
-        set: Vec::new(),
-        rate: None,
-        border: None,
-        latency: None,
-        no_feedback: false,
-    };
-    let mut loaded = load::load(&source)?;
+    let mut loaded = load::load(&Source::of(&args.model))?;
     if load::has_extension(Path::new(&args.model), "mdl") {
         return Err(Failure::Usage("a MIMS file cannot be tuned; `ca import` makes a model file of it".into()));
     }
