@@ -38,8 +38,6 @@ pub struct Row {
 /// A link at a point that may stand anywhere on a string or a mesh: one list of entries for each node under it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Loose {
-    /// number of the LIA in document order
-    pub lia: u32,
     /// stiffness \[N/m\]
     pub k: f64,
     /// viscosity \[N per m/tick\]

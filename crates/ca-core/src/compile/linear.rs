@@ -58,7 +58,7 @@ pub fn links(
         for row in rows(net, l, b, numbers, points) {
             match row {
                 Pull::At(k, z, entries) => linear.link(i as u32, b.k * k, b.z * z, &entries),
-                Pull::Anywhere(at) => linear.loose.push(Loose { lia: i as u32, k: b.k, z: b.z, at }),
+                Pull::Anywhere(at) => linear.loose.push(Loose { k: b.k, z: b.z, at }),
             }
         }
     }
@@ -190,14 +190,13 @@ pub fn rows(net: &Net, l: &LiaNode, b: &Bound, numbers: &Numbers, points: Points
 /// How far a port is pulled out at load \[m\]: nothing where no end was moved and no length is written.
 fn stretch(net: &Net, l: &LiaNode, ends: [End; 2], measure: Measure, first: bool) -> f64 {
     let rest = net.apart(ends);
-    let moved = |e: End| if let End::Mat(m) = e { net.mats[m as usize].dx0 } else { [0.0; 3] };
-    let by: [f64; 3] = core::array::from_fn(|k| moved(ends[1])[k] - moved(ends[0])[k]);
+    let (from, to) = (moved(net, ends[0]), moved(net, ends[1]));
+    let by: [f64; 3] = core::array::from_fn(|k| to[k] - from[k]);
     let written = if first { l.l0 } else { None };
     match measure {
         Measure::Line([a, b]) => {
             let apart = net.rest(ends[1])[b as usize] - net.rest(ends[0])[a as usize];
-            let by = moved(ends[1])[b as usize] - moved(ends[0])[a as usize];
-            apart + by - written.unwrap_or(apart)
+            apart + to[b as usize] - from[a as usize] - written.unwrap_or(apart)
         }
         Measure::Along(n) => {
             let dot = |v: [f64; 3]| n[0] * v[0] + n[1] * v[1] + n[2] * v[2];
@@ -266,15 +265,15 @@ fn direction(
     (0..axes).map(move |k| (k, u[k as usize])).filter(|(_, u)| *u != 0.0)
 }
 
+/// How far an end stands from its rest position at load.
+fn moved(net: &Net, e: End) -> [f64; 3] {
+    if let End::Mat(m) = e { net.mats[m as usize].dx0 } else { [0.0; 3] }
+}
+
 /// Direction and length from the first to the second end, where they are at load.
 fn unit(net: &Net, ends: [End; 2], soften: f64) -> ([f64; 3], f64) {
-    let at = |e: End| {
-        let moved = if let End::Mat(m) = e { net.mats[m as usize].dx0 } else { [0.0; 3] };
-        let rest = net.rest(e);
-        core::array::from_fn::<f64, 3, _>(|k| rest[k] + moved[k])
-    };
-    let (a, b) = (at(ends[0]), at(ends[1]));
-    let v: [f64; 3] = core::array::from_fn(|k| b[k] - a[k]);
+    let (rest, from, to) = (net.apart(ends), moved(net, ends[0]), moved(net, ends[1]));
+    let v: [f64; 3] = core::array::from_fn(|k| rest[k] + to[k] - from[k]);
     let length = libm::sqrt(v.iter().map(|x| x * x).sum::<f64>() + soften * soften).max(f64::MIN_POSITIVE);
     (v.map(|x| x / length), length)
 }
