@@ -12,6 +12,15 @@ use ca_tests::catalog;
 use proptest::prelude::*;
 use std::fmt::Write as _;
 
+/// A method for one link in four.
+fn method(roll: f64) -> String {
+    match roll {
+        r if r < 0.05 => ", method = \"centred\"".into(),
+        r if r < 0.25 => format!(", method = \"implicit\", theta = {:.3}", (r - 0.05) * 3.0),
+        _ => String::new(),
+    }
+}
+
 /// A network of masses, cells, a string with a point on it, and a body in space that leans on them; T = 1 and all
 /// stiffness and viscosity times `scale`.
 fn drawn(seed: u64, scale: f64) -> String {
@@ -25,7 +34,7 @@ fn drawn(seed: u64, scale: f64) -> String {
         let m = decades(roll());
         if roll() < 0.3 {
             let (k, z) = (scale * decades(roll()), if roll() < 0.5 { 0.0 } else { scale * decades(roll()) });
-            let _ = writeln!(cells, "n{i} = {{ m = {m:e}, k = {k:e}, z = {z:e} }}");
+            let _ = writeln!(cells, "n{i} = {{ m = {m:e}, k = {k:e}, z = {z:e}{} }}", method(roll()));
         } else {
             let _ = writeln!(masses, "n{i} = {{ m = {m:e} }}");
         }
@@ -39,7 +48,8 @@ fn drawn(seed: u64, scale: f64) -> String {
         let b = (roll() * (n + 1) as f64) as usize;
         let other = if b == n || b == a { "wall".into() } else { format!("n{b}") };
         let (k, z) = (scale * decades(roll()), if roll() < 0.5 { 0.0 } else { scale * decades(roll()) });
-        let _ = writeln!(text, "l{l} = {{ between = [\"n{a}\", \"{other}\"], k = {k:e}, z = {z:e} }}");
+        let ahead = method(roll());
+        let _ = writeln!(text, "l{l} = {{ between = [\"n{a}\", \"{other}\"], k = {k:e}, z = {z:e}{ahead} }}");
     }
     if string {
         let (m, k) = (decades(roll()), scale * decades(roll()));

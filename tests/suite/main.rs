@@ -11,6 +11,7 @@ mod equivalence;
 mod files;
 mod generate_space;
 mod guard;
+mod implicit;
 mod live;
 mod lpr;
 mod mims;

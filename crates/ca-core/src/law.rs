@@ -12,7 +12,7 @@ use crate::table::Table;
 /// elongation. Exact for linear laws and for contacts of constant stiffness; of laws that stiffen without end (CUB,
 /// POW, HRZ) it is the slope at rest, and the certificate says "rule of thumb". Both ≥ 0 except for springs that are
 /// negative on purpose. `contact` marks laws that switch.
-// four answers to four questions, any of which may be yes
+// five answers to five questions, any of which may be yes
 #[allow(clippy::struct_excessive_bools)]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Bound {
@@ -28,6 +28,25 @@ pub struct Bound {
     pub curve: bool,
     /// true where the law can feed energy in by itself
     pub active: bool,
+    /// part of four times `k` that is taken from the time to come, so that stability does not count it: 4θk (numerics 1')
+    pub lift: f64,
+    /// true where `z` is a centred difference, which never destabilises
+    pub centred: bool,
+}
+
+impl Bound {
+    /// What counts against the limit of 4: h = T²k + 2Tz of what is explicit, over T² \[N/m\]. Below 0 where the link makes
+    /// the rest more stable.
+    pub fn h(&self) -> f64 {
+        self.k - self.lift + if self.centred { 0.0 } else { 2.0 * self.z }
+    }
+
+    /// The explicit link that counts as much.
+    #[must_use]
+    pub fn explicit(&self) -> Bound {
+        let z = if self.centred { 0.0 } else { self.z };
+        Bound { k: self.k - self.lift, z, lift: 0.0, centred: false, ..*self }
+    }
 }
 
 /// A law of interaction. `C` coefficients per link, `M` numbers of memory per link.

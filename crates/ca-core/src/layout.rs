@@ -4,6 +4,7 @@
 //! what the tick depends on is visible in one place. All of it is written once, by the compiler.
 
 use crate::law::{Idle, Lost, Stored};
+use crate::ldl::Pattern;
 use crate::table::Table;
 use alloc::vec::Vec;
 
@@ -188,6 +189,32 @@ pub struct Account {
     pub idle: Idle,
 }
 
+/// Links that take part of their force from the time to come: what they join is one matrix of inertia.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Ahead {
+    /// places in the state, in the order of elimination (n)
+    pub places: Vec<u32>,
+    /// pattern of its factor
+    pub(crate) pattern: Pattern,
+    /// first coefficient of the factor
+    pub coef: usize,
+    /// links whose whole force somebody needs
+    pub felt: Vec<Felt>,
+}
+
+/// A link by an implicit method whose whole force is needed: it is heard, or what it holds is not moved by forces.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Felt {
+    /// places in [`State::coef`](crate::state::State) of k, z and θ
+    pub coef: [u32; 3],
+    /// place in [`State::tap`](crate::state::State)
+    pub tap: Option<u32>,
+    /// what its elongation is of the places in [`Ahead::places`]: number and weight
+    pub moves: Vec<(u32, f64)>,
+    /// the same of places in the state that no force moves
+    pub held: Vec<(u32, f64)>,
+}
+
 /// What the ledger needs to find its way.
 #[derive(Clone, Default)]
 pub struct LedgerPlan {
@@ -255,6 +282,8 @@ pub struct Layout {
     pub blockers: Vec<Blocker>,
     /// low-pass of the sound channels: the first half of its coefficients, up to the middle one (any)
     pub lowpass: Vec<f64>,
+    /// what is solved in each tick, where links look ahead together
+    pub ahead: Option<Ahead>,
     /// what the ledger needs, where the scene keeps one
     pub ledger: Option<LedgerPlan>,
 }

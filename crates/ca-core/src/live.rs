@@ -6,10 +6,12 @@
 //! allocating. Only what the model declares `live` has a place here (or everything, if the compiler was asked).
 
 use crate::kind::{Kind, MatSpec, Unit};
+use crate::method::implicit::Inertia;
 use crate::model::quantity::Plain;
 use crate::op::law::Law;
 use crate::sketch::{Arg, Args, Generator};
 use crate::state::State;
+use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
 
@@ -89,6 +91,39 @@ pub struct LivePlan {
     pub coefs: Vec<u32>,
     /// how to get from one to the other
     pub items: Vec<LiveItem>,
+    /// what has to be solved anew, where links that look ahead depend on them
+    pub ahead: Option<LiveAhead>,
+}
+
+/// The factor of links that look ahead, as far as it follows live parameters.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LiveAhead {
+    /// what it is made of
+    pub made: Inertia,
+    /// the first of its coefficients in [`LivePlan::coefs`]
+    pub first: u32,
+    /// place and present value of each coefficient it depends on, rising
+    pub known: Vec<(u32, f64)>,
+}
+
+impl LiveAhead {
+    /// Adds the factor to a patch that changes what it is made of; false where there is none.
+    fn follow(&mut self, coefs: &[u32], patch: &mut Patch) -> bool {
+        let mut changed = false;
+        for (i, v) in &patch.set {
+            let place = coefs.get(*i as usize).copied().unwrap_or(u32::MAX);
+            if let Ok(k) = self.known.binary_search_by_key(&place, |k| k.0) {
+                changed |= self.known[k].1.to_bits() != v.to_bits();
+                self.known[k].1 = *v;
+            }
+        }
+        if changed {
+            let value = |c: u32| self.known.binary_search_by_key(&c, |k| k.0).map_or(f64::NAN, |k| self.known[k].1);
+            let Some(factor) = self.made.factor(value) else { return false };
+            patch.set.extend((self.first..).zip(factor));
+        }
+        true
+    }
 }
 
 /// New values of coefficients, to be applied together.
@@ -162,7 +197,11 @@ impl Controls {
                 item.patch(self.te, &mut patch)?;
             }
         }
-        self.plan.items = items;
+        let mut ahead = self.plan.ahead.clone();
+        if !ahead.as_mut().is_none_or(|a| a.follow(&self.plan.coefs, &mut patch)) {
+            return Err(Refused::Unsolvable(format!("`{name}` = {} is beyond computing", Plain(value))));
+        }
+        (self.plan.items, self.plan.ahead) = (items, ahead);
         self.plan.params[p].value = value;
         Ok(patch)
     }
@@ -238,7 +277,9 @@ impl State {
         if patch.set.iter().any(|(i, v)| *i as usize >= n || !v.is_finite()) {
             return false;
         }
-        let ticks = ticks.max(1);
+        // half-way between two factors is the factor of neither scene: with them all of the patch comes in one tick
+        let whole = patch.set.iter().any(|(i, _)| *i >= self.ramps.whole);
+        let ticks = if whole { 1 } else { ticks.max(1) };
         for (i, v) in &patch.set {
             let i = *i as usize;
             let r = &mut self.ramps;

@@ -45,11 +45,13 @@ pub struct Ramps {
     /// those with ticks left: the first `moving` entries (as long as the others, so that a clone has room too)
     pub(crate) active: Vec<u32>,
     pub(crate) moving: usize,
+    /// from here on they only change in one tick, and what changes with them does so too
+    pub(crate) whole: u32,
 }
 
 impl Ramps {
-    /// Room for the live coefficients at these places of [`State::coef`].
-    pub(crate) fn new(place: Vec<u32>) -> Ramps {
+    /// Room for the live coefficients at these places of [`State::coef`], those from `whole` on never half-way.
+    pub(crate) fn new(place: Vec<u32>, whole: u32) -> Ramps {
         let n = place.len();
         Ramps {
             place,
@@ -58,6 +60,7 @@ impl Ramps {
             target: alloc::vec![0.0; n],
             active: alloc::vec![0; n],
             moving: 0,
+            whole,
         }
     }
 
@@ -101,6 +104,8 @@ pub struct State {
     pub blocked: Vec<[f64; 2]>,
     /// past of the sound channels before the low-pass (channels x 2n), a ring each, twice; written by `writes`
     pub lowpass: Vec<f64>,
+    /// changes of motion in passing, of links that look ahead \[m/tick²\] (places); written by `forces`
+    pub ahead: Vec<f64>,
     /// contacts that are solved together; empty between ticks, written by `forces`
     pub touches: Touches,
     /// coefficients on their way to a new value

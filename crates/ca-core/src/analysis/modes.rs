@@ -10,6 +10,7 @@
 
 use super::linear::{Linear, Network};
 use alloc::vec::Vec;
+use faer::linalg::solvers::Solve as _;
 use faer::{Mat, Side};
 
 /// Most places of a network whose modes are computed: the matrix is dense.
@@ -63,14 +64,20 @@ impl Mode {
     }
 }
 
-/// K and C scaled by the roots of the masses: T² M^-½ K M^-½ and T M^-½ C M^-½.
-fn matrices(linear: &Linear) -> (Mat<f64>, Mat<f64>) {
+/// K and C scaled by the roots of the masses, T² M^-½ K M^-½ and T M^-½ C M^-½, and the inertia that implicit methods
+/// add, scaled alike; nothing where there are none.
+fn matrices(linear: &Linear) -> (Mat<f64>, Mat<f64>, Option<Mat<f64>>) {
     let n = linear.places.len();
     let root: Vec<f64> = linear.places.iter().map(|p| libm::sqrt(p.c)).collect();
     let (mut k, mut z) = (Mat::<f64>::zeros(n, n), Mat::<f64>::zeros(n, n));
+    let some = linear.places.iter().any(|p| p.ahead != 0.0) || linear.rows.iter().any(|r| r.ahead != 0.0);
+    let mut ahead = some.then(|| Mat::<f64>::zeros(n, n));
     for (i, p) in linear.places.iter().enumerate() {
         k[(i, i)] += p.c * p.k;
         z[(i, i)] += p.c * p.z;
+        if let Some(a) = &mut ahead {
+            a[(i, i)] += p.c * p.ahead;
+        }
     }
     for row in &linear.rows {
         let entries = linear.entries(row);
@@ -80,10 +87,13 @@ fn matrices(linear: &Linear) -> (Mat<f64>, Mat<f64>) {
                 let both = a * root[i] * (b * root[j]);
                 k[(i, j)] += row.k * both;
                 z[(i, j)] += row.z * both;
+                if let Some(m) = &mut ahead {
+                    m[(i, j)] += row.ahead * both;
+                }
             }
         }
     }
-    (k, z)
+    (k, z, ahead)
 }
 
 /// The modes of a network; `None` where it is too large, or where the numbers are beyond computing.
@@ -93,10 +103,11 @@ pub fn modes(network: &Network) -> Option<Modes> {
         return None;
     }
     let te = network.te;
-    let (k, z) = matrices(&network.linear);
+    let (mut k, mut z, ahead) = matrices(&network.linear);
     let found = k.self_adjoint_eigen(Side::Lower).ok()?;
     let (u, values) = (found.U(), found.S());
     let damping = u.transpose() * &z * u;
+    let heavier = ahead.as_ref().map(|a| u.transpose() * a * u);
     let top = (0..n).map(|j| values[j]).fold(0.0, f64::max);
     let mut list: Vec<Mode> = Vec::with_capacity(n);
     for j in 0..n {
@@ -122,11 +133,16 @@ pub fn modes(network: &Network) -> Option<Modes> {
             coupled,
             shape,
         };
-        mode.alone(te);
+        mode.alone(te, 1.0 + heavier.as_ref().map_or(0.0, |h| h[(j, j)]));
         list.push(mode);
     }
-    let ties = list.iter().any(|m| m.coupled > COUPLED);
+    let ties = ahead.is_some() || list.iter().any(|m| m.coupled > COUPLED);
     if ties && n <= EXACT {
+        if let Some(mut a) = ahead {
+            (0..n).for_each(|i| a[(i, i)] += 1.0);
+            let a = a.partial_piv_lu();
+            (k, z) = (a.solve(&k), a.solve(&z));
+        }
         poles(&k, &z, u, te, &mut list)?;
     }
     Some(Modes { list, approximate: ties && n > EXACT })
@@ -140,8 +156,8 @@ fn t60(s: f64) -> f64 {
 }
 
 impl Mode {
-    /// Pitch and decay of the mode by itself.
-    fn alone(&mut self, te: f64) {
+    /// Pitch and decay of the mode by itself, with the inertia that implicit methods give it.
+    fn alone(&mut self, te: f64, heavier: f64) {
         let (a, b) = (self.a, self.b);
         // continuous: ω² = a/T², s = b/2T
         let (square, s) = (a - 0.25 * b * b, 0.5 * b / te);
@@ -151,6 +167,7 @@ impl Mode {
             () if square >= 0.0 => t60(s),
             () => t60(s - libm::sqrt(-square) / te),
         };
+        let (a, b) = (a / heavier, b / heavier);
         // the scheme: the middle of its two poles is 1 − (a + b)/2, their distance twice the root of this
         let half = 1.0 - 0.5 * (a + b);
         let off = a - 0.25 * (a + b) * (a + b);

@@ -30,7 +30,14 @@ pub fn places(net: &Net, own: &[Own]) -> (Linear, Numbers) {
         let moves = own.c > 0.0;
         numbers.push(moves.then_some(linear.places.len() as u32));
         let axes = if moves { m.axes } else { 0 };
-        linear.places.extend((0..axes).map(|axis| Place { mat: i as u32, axis, c: own.c, k: own.k, z: own.z }));
+        linear.places.extend((0..axes).map(|axis| Place {
+            mat: i as u32,
+            axis,
+            c: own.c,
+            k: own.k,
+            z: own.z,
+            ahead: own.ahead,
+        }));
     }
     (linear, Numbers(numbers))
 }
@@ -57,7 +64,10 @@ pub fn links(
         }
         for row in rows(net, l, b, numbers, points) {
             match row {
-                Pull::At(k, z, entries) => linear.link(i as u32, b.k * k, b.z * z, &entries),
+                Pull::At(k, z, entries) => {
+                    let ahead = 0.25 * b.lift * k + if b.centred { 0.5 * b.z * z } else { 0.0 };
+                    linear.link(i as u32, [b.k * k, b.z * z, ahead], &entries);
+                }
                 Pull::Anywhere(at) => linear.loose.push(Loose { k: b.k, z: b.z, at }),
             }
         }

@@ -9,6 +9,7 @@
 //! Decides on one network of plain records ([`net::Net`]) between model and scene: every pass reads and rewrites that,
 //! and all of them push findings into one list, so an author sees everything at once.
 
+mod ahead;
 pub mod certify;
 mod crossing;
 mod cutoff;
@@ -66,9 +67,11 @@ fn network(model: &Model, catalog: &Catalog, options: &Options) -> Result<(Net, 
         return Err(diags);
     }
     params::report_unused(&net, &mut diags);
+    ahead::choose(&mut net);
     specialise::specialise(model, &mut net, &mut diags);
     prune::prune(model, &mut net, &mut diags);
     turns::turns(model, &mut net, &mut diags);
+    ahead::check(model, &net, &mut diags);
     fed::mark(&mut net);
     Ok((net, diags))
 }

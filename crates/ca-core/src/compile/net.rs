@@ -257,11 +257,15 @@ pub struct Medium {
     pub gravity: [f64; 3],
     /// viscosity of each MAT to ground \[N s/m\]
     pub friction: f64,
+    /// method of linear links and cells, a place in [`crate::phi::implicit::METHOD`]
+    pub method: f64,
+    /// its θ, if written
+    pub theta: Option<f64>,
 }
 
 impl Default for Medium {
     fn default() -> Medium {
-        Medium { dim: 1, gravity: [0.0; 3], friction: 0.0 }
+        Medium { dim: 1, gravity: [0.0; 3], friction: 0.0, method: 0.0, theta: None }
     }
 }
 

@@ -3,6 +3,7 @@
 use super::net::MatRole;
 use super::plan::Plan;
 use crate::layout::Layout;
+use crate::method::implicit;
 use crate::op::law::Turn;
 use crate::op::wide::wide;
 use crate::op::{Kernel, Op, blocker, lowpass, pass};
@@ -43,6 +44,9 @@ pub fn forces(layout: &Layout, mut links: Vec<Op>, late: usize, weight: usize) -
     list.extend(links);
     if !layout.proxies.is_empty() {
         list.push(Op::pass("points back", pass::spread, layout.proxies.len()));
+    }
+    if let Some(a) = &layout.ahead {
+        list.push(Op::pass("implicit", implicit::solve, a.places.len()));
     }
     let together =
         late.iter().find_map(|o| if let Some(Turn::Together(f)) = o.law.map(|l| l.turn) { Some(f) } else { None });

@@ -2,10 +2,11 @@
 
 use super::net::{End, Net};
 use crate::kind::Role;
-use crate::layout::Place;
-use crate::live::{LiveItem, LiveModule, LivePlan, Loader, Source};
+use crate::layout::{Ahead, Place};
+use crate::live::{LiveAhead, LiveItem, LiveModule, LivePlan, Loader, Source};
+use crate::method::implicit::Inertia;
 use crate::sketch::Arg;
-use alloc::collections::BTreeMap;
+use alloc::collections::{BTreeMap, BTreeSet};
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
@@ -72,7 +73,18 @@ impl Plan<'_> {
     }
 
     /// What live changes need to know.
-    pub fn live_plan(&mut self) -> LivePlan {
+    pub fn live_plan(&mut self, ahead: Option<&(Ahead, Inertia)>) -> LivePlan {
+        let ahead = ahead.and_then(|(a, made)| {
+            let live: BTreeSet<u32> = self.live.iter().copied().collect();
+            let inputs = made.inputs();
+            if !inputs.iter().any(|c| live.contains(c)) {
+                return None;
+            }
+            let first = self.live.len() as u32;
+            self.live.extend((a.coef as u32..).take(made.numbers()));
+            let known = inputs.into_iter().map(|c| (c, self.coef[c as usize])).collect();
+            Some(LiveAhead { made: made.clone(), first, known })
+        });
         let items = core::mem::take(&mut self.modules)
             .into_iter()
             .map(|(id, modules)| {
@@ -98,6 +110,6 @@ impl Plan<'_> {
                 }
             })
             .collect();
-        LivePlan { params: self.net.params.clone(), coefs: self.live.clone(), items }
+        LivePlan { params: self.net.params.clone(), coefs: self.live.clone(), items, ahead }
     }
 }

@@ -43,13 +43,17 @@ pub fn schedule(
     let links = plan.links(options, diags, model);
     let Points { nodes, proxies, aimed } = points(&mut plan);
     let (gains, outputs) = outputs(&mut plan, &links)?;
-    // what stands before the links in the list of forces moves them back, moving points only those of a later turn
+    let ahead = plan.ahead(n_mat, &links, model, diags);
+    // what stands before the links in the list of forces moves them back; moving points and what looks ahead only those
+    // of a later turn
     let lead = usize::from(!enf.is_empty()) + usize::from(!weighed.is_empty());
-    let place = |op: usize| op + lead + usize::from(op >= links.late && !proxies.is_empty());
+    let back = usize::from(!proxies.is_empty()) + usize::from(ahead.is_some());
+    let place = |op: usize| op + lead + if op >= links.late { back } else { 0 };
     let ledger = options.energy.then(|| LedgerPlan { accounts: accounts(&links.forces, place), weight });
     let symbols = symbols(&plan, &links, place);
     let moves = plan.moves(order, n_mat);
-    let live = plan.live_plan();
+    let live = plan.live_plan(ahead.as_ref());
+    let whole = live.ahead.as_ref().map_or(u32::MAX, |a| a.first);
     let (coef, live_places) = (plan.coef, plan.live);
     let layout = Layout {
         te: net.te,
@@ -79,12 +83,13 @@ pub fn schedule(
         outputs,
         blockers: blockers(model, net, diags),
         lowpass: if net.channels.is_empty() { Vec::new() } else { net.lowpass.clone() },
+        ahead: ahead.map(|a| a.0),
         ledger,
     };
     let reads = passes::reads(&layout, live_places.len(), aimed);
     let forces = passes::forces(&layout, links.forces, links.late, weight);
     let writes = passes::writes(&layout, gains);
-    let initial = start(&layout, &forces, loaded(net, &layout, x, &v, coef, live_places));
+    let initial = start(&layout, &forces, loaded(net, &layout, x, &v, coef, (live_places, whole)));
     let (probe_names, probe_of) = probes(net);
     Some(Scene {
         rate: net.rate,
@@ -267,7 +272,8 @@ fn accounts(forces: &[Op], place: impl Fn(usize) -> usize) -> Vec<Account> {
         let (coefs, mems, stored, lost, idle) = (law.coefs, law.mem, law.stored, law.lost, law.idle);
         // a distance is no linear function of places: the identity then holds only with what the link made
         let radial = ports.gauge == Gauge::Radial || ports.onto.is_some_and(|o| o.0 == Gauge::Radial);
-        let linear = law.linear && !radial;
+        // what looks ahead to a port that then goes another way is not exact either
+        let linear = law.linear && !radial && !law.ahead;
         Some(Account { op: place(i), n, ports, first, coef, mem, tap, coefs, mems, linear, stored, lost, idle })
     };
     forces.iter().enumerate().filter_map(account).collect()
@@ -289,7 +295,7 @@ fn symbols(plan: &Plan, links: &Links, place: impl Fn(usize) -> usize) -> Vec<Sy
 }
 
 /// The state as written: every mass where its author put it, with the speed it was given.
-fn loaded(net: &Net, layout: &Layout, x: Vec<f64>, v: &[f64], coef: Vec<f64>, live: Vec<u32>) -> State {
+fn loaded(net: &Net, layout: &Layout, x: Vec<f64>, v: &[f64], coef: Vec<f64>, (live, whole): (Vec<u32>, u32)) -> State {
     let input: Vec<f64> = net.inputs.iter().map(|i| if i.role == InputRole::Force { 0.0 } else { i.rest }).collect();
     let ports = layout.enx.len() + layout.tgr.len() + layout.enf.len();
     State {
@@ -307,7 +313,8 @@ fn loaded(net: &Net, layout: &Layout, x: Vec<f64>, v: &[f64], coef: Vec<f64>, li
         late: alloc::vec![0.0; layout.tgr.len() * layout.crossing.latency as usize],
         blocked: alloc::vec![[0.0; 2]; layout.blockers.len()],
         lowpass: alloc::vec![0.0; layout.channels * 2 * (2 * layout.lowpass.len()).saturating_sub(1)],
-        ramps: Ramps::new(live),
+        ramps: Ramps::new(live, whole),
+        ahead: alloc::vec![0.0; layout.ahead.as_ref().map_or(0, |a| a.places.len())],
         touches: Touches::new(layout.n_touch, layout.n_mat),
         ledger: layout.ledger.is_some().then(|| Ledger::new(layout.n_mat, layout.n_lia, ports, layout.tgr.len())),
         tick: 0,

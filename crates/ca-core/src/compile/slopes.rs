@@ -13,15 +13,29 @@ pub struct Own {
     pub k: f64,
     /// viscosity to the ground
     pub z: f64,
+    /// inertia beyond its mass, of a cell that looks ahead \[N per m/tick²\]
+    pub ahead: f64,
 }
 
 /// A MAT at load.
 pub fn own(net: &Net, m: &MatNode) -> Own {
     let MatRole::Mat(spec) = m.role else { return Own::default() };
     let mut out = [0.0; 8];
-    Loader::Mat(spec, net.medium(m).friction).load(&net.values(m.item, &m.values), net.te, &mut out);
+    let mut values = net.values(m.item, &m.values);
+    let loader = Loader::Mat(spec, net.medium(m).friction);
+    loader.load(&values, net.te, &mut out);
     let c = if spec.fixed { 0.0 } else { out[2] };
-    if c > 0.0 { Own { c, k: -out[1] / c, z: (1.0 - out[0]) / c } } else { Own::default() }
+    if c <= 0.0 {
+        return Own::default();
+    }
+    let own = Own { c, k: -out[1] / c, z: (1.0 - out[0]) / c, ahead: 0.0 };
+    let Some(method) = crate::mat::CEL.param("method").filter(|_| m.code == crate::mat::CEL.code) else { return own };
+    if values.get(method).copied().flatten().is_none() {
+        return own;
+    }
+    values[method] = None;
+    loader.load(&values, net.te, &mut out);
+    Own { c: out[2], ahead: 1.0 / c - 1.0 / out[2], ..own }
 }
 
 /// The slopes of a link at load.

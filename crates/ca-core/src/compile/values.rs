@@ -165,6 +165,11 @@ impl Values<'_> {
     }
 
     /// The argument `param` of an item.
+    /// A parameter of what is no module: of a group, or of the model.
+    pub fn word(&mut self, param: &Param, e: &Entry, owner: &str) -> Option<f64> {
+        self.arg(&crate::phi::REF, param, e, &[], owner)?.0.num()
+    }
+
     pub fn arg(
         &mut self,
         kind: &'static Kind,

@@ -7,6 +7,7 @@
 
 use super::{Coefs, DX0, MatSpec, V, X};
 use crate::kind::{ABOVE_ZERO, Kind, Need, OneOf, POSITIVE, Param, Role, Unit};
+use crate::phi::implicit::{METHOD, THETA, theta};
 
 /// CEL in the catalog.
 pub static KIND: Kind = Kind {
@@ -25,6 +26,8 @@ pub static KIND: Kind = Kind {
         X,
         DX0,
         V,
+        METHOD,
+        THETA,
     ],
     one_of: &[OneOf { sets: &[&["k", "z"], &["f", "t60"]], required: true }],
     example: r#"
@@ -44,6 +47,11 @@ fn coefs(p: &[Option<f64>], te: f64) -> Coefs {
         return Coefs { p: 1.0 - b, q: -a, c };
     }
     let (k, z) = (p[1].unwrap_or(0.0), p[2].unwrap_or(0.0));
+    if let Some(theta) = theta(p[8].unwrap_or(0.0), p[9]) {
+        // what is implicit is inertia (numerics 1.3, eq. 1′): a cell of this mass, explicit, is the same scheme
+        let c = 1.0 / (m / (te * te) + theta * k + 0.5 * z / te);
+        return Coefs { p: 1.0 - z / te * c, q: -k * c, c };
+    }
     Coefs { p: 1.0 - z * te / m, q: -k * c, c }
 }
 

@@ -1,4 +1,5 @@
-//! Methods: one-sided springs that keep energy exact whatever their stiffness (numerics 3.3, 3.4).
+//! Methods: links that keep energy exact whatever their stiffness: linear ones ([`implicit`], numerics 3.1) and one-sided
+//! springs (numerics 3.3, 3.4), of which the rest of this page speaks.
 //!
 //! The explicit contact makes or swallows energy at every blow (numerics 3.2), because its force is that at the
 //! beginning of a tick. The methods here choose the force so that its work over the tick is what the spring takes up,
@@ -6,11 +7,12 @@
 //! [`Turn`](crate::op::law::Turn)). Decides against sub-steps and against iterating the whole scene: both cost in
 //! every tick, these only while something touches.
 //!
-//! Common to both: the penetration η is `side·(d − e)`, positive while pressed together; the push N ≥ 0 acts against
+//! Common to the contacts: the penetration η is `side·(d − e)`, positive while pressed together; the push N ≥ 0 acts against
 //! it, and as a tension of the link it is F = −side·N. A push N kept over a tick takes the work N·s/2 from the masses,
 //! where s = η₊ − η₋ is the change of penetration over two ticks (numerics 2.2).
 
 pub mod gradient;
+pub mod implicit;
 pub mod quadratised;
 
 use crate::layout::Layout;

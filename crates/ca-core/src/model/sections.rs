@@ -3,9 +3,20 @@
 /// Root sections that are not kinds, in the order [`super::write`] gives them.
 pub const SECTIONS: &[&str] = &["model", "rate", "param", "gesture", "equivalence"];
 /// Keys of `[model]`.
-pub const META: &[&str] =
-    &["title", "author", "source", "doc", "units", "reference_rate", "gravity", "friction", "seconds"];
+pub const META: &[&str] = &[
+    "title",
+    "author",
+    "source",
+    "doc",
+    "units",
+    "reference_rate",
+    "gravity",
+    "friction",
+    "method",
+    "theta",
+    "seconds",
+];
 /// Keys of `[rate]`.
 pub const RATES: &[&str] = &["sound", "gesture", "border", "latency", "feedback", "filter"];
 /// Properties of a group.
-pub const GROUP: &[&str] = &["gravity", "friction", "dim"];
+pub const GROUP: &[&str] = &["gravity", "friction", "method", "theta", "dim"];

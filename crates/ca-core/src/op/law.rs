@@ -19,6 +19,8 @@ pub struct Law {
     pub contact: bool,
     /// when its force is computed
     pub turn: Turn,
+    /// true where part of its force comes from the time to come, for all such links at once
+    pub ahead: bool,
     /// see [`Phi::coefs`]; `out` has [`Law::coefs`] places
     pub load: fn(p: &[Option<f64>], te: f64, out: &mut [f64]),
     /// see [`Phi::start`]
@@ -85,6 +87,7 @@ impl Law {
             linear: P::LINEAR,
             contact: P::CONTACT,
             turn: Turn::Any,
+            ahead: false,
             load: |p, te, out| out.copy_from_slice(&P::coefs(p, te)),
             start: |c, e, mem| mem[..M].copy_from_slice(&P::start(&arr(c), e)),
             force: |c, mem, tables, e, w| {

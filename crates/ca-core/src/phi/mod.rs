@@ -11,6 +11,7 @@ pub mod but;
 pub mod cub;
 pub mod fro;
 pub mod hrz;
+pub mod implicit;
 pub mod lnl;
 pub mod plk;
 pub mod pow;

@@ -4,6 +4,7 @@
 //! Stability: (T²k + 2Tz)(1/m₁ + 1/m₂) < 4 for one link (numerics 1.3). Test: A04, A10.
 //! Without viscosity it runs as RES, without stiffness as FRO, unless the parameter may change while playing.
 
+use super::implicit::{METHOD, THETA};
 use super::{ALONG, BETWEEN, Bound, L0, Law, PAIRS, Phi, SOFTEN, fro, linear_lost, linear_stored, res};
 use crate::kind::{Kind, Need, POSITIVE, Param, Role, Unit};
 use crate::table::Table;
@@ -23,6 +24,8 @@ pub static KIND: Kind = Kind {
         PAIRS,
         ALONG,
         SOFTEN,
+        METHOD,
+        THETA,
     ],
     one_of: &[],
     example: r#"

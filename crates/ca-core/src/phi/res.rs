@@ -3,6 +3,7 @@
 //! Equation: F = k e. Parameters: k \[N/m\] ≥ 0. Source: CMJ 1993. Stability: T²k(1/m₁ + 1/m₂) < 4 for one link.
 //! Test: A01, A03, A09.
 
+use super::implicit::{METHOD, THETA};
 use super::{ALONG, BETWEEN, Bound, L0, Law, PAIRS, Phi, SOFTEN, linear_stored};
 use crate::kind::{Kind, Need, POSITIVE, Param, Role, Unit};
 use crate::table::Table;
@@ -21,6 +22,8 @@ pub static KIND: Kind = Kind {
         PAIRS,
         ALONG,
         SOFTEN,
+        METHOD,
+        THETA,
     ],
     one_of: &[],
     example: r#"

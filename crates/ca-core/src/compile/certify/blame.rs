@@ -46,7 +46,7 @@ pub fn unstable(model: &Model, net: &Net, rows: &[Row], bounds: &[Bound], i: usi
     let mut most: Option<(&LiaNode, &Bound)> = None;
     for (l, b) in net.lias.iter().zip(bounds) {
         let touches = b.linear && l.all_ends().any(|e| net.under(e).contains(&(i as u32)));
-        if touches && most.is_none_or(|(_, o)| b.k + 2.0 * b.z > o.k + 2.0 * o.z) {
+        if touches && most.is_none_or(|(_, o)| b.h() > o.h()) {
             most = Some((l, b));
         }
     }
@@ -56,9 +56,10 @@ pub fn unstable(model: &Model, net: &Net, rows: &[Row], bounds: &[Bound], i: usi
     let rate = faster(net, at, viscous);
     match most {
         Some((l, b)) => {
-            let h = b.k + 2.0 * b.z;
-            let room = 4.0 / r.c - (r.own - h);
-            let fix = if room > 0.0 && b.k >= 2.0 * b.z {
+            let room = 4.0 / r.c - (r.own - b.h());
+            let fix = if b.lift > 0.0 {
+                format!("use `theta = 0.25` or more for `{}`", l.name)
+            } else if room > 0.0 && b.k >= 2.0 * b.z {
                 let k = quantity::show(round_down(room - 2.0 * b.z), Unit::STIFFNESS);
                 format!("keep `k` of `{}` below {k}", l.name)
             } else if room > 0.0 {

@@ -38,7 +38,9 @@ pub struct Exact {
 impl Exact {
     /// The matrix of a network; `None` where nothing moves.
     pub fn new(net: &Net, worst: &[Row], bounds: &[Bound]) -> Option<Exact> {
-        let own: Vec<Own> = worst.iter().map(|r| Own { c: r.c, k: r.k, z: r.z }).collect();
+        let bounds: Vec<Bound> = bounds.iter().map(Bound::explicit).collect();
+        let bounds = &bounds[..];
+        let own: Vec<Own> = worst.iter().map(|r| Own { c: r.c, k: r.k, z: r.z, ahead: 0.0 }).collect();
         let (mut linear, numbers) = places(net, &own);
         let whole = links(net, bounds, &numbers, Points::Anywhere, &mut linear, |l, b| {
             !l.law.is_late() && (b.linear || !b.contact)
@@ -79,7 +81,8 @@ impl Exact {
         let mut linear = Linear::default();
         linear.places.clone_from(&self.linear.places);
         let counts = |l: &LiaNode, b: &Bound| b.linear && !l.law.is_late();
-        links(net, bounds, &self.numbers, Points::AtLoad, &mut linear, counts);
+        let bounds: Vec<Bound> = bounds.iter().map(Bound::explicit).collect();
+        links(net, &bounds, &self.numbers, Points::AtLoad, &mut linear, counts);
         linear
     }
 
@@ -88,7 +91,7 @@ impl Exact {
     pub fn mobility(&self, net: &Net, l: &LiaNode, own: &Bound) -> Option<f64> {
         let factor = self.factor.as_ref().filter(|_| l.sets.is_none())?;
         // what is always there is in the matrix itself, and taken out of it again
-        let h = if own.contact { 0.0 } else { own.k + 2.0 * own.z };
+        let h = if own.contact { 0.0 } else { own.h() };
         let of = |b: &[(u32, f64)]| {
             let g = factor.gives(b);
             4.0 * g / (1.0 + h * g)
@@ -123,7 +126,7 @@ impl Exact {
         // the link there that weighs most is the one to change
         let touches = |l: &LiaNode| l.all_ends().any(|e| net.under(e).contains(&(mat as u32)));
         let most = net.lias.iter().zip(bounds).filter(|(l, b)| b.linear && l.sets.is_none() && touches(l));
-        let Some((l, b)) = most.max_by(|a, b| (a.1.k + 2.0 * a.1.z).total_cmp(&(b.1.k + 2.0 * b.1.z))) else {
+        let Some((l, b)) = most.max_by(|a, b| a.1.h().total_cmp(&b.1.h())) else {
             return d.help(rate);
         };
         let d = if l.item == m.item { d } else { d.at(span(model, net, l.item), "its stiffest link") };

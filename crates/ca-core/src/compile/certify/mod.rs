@@ -41,7 +41,7 @@ pub fn certify(model: &Model, net: &Net, asked: bool, diags: &mut Diags) -> Cert
     let bounds = worst_bounds(net);
     let mut springs = Negative::default();
     for (l, b) in net.lias.iter().zip(&bounds) {
-        let h = b.k + 2.0 * b.z;
+        let h = b.h();
         let sides: Vec<(bool, Vec<u32>)> = l.all_ends().map(|e| (matches!(e, End::Mat(_)), net.under(e))).collect();
         // of a curve of friction the slope is one that it has somewhere
         let sure = if b.curve { b.k } else { h };
@@ -53,11 +53,13 @@ pub fn certify(model: &Model, net: &Net, asked: bool, diags: &mut Diags) -> Cert
             if l.law.is_late() {
                 // passive whatever it holds, and no part of the linear network
             } else if b.linear || !b.contact {
-                r.all += h;
+                // what eases the limit is left out of what no mass may pass
+                r.all += if b.lift > 0.0 { h.max(0.0) } else { h };
                 r.disc += h + others * h.abs();
                 if here {
                     r.own += sure;
                     r.most = r.most.max(sure);
+                    r.eased += sure.min(0.0);
                     r.radial |= l.is_radial();
                 }
             } else {
@@ -78,7 +80,7 @@ pub fn certify(model: &Model, net: &Net, asked: bool, diags: &mut Diags) -> Cert
         let g = r.disc * r.c;
         cert.bound = cert.bound.max(g);
         // springs of different directions do not add up: a third of them does, and so does the stiffest
-        let sure = if r.radial { (r.own / 3.0).max(r.most) } else { r.own };
+        let sure = if r.radial { (r.own / 3.0).max(r.most + r.eased) } else { r.own };
         cert.lower = cert.lower.max(sure * r.c);
     }
     // the contacts of a set are judged by rule, and no two of its members are tied

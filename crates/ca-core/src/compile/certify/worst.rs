@@ -2,7 +2,7 @@
 //! parameters it follows.
 
 use crate::compile::net::{MatNode, MatRole, Net};
-use crate::kind::{Coefs, Role};
+use crate::kind::Role;
 use crate::law::Bound;
 use crate::live::{Loader, Source};
 use crate::sketch::{Arg, Args};
@@ -30,6 +30,8 @@ pub struct Row {
     pub touch: f64,
     /// T²k + 2Tz of the stiffest of them
     pub most: f64,
+    /// the sum of those below 0
+    pub eased: f64,
     /// true where some of them are radial, so that they act in different directions
     pub radial: bool,
 }
@@ -52,18 +54,19 @@ pub fn worst_rows(net: &Net) -> Vec<Row> {
 fn row(net: &Net, m: &MatNode) -> Row {
     let MatRole::Mat(spec) = m.role else { return Row::default() };
     let mut out = [0.0; 8];
-    let mut corner = Coefs { p: 1.0, q: 0.0, c: 0.0 };
+    let (mut k, mut z, mut c): (f64, f64, f64) = (0.0, 0.0, 0.0);
     // worst corner of what may change: lightest, stiffest, most damped
     for values in corners(net, m.item, &m.values) {
         Loader::Mat(spec, net.medium(m).friction).load(&values, net.te, &mut out);
-        corner = Coefs { p: corner.p.min(out[0]), q: corner.q.min(out[1]), c: corner.c.max(out[2]) };
+        if out[2] != 0.0 {
+            (k, z, c) = (k.max(-out[1] / out[2]), z.max((1.0 - out[0]) / out[2]), c.max(out[2]));
+        }
     }
-    if corner.c == 0.0 || spec.fixed {
+    if c == 0.0 || spec.fixed {
         return Row::default();
     }
-    let (k, z) = (-corner.q / corner.c, (1.0 - corner.p) / corner.c);
-    let own = (-corner.q + 2.0 * (1.0 - corner.p)) / corner.c;
-    Row { own, all: own, disc: own, c: corner.c, k, z, ..Row::default() }
+    let own = k + 2.0 * z;
+    Row { own, all: own, disc: own, c, k, z, ..Row::default() }
 }
 
 /// The parameter values of a module at load and at every corner of the ranges of the live parameters it follows.
@@ -122,7 +125,10 @@ pub fn worst_bounds(net: &Net) -> Vec<Bound> {
             let mut c = [0.0; 8];
             (l.law.load)(&values, net.te, &mut c[..l.law.coefs]);
             let b = (l.law.bound)(&c[..l.law.coefs], &net.tables);
-            worst = if i == 0 { b } else { Bound { k: worst.k.max(b.k), z: worst.z.max(b.z), ..b } };
+            // what counts is k − lift, whose worst is not that of k
+            let most = (worst.k - worst.lift).max(b.k - b.lift);
+            let k = worst.k.max(b.k);
+            worst = if i == 0 { b } else { Bound { k, z: worst.z.max(b.z), lift: k - most, ..b } };
         }
         last = Some((l.item, l.values.clone(), worst));
         bounds.push(worst);

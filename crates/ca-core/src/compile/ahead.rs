@@ -1,0 +1,192 @@
+//! Ahead: which linear links and cells go by the methods `centred` and `implicit`, and the matrix the links make.
+//!
+//! Decides that a method is chosen before the laws are specialised, by a word of the link, of its group or of the model,
+//! and that a cell needs no matrix: its own spring and damper only make it heavier ([`crate::mat::cel`]). Refused where
+//! the matrix would change from tick to tick (distances in space, quadripoles, moving points), and where a contact that
+//! counts on the motion to come shares a mass with such a link.
+
+use super::links::Links;
+use super::net::{Ear, End, LiaNode, MatRole, Measure, Net};
+use super::plan::Plan;
+use crate::layout::{Ahead, Felt};
+use crate::ldl::Pattern;
+use crate::live::Source;
+use crate::method::implicit::Inertia;
+use crate::model::diag::{Diag, Diags};
+use crate::model::{Model, Span};
+use crate::op::Op;
+use crate::phi::implicit;
+use alloc::collections::{BTreeMap, BTreeSet};
+use alloc::format;
+use alloc::sync::Arc;
+use alloc::vec::Vec;
+
+/// More entries of a factor than this are refused: no machine solves them in a tick.
+const LARGEST: usize = 1_000_000;
+
+/// Gives links and cells the method that they, their group or the model ask for.
+pub fn choose(net: &mut Net) {
+    let asked = |net: &Net, item: u32, kind: &crate::kind::Kind, values: &[Source]| {
+        let at = |name: &str| {
+            let i = kind.param(name)?;
+            values.get(i)?.get(&net.items[item as usize].slots)
+        };
+        let medium = net.medium_of(net.items[item as usize].group);
+        implicit::theta(at("method").unwrap_or(medium.method), at("theta").or(medium.theta))
+    };
+    let mut last: Option<(u32, Arc<[Source]>, Arc<[Source]>)> = None;
+    for i in 0..net.lias.len() {
+        let l = &net.lias[i];
+        // the law before it is specialised; what has no method of this kind has no such parameters
+        let (k, z) = match l.kind.code {
+            "REF" => (Some(1), Some(2)),
+            "RES" => (Some(1), None),
+            "FRO" => (None, Some(1)),
+            _ => continue,
+        };
+        let Some(theta) = asked(net, l.item, l.kind, &l.values) else { continue };
+        let known = last.as_ref().filter(|(item, old, _)| *item == l.item && old[..] == l.values[..]);
+        let values = known.map_or_else(
+            || {
+                let from = |p: Option<usize>| p.and_then(|p| l.values.get(p).copied()).unwrap_or(Source::Absent);
+                Arc::from([from(k), from(z), Source::Const(theta)])
+            },
+            |(_, _, new)| new.clone(),
+        );
+        last = Some((l.item, l.values.clone(), values.clone()));
+        let l = &mut net.lias[i];
+        (l.law, l.values) = (&implicit::LAW, values);
+    }
+    let cell = &crate::mat::CEL;
+    let Some((method, theta)) = cell.param("method").zip(cell.param("theta")) else { return };
+    for i in 0..net.mats.len() {
+        let m = &net.mats[i];
+        let Some(share) = asked(net, m.item, cell, &m.values).filter(|_| m.code == cell.code) else { continue };
+        let mut values = m.values.to_vec();
+        // θ = 0 by the method `implicit` is the method `centred`
+        (values[method], values[theta]) = (Source::Const(2.0), Source::Const(share));
+        net.mats[i].values = Arc::from(values);
+    }
+}
+
+/// Refuses links whose matrix would not stay as it is.
+pub fn check(model: &Model, net: &Net, diags: &mut Diags) {
+    let mut told = BTreeSet::new();
+    let mut late: BTreeMap<u32, &LiaNode> = BTreeMap::new();
+    for l in net.lias.iter().filter(|l| l.law.is_late()) {
+        late.extend(l.all_ends().filter_map(|e| if let End::Mat(m) = e { Some((m, l)) } else { None }));
+    }
+    for l in net.lias.iter().filter(|l| l.law.ahead) {
+        if told.contains(&l.item) {
+            continue;
+        }
+        let shared = l.all_ends().find_map(|e| match e {
+            End::Mat(m) if !net.mats[m as usize].is_fixed() => late.get(&m).map(|late| (m, *late)),
+            _ => None,
+        });
+        let point = l.all_ends().find(|e| matches!(e, End::Point(_)));
+        let (title, label, help) = if l.is_radial() || l.onto.is_some() {
+            let title = format!("`{}` looks ahead along a distance in space", l.name);
+            (title, "not between points in space", "give it a direction, `along`, or `method = \"ca\"`")
+        } else if let Some(point) = point {
+            let title = format!("`{}` looks ahead at a moving point, `{}`", l.name, net.end_name(point));
+            (title, "not at moving points", "use `method = \"ca\"`, or a mass such as `low[8]` in its place")
+        } else if let Some((m, other)) = shared {
+            let m = &net.mats[m as usize].name;
+            let title = format!("`{}` looks ahead, and so does `{}`, which touches `{m}` too", l.name, other.name);
+            (title, "two kinds of looking ahead at one mass", "use `method = \"ca\"` for one of them")
+        } else {
+            continue;
+        };
+        told.insert(l.item);
+        let item = &model.items[net.items[l.item as usize].model];
+        let entry = item.args.iter().find(|e| e.key == "method");
+        let d = Diag::error("E028", title).at(entry.map_or(item.name_span, |e| e.span), label).help(help);
+        diags.push(if let Some(e) = entry { d.fix(e.span, "\"ca\"") } else { d });
+    }
+}
+
+impl Plan<'_> {
+    /// The matrix of the links that look ahead, factorised, and what it is made of; none where there are none.
+    pub fn ahead(&mut self, n_mat: usize, links: &Links, model: &Model, diags: &mut Diags) -> Option<(Ahead, Inertia)> {
+        let net = self.net;
+        let solved: Vec<(usize, &LiaNode)> = net.lias.iter().enumerate().filter(|(_, l)| l.law.ahead).collect();
+        let (_, first) = solved.first()?;
+        let item = &model.items[net.items[first.item as usize].model];
+        let heard: BTreeSet<u32> = net
+            .outs
+            .iter()
+            .filter_map(|o| if let Ear::ForceOn(End::Mat(m)) = o.ear { Some(m) } else { None })
+            .collect();
+        // what each link pulls at: places in the state and weights, those that move first
+        let mut number: BTreeMap<u32, u32> = BTreeMap::new();
+        let mut rows: Vec<([u32; 3], Felt, bool)> = Vec::with_capacity(solved.len());
+        for (id, l) in &solved {
+            let (op, at) = links.where_is[*id];
+            let op: &Op = &links.forces[op as usize];
+            let coef = core::array::from_fn(|k| (op.coef + k * op.n + at as usize) as u32);
+            let mut felt = Felt { coef, tap: op.form.tap.then_some((op.tap + at as usize) as u32), ..Felt::default() };
+            let mut needed = felt.tap.is_some();
+            for (side, sign) in [-1.0, 1.0].into_iter().enumerate() {
+                let End::Mat(m) = l.ends[side] else { continue };
+                let mat = &net.mats[m as usize];
+                for (axis, w) in directions(l, side, mat.places()) {
+                    let p = self.place[m as usize] + axis;
+                    if mat.is_fixed() || axis >= u32::from(mat.axes) {
+                        needed |= matches!(mat.role, MatRole::Port(..)) || heard.contains(&m);
+                        felt.held.push((p, sign * w));
+                    } else {
+                        let next = number.len() as u32;
+                        felt.moves.push((*number.entry(p).or_insert(next), sign * w));
+                    }
+                }
+            }
+            rows.push((coef, felt, needed));
+        }
+        let n = number.len();
+        let pairs = rows.iter().flat_map(|(_, f, _)| {
+            f.moves.iter().enumerate().flat_map(|(k, (i, _))| f.moves[..k].iter().map(move |(j, _)| (*i, *j)))
+        });
+        let Some(pattern) = Pattern::new(n, pairs, LARGEST) else {
+            let title = format!("`{}` and what looks ahead with it are too many to be solved in a tick", item.name);
+            let help = "use `method = \"ca\"` where stiffness allows it, or a coarser mesh";
+            diags.push(Diag::error("E027", title).at(item.name_span, "too many").help(help));
+            return None;
+        };
+        let mut to = alloc::vec![0; n];
+        pattern.order.iter().zip(0..).for_each(|(i, k)| to[*i as usize] = k);
+        let mut at = alloc::vec![0; n];
+        number.iter().for_each(|(place, i)| at[to[*i as usize] as usize] = *place);
+        let mut made =
+            Inertia { pattern, mobility: at.iter().map(|p| 2 * n_mat as u32 + p).collect(), ..Inertia::default() };
+        let mut felt = Vec::new();
+        for (coef, mut f, needed) in rows {
+            f.moves.iter_mut().for_each(|(i, _)| *i = to[*i as usize]);
+            let first = made.entries.len() as u32;
+            made.entries.extend(&f.moves);
+            made.links.push((coef, [first, f.moves.len() as u32]));
+            felt.extend(needed.then_some(f));
+        }
+        let Some(factor) = made.factor(|c| self.coef[c as usize]) else {
+            diags.push(beyond(&item.name, item.name_span));
+            return None;
+        };
+        let coef = self.coef.len();
+        self.coef.extend(factor);
+        Some((Ahead { places: at, pattern: made.pattern.clone(), coef, felt }, made))
+    }
+}
+
+fn beyond(name: &str, span: Span) -> Diag {
+    let d = Diag::error("E009", format!("the numbers of `{name}` and what looks ahead with it are beyond computing"));
+    d.at(span, "overflows").help("use a larger mass, or less stiffness and viscosity")
+}
+
+/// Axes and weights by which a link feels one of its ends.
+fn directions(l: &LiaNode, side: usize, places: u32) -> Vec<(u32, f64)> {
+    match l.measure {
+        Measure::Along(n) => (0..places).map(|k| (k, n[k as usize])).filter(|(_, w)| *w != 0.0).collect(),
+        Measure::Line(axes) => alloc::vec![(u32::from(axes[side]), 1.0)],
+        Measure::Radial => Vec::new(),
+    }
+}

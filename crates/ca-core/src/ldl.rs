@@ -1,0 +1,190 @@
+//! LDLᵀ of a sparse symmetric matrix, for what is solved in every tick (numerics 3.1).
+//!
+//! Decides for our own fifty lines, while everything that is computed once goes to faer: a library that chooses its
+//! vector instructions by the machine gives other last bits on another machine, and a scene must give the same bits
+//! everywhere. Positive definite matrices need no pivots, so the order of elimination is chosen once, from the pattern:
+//! always the column with the fewest neighbours left, which for strings leaves nothing new and for meshes little.
+
+use alloc::collections::BTreeSet;
+use alloc::vec::Vec;
+
+/// The pattern of L below its diagonal, by columns, in the order of elimination.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Pattern {
+    /// the number each row had (n), in the order of elimination
+    pub order: Vec<u32>,
+    /// first entry of each column (n + 1)
+    pub columns: Vec<u32>,
+    /// row of each entry, rising within a column
+    pub rows: Vec<u32>,
+}
+
+impl Pattern {
+    /// The pattern for `n` rows of which these pairs are joined; `None` where L would have more than `most` entries.
+    pub fn new(n: usize, pairs: impl Iterator<Item = (u32, u32)>, most: usize) -> Option<Pattern> {
+        let mut near: Vec<BTreeSet<u32>> = alloc::vec![BTreeSet::new(); n];
+        for (i, j) in pairs.filter(|(i, j)| i != j) {
+            near[i as usize].insert(j);
+            near[j as usize].insert(i);
+        }
+        let mut left: BTreeSet<(usize, u32)> = near.iter().zip(0..).map(|(s, i)| (s.len(), i)).collect();
+        let (mut order, mut below, mut all) = (Vec::with_capacity(n), Vec::with_capacity(n), 0);
+        while let Some((_, i)) = left.pop_first() {
+            let around = core::mem::take(&mut near[i as usize]);
+            for j in &around {
+                let s = &mut near[*j as usize];
+                left.remove(&(s.len(), *j));
+                s.remove(&i);
+                s.extend(around.iter().filter(|o| *o != j));
+                left.insert((s.len(), *j));
+            }
+            all += around.len();
+            if all > most {
+                return None;
+            }
+            order.push(i);
+            below.push(around);
+        }
+        let mut at = alloc::vec![0_u32; n];
+        order.iter().zip(0..).for_each(|(i, k)| at[*i as usize] = k);
+        let mut p = Pattern { order, columns: alloc::vec![0], rows: Vec::with_capacity(all) };
+        for column in below {
+            let first = p.rows.len();
+            p.rows.extend(column.iter().map(|i| at[*i as usize]));
+            p.rows[first..].sort_unstable();
+            p.columns.push(p.rows.len() as u32);
+        }
+        Some(p)
+    }
+
+    /// Number of rows.
+    pub fn size(&self) -> usize {
+        self.order.len()
+    }
+
+    fn column(&self, j: usize) -> core::ops::Range<usize> {
+        self.columns[j] as usize..self.columns[j + 1] as usize
+    }
+
+    fn place(&self, i: u32, j: usize) -> Option<usize> {
+        let r = self.column(j);
+        self.rows[r.clone()].binary_search(&i).ok().map(|k| r.start + k)
+    }
+
+    /// The numbers: 1/D, then L. Given are the sums of the rows, and what stands beside the diagonal, each once, as row,
+    /// column and value in the order of elimination; what falls on one place adds up. `None` where the matrix is not
+    /// positive definite, or beyond computing.
+    ///
+    /// With row sums in place of the diagonal nothing is ever subtracted where all ties are springs, so that a mass on a
+    /// spring of 10¹² times its inertia keeps all its digits.
+    pub fn factor(&self, sums: Vec<f64>, beside: impl Iterator<Item = (u32, u32, f64)>) -> Option<Vec<f64>> {
+        let n = self.size();
+        let mut v = sums;
+        v.resize(n + self.rows.len(), 0.0);
+        // what stands beside the diagonal in each row, left of it and right of it
+        let mut around = alloc::vec![0.0; n];
+        for (i, j, a) in beside {
+            v[n + self.place(i.max(j), i.min(j) as usize)?] += a;
+            around[i as usize] += a;
+            around[j as usize] += a;
+        }
+        for k in 0..n {
+            let (d, sum) = (v[k] - around[k], v[k]);
+            if !(d > 0.0 && d.is_finite()) {
+                return None;
+            }
+            let r = self.column(k);
+            for p in r.clone() {
+                let (a, j) = (v[n + p], self.rows[p] as usize);
+                let l = a / d;
+                v[j] -= l * sum;
+                around[j] -= a;
+                for q in p + 1..r.end {
+                    let (i, more) = (self.rows[q], l * v[n + q]);
+                    let at = n + self.place(i, j)?;
+                    v[at] -= more;
+                    around[j] -= more;
+                    around[i as usize] -= more;
+                }
+            }
+            for p in r {
+                v[n + p] /= d;
+            }
+            v[k] = 1.0 / d;
+        }
+        v.iter().all(|v| v.is_finite()).then_some(v)
+    }
+
+    /// Solves in place, with the numbers of [`Pattern::factor`]; rows in the order of elimination. Does not allocate.
+    #[inline]
+    pub fn solve(&self, numbers: &[f64], y: &mut [f64]) {
+        let n = self.size();
+        let (d, l) = numbers.split_at(n);
+        for j in 0..n {
+            let v = y[j];
+            for p in self.column(j) {
+                y[self.rows[p] as usize] -= l[p] * v;
+            }
+        }
+        for j in (0..n).rev() {
+            let mut v = y[j] * d[j];
+            for p in self.column(j) {
+                v -= l[p] * y[self.rows[p] as usize];
+            }
+            y[j] = v;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two masses on a spring 10¹² times as stiff as they are heavy: what moves them together keeps its digits.
+    #[test]
+    fn stiff_ties_cost_no_digits() {
+        let p = Pattern::new(2, [(0, 1)].into_iter(), 10).expect("small");
+        let f = p.factor(alloc::vec![1.0, 2.0], [(0, 1, -1e12)].into_iter()).expect("positive");
+        let mut y = [0.75, 0.75];
+        p.solve(&f, &mut y);
+        assert!((y[0] - 0.5).abs() < 1e-12 && (y[1] - 0.5).abs() < 1e-12, "{y:?}");
+    }
+
+    /// A mesh of 7 x 5 and one far tie: A y = b is solved to rounding, in any numbering.
+    #[test]
+    fn a_mesh_is_solved() {
+        let (w, h) = (7_u32, 5);
+        let n = (w * h) as usize;
+        let mut ties: Vec<(u32, u32, f64)> = alloc::vec![(0, w * h - 1, 3.0)];
+        for i in 0..w * h {
+            ties.extend((i % w + 1 < w).then_some((i, i + 1, 1.0 + f64::from(i))));
+            ties.extend((i + w < w * h).then_some((i, i + w, 1e4 / (1.0 + f64::from(i)))));
+        }
+        let p = Pattern::new(n, ties.iter().map(|t| (t.0, t.1)), 10_000).expect("small");
+        let mut at = alloc::vec![0; n];
+        p.order.iter().zip(0_u32..).for_each(|(i, k)| at[*i as usize] = k);
+        let ties: Vec<(u32, u32, f64)> =
+            ties.into_iter().map(|(i, j, k)| (at[i as usize], at[j as usize], -k)).collect();
+        let f = p.factor(alloc::vec![0.01; n], ties.iter().copied()).expect("positive");
+        let all: Vec<(u32, u32, f64)> = (0..n as u32)
+            .map(|i| (i, i, 0.01))
+            .chain(ties.iter().flat_map(|(i, j, k)| [(*i, *i, -k), (*j, *j, -k), (*i, *j, *k)]))
+            .collect();
+        let b: Vec<f64> = (0..n).map(|i| libm::sin(i as f64)).collect();
+        let mut y = b.clone();
+        p.solve(&f, &mut y);
+        let mut back = alloc::vec![0.0; n];
+        for (i, j, k) in all {
+            back[i as usize] += k * y[j as usize];
+            if i != j {
+                back[j as usize] += k * y[i as usize];
+            }
+        }
+        let most = y.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+        for (a, b) in back.iter().zip(&b) {
+            assert!((a - b).abs() < 1e-11 * most, "{a} {b} of {most}");
+        }
+        assert!(p.factor(alloc::vec![-1.0; n], core::iter::empty()).is_none(), "not positive");
+        assert!(Pattern::new(n, (0..n as u32).flat_map(|i| (0..i).map(move |j| (i, j))), 100).is_none(), "too full");
+    }
+}

@@ -1,0 +1,74 @@
+//! A linear link whose force is taken from before and after the tick: REF, RES and FRO by the methods `centred` and
+//! `implicit` (numerics 1.3, eq. 1′, and 3.1).
+//!
+//! Equation: F = k (θ e₊ + (1 − 2θ) e + θ e₋) + z (e₊ − e₋)/2T. `centred` is θ = 0. Parameters: k \[N/m\], z \[N s/m\], θ.
+//! Stability: T²k(1 − 4θ)(1/m₁ + 1/m₂) < 4 for one link, whatever z; from θ = ¼ on any k. Source: numerics 3.1.
+//! Test: A14, A15, H04.
+//!
+//! Decides that the law itself sees only the explicit part, F₀ = k e + z w, as every law does; with u the change of
+//! motion in the tick, what is missing is (θk + z/2T) times the change of w, which [`crate::method::implicit`] solves for
+//! all such links at once.
+
+use super::{Bound, Law, Phi, linear_lost, linear_stored};
+use crate::kind::{Need, Param, Type, Unit};
+use crate::table::Table;
+
+/// The methods of linear links, by name.
+pub const METHOD: Param = Param::new(
+    "method",
+    Type::Choice(&["ca", "centred", "implicit"]),
+    Need::Optional,
+    "ca: explicit, as in the field; centred: viscosity without a limit and of second order; implicit: stiffness without \
+     a limit too. Of the group or the model if left out",
+);
+/// Weight of the time to come.
+pub const THETA: Param = Param::number(
+    "theta",
+    Unit::NONE,
+    (0.0, 1.0),
+    Need::Optional,
+    "implicit: share of the force from the tick before and the tick after, each; 1/4 has the truest pitch, 1/2 does \
+     not ring; 1/2 if left out",
+)
+.for_good();
+
+/// The share of the force from before and after that a method takes, each; `None` for the explicit one.
+pub fn theta(method: f64, written: Option<f64>) -> Option<f64> {
+    match method {
+        1.0 => Some(0.0),
+        2.0 => Some(written.unwrap_or(0.5)),
+        _ => None,
+    }
+}
+
+/// The law; parameters k, z and θ in this order, whatever the kind.
+pub static LAW: Law = Law { ahead: true, ..Law::of::<Implicit, 3, 0>("REF implicit") };
+
+/// Coefficients k, z/T, θ.
+pub struct Implicit;
+
+/// What a link of these coefficients adds to inertia \[N per m/tick²\].
+pub fn inertia(&[k, z, theta]: &[f64; 3]) -> f64 {
+    theta * k + 0.5 * z
+}
+
+impl Phi<3, 0> for Implicit {
+    const LINEAR: bool = true;
+    fn coefs(p: &[Option<f64>], te: f64) -> [f64; 3] {
+        let at = |i: usize| p.get(i).copied().flatten().unwrap_or(0.0);
+        [at(0), at(1) / te, at(2)]
+    }
+    #[inline(always)]
+    fn force(&[k, z, _]: &[f64; 3], _: &mut [f64; 0], _: &[Table], e: f64, w: f64) -> f64 {
+        k * e + z * w
+    }
+    fn stored(&[k, _, theta]: &[f64; 3], _: &[f64; 0], _: &[Table], e0: f64, e1: f64) -> f64 {
+        linear_stored(k, -2.0 * theta * k, e0, e1)
+    }
+    fn lost(&[_, z, _]: &[f64; 3], _: &[f64; 0], _: &[Table], e: [f64; 3]) -> f64 {
+        linear_lost(z, e)
+    }
+    fn bound(&[k, z, theta]: &[f64; 3], _: &[Table]) -> Bound {
+        Bound { k, z, linear: true, lift: 4.0 * theta * k, centred: true, ..Bound::default() }
+    }
+}

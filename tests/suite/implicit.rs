@@ -1,0 +1,305 @@
+//! Linear links and cells by the methods `centred` and `implicit`: A14, A15, H04, orders, books, and what is heard.
+
+use crate::play::{Dice, apart, audited, case, list, mat, mats, num, off, reference, scene, with, within};
+use ca_core::certificate::Level;
+use ca_core::{Scene, State, tick};
+use ca_tests::catalog;
+
+/// A bob on a link to the wall, T = 1.
+fn bob(link: &str) -> String {
+    format!(
+        "[rate]\nsound = 1\ngesture = 1\n[SOL]\nwall = {{}}\n[MAS]\nbob = {{ m = 1 }}\n[REF]\nhold = {{ between = [\"wall\", \
+         \"bob\"], {link} }}\n[SOX]\nout = {{ from = \"bob\" }}\n"
+    )
+}
+
+/// The same oscillator as a cell.
+fn cell(own: &str) -> String {
+    format!("[rate]\nsound = 1\ngesture = 1\n[CEL]\nbob = {{ m = 1, {own} }}\n[SOX]\nout = {{ from = \"bob\" }}\n")
+}
+
+/// Both ways to write an oscillator, which are the same scheme.
+fn both(own: &str) -> [String; 2] {
+    [bob(own), cell(own)]
+}
+
+/// Largest |x| of `n` ticks from x = x₋ = 1.
+fn largest(scene: &Scene, n: usize) -> f64 {
+    let (mut s, i) = (scene.state(), mat(scene, "bob"));
+    (s.x[i], s.d[i]) = (1.0, 0.0);
+    let mut most = 0.0f64;
+    for _ in 0..n {
+        tick(scene, &mut s);
+        most = if s.x[i].is_finite() { most.max(s.x[i].abs()) } else { return f64::INFINITY };
+    }
+    most
+}
+
+#[test]
+fn a14_one_link_stiffened() {
+    let c = case("A14");
+    let [n, at] = ["N", "stiff_link"].map(|k| num(c, &format!("setup/{k}")) as usize);
+    let (a, times, steps) = (num(c, "setup/a"), num(c, "setup/factor"), num(c, "setup/steps") as usize);
+    let text = |method: &str| {
+        // a string cut at the stiff link
+        format!(
+            "[rate]\nsound = 1\ngesture = 1\n[SOL]\nl = {{}}\nr = {{}}\n[CHAIN]\ns = {{ n = {at}, m = 1, k = {a:?} }}\nt = {{ n = {}, \
+             m = 1, k = {a:?} }}\n[RES]\nfirst = {{ between = [\"l\", \"s[0]\"], k = {a:?} }}\nlast = {{ between = [\"t[-1]\", \"r\"], \
+             k = {a:?} }}\nstiff = {{ between = [\"s[-1]\", \"t[0]\"], k = {:?}, {method} }}\n[SOX]\nout = {{ from = \"s[3]\" }}\n",
+            n - at,
+            times * a
+        )
+    };
+    let level = |method: &str| scene(&text(method)).certificate.level;
+    assert_eq!(level("method = \"ca\""), Level::Unstable);
+    for theta in list(c, "setup/theta") {
+        let method = format!("method = \"implicit\", theta = {theta:?}");
+        assert_eq!(level(&method), Level::Proven);
+        let scene = audited(&text(&method));
+        let mut s = scene.state();
+        // plucked at a fifth, the stiff link as long as ever
+        for (j, i) in [mats(&scene, "s"), mats(&scene, "t")].concat().into_iter().enumerate() {
+            let u = (j + usize::from(j < at)) as f64 / n as f64;
+            s.x[i] = 1e-3 * (u / 0.2).min((1.0 - u) / 0.8);
+        }
+        let mut worst = 0.0f64;
+        for t in 0..steps {
+            tick(&scene, &mut s);
+            let book = s.ledger.as_ref().expect("a book");
+            if t > 0 {
+                worst = worst.max(off(book.h, book.h0));
+            }
+        }
+        within(&format!("A14, theta {theta}"), worst, num(c, "tolerance/energy_rel"));
+        let b = s.ledger.as_ref().expect("a book").balance();
+        within("A14, not explained", b.residual.abs() / b.peak, 1e-12);
+    }
+}
+
+#[test]
+fn a15_beyond_any_limit() {
+    let c = case("A15");
+    let steps = num(c, "setup/steps") as usize;
+    let known = [(0.25, "max_abs_theta_quarter"), (0.5, "max_abs_theta_half")];
+    for (i, a) in list(c, "setup/a").into_iter().enumerate() {
+        for (theta, values) in known {
+            for text in both(&format!("k = {a:?}, method = \"implicit\", theta = {theta:?}")) {
+                let scene = scene(&text);
+                assert_eq!(scene.certificate.level, Level::Proven);
+                let most = largest(&scene, steps);
+                within(
+                    &format!("A15, a = {a:e}, theta {theta}"),
+                    off(most, list(c, &format!("values/{values}"))[i]),
+                    1e-4,
+                );
+                if theta == 0.5 {
+                    assert!(most <= num(c, "tolerance/theta_half_max"));
+                }
+            }
+        }
+        for text in both(&format!("k = {a:?}")) {
+            let scene = scene(&text);
+            assert_eq!((scene.certificate.level, largest(&scene, 2000)), (Level::Unstable, f64::INFINITY));
+        }
+    }
+}
+
+#[test]
+fn h04_huge_damping() {
+    let c = case("H04");
+    let (steps, most) = (num(c, "setup/steps") as usize, num(c, "tolerance/max"));
+    for b in [1e3, 1e9] {
+        for text in both(&format!("k = 0.1, z = {b:?}")) {
+            assert_eq!(largest(&scene(&text), 2000), f64::INFINITY);
+        }
+        for method in ["method = \"centred\"", "method = \"implicit\"", "method = \"implicit\", theta = 0.25"] {
+            for text in both(&format!("k = 0.1, z = {b:?}, {method}")) {
+                let scene = scene(&text);
+                assert_eq!(scene.certificate.level, Level::Proven);
+                let found = largest(&scene, steps);
+                assert!(found <= most, "b = {b:e}, {method}: {found}");
+            }
+        }
+    }
+}
+
+/// From a = 4/(1 − 4θ) on it is unstable, and the certificate knows.
+#[test]
+fn the_limit_moves_with_theta() {
+    for theta in [0.0, 1.0 / 12.0, 0.2] {
+        let limit = 4.0 / (1.0 - 4.0 * theta);
+        for (a, level) in [(0.999 * limit, Level::Proven), (1.001 * limit, Level::Unstable)] {
+            for text in both(&format!("k = {a:?}, z = 0, method = \"implicit\", theta = {theta:?}")) {
+                let scene = scene(&text);
+                assert_eq!(scene.certificate.level, level, "{text}");
+                assert_eq!(largest(&scene, 100_000) > 1e3, level == Level::Unstable, "{text}");
+            }
+        }
+    }
+}
+
+/// Error at one second of a damped oscillator of 20 Hz against its closed form, at so many ticks a second.
+fn missed(rate: f64, method: &str) -> f64 {
+    let (w, s) = (std::f64::consts::TAU * 20.0, 3.0);
+    let text = format!(
+        "[rate]\nsound = {rate:?}\ngesture = {rate:?}\n[SOL]\nwall = {{}}\n[MAS]\nbob = {{ m = 1, dx0 = 1 }}\n[REF]\nhold = {{ between = \
+         [\"wall\", \"bob\"], k = {:?}, z = {:?}, {method} }}\n[SOX]\nout = {{ from = \"bob\" }}\n",
+        w * w,
+        2.0 * s
+    );
+    let scene = scene(&text);
+    let (mut state, i) = (scene.state(), mat(&scene, "bob"));
+    let damped = (w * w - s * s).sqrt();
+    let exact = |t: f64| (-s * t).exp() * ((damped * t).cos() + s / damped * (damped * t).sin());
+    // the motion into the first tick as the true one has it
+    state.d[i] = 1.0 - exact(-1.0 / rate);
+    let mut worst = 0.0f64;
+    for n in 1..=rate as usize {
+        tick(&scene, &mut state);
+        worst = worst.max((state.x[i] - exact(n as f64 / rate)).abs());
+    }
+    worst
+}
+
+#[test]
+fn orders() {
+    let order = |method: &str| (missed(4000.0, method) / missed(16_000.0, method)).log2() / 2.0;
+    for (method, want) in
+        [("method = \"ca\"", 1.0), ("method = \"centred\"", 2.0), ("method = \"implicit\", theta = 0.25", 2.0)]
+    {
+        within(&format!("order of {method}"), (order(method) - want).abs(), 0.1);
+    }
+    // centred differences of the fourth order without damping; numerics 3.1
+    let undamped = |rate: f64, theta: f64| {
+        let w = std::f64::consts::TAU * 20.0 / rate;
+        let scene = scene(&bob(&format!("k = {:?}, method = \"implicit\", theta = {theta:?}", w * w)));
+        let (mut s, i) = (scene.state(), mat(&scene, "bob"));
+        (s.x[i], s.d[i]) = (1.0, 1.0 - w.cos());
+        (1..=rate as usize).fold(0.0f64, |worst, n| {
+            tick(&scene, &mut s);
+            worst.max((s.x[i] - (w * n as f64).cos()).abs())
+        })
+    };
+    within(
+        "order of theta 1/12",
+        ((undamped(500.0, 1.0 / 12.0) / undamped(2000.0, 1.0 / 12.0)).log2() / 2.0 - 4.0).abs(),
+        0.1,
+    );
+}
+
+/// A plate on stiff legs with a damper between, pushed about, moved by a port and led by live parameters: the books
+/// close, link by link and in document order alike, and the force that is heard is the one that acts.
+#[test]
+fn books_close_and_forces_are_whole() {
+    let text = "[rate]\nsound = 1\ngesture = 1\n[param]\nkk = { value = 1e4, live = true, min = 1, max = 1e8 }\n\
+                [SOL]\nwall = {}\n[ENX]\nhand = {}\n[MAS]\nfree = { m = 2 }\n[CEL]\ncup = { m = 1, k = 1e3, z = 5e2, method = \"implicit\" }\n\
+                [MESH]\np = { nx = 5, ny = 4, m = 1, k = 0.3, z = 0.01 }\n[REF]\n\
+                leg = { between = [[\"p[0,0]\", \"p[4,3]\", \"cup\"], \"wall\"], k = \"kk\", z = 3, method = \"implicit\", theta = 0.3 }\n\
+                grip = { between = [\"hand\", \"p[2,2]\"], k = 40, z = 7, method = \"implicit\" }\n\
+                [FRO]\nrub = { between = [\"p[1,1]\", \"free\"], z = 1e6, method = \"centred\" }\n\
+                [RES]\nbar = { between = [\"p[3,1]\", \"cup\"], k = 1e9, method = \"implicit\" }\n\
+                [ENF]\npush = { to = \"p[2,1]\" }\n[SOX]\nout = { from = \"p[2,2]\" }\n\
+                [SOF]\nheard = { from = \"rub\", dc = 0 }\nfree_f = { from = \"free\", dc = 0 }\ngrip_f = { from = \"grip\", dc = 0 }\nhand_f = { from = \"hand\", dc = 0 }\n";
+    let fast = audited(text);
+    let plain = with(text, &ca_core::Options { energy: true, ..reference() });
+    assert_eq!(fast.certificate.level, Level::Proven, "{:?}", fast.diags);
+    let mut ends = Vec::new();
+    for scene in [&fast, &plain] {
+        let mut s = scene.state();
+        let mut controls = scene.controls();
+        let (mut dice, free) = (Dice(11), mat(scene, "free"));
+        let [hand, push] = ["hand", "push"].map(|n| scene.input(n).expect("a port"));
+        for n in 0..4000u32 {
+            s.input[push] = if n < 2000 { dice.roll() } else { 0.0 };
+            s.input[hand] = 0.1 * (0.01 * f64::from(n)).sin();
+            if n % 500 == 250 {
+                let to = 10f64.powf(4.0 + 3.0 * dice.roll());
+                let patch = controls.set("kk", to).expect("in range");
+                assert!(s.apply(&patch, 100));
+            }
+            let d = s.d[free];
+            tick(scene, &mut s);
+            let heard = |name: &str| s.output[scene.channel_names.iter().position(|c| c == name).expect("a channel")];
+            // only the damper acts on `free`: what is heard of it is what moved it
+            within("force on a mass", (heard("free_f") - 2.0 * (s.d[free] - d)).abs(), 1e-9);
+            within("force of a link", (heard("heard") + heard("free_f")).abs(), 1e-9);
+            within("force on a port", (heard("hand_f") - heard("grip_f")).abs(), 1e-12);
+        }
+        let book = s.ledger.as_ref().expect("a book");
+        let b = book.balance();
+        within("not explained", b.residual.abs() / b.peak, 1e-11);
+        // only at the port, which goes another way than it went, is something made
+        for (name, made) in (0..scene.n_lia).map(|l| (scene.audited_name(l).unwrap_or("?"), book.source[l])) {
+            within(&format!("made by {name}"), made.abs() / b.peak, if name == "grip" { 1e-2 } else { 1e-11 });
+        }
+        ends.push(s);
+    }
+    let at =
+        |scene: &Scene, s: &State| (0..4).map(|k| s.output[k]).chain([s.x[mat(scene, "p[4,3]")]]).collect::<Vec<f64>>();
+    let far = apart(&at(&fast, &ends[0]), &at(&plain, &ends[1]));
+    within("batches and document order", far, 1e-9);
+}
+
+/// After a live change the factor is that of a scene written so from the start, bit by bit.
+#[test]
+fn a_change_is_the_scene_of_that_value() {
+    let text = |k: f64| {
+        bob("k = \"kk\", z = 2, method = \"implicit\"")
+            + &format!("[param]\nkk = {{ value = {k:?}, live = true, min = 1, max = 1e6 }}\n")
+    };
+    let (old, new) = (scene(&text(10.0)), scene(&text(5e5)));
+    let mut s = old.state();
+    let patch = old.controls().set("kk", 5e5).expect("in range");
+    assert!(s.apply(&patch, 1000));
+    tick(&old, &mut s);
+    tick(&old, &mut s);
+    let coefs = |s: &State| s.coef.iter().map(|c| c.to_bits()).collect::<Vec<_>>();
+    assert_eq!(coefs(&s), coefs(&new.state()));
+    assert!(old.controls().set("kk", 2e6).is_err());
+}
+
+/// In space with a direction, and by the method of the group; the scheme's poles are those `ca modes` tells.
+#[test]
+fn a_group_has_a_method() {
+    let text = "[rate]\nsound = 1\ngesture = 1\n[a]\ndim = 3\nmethod = \"implicit\"\ntheta = 0.25\n[a.SOL]\nw = {}\n[a.MAS]\nb = { m = 1, \
+                x = [1, 0, 0] }\nc = { m = 3, x = [1, 1, 0] }\n[a.REF]\none = { between = [\"a.w\", \"a.b\"], k = 7, z = 0.02, along = [1, 1, 0] }\n\
+                two = { between = [\"a.b\", \"a.c\"], k = 50, z = 0.01, along = \"x\" }\nplain = { between = [\"a.w\", \"a.c\"], k = 0.01, \
+                along = \"z\", method = \"ca\" }\n[SOX]\nout = { from = \"a.c\", along = \"x\" }\n";
+    let scene = scene(text);
+    assert_eq!(scene.certificate.level, Level::Proven);
+    let codes: Vec<_> = scene.forces.iter().map(|o| o.name).collect();
+    assert_eq!(codes, ["REF implicit", "REF implicit", "RES", "implicit"]);
+    let network = ca_core::compile::linear(&crate::play::model(text), &catalog(), &ca_core::Options::default());
+    let network = network.expect("it compiles");
+    let modes = ca_core::analysis::modes::modes(&network).expect("they are found");
+    let top = modes.list.last().expect("a mode");
+    // let go in the shape of the highest mode
+    let mut s = scene.state();
+    for (name, shape) in network.names.iter().zip(&top.shape) {
+        let (module, axis) = name.rsplit_once('.').expect("an axis");
+        s.x[mat(&scene, module) + ["x", "y", "z"].iter().position(|a| *a == axis).expect("an axis")] = *shape;
+    }
+    let at = mat(&scene, "a.b");
+    let x: Vec<f64> = (0..4000)
+        .map(|_| {
+            tick(&scene, &mut s);
+            s.x[at]
+        })
+        .collect();
+    // the heard pitch by its zero crossings
+    let ups: Vec<f64> =
+        (1..x.len()).filter(|i| x[i - 1] < 0.0 && x[*i] >= 0.0).map(|i| i as f64 - x[i] / (x[i] - x[i - 1])).collect();
+    let f = (ups.len() - 1) as f64 / (ups[ups.len() - 1] - ups[0]);
+    within("heard pitch", off(f, top.heard), 2e-3);
+    assert!(top.heard < 0.7 * top.f, "{} of {}", top.heard, top.f);
+}
+
+/// What cannot be solved ahead is refused with a word, and a scene without such links has nothing of it.
+#[test]
+fn pay_only_for_what_is_used() {
+    let s = scene(&bob("k = 1, z = 0.1"));
+    assert!(s.layout.ahead.is_none() && s.state().ahead.is_empty());
+    assert!(s.forces.iter().all(|o| o.name != "implicit"));
+    let s = scene(&cell("k = 1e9, method = \"implicit\""));
+    assert!(s.layout.ahead.is_none(), "a cell needs no matrix");
+}
