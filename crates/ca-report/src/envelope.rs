@@ -1,0 +1,147 @@
+//! Curves of any length in bounded memory: the least and the greatest of each stretch of time.
+//!
+//! Decides to keep both extremes of a stretch, in the order in which they came, rather than every n-th value: a peak of
+//! one sample is on the page however long the sound. How long it will be need not be known: where the columns are full,
+//! neighbours are joined and each is twice as wide.
+
+use crate::plot::Grid;
+
+/// Columns at the end: this many, up to twice as many.
+const COLUMNS: usize = 512;
+
+/// The least and the greatest of a column, each with the number of its frame. Without any value, both are NaN.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Extremes {
+    least: (f64, u64),
+    most: (f64, u64),
+}
+
+impl Extremes {
+    const NONE: Extremes = Extremes { least: (f64::NAN, 0), most: (f64::NAN, 0) };
+
+    fn join(&mut self, other: Extremes) {
+        // comparisons with NaN are false
+        if self.least.0.is_nan() || other.least.0 < self.least.0 {
+            self.least = other.least;
+        }
+        if self.most.0.is_nan() || other.most.0 > self.most.0 {
+            self.most = other.most;
+        }
+    }
+}
+
+/// Several curves over the same time.
+#[derive(Clone, Debug)]
+pub struct Envelope {
+    rate: f64,
+    curves: usize,
+    /// frames of a column
+    width: u64,
+    frames: u64,
+    /// (columns × curves)
+    columns: Vec<Extremes>,
+}
+
+impl Envelope {
+    /// `curves` curves of `rate` \[Hz\] frames a second from time 0.
+    pub fn new(rate: f64, curves: usize) -> Envelope {
+        Envelope { rate, curves, width: 1, frames: 0, columns: Vec::new() }
+    }
+
+    /// One more frame, a value of each curve. What is not finite is a gap.
+    pub fn push(&mut self, frame: &[f64]) {
+        if self.frames.is_multiple_of(self.width) {
+            if self.columns.len() == 2 * COLUMNS * self.curves {
+                self.halve();
+            }
+            if self.frames.is_multiple_of(self.width) {
+                self.columns.extend((0..self.curves).map(|_| Extremes::NONE));
+            }
+        }
+        let at = self.columns.len().saturating_sub(self.curves);
+        for (column, v) in self.columns[at..].iter_mut().zip(frame).filter(|(_, v)| v.is_finite()) {
+            let here = (*v, self.frames);
+            column.join(Extremes { least: here, most: here });
+        }
+        self.frames += 1;
+    }
+
+    /// Frames so far.
+    pub fn frames(&self) -> u64 {
+        self.frames
+    }
+
+    fn halve(&mut self) {
+        let n = self.curves;
+        for i in 0..COLUMNS {
+            for k in 0..n {
+                let mut both = self.columns[2 * i * n + k];
+                both.join(self.columns[(2 * i + 1) * n + k]);
+                self.columns[i * n + k] = both;
+            }
+        }
+        self.columns.truncate(COLUMNS * n);
+        self.width *= 2;
+    }
+
+    /// Where the points of the curves stand in time \[s\]: one for each frame while there are few, else two for each
+    /// column.
+    pub fn grid(&self) -> Grid {
+        let columns = self.columns.len() / self.curves.max(1);
+        if self.width == 1 {
+            return Grid::Even { start: 0.0, step: 1.0 / self.rate, n: columns };
+        }
+        let step = 0.5 * self.width as f64 / self.rate;
+        Grid::Even { start: 0.5 * step, step, n: 2 * columns }
+    }
+
+    /// The points of one curve.
+    pub fn curve(&self, k: usize) -> Vec<f64> {
+        let columns = self.columns.iter().skip(k).step_by(self.curves.max(1));
+        if self.width == 1 {
+            return columns.map(|c| c.least.0).collect();
+        }
+        let ordered = |c: &Extremes| if c.least.1 <= c.most.1 { [c.least.0, c.most.0] } else { [c.most.0, c.least.0] };
+        columns.flat_map(ordered).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every peak survives, at its time, whatever the length.
+    #[test]
+    fn a_peak_of_one_frame_stays() {
+        for frames in [1_u64, 2, 700, 1023, 1024, 1025, 5000, 1_000_003] {
+            for at in [0, frames / 3, frames - 1] {
+                let mut e = Envelope::new(1000.0, 2);
+                (0..frames).for_each(|n| e.push(&[if n == at { 7.0 } else { 0.0 }, -(n as f64)]));
+                let (Grid::Even { start, step, n }, spike, ramp) = (e.grid(), e.curve(0), e.curve(1)) else {
+                    panic!("time is even");
+                };
+                assert_eq!((spike.len(), ramp.len()), (n, n));
+                assert!(n as u64 == frames || (2 * COLUMNS..=4 * COLUMNS).contains(&n), "{frames} frames, {n} points");
+                let i = spike.iter().position(|v| *v == 7.0).expect("the peak");
+                assert_eq!(spike.iter().filter(|v| **v == 7.0).count(), 1);
+                let (there, here) = (at as f64 / 1000.0, start + i as f64 * step);
+                assert!((here - there).abs() <= 2.0 * step, "{frames}: {there} s is shown at {here} s");
+                // what falls is shown falling, from the first value to the last
+                assert!(ramp.windows(2).all(|w| w[0] >= w[1]));
+                assert_eq!((ramp[0], ramp[n - 1]), (0.0, -((frames - 1) as f64)));
+            }
+        }
+    }
+
+    #[test]
+    fn what_has_no_value_is_a_gap() {
+        let mut e = Envelope::new(1.0, 1);
+        for n in 0..4096 {
+            e.push(&[if (1000..3000).contains(&n) { [f64::NAN, f64::INFINITY][n % 2] } else { 1.0 }]);
+        }
+        let curve = e.curve(0);
+        let gaps = curve.iter().filter(|v| v.is_nan()).count();
+        assert_eq!(gaps, 2 * 500, "of columns of 4 frames, two points each");
+        assert!(curve.iter().all(|v| v.is_nan() || *v == 1.0));
+    }
+}

@@ -1,0 +1,247 @@
+//! The page itself: head, contents, sections, and the data of the plots.
+//!
+//! Decides that no text of a model can become markup: maud escapes what it is given, and in the data, which stands in a
+//! script element, every `<` is written as a JSON escape, so that no word in it ends the element. What is not escaped is
+//! what comes with us: style, script and uPlot.
+
+use crate::plot::Plot;
+use crate::{Block, Report, Section, Sound, Table, Weight};
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+use serde_json::{Value as Json, json};
+
+const STYLE: &str = include_str!("../assets/report.css");
+const SCRIPT: &str = include_str!("../assets/report.js");
+const UPLOT: &str = include_str!("../assets/uPlot.iife.min.js");
+const UPLOT_STYLE: &str = include_str!("../assets/uPlot.min.css");
+const UPLOT_LICENCE: &str = include_str!("../assets/uPlot.LICENSE");
+/// Nothing from anywhere but this file.
+const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:; \
+                      media-src data:; base-uri 'none'; form-action 'none'";
+
+fn data_uri(media: &str, bytes: &[u8]) -> String {
+    format!("data:{media};base64,{}", STANDARD.encode(bytes))
+}
+
+/// Four digits of a number.
+fn digits(v: f64) -> String {
+    if v == 0.0 {
+        return "0".into();
+    }
+    let places = 3 - v.abs().log10().floor() as i32;
+    if (0..=6).contains(&places) { format!("{v:.*}", places as usize) } else { format!("{v:.3e}") }
+}
+
+/// The page. Plots are numbered as they come.
+pub(crate) fn page(report: &Report) -> String {
+    let mut plots: Vec<Json> = Vec::new();
+    let sections: Vec<Markup> =
+        report.sections.iter().enumerate().map(|(i, s)| section(i, s, &mut plots)).collect();
+    let data = json!({ "plots": plots }).to_string().replace('<', "\\u003c");
+    let whole = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta http-equiv="Content-Security-Policy" content=(POLICY);
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                meta name="color-scheme" content="light dark";
+                meta name="generator" content={ "ca " (env!("CARGO_PKG_VERSION")) };
+                link rel="icon" href="data:,";
+                title { (report.title) }
+                style { (PreEscaped(UPLOT_STYLE)) (PreEscaped(STYLE)) }
+            }
+            body {
+                header {
+                    h1 { (report.title) }
+                    p.subtitle { (report.subtitle) }
+                }
+                nav aria-label="Contents" {
+                    @for (i, s) in report.sections.iter().enumerate() {
+                        a href={ "#s" (i) } { (s.title) }
+                    }
+                }
+                main {
+                    @for (weight, text) in &report.notes {
+                        p.note.warning[*weight == Weight::Warning] role="note" { (text) }
+                    }
+                    noscript {
+                        p.note { "Plots are drawn by a script, which is off here; all else is on the page." }
+                    }
+                    @for s in sections { (s) }
+                }
+                footer {
+                    p { "One file that asks nobody for anything. Plots by uPlot: drag to zoom, double-click to go back." }
+                    details { summary { "Licence of uPlot" } pre { (UPLOT_LICENCE) } }
+                }
+                script type="application/json" id="data" { (PreEscaped(data)) }
+                script { (PreEscaped(UPLOT)) }
+                script { (PreEscaped(SCRIPT)) }
+            }
+        }
+    };
+    whole.into_string()
+}
+
+fn section(i: usize, s: &Section, plots: &mut Vec<Json>) -> Markup {
+    html! {
+        section id={ "s" (i) } {
+            h2 { (s.title) }
+            @for block in &s.blocks {
+                @match block {
+                    Block::Text(text) => p { (text) },
+                    Block::Sound(sound) => (players(sound)),
+                    Block::Plot(plot) => (figure(plot, plots)),
+                    Block::Table(table) => (rows(table)),
+                    Block::Source(name, text) => details open[text.lines().count() <= 120] {
+                        summary { code { (name) } ", " (text.lines().count()) " lines" }
+                        pre.source { code { (text) } }
+                    },
+                }
+            }
+        }
+    }
+}
+
+fn players(sound: &Sound) -> Markup {
+    html! {
+        div.players {
+            @for (name, wav) in sound.players() {
+                div {
+                    audio controls preload="auto" src=(data_uri("audio/wav", &wav)) {}
+                    span { (name) }
+                }
+            }
+        }
+        @if sound.held() < sound.seconds() {
+            p.note { "The players hold the first " (digits(sound.held())) " s of " (digits(sound.seconds())) " s." }
+        }
+    }
+}
+
+fn figure(plot: &Plot, plots: &mut Vec<Json>) -> Markup {
+    if plot.is_empty() {
+        return html! { p { (plot.title) ": nothing to draw." } };
+    }
+    let id = format!("p{}", plots.len());
+    plots.push(plot.json(&id));
+    let (unit, told) = plot.told();
+    let unit = if unit.is_empty() { String::new() } else { format!(" [{unit}]") };
+    html! {
+        figure {
+            figcaption { (plot.title) }
+            div.plot id=(id) role="img" aria-label=(plot.title) {
+                @if let Some(image) = &plot.image {
+                    img id={ (id) "-image" } src=(data_uri("image/png", &image.png)) alt=(plot.title);
+                }
+            }
+            @if let Some(image) = &plot.image {
+                div.key {
+                    span { (image.key.0) }
+                    span.bar style={ "background:linear-gradient(to right," (image.key.2.join(",")) ")" } {}
+                    span { (image.key.1) }
+                }
+            } @else {
+                details {
+                    summary { "Numbers" }
+                    div.scroll { table {
+                        thead { tr {
+                            th { (plot.y.label) (unit) } th.number { "least" } th.number { "greatest" } th.number { "last" }
+                        } }
+                        tbody { @for (name, extent) in told { tr {
+                            td { (name) }
+                            @match extent {
+                                Some(e) => { @for v in e { td.number { (digits(v)) } } }
+                                None => td.number colspan="3" { "nothing" },
+                            }
+                        } } }
+                    } }
+                }
+            }
+        }
+    }
+}
+
+/// Whether a cell stands to the right.
+fn is_number(cell: &str) -> bool {
+    cell.starts_with(|c: char| c.is_ascii_digit() || "+-−∞".contains(c))
+}
+
+fn rows(table: &Table) -> Markup {
+    html! {
+        div.scroll { table {
+            @if !table.head.is_empty() {
+                thead { tr { @for (i, h) in table.head.iter().enumerate() {
+                    @let number = table.rows.first().and_then(|r| r.get(i)).is_some_and(|c| is_number(c));
+                    th.number[number] { (h) }
+                } } }
+            }
+            tbody { @for row in &table.rows { tr {
+                @for (i, cell) in row.iter().enumerate() {
+                    @if i == 0 { th scope="row" { (cell) } }
+                    @else { td.number[!table.head.is_empty() && is_number(cell)] { (cell) } }
+                }
+            } } }
+        } }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Axis, Curve, Grid, Mark};
+
+    /// Words that end an element, an attribute or a text, wherever a model can put words.
+    #[test]
+    fn no_text_becomes_markup() {
+        const EVIL: &str = "</script><script>alert(1)</script>\"'><img src=x onerror=alert(1)>&amp;<!--]]>";
+        let mut report = Report::new(EVIL, EVIL);
+        report.notes.push((Weight::Warning, EVIL.into()));
+        let mut sound = Sound::new(8000.0, &[EVIL.into()]);
+        sound.push(&[0.0, 0.5]);
+        let mut plot = Plot::over_time(
+            EVIL,
+            Axis::linear(EVIL, EVIL),
+            Grid::Even { start: 0.0, step: 1.0, n: 2 },
+            vec![Curve::line(EVIL, vec![1.0, 2.0])],
+        );
+        plot.marks.push(Mark { x: 0.5, y: None, text: EVIL.into() });
+        let table = Table::new(&[EVIL], vec![vec![EVIL.into()]]);
+        let blocks = vec![
+            Block::Text(EVIL.into()),
+            Block::Sound(sound),
+            Block::Plot(plot),
+            Block::Table(table),
+            Block::Source(EVIL.into(), EVIL.into()),
+        ];
+        report.sections.push(Section::new(EVIL, blocks));
+        let page = report.html();
+        assert!(!page.contains("alert(1)</script>") && !page.contains("<img src=x") && !page.contains("<!--]]"));
+        assert_eq!(page.matches("</script>").count(), 3, "data, uPlot, ours");
+        assert_eq!(page.matches("<script").count(), 3);
+        let shown = "&lt;/script&gt;&lt;script&gt;alert(1)";
+        // title, h1, subtitle, contents, note, h2, text, player, caption, aria-label, label and unit of an axis,
+        // curve, table twice, source twice
+        assert_eq!(page.matches(shown).count(), 17);
+        // the data says what it was given
+        let (_, data) = page.split_once("id=\"data\">").unwrap();
+        let data: Json = serde_json::from_str(data.split_once("</script>").unwrap().0).unwrap();
+        let p = &data["plots"][0];
+        for word in [&p["y"]["label"], &p["y"]["unit"], &p["curves"][0]["name"], &p["marks"][0][2]] {
+            assert_eq!(word, EVIL);
+        }
+    }
+
+    /// What a page weighs without sound and plots: uPlot and what is ours.
+    #[test]
+    fn an_empty_page_is_light_and_asks_for_nothing() {
+        let page = Report::new("t", "s").html();
+        assert!(page.len() < 75_000, "{} bytes", page.len());
+        assert!(page.contains("default-src 'none'"));
+        assert_eq!(page.matches("http").count(), 2, "`http-equiv`, an address in a comment of uPlot, and none else");
+        for word in ["<link rel=\"stylesheet\"", "@import", "url(", "fetch(", "XMLHttp", "import("] {
+            assert!(!page.contains(word), "{word}");
+        }
+    }
+}

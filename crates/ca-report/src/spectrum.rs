@@ -1,0 +1,181 @@
+//! The spectrum of a sound, in levels of sines.
+//!
+//! Decides that a sine at full scale reads 0 dB wherever it lies: windows of Hann, scaled by their sum, on transforms at
+//! least twice as long as the window, so that a sine between two bins reads at most 0.4 dB less. A sound longer than a
+//! window is cut into windows that overlap by half, whose powers are averaged. The page has room for so many columns of
+//! equal ratios; each shows the loudest bin in it, at the frequency of that bin.
+
+use crate::plot::{Axis, Curve, Grid, Mark, Plot};
+use crate::sound::{CHANNELS, Sound};
+use realfft::RealFftPlanner;
+
+/// Longest window: bins 0.37 Hz apart at 48 kHz, before padding.
+const WINDOW: usize = 1 << 17;
+/// Most points of a curve.
+const COLUMNS: usize = 1500;
+/// From the lowest pitch that is heard up \[Hz\].
+pub const LOWEST: f64 = 20.0;
+/// How far below the loudest is shown \[dB\].
+const DEPTH: f64 = 120.0;
+
+/// A window of Hann and its transform.
+pub(crate) struct Hann {
+    window: Vec<f64>,
+    fft: std::sync::Arc<dyn realfft::RealToComplex<f64>>,
+    input: Vec<f64>,
+    output: Vec<realfft::num_complex::Complex<f64>>,
+    scale: f64,
+}
+
+impl Hann {
+    /// Of `n` samples, on a transform of `size` samples, at least as many.
+    pub(crate) fn new(n: usize, size: usize) -> Hann {
+        let turn = std::f64::consts::TAU / n.max(1) as f64;
+        let window: Vec<f64> = (0..n).map(|i| 0.5 - 0.5 * (turn * (i as f64 + 0.5)).cos()).collect();
+        let fft = RealFftPlanner::new().plan_fft_forward(size);
+        let (input, output) = (fft.make_input_vec(), fft.make_output_vec());
+        let scale = 2.0 / window.iter().sum::<f64>();
+        Hann { window, fft, input, output, scale }
+    }
+
+    /// Adds the power of each bin to `power`; a sine of amplitude A has A² at its bin. The window begins at `start`,
+    /// which may lie before the sound; what is missing is silence.
+    pub(crate) fn add(&mut self, sound: &[f64], start: isize, power: &mut [f64]) {
+        self.input.fill(0.0);
+        for (i, w) in self.window.iter().enumerate() {
+            let at = start + i as isize;
+            self.input[i] = usize::try_from(at).ok().and_then(|at| sound.get(at)).map_or(0.0, |x| w * x);
+        }
+        let done = self.fft.process(&mut self.input, &mut self.output);
+        debug_assert!(done.is_ok(), "the buffers are its own");
+        for (p, c) in power.iter_mut().zip(&self.output) {
+            *p += c.norm_sqr() * self.scale * self.scale;
+        }
+    }
+}
+
+/// Level of a power \[dB\]; −∞ for none.
+pub(crate) fn decibel(power: f64) -> f64 {
+    10.0 * power.log10()
+}
+
+/// Levels of a sound.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Spectrum {
+    /// between bins \[Hz\]
+    pub step: f64,
+    /// power of each channel, bin by bin, from 0 Hz; a sine of amplitude A has A² at its bin
+    pub power: Vec<Vec<f64>>,
+}
+
+impl Spectrum {
+    /// Of what the page holds of a sound; `None` without any.
+    pub fn of(sound: &Sound) -> Option<Spectrum> {
+        let channels: Vec<Vec<f64>> = (0..sound.names().len().min(CHANNELS)).map(|k| sound.channel(k)).collect();
+        let n = channels.first().map_or(0, Vec::len);
+        if n == 0 {
+            return None;
+        }
+        let window = n.min(WINDOW);
+        let size = (2 * window).next_power_of_two();
+        let mut hann = Hann::new(window, size);
+        let windows = 1 + (n - window).div_ceil(window / 2 + 1);
+        let hop = (n - window) as f64 / (windows - 1).max(1) as f64;
+        let power = channels.iter().map(|samples| {
+            let mut power = vec![0.0; size / 2 + 1];
+            (0..windows).for_each(|i| hann.add(samples, (i as f64 * hop) as isize, &mut power));
+            power.iter_mut().for_each(|p| *p /= windows as f64);
+            power
+        });
+        Some(Spectrum { step: sound.rate() / size as f64, power: power.collect() })
+    }
+
+    /// The plot, with marks at frequencies \[Hz\]; `None` of silence.
+    pub fn plot(&self, names: &[String], marks: Vec<Mark>) -> Option<Plot> {
+        let top = self.power.iter().flatten().copied().fold(0.0, f64::max);
+        let highest = self.step * self.power.first()?.len() as f64;
+        if top == 0.0 || highest <= LOWEST {
+            return None;
+        }
+        let ratio = (highest / LOWEST).powf(1.0 / COLUMNS as f64);
+        let (mut x, mut y) = (Vec::new(), vec![Vec::new(); self.power.len()]);
+        let mut bin = (LOWEST / self.step).ceil() as usize;
+        for column in 1..=COLUMNS {
+            let end = ((LOWEST * ratio.powi(column as i32) / self.step) as usize).min(self.power[0].len());
+            if bin >= end {
+                continue;
+            }
+            let loudest = |p: &[f64]| p[bin..end].iter().copied().fold(0.0, f64::max);
+            let sum = |i: usize| self.power.iter().map(|p| p[i]).sum::<f64>();
+            let at = (bin..end).max_by(|a, b| sum(*a).total_cmp(&sum(*b))).unwrap_or(bin);
+            x.push(at as f64 * self.step);
+            y.iter_mut().zip(&self.power).for_each(|(y, p)| y.push(decibel(loudest(p))));
+            bin = end;
+        }
+        let top = decibel(top);
+        // what is far below is nothing but rounding
+        y.iter_mut().flatten().for_each(|v| *v = v.max(top - DEPTH));
+        Some(Plot {
+            title: "Spectrum".into(),
+            x: Axis::log("frequency", "Hz"),
+            y: Axis::linear("level of a sine", "dBFS").over(top - DEPTH, top + 6.0),
+            grid: Grid::Points(x),
+            curves: names.iter().zip(y).map(|(name, y)| Curve::line(name, y)).collect(),
+            marks,
+            image: None,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::TAU;
+
+    fn sine(seconds: f64, f: f64, level: f64) -> Sound {
+        let mut s = Sound::new(48_000.0, &["out".into()]);
+        let n = (seconds * 48_000.0) as usize;
+        s.push(&(0..n).map(|i| level * (TAU * f * i as f64 / 48_000.0).sin()).collect::<Vec<_>>());
+        s
+    }
+
+    /// Right bin and right level, for lengths of one window and of several, on bins and between them.
+    #[test]
+    fn a_sine_stands_where_it_is_and_reads_its_level() {
+        for seconds in [0.1, 1.0, 2.7, 9.3] {
+            for (f, level) in [(440.0, 1.0), (997.13, 0.1), (17_000.7, 0.5), (55.05, 1e-4)] {
+                let s = Spectrum::of(&sine(seconds, f, level)).unwrap();
+                let bin = (0..s.power[0].len()).max_by(|a, b| s.power[0][*a].total_cmp(&s.power[0][*b])).unwrap();
+                let off = bin as f64 * s.step - f;
+                // the neighbour at negative frequency leans on a low sine in a short window
+                let wide = if seconds * f < 20.0 { 2.0 } else { 0.51 };
+                assert!(off.abs() <= wide * s.step, "{f} Hz in {seconds} s stands {off} Hz away, bins {}", s.step);
+                let (is, want) = (decibel(s.power[0][bin]), 20.0 * level.log10());
+                assert!((-0.45..=0.05).contains(&(is - want)), "{f} Hz in {seconds} s reads {is} dB, not {want}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_plot_shows_the_peak_and_bounds_its_size() {
+        let s = Spectrum::of(&sine(4.0, 1234.5, 0.25)).unwrap();
+        let plot = s.plot(&["out".into()], Vec::new()).unwrap();
+        let Grid::Points(x) = &plot.grid else { panic!("frequencies") };
+        assert!(x.len() <= COLUMNS && x.windows(2).all(|w| w[0] < w[1]) && x[0] >= LOWEST);
+        let y = &plot.curves[0].y;
+        let top = (0..y.len()).max_by(|a, b| y[*a].total_cmp(&y[*b])).unwrap();
+        assert!((x[top] - 1234.5).abs() < s.step && (y[top] + 12.04).abs() < 0.45, "{} {}", x[top], y[top]);
+        assert!(y.iter().all(|v| v.is_finite()));
+    }
+
+    #[test]
+    fn silence_and_one_sample_have_no_curve_or_one() {
+        assert!(Spectrum::of(&Sound::new(48_000.0, &["out".into()])).is_none());
+        let quiet = Spectrum::of(&sine(0.5, 100.0, 0.0)).unwrap();
+        assert!(quiet.plot(&["out".into()], Vec::new()).is_none());
+        let mut click = Sound::new(48_000.0, &["out".into()]);
+        click.push(&[1.0]);
+        let s = Spectrum::of(&click).unwrap();
+        assert!(s.plot(&["out".into()], Vec::new()).is_none_or(|p| !p.is_empty()));
+    }
+}
