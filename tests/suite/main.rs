@@ -15,6 +15,7 @@ mod implicit;
 mod live;
 mod lpr;
 mod mims;
+mod modal;
 mod models;
 mod modes;
 mod oracle;

@@ -6,6 +6,7 @@ use ca_core::model::quantity;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
+mod accuracy;
 mod device;
 mod equiv;
 mod modes;
@@ -13,6 +14,7 @@ mod serve;
 mod take;
 mod tune;
 
+pub use accuracy::AccuracyArgs;
 pub use device::{CalibrateArgs, ConformanceArgs, DeviceArgs, DeviceCommand, ScriptKind, SimArgs};
 pub use equiv::EquivArgs;
 pub use modes::ModesArgs;
@@ -41,6 +43,8 @@ pub enum Command {
     Check(CheckArgs),
     /// Says how the linear part of a model sings
     Modes(ModesArgs),
+    /// Measures the error of a model against its run time, over methods and rates
+    Accuracy(AccuracyArgs),
     /// Tunes strings, meshes, cells and banks
     Tune(TuneArgs),
     /// Shows and sets how large and how heavy a model is in the hand

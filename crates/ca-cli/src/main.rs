@@ -88,6 +88,7 @@ fn main() -> ExitCode {
         Command::Render(a) => commands::render::run(a),
         Command::Check(a) => commands::check::run(a),
         Command::Modes(a) => commands::modes::run(a),
+        Command::Accuracy(a) => commands::accuracy::run(a),
         Command::Tune(a) => commands::tune::run(a),
         Command::Equiv(a) => commands::equiv::run(a),
         Command::List(a) => commands::list::run(a),

@@ -102,6 +102,19 @@ pub struct Proxy {
     pub at: [Place; 2],
 }
 
+/// A mass in a group that goes by its modes: a MAT without mass, the sum of its shares in modes that stand in a row.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Modal {
+    /// its own place among the MATs
+    pub mat: u32,
+    /// place of the first mode
+    pub first: u32,
+    /// first of its shares in [`Layout::shares`]; how many: [`Modal::n`]
+    pub share: u32,
+    /// number of modes
+    pub n: u32,
+}
+
 /// What an output hears.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Heard {
@@ -264,6 +277,10 @@ pub struct Layout {
     pub nodes: Vec<u32>,
     /// moving points (any)
     pub proxies: Vec<Proxy>,
+    /// masses in groups that go by their modes (any)
+    pub modal: Vec<Modal>,
+    /// their shares in the modes (any)
+    pub shares: Vec<f64>,
     /// tables of laws (any)
     pub tables: Vec<Table>,
     /// position ports (any)

@@ -36,8 +36,7 @@ fn digits(v: f64) -> String {
 /// The page. Plots are numbered as they come.
 pub(crate) fn page(report: &Report) -> String {
     let mut plots: Vec<Json> = Vec::new();
-    let sections: Vec<Markup> =
-        report.sections.iter().enumerate().map(|(i, s)| section(i, s, &mut plots)).collect();
+    let sections: Vec<Markup> = report.sections.iter().enumerate().map(|(i, s)| section(i, s, &mut plots)).collect();
     let data = json!({ "plots": plots }).to_string().replace('<', "\\u003c");
     let whole = html! {
         (DOCTYPE)

@@ -150,17 +150,8 @@ pub struct Point {
 }
 
 /// Prefixes of the metric system: factor and letter.
-const PREFIXES: [(f64, &str); 9] = [
-    (1e-15, "f"),
-    (1e-12, "p"),
-    (1e-9, "n"),
-    (1e-6, "µ"),
-    (1e-3, "m"),
-    (1.0, ""),
-    (1e3, "k"),
-    (1e6, "M"),
-    (1e9, "G"),
-];
+const PREFIXES: [(f64, &str); 9] =
+    [(1e-15, "f"), (1e-12, "p"), (1e-9, "n"), (1e-6, "µ"), (1e-3, "m"), (1.0, ""), (1e3, "k"), (1e6, "M"), (1e9, "G")];
 
 /// Units that take them; seconds and decibels stay as they are.
 const METRIC: [&str; 5] = ["m", "N", "J", "W", "Hz"];
@@ -226,9 +217,7 @@ impl Plot {
     /// What the script draws.
     pub(crate) fn json(&self, id: &str) -> Json {
         let (factor, unit) = self.scale();
-        let axis = |a: &Axis, unit: &str, factor: f64| {
-            json!({"label": a.label, "unit": unit, "log": a.log, "range": a.range.map(|r| r.map(|v| v / factor))})
-        };
+        let axis = |a: &Axis, unit: &str, factor: f64| json!({"label": a.label, "unit": unit, "log": a.log, "range": a.range.map(|r| r.map(|v| v / factor))});
         let grid = match &self.grid {
             Grid::Even { start, step, n } => json!([start, step, n]),
             Grid::Points(x) => json!(packed(x.iter().copied())),
@@ -264,9 +253,8 @@ mod tests {
     fn numbers_get_a_prefix_and_stay_what_they_are() {
         let y = vec![0.0, -1.25e-4, f64::NAN, 1e-5];
         let grid = Grid::Even { start: 0.0, step: 0.5, n: 4 };
-        let plot = |unit: &str| {
-            Plot::over_time("t", Axis::linear("a", unit), grid.clone(), vec![Curve::line("c", y.clone())])
-        };
+        let plot =
+            |unit: &str| Plot::over_time("t", Axis::linear("a", unit), grid.clone(), vec![Curve::line("c", y.clone())]);
         let j = plot("m").json("p");
         assert_eq!((&j["y"]["unit"], &j["grid"]), (&json!("µm"), &json!([0.0, 0.5, 4])));
         let read = read(&j["curves"][0]["y"]);
@@ -282,7 +270,8 @@ mod tests {
     #[test]
     fn a_scatter_joins_its_front_only() {
         let p = |name: &str, x, y, front| Point { name: name.into(), x, y, front };
-        let points = [p("b", 2.0, 1.0, true), p("no", f64::NAN, 1.0, true), p("a", 1.0, 5.0, true), p("c", 1.5, 9.0, false)];
+        let points =
+            [p("b", 2.0, 1.0, true), p("no", f64::NAN, 1.0, true), p("a", 1.0, 5.0, true), p("c", 1.5, 9.0, false)];
         let plot = Plot::scatter("t", Axis::log("x", "s"), Axis::log("y", ""), "best", "rest", &points);
         assert_eq!(plot.grid, Grid::Points(vec![1.0, 1.5, 2.0]));
         let finite = |c: &Curve| c.y.iter().map(|v| v.is_finite()).collect::<Vec<_>>();

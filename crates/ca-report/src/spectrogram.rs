@@ -21,7 +21,8 @@ const DEPTH: f64 = 90.0;
 /// Steps of the colours: finer ones cost room and are not seen.
 const STEPS: usize = 60;
 /// From nothing to the loudest; brighter is louder for any eye and on paper.
-const COLOURS: [[u8; 3]; 6] = [[8, 8, 20], [42, 22, 92], [122, 32, 110], [204, 62, 74], [246, 146, 52], [252, 246, 190]];
+const COLOURS: [[u8; 3]; 6] =
+    [[8, 8, 20], [42, 22, 92], [122, 32, 110], [204, 62, 74], [246, 146, 52], [252, 246, 190]];
 
 /// A colour from the scale, 0 to 1.
 fn colour(share: f64) -> [u8; 3] {

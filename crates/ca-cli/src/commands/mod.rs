@@ -1,5 +1,6 @@
 //! The commands, one file each; `border.rs` holds words that two of them share.
 
+pub mod accuracy;
 mod border;
 pub mod check;
 pub mod control;

@@ -91,7 +91,7 @@ pub struct Port {
 }
 
 /// The linear part of a model at load.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Network {
     /// tick \[s\]
     pub te: f64,
@@ -99,6 +99,10 @@ pub struct Network {
     pub linear: Linear,
     /// name of each place: its module, with `.x`, `.y` or `.z` in space
     pub names: Vec<String>,
+    /// displacement of each place at load \[m\]
+    pub x: Vec<f64>,
+    /// its speed \[m/s\]
+    pub v: Vec<f64>,
     /// where it is driven and heard
     pub ports: Vec<Port>,
     /// outputs that hear a force, which is no displacement

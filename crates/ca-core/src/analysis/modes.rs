@@ -58,6 +58,22 @@ impl Mode {
         if self.f > 0.0 && self.heard > 0.0 { 1200.0 * libm::log2(self.heard / self.f) } else { 0.0 }
     }
 
+    /// Where it is `t` ticks after it was at `x` and went by `v` per tick, without the scheme.
+    pub fn free(&self, x: f64, v: f64, t: f64) -> f64 {
+        let s = 0.5 * self.b;
+        let (square, v) = (self.a - s * s, v + s * x);
+        // e^(−s t) goes into each part, so that none of them overflows
+        if square > 0.0 {
+            let w = libm::sqrt(square);
+            let (sin, cos) = libm::sincos(w * t);
+            return libm::exp(-s * t) * (x * cos + v / w * sin);
+        }
+        let g = libm::sqrt(-square);
+        let (slow, fast) = (libm::exp((g - s) * t), libm::exp((-g - s) * t));
+        let turned = if g > 0.0 { 0.5 * (slow - fast) / g } else { t * libm::exp(-s * t) };
+        0.5 * x * (slow + fast) + v * turned
+    }
+
     /// How much it moves a port \[1/√kg\].
     pub fn at(&self, port: &[(u32, f64)]) -> f64 {
         port.iter().map(|(i, w)| w * self.shape.get(*i as usize).copied().unwrap_or(0.0)).sum()
@@ -96,6 +112,26 @@ fn matrices(linear: &Linear) -> (Mat<f64>, Mat<f64>, Option<Mat<f64>>) {
     (k, z, ahead)
 }
 
+/// ω²T² and zT/m of a mode, given its shape scaled by the roots of the masses. Summed link by link over the squares of
+/// elongations: a low mode bends each link little, and as an eigenvalue it would only be known to the rounding of the
+/// highest.
+fn rayleigh(linear: &Linear, u: impl Fn(u32) -> f64) -> (f64, f64) {
+    let (mut a, mut b, mut whole) = (0.0, 0.0, 0.0);
+    for (p, i) in linear.places.iter().zip(0..) {
+        let square = u(i) * u(i);
+        a += p.c * p.k * square;
+        b += p.c * p.z * square;
+        whole += square;
+    }
+    for row in &linear.rows {
+        let at = |i: &u32| u(*i) * libm::sqrt(linear.places[*i as usize].c);
+        let e: f64 = linear.entries(row).iter().map(|(i, w)| w * at(i)).sum();
+        a += row.k * e * e;
+        b += row.z * e * e;
+    }
+    (a / whole, b / whole)
+}
+
 /// The modes of a network; `None` where it is too large, or where the numbers are beyond computing.
 pub fn modes(network: &Network) -> Option<Modes> {
     let n = network.linear.places.len();
@@ -112,8 +148,9 @@ pub fn modes(network: &Network) -> Option<Modes> {
     let mut list: Vec<Mode> = Vec::with_capacity(n);
     for j in 0..n {
         // what rounding leaves of a motion that is free
-        let a = if values[j].abs() > 1e-13 * top { values[j] } else { 0.0 };
-        let b = damping[(j, j)].max(0.0);
+        let free = values[j].abs() <= 1e-13 * top;
+        let (a, b) = rayleigh(&network.linear, |i| u[(i as usize, j)]);
+        let (a, b) = (if free { 0.0 } else { a }, b.max(0.0));
         let coupled = (0..n)
             .filter(|i| *i != j)
             .map(|i| {

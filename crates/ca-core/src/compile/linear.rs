@@ -3,7 +3,7 @@
 //! Decides that a link at a moving point is as many links as there are nodes under it: its row is a mean of theirs, so
 //! whatever holds for each of them holds wherever the point stands.
 
-use super::net::{Coordinate, Ear, End, LiaNode, Measure, Net};
+use super::net::{Coordinate, Ear, End, LiaNode, MatNode, Measure, Net};
 use super::slopes::{self, Own};
 use crate::analysis::{Linear, Loose, Network, Place, Port};
 use crate::law::Bound;
@@ -57,7 +57,7 @@ pub fn links(
 ) -> bool {
     let mut all = true;
     for (i, (l, b)) in net.lias.iter().zip(bounds).enumerate().filter(|(_, (l, b))| counts(l, b)) {
-        let spots = l.all_ends().map(|e| net.under(e).len()).fold(1, usize::saturating_mul);
+        let spots = l.all_ends().map(|e| net.spots(e)).fold(1, usize::saturating_mul);
         if l.sets.is_some() || (points == Points::Anywhere && spots > SPOTS) {
             all = false;
             continue;
@@ -89,9 +89,7 @@ pub fn network(net: &Net) -> Network {
     let whole = links(net, &slopes, &numbers, Points::AtLoad, &mut linear, counts);
     debug_assert!(whole, "the laws of sets are not linear");
     let (mut ports, mut deaf): (Vec<Port>, Vec<_>) = (Vec::new(), Vec::new());
-    for (name, ear, axis, share) in
-        net.outs.iter().filter(|o| o.item.is_some()).map(|o| (&o.name, o.ear, o.axis, o.share))
-    {
+    for (name, ear, axis, share) in net.outs.iter().map(|o| (&o.name, o.ear, o.axis, o.share)) {
         let Ear::Position(end) = ear else {
             deaf.push(name.clone());
             continue;
@@ -131,8 +129,11 @@ pub fn network(net: &Net) -> Network {
             m.name.clone()
         }
     });
+    let at = |p: &Place, of: fn(&MatNode) -> [f64; 3]| of(&net.mats[p.mat as usize])[p.axis as usize];
     Network {
         te: net.te,
+        x: linear.places.iter().map(|p| at(p, |m| m.dx0)).collect(),
+        v: linear.places.iter().map(|p| at(p, |m| m.v)).collect(),
         names: names.collect(),
         ports,
         deaf,
@@ -238,6 +239,10 @@ fn at_end(
     };
     let point = &net.points[p as usize];
     let family = &net.families[&point.family];
+    if let Some((weights, _)) = &point.shape {
+        let all = family.nodes.iter().zip(weights).flat_map(|(m, w)| on(*m).into_iter().map(move |(i, u)| (i, u * w)));
+        return alloc::vec![all.collect()];
+    }
     let stands = |c: &Coordinate| match *c {
         Coordinate::At(v) => Some(v),
         _ if points == Points::Anywhere => None,

@@ -24,6 +24,8 @@ mod links;
 mod lists;
 mod lowpass;
 mod midi;
+#[cfg_attr(not(feature = "analysis"), path = "no_modal.rs")]
+mod modal;
 mod named;
 pub mod net;
 mod number;
@@ -94,7 +96,8 @@ pub fn linear(model: &Model, catalog: &Catalog, options: &Options) -> Result<cra
 /// Compiles a model. Warnings and notes are in [`Scene::diags`]; with an error there is no scene, and all findings are
 /// returned, sorted.
 pub fn compile(model: &Model, catalog: &Catalog, options: &Options) -> Result<Scene, Diags> {
-    let (net, mut diags) = network(model, catalog, options)?;
+    let (mut net, mut diags) = network(model, catalog, options)?;
+    modal::modal(model, &mut net, &mut diags);
     let certificate = certify::certify(model, &net, options.exact, &mut diags);
     if diags.has_errors() {
         diags.sort();

@@ -199,6 +199,8 @@ pub struct PointNode {
     pub family: String,
     /// coordinates; one on a string, two on a mesh
     pub at: Vec<Coordinate>,
+    /// of a mass in a group that goes by its modes, its share in each of them, and where it rests \[m\]
+    pub shape: Option<(Vec<f64>, [f64; 3])>,
 }
 
 /// What an output hears.
@@ -363,10 +365,12 @@ impl Net {
     pub fn rest(&self, end: End) -> [f64; 3] {
         match end {
             End::Mat(m) => self.mats[m as usize].rest,
-            End::Point(p) => self.families[&self.points[p as usize].family]
-                .nodes
-                .first()
-                .map_or([0.0; 3], |m| self.mats[*m as usize].rest),
+            End::Point(p) => {
+                let point = &self.points[p as usize];
+                let first = || self.families[&point.family].nodes.first().copied();
+                let rest = point.shape.as_ref().map(|s| s.1);
+                rest.or_else(|| first().map(|m| self.mats[m as usize].rest)).unwrap_or_default()
+            }
         }
     }
 
@@ -390,6 +394,19 @@ impl Net {
             End::Mat(m) => alloc::vec![m],
             End::Point(p) => self.families[&self.points[p as usize].family].nodes.clone(),
         }
+    }
+
+    /// How many places an end may stand at.
+    pub fn spots(&self, end: End) -> usize {
+        let shaped = matches!(end, End::Point(p) if self.points[p as usize].shape.is_some());
+        if shaped { 1 } else { self.under(end).len() }
+    }
+
+    /// How much of a motion under an end reaches it at the most: 1 of what it is or moves along, the sum of its shares of a
+    /// mass in modes.
+    pub fn reach(&self, end: End) -> f64 {
+        let End::Point(p) = end else { return 1.0 };
+        self.points[p as usize].shape.as_ref().map_or(1.0, |s| s.0.iter().map(|w| w.abs()).sum())
     }
 
     /// Name of an end, for reports.

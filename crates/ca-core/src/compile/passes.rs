@@ -16,9 +16,11 @@ pub fn reads(layout: &Layout, live: usize, aimed: bool) -> Vec<Op> {
     let kept = layout.ledger.is_some();
     let points = layout.proxies.len();
     let modules = layout.n_mat + layout.n_lia;
-    let list: [(bool, &'static str, Kernel, usize); 8] = [
+    let modal = layout.modal.len();
+    let list: [(bool, &'static str, Kernel, usize); 9] = [
         (!layout.enx.is_empty(), "ENX", pass::enx, layout.enx.len()),
         (!layout.tgr.is_empty(), "TGR in", border::position(layout), layout.tgr.len()),
+        (modal > 0, "modal ports", pass::sum, modal),
         // the book needs the points where the last tick had them
         (kept && points > 0, "points", pass::project, points),
         (kept, "ledger", energy::book, modules),
@@ -44,6 +46,9 @@ pub fn forces(layout: &Layout, mut links: Vec<Op>, late: usize, weight: usize) -
     list.extend(links);
     if !layout.proxies.is_empty() {
         list.push(Op::pass("points back", pass::spread, layout.proxies.len()));
+    }
+    if !layout.modal.is_empty() {
+        list.push(Op::pass("modes", pass::share, layout.modal.len()));
     }
     if let Some(a) = &layout.ahead {
         list.push(Op::pass("implicit", implicit::solve, a.places.len()));

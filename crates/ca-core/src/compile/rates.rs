@@ -8,7 +8,7 @@ use crate::model::diag::{Diag, Diags};
 use crate::model::quantity::Plain;
 use crate::model::suggest::nearest;
 use crate::model::{Entry, Model, Span, Value};
-use crate::phi::implicit::{METHOD, THETA};
+use crate::phi::implicit::{OF_GROUP, THETA};
 use alloc::format;
 
 /// Slowest and fastest clock \[Hz\].
@@ -130,7 +130,7 @@ fn medium(props: &[Entry], owner: &str, outer: Medium, v: &mut Values<'_>) -> Me
                     m.friction = z;
                 }
             }
-            "method" => m.method = v.word(&METHOD, e, owner).unwrap_or(m.method),
+            "method" => m.method = v.word(&OF_GROUP, e, owner).unwrap_or(m.method),
             "theta" => m.theta = v.word(&THETA, e, owner).or(m.theta),
             _ => {}
         }

@@ -9,7 +9,7 @@ use super::passes;
 use super::plan::Plan;
 use super::start::start;
 use crate::kind::PortRole;
-use crate::layout::{Account, Enf, Enx, Gauge, Heard, Layout, LedgerPlan, Output, Place, Proxy};
+use crate::layout::{Account, Enf, Enx, Gauge, Heard, Layout, LedgerPlan, Modal, Output, Place, Proxy};
 use crate::ledger::Ledger;
 use crate::live::Loader;
 use crate::model::Model;
@@ -41,13 +41,13 @@ pub fn schedule(
     // in this order, coefficients stand one behind the other
     let (weight, weighed) = weigh(&mut plan);
     let links = plan.links(options, diags, model);
-    let Points { nodes, proxies, aimed } = points(&mut plan);
+    let Points { nodes, proxies, modal, shares, aimed } = points(&mut plan);
     let (gains, outputs) = outputs(&mut plan, &links)?;
     let ahead = plan.ahead(n_mat, &links, model, diags);
     // what stands before the links in the list of forces moves them back; moving points and what looks ahead only those
     // of a later turn
     let lead = usize::from(!enf.is_empty()) + usize::from(!weighed.is_empty());
-    let back = usize::from(!proxies.is_empty()) + usize::from(ahead.is_some());
+    let back = [!proxies.is_empty(), !modal.is_empty(), ahead.is_some()].into_iter().filter(|b| *b).count();
     let place = |op: usize| op + lead + if op >= links.late { back } else { 0 };
     let ledger = options.energy.then(|| LedgerPlan { accounts: accounts(&links.forces, place), weight });
     let symbols = symbols(&plan, &links, place);
@@ -74,6 +74,8 @@ pub fn schedule(
         rest,
         nodes,
         proxies,
+        modal,
+        shares,
         tables: net.tables.iter().cloned().chain(own_tables(net).into_iter().map(|(_, t)| t)).collect(),
         enx,
         enf,
@@ -206,24 +208,35 @@ fn weigh(plan: &mut Plan) -> (usize, Vec<u32>) {
     (first, weighed)
 }
 
-/// Moving points, laid out.
+/// Moving points and masses that go by modes, laid out.
+#[derive(Default)]
 struct Points {
     /// the MATs under them
     nodes: Vec<u32>,
     proxies: Vec<Proxy>,
+    /// masses that go by modes, and their shares
+    modal: Vec<Modal>,
+    shares: Vec<f64>,
     /// whether one of them moves along what it stands on
     aimed: bool,
 }
 
 fn points(plan: &mut Plan) -> Points {
     let net = plan.net;
-    let mut all = Points { nodes: Vec::new(), proxies: Vec::new(), aimed: false };
+    let mut all = Points::default();
     for (i, p) in net.points.iter().enumerate() {
         let mat = plan.point[i];
         if mat == u32::MAX {
             continue;
         }
         let family = &net.families[&p.family];
+        if let (Some((weights, _)), Some(mode)) = (&p.shape, family.nodes.first()) {
+            // modes are tied to nothing, so they stand as they were made: in a row
+            let (first, share, n) = (plan.place[*mode as usize], all.shares.len() as u32, weights.len() as u32);
+            all.shares.extend(weights);
+            all.modal.push(Modal { mat, first, share, n });
+            continue;
+        }
         let first = all.nodes.len() as u32;
         all.nodes.extend(family.nodes.iter().map(|m| plan.place[*m as usize]));
         let mut at = [Place::Coef(0); 2];

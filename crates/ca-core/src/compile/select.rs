@@ -247,7 +247,7 @@ impl Wiring<'_> {
             return None;
         }
         let id = self.net.points.len() as u32;
-        self.net.points.push(PointNode { name: text.clone(), family: sel.name.clone(), at: coordinates });
+        self.net.points.push(PointNode { name: text.clone(), family: sel.name.clone(), at: coordinates, shape: None });
         self.points.insert(text, id);
         Some(id)
     }

@@ -23,6 +23,7 @@ pub fn start(layout: &Layout, forces: &[Op], mut s: State) -> State {
     for (k, p) in layout.proxies.iter().enumerate() {
         s.cells[k] = pass::cell(layout, &s, p);
     }
+    pass::sum(&Op::pass("modal ports", pass::sum, layout.modal.len()), layout, &mut s);
     let project = Op::pass("points", pass::project, layout.proxies.len());
     pass::project(&project, layout, &mut s);
     memory(&mut s);
@@ -38,6 +39,7 @@ pub fn start(layout: &Layout, forces: &[Op], mut s: State) -> State {
             s.d[i] -= 0.5 * (c * trial.f[i] + q * s.x[i] - (1.0 - p) * s.d[i]);
         }
     }
+    pass::sum(&Op::pass("modal ports", pass::sum, layout.modal.len()), layout, &mut s);
     pass::project(&project, layout, &mut s);
     s
 }

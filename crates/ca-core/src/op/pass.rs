@@ -101,6 +101,40 @@ pub fn spread(op: &Op, layout: &Layout, s: &mut State) {
     }
 }
 
+/// Positions of masses that go by their modes.
+pub fn sum(op: &Op, layout: &Layout, s: &mut State) {
+    for p in &layout.modal[..op.n] {
+        let n = p.n as usize;
+        let share = &layout.shares[p.share as usize..][..n];
+        let dot = |q: &[f64]| {
+            // four sums side by side: one after the other they would wait for each other
+            let mut part = [0.0; 4];
+            let (q, w) = (q[p.first as usize..][..n].chunks_exact(4), share.chunks_exact(4));
+            let rest: f64 = q.remainder().iter().zip(w.remainder()).map(|(q, w)| q * w).sum();
+            for (q, w) in q.zip(w) {
+                for k in 0..4 {
+                    part[k] += q[k] * w[k];
+                }
+            }
+            (part[0] + part[1]) + (part[2] + part[3]) + rest
+        };
+        let m = p.mat as usize;
+        (s.x[m], s.d[m]) = (dot(&s.x), dot(&s.d));
+        s.f[m] = 0.0;
+    }
+}
+
+/// Forces on masses that go by their modes back to these, with the shares of the position: no energy is made.
+pub fn share(op: &Op, layout: &Layout, s: &mut State) {
+    for p in &layout.modal[..op.n] {
+        let (f, n) = (s.f[p.mat as usize], p.n as usize);
+        let share = &layout.shares[p.share as usize..][..n];
+        for (q, w) in s.f[p.first as usize..][..n].iter_mut().zip(share) {
+            *q += w * f;
+        }
+    }
+}
+
 /// Outputs of this tick.
 pub fn outputs(op: &Op, layout: &Layout, s: &mut State) {
     s.output.fill(0.0);

@@ -21,6 +21,15 @@ pub const METHOD: Param = Param::new(
     "ca: explicit, as in the field; centred: viscosity without a limit and of second order; implicit: stiffness without \
      a limit too. Of the group or the model if left out",
 );
+/// The methods of a group, by name: those of links, and the modes of what is linear in it.
+pub const OF_GROUP: Param = Param::new(
+    "method",
+    Type::Choice(&["ca", "centred", "implicit", "modal"]),
+    Need::Optional,
+    "how linear links and cells are computed",
+);
+/// The number of the last of them.
+pub const MODAL: f64 = 3.0;
 /// Weight of the time to come.
 pub const THETA: Param = Param::number(
     "theta",

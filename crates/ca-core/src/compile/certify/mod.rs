@@ -46,8 +46,9 @@ pub fn certify(model: &Model, net: &Net, asked: bool, diags: &mut Diags) -> Cert
         // of a curve of friction the slope is one that it has somewhere
         let sure = if b.curve { b.k } else { h };
         // ends that move: the row of the link at each of them holds so many entries
-        let moving = sides.iter().filter(|(_, ids)| ids.iter().any(|m| rows[*m as usize].c > 0.0)).count();
-        let others = moving.saturating_sub(1) as f64;
+        let moving = |ids: &[u32]| ids.iter().any(|m| rows[*m as usize].c > 0.0);
+        let reach = |e: End| if moving(&net.under(e)) { net.reach(e) } else { 0.0 };
+        let others = (l.all_ends().map(reach).sum::<f64>() - 1.0).max(0.0);
         for (here, m) in sides.iter().flat_map(|(here, ids)| ids.iter().map(move |m| (*here, m))) {
             let r = &mut rows[*m as usize];
             if l.law.is_late() {
@@ -85,7 +86,10 @@ pub fn certify(model: &Model, net: &Net, asked: bool, diags: &mut Diags) -> Cert
     }
     // the contacts of a set are judged by rule, and no two of its members are tied
     for l in net.lias.iter().filter(|l| l.sets.is_none() && !l.law.is_late()) {
-        let d = |e: End| net.under(e).iter().map(|m| rows[*m as usize].all * rows[*m as usize].c).fold(0.0, f64::max);
+        let d = |e: End| {
+            let one = |m: &u32| rows[*m as usize].all * rows[*m as usize].c;
+            net.reach(e).max(1.0) * net.under(e).iter().map(one).fold(0.0, f64::max)
+        };
         pair = pair.max(l.all_ends().map(d).sum());
     }
     // a mass with a spring of its own is a link to the ground
@@ -104,7 +108,7 @@ pub fn certify(model: &Model, net: &Net, asked: bool, diags: &mut Diags) -> Cert
     let held = |l: &LiaNode| l.all_ends().flat_map(|e| net.under(e)).any(|m| rows[m as usize].all > 0.0);
     let ruled = |b: &Bound| (b.contact && b.k > 0.0) || rubs(b);
     let judged = |l: &LiaNode, b: &Bound| ruled(b) && l.sets.is_none() && !l.law.is_late() && held(l);
-    let spots = |l: &LiaNode| l.ends.iter().map(|e| net.under(*e).len()).product::<usize>();
+    let spots = |l: &LiaNode| l.ends.iter().map(|e| net.spots(*e)).product::<usize>();
     let touching: usize = net.lias.iter().zip(&bounds).filter(|(l, b)| judged(l, b)).map(|(l, _)| spots(l)).sum();
     let few = touching > 0 && touching.saturating_mul(rows.len()) <= exact::WORK;
     let between = cert.lower < 4.0 && cert.bound >= 4.0 && covered;

@@ -1,0 +1,114 @@
+//! What a model should do: by the closed form of its modes, or by itself at a far higher rate.
+//!
+//! Decides for the closed form only where it is the whole truth: everything linear on lines, damping that ties no modes,
+//! nothing that drives or weighs. Elsewhere three rates, each twice the last, tell the order p at which the model
+//! converges; if it does so as a scheme should, the last two are carried on to rate infinity by (A − B)/(2^p − 1), and that
+//! step is also how well the reference is known. A model that does not converge (chaos, a jump at every tick) is told: its
+//! reference is then the finest run, known as well as the last two agree.
+
+use super::play::{Columns, columns};
+use super::score::apart;
+use crate::Failure;
+use crate::catalog;
+use crate::load::{self, Loaded};
+use ca_core::analysis::{Modes, Network, modes};
+use ca_core::{Options, Scene};
+
+/// Where a reference comes from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Origin {
+    /// the modes, in closed form
+    Modes,
+    /// the model at this multiple of the rate, and the order at which it converges
+    Rate(u32, f64),
+    /// the model at this multiple of the rate, which does not converge as a scheme should
+    Open(u32),
+}
+
+/// A reference.
+pub struct Truth {
+    /// what the probes should read, at the samples of the model's own rate
+    pub columns: Columns,
+    /// from where
+    pub origin: Origin,
+    /// how well it is known, relative
+    pub known: f64,
+}
+
+/// Damping below this ties no modes.
+const TIED: f64 = 1e-9;
+
+/// The best there is for so many samples.
+pub fn truth(
+    loaded: &Loaded,
+    probes: &[String],
+    plain: &Scene,
+    frames: usize,
+    reference: u32,
+) -> Result<Truth, Failure> {
+    if let Some(columns) = closed(loaded, probes, plain, frames) {
+        return Ok(Truth { columns, origin: Origin::Modes, known: 1e-12 });
+    }
+    let at = |times: u32| -> Result<Columns, Failure> {
+        let rate = plain.rate * f64::from(times);
+        let options = Options { rate: Some(rate), probes: probes.to_vec(), ..Options::default() };
+        let scene = load::scene(loaded, &options)?;
+        Ok(columns(&scene, frames, times)?.0)
+    };
+    let (coarse, middle, fine) = (at(reference / 4)?, at(reference / 2)?, at(reference)?);
+    let (first, last) = (apart(&coarse, &middle), apart(&middle, &fine));
+    let order = (first / last).log2();
+    if !(0.7..=6.0).contains(&order) {
+        return Ok(Truth { columns: fine, origin: Origin::Open(reference), known: last });
+    }
+    let step = 1.0 / (order.exp2() - 1.0);
+    let carry = |(f, m): (&Vec<f64>, &Vec<f64>)| f.iter().zip(m).map(|(f, m)| f + (f - m) * step).collect();
+    let columns = fine.iter().zip(&middle).map(carry).collect();
+    Ok(Truth { columns, origin: Origin::Rate(reference, order), known: last * step })
+}
+
+/// The motion of the modes at the probes; `None` where they are not all there is.
+fn closed(loaded: &Loaded, probes: &[String], scene: &Scene, frames: usize) -> Option<Columns> {
+    let still = scene.inputs.is_empty() && scene.gestures.is_empty() && scene.layout.weighed.is_empty();
+    let flat = scene.symbols.iter().all(|s| s.axes == 1);
+    let n = scene.n_out - scene.channels;
+    if !still || !flat || n == 0 {
+        return None;
+    }
+    let options = Options {
+        rate: Some(scene.rate),
+        probes: probes.to_vec(),
+        clouds: loaded.clouds.clone(),
+        ..Options::default()
+    };
+    let network = ca_core::compile::linear(&loaded.model, &catalog(), &options).ok()?;
+    let whole = network.left_out.is_empty() && network.deaf.is_empty() && network.linear.loose.is_empty();
+    if !whole || network.ports.len() < n {
+        return None;
+    }
+    let found = modes::modes(&network)?;
+    if found.list.iter().any(|m| m.coupled > TIED) {
+        return None;
+    }
+    let ports = &network.ports[network.ports.len() - n..];
+    let mut columns = vec![vec![0.0; frames]; n];
+    for (j, (x, v)) in start(&network, &found).into_iter().enumerate() {
+        let mode = &found.list[j];
+        let shares: Vec<f64> = ports.iter().map(|p| mode.at(&p.at)).collect();
+        for t in 0..frames {
+            let q = mode.free(x, v, t as f64);
+            columns.iter_mut().zip(&shares).for_each(|(c, s)| c[t] += s * q);
+        }
+    }
+    Some(columns)
+}
+
+/// Displacement and motion per tick of each mode at load.
+fn start(network: &Network, found: &Modes) -> Vec<(f64, f64)> {
+    let te = network.te;
+    let along = |of: &[f64], shape: &[f64]| -> f64 {
+        let places = network.linear.places.iter();
+        places.zip(shape).zip(of).map(|((p, u), x)| u * te * te / p.c * x).sum()
+    };
+    found.list.iter().map(|m| (along(&network.x, &m.shape), te * along(&network.v, &m.shape))).collect()
+}

@@ -1,0 +1,103 @@
+//! The ways to compute a model: methods its modules know, at multiples of its rate.
+//!
+//! Decides that a method is asked for as an author would, by a word in the model: what the compiler refuses is no way, and
+//! what it would do anyway is no second one.
+
+use crate::catalog;
+use crate::load::{self, Loaded};
+use ca_core::kind::Type;
+use ca_core::{Model, Options, Scene};
+
+/// A method for the whole model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Method {
+    /// as people call it
+    pub name: &'static str,
+    /// of the model: method and θ
+    linear: Option<(&'static str, Option<&'static str>)>,
+    /// of all modules that know this word
+    word: Option<&'static str>,
+}
+
+/// All there are, the model as it is first.
+const METHODS: [Method; 9] = [
+    Method { name: "as written", linear: None, word: None },
+    Method { name: "centred", linear: Some(("centred", None)), word: None },
+    Method { name: "implicit 1/12", linear: Some(("implicit", Some("0.08333333333333333"))), word: None },
+    Method { name: "implicit 1/4", linear: Some(("implicit", Some("0.25"))), word: None },
+    Method { name: "implicit 1/2", linear: Some(("implicit", Some("0.5"))), word: None },
+    Method { name: "modal", linear: Some(("modal", None)), word: None },
+    Method { name: "stable", linear: None, word: Some("stable") },
+    Method { name: "secant", linear: None, word: Some("secant") },
+    Method { name: "newton", linear: None, word: Some("newton") },
+];
+
+/// A way.
+pub struct Way {
+    /// its name
+    pub method: &'static str,
+    /// multiple of the rate
+    pub times: u32,
+    /// what runs
+    pub scene: Scene,
+    /// the same with the energy book
+    pub audited: Option<Scene>,
+}
+
+/// The model by a method; `None` where no module knows its word.
+fn by(model: &Model, method: &Method) -> Option<Model> {
+    let mut model = model.clone();
+    if let Some((name, theta)) = method.linear {
+        model.set("model.method", name);
+        if let Some(theta) = theta {
+            model.set("model.theta", theta);
+        }
+    }
+    if let Some(word) = method.word {
+        let knows = |kind: &str| {
+            let kinds = catalog();
+            let param = kinds.get(kind).and_then(|k| k.params.iter().find(|p| p.name == "method"));
+            param.is_some_and(|p| matches!(p.ty, Type::Choice(words) if words.contains(&word)))
+        };
+        let names: Vec<String> = model.items.iter().filter(|i| knows(&i.kind)).map(|i| i.name.clone()).collect();
+        if names.is_empty() {
+            return None;
+        }
+        for name in names {
+            model.set(&format!("{name}.method"), word);
+        }
+    }
+    Some(model)
+}
+
+/// All ways that compile, and why others do not.
+pub fn ways(loaded: &Loaded, probes: &[String], rate: f64, times: &[u32]) -> (Vec<Way>, Vec<(&'static str, String)>) {
+    let (mut all, mut refused): (Vec<Way>, Vec<_>) = (Vec::new(), Vec::new());
+    for method in &METHODS {
+        let Some(model) = by(&loaded.model, method) else { continue };
+        let twin =
+            Loaded { model, diags: loaded.diags.clone(), name: loaded.name.clone(), clouds: loaded.clouds.clone() };
+        for times in times {
+            let options =
+                Options { rate: Some(rate * f64::from(*times)), probes: probes.to_vec(), ..Options::default() };
+            let (scene, diags) = load::compiled(&twin, &options);
+            let Some(scene) = scene else {
+                let first = diags.list.iter().find(|d| d.severity == ca_core::model::diag::Severity::Error);
+                refused.push((method.name, first.map(|d| d.title.clone()).unwrap_or_default()));
+                break;
+            };
+            if all.iter().any(|w| w.times == *times && same(&w.scene, &scene)) {
+                break;
+            }
+            let audited = load::compiled(&twin, &Options { energy: true, ..options }).0;
+            all.push(Way { method: method.name, times: *times, scene, audited });
+        }
+    }
+    (all, refused)
+}
+
+/// True where two scenes run the same passes on the same numbers.
+fn same(a: &Scene, b: &Scene) -> bool {
+    let names = |s: &Scene| s.forces.iter().chain(&s.moves).map(|o| o.name).collect::<Vec<_>>();
+    a.state() == b.state() && names(a) == names(b)
+}
