@@ -173,6 +173,7 @@ pub const CODES: &[(&str, &str)] = &[
     ("W111", "an LPR leans on nothing"),
     ("W112", "an LPR leans on less than itself"),
     ("W113", "steep friction"),
+    ("W115", "damping that ties modes"),
     ("N201", "lost on import"),
     ("N202", "not all of a file is used"),
 ];
