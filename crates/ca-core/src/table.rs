@@ -16,6 +16,8 @@ pub struct Table {
     area: Vec<f64>,
     /// 1/spacing where the abscissae are evenly spaced, else 0: even tables are addressed without a search
     per: f64,
+    /// largest and smallest slope of any segment
+    slopes: (f64, f64),
 }
 
 impl Table {
@@ -31,10 +33,12 @@ impl Table {
         let y: Vec<f64> = points.iter().map(|p| p[1]).collect();
         let step = (x[x.len() - 1] - x[0]) / (x.len() - 1) as f64;
         let even = x.iter().enumerate().all(|(i, v)| (v - (x[0] + i as f64 * step)).abs() < 1e-9 * step);
-        let mut t = Table { area: alloc::vec![0.0; x.len()], x, y, per: if even { 1.0 / step } else { 0.0 } };
+        let per = if even { 1.0 / step } else { 0.0 };
+        let mut t = Table { area: alloc::vec![0.0; x.len()], x, y, per, slopes: (f64::MIN, f64::MAX) };
         for i in 1..t.x.len() {
             t.area[i] = t.area[i - 1] + 0.5 * (t.y[i] + t.y[i - 1]) * (t.x[i] - t.x[i - 1]);
         }
+        t.slopes = (0..t.x.len() - 1).map(|i| t.rise(i)).fold(t.slopes, |(hi, lo), s| (s.max(hi), s.min(lo)));
         let zero = t.raw_integral(0.0);
         t.area.iter_mut().for_each(|a| *a -= zero);
         Some(t)
@@ -84,10 +88,35 @@ impl Table {
         self.raw_integral(x)
     }
 
+    /// The slope of a segment.
+    fn rise(&self, i: usize) -> f64 {
+        (self.y[i + 1] - self.y[i]) / (self.x[i + 1] - self.x[i])
+    }
+
+    /// True between the ends, where the value depends on the place.
+    fn spans(&self, x: f64) -> bool {
+        self.x[0] <= x && x < self.x[self.x.len() - 1]
+    }
+
+    /// The slope at `x`; 0 outside.
+    pub fn slope(&self, x: f64) -> f64 {
+        if self.spans(x) { self.rise(self.segment(x)) } else { 0.0 }
+    }
+
+    /// y/x of a table that is 0 at 0; in the segments that meet there their slope, so that it has no noise near 0.
+    pub fn chord(&self, x: f64) -> f64 {
+        if self.spans(x) {
+            let i = self.segment(x);
+            if self.x[i] <= 0.0 && self.x[i + 1] >= 0.0 {
+                return self.rise(i);
+            }
+        }
+        if x == 0.0 { 0.0 } else { self.at(x) / x }
+    }
+
     /// Largest and smallest slope of any segment.
     pub fn slopes(&self) -> (f64, f64) {
-        let slope = |i: usize| (self.y[i + 1] - self.y[i]) / (self.x[i + 1] - self.x[i]);
-        (0..self.x.len() - 1).map(slope).fold((f64::MIN, f64::MAX), |(hi, lo), s| (s.max(hi), s.min(lo)))
+        self.slopes
     }
 
     /// True where y has the sign of x everywhere: as friction it only takes energy.

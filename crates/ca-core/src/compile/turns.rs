@@ -22,7 +22,8 @@ pub fn turns(model: &Model, net: &mut Net, diags: &mut Diags) {
             if told.insert(l.item) {
                 let item = &model.items[net.items[l.item as usize].model];
                 let entry = item.args.iter().find(|e| e.key == "method");
-                let title = format!("`{}` is a stable contact at a moving point, `{}`", l.name, net.end_name(point));
+                let title =
+                    format!("the method of `{}` does not work at a moving point, `{}`", l.name, net.end_name(point));
                 let d = Diag::error("E028", title).at(entry.map_or(item.name_span, |e| e.span), "not at moving points");
                 let d = d.help("use `method = \"ca\"`, or a mass such as `low[8]` in its place");
                 diags.push(if let Some(e) = entry { d.fix(e.span, "\"ca\"") } else { d });

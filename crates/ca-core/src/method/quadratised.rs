@@ -7,7 +7,7 @@
 //! ψ₊ = ψ + γ s/2        N = γ (ψ + ψ₊)/2 + z s/2 = γψ + R s        R = γ²/4 + z/2
 //! ```
 //! so that the work N s/2 is (ψ₊² − ψ²)/2 plus the heat z s²/4, for **any** γ. Pressed together, γ is the slope of
-//! √(2U) at the tick, √k; ψ and −ψ are the same energy, so ψ is kept positive and the contact pushes. Once apart, γ is
+//! √(2U) at the tick, √k of a linear spring; ψ and −ψ are the same energy, so ψ is kept positive and the contact pushes. Once apart, γ is
 //! what gives all of ψ back in this tick: ψ₊ = 0 with s = s* − Wγψ/2 asks Wψγ²/2 − s*γ − 2ψ = 0, whose positive root
 //! is 4ψ/(q − s*), q = √(s*² + 4Wψ²), with s* the change that all other forces would cause and W the mobility of this
 //! contact; one that closes again keeps ψ for then. A contact that holds nothing and is opening holds on to nothing.
@@ -26,48 +26,50 @@
 //! With `sticky = false` contacts that would pull are taken out and the rest is solved again, until none does; their ψ
 //! follows the motion as far as that loses energy.
 
-use super::{Buffer, goes, mobility};
+use super::spring::{Contact, Spring};
+use super::{goes, mobility};
 use crate::layout::{Gauge, Layout};
 use crate::op::gauge::{Along, Line, Measure, Radial};
 use crate::op::law::{Law, Turn};
 use crate::op::{Form, Kernel, Op};
 use crate::state::State;
 use crate::touch::{Touch, Touches};
+use nalgebra::Vector3;
 
 /// The residual is brought below this part of what it was, squared.
 const EXACT: f64 = 1e-30;
 
 /// A one-sided spring by this method. Memory: ψ \[√J\], heat of the tick \[J\].
-pub const fn law(spring: Law) -> Law {
+pub const fn law<S: Spring>(spring: Law) -> Law {
     Law {
         mem: 2,
         start: |c, e, mem| {
-            let b = Buffer::of(c);
+            let b = Contact::<S>::of(c);
             mem[0] = libm::sqrt(2.0 * b.potential(b.penetration(e)));
             mem[1] = 0.0;
         },
         stored: |_, mem, _, _, _| 0.5 * mem[0] * mem[0],
         lost: |_, mem, _, _| mem[1],
-        kernel,
+        kernel: kernel::<S>,
         turn: Turn::Together(solve),
         ..spring
     }
 }
 
-fn kernel(form: Form) -> Kernel {
+fn kernel<S: Spring>(form: Form) -> Kernel {
     match form.gauge {
-        Gauge::Line => gather::<Line>,
-        Gauge::Along => gather::<Along>,
-        Gauge::Radial => gather::<Radial>,
+        Gauge::Line => gather::<S, Line>,
+        Gauge::Along => gather::<S, Along>,
+        Gauge::Radial => gather::<S, Radial>,
     }
 }
 
 /// Collects the contacts of `op` that act in this tick.
-fn gather<G: Measure>(op: &Op, layout: &Layout, s: &mut State) {
+fn gather<S: Spring, G: Measure>(op: &Op, layout: &Layout, s: &mut State) {
     for i in 0..op.n {
-        let buffer = Buffer::read(s, op.coef, op.n, i);
+        let contact = Contact::<S>::read(s, op.coef, op.n, i);
         let ends = layout.ends[op.first + i].map(|m| m as usize);
-        let reach = if G::SPACE { layout.reach[op.ports.reach + i] } else { [0.0; 4] };
+        let at = if G::SPACE { layout.reach[op.ports.reach + i] } else { [0.0; 4] };
         let mem = op.mem + 2 * i;
         let psi = s.mem[mem];
         s.mem[mem + 1] = 0.0;
@@ -76,51 +78,52 @@ fn gather<G: Measure>(op: &Op, layout: &Layout, s: &mut State) {
         }
         if psi == 0.0 {
             // idle, without the square root
-            let d = buffer.d.max(0.0);
-            if G::square(&s.x, ends, &reach).is_some_and(|l| buffer.side * (d * d - l) < 0.0) {
+            let d = contact.d.max(0.0);
+            if G::square(&s.x, ends, &at).is_some_and(|l| contact.side * (d * d - l) < 0.0) {
                 continue;
             }
         }
-        let felt = G::measure(&s.x, &s.d, ends, &reach);
-        let eta = buffer.penetration(felt.e + layout.e0[op.first + i]);
+        let felt = G::measure(&s.x, &s.d, ends, &at);
+        let eta = contact.penetration(felt.e + layout.e0[op.first + i]);
         if eta < 0.0 && psi == 0.0 {
             continue;
         }
-        let g: [f64; 3] = (felt.u * -buffer.side).into();
-        let places = if G::SPACE { 3 } else { 1 };
-        let (mut free, mut w) = (0.0, 0.0);
-        for (k, g) in g[..places].iter().enumerate() {
-            let [a, b] = ends.map(|m| m + k);
-            free += g * (goes(layout, s, b) + s.d[b] - goes(layout, s, a) - s.d[a]);
-            w += g * g * (mobility(layout, s, a) + mobility(layout, s, b));
-        }
+        let link = reach::<G>(op, layout, s, i, contact.side, felt.u);
+        let (free, w) = (link.free, link.diag);
         let (gamma, z) = match (eta >= 0.0, free < 0.0) {
-            (true, opening) => (if opening && psi == 0.0 { 0.0 } else { libm::sqrt(buffer.k) }, buffer.z),
+            (true, opening) => {
+                let gamma = if opening && psi == 0.0 { 0.0 } else { contact.spring.gamma(contact.k, eta) };
+                (gamma, contact.spring.viscosity(contact.k, eta))
+            }
             (false, true) => (4.0 * psi / (libm::sqrt(free * free + 4.0 * w * psi * psi) - free), 0.0),
             (false, false) => (0.0, 0.0),
         };
-        let stiff = 0.25 * gamma * gamma + 0.5 * z;
-        let touches = &mut s.touches;
-        let Some(t) = touches.list.get_mut(touches.n).filter(|_| stiff > 0.0) else { continue };
-        *t = Touch {
-            ends: layout.ends[op.first + i],
-            places,
-            g,
-            mem,
-            tap: op.form.tap.then_some(op.tap + i),
-            side: buffer.side,
-            clip: buffer.clip,
-            open: eta < 0.0,
-            gamma,
-            psi,
-            z,
-            stiff,
-            free,
-            diag: w + 1.0 / stiff,
-            ..Touch::default()
-        };
-        touches.n += 1;
+        join(s, Touch { clip: contact.clip, open: eta < 0.0, gamma, psi, z, ..link });
     }
+}
+
+/// Link `i` of `op`, of which `u` is the gradient of the elongation, as one that may act: what all other forces would
+/// do to it, and its mobility \[m/N\] on the diagonal.
+pub(super) fn reach<G: Measure>(op: &Op, layout: &Layout, s: &State, i: usize, side: f64, u: Vector3<f64>) -> Touch {
+    let g: [f64; 3] = (u * -side).into();
+    let (ends, places) = (layout.ends[op.first + i], if G::SPACE { 3 } else { 1 });
+    let (mut free, mut w) = (0.0, 0.0);
+    for (k, g) in g[..places].iter().enumerate() {
+        let [a, b] = ends.map(|m| m as usize + k);
+        free += g * (goes(layout, s, b) + s.d[b] - goes(layout, s, a) - s.d[a]);
+        w += g * g * (mobility(layout, s, a) + mobility(layout, s, b));
+    }
+    let tap = op.form.tap.then_some(op.tap + i);
+    Touch { ends, places, g, mem: op.mem + 2 * i, tap, side, free, diag: w, ..Touch::default() }
+}
+
+/// Adds a link to those of this tick, if it does anything.
+pub(super) fn join(s: &mut State, link: Touch) {
+    let stiff = 0.25 * link.gamma * link.gamma + 0.5 * link.z;
+    let touches = &mut s.touches;
+    let Some(t) = touches.list.get_mut(touches.n).filter(|_| stiff > 0.0) else { return };
+    *t = Touch { stiff, diag: link.diag + 1.0 / stiff, ..link };
+    touches.n += 1;
 }
 
 /// Sets `q` of each contact to W p.
@@ -184,7 +187,7 @@ fn conjugate(list: &mut [Touch], push: &mut [f64], mobility: &[f64]) {
 }
 
 /// Computes the pushes of all contacts collected and applies them.
-fn solve(_op: &Op, layout: &Layout, s: &mut State) {
+pub(super) fn solve(_op: &Op, layout: &Layout, s: &mut State) {
     let mobility = &s.coef[2 * layout.n_mat..];
     let Touches { n, list, push } = &mut s.touches;
     let all = &mut list[..core::mem::take(n)];

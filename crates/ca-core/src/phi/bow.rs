@@ -6,11 +6,13 @@
 //!   coulomb    v/v0 clipped to ±1: sliding friction with a viscous hold below v0
 //!   table      the points of `points` \[m/s, N\]
 //! Parameters: f \[N\], v0 \[m/s\], v1 \[m/s\], fd \[N\]. Source: ICMC 2013 (LNL friction), LAC 2019 (nlBow), HSP v2.
-//! Stability: the slope f/v0 counts as a viscosity; slope·T/m < 1.5 for a faithful stick (numerics 3.5). Passive where
-//! the curve resists, i.e. always but for a table that does not. Test: B07.
+//! Stability: the slope f/v0 counts as a viscosity; with method "ca" slope·T/m < 1.5 for a faithful stick (numerics 3.5),
+//! and passive where the curve resists, i.e. always but for a table that does not. "secant" and "newton" are passive at
+//! any slope ([`crate::method::friction`]). Test: B07.
 
 use super::{ALONG, BETWEEN, Bound, Fixed, Law, PAIRS, Phi, lnl};
 use crate::kind::{ABOVE_ZERO, Kind, Need, POSITIVE, Param, Role, Type, Unit};
+use crate::method::friction::{self, Curve};
 use crate::table::Table;
 use alloc::vec::Vec;
 
@@ -20,7 +22,8 @@ pub static KIND: Kind = Kind {
     title: "bow friction",
     equation: "F = f g(v / v0),  v = de/dt",
     doc: "Grips while the ends move together and slips when they do not: the stick–slip of a bow. Connect the bow \
-          (an ENX or TGR) to a point of the string and draw it.",
+          (an ENX or TGR) to a point of the string and draw it. With light masses and much force the explicit law rings \
+          where it should stick; `method = \"newton\"` does not.",
     source: &["ICMC 2013", "LAC 2019", "HSP v2"],
     params: &[
         BETWEEN,
@@ -32,6 +35,13 @@ pub static KIND: Kind = Kind {
         Param::new("points", Type::Points { x: Unit::SPEED, y: Unit::NEWTON }, Need::Optional, "table: [speed, force]"),
         PAIRS,
         ALONG,
+        Param::new(
+            "method",
+            Type::Choice(&["ca", "secant", "newton"]),
+            Need::Default(0.0),
+            "ca: explicit, as in the field; secant: only resists, at any slope; newton: the same and more exact; where \
+             the slope is too steep or the place is shared, secant",
+        ),
     ],
     one_of: &[crate::kind::OneOf { sets: &[&["f", "v0", "v1", "fd"], &["points"]], required: true }],
     example: r#"
@@ -49,12 +59,11 @@ bow = [[0, 0], [1, "0.2 m"]]
     role: Role::Lia(&SMOOTH),
 };
 
-/// The law of BOW, and what it becomes with another curve.
-pub static SMOOTH: Law = Law::of::<Smooth, 3, 0>("BOW smooth").with_table(bell).or(|p| match p[1] {
-    Fixed::At(1.0) => Some(&PIECEWISE),
-    Fixed::At(2.0) => Some(&COULOMB),
-    Fixed::At(3.0) => Some(&TABLE),
-    _ => None,
+/// The law of BOW, and what it becomes with another curve or method.
+pub static SMOOTH: Law = Law::of::<Smooth, 3, 0>("BOW smooth").with_table(bell).or(|p| {
+    let word = |i: usize| p.get(i).and_then(|p| if let Fixed::At(n) = p { Some(*n as usize) } else { None });
+    let law = *LAWS.get(word(1)?)?.get(word(9).unwrap_or(0))?;
+    (!core::ptr::eq(law, &raw const SMOOTH)).then_some(law)
 });
 /// With `curve = "piecewise"`.
 pub static PIECEWISE: Law = Law::of::<Piecewise, 5, 0>("BOW piecewise");
@@ -65,6 +74,32 @@ pub static TABLE: Law = Law {
     load: |p, te, out| out.copy_from_slice(&[p[6].unwrap_or(f64::MAX), 1.0 / te]),
     ..Law::of::<lnl::TableFriction, 2, 0>("BOW table")
 };
+
+/// Curves, each by each method.
+static LAWS: [[&Law; 3]; 4] = [
+    [&SMOOTH, &SMOOTH_SECANT, &SMOOTH_NEWTON],
+    [&PIECEWISE, &PIECEWISE_SECANT, &PIECEWISE_NEWTON],
+    [&COULOMB, &COULOMB_SECANT, &COULOMB_NEWTON],
+    [&TABLE, &TABLE_SECANT, &TABLE_NEWTON],
+];
+
+/// A curve by method: alone, and together with others.
+macro_rules! methods {
+    ($($curve:ident $phi:ty, $code:literal: $secant:ident $newton:ident $together:ident;)*) => {
+        $(
+            static $secant: Law = friction::alone::<$phi, _, false>(concat!($code, " secant"), $curve, &$together);
+            static $newton: Law = friction::alone::<$phi, _, true>(concat!($code, " newton"), $curve, &$together);
+            static $together: Law = friction::together::<$phi, _>(concat!($code, " shared"), $curve);
+        )*
+    };
+}
+
+methods! {
+    SMOOTH Smooth, "BOW smooth": SMOOTH_SECANT SMOOTH_NEWTON SMOOTH_TOGETHER;
+    PIECEWISE Piecewise, "BOW piecewise": PIECEWISE_SECANT PIECEWISE_NEWTON PIECEWISE_TOGETHER;
+    COULOMB Coulomb, "BOW coulomb": COULOMB_SECANT COULOMB_NEWTON COULOMB_TOGETHER;
+    TABLE lnl::TableFriction, "BOW table": TABLE_SECANT TABLE_NEWTON TABLE_TOGETHER;
+}
 
 /// u exp(½ − u²/2) for u in 0 … 8; beyond, the friction is below 1e-12 of its peak.
 fn bell() -> Table {
@@ -100,6 +135,19 @@ impl Phi<3, 0> for Smooth {
     }
 }
 
+impl Curve<3> for Smooth {
+    fn chord(&[f, per, bell]: &[f64; 3], tables: &[Table], w: f64) -> f64 {
+        tables.get(bell as usize).map_or(0.0, |t| f * per * t.chord((w * per).abs()))
+    }
+    fn slope(&[f, per, bell]: &[f64; 3], tables: &[Table], w: f64) -> f64 {
+        tables.get(bell as usize).map_or(0.0, |t| f * per * t.slope((w * per).abs()))
+    }
+    // at √3 v0
+    fn fall(&[f, per, _]: &[f64; 3], _: &[Table]) -> f64 {
+        f * per * 2.0 / core::f64::consts::E
+    }
+}
+
 /// Coefficients f/(v0 T), v0 T, fd, slope of the fall, v1 T.
 pub struct Piecewise;
 
@@ -130,6 +178,25 @@ impl Phi<5, 0> for Piecewise {
     }
 }
 
+impl Curve<5> for Piecewise {
+    fn chord(c: &[f64; 5], tables: &[Table], w: f64) -> f64 {
+        if w.abs() < c[1] { c[0] } else { Self::force(c, &mut [], tables, 0.0, w) / w }
+    }
+    fn slope(&[rise, v0, _, fall, v1]: &[f64; 5], _: &[Table], w: f64) -> f64 {
+        let v = w.abs();
+        if v < v0 {
+            rise
+        } else if v < v1 {
+            -fall
+        } else {
+            0.0
+        }
+    }
+    fn fall(c: &[f64; 5], _: &[Table]) -> f64 {
+        c[3]
+    }
+}
+
 /// Coefficients f/(v0 T), f.
 pub struct Coulomb;
 
@@ -148,5 +215,17 @@ impl Phi<2, 0> for Coulomb {
     }
     fn bound(&[rise, _]: &[f64; 2], _: &[Table]) -> Bound {
         Bound { z: rise, curve: true, ..Bound::default() }
+    }
+}
+
+impl Curve<2> for Coulomb {
+    fn chord(&[rise, f]: &[f64; 2], _: &[Table], w: f64) -> f64 {
+        (f / w.abs()).min(rise)
+    }
+    fn slope(&[rise, f]: &[f64; 2], _: &[Table], w: f64) -> f64 {
+        if rise * w.abs() < f { rise } else { 0.0 }
+    }
+    fn fall(_: &[f64; 2], _: &[Table]) -> f64 {
+        0.0
     }
 }

@@ -7,8 +7,9 @@
 //! created (numerics 3.2). "stable" and "stable3d" are passive at any stiffness ([`crate::method`]).
 //! Test: A17, B05, C01 to C06.
 
-use super::{ALONG, BETWEEN, Bound, Fixed, Law, PAIRS, Phi};
+use super::{ALONG, BETWEEN, Bound, Fixed, Law, METHOD, PAIRS, Phi};
 use crate::kind::{ANY, Kind, Need, POSITIVE, Param, Role, Type, Unit};
+use crate::method::spring::Linear;
 use crate::method::{gradient, quadratised};
 use crate::table::Table;
 
@@ -32,13 +33,7 @@ pub static KIND: Kind = Kind {
         Param::new("sticky", Type::Flag, Need::Default(1.0), "false clips the pull while letting go"),
         PAIRS,
         ALONG,
-        Param::new(
-            "method",
-            Type::Choice(&["ca", "stable", "stable3d"]),
-            Need::Default(0.0),
-            "ca: explicit, as in the field; stable: keeps energy at any stiffness; stable3d: the same by the method for \
-             space and shared masses, which stable takes where it must",
-        ),
+        METHOD,
     ],
     one_of: &[],
     example: r#"
@@ -60,8 +55,8 @@ pub static LAW: Law = Law::of::<But, 5, 0>("BUT").or(|p| match p.get(8)? {
     Fixed::At(2.0) => Some(&STABLE3D),
     _ => None,
 });
-static STABLE: Law = gradient::law(Law::of::<But, 5, 0>("BUT stable"), &STABLE3D);
-static STABLE3D: Law = quadratised::law(Law::of::<But, 5, 0>("BUT stable3d"));
+static STABLE: Law = gradient::law::<Linear>(Law::of::<But, 5, 0>("BUT stable"), &STABLE3D);
+static STABLE3D: Law = quadratised::law::<Linear>(Law::of::<But, 5, 0>("BUT stable3d"));
 
 /// One-sided spring and damper; coefficients k, z/T, d, sign of the sense, 1 where clipped.
 pub struct But;

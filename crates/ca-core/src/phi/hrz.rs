@@ -2,11 +2,14 @@
 //!
 //! Equation: with the penetration η = d − e (sense "outside") or e − d ("inside"), F = ∓k η^p (1 + h dη/dt) while η > 0.
 //! Parameters: k \[N/m^p\], p (multiple of 1/4; 1.5 for spheres), h [s/m], d \[m\]. Source: Hertz via Bilbao 2009, Hunt 1975.
-//! Stability: rule of thumb T²k p η^(p−1)/m ≤ 1 at the deepest point. It never pulls. Test: B04.
+//! Stability: method "ca" by rule of thumb T²k p η^(p−1)/m ≤ 1 at the deepest point. "stable" and "stable3d" are passive
+//! at any stiffness ([`crate::method`]). It never pulls. Test: B04.
 
 use super::pow::{P, quarter_power};
-use super::{ALONG, BETWEEN, Bound, Law, PAIRS, Phi};
+use super::{ALONG, BETWEEN, Bound, Fixed, Law, METHOD, PAIRS, Phi};
 use crate::kind::{ANY, Dim, Kind, Need, POSITIVE, Param, Role, Type, Unit};
+use crate::method::spring::Power;
+use crate::method::{gradient, quadratised};
 use crate::table::Table;
 
 /// HRZ in the catalog.
@@ -15,7 +18,8 @@ pub static KIND: Kind = Kind {
     title: "Hertz contact",
     equation: "F = -k n^p (1 + h dn/dt),  n = d - e > 0",
     doc: "The contact of rounded bodies: soft at first touch, hard when pressed, so that loud strokes are brighter. \
-          `h` takes energy at each blow and never makes the bodies stick.",
+          `h` takes energy at each blow and never makes the bodies stick. Its blow makes or takes a little energy, as that of a `BUT`; with \
+          `method = \"stable\"` it does not.",
     source: &["Bilbao 2009", "Hunt 1975"],
     params: &[
         BETWEEN,
@@ -32,6 +36,7 @@ pub static KIND: Kind = Kind {
         Param::new("sense", Type::Choice(&["outside", "inside"]), Need::Default(0.0), "keeps apart, or contains"),
         PAIRS,
         ALONG,
+        METHOD,
     ],
     one_of: &[],
     example: r#"
@@ -48,7 +53,13 @@ out = { from = "bar", gain = 1000 }
 };
 
 /// The law of HRZ.
-pub static LAW: Law = Law::of::<Hrz, 5, 0>("HRZ");
+pub static LAW: Law = Law::of::<Hrz, 5, 0>("HRZ").or(|p| match p.get(8)? {
+    Fixed::At(1.0) => Some(&STABLE),
+    Fixed::At(2.0) => Some(&STABLE3D),
+    _ => None,
+});
+static STABLE: Law = gradient::law::<Power>(Law::of::<Hrz, 5, 0>("HRZ stable"), &STABLE3D);
+static STABLE3D: Law = quadratised::law::<Power>(Law::of::<Hrz, 5, 0>("HRZ stable3d"));
 
 /// One-sided power law; coefficients k, 4p, h/T, d, sign of the sense.
 pub struct Hrz;

@@ -7,6 +7,7 @@
 
 use super::{ALONG, BETWEEN, Bound, Fixed, L0, Law, PAIRS, Phi, SOFTEN};
 use crate::kind::{Kind, Need, Param, Role, Type, Unit};
+use crate::method::friction::Curve;
 use crate::table::Table;
 
 /// LNL in the catalog.
@@ -106,6 +107,18 @@ impl Phi<2, 0> for TableFriction {
         let t = table(tables, n);
         let (hi, lo) = t.map_or((0.0, 0.0), Table::slopes);
         Bound { z: hi.max(-lo) * fs, curve: true, active: t.is_some_and(|t| !t.resists()), ..Bound::default() }
+    }
+}
+
+impl Curve<2> for TableFriction {
+    fn chord(&[n, fs]: &[f64; 2], tables: &[Table], w: f64) -> f64 {
+        table(tables, n).map_or(0.0, |t| fs * t.chord(w * fs))
+    }
+    fn slope(&[n, fs]: &[f64; 2], tables: &[Table], w: f64) -> f64 {
+        table(tables, n).map_or(0.0, |t| fs * t.slope(w * fs))
+    }
+    fn fall(&[n, fs]: &[f64; 2], tables: &[Table]) -> f64 {
+        table(tables, n).map_or(0.0, |t| fs * (-t.slopes().1).max(0.0))
     }
 }
 

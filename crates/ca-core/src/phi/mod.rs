@@ -60,6 +60,15 @@ pub const SOFTEN: Param = Param::number(
 )
 .for_good();
 
+/// How the force of a one-sided spring is found.
+pub const METHOD: Param = Param::new(
+    "method",
+    Type::Choice(&["ca", "stable", "stable3d"]),
+    Need::Default(0.0),
+    "ca: explicit, as in the field; stable: keeps energy at any stiffness; stable3d: the same by the method for \
+     space and shared masses, which stable takes where it must",
+);
+
 /// How many links two lists of ends make.
 pub const PAIRS: Param = Param::new(
     "pairs",

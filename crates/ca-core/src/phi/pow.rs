@@ -66,6 +66,26 @@ pub fn quarter_power(x: f64, n: f64) -> f64 {
     y
 }
 
+/// (s^(n/4) − a^(n/4)) / (s − a) for s > 0 and a > 0: with the fourth roots of both (or the square roots, or themselves,
+/// as n allows) it is the quotient of two sums without a difference.
+pub fn quarter_mean(s: f64, a: f64, n: f64) -> f64 {
+    let (mut n, mut parts, mut u, mut v) = (n as u32, 1, s, a);
+    while n % (4 / parts) != 0 {
+        (parts, u, v) = (2 * parts, libm::sqrt(u), libm::sqrt(v));
+    }
+    n /= 4 / parts;
+    // Σ uⁱ vʲ with i + j = n − 1
+    let sum = |n: u32| (0..n).fold((0.0, 1.0), |(sum, w), _| (sum * u + w, w * v)).0;
+    sum(n) / sum(parts)
+}
+
+/// x^(4/n) for x ≥ 0 to within an eighth, where an iteration is to begin: the bits of a number are nearly its
+/// logarithm, so this is the same on every IEEE machine.
+pub fn quarter_root(x: f64, n: f64) -> f64 {
+    let one = 1f64.to_bits() as i64;
+    f64::from_bits((one + (x.to_bits() as i64 - one) / n as i64 * 4) as u64)
+}
+
 /// F = k e + q sgn(e)|e|^(n/4) + (z/T) w; coefficients k, q, n, z/T.
 pub struct Pow;
 

@@ -68,7 +68,7 @@ pub fn frictions(
     diags: &mut Diags,
 ) {
     let mut told = BTreeSet::new();
-    for (l, b) in net.lias.iter().zip(bounds).filter(|(_, b)| rubs(b)) {
+    for (l, b) in net.lias.iter().zip(bounds).filter(|(l, b)| rubs(b) && !l.law.is_late()) {
         let c = held(l, b).unwrap_or_else(|| mobility(net, l, rows));
         let steep = b.z * c;
         if steep > 1.5 && told.insert(l.item) {
@@ -78,8 +78,9 @@ pub fn frictions(
                 quantity::Plain(steep)
             );
             let less = quantity::Plain(round_up(steep / 1.5));
+            let other = if l.kind.param("method").is_some() { ", or `method = \"newton\"`" } else { "" };
             let help = format!(
-                "a {less} times smaller force or larger speed of stick, heavier masses, or a higher sound rate"
+                "a {less} times smaller force or larger speed of stick, heavier masses, or a higher sound rate{other}"
             );
             diags.push(Diag::warning("W113", title).at(span(model, net, l.item), "steep friction").help(help));
         }

@@ -1,0 +1,131 @@
+//! Friction against the speed in the middle of the tick, so that it only resists however steep its curve (numerics
+//! 3.5).
+//!
+//! The explicit law takes the speed of the tick before; where its curve is steep against the masses, what should stick
+//! rings instead. Here the force is F = λu with u = (e₊ − e₋)/2, the centred motion, and λ ≥ 0: its work over the tick is
+//! λu², heat and never a gift, whatever λ is. With r what all other forces would make of u, and c half the mobility of
+//! the two ends, u = r − cF = r/(1 + cλ): nothing is iterated once λ is known. Both methods take λ = F(v)/v, of
+//! - **secant**: v of the tick before. First order, and right at any steepness;
+//! - **newton**: v = u itself, the root of u + cF(u) = r between 0 and r. Second order; the root is the only one while the
+//!   curve nowhere falls by more than 1/c, and from a little before that on the secant serves: a mass would jump
+//!   between roots.
+//!
+//! In both the last step is the same, so an iteration that has not quite arrived costs accuracy and no energy. Where
+//! the place is shared, and in space, all is one linear system in the motion, which [`super::quadratised`] solves with
+//! the contacts: the λ of the secant are viscosities there. A table that drives is cut to what resists.
+
+use super::newton::root;
+use super::quadratised::{self, join, reach};
+use super::{goes, mobility};
+use crate::law::{Bound, Phi};
+use crate::layout::{Gauge, Layout};
+use crate::op::gauge::{Along, Line, Measure, Radial};
+use crate::op::law::{Law, Turn};
+use crate::op::{Form, Kernel, Op};
+use crate::state::State;
+use crate::table::Table;
+use crate::touch::Touch;
+
+/// Newton while c times the steepest fall is below this; the root is the only one below 1. Of the bell curve it is where
+/// the steepest rise, at rest, is T/m times 4.
+const UNIQUE: f64 = 0.892_520_640_593_719_2;
+
+/// A law of speed alone, F(w) of the sign of w, w the change of elongation per tick.
+pub trait Curve<const C: usize>: Phi<C, 0> {
+    /// F(w)/w \[N per m/tick\]; the slope at rest for w = 0.
+    fn chord(c: &[f64; C], tables: &[Table], w: f64) -> f64;
+
+    /// The slope at w \[N per m/tick\].
+    fn slope(c: &[f64; C], tables: &[Table], w: f64) -> f64;
+
+    /// How steeply it falls where it falls most \[N per m/tick\], ≥ 0.
+    fn fall(c: &[f64; C], tables: &[Table]) -> f64;
+}
+
+/// The curve by secant or `NEWTON`; where it may not act alone, `together` runs. Memory: heat of the tick \[J\].
+pub const fn alone<P: Curve<C> + 'static, const C: usize, const NEWTON: bool>(
+    code: &'static str,
+    curve: Law,
+    together: &'static Law,
+) -> Law {
+    Law {
+        code,
+        mem: 1,
+        start: |_, _, mem| mem.fill(0.0),
+        lost: |_, mem, _, _| mem[0],
+        bound: bound::<P, C>,
+        kernel: |_| rub::<P, C, NEWTON>,
+        turn: Turn::Alone(together),
+        simpler: |_| None,
+        ..curve
+    }
+}
+
+/// The curve by secant, solved together with all that touches. Memory: nothing, heat of the tick \[J\].
+pub const fn together<P: Curve<C> + 'static, const C: usize>(code: &'static str, curve: Law) -> Law {
+    Law {
+        code,
+        mem: 2,
+        start: |_, _, mem| mem.fill(0.0),
+        lost: |_, mem, _, _| mem[1],
+        bound: bound::<P, C>,
+        kernel: kernel::<P, C>,
+        turn: Turn::Together(quadratised::solve),
+        simpler: |_| None,
+        ..curve
+    }
+}
+
+/// That of the curve, of which nothing drives.
+fn bound<P: Curve<C>, const C: usize>(c: &[f64], tables: &[Table]) -> Bound {
+    Bound { active: false, ..c.first_chunk().map_or(Bound::default(), |c| P::bound(c, tables)) }
+}
+
+fn kernel<P: Curve<C>, const C: usize>(form: Form) -> Kernel {
+    match form.gauge {
+        Gauge::Line => gather::<P, Line, C>,
+        Gauge::Along => gather::<P, Along, C>,
+        Gauge::Radial => gather::<P, Radial, C>,
+    }
+}
+
+/// Applies the links of `op`, one by one.
+fn rub<P: Curve<C>, const C: usize, const NEWTON: bool>(op: &Op, layout: &Layout, s: &mut State) {
+    let tables = &layout.tables;
+    for i in 0..op.n {
+        let coef = core::array::from_fn(|k| s.coef[op.coef + k * op.n + i]);
+        let [p, q] = layout.ends[op.first + i].map(|m| m as usize);
+        let w = s.d[q] - s.d[p];
+        let r = 0.5 * (w + (goes(layout, s, q) - goes(layout, s, p)));
+        let c = 0.5 * (mobility(layout, s, p) + mobility(layout, s, q));
+        let mut steep = P::chord(&coef, tables, w).max(0.0);
+        if NEWTON && c * P::fall(&coef, tables) < UNIQUE {
+            let u = root(r / (1.0 + c * steep), [r.min(0.0), r.max(0.0)], 0.0, |u| {
+                let force = P::force(&coef, &mut [], tables, 0.0, u);
+                (u + c * force - r, 1.0 + c * P::slope(&coef, tables, u))
+            });
+            steep = P::chord(&coef, tables, u).max(0.0);
+        }
+        let moved = r / (1.0 + c * steep);
+        let force = steep * moved;
+        s.f[p] += force;
+        s.f[q] -= force;
+        s.mem[op.mem + i] = force * moved;
+        if op.form.tap {
+            s.tap[op.tap + i] = force;
+        }
+    }
+}
+
+/// Collects the links of `op`.
+fn gather<P: Curve<C>, G: Measure, const C: usize>(op: &Op, layout: &Layout, s: &mut State) {
+    for i in 0..op.n {
+        let coef = core::array::from_fn(|k| s.coef[op.coef + k * op.n + i]);
+        let ends = layout.ends[op.first + i].map(|m| m as usize);
+        let at = if G::SPACE { layout.reach[op.ports.reach + i] } else { [0.0; 4] };
+        let felt = G::measure(&s.x, &s.d, ends, &at);
+        let z = P::chord(&coef, &layout.tables, felt.w).max(0.0);
+        let link = reach::<G>(op, layout, s, i, 1.0, felt.u);
+        join(s, Touch { z, ..link });
+    }
+}
