@@ -68,7 +68,7 @@ fn burdened(model: &Model, border: &str, feedback: &str) -> Model {
     m
 }
 
-/// Contacts that look ahead: by themselves, and together, some of which may not pull.
+/// Links that look ahead: by themselves, and together, some of which may not pull.
 fn stable() -> Vec<(String, String)> {
     let alone = r#"
 [param]
@@ -78,16 +78,23 @@ wall = {}
 [MAS]
 a = { m = "1 g", x = "1 mm", v = "-3 m/s" }
 b = { m = "1 g", x = "1 mm", v = "-2 m/s" }
+c = { m = "1 g", x = "1 mm", v = "-4 m/s" }
+d = { m = "1 g", v = "3 m/s" }
 [BUT]
 one = { between = ["wall", "a"], k = "k", z = 1, method = "stable" }
 two = { between = ["wall", "b"], k = "k", z = 100, sticky = false, method = "stable" }
+[HRZ]
+three = { between = ["wall", "c"], k = 1e9, h = 0.1, method = "stable" }
+[BOW]
+rub = { between = ["wall", "d"], f = 1, v0 = 1, method = "newton" }
 [SOX]
 out = { from = "a" }
 more = { from = "b" }
 "#;
+    let rubbed = alone.replace("[\"wall\", \"d\"]", "[\"c\", \"d\"]").replace("newton", "secant");
     let clipped = rattle::text(1.0, "stable3d", 3).replace("method =", "z = 20, sticky = false, method =");
     let rattle = rattle::text(1e4, "stable", 2);
-    [("alone", alone.into()), ("together", rattle), ("clipped", clipped)]
+    [("alone", alone.into()), ("rubbed", rubbed), ("together", rattle), ("clipped", clipped)]
         .map(|(n, t)| (format!("stable, {n}"), t))
         .into()
 }

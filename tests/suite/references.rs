@@ -3,6 +3,7 @@
 
 use crate::play::{PI, TURN, case, list, mat, mats, num, off, rel_l2, rows, scene, within};
 use ca_core::{Scene, State, tick};
+use serde_json::Value;
 
 /// Relative distance of an error from the error it should be, where the case gives two or three digits.
 #[track_caller]
@@ -259,12 +260,21 @@ impl Bow {
     }
 }
 
-/// Against the same bow in continuous time, sampled at 384 kHz with 32 steps between.
-fn bow(id: &str) {
+/// The friction of a case in continuous time, after the mass `m`.
+fn bow_of(c: &Value, m: f64) -> (Bow, f64, f64) {
+    let alpha = num(c, "setup/alpha");
+    let bow = Bow { force: num(c, "setup/FB_over_m"), alpha, speed: num(c, "setup/vb") };
+    let (f, v0) = (bow.force * m, 1.0 / (2.0 * alpha).sqrt());
+    (bow, f, v0)
+}
+
+/// Against the same bow in continuous time, sampled at 384 kHz with 32 steps between; `column` is that of the error by
+/// this method in a row.
+fn bow(id: &str, method: &str, column: impl Fn(&[f64]) -> usize) {
     const FINE: f64 = 384e3;
     let c = case(id);
-    let (m, alpha) = (1e-3, num(c, "setup/alpha"));
-    let bow = Bow { force: num(c, "setup/FB_over_m"), alpha, speed: num(c, "setup/vb") };
+    let m = 1e-3;
+    let (bow, f, v0) = bow_of(c, m);
     let mut at = [0.0, 0.0];
     let mut reference = vec![0.0];
     for _ in 0..(num(c, "setup/t") * FINE).round() as u32 {
@@ -274,20 +284,23 @@ fn bow(id: &str) {
     within(&format!("{id} x of the reference"), off(at[0], num(c, "values/x_end")), 1e-7);
     within(&format!("{id} v of the reference"), off(at[1], num(c, "values/v_end")), 1e-7);
     for row in rows(c, "values/rows") {
-        let (fs, should_be) = (row[0], row[1]);
+        let (fs, should_be) = (row[0], row[column(&row)]);
         let scene = scene(&format!(
             "[rate]\nsound = {fs:?}\n[CEL]\nbar = {{ m = {m:?}, k = {:?} }}\n[ENX]\nbow = {{}}\n[BOW]\n\
-             rub = {{ between = [\"bar\", \"bow\"], f = {:?}, v0 = {:?} }}\n[SOX]\nout = {{ from = \"bar\" }}\n",
+             rub = {{ between = [\"bar\", \"bow\"], f = {f:?}, v0 = {v0:?}, method = \"{method}\" }}\n[SOX]\nout = {{ from = \"bar\" }}\n",
             m * (TURN * 200.0).powi(2),
-            bow.force * m,
-            1.0 / (2.0 * alpha).sqrt()
         ));
         let error = rel_l2(&draw(&scene, &bow, fs), &every(&reference, (FINE / fs).round() as usize));
-        if should_be < 0.9 {
-            about(&format!("{id} at {fs} Hz"), error, should_be, 0.02);
+        if should_be < 1e-3 && id == BOWS[2] {
+            // nearly all of the error is that of the start, which decays within a tick
+            within(&format!("{id} {method} at {fs} Hz"), error, 5.0 * should_be);
+        } else if should_be < 0.9 {
+            // what is near the limit of a method hangs on the start; and the table of the curve leaves out a little
+            let room = if method == "newton" { 0.08 } else { 0.02 };
+            about(&format!("{id} {method} at {fs} Hz"), error, should_be, room + 1e-5 / should_be);
         } else {
-            // the explicit law has lost the solution: an error of about 100 %, whose digits mean nothing
-            assert!(error > 0.5 && error < 2.0, "{id} at {fs} Hz: {error}");
+            // it has lost the solution: an error of about 100 %, whose digits mean nothing
+            assert!(error > 0.5 && error < 2.0, "{id} {method} at {fs} Hz: {error}");
         }
     }
 }
@@ -313,19 +326,25 @@ fn every(x: &[f64], step: usize) -> Vec<f64> {
     x.iter().copied().step_by(step).collect()
 }
 
+const BOWS: [&str; 3] = ["B07_bow_soft", "B07_bow_hard", "B07_bow_very_hard"];
+
 #[test]
-fn b07_a_soft_bow() {
-    bow("B07_bow_soft");
+fn b07_a_bow() {
+    BOWS.iter().for_each(|id| bow(id, "ca", |_| 1));
 }
 
 #[test]
-fn b07_a_hard_bow() {
-    bow("B07_bow_hard");
+fn b07_a_bow_by_secant() {
+    BOWS.iter().for_each(|id| bow(id, "secant", |_| 2));
 }
 
 #[test]
-fn b07_a_bow_too_hard_to_be_explicit() {
-    bow("B07_bow_very_hard");
+fn b07_a_bow_by_newton() {
+    for id in BOWS {
+        let (law, ..) = bow_of(case(id), 1e-3);
+        let slope = |fs: f64| law.force * (2.0 * law.alpha).sqrt() * 0.5f64.exp() / fs;
+        bow(id, "newton", |row| if slope(row[0]) < 4.0 { 4 } else { 2 });
+    }
 }
 
 /// One unit mass and a contact with a wall at one sample per second.

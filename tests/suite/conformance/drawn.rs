@@ -15,6 +15,24 @@ pub fn laws() -> Vec<(&'static Kind, &'static Law)> {
     list
 }
 
+/// Every kind by every method it has, the explicit one first.
+pub fn ways() -> Vec<(&'static Kind, &'static str)> {
+    let words = |k: &Kind| match k.param("method").map(|i| k.params[i].ty) {
+        Some(Type::Choice(words)) => words,
+        _ => &["ca"],
+    };
+    let all: Vec<_> = laws().into_iter().flat_map(|(k, _)| words(k).iter().map(move |w| (k, *w))).collect();
+    assert!(all.len() >= laws().len() + 6);
+    all
+}
+
+/// Writes the method, where it is another than the first.
+fn by(way: &str, args: &mut Vec<Entry>) {
+    if way != "ca" {
+        args.push(Entry::new("method", way));
+    }
+}
+
 /// A value for a parameter of a link, as it would be written, of the size it has in an instrument.
 pub fn written(unit: Unit, (min, max): (f64, f64), dice: &mut Dice) -> f64 {
     let u = 0.5 * (dice.roll() + 1.0);
@@ -101,9 +119,10 @@ pub fn held(kind: &Kind, m: &mut Model, args: &mut Vec<Entry>) {
 }
 
 /// `low` and `high` joined by one link of this kind.
-pub fn pair(kind: &Kind, dice: &mut Dice) -> Model {
+pub fn pair(kind: &Kind, way: &str, dice: &mut Dice) -> Model {
     let mut m = model("[MAS]\nlow = { m = 1 }\nhigh = { m = 2 }\n[SOX]\nout = { from = \"low\" }\n");
     let mut list = args(kind, dice);
+    by(way, &mut list);
     held(kind, &mut m, &mut list);
     list.push(Entry::new("between", Value::from(vec!["low", "high"])));
     m.add(kind.code, "link", list);
@@ -125,7 +144,7 @@ pub struct Loaded {
 
 impl Loaded {
     pub fn new(kind: &Kind, dice: &mut Dice) -> Loaded {
-        let m = pair(kind, dice);
+        let m = pair(kind, "ca", dice);
         let scene = built(&m, &Options::default());
         let s = scene.state();
         let op = scene.forces.iter().find(|o| o.law.is_some()).expect("a link");
@@ -153,7 +172,7 @@ impl Loaded {
 }
 
 /// A row of six masses joined by one law each, and a seventh across, so that batches hold a run and a loose link.
-pub fn row(kind: &Kind, apart: bool, dice: &mut Dice) -> Model {
+pub fn row(kind: &Kind, way: &str, apart: bool, dice: &mut Dice) -> Model {
     let mut m = model("[SOX]\nout = { from = \"m3\" }\n");
     for i in 0..6 {
         let x = if apart { 1e-4 * f64::from(i) } else { 0.0 };
@@ -166,6 +185,7 @@ pub fn row(kind: &Kind, apart: bool, dice: &mut Dice) -> Model {
         m.add("MAS", &format!("m{i}"), own);
     }
     let mut list = args(kind, dice);
+    by(way, &mut list);
     held(kind, &mut m, &mut list);
     for (k, (a, b)) in [(0, 1), (1, 2), (2, 3), (3, 4), (4, 5), (0, 3)].into_iter().enumerate() {
         let mut own = list.clone();

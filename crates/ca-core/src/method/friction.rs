@@ -6,9 +6,10 @@
 //! λu², heat and never a gift, whatever λ is. With r what all other forces would make of u, and c half the mobility of
 //! the two ends, u = r − cF = r/(1 + cλ): nothing is iterated once λ is known. Both methods take λ = F(v)/v, of
 //! - **secant**: v of the tick before. First order, and right at any steepness;
-//! - **newton**: v = u itself, the root of u + cF(u) = r between 0 and r. Second order; the root is the only one while the
-//!   curve nowhere falls by more than 1/c, and from a little before that on the secant serves: a mass would jump
-//!   between roots.
+//! - **newton**: v = u itself, the root of u + cF(u) = r between 0 and r. Second order. Where the curve is steeper than 4
+//!   against the masses the secant serves: there the bell curve soon has more roots than one, and what sticks to u = 0
+//!   would leave the motion itself, d, changing its sign at every tick. By the secant that dies out, if slowly: after n
+//!   ticks fT/4mn is left of it.
 //!
 //! In both the last step is the same, so an iteration that has not quite arrived costs accuracy and no energy. Where
 //! the place is shared, and in space, all is one linear system in the motion, which [`super::quadratised`] solves with
@@ -26,9 +27,9 @@ use crate::state::State;
 use crate::table::Table;
 use crate::touch::Touch;
 
-/// Newton while c times the steepest fall is below this; the root is the only one below 1. Of the bell curve it is where
-/// the steepest rise, at rest, is T/m times 4.
-const UNIQUE: f64 = 0.892_520_640_593_719_2;
+/// Newton while the steepest slope times T²/m of both ends is below this; the root of the bell curve is the only one up
+/// to 4.48 (numerics 3.5).
+const STEEPEST: f64 = 4.0;
 
 /// A law of speed alone, F(w) of the sign of w, w the change of elongation per tick.
 pub trait Curve<const C: usize>: Phi<C, 0> {
@@ -37,9 +38,6 @@ pub trait Curve<const C: usize>: Phi<C, 0> {
 
     /// The slope at w \[N per m/tick\].
     fn slope(c: &[f64; C], tables: &[Table], w: f64) -> f64;
-
-    /// How steeply it falls where it falls most \[N per m/tick\], ≥ 0.
-    fn fall(c: &[f64; C], tables: &[Table]) -> f64;
 }
 
 /// The curve by secant or `NEWTON`; where it may not act alone, `together` runs. Memory: heat of the tick \[J\].
@@ -99,7 +97,7 @@ fn rub<P: Curve<C>, const C: usize, const NEWTON: bool>(op: &Op, layout: &Layout
         let r = 0.5 * (w + (goes(layout, s, q) - goes(layout, s, p)));
         let c = 0.5 * (mobility(layout, s, p) + mobility(layout, s, q));
         let mut steep = P::chord(&coef, tables, w).max(0.0);
-        if NEWTON && c * P::fall(&coef, tables) < UNIQUE {
+        if NEWTON && 2.0 * c * P::bound(&coef, tables).z < STEEPEST {
             let u = root(r / (1.0 + c * steep), [r.min(0.0), r.max(0.0)], 0.0, |u| {
                 let force = P::force(&coef, &mut [], tables, 0.0, u);
                 (u + c * force - r, 1.0 + c * P::slope(&coef, tables, u))

@@ -66,8 +66,10 @@ fn push<S: Spring>(op: &Op, layout: &Layout, s: &mut State) {
             let beta = 0.5 * c * z;
             let h = 0.5 * c * contact.k / (1.0 + beta);
             let to = after(contact.spring, (free + beta * a) / (1.0 + beta), a, h);
-            force = contact.slope(to, a) + 0.5 * z * (to - a);
-            heat = 0.25 * z * (to - a) * (to - a);
+            force = contact.slope(to, a);
+            let moved = if S::HARDENS { (free - a - c * force) / (1.0 + beta) } else { to - a };
+            force += 0.5 * z * moved;
+            heat = 0.25 * z * moved * moved;
             if contact.clip && force < 0.0 {
                 (force, heat) = (0.0, 0.5 * (contact.potential(a) - contact.potential(free)));
             }

@@ -10,6 +10,9 @@ use crate::state::State;
 
 /// The elastic part of a law and its losses.
 pub trait Spring: Copy {
+    /// True where viscosity has no bound, so that rounding must not be multiplied by it.
+    const HARDENS: bool;
+
     /// The contact with these coefficients, in the order of its law.
     fn contact(c: &[f64; 5]) -> Contact<Self>;
 
@@ -85,6 +88,7 @@ pub struct Linear {
 }
 
 impl Spring for Linear {
+    const HARDENS: bool = false;
     fn contact(&[k, z, d, side, clip]: &[f64; 5]) -> Contact<Linear> {
         Contact { k, d, side, clip: clip != 0.0, spring: Linear { z } }
     }
@@ -127,6 +131,7 @@ impl Power {
 }
 
 impl Spring for Power {
+    const HARDENS: bool = true;
     fn contact(&[q, n, loss, d, side]: &[f64; 5]) -> Contact<Power> {
         let spring = Power { n, loss };
         Contact { k: q / spring.rise(), d, side, clip: true, spring }

@@ -142,10 +142,6 @@ impl Curve<3> for Smooth {
     fn slope(&[f, per, bell]: &[f64; 3], tables: &[Table], w: f64) -> f64 {
         tables.get(bell as usize).map_or(0.0, |t| f * per * t.slope((w * per).abs()))
     }
-    // at √3 v0
-    fn fall(&[f, per, _]: &[f64; 3], _: &[Table]) -> f64 {
-        f * per * 2.0 / core::f64::consts::E
-    }
 }
 
 /// Coefficients f/(v0 T), v0 T, fd, slope of the fall, v1 T.
@@ -192,9 +188,6 @@ impl Curve<5> for Piecewise {
             0.0
         }
     }
-    fn fall(c: &[f64; 5], _: &[Table]) -> f64 {
-        c[3]
-    }
 }
 
 /// Coefficients f/(v0 T), f.
@@ -224,8 +217,5 @@ impl Curve<2> for Coulomb {
     }
     fn slope(&[rise, f]: &[f64; 2], _: &[Table], w: f64) -> f64 {
         if rise * w.abs() < f { rise } else { 0.0 }
-    }
-    fn fall(_: &[f64; 2], _: &[Table]) -> f64 {
-        0.0
     }
 }

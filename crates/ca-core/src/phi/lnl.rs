@@ -117,9 +117,6 @@ impl Curve<2> for TableFriction {
     fn slope(&[n, fs]: &[f64; 2], tables: &[Table], w: f64) -> f64 {
         table(tables, n).map_or(0.0, |t| fs * t.slope(w * fs))
     }
-    fn fall(&[n, fs]: &[f64; 2], tables: &[Table]) -> f64 {
-        table(tables, n).map_or(0.0, |t| fs * (-t.slopes().1).max(0.0))
-    }
 }
 
 /// Both tables; coefficients spring table, friction table, 1/T.
