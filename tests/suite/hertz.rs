@@ -75,11 +75,9 @@ proptest! {
         let h = if lossless { 0.0 } else { 10f64.powf(loss) / v };
         // begins at most three ticks away, or pressed by up to one
         let (x, sense, way) = (reach * (phase - begins), ["outside", "inside"][usize::from(inside)], [1.0, -1.0][usize::from(inside)]);
-        // where the force follows from the place, the place is rounded: √(kη^(p−1)T²/m) of that in energy
-        let place = 1e-14 * 10f64.powf(hard / (p + 1.0));
-        // the other has a state of its own for that, which begins with what is pressed at load
-        let own = if x < 0.0 { place } else { 0.0 };
-        for (method, room) in [("stable", 1e-12 + place), ("stable3d", 1e-12 + own)] {
+        // √(kη^(p−1)T²/m) is what the rounding of a place is in energy, at the depth of a tick
+        let room = 1e-12 + 1e-14 * 10f64.powf(0.5 * hard);
+        for method in ["stable", "stable3d"] {
             let text = format!(
                 "[SOL]\nwall = {{}}\n[MAS]\nball = {{ m = {m:?}, x = {:?}, v = {:?} }}\n[HRZ]\nhit = {{ between = [\"wall\", \"ball\"], \
                  k = {k:?}, p = {p:?}, h = {h:?}, sense = \"{sense}\", method = \"{method}\" }}\n[SOX]\nout = {{ from = \"ball\" }}\n",
