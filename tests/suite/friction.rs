@@ -14,15 +14,9 @@ const CURVES: [&str; 4] = ["smooth", "piecewise", "coulomb", "table"];
 fn curve(name: &str, f: f64, v0: f64) -> String {
     match name {
         "table" => {
-            let points: Vec<String> = [[-9.0, -0.2], [-1.0, -1.0], [2.0, 0.8], [3.0, 0.9], [20.0, 0.1]]
-                .map(|[v, y]| format!("[{:?}, {:?}]", v * v0, y * f))
-                .into();
-            let rest = [-1.0, 2.0].map(|v| v * v0);
-            // through zero
-            let middle = "[0, 0]";
-            let (low, high) = points.split_at(2);
-            assert!(rest[0] < 0.0 && rest[1] > 0.0);
-            format!("curve = \"table\", points = [{}, {middle}, {}]", low.join(", "), high.join(", "))
+            let points = [[-9.0, -0.2], [-1.0, -1.0], [0.0, 0.0], [2.0, 0.8], [3.0, 0.9], [20.0, 0.1]];
+            let points = points.map(|[v, y]| format!("[{:?}, {:?}]", v * v0, y * f));
+            format!("curve = \"table\", points = [{}]", points.join(", "))
         }
         "piecewise" => {
             format!("curve = \"piecewise\", f = {f:?}, v0 = {v0:?}, v1 = {:?}, fd = {:?}", 2.5 * v0, 0.3 * f)
@@ -113,8 +107,8 @@ fn a_block_slides_and_stops() {
 fn what_is_held_creeps() {
     for method in ["secant", "newton"] {
         let scene = scene(&format!(
-            "[gravity]\n[SOL]\ntable = {{}}\n[MAS]\nblock = {{ m = 0.001 }}\n[ENF]\npush = {{ to = \"block\" }}\n[BOW]\nrub = {{ between = [\"table\", \"block\"], curve = \"coulomb\", f = 0.02, v0 = 1e-6, method = \"{method}\" }}\n[SOX]\nout = {{ from = \"block\" }}\n"
-        ).replace("[gravity]\n", ""));
+            "[SOL]\ntable = {{}}\n[MAS]\nblock = {{ m = 0.001 }}\n[ENF]\npush = {{ to = \"block\" }}\n[BOW]\nrub = {{ between = [\"table\", \"block\"], curve = \"coulomb\", f = 0.02, v0 = 1e-6, method = \"{method}\" }}\n[SOX]\nout = {{ from = \"block\" }}\n"
+        ));
         let mut s = scene.state();
         s.input[0] = 0.015;
         (0..48_000).for_each(|_| tick(&scene, &mut s));

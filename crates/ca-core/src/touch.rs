@@ -1,11 +1,12 @@
-//! Contacts that are solved together in a tick, as data; [`crate::method::quadratised`] fills and empties them.
+//! Contacts and friction that are solved together in a tick, as data; [`crate::method::quadratised`] fills and empties
+//! them, [`crate::method::friction`] adds to them.
 //!
 //! Decides for one record per contact with the vectors of the solver in it, instead of an array per vector: few are
 //! ever active at once, and all numbers of one are used together. Room for all is made at load, so no tick allocates.
 
 use alloc::vec::Vec;
 
-/// One contact that acts in this tick.
+/// One link that acts in this tick; of friction, γ and ψ are 0, and the elongation is a penetration that shrinks.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Touch {
     /// first place of either end

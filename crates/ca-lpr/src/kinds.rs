@@ -20,7 +20,7 @@ const ONTO: Param = Param::new(
 );
 
 const fn is_kept(p: &Param) -> bool {
-    // the methods of contacts know of one port
+    // methods other than the explicit one know of one port
     !matches!(p.ty, Type::Direction) && !matches!(p.name.as_bytes(), b"method" | b"theta")
 }
 

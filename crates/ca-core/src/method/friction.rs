@@ -2,8 +2,8 @@
 //! 3.5).
 //!
 //! The explicit law takes the speed of the tick before; where its curve is steep against the masses, what should stick
-//! rings instead. Here the force is F = λu with u = (e₊ − e₋)/2, the centred motion, and λ ≥ 0: its work over the tick is
-//! λu², heat and never a gift, whatever λ is. With r what all other forces would make of u, and c half the mobility of
+//! rings instead. Here the force is F = λu with u = (e₊ − e₋)/2, the centred motion, and λ ≥ 0: its work over the tick
+//! is λu², heat and never a gift, whatever λ is. With r what all other forces would make of u, and c half the mobility of
 //! the two ends, u = r − cF = r/(1 + cλ): nothing is iterated once λ is known. Both methods take λ = F(v)/v, of
 //! - **secant**: v of the tick before. First order, and right at any steepness;
 //! - **newton**: v = u itself, the root of u + cF(u) = r between 0 and r. Second order. Where the curve is steeper than 4

@@ -8,9 +8,9 @@
 //! [`Turn`](crate::op::law::Turn)). Decides against sub-steps and against iterating the whole scene: both cost in
 //! every tick, these only while something touches.
 //!
-//! Common to the springs: the penetration η is `side·(d − e)`, positive while pressed together; the push N ≥ 0 acts against
-//! it, and as a tension of the link it is F = −side·N. A push N kept over a tick takes the work N·s/2 from the masses,
-//! where s = η₊ − η₋ is the change of penetration over two ticks (numerics 2.2).
+//! Common to the springs: the penetration η is `side·(d − e)`, positive while pressed together; the push N ≥ 0 acts
+//! against it, and as a tension of the link it is F = −side·N. A push N kept over a tick takes the work N·s/2 from the
+//! masses, where s = η₊ − η₋ is the change of penetration over two ticks (numerics 2.2).
 
 pub mod friction;
 pub mod gradient;

@@ -18,11 +18,7 @@ pub fn root(mut s: f64, [mut low, mut high]: [f64; 2], scale: f64, at: impl Fn(f
         if (to - s).abs() <= NEAR * scale.max(s.abs()) {
             return to.max(low).min(high);
         }
-        if value > 0.0 {
-            high = s
-        } else {
-            low = s
-        }
+        (low, high) = if value > 0.0 { (low, s) } else { (s, high) };
         s = if low < to && to < high { to } else { 0.5 * (low + high) };
     }
     s

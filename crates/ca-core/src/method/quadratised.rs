@@ -7,8 +7,8 @@
 //! ψ₊ = ψ + γ s/2        N = γ (ψ + ψ₊)/2 + z s/2 = γψ + R s        R = γ²/4 + z/2
 //! ```
 //! so that the work N s/2 is (ψ₊² − ψ²)/2 plus the heat z s²/4, for **any** γ. Pressed together, γ is the slope of
-//! √(2U) at the tick, √k of a linear spring; ψ and −ψ are the same energy, so ψ is kept positive and the contact pushes. Once apart, γ is
-//! what gives all of ψ back in this tick: ψ₊ = 0 with s = s* − Wγψ/2 asks Wψγ²/2 − s*γ − 2ψ = 0, whose positive root
+//! √(2U) at the tick, √k of a linear spring; ψ and −ψ are the same energy, so ψ is kept positive and the contact pushes.
+//! Once apart, γ is what gives all of ψ back in this tick: ψ₊ = 0 with s = s* − Wγψ/2 asks Wψγ²/2 − s*γ − 2ψ = 0, whose positive root
 //! is 4ψ/(q − s*), q = √(s*² + 4Wψ²), with s* the change that all other forces would cause and W the mobility of this
 //! contact; one that closes again keeps ψ for then. A contact that holds nothing and is opening holds on to nothing.
 //!
@@ -22,6 +22,8 @@
 //! stored but one vector over places, contacts that share nothing are done in one step, and no number of them is too
 //! large. A factorisation was the alternative; it needs room that grows with the square. s is then taken as y/R, so an
 //! error ε of the solver makes no more energy than N·ε/2, which `EXACT` keeps at the rounding of the blow itself.
+//!
+//! Friction joins in with γ = 0 and the viscosity of its secant ([`super::friction`]).
 //!
 //! With `sticky = false` contacts that would pull are taken out and the rest is solved again, until none does; their ψ
 //! follows the motion as far as that loses energy.
