@@ -8,7 +8,7 @@
 use crate::layout::{Account, Gauge, Layout};
 pub use crate::ledger::{Balance, Exchange, Ledger};
 use crate::near::Near;
-use crate::op::{Op, crowd, gauge};
+use crate::op::{Op, crowd, gauge, wave};
 use crate::state::State;
 
 /// Link `i` of a batch around the tick being booked, where `d0` is the motion into that tick: its elongations before,
@@ -106,7 +106,7 @@ fn set(layout: &Layout, s: &State, near: &mut Near, d0: &[f64], a: &Account, at:
 fn hold(layout: &Layout, s: &State, near: &mut [Near], l: &mut Ledger) -> f64 {
     let (kinetic, mut h, _) = mats(layout, s, &s.d);
     l.kinetic = kinetic;
-    h += kinetic;
+    h += kinetic + wave::energy(layout, s, &s.d).0;
     links(layout, s, near, &s.d, |_, k, entry| {
         l.held[k] = entry.held;
         h += entry.held;
@@ -140,10 +140,11 @@ pub fn book(_op: &Op, layout: &Layout, s: &mut State) {
         work += w;
     }
     let (kinetic, mut h, heat) = mats(layout, s, &l.d0);
+    let (waves, beside) = wave::energy(layout, s, &l.d0);
     l.kinetic = kinetic;
-    l.lost_mats += heat;
-    lost += heat;
-    h += kinetic;
+    l.lost_mats += heat + beside;
+    lost += heat + beside;
+    h += kinetic + waves;
     links(layout, s, &mut near, &l.d0, |a, k, Entry { held, heat, work }| {
         if !a.linear {
             let made = held - l.held[k] + work + heat;

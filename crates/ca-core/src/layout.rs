@@ -6,6 +6,7 @@
 use crate::law::{Idle, Lost, Stored};
 use crate::ldl::Pattern;
 use crate::table::Table;
+use crate::wave::Loss;
 use alloc::vec::Vec;
 
 /// How a port of a link measures its two ends.
@@ -171,6 +172,63 @@ pub struct Blocker {
     pub g: f64,
 }
 
+/// A place where a waveguide is touched.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Junction {
+    /// the MAT it is
+    pub mat: u32,
+    /// wave impedance of either side \[N per m/tick\]
+    pub z: f64,
+    /// its memory: the waves that arrive from either side, and its motion before the tick \[m/tick\]
+    pub memory: usize,
+}
+
+/// What a wave comes through at the end of its way.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Through {
+    /// nothing: on to the next junction
+    Open,
+    /// a rigid end
+    Rigid,
+    /// a rigid end with a loss and an allpass
+    Lossy {
+        /// their coefficients
+        loss: Loss,
+        /// memory of the allpass
+        memory: usize,
+    },
+}
+
+/// A way that waves take, from one side of a junction to a side of the same or of the next: a ring of waves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Delay {
+    /// the junction they leave
+    pub junction: usize,
+    /// memory of the wave that arrives on the side they leave from
+    pub from: usize,
+    /// memory of the wave that arrives on the side they come to
+    pub to: usize,
+    /// first place of the ring
+    pub first: usize,
+    /// its length: the ticks a wave takes, and three more where a loss follows
+    pub len: usize,
+    /// what they come through
+    pub through: Through,
+}
+
+/// The waveguides of a scene.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Waves {
+    /// where they are touched (any)
+    pub junctions: Vec<Junction>,
+    /// how waves travel (any)
+    pub delays: Vec<Delay>,
+    /// first place of their memory in [`State::mem`](crate::state::State)
+    pub first: usize,
+    /// places of it
+    pub len: usize,
+}
+
 /// A batch of links as the ledger sees it.
 #[derive(Clone, Copy)]
 pub struct Account {
@@ -250,7 +308,7 @@ pub struct Layout {
     pub n_lia: usize,
     /// coefficients
     pub n_coef: usize,
-    /// numbers of memory of laws
+    /// numbers of memory of laws and waves
     pub n_mem: usize,
     /// contacts that are solved together
     pub n_touch: usize,
@@ -291,6 +349,8 @@ pub struct Layout {
     pub tgr: Vec<Enx>,
     /// how they cross it
     pub crossing: Crossing,
+    /// waveguides
+    pub waves: Waves,
     /// MATs with weight (any)
     pub weighed: Vec<u32>,
     /// what is heard (any): as it is first, then what goes through a high pass

@@ -13,7 +13,7 @@ pub struct Ledger {
     pub kinetic: f64,
     /// largest |h| + Σ|lost| so far, the scale of the residual
     pub peak: f64,
-    /// heat of MATs with dampers of their own
+    /// heat of MATs with dampers of their own, and of the ends of waveguides
     pub lost_mats: f64,
     /// heat of each link (n_lia)
     pub lost: Vec<f64>,

@@ -70,6 +70,7 @@ pub mod state;
 pub mod table;
 pub mod tick;
 pub mod touch;
+pub mod wave;
 
 pub use catalog::Catalog;
 pub use compile::{KernelClass, Options, compile};

@@ -36,6 +36,8 @@ impl Dim {
     pub const STIFFNESS: Dim = Dim::new(0.0, 1.0, -2.0);
     /// \[N s/m\]
     pub const VISCOSITY: Dim = Dim::new(0.0, 1.0, -1.0);
+    /// \[kg/m\]
+    pub const LINEAR_DENSITY: Dim = Dim::new(-1.0, 1.0, 0.0);
     /// \[N/m^3\]
     pub const CUBIC: Dim = Dim::new(-2.0, 1.0, -2.0);
     /// \[N s\]
@@ -106,6 +108,8 @@ units! {
     STIFFNESS = "N/m", Dim::STIFFNESS;
     /// viscosity
     VISCOSITY = "N s/m", Dim::VISCOSITY;
+    /// mass per length
+    LINEAR_DENSITY = "kg/m", Dim::LINEAR_DENSITY;
     /// cubic stiffness
     CUBIC = "N/m^3", Dim::CUBIC;
     /// momentum, impulse

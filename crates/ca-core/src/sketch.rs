@@ -6,6 +6,7 @@
 
 use crate::cloud::Cloud;
 use crate::param::Param;
+use crate::wave::Asked;
 use alloc::string::String;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
@@ -156,6 +157,8 @@ pub struct Sketch<'a> {
     pub nodes: Vec<u32>,
     /// their arrangement, `[n, 1]` in a row
     pub size: [u32; 2],
+    /// the string whose junctions the MATs drawn are, if they are
+    pub line: Option<Asked>,
 }
 
 impl<'a> Sketch<'a> {
@@ -170,6 +173,7 @@ impl<'a> Sketch<'a> {
             speeds: Vec::new(),
             nodes: Vec::new(),
             size: [0, 1],
+            line: None,
         }
     }
 

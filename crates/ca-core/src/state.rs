@@ -82,7 +82,7 @@ pub struct State {
     /// coefficients (n_coef): P, Q and C of the MATs, then those of weights, links, points and outputs;
     /// written at load and by changes
     pub coef: Vec<f64>,
-    /// memory of laws (n_mem); written by `forces`
+    /// memory of laws, then of waves (n_mem); written by `forces`, waves that leave by `moves`
     pub mem: Vec<f64>,
     /// forces of links that are heard, audited or in passing \[N\] (n_tap); written by `forces`
     pub tap: Vec<f64>,

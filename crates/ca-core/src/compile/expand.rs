@@ -1,6 +1,7 @@
 //! Expand: a generator's drawing becomes modules with names, kinds and places for their numbers.
 
 use super::net::{End, Family, LiaNode, MatNode, MatRole, Measure, Net};
+use super::waves::LineNode;
 use crate::kind::{Kind, Role};
 use crate::live::Source;
 use crate::sketch::{Drawn, Sketch};
@@ -81,6 +82,7 @@ pub fn expand(net: &mut Net, item: u32, sketch: &Sketch<'_>, (dim, rest): (u8, [
             item,
         });
     }
+    net.lines.extend(sketch.line.clone().map(|asked| LineNode { item, first: base, asked, tuned: None }));
     family.nodes = sketch.nodes.iter().map(|n| base + n).collect();
     net.families.insert(name, family);
 }

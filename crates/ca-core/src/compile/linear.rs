@@ -5,6 +5,7 @@
 
 use super::net::{Coordinate, Ear, End, LiaNode, MatNode, Measure, Net};
 use super::slopes::{self, Own};
+use super::waves::LineNode;
 use crate::analysis::{Linear, Loose, Network, Place, Port};
 use crate::law::Bound;
 use crate::op::pass;
@@ -77,12 +78,14 @@ pub fn links(
 
 /// The linear part of a network at load, and where it is driven and heard.
 pub fn network(net: &Net) -> Network {
-    let own: Vec<Own> = net
+    let mut own: Vec<Own> = net
         .mats
         .iter()
         .zip(&net.alive)
         .map(|(m, alive)| if *alive { slopes::own(net, m) } else { Own::default() })
         .collect();
+    // delays are no matrix: what hangs on a waveguide is told as if that stood still
+    net.lines.iter().flat_map(LineNode::junctions).for_each(|m| own[m as usize] = Own::default());
     let slopes: Vec<Bound> = net.lias.iter().map(|l| slopes::slopes(net, l)).collect();
     let (mut linear, numbers) = places(net, &own);
     let counts = |l: &LiaNode, b: &Bound| b.linear && !l.law.is_late();
@@ -108,7 +111,8 @@ pub fn network(net: &Net) -> Network {
         let name = net.inputs[p.input as usize].name.clone();
         ports.push(Port { name, role: "pushes", at: here.into_iter().flatten().collect() });
     }
-    let mut left_out: Vec<(u32, &str)> = Vec::new();
+    let mut left_out: Vec<(u32, &str)> =
+        net.lines.iter().map(|l| (l.item, net.items[l.item as usize].kind.code)).collect();
     for (l, b) in net.lias.iter().zip(&slopes).filter(|(l, b)| !counts(l, b)) {
         if left_out.last().is_some_and(|o| o.0 == l.item) {
             continue;

@@ -48,6 +48,7 @@ mod specialise;
 mod start;
 mod turns;
 mod values;
+mod waves;
 mod wire;
 mod wiring;
 
@@ -74,6 +75,7 @@ fn network(model: &Model, catalog: &Catalog, options: &Options) -> Result<(Net, 
     prune::prune(model, &mut net, &mut diags);
     turns::turns(model, &mut net, &mut diags);
     ahead::check(model, &net, &mut diags);
+    waves::settle(model, &mut net, &mut diags);
     fed::mark(&mut net);
     Ok((net, diags))
 }

@@ -1,5 +1,6 @@
 //! Net: the network between model and scene: every module by itself, references resolved, numbers in SI.
 
+use super::waves::LineNode;
 use crate::equivalence::Equivalence;
 use crate::kind::Kind;
 use crate::kind::MatSpec;
@@ -303,6 +304,8 @@ pub struct Net {
     pub mats: Vec<MatNode>,
     /// LIAs in document order
     pub lias: Vec<LiaNode>,
+    /// strings of waves
+    pub lines: Vec<LineNode>,
     /// moving points
     pub points: Vec<PointNode>,
     /// names

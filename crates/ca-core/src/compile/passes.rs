@@ -6,7 +6,7 @@ use crate::layout::Layout;
 use crate::method::implicit;
 use crate::op::law::Turn;
 use crate::op::wide::wide;
-use crate::op::{Kernel, Op, blocker, lowpass, pass};
+use crate::op::{Kernel, Op, blocker, lowpass, pass, wave};
 use crate::{border, energy};
 use alloc::collections::BTreeSet;
 use alloc::vec::Vec;
@@ -32,7 +32,7 @@ pub fn reads(layout: &Layout, live: usize, aimed: bool) -> Vec<Op> {
     list.into_iter().filter(|p| p.0).map(|(_, name, kernel, n)| Op::pass(name, kernel, n)).collect()
 }
 
-/// Forces at the present positions: from outside, weight, links, and what goes on to others. Links from `late` on need
+/// Forces at the present positions: from outside, weight, waves, links, and what goes on to others. Links from `late` on need
 /// all of that.
 pub fn forces(layout: &Layout, mut links: Vec<Op>, late: usize, weight: usize) -> Vec<Op> {
     let mut list = Vec::new();
@@ -41,6 +41,9 @@ pub fn forces(layout: &Layout, mut links: Vec<Op>, late: usize, weight: usize) -
     }
     if !layout.weighed.is_empty() {
         list.push(Op { coef: weight, ..Op::pass("weight", pass::weight, layout.weighed.len()) });
+    }
+    if !layout.waves.delays.is_empty() {
+        list.push(Op::pass("waves in", wave::arrive, layout.waves.delays.len()));
     }
     let late = links.split_off(late);
     list.extend(links);
@@ -88,8 +91,9 @@ pub fn writes(layout: &Layout, gains: usize) -> Vec<Op> {
 }
 
 impl Plan<'_> {
-    /// Advance passes: stretches of MATs with and without coefficients of their own; nothing for what is fixed.
-    pub fn moves(&self, order: &[u32], n_mat: usize) -> Vec<Op> {
+    /// Advance passes: stretches of MATs with and without coefficients of their own, nothing for what is fixed; then what
+    /// leaves on the `ways` of waves.
+    pub fn moves(&self, order: &[u32], n_mat: usize, ways: usize) -> Vec<Op> {
         #[derive(PartialEq, Clone, Copy)]
         enum Class {
             Free,
@@ -132,6 +136,9 @@ impl Plan<'_> {
                 Some(Class::Free) | None => ("advance MAS", wide::<pass::AdvanceFree>),
             };
             ops.push(Op { mat: first, ..Op::pass(name, kernel, stretch.len()) });
+        }
+        if ways > 0 {
+            ops.push(Op::pass("waves out", wave::depart, ways));
         }
         if !order.is_empty() {
             ops.push(Op::pass("flush", pass::flush, n_mat));

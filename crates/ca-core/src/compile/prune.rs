@@ -48,6 +48,9 @@ pub fn prune(model: &Model, net: &mut Net, diags: &mut Diags) {
             moving.for_each(|e| sets.join(first, e));
         }
     }
+    for l in &net.lines {
+        l.junctions().for_each(|m| sets.join(l.first as usize, m as usize));
+    }
     let mut heard = alloc::vec![false; n + net.points.len()];
     let mut hear = |sets: &mut Sets, e: End| heard[sets.root(place(e))] = true;
     let tgr = |e: End| matches!(e, End::Mat(m) if matches!(net.mats[m as usize].role, MatRole::Port(PortRole::Tgr, _)));

@@ -17,7 +17,7 @@ use crate::model::quantity::Plain;
 use crate::model::suggest::nearest;
 use crate::model::{Item, Model, Span, Value};
 use crate::scene::{Input, InputRole};
-use crate::sketch::{Arg, Args, Sketch};
+use crate::sketch::{Arg, Args, Problem, Sketch};
 use alloc::collections::{BTreeMap, BTreeSet};
 use alloc::format;
 use alloc::string::String;
@@ -269,15 +269,20 @@ fn nodes(mut item: NetItem, source: &Item, net: &mut Net, v: &mut Values<'_>) {
                     expand(net, id, &drawing, (dim, rest), group);
                 }
                 Err(p) => {
-                    let d = Diag::error("E023", format!("`{}`: {}", item.name, p.title));
-                    let written = source.args.iter().find(|e| e.key == p.param);
-                    v.diags.push(d.at(written.map_or(source.name_span, |e| e.span), "does not fit").help(p.help));
+                    v.diags.push(does_not_fit(&item.name, source, p));
                     net.items.push(item);
                 }
             }
         }
         Role::Lia(_) => net.items.push(item),
     }
+}
+
+/// What a generator cannot do, pointed at where it was asked for.
+pub fn does_not_fit(name: &str, source: &Item, p: Problem) -> Diag {
+    let written = source.args.iter().find(|e| e.key == p.param);
+    let d = Diag::error("E023", format!("`{name}`: {}", p.title));
+    d.at(written.map_or(source.name_span, |e| e.span), "does not fit").help(p.help)
 }
 
 fn too_many(name: &str, kind: &Kind, source: &Item, will: usize, before: usize) -> Diag {

@@ -46,12 +46,13 @@ pub fn schedule(
     let ahead = plan.ahead(n_mat, &links, model, diags);
     // what stands before the links in the list of forces moves them back; moving points and what looks ahead only those
     // of a later turn
-    let lead = usize::from(!enf.is_empty()) + usize::from(!weighed.is_empty());
+    let waves = plan.waves(links.mem);
+    let lead = [enf.is_empty(), weighed.is_empty(), waves.delays.is_empty()].iter().filter(|none| !**none).count();
     let back = [!proxies.is_empty(), !modal.is_empty(), ahead.is_some()].into_iter().filter(|b| *b).count();
     let place = |op: usize| op + lead + if op >= links.late { back } else { 0 };
     let ledger = options.energy.then(|| LedgerPlan { accounts: accounts(&links.forces, place), weight });
     let symbols = symbols(&plan, &links, place);
-    let moves = plan.moves(order, n_mat);
+    let moves = plan.moves(order, n_mat, waves.delays.len());
     let live = plan.live_plan(ahead.as_ref());
     let whole = live.ahead.as_ref().map_or(u32::MAX, |a| a.first);
     let (coef, live_places) = (plan.coef, plan.live);
@@ -61,7 +62,7 @@ pub fn schedule(
         n_mat,
         n_lia: links.ends.len(),
         n_coef: coef.len(),
-        n_mem: links.mem,
+        n_mem: links.mem + waves.len,
         n_touch: links.touch,
         n_tap: links.tap,
         channels: net.channels.len(),
@@ -81,6 +82,7 @@ pub fn schedule(
         enf,
         tgr,
         crossing: net.crossing,
+        waves,
         weighed,
         outputs,
         blockers: blockers(model, net, diags),

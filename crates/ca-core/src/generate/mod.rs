@@ -14,6 +14,7 @@ mod pose;
 mod stiff;
 mod string;
 mod tetra;
+mod waveguide;
 
 /// All generator kinds, in the order of the documentation.
 pub const KINDS: &[&Kind] = &[
@@ -22,6 +23,7 @@ pub const KINDS: &[&Kind] = &[
     &stiff::KIND,
     &mesh::KIND,
     &bank::KIND,
+    &waveguide::KIND,
     &tetra::KIND,
     &cloud::KIND,
     &grains::KIND,

@@ -173,7 +173,9 @@ pub const CODES: &[(&str, &str)] = &[
     ("W111", "an LPR leans on nothing"),
     ("W112", "an LPR leans on less than itself"),
     ("W113", "steep friction"),
+    ("W114", "decay out of reach"),
     ("W115", "damping that ties modes"),
     ("N201", "lost on import"),
     ("N202", "not all of a file is used"),
+    ("N203", "a heavy junction"),
 ];

@@ -20,6 +20,7 @@ pub mod lowpass;
 pub mod pass;
 mod run;
 mod space;
+pub mod wave;
 pub mod wide;
 
 /// One pass, run once per tick.

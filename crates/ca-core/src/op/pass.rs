@@ -188,10 +188,11 @@ impl Body for AdvanceFull {
 
 /// Clears what is too small to matter, every 1024 ticks, long before it becomes denormal and slow. Part of the tick
 /// rather than a processor flag, so that renderer, host, Python and replay agree in every bit.
-pub fn flush(op: &Op, _layout: &Layout, s: &mut State) {
+pub fn flush(op: &Op, layout: &Layout, s: &mut State) {
     const TINY: f64 = 1e-270;
     if s.tick & 1023 == 1023 {
-        for v in s.x[..op.n].iter_mut().chain(&mut s.d[..op.n]) {
+        let waves = &mut s.mem[layout.waves.first..][..layout.waves.len];
+        for v in s.x[..op.n].iter_mut().chain(&mut s.d[..op.n]).chain(waves) {
             if v.abs() < TINY {
                 *v = 0.0;
             }

@@ -24,11 +24,13 @@ use crate::model::diag::{Diag, Diags};
 use crate::model::quantity::Plain;
 use alloc::format;
 use alloc::vec::Vec;
+pub(super) use blame::round_up;
 use blame::{overflow, span, unstable};
 use exact::Exact;
 use negative::Negative;
 use rules::{contacts, devices, frictions, rubs};
-use worst::{Row, worst_bounds, worst_rows};
+pub(super) use worst::worst_bounds;
+use worst::{Row, worst_rows};
 
 /// Judges the network; warnings name the module and what would mend it. The largest eigenvalue is narrowed down only
 /// where it is `asked` for.
@@ -77,11 +79,14 @@ pub fn certify(model: &Model, net: &Net, asked: bool, diags: &mut Diags) -> Cert
     }
     let mut cert = Certificate::default();
     let mut pair: f64 = 0.0;
-    for r in &rows {
+    let junction = |i: usize| net.lines.iter().any(|l| l.junctions().contains(&(i as u32)));
+    for (i, r) in rows.iter().enumerate() {
         let g = r.disc * r.c;
         cert.bound = cert.bound.max(g);
         // springs of different directions do not add up: a third of them does, and so does the stiffest
         let sure = if r.radial { (r.own / 3.0).max(r.most + r.eased) } else { r.own };
+        // waves that come back may hold a junction against its own damper, which is where they leave
+        let sure = if junction(i) { sure - 2.0 * r.z } else { sure };
         cert.lower = cert.lower.max(sure * r.c);
     }
     // the contacts of a set are judged by rule, and no two of its members are tied
@@ -114,6 +119,7 @@ pub fn certify(model: &Model, net: &Net, asked: bool, diags: &mut Diags) -> Cert
     let between = cert.lower < 4.0 && cert.bound >= 4.0 && covered;
     let exact = if between || few || asked { Exact::new(net, &rows, &bounds) } else { None };
     let verdict = exact.as_ref().filter(|_| between).map_or(Verdict::Open, |e| e.verdict(net, &bounds));
+    let verdict = if verdict == Verdict::Unstable && !net.lines.is_empty() { Verdict::Open } else { verdict };
     cert.exact = verdict != Verdict::Open;
     cert.largest = exact.as_ref().filter(|_| asked).and_then(|e| e.largest(&cert, true));
     cert.level = if cert.lower >= 4.0 || verdict == Verdict::Unstable {

@@ -53,6 +53,16 @@ impl Springs {
             let k = slopes::own(net, m).k;
             (0..m.axes).for_each(|axis| s.ground[node(i as u32, axis)] = k);
         }
+        for (m, before, k) in net.lines.iter().flat_map(|l| l.springs(net.te)) {
+            let i = node(m, 0);
+            match before.map(|b| node(b, 0)) {
+                None => s.ground[i] += k,
+                Some(j) => {
+                    s.around[i].push((j, k));
+                    s.around[j].push((i, k));
+                }
+            }
+        }
         for l in net.lias.iter().filter(|l| l.onto.is_none()) {
             let Measure::Line([p, q]) = l.measure else { continue };
             let k = stiffness(net, l);

@@ -1,0 +1,86 @@
+//! Waves: what arrives at the junctions of waveguides at the head of a tick, and what leaves them at its end.
+//!
+//! Waves are velocities, counted in \[m/tick\] like all motion. Between the two passes a junction is a MAT like any other:
+//! `arrive` adds 2 (Z/T) Σ vᵢ to the force on it, its own damper takes 2 (Z/T) v, and `depart` knows v = (d′ + d)/2 when it has
+//! moved (numerics 7.2). A delay is a ring whose first place is told by the tick, so no wave is ever moved.
+
+use super::Op;
+use crate::layout::{Delay, Layout, Through};
+use crate::state::State;
+
+impl Delay {
+    /// Place of the wave that left `back` ticks before `tick`; of what leaves in it for 0.
+    pub(crate) fn at(&self, tick: u64, back: usize) -> usize {
+        let now = (tick % self.len as u64) as usize;
+        self.first + if back > now { now + self.len - back } else { now - back }
+    }
+}
+
+/// Waves that arrive now, and their push on the junctions.
+pub fn arrive(_op: &Op, layout: &Layout, s: &mut State) {
+    let w = &layout.waves;
+    for d in &w.delays {
+        let wave = match d.through {
+            Through::Open => s.mem[d.at(s.tick, d.len)],
+            Through::Rigid => -s.mem[d.at(s.tick, d.len)],
+            Through::Lossy { loss, memory } => {
+                // a ring three longer than the delay keeps what the taps still hear
+                let [u0, u1, u2] = [3, 2, 1].map(|less| s.mem[d.at(s.tick, d.len - less)]);
+                let u = loss.a * u1 + loss.b * (u0 + u2);
+                let y = loss.c * u + s.mem[memory];
+                s.mem[memory] = u - loss.c * y;
+                -y
+            }
+        };
+        s.mem[d.to] = wave;
+    }
+    for j in &w.junctions {
+        let m = j.mat as usize;
+        s.f[m] += 2.0 * j.z * (s.mem[j.memory] + s.mem[j.memory + 1]);
+        s.mem[j.memory + 2] = s.d[m];
+    }
+}
+
+/// Waves that leave, when the junctions have moved.
+pub fn depart(_op: &Op, layout: &Layout, s: &mut State) {
+    for d in &layout.waves.delays {
+        let j = &layout.waves.junctions[d.junction];
+        let v = 0.5 * (s.d[j.mat as usize] + s.mem[j.memory + 2]);
+        s.mem[d.at(s.tick, 0)] = v - s.mem[d.from];
+    }
+}
+
+/// After a tick, of which `d0` is the motion into it: energy of the waves under way, and the heat of the ends in that
+/// tick less what the dampers of the junctions gave to the waves \[J\].
+///
+/// The taps give (1 − (a+2b)²) and more of what goes in to heat, where b (a+2b) of the square of the older wave they
+/// still hear and (a+b)(a+2b) of the newer one count as held; an allpass of memory q holds q²/(1 − c²).
+pub fn energy(layout: &Layout, s: &State, d0: &[f64]) -> (f64, f64) {
+    let w = &layout.waves;
+    let (mut held, mut heat) = (0.0, 0.0);
+    for d in &w.delays {
+        let wave = |back: usize| s.mem[d.at(s.tick, back)];
+        let energy = |v: f64| v * v;
+        let mut sum = 0.0;
+        let way = if let Through::Lossy { loss, memory } = d.through {
+            let way = d.len - 3;
+            let [u0, u1, u2] = [1, 2, 3].map(|more| wave(way + more));
+            let gain = loss.a + 2.0 * loss.b;
+            let (newer, older) = (gain * (loss.a + loss.b), gain * loss.b);
+            let taps = |u: f64, v: f64| newer * energy(u) + older * energy(v);
+            sum += taps(u0, u1) + energy(s.mem[memory]) / (1.0 - loss.c * loss.c);
+            let out = energy(loss.a * u1 + loss.b * (u0 + u2));
+            heat += w.junctions[d.junction].z * (energy(u0) + taps(u1, u2) - out - taps(u0, u1));
+            way
+        } else {
+            d.len
+        };
+        sum += (1..=way).map(|back| energy(wave(back))).sum::<f64>();
+        held += w.junctions[d.junction].z * sum;
+    }
+    for j in &w.junctions {
+        let v = 0.5 * (s.d[j.mat as usize] + d0[j.mat as usize]);
+        heat -= 2.0 * j.z * v * v;
+    }
+    (held, heat)
+}
