@@ -80,6 +80,16 @@ fn absurd_models_are_answered() {
         ("[CHAIN]\nc = { n = 2, k = 1, m = 1 }\n[SOX]\no = { from = 'c@0.5', gain = 1e308 }", ""),
         ("[ENX]\np = {}\n[CHAIN]\nc = { n = 2, k = 1, m = 1 }\n[SOX]\no = { from = 'c@p' }", ""),
         ("[BANK]\nb = { f = [], m = 1 }", "E006"),
+        ("[WAVEGUIDE]\nw = { f = 1e-300, z = 1, at = 0.5 }", "E023"),
+        ("[WAVEGUIDE]\nw = { f = 1e300, z = 1, at = 0.5 }", "E023"),
+        ("[WAVEGUIDE]\nw = { f = 440, z = 1e308, at = 0.5 }\n[SOX]\no = { from = 'w[0]' }", "E009"),
+        ("[WAVEGUIDE]\nw = { f = 440, z = 1, at = [] }", "E006"),
+        ("[WAVEGUIDE]\nw = { f = 440, z = 1, t60 = 1e-300, at = 0.5 }", "E023"),
+        (
+            "[WAVEGUIDE]\nw = { f = 440, z = 1, t60 = 1e300, t60_high = 1e-300, at = 0.5 }\n[SOX]\no = { from = 'w[0]' }",
+            "W114",
+        ),
+        ("[WAVEGUIDE]\nw = { f = 440, z = 1e-300, m = 1e300, at = 0.5 }", "E023"),
         ("[BUT]\nb = { between = ['a', 'b'], k = 1, l0 = 1 }", "E004"),
         ("[equivalence]\nmass = ['20 g', '20 g']\n[CEL]\nb = { m = '1 g', f = 440 }\n[SOX]\no = { from = 'b' }", ""),
     ];

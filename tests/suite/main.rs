@@ -34,4 +34,5 @@ mod set;
 mod sets;
 mod space;
 mod stable;
+mod waveguide;
 mod writer;

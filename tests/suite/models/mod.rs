@@ -19,7 +19,7 @@ use space::{chimes, crystal, jack, maracas, rattle, rattle_stick};
 use std::collections::BTreeSet;
 use strings::{
     bowed_string, hammered_string, harmonic_chain, natural_harmonic, piano_wire, pinched_string, plucked_string,
-    slide_guitar,
+    slide_guitar, wave_guitar,
 };
 
 /// One test per model of this name, and the list of them.
@@ -57,6 +57,7 @@ models!(
     rattle,
     rattle_stick,
     slide_guitar,
+    wave_guitar,
     wind,
 );
 

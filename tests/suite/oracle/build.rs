@@ -4,6 +4,7 @@ use super::bodies::body;
 use super::expand::{Family, bank, fixed, mat, mesh, row};
 use super::network::{Gauge, Heard, Law, Link, Mat, Network, Point, Port};
 use super::numbers::{Numbers, entry, list, word};
+use super::waves::string;
 use ca_core::model::select::{At, Coord, Index, Part, parse};
 use ca_core::model::{Item, Model, Value};
 use std::collections::BTreeMap;
@@ -77,6 +78,7 @@ impl Builder<'_> {
             "TETRA" | "GRAINS" | "CLOUD" => body(numbers, net, i),
             "BANK" => bank(numbers, net, i),
             "STRING" | "CHAIN" | "STIFFSTRING" => row(numbers, net, i),
+            "WAVEGUIDE" => string(numbers, net, i),
             "MESH" => mesh(numbers, net, i),
             _ => return,
         };

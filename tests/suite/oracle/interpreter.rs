@@ -62,7 +62,7 @@ impl Network {
         parts.into_iter().map(|(i, a)| (point.nodes[i], a)).collect()
     }
 
-    /// Weight, then the links in document order, then what points bear goes to their nodes.
+    /// Weight, then waves, then the links in document order, then what points bear goes to their nodes.
     fn forces(&mut self) {
         for at in 0..self.points.len() {
             let (mat, parts) = (self.points[at].mat, self.parts(&self.points[at]));
@@ -70,6 +70,7 @@ impl Network {
             self.mats[mat].d[0] = parts.iter().fold(0.0, |d, (node, a)| d + a * self.mats[*node].d[0]);
         }
         self.mats.iter_mut().for_each(|m| (0..3).for_each(|k| m.f[k] += m.weight[k]));
+        self.lines.iter_mut().for_each(|l| l.arrive(&mut self.mats));
         for link in &mut self.links {
             let felt: Vec<_> = link.ports.iter().map(|([a, b], g)| g.feel(&self.mats[*a], &self.mats[*b])).collect();
             let sum = |of: fn(&(f64, f64, [f64; 3])) -> f64| felt.iter().map(of).reduce(|a, b| a + b).unwrap_or(0.0);
@@ -141,6 +142,7 @@ impl Network {
             }
             m.f = [0.0; 3];
         }
+        self.lines.iter_mut().for_each(|l| l.depart(&self.mats));
         self.n += 1;
     }
 }

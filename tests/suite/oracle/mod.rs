@@ -1,5 +1,5 @@
 //! The compiled scene against the oracle, which plays the same text module by module: `build` reads it into the plain
-//! modules of `network`, with `numbers`, `expand` and `bodies`; `interpreter` plays them, and measures by `gauge`.
+//! modules of `network`, with `numbers`, `expand`, `bodies` and `waves`; `interpreter` plays them, and measures by `gauge`.
 
 mod bodies;
 mod build;
@@ -8,6 +8,7 @@ mod gauge;
 mod interpreter;
 mod network;
 mod numbers;
+mod waves;
 
 use self::build::build;
 use self::network::{Law, Network};

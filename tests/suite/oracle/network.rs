@@ -1,6 +1,8 @@
 //! The model as plain modules: what reading it leaves and the interpreter plays. Data only.
 //! Time counts in ticks T: `x` [m] is measured from the rest, `d` [m] is the way of the last tick, z stands for z/T.
 
+use super::waves::Line;
+
 /// d ← p·d + q·x + c·f, then x ← x + d. A mass has p = 1, q = 0, c = T²/m; a cell p = 1 − zT/m, q = −kT²/m, c = T²/m;
 /// what is fixed, moved from outside or between nodes has c = 0.
 /// On a line only the first axis counts; in a plane two; `axes` says how many move.
@@ -79,6 +81,7 @@ pub enum Heard {
 pub struct Network {
     pub mats: Vec<Mat>,
     pub links: Vec<Link>,
+    pub lines: Vec<Line>,
     pub points: Vec<Point>,
     pub ports: Vec<Port>,
     /// channel, gain and source

@@ -65,9 +65,9 @@ impl<'a> Numbers<'a> {
     pub fn maybe(&self, i: &Item, key: &str) -> Option<f64> {
         let power = match (i.kind.as_str(), key) {
             (_, "m" | "m_total") => 2.0,
-            (_, "z" | "zo" | "t60" | "h") => 1.0,
+            (_, "z" | "zo" | "t60" | "t60_high" | "h") => 1.0,
             ("BOW", "f") => 0.0,
-            (_, "f" | "v" | "v0" | "v1") => -1.0,
+            (_, "f" | "f_high" | "v" | "v0" | "v1") => -1.0,
             _ => 0.0,
         };
         entry(&i.args, key).map(|v| self.value(v, power))

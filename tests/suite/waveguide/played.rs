@@ -1,0 +1,88 @@
+//! A junction in the hand of each kind of link.
+
+use super::string;
+use crate::play::{audited, mat, within};
+use ca_core::certificate::Level;
+use ca_core::tick;
+
+const STRING: &str = "f = 220, t60 = 3, t60_high = 0.5, z = 0.6, at = [0.13, 0.6]";
+
+/// Played for half a second by its gesture: the largest motion, and what the books say of made energy.
+fn played(more: &str) -> (f64, f64) {
+    let scene = audited(&string(STRING, more));
+    let told = scene.diags.list.iter().any(|d| d.code.starts_with('W'));
+    assert!(!told, "{}", scene.diags);
+    let mut s = scene.state();
+    let (mut most, w) = (0.0f64, mat(&scene, "w[1]"));
+    for _ in 0..24_000 {
+        ca_tests::gesture(&scene, &mut s);
+        tick(&scene, &mut s);
+        most = most.max(s.x[w].abs());
+    }
+    let book = s.ledger.as_ref().expect("a book").balance();
+    within("residual", book.residual.abs() / book.peak, 1e-11);
+    (most, book.source / book.peak)
+}
+
+#[test]
+fn struck() {
+    let blow = |method: &str| {
+        format!(
+            "[MAS]\nh = {{ m = \"5 g\", x = \"-1 mm\", v = 1 }}\n\
+             [BUT]\nb = {{ between = [\"h\", \"w[0]\"], k = \"40 kN/m\", z = 0.3, {method} }}\n"
+        )
+    };
+    let (moved, made) = played(&blow(""));
+    assert!(moved > 1e-4 && made < 0.01, "{moved} {made}");
+    // solved with the waves that arrive: nothing is made
+    let (moved, made) = played(&blow("method = \"stable\""));
+    assert!(moved > 1e-4);
+    within("made by a stable blow", made.abs(), 1e-12);
+}
+
+#[test]
+fn plucked() {
+    let (moved, made) = played(
+        "[ENX]\np = {}\n[PLK]\nk = { between = [\"p\", \"w[0]\"], k = \"3 kN/m\", z = 0.1, d = \"1 mm\" }\n\
+         [gesture]\np = [[0, 0], [0.02, \"4 mm\"]]\n",
+    );
+    assert!(moved > 1e-4 && made.abs() < 0.05, "{moved} {made}");
+}
+
+#[test]
+fn bowed() {
+    let (moved, _) = played(
+        "[ENX]\np = {}\n[BOW]\nk = { between = [\"p\", \"w[0]\"], f = \"0.2 N\", v0 = \"50 mm/s\" }\n\
+         [gesture]\np = [[0, 0], [0.5, \"100 mm\"]]\n",
+    );
+    assert!(moved > 1e-4, "{moved}");
+}
+
+/// A body in space leans on two junctions, and the string holds them.
+#[test]
+fn an_edge_of_a_body() {
+    let (moved, _) = played(
+        "[room]\ndim = 3\n[room.MAS]\na = { m = \"2 g\", v = [0, 0, 1] }\nb = { m = \"2 g\", x = [\"3 cm\", 0, 0], v = [0, 0, -1] }\n\
+         [LPR]\ne = { between = [\"room.a\", \"room.b\"], onto = [\"w[0]\", \"w[1]\"], k = \"300 N/m\" }\n",
+    );
+    assert!(moved > 1e-5, "{moved}");
+}
+
+/// Gravity, a force from outside, a cell: all that a mass may have.
+#[test]
+fn whatever_a_mass_may_have() {
+    let scene = audited(&string(
+        STRING,
+        "[model]\ngravity = 9.81\nfriction = \"1 mN s/m\"\n[CEL]\nbody = { m = \"10 g\", f = 200, t60 = 1 }\n\
+         [RES]\nbridge = { between = [\"w[*]\", \"body\"], k = 5000 }\n[ENF]\nhand = { to = \"w[*]\" }\n[SOF]\nf = { from = \"w[0]\", channel = 0 }\n",
+    ));
+    assert_eq!(scene.certificate.level, Level::Proven);
+    let mut s = scene.state();
+    for n in 0..20_000 {
+        s.input[0] = if n < 1000 { 0.3 } else { 0.0 };
+        tick(&scene, &mut s);
+    }
+    let book = s.ledger.as_ref().expect("a book").balance();
+    assert!(book.work.abs() > 1e-6 && book.lost > 0.0);
+    within("residual", book.residual.abs() / book.peak, 1e-12);
+}

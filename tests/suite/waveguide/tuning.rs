@@ -1,0 +1,103 @@
+//! Pitch and decay.
+
+use super::{pole, poles, string};
+use crate::acoustics::cents;
+use crate::play::{TURN, case, num, off, rows, scene, within};
+use ca_core::Scene;
+use ca_core::layout::Through;
+use ca_core::wave::Loss;
+
+/// The filters of a scene's only string, from its near end to the far one, and its whole delays together.
+fn loop_of(scene: &Scene) -> (Vec<Loss>, usize) {
+    let mut all = (Vec::new(), 0);
+    for d in &scene.waves.delays {
+        all.1 += d.len;
+        if let Through::Lossy { loss, .. } = d.through {
+            all.0.push(loss);
+            all.1 -= 3;
+        }
+    }
+    // taps and allpass of the near end are whole samples too
+    all.1 += 2 * (all.0.len() - 1);
+    all
+}
+
+/// Gain of a round trip at `f`.
+fn gain(losses: &[Loss], f: f64) -> f64 {
+    losses.iter().map(|l| l.a + 2.0 * l.b * (TURN * f / 48e3).cos()).product()
+}
+
+/// With a junction that weighs nothing the string is the loop of the reference: its delay, its filter, and a pole at
+/// the pitch.
+#[test]
+fn g01_the_pole_is_at_the_pitch() {
+    let c = case("G01");
+    for row in rows(c, "values/rows") {
+        let [f0, g, a, whole, allpass, f_pole, t60_pole] = [0, 1, 2, 3, 4, 5, 6].map(|i| row[i]);
+        let [partial, ratio, t60_partial] = [7, 8, 9].map(|i| row[i]);
+        let theirs = [Loss { a: g * (1.0 - 2.0 * a), b: g * a, c: allpass }];
+        let t60 = |f: f64| -3.0 / (f0 * gain(&theirs, f).log10());
+        let text = string(
+            &format!("f = {f0}, t60 = {:?}, t60_high = {:?}, z = 1, at = 0.3, m = 1e-12", t60(f0), t60(5000.0)),
+            "",
+        );
+        let scene = scene(&text);
+        let (losses, delay) = loop_of(&scene);
+        assert_eq!((delay, losses.len()), (whole as usize, 2), "{f0} Hz");
+        within("G01 allpass", (losses[1].c - allpass).abs(), 1e-5);
+        within("G01 gain at the pitch", off(gain(&losses, f0), gain(&theirs, f0)), 1e-5);
+        within("G01 gain at 5 kHz", off(gain(&losses, 5000.0), gain(&theirs, 5000.0)), 1e-5);
+        within("G01 pitch of the reference", cents(f_pole, f0).abs(), num(c, "tolerance/f_cents"));
+        // that of the reference's own pole, which is not quite what the gain at the pitch promises
+        within("G01 decay of the reference", off(t60(f0), t60_pole), 2e-3);
+        // matrices of strings of more samples take long
+        if f0 > 200.0 {
+            let (f, t) = pole(&poles(&scene), scene.rate, f0);
+            within("G01 pitch", off(f, f0), 1e-11);
+            within("G01 decay", off(t, t60(f0)), 1e-7);
+            // a partial near 5 kHz
+            let (f, t) = pole(&poles(&scene), scene.rate, partial * f0);
+            within("G01 partial", off(f / (partial * f0), ratio), 1e-4);
+            within("G01 decay of the partial", off(t, t60_partial), 0.02);
+        }
+    }
+}
+
+/// Heavy junctions, two or three of them, fast decays: fundamental and decay stay where they were asked for.
+#[test]
+fn junctions_cost_no_pitch() {
+    for (f, t60, at, m) in [
+        (523.25, 4.0, "[0.11, 0.62]", 3e-5),
+        (700.0, 0.1, "[0.2, 0.5, 0.7]", 1e-4),
+        (1234.5, 1.0, "0.37", 2e-4),
+        (987.7, 0.02, "[0.3]", 1e-9),
+    ] {
+        let scene = scene(&string(&format!("f = {f}, t60 = {t60}, z = 0.7, at = {at}, m = {m}"), ""));
+        let (heard, decay) = pole(&poles(&scene), scene.rate, f);
+        within("pitch by its pole", off(heard, f), 1e-11);
+        within("decay by its pole", off(decay, t60), 1e-7);
+    }
+}
+
+/// The second decay is that of the loop; the partial nearest to its frequency has it, as far as it lies there.
+#[test]
+fn it_decays_as_asked_at_both_frequencies() {
+    let scene = scene(&string("f = 440, t60 = 4, t60_high = 0.6, f_high = 5280, z = 1, at = 0.3, m = 1e-9", ""));
+    within("gain of a round trip", off(gain(&loop_of(&scene).0, 5280.0), 10f64.powf(-3.0 / (440.0 * 0.6))), 1e-9);
+    let all = poles(&scene);
+    let (f, t) = pole(&all, scene.rate, 5280.0);
+    within("T60 at 12 f", off(t, 0.6), 0.01);
+    assert!(cents(f, 5280.0).abs() < 1.0, "partial 12 at {f} Hz");
+    // in between, and above, it falls all the way
+    let decays: Vec<f64> = (1..=40).map(|j| pole(&all, scene.rate, 440.0 * f64::from(j)).1).collect();
+    assert!(decays.windows(2).all(|d| d[1] < d[0]), "{decays:?}");
+}
+
+/// Without decay nothing is lost.
+#[test]
+fn without_t60_it_rings_for_ever() {
+    let scene = scene(&string("f = 600, z = 1, at = [0.2, 0.6], m = 1e-5", ""));
+    let all = poles(&scene);
+    within("radius", (super::radius(&all) - 1.0).abs(), 1e-12);
+    within("pitch", off(pole(&all, scene.rate, 600.0).0, 600.0), 1e-11);
+}
