@@ -29,7 +29,8 @@ pub fn run(args: &ModesArgs) -> Outcome {
     })?;
     let n = network.linear.places.len();
     if n == 0 {
-        return Err(Failure::Failed("nothing in this model moves".into()));
+        let but = if network.left_out.is_empty() { String::new() } else { format!(" but {}", left_out(&network)) };
+        return Err(Failure::Failed(format!("nothing in this model moves{but}")));
     }
     let Some(found) = modes::modes(&network) else {
         let most = modes::LARGEST;
@@ -49,6 +50,12 @@ pub fn run(args: &ModesArgs) -> Outcome {
     Ok(Ended::Well)
 }
 
+/// What is not in the matrices, by name and kind.
+fn left_out(network: &Network) -> String {
+    let names: Vec<String> = network.left_out.iter().map(|(name, code)| format!("`{name}` ({code})")).collect();
+    names.join(", ")
+}
+
 /// What a port makes of each mode, in dB below the strongest.
 fn levels(found: &Modes, port: &[(u32, f64)]) -> Vec<f64> {
     let at: Vec<f64> = found.list.iter().map(|m| m.at(port).abs()).collect();
@@ -66,8 +73,7 @@ fn text(name: &str, network: &Network, found: &Modes, most: usize) -> Result<(),
         (1.0 / network.te).round()
     )?;
     if !network.left_out.is_empty() {
-        let names: Vec<String> = network.left_out.iter().map(|(name, code)| format!("`{name}` ({code})")).collect();
-        writeln!(out, "  not linear, so not part of it: {}", names.join(", "))?;
+        writeln!(out, "  no linear links, so not part of it: {}", left_out(network))?;
     }
     let ports: Vec<_> = network.ports.iter().take(COLUMNS).collect();
     let columns: Vec<Vec<f64>> = ports.iter().map(|p| levels(found, &p.at)).collect();

@@ -138,3 +138,16 @@ fn what_cannot_be_tuned_is_told() {
     desk.ca(&["tune", "hammered_string", "low=A2", "--in-place"]).is(2).says(&["a bundled model is not yours"]);
     assert_eq!(fs::read_to_string(desk.path("parts.ca.toml")).unwrap(), PARTS);
 }
+
+/// A string of waves is in no matrix: both commands say so, and what to do instead.
+#[test]
+fn waveguides_are_left_out_and_said_to_be() {
+    let desk = Desk::new();
+    let wave = "[WAVEGUIDE]\nlow = { f = \"110 Hz\", z = 1, at = 0.3 }\n[SOX]\nout = { from = \"low[0]\" }\n";
+    desk.put("wave.ca.toml", wave);
+    desk.ca(&["modes", "wave.ca.toml"]).is(1).says(&["nothing in this model moves but `low` (WAVEGUIDE)"]);
+    desk.ca(&["tune", "wave.ca.toml", "low=A2"]).is(2).says(&["`low` is a WAVEGUIDE", "`--set low.f=…`"]);
+    let cell = "[CEL]\nbar = { m = 0.01, f = 300 }\n[RES]\ntie = { between = [\"bar\", \"low[0]\"], k = 9 }\n";
+    desk.put("both.ca.toml", &format!("{wave}{cell}"));
+    desk.ca(&["modes", "both.ca.toml"]).is(0).says(&["1 modes that swing", "`low` (WAVEGUIDE)"]);
+}

@@ -120,6 +120,7 @@ fn absent(scene: &Scene) -> Vec<&'static str> {
         ("ENX", "no position inputs"),
         ("ENF", "no force inputs"),
         ("points", "no moving points"),
+        ("waves in", "no waveguides"),
         ("weight", "no weight"),
         ("outputs", "no outputs"),
         ("high pass", "no high pass"),

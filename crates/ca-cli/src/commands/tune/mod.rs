@@ -261,6 +261,11 @@ fn heard(loaded: &Loaded, name: &str, knob: &Knob, mode: u32) -> Result<f64, Fai
         term::findings(&render::text(&diags, &loaded.model, term::color()));
         Failure::Told
     })?;
+    if let Some((_, code)) = network.left_out.iter().find(|(n, _)| n == name) {
+        return Err(Failure::Usage(format!(
+            "`{name}` is a {code}: it sounds at its `f` as written; `--set {name}.f=…`"
+        )));
+    }
     let Some(found) = modes::modes(&network) else {
         let n = network.names.len();
         return Err(Failure::Failed(format!(
