@@ -128,7 +128,7 @@ pub fn tune(asked: &Asked, masses: &[f64], te: f64) -> Result<Tuned, Problem> {
     let left = if lag < 0.0 { lag + TAU } else { lag } / omega;
     // beyond a whole turn the masses have made it another mode
     let wrapped = left > 1.0 / (asked.f * te) - heard + 0.5;
-    if wrapped || !(left >= 2.5) {
+    if wrapped || left.is_nan() || left < 2.5 {
         return problem(
             if asked.m.is_some() { "m" } else { "at" },
             format!("{} Hz leaves no room for the far end", Plain(asked.f)),
@@ -157,7 +157,7 @@ pub fn tune(asked: &Asked, masses: &[f64], te: f64) -> Result<Tuned, Problem> {
 /// Whole delays up to the last junction; the place of a junction is met to half a sample.
 fn places(asked: &Asked, te: f64) -> Result<Vec<usize>, Problem> {
     let whole = 1.0 / (asked.f * te);
-    if !(whole <= LONGEST) {
+    if whole > LONGEST {
         return problem(
             "f",
             format!("{} Hz is a string of more than {LONGEST:e} samples", Plain(asked.f)),
@@ -170,7 +170,7 @@ fn places(asked: &Asked, te: f64) -> Result<Vec<usize>, Problem> {
         // the near end is reached and left in one delay; further on each way has its own
         let share = if delays.is_empty() { 1.0 } else { 0.5 };
         let delay = libm::round(share * (at * whole - before));
-        if !(delay >= 1.0) {
+        if delay < 1.0 {
             return problem(
                 "at",
                 format!("the point at {at} is less than {:.4} behind what stands before it", 0.5 / (share * whole)),
@@ -202,7 +202,7 @@ fn near(asked: &Asked, te: f64) -> Option<Loss> {
     let g0 = turn(asked, asked.t60);
     let half = 1.0 - libm::sqrt(turn(asked, t60) / g0);
     let double = (half / high).min(0.5 * (1.0 - g0) / low).min(0.5);
-    (double > 0.0).then(|| Loss { a: 1.0 - double, b: 0.5 * double, c: 0.0 })
+    (double > 0.0).then_some(Loss { a: 1.0 - double, b: 0.5 * double, c: 0.0 })
 }
 
 /// The taps of the far end with gain `g0` at the pole, and such a gain at the second frequency that its decay is as
