@@ -56,7 +56,11 @@ fn belongs(net: &Net, of: Option<u32>, group: usize) -> bool {
 fn inside(net: &Net, l: &LiaNode, within: &[bool], group: usize) -> bool {
     let mut ends = l.ends.iter();
     let held = ends.all(|e| matches!(e, End::Mat(m) if within[*m as usize] || net.mats[*m as usize].is_still()));
-    held && belongs(net, net.items[l.item as usize].group, group) && l.law.linear && !l.law.ahead && matches!(l.measure, Measure::Line(_)) && l.onto.is_none()
+    held && belongs(net, net.items[l.item as usize].group, group)
+        && l.law.linear
+        && !l.law.ahead
+        && matches!(l.measure, Measure::Line(_))
+        && l.onto.is_none()
 }
 
 impl MatNode {
@@ -73,12 +77,14 @@ fn refuse(model: &Model, net: &Net, item: u32, code: &'static str, title: String
 }
 
 fn one(model: &Model, net: &mut Net, group: usize, diags: &mut Diags) {
-    let within: Vec<bool> = net
+    let mut within: Vec<bool> = net
         .mats
         .iter()
         .zip(&net.alive)
         .map(|(m, alive)| *alive && !m.is_fixed() && !m.in_space() && belongs(net, m.group, group))
         .collect();
+    // what waves run through is exact as it is
+    net.lines.iter().flat_map(|l| l.junctions()).for_each(|m| within[m as usize] = false);
     let Some(first) = within.iter().position(|w| *w) else { return };
     let item = net.mats[first].item;
     let name = model.groups.get(group).map_or_else(|| "the model".into(), |g| format!("`{}`", g.name));
