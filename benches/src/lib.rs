@@ -1,5 +1,6 @@
 //! Scenes that the benches share.
 
+pub mod atlas;
 pub mod latency;
 pub mod rattle;
 

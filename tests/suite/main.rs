@@ -1,6 +1,7 @@
 //! The whole suite in one binary, one file per theme.
 
 mod acoustics;
+mod atlas;
 mod border;
 mod certificate;
 mod chance;

@@ -2,6 +2,7 @@
 //! rate. The numbers of the cases are the errors the scheme *should* have: more or less than that is a bug.
 
 use crate::play::{PI, TURN, case, list, mat, mats, num, off, rel_l2, rows, scene, within};
+use ca_benches::atlas::{contact, ratio};
 use ca_core::{Scene, State, tick};
 use serde_json::Value;
 
@@ -347,35 +348,12 @@ fn b07_a_bow_by_newton() {
     }
 }
 
-/// One unit mass and a contact with a wall at one sample per second.
-fn contact(a: f64, b: f64) -> Scene {
-    scene(&format!(
-        "[rate]\nsound = 1\n[SOL]\nwall = {{}}\n[MAS]\nball = {{ m = 1 }}\n[BUT]\n\
-         hit = {{ between = [\"wall\", \"ball\"], k = {a:?}, z = {b:?} }}\n[SOX]\nout = {{ from = \"ball\" }}\n"
-    ))
-}
-
-/// Energy after over energy before one bounce that starts at x₋₁ = φ + 1, x₀ = φ, until the ball has left or come
-/// to rest.
-fn ratio(scene: &Scene, start: &State, ball: usize, phase: f64) -> f64 {
-    let mut s = start.clone();
-    (s.x[ball], s.d[ball]) = (phase, -1.0);
-    for _ in 0..20_000 {
-        tick(scene, &mut s);
-        let (x, d) = (s.x[ball], s.d[ball]);
-        if x > 0.0 && d > 0.0 || x.abs() < 1e-6 && d.abs() < 1e-6 {
-            break;
-        }
-    }
-    s.d[ball] * s.d[ball]
-}
-
 #[test]
 fn c01_what_a_bounce_makes() {
     let c = case("C01");
     for row in rows(c, "values/rows") {
-        let scene = contact(row[0], 0.0);
-        let out = ratio(&scene, &scene.state(), mat(&scene, "ball"), row[1]);
+        let scene = contact(row[0], 0.0, "ca");
+        let out = ratio(&scene, &scene.state(), row[1]);
         within(&format!("C01 a = {}, φ = {}", row[0], row[1]), off(out, row[2]), num(c, "tolerance/rel"));
     }
 }
@@ -386,14 +364,14 @@ fn c02_stiffnesses_that_make_nothing() {
     for (n, a) in list(c, "setup/N").into_iter().zip(list(c, "values/a")) {
         let exact = 2.0 - 2.0 * (PI / n).cos();
         within("C02 a_N", off(a, exact), 1e-14);
-        let scene = contact(a, 0.0);
-        let (start, ball) = (scene.state(), mat(&scene, "ball"));
-        let worst = (0..500).map(|p| (ratio(&scene, &start, ball, (f64::from(p) + 0.5) / 500.0) - 1.0).abs());
+        let scene = contact(a, 0.0, "ca");
+        let start = scene.state();
+        let worst = (0..500).map(|p| (ratio(&scene, &start, (f64::from(p) + 0.5) / 500.0) - 1.0).abs());
         within(&format!("C02 N = {n}"), worst.fold(0.0, f64::max), num(c, "tolerance/energy_rel"));
     }
     // and in between, they make something
-    let scene = contact(0.5, 0.0);
-    assert!(ratio(&scene, &scene.state(), mat(&scene, "ball"), 0.1) > 1.05);
+    let scene = contact(0.5, 0.0, "ca");
+    assert!(ratio(&scene, &scene.state(), 0.1) > 1.05);
 }
 
 #[test]
@@ -403,19 +381,19 @@ fn c03_viscosity_that_makes_a_contact_passive() {
         let a = 0.01 * f64::from(i);
         for j in 0..8 {
             let b = 0.12 * a + (1.9 - a - 0.12 * a) * f64::from(j) / 7.0;
-            let scene = contact(a, b);
-            let (start, ball) = (scene.state(), mat(&scene, "ball"));
+            let scene = contact(a, b, "ca");
+            let start = scene.state();
             for p in 0..200 {
-                most = most.max(ratio(&scene, &start, ball, (f64::from(p) + 0.5) / 200.0));
+                most = most.max(ratio(&scene, &start, (f64::from(p) + 0.5) / 200.0));
             }
         }
     }
     within("C03 energy out over energy in", most, 1.0);
     // outside the rule energy does appear, so the rule is not idle
     let gains = |a: f64, b: f64| {
-        let scene = contact(a, b);
-        let (start, ball) = (scene.state(), mat(&scene, "ball"));
-        (0..200).map(|p| ratio(&scene, &start, ball, (f64::from(p) + 0.5) / 200.0)).fold(0.0, f64::max)
+        let scene = contact(a, b, "ca");
+        let start = scene.state();
+        (0..200).map(|p| ratio(&scene, &start, (f64::from(p) + 0.5) / 200.0)).fold(0.0, f64::max)
     };
     assert!(gains(0.5, 0.0) > 1.0 && gains(0.5, 1.6) > 1.0);
 }

@@ -1,35 +1,12 @@
 //! Scale: powers of two change no bit, large ones little, and what is not a number stays outside.
 
-use crate::play::{apart, audited, case, list, model, num, scene, within};
+use crate::play::{apart, audited, case, list, model, num, within};
+use ca_benches::atlas::survival::{self, heard};
 use ca_core::tick;
 
-/// A struck string with a hardening end, everything scaled: forces by `k`, lengths by `l`.
+/// What is heard of the struck string, forces scaled by `k`, lengths by `l`.
 fn scaled(k: f64, l: f64) -> Vec<f64> {
-    let n = |v: f64| format!("{v:?}");
-    let text = format!(
-        "[STRING]\ns = {{ n = 12, m = {}, k = {}, z = {}, zo = {} }}\n[MAS]\nhammer = {{ m = {}, x = {}, v = {} }}\n\
-         [BUT]\nstrike = {{ between = [\"hammer\", \"s[3]\"], k = {}, z = {} }}\n[SOL]\nend = {{}}\n\
-         [CUB]\nhard = {{ between = [\"end\", \"s[7]\"], k = {}, k3 = {} }}\n[SOX]\nout = {{ from = \"s[5]\" }}\n",
-        n(1e-3 * k),
-        n(9e5 * k),
-        n(0.01 * k),
-        n(0.002 * k),
-        n(5e-3 * k),
-        n(-1e-3 * l),
-        n(2.0 * l),
-        n(2e4 * k),
-        n(0.1 * k),
-        n(1e3 * k),
-        n(1e8 * k / (l * l)),
-    );
-    let scene = scene(&text);
-    let mut s = scene.state();
-    let mut out = Vec::with_capacity(20_000);
-    for _ in 0..20_000 {
-        tick(&scene, &mut s);
-        out.push(s.output[0] / l);
-    }
-    out
+    heard(&survival::scaled(k, l), 20_000, l)
 }
 
 #[test]

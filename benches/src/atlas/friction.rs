@@ -1,0 +1,50 @@
+//! Friction of a bow, explicit.
+//!
+//! Decides on the question that has an answer in closed form: whether a bar that is gripped stays gripped. About no
+//! relative speed the curve is a viscosity, its slope, so the bound is that of the oscillator. Beyond it the bar does
+//! not blow up, since friction has a largest force: it chatters.
+
+use super::{Axis, Line, Map, growth};
+use crate::{model, scene};
+use ca_core::{KernelClass, tick};
+
+/// e^½, the slope of the smooth curve at rest over f/v0.
+const SLOPE: f64 = 1.648_721_270_700_128_2;
+
+/// How far from the grip the bar begins \[of v0 T\]; up to a million times that the curve is straight.
+const BEGIN: f64 = 1e-9;
+
+/// A bar under a bow that stands still.
+pub const BOW: Map = Map {
+    name: "bow",
+    title: "A bar gripped by a bow, explicit",
+    text: "A CEL of mass m, and a BOW of the smooth curve on a fixed point, from a nudge of 1e-9 of v0 T. \
+           With b = √e f T/(v0 m), the steepest slope of the friction, the grip holds if and only if a + 2b < 4. Beyond, \
+           the bar chatters about its grip and stays within the largest force. Below b = 1 its speed dies \
+           without changing sign; what numerics 3.5 calls a faithful stick ends at b = 0.5, and at 1.5 it is lost: these \
+           two, the thin lines, are about accuracy and nothing is judged by them.",
+    axes: [Axis::of("a = k T²/m", 0.0, 5.0), Axis::of("b = √e f T/(v0 m)", 0.0, 2.5)],
+    words: ["grip holds", "chatters"],
+    measured: |a, b| {
+        let text = format!(
+            "[rate]\nsound = 1\ngesture = 1\n[SOL]\nbow = {{}}\n[CEL]\nbar = {{ m = 1, k = {a:?} }}\n[BOW]\n\
+             rub = {{ between = [\"bow\", \"bar\"], f = {:?}, v0 = 1 }}\n[SOX]\nout = {{ from = \"bar\" }}\n",
+            b / SLOPE
+        );
+        let scene = scene(&model(&text), KernelClass::Fast, false);
+        let mut s = scene.state();
+        let bar = (0..scene.n_mat).find(|i| scene.mat_name(*i) == "bar").expect("the bar");
+        s.x[bar] = BEGIN;
+        let step = || {
+            tick(&scene, &mut s);
+            s.d.iter().fold(0.0, |m: f64, d| m.max(d.abs() / BEGIN))
+        };
+        growth(2000, step) > 2.0
+    },
+    theory: |a, b| Some(a + 2.0 * b >= 4.0),
+    lines: || {
+        let rules = [0.5, 1.5].map(|b| Line::rule([0.0, b], [5.0, b]));
+        [&[Line::edge(vec![[4.0, 0.0], [0.0, 2.0]])], &rules[..]].concat()
+    },
+    band: 0.005,
+};

@@ -1,0 +1,116 @@
+//! The page `docs/atlas.md`: how maps and tables are written, so that a test finds them there again.
+
+use super::poison::{self, Door};
+use super::survival::{CASES, Case, METHODS};
+use super::{Field, Map};
+use std::fmt::Write as _;
+
+const HEAD: &str = "# The stability atlas
+
+Made by `UPDATE=1 cargo bench -p ca-benches --bench atlas`: do not edit.
+
+What the engine does when it is played, beside what theory says it must. Every cell of a map is a model in text,
+compiled and ticked; nothing here asks `ca check`. Throughout, T is a tick, a = k T²/m and b = z T/m. Blue is calm, orange
+grows, the black line is the boundary of theory, thin dashed lines are rules and special values; **red is a cell that
+contradicts theory**. Within a band beside the line a run of finite length cannot tell the two apart, so nothing
+is judged there; neither where theory says nothing. The test suite plays coarse maps by the same functions and allows no
+contradiction. No number of this page depends on the machine.
+";
+
+/// The line below a map.
+pub fn told(map: &Map, field: &Field) -> String {
+    let up = field.cells.len() / field.across;
+    let band = if map.band > 0.0 { format!("; band: {} % of each axis", 100.0 * map.band) } else { String::new() };
+    format!(
+        "{} × {up} cells, {} judged, **{} contradict theory**{band}.",
+        field.across,
+        field.judged(),
+        field.contradictions()
+    )
+}
+
+/// The heading, text and picture of a map.
+pub fn section(map: &Map, field: &Field) -> String {
+    format!(
+        "\n### {}\n\n{}\n\n![{}](atlas/{}.svg)\n\n{}\n",
+        map.title,
+        wrap(map.text),
+        map.title,
+        map.name,
+        told(map, field)
+    )
+}
+
+/// A row of the survival table; `length` is 0 for the page and 1 for the core suite.
+pub fn row(case: &Case, length: usize) -> String {
+    let ticks = case.ticks()[length];
+    let cell = |text: Option<String>| text.map_or("–".into(), |t| case.outcome(&t, ticks).words());
+    let cells: Vec<String> = METHODS.iter().map(|m| cell((m.text)(case))).collect();
+    format!("| {} | {} | {} |", case.name(), spaced(ticks), cells.join(" | "))
+}
+
+/// A row of the table of doors.
+pub fn door(name: &str, what: &str, door: &Door) -> String {
+    format!("| {name} | {what} | {} | {} |", door.tried, door.through.len())
+}
+
+/// All doors: name, what should happen, and how to try it.
+pub const DOORS: [(&str, &str, fn() -> Door); 4] = [
+    ("parameters of a model, each number of each kind", "an error that names the value; no scene", poison::parameters),
+    ("ports, each input of each example", "held (positions) or taken as 0 (forces), and counted", poison::ports),
+    ("live parameters, by name and as a patch", "refused, nothing changed", poison::changes),
+    (
+        "frames of a device, with forces on",
+        "no force and no sound that is no number; where positions stay bad, no force",
+        poison::frames,
+    ),
+];
+
+/// The whole page.
+pub fn page(maps: &str) -> String {
+    let mut t = format!("{HEAD}\n## Maps\n{maps}\n## Extremes\n\n");
+    t += &wrap(
+        "Each case is played by each method that has a part in it. An oscillator is let go from 1. A contact is a wall at \
+         the rest of a cell of k T²/m = 0.01, hit once every swing, so that an explicit one may also settle at a phase of \
+         the tick in which it takes as much as it made. Energy is that of the energy book, its largest deviation at any \
+         tick; momentum is that of both masses, where the light one moves by about 1 a tick. Resonators that die away pass \
+         through the denormal numbers, if at all, for less than the 1024 ticks between two looks of the engine at what is \
+         too small to matter, and then are 0.",
+    );
+    let names: Vec<&str> = METHODS.iter().map(|m| m.name).collect();
+    let _ = write!(t, "\n\n| case | ticks | {} |\n|---|---|{}\n", names.join(" | "), "---|".repeat(names.len()));
+    for case in CASES {
+        let _ = writeln!(t, "{}", row(case, 0));
+    }
+    t += "\n## What is no number\n\nNaN, +∞ and −∞ at every door of the engine.\n\n| where | what happens | tried | came through |\n\
+          |---|---|---|---|\n";
+    for (name, what, try_it) in DOORS {
+        let _ = writeln!(t, "{}", door(name, what, &try_it()));
+    }
+    t
+}
+
+/// A whole number in groups of three.
+fn spaced(n: u64) -> String {
+    let text = n.to_string();
+    let groups: Vec<&str> = text.as_bytes().rchunks(3).rev().map(|c| std::str::from_utf8(c).unwrap_or("")).collect();
+    groups.join(" ")
+}
+
+/// Lines of at most 118 characters.
+fn wrap(text: &str) -> String {
+    let (mut out, mut width) = (String::new(), 0);
+    for word in text.split_whitespace() {
+        let n = word.chars().count();
+        if width > 0 && width + 1 + n > 118 {
+            out.push('\n');
+            width = 0;
+        } else if width > 0 {
+            out.push(' ');
+            width += 1;
+        }
+        out += word;
+        width += n;
+    }
+    out
+}

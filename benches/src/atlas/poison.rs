@@ -1,0 +1,148 @@
+//! What is no number, at every door there is: parameters, ports, live changes, frames of a device.
+//!
+//! Decides on the examples of the catalog as the scenes: every kind is there, so a kind that is added is tried too.
+
+use super::device::{self, Rig};
+use crate::catalog;
+use ca_core::live::Controls;
+use ca_core::load::finish;
+use ca_core::model::read::read;
+use ca_core::param::Type;
+use ca_core::{Options, Scene, compile, tick};
+use ca_haptic::frame::DeviceFrame;
+
+/// What is no number.
+const BAD: [f64; 3] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
+
+/// How a door fared.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Door {
+    /// how often it was tried
+    pub tried: usize,
+    /// where something came through
+    pub through: Vec<String>,
+}
+
+impl Door {
+    fn tries(&mut self, held: bool, what: impl FnOnce() -> String) {
+        self.tried += 1;
+        if !held {
+            self.through.push(what());
+        }
+    }
+}
+
+/// Every number of every kind, in the example of the kind: an error that names the value, and no scene.
+pub fn parameters() -> Door {
+    let (mut door, catalog) = (Door::default(), catalog());
+    let number = |ty: &Type| {
+        matches!(
+            ty,
+            Type::Number { .. }
+                | Type::PowerStiffness { .. }
+                | Type::Count { .. }
+                | Type::Numbers { .. }
+                | Type::Place { .. }
+                | Type::Counts { .. }
+        )
+    };
+    for kind in catalog.iter() {
+        let (example, found) = read(kind.example, "example.ca.toml", &catalog);
+        for item in example.items.iter().filter(|i| i.kind == kind.code) {
+            for param in kind.params.iter().filter(|p| number(&p.ty)) {
+                for bad in BAD {
+                    let mut model = example.clone();
+                    let name = format!("{}.{}", item.name, param.name);
+                    let set = model.set(&name, &bad.to_string());
+                    let told = finish(&model, found.clone(), &catalog, &Options::default()).err();
+                    let refused = told.is_some_and(|d| d.list.iter().any(|d| d.code == "E009" || d.code == "E006"));
+                    door.tries(set && refused, || format!("{name} = {bad} of {}", kind.code));
+                }
+            }
+        }
+    }
+    door
+}
+
+/// The examples of the catalog that compile as they are.
+fn examples() -> Vec<(&'static str, Scene)> {
+    let catalog = catalog();
+    let scene = |kind: &'static ca_core::kind::Kind| {
+        let (model, _) = read(kind.example, "example.ca.toml", &catalog);
+        compile(&model, &catalog, &Options::default()).ok().map(|scene| (kind.code, scene))
+    };
+    catalog.iter().filter_map(scene).collect()
+}
+
+/// Every input of every example: all numbers stay numbers, and what was refused is counted.
+pub fn ports() -> Door {
+    let mut door = Door::default();
+    for (code, scene) in examples() {
+        for (port, input) in scene.inputs.iter().enumerate() {
+            for bad in BAD {
+                let mut s = scene.state();
+                (0..100).for_each(|_| tick(&scene, &mut s));
+                let mut finite = true;
+                for n in 0..200 {
+                    s.input[port] = if n < 100 { bad } else { 1e-3 };
+                    tick(&scene, &mut s);
+                    let all = [&s.x, &s.d, &s.f, &s.output, &s.tap, &s.mem];
+                    finite &= all.iter().all(|v| v.iter().all(|v| v.is_finite()));
+                }
+                door.tries(finite && s.refused > 0, || format!("{bad} at {} of {code}", input.name));
+            }
+        }
+    }
+    door
+}
+
+/// The bar of a live parameter.
+const LIVE: &str = "[param]\nfelt = { value = 0, unit = \"N s/m\", live = true, min = 0, max = 1 }\n[SOL]\nframe = {}\n\
+                    [MAS]\nbar = { m = \"1 g\", dx0 = \"1 mm\" }\n[REF]\nhold = { between = [\"frame\", \"bar\"], \
+                    k = 1000, z = \"felt\" }\n[SOX]\nout = { from = \"bar\" }\n";
+
+/// Changes while it plays: refused by name, and by the state where somebody makes the patch by hand.
+pub fn changes() -> Door {
+    let mut door = Door::default();
+    let scene = crate::scene(&crate::model(LIVE), ca_core::KernelClass::Fast, false);
+    let mut controls = Controls::new(&scene.live, scene.te);
+    let good = controls.set("felt", 0.5).expect("a good value");
+    for bad in BAD {
+        door.tries(controls.set("felt", bad).is_err(), || format!("felt = {bad}"));
+        let (mut s, mut patch) = (scene.state(), good.clone());
+        patch.set.iter_mut().for_each(|p| p.1 = bad);
+        let before = s.clone();
+        door.tries(!s.apply(&patch, 16) && s == before, || format!("a patch of {bad}"));
+    }
+    door
+}
+
+/// Frames of a device with forces on: no force and no sound that is no number, and after a run of positions that are
+/// none, no force at all.
+pub fn frames() -> Door {
+    let mut door = Door::default();
+    let spoils: [(&str, fn(&mut DeviceFrame, f64)); 3] = [
+        ("position", |f, bad| f.pos[0] = bad),
+        ("speed", |f, bad| (f.vel_mask, f.vel[0]) = (1, bad)),
+        ("measured force", |f, bad| f.force_measured[0] = bad as f32),
+    ];
+    for bad in BAD {
+        for (what, spoil) in spoils {
+            let mut rig = Rig::new(device::key("", 0.1), device::device(0.1));
+            // away from rest, so that there is a force
+            let before = (1..=100).map(|n| rig.go(0, |f| f.pos[0] = 1e-6 * f64::from(n)).force[0]).last();
+            let (mut held, mut last) = (before.is_some_and(|f| f != 0.0), f32::NAN);
+            for _ in 0..100 {
+                let spoiled = |f: &mut DeviceFrame| {
+                    f.pos[0] = 1e-4;
+                    spoil(f, bad);
+                };
+                last = rig.go(0, spoiled).force[0];
+                held &= last.is_finite() && rig.engine.state.output.iter().all(|v| v.is_finite());
+            }
+            held &= rig.engine.state.is_sound(1e3) && (what != "position" || last == 0.0);
+            door.tries(held, || format!("{bad} as {what}"));
+        }
+    }
+    door
+}

@@ -1,0 +1,280 @@
+//! The survival table: extreme cases by method, each played, with what became of it in words.
+//!
+//! Decides on two lists, of cases and of methods: a method is its name and what it makes of the model of a case, or
+//! nothing where it has no part in it. Energy is that of the scene's own book, which other tests keep honest; all else
+//! is read from the state.
+
+use crate::{model, string};
+use ca_core::{Options, Scene, State, compile, tick};
+
+/// An extreme case.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Case {
+    /// a mass on a spring and damper of these kT²/m and zT/m, let go from 1
+    Oscillator(f64, f64),
+    /// a ball of kT²/m = 0.01 on a spring, at rest on a wall which it hits at every swing, of this kT²/m
+    Contact(f64),
+    /// two masses of this ratio on one spring, of kT²/m = 1 by their mobility
+    Ratio(f64),
+    /// a struck string with a hardening end, forces and lengths multiplied
+    Scale(f64, f64),
+    /// a string of 40 masses without any damping
+    Undamped,
+    /// a resonator of this zT/m that has died away
+    Dead(f64),
+    /// one mass that flies
+    Flight,
+}
+
+/// What became of a case.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Outcome {
+    /// largest displacement, and whether it was still rising at the end
+    Largest(f64, bool),
+    /// multiplied by this each tick; beyond [`FAR`] after so many ticks
+    Blown(f64, u64),
+    /// largest |E/E₀ − 1|, and |Σ m v| over that of one mass
+    Energy(f64, f64),
+    /// energy over that at the start when it passed all bounds, and the tick
+    Made(f64, u64),
+    /// largest difference from the plain case, over its peak
+    Differs(f64),
+    /// ticks in which a number was denormal, and whether all are 0 at the end
+    Denormal(u64, bool),
+    /// error of the place over the way
+    Astray(f64),
+}
+
+/// All rows of the table.
+pub const CASES: &[Case] = &[
+    Case::Oscillator(3.99, 0.0),
+    Case::Oscillator(4.0, 0.0),
+    Case::Oscillator(4.01, 0.0),
+    Case::Oscillator(1e6, 0.0),
+    Case::Oscillator(1e12, 0.0),
+    Case::Oscillator(4e16, 0.0),
+    Case::Oscillator(0.1, 1.94),
+    Case::Oscillator(0.1, 1.96),
+    Case::Oscillator(0.1, 1e3),
+    Case::Oscillator(0.1, 1e9),
+    Case::Contact(1.0),
+    Case::Contact(3.0),
+    Case::Contact(4.5),
+    Case::Contact(1e8),
+    Case::Contact(1e16),
+    Case::Ratio(1e6),
+    Case::Scale(1e9, 1.0),
+    Case::Scale(1e-9, 1.0),
+    Case::Scale(1.0, 1e9),
+    Case::Scale(1.0, 1e-9),
+    Case::Undamped,
+    Case::Dead(1e-3),
+    Case::Dead(0.5),
+    Case::Flight,
+];
+
+/// A way to run a scene.
+pub struct Method {
+    /// its name, at the head of its column
+    pub name: &'static str,
+    /// the model of a case by this method; `None` where it has no part in it
+    pub text: fn(&Case) -> Option<String>,
+}
+
+/// All columns of the table. Another method is another entry.
+pub const METHODS: &[Method] = &[
+    Method { name: "ca", text: |case| Some(case.text("", "")) },
+    Method { name: "stable", text: |case| contact(case, "stable") },
+    Method { name: "stable3d", text: |case| contact(case, "stable3d") },
+];
+
+/// The model of a case with its contact by a method; `None` where there is no contact.
+fn contact(case: &Case, method: &str) -> Option<String> {
+    matches!(case, Case::Contact(_)).then(|| case.text("", &format!(", method = \"{method}\"")))
+}
+
+/// A string struck by a hammer, with a hardening end; forces multiplied by `k`, lengths by `l`.
+pub fn scaled(k: f64, l: f64) -> String {
+    let [m, link, z, zo, hammer] = [1e-3, 9e5, 0.01, 0.002, 5e-3].map(|v| v * k);
+    let [blow, blow_z, soft, hard] = [2e4 * k, 0.1 * k, 1e3 * k, 1e8 * k / (l * l)];
+    let [x, v] = [-1e-3 * l, 2.0 * l];
+    format!(
+        "[STRING]\ns = {{ n = 12, m = {m:?}, k = {link:?}, z = {z:?}, zo = {zo:?} }}\n[MAS]\n\
+         hammer = {{ m = {hammer:?}, x = {x:?}, v = {v:?} }}\n[BUT]\n\
+         strike = {{ between = [\"hammer\", \"s[3]\"], k = {blow:?}, z = {blow_z:?} }}\n[SOL]\nend = {{}}\n[CUB]\n\
+         hard = {{ between = [\"end\", \"s[7]\"], k = {soft:?}, k3 = {hard:?} }}\n[SOX]\nout = {{ from = \"s[5]\" }}\n"
+    )
+}
+
+const RATE: &str = "[rate]\nsound = 1\ngesture = 1\n";
+const OUT: &str = "[SOX]\nout = { from = \"bob\" }\n";
+
+impl Case {
+    /// What it is, for the first cell of a row.
+    pub fn name(&self) -> String {
+        let number = |v: f64| if (1e-2..1e4).contains(&v) || v == 0.0 { format!("{v}") } else { format!("{v:e}") };
+        match *self {
+            Case::Oscillator(a, 0.0) => format!("oscillator, a = {}", number(a)),
+            Case::Oscillator(a, b) => format!("oscillator, a = {}, b = {}", number(a), number(b)),
+            Case::Contact(a) => format!("contact, a = {}", number(a)),
+            Case::Ratio(r) => format!("mass ratio {}, a = 1 on the pair", number(r)),
+            Case::Scale(k, 1.0) => format!("forces and masses × {}", number(k)),
+            Case::Scale(_, l) => format!("lengths × {}", number(l)),
+            Case::Undamped => "a string without damping".into(),
+            Case::Dead(b) => format!("a resonator died away, b = {}", number(b)),
+            Case::Flight => "free flight at 1 m/s".into(),
+        }
+    }
+
+    /// Ticks for the page, and for the core suite.
+    pub fn ticks(&self) -> [u64; 2] {
+        match self {
+            Case::Oscillator(..) => [48_000; 2],
+            Case::Contact(_) => [1_000_000, 20_000],
+            Case::Ratio(_) => [100 * 48_000, 48_000],
+            Case::Scale(..) => [20_000; 2],
+            Case::Undamped => [60 * 48_000, 48_000],
+            Case::Dead(_) => [2_000_000; 2],
+            Case::Flight => [3600 * 48_000, 10 * 48_000],
+        }
+    }
+
+    /// The model; `spring` and `contact` are put behind the parameters of the links of that kind.
+    pub fn text(&self, spring: &str, contact: &str) -> String {
+        match *self {
+            Case::Oscillator(a, b) => format!(
+                "{RATE}[SOL]\nwall = {{}}\n[MAS]\nbob = {{ m = 1, dx0 = 1 }}\n[REF]\n\
+                 tie = {{ between = [\"wall\", \"bob\"], k = {a:?}, z = {b:?}{spring} }}\n{OUT}"
+            ),
+            Case::Contact(a) => format!(
+                "{RATE}[SOL]\nwall = {{}}\n[CEL]\nbob = {{ m = 1, k = 0.01, v = 0.37123 }}\n[BUT]\n\
+                 hit = {{ between = [\"wall\", \"bob\"], k = {a:?}{contact} }}\n{OUT}"
+            ),
+            Case::Ratio(r) => format!(
+                "{RATE}[MAS]\nbob = {{ m = 1, dx0 = 1 }}\nheavy = {{ m = {r:?} }}\n[REF]\n\
+                 tie = {{ between = [\"heavy\", \"bob\"], k = {:?}{spring} }}\n{OUT}",
+                1.0 / (1.0 + 1.0 / r)
+            ),
+            Case::Scale(k, l) => scaled(k, l),
+            Case::Undamped => string(40).replace("z = \"1 mN s/m\"", "z = 0"),
+            Case::Dead(b) => format!("{RATE}[CEL]\nbob = {{ m = 1, k = 0.1, z = {b:?}, dx0 = 1 }}\n{OUT}"),
+            Case::Flight => format!("[MAS]\nbob = {{ m = \"1 g\", v = 1 }}\n{OUT}"),
+        }
+    }
+
+    /// Plays the model of this case for so many ticks.
+    pub fn outcome(&self, text: &str, ticks: u64) -> Outcome {
+        match *self {
+            Case::Oscillator(..) => largest(text, ticks),
+            Case::Contact(_) => energy(text, ticks, &[]),
+            Case::Ratio(r) => energy(text, ticks, &[1.0, r]),
+            Case::Undamped => energy(text, ticks, &[]),
+            Case::Scale(_, l) => {
+                let (plain, here) = (heard(&scaled(1.0, 1.0), ticks, 1.0), heard(text, ticks, l));
+                let peak = plain.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+                Outcome::Differs(plain.iter().zip(&here).fold(0.0f64, |m, (a, b)| m.max((a - b).abs())) / peak)
+            }
+            Case::Dead(_) => denormal(text, ticks),
+            Case::Flight => {
+                let (scene, mut s) = ready(text, false);
+                (0..ticks).for_each(|_| tick(&scene, &mut s));
+                let way = ticks as f64 * scene.te;
+                Outcome::Astray((s.x[0] / way - 1.0).abs())
+            }
+        }
+    }
+}
+
+fn ready(text: &str, energy: bool) -> (Scene, State) {
+    let options = Options { energy, ..Options::default() };
+    let scene = compile(&model(text), &crate::catalog(), &options).expect("the case compiles");
+    let s = scene.state();
+    (scene, s)
+}
+
+/// What is heard, over `l`.
+pub fn heard(text: &str, ticks: u64, l: f64) -> Vec<f64> {
+    let (scene, mut s) = ready(text, false);
+    let step = |_| {
+        tick(&scene, &mut s);
+        s.output[0] / l
+    };
+    (0..ticks).map(step).collect()
+}
+
+/// A displacement that began at 1 and goes on to be no number.
+const FAR: f64 = 1e200;
+
+fn largest(text: &str, ticks: u64) -> Outcome {
+    let (scene, mut s) = ready(text, false);
+    let bob = (0..scene.n_mat).find(|i| scene.mat_name(*i) == "bob").expect("the mass");
+    // as the cases of numerics 3.6 begin: at 1, and there the tick before too
+    s.d[bob] = 0.0;
+    let mut most = [s.x[bob].abs(), 0.0];
+    for n in 0..ticks {
+        let before = s.x[bob].abs();
+        tick(&scene, &mut s);
+        let now = s.x[bob].abs();
+        if now.is_nan() || now > FAR {
+            return Outcome::Blown(now / before, n + 1);
+        }
+        let half = &mut most[usize::from(2 * n >= ticks)];
+        *half = half.max(now);
+    }
+    Outcome::Largest(most[0].max(most[1]), most[1] > 1.5 * most[0])
+}
+
+/// More energy than this many times that of the start is a scene that has blown up.
+const BLOWN: f64 = 1e7;
+
+/// Energy, and the momentum of masses in the order of the model, where there are any.
+fn energy(text: &str, ticks: u64, masses: &[f64]) -> Outcome {
+    let (scene, mut s) = ready(text, true);
+    if scene.n_mat > 2 {
+        // all modes at once
+        (0..scene.n_mat).for_each(|i| s.d[i] = if s.coef[2 * scene.n_mat + i] > 0.0 { 1e-3 } else { 0.0 });
+    }
+    tick(&scene, &mut s);
+    let h0 = s.ledger.as_ref().map_or(f64::NAN, |l| l.h);
+    let (mut worst, mut moment) = (0.0f64, 0.0f64);
+    for n in 1..ticks {
+        tick(&scene, &mut s);
+        let h = s.ledger.as_ref().map_or(f64::NAN, |l| l.h) / h0;
+        if h.is_nan() || h > BLOWN {
+            return Outcome::Made(h, n);
+        }
+        worst = worst.max((h - 1.0).abs());
+        moment = moment.max(masses.iter().zip(&s.d).map(|(m, d)| m * d).sum::<f64>().abs());
+    }
+    Outcome::Energy(worst, moment)
+}
+
+fn denormal(text: &str, ticks: u64) -> Outcome {
+    let (scene, mut s) = ready(text, false);
+    let mut n = 0;
+    for _ in 0..ticks {
+        tick(&scene, &mut s);
+        n += u64::from(s.x.iter().chain(&s.d).any(|v| v.is_subnormal()));
+    }
+    Outcome::Denormal(n, s.x.iter().chain(&s.d).all(|v| *v == 0.0))
+}
+
+impl Outcome {
+    /// In words, for a cell of the table.
+    pub fn words(&self) -> String {
+        match *self {
+            Outcome::Largest(x, true) => format!("rises, to {x:.0}"),
+            Outcome::Largest(x, false) => format!("bounded, {x:.3}"),
+            Outcome::Blown(factor, n) if factor < 1e4 => format!("× {factor:.4} per tick, beyond 10²⁰⁰ after {n}"),
+            Outcome::Blown(factor, n) => format!("× {factor:.1e} per tick, beyond 10²⁰⁰ after {n}"),
+            Outcome::Energy(worst, 0.0) => format!("energy to {worst:.0e}"),
+            Outcome::Energy(worst, moment) => format!("energy to {worst:.0e}, momentum to {moment:.0e}"),
+            Outcome::Made(_, n) => format!("energy passes × 10⁷ after {n} ticks"),
+            Outcome::Differs(0.0) => "the same bits".into(),
+            Outcome::Differs(by) => format!("differs by {by:.0e}"),
+            Outcome::Denormal(n, true) => format!("0, after {n} denormal ticks"),
+            Outcome::Denormal(n, false) => format!("not 0, {n} denormal ticks"),
+            Outcome::Astray(by) => format!("off by {by:.0e} of the way"),
+        }
+    }
+}
