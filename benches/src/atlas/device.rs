@@ -1,8 +1,8 @@
 //! A device in a loop with a key: how stiff the key may be before the hand is shaken.
 //!
 //! Decides on axes without dimension: the delay of one gesture period T against the friction of the device, K T/b, and
-//! how much of its speed that friction takes in a period, b T/m. Theory is the exact characteristic polynomial of a mass
-//! with friction under a held force and of the border's filter H(z) (numerics 5.2), judged by Schur and Cohn; the
+//! how much of its speed that friction takes in a period, b T/m. Theory is the exact characteristic polynomial of a
+//! mass with friction under a held force and of the border's filter H(z) (numerics 5.2), judged by Schur and Cohn; the
 //! passivity bound K T/b = 1/κ, which holds whatever the mass, is drawn thin. The border is played by itself, with the
 //! device beside it; the device loop as it runs: frames, engine, guard and a simulated device.
 
@@ -185,9 +185,9 @@ const AXES: [Axis; 2] = [Axis::of("K T/b", 0.0, 4.0), Axis::log("b T/m", -1.5, 1
 pub const LINEAR: Map = Map {
     name: "border_linear",
     title: "A device at a key: linear position, mean force",
-    text: "A mass m with friction b under a force held for a gesture period T, on a TGR with a spring K; sixteen ticks to \
-           a period, `border = \"linear\"`. H = K (1 + 1/z)/2: passive below K T/b = 1 whatever the device (thin), \
-           stable up to the line. Moved by a nudge; it grows where it swings further and further.",
+    text: "A mass m with friction b under a force held for a gesture period T, on a TGR with a spring K; sixteen \
+           ticks to a period, `border = \"linear\"`. H = K (1 + 1/z)/2: passive below K T/b = 1 whatever the device \
+           (thin), stable up to the line. Moved by a nudge; it grows where it swings further and further.",
     axes: AXES,
     words: ["comes to rest", "shakes"],
     measured: |kt, beta| border_grows("", kt, beta),
@@ -200,7 +200,8 @@ pub const LINEAR: Map = Map {
 pub const HOLD: Map = Map {
     name: "border_hold",
     title: "A device at a key: held position, mean force at the jump",
-    text: "The same with `border = \"hold\"`. The force is the mean of those before and after the jump, so H is the same.",
+    text: "The same with `border = \"hold\"`. The force is the mean of those before and after the jump, so H is the \
+           same.",
     measured: |kt, beta| border_grows("border = \"hold\"", kt, beta),
     ..LINEAR
 };
@@ -231,7 +232,8 @@ pub const LOOP_ONE: Map = Map {
 pub const LOOP_LATE: Map = Map {
     name: "loop_late",
     title: "The device loop at one rate, the force one frame late, κ = 3/2",
-    text: "As over shared memory, where a device uses the answer at its next tick: H = K/z. Passive below K T/b = 2/3.",
+    text: "As over shared memory, where a device uses the answer at its next tick: H = K/z. Passive below K T/b = \
+           2/3.",
     measured: |kt, beta| loop_grows("sound = 3000\ngesture = 3000", 1, kt, beta),
     theory: |kt, beta| Some(unstable(LATE, kt, beta)),
     lines: || lines(LATE, 1.5),
@@ -242,7 +244,8 @@ pub const LOOP_LATE: Map = Map {
 pub const LOOP_LATER: Map = Map {
     name: "loop_later",
     title: "The device loop at 3 and 48 kHz, the force one frame late, κ = 2",
-    text: "The default border and a force used one frame late, which is what a device process has. Passive below K T/b = 1/2.",
+    text: "The default border and a force used one frame late, which is what a device process has. Passive below K \
+           T/b = 1/2.",
     measured: |kt, beta| loop_grows("", 1, kt, beta),
     theory: |kt, beta| Some(unstable(LATER, kt, beta)),
     lines: || lines(LATER, 2.0),

@@ -18,11 +18,11 @@ const BEGIN: f64 = 1e-9;
 pub const BOW: Map = Map {
     name: "bow",
     title: "A bar gripped by a bow, explicit",
-    text: "A CEL of mass m, and a BOW of the smooth curve on a fixed point, from a nudge of 1e-9 of v0 T. \
-           With b = √e f T/(v0 m), the steepest slope of the friction, the grip holds if and only if a + 2b < 4. Beyond, \
-           the bar chatters about its grip and stays within the largest force. Below b = 1 its speed dies \
-           without changing sign; what numerics 3.5 calls a faithful stick ends at b = 0.5, and at 1.5 it is lost: these \
-           two, the thin lines, are about accuracy and nothing is judged by them.",
+    text: "A CEL of mass m, and a BOW of the smooth curve on a fixed point, from a nudge of 1e-9 of v0 T. With b = √e \
+           f T/(v0 m), the steepest slope of the friction, the grip holds if and only if a + 2b < 4. Beyond, the bar \
+           chatters about its grip and stays within the largest force. Below b = 1 its speed dies without changing \
+           sign; a stick is faithful up to b = 0.5, and at 1.5 it is lost: these two, the thin lines, are about \
+           accuracy and nothing is judged by them.",
     axes: [Axis::of("a = k T²/m", 0.0, 5.0), Axis::of("b = √e f T/(v0 m)", 0.0, 2.5)],
     words: ["grip holds", "chatters"],
     measured: |a, b| {

@@ -1,8 +1,8 @@
 //! Linear networks, explicit: one oscillator, a chain, a mesh, two masses, a tetrahedron that sounds in cells.
 //!
-//! Theory is the eigenvalue bound of numerics 1.3, S = M − T²K/4 − TC/2 > 0. In all of these the dampers stand where the
-//! springs do, so that C is K times z/k and the bound is a straight line, (a + 2b) λ < 4, with the largest eigenvalue λ of
-//! the network known in closed form. Decides on springs and dampers of one ratio for that reason.
+//! Theory is the eigenvalue bound of numerics 1.3, S = M − T²K/4 − TC/2 > 0. In all of these the dampers stand where
+//! the springs do, so that C is K times z/k and the bound is a straight line, (a + 2b) λ < 4, with the largest
+//! eigenvalue λ of the network known in closed form. Decides on springs and dampers of one ratio for that reason.
 
 use super::{Axis, Line, Map, growth};
 use crate::{model, scene};
@@ -83,8 +83,8 @@ fn chain() -> f64 {
 pub const CHAIN: Map = Map {
     name: "chain",
     title: "A string of 16 masses",
-    text: "A STRING between fixed ends, with k and z in each of its links. Its highest mode has \
-           λ = 4 sin²(16 π/34), and it is stable if and only if (a + 2b) λ < 4.",
+    text: "A STRING between fixed ends, with k and z in each of its links. Its highest mode has λ = 4 sin²(16 π/34), \
+           and it is stable if and only if (a + 2b) λ < 4.",
     axes: [Axis::of("a = k T²/m", 0.0, 1.4), Axis::of("b = z T/m", 0.0, 0.7)],
     words: WORDS,
     measured: |a, b| {
@@ -113,8 +113,8 @@ fn mesh() -> f64 {
 pub const MESH: Map = Map {
     name: "mesh",
     title: "A free mesh of 6 × 6 masses",
-    text: "A MESH that nothing holds. Its highest mode has λ = 4 − 4 cos(5 π/6), and it is stable if and only if \
-           (a + 2b) λ < 4. That it may fly away as a whole is no growth.",
+    text: "A MESH that nothing holds. Its highest mode has λ = 4 − 4 cos(5 π/6), and it is stable if and only if (a + \
+           2b) λ < 4. That it may fly away as a whole is no growth.",
     axes: [Axis::of("a = k T²/m", 0.0, 0.8), Axis::of("b = z T/m", 0.0, 0.4)],
     words: WORDS,
     measured: |a, b| {
@@ -130,8 +130,8 @@ pub const MESH: Map = Map {
 pub const PAIR: Map = Map {
     name: "pair",
     title: "A light mass on a heavy one",
-    text: "Two MAS, m and M, tied by a RES, with nothing else. What counts is the mobility 1/m + 1/M: stable if and only \
-           if a (1 + m/M) < 4, whatever the ratio.",
+    text: "Two MAS, m and M, tied by a RES, with nothing else. What counts is the mobility 1/m + 1/M: stable if and \
+           only if a (1 + m/M) < 4, whatever the ratio.",
     axes: [Axis::log("M/m", 0.0, 6.0), Axis::of("a = k T²/m", 0.0, 5.0)],
     words: WORDS,
     measured: |ratio, a| {
@@ -147,18 +147,18 @@ pub const PAIR: Map = Map {
 /// Stiffness of the cells below.
 const CELL: f64 = 1.0;
 
-/// a + 2b of an LPR at the boundary. The breathing mode of the tetrahedron has 4 k/m; with the cells, of k T²/m = c, the
-/// two by two matrix [4a, 2a; 2a, a + c] must stay below 4: (4 − 4a)(4 − a − c) = 4a².
+/// a + 2b of an LPR at the boundary. The breathing mode of the tetrahedron has 4 k/m; with the cells, of k T²/m = c,
+/// the two by two matrix [4a, 2a; 2a, a + c] must stay below 4: (4 − 4a)(4 − a − c) = 4a².
 const TETRA: f64 = (4.0 - CELL) / (5.0 - CELL);
 
 /// A tetrahedron whose edges sound in cells.
 pub const LPR: Map = Map {
     name: "lpr",
     title: "A tetrahedron in space that sounds on a line, by six LPR",
-    text: "Four MAS in space, a cell on a line for each of the six edges, all of mass m and the cells of k T²/m = 1; each \
-           edge is an LPR onto its cell. Linearised, the breathing mode and its cells decide: stable if and only if \
-           a + 2b < (4 − 1)/(5 − 1) = 0.75 (numerics 4.2 with the stretching modes 4, 2, 1 of a tetrahedron). Alone, \
-           without cells, it would be 1. Played from displacements of 1e-8 of an edge.",
+    text: "Four MAS in space, a cell on a line for each of the six edges, all of mass m and the cells of k T²/m = 1; \
+           each edge is an LPR onto its cell. Linearised, the breathing mode and its cells decide: stable if and only \
+           if a + 2b < (4 − 1)/(5 − 1) = 0.75 (the stretching modes of a tetrahedron are 4, 2 and 1 times k/m). \
+           Alone, without cells, it would be 1. Played from displacements of 1e-8 of an edge.",
     axes: [Axis::of("a = k T²/m", 0.0, 1.0), Axis::of("b = z T/m", 0.0, 0.5)],
     words: WORDS,
     measured: |a, b| {

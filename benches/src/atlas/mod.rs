@@ -3,7 +3,8 @@
 //! Decides on measuring by playing: a cell is a scene compiled from text and ticked, never a question to the
 //! certificate, so that a mistake shared by certificate and theory would still be seen. A map is one entry of [`MAPS`];
 //! theory is a function of the same two numbers, and may be silent where nothing is proven. A cell contradicts where
-//! both speak and differ; next to the boundary, within [`Map::band`], a run of finite length cannot tell and is not asked.
+//! both speak and differ; next to the boundary, within [`Map::band`], a run of finite length cannot tell and is not
+//! asked.
 
 mod contact;
 mod device;

@@ -10,10 +10,10 @@ const HEAD: &str = "# The stability atlas
 Made by `UPDATE=1 cargo bench -p ca-benches --bench atlas`: do not edit.
 
 What the engine does when it is played, beside what theory says it must. Every cell of a map is a model in text,
-compiled and ticked; nothing here asks `ca check`. Throughout, T is a tick, a = k T²/m and b = z T/m. Blue is calm, orange
-grows, the black line is the boundary of theory, thin dashed lines are rules and special values; **red is a cell that
-contradicts theory**. Within a band beside the line a run of finite length cannot tell the two apart, so nothing
-is judged there; neither where theory says nothing. The test suite plays coarse maps by the same functions and allows no
+compiled and ticked; nothing here asks `ca check`. Throughout, T is a tick, a = k T²/m and b = z T/m. Blue is calm,
+orange grows, the black line is the boundary of theory, thin dashed lines are rules and special values; **red is a cell
+that contradicts theory**. Within a band beside the line a run of finite length cannot tell the two apart, so nothing is
+judged there; neither where theory says nothing. The test suite plays coarse maps by the same functions and allows no
 contradiction. No number of this page depends on the machine.
 ";
 
@@ -70,20 +70,20 @@ pub const DOORS: [(&str, &str, fn() -> Door); 4] = [
 pub fn page(maps: &str) -> String {
     let mut t = format!("{HEAD}\n## Maps\n{maps}\n## Extremes\n\n");
     t += &wrap(
-        "Each case is played by each method that has a part in it. An oscillator is let go from 1. A contact is a wall at \
-         the rest of a cell of k T²/m = 0.01, hit once every swing, so that an explicit one may also settle at a phase of \
-         the tick in which it takes as much as it made. Energy is that of the energy book, its largest deviation at any \
-         tick; momentum is that of both masses, where the light one moves by about 1 a tick. Resonators that die away pass \
-         through the denormal numbers, if at all, for less than the 1024 ticks between two looks of the engine at what is \
-         too small to matter, and then are 0.",
+        "Each case is played by each method that has a part in it. An oscillator is let go from 1. A contact is a \
+         wall at the rest of a cell of k T²/m = 0.01, hit once every swing, so that an explicit one may also settle \
+         at a phase of the tick in which it takes as much as it made. Energy is that of the energy book, its largest \
+         deviation at any tick; momentum is that of both masses, where the light one moves by about 1 a tick. \
+         Resonators that die away pass through the denormal numbers, if at all, for less than the 1024 ticks between \
+         two looks of the engine at what is too small to matter, and then are 0.",
     );
     let names: Vec<&str> = METHODS.iter().map(|m| m.name).collect();
     let _ = write!(t, "\n\n| case | ticks | {} |\n|---|---|{}\n", names.join(" | "), "---|".repeat(names.len()));
     for case in CASES {
         let _ = writeln!(t, "{}", row(case, 0));
     }
-    t += "\n## What is no number\n\nNaN, +∞ and −∞ at every door of the engine.\n\n| where | what happens | tried | came through |\n\
-          |---|---|---|---|\n";
+    t += "\n## What is no number\n\nNaN, +∞ and −∞ at every door of the engine.\n\n\
+          | where | what happens | tried | came through |\n|---|---|---|---|\n";
     for (name, what, try_it) in DOORS {
         let _ = writeln!(t, "{}", door(name, what, &try_it()));
     }

@@ -166,9 +166,9 @@ impl Case {
     pub fn outcome(&self, text: &str, ticks: u64) -> Outcome {
         match *self {
             Case::Oscillator(..) => largest(text, ticks),
-            Case::Contact(_) => energy(text, ticks, &[]),
-            Case::Ratio(r) => energy(text, ticks, &[1.0, r]),
-            Case::Undamped => energy(text, ticks, &[]),
+            Case::Contact(_) => energy(text, ticks, &[], 0.0),
+            Case::Ratio(r) => energy(text, ticks, &[1.0, r], 0.0),
+            Case::Undamped => energy(text, ticks, &[], 1e-3),
             Case::Scale(_, l) => {
                 let (plain, here) = (heard(&scaled(1.0, 1.0), ticks, 1.0), heard(text, ticks, l));
                 let peak = plain.iter().fold(0.0f64, |m, v| m.max(v.abs()));
@@ -227,12 +227,12 @@ fn largest(text: &str, ticks: u64) -> Outcome {
 /// More energy than this many times that of the start is a scene that has blown up.
 const BLOWN: f64 = 1e7;
 
-/// Energy, and the momentum of masses in the order of the model, where there are any.
-fn energy(text: &str, ticks: u64, masses: &[f64]) -> Outcome {
+/// Energy, and the momentum of masses in the order of the model, where there are any; all that can move is given `kick`
+/// more \[m/tick\].
+fn energy(text: &str, ticks: u64, masses: &[f64], kick: f64) -> Outcome {
     let (scene, mut s) = ready(text, true);
-    if scene.n_mat > 2 {
-        // all modes at once
-        (0..scene.n_mat).for_each(|i| s.d[i] = if s.coef[2 * scene.n_mat + i] > 0.0 { 1e-3 } else { 0.0 });
+    for (d, c) in s.d.iter_mut().zip(&s.coef[2 * scene.n_mat..]) {
+        *d += if *c > 0.0 { kick } else { 0.0 };
     }
     tick(&scene, &mut s);
     let h0 = s.ledger.as_ref().map_or(f64::NAN, |l| l.h);

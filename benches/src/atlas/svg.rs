@@ -1,7 +1,7 @@
 //! A map as SVG, by hand.
 //!
-//! Decides against a drawing library: a map is rectangles, lines and a few words, and written out it is the same file on
-//! every machine, small and fit for a diff. Neighbouring cells of one colour are one rectangle.
+//! Decides against a drawing library: a map is rectangles, lines and a few words, and written out it is the same file
+//! on every machine, small and fit for a diff. Neighbouring cells of one colour are one rectangle.
 
 use super::{Axis, Cell, Field, Map};
 use std::fmt::Write as _;
@@ -59,8 +59,9 @@ pub fn draw(map: &Map, field: &Field) -> String {
     let [left, top, right, bottom] = ROOM;
     let (width, height) = (left + w + right, top + h + bottom);
     let mut t = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\" \
-         font-family=\"sans-serif\" font-size=\"13\">\n<title>{}</title>\n<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n\
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
+         viewBox=\"0 0 {width} {height}\" font-family=\"sans-serif\" font-size=\"13\">\n<title>{}</title>\n\
+         <rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n\
          <clipPath id=\"map\"><rect x=\"{left}\" y=\"{top}\" width=\"{w}\" height=\"{h}\"/></clipPath>\n\
          <g shape-rendering=\"crispEdges\">\n",
         map.title.replace('"', "&quot;")
