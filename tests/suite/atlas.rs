@@ -45,7 +45,7 @@ fn c01_a_bounce_is_what_the_closed_form_says() {
             out = out.max((1.0 - 0.25 * a) - is).max(is * (1.0 - 0.25 * a) - 1.0);
         }
     }
-    within("C01 against the closed form", worst, 1e-9);
+    within("C01 against the closed form", worst, 1e-13);
     within("C01 beyond [1 - a/4, 1/(1 - a/4)]", out, 1e-12);
 }
 
@@ -57,10 +57,10 @@ fn e02_the_boundary_of_the_device_maps() {
     let rows = crate::play::rows(c, "values/rows");
     for (kappa, row) in [(0.5, 0), (1.0, 1), (1.5, 3), (2.0, 4)] {
         let k = limit(kappa, beta) * num(c, "setup/bd") * 3000.0;
-        within(&format!("E02 κ = {kappa}"), off(k, rows[row][1]), 1e-6);
+        within(&format!("E02 κ = {kappa}"), off(k, rows[row][1]), 1e-8);
         for e in -40..=20 {
             let beta = 10f64.powf(0.1 * f64::from(e));
-            assert!(limit(kappa, beta) * kappa >= 1.0 - 1e-6, "κ = {kappa}, b T/m = {beta}");
+            assert!(limit(kappa, beta) * kappa > 1.0, "κ = {kappa}, b T/m = {beta}");
         }
     }
 }
@@ -96,14 +96,25 @@ fn the_survival_table() {
     };
     let a15 = case("A15");
     for a in list(a15, "setup/a").into_iter().chain([4e16]) {
-        within(&format!("A15 explicit, a = {a:e}"), off(blown(a, 0.0).0, root(a, 0.0)), 1e-6);
+        within(&format!("A15 explicit, a = {a:e}"), off(blown(a, 0.0).0, root(a, 0.0)), 1e-14);
     }
     let h04 = case("H04");
     assert_eq!(h04["values"]["CA"], "inf");
     for b in list(h04, "setup/b").into_iter().chain([1.96]) {
-        within(&format!("H04 b = {b:e}"), off(blown(num(h04, "setup/a"), b).0, root(0.1, b)), 1e-6);
+        within(&format!("H04 b = {b:e}"), off(blown(num(h04, "setup/a"), b).0, root(0.1, b)), 1e-14);
     }
     assert_eq!(largest(0.1, 1.94), (1.0, false));
+
+    // a bow beyond its limit: the place stays within what its largest force gives in a tick, over √a; far beyond, the
+    // bar is driven further and further, by no more than that each tick
+    let far = |b: f64| match played(Case::Bow(b), "ca") {
+        Outcome::Largest(x, rises) => (x / (b / 0.5f64.exp() / 0.1f64.sqrt()), rises),
+        other => panic!("b = {b}: {other:?}"),
+    };
+    let (steep, steeper) = (far(2.5), far(100.0));
+    within("a bow, b = 2.5", steep.0, 0.1);
+    assert!(!steep.1 && steeper.1 && steeper.0 > 1.0, "{steeper:?}");
+    within("a bow, b = 100, per tick", steeper.0 / 48_000.0, 1.0);
 
     // at a = 4.5 a blow may take as much as the one before made
     let Outcome::Energy(worst, _) = played(Case::Contact(4.5), "ca") else { panic!("a = 4.5") };
@@ -111,16 +122,16 @@ fn the_survival_table() {
     for a in [3.0, 1e8, 1e16] {
         assert!(matches!(played(Case::Contact(a), "ca"), Outcome::Made(..)), "a = {a:e}");
     }
-    for (a, most) in [(1.0, 1e-11), (3.0, 1e-11), (4.5, 1e-11), (1e8, 1e-9), (1e16, 1e-4)] {
-        for method in ["stable", "stable3d"] {
+    for (a, most) in [(1.0, 1e-12), (3.0, 1e-12), (4.5, 1e-12), (1e8, 1e-9), (1e16, 1e-5)] {
+        for (method, most) in [("stable", most), ("stable3d", 1e-12)] {
             let Outcome::Energy(worst, _) = played(Case::Contact(a), method) else { panic!("{method}, a = {a:e}") };
             within(&format!("contact {method}, a = {a:e}"), worst, most);
         }
     }
 
     let Outcome::Energy(worst, moment) = played(Case::Ratio(1e6), "ca") else { panic!("a pair") };
-    within("mass ratio 1e6, energy", worst, 4e-12);
-    within("mass ratio 1e6, momentum", moment, 1e-15);
+    within("mass ratio 1e6, energy", worst, 1e-14);
+    within("mass ratio 1e6, momentum", moment, 1e-14);
     let Outcome::Energy(worst, _) = played(Case::Undamped, "ca") else { panic!("a string") };
     within("a string without damping", worst, 2e-13);
     for b in [1e-3, 0.5] {
@@ -128,7 +139,8 @@ fn the_survival_table() {
         assert!(gone && ticks < 1024, "H06 b = {b}: {ticks}");
     }
     let Outcome::Astray(by) = played(Case::Flight, "ca") else { panic!("a flight") };
-    within("ten seconds of free flight", by, 2e-9);
+    // each addition errs by half a unit of the last place at most
+    within("ten seconds of free flight", by, 0.5 * f64::EPSILON * Case::Flight.ticks()[1] as f64);
 }
 
 #[test]

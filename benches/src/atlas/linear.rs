@@ -158,7 +158,7 @@ pub const LPR: Map = Map {
     text: "Four MAS in space, a cell on a line for each of the six edges, all of mass m and the cells of k T²/m = 1; \
            each edge is an LPR onto its cell. Linearised, the breathing mode and its cells decide: stable if and only \
            if a + 2b < (4 − 1)/(5 − 1) = 0.75 (the stretching modes of a tetrahedron are 4, 2 and 1 times k/m). \
-           Alone, without cells, it would be 1. Played from displacements of 1e-8 of an edge.",
+           Played from displacements of 1e-8 of an edge.",
     axes: [Axis::of("a = k T²/m", 0.0, 1.0), Axis::of("b = z T/m", 0.0, 0.5)],
     words: WORDS,
     measured: |a, b| {

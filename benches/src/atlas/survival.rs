@@ -4,6 +4,7 @@
 //! nothing where it has no part in it. Energy is that of the scene's own book, which other tests keep honest; all else
 //! is read from the state.
 
+use super::friction::gripped;
 use crate::{model, string};
 use ca_core::{Options, Scene, State, compile, tick};
 
@@ -12,6 +13,8 @@ use ca_core::{Options, Scene, State, compile, tick};
 pub enum Case {
     /// a mass on a spring and damper of these kT²/m and zT/m, let go from 1
     Oscillator(f64, f64),
+    /// a bar of kT²/m = 0.1 gripped by a bow whose steepest slope has this zT/m, nudged
+    Bow(f64),
     /// a ball of kT²/m = 0.01 on a spring, at rest on a wall which it hits at every swing, of this kT²/m
     Contact(f64),
     /// two masses of this ratio on one spring, of kT²/m = 1 by their mobility
@@ -57,6 +60,8 @@ pub const CASES: &[Case] = &[
     Case::Oscillator(0.1, 1.96),
     Case::Oscillator(0.1, 1e3),
     Case::Oscillator(0.1, 1e9),
+    Case::Bow(2.5),
+    Case::Bow(100.0),
     Case::Contact(1.0),
     Case::Contact(3.0),
     Case::Contact(4.5),
@@ -116,6 +121,7 @@ impl Case {
         match *self {
             Case::Oscillator(a, 0.0) => format!("oscillator, a = {}", number(a)),
             Case::Oscillator(a, b) => format!("oscillator, a = {}, b = {}", number(a), number(b)),
+            Case::Bow(b) => format!("bow, a = 0.1, b = {}", number(b)),
             Case::Contact(a) => format!("contact, a = {}", number(a)),
             Case::Ratio(r) => format!("mass ratio {}, a = 1 on the pair", number(r)),
             Case::Scale(k, 1.0) => format!("forces and masses × {}", number(k)),
@@ -129,7 +135,7 @@ impl Case {
     /// Ticks for the page, and for the core suite.
     pub fn ticks(&self) -> [u64; 2] {
         match self {
-            Case::Oscillator(..) => [48_000; 2],
+            Case::Oscillator(..) | Case::Bow(_) => [48_000; 2],
             Case::Contact(_) => [1_000_000, 20_000],
             Case::Ratio(_) => [100 * 48_000, 48_000],
             Case::Scale(..) => [20_000; 2],
@@ -146,6 +152,7 @@ impl Case {
                 "{RATE}[SOL]\nwall = {{}}\n[MAS]\nbob = {{ m = 1, dx0 = 1 }}\n[REF]\n\
                  tie = {{ between = [\"wall\", \"bob\"], k = {a:?}, z = {b:?}{spring} }}\n{OUT}"
             ),
+            Case::Bow(b) => gripped(0.1, b).replace("k = 0.1", "k = 0.1, dx0 = 1e-6"),
             Case::Contact(a) => format!(
                 "{RATE}[SOL]\nwall = {{}}\n[CEL]\nbob = {{ m = 1, k = 0.01, v = 0.37123 }}\n[BUT]\n\
                  hit = {{ between = [\"wall\", \"bob\"], k = {a:?}{contact} }}\n{OUT}"
@@ -165,7 +172,7 @@ impl Case {
     /// Plays the model of this case for so many ticks.
     pub fn outcome(&self, text: &str, ticks: u64) -> Outcome {
         match *self {
-            Case::Oscillator(..) => largest(text, ticks),
+            Case::Oscillator(..) | Case::Bow(_) => largest(text, ticks),
             Case::Contact(_) => energy(text, ticks, &[], 0.0),
             Case::Ratio(r) => energy(text, ticks, &[1.0, r], 0.0),
             Case::Undamped => energy(text, ticks, &[], 1e-3),
