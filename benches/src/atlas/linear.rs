@@ -44,8 +44,8 @@ fn edge(lambda: f64) -> Vec<Line> {
     vec![Line::edge(vec![[4.0 / lambda, 0.0], [0.0, 2.0 / lambda]])]
 }
 
-fn beyond(lambda: f64, a: f64, b: f64) -> Option<bool> {
-    Some((a + 2.0 * b) * lambda >= 4.0)
+fn beyond(lambda: f64, a: f64, b: f64) -> bool {
+    (a + 2.0 * b) * lambda >= 4.0
 }
 
 const WORDS: [&str; 2] = ["stays bounded", "grows"];
@@ -66,7 +66,7 @@ pub const OSCILLATOR: Map = Map {
             1.0,
         )
     },
-    theory: |a, b| beyond(1.0, a, b),
+    theory: |a, b| Some(beyond(1.0, a, b)),
     lines: || edge(1.0),
     band: 0.005,
 };
@@ -95,7 +95,7 @@ pub const CHAIN: Map = Map {
             1.0,
         )
     },
-    theory: |a, b| beyond(chain(), a, b),
+    theory: |a, b| Some(beyond(chain(), a, b)),
     lines: || edge(chain()),
     band: 0.005,
 };
@@ -121,7 +121,7 @@ pub const MESH: Map = Map {
         let mesh = format!("skin = {{ nx = {SIDE}, ny = {SIDE}, m = 1, k = {a:?}, z = {b:?} }}");
         grows(&format!("{RATE}[MESH]\n{mesh}\n[SOX]\nout = {{ from = \"skin[0,0]\" }}\n"), 1.0)
     },
-    theory: |a, b| beyond(mesh(), a, b),
+    theory: |a, b| Some(beyond(mesh(), a, b)),
     lines: || edge(mesh()),
     band: 0.005,
 };
@@ -139,7 +139,7 @@ pub const PAIR: Map = Map {
         let link = format!("tie = {{ between = [\"light\", \"heavy\"], k = {a:?} }}");
         grows(&format!("{RATE}[MAS]\n{masses}\n[RES]\n{link}\n[SOX]\nout = {{ from = \"light\" }}\n"), 1.0)
     },
-    theory: |ratio, a| beyond(1.0 + 1.0 / ratio, a, 0.0),
+    theory: |ratio, a| Some(beyond(1.0 + 1.0 / ratio, a, 0.0)),
     lines: || vec![Line::curve(0.0, 6.0, |e| [10f64.powf(e), 4.0 / (1.0 + 10f64.powf(-e))])],
     band: 0.005,
 };
@@ -180,7 +180,7 @@ pub const LPR: Map = Map {
         );
         grows(&t, 1e-8)
     },
-    theory: |a, b| beyond(4.0 / TETRA, a, b),
+    theory: |a, b| Some(beyond(4.0 / TETRA, a, b)),
     lines: || edge(4.0 / TETRA),
     band: 0.005,
 };

@@ -54,8 +54,11 @@ pub fn door(name: &str, what: &str, door: &Door) -> String {
     format!("| {name} | {what} | {} | {} |", door.tried, door.through.len())
 }
 
+/// How a door is tried.
+pub type Try = fn() -> Door;
+
 /// All doors: name, what should happen, and how to try it.
-pub const DOORS: [(&str, &str, fn() -> Door); 4] = [
+pub const DOORS: [(&str, &str, Try); 4] = [
     ("parameters of a model, each number of each kind", "an error that names the value; no scene", poison::parameters),
     ("ports, each input of each example", "held (positions) or taken as 0 (forces), and counted", poison::ports),
     ("live parameters, by name and as a patch", "refused, nothing changed", poison::changes),

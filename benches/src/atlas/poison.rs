@@ -117,11 +117,14 @@ pub fn changes() -> Door {
     door
 }
 
+/// Puts a number into a frame.
+type Spoil = fn(&mut DeviceFrame, f64);
+
 /// Frames of a device with forces on: no force and no sound that is no number, and after a run of positions that are
 /// none, no force at all.
 pub fn frames() -> Door {
     let mut door = Door::default();
-    let spoils: [(&str, fn(&mut DeviceFrame, f64)); 3] = [
+    let spoils: [(&str, Spoil); 3] = [
         ("position", |f, bad| f.pos[0] = bad),
         ("speed", |f, bad| (f.vel_mask, f.vel[0]) = (1, bad)),
         ("measured force", |f, bad| f.force_measured[0] = bad as f32),
