@@ -10,6 +10,7 @@ mod accuracy;
 mod device;
 mod equiv;
 mod modes;
+mod report;
 mod serve;
 mod take;
 mod tune;
@@ -18,6 +19,7 @@ pub use accuracy::AccuracyArgs;
 pub use device::{CalibrateArgs, ConformanceArgs, DeviceArgs, DeviceCommand, ScriptKind, SimArgs};
 pub use equiv::EquivArgs;
 pub use modes::ModesArgs;
+pub use report::ReportArgs;
 pub use serve::{ArmArgs, ClockKind, ServeArgs, SetArgs, ShmArgs, ShmWhat, StatusArgs};
 pub use take::{LogArgs, LogCommand, ReplayArgs};
 pub use tune::{Scale, TuneArgs};
@@ -47,6 +49,8 @@ pub enum Command {
     Accuracy(AccuracyArgs),
     /// Tunes strings, meshes, cells and banks
     Tune(TuneArgs),
+    /// Writes a page about a model or a take
+    Report(ReportArgs),
     /// Shows and sets how large and how heavy a model is in the hand
     Equiv(EquivArgs),
     /// Lists kinds of modules and bundled models, or shows one of them
@@ -121,6 +125,21 @@ impl Source {
     }
 }
 
+/// How long a model is played, and by what.
+#[derive(Args)]
+pub struct Playing {
+    /// How long, e.g. 4 or "4 s"
+    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
+    pub seconds: Option<f64>,
+    /// A gesture that plays it (csv, npy, wav, mid, or a take, mcap); its tracks take the place of built-in ones;
+    /// repeatable. The one nameless track of an array or a sound is given to a port by `key=FILE`
+    #[arg(long, value_name = "[PORT=]FILE")]
+    pub gesture: Vec<String>,
+    /// Rate of an NPY gesture without a time of its own
+    #[arg(long, value_name = "HZ", value_parser = hertz, requires = "gesture")]
+    pub gesture_rate: Option<f64>,
+}
+
 /// Where a device is within a gesture frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Border {
@@ -153,16 +172,9 @@ pub struct RenderArgs {
     /// The WAV file; the name of the model in the current directory if left out
     #[arg(short, long, value_name = "FILE.wav")]
     pub output: Option<PathBuf>,
-    /// How long, e.g. 4 or "4 s"
-    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
-    pub seconds: Option<f64>,
-    /// A gesture that plays it (csv, npy, wav, mid, or a take, mcap); its tracks take the place of built-in ones; repeatable. The one
-    /// nameless track of an array or a sound is given to a port by `key=FILE`
-    #[arg(long, value_name = "[PORT=]FILE")]
-    pub gesture: Vec<String>,
-    /// Rate of an NPY gesture without a time of its own
-    #[arg(long, value_name = "HZ", value_parser = hertz, requires = "gesture")]
-    pub gesture_rate: Option<f64>,
+    /// how it is played
+    #[command(flatten)]
+    pub playing: Playing,
     /// Samples: 32-bit float (lossless, the default), or 24 or 16 bits
     #[arg(long, value_enum, default_value_t = SampleFormat::F32)]
     pub format: SampleFormat,

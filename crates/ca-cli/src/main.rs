@@ -90,6 +90,7 @@ fn main() -> ExitCode {
         Command::Modes(a) => commands::modes::run(a),
         Command::Accuracy(a) => commands::accuracy::run(a),
         Command::Tune(a) => commands::tune::run(a),
+        Command::Report(a) => commands::report::run(a),
         Command::Equiv(a) => commands::equiv::run(a),
         Command::List(a) => commands::list::run(a),
         Command::New(a) => commands::new::run(a),

@@ -25,7 +25,7 @@ fn ms(seconds: f64) -> String {
 }
 
 /// One line on delays; nothing for a scene that has none.
-fn latency(scene: &Scene) -> Option<String> {
+pub(crate) fn latency(scene: &Scene) -> Option<String> {
     let d = delays(scene);
     let filter = (d.filter > 0.0).then(|| format!("{} of it the filter of the outputs", ms(d.filter)));
     if scene.tgr.is_empty() {
@@ -71,18 +71,19 @@ fn felt(scene: &Scene) -> Vec<&Key> {
     keys
 }
 
-/// What the keys ask of a device.
-pub(crate) fn keys(out: &mut impl Write, scene: &Scene) -> Result<(), Failure> {
+/// What the keys ask of a device, stiffest first: name, stiffness in the hand \[N/m\], friction it needs \[N s/m\].
+pub(crate) fn asked(scene: &Scene) -> Vec<(&str, f64, f64)> {
     let (d, keys) = (delays(scene), felt(scene));
+    keys.into_iter().map(|k| (k.name.as_str(), felt_as(scene, k), d.friction(felt_as(scene, k)))).collect()
+}
+
+/// The same in words.
+pub(crate) fn keys(out: &mut impl Write, scene: &Scene) -> Result<(), Failure> {
+    let (d, keys) = (delays(scene), asked(scene));
     let mut lead = "keys       ";
-    for key in keys.iter().take(KEYS) {
-        let k = felt_as(scene, key);
-        let (k, b) = (quantity(k), short(d.friction(k)));
-        writeln!(
-            out,
-            "  {lead}`{}`: springs sum to {k}; to stay passive a device needs {b} N s/m of its own",
-            key.name
-        )?;
+    for (name, k, b) in keys.iter().take(KEYS) {
+        let (k, b) = (quantity(*k), short(*b));
+        writeln!(out, "  {lead}`{name}`: springs sum to {k}; to stay passive a device needs {b} N s/m of its own")?;
         lead = "           ";
     }
     if keys.len() > KEYS {
@@ -123,10 +124,8 @@ pub(crate) fn quantity(k: f64) -> String {
 pub(crate) fn json(scene: &Scene) -> Json {
     let d = delays(scene);
     let device = !scene.tgr.is_empty();
-    let keys: Vec<Json> = felt(scene)
-        .iter()
-        .map(|k| json!({"name": k.name, "k": felt_as(scene, k), "friction": d.friction(felt_as(scene, k))}))
-        .collect();
+    let keys: Vec<Json> =
+        asked(scene).iter().map(|(name, k, b)| json!({"name": name, "k": k, "friction": b})).collect();
     let border = device.then(|| {
         json!({
             "shape": if scene.ratio == 1 { "synchronous" } else { shape(scene) }, "latency": scene.crossing.latency,

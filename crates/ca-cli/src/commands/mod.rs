@@ -13,6 +13,7 @@ pub mod modes;
 pub mod new;
 pub mod render;
 pub mod replay;
+pub mod report;
 pub mod serve;
 pub mod shm;
 pub mod tune;

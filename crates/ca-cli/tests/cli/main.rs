@@ -9,6 +9,7 @@ mod pages;
 mod pitch;
 mod readme;
 mod render;
+mod report;
 mod serve;
 mod shm;
 mod take;
@@ -52,6 +53,8 @@ fn usage_is_refused_before_anything_is_written() {
         (&["render", "bar.ca.toml", "--probe", "bar=x.mat"], "`.npy` or `.csv`"),
         (&["render", "bar.ca.toml", "--gesture", "bar.csv"], "nothing is driven by `bar`"),
         (&["render", "bar.ca.toml", "--gesture", "bar.wav"], "overwritten"),
+        (&["report", "bar.ca.toml", "-o", "x.pdf"], "`.html`"),
+        (&["report", "bar.ca.toml", "--gesture", "bar.csv"], "nothing is driven by `bar`"),
         (&["new", "x.toml"], "x.ca.toml"),
     ] {
         desk.ca(args).is(2).says(&[word]);
@@ -84,10 +87,10 @@ fn errors_of_a_model_point_at_their_places() {
 fn examples_of_the_help_run() {
     let mut ran = 0;
     for command in
-        ["render", "check", "equiv", "modes", "tune", "list", "new", "import", "serve", "replay", "log", "shm"]
+        ["render", "check", "report", "equiv", "modes", "tune", "list", "new", "import", "serve", "replay", "log", "shm"]
     {
         let desk = Desk::new();
-        if ["replay", "log"].contains(&command) {
+        if ["replay", "log", "report"].contains(&command) {
             take::performer::tgr12(&desk.path("take.mcap"));
         }
         desk.put("key.csv", KEY).put("string.mdl", &mims("string.mdl"));
@@ -103,7 +106,7 @@ fn examples_of_the_help_run() {
             ran += 1;
         }
     }
-    assert!(ran >= 33, "only {ran} examples were found");
+    assert!(ran >= 37, "only {ran} examples were found");
 }
 
 #[test]

@@ -14,6 +14,7 @@ use crate::equivalence::Gains;
 use crate::error::FileError;
 use crate::profile::Profile;
 use ca_core::cloud::Clouds;
+use ca_core::model::diag::Diags;
 use ca_core::model::{Model, mims, read, write};
 use ca_core::{Catalog, KernelClass, Options, Scene};
 use std::collections::BTreeMap;
@@ -114,8 +115,8 @@ impl Header {
         self.began_ns.saturating_add((tick as f64 * 1e9 / self.rate) as u64)
     }
 
-    /// The scene that was played, compiled again.
-    pub fn scene(&self, catalog: &Catalog) -> Result<Scene, FileError> {
+    /// The model that was played, changes applied, with what its reader found.
+    pub fn model(&self, catalog: &Catalog) -> Result<(Model, Diags), FileError> {
         let mdl = self.file.to_ascii_lowercase().ends_with(".mdl");
         let (mut model, found) =
             if mdl { mims::import(&self.text, &self.file) } else { read::read(&self.text, &self.file, catalog) };
@@ -124,6 +125,12 @@ impl Header {
                 return Err(FileError::content(format!("its model has no `{name}`, which was set to `{value}`")));
             }
         }
+        Ok((model, found))
+    }
+
+    /// The scene that was played, compiled again.
+    pub fn scene(&self, catalog: &Catalog) -> Result<Scene, FileError> {
+        let (model, found) = self.model(catalog)?;
         let scene = ca_core::load::finish(&model, found, catalog, &self.options).map_err(|d| {
             let first = d.list.first().map_or("", |d| d.title.as_str());
             FileError::content(format!("its model does not compile: {first}")).fix(self.other())

@@ -58,7 +58,7 @@ pub fn run(args: &CheckArgs) -> Outcome {
 }
 
 /// How many modules of each code run, in order of first appearance.
-fn codes(scene: &Scene) -> Vec<(&'static str, usize)> {
+pub(crate) fn codes(scene: &Scene) -> Vec<(&'static str, usize)> {
     let mut list: Vec<(&'static str, usize)> = Vec::new();
     for s in &scene.symbols {
         match list.iter_mut().find(|c| c.0 == s.code) {

@@ -7,9 +7,10 @@
 mod play;
 mod told;
 
-pub(crate) use told::{stability, stability_json};
+pub(crate) use play::play;
+pub(crate) use told::{Broke, decibel, fitting, joule, makers, relative, stability, stability_json, tenths, too_loud};
 
-use crate::args::{Kernel, RenderArgs, SampleFormat};
+use crate::args::{Kernel, Playing, RenderArgs, SampleFormat};
 use crate::commands::border;
 use crate::load::{self, Loaded};
 use crate::{Ended, Failure, Outcome, catalog, term};
@@ -58,10 +59,9 @@ pub fn run(args: &RenderArgs) -> Outcome {
         let options = Options { energy: true, probes: Vec::new(), ..options.clone() };
         compile(&loaded.model, &catalog(), &options).ok()
     };
-    let gesture = gesture(args, &scene, &output)?;
+    let gesture = gesture(&args.playing, &scene, &output)?;
     let performance = Performance::new(&scene, gesture.as_ref())?;
-    let seconds = length(args, &scene, &performance);
-    let frames = (seconds * scene.rate).round().max(1.0) as u64;
+    let (seconds, frames) = length(&args.playing, &scene, &performance);
     let format = match args.format {
         SampleFormat::F32 => Format::F32,
         SampleFormat::I24 => Format::I24,
@@ -75,20 +75,19 @@ pub fn run(args: &RenderArgs) -> Outcome {
     let wav = WavOut::create(&output, scene.rate, scene.channels, format)?;
     let outs = open_probes(&probes, &scene)?;
     let show = !args.quiet && !args.json;
-    let played = play::play(performance, frames, wav, outs, show)?;
+    let mut files = play::Files { wav, probes: outs, channels: scene.channels, waiting: Vec::new() };
+    let played = play(performance, frames, play::BLOCK, show, &mut |_, rows| files.write(rows))?;
+    let written = files.finish()?;
     let energy = match &played.energy {
         Some(book) => Some(play::Audit { book: book.clone(), ticks: played.energy_ticks, whole: true }),
         None => audited().and_then(|twin| play::audit(&twin, gesture.as_ref(), frames)),
     };
-    let broke = played.broke.map(|tick| {
-        let twin = if args.energy { None } else { audited() };
-        let (module, why) = played.performance.blame(twin.as_ref().or(Some(&scene)), gesture.as_ref());
-        told::Broke { time: tick as f64 * scene.te, fix: told::fix(&scene, &module), module, why }
-    });
+    let twin = if played.broke.is_some() && !args.energy { audited() } else { None };
+    let broke = Broke::of(&played, twin.as_ref().unwrap_or(&scene), gesture.as_ref());
     let summary = told::Summary {
         args,
         scene: &scene,
-        written: &played.written,
+        written: &written,
         wall: played.wall,
         energy: energy.as_ref(),
         broke: broke.as_ref(),
@@ -155,7 +154,7 @@ fn open_probes(probes: &[Probe], scene: &Scene) -> Result<Vec<(ProbeOut, usize)>
 }
 
 /// All gesture files as one gesture.
-fn gesture(args: &RenderArgs, scene: &Scene, output: &Path) -> Result<Option<Gesture>, Failure> {
+pub(crate) fn gesture(args: &Playing, scene: &Scene, output: &Path) -> Result<Option<Gesture>, Failure> {
     let map = |i: &ca_core::scene::Input| Some(PortMap { port: i.name.clone(), map: i.midi? });
     let ports: Vec<PortMap> = scene.inputs.iter().filter_map(map).collect();
     let mut tracks: Vec<Track> = Vec::new();
@@ -210,7 +209,8 @@ fn port_and_file(text: &str) -> (Option<&str>, &Path) {
     }
 }
 
-fn length(args: &RenderArgs, scene: &Scene, p: &Performance) -> f64 {
+/// How long it is played \[s\], and in ticks.
+pub(crate) fn length(args: &Playing, scene: &Scene, p: &Performance) -> (f64, u64) {
     let gesture = p.duration();
     let seconds = args.seconds.or(scene.seconds).unwrap_or((gesture + TAIL).max(LEAST));
     if args.seconds.is_none() && !args.gesture.is_empty() && gesture > seconds {
@@ -218,5 +218,5 @@ fn length(args: &RenderArgs, scene: &Scene, p: &Performance) -> f64 {
             "the gesture lasts {gesture:.3} s, the model asks for {seconds} s; use `--seconds` to hear all of it"
         ));
     }
-    seconds
+    (seconds, (seconds * scene.rate).round().max(1.0) as u64)
 }

@@ -11,8 +11,8 @@ use indicatif::{ProgressBar, ProgressStyle};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// Ticks between two writes.
-const BLOCK: u64 = 1024;
+/// Ticks between two writes of a render.
+pub(crate) const BLOCK: u64 = 1024;
 /// Somebody pressed Ctrl-C.
 static STOP: AtomicBool = AtomicBool::new(false);
 /// How long a render may last unseen.
@@ -21,7 +21,6 @@ const PATIENCE: Duration = Duration::from_millis(500);
 /// What playing left behind.
 pub(crate) struct Played<'a> {
     pub performance: Performance<'a>,
-    pub written: Written,
     /// time spent
     pub wall: Duration,
     /// the tick at which it was found to have blown up
@@ -32,17 +31,16 @@ pub(crate) struct Played<'a> {
     pub energy_ticks: u64,
 }
 
-/// Plays `frames` ticks into the files, and finishes them.
-pub(crate) fn play(
-    mut p: Performance<'_>,
+/// Plays `frames` ticks. After every `block` of them, `heard` gets their outputs, interleaved.
+pub(crate) fn play<'a>(
+    mut p: Performance<'a>,
     frames: u64,
-    mut wav: WavOut,
-    mut probes: Vec<(ProbeOut, usize)>,
+    block: u64,
     show: bool,
-) -> Result<Played<'_>, Failure> {
-    let (channels, n_out) = (p.scene.channels, p.scene.n_out);
-    let mut sound = Vec::with_capacity(BLOCK as usize * channels);
-    let mut heard: Vec<Vec<f64>> = probes.iter().map(|_| Vec::new()).collect();
+    heard: &mut dyn FnMut(&Performance, &[f64]) -> Result<(), Failure>,
+) -> Result<Played<'a>, Failure> {
+    let n_out = p.scene.n_out;
+    let mut rows = Vec::with_capacity(block as usize * n_out);
     let mut bar: Option<ProgressBar> = None;
     let mut last_good: Option<(Ledger, u64)> = None;
     let begin = Instant::now();
@@ -54,24 +52,14 @@ pub(crate) fn play(
             // what is not finished removes itself
             return Err(Failure::Interrupted);
         }
-        let block = BLOCK.min(frames - done);
-        sound.clear();
-        heard.iter_mut().for_each(Vec::clear);
+        let block = block.min(frames - done);
+        rows.clear();
         for _ in 0..block {
             keep_book(&p, &mut last_good);
             p.tick();
-            let out = &p.state.output[..n_out];
-            sound.extend_from_slice(&out[..channels]);
-            let mut at = channels;
-            for ((_, n), column) in probes.iter().zip(&mut heard) {
-                column.extend_from_slice(&out[at..at + n]);
-                at += n;
-            }
+            rows.extend_from_slice(&p.state.output[..n_out]);
         }
-        wav.write(&sound)?;
-        for ((file, _), values) in probes.iter_mut().zip(&heard) {
-            file.write(values)?;
-        }
+        heard(&p, &rows)?;
         done += block;
         if show && bar.is_none() && begin.elapsed() > PATIENCE {
             bar = Some(progress(frames));
@@ -84,10 +72,6 @@ pub(crate) fn play(
     if let Some(bar) = bar {
         bar.finish_and_clear();
     }
-    let written = wav.finish()?;
-    for (file, _) in probes {
-        file.finish()?;
-    }
     // what blew up between two looks at the state is found here at the latest
     p.wild |= !p.state.is_sound(WILD);
     let broke = p.wild.then_some(p.state.tick);
@@ -97,7 +81,49 @@ pub(crate) fn play(
     };
     // a tick is booked when the next one begins
     let energy_ticks = energy_ticks.saturating_sub(1);
-    Ok(Played { performance: p, written, wall, broke, energy, energy_ticks })
+    Ok(Played { performance: p, wall, broke, energy, energy_ticks })
+}
+
+/// Where the outputs of a render go.
+pub(crate) struct Files {
+    pub wav: WavOut,
+    /// files of probes, each with the number of its columns
+    pub probes: Vec<(ProbeOut, usize)>,
+    pub channels: usize,
+    /// what waits to be written: sound, then one list for each probe
+    pub waiting: Vec<Vec<f64>>,
+}
+
+impl Files {
+    /// Rows of all outputs.
+    pub fn write(&mut self, rows: &[f64]) -> Result<(), Failure> {
+        let columns: usize = self.probes.iter().map(|p| p.1).sum();
+        self.waiting.resize(1 + self.probes.len(), Vec::new());
+        self.waiting.iter_mut().for_each(Vec::clear);
+        for row in rows.chunks_exact(self.channels + columns) {
+            let mut rest = row;
+            let widths = [self.channels].into_iter().chain(self.probes.iter().map(|p| p.1));
+            for (list, n) in self.waiting.iter_mut().zip(widths) {
+                let (own, others) = rest.split_at(n);
+                list.extend_from_slice(own);
+                rest = others;
+            }
+        }
+        self.wav.write(&self.waiting[0])?;
+        for ((file, _), values) in self.probes.iter_mut().zip(&self.waiting[1..]) {
+            file.write(values)?;
+        }
+        Ok(())
+    }
+
+    /// Completes all of them.
+    pub fn finish(self) -> Result<Written, Failure> {
+        let written = self.wav.finish()?;
+        for (file, _) in self.probes {
+            file.finish()?;
+        }
+        Ok(written)
+    }
 }
 
 /// Where a book is kept and the positions have just left every range: the book as it was.

@@ -1,16 +1,17 @@
 //! What is said of a render: on stdout as text or JSON, on stderr what went wrong.
 
 use super::Probe;
-use super::play::Audit;
+use super::play::{Audit, Played};
 use crate::args::{RenderArgs, SampleFormat};
 use crate::commands::border;
 use crate::term::short;
 use crate::{Failure, term};
 use ca_core::Scene;
 use ca_core::compile::certify::Certificate;
-use ca_core::energy::Balance;
+use ca_core::energy::{Balance, Ledger};
 use ca_core::kind::Unit;
 use ca_core::model::quantity::show;
+use ca_haptic::gesture::Gesture;
 use ca_haptic::sound::Written;
 use serde_json::{Value as Json, json};
 use std::io::Write as _;
@@ -44,8 +45,25 @@ pub(crate) struct Summary<'a> {
     pub probes: &'a [Probe],
 }
 
+impl Broke {
+    /// What is to blame, where `played` blew up; `audited` is its scene, with the book kept if there is one.
+    pub fn of(played: &Played, audited: &Scene, gesture: Option<&Gesture>) -> Option<Broke> {
+        let time = played.broke? as f64 * audited.te;
+        let (module, why) = played.performance.blame(Some(audited), gesture);
+        Some(Broke { time, fix: fix(audited, &module), module, why })
+    }
+}
+
+impl std::fmt::Display for Broke {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Broke { module, why, time, fix } = self;
+        let fix = fix.as_ref().map(|f| format!("; {f}")).unwrap_or_default();
+        write!(f, "the model blew up at {time:.4} s, silence after that: `{module}`: {why}{fix}")
+    }
+}
+
 /// What the warnings of the compiler offer against the blow-up of `module`: those that name it come first.
-pub(crate) fn fix(scene: &Scene, module: &str) -> Option<String> {
+fn fix(scene: &Scene, module: &str) -> Option<String> {
     let list = || scene.diags.list.iter();
     let about = |d: &&ca_core::model::diag::Diag| matches!(d.code, "W103" | "W104" | "W110" | "W105");
     let named = format!("`{module}`");
@@ -60,16 +78,28 @@ fn gain(peak: f64) -> f64 {
     format!("{n}e{ten}").parse().unwrap_or(n)
 }
 
-fn decibel(peak: f64) -> f64 {
+/// What would make the loudest sample fit, as the end of a sentence.
+pub(crate) fn fitting(peak: f64) -> String {
+    format!("; multiply the gain of the outputs by {} or less", short(gain(peak)))
+}
+
+/// So many samples were cut off.
+pub(crate) fn too_loud(n: u64) -> String {
+    let samples = if n == 1 { "1 sample".into() } else { format!("{n} samples") };
+    format!("{samples} beyond full scale, cut off")
+}
+
+pub(crate) fn decibel(peak: f64) -> f64 {
     20.0 * peak.log10()
 }
 
 /// One decimal, and no minus before nothing.
-fn tenths(v: f64) -> String {
+pub(crate) fn tenths(v: f64) -> String {
     format!("{:.1}", (v * 10.0).round() / 10.0 + 0.0)
 }
 
-fn relative(b: &Balance) -> f64 {
+/// The residual of a book, as a part of its peak.
+pub(crate) fn relative(b: &Balance) -> f64 {
     if b.peak > 0.0 { b.residual.abs() / b.peak } else { 0.0 }
 }
 
@@ -79,7 +109,7 @@ fn quoted(word: &str) -> String {
     if word.chars().all(plain) { word.into() } else { format!("'{}'", word.replace('\'', r"'\''")) }
 }
 
-fn joule(v: f64) -> String {
+pub(crate) fn joule(v: f64) -> String {
     // no minus before nothing
     format!("{} J", short(v + 0.0))
 }
@@ -97,24 +127,20 @@ impl Summary<'_> {
     /// What went wrong, on stderr.
     pub fn warn(&self) {
         if let Some(b) = self.broke {
-            let fix = b.fix.as_ref().map(|f| format!("; {f}")).unwrap_or_default();
-            let Broke { module, why, time, .. } = b;
-            term::warning(&format!("the model blew up at {time:.4} s, silence after that: `{module}`: {why}{fix}"));
+            term::warning(&b.to_string());
         } else if self.written.non_finite > 0 {
             term::warning(&format!("{} samples had no value and became silence", self.written.non_finite));
         }
         if self.written.clipped > 0 {
-            let n = self.written.clipped;
-            let samples = if n == 1 { "1 sample".into() } else { format!("{n} samples") };
             // after a blow-up the peak says nothing about loudness
             let help = if self.broke.is_some() {
                 String::new()
             } else if self.warnings > 0 && self.loudest() > FAR {
                 format!("; a gain is not what is wrong, see `{}`", self.check())
             } else {
-                format!("; multiply the gain of the outputs by {} or less", short(gain(self.loudest())))
+                fitting(self.loudest())
             };
-            term::warning(&format!("{samples} beyond full scale, cut off{help}"));
+            term::warning(&format!("{}{help}", too_loud(self.written.clipped)));
         }
         if self.loudest() == 0.0 && !self.args.quiet {
             let ports: Vec<&str> = self.scene.inputs.iter().map(|i| i.name.as_str()).collect();
@@ -213,7 +239,7 @@ impl Summary<'_> {
                 writeln!(out, "             `{name}` is {}", border::scale_of(scale))?;
             }
         }
-        for (name, made) in makers(self.scene, a).iter().take(5) {
+        for (name, made) in makers(self.scene, &a.book).iter().take(5) {
             writeln!(out, "      {} made by `{name}`", joule(*made))?;
         }
         Ok(())
@@ -231,7 +257,7 @@ impl Summary<'_> {
         let energy = self.energy.map(|a| {
             let b = a.book.balance();
             let makers: Vec<Json> =
-                makers(self.scene, a).iter().take(5).map(|(n, v)| json!({"link": n, "made": v})).collect();
+                makers(self.scene, &a.book).iter().take(5).map(|(n, v)| json!({"link": n, "made": v})).collect();
             let hands: Vec<Json> = border::exchanged(self.scene, &a.book)
                 .iter()
                 .map(|(name, r, g)| json!({"name": name, "received": r, "given": g, "leak": r - g}))
@@ -263,8 +289,8 @@ impl Summary<'_> {
 }
 
 /// Links that made energy, most first.
-fn makers(scene: &Scene, a: &Audit) -> Vec<(String, f64)> {
-    let made = a.book.source.iter().enumerate().filter(|(_, v)| **v > 0.0);
+pub(crate) fn makers(scene: &Scene, book: &Ledger) -> Vec<(String, f64)> {
+    let made = book.source.iter().enumerate().filter(|(_, v)| **v > 0.0);
     let mut list: Vec<(String, f64)> =
         made.filter_map(|(i, v)| Some((scene.audited_name(i)?.to_owned(), *v))).collect();
     list.sort_by(|a, b| b.1.total_cmp(&a.1));

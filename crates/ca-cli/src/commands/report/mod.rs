@@ -1,0 +1,58 @@
+//! `ca report`: a page about a model or a take.
+//!
+//! Decides what is on the page and in which order: first what is wrong, then what is heard, then what explains it, then
+//! the model. Everything that a page can be made of is made into one, also silence, a blow-up or a take that was cut
+//! off; the exit code says what the note on the page says. How the page looks is `ca-report`'s.
+
+mod model;
+mod parts;
+mod played;
+mod take;
+
+use crate::args::ReportArgs;
+use crate::load::has_extension;
+use crate::{Ended, Failure, Outcome, term};
+use ca_report::{Report, Weight};
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+/// Runs the command.
+pub fn run(args: &ReportArgs) -> Outcome {
+    let source = Path::new(&args.source.model);
+    let is_take = has_extension(source, "mcap");
+    if let Some(path) = args.output.as_ref().filter(|p| !has_extension(p, "html") && (!p.exists() || p.is_file())) {
+        let what = format!("`{}`: the page is HTML", path.display());
+        return Err(Failure::Usage(format!("{what}; give the file the extension `.html`")));
+    }
+    let (name, report) = if is_take { take::report(args, source)? } else { model::report(args)? };
+    let output = args.output.clone().unwrap_or_else(|| PathBuf::from(format!("{name}.html")));
+    for (weight, text) in &report.notes {
+        match weight {
+            Weight::Warning => term::warning(text),
+            Weight::Note if args.quiet => {}
+            Weight::Note => term::note(text),
+        }
+    }
+    let page = report.html();
+    std::fs::write(&output, &page)
+        .map_err(|e| Failure::Failed(format!("`{}` cannot be written: {e}", output.display())))?;
+    if !args.quiet {
+        let titles: Vec<String> = report.sections.iter().map(|s| s.title.to_lowercase()).collect();
+        let kb = page.len().div_ceil(1000);
+        writeln!(std::io::stdout().lock(), "{}: {kb} kB: {}", output.display(), titles.join(", "))?;
+    }
+    Ok(if degraded(&report) { Ended::Degraded } else { Ended::Well })
+}
+
+/// Whether something is not as meant.
+fn degraded(report: &Report) -> bool {
+    report.notes.iter().any(|n| n.0 == Weight::Warning)
+}
+
+/// Refuses what the thing to be shown has no use for.
+fn useless(what: &str, given: &[(&str, bool)]) -> Result<(), Failure> {
+    match given.iter().find(|g| g.1) {
+        Some((name, _)) => Err(Failure::Usage(format!("{name}: {what}"))),
+        None => Ok(()),
+    }
+}

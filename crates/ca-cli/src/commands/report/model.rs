@@ -1,0 +1,136 @@
+//! A model on a page: played, and everything about it.
+
+use super::parts::{self, Facts, finished};
+use super::played::Book;
+use crate::Failure;
+use crate::args::ReportArgs;
+use crate::commands::render::{self, Broke};
+use crate::load::{self, Loaded};
+use crate::term::short;
+use ca_core::model::{Item, Value};
+use ca_core::{Options, Scene};
+use ca_haptic::perform::Performance;
+use ca_report::{Axis, Block, Curve, Envelope, Plot, Report, Section, Sound, Weight};
+use std::path::Path;
+
+/// Most curves of one plot.
+const CURVES: usize = 8;
+/// Times the book is looked at.
+const LOOKS: u64 = 1000;
+
+/// Plays the model and tells all of it.
+pub(super) fn report(args: &ReportArgs) -> Result<(String, Report), Failure> {
+    let loaded = load::load(&args.source)?;
+    let with = |probes: Vec<String>| Options {
+        rate: args.source.rate,
+        energy: true,
+        probes,
+        clouds: loaded.clouds.clone(),
+        ..Options::default()
+    };
+    // what nobody asked for is no reason to fail
+    let own = (args.probe.is_empty()).then(|| load::compiled(&loaded, &with(heard(&loaded.model.items))).0).flatten();
+    let (scene, probes) = match own {
+        Some(scene) => (scene, heard(&loaded.model.items)),
+        None => (load::scene(&loaded, &with(args.probe.clone()))?, args.probe.clone()),
+    };
+    crate::commands::border::idle(&args.source, &scene);
+    let gesture = render::gesture(&args.playing, &scene, args.output.as_deref().unwrap_or(Path::new("")))?;
+    let performance = Performance::new(&scene, gesture.as_ref())?;
+    let (seconds, frames) = render::length(&args.playing, &scene, &performance);
+
+    let mut sound = Sound::new(scene.rate, &scene.channel_names);
+    let mut motion = Envelope::new(scene.rate, scene.n_out - scene.channels);
+    let mut book = Book::default();
+    let block = (frames / LOOKS).clamp(1, 1024);
+    let played = render::play(performance, frames, block, !args.quiet, &mut |p, rows| {
+        for row in rows.chunks_exact(scene.n_out.max(1)) {
+            sound.push(&row[..scene.channels]);
+            motion.push(&row[scene.channels..]);
+        }
+        if !p.wild && p.state.is_sound(ca_haptic::perform::WILD) {
+            book.look(p.state.tick as f64 * scene.te, p.state.ledger.as_ref());
+        }
+        Ok(())
+    })?;
+    book.end = played.energy.clone();
+
+    let broke = Broke::of(&played, &scene, gesture.as_ref());
+    let title = if scene.title.is_empty() { &loaded.name } else { &scene.title };
+    let mut report = Report::new(title, &format!("`{}`, {}", source_name(&loaded), finished()));
+    report.notes = parts::notes(&sound, broke.is_some());
+    if let Some(broke) = &broke {
+        report.notes.insert(0, (Weight::Warning, broke.to_string()));
+    }
+    let refused = played.performance.state.refused;
+    if refused > 0 {
+        let what = format!("{refused} inputs had no value; the last good one was held instead");
+        report.notes.push((Weight::Warning, what));
+    }
+    let mut facts = Facts::of(&scene);
+    facts.add("length", format!("{seconds} s"));
+    let factor = played.wall.as_secs_f64() / (frames as f64 * scene.te);
+    facts.add("real-time factor", format!("{} with the energy book, on this machine", short(factor)));
+    for (name, value) in args.source.changes() {
+        facts.add("changed", format!("{name} = {value}"));
+    }
+    report.sections.push(facts.section());
+    let modes = parts::modes(&loaded.model, &with(Vec::new()));
+    report.sections.extend(parts::sound(sound, modes.marks()));
+    report.sections.extend(moved(&loaded, &scene, &motion, &probes));
+    report.sections.extend(book.section(&scene, 1.0));
+    report.sections.extend(modes.section());
+    report.sections.push(parts::stability(&scene));
+    let text = vec![Block::Source(loaded.model.file.clone(), loaded.model.text.clone())];
+    report.sections.push(Section::new("Model", text));
+    Ok((loaded.name, report))
+}
+
+/// The file without folders.
+fn source_name(loaded: &Loaded) -> String {
+    Path::new(&loaded.model.file).file_name().map_or_else(|| loaded.name.clone(), |n| n.to_string_lossy().into_owned())
+}
+
+/// What the outputs hear, by their names, and the keys of devices.
+fn heard(items: &[Item]) -> Vec<String> {
+    let shown = items.iter().filter(|i| matches!(i.kind.as_str(), "SOX" | "SOF" | "TGR"));
+    shown.map(|i| i.name.clone()).take(CURVES).collect()
+}
+
+/// What an output hears, in the words of the model.
+fn of_output<'a>(items: &'a [Item], probe: &str) -> Option<&'a str> {
+    let from = items.iter().find(|i| i.name == probe)?.args.iter().find(|e| e.key == "from")?;
+    if let Value::Text(text) = &from.value { Some(text) } else { None }
+}
+
+/// Motions and forces over time.
+fn moved(loaded: &Loaded, scene: &Scene, motion: &Envelope, probes: &[String]) -> Option<Section> {
+    let items = &loaded.model.items;
+    let is_force = |name: &str| {
+        let link = scene.symbols.iter().any(|s| s.name == name && matches!(s.place, ca_core::scene::Stands::Lia(..)));
+        link || items.iter().any(|i| i.name == name && i.kind == "SOF")
+    };
+    let (mut places, mut forces): (Vec<Curve>, Vec<Curve>) = (Vec::new(), Vec::new());
+    for (k, (name, of)) in scene.probe_names.iter().zip(&scene.probe_of).enumerate() {
+        let asked = probes.get(*of as usize).map_or("", String::as_str);
+        let shown = of_output(items, asked).unwrap_or(name);
+        let list = if is_force(name) || is_force(asked) { &mut forces } else { &mut places };
+        if list.iter().all(|c| c.name != shown) {
+            list.push(Curve::line(shown, motion.curve(k)));
+        }
+    }
+    let mut blocks = Vec::new();
+    for (title, axis, curves) in
+        [("Displacement", Axis::linear("displacement", "m"), places), ("Force", Axis::linear("force", "N"), forces)]
+    {
+        let more = curves.len().saturating_sub(CURVES);
+        let curves: Vec<Curve> = curves.into_iter().take(CURVES).collect();
+        if !curves.is_empty() {
+            blocks.push(Block::Plot(Plot::over_time(title, axis, motion.grid(), curves)));
+        }
+        if more > 0 {
+            blocks.push(Block::Text(format!("{more} more are not drawn; `ca render --probe` writes all of them.")));
+        }
+    }
+    (!blocks.is_empty()).then(|| Section::new("Motion", blocks))
+}

@@ -1,0 +1,356 @@
+//! A take on a page: what was recorded, as it was, and the book of playing it again.
+//!
+//! Decides to show what the file holds rather than what a replay makes of it: sound, positions and forces as they were,
+//! holes as holes. The energy book and the verdict come of a replay; where this build cannot play the take, the page
+//! says so and is written without them. Times between frames are of the clock that published them, so their histogram is
+//! that of the real loop.
+
+use super::parts::{self, Facts, finished};
+use super::played::Book;
+use super::useless;
+use crate::args::ReportArgs;
+use crate::term::short;
+use crate::{Failure, catalog};
+use ca_core::Scene;
+use ca_haptic::frame::{DeviceFrame, ForceFrame, Mode};
+use ca_haptic::guard::Order;
+use ca_haptic::take::{End, Event, Replay, Rt, Take};
+use ca_report::{Axis, Block, Curve, Envelope, Grid, Look, Mark, Plot, Report, Section, Sound, Table, Weight};
+use std::path::Path;
+
+/// Degrees of freedom drawn of each device.
+const CURVES: usize = 8;
+/// Rows of what happened.
+const EVENTS: usize = 100;
+/// Columns of a histogram for a factor of ten.
+const BINS: f64 = 25.0;
+
+/// Tells all of a take.
+pub(super) fn report(args: &ReportArgs, file: &Path) -> Result<(String, Report), Failure> {
+    let played = &args.playing;
+    useless(
+        "a take is shown as it was played; `ca render MODEL --gesture TAKE` plays it otherwise",
+        &[
+            ("--set", args.source.changes().next().is_some()),
+            ("--rate", args.source.rate.is_some()),
+            ("--seconds", played.seconds.is_some()),
+            ("--gesture", !played.gesture.is_empty()),
+            ("--probe", !args.probe.is_empty()),
+        ],
+    )?;
+    let mut take = Take::open(file)?;
+    let summary = take.summary()?;
+    let scene = take.header.scene(&catalog());
+    let recorded = Recorded::of(&take, scene.as_ref().ok())?;
+    take.header.options.energy = true;
+    let h = &take.header;
+    let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let title = if h.title.is_empty() { &name } else { &h.title };
+    let mut report = Report::new(title, &format!("a take, {:.3} s, `{name}.mcap`, {}", summary.seconds, finished()));
+    report.notes = parts::notes(&recorded.sound, false);
+    let mut note = |text: String| report.notes.push((Weight::Warning, text));
+    if let End::Cut(why, bytes) = &summary.end {
+        note(format!("the file was cut off: {why}; {bytes} bytes at its end are of no use"));
+    }
+    let [records, samples, views] = summary.lost;
+    if records + samples + views > 0 {
+        note(format!("lost on the way to the file: {records} records, {samples} sound samples, {views} views"));
+    }
+    for f in &summary.faults {
+        note(format!("`{}`: forces ended at {:.3} s: {}", f.device, f.time, f.cause.name()));
+    }
+    let again = again(&take);
+    if let Err(why) = &again {
+        note(why.clone());
+    }
+
+    let mut facts = scene.as_ref().map_or_else(|_| Facts::default(), Facts::of);
+    facts.add("length", format!("{:.3} s", summary.seconds));
+    let get = |key: &str| h.host.get(key).map_or("?", String::as_str);
+    facts.add("written by", format!("ca {} on {} {}", get("ca"), get("os"), get("arch")));
+    for d in &h.setups {
+        facts.add("device", format!("{}, {} DOF, {}", d.device, d.profile.dof, d.profile.title));
+    }
+    for (name, value) in &h.changes {
+        facts.add("changed", format!("{name} = {value}"));
+    }
+    if let Ok((verdict, _)) = &again {
+        facts.add("played again", verdict.clone());
+    }
+    report.sections.push(facts.section());
+    let modes = h.model(&catalog()).ok().map(|(model, _)| parts::modes(&model, &h.options));
+    let marks = modes.as_ref().map(parts::Sung::marks).unwrap_or_default();
+    let Recorded { sound, hands, events, loops, .. } = recorded;
+    report.sections.extend(parts::sound(sound, marks));
+    let faults = |device: &str| {
+        let of = summary.faults.iter().filter(|f| f.device == device);
+        of.map(|f| Mark { x: f.time, y: None, text: f.cause.name().into() }).collect::<Vec<_>>()
+    };
+    report.sections.extend(hands.iter().map(|hand| hand.section(&faults(&hand.device))));
+    if !events.is_empty() {
+        let more = events.len().saturating_sub(EVENTS);
+        let mut blocks = vec![Block::Table(Table::new(&["time [s]", "of", "what"], events))];
+        if let (Block::Table(t), true) = (&mut blocks[0], more > 0) {
+            t.rows.truncate(EVENTS);
+            blocks.push(Block::Text(format!("{more} more: `ca log export` has them all.")));
+        }
+        report.sections.push(Section::new("Events", blocks));
+    }
+    report.sections.extend(loops.section(h.rate, h.rate / f64::from(h.ratio)));
+    if let (Ok((_, book)), Ok(scene)) = (&again, &scene) {
+        report.sections.extend(book.section(scene, scene.equivalence.of("").energy()));
+    }
+    report.sections.extend(modes.and_then(|m| m.section()));
+    report.sections.extend(scene.as_ref().ok().map(parts::stability));
+    let text = vec![Block::Source(h.file.clone(), h.text.clone())];
+    report.sections.push(Section::new("Model", text));
+    Ok((name, report))
+}
+
+/// The verdict of a replay in words, and its energy book; or why there is none.
+fn again(take: &Take) -> Result<(String, Book), String> {
+    let mut replay = Replay::new(take, &catalog()).map_err(|e| e.to_string())?;
+    let mut book = Book::default();
+    let (mut seen, every) = (0_u64, (take.header.rate / f64::from(take.header.ratio) / 50.0).max(1.0) as u64);
+    let mut look = |engine: &ca_haptic::engine::Engine| {
+        if seen.is_multiple_of(every) {
+            book.look(engine.state.tick as f64 / take.header.rate, engine.state.ledger.as_ref());
+        }
+        seen += 1;
+    };
+    let verdict = replay.run(take, &mut look, &mut |_| Ok(())).map_err(|e| e.to_string())?;
+    book.end.clone_from(&replay.engine.state.ledger);
+    match (&verdict.difference, verdict.hole) {
+        (Some(d), _) => Err(format!("played again, it is not as it was: {d}")),
+        (None, Some(t)) => Err(format!("it cannot be played again from {t:.3} s on: records are missing there")),
+        (None, None) => Ok((
+            format!("identical to the bit: {} force frames, {} sound samples", verdict.forces, verdict.samples),
+            book,
+        )),
+    }
+}
+
+/// What a hand did and felt.
+struct Hand {
+    device: String,
+    /// degree of freedom and name of each curve
+    shown: Vec<(usize, String)>,
+    /// where it was last \[m\]
+    at: Vec<f64>,
+    /// positions \[m\], then forces \[N\]
+    curves: Envelope,
+}
+
+impl Hand {
+    fn section(&self, faults: &[Mark]) -> Section {
+        let n = self.shown.len();
+        let curves = |from: usize| -> Vec<Curve> {
+            self.shown.iter().enumerate().map(|(k, (_, name))| Curve::line(name, self.curves.curve(from + k))).collect()
+        };
+        let grid = || self.curves.grid();
+        let places = Plot::over_time("Position of the hand", Axis::linear("position", "m"), grid(), curves(0));
+        let mut forces = Plot::over_time("Force on the hand", Axis::linear("force", "N"), grid(), curves(n));
+        forces.marks = faults.to_vec();
+        Section::new(&format!("Hand at {}", self.device), vec![Block::Plot(places), Block::Plot(forces)])
+    }
+}
+
+/// How the real-time loop did.
+#[derive(Default)]
+struct Loops {
+    /// between force frames, and from a device frame to the force that answers it \[µs\]
+    apart: Vec<f64>,
+    answer: Vec<f64>,
+    seconds: Vec<Rt>,
+}
+
+/// How many of the times \[µs\] lie in each column of equal ratios.
+fn histogram(title: &str, times: &[f64]) -> Option<Plot> {
+    let bin = |t: f64| (t.log10() * BINS).floor() as i64;
+    let some = || times.iter().copied().filter(|t| *t > 0.0);
+    let (from, to) = some().map(bin).fold((i64::MAX, i64::MIN), |(a, b), i| (a.min(i), b.max(i)));
+    if from > to {
+        return None;
+    }
+    let mut counts = vec![0.0; (to - from + 1) as usize];
+    some().for_each(|t| counts[(bin(t) - from) as usize] += 1.0);
+    let middle = |i: usize| 10f64.powf(((from + i as i64) as f64 + 0.5) / BINS);
+    Some(Plot {
+        title: title.into(),
+        x: Axis::log("time", "µs").over(10f64.powf((from - 1) as f64 / BINS), 10f64.powf((to + 2) as f64 / BINS)),
+        y: Axis::log("frames", "").over(0.5, 2.0 * counts.iter().copied().fold(1.0, f64::max)),
+        grid: Grid::Points((0..counts.len()).map(middle).collect()),
+        curves: vec![Curve { name: "frames".into(), y: counts, look: Look::Bars }],
+        marks: Vec::new(),
+        image: None,
+    })
+}
+
+/// A row of a table of times \[µs\].
+fn row(name: &str, mut times: Vec<f64>) -> Option<Vec<String>> {
+    times.sort_by(f64::total_cmp);
+    let at = |q: f64| times.get(((times.len().saturating_sub(1)) as f64 * q).round() as usize).map(|t| short(*t));
+    Some(vec![name.into(), times.len().to_string(), at(0.5)?, at(0.99)?, at(0.999)?, at(1.0)?])
+}
+
+impl Loops {
+    fn section(self, rate: f64, gesture: f64) -> Option<Section> {
+        let mut blocks = Vec::new();
+        blocks.extend(histogram("Time between force frames", &self.apart).map(Block::Plot));
+        blocks.extend(histogram("Time from a device frame to its answer", &self.answer).map(Block::Plot));
+        if let Some(last) = self.seconds.last() {
+            let curve = |name: &str, of: fn(&Rt) -> f64| Curve::line(name, self.seconds.iter().map(of).collect());
+            let times = Grid::Points(self.seconds.iter().map(|s| s.tick as f64 / rate).collect());
+            let curves =
+                vec![curve("median", |s| s.late_p50), curve("99 %", |s| s.late_p99), curve("largest", |s| s.late_max)];
+            blocks.push(Block::Plot(Plot::over_time(
+                "How late frames began, of each second",
+                Axis::log("late", "µs"),
+                times,
+                curves,
+            )));
+            blocks.push(Block::Table(Table::pairs([
+                ("gesture frames", format!("{}, {} a second", last.frames, short(gesture))),
+                ("missed", last.missed.to_string()),
+                ("without news of a device", last.stale.to_string()),
+                ("device frames refused", last.dropped.to_string()),
+                ("faults", last.faults.to_string()),
+                ("sound samples at the ceiling", last.clipped.to_string()),
+                ("underruns of the sound device", last.underruns.to_string()),
+                ("busy, in the last second", format!("{:.1} %", 100.0 * last.busy)),
+            ])));
+        }
+        let rows: Vec<Vec<String>> = [row("between force frames", self.apart), row("frame to answer", self.answer)]
+            .into_iter()
+            .flatten()
+            .collect();
+        if !rows.is_empty() {
+            let head = ["time [µs]", "frames", "median", "99 %", "99.9 %", "largest"];
+            blocks.push(Block::Table(Table::new(&head, rows)));
+        }
+        (!blocks.is_empty()).then(|| Section::new("Real time", blocks))
+    }
+}
+
+/// All that is read off a take in one go.
+struct Recorded {
+    sound: Sound,
+    hands: Vec<Hand>,
+    /// time, of what, what
+    events: Vec<Vec<String>>,
+    loops: Loops,
+    /// of each device: when its last force frame and its last device frames were published \[ns\]
+    clocks: Vec<(u64, [(u64, u64); 4])>,
+    modes: Vec<Mode>,
+}
+
+impl Recorded {
+    fn of(take: &Take, scene: Option<&Scene>) -> Result<Recorded, Failure> {
+        let h = &take.header;
+        let gesture = h.rate / f64::from(h.ratio);
+        let hand = |device: &String, dofs: u32| {
+            let named = scene.into_iter().flat_map(|s| &s.inputs).filter_map(|i| {
+                let (of, dof) = i.device.as_ref()?;
+                (of == device).then(|| (*dof as usize, i.name.clone()))
+            });
+            let mut shown: Vec<(usize, String)> = named.take(CURVES).collect();
+            if shown.is_empty() {
+                shown = (0..(dofs as usize).min(CURVES)).map(|k| (k, format!("degree {k}"))).collect();
+            }
+            let curves = Envelope::new(gesture, 2 * shown.len());
+            Hand { device: device.clone(), at: vec![f64::NAN; shown.len()], shown, curves }
+        };
+        let mut r = Recorded {
+            sound: Sound::new(h.rate, &h.channels),
+            hands: h.setups.iter().map(|s| hand(&s.device, s.profile.dof)).collect(),
+            events: Vec::new(),
+            loops: Loops::default(),
+            clocks: vec![(0, [(0, 0); 4]); h.setups.len()],
+            modes: vec![Mode::Off; h.setups.len()],
+        };
+        let device = |k: Option<u32>| k.map_or_else(|| "all".into(), |k| h.setups[k as usize].device.clone());
+        let param = |k: u32| scene.and_then(|s| s.live.params.get(k as usize)).map_or("?", |p| p.name.as_str());
+        for event in take.events()? {
+            let mut told = |tick: u64, of: String, what: String| {
+                r.events.push(vec![format!("{:.4}", tick as f64 / h.rate), of, what]);
+            };
+            match event? {
+                Event::Device(k, f) => r.device(k, &f),
+                Event::Force(k, f) => {
+                    let (was, is) = (r.modes[k], Mode::read(f.mode));
+                    r.modes[k] = is;
+                    if was != is && is == Mode::Fault {
+                        let cause = ca_haptic::frame::Cause::read(f.cause).name();
+                        r.events.push(vec![
+                            format!("{:.4}", f.tick as f64 / h.rate),
+                            h.setups[k].device.clone(),
+                            format!("fault: {cause}"),
+                        ]);
+                    }
+                    r.force(k, &f, u64::from(h.ratio));
+                }
+                Event::Sound(tick, samples) => {
+                    // a stretch that found no room is silence
+                    let have = (r.sound.seconds() * h.rate).round() as u64;
+                    let gap = tick.saturating_sub(have).min(60 * h.rate as u64) as usize;
+                    r.sound.push(&vec![0.0; gap * h.channels.len()]);
+                    r.sound.push(&samples);
+                }
+                Event::Change(tick, change) => {
+                    let list = change.params.iter().map(|(k, v)| format!("{} = {}", param(*k), short(*v)));
+                    told(tick, "parameters".into(), list.collect::<Vec<_>>().join(", "));
+                }
+                Event::Order(tick, port, order) => {
+                    let what = match order {
+                        Order::Arm => "armed".into(),
+                        Order::Disarm => "disarmed".into(),
+                        Order::Trip(cause) => format!("tripped: {}", cause.name()),
+                    };
+                    told(tick, device(port), what);
+                }
+                Event::Reload(l) => told(l.tick, "model".into(), "loaded again".into()),
+                Event::Lost(l) => told(l.tick, "take".into(), format!("{} records lost", l.records)),
+                Event::Rt(rt) => r.loops.seconds.push(rt),
+                Event::Hash(_) | Event::Energy(_) | Event::View => {}
+            }
+        }
+        Ok(r)
+    }
+
+    fn device(&mut self, k: usize, f: &DeviceFrame) {
+        let hand = &mut self.hands[k];
+        for (at, (dof, _)) in hand.at.iter_mut().zip(&hand.shown) {
+            *at = f.pos.get(*dof).copied().unwrap_or(f64::NAN);
+        }
+        let recent = &mut self.clocks[k].1;
+        recent.rotate_right(1);
+        recent[0] = (f.seq, f.t_host_ns);
+    }
+
+    fn force(&mut self, k: usize, f: &ForceFrame, ratio: u64) {
+        let hand = &mut self.hands[k];
+        let gap = vec![f64::NAN; 2 * hand.shown.len()];
+        // frames that are missing are a gap; a tick beyond all bounds is none
+        let due = f.tick.div_ceil(ratio).min(hand.curves.frames() + (1 << 20));
+        while hand.curves.frames() < due {
+            hand.curves.push(&gap);
+        }
+        let forces = hand.shown.iter().map(|(dof, _)| f.force.get(*dof).map_or(f64::NAN, |v| f64::from(*v)));
+        let row: Vec<f64> = hand.at.iter().copied().chain(forces).collect();
+        hand.curves.push(&row);
+        if f.t_host_ns == 0 {
+            return;
+        }
+        let (last, recent) = &mut self.clocks[k];
+        if *last > 0 {
+            self.loops.apart.push(f.t_host_ns.saturating_sub(*last) as f64 * 1e-3);
+        }
+        *last = f.t_host_ns;
+        let of = recent.iter_mut().find(|(seq, t)| *seq == f.ack && *t > 0);
+        if let Some((_, t)) = of {
+            self.loops.answer.push(f.t_host_ns.saturating_sub(*t) as f64 * 1e-3);
+            // one answer each
+            *t = 0;
+        }
+    }
+}
