@@ -52,15 +52,21 @@
       : { values: (u, s) => s.map(plain) }),
   });
 
-  const limits = a => {
-    if (a.range) return () => a.range;
-    if (a.log) return (u, low, high) => low == null ? [1, 10]
+  // along: all of it at first, then what is zoomed to; up: with some room
+  const across = (a, x) => (u, low, high) => {
+    const [first, last] = [x[0], x[x.length - 1]];
+    if (low == null) return [0, 1];
+    if (low > first || high < last) return [low, high];
+    if (a.range) return a.range;
+    return first < last ? [first, last] : a.log ? [first / 2, first * 2] : [first - 0.5, first + 0.5];
+  };
+  const upward = a => (u, low, high) => {
+    if (a.range) return a.range;
+    if (a.log) return low == null ? [1, 10]
       : low === high ? [low / 2, high * 2] : [10 ** Math.floor(Math.log10(low)), 10 ** Math.ceil(Math.log10(high))];
-    return (u, low, high) => {
-      if (low == null) return [0, 1];
-      const pad = (high - low) * 0.06 || Math.abs(high) * 0.1 || 1;
-      return [low - pad, high + pad];
-    };
+    if (low == null) return [0, 1];
+    const pad = (high - low) * 0.06 || Math.abs(high) * 0.1 || 1;
+    return [low - pad, high + pad];
   };
 
   const marks = plot => u => {
@@ -75,6 +81,10 @@
       const at = u.valToPos(x, "x", true);
       if (!(at >= u.bbox.left && at <= u.bbox.left + u.bbox.width)) continue;
       const top = y == null ? u.bbox.top + 3 * ratio : u.valToPos(y, "y", true) - 16 * ratio;
+      const left = at + 3 * ratio, wide = c.measureText(text).width;
+      // marks whose words would cover others are left out; zooming shows them
+      if (taken.some(t => left < t[0] + t[2] && t[0] < left + wide && Math.abs(t[1] - top) < 12 * ratio)) continue;
+      taken.push([left, top, wide]);
       if (y == null) {
         c.strokeStyle = css("--soft");
         c.globalAlpha = 0.45;
@@ -86,10 +96,6 @@
         c.stroke();
         c.globalAlpha = 1;
       }
-      const left = at + 3 * ratio, wide = c.measureText(text).width;
-      // words that would cover others are left out; zooming shows them
-      if (taken.some(t => left < t[0] + t[2] && t[0] < left + wide && Math.abs(t[1] - top) < 12 * ratio)) continue;
-      taken.push([left, top, wide]);
       c.fillStyle = css("--ink");
       c.fillText(text, left, top);
     }
@@ -108,7 +114,7 @@
 
   const together = uPlot.sync("time");
   const seriesOf = (curve, i) => ({
-    label: curve.name, stroke: colour(i), width: 1.25, value: (u, v) => plain(v),
+    label: curve.name, stroke: colour(i) + (curve.look === "line" ? "d9" : ""), width: 1.25, value: (u, v) => plain(v),
     spanGaps: curve.look === "both",
     ...(curve.look === "line" ? { points: { show: false } } : {}),
     ...(curve.look === "points" ? { paths: () => null, points: { show: true, size: 6, fill: css("--panel") } } : {}),
@@ -126,8 +132,8 @@
     const options = {
       width: place.clientWidth, height: image ? 300 : 240,
       scales: {
-        x: { time: false, distr: plot.x.log ? 3 : 1, ...(plot.x.range ? { range: limits(plot.x) } : {}) },
-        y: { distr: plot.y.log ? 3 : 1, range: limits(plot.y) },
+        x: { time: false, distr: plot.x.log ? 3 : 1, range: across(plot.x, x) },
+        y: { distr: plot.y.log ? 3 : 1, range: upward(plot.y) },
       },
       axes: [axisOf(plot.x, 34), axisOf(plot.y, 56)],
       series: [{ label: name(plot.x), value: (u, v) => plain(v) }, ...plot.curves.map(seriesOf)],

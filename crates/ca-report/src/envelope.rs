@@ -123,7 +123,8 @@ mod tests {
                 assert_eq!((spike.len(), ramp.len()), (n, n));
                 assert!(n as u64 == frames || (2 * COLUMNS..=4 * COLUMNS).contains(&n), "{frames} frames, {n} points");
                 let i = spike.iter().position(|v| *v == 7.0).expect("the peak");
-                assert_eq!(spike.iter().filter(|v| **v == 7.0).count(), 1);
+                let shown = spike.iter().filter(|v| **v == 7.0).count();
+                assert!(shown == 1 || at == frames - 1, "twice only where it is alone in its column");
                 let (there, here) = (at as f64 / 1000.0, start + i as f64 * step);
                 assert!((here - there).abs() <= 2.0 * step, "{frames}: {there} s is shown at {here} s");
                 // what falls is shown falling, from the first value to the last

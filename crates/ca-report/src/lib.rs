@@ -63,7 +63,7 @@ impl Table {
 /// A piece of a section.
 #[derive(Clone, Debug)]
 pub enum Block {
-    /// a paragraph
+    /// a paragraph; names stand in backquotes, as in all texts but titles and sources
     Text(String),
     /// players
     Sound(Sound),

@@ -33,6 +33,18 @@ fn digits(v: f64) -> String {
     if (0..=6).contains(&places) { format!("{v:.*}", places as usize) } else { format!("{v:.3e}") }
 }
 
+/// A text in which what stands in backquotes is a name.
+fn words(text: &str) -> Markup {
+    if text.matches('`').count() % 2 == 1 {
+        return html! { (text) };
+    }
+    html! {
+        @for (i, part) in text.split('`').enumerate() {
+            @if i % 2 == 1 { code { (part) } } @else { (part) }
+        }
+    }
+}
+
 /// The page. Plots are numbered as they come.
 pub(crate) fn page(report: &Report) -> String {
     let mut plots: Vec<Json> = Vec::new();
@@ -54,7 +66,7 @@ pub(crate) fn page(report: &Report) -> String {
             body {
                 header {
                     h1 { (report.title) }
-                    p.subtitle { (report.subtitle) }
+                    p.subtitle { (words(&report.subtitle)) }
                 }
                 nav aria-label="Contents" {
                     @for (i, s) in report.sections.iter().enumerate() {
@@ -63,7 +75,7 @@ pub(crate) fn page(report: &Report) -> String {
                 }
                 main {
                     @for (weight, text) in &report.notes {
-                        p.note.warning[*weight == Weight::Warning] role="note" { (text) }
+                        p.note.warning[*weight == Weight::Warning] role="note" { (words(text)) }
                     }
                     noscript {
                         p.note { "Plots are drawn by a script, which is off here; all else is on the page." }
@@ -89,7 +101,7 @@ fn section(i: usize, s: &Section, plots: &mut Vec<Json>) -> Markup {
             h2 { (s.title) }
             @for block in &s.blocks {
                 @match block {
-                    Block::Text(text) => p { (text) },
+                    Block::Text(text) => p { (words(text)) },
                     Block::Sound(sound) => (players(sound)),
                     Block::Plot(plot) => (figure(plot, plots)),
                     Block::Table(table) => (rows(table)),
@@ -162,24 +174,26 @@ fn figure(plot: &Plot, plots: &mut Vec<Json>) -> Markup {
     }
 }
 
-/// Whether a cell stands to the right.
-fn is_number(cell: &str) -> bool {
-    cell.starts_with(|c: char| c.is_ascii_digit() || "+-−∞".contains(c))
+/// Whether the numbers of a column stand to the right: most of its cells begin like one.
+fn is_number(table: &Table, column: usize) -> bool {
+    let begins = |c: &String| c.starts_with(|c: char| c.is_ascii_digit() || "+-∞".contains(c));
+    let numbers = table.rows.iter().filter(|r| r.get(column).is_some_and(begins)).count();
+    !table.head.is_empty() && 2 * numbers > table.rows.len()
 }
 
 fn rows(table: &Table) -> Markup {
+    let width = table.rows.iter().map(Vec::len).max().unwrap_or(0);
+    let number: Vec<bool> = (0..width).map(|i| is_number(table, i)).collect();
+    let right = |i: usize| number.get(i) == Some(&true);
     html! {
         div.scroll { table {
             @if !table.head.is_empty() {
-                thead { tr { @for (i, h) in table.head.iter().enumerate() {
-                    @let number = table.rows.first().and_then(|r| r.get(i)).is_some_and(|c| is_number(c));
-                    th.number[number] { (h) }
-                } } }
+                thead { tr { @for (i, h) in table.head.iter().enumerate() { th.number[right(i)] { (h) } } } }
             }
             tbody { @for row in &table.rows { tr {
                 @for (i, cell) in row.iter().enumerate() {
-                    @if i == 0 { th scope="row" { (cell) } }
-                    @else { td.number[!table.head.is_empty() && is_number(cell)] { (cell) } }
+                    @if i == 0 { th.number[right(i)] scope="row" { (words(cell)) } }
+                    @else { td.number[right(i)] { (words(cell)) } }
                 }
             } } }
         } }

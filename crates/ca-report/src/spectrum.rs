@@ -117,7 +117,7 @@ impl Spectrum {
         y.iter_mut().flatten().for_each(|v| *v = v.max(top - DEPTH));
         Some(Plot {
             title: "Spectrum".into(),
-            x: Axis::log("frequency", "Hz"),
+            x: Axis::log("frequency", "Hz").over(LOWEST, highest),
             y: Axis::linear("level of a sine", "dBFS").over(top - DEPTH, top + 6.0),
             grid: Grid::Points(x),
             curves: names.iter().zip(y).map(|(name, y)| Curve::line(name, y)).collect(),

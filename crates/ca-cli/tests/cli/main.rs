@@ -86,9 +86,9 @@ fn errors_of_a_model_point_at_their_places() {
 #[test]
 fn examples_of_the_help_run() {
     let mut ran = 0;
-    for command in
-        ["render", "check", "report", "equiv", "modes", "tune", "list", "new", "import", "serve", "replay", "log", "shm"]
-    {
+    for command in [
+        "render", "check", "report", "equiv", "modes", "tune", "list", "new", "import", "serve", "replay", "log", "shm",
+    ] {
         let desk = Desk::new();
         if ["replay", "log", "report"].contains(&command) {
             take::performer::tgr12(&desk.path("take.mcap"));

@@ -150,7 +150,13 @@ fn a_take_is_told_as_it_was() {
     for title in ["Sound", "Hand at left", "Hand at right", "Events", "Real time", "Energy", "Stability", "Model"] {
         assert!(titles.contains(&title), "no {title} in {titles:?}");
     }
-    page.says(&["identical to the bit: 5000 force frames", "tripped: SOFTWARE", "stiff = 731", "loaded again", "bar.f"]);
+    page.says(&[
+        "identical to the bit: 5000 force frames",
+        "tripped: SOFTWARE",
+        "stiff = 731",
+        "loaded again",
+        "bar.f",
+    ]);
     assert_eq!((names(page.plot("position")), names(page.plot("force"))), (vec!["key"], vec!["key"]));
     assert_eq!(page.plot("force")["marks"][0][2], "SOFTWARE");
     assert!(page.weight() < 300_000, "{} bytes beside the sound", page.weight());
@@ -177,7 +183,8 @@ fn a_take_is_told_as_it_was() {
 #[test]
 fn a_real_loop_has_its_times_on_the_page() {
     let desk = Desk::new();
-    let line = "ca device sim --profile tgr12 --seconds 3 > sim.txt 2>&1 & ca serve piano_key --seconds 1 --arm --log t.mcap";
+    let line =
+        "ca device sim --profile tgr12 --seconds 3 > sim.txt 2>&1 & ca serve piano_key --seconds 1 --arm --log t.mcap";
     let served = desk.sh(&format!("{line}; wait"));
     // a slow machine may lose frames, which is no matter here
     assert!(served.code == 0 || served.code == 3, "{}", served.err);
@@ -195,7 +202,9 @@ fn a_page_is_drawn_without_a_request() {
     desk.ca(&["report", "struck.ca.toml", "-o", "a.html", "--probe", "strike", "--probe", "low[3]"]).is(0);
     browse(&desk, &["a.html"]);
     // what the script of the page is for is what it counts: a page that is broken is seen to be
-    let broken = fs::read_to_string(desk.path("a.html")).unwrap().replace("const players", "fetch('http://127.0.0.1:9');undefined.x;const players");
+    let broken = fs::read_to_string(desk.path("a.html"))
+        .unwrap()
+        .replace("const players", "fetch('http://127.0.0.1:9');undefined.x;const players");
     desk.put("broken.html", &broken);
     if let Some(dom) = dom(&desk, "broken.html") {
         assert!(!dom.contains("data-errors=\"0\""), "an error is counted");

@@ -142,7 +142,7 @@ impl Sung {
         let swinging = self.swinging();
         let mut blocks = Vec::new();
         if !network.left_out.is_empty() {
-            let names: Vec<String> = network.left_out.iter().map(|(n, code)| format!("{n} ({code})")).collect();
+            let names: Vec<String> = network.left_out.iter().map(|(n, code)| format!("`{n}` ({code})")).collect();
             let more = names.len().saturating_sub(12);
             let more = if more > 0 { format!(" and {more} more") } else { String::new() };
             let names = names[..names.len().min(12)].join(", ");
@@ -214,10 +214,10 @@ pub(super) fn stability(scene: &Scene) -> Section {
         rows.push(("decided by", "a sparse factorisation".into()));
     }
     if !c.worst.is_empty() {
-        rows.push(("nearest to the limit", c.worst.clone()));
+        rows.push(("nearest to the limit", format!("`{}`", c.worst)));
     }
     if c.contact > 0.0 {
-        rows.push(("stiffest contact", format!("{}: kT²/m {}, up to 1 is safe", c.stiffest, short(c.contact))));
+        rows.push(("stiffest contact", format!("`{}`: kT²/m {}, up to 1 is safe", c.stiffest, short(c.contact))));
     }
     let mut blocks = vec![Block::Table(Table::pairs(rows))];
     let keys = border::asked(scene).into_iter().map(|(name, k, b)| vec![name.into(), short(k), short(b)]);

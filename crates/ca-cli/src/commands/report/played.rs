@@ -64,7 +64,7 @@ impl Book {
         ];
         let makers = makers(scene, end);
         rows.extend(
-            makers.iter().take(5).map(|(name, made)| ("made most", format!("{} by {name}", joule(scale * made)))),
+            makers.iter().take(5).map(|(name, made)| ("most of it by", format!("`{name}`: {}", joule(scale * made)))),
         );
         let mut blocks = vec![Block::Text(closes)];
         if !curves.is_empty() {
