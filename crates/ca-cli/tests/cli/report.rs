@@ -71,9 +71,16 @@ fn a_model_is_told_whole() {
     assert!(page.weight() < 300_000, "{} bytes beside the sound", page.weight());
     // the first modes are marked where they are heard
     let j = desk.ca(&["modes", "struck.ca.toml", "--json"]).is(0).json();
-    let first = j["modes"].as_array().unwrap().iter().position(|m| m["heard_hz"].as_f64() > Some(20.0)).unwrap();
-    let mark = &page.plot("level of a sine")["marks"][0];
-    assert_eq!((&mark[0], &mark[2]), (&j["modes"][first]["heard_hz"], &Json::from((first + 1).to_string())));
+    let marks = page.plot("level of a sine")["marks"].as_array().unwrap();
+    assert!(marks.len() > 20, "{}", marks.len());
+    for mark in marks {
+        let number: usize = mark[2].as_str().unwrap().parse().unwrap();
+        let mode = &j["modes"][number - 1];
+        assert_eq!(mark[0], mode["heard_hz"]);
+        // the hammer on its shank swings too, and is not heard
+        assert!(["left", "right"].iter().any(|o| mode["ports"][o].as_f64().unwrap().abs() > 0.0), "{mode}");
+    }
+    assert!((marks[0][0].as_f64().unwrap() - 110.0).abs() < 0.01, "the string begins at its pitch");
 
     // probes, gestures, changes; quiet
     let more = ["--probe", "strike", "--probe", "low[3]", "--gesture", "key.csv", "--seconds", "500 ms", "-q"];
@@ -96,7 +103,8 @@ fn the_energy_on_the_page_is_that_of_the_render() {
     let omega = std::f64::consts::TAU * 220.0;
     let want = 0.5 * 1e-3 * omega * omega * 1e-6;
     assert!((held / want - 1.0).abs() < 2e-3, "{held} J, by hand {want} J");
-    Page::of(&desk, "bar.html").says(&["<td>9.5", "mJ"]);
+    let cell = format!(">{held:.2e} J</td>");
+    Page::of(&desk, "bar.html").says(&[&cell]);
 }
 
 /// Pages of what is silent, mute, short, broken or too loud; each says so.
@@ -143,8 +151,7 @@ fn no_word_of_a_model_becomes_markup() {
 fn a_take_is_told_as_it_was() {
     let desk = Desk::new();
     let p = performer::duo(&desk.path("take.mcap"), 2500);
-    // a fault of a device, as it was meant: the page says so, and so does the exit code
-    desk.ca(&["report", "take.mcap"]).is(3).says(&["take.html", "SOFTWARE"]);
+    desk.ca(&["report", "take.mcap"]).is(0).says(&["take.html", "SOFTWARE"]);
     let page = Page::of(&desk, "take.html");
     let titles = page.titles();
     for title in ["Sound", "Hand at left", "Hand at right", "Events", "Real time", "Energy", "Stability", "Model"] {
@@ -191,7 +198,7 @@ fn a_real_loop_has_its_times_on_the_page() {
     let r = desk.ca(&["report", "t.mcap"]);
     assert!(r.code == 0 || r.code == 3, "{}", r.err);
     let page = Page::of(&desk, "t.html");
-    page.says(&["Time between force frames", "Time from a device frame to its answer", "99.9 %", "missed"]);
+    page.says(&["Time between device frames", "Time from hand to force to hand", "99.9 %", "missed"]);
     browse(&desk, &["t.html"]);
 }
 

@@ -2,8 +2,8 @@
 //!
 //! Decides to show what the file holds rather than what a replay makes of it: sound, positions and forces as they were,
 //! holes as holes. The energy book and the verdict come of a replay; where this build cannot play the take, the page
-//! says so and is written without them. Times between frames are of the clock that published them, so their histogram is
-//! that of the real loop.
+//! says so and is written without them. The times of the loop are those of the device's clock, from a frame to the first
+//! that was made under the force which answers it: force frames are recorded before anybody sends them.
 
 use super::parts::{self, Facts, finished};
 use super::played::Book;
@@ -16,12 +16,15 @@ use ca_haptic::frame::{DeviceFrame, ForceFrame, Mode};
 use ca_haptic::guard::Order;
 use ca_haptic::take::{End, Event, Replay, Rt, Take};
 use ca_report::{Axis, Block, Curve, Envelope, Grid, Look, Mark, Plot, Report, Section, Sound, Table, Weight};
+use std::collections::VecDeque;
 use std::path::Path;
 
 /// Degrees of freedom drawn of each device.
 const CURVES: usize = 8;
 /// Rows of what happened.
 const EVENTS: usize = 100;
+/// Frames that may be on their way round.
+const RECENT: usize = 256;
 /// Columns of a histogram for a factor of ten.
 const BINS: f64 = 25.0;
 
@@ -56,13 +59,14 @@ pub(super) fn report(args: &ReportArgs, file: &Path) -> Result<(String, Report),
     if records + samples + views > 0 {
         note(format!("lost on the way to the file: {records} records, {samples} sound samples, {views} views"));
     }
-    for f in &summary.faults {
-        note(format!("`{}`: forces ended at {:.3} s: {}", f.device, f.time, f.cause.name()));
-    }
     let again = again(&take);
     if let Err(why) = &again {
         note(why.clone());
     }
+    // the guard did what it is for
+    let faults = summary.faults.iter();
+    let faults = faults.map(|f| format!("`{}`: forces ended at {:.3} s: {}", f.device, f.time, f.cause.name()));
+    report.notes.extend(faults.map(|text| (Weight::Note, text)));
 
     let mut facts = scene.as_ref().map_or_else(|_| Facts::default(), Facts::of);
     facts.add("length", format!("{:.3} s", summary.seconds));
@@ -158,9 +162,9 @@ impl Hand {
 /// How the real-time loop did.
 #[derive(Default)]
 struct Loops {
-    /// between force frames, and from a device frame to the force that answers it \[µs\]
+    /// between device frames, and from one to the first under the force that answers it \[µs\]
     apart: Vec<f64>,
-    answer: Vec<f64>,
+    around: Vec<f64>,
     seconds: Vec<Rt>,
 }
 
@@ -196,8 +200,8 @@ fn row(name: &str, mut times: Vec<f64>) -> Option<Vec<String>> {
 impl Loops {
     fn section(self, rate: f64, gesture: f64) -> Option<Section> {
         let mut blocks = Vec::new();
-        blocks.extend(histogram("Time between force frames", &self.apart).map(Block::Plot));
-        blocks.extend(histogram("Time from a device frame to its answer", &self.answer).map(Block::Plot));
+        blocks.extend(histogram("Time between device frames", &self.apart).map(Block::Plot));
+        blocks.extend(histogram("Time from hand to force to hand", &self.around).map(Block::Plot));
         if let Some(last) = self.seconds.last() {
             let curve = |name: &str, of: fn(&Rt) -> f64| Curve::line(name, self.seconds.iter().map(of).collect());
             let times = Grid::Points(self.seconds.iter().map(|s| s.tick as f64 / rate).collect());
@@ -220,16 +224,29 @@ impl Loops {
                 ("busy, in the last second", format!("{:.1} %", 100.0 * last.busy)),
             ])));
         }
-        let rows: Vec<Vec<String>> = [row("between force frames", self.apart), row("frame to answer", self.answer)]
-            .into_iter()
-            .flatten()
-            .collect();
+        let rows: Vec<Vec<String>> =
+            [row("between device frames", self.apart), row("hand to force to hand", self.around)]
+                .into_iter()
+                .flatten()
+                .collect();
         if !rows.is_empty() {
             let head = ["time [µs]", "frames", "median", "99 %", "99.9 %", "largest"];
             blocks.push(Block::Table(Table::new(&head, rows)));
         }
         (!blocks.is_empty()).then(|| Section::new("Real time", blocks))
     }
+}
+
+/// Frames of a device on their way round.
+#[derive(Clone, Default)]
+struct Clock {
+    session: u64,
+    /// when its last frame was published \[ns\]
+    last: u64,
+    /// recent frames: number, and when they were published \[ns\]
+    frames: VecDeque<(u64, u64)>,
+    /// recent force frames: number, and when the frame they answer was published \[ns\]
+    forces: VecDeque<(u64, u64)>,
 }
 
 /// All that is read off a take in one go.
@@ -239,8 +256,8 @@ struct Recorded {
     /// time, of what, what
     events: Vec<Vec<String>>,
     loops: Loops,
-    /// of each device: when its last force frame and its last device frames were published \[ns\]
-    clocks: Vec<(u64, [(u64, u64); 4])>,
+    /// of each device
+    clocks: Vec<Clock>,
     modes: Vec<Mode>,
 }
 
@@ -265,7 +282,7 @@ impl Recorded {
             hands: h.setups.iter().map(|s| hand(&s.device, s.profile.dof)).collect(),
             events: Vec::new(),
             loops: Loops::default(),
-            clocks: vec![(0, [(0, 0); 4]); h.setups.len()],
+            clocks: vec![Clock::default(); h.setups.len()],
             modes: vec![Mode::Off; h.setups.len()],
         };
         let device = |k: Option<u32>| k.map_or_else(|| "all".into(), |k| h.setups[k as usize].device.clone());
@@ -322,9 +339,24 @@ impl Recorded {
         for (at, (dof, _)) in hand.at.iter_mut().zip(&hand.shown) {
             *at = f.pos.get(*dof).copied().unwrap_or(f64::NAN);
         }
-        let recent = &mut self.clocks[k].1;
-        recent.rotate_right(1);
-        recent[0] = (f.seq, f.t_host_ns);
+        let clock = &mut self.clocks[k];
+        if f.t_host_ns == 0 {
+            return;
+        }
+        if clock.session == f.session && clock.last > 0 {
+            self.loops.apart.push(f.t_host_ns.saturating_sub(clock.last) as f64 * 1e-3);
+        }
+        if clock.session != f.session {
+            *clock = Clock { session: f.session, ..Clock::default() };
+        }
+        clock.last = f.t_host_ns;
+        clock.frames.push_front((f.seq, f.t_host_ns));
+        clock.frames.truncate(RECENT);
+        if let Some((_, t)) = clock.forces.iter().find(|(seq, _)| *seq == f.ack) {
+            self.loops.around.push(f.t_host_ns.saturating_sub(*t) as f64 * 1e-3);
+            // what came before it is answered too
+            clock.forces.retain(|(seq, _)| *seq > f.ack);
+        }
     }
 
     fn force(&mut self, k: usize, f: &ForceFrame, ratio: u64) {
@@ -338,19 +370,11 @@ impl Recorded {
         let forces = hand.shown.iter().map(|(dof, _)| f.force.get(*dof).map_or(f64::NAN, |v| f64::from(*v)));
         let row: Vec<f64> = hand.at.iter().copied().chain(forces).collect();
         hand.curves.push(&row);
-        if f.t_host_ns == 0 {
-            return;
-        }
-        let (last, recent) = &mut self.clocks[k];
-        if *last > 0 {
-            self.loops.apart.push(f.t_host_ns.saturating_sub(*last) as f64 * 1e-3);
-        }
-        *last = f.t_host_ns;
-        let of = recent.iter_mut().find(|(seq, t)| *seq == f.ack && *t > 0);
-        if let Some((_, t)) = of {
-            self.loops.answer.push(f.t_host_ns.saturating_sub(*t) as f64 * 1e-3);
-            // one answer each
-            *t = 0;
+        let clock = &mut self.clocks[k];
+        let asked = clock.frames.iter().find(|(seq, _)| *seq == f.ack && clock.session == f.ack_session);
+        if let Some((_, t)) = asked {
+            clock.forces.push_front((f.seq, *t));
+            clock.forces.truncate(RECENT);
         }
     }
 }
