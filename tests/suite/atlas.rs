@@ -105,6 +105,26 @@ fn the_survival_table() {
     }
     assert_eq!(largest(0.1, 1.94), (1.0, false));
 
+    // what looks ahead bears what explicit links do not: numerics 3.6
+    let by = |case: Case, method: &str| match played(case, method) {
+        Outcome::Largest(x, rises) => (x, rises),
+        other => panic!("{case:?} by {method}: {other:?}"),
+    };
+    for a in [4.01, 1e6, 1e12, 4e16] {
+        let (x, rises) = by(Case::Oscillator(a, 0.0), "implicit 1/2");
+        assert!(x <= num(a15, "tolerance/theta_half_max") && !rises, "a = {a:e}: {x}");
+    }
+    for b in list(h04, "setup/b") {
+        for method in ["centred", "implicit 1/4", "implicit 1/2"] {
+            let (x, rises) = by(Case::Oscillator(num(h04, "setup/a"), b), method);
+            assert!(x <= num(h04, "tolerance/max") && !rises, "b = {b:e} by {method}: {x}");
+        }
+    }
+    for (b, method) in [(2.5, "secant"), (100.0, "secant"), (2.5, "newton"), (100.0, "newton")] {
+        let (x, rises) = by(Case::Bow(b), method);
+        assert!(x <= 1.0 && !rises, "a bow, b = {b} by {method}: {x}");
+    }
+
     // a bow beyond its limit: the place stays within what its largest force gives in a tick, over √a; far beyond, the
     // bar is driven further and further, by no more than that each tick
     let far = |b: f64| match played(Case::Bow(b), "ca") {
@@ -148,7 +168,11 @@ fn nothing_that_is_no_number_comes_in() {
     for (name, what, try_it) in DOORS {
         let tried = try_it();
         assert!(tried.through.is_empty() && tried.tried >= 6, "{name}: {:?}", tried.through);
-        assert!(PAGE.contains(&door(name, what, &tried)), "{name}: the page is of another build");
+        assert!(
+            PAGE.contains(&door(name, what, &tried)),
+            "{name}: the page is of another build, not {}",
+            door(name, what, &tried)
+        );
     }
 }
 

@@ -61,11 +61,11 @@ fn play(scene: &Scene, ticks: usize) -> Vec<Vec<f64>> {
     all
 }
 
-/// numerics 3.1: exact over 0.1 s and over 1 s at 48 kHz, with and without damping, below the explicit limit and 10⁴ times
-/// above it.
+/// numerics 3.1: exact over 0.1 s and over 1 s at 48 kHz, with and without damping; beyond the explicit limit the modes
+/// that half the rate has room for are left, however few.
 #[test]
 fn a_string_is_exact() {
-    for (a, z) in [(0.25, 0.0), (0.98, 0.0), (0.25, 3e-4), (1e4, 1e-4)] {
+    for (a, z) in [(0.25, 0.0), (0.98, 0.0), (0.25, 3e-4), (25.0, 1e-4), (1e4, 1e-4)] {
         let scene = scene(&string("modal", a, z, ""));
         assert_eq!(scene.certificate.level, Level::Proven, "{:?}", scene.certificate);
         let kept = scene.symbols.iter().filter(|s| s.code == "mode").count();
@@ -87,7 +87,7 @@ fn a_string_is_exact() {
     // the explicit scheme is far off, and blows up where modes do not
     let off = rel_l2(&play(&scene(&string("ca", 0.25, 0.0, "")), 4800)[0], &exact(0.25, 0.0, 12, 4800));
     assert!(off > 1e-2, "{off}");
-    assert_eq!(scene(&string("ca", 1e4, 1e-4, "")).certificate.level, Level::Unstable);
+    assert_eq!(scene(&string("ca", 25.0, 1e-4, "")).certificate.level, Level::Unstable);
 }
 
 /// Struck by a hammer, held by a damper, pushed by a force and pulled by a hand: the books close, and the motion is that of

@@ -91,7 +91,30 @@ pub const METHODS: &[Method] = &[
     Method { name: "ca", text: |case| Some(case.text("", "")) },
     Method { name: "stable", text: |case| contact(case, "stable") },
     Method { name: "stable3d", text: |case| contact(case, "stable3d") },
+    Method { name: "centred", text: |case| linear(case, "method = \"centred\"") },
+    Method { name: "implicit 1/4", text: |case| linear(case, "method = \"implicit\"\ntheta = 0.25") },
+    Method { name: "implicit 1/2", text: |case| linear(case, "method = \"implicit\"\ntheta = 0.5") },
+    Method { name: "modal", text: |case| matches!(case, Case::Undamped).then(|| by(case, "method = \"modal\"")) },
+    Method { name: "secant", text: |case| rubbed(case, "secant") },
+    Method { name: "newton", text: |case| rubbed(case, "newton") },
 ];
+
+/// The model of a case, all of it by a method.
+fn by(case: &Case, method: &str) -> String {
+    format!("[model]\n{method}\n{}", case.text("", ""))
+}
+
+/// The model of a case that is about linear links and cells, by a method; what flies or is struck has none that matter.
+fn linear(case: &Case, method: &str) -> Option<String> {
+    let about = matches!(case, Case::Oscillator(..) | Case::Ratio(_) | Case::Undamped | Case::Dead(_));
+    about.then(|| by(case, method))
+}
+
+/// The model of a case with its bow by a method; `None` where there is none.
+fn rubbed(case: &Case, method: &str) -> Option<String> {
+    let rub = "[BOW]\nrub = { ";
+    matches!(case, Case::Bow(_)).then(|| case.text("", "").replace(rub, &format!("{rub}method = \"{method}\", ")))
+}
 
 /// The model of a case with its contact by a method; `None` where there is no contact.
 fn contact(case: &Case, method: &str) -> Option<String> {

@@ -59,7 +59,7 @@ pub fn args(kind: &Kind, dice: &mut Dice) -> Vec<Entry> {
             continue;
         }
         // both ends of the link drawn live on a line, and a method other than the first is no explicit law
-        if matches!(p.name, "soften" | "method") {
+        if matches!(p.name, "soften" | "method" | "theta") {
             continue;
         }
         // the last table of a kind is left out only where there is another

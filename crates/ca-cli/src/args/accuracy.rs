@@ -14,17 +14,17 @@ use std::path::PathBuf;
 /// enough is named.
 #[derive(Args)]
 #[command(after_long_help = "Examples:
-  ca accuracy plucked_string --seconds 0.05
-  ca accuracy hammered_string --seconds 0.02 --times 1,2 --reference 16 --error 1e-2
-  ca accuracy glass --seconds 0.02 --times 1,4 --reference 16 --json
-  ca accuracy marimba --seconds 0.02 --times 1,2 --reference 16 -o marimba.html")]
+  ca accuracy plucked_string --seconds 0.3 --times 1,2 --reference 8
+  ca accuracy hammered_string --seconds 0.2 --times 1,2 --reference 8 --error 0.9
+  ca accuracy glass --seconds 0.3 --times 1,2 --reference 8 --json
+  ca accuracy marimba --seconds 0.2 --times 1 --reference 4 -o marimba.html")]
 pub struct AccuracyArgs {
     /// the model
     #[command(flatten)]
     pub source: Source,
-    /// How long it is played
-    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true, default_value = "0.25")]
-    pub seconds: f64,
+    /// How long it is played; `seconds` of the model, but no more than one, if left out
+    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
+    pub seconds: Option<f64>,
     /// Multiples of the sound rate to try
     #[arg(long, value_name = "N,…", value_delimiter = ',', default_value = "1,2,4,8", value_parser = clap::value_parser!(u32).range(1..=1024))]
     pub times: Vec<u32>,

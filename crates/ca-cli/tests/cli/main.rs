@@ -1,5 +1,6 @@
 //! The command as people use it: the built binary in an empty directory.
 
+mod accuracy;
 mod border;
 mod desk;
 mod docs;
@@ -87,7 +88,8 @@ fn errors_of_a_model_point_at_their_places() {
 fn examples_of_the_help_run() {
     let mut ran = 0;
     for command in [
-        "render", "check", "report", "equiv", "modes", "tune", "list", "new", "import", "serve", "replay", "log", "shm",
+        "render", "check", "accuracy", "report", "equiv", "modes", "tune", "list", "new", "import", "serve", "replay",
+        "log", "shm",
     ] {
         let desk = Desk::new();
         if ["replay", "log", "report"].contains(&command) {

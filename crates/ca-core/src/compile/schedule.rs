@@ -19,7 +19,7 @@ use crate::op::Op;
 use crate::scene::{InputRole, Scene, Stands, Symbol};
 use crate::state::{Border, Cell, Ramps, State};
 use crate::touch::Touches;
-use alloc::collections::BTreeMap;
+use alloc::collections::{BTreeMap, BTreeSet};
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 
@@ -50,7 +50,9 @@ pub fn schedule(
     let lead = [enf.is_empty(), weighed.is_empty(), waves.delays.is_empty()].iter().filter(|none| !**none).count();
     let back = [!proxies.is_empty(), !modal.is_empty(), ahead.is_some()].into_iter().filter(|b| *b).count();
     let place = |op: usize| op + lead + if op >= links.late { back } else { 0 };
-    let ledger = options.energy.then(|| LedgerPlan { accounts: accounts(&links.forces, place), weight });
+    let ported: BTreeSet<u32> = enx.iter().chain(&tgr).map(|p| p.mat).collect();
+    let ledger =
+        options.energy.then(|| LedgerPlan { accounts: accounts(&links, |p| ported.contains(&p), place), weight });
     let symbols = symbols(&plan, &links, place);
     let moves = plan.moves(order, n_mat, waves.delays.len());
     let live = plan.live_plan(ahead.as_ref());
@@ -232,9 +234,10 @@ fn points(plan: &mut Plan) -> Points {
             continue;
         }
         let family = &net.families[&p.family];
-        if let (Some((weights, _)), Some(mode)) = (&p.shape, family.nodes.first()) {
+        if let Some((weights, _)) = &p.shape {
             // modes are tied to nothing, so they stand as they were made: in a row
-            let (first, share, n) = (plan.place[*mode as usize], all.shares.len() as u32, weights.len() as u32);
+            let first = family.nodes.first().map_or(0, |mode| plan.place[*mode as usize]);
+            let (share, n) = (all.shares.len() as u32, weights.len() as u32);
             all.shares.extend(weights);
             all.modal.push(Modal { mat, first, share, n });
             continue;
@@ -279,8 +282,8 @@ fn outputs(plan: &mut Plan, links: &Links) -> Option<(usize, Vec<Output>)> {
     Some((first, all))
 }
 
-/// What the energy book reads of each pass of links, and its `place` among the forces.
-fn accounts(forces: &[Op], place: impl Fn(usize) -> usize) -> Vec<Account> {
+/// What the energy book reads of each pass of links, and its `place` among the forces; which places are `ported`.
+fn accounts(links: &Links, ported: impl Fn(u32) -> bool, place: impl Fn(usize) -> usize) -> Vec<Account> {
     let account = |(i, op): (usize, &Op)| {
         let law = op.law?;
         let Op { n, ports, first, coef, mem, tap, .. } = *op;
@@ -288,10 +291,11 @@ fn accounts(forces: &[Op], place: impl Fn(usize) -> usize) -> Vec<Account> {
         // a distance is no linear function of places: the identity then holds only with what the link made
         let radial = ports.gauge == Gauge::Radial || ports.onto.is_some_and(|o| o.0 == Gauge::Radial);
         // what looks ahead to a port that then goes another way is not exact either
-        let linear = law.linear && !radial && !law.ahead;
+        let strays = law.ahead && links.ends[first..first + n].iter().flatten().any(|p| ported(*p));
+        let linear = law.linear && !radial && !strays;
         Some(Account { op: place(i), n, ports, first, coef, mem, tap, coefs, mems, linear, stored, lost, idle })
     };
-    forces.iter().enumerate().filter_map(account).collect()
+    links.forces.iter().enumerate().filter_map(account).collect()
 }
 
 /// The modules by name: MATs that stay, then links, whose passes have a `place` among the forces.

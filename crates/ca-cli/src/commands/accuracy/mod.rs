@@ -16,6 +16,7 @@ use ca_core::energy::Balance;
 use ca_core::model::Value;
 use ca_core::{Model, Options};
 use ca_report::{Axis, Block, Plot, Point, Report, Section, Table};
+use indicatif::{ProgressBar, ProgressStyle};
 use score::Score;
 use serde_json::{Value as Json, json};
 use std::io::Write as _;
@@ -24,6 +25,19 @@ use ways::{Way, ways};
 
 /// Each way is timed so often, and the quickest counts: the others were disturbed.
 const REPEATS: usize = 3;
+
+/// As long as a model is played if nothing is said \[s\].
+const LONGEST: f64 = 1.0;
+
+/// How far it is, where stderr is a terminal.
+fn progress(runs: u64) -> ProgressBar {
+    let bar = ProgressBar::new(runs);
+    if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos} of {len} ways, {eta} left") {
+        bar.set_style(style);
+    }
+    bar.tick();
+    bar
+}
 
 /// A way, measured.
 struct Row {
@@ -61,16 +75,28 @@ pub fn run(args: &AccuracyArgs) -> Outcome {
     let scene =
         load::scene(&loaded, &Options { rate: args.source.rate, probes: probes.clone(), ..Options::default() })?;
     let rate = scene.rate;
-    let frames = (args.seconds * rate).round().max(16.0) as usize;
+    let seconds = args.seconds.unwrap_or_else(|| scene.seconds.unwrap_or(LONGEST).min(LONGEST));
+    let frames = (seconds * rate).round().max(16.0) as usize;
     let mut times = args.times.clone();
     times.sort_unstable();
     times.dedup();
     let (all, refused) = ways(&loaded, &probes, rate, &times);
+    let bar = progress(all.len() as u64 + 1);
     let truth = truth::truth(&loaded, &probes, &scene, frames, args.reference)?;
+    bar.inc(1);
+    if truth.columns.iter().flatten().all(|v| *v == 0.0) {
+        bar.finish_and_clear();
+        let what = format!("nothing of {} moves in {seconds} s", load::ticked(probes.iter().map(String::as_str)));
+        return Err(Failure::Failed(format!(
+            "{what}; play longer with `--seconds`, or listen elsewhere with `--probe`"
+        )));
+    }
     let mut rows = Vec::with_capacity(all.len());
     for way in &all {
         rows.push(measure(way, &truth, frames, rate)?);
+        bar.inc(1);
     }
+    bar.finish_and_clear();
     mark(&mut rows);
     let best = args.error.map(|e| recommended(&rows, e.max(truth.known)));
     let told = Told { loaded: &loaded, rows: &rows, truth: &truth, rate, frames, refused: &refused, best };

@@ -121,6 +121,8 @@ fn absent(scene: &Scene) -> Vec<&'static str> {
         ("ENF", "no force inputs"),
         ("points", "no moving points"),
         ("waves in", "no waveguides"),
+        ("modal ports", "no modes"),
+        ("implicit", "nothing that looks ahead"),
         ("weight", "no weight"),
         ("outputs", "no outputs"),
         ("high pass", "no high pass"),

@@ -1,0 +1,101 @@
+//! `ca accuracy`: references, orders, the front, what is recommended, and the page.
+
+use crate::desk::Desk;
+use serde_json::Value as Json;
+use std::fs;
+
+/// Runs it on a model and returns its JSON.
+fn measured(text: &str, more: &[&str]) -> Json {
+    let desk = Desk::new();
+    desk.put("model.ca.toml", text);
+    let mut args = vec!["accuracy", "model.ca.toml", "--json"];
+    args.extend(more);
+    serde_json::from_str(&desk.ca(&args).is(0).out).expect("JSON")
+}
+
+fn row<'a>(found: &'a Json, method: &str, times: u64) -> &'a Json {
+    let rows = found["rows"].as_array().expect("rows");
+    let here = |r: &&Json| r["method"] == method && r["times"] == times;
+    rows.iter().find(here).unwrap_or_else(|| panic!("no {method} x{times} in {found:#}"))
+}
+
+fn error(found: &Json, method: &str, times: u64) -> f64 {
+    row(found, method, times)["error"].as_f64().unwrap_or(f64::INFINITY)
+}
+
+const CHAIN: &str = "[SOL]\nl = {}\nr = {}\n[MAS]\na = { m = \"1 g\", dx0 = \"1 mm\" }\nb = { m = \"1 g\" }\nc = { m = \"1 g\" }\n[RES]\nk = { between = [[\"l\", \"a\", \"b\", \"c\"], [\"a\", \"b\", \"c\", \"r\"]], \
+                     k = \"60 kN/m\" }\n[SOX]\nout = { from = \"a\" }\nlow = { from = \"c\" }\n";
+
+/// What is linear is held against its closed form: modes are exact, the explicit scheme and theta ¼ are of the second
+/// order, theta 1/12 of the fourth.
+#[test]
+fn a_linear_model_has_a_closed_form() {
+    let found = measured(CHAIN, &["--seconds", "0.05", "--times", "1,2,4"]);
+    assert_eq!(found["reference"]["origin"], "modes");
+    assert!(error(&found, "modal", 1) < 1e-10, "{found:#}");
+    for (method, order) in [("as written", 2.0), ("implicit 1/4", 2.0), ("implicit 1/12", 4.0)] {
+        let rise = (error(&found, method, 2) / error(&found, method, 4)).log2();
+        assert!((rise - order).abs() < 0.15, "{method}: {rise}");
+    }
+    let plain = row(&found, "as written", 1);
+    // 1.22 kHz and above, at 48 kHz: numerics 1.2
+    assert!((0.5..20.0).contains(&plain["cents"].as_f64().expect("a pitch")), "{plain}");
+    assert!(row(&found, "modal", 1)["front"] == true && plain["made"].as_f64().is_some_and(|m| m < 1e-12));
+}
+
+/// What is not is held against itself at a higher rate, and how well that is known is said.
+#[test]
+fn another_model_is_its_own_reference() {
+    let text = format!("{CHAIN}[CUB]\nhard = {{ between = [\"l\", \"b\"], k3 = \"10 GN/m^3\" }}\n");
+    let found = measured(&text, &["--seconds", "0.02", "--times", "1,2,4", "--reference", "64", "--error", "2e-2"]);
+    assert_eq!(found["reference"]["origin"], "rate");
+    let (order, known) = (found["reference"]["order"].as_f64(), found["reference"]["known"].as_f64());
+    assert!(order.is_some_and(|p| (p - 2.0).abs() < 0.1), "{found:#}");
+    assert!(known.is_some_and(|k| k < 0.01 * error(&found, "as written", 1)), "{found:#}");
+    let rise = (error(&found, "as written", 1) / error(&found, "as written", 4)).log2() / 2.0;
+    assert!((rise - 2.0).abs() < 0.15, "{rise}");
+    // what is named is good enough, and nothing that is good enough is quicker
+    let named = &found["recommended"];
+    let best = row(&found, named["method"].as_str().expect("one"), named["times"].as_u64().expect("one"));
+    let ns = |r: &Json| r["ns_per_sample"].as_f64().expect("a time");
+    assert!(best["error"].as_f64().is_some_and(|e| e <= 2e-2), "{best}");
+    let good =
+        found["rows"].as_array().expect("rows").iter().filter(|r| r["error"].as_f64().is_some_and(|e| e <= 2e-2));
+    assert!(good.clone().all(|r| ns(r) >= ns(best)) && good.count() > 1, "{found:#}");
+}
+
+/// A model that blows up as it is has its row all the same, and is never recommended; methods that it cannot take are
+/// named with the reason.
+#[test]
+fn what_blows_up_is_told() {
+    let text = "[SOL]\nw = {}\n[MAS]\na = { m = \"1 g\", dx0 = \"1 mm\" }\n[RES]\nk = { between = [\"w\", \"a\"], k = \"50 MN/m\" }\n\
+                [BUT]\nstop = { between = [\"w\", \"a\"], k = 100, d = \"-1 m\", method = \"stable\" }\n[SOX]\nout = { from = \"a\" }\n";
+    let found = measured(text, &["--seconds", "0.01", "--times", "1,8", "--reference", "16", "--error", "1"]);
+    let plain = row(&found, "as written", 1);
+    assert!(plain["stability"] == "unstable" && plain["front"] == false && plain["error"].is_null(), "{plain}");
+    assert_ne!(found["recommended"]["times"], 1, "{found:#}");
+    let why = found["refused"].as_array().expect("a list");
+    assert!(why.iter().any(|r| r["method"] == "implicit 1/4"), "{found:#}");
+}
+
+#[test]
+fn the_page_has_a_plot_and_the_table() {
+    let desk = Desk::new();
+    let short = ["accuracy", "glass", "--seconds", "0.3", "--times", "1,2", "--reference", "8", "-o", "glass.html"];
+    let text = desk.ca(&short).is(0).out;
+    let page = fs::read_to_string(desk.path("glass.html")).expect("a page");
+    for word in ["error", "ns/sample", "as written", "stability"] {
+        assert!(text.contains(word) && page.contains(word), "{word}\n{text}");
+    }
+    assert!(text.contains("at 48000 Hz, against ") && page.contains("Error against run time"));
+}
+
+#[test]
+fn nothing_to_hear_is_a_failure() {
+    let desk = Desk::new();
+    desk.put("mute.ca.toml", "[MAS]\na = { m = 1 }\n");
+    desk.ca(&["accuracy", "mute.ca.toml"]).is(1).says(&["--probe"]);
+    desk.put("still.ca.toml", "[MAS]\na = { m = 1 }\n[SOX]\nout = { from = \"a\" }\n");
+    desk.ca(&["accuracy", "still.ca.toml", "--seconds", "0.01"]).is(1).says(&["nothing of `a` moves", "--seconds"]);
+    desk.ca(&["accuracy", "glass", "--error", "0"]).is(2).says(&["above 0"]);
+}
