@@ -60,7 +60,8 @@ pub struct Key {
 pub struct Certificate {
     /// how sure
     pub level: Level,
-    /// upper bound of the largest eigenvalue of T²K + 2TC against M; the limit is 4
+    /// upper bound of the largest eigenvalue of T²K + 2TC against M; the limit is 4. Of a model that goes by `pefrl`
+    /// it is counted in quarters of that method's own, [`crate::method::pefrl::LIMIT`]
     pub bound: f64,
     /// lower bound of the same
     pub lower: f64,

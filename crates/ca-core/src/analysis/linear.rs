@@ -95,6 +95,8 @@ pub struct Port {
 pub struct Network {
     /// tick \[s\]
     pub te: f64,
+    /// true where its ticks are those of [`crate::method::pefrl`]
+    pub composed: bool,
     /// its places and links
     pub linear: Linear,
     /// name of each place: its module, with `.x`, `.y` or `.z` in space

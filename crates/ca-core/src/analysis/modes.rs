@@ -9,6 +9,7 @@
 //! poles are then those of the whole scheme.
 
 use super::linear::{Linear, Network};
+use crate::method::pefrl::explicit;
 use alloc::vec::Vec;
 use faer::linalg::solvers::Solve as _;
 use faer::{Mat, Side};
@@ -170,7 +171,7 @@ pub fn modes(network: &Network) -> Option<Modes> {
             coupled,
             shape,
         };
-        mode.alone(te, 1.0 + heavier.as_ref().map_or(0.0, |h| h[(j, j)]));
+        mode.alone(te, 1.0 + heavier.as_ref().map_or(0.0, |h| h[(j, j)]), network.composed);
         list.push(mode);
     }
     let ties = ahead.is_some() || list.iter().any(|m| m.coupled > COUPLED);
@@ -193,8 +194,8 @@ fn t60(s: f64) -> f64 {
 }
 
 impl Mode {
-    /// Pitch and decay of the mode by itself, with the inertia that implicit methods give it.
-    fn alone(&mut self, te: f64, heavier: f64) {
+    /// Pitch and decay of the mode by itself, with the inertia that implicit methods give it, or by the `composed` one.
+    fn alone(&mut self, te: f64, heavier: f64, composed: bool) {
         let (a, b) = (self.a, self.b);
         // continuous: ω² = a/T², s = b/2T
         let (square, s) = (a - 0.25 * b * b, 0.5 * b / te);
@@ -204,7 +205,7 @@ impl Mode {
             () if square >= 0.0 => t60(s),
             () => t60(s - libm::sqrt(-square) / te),
         };
-        let (a, b) = (a / heavier, b / heavier);
+        let (a, b) = (if composed { explicit(a) } else { a / heavier }, b / heavier);
         // the scheme: the middle of its two poles is 1 − (a + b)/2, their distance twice the root of this
         let half = 1.0 - 0.5 * (a + b);
         let off = a - 0.25 * (a + b) * (a + b);

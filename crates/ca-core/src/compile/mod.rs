@@ -32,6 +32,7 @@ mod number;
 mod options;
 mod params;
 mod passes;
+mod pefrl;
 mod plan;
 mod pressed;
 mod prune;
@@ -76,6 +77,7 @@ fn network(model: &Model, catalog: &Catalog, options: &Options) -> Result<(Net, 
     turns::turns(model, &mut net, &mut diags);
     ahead::check(model, &net, &mut diags);
     waves::settle(model, &mut net, &mut diags);
+    pefrl::check(model, &net, options, &mut diags);
     fed::mark(&mut net);
     Ok((net, diags))
 }

@@ -37,7 +37,7 @@ pub fn reads(layout: &Layout, live: usize, aimed: bool) -> Vec<Op> {
 pub fn forces(layout: &Layout, mut links: Vec<Op>, late: usize, weight: usize) -> Vec<Op> {
     let mut list = Vec::new();
     if !layout.enf.is_empty() {
-        list.push(Op::pass("ENF", pass::enf, layout.enf.len()));
+        list.push(Op::pass("ENF", pass::enf::<true>, layout.enf.len()));
     }
     if !layout.weighed.is_empty() {
         list.push(Op { coef: weight, ..Op::pass("weight", pass::weight, layout.weighed.len()) });

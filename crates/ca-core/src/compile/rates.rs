@@ -3,12 +3,12 @@
 use super::net::{Medium, Net};
 use super::options::Options;
 use super::values::Values;
-use crate::kind::{ANY, POSITIVE, Unit};
+use crate::kind::{ANY, POSITIVE, Param, Unit};
 use crate::model::diag::{Diag, Diags};
 use crate::model::quantity::Plain;
 use crate::model::suggest::nearest;
 use crate::model::{Entry, Model, Span, Value};
-use crate::phi::implicit::{OF_GROUP, THETA};
+use crate::phi::implicit::{OF_GROUP, OF_MODEL, THETA};
 use alloc::format;
 
 /// Slowest and fastest clock \[Hz\].
@@ -91,15 +91,15 @@ pub fn reference(model: &Model, net: &Net, diags: &mut Diags) -> Option<f64> {
 
 /// Gravity and friction of every group; those of the model come last.
 pub fn media(model: &Model, net: &mut Net, v: &mut Values<'_>) {
-    let root = medium(&model.meta, "`[model]`", Medium::default(), v);
+    let root = medium(&model.meta, "`[model]`", Medium::default(), &OF_MODEL, v);
     for g in &model.groups {
-        let m = medium(&g.props, &format!("group `{}`", g.name), root, v);
+        let m = medium(&g.props, &format!("group `{}`", g.name), root, &OF_GROUP, v);
         net.media.push(m);
     }
     net.media.push(root);
 }
 
-fn medium(props: &[Entry], owner: &str, outer: Medium, v: &mut Values<'_>) -> Medium {
+fn medium(props: &[Entry], owner: &str, outer: Medium, methods: &Param, v: &mut Values<'_>) -> Medium {
     let mut m = outer;
     // which way is down hangs on the number of axes
     if let Some(e) = props.iter().find(|e| e.key == "dim") {
@@ -130,7 +130,7 @@ fn medium(props: &[Entry], owner: &str, outer: Medium, v: &mut Values<'_>) -> Me
                     m.friction = z;
                 }
             }
-            "method" => m.method = v.word(&OF_GROUP, e, owner).unwrap_or(m.method),
+            "method" => m.method = v.word(methods, e, owner).unwrap_or(m.method),
             "theta" => m.theta = v.word(&THETA, e, owner).or(m.theta),
             _ => {}
         }

@@ -6,6 +6,7 @@ use super::links::{Links, own_tables};
 use super::net::{Coordinate, Ear, End, LiaNode, MatRole, Net, OutNode};
 use super::options::Options;
 use super::passes;
+use super::pefrl;
 use super::plan::Plan;
 use super::start::start;
 use crate::kind::PortRole;
@@ -55,6 +56,7 @@ pub fn schedule(
         options.energy.then(|| LedgerPlan { accounts: accounts(&links, |p| ported.contains(&p), place), weight });
     let symbols = symbols(&plan, &links, place);
     let moves = plan.moves(order, n_mat, waves.delays.len());
+    let own = moves.iter().any(|o| o.name == "advance CEL");
     let live = plan.live_plan(ahead.as_ref());
     let whole = live.ahead.as_ref().map_or(u32::MAX, |a| a.first);
     let (coef, live_places) = (plan.coef, plan.live);
@@ -95,7 +97,8 @@ pub fn schedule(
     let reads = passes::reads(&layout, live_places.len(), aimed);
     let forces = passes::forces(&layout, links.forces, links.late, weight);
     let writes = passes::writes(&layout, gains);
-    let initial = start(&layout, &forces, loaded(net, &layout, x, &v, coef, (live_places, whole)));
+    let moves = if net.is_composed() { pefrl::moves(&layout, &forces, own) } else { moves };
+    let initial = start(&layout, &forces, net.is_composed(), loaded(net, &layout, x, &v, coef, (live_places, whole)));
     let (probe_names, probe_of) = probes(net);
     Some(Scene {
         rate: net.rate,

@@ -5,8 +5,8 @@ use crate::op::{Op, gauge, pass};
 use crate::state::State;
 use alloc::vec::Vec;
 
-/// The second-order start (numerics 1.1): d₀ = v T − ½ (T²/m) F(x₀).
-pub fn start(layout: &Layout, forces: &[Op], mut s: State) -> State {
+/// The second-order start (numerics 1.1): d₀ = v T − ½ (T²/m) F(x₀); `exact`, where d is motion itself, d₀ = v T.
+pub fn start(layout: &Layout, forces: &[Op], exact: bool, mut s: State) -> State {
     let n = layout.n_mat;
     let memory = |s: &mut State| {
         for op in forces {
@@ -28,14 +28,15 @@ pub fn start(layout: &Layout, forces: &[Op], mut s: State) -> State {
     pass::project(&project, layout, &mut s);
     memory(&mut s);
     let mut trial = s.clone();
-    for op in forces.iter().filter(|op| !matches!(op.name, "TGR out" | "border booked" | "TGR mute" | "ENF")) {
+    let counts = |op: &&Op| !exact && !matches!(op.name, "TGR out" | "border booked" | "TGR mute" | "ENF");
+    for op in forces.iter().filter(counts) {
         (op.kernel)(op, layout, &mut trial);
     }
     for i in 0..n {
         let (p, q, c) = (s.coef[i], s.coef[n + i], s.coef[2 * n + i]);
         if c == 0.0 {
             s.d[i] = 0.0;
-        } else {
+        } else if !exact {
             s.d[i] -= 0.5 * (c * trial.f[i] + q * s.x[i] - (1.0 - p) * s.d[i]);
         }
     }

@@ -1,6 +1,6 @@
-//! Methods: linear links that look ahead ([`implicit`], numerics 3.1), one-sided springs that keep energy exact whatever
-//! their stiffness (3.3, 3.4), and friction that only resists however steep it is (3.5). The rest of this page speaks of the
-//! last two.
+//! Methods: linear links that look ahead ([`implicit`], numerics 3.1), a tick of fourth order for the whole model
+//! ([`pefrl`], 3.1), one-sided springs that keep energy exact whatever their stiffness (3.3, 3.4), and friction that only
+//! resists however steep it is (3.5). The rest of this page speaks of the last two.
 //!
 //! The explicit contact makes or swallows energy at every blow (numerics 3.2), because its force is that at the
 //! beginning of a tick. The methods here choose the force so that its work over the tick is what the spring takes up,
@@ -16,6 +16,7 @@ pub mod friction;
 pub mod gradient;
 pub mod implicit;
 mod newton;
+pub mod pefrl;
 pub mod quadratised;
 pub mod spring;
 

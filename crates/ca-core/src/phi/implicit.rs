@@ -28,8 +28,17 @@ pub const OF_GROUP: Param = Param::new(
     Need::Optional,
     "how linear links and cells are computed",
 );
-/// The number of the last of them.
+/// The methods of the model, by name: those of a group, and one for all masses at once.
+pub const OF_MODEL: Param = Param::new(
+    "method",
+    Type::Choice(&["ca", "centred", "implicit", "modal", "pefrl"]),
+    Need::Optional,
+    "how linear links and cells are computed, or, by pefrl, everything",
+);
+/// The numbers of the last of them.
 pub const MODAL: f64 = 3.0;
+/// See [`crate::method::pefrl`].
+pub const PEFRL: f64 = 4.0;
 /// Weight of the time to come.
 pub const THETA: Param = Param::number(
     "theta",

@@ -50,7 +50,7 @@ pub fn unstable(model: &Model, net: &Net, rows: &[Row], bounds: &[Bound], i: usi
             most = Some((l, b));
         }
     }
-    let mass = net.te * net.te / r.c * at / 4.0;
+    let mass = net.te * net.te * net.ease() / r.c * at / 4.0;
     let heavier = format!("make `{}` heavier than {}", m.name, quantity::show(round_up(mass), Unit::KILOGRAM));
     let viscous = net.lias.iter().zip(bounds).any(|(_, b)| b.z > 0.0) || r.z > 0.0;
     let rate = faster(net, at, viscous);

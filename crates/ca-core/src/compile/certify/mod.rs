@@ -29,8 +29,8 @@ use blame::{overflow, span, unstable};
 use exact::Exact;
 use negative::Negative;
 use rules::{contacts, devices, frictions, rubs};
-pub(super) use worst::worst_bounds;
-use worst::{Row, worst_rows};
+use worst::Row;
+pub(super) use worst::{worst_bounds, worst_rows};
 
 /// Judges the network; warnings name the module and what would mend it. The largest eigenvalue is narrowed down only
 /// where it is `asked` for.
@@ -40,6 +40,9 @@ pub fn certify(model: &Model, net: &Net, asked: bool, diags: &mut Diags) -> Cert
     for (r, _) in rows.iter_mut().zip(&net.alive).filter(|(_, alive)| !**alive) {
         *r = Row::default();
     }
+    // a method with another limit is judged as heavier masses would be by the explicit one
+    let ease = net.ease();
+    rows.iter_mut().for_each(|r| r.c *= ease);
     let bounds = worst_bounds(net);
     let mut springs = Negative::default();
     for (l, b) in net.lias.iter().zip(&bounds) {
@@ -153,7 +156,8 @@ pub fn certify(model: &Model, net: &Net, asked: bool, diags: &mut Diags) -> Cert
         diags.push(d.help(format!("{help} `{}`, make it heavier, or raise the sound rate", cert.worst)));
     }
     rigid::rigid(model, net, diags);
-    let held = |l: &LiaNode, b: &Bound| exact.as_ref().filter(|_| few).and_then(|e| e.mobility(net, l, b));
+    let held = |l: &LiaNode, b: &Bound| Some(exact.as_ref().filter(|_| few)?.mobility(net, l, b)? / ease);
+    rows.iter_mut().for_each(|r| r.c /= ease);
     contacts(model, net, &rows, &bounds, held, &mut cert, diags);
     frictions(model, net, &rows, &bounds, held, diags);
     devices(model, net, &bounds, diags);
