@@ -20,13 +20,14 @@ pub struct Method {
 }
 
 /// All there are, the model as it is first.
-const METHODS: [Method; 9] = [
+const METHODS: [Method; 10] = [
     Method { name: "as written", linear: None, word: None },
     Method { name: "centred", linear: Some(("centred", None)), word: None },
     Method { name: "implicit 1/12", linear: Some(("implicit", Some("0.08333333333333333"))), word: None },
     Method { name: "implicit 1/4", linear: Some(("implicit", Some("0.25"))), word: None },
     Method { name: "implicit 1/2", linear: Some(("implicit", Some("0.5"))), word: None },
     Method { name: "modal", linear: Some(("modal", None)), word: None },
+    Method { name: "pefrl", linear: Some(("pefrl", None)), word: None },
     Method { name: "stable", linear: None, word: Some("stable") },
     Method { name: "secant", linear: None, word: Some("secant") },
     Method { name: "newton", linear: None, word: Some("newton") },

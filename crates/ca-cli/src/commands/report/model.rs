@@ -21,9 +21,11 @@ const LOOKS: u64 = 1000;
 /// Plays the model and tells all of it.
 pub(super) fn report(args: &ReportArgs) -> Result<(String, Report), Failure> {
     let loaded = load::load(&args.source)?;
+    // the book is of the explicit scheme
+    let composed = matches!(loaded.model.meta("method").map(|e| &e.value), Some(Value::Text(t)) if t == "pefrl");
     let with = |probes: Vec<String>| Options {
         rate: args.source.rate,
-        energy: true,
+        energy: !composed,
         probes,
         clouds: loaded.clouds.clone(),
         ..Options::default()
@@ -70,7 +72,8 @@ pub(super) fn report(args: &ReportArgs) -> Result<(String, Report), Failure> {
     let mut facts = Facts::of(&scene);
     facts.add("length", format!("{seconds} s"));
     let factor = played.wall.as_secs_f64() / (frames as f64 * scene.te);
-    facts.add("real-time factor", format!("{} with the energy book, on this machine", short(factor)));
+    let book_kept = if composed { "" } else { " with the energy book" };
+    facts.add("real-time factor", format!("{}{book_kept}, on this machine", short(factor)));
     for (name, value) in args.source.changes() {
         facts.add("changed", format!("{name} = {value}"));
     }
