@@ -24,6 +24,7 @@ mod modes;
 mod oracle;
 mod outputs;
 mod peers;
+mod pefrl;
 mod play;
 mod published;
 mod quantity;
