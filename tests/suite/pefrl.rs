@@ -265,6 +265,6 @@ fn what_it_refuses() {
     assert_eq!(kept, ["no energy book is kept of `method = \"pefrl\"`"]);
     // in a group it is not a word
     let group = "[g]\nmethod = \"pefrl\"\n[g.CEL]\nx = { m = 1, k = 1 }\n[SOX]\nxo = { from = \"g.x\" }\n";
-    let refused = compile(&model(group), &catalog(), &Options::default()).err().expect("an error");
+    let refused = compile(&model(group), &catalog(), &Options::default()).expect_err("an error");
     assert!(refused.list.iter().any(|d| d.code == "E011"), "{:?}", refused.list);
 }

@@ -331,12 +331,16 @@ const BOWS: [&str; 3] = ["B07_bow_soft", "B07_bow_hard", "B07_bow_very_hard"];
 
 #[test]
 fn b07_a_bow() {
-    BOWS.iter().for_each(|id| bow(id, "ca", |_| 1));
+    for id in BOWS {
+        bow(id, "ca", |_| 1);
+    }
 }
 
 #[test]
 fn b07_a_bow_by_secant() {
-    BOWS.iter().for_each(|id| bow(id, "secant", |_| 2));
+    for id in BOWS {
+        bow(id, "secant", |_| 2);
+    }
 }
 
 #[test]

@@ -49,6 +49,7 @@ impl Axis {
     }
 
     /// Shows this range at first.
+    #[must_use]
     pub fn over(self, from: f64, to: f64) -> Axis {
         Axis { range: Some([from, to]), ..self }
     }
@@ -149,6 +150,9 @@ pub struct Point {
     pub front: bool,
 }
 
+/// What a curve is called, and its least, greatest and last value, if it has any.
+type Extent = (String, Option<[f64; 3]>);
+
 /// Prefixes of the metric system: factor and letter.
 const PREFIXES: [(f64, &str); 9] =
     [(1e-15, "f"), (1e-12, "p"), (1e-9, "n"), (1e-6, "µ"), (1e-3, "m"), (1.0, ""), (1e3, "k"), (1e6, "M"), (1e9, "G")];
@@ -208,7 +212,7 @@ impl Plot {
     }
 
     /// For those who cannot see it: each curve with its least, greatest and last value, in the unit that is told.
-    pub(crate) fn told(&self) -> (String, Vec<(String, Option<[f64; 3]>)>) {
+    pub(crate) fn told(&self) -> (String, Vec<Extent>) {
         let (factor, unit) = self.scale();
         let row = |c: &Curve| (c.name.clone(), c.extent().map(|e| e.map(|v| v / factor)));
         (unit, self.curves.iter().map(row).collect())

@@ -70,7 +70,9 @@ pub fn spectrogram(sound: &Sound) -> Option<Plot> {
         let centre = (i as f64 + 0.5) * n as f64 / (columns * each) as f64;
         power.fill(0.0);
         let start = centre as isize - size as isize / 2;
-        channels.iter().for_each(|samples| hann.add(samples, start, &mut power));
+        for samples in &channels {
+            hann.add(samples, start, &mut power);
+        }
         for r in 0..ROWS {
             // the highest row is on top
             let cell = &mut cells[(ROWS - 1 - r) * columns + i / each];
@@ -175,7 +177,7 @@ mod tests {
         s.push(&[0.5]);
         assert_eq!(pixels(&spectrogram(&s).unwrap()).0, 1);
         let mut s = Sound::new(48_000.0, &["a".into()]);
-        s.push(&[0.0; 4800]);
+        s.push(&vec![0.0; 4800]);
         assert!(spectrogram(&s).is_none());
     }
 }

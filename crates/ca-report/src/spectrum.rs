@@ -84,7 +84,9 @@ impl Spectrum {
         let power = channels.iter().map(|samples| {
             let mut power = vec![0.0; size / 2 + 1];
             (0..windows).for_each(|i| hann.add(samples, (i as f64 * hop) as isize, &mut power));
-            power.iter_mut().for_each(|p| *p /= windows as f64);
+            for p in &mut power {
+                *p /= windows as f64;
+            }
             power
         });
         Some(Spectrum { step: sound.rate() / size as f64, power: power.collect() })

@@ -84,7 +84,9 @@ fn a_model_is_told_whole() {
 
     // probes, gestures, changes; quiet
     let more = ["--probe", "strike", "--probe", "low[3]", "--gesture", "key.csv", "--seconds", "500 ms", "-q"];
-    let args = [&["report", "struck.ca.toml", "-o", "b.html", "--set", "low.n=20"][..], &more].concat();
+    let args =
+        [&["report", "struck.ca.toml", "-o", "b.html", "--set", "low.n=20", "--set", "right.gain=1000"][..], &more]
+            .concat();
     assert_eq!(desk.ca(&args).is(0).out, "");
     let page = Page::of(&desk, "b.html");
     assert_eq!((names(page.plot("displacement")), names(page.plot("force"))), (vec!["low[3]"], vec!["strike"]));
@@ -226,14 +228,11 @@ fn dom(desk: &Desk, page: &str) -> Option<String> {
     command.args(["--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking"]);
     command.args(["--disable-component-update", "--disable-sync", "--virtual-time-budget=5000", "--dump-dom"]);
     command.arg(format!("--user-data-dir={}", profile.path().display()));
-    let told = command.arg(format!("file://{}", desk.path(page).display())).output();
-    match told {
-        Ok(o) => Some(String::from_utf8_lossy(&o.stdout).into_owned()),
-        Err(_) => {
-            eprintln!("skipped: no chromium here to open {page}");
-            None
-        }
-    }
+    let Ok(told) = command.arg(format!("file://{}", desk.path(page).display())).output() else {
+        eprintln!("skipped: no chromium here to open {page}");
+        return None;
+    };
+    Some(String::from_utf8_lossy(&told.stdout).into_owned())
 }
 
 /// Opens pages: every plot is drawn, no script fails, nothing is asked of anybody.

@@ -34,7 +34,8 @@ pub fn choose(net: &mut Net) {
         let medium = net.medium_of(net.items[item as usize].group);
         implicit::theta(at("method").unwrap_or(medium.method), at("theta").or(medium.theta))
     };
-    let mut last: Option<(u32, Arc<[Source]>, Arc<[Source]>)> = None;
+    // item, its values as written, and as the law takes them: most links of a generator share theirs
+    let mut last: Option<(u32, [Arc<[Source]>; 2])> = None;
     for i in 0..net.lias.len() {
         let l = &net.lias[i];
         // the law before it is specialised; what has no method of this kind has no such parameters
@@ -45,15 +46,15 @@ pub fn choose(net: &mut Net) {
             _ => continue,
         };
         let Some(theta) = asked(net, l.item, l.kind, &l.values) else { continue };
-        let known = last.as_ref().filter(|(item, old, _)| *item == l.item && old[..] == l.values[..]);
+        let known = last.as_ref().filter(|(item, [old, _])| *item == l.item && old[..] == l.values[..]);
         let values = known.map_or_else(
             || {
                 let from = |p: Option<usize>| p.and_then(|p| l.values.get(p).copied()).unwrap_or(Source::Absent);
                 Arc::from([from(k), from(z), Source::Const(theta)])
             },
-            |(_, _, new)| new.clone(),
+            |(_, [_, new])| new.clone(),
         );
-        last = Some((l.item, l.values.clone(), values.clone()));
+        last = Some((l.item, [l.values.clone(), values.clone()]));
         let l = &mut net.lias[i];
         (l.law, l.values) = (&implicit::LAW, values);
     }
@@ -156,7 +157,9 @@ impl Plan<'_> {
         let mut to = alloc::vec![0; n];
         pattern.order.iter().zip(0..).for_each(|(i, k)| to[*i as usize] = k);
         let mut at = alloc::vec![0; n];
-        number.iter().for_each(|(place, i)| at[to[*i as usize] as usize] = *place);
+        for (place, i) in &number {
+            at[to[*i as usize] as usize] = *place;
+        }
         let mut made =
             Inertia { pattern, mobility: at.iter().map(|p| 2 * n_mat as u32 + p).collect(), ..Inertia::default() };
         let mut felt = Vec::new();

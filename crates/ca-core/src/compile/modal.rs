@@ -13,6 +13,7 @@
 use super::linear::{Points, links, places};
 use super::net::{Ear, End, Family, LiaNode, MatNode, MatRole, Measure, Medium, Net, PointNode};
 use super::slopes::{self, Own};
+use super::waves::LineNode;
 use crate::analysis::modes::{LARGEST, Mode, modes};
 use crate::analysis::{Linear, Network};
 use crate::kind::{Coefs, MatSpec, Role};
@@ -84,7 +85,9 @@ fn one(model: &Model, net: &mut Net, group: usize, diags: &mut Diags) {
         .map(|(m, alive)| *alive && !m.is_fixed() && !m.in_space() && belongs(net, m.group, group))
         .collect();
     // what waves run through is exact as it is
-    net.lines.iter().flat_map(|l| l.junctions()).for_each(|m| within[m as usize] = false);
+    for m in net.lines.iter().flat_map(LineNode::junctions) {
+        within[m as usize] = false;
+    }
     let Some(first) = within.iter().position(|w| *w) else { return };
     let item = net.mats[first].item;
     let name = model.groups.get(group).map_or_else(|| "the model".into(), |g| format!("`{}`", g.name));
@@ -190,7 +193,7 @@ fn warn(model: &Model, net: &Net, item: u32, list: &[Mode], name: &str, diags: &
     if most > TIED {
         let span = model.items[net.items[item as usize].model].name_span;
         let title = format!("damping ties the modes of {name} to each other, which is left out");
-        let d = Diag::warning("W115", title).at(span, format!("by up to {:.1e} of their distance", most));
+        let d = Diag::warning("W115", title).at(span, format!("by up to {most:.1e} of their distance"));
         diags.push(d.help("damp all masses alike (for their weight), or keep `method = \"ca\"` where it matters"));
     }
 }

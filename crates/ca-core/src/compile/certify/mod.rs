@@ -42,7 +42,9 @@ pub fn certify(model: &Model, net: &Net, asked: bool, diags: &mut Diags) -> Cert
     }
     // a method with another limit is judged as heavier masses would be by the explicit one
     let ease = net.ease();
-    rows.iter_mut().for_each(|r| r.c *= ease);
+    for r in &mut rows {
+        r.c *= ease;
+    }
     let bounds = worst_bounds(net);
     let mut springs = Negative::default();
     for (l, b) in net.lias.iter().zip(&bounds) {
@@ -157,7 +159,9 @@ pub fn certify(model: &Model, net: &Net, asked: bool, diags: &mut Diags) -> Cert
     }
     rigid::rigid(model, net, diags);
     let held = |l: &LiaNode, b: &Bound| Some(exact.as_ref().filter(|_| few)?.mobility(net, l, b)? / ease);
-    rows.iter_mut().for_each(|r| r.c /= ease);
+    for r in &mut rows {
+        r.c /= ease;
+    }
     contacts(model, net, &rows, &bounds, held, &mut cert, diags);
     frictions(model, net, &rows, &bounds, held, diags);
     devices(model, net, &bounds, diags);
