@@ -98,7 +98,7 @@ pub fn run(args: &AccuracyArgs) -> Outcome {
     }
     bar.finish_and_clear();
     mark(&mut rows);
-    let best = args.error.map(|e| recommended(&rows, e.max(truth.known)));
+    let best = args.error.and_then(|e| recommended(&rows, e.max(truth.known)));
     let told = Told { loaded: &loaded, rows: &rows, truth: &truth, rate, frames, refused: &refused, best };
     if args.json {
         writeln!(std::io::stdout().lock(), "{:#}", told.json())?;
@@ -112,8 +112,7 @@ pub fn run(args: &AccuracyArgs) -> Outcome {
         })?;
         term::note(&format!("the page is `{}`", path.display()));
     }
-    let missed = matches!(best, Some(None));
-    Ok(if missed { Ended::Degraded } else { Ended::Well })
+    Ok(if args.error.is_some() && best.is_none() { Ended::Degraded } else { Ended::Well })
 }
 
 /// What the outputs of a model listen to, once each.
@@ -174,8 +173,8 @@ struct Told<'a> {
     rate: f64,
     frames: usize,
     refused: &'a [(&'static str, String)],
-    /// where an error was asked for, what meets it
-    best: Option<Option<&'a Row>>,
+    /// what meets the error that was asked for
+    best: Option<&'a Row>,
 }
 
 /// A number in a table.
@@ -220,7 +219,7 @@ impl Told<'_> {
         ["method", "error", "spectrum", "cents", "decay dB", "made", "ns/sample", "x real time", "stability"];
 
     fn verdict(&self, asked: f64) -> String {
-        match self.best.flatten() {
+        match self.best {
             Some(r) => format!("the cheapest with an error of at most {asked:.0e}: {}", r.name()),
             None => format!("none of these has an error of at most {asked:.0e}; try more of `--times`"),
         }
@@ -276,7 +275,7 @@ impl Told<'_> {
             "name": self.loaded.name, "rate": self.rate, "seconds": self.seconds(), "rows": rows,
             "reference": { "origin": origin, "times": times, "order": order, "known": self.truth.known },
             "refused": self.refused.iter().map(|(m, why)| json!({ "method": m, "why": why })).collect::<Vec<_>>(),
-            "recommended": self.best.flatten().map(|r| json!({ "method": r.method, "times": r.times })),
+            "recommended": self.best.map(|r| json!({ "method": r.method, "times": r.times })),
         })
     }
 

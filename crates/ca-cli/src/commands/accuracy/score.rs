@@ -34,7 +34,9 @@ fn spectrum(column: &[f64], rate: f64) -> Option<Spectrum> {
     // as a sound it would be cut off at full scale
     let top = column.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
     let mut sound = Sound::new(rate, &["probe".into()]);
-    column.iter().for_each(|v| sound.push(&[if top > 0.0 { v / top } else { 0.0 }]));
+    for v in column {
+        sound.push(&[if top > 0.0 { v / top } else { 0.0 }]);
+    }
     let mut found = Spectrum::of(&sound)?;
     found.power.iter_mut().flatten().for_each(|p| *p *= top * top);
     Some(found)

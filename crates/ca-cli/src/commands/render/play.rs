@@ -31,13 +31,16 @@ pub(crate) struct Played<'a> {
     pub energy_ticks: u64,
 }
 
+/// What is done with outputs.
+pub(crate) type Sink<'a> = dyn FnMut(&Performance, &[f64]) -> Result<(), Failure> + 'a;
+
 /// Plays `frames` ticks. After every `block` of them, `heard` gets their outputs, interleaved.
 pub(crate) fn play<'a>(
     mut p: Performance<'a>,
     frames: u64,
     block: u64,
     show: bool,
-    heard: &mut dyn FnMut(&Performance, &[f64]) -> Result<(), Failure>,
+    heard: &mut Sink,
 ) -> Result<Played<'a>, Failure> {
     let n_out = p.scene.n_out;
     let mut rows = Vec::with_capacity(block as usize * n_out);

@@ -82,7 +82,7 @@ pub(super) fn report(args: &ReportArgs) -> Result<(String, Report), Failure> {
     report.sections.extend(parts::sound(sound, modes.marks()));
     report.sections.extend(moved(&loaded, &scene, &motion, &probes));
     report.sections.extend(book.section(&scene, 1.0));
-    report.sections.extend(modes.section());
+    report.sections.push(modes.section());
     report.sections.push(parts::stability(&scene));
     let text = vec![Block::Source(loaded.model.file.clone(), loaded.model.text.clone())];
     report.sections.push(Section::new("Model", text));

@@ -134,10 +134,10 @@ impl Sung {
     }
 
     /// The table, and how long each mode rings.
-    pub fn section(&self) -> Option<Section> {
+    pub fn section(&self) -> Section {
         let (network, found) = match &self.0 {
             Ok(both) => both,
-            Err(why) => return Some(Section::new("Modes", vec![Block::Text(why.clone())])),
+            Err(why) => return Section::new("Modes", vec![Block::Text(why.clone())]),
         };
         let swinging = self.swinging();
         let mut blocks = Vec::new();
@@ -191,7 +191,7 @@ impl Sung {
         if swinging.len() > MODES {
             blocks.push(Block::Text(format!("{} more: `ca modes` has them all.", swinging.len() - MODES)));
         }
-        Some(Section::new("Modes", blocks))
+        Section::new("Modes", blocks)
     }
 }
 

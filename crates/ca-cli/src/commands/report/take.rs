@@ -104,7 +104,7 @@ pub(super) fn report(args: &ReportArgs, file: &Path) -> Result<(String, Report),
     if let (Ok((_, book)), Ok(scene)) = (&again, &scene) {
         report.sections.extend(book.section(scene, scene.equivalence.of("").energy()));
     }
-    report.sections.extend(modes.and_then(|m| m.section()));
+    report.sections.extend(modes.map(|m| m.section()));
     report.sections.extend(scene.as_ref().ok().map(parts::stability));
     let text = vec![Block::Source(h.file.clone(), h.text.clone())];
     report.sections.push(Section::new("Model", text));
