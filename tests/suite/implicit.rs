@@ -2,6 +2,7 @@
 
 use crate::play::{Dice, apart, audited, case, list, mat, mats, num, off, reference, scene, with, within};
 use ca_core::certificate::Level;
+use ca_core::ldl::Pattern;
 use ca_core::{Scene, State, tick};
 use ca_tests::catalog;
 
@@ -302,4 +303,51 @@ fn pay_only_for_what_is_used() {
     assert!(s.forces.iter().all(|o| o.name != "implicit"));
     let s = scene(&cell("k = 1e9, method = \"implicit\""));
     assert!(s.layout.ahead.is_none(), "a cell needs no matrix");
+}
+
+/// Two masses on a spring 10¹² times as stiff as they are heavy: what moves them together keeps its digits.
+#[test]
+fn stiff_ties_cost_no_digits() {
+    let p = Pattern::new(2, [(0, 1)].into_iter(), 10).expect("small");
+    let f = p.factor(vec![1.0, 2.0], [(0, 1, -1e12)].into_iter()).expect("positive");
+    let mut y = [0.75, 0.75];
+    p.solve(&f, &mut y);
+    assert!((y[0] - 0.5).abs() < 1e-12 && (y[1] - 0.5).abs() < 1e-12, "{y:?}");
+}
+
+/// A mesh of 7 x 5 and one far tie: A y = b is solved to rounding, in any numbering.
+#[test]
+fn a_mesh_is_solved() {
+    let (w, h) = (7_u32, 5);
+    let n = (w * h) as usize;
+    let mut ties: Vec<(u32, u32, f64)> = vec![(0, w * h - 1, 3.0)];
+    for i in 0..w * h {
+        ties.extend((i % w + 1 < w).then_some((i, i + 1, 1.0 + f64::from(i))));
+        ties.extend((i + w < w * h).then_some((i, i + w, 1e4 / (1.0 + f64::from(i)))));
+    }
+    let p = Pattern::new(n, ties.iter().map(|t| (t.0, t.1)), 10_000).expect("small");
+    let mut at = vec![0; n];
+    p.order.iter().zip(0_u32..).for_each(|(i, k)| at[*i as usize] = k);
+    let ties: Vec<(u32, u32, f64)> = ties.into_iter().map(|(i, j, k)| (at[i as usize], at[j as usize], -k)).collect();
+    let f = p.factor(vec![0.01; n], ties.iter().copied()).expect("positive");
+    let all: Vec<(u32, u32, f64)> = (0..n as u32)
+        .map(|i| (i, i, 0.01))
+        .chain(ties.iter().flat_map(|(i, j, k)| [(*i, *i, -k), (*j, *j, -k), (*i, *j, *k)]))
+        .collect();
+    let b: Vec<f64> = (0..n).map(|i| (i as f64).sin()).collect();
+    let mut y = b.clone();
+    p.solve(&f, &mut y);
+    let mut back = vec![0.0; n];
+    for (i, j, k) in all {
+        back[i as usize] += k * y[j as usize];
+        if i != j {
+            back[j as usize] += k * y[i as usize];
+        }
+    }
+    let most = y.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+    for (a, b) in back.iter().zip(&b) {
+        assert!((a - b).abs() < 1e-11 * most, "{a} {b} of {most}");
+    }
+    assert!(p.factor(vec![-1.0; n], std::iter::empty()).is_none(), "not positive");
+    assert!(Pattern::new(n, (0..n as u32).flat_map(|i| (0..i).map(move |j| (i, j))), 100).is_none(), "too full");
 }

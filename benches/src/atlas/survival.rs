@@ -34,7 +34,7 @@ pub enum Case {
 pub enum Outcome {
     /// largest displacement, and whether it was still rising at the end
     Largest(f64, bool),
-    /// multiplied by this each tick; beyond [`FAR`] after so many ticks
+    /// multiplied by this each tick; beyond 1e200 after so many ticks
     Blown(f64, u64),
     /// largest |E/E₀ − 1|, and |Σ m v| over that of one mass
     Energy(f64, f64),

@@ -52,7 +52,7 @@ pub mod io;
 pub mod kind;
 pub mod law;
 pub mod layout;
-mod ldl;
+pub mod ldl;
 pub mod ledger;
 pub mod live;
 #[cfg(feature = "parse")]
