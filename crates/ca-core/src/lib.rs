@@ -64,6 +64,7 @@ pub mod near;
 pub mod op;
 pub mod param;
 pub mod phi;
+pub mod problem;
 pub mod scene;
 pub mod sketch;
 pub mod state;

@@ -6,6 +6,7 @@
 
 use crate::cloud::Cloud;
 use crate::param::Param;
+pub use crate::problem::Problem;
 use crate::wave::Asked;
 use alloc::string::String;
 use alloc::sync::Arc;
@@ -91,17 +92,6 @@ impl Args<'_> {
             _ => None,
         }
     }
-}
-
-/// Why a generator cannot do what was asked.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Problem {
-    /// one line
-    pub title: String,
-    /// the parameter to point at
-    pub param: &'static str,
-    /// what to do
-    pub help: String,
 }
 
 /// A kind that expands.

@@ -16,7 +16,7 @@
 //! place, where a loss would let it slip under a steady pull. All else is lost at the far end.
 
 use crate::model::quantity::Plain;
-use crate::sketch::Problem;
+use crate::problem::Problem;
 use alloc::format;
 use alloc::vec::Vec;
 use core::f64::consts::{LN_10, TAU};

@@ -1,7 +1,7 @@
 //! Expand: a generator's drawing becomes modules with names, kinds and places for their numbers.
 
+use super::lines::LineNode;
 use super::net::{End, Family, LiaNode, MatNode, MatRole, Measure, Net};
-use super::waves::LineNode;
 use crate::kind::{Kind, Role};
 use crate::live::Source;
 use crate::sketch::{Drawn, Sketch};

@@ -3,9 +3,9 @@
 //! Decides that a link at a moving point is as many links as there are nodes under it: its row is a mean of theirs, so
 //! whatever holds for each of them holds wherever the point stands.
 
+use super::lines::LineNode;
 use super::net::{Coordinate, Ear, End, LiaNode, MatNode, Measure, Net};
 use super::slopes::{self, Own};
-use super::waves::LineNode;
 use crate::analysis::{Linear, Loose, Network, Place, Port};
 use crate::law::Bound;
 use crate::op::pass;

@@ -20,6 +20,7 @@ mod fed;
 mod gesture;
 #[cfg(feature = "analysis")]
 mod linear;
+mod lines;
 mod links;
 mod lists;
 mod lowpass;

@@ -11,9 +11,9 @@
 //! the vector instructions of the machine: of all methods this one alone gives other last bits on another kind of machine.
 
 use super::linear::{Points, links, places};
+use super::lines::LineNode;
 use super::net::{Ear, End, Family, LiaNode, MatNode, MatRole, Measure, Medium, Net, PointNode};
 use super::slopes::{self, Own};
-use super::waves::LineNode;
 use crate::analysis::modes::{LARGEST, Mode, modes};
 use crate::analysis::{Linear, Network};
 use crate::kind::{Coefs, MatSpec, Role};

@@ -1,6 +1,6 @@
 //! Net: the network between model and scene: every module by itself, references resolved, numbers in SI.
 
-use super::waves::LineNode;
+use super::lines::LineNode;
 use crate::equivalence::Equivalence;
 use crate::kind::Kind;
 use crate::kind::MatSpec;

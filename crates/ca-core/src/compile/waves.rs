@@ -13,45 +13,13 @@ use crate::layout::{Delay, Junction, Through, Waves};
 use crate::model::Model;
 use crate::model::diag::{Diag, Diags};
 use crate::model::quantity::{self, Plain};
-use crate::wave::{Asked, Tuned, tune};
+use crate::wave::tune;
 use alloc::format;
 use alloc::vec::Vec;
 use core::f64::consts::PI;
 
 /// Share of the sound rate below which the corner of a junction is told.
 const LOW_CORNER: f64 = 0.25;
-
-/// A string of waves.
-#[derive(Clone, Debug)]
-pub struct LineNode {
-    /// the item it was made from
-    pub item: u32,
-    /// its first junction, by document number; the others follow
-    pub first: u32,
-    /// what was asked for
-    pub asked: Asked,
-    /// what that is in samples; `None` before it is settled, or where it cannot be
-    pub tuned: Option<Tuned>,
-}
-
-impl LineNode {
-    /// Its junctions, by document number.
-    pub fn junctions(&self) -> core::ops::Range<u32> {
-        self.first..self.first + self.asked.at.len() as u32
-    }
-
-    /// What it is to a steady pull: from each junction a spring to the one before, or to the ground \[N/m\]. The
-    /// lossy end gives way in time, and counts for nothing.
-    pub fn springs(&self, te: f64) -> impl Iterator<Item = (u32, Option<u32>, f64)> {
-        let between = move |i: usize, delay: usize| {
-            let k = self.asked.z / (te * delay as f64);
-            let m = self.first + i as u32;
-            if i == 0 { (m, None, 2.0 * k) } else { (m, Some(m - 1), k) }
-        };
-        let delays = self.tuned.iter().flat_map(|t| &t.delays);
-        delays.take(self.asked.at.len()).enumerate().map(move |(i, d)| between(i, *d))
-    }
-}
 
 /// Gives the junctions that stay their masses and tunes the strings.
 pub fn settle(model: &Model, net: &mut Net, diags: &mut Diags) {
