@@ -1,6 +1,6 @@
 //! Groups that go by their modes: exact to rounding, struck and held like any other, and cheap.
 
-use crate::play::{PI, audited, model, rel_l2, scene, within};
+use crate::play::{PI, apart, audited, model, rel_l2, scene, within};
 use ca_core::certificate::Level;
 use ca_core::{Options, Scene, compile, tick};
 use ca_tests::catalog;
@@ -172,6 +172,25 @@ fn the_certificate_sees_through_ports() {
         }
     }
     assert!(!grows(0.99 * low) && grows(1.05 * high), "{low} … {high}");
+}
+
+/// Asked for by the model, every group goes by its own modes, and what is in no group too.
+#[test]
+fn the_model_asks_for_all_its_groups() {
+    let text = "[model]\nmethod = \"modal\"\n[rate]\nsound = 1\ngesture = 1\n[a]\n[a.CEL]\nx = { m = 1, k = 0.1 }\n[b]\nmethod = \"ca\"\n\
+                [b.CEL]\nx = { m = 1, k = 0.1 }\n[c]\n[c.CEL]\nx = { m = 1, k = 0.1 }\ny = { m = 1, k = 0.2 }\n[CEL]\nfree = { m = 1, \
+                k = 0.3, dx0 = 1 }\n[SOX]\np = { from = \"a.x\" }\nq = { from = \"b.x\" }\nr = { from = \"c.x\" }\ns = { from = \"c.y\" }\n\
+                t = { from = \"free\" }\n";
+    let scene = scene(text);
+    let of = |code: &str| scene.symbols.iter().filter(|s| s.code == code).count();
+    assert_eq!((of("mode"), of("CEL")), (4, 1), "{:?}", scene.symbols);
+    let w = 0.3_f64.sqrt();
+    let heard = play(&scene, 1000);
+    within(
+        "a cell by its mode",
+        apart(&heard[4], &(0..1000).map(|n| (w * f64::from(n)).cos()).collect::<Vec<_>>()),
+        1e-11,
+    );
 }
 
 /// What cannot go by modes is refused with a word; damping that ties modes is told.

@@ -41,7 +41,9 @@ const TIED: f64 = 1e-9;
 
 /// Replaces the linear part of each group that asks for it.
 pub fn modal(model: &Model, net: &mut Net, diags: &mut Diags) {
+    // the medium of modes is put before the last, that of the model, which is therefore looked for anew
     for group in 0..net.media.len() {
+        let group = if group < model.groups.len() { group } else { net.media.len() - 1 };
         if net.media[group].method == MODAL {
             one(model, net, group, diags);
         }

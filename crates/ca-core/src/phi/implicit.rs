@@ -45,7 +45,7 @@ pub const THETA: Param = Param::number(
     Unit::NONE,
     (0.0, 1.0),
     Need::Optional,
-    "implicit: share of the force from the tick before and the tick after, each; 1/4 has the truest pitch, 1/2 does \
+    "implicit: share of the force from the tick before and the tick after, each; from 1/4 on without a limit, 1/2 does \
      not ring; 1/2 if left out",
 )
 .for_good();
