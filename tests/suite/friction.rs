@@ -2,7 +2,7 @@
 //! method. The bowed mass itself is B07, in the references.
 
 use crate::play::{audited, mat, off, rel_l2, scene, within};
-use crate::stable::{heat, made, ran};
+use crate::stable::{heat, made, only_falls, ran};
 use ca_core::certificate::Level;
 use ca_core::tick;
 use proptest::prelude::*;
@@ -45,19 +45,7 @@ proptest! {
                     let scene = audited(&text);
                     prop_assert_eq!(scene.certificate.level, Level::Proven);
                     prop_assert!(scene.diags.list.is_empty(), "{}", scene.diags);
-                    let mut s = scene.state();
-                    let mut last = f64::INFINITY;
-                    for n in 0..400 {
-                        tick(&scene, &mut s);
-                        let book = s.ledger.as_ref().expect("a book");
-                        prop_assert!(book.h.is_finite());
-                        if n > 0 {
-                            prop_assert!(book.h <= last + 1e-12 * book.peak, "{} after {last}\n{text}", book.h);
-                        }
-                        last = book.h;
-                    }
-                    let b = s.ledger.as_ref().expect("a book").balance();
-                    prop_assert!(b.residual.abs() <= 1e-12 * b.peak, "{b:?}\n{text}");
+                    let s = only_falls(&scene, 400, 1e-12, &text, |_| {});
                     prop_assert!(made(&s) <= 1e-12, "made {:e}\n{text}", made(&s));
                     prop_assert!(heat(&scene, &s) > 0.0);
                 }

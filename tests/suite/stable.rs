@@ -17,6 +17,23 @@ pub fn made(s: &State) -> f64 {
     book.source.iter().fold(0.0f64, |m, v| m.max(v.abs())) / book.peak
 }
 
+/// Plays `ticks` of an audited scene that is left alone: its energy only falls, but for `room` of its peak, and the book
+/// closes; `each` looks at every tick. Returns the end.
+pub fn only_falls(scene: &Scene, ticks: u64, room: f64, text: &str, mut each: impl FnMut(&State)) -> State {
+    let mut s = scene.state();
+    let mut last = f64::INFINITY;
+    for n in 0..ticks {
+        tick(scene, &mut s);
+        let book = s.ledger.as_ref().expect("a book");
+        assert!(book.h.is_finite() && (n == 0 || book.h <= last + room * book.peak), "{} after {last}\n{text}", book.h);
+        last = book.h;
+        each(&s);
+    }
+    let b = s.ledger.as_ref().expect("a book").balance();
+    assert!(b.residual.abs() <= 1e-12 * b.peak, "{b:?}\n{text}");
+    s
+}
+
 pub fn ran(scene: &Scene) -> Vec<&'static str> {
     scene.forces.iter().map(|o| o.name).collect()
 }

@@ -8,6 +8,7 @@
 mod args;
 mod commands;
 mod load;
+mod page;
 mod store;
 mod term;
 

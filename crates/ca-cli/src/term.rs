@@ -3,6 +3,7 @@
 //! Decides that `NO_COLOR`, `TERM=dumb` and anything that is not a terminal mean plain text, and that nothing panics
 //! where stderr is closed.
 
+use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{IsTerminal as _, Write as _};
 
 /// Whether stderr takes colour.
@@ -44,4 +45,15 @@ pub fn short(v: f64) -> String {
     }
     let digits = 2 - v.abs().log10().floor() as i32;
     if (0..=4).contains(&digits) { format!("{v:.*}", digits as usize) } else { format!("{v:.2e}") }
+}
+
+/// A bar for long work; hidden by itself where stderr is no terminal.
+pub fn progress(steps: u64) -> ProgressBar {
+    let bar = ProgressBar::new(steps);
+    let template =
+        if color() { "{bar:40.cyan} {percent:>3} % {eta} left" } else { "{bar:40} {percent:>3} % {eta} left" };
+    if let Ok(style) = ProgressStyle::with_template(template) {
+        bar.set_style(style);
+    }
+    bar
 }

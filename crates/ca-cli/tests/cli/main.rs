@@ -55,6 +55,7 @@ fn usage_is_refused_before_anything_is_written() {
         (&["render", "bar.ca.toml", "--gesture", "bar.csv"], "nothing is driven by `bar`"),
         (&["render", "bar.ca.toml", "--gesture", "bar.wav"], "overwritten"),
         (&["report", "bar.ca.toml", "-o", "x.pdf"], "`.html`"),
+        (&["accuracy", "bar.ca.toml", "-o", "x.pdf"], "`.html`"),
         (&["report", "bar.ca.toml", "--gesture", "bar.csv"], "nothing is driven by `bar`"),
         (&["new", "x.toml"], "x.ca.toml"),
     ] {

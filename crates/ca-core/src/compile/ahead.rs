@@ -8,6 +8,7 @@
 use super::links::Links;
 use super::net::{Ear, End, LiaNode, MatRole, Measure, Net};
 use super::plan::Plan;
+use super::say::no_method;
 use crate::layout::{Ahead, Felt};
 use crate::ldl::Pattern;
 use crate::live::Source;
@@ -100,10 +101,7 @@ pub fn check(model: &Model, net: &Net, diags: &mut Diags) {
             continue;
         };
         told.insert(l.item);
-        let item = &model.items[net.items[l.item as usize].model];
-        let entry = item.args.iter().find(|e| e.key == "method");
-        let d = Diag::error("E028", title).at(entry.map_or(item.name_span, |e| e.span), label).help(help);
-        diags.push(if let Some(e) = entry { d.fix(e.span, "\"ca\"") } else { d });
+        diags.push(no_method(&model.items[net.items[l.item as usize].model], title, label, help));
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::kind::{Dim, Unit};
 use crate::model::diag::Diag;
 use crate::model::quantity::{self, Quantity, QuantityError};
-use crate::model::{Entry, Span, Value};
+use crate::model::{Entry, Item, Span, Value};
 use alloc::format;
 use alloc::string::String;
 
@@ -127,4 +127,11 @@ pub fn type_name(v: &Value) -> &'static str {
         Value::List(_) => "a list",
         Value::Table(_) => "a table",
     }
+}
+
+/// A method that a link cannot go by where it is.
+pub fn no_method(item: &Item, title: String, label: &str, help: &str) -> Diag {
+    let entry = item.args.iter().find(|e| e.key == "method");
+    let d = Diag::error("E028", title).at(entry.map_or(item.name_span, |e| e.span), label).help(help);
+    if let Some(e) = entry { d.fix(e.span, "\"ca\"") } else { d }
 }

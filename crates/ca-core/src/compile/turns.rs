@@ -5,8 +5,9 @@
 //! of closed forms, and only those that share a mass pay for a solver.
 
 use super::net::{End, LiaNode, Measure, Net};
+use super::say::no_method;
 use crate::model::Model;
-use crate::model::diag::{Diag, Diags};
+use crate::model::diag::Diags;
 use crate::op::law::Turn;
 use alloc::collections::BTreeSet;
 use alloc::format;
@@ -20,13 +21,11 @@ pub fn turns(model: &Model, net: &mut Net, diags: &mut Diags) {
     for l in net.lias.iter().filter(|l| l.law.is_late()) {
         if let Some(point) = l.ends.into_iter().find(|e| matches!(e, End::Point(_))) {
             if told.insert(l.item) {
-                let item = &model.items[net.items[l.item as usize].model];
-                let entry = item.args.iter().find(|e| e.key == "method");
                 let title =
                     format!("the method of `{}` does not work at a moving point, `{}`", l.name, net.end_name(point));
-                let d = Diag::error("E028", title).at(entry.map_or(item.name_span, |e| e.span), "not at moving points");
-                let d = d.help("use `method = \"ca\"`, or a mass such as `low[8]` in its place");
-                diags.push(if let Some(e) = entry { d.fix(e.span, "\"ca\"") } else { d });
+                let help = "use `method = \"ca\"`, or a mass such as `low[8]` in its place";
+                let item = &model.items[net.items[l.item as usize].model];
+                diags.push(no_method(item, title, "not at moving points", help));
             }
         }
         for (m, axis) in places(net, l) {

@@ -10,13 +10,12 @@ mod ways;
 
 use crate::args::AccuracyArgs;
 use crate::load::{self, Loaded};
-use crate::{Ended, Failure, Outcome, term};
+use crate::{Ended, Failure, Outcome, page, term};
 use ca_core::certificate::Level;
 use ca_core::energy::Balance;
 use ca_core::model::Value;
 use ca_core::{Model, Options};
 use ca_report::{Axis, Block, Plot, Point, Report, Section, Table};
-use indicatif::{ProgressBar, ProgressStyle};
 use score::Score;
 use serde_json::{Value as Json, json};
 use std::io::Write as _;
@@ -28,16 +27,6 @@ const REPEATS: usize = 3;
 
 /// As long as a model is played if nothing is said \[s\].
 const LONGEST: f64 = 1.0;
-
-/// How far it is, where stderr is a terminal.
-fn progress(runs: u64) -> ProgressBar {
-    let bar = ProgressBar::new(runs);
-    if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos} of {len} ways, {eta} left") {
-        bar.set_style(style);
-    }
-    bar.tick();
-    bar
-}
 
 /// A way, measured.
 struct Row {
@@ -66,6 +55,7 @@ impl Row {
 
 /// Runs the command.
 pub fn run(args: &AccuracyArgs) -> Outcome {
+    args.output.as_deref().map_or(Ok(()), page::is_page)?;
     let loaded = load::load(&args.source)?;
     let probes = if args.probe.is_empty() { heard(&loaded.model) } else { args.probe.clone() };
     if probes.is_empty() {
@@ -81,7 +71,8 @@ pub fn run(args: &AccuracyArgs) -> Outcome {
     times.sort_unstable();
     times.dedup();
     let (all, refused) = ways(&loaded, &probes, rate, &times);
-    let bar = progress(all.len() as u64 + 1);
+    let bar = term::progress(all.len() as u64 + 1);
+    bar.tick();
     let truth = truth::truth(&loaded, &probes, &scene, frames, args.reference)?;
     bar.inc(1);
     if truth.columns.iter().flatten().all(|v| *v == 0.0) {
@@ -106,10 +97,7 @@ pub fn run(args: &AccuracyArgs) -> Outcome {
         told.text(args.error)?;
     }
     if let Some(path) = &args.output {
-        let page = told.page().html();
-        std::fs::write(path, page).map_err(|e| {
-            Failure::Failed(format!("`{}`: it cannot be written: {}", path.display(), load::reason(&e)))
-        })?;
+        page::write(path, &told.page().html())?;
         term::note(&format!("the page is `{}`", path.display()));
     }
     Ok(if args.error.is_some() && best.is_none() { Ended::Degraded } else { Ended::Well })

@@ -7,7 +7,7 @@ use ca_haptic::gesture::Gesture;
 use ca_haptic::perform::{Performance, WILD};
 use ca_haptic::probe::ProbeOut;
 use ca_haptic::sound::{WavOut, Written};
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::ProgressBar;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -65,7 +65,7 @@ pub(crate) fn play<'a>(
         heard(&p, &rows)?;
         done += block;
         if show && bar.is_none() && begin.elapsed() > PATIENCE {
-            bar = Some(progress(frames));
+            bar = Some(term::progress(frames));
         }
         if let Some(bar) = &bar {
             bar.set_position(done);
@@ -136,17 +136,6 @@ fn keep_book(p: &Performance, last_good: &mut Option<(Ledger, u64)>) {
             *last_good = Some((book.clone(), p.state.tick));
         }
     }
-}
-
-fn progress(frames: u64) -> ProgressBar {
-    // hidden by itself where stderr is no terminal
-    let bar = ProgressBar::new(frames);
-    let template =
-        if term::color() { "{bar:40.cyan} {percent:>3} % {eta} left" } else { "{bar:40} {percent:>3} % {eta} left" };
-    if let Ok(style) = ProgressStyle::with_template(template) {
-        bar.set_style(style);
-    }
-    bar
 }
 
 /// An energy book, and how much time it covers.

@@ -11,7 +11,7 @@ mod take;
 
 use crate::args::ReportArgs;
 use crate::load::has_extension;
-use crate::{Ended, Failure, Outcome, term};
+use crate::{Ended, Failure, Outcome, page, term};
 use ca_report::{Report, Weight};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -20,10 +20,7 @@ use std::path::{Path, PathBuf};
 pub fn run(args: &ReportArgs) -> Outcome {
     let source = Path::new(&args.source.model);
     let is_take = has_extension(source, "mcap");
-    if let Some(path) = args.output.as_ref().filter(|p| !has_extension(p, "html") && (!p.exists() || p.is_file())) {
-        let what = format!("`{}`: the page is HTML", path.display());
-        return Err(Failure::Usage(format!("{what}; give the file the extension `.html`")));
-    }
+    args.output.as_deref().map_or(Ok(()), page::is_page)?;
     let (name, report) = if is_take { take::report(args, source)? } else { model::report(args)? };
     let output = args.output.clone().unwrap_or_else(|| PathBuf::from(format!("{name}.html")));
     for (weight, text) in &report.notes {
@@ -33,12 +30,11 @@ pub fn run(args: &ReportArgs) -> Outcome {
             Weight::Note => term::note(text),
         }
     }
-    let page = report.html();
-    std::fs::write(&output, &page)
-        .map_err(|e| Failure::Failed(format!("`{}` cannot be written: {e}", output.display())))?;
+    let html = report.html();
+    page::write(&output, &html)?;
     if !args.quiet {
         let titles: Vec<String> = report.sections.iter().map(|s| s.title.to_lowercase()).collect();
-        let kb = page.len().div_ceil(1000);
+        let kb = html.len().div_ceil(1000);
         writeln!(std::io::stdout().lock(), "{}: {kb} kB: {}", output.display(), titles.join(", "))?;
     }
     Ok(if degraded(&report) { Ended::Degraded } else { Ended::Well })

@@ -1,0 +1,22 @@
+//! Pages of HTML: refused before the work is done where their name says otherwise, and written at its end.
+
+use crate::Failure;
+use crate::load::{has_extension, reason};
+use std::path::Path;
+
+/// Refuses to write a page to a file that is not called `.html`.
+pub fn is_page(path: &Path) -> Result<(), Failure> {
+    // a device such as /dev/null has no extension, and need not
+    let plain = !path.exists() || path.is_file();
+    if plain && !has_extension(path, "html") {
+        let what = format!("`{}`: the page is HTML", path.display());
+        return Err(Failure::Usage(format!("{what}; give the file the extension `.html`")));
+    }
+    Ok(())
+}
+
+/// Writes a page.
+pub fn write(path: &Path, page: &str) -> Result<(), Failure> {
+    std::fs::write(path, page)
+        .map_err(|e| Failure::Failed(format!("`{}`: it cannot be written: {}", path.display(), reason(&e))))
+}
