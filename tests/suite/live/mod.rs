@@ -195,9 +195,10 @@ fn parameters_change_together_or_not_at_all() {
 #[test]
 fn a_device_that_stops_is_a_fault() {
     let scene = Arc::new(scene(MODEL));
-    // a machine that has other things to do keeps this thread away for longer than a device would stay away
+    // a machine that has other things to do keeps this thread away for longer than a device would stay away, and the
+    // engine's for longer than a force lives, which would be a fault of its own
     let patient = profile(|p| {
-        (p.guard.hold, p.guard.zero) = (Some(0.05), 0.09);
+        (p.guard.hold, p.guard.zero, p.guard.ttl) = (Some(0.05), 0.09, 60.0);
         (p.guard.clear_time, p.guard.ramp) = (0.001, 0.001);
     });
     let mut run = start(&scene, Clock::Monotonic, patient);

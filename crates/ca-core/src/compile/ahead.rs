@@ -47,6 +47,12 @@ pub fn choose(net: &mut Net) {
             _ => continue,
         };
         let Some(theta) = asked(net, l.item, l.kind, &l.values) else { continue };
+        // with neither viscosity nor θ there is nothing to look ahead for: it is the explicit link
+        let z_of = z.and_then(|z| l.values.get(z)).copied().unwrap_or(Source::Absent);
+        let live = matches!(z_of, Source::Slot(_)) && net.is_live(l.item);
+        if theta == 0.0 && !live && z_of.get(&net.items[l.item as usize].slots).unwrap_or(0.0) == 0.0 {
+            continue;
+        }
         let known = last.as_ref().filter(|(item, [old, _])| *item == l.item && old[..] == l.values[..]);
         let values = known.map_or_else(
             || {
