@@ -1,10 +1,11 @@
 //! Layout: the arrays of a compiled scene that its passes read: counts first, then arrays with their shape.
 //!
-//! Decides that a pass sees a layout and a state and nothing else: no names, no findings, no list of passes, so that
-//! what the tick depends on is visible in one place. All of it is written once, by the compiler.
+//! Decides that a pass sees a layout and a state and nothing else: no names, no findings, no list of passes but of those
+//! between two samples, so that what the tick depends on is visible in one place. All of it is written once, by the compiler.
 
 use crate::law::{Idle, Lost, Stored};
 use crate::ldl::Pattern;
+use crate::op::Op;
 use crate::table::Table;
 use crate::wave::Loss;
 use alloc::vec::Vec;
@@ -295,13 +296,26 @@ pub struct LedgerPlan {
     pub weight: usize,
 }
 
+/// A sample of several ticks.
+#[derive(Clone)]
+pub struct Finer {
+    /// ticks in a sample, R
+    pub times: u32,
+    /// all that one tick between two samples runs, in order
+    pub ticks: Vec<Op>,
+    /// places in [`State::input`](crate::state::State) that are given once a sample (any)
+    pub inputs: Vec<u32>,
+}
+
 /// The arrays.
 #[derive(Clone, Default)]
 pub struct Layout {
-    /// tick \[s\], 1/rate
+    /// sound sample \[s\], 1/rate
     pub te: f64,
-    /// ticks per gesture frame
+    /// sound samples per gesture frame
     pub ratio: u32,
+    /// ticks per gesture frame: as many, unless a sample has several
+    pub frame: u32,
     /// places of MATs, moving points included: one for a MAT on a line, three in a row for one in space
     pub n_mat: usize,
     /// links
@@ -363,4 +377,13 @@ pub struct Layout {
     pub ahead: Option<Ahead>,
     /// what the ledger needs, where the scene keeps one
     pub ledger: Option<LedgerPlan>,
+    /// where a sample has several ticks
+    pub finer: Option<Finer>,
+}
+
+impl Layout {
+    /// Ticks in a sample: 1, unless the model asks for more.
+    pub fn oversample(&self) -> u32 {
+        self.finer.as_ref().map_or(1, |f| f.times)
+    }
 }

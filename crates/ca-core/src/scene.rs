@@ -143,7 +143,7 @@ impl Scene {
 
     /// The live parameters, to be played.
     pub fn controls(&self) -> Controls {
-        Controls::new(&self.live, self.layout.te)
+        Controls::new(&self.live, 1.0 / (self.rate * f64::from(self.oversample())))
     }
 
     /// Name of a link by op and position.

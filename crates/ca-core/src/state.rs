@@ -102,6 +102,9 @@ pub struct State {
     pub late: Vec<f64>,
     /// outputs with a high pass (blockers): what they heard last, and what they gave; written by `writes`
     pub blocked: Vec<[f64; 2]>,
+    /// inputs that are given once a sample, where that has several ticks: the last and the present value (inputs);
+    /// written by `reads`
+    pub glide: Vec<[f64; 2]>,
     /// past of the sound channels before the low-pass (channels x 2n), a ring each, twice; written by `writes`
     pub lowpass: Vec<f64>,
     /// changes of motion in passing, of links that look ahead \[m/tick²\] (places); written by `forces`
@@ -112,7 +115,7 @@ pub struct State {
     pub ramps: Ramps,
     /// energy book, where the scene keeps one
     pub ledger: Option<Ledger>,
-    /// ticks done
+    /// samples done, which are ticks where a sample has one; while passes run, ticks in any case
     pub tick: u64,
     /// inputs that were not finite and were held or zeroed instead
     pub refused: u64,
@@ -120,11 +123,11 @@ pub struct State {
 
 impl State {
     /// A hash of everything that decides the future: FNV-1a over the bits of positions, motions, coefficients, memory,
-    /// border, filters of the outputs and tick. Equal states have equal hashes on every machine.
+    /// border, inputs under way, filters of the outputs and tick. Equal states have equal hashes on every machine.
     pub fn bits(&self) -> u64 {
         let mut h = fnv::FnvHasher::default();
         let flat = [&self.x, &self.d, &self.coef, &self.mem, &self.late, &self.lowpass].into_iter().flatten();
-        for v in flat.chain(self.blocked.iter().flatten()) {
+        for v in flat.chain(self.blocked.iter().chain(&self.glide).flatten()) {
             h.write(&v.to_bits().to_le_bytes());
         }
         for b in &self.border {

@@ -117,7 +117,7 @@ impl<'a> Performance<'a> {
                         let (lo, hi) =
                             self.controls.params().iter().find(|p| p.name == *name).map_or((v, v), |p| (p.min, p.max));
                         if let Ok(patch) = self.controls.set(name, v.max(lo).min(hi)) {
-                            s.apply(&patch, if s.tick == 0 { 1 } else { scene.ratio });
+                            s.apply(&patch, if s.tick == 0 { 1 } else { scene.frame });
                         }
                     }
                 }

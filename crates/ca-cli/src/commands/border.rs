@@ -55,7 +55,7 @@ pub(crate) fn crossing(out: &mut impl Write, scene: &Scene) -> Result<(), Failur
     if scene.tgr.is_empty() {
         return Ok(());
     }
-    let how = match (scene.ratio, scene.crossing.shape) {
+    let how = match (scene.frame, scene.crossing.shape) {
         (1, _) => "one tick a frame, the force of the tick",
         (_, Shape::Linear) => "positions in a line through the frame, force its mean",
         (_, Shape::Hold) => "positions held over the frame, force the mean around their jump",
@@ -128,7 +128,7 @@ pub(crate) fn json(scene: &Scene) -> Json {
         asked(scene).iter().map(|(name, k, b)| json!({"name": name, "k": k, "friction": b})).collect();
     let border = device.then(|| {
         json!({
-            "shape": if scene.ratio == 1 { "synchronous" } else { shape(scene) }, "latency": scene.crossing.latency,
+            "shape": if scene.frame == 1 { "synchronous" } else { shape(scene) }, "latency": scene.crossing.latency,
             "feedback": scene.crossing.feedback, "spring_delay_ms": d.spring * 1e3,
             "stiffest_per_friction": d.stiffest(1.0), "keys": keys,
         })

@@ -14,8 +14,8 @@ use crate::state::State;
 /// At the end of a frame, once its force is known. With `SYNC`, where the hand is sent the force of the tick, the mean
 /// with the one before is what the scene receives by.
 pub(super) fn book<const SYNC: bool>(op: &Op, layout: &Layout, s: &mut State) {
-    let j = phase(layout, s.tick);
-    if j != 0 && j != layout.ratio {
+    let j = phase(layout.frame, s.tick);
+    if j != 0 && j != layout.frame {
         return;
     }
     let Some(l) = &mut s.ledger else { return };

@@ -11,7 +11,7 @@ use crate::state::State;
 
 /// Position of device ports at this tick: that of the frame.
 pub(super) fn position<const LATE: bool>(op: &Op, layout: &Layout, s: &mut State) {
-    let j = phase(layout, s.tick);
+    let j = phase(layout.frame, s.tick);
     for (k, p) in layout.tgr[..op.n].iter().enumerate() {
         if j <= 1 {
             begin::<LATE>(layout, s, k, p);
@@ -23,7 +23,7 @@ pub(super) fn position<const LATE: bool>(op: &Op, layout: &Layout, s: &mut State
 /// The mean of the last force before the jump and the first after it. [`Border::sum`](super::Border::sum) holds the
 /// last force of the frame before, then this mean until the frame ends.
 pub(super) fn collect(op: &Op, layout: &Layout, s: &mut State) {
-    let j = phase(layout, s.tick);
+    let j = phase(layout.frame, s.tick);
     for (k, p) in layout.tgr[..op.n].iter().enumerate() {
         let f = s.f[p.mat as usize];
         let b = &mut s.border[k];
@@ -31,7 +31,7 @@ pub(super) fn collect(op: &Op, layout: &Layout, s: &mut State) {
             b.sum = f;
         } else if j == 1 {
             b.sum = 0.5 * (b.sum + f);
-        } else if j == layout.ratio {
+        } else if j == layout.frame {
             b.force = b.sum;
             b.sum = f;
         }

@@ -7,16 +7,16 @@ use crate::state::State;
 
 /// Position of device ports at this tick, on the straight line through the frame.
 pub(super) fn position<const LATE: bool>(op: &Op, layout: &Layout, s: &mut State) {
-    let j = phase(layout, s.tick);
+    let j = phase(layout.frame, s.tick);
     for (k, p) in layout.tgr[..op.n].iter().enumerate() {
         if j <= 1 {
             begin::<LATE>(layout, s, k, p);
         }
         let b = s.border[k];
-        let x = if j == layout.ratio || j == 0 {
+        let x = if j == layout.frame || j == 0 {
             b.to
         } else {
-            b.from + f64::from(j) / f64::from(layout.ratio) * (b.to - b.from)
+            b.from + f64::from(j) / f64::from(layout.frame) * (b.to - b.from)
         };
         place(s, p, x);
     }
@@ -24,12 +24,12 @@ pub(super) fn position<const LATE: bool>(op: &Op, layout: &Layout, s: &mut State
 
 /// The mean over the frame, its first and last force counted half.
 pub(super) fn collect(op: &Op, layout: &Layout, s: &mut State) {
-    let j = phase(layout, s.tick);
+    let j = phase(layout.frame, s.tick);
     for (k, p) in layout.tgr[..op.n].iter().enumerate() {
         let f = s.f[p.mat as usize];
         let b = &mut s.border[k];
-        if j == layout.ratio {
-            b.force = (b.sum + 0.5 * f) / f64::from(layout.ratio);
+        if j == layout.frame {
+            b.force = (b.sum + 0.5 * f) / f64::from(layout.frame);
             b.sum = 0.5 * f;
         } else if j == 0 {
             b.sum = 0.5 * f;

@@ -23,19 +23,19 @@ mod synchronous;
 
 pub use delays::{Delays, delays};
 
-/// Tick within the frame, 1 … R; 0 at the very first tick, which only places the device.
-fn phase(layout: &Layout, tick: u64) -> u32 {
-    if tick == 0 { 0 } else { ((tick - 1) % u64::from(layout.ratio)) as u32 + 1 }
+/// Tick within a frame of `n`, 1 … n; 0 at the very first tick, which only places what is moved from outside.
+pub(crate) fn phase(n: u32, tick: u64) -> u32 {
+    if tick == 0 { 0 } else { ((tick - 1) % u64::from(n)) as u32 + 1 }
 }
 
-/// True where the next tick begins a gesture frame, so that new device positions are due.
-pub fn frame_due(layout: &Layout, tick: u64) -> bool {
-    phase(layout, tick) <= 1
+/// True where the next sample, number `sample`, begins a gesture frame, so that new device positions are due.
+pub fn frame_due(layout: &Layout, sample: u64) -> bool {
+    phase(layout.ratio, sample) <= 1
 }
 
 /// The pass that moves device ports, for what this layout asks.
 pub(crate) fn position(layout: &Layout) -> Kernel {
-    match (layout.ratio, layout.crossing.shape, layout.crossing.latency > 0) {
+    match (layout.frame, layout.crossing.shape, layout.crossing.latency > 0) {
         (1, _, false) => synchronous::position::<false>,
         (1, _, true) => synchronous::position::<true>,
         (_, Shape::Linear, false) => linear::position::<false>,
@@ -47,7 +47,7 @@ pub(crate) fn position(layout: &Layout) -> Kernel {
 
 /// The pass that takes the force on device ports after the forces of a tick.
 pub(crate) fn collect(layout: &Layout) -> Kernel {
-    match (layout.ratio, layout.crossing.shape) {
+    match (layout.frame, layout.crossing.shape) {
         (1, _) => synchronous::collect,
         (_, Shape::Linear) => linear::collect,
         (_, Shape::Hold) => hold::collect,
@@ -56,7 +56,7 @@ pub(crate) fn collect(layout: &Layout) -> Kernel {
 
 /// The pass that keeps the book of the border.
 pub(crate) fn book(layout: &Layout) -> Kernel {
-    if layout.ratio == 1 { book::book::<true> } else { book::book::<false> }
+    if layout.frame == 1 { book::book::<true> } else { book::book::<false> }
 }
 
 /// Where no force goes to the hand: it is taken for the book, and never given.
@@ -79,7 +79,7 @@ fn arrive<const LATE: bool>(layout: &Layout, s: &mut State, k: usize, p: &Enx) -
         s.late[line].fill(x);
         return x;
     }
-    let frame = (s.tick - 1) / u64::from(layout.ratio) + 1;
+    let frame = (s.tick - 1) / u64::from(layout.frame) + 1;
     let at = line.start + (frame % n as u64) as usize;
     core::mem::replace(&mut s.late[at], x)
 }

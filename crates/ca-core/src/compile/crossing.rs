@@ -33,8 +33,9 @@ pub fn crossing(model: &Model, net: &mut Net, diags: &mut Diags) {
     let latency = number(&LATENCY).unwrap_or(0.0) as u32;
     let feedback = number(&FEEDBACK) != Some(0.0);
     net.crossing = Crossing { shape, latency, feedback };
-    if let Some(edge) = number(&FILTER) {
+    // what ticks between samples make above half the sound rate must go before they are left out
+    if let Some(edge) = number(&FILTER).or((net.oversample > 1).then_some(lowpass::WIDEST * net.rate)) {
         let span = model.rate.iter().find(|e| e.key == FILTER.name).map(|e| e.span);
-        net.lowpass = lowpass::design(edge, net.rate, span, diags);
+        net.lowpass = lowpass::design(edge, net.rate, net.oversample, span, diags);
     }
 }

@@ -31,6 +31,7 @@ mod named;
 pub mod net;
 mod number;
 mod options;
+mod oversample;
 mod params;
 mod passes;
 mod pefrl;

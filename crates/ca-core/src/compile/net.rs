@@ -288,9 +288,11 @@ pub struct Push {
 pub struct Net {
     /// sound rate \[Hz\]
     pub rate: f64,
-    /// tick \[s\]
+    /// tick \[s\], 1/(rate · oversample)
     pub te: f64,
-    /// ticks per gesture frame
+    /// ticks in a sample
+    pub oversample: u32,
+    /// sound samples per gesture frame
     pub ratio: u32,
     /// how device ports cross the border
     pub crossing: Crossing,

@@ -1,9 +1,12 @@
 //! Rates, units and media: what holds for the whole model or for a group of modules.
+//!
+//! The one place where the tick of the physics and the sample of the outside part ways.
 
 use super::net::{Medium, Net};
 use super::options::Options;
 use super::values::Values;
-use crate::kind::{ANY, POSITIVE, Param, Unit};
+use crate::io::TGR;
+use crate::kind::{ANY, Need, POSITIVE, Param, Type, Unit};
 use crate::model::diag::{Diag, Diags};
 use crate::model::quantity::Plain;
 use crate::model::suggest::nearest;
@@ -13,8 +16,12 @@ use alloc::format;
 
 /// Slowest and fastest clock \[Hz\].
 const CLOCK: (f64, f64) = (1.0, 1e7);
+/// Most ticks in a sample.
+pub const FINEST: u32 = 64;
+const OVERSAMPLE: Param =
+    Param::new("oversample", Type::Count { min: 1, max: FINEST }, Need::Default(1.0), "ticks in a sample");
 
-/// Sound rate, tick and ratio.
+/// Sound rate, ticks in a sample, tick and ratio.
 pub fn rates(model: &Model, options: &Options, net: &mut Net, diags: &mut Diags) {
     let hertz = |key: &str, diags: &mut Diags| {
         let e = model.rate.iter().find(|e| e.key == key)?;
@@ -33,7 +40,12 @@ pub fn rates(model: &Model, options: &Options, net: &mut Net, diags: &mut Diags)
     });
     let sound = asked.or(written.and_then(|w| w.0)).unwrap_or(48_000.0);
     net.rate = sound;
-    net.te = 1.0 / sound;
+    let finer = model.rate.iter().find(|e| e.key == OVERSAMPLE.name).and_then(|e| {
+        // the kind matters to exponents only, of which there are none
+        Values::new(None, diags).arg(&TGR, &OVERSAMPLE, e, &[], "[rate]")?.0.num()
+    });
+    net.oversample = finer.map_or(1, |n| n as u32);
+    net.te = 1.0 / (sound * f64::from(net.oversample));
     net.ratio = 1;
     // a rate that could not be read fits nothing
     if matches!(written, Some((None, _))) || matches!(gesture, Some((None, _))) || options.rate != asked {
@@ -73,7 +85,7 @@ pub fn reference(model: &Model, net: &Net, diags: &mut Diags) -> Option<f64> {
     match word {
         "si" => None,
         "alg" => {
-            let Some(e) = model.meta("reference_rate") else { return Some(net.te) };
+            let Some(e) = model.meta("reference_rate") else { return Some(1.0 / net.rate) };
             let mut v = Values::new(None, diags);
             v.number(e, Unit::HERTZ, CLOCK, "`model.reference_rate`").map(|r| 1.0 / r.0)
         }

@@ -215,7 +215,8 @@ fn nodes(mut item: NetItem, source: &Item, net: &mut Net, v: &mut Values<'_>) {
                         "E023",
                         format!("`{}`: {} Hz is not below half the sound rate", item.name, Plain(f)),
                     );
-                    let help = format!("stay below {} Hz, or raise `sound` in `[rate]`", Plain(net.rate / 2.0));
+                    let half = net.rate * f64::from(net.oversample) / 2.0;
+                    let help = format!("stay below {} Hz, or raise `sound` in `[rate]`", Plain(half));
                     v.diags.push(d.at(span, "too high").help(help));
                 }
             }

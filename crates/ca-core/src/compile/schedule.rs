@@ -5,6 +5,7 @@ use super::cutoff::{blockers, plain_first};
 use super::links::{Links, own_tables};
 use super::net::{Coordinate, Ear, End, LiaNode, MatRole, Net, OutNode};
 use super::options::Options;
+use super::oversample::oversample;
 use super::passes;
 use super::pefrl;
 use super::plan::Plan;
@@ -60,9 +61,10 @@ pub fn schedule(
     let live = plan.live_plan(ahead.as_ref());
     let whole = live.ahead.as_ref().map_or(u32::MAX, |a| a.first);
     let (coef, live_places) = (plan.coef, plan.live);
-    let layout = Layout {
-        te: net.te,
+    let mut layout = Layout {
+        te: 1.0 / net.rate,
         ratio: net.ratio,
+        frame: net.ratio * net.oversample,
         n_mat,
         n_lia: links.ends.len(),
         n_coef: coef.len(),
@@ -93,11 +95,13 @@ pub fn schedule(
         lowpass: if net.channels.is_empty() { Vec::new() } else { net.lowpass.clone() },
         ahead: ahead.map(|a| a.0),
         ledger,
+        finer: None,
     };
-    let reads = passes::reads(&layout, live_places.len(), aimed);
+    let mut reads = passes::reads(&layout, live_places.len(), aimed);
     let forces = passes::forces(&layout, links.forces, links.late, weight);
-    let writes = passes::writes(&layout, gains);
-    let moves = if net.is_composed() { pefrl::moves(&layout, &forces, own) } else { moves };
+    let mut writes = passes::writes(&layout, gains);
+    let mut moves = if net.is_composed() { pefrl::moves(&layout, &forces, own) } else { moves };
+    oversample(net, &mut layout, &mut reads, &forces, &mut writes, &mut moves);
     let initial = start(&layout, &forces, net.is_composed(), loaded(net, &layout, x, &v, coef, (live_places, whole)));
     let (probe_names, probe_of) = probes(net);
     Some(Scene {
@@ -327,13 +331,13 @@ fn loaded(net: &Net, layout: &Layout, x: Vec<f64>, v: &[f64], coef: Vec<f64>, (l
         mem: alloc::vec![0.0; layout.n_mem],
         tap: alloc::vec![0.0; layout.n_tap],
         held: input.clone(),
-        input,
         output: alloc::vec![0.0; layout.n_out],
         near: layout.crowds.iter().map(|c| Near::new(c.members.len(), c.rows, c.columns)).collect(),
         cells: alloc::vec![Cell::default(); layout.proxies.len()],
         border: alloc::vec![Border::default(); layout.tgr.len()],
         late: alloc::vec![0.0; layout.tgr.len() * layout.crossing.latency as usize],
         blocked: alloc::vec![[0.0; 2]; layout.blockers.len()],
+        glide: layout.finer.iter().flat_map(|f| &f.inputs).map(|i| [input[*i as usize]; 2]).collect(),
         lowpass: alloc::vec![0.0; layout.channels * 2 * (2 * layout.lowpass.len()).saturating_sub(1)],
         ramps: Ramps::new(live, whole),
         ahead: alloc::vec![0.0; layout.ahead.as_ref().map_or(0, |a| a.places.len())],
@@ -341,6 +345,7 @@ fn loaded(net: &Net, layout: &Layout, x: Vec<f64>, v: &[f64], coef: Vec<f64>, (l
         ledger: layout.ledger.is_some().then(|| Ledger::new(layout.n_mat, layout.n_lia, ports, layout.tgr.len())),
         tick: 0,
         refused: 0,
+        input,
         coef,
     }
 }

@@ -153,7 +153,7 @@ pub struct Model {
     pub header: String,
     /// `[model]`: title, units, reference_rate, gravity, friction
     pub meta: Vec<Entry>,
-    /// `[rate]`: sound, gesture, border, latency, feedback, filter
+    /// `[rate]`: sound, oversample, gesture, border, latency, feedback, filter
     pub rate: Vec<Entry>,
     /// `[param]`: name = value or { value, unit, live, min, max, doc }
     pub params: Vec<Entry>,

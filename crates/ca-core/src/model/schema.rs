@@ -79,7 +79,10 @@ fn known(key: &str) -> Json {
         "reference_rate" => number("rate whose sample is the unit of time of `alg` units [Hz]"),
         "gravity" => json!({"description": "acceleration of free masses [m/s^2]"}),
         "friction" => number("viscosity of the medium on every free mass [N s/m]"),
-        "sound" => number("ticks per second [Hz]"),
+        "sound" => number("samples per second [Hz]"),
+        "oversample" => {
+            json!({"type": "integer", "minimum": 1, "maximum": 64, "default": 1, "description": "ticks in a sample"})
+        }
         "gesture" => number("device frames per second; sound / gesture is a whole number [Hz]"),
         "border" => {
             json!({"enum": ["linear", "hold"], "default": "linear", "description": "position of a device within a frame"})

@@ -17,6 +17,6 @@ pub const META: &[&str] = &[
     "seconds",
 ];
 /// Keys of `[rate]`.
-pub const RATES: &[&str] = &["sound", "gesture", "border", "latency", "feedback", "filter"];
+pub const RATES: &[&str] = &["sound", "oversample", "gesture", "border", "latency", "feedback", "filter"];
 /// Properties of a group.
 pub const GROUP: &[&str] = &["gravity", "friction", "method", "theta", "dim"];

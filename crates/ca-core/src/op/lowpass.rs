@@ -2,7 +2,7 @@
 //!
 //! Decides on the direct form over a past written twice, so that the window is one slice without a wrap, and on the
 //! symmetry of the coefficients, which halves the products. The sound comes out (n−1)/2 ticks late, whatever its
-//! frequency; probes are not filtered.
+//! frequency; probes are not filtered. Ticks between samples only leave their mark in the past.
 
 use super::Op;
 use crate::layout::Layout;
@@ -14,8 +14,7 @@ pub fn lowpass(op: &Op, layout: &Layout, s: &mut State) {
     let n = 2 * sides.len() + 1;
     let at = (s.tick % n as u64) as usize;
     for (out, past) in s.output[..op.n].iter_mut().zip(s.lowpass.chunks_exact_mut(2 * n)) {
-        past[at] = *out;
-        past[at + n] = *out;
+        keep(past, at, n, *out);
         let window = &past[at + 1..][..n];
         let mut y = middle * window[sides.len()];
         for ((h, a), b) in sides.iter().zip(window).zip(window.iter().rev()) {
@@ -23,4 +22,19 @@ pub fn lowpass(op: &Op, layout: &Layout, s: &mut State) {
         }
         *out = y;
     }
+}
+
+/// Keeps what every sound channel gives at a tick that is no sample.
+pub fn remember(op: &Op, layout: &Layout, s: &mut State) {
+    let Some((_, sides)) = layout.lowpass.split_last() else { return };
+    let n = 2 * sides.len() + 1;
+    let at = (s.tick % n as u64) as usize;
+    for (out, past) in s.output[..op.n].iter().zip(s.lowpass.chunks_exact_mut(2 * n)) {
+        keep(past, at, n, *out);
+    }
+}
+
+fn keep(past: &mut [f64], at: usize, n: usize, v: f64) {
+    past[at] = v;
+    past[at + n] = v;
 }

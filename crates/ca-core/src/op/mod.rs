@@ -13,6 +13,7 @@ use law::Law;
 
 pub mod blocker;
 pub mod crowd;
+pub mod finer;
 mod gather;
 pub mod gauge;
 pub mod law;

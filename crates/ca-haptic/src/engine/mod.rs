@@ -143,7 +143,7 @@ impl Engine {
         match act {
             Act::Set(change) => {
                 // at once where nothing has sounded yet
-                let ticks = if self.state.tick == 0 { 1 } else { self.scene.ratio };
+                let ticks = if self.state.tick == 0 { 1 } else { self.scene.frame };
                 for patch in &change.patches {
                     if !self.state.apply(patch, ticks) {
                         self.counts.refused += 1;

@@ -96,7 +96,7 @@ fn closed(loaded: &Loaded, probes: &[String], scene: &Scene, frames: usize) -> O
         let mode = &found.list[j];
         let shares: Vec<f64> = ports.iter().map(|p| mode.at(&p.at)).collect();
         for t in 0..frames {
-            let q = mode.free(x, v, t as f64);
+            let q = mode.free(x, v, t as f64 * f64::from(scene.oversample()));
             columns.iter_mut().zip(&shares).for_each(|(c, s)| c[t] += s * q);
         }
     }

@@ -96,7 +96,9 @@ fn summary(loaded: &Loaded, scene: &Scene, exact: bool) -> Result<(), Failure> {
         writeln!(out, "  live       {}", names.join(", "))?;
     }
     let (rate, gesture) = (show(scene.rate, Unit::HERTZ), show(scene.rate / f64::from(scene.ratio), Unit::HERTZ));
-    writeln!(out, "  rates      sound {rate}, gesture {gesture}, {} ticks a frame", scene.ratio)?;
+    let times = scene.oversample();
+    let finer = if times > 1 { format!(" in {times} ticks a sample") } else { String::new() };
+    writeln!(out, "  rates      sound {rate}{finer}, gesture {gesture}, {} ticks a frame", scene.frame)?;
     border::crossing(&mut out, scene)?;
     border::text(&mut out, scene)?;
     border::keys(&mut out, scene)?;
@@ -137,7 +139,7 @@ fn summary_json(loaded: &Loaded, scene: &Scene) -> Json {
     json!({
         "name": loaded.name, "title": scene.title, "n_mat": scene.mats(), "n_lia": scene.n_lia, "modules": codes,
         "passes": ops(scene), "rate": scene.rate, "gesture_rate": scene.rate / f64::from(scene.ratio),
-        "ratio": scene.ratio, "latency": border::json(scene), "outputs": scene.channel_names, "inputs": inputs,
+        "ratio": scene.ratio, "oversample": scene.oversample(), "latency": border::json(scene), "outputs": scene.channel_names, "inputs": inputs,
         "live": live, "seconds": scene.seconds, "stability": stability_json(&scene.certificate),
     })
 }

@@ -2,6 +2,7 @@
 
 use super::worst::Row;
 use crate::compile::net::{LiaNode, Net};
+use crate::compile::rates::FINEST;
 use crate::kind::Unit;
 use crate::law::Bound;
 use crate::model::diag::{Diag, Diags};
@@ -74,10 +75,13 @@ pub fn unstable(model: &Model, net: &Net, rows: &[Row], bounds: &[Bound], i: usi
     }
 }
 
-/// The sound rate at which an eigenvalue of now would be at the limit: stiffness falls with its square, viscosity with it.
+/// The sound rate at which an eigenvalue of now would be at the limit, and the ticks in a sample that are enough: stiffness
+/// falls with the square of the rate, viscosity with it.
 pub fn faster(net: &Net, now: f64, viscous: bool) -> String {
     let times = if viscous { now / 4.0 } else { libm::sqrt(now / 4.0) };
-    format!("raise the sound rate above {:.0} Hz", quantity::Plain(net.rate * times))
+    let rate = format!("raise the sound rate above {:.0} Hz", quantity::Plain(net.rate * times));
+    let ticks = libm::floor(f64::from(net.oversample) * times) + 1.0;
+    if ticks > f64::from(FINEST) { rate } else { format!("{rate}, or write `oversample = {ticks}` in `[rate]`") }
 }
 
 /// Three digits, towards zero.

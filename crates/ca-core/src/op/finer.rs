@@ -1,0 +1,55 @@
+//! A sample of several ticks: the ticks between samples, what is given once a sample, and the count of both.
+//!
+//! Sample n stands at tick nR. Decides that outside of the passes a state counts samples, so that takes, gestures and
+//! whoever plays need not know, and that in them it counts ticks, so that rings and frames need not; and that what is
+//! given at a sample is reached in a straight line from the sample before, as by a hand at the border, since a jump of a
+//! port is a blow.
+
+use super::Op;
+use crate::border::phase;
+use crate::layout::Layout;
+use crate::state::State;
+
+/// Runs the ticks between the sample before and this one, and counts ticks from there on. The first sample has none.
+pub fn between(_op: &Op, layout: &Layout, s: &mut State) {
+    let Some(finer) = &layout.finer else { return };
+    let now = s.tick * u64::from(finer.times);
+    s.tick = (now + 1).saturating_sub(u64::from(finer.times));
+    while s.tick < now {
+        for op in &finer.ticks {
+            (op.kernel)(op, layout, s);
+        }
+        s.tick += 1;
+    }
+}
+
+/// Moves what is given once a sample a tick further. What is not finite is refused here: a position stays, a force is
+/// none.
+pub fn inputs(op: &Op, layout: &Layout, s: &mut State) {
+    let Some(finer) = &layout.finer else { return };
+    let j = phase(finer.times, s.tick);
+    for (g, i) in s.glide[..op.n].iter_mut().zip(&finer.inputs) {
+        let v = &mut s.input[*i as usize];
+        if j <= 1 {
+            let to = if v.is_finite() {
+                *v
+            } else {
+                s.refused += 1;
+                if layout.enf.iter().any(|p| p.input == *i) { 0.0 } else { g[1] }
+            };
+            *g = [if j == 0 { to } else { g[1] }, to];
+        }
+        let [from, to] = *g;
+        *v = if j == 0 || j == finer.times { to } else { from + f64::from(j) / f64::from(finer.times) * (to - from) };
+    }
+}
+
+/// From here on the state counts ticks.
+pub fn to_ticks(_op: &Op, layout: &Layout, s: &mut State) {
+    s.tick *= u64::from(layout.oversample());
+}
+
+/// From here on the state counts samples.
+pub fn to_samples(_op: &Op, layout: &Layout, s: &mut State) {
+    s.tick /= u64::from(layout.oversample());
+}
