@@ -23,6 +23,7 @@ mod models;
 mod modes;
 mod oracle;
 mod outputs;
+mod oversample;
 mod peers;
 mod pefrl;
 mod play;

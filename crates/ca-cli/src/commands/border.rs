@@ -50,6 +50,17 @@ pub(crate) fn text(out: &mut impl Write, scene: &Scene) -> Result<(), Failure> {
     Ok(())
 }
 
+/// The two rates of a scene, and how many ticks a sample has where it has several.
+pub(crate) fn rates(scene: &Scene) -> String {
+    let (sound, gesture) = (show(scene.rate, Unit::HERTZ), show(scene.rate / f64::from(scene.ratio), Unit::HERTZ));
+    format!("sound {sound}{}, gesture {gesture}", ticks(scene.oversample()))
+}
+
+/// What is said behind a sound rate of a sample of so many ticks.
+pub(crate) fn ticks(times: u32) -> String {
+    if times > 1 { format!(" in {times} ticks a sample") } else { String::new() }
+}
+
 /// How the border works, for a scene that has one.
 pub(crate) fn crossing(out: &mut impl Write, scene: &Scene) -> Result<(), Failure> {
     if scene.tgr.is_empty() {

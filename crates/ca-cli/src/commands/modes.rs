@@ -3,6 +3,7 @@
 //! Decides to show each port as a column in dB below the mode that is strongest there: what a player asks is which modes
 //! a blow or a pickup favours, not how many roots of a kilogram they weigh. The raw numbers are in the JSON.
 
+use super::border;
 use crate::args::ModesArgs;
 use crate::load;
 use crate::{Ended, Failure, Outcome, catalog, term};
@@ -63,14 +64,20 @@ fn levels(found: &Modes, port: &[(u32, f64)]) -> Vec<f64> {
     at.iter().map(|v| if *v > 0.0 && top > 0.0 { 20.0 * (v / top).log10() } else { f64::NEG_INFINITY }).collect()
 }
 
+/// The sound rate \[Hz\].
+fn rate(network: &Network) -> f64 {
+    1.0 / (network.te * f64::from(network.oversample))
+}
+
 fn text(name: &str, network: &Network, found: &Modes, most: usize) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
     let swings = found.list.iter().filter(|m| m.heard > 0.0).count();
     writeln!(
         out,
-        "{name}: {} places that move, {swings} modes that swing, at {} Hz",
+        "{name}: {} places that move, {swings} modes that swing, at {} Hz{}",
         network.names.len(),
-        (1.0 / network.te).round()
+        rate(network).round(),
+        border::ticks(network.oversample)
     )?;
     if !network.left_out.is_empty() {
         writeln!(out, "  no linear links, so not part of it: {}", left_out(network))?;
@@ -145,7 +152,7 @@ fn value(name: &str, network: &Network, found: &Modes) -> Json {
     let left_out: Vec<Json> =
         network.left_out.iter().map(|(name, code)| json!({ "name": name, "law": code })).collect();
     json!({
-        "name": name, "rate": 1.0 / network.te, "places": network.names, "ports": ports, "left_out": left_out,
+        "name": name, "rate": rate(network), "oversample": network.oversample, "places": network.names, "ports": ports, "left_out": left_out,
         "approximate": found.approximate, "force_outputs": network.deaf, "modes": list,
     })
 }

@@ -43,6 +43,17 @@ fn a_linear_model_has_a_closed_form() {
     assert!(row(&found, "modal", 1)["front"] == true && plain["made"].as_f64().is_some_and(|m| m < 1e-12));
 }
 
+/// A model of finer ticks is itself: its rate is that of its samples, its error that of its ticks.
+#[test]
+fn finer_ticks_are_the_model_as_written() {
+    let found = |more: &str| measured(&format!("{CHAIN}{more}"), &["--seconds", "0.05", "--times", "1,4"]);
+    let (plain, fine) = (found(""), found("[rate]\noversample = 4\n"));
+    assert_eq!((&fine["reference"]["origin"], &fine["rate"]), (&"modes".into(), &plain["rate"]));
+    let apart = (error(&fine, "as written", 1) / error(&plain, "as written", 4) - 1.0).abs();
+    assert!(apart < 1e-6, "{apart}");
+    assert!(error(&fine, "modal", 1) < 1e-9, "{fine:#}");
+}
+
 /// What is not is held against itself at a higher rate, and how well that is known is said.
 #[test]
 fn another_model_is_its_own_reference() {

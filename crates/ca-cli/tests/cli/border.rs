@@ -35,6 +35,35 @@ fn check_tells_delays_and_what_a_key_asks_of_a_device() {
     desk.ca(&one).is(0).says(&["the force of the tick", "0.0208 N s/m"]);
 }
 
+/// Finer ticks: what is told, and that a render is the plain one, late by the filter, but for what the scheme bends.
+#[test]
+fn finer_ticks_are_told_and_heard() {
+    let desk = Desk::new();
+    desk.put("struck.ca.toml", STRUCK).put("key.csv", KEY);
+    let four = ["--set", "rate.oversample=4"];
+    let check = |more: &[&str]| desk.ca(&[&["check", "struck.ca.toml"], &four[..], more].concat()).is(0);
+    check(&[])
+        .says(&["rates      sound 48 kHz in 4 ticks a sample, gesture 3 kHz, 64 ticks a frame"])
+        .says(&["gesture to force 0.333 ms", "0.854 ms of it the filter of the outputs"]);
+    check(&["--schedule"]).says(&["ticks between", "to samples", "to ticks", "low pass", "whole tick"]);
+    assert_eq!(check(&["--json"]).json()["summary"]["oversample"], 4);
+    let r = desk.ca(&["check", "struck.ca.toml", "--schedule"]).is(0).says(&["one tick a sample"]);
+    assert!(!r.out.contains("ticks between") && !r.out.contains("in 1 tick"), "{}", r.out);
+    let modes = desk.ca(&[&["modes", "struck.ca.toml"], &four[..]].concat()).is(0);
+    modes.says(&["at 48000 Hz in 4 ticks a sample"]);
+    let bad = desk.ca(&["check", "struck.ca.toml", "--set", "rate.oversample=65"]).is(1);
+    assert!(bad.err.contains("use a value from 1 to 64"), "{}", bad.err);
+    let play = |more: &[&str]| {
+        let args = ["render", "struck.ca.toml", "--gesture", "key.csv", "--seconds", "200 ms", "-q"];
+        desk.ca(&[&args[..], more].concat()).is(0);
+        desk.wav("struck.wav").1
+    };
+    let (plain, fine) = (play(&[]), play(&four));
+    assert_eq!(plain.len(), fine.len());
+    let off = fine[2 * 41..].iter().zip(&plain).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(off < 0.1 * peak(&plain) && off > 1e-6 * peak(&plain), "{off} of {}", peak(&plain));
+}
+
 #[test]
 fn a_render_is_late_without_a_force_or_filtered() {
     let desk = Desk::new();

@@ -95,6 +95,8 @@ pub struct Port {
 pub struct Network {
     /// tick \[s\]
     pub te: f64,
+    /// ticks in a sample
+    pub oversample: u32,
     /// true where its ticks are those of [`crate::method::pefrl`]
     pub composed: bool,
     /// its places and links

@@ -136,6 +136,7 @@ pub fn network(net: &Net) -> Network {
     let at = |p: &Place, of: fn(&MatNode) -> [f64; 3]| of(&net.mats[p.mat as usize])[p.axis as usize];
     Network {
         te: net.te,
+        oversample: net.oversample,
         composed: net.is_composed(),
         x: linear.places.iter().map(|p| at(p, |m| m.dx0)).collect(),
         v: linear.places.iter().map(|p| at(p, |m| m.v)).collect(),

@@ -13,8 +13,7 @@ use crate::load::{self, Loaded};
 use crate::term::short;
 use crate::{Ended, Failure, Outcome, term};
 use ca_core::compile::certify::Level;
-use ca_core::kind::Unit;
-use ca_core::model::quantity::{Plain, show};
+use ca_core::model::quantity::Plain;
 use ca_core::model::render;
 use ca_core::{Options, Scene};
 use serde_json::{Value as Json, json};
@@ -95,10 +94,7 @@ fn summary(loaded: &Loaded, scene: &Scene, exact: bool) -> Result<(), Failure> {
         let names: Vec<&str> = scene.live.params.iter().map(|p| p.name.as_str()).collect();
         writeln!(out, "  live       {}", names.join(", "))?;
     }
-    let (rate, gesture) = (show(scene.rate, Unit::HERTZ), show(scene.rate / f64::from(scene.ratio), Unit::HERTZ));
-    let times = scene.oversample();
-    let finer = if times > 1 { format!(" in {times} ticks a sample") } else { String::new() };
-    writeln!(out, "  rates      sound {rate}{finer}, gesture {gesture}, {} ticks a frame", scene.frame)?;
+    writeln!(out, "  rates      {}, {} ticks a frame", border::rates(scene), scene.frame)?;
     border::crossing(&mut out, scene)?;
     border::text(&mut out, scene)?;
     border::keys(&mut out, scene)?;

@@ -10,9 +10,8 @@ use crate::commands::render::{decibel, fitting, stability as verdict, tenths, to
 use crate::term::short;
 use ca_core::analysis::{Mode, Modes, Network, modes};
 use ca_core::compile::certify::Level;
-use ca_core::kind::Unit;
 use ca_core::model::diag::Severity;
-use ca_core::model::quantity::{Plain, show};
+use ca_core::model::quantity::Plain;
 use ca_core::{Model, Options, Scene};
 use ca_report::{Axis, Block, LOWEST, Mark, Plot, Point, Section, Sound, Spectrum, Table, Weight, spectrogram};
 
@@ -55,10 +54,9 @@ impl Facts {
     /// What a scene says of itself.
     pub fn of(scene: &Scene) -> Facts {
         let by_code: Vec<String> = codes(scene).iter().map(|(c, n)| format!("{n} {c}")).collect();
-        let gesture = show(scene.rate / f64::from(scene.ratio), Unit::HERTZ);
         let mut facts = vec![
             ("modules", format!("{} MAT, {} LIA: {}", scene.mats(), scene.n_lia, by_code.join(", "))),
-            ("rates", format!("sound {}, gesture {gesture}", show(scene.rate, Unit::HERTZ))),
+            ("rates", border::rates(scene)),
             ("stability", verdict(&scene.certificate)),
         ];
         facts.extend(border::latency(scene).map(|l| ("latency", l)));

@@ -42,6 +42,28 @@ fn a_replay_is_the_same_to_the_bit() {
     assert!(p.engine.counts.dropped > 0, "frames were refused");
 }
 
+/// Where a sample has several ticks a take counts samples, and the same hands give another motion.
+#[test]
+fn a_replay_of_finer_ticks_is_the_same_to_the_bit() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("a.mcap");
+    let played = |text: &str| {
+        let mut p = Performer::new(text, &path);
+        p.play(1600);
+        p.finish();
+        p
+    };
+    let plain = played(DUO);
+    let p = played(&format!("{DUO}[rate]\noversample = 3\n"));
+    assert!(p.sound.iter().any(|x| x.abs() > 0.01), "it is heard");
+    assert_eq!((p.engine.due(), p.sound.len()), (plain.engine.due(), plain.sound.len()));
+    assert!(p.engine.state.bits() != plain.engine.state.bits());
+    let v = replay(&path);
+    assert!(v.is_identical(), "{v:?}");
+    assert_eq!((v.frames, v.samples), (1600, p.sound.len() as u64));
+    assert_eq!(v.seconds, p.engine.due() as f64 / 48_000.0);
+}
+
 #[test]
 fn the_sound_in_it_is_the_sound_that_was() {
     let dir = tempfile::tempdir().unwrap();
