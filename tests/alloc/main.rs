@@ -105,7 +105,11 @@ fn scenes() -> Vec<(String, Scene)> {
     for (name, text) in texts().into_iter().chain(stable()) {
         let (plain, _) = read::read(&text, &name, &catalog);
         let (held, line) = (burdened(&plain, "hold", "false"), burdened(&plain, "linear", "true"));
-        for (model, what) in [(&plain, ""), (&held, ", late, held and mute"), (&line, ", late")] {
+        let mut fine = line.clone();
+        assert!(fine.set("rate.oversample", "3"));
+        let ways =
+            [(&plain, ""), (&held, ", late, held and mute"), (&line, ", late"), (&fine, ", late, in finer ticks")];
+        for (model, what) in ways {
             for energy in [false, true] {
                 for kernel in [KernelClass::Fast, KernelClass::Reference] {
                     let options = Options { energy, kernel, ..Options::default() };

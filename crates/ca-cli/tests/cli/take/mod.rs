@@ -47,14 +47,14 @@ fn a_replay_is_the_same_to_the_bit() {
 fn a_replay_of_finer_ticks_is_the_same_to_the_bit() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("a.mcap");
-    let played = |text: &str| {
-        let mut p = Performer::new(text, &path);
+    let played = |text: &str, path: &Path| {
+        let mut p = Performer::new(text, path);
         p.play(1600);
         p.finish();
         p
     };
-    let plain = played(DUO);
-    let p = played(&format!("{DUO}[rate]\noversample = 3\n"));
+    let plain = played(DUO, &dir.path().join("b.mcap"));
+    let p = played(&format!("{DUO}[rate]\noversample = 3\n"), &path);
     assert!(p.sound.iter().any(|x| x.abs() > 0.01), "it is heard");
     assert_eq!((p.engine.due(), p.sound.len()), (plain.engine.due(), plain.sound.len()));
     assert!(p.engine.state.bits() != plain.engine.state.bits());
