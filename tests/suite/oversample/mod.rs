@@ -1,5 +1,5 @@
-//! Scenes whose samples have several ticks: order, the same bits as at the higher rate, hands and inputs, books, and what
-//! is not there where nobody asks.
+//! Scenes whose samples have several ticks: order, the same bits as at the higher rate, hands and inputs, books, and
+//! what is not there where nobody asks.
 
 mod filter;
 mod limits;
@@ -137,7 +137,7 @@ fn it_is_the_scene_at_the_higher_rate() {
     assert!(same_bits("pefrl", &twins(&text, "gesture = 3000", 3, &options), 700, hand) > 1e-6);
 }
 
-/// A hand at 3 kHz meets the border of so many more ticks, whatever its shape; where it is as quick as the samples, too.
+/// A hand at 3 kHz meets the border of so many more ticks, whatever its shape; and one as quick as the samples.
 #[test]
 fn a_hand_is_led_through_all_ticks() {
     for more in ["", "border = \"hold\"", "latency = 2", "feedback = false"] {

@@ -1,8 +1,8 @@
 //! Oversampling: what runs between two samples, where a sample has several ticks.
 //!
 //! Decides for one pass before all others that runs the ticks between the last sample and this one, rather than a loop
-//! around the tick: whoever plays a scene sees samples, the two halves of a tick included, and a scene that does not ask
-//! has nothing of it. The tick at the sample itself is what the scene runs anyway, so that probes and hands get what is
+//! around the tick: whoever plays a scene sees samples, the two halves of a tick included, and a scene that does not
+//! ask has nothing of it. The tick at the sample itself is what the scene runs anyway, so that probes and hands get what is
 //! there at that moment.
 
 use super::net::Net;

@@ -2,8 +2,8 @@
 //!
 //! Sample n stands at tick nR. Decides that outside of the passes a state counts samples, so that takes, gestures and
 //! whoever plays need not know, and that in them it counts ticks, so that rings and frames need not; and that what is
-//! given at a sample is reached in a straight line from the sample before, as by a hand at the border, since a jump of a
-//! port is a blow.
+//! given at a sample is reached in a straight line from the sample before, as by a hand at the border, since a jump of
+//! a port is a blow.
 
 use super::Op;
 use crate::border::phase;

@@ -75,8 +75,8 @@ pub fn unstable(model: &Model, net: &Net, rows: &[Row], bounds: &[Bound], i: usi
     }
 }
 
-/// The sound rate at which an eigenvalue of now would be at the limit, and the ticks in a sample that are enough: stiffness
-/// falls with the square of the rate, viscosity with it.
+/// The sound rate at which an eigenvalue of now would be at the limit, and the ticks in a sample that are enough:
+/// stiffness falls with the square of the rate, viscosity with it.
 pub fn faster(net: &Net, now: f64, viscous: bool) -> String {
     let times = if viscous { now / 4.0 } else { libm::sqrt(now / 4.0) };
     let rate = format!("raise the sound rate above {:.0} Hz", quantity::Plain(net.rate * times));
