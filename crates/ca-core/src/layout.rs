@@ -1,7 +1,8 @@
 //! Layout: the arrays of a compiled scene that its passes read: counts first, then arrays with their shape.
 //!
 //! Decides that a pass sees a layout and a state and nothing else: no names, no findings, no list of passes but
-//! of those between two samples, so that what the tick depends on is visible in one place. All of it is written once, by the compiler.
+//! of those between two samples, so that what the tick depends on is visible in one place. All of it is written
+//! once, by the compiler.
 
 use crate::law::{Idle, Lost, Stored};
 use crate::ldl::Pattern;

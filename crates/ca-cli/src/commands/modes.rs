@@ -152,7 +152,8 @@ fn value(name: &str, network: &Network, found: &Modes) -> Json {
     let left_out: Vec<Json> =
         network.left_out.iter().map(|(name, code)| json!({ "name": name, "law": code })).collect();
     json!({
-        "name": name, "rate": rate(network), "oversample": network.oversample, "places": network.names, "ports": ports, "left_out": left_out,
+        "name": name, "rate": rate(network), "oversample": network.oversample, "places": network.names, "ports": ports,
+        "left_out": left_out,
         "approximate": found.approximate, "force_outputs": network.deaf, "modes": list,
     })
 }

@@ -135,7 +135,8 @@ fn summary_json(loaded: &Loaded, scene: &Scene) -> Json {
     json!({
         "name": loaded.name, "title": scene.title, "n_mat": scene.mats(), "n_lia": scene.n_lia, "modules": codes,
         "passes": ops(scene), "rate": scene.rate, "gesture_rate": scene.rate / f64::from(scene.ratio),
-        "ratio": scene.ratio, "oversample": scene.oversample(), "latency": border::json(scene), "outputs": scene.channel_names, "inputs": inputs,
+        "ratio": scene.ratio, "oversample": scene.oversample(), "latency": border::json(scene),
+        "outputs": scene.channel_names, "inputs": inputs,
         "live": live, "seconds": scene.seconds, "stability": stability_json(&scene.certificate),
     })
 }
