@@ -15,7 +15,7 @@ use std::fmt::Write as _;
 const TICKS: usize = 2000;
 
 /// Whether a network at rest grows after each mass was displaced by a random part of `size` \[m\].
-fn grows(text: &str, size: f64) -> bool {
+pub(super) fn grows(text: &str, size: f64) -> bool {
     let scene = scene(&model(text), KernelClass::Fast, false);
     let mut s = scene.state();
     let mut seed = 88_172_645_463_325_252u64;
@@ -37,18 +37,18 @@ fn grows(text: &str, size: f64) -> bool {
 }
 
 /// One tick a second, so that a is k and b is z for masses of 1 kg.
-const RATE: &str = "[rate]\nsound = 1\ngesture = 1\n";
+pub(super) const RATE: &str = "[rate]\nsound = 1\ngesture = 1\n";
 
 /// a + 2b at which a network of largest eigenvalue λ stands on its boundary, drawn over `width` of a.
-fn edge(lambda: f64) -> Vec<Line> {
+pub(super) fn edge(lambda: f64) -> Vec<Line> {
     vec![Line::edge(vec![[4.0 / lambda, 0.0], [0.0, 2.0 / lambda]])]
 }
 
-fn beyond(lambda: f64, a: f64, b: f64) -> bool {
+pub(super) fn beyond(lambda: f64, a: f64, b: f64) -> bool {
     (a + 2.0 * b) * lambda >= 4.0
 }
 
-const WORDS: [&str; 2] = ["stays bounded", "grows"];
+pub(super) const WORDS: [&str; 2] = ["stays bounded", "grows"];
 
 /// A mass on a spring and a damper.
 pub const OSCILLATOR: Map = Map {
@@ -126,22 +126,37 @@ pub const MESH: Map = Map {
     band: 0.005,
 };
 
+/// Whether two masses of this ratio grow on one spring and damper.
+fn pair_grows(ratio: f64, a: f64, b: f64) -> bool {
+    let masses = format!("light = {{ m = 1 }}\nheavy = {{ m = {ratio:?} }}");
+    let link = format!("tie = {{ between = [\"light\", \"heavy\"], k = {a:?}, z = {b:?} }}");
+    grows(&format!("{RATE}[MAS]\n{masses}\n[REF]\n{link}\n[SOX]\nout = {{ from = \"light\" }}\n"), 1.0)
+}
+
 /// Two masses and a spring.
 pub const PAIR: Map = Map {
     name: "pair",
     title: "A light mass on a heavy one",
-    text: "Two MAS, m and M, tied by a RES, with nothing else. What counts is the mobility 1/m + 1/M: stable if and \
+    text: "Two MAS, m and M, tied by a REF, with nothing else. What counts is the mobility 1/m + 1/M: stable if and \
            only if a (1 + m/M) < 4, whatever the ratio.",
     axes: [Axis::log("M/m", 0.0, 6.0), Axis::of("a = k T²/m", 0.0, 5.0)],
     words: WORDS,
-    measured: |ratio, a| {
-        let masses = format!("light = {{ m = 1 }}\nheavy = {{ m = {ratio:?} }}");
-        let link = format!("tie = {{ between = [\"light\", \"heavy\"], k = {a:?} }}");
-        grows(&format!("{RATE}[MAS]\n{masses}\n[RES]\n{link}\n[SOX]\nout = {{ from = \"light\" }}\n"), 1.0)
-    },
+    measured: |ratio, a| pair_grows(ratio, a, 0.0),
     theory: |ratio, a| Some(beyond(1.0 + 1.0 / ratio, a, 0.0)),
     lines: || vec![Line::curve(0.0, 6.0, |e| [10f64.powf(e), 4.0 / (1.0 + 10f64.powf(-e))])],
     band: 0.005,
+};
+
+/// The same, damped.
+pub const PAIR_DAMPED: Map = Map {
+    name: "pair_damped",
+    title: "A light mass on a heavy one, damped",
+    text: "The same with a spring of a = 0.5 and a damper beside it: stable if and only if (0.5 + 2b) (1 + m/M) < 4.",
+    axes: [Axis::log("M/m", 0.0, 6.0), Axis::of("b = z T/m", 0.0, 2.5)],
+    measured: |ratio, b| pair_grows(ratio, 0.5, b),
+    theory: |ratio, b| Some(beyond(1.0 + 1.0 / ratio, 0.5, b)),
+    lines: || vec![Line::curve(0.0, 6.0, |e| [10f64.powf(e), 2.0 / (1.0 + 10f64.powf(-e)) - 0.25])],
+    ..PAIR
 };
 
 /// Stiffness of the cells below.

@@ -14,6 +14,7 @@ pub mod page;
 pub mod poison;
 pub mod survival;
 pub mod svg;
+mod wave;
 
 pub use contact::{contact, exact, ratio};
 pub use device::limit;
@@ -106,7 +107,10 @@ pub const MAPS: &[Map] = &[
     linear::CHAIN,
     linear::MESH,
     linear::PAIR,
+    linear::PAIR_DAMPED,
     linear::LPR,
+    wave::JUNCTION,
+    wave::IMPEDANCE,
     friction::BOW,
     contact::PHASE,
     contact::VISCOUS,

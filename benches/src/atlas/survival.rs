@@ -17,8 +17,8 @@ pub enum Case {
     Bow(f64),
     /// a ball of kT²/m = 0.01 on a spring, at rest on a wall which it hits at every swing, of this kT²/m
     Contact(f64),
-    /// two masses of this ratio on one spring, of kT²/m = 1 by their mobility
-    Ratio(f64),
+    /// two masses of this ratio on one spring and damper, of kT²/m = 1 and this zT/m by their mobility
+    Ratio(f64, f64),
     /// a struck string with a hardening end, forces and lengths multiplied
     Scale(f64, f64),
     /// a string of 40 masses without any damping
@@ -67,7 +67,8 @@ pub const CASES: &[Case] = &[
     Case::Contact(4.5),
     Case::Contact(1e8),
     Case::Contact(1e16),
-    Case::Ratio(1e6),
+    Case::Ratio(1e6, 0.0),
+    Case::Ratio(1e6, 0.1),
     Case::Scale(1e9, 1.0),
     Case::Scale(1e-9, 1.0),
     Case::Scale(1.0, 1e9),
@@ -106,7 +107,7 @@ fn by(case: &Case, method: &str) -> String {
 
 /// The model of a case that is about linear links and cells, by a method; what flies or is struck has none that matter.
 fn linear(case: &Case, method: &str) -> Option<String> {
-    let about = matches!(case, Case::Oscillator(..) | Case::Ratio(_) | Case::Undamped | Case::Dead(_));
+    let about = matches!(case, Case::Oscillator(..) | Case::Ratio(..) | Case::Undamped | Case::Dead(_));
     about.then(|| by(case, method))
 }
 
@@ -146,7 +147,8 @@ impl Case {
             Case::Oscillator(a, b) => format!("oscillator, a = {}, b = {}", number(a), number(b)),
             Case::Bow(b) => format!("bow, a = 0.1, b = {}", number(b)),
             Case::Contact(a) => format!("contact, a = {}", number(a)),
-            Case::Ratio(r) => format!("mass ratio {}, a = 1 on the pair", number(r)),
+            Case::Ratio(r, 0.0) => format!("mass ratio {}, a = 1 on the pair", number(r)),
+            Case::Ratio(r, b) => format!("mass ratio {}, a = 1, b = {} on the pair", number(r), number(b)),
             Case::Scale(k, 1.0) => format!("forces and masses × {}", number(k)),
             Case::Scale(_, l) => format!("lengths × {}", number(l)),
             Case::Undamped => "a string without damping".into(),
@@ -160,7 +162,7 @@ impl Case {
         match self {
             Case::Oscillator(..) | Case::Bow(_) => [48_000; 2],
             Case::Contact(_) => [1_000_000, 20_000],
-            Case::Ratio(_) => [100 * 48_000, 48_000],
+            Case::Ratio(..) => [100 * 48_000, 48_000],
             Case::Scale(..) => [20_000; 2],
             Case::Undamped => [60 * 48_000, 48_000],
             Case::Dead(_) => [2_000_000; 2],
@@ -180,11 +182,13 @@ impl Case {
                 "{RATE}[SOL]\nwall = {{}}\n[CEL]\nbob = {{ m = 1, k = 0.01, v = 0.37123 }}\n[BUT]\n\
                  hit = {{ between = [\"wall\", \"bob\"], k = {a:?}{contact} }}\n{OUT}"
             ),
-            Case::Ratio(r) => format!(
-                "{RATE}[MAS]\nbob = {{ m = 1, dx0 = 1 }}\nheavy = {{ m = {r:?} }}\n[REF]\n\
-                 tie = {{ between = [\"heavy\", \"bob\"], k = {:?}{spring} }}\n{OUT}",
-                1.0 / (1.0 + 1.0 / r)
-            ),
+            Case::Ratio(r, b) => {
+                let [k, z] = [1.0, b].map(|v| v / (1.0 + 1.0 / r));
+                format!(
+                    "{RATE}[MAS]\nbob = {{ m = 1, dx0 = 1 }}\nheavy = {{ m = {r:?} }}\n[REF]\n\
+                     tie = {{ between = [\"heavy\", \"bob\"], k = {k:?}, z = {z:?}{spring} }}\n{OUT}"
+                )
+            }
             Case::Scale(k, l) => scaled(k, l),
             Case::Undamped => string(40).replace("z = \"1 mN s/m\"", "z = 0"),
             Case::Dead(b) => format!("{RATE}[CEL]\nbob = {{ m = 1, k = 0.1, z = {b:?}, dx0 = 1 }}\n{OUT}"),
@@ -197,7 +201,7 @@ impl Case {
         match *self {
             Case::Oscillator(..) | Case::Bow(_) => largest(text, ticks),
             Case::Contact(_) => energy(text, ticks, &[], 0.0),
-            Case::Ratio(r) => energy(text, ticks, &[1.0, r], 0.0),
+            Case::Ratio(r, _) => energy(text, ticks, &[1.0, r], 0.0),
             Case::Undamped => energy(text, ticks, &[], 1e-3),
             Case::Scale(_, l) => {
                 let (plain, here) = (heard(&scaled(1.0, 1.0), ticks, 1.0), heard(text, ticks, l));
@@ -257,19 +261,20 @@ fn largest(text: &str, ticks: u64) -> Outcome {
 /// More energy than this many times that of the start is a scene that has blown up.
 const BLOWN: f64 = 1e7;
 
-/// Energy, and the momentum of masses in the order of the model, where there are any; all that can move is given `kick`
+/// Energy with heat, and the momentum of masses in the order of the model, where there are any; all that can move is given `kick`
 /// more \[m/tick\].
 fn energy(text: &str, ticks: u64, masses: &[f64], kick: f64) -> Outcome {
     let (scene, mut s) = ready(text, true);
     for (d, c) in s.d.iter_mut().zip(&s.coef[2 * scene.n_mat..]) {
         *d += if *c > 0.0 { kick } else { 0.0 };
     }
+    let held = |s: &State| s.ledger.as_ref().map_or(f64::NAN, |l| l.h + l.balance().lost);
     tick(&scene, &mut s);
-    let h0 = s.ledger.as_ref().map_or(f64::NAN, |l| l.h);
+    let h0 = held(&s);
     let (mut worst, mut moment) = (0.0f64, 0.0f64);
     for n in 1..ticks {
         tick(&scene, &mut s);
-        let h = s.ledger.as_ref().map_or(f64::NAN, |l| l.h) / h0;
+        let h = held(&s) / h0;
         if h.is_nan() || h > BLOWN {
             return Outcome::Made(h, n);
         }
