@@ -1,6 +1,7 @@
 //! Equivalences: the table of numerics 6, what an author writes about it, and a driving point measured in a compiled
 //! scene.
 
+use crate::play::{case, num, off, within};
 use ca_core::equivalence::{Class, Gains, Pair, ROWS, Row, anchor_for, keep, row, solve};
 use ca_core::{Options, Scene, State, advance, load, sense};
 use ca_haptic::equivalence::gains;
@@ -61,6 +62,31 @@ fn the_table_of_the_paper() {
         assert_eq!(at(name).exponents(), exponents, "{name}");
         near(name, at(name).factor(e.gains, e.te), factor, 1e-14);
     }
+}
+
+/// The same against numbers that were computed apart from it; an impulse is a momentum, an action energy times time.
+#[test]
+fn f01_the_table_by_numbers() {
+    let c = case("F01");
+    let tolerance = num(c, "tolerance/rel");
+    let s = paper(
+        "[SOL]\nwall = {}\n[RES]\nspring = { between = [[\"key\", \"other\"], \"wall\"], k = 2e-4 }",
+        "mass = [\"20 g\", 1.0]\nposition = [\"20 mm\", 1]",
+    );
+    let e = &s.equivalence;
+    within("F01 alpha", off(e.gains.alpha, num(c, "values/alpha")), tolerance);
+    within("F01 beta", off(e.gains.beta, num(c, "values/beta")), tolerance);
+    let factor = |name: &str| at(name).factor(e.gains, e.te);
+    let table = c["values"]["SI_per_unit"].as_object().expect("a table");
+    for name in table.keys() {
+        let is = match name.as_str() {
+            "impulse" => factor("momentum"),
+            "action" => factor("energy") * factor("time"),
+            row => factor(row),
+        };
+        within(&format!("F01 {name}"), off(is, num(c, &format!("values/SI_per_unit/{name}"))), tolerance);
+    }
+    assert!(ROWS.iter().all(|r| table.contains_key(r.name)));
 }
 
 #[test]
