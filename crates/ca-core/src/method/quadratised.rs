@@ -40,6 +40,8 @@ use nalgebra::Vector3;
 
 /// The residual is brought below this part of what it was, squared.
 const EXACT: f64 = 1e-30;
+/// Motion that holds less \[J\] is left alone: the squares it is solved by are none any more.
+const NOTHING: f64 = 1e-200;
 
 /// A one-sided spring by this method. Memory: ψ \[√J\], heat of the tick \[J\].
 pub const fn law<S: Spring>(spring: Law) -> Law {
@@ -162,7 +164,7 @@ fn conjugate(list: &mut [Touch], push: &mut [f64], mobility: &[f64]) {
         t.p = t.r / t.diag;
         rho += t.r * t.p;
     }
-    let goal = EXACT * rho;
+    let goal = (EXACT * rho).max(NOTHING);
     // in exact arithmetic as many steps as contacts; rounding may ask for more
     for _ in 0..10 * list.len() + 10 {
         // what is no number is not for here to find out
