@@ -174,53 +174,6 @@ proptest! {
     }
 }
 
-proptest! {
-    #![proptest_config(cases(40))]
-
-    #[test]
-    fn what_is_proven_makes_no_energy(seed in 1u64..) {
-        soak(seed, 20_000);
-    }
-}
-
-/// Pushes a proven scene at random for three quarters of `ticks`: what it has is what it was given, never less than
-/// nothing, and left alone it only falls.
-fn soak(seed: u64, ticks: u64) {
-    let Some((text, scene)) = near_the_limit(seed) else { return };
-    if scene.certificate.level != Level::Proven {
-        return;
-    }
-    let text = text + "[ENF]\nhand = { to = \"n0\" }\n";
-    let scene = with(&text, &Options { energy: true, ..Options::default() });
-    let mut dice = Dice(seed);
-    let mut s = scene.state();
-    let mut released = f64::INFINITY;
-    for n in 0..ticks {
-        s.input[0] = if n < ticks / 4 * 3 { dice.roll() } else { 0.0 };
-        tick(&scene, &mut s);
-        if n % 64 != 0 && n + 1 != ticks {
-            continue;
-        }
-        let b = s.ledger.as_ref().expect("a book").balance();
-        assert!(b.h >= -1e-9 * b.peak && b.residual.abs() <= 1e-9 * b.peak, "{n}: {b:?}\n{text}");
-        // the push of the last tick is booked with the next
-        if n > ticks / 4 * 3 + 1 {
-            assert!(b.h <= released + 1e-9 * b.peak, "{n}: {b:?}\n{text}");
-            released = b.h;
-        }
-    }
-}
-
-#[test]
-fn a_million_ticks_make_no_energy() {
-    let n = if std::env::var_os("CA_LONG").is_some() { 20 } else { 1 };
-    let proven = |seed: &u64| near_the_limit(*seed).is_some_and(|s| s.1.certificate.level == Level::Proven);
-    let seeds: Vec<u64> = (1..).map(|i: u64| i.wrapping_mul(0x2545_f491_4f6c_dd1d)).filter(proven).take(n).collect();
-    for seed in seeds {
-        soak(seed, 1_000_000);
-    }
-}
-
 #[test]
 fn the_drawn_networks_are_of_every_kind() {
     let seen: Vec<(Level, bool)> = (1..200u64).filter_map(|i| agrees(i.wrapping_mul(0x2545_f491_4f6c_dd1d))).collect();

@@ -35,6 +35,7 @@ mod scheme;
 mod select;
 mod set;
 mod sets;
+mod soak;
 mod space;
 mod stable;
 mod waveguide;

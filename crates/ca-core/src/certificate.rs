@@ -9,7 +9,7 @@ pub enum Level {
     /// every link is linear and the bound is below the limit: passive by theorem at every setting; changing a parameter
     /// or moving a point does work
     Proven,
-    /// as `Proven` for small motions about the pose at load; distances in space keep energy to O(T²), bounded and
+    /// as `Proven` for small motions about the pose at load; distances in space keep energy to [`Certificate::ripple`],
     /// without drift
     Linearised,
     /// the linear links are proven; contacts and non-linear links obey a rule of thumb
@@ -69,6 +69,10 @@ pub struct Certificate {
     pub exact: bool,
     /// the largest eigenvalue itself, from … to, where it was asked for
     pub largest: Option<(f64, f64)>,
+    /// of a linearised scene: by what share of itself the energy above that of rest may at most rise, at any time, above
+    /// what it was at any time before; for motions small against the lengths of links, about a pose of rest in which no
+    /// link is pressed, and left alone. `None` where that is not known
+    pub ripple: Option<f64>,
     /// the module nearest to the limit
     pub worst: String,
     /// largest contact stiffness ratio kT²/m; recommended up to 1

@@ -103,6 +103,19 @@ fn an_unstable_model_is_named_and_silenced() {
     for word in ["stability  proven", "decided by a factorisation", "largest eigenvalue 3.99"] {
         assert!(r.out.contains(word), "{}", r.out);
     }
+    // what is linearised says by how much its energy may rise: λ = 0.2, 0.4/3.8
+    desk.put(
+        "room.ca.toml",
+        "[room]\ndim = 3\n[room.SOL]\na = { x = [-1, 0, 0] }\nb = { x = [1, 0, 0] }\n[room.MAS]\nm = { m = 1e-3, \
+         x = [0, 0, 0] }\n[REF]\ns = { between = [[\"room.a\", \"room.b\"], \"room.m\"], k = 230400, l0 = 0.5 }\n[SOX]\n\
+         out = { from = \"room.m\", along = \"x\" }\n",
+    );
+    let r = desk.ca(&["check", "room.ca.toml"]).is(0);
+    assert!(r.out.contains("linearised") && r.out.contains("rises by 10.5 % of itself at most"), "{}", r.out);
+    let j = desk.ca(&["check", "room.ca.toml", "--json"]).is(0).json();
+    assert!((j["summary"]["stability"]["ripple"].as_f64().unwrap() - 0.4 / 3.8).abs() < 1e-12, "{j:#}");
+    let proven = desk.ca(&["check", "harmonic_chain", "--json"]).is(0).json()["summary"]["stability"].clone();
+    assert!(proven["level"] == "proven" && proven["ripple"].is_null(), "{proven:#}");
 }
 
 #[test]

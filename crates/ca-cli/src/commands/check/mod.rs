@@ -8,7 +8,7 @@ mod schedule;
 
 use crate::args::CheckArgs;
 use crate::commands::border;
-use crate::commands::render::{stability, stability_json};
+use crate::commands::render::{rippling, stability, stability_json};
 use crate::load::{self, Loaded};
 use crate::term::short;
 use crate::{Ended, Failure, Outcome, term};
@@ -121,6 +121,9 @@ fn summary(loaded: &Loaded, scene: &Scene, exact: bool) -> Result<(), Failure> {
             )?;
         }
         None => {}
+    }
+    if let Some(ripple) = c.ripple {
+        writeln!(out, "             {}", rippling(ripple))?;
     }
     if c.contact > 0.0 {
         writeln!(out, "  contacts   `{}` is the stiffest: kT²/m {}, up to 1 is safe", c.stiffest, short(c.contact))?;

@@ -8,7 +8,9 @@ mod play;
 mod told;
 
 pub(crate) use play::play;
-pub(crate) use told::{Broke, decibel, fitting, joule, makers, relative, stability, stability_json, tenths, too_loud};
+pub(crate) use told::{
+    Broke, decibel, fitting, joule, makers, relative, rippling, stability, stability_json, tenths, too_loud,
+};
 
 use crate::args::{Kernel, Playing, RenderArgs, SampleFormat};
 use crate::commands::border;

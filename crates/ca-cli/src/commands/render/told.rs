@@ -303,11 +303,19 @@ pub(crate) fn stability(c: &Certificate) -> String {
     format!("{}, margin {}{worst}", c.level, short(c.margin()))
 }
 
+/// What the energy of a linearised scene may do, in words.
+pub(crate) fn rippling(ripple: f64) -> String {
+    format!(
+        "left alone, the energy of small motions rises by {} % of itself at most, and does not drift",
+        short(100.0 * ripple)
+    )
+}
+
 /// The same for programs.
 pub(crate) fn stability_json(c: &Certificate) -> Json {
     json!({
         "level": c.level.to_string(), "bound": c.bound, "lower": c.lower, "limit": 4.0, "margin": c.margin(),
-        "exact": c.exact, "largest": c.largest.map(|l| [l.0, l.1]),
+        "exact": c.exact, "largest": c.largest.map(|l| [l.0, l.1]), "ripple": c.ripple,
         "worst": c.worst, "contact": c.contact, "stiffest": c.stiffest,
     })
 }

@@ -6,7 +6,7 @@
 use crate::catalog;
 use crate::commands::border;
 use crate::commands::check::codes;
-use crate::commands::render::{decibel, fitting, stability as verdict, tenths, too_loud};
+use crate::commands::render::{decibel, fitting, rippling, stability as verdict, tenths, too_loud};
 use crate::term::short;
 use ca_core::analysis::{Mode, Modes, Network, modes};
 use ca_core::compile::certify::Level;
@@ -210,6 +210,9 @@ pub(super) fn stability(scene: &Scene) -> Section {
     ];
     if c.exact {
         rows.push(("decided by", "a sparse factorisation".into()));
+    }
+    if let Some(ripple) = c.ripple {
+        rows.push(("energy", rippling(ripple)));
     }
     if !c.worst.is_empty() {
         rows.push(("nearest to the limit", format!("`{}`", c.worst)));

@@ -12,6 +12,7 @@ mod exact;
 mod keys;
 mod negative;
 mod rigid;
+mod ripple;
 mod rules;
 mod worst;
 
@@ -157,6 +158,7 @@ pub fn certify(model: &Model, net: &Net, asked: bool, diags: &mut Diags) -> Cert
         let help = "it may well be stable; to be sure, lower the stiffness and viscosity at";
         diags.push(d.help(format!("{help} `{}`, make it heavier, or raise the sound rate", cert.worst)));
     }
+    cert.ripple = ripple::ripple(net, exact.as_ref(), &cert);
     rigid::rigid(model, net, diags);
     let held = |l: &LiaNode, b: &Bound| Some(exact.as_ref().filter(|_| few)?.mobility(net, l, b)? / ease);
     for r in &mut rows {

@@ -1,0 +1,362 @@
+//! Long plays of small models that were drawn: what is proven makes no energy whatever pushes it, and what is
+//! linearised keeps its energy within the ripple that the certificate states.
+//!
+//! Decides on models drawn part by part, and not by the seed of a generator as those of the certificate are: one that
+//! fails shrinks to the few parts that it takes, and is printed as text.
+
+use crate::play::{Dice, scene, with, within};
+use ca_core::certificate::Level;
+use ca_core::{Options, Scene, State, tick};
+use proptest::prelude::*;
+use proptest::sample::{Index, select};
+use proptest::test_runner::TestRunner;
+use std::fmt::Write as _;
+
+/// Plays drawn models: forty for twenty thousand ticks and one for a million, or sixty for a million in the long form.
+fn soak<S: Strategy>(drawn: impl Fn() -> S, play: impl Fn(&S::Value, u64))
+where
+    S::Value: std::fmt::Debug,
+{
+    let long = std::env::var_os("CA_LONG").is_some();
+    for (cases, ticks) in [(if long { 0 } else { 40 }, 20_000), (if long { 60 } else { 1 }, 1_000_000)] {
+        let config = ProptestConfig { cases, failure_persistence: None, ..ProptestConfig::default() };
+        let played = TestRunner::new(config).run(&drawn(), |d| {
+            play(&d, ticks);
+            Ok(())
+        });
+        played.unwrap_or_else(|e| panic!("{e}"));
+    }
+}
+
+/// What a mass is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Body {
+    Mass,
+    Cell,
+    Junction,
+    String,
+}
+
+/// What ties two masses.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Tie {
+    Plain,
+    Centred,
+    Implicit,
+    Contact,
+    Bow,
+    Crossed,
+}
+
+/// A number over decades, from 10⁻ⁿ to 10ⁿ.
+fn decades(n: f64) -> impl Strategy<Value = f64> {
+    (-n..n).prop_map(|e| 10f64.powf(e))
+}
+
+/// Nothing, or a viscosity.
+fn viscosity() -> impl Strategy<Value = f64> {
+    prop_oneof![Just(0.0), decades(3.0)]
+}
+
+/// A network on a line: its masses, what ties them, and how near to its limit it is.
+#[derive(Clone, Debug)]
+struct Line {
+    bodies: Vec<(Body, f64, f64, f64)>,
+    ties: Vec<(Tie, Index, Index, f64, f64)>,
+    near: f64,
+}
+
+fn line() -> impl Strategy<Value = Line> {
+    let body =
+        (select(vec![Body::Mass, Body::Cell, Body::Junction, Body::String]), decades(3.0), decades(3.0), viscosity());
+    let kinds = [Tie::Plain, Tie::Centred, Tie::Implicit, Tie::Contact, Tie::Bow, Tie::Crossed];
+    let tie = (select(kinds.to_vec()), any::<Index>(), any::<Index>(), decades(3.0), viscosity());
+    let (bodies, ties) = (proptest::collection::vec(body, 2..6), proptest::collection::vec(tie, 1..9));
+    (bodies, ties, 0.1..0.99).prop_map(|(bodies, ties, near)| Line { bodies, ties, near })
+}
+
+impl Line {
+    /// A mass, a mass of it, or the wall.
+    fn end(&self, i: usize) -> String {
+        match self.bodies.get(i) {
+            None => "wall".into(),
+            Some((Body::Junction | Body::String, ..)) => format!("n{i}[0]"),
+            Some(_) => format!("n{i}"),
+        }
+    }
+
+    /// An end, anywhere between the masses of a string.
+    fn point(&self, i: usize) -> String {
+        match self.bodies.get(i) {
+            Some((Body::String, ..)) => format!("n{i}@0.37"),
+            _ => self.end(i),
+        }
+    }
+
+    /// The model, one tick a second, with stiffness and viscosity times `scale`.
+    fn text(&self, scale: f64) -> String {
+        let mut parts: [(&str, String); 9] =
+            ["SOL", "MAS", "CEL", "WAVEGUIDE", "STRING", "REF", "BUT", "BOW", "LPR"].map(|code| (code, String::new()));
+        let mut add = |code: &str, line: String| {
+            let part = parts.iter_mut().find(|p| p.0 == code).expect("a section");
+            part.1 += &line;
+        };
+        add("SOL", "wall = {}\n".into());
+        for (i, (body, m, k, z)) in self.bodies.iter().enumerate() {
+            let [k, z] = [k * scale, z * scale];
+            match body {
+                Body::Mass => add("MAS", format!("n{i} = {{ m = {m:e} }}\n")),
+                Body::Cell => add("CEL", format!("n{i} = {{ m = {m:e}, k = {k:e}, z = {z:e} }}\n")),
+                Body::String => add("STRING", format!("n{i} = {{ n = 4, m = {m:e}, k = {k:e}, z = {z:e} }}\n")),
+                // the heavier, the more there is of the string
+                Body::Junction => {
+                    add("WAVEGUIDE", format!("n{i} = {{ f = 0.01, t60 = 5e3, z = {m:e}, at = [0.1], m = {m:e} }}\n"))
+                }
+            }
+        }
+        // what looks ahead in two ways cannot share a mass
+        let blows = self.ties.iter().any(|t| matches!(t.0, Tie::Contact | Tie::Bow));
+        for (l, (tie, a, b, k, z)) in self.ties.iter().enumerate() {
+            let n = self.bodies.len();
+            let a = a.index(n);
+            // another mass, or the wall
+            let b = match b.index(n) {
+                b if b == a => n,
+                b => b,
+            };
+            let [p, q] = [a, b].map(|i| self.end(i));
+            let ends = format!("between = [\"{p}\", \"{q}\"]");
+            let [k, z] = [k * scale, z * scale];
+            match tie {
+                Tie::Contact => add("BUT", format!("t{l} = {{ {ends}, k = {k:e}, z = {z:e}, method = \"stable\" }}\n")),
+                Tie::Bow => add("BOW", format!("t{l} = {{ {ends}, f = {k:e}, v0 = 1, method = \"secant\" }}\n")),
+                Tie::Crossed => {
+                    add("LPR", format!("t{l} = {{ {ends}, onto = [\"wall\", \"{p}\"], k = {k:e}, z = {z:e} }}\n"));
+                }
+                Tie::Centred if !blows => {
+                    add("REF", format!("t{l} = {{ {ends}, k = {k:e}, z = {z:e}, method = \"centred\" }}\n"))
+                }
+                Tie::Implicit if !blows => {
+                    add(
+                        "REF",
+                        format!("t{l} = {{ {ends}, k = {k:e}, z = {z:e}, method = \"implicit\", theta = 0.2 }}\n"),
+                    );
+                }
+                _ => {
+                    let [p, q] = [a, b].map(|i| self.point(i));
+                    add("REF", format!("t{l} = {{ between = [\"{p}\", \"{q}\"], k = {k:e}, z = {z:e} }}\n"));
+                }
+            }
+        }
+        let mut text = String::from("[rate]\nsound = 1\ngesture = 1\n");
+        for (code, part) in parts.iter().filter(|p| !p.1.is_empty()) {
+            let _ = write!(text, "[{code}]\n{part}");
+        }
+        let ends: Vec<String> = (0..self.bodies.len()).map(|i| self.end(i)).collect();
+        let outs: String = ends.iter().enumerate().map(|(i, e)| format!("o{i} = {{ from = \"{e}\" }}\n")).collect();
+        text + "[SOX]\n" + &outs + &format!("[ENF]\nhand = {{ to = \"{}\" }}\n", ends[0])
+    }
+
+    /// The model at its share of the limit, or as far below as it is proven: waves have their share without any spring.
+    fn proven(&self) -> (String, Scene) {
+        let bound = scene(&self.text(1.0)).certificate.bound;
+        let mut scale = if bound > 0.0 { self.near * 4.0 / bound } else { 1.0 };
+        loop {
+            let text = self.text(scale);
+            let scene = with(&text, &Options { energy: true, ..Options::default() });
+            if scene.certificate.level == Level::Proven {
+                return (text, scene);
+            }
+            scale *= 0.7;
+            assert!(scale > 1e-9, "{:?}\n{text}", scene.certificate);
+        }
+    }
+}
+
+/// Pushes at random for three quarters of `ticks`: what it has is what it was given, never less than nothing, and left
+/// alone it only falls.
+fn makes_nothing(line: &Line, ticks: u64) {
+    let (text, scene) = line.proven();
+    let (mut s, mut dice) = (scene.state(), Dice(0x2545_f491_4f6c_dd1d));
+    let mut released = f64::INFINITY;
+    for n in 0..ticks {
+        s.input[0] = if n < ticks / 4 * 3 { dice.roll() } else { 0.0 };
+        tick(&scene, &mut s);
+        if n % 64 != 0 && n + 1 != ticks {
+            continue;
+        }
+        let b = s.ledger.as_ref().expect("a book").balance();
+        let room = ROOM * b.peak;
+        assert!(b.h >= -room && b.h <= b.h0 + b.work + room && b.residual.abs() <= room, "{n}: {b:?}\n{text}");
+        // the push of the last tick is booked with the next
+        if n > ticks / 4 * 3 + 1 {
+            assert!(b.h <= released + room, "{n}: {b:?}\n{text}");
+            released = b.h;
+        }
+    }
+}
+
+/// Rounding of the book over a million ticks, as a share of the most it held.
+const ROOM: f64 = 1e-9;
+
+#[test]
+fn what_is_proven_makes_no_energy() {
+    soak(line, makes_nothing);
+}
+
+/// Masses in space on a string under tension, each tied to others and to fixed points by springs that are slack where
+/// it rests, and to cells by LPR.
+#[derive(Clone, Debug)]
+struct Space {
+    /// mass, length to the next, stiffness to the next
+    chain: Vec<(f64, f64, f64)>,
+    /// share of the greatest tension at which no spring is shorter than nothing
+    tension: f64,
+    /// to a fixed point there from a mass
+    stays: Vec<(Index, [f64; 3], f64)>,
+    /// from a mass to the next but one or further, onto a cell of this mass and stiffness
+    crossed: Vec<(Index, Index, f64, f64, f64)>,
+    near: f64,
+    seed: u64,
+}
+
+fn space() -> impl Strategy<Value = Space> {
+    let chain = proptest::collection::vec((decades(1.0), 0.5..2.0, decades(1.0)), 1..5);
+    let place = [-1.5..1.5, -1.5..1.5, 0.5..1.5];
+    let stays = proptest::collection::vec((any::<Index>(), place, decades(1.0)), 0..4);
+    let crossed =
+        proptest::collection::vec((any::<Index>(), any::<Index>(), decades(1.0), decades(1.0), decades(1.0)), 0..3);
+    let tension = prop_oneof![Just(0.0), 0.0..0.95];
+    (chain, tension, stays, crossed, 0.05..0.97, 1u64..)
+        .prop_map(|(chain, tension, stays, crossed, near, seed)| Space { chain, tension, stays, crossed, near, seed })
+}
+
+impl Space {
+    /// The model, one tick a second, with all stiffness times `scale`.
+    fn text(&self, scale: f64) -> String {
+        let n = self.chain.len();
+        // one more spring than masses, as the last
+        let links: Vec<(f64, f64)> =
+            self.chain.iter().chain(self.chain.last()).map(|(_, length, k)| (*length, k * scale)).collect();
+        let pull = self.tension * links.iter().map(|(length, k)| length * k).fold(f64::INFINITY, f64::min);
+        let mut x = 0.0;
+        let mut places = vec![0.0];
+        for (length, _) in &links {
+            x += length;
+            places.push(x);
+        }
+        let name = |i: usize| match i {
+            0 => "room.left".to_string(),
+            i if i > n => "room.right".to_string(),
+            i => format!("room.m{i}"),
+        };
+        let mut fixed = format!("left = {{ x = [0, 0, 0] }}\nright = {{ x = [{x:?}, 0, 0] }}\n");
+        let (mut masses, mut springs, mut quads, mut cells) =
+            (String::new(), String::new(), String::new(), String::new());
+        for (i, (m, ..)) in self.chain.iter().enumerate() {
+            let _ = writeln!(masses, "m{} = {{ m = {m:e}, x = [{:?}, 0, 0] }}", i + 1, places[i + 1]);
+        }
+        for (i, (length, k)) in links.iter().enumerate() {
+            let (ends, l0) = ([name(i), name(i + 1)], length - pull / k);
+            let _ = writeln!(springs, "s{i} = {{ between = {ends:?}, k = {k:e}, l0 = {l0:?} }}");
+        }
+        for (i, (at, by, k)) in self.stays.iter().enumerate() {
+            let at = 1 + at.index(n);
+            let [x, y, z] = [places[at] + by[0], by[1], by[2]];
+            let _ = writeln!(fixed, "p{i} = {{ x = [{x:?}, {y:?}, {z:?}] }}");
+            let ends = [name(at), format!("room.p{i}")];
+            let _ = writeln!(springs, "r{i} = {{ between = {ends:?}, k = {:e} }}", k * scale);
+        }
+        for (i, (a, b, k, m, c)) in self.crossed.iter().enumerate() {
+            let a = a.index(n + 1);
+            let ends = [name(a), name(a + 1 + b.index(n + 1 - a))];
+            let _ =
+                writeln!(quads, "q{i} = {{ between = {ends:?}, onto = [\"wall\", \"c{i}\"], k = {:e} }}", k * scale);
+            let _ = writeln!(cells, "c{i} = {{ m = {m:e}, k = {:e} }}", c * scale);
+        }
+        let (wall, cells) = if cells.is_empty() {
+            (String::new(), String::new())
+        } else {
+            ("[SOL]\nwall = {}\n".to_string(), format!("[CEL]\n{cells}[LPR]\n{quads}"))
+        };
+        format!(
+            "[rate]\nsound = 1\ngesture = 1\n[room]\ndim = 3\n[room.SOL]\n{fixed}[room.MAS]\n{masses}[REF]\n{springs}\
+             {wall}{cells}[SOX]\nout = {{ from = \"room.m1\", along = \"x\" }}\n"
+        )
+    }
+
+    /// The model at its share of the limit, linearised.
+    fn linearised(&self) -> (String, Scene) {
+        let exact = with(&self.text(1.0), &Options { exact: true, ..Options::default() });
+        let (_, most) = exact.certificate.largest.expect("asked for");
+        let text = self.text(self.near * 4.0 / most);
+        let scene = with(&text, &Options { energy: true, ..Options::default() });
+        let c = &scene.certificate;
+        assert_eq!(c.level, Level::Linearised, "{c:?}\n{text}");
+        let exact = 2.0 * self.near / (1.0 - self.near);
+        let ripple = c.ripple.unwrap_or_else(|| panic!("no ripple\n{text}"));
+        assert!(ripple >= exact * 0.5 * (1.0 - 1e-4), "{ripple} is below {exact}\n{text}");
+        (text, scene)
+    }
+}
+
+/// The energy of the book.
+fn held(s: &State) -> f64 {
+    s.ledger.as_ref().expect("a book").h
+}
+
+/// Lets a scene go with each of its places moved by what `moved` says \[m\], and plays it: by what share of itself its
+/// energy above that of rest rose at most above what it was before.
+fn rises(scene: &Scene, mut moved: impl FnMut() -> f64, ticks: u64) -> f64 {
+    let mut s = scene.state();
+    (0..3).for_each(|_| tick(scene, &mut s));
+    let rest = held(&s);
+    let mut s = scene.state();
+    for i in 0..scene.n_mat {
+        if s.coef[2 * scene.n_mat + i] > 0.0 {
+            s.x[i] += moved();
+        }
+    }
+    tick(scene, &mut s);
+    let (mut least, mut most) = (f64::INFINITY, 0.0f64);
+    for _ in 0..ticks {
+        tick(scene, &mut s);
+        let h = held(&s) - rest;
+        least = least.min(h);
+        most = most.max(h / least - 1.0);
+    }
+    most
+}
+
+/// How far masses are moved, of lengths of about 1.
+const SMALL: f64 = 1e-4;
+
+#[test]
+fn what_is_linearised_keeps_to_its_ripple() {
+    soak(space, |d, ticks| {
+        let (text, scene) = d.linearised();
+        let stated = scene.certificate.ripple.expect("stated");
+        let mut dice = Dice(d.seed);
+        let rose = rises(&scene, || SMALL * dice.roll(), ticks);
+        // lengths tie modes to each other by the square of what they move
+        assert!(rose <= stated + SMALL, "{rose} is above {stated}\n{text}");
+    });
+}
+
+/// A mass between two springs drawn out of nothing holds sideways as it does along them, and reaches the ripple stated.
+#[test]
+fn the_ripple_is_reached() {
+    for k in [0.01, 0.2, 1.0, 1.8] {
+        let text = format!(
+            "[rate]\nsound = 1\ngesture = 1\n[room]\ndim = 3\n[room.SOL]\na = {{ x = [-1, 0, 0] }}\nb = {{ x = [1, 0, 0] }}\n\
+             [room.MAS]\nm = {{ m = 1, x = [0, 0, 0] }}\n[REF]\ns = {{ between = [[\"room.a\", \"room.b\"], \"room.m\"], \
+             k = {k:?}, l0 = 1e-6 }}\n[SOX]\nout = {{ from = \"room.m\", along = \"y\" }}\n"
+        );
+        let scene = with(&text, &Options { energy: true, ..Options::default() });
+        let stated = scene.certificate.ripple.unwrap_or_else(|| panic!("{:?}", scene.certificate));
+        within("ripple, stated", (stated - 4.0 * k / (4.0 - 2.0 * k)).abs() / stated, 1e-12);
+        let mut sideways = [0.0, SMALL, 0.0].into_iter();
+        let rose = rises(&scene, || sideways.next().unwrap_or(0.0), 20_000);
+        within(&format!("ripple, k = {k}"), (rose / stated - 1.0).abs(), 1e-4);
+    }
+}
