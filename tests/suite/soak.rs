@@ -95,24 +95,25 @@ impl Line {
 
     /// The model, one tick a second, with stiffness and viscosity times `scale`.
     fn text(&self, scale: f64) -> String {
-        let mut parts: [(&str, String); 9] =
-            ["SOL", "MAS", "CEL", "WAVEGUIDE", "STRING", "REF", "BUT", "BOW", "LPR"].map(|code| (code, String::new()));
-        let mut add = |code: &str, line: String| {
+        let codes = ["SOL", "MAS", "CEL", "WAVEGUIDE", "STRING", "REF", "BUT", "BOW", "LPR", "SOX", "ENF"];
+        let mut parts = codes.map(|code| (code, String::new()));
+        let mut add = |code: &str, name: String, args: String| {
             let part = parts.iter_mut().find(|p| p.0 == code).expect("a section");
-            part.1 += &line;
+            let _ = writeln!(part.1, "{name} = {{ {args} }}");
         };
-        add("SOL", "wall = {}\n".into());
+        add("SOL", "wall".into(), String::new());
+        add("ENF", "hand".into(), format!("to = \"{}\"", self.end(0)));
         for (i, (body, m, k, z)) in self.bodies.iter().enumerate() {
-            let [k, z] = [k * scale, z * scale];
-            match body {
-                Body::Mass => add("MAS", format!("n{i} = {{ m = {m:e} }}\n")),
-                Body::Cell => add("CEL", format!("n{i} = {{ m = {m:e}, k = {k:e}, z = {z:e} }}\n")),
-                Body::String => add("STRING", format!("n{i} = {{ n = 4, m = {m:e}, k = {k:e}, z = {z:e} }}\n")),
+            let held = format!("m = {m:e}, k = {:e}, z = {:e}", k * scale, z * scale);
+            let (code, args) = match body {
+                Body::Mass => ("MAS", format!("m = {m:e}")),
+                Body::Cell => ("CEL", held),
+                Body::String => ("STRING", format!("n = 4, {held}")),
                 // the heavier, the more there is of the string
-                Body::Junction => {
-                    add("WAVEGUIDE", format!("n{i} = {{ f = 0.01, t60 = 5e3, z = {m:e}, at = [0.1], m = {m:e} }}\n"))
-                }
-            }
+                Body::Junction => ("WAVEGUIDE", format!("f = 0.01, t60 = 5e3, z = {m:e}, at = [0.1], m = {m:e}")),
+            };
+            add(code, format!("n{i}"), args);
+            add("SOX", format!("o{i}"), format!("from = \"{}\"", self.end(i)));
         }
         // what looks ahead in two ways cannot share a mass
         let blows = self.ties.iter().any(|t| matches!(t.0, Tie::Contact | Tie::Bow));
@@ -120,41 +121,22 @@ impl Line {
             let n = self.bodies.len();
             let a = a.index(n);
             // another mass, or the wall
-            let b = match b.index(n) {
-                b if b == a => n,
-                b => b,
-            };
+            let b = Some(b.index(n)).filter(|b| *b != a).unwrap_or(n);
             let [p, q] = [a, b].map(|i| self.end(i));
+            let held = format!("k = {:e}, z = {:e}", k * scale, z * scale);
             let ends = format!("between = [\"{p}\", \"{q}\"]");
-            let [k, z] = [k * scale, z * scale];
-            match tie {
-                Tie::Contact => add("BUT", format!("t{l} = {{ {ends}, k = {k:e}, z = {z:e}, method = \"stable\" }}\n")),
-                Tie::Bow => add("BOW", format!("t{l} = {{ {ends}, f = {k:e}, v0 = 1, method = \"secant\" }}\n")),
-                Tie::Crossed => {
-                    add("LPR", format!("t{l} = {{ {ends}, onto = [\"wall\", \"{p}\"], k = {k:e}, z = {z:e} }}\n"));
-                }
-                Tie::Centred if !blows => {
-                    add("REF", format!("t{l} = {{ {ends}, k = {k:e}, z = {z:e}, method = \"centred\" }}\n"))
-                }
-                Tie::Implicit if !blows => {
-                    add(
-                        "REF",
-                        format!("t{l} = {{ {ends}, k = {k:e}, z = {z:e}, method = \"implicit\", theta = 0.2 }}\n"),
-                    );
-                }
-                _ => {
-                    let [p, q] = [a, b].map(|i| self.point(i));
-                    add("REF", format!("t{l} = {{ between = [\"{p}\", \"{q}\"], k = {k:e}, z = {z:e} }}\n"));
-                }
-            }
+            let (code, args) = match tie {
+                Tie::Contact => ("BUT", format!("{ends}, {held}, method = \"stable\"")),
+                Tie::Bow => ("BOW", format!("{ends}, f = {:e}, v0 = 1, method = \"secant\"", k * scale)),
+                Tie::Crossed => ("LPR", format!("{ends}, onto = [\"wall\", \"{p}\"], {held}")),
+                Tie::Centred if !blows => ("REF", format!("{ends}, {held}, method = \"centred\"")),
+                Tie::Implicit if !blows => ("REF", format!("{ends}, {held}, method = \"implicit\", theta = 0.2")),
+                _ => ("REF", format!("between = [\"{}\", \"{}\"], {held}", self.point(a), self.point(b))),
+            };
+            add(code, format!("t{l}"), args);
         }
-        let mut text = String::from("[rate]\nsound = 1\ngesture = 1\n");
-        for (code, part) in parts.iter().filter(|p| !p.1.is_empty()) {
-            let _ = write!(text, "[{code}]\n{part}");
-        }
-        let ends: Vec<String> = (0..self.bodies.len()).map(|i| self.end(i)).collect();
-        let outs: String = ends.iter().enumerate().map(|(i, e)| format!("o{i} = {{ from = \"{e}\" }}\n")).collect();
-        text + "[SOX]\n" + &outs + &format!("[ENF]\nhand = {{ to = \"{}\" }}\n", ends[0])
+        let written = parts.iter().filter(|p| !p.1.is_empty());
+        written.fold("[rate]\nsound = 1\ngesture = 1\n".into(), |text, (code, part)| format!("{text}[{code}]\n{part}"))
     }
 
     /// The model at its share of the limit, or as far below as it is proven: waves have their share without any spring.
