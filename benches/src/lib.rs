@@ -1,6 +1,7 @@
 //! Scenes that the benches share.
 
 pub mod atlas;
+pub mod costs;
 pub mod latency;
 pub mod rattle;
 

@@ -7,6 +7,7 @@ mod certificate;
 mod chance;
 mod compile_fuzz;
 mod conformance;
+mod costs;
 mod diagnostics;
 mod equivalence;
 mod files;

@@ -1,0 +1,144 @@
+//! What each guard, check and method costs: instructions, counted by valgrind so that they do not depend on what else
+//! the machine does, and ns, with and without in turn.
+//!
+//! It counts by running itself under `valgrind --tool=callgrind`, each run in two lengths whose difference counts, as
+//! many at a time as there are cores; without valgrind it says so and counts nothing. It fails where a scene pays for
+//! what it does not use. Prints the page; with `UPDATE=1` writes it to `docs/costs.md`.
+
+use ca_benches::costs::page::{Price, page};
+use ca_benches::costs::{Row, Run, rows};
+use std::path::Path;
+use std::process::{Command, ExitCode};
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+use std::sync::{Mutex, PoisonError};
+use std::time::Instant;
+
+/// Ticks or frames of the two runs whose difference counts: whole frames, and whole rounds of what is done every 1024
+/// ticks.
+const FEW: u32 = 1024;
+const MANY: u32 = 9 * FEW;
+/// Frames at the hand are many ticks each.
+const FRAMES: u32 = 256;
+const MORE: u32 = 5 * FRAMES;
+
+/// The lengths for a run.
+fn lengths(run: &Run) -> [u32; 2] {
+    if run.is_hand() { [FRAMES, MORE] } else { [FEW, MANY] }
+}
+
+/// Every run there is, once.
+fn runs(rows: &[Row]) -> Vec<Run> {
+    let mut all = Vec::new();
+    for run in rows.iter().flat_map(|r| [Some(r.plain.clone()), Some(r.used.clone()), r.unheard()]).flatten() {
+        if !all.contains(&run) {
+            all.push(run);
+        }
+    }
+    all
+}
+
+/// Instructions of run `i` with this length.
+fn counted(i: usize, length: u32) -> Option<u64> {
+    let out = Command::new("valgrind")
+        .args(["--tool=callgrind", "--callgrind-out-file=/dev/null"])
+        .arg(std::env::current_exe().ok()?)
+        .env("CA_COSTS", format!("{i} {length}"))
+        .output()
+        .ok()?;
+    let told = String::from_utf8_lossy(&out.stderr).into_owned();
+    assert!(out.status.success(), "run {i}: {told}");
+    told.lines().find_map(|l| l.split("Collected : ").nth(1)).and_then(|n| n.trim().parse().ok())
+}
+
+/// Instructions per tick or frame of each run; `None` without valgrind.
+fn counts(runs: &[Run]) -> Option<Vec<f64>> {
+    Command::new("valgrind").arg("--version").output().ok()?;
+    let (next, all) = (AtomicUsize::new(0), Mutex::new(vec![None; runs.len()]));
+    let work = || {
+        while let Some((i, run)) = Some(next.fetch_add(1, Relaxed)).and_then(|i| Some((i, runs.get(i)?))) {
+            let [few, many] = lengths(run);
+            let each = counted(i, few).zip(counted(i, many)).map(|(a, b)| (b - a) as f64 / f64::from(many - few));
+            all.lock().unwrap_or_else(PoisonError::into_inner)[i] = each;
+        }
+    };
+    std::thread::scope(|s| {
+        for _ in 0..std::thread::available_parallelism().map_or(1, usize::from) {
+            s.spawn(work);
+        }
+    });
+    all.into_inner().unwrap_or_else(PoisonError::into_inner).into_iter().collect()
+}
+
+/// ns per tick or frame of the row with its thing, less without: the best of each, in turn.
+fn time(row: &Row) -> f64 {
+    const TURNS: usize = 24;
+    let n = lengths(&row.used)[0];
+    let mut best = [f64::INFINITY; 2];
+    for _ in 0..TURNS {
+        for (best, run) in best.iter_mut().zip([&row.plain, &row.used]) {
+            let mut play = run.player();
+            play(n / 4);
+            let begin = Instant::now();
+            play(n);
+            *best = best.min(begin.elapsed().as_nanos() as f64 / f64::from(n));
+        }
+    }
+    best[1] - best[0]
+}
+
+/// Whose times these are.
+fn machine() -> String {
+    let told = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let name = told.lines().find_map(|l| l.strip_prefix("model name")).and_then(|l| l.split_once(": "));
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let virtual_one = if told.contains("hypervisor") { ", a virtual one that it shares with others" } else { "" };
+    format!("{cores} cores of {}{virtual_one}", name.map_or("a kind it does not tell", |(_, name)| name.trim()))
+}
+
+fn main() -> ExitCode {
+    let rows = rows();
+    let runs = runs(&rows);
+    if let Ok(run) = std::env::var("CA_COSTS") {
+        let mut numbers = run.split(' ').filter_map(|n| n.parse::<u32>().ok());
+        let (i, length) = (numbers.next().unwrap_or(0), numbers.next().unwrap_or(0));
+        runs[i as usize].player()(length);
+        return ExitCode::SUCCESS;
+    }
+    // `cargo test --benches` asks whether it runs at all
+    if !std::env::args().any(|a| a == "--bench") {
+        runs.iter().for_each(|run| run.player()(16));
+        return ExitCode::SUCCESS;
+    }
+    let mut failed = false;
+    for row in &rows {
+        if let Err(why) = row.nothing() {
+            println!("{}, {}: a scene without it has something of it: {why}", row.thing, row.with);
+            failed = true;
+        }
+    }
+    let Some(counts) = counts(&runs) else {
+        println!("instructions are counted by valgrind, which is not at hand");
+        return if failed { ExitCode::FAILURE } else { ExitCode::SUCCESS };
+    };
+    let count = |run: &Run| runs.iter().position(|r| r == run).map_or(f64::NAN, |i| counts[i]);
+    let price = |row: &Row| Price {
+        instructions: (count(&row.used) - count(&row.plain)) / row.modules,
+        ns: time(row) / row.modules,
+        unheard: row.unheard().map(|run| count(&run) - count(&row.plain)),
+    };
+    let prices: Vec<Price> = rows.iter().map(price).collect();
+    let text = page(&rows, &prices, &machine());
+    println!("{text}");
+    for (row, price) in rows.iter().zip(&prices).filter(|(_, price)| price.is_paid_by_others()) {
+        println!("{}, {}: {} in a scene without it", row.thing, row.with, price.unheard.unwrap_or(0.0));
+        failed = true;
+    }
+    if failed {
+        return ExitCode::FAILURE;
+    }
+    if std::env::var_os("UPDATE").is_some() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/costs.md");
+        std::fs::write(path, text).expect("the page can be written");
+    }
+    ExitCode::SUCCESS
+}

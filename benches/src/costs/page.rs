@@ -1,0 +1,110 @@
+//! The page `docs/costs.md`: how rows are written, so that a test finds them there again.
+
+use super::{Row, Without};
+use std::fmt::Write as _;
+
+/// The text above the tables.
+pub const HEAD: &str = "# What it costs
+
+Made by `UPDATE=1 cargo bench -p ca-benches --bench costs`: do not edit.
+
+What each guard, check and method costs, and that a scene without it pays nothing. A price is a difference: a scene with
+the thing less the same scene without it, over the modules that have it, so that all the compiler does otherwise because
+of it is in the price; a negative one is cheaper. Methods are beside `ca`, the explicit scheme of the same modules.
+
+**Instructions** are counted by valgrind (callgrind) in runs of two lengths, whose difference has neither start nor end in
+it: they do not depend on what else the machine does. **ns** are the best of many short runs in one process, with and
+without in turn.
+
+**A scene without it** pays nothing, by one of these proofs, and the bench fails where it is not so:
+
+- *counted*: the same scene with the thing in the file, where nothing hears it or it is set to nothing, counts the same
+  instructions in each tick, to 0.05, and has the same passes and the same state;
+- *no pass*: it cannot stand in a file without being used; the passes it makes and its numbers in the state are not there;
+- *outside*: whoever plays the scene asks for it, in no pass of the scene;
+- *no device*: it belongs to a device, or to one that asks for it in its profile; another engine has no stage of it.
+";
+
+const COLUMNS: &str =
+    "| thing | with what | instructions per module and tick | ns per module and tick | a scene without it pays |";
+const FRAMES: &str = "
+## At the hand
+
+Of a device of twelve keys, with every stage of the guard, forces on, moving slowly within all limits: what every gesture
+frame costs while nothing is wrong, at 3000 frames a second and 16 ticks each. H7 and H14 are fields of the force frame,
+in the price of a device; H17 and H18 are at the start, or what is not done.
+";
+const ALWAYS: &str = "
+## What every scene pays
+
+One check is in every scene: every 1024 ticks, what is too small to matter is set to 0 before it becomes denormal and slow.
+";
+
+/// What was measured of a row.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Price {
+    /// instructions per module and tick or frame
+    pub instructions: f64,
+    /// \[ns\] per module and tick or frame
+    pub ns: f64,
+    /// instructions per tick or frame of a scene that has it and does not hear it, where that was counted
+    pub unheard: Option<f64>,
+}
+
+impl Price {
+    /// The most that rounding of a count over a run may seem to be.
+    pub const NOTHING: f64 = 0.05;
+
+    /// Whether a scene without the thing pays for it.
+    pub fn is_paid_by_others(&self) -> bool {
+        self.unheard.is_some_and(|n| n.abs() > Price::NOTHING)
+    }
+}
+
+/// The proof, as the page calls it.
+pub fn proof(without: &Without) -> &'static str {
+    match without {
+        Without::Unheard(_) => "0, counted",
+        Without::Absent(..) => "0, no pass",
+        Without::Outside => "0, outside",
+        Without::Device(..) => "0, no device",
+        Without::Always => "",
+    }
+}
+
+fn number(v: f64) -> String {
+    let text = if v.abs() < 10.0 { format!("{v:.2}") } else { format!("{v:.0}") };
+    text.replace("-0.00", "0.00").replace('-', "−")
+}
+
+/// A line of a table.
+pub fn line(row: &Row, price: &Price) -> String {
+    let Row { thing, with, without, .. } = row;
+    let mut cells = format!("| {thing} | {with} | {} | {} |", number(price.instructions), number(price.ns));
+    if price.is_paid_by_others() {
+        let _ = write!(cells, " {} |", number(price.unheard.unwrap_or(0.0)));
+    } else if !matches!(without, Without::Always) {
+        let _ = write!(cells, " {} |", proof(without));
+    }
+    cells
+}
+
+/// The whole page; `machine` says whose times these are.
+pub fn page(rows: &[Row], prices: &[Price], machine: &str) -> String {
+    let mut t = format!("{HEAD}\nThe machine of this page is {machine}.\n\n## In the tick\n");
+    let priced = |t: &mut String, head: &str, which: fn(&Row) -> bool| {
+        let n = head.matches('|').count() - 1;
+        let _ = write!(t, "\n{head}\n|{}\n", "---|".repeat(n));
+        for (row, price) in rows.iter().zip(prices).filter(|(row, _)| which(row)) {
+            let _ = writeln!(t, "{}", line(row, price));
+        }
+    };
+    let always = |row: &Row| matches!(row.without, Without::Always);
+    priced(&mut t, COLUMNS, |row| !row.used.is_hand() && !matches!(row.without, Without::Always));
+    t += FRAMES;
+    priced(&mut t, &COLUMNS.replace("module and tick", "device and frame"), |row| row.used.is_hand());
+    t += ALWAYS;
+    let short = COLUMNS.trim_end_matches(" a scene without it pays |");
+    priced(&mut t, short, always);
+    t
+}
