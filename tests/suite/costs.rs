@@ -1,5 +1,6 @@
-//! The page of costs is the one the bench makes, every method is on it, and no scene has anything of what it does not use.
-//! The numbers are for the bench, `benches/costs.rs`: they hang on the build and, the times, on the machine.
+//! The page of costs is the one the bench makes, every method and every rule of the guard is on it, and no scene has
+//! anything of what it does not use. The numbers are for the bench, `benches/costs.rs`: they hang on the build and, the
+//! times, on the machine.
 
 use ca_benches::costs::page::{HEAD, proof};
 use ca_benches::costs::rows;
@@ -52,6 +53,16 @@ fn every_method_is_on_the_page() {
     assert!(words.remove("ca") && PAGE.contains("Methods are beside `ca`"));
     let told = table().into_iter().filter_map(|c| c[0].strip_prefix("method ").map(|m| m.trim_matches('`')));
     assert_eq!(told.collect::<BTreeSet<_>>(), words);
+}
+
+#[test]
+fn every_rule_of_the_guard_is_on_the_page() {
+    let rules = |text: &'static str| -> BTreeSet<&str> {
+        let is_rule = |w: &&str| w.strip_prefix('H').is_some_and(|n| n.parse::<u32>().is_ok());
+        text.split(|c: char| !c.is_alphanumeric()).filter(is_rule).collect()
+    };
+    let there = rules(include_str!("../../docs/safety.md"));
+    assert!(there.len() >= 18 && there.is_subset(&rules(PAGE)), "{there:?}");
 }
 
 #[test]

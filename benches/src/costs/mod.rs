@@ -2,8 +2,8 @@
 //!
 //! Decides that a price is a difference: a run with the thing, less the same run without it, over the modules that have
 //! it. So nothing is taken apart that runs as a whole, and what the compiler chooses otherwise because of it (another
-//! law, another pass) is in the price. Two kinds of proof that nobody pays for what is absent: where a thing can stand in
-//! a scene that does not hear it, both are counted and must be equal, and [`Row::nothing`] finds the same passes and
+//! law, another pass) is in the price. Two kinds of proof that nobody pays for what is absent: where a thing can stand
+//! in a scene that does not hear it, both are counted and must be equal, and [`Row::nothing`] finds the same passes and
 //! the same state in them; where it cannot, its passes and its numbers in the state are named, and are not there.
 //!
 //! The bench is `benches/costs.rs`; the page it writes, [`page`].

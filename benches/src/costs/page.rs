@@ -12,15 +12,16 @@ What each guard, check and method costs, and that a scene without it pays nothin
 the thing less the same scene without it, over the modules that have it, so that all the compiler does otherwise because
 of it is in the price; a negative one is cheaper. Methods are beside `ca`, the explicit scheme of the same modules.
 
-**Instructions** are counted by valgrind (callgrind) in runs of two lengths, whose difference has neither start nor end in
-it: they do not depend on what else the machine does. **ns** are the best of many short runs in one process, with and
-without in turn.
+**Instructions** are counted by valgrind (callgrind) in runs of two lengths, whose difference has neither start nor end
+in it: they do not depend on what else the machine does. **ns** are the best of many short runs in one process, with and
+without in turn; the rows of 0 instructions show how far they err.
 
 **A scene without it** pays nothing, by one of these proofs, and the bench fails where it is not so:
 
 - *counted*: the same scene with the thing in the file, where nothing hears it or it is set to nothing, counts the same
   instructions in each tick, to 0.05, and has the same passes and the same state;
-- *no pass*: it cannot stand in a file without being used; the passes it makes and its numbers in the state are not there;
+- *no pass*: it cannot stand in a file without being used; the passes it makes and its numbers in the state are not
+  there;
 - *outside*: whoever plays the scene asks for it, in no pass of the scene;
 - *no device*: it belongs to a device, or to one that asks for it in its profile; another engine has no stage of it.
 ";
@@ -30,14 +31,16 @@ const COLUMNS: &str =
 const FRAMES: &str = "
 ## At the hand
 
-Of a device of twelve keys, with every stage of the guard, forces on, moving slowly within all limits: what every gesture
-frame costs while nothing is wrong, at 3000 frames a second and 16 ticks each. H7 and H14 are fields of the force frame,
-in the price of a device; H17 and H18 are at the start, or what is not done.
+Of a device of twelve keys, with every stage of the guard, forces on, moving slowly within all limits: what a gesture
+frame costs while nothing is wrong, at 3000 frames a second and 16 ticks each. A stage is priced alone. H7 and H14 are
+fields of the force frame, in the price of a device; H17 and H18 are at the start, or what is not done. Records of an
+engine's loop are handed over by rings; a take is written from them by another thread, for which no frame waits.
 ";
 const ALWAYS: &str = "
 ## What every scene pays
 
-One check is in every scene: every 1024 ticks, what is too small to matter is set to 0 before it becomes denormal and slow.
+One check is in every scene: every 1024 ticks, what is too small to matter is set to 0 before it becomes denormal and
+slow.
 ";
 
 /// What was measured of a row.

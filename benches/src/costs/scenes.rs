@@ -33,7 +33,7 @@ fn walled(kind: &str, params: &str) -> String {
 
 /// `N` links of this kind and with these parameters between the same two masses.
 fn bundle(kind: &str, params: &str) -> String {
-    let mut t = String::from("[SOL]\nwall = {}\n[CEL]\nbob = { m = \"1 g\", k = 4000, z = 0.001, v = 0.1 }\n");
+    let mut t = String::from("[SOL]\nwall = {}\n[CEL]\nbob = { m = \"1 g\", k = 8000, z = 0.001, v = 0.1 }\n");
     let _ = write!(t, "[SOX]\nout = {{ from = \"bob\" }}\n[{kind}]\n");
     for i in 0..N {
         let _ = writeln!(t, "l{i} = {{ between = [\"wall\", \"bob\"], {params} }}");
@@ -64,11 +64,12 @@ fn keys(kind: &str, rate: &str) -> String {
     t
 }
 
-/// A string whose stiffness is a parameter.
-fn named(live: bool, more: &str) -> String {
-    let range = if live { ", live = true, min = 1e4, max = 2e5" } else { "" };
-    let k = format!("[param]\nk = {{ value = 1e5, unit = \"N/m\"{range} }}\n{more}");
-    k + &string(100).replace("\"100 kN/m\"", "\"k\"")
+/// A model whose number `from` is a parameter `k` of this value, live or not.
+fn named(model: &str, from: &str, value: f64, live: bool) -> String {
+    let range =
+        if live { format!(", live = true, min = {}, max = {}", 0.5 * value, 2.0 * value) } else { String::new() };
+    let k = format!("[param]\nk = {{ value = {value}, unit = \"N/m\"{range} }}\n");
+    k + &model.replace(from, "k = \"k\"")
 }
 
 /// A string all of whose masses are heard, each in a channel of its own.
@@ -92,15 +93,15 @@ const BODY: &str = "[room]\ndim = 3\n[room.TETRA]\np = { edge = 0.02, m = 1e-3 }
                     m = 1e-3, k = 1e5, edges = \"closed\" }\n[SOL]\nrim = {}\n";
 const LPR: &str =
     "[LPR]\nedges = { between = [\"room.p[*]\", \"room.p[*]\"], onto = [\"rim\", \"sheet[1,1]\"], k = 2e4 }\n";
-const FAR: &str = "[q]\ndim = 3\n[q.TETRA]\np = { edge = 0.02, m = 1e-3 }\n[r.SOL]\nrim = {}\n[r.MAS]\nm = { m = 1e-3 }\n\
+const FAR: &str = "[q]\ndim = 3\n[q.TETRA]\np = { edge = 0.02, m = 1e-3 }\n[r.SOL]\nrim = {}\n[r.MAS]\nm = { m = 1 }\n\
                    [LPR]\nlost = { between = [\"q.p[*]\", \"q.p[*]\"], onto = [\"r.rim\", \"r.m\"], k = 2e4 }\n";
 const WAVES: &str = "[WAVEGUIDE]\nlow = { f = \"110 Hz\", t60 = \"4 s\", z = 1, at = [0.3] }\n";
 
 /// A cell that nothing hears, with a link of this kind and with these parameters to a wall of its own.
 fn apart(kind: &str, params: &str) -> String {
     format!(
-        "[q.CEL]\na = {{ m = 1e-3, k = 100 }}\n[q.SOL]\nw = {{}}\n[q.{kind}]\nl = {{ between = [\"q.w\", \"q.a\"], {params} \
-         }}\n"
+        "[q.CEL]\na = {{ m = 1e-3, k = 100 }}\n[q.SOL]\nw = {{}}\n[q.{kind}]\n\
+         l = {{ between = [\"q.w\", \"q.a\"], {params} }}\n"
     )
 }
 
@@ -154,10 +155,15 @@ pub(super) fn rows() -> Vec<Row> {
 }
 
 fn checks() -> Vec<Row> {
+    let springs = walled("REF", "k = 7.5, z = 0.001");
+    let by_name = |live: bool| named(&springs, "k = 7.5", 7.5, live);
+    let idle = |text: &str| text.replace("[param]\n", "[param]\nidle = { value = 1, live = true, min = 0, max = 2 }\n");
+    let live = |thing, also| {
+        let runs = [run(by_name(false)), doing(also, by_name(true))];
+        row(thing, "the stiffness of a spring with damper", N, runs, Without::Unheard(idle(&by_name(false))))
+    };
     let watch = [run(string(100)), doing(Also::Watches, string(100))];
     let hash = [run(string(100)), doing(Also::Hashes, string(100))];
-    let ramps = [run(named(false, "")), doing(Also::Ramps, named(true, ""))];
-    let idle = "idle = { value = 1, live = true, min = 0, max = 2 }\n";
     let low_pass = ["", "[rate]\nfilter = \"18 kHz\"\n"].map(|filter| run(format!("{filter}{}", string(100))));
     vec![
         book("a cell", N, cells(N, "")),
@@ -181,19 +187,14 @@ fn checks() -> Vec<Row> {
             low_pass,
             Without::Absent(&["low pass"], |s| s.lowpass.len()),
         ),
+        live("live parameter, at rest", Also::Nothing),
+        live("live parameter, on its way", Also::Ramps),
         row(
-            "live parameter at rest",
-            "a coefficient of a string of 100",
-            101,
-            [run(named(false, "")), run(named(true, ""))],
-            Without::Unheard(named(false, idle)),
-        ),
-        row(
-            "live parameter on its way",
-            "a coefficient of a string of 100",
-            101,
-            ramps,
-            Without::Unheard(named(false, idle)),
+            "live parameter, at rest",
+            "all of a string of 100, for each mass",
+            100,
+            [false, true].map(|live| run(named(&string(100), "k = \"100 kN/m\"", 1e5, live))),
+            Without::Unheard(idle(&named(&string(100), "k = \"100 kN/m\"", 1e5, false))),
         ),
     ]
 }
@@ -240,7 +241,7 @@ fn links() -> Vec<Row> {
             "a string of 110 Hz with its junction, heard",
             1,
             [string(100), format!("{}wave = {{ from = \"low[0]\" }}\n{WAVES}", string(100))],
-            &WAVES.replace('[', "[q.").replace("[q.0", "[0"),
+            &WAVES.replace("[WAVE", "[q.WAVE"),
         ),
     ]
 }

@@ -27,9 +27,9 @@ impl Stage for Slew {
         if matches!(hand.mode, Mode::Off | Mode::Fault) {
             return;
         }
+        let mut step = [0.0; DOF];
         for at in (0..hand.n).step_by(self.axes) {
             let end = (at + self.axes).min(hand.n);
-            let mut step = [0.0; DOF];
             for (k, step) in step.iter_mut().enumerate().take(end).skip(at) {
                 *step = hand.force[k] - hand.sent[k];
             }
