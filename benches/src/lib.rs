@@ -1,5 +1,6 @@
 //! Scenes that the benches share.
 
+pub mod accuracy;
 pub mod atlas;
 pub mod costs;
 pub mod latency;

@@ -1,5 +1,6 @@
 //! The whole suite in one binary, one file per theme.
 
+mod accuracy;
 mod acoustics;
 mod atlas;
 mod border;

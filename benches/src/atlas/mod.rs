@@ -35,7 +35,8 @@ impl Axis {
         Axis { name, ends: [from, to], log: false }
     }
 
-    const fn log(name: &'static str, from: f64, to: f64) -> Axis {
+    /// An axis of powers of ten, from and to these exponents.
+    pub const fn log(name: &'static str, from: f64, to: f64) -> Axis {
         Axis { name, ends: [from, to], log: true }
     }
 

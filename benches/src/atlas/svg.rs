@@ -7,8 +7,8 @@ use super::{Axis, Cell, Field, Map};
 use std::fmt::Write as _;
 
 /// Width and height of the map itself, and the room around it: left, top, right, bottom.
-const SIZE: [f64; 2] = [560.0, 400.0];
-const ROOM: [f64; 4] = [70.0, 16.0, 26.0, 92.0];
+pub(crate) const SIZE: [f64; 2] = [560.0, 400.0];
+pub(crate) const ROOM: [f64; 4] = [70.0, 16.0, 26.0, 92.0];
 
 /// Colours that the colour-blind can tell apart.
 const CALM: &str = "#cfe3f3";
@@ -53,19 +53,23 @@ fn marks(axis: &Axis, most: f64) -> Vec<(f64, String)> {
     (first..=last).map(|i| f64::from(i) * step).map(|v| ((v - axis.ends[0]) / span, word(v))).collect()
 }
 
-/// The whole picture.
-pub fn draw(map: &Map, field: &Field) -> String {
-    let [w, h] = SIZE;
-    let [left, top, right, bottom] = ROOM;
+/// The beginning of a picture: its size, its title, white ground, and the piece of it that is clipped.
+pub(crate) fn begin(title: &str) -> String {
+    let ([w, h], [left, top, right, bottom]) = (SIZE, ROOM);
     let (width, height) = (left + w + right, top + h + bottom);
-    let mut t = format!(
+    format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
          viewBox=\"0 0 {width} {height}\" font-family=\"sans-serif\" font-size=\"13\">\n<title>{}</title>\n\
          <rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n\
-         <clipPath id=\"map\"><rect x=\"{left}\" y=\"{top}\" width=\"{w}\" height=\"{h}\"/></clipPath>\n\
-         <g shape-rendering=\"crispEdges\">\n",
-        map.title.replace('"', "&quot;")
-    );
+         <clipPath id=\"map\"><rect x=\"{left}\" y=\"{top}\" width=\"{w}\" height=\"{h}\"/></clipPath>\n",
+        title.replace('"', "&quot;")
+    )
+}
+
+/// The whole picture.
+pub fn draw(map: &Map, field: &Field) -> String {
+    let ([w, h], [left, top, ..]) = (SIZE, ROOM);
+    let mut t = begin(map.title) + "<g shape-rendering=\"crispEdges\">\n";
     let up = field.cells.len() / field.across;
     let (dx, dy) = (w / field.across as f64, h / up as f64);
     for (row, cells) in field.cells.chunks(field.across).enumerate() {
@@ -87,29 +91,30 @@ pub fn draw(map: &Map, field: &Field) -> String {
         let thin = if line.thin { " stroke-width=\"0.6\" stroke-dasharray=\"5 4\"" } else { "" };
         let _ = writeln!(t, "<polyline points=\"{}\"{thin}/>", points.join(" "));
     }
-    let _ = writeln!(
-        t,
-        "</g>\n<rect x=\"{left}\" y=\"{top}\" width=\"{w}\" height=\"{h}\" fill=\"none\" stroke=\"#444\"/>"
-    );
-    for (part, word) in marks(&map.axes[0], 10.0) {
+    t += "</g>\n";
+    frame(&mut t, &map.axes);
+    legend(&mut t, map, field, [left, top + h + 62.0]);
+    t + "</svg>\n"
+}
+
+/// The border of a picture, with the marks and names of its axes.
+pub(crate) fn frame(t: &mut String, axes: &[Axis; 2]) {
+    let ([w, h], [left, top, ..]) = (SIZE, ROOM);
+    let _ = writeln!(t, "<rect x=\"{left}\" y=\"{top}\" width=\"{w}\" height=\"{h}\" fill=\"none\" stroke=\"#444\"/>");
+    for (part, word) in marks(&axes[0], 10.0) {
         let (x, y) = (left + w * part, top + h);
         let _ = writeln!(t, "<path d=\"M{x:.1} {y:.1}v5\" stroke=\"#444\"/>");
         let _ = writeln!(t, "<text x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{word}</text>", y + 20.0);
     }
-    for (part, word) in marks(&map.axes[1], 8.0) {
+    for (part, word) in marks(&axes[1], 8.0) {
         let y = top + h * (1.0 - part);
         let _ = writeln!(t, "<path d=\"M{left} {y:.1}h-5\" stroke=\"#444\"/>");
         let _ = writeln!(t, "<text x=\"{}\" y=\"{:.1}\" text-anchor=\"end\">{word}</text>", left - 9.0, y + 4.5);
     }
     let (x, y) = (left + 0.5 * w, top + 0.5 * h);
-    let _ = writeln!(t, "<text x=\"{x}\" y=\"{}\" text-anchor=\"middle\">{}</text>", top + h + 42.0, map.axes[0].name);
-    let _ = writeln!(
-        t,
-        "<text transform=\"translate(18 {y}) rotate(-90)\" text-anchor=\"middle\">{}</text>",
-        map.axes[1].name
-    );
-    legend(&mut t, map, field, [left, top + h + 62.0]);
-    t + "</svg>\n"
+    let _ = writeln!(t, "<text x=\"{x}\" y=\"{}\" text-anchor=\"middle\">{}</text>", top + h + 42.0, axes[0].name);
+    let _ =
+        writeln!(t, "<text transform=\"translate(18 {y}) rotate(-90)\" text-anchor=\"middle\">{}</text>", axes[1].name);
 }
 
 /// What the colours mean; the line only where there is one.

@@ -5,6 +5,7 @@
 //! kinds exist ([`catalog`], the one place). A command is one file of `commands/` with one function `run`.
 #![forbid(unsafe_code)]
 
+mod accuracy;
 mod args;
 mod commands;
 mod load;

@@ -62,6 +62,11 @@ impl Pattern {
         self.order.len()
     }
 
+    /// How many numbers a factor has.
+    pub fn numbers(&self) -> usize {
+        self.size() + self.rows.len()
+    }
+
     fn column(&self, j: usize) -> core::ops::Range<usize> {
         self.columns[j] as usize..self.columns[j + 1] as usize
     }

@@ -107,7 +107,8 @@ pub struct State {
     pub glide: Vec<[f64; 2]>,
     /// past of the sound channels before the low-pass (channels x 2n), a ring each, twice; written by `writes`
     pub lowpass: Vec<f64>,
-    /// changes of motion in passing, of links that look ahead \[m/tick²\] (places); written by `forces`
+    /// in passing, of links that look ahead: changes of motion \[m/tick²\] (places), then what MATs add to them by
+    /// themselves \[N\] (places); written by `forces`
     pub ahead: Vec<f64>,
     /// contacts that are solved together; empty between ticks, written by `forces`
     pub touches: Touches,

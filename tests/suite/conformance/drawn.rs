@@ -171,10 +171,14 @@ impl Loaded {
     }
 }
 
-/// A row of six masses joined by one law each, and a seventh across, so that batches hold a run and a loose link.
+/// Masses of [`row`].
+pub const MASSES: u32 = 12;
+
+/// A row of masses joined by one law each, long enough for a run, and a link across, so that batches hold a run and a
+/// loose link.
 pub fn row(kind: &Kind, way: &str, apart: bool, dice: &mut Dice) -> Model {
     let mut m = model("[SOX]\nout = { from = \"m3\" }\n");
-    for i in 0..6 {
+    for i in 0..MASSES {
         let x = if apart { 1e-4 * f64::from(i) } else { 0.0 };
         let own = [
             Entry::new("m", 0.5 + 0.1 * f64::from(i)),
@@ -187,7 +191,7 @@ pub fn row(kind: &Kind, way: &str, apart: bool, dice: &mut Dice) -> Model {
     let mut list = args(kind, dice);
     by(way, &mut list);
     held(kind, &mut m, &mut list);
-    for (k, (a, b)) in [(0, 1), (1, 2), (2, 3), (3, 4), (4, 5), (0, 3)].into_iter().enumerate() {
+    for (k, (a, b)) in (1..MASSES).map(|i| (i - 1, i)).chain([(0, 3)]).enumerate() {
         let mut own = list.clone();
         own.retain(|e| e.key != "l0");
         own.push(Entry::new("between", Value::from(vec![format!("m{a}"), format!("m{b}")])));

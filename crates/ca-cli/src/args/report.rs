@@ -1,13 +1,15 @@
 //! A page about a model or a take.
 
-use super::{Playing, Source};
+use super::{Playing, Source, quantity_of};
+use ca_core::kind::Unit;
 use clap::Args;
 use std::path::PathBuf;
 
 /// Writes a page about a model or a take
 ///
 /// One HTML file that opens anywhere and asks nobody for anything: the sound with its waveform, spectrogram and spectrum,
-/// the modes of the linear part, the motion of modules, the energy book, what is proven of stability, and the model itself.
+/// the modes of the linear part, the motion of modules, the energy book, error against run time of its beginning, what is
+/// proven of stability, and the model itself.
 /// A model is played as by `ca render`, with the energy book kept. A take (`*.mcap`) is shown as it was: gestures, forces,
 /// faults, and how the real-time loop did; it is played again for the book. Exit code 3 as of `ca render` and
 /// `ca replay`: the page is written all the same, and says what is wrong.
@@ -31,7 +33,15 @@ pub struct ReportArgs {
     /// hear and the device keys if left out
     #[arg(long, value_name = "NAME")]
     pub probe: Vec<String>,
+    /// As long as other methods and rates are tried, for error against run time as of `ca accuracy`; 0 leaves it out,
+    /// 0.2 s if nothing is said
+    #[arg(long, value_name = "S", value_parser = tried, allow_negative_numbers = true)]
+    pub accuracy: Option<f64>,
     /// Prints nothing but warnings and errors
     #[arg(short, long)]
     pub quiet: bool,
+}
+
+fn tried(text: &str) -> Result<f64, String> {
+    quantity_of(text, Unit::SECOND, (0.0, 3600.0))
 }

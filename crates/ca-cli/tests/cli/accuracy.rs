@@ -110,3 +110,24 @@ fn nothing_to_hear_is_a_failure() {
     desk.ca(&["accuracy", "still.ca.toml", "--seconds", "0.01"]).is(1).says(&["nothing of `a` moves", "--seconds"]);
     desk.ca(&["accuracy", "glass", "--error", "0"]).is(2).says(&["above 0"]);
 }
+
+/// What `docs/accuracy.md` says is what the command says, of scenes that are short: all but the times.
+#[test]
+fn the_page_of_error_against_run_time_is_true() {
+    use ca_benches::accuracy::{CASES, page::rows};
+    let page = include_str!("../../../../docs/accuracy.md");
+    for (case, reference) in [(&CASES[0], "8"), (&CASES[3], CASES[3].reference)] {
+        let found = measured(&(case.text)(), &["--seconds", case.seconds, "--times", "1", "--reference", reference]);
+        let told = rows(page, case.title);
+        for r in found["rows"].as_array().expect("rows") {
+            let name = format!("{} ×1", r["method"].as_str().expect("a method"));
+            let row = told.iter().find(|t| t[0].trim_end_matches(" *") == name).unwrap_or_else(|| panic!("{name}"));
+            let said = |cell: usize| row[cell].trim_start_matches("< ").parse::<f64>().expect("a number");
+            let error =
+                r["error"].as_f64().expect("an error").max(found["reference"]["known"].as_f64().expect("known"));
+            assert!((error / said(1) - 1.0).abs() < 0.06, "{name}: {error:e} and {row:?}");
+            assert!((r["cents"].as_f64().expect("a pitch") - said(3)).abs() < 0.002, "{name}: {r} and {row:?}");
+            assert_eq!(row[8], r["stability"].as_str().expect("a word"), "{name}");
+        }
+    }
+}

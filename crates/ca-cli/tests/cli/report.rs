@@ -54,10 +54,17 @@ fn names(plot: &Json) -> Vec<&str> {
 fn a_model_is_told_whole() {
     let desk = Desk::new();
     desk.put("struck.ca.toml", STRUCK).put("key.csv", KEY);
-    let r = desk.ca(&["report", "struck.ca.toml"]).is(0).says(&["struck.html", "kB", "sound, motion, energy"]);
+    let r = desk.ca(&["report", "struck.ca.toml", "--accuracy", "0.05"]).is(0).says(&[
+        "struck.html",
+        "kB",
+        "sound, motion, energy",
+    ]);
     assert_eq!(r.err, "");
     let page = Page::of(&desk, "struck.html");
-    assert_eq!(page.titles(), ["Summary", "Sound", "Motion", "Energy", "Modes", "Stability", "Model"]);
+    assert_eq!(
+        page.titles(),
+        ["Summary", "Sound", "Motion", "Energy", "Modes", "Error against run time", "Stability", "Model"]
+    );
     page.says(&["rule of thumb", "The book closes to", "45 MAT", "Greatest sample", "data:image/png;base64,"]);
     page.says(&["[STRING]", "real-time factor"]);
     // as long as the model says, 16 bits, two channels

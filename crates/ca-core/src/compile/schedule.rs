@@ -340,7 +340,7 @@ fn loaded(net: &Net, layout: &Layout, x: Vec<f64>, v: &[f64], coef: Vec<f64>, (l
         glide: layout.finer.iter().flat_map(|f| &f.inputs).map(|i| [input[*i as usize]; 2]).collect(),
         lowpass: alloc::vec![0.0; layout.channels * 2 * (2 * layout.lowpass.len()).saturating_sub(1)],
         ramps: Ramps::new(live, whole),
-        ahead: alloc::vec![0.0; layout.ahead.as_ref().map_or(0, |a| a.places.len())],
+        ahead: alloc::vec![0.0; layout.ahead.as_ref().map_or(0, |a| 2 * a.places.len())],
         touches: Touches::new(layout.n_touch, layout.n_mat),
         ledger: layout.ledger.is_some().then(|| Ledger::new(layout.n_mat, layout.n_lia, ports, layout.tgr.len())),
         tick: 0,

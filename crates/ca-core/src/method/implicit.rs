@@ -25,25 +25,25 @@ use alloc::vec::Vec;
 pub fn solve(_op: &Op, layout: &Layout, s: &mut State) {
     let Some(a) = &layout.ahead else { return };
     let n = layout.n_mat;
-    // what the spring and damper of a MAT of its own add to its motion, as a force
-    let own = |s: &State, p: usize| ((s.coef[p] - 1.0) * s.d[p] + s.coef[n + p] * s.x[p]) / s.coef[2 * n + p];
-    let mut u = core::mem::take(&mut s.ahead);
-    for (u, p) in u.iter_mut().zip(&a.places) {
-        *u = s.f[*p as usize] + own(s, *p as usize);
-    }
-    a.pattern.solve(&s.coef[a.coef..], &mut u);
-    for (u, p) in u.iter().zip(&a.places) {
+    let (factor, inertia) = s.coef[a.coef..].split_at(a.pattern.numbers());
+    let (u, own) = s.ahead.split_at_mut(a.places.len());
+    for (((u, own), p), inertia) in u.iter_mut().zip(&mut *own).zip(&a.places).zip(inertia) {
         let p = *p as usize;
-        s.f[p] = u / s.coef[2 * n + p] - own(s, p);
+        // what the spring and damper of a MAT of its own add to its motion, as a force
+        *own = ((s.coef[p] - 1.0) * s.d[p] + s.coef[n + p] * s.x[p]) * inertia;
+        *u = s.f[p] + *own;
     }
-    feel(a, s, &u);
-    s.ahead = u;
+    a.pattern.solve(factor, u);
+    for (((u, own), p), inertia) in u.iter().zip(&*own).zip(&a.places).zip(inertia) {
+        s.f[*p as usize] = u * inertia - own;
+    }
+    feel(a, s);
 }
 
 /// Completes the force of links that are heard, and of what they hold.
-fn feel(a: &Ahead, s: &mut State, u: &[f64]) {
+fn feel(a: &Ahead, s: &mut State) {
     for l in &a.felt {
-        let turned: f64 = l.moves.iter().map(|(i, w)| w * u[*i as usize]).sum();
+        let turned: f64 = l.moves.iter().map(|(i, w)| w * s.ahead[*i as usize]).sum();
         let more = inertia(&l.coef.map(|c| s.coef[c as usize])) * turned;
         if let Some(t) = l.tap {
             s.tap[t as usize] += more;
@@ -67,25 +67,28 @@ pub struct Inertia {
 }
 
 impl Inertia {
-    /// The coefficients of the factor, from those it depends on; `None` where they are beyond computing.
+    /// The coefficients of the factor and the inertia of each row, from those they depend on; `None` where they are beyond computing.
     pub fn factor(&self, coef: impl Fn(u32) -> f64) -> Option<Vec<f64>> {
-        let mut sums: Vec<f64> = self.mobility.iter().map(|c| 1.0 / coef(*c)).collect();
+        let own: Vec<f64> = self.mobility.iter().map(|c| 1.0 / coef(*c)).collect();
+        let mut sums = own.clone();
         let mut beside = Vec::with_capacity(self.links.len());
         for (c, [first, n]) in &self.links {
             let g = inertia(&c.map(&coef));
-            let own = &self.entries[*first as usize..(first + n) as usize];
-            let whole: f64 = own.iter().map(|e| e.1).sum();
-            for (k, (i, a)) in own.iter().enumerate() {
+            let ends = &self.entries[*first as usize..(first + n) as usize];
+            let whole: f64 = ends.iter().map(|e| e.1).sum();
+            for (k, (i, a)) in ends.iter().enumerate() {
                 sums[*i as usize] += g * a * whole;
-                beside.extend(own[..k].iter().map(|(j, b)| (*i, *j, g * a * b)));
+                beside.extend(ends[..k].iter().map(|(j, b)| (*i, *j, g * a * b)));
             }
         }
-        self.pattern.factor(sums, beside.into_iter())
+        let mut numbers = self.pattern.factor(sums, beside.into_iter())?;
+        numbers.extend(own);
+        Some(numbers)
     }
 
-    /// How many coefficients the factor is.
+    /// How many coefficients these are.
     pub fn numbers(&self) -> usize {
-        self.pattern.size() + self.pattern.rows.len()
+        self.pattern.numbers() + self.pattern.size()
     }
 
     /// The places of all coefficients it depends on, rising.

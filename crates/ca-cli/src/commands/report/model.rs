@@ -3,6 +3,7 @@
 use super::parts::{self, Facts, finished};
 use super::played::Book;
 use crate::Failure;
+use crate::accuracy::{self, Ask};
 use crate::args::ReportArgs;
 use crate::commands::render::{self, Broke};
 use crate::load::{self, Loaded};
@@ -17,6 +18,10 @@ use std::path::Path;
 const CURVES: usize = 8;
 /// Times the book is looked at.
 const LOOKS: u64 = 1000;
+/// What is tried for error against run time: its length \[s\], multiples of the rate, and that of the reference.
+const TRIED: f64 = 0.2;
+const TIMES: [u32; 3] = [1, 2, 4];
+const REFERENCE: u32 = 32;
 
 /// Plays the model and tells all of it.
 pub(super) fn report(args: &ReportArgs) -> Result<(String, Report), Failure> {
@@ -83,10 +88,34 @@ pub(super) fn report(args: &ReportArgs) -> Result<(String, Report), Failure> {
     report.sections.extend(moved(&loaded, &scene, &motion, &probes));
     report.sections.extend(book.section(&scene, 1.0));
     report.sections.push(modes.section());
+    report.sections.extend(accuracy(args, &loaded)?);
     report.sections.push(parts::stability(&scene));
     let text = vec![Block::Source(loaded.model.file.clone(), loaded.model.text.clone())];
     report.sections.push(Section::new("Model", text));
     Ok((loaded.name, report))
+}
+
+/// Error against run time of the model's beginning, by its own gestures; of what cannot be measured, why.
+fn accuracy(args: &ReportArgs, loaded: &Loaded) -> Result<Option<Section>, Failure> {
+    let seconds = args.accuracy.unwrap_or(TRIED);
+    let probes = accuracy::heard(&loaded.model);
+    if seconds == 0.0 || probes.is_empty() {
+        return Ok(None);
+    }
+    let ask = Ask {
+        rate: args.source.rate,
+        probes: &probes,
+        seconds: Some(seconds),
+        times: &TIMES,
+        reference: REFERENCE,
+        longer: "--accuracy",
+        progress: !args.quiet,
+    };
+    match accuracy::measured(loaded, &ask) {
+        Ok(found) => Ok(Some(found.section())),
+        Err(Failure::Failed(why)) => Ok(Some(Section::new(accuracy::TITLE, vec![Block::Text(why)]))),
+        Err(other) => Err(other),
+    }
 }
 
 /// The file without folders.

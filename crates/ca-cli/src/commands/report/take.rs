@@ -39,6 +39,7 @@ pub(super) fn report(args: &ReportArgs, file: &Path) -> Result<(String, Report),
             ("--seconds", played.seconds.is_some()),
             ("--gesture", !played.gesture.is_empty()),
             ("--probe", !args.probe.is_empty()),
+            ("--accuracy", args.accuracy.is_some()),
         ],
     )?;
     let mut take = Take::open(file)?;

@@ -6,13 +6,16 @@
 use crate::catalog;
 use crate::load::{self, Loaded};
 use ca_core::kind::Type;
-use ca_core::{Model, Options, Scene};
+use ca_core::model::diag::Severity;
+use ca_core::{Options, Scene};
+
+/// The method of a model that nothing is asked of.
+pub const AS_WRITTEN: &str = "as written";
 
 /// A method for the whole model.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Method {
+struct Method {
     /// as people call it
-    pub name: &'static str,
+    name: &'static str,
     /// of the model: method and θ
     linear: Option<(&'static str, Option<&'static str>)>,
     /// of all modules that know this word
@@ -21,7 +24,7 @@ pub struct Method {
 
 /// All there are, the model as it is first.
 const METHODS: [Method; 10] = [
-    Method { name: "as written", linear: None, word: None },
+    Method { name: AS_WRITTEN, linear: None, word: None },
     Method { name: "centred", linear: Some(("centred", None)), word: None },
     Method { name: "implicit 1/12", linear: Some(("implicit", Some("0.08333333333333333"))), word: None },
     Method { name: "implicit 1/4", linear: Some(("implicit", Some("0.25"))), word: None },
@@ -45,9 +48,10 @@ pub struct Way {
     pub audited: Option<Scene>,
 }
 
-/// The model by a method; `None` where no module knows its word.
-fn by(model: &Model, method: &Method) -> Option<Model> {
-    let mut model = model.clone();
+/// The model by the method of this name; `None` where no module knows its word.
+pub fn twin(loaded: &Loaded, name: &str) -> Option<Loaded> {
+    let method = METHODS.iter().find(|m| m.name == name)?;
+    let mut model = loaded.model.clone();
     if let Some((name, theta)) = method.linear {
         model.set("model.method", name);
         if let Some(theta) = theta {
@@ -68,33 +72,50 @@ fn by(model: &Model, method: &Method) -> Option<Model> {
             model.set(&format!("{name}.method"), word);
         }
     }
-    Some(model)
+    Some(Loaded { model, diags: loaded.diags.clone(), name: loaded.name.clone(), clouds: loaded.clouds.clone() })
 }
 
-/// All ways that compile, and why others do not.
-pub fn ways(loaded: &Loaded, probes: &[String], rate: f64, times: &[u32]) -> (Vec<Way>, Vec<(&'static str, String)>) {
-    let (mut all, mut refused): (Vec<Way>, Vec<_>) = (Vec::new(), Vec::new());
+/// All ways to go.
+#[derive(Default)]
+pub struct Ways {
+    /// those that compile
+    pub all: Vec<Way>,
+    /// methods that the model cannot take, and why
+    pub refused: Vec<(&'static str, String)>,
+    /// what the compiler warns of with a method, and not without it
+    pub warned: Vec<(&'static str, String)>,
+}
+
+/// All methods at all multiples of the rate.
+pub fn ways(loaded: &Loaded, probes: &[String], rate: f64, times: &[u32]) -> Ways {
+    let Ways { mut all, mut refused, mut warned } = Ways::default();
+    let mut known: Vec<&'static str> = Vec::new();
     for method in &METHODS {
-        let Some(model) = by(&loaded.model, method) else { continue };
-        let twin =
-            Loaded { model, diags: loaded.diags.clone(), name: loaded.name.clone(), clouds: loaded.clouds.clone() };
+        let Some(twin) = twin(loaded, method.name) else { continue };
         for times in times {
             let options =
                 Options { rate: Some(rate * f64::from(*times)), probes: probes.to_vec(), ..Options::default() };
             let (scene, diags) = load::compiled(&twin, &options);
             let Some(scene) = scene else {
-                let first = diags.list.iter().find(|d| d.severity == ca_core::model::diag::Severity::Error);
+                let first = diags.list.iter().find(|d| d.severity == Severity::Error);
                 refused.push((method.name, first.map(|d| d.title.clone()).unwrap_or_default()));
                 break;
             };
-            if all.iter().any(|w| w.times == *times && same(&w.scene, &scene)) {
+            if all.iter().any(|w: &Way| w.times == *times && same(&w.scene, &scene)) {
                 break;
+            }
+            for d in diags.list.iter().filter(|d| d.severity == Severity::Warning) {
+                if method.name == AS_WRITTEN {
+                    known.push(d.code);
+                } else if !known.contains(&d.code) && !warned.iter().any(|(m, t)| *m == method.name && *t == d.title) {
+                    warned.push((method.name, d.title.clone()));
+                }
             }
             let audited = load::compiled(&twin, &Options { energy: true, ..options }).0;
             all.push(Way { method: method.name, times: *times, scene, audited });
         }
     }
-    (all, refused)
+    Ways { all, refused, warned }
 }
 
 /// True where two scenes run the same passes on the same numbers.

@@ -1,0 +1,95 @@
+//! The page `docs/accuracy.md`, written and read: what a table says is all that a test has of the machine it was made on.
+
+use super::{CASES, Claim, Found, Row, STIFF};
+use std::fmt::Write as _;
+
+const HEAD: &str = "# Error against run time
+
+`UPDATE=1 cargo bench -p ca-cli --bench accuracy` makes it anew: do not edit.
+
+What `ca accuracy` finds of seven scenes: every method they know, at multiples of 48 kHz. **Error** is the distance of
+what the outputs hear from the reference, relative, before gains and filters, and cannot be less than the reference is
+known; **spectrum** the same of the levels of its partials; **cents** and **decay dB** how far the strongest partial and
+the loudness of the second half are off; **made** the energy that the scheme gives or takes, relative to the most there
+was, where there is a book; **ns** the time of one sample at 48 kHz, the quickest of three runs, with the finding of
+wild states and the reading of outputs. Rows with a star are beaten by nothing in both error and time; full dots in
+the pictures. The errors do not depend on the machine, the times do.
+";
+
+const COLUMNS: [&str; 9] =
+    ["method", "error", "spectrum", "cents", "decay dB", "made", "ns", "x real time", "stability"];
+
+fn line(cells: &[String]) -> String {
+    format!("| {} |\n", cells.join(" | "))
+}
+
+fn head(columns: &[&str]) -> String {
+    line(&columns.iter().map(|c| (*c).to_string()).collect::<Vec<_>>()) + &"|---".repeat(columns.len()) + "|\n"
+}
+
+fn small(v: f64) -> String {
+    if v.is_finite() { format!("{v:.1e}") } else { "-".into() }
+}
+
+fn cells(r: &Row, known: f64) -> Vec<String> {
+    let star = if r.front { " *" } else { "" };
+    vec![
+        format!("{} ×{}{star}", r.method, r.times),
+        if r.error < known { format!("< {}", small(known)) } else { small(r.error) },
+        small(r.spectrum),
+        r.cents.map_or("-".into(), |c| format!("{c:+.3}")),
+        r.decay.map_or("-".into(), |d| format!("{d:+.3}")),
+        r.made.map_or("-".into(), small),
+        format!("{:.0}", r.ns),
+        format!("{:.1}", 1e9 / (r.ns * 48e3)),
+        r.stability.clone(),
+    ]
+}
+
+fn table(found: &Found) -> String {
+    found.rows.iter().fold(head(&COLUMNS), |t, r| t + &line(&cells(r, found.known)))
+}
+
+/// A number of the table of what is expected.
+fn told(v: f64) -> String {
+    if v < 0.01 { format!("{v:.1e}") } else { format!("{v:.2}") }
+}
+
+/// The whole page: the scenes in the order of [`CASES`], those with stiff links in that of [`STIFF`], the claims, and the
+/// machine in words.
+pub fn page(found: &[Found], stiff: &[Found], claims: &[Claim], machine: &str) -> String {
+    let mut t = format!("{HEAD}\nThe machine: {machine}.\n\n## What is expected\n\n");
+    t += &head(&["what", "at most", "is", "holds"]);
+    for c in claims {
+        let holds = if c.holds() { "yes" } else { "**no**" };
+        t += &line(&[c.what.clone(), told(c.most), told(c.is), holds.into()]);
+    }
+    for (case, f) in CASES.iter().zip(found) {
+        let _ = write!(t, "\n## {}\n\n{}\n\n![{}](accuracy/{}.svg)\n\n", case.title, case.about, case.title, case.name);
+        let _ = write!(t, "{} s, against {}.\n\n{}", case.seconds, f.against, table(f));
+        for what in &f.told {
+            let _ = write!(t, "\n{what}\n");
+        }
+    }
+    t += "\n## Links beyond the limit\n\n";
+    t += "The plucked string with links spread over it that are 10⁶ times stiffer than the limit of two such masses, each of \
+          them by `method = \"implicit\", theta = 0.25`, the rest explicit. Such a link costs its own force, the row of the \
+          explicit ones that it breaks in two, and two unknowns of what is solved in the tick.\n\n";
+    t += &head(&["stiff links", "error", "made", "ns", "over none", "stability"]);
+    let none = stiff.first().and_then(|f| f.row("as written", 1)).map_or(f64::NAN, |r| r.ns);
+    for (n, r) in STIFF.iter().zip(stiff).filter_map(|(n, f)| Some((n, f.row("as written", 1)?))) {
+        let made = r.made.map_or("-".into(), small);
+        let over = format!("{:.2}", r.ns / none);
+        t += &line(&[n.to_string(), small(r.error), made, format!("{:.0}", r.ns), over, r.stability.clone()]);
+    }
+    t
+}
+
+/// The rows of the table of a section of the page, cell by cell, without the head.
+pub fn rows(page: &str, title: &str) -> Vec<Vec<String>> {
+    let from = format!("\n## {title}\n");
+    let Some((_, section)) = page.split_once(&from) else { return Vec::new() };
+    let section = section.split("\n## ").next().unwrap_or(section);
+    let lines = section.lines().filter(|l| l.starts_with('|')).skip(2);
+    lines.map(|l| l.trim_matches('|').split(" | ").map(|c| c.trim().to_string()).collect()).collect()
+}

@@ -1,0 +1,88 @@
+//! Error against run time of seven scenes, by `ca accuracy` as a process.
+//!
+//! Decides on what the command itself says of a scene, so that whoever reads the page can ask it again of theirs. Prints
+//! the page; with `UPDATE=1` writes it to `docs/accuracy.md` and its pictures to `docs/accuracy/`.
+#![allow(missing_docs)]
+
+use ca_benches::accuracy::{CASES, Found, Row, STIFF, claims, page::page, stiffened, svg};
+use serde_json::Value;
+use std::path::Path;
+use std::process::{Command, ExitCode, Stdio};
+
+/// What `ca accuracy` finds of a model.
+fn measured(text: &str, seconds: &str, times: &str, reference: &str) -> Found {
+    let dir = tempfile::tempdir().expect("a folder");
+    let path = dir.path().join("model.ca.toml");
+    std::fs::write(&path, text).expect("the model is written");
+    let mut ca = Command::new(env!("CARGO_BIN_EXE_ca"));
+    ca.arg("accuracy").arg(&path).args(["--seconds", seconds, "--times", times, "--reference", reference, "--json"]);
+    let out = ca.env_remove("CA_CONFIG").stderr(Stdio::inherit()).output().expect("ca starts");
+    let told: Value = serde_json::from_slice(&out.stdout).expect("ca tells of it as JSON");
+    let number = |v: &Value| v.as_f64();
+    let word = |v: &Value| v.as_str().unwrap_or_default().to_string();
+    let rows = told["rows"].as_array().into_iter().flatten().map(|r| Row {
+        method: word(&r["method"]),
+        times: r["times"].as_u64().unwrap_or(0) as u32,
+        error: number(&r["error"]).unwrap_or(f64::INFINITY),
+        spectrum: number(&r["spectrum_error"]).unwrap_or(f64::INFINITY),
+        cents: number(&r["cents"]),
+        decay: number(&r["decay_db"]),
+        made: number(&r["made"]),
+        ns: number(&r["ns_per_sample"]).unwrap_or(f64::NAN),
+        stability: word(&r["stability"]),
+        front: r["front"] == true,
+    });
+    let list = |key: &str, what: &str, how: &str| -> Vec<String> {
+        let all = told[key].as_array().into_iter().flatten();
+        all.map(|r| format!("{how} `{}`: {}.", word(&r["method"]), word(&r[what]))).collect()
+    };
+    Found {
+        against: word(&told["reference"]["words"]),
+        known: number(&told["reference"]["known"]).unwrap_or(f64::INFINITY),
+        rows: rows.collect(),
+        told: [list("refused", "why", "Not by"), list("warned", "what", "By")].concat(),
+    }
+}
+
+/// The processor, how many, and the build.
+fn machine() -> String {
+    let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let model = info.lines().find_map(|l| l.strip_prefix("model name")).map(|l| l.trim_start_matches([' ', '\t', ':']));
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let build = if cfg!(debug_assertions) { "a build for development" } else { "a build for release" };
+    format!("{}, {cores} cores of a virtual machine, {build}", model.unwrap_or(std::env::consts::ARCH))
+}
+
+fn main() -> ExitCode {
+    // `cargo test --benches` asks whether it runs at all
+    let long = std::env::args().any(|a| a == "--bench");
+    if !long {
+        let one = measured(&stiffened(1), "0.005", "1", "8");
+        assert!(!one.rows.is_empty(), "no way to play it");
+        return ExitCode::SUCCESS;
+    }
+    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs");
+    let update = std::env::var_os("UPDATE").is_some();
+    let mut found = Vec::new();
+    for case in &CASES {
+        let f = measured(&(case.text)(), case.seconds, case.times, case.reference);
+        if update {
+            let folder = docs.join("accuracy");
+            std::fs::create_dir_all(&folder).expect("a folder for the pictures");
+            let picture = svg::draw(case.title, &f);
+            std::fs::write(folder.join(format!("{}.svg", case.name)), picture).expect("a picture is written");
+        }
+        found.push(f);
+    }
+    let long = measured(&stiffened(0), "1", "1", "8");
+    let stiff = STIFF.map(|n| measured(&stiffened(n), "0.1", "1", "8"));
+    let claims = claims(&found[0], &long, &stiff);
+    let text = page(&found, &stiff, &claims, &machine());
+    println!("{text}");
+    if update {
+        std::fs::write(docs.join("accuracy.md"), text).expect("the page can be written");
+    }
+    // what does not depend on the machine must hold; times are told
+    let errors = claims.iter().filter(|c| c.what.starts_with("error"));
+    if errors.clone().all(ca_benches::accuracy::Claim::holds) { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}

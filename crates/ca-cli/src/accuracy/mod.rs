@@ -1,0 +1,250 @@
+//! Error against run time of a model, over methods and rates.
+//!
+//! Decides to compare what the outputs listen to, not what they give: gains, high and low passes are the same for all
+//! ways, and those that hang on the rate would be counted as errors of the scheme.
+
+mod play;
+mod score;
+mod truth;
+mod ways;
+
+use crate::load::{self, Loaded};
+use crate::{Failure, term};
+use ca_core::certificate::Level;
+use ca_core::energy::Balance;
+use ca_core::model::Value;
+use ca_core::{Model, Options};
+use ca_report::{Axis, Block, Plot, Point, Section, Table};
+use indicatif::ProgressBar;
+use score::Score;
+pub use truth::Origin;
+use truth::Truth;
+use ways::{AS_WRITTEN, Way, ways};
+
+/// Each way is timed so often, and the quickest counts: the others were disturbed.
+const REPEATS: usize = 3;
+
+/// What a section of a page is called.
+pub const TITLE: &str = "Error against run time";
+
+/// As long as a model is played if nothing is said \[s\].
+const LONGEST: f64 = 1.0;
+
+/// A way, measured.
+pub struct Row {
+    /// its name
+    pub method: &'static str,
+    /// multiple of the rate
+    pub times: u32,
+    /// how far it is from the reference
+    pub score: Score,
+    /// time of one sample of the model's own rate \[ns\]
+    pub ns: f64,
+    /// what is certified of it
+    pub level: Level,
+    /// the energy book at its end, where there is one
+    balance: Option<Balance>,
+    /// nothing is both more exact and quicker
+    pub front: bool,
+}
+
+impl Row {
+    /// As people call it.
+    pub fn name(&self) -> String {
+        if self.times == 1 { self.method.into() } else { format!("{} x{}", self.method, self.times) }
+    }
+
+    /// Energy that the scheme makes, relative to what there was.
+    pub fn made(&self) -> Option<f64> {
+        self.balance.filter(|b| b.peak > 0.0).map(|b| (b.source.abs() + b.residual.abs()) / b.peak)
+    }
+}
+
+/// What is to be measured.
+pub struct Ask<'a> {
+    /// the sound rate \[Hz\]; that of the model if none
+    pub rate: Option<f64>,
+    /// what is listened to
+    pub probes: &'a [String],
+    /// how long \[s\]; that of the model up to one second if none
+    pub seconds: Option<f64>,
+    /// multiples of the rate
+    pub times: &'a [u32],
+    /// the multiple of the reference
+    pub reference: u32,
+    /// the option that makes it longer
+    pub longer: &'static str,
+    /// whether how far it is, is shown
+    pub progress: bool,
+}
+
+/// All that was measured.
+pub struct Measured {
+    /// a way each
+    pub rows: Vec<Row>,
+    /// what they are held against
+    pub truth: Truth,
+    /// the sound rate \[Hz\]
+    pub rate: f64,
+    /// samples that were played
+    pub frames: usize,
+    /// methods that the model cannot take, and why
+    pub refused: Vec<(&'static str, String)>,
+    /// what the compiler warns of with a method, and not without it
+    pub warned: Vec<(&'static str, String)>,
+}
+
+/// Measures a model. Fails where it does not compile, or nothing moves.
+pub fn measured(loaded: &Loaded, ask: &Ask) -> Result<Measured, Failure> {
+    let probes = ask.probes.to_vec();
+    let scene = load::scene(loaded, &Options { rate: ask.rate, probes: probes.clone(), ..Options::default() })?;
+    let rate = scene.rate;
+    let seconds = ask.seconds.unwrap_or_else(|| scene.seconds.unwrap_or(LONGEST).min(LONGEST));
+    let frames = (seconds * rate).round().max(16.0) as usize;
+    let mut times = ask.times.to_vec();
+    times.sort_unstable();
+    times.dedup();
+    let ways = ways(loaded, &probes, rate, &times);
+    let bar = if ask.progress { term::progress(ways.all.len() as u64 + 1) } else { ProgressBar::hidden() };
+    bar.tick();
+    let truth = truth::truth(loaded, &probes, &scene, frames, ask.reference)?;
+    bar.inc(1);
+    if truth.columns.iter().flatten().all(|v| *v == 0.0) {
+        bar.finish_and_clear();
+        let what = format!("nothing of {} moves in {seconds} s", load::ticked(probes.iter().map(String::as_str)));
+        return Err(Failure::Failed(format!(
+            "{what}; play longer with `{}`, or listen elsewhere with `--probe`",
+            ask.longer
+        )));
+    }
+    let mut rows = Vec::with_capacity(ways.all.len());
+    for way in &ways.all {
+        rows.push(row(way, &truth, frames, rate)?);
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    mark(&mut rows);
+    Ok(Measured { rows, truth, rate, frames, refused: ways.refused, warned: ways.warned })
+}
+
+/// What the outputs of a model listen to, once each.
+pub fn heard(model: &Model) -> Vec<String> {
+    let outputs = model.items.iter().filter(|i| matches!(i.kind.as_str(), "SOX" | "SOF"));
+    let mut all = Vec::new();
+    for e in outputs.flat_map(|i| i.args.iter().filter(|e| e.key == "from")) {
+        if let Value::Text(t) = &e.value {
+            if !all.contains(t) {
+                all.push(t.clone());
+            }
+        }
+    }
+    all
+}
+
+/// Plays a way, scores it, and times it.
+fn row(way: &Way, truth: &Truth, frames: usize, rate: f64) -> Result<Row, Failure> {
+    let (columns, mut ns) = play::columns(&way.scene, frames, way.times)?;
+    for _ in 1..REPEATS {
+        ns = ns.min(play::columns(&way.scene, frames, way.times)?.1);
+    }
+    let balance = way.audited.as_ref().and_then(|s| play::book(s, frames as u64 * u64::from(way.times)));
+    Ok(Row {
+        method: way.method,
+        times: way.times,
+        score: score::score(&columns, &truth.columns, rate),
+        ns,
+        level: way.scene.certificate.level,
+        balance,
+        front: false,
+    })
+}
+
+/// Marks what nothing beats in both error and time.
+fn mark(rows: &mut [Row]) {
+    for i in 0..rows.len() {
+        let (e, t) = (rows[i].score.error, rows[i].ns);
+        let beaten = rows
+            .iter()
+            .enumerate()
+            .any(|(j, r)| j != i && r.score.error <= e && r.ns <= t && (r.score.error < e || r.ns < t));
+        rows[i].front = e.is_finite() && !beaten;
+    }
+}
+
+/// A number in a table.
+fn small(v: f64) -> String {
+    if v.is_finite() { format!("{v:.1e}") } else { "-".into() }
+}
+
+impl Measured {
+    /// The cheapest way with at most this error; among those that are not known to be unstable.
+    pub fn cheapest(&self, error: f64) -> Option<&Row> {
+        let error = error.max(self.truth.known);
+        let good = self.rows.iter().filter(|r| r.score.error <= error && r.level != Level::Unstable);
+        good.min_by(|a, b| a.ns.total_cmp(&b.ns))
+    }
+
+    /// In words, what all ways are held against.
+    pub fn origin(&self) -> String {
+        let (known, method) = (self.truth.known, self.truth.method);
+        let by = if method == AS_WRITTEN { String::new() } else { format!(" by {method}") };
+        match self.truth.origin {
+            Origin::Modes => format!("the closed form of its modes, known to {known:.0e}"),
+            Origin::Rate(n, p) => {
+                format!("the model{by} at {n} times the rate, converging with order {p:.1}, known to {known:.0e}")
+            }
+            Origin::Open(n) => {
+                format!("the model{by} at {n} times the rate, which does not converge evenly: known to {known:.0e}")
+            }
+        }
+    }
+
+    /// As long as it was played \[s\].
+    pub fn seconds(&self) -> f64 {
+        self.frames as f64 / self.rate
+    }
+
+    /// A row of the table.
+    pub fn cells(&self, r: &Row) -> Vec<String> {
+        let under = r.score.error < self.truth.known;
+        vec![
+            if r.front { format!("{} *", r.name()) } else { r.name() },
+            if under { format!("<{}", small(self.truth.known)) } else { small(r.score.error) },
+            small(r.score.spectrum),
+            r.score.cents.filter(|c| c.is_finite()).map_or("-".into(), |c| format!("{c:+.3}")),
+            if r.score.error.is_finite() { format!("{:+.3}", r.score.decay) } else { "-".into() },
+            r.made().map_or("-".into(), small),
+            format!("{:.0}", r.ns),
+            format!("{:.2}", 1e9 / (r.ns * self.rate)),
+            r.level.to_string(),
+        ]
+    }
+
+    /// What a row says.
+    pub const HEAD: [&'static str; 9] =
+        ["method", "error", "spectrum", "cents", "decay dB", "made", "ns/sample", "x real time", "stability"];
+
+    /// The plot, the table, and what is to be said of methods.
+    pub fn section(&self) -> Section {
+        let points = self.rows.iter().map(|r| Point {
+            name: r.name(),
+            x: r.ns,
+            y: r.score.error.max(self.truth.known),
+            front: r.front,
+        });
+        let (x, y) = (Axis::log("time of a sample", "ns"), Axis::log("error", ""));
+        let plot = Plot::scatter(TITLE, x, y, "not beaten", "others", &points.collect::<Vec<_>>());
+        let table = Table::new(&Self::HEAD, self.rows.iter().map(|r| self.cells(r)).collect());
+        let how = format!("{:.3} s at {} Hz, against {}.", self.seconds(), self.rate, self.origin());
+        let mut blocks = vec![Block::Text(how), Block::Plot(plot), Block::Table(table)];
+        let told = |list: &[(&'static str, String)]| -> Vec<Vec<String>> {
+            list.iter().map(|(m, what)| vec![(*m).to_owned(), what.clone()]).collect()
+        };
+        for (head, list) in [("why not", &self.refused), ("what it leaves out", &self.warned)] {
+            if !list.is_empty() {
+                blocks.push(Block::Table(Table::new(&["method", head], told(list))));
+            }
+        }
+        Section::new(TITLE, blocks)
+    }
+}

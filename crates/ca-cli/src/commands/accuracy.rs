@@ -1,0 +1,123 @@
+//! `ca accuracy`: error against run time, over methods and rates.
+
+use crate::accuracy::{self, Ask, Measured, Origin, Row};
+use crate::args::AccuracyArgs;
+use crate::load::{self, Loaded};
+use crate::{Ended, Failure, Outcome, page, term};
+use ca_report::{Block, Report, Section};
+use serde_json::{Value as Json, json};
+use std::io::Write as _;
+
+/// Runs the command.
+pub fn run(args: &AccuracyArgs) -> Outcome {
+    args.output.as_deref().map_or(Ok(()), page::is_page)?;
+    let loaded = load::load(&args.source)?;
+    let probes = if args.probe.is_empty() { accuracy::heard(&loaded.model) } else { args.probe.clone() };
+    if probes.is_empty() {
+        let what = format!("`{}` has no output to compare", loaded.name);
+        return Err(Failure::Failed(format!("{what}; name what to listen to by `--probe`")));
+    }
+    let (rate, seconds, times) = (args.source.rate, args.seconds, &args.times[..]);
+    let ask =
+        Ask { rate, probes: &probes, seconds, times, reference: args.reference, longer: "--seconds", progress: true };
+    let found = accuracy::measured(&loaded, &ask)?;
+    let best = args.error.and_then(|e| found.cheapest(e));
+    let told = Told { name: &loaded.name, found: &found, best };
+    if args.json {
+        writeln!(std::io::stdout().lock(), "{:#}", told.json())?;
+    } else {
+        told.text(args.error)?;
+    }
+    if let Some(path) = &args.output {
+        page::write(path, &told.page(&loaded).html())?;
+        term::note(&format!("the page is `{}`", path.display()));
+    }
+    Ok(if args.error.is_some() && best.is_none() { Ended::Degraded } else { Ended::Well })
+}
+
+/// What is said of it all.
+struct Told<'a> {
+    name: &'a str,
+    found: &'a Measured,
+    /// what meets the error that was asked for
+    best: Option<&'a Row>,
+}
+
+impl Told<'_> {
+    fn verdict(&self, asked: f64) -> String {
+        match self.best {
+            Some(r) => format!("the cheapest with an error of at most {asked:.0e}: {}", r.name()),
+            None => format!("none of these has an error of at most {asked:.0e}; try more of `--times`"),
+        }
+    }
+
+    fn text(&self, asked: Option<f64>) -> Result<(), Failure> {
+        let f = self.found;
+        let mut out = std::io::stdout().lock();
+        writeln!(out, "{}: {:.3} s at {} Hz, against {}", self.name, f.seconds(), f.rate, f.origin())?;
+        let cells: Vec<Vec<String>> = f.rows.iter().map(|r| f.cells(r)).collect();
+        let wide =
+            |k: usize| cells.iter().map(|c| c[k].chars().count()).chain([Measured::HEAD[k].len()]).max().unwrap_or(0);
+        let line = |row: &[&str]| {
+            let all = row
+                .iter()
+                .enumerate()
+                .map(|(k, c)| if k == 0 || k == 8 { format!("{c:<0$}", wide(k)) } else { format!("{c:>0$}", wide(k)) });
+            format!("  {}", all.collect::<Vec<_>>().join("  ")).trim_end().to_owned()
+        };
+        writeln!(out, "{}", line(&Measured::HEAD))?;
+        for row in &cells {
+            writeln!(out, "{}", line(&row.iter().map(String::as_str).collect::<Vec<_>>()))?;
+        }
+        writeln!(out, "  * nothing here is both more exact and quicker")?;
+        for (method, why) in &f.refused {
+            writeln!(out, "  not by {method}: {why}")?;
+        }
+        for (method, what) in &f.warned {
+            writeln!(out, "  by {method}: {what}")?;
+        }
+        if let Some(asked) = asked {
+            writeln!(out, "{}", self.verdict(asked))?;
+        }
+        Ok(())
+    }
+
+    fn json(&self) -> Json {
+        let f = self.found;
+        let finite = |v: f64| if v.is_finite() { json!(v) } else { Json::Null };
+        let rows: Vec<Json> = f
+            .rows
+            .iter()
+            .map(|r| {
+                json!({
+                    "method": r.method, "times": r.times, "error": finite(r.score.error),
+                    "spectrum_error": finite(r.score.spectrum), "cents": r.score.cents.map(finite),
+                    "decay_db": finite(r.score.decay), "made": r.made().map(finite), "ns_per_sample": r.ns,
+                    "real_time_factor": 1e9 / (r.ns * f.rate), "stability": r.level.to_string(), "front": r.front,
+                })
+            })
+            .collect();
+        let (origin, times, order) = match f.truth.origin {
+            Origin::Modes => ("modes", None, None),
+            Origin::Rate(n, p) => ("rate", Some(n), Some(p)),
+            Origin::Open(n) => ("open", Some(n), None),
+        };
+        json!({
+            "name": self.name, "rate": f.rate, "seconds": f.seconds(), "rows": rows,
+            "reference": { "origin": origin, "times": times, "order": order, "known": f.truth.known,
+                           "method": f.truth.method, "words": f.origin() },
+            "refused": f.refused.iter().map(|(m, why)| json!({ "method": m, "why": why })).collect::<Vec<_>>(),
+            "warned": f.warned.iter().map(|(m, what)| json!({ "method": m, "what": what })).collect::<Vec<_>>(),
+            "recommended": self.best.map(|r| json!({ "method": r.method, "times": r.times })),
+        })
+    }
+
+    /// The page: the plot and the table, then the model.
+    fn page(&self, loaded: &Loaded) -> Report {
+        let mut report = Report::new(&format!("{}: error against run time", self.name), "");
+        report.sections.push(self.found.section());
+        let source = Block::Source(loaded.model.file.clone(), loaded.model.text.clone());
+        report.sections.push(Section::new("The model", vec![source]));
+        report
+    }
+}
