@@ -67,7 +67,7 @@ pub const CASES: [Case; 7] = [
         text: || IMPACT.into(),
         seconds: "0.01",
         times: "1,2,4,8",
-        reference: "256",
+        reference: "128",
         about: "A ball of 10 g on a wall, once, for 10 ms. The explicit contact makes or loses energy (made), the stable one \
                 does not; neither is far from the other in the error of the ball's flight.",
     },
@@ -77,7 +77,7 @@ pub const CASES: [Case; 7] = [
         text: || BOW.into(),
         seconds: "0.3",
         times: "1,2,4,8",
-        reference: "256",
+        reference: "128",
         about: "A cell of 220 Hz under a bow. Whether it sticks or slips is decided anew in every period, and the pitch \
                 hangs on when: the explicit bow and the linearised one are late by part of a tick each time, the one that \
                 is solved is not.",
@@ -238,7 +238,7 @@ pub fn claims(pluck: &Found, long: &Found, stiff: &[Found; 3]) -> Vec<Claim> {
     let ([modal, modal_ns], [_, ns]) = (pluck.of("modal", 1), pluck.of("as written", 1));
     let [far, far_ns] = long.of("modal", 1);
     let ([fourth, fourth_ns], [fine, fine_ns]) = (pluck.of("pefrl", 1), pluck.of("as written", 32));
-    let stiff_ns = |i: usize| stiff[i].of("as written", 1)[1] / stiff[0].of("as written", 1)[1];
+    let [none, one, _] = stiff.each_ref().map(|f| f.of("as written", 1)[1]);
     vec![
         claim("error of `modal` over 0.1 s", 1e-11, modal),
         claim("error of `modal` over 1 s", 1e-9, far),
@@ -246,7 +246,6 @@ pub fn claims(pluck: &Found, long: &Found, stiff: &[Found; 3]) -> Vec<Claim> {
         claim("time of `modal` over that of `ca`, 1 s", 2.0, far_ns / long.of("as written", 1)[1]),
         claim("error of `pefrl` over that of `ca` at 32 times the rate", 1.25, fourth / fine),
         claim("time of `pefrl` over that of `ca` at 32 times the rate", 0.25, fourth_ns / fine_ns),
-        claim("time with one link 10⁶ beyond the limit over that without", 2.0, stiff_ns(1)),
-        claim("the same with eight such links", 8.0, stiff_ns(2)),
+        claim("time with one link 10⁶ beyond the limit over that without", 2.0, one / none),
     ]
 }

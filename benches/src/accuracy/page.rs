@@ -1,6 +1,7 @@
 //! The page `docs/accuracy.md`, written and read: what a table says is all that a test has of the machine it was made on.
 
 use super::{CASES, Claim, Found, Row, STIFF};
+use crate::atlas::page::wrap;
 use std::fmt::Write as _;
 
 const HEAD: &str = "# Error against run time
@@ -65,16 +66,26 @@ pub fn page(found: &[Found], stiff: &[Found], claims: &[Claim], machine: &str) -
         t += &line(&[c.what.clone(), told(c.most), told(c.is), holds.into()]);
     }
     for (case, f) in CASES.iter().zip(found) {
-        let _ = write!(t, "\n## {}\n\n{}\n\n![{}](accuracy/{}.svg)\n\n", case.title, case.about, case.title, case.name);
-        let _ = write!(t, "{} s, against {}.\n\n{}", case.seconds, f.against, table(f));
+        let _ = write!(
+            t,
+            "\n## {}\n\n{}\n\n![{}](accuracy/{}.svg)\n\n",
+            case.title,
+            wrap(case.about),
+            case.title,
+            case.name
+        );
+        let _ = write!(t, "{}\n\n{}", wrap(&format!("{} s, against {}.", case.seconds, f.against)), table(f));
         for what in &f.told {
-            let _ = write!(t, "\n{what}\n");
+            let _ = write!(t, "\n{}\n", wrap(what));
         }
     }
     t += "\n## Links beyond the limit\n\n";
-    t += "The plucked string with links spread over it that are 10⁶ times stiffer than the limit of two such masses, each of \
+    t += &wrap(
+        "The plucked string with links spread over it that are 10⁶ times stiffer than the limit of two such masses, each of \
           them by `method = \"implicit\", theta = 0.25`, the rest explicit. Such a link costs its own force, the row of the \
-          explicit ones that it breaks in two, and two unknowns of what is solved in the tick.\n\n";
+          explicit ones that it breaks in two, and two unknowns of what is solved in the tick. Explicit rows that get shorter than ten are gathered together.",
+    );
+    t += "\n\n";
     t += &head(&["stiff links", "error", "made", "ns", "over none", "stability"]);
     let none = stiff.first().and_then(|f| f.row("as written", 1)).map_or(f64::NAN, |r| r.ns);
     for (n, r) in STIFF.iter().zip(stiff).filter_map(|(n, f)| Some((n, f.row("as written", 1)?))) {

@@ -101,7 +101,7 @@ fn spaced(n: u64) -> String {
 }
 
 /// Lines of at most 118 characters.
-fn wrap(text: &str) -> String {
+pub(crate) fn wrap(text: &str) -> String {
     let (mut out, mut width) = (String::new(), 0);
     for word in text.split_whitespace() {
         let n = word.chars().count();

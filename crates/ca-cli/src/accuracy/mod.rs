@@ -24,6 +24,9 @@ use ways::{AS_WRITTEN, Way, ways};
 /// Each way is timed so often, and the quickest counts: the others were disturbed.
 const REPEATS: usize = 3;
 
+/// The highest rate that a model is compiled for \[Hz\].
+const HIGHEST: f64 = 1e7;
+
 /// What a section of a page is called.
 pub const TITLE: &str = "Error against run time";
 
@@ -101,6 +104,12 @@ pub fn measured(loaded: &Loaded, ask: &Ask) -> Result<Measured, Failure> {
     let rate = scene.rate;
     let seconds = ask.seconds.unwrap_or_else(|| scene.seconds.unwrap_or(LONGEST).min(LONGEST));
     let frames = (seconds * rate).round().max(16.0) as usize;
+    let finest = ask.times.iter().copied().max().map_or(ask.reference, |t| t.max(ask.reference));
+    if f64::from(finest) * rate > HIGHEST {
+        let most = (HIGHEST / rate).floor();
+        let what = format!("{finest} times {rate} Hz is beyond {HIGHEST:e} Hz");
+        return Err(Failure::Usage(format!("{what}; ask for at most {most} times the rate")));
+    }
     let mut times = ask.times.to_vec();
     times.sort_unstable();
     times.dedup();

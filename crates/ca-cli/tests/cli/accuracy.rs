@@ -111,6 +111,14 @@ fn nothing_to_hear_is_a_failure() {
     desk.ca(&["accuracy", "glass", "--error", "0"]).is(2).says(&["above 0"]);
 }
 
+/// A reference beyond all rates is refused before anything is played, with the most there may be.
+#[test]
+fn no_reference_is_beyond_all_rates() {
+    let desk = Desk::new();
+    desk.put("model.ca.toml", CHAIN);
+    desk.ca(&["accuracy", "model.ca.toml", "--reference", "256"]).is(2).says(&["at most 208 times the rate"]);
+}
+
 /// What `docs/accuracy.md` says is what the command says, of scenes that are short: all but the times.
 #[test]
 fn the_page_of_error_against_run_time_is_true() {
