@@ -139,6 +139,9 @@ pub fn modes(network: &Network) -> Option<Modes> {
     if n > LARGEST {
         return None;
     }
+    if n == 0 {
+        return Some(Modes { list: Vec::new(), approximate: false });
+    }
     let te = network.te;
     let (mut k, mut z, ahead) = matrices(&network.linear);
     let found = k.self_adjoint_eigen(Side::Lower).ok()?;
