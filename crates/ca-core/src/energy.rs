@@ -9,11 +9,12 @@ use crate::layout::{Account, Gauge, Layout};
 pub use crate::ledger::{Balance, Exchange, Ledger};
 use crate::near::Near;
 use crate::op::{Op, crowd, gauge, wave};
+use crate::real::{Real, wide};
 use crate::state::State;
 
 /// Link `i` of a batch around the tick being booked, where `d0` is the motion into that tick: its elongations before,
 /// at and after, and how far its ends moved along its force in the two ticks together.
-fn elongations(layout: &Layout, s: &State, d0: &[f64], a: &Account, i: usize) -> ([f64; 3], f64) {
+fn elongations(layout: &Layout, s: &State, d0: &[Real], a: &Account, i: usize) -> ([Real; 3], Real) {
     if a.ports.gauge == Gauge::Line && a.ports.onto.is_none() {
         let [p, q] = layout.ends[a.first + i].map(|m| m as usize);
         let after = s.x[q] - s.x[p] + layout.e0[a.first + i];
@@ -31,7 +32,7 @@ fn elongations(layout: &Layout, s: &State, d0: &[f64], a: &Account, i: usize) ->
 }
 
 /// Coefficients of link `i`, gathered from their columns. Eight is more than any law has.
-fn coefs(s: &State, a: &Account, i: usize) -> [f64; 8] {
+fn coefs(s: &State, a: &Account, i: usize) -> [Real; 8] {
     let mut c = [0.0; 8];
     for (k, c) in c[..a.coefs].iter_mut().enumerate() {
         *c = s.coef[a.coef + k * a.n + i];
@@ -40,15 +41,15 @@ fn coefs(s: &State, a: &Account, i: usize) -> [f64; 8] {
 }
 
 /// Energy of the MATs and of weight between the last two ticks: (kinetic, held, heat of the tick booked).
-fn mats(layout: &Layout, s: &State, d0: &[f64]) -> (f64, f64, f64) {
+fn mats(layout: &Layout, s: &State, d0: &[Real]) -> (f64, f64, f64) {
     let n = layout.n_mat;
     let (mut kinetic, mut held, mut lost) = (0.0, 0.0, 0.0);
     for (i, d0) in d0.iter().enumerate() {
-        let (p, q, c) = (s.coef[i], s.coef[n + i], s.coef[2 * n + i]);
+        let [p, q, c] = [i, n + i, 2 * n + i].map(|k| wide(s.coef[k]));
         if c == 0.0 {
             continue;
         }
-        let (x, d) = (s.x[i], s.d[i]);
+        let [x, d, d0] = [s.x[i], s.d[i], *d0].map(wide);
         kinetic += 0.5 * d * d / c;
         let z = (1.0 - p) / c;
         held += 0.5 * (-q / c) * x * (x - d) - 0.25 * z * d * d;
@@ -56,8 +57,8 @@ fn mats(layout: &Layout, s: &State, d0: &[f64]) -> (f64, f64, f64) {
     }
     let weight = layout.ledger.as_ref().map_or(0, |l| l.weight);
     for (k, m) in layout.weighed.iter().enumerate() {
-        let (x, d) = (s.x[*m as usize], s.d[*m as usize]);
-        held -= s.coef[weight + k] * (x - 0.5 * d);
+        let (x, d) = (wide(s.x[*m as usize]), wide(s.d[*m as usize]));
+        held -= wide(s.coef[weight + k]) * (x - 0.5 * d);
     }
     (kinetic, held, lost)
 }
@@ -70,7 +71,7 @@ struct Entry {
 }
 
 /// Visits every link: its batch, its number in the ledger and its energies.
-fn links(layout: &Layout, s: &State, near: &mut [Near], d0: &[f64], mut visit: impl FnMut(&Account, usize, Entry)) {
+fn links(layout: &Layout, s: &State, near: &mut [Near], d0: &[Real], mut visit: impl FnMut(&Account, usize, Entry)) {
     for a in layout.ledger.iter().flat_map(|p| &p.accounts) {
         if let Some(at) = a.ports.crowd {
             visit(a, a.first, set(layout, s, &mut near[at], d0, a, at));
@@ -80,25 +81,25 @@ fn links(layout: &Layout, s: &State, near: &mut [Near], d0: &[f64], mut visit: i
             let c = coefs(s, a, i);
             let (e, moved) = elongations(layout, s, d0, a, i);
             let mem = &s.mem[a.mem + i * a.mems..][..a.mems];
-            let held = (a.stored)(&c, mem, &layout.tables, e[1], e[2]);
-            let heat = (a.lost)(&c, mem, &layout.tables, e);
-            let work = if a.linear { 0.0 } else { -s.tap[a.tap + i] * 0.5 * moved };
+            let held = wide((a.stored)(&c, mem, &layout.tables, e[1], e[2]));
+            let heat = wide((a.lost)(&c, mem, &layout.tables, e));
+            let work = if a.linear { 0.0 } else { wide(-s.tap[a.tap + i] * 0.5 * moved) };
             visit(a, a.first + i, Entry { held, heat, work });
         }
     }
 }
 
 /// All pairs of a set together; its work is that of what it did to each of its members.
-fn set(layout: &Layout, s: &State, near: &mut Near, d0: &[f64], a: &Account, at: usize) -> Entry {
+fn set(layout: &Layout, s: &State, near: &mut Near, d0: &[Real], a: &Account, at: usize) -> Entry {
     let c = coefs(s, a, 0);
     let (mut held, mut heat) = (0.0, 0.0);
     crowd::touched(layout, s, near, d0, at, (a.idle)(&c), |e| {
-        held += (a.stored)(&c, &[], &layout.tables, e[1], e[2]);
-        heat += (a.lost)(&c, &[], &layout.tables, e);
+        held += wide((a.stored)(&c, &[], &layout.tables, e[1], e[2]));
+        heat += wide((a.lost)(&c, &[], &layout.tables, e));
     });
     let pushed = layout.crowds[at].members.iter().zip(s.tap[a.tap..].chunks(3));
     let moved = |i: usize| 0.5 * (s.d[i] + d0[i]);
-    let work = pushed.map(|(m, f)| (0..3).map(|k| f[k] * moved(*m as usize + k)).sum::<f64>()).sum();
+    let work = pushed.map(|(m, f)| (0..3).map(|k| wide(f[k] * moved(*m as usize + k))).sum::<f64>()).sum();
     Entry { held, heat, work }
 }
 
@@ -128,7 +129,7 @@ pub fn book(_op: &Op, layout: &Layout, s: &mut State) {
     }
     let before = l.h;
     let (mut work, mut lost, mut source) = (0.0, 0.0, 0.0);
-    let moved = |m: u32, d0: &[f64]| 0.5 * (s.d[m as usize] + d0[m as usize]);
+    let moved = |m: u32, d0: &[Real]| 0.5 * wide(s.d[m as usize] + d0[m as usize]);
     for (k, p) in layout.enx.iter().chain(&layout.tgr).enumerate() {
         let w = -l.port[k] * moved(p.mat, &l.d0);
         l.work[k] += w;
@@ -180,7 +181,7 @@ pub fn keep(_op: &Op, layout: &Layout, s: &mut State) {
     let Some(l) = &mut s.ledger else { return };
     l.d0.copy_from_slice(&s.d);
     for (k, p) in layout.enx.iter().chain(&layout.tgr).enumerate() {
-        l.port[k] = s.f[p.mat as usize];
+        l.port[k] = wide(s.f[p.mat as usize]);
     }
     for (k, p) in (layout.enx.len() + layout.tgr.len()..).zip(&layout.enf) {
         let v = s.input[p.input as usize];

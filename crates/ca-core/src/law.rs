@@ -6,6 +6,7 @@
 //! cannot depend on a dimension. Coefficients are an array of fixed size, read column-wise by the kernels, so that a
 //! homogeneous pass vectorises.
 
+use crate::real::Real;
 use crate::table::Table;
 
 /// Linear bound of a law: its largest slopes, `k` \[N/m\] against elongation and `z` \[N/(m/tick)\] against change of
@@ -58,33 +59,33 @@ pub trait Phi<const C: usize, const M: usize> {
     const CONTACT: bool = false;
 
     /// The elongations from … to at which there is no force, for contacts; kernels in space then skip the square root.
-    fn idle(_c: &[f64; C]) -> (f64, f64) {
-        (f64::INFINITY, f64::NEG_INFINITY)
+    fn idle(_c: &[Real; C]) -> (Real, Real) {
+        (Real::INFINITY, Real::NEG_INFINITY)
     }
 
     /// Coefficients per tick from the parameters in SI (in the order of `Kind::params`) and the tick `te` \[s\].
     fn coefs(p: &[Option<f64>], te: f64) -> [f64; C];
 
     /// Memory at load, for elongation `e`.
-    fn start(_c: &[f64; C], _e: f64) -> [f64; M] {
+    fn start(_c: &[Real; C], _e: Real) -> [Real; M] {
         [0.0; M]
     }
 
     /// The force \[N\], F > 0 pulls the ends together.
-    fn force(c: &[f64; C], mem: &mut [f64; M], tables: &[Table], e: f64, w: f64) -> f64;
+    fn force(c: &[Real; C], mem: &mut [Real; M], tables: &[Table], e: Real, w: Real) -> Real;
 
     /// Potential energy \[J\] at elongation `e`.
-    fn potential(_c: &[f64; C], _mem: &[f64; M], _tables: &[Table], _e: f64) -> f64 {
+    fn potential(_c: &[Real; C], _mem: &[Real; M], _tables: &[Table], _e: Real) -> Real {
         0.0
     }
 
     /// Energy held between two ticks \[J\] (numerics 2.2); linear laws override it with the exact product form.
-    fn stored(c: &[f64; C], mem: &[f64; M], tables: &[Table], e0: f64, e1: f64) -> f64 {
+    fn stored(c: &[Real; C], mem: &[Real; M], tables: &[Table], e0: Real, e1: Real) -> Real {
         0.5 * (Self::potential(c, mem, tables, e0) + Self::potential(c, mem, tables, e1))
     }
 
     /// Energy turned to heat during a tick \[J\], from the elongations at the tick before, at it, and after.
-    fn lost(_c: &[f64; C], _mem: &[f64; M], _tables: &[Table], _e: [f64; 3]) -> f64 {
+    fn lost(_c: &[Real; C], _mem: &[Real; M], _tables: &[Table], _e: [Real; 3]) -> Real {
         0.0
     }
 
@@ -93,10 +94,10 @@ pub trait Phi<const C: usize, const M: usize> {
 }
 
 /// The force of a link: coefficients, memory, tables, elongation, change of elongation per tick.
-pub type Force = fn(&[f64], &mut [f64], &[Table], f64, f64) -> f64;
+pub type Force = fn(&[Real], &mut [Real], &[Table], Real, Real) -> Real;
 /// Energy held by a link: coefficients, memory, tables, elongations before and after.
-pub type Stored = fn(&[f64], &[f64], &[Table], f64, f64) -> f64;
+pub type Stored = fn(&[Real], &[Real], &[Table], Real, Real) -> Real;
 /// Heat of a link: coefficients, memory, tables, the elongations before, at and after the tick.
-pub type Lost = fn(&[f64], &[f64], &[Table], [f64; 3]) -> f64;
+pub type Lost = fn(&[Real], &[Real], &[Table], [Real; 3]) -> Real;
 /// Where a contact has no force: coefficients; the elongations from … to (see [`Phi::idle`]).
-pub type Idle = fn(&[f64]) -> (f64, f64);
+pub type Idle = fn(&[Real]) -> (Real, Real);

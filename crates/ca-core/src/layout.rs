@@ -7,6 +7,7 @@
 use crate::law::{Idle, Lost, Stored};
 use crate::ldl::Pattern;
 use crate::op::Op;
+use crate::real::Real;
 use crate::table::Table;
 use crate::wave::Loss;
 use alloc::vec::Vec;
@@ -169,9 +170,9 @@ impl Default for Crossing {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Blocker {
     /// what stays of y each tick
-    pub r: f64,
+    pub r: Real,
     /// gain
-    pub g: f64,
+    pub g: Real,
 }
 
 /// A place where a waveguide is touched.
@@ -283,9 +284,9 @@ pub struct Felt {
     /// place in [`State::tap`](crate::state::State)
     pub tap: Option<u32>,
     /// what its elongation is of the places in [`Ahead::places`]: number and weight
-    pub moves: Vec<(u32, f64)>,
+    pub moves: Vec<(u32, Real)>,
     /// the same of places in the state that no force moves
-    pub held: Vec<(u32, f64)>,
+    pub held: Vec<(u32, Real)>,
 }
 
 /// What the ledger needs to find its way.
@@ -339,13 +340,13 @@ pub struct Layout {
     pub onto: Vec<[u32; 2]>,
     /// what a port in space needs beside its ends: for [`Gauge::Radial`] the vector between the ends at rest \[m\] and
     /// the square of the softening length \[m²\], for [`Gauge::Along`] the direction and nothing (any x 4)
-    pub reach: Vec<[f64; 4]>,
+    pub reach: Vec<[Real; 4]>,
     /// sets of which all pairs are joined (any)
     pub crowds: Vec<Crowd>,
     /// constant part of the elongation \[m\] (n_lia)
-    pub e0: Vec<f64>,
+    pub e0: Vec<Real>,
     /// rest positions \[m\] (n_mat)
-    pub rest: Vec<f64>,
+    pub rest: Vec<Real>,
     /// nodes under moving points (any)
     pub nodes: Vec<u32>,
     /// moving points (any)
@@ -353,7 +354,7 @@ pub struct Layout {
     /// masses in groups that go by their modes (any)
     pub modal: Vec<Modal>,
     /// their shares in the modes (any)
-    pub shares: Vec<f64>,
+    pub shares: Vec<Real>,
     /// tables of laws (any)
     pub tables: Vec<Table>,
     /// position ports (any)
@@ -373,7 +374,7 @@ pub struct Layout {
     /// the high passes of the last of them (any)
     pub blockers: Vec<Blocker>,
     /// low-pass of the sound channels: the first half of its coefficients, up to the middle one (any)
-    pub lowpass: Vec<f64>,
+    pub lowpass: Vec<Real>,
     /// what is solved in each tick, where links look ahead together
     pub ahead: Option<Ahead>,
     /// what the ledger needs, where the scene keeps one

@@ -5,6 +5,7 @@
 //! everywhere. Positive definite matrices need no pivots, so the order of elimination is chosen once, from the pattern:
 //! always the column with the fewest neighbours left, which for strings leaves nothing new and for meshes little.
 
+use crate::real::Real;
 use alloc::collections::BTreeSet;
 use alloc::vec::Vec;
 
@@ -122,7 +123,7 @@ impl Pattern {
 
     /// Solves in place, with the numbers of [`Pattern::factor`]; rows in the order of elimination. Does not allocate.
     #[inline]
-    pub fn solve(&self, numbers: &[f64], y: &mut [f64]) {
+    pub fn solve(&self, numbers: &[Real], y: &mut [Real]) {
         let n = self.size();
         let (d, l) = numbers.split_at(n);
         for j in 0..n {

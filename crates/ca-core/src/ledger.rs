@@ -1,5 +1,6 @@
 //! The accounts of energy, as data; [`crate::energy`] writes them.
 
+use crate::real::Real;
 use alloc::vec::Vec;
 
 /// The accounts \[J\]. `h = h0 + work − lost + source + changed + residual`.
@@ -28,7 +29,7 @@ pub struct Ledger {
     /// largest imbalance of a single tick
     pub worst: f64,
     /// d of the tick being booked (n_mat)
-    pub(crate) d0: Vec<f64>,
+    pub(crate) d0: Vec<Real>,
     /// heat of everything so far, kept apart so that no tick sums over all links again
     pub(crate) heat: f64,
     /// force on position and device ports, force given by force ports (ports)

@@ -65,6 +65,7 @@ pub mod op;
 pub mod param;
 pub mod phi;
 pub mod problem;
+pub mod real;
 pub mod scene;
 pub mod sketch;
 pub mod state;

@@ -9,6 +9,7 @@ use crate::kind::{Kind, MatSpec, Unit};
 use crate::method::implicit::Inertia;
 use crate::model::quantity::Plain;
 use crate::op::law::Law;
+use crate::real::{real, wide};
 use crate::sketch::{Arg, Args, Generator};
 use crate::state::State;
 use alloc::format;
@@ -274,7 +275,7 @@ impl State {
     /// nothing, where the patch is not of this scene.
     pub fn apply(&mut self, patch: &Patch, ticks: u32) -> bool {
         let n = self.ramps.left.len();
-        if patch.set.iter().any(|(i, v)| *i as usize >= n || !v.is_finite()) {
+        if patch.set.iter().any(|(i, v)| *i as usize >= n || !real(*v).is_finite()) {
             return false;
         }
         // half-way between two factors is the factor of neither scene: with them all of the patch comes in one tick
@@ -288,8 +289,8 @@ impl State {
                 r.moving += 1;
             }
             r.left[i] = ticks;
-            r.target[i] = *v;
-            r.step[i] = (*v - self.coef[r.place[i] as usize]) / f64::from(ticks);
+            r.target[i] = real(*v);
+            r.step[i] = real((*v - wide(self.coef[r.place[i] as usize])) / f64::from(ticks));
         }
         true
     }

@@ -6,6 +6,7 @@
 
 use crate::ledger::Ledger;
 use crate::near::Near;
+use crate::real::{Real, wide};
 use crate::touch::Touches;
 use alloc::vec::Vec;
 use core::hash::Hasher;
@@ -18,7 +19,7 @@ pub struct Cell {
     /// places among the MATs
     pub node: [u32; 4],
     /// weights, which sum to 1
-    pub weight: [f64; 4],
+    pub weight: [Real; 4],
 }
 
 /// One device degree of freedom.
@@ -40,8 +41,8 @@ pub struct Ramps {
     /// the coefficients
     pub(crate) place: Vec<u32>,
     pub(crate) left: Vec<u32>,
-    pub(crate) step: Vec<f64>,
-    pub(crate) target: Vec<f64>,
+    pub(crate) step: Vec<Real>,
+    pub(crate) target: Vec<Real>,
     /// those with ticks left: the first `moving` entries (as long as the others, so that a clone has room too)
     pub(crate) active: Vec<u32>,
     pub(crate) moving: usize,
@@ -74,18 +75,18 @@ impl Ramps {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct State {
     /// displacement from rest \[m\] (n_mat); written by `moves`, ports by `reads`
-    pub x: Vec<f64>,
+    pub x: Vec<Real>,
     /// x_n − x_{n−1} \[m/tick\] (n_mat); written with `x`
-    pub d: Vec<f64>,
+    pub d: Vec<Real>,
     /// summed force \[N\] (n_mat); written by `forces`, cleared by `moves`
-    pub f: Vec<f64>,
+    pub f: Vec<Real>,
     /// coefficients (n_coef): P, Q and C of the MATs, then those of weights, links, points and outputs;
     /// written at load and by changes
-    pub coef: Vec<f64>,
+    pub coef: Vec<Real>,
     /// memory of laws, then of waves (n_mem); written by `forces`, waves that leave by `moves`
-    pub mem: Vec<f64>,
+    pub mem: Vec<Real>,
     /// forces of links that are heard, audited or in passing \[N\] (n_tap); written by `forces`
-    pub tap: Vec<f64>,
+    pub tap: Vec<Real>,
     /// what the ports are given, absolute \[m\] or \[N\]; written by the caller before a tick (devices: before a frame)
     pub input: Vec<f64>,
     /// the last good value of each input (inputs); written by `reads`
@@ -101,15 +102,15 @@ pub struct State {
     /// positions of devices that are under way, absolute \[m\] (tgr x latency), a ring each; written by the border
     pub late: Vec<f64>,
     /// outputs with a high pass (blockers): what they heard last, and what they gave; written by `writes`
-    pub blocked: Vec<[f64; 2]>,
+    pub blocked: Vec<[Real; 2]>,
     /// inputs that are given once a sample, where that has several ticks: the last and the present value (inputs);
     /// written by `reads`
     pub glide: Vec<[f64; 2]>,
     /// past of the sound channels before the low-pass (channels x 2n), a ring each, twice; written by `writes`
-    pub lowpass: Vec<f64>,
+    pub lowpass: Vec<Real>,
     /// in passing, of links that look ahead: changes of motion \[m/tick²\] (places), then what MATs add to them by
     /// themselves \[N\] (places); written by `forces`
-    pub ahead: Vec<f64>,
+    pub ahead: Vec<Real>,
     /// contacts that are solved together; empty between ticks, written by `forces`
     pub touches: Touches,
     /// coefficients on their way to a new value
@@ -127,10 +128,12 @@ impl State {
     /// border, inputs under way, filters of the outputs and tick. Equal states have equal hashes on every machine.
     pub fn bits(&self) -> u64 {
         let mut h = fnv::FnvHasher::default();
-        let flat = [&self.x, &self.d, &self.coef, &self.mem, &self.late, &self.lowpass].into_iter().flatten();
-        for v in flat.chain(self.blocked.iter().chain(&self.glide).flatten()) {
+        let flat = [&self.x, &self.d, &self.coef, &self.mem].into_iter().flatten().map(|v| wide(*v));
+        let filters = self.lowpass.iter().chain(self.blocked.iter().flatten()).map(|v| wide(*v));
+        for v in flat.chain(self.late.iter().copied()).chain(filters).chain(self.glide.iter().flatten().copied()) {
             h.write(&v.to_bits().to_le_bytes());
         }
+
         for b in &self.border {
             for v in [b.from, b.to, b.sum] {
                 h.write(&v.to_bits().to_le_bytes());
@@ -142,12 +145,12 @@ impl State {
 
     /// True while every position and motion is finite and below `limit` \[m\].
     pub fn is_sound(&self, limit: f64) -> bool {
-        self.x.iter().all(|x| x.abs() < limit) && self.d.iter().all(|d| d.abs() < limit)
+        self.x.iter().chain(&self.d).all(|v| wide(v.abs()) < limit)
     }
 
     /// The MAT with the largest displacement, or the first that is not finite.
     pub fn wildest(&self) -> usize {
-        let size = |i: &usize| if self.x[*i].is_nan() { f64::INFINITY } else { self.x[*i].abs() };
+        let size = |i: &usize| if self.x[*i].is_nan() { Real::INFINITY } else { self.x[*i].abs() };
         (0..self.x.len()).max_by(|a, b| size(a).total_cmp(&size(b))).unwrap_or(0)
     }
 

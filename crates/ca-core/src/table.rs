@@ -3,19 +3,20 @@
 //! Decides on linear interpolation with the end values held outside, as the field does (pmpd, GENESIS). The integral
 //! is kept beside the values, so that a table spring has an exact potential and the ledger stays exact about it.
 
+use crate::real::{Real, real, wide};
 use alloc::vec::Vec;
 
 /// A piecewise-linear function y(x).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
     /// abscissae, rising (n)
-    x: Vec<f64>,
+    x: Vec<Real>,
     /// values (n)
-    y: Vec<f64>,
+    y: Vec<Real>,
     /// integral of y from x = 0 (n)
-    area: Vec<f64>,
+    area: Vec<Real>,
     /// 1/spacing where the abscissae are evenly spaced, else 0: even tables are addressed without a search
-    per: f64,
+    per: Real,
     /// largest and smallest slope of any segment
     slopes: (f64, f64),
 }
@@ -24,21 +25,22 @@ impl Table {
     /// From points with rising x. `None` with fewer than two points, x that does not rise, or a number not finite.
     pub fn new(points: &[[f64; 2]]) -> Option<Table> {
         if points.len() < 2
-            || points.windows(2).any(|p| p[1][0] <= p[0][0])
-            || points.iter().flatten().any(|v| !v.is_finite())
+            || points.windows(2).any(|p| real(p[1][0]) <= real(p[0][0]))
+            || points.iter().flatten().any(|v| !real(*v).is_finite())
         {
             return None;
         }
-        let x: Vec<f64> = points.iter().map(|p| p[0]).collect();
-        let y: Vec<f64> = points.iter().map(|p| p[1]).collect();
-        let step = (x[x.len() - 1] - x[0]) / (x.len() - 1) as f64;
-        let even = x.iter().enumerate().all(|(i, v)| (v - (x[0] + i as f64 * step)).abs() < 1e-9 * step);
-        let per = if even { 1.0 / step } else { 0.0 };
+        let last = points.len() - 1;
+        let step = (points[last][0] - points[0][0]) / last as f64;
+        let even =
+            points.iter().enumerate().all(|(i, p)| (p[0] - (points[0][0] + i as f64 * step)).abs() < 1e-9 * step);
+        let per = if even { real(1.0 / step) } else { 0.0 };
+        let [x, y] = [0, 1].map(|k| points.iter().map(|p| real(p[k])).collect::<Vec<_>>());
         let mut t = Table { area: alloc::vec![0.0; x.len()], x, y, per, slopes: (f64::MIN, f64::MAX) };
         for i in 1..t.x.len() {
             t.area[i] = t.area[i - 1] + 0.5 * (t.y[i] + t.y[i - 1]) * (t.x[i] - t.x[i - 1]);
         }
-        t.slopes = (0..t.x.len() - 1).map(|i| t.rise(i)).fold(t.slopes, |(hi, lo), s| (s.max(hi), s.min(lo)));
+        t.slopes = (0..t.x.len() - 1).map(|i| wide(t.rise(i))).fold(t.slopes, |(hi, lo), s| (s.max(hi), s.min(lo)));
         let zero = t.raw_integral(0.0);
         t.area.iter_mut().for_each(|a| *a -= zero);
         Some(t)
@@ -46,7 +48,7 @@ impl Table {
 
     /// The segment that holds `x`, which lies between the ends.
     #[inline]
-    fn segment(&self, x: f64) -> usize {
+    fn segment(&self, x: Real) -> usize {
         let last = self.x.len() - 2;
         let i = if self.per > 0.0 {
             ((x - self.x[0]) * self.per) as usize
@@ -58,7 +60,7 @@ impl Table {
 
     /// The value at `x`; the end values hold outside.
     #[inline]
-    pub fn at(&self, x: f64) -> f64 {
+    pub fn at(&self, x: Real) -> Real {
         let n = self.x.len();
         if x <= self.x[0] {
             return self.y[0];
@@ -71,7 +73,7 @@ impl Table {
         y0 + (y1 - y0) * ((x - x0) / (x1 - x0))
     }
 
-    fn raw_integral(&self, x: f64) -> f64 {
+    fn raw_integral(&self, x: Real) -> Real {
         let n = self.x.len();
         if x <= self.x[0] {
             return self.area[0] + self.y[0] * (x - self.x[0]);
@@ -84,27 +86,27 @@ impl Table {
     }
 
     /// The integral from 0 to `x`.
-    pub fn integral(&self, x: f64) -> f64 {
+    pub fn integral(&self, x: Real) -> Real {
         self.raw_integral(x)
     }
 
     /// The slope of a segment.
-    fn rise(&self, i: usize) -> f64 {
+    fn rise(&self, i: usize) -> Real {
         (self.y[i + 1] - self.y[i]) / (self.x[i + 1] - self.x[i])
     }
 
     /// True between the ends, where the value depends on the place.
-    fn spans(&self, x: f64) -> bool {
+    fn spans(&self, x: Real) -> bool {
         self.x[0] <= x && x < self.x[self.x.len() - 1]
     }
 
     /// The slope at `x`; 0 outside.
-    pub fn slope(&self, x: f64) -> f64 {
+    pub fn slope(&self, x: Real) -> Real {
         if self.spans(x) { self.rise(self.segment(x)) } else { 0.0 }
     }
 
     /// y/x of a table that is 0 at 0; in the segments that meet there their slope, so that it has no noise near 0.
-    pub fn chord(&self, x: f64) -> f64 {
+    pub fn chord(&self, x: Real) -> Real {
         if self.spans(x) {
             let i = self.segment(x);
             if self.x[i] <= 0.0 && self.x[i + 1] >= 0.0 {

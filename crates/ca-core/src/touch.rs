@@ -4,6 +4,7 @@
 //! Decides for one record per contact with the vectors of the solver in it, instead of an array per vector: few are
 //! ever active at once, and all numbers of one are used together. Room for all is made at load, so no tick allocates.
 
+use crate::real::Real;
 use alloc::vec::Vec;
 
 /// One link that acts in this tick; of friction, γ and ψ are 0, and the elongation is a penetration that shrinks.
@@ -14,37 +15,37 @@ pub(crate) struct Touch {
     /// places of an end: 1 on a line, 3 in space
     pub places: usize,
     /// gradient of the penetration against the second end; its negative against the first
-    pub g: [f64; 3],
+    pub g: [Real; 3],
     /// its memory
     pub mem: usize,
     /// where its force is heard, if it is
     pub tap: Option<usize>,
     /// sign that turns its push into the tension of a link
-    pub side: f64,
+    pub side: Real,
     /// may only push
     pub clip: bool,
     /// lets go: is not pressed together any more, but still holds energy
     pub open: bool,
     /// change of ψ per change of penetration \[√(N/m)\]
-    pub gamma: f64,
+    pub gamma: Real,
     /// ψ before the tick \[√J\]; the energy held is ψ²/2
-    pub psi: f64,
+    pub psi: Real,
     /// viscosity \[N per m/tick\]
-    pub z: f64,
+    pub z: Real,
     /// push per change of penetration over two ticks, γ²/4 + z/2 \[N/m\]
-    pub stiff: f64,
+    pub stiff: Real,
     /// the change of penetration over two ticks that all other forces would cause \[m\]
-    pub free: f64,
+    pub free: Real,
     /// diagonal of the system \[m/N\]
-    pub diag: f64,
+    pub diag: Real,
     /// push beyond γψ \[N\]: the unknown
-    pub y: f64,
+    pub y: Real,
     /// residual \[m\]
-    pub r: f64,
+    pub r: Real,
     /// direction of search \[N\]
-    pub p: f64,
+    pub p: Real,
     /// what the system makes of the direction \[m\]
-    pub q: f64,
+    pub q: Real,
 }
 
 /// The contacts of this tick.
@@ -55,7 +56,7 @@ pub struct Touches {
     /// the first `n` of them act (as long as there are contacts that may)
     pub(crate) list: Vec<Touch>,
     /// pushes on places, nothing between solutions (`n_mat`, none without such contacts)
-    pub(crate) push: Vec<f64>,
+    pub(crate) push: Vec<Real>,
 }
 
 impl Touches {

@@ -9,6 +9,7 @@
 use super::phase;
 use crate::layout::Layout;
 use crate::op::Op;
+use crate::real::wide;
 use crate::state::State;
 
 /// At the end of a frame, once its force is known. With `SYNC`, where the hand is sent the force of the tick, the mean
@@ -22,7 +23,7 @@ pub(super) fn book<const SYNC: bool>(op: &Op, layout: &Layout, s: &mut State) {
     for (k, p) in layout.tgr[..op.n].iter().enumerate() {
         // what was taken at the start of the frame, whatever the caller has written since
         let hand = s.held[p.input as usize];
-        let (b, e, f) = (&s.border[k], &mut l.hands[k], s.f[p.mat as usize]);
+        let (b, e, f) = (&s.border[k], &mut l.hands[k], wide(s.f[p.mat as usize]));
         if j > 0 {
             let mean = if SYNC { 0.5 * (e.last + f) } else { b.force };
             e.received -= mean * (b.to - b.from);

@@ -7,6 +7,7 @@
 use super::{begin, phase, place};
 use crate::layout::Layout;
 use crate::op::Op;
+use crate::real::wide;
 use crate::state::State;
 
 /// Position of device ports at this tick: that of the frame.
@@ -25,7 +26,7 @@ pub(super) fn position<const LATE: bool>(op: &Op, layout: &Layout, s: &mut State
 pub(super) fn collect(op: &Op, layout: &Layout, s: &mut State) {
     let j = phase(layout.frame, s.tick);
     for (k, p) in layout.tgr[..op.n].iter().enumerate() {
-        let f = s.f[p.mat as usize];
+        let f = wide(s.f[p.mat as usize]);
         let b = &mut s.border[k];
         if j == 0 {
             b.sum = f;

@@ -3,6 +3,7 @@
 use super::{begin, phase, place};
 use crate::layout::Layout;
 use crate::op::Op;
+use crate::real::wide;
 use crate::state::State;
 
 /// Position of device ports at this tick, on the straight line through the frame.
@@ -26,7 +27,7 @@ pub(super) fn position<const LATE: bool>(op: &Op, layout: &Layout, s: &mut State
 pub(super) fn collect(op: &Op, layout: &Layout, s: &mut State) {
     let j = phase(layout.frame, s.tick);
     for (k, p) in layout.tgr[..op.n].iter().enumerate() {
-        let f = s.f[p.mat as usize];
+        let f = wide(s.f[p.mat as usize]);
         let b = &mut s.border[k];
         if j == layout.frame {
             b.force = (b.sum + 0.5 * f) / f64::from(layout.frame);

@@ -12,6 +12,7 @@
 
 use crate::layout::{Enx, Layout, Shape};
 use crate::op::{Kernel, Op};
+use crate::real::real;
 pub use crate::state::Border;
 use crate::state::State;
 
@@ -95,6 +96,7 @@ fn begin<const LATE: bool>(layout: &Layout, s: &mut State, k: usize, p: &Enx) {
 /// Puts a port at `x`, relative to its rest.
 fn place(s: &mut State, p: &Enx, x: f64) {
     let m = p.mat as usize;
+    let x = real(x);
     s.d[m] = if s.tick == 0 { 0.0 } else { x - s.x[m] };
     s.x[m] = x;
     s.f[m] = 0.0;

@@ -6,6 +6,7 @@
 use super::{begin, place};
 use crate::layout::Layout;
 use crate::op::Op;
+use crate::real::wide;
 use crate::state::State;
 
 /// Position of device ports at this tick.
@@ -22,6 +23,6 @@ pub(super) fn collect(op: &Op, layout: &Layout, s: &mut State) {
         return;
     }
     for (k, p) in layout.tgr[..op.n].iter().enumerate() {
-        s.border[k].force = s.f[p.mat as usize];
+        s.border[k].force = wide(s.f[p.mat as usize]);
     }
 }

@@ -17,6 +17,7 @@ use crate::model::diag::{Diag, Diags};
 use crate::model::{Model, Span};
 use crate::op::Op;
 use crate::phi::implicit;
+use crate::real::{real, wide};
 use alloc::collections::{BTreeMap, BTreeSet};
 use alloc::format;
 use alloc::sync::Arc;
@@ -139,10 +140,10 @@ impl Plan<'_> {
                     let p = self.place[m as usize] + axis;
                     if mat.is_fixed() || axis >= u32::from(mat.axes) {
                         needed |= matches!(mat.role, MatRole::Port(..)) || heard.contains(&m);
-                        felt.held.push((p, sign * w));
+                        felt.held.push((p, real(sign * w)));
                     } else {
                         let next = number.len() as u32;
-                        felt.moves.push((*number.entry(p).or_insert(next), sign * w));
+                        felt.moves.push((*number.entry(p).or_insert(next), real(sign * w)));
                     }
                 }
             }
@@ -170,7 +171,7 @@ impl Plan<'_> {
         for (coef, mut f, needed) in rows {
             f.moves.iter_mut().for_each(|(i, _)| *i = to[*i as usize]);
             let first = made.entries.len() as u32;
-            made.entries.extend(&f.moves);
+            made.entries.extend(f.moves.iter().map(|(i, w)| (*i, wide(*w))));
             made.links.push((coef, [first, f.moves.len() as u32]));
             felt.extend(needed.then_some(f));
         }

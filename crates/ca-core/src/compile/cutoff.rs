@@ -8,6 +8,7 @@ use crate::layout::Blocker;
 use crate::model::diag::{Diag, Diags};
 use crate::model::quantity::show;
 use crate::model::{Model, Span};
+use crate::real::real;
 use alloc::collections::BTreeSet;
 use alloc::format;
 use alloc::vec::Vec;
@@ -40,7 +41,7 @@ pub fn blockers(model: &Model, net: &Net, diags: &mut Diags) -> Vec<Blocker> {
             diags.push(too_high(model, net, o, f));
         }
         let t = libm::tan(PI * f * net.te);
-        all.push(Blocker { r: (1.0 - t) / (1.0 + t), g: 1.0 / (1.0 + t) });
+        all.push(Blocker { r: real((1.0 - t) / (1.0 + t)), g: real(1.0 / (1.0 + t)) });
     }
     all
 }

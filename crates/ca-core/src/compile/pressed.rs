@@ -7,6 +7,7 @@ use crate::model::diag::{Diag, Diags};
 use crate::model::{Model, quantity};
 use crate::op::crowd;
 use crate::op::gauge::measure;
+use crate::real::{Real, real, wide};
 use alloc::format;
 use alloc::vec::Vec;
 
@@ -40,10 +41,10 @@ pub fn warn(net: &Net, l: &LiaNode, e0: f64, reach: &[[f64; 4]; 2], model: &Mode
 type Pressed = ([End; 2], f64, f64);
 
 /// The coefficients of a contact, as they are at load.
-fn coefs(net: &Net, l: &LiaNode) -> Vec<f64> {
+fn coefs(net: &Net, l: &LiaNode) -> Vec<Real> {
     let mut c = alloc::vec![0.0; l.law.coefs];
     (l.law.load)(&net.values(l.item, &l.values), net.te, &mut c);
-    c
+    c.into_iter().map(real).collect()
 }
 
 fn of_pair(net: &Net, l: &LiaNode, e0: f64, reach: &[[f64; 4]; 2]) -> Option<Pressed> {
@@ -53,11 +54,11 @@ fn of_pair(net: &Net, l: &LiaNode, e0: f64, reach: &[[f64; 4]; 2]) -> Option<Pre
             Measure::Line([a, b]) => [at[0][a as usize], 0.0, 0.0, at[1][b as usize], 0.0, 0.0],
             _ => [at[0][0], at[0][1], at[0][2], at[1][0], at[1][1], at[1][2]],
         };
-        measure(m.gauge(), &places, &[0.0; 6], [0, 3], reach).e
+        wide(measure(m.gauge(), &places.map(real), &[0.0; 6], [0, 3], &reach.map(real)).e)
     };
     let second = l.onto.map_or(0.0, |o| felt(o.ends, o.measure, &reach[1]));
     let e = e0 + felt(l.ends, l.measure, &reach[0]) + second;
-    let f = (l.law.force)(&coefs(net, l), &mut [], &net.tables, e, 0.0);
+    let f = wide((l.law.force)(&coefs(net, l), &mut [], &net.tables, real(e), 0.0));
     (f != 0.0).then_some((l.ends, e, f))
 }
 
@@ -65,13 +66,13 @@ fn of_set(net: &Net, l: &LiaNode) -> Option<Pressed> {
     let sets = l.sets.as_deref()?;
     let members = || sets.iter().flatten().map(|m| &net.mats[*m as usize]);
     // the members alone, three places each
-    let rest: Vec<f64> = members().flat_map(|m| m.rest).collect();
-    let x: Vec<f64> = members().flat_map(|m| m.dx0).collect();
+    let rest: Vec<Real> = members().flat_map(|m| m.rest.map(real)).collect();
+    let x: Vec<Real> = members().flat_map(|m| m.dx0.map(real)).collect();
     let places = [0..sets[0].len(), sets[0].len()..rest.len() / 3].map(|r| r.map(|k| 3 * k as u32).collect::<Vec<_>>());
     let crowd = Crowd::new([&places[0], &places[1]]);
     let c = coefs(net, l);
     let force = |e| (l.law.force)(&c, &mut [], &net.tables, e, 0.0);
     let (i, j, e, f) = crowd::pressed(&crowd, &rest, &x, (l.law.idle)(&c), force)?;
     let name = |k: usize| sets.iter().flatten().nth(k).map(|m| End::Mat(*m));
-    Some(([name(i)?, name(j)?], e, f))
+    Some(([name(i)?, name(j)?], wide(e), wide(f)))
 }

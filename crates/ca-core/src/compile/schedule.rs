@@ -18,6 +18,7 @@ use crate::model::Model;
 use crate::model::diag::Diags;
 use crate::near::Near;
 use crate::op::Op;
+use crate::real::{Real, real};
 use crate::scene::{InputRole, Scene, Stands, Symbol};
 use crate::state::{Border, Cell, Ramps, State};
 use crate::touch::Touches;
@@ -75,14 +76,14 @@ pub fn schedule(
         n_out: net.outs.iter().map(|o| o.channel as usize + 1).max().unwrap_or(0).max(net.channels.len()),
         ends: links.ends,
         onto: links.onto,
-        reach: links.reach,
+        reach: links.reach.iter().map(|r| r.map(real)).collect(),
         crowds: links.crowds,
-        e0: links.e0,
-        rest,
+        e0: reals(links.e0),
+        rest: reals(rest),
         nodes,
         proxies,
         modal,
-        shares,
+        shares: reals(shares),
         tables: net.tables.iter().cloned().chain(own_tables(net).into_iter().map(|(_, t)| t)).collect(),
         enx,
         enf,
@@ -92,7 +93,7 @@ pub fn schedule(
         weighed,
         outputs,
         blockers: blockers(model, net, diags),
-        lowpass: if net.channels.is_empty() { Vec::new() } else { net.lowpass.clone() },
+        lowpass: if net.channels.is_empty() { Vec::new() } else { reals(net.lowpass.clone()) },
         ahead: ahead.map(|a| a.0),
         ledger,
         finer: None,
@@ -320,13 +321,18 @@ fn symbols(plan: &Plan, links: &Links, place: impl Fn(usize) -> usize) -> Vec<Sy
     mats.chain(lias).collect()
 }
 
+/// Numbers as a tick has them.
+fn reals(all: Vec<f64>) -> Vec<Real> {
+    all.into_iter().map(real).collect()
+}
+
 /// The state as written: every mass where its author put it, with the speed it was given.
 fn loaded(net: &Net, layout: &Layout, x: Vec<f64>, v: &[f64], coef: Vec<f64>, (live, whole): (Vec<u32>, u32)) -> State {
     let input: Vec<f64> = net.inputs.iter().map(|i| if i.role == InputRole::Force { 0.0 } else { i.rest }).collect();
     let ports = layout.enx.len() + layout.tgr.len() + layout.enf.len();
     State {
-        x,
-        d: v.iter().map(|v| v * net.te).collect(),
+        x: reals(x),
+        d: v.iter().map(|v| real(v * net.te)).collect(),
         f: alloc::vec![0.0; layout.n_mat],
         mem: alloc::vec![0.0; layout.n_mem],
         tap: alloc::vec![0.0; layout.n_tap],
@@ -346,7 +352,7 @@ fn loaded(net: &Net, layout: &Layout, x: Vec<f64>, v: &[f64], coef: Vec<f64>, (l
         tick: 0,
         refused: 0,
         input,
-        coef,
+        coef: reals(coef),
     }
 }
 

@@ -2,6 +2,7 @@
 
 use crate::layout::Layout;
 use crate::op::{Op, gauge, pass};
+use crate::real::Real;
 use crate::state::State;
 use alloc::vec::Vec;
 
@@ -14,8 +15,8 @@ pub fn start(layout: &Layout, forces: &[Op], exact: bool, mut s: State) -> State
             for i in 0..op.n {
                 let felt = gauge::ports(layout, &op.ports, op.first, i)
                     .map(|(gauge, ends, reach)| gauge::measure(gauge, &s.x, &s.d, ends, &reach).e);
-                let e = layout.e0[op.first + i] + felt.sum::<f64>();
-                let c: Vec<f64> = (0..law.coefs).map(|k| s.coef[op.coef + k * op.n + i]).collect();
+                let e = layout.e0[op.first + i] + felt.sum::<Real>();
+                let c: Vec<Real> = (0..law.coefs).map(|k| s.coef[op.coef + k * op.n + i]).collect();
                 (law.start)(&c, e, &mut s.mem[op.mem + i * law.mem..][..law.mem]);
             }
         }

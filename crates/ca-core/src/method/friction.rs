@@ -23,21 +23,22 @@ use crate::layout::{Gauge, Layout};
 use crate::op::gauge::{Along, Line, Measure, Radial};
 use crate::op::law::{Law, Turn};
 use crate::op::{Form, Kernel, Op};
+use crate::real::{Real, real, wide};
 use crate::state::State;
 use crate::table::Table;
 use crate::touch::Touch;
 
 /// Newton while the steepest slope times T²/m of both ends is below this; the root of the bell curve is the only one up
 /// to 4.48 (numerics 3.5).
-const STEEPEST: f64 = 4.0;
+const STEEPEST: Real = 4.0;
 
 /// A law of speed alone, F(w) of the sign of w, w the change of elongation per tick.
 pub trait Curve<const C: usize>: Phi<C, 0> {
     /// F(w)/w \[N per m/tick\]; the slope at rest for w = 0.
-    fn chord(c: &[f64; C], tables: &[Table], w: f64) -> f64;
+    fn chord(c: &[Real; C], tables: &[Table], w: Real) -> Real;
 
     /// The slope at w \[N per m/tick\].
-    fn slope(c: &[f64; C], tables: &[Table], w: f64) -> f64;
+    fn slope(c: &[Real; C], tables: &[Table], w: Real) -> Real;
 }
 
 /// The curve by secant or `NEWTON`; where it may not act alone, `together` runs. Memory: heat of the tick \[J\].
@@ -97,7 +98,7 @@ fn rub<P: Curve<C>, const C: usize, const NEWTON: bool>(op: &Op, layout: &Layout
         let r = 0.5 * (w + (goes(layout, s, q) - goes(layout, s, p)));
         let c = 0.5 * (mobility(layout, s, p) + mobility(layout, s, q));
         let mut steep = P::chord(&coef, tables, w).max(0.0);
-        if NEWTON && 2.0 * c * P::bound(&coef, tables).z < STEEPEST {
+        if NEWTON && 2.0 * c * real(P::bound(&coef.map(wide), tables).z) < STEEPEST {
             let u = root(r / (1.0 + c * steep), [r.min(0.0), r.max(0.0)], 0.0, |u| {
                 let force = P::force(&coef, &mut [], tables, 0.0, u);
                 (u + c * force - r, 1.0 + c * P::slope(&coef, tables, u))

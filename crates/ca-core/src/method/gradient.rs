@@ -21,6 +21,7 @@ use super::{goes, mobility};
 use crate::layout::Layout;
 use crate::op::Op;
 use crate::op::law::{Law, Turn};
+use crate::real::{Real, sqrt};
 use crate::state::State;
 
 /// A one-sided spring by this method; where it may not act alone, `other` runs. Memory: heat of the tick \[J\].
@@ -37,11 +38,11 @@ pub const fn law<S: Spring>(spring: Law, other: &'static Law) -> Law {
 
 /// The penetration after the tick: the root of s + 2h (U(s) − U(a)) / (k (s − a)) = e. Where it lets go that is a
 /// quadratic for every spring.
-fn after<S: Spring>(spring: S, e: f64, a: f64, h: f64) -> f64 {
+fn after<S: Spring>(spring: S, e: Real, a: Real, h: Real) -> Real {
     if a >= 0.0 {
         let g = h * spring.hard(a);
         if e < g * a {
-            let (p, q) = (a + e, libm::sqrt((a - e) * (a - e) + 4.0 * g * a * a));
+            let (p, q) = (a + e, sqrt((a - e) * (a - e) + 4.0 * g * a * a));
             return if p > 0.0 { 2.0 * a * (e - g * a) / (p + q) } else { 0.5 * (p - q) };
         }
     } else if e <= 0.0 {

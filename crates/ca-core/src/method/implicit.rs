@@ -18,6 +18,7 @@ use crate::layout::{Ahead, Layout};
 use crate::ldl::Pattern;
 use crate::op::Op;
 use crate::phi::implicit::inertia;
+use crate::real::{Real, real, wide};
 use crate::state::State;
 use alloc::vec::Vec;
 
@@ -43,8 +44,8 @@ pub fn solve(_op: &Op, layout: &Layout, s: &mut State) {
 /// Completes the force of links that are heard, and of what they hold.
 fn feel(a: &Ahead, s: &mut State) {
     for l in &a.felt {
-        let turned: f64 = l.moves.iter().map(|(i, w)| w * s.ahead[*i as usize]).sum();
-        let more = inertia(&l.coef.map(|c| s.coef[c as usize])) * turned;
+        let turned: Real = l.moves.iter().map(|(i, w)| w * s.ahead[*i as usize]).sum();
+        let more = real(inertia(&l.coef.map(|c| wide(s.coef[c as usize])))) * turned;
         if let Some(t) = l.tap {
             s.tap[t as usize] += more;
         }

@@ -21,16 +21,17 @@ pub mod quadratised;
 pub mod spring;
 
 use crate::layout::Layout;
+use crate::real::Real;
 use crate::state::State;
 
 /// The change of position \[m/tick\] that all forces so far give to a place in this tick. A port goes on as it went:
 /// where it will be is not known yet.
-fn goes(layout: &Layout, s: &State, place: usize) -> f64 {
+fn goes(layout: &Layout, s: &State, place: usize) -> Real {
     let n = layout.n_mat;
     s.coef[place] * s.d[place] + s.coef[n + place] * s.x[place] + s.coef[2 * n + place] * s.f[place]
 }
 
 /// Mobility T²/m of a place \[m/N\].
-fn mobility(layout: &Layout, s: &State, place: usize) -> f64 {
+fn mobility(layout: &Layout, s: &State, place: usize) -> Real {
     s.coef[2 * layout.n_mat + place]
 }

@@ -3,15 +3,17 @@
 //! Decides for Newton's step where it stays between the bounds and halving where it does not, so that a kink or a flat
 //! place costs a step and never the root; what is returned lies between the bounds whatever the function is.
 
+use crate::real::Real;
+
 /// More is never taken: halving alone leaves nothing of a double's 53 bits.
 const STEPS: usize = 64;
 /// A step this small, as part of the place, is the last: the next would be its square.
-const NEAR: f64 = 1e-9;
+const NEAR: Real = 1e-9;
 
 /// The root of a function from `s` on between `low` and `high`; `at` gives value and slope. Changes are small beside
 /// `scale` or the place itself.
 #[inline]
-pub fn root(mut s: f64, [mut low, mut high]: [f64; 2], scale: f64, at: impl Fn(f64) -> (f64, f64)) -> f64 {
+pub fn root(mut s: Real, [mut low, mut high]: [Real; 2], scale: Real, at: impl Fn(Real) -> (Real, Real)) -> Real {
     for _ in 0..STEPS {
         let (value, slope) = at(s);
         let to = s - value / slope;

@@ -12,6 +12,7 @@
 use crate::layout::Layout;
 use crate::op::Op;
 use crate::op::wide::Body;
+use crate::real::{Real, real};
 use crate::state::State;
 
 const XI: f64 = 0.178_617_895_844_809_1;
@@ -19,9 +20,9 @@ const LAMBDA: f64 = -0.212_341_831_062_605_4;
 const CHI: f64 = -0.066_264_582_669_818_5;
 
 /// Shares of a tick that the drifts take.
-pub const DRIFTS: [f64; 5] = [XI, CHI, 1.0 - 2.0 * (CHI + XI), CHI, XI];
+pub const DRIFTS: [Real; 5] = [real(XI), real(CHI), real(1.0 - 2.0 * (CHI + XI)), real(CHI), real(XI)];
 /// Shares of a tick that the kicks between them take.
-pub const KICKS: [f64; 4] = [0.5 - LAMBDA, LAMBDA, LAMBDA, 0.5 - LAMBDA];
+pub const KICKS: [Real; 4] = [real(0.5 - LAMBDA), real(LAMBDA), real(LAMBDA), real(0.5 - LAMBDA)];
 
 /// The stiffness T²k/m from which on an oscillator grows: where [`explicit`] reaches 4, the limit of that scheme.
 pub const LIMIT: f64 = 8.936_808_587_521_949;

@@ -34,14 +34,15 @@ use crate::layout::{Gauge, Layout};
 use crate::op::gauge::{Along, Line, Measure, Radial};
 use crate::op::law::{Law, Turn};
 use crate::op::{Form, Kernel, Op};
+use crate::real::{Real, SINGLE, sqrt};
 use crate::state::State;
 use crate::touch::{Touch, Touches};
 use nalgebra::Vector3;
 
 /// The residual is brought below this part of what it was, squared.
-const EXACT: f64 = 1e-30;
+const EXACT: Real = if SINGLE { 3e-13 } else { 1e-30 };
 /// Motion that holds less \[J\] is left alone: the squares it is solved by are none any more.
-const NOTHING: f64 = 1e-200;
+const NOTHING: Real = if SINGLE { 1e-35 } else { 1e-200 as Real };
 
 /// A one-sided spring by this method. Memory: ψ \[√J\], heat of the tick \[J\].
 pub const fn law<S: Spring>(spring: Law) -> Law {
@@ -49,7 +50,7 @@ pub const fn law<S: Spring>(spring: Law) -> Law {
         mem: 2,
         start: |c, e, mem| {
             let b = Contact::<S>::of(c);
-            mem[0] = libm::sqrt(2.0 * b.potential(b.penetration(e)));
+            mem[0] = sqrt(2.0 * b.potential(b.penetration(e)));
             mem[1] = 0.0;
         },
         stored: |_, mem, _, _, _| 0.5 * mem[0] * mem[0],
@@ -99,7 +100,7 @@ fn gather<S: Spring, G: Measure>(op: &Op, layout: &Layout, s: &mut State) {
                 let gamma = if opening && psi == 0.0 { 0.0 } else { contact.spring.gamma(contact.k, eta) };
                 (gamma, contact.spring.viscosity(contact.k, eta))
             }
-            (false, true) => (4.0 * psi / (libm::sqrt(free * free + 4.0 * w * psi * psi) - free), 0.0),
+            (false, true) => (4.0 * psi / (sqrt(free * free + 4.0 * w * psi * psi) - free), 0.0),
             (false, false) => (0.0, 0.0),
         };
         join(s, Touch { clip: contact.clip, open: eta < 0.0, gamma, psi, z, ..link });
@@ -108,8 +109,8 @@ fn gather<S: Spring, G: Measure>(op: &Op, layout: &Layout, s: &mut State) {
 
 /// Link `i` of `op`, of which `u` is the gradient of the elongation, as one that may act: what all other forces would
 /// do to it, and its mobility \[m/N\] on the diagonal.
-pub(super) fn reach<G: Measure>(op: &Op, layout: &Layout, s: &State, i: usize, side: f64, u: Vector3<f64>) -> Touch {
-    let g: [f64; 3] = (u * -side).into();
+pub(super) fn reach<G: Measure>(op: &Op, layout: &Layout, s: &State, i: usize, side: Real, u: Vector3<Real>) -> Touch {
+    let g: [Real; 3] = (u * -side).into();
     let (ends, places) = (layout.ends[op.first + i], if G::SPACE { 3 } else { 1 });
     let (mut free, mut w) = (0.0, 0.0);
     for (k, g) in g[..places].iter().enumerate() {
@@ -131,7 +132,7 @@ pub(super) fn join(s: &mut State, link: Touch) {
 }
 
 /// Sets `q` of each contact to W p.
-fn respond(list: &mut [Touch], push: &mut [f64], mobility: &[f64]) {
+fn respond(list: &mut [Touch], push: &mut [Real], mobility: &[Real]) {
     let places = |t: &Touch| {
         let ([a, b], n) = (t.ends.map(|m| m as usize), t.places);
         (0..n).map(move |k| (a + k, b + k, k))
@@ -153,7 +154,7 @@ fn respond(list: &mut [Touch], push: &mut [f64], mobility: &[f64]) {
 }
 
 /// Solves for `y` of all contacts listed.
-fn conjugate(list: &mut [Touch], push: &mut [f64], mobility: &[f64]) {
+fn conjugate(list: &mut [Touch], push: &mut [Real], mobility: &[Real]) {
     for t in &mut *list {
         t.p = t.gamma * t.psi;
     }

@@ -6,6 +6,7 @@
 
 use super::newton::root;
 use crate::phi::pow::{quarter_mean, quarter_power, quarter_root};
+use crate::real::{Real, sqrt};
 use crate::state::State;
 
 /// The elastic part of a law and its losses.
@@ -14,33 +15,33 @@ pub trait Spring: Copy {
     const HARDENS: bool;
 
     /// The contact with these coefficients, in the order of its law.
-    fn contact(c: &[f64; 5]) -> Contact<Self>;
+    fn contact(c: &[Real; 5]) -> Contact<Self>;
 
     /// Viscosity \[N per m/tick\] at the penetration `eta` ≥ 0.
-    fn viscosity(self, k: f64, eta: f64) -> f64;
+    fn viscosity(self, k: Real, eta: Real) -> Real;
 
     /// How much harder it is at a penetration than `k` says.
-    fn hard(self, eta: f64) -> f64;
+    fn hard(self, eta: Real) -> Real;
 
     /// 2(U(s) − U(a)) / (k (s − a)) for s and a > 0, without its cancellation.
-    fn mean(self, s: f64, a: f64) -> f64;
+    fn mean(self, s: Real, a: Real) -> Real;
 
     /// The root s ≥ 0 of s + 2h (U(s) − U(a)) / (k (s − a)) = e, where there is one.
-    fn pressed(self, e: f64, a: f64, h: f64) -> f64;
+    fn pressed(self, e: Real, a: Real, h: Real) -> Real;
 
     /// The slope of √(2U) where it is pressed together \[√(N/m)\].
-    fn gamma(self, k: f64, eta: f64) -> f64;
+    fn gamma(self, k: Real, eta: Real) -> Real;
 }
 
 /// A one-sided law: a spring, and where it acts.
 #[derive(Clone, Copy)]
 pub struct Contact<S> {
     /// stiffness \[N/m\], for the power law \[N/m^p\]
-    pub k: f64,
+    pub k: Real,
     /// threshold of the elongation \[m\]
-    pub d: f64,
+    pub d: Real,
     /// 1: acts below the threshold; −1: above
-    pub side: f64,
+    pub side: Real,
     /// pushes only
     pub clip: bool,
     /// how force grows with penetration, and the losses
@@ -49,7 +50,7 @@ pub struct Contact<S> {
 
 impl<S: Spring> Contact<S> {
     /// From coefficients in a slice.
-    pub fn of(c: &[f64]) -> Contact<S> {
+    pub fn of(c: &[Real]) -> Contact<S> {
         S::contact(&c.first_chunk().copied().unwrap_or_default())
     }
 
@@ -59,17 +60,17 @@ impl<S: Spring> Contact<S> {
     }
 
     /// How far it is pressed together \[m\]; negative while apart.
-    pub fn penetration(&self, e: f64) -> f64 {
+    pub fn penetration(&self, e: Real) -> Real {
         self.side * (self.d - e)
     }
 
     /// Potential energy \[J\] at a penetration.
-    pub fn potential(&self, eta: f64) -> f64 {
+    pub fn potential(&self, eta: Real) -> Real {
         if eta > 0.0 { 0.5 * self.k * self.spring.hard(eta) * eta * eta } else { 0.0 }
     }
 
     /// (U(s) − U(a)) / (s − a) \[N\].
-    pub fn slope(&self, s: f64, a: f64) -> f64 {
+    pub fn slope(&self, s: Real, a: Real) -> Real {
         let Contact { k, spring, .. } = *self;
         match (s > 0.0, a > 0.0) {
             (true, true) => 0.5 * k * spring.mean(s, a),
@@ -84,33 +85,33 @@ impl<S: Spring> Contact<S> {
 #[derive(Clone, Copy)]
 pub struct Linear {
     /// \[N per m/tick\]
-    z: f64,
+    z: Real,
 }
 
 impl Spring for Linear {
     const HARDENS: bool = false;
-    fn contact(&[k, z, d, side, clip]: &[f64; 5]) -> Contact<Linear> {
+    fn contact(&[k, z, d, side, clip]: &[Real; 5]) -> Contact<Linear> {
         Contact { k, d, side, clip: clip != 0.0, spring: Linear { z } }
     }
-    fn viscosity(self, _k: f64, _eta: f64) -> f64 {
+    fn viscosity(self, _k: Real, _eta: Real) -> Real {
         self.z
     }
-    fn hard(self, _eta: f64) -> f64 {
+    fn hard(self, _eta: Real) -> Real {
         1.0
     }
-    fn mean(self, s: f64, a: f64) -> f64 {
+    fn mean(self, s: Real, a: Real) -> Real {
         s + a
     }
-    fn pressed(self, e: f64, a: f64, h: f64) -> f64 {
+    fn pressed(self, e: Real, a: Real, h: Real) -> Real {
         if a >= 0.0 {
             return (e - h * a) / (1.0 + h);
         }
         let p = a + e;
-        let q = libm::sqrt(p * p - 4.0 * (1.0 + h) * e * a);
+        let q = sqrt(p * p - 4.0 * (1.0 + h) * e * a);
         if p >= 0.0 { (p + q) / (2.0 * (1.0 + h)) } else { -2.0 * e * a / (q - p) }
     }
-    fn gamma(self, k: f64, _eta: f64) -> f64 {
-        libm::sqrt(k)
+    fn gamma(self, k: Real, _eta: Real) -> Real {
+        sqrt(k)
     }
 }
 
@@ -118,36 +119,36 @@ impl Spring for Linear {
 #[derive(Clone, Copy)]
 pub struct Power {
     /// 4p, a whole number from 4 on
-    n: f64,
+    n: Real,
     /// h, relative to the force per unit of change in a tick \[ticks/m\]
-    loss: f64,
+    loss: Real,
 }
 
 impl Power {
     /// (p + 1)/2: the force is k η^p times this.
-    fn rise(self) -> f64 {
+    fn rise(self) -> Real {
         0.125 * self.n + 0.5
     }
 }
 
 impl Spring for Power {
     const HARDENS: bool = true;
-    fn contact(&[q, n, loss, d, side]: &[f64; 5]) -> Contact<Power> {
+    fn contact(&[q, n, loss, d, side]: &[Real; 5]) -> Contact<Power> {
         let spring = Power { n, loss };
         Contact { k: q / spring.rise(), d, side, clip: true, spring }
     }
-    fn viscosity(self, k: f64, eta: f64) -> f64 {
+    fn viscosity(self, k: Real, eta: Real) -> Real {
         self.loss * k * self.rise() * quarter_power(eta, self.n)
     }
-    fn hard(self, eta: f64) -> f64 {
+    fn hard(self, eta: Real) -> Real {
         quarter_power(eta, self.n - 4.0)
     }
-    fn mean(self, s: f64, a: f64) -> f64 {
+    fn mean(self, s: Real, a: Real) -> Real {
         quarter_mean(s, a, self.n + 4.0)
     }
     /// The left side is convex in s. The start is where the larger of its two parts alone would reach e, so that the
     /// root is near whatever the stiffness.
-    fn pressed(self, e: f64, a: f64, h: f64) -> f64 {
+    fn pressed(self, e: Real, a: Real, h: Real) -> Real {
         if e <= 0.0 {
             return 0.0;
         }
@@ -162,7 +163,7 @@ impl Spring for Power {
             (s - e + h * mean, 1.0 + h * rise)
         })
     }
-    fn gamma(self, k: f64, eta: f64) -> f64 {
-        self.rise() * libm::sqrt(k * self.hard(eta))
+    fn gamma(self, k: Real, eta: Real) -> Real {
+        self.rise() * sqrt(k * self.hard(eta))
     }
 }

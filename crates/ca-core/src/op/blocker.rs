@@ -7,18 +7,17 @@
 use super::Op;
 use super::pass::heard;
 use crate::layout::Layout;
+use crate::real::{TINY, wide};
 use crate::state::State;
 
 /// Adds the outputs from `op.first` on, each through its high pass.
 pub fn blocker(op: &Op, layout: &Layout, s: &mut State) {
-    // far above what is denormal and slow, far below what is heard
-    const TINY: f64 = 1e-270;
     for (k, (o, c)) in layout.outputs[op.first..].iter().zip(&layout.blockers[..op.n]).enumerate() {
         let v = s.coef[op.coef + k] * heard(o, s);
         let [before, y] = if s.tick == 0 { [v, 0.0] } else { s.blocked[k] };
         let y = c.r * y + c.g * (v - before);
         let y = if y.abs() < TINY { 0.0 } else { y };
         s.blocked[k] = [v, y];
-        s.output[o.channel as usize] += y;
+        s.output[o.channel as usize] += wide(y);
     }
 }

@@ -11,24 +11,25 @@ use super::wide::Body;
 use crate::law::Phi;
 use crate::layout::{Crowd, Layout};
 use crate::near::Near;
+use crate::real::{Real, sqrt};
 use crate::state::State;
 use core::marker::PhantomData;
 
 /// Three numbers from `i` on.
 #[inline(always)]
-fn three(v: &[f64], i: u32) -> [f64; 3] {
+fn three(v: &[Real], i: u32) -> [Real; 3] {
     v[i as usize..].first_chunk::<3>().copied().unwrap_or_default()
 }
 
 /// The square of a vector.
 #[inline(always)]
-fn square([x, y, z]: [f64; 3]) -> f64 {
+fn square([x, y, z]: [Real; 3]) -> Real {
     x * x + y * y + z * z
 }
 
 /// The ends of a pair, and what a radial port needs beside them.
 #[inline(always)]
-fn pair(crowd: &Crowd, rest: &[f64], i: usize, j: usize) -> ([usize; 2], [f64; 4]) {
+fn pair(crowd: &Crowd, rest: &[Real], i: usize, j: usize) -> ([usize; 2], [Real; 4]) {
     let (a, b) = (crowd.members[i], crowd.members[j]);
     let (p, q) = (three(rest, a), three(rest, b));
     ([a as usize, b as usize], [q[0] - p[0], q[1] - p[1], q[2] - p[2], 0.0])
@@ -36,13 +37,13 @@ fn pair(crowd: &Crowd, rest: &[f64], i: usize, j: usize) -> ([usize; 2], [f64; 4
 
 /// The distance beyond which there is no force; infinite where the contact contains.
 #[inline(always)]
-fn radius((from, to): (f64, f64)) -> f64 {
-    if to < f64::INFINITY { f64::INFINITY } else { from.max(0.0) }
+fn radius((from, to): (Real, Real)) -> Real {
+    if to < Real::INFINITY { Real::INFINITY } else { from.max(0.0) }
 }
 
 /// Puts the members where they are.
 #[inline(always)]
-fn place(near: &mut Near, crowd: &Crowd, rest: &[f64], x: &[f64]) {
+fn place(near: &mut Near, crowd: &Crowd, rest: &[Real], x: &[Real]) {
     let members = &crowd.members;
     near.place(|k| [three(rest, members[k]), three(x, members[k])]);
 }
@@ -86,10 +87,10 @@ impl<P: Phi<C, M>, const C: usize, const M: usize, const TAP: bool> Body for All
 /// The first pair that presses while nothing moves: its members and its force \[N\], by `force` of the elongation.
 pub fn pressed(
     crowd: &Crowd,
-    rest: &[f64],
-    x: &[f64],
-    idle: (f64, f64),
-    force: impl Fn(f64) -> f64,
+    rest: &[Real],
+    x: &[Real],
+    idle: (Real, Real),
+    force: impl Fn(Real) -> Real,
 ) -> Option<Pressed> {
     let mut near = Near::new(crowd.members.len(), crowd.rows, crowd.columns);
     place(&mut near, crowd, rest, x);
@@ -98,7 +99,7 @@ pub fn pressed(
     near.each(radius(idle), |i, j| {
         if found.is_none() {
             let (ends, reach) = pair(crowd, rest, i, j);
-            let e = Radial::square(x, ends, &reach).map_or(0.0, libm::sqrt);
+            let e = Radial::square(x, ends, &reach).map_or(0.0, sqrt);
             found = Some((i, j, e, force(e))).filter(|p| p.3 != 0.0);
         }
     });
@@ -106,7 +107,7 @@ pub fn pressed(
 }
 
 /// Two members of a crowd by number, their distance \[m\], and the force between them \[N\].
-pub type Pressed = (usize, usize, f64, f64);
+pub type Pressed = (usize, usize, Real, Real);
 
 /// Calls `visit` for all pairs of a crowd that may have been in touch in the last two ticks, with the elongations
 /// before, at and after the tick between them; `d0` is the motion before the last one.
@@ -114,14 +115,14 @@ pub fn touched(
     layout: &Layout,
     s: &State,
     near: &mut Near,
-    d0: &[f64],
+    d0: &[Real],
     at: usize,
-    idle: (f64, f64),
-    mut visit: impl FnMut([f64; 3]),
+    idle: (Real, Real),
+    mut visit: impl FnMut([Real; 3]),
 ) {
     let (crowd, x, d) = (&layout.crowds[at], &s.x, &s.d);
     place(near, crowd, &layout.rest, x);
-    let fastest = |d: &[f64]| libm::sqrt(crowd.members.iter().map(|m| square(three(d, *m))).fold(0.0, f64::max));
+    let fastest = |d: &[Real]| sqrt(crowd.members.iter().map(|m| square(three(d, *m))).fold(0.0, Real::max));
     let moved = 2.0 * (fastest(d) + fastest(d0));
     near.each(radius(idle) + moved, |i, j| {
         let (ends, reach) = pair(crowd, &layout.rest, i, j);

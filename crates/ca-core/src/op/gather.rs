@@ -4,6 +4,7 @@
 use super::Op;
 use crate::law::Phi;
 use crate::layout::Layout;
+use crate::real::Real;
 use crate::state::State;
 
 /// Applies the law of `op` to each of its links.
@@ -15,7 +16,7 @@ pub fn gather<P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bool, 
     let n = op.n;
     let ends = &layout.ends[op.first..][..n];
     let e0 = if OFFSET { &layout.e0[op.first..][..n] } else { &[] };
-    let columns: [&[f64]; C] = core::array::from_fn(|k| &s.coef[op.coef + k * n..][..n]);
+    let columns: [&[Real]; C] = core::array::from_fn(|k| &s.coef[op.coef + k * n..][..n]);
     let (x, d, f) = (&s.x, &s.d, &mut s.f);
     let mem = &mut s.mem[op.mem..][..n * M];
     for i in 0..n {

@@ -12,17 +12,18 @@
 //! softening length δ the distance is `sqrt(D² + δ²)`, smooth everywhere.
 
 use crate::layout::{Gauge, Layout, Ports};
+use crate::real::{Real, sqrt};
 use nalgebra::Vector3;
 
 /// What a port measured.
 #[derive(Clone, Copy, Debug)]
 pub struct Felt {
     /// its part of the elongation \[m\]
-    pub e: f64,
+    pub e: Real,
     /// the change of that in this tick \[m/tick\]
-    pub w: f64,
+    pub w: Real,
     /// gradient of the elongation against the second end; −u against the first
-    pub u: Vector3<f64>,
+    pub u: Vector3<Real>,
 }
 
 /// A way of measuring, as a type, for kernels.
@@ -31,15 +32,15 @@ pub trait Measure {
     const SPACE: bool;
 
     /// Measures between the places `a` and `b`.
-    fn measure(x: &[f64], d: &[f64], ends: [usize; 2], reach: &[f64; 4]) -> Felt;
+    fn measure(x: &[Real], d: &[Real], ends: [usize; 2], reach: &[Real; 4]) -> Felt;
 
     /// The square of the elongation, and zero where that says nothing of its sign: cheaper, for contacts that are idle.
-    fn square(_x: &[f64], _ends: [usize; 2], _reach: &[f64; 4]) -> Option<f64> {
+    fn square(_x: &[Real], _ends: [usize; 2], _reach: &[Real; 4]) -> Option<Real> {
         None
     }
 
     /// Pulls the ends together with `force` \[N\] along the direction measured.
-    fn pull(f: &mut [f64], ends: [usize; 2], u: &Vector3<f64>, force: f64);
+    fn pull(f: &mut [Real], ends: [usize; 2], u: &Vector3<Real>, force: Real);
 }
 
 /// Two places on a line.
@@ -50,17 +51,17 @@ pub struct Along;
 pub struct Radial;
 
 #[inline(always)]
-fn at(x: &[f64], i: usize) -> Vector3<f64> {
+fn at(x: &[Real], i: usize) -> Vector3<Real> {
     x[i..].first_chunk::<3>().map_or_else(Vector3::zeros, |v| Vector3::from(*v))
 }
 
 #[inline(always)]
-fn vector(reach: &[f64; 4]) -> Vector3<f64> {
+fn vector(reach: &[Real; 4]) -> Vector3<Real> {
     Vector3::new(reach[0], reach[1], reach[2])
 }
 
 #[inline(always)]
-fn pull3(f: &mut [f64], [a, b]: [usize; 2], u: &Vector3<f64>, force: f64) {
+fn pull3(f: &mut [Real], [a, b]: [usize; 2], u: &Vector3<Real>, force: Real) {
     let g = u * force;
     for k in 0..3 {
         f[a + k] += g[k];
@@ -71,11 +72,11 @@ fn pull3(f: &mut [f64], [a, b]: [usize; 2], u: &Vector3<f64>, force: f64) {
 impl Measure for Line {
     const SPACE: bool = false;
     #[inline(always)]
-    fn measure(x: &[f64], d: &[f64], [a, b]: [usize; 2], _: &[f64; 4]) -> Felt {
+    fn measure(x: &[Real], d: &[Real], [a, b]: [usize; 2], _: &[Real; 4]) -> Felt {
         Felt { e: x[b] - x[a], w: d[b] - d[a], u: Vector3::new(1.0, 0.0, 0.0) }
     }
     #[inline(always)]
-    fn pull(f: &mut [f64], [a, b]: [usize; 2], _: &Vector3<f64>, force: f64) {
+    fn pull(f: &mut [Real], [a, b]: [usize; 2], _: &Vector3<Real>, force: Real) {
         f[a] += force;
         f[b] -= force;
     }
@@ -84,12 +85,12 @@ impl Measure for Line {
 impl Measure for Along {
     const SPACE: bool = true;
     #[inline(always)]
-    fn measure(x: &[f64], d: &[f64], [a, b]: [usize; 2], reach: &[f64; 4]) -> Felt {
+    fn measure(x: &[Real], d: &[Real], [a, b]: [usize; 2], reach: &[Real; 4]) -> Felt {
         let n = vector(reach);
         Felt { e: n.dot(&(at(x, b) - at(x, a))), w: n.dot(&(at(d, b) - at(d, a))), u: n }
     }
     #[inline(always)]
-    fn pull(f: &mut [f64], ends: [usize; 2], u: &Vector3<f64>, force: f64) {
+    fn pull(f: &mut [Real], ends: [usize; 2], u: &Vector3<Real>, force: Real) {
         pull3(f, ends, u, force);
     }
 }
@@ -97,28 +98,28 @@ impl Measure for Along {
 impl Measure for Radial {
     const SPACE: bool = true;
     #[inline(always)]
-    fn measure(x: &[f64], d: &[f64], [a, b]: [usize; 2], reach: &[f64; 4]) -> Felt {
+    fn measure(x: &[Real], d: &[Real], [a, b]: [usize; 2], reach: &[Real; 4]) -> Felt {
         let now = vector(reach) + (at(x, b) - at(x, a));
         let moved = at(d, b) - at(d, a);
         let before = now - moved;
-        let l = libm::sqrt(now.dot(&now) + reach[3]);
-        let l0 = libm::sqrt(before.dot(&before) + reach[3]);
-        let w = (now + before).dot(&moved) / (l + l0).max(f64::MIN_POSITIVE);
-        Felt { e: l, w, u: now / l.max(f64::MIN_POSITIVE) }
+        let l = sqrt(now.dot(&now) + reach[3]);
+        let l0 = sqrt(before.dot(&before) + reach[3]);
+        let w = (now + before).dot(&moved) / (l + l0).max(Real::MIN_POSITIVE);
+        Felt { e: l, w, u: now / l.max(Real::MIN_POSITIVE) }
     }
     #[inline(always)]
-    fn square(x: &[f64], [a, b]: [usize; 2], reach: &[f64; 4]) -> Option<f64> {
+    fn square(x: &[Real], [a, b]: [usize; 2], reach: &[Real; 4]) -> Option<Real> {
         let now = vector(reach) + (at(x, b) - at(x, a));
         Some(now.dot(&now) + reach[3])
     }
     #[inline(always)]
-    fn pull(f: &mut [f64], ends: [usize; 2], u: &Vector3<f64>, force: f64) {
+    fn pull(f: &mut [Real], ends: [usize; 2], u: &Vector3<Real>, force: Real) {
         pull3(f, ends, u, force);
     }
 }
 
 /// Measures by a gauge known only at run time, for what is not a kernel.
-pub fn measure(gauge: Gauge, x: &[f64], d: &[f64], ends: [u32; 2], reach: &[f64; 4]) -> Felt {
+pub fn measure(gauge: Gauge, x: &[Real], d: &[Real], ends: [u32; 2], reach: &[Real; 4]) -> Felt {
     let ends = ends.map(|m| m as usize);
     match gauge {
         Gauge::Line => Line::measure(x, d, ends, reach),
@@ -129,7 +130,14 @@ pub fn measure(gauge: Gauge, x: &[f64], d: &[f64], ends: [u32; 2], reach: &[f64;
 
 /// A port around a tick, seen from after it: `d` the motion of that tick, `d0` the motion into it. Its parts of the
 /// elongation before, at and after, and how far its ends moved, over both, along the direction at the tick.
-pub fn around(gauge: Gauge, x: &[f64], d: &[f64], d0: &[f64], ends: [u32; 2], reach: &[f64; 4]) -> ([f64; 3], f64) {
+pub fn around(
+    gauge: Gauge,
+    x: &[Real],
+    d: &[Real],
+    d0: &[Real],
+    ends: [u32; 2],
+    reach: &[Real; 4],
+) -> ([Real; 3], Real) {
     let [a, b] = ends.map(|m| m as usize);
     if gauge == Gauge::Line {
         let after = x[b] - x[a];
@@ -145,9 +153,9 @@ pub fn around(gauge: Gauge, x: &[f64], d: &[f64], d0: &[f64], ends: [u32; 2], re
         return ([after - out - into, after - out, after], out + into);
     }
     let now = v + (after - out);
-    let length = |v: Vector3<f64>| libm::sqrt(v.dot(&v) + reach[3]);
+    let length = |v: Vector3<Real>| sqrt(v.dot(&v) + reach[3]);
     let l = length(now);
-    ([length(now - into), l, length(now + out)], now.dot(&(out + into)) / l.max(f64::MIN_POSITIVE))
+    ([length(now - into), l, length(now + out)], now.dot(&(out + into)) / l.max(Real::MIN_POSITIVE))
 }
 
 /// The ports of link `i` of a batch whose first link is `first`: gauge, ends and reach of each.
@@ -156,7 +164,7 @@ pub fn ports(
     ports: &Ports,
     first: usize,
     i: usize,
-) -> impl Iterator<Item = (Gauge, [u32; 2], [f64; 4])> {
+) -> impl Iterator<Item = (Gauge, [u32; 2], [Real; 4])> {
     let reach = |g: Gauge, at: usize| if g == Gauge::Line { [0.0; 4] } else { layout.reach[at + i] };
     let one = (ports.gauge, layout.ends[first + i], reach(ports.gauge, ports.reach));
     let two = ports.onto.map(|(g, ends, at)| (g, layout.onto[ends + i], reach(g, at)));

@@ -2,6 +2,7 @@
 
 use super::{Form, Kernel, kernel};
 use crate::law::{Bound, Force, Idle, Lost, Phi, Stored};
+use crate::real::Real;
 use crate::table::Table;
 
 /// A law as data: the functions of a [`Phi`] over slices, and its kernels.
@@ -24,7 +25,7 @@ pub struct Law {
     /// see [`Phi::coefs`]; `out` has [`Law::coefs`] places
     pub load: fn(p: &[Option<f64>], te: f64, out: &mut [f64]),
     /// see [`Phi::start`]
-    pub start: fn(c: &[f64], e: f64, mem: &mut [f64]),
+    pub start: fn(c: &[Real], e: Real, mem: &mut [Real]),
     /// see [`Phi::force`]
     pub force: Force,
     /// see [`Phi::stored`]
@@ -73,8 +74,8 @@ impl Fixed {
     }
 }
 
-fn arr<const N: usize>(s: &[f64]) -> [f64; N] {
-    s.first_chunk::<N>().copied().unwrap_or([0.0; N])
+fn arr<T: Copy + Default, const N: usize>(s: &[T]) -> [T; N] {
+    s.first_chunk::<N>().copied().unwrap_or([T::default(); N])
 }
 
 impl Law {

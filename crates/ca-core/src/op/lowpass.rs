@@ -6,6 +6,7 @@
 
 use super::Op;
 use crate::layout::Layout;
+use crate::real::{Real, real, wide};
 use crate::state::State;
 
 /// Filters every sound channel. `layout.lowpass` holds the first half of the n coefficients up to the middle one.
@@ -20,7 +21,7 @@ pub fn lowpass(op: &Op, layout: &Layout, s: &mut State) {
         for ((h, a), b) in sides.iter().zip(window).zip(window.iter().rev()) {
             y += h * (a + b);
         }
-        *out = y;
+        *out = wide(y);
     }
 }
 
@@ -34,7 +35,7 @@ pub fn remember(op: &Op, layout: &Layout, s: &mut State) {
     }
 }
 
-fn keep(past: &mut [f64], at: usize, n: usize, v: f64) {
-    past[at] = v;
-    past[at + n] = v;
+fn keep(past: &mut [Real], at: usize, n: usize, v: f64) {
+    past[at] = real(v);
+    past[at + n] = past[at];
 }

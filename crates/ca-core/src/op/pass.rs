@@ -4,12 +4,13 @@
 use super::Op;
 use super::wide::Body;
 use crate::layout::{Heard, Layout, Output, Place, Proxy};
+use crate::real::{Real, TINY, real, wide};
 use crate::state::{Cell, State};
 
 /// Position ports: `d` is the change of position, so that dampers feel the hand. The first tick only places them.
 pub fn enx(op: &Op, layout: &Layout, s: &mut State) {
     for p in &layout.enx[..op.n] {
-        let x = s.heard(p.input) - p.rest;
+        let x = real(s.heard(p.input) - p.rest);
         let m = p.mat as usize;
         s.d[m] = if s.tick == 0 { 0.0 } else { x - s.x[m] };
         s.x[m] = x;
@@ -25,7 +26,7 @@ pub fn enf<const COUNTED: bool>(op: &Op, layout: &Layout, s: &mut State) {
         let force = if v.is_finite() { v } else { 0.0 };
         s.refused += u64::from(COUNTED && !v.is_finite() && p.input != last);
         last = p.input;
-        s.f[p.mat as usize] += force;
+        s.f[p.mat as usize] += real(force);
     }
 }
 
@@ -45,8 +46,8 @@ pub fn aim(op: &Op, layout: &Layout, s: &mut State) {
 
 fn coordinate(layout: &Layout, s: &State, place: Place) -> f64 {
     let v = match place {
-        Place::Coef(c) => s.coef[c as usize],
-        Place::Mat(m) => s.x[m as usize] + layout.rest[m as usize],
+        Place::Coef(c) => wide(s.coef[c as usize]),
+        Place::Mat(m) => wide(s.x[m as usize]) + wide(layout.rest[m as usize]),
     };
     // a coordinate that is not a number stays where nothing is hurt
     if v >= 0.0 { v.min(1.0) } else { 0.0 }
@@ -64,13 +65,13 @@ pub fn cell(layout: &Layout, s: &State, p: &Proxy) -> Cell {
     let (i, a) = step(coordinate(layout, s, p.at[0]), p.size[0]);
     let node = |i: u32, j: u32| layout.nodes[(p.first + i * p.size[1] + j) as usize];
     if p.size[1] == 1 {
-        return Cell { n: 2, node: [node(i, 0), node(i + 1, 0), 0, 0], weight: [1.0 - a, a, 0.0, 0.0] };
+        return Cell { n: 2, node: [node(i, 0), node(i + 1, 0), 0, 0], weight: [1.0 - a, a, 0.0, 0.0].map(real) };
     }
     let (j, b) = step(coordinate(layout, s, p.at[1]), p.size[1]);
     Cell {
         n: 4,
         node: [node(i, j), node(i, j + 1), node(i + 1, j), node(i + 1, j + 1)],
-        weight: [(1.0 - a) * (1.0 - b), (1.0 - a) * b, a * (1.0 - b), a * b],
+        weight: [(1.0 - a) * (1.0 - b), (1.0 - a) * b, a * (1.0 - b), a * b].map(real),
     }
 }
 
@@ -106,11 +107,11 @@ pub fn sum(op: &Op, layout: &Layout, s: &mut State) {
     for p in &layout.modal[..op.n] {
         let n = p.n as usize;
         let share = &layout.shares[p.share as usize..][..n];
-        let dot = |q: &[f64]| {
+        let dot = |q: &[Real]| {
             // four sums side by side: one after the other they would wait for each other
             let mut part = [0.0; 4];
             let (q, w) = (q[p.first as usize..][..n].chunks_exact(4), share.chunks_exact(4));
-            let rest: f64 = q.remainder().iter().zip(w.remainder()).map(|(q, w)| q * w).sum();
+            let rest: Real = q.remainder().iter().zip(w.remainder()).map(|(q, w)| q * w).sum();
             for (q, w) in q.zip(w) {
                 for k in 0..4 {
                     part[k] += q[k] * w[k];
@@ -139,12 +140,12 @@ pub fn share(op: &Op, layout: &Layout, s: &mut State) {
 pub fn outputs(op: &Op, layout: &Layout, s: &mut State) {
     s.output.fill(0.0);
     for (k, o) in layout.outputs[..op.n].iter().enumerate() {
-        s.output[o.channel as usize] += s.coef[op.coef + k] * heard(o, s);
+        s.output[o.channel as usize] += wide(s.coef[op.coef + k] * heard(o, s));
     }
 }
 
 /// What an output hears at this tick.
-pub(super) fn heard(o: &Output, s: &State) -> f64 {
+pub(super) fn heard(o: &Output, s: &State) -> Real {
     match o.heard {
         Heard::Position(m) => s.x[m as usize],
         Heard::ForceOn(m) => s.f[m as usize],
@@ -189,7 +190,6 @@ impl Body for AdvanceFull {
 /// Clears what is too small to matter, every 1024 ticks, long before it becomes denormal and slow. Part of the tick
 /// rather than a processor flag, so that renderer, host, Python and replay agree in every bit.
 pub fn flush(op: &Op, layout: &Layout, s: &mut State) {
-    const TINY: f64 = 1e-270;
     if s.tick & 1023 == 1023 {
         let waves = &mut s.mem[layout.waves.first..][..layout.waves.len];
         for v in s.x[..op.n].iter_mut().chain(&mut s.d[..op.n]).chain(waves) {

@@ -6,6 +6,7 @@ use super::Op;
 use super::wide::Body;
 use crate::law::Phi;
 use crate::layout::Layout;
+use crate::real::Real;
 use crate::state::State;
 use core::marker::PhantomData;
 
@@ -17,7 +18,7 @@ impl<P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bool> Body for 
     fn run(op: &Op, layout: &Layout, s: &mut State) {
         let n = op.n;
         let e0 = if OFFSET { &layout.e0[op.first..][..n] } else { &[] };
-        let columns: [&[f64]; C] = core::array::from_fn(|k| &s.coef[op.coef + k * n..][..n]);
+        let columns: [&[Real]; C] = core::array::from_fn(|k| &s.coef[op.coef + k * n..][..n]);
         let (a, b) = (op.mat, op.mat + op.form.stride);
         let (xa, xb) = (&s.x[a..][..n], &s.x[b..][..n]);
         let (da, db) = (&s.d[a..][..n], &s.d[b..][..n]);

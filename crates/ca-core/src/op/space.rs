@@ -5,6 +5,7 @@ use super::Op;
 use super::gauge::Measure;
 use crate::law::Phi;
 use crate::layout::Layout;
+use crate::real::Real;
 use crate::state::State;
 
 /// Applies the law of `op` to each of its links.
@@ -17,7 +18,7 @@ pub fn space<P: Phi<C, M>, G: Measure, const C: usize, const M: usize, const TAP
     let ends = &layout.ends[op.first..][..n];
     let e0 = &layout.e0[op.first..][..n];
     let reach = &layout.reach[op.ports.reach..][..n];
-    let columns: [&[f64]; C] = core::array::from_fn(|k| &s.coef[op.coef + k * n..][..n]);
+    let columns: [&[Real]; C] = core::array::from_fn(|k| &s.coef[op.coef + k * n..][..n]);
     let (x, d, f) = (&s.x, &s.d, &mut s.f);
     let mem = &mut s.mem[op.mem..][..n * M];
     for i in 0..n {

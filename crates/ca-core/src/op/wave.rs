@@ -7,6 +7,7 @@
 
 use super::Op;
 use crate::layout::{Delay, Layout, Through};
+use crate::real::{Real, real, wide};
 use crate::state::State;
 
 impl Delay {
@@ -27,9 +28,10 @@ pub fn arrive(_op: &Op, layout: &Layout, s: &mut State) {
             Through::Lossy { loss, memory } => {
                 // a ring three longer than the delay keeps what the taps still hear
                 let [u0, u1, u2] = [3, 2, 1].map(|less| s.mem[d.at(s.tick, d.len - less)]);
-                let u = loss.a * u1 + loss.b * (u0 + u2);
-                let y = loss.c * u + s.mem[memory];
-                s.mem[memory] = u - loss.c * y;
+                let [a, b, c] = [loss.a, loss.b, loss.c].map(real);
+                let u = a * u1 + b * (u0 + u2);
+                let y = c * u + s.mem[memory];
+                s.mem[memory] = u - c * y;
                 -y
             }
         };
@@ -37,7 +39,7 @@ pub fn arrive(_op: &Op, layout: &Layout, s: &mut State) {
     }
     for j in &w.junctions {
         let m = j.mat as usize;
-        s.f[m] += 2.0 * j.z * (s.mem[j.memory] + s.mem[j.memory + 1]);
+        s.f[m] += 2.0 * real(j.z) * (s.mem[j.memory] + s.mem[j.memory + 1]);
         s.mem[j.memory + 2] = s.d[m];
     }
 }
@@ -56,11 +58,11 @@ pub fn depart(_op: &Op, layout: &Layout, s: &mut State) {
 ///
 /// The taps give (1 − (a+2b)²) and more of what goes in to heat, where b (a+2b) of the square of the older wave they
 /// still hear and (a+b)(a+2b) of the newer one count as held; an allpass of memory q holds q²/(1 − c²).
-pub fn energy(layout: &Layout, s: &State, d0: &[f64]) -> (f64, f64) {
+pub fn energy(layout: &Layout, s: &State, d0: &[Real]) -> (f64, f64) {
     let w = &layout.waves;
     let (mut held, mut heat) = (0.0, 0.0);
     for d in &w.delays {
-        let wave = |back: usize| s.mem[d.at(s.tick, back)];
+        let wave = |back: usize| wide(s.mem[d.at(s.tick, back)]);
         let energy = |v: f64| v * v;
         let mut sum = 0.0;
         let way = if let Through::Lossy { loss, memory } = d.through {
@@ -69,7 +71,7 @@ pub fn energy(layout: &Layout, s: &State, d0: &[f64]) -> (f64, f64) {
             let gain = loss.a + 2.0 * loss.b;
             let (newer, older) = (gain * (loss.a + loss.b), gain * loss.b);
             let taps = |u: f64, v: f64| newer * energy(u) + older * energy(v);
-            sum += taps(u0, u1) + energy(s.mem[memory]) / (1.0 - loss.c * loss.c);
+            sum += taps(u0, u1) + energy(wide(s.mem[memory])) / (1.0 - loss.c * loss.c);
             let out = energy(loss.a * u1 + loss.b * (u0 + u2));
             heat += w.junctions[d.junction].z * (energy(u0) + taps(u1, u2) - out - taps(u0, u1));
             way
@@ -80,7 +82,7 @@ pub fn energy(layout: &Layout, s: &State, d0: &[f64]) -> (f64, f64) {
         held += w.junctions[d.junction].z * sum;
     }
     for j in &w.junctions {
-        let v = 0.5 * (s.d[j.mat as usize] + d0[j.mat as usize]);
+        let v = 0.5 * wide(s.d[j.mat as usize] + d0[j.mat as usize]);
         heat -= 2.0 * j.z * v * v;
     }
     (held, heat)

@@ -6,6 +6,7 @@
 
 use super::{ALONG, BETWEEN, Bound, Law, PAIRS, Phi};
 use crate::kind::{ABOVE_ZERO, Kind, Need, POSITIVE, Param, Role, Unit};
+use crate::real::Real;
 use crate::table::Table;
 
 /// ATT in the catalog.
@@ -59,7 +60,7 @@ impl Phi<5, 0> for Att {
         [k, rho * d, d, k * rho / (1.0 - rho), p[4].unwrap_or(0.0) / te]
     }
     #[inline(always)]
-    fn force(&[k, tip, d, fall, z]: &[f64; 5], _: &mut [f64; 0], _: &[Table], e: f64, w: f64) -> f64 {
+    fn force(&[k, tip, d, fall, z]: &[Real; 5], _: &mut [Real; 0], _: &[Table], e: Real, w: Real) -> Real {
         let r = e.abs();
         if r < tip {
             k * e + z * w
@@ -69,9 +70,9 @@ impl Phi<5, 0> for Att {
             0.0
         }
     }
-    fn potential(&[k, tip, d, fall, _]: &[f64; 5], _: &[f64; 0], _: &[Table], e: f64) -> f64 {
+    fn potential(&[k, tip, d, fall, _]: &[Real; 5], _: &[Real; 0], _: &[Table], e: Real) -> Real {
         let r = e.abs();
-        let rest = |r: f64| 0.5 * fall * (d - r) * (d - r);
+        let rest = |r: Real| 0.5 * fall * (d - r) * (d - r);
         if r < tip {
             0.5 * k * (r * r - tip * tip) - rest(tip)
         } else if r < d {
@@ -80,7 +81,7 @@ impl Phi<5, 0> for Att {
             0.0
         }
     }
-    fn lost(&[_, _, d, _, z]: &[f64; 5], _: &[f64; 0], _: &[Table], e: [f64; 3]) -> f64 {
+    fn lost(&[_, _, d, _, z]: &[Real; 5], _: &[Real; 0], _: &[Table], e: [Real; 3]) -> Real {
         let w = e[1] - e[0];
         if e[1].abs() < d { z * w * w } else { 0.0 }
     }

@@ -13,6 +13,7 @@
 use super::{ALONG, BETWEEN, Bound, Fixed, Law, PAIRS, Phi, lnl};
 use crate::kind::{ABOVE_ZERO, Kind, Need, POSITIVE, Param, Role, Type, Unit};
 use crate::method::friction::{self, Curve};
+use crate::real::{NONE, Real};
 use crate::table::Table;
 use alloc::vec::Vec;
 
@@ -71,7 +72,7 @@ pub static PIECEWISE: Law = Law::of::<Piecewise, 5, 0>("BOW piecewise");
 pub static COULOMB: Law = Law::of::<Coulomb, 2, 0>("BOW coulomb");
 /// With `curve = "table"`.
 pub static TABLE: Law = Law {
-    load: |p, te, out| out.copy_from_slice(&[p[6].unwrap_or(f64::MAX), 1.0 / te]),
+    load: |p, te, out| out.copy_from_slice(&[p[6].unwrap_or(NONE), 1.0 / te]),
     ..Law::of::<lnl::TableFriction, 2, 0>("BOW table")
 };
 
@@ -118,15 +119,15 @@ pub struct Smooth;
 
 impl Phi<3, 0> for Smooth {
     fn coefs(p: &[Option<f64>], te: f64) -> [f64; 3] {
-        let bell = p.last().copied().flatten().unwrap_or(f64::MAX);
+        let bell = p.last().copied().flatten().unwrap_or(NONE);
         [p[2].unwrap_or(0.0), 1.0 / (p[3].unwrap_or(1.0) * te), bell]
     }
     #[inline(always)]
-    fn force(&[f, per, bell]: &[f64; 3], _: &mut [f64; 0], tables: &[Table], _e: f64, w: f64) -> f64 {
+    fn force(&[f, per, bell]: &[Real; 3], _: &mut [Real; 0], tables: &[Table], _e: Real, w: Real) -> Real {
         let u = w * per;
         tables.get(bell as usize).map_or(0.0, |t| (f * t.at(u.abs())).copysign(u))
     }
-    fn lost(c: &[f64; 3], m: &[f64; 0], t: &[Table], e: [f64; 3]) -> f64 {
+    fn lost(c: &[Real; 3], m: &[Real; 0], t: &[Table], e: [Real; 3]) -> Real {
         let w = e[1] - e[0];
         Self::force(c, &mut { *m }, t, e[1], w) * w
     }
@@ -136,10 +137,10 @@ impl Phi<3, 0> for Smooth {
 }
 
 impl Curve<3> for Smooth {
-    fn chord(&[f, per, bell]: &[f64; 3], tables: &[Table], w: f64) -> f64 {
+    fn chord(&[f, per, bell]: &[Real; 3], tables: &[Table], w: Real) -> Real {
         tables.get(bell as usize).map_or(0.0, |t| f * per * t.chord((w * per).abs()))
     }
-    fn slope(&[f, per, bell]: &[f64; 3], tables: &[Table], w: f64) -> f64 {
+    fn slope(&[f, per, bell]: &[Real; 3], tables: &[Table], w: Real) -> Real {
         tables.get(bell as usize).map_or(0.0, |t| f * per * t.slope((w * per).abs()))
     }
 }
@@ -155,7 +156,7 @@ impl Phi<5, 0> for Piecewise {
         [f / v0, v0, fd, (f - fd) / (v1 - v0), v1]
     }
     #[inline(always)]
-    fn force(&[rise, v0, fd, fall, v1]: &[f64; 5], _: &mut [f64; 0], _: &[Table], _e: f64, w: f64) -> f64 {
+    fn force(&[rise, v0, fd, fall, v1]: &[Real; 5], _: &mut [Real; 0], _: &[Table], _e: Real, w: Real) -> Real {
         let v = w.abs();
         if v < v0 {
             rise * w
@@ -165,7 +166,7 @@ impl Phi<5, 0> for Piecewise {
             fd.copysign(w)
         }
     }
-    fn lost(c: &[f64; 5], m: &[f64; 0], t: &[Table], e: [f64; 3]) -> f64 {
+    fn lost(c: &[Real; 5], m: &[Real; 0], t: &[Table], e: [Real; 3]) -> Real {
         let w = e[1] - e[0];
         Self::force(c, &mut { *m }, t, e[1], w) * w
     }
@@ -175,10 +176,10 @@ impl Phi<5, 0> for Piecewise {
 }
 
 impl Curve<5> for Piecewise {
-    fn chord(c: &[f64; 5], tables: &[Table], w: f64) -> f64 {
+    fn chord(c: &[Real; 5], tables: &[Table], w: Real) -> Real {
         if w.abs() < c[1] { c[0] } else { Self::force(c, &mut [], tables, 0.0, w) / w }
     }
-    fn slope(&[rise, v0, _, fall, v1]: &[f64; 5], _: &[Table], w: f64) -> f64 {
+    fn slope(&[rise, v0, _, fall, v1]: &[Real; 5], _: &[Table], w: Real) -> Real {
         let v = w.abs();
         if v < v0 {
             rise
@@ -199,10 +200,10 @@ impl Phi<2, 0> for Coulomb {
         [f / (p[3].unwrap_or(1.0) * te), f]
     }
     #[inline(always)]
-    fn force(&[rise, f]: &[f64; 2], _: &mut [f64; 0], _: &[Table], _e: f64, w: f64) -> f64 {
+    fn force(&[rise, f]: &[Real; 2], _: &mut [Real; 0], _: &[Table], _e: Real, w: Real) -> Real {
         (rise * w).min(f).max(-f)
     }
-    fn lost(c: &[f64; 2], m: &[f64; 0], t: &[Table], e: [f64; 3]) -> f64 {
+    fn lost(c: &[Real; 2], m: &[Real; 0], t: &[Table], e: [Real; 3]) -> Real {
         let w = e[1] - e[0];
         Self::force(c, &mut { *m }, t, e[1], w) * w
     }
@@ -212,10 +213,10 @@ impl Phi<2, 0> for Coulomb {
 }
 
 impl Curve<2> for Coulomb {
-    fn chord(&[rise, f]: &[f64; 2], _: &[Table], w: f64) -> f64 {
+    fn chord(&[rise, f]: &[Real; 2], _: &[Table], w: Real) -> Real {
         (f / w.abs()).min(rise)
     }
-    fn slope(&[rise, f]: &[f64; 2], _: &[Table], w: f64) -> f64 {
+    fn slope(&[rise, f]: &[Real; 2], _: &[Table], w: Real) -> Real {
         if rise * w.abs() < f { rise } else { 0.0 }
     }
 }

@@ -11,6 +11,7 @@ use super::{ALONG, BETWEEN, Bound, Fixed, Law, METHOD, PAIRS, Phi};
 use crate::kind::{ANY, Kind, Need, POSITIVE, Param, Role, Type, Unit};
 use crate::method::spring::Linear;
 use crate::method::{gradient, quadratised};
+use crate::real::Real;
 use crate::table::Table;
 
 /// BUT in the catalog.
@@ -64,8 +65,8 @@ pub struct But;
 impl Phi<5, 0> for But {
     const CONTACT: bool = true;
     #[inline(always)]
-    fn idle(&[_, _, d, side, _]: &[f64; 5]) -> (f64, f64) {
-        if side > 0.0 { (d, f64::INFINITY) } else { (f64::NEG_INFINITY, d) }
+    fn idle(&[_, _, d, side, _]: &[Real; 5]) -> (Real, Real) {
+        if side > 0.0 { (d, Real::INFINITY) } else { (Real::NEG_INFINITY, d) }
     }
     fn coefs(p: &[Option<f64>], te: f64) -> [f64; 5] {
         [
@@ -77,16 +78,16 @@ impl Phi<5, 0> for But {
         ]
     }
     #[inline(always)]
-    fn force(&[k, z, d, side, clip]: &[f64; 5], _: &mut [f64; 0], _: &[Table], e: f64, w: f64) -> f64 {
+    fn force(&[k, z, d, side, clip]: &[Real; 5], _: &mut [Real; 0], _: &[Table], e: Real, w: Real) -> Real {
         let g = e - d;
         let f = if side * g < 0.0 { k * g + z * w } else { 0.0 };
         if clip != 0.0 && side * f > 0.0 { 0.0 } else { f }
     }
-    fn potential(&[k, _, d, side, _]: &[f64; 5], _: &[f64; 0], _: &[Table], e: f64) -> f64 {
+    fn potential(&[k, _, d, side, _]: &[Real; 5], _: &[Real; 0], _: &[Table], e: Real) -> Real {
         let g = e - d;
         if side * g < 0.0 { 0.5 * k * g * g } else { 0.0 }
     }
-    fn lost(c: &[f64; 5], m: &[f64; 0], t: &[Table], e: [f64; 3]) -> f64 {
+    fn lost(c: &[Real; 5], m: &[Real; 0], t: &[Table], e: [Real; 3]) -> Real {
         let w = e[1] - e[0];
         let elastic = Self::force(&[c[0], 0.0, c[2], c[3], 0.0], &mut { *m }, t, e[1], w);
         (Self::force(c, &mut { *m }, t, e[1], w) - elastic) * w

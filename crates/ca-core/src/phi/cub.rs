@@ -5,6 +5,7 @@
 
 use super::{ALONG, BETWEEN, Bound, L0, Law, PAIRS, Phi, SOFTEN, linear_lost, linear_stored};
 use crate::kind::{Kind, Need, POSITIVE, Param, Role, Unit};
+use crate::real::Real;
 use crate::table::Table;
 
 /// CUB in the catalog.
@@ -50,14 +51,14 @@ impl Phi<3, 0> for Cub {
         [p[1].unwrap_or(0.0), p[2].unwrap_or(0.0), p[3].unwrap_or(0.0) / te]
     }
     #[inline(always)]
-    fn force(&[k, k3, z]: &[f64; 3], _: &mut [f64; 0], _: &[Table], e: f64, w: f64) -> f64 {
+    fn force(&[k, k3, z]: &[Real; 3], _: &mut [Real; 0], _: &[Table], e: Real, w: Real) -> Real {
         (k + k3 * e * e) * e + z * w
     }
-    fn stored(&[k, k3, z]: &[f64; 3], _: &[f64; 0], _: &[Table], e0: f64, e1: f64) -> f64 {
-        let quartic = |e: f64| 0.25 * k3 * e * e * e * e;
+    fn stored(&[k, k3, z]: &[Real; 3], _: &[Real; 0], _: &[Table], e0: Real, e1: Real) -> Real {
+        let quartic = |e: Real| 0.25 * k3 * e * e * e * e;
         linear_stored(k, z, e0, e1) + 0.5 * (quartic(e0) + quartic(e1))
     }
-    fn lost(&[_, _, z]: &[f64; 3], _: &[f64; 0], _: &[Table], e: [f64; 3]) -> f64 {
+    fn lost(&[_, _, z]: &[Real; 3], _: &[Real; 0], _: &[Table], e: [Real; 3]) -> Real {
         linear_lost(z, e)
     }
     fn bound(&[k, _, z]: &[f64; 3], _: &[Table]) -> Bound {

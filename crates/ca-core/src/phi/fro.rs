@@ -6,6 +6,7 @@
 use super::implicit::{METHOD, THETA};
 use super::{ALONG, BETWEEN, Bound, L0, Law, PAIRS, Phi, SOFTEN, linear_lost, linear_stored};
 use crate::kind::{Kind, Need, POSITIVE, Param, Role, Unit};
+use crate::real::Real;
 use crate::table::Table;
 
 /// FRO in the catalog.
@@ -51,13 +52,13 @@ impl Phi<1, 0> for Fro {
         [p[1].unwrap_or(0.0) / te]
     }
     #[inline(always)]
-    fn force(&[z]: &[f64; 1], _: &mut [f64; 0], _: &[Table], _e: f64, w: f64) -> f64 {
+    fn force(&[z]: &[Real; 1], _: &mut [Real; 0], _: &[Table], _e: Real, w: Real) -> Real {
         z * w
     }
-    fn stored(&[z]: &[f64; 1], _: &[f64; 0], _: &[Table], e0: f64, e1: f64) -> f64 {
+    fn stored(&[z]: &[Real; 1], _: &[Real; 0], _: &[Table], e0: Real, e1: Real) -> Real {
         linear_stored(0.0, z, e0, e1)
     }
-    fn lost(&[z]: &[f64; 1], _: &[f64; 0], _: &[Table], e: [f64; 3]) -> f64 {
+    fn lost(&[z]: &[Real; 1], _: &[Real; 0], _: &[Table], e: [Real; 3]) -> Real {
         linear_lost(z, e)
     }
     fn bound(&[z]: &[f64; 1], _: &[Table]) -> Bound {

@@ -10,6 +10,7 @@ use super::{ALONG, BETWEEN, Bound, Fixed, Law, METHOD, PAIRS, Phi};
 use crate::kind::{ANY, Dim, Kind, Need, POSITIVE, Param, Role, Type, Unit};
 use crate::method::spring::Power;
 use crate::method::{gradient, quadratised};
+use crate::real::Real;
 use crate::table::Table;
 
 /// HRZ in the catalog.
@@ -67,8 +68,8 @@ pub struct Hrz;
 impl Phi<5, 0> for Hrz {
     const CONTACT: bool = true;
     #[inline(always)]
-    fn idle(&[_, _, _, d, side]: &[f64; 5]) -> (f64, f64) {
-        if side > 0.0 { (d, f64::INFINITY) } else { (f64::NEG_INFINITY, d) }
+    fn idle(&[_, _, _, d, side]: &[Real; 5]) -> (Real, Real) {
+        if side > 0.0 { (d, Real::INFINITY) } else { (Real::NEG_INFINITY, d) }
     }
     fn coefs(p: &[Option<f64>], te: f64) -> [f64; 5] {
         let n = libm::round(4.0 * p[2].unwrap_or(1.5));
@@ -76,7 +77,7 @@ impl Phi<5, 0> for Hrz {
         [p[1].unwrap_or(0.0), n, p[3].unwrap_or(0.0) / te, p[4].unwrap_or(0.0), side]
     }
     #[inline(always)]
-    fn force(&[k, n, h, d, side]: &[f64; 5], _: &mut [f64; 0], _: &[Table], e: f64, w: f64) -> f64 {
+    fn force(&[k, n, h, d, side]: &[Real; 5], _: &mut [Real; 0], _: &[Table], e: Real, w: Real) -> Real {
         let eta = side * (d - e);
         if eta > 0.0 {
             let push = k * quarter_power(eta, n) * (1.0 - h * side * w);
@@ -85,11 +86,11 @@ impl Phi<5, 0> for Hrz {
             0.0
         }
     }
-    fn potential(&[k, n, _, d, side]: &[f64; 5], _: &[f64; 0], _: &[Table], e: f64) -> f64 {
+    fn potential(&[k, n, _, d, side]: &[Real; 5], _: &[Real; 0], _: &[Table], e: Real) -> Real {
         let eta = side * (d - e);
         if eta > 0.0 { k * quarter_power(eta, n + 4.0) / (0.25 * n + 1.0) } else { 0.0 }
     }
-    fn lost(c: &[f64; 5], m: &[f64; 0], t: &[Table], e: [f64; 3]) -> f64 {
+    fn lost(c: &[Real; 5], m: &[Real; 0], t: &[Table], e: [Real; 3]) -> Real {
         let w = e[1] - e[0];
         let elastic = Self::force(&[c[0], c[1], 0.0, c[3], c[4]], &mut { *m }, t, e[1], w);
         (Self::force(c, &mut { *m }, t, e[1], w) - elastic) * w

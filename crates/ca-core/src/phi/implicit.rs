@@ -11,6 +11,7 @@
 
 use super::{Bound, Law, Phi, linear_lost, linear_stored};
 use crate::kind::{Need, Param, Type, Unit};
+use crate::real::Real;
 use crate::table::Table;
 
 /// The methods of linear links, by name.
@@ -77,13 +78,13 @@ impl Phi<3, 0> for Implicit {
         [at(0), at(1) / te, at(2)]
     }
     #[inline(always)]
-    fn force(&[k, z, _]: &[f64; 3], _: &mut [f64; 0], _: &[Table], e: f64, w: f64) -> f64 {
+    fn force(&[k, z, _]: &[Real; 3], _: &mut [Real; 0], _: &[Table], e: Real, w: Real) -> Real {
         k * e + z * w
     }
-    fn stored(&[k, _, theta]: &[f64; 3], _: &[f64; 0], _: &[Table], e0: f64, e1: f64) -> f64 {
+    fn stored(&[k, _, theta]: &[Real; 3], _: &[Real; 0], _: &[Table], e0: Real, e1: Real) -> Real {
         linear_stored(k, -2.0 * theta * k, e0, e1)
     }
-    fn lost(&[_, z, _]: &[f64; 3], _: &[f64; 0], _: &[Table], e: [f64; 3]) -> f64 {
+    fn lost(&[_, z, _]: &[Real; 3], _: &[Real; 0], _: &[Table], e: [Real; 3]) -> Real {
         linear_lost(z, e)
     }
     fn bound(&[k, z, theta]: &[f64; 3], _: &[Table]) -> Bound {

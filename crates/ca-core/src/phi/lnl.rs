@@ -8,6 +8,7 @@
 use super::{ALONG, BETWEEN, Bound, Fixed, L0, Law, PAIRS, Phi, SOFTEN};
 use crate::kind::{Kind, Need, Param, Role, Type, Unit};
 use crate::method::friction::Curve;
+use crate::real::{NONE, Real};
 use crate::table::Table;
 
 /// LNL in the catalog.
@@ -64,26 +65,22 @@ pub static SPRING: Law = Law::of::<TableSpring, 1, 0>("LNL spring");
 /// A friction table alone; BOW with `curve = "table"` runs as this.
 pub static FRICTION: Law = Law::of::<TableFriction, 2, 0>("LNL friction");
 
-fn table(tables: &[Table], number: f64) -> Option<&Table> {
-    tables.get(number as usize)
-}
-
 /// F = table(e)
 pub struct TableSpring;
 
 impl Phi<1, 0> for TableSpring {
     fn coefs(p: &[Option<f64>], _te: f64) -> [f64; 1] {
-        [p[1].unwrap_or(f64::MAX)]
+        [p[1].unwrap_or(NONE)]
     }
     #[inline(always)]
-    fn force(&[n]: &[f64; 1], _: &mut [f64; 0], tables: &[Table], e: f64, _w: f64) -> f64 {
-        table(tables, n).map_or(0.0, |t| t.at(e))
+    fn force(&[n]: &[Real; 1], _: &mut [Real; 0], tables: &[Table], e: Real, _w: Real) -> Real {
+        tables.get(n as usize).map_or(0.0, |t| t.at(e))
     }
-    fn potential(&[n]: &[f64; 1], _: &[f64; 0], tables: &[Table], e: f64) -> f64 {
-        table(tables, n).map_or(0.0, |t| t.integral(e))
+    fn potential(&[n]: &[Real; 1], _: &[Real; 0], tables: &[Table], e: Real) -> Real {
+        tables.get(n as usize).map_or(0.0, |t| t.integral(e))
     }
     fn bound(&[n]: &[f64; 1], tables: &[Table]) -> Bound {
-        let (hi, lo) = table(tables, n).map_or((0.0, 0.0), Table::slopes);
+        let (hi, lo) = tables.get(n as usize).map_or((0.0, 0.0), Table::slopes);
         Bound { k: hi.max(-lo), active: lo < 0.0, ..Bound::default() }
     }
 }
@@ -93,29 +90,29 @@ pub struct TableFriction;
 
 impl Phi<2, 0> for TableFriction {
     fn coefs(p: &[Option<f64>], te: f64) -> [f64; 2] {
-        [p[2].unwrap_or(f64::MAX), 1.0 / te]
+        [p[2].unwrap_or(NONE), 1.0 / te]
     }
     #[inline(always)]
-    fn force(&[n, fs]: &[f64; 2], _: &mut [f64; 0], tables: &[Table], _e: f64, w: f64) -> f64 {
-        table(tables, n).map_or(0.0, |t| t.at(w * fs))
+    fn force(&[n, fs]: &[Real; 2], _: &mut [Real; 0], tables: &[Table], _e: Real, w: Real) -> Real {
+        tables.get(n as usize).map_or(0.0, |t| t.at(w * fs))
     }
-    fn lost(c: &[f64; 2], m: &[f64; 0], t: &[Table], e: [f64; 3]) -> f64 {
+    fn lost(c: &[Real; 2], m: &[Real; 0], t: &[Table], e: [Real; 3]) -> Real {
         let w = e[1] - e[0];
         Self::force(c, &mut { *m }, t, e[1], w) * w
     }
     fn bound(&[n, fs]: &[f64; 2], tables: &[Table]) -> Bound {
-        let t = table(tables, n);
+        let t = tables.get(n as usize);
         let (hi, lo) = t.map_or((0.0, 0.0), Table::slopes);
         Bound { z: hi.max(-lo) * fs, curve: true, active: t.is_some_and(|t| !t.resists()), ..Bound::default() }
     }
 }
 
 impl Curve<2> for TableFriction {
-    fn chord(&[n, fs]: &[f64; 2], tables: &[Table], w: f64) -> f64 {
-        table(tables, n).map_or(0.0, |t| fs * t.chord(w * fs))
+    fn chord(&[n, fs]: &[Real; 2], tables: &[Table], w: Real) -> Real {
+        tables.get(n as usize).map_or(0.0, |t| fs * t.chord(w * fs))
     }
-    fn slope(&[n, fs]: &[f64; 2], tables: &[Table], w: f64) -> f64 {
-        table(tables, n).map_or(0.0, |t| fs * t.slope(w * fs))
+    fn slope(&[n, fs]: &[Real; 2], tables: &[Table], w: Real) -> Real {
+        tables.get(n as usize).map_or(0.0, |t| fs * t.slope(w * fs))
     }
 }
 
@@ -124,16 +121,16 @@ pub struct Lnl;
 
 impl Phi<3, 0> for Lnl {
     fn coefs(p: &[Option<f64>], te: f64) -> [f64; 3] {
-        [p[1].unwrap_or(f64::MAX), p[2].unwrap_or(f64::MAX), 1.0 / te]
+        [p[1].unwrap_or(NONE), p[2].unwrap_or(NONE), 1.0 / te]
     }
     #[inline(always)]
-    fn force(&[a, b, fs]: &[f64; 3], m: &mut [f64; 0], tables: &[Table], e: f64, w: f64) -> f64 {
+    fn force(&[a, b, fs]: &[Real; 3], m: &mut [Real; 0], tables: &[Table], e: Real, w: Real) -> Real {
         TableSpring::force(&[a], m, tables, e, w) + TableFriction::force(&[b, fs], m, tables, e, w)
     }
-    fn potential(&[a, ..]: &[f64; 3], m: &[f64; 0], tables: &[Table], e: f64) -> f64 {
+    fn potential(&[a, ..]: &[Real; 3], m: &[Real; 0], tables: &[Table], e: Real) -> Real {
         TableSpring::potential(&[a], m, tables, e)
     }
-    fn lost(&[_, b, fs]: &[f64; 3], m: &[f64; 0], t: &[Table], e: [f64; 3]) -> f64 {
+    fn lost(&[_, b, fs]: &[Real; 3], m: &[Real; 0], t: &[Table], e: [Real; 3]) -> Real {
         TableFriction::lost(&[b, fs], m, t, e)
     }
     fn bound(&[a, b, fs]: &[f64; 3], tables: &[Table]) -> Bound {

@@ -4,6 +4,7 @@
 use crate::kind::{ANY, Kind, Need, POSITIVE, Param, Type, Unit};
 pub use crate::law::{Bound, Phi};
 pub use crate::op::law::{Fixed, Law};
+use crate::real::Real;
 
 pub mod att;
 pub mod bow;
@@ -78,11 +79,11 @@ pub const PAIRS: Param = Param::new(
 );
 
 /// Energy of the linear part between two ticks, with the negative mass of the backward damper (numerics 2.1).
-fn linear_stored(k: f64, z: f64, e0: f64, e1: f64) -> f64 {
+fn linear_stored(k: Real, z: Real, e0: Real, e1: Real) -> Real {
     0.5 * k * e0 * e1 - 0.25 * z * (e1 - e0) * (e1 - e0)
 }
 
 /// Heat of a linear damper in one tick (numerics 2.1); `z` in N per m/tick.
-fn linear_lost(z: f64, e: [f64; 3]) -> f64 {
+fn linear_lost(z: Real, e: [Real; 3]) -> Real {
     0.25 * z * (e[2] - e[0]) * (e[2] - e[0])
 }

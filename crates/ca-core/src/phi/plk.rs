@@ -6,6 +6,7 @@
 
 use super::{ALONG, BETWEEN, Bound, Law, PAIRS, Phi, linear_lost, linear_stored};
 use crate::kind::{ABOVE_ZERO, Kind, Need, POSITIVE, Param, Role, Unit};
+use crate::real::{NONE, Real};
 use crate::table::Table;
 
 /// PLK in the catalog.
@@ -48,13 +49,13 @@ pub struct Plk;
 
 impl Phi<3, 3> for Plk {
     fn coefs(p: &[Option<f64>], te: f64) -> [f64; 3] {
-        [p[1].unwrap_or(0.0), p[2].unwrap_or(0.0) / te, p[3].unwrap_or(f64::MAX)]
+        [p[1].unwrap_or(0.0), p[2].unwrap_or(0.0) / te, p[3].unwrap_or(NONE)]
     }
-    fn start(&[_, _, d]: &[f64; 3], e: f64) -> [f64; 3] {
+    fn start(&[_, _, d]: &[Real; 3], e: Real) -> [Real; 3] {
         [if e.abs() < d { 1.0 } else { 0.0 }, e, 0.0]
     }
     #[inline(always)]
-    fn force(&[k, z, d]: &[f64; 3], mem: &mut [f64; 3], _: &[Table], e: f64, w: f64) -> f64 {
+    fn force(&[k, z, d]: &[Real; 3], mem: &mut [Real; 3], _: &[Table], e: Real, w: Real) -> Real {
         let [engaged, last, released] = mem;
         *released = 0.0;
         if *engaged != 0.0 {
@@ -68,10 +69,10 @@ impl Phi<3, 3> for Plk {
         *last = e;
         if *engaged == 0.0 { 0.0 } else { k * e + z * w }
     }
-    fn stored(&[k, z, _]: &[f64; 3], mem: &[f64; 3], _: &[Table], e0: f64, e1: f64) -> f64 {
+    fn stored(&[k, z, _]: &[Real; 3], mem: &[Real; 3], _: &[Table], e0: Real, e1: Real) -> Real {
         if mem[0] == 0.0 { 0.0 } else { linear_stored(k, z, e0, e1) }
     }
-    fn lost(&[_, z, _]: &[f64; 3], mem: &[f64; 3], _: &[Table], e: [f64; 3]) -> f64 {
+    fn lost(&[_, z, _]: &[Real; 3], mem: &[Real; 3], _: &[Table], e: [Real; 3]) -> Real {
         if mem[0] == 0.0 { mem[2] } else { linear_lost(z, e) }
     }
     fn bound(&[k, z, _]: &[f64; 3], _: &[Table]) -> Bound {

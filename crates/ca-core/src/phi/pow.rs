@@ -6,6 +6,7 @@
 
 use super::{ALONG, BETWEEN, Bound, L0, Law, PAIRS, Phi, SOFTEN, linear_lost, linear_stored};
 use crate::kind::{Kind, Need, POSITIVE, Param, Role, Type, Unit};
+use crate::real::{Real, real, sqrt, wide};
 use crate::table::Table;
 
 /// The exponent of a power law.
@@ -48,19 +49,19 @@ pub static LAW: Law = Law::of::<Pow, 4, 0>("POW");
 
 /// x^(n/4) for x ≥ 0 by products and square roots only, so that every IEEE machine gives the same bits.
 #[inline(always)]
-pub fn quarter_power(x: f64, n: f64) -> f64 {
+pub fn quarter_power(x: Real, n: Real) -> Real {
     let n = n as u32;
     let mut y = 1.0;
     for _ in 0..n / 4 {
         y *= x;
     }
     if n & 3 != 0 {
-        let r = libm::sqrt(x);
+        let r = sqrt(x);
         if n & 2 != 0 {
             y *= r;
         }
         if n & 1 != 0 {
-            y *= libm::sqrt(r);
+            y *= sqrt(r);
         }
     }
     y
@@ -68,10 +69,10 @@ pub fn quarter_power(x: f64, n: f64) -> f64 {
 
 /// (s^(n/4) − a^(n/4)) / (s − a) for s > 0 and a > 0: with the fourth roots of both (or the square roots, or themselves,
 /// as n allows) it is the quotient of two sums without a difference.
-pub fn quarter_mean(s: f64, a: f64, n: f64) -> f64 {
+pub fn quarter_mean(s: Real, a: Real, n: Real) -> Real {
     let (mut n, mut parts, mut u, mut v) = (n as u32, 1, s, a);
     while n % (4 / parts) != 0 {
-        (parts, u, v) = (2 * parts, libm::sqrt(u), libm::sqrt(v));
+        (parts, u, v) = (2 * parts, sqrt(u), sqrt(v));
     }
     n /= 4 / parts;
     // Σ uⁱ vʲ with i + j = n − 1
@@ -81,9 +82,9 @@ pub fn quarter_mean(s: f64, a: f64, n: f64) -> f64 {
 
 /// x^(4/n) for x ≥ 0 to within an eighth, where an iteration is to begin: the bits of a number are nearly its
 /// logarithm, so this is the same on every IEEE machine.
-pub fn quarter_root(x: f64, n: f64) -> f64 {
+pub fn quarter_root(x: Real, n: Real) -> Real {
     let one = 1f64.to_bits() as i64;
-    f64::from_bits((one + (x.to_bits() as i64 - one) / n as i64 * 4) as u64)
+    real(f64::from_bits((one + (wide(x).to_bits() as i64 - one) / n as i64 * 4) as u64))
 }
 
 /// F = k e + q sgn(e)|e|^(n/4) + (z/T) w; coefficients k, q, n, z/T.
@@ -95,14 +96,14 @@ impl Phi<4, 0> for Pow {
         [p[1].unwrap_or(0.0), p[2].unwrap_or(0.0), n, p[4].unwrap_or(0.0) / te]
     }
     #[inline(always)]
-    fn force(&[k, q, n, z]: &[f64; 4], _: &mut [f64; 0], _: &[Table], e: f64, w: f64) -> f64 {
+    fn force(&[k, q, n, z]: &[Real; 4], _: &mut [Real; 0], _: &[Table], e: Real, w: Real) -> Real {
         k * e + q * quarter_power(e.abs(), n).copysign(e) + z * w
     }
-    fn stored(&[k, q, n, z]: &[f64; 4], _: &[f64; 0], _: &[Table], e0: f64, e1: f64) -> f64 {
-        let u = |e: f64| q * quarter_power(e.abs(), n + 4.0) / (0.25 * n + 1.0);
+    fn stored(&[k, q, n, z]: &[Real; 4], _: &[Real; 0], _: &[Table], e0: Real, e1: Real) -> Real {
+        let u = |e: Real| q * quarter_power(e.abs(), n + 4.0) / (0.25 * n + 1.0);
         linear_stored(k, z, e0, e1) + 0.5 * (u(e0) + u(e1))
     }
-    fn lost(&[_, _, _, z]: &[f64; 4], _: &[f64; 0], _: &[Table], e: [f64; 3]) -> f64 {
+    fn lost(&[_, _, _, z]: &[Real; 4], _: &[Real; 0], _: &[Table], e: [Real; 3]) -> Real {
         linear_lost(z, e)
     }
     fn bound(&[k, q, n, z]: &[f64; 4], _: &[Table]) -> Bound {

@@ -7,6 +7,7 @@
 use super::implicit::{METHOD, THETA};
 use super::{ALONG, BETWEEN, Bound, L0, Law, PAIRS, Phi, SOFTEN, fro, linear_lost, linear_stored, res};
 use crate::kind::{Kind, Need, POSITIVE, Param, Role, Unit};
+use crate::real::Real;
 use crate::table::Table;
 
 /// REF in the catalog.
@@ -61,13 +62,13 @@ impl Phi<2, 0> for Ref {
         [p[1].unwrap_or(0.0), p[2].unwrap_or(0.0) / te]
     }
     #[inline(always)]
-    fn force(&[k, z]: &[f64; 2], _: &mut [f64; 0], _: &[Table], e: f64, w: f64) -> f64 {
+    fn force(&[k, z]: &[Real; 2], _: &mut [Real; 0], _: &[Table], e: Real, w: Real) -> Real {
         k * e + z * w
     }
-    fn stored(&[k, z]: &[f64; 2], _: &[f64; 0], _: &[Table], e0: f64, e1: f64) -> f64 {
+    fn stored(&[k, z]: &[Real; 2], _: &[Real; 0], _: &[Table], e0: Real, e1: Real) -> Real {
         linear_stored(k, z, e0, e1)
     }
-    fn lost(&[_, z]: &[f64; 2], _: &[f64; 0], _: &[Table], e: [f64; 3]) -> f64 {
+    fn lost(&[_, z]: &[Real; 2], _: &[Real; 0], _: &[Table], e: [Real; 3]) -> Real {
         linear_lost(z, e)
     }
     fn bound(&[k, z]: &[f64; 2], _: &[Table]) -> Bound {

@@ -6,6 +6,7 @@
 use super::implicit::{METHOD, THETA};
 use super::{ALONG, BETWEEN, Bound, L0, Law, PAIRS, Phi, SOFTEN, linear_stored};
 use crate::kind::{Kind, Need, POSITIVE, Param, Role, Unit};
+use crate::real::Real;
 use crate::table::Table;
 
 /// RES in the catalog.
@@ -53,10 +54,10 @@ impl Phi<1, 0> for Res {
         [p[1].unwrap_or(0.0)]
     }
     #[inline(always)]
-    fn force(&[k]: &[f64; 1], _: &mut [f64; 0], _: &[Table], e: f64, _w: f64) -> f64 {
+    fn force(&[k]: &[Real; 1], _: &mut [Real; 0], _: &[Table], e: Real, _w: Real) -> Real {
         k * e
     }
-    fn stored(&[k]: &[f64; 1], _: &[f64; 0], _: &[Table], e0: f64, e1: f64) -> f64 {
+    fn stored(&[k]: &[Real; 1], _: &[Real; 0], _: &[Table], e0: Real, e1: Real) -> Real {
         linear_stored(k, 0.0, e0, e1)
     }
     fn bound(&[k]: &[f64; 1], _: &[Table]) -> Bound {
