@@ -37,6 +37,7 @@ mod scheme;
 mod select;
 mod set;
 mod sets;
+mod single;
 mod soak;
 mod space;
 mod stable;

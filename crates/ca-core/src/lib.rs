@@ -2,7 +2,7 @@
 //! passes over flat arrays.
 //!
 //! ```text
-//! text ─read→ Model ─compile→ Scene (immutable)     State (flat f64 arrays)
+//! text ─read→ Model ─compile→ Scene (immutable)     State (flat arrays)
 //!                                └──── tick(&scene, &mut state) ────┘
 //! ```
 //! A tour:
@@ -31,6 +31,9 @@
 //! ```
 //! The halves of a tick are public ([`sense`] and [`advance`]): a device gets the force of this tick before any mass
 //! moves, so the one-sample delay stays one sample.
+//!
+//! A tick computes with [`real::Real`]: `f64` in `ca-core`, and `f32` in `ca-core-single`, which is these files under
+//! another name.
 #![no_std]
 #![forbid(unsafe_code)]
 

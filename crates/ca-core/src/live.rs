@@ -199,7 +199,8 @@ impl Controls {
             }
         }
         let mut ahead = self.plan.ahead.clone();
-        if !ahead.as_mut().is_none_or(|a| a.follow(&self.plan.coefs, &mut patch)) {
+        let follows = ahead.as_mut().is_none_or(|a| a.follow(&self.plan.coefs, &mut patch));
+        if !follows || patch.set.iter().any(|(_, v)| !real(*v).is_finite()) {
             return Err(Refused::Unsolvable(format!("`{name}` = {} is beyond computing", Plain(value))));
         }
         (self.plan.items, self.plan.ahead) = (items, ahead);

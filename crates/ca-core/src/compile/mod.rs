@@ -45,6 +45,7 @@ mod schedule;
 mod select;
 mod sense;
 mod sets;
+mod single;
 mod slopes;
 mod space;
 mod specialise;
@@ -60,6 +61,7 @@ pub use options::{KernelClass, Options};
 use crate::catalog::Catalog;
 use crate::model::Model;
 use crate::model::diag::Diags;
+use crate::real::SINGLE;
 use crate::scene::Scene;
 use net::Net;
 
@@ -81,6 +83,9 @@ fn network(model: &Model, catalog: &Catalog, options: &Options) -> Result<(Net, 
     waves::settle(model, &mut net, &mut diags);
     pefrl::check(model, &net, options, &mut diags);
     fed::mark(&mut net);
+    if SINGLE {
+        single::check(model, &net, &mut diags);
+    }
     Ok((net, diags))
 }
 
