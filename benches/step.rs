@@ -1,9 +1,10 @@
-//! One tick, by scene and kernel class, and what the energy book costs. Throughput is in modules (MAT or LIA), so
-//! criterion prints modules per second; only ratios within one run count.
+//! One tick, by scene, kernel class and precision, and what the energy book costs. Throughput is in modules (MAT or
+//! LIA), so criterion prints modules per second; only ratios within one run count.
 #![allow(missing_docs)]
 
 use ca_benches::{mesh, model, random, scene, string};
 use ca_core::{KernelClass, tick};
+use ca_core_single as single;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 
 fn step(c: &mut Criterion) {
@@ -31,5 +32,21 @@ fn step(c: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, step);
+/// The same kernels in double and in single precision.
+fn precision(c: &mut Criterion) {
+    for (name, text) in [("string 1000", string(1000)), ("mesh 30x30", mesh(30))] {
+        let mut g = c.benchmark_group(name);
+        let scene = scene(&model(&text), KernelClass::Fast, false);
+        let mut state = scene.state();
+        g.throughput(Throughput::Elements((scene.n_mat + scene.n_lia) as u64));
+        g.bench_function("double", |b| b.iter(|| tick(&scene, &mut state)));
+        let (catalog, options) = (single::Catalog::core(), single::Options::default());
+        let scene = single::load(&text, "bench.ca.toml", &catalog, &options).1.expect("the bench compiles");
+        let mut state = scene.state();
+        g.bench_function("single", |b| b.iter(|| single::tick(&scene, &mut state)));
+        g.finish();
+    }
+}
+
+criterion_group!(benches, step, precision);
 criterion_main!(benches);

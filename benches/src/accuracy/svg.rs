@@ -6,7 +6,7 @@ use crate::atlas::svg::{ROOM, SIZE, begin, frame};
 use std::fmt::Write as _;
 
 /// A colour for each method, for the colour-blind too, in the order in which they come.
-const COLOURS: [(&str, &str); 10] = [
+const COLOURS: [(&str, &str); 11] = [
     ("as written", "#000000"),
     ("centred", "#56b4e9"),
     ("implicit 1/12", "#0072b2"),
@@ -17,6 +17,7 @@ const COLOURS: [(&str, &str); 10] = [
     ("stable", "#cc79a7"),
     ("secant", "#e69f00"),
     ("newton", "#8c564b"),
+    ("single", "#7f7f7f"),
 ];
 
 /// Names of a legend in one row.

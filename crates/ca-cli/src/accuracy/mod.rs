@@ -5,6 +5,7 @@
 
 mod play;
 mod score;
+mod single;
 mod truth;
 mod ways;
 
@@ -159,7 +160,7 @@ pub fn heard(model: &Model) -> Vec<String> {
 
 /// Plays a way and scores it.
 fn row(way: &Way, truth: &Truth, frames: usize, rate: f64) -> Result<Row, Failure> {
-    let (columns, ns) = play::columns(&way.scene, frames, way.times)?;
+    let (columns, ns) = way.play(frames)?;
     let balance = way.audited.as_ref().and_then(|s| play::book(s, frames as u64 * u64::from(way.times)));
     Ok(Row {
         method: way.method,
@@ -176,7 +177,7 @@ fn row(way: &Way, truth: &Truth, frames: usize, rate: f64) -> Result<Row, Failur
 fn turn(way: &Way, frames: usize) -> Result<f64, Failure> {
     let (mut best, mut whole) = (f64::INFINITY, 0.0);
     while whole < TURN {
-        let ns = play::columns(&way.scene, frames, way.times)?.1;
+        let ns = way.play(frames)?.1;
         (best, whole) = (best.min(ns), whole + ns * frames as f64);
     }
     Ok(best)

@@ -1,8 +1,11 @@
-//! The ways to compute a model: methods its modules know, at multiples of its rate.
+//! The ways to compute a model: methods its modules know, and single precision, at multiples of its rate.
 //!
 //! Decides that a method is asked for as an author would, by a word in the model: what the compiler refuses is no way, and
 //! what it would do anyway is no second one.
 
+use super::play::{self, Columns};
+use super::single::{self, SINGLE};
+use crate::Failure;
 use crate::catalog;
 use crate::load::{self, Loaded};
 use ca_core::kind::Type;
@@ -46,6 +49,18 @@ pub struct Way {
     pub scene: Scene,
     /// the same with the energy book
     pub audited: Option<Scene>,
+    /// the same in single precision, which runs in its place
+    pub single: Option<ca_core_single::Scene>,
+}
+
+impl Way {
+    /// Plays it: what its probes read, and the nanoseconds of a sample.
+    pub fn play(&self, frames: usize) -> Result<(Columns, f64), Failure> {
+        match &self.single {
+            Some(scene) => single::columns(scene, &self.scene, frames, self.times),
+            None => play::columns(&self.scene, frames, self.times),
+        }
+    }
 }
 
 /// The model by the method of this name; `None` where no module knows its word.
@@ -112,7 +127,20 @@ pub fn ways(loaded: &Loaded, probes: &[String], rate: f64, times: &[u32]) -> Way
                 }
             }
             let audited = load::compiled(&twin, &Options { energy: true, ..options }).0;
-            all.push(Way { method: method.name, times: *times, scene, audited });
+            all.push(Way { method: method.name, times: *times, scene, audited, single: None });
+        }
+    }
+    for times in times {
+        let options = Options { rate: Some(rate * f64::from(*times)), probes: probes.to_vec(), ..Options::default() };
+        match (single::compiled(loaded, &options), load::compiled(loaded, &options).0) {
+            (Ok(scene), Some(double)) => {
+                all.push(Way { method: SINGLE, times: *times, scene: double, audited: None, single: Some(scene) });
+            }
+            (Err(why), _) => {
+                refused.push((SINGLE, why));
+                break;
+            }
+            _ => break,
         }
     }
     Ways { all, refused, warned }

@@ -6,12 +6,12 @@ use std::path::PathBuf;
 
 /// Measures the error of a model against its run time, over methods and rates
 ///
-/// Plays the model as it is, by every other method its modules know, and at multiples of its rate, and compares what its
-/// outputs hear (before gains and filters) with the best reference there is: the closed form of its modes where all of it
-/// is linear and nothing drives it, else the same model at a far higher rate, carried on by Richardson; how well that is
-/// known is said. Each way has its error, the pitch, the decay, the energy that the scheme makes, and its time per sample,
-/// measured here. Those that nothing beats in both error and time are marked, and with `--error` the cheapest that is good
-/// enough is named.
+/// Plays the model as it is, by every other method its modules know, in single precision, and at multiples of its rate, and
+/// compares what its outputs hear (before gains and filters) with the best reference there is: the closed form of its modes
+/// where all of it is linear and nothing drives it, else the same model at a far higher rate, carried on by Richardson; how
+/// well that is known is said. Each way has its error, the pitch, the decay, the energy that the scheme makes, and its time
+/// per sample, measured here. Those that nothing beats in both error and time are marked, and with `--error` the cheapest
+/// that is good enough is named.
 #[derive(Args)]
 #[command(after_long_help = "Examples:
   ca accuracy plucked_string --seconds 0.3 --times 1,2 --reference 8

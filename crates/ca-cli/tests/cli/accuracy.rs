@@ -132,6 +132,26 @@ fn no_reference_is_beyond_all_rates() {
     desk.ca(&["accuracy", "model.ca.toml", "--reference", "256"]).is(2).says(&["at most 208 times the rate"]);
 }
 
+/// The model as written in single precision goes with it to what that holds, at every multiple of the rate; what it cannot
+/// be in is told.
+#[test]
+fn single_precision_is_a_way() {
+    let found = measured(CHAIN, &["--seconds", "0.05", "--times", "1,4"]);
+    for times in [1, 4] {
+        let apart = error(&found, "single", times) - error(&found, "as written", times);
+        assert!(apart != 0.0 && apart.abs() < 2e-4, "{apart:e} at x{times}");
+    }
+    let bowed = "[CEL]\nbar = { m = \"1 g\", f = \"220 Hz\", t60 = \"0.5 s\" }\n[ENX]\nbow = {}\n[REF]\nrub = { between = [\"bar\", \"bow\"], k = 1e3, z = 0.1 }\n[SOX]\nout = { from = \"bar\" }\n[gesture]\nbow = [[0, 0], [0.05, \"1 mm\"]]\n";
+    let found = measured(bowed, &["--seconds", "0.05", "--times", "1"]);
+    assert!((error(&found, "single", 1) / error(&found, "as written", 1) - 1.0).abs() < 1e-2, "{found:#}");
+    let body = "[room]\ndim = 3\n[room.TETRA]\np = { edge = \"2 cm\", m = \"1 g\", k = \"8 kN/m\", spin = [\"3 Hz\", 0, 0] }\n[SOF]\nout = { from = \"room.p.link[0]\" }\n";
+    for (text, reason) in [(body, "a distance in space"), (ca_lpr::KINDS[0].example, "in double precision only")] {
+        let found = measured(text, &["--seconds", "0.01", "--times", "1", "--reference", "4"]);
+        let why = found["refused"].as_array().expect("a list").iter().find(|r| r["method"] == "single");
+        assert!(why.is_some_and(|r| r["why"].as_str().is_some_and(|w| w.contains(reason))), "{found:#}");
+    }
+}
+
 /// What `docs/accuracy.md` says is what the command says, of scenes that are short: all but the times.
 #[test]
 fn the_page_of_error_against_run_time_is_true() {

@@ -1,0 +1,66 @@
+//! The model as written in single precision: the build of the same kernels that `ca-core-single` is.
+//!
+//! Decides to give it what a gesture gives the scene in double precision, tick by tick and written down beforehand: who
+//! moves ports and when is decided in one place, and the time measured is that of the ticks.
+
+use super::play::Columns;
+use crate::Failure;
+use crate::load::Loaded;
+use ca_core::model::write::write;
+use ca_core::{Options, Scene};
+use ca_core_single as single;
+use ca_haptic::perform::{Performance, WILD};
+use single::model::diag::Severity;
+use std::time::Instant;
+
+/// As people call it.
+pub const SINGLE: &str = "single";
+
+/// The scene in single precision, or why there is none.
+pub fn compiled(loaded: &Loaded, options: &Options) -> Result<single::Scene, String> {
+    let catalog = single::Catalog::core();
+    let unknown = loaded.model.items.iter().find(|i| catalog.get(&i.kind).is_none() || !loaded.clouds.is_empty());
+    if let Some(item) = unknown {
+        return Err(format!("`{}` is made in double precision only", item.name));
+    }
+    let options = single::Options { rate: options.rate, probes: options.probes.clone(), ..single::Options::default() };
+    let (_, scene) = single::load(&write(&loaded.model), &loaded.model.file, &catalog, &options);
+    let scene = scene.map_err(|diags| {
+        let first = diags.list.into_iter().find(|d| d.severity == Severity::Error);
+        first.map(|d| d.title).unwrap_or_default()
+    })?;
+    match scene.gestures.iter().find(|(name, _)| scene.input(name).is_none()) {
+        Some((name, _)) => Err(format!("a gesture moves `{name}`, which is no port")),
+        None => Ok(scene),
+    }
+}
+
+/// As [`columns`](super::play::columns), of a scene whose twin in double precision knows what its ports are given.
+pub fn columns(scene: &single::Scene, double: &Scene, frames: usize, times: u32) -> Result<(Columns, f64), Failure> {
+    let n = scene.inputs.len();
+    let mut given = Vec::new();
+    if n > 0 {
+        let mut p = Performance::new(double, None)?;
+        for _ in 0..frames * times as usize {
+            p.tick();
+            given.extend_from_slice(&p.state.input);
+        }
+    }
+    let mut s = scene.state();
+    let mut all = vec![Vec::with_capacity(frames); scene.n_out - scene.channels];
+    let mut wild = false;
+    let begin = Instant::now();
+    for tick in 0..frames * times as usize {
+        if !wild {
+            s.input.copy_from_slice(&given[tick * n..][..n]);
+            single::tick(scene, &mut s);
+            wild = s.tick.is_multiple_of(64) && !s.is_sound(WILD);
+        }
+        if tick.is_multiple_of(times as usize) {
+            for (column, v) in all.iter_mut().zip(&s.output[scene.channels..]) {
+                column.push(if wild { f64::NAN } else { *v });
+            }
+        }
+    }
+    Ok((all, begin.elapsed().as_nanos() as f64 / frames.max(1) as f64))
+}
