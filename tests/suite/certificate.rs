@@ -141,15 +141,14 @@ fn radius(scene: &Scene) -> f64 {
 /// Whether a push becomes a thousand times faster within a million ticks; free motion does not become faster.
 fn grows(scene: &Scene) -> bool {
     let mut s = scene.state();
-    let moving = |i: &usize| scene.state().coef[2 * scene.n_mat + i] > 0.0;
-    let moving: Vec<usize> = (0..scene.n_mat).filter(moving).collect();
+    let moving: Vec<usize> = (0..scene.n_mat).filter(|i| s.coef[2 * scene.n_mat + i] > 0.0).collect();
     let mut dice = Dice(7);
     moving.iter().for_each(|i| s.d[*i] += 1e-9 * dice.roll());
-    let fastest = |s: &State| moving.iter().map(|i| s.d[*i].abs()).fold(0.0, f64::max);
-    let begin = fastest(&s);
+    let fastest = |s: &State| moving.iter().fold(0.0, |most: f64, i| most.max(s.d[*i].abs()));
+    let enough = 1e3 * fastest(&s);
     (0..1_000_000).any(|_| {
         tick(scene, &mut s);
-        !(fastest(&s) < 1e3 * begin)
+        fastest(&s) >= enough
     })
 }
 
