@@ -143,7 +143,9 @@ fn grows(scene: &Scene) -> bool {
     let mut s = scene.state();
     let moving: Vec<usize> = (0..scene.n_mat).filter(|i| s.coef[2 * scene.n_mat + i] > 0.0).collect();
     let mut dice = Dice(7);
-    moving.iter().for_each(|i| s.d[*i] += 1e-9 * dice.roll());
+    for i in &moving {
+        s.d[*i] += 1e-9 * dice.roll();
+    }
     let fastest = |s: &State| moving.iter().fold(0.0, |most: f64, i| most.max(s.d[*i].abs()));
     let enough = 1e3 * fastest(&s);
     (0..1_000_000).any(|_| {
