@@ -6,10 +6,11 @@
 
 use crate::law::{Idle, Lost, Stored};
 use crate::ldl::Pattern;
-use crate::op::Op;
 use crate::real::Real;
+use crate::state::State;
 use crate::table::Table;
 use crate::wave::Loss;
+use alloc::sync::Arc;
 use alloc::vec::Vec;
 
 /// How a port of a link measures its two ends.
@@ -67,7 +68,7 @@ impl Crowd {
 /// A position port.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Enx {
-    /// place in [`State::input`](crate::state::State)
+    /// place in [`State::input`]
     pub input: u32,
     /// the MAT it moves
     pub mat: u32,
@@ -78,7 +79,7 @@ pub struct Enx {
 /// A force port.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Enf {
-    /// place in [`State::input`](crate::state::State)
+    /// place in [`State::input`]
     pub input: u32,
     /// the MAT it pushes
     pub mat: u32,
@@ -126,7 +127,7 @@ pub enum Heard {
     Position(u32),
     /// summed force on a MAT
     ForceOn(u32),
-    /// force of a LIA, at this place in [`State::tap`](crate::state::State)
+    /// force of a LIA, at this place in [`State::tap`]
     ForceOf(u32),
 }
 
@@ -281,7 +282,7 @@ pub struct Ahead {
 pub struct Felt {
     /// places in [`State::coef`](crate::state::State) of k, z and θ
     pub coef: [u32; 3],
-    /// place in [`State::tap`](crate::state::State)
+    /// place in [`State::tap`]
     pub tap: Option<u32>,
     /// what its elongation is of the places in [`Ahead::places`]: number and weight
     pub moves: Vec<(u32, Real)>,
@@ -303,9 +304,9 @@ pub struct LedgerPlan {
 pub struct Finer {
     /// ticks in a sample, R
     pub times: u32,
-    /// all that one tick between two samples runs, in order
-    pub ticks: Vec<Op>,
-    /// places in [`State::input`](crate::state::State) that are given once a sample (any)
+    /// one tick between two samples; a function, since what a pass is lies above what it reads
+    pub tick: Arc<dyn Fn(&Layout, &mut State) + Send + Sync>,
+    /// places in [`State::input`] that are given once a sample (any)
     pub inputs: Vec<u32>,
 }
 

@@ -9,6 +9,8 @@ use super::net::Net;
 use crate::layout::{Finer, Layout};
 use crate::op::{Op, finer, lowpass};
 use crate::scene::InputRole;
+use crate::state::State;
+use alloc::sync::Arc;
 use alloc::vec::Vec;
 
 /// Puts the ticks between samples in front of the passes of a sample, if the model asks for some.
@@ -32,8 +34,9 @@ pub fn oversample(
     // between samples nobody listens but the filter
     let unheard = |op: &Op| if op.name == "low pass" { Op { kernel: lowpass::remember, ..*op } } else { *op };
     let heard = writes.iter().filter(|_| !layout.lowpass.is_empty()).map(unheard);
-    let ticks = reads.iter().chain(forces).copied().chain(heard).chain(moves.iter().copied()).collect();
-    layout.finer = Some(Finer { times: net.oversample, ticks, inputs });
+    let ops: Vec<Op> = reads.iter().chain(forces).copied().chain(heard).chain(moves.iter().copied()).collect();
+    let tick = Arc::new(move |layout: &Layout, s: &mut State| ops.iter().for_each(|op| (op.kernel)(op, layout, s)));
+    layout.finer = Some(Finer { times: net.oversample, tick, inputs });
     let count = |name, kernel| Op::pass(name, kernel, 1);
     reads.insert(0, Op::pass("ticks between", finer::between, net.oversample as usize - 1));
     writes.push(count("to samples", finer::to_samples));

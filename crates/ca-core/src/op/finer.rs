@@ -16,9 +16,7 @@ pub fn between(_op: &Op, layout: &Layout, s: &mut State) {
     let now = s.tick * u64::from(finer.times);
     s.tick = (now + 1).saturating_sub(u64::from(finer.times));
     while s.tick < now {
-        for op in &finer.ticks {
-            (op.kernel)(op, layout, s);
-        }
+        (finer.tick)(layout, s);
         s.tick += 1;
     }
 }
