@@ -117,7 +117,8 @@ pub fn measured(loaded: &Loaded, ask: &Ask) -> Result<Measured, Failure> {
     times.sort_unstable();
     times.dedup();
     let ways = ways(loaded, &probes, rate, &times);
-    let bar = if ask.progress { term::progress(ways.all.len() as u64 + 1) } else { ProgressBar::hidden() };
+    let steps = (ways.all.len() * ROUNDS + 1) as u64;
+    let bar = if ask.progress { term::progress(steps) } else { ProgressBar::hidden() };
     bar.tick();
     let truth = truth::truth(loaded, &probes, &scene, frames, ask.reference)?;
     bar.inc(1);
@@ -137,6 +138,7 @@ pub fn measured(loaded: &Loaded, ask: &Ask) -> Result<Measured, Failure> {
     for _ in 1..ROUNDS {
         for (way, row) in ways.all.iter().zip(&mut rows) {
             row.ns = row.ns.min(turn(way, frames)?);
+            bar.inc(1);
         }
     }
     bar.finish_and_clear();

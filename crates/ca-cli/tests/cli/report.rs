@@ -137,6 +137,9 @@ fn what_is_odd_still_has_a_page() {
     Page::of(&desk, "wild.html").says(&["class=\"note warning\"", "blew up", "unstable", "A mode grows"]);
     desk.ca(&["report", "bar.ca.toml", "-o", "one.html", "--seconds", "20 us"]).is(0);
     assert_eq!(Page::of(&desk, "one.html").plot("sample")["grid"][2], 1);
+    // no rate is high enough to know the error at this one
+    desk.ca(&["report", "bar.ca.toml", "-o", "fast.html", "--rate", "400 kHz", "--seconds", "2 ms"]).is(0);
+    Page::of(&desk, "fast.html").says(&["is beyond 1e7 Hz"]);
     desk.ca(&["report", "bar.ca.toml", "-o", "loud.html", "--set", "loud=5000"]).is(3).says(&["beyond full scale"]);
     Page::of(&desk, "loud.html").says(&["multiply the gain"]);
     browse(&desk, &["quiet.html", "mute.html", "empty.html", "wild.html", "one.html", "loud.html"]);

@@ -113,7 +113,9 @@ fn accuracy(args: &ReportArgs, loaded: &Loaded) -> Result<Option<Section>, Failu
     };
     match accuracy::measured(loaded, &ask) {
         Ok(found) => Ok(Some(found.section())),
-        Err(Failure::Failed(why)) => Ok(Some(Section::new(accuracy::TITLE, vec![Block::Text(why)]))),
+        Err(Failure::Failed(why) | Failure::Usage(why)) => {
+            Ok(Some(Section::new(accuracy::TITLE, vec![Block::Text(why)])))
+        }
         Err(other) => Err(other),
     }
 }
