@@ -299,13 +299,16 @@ pub struct LedgerPlan {
     pub weight: usize,
 }
 
+/// What runs between two samples.
+pub type Between = Arc<dyn Fn(&Layout, &mut State) + Send + Sync>;
+
 /// A sample of several ticks.
 #[derive(Clone)]
 pub struct Finer {
     /// ticks in a sample, R
     pub times: u32,
     /// one tick between two samples; a function, since what a pass is lies above what it reads
-    pub tick: Arc<dyn Fn(&Layout, &mut State) + Send + Sync>,
+    pub tick: Between,
     /// places in [`State::input`] that are given once a sample (any)
     pub inputs: Vec<u32>,
 }

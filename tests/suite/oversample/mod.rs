@@ -330,5 +330,10 @@ fn only_who_asks_has_it() {
     let probed = "[rate]\noversample = 4\n[CEL]\nbar = { m = 1, f = 500, dx0 = 1 }\n";
     let scene = with(probed, &Options { probes: vec!["bar".into()], ..Options::default() });
     assert!(scene.lowpass.is_empty() && scene.state().lowpass.is_empty());
-    assert!(scene.finer.as_ref().is_some_and(|f| f.ticks.iter().all(|o| o.name != "outputs")));
+    let mut s = scene.state();
+    tick(&scene, &mut s);
+    s.output.fill(7.0);
+    let between = scene.reads[0];
+    (between.kernel)(&between, &scene.layout, &mut s);
+    assert!(between.name == "ticks between" && s.output.iter().all(|v| *v == 7.0));
 }
