@@ -86,15 +86,6 @@ fn time(row: &Row) -> f64 {
     best[1] - best[0]
 }
 
-/// Whose times these are.
-fn machine() -> String {
-    let told = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-    let name = told.lines().find_map(|l| l.strip_prefix("model name")).and_then(|l| l.split_once(": "));
-    let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    let virtual_one = if told.contains("hypervisor") { ", a virtual one that it shares with others" } else { "" };
-    format!("{cores} cores of {}{virtual_one}", name.map_or("a kind it does not tell", |(_, name)| name.trim()))
-}
-
 fn main() -> ExitCode {
     let rows = rows();
     let runs = runs(&rows);
@@ -129,7 +120,7 @@ fn main() -> ExitCode {
         unheard: row.unheard().map(|run| count(&run) - count(&row.plain)),
     };
     let prices: Vec<Price> = rows.iter().map(price).collect();
-    let text = page(&rows, &prices, &machine());
+    let text = page(&rows, &prices, &ca_benches::machine());
     println!("{text}");
     let most = prices.iter().filter_map(|p| p.unheard).fold(0.0, |m: f64, n| m.max(n.abs()));
     println!("The most a scene pays for what nothing hears: {most:.4} instructions per tick.");

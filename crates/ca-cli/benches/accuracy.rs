@@ -44,15 +44,6 @@ fn measured(text: &str, seconds: &str, times: &str, reference: &str) -> Found {
     }
 }
 
-/// The processor, how many, and the build.
-fn machine() -> String {
-    let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-    let model = info.lines().find_map(|l| l.strip_prefix("model name")).map(|l| l.trim_start_matches([' ', '\t', ':']));
-    let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    let build = if cfg!(debug_assertions) { "a build for development" } else { "a build for release" };
-    format!("{}, {cores} cores of a virtual machine, {build}", model.unwrap_or(std::env::consts::ARCH))
-}
-
 fn main() -> ExitCode {
     // `cargo test --benches` asks whether it runs at all
     let long = std::env::args().any(|a| a == "--bench");
@@ -77,7 +68,7 @@ fn main() -> ExitCode {
     let long = measured(&stiffened(0), "1", "1", "8");
     let stiff = STIFF.map(|n| measured(&stiffened(n), "0.1", "1", "8"));
     let claims = claims(&found[0], &long, &stiff);
-    let text = page(&found, &stiff, &claims, &machine());
+    let text = page(&found, &stiff, &claims, &ca_benches::machine());
     println!("{text}");
     if update {
         std::fs::write(docs.join("accuracy.md"), text).expect("the page can be written");
