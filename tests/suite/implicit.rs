@@ -295,12 +295,60 @@ fn a_group_has_a_method() {
     assert!(top.heard < 0.7 * top.f, "{} of {}", top.heard, top.f);
 }
 
+/// A string of 30 masses, plucked, with every sixth link far beyond the limit and a damper on one of them.
+fn mixed(more: &str) -> String {
+    let mut t = String::from("[rate]\nsound = 1\ngesture = 1\n[SOL]\nl = {}\nr = {}\n[MAS]\n");
+    for i in 0..30 {
+        t += &format!("p{i} = {{ m = {}, dx0 = {} }}\n", 1.0 + 0.1 * f64::from(i % 4), 0.01 * f64::from(i.min(8)));
+    }
+    t += "[REF]\n";
+    for i in 0..=30 {
+        let a = if i == 0 { "l".into() } else { format!("p{}", i - 1) };
+        let b = if i == 30 { "r".into() } else { format!("p{i}") };
+        let own = match i {
+            12 => "k = 1e6, z = 30, method = \"implicit\"",
+            _ if i % 6 == 0 => "k = 1e6, method = \"implicit\", theta = 0.25",
+            _ => "k = 0.3",
+        };
+        t += &format!("t{i} = {{ between = [\"{a}\", \"{b}\"], {own} }}\n");
+    }
+    t + more + "[SOX]\nout = { from = \"p19\" }\n[SOF]\nstiff = { from = \"t18\", dc = 0 }\nheld = { from = \"l\", dc = 0 }\n"
+}
+
+/// Springs stand in one row with stiff links, and such links as share no mass are solved one by one: as in document order,
+/// and as in one matrix, which they are where a link that does nothing ties two of them.
+#[test]
+fn a_row_stays_whole_and_pairs_need_no_matrix() {
+    let tied = "tie = { between = [\"p5\", \"p12\"], k = 1e-200, method = \"implicit\" }\n";
+    let (row, solved) = (audited(&mixed("")), audited(&mixed(tied)));
+    let plain = with(&mixed(""), &ca_core::Options { energy: true, ..reference() });
+    let passes = |s: &Scene| s.forces.iter().map(|o| (o.name, o.n)).collect::<Vec<_>>();
+    assert_eq!(passes(&row)[..2], [("REF implicit", 31), ("implicit pairs", 6)]);
+    assert_eq!(passes(&solved)[..4], [("REF implicit", 31), ("REF implicit", 1), ("implicit", 4), ("implicit pairs", 4)]);
+    assert_eq!(row.certificate.level, Level::Proven);
+    let run = |scene: &Scene| {
+        let mut s = scene.state();
+        let mut heard: Vec<f64> = Vec::new();
+        for _ in 0..3000 {
+            tick(scene, &mut s);
+            heard.extend(&s.output);
+        }
+        let b = s.ledger.as_ref().expect("a book").balance();
+        within("not explained", b.residual.abs() / b.peak, 1e-10);
+        heard
+    };
+    let ours = run(&row);
+    assert!(ours.iter().skip(1).step_by(3).any(|f| f.abs() > 1e-3), "the stiff link pulls");
+    within("in document order", apart(&ours, &run(&plain)), 1e-9);
+    within("in one matrix", apart(&ours, &run(&solved)), 1e-9);
+}
+
 /// What cannot be solved ahead is refused with a word, and a scene without such links has nothing of it.
 #[test]
 fn pay_only_for_what_is_used() {
     let s = scene(&bob("k = 1, z = 0.1"));
     assert!(s.layout.ahead.is_none() && s.state().ahead.is_empty());
-    assert!(s.forces.iter().all(|o| o.name != "implicit"));
+    assert!(s.forces.iter().all(|o| !o.name.starts_with("implicit")));
     let s = scene(&cell("k = 1e9, method = \"implicit\""));
     assert!(s.layout.ahead.is_none(), "a cell needs no matrix");
 }

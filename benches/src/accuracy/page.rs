@@ -83,8 +83,8 @@ pub fn page(found: &[Found], stiff: &[Found], claims: &[Claim], machine: &str) -
     t += "\n## Links beyond the limit\n\n";
     t += &wrap(
         "The plucked string with links spread over it that are 10⁶ times stiffer than the limit of two such masses, each of \
-          them by `method = \"implicit\", theta = 0.25`, the rest explicit. Such a link costs its own force, the row of the \
-          explicit ones that it breaks in two, and two unknowns of what is solved in the tick. Explicit rows that get shorter than ten are gathered together.",
+          them by `method = \"implicit\", theta = 0.25`, the rest explicit. They stay in one row with the explicit ones, which \
+          is then a little dearer, and as no two of them share a mass each is solved by itself.",
     );
     t += "\n\n";
     t += &head(&["stiff links", "error", "made", "ns", "over none", "stability"]);

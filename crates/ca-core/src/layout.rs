@@ -264,17 +264,29 @@ pub struct Account {
     pub idle: Idle,
 }
 
-/// Links that take part of their force from the time to come: what they join is one matrix of inertia.
+/// Links that take part of their force from the time to come: what they join is one matrix of inertia. Those that share
+/// no mass with another are pairs, which need none.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Ahead {
     /// places in the state, in the order of elimination (n)
     pub places: Vec<u32>,
     /// pattern of its factor
     pub(crate) pattern: Pattern,
-    /// first coefficient of the factor
+    /// first coefficient of the factor; behind it the inertia of the places (n), then the numbers of the pairs
     pub coef: usize,
     /// links whose whole force somebody needs
     pub felt: Vec<Felt>,
+    /// links that share no mass with another such (any)
+    pub pairs: Vec<Pair>,
+}
+
+/// A link on a line that looks ahead by itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Pair {
+    /// places in the state of its ends
+    pub ends: [u32; 2],
+    /// place in [`State::tap`], where its force is kept
+    pub tap: Option<u32>,
 }
 
 /// A link by an implicit method whose whole force is needed: it is heard, or what it holds is not moved by forces.

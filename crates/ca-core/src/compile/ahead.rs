@@ -9,7 +9,7 @@ use super::links::Links;
 use super::net::{Ear, End, LiaNode, MatRole, Measure, Net};
 use super::plan::Plan;
 use super::say::no_method;
-use crate::layout::{Ahead, Felt};
+use crate::layout::{Ahead, Felt, Pair};
 use crate::ldl::Pattern;
 use crate::live::Source;
 use crate::method::implicit::Inertia;
@@ -113,6 +113,23 @@ pub fn check(model: &Model, net: &Net, diags: &mut Diags) {
 }
 
 impl Plan<'_> {
+    /// The places a link pulls at, end by end.
+    fn pulls(&self, l: &LiaNode, heard: &BTreeSet<u32>) -> Vec<Pull> {
+        let mut all = Vec::new();
+        for (side, sign) in [-1.0, 1.0].into_iter().enumerate() {
+            let End::Mat(m) = l.ends[side] else { continue };
+            let mat = &self.net.mats[m as usize];
+            let heard = matches!(mat.role, MatRole::Port(..)) || heard.contains(&m);
+            all.extend(directions(l, side, mat.places()).into_iter().map(|(axis, w)| Pull {
+                place: self.place[m as usize] + axis,
+                weight: sign * w,
+                moves: !mat.is_fixed() && axis < u32::from(mat.axes),
+                heard,
+            }));
+        }
+        all
+    }
+
     /// The matrix of the links that look ahead, factorised, and what it is made of; none where there are none.
     pub fn ahead(&mut self, n_mat: usize, links: &Links, model: &Model, diags: &mut Diags) -> Option<(Ahead, Inertia)> {
         let net = self.net;
@@ -124,36 +141,46 @@ impl Plan<'_> {
             .iter()
             .filter_map(|o| if let Ear::ForceOn(End::Mat(m)) = o.ear { Some(m) } else { None })
             .collect();
-        // what each link pulls at: places in the state and weights, those that move first
+        let pulls: Vec<Vec<Pull>> = solved.iter().map(|(_, l)| self.pulls(l, &heard)).collect();
+        let mut met: BTreeMap<u32, u32> = BTreeMap::new();
+        for p in pulls.iter().flatten().filter(|p| p.moves) {
+            *met.entry(p.place).or_default() += 1;
+        }
+        let mut made = Inertia::default();
+        let mut pairs: Vec<Pair> = Vec::new();
+        // the rest by numbers of the places they move
         let mut number: BTreeMap<u32, u32> = BTreeMap::new();
-        let mut rows: Vec<([u32; 3], Felt, bool)> = Vec::with_capacity(solved.len());
-        for (id, l) in &solved {
+        let mut rows: Vec<([u32; 3], Felt, bool)> = Vec::new();
+        for ((id, l), pulls) in solved.iter().zip(&pulls) {
             let (op, at) = links.where_is[*id];
             let op: &Op = &links.forces[op as usize];
             let coef = core::array::from_fn(|k| (op.coef + k * op.n + at as usize) as u32);
-            let mut felt = Felt { coef, tap: op.form.tap.then_some((op.tap + at as usize) as u32), ..Felt::default() };
-            let mut needed = felt.tap.is_some();
-            for (side, sign) in [-1.0, 1.0].into_iter().enumerate() {
-                let End::Mat(m) = l.ends[side] else { continue };
-                let mat = &net.mats[m as usize];
-                for (axis, w) in directions(l, side, mat.places()) {
-                    let p = self.place[m as usize] + axis;
-                    if mat.is_fixed() || axis >= u32::from(mat.axes) {
-                        needed |= matches!(mat.role, MatRole::Port(..)) || heard.contains(&m);
-                        felt.held.push((p, real(sign * w)));
-                    } else {
-                        let next = number.len() as u32;
-                        felt.moves.push((*number.entry(p).or_insert(next), real(sign * w)));
-                    }
+            let tap = op.form.tap.then_some((op.tap + at as usize) as u32);
+            let apart = pulls.iter().all(|p| !p.moves || met[&p.place] == 1);
+            if let (Measure::Line(_), [a, b], true) = (l.measure, &pulls[..], apart) {
+                let ends = [a.place, b.place];
+                made.pairs.push((coef, ends.map(|p| 2 * n_mat as u32 + p)));
+                pairs.push(Pair { ends, tap });
+                continue;
+            }
+            let mut felt = Felt { coef, tap, ..Felt::default() };
+            let mut needed = tap.is_some();
+            for p in pulls {
+                if p.moves {
+                    let next = number.len() as u32;
+                    felt.moves.push((*number.entry(p.place).or_insert(next), real(p.weight)));
+                } else {
+                    needed |= p.heard;
+                    felt.held.push((p.place, real(p.weight)));
                 }
             }
             rows.push((coef, felt, needed));
         }
         let n = number.len();
-        let pairs = rows.iter().flat_map(|(_, f, _)| {
+        let joined = rows.iter().flat_map(|(_, f, _)| {
             f.moves.iter().enumerate().flat_map(|(k, (i, _))| f.moves[..k].iter().map(move |(j, _)| (*i, *j)))
         });
-        let Some(pattern) = Pattern::new(n, pairs, LARGEST) else {
+        let Some(pattern) = Pattern::new(n, joined, LARGEST) else {
             let title = format!("`{}` and what looks ahead with it are too many to be solved in a tick", item.name);
             let help = "use `method = \"ca\"` where stiffness allows it, or a coarser mesh";
             diags.push(Diag::error("E027", title).at(item.name_span, "too many").help(help));
@@ -165,8 +192,7 @@ impl Plan<'_> {
         for (place, i) in &number {
             at[to[*i as usize] as usize] = *place;
         }
-        let mut made =
-            Inertia { pattern, mobility: at.iter().map(|p| 2 * n_mat as u32 + p).collect(), ..Inertia::default() };
+        (made.pattern, made.mobility) = (pattern, at.iter().map(|p| 2 * n_mat as u32 + p).collect());
         let mut felt = Vec::new();
         for (coef, mut f, needed) in rows {
             f.moves.iter_mut().for_each(|(i, _)| *i = to[*i as usize]);
@@ -181,13 +207,23 @@ impl Plan<'_> {
         };
         let coef = self.coef.len();
         self.coef.extend(factor);
-        Some((Ahead { places: at, pattern: made.pattern.clone(), coef, felt }, made))
+        Some((Ahead { places: at, pattern: made.pattern.clone(), coef, felt, pairs }, made))
     }
 }
 
 fn beyond(name: &str, span: Span) -> Diag {
     let d = Diag::error("E009", format!("the numbers of `{name}` and what looks ahead with it are beyond computing"));
     d.at(span, "overflows").help("use a larger mass, or less stiffness and viscosity")
+}
+
+/// What a link does to one place in the state.
+struct Pull {
+    place: u32,
+    weight: f64,
+    /// forces move it
+    moves: bool,
+    /// somebody hears the force on it although it is not moved
+    heard: bool,
 }
 
 /// Axes and weights by which a link feels one of its ends.

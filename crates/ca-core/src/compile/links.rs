@@ -10,6 +10,7 @@ use crate::live::{Loader, Source};
 use crate::model::Model;
 use crate::model::diag::Diags;
 use crate::op::law::{Law, Turn};
+use crate::phi::{implicit, res};
 use crate::op::{Form, Gauge, Op, Ports};
 use alloc::vec::Vec;
 
@@ -68,8 +69,9 @@ struct Shape {
 
 impl Plan<'_> {
     /// Batches of links: in document order, or by law with rows as runs; each with its stride, 0 where there is none.
-    fn batches(&self, class: KernelClass) -> Vec<(Vec<u32>, usize)> {
-        let same = |a: u32, b: u32| self.shape(a) == self.shape(b);
+    fn batches(&self, class: KernelClass, laws: &[&'static Law]) -> Vec<(Vec<u32>, usize)> {
+        let shape = |l: u32| self.shape(l, laws[l as usize]);
+        let same = |a: u32, b: u32| shape(a) == shape(b);
         let all: Vec<u32> = (0..self.net.lias.len() as u32).collect();
         if class == KernelClass::Reference {
             return all.chunk_by(|a, b| same(*a, *b)).map(|c| (c.to_vec(), 0)).collect();
@@ -83,18 +85,15 @@ impl Plan<'_> {
         }
         let mut out = Vec::new();
         for group in by_law {
-            let shape = self.shape(group[0]);
-            if shape.gauge != Gauge::Line || shape.onto.is_some() || self.law(group[0]).is_late() {
+            let at = shape(group[0]);
+            if at.gauge != Gauge::Line || at.onto.is_some() || laws[group[0] as usize].is_late() {
                 out.push((group, 0));
                 continue;
             }
             let mut loose = Vec::new();
-            let stride = |l: u32| self.ends(l)[1].wrapping_sub(self.ends(l)[0]);
-            let follows =
-                |a: &u32, b: &u32| stride(*a) == stride(*b) && self.ends(*b)[0] == self.ends(*a)[0].wrapping_add(1);
-            for row in group.chunk_by(follows) {
-                if row.len() >= SHORTEST_RUN && stride(row[0]) < u32::MAX / 2 {
-                    out.push((row.to_vec(), stride(row[0]) as usize));
+            for row in group.chunk_by(|a, b| self.follows(*a, *b)) {
+                if let Some(stride) = self.stride(row) {
+                    out.push((row.to_vec(), stride));
                 } else {
                     loose.extend_from_slice(row);
                 }
@@ -106,14 +105,44 @@ impl Plan<'_> {
         out
     }
 
-    fn law(&self, l: u32) -> &'static Law {
-        self.net.lias[l as usize].law
+    /// The law each link runs by: its own, but springs in a row with links that look ahead run by the law of these, θ = 0
+    /// and without viscosity, which is the same force. One row of springs costs less than what such links leave of it.
+    fn laws(&self, class: KernelClass) -> Vec<&'static Law> {
+        let net = self.net;
+        let mut laws: Vec<_> = net.lias.iter().map(|l| l.law).collect();
+        let ids: Vec<u32> = (0..laws.len() as u32).collect();
+        if class == KernelClass::Reference || !laws.iter().any(|l| l.ahead) {
+            return laws;
+        }
+        let fits = |l: u32| {
+            let l = &net.lias[l as usize];
+            (l.law.ahead || core::ptr::eq(l.law, &res::LAW)) && l.measure.gauge() == Gauge::Line && l.onto.is_none()
+        };
+        for row in ids.chunk_by(|a, b| fits(*a) && fits(*b) && self.follows(*a, *b)) {
+            if fits(row[0]) && self.stride(row).is_some() && row.iter().any(|l| laws[*l as usize].ahead) {
+                row.iter().for_each(|l| laws[*l as usize] = &implicit::LAW);
+            }
+        }
+        laws
     }
 
-    fn shape(&self, l: u32) -> Shape {
+    /// True where link `b` stands behind `a` in a row.
+    fn follows(&self, a: u32, b: u32) -> bool {
+        let ([a0, a1], [b0, b1]) = (self.ends(a), self.ends(b));
+        a1.wrapping_sub(a0) == b1.wrapping_sub(b0) && b0 == a0.wrapping_add(1)
+    }
+
+    /// The stride of a row that is worth a run.
+    fn stride(&self, row: &[u32]) -> Option<usize> {
+        let [a, b] = self.ends(row[0]);
+        let stride = b.wrapping_sub(a);
+        (row.len() >= SHORTEST_RUN && stride < u32::MAX / 2).then_some(stride as usize)
+    }
+
+    fn shape(&self, l: u32, law: &'static Law) -> Shape {
         let node = &self.net.lias[l as usize];
         let set = node.sets.as_ref().map(|_| l);
-        Shape { law: node.law, gauge: node.measure.gauge(), onto: node.onto.map(|o| o.measure.gauge()), set }
+        Shape { law, gauge: node.measure.gauge(), onto: node.onto.map(|o| o.measure.gauge()), set }
     }
 
     fn ends(&self, l: u32) -> [u32; 2] {
@@ -183,12 +212,14 @@ impl Plan<'_> {
         let own = own_tables(net);
         let heard: Vec<u32> =
             net.outs.iter().filter_map(|o| if let Ear::ForceOf(l) = o.ear { Some(l) } else { None }).collect();
-        let mut batches = self.batches(options.kernel);
-        batches.sort_by_key(|b| self.law(b.0[0]).is_late());
+        let laws = self.laws(options.kernel);
+        let law = |l: u32| laws[l as usize];
+        let mut batches = self.batches(options.kernel, &laws);
+        batches.sort_by_key(|b| law(b.0[0]).is_late());
         let scratch = batches.iter().filter(|b| b.1 > 0).map(|b| b.0.len()).max().unwrap_or(0);
         let mut k = Links {
             forces: Vec::new(),
-            late: batches.iter().filter(|b| !self.law(b.0[0]).is_late()).count(),
+            late: batches.iter().filter(|b| !law(b.0[0]).is_late()).count(),
             touch: 0,
             ends: Vec::with_capacity(net.lias.len()),
             onto: Vec::new(),
@@ -200,10 +231,10 @@ impl Plan<'_> {
             where_is: alloc::vec![(0, 0); net.lias.len()],
         };
         for (batch, stride) in batches {
-            let law = self.law(batch[0]);
+            let law = law(batch[0]);
             let n = batch.len();
             let (first, coef) = (k.ends.len(), self.coef.len());
-            let shape = self.shape(batch[0]);
+            let shape = self.shape(batch[0], law);
             let mut ports = Ports { gauge: shape.gauge, reach: k.reach.len(), onto: None, crowd: None };
             let nodes = || batch.iter().map(|id| &net.lias[*id as usize]);
             k.reach.extend(nodes().filter_map(|l| self.reach(l.ends, l.measure, l.soften)));
@@ -228,6 +259,9 @@ impl Plan<'_> {
                 k.e0.push(self.offset(l));
                 k.where_is[*id as usize] = (k.forces.len() as u32, i as u32);
                 let mut values = l.values.to_vec();
+                if law.ahead && !l.law.ahead {
+                    values = alloc::vec![values.get(1).copied().unwrap_or(Source::Absent)];
+                }
                 if let Some(t) = own.iter().position(|(o, _)| core::ptr::eq(*o, law)) {
                     values.push(Source::Const((net.tables.len() + t) as f64));
                 }

@@ -54,7 +54,14 @@ pub fn forces(layout: &Layout, mut links: Vec<Op>, late: usize, weight: usize) -
         list.push(Op::pass("modes", pass::share, layout.modal.len()));
     }
     if let Some(a) = &layout.ahead {
-        list.push(Op::pass("implicit", implicit::solve, a.places.len()));
+        let (places, pairs) = (a.places.len(), a.pairs.len());
+        if places > 0 {
+            list.push(Op::pass("implicit", implicit::solve, places));
+        }
+        if pairs > 0 {
+            let coef = a.coef + a.pattern.numbers() + places;
+            list.push(Op { coef, ..Op::pass("implicit pairs", implicit::pairs, pairs) });
+        }
     }
     let together =
         late.iter().find_map(|o| if let Some(Turn::Together(f)) = o.law.map(|l| l.turn) { Some(f) } else { None });

@@ -51,7 +51,8 @@ pub fn schedule(
     // of a later turn
     let waves = plan.waves(links.mem);
     let lead = [enf.is_empty(), weighed.is_empty(), waves.delays.is_empty()].iter().filter(|none| !**none).count();
-    let back = [!proxies.is_empty(), !modal.is_empty(), ahead.is_some()].into_iter().filter(|b| *b).count();
+    let solved = ahead.as_ref().map_or([false; 2], |(a, _)| [!a.places.is_empty(), !a.pairs.is_empty()]);
+    let back = [!proxies.is_empty(), !modal.is_empty(), solved[0], solved[1]].into_iter().filter(|b| *b).count();
     let place = |op: usize| op + lead + if op >= links.late { back } else { 0 };
     let ported: BTreeSet<u32> = enx.iter().chain(&tgr).map(|p| p.mat).collect();
     let ledger =

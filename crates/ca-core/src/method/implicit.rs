@@ -6,8 +6,9 @@
 //! (M/T² + Σ (θk + z/2T) b bᵀ) u = F
 //! ```
 //! so the matrix is inertia: only what such links join is in it, and it changes with parameters, not with time. The pass
-//! replaces the forces there by those that give u, M u/T², which are the true ones; advance goes on as ever. The energy
-//! of the links is ½k e e₊ + ½θk(e₊ − e)², their heat that of a centred damper, and the books close to rounding.
+//! replaces the forces there by those that give u, M u/T², which are the true ones; advance goes on as ever. A link that
+//! shares no mass with another such needs no matrix: with w the change of its elongation by all that is explicit, γ = θk +
+//! z/2T and c the mobility of its ends, it changes by w/(1 + γc). The energy of the links is ½k e e₊ + ½θk(e₊ − e)², their heat that of a centred damper, and the books close to rounding.
 //!
 //! Decides for one sparse factorisation for the whole scene ([`crate::ldl`]), made where coefficients are made: at load,
 //! and by [`Controls`](crate::live::Controls) off the tick when a parameter changes; with it all coefficients of the
@@ -55,6 +56,38 @@ fn feel(a: &Ahead, s: &mut State) {
     }
 }
 
+/// The same for links that share no mass with another such.
+///
+/// The motion of both ends is made of one common part and what is left of their own, never as a force and its opposite:
+/// the force from before the tick may be 10⁶ times what acts in the end, and its last digit would stretch the link.
+pub fn pairs(op: &Op, layout: &Layout, s: &mut State) {
+    let Some(ahead) = &layout.ahead else { return };
+    let n = layout.n_mat;
+    let (p, q, c) = (&s.coef[..n], &s.coef[n..2 * n], &s.coef[2 * n..3 * n]);
+    let numbers = s.coef[op.coef..].chunks_exact(OF_PAIR);
+    for (pair, numbers) in ahead.pairs.iter().zip(numbers) {
+        let [a, b] = pair.ends.map(|i| i as usize);
+        let &[g, left, inertia_a, inertia_b] = numbers else { continue };
+        let own = |i: usize| (p[i] - 1.0) * s.d[i] + q[i] * s.x[i];
+        let (own_a, own_b) = (own(a), own(b));
+        let (free_a, free_b) = (c[a] * s.f[a] + own_a, c[b] * s.f[b] + own_b);
+        let common = g * left * (c[b] * free_a + c[a] * free_b);
+        let more = g * left * (free_b - free_a);
+        let acts = |i: usize, free: Real, own: Real, inertia: Real, more: Real| {
+            // what no force moves is not pushed any less
+            if inertia == 0.0 { s.f[i] + more } else { (common + left * free - own) * inertia }
+        };
+        let acting = (acts(a, free_a, own_a, inertia_a, more), acts(b, free_b, own_b, inertia_b, -more));
+        (s.f[a], s.f[b]) = acting;
+        if let Some(t) = pair.tap {
+            s.tap[t as usize] += more;
+        }
+    }
+}
+
+/// Numbers of a pair: γ, 1/(1 + γc), and the inertia of both ends, 0 where no force moves one.
+const OF_PAIR: usize = 4;
+
 /// What the matrix is made of, for whoever factorises it: the numbers are coefficients.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Inertia {
@@ -65,10 +98,13 @@ pub struct Inertia {
     pub(crate) links: Vec<([u32; 3], [u32; 2])>,
     /// their entries: row and weight
     pub(crate) entries: Vec<(u32, f64)>,
+    /// pairs: places of k, z and θ, and of the mobility of both ends
+    pub(crate) pairs: Vec<([u32; 3], [u32; 2])>,
 }
 
 impl Inertia {
-    /// The coefficients of the factor and the inertia of each row, from those they depend on; `None` where they are beyond computing.
+    /// The coefficients of the factor, the inertia of each row and the numbers of each pair, from those they depend on;
+    /// `None` where they are beyond computing.
     pub fn factor(&self, coef: impl Fn(u32) -> f64) -> Option<Vec<f64>> {
         let own: Vec<f64> = self.mobility.iter().map(|c| 1.0 / coef(*c)).collect();
         let mut sums = own.clone();
@@ -84,17 +120,25 @@ impl Inertia {
         }
         let mut numbers = self.pattern.factor(sums, beside.into_iter())?;
         numbers.extend(own);
-        Some(numbers)
+        for (c, ends) in &self.pairs {
+            let (g, c) = (inertia(&c.map(&coef)), ends.map(&coef));
+            let stiff = 1.0 + g * (c[0] + c[1]);
+            let [a, b] = c.map(|c| if c == 0.0 { 0.0 } else { 1.0 / c });
+            numbers.extend([g, stiff.is_finite().then_some(1.0 / stiff)?, a, b]);
+        }
+        numbers.iter().all(|v| v.is_finite()).then_some(numbers)
     }
 
     /// How many coefficients these are.
     pub fn numbers(&self) -> usize {
-        self.pattern.numbers() + self.pattern.size()
+        self.pattern.numbers() + self.pattern.size() + OF_PAIR * self.pairs.len()
     }
 
     /// The places of all coefficients it depends on, rising.
     pub fn inputs(&self) -> Vec<u32> {
-        let mut all: Vec<u32> = self.mobility.iter().copied().chain(self.links.iter().flat_map(|l| l.0)).collect();
+        let pairs = self.pairs.iter().flat_map(|(c, ends)| c.iter().chain(ends).copied());
+        let mut all: Vec<u32> =
+            self.mobility.iter().copied().chain(self.links.iter().flat_map(|l| l.0)).chain(pairs).collect();
         all.sort_unstable();
         all.dedup();
         all
