@@ -5,6 +5,7 @@ use ca_core::certificate::Level;
 use ca_core::ldl::Pattern;
 use ca_core::{Scene, State, tick};
 use ca_tests::catalog;
+use std::fmt::Write as _;
 
 /// A bob on a link to the wall, T = 1.
 fn bob(link: &str) -> String {
@@ -299,7 +300,8 @@ fn a_group_has_a_method() {
 fn mixed(more: &str) -> String {
     let mut t = String::from("[rate]\nsound = 1\ngesture = 1\n[SOL]\nl = {}\nr = {}\n[MAS]\n");
     for i in 0..30 {
-        t += &format!("p{i} = {{ m = {}, dx0 = {} }}\n", 1.0 + 0.1 * f64::from(i % 4), 0.01 * f64::from(i.min(8)));
+        let (m, x) = (1.0 + 0.1 * f64::from(i % 4), 0.01 * f64::from(i.min(8)));
+        let _ = writeln!(t, "p{i} = {{ m = {m}, dx0 = {x} }}");
     }
     t += "[REF]\n";
     for i in 0..=30 {
@@ -310,9 +312,10 @@ fn mixed(more: &str) -> String {
             _ if i % 6 == 0 => "k = 1e6, method = \"implicit\", theta = 0.25",
             _ => "k = 0.3",
         };
-        t += &format!("t{i} = {{ between = [\"{a}\", \"{b}\"], {own} }}\n");
+        let _ = writeln!(t, "t{i} = {{ between = [\"{a}\", \"{b}\"], {own} }}");
     }
-    t + more + "[SOX]\nout = { from = \"p19\" }\n[SOF]\nstiff = { from = \"t18\", dc = 0 }\nheld = { from = \"l\", dc = 0 }\n"
+    t + more
+        + "[SOX]\nout = { from = \"p19\" }\n[SOF]\nstiff = { from = \"t18\", dc = 0 }\nheld = { from = \"l\", dc = 0 }\n"
 }
 
 /// Springs stand in one row with stiff links, and such links as share no mass are solved one by one: as in document order,
@@ -324,7 +327,10 @@ fn a_row_stays_whole_and_pairs_need_no_matrix() {
     let plain = with(&mixed(""), &ca_core::Options { energy: true, ..reference() });
     let passes = |s: &Scene| s.forces.iter().map(|o| (o.name, o.n)).collect::<Vec<_>>();
     assert_eq!(passes(&row)[..2], [("REF implicit", 31), ("implicit pairs", 6)]);
-    assert_eq!(passes(&solved)[..4], [("REF implicit", 31), ("REF implicit", 1), ("implicit", 4), ("implicit pairs", 4)]);
+    assert_eq!(
+        passes(&solved)[..4],
+        [("REF implicit", 31), ("REF implicit", 1), ("implicit", 4), ("implicit pairs", 4)]
+    );
     assert_eq!(row.certificate.level, Level::Proven);
     let run = |scene: &Scene| {
         let mut s = scene.state();

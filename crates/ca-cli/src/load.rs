@@ -1,59 +1,12 @@
 //! From what was typed to a model and a scene.
-//!
-//! Decides how the word MODEL is understood: a file if there is one of that name, else a bundled model; and that a
-//! word which names nothing gets the nearest name as an answer.
 
+use crate::Failure;
 use crate::args::Source;
-use crate::{Failure, catalog, term};
-use ca_core::cloud::Clouds;
-use ca_core::load::finish;
-use ca_core::model::diag::{Diags, Severity};
-use ca_core::model::suggest::nearest;
-use ca_core::model::{Item, mims, read, render};
-use ca_core::{Model, Options, Scene};
+use ca_core::{Options, Scene};
+pub use ca_lab::load::{
+    BUNDLED, Loaded, bundled, compiled, has_extension, import, reason, stem, text, ticked, warnings,
+};
 use std::path::Path;
-
-include!(concat!(env!("OUT_DIR"), "/bundled.rs"));
-
-/// A model as typed, with what its reader found.
-pub struct Loaded {
-    /// the model, changes applied
-    pub model: Model,
-    /// findings of the reader
-    pub diags: Diags,
-    /// its name without folder and extension
-    pub name: String,
-    /// what the files it names hold
-    pub clouds: Clouds,
-}
-
-/// Text of a bundled model.
-pub fn bundled(name: &str) -> Option<&'static str> {
-    BUNDLED.iter().find(|m| m.0 == name).map(|m| m.1)
-}
-
-/// The text of a file of ours, or why not.
-pub fn text(path: &Path) -> Result<String, Failure> {
-    let bytes = std::fs::read(path)
-        .map_err(|e| Failure::Failed(format!("`{}`: it cannot be read: {}", path.display(), reason(&e))))?;
-    String::from_utf8(bytes).map_err(|e| {
-        let at = e.utf8_error().valid_up_to();
-        Failure::Failed(format!("`{}`: not a text in UTF-8, from byte {at} on", path.display()))
-    })
-}
-
-/// What the system says, as part of a sentence.
-pub fn reason(e: &std::io::Error) -> String {
-    let s = e.to_string();
-    let s = s.split(" (os error").next().unwrap_or(&s);
-    let mut c = s.chars();
-    c.next().map(|a| a.to_lowercase().chain(c).collect()).unwrap_or_default()
-}
-
-/// Whether a path has this extension, whatever its case.
-pub fn has_extension(path: &Path, ext: &str) -> bool {
-    path.extension().is_some_and(|e| e.eq_ignore_ascii_case(ext))
-}
 
 /// Refuses to write sound to a file that is not called `.wav`.
 pub fn is_sound(path: &Path) -> Result<(), Failure> {
@@ -66,144 +19,19 @@ pub fn is_sound(path: &Path) -> Result<(), Failure> {
     Ok(())
 }
 
-/// `a/b/gut.ca.toml` → `gut`
-pub fn stem(path: &Path) -> String {
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let lower = name.to_ascii_lowercase();
-    let cut = [".ca.toml", ".toml", ".mdl"].into_iter().find(|e| lower.ends_with(e)).map_or(0, str::len);
-    name[..name.len() - cut].to_owned()
-}
-
 /// Reads the model and applies `--set`.
 pub fn load(source: &Source) -> Result<Loaded, Failure> {
-    let path = Path::new(&source.model);
-    let (mut model, diags) = if path.exists() {
-        let text = text(path)?;
-        if has_extension(path, "mdl") {
-            import(&text, &source.model)
-        } else {
-            read::read(&text, &source.model, &catalog())
-        }
-    } else if let Some(text) = bundled(&source.model) {
-        read::read(text, &format!("{}.ca.toml", source.model), &catalog())
-    } else {
-        return Err(Failure::Usage(no_model(&source.model)));
-    };
+    let mut loaded = ca_lab::load::load(&source.model)?;
     for (name, value) in source.changes() {
-        set(&mut model, &name, &value)?;
+        ca_lab::load::set(&mut loaded, &name, &value).map_err(|e| match Failure::from(e) {
+            Failure::Usage(what) => Failure::Usage(format!("--set: {what}")),
+            other => other,
+        })?;
     }
-    let clouds = ca_haptic::cloud::of_model(&model, &catalog(), path.parent().unwrap_or(Path::new("")));
-    Ok(Loaded { model, diags, name: stem(path), clouds })
-}
-
-/// Reads a MIMS text. With errors, the model that comes back is empty but for the text they point into.
-pub fn import(text: &str, file: &str) -> (Model, Diags) {
-    let (model, diags) = mims::import(text, file);
-    if diags.has_errors() {
-        return (Model { file: file.into(), text: text.into(), ..Model::default() }, diags);
-    }
-    (model, diags)
-}
-
-fn no_model(word: &str) -> String {
-    let path = Path::new(word);
-    let like_a_file = word.contains(['/', '\\']) || path.extension().is_some();
-    let files: Vec<String> = path
-        .parent()
-        .map(|p| if p.as_os_str().is_empty() { Path::new(".") } else { p })
-        .and_then(|p| std::fs::read_dir(p).ok())
-        .into_iter()
-        .flatten()
-        .flatten()
-        .map(|f| path.with_file_name(f.file_name()).to_string_lossy().into_owned())
-        .filter(|f| f.ends_with(".ca.toml") || has_extension(Path::new(f), "mdl"))
-        .collect();
-    let own = format!("{word}.ca.toml");
-    let names = BUNDLED.iter().map(|m| m.0);
-    let meant = if files.contains(&own) {
-        Some(own.as_str())
-    } else {
-        nearest(word, files.iter().map(String::as_str)).or_else(|| nearest(&stem(path), names))
-    };
-    let what = if like_a_file { "no such file" } else { "no file and no bundled model of that name" };
-    match meant {
-        Some(m) => format!("`{word}`: {what}; did you mean `{m}`?"),
-        None => format!("`{word}`: {what}; `ca list models` shows the bundled ones"),
-    }
-}
-
-/// One `--set`, with the nearest name where there is none such.
-fn set(model: &mut Model, name: &str, value: &str) -> Result<(), Failure> {
-    if let Some((owner, key)) = name.rsplit_once('.') {
-        let known: Option<Vec<&str>> = match owner {
-            "model" => Some(read::META.to_vec()),
-            "rate" => Some(read::RATES.to_vec()),
-            _ => model.items.iter().find(|i| i.name == owner).and_then(|i| keys(i)),
-        };
-        if let Some(keys) = known {
-            if !keys.contains(&key) {
-                let meant = nearest(key, keys.iter().copied());
-                let hint = meant.map_or_else(
-                    || format!("it has {}", ticked(keys.iter().copied())),
-                    |m| format!("did you mean `{owner}.{m}`?"),
-                );
-                return Err(Failure::Usage(format!("--set: `{owner}` has no parameter `{key}`; {hint}")));
-            }
-        }
-    }
-    if model.set(name, value) {
-        return Ok(());
-    }
-    let mut all: Vec<String> = model.params.iter().map(|e| e.key.clone()).collect();
-    for i in &model.items {
-        all.extend(keys(i).into_iter().flatten().map(|k| format!("{}.{k}", i.name)));
-    }
-    let hint = match nearest(name, all.iter().map(String::as_str)) {
-        Some(m) => format!("did you mean `{m}`?"),
-        None if name.contains('.') || model.params.is_empty() => {
-            format!("its modules are {}", ticked(model.items.iter().map(|i| i.name.as_str())))
-        }
-        None => format!("its parameters are {}", ticked(model.params.iter().map(|e| e.key.as_str()))),
-    };
-    Err(Failure::Usage(format!("--set: the model has no `{name}`; {hint}")))
-}
-
-fn keys(item: &Item) -> Option<Vec<&'static str>> {
-    Some(catalog().get(&item.kind)?.params.iter().map(|p| p.name).collect())
-}
-
-/// `a`, `b`, `c`, at most a dozen
-pub fn ticked<'a>(words: impl Iterator<Item = &'a str>) -> String {
-    let mut list: Vec<String> = words.map(|w| format!("`{w}`")).collect();
-    if list.len() > 12 {
-        list.truncate(12);
-        list.push("…".into());
-    }
-    list.join(", ")
-}
-
-/// Compiles. Findings of reader and compiler together, in order of place; one is not said twice.
-pub fn compiled(loaded: &Loaded, options: &Options) -> (Option<Scene>, Diags) {
-    let options = Options { clouds: loaded.clouds.clone(), ..options.clone() };
-    match finish(&loaded.model, loaded.diags.clone(), &catalog(), &options) {
-        Ok(scene) => {
-            let diags = scene.diags.clone();
-            (Some(scene), diags)
-        }
-        Err(diags) => (None, diags),
-    }
+    Ok(loaded)
 }
 
 /// Compiles, or shows all findings and ends the command.
 pub fn scene(loaded: &Loaded, options: &Options) -> Result<Scene, Failure> {
-    let (scene, diags) = compiled(loaded, options);
-    scene.ok_or_else(|| {
-        term::findings(&render::text(&diags, &loaded.model, term::color()));
-        Failure::Told
-    })
-}
-
-/// Warnings among findings.
-pub fn warnings(diags: &Diags) -> usize {
-    diags.list.iter().filter(|d| d.severity == Severity::Warning).count()
+    Ok(ca_lab::load::scene(loaded, options)?)
 }

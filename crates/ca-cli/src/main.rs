@@ -1,11 +1,9 @@
 //! The command `ca`: models in text to sound, findings and pages.
 //!
 //! Decides what every command shares: exit codes (0 ok, 1 failed, 2 usage, 3 finished but degraded), where things are
-//! printed (results on stdout, everything about them on stderr), that a reader who goes away is no failure, and which
-//! kinds exist ([`catalog`], the one place). A command is one file of `commands/` with one function `run`.
+//! printed (results on stdout, everything about them on stderr), and that a reader who goes away is no failure. A command is one file of `commands/` with one function `run`.
 #![forbid(unsafe_code)]
 
-mod accuracy;
 mod args;
 mod commands;
 mod load;
@@ -14,8 +12,9 @@ mod store;
 mod term;
 
 use args::{Cli, Command};
-use ca_core::Catalog;
+use ca_core::model::render;
 use ca_haptic::host::{HostError, HostErrorKind};
+pub use ca_lab::catalog;
 use clap::Parser as _;
 use std::process::ExitCode;
 
@@ -61,6 +60,20 @@ impl From<ca_haptic::FileError> for Failure {
     }
 }
 
+impl From<ca_lab::Failure> for Failure {
+    fn from(e: ca_lab::Failure) -> Failure {
+        match e {
+            ca_lab::Failure::Usage(what) => Failure::Usage(what),
+            ca_lab::Failure::Failed(what) => Failure::Failed(what),
+            ca_lab::Failure::Stopped => Failure::Interrupted,
+            ca_lab::Failure::Found(found) => {
+                term::findings(&render::text(&found.diags, &found.model, term::color()));
+                Failure::Told
+            }
+        }
+    }
+}
+
 impl From<HostError> for Failure {
     fn from(e: HostError) -> Failure {
         match e.kind {
@@ -72,11 +85,6 @@ impl From<HostError> for Failure {
 
 /// What every command gives back.
 pub type Outcome = Result<Ended, Failure>;
-
-/// All kinds this build knows.
-pub fn catalog() -> Catalog {
-    Catalog::core().with(ca_lpr::KINDS)
-}
 
 fn main() -> ExitCode {
     let cli = match Cli::try_parse() {

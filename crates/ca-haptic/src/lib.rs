@@ -29,8 +29,8 @@
 //!     probe.write(&[x])?;
 //! }
 //! let told = sound.finish()?; // only now is there a file of that name
-//! assert_eq!((told.frames, told.peak[0]), (450, 1.5));
-//! assert!(told.clipped > 240);
+//! assert_eq!((told.frames, told.level.peak[0]), (450, 1.5));
+//! assert!(told.level.clipped > 240);
 //! assert_eq!(probe.finish()?, 450);
 //!
 //! // what cannot be read says where, and what to do

@@ -58,12 +58,8 @@ pub struct Written {
     pub frames: u64,
     /// \[Hz\]
     pub rate: u32,
-    /// greatest |sample| of each channel before the ceiling, 1 = full scale
-    pub peak: Vec<f64>,
-    /// samples cut off at ±1
-    pub clipped: u64,
-    /// samples without a value, written as 0
-    pub non_finite: u64,
+    /// how loud it was
+    pub level: Level,
 }
 
 impl Written {
@@ -73,7 +69,37 @@ impl Written {
     }
     /// Whether every sample is what the model meant.
     pub fn is_faithful(&self) -> bool {
-        self.clipped == 0 && self.non_finite == 0
+        self.level.clipped == 0 && self.level.non_finite == 0
+    }
+}
+
+/// How loud a sound was, before it was kept within full scale.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Level {
+    /// greatest |sample| of each channel before the ceiling, 1 = full scale
+    pub peak: Vec<f64>,
+    /// samples cut off at ±1
+    pub clipped: u64,
+    /// samples without a value, which became 0
+    pub non_finite: u64,
+}
+
+impl Level {
+    /// Of a sound of so many channels.
+    pub fn new(channels: usize) -> Level {
+        Level { peak: vec![0.0; channels], ..Level::default() }
+    }
+
+    /// Counts a sample of this channel, and returns it within full scale.
+    #[inline]
+    pub fn keep(&mut self, channel: usize, x: f64) -> f64 {
+        if !x.is_finite() {
+            self.non_finite += 1;
+            return 0.0;
+        }
+        self.peak[channel] = self.peak[channel].max(x.abs());
+        self.clipped += u64::from(x.abs() > 1.0);
+        x.clamp(-1.0, 1.0)
     }
 }
 
@@ -110,20 +136,13 @@ impl WavOut {
         let staged = Staged::create(path)?;
         let writer =
             WavWriter::new(BufWriter::with_capacity(1 << 16, staged.handle()?), spec).map_err(|e| failed(path, &e))?;
-        let told = Written {
-            path: path.to_owned(),
-            frames: 0,
-            rate: rate as u32,
-            peak: vec![0.0; channels],
-            clipped: 0,
-            non_finite: 0,
-        };
+        let told = Written { path: path.to_owned(), frames: 0, rate: rate as u32, level: Level::new(channels) };
         Ok(WavOut { writer, staged, format, limit: MAX_DATA / (channels as u64 * u64::from(format.bits() / 8)), told })
     }
 
     /// Appends whole frames of interleaved samples.
     pub fn write(&mut self, frames: &[f64]) -> Result<(), FileError> {
-        let n = self.told.peak.len();
+        let n = self.told.level.peak.len();
         if !frames.len().is_multiple_of(n) {
             let what = format!("{} samples are no whole frames of {n} channels", frames.len());
             return Err(FileError::usage(what).file(self.told.path.display()));
@@ -134,16 +153,8 @@ impl WavOut {
             return Err(e.fix("render less time, fewer outputs or fewer bits"));
         }
         for frame in frames.chunks_exact(n) {
-            for (x, peak) in frame.iter().zip(&mut self.told.peak) {
-                let x = if x.is_finite() {
-                    *x
-                } else {
-                    self.told.non_finite += 1;
-                    0.0
-                };
-                *peak = peak.max(x.abs());
-                self.told.clipped += u64::from(x.abs() > 1.0);
-                let x = x.clamp(-1.0, 1.0);
+            for (channel, x) in frame.iter().enumerate() {
+                let x = self.told.level.keep(channel, *x);
                 match self.format {
                     Format::F32 => self.writer.write_sample(x as f32),
                     Format::I24 => self.writer.write_sample(integer(x, 8_388_608.0)),
@@ -165,7 +176,7 @@ impl WavOut {
     pub fn finish(self) -> Result<Written, FileError> {
         let WavOut { writer, staged, told, .. } = self;
         writer.finalize().map_err(|e| failed(&told.path, &e))?;
-        if told.peak.len() > 2 && staged.is_plain() {
+        if told.level.peak.len() > 2 && staged.is_plain() {
             // dwChannelMask of WAVEFORMATEXTENSIBLE, at this place in what hound writes
             let mut file = staged.handle()?;
             file.seek(SeekFrom::Start(40))
@@ -212,8 +223,8 @@ mod tests {
             let got: Vec<i32> = file.samples().map(Result::unwrap).collect();
             let tenth = if full == 32_768 { 3277 } else { 838_861 };
             assert_eq!(got, [0, full / 2, -full / 2, full - 1, -full, full - 1, -full, tenth]);
-            assert_eq!((told.clipped, told.non_finite, told.frames), (2, 0, 8));
-            assert_eq!(told.peak, [7.0]);
+            assert_eq!((told.level.clipped, told.level.non_finite, told.frames), (2, 0, 8));
+            assert_eq!(told.level.peak, [7.0]);
             assert!(!told.is_faithful());
         }
         // ties to even
@@ -227,7 +238,7 @@ mod tests {
         let (_dir, told) = render(Format::F32, &ODD);
         let got: Vec<f32> = WavReader::open(&told.path).unwrap().samples().map(Result::unwrap).collect();
         assert_eq!(got, [0.0, 0.5, -0.5, 1.0, -1.0, 1.0, -1.0, 0.1]);
-        assert_eq!(told.clipped, 2);
+        assert_eq!(told.level.clipped, 2);
     }
 
     #[test]
@@ -235,7 +246,7 @@ mod tests {
         let (_dir, told) = render(Format::F32, &[f64::NAN, 0.25, f64::INFINITY, f64::NEG_INFINITY]);
         let got: Vec<f32> = WavReader::open(&told.path).unwrap().samples().map(Result::unwrap).collect();
         assert_eq!(got, [0.0, 0.25, 0.0, 0.0]);
-        assert_eq!((told.clipped, told.non_finite, told.peak[0]), (0, 3, 0.25));
+        assert_eq!((told.level.clipped, told.level.non_finite, told.level.peak[0]), (0, 3, 0.25));
     }
 
     #[test]
@@ -249,7 +260,7 @@ mod tests {
                 out.write(&frame).unwrap();
                 out.write(&frame).unwrap();
                 let told = out.finish().unwrap();
-                assert_eq!((told.peak.as_slice(), told.frames), (&frame[..], 2));
+                assert_eq!((told.level.peak.as_slice(), told.frames), (&frame[..], 2));
                 let bytes = std::fs::read(&path).unwrap();
                 assert_eq!(u32::from_le_bytes(bytes[4..8].try_into().unwrap()) as usize, bytes.len() - 8);
                 assert_eq!(usize::from(u16::from_le_bytes([bytes[22], bytes[23]])), channels);

@@ -1,9 +1,9 @@
 //! `ca accuracy`: error against run time, over methods and rates.
 
-use crate::accuracy::{self, Ask, Measured, Origin, Row};
 use crate::args::AccuracyArgs;
 use crate::load::{self, Loaded};
 use crate::{Ended, Failure, Outcome, page, term};
+use ca_lab::accuracy::{self, Ask, Measured, Origin, Row};
 use ca_report::{Block, Report, Section};
 use serde_json::{Value as Json, json};
 use std::io::Write as _;
@@ -18,9 +18,18 @@ pub fn run(args: &AccuracyArgs) -> Outcome {
         return Err(Failure::Failed(format!("{what}; name what to listen to by `--probe`")));
     }
     let (rate, seconds, times) = (args.source.rate, args.seconds, &args.times[..]);
-    let ask =
-        Ask { rate, probes: &probes, seconds, times, reference: args.reference, longer: "--seconds", progress: true };
-    let found = accuracy::measured(&loaded, &ask)?;
+    let mut bar = None;
+    let progress = &mut |done, of| {
+        bar.get_or_insert_with(|| term::progress(of)).set_position(done);
+        true
+    };
+    let mut ask =
+        Ask { rate, probes: &probes, seconds, times, reference: args.reference, longer: "--seconds", progress };
+    let found = accuracy::measured(&loaded, &mut ask);
+    if let Some(bar) = bar {
+        bar.finish_and_clear();
+    }
+    let found = found?;
     let best = args.error.and_then(|e| found.cheapest(e));
     let told = Told { name: &loaded.name, found: &found, best };
     if args.json {

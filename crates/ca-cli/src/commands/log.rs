@@ -73,7 +73,7 @@ fn exported(file: &Path, what: &str, to: &Path, force: bool) -> Outcome {
     match what {
         "sound" => {
             let w = export::sound(&take, to)?;
-            writeln!(out, "{}: {:.3} s, {} channels", to.display(), w.duration(), w.peak.len())?;
+            writeln!(out, "{}: {:.3} s, {} channels", to.display(), w.duration(), w.level.peak.len())?;
         }
         "model" => {
             let n = export::attachment(&take, &format!("model/{}", take.header.file), to)?;

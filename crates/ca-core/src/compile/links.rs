@@ -10,8 +10,8 @@ use crate::live::{Loader, Source};
 use crate::model::Model;
 use crate::model::diag::Diags;
 use crate::op::law::{Law, Turn};
-use crate::phi::{implicit, res};
 use crate::op::{Form, Gauge, Op, Ports};
+use crate::phi::{implicit, res};
 use alloc::vec::Vec;
 
 /// Rows shorter than this are gathered: a run has three loops to set up, and waits for what it has just written. Measured
@@ -114,13 +114,16 @@ impl Plan<'_> {
         if class == KernelClass::Reference || !laws.iter().any(|l| l.ahead) {
             return laws;
         }
+        let spring: &'static Law = &res::LAW;
         let fits = |l: u32| {
             let l = &net.lias[l as usize];
-            (l.law.ahead || core::ptr::eq(l.law, &res::LAW)) && l.measure.gauge() == Gauge::Line && l.onto.is_none()
+            (l.law.ahead || core::ptr::eq(l.law, spring)) && l.measure.gauge() == Gauge::Line && l.onto.is_none()
         };
         for row in ids.chunk_by(|a, b| fits(*a) && fits(*b) && self.follows(*a, *b)) {
             if fits(row[0]) && self.stride(row).is_some() && row.iter().any(|l| laws[*l as usize].ahead) {
-                row.iter().for_each(|l| laws[*l as usize] = &implicit::LAW);
+                for l in row {
+                    laws[*l as usize] = &implicit::LAW;
+                }
             }
         }
         laws

@@ -24,9 +24,6 @@ use ca_haptic::probe::ProbeOut;
 use ca_haptic::sound::{Format, WavOut};
 use std::path::{Path, PathBuf};
 
-/// Seconds of silence after a gesture, and the least of everything.
-const TAIL: f64 = 2.0;
-const LEAST: f64 = 3.0;
 /// Data of a WAV file \[bytes\].
 const MOST: u64 = u32::MAX as u64 - 100;
 
@@ -214,11 +211,11 @@ fn port_and_file(text: &str) -> (Option<&str>, &Path) {
 /// How long it is played \[s\], and in ticks.
 pub(crate) fn length(args: &Playing, scene: &Scene, p: &Performance) -> (f64, u64) {
     let gesture = p.duration();
-    let seconds = args.seconds.or(scene.seconds).unwrap_or((gesture + TAIL).max(LEAST));
+    let seconds = ca_lab::play::seconds(p, args.seconds);
     if args.seconds.is_none() && !args.gesture.is_empty() && gesture > seconds {
         term::note(&format!(
             "the gesture lasts {gesture:.3} s, the model asks for {seconds} s; use `--seconds` to hear all of it"
         ));
     }
-    (seconds, (seconds * scene.rate).round().max(1.0) as u64)
+    (seconds, ca_lab::play::frames(scene, seconds))
 }

@@ -7,84 +7,46 @@ use ca_haptic::gesture::Gesture;
 use ca_haptic::perform::{Performance, WILD};
 use ca_haptic::probe::ProbeOut;
 use ca_haptic::sound::{WavOut, Written};
+pub(crate) use ca_lab::play::{BLOCK, Played};
 use indicatif::ProgressBar;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// Ticks between two writes of a render.
-pub(crate) const BLOCK: u64 = 1024;
 /// Somebody pressed Ctrl-C.
 static STOP: AtomicBool = AtomicBool::new(false);
 /// How long a render may last unseen.
 const PATIENCE: Duration = Duration::from_millis(500);
-
-/// What playing left behind.
-pub(crate) struct Played<'a> {
-    pub performance: Performance<'a>,
-    /// time spent
-    pub wall: Duration,
-    /// the tick at which it was found to have blown up
-    pub broke: Option<u64>,
-    /// the book at the end, or before anything left its range
-    pub energy: Option<Ledger>,
-    /// ticks in the book
-    pub energy_ticks: u64,
-}
 
 /// What is done with outputs.
 pub(crate) type Sink<'a> = dyn FnMut(&Performance, &[f64]) -> Result<(), Failure> + 'a;
 
 /// Plays `frames` ticks. After every `block` of them, `heard` gets their outputs, interleaved.
 pub(crate) fn play<'a>(
-    mut p: Performance<'a>,
+    p: Performance<'a>,
     frames: u64,
     block: u64,
     show: bool,
     heard: &mut Sink,
 ) -> Result<Played<'a>, Failure> {
-    let n_out = p.scene.n_out;
-    let mut rows = Vec::with_capacity(block as usize * n_out);
-    let mut bar: Option<ProgressBar> = None;
-    let mut last_good: Option<(Ledger, u64)> = None;
-    let begin = Instant::now();
-    let mut done = 0;
     // without a handler Ctrl-C ends the process as ever, and leaves the unfinished file behind
     let _ = ctrlc::set_handler(|| STOP.store(true, Ordering::Relaxed));
-    while done < frames {
-        if STOP.load(Ordering::Relaxed) {
-            // what is not finished removes itself
-            return Err(Failure::Interrupted);
-        }
-        let block = block.min(frames - done);
-        rows.clear();
-        for _ in 0..block {
-            keep_book(&p, &mut last_good);
-            p.tick();
-            rows.extend_from_slice(&p.state.output[..n_out]);
-        }
-        heard(&p, &rows)?;
-        done += block;
+    let mut bar: Option<ProgressBar> = None;
+    let begin = Instant::now();
+    let played = ca_lab::play::play(p, frames, block, &mut |p, rows, done| {
+        heard(p, rows)?;
         if show && bar.is_none() && begin.elapsed() > PATIENCE {
             bar = Some(term::progress(frames));
         }
         if let Some(bar) = &bar {
             bar.set_position(done);
         }
-    }
-    let wall = begin.elapsed();
+        // what is not finished removes itself
+        if STOP.load(Ordering::Relaxed) { Err(Failure::Interrupted) } else { Ok(()) }
+    })?;
     if let Some(bar) = bar {
         bar.finish_and_clear();
     }
-    // what blew up between two looks at the state is found here at the latest
-    p.wild |= !p.state.is_sound(WILD);
-    let broke = p.wild.then_some(p.state.tick);
-    let (energy, energy_ticks) = match last_good {
-        Some((book, tick)) => (Some(book), tick),
-        None => (p.state.ledger.clone(), p.state.tick),
-    };
-    // a tick is booked when the next one begins
-    let energy_ticks = energy_ticks.saturating_sub(1);
-    Ok(Played { performance: p, wall, broke, energy, energy_ticks })
+    Ok(played)
 }
 
 /// Where the outputs of a render go.
@@ -126,15 +88,6 @@ impl Files {
             file.finish()?;
         }
         Ok(written)
-    }
-}
-
-/// Where a book is kept and the positions have just left every range: the book as it was.
-fn keep_book(p: &Performance, last_good: &mut Option<(Ledger, u64)>) {
-    if let (Some(book), None, false) = (&p.state.ledger, &*last_good, p.wild) {
-        if !p.state.is_sound(WILD) {
-            *last_good = Some((book.clone(), p.state.tick));
-        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! What is said of a render: on stdout as text or JSON, on stderr what went wrong.
 
 use super::Probe;
-use super::play::{Audit, Played};
+use super::play::Audit;
 use crate::args::{RenderArgs, SampleFormat};
 use crate::commands::border;
 use crate::term::short;
@@ -11,26 +11,14 @@ use ca_core::compile::certify::Certificate;
 use ca_core::energy::{Balance, Ledger};
 use ca_core::kind::Unit;
 use ca_core::model::quantity::show;
-use ca_haptic::gesture::Gesture;
 use ca_haptic::sound::Written;
+pub(crate) use ca_lab::play::Broke;
 use serde_json::{Value as Json, json};
 use std::io::Write as _;
 use std::time::Duration;
 
 /// A peak from which on the loudness is not the question, 40 dB over full scale.
 const FAR: f64 = 100.0;
-
-/// A scene that left every range.
-pub(crate) struct Broke {
-    /// \[s\]
-    pub time: f64,
-    /// to blame
-    pub module: String,
-    /// why it
-    pub why: String,
-    /// what to do, where the certificate knows
-    pub fix: Option<String>,
-}
 
 /// All that is said.
 pub(crate) struct Summary<'a> {
@@ -43,32 +31,6 @@ pub(crate) struct Summary<'a> {
     pub refused: u64,
     pub warnings: usize,
     pub probes: &'a [Probe],
-}
-
-impl Broke {
-    /// What is to blame, where `played` blew up; `audited` is its scene, with the book kept if there is one.
-    pub fn of(played: &Played, audited: &Scene, gesture: Option<&Gesture>) -> Option<Broke> {
-        let time = played.broke? as f64 * audited.te;
-        let (module, why) = played.performance.blame(Some(audited), gesture);
-        Some(Broke { time, fix: fix(audited, &module), module, why })
-    }
-}
-
-impl std::fmt::Display for Broke {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Broke { module, why, time, fix } = self;
-        let fix = fix.as_ref().map(|f| format!("; {f}")).unwrap_or_default();
-        write!(f, "the model blew up at {time:.4} s, silence after that: `{module}`: {why}{fix}")
-    }
-}
-
-/// What the warnings of the compiler offer against the blow-up of `module`: those that name it come first.
-fn fix(scene: &Scene, module: &str) -> Option<String> {
-    let list = || scene.diags.list.iter();
-    let about = |d: &&ca_core::model::diag::Diag| matches!(d.code, "W103" | "W104" | "W110" | "W105");
-    let named = format!("`{module}`");
-    let d = list().filter(about).find(|d| d.title.contains(&named)).or_else(|| list().find(about))?;
-    d.help.clone()
 }
 
 /// The gain that would just fit, three digits, towards zero.
@@ -121,17 +83,17 @@ impl Summary<'_> {
     }
 
     fn loudest(&self) -> f64 {
-        self.written.peak.iter().copied().fold(0.0, f64::max)
+        self.written.level.peak.iter().copied().fold(0.0, f64::max)
     }
 
     /// What went wrong, on stderr.
     pub fn warn(&self) {
         if let Some(b) = self.broke {
             term::warning(&b.to_string());
-        } else if self.written.non_finite > 0 {
-            term::warning(&format!("{} samples had no value and became silence", self.written.non_finite));
+        } else if self.written.level.non_finite > 0 {
+            term::warning(&format!("{} samples had no value and became silence", self.written.level.non_finite));
         }
-        if self.written.clipped > 0 {
+        if self.written.level.clipped > 0 {
             // after a blow-up the peak says nothing about loudness
             let help = if self.broke.is_some() {
                 String::new()
@@ -140,7 +102,7 @@ impl Summary<'_> {
             } else {
                 fitting(self.loudest())
             };
-            term::warning(&format!("{}{help}", too_loud(self.written.clipped)));
+            term::warning(&format!("{}{help}", too_loud(self.written.level.clipped)));
         }
         if self.loudest() == 0.0 && !self.args.quiet {
             let ports: Vec<&str> = self.scene.inputs.iter().map(|i| i.name.as_str()).collect();
@@ -181,17 +143,21 @@ impl Summary<'_> {
     pub fn text(&self) -> Result<(), Failure> {
         let mut out = std::io::stdout().lock();
         let w = self.written;
-        let channels = if w.peak.len() == 1 { "1 channel".into() } else { format!("{} channels", w.peak.len()) };
+        let channels =
+            if w.level.peak.len() == 1 { "1 channel".into() } else { format!("{} channels", w.level.peak.len()) };
         let (seconds, khz) = (w.duration(), show(self.scene.rate, Unit::HERTZ));
         writeln!(out, "{}  {seconds:.3} s, {channels}, {khz}, {}", w.path.display(), self.format())?;
         let rtf = self.real_time_factor();
         let how = if self.args.energy { " with the energy book" } else { "" };
         writeln!(out, "  speed      {} times real time{how} (real-time factor {})", short(1.0 / rtf), short(rtf))?;
         let name = |i: usize| self.scene.channel_names.get(i).map_or("?", String::as_str);
-        let peaks: Vec<String> = (0..w.peak.len())
+        let peaks: Vec<String> = (0..w.level.peak.len())
             .map(|i| {
-                let dbfs =
-                    if w.peak[i] > 0.0 { format!("{} dBFS", tenths(decibel(w.peak[i]))) } else { "silent".into() };
+                let dbfs = if w.level.peak[i] > 0.0 {
+                    format!("{} dBFS", tenths(decibel(w.level.peak[i])))
+                } else {
+                    "silent".into()
+                };
                 format!("{} {dbfs}", name(i))
             })
             .collect();
@@ -248,10 +214,10 @@ impl Summary<'_> {
     /// The summary for programs.
     pub fn json(&self) -> Result<(), Failure> {
         let w = self.written;
-        let channels: Vec<Json> = (0..w.peak.len())
+        let channels: Vec<Json> = (0..w.level.peak.len())
             .map(|i| {
-                let dbfs = (w.peak[i] > 0.0).then(|| decibel(w.peak[i]));
-                json!({"name": self.scene.channel_names.get(i), "peak": w.peak[i], "peak_dbfs": dbfs})
+                let dbfs = (w.level.peak[i] > 0.0).then(|| decibel(w.level.peak[i]));
+                json!({"name": self.scene.channel_names.get(i), "peak": w.level.peak[i], "peak_dbfs": dbfs})
             })
             .collect();
         let energy = self.energy.map(|a| {
@@ -270,17 +236,17 @@ impl Summary<'_> {
             })
         });
         let broke = self.broke.map(|b| json!({"seconds": b.time, "module": b.module, "why": b.why, "fix": b.fix}));
-        let clipped = (w.clipped > 0).then(|| {
+        let clipped = (w.level.clipped > 0).then(|| {
             // after a blow-up the peak says nothing about loudness
             let gain = self.broke.is_none().then(|| gain(self.loudest()));
-            json!({"samples": w.clipped, "gain": gain})
+            json!({"samples": w.level.clipped, "gain": gain})
         });
         let probes: Vec<Json> = self.probes.iter().map(|p| json!({"name": p.name, "file": p.file})).collect();
         let all = json!({
             "file": w.path, "seconds": w.duration(), "frames": w.frames, "rate": w.rate, "format": self.format(),
             "channels": channels, "latency": border::json(self.scene), "real_time_factor": self.real_time_factor(), "energy": energy,
             "stability": stability_json(&self.scene.certificate), "warnings": self.warnings, "probes": probes,
-            "clipped": clipped, "without_value": w.non_finite, "refused_inputs": self.refused, "blown_up": broke,
+            "clipped": clipped, "without_value": w.level.non_finite, "refused_inputs": self.refused, "blown_up": broke,
             "degraded": self.degraded(),
         });
         writeln!(std::io::stdout().lock(), "{all:#}")?;

@@ -3,14 +3,14 @@
 use super::parts::{self, Facts, finished};
 use super::played::Book;
 use crate::Failure;
-use crate::accuracy::{self, Ask};
 use crate::args::ReportArgs;
 use crate::commands::render::{self, Broke};
 use crate::load::{self, Loaded};
-use crate::term::short;
+use crate::term::{self, short};
 use ca_core::model::{Item, Value};
 use ca_core::{Options, Scene};
 use ca_haptic::perform::Performance;
+use ca_lab::accuracy::{self, Ask};
 use ca_report::{Axis, Block, Curve, Envelope, Plot, Report, Section, Sound, Weight};
 use std::path::Path;
 
@@ -102,16 +102,27 @@ fn accuracy(args: &ReportArgs, loaded: &Loaded) -> Result<Option<Section>, Failu
     if seconds == 0.0 || probes.is_empty() {
         return Ok(None);
     }
-    let ask = Ask {
+    let mut bar = None;
+    let progress = &mut |done, of| {
+        if !args.quiet {
+            bar.get_or_insert_with(|| term::progress(of)).set_position(done);
+        }
+        true
+    };
+    let mut ask = Ask {
         rate: args.source.rate,
         probes: &probes,
         seconds: Some(seconds),
         times: &TIMES,
         reference: REFERENCE,
         longer: "--accuracy",
-        progress: !args.quiet,
+        progress,
     };
-    match accuracy::measured(loaded, &ask) {
+    let found = accuracy::measured(loaded, &mut ask);
+    if let Some(bar) = bar {
+        bar.finish_and_clear();
+    }
+    match found.map_err(Failure::from) {
         Ok(found) => Ok(Some(found.section())),
         Err(Failure::Failed(why) | Failure::Usage(why)) => {
             Ok(Some(Section::new(accuracy::TITLE, vec![Block::Text(why)])))

@@ -34,7 +34,7 @@ other = { from = "pad", gain = 10 }
 
 /// All kinds there are.
 pub fn catalog() -> Catalog {
-    Catalog::core().with(ca_lpr::KINDS)
+    ca_lab::catalog()
 }
 
 /// A performance under way.

@@ -9,14 +9,13 @@ mod single;
 mod truth;
 mod ways;
 
+use crate::Failure;
 use crate::load::{self, Loaded};
-use crate::{Failure, term};
 use ca_core::certificate::Level;
 use ca_core::energy::Balance;
 use ca_core::model::Value;
 use ca_core::{Model, Options};
 use ca_report::{Axis, Block, Plot, Point, Section, Table};
-use indicatif::ProgressBar;
 use score::Score;
 pub use truth::Origin;
 use truth::Truth;
@@ -80,8 +79,8 @@ pub struct Ask<'a> {
     pub reference: u32,
     /// the option that makes it longer
     pub longer: &'static str,
-    /// whether how far it is, is shown
-    pub progress: bool,
+    /// told now and then how many steps of how many are done; false where no more is wanted
+    pub progress: &'a mut dyn FnMut(u64, u64) -> bool,
 }
 
 /// All that was measured.
@@ -100,8 +99,11 @@ pub struct Measured {
     pub warned: Vec<(&'static str, String)>,
 }
 
-/// Measures a model. Fails where it does not compile, or nothing moves.
-pub fn measured(loaded: &Loaded, ask: &Ask) -> Result<Measured, Failure> {
+/// Measures a model.
+///
+/// # Errors
+/// Where it does not compile, where nothing moves, and where no more is wanted.
+pub fn measured(loaded: &Loaded, ask: &mut Ask) -> Result<Measured, Failure> {
     let probes = ask.probes.to_vec();
     let scene = load::scene(loaded, &Options { rate: ask.rate, probes: probes.clone(), ..Options::default() })?;
     let rate = scene.rate;
@@ -118,12 +120,15 @@ pub fn measured(loaded: &Loaded, ask: &Ask) -> Result<Measured, Failure> {
     times.dedup();
     let ways = ways(loaded, &probes, rate, &times);
     let steps = (ways.all.len() * ROUNDS + 1) as u64;
-    let bar = if ask.progress { term::progress(steps) } else { ProgressBar::hidden() };
-    bar.tick();
+    let (mut done, tell) = (0, &mut *ask.progress);
+    let mut step = |by: u64| {
+        done += by;
+        if tell(done, steps) { Ok(()) } else { Err(Failure::Stopped) }
+    };
+    step(0)?;
     let truth = truth::truth(loaded, &probes, &scene, frames, ask.reference)?;
-    bar.inc(1);
+    step(1)?;
     if truth.columns.iter().flatten().all(|v| *v == 0.0) {
-        bar.finish_and_clear();
         let what = format!("nothing of {} moves in {seconds} s", load::ticked(probes.iter().map(String::as_str)));
         return Err(Failure::Failed(format!(
             "{what}; play longer with `{}`, or listen elsewhere with `--probe`",
@@ -133,15 +138,14 @@ pub fn measured(loaded: &Loaded, ask: &Ask) -> Result<Measured, Failure> {
     let mut rows = Vec::with_capacity(ways.all.len());
     for way in &ways.all {
         rows.push(row(way, &truth, frames, rate)?);
-        bar.inc(1);
+        step(1)?;
     }
     for _ in 1..ROUNDS {
         for (way, row) in ways.all.iter().zip(&mut rows) {
             row.ns = row.ns.min(turn(way, frames)?);
-            bar.inc(1);
+            step(1)?;
         }
     }
-    bar.finish_and_clear();
     mark(&mut rows);
     Ok(Measured { rows, truth, rate, frames, refused: ways.refused, warned: ways.warned })
 }

@@ -1,4 +1,4 @@
-//! Lists the models of the folder `models/`, which are built into the command.
+//! Lists the models of the folder `models/`, which are built in.
 //!
 //! Decides for twenty lines here instead of a crate that embeds folders: a model is known by its name without
 //! `.ca.toml`, in alphabetical order, and a new file needs no other line anywhere.
@@ -21,7 +21,8 @@ fn main() {
         })
         .collect();
     files.sort();
-    let mut list = String::from("pub static BUNDLED: &[(&str, &str)] = &[\n");
+    let mut list =
+        String::from("/// The bundled models: name and text, by name.\npub static BUNDLED: &[(&str, &str)] = &[\n");
     for (name, path) in files {
         println!("cargo:rerun-if-changed={path}");
         let _ = writeln!(list, "    ({name:?}, include_str!({path:?})),");

@@ -1,0 +1,109 @@
+//! A model as bytes: what it means, in one order, whatever comments and blanks its file has.
+//!
+//! Decides for the text of the model as it is written here, so that bytes are read by the same reader as any file, with two
+//! things added that a text does not keep: the order of modules, which is the order in which forces are summed, and what
+//! the files hold that it names. Two models of the same bytes give the same sound to the bit, on any machine.
+
+use crate::Failure;
+use crate::load::Loaded;
+use ca_core::Model;
+use ca_core::cloud::{Cloud, Clouds, Unread};
+use ca_core::model::diag::Diags;
+use ca_core::model::{read, write};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// What bytes of a model begin with.
+const MAGIC: &[u8] = b"ca model 1\n";
+
+/// The bytes of a model. Its file and comments are not in them.
+pub fn bytes(loaded: &Loaded) -> Vec<u8> {
+    let model = Model { header: String::new(), ..loaded.model.clone() };
+    let text = write::write(&model);
+    // the reader gives names in the order of the text
+    let (again, _) = read::read(&text, "", &crate::catalog());
+    let place: BTreeMap<&str, u64> = again.items.iter().zip(0..).map(|(i, k)| (i.name.as_str(), k)).collect();
+    let order = model.items.iter().filter_map(|i| place.get(i.name.as_str()).copied());
+    let mut to = MAGIC.to_vec();
+    put(&mut to, text.as_bytes());
+    let order: Vec<u8> = order.flat_map(u64::to_le_bytes).collect();
+    put(&mut to, &order);
+    for (name, cloud) in &loaded.clouds {
+        put(&mut to, name.as_bytes());
+        match cloud {
+            Err(unread) => {
+                put(&mut to, unread.what.as_bytes());
+                put(&mut to, unread.help.as_bytes());
+            }
+            Ok(c) => {
+                put(&mut to, &[]);
+                let points: Vec<u8> = c.points.iter().flatten().flat_map(|v| v.to_le_bytes()).collect();
+                let edges: Vec<u8> = c.edges.iter().flatten().flat_map(|v| v.to_le_bytes()).collect();
+                put(&mut to, &points);
+                put(&mut to, &edges);
+                put(&mut to, &[c.merged, c.flat].map(|n| (n as u64).to_le_bytes()).concat());
+            }
+        }
+    }
+    to
+}
+
+fn put(to: &mut Vec<u8>, part: &[u8]) {
+    to.extend((part.len() as u64).to_le_bytes());
+    to.extend(part);
+}
+
+/// What names a model among machines: the hash of its bytes, in hexadecimal digits.
+pub fn digest(bytes: &[u8]) -> String {
+    blake3::hash(bytes).to_hex().to_string()
+}
+
+/// The model of these bytes; `file` is its name in reports.
+///
+/// # Errors
+/// [`Failure::Failed`] where they are none of a model.
+pub fn from_bytes(bytes: &[u8], file: &str) -> Result<Loaded, Failure> {
+    parse(bytes, file).ok_or_else(|| Failure::Failed("these bytes are no model of this version".into()))
+}
+
+fn parse(bytes: &[u8], file: &str) -> Option<Loaded> {
+    let mut rest = bytes.strip_prefix(MAGIC)?;
+    let mut take = || -> Option<&[u8]> {
+        let (n, after) = rest.split_first_chunk::<8>()?;
+        let (part, after) = after.split_at_checked(usize::try_from(u64::from_le_bytes(*n)).ok()?)?;
+        rest = after;
+        Some(part)
+    };
+    let text = std::str::from_utf8(take()?).ok()?;
+    let order: Vec<usize> = words(take()?)?.map(|n| n as usize).collect();
+    let mut clouds = Clouds::new();
+    while let Some(name) = take() {
+        let name = std::str::from_utf8(name).ok()?.to_owned();
+        let what = std::str::from_utf8(take()?).ok()?;
+        let cloud = if what.is_empty() {
+            let points: Vec<f64> = words(take()?)?.map(f64::from_bits).collect();
+            let edges = take()?.chunks_exact(4).filter_map(|c| Some(u32::from_le_bytes(*c.first_chunk()?)));
+            let edges: Vec<u32> = edges.collect();
+            let counts: Vec<u64> = words(take()?)?.collect();
+            let [merged, flat] = counts[..] else { return None };
+            Ok(Arc::new(Cloud {
+                points: points.as_chunks::<3>().0.to_vec(),
+                edges: edges.as_chunks::<2>().0.to_vec(),
+                merged: merged as usize,
+                flat: flat as usize,
+            }))
+        } else {
+            Err(Unread { what: what.into(), help: std::str::from_utf8(take()?).ok()?.into() })
+        };
+        clouds.insert(name, cloud);
+    }
+    let (mut model, _) = read::read(text, file, &crate::catalog());
+    let items: Option<Vec<_>> = order.iter().map(|k| model.items.get(*k).cloned()).collect();
+    model.items = items.filter(|i| i.len() == model.items.len())?;
+    Some(Loaded { name: crate::load::stem(file.as_ref()), model, diags: Diags::new(), clouds })
+}
+
+fn words(bytes: &[u8]) -> Option<impl Iterator<Item = u64>> {
+    let (chunks, rest) = bytes.as_chunks::<8>();
+    rest.is_empty().then(|| chunks.iter().map(|c| u64::from_le_bytes(*c)))
+}

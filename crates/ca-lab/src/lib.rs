@@ -1,0 +1,46 @@
+//! What the command and Python both do with a model: find it, play it, measure it.
+//!
+//! Decides that the faces share more than the engine: which word means which model, how long it is played, when it has
+//! blown up and what every method makes of it. A face adds how it is asked and how it tells.
+#![forbid(unsafe_code)]
+
+pub mod accuracy;
+pub mod bytes;
+pub mod load;
+pub mod play;
+
+pub use load::{Loaded, catalog};
+
+use ca_core::model::Model;
+use ca_core::model::diag::Diags;
+
+/// Why something could not be done.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Failure {
+    /// the request makes no sense
+    Usage(String),
+    /// the request could not be done
+    Failed(String),
+    /// the model has errors
+    Found(Box<Found>),
+    /// whoever asked wants no more of it
+    Stopped,
+}
+
+/// Findings, with the model they point into.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Found {
+    /// the model
+    pub model: Model,
+    /// errors, and what else was found
+    pub diags: Diags,
+}
+
+impl From<ca_haptic::FileError> for Failure {
+    fn from(e: ca_haptic::FileError) -> Failure {
+        match e.kind {
+            ca_haptic::FileErrorKind::Usage | ca_haptic::FileErrorKind::Unsupported => Failure::Usage(e.to_string()),
+            _ => Failure::Failed(e.to_string()),
+        }
+    }
+}

@@ -1,0 +1,122 @@
+//! The loop that plays without a clock, and how long a model is played.
+
+use ca_core::Scene;
+use ca_core::energy::Ledger;
+use ca_haptic::gesture::Gesture;
+use ca_haptic::perform::{Performance, WILD};
+use std::time::{Duration, Instant};
+
+/// Ticks between two looks at what was played.
+pub const BLOCK: u64 = 1024;
+
+/// Seconds of silence after a gesture, and the least of everything.
+const TAIL: f64 = 2.0;
+const LEAST: f64 = 3.0;
+
+/// What playing left behind.
+pub struct Played<'a> {
+    /// at its end
+    pub performance: Performance<'a>,
+    /// time spent
+    pub wall: Duration,
+    /// the tick at which it was found to have blown up
+    pub broke: Option<u64>,
+    /// the book at the end, or before anything left its range
+    pub energy: Option<Ledger>,
+    /// ticks in the book
+    pub energy_ticks: u64,
+}
+
+/// How long a scene is played \[s\]: as asked, as its author says, or until its gestures have died away.
+pub fn seconds(p: &Performance, asked: Option<f64>) -> f64 {
+    asked.or(p.scene.seconds).unwrap_or((p.duration() + TAIL).max(LEAST))
+}
+
+/// Samples in so many seconds; at least one.
+pub fn frames(scene: &Scene, seconds: f64) -> u64 {
+    (seconds * scene.rate).round().max(1.0) as u64
+}
+
+/// What is done with outputs, rows one after the other, and with how many there have been.
+pub type Sink<'a, E> = dyn FnMut(&Performance, &[f64], u64) -> Result<(), E> + 'a;
+
+/// Plays `frames` samples. After every `block` of them, `heard` gets their outputs.
+///
+/// # Errors
+/// Those of `heard`, which end it.
+pub fn play<'a, E>(mut p: Performance<'a>, frames: u64, block: u64, heard: &mut Sink<E>) -> Result<Played<'a>, E> {
+    let n_out = p.scene.n_out;
+    let mut rows = Vec::with_capacity(block as usize * n_out);
+    let mut last_good: Option<(Ledger, u64)> = None;
+    let begin = Instant::now();
+    let mut done = 0;
+    while done < frames {
+        let block = block.min(frames - done);
+        rows.clear();
+        for _ in 0..block {
+            keep_book(&p, &mut last_good);
+            p.tick();
+            rows.extend_from_slice(&p.state.output[..n_out]);
+        }
+        done += block;
+        heard(&p, &rows, done)?;
+    }
+    let wall = begin.elapsed();
+    // what blew up between two looks at the state is found here at the latest
+    p.wild |= !p.state.is_sound(WILD);
+    let broke = p.wild.then_some(p.state.tick);
+    let (energy, energy_ticks) = match last_good {
+        Some((book, tick)) => (Some(book), tick),
+        None => (p.state.ledger.clone(), p.state.tick),
+    };
+    // a tick is booked when the next one begins
+    let energy_ticks = energy_ticks.saturating_sub(1);
+    Ok(Played { performance: p, wall, broke, energy, energy_ticks })
+}
+
+/// Where a book is kept and the positions have just left every range: the book as it was.
+fn keep_book(p: &Performance, last_good: &mut Option<(Ledger, u64)>) {
+    if let (Some(book), None, false) = (&p.state.ledger, &*last_good, p.wild) {
+        if !p.state.is_sound(WILD) {
+            *last_good = Some((book.clone(), p.state.tick));
+        }
+    }
+}
+
+/// Why a scene left every range.
+pub struct Broke {
+    /// \[s\]
+    pub time: f64,
+    /// to blame
+    pub module: String,
+    /// why it
+    pub why: String,
+    /// what to do, where the certificate knows
+    pub fix: Option<String>,
+}
+
+impl Broke {
+    /// What is to blame, where `played` blew up; `audited` is its scene, with the book kept if there is one.
+    pub fn of(played: &Played, audited: &Scene, gesture: Option<&Gesture>) -> Option<Broke> {
+        let time = played.broke? as f64 * audited.te;
+        let (module, why) = played.performance.blame(Some(audited), gesture);
+        Some(Broke { time, fix: fix(audited, &module), module, why })
+    }
+}
+
+impl std::fmt::Display for Broke {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Broke { module, why, time, fix } = self;
+        let fix = fix.as_ref().map(|f| format!("; {f}")).unwrap_or_default();
+        write!(f, "the model blew up at {time:.4} s, silence after that: `{module}`: {why}{fix}")
+    }
+}
+
+/// What the warnings of the compiler offer against the blow-up of `module`: those that name it come first.
+fn fix(scene: &Scene, module: &str) -> Option<String> {
+    let list = || scene.diags.list.iter();
+    let about = |d: &&ca_core::model::diag::Diag| matches!(d.code, "W103" | "W104" | "W110" | "W105");
+    let named = format!("`{module}`");
+    let d = list().filter(about).find(|d| d.title.contains(&named)).or_else(|| list().find(about))?;
+    d.help.clone()
+}
