@@ -1,3 +1,35 @@
-//! The Python distribution `cordis-anima` will live here (`import cordis_anima as ca`): render, stream, sweep. Nothing
-//! is built yet: it binds the renderer once that has settled.
-#![forbid(unsafe_code)]
+//! The compiled half of `cordis_anima`: models, scenes and what plays them, for Python.
+//!
+//! Decides that this half hands over plain things (numbers, arrays, JSON of findings) and that classes with documents,
+//! units and pictures are written in Python, where their users read them. Arrays are moved or shared, never copied; every
+//! call that may be long lets other threads run, tells how far it is, and ends at Ctrl-C.
+
+// the macros of pyo3 write what this crate may not
+#![deny(unsafe_code)]
+// and what Python hands over comes by value
+#![allow(clippy::needless_pass_by_value)]
+
+mod error;
+mod gesture;
+mod measure;
+mod model;
+mod scene;
+mod sim;
+mod wait;
+
+/// See the package `cordis_anima`.
+#[pyo3::pymodule(gil_used = false)]
+mod _core {
+    #[pymodule_export]
+    use crate::gesture::Gesture;
+    #[pymodule_export]
+    use crate::model::{Model, bundled, kinds};
+    #[pymodule_export]
+    use crate::scene::Scene;
+    #[pymodule_export]
+    use crate::sim::Sim;
+
+    /// Version of the engine.
+    #[pymodule_export]
+    const VERSION: &str = env!("CARGO_PKG_VERSION");
+}

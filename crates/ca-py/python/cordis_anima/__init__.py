@@ -1,0 +1,117 @@
+"""Virtual instruments made of masses and interactions: build, render, play and measure them.
+
+>>> import cordis_anima as ca
+>>> r = ca.load("hammered_string").render(2)
+>>> r.audio.shape, r.sr
+((96000, 2), 48000)
+
+Sound is always ``(frames, channels)`` in float32, as `soundfile` and `sounddevice` want it; values are in SI units; what
+is wrong with a model is raised as `ModelError`, shown where it stands.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from typing import NamedTuple
+
+from . import _core, examples
+from ._errors import CaError, Diagnostic, FailedError, FileError, ModelError, UnstableError, UsageError
+from ._model import Check, Model
+from ._results import Accuracy, Certificate, Energy, Modes, Param, Port
+from ._scene import Curve, Gesture, Params, Progress, Render, Scene
+from ._sim import Block, Inputs, Sim
+
+__version__: str = _core.VERSION
+
+__all__ = [
+    "Accuracy",
+    "Block",
+    "CaError",
+    "Certificate",
+    "Check",
+    "Curve",
+    "Diagnostic",
+    "Energy",
+    "FailedError",
+    "FileError",
+    "Gesture",
+    "Inputs",
+    "Kind",
+    "Model",
+    "ModelError",
+    "Modes",
+    "Param",
+    "Params",
+    "Port",
+    "Progress",
+    "Render",
+    "Scene",
+    "Sim",
+    "UnstableError",
+    "UsageError",
+    "examples",
+    "kinds",
+    "load",
+    "parse",
+]
+
+
+class Kind(NamedTuple):
+    """A kind of module."""
+
+    #: the section it stands in, e.g. ``MAS``
+    code: str
+    #: a few words
+    title: str
+    #: its law in one line
+    equation: str
+    #: ``MAT``, ``LIA``, ``port`` or ``generator``
+    family: str
+    #: its parameters: name, unit and document
+    params: tuple[tuple[str, str, str], ...]
+
+
+def kinds() -> dict[str, Kind]:
+    """All kinds of modules, by code.
+
+    >>> import cordis_anima as ca
+    >>> ca.kinds()["RES"].equation
+    'F = k e'
+    """
+    return {k[0]: Kind(*k[:4], tuple(k[4])) for k in _core.kinds()}
+
+
+def load(
+    source: str | os.PathLike[str], changes: Mapping[str, object] | None = None, *, rate: float | None = None
+) -> Scene:
+    """A scene from a file ``*.ca.toml``, a MIMS file ``*.mdl``, or a bundled model by its name.
+
+    Args:
+        source: the file or the name; ``examples.names()`` has the names.
+        changes: values set before it is compiled, e.g. ``{"hammer.m": "30 g"}``.
+        rate: sound rate [Hz]; that of the model if none.
+
+    Raises:
+        UsageError: no such model, with the nearest name.
+        FailedError: the file cannot be read.
+        ModelError: it has errors.
+
+    >>> import cordis_anima as ca
+    >>> ca.load("rattle").title
+    'The rattle, on two keys'
+    """
+    model = Model.load(source)
+    for name, value in (changes or {}).items():
+        model.set(name, value)
+    return model.compile(rate=rate)
+
+
+def parse(text: str, *, file: str = "model.ca.toml", rate: float | None = None) -> Scene:
+    """A scene from the text of a model.
+
+    >>> import cordis_anima as ca
+    >>> ca.parse('[CEL]\\nbar = { m = "2 g", f = "440 Hz", dx0 = "1 mm" }\\n[SOX]\\nout = { from = "bar" }\\n').n_mat
+    1
+    """
+    return Model.parse(text, file).compile(rate=rate)

@@ -1,0 +1,67 @@
+"""Pictures and players for notebooks, in one piece of HTML that asks nobody for anything."""
+
+from __future__ import annotations
+
+import base64
+import html
+import io
+import struct
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from ._results import Sound
+    from ._scene import Render, Scene
+
+#: columns of a drawn waveform
+_WIDTH = 600
+
+
+def _wav(audio: Sound, sr: int) -> bytes:
+    """A WAV file of 16 bits, in memory."""
+    frames, channels = audio.shape
+    data = np.clip(np.rint(audio.astype(np.float64) * 32768), -32768, 32767).astype("<i2").tobytes()
+    head = struct.pack("<IHHIIHH", 16, 1, channels, sr, sr * channels * 2, channels * 2, 16)
+    out = io.BytesIO()
+    out.write(b"RIFF" + struct.pack("<I", 36 + len(data)) + b"WAVEfmt " + head)
+    out.write(b"data" + struct.pack("<I", len(data)) + data)
+    return out.getvalue()
+
+
+def _wave(x: Sound, height: int = 60) -> str:
+    """A waveform as SVG: the least and the greatest sample of each column."""
+    edges = np.linspace(0, len(x), min(_WIDTH, len(x)) + 1).astype(int)[:-1]
+    low, high = np.minimum.reduceat(x, edges), np.maximum.reduceat(x, edges)
+    top = max(float(np.abs(x).max()), 1e-9)
+    mid = height / 2
+    lines = "".join(
+        f"M{k} {mid - mid * float(h) / top:.1f}V{mid - mid * float(l) / top + 0.5:.1f}" for k, (l, h) in enumerate(zip(low, high))
+    )
+    return (
+        f'<svg viewBox="0 0 {len(edges)} {height}" style="width:100%;max-width:{_WIDTH}px;height:{height}px" '
+        f'preserveAspectRatio="none"><path d="{lines}" stroke="currentColor" fill="none"/></svg>'
+    )
+
+
+def render(r: Render) -> str:
+    """A render: what it is, a player, its channels."""
+    parts = [f"<p>{html.escape(repr(r)[1:-1])}</p>"]
+    if r.audio.size:
+        sound = base64.b64encode(_wav(r.audio[:, :2], r.sr)).decode()
+        parts.append(f'<audio controls src="data:audio/wav;base64,{sound}"></audio>')
+        for name, x in zip(r.channels, r.audio.T):
+            parts.append(f"<div>{html.escape(name)}<br>{_wave(x)}</div>")
+    return "<div>" + "".join(parts) + "</div>"
+
+
+def scene(s: Scene) -> str:
+    """A scene: what it is, its ports and live parameters."""
+    rows = "".join(
+        f"<tr><td>{html.escape(p.name)}</td><td>{p.value:g} {html.escape(p.unit)}</td>"
+        f"<td>{p.min:g} … {p.max:g}</td><td>{html.escape(p.doc)}</td></tr>"
+        for p in s.params.values()
+    )
+    ports = ", ".join(html.escape(f"{p.name} ({p.role})") for p in s.inputs) or "none"
+    table = f"<table><tr><th>live</th><th>value</th><th>range</th><th></th></tr>{rows}</table>" if rows else ""
+    return f"<div><p>{html.escape(repr(s)[1:-1])}</p><p>ports: {ports}</p>{table}</div>"

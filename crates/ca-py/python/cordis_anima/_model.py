@@ -1,0 +1,209 @@
+"""Models: what an author writes, in a file or by calls."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from . import _core
+from ._errors import Diagnostic, diagnostics
+from ._scene import Scene
+
+
+@dataclass(frozen=True, repr=False)
+class Check:
+    """What the compiler says of a model.
+
+    Attributes:
+        ok: whether it compiles.
+        diagnostics: all findings, in order of place.
+        text: the same as a compiler shows them, with the lines they stand in.
+    """
+
+    ok: bool
+    diagnostics: tuple[Diagnostic, ...]
+    text: str
+
+    def __bool__(self) -> bool:
+        return self.ok
+
+    def __repr__(self) -> str:
+        return self.text.rstrip() or "nothing found"
+
+
+class Model:
+    """A model under construction: kinds, names and values as written; meaning comes with `compile`.
+
+    It writes the same files as an author would. Calls return the model, so they can be chained.
+
+    >>> import cordis_anima as ca
+    >>> m = ca.Model(title="A bob on a spring")
+    >>> m = (m.add("SOL", "wall")
+    ...       .add("MAS", "bob", m="1 g", dx0="1 mm")
+    ...       .add("REF", "spring", between=["wall", "bob"], k="7.6 kN/m", z="5 mN s/m")
+    ...       .add("SOX", "out", **{"from": "bob"}, gain=1000))
+    >>> m.compile().render(0.1).audio.shape
+    (4800, 1)
+    >>> print(m.to_toml().splitlines()[1])
+    title = "A bob on a spring"
+    """
+
+    __slots__ = ("_core",)
+    __hash__ = None  # type: ignore[assignment]
+
+    def __init__(self, title: str = "", *, seconds: float | None = None) -> None:
+        self._core = _core.Model()
+        if title:
+            self.put("model", "title", title)
+        if seconds is not None:
+            self.put("model", "seconds", float(seconds))
+
+    @classmethod
+    def _of(cls, core: _core.Model) -> Model:
+        made = cls.__new__(cls)
+        made._core = core
+        return made
+
+    @classmethod
+    def load(cls, source: str | os.PathLike[str]) -> Model:
+        """A file ``*.ca.toml``, a MIMS file ``*.mdl``, or a bundled model by its name."""
+        return cls._of(_core.Model.open(os.fspath(source)))
+
+    @classmethod
+    def parse(cls, text: str, file: str = "model.ca.toml") -> Model:
+        """From text; `file` is its name in findings, and where files it names are looked for."""
+        return cls._of(_core.Model.read(text, file))
+
+    @classmethod
+    def from_mims(cls, text: str, file: str = "model.mdl") -> Model:
+        """From the text of a MIMS model.
+
+        >>> import cordis_anima as ca
+        >>> m = ca.Model.from_mims("@m1 mass 1. 0. 0.\\n@g ground 0.\\n@s spring @m1 @g 0.01 0.001\\n@o posOutput @m1\\n")
+        >>> m.check().ok
+        True
+        """
+        return cls._of(_core.Model.mims(text, file))
+
+    def add(self, kind: str, name: str, **values: object) -> Model:
+        """Adds a module: a kind such as ``"MAS"`` (see `kinds`), a name, and its parameters as numbers in SI units,
+        quantities, names, lists. A name ``"a.b"`` stands in the group ``a``. ``between_`` and the like are taken without
+        the underscore, for words that Python keeps for itself: ``from_="bob"``.
+        """
+        self._core.add(kind, name, [(k.rstrip("_"), _plain(v)) for k, v in values.items()])
+        return self
+
+    def group(self, name: str, **values: object) -> Model:
+        """Adds a group: modules that share a medium or a space, e.g. ``group("hall", dim=3, gravity=9.81)``."""
+        self._core.group(name, [(k.rstrip("_"), _plain(v)) for k, v in values.items()])
+        return self
+
+    def param(self, name: str, value: object, **about: object) -> Model:
+        """Adds a parameter: ``param("k", "3 kN/m", live=True, min=100, max="9 kN/m", doc="stiffness")``."""
+        return self.put("param", name, {"value": value, **about} if about else value)
+
+    def gesture(self, name: str, points: object) -> Model:
+        """What drives a port or a live parameter by itself: a list of ``[time, value]``."""
+        return self.put("gesture", name, points)
+
+    def put(self, section: str, key: str, value: object) -> Model:
+        """Writes an entry of ``model``, ``rate``, ``param``, ``gesture`` or ``equivalence``."""
+        self._core.put(section, key, _plain(value))
+        return self
+
+    def set(self, name: str, value: object) -> Model:
+        """Sets a parameter that exists, as ``ca render --set`` does: ``set("hammer.m", "30 g")``."""
+        text = str(value).lower() if isinstance(value, bool) else str(_plain(value))
+        self._core.set(name, text)
+        return self
+
+    @property
+    def title(self) -> str:
+        """Its title."""
+        return self._core.title
+
+    @property
+    def name(self) -> str:
+        """Name of its file, without folder and extension."""
+        return self._core.name
+
+    @property
+    def file(self) -> str:
+        """The file it was read from; empty for one that was built."""
+        return self._core.file
+
+    @property
+    def items(self) -> tuple[tuple[str, str], ...]:
+        """Kinds and names of its modules, in order."""
+        return tuple(self._core.items)
+
+    def check(self, *, rate: float | None = None) -> Check:
+        """Compiles it without playing, and says everything that was found.
+
+        >>> import cordis_anima as ca
+        >>> c = ca.Model().add("MAS", "bob", m="20 gr").check()
+        >>> c.ok, c.diagnostics[0].code
+        (False, 'E007')
+        """
+        ok, found, text = self._core.check(rate)
+        return Check(ok, diagnostics(found), text)
+
+    def compile(self, *, rate: float | None = None, exact: bool = False) -> Scene:
+        """Compiles it.
+
+        Args:
+            rate: sound rate [Hz]; that of the model if none.
+            exact: narrow down the largest eigenvalue for the certificate.
+
+        Raises:
+            ModelError: it has errors.
+        """
+        return Scene(self, rate=rate, exact=exact)
+
+    def to_toml(self) -> str:
+        """As a file an author would be glad to read; comments are kept at its head only."""
+        return self._core.toml()
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes it to a file ``*.ca.toml``."""
+        Path(path).write_text(self.to_toml(), encoding="utf-8")
+
+    def copy(self) -> Model:
+        """An equal model."""
+        return Model._of(self._core.copy())
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Model) and self._core.bytes() == other._core.bytes()
+
+    def __copy__(self) -> Model:
+        return self.copy()
+
+    def __deepcopy__(self, memo: object) -> Model:
+        return self.copy()
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (_again, (bytes(self._core.bytes()), self._core.file))
+
+    def __repr__(self) -> str:
+        return f"<Model {self.title or self.name or 'untitled'!r}: {len(self._core.items)} modules>"
+
+
+def _plain(value: object) -> Any:
+    """Numbers of NumPy, tuples and the like as the engine takes them."""
+    if isinstance(value, (bool, float, int, str)):
+        return value
+    if isinstance(value, Mapping):
+        return {str(k): _plain(v) for k, v in value.items()}
+    if hasattr(value, "tolist"):
+        return value.tolist()
+    if isinstance(value, (list, tuple)):
+        return [_plain(v) for v in value]
+    return value
+
+
+def _again(data: bytes, file: str) -> Model:
+    """A model from a pickle."""
+    return Model._of(_core.Model.from_bytes(data, file))

@@ -1,0 +1,190 @@
+"""What is measured of a scene, as plain records of numbers and arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+Floats = npt.NDArray[np.float64]
+Sound = npt.NDArray[np.float32]
+Status = Literal["ok", "clipped", "unstable", "refused"]
+
+
+class Param(NamedTuple):
+    """A live parameter: one that may change while a scene runs."""
+
+    #: its name
+    name: str
+    #: its value at load, in SI units
+    value: float
+    #: least value, in SI units
+    min: float
+    #: greatest value, in SI units
+    max: float
+    #: its unit; empty for a plain number
+    unit: str
+    #: one line for people
+    doc: str
+
+
+class Port(NamedTuple):
+    """A port that a gesture can drive."""
+
+    #: its name
+    name: str
+    #: ``position`` [m], ``force`` [N] or ``device`` [m], a key of a device
+    role: str
+    #: its value before anybody moves it [m] or [N]
+    rest: float
+
+
+class Certificate(NamedTuple):
+    """What is proven of a scene's stability before anything moves."""
+
+    #: ``proven``, ``linearised``, ``rule of thumb``, ``not proven`` or ``unstable``
+    level: str
+    #: upper bound of the largest eigenvalue of T²K + 2TC against M; the limit is 4
+    bound: float
+    #: lower bound of the same
+    lower: float
+    #: how many times stiffer everything could be
+    margin: float
+    #: whether a factorisation decided
+    exact: bool
+    #: the largest eigenvalue, from … to, where ``exact=True`` asked for it
+    largest: tuple[float, float] | None
+    #: share by which energy may rise in a linearised scene
+    ripple: float | None
+    #: the module nearest to the limit
+    worst: str
+    #: largest kT²/m of a contact; up to 1 is safe
+    contact: float
+    #: the contact it belongs to
+    stiffest: str
+
+
+class Energy(NamedTuple):
+    """The energy book [J]: ``stored = start + work − lost + made + changed + residual``."""
+
+    #: energy at load
+    start: float
+    #: energy at the end
+    stored: float
+    #: its part in motion
+    kinetic: float
+    #: heat
+    lost: float
+    #: made by the scheme in non-linear links; 0 where all is linear
+    made: float
+    #: received from ports
+    work: float
+    #: received by changes of parameters
+    changed: float
+    #: what does not add up: rounding
+    residual: float
+    #: the scale of the residual
+    peak: float
+    #: how much time the book covers [s]; less than the render where it blew up
+    seconds: float
+    #: heat of each link
+    lost_by: Mapping[str, float]
+    #: energy made by each link
+    made_by: Mapping[str, float]
+    #: work received from each port
+    work_by: Mapping[str, float]
+
+
+def energy(raw: Mapping[str, Any]) -> Energy:
+    """An energy book from what the engine says."""
+    return Energy(**{k: dict(v) if k.endswith("_by") else v for k, v in raw.items()})
+
+
+@dataclass(frozen=True)
+class Modes:
+    """How the linear part of a scene sings; arrays over modes, lowest first."""
+
+    #: frequency without the scheme [Hz]; 0 where it does not swing
+    f: Floats
+    #: frequency as it is heard [Hz]
+    heard: Floats
+    #: how far the scheme moves the pitch [cents]
+    cents: Floats
+    #: time to fall by 60 dB [s]; infinite without damping
+    t60: Floats
+    #: whether the scheme makes it grow
+    grows: npt.NDArray[np.bool_]
+    #: displacement of each place (modes, places) [1/√kg]
+    shapes: Floats
+    #: how much each mode moves each port (modes, ports) [1/√kg]
+    levels: Floats
+    #: names of the ports
+    ports: tuple[str, ...]
+    #: names of the places
+    places: tuple[str, ...]
+    #: links that are not linear, and so not part of it
+    left_out: tuple[str, ...]
+    #: whether damping that ties modes to each other was left out
+    approximate: bool
+
+    def __len__(self) -> int:
+        return len(self.f)
+
+    def __repr__(self) -> str:
+        first = ", ".join(f"{f:.2f}" for f in self.heard[:4])
+        return f"<Modes: {len(self)}, heard at {first}{' …' if len(self) > 4 else ''} Hz>"
+
+
+@dataclass(frozen=True)
+class Accuracy:
+    """Error against run time; arrays over ways to compute the scene."""
+
+    #: name of the method
+    method: tuple[str, ...]
+    #: multiple of the sound rate
+    times: npt.NDArray[np.uint32]
+    #: ‖x − reference‖ / ‖reference‖ of the worst probe
+    error: Floats
+    #: the same of the spectrum
+    spectrum: Floats
+    #: pitch error [cents]; NaN of silence
+    cents: Floats
+    #: how much more the second half is than it should be [dB]
+    decay: Floats
+    #: energy made, as a share of what there was; NaN where no book is kept
+    made: Floats
+    #: time of one sample on this machine [ns]
+    ns: Floats
+    #: what is certified
+    stability: tuple[str, ...]
+    #: whether nothing is both more exact and quicker
+    front: npt.NDArray[np.bool_]
+    #: sound rate [Hz]
+    rate: float
+    #: how long it was played [s]
+    seconds: float
+    #: the error of the reference itself
+    known: float
+    #: what the reference is, in words
+    against: str
+    #: methods the scene cannot take, and why
+    refused: tuple[tuple[str, str], ...]
+
+    def __len__(self) -> int:
+        return len(self.method)
+
+    def __repr__(self) -> str:
+        return f"<Accuracy: {len(self)} ways, {self.seconds:g} s at {self.rate:g} Hz against {self.against}>"
+
+    def cheapest(self, error: float) -> tuple[str, int] | None:
+        """The quickest method and multiple of the rate with at most this error; ``None`` where there is none."""
+        good = [
+            k for k in range(len(self)) if self.error[k] <= max(error, self.known) and self.stability[k] != "unstable"
+        ]
+        if not good:
+            return None
+        best = min(good, key=lambda k: float(self.ns[k]))
+        return self.method[best], int(self.times[best])

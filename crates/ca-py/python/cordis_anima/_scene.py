@@ -1,0 +1,442 @@
+"""Scenes: compiled models, and what is heard of them."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, Literal, Union
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _core
+from ._errors import Diagnostic, UnstableError, UsageError, diagnostics
+from ._results import Accuracy, Certificate, Energy, Floats, Modes, Param, Port, Sound, Status, energy
+
+if TYPE_CHECKING:
+    from ._model import Model
+    from ._sim import Sim
+
+#: called with what is done and how much there is; an exception ends the call
+Progress = Callable[[int, int], object]
+#: what drives one port or live parameter: a number that stays; breakpoints (n, 2) of time [s] and value; samples (n,) at
+#: the sound rate; samples and their rate [Hz]; a file with one track
+Curve = Union[float, npt.ArrayLike, "tuple[npt.ArrayLike, float]", str, "os.PathLike[str]"]
+#: curves by what they drive, or a file whose tracks are called by it
+Gesture = Union[Mapping[str, Curve], str, "os.PathLike[str]", None]
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class Render:
+    """What was heard of a scene.
+
+    >>> import cordis_anima as ca
+    >>> r = ca.examples.plucked_string().render(0.5, probes=["string[3]"])
+    >>> r.audio.shape, r.audio.dtype, r.sr, r.status
+    ((24000, 1), dtype('float32'), 48000, 'ok')
+    >>> r.probes["string[3]"].shape
+    (24000,)
+    """
+
+    #: sound (frames, channels), within ±1; what was louder is counted in `clipped`
+    audio: Sound
+    #: sound rate [Hz]
+    sr: int
+    #: names of the channels
+    channels: tuple[str, ...]
+    #: what was listened to besides, by its selector: displacement [m] of a mass, force [N] of a link; (frames,), or
+    #: (frames, n) where a selector chose several
+    probes: Mapping[str, Floats]
+    #: names of the columns of each probe
+    columns: Mapping[str, tuple[str, ...]]
+    #: the energy book, where `energy=True` asked for it
+    energy: Energy | None
+    #: ``ok``; ``unstable``, it blew up; ``clipped``, louder than full scale; ``refused``, an input had no value
+    status: Status
+    #: what is wrong and what to do; empty where nothing is
+    message: str
+    #: when it blew up [s], and the module to blame
+    failed: tuple[float, str] | None
+    #: greatest |sample| of each channel before the ceiling
+    peak: Floats
+    #: samples cut off at ±1
+    clipped: int
+    #: samples without a value, which became silence
+    non_finite: int
+    #: time it took [s]
+    run_time: float
+
+    @property
+    def seconds(self) -> float:
+        """Length [s]."""
+        return len(self.audio) / self.sr
+
+    @property
+    def rtf(self) -> float:
+        """Run time over length: below 1 is faster than real time."""
+        return self.run_time / self.seconds
+
+    def __repr__(self) -> str:
+        n, c = self.audio.shape
+        peak = 20 * np.log10(self.peak.max()) if self.peak.size and self.peak.max() > 0 else -np.inf
+        what = f"<Render: {n} frames x {c} at {self.sr} Hz, peak {peak:.1f} dBFS, {self.status}"
+        return f"{what}: {self.message}>" if self.message else f"{what}>"
+
+    def _repr_html_(self) -> str:
+        from ._html import render
+
+        return render(self)
+
+
+class Params(Mapping[str, Param]):
+    """Live parameters by name, read only; those of a running scene are changed at `Sim.params`.
+
+    >>> import cordis_anima as ca
+    >>> bow = ca.examples.bowed_string().params
+    >>> all(p.min <= p.value <= p.max for p in bow.values())
+    True
+    """
+
+    def __init__(self, all: Sequence[Param]) -> None:
+        self._all = {p.name: p for p in all}
+
+    def __getitem__(self, name: str) -> Param:
+        return self._all[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._all)
+
+    def __len__(self) -> int:
+        return len(self._all)
+
+    def __repr__(self) -> str:
+        one = (f"{p.name} = {p.value:g} {p.unit} ({p.min:g} … {p.max:g}){': ' + p.doc if p.doc else ''}" for p in self.values())
+        return "\n".join(one) or "no live parameters"
+
+
+def _samples(values: npt.ArrayLike) -> Floats:
+    return np.ascontiguousarray(values, dtype=np.float64)
+
+
+class Scene:
+    """A compiled model, ready to be played. It never changes: `replace` makes another.
+
+    Scenes are equal where their models mean the same, whatever their comments and files; they can be pickled, copied and
+    used as keys. Threads may share one.
+
+    >>> import cordis_anima as ca
+    >>> a = ca.load("hammered_string")
+    >>> b = a.replace({"hammer.m": "30 g"})
+    >>> a == b, a == ca.load("hammered_string"), len({a, b})
+    (False, True, 2)
+    """
+
+    __slots__ = ("_core", "_hash", "_model", "rate")
+
+    def __init__(self, model: Model, *, rate: float | None = None, exact: bool = False) -> None:
+        self._model = model._core.copy()
+        self._core = self._model.compile(rate=rate, exact=exact)
+        self._hash: str | None = None
+        #: the sound rate that was asked for [Hz]; None for that of the model
+        self.rate = rate
+
+    # what it is
+
+    @property
+    def model(self) -> Model:
+        """A copy of the model it was compiled from."""
+        from ._model import Model
+
+        return Model._of(self._model.copy())
+
+    @property
+    def name(self) -> str:
+        """Name of its file, without folder and extension."""
+        return self._model.name
+
+    @property
+    def title(self) -> str:
+        """The title its author gave it."""
+        return self._model.title
+
+    @property
+    def sr(self) -> int:
+        """Sound rate [Hz]."""
+        return round(self._core.about()["rate"])
+
+    @property
+    def gesture_rate(self) -> float:
+        """Rate of gesture frames [Hz]."""
+        return float(self._core.about()["gesture_rate"])
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """Names of the sound channels."""
+        return tuple(self._core.about()["channels"])
+
+    @property
+    def inputs(self) -> tuple[Port, ...]:
+        """Ports that a gesture can drive."""
+        return tuple(Port(*p) for p in self._core.inputs)
+
+    @property
+    def params(self) -> Params:
+        """Live parameters, with unit, range and document."""
+        return Params([Param(*p) for p in self._core.params])
+
+    @property
+    def n_mat(self) -> int:
+        """How many masses, cells and fixed points it has."""
+        return int(self._core.about()["n_mat"])
+
+    @property
+    def n_lia(self) -> int:
+        """How many links it has."""
+        return int(self._core.about()["n_lia"])
+
+    @property
+    def passes(self) -> tuple[tuple[str, int], ...]:
+        """What runs in a tick: names of passes and how many modules each has."""
+        return tuple(self._core.about()["passes"])
+
+    @property
+    def left_out(self) -> tuple[str, ...]:
+        """What the compiler left out since nobody hears it, in words."""
+        return tuple(self._core.about()["left_out"])
+
+    @property
+    def diagnostics(self) -> tuple[Diagnostic, ...]:
+        """Warnings and notes of the compiler."""
+        return diagnostics(self._core.findings()[0])
+
+    @property
+    def certificate(self) -> Certificate:
+        """What is proven of its stability.
+
+        >>> import cordis_anima as ca
+        >>> ca.load("harmonic_chain").certificate.level
+        'proven'
+        """
+        return Certificate(**self._core.certificate())
+
+    @property
+    def hash(self) -> str:
+        """BLAKE3 of what the model means, and the rate: the same on every machine (64 digits)."""
+        if self._hash is None:
+            digest = self._model.digest()
+            self._hash = digest if self.rate is None else f"{digest}@{self.rate!r}"
+        return self._hash
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Scene) and self.hash == other.hash
+
+    def __hash__(self) -> int:
+        return hash(self.hash)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (_again, (bytes(self._model.bytes()), self._model.file, self.rate))
+
+    def __repr__(self) -> str:
+        about = self._core.about()
+        title = self.title or self.name or "Scene"
+        return (
+            f"<Scene {title!r}: {about['n_mat']} MAT, {about['n_lia']} LIA at {about['rate']:g} Hz, "
+            f"{self.certificate.level}>"
+        )
+
+    def _repr_html_(self) -> str:
+        from ._html import scene
+
+        return scene(self)
+
+    # others like it
+
+    def replace(self, changes: Mapping[str, object] | None = None, *, rate: float | None = None) -> Scene:
+        """The same scene with other values, as ``ca render --set`` takes them: numbers in the model's units, or quantities.
+
+        Raises:
+            UsageError: no such name, with the nearest one.
+            ModelError: a value that cannot be.
+
+        >>> import cordis_anima as ca
+        >>> ca.load("hammered_string").replace({"hammer.m": "30 g", "model.title": "heavy"}).title
+        'heavy'
+        """
+        model = self.model
+        for name, value in (changes or {}).items():
+            model.set(name, value)
+        return Scene(model, rate=self.rate if rate is None else rate)
+
+    # what is heard
+
+    def render(
+        self,
+        seconds: float | None = None,
+        *,
+        gesture: Gesture = None,
+        probes: Sequence[str] = (),
+        energy: bool = False,
+        on_unstable: Literal["keep", "raise"] = "keep",
+        progress: Progress | None = None,
+    ) -> Render:
+        """Plays the scene to its end. Other threads run meanwhile; Ctrl-C ends it.
+
+        Args:
+            seconds: how long; without, as the model says, or until its gestures have died away.
+            gesture: what drives ports and live parameters; takes the place of the built-in gesture of the same name.
+                A mapping of names to numbers, breakpoints ``[(t, value), …]``, arrays at the sound rate, arrays and
+                their rate, or files; or a file (CSV, NPY, WAV, MIDI, a take) whose tracks are called by them.
+            probes: selectors to listen to besides: ``"low[3]"``, ``"strike"``, ``"low[*]"``.
+            energy: keep the energy book; a little slower.
+            on_unstable: ``"raise"`` for an `UnstableError` where it blows up; else silence from there on.
+            progress: told now and then how many frames of how many are done.
+
+        Raises:
+            UsageError, FileError, ModelError, UnstableError
+
+        >>> import cordis_anima as ca
+        >>> key = ca.load("hammered_string")
+        >>> r = key.render(1.0, gesture={"key": [(0, 0), (0.05, -0.008), (0.5, 0)]}, energy=True)
+        >>> r.status, abs(r.energy.residual) < 1e-9 * r.energy.peak
+        ('ok', True)
+        """
+        if seconds is not None and not 0 < seconds < 1e9:
+            raise UsageError(f"seconds = {seconds}: a length above 0, below 1e9")
+        core = self._core
+        if probes or energy:
+            core = self._model.compile(rate=self.rate, energy=energy, probes=list(probes))
+        raw = core.render(seconds, self._gesture(gesture), progress)
+        about = core.about()
+        failed, message = None, ""
+        if raw["broke"] is not None:
+            time, module, message = raw["broke"]
+            failed = (time, module)
+            if on_unstable == "raise":
+                raise UnstableError(message, time, module)
+        status: Status = "ok"
+        if failed is not None:
+            status = "unstable"
+        elif raw["clipped"] or raw["non_finite"]:
+            status = "clipped"
+            message = f"{raw['clipped']} samples beyond full scale; multiply the gain by {1 / raw['peak'].max():.3g} or less"
+        elif raw["refused"]:
+            status, message = "refused", f"{raw['refused']} inputs had no value"
+        heard, names = _probes(raw, probes)
+        return Render(
+            audio=raw["audio"],
+            sr=round(about["rate"]),
+            channels=tuple(about["channels"]),
+            probes=heard,
+            columns=names,
+            energy=_energy(raw.get("energy")),
+            status=status,
+            message=message,
+            failed=failed,
+            peak=raw["peak"],
+            clipped=raw["clipped"],
+            non_finite=raw["non_finite"],
+            run_time=raw["run_time"],
+        )
+
+    def _gesture(self, gesture: Gesture) -> _core.Gesture | None:
+        if gesture is None:
+            return None
+        if isinstance(gesture, (str, os.PathLike)):
+            return _core.Gesture.open(os.fspath(gesture), self._core, None, None)
+        files: list[_core.Gesture] = []
+        tracks: list[tuple[str, Any]] = []
+        for name, curve in gesture.items():
+            if isinstance(curve, (str, os.PathLike)):
+                files.append(_core.Gesture.open(os.fspath(curve), self._core, name, None))
+            elif isinstance(curve, tuple) and len(curve) == 2 and np.ndim(curve[0]) == 1 and np.ndim(curve[1]) == 0:
+                tracks.append((name, (float(curve[1]), _samples(curve[0]))))
+            else:
+                values = _samples(curve)  # type: ignore[arg-type]
+                if values.ndim == 0:
+                    tracks.append((name, float(values)))
+                elif values.ndim == 1:
+                    tracks.append((name, (float(self.sr), values)))
+                elif values.ndim == 2 and values.shape[1] == 2:
+                    tracks.append((name, values))
+                else:
+                    raise UsageError(f"gesture `{name}` has the shape {values.shape}: (n,) samples, or (n, 2) times and values")
+        return _core.Gesture.together([_core.Gesture(tracks), *files]) if files else _core.Gesture(tracks)
+
+    def open(self, *, block: int = 512, energy: bool = False) -> Sim:
+        """A running scene: block by block, or frame by frame with `block=1`. See `Sim`.
+
+        >>> import cordis_anima as ca
+        >>> with ca.load("hammered_string").open(block=64) as sim:
+        ...     audio, force = sim.step({"key": -0.004})
+        >>> audio.shape, force.shape
+        ((64, 2), (64, 1))
+        """
+        from ._sim import Sim
+
+        core = self._model.compile(rate=self.rate, energy=True) if energy else self._core
+        return Sim(self, core, block)
+
+    # what is known of it
+
+    def modes(self) -> Modes:
+        """How its linear part sings: frequencies with and without the scheme, decay, shapes, and levels at ports.
+
+        >>> import cordis_anima as ca
+        >>> m = ca.load("harmonic_chain").modes()
+        >>> bool((m.heard[m.heard > 0] > 0).all()), m.shapes.shape == (len(m), len(m.places))
+        (True, True)
+        """
+        raw = self._model.modes(self.rate)
+        return Modes(**{k: tuple(v) if isinstance(v, list) else v for k, v in raw.items()})
+
+    def accuracy(
+        self,
+        seconds: float | None = None,
+        *,
+        times: Sequence[int] = (1, 2, 4),
+        reference: int = 32,
+        probes: Sequence[str] = (),
+        progress: Progress | None = None,
+    ) -> Accuracy:
+        """Error against run time over all methods the scene can take, at multiples of its rate.
+
+        Args:
+            seconds: how long it is played; without, as the model says, up to one second.
+            times: multiples of the sound rate.
+            reference: that of the reference, a multiple of 4.
+            probes: what is compared; without, what the outputs listen to.
+
+        >>> import cordis_anima as ca
+        >>> a = ca.examples.plucked_string().accuracy(0.02, times=[1], reference=4)
+        >>> a.method[0], len(a) == len(a.error) == len(a.ns)
+        ('as written', True)
+        """
+        raw = self._model.accuracy(
+            rate=self.rate, seconds=seconds, probes=list(probes), times=list(times), reference=reference, progress=progress
+        )
+        return Accuracy(**{k: tuple(v) if isinstance(v, list) else v for k, v in raw.items()})
+
+
+def _energy(raw: Mapping[str, Any] | None) -> Energy | None:
+    return None if raw is None else energy(raw)
+
+
+def _probes(raw: Mapping[str, Any], asked: Sequence[str]) -> tuple[Mapping[str, Floats], Mapping[str, tuple[str, ...]]]:
+    """Columns by the selector that asked for them."""
+    heard: dict[str, Floats] = {}
+    names: dict[str, tuple[str, ...]] = {}
+    of = np.asarray(raw["probe_of"])
+    for k, selector in enumerate(asked):
+        columns = np.flatnonzero(of == k)
+        names[selector] = tuple(raw["probe_names"][c] for c in columns)
+        heard[selector] = raw["probes"][:, columns[0]] if len(columns) == 1 else raw["probes"][:, columns]
+    return MappingProxyType(heard), MappingProxyType(names)
+
+
+def _again(data: bytes, file: str, rate: float | None) -> Scene:
+    """A scene from a pickle."""
+    from ._model import Model
+
+    return Scene(Model._of(_core.Model.from_bytes(data, file)), rate=rate)

@@ -1,0 +1,203 @@
+"""A scene that runs under the hands of a program."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, MutableMapping
+from typing import TYPE_CHECKING, Any, NamedTuple, Union
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _core
+from ._errors import UsageError
+from ._results import Energy, Floats, Sound, energy
+
+if TYPE_CHECKING:
+    from ._scene import Scene
+
+#: what drives ports in a block: numbers or arrays (n,) by name, or an array (n, inputs) in the order of `Scene.inputs`
+Inputs = Union[Mapping[str, "float | npt.ArrayLike"], npt.ArrayLike, None]
+
+
+class Block(NamedTuple):
+    """What a block gives."""
+
+    #: sound (n, channels), within ±1
+    audio: Sound
+    #: force on each port that is moved, at each sample (n, ports) [N]; of a device port, that of the last whole frame
+    force: Floats
+
+
+class Live(MutableMapping[str, float]):
+    """Live parameters of a running scene: setting one moves it there within a gesture frame."""
+
+    def __init__(self, sim: Sim) -> None:
+        self._sim = sim
+
+    def __getitem__(self, name: str) -> float:
+        if name not in self._sim.scene.params:
+            raise KeyError(name)
+        return self._sim._core.get(name)
+
+    def __setitem__(self, name: str, value: float) -> None:
+        self._sim.set(name, value)
+
+    def __delitem__(self, name: str) -> None:
+        raise UsageError(f"`{name}` is a parameter of the scene; it cannot be removed")
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._sim.scene.params)
+
+    def __len__(self) -> int:
+        return len(self._sim.scene.params)
+
+    def __repr__(self) -> str:
+        return repr(dict(self))
+
+
+class Sim:
+    """A running scene: gestures in, sound and forces out, block by block.
+
+    What is played block by block is what `Scene.render` plays, to the bit, however the blocks are cut.
+
+    >>> import cordis_anima as ca, numpy as np
+    >>> scene = ca.examples.plucked_string()
+    >>> with scene.open(block=100) as sim:
+    ...     parts = [sim.step().audio for _ in range(10)]
+    >>> bool((np.concatenate(parts) == scene.render(1000 / scene.sr, gesture={}).audio).all())
+    True
+    """
+
+    def __init__(self, scene: Scene, core: _core.Scene, block: int) -> None:
+        if block < 1:
+            raise UsageError(f"block = {block}: at least one sample")
+        self.scene = scene
+        #: samples of a block where nothing says how many
+        self.block = block
+        self._core = core.sim()
+        self._names = [p.name for p in scene.inputs]
+        #: the inputs as they stand; what is not given keeps its value
+        self._held = np.array([[p.rest for p in scene.inputs]], dtype=np.float64)
+        #: live parameters
+        self.params = Live(self)
+
+    @property
+    def ports(self) -> tuple[str, ...]:
+        """Ports that feel a force: the columns of `Block.force`."""
+        return tuple(self._core.ports)
+
+    @property
+    def time(self) -> float:
+        """Time that has passed in the scene [s]."""
+        return self._core.tick / (self.scene.sr * self._oversample)
+
+    @property
+    def _oversample(self) -> int:
+        return int(self.scene._core.about()["oversample"])
+
+    @property
+    def status(self) -> str:
+        """``ok``, ``unstable``, ``clipped`` or ``refused``, of all that was played."""
+        clipped, non_finite, refused = self._core.counts
+        if self._core.wild:
+            return "unstable"
+        return "clipped" if clipped or non_finite else "refused" if refused else "ok"
+
+    @property
+    def energy(self) -> Energy | None:
+        """The energy book, where `open(energy=True)` asked for it."""
+        raw = self._core.energy()
+        return None if raw is None else energy(raw)
+
+    @property
+    def positions(self) -> Floats:
+        """Displacement of every place from where it rests [m], now."""
+        return self._core.positions()
+
+    def set(self, name: str, value: float, *, over: float | None = None) -> None:
+        """Moves a live parameter to `value` [SI] within `over` seconds; a gesture frame if none.
+
+        Raises:
+            UsageError: no such parameter, or out of its range.
+        """
+        over = 1 / self.scene.gesture_rate if over is None else over
+        self._core.set(name, float(value), max(1, round(over * self.scene.sr)))
+
+    def step(
+        self,
+        inputs: Inputs = None,
+        n: int | None = None,
+        *,
+        out: Sound | None = None,
+        force: Floats | None = None,
+    ) -> Block:
+        """Plays the next samples.
+
+        Args:
+            inputs: what drives ports: by name, a number for all samples or an array (n,); or an array (n, inputs) in the
+                order of `Scene.inputs`. What is not given keeps its last value. Positions are absolute [m]; those of
+                device ports are read at the first sample of a gesture frame.
+            n: how many samples; without, as many as `out` or `inputs` have, or a block.
+            out: float32 (n, channels), to be written into; no array is made then.
+            force: float64 (n, ports), the same for forces.
+
+        Raises:
+            UsageError: an unknown port, an array of the wrong shape.
+        """
+        given, n = self._given(inputs, n, out)
+        audio = np.empty((n, len(self.scene.channels)), dtype=np.float32) if out is None else out
+        forces = np.empty((n, len(self._core.ports)), dtype=np.float64) if force is None else force
+        self._core.step(given, audio, forces)
+        self._held = given[-1:].copy()
+        return Block(audio, forces)
+
+    def _given(self, inputs: Inputs, n: int | None, out: Sound | None) -> tuple[Floats, int]:
+        if n is None and out is not None:
+            n = len(out)
+        if inputs is None:
+            return self._held, self.block if n is None else n
+        if not isinstance(inputs, Mapping):
+            rows = np.ascontiguousarray(inputs, dtype=np.float64)
+            if rows.ndim != 2:
+                raise UsageError(f"inputs have the shape {rows.shape}: (n, {len(self._names)}), or give them by name")
+            return rows, len(rows) if n is None else n
+        curves: dict[int, Any] = {}
+        for name, value in inputs.items():
+            if name not in self._names:
+                raise UsageError(f"no port `{name}`; this scene has {', '.join(self._names) or 'none'}")
+            value = np.asarray(value, dtype=np.float64)
+            if value.ndim > 1 or (value.ndim == 1 and n is not None and len(value) != n):
+                raise UsageError(f"`{name}` has the shape {value.shape}; a number, or as many as there are samples")
+            if value.ndim == 1:
+                n = len(value)
+            curves[self._names.index(name)] = value
+        n = self.block if n is None else n
+        if all(v.ndim == 0 for v in curves.values()):
+            rows = self._held.copy()
+        else:
+            rows = np.repeat(self._held, n, axis=0)
+        for k, value in curves.items():
+            rows[:, k] = value
+        return rows, n
+
+    def reset(self) -> None:
+        """Back to the beginning."""
+        self._core.reset()
+        self._held = np.array([[p.rest for p in self.scene.inputs]], dtype=np.float64)
+
+    def __iter__(self) -> Iterator[Block]:
+        """Blocks without end, with the inputs as they stand."""
+        while True:
+            yield self.step()
+
+    def __enter__(self) -> Sim:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        return None
+
+    def __reduce__(self) -> Any:
+        raise TypeError("a running scene cannot be pickled: pickle its `scene`, and open that where it is needed")
+
+    def __repr__(self) -> str:
+        return f"<Sim of {self.scene.title or self.scene.name!r} at {self.time:.3f} s, {self.status}>"

@@ -1,0 +1,43 @@
+//! What fails, as an exception of the package.
+
+use ca_core::model::Model;
+use ca_core::model::diag::Diags;
+use ca_core::model::render;
+use ca_haptic::FileError;
+use ca_lab::Failure;
+use pyo3::prelude::*;
+
+/// An exception of `cordis_anima._errors` with these arguments.
+fn raised<'py>(py: Python<'py>, name: &str, args: impl pyo3::call::PyCallArgs<'py>) -> PyErr {
+    let made = || py.import("cordis_anima._errors")?.getattr(name)?.call1(args);
+    match made() {
+        Ok(value) => PyErr::from_value(value),
+        Err(e) => e,
+    }
+}
+
+/// A request that makes no sense.
+pub fn usage(py: Python, what: &str) -> PyErr {
+    raised(py, "UsageError", (what,))
+}
+
+/// Findings of a model: their JSON and how they read.
+pub fn findings(diags: &Diags, model: &Model) -> (String, String) {
+    (render::json(diags, model).to_string(), render::text(diags, model, false))
+}
+
+/// The exception for a failure.
+pub fn failure(py: Python, failure: Failure) -> PyErr {
+    match failure {
+        Failure::Usage(what) => usage(py, &what),
+        Failure::Failed(what) => raised(py, "FailedError", (what,)),
+        Failure::Found(found) => raised(py, "ModelError", findings(&found.diags, &found.model)),
+        // who stopped it has said so
+        Failure::Stopped => PyErr::fetch(py),
+    }
+}
+
+/// The exception for a file that cannot be used.
+pub fn file(py: Python, e: &FileError) -> PyErr {
+    raised(py, "FileError", (e.to_string(), &e.file, &e.place))
+}

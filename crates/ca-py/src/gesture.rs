@@ -1,0 +1,87 @@
+//! Gestures: numbers, breakpoints and samples by the names of what they drive, or files.
+
+use crate::error::{failure, file, usage};
+use crate::scene::Scene;
+use ca_haptic::gesture::{self, PortMap, Track};
+use numpy::{PyReadonlyArray1, PyReadonlyArray2};
+use pyo3::prelude::*;
+use std::path::{Path, PathBuf};
+
+/// What a hand did or shall do.
+#[pyclass(frozen, module = "cordis_anima._core")]
+pub struct Gesture {
+    pub(crate) gesture: gesture::Gesture,
+}
+
+/// One track as Python gives it: a value that stays, breakpoints, or samples at a rate.
+#[derive(FromPyObject)]
+enum Curve<'py> {
+    Value(f64),
+    Samples(f64, PyReadonlyArray1<'py, f64>),
+    Points(PyReadonlyArray2<'py, f64>),
+}
+
+#[pymethods]
+impl Gesture {
+    /// Tracks by name: a number, an array of times [s] and values (n x 2), or a rate [Hz] and an array (n).
+    #[new]
+    fn new(py: Python, tracks: Vec<(String, Curve)>) -> PyResult<Gesture> {
+        let track = |(name, curve): (String, Curve)| match curve {
+            Curve::Value(v) => Track::points(name, vec![(0.0, v)]),
+            Curve::Samples(rate, values) => Track::sampled(name, rate, values.as_array().to_vec()),
+            Curve::Points(points) => {
+                let rows = points.as_array();
+                Track::points(name, rows.rows().into_iter().map(|r| (r[0], r[1])).collect())
+            }
+        };
+        let tracks: Result<Vec<Track>, _> = tracks.into_iter().map(track).collect();
+        let gesture = tracks.and_then(gesture::Gesture::new).map_err(|e| file(py, &e))?;
+        Ok(Gesture { gesture })
+    }
+
+    /// From a file: CSV, NPY, WAV, MIDI (by the mappings of `scene`) or a take; `port` names its only track.
+    #[staticmethod]
+    fn open(py: Python, path: PathBuf, scene: &Scene, port: Option<String>, rate: Option<f64>) -> PyResult<Gesture> {
+        let read = || read(&path, scene, rate);
+        let gesture = py.detach(read).map_err(|e| file(py, &e))?;
+        let gesture = match (port, gesture.tracks()) {
+            (None, _) => gesture,
+            (Some(port), [one]) => {
+                gesture::Gesture::new(vec![one.clone().named(port)]).map_err(|e| failure(py, e.into()))?
+            }
+            (Some(port), all) => {
+                let what = format!("`{}` has {} tracks", path.display(), all.len());
+                return Err(usage(py, &format!("{what}; `{port}` gives a name to a single one")));
+            }
+        };
+        Ok(Gesture { gesture })
+    }
+
+    /// These gestures as one.
+    #[staticmethod]
+    fn together(py: Python, all: Vec<PyRef<Gesture>>) -> PyResult<Gesture> {
+        let tracks = all.iter().flat_map(|g| g.gesture.tracks().iter().cloned()).collect();
+        Ok(Gesture { gesture: gesture::Gesture::new(tracks).map_err(|e| file(py, &e))? })
+    }
+
+    /// What it drives.
+    #[getter]
+    fn names(&self) -> Vec<&str> {
+        self.gesture.tracks().iter().map(Track::name).collect()
+    }
+
+    /// Time of its last value [s].
+    #[getter]
+    fn duration(&self) -> f64 {
+        self.gesture.duration()
+    }
+}
+
+fn read(path: &Path, scene: &Scene, rate: Option<f64>) -> Result<gesture::Gesture, ca_haptic::FileError> {
+    if ca_lab::load::has_extension(path, "mcap") {
+        return ca_haptic::take::gesture(path, &ca_lab::catalog());
+    }
+    let map = |i: &ca_core::scene::Input| Some(PortMap { port: i.name.clone(), map: i.midi? });
+    let ports: Vec<PortMap> = scene.compiled.inputs.iter().filter_map(map).collect();
+    gesture::Gesture::open(path, &ports, rate)
+}

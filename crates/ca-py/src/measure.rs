@@ -1,0 +1,132 @@
+//! What is measured of a model without playing it to anybody: modes, accuracy, units.
+
+use crate::error::{failure, usage};
+use crate::wait::Wait;
+use ca_core::Options;
+use ca_core::analysis::modes;
+use ca_core::kind::Type;
+use ca_lab::accuracy::{self, Ask};
+use ca_lab::load::Loaded;
+use ca_lab::{Failure, Found, catalog};
+use numpy::{IntoPyArray as _, PyArray1, PyArray2, PyArrayMethods as _};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+/// The unit of a parameter; empty where it has none.
+pub fn symbol(ty: Type) -> String {
+    match ty {
+        Type::Number { unit, .. } | Type::Numbers { unit, .. } => unit.symbol.to_owned(),
+        Type::PowerStiffness { exponent } => format!("N/m^{exponent}"),
+        _ => String::new(),
+    }
+}
+
+/// All modes of the linear part, as arrays over modes.
+pub fn modes<'py>(py: Python<'py>, loaded: &Loaded, rate: Option<f64>) -> PyResult<Bound<'py, PyDict>> {
+    let found = py.detach(|| {
+        let options = Options { rate, clouds: loaded.clouds.clone(), ..Options::default() };
+        let network = ca_core::compile::linear(&loaded.model, &catalog(), &options)
+            .map_err(|diags| Failure::Found(Box::new(Found { model: loaded.model.clone(), diags })))?;
+        let n = network.linear.places.len();
+        if n == 0 {
+            return Err(Failure::Failed("nothing in this model moves".into()));
+        }
+        let all = modes::modes(&network).ok_or_else(|| {
+            let most = modes::LARGEST;
+            Failure::Failed(format!("{n} places move, which is too much for a table of modes: at most {most}"))
+        })?;
+        Ok((network, all))
+    });
+    let (network, all) = found.map_err(|e| failure(py, e))?;
+    let column = |f: &dyn Fn(&modes::Mode) -> f64| all.list.iter().map(f).collect::<Vec<f64>>().into_pyarray(py);
+    let d = PyDict::new(py);
+    d.set_item("f", column(&|m| m.f))?;
+    d.set_item("heard", column(&|m| m.heard))?;
+    d.set_item("cents", column(&modes::Mode::cents))?;
+    d.set_item("t60", column(&|m| m.t60))?;
+    d.set_item("grows", all.list.iter().map(|m| m.grows).collect::<Vec<bool>>().into_pyarray(py))?;
+    let (modes, places) = (all.list.len(), network.names.len());
+    let shapes: Vec<f64> = all.list.iter().flat_map(|m| m.shape.iter().copied()).collect();
+    d.set_item("shapes", shapes.into_pyarray(py).reshape([modes, places])?)?;
+    let ports: Vec<f64> = all.list.iter().flat_map(|m| network.ports.iter().map(|p| m.at(&p.at))).collect();
+    d.set_item("levels", ports.into_pyarray(py).reshape([modes, network.ports.len()])?)?;
+    d.set_item("ports", network.ports.iter().map(|p| p.name.as_str()).collect::<Vec<_>>())?;
+    d.set_item("places", network.names)?;
+    d.set_item("left_out", network.left_out.iter().map(|l| l.0.as_str()).collect::<Vec<_>>())?;
+    d.set_item("approximate", all.approximate)?;
+    Ok(d)
+}
+
+/// What is asked of a measurement of accuracy.
+pub struct Asked {
+    /// sound rate \[Hz\]
+    pub rate: Option<f64>,
+    /// how long \[s\]
+    pub seconds: Option<f64>,
+    /// what is listened to; the outputs if none
+    pub probes: Vec<String>,
+    /// multiples of the rate
+    pub times: Vec<u32>,
+    /// that of the reference
+    pub reference: u32,
+}
+
+/// Error against run time, as arrays over ways.
+pub fn accuracy<'py>(
+    py: Python<'py>,
+    loaded: &Loaded,
+    asked: &Asked,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let probes = if asked.probes.is_empty() { accuracy::heard(&loaded.model) } else { asked.probes.clone() };
+    if probes.is_empty() {
+        return Err(usage(py, "the model has no output to compare; name what to listen to by `probes`"));
+    }
+    if asked.times.is_empty() || asked.times.contains(&0) || asked.reference < 4 || !asked.reference.is_multiple_of(4) {
+        return Err(usage(py, "`times` are whole numbers from 1 on, `reference` is a multiple of 4"));
+    }
+    let mut wait = Wait::new(progress);
+    let found = py.detach(|| {
+        let mut ask = Ask {
+            rate: asked.rate,
+            probes: &probes,
+            seconds: asked.seconds,
+            times: &asked.times,
+            reference: asked.reference,
+            longer: "seconds",
+            progress: &mut |done, of| wait.goes_on(done, of),
+        };
+        accuracy::measured(loaded, &mut ask)
+    });
+    let found = match (wait.error, found) {
+        (Some(e), _) => return Err(e),
+        (None, found) => found.map_err(|e| failure(py, e))?,
+    };
+    let rows = &found.rows;
+    let column = |f: &dyn Fn(&accuracy::Row) -> f64| -> Bound<'py, PyArray1<f64>> {
+        rows.iter().map(f).collect::<Vec<f64>>().into_pyarray(py)
+    };
+    let d = PyDict::new(py);
+    d.set_item("method", rows.iter().map(|r| r.method).collect::<Vec<_>>())?;
+    d.set_item("times", rows.iter().map(|r| r.times).collect::<Vec<_>>().into_pyarray(py))?;
+    d.set_item("error", column(&|r| r.score.error))?;
+    d.set_item("spectrum", column(&|r| r.score.spectrum))?;
+    d.set_item("cents", column(&|r| r.score.cents.unwrap_or(f64::NAN)))?;
+    d.set_item("decay", column(&|r| r.score.decay))?;
+    d.set_item("made", column(&|r| r.made().unwrap_or(f64::NAN)))?;
+    d.set_item("ns", column(&|r| r.ns))?;
+    d.set_item("stability", rows.iter().map(|r| r.level.to_string()).collect::<Vec<_>>())?;
+    d.set_item("front", rows.iter().map(|r| r.front).collect::<Vec<_>>().into_pyarray(py))?;
+    d.set_item("rate", found.rate)?;
+    d.set_item("seconds", found.seconds())?;
+    d.set_item("known", found.truth.known)?;
+    d.set_item("against", found.origin())?;
+    d.set_item("refused", found.refused.clone())?;
+    Ok(d)
+}
+
+/// Rows of `width` numbers as an array, without a copy.
+pub fn table<T: numpy::Element>(py: Python<'_>, flat: Vec<T>, width: usize) -> PyResult<Bound<'_, PyArray2<T>>> {
+    let rows = flat.len().checked_div(width).unwrap_or(0);
+    flat.into_pyarray(py).reshape([rows, width])
+}

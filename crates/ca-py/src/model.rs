@@ -1,0 +1,240 @@
+//! Models: text or calls to what is compiled.
+
+use crate::error::{failure, findings, usage};
+use crate::measure;
+use crate::scene::Scene;
+use ca_core::kind::Role;
+use ca_core::model::{Entry, Value, write};
+use ca_core::{KernelClass, Options};
+use ca_lab::load::{self, BUNDLED, Loaded};
+use ca_lab::{Failure, bytes};
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+use std::sync::Arc;
+
+/// What an author wrote.
+#[pyclass(module = "cordis_anima._core")]
+pub struct Model {
+    loaded: Loaded,
+}
+
+/// A value as Python gives it.
+#[derive(FromPyObject)]
+enum Given {
+    Bool(bool),
+    Num(f64),
+    Text(String),
+    List(Vec<Given>),
+    Table(std::collections::BTreeMap<String, Given>),
+}
+
+impl Given {
+    fn value(self) -> Value {
+        match self {
+            Given::Bool(v) => Value::Bool(v),
+            Given::Num(v) => Value::Num(v),
+            Given::Text(v) => Value::Text(v),
+            Given::List(all) => Value::List(all.into_iter().map(|v| Entry::new("", v.value())).collect()),
+            Given::Table(all) => Value::Table(all.into_iter().map(|(k, v)| Entry::new(&k, v.value())).collect()),
+        }
+    }
+}
+
+fn entries(args: Vec<(String, Given)>) -> Vec<Entry> {
+    args.into_iter().map(|(key, value)| Entry::new(&key, value.value())).collect()
+}
+
+/// Names of the bundled models.
+#[pyfunction]
+pub fn bundled() -> Vec<&'static str> {
+    BUNDLED.iter().map(|m| m.0).collect()
+}
+
+/// All kinds: code, title, equation, family, and parameters as name, unit, document.
+#[pyfunction]
+#[allow(clippy::type_complexity)]
+pub fn kinds()
+-> Vec<(&'static str, &'static str, &'static str, &'static str, Vec<(&'static str, String, &'static str)>)> {
+    let family = |r: &Role| match r {
+        Role::Mat(_) => "MAT",
+        Role::Lia(_) => "LIA",
+        Role::Port(_) => "port",
+        Role::Generator(_) => "generator",
+    };
+    let one = |k: &'static ca_core::kind::Kind| {
+        let params = k.params.iter().map(|p| (p.name, measure::symbol(p.ty), p.doc)).collect();
+        (k.code, k.title, k.equation, family(&k.role), params)
+    };
+    ca_lab::catalog().iter().map(one).collect()
+}
+
+#[pymethods]
+impl Model {
+    /// An empty model.
+    #[new]
+    fn new() -> Model {
+        Model { loaded: load::built(ca_core::Model::default()) }
+    }
+
+    /// A file, or a bundled model.
+    #[staticmethod]
+    fn open(py: Python, word: &str) -> PyResult<Model> {
+        let loaded = py.detach(|| load::load(word)).map_err(|e| failure(py, e))?;
+        Ok(Model { loaded })
+    }
+
+    /// From text.
+    #[staticmethod]
+    fn read(py: Python, text: &str, file: &str) -> Model {
+        Model { loaded: py.detach(|| load::read_text(text, file)) }
+    }
+
+    /// From the text of a MIMS model.
+    #[staticmethod]
+    fn mims(py: Python, text: &str, file: &str) -> Model {
+        Model { loaded: py.detach(|| load::read_mims(text, file)) }
+    }
+
+    /// From its bytes.
+    #[staticmethod]
+    fn from_bytes(py: Python, bytes: &[u8], file: &str) -> PyResult<Model> {
+        Ok(Model { loaded: bytes::from_bytes(bytes, file).map_err(|e| failure(py, e))? })
+    }
+
+    /// What it means, as bytes.
+    fn bytes<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
+        PyBytes::new(py, &bytes::bytes(&self.loaded))
+    }
+
+    /// The hash of its bytes.
+    fn digest(&self) -> String {
+        bytes::digest(&bytes::bytes(&self.loaded))
+    }
+
+    /// An equal model.
+    fn copy(&self) -> Model {
+        Model { loaded: self.loaded.clone() }
+    }
+
+    /// As a file would be written.
+    fn toml(&self) -> String {
+        write::write(&self.loaded.model)
+    }
+
+    /// The text it was read from.
+    #[getter]
+    fn text(&self) -> &str {
+        &self.loaded.model.text
+    }
+
+    /// The file it was read from.
+    #[getter]
+    fn file(&self) -> &str {
+        &self.loaded.model.file
+    }
+
+    /// Its name: that of its file without folder and extension.
+    #[getter]
+    fn name(&self) -> &str {
+        &self.loaded.name
+    }
+
+    /// Its title.
+    #[getter]
+    fn title(&self) -> &str {
+        self.loaded.model.title()
+    }
+
+    /// Kinds and names of its modules.
+    #[getter]
+    fn items(&self) -> Vec<(&str, &str)> {
+        self.loaded.model.items.iter().map(|i| (i.kind.as_str(), i.name.as_str())).collect()
+    }
+
+    /// Adds a module; `a.b` stands in the group `a`.
+    fn add(&mut self, kind: &str, name: &str, args: Vec<(String, Given)>) {
+        let model = &mut self.loaded.model;
+        model.add(kind, name, entries(args));
+        let group = name.rsplit_once('.').and_then(|(group, _)| model.groups.iter().position(|g| g.name == group));
+        if let Some(item) = model.items.last_mut() {
+            item.group = group;
+        }
+    }
+
+    /// Adds a group.
+    fn group(&mut self, name: &str, props: Vec<(String, Given)>) {
+        let group =
+            ca_core::model::Group { name: name.into(), span: ca_core::model::Span::NONE, props: entries(props) };
+        self.loaded.model.groups.push(group);
+    }
+
+    /// Writes an entry of `model`, `rate`, `param`, `gesture` or `equivalence`.
+    fn put(&mut self, py: Python, section: &str, key: &str, value: Given) -> PyResult<()> {
+        let model = &mut self.loaded.model;
+        let list = match section {
+            "model" => &mut model.meta,
+            "rate" => &mut model.rate,
+            "param" => &mut model.params,
+            "gesture" => &mut model.gestures,
+            "equivalence" => &mut model.equivalence,
+            _ => return Err(usage(py, &format!("`{section}` is no section of a model"))),
+        };
+        list.retain(|e| e.key != key);
+        list.push(Entry::new(key, value.value()));
+        Ok(())
+    }
+
+    /// Sets a parameter as `--set` does.
+    fn set(&mut self, py: Python, name: &str, value: &str) -> PyResult<()> {
+        load::set(&mut self.loaded, name, value).map_err(|e| failure(py, e))
+    }
+
+    /// Compiles it without playing: whether it can be, the JSON of all findings, and how they read.
+    #[pyo3(signature = (rate=None))]
+    fn check(&self, py: Python, rate: Option<f64>) -> (bool, String, String) {
+        let (scene, diags) = py.detach(|| load::compiled(&self.loaded, &Options { rate, ..Options::default() }));
+        let (json, text) = findings(&diags, &self.loaded.model);
+        (scene.is_some(), json, text)
+    }
+
+    /// Compiles it.
+    #[pyo3(signature = (*, rate=None, energy=false, probes=Vec::new(), reference=false, exact=false))]
+    fn compile(
+        &self,
+        py: Python,
+        rate: Option<f64>,
+        energy: bool,
+        probes: Vec<String>,
+        reference: bool,
+        exact: bool,
+    ) -> PyResult<Scene> {
+        let kernel = if reference { KernelClass::Reference } else { KernelClass::Fast };
+        let options = Options { rate, energy, probes, kernel, exact, ..Options::default() };
+        let made: Result<_, Failure> = py.detach(|| load::scene(&self.loaded, &options));
+        let scene = made.map_err(|e| failure(py, e))?;
+        Ok(Scene::new(Arc::new(scene), self.loaded.clone(), options))
+    }
+
+    /// See `cordis_anima.Scene.modes`.
+    #[pyo3(signature = (rate=None))]
+    fn modes<'py>(&self, py: Python<'py>, rate: Option<f64>) -> PyResult<Bound<'py, pyo3::types::PyDict>> {
+        measure::modes(py, &self.loaded, rate)
+    }
+
+    /// See `cordis_anima.Scene.accuracy`.
+    #[pyo3(signature = (*, rate, seconds, probes, times, reference, progress))]
+    #[allow(clippy::too_many_arguments)]
+    fn accuracy<'py>(
+        &self,
+        py: Python<'py>,
+        rate: Option<f64>,
+        seconds: Option<f64>,
+        probes: Vec<String>,
+        times: Vec<u32>,
+        reference: u32,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Bound<'py, pyo3::types::PyDict>> {
+        let asked = measure::Asked { rate, seconds, probes, times, reference };
+        measure::accuracy(py, &self.loaded, &asked, progress)
+    }
+}

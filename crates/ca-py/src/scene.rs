@@ -1,0 +1,198 @@
+//! Scenes: what is compiled, and how it is played to its end.
+
+use crate::error::{failure, file, findings, usage};
+use crate::gesture::Gesture;
+use crate::measure::table;
+use crate::sim::Sim;
+use crate::wait::Wait;
+use ca_core::Options;
+use ca_core::energy::Ledger;
+use ca_core::scene::InputRole;
+use ca_haptic::perform::Performance;
+use ca_haptic::sound::Level;
+use ca_lab::Failure;
+use ca_lab::load::{self, Loaded};
+use ca_lab::play::{self, BLOCK, Broke};
+use numpy::IntoPyArray as _;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::sync::Arc;
+
+/// A compiled model.
+#[pyclass(frozen, module = "cordis_anima._core")]
+pub struct Scene {
+    pub(crate) compiled: Arc<ca_core::Scene>,
+    loaded: Loaded,
+    options: Options,
+}
+
+impl Scene {
+    /// A scene, with what it was compiled from.
+    pub fn new(compiled: Arc<ca_core::Scene>, loaded: Loaded, options: Options) -> Scene {
+        Scene { compiled, loaded, options }
+    }
+}
+
+/// What a render is, while it goes on.
+struct Heard {
+    audio: Vec<f32>,
+    probes: Vec<f64>,
+    level: Level,
+}
+
+#[pymethods]
+impl Scene {
+    /// Rates, names, counts.
+    fn about<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let s = &self.compiled;
+        let d = PyDict::new(py);
+        d.set_item("rate", s.rate)?;
+        d.set_item("gesture_rate", s.rate / f64::from(s.ratio))?;
+        d.set_item("ratio", s.ratio)?;
+        d.set_item("oversample", s.oversample())?;
+        d.set_item("channels", s.channel_names.clone())?;
+        d.set_item("seconds", s.seconds)?;
+        d.set_item("n_mat", s.mats())?;
+        d.set_item("n_lia", s.n_lia)?;
+        d.set_item("left_out", s.left_out.clone())?;
+        let passes = s.reads.iter().chain(&s.forces).chain(&s.writes).chain(&s.moves);
+        d.set_item("passes", passes.map(|o| (o.name, o.n)).collect::<Vec<_>>())?;
+        Ok(d)
+    }
+
+    /// Ports: name, role, rest.
+    #[getter]
+    fn inputs(&self) -> Vec<(&str, &str, f64)> {
+        let role = |r: InputRole| match r {
+            InputRole::Position => "position",
+            InputRole::Force => "force",
+            InputRole::Device => "device",
+        };
+        self.compiled.inputs.iter().map(|i| (i.name.as_str(), role(i.role), i.rest)).collect()
+    }
+
+    /// Live parameters: name, value, least, most, unit, document.
+    #[getter]
+    fn params(&self) -> Vec<(&str, f64, f64, f64, &str, &str)> {
+        let list = self.compiled.live.params.iter();
+        list.map(|p| (p.name.as_str(), p.value, p.min, p.max, p.unit.symbol, p.doc.as_str())).collect()
+    }
+
+    /// JSON of what was found, and how it reads.
+    fn findings(&self) -> (String, String) {
+        findings(&self.compiled.diags, &self.loaded.model)
+    }
+
+    /// What is proven of its stability.
+    fn certificate<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let c = &self.compiled.certificate;
+        let d = PyDict::new(py);
+        d.set_item("level", c.level.to_string())?;
+        d.set_item("bound", c.bound)?;
+        d.set_item("lower", c.lower)?;
+        d.set_item("margin", c.margin())?;
+        d.set_item("exact", c.exact)?;
+        d.set_item("largest", c.largest)?;
+        d.set_item("ripple", c.ripple)?;
+        d.set_item("worst", &c.worst)?;
+        d.set_item("contact", c.contact)?;
+        d.set_item("stiffest", &c.stiffest)?;
+        Ok(d)
+    }
+
+    /// Plays it: see `cordis_anima.Scene.render`.
+    #[pyo3(signature = (seconds, gesture, progress))]
+    fn render<'py>(
+        &self,
+        py: Python<'py>,
+        seconds: Option<f64>,
+        gesture: Option<&Gesture>,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let (scene, gesture) = (&*self.compiled, gesture.map(|g| &g.gesture));
+        let performance = Performance::new(scene, gesture).map_err(|e| file(py, &e))?;
+        let frames = play::frames(scene, play::seconds(&performance, seconds));
+        let (channels, n_out) = (scene.channels, scene.n_out);
+        let room = |width: usize| usize::try_from(frames).ok().and_then(|n| n.checked_mul(width));
+        let mut heard = Heard { audio: Vec::new(), probes: Vec::new(), level: Level::new(channels) };
+        let fits = |n: Option<usize>, reserve: &mut dyn FnMut(usize) -> bool| n.is_some_and(reserve);
+        if !fits(room(channels), &mut |n| heard.audio.try_reserve_exact(n).is_ok())
+            || !fits(room(n_out - channels), &mut |n| heard.probes.try_reserve_exact(n).is_ok())
+        {
+            return Err(usage(py, &format!("{frames} samples do not fit into memory; render less, or stream it")));
+        }
+        let mut wait = Wait::new(progress);
+        let played = py.detach(|| {
+            play::play(performance, frames, BLOCK, &mut |_, rows, done| {
+                for row in rows.chunks_exact(n_out.max(1)) {
+                    let (sound, probes) = row.split_at(channels);
+                    heard.audio.extend(sound.iter().enumerate().map(|(k, x)| heard.level.keep(k, *x) as f32));
+                    heard.probes.extend_from_slice(probes);
+                }
+                if wait.goes_on(done, frames) { Ok(()) } else { Err(Failure::Stopped) }
+            })
+        });
+        let played = match (wait.error, played) {
+            (Some(e), _) => return Err(e),
+            (None, played) => played.map_err(|e| failure(py, e))?,
+        };
+        let broke = py.detach(|| {
+            played.broke?;
+            let options = Options { energy: true, probes: Vec::new(), ..self.options.clone() };
+            let twin = load::compiled(&self.loaded, &options).0;
+            Broke::of(&played, twin.as_ref().unwrap_or(scene), gesture)
+        });
+        let d = PyDict::new(py);
+        d.set_item("audio", table(py, heard.audio, channels)?)?;
+        d.set_item("probes", table(py, heard.probes, n_out - channels)?)?;
+        d.set_item("probe_names", scene.probe_names.clone())?;
+        d.set_item("probe_of", scene.probe_of.clone())?;
+        d.set_item("frames", frames)?;
+        d.set_item("peak", heard.level.peak.into_pyarray(py))?;
+        d.set_item("clipped", heard.level.clipped)?;
+        d.set_item("non_finite", heard.level.non_finite)?;
+        d.set_item("refused", played.performance.state.refused)?;
+        d.set_item("run_time", played.wall.as_secs_f64())?;
+        d.set_item("broke", broke.map(|b| (b.time, b.module.clone(), b.to_string())))?;
+        if let Some(book) = &played.energy {
+            d.set_item("energy", energy(py, scene, book, played.energy_ticks)?)?;
+        }
+        Ok(d)
+    }
+
+    /// A running one.
+    fn sim(&self) -> Sim {
+        Sim::new(self.compiled.clone())
+    }
+}
+
+/// The book: its sums, and who lost, made and received what.
+pub fn energy<'py>(py: Python<'py>, scene: &ca_core::Scene, book: &Ledger, ticks: u64) -> PyResult<Bound<'py, PyDict>> {
+    let b = book.balance();
+    let d = PyDict::new(py);
+    for (name, value) in [
+        ("start", b.h0),
+        ("stored", b.h),
+        ("kinetic", book.kinetic),
+        ("lost", b.lost),
+        ("made", b.source),
+        ("work", b.work),
+        ("changed", b.changed),
+        ("residual", b.residual),
+        ("peak", b.peak),
+        ("seconds", ticks as f64 * scene.te),
+    ] {
+        d.set_item(name, value)?;
+    }
+    let by_link = |all: &[f64]| -> Vec<(String, f64)> {
+        let name = |l: usize| scene.audited_name(l).unwrap_or("?").to_owned();
+        all.iter().enumerate().filter(|(_, v)| **v != 0.0).map(|(l, v)| (name(l), *v)).collect()
+    };
+    d.set_item("lost_by", by_link(&book.lost))?;
+    d.set_item("made_by", by_link(&book.source))?;
+    let ports = scene.enx.iter().chain(&scene.tgr).map(|p| p.input).chain(scene.enf.iter().map(|p| p.input));
+    let work: Vec<(String, f64)> =
+        ports.zip(&book.work).map(|(i, w)| (scene.inputs[i as usize].name.clone(), *w)).collect();
+    d.set_item("work_by", work)?;
+    Ok(d)
+}
