@@ -89,22 +89,22 @@ pub fn load(word: &str) -> Result<Loaded, Failure> {
 /// A model from its text; `file` is its name in reports, and where the files it names are looked for.
 pub fn read_text(text: &str, file: &str) -> Loaded {
     let (model, diags) = read::read(text, file, &catalog());
-    found(model, diags)
+    found(model, diags, file)
 }
 
 /// A model from a MIMS text.
 pub fn read_mims(text: &str, file: &str) -> Loaded {
     let (model, diags) = import(text, file);
-    found(model, diags)
+    found(model, diags, file)
 }
 
 /// A model that was built, with nothing found yet.
 pub fn built(model: Model) -> Loaded {
-    found(model, Diags::new())
+    found(model, Diags::new(), "")
 }
 
-fn found(model: Model, diags: Diags) -> Loaded {
-    Loaded { name: stem(Path::new(&model.file)), clouds: clouds(&model), model, diags }
+fn found(model: Model, diags: Diags, file: &str) -> Loaded {
+    Loaded { name: stem(Path::new(file)), clouds: clouds(&model), model, diags }
 }
 
 /// What the files named in a model hold; they are looked for beside its own.

@@ -93,7 +93,7 @@ pub fn accuracy<'py>(
             seconds: asked.seconds,
             times: &asked.times,
             reference: asked.reference,
-            longer: "seconds",
+            remedy: "play longer, `seconds`, or listen elsewhere, `probes`",
             progress: &mut |done, of| wait.goes_on(done, of),
         };
         accuracy::measured(loaded, &mut ask)

@@ -9,7 +9,7 @@ use ca_core::{KernelClass, Options};
 use ca_lab::load::{self, BUNDLED, Loaded};
 use ca_lab::{Failure, bytes};
 use pyo3::prelude::*;
-use pyo3::types::PyBytes;
+use pyo3::types::{PyBytes, PyDict};
 use std::sync::Arc;
 
 /// What an author wrote.
@@ -25,7 +25,19 @@ enum Given {
     Num(f64),
     Text(String),
     List(Vec<Given>),
-    Table(std::collections::BTreeMap<String, Given>),
+    Table(Table),
+}
+
+/// A mapping, in its order.
+struct Table(Vec<(String, Given)>);
+
+impl<'a, 'py> FromPyObject<'a, 'py> for Table {
+    type Error = PyErr;
+
+    fn extract(given: Borrowed<'a, 'py, PyAny>) -> PyResult<Table> {
+        let all = given.cast::<PyDict>()?.iter().map(|(k, v)| Ok((k.extract()?, v.extract()?)));
+        Ok(Table(all.collect::<PyResult<_>>()?))
+    }
 }
 
 impl Given {
@@ -35,7 +47,7 @@ impl Given {
             Given::Num(v) => Value::Num(v),
             Given::Text(v) => Value::Text(v),
             Given::List(all) => Value::List(all.into_iter().map(|v| Entry::new("", v.value())).collect()),
-            Given::Table(all) => Value::Table(all.into_iter().map(|(k, v)| Entry::new(&k, v.value())).collect()),
+            Given::Table(Table(all)) => Value::Table(entries(all)),
         }
     }
 }
@@ -217,7 +229,7 @@ impl Model {
 
     /// See `cordis_anima.Scene.modes`.
     #[pyo3(signature = (rate=None))]
-    fn modes<'py>(&self, py: Python<'py>, rate: Option<f64>) -> PyResult<Bound<'py, pyo3::types::PyDict>> {
+    fn modes<'py>(&self, py: Python<'py>, rate: Option<f64>) -> PyResult<Bound<'py, PyDict>> {
         measure::modes(py, &self.loaded, rate)
     }
 
@@ -233,7 +245,7 @@ impl Model {
         times: Vec<u32>,
         reference: u32,
         progress: Option<Py<PyAny>>,
-    ) -> PyResult<Bound<'py, pyo3::types::PyDict>> {
+    ) -> PyResult<Bound<'py, PyDict>> {
         let asked = measure::Asked { rate, seconds, probes, times, reference };
         measure::accuracy(py, &self.loaded, &asked, progress)
     }

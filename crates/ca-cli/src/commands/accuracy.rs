@@ -23,8 +23,15 @@ pub fn run(args: &AccuracyArgs) -> Outcome {
         bar.get_or_insert_with(|| term::progress(of)).set_position(done);
         true
     };
-    let mut ask =
-        Ask { rate, probes: &probes, seconds, times, reference: args.reference, longer: "--seconds", progress };
+    let mut ask = Ask {
+        rate,
+        probes: &probes,
+        seconds,
+        times,
+        reference: args.reference,
+        remedy: "play longer with `--seconds`, or listen elsewhere with `--probe`",
+        progress,
+    };
     let found = accuracy::measured(&loaded, &mut ask);
     if let Some(bar) = bar {
         bar.finish_and_clear();

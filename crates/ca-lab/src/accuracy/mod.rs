@@ -77,8 +77,8 @@ pub struct Ask<'a> {
     pub times: &'a [u32],
     /// the multiple of the reference
     pub reference: u32,
-    /// the option that makes it longer
-    pub longer: &'static str,
+    /// what to do where nothing moves
+    pub remedy: &'static str,
     /// told now and then how many steps of how many are done; false where no more is wanted
     pub progress: &'a mut dyn FnMut(u64, u64) -> bool,
 }
@@ -130,10 +130,7 @@ pub fn measured(loaded: &Loaded, ask: &mut Ask) -> Result<Measured, Failure> {
     step(1)?;
     if truth.columns.iter().flatten().all(|v| *v == 0.0) {
         let what = format!("nothing of {} moves in {seconds} s", load::ticked(probes.iter().map(String::as_str)));
-        return Err(Failure::Failed(format!(
-            "{what}; play longer with `{}`, or listen elsewhere with `--probe`",
-            ask.longer
-        )));
+        return Err(Failure::Failed(format!("{what}; {}", ask.remedy)));
     }
     let mut rows = Vec::with_capacity(ways.all.len());
     for way in &ways.all {

@@ -88,10 +88,10 @@ class ModelError(CaError, ValueError):
 
     >>> import cordis_anima as ca
     >>> try:
-    ...     ca.parse('[MAS]\\nbob = { mm = 3 }\\n')
+    ...     ca.parse('[MAS]\\nbob = { m = 1, dxo = 3 }\\n')
     ... except ca.ModelError as e:
     ...     print(e.code, e.location, e.help)
-    E004 model.ca.toml:2:9 did you mean `m`?
+    E004 model.ca.toml:2:16 did you mean `dx0`?
     """
 
     def __init__(self, found: str, text: str) -> None:

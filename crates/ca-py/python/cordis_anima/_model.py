@@ -44,7 +44,7 @@ class Model:
     >>> m = (m.add("SOL", "wall")
     ...       .add("MAS", "bob", m="1 g", dx0="1 mm")
     ...       .add("REF", "spring", between=["wall", "bob"], k="7.6 kN/m", z="5 mN s/m")
-    ...       .add("SOX", "out", **{"from": "bob"}, gain=1000))
+    ...       .add("SOX", "out", from_="bob", gain=1000))
     >>> m.compile().render(0.1).audio.shape
     (4800, 1)
     >>> print(m.to_toml().splitlines()[1])
@@ -90,8 +90,8 @@ class Model:
 
     def add(self, kind: str, name: str, **values: object) -> Model:
         """Adds a module: a kind such as ``"MAS"`` (see `kinds`), a name, and its parameters as numbers in SI units,
-        quantities, names, lists. A name ``"a.b"`` stands in the group ``a``. ``between_`` and the like are taken without
-        the underscore, for words that Python keeps for itself: ``from_="bob"``.
+        quantities, names, lists. A name ``"a.b"`` stands in the group ``a``. A last underscore is taken away, for words
+        that Python keeps for itself: ``from_="bob"``.
         """
         self._core.add(kind, name, [(k.rstrip("_"), _plain(v)) for k, v in values.items()])
         return self

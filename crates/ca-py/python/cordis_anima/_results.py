@@ -100,7 +100,8 @@ class Energy(NamedTuple):
 
 def energy(raw: Mapping[str, Any]) -> Energy:
     """An energy book from what the engine says."""
-    return Energy(**{k: dict(v) if k.endswith("_by") else v for k, v in raw.items()})
+    plain: dict[str, Any] = {k: dict(v) if k.endswith("_by") else v for k, v in raw.items()}
+    return Energy(**plain)
 
 
 @dataclass(frozen=True)

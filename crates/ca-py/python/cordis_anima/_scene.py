@@ -33,11 +33,11 @@ class Render:
     """What was heard of a scene.
 
     >>> import cordis_anima as ca
-    >>> r = ca.examples.plucked_string().render(0.5, probes=["string[3]"])
+    >>> r = ca.examples.string().render(0.5, probes=["low[8]", "low[*]"])
     >>> r.audio.shape, r.audio.dtype, r.sr, r.status
     ((24000, 1), dtype('float32'), 48000, 'ok')
-    >>> r.probes["string[3]"].shape
-    (24000,)
+    >>> r.probes["low[8]"].shape, r.probes["low[*]"].shape, r.columns["low[*]"][0]
+    ((24000,), (24000, 40), 'low[0]')
     """
 
     #: sound (frames, channels), within ±1; what was louder is counted in `clipped`
@@ -164,7 +164,7 @@ class Scene:
     @property
     def sr(self) -> int:
         """Sound rate [Hz]."""
-        return round(self._core.about()["rate"])
+        return int(self._core.about()["rate"])
 
     @property
     def gesture_rate(self) -> float:
@@ -389,7 +389,7 @@ class Scene:
         (True, True)
         """
         raw = self._model.modes(self.rate)
-        return Modes(**{k: tuple(v) if isinstance(v, list) else v for k, v in raw.items()})
+        return Modes(**_frozen(raw))
 
     def accuracy(
         self,
@@ -409,14 +409,19 @@ class Scene:
             probes: what is compared; without, what the outputs listen to.
 
         >>> import cordis_anima as ca
-        >>> a = ca.examples.plucked_string().accuracy(0.02, times=[1], reference=4)
+        >>> a = ca.examples.string().accuracy(0.02, times=[1], reference=4)
         >>> a.method[0], len(a) == len(a.error) == len(a.ns)
         ('as written', True)
         """
         raw = self._model.accuracy(
             rate=self.rate, seconds=seconds, probes=list(probes), times=list(times), reference=reference, progress=progress
         )
-        return Accuracy(**{k: tuple(v) if isinstance(v, list) else v for k, v in raw.items()})
+        return Accuracy(**_frozen(raw))
+
+
+def _frozen(raw: Mapping[str, Any]) -> dict[str, Any]:
+    """With tuples in place of lists."""
+    return {k: tuple(v) if isinstance(v, list) else v for k, v in raw.items()}
 
 
 def _energy(raw: Mapping[str, Any] | None) -> Energy | None:

@@ -8,15 +8,24 @@ from . import _core
 from ._scene import Scene
 
 
-def string() -> Scene:
-    """A plucked string, one channel.
+def string(f: float | str = "110 Hz", t60: float | str = "4 s") -> Scene:
+    """A string struck by a hammer in flight, built by calls; one channel.
 
     >>> from cordis_anima import examples
     >>> r = examples.string().render(2)
-    >>> r.audio.shape, r.sr
-    ((96000, 1), 48000)
+    >>> r.audio.shape, r.sr, r.status
+    ((96000, 1), 48000, 'ok')
     """
-    return _load("plucked_string")
+    from ._model import Model
+
+    model = (
+        Model(title="A struck string")
+        .add("STRING", "low", n=40, f=f, t60=t60, m="1 g")
+        .add("MAS", "hammer", m="20 g", x="-5 mm", v="1 m/s")
+        .add("BUT", "strike", between=["hammer", "low[8]"], k="8 kN/m", z="0.2 N s/m")
+        .add("SOX", "out", from_="low[3]", gain=800)
+    )
+    return model.compile()
 
 
 def names() -> list[str]:

@@ -115,7 +115,7 @@ fn accuracy(args: &ReportArgs, loaded: &Loaded) -> Result<Option<Section>, Failu
         seconds: Some(seconds),
         times: &TIMES,
         reference: REFERENCE,
-        longer: "--accuracy",
+        remedy: "play longer with `--accuracy`, or listen elsewhere with `--probe`",
         progress,
     };
     let found = accuracy::measured(loaded, &mut ask);

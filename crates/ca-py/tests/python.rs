@@ -1,0 +1,60 @@
+//! The package as Python sees it: its tests, its documents, its types.
+//!
+//! Decides for one test here that runs those in `python/`, in an environment of its own: what this crate does is only
+//! seen from there, on a system like Unix. Where there is no Python, or no index of packages, it says so and passes.
+
+#![cfg(unix)]
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().expect("the workspace")
+}
+
+/// The interpreter with all packages, if it can be had.
+fn python() -> Option<PathBuf> {
+    let made = Command::new("bash").arg(root().join("tests/python/venv")).stderr(Stdio::piped()).output().ok()?;
+    let text = String::from_utf8(made.stdout).ok()?;
+    if !made.status.success() {
+        println!("no Python with packages here: {}", String::from_utf8_lossy(&made.stderr).trim());
+        return None;
+    }
+    Some(PathBuf::from(text.trim()))
+}
+
+#[test]
+fn everything() {
+    let Some(python) = python() else { return };
+    let exe = std::env::current_exe().expect("this test");
+    let deps = exe.parent().expect("its folder");
+    // what cargo has built for this test
+    let built = [deps.join("lib_core.so"), deps.join("../lib_core.so"), deps.join("lib_core.dylib")];
+    let built = built.iter().find(|p| p.exists()).expect("the compiled half");
+    let folder = tempfile::tempdir().expect("a folder");
+    let package = folder.path().join("cordis_anima");
+    std::fs::create_dir(&package).expect("a folder");
+    for file in std::fs::read_dir(root().join("crates/ca-py/python/cordis_anima")).expect("the package").flatten() {
+        let plain = file.path().extension().is_some_and(|e| e == "py" || e == "pyi" || e == "typed");
+        if plain || file.file_name() == "py.typed" {
+            std::fs::copy(file.path(), package.join(file.file_name())).expect("a copy");
+        }
+    }
+    // with what debuggers want it is large
+    std::os::unix::fs::symlink(built, package.join("_core.abi3.so")).expect("a link");
+    let run = Command::new(python)
+        .args(["-m", "pytest", "-q", "-p", "no:cacheprovider", "--doctest-modules"])
+        .arg(&package)
+        .arg(root().join("crates/ca-py/tests/python"))
+        .current_dir(folder.path())
+        .env("PYTHONPATH", folder.path())
+        .env("PYTHONDONTWRITEBYTECODE", "1")
+        .env("CA", deps.join("../ca"))
+        .env("CA_ROOT", root())
+        .output()
+        .expect("Python runs");
+    let told = String::from_utf8_lossy(&run.stdout);
+    println!("{told}{}", String::from_utf8_lossy(&run.stderr));
+    assert!(run.status.success(), "{told}");
+    assert!(told.contains(" passed"), "{told}");
+}

@@ -1,0 +1,115 @@
+"""Building models by calls, and what is said of those that are wrong."""
+
+from __future__ import annotations
+
+import copy
+import pickle
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import cordis_anima as ca
+from conftest import KEY
+
+
+def built() -> ca.Model:
+    return (
+        ca.Model("A key")
+        .param("grip", "2 kN/m", live=True, min="100 N/m", max="9 kN/m", doc="how hard it holds")
+        .add("TGR", "key", device="tgr12", dof=0, x="-6 mm")
+        .add("ENX", "hand")
+        .add("ENF", "push", to="low[20]")
+        .add("STRING", "low", n=40, f="110 Hz", t60="4 s", m="1 g")
+        .add("BUT", "strike", between=["key", "low[8]"], k="grip", z="0.2 N s/m")
+        .add("REF", "hold", between=("hand", "low[30]"), k="50 N/m", z=np.float64(0.01))
+        .add("SOX", "left", from_="low[3]", gain=np.int64(100))
+        .add("SOX", "right", from_="low@0.7", gain=100)
+    )
+
+
+def test_calls_write_what_an_author_writes(tmp_path: Path) -> None:
+    written = ca.Model.parse(KEY.replace('z = "0.01 N s/m"', "z = 0.01"))
+    assert built() == written
+    assert ca.Model.parse(built().to_toml()) == written
+    built().save(tmp_path / "key.ca.toml")
+    assert ca.Model.load(tmp_path / "key.ca.toml") == written
+    assert built().set("low.m", "2 g") != written
+    again = pickle.loads(pickle.dumps(built()))
+    assert again == built() == copy.copy(built()) == copy.deepcopy(built())
+    assert again.items[0] == ("TGR", "key")
+    with pytest.raises(TypeError):
+        hash(built())
+
+
+def test_groups_spaces_gestures() -> None:
+    m = (
+        ca.Model("A room", seconds=0.2)
+        .group("room", dim=3, gravity="9.81 m/s^2")
+        .add("MAS", "room.ball", m="10 g", x=[0, 0, "1 m"])
+        .add("SOL", "room.floor", x=[0, 0, 0])
+        .add("RES", "room.thread", between=["room.floor", "room.ball"], k="100 N/m")
+        .add("SOX", "out", from_="room.ball", along="z")
+    )
+    scene = m.compile()
+    assert scene.n_mat == 2
+    r = scene.render()
+    assert r.audio.shape == (9600, 1)
+    assert ca.Model.parse(m.to_toml()).compile().render().audio.tobytes() == r.audio.tobytes()
+
+
+def test_all_kinds_are_known() -> None:
+    kinds = ca.kinds()
+    assert {"MAS", "REF", "STRING", "LPR", "WAVEGUIDE", "TGR"} <= set(kinds)
+    assert {k.family for k in kinds.values()} == {"MAT", "LIA", "port", "generator"}
+    assert ("k", "N/m", "stiffness") in kinds["RES"].params
+
+
+def test_models_of_others() -> None:
+    text = "@g ground 0.\n@m1 mass 1. 0. 0.1\n@s spring @m1 @g 0.01 0.0001\n@out posOutput @m1\n"
+    scene = ca.Model.from_mims(text).compile()
+    assert np.abs(scene.render(0.1).audio).max() > 0
+    with pytest.raises(ca.ModelError):
+        ca.Model.from_mims("@m1 mass\n").compile()
+
+
+def test_findings_are_exceptions() -> None:
+    text = "[MAS]\nbob = { m = '20 gr', mm = 3 }\n[SOX]\nout = { from = 'bop' }\n"
+    with pytest.raises(ca.ModelError) as e:
+        ca.parse(text, file="bob.ca.toml")
+    found = e.value
+    assert [d.code for d in found.diagnostics] == ["E007", "E004", "E013"]
+    assert (found.code, found.location) == ("E007", "bob.ca.toml:2:17")
+    assert "did you mean `bob`?" in str(found) and "bob.ca.toml:2" in str(found)
+    assert isinstance(found, ca.CaError) and isinstance(found, ValueError)
+    again = pickle.loads(pickle.dumps(found))
+    assert again.diagnostics == found.diagnostics and str(again) == str(found)
+    check = ca.Model.parse(text).check()
+    assert not check and len(check.diagnostics) == 3
+    # what was built stands in no text
+    with pytest.raises(ca.ModelError) as e:
+        ca.Model().add("MAS", "bob", m=-1).compile()
+    assert e.value.diagnostics[0].line is None
+
+
+def test_what_makes_no_sense_is_refused() -> None:
+    for wrong in [
+        lambda: ca.load("hamered_string"),
+        lambda: ca.load("hammered_string", {"hamer.m": 1}),
+        lambda: ca.Model().put("modle", "title", "x"),
+        lambda: ca.load("hammered_string").render(-1),
+        lambda: ca.load("hammered_string").render(float("nan")),
+        lambda: ca.load("hammered_string").render(1e8),
+        lambda: ca.load("hammered_string").render(0.1, gesture={"key": np.zeros((3, 3))}),
+        lambda: ca.load("hammered_string").accuracy(times=[]),
+    ]:
+        with pytest.raises(ca.UsageError):
+            wrong()  # type: ignore[no-untyped-call]
+    with pytest.raises(ca.UsageError, match="did you mean `hammered_string`"):
+        ca.load("hamered_string")
+    with pytest.raises(ca.ModelError):
+        ca.load("hammered_string").render(0.1, probes=["nothing"])
+    with pytest.raises(AttributeError):
+        ca.examples.nothing
+    with pytest.raises(TypeError):
+        ca.Model().add("MAS", "bob", m=object())

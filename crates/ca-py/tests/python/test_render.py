@@ -1,0 +1,142 @@
+"""Renders: what they are, what goes wrong, who else runs meanwhile."""
+
+from __future__ import annotations
+
+import gc
+import os
+import resource
+import signal
+import threading
+from pathlib import Path
+
+import librosa
+import numpy as np
+import pytest
+import scipy.signal
+import soundfile
+
+import cordis_anima as ca
+
+
+def test_a_result_has_all_of_it(key: ca.Scene) -> None:
+    r = key.render(0.5, gesture={"key": 0.001}, probes=["strike", "low[3]"], energy=True)
+    assert (r.audio.shape, r.audio.dtype, r.sr, r.channels) == ((24000, 2), np.float32, 48000, ("left", "right"))
+    assert r.status == "ok" and r.message == "" and r.failed is None and r.seconds == 0.5 and r.rtf > 0
+    assert list(r.probes) == ["strike", "low[3]"] and r.columns["strike"] == ("strike",)
+    assert r.energy is not None
+    e = r.energy
+    assert abs(e.start + e.work - e.lost + e.made + e.changed + e.residual - e.stored) <= 1e-9 * e.peak
+    assert abs(e.residual) < 1e-9 * e.peak and e.lost_by["hold"] > 0
+    assert "ok" in repr(r)
+    # at the outputs is what the probe reads, times the gain
+    assert np.array_equal((100 * r.probes["low[3]"]).astype(np.float32), r.audio[:, 0])
+
+
+def test_others_take_it_as_it_is(tmp_path: Path) -> None:
+    r = ca.examples.string().render(2.0)
+    soundfile.write(tmp_path / "a.wav", r.audio, r.sr, subtype="FLOAT")
+    back, sr = soundfile.read(tmp_path / "a.wav", dtype="float32", always_2d=True)
+    assert sr == r.sr and np.array_equal(back, r.audio)
+    mel = librosa.feature.melspectrogram(y=r.audio.T[0], sr=r.sr)
+    assert mel.shape[0] == 128 and mel.max() > 0
+    # the pitch is what the model says
+    f = librosa.yin(r.audio.T[0][24000:72000], fmin=60, fmax=400, sr=r.sr)
+    assert abs(1200 * np.log2(np.median(f) / 110)) < 10
+    freqs, power = scipy.signal.periodogram(r.audio[:, 0], r.sr, window="hann", nfft=1 << 20)
+    peaks = freqs[(freqs > 100) & (freqs < 120)][np.argmax(power[(freqs > 100) & (freqs < 120)])]
+    assert abs(1200 * np.log2(peaks / 110)) < 5
+
+
+def test_what_goes_wrong_is_a_status() -> None:
+    loud = ca.examples.string().replace({"out.gain": 1e6}).render(0.2)
+    assert loud.status == "clipped" and loud.clipped > 0 and np.abs(loud.audio).max() == 1
+    assert loud.peak.max() > 1 and "multiply the gain" in loud.message
+    text = "[SOL]\nw = {}\n[MAS]\nb = { m = '1 g', dx0 = '1 mm' }\n[REF]\nr = { between = ['w', 'b'], k = '1e9 N/m' }\n[SOX]\no = { from = 'b' }\n"
+    wild = ca.parse(text)
+    assert wild.certificate.level == "unstable" and [d.code for d in wild.diagnostics] == ["W103"]
+    r = wild.render(0.2, energy=True)
+    assert r.status == "unstable" and r.failed is not None and r.failed[1] == "b" and "`b`" in r.message
+    assert np.isfinite(r.audio).all() and np.abs(r.audio[-100:]).max() == 0
+    with pytest.raises(ca.UnstableError) as e:
+        wild.render(0.2, on_unstable="raise")
+    assert e.value.module == "b" and 0 < e.value.time < 0.2 and isinstance(e.value, ArithmeticError)
+
+
+def test_gestures_of_every_form(key: ca.Scene, tmp_path: Path) -> None:
+    t = np.arange(4800) / 48000
+    x = (1e-3 * np.sin(40 * t)).astype(np.float32).astype(np.float64)
+    points = np.stack([t, x], axis=1)
+    np.save(tmp_path / "hand.npy", np.array(list(zip(t, x)), dtype=[("time", "f8"), ("hand", "f8")]))
+    soundfile.write(tmp_path / "hand.wav", x, 48000, subtype="FLOAT")
+    want = key.render(0.1, gesture={"hand": x}).audio
+    assert np.abs(want).max() > 0
+    for form in [points, points.tolist(), (x, 48000), (x.tolist(), 48000.0), tmp_path / "hand.wav"]:
+        assert np.array_equal(key.render(0.1, gesture={"hand": form}).audio, want)
+    assert np.array_equal(key.render(0.1, gesture=tmp_path / "hand.npy").audio, want)
+    with pytest.raises(ca.FileError, match="nothing is driven by `hend`"):
+        key.render(0.1, gesture={"hend": 1})
+    with pytest.raises(ca.FileError) as e:
+        key.render(0.1, gesture={"hand": [(0, 0), (0.1, float("nan"))]})
+    assert "point 1" in str(e.value) and isinstance(e.value, OSError)
+    with pytest.raises(ca.FileError):
+        key.render(0.1, gesture=tmp_path / "nothing.csv")
+
+
+def test_other_threads_run_meanwhile(key: ca.Scene) -> None:
+    seen: list[int] = []
+    done = threading.Event()
+
+    def count() -> None:
+        n = 0
+        while not done.is_set():
+            n += 1
+        seen.append(n)
+
+    other = threading.Thread(target=count)
+    told: list[tuple[int, int]] = []
+    other.start()
+    # while the lock is held, the other could not count at all: then this render would not be told anything in time
+    r = key.render(20.0, progress=lambda n, of: told.append((n, of)))
+    done.set()
+    other.join()
+    assert seen[0] > 1000
+    assert told[-1] == (len(r.audio), len(r.audio)) and [n for n, _ in told] == sorted(n for n, _ in told)
+
+
+def test_control_c_and_a_callback_end_it(key: ca.Scene) -> None:
+    timer = threading.Timer(0.2, lambda: os.kill(os.getpid(), signal.SIGINT))
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        key.render(100_000.0 / 48)
+    timer.join()
+
+    def enough(done: int, of: int) -> None:
+        raise LookupError("enough")
+
+    with pytest.raises(LookupError, match="enough"):
+        key.render(60.0, progress=enough)
+    with pytest.raises(LookupError, match="enough"):
+        ca.examples.string().accuracy(0.02, times=[1], reference=4, progress=enough)
+
+
+def test_nothing_is_lost_over_many_renders(key: ca.Scene) -> None:
+    times = 100_000 if os.environ.get("CA_LONG") else 4000
+    gesture = {"key": 0.001}
+
+    def some(n: int) -> int:
+        for _ in range(n):
+            key.render(0.001, gesture=gesture)
+        gc.collect()
+        return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+
+    first = some(times // 4)
+    # a leak of one sample array (100 frames, 400 bytes) a render would be seen
+    assert some(times) - first < max(1000, times * 100 // 1024)
+
+
+def test_pages_of_notebooks(key: ca.Scene) -> None:
+    for page in [key._repr_html_(), key.render(0.1, gesture={"key": 0.001})._repr_html_()]:
+        assert page.startswith("<div>") and page.endswith("</div>")
+        assert "http" not in page and "<script" not in page
+    assert "data:audio/wav;base64," in page and "<svg" in page
+    assert "how hard it holds" in key._repr_html_()

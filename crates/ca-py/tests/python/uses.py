@@ -1,0 +1,29 @@
+"""How the package is used, for the checker of types."""
+
+from __future__ import annotations
+
+import numpy as np
+
+import cordis_anima as ca
+
+
+def struck(hardness: float) -> tuple[float, str]:
+    """How loud a string is that is struck with a hammer of this hardness [N/m], and how sure its stability is."""
+    scene = ca.examples.string().replace({"strike.k": hardness})
+    r = scene.render(0.5, probes=["strike"], energy=True, progress=lambda done, of: None)
+    if r.energy is not None:
+        assert abs(r.energy.residual) <= 1e-9 * r.energy.peak
+    force: float = float(np.abs(r.probes["strike"]).max())
+    return force, scene.certificate.level
+
+
+def played() -> int:
+    """Samples of a scene that is played by hand."""
+    with ca.load("hammered_string").open(block=160) as sim:
+        audio, force = sim.step({"key": np.linspace(-0.006, 0.0, 160)})
+        sim.params["rest"] = 1.0
+        return len(audio) + len(force)
+
+
+if __name__ == "__main__":
+    print(struck(8e3), played(), [m for m in ca.load("harmonic_chain").modes().heard[:3]])
