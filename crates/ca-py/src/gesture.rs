@@ -3,7 +3,7 @@
 use crate::error::{failure, file, usage};
 use crate::scene::Scene;
 use ca_haptic::gesture::{self, PortMap, Track};
-use numpy::{PyReadonlyArray1, PyReadonlyArray2};
+use numpy::{PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods as _};
 use pyo3::prelude::*;
 use std::path::{Path, PathBuf};
 
@@ -26,9 +26,18 @@ impl Gesture {
     /// Tracks by name: a number, an array of times [s] and values (n x 2), or a rate [Hz] and an array (n).
     #[new]
     fn new(py: Python, tracks: Vec<(String, Curve)>) -> PyResult<Gesture> {
+        let narrow = |(name, curve): &(String, Curve)| match curve {
+            Curve::Points(p) if p.shape()[1] != 2 => Some(name.clone()),
+            _ => None,
+        };
+        if let Some(name) = tracks.iter().find_map(narrow) {
+            return Err(usage(py, &format!("breakpoints of `{name}` are rows of a time and a value, (n, 2)")));
+        }
         let track = |(name, curve): (String, Curve)| match curve {
             Curve::Value(v) => Track::points(name, vec![(0.0, v)]),
+            Curve::Samples(rate, values) if values.is_empty() => Track::sampled(name, rate, Vec::new()),
             Curve::Samples(rate, values) => Track::sampled(name, rate, values.as_array().to_vec()),
+            Curve::Points(points) if points.is_empty() => Track::points(name, Vec::new()),
             Curve::Points(points) => {
                 let rows = points.as_array();
                 Track::points(name, rows.rows().into_iter().map(|r| (r[0], r[1])).collect())

@@ -9,7 +9,7 @@ use ca_core::{State, advance, sense};
 use ca_haptic::perform::WILD;
 use ca_haptic::sound::Level;
 use ca_lab::Failure;
-use numpy::{PyArray1, PyReadonlyArray2, PyReadwriteArray2};
+use numpy::{PyArray1, PyReadonlyArray2, PyReadwriteArray2, PyUntypedArrayMethods as _};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::sync::Arc;
@@ -90,28 +90,34 @@ impl Sim {
     ) -> PyResult<()> {
         let felt = self.felt();
         let (n_in, channels) = (self.scene.inputs.len(), self.scene.channels);
-        let (given, mut audio) = (inputs.as_array(), audio.as_array_mut());
-        let n = audio.nrows();
-        if audio.ncols() != channels || given.ncols() != n_in || ![1, n].contains(&given.nrows()) {
+        let (n, rows) = (audio.shape()[0], inputs.shape()[0]);
+        if audio.shape()[1] != channels || inputs.shape()[1] != n_in || ![1, n].contains(&rows) {
             let what = format!("audio must be (n, {channels}) and inputs (n, {n_in}) or (1, {n_in})");
             return Err(usage(py, &what));
         }
-        let mut forces = forces.as_mut().map(|f| f.as_array_mut());
-        if forces.as_ref().is_some_and(|f| f.dim() != (n, felt.len())) {
+        if forces.as_ref().is_some_and(|f| f.shape() != [n, felt.len()]) {
             return Err(usage(py, &format!("forces must be ({n}, {})", felt.len())));
         }
+        // of an array without elements there is no view: its strides say nothing
+        let given = (!inputs.is_empty()).then(|| inputs.as_array());
+        let mut audio = (!audio.is_empty()).then(|| audio.as_array_mut());
+        let mut forces = forces.as_mut().filter(|f| !f.is_empty()).map(|f| f.as_array_mut());
         let Sim { scene, state: s, level, wild, .. } = self;
         py.detach(|| {
             for i in 0..n {
-                let row = given.row(if given.nrows() == 1 { 0 } else { i });
                 if *wild {
                     s.output.fill(0.0);
                 } else {
-                    s.input.iter_mut().zip(row).for_each(|(to, v)| *to = *v);
+                    if let Some(given) = &given {
+                        let row = given.row(if rows == 1 { 0 } else { i });
+                        s.input.iter_mut().zip(row).for_each(|(to, v)| *to = *v);
+                    }
                     sense(scene, s);
                 }
-                for (k, to) in audio.row_mut(i).iter_mut().enumerate() {
-                    *to = level.keep(k, s.output[k]) as f32;
+                if let Some(audio) = &mut audio {
+                    for (k, to) in audio.row_mut(i).iter_mut().enumerate() {
+                        *to = level.keep(k, s.output[k]) as f32;
+                    }
                 }
                 if let Some(forces) = &mut forces {
                     for (to, (_, f)) in forces.row_mut(i).iter_mut().zip(&felt) {
