@@ -1,11 +1,10 @@
 //! Gestures: numbers, breakpoints and samples by the names of what they drive, or files.
 
 use crate::error::{failure, file, usage};
-use crate::scene::Scene;
 use ca_haptic::gesture::{self, PortMap, Track};
 use numpy::{PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods as _};
 use pyo3::prelude::*;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// What a hand did or shall do.
 #[pyclass(frozen, module = "cordis_anima._core")]
@@ -48,24 +47,6 @@ impl Gesture {
         Ok(Gesture { gesture })
     }
 
-    /// From a file: CSV, NPY, WAV, MIDI (by the mappings of `scene`) or a take; `port` names its only track.
-    #[staticmethod]
-    fn open(py: Python, path: PathBuf, scene: &Scene, port: Option<String>, rate: Option<f64>) -> PyResult<Gesture> {
-        let read = || read(&path, scene, rate);
-        let gesture = py.detach(read).map_err(|e| file(py, &e))?;
-        let gesture = match (port, gesture.tracks()) {
-            (None, _) => gesture,
-            (Some(port), [one]) => {
-                gesture::Gesture::new(vec![one.clone().named(port)]).map_err(|e| failure(py, e.into()))?
-            }
-            (Some(port), all) => {
-                let what = format!("`{}` has {} tracks", path.display(), all.len());
-                return Err(usage(py, &format!("{what}; `{port}` gives a name to a single one")));
-            }
-        };
-        Ok(Gesture { gesture })
-    }
-
     /// These gestures as one.
     #[staticmethod]
     fn together(py: Python, all: Vec<PyRef<Gesture>>) -> PyResult<Gesture> {
@@ -86,11 +67,23 @@ impl Gesture {
     }
 }
 
-fn read(path: &Path, scene: &Scene, rate: Option<f64>) -> Result<gesture::Gesture, ca_haptic::FileError> {
-    if ca_lab::load::has_extension(path, "mcap") {
-        return ca_haptic::take::gesture(path, &ca_lab::catalog());
+impl Gesture {
+    /// From a file, by the mappings of `ports`; `port` names its only track.
+    pub fn open(py: Python, path: &Path, ports: &[PortMap], port: Option<String>) -> PyResult<Gesture> {
+        let read = || {
+            if ca_lab::load::has_extension(path, "mcap") {
+                ca_haptic::take::gesture(path, &ca_lab::catalog())
+            } else {
+                gesture::Gesture::open(path, ports, None)
+            }
+        };
+        let gesture = py.detach(read).map_err(|e| file(py, &e))?;
+        let Some(port) = port else { return Ok(Gesture { gesture }) };
+        let [one] = gesture.tracks() else {
+            let what = format!("`{}` has {} tracks", path.display(), gesture.tracks().len());
+            return Err(usage(py, &format!("{what}; `{port}` gives a name to a single one")));
+        };
+        let gesture = gesture::Gesture::new(vec![one.clone().named(port)]).map_err(|e| failure(py, e.into()))?;
+        Ok(Gesture { gesture })
     }
-    let map = |i: &ca_core::scene::Input| Some(PortMap { port: i.name.clone(), map: i.midi? });
-    let ports: Vec<PortMap> = scene.compiled.inputs.iter().filter_map(map).collect();
-    gesture::Gesture::open(path, &ports, rate)
 }

@@ -4,6 +4,7 @@ use crate::error::{failure, usage};
 use crate::wait::Wait;
 use ca_core::Options;
 use ca_core::analysis::modes;
+use ca_core::energy::Ledger;
 use ca_core::kind::Type;
 use ca_lab::accuracy::{self, Ask};
 use ca_lab::load::Loaded;
@@ -129,4 +130,35 @@ pub fn accuracy<'py>(
 pub fn table<T: numpy::Element>(py: Python<'_>, flat: Vec<T>, width: usize) -> PyResult<Bound<'_, PyArray2<T>>> {
     let rows = flat.len().checked_div(width).unwrap_or(0);
     flat.into_pyarray(py).reshape([rows, width])
+}
+
+/// The book: its sums, and who lost, made and received what.
+pub fn energy<'py>(py: Python<'py>, scene: &ca_core::Scene, book: &Ledger, ticks: u64) -> PyResult<Bound<'py, PyDict>> {
+    let b = book.balance();
+    let d = PyDict::new(py);
+    for (name, value) in [
+        ("start", b.h0),
+        ("stored", b.h),
+        ("kinetic", book.kinetic),
+        ("lost", b.lost),
+        ("made", b.source),
+        ("work", b.work),
+        ("changed", b.changed),
+        ("residual", b.residual),
+        ("peak", b.peak),
+        ("seconds", ticks as f64 * scene.te),
+    ] {
+        d.set_item(name, value)?;
+    }
+    let by_link = |all: &[f64]| -> Vec<(String, f64)> {
+        let name = |l: usize| scene.audited_name(l).unwrap_or("?").to_owned();
+        all.iter().enumerate().filter(|(_, v)| **v != 0.0).map(|(l, v)| (name(l), *v)).collect()
+    };
+    d.set_item("lost_by", by_link(&book.lost))?;
+    d.set_item("made_by", by_link(&book.source))?;
+    let ports = scene.enx.iter().chain(&scene.tgr).map(|p| p.input).chain(scene.enf.iter().map(|p| p.input));
+    let work: Vec<(String, f64)> =
+        ports.zip(&book.work).map(|(i, w)| (scene.inputs[i as usize].name.clone(), *w)).collect();
+    d.set_item("work_by", work)?;
+    Ok(d)
 }

@@ -2,12 +2,12 @@
 
 use crate::error::{failure, file, findings, usage};
 use crate::gesture::Gesture;
-use crate::measure::table;
+use crate::measure::{energy, table};
 use crate::sim::Sim;
 use crate::wait::Wait;
 use ca_core::Options;
-use ca_core::energy::Ledger;
 use ca_core::scene::InputRole;
+use ca_haptic::gesture::PortMap;
 use ca_haptic::perform::Performance;
 use ca_haptic::sound::Level;
 use ca_lab::Failure;
@@ -16,6 +16,7 @@ use ca_lab::play::{self, BLOCK, Broke};
 use numpy::IntoPyArray as _;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// A compiled model.
@@ -46,6 +47,8 @@ impl Scene {
     fn about<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let s = &self.compiled;
         let d = PyDict::new(py);
+        d.set_item("title", &s.title)?;
+        d.set_item("name", &self.loaded.name)?;
         d.set_item("rate", s.rate)?;
         d.set_item("gesture_rate", s.rate / f64::from(s.ratio))?;
         d.set_item("ratio", s.ratio)?;
@@ -160,39 +163,15 @@ impl Scene {
         Ok(d)
     }
 
+    /// From a file: CSV, NPY, WAV, MIDI (by the mappings of its ports) or a take; `port` names its only track.
+    fn gesture(&self, py: Python, path: PathBuf, port: Option<String>) -> PyResult<Gesture> {
+        let map = |i: &ca_core::scene::Input| Some(PortMap { port: i.name.clone(), map: i.midi? });
+        let ports: Vec<PortMap> = self.compiled.inputs.iter().filter_map(map).collect();
+        Gesture::open(py, &path, &ports, port)
+    }
+
     /// A running one.
     fn sim(&self) -> Sim {
         Sim::new(self.compiled.clone())
     }
-}
-
-/// The book: its sums, and who lost, made and received what.
-pub fn energy<'py>(py: Python<'py>, scene: &ca_core::Scene, book: &Ledger, ticks: u64) -> PyResult<Bound<'py, PyDict>> {
-    let b = book.balance();
-    let d = PyDict::new(py);
-    for (name, value) in [
-        ("start", b.h0),
-        ("stored", b.h),
-        ("kinetic", book.kinetic),
-        ("lost", b.lost),
-        ("made", b.source),
-        ("work", b.work),
-        ("changed", b.changed),
-        ("residual", b.residual),
-        ("peak", b.peak),
-        ("seconds", ticks as f64 * scene.te),
-    ] {
-        d.set_item(name, value)?;
-    }
-    let by_link = |all: &[f64]| -> Vec<(String, f64)> {
-        let name = |l: usize| scene.audited_name(l).unwrap_or("?").to_owned();
-        all.iter().enumerate().filter(|(_, v)| **v != 0.0).map(|(l, v)| (name(l), *v)).collect()
-    };
-    d.set_item("lost_by", by_link(&book.lost))?;
-    d.set_item("made_by", by_link(&book.source))?;
-    let ports = scene.enx.iter().chain(&scene.tgr).map(|p| p.input).chain(scene.enf.iter().map(|p| p.input));
-    let work: Vec<(String, f64)> =
-        ports.zip(&book.work).map(|(i, w)| (scene.inputs[i as usize].name.clone(), *w)).collect();
-    d.set_item("work_by", work)?;
-    Ok(d)
 }

@@ -158,7 +158,7 @@ impl Sim {
     /// The energy book, where one is kept.
     fn energy<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
         let book = self.state.ledger.as_ref();
-        book.map(|b| crate::scene::energy(py, &self.scene, b, self.state.tick.saturating_sub(1))).transpose()
+        book.map(|b| crate::measure::energy(py, &self.scene, b, self.state.tick.saturating_sub(1))).transpose()
     }
 
     /// Displacements of all places as they are now.

@@ -18,8 +18,9 @@ from typing import NamedTuple
 from . import _core, examples
 from ._errors import CaError, Diagnostic, FailedError, FileError, ModelError, UnstableError, UsageError
 from ._model import Check, Model
+from ._render import Params, Render
 from ._results import Accuracy, Certificate, Energy, Modes, Param, Port
-from ._scene import Curve, Gesture, Params, Progress, Render, Scene
+from ._scene import Curve, Gesture, Progress, Scene
 from ._sim import Block, Inputs, Sim
 
 __version__: str = _core.VERSION

@@ -6,13 +6,11 @@ import base64
 import html
 import io
 import struct
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from ._results import Sound
-    from ._scene import Render, Scene
+from ._results import Param, Port, Sound
 
 #: columns of a drawn waveform
 _WIDTH = 600
@@ -44,24 +42,24 @@ def _wave(x: Sound, height: int = 60) -> str:
     )
 
 
-def render(r: Render) -> str:
+def render(title: str, audio: Sound, sr: int, channels: Sequence[str]) -> str:
     """A render: what it is, a player, its channels."""
-    parts = [f"<p>{html.escape(repr(r)[1:-1])}</p>"]
-    if r.audio.size:
-        sound = base64.b64encode(_wav(r.audio[:, :2], r.sr)).decode()
+    parts = [f"<p>{html.escape(title)}</p>"]
+    if audio.size:
+        sound = base64.b64encode(_wav(audio[:, :2], sr)).decode()
         parts.append(f'<audio controls src="data:audio/wav;base64,{sound}"></audio>')
-        for name, x in zip(r.channels, r.audio.T):
+        for name, x in zip(channels, audio.T):
             parts.append(f"<div>{html.escape(name)}<br>{_wave(x)}</div>")
     return "<div>" + "".join(parts) + "</div>"
 
 
-def scene(s: Scene) -> str:
+def scene(title: str, inputs: Sequence[Port], params: Sequence[Param]) -> str:
     """A scene: what it is, its ports and live parameters."""
     rows = "".join(
         f"<tr><td>{html.escape(p.name)}</td><td>{p.value:g} {html.escape(p.unit)}</td>"
         f"<td>{p.min:g} … {p.max:g}</td><td>{html.escape(p.doc)}</td></tr>"
-        for p in s.params.values()
+        for p in params
     )
-    ports = ", ".join(html.escape(f"{p.name} ({p.role})") for p in s.inputs) or "none"
+    ports = ", ".join(html.escape(f"{p.name} ({p.role})") for p in inputs) or "none"
     table = f"<table><tr><th>live</th><th>value</th><th>range</th><th></th></tr>{rows}</table>" if rows else ""
-    return f"<div><p>{html.escape(repr(s)[1:-1])}</p><p>ports: {ports}</p>{table}</div>"
+    return f"<div><p>{html.escape(title)}</p><p>ports: {ports}</p>{table}</div>"

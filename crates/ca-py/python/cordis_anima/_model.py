@@ -10,6 +10,7 @@ from typing import Any
 
 from . import _core
 from ._errors import Diagnostic, diagnostics
+from ._results import plain, text
 from ._scene import Scene
 
 
@@ -68,6 +69,16 @@ class Model:
         return made
 
     @classmethod
+    def of(cls, scene: Scene) -> Model:
+        """The model a scene was compiled from, to be changed and compiled anew.
+
+        >>> import cordis_anima as ca
+        >>> ca.Model.of(ca.load("rattle")).title
+        'The rattle, on two keys'
+        """
+        return cls._of(scene._model.copy())
+
+    @classmethod
     def load(cls, source: str | os.PathLike[str]) -> Model:
         """A file ``*.ca.toml``, a MIMS file ``*.mdl``, or a bundled model by its name."""
         return cls._of(_core.Model.open(os.fspath(source)))
@@ -93,12 +104,12 @@ class Model:
         quantities, names, lists. A name ``"a.b"`` stands in the group ``a``. A last underscore is taken away, for words
         that Python keeps for itself: ``from_="bob"``.
         """
-        self._core.add(kind, name, [(k.rstrip("_"), _plain(v)) for k, v in values.items()])
+        self._core.add(kind, name, [(k.rstrip("_"), plain(v)) for k, v in values.items()])
         return self
 
     def group(self, name: str, **values: object) -> Model:
         """Adds a group: modules that share a medium or a space, e.g. ``group("hall", dim=3, gravity=9.81)``."""
-        self._core.group(name, [(k.rstrip("_"), _plain(v)) for k, v in values.items()])
+        self._core.group(name, [(k.rstrip("_"), plain(v)) for k, v in values.items()])
         return self
 
     def param(self, name: str, value: object, **about: object) -> Model:
@@ -111,13 +122,12 @@ class Model:
 
     def put(self, section: str, key: str, value: object) -> Model:
         """Writes an entry of ``model``, ``rate``, ``param``, ``gesture`` or ``equivalence``."""
-        self._core.put(section, key, _plain(value))
+        self._core.put(section, key, plain(value))
         return self
 
     def set(self, name: str, value: object) -> Model:
         """Sets a parameter that exists, as ``ca render --set`` does: ``set("hammer.m", "30 g")``."""
-        text = str(value).lower() if isinstance(value, bool) else str(_plain(value))
-        self._core.set(name, text)
+        self._core.set(name, text(value))
         return self
 
     @property
@@ -161,7 +171,7 @@ class Model:
         Raises:
             ModelError: it has errors.
         """
-        return Scene(self, rate=rate, exact=exact)
+        return Scene(self._core.copy(), rate=rate, exact=exact)
 
     def to_toml(self) -> str:
         """As a file an author would be glad to read; comments are kept at its head only."""
@@ -189,19 +199,6 @@ class Model:
 
     def __repr__(self) -> str:
         return f"<Model {self.title or self.name or 'untitled'!r}: {len(self._core.items)} modules>"
-
-
-def _plain(value: object) -> Any:
-    """Numbers of NumPy, tuples and the like as the engine takes them."""
-    if isinstance(value, (bool, float, int, str)):
-        return value
-    if isinstance(value, Mapping):
-        return {str(k): _plain(v) for k, v in value.items()}
-    if hasattr(value, "tolist"):
-        return value.tolist()
-    if isinstance(value, (list, tuple)):
-        return [_plain(v) for v in value]
-    return value
 
 
 def _again(data: bytes, file: str) -> Model:

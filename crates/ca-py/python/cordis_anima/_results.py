@@ -189,3 +189,21 @@ class Accuracy:
             return None
         best = min(good, key=lambda k: float(self.ns[k]))
         return self.method[best], int(self.times[best])
+
+
+def plain(value: object) -> Any:
+    """Numbers of NumPy, tuples and the like as the engine takes them."""
+    if isinstance(value, (bool, float, int, str)):
+        return value
+    if isinstance(value, Mapping):
+        return {str(k): plain(v) for k, v in value.items()}
+    if hasattr(value, "tolist"):
+        return value.tolist()
+    if isinstance(value, (list, tuple)):
+        return [plain(v) for v in value]
+    return value
+
+
+def text(value: object) -> str:
+    """A value as `--set` takes it."""
+    return str(value).lower() if isinstance(value, bool) else str(plain(value))

@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Literal, Union
+from typing import Any, Literal, Union
 
 import numpy as np
 import numpy.typing as npt
 
-from . import _core
+from . import _core, _html
 from ._errors import Diagnostic, UnstableError, UsageError, diagnostics
-from ._results import Accuracy, Certificate, Energy, Floats, Modes, Param, Port, Sound, Status, energy
-
-if TYPE_CHECKING:
-    from ._model import Model
-    from ._sim import Sim
+from ._render import Params, Render
+from ._results import Accuracy, Certificate, Floats, Modes, Param, Port, Status, text
+from ._results import energy as _energy
+from ._sim import Sim
 
 #: called with what is done and how much there is; an exception ends the call
 Progress = Callable[[int, int], object]
@@ -26,94 +24,6 @@ Progress = Callable[[int, int], object]
 Curve = Union[float, npt.ArrayLike, "tuple[npt.ArrayLike, float]", str, "os.PathLike[str]"]
 #: curves by what they drive, or a file whose tracks are called by it
 Gesture = Union[Mapping[str, Curve], str, "os.PathLike[str]", None]
-
-
-@dataclass(frozen=True, repr=False, eq=False)
-class Render:
-    """What was heard of a scene.
-
-    >>> import cordis_anima as ca
-    >>> r = ca.examples.string().render(0.5, probes=["low[8]", "low[*]"])
-    >>> r.audio.shape, r.audio.dtype, r.sr, r.status
-    ((24000, 1), dtype('float32'), 48000, 'ok')
-    >>> r.probes["low[8]"].shape, r.probes["low[*]"].shape, r.columns["low[*]"][0]
-    ((24000,), (24000, 40), 'low[0]')
-    """
-
-    #: sound (frames, channels), within ±1; what was louder is counted in `clipped`
-    audio: Sound
-    #: sound rate [Hz]
-    sr: int
-    #: names of the channels
-    channels: tuple[str, ...]
-    #: what was listened to besides, by its selector: displacement [m] of a mass, force [N] of a link; (frames,), or
-    #: (frames, n) where a selector chose several
-    probes: Mapping[str, Floats]
-    #: names of the columns of each probe
-    columns: Mapping[str, tuple[str, ...]]
-    #: the energy book, where `energy=True` asked for it
-    energy: Energy | None
-    #: ``ok``; ``unstable``, it blew up; ``clipped``, louder than full scale; ``refused``, an input had no value
-    status: Status
-    #: what is wrong and what to do; empty where nothing is
-    message: str
-    #: when it blew up [s], and the module to blame
-    failed: tuple[float, str] | None
-    #: greatest |sample| of each channel before the ceiling
-    peak: Floats
-    #: samples cut off at ±1
-    clipped: int
-    #: samples without a value, which became silence
-    non_finite: int
-    #: time it took [s]
-    run_time: float
-
-    @property
-    def seconds(self) -> float:
-        """Length [s]."""
-        return len(self.audio) / self.sr
-
-    @property
-    def rtf(self) -> float:
-        """Run time over length: below 1 is faster than real time."""
-        return self.run_time / self.seconds
-
-    def __repr__(self) -> str:
-        n, c = self.audio.shape
-        peak = 20 * np.log10(self.peak.max()) if self.peak.size and self.peak.max() > 0 else -np.inf
-        what = f"<Render: {n} frames x {c} at {self.sr} Hz, peak {peak:.1f} dBFS, {self.status}"
-        return f"{what}: {self.message}>" if self.message else f"{what}>"
-
-    def _repr_html_(self) -> str:
-        from ._html import render
-
-        return render(self)
-
-
-class Params(Mapping[str, Param]):
-    """Live parameters by name, read only; those of a running scene are changed at `Sim.params`.
-
-    >>> import cordis_anima as ca
-    >>> bow = ca.examples.bowed_string().params
-    >>> all(p.min <= p.value <= p.max for p in bow.values())
-    True
-    """
-
-    def __init__(self, all: Sequence[Param]) -> None:
-        self._all = {p.name: p for p in all}
-
-    def __getitem__(self, name: str) -> Param:
-        return self._all[name]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._all)
-
-    def __len__(self) -> int:
-        return len(self._all)
-
-    def __repr__(self) -> str:
-        one = (f"{p.name} = {p.value:g} {p.unit} ({p.min:g} … {p.max:g}){': ' + p.doc if p.doc else ''}" for p in self.values())
-        return "\n".join(one) or "no live parameters"
 
 
 def _samples(values: npt.ArrayLike) -> Floats:
@@ -135,21 +45,14 @@ class Scene:
 
     __slots__ = ("_core", "_hash", "_model", "rate")
 
-    def __init__(self, model: Model, *, rate: float | None = None, exact: bool = False) -> None:
-        self._model = model._core.copy()
-        self._core = self._model.compile(rate=rate, exact=exact)
+    def __init__(self, model: _core.Model, *, rate: float | None = None, exact: bool = False) -> None:
+        self._model = model
+        self._core = model.compile(rate=rate, exact=exact)
         self._hash: str | None = None
         #: the sound rate that was asked for [Hz]; None for that of the model
         self.rate = rate
 
     # what it is
-
-    @property
-    def model(self) -> Model:
-        """A copy of the model it was compiled from."""
-        from ._model import Model
-
-        return Model._of(self._model.copy())
 
     @property
     def name(self) -> str:
@@ -247,9 +150,7 @@ class Scene:
         )
 
     def _repr_html_(self) -> str:
-        from ._html import scene
-
-        return scene(self)
+        return _html.scene(repr(self)[1:-1], self.inputs, list(self.params.values()))
 
     # others like it
 
@@ -264,9 +165,9 @@ class Scene:
         >>> ca.load("hammered_string").replace({"hammer.m": "30 g", "model.title": "heavy"}).title
         'heavy'
         """
-        model = self.model
+        model = self._model.copy()
         for name, value in (changes or {}).items():
-            model.set(name, value)
+            model.set(name, text(value))
         return Scene(model, rate=self.rate if rate is None else rate)
 
     # what is heard
@@ -330,7 +231,7 @@ class Scene:
             channels=tuple(about["channels"]),
             probes=heard,
             columns=names,
-            energy=_energy(raw.get("energy")),
+            energy=_energy(raw["energy"]) if "energy" in raw else None,
             status=status,
             message=message,
             failed=failed,
@@ -344,12 +245,12 @@ class Scene:
         if gesture is None:
             return None
         if isinstance(gesture, (str, os.PathLike)):
-            return _core.Gesture.open(os.fspath(gesture), self._core, None, None)
+            return self._core.gesture(os.fspath(gesture), None)
         files: list[_core.Gesture] = []
         tracks: list[tuple[str, Any]] = []
         for name, curve in gesture.items():
             if isinstance(curve, (str, os.PathLike)):
-                files.append(_core.Gesture.open(os.fspath(curve), self._core, name, None))
+                files.append(self._core.gesture(os.fspath(curve), name))
             elif isinstance(curve, tuple) and len(curve) == 2 and np.ndim(curve[0]) == 1 and np.ndim(curve[1]) == 0:
                 tracks.append((name, (float(curve[1]), _samples(curve[0]))))
             else:
@@ -373,10 +274,8 @@ class Scene:
         >>> audio.shape, force.shape
         ((64, 2), (64, 1))
         """
-        from ._sim import Sim
-
         core = self._model.compile(rate=self.rate, energy=True) if energy else self._core
-        return Sim(self, core, block)
+        return Sim(core, block)
 
     # what is known of it
 
@@ -424,10 +323,6 @@ def _frozen(raw: Mapping[str, Any]) -> dict[str, Any]:
     return {k: tuple(v) if isinstance(v, list) else v for k, v in raw.items()}
 
 
-def _energy(raw: Mapping[str, Any] | None) -> Energy | None:
-    return None if raw is None else energy(raw)
-
-
 def _probes(raw: Mapping[str, Any], asked: Sequence[str]) -> tuple[Mapping[str, Floats], Mapping[str, tuple[str, ...]]]:
     """Columns by the selector that asked for them."""
     heard: dict[str, Floats] = {}
@@ -442,6 +337,4 @@ def _probes(raw: Mapping[str, Any], asked: Sequence[str]) -> tuple[Mapping[str, 
 
 def _again(data: bytes, file: str, rate: float | None) -> Scene:
     """A scene from a pickle."""
-    from ._model import Model
-
-    return Scene(Model._of(_core.Model.from_bytes(data, file)), rate=rate)
+    return Scene(_core.Model.from_bytes(data, file), rate=rate)

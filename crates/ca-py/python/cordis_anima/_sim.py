@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, MutableMapping
-from typing import TYPE_CHECKING, Any, NamedTuple, Union
+from typing import Any, NamedTuple, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -11,9 +11,6 @@ import numpy.typing as npt
 from . import _core
 from ._errors import UsageError
 from ._results import Energy, Floats, Sound, energy
-
-if TYPE_CHECKING:
-    from ._scene import Scene
 
 #: what drives ports in a block: numbers or arrays (n,) by name, or an array (n, inputs) in the order of `Scene.inputs`
 Inputs = Union[Mapping[str, "float | npt.ArrayLike"], npt.ArrayLike, None]
@@ -35,7 +32,7 @@ class Live(MutableMapping[str, float]):
         self._sim = sim
 
     def __getitem__(self, name: str) -> float:
-        if name not in self._sim.scene.params:
+        if name not in self._sim._live:
             raise KeyError(name)
         return self._sim._core.get(name)
 
@@ -46,10 +43,10 @@ class Live(MutableMapping[str, float]):
         raise UsageError(f"`{name}` is a parameter of the scene; it cannot be removed")
 
     def __iter__(self) -> Iterator[str]:
-        return iter(self._sim.scene.params)
+        return iter(self._sim._live)
 
     def __len__(self) -> int:
-        return len(self._sim.scene.params)
+        return len(self._sim._live)
 
     def __repr__(self) -> str:
         return repr(dict(self))
@@ -68,16 +65,25 @@ class Sim:
     True
     """
 
-    def __init__(self, scene: Scene, core: _core.Scene, block: int) -> None:
+    def __init__(self, core: _core.Scene, block: int) -> None:
         if block < 1:
             raise UsageError(f"block = {block}: at least one sample")
-        self.scene = scene
+        about = core.about()
+        #: sound rate [Hz]
+        self.sr = int(about["rate"])
+        #: names of the sound channels
+        self.channels: tuple[str, ...] = tuple(about["channels"])
+        self._name = str(about["title"] or about["name"])
+        self._frame = 1 / float(about["gesture_rate"])
+        self._oversample = int(about["oversample"])
+        self._rest = np.array([[rest for _, _, rest in core.inputs]], dtype=np.float64)
+        self._live = [p[0] for p in core.params]
         #: samples of a block where nothing says how many
         self.block = block
         self._core = core.sim()
-        self._names = [p.name for p in scene.inputs]
-        #: the inputs as they stand; what is not given keeps its value
-        self._held = np.array([[p.rest for p in scene.inputs]], dtype=np.float64)
+        self._names = [name for name, _, _ in core.inputs]
+        # the inputs as they stand; what is not given keeps its value
+        self._held = self._rest.copy()
         #: live parameters
         self.params = Live(self)
 
@@ -89,11 +95,7 @@ class Sim:
     @property
     def time(self) -> float:
         """Time that has passed in the scene [s]."""
-        return self._core.tick / (self.scene.sr * self._oversample)
-
-    @property
-    def _oversample(self) -> int:
-        return int(self.scene._core.about()["oversample"])
+        return self._core.tick / (self.sr * self._oversample)
 
     @property
     def status(self) -> str:
@@ -120,8 +122,8 @@ class Sim:
         Raises:
             UsageError: no such parameter, or out of its range.
         """
-        over = 1 / self.scene.gesture_rate if over is None else over
-        self._core.set(name, float(value), max(1, round(over * self.scene.sr)))
+        over = self._frame if over is None else over
+        self._core.set(name, float(value), max(1, round(over * self.sr)))
 
     def step(
         self,
@@ -145,7 +147,7 @@ class Sim:
             UsageError: an unknown port, an array of the wrong shape.
         """
         given, n = self._given(inputs, n, out)
-        audio = np.empty((n, len(self.scene.channels)), dtype=np.float32) if out is None else out
+        audio = np.empty((n, len(self.channels)), dtype=np.float32) if out is None else out
         forces = np.empty((n, len(self._core.ports)), dtype=np.float64) if force is None else force
         self._core.step(given, audio, forces)
         self._held = given[-1:].copy()
@@ -183,7 +185,7 @@ class Sim:
     def reset(self) -> None:
         """Back to the beginning."""
         self._core.reset()
-        self._held = np.array([[p.rest for p in self.scene.inputs]], dtype=np.float64)
+        self._held = self._rest.copy()
 
     def __iter__(self) -> Iterator[Block]:
         """Blocks without end, with the inputs as they stand."""
@@ -197,7 +199,7 @@ class Sim:
         return None
 
     def __reduce__(self) -> Any:
-        raise TypeError("a running scene cannot be pickled: pickle its `scene`, and open that where it is needed")
+        raise TypeError("a running scene cannot be pickled: pickle the scene it was opened from, and open that where it is needed")
 
     def __repr__(self) -> str:
-        return f"<Sim of {self.scene.title or self.scene.name!r} at {self.time:.3f} s, {self.status}>"
+        return f"<Sim of {self._name!r} at {self.time:.3f} s, {self.status}>"

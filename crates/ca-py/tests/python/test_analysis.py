@@ -36,7 +36,7 @@ def test_modes_of_a_string_are_its_closed_form() -> None:
 def test_certificates_are_records() -> None:
     c = chain().certificate
     assert c.level == "proven" and c.margin == pytest.approx(4 / c.bound) and c.largest is None
-    exact = chain().model.compile(exact=True).certificate
+    exact = ca.Model.of(chain()).compile(exact=True).certificate
     assert exact.largest is not None
     low, high = exact.largest
     assert low <= high < 4 and high / low < 1 + 1e-6
