@@ -4,8 +4,8 @@
 //! things added that a text does not keep: the order of modules, which is the order in which forces are summed, and what
 //! the files hold that it names. Two models of the same bytes give the same sound to the bit, on any machine.
 
-use crate::Failure;
 use crate::load::Loaded;
+use crate::{Failure, Found};
 use ca_core::Model;
 use ca_core::cloud::{Cloud, Clouds, Unread};
 use ca_core::model::diag::Diags;
@@ -17,16 +17,24 @@ use std::sync::Arc;
 const MAGIC: &[u8] = b"ca model 1\n";
 
 /// The bytes of a model. Its file and comments are not in them.
-pub fn bytes(loaded: &Loaded) -> Vec<u8> {
+///
+/// # Errors
+/// [`Failure::Found`] of a model whose text has errors: what could not be read has no bytes.
+pub fn bytes(loaded: &Loaded) -> Result<Vec<u8>, Failure> {
     let model = Model { header: String::new(), ..loaded.model.clone() };
     let text = write::write(&model);
     // the reader gives names in the order of the text
-    let (again, _) = read::read(&text, "", &crate::catalog());
+    let (again, found) = read::read(&text, "", &crate::catalog());
     let place: BTreeMap<&str, u64> = again.items.iter().zip(0..).map(|(i, k)| (i.name.as_str(), k)).collect();
-    let order = model.items.iter().filter_map(|i| place.get(i.name.as_str()).copied());
+    let order: Vec<u64> = model.items.iter().filter_map(|i| place.get(i.name.as_str()).copied()).collect();
+    let broken = [&loaded.diags, &found].into_iter().find(|d| d.has_errors());
+    if let Some(diags) = broken {
+        let model = if std::ptr::eq(diags, &raw const found) { again } else { loaded.model.clone() };
+        return Err(Failure::Found(Box::new(Found { model, diags: diags.clone() })));
+    }
     let mut to = MAGIC.to_vec();
     put(&mut to, text.as_bytes());
-    let order: Vec<u8> = order.flat_map(u64::to_le_bytes).collect();
+    let order: Vec<u8> = order.into_iter().flat_map(u64::to_le_bytes).collect();
     put(&mut to, &order);
     for (name, cloud) in &loaded.clouds {
         put(&mut to, name.as_bytes());
@@ -45,7 +53,7 @@ pub fn bytes(loaded: &Loaded) -> Vec<u8> {
             }
         }
     }
-    to
+    Ok(to)
 }
 
 fn put(to: &mut Vec<u8>, part: &[u8]) {
@@ -58,15 +66,15 @@ pub fn digest(bytes: &[u8]) -> String {
     blake3::hash(bytes).to_hex().to_string()
 }
 
-/// The model of these bytes; `file` is its name in reports.
+/// The model of these bytes, called `name`. What is found in it stands in no file.
 ///
 /// # Errors
 /// [`Failure::Failed`] where they are none of a model.
-pub fn from_bytes(bytes: &[u8], file: &str) -> Result<Loaded, Failure> {
-    parse(bytes, file).ok_or_else(|| Failure::Failed("these bytes are no model of this version".into()))
+pub fn from_bytes(bytes: &[u8], name: &str) -> Result<Loaded, Failure> {
+    parse(bytes, name).ok_or_else(|| Failure::Failed("these bytes are no model of this version".into()))
 }
 
-fn parse(bytes: &[u8], file: &str) -> Option<Loaded> {
+fn parse(bytes: &[u8], name: &str) -> Option<Loaded> {
     let mut rest = bytes.strip_prefix(MAGIC)?;
     let mut take = || -> Option<&[u8]> {
         let (n, after) = rest.split_first_chunk::<8>()?;
@@ -97,10 +105,10 @@ fn parse(bytes: &[u8], file: &str) -> Option<Loaded> {
         };
         clouds.insert(name, cloud);
     }
-    let (mut model, _) = read::read(text, file, &crate::catalog());
+    let (mut model, _) = read::read(text, "", &crate::catalog());
     let items: Option<Vec<_>> = order.iter().map(|k| model.items.get(*k).cloned()).collect();
     model.items = items.filter(|i| i.len() == model.items.len())?;
-    Some(Loaded { name: crate::load::stem(file.as_ref()), model, diags: Diags::new(), clouds })
+    Some(Loaded { name: name.into(), model, diags: Diags::new(), clouds })
 }
 
 fn words(bytes: &[u8]) -> Option<impl Iterator<Item = u64>> {

@@ -9,7 +9,7 @@ use ca_core::cloud::Clouds;
 use ca_core::load::finish;
 use ca_core::model::diag::{Diags, Severity};
 use ca_core::model::suggest::nearest;
-use ca_core::model::{Item, mims, read};
+use ca_core::model::{Item, Value, mims, read};
 use ca_core::{Model, Options, Scene};
 use std::path::Path;
 
@@ -104,13 +104,19 @@ pub fn built(model: Model) -> Loaded {
 }
 
 fn found(model: Model, diags: Diags, file: &str) -> Loaded {
-    Loaded { name: stem(Path::new(file)), clouds: clouds(&model), model, diags }
+    let mut loaded = Loaded { name: stem(Path::new(file)), clouds: Clouds::new(), model, diags };
+    look(&mut loaded);
+    loaded
 }
 
-/// What the files named in a model hold; they are looked for beside its own.
-fn clouds(model: &Model) -> Clouds {
-    let folder = Path::new(&model.file).parent().unwrap_or(Path::new(""));
-    ca_haptic::cloud::of_model(model, &catalog(), folder)
+/// Reads the files that the model names and that were not read yet; they are looked for beside its own.
+pub fn look(loaded: &mut Loaded) {
+    let (model, kinds) = (&loaded.model, catalog());
+    if ca_haptic::cloud::named(model, &kinds).into_iter().any(|name| !loaded.clouds.contains_key(name)) {
+        let folder = Path::new(&model.file).parent().unwrap_or(Path::new(""));
+        let read = ca_haptic::cloud::of_model(model, &kinds, folder);
+        loaded.clouds = read.into_iter().chain(std::mem::take(&mut loaded.clouds)).collect();
+    }
 }
 
 /// Reads a MIMS text. With errors, the model that comes back is empty but for the text they point into.
@@ -145,15 +151,15 @@ fn no_model(word: &str) -> String {
     let what = if like_a_file { "no such file" } else { "no file and no bundled model of that name" };
     match meant {
         Some(m) => format!("`{word}`: {what}; did you mean `{m}`?"),
-        None => format!("`{word}`: {what}; `ca list models` shows the bundled ones"),
+        None => format!("`{word}`: {what}; `ca list models` (in Python `examples.names()`) shows the bundled ones"),
     }
 }
 
-/// Sets a parameter as [`Model::set`] does, and reads the files again that the model names.
+/// Sets a parameter as [`Model::put`] does, and reads what files it names then.
 ///
 /// # Errors
 /// [`Failure::Usage`] with the nearest name where there is none such.
-pub fn set(loaded: &mut Loaded, name: &str, value: &str) -> Result<(), Failure> {
+pub fn set(loaded: &mut Loaded, name: &str, value: Value) -> Result<(), Failure> {
     let model = &mut loaded.model;
     if let Some((owner, key)) = name.rsplit_once('.') {
         let known: Option<Vec<&str>> = match owner {
@@ -172,8 +178,8 @@ pub fn set(loaded: &mut Loaded, name: &str, value: &str) -> Result<(), Failure> 
             }
         }
     }
-    if model.set(name, value) {
-        loaded.clouds = clouds(model);
+    if model.put(name, value) {
+        look(loaded);
         return Ok(());
     }
     let mut all: Vec<String> = model.params.iter().map(|e| e.key.clone()).collect();

@@ -120,3 +120,10 @@ fn fix(scene: &Scene, module: &str) -> Option<String> {
     let d = list().filter(about).find(|d| d.title.contains(&named)).or_else(|| list().find(about))?;
     d.help.clone()
 }
+
+/// The gain that would just fit, three digits, towards zero.
+pub fn gain(peak: f64) -> f64 {
+    let ten = (1.0 / peak).log10().floor() - 2.0;
+    let n = (1.0 / peak / 10f64.powf(ten)).floor();
+    format!("{n}e{ten}").parse().unwrap_or(n)
+}

@@ -32,8 +32,8 @@ pub fn failure(py: Python, failure: Failure) -> PyErr {
         Failure::Usage(what) => usage(py, &what),
         Failure::Failed(what) => raised(py, "FailedError", (what,)),
         Failure::Found(found) => raised(py, "ModelError", findings(&found.diags, &found.model)),
-        // who stopped it has said so
-        Failure::Stopped => PyErr::fetch(py),
+        // who stopped it has said why, which is looked at first
+        Failure::Stopped => raised(py, "FailedError", ("stopped",)),
     }
 }
 

@@ -68,13 +68,20 @@ impl Gesture {
 }
 
 impl Gesture {
-    /// From a file, by the mappings of `ports`; `port` names its only track.
-    pub fn open(py: Python, path: &Path, ports: &[PortMap], port: Option<String>) -> PyResult<Gesture> {
+    /// From a file, by the mappings of `ports`; `port` names its only track, `rate` \[Hz\] is that of an array
+    /// without times.
+    pub fn open(
+        py: Python,
+        path: &Path,
+        ports: &[PortMap],
+        port: Option<String>,
+        rate: Option<f64>,
+    ) -> PyResult<Gesture> {
         let read = || {
             if ca_lab::load::has_extension(path, "mcap") {
                 ca_haptic::take::gesture(path, &ca_lab::catalog())
             } else {
-                gesture::Gesture::open(path, ports, None)
+                gesture::Gesture::open(path, ports, rate)
             }
         };
         let gesture = py.detach(read).map_err(|e| file(py, &e))?;

@@ -83,9 +83,6 @@ pub fn accuracy<'py>(
     if probes.is_empty() {
         return Err(usage(py, "the model has no output to compare; name what to listen to by `probes`"));
     }
-    if asked.times.is_empty() || asked.times.contains(&0) || asked.reference < 4 || !asked.reference.is_multiple_of(4) {
-        return Err(usage(py, "`times` are whole numbers from 1 on, `reference` is a multiple of 4"));
-    }
     let mut wait = Wait::new(progress);
     let found = py.detach(|| {
         let mut ask = Ask {
@@ -127,8 +124,12 @@ pub fn accuracy<'py>(
 }
 
 /// Rows of `width` numbers as an array, without a copy.
-pub fn table<T: numpy::Element>(py: Python<'_>, flat: Vec<T>, width: usize) -> PyResult<Bound<'_, PyArray2<T>>> {
-    let rows = flat.len().checked_div(width).unwrap_or(0);
+pub fn table<T: numpy::Element>(
+    py: Python<'_>,
+    flat: Vec<T>,
+    rows: usize,
+    width: usize,
+) -> PyResult<Bound<'_, PyArray2<T>>> {
     flat.into_pyarray(py).reshape([rows, width])
 }
 

@@ -4,10 +4,11 @@ use crate::error::{failure, findings, usage};
 use crate::measure;
 use crate::scene::Scene;
 use ca_core::kind::Role;
-use ca_core::model::{Entry, Value, write};
+use ca_core::model::suggest::nearest;
+use ca_core::model::{Entry, Value, read, write};
 use ca_core::{KernelClass, Options};
+use ca_lab::bytes;
 use ca_lab::load::{self, BUNDLED, Loaded};
-use ca_lab::{Failure, bytes};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use std::sync::Arc;
@@ -80,6 +81,20 @@ pub fn kinds()
     ca_lab::catalog().iter().map(one).collect()
 }
 
+impl Model {
+    /// What is compiled: modules in their groups, and the files they name.
+    fn whole(&self) -> Loaded {
+        let mut loaded = self.loaded.clone();
+        let model = &mut loaded.model;
+        for item in model.items.iter_mut().filter(|i| i.group.is_none()) {
+            let group = item.name.rsplit_once('.').map(|(group, _)| group);
+            item.group = group.and_then(|group| model.groups.iter().position(|g| g.name == group));
+        }
+        load::look(&mut loaded);
+        loaded
+    }
+}
+
 #[pymethods]
 impl Model {
     /// An empty model.
@@ -107,20 +122,16 @@ impl Model {
         Model { loaded: py.detach(|| load::read_mims(text, file)) }
     }
 
-    /// From its bytes.
+    /// From its bytes, called `name`.
     #[staticmethod]
-    fn from_bytes(py: Python, bytes: &[u8], file: &str) -> PyResult<Model> {
-        Ok(Model { loaded: bytes::from_bytes(bytes, file).map_err(|e| failure(py, e))? })
+    fn from_bytes(py: Python, bytes: &[u8], name: &str) -> PyResult<Model> {
+        Ok(Model { loaded: bytes::from_bytes(bytes, name).map_err(|e| failure(py, e))? })
     }
 
     /// What it means, as bytes.
-    fn bytes<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
-        PyBytes::new(py, &bytes::bytes(&self.loaded))
-    }
-
-    /// The hash of its bytes.
-    fn digest(&self) -> String {
-        bytes::digest(&bytes::bytes(&self.loaded))
+    fn bytes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let made = bytes::bytes(&self.whole()).map_err(|e| failure(py, e))?;
+        Ok(PyBytes::new(py, &made))
     }
 
     /// An equal model.
@@ -163,25 +174,33 @@ impl Model {
         self.loaded.model.items.iter().map(|i| (i.kind.as_str(), i.name.as_str())).collect()
     }
 
-    /// Adds a module; `a.b` stands in the group `a`.
+    /// Adds a module; `a.b` stands in the group `a`, wherever that is added.
     fn add(&mut self, kind: &str, name: &str, args: Vec<(String, Given)>) {
-        let model = &mut self.loaded.model;
-        model.add(kind, name, entries(args));
-        let group = name.rsplit_once('.').and_then(|(group, _)| model.groups.iter().position(|g| g.name == group));
-        if let Some(item) = model.items.last_mut() {
-            item.group = group;
-        }
+        self.loaded.model.add(kind, name, entries(args));
     }
 
     /// Adds a group.
-    fn group(&mut self, name: &str, props: Vec<(String, Given)>) {
+    fn group(&mut self, py: Python, name: &str, props: Vec<(String, Given)>) -> PyResult<()> {
+        if self.loaded.model.groups.iter().any(|g| g.name == name) {
+            return Err(usage(
+                py,
+                &format!("there is a group `{name}` already; give it all of its properties at once"),
+            ));
+        }
         let group =
             ca_core::model::Group { name: name.into(), span: ca_core::model::Span::NONE, props: entries(props) };
         self.loaded.model.groups.push(group);
+        Ok(())
     }
 
     /// Writes an entry of `model`, `rate`, `param`, `gesture` or `equivalence`.
     fn put(&mut self, py: Python, section: &str, key: &str, value: Given) -> PyResult<()> {
+        let known = [("model", read::META), ("rate", read::RATES)].into_iter().find(|s| s.0 == section).map(|s| s.1);
+        if let Some(keys) = known.filter(|keys| !keys.contains(&key)) {
+            let meant = nearest(key, keys.iter().copied());
+            let hint = meant.map_or_else(|| format!("it has {}", keys.join(", ")), |m| format!("did you mean `{m}`?"));
+            return Err(usage(py, &format!("`[{section}]` has no `{key}`; {hint}")));
+        }
         let model = &mut self.loaded.model;
         let list = match section {
             "model" => &mut model.meta,
@@ -196,16 +215,18 @@ impl Model {
         Ok(())
     }
 
-    /// Sets a parameter as `--set` does.
-    fn set(&mut self, py: Python, name: &str, value: &str) -> PyResult<()> {
+    /// Sets a parameter that exists; text is what `--set` would make of it.
+    fn set(&mut self, py: Python, name: &str, value: Given) -> PyResult<()> {
+        let value = if let Given::Text(text) = value { Value::typed(&text) } else { value.value() };
         load::set(&mut self.loaded, name, value).map_err(|e| failure(py, e))
     }
 
     /// Compiles it without playing: whether it can be, the JSON of all findings, and how they read.
     #[pyo3(signature = (rate=None))]
     fn check(&self, py: Python, rate: Option<f64>) -> (bool, String, String) {
-        let (scene, diags) = py.detach(|| load::compiled(&self.loaded, &Options { rate, ..Options::default() }));
-        let (json, text) = findings(&diags, &self.loaded.model);
+        let loaded = self.whole();
+        let (scene, diags) = py.detach(|| load::compiled(&loaded, &Options { rate, ..Options::default() }));
+        let (json, text) = findings(&diags, &loaded.model);
         (scene.is_some(), json, text)
     }
 
@@ -222,15 +243,15 @@ impl Model {
     ) -> PyResult<Scene> {
         let kernel = if reference { KernelClass::Reference } else { KernelClass::Fast };
         let options = Options { rate, energy, probes, kernel, exact, ..Options::default() };
-        let made: Result<_, Failure> = py.detach(|| load::scene(&self.loaded, &options));
-        let scene = made.map_err(|e| failure(py, e))?;
-        Ok(Scene::new(Arc::new(scene), self.loaded.clone(), options))
+        let loaded = self.whole();
+        let scene = py.detach(|| load::scene(&loaded, &options)).map_err(|e| failure(py, e))?;
+        Ok(Scene::new(Arc::new(scene), loaded, options))
     }
 
     /// See `cordis_anima.Scene.modes`.
     #[pyo3(signature = (rate=None))]
     fn modes<'py>(&self, py: Python<'py>, rate: Option<f64>) -> PyResult<Bound<'py, PyDict>> {
-        measure::modes(py, &self.loaded, rate)
+        measure::modes(py, &self.whole(), rate)
     }
 
     /// See `cordis_anima.Scene.accuracy`.
@@ -247,6 +268,6 @@ impl Model {
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Bound<'py, PyDict>> {
         let asked = measure::Asked { rate, seconds, probes, times, reference };
-        measure::accuracy(py, &self.loaded, &asked, progress)
+        measure::accuracy(py, &self.whole(), &asked, progress)
     }
 }

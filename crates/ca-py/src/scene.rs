@@ -10,9 +10,9 @@ use ca_core::scene::InputRole;
 use ca_haptic::gesture::PortMap;
 use ca_haptic::perform::Performance;
 use ca_haptic::sound::Level;
-use ca_lab::Failure;
 use ca_lab::load::{self, Loaded};
 use ca_lab::play::{self, BLOCK, Broke};
+use ca_lab::{Failure, bytes};
 use numpy::IntoPyArray as _;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -81,6 +81,13 @@ impl Scene {
         list.map(|p| (p.name.as_str(), p.value, p.min, p.max, p.unit.symbol, p.doc.as_str())).collect()
     }
 
+    /// What names it among machines: the hash of its model's bytes and of its sound rate.
+    fn digest(&self, py: Python) -> PyResult<String> {
+        let mut all = bytes::bytes(&self.loaded).map_err(|e| failure(py, e))?;
+        all.extend(self.compiled.rate.to_le_bytes());
+        Ok(bytes::digest(&all))
+    }
+
     /// JSON of what was found, and how it reads.
     fn findings(&self) -> (String, String) {
         findings(&self.compiled.diags, &self.loaded.model)
@@ -146,11 +153,12 @@ impl Scene {
             Broke::of(&played, twin.as_ref().unwrap_or(scene), gesture)
         });
         let d = PyDict::new(py);
-        d.set_item("audio", table(py, heard.audio, channels)?)?;
-        d.set_item("probes", table(py, heard.probes, n_out - channels)?)?;
+        d.set_item("audio", table(py, heard.audio, frames as usize, channels)?)?;
+        d.set_item("probes", table(py, heard.probes, frames as usize, n_out - channels)?)?;
         d.set_item("probe_names", scene.probe_names.clone())?;
         d.set_item("probe_of", scene.probe_of.clone())?;
-        d.set_item("frames", frames)?;
+        let peak = heard.level.peak.iter().copied().fold(0.0, f64::max);
+        d.set_item("gain", (peak > 1.0).then(|| play::gain(peak)))?;
         d.set_item("peak", heard.level.peak.into_pyarray(py))?;
         d.set_item("clipped", heard.level.clipped)?;
         d.set_item("non_finite", heard.level.non_finite)?;
@@ -163,11 +171,12 @@ impl Scene {
         Ok(d)
     }
 
-    /// From a file: CSV, NPY, WAV, MIDI (by the mappings of its ports) or a take; `port` names its only track.
-    fn gesture(&self, py: Python, path: PathBuf, port: Option<String>) -> PyResult<Gesture> {
+    /// From a file: CSV, NPY, WAV, MIDI (by the mappings of its ports) or a take; `port` names its only track, `rate` [Hz] is
+    /// that of an array without times.
+    fn gesture(&self, py: Python, path: PathBuf, port: Option<String>, rate: Option<f64>) -> PyResult<Gesture> {
         let map = |i: &ca_core::scene::Input| Some(PortMap { port: i.name.clone(), map: i.midi? });
         let ports: Vec<PortMap> = self.compiled.inputs.iter().filter_map(map).collect();
-        Gesture::open(py, &path, &ports, port)
+        Gesture::open(py, &path, &ports, port, rate)
     }
 
     /// A running one.

@@ -1,30 +1,41 @@
 //! A scene that runs, block by block or frame by frame: gestures in, sound and forces out.
 //!
-//! Decides that a block is written into arrays of the caller and that nothing is allocated on the way; device ports are
-//! read at the first sample of a gesture frame, as from a device.
+//! Decides that a block is written into arrays of the caller and that nothing is allocated for it; device ports are read at
+//! the first sample of a gesture frame, as from a device. Who shares one between threads waits for the block of the other.
 
 use crate::error::{failure, usage};
+use crate::wait::Wait;
 use ca_core::live::Controls;
 use ca_core::{State, advance, sense};
 use ca_haptic::perform::WILD;
 use ca_haptic::sound::Level;
 use ca_lab::Failure;
-use numpy::{PyArray1, PyReadonlyArray2, PyReadwriteArray2, PyUntypedArrayMethods as _};
+use numpy::{PyReadonlyArray2, PyReadwriteArray2, PyUntypedArrayMethods as _};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// Samples between two looks at signals.
+const BLOCK: usize = 4096;
 
 /// A running scene.
-#[pyclass(module = "cordis_anima._core")]
+#[pyclass(frozen, module = "cordis_anima._core")]
 pub struct Sim {
     scene: Arc<ca_core::Scene>,
+    /// the ports whose forces are told: input and where its force stands
+    felt: Vec<(usize, Felt)>,
+    running: Mutex<Running>,
+}
+
+/// What changes.
+struct Running {
     state: State,
     controls: Controls,
     level: Level,
     wild: bool,
 }
 
-/// A port whose force is told.
+/// Where the force on a port stands.
 #[derive(Clone, Copy)]
 enum Felt {
     /// a position port, by its MAT
@@ -33,22 +44,50 @@ enum Felt {
     Border(usize),
 }
 
+impl Running {
+    fn new(scene: &ca_core::Scene) -> Running {
+        Running { state: scene.state(), controls: scene.controls(), level: Level::new(scene.channels), wild: false }
+    }
+
+    /// One sample; its sound is in the state's output.
+    fn sense(&mut self, scene: &ca_core::Scene) {
+        if self.wild {
+            self.state.output.fill(0.0);
+        } else {
+            sense(scene, &mut self.state);
+        }
+    }
+
+    fn force(&self, felt: Felt) -> f64 {
+        let force = match felt {
+            Felt::Mat(m) => self.state.f[m],
+            Felt::Border(k) => self.state.border[k].force,
+        };
+        if self.wild || !force.is_finite() { 0.0 } else { force }
+    }
+
+    fn advance(&mut self, scene: &ca_core::Scene) {
+        if !self.wild {
+            advance(scene, &mut self.state);
+            self.wild = self.state.tick.is_multiple_of(64) && !self.state.is_sound(WILD);
+        }
+    }
+}
+
 impl Sim {
     /// From the beginning.
     pub fn new(scene: Arc<ca_core::Scene>) -> Sim {
-        let (state, controls, level) = (scene.state(), scene.controls(), Level::new(scene.channels));
-        Sim { scene, state, controls, level, wild: false }
+        let positions = scene.enx.iter().map(|p| (p.input as usize, Felt::Mat(p.mat as usize)));
+        let devices = scene.tgr.iter().enumerate().map(|(k, p)| (p.input as usize, Felt::Border(k)));
+        let mut felt: Vec<_> = positions.chain(devices).collect();
+        felt.sort_by_key(|(input, _)| *input);
+        let running = Mutex::new(Running::new(&scene));
+        Sim { scene, felt, running }
     }
 
-    /// The ports that feel a force, in the order of the inputs.
-    fn felt(&self) -> Vec<(usize, Felt)> {
-        let s = &self.scene;
-        let positions = s.enx.iter().map(|p| (p.input as usize, Felt::Mat(p.mat as usize)));
-        let devices = s.tgr.iter().enumerate().map(|(k, p)| (p.input as usize, Felt::Border(k)));
-        let mut all: Vec<_> = positions.chain(devices).collect();
-        // a port in space has an input for each axis; several MATs of one input do not occur
-        all.sort_by_key(|(input, _)| *input);
-        all
+    /// Does something with what changes, without the lock of the interpreter.
+    fn with<R: Send>(&self, py: Python, f: impl FnOnce(&mut Running) -> R + Send) -> R {
+        py.detach(|| f(&mut self.running.lock().unwrap_or_else(PoisonError::into_inner)))
     }
 }
 
@@ -56,40 +95,40 @@ impl Sim {
 impl Sim {
     /// Names of the ports whose forces are told.
     #[getter]
-    fn ports(&self) -> Vec<String> {
-        self.felt().iter().map(|(input, _)| self.scene.inputs[*input].name.clone()).collect()
+    fn ports(&self) -> Vec<&str> {
+        self.felt.iter().map(|(input, _)| self.scene.inputs[*input].name.as_str()).collect()
     }
 
     /// Samples so far.
     #[getter]
-    fn tick(&self) -> u64 {
-        self.state.tick
+    fn tick(&self, py: Python) -> u64 {
+        self.with(py, |r| r.state.tick)
     }
 
     /// True once it has blown up: silence from there on.
     #[getter]
-    fn wild(&self) -> bool {
-        self.wild
+    fn wild(&self, py: Python) -> bool {
+        self.with(py, |r| r.wild)
     }
 
     /// Samples cut off at full scale, samples without a value, inputs without a value.
     #[getter]
-    fn counts(&self) -> (u64, u64, u64) {
-        (self.level.clipped, self.level.non_finite, self.state.refused)
+    fn counts(&self, py: Python) -> (u64, u64, u64) {
+        self.with(py, |r| (r.level.clipped, r.level.non_finite, r.state.refused))
     }
 
     /// Plays as many samples as `audio` has rows: (n x channels). `inputs` is (n x inputs), or (1 x inputs) for all of
     /// them; `forces` (n x ports) is filled where it is given.
     #[pyo3(signature = (inputs, audio, forces=None))]
     fn step(
-        &mut self,
+        &self,
         py: Python,
         inputs: PyReadonlyArray2<f64>,
         mut audio: PyReadwriteArray2<f32>,
         mut forces: Option<PyReadwriteArray2<f64>>,
     ) -> PyResult<()> {
-        let felt = self.felt();
-        let (n_in, channels) = (self.scene.inputs.len(), self.scene.channels);
+        let (scene, felt) = (&*self.scene, &self.felt);
+        let (n_in, channels) = (scene.inputs.len(), scene.channels);
         let (n, rows) = (audio.shape()[0], inputs.shape()[0]);
         if audio.shape()[1] != channels || inputs.shape()[1] != n_in || ![1, n].contains(&rows) {
             let what = format!("audio must be (n, {channels}) and inputs (n, {n_in}) or (1, {n_in})");
@@ -102,67 +141,58 @@ impl Sim {
         let given = (!inputs.is_empty()).then(|| inputs.as_array());
         let mut audio = (!audio.is_empty()).then(|| audio.as_array_mut());
         let mut forces = forces.as_mut().filter(|f| !f.is_empty()).map(|f| f.as_array_mut());
-        let Sim { scene, state: s, level, wild, .. } = self;
-        py.detach(|| {
+        let mut wait = Wait::new(None);
+        self.with(py, |r| {
             for i in 0..n {
-                if *wild {
-                    s.output.fill(0.0);
-                } else {
-                    if let Some(given) = &given {
-                        let row = given.row(if rows == 1 { 0 } else { i });
-                        s.input.iter_mut().zip(row).for_each(|(to, v)| *to = *v);
-                    }
-                    sense(scene, s);
+                if i % BLOCK == BLOCK - 1 && !wait.goes_on(i as u64, n as u64) {
+                    return;
                 }
+                if let Some(given) = &given {
+                    let row = given.row(if rows == 1 { 0 } else { i });
+                    r.state.input.iter_mut().zip(row).for_each(|(to, v)| *to = *v);
+                }
+                r.sense(scene);
                 if let Some(audio) = &mut audio {
                     for (k, to) in audio.row_mut(i).iter_mut().enumerate() {
-                        *to = level.keep(k, s.output[k]) as f32;
+                        *to = r.level.keep(k, r.state.output[k]) as f32;
                     }
                 }
                 if let Some(forces) = &mut forces {
-                    for (to, (_, f)) in forces.row_mut(i).iter_mut().zip(&felt) {
-                        let force = match *f {
-                            Felt::Mat(m) => s.f[m],
-                            Felt::Border(k) => s.border[k].force,
-                        };
-                        *to = if *wild || !force.is_finite() { 0.0 } else { force };
+                    for (to, (_, f)) in forces.row_mut(i).iter_mut().zip(felt) {
+                        *to = r.force(*f);
                     }
                 }
-                if !*wild {
-                    advance(scene, s);
-                    *wild = s.tick.is_multiple_of(64) && !s.is_sound(WILD);
-                }
+                r.advance(scene);
             }
         });
-        Ok(())
+        wait.error.map_or(Ok(()), Err)
     }
 
     /// Starts to move a live parameter, over so many samples.
-    fn set(&mut self, py: Python, name: &str, value: f64, samples: u32) -> PyResult<()> {
-        let patch = self.controls.set(name, value).map_err(|e| failure(py, Failure::Usage(e.to_string())))?;
-        self.state.apply(&patch, samples.saturating_mul(self.scene.oversample()));
-        Ok(())
+    fn set(&self, py: Python, name: &str, value: f64, samples: u32) -> PyResult<()> {
+        let ticks = samples.saturating_mul(self.scene.oversample());
+        let done = self.with(py, |r| {
+            let patch = r.controls.set(name, value)?;
+            r.state.apply(&patch, ticks);
+            Ok::<(), ca_core::live::Refused>(())
+        });
+        done.map_err(|e| failure(py, Failure::Usage(e.to_string())))
     }
 
     /// The present value of a live parameter.
     fn get(&self, py: Python, name: &str) -> PyResult<f64> {
-        let found = self.controls.params().iter().find(|p| p.name == name).map(|p| p.value);
+        let found = self.with(py, |r| r.controls.params().iter().find(|p| p.name == name).map(|p| p.value));
         found.ok_or_else(|| usage(py, &format!("`{name}` is not a live parameter")))
     }
 
     /// Back to the beginning.
-    fn reset(&mut self) {
-        *self = Sim::new(self.scene.clone());
+    fn reset(&self, py: Python) {
+        self.with(py, |r| *r = Running::new(&self.scene));
     }
 
     /// The energy book, where one is kept.
     fn energy<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
-        let book = self.state.ledger.as_ref();
-        book.map(|b| crate::measure::energy(py, &self.scene, b, self.state.tick.saturating_sub(1))).transpose()
-    }
-
-    /// Displacements of all places as they are now.
-    fn positions<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        PyArray1::from_slice(py, &self.state.x)
+        let (book, tick) = self.with(py, |r| (r.state.ledger.clone(), r.state.tick));
+        book.map(|b| crate::measure::energy(py, &self.scene, &b, tick.saturating_sub(1))).transpose()
     }
 }

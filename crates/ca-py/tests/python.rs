@@ -35,13 +35,14 @@ fn everything() {
     let package = folder.path().join("cordis_anima");
     std::fs::create_dir(&package).expect("a folder");
     for file in std::fs::read_dir(root().join("crates/ca-py/python/cordis_anima")).expect("the package").flatten() {
-        let plain = file.path().extension().is_some_and(|e| e == "py" || e == "pyi" || e == "typed");
-        if plain || file.file_name() == "py.typed" {
+        if file.path().extension().is_some_and(|e| e == "py" || e == "pyi" || e == "typed") {
             std::fs::copy(file.path(), package.join(file.file_name())).expect("a copy");
         }
     }
     // with what debuggers want it is large
     std::os::unix::fs::symlink(built, package.join("_core.abi3.so")).expect("a link");
+    let command = deps.join("../ca");
+    assert!(command.exists(), "`cargo test --workspace` builds the command, which the package is compared with");
     let run = Command::new(python)
         .args(["-m", "pytest", "-q", "-p", "no:cacheprovider", "--doctest-modules"])
         .arg(&package)
@@ -49,7 +50,7 @@ fn everything() {
         .current_dir(folder.path())
         .env("PYTHONPATH", folder.path())
         .env("PYTHONDONTWRITEBYTECODE", "1")
-        .env("CA", deps.join("../ca"))
+        .env("CA", command)
         .env("CA_ROOT", root())
         .output()
         .expect("Python runs");

@@ -86,6 +86,19 @@ impl Entry {
     }
 }
 
+impl Value {
+    /// What somebody means who types this: a number, a flag, or text such as a quantity.
+    pub fn typed(text: &str) -> Value {
+        let text = text.trim();
+        match (text.parse::<f64>(), text) {
+            (Ok(v), _) => Value::Num(v),
+            (_, "true") => Value::Bool(true),
+            (_, "false") => Value::Bool(false),
+            _ => Value::Text(text.into()),
+        }
+    }
+}
+
 impl From<f64> for Value {
     fn from(v: f64) -> Value {
         Value::Num(v)
@@ -199,13 +212,11 @@ impl Model {
     /// other, but their findings point nowhere: what is set does not stand in the text. Returns false where there is
     /// no such name.
     pub fn set(&mut self, name: &str, text: &str) -> bool {
-        let text = text.trim();
-        let value = match (text.parse::<f64>(), text) {
-            (Ok(v), _) => Value::Num(v),
-            (_, "true") => Value::Bool(true),
-            (_, "false") => Value::Bool(false),
-            _ => Value::Text(text.into()),
-        };
+        self.put(name, Value::typed(text))
+    }
+
+    /// As [`Model::set`], with any value.
+    pub fn put(&mut self, name: &str, value: Value) -> bool {
         if let Some(e) = self.params.iter_mut().find(|e| e.key == name) {
             if let Value::Table(entries) = &mut e.value {
                 entries.retain(|x| x.key != "value");

@@ -47,15 +47,18 @@ pub fn open(path: impl AsRef<Path>) -> Result<Cloud, FileError> {
     read(&bytes).and_then(|d| cloud(&d)).map_err(|e| e.file(path.display()))
 }
 
-/// Reads all files a model names, from its folder.
-pub fn of_model(model: &Model, catalog: &Catalog, folder: &Path) -> Clouds {
+/// The files that a model names.
+pub fn named<'m>(model: &'m Model, catalog: &Catalog) -> BTreeSet<&'m String> {
     let files = model.items.iter().flat_map(|item| {
         let params = catalog.get(&item.kind).map_or(&[][..], |k| k.params);
         let is_file = |key: &str| params.iter().any(|p| p.name == key && p.ty == Type::File);
         item.args.iter().filter(move |e| is_file(&e.key))
     });
-    let names: BTreeSet<&String> =
-        files.filter_map(|e| if let Value::Text(t) = &e.value { Some(t) } else { None }).collect();
+    files.filter_map(|e| if let Value::Text(t) = &e.value { Some(t) } else { None }).collect()
+}
+
+/// Reads all files a model names, from its folder.
+pub fn of_model(model: &Model, catalog: &Catalog, folder: &Path) -> Clouds {
     let read = |name: &String| {
         open(folder.join(name)).map(Arc::new).map_err(|e| {
             let help =
@@ -63,7 +66,7 @@ pub fn of_model(model: &Model, catalog: &Catalog, folder: &Path) -> Clouds {
             Unread { what: FileError { fix: String::new(), ..e }.to_string(), help }
         })
     };
-    names.into_iter().map(|name| (name.clone(), read(name))).collect()
+    named(model, catalog).into_iter().map(|name| (name.clone(), read(name))).collect()
 }
 
 /// A cloud as the text of an OBJ file: the same points and edges when read again.

@@ -107,7 +107,7 @@ impl Gesture {
         rate: Option<f64>,
     ) -> Result<Gesture, FileError> {
         if rate.is_some() && format != GestureFormat::Npy {
-            return Err(FileError::usage("this format tells its own time").fix("leave out `--gesture-rate`"));
+            return Err(FileError::usage("this format tells its own time").fix("leave out its rate (`--gesture-rate`)"));
         }
         match format {
             GestureFormat::Csv => csv::read(bytes),

@@ -98,11 +98,11 @@ fn tracks(mut columns: Vec<(String, Vec<f64>)>, rate: Option<f64>) -> Result<Ges
     let made: Result<Vec<Track>, FileError> = match (time, rate) {
         (Some(_), Some(_)) => {
             let e = FileError::usage("the array has its own `time`, and a rate is given as well");
-            return Err(e.fix("leave out `--gesture-rate`"));
+            return Err(e.fix("leave out its rate (`--gesture-rate`)"));
         }
         (None, None) => {
             let e = FileError::usage("nothing says how fast the array is to be played");
-            return Err(e.fix("give `--gesture-rate`, for example 3000 Hz, or save it with a field `time`"));
+            return Err(e.fix("give its rate (`--gesture-rate`, in Python `(file, rate)`), for example 3000 Hz, or save it with a field `time`"));
         }
         (None, Some(rate)) => {
             check_rate(rate)?;

@@ -29,6 +29,9 @@ const TURN: f64 = 1e7;
 /// The highest rate that a model is compiled for \[Hz\].
 const HIGHEST: f64 = 1e7;
 
+/// Samples that are kept of each way, of all probes together; beyond it a model is played less long.
+const MOST: f64 = 5e7;
+
 /// What a section of a page is called.
 pub const TITLE: &str = "Error against run time";
 
@@ -108,7 +111,14 @@ pub fn measured(loaded: &Loaded, ask: &mut Ask) -> Result<Measured, Failure> {
     let scene = load::scene(loaded, &Options { rate: ask.rate, probes: probes.clone(), ..Options::default() })?;
     let rate = scene.rate;
     let seconds = ask.seconds.unwrap_or_else(|| scene.seconds.unwrap_or(LONGEST).min(LONGEST));
-    let frames = (seconds * rate).round().max(16.0) as usize;
+    let samples = seconds * rate;
+    if !(samples > 0.0 && samples * probes.len() as f64 <= MOST) {
+        let most = MOST / (rate * probes.len() as f64);
+        return Err(Failure::Usage(format!(
+            "{seconds} s cannot be compared; play more than nothing, and at most {most:.0} s"
+        )));
+    }
+    let frames = samples.round().max(16.0) as usize;
     let finest = ask.times.iter().copied().max().map_or(ask.reference, |t| t.max(ask.reference));
     if f64::from(finest) * rate > HIGHEST {
         let most = (HIGHEST / rate).floor();
@@ -119,28 +129,23 @@ pub fn measured(loaded: &Loaded, ask: &mut Ask) -> Result<Measured, Failure> {
     times.sort_unstable();
     times.dedup();
     let ways = ways(loaded, &probes, rate, &times);
-    let steps = (ways.all.len() * ROUNDS + 1) as u64;
-    let (mut done, tell) = (0, &mut *ask.progress);
-    let mut step = |by: u64| {
-        done += by;
-        if tell(done, steps) { Ok(()) } else { Err(Failure::Stopped) }
-    };
-    step(0)?;
-    let truth = truth::truth(loaded, &probes, &scene, frames, ask.reference)?;
-    step(1)?;
+    let mut steps = Steps { done: 0, of: (ways.all.len() * ROUNDS + 1) as u64, tell: &mut *ask.progress };
+    steps.look()?;
+    let truth = truth::truth(loaded, &probes, &scene, (frames, ask.reference), &mut steps)?;
+    steps.step()?;
     if truth.columns.iter().flatten().all(|v| *v == 0.0) {
         let what = format!("nothing of {} moves in {seconds} s", load::ticked(probes.iter().map(String::as_str)));
         return Err(Failure::Failed(format!("{what}; {}", ask.remedy)));
     }
     let mut rows = Vec::with_capacity(ways.all.len());
     for way in &ways.all {
-        rows.push(row(way, &truth, frames, rate)?);
-        step(1)?;
+        rows.push(row(way, &truth, frames, rate, &mut steps)?);
+        steps.step()?;
     }
     for _ in 1..ROUNDS {
         for (way, row) in ways.all.iter().zip(&mut rows) {
-            row.ns = row.ns.min(turn(way, frames)?);
-            step(1)?;
+            row.ns = row.ns.min(turn(way, frames, &mut steps)?);
+            steps.step()?;
         }
     }
     mark(&mut rows);
@@ -161,9 +166,29 @@ pub fn heard(model: &Model) -> Vec<String> {
     all
 }
 
+/// How far it is, and whether anybody still wants it.
+struct Steps<'a> {
+    done: u64,
+    of: u64,
+    tell: &'a mut dyn FnMut(u64, u64) -> bool,
+}
+
+impl Steps<'_> {
+    /// One more is done.
+    fn step(&mut self) -> Result<(), Failure> {
+        self.done += 1;
+        self.look()
+    }
+
+    /// Whether to go on.
+    fn look(&mut self) -> Result<(), Failure> {
+        if (self.tell)(self.done, self.of) { Ok(()) } else { Err(Failure::Stopped) }
+    }
+}
+
 /// Plays a way and scores it.
-fn row(way: &Way, truth: &Truth, frames: usize, rate: f64) -> Result<Row, Failure> {
-    let (columns, ns) = way.play(frames)?;
+fn row(way: &Way, truth: &Truth, frames: usize, rate: f64, steps: &mut Steps) -> Result<Row, Failure> {
+    let (columns, ns) = way.play(frames, steps)?;
     let balance = way.audited.as_ref().and_then(|s| play::book(s, frames as u64 * u64::from(way.times)));
     Ok(Row {
         method: way.method,
@@ -177,10 +202,10 @@ fn row(way: &Way, truth: &Truth, frames: usize, rate: f64) -> Result<Row, Failur
 }
 
 /// The quickest time of a sample in one turn of a way \[ns\].
-fn turn(way: &Way, frames: usize) -> Result<f64, Failure> {
+fn turn(way: &Way, frames: usize, steps: &mut Steps) -> Result<f64, Failure> {
     let (mut best, mut whole) = (f64::INFINITY, 0.0);
     while whole < TURN {
-        let ns = way.play(frames)?.1;
+        let ns = way.play(frames, steps)?.1;
         (best, whole) = (best.min(ns), whole + ns * frames as f64);
     }
     Ok(best)

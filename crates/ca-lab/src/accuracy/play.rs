@@ -1,5 +1,6 @@
 //! A scene played in memory: what its probes read at the samples of the model's own rate, and the time it took.
 
+use super::Steps;
 use crate::Failure;
 use ca_core::Scene;
 use ca_core::energy::Balance;
@@ -9,12 +10,18 @@ use std::time::Instant;
 /// A column for each probe.
 pub type Columns = Vec<Vec<f64>>;
 
+/// Samples between two looks whether to go on.
+pub const BLOCK: usize = 4096;
+
 /// Plays `frames` samples of `times` ticks; also the nanoseconds of a sample. What is out of range is NaN.
-pub fn columns(scene: &Scene, frames: usize, times: u32) -> Result<(Columns, f64), Failure> {
+pub fn columns(scene: &Scene, frames: usize, times: u32, steps: &mut Steps) -> Result<(Columns, f64), Failure> {
     let mut p = Performance::new(scene, None)?;
     let mut all = vec![Vec::with_capacity(frames); scene.n_out - scene.channels];
     let begin = Instant::now();
-    for _ in 0..frames {
+    for frame in 0..frames {
+        if frame % BLOCK == BLOCK - 1 {
+            steps.look()?;
+        }
         p.tick();
         for (column, v) in all.iter_mut().zip(&p.state.output[scene.channels..]) {
             column.push(if p.wild { f64::NAN } else { *v });

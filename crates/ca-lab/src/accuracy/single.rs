@@ -3,7 +3,8 @@
 //! Decides to give it what a gesture gives the scene in double precision, tick by tick and written down beforehand: who
 //! moves ports and when is decided in one place, and the time measured is that of the ticks.
 
-use super::play::Columns;
+use super::Steps;
+use super::play::{BLOCK, Columns};
 use crate::Failure;
 use crate::load::Loaded;
 use ca_core::model::write::write;
@@ -36,7 +37,12 @@ pub fn compiled(loaded: &Loaded, options: &Options) -> Result<single::Scene, Str
 }
 
 /// As [`columns`](super::play::columns), of a scene whose twin in double precision knows what its ports are given.
-pub fn columns(scene: &single::Scene, double: &Scene, frames: usize, times: u32) -> Result<(Columns, f64), Failure> {
+pub fn columns(
+    scene: &single::Scene,
+    double: &Scene,
+    (frames, times): (usize, u32),
+    steps: &mut Steps,
+) -> Result<(Columns, f64), Failure> {
     let n = scene.inputs.len();
     let mut given = Vec::new();
     if n > 0 {
@@ -51,6 +57,9 @@ pub fn columns(scene: &single::Scene, double: &Scene, frames: usize, times: u32)
     let mut wild = false;
     let begin = Instant::now();
     for tick in 0..frames * times as usize {
+        if tick % BLOCK == BLOCK - 1 {
+            steps.look()?;
+        }
         if !wild {
             s.input.copy_from_slice(&given[tick * n..][..n]);
             single::tick(scene, &mut s);

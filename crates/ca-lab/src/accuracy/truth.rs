@@ -7,6 +7,7 @@
 //! reference is then the finest run, known as well as the last two agree. A method of higher order takes the place of the
 //! model as written where, at an eighth of that rate, it is known better and the two agree within what they are known to.
 
+use super::Steps;
 use super::play::{Columns, columns};
 use super::score::apart;
 use super::ways::{AS_WRITTEN, twin};
@@ -50,13 +51,14 @@ pub fn truth(
     loaded: &Loaded,
     probes: &[String],
     plain: &Scene,
-    frames: usize,
-    reference: u32,
+    (frames, reference): (usize, u32),
+    steps: &mut Steps,
 ) -> Result<Truth, Failure> {
     if let Some(columns) = closed(loaded, probes, plain, frames) {
         return Ok(Truth { columns, origin: Origin::Modes, method: AS_WRITTEN, known: 1e-12 });
     }
-    let by = |loaded: &Loaded, method, times| carried(loaded, method, probes, plain.rate, frames, times);
+    let mut by =
+        |loaded: &Loaded, method, times| carried(loaded, method, probes, plain.rate, (frames, times), &mut *steps);
     let few = reference / 8;
     let mut best: Option<(Loaded, &'static str, f64)> = None;
     if few >= 4 {
@@ -84,13 +86,13 @@ fn carried(
     method: &'static str,
     probes: &[String],
     rate: f64,
-    frames: usize,
-    times: u32,
+    (frames, times): (usize, u32),
+    steps: &mut Steps,
 ) -> Result<Truth, Failure> {
-    let at = |times: u32| -> Result<Columns, Failure> {
+    let mut at = |times: u32| -> Result<Columns, Failure> {
         let rate = Some(rate * f64::from(times));
         let options = Options { rate, probes: probes.to_vec(), ..Options::default() };
-        Ok(columns(&load::scene(loaded, &options)?, frames, times)?.0)
+        Ok(columns(&load::scene(loaded, &options)?, frames, times, steps)?.0)
     };
     let (coarse, middle, fine) = (at(times / 4)?, at(times / 2)?, at(times)?);
     let (first, last) = (apart(&coarse, &middle), apart(&middle, &fine));

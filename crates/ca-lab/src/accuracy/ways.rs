@@ -3,6 +3,7 @@
 //! Decides that a method is asked for as an author would, by a word in the model: what the compiler refuses is no way, and
 //! what it would do anyway is no second one.
 
+use super::Steps;
 use super::play::{self, Columns};
 use super::single::{self, SINGLE};
 use crate::Failure;
@@ -55,10 +56,10 @@ pub struct Way {
 
 impl Way {
     /// Plays it: what its probes read, and the nanoseconds of a sample.
-    pub fn play(&self, frames: usize) -> Result<(Columns, f64), Failure> {
+    pub fn play(&self, frames: usize, steps: &mut Steps) -> Result<(Columns, f64), Failure> {
         match &self.single {
-            Some(scene) => single::columns(scene, &self.scene, frames, self.times),
-            None => play::columns(&self.scene, frames, self.times),
+            Some(scene) => single::columns(scene, &self.scene, (frames, self.times), steps),
+            None => play::columns(&self.scene, frames, self.times, steps),
         }
     }
 }

@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from . import _core
-from ._errors import Diagnostic, diagnostics
-from ._results import plain, text
+from ._errors import Diagnostic, ModelError, diagnostics
+from ._results import plain
 from ._scene import Scene
 
 
@@ -108,7 +108,7 @@ class Model:
         return self
 
     def group(self, name: str, **values: object) -> Model:
-        """Adds a group: modules that share a medium or a space, e.g. ``group("hall", dim=3, gravity=9.81)``."""
+        """Adds a group, once: modules that share a medium or a space, e.g. ``group("hall", dim=3, gravity=9.81)``."""
         self._core.group(name, [(k.rstrip("_"), plain(v)) for k, v in values.items()])
         return self
 
@@ -127,7 +127,7 @@ class Model:
 
     def set(self, name: str, value: object) -> Model:
         """Sets a parameter that exists, as ``ca render --set`` does: ``set("hammer.m", "30 g")``."""
-        self._core.set(name, text(value))
+        self._core.set(name, plain(value))
         return self
 
     @property
@@ -171,7 +171,7 @@ class Model:
         Raises:
             ModelError: it has errors.
         """
-        return Scene(self._core.copy(), rate=rate, exact=exact)
+        return Scene._of(self._core.copy(), rate, exact)
 
     def to_toml(self) -> str:
         """As a file an author would be glad to read; comments are kept at its head only."""
@@ -186,7 +186,13 @@ class Model:
         return Model._of(self._core.copy())
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, Model) and self._core.bytes() == other._core.bytes()
+        """Whether the same values are written in the same order; a model with errors equals none but itself."""
+        if self is other or not isinstance(other, Model):
+            return self is other
+        try:
+            return self._core.bytes() == other._core.bytes()
+        except ModelError:
+            return False
 
     def __copy__(self) -> Model:
         return self.copy()
@@ -195,12 +201,12 @@ class Model:
         return self.copy()
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return (_again, (bytes(self._core.bytes()), self._core.file))
+        return (_again, (self._core.bytes(), self._core.name))
 
     def __repr__(self) -> str:
         return f"<Model {self.title or self.name or 'untitled'!r}: {len(self._core.items)} modules>"
 
 
-def _again(data: bytes, file: str) -> Model:
+def _again(data: bytes, name: str) -> Model:
     """A model from a pickle."""
-    return Model._of(_core.Model.from_bytes(data, file))
+    return Model._of(_core.Model.from_bytes(data, name))

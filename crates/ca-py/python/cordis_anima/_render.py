@@ -27,6 +27,8 @@ class Render:
     audio: Sound
     #: sound rate [Hz]
     sr: int
+    #: length [s]
+    seconds: float
     #: names of the channels
     channels: tuple[str, ...]
     #: what was listened to besides, by its selector: displacement [m] of a mass, force [N] of a link; (frames,), or
@@ -50,11 +52,6 @@ class Render:
     non_finite: int
     #: time it took [s]
     run_time: float
-
-    @property
-    def seconds(self) -> float:
-        """Length [s]."""
-        return len(self.audio) / self.sr
 
     @property
     def rtf(self) -> float:

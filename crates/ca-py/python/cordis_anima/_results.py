@@ -104,7 +104,7 @@ def energy(raw: Mapping[str, Any]) -> Energy:
     return Energy(**plain)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Modes:
     """How the linear part of a scene sings; arrays over modes, lowest first."""
 
@@ -139,7 +139,7 @@ class Modes:
         return f"<Modes: {len(self)}, heard at {first}{' …' if len(self) > 4 else ''} Hz>"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Accuracy:
     """Error against run time; arrays over ways to compute the scene."""
 
@@ -202,8 +202,3 @@ def plain(value: object) -> Any:
     if isinstance(value, (list, tuple)):
         return [plain(v) for v in value]
     return value
-
-
-def text(value: object) -> str:
-    """A value as `--set` takes it."""
-    return str(value).lower() if isinstance(value, bool) else str(plain(value))

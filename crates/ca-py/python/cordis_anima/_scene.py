@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping, Sequence
-from types import MappingProxyType
 from typing import Any, Literal, Union
 
 import numpy as np
@@ -13,28 +12,25 @@ import numpy.typing as npt
 from . import _core, _html
 from ._errors import Diagnostic, UnstableError, UsageError, diagnostics
 from ._render import Params, Render
-from ._results import Accuracy, Certificate, Floats, Modes, Param, Port, Status, text
+from ._results import Accuracy, Certificate, Floats, Modes, Param, Port, Status, plain
 from ._results import energy as _energy
 from ._sim import Sim
 
 #: called with what is done and how much there is; an exception ends the call
 Progress = Callable[[int, int], object]
 #: what drives one port or live parameter: a number that stays; breakpoints (n, 2) of time [s] and value; samples (n,) at
-#: the sound rate; samples and their rate [Hz]; a file with one track
-Curve = Union[float, npt.ArrayLike, "tuple[npt.ArrayLike, float]", str, "os.PathLike[str]"]
+#: the sound rate; samples and their rate [Hz]; a file with one track; an array in a file, and its rate [Hz]
+Path = Union[str, "os.PathLike[str]"]
+Curve = Union[float, npt.ArrayLike, "tuple[npt.ArrayLike, float]", Path, "tuple[Path, float]"]
 #: curves by what they drive, or a file whose tracks are called by it
 Gesture = Union[Mapping[str, Curve], str, "os.PathLike[str]", None]
-
-
-def _samples(values: npt.ArrayLike) -> Floats:
-    return np.ascontiguousarray(values, dtype=np.float64)
 
 
 class Scene:
     """A compiled model, ready to be played. It never changes: `replace` makes another.
 
-    Scenes are equal where their models mean the same, whatever their comments and files; they can be pickled, copied and
-    used as keys. Threads may share one.
+    Scenes are equal where the same values are written in the same order, whatever comments, blanks and names of files;
+    they can be pickled, copied and used as keys. Threads may share one.
 
     >>> import cordis_anima as ca
     >>> a = ca.load("hammered_string")
@@ -43,14 +39,22 @@ class Scene:
     (False, True, 2)
     """
 
-    __slots__ = ("_core", "_hash", "_model", "rate")
+    __slots__ = ("_asked", "_compiled", "_hash", "_model")
+    _model: _core.Model
+    _compiled: _core.Scene
+    _asked: tuple[float | None, bool]
+    _hash: str | None
 
-    def __init__(self, model: _core.Model, *, rate: float | None = None, exact: bool = False) -> None:
-        self._model = model
-        self._core = model.compile(rate=rate, exact=exact)
-        self._hash: str | None = None
-        #: the sound rate that was asked for [Hz]; None for that of the model
-        self.rate = rate
+    def __init__(self, *_: object, **__: object) -> None:
+        raise UsageError("a scene comes from `ca.load`, `ca.parse` or `Model.compile`")
+
+    @classmethod
+    def _of(cls, model: _core.Model, rate: float | None, exact: bool) -> Scene:
+        made = cls.__new__(cls)
+        rate = None if rate is None else float(rate)
+        made._model, made._asked, made._hash = model, (rate, exact), None
+        made._compiled = model.compile(rate=rate, exact=exact)
+        return made
 
     # what it is
 
@@ -66,53 +70,58 @@ class Scene:
 
     @property
     def sr(self) -> int:
+        """Sound rate [Hz], as sound files have it: a whole number."""
+        return round(self.rate)
+
+    @property
+    def rate(self) -> float:
         """Sound rate [Hz]."""
-        return int(self._core.about()["rate"])
+        return float(self._compiled.about()["rate"])
 
     @property
     def gesture_rate(self) -> float:
         """Rate of gesture frames [Hz]."""
-        return float(self._core.about()["gesture_rate"])
+        return float(self._compiled.about()["gesture_rate"])
 
     @property
     def channels(self) -> tuple[str, ...]:
         """Names of the sound channels."""
-        return tuple(self._core.about()["channels"])
+        return tuple(self._compiled.about()["channels"])
 
     @property
     def inputs(self) -> tuple[Port, ...]:
         """Ports that a gesture can drive."""
-        return tuple(Port(*p) for p in self._core.inputs)
+        return tuple(Port(*p) for p in self._compiled.inputs)
 
     @property
     def params(self) -> Params:
         """Live parameters, with unit, range and document."""
-        return Params([Param(*p) for p in self._core.params])
+        return Params([Param(*p) for p in self._compiled.params])
 
     @property
     def n_mat(self) -> int:
         """How many masses, cells and fixed points it has."""
-        return int(self._core.about()["n_mat"])
+        return int(self._compiled.about()["n_mat"])
 
     @property
     def n_lia(self) -> int:
         """How many links it has."""
-        return int(self._core.about()["n_lia"])
+        return int(self._compiled.about()["n_lia"])
 
     @property
     def passes(self) -> tuple[tuple[str, int], ...]:
         """What runs in a tick: names of passes and how many modules each has."""
-        return tuple(self._core.about()["passes"])
+        return tuple(self._compiled.about()["passes"])
 
     @property
     def left_out(self) -> tuple[str, ...]:
         """What the compiler left out since nobody hears it, in words."""
-        return tuple(self._core.about()["left_out"])
+        return tuple(self._compiled.about()["left_out"])
 
     @property
     def diagnostics(self) -> tuple[Diagnostic, ...]:
         """Warnings and notes of the compiler."""
-        return diagnostics(self._core.findings()[0])
+        return diagnostics(self._compiled.findings()[0])
 
     @property
     def certificate(self) -> Certificate:
@@ -122,14 +131,13 @@ class Scene:
         >>> ca.load("harmonic_chain").certificate.level
         'proven'
         """
-        return Certificate(**self._core.certificate())
+        return Certificate(**self._compiled.certificate())
 
     @property
     def hash(self) -> str:
-        """BLAKE3 of what the model means, and the rate: the same on every machine (64 digits)."""
+        """BLAKE3 of the values written, in their order, and of the sound rate: 64 digits, the same on every machine."""
         if self._hash is None:
-            digest = self._model.digest()
-            self._hash = digest if self.rate is None else f"{digest}@{self.rate!r}"
+            self._hash = self._compiled.digest()
         return self._hash
 
     def __eq__(self, other: object) -> bool:
@@ -139,10 +147,10 @@ class Scene:
         return hash(self.hash)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return (_again, (bytes(self._model.bytes()), self._model.file, self.rate))
+        return (_again, (self._model.bytes(), self._model.name, *self._asked))
 
     def __repr__(self) -> str:
-        about = self._core.about()
+        about = self._compiled.about()
         title = self.title or self.name or "Scene"
         return (
             f"<Scene {title!r}: {about['n_mat']} MAT, {about['n_lia']} LIA at {about['rate']:g} Hz, "
@@ -167,8 +175,9 @@ class Scene:
         """
         model = self._model.copy()
         for name, value in (changes or {}).items():
-            model.set(name, text(value))
-        return Scene(model, rate=self.rate if rate is None else rate)
+            model.set(name, plain(value))
+        asked, exact = self._asked
+        return Scene._of(model, asked if rate is None else rate, exact)
 
     # what is heard
 
@@ -205,9 +214,12 @@ class Scene:
         """
         if seconds is not None and not 0 < seconds < 1e9:
             raise UsageError(f"seconds = {seconds}: a length above 0, below 1e9")
-        core = self._core
+        if on_unstable not in ("keep", "raise"):
+            raise UsageError(f"on_unstable = {on_unstable!r}: \"keep\" or \"raise\"")
+        probes = [probes] if isinstance(probes, str) else list(probes)
+        core = self._compiled
         if probes or energy:
-            core = self._model.compile(rate=self.rate, energy=energy, probes=list(probes))
+            core = self._model.compile(rate=self._asked[0], energy=energy, probes=list(probes))
         raw = core.render(seconds, self._gesture(gesture), progress)
         about = core.about()
         failed, message = None, ""
@@ -221,13 +233,19 @@ class Scene:
             status = "unstable"
         elif raw["clipped"] or raw["non_finite"]:
             status = "clipped"
-            message = f"{raw['clipped']} samples beyond full scale; multiply the gain by {1 / raw['peak'].max():.3g} or less"
+            told = []
+            if raw["clipped"]:
+                told.append(f"{raw['clipped']} samples beyond full scale; multiply the gain by {raw['gain']:g} or less")
+            if raw["non_finite"]:
+                told.append(f"{raw['non_finite']} samples had no value and became silence")
+            message = "; ".join(told)
         elif raw["refused"]:
             status, message = "refused", f"{raw['refused']} inputs had no value"
         heard, names = _probes(raw, probes)
         return Render(
             audio=raw["audio"],
             sr=round(about["rate"]),
+            seconds=len(raw["audio"]) / about["rate"],
             channels=tuple(about["channels"]),
             probes=heard,
             columns=names,
@@ -245,20 +263,24 @@ class Scene:
         if gesture is None:
             return None
         if isinstance(gesture, (str, os.PathLike)):
-            return self._core.gesture(os.fspath(gesture), None)
+            return self._compiled.gesture(os.fspath(gesture), None, None)
+        if not isinstance(gesture, Mapping):
+            raise UsageError("a gesture is a file, or names of ports with what drives them")
         files: list[_core.Gesture] = []
         tracks: list[tuple[str, Any]] = []
         for name, curve in gesture.items():
             if isinstance(curve, (str, os.PathLike)):
-                files.append(self._core.gesture(os.fspath(curve), name))
-            elif isinstance(curve, tuple) and len(curve) == 2 and np.ndim(curve[0]) == 1 and np.ndim(curve[1]) == 0:
-                tracks.append((name, (float(curve[1]), _samples(curve[0]))))
+                files.append(self._compiled.gesture(os.fspath(curve), name, None))
+            elif isinstance(curve, tuple) and len(curve) == 2 and isinstance(curve[0], (str, os.PathLike)):
+                files.append(self._compiled.gesture(os.fspath(curve[0]), name, float(curve[1])))
+            elif isinstance(curve, tuple) and len(curve) == 2 and np.ndim(curve[0]) == 1 and np.ndim(curve[1]) == 0:  # type: ignore[arg-type]
+                tracks.append((name, (float(curve[1]), np.require(curve[0], np.float64, ["C", "A"]))))
             else:
-                values = _samples(curve)  # type: ignore[arg-type]
+                values = np.require(curve, np.float64, ["A"])
                 if values.ndim == 0:
                     tracks.append((name, float(values)))
                 elif values.ndim == 1:
-                    tracks.append((name, (float(self.sr), values)))
+                    tracks.append((name, (self.rate, values)))
                 elif values.ndim == 2 and values.shape[1] == 2:
                     tracks.append((name, values))
                 else:
@@ -274,7 +296,7 @@ class Scene:
         >>> audio.shape, force.shape
         ((64, 2), (64, 1))
         """
-        core = self._model.compile(rate=self.rate, energy=True) if energy else self._core
+        core = self._model.compile(rate=self._asked[0], energy=True) if energy else self._compiled
         return Sim(core, block)
 
     # what is known of it
@@ -284,10 +306,10 @@ class Scene:
 
         >>> import cordis_anima as ca
         >>> m = ca.load("harmonic_chain").modes()
-        >>> bool((m.heard[m.heard > 0] > 0).all()), m.shapes.shape == (len(m), len(m.places))
+        >>> bool((m.heard > 0).all()), m.shapes.shape == (len(m), len(m.places))
         (True, True)
         """
-        raw = self._model.modes(self.rate)
+        raw = self._model.modes(self._asked[0])
         return Modes(**_frozen(raw))
 
     def accuracy(
@@ -312,8 +334,12 @@ class Scene:
         >>> a.method[0], len(a) == len(a.error) == len(a.ns)
         ('as written', True)
         """
+        times = [int(t) for t in times]
+        if not times or min(times) < 1 or max(times) > 1_000_000 or not 4 <= reference <= 1_000_000 or reference % 4:
+            raise UsageError("`times` are whole numbers from 1 on, `reference` is a multiple of 4")
+        probes = [probes] if isinstance(probes, str) else list(probes)
         raw = self._model.accuracy(
-            rate=self.rate, seconds=seconds, probes=list(probes), times=list(times), reference=reference, progress=progress
+            rate=self._asked[0], seconds=seconds, probes=probes, times=times, reference=reference, progress=progress
         )
         return Accuracy(**_frozen(raw))
 
@@ -332,9 +358,9 @@ def _probes(raw: Mapping[str, Any], asked: Sequence[str]) -> tuple[Mapping[str, 
         columns = np.flatnonzero(of == k)
         names[selector] = tuple(raw["probe_names"][c] for c in columns)
         heard[selector] = raw["probes"][:, columns[0]] if len(columns) == 1 else raw["probes"][:, columns]
-    return MappingProxyType(heard), MappingProxyType(names)
+    return heard, names
 
 
-def _again(data: bytes, file: str, rate: float | None) -> Scene:
+def _again(data: bytes, name: str, rate: float | None, exact: bool) -> Scene:
     """A scene from a pickle."""
-    return Scene(_core.Model.from_bytes(data, file), rate=rate)
+    return Scene._of(_core.Model.from_bytes(data, name), rate, exact)

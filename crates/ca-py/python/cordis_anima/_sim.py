@@ -55,14 +55,18 @@ class Live(MutableMapping[str, float]):
 class Sim:
     """A running scene: gestures in, sound and forces out, block by block.
 
-    What is played block by block is what `Scene.render` plays, to the bit, however the blocks are cut.
+    However the blocks are cut, they are the same sound to the bit, and that of `Scene.render` where the same goes into
+    position and force ports at each sample. What differs by intent: nothing plays by itself here, so the built-in gestures
+    of a model are silent; a device port holds what it is given at the first sample of a gesture frame, while a gesture of
+    a render is read for the frame's end. Threads that share one wait for each other.
 
     >>> import cordis_anima as ca, numpy as np
-    >>> scene = ca.examples.plucked_string()
+    >>> scene = ca.examples.string()
     >>> with scene.open(block=100) as sim:
-    ...     parts = [sim.step().audio for _ in range(10)]
-    >>> bool((np.concatenate(parts) == scene.render(1000 / scene.sr, gesture={}).audio).all())
-    True
+    ...     parts = [sim.step().audio for _ in range(48)]
+    >>> whole = scene.render(0.1).audio
+    >>> bool((np.concatenate(parts) == whole).all()), bool(whole.any())
+    (True, True)
     """
 
     def __init__(self, core: _core.Scene, block: int) -> None:
@@ -70,17 +74,18 @@ class Sim:
             raise UsageError(f"block = {block}: at least one sample")
         about = core.about()
         #: sound rate [Hz]
-        self.sr = int(about["rate"])
+        self.sr = round(about["rate"])
+        self._rate = float(about["rate"])
         #: names of the sound channels
         self.channels: tuple[str, ...] = tuple(about["channels"])
         self._name = str(about["title"] or about["name"])
         self._frame = 1 / float(about["gesture_rate"])
-        self._oversample = int(about["oversample"])
         self._rest = np.array([[rest for _, _, rest in core.inputs]], dtype=np.float64)
         self._live = [p[0] for p in core.params]
         #: samples of a block where nothing says how many
         self.block = block
         self._core = core.sim()
+        self._ports = tuple(self._core.ports)
         self._names = [name for name, _, _ in core.inputs]
         # the inputs as they stand; what is not given keeps its value
         self._held = self._rest.copy()
@@ -90,12 +95,12 @@ class Sim:
     @property
     def ports(self) -> tuple[str, ...]:
         """Ports that feel a force: the columns of `Block.force`."""
-        return tuple(self._core.ports)
+        return self._ports
 
     @property
     def time(self) -> float:
         """Time that has passed in the scene [s]."""
-        return self._core.tick / (self.sr * self._oversample)
+        return self._core.tick / self._rate
 
     @property
     def status(self) -> str:
@@ -111,11 +116,6 @@ class Sim:
         raw = self._core.energy()
         return None if raw is None else energy(raw)
 
-    @property
-    def positions(self) -> Floats:
-        """Displacement of every place from where it rests [m], now."""
-        return self._core.positions()
-
     def set(self, name: str, value: float, *, over: float | None = None) -> None:
         """Moves a live parameter to `value` [SI] within `over` seconds; a gesture frame if none.
 
@@ -123,7 +123,9 @@ class Sim:
             UsageError: no such parameter, or out of its range.
         """
         over = self._frame if over is None else over
-        self._core.set(name, float(value), max(1, round(over * self.sr)))
+        if not 0 <= over <= 3600:
+            raise UsageError(f"over = {over}: from 0 to 3600 seconds")
+        self._core.set(name, float(value), max(1, round(over * self._rate)))
 
     def step(
         self,
@@ -146,11 +148,20 @@ class Sim:
         Raises:
             UsageError: an unknown port, an array of the wrong shape.
         """
+        if out is not None:
+            _writable("out", out, np.float32)
+        if force is not None:
+            _writable("force", force, np.float64)
+        if n is not None and n < 0:
+            raise UsageError(f"n = {n}: at least no sample")
         given, n = self._given(inputs, n, out)
         audio = np.empty((n, len(self.channels)), dtype=np.float32) if out is None else out
-        forces = np.empty((n, len(self._core.ports)), dtype=np.float64) if force is None else force
+        forces = np.empty((n, len(self._ports)), dtype=np.float64) if force is None else force
         self._core.step(given, audio, forces)
-        self._held = given[-1:].copy()
+        if len(given):
+            # what had no value was told once; what holds is the last that had one
+            last = given[-1:]
+            self._held = np.where(np.isfinite(last), last, self._held)
         return Block(audio, forces)
 
     def _given(self, inputs: Inputs, n: int | None, out: Sound | None) -> tuple[Floats, int]:
@@ -159,7 +170,7 @@ class Sim:
         if inputs is None:
             return self._held, self.block if n is None else n
         if not isinstance(inputs, Mapping):
-            rows = np.ascontiguousarray(inputs, dtype=np.float64)
+            rows = np.require(inputs, np.float64, ["C", "A"])
             if rows.ndim != 2:
                 raise UsageError(f"inputs have the shape {rows.shape}: (n, {len(self._names)}), or give them by name")
             return rows, len(rows) if n is None else n
@@ -203,3 +214,16 @@ class Sim:
 
     def __repr__(self) -> str:
         return f"<Sim of {self._name!r} at {self.time:.3f} s, {self.status}>"
+
+
+def _writable(name: str, array: object, dtype: type[np.floating[Any]]) -> None:
+    """Refuses what samples cannot be written into one by one."""
+    good = isinstance(array, np.ndarray) and array.ndim == 2 and array.dtype == dtype
+    good = good and array.flags.aligned and array.flags.writeable and array.dtype.isnative  # type: ignore[attr-defined]
+    if good and array.size:  # type: ignore[attr-defined]
+        (rows, columns), (down, along) = array.shape, array.strides  # type: ignore[attr-defined]
+        item = np.dtype(dtype).itemsize
+        apart = (columns == 1 or along >= item) and (rows == 1 or down >= (columns - 1) * abs(along) + item)
+        good = apart and along % item == 0 and down % item == 0
+    if not good:
+        raise UsageError(f"`{name}` must be a writable array (n, …) of {np.dtype(dtype).name}, row after row")

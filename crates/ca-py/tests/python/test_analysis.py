@@ -20,7 +20,7 @@ def chain(n: int = 20) -> ca.Scene:
 def test_modes_of_a_string_are_its_closed_form() -> None:
     scene = chain()
     m = scene.modes()
-    per_mass = 1e-3 / 20 if m.shapes.max() > 60 else 1e-3
+    per_mass = 1e-3
     j = np.arange(1, 21)
     free = 2 * np.sqrt(100 / per_mass) * np.sin(j * np.pi / 42) / (2 * np.pi)
     heard = np.arcsin(np.pi * free / scene.sr) * scene.sr / np.pi
@@ -53,4 +53,6 @@ def test_error_against_run_time() -> None:
     assert best is not None
     k = [k for k in range(len(a)) if (a.method[k], a.times[k]) == best][0]
     assert a.error[k] <= 1e-3 and (a.ns > 0).all() and a.front.any()
-    assert a.cheapest(0) is None or a.known > 0
+    # what is below how well the reference is known cannot be told apart
+    assert a.known < 1e-9 and a.cheapest(0) == a.cheapest(a.known)
+    assert a != ca.examples.string().modes() and len({a, a}) == 1

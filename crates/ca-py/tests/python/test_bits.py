@@ -64,12 +64,22 @@ def test_blocks_are_the_whole(key: ca.Scene, block: int) -> None:
 
 
 def test_copies_sound_the_same() -> None:
-    for name in ["chimes", "rattle", "hammer_piano"]:
+    for name in ["chimes", "rattle", "hammer_piano", "wave_guitar"]:
         scene = ca.load(name)
         want = scene.render(0.1).audio
         for other in [pickle.loads(pickle.dumps(scene)), copy.copy(scene), copy.deepcopy(scene), scene.replace()]:
             assert other == scene and other.hash == scene.hash and hash(other) == hash(scene)
             assert np.array_equal(other.render(0.1).audio, want)
+
+
+def test_what_was_asked_for_stays() -> None:
+    scene = ca.Model.load("harmonic_chain").compile(rate=96000, exact=True)
+    for other in [pickle.loads(pickle.dumps(scene)), scene.replace({"model.title": "x"})]:
+        assert other.rate == 96000 and other.certificate.largest == scene.certificate.largest is not None
+    with pytest.raises(AttributeError):
+        scene.rate = 44100  # type: ignore[misc]
+    r = ca.examples.string().render(0.01, probes="low[3]", energy=True)
+    assert pickle.loads(pickle.dumps(r)).audio.tobytes() == copy.deepcopy(r).audio.tobytes() == r.audio.tobytes()
 
 
 def test_the_hash_is_of_what_it_means() -> None:
@@ -81,5 +91,8 @@ def test_the_hash_is_of_what_it_means() -> None:
     # the order of modules is the order of sums
     swapped = "[SOL]\nw = {}\n[MAS]\na = { m = 1 }\n" + text[text.index("[RES]") :]
     assert scene.hash != ca.parse(swapped).hash
+    # however the rate is said
+    for rate in [None, 48000, 48000.0, np.float64(48000), np.int64(48000)]:
+        assert scene.hash == ca.parse(text, rate=rate).hash  # type: ignore[arg-type]
     # the same on every machine
-    assert scene.hash == "95968f9efdb373d3b16679e461d312119e077a93b20091fed2421545a64b85ae"
+    assert scene.hash == "b0aada94f9eebc2dc777e04b7d408744a4f985cb78d9b7eafebe678679ad7c2d"

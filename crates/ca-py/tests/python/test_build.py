@@ -53,9 +53,50 @@ def test_groups_spaces_gestures() -> None:
     )
     scene = m.compile()
     assert scene.n_mat == 2
+    # wherever the group is added
+    late = ca.Model("A room", seconds=0.2).add("MAS", "room.ball", m="10 g", x=[0, 0, "1 m"])
+    late.add("SOL", "room.floor", x=[0, 0, 0]).add("RES", "room.thread", between=["room.floor", "room.ball"], k="100 N/m")
+    late.add("SOX", "out", from_="room.ball", along="z").group("room", dim=3, gravity="9.81 m/s^2")
+    assert late == m and late.compile() == scene and late.compile().render().audio.any()
+    with pytest.raises(ca.UsageError, match="already"):
+        late.group("room", dim=2)
     r = scene.render()
     assert r.audio.shape == (9600, 1)
     assert ca.Model.parse(m.to_toml()).compile().render().audio.tobytes() == r.audio.tobytes()
+
+
+def test_values_are_set_as_they_are(tmp_path: Path) -> None:
+    m = built().set("hold.between", ["hand", "low[10]"]).set("low.n", np.int64(50)).set("hold.k", "60 N/m").set("grip", "3 kN/m")
+    text = m.to_toml()
+    assert '"low[10]"' in text and "n = 50" in text and '"60 N/m"' in text
+    assert m.compile().params["grip"].value == 3000
+    # files are found when they are needed
+    (tmp_path / "body.csv").write_text("x,y,z\n0,0,0\n0.01,0,0\n0,0.01,0\n0,0,0.01\n")
+    body = ca.Model().group("room", dim=3)
+    body.add("CLOUD", "room.c", file=str(tmp_path / "body.csv"), m="1 g", k="1 kN/m", reach="2 cm")
+    body.add("SOX", "out", from_="room.c[0]", along="x")
+    scene = body.compile()
+    assert scene.n_mat == 4
+    # and go along
+    data = pickle.dumps(scene)
+    (tmp_path / "body.csv").unlink()
+    assert pickle.loads(data).n_mat == 4 and pickle.loads(data).hash == scene.hash
+
+
+def test_what_has_errors_has_no_bytes() -> None:
+    wrong = ca.Model.parse("[MAS]\nbob = { m = 1, dxo = 3 }\n[SOX]\nout = { from = 'bob' }\n")
+    with pytest.raises(ca.ModelError):
+        pickle.dumps(wrong)
+    assert wrong == wrong and wrong != wrong.copy()
+    twice = ca.Model().add("MAS", "bob", m=1).add("MAS", "bob", m=2)
+    with pytest.raises(ca.ModelError):
+        pickle.dumps(twice)
+    # what a pickle has to say stands in no file
+    good = ca.Model.parse("# one\n# two\n[MAS]\nbob = { m = 1, v = 1 }\n[SOX]\nout = { from = 'bob' }\nunused = 1\n", "x.ca.toml")
+    assert not good.check()
+    warned = ca.parse("[MAS]\nbob = { m = 1, v = 1 }\nidle = { m = 1 }\n[SOX]\nout = { from = 'bob' }\n", file="x.ca.toml")
+    assert warned.diagnostics and warned.diagnostics[0].file == "x.ca.toml"
+    assert pickle.loads(pickle.dumps(warned)).diagnostics[0].file == ""
 
 
 def test_all_kinds_are_known() -> None:
@@ -97,6 +138,17 @@ def test_what_makes_no_sense_is_refused() -> None:
         lambda: ca.load("hamered_string"),
         lambda: ca.load("hammered_string", {"hamer.m": 1}),
         lambda: ca.Model().put("modle", "title", "x"),
+        lambda: ca.Model().put("rate", "sond", 96000),
+        lambda: ca.Model().put("model", "titel", "x"),
+        lambda: ca.Scene(ca.Model()),
+        lambda: ca.load("hammered_string").render(0.1, on_unstable="rasie"),  # type: ignore[arg-type]
+        lambda: ca.load("hammered_string").render(0.1, gesture=[1, 2]),  # type: ignore[arg-type]
+        lambda: ca.load("hammered_string").accuracy(1e12),
+        lambda: ca.load("hammered_string").accuracy(float("inf")),
+        lambda: ca.load("hammered_string").accuracy(float("nan")),
+        lambda: ca.load("hammered_string").accuracy(-1),
+        lambda: ca.load("hammered_string").accuracy(0.1, times=[-1]),
+        lambda: ca.load("hammered_string").accuracy(0.1, reference=-4),
         lambda: ca.load("hammered_string").render(-1),
         lambda: ca.load("hammered_string").render(float("nan")),
         lambda: ca.load("hammered_string").render(1e8),
@@ -107,8 +159,8 @@ def test_what_makes_no_sense_is_refused() -> None:
             wrong()  # type: ignore[no-untyped-call]
     with pytest.raises(ca.UsageError, match="did you mean `hammered_string`"):
         ca.load("hamered_string")
-    with pytest.raises(ca.ModelError):
-        ca.load("hammered_string").render(0.1, probes=["nothing"])
+    with pytest.raises(ca.ModelError, match="nothing"):
+        ca.load("hammered_string").render(0.1, probes="nothing")
     with pytest.raises(AttributeError):
         ca.examples.nothing
     with pytest.raises(TypeError):

@@ -7,6 +7,7 @@ import os
 import resource
 import signal
 import threading
+import time
 from pathlib import Path
 
 import librosa
@@ -51,6 +52,11 @@ def test_what_goes_wrong_is_a_status() -> None:
     loud = ca.examples.string().replace({"out.gain": 1e6}).render(0.2)
     assert loud.status == "clipped" and loud.clipped > 0 and np.abs(loud.audio).max() == 1
     assert loud.peak.max() > 1 and "multiply the gain" in loud.message
+    # and that helps
+    for gain in [1.5, 6.1, 123.4]:
+        scene = ca.parse(f"[MAS]\nm = {{ m = 1, dx0 = 1 }}\n[SOX]\no = {{ from = 'm', gain = {gain} }}\n")
+        by = float(scene.render(0.01).message.split("gain by ")[1].split(" ")[0])
+        assert scene.replace({"o.gain": gain * by}).render(0.01).status == "ok" and gain * by > 0.99
     text = "[SOL]\nw = {}\n[MAS]\nb = { m = '1 g', dx0 = '1 mm' }\n[REF]\nr = { between = ['w', 'b'], k = '1e9 N/m' }\n[SOX]\no = { from = 'b' }\n"
     wild = ca.parse(text)
     assert wild.certificate.level == "unstable" and [d.code for d in wild.diagnostics] == ["W103"]
@@ -70,7 +76,9 @@ def test_gestures_of_every_form(key: ca.Scene, tmp_path: Path) -> None:
     soundfile.write(tmp_path / "hand.wav", x, 48000, subtype="FLOAT")
     want = key.render(0.1, gesture={"hand": x}).audio
     assert np.abs(want).max() > 0
-    for form in [points, points.tolist(), (x, 48000), (x.tolist(), 48000.0), tmp_path / "hand.wav"]:
+    np.save(tmp_path / "plain.npy", x)
+    files = [tmp_path / "hand.wav", (tmp_path / "plain.npy", 48000)]
+    for form in [points, points.tolist(), (x, 48000), (x.tolist(), 48000.0), np.repeat(x, 2)[::2], *files]:
         assert np.array_equal(key.render(0.1, gesture={"hand": form}).audio, want)
     assert np.array_equal(key.render(0.1, gesture=tmp_path / "hand.npy").audio, want)
     with pytest.raises(ca.FileError, match="nothing is driven by `hend`"):
@@ -78,29 +86,40 @@ def test_gestures_of_every_form(key: ca.Scene, tmp_path: Path) -> None:
     with pytest.raises(ca.FileError) as e:
         key.render(0.1, gesture={"hand": [(0, 0), (0.1, float("nan"))]})
     assert "point 1" in str(e.value) and isinstance(e.value, OSError)
-    with pytest.raises(ca.FileError):
-        key.render(0.1, gesture=tmp_path / "nothing.csv")
+    for wrong in [tmp_path / "nothing.csv", tmp_path / "plain.npy"]:
+        with pytest.raises(ca.FileError):
+            key.render(0.1, gesture={"hand": wrong})
+    for constant in [0.001, np.float32(0.001), np.array(0.001)]:
+        assert key.render(0.1, gesture={"hand": constant}).audio.any()
 
 
 def test_other_threads_run_meanwhile(key: ca.Scene) -> None:
-    seen: list[int] = []
+    counted = [0]
     done = threading.Event()
 
     def count() -> None:
-        n = 0
         while not done.is_set():
-            n += 1
-        seen.append(n)
+            counted[0] += 1
 
     other = threading.Thread(target=count)
     told: list[tuple[int, int]] = []
+    at: list[tuple[float, int]] = []
+
+    def progress(n: int, of: int) -> None:
+        told.append((n, of))
+        at.append((time.perf_counter(), counted[0]))
+
     other.start()
-    # while the lock is held, the other could not count at all: then this render would not be told anything in time
-    r = key.render(20.0, progress=lambda n, of: told.append((n, of)))
+    r = key.render(20.0, progress=progress)
+    # how far it counts while this thread does nothing for as long
+    begin = counted[0]
+    time.sleep(at[-1][0] - at[0][0])
+    free = counted[0] - begin
     done.set()
     other.join()
-    assert seen[0] > 1000
     assert told[-1] == (len(r.audio), len(r.audio)) and [n for n, _ in told] == sorted(n for n, _ in told)
+    # a render that kept the lock would let it count between its calls back only
+    assert len(told) > 3 and at[-1][1] - at[0][1] > 0.25 * free
 
 
 def test_control_c_and_a_callback_end_it(key: ca.Scene) -> None:

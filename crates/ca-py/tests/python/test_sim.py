@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import os
 import pickle
+import signal
+import threading
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -18,10 +22,22 @@ def test_nothing_is_copied(key: ca.Scene) -> None:
             got = sim.step({"hand": 0.001, "key": 0.001}, out=audio, force=force)
             assert got.audio is audio and got.force is force
     assert np.abs(audio).max() > 0 and np.abs(force).max() > 0
-    # a render is moved, not copied: it owns its memory or looks at what does, and is written by nobody else
-    r = key.render(0.1)
-    base = r.audio if r.audio.base is None else r.audio.base
-    assert base.__array_interface__["data"][0] == r.audio.__array_interface__["data"][0]
+    # the samples are where the caller's array is
+    at = audio.__array_interface__["data"][0]
+    audio[:] = 7
+    assert key.open().step(out=audio).audio.__array_interface__["data"][0] == at and not (audio == 7).any()
+    # a render is moved: NumPy, which tells of all it allocates itself, has allocated nothing of that size
+    tracemalloc.start()
+    r = key.render(1.0, probes=["low[*]"])
+    most = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert r.audio.nbytes == 384_000 and r.probes["low[*]"].nbytes == 15_360_000
+    assert most < 16_000_000
+    tracemalloc.start()
+    key.render(1.0)
+    most = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert most < 100_000
     # blocks of a larger array are written in place
     whole = np.zeros((1000, 2), np.float32)
     with key.open() as sim:
@@ -82,19 +98,37 @@ def test_what_a_block_cannot_be(key: ca.Scene) -> None:
         (np.zeros((4, 2)), {}),
         (None, {"out": np.zeros((8, 3), np.float32)}),
         (None, {"force": np.zeros((8, 9))}),
+        (None, {"n": -1}),
+        (None, {"out": np.zeros((8, 2), np.float64)}),
+        (None, {"out": np.zeros(16, np.float32)}),
+        (None, {"out": np.zeros((2, 8), np.float32).T[::-1]}),
+        (None, {"out": np.lib.stride_tricks.as_strided(np.zeros(8, np.float32), (8, 2), (0, 4))}),
+        (None, {"out": np.zeros(8, dtype=[("a", "i1"), ("x", np.float32, (2,))])["x"]}),
+        (None, {"out": np.frombuffer(bytes(64), np.float32).reshape(8, 2)}),
+        (None, {"out": np.zeros((8, 2), ">f4")}),
     ]:
         with pytest.raises(ca.UsageError):
             sim.step(inputs, **kwargs)  # type: ignore[arg-type]
-    with pytest.raises(TypeError):
-        sim.step(out=np.zeros((8, 2), np.float64))  # type: ignore[arg-type]
+    for over in [-1, float("nan"), float("inf"), 1e9]:
+        with pytest.raises(ca.UsageError):
+            sim.set("grip", 3000, over=over)
     with pytest.raises(ca.UsageError):
         key.open(block=0)
     with pytest.raises(TypeError, match="pickle the scene"):
         pickle.dumps(sim)
     assert sim.time == before
     # a signal is never an error: what has no value is held, counted and told
-    sim.step({"hand": np.array([0.001, np.nan, np.inf, 0.001])})
-    assert sim.status == "refused"
+    sim.step({"hand": np.array([0.001, np.nan, np.inf, np.nan])})
+    assert sim.status == "refused" and sim._core.counts[2] == 3
+    # and once: what stays is the last that had one; nothing is nothing
+    sim.step({"hand": np.zeros(0)})
+    sim.step(np.zeros((0, 3)))
+    sim.step(n=100)
+    assert sim._core.counts[2] == 3
+    # a column of something larger, and a part of each row, are written where they are
+    rows = np.zeros((8, 5), np.float32)
+    sim.step({"hand": 0.001}, out=rows[:, 1:3])
+    assert rows[:, 1:3].any() and not rows[:, 0].any() and not rows[:, 3:].any()
     sim.reset()
     assert sim.time == 0 and sim.status == "ok"
 
@@ -110,5 +144,38 @@ def test_blocks_without_end_and_books(key: ca.Scene) -> None:
     book = sim.energy
     assert book is not None and abs(book.residual) < 1e-9 * book.peak
     assert set(book.work_by) == {"key", "hand", "push"}
-    assert sim.positions.dtype == np.float64 and np.abs(sim.positions).max() > 0
     assert key.open().energy is None
+
+
+def test_time_is_that_of_the_scene() -> None:
+    text = "[rate]\noversample = 4\n[CEL]\nb = { m = '1 g', f = '1 kHz', dx0 = '1 mm' }\n[SOX]\no = { from = 'b' }\n"
+    scene = ca.parse(text)
+    sim = scene.open(block=480)
+    audio = sim.step().audio
+    assert sim.time == 0.01
+    assert np.array_equal(audio, scene.render(0.01).audio) and audio.any()
+    odd = ca.parse(text, rate=3000.5)
+    assert odd.sr == odd.render(0.1).sr == 3000 and odd.rate == 3000.5 and odd.render(0.1).seconds == 300 / 3000.5
+    # nothing is heard, but time passes
+    deaf = ca.parse("[CEL]\nb = { m = '1 g', f = '1 kHz', dx0 = '1 mm' }\n[SOX]\no = { from = 'b' }\n").render(0.1)
+    assert deaf.rtf > 0
+
+
+def test_control_c_ends_a_long_block(key: ca.Scene) -> None:
+    sim = key.open()
+    timer = threading.Timer(0.2, lambda: os.kill(os.getpid(), signal.SIGINT))
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        sim.step(n=20_000_000)
+    timer.join()
+    assert 0 < sim.time < 20_000_000 / 48000
+
+
+def test_threads_wait_for_each_other(key: ca.Scene) -> None:
+    sim, seen = key.open(), []
+    other = threading.Thread(target=lambda: sim.step(n=100_000))
+    other.start()
+    while other.is_alive():
+        seen.append((sim.time, sim.status))
+    other.join()
+    assert sim.time == 100_000 / 48000 and all(t in (0, sim.time) for t, _ in seen)

@@ -7,7 +7,7 @@
 mod play;
 mod told;
 
-pub(crate) use play::play;
+pub(crate) use play::{play, stopped};
 pub(crate) use told::{
     Broke, decibel, fitting, joule, makers, relative, rippling, stability, stability_json, tenths, too_loud,
 };

@@ -17,6 +17,11 @@ static STOP: AtomicBool = AtomicBool::new(false);
 /// How long a render may last unseen.
 const PATIENCE: Duration = Duration::from_millis(500);
 
+/// Whether somebody wants no more, where [`play`] has listened for it.
+pub(crate) fn stopped() -> bool {
+    STOP.load(Ordering::Relaxed)
+}
+
 /// What is done with outputs.
 pub(crate) type Sink<'a> = dyn FnMut(&Performance, &[f64]) -> Result<(), Failure> + 'a;
 
@@ -41,7 +46,7 @@ pub(crate) fn play<'a>(
             bar.set_position(done);
         }
         // what is not finished removes itself
-        if STOP.load(Ordering::Relaxed) { Err(Failure::Interrupted) } else { Ok(()) }
+        if stopped() { Err(Failure::Interrupted) } else { Ok(()) }
     })?;
     if let Some(bar) = bar {
         bar.finish_and_clear();

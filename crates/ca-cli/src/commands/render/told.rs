@@ -13,6 +13,7 @@ use ca_core::kind::Unit;
 use ca_core::model::quantity::show;
 use ca_haptic::sound::Written;
 pub(crate) use ca_lab::play::Broke;
+use ca_lab::play::gain;
 use serde_json::{Value as Json, json};
 use std::io::Write as _;
 use std::time::Duration;
@@ -31,13 +32,6 @@ pub(crate) struct Summary<'a> {
     pub refused: u64,
     pub warnings: usize,
     pub probes: &'a [Probe],
-}
-
-/// The gain that would just fit, three digits, towards zero.
-fn gain(peak: f64) -> f64 {
-    let ten = (1.0 / peak).log10().floor() - 2.0;
-    let n = (1.0 / peak / 10f64.powf(ten)).floor();
-    format!("{n}e{ten}").parse().unwrap_or(n)
 }
 
 /// What would make the loudest sample fit, as the end of a sentence.

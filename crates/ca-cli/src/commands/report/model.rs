@@ -107,7 +107,7 @@ fn accuracy(args: &ReportArgs, loaded: &Loaded) -> Result<Option<Section>, Failu
         if !args.quiet {
             bar.get_or_insert_with(|| term::progress(of)).set_position(done);
         }
-        true
+        !render::stopped()
     };
     let mut ask = Ask {
         rate: args.source.rate,
