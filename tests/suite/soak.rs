@@ -189,7 +189,7 @@ fn books_close(text: &str, scene: &Scene, ticks: u64) {
 /// Rounding of the book over a million ticks, as a share of the most it held.
 const ROOM: f64 = 1e-9;
 
-/// Two masses that nothing holds, pushed about for long: they end up 10⁷ times further away than their spring is long.
+/// Two masses that nothing holds, pushed about for so long that the last digit of where they stand counts.
 #[test]
 fn what_drifts_far_away_is_booked_to_its_last_digit() {
     let text = "[rate]\nsound = 1\ngesture = 1\n[MAS]\na = { m = 1 }\nb = { m = 1 }\n[REF]\nt = { between = [\"a\", \"b\"], k = 0.2 }\n\
