@@ -106,7 +106,7 @@ FAUST_MAIN = """
 #include <cstdlib>
 #include <vector>
 struct Meta { void declare(const char*, const char*) {} };
-struct UI {};
+struct UI { void openVerticalBox(const char*) {} void closeBox() {} };
 struct dsp {};
 #define FAUSTFLOAT double
 <<includeIntrinsic>>
