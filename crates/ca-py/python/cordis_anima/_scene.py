@@ -18,9 +18,9 @@ from ._sim import Sim
 
 #: called with what is done and how much there is; an exception ends the call
 Progress = Callable[[int, int], object]
+Path = Union[str, "os.PathLike[str]"]
 #: what drives one port or live parameter: a number that stays; breakpoints (n, 2) of time [s] and value; samples (n,) at
 #: the sound rate; samples and their rate [Hz]; a file with one track; an array in a file, and its rate [Hz]
-Path = Union[str, "os.PathLike[str]"]
 Curve = Union[float, npt.ArrayLike, "tuple[npt.ArrayLike, float]", Path, "tuple[Path, float]"]
 #: curves by what they drive, or a file whose tracks are called by it
 Gesture = Union[Mapping[str, Curve], str, "os.PathLike[str]", None]
