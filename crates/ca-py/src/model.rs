@@ -3,10 +3,10 @@
 use crate::error::{failure, findings, usage};
 use crate::measure;
 use crate::scene::Scene;
+use ca_core::Options;
 use ca_core::kind::Role;
 use ca_core::model::suggest::nearest;
 use ca_core::model::{Entry, Value, read, write};
-use ca_core::{KernelClass, Options};
 use ca_lab::bytes;
 use ca_lab::load::{self, BUNDLED, Loaded};
 use pyo3::prelude::*;
@@ -144,12 +144,6 @@ impl Model {
         write::write(&self.loaded.model)
     }
 
-    /// The text it was read from.
-    #[getter]
-    fn text(&self) -> &str {
-        &self.loaded.model.text
-    }
-
     /// The file it was read from.
     #[getter]
     fn file(&self) -> &str {
@@ -231,18 +225,16 @@ impl Model {
     }
 
     /// Compiles it.
-    #[pyo3(signature = (*, rate=None, energy=false, probes=Vec::new(), reference=false, exact=false))]
+    #[pyo3(signature = (*, rate=None, energy=false, probes=Vec::new(), exact=false))]
     fn compile(
         &self,
         py: Python,
         rate: Option<f64>,
         energy: bool,
         probes: Vec<String>,
-        reference: bool,
         exact: bool,
     ) -> PyResult<Scene> {
-        let kernel = if reference { KernelClass::Reference } else { KernelClass::Fast };
-        let options = Options { rate, energy, probes, kernel, exact, ..Options::default() };
+        let options = Options { rate, energy, probes, exact, ..Options::default() };
         let loaded = self.whole();
         let scene = py.detach(|| load::scene(&loaded, &options)).map_err(|e| failure(py, e))?;
         Ok(Scene::new(Arc::new(scene), loaded, options))
