@@ -18,7 +18,7 @@ fn tested(stage: &Stage, name: &str) -> Ran {
 /// nothing stands still for a tenth of a second.
 fn passes(stage: &Stage, name: &str) -> Value {
     let mut last = Value::Null;
-    for _ in 0..12 {
+    for _ in 0..30 {
         let ran = tested(stage, name);
         last = ran.json();
         if ran.code == Some(0) {
@@ -67,7 +67,7 @@ fn found(lie: Lie, name: &str) {
     let stage = Stage::new();
     let _device = Liar::new(&stage.site, "key", lie);
     let mut last = Value::Null;
-    for _ in 0..12 {
+    for _ in 0..30 {
         let ran = tested(&stage, "key");
         if ran.err.contains("no device of that name speaks") {
             // it says who it is twice a second
