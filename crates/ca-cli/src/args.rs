@@ -12,6 +12,7 @@ mod equiv;
 mod modes;
 mod report;
 mod serve;
+mod sweep;
 mod take;
 mod tune;
 
@@ -21,6 +22,7 @@ pub use equiv::EquivArgs;
 pub use modes::ModesArgs;
 pub use report::ReportArgs;
 pub use serve::{ArmArgs, ClockKind, ServeArgs, SetArgs, ShmArgs, ShmWhat, StatusArgs};
+pub use sweep::SweepArgs;
 pub use take::{LogArgs, LogCommand, ReplayArgs};
 pub use tune::{Scale, TuneArgs};
 
@@ -47,6 +49,8 @@ pub enum Command {
     Modes(ModesArgs),
     /// Measures the error of a model against its run time, over methods and rates
     Accuracy(AccuracyArgs),
+    /// Plays a model many times, each time with other values
+    Sweep(SweepArgs),
     /// Tunes strings, meshes, cells and banks
     Tune(TuneArgs),
     /// Writes a page about a model or a take

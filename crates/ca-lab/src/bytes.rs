@@ -61,9 +61,14 @@ fn put(to: &mut Vec<u8>, part: &[u8]) {
     to.extend(part);
 }
 
-/// What names a model among machines: the hash of its bytes, in hexadecimal digits.
-pub fn digest(bytes: &[u8]) -> String {
-    blake3::hash(bytes).to_hex().to_string()
+/// What names a scene among machines: the hash of its model's bytes and of its sound rate \[Hz\].
+///
+/// # Errors
+/// Those of [`bytes`].
+pub fn named(loaded: &Loaded, rate: f64) -> Result<blake3::Hash, Failure> {
+    let mut all = bytes(loaded)?;
+    all.extend(rate.to_le_bytes());
+    Ok(blake3::hash(&all))
 }
 
 /// The model of these bytes, called `name`. What is found in it stands in no file.

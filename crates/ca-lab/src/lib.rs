@@ -1,4 +1,4 @@
-//! What the command and Python both do with a model: find it, play it, measure it.
+//! What the command and Python both do with a model: find it, play it, measure it, sweep it.
 //!
 //! Decides that the faces share more than the engine: which word means which model, how long it is played, when it has
 //! blown up and what every method makes of it. A face adds how it is asked and how it tells.
@@ -6,8 +6,11 @@
 
 pub mod accuracy;
 pub mod bytes;
+pub mod gesture;
 pub mod load;
+mod pitch;
 pub mod play;
+pub mod sweep;
 
 pub use load::{Loaded, catalog};
 

@@ -1,8 +1,9 @@
 //! Gestures: numbers, breakpoints and samples by the names of what they drive, or files.
 
 use crate::error::{failure, file, usage};
+use crate::measure::table;
 use ca_haptic::gesture::{self, PortMap, Track};
-use numpy::{PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods as _};
+use numpy::{PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods as _, ToPyArray as _};
 use pyo3::prelude::*;
 use std::path::Path;
 
@@ -58,6 +59,21 @@ impl Gesture {
     #[getter]
     fn names(&self) -> Vec<&str> {
         self.gesture.tracks().iter().map(Track::name).collect()
+    }
+
+    /// What makes it again: tracks as the constructor takes them.
+    fn tracks<'py>(&self, py: Python<'py>) -> PyResult<Vec<(String, Bound<'py, PyAny>)>> {
+        let one = |t: &Track| {
+            let values = match t.curve() {
+                gesture::Curve::Samples(rate, v) => (*rate, v.to_pyarray(py)).into_pyobject(py)?.into_any(),
+                gesture::Curve::Points(p) => {
+                    let flat: Vec<f64> = p.iter().flat_map(|(t, v)| [*t, *v]).collect();
+                    table(py, flat, p.len(), 2)?.into_any()
+                }
+            };
+            Ok((t.name().to_owned(), values))
+        };
+        self.gesture.tracks().iter().map(one).collect()
     }
 
     /// Time of its last value [s].

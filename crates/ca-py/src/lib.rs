@@ -15,6 +15,7 @@ mod measure;
 mod model;
 mod scene;
 mod sim;
+mod sweep;
 mod wait;
 
 /// See the package `cordis_anima`.
@@ -28,6 +29,8 @@ mod _core {
     use crate::scene::Scene;
     #[pymodule_export]
     use crate::sim::Sim;
+    #[pymodule_export]
+    use crate::sweep::Sweep;
 
     /// Version of the engine.
     #[pymodule_export]

@@ -21,7 +21,7 @@ pub struct Model {
 
 /// A value as Python gives it.
 #[derive(FromPyObject)]
-enum Given {
+pub enum Given {
     Bool(bool),
     Num(f64),
     Text(String),
@@ -30,7 +30,7 @@ enum Given {
 }
 
 /// A mapping, in its order.
-struct Table(Vec<(String, Given)>);
+pub struct Table(Vec<(String, Given)>);
 
 impl<'a, 'py> FromPyObject<'a, 'py> for Table {
     type Error = PyErr;
@@ -42,6 +42,11 @@ impl<'a, 'py> FromPyObject<'a, 'py> for Table {
 }
 
 impl Given {
+    /// As somebody means who types it: text may be a number.
+    pub fn typed(self) -> Value {
+        if let Given::Text(text) = self { Value::typed(&text) } else { self.value() }
+    }
+
     fn value(self) -> Value {
         match self {
             Given::Bool(v) => Value::Bool(v),
@@ -83,7 +88,7 @@ pub fn kinds()
 
 impl Model {
     /// What is compiled: modules in their groups, and the files they name.
-    fn whole(&self) -> Loaded {
+    pub fn whole(&self) -> Loaded {
         let mut loaded = self.loaded.clone();
         let model = &mut loaded.model;
         for item in model.items.iter_mut().filter(|i| i.group.is_none()) {
@@ -211,8 +216,7 @@ impl Model {
 
     /// Sets a parameter that exists; text is what `--set` would make of it.
     fn set(&mut self, py: Python, name: &str, value: Given) -> PyResult<()> {
-        let value = if let Given::Text(text) = value { Value::typed(&text) } else { value.value() };
-        load::set(&mut self.loaded, name, value).map_err(|e| failure(py, e))
+        load::set(&mut self.loaded, name, value.typed()).map_err(|e| failure(py, e))
     }
 
     /// Compiles it without playing: whether it can be, the JSON of all findings, and how they read.

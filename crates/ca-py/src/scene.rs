@@ -83,9 +83,8 @@ impl Scene {
 
     /// What names it among machines: the hash of its model's bytes and of its sound rate.
     fn digest(&self, py: Python) -> PyResult<String> {
-        let mut all = bytes::bytes(&self.loaded).map_err(|e| failure(py, e))?;
-        all.extend(self.compiled.rate.to_le_bytes());
-        Ok(bytes::digest(&all))
+        let named = bytes::named(&self.loaded, self.compiled.rate).map_err(|e| failure(py, e))?;
+        Ok(named.to_hex().to_string())
     }
 
     /// JSON of what was found, and how it reads.

@@ -16,4 +16,5 @@ pub mod replay;
 pub mod report;
 pub mod serve;
 pub mod shm;
+pub mod sweep;
 pub mod tune;

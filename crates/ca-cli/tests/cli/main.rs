@@ -13,6 +13,7 @@ mod render;
 mod report;
 mod serve;
 mod shm;
+mod sweep;
 mod take;
 
 use desk::{BAR, Desk, KEY, mims};
@@ -89,14 +90,14 @@ fn errors_of_a_model_point_at_their_places() {
 fn examples_of_the_help_run() {
     let mut ran = 0;
     for command in [
-        "render", "check", "accuracy", "report", "equiv", "modes", "tune", "list", "new", "import", "serve", "replay",
-        "log", "shm",
+        "render", "check", "accuracy", "report", "equiv", "modes", "tune", "sweep", "list", "new", "import", "serve",
+        "replay", "log", "shm",
     ] {
         let desk = Desk::new();
         if ["replay", "log", "report"].contains(&command) {
             take::performer::tgr12(&desk.path("take.mcap"));
         }
-        desk.put("key.csv", KEY).put("string.mdl", &mims("string.mdl"));
+        desk.put("key.csv", KEY).put("string.mdl", &mims("string.mdl")).put("plucked.sweep.toml", &sweep::plan());
         let help = desk.ca(&[command, "--help"]).is(0).out;
         let general = desk.ca(&["--help"]).is(0).out;
         assert!(
@@ -109,7 +110,7 @@ fn examples_of_the_help_run() {
             ran += 1;
         }
     }
-    assert!(ran >= 37, "only {ran} examples were found");
+    assert!(ran >= 41, "only {ran} examples were found");
 }
 
 #[test]

@@ -25,7 +25,7 @@ mod track;
 mod wav;
 
 pub(crate) use track::check_rate;
-pub use track::{Cursor, LONGEST, Track};
+pub use track::{Cursor, Curve, LONGEST, Track};
 
 /// How MIDI moves one port of the model.
 #[derive(Clone, Debug, PartialEq)]

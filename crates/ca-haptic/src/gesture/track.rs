@@ -13,8 +13,9 @@ use ca_core::model::quantity::Plain;
 /// Longest time a breakpoint may have, either side of zero \[s\]: beyond it a double hardly tells sound samples apart.
 pub const LONGEST: f64 = 1e9;
 
+/// How a track is kept.
 #[derive(Clone, Debug, PartialEq)]
-enum Curve {
+pub enum Curve {
     /// time \[s\] and value, times never decreasing, at least one
     Points(Vec<(f64, f64)>),
     /// samples at a rate \[Hz\] from time 0, at least one
@@ -74,6 +75,11 @@ impl Track {
     /// What it is called: a port or a live parameter.
     pub fn name(&self) -> &str {
         &self.name
+    }
+
+    /// Its values.
+    pub fn curve(&self) -> &Curve {
+        &self.curve
     }
 
     /// Time of the last value \[s\], 0 if there is none after the beginning.

@@ -1,7 +1,8 @@
 //! How far a run is from the reference: as a motion, as a spectrum, in pitch and in decay.
 
 use super::play::Columns;
-use ca_report::{Sound, Spectrum};
+use crate::pitch::{partial, spectrum};
+use ca_report::Spectrum;
 
 /// What is said of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,30 +28,6 @@ pub fn apart(a: &Columns, b: &Columns) -> f64 {
         if whole > 0.0 { (miss / whole).sqrt() } else { miss.sqrt() }
     };
     a.iter().zip(b).map(one).fold(0.0, |m: f64, v| if v.is_nan() { f64::INFINITY } else { m.max(v) })
-}
-
-/// Powers of the bins of a column.
-fn spectrum(column: &[f64], rate: f64) -> Option<Spectrum> {
-    // as a sound it would be cut off at full scale
-    let top = column.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-    let mut sound = Sound::new(rate, &["probe".into()]);
-    for v in column {
-        sound.push(&[if top > 0.0 { v / top } else { 0.0 }]);
-    }
-    let mut found = Spectrum::of(&sound)?;
-    found.power.iter_mut().flatten().for_each(|p| *p *= top * top);
-    Some(found)
-}
-
-/// Frequency of the strongest partial \[Hz\], by a parabola through the levels about it.
-fn partial(s: &Spectrum) -> Option<f64> {
-    let p = s.power.first()?;
-    let lowest = (ca_report::LOWEST / s.step).ceil().max(1.0) as usize;
-    let at = (lowest..p.len().checked_sub(1)?).max_by(|a, b| p[*a].total_cmp(&p[*b])).filter(|at| p[*at] > 0.0)?;
-    let [l, m, r] = [at - 1, at, at + 1].map(|i| p[i].max(f64::MIN_POSITIVE).ln());
-    let bend = l - 2.0 * m + r;
-    let shift = if bend < 0.0 { 0.5 * (l - r) / bend } else { 0.0 };
-    Some((at as f64 + shift) * s.step)
 }
 
 /// Compares a run with what it should be.

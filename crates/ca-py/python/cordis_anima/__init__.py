@@ -22,6 +22,7 @@ from ._render import Params, Render
 from ._results import Accuracy, Certificate, Energy, Modes, Param, Port
 from ._scene import Curve, Gesture, Progress, Scene
 from ._sim import Block, Inputs, Sim
+from ._sweep import Range, Sweep, sweep
 
 __version__: str = _core.VERSION
 
@@ -46,15 +47,18 @@ __all__ = [
     "Params",
     "Port",
     "Progress",
+    "Range",
     "Render",
     "Scene",
     "Sim",
+    "Sweep",
     "UnstableError",
     "UsageError",
     "examples",
     "kinds",
     "load",
     "parse",
+    "sweep",
 ]
 
 

@@ -7,7 +7,7 @@
 mod play;
 mod told;
 
-pub(crate) use play::{play, stopped};
+pub(crate) use play::{listen, play, stopped};
 pub(crate) use told::{
     Broke, decibel, fitting, joule, makers, relative, rippling, stability, stability_json, tenths, too_loud,
 };
@@ -16,12 +16,12 @@ use crate::args::{Kernel, Playing, RenderArgs, SampleFormat};
 use crate::commands::border;
 use crate::load::{self, Loaded};
 use crate::{Ended, Failure, Outcome, catalog, term};
-use ca_core::model::select::is_name;
 use ca_core::{KernelClass, Options, Scene, compile};
-use ca_haptic::gesture::{Gesture, PortMap, Track};
+use ca_haptic::gesture::Gesture;
 use ca_haptic::perform::Performance;
 use ca_haptic::probe::ProbeOut;
 use ca_haptic::sound::{Format, WavOut};
+use ca_lab::gesture;
 use std::path::{Path, PathBuf};
 
 /// Data of a WAV file \[bytes\].
@@ -152,60 +152,16 @@ fn open_probes(probes: &[Probe], scene: &Scene) -> Result<Vec<(ProbeOut, usize)>
     Ok(outs)
 }
 
-/// All gesture files as one gesture.
+/// All gesture files as one gesture; none of them is `output`.
 pub(crate) fn gesture(args: &Playing, scene: &Scene, output: &Path) -> Result<Option<Gesture>, Failure> {
-    let map = |i: &ca_core::scene::Input| Some(PortMap { port: i.name.clone(), map: i.midi? });
-    let ports: Vec<PortMap> = scene.inputs.iter().filter_map(map).collect();
-    let mut tracks: Vec<Track> = Vec::new();
     for text in &args.gesture {
-        let (port, file) = port_and_file(text);
+        let file = gesture::port_and_file(text).1;
         if same(file, output) {
             let what = format!("`{}` is the gesture and would be overwritten", file.display());
             return Err(Failure::Usage(format!("{what}; choose another file with `-o`")));
         }
-        // a rate is for arrays; among several files it is theirs alone
-        let array = load::has_extension(file, "npy") || args.gesture.len() == 1;
-        let gesture = if load::has_extension(file, "mcap") {
-            ca_haptic::take::gesture(file, &catalog())?
-        } else {
-            Gesture::open(file, &ports, args.gesture_rate.filter(|_| array))?
-        };
-        match (port, gesture.tracks()) {
-            (None, all) => {
-                nameless(all, scene, file)?;
-                tracks.extend(all.iter().cloned());
-            }
-            (Some(port), [one]) => tracks.push(one.clone().named(port)),
-            (Some(port), all) => {
-                let names = load::ticked(all.iter().map(Track::name));
-                let what = format!("`{}` has {} tracks, {names}", file.display(), all.len());
-                return Err(Failure::Usage(format!("--gesture: {what}; `{port}=` gives a name to a single one")));
-            }
-        }
     }
-    Ok(if args.gesture.is_empty() { None } else { Some(Gesture::new(tracks)?) })
-}
-
-/// Refuses a single `ch0` that nobody is called by, with the way to name it.
-fn nameless(tracks: &[Track], scene: &Scene, file: &Path) -> Result<(), Failure> {
-    let [one] = tracks else { return Ok(()) };
-    let drives = |n: &str| scene.inputs.iter().any(|i| i.name == n) || scene.live.params.iter().any(|p| p.name == n);
-    let first = scene.inputs.first().map(|i| &i.name).or(scene.live.params.first().map(|p| &p.name));
-    match first {
-        Some(first) if one.name() == "ch0" && !drives("ch0") => {
-            let what = format!("`{}`: nothing is driven by `ch0`, its only track", file.display());
-            Err(Failure::Usage(format!("{what}; give it to a port, as in `--gesture {first}=FILE`")))
-        }
-        _ => Ok(()),
-    }
-}
-
-/// `key=take.wav`, unless there is a file of that very name.
-fn port_and_file(text: &str) -> (Option<&str>, &Path) {
-    match text.split_once('=') {
-        Some((port, file)) if !Path::new(text).exists() && is_name(port) => (Some(port), Path::new(file)),
-        _ => (None, Path::new(text)),
-    }
+    Ok(gesture::open(&args.gesture, args.gesture_rate, scene, Path::new(""))?)
 }
 
 /// How long it is played \[s\], and in ticks.

@@ -17,9 +17,14 @@ static STOP: AtomicBool = AtomicBool::new(false);
 /// How long a render may last unseen.
 const PATIENCE: Duration = Duration::from_millis(500);
 
-/// Whether somebody wants no more, where [`play`] has listened for it.
+/// Whether somebody wants no more, since [`listen`].
 pub(crate) fn stopped() -> bool {
     STOP.load(Ordering::Relaxed)
+}
+
+/// Listens for Ctrl-C from now on; without, it ends the process as ever, and leaves unfinished files behind.
+pub(crate) fn listen() {
+    let _ = ctrlc::set_handler(|| STOP.store(true, Ordering::Relaxed));
 }
 
 /// What is done with outputs.
@@ -33,8 +38,7 @@ pub(crate) fn play<'a>(
     show: bool,
     heard: &mut Sink,
 ) -> Result<Played<'a>, Failure> {
-    // without a handler Ctrl-C ends the process as ever, and leaves the unfinished file behind
-    let _ = ctrlc::set_handler(|| STOP.store(true, Ordering::Relaxed));
+    listen();
     let mut bar: Option<ProgressBar> = None;
     let begin = Instant::now();
     let played = ca_lab::play::play(p, frames, block, &mut |p, rows, done| {

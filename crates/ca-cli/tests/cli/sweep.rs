@@ -1,0 +1,250 @@
+//! `ca sweep`: the same runs for anybody, whole chunks, and bad runs as rows.
+
+use crate::desk::{Desk, blocks, from_root};
+use ca_lab::sweep::{Column, Table};
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+
+/// The plan of the page.
+pub fn plan() -> String {
+    let page = fs::read_to_string(from_root("docs/sweep.md")).unwrap();
+    blocks(&page, "toml")[0].1.to_owned()
+}
+
+/// A quick one.
+const SMALL: &str = r#"
+model = "struck.ca.toml"
+seconds = 0.05
+runs = 23
+seed = 5
+audio = "flac"
+chunk = 5
+[set]
+"model.title" = "small"
+[vary]
+"#;
+
+fn small() -> String {
+    format!("{SMALL}{}", VARIED)
+}
+
+/// What is played: a string that is struck.
+const STRUCK: &str = r#"
+[STRING]
+low = { n = 20, k = "4 kN/m", m = "1 g", z = "1 mN s/m", t60 = "1 s" }
+[MAS]
+hammer = { m = "20 g", x = "-5 mm", v = "1 m/s" }
+[BUT]
+strike = { between = ["hammer", "low[8]"], k = "8 kN/m", z = "0.2 N s/m" }
+[SOX]
+out = { from = "low[3]", gain = 50 }
+"#;
+
+fn desk() -> Desk {
+    let desk = Desk::new();
+    desk.put("struck.ca.toml", STRUCK);
+    desk
+}
+
+const VARIED: &str = r#"
+"low.k" = { from = "1 kN/m", to = "9 kN/m", log = true }
+"low.n" = [10, 20, 40]
+"#;
+
+/// All files of a folder, by their path in it.
+fn files(root: &Path) -> BTreeMap<String, Vec<u8>> {
+    fn walk(root: &Path, at: &Path, all: &mut BTreeMap<String, Vec<u8>>) {
+        for file in fs::read_dir(at).unwrap().flatten() {
+            if file.path().is_dir() {
+                walk(root, &file.path(), all);
+            } else {
+                let name = file.path().strip_prefix(root).unwrap().to_string_lossy().into_owned();
+                all.insert(name, fs::read(file.path()).unwrap());
+            }
+        }
+    }
+    let mut all = BTreeMap::new();
+    walk(root, root, &mut all);
+    all
+}
+
+/// Those that do not hold times.
+fn same_every_time(root: &Path) -> BTreeMap<String, Vec<u8>> {
+    let timed = |name: &str| name.ends_with("rows.parquet") || name == "times.parquet";
+    files(root).into_iter().filter(|(name, _)| !timed(name)).collect()
+}
+
+fn texts(t: &Table, name: &str) -> Vec<Option<String>> {
+    match t.column(name) {
+        Some(Column::Text(v)) => v.clone(),
+        other => panic!("{name}: {other:?}"),
+    }
+}
+
+fn numbers(t: &Table, name: &str) -> Vec<Option<f64>> {
+    match t.column(name) {
+        Some(Column::Number(v)) => v.clone(),
+        other => panic!("{name}: {other:?}"),
+    }
+}
+
+fn manifest(desk: &Desk, folder: &str) -> Table {
+    Table::read(&desk.path(folder).join("manifest.parquet")).unwrap()
+}
+
+#[test]
+fn threads_parts_and_resumption_give_the_same_files() {
+    let desk = desk();
+    desk.put("s.sweep.toml", &small());
+    let ran = desk.ca(&["sweep", "s.sweep.toml", "--threads", "1"]).is(0);
+    assert!(ran.out.contains("23 of 23 runs") && ran.out.contains("23 ok"), "{}", ran.out);
+    let one = same_every_time(&desk.path("s"));
+    assert_eq!(one.keys().filter(|k| k.ends_with(".flac")).count(), 23);
+    assert!(one.contains_key("manifest.parquet") && one.contains_key("runs-000020/000022.flac"));
+
+    desk.ca(&["sweep", "s.sweep.toml", "--threads", "3", "-o", "three"]).is(0);
+    assert_eq!(same_every_time(&desk.path("three")), one);
+
+    // in parts, the last first; only with all of them there is a manifest
+    let part = |k: &str| desk.ca(&["sweep", "s.sweep.toml", "-o", "parts", "--shard", k]).is(0).out;
+    assert!(part("3/3").contains("other parts are not there yet"));
+    assert!(!desk.path("parts/manifest.parquet").exists());
+    part("1/3");
+    assert!(part("2/3").contains("all runs are there"));
+    assert_eq!(same_every_time(&desk.path("parts")), one);
+
+    // a chunk that is lost is done again, nothing else
+    fs::remove_dir_all(desk.path("parts/runs-000010")).unwrap();
+    fs::create_dir(desk.path("parts/.runs-000010.gone1-0.part")).unwrap();
+    let again = desk.ca(&["sweep", "s.sweep.toml", "-o", "parts", "--json"]).is(0).out;
+    let again: serde_json::Value = serde_json::from_str(&again).unwrap();
+    assert_eq!((again["played"].as_u64(), again["complete"].as_bool()), (Some(5), Some(true)));
+    assert_eq!(same_every_time(&desk.path("parts")), one, "and what was left half done is gone");
+    let nothing = desk.ca(&["sweep", "s.sweep.toml", "-o", "parts"]).is(0).out;
+    assert!(nothing.contains("0 of 23"), "{nothing}");
+}
+
+#[test]
+fn a_run_is_a_render() {
+    let desk = desk();
+    desk.put("s.sweep.toml", &small().replace("flac", "wav"));
+    desk.ca(&["sweep", "s.sweep.toml"]).is(0);
+    let table = manifest(&desk, "s");
+    let (k, n) = (numbers(&table, "low.k"), numbers(&table, "low.n"));
+    let (peaks, files) = (numbers(&table, "peak"), texts(&table, "file"));
+    assert!(k.iter().flatten().all(|k| (1e3..9e3).contains(k)));
+    for run in [0, 7, 22] {
+        let set = [format!("low.k={:?}", k[run].unwrap()), format!("low.n={}", n[run].unwrap())];
+        let mut args = vec!["render", "struck.ca.toml", "--seconds", "0.05", "-o", "r.wav", "--json"];
+        set.iter().for_each(|s| args.extend(["--set", s]));
+        let told: serde_json::Value = serde_json::from_str(&desk.ca(&args).is(0).out).unwrap();
+        let mine = fs::read(desk.path("s").join(files[run].as_ref().unwrap())).unwrap();
+        assert_eq!(mine, fs::read(desk.path("r.wav")).unwrap(), "run {run}: the same bytes");
+        let loudest = told["channels"].as_array().unwrap().iter().map(|c| c["peak"].as_f64().unwrap());
+        let (mine, loudest) = (peaks[run].unwrap(), loudest.fold(0.0, f64::max));
+        // a number of JSON is read to its last digit but one
+        assert!((mine / loudest - 1.0).abs() < 1e-15, "{mine} {loudest}");
+    }
+}
+
+#[test]
+fn a_bad_run_is_a_row() {
+    let desk = desk();
+    let axis = r#""low.k" = [-1, "4 kN/m", "4 m", 1e9]"#;
+    desk.put("b.sweep.toml", &format!("model = \"struck.ca.toml\"\nseconds = 0.1\nenergy = true\n[vary]\n{axis}\n"));
+    let ran = desk.ca(&["sweep", "b.sweep.toml"]).is(0);
+    let table = manifest(&desk, "b");
+    let status: Vec<String> = texts(&table, "status").into_iter().flatten().collect();
+    let message: Vec<String> = texts(&table, "message").into_iter().flatten().collect();
+    assert_eq!(status, ["invalid", "ok", "invalid", "unstable"], "{message:?} {}", ran.out);
+    assert!(message[0].contains('E') && message[1].is_empty() && message[3].contains("blew up"), "{message:?}");
+    assert!(numbers(&table, "failed")[3].is_some_and(|t| t < 0.1));
+    assert!(texts(&table, "module")[3].as_ref().is_some_and(|m| m.contains("low")), "{table:?}");
+    assert_eq!(texts(&table, "file")[0], None);
+    assert!(numbers(&table, "residual")[1].is_some_and(|r| r < 1e-9));
+    // what is no quantity of a kind is no number of a column
+    assert_eq!(table.column("index"), Some(&Column::Whole(vec![0, 1, 2, 3])));
+}
+
+#[test]
+fn without_a_number_every_combination_is_played() {
+    let desk = desk();
+    let axes = "\"low.n\" = [10, 20]\n\"low.k\" = { from = 1000, to = 4000, steps = 3, log = true }";
+    desk.put(
+        "g.sweep.toml",
+        &format!("model = \"struck.ca.toml\"\nseconds = 0.01\naudio = \"none\"\n[vary]\n{axes}\n"),
+    );
+    desk.ca(&["sweep", "g.sweep.toml"]).is(0);
+    let table = manifest(&desk, "g");
+    let n: Vec<f64> = numbers(&table, "low.n").into_iter().flatten().collect();
+    let k: Vec<f64> = numbers(&table, "low.k").into_iter().flatten().collect();
+    assert_eq!(n, [10.0, 10.0, 10.0, 20.0, 20.0, 20.0]);
+    assert_eq!(k, [1000.0, 2000.0, 4000.0, 1000.0, 2000.0, 4000.0]);
+    assert!(table.column("file").is_none() && files(&desk.path("g")).keys().all(|f| !f.ends_with("flac")));
+}
+
+#[test]
+fn what_makes_no_sense_is_said_with_its_line() {
+    let desk = desk();
+    let says = |plan: &str, what: &[&str]| {
+        desk.put("p.sweep.toml", plan);
+        desk.ca(&["sweep", "p.sweep.toml"]).is(2).says(what);
+    };
+    says("modle = \"rattle\"\n", &["p.sweep.toml:1", "did you mean `model`"]);
+    says("seed = 1\n", &["no `model`"]);
+    says("model = \"ratle\"\n[vary]\na = [1]\n", &["p.sweep.toml:1", "did you mean `rattle`"]);
+    says("model = \"rattle\"\n", &["no `[vary]`"]);
+    says("model = \"rattle\"\nruns = 0\n[vary]\n", &["1 to"]);
+    says("model = \"rattle\"\nruns = \"many\"\n[vary]\n", &["p.sweep.toml:2", "whole number"]);
+    says("model = \"struck.ca.toml\"\n[vary]\n\"lwo.k\" = [1]\n", &["p.sweep.toml:3", "did you mean `low.k`"]);
+    says("model = \"struck.ca.toml\"\n[vary]\n\"low.k\" = { from = 1, to = 2 }\n", &["`runs`", "`steps`"]);
+    says("model = \"struck.ca.toml\"\n[vary]\n\"low.k\" = { from = 1 }\n", &["p.sweep.toml:3", "to = "]);
+    says(
+        "model = \"struck.ca.toml\"\n[vary]\n\"low.k\" = { from = -1, to = 2, log = true, steps = 3 }\n",
+        &["above 0"],
+    );
+    says("model = \"struck.ca.toml\"\n[vary]\n\"low.k\" = []\n", &["p.sweep.toml:3", "0 values"]);
+    says("model = \"struck.ca.toml\"\n[vary\n", &["p.sweep.toml:2"]);
+    says("model = \"struck.ca.toml\"\naudio = \"mp3\"\n[vary]\n\"low.k\" = [1]\n", &["p.sweep.toml:2", "flac"]);
+    desk.ca(&["sweep", "no.sweep.toml"]).is(1).says(&["no.sweep.toml", "cannot be read"]);
+    desk.put("p.sweep.toml", &small());
+    desk.ca(&["sweep", "p.sweep.toml", "--shard", "3/2"]).is(2).says(&["1/2"]);
+
+    // folders of something else
+    fs::create_dir(desk.path("mine")).unwrap();
+    desk.put("mine/a.txt", "");
+    desk.ca(&["sweep", "p.sweep.toml", "-o", "mine"]).is(2).says(&["not empty"]);
+    desk.ca(&["sweep", "p.sweep.toml"]).is(0);
+    desk.put("p.sweep.toml", &small().replace("seed = 5", "seed = 6"));
+    desk.ca(&["sweep", "p.sweep.toml"]).is(2).says(&["another sweep", "sweep.toml"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn what_is_stopped_goes_on() {
+    let desk = desk();
+    let plan = small().replace("runs = 23", "runs = 400").replace("seconds = 0.05", "seconds = 0.5");
+    desk.put("s.sweep.toml", &plan);
+    for signal in ["INT", "KILL"] {
+        let mut child = desk.start(&["sweep", "s.sweep.toml", "--threads", "2"]);
+        let end = std::time::Instant::now() + std::time::Duration::from_secs(60);
+        let count = || files(&desk.path("s")).keys().filter(|f| f.ends_with("rows.parquet")).count();
+        let before = if desk.path("s").exists() { count() } else { 0 };
+        while !desk.path("s").exists() || count() < before + 2 {
+            assert!(std::time::Instant::now() < end, "nothing was written");
+            std::thread::sleep(std::time::Duration::from_millis(5));
+        }
+        desk.sh(&format!("kill -{signal} {}", child.id()));
+        let status = child.wait().unwrap();
+        assert!(!status.success());
+        if signal == "INT" {
+            assert_eq!(status.code(), Some(130));
+            assert!(files(&desk.path("s")).keys().all(|f| !f.contains(".part")), "what is not finished is gone");
+        }
+        assert!(!desk.path("s/manifest.parquet").exists());
+    }
+    desk.ca(&["sweep", "s.sweep.toml"]).is(0).says(&[]);
+    desk.ca(&["sweep", "s.sweep.toml", "-o", "whole"]).is(0);
+    assert_eq!(same_every_time(&desk.path("s")), same_every_time(&desk.path("whole")));
+}

@@ -1,0 +1,64 @@
+//! Gestures from files, as they are named on a command line.
+
+use crate::load::{has_extension, ticked};
+use crate::{Failure, catalog};
+use ca_core::Scene;
+use ca_core::model::select::is_name;
+use ca_haptic::gesture::{Gesture, PortMap, Track};
+use std::path::Path;
+
+/// `key=take.wav`, unless there is a file of that very name.
+pub fn port_and_file(text: &str) -> (Option<&str>, &Path) {
+    match text.split_once('=') {
+        Some((port, file)) if !Path::new(text).exists() && is_name(port) => (Some(port), Path::new(file)),
+        _ => (None, Path::new(text)),
+    }
+}
+
+/// All files as one gesture; none of none. `rate` \[Hz\] is for arrays without times. A file is looked for in `folder`.
+///
+/// # Errors
+/// [`Failure::Usage`] where a file drives nothing or cannot be called by one port, and what its reader says.
+pub fn open(files: &[String], rate: Option<f64>, scene: &Scene, folder: &Path) -> Result<Option<Gesture>, Failure> {
+    let map = |i: &ca_core::scene::Input| Some(PortMap { port: i.name.clone(), map: i.midi? });
+    let ports: Vec<PortMap> = scene.inputs.iter().filter_map(map).collect();
+    let mut tracks: Vec<Track> = Vec::new();
+    for text in files {
+        let (port, file) = port_and_file(text);
+        let file = &*folder.join(file);
+        // a rate is for arrays; among several files it is theirs alone
+        let array = has_extension(file, "npy") || files.len() == 1;
+        let gesture = if has_extension(file, "mcap") {
+            ca_haptic::take::gesture(file, &catalog())?
+        } else {
+            Gesture::open(file, &ports, rate.filter(|_| array))?
+        };
+        match (port, gesture.tracks()) {
+            (None, all) => {
+                nameless(all, scene, file)?;
+                tracks.extend(all.iter().cloned());
+            }
+            (Some(port), [one]) => tracks.push(one.clone().named(port)),
+            (Some(port), all) => {
+                let names = ticked(all.iter().map(Track::name));
+                let what = format!("`{}` has {} tracks, {names}", file.display(), all.len());
+                return Err(Failure::Usage(format!("--gesture: {what}; `{port}=` gives a name to a single one")));
+            }
+        }
+    }
+    Ok(if files.is_empty() { None } else { Some(Gesture::new(tracks)?) })
+}
+
+/// Refuses a single `ch0` that nobody is called by, with the way to name it.
+fn nameless(tracks: &[Track], scene: &Scene, file: &Path) -> Result<(), Failure> {
+    let [one] = tracks else { return Ok(()) };
+    let drives = |n: &str| scene.inputs.iter().any(|i| i.name == n) || scene.live.params.iter().any(|p| p.name == n);
+    let first = scene.inputs.first().map(|i| &i.name).or(scene.live.params.first().map(|p| &p.name));
+    match first {
+        Some(first) if one.name() == "ch0" && !drives("ch0") => {
+            let what = format!("`{}`: nothing is driven by `ch0`, its only track", file.display());
+            Err(Failure::Usage(format!("{what}; give it to a port, as in `--gesture {first}=FILE`")))
+        }
+        _ => Ok(()),
+    }
+}

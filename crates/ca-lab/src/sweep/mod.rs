@@ -1,0 +1,345 @@
+//! One scene played many times, each time with other values.
+//!
+//! Decides that a run is a function of the scene, the seed and its number (`axis.rs`), so that any worker may compute any
+//! run, in any order, again or for the first time, and all of them find the same; and that a bad run is a row like any
+//! other, which says what went wrong.
+
+mod audio;
+mod axis;
+pub mod folder;
+mod measure;
+pub mod plan;
+mod table;
+
+pub use audio::Audio;
+pub use axis::{Axis, Space, number};
+pub use table::{Column, Table};
+
+use crate::load::{self, Loaded, compiled};
+use crate::play::{self, BLOCK, Broke};
+use crate::{Failure, bytes};
+use ca_core::Options;
+use ca_core::model::Value;
+use ca_core::model::diag::Severity;
+use ca_haptic::gesture::Gesture;
+use ca_haptic::perform::Performance;
+use ca_haptic::sound::Level;
+
+/// Most runs of a sweep.
+const MOST: u64 = 1 << 40;
+
+/// Columns that are not the same every time: the time that a run took.
+pub const TIMES: [&str; 2] = ["run_time", "rtf"];
+/// All other columns that no axis is called by.
+const OWN: [&str; 13] = [
+    "index", "status", "message", "failed", "module", "frames", "peak", "rms", "partial", "t60", "residual", "seed",
+    "scene",
+];
+
+/// The column of an axis: its name, if no other column has it.
+pub fn column(axis: &Axis) -> String {
+    let taken = OWN.iter().chain(&TIMES).chain(&["file"]).any(|n| *n == axis.name);
+    if taken { format!("param.{}", axis.name) } else { axis.name.clone() }
+}
+
+/// What is asked of a sweep.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ask {
+    /// what is varied
+    pub axes: Vec<Axis>,
+    /// how many runs are drawn; without, every combination of values is played, the last axis first
+    pub runs: Option<u64>,
+    /// where drawing begins
+    pub seed: u64,
+    /// how long each is played \[s\]; without, as its model says
+    pub seconds: Option<f64>,
+    /// sound rate \[Hz\]; that of the model if none
+    pub rate: Option<f64>,
+    /// whether the energy book is kept
+    pub energy: bool,
+    /// whether pitch and decay are measured
+    pub measure: bool,
+}
+
+/// A sweep, ready for any of its runs.
+pub struct Sweep {
+    loaded: Loaded,
+    ask: Ask,
+    gesture: Option<Gesture>,
+    hash: blake3::Hash,
+    runs: u64,
+    channels: usize,
+    rate: f64,
+}
+
+/// What became of a run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Row {
+    /// its number
+    pub index: u64,
+    /// its seed
+    pub seed: u64,
+    /// its value on each axis
+    pub values: Vec<Value>,
+    /// `ok`, `clipped`, `unstable`, `refused` (an input had no value) or `invalid` (there is no such scene)
+    pub status: &'static str,
+    /// what went wrong; empty where nothing did
+    pub message: String,
+    /// when it blew up \[s\]
+    pub failed: Option<f64>,
+    /// the module to blame
+    pub module: Option<String>,
+    /// samples of each channel
+    pub frames: u64,
+    /// greatest |sample| before the ceiling; 1 is full scale
+    pub peak: f64,
+    /// root mean square of all samples
+    pub rms: f64,
+    /// strongest partial \[Hz\]
+    pub partial: Option<f64>,
+    /// time in which it falls by 60 dB \[s\]
+    pub t60: Option<f64>,
+    /// energy that the book misses, as a share of what there was
+    pub residual: Option<f64>,
+    /// names its scene among machines; empty where there is none
+    pub hash: String,
+    /// time of playing \[s\]
+    pub run_time: f64,
+    /// that over its length
+    pub rtf: f64,
+}
+
+impl Sweep {
+    /// Of a model, whose values stay where no axis varies them.
+    ///
+    /// # Errors
+    /// [`Failure::Usage`] where the axes make no sense, [`Failure::Found`] where the model has errors as it is.
+    pub fn new(loaded: Loaded, ask: Ask, gesture: Option<Gesture>) -> Result<Sweep, Failure> {
+        for (k, axis) in ask.axes.iter().enumerate() {
+            if ask.axes[..k].iter().any(|a| a.name == axis.name) {
+                return Err(Failure::Usage(format!("`{}` is varied twice", axis.name)));
+            }
+            load::set(&mut loaded.clone(), &axis.name, axis.at(0.0))?;
+        }
+        let runs = match ask.runs {
+            Some(n) => Some(n),
+            None => ask
+                .axes
+                .iter()
+                .try_fold(1u64, |n, a| {
+                    let len = a.len().ok_or_else(|| {
+                        let what = format!("`{}` may be anything between two values", a.name);
+                        Failure::Usage(format!("{what}; say how many `runs` are drawn, or how many `steps` it has"))
+                    });
+                    Ok::<_, Failure>(n.saturating_mul(len?))
+                })
+                .map(Some)?,
+        };
+        let runs = runs.filter(|n| (1..=MOST).contains(n));
+        let runs = runs.ok_or_else(|| Failure::Usage(format!("a sweep has 1 to {MOST} runs")))?;
+        let scene = load::scene(&loaded, &Options { rate: ask.rate, ..Options::default() })?;
+        // what a gesture cannot drive is said before the first run
+        Performance::new(&scene, gesture.as_ref())?;
+        let (channels, rate) = (scene.channels, scene.rate);
+        let hash = bytes::named(&loaded, rate)?;
+        Ok(Sweep { loaded, ask, gesture, hash, runs, channels, rate })
+    }
+
+    /// How many runs there are.
+    pub fn runs(&self) -> u64 {
+        self.runs
+    }
+
+    /// Sound channels of a run.
+    pub fn channels(&self) -> usize {
+        self.channels
+    }
+
+    /// Sound rate \[Hz\].
+    pub fn rate(&self) -> f64 {
+        self.rate
+    }
+
+    /// What was asked.
+    pub fn ask(&self) -> &Ask {
+        &self.ask
+    }
+
+    /// What names the scene among machines.
+    pub fn hash(&self) -> String {
+        self.hash.to_hex().to_string()
+    }
+
+    /// Values of a run, one for each axis.
+    pub fn point(&self, index: u64) -> Vec<Value> {
+        if self.ask.runs.is_some() {
+            let seed = axis::seed(&self.hash, self.ask.seed, index);
+            return self.ask.axes.iter().map(|a| a.at(axis::place(seed, &a.name))).collect();
+        }
+        let mut rest = index;
+        let mut values: Vec<Value> = Vec::new();
+        for a in self.ask.axes.iter().rev() {
+            let n = a.len().unwrap_or(1);
+            values.extend(match &a.space {
+                Space::List(v) => v.get((rest % n) as usize).cloned(),
+                Space::Range { .. } => None,
+            });
+            rest /= n;
+        }
+        values.reverse();
+        values
+    }
+
+    /// Plays a run: its row and its sound, interleaved. `goes_on` is asked now and then.
+    ///
+    /// # Errors
+    /// [`Failure::Stopped`] where `goes_on` says no.
+    pub fn run(&self, index: u64, goes_on: &mut dyn FnMut() -> bool) -> Result<(Row, Vec<f32>), Failure> {
+        let mut row = Row {
+            index,
+            seed: axis::seed(&self.hash, self.ask.seed, index),
+            values: self.point(index),
+            status: "invalid",
+            message: String::new(),
+            failed: None,
+            module: None,
+            frames: 0,
+            peak: 0.0,
+            rms: 0.0,
+            partial: None,
+            t60: None,
+            residual: None,
+            hash: String::new(),
+            run_time: 0.0,
+            rtf: 0.0,
+        };
+        match self.play(&mut row, goes_on) {
+            Ok(sound) => Ok((row, sound)),
+            Err(Failure::Stopped) => Err(Failure::Stopped),
+            Err(e) => {
+                row.message = reason(e);
+                Ok((row, Vec::new()))
+            }
+        }
+    }
+
+    fn play(&self, row: &mut Row, goes_on: &mut dyn FnMut() -> bool) -> Result<Vec<f32>, Failure> {
+        let mut loaded = self.loaded.clone();
+        for (axis, value) in self.ask.axes.iter().zip(&row.values) {
+            load::set(&mut loaded, &axis.name, value.clone())?;
+        }
+        let options = Options { rate: self.ask.rate, energy: self.ask.energy, ..Options::default() };
+        let scene = load::scene(&loaded, &options)?;
+        row.hash = bytes::named(&loaded, scene.rate)?.to_hex().to_string();
+        let performance = Performance::new(&scene, self.gesture.as_ref())?;
+        let frames = play::frames(&scene, play::seconds(&performance, self.ask.seconds));
+        let (channels, n_out) = (scene.channels, scene.n_out);
+        let (mut sound, mut level) = (Vec::new(), Level::new(channels));
+        let room = usize::try_from(frames).ok().and_then(|n| n.checked_mul(channels));
+        if !room.is_some_and(|n| sound.try_reserve_exact(n).is_ok()) {
+            return Err(Failure::Failed(format!("{frames} samples do not fit into memory")));
+        }
+        let played = play::play(performance, frames, BLOCK, &mut |_, rows, _| {
+            for row in rows.chunks_exact(n_out.max(1)) {
+                sound.extend(row[..channels].iter().enumerate().map(|(k, x)| level.keep(k, *x) as f32));
+            }
+            if goes_on() { Ok(()) } else { Err(Failure::Stopped) }
+        })?;
+        row.frames = frames;
+        row.run_time = played.wall.as_secs_f64();
+        row.rtf = row.run_time * scene.rate / frames as f64;
+        row.peak = level.peak.iter().copied().fold(0.0, f64::max);
+        row.rms = measure::rms(&sound);
+        if self.ask.measure && channels > 0 {
+            let found = measure::measures(&sound, channels, scene.rate);
+            (row.partial, row.t60) = (found.partial, found.t60);
+        }
+        row.residual = played.energy.as_ref().filter(|_| self.ask.energy).map(|book| {
+            let b = book.balance();
+            if b.peak > 0.0 { b.residual.abs() / b.peak } else { 0.0 }
+        });
+        let refused = played.performance.state.refused;
+        let twin = || compiled(&loaded, &Options { energy: true, ..options.clone() }).0;
+        let audited = if played.broke.is_some() { twin() } else { None };
+        if let Some(broke) = Broke::of(&played, audited.as_ref().unwrap_or(&scene), self.gesture.as_ref()) {
+            row.status = "unstable";
+            row.message = broke.to_string();
+            (row.failed, row.module) = (Some(broke.time), Some(broke.module));
+        } else if level.clipped + level.non_finite > 0 {
+            row.status = "clipped";
+            let (clipped, none) = (level.clipped, level.non_finite);
+            row.message = format!("{clipped} samples beyond full scale, {none} without a value");
+        } else if refused > 0 {
+            row.status = "refused";
+            row.message = format!("{refused} inputs had no value");
+        } else {
+            row.status = "ok";
+        }
+        Ok(sound)
+    }
+
+    /// Rows as columns.
+    pub fn table(&self, rows: &[Row]) -> Table {
+        let mut columns: Vec<(String, Column)> = Vec::new();
+        let mut add = |name: &str, column: Column| columns.push((name.into(), column));
+        let number = |f: &dyn Fn(&Row) -> Option<f64>| Column::Number(rows.iter().map(f).collect());
+        let text = |f: &dyn Fn(&Row) -> Option<String>| Column::Text(rows.iter().map(f).collect());
+        add("index", Column::Whole(rows.iter().map(|r| r.index as i64).collect()));
+        for (k, a) in self.ask.axes.iter().enumerate() {
+            add(
+                &column(a),
+                if a.is_numeric() {
+                    number(&|r| axis::number(&r.values[k]))
+                } else {
+                    text(&|r| Some(told(&r.values[k])))
+                },
+            );
+        }
+        add("status", text(&|r| Some(r.status.into())));
+        add("message", text(&|r| Some(r.message.clone())));
+        add("failed", number(&|r| r.failed));
+        add("module", text(&|r| r.module.clone()));
+        add("frames", Column::Whole(rows.iter().map(|r| r.frames as i64).collect()));
+        add("peak", number(&|r| Some(r.peak)));
+        add("rms", number(&|r| Some(r.rms)));
+        if self.ask.measure {
+            add("partial", number(&|r| r.partial));
+            add("t60", number(&|r| r.t60));
+        }
+        if self.ask.energy {
+            add("residual", number(&|r| r.residual));
+        }
+        // as it stands: 64 bits, with or without a sign
+        add("seed", Column::Whole(rows.iter().map(|r| r.seed as i64).collect()));
+        add("scene", text(&|r| Some(r.hash.clone())));
+        add(TIMES[0], number(&|r| Some(r.run_time)));
+        add(TIMES[1], number(&|r| Some(r.rtf)));
+        Table { columns }
+    }
+}
+
+/// A value as somebody would write it.
+pub fn told(value: &Value) -> String {
+    match value {
+        Value::Num(v) => v.to_string(),
+        Value::Text(t) => t.clone(),
+        Value::Bool(b) => b.to_string(),
+        Value::List(v) => format!("[{}]", v.iter().map(|e| told(&e.value)).collect::<Vec<_>>().join(", ")),
+        Value::Table(v) => {
+            let one = v.iter().map(|e| format!("{} = {}", e.key, told(&e.value)));
+            format!("{{{}}}", one.collect::<Vec<_>>().join(", "))
+        }
+    }
+}
+
+/// A failure in a line.
+fn reason(e: Failure) -> String {
+    match e {
+        Failure::Usage(what) | Failure::Failed(what) => what,
+        Failure::Stopped => String::new(),
+        Failure::Found(found) => {
+            let first = found.diags.list.into_iter().find(|d| d.severity == Severity::Error);
+            first.map_or_else(String::new, |d| format!("{}: {}", d.code, d.title))
+        }
+    }
+}

@@ -1,0 +1,218 @@
+//! A sweep as a text: `*.sweep.toml`.
+//!
+//! ```toml
+//! model = "plucked_string"              # a file, or a bundled model
+//! seconds = 0.5
+//! runs = 200                            # drawn; without, every combination of values
+//! seed = 1
+//! audio = "flac"                        # or "wav", "none"
+//!
+//! [set]                                 # the same for all
+//! "model.title" = "plucked"
+//!
+//! [vary]
+//! "low.k" = { from = "1 kN/m", to = "9 kN/m", log = true }
+//! "low.n" = [10, 20, 40]
+//! ```
+//!
+//! Decides that what it names is looked for beside it, and that whatever it says wrongly is told with its line.
+
+use super::{Ask, Audio, Axis, Sweep};
+use crate::load::{self, reason, stem};
+use crate::{Failure, gesture};
+use ca_core::Options;
+use ca_core::model::suggest::nearest;
+use ca_core::model::{Entry, Value, quantity};
+use std::path::{Path, PathBuf};
+use toml_edit::{Document, Item, TableLike};
+
+/// Runs that are written at once where nothing is said.
+pub const CHUNK: u64 = 100;
+
+const KEYS: [&str; 14] = [
+    "model",
+    "seconds",
+    "rate",
+    "gesture",
+    "gesture_rate",
+    "runs",
+    "seed",
+    "energy",
+    "measure",
+    "audio",
+    "chunk",
+    "folder",
+    "set",
+    "vary",
+];
+
+/// A sweep and where it goes.
+pub struct Plan {
+    /// what is played
+    pub sweep: Sweep,
+    /// how sounds are kept
+    pub audio: Audio,
+    /// runs that are written at once
+    pub chunk: u64,
+    /// where to: as written, or the name of the plan beside it
+    pub folder: PathBuf,
+}
+
+/// A text and its name, for what is said of it.
+struct Text<'a> {
+    text: &'a str,
+    file: &'a str,
+}
+
+impl Text<'_> {
+    fn wrong(&self, at: Option<std::ops::Range<usize>>, what: &str) -> Failure {
+        let line = at.map(|at| 1 + self.text[..at.start.min(self.text.len())].matches('\n').count());
+        let line = line.map_or_else(String::new, |n| format!(":{n}"));
+        Failure::Usage(format!("{}{line}: {what}", self.file))
+    }
+
+    /// Adds where it stands to what is wrong with it.
+    fn at<T>(&self, item: &Item, done: Result<T, Failure>) -> Result<T, Failure> {
+        done.map_err(|e| match e {
+            Failure::Usage(what) => self.wrong(item.span(), &what),
+            other => other,
+        })
+    }
+
+    fn one<T>(
+        &self,
+        table: &dyn TableLike,
+        key: &str,
+        what: &str,
+        read: impl Fn(&Item) -> Option<T>,
+    ) -> Result<Option<T>, Failure> {
+        let Some(item) = table.get(key) else { return Ok(None) };
+        read(item).map(Some).ok_or_else(|| self.wrong(item.span(), &format!("`{key}` is {what}")))
+    }
+
+    /// Keys that are none.
+    fn known(&self, table: &dyn TableLike, keys: &[&str]) -> Result<(), Failure> {
+        let Some((wrong, item)) = table.iter().find(|(k, _)| !keys.contains(k)) else { return Ok(()) };
+        let at = table.key(wrong).and_then(toml_edit::Key::span).or(item.span());
+        let hint = nearest(wrong, keys.iter().copied()).map_or_else(
+            || format!("there are {}", load::ticked(keys.iter().copied())),
+            |m| format!("did you mean `{m}`?"),
+        );
+        Err(self.wrong(at, &format!("there is no `{wrong}`; {hint}")))
+    }
+}
+
+/// A number in SI units, or a quantity.
+fn number(item: &Item) -> Option<f64> {
+    match item.as_str() {
+        Some(text) => quantity::parse(text).ok().map(|q| q.value),
+        None => item.as_float().or(item.as_integer().map(|v| v as f64)),
+    }
+}
+
+fn whole(item: &Item) -> Option<u64> {
+    item.as_integer().and_then(|v| u64::try_from(v).ok())
+}
+
+fn value(item: &toml_edit::Value) -> Option<Value> {
+    use toml_edit::Value as V;
+    Some(match item {
+        V::String(t) => Value::Text(t.value().clone()),
+        V::Integer(v) => Value::Num(*v.value() as f64),
+        V::Float(v) => Value::Num(*v.value()),
+        V::Boolean(v) => Value::Bool(*v.value()),
+        V::Array(list) => Value::List(list.iter().map(|v| Some(Entry::new("", value(v)?))).collect::<Option<_>>()?),
+        V::InlineTable(t) => {
+            Value::Table(t.iter().map(|(k, v)| Some(Entry::new(k, value(v)?))).collect::<Option<_>>()?)
+        }
+        V::Datetime(_) => return None,
+    })
+}
+
+/// Reads a plan.
+///
+/// # Errors
+/// [`Failure::Failed`] where the file cannot be read, [`Failure::Usage`] with the line of what makes no sense, and what
+/// [`Sweep::new`] says.
+pub fn read(path: &Path) -> Result<Plan, Failure> {
+    let text = std::fs::read_to_string(path)
+        .map_err(|e| Failure::Failed(format!("`{}`: it cannot be read: {}", path.display(), reason(&e))))?;
+    let file = path.display().to_string();
+    let t = Text { text: &text, file: &file };
+    let doc = Document::parse(text.as_str()).map_err(|e| t.wrong(e.span(), e.message()))?;
+    let top = doc.as_table();
+    t.known(top, &KEYS)?;
+    let beside = path.parent().unwrap_or(Path::new(""));
+    let text_of = |item: &Item| item.as_str().map(str::to_owned);
+
+    let model = t.one(top, "model", "the name of a model, in quotes", text_of)?;
+    let model = model.ok_or_else(|| t.wrong(None, "there is no `model`; say which one is swept"))?;
+    let near = beside.join(&model);
+    let word = if near.exists() { near.display().to_string() } else { model };
+    let mut loaded = t.at(&top["model"], load::load(&word))?;
+    let table = |key: &str| -> Result<Option<&dyn TableLike>, Failure> {
+        let Some(item) = top.get(key) else { return Ok(None) };
+        item.as_table_like().map(Some).ok_or_else(|| t.wrong(item.span(), &format!("`{key}` is a section, `[{key}]`")))
+    };
+    for (name, item) in table("set")?.map(TableLike::iter).into_iter().flatten() {
+        let value = item.as_value().and_then(value);
+        let value = value.ok_or_else(|| t.wrong(item.span(), &format!("`{name}` is no value")))?;
+        t.at(item, load::set(&mut loaded, name, value))?;
+    }
+    let vary = table("vary")?.ok_or_else(|| t.wrong(None, "there is no `[vary]`; name the parameters that change"))?;
+    let axes = vary.iter().map(|(name, item)| t.at(item, axis(&t, name, item))).collect::<Result<Vec<_>, _>>()?;
+    for (axis, (_, item)) in axes.iter().zip(vary.iter()) {
+        t.at(item, load::set(&mut loaded.clone(), &axis.name, axis.at(0.0)))?;
+    }
+    let yes = |key: &str, or: bool| t.one(top, key, "`true` or `false`", Item::as_bool).map(|v| v.unwrap_or(or));
+    let above = |key: &str, unit: &str| {
+        t.one(top, key, &format!("a number of {unit} above 0"), |i| number(i).filter(|v| *v > 0.0 && v.is_finite()))
+    };
+    let ask = Ask {
+        axes,
+        runs: t.one(top, "runs", "a whole number from 1 on", whole)?,
+        seed: t.one(top, "seed", "a whole number from 0 on", whole)?.unwrap_or(0),
+        seconds: above("seconds", "seconds")?,
+        rate: above("rate", "hertz")?,
+        energy: yes("energy", false)?,
+        measure: yes("measure", true)?,
+    };
+    let files =
+        t.one(top, "gesture", "a file, or a list of them, as in \"key=take.wav\"", |item| match item.as_array() {
+            Some(list) => list.iter().map(|v| v.as_str().map(str::to_owned)).collect(),
+            None => text_of(item).map(|f| vec![f]),
+        })?;
+    let gesture_rate = above("gesture_rate", "hertz")?;
+    let gesture = match files {
+        Some(files) => {
+            let scene = load::scene(&loaded, &Options { rate: ask.rate, ..Options::default() })?;
+            gesture::open(&files, gesture_rate, &scene, beside)?
+        }
+        None => None,
+    };
+    let audio = t.one(top, "audio", "\"flac\", \"wav\" or \"none\"", |i| i.as_str().and_then(Audio::named))?;
+    let chunk = t.one(top, "chunk", "a whole number from 1 on", |i| whole(i).filter(|n| *n > 0))?;
+    let folder = t.one(top, "folder", "the name of a folder, in quotes", text_of)?;
+    let own = stem(path);
+    let own = own.strip_suffix(".sweep").unwrap_or(&own);
+    Ok(Plan {
+        sweep: Sweep::new(loaded, ask, gesture)?,
+        audio: audio.unwrap_or(Audio::Flac),
+        chunk: chunk.unwrap_or(CHUNK),
+        folder: beside.join(folder.as_deref().unwrap_or(own)),
+    })
+}
+
+fn axis(t: &Text, name: &str, item: &Item) -> Result<Axis, Failure> {
+    if let Some(list) = item.as_array() {
+        let values = list.iter().map(value).collect::<Option<Vec<_>>>();
+        return Axis::list(name, values.ok_or_else(|| t.wrong(item.span(), &format!("`{name}` has a date in it")))?);
+    }
+    let what = format!("`{name}` is a list of values, or `{{ from = …, to = … }}`");
+    let range = item.as_table_like().ok_or_else(|| t.wrong(item.span(), &what))?;
+    t.known(range, &["from", "to", "steps", "log"])?;
+    let end = |key: &str| t.one(range, key, "a number or a quantity", number);
+    let (Some(from), Some(to)) = (end("from")?, end("to")?) else { return Err(t.wrong(item.span(), &what)) };
+    let log = t.one(range, "log", "`true` or `false`", Item::as_bool)?.unwrap_or(false);
+    Axis::range(name, from, to, log, t.one(range, "steps", "a whole number from 2 on", whole)?)
+}

@@ -1,0 +1,65 @@
+"""Runs of a sweep as something that can be handed to any worker.
+
+Decides that a job is pickled as the bytes of a model and plain values, and compiled once in each process that plays it.
+"""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import pickle
+from typing import Any
+
+from . import _core
+
+class Job:
+    """All that a worker needs: pickled, a model of some kilobytes; the scene is compiled where it is played."""
+
+    def __init__(self, key: tuple[Any, ...]) -> None:
+        self.key = key
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (Job, (self.key,))
+
+    @property
+    def name(self) -> str:
+        """What it computes, whoever computes it: equal jobs have equal names."""
+        return hashlib.sha256(repr(self.key).encode()).hexdigest()
+
+    @property
+    def core(self) -> _core.Sweep:
+        return _made(*self.key)
+
+
+@functools.lru_cache(maxsize=8)
+def _made(model: bytes, name: str, asked: tuple[Any, ...], vary: bytes, gesture: bytes | None) -> _core.Sweep:
+    """The sweep of a job, once in each process."""
+    rate, runs, seed, seconds, energy, measure = asked
+    hands = None if gesture is None else _core.Gesture(pickle.loads(gesture))
+    return _core.Sweep(
+        _core.Model.from_bytes(model, name),
+        rate=rate,
+        vary=pickle.loads(vary),
+        runs=runs,
+        seed=seed,
+        seconds=seconds,
+        gesture=hands,
+        energy=energy,
+        measure=measure,
+    )
+
+
+def forget() -> None:
+    """Compiles jobs anew: one of them was stopped."""
+    _made.cache_clear()
+
+
+def play(job: Job, first: int, end: int, audio: bool) -> tuple[int, int, Any, Any]:
+    """Runs in memory: the first, how many, their columns, their sounds."""
+    columns, sounds = job.core.play(first, end, audio)
+    return first, end - first, columns, sounds
+
+
+def fill(job: Job, path: str, audio: str, chunk: int, which: int) -> tuple[int, int, Any, Any]:
+    """A chunk into a folder: its number, and how many runs it has."""
+    return which, job.core.fill(path, audio, chunk, which), None, None

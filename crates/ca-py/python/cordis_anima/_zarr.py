@@ -1,0 +1,98 @@
+"""A sweep in Zarr: every column an array over runs, the sounds one array over runs, frames and channels.
+
+Decides that a chunk of an array is what one task writes, so that workers never touch the same file, and that `done` says
+which of them are whole: it is written last. Texts that a run does not have are empty here.
+"""
+
+from __future__ import annotations
+
+import functools
+import warnings
+from typing import Any
+
+import numpy as np
+
+from ._errors import FailedError, UsageError
+from ._job import Job
+
+
+def _group(path: str, mode: str) -> Any:
+    try:
+        import zarr
+    except ImportError:
+        raise FailedError('Zarr is not installed: `pip install "zarr>=3"`') from None
+    return zarr.open_group(path, mode=mode)
+
+
+def tasks(job: Job, path: str, audio: bool, chunk: int) -> list[functools.partial[Any]]:
+    """What is to be done, in a store that is there or is made now."""
+    if chunk < 1:
+        raise UsageError(f"chunk = {chunk}: runs that are written at once, 1 or more")
+    core = job.core
+    asked = f"{job.name} {audio} {chunk}"
+    group = _group(path, "a")
+    if "cordis_anima" in group.attrs:
+        if group.attrs["cordis_anima"] != asked:
+            raise UsageError(f"`{path}` holds another sweep; choose another store, or remove this one")
+    elif any(True for _ in group.keys()):
+        raise UsageError(f"`{path}` holds something else; choose another store")
+    else:
+        _make(job, group, audio, chunk)
+        group.attrs["scene"], group.attrs["rate"] = core.hash, core.rate
+        group.attrs["columns"] = core.columns[0]
+        group.attrs["cordis_anima"] = asked
+    done = group["done"][:]
+    return [functools.partial(_fill, job, path, audio, chunk, int(k)) for k in np.flatnonzero(done == 0)]
+
+
+def _make(job: Job, group: Any, audio: bool, chunk: int) -> None:
+    core, frames, columns = job.core, 0, {}
+    for first in range(core.runs):
+        columns, _ = core.play(first, first + 1, False)
+        frames = int(columns["frames"][0])
+        if frames:
+            break
+    with warnings.catch_warnings():
+        # that texts are no part of the format's core is no news to anybody here
+        warnings.simplefilter("ignore")
+        for name, values in columns.items():
+            kind = str if isinstance(values, list) else values.dtype
+            group.create_array(name, shape=(core.runs,), chunks=(chunk,), dtype=kind, dimension_names=("run",))
+        if audio:
+            shape = (core.runs, frames, core.channels)
+            names = ("run", "frame", "channel")
+            group.create_array("audio", shape=shape, chunks=(chunk, *shape[1:]), dtype="f4", dimension_names=names)
+        n = -(-core.runs // chunk)
+        group.create_array("done", shape=(n,), chunks=(1,), dtype="u1", dimension_names=("chunk",))
+
+
+def _fill(job: Job, path: str, audio: bool, chunk: int, which: int) -> tuple[int, int, Any, Any]:
+    core = job.core
+    first, end = which * chunk, min((which + 1) * chunk, core.runs)
+    columns, sounds = core.play(first, end, audio)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        group = _group(path, "r+")
+        if audio:
+            to = group["audio"]
+            block = np.zeros((end - first, *to.shape[1:]), np.float32)
+            for k, sound in enumerate(sounds):
+                if len(sound) not in (0, block.shape[1]):
+                    what = f"run {first + k} has {len(sound)} frames, others {block.shape[1]}"
+                    raise UsageError(f"{what}: an array has one length; say `seconds`, or write into a folder")
+                block[k, : len(sound)] = sound
+            to[first:end] = block
+        for name, values in columns.items():
+            if isinstance(values, list):
+                values = np.array(["" if v is None else v for v in values], dtype=object)
+            group[name][first:end] = values
+        group["done"][which] = 1
+    return which, end - first, None, None
+
+
+def columns(path: str) -> dict[str, Any]:
+    """All columns of a store; sounds stay in it."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        group = _group(path, "r")
+        return {name: np.asarray(group[name][:]) for name in group.attrs["columns"]}

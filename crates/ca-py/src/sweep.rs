@@ -1,0 +1,180 @@
+//! Sweeps: runs of a scene, for whoever computes them.
+
+use crate::error::{failure, usage};
+use crate::gesture::Gesture;
+use crate::measure::table;
+use crate::model::{Given, Model};
+use ca_lab::Failure;
+use ca_lab::sweep::folder::Folder;
+use ca_lab::sweep::{self, Ask, Audio, Axis, Column};
+use numpy::{IntoPyArray as _, PyArray2};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+
+/// A sweep, ready for any of its runs.
+#[pyclass(frozen, module = "cordis_anima._core")]
+pub struct Sweep {
+    sweep: sweep::Sweep,
+    stop: AtomicBool,
+}
+
+/// What one parameter may be: values, or two ends, whether by ratios, and a number of steps.
+#[derive(FromPyObject)]
+enum Space {
+    Range(Given, Given, bool, Option<u64>),
+    List(Vec<Given>),
+}
+
+impl Space {
+    fn axis(self, name: &str) -> Result<Axis, Failure> {
+        match self {
+            Space::List(values) => Axis::list(name, values.into_iter().map(Given::typed).collect()),
+            Space::Range(from, to, log, steps) => {
+                let end = |v: Given| {
+                    let wrong = || Failure::Usage(format!("`{name}` goes from one number or quantity to another"));
+                    sweep::number(&v.typed()).ok_or_else(wrong)
+                };
+                Axis::range(name, end(from)?, end(to)?, log, steps)
+            }
+        }
+    }
+}
+
+type Rows<'py> = (Bound<'py, PyDict>, Vec<Bound<'py, PyArray2<f32>>>);
+
+#[pymethods]
+impl Sweep {
+    #[new]
+    #[pyo3(signature = (model, *, rate, vary, runs, seed, seconds, gesture, energy, measure))]
+    #[allow(clippy::too_many_arguments)]
+    fn new(
+        py: Python,
+        model: &Model,
+        rate: Option<f64>,
+        vary: Vec<(String, Space)>,
+        runs: Option<u64>,
+        seed: u64,
+        seconds: Option<f64>,
+        gesture: Option<&Gesture>,
+        energy: bool,
+        measure: bool,
+    ) -> PyResult<Sweep> {
+        let axes = vary.into_iter().map(|(name, space)| space.axis(&name)).collect::<Result<Vec<_>, _>>();
+        let made = axes.and_then(|axes| {
+            let ask = Ask { axes, runs, seed, seconds, rate, energy, measure };
+            sweep::Sweep::new(model.whole(), ask, gesture.map(|g| g.gesture.clone()))
+        });
+        Ok(Sweep { sweep: made.map_err(|e| failure(py, e))?, stop: AtomicBool::new(false) })
+    }
+
+    /// How many runs there are.
+    #[getter]
+    fn runs(&self) -> u64 {
+        self.sweep.runs()
+    }
+
+    /// Sound channels.
+    #[getter]
+    fn channels(&self) -> usize {
+        self.sweep.channels()
+    }
+
+    /// Sound rate [Hz].
+    #[getter]
+    fn rate(&self) -> f64 {
+        self.sweep.rate()
+    }
+
+    /// What names its scene among machines.
+    #[getter]
+    fn hash(&self) -> String {
+        self.sweep.hash()
+    }
+
+    /// Names of its columns, and of those that are axes.
+    #[getter]
+    fn columns(&self) -> (Vec<String>, Vec<String>) {
+        let all = self.sweep.table(&[]).columns.into_iter().map(|c| c.0).collect();
+        (all, self.sweep.ask().axes.iter().map(sweep::column).collect())
+    }
+
+    /// Nobody wants more of it: calls under way in other threads end soon.
+    fn stop(&self) {
+        self.stop.store(true, Relaxed);
+    }
+
+    /// Plays runs from `first` up to `end`: columns, and the sounds where they are wanted.
+    fn play<'py>(&self, py: Python<'py>, first: u64, end: u64, audio: bool) -> PyResult<Rows<'py>> {
+        let goes_on = &mut || !self.stop.load(Relaxed);
+        let mut sounds = Vec::new();
+        let rows = py.detach(|| {
+            let mut rows = Vec::new();
+            for index in first..end.min(self.sweep.runs()) {
+                let (row, sound) = self.sweep.run(index, goes_on)?;
+                if audio {
+                    sounds.push((sound, row.frames as usize));
+                }
+                rows.push(row);
+            }
+            Ok(rows)
+        });
+        let rows = rows.map_err(|e| failure(py, e))?;
+        let channels = self.sweep.channels();
+        let sounds = sounds.into_iter().map(|(sound, frames)| table(py, sound, frames, channels));
+        Ok((columns(py, self.sweep.table(&rows))?, sounds.collect::<PyResult<_>>()?))
+    }
+
+    /// Numbers of the chunks that are not in a folder yet.
+    fn missing(&self, py: Python, path: PathBuf, audio: &str, chunk: u64) -> PyResult<Vec<u64>> {
+        let folder = self.folder(py, path, audio, chunk)?;
+        Ok((0..folder.chunks()).filter(|c| !folder.has(*c)).collect())
+    }
+
+    /// Plays a chunk into a folder; how many runs it has.
+    fn fill(&self, py: Python, path: PathBuf, audio: &str, chunk: u64, which: u64) -> PyResult<u64> {
+        let folder = self.folder(py, path, audio, chunk)?;
+        let goes_on = &mut |_: Option<&str>| !self.stop.load(Relaxed);
+        py.detach(|| folder.fill(&self.sweep, which, goes_on)).map_err(|e| failure(py, e))?;
+        let (first, end) = folder.span(which);
+        Ok(end - first)
+    }
+
+    /// All columns of a folder, whose manifest it writes; none where chunks are missing.
+    fn gather<'py>(
+        &self,
+        py: Python<'py>,
+        path: PathBuf,
+        audio: &str,
+        chunk: u64,
+    ) -> PyResult<Option<Bound<'py, PyDict>>> {
+        let folder = self.folder(py, path, audio, chunk)?;
+        let all = py.detach(|| folder.gather(&self.sweep)).map_err(|e| failure(py, e))?;
+        all.map(|t| columns(py, t)).transpose()
+    }
+}
+
+impl Sweep {
+    fn folder(&self, py: Python, path: PathBuf, audio: &str, chunk: u64) -> PyResult<Folder> {
+        let audio = Audio::named(audio);
+        let audio = audio.ok_or_else(|| usage(py, "sounds of a folder are \"flac\", \"wav\" or \"none\""))?;
+        Folder::open(&path, &self.sweep, audio, chunk).map_err(|e| failure(py, e))
+    }
+}
+
+/// Numbers as arrays, NaN where there is none; texts as lists.
+fn columns(py: Python<'_>, table: sweep::Table) -> PyResult<Bound<'_, PyDict>> {
+    let all = PyDict::new(py);
+    for (name, column) in table.columns {
+        match column {
+            Column::Whole(v) => all.set_item(name, v.into_pyarray(py))?,
+            Column::Number(v) => {
+                let numbers: Vec<f64> = v.into_iter().map(|v| v.unwrap_or(f64::NAN)).collect();
+                all.set_item(name, numbers.into_pyarray(py))?;
+            }
+            Column::Text(v) => all.set_item(name, v)?,
+        }
+    }
+    Ok(all)
+}
