@@ -19,8 +19,8 @@ class Render:
     >>> r = ca.examples.string().render(0.5, probes=["low[8]", "low[*]"])
     >>> r.audio.shape, r.audio.dtype, r.sr, r.status
     ((24000, 1), dtype('float32'), 48000, 'ok')
-    >>> r.probes["low[8]"].shape, r.probes["low[*]"].shape, r.columns["low[*]"][0]
-    ((24000,), (24000, 40), 'low[0]')
+    >>> r.probes["low[8]"].shape, r.probes["low[*]"].shape, r.columns["low[*]"][0], r.units["low[*]"]
+    ((24000,), (24000, 40), 'low[0]', 'm')
     """
 
     #: sound (frames, channels), within ±1; what was louder is counted in `clipped`
@@ -36,6 +36,8 @@ class Render:
     probes: Mapping[str, Floats]
     #: names of the columns of each probe
     columns: Mapping[str, tuple[str, ...]]
+    #: unit of each probe: ``m`` or ``N``
+    units: Mapping[str, str]
     #: the energy book, where `energy=True` asked for it
     energy: Energy | None
     #: ``ok``; ``unstable``, it blew up; ``clipped``, louder than full scale; ``refused``, an input had no value

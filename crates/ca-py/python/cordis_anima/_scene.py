@@ -24,6 +24,8 @@ Path = Union[str, "os.PathLike[str]"]
 Curve = Union[float, npt.ArrayLike, "tuple[npt.ArrayLike, float]", Path, "tuple[Path, float]"]
 #: curves by what they drive, or a file whose tracks are called by it
 Gesture = Union[Mapping[str, Curve], str, "os.PathLike[str]", None]
+#: kinds that are heard as a force
+_FORCES = {"SOF", *(code for code, _, _, family, _ in _core.kinds() if family == "LIA")}
 
 
 class Scene:
@@ -249,6 +251,7 @@ class Scene:
             channels=tuple(about["channels"]),
             probes=heard,
             columns=names,
+            units={selector: self._unit(selector) for selector in probes},
             energy=_energy(raw["energy"]) if "energy" in raw else None,
             status=status,
             message=message,
@@ -258,6 +261,13 @@ class Scene:
             non_finite=raw["non_finite"],
             run_time=raw["run_time"],
         )
+
+    def _unit(self, selector: str) -> str:
+        """What a probe is counted in: links are forces, and so are outputs of force; all else are places."""
+        name, index, _ = selector.partition("@")[0].partition("[")
+        name = name.strip()
+        inner = bool(index) and name.endswith(".link")
+        return "N" if inner or any(item == name and kind in _FORCES for kind, item in self._model.items) else "m"
 
     def _gesture(self, gesture: Gesture) -> _core.Gesture | None:
         if gesture is None:

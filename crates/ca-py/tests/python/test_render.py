@@ -24,6 +24,7 @@ def test_a_result_has_all_of_it(key: ca.Scene) -> None:
     assert (r.audio.shape, r.audio.dtype, r.sr, r.channels) == ((24000, 2), np.float32, 48000, ("left", "right"))
     assert r.status == "ok" and r.message == "" and r.failed is None and r.seconds == 0.5 and r.rtf > 0
     assert list(r.probes) == ["strike", "low[3]"] and r.columns["strike"] == ("strike",)
+    assert dict(r.units) == {"strike": "N", "low[3]": "m"}
     assert r.energy is not None
     e = r.energy
     assert abs(e.start + e.work - e.lost + e.made + e.changed + e.residual - e.stored) <= 1e-9 * e.peak
