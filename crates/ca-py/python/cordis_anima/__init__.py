@@ -16,7 +16,7 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from . import _core, examples
-from ._errors import CaError, Diagnostic, FailedError, FileError, ModelError, UnstableError, UsageError
+from ._errors import CaError, Diagnostic, FailedError, FileError, MissingError, ModelError, UnstableError, UsageError
 from ._model import Check, Model
 from ._render import Params, Render
 from ._results import Accuracy, Certificate, Energy, Modes, Param, Port
@@ -40,6 +40,7 @@ __all__ = [
     "Gesture",
     "Inputs",
     "Kind",
+    "MissingError",
     "Model",
     "ModelError",
     "Modes",

@@ -19,6 +19,10 @@ class FailedError(CaError, RuntimeError):
     """The request makes sense, but cannot be done."""
 
 
+class MissingError(CaError, ImportError):
+    """A package is missing that this needs and all else does not; the text says how to install it."""
+
+
 class FileError(CaError, OSError):
     """A file cannot be read, or what it holds cannot drive a model.
 

@@ -12,6 +12,9 @@ import pytest
 
 import cordis_anima as ca
 
+# plots are looked at by programs here, whatever display there is
+os.environ["MPLBACKEND"] = "agg"
+
 #: a hand with a device key and a live parameter on a string, a contact between them
 KEY = """
 [model]

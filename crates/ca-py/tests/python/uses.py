@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 import cordis_anima as ca
+from cordis_anima import plot
 
 
 def struck(hardness: float) -> tuple[float, str]:
@@ -23,6 +24,14 @@ def played() -> int:
         audio, force = sim.step({"key": np.linspace(-0.006, 0.0, 160)})
         sim.params["rest"] = 1.0
         return len(audio) + len(force)
+
+
+def shown() -> list[str]:
+    """What stands at the axes of a few plots."""
+    scene = ca.examples.string()
+    r = scene.render(0.5, probes=["strike"], energy=True)
+    axes = [plot.spectrum(r, scene.modes()), plot.energy(r), plot.probes(r, ["strike"]), plot.modes(scene.modes(), "out")]
+    return [ax.get_xlabel() for ax in axes]
 
 
 if __name__ == "__main__":
