@@ -1,0 +1,61 @@
+"""Every notebook runs from top to bottom, as somebody would who opens it, and all it claims holds."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from pathlib import Path
+
+import nbclient
+import nbformat
+import pytest
+
+FOLDER = Path(os.environ.get("CA_ROOT", Path(__file__).parents[4])) / "crates/ca-py/notebooks"
+BOOKS = sorted(FOLDER.glob("*.ipynb"))
+
+
+@pytest.fixture
+def kernel(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder to run in, and a kernel that is this interpreter, whatever others are installed for whoever runs this."""
+    spec = tmp_path / "jupyter/kernels/python3/kernel.json"
+    spec.parent.mkdir(parents=True)
+    argv = [sys.executable, "-m", "ipykernel_launcher", "-f", "{connection_file}"]
+    spec.write_text(json.dumps({"argv": argv, "display_name": "here", "language": "python"}))
+    for name in ("PATH", "CONFIG_DIR", "RUNTIME_DIR"):
+        monkeypatch.setenv(f"JUPYTER_{name}", str(tmp_path / "jupyter"))
+    monkeypatch.setenv("IPYTHONDIR", str(tmp_path / "ipython"))
+    # pictures are shown as they are to people
+    monkeypatch.delenv("MPLBACKEND")
+    folder = tmp_path / "run"
+    folder.mkdir()
+    return folder
+
+
+def test_there_are_some() -> None:
+    assert len(BOOKS) >= 2
+
+
+@pytest.mark.parametrize("path", BOOKS, ids=lambda p: p.stem)
+def test_it_is_kept_without_what_a_run_leaves(path: Path) -> None:
+    book = json.loads(path.read_text())
+    nbformat.validate(nbformat.from_dict(book))
+    assert (book["nbformat"], book["nbformat_minor"]) == (4, 5)
+    assert set(book["metadata"]) == {"kernelspec", "language_info"}
+    for cell in book["cells"]:
+        assert cell["metadata"] == {} and "".join(cell["source"]).strip()
+        assert cell.get("outputs", []) == [] and cell.get("execution_count") is None
+
+
+@pytest.mark.parametrize("path", BOOKS, ids=lambda p: p.stem)
+def test_it_runs(path: Path, kernel: Path) -> None:
+    book = nbformat.read(path, as_version=4)
+    code = [cell for cell in book.cells if cell.cell_type == "code"]
+    # what it says it also tests
+    assert sum("assert " in cell.source for cell in code) >= 3
+    nbclient.NotebookClient(book, timeout=300, kernel_name="python3", resources={"metadata": {"path": str(kernel)}}).execute()
+    outputs = [output for cell in code for output in cell.outputs]
+    assert all(cell.execution_count for cell in code)
+    # no warnings, and something to look at
+    assert not [output.text for output in outputs if output.output_type == "stream" and output.name == "stderr"]
+    assert any("image/png" in output.get("data", {}) for output in outputs)
