@@ -4,6 +4,7 @@ use crate::error::{failure, usage};
 use crate::gesture::Gesture;
 use crate::measure::table;
 use crate::model::{Given, Model};
+use crate::wait::Wait;
 use ca_lab::Failure;
 use ca_lab::sweep::folder::Folder;
 use ca_lab::sweep::{self, Ask, Audio, Axis, Column};
@@ -107,7 +108,8 @@ impl Sweep {
 
     /// Plays runs from `first` up to `end`: columns, and the sounds where they are wanted.
     fn play<'py>(&self, py: Python<'py>, first: u64, end: u64, audio: bool) -> PyResult<Rows<'py>> {
-        let goes_on = &mut || !self.stop.load(Relaxed);
+        let mut wait = Wait::new(None);
+        let goes_on = &mut || !self.stop.load(Relaxed) && wait.goes_on(0, 1);
         let mut sounds = Vec::new();
         let rows = py.detach(|| {
             let mut rows = Vec::new();
@@ -120,6 +122,9 @@ impl Sweep {
             }
             Ok(rows)
         });
+        if let Some(e) = wait.error {
+            return Err(e);
+        }
         let rows = rows.map_err(|e| failure(py, e))?;
         let channels = self.sweep.channels();
         let sounds = sounds.into_iter().map(|(sound, frames)| table(py, sound, frames, channels));
@@ -135,8 +140,11 @@ impl Sweep {
     /// Plays a chunk into a folder; how many runs it has.
     fn fill(&self, py: Python, path: PathBuf, audio: &str, chunk: u64, which: u64) -> PyResult<u64> {
         let folder = self.folder(py, path, audio, chunk)?;
-        let goes_on = &mut |_: Option<&str>| !self.stop.load(Relaxed);
-        py.detach(|| folder.fill(&self.sweep, which, goes_on)).map_err(|e| failure(py, e))?;
+        let mut wait = Wait::new(None);
+        let goes_on = &mut |_: Option<&str>| !self.stop.load(Relaxed) && wait.goes_on(0, 1);
+        let done = py.detach(|| folder.fill(&self.sweep, which, goes_on));
+        wait.error.map_or(Ok(()), Err)?;
+        done.map_err(|e| failure(py, e))?;
         let (first, end) = folder.span(which);
         Ok(end - first)
     }

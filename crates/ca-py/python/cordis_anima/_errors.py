@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import json
 from dataclasses import dataclass
 from typing import Any
@@ -21,6 +22,18 @@ class FailedError(CaError, RuntimeError):
 
 class MissingError(CaError, ImportError):
     """A package is missing that this needs and all else does not; the text says how to install it."""
+
+
+def needed(name: str, extra: str) -> Any:
+    """A package that few need.
+
+    Raises:
+        MissingError: it is not there.
+    """
+    try:
+        return importlib.import_module(name)
+    except ImportError as e:
+        raise MissingError(f'this needs {name}: pip install "cordis-anima[{extra}]"', name=name) from e
 
 
 class FileError(CaError, OSError):

@@ -19,7 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _zarr
-from ._errors import UsageError
+from ._errors import UsageError, needed
 from ._job import Job, fill, forget, play
 from ._results import Floats, Sound, plain
 from ._scene import Gesture, Path, Progress, Scene
@@ -105,18 +105,14 @@ class Sweep(Mapping[str, Column]):
 
     def to_pandas(self) -> Any:
         """A `pandas.DataFrame`, by the number of the run."""
-        import pandas
-
-        return pandas.DataFrame(dict(self.columns)).set_index("index")
+        return needed("pandas", "data").DataFrame(dict(self.columns)).set_index("index")
 
     def to_xarray(self) -> Any:
         """An `xarray.Dataset` over ``run``; with ``audio`` (run, frame, channel) where all sounds are of one length."""
-        import xarray
-
         data: dict[str, Any] = {k: ("run", v) for k, v in self.columns.items() if k != "index"}
         if self.audio and len({a.shape for a in self.audio}) == 1:
             data["audio"] = (("run", "frame", "channel"), np.stack(self.audio))
-        return xarray.Dataset(
+        return needed("xarray", "data").Dataset(
             {k: v for k, v in data.items() if k not in self.axes},
             coords={"run": self.columns["index"]} | {k: data[k] for k in self.axes},
             attrs={"scene": self.scene, "rate": self.rate},
@@ -196,7 +192,7 @@ def sweep(
             raise UsageError(f"audio = {audio!r} is for a folder; in Zarr, `True` or `False`")
         tasks = _zarr.tasks(job, target, audio is not False, chunk)
     else:
-        form = "flac" if audio in (None, True) else audio or "none"
+        form = audio if isinstance(audio, str) else "none" if audio is False else "flac"
         tasks = [functools.partial(fill, job, target, form, chunk, k) for k in core.missing(target, form, chunk)]
     # the last chunk may be shorter than others
     todo = core.runs - (1 if kept else 0) if target is None else sum(_size(t, core.runs, chunk) for t in tasks)

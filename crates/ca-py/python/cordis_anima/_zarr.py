@@ -12,16 +12,12 @@ from typing import Any
 
 import numpy as np
 
-from ._errors import FailedError, UsageError
+from ._errors import UsageError, needed
 from ._job import Job
 
 
 def _group(path: str, mode: str) -> Any:
-    try:
-        import zarr
-    except ImportError:
-        raise FailedError('Zarr is not installed: `pip install "zarr>=3"`') from None
-    return zarr.open_group(path, mode=mode)
+    return needed("zarr", "data").open_group(path, mode=mode)
 
 
 def tasks(job: Job, path: str, audio: bool, chunk: int) -> list[functools.partial[Any]]:
@@ -46,7 +42,8 @@ def tasks(job: Job, path: str, audio: bool, chunk: int) -> list[functools.partia
 
 
 def _make(job: Job, group: Any, audio: bool, chunk: int) -> None:
-    core, frames, columns = job.core, 0, {}
+    core, frames = job.core, 0
+    columns: dict[str, Any] = {}
     for first in range(core.runs):
         columns, _ = core.play(first, first + 1, False)
         frames = int(columns["frames"][0])

@@ -97,7 +97,8 @@ def test_any_executor_any_order_finds_the_same(dask):
 
 
 def test_draws_are_those_of_the_document():
-    blake3 = pytest.importorskip("blake3").blake3
+    from blake3 import blake3
+
     scene = string()
     s = ca.sweep(scene, VARY, 12, seed=9, seconds=0.01, measure=False)
     first = lambda parts: struct.unpack("<Q", blake3(b"".join(parts)).digest()[:8])[0]
@@ -128,13 +129,13 @@ def test_a_row_is_what_a_render_says():
 
 
 def test_a_bad_run_is_a_row():
-    s = ca.sweep(string(), {"low.k": [1e3, -1.0, 1e9, "1 s"]}, seconds=0.1)
+    s = ca.sweep(string(), {"low.k": [1e3, -1.0, 1e9, "a lot"]}, seconds=0.1)
     assert s["status"].tolist() == ["ok", "invalid", "unstable", "invalid"]
     assert s.counts == {"invalid": 2, "ok": 1, "unstable": 1} and s.ok.tolist() == [True, False, False, False]
     assert s["failed"][2] < 0.1 and "low" in s["module"][2] and "blew up" in s["message"][2]
     assert s["message"][1].startswith("E") and np.isnan(s["failed"][0]) and s["module"][0] is None
     # what is no number makes a column of texts
-    assert s["low.k"].tolist() == ["1000", "-1", "1000000000", "1 s"]
+    assert s["low.k"].tolist() == ["1000", "-1", "1000000000", "a lot"]
 
 
 def test_gestures_go_along_to_other_processes(tmp_path):
@@ -244,13 +245,14 @@ def test_what_is_stopped_goes_on(tmp_path):
     assert (tmp_path / "a" / "manifest.parquet").read_bytes() == (tmp_path / "b" / "manifest.parquet").read_bytes()
 
 
-def test_ctrl_c_ends_long_runs(tmp_path):
+@pytest.mark.parametrize("how", ["", ", batch=1"])
+def test_ctrl_c_ends_long_runs(how):
     code = (
         "import signal, threading, os, time, cordis_anima as ca\n"
         "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
         "threading.Timer(1.0, lambda: os.kill(os.getpid(), signal.SIGINT)).start()\n"
         "try:\n"
-        "    ca.sweep(ca.examples.string(), {'low.k': [1e3, 2e3]}, seconds=1e5, batch=1)\n"
+        f"    ca.sweep(ca.examples.string(), {{'hammer.m': [1e-2, 2e-2]}}, seconds=1e5{how})\n"
         "except KeyboardInterrupt:\n"
         "    print('ended')\n"
     )
@@ -279,10 +281,22 @@ def test_a_killed_worker_is_not_missed(dask, tmp_path):
     assert not left
 
 
+def test_what_is_not_installed_is_named(tmp_path, monkeypatch):
+    s = ca.sweep(string(), {"low.k": [1e3]}, seconds=0.01)
+    for name, ask in [
+        ("pandas", s.to_pandas),
+        ("xarray", s.to_xarray),
+        ("zarr", lambda: ca.sweep(string(), {"low.k": [1e3]}, seconds=0.01, to=str(tmp_path / "a.zarr"))),
+    ]:
+        monkeypatch.setitem(sys.modules, name, None)
+        with pytest.raises(ca.MissingError, match=name + r".*cordis-anima\[data\]"):
+            ask()
+
+
 def test_what_makes_no_sense_is_refused(tmp_path):
     scene = string()
     for vary, runs, what in [
-        ({"low.kk": [1]}, None, "did you mean `low.k`"),
+        ({"lwo.k": [1]}, None, "did you mean `low.k`"),
         ({"low.k": []}, None, "0 values"),
         ({"low.k": "1 kN/m"}, None, "a `Range`, or a list"),
         ({"low.k": 3.0}, None, "a `Range`, or a list"),
