@@ -41,7 +41,8 @@ pub struct FileError {
 }
 
 impl FileError {
-    pub(crate) fn new(kind: FileErrorKind, what: impl Into<String>) -> FileError {
+    /// What went wrong; file, place and a fix are added by those who know them.
+    pub fn new(kind: FileErrorKind, what: impl Into<String>) -> FileError {
         FileError { kind, file: String::new(), place: String::new(), what: what.into(), fix: String::new() }
     }
     pub(crate) fn io(path: &Path, what: &str, e: &std::io::Error) -> FileError {

@@ -24,6 +24,17 @@ enum Target {
     Param(String),
 }
 
+/// What is driven: numbers are places in [`State::input`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Driven<'a> {
+    /// a port of a device
+    Device(usize),
+    /// a port of position or force
+    Port(usize),
+    /// a live parameter
+    Param(&'a str),
+}
+
 struct Drive {
     target: Target,
     track: Track,
@@ -94,17 +105,37 @@ impl<'a> Performance<'a> {
         self.drives.iter().map(|d| d.track.name()).collect()
     }
 
+    /// What is driven, and where it is at the gesture frame that begins at tick `tick`, for an engine that plays the
+    /// scene instead of this.
+    pub fn hands(&mut self, tick: u64) -> impl Iterator<Item = (Driven<'_>, f64)> {
+        let t = self.end_of_frame(tick);
+        self.drives.iter_mut().map(move |d| {
+            let value = d.track.at_near(&mut d.near, t);
+            let what = match &d.target {
+                Target::Input(i) => Driven::Port(*i),
+                Target::Device(i) => Driven::Device(*i),
+                Target::Param(name) => Driven::Param(name),
+            };
+            (what, value)
+        })
+    }
+
+    /// Time at which what is read at the start of a frame is meant \[s\]: its end.
+    fn end_of_frame(&self, tick: u64) -> f64 {
+        let te = self.scene.te;
+        if tick == 0 { 0.0 } else { tick as f64 * te + f64::from(self.scene.ratio - 1) * te }
+    }
+
     /// Runs one tick; the outputs are in `state.output`.
     pub fn tick(&mut self) {
         if self.wild {
             self.state.output.fill(0.0);
             return;
         }
+        let end = self.end_of_frame(self.state.tick);
         let (scene, s) = (self.scene, &mut self.state);
         let frame = frame_due(scene, s.tick);
         let t = s.tick as f64 * scene.te;
-        // what is read at a frame's start is meant for its end
-        let end = if s.tick == 0 { 0.0 } else { t + f64::from(scene.ratio - 1) * scene.te };
         for d in &mut self.drives {
             match &d.target {
                 Target::Input(i) => s.input[*i] = d.track.at_near(&mut d.near, t),

@@ -11,6 +11,7 @@ pub mod load;
 mod pitch;
 pub mod play;
 pub mod sweep;
+pub mod take;
 
 pub use load::{Loaded, catalog};
 

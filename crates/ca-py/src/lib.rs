@@ -16,6 +16,7 @@ mod model;
 mod scene;
 mod sim;
 mod sweep;
+mod take;
 mod wait;
 
 /// See the package `cordis_anima`.
@@ -31,6 +32,8 @@ mod _core {
     use crate::sim::Sim;
     #[pymodule_export]
     use crate::sweep::Sweep;
+    #[pymodule_export]
+    use crate::take::Take;
 
     /// Version of the engine.
     #[pymodule_export]

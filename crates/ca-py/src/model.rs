@@ -1,16 +1,19 @@
 //! Models: text or calls to what is compiled.
 
 use crate::error::{failure, findings, usage};
+use crate::gesture::Gesture;
 use crate::measure;
 use crate::scene::Scene;
+use crate::wait::Wait;
 use ca_core::Options;
 use ca_core::kind::Role;
 use ca_core::model::suggest::nearest;
 use ca_core::model::{Entry, Value, read, write};
-use ca_lab::bytes;
 use ca_lab::load::{self, BUNDLED, Loaded};
+use ca_lab::{bytes, take};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// What an author wrote.
@@ -87,6 +90,11 @@ pub fn kinds()
 }
 
 impl Model {
+    /// Of what was read.
+    pub fn of(loaded: Loaded) -> Model {
+        Model { loaded }
+    }
+
     /// What is compiled: modules in their groups, and the files they name.
     pub fn whole(&self) -> Loaded {
         let mut loaded = self.loaded.clone();
@@ -242,6 +250,28 @@ impl Model {
         let loaded = self.whole();
         let scene = py.detach(|| load::scene(&loaded, &options)).map_err(|e| failure(py, e))?;
         Ok(Scene::new(Arc::new(scene), loaded, options))
+    }
+
+    /// Plays it by the engine of devices, into a take.
+    #[pyo3(signature = (path, *, rate, seconds, gesture, energy, forces, progress))]
+    #[allow(clippy::too_many_arguments)]
+    fn record(
+        &self,
+        py: Python,
+        path: PathBuf,
+        rate: Option<f64>,
+        seconds: Option<f64>,
+        gesture: Option<&Gesture>,
+        energy: bool,
+        forces: bool,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<()> {
+        let ask = take::Ask { seconds, rate, energy, forces };
+        let (loaded, gesture) = (self.whole(), gesture.map(|g| &g.gesture));
+        let mut wait = Wait::new(progress);
+        let done = py.detach(|| take::record(&loaded, gesture, &ask, &path, &mut |done, of| wait.goes_on(done, of)));
+        wait.error.map_or(Ok(()), Err)?;
+        done.map(drop).map_err(|e| failure(py, e))
     }
 
     /// See `cordis_anima.Scene.modes`.

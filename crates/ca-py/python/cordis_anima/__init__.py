@@ -23,6 +23,7 @@ from ._results import Accuracy, Certificate, Energy, Modes, Param, Port
 from ._scene import Curve, Gesture, Progress, Scene
 from ._sim import Block, Inputs, Sim
 from ._sweep import Range, Sweep, sweep
+from ._take import Fault, Hand, Take, Verdict, record
 
 __version__: str = _core.VERSION
 
@@ -36,8 +37,10 @@ __all__ = [
     "Diagnostic",
     "Energy",
     "FailedError",
+    "Fault",
     "FileError",
     "Gesture",
+    "Hand",
     "Inputs",
     "Kind",
     "MissingError",
@@ -53,12 +56,15 @@ __all__ = [
     "Scene",
     "Sim",
     "Sweep",
+    "Take",
     "UnstableError",
     "UsageError",
+    "Verdict",
     "examples",
     "kinds",
     "load",
     "parse",
+    "record",
     "sweep",
 ]
 

@@ -1,0 +1,260 @@
+"""Takes: performances with devices, in one MCAP file each."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _core
+from ._errors import UsageError
+from ._results import Floats
+from ._scene import Gesture, Path, Progress, Scene
+
+Texts = npt.NDArray[np.object_]
+
+
+class Fault(NamedTuple):
+    """Forces that ended."""
+
+    #: name of the device
+    device: str
+    #: when [s]
+    time: float
+    #: why, e.g. ``WATCHDOG_IN``
+    cause: str
+
+
+class Verdict(NamedTuple):
+    """What a replay found."""
+
+    #: whether all that was compared is as it was, and nothing is missing
+    identical: bool
+    #: force frames compared
+    forces: int
+    #: sound samples compared, of all channels
+    samples: int
+    #: hashes of the state compared
+    hashes: int
+    #: length [s]
+    seconds: float
+    #: the first thing that is not as it was
+    difference: str | None
+    #: where something is missing [s], so that nothing after it was compared
+    hole: float | None
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class Hand:
+    """What passed between the engine and one device: m frames came, n went."""
+
+    #: when a frame was looked at (m,) [s], by the clock of the sound
+    time: Floats
+    #: when it was measured (m,) [s], by the clock of the device
+    device_time: Floats
+    #: where the device was (m, dof), as it said: [m], or counts where it is calibrated here
+    position: Floats
+    #: the force it measured (m, dof) [N]; 0 where it measures none
+    measured: Floats
+    #: flags of the frame (m,): connected, powered, calibrated, …, a bit each
+    status: npt.NDArray[np.uint32]
+    #: when a force was sent (n,) [s], by the clock of the sound
+    force_time: Floats
+    #: the force it got (n, dof) [N]
+    force: Floats
+    #: ``off``, ``ramp``, ``on``, ``damp`` or ``fault`` (n,)
+    mode: Texts
+    #: why there was no force (n,), ``NONE`` where there was
+    cause: Texts
+
+    @property
+    def dof(self) -> int:
+        """How many degrees of freedom it has."""
+        return int(self.position.shape[1])
+
+    def __repr__(self) -> str:
+        return f"<Hand: {self.dof} dof, {len(self.time)} frames in, {len(self.force_time)} out>"
+
+
+class Take:
+    """A take that was written by ``ca serve`` or by `record`: whole gesture frames, the first of them one sample long.
+
+    >>> import cordis_anima as ca, tempfile, os
+    >>> path = os.path.join(tempfile.mkdtemp(), "blow.mcap")
+    >>> t = ca.record(ca.load("hammered_string"), path, 0.5)
+    >>> t.devices, t.audio.shape, t.replay().identical
+    (('tgr12',), (24001, 2), True)
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._core = _core.Take(os.fspath(path))
+        self._about = self._core.about()
+        self._all: dict[str, Any] | None = None
+        #: the file
+        self.path: str = os.fspath(path)
+
+    def _read(self) -> dict[str, Any]:
+        if self._all is None:
+            self._all = self._core.read()
+        return self._all
+
+    @property
+    def title(self) -> str:
+        """Title of the model."""
+        return str(self._about["title"])
+
+    @property
+    def rate(self) -> float:
+        """Sound rate [Hz]."""
+        return float(self._about["rate"])
+
+    @property
+    def gesture_rate(self) -> float:
+        """Rate of gesture frames [Hz]."""
+        return float(self._about["gesture_rate"])
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """Names of the sound channels."""
+        return tuple(self._about["channels"])
+
+    @property
+    def devices(self) -> tuple[str, ...]:
+        """Names of the devices."""
+        return tuple(self._about["devices"])
+
+    @property
+    def began(self) -> float:
+        """When it began [s since 1970]."""
+        return float(self._about["began"])
+
+    @property
+    def host(self) -> Mapping[str, str]:
+        """What wrote it and where."""
+        return dict(self._about["host"])
+
+    @property
+    def seconds(self) -> float:
+        """Length [s]."""
+        return float(self._read()["seconds"])
+
+    @property
+    def hands(self) -> Mapping[str, Hand]:
+        """What passed, by name of the device."""
+
+        def hand(raw: Mapping[str, Any]) -> Hand:
+            return Hand(**{k: np.array(v, object) if isinstance(v, list) else v for k, v in raw.items()})
+
+        return {name: hand(raw) for name, raw in self._read()["devices"].items()}
+
+    @property
+    def audio(self) -> Floats:
+        """What was heard (frames, channels), in 64 bits as it was computed."""
+        sound: Floats = self._read()["audio"]
+        return sound
+
+    @property
+    def energy(self) -> Mapping[str, Floats]:
+        """The energy book over time: ``time`` [s], all else [J] as in `Energy`; empty arrays where none was kept."""
+        return dict(self._read()["energy"])
+
+    @property
+    def realtime(self) -> Mapping[str, Floats]:
+        """How the real-time thread did, each second: ``time`` [s]; counts since the start of ``frames``, ``missed``,
+        ``stale``, ``dropped``, ``faults``, ``clipped``, ``underruns``; ``late_p50``, ``late_p99``, ``late_max`` [s], how
+        late frames of that second began; ``busy``, the part of it spent computing.
+        """
+        return dict(self._read()["realtime"])
+
+    @property
+    def faults(self) -> tuple[Fault, ...]:
+        """When forces ended, and why."""
+        return tuple(Fault(*f) for f in self._read()["faults"])
+
+    @property
+    def lost(self) -> tuple[int, int, int]:
+        """Records, sound samples and views that found no room."""
+        records, samples, views = self._read()["lost"]
+        return records, samples, views
+
+    @property
+    def cut(self) -> str | None:
+        """Why the file ends early, where it does."""
+        why: str | None = self._read()["cut"]
+        return why
+
+    @property
+    def gesture(self) -> str:
+        """What the hands did, for `Scene.render`, `Scene.open` or `record` of this or another model."""
+        return self.path
+
+    def scene(self) -> Scene:
+        """The scene that was played, compiled anew.
+
+        Raises:
+            ModelError: it has errors here: another version wrote it.
+        """
+        model, rate = self._core.model()
+        return Scene._of(model, rate, False)
+
+    def replay(self) -> Verdict:
+        """Plays it again, with the frames that came and at the same ticks, and compares every force and every sample."""
+        return Verdict(**self._core.replay())
+
+    def __repr__(self) -> str:
+        hands = ", ".join(self.devices) or "no device"
+        return f"<Take {self.title!r}: {self.seconds:.3f} s with {hands}>"
+
+
+def record(
+    scene: Scene,
+    path: Path,
+    seconds: float | None = None,
+    *,
+    gesture: Gesture = None,
+    energy: bool = False,
+    forces: bool = True,
+    progress: Progress | None = None,
+) -> Take:
+    """Plays a scene by the engine of ``ca serve``, without a device and without a clock, into a take.
+
+    Devices are where the gesture has them, whatever force they get; the guard is that of the device's profile, or of one
+    nobody has described.
+
+    Args:
+        scene: what is played.
+        path: the file, which must not be there yet.
+        seconds: how long; without, as in `Scene.render`.
+        gesture: what drives devices and live parameters; another port cannot be driven in a take, and what the model has
+            for one is not played.
+        energy: keep the energy book.
+        forces: arm forces, as soon as the guard lets them.
+        progress: told how many samples of how many are done.
+
+    Raises:
+        UsageError: something is driven that is no device and no live parameter.
+        FileError: the file is there already, or cannot be written.
+
+    >>> import cordis_anima as ca, tempfile, os
+    >>> path = os.path.join(tempfile.mkdtemp(), "blow.mcap")
+    >>> key = ca.load("hammered_string")
+    >>> t = ca.record(key, path, 0.5)
+    >>> t.hands["tgr12"]
+    <Hand: 12 dof, 1501 frames in, 1501 out>
+    """
+    if seconds is not None and not 0 < seconds < 1e9:
+        raise UsageError(f"seconds = {seconds}: a length above 0, below 1e9")
+    scene._model.record(
+        os.fspath(path),
+        rate=scene._asked[0],
+        seconds=seconds,
+        gesture=scene._gesture(gesture),
+        energy=energy,
+        forces=forces,
+        progress=progress,
+    )
+    return Take(path)

@@ -1,0 +1,219 @@
+//! Takes: what devices did, the forces they got, what was heard.
+
+use crate::error::{failure, file};
+use crate::measure::table;
+use crate::model::Model;
+use ca_haptic::frame::{Cause, DOF, Mode};
+use ca_haptic::take::{self, Event, Replay, Verdict};
+use ca_haptic::{FileError, FileErrorKind};
+use ca_lab::{catalog, load};
+use numpy::IntoPyArray as _;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::path::PathBuf;
+
+/// Most samples of a sound, of all channels.
+const MOST: u64 = 1 << 32;
+
+/// A take.
+#[pyclass(frozen, module = "cordis_anima._core")]
+pub struct Take {
+    take: take::Take,
+}
+
+/// What passed between the engine and one device.
+#[derive(Default)]
+struct Hand {
+    dof: usize,
+    tick: Vec<i64>,
+    device_ns: Vec<i64>,
+    status: Vec<u32>,
+    position: Vec<f64>,
+    measured: Vec<f64>,
+    force_tick: Vec<i64>,
+    force: Vec<f64>,
+    mode: Vec<&'static str>,
+    cause: Vec<&'static str>,
+}
+
+impl Hand {
+    fn dict<'py>(self, py: Python<'py>, rate: f64) -> PyResult<Bound<'py, PyDict>> {
+        let d = PyDict::new(py);
+        let (n, m) = (self.tick.len(), self.force_tick.len());
+        d.set_item("time", seconds(self.tick, rate).into_pyarray(py))?;
+        d.set_item("device_time", seconds(self.device_ns, 1e9).into_pyarray(py))?;
+        d.set_item("status", self.status.into_pyarray(py))?;
+        d.set_item("position", table(py, self.position, n, self.dof)?)?;
+        d.set_item("measured", table(py, self.measured, n, self.dof)?)?;
+        d.set_item("force_time", seconds(self.force_tick, rate).into_pyarray(py))?;
+        d.set_item("force", table(py, self.force, m, self.dof)?)?;
+        d.set_item("mode", self.mode)?;
+        d.set_item("cause", self.cause)?;
+        Ok(d)
+    }
+}
+
+fn seconds(ticks: Vec<i64>, rate: f64) -> Vec<f64> {
+    ticks.into_iter().map(|t| t as f64 / rate).collect()
+}
+
+/// Columns by name.
+fn columns<'py>(py: Python<'py>, names: &[&str], rows: &[Vec<f64>]) -> PyResult<Bound<'py, PyDict>> {
+    let d = PyDict::new(py);
+    for (k, name) in names.iter().enumerate() {
+        let column: Vec<f64> = rows.iter().map(|r| r[k]).collect();
+        d.set_item(*name, column.into_pyarray(py))?;
+    }
+    Ok(d)
+}
+
+#[pymethods]
+impl Take {
+    #[new]
+    fn new(py: Python, path: PathBuf) -> PyResult<Take> {
+        let take = py.detach(|| take::Take::open(&path)).map_err(|e| file(py, &e))?;
+        Ok(Take { take })
+    }
+
+    /// What it says before its first frame.
+    fn about<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let h = &self.take.header;
+        let d = PyDict::new(py);
+        d.set_item("title", &h.title)?;
+        d.set_item("rate", h.rate)?;
+        d.set_item("gesture_rate", h.rate / f64::from(h.ratio))?;
+        d.set_item("channels", h.channels.clone())?;
+        d.set_item("devices", h.setups.iter().map(|s| s.device.clone()).collect::<Vec<_>>())?;
+        d.set_item("began", h.began_ns as f64 * 1e-9)?;
+        d.set_item("host", h.host.clone())?;
+        Ok(d)
+    }
+
+    /// The model that was played, and its rate.
+    fn model(&self, py: Python) -> PyResult<(Model, Option<f64>)> {
+        let (model, diags) = self.take.header.model(&catalog()).map_err(|e| file(py, &e))?;
+        let mut loaded = load::built(model);
+        loaded.diags = diags;
+        loaded.clouds.clone_from(&self.take.header.options.clouds);
+        Ok((Model::of(loaded), self.take.header.options.rate))
+    }
+
+    /// All of it: devices by name, sound, energy, real-time numbers, the length, faults, losses, and how it ends.
+    fn read<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let header = &self.take.header;
+        let mut hands: Vec<Hand> = Vec::new();
+        for s in &header.setups {
+            hands.push(Hand { dof: (s.profile.dof as usize).min(DOF), ..Hand::default() });
+        }
+        let (mut sound, mut start, mut energy, mut rt) = (Vec::new(), None, Vec::new(), Vec::new());
+        let summary = py.detach(|| {
+            for event in self.take.events()? {
+                match event? {
+                    Event::Device(k, f) => {
+                        let h = &mut hands[k];
+                        h.tick.push(f.tick as i64);
+                        h.device_ns.push(f.t_device_ns as i64);
+                        h.status.push(f.status);
+                        h.position.extend(&f.pos[..h.dof]);
+                        h.measured.extend(f.force_measured[..h.dof].iter().map(|x| f64::from(*x)));
+                    }
+                    Event::Force(k, f) => {
+                        let h = &mut hands[k];
+                        h.force_tick.push(f.tick as i64);
+                        h.force.extend(f.force[..h.dof].iter().map(|x| f64::from(*x)));
+                        h.mode.push(Mode::read(f.mode).name());
+                        h.cause.push(Cause::read(f.cause).name());
+                    }
+                    Event::Sound(tick, samples) => {
+                        // what found no room is silence, so that time stays time
+                        let from = *start.get_or_insert(tick);
+                        let at = tick.checked_sub(from).and_then(|n| n.checked_mul(header.channels.len() as u64));
+                        let at = at.filter(|n| *n < MOST).ok_or_else(|| {
+                            FileError::new(
+                                FileErrorKind::Content,
+                                format!("sound at sample {tick}, after sample {from}"),
+                            )
+                        })?;
+                        sound.resize(sound.len().max(at as usize), 0.0);
+                        sound.extend(samples);
+                    }
+                    Event::Energy(e) => {
+                        let t = e.tick as f64 / header.rate;
+                        energy.push(vec![t, e.h0, e.h, e.lost, e.source, e.work, e.changed, e.residual, e.peak]);
+                    }
+                    Event::Rt(r) => rt.push(vec![
+                        r.tick as f64 / header.rate,
+                        r.frames as f64,
+                        r.missed as f64,
+                        r.stale as f64,
+                        r.dropped as f64,
+                        r.faults as f64,
+                        r.clipped as f64,
+                        r.late_p50 * 1e-6,
+                        r.late_p99 * 1e-6,
+                        r.late_max * 1e-6,
+                        r.busy,
+                        r.underruns as f64,
+                    ]),
+                    _ => {}
+                }
+            }
+            self.take.summary()
+        });
+        let summary = summary.map_err(|e| file(py, &e))?;
+        let d = PyDict::new(py);
+        let all = PyDict::new(py);
+        for (s, h) in header.setups.iter().zip(hands) {
+            all.set_item(&s.device, h.dict(py, header.rate)?)?;
+        }
+        d.set_item("devices", all)?;
+        let channels = header.channels.len();
+        let frames = sound.len().checked_div(channels).unwrap_or(0);
+        d.set_item("audio", table(py, sound, frames, channels)?)?;
+        let book = ["time", "start", "stored", "lost", "made", "work", "changed", "residual", "peak"];
+        d.set_item("energy", columns(py, &book, &energy)?)?;
+        let numbers = [
+            "time",
+            "frames",
+            "missed",
+            "stale",
+            "dropped",
+            "faults",
+            "clipped",
+            "late_p50",
+            "late_p99",
+            "late_max",
+            "busy",
+            "underruns",
+        ];
+        d.set_item("realtime", columns(py, &numbers, &rt)?)?;
+        d.set_item("seconds", summary.seconds)?;
+        let faults = summary.faults.iter().map(|f| (f.device.clone(), f.time, f.cause.name()));
+        d.set_item("faults", faults.collect::<Vec<_>>())?;
+        d.set_item("lost", summary.lost)?;
+        let end = match summary.end {
+            take::End::Whole => None,
+            take::End::Cut(why, _) => Some(why),
+        };
+        d.set_item("cut", end)?;
+        Ok(d)
+    }
+
+    /// Plays it again: what was compared, and the first thing that is not as it was.
+    fn replay<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let run = || {
+            let mut replay = Replay::new(&self.take, &catalog())?;
+            replay.run(&self.take, &mut |_| (), &mut |_| Ok(()))
+        };
+        let v: Verdict = py.detach(run).map_err(|e| failure(py, e.into()))?;
+        let d = PyDict::new(py);
+        d.set_item("identical", v.is_identical())?;
+        d.set_item("forces", v.forces)?;
+        d.set_item("samples", v.samples)?;
+        d.set_item("hashes", v.hashes)?;
+        d.set_item("seconds", v.seconds)?;
+        d.set_item("difference", v.difference.map(|d| d.to_string()))?;
+        d.set_item("hole", v.hole)?;
+        Ok(d)
+    }
+}

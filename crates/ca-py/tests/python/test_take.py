@@ -1,0 +1,135 @@
+"""Takes: written and read here, replayed by the command, read by libraries of others."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import cordis_anima as ca
+
+#: twice, since forces come on within a second
+PRESS = {"key": [(0, -0.006), (0.2, -0.006), (0.24, 0.001), (0.4, -0.006), (1.2, -0.006), (1.24, 0.001), (1.4, -0.006)]}
+
+
+def keyed() -> ca.Scene:
+    """A device key, a contact, a live parameter."""
+    return ca.parse(
+        """
+[param]
+grip = { value = "2 kN/m", live = true, min = "100 N/m", max = "9 kN/m" }
+[TGR]
+key = { device = "tgr12", dof = 1, x = "-6 mm" }
+[STRING]
+low = { n = 40, f = "110 Hz", t60 = "4 s", m = "1 g" }
+[BUT]
+strike = { between = ["key", "low[8]"], k = "grip", z = "0.2 N s/m" }
+[SOX]
+left = { from = "low[3]", gain = 200 }
+right = { from = "low@0.7", gain = 200 }
+"""
+    )
+
+
+def test_a_take_is_what_a_render_is(tmp_path: Path) -> None:
+    scene = keyed()
+    t = ca.record(scene, tmp_path / "t.mcap", 1.6, gesture=PRESS, energy=True)
+    r = scene.render(1.6, gesture=PRESS)
+    n = len(r.audio)
+    assert np.abs(r.audio).max() > 1e-3 and t.rate == r.sr and t.channels == r.channels
+    assert np.array_equal(t.audio[:n].astype(np.float32), r.audio), "the same bits"
+    hand = t.hands["tgr12"]
+    assert hand.dof == 12 and hand.position.shape == (len(hand.time), 12)
+    # a frame is meant for its end
+    assert np.all(np.diff(hand.time[1:]) == pytest.approx(1 / t.gesture_rate))
+    at = np.interp(hand.time[1:] + (16 - 1) / t.rate, *np.array(PRESS["key"]).T)
+    assert np.allclose(hand.position[1:, 1], at, atol=1e-12)
+    # forces are there where the key is in the string, once they are armed
+    pressed = (hand.force_time > 1.24) & (hand.force_time < 1.28)
+    assert hand.mode[-1] == "on" and np.abs(hand.force[pressed, 1]).max() > 0.05
+    assert np.all(hand.force[:, 0] == 0) and np.all(hand.force[hand.mode == "off"] == 0)
+    assert t.faults == () and t.lost == (0, 0, 0) and t.cut is None
+    assert t.energy["time"].size >= 1 and np.all(np.abs(t.energy["residual"]) <= 1e-9 * t.energy["peak"])
+    assert "tgr12" in repr(t) and "12 dof" in repr(hand)
+
+
+def test_it_replays_here_and_by_the_command(tmp_path: Path, command: Callable[..., str]) -> None:
+    gesture = {**PRESS, "grip": [(0, 2e3), (0.5, 4e3)]}
+    t = ca.record(keyed(), tmp_path / "t.mcap", 0.8, gesture=gesture)
+    found = t.replay()
+    assert found.identical and found.difference is None and found.samples == 2 * len(t.audio) > 0
+    assert found.forces == len(t.hands["tgr12"].force_time) and found.hashes >= 1
+    assert "identical" in command("replay", "t.mcap", "--verify")
+    assert "0.8" in command("log", "info", "t.mcap")
+    assert t.scene().n_mat == keyed().n_mat and t.scene().rate == t.rate
+
+
+def test_a_take_is_a_gesture(tmp_path: Path) -> None:
+    gesture = {**PRESS, "grip": [(0, 2e3), (0.5, 4e3)]}
+    t = ca.record(keyed(), tmp_path / "t.mcap", 0.5, gesture=gesture)
+    r = keyed().render(0.5, gesture=t.gesture)
+    assert np.array_equal(t.audio[: len(r.audio)].astype(np.float32), r.audio)
+    again = ca.record(keyed(), tmp_path / "again.mcap", 0.5, gesture=t.gesture)
+    assert np.array_equal(again.audio, t.audio)
+
+
+def test_others_read_it(tmp_path: Path) -> None:
+    from mcap.reader import make_reader
+    from mcap_ros2.decoder import DecoderFactory
+
+    t = ca.record(keyed(), tmp_path / "t.mcap", 0.3, gesture=PRESS)
+    hand = t.hands["tgr12"]
+    with open(t.path, "rb") as file:
+        reader = make_reader(file, decoder_factories=[DecoderFactory()])
+        frames = [m.decoded_message for m in reader.iter_decoded_messages(topics=["/device/tgr12/in"])]
+        forces = [m.decoded_message for m in reader.iter_decoded_messages(topics=["/device/tgr12/out"])]
+    assert np.array_equal([f.pos[:12] for f in frames], hand.position)
+    assert np.array_equal([f.tick / t.rate for f in frames], hand.time)
+    assert np.array_equal(np.array([f.force[:12] for f in forces], np.float32), hand.force)
+
+
+def test_bundled_models_with_devices_can_be_taken(tmp_path: Path) -> None:
+    for name in ["hammered_string", "rattle", "chimes", "plate"]:
+        t = ca.record(ca.load(name), tmp_path / f"{name}.mcap", 0.2)
+        assert t.replay().identical and t.title == ca.load(name).title
+
+
+def test_without_forces_there_are_none(tmp_path: Path) -> None:
+    t = ca.record(keyed(), tmp_path / "t.mcap", 0.5, gesture=PRESS, forces=False)
+    hand = t.hands["tgr12"]
+    assert np.all(hand.force == 0) and set(hand.mode) == {"off"} and t.replay().identical
+
+
+def test_what_cannot_be_is_said(tmp_path: Path, key: ca.Scene) -> None:
+    with pytest.raises(ca.UsageError, match="`hand` is no device"):
+        ca.record(key, tmp_path / "a.mcap", 0.1, gesture={"hand": 0.0})
+    with pytest.raises(ca.UsageError, match="above 0"):
+        ca.record(key, tmp_path / "a.mcap", 0.0)
+
+    def enough(done: int, of: int) -> None:
+        raise RuntimeError("enough")
+
+    with pytest.raises(RuntimeError, match="enough"):
+        ca.record(keyed(), tmp_path / "a.mcap", 5.0, progress=enough)
+    assert not (tmp_path / "a.mcap").exists(), "nothing is left of it"
+    (tmp_path / "mine.mcap").write_text("mine")
+    with pytest.raises(ca.CaError, match="never overwritten"):
+        ca.record(keyed(), tmp_path / "mine.mcap", 0.1)
+    assert (tmp_path / "mine.mcap").read_text() == "mine"
+    with pytest.raises(ca.FileError):
+        ca.Take(tmp_path / "mine.mcap")
+    with pytest.raises(ca.FileError):
+        ca.Take(tmp_path / "none.mcap")
+
+
+def test_a_take_that_was_cut_off_is_read_as_far_as_it_goes(tmp_path: Path) -> None:
+    whole = ca.record(keyed(), tmp_path / "t.mcap", 3.0, gesture=PRESS)
+    data = Path(whole.path).read_bytes()
+    (tmp_path / "cut.mcap").write_bytes(data[: len(data) * 2 // 3])
+    cut = ca.Take(tmp_path / "cut.mcap")
+    assert cut.cut is not None and 0 < len(cut.audio) < len(whole.audio)
+    n = len(cut.audio)
+    assert np.array_equal(cut.audio, whole.audio[:n])
+    assert cut.replay().difference is None
