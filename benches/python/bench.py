@@ -19,9 +19,11 @@ from pathlib import Path
 
 import by_numba
 import by_numpy
+import lanes
 import numpy as np
 
 import cordis_anima as ca
+from joblib.externals.loky import get_reusable_executor as get_executor
 
 ROOT = Path(__file__).resolve().parents[2]
 HERE = Path(__file__).resolve().parent
@@ -86,6 +88,38 @@ def overheads() -> dict[str, float]:
 
     times = in_turn([many(*c) for c in calls.values()])
     return {name: 1e6 * t / n for (name, (_, n)), t in zip(calls.items(), times)}
+
+
+def sweeps() -> dict[str, float]:
+    """What a run of a sweep costs beside playing it [µs], and how much more two threads do."""
+    scene = ca.examples.string()
+    vary = {"hammer.m": ca.Range(0.01, 0.03)}
+    runs = 400
+
+    def sweep(**more: object) -> Callable[[], object]:
+        return lambda: ca.sweep(scene, vary, runs, **more)  # type: ignore[arg-type]
+
+    one, two = ThreadPoolExecutor(1), ThreadPoolExecutor(2)
+    with tempfile.TemporaryDirectory() as folder, one, two, get_executor(2) as processes:
+        count = iter(range(1000))
+        tick = {"seconds": 1 / RATE, "measure": False}
+
+        def files(audio: str) -> Callable[[], object]:
+            return lambda: sweep(to=f"{folder}/{next(count)}", audio=audio, executor=one, seconds=0.1, measure=False)()
+
+        works = {
+            "in memory, one thread": sweep(executor=one, **tick),
+            "in memory, processes of loky": sweep(executor=processes, **tick),
+            "0.1 s": sweep(executor=one, seconds=0.1, measure=False),
+            "0.1 s, measured": sweep(executor=one, seconds=0.1),
+            "0.1 s, rows in a folder": files("none"),
+            "0.1 s, WAV": files("wav"),
+            "0.1 s, FLAC": files("flac"),
+            "1 s, one thread": sweep(executor=one, seconds=1.0, measure=False),
+            "1 s, two threads": sweep(executor=two, seconds=1.0, measure=False),
+        }
+        times = in_turn(list(works.values()), 3)
+    return {name: 1e6 * t / runs for name, t in zip(works, times)}
 
 
 def ours() -> ca.Scene:
@@ -183,6 +217,9 @@ def peers() -> list[tuple[str, float, float]]:
     return [(name, 1e9 * t / n, first) for name, t, first in rows]
 
 
+VERDICT = "TODO"
+
+
 def machine() -> str:
     cpu = next((l.split(":")[1].strip() for l in open("/proc/cpuinfo") if l.startswith("model name")), platform.machine())
     return f"{cpu}, {os.cpu_count()} cores, Python {platform.python_version()}, NumPy {np.__version__}"
@@ -191,6 +228,8 @@ def machine() -> str:
 def main() -> None:
     two, pooled = threads()
     calls = overheads()
+    runs = sweeps()
+    batch = lanes.table(in_turn)
     rows = peers()
     own = rows[0]
     lines = [
@@ -209,6 +248,33 @@ def main() -> None:
         "| call | µs |",
         "|---|---|",
         *(f"| {name} | {us:.3g} |" for name, us in calls.items()),
+        "",
+        "## Runs of a sweep",
+        "",
+        "400 runs of a struck string of 41 masses; time of a run.",
+        "",
+        "| | µs |",
+        "|---|---|",
+        f"| compiled, drawn, hashed, a row: one thread, one sample long | {runs['in memory, one thread']:.0f} |",
+        f"| the same by two processes of loky | {runs['in memory, processes of loky']:.0f} |",
+        f"| playing 0.1 s adds | {runs['0.1 s'] - runs['in memory, one thread']:.0f} |",
+        f"| pitch and decay of it add | {runs['0.1 s, measured'] - runs['0.1 s']:.0f} |",
+        f"| rows in a folder add | {runs['0.1 s, rows in a folder'] - runs['0.1 s']:.0f} |",
+        f"| sounds as WAV add to that | {runs['0.1 s, WAV'] - runs['0.1 s, rows in a folder']:.0f} |",
+        f"| sounds as FLAC add to that | {runs['0.1 s, FLAC'] - runs['0.1 s, rows in a folder']:.0f} |",
+        "",
+        f"Runs of one second by two threads: {runs['1 s, one thread'] / runs['1 s, two threads']:.2f} × those of one.",
+        "",
+        "## Instances in lanes",
+        "",
+        "Many instances of one scene with other values, interleaved in one scene so that vectors run across them: how many",
+        "times more is played than by one scene after the other on one thread (the bits are the same).",
+        "",
+        "| | lanes, one thread | two threads, one scene each | both | lanes |",
+        "|---|---|---|---|---|",
+        *(f"| {name} | {a:.2f} | {b:.2f} | {c:.2f} | {n} |" for name, a, b, c, n in batch),
+        "",
+        VERDICT,
         "",
         "## Peers",
         "",

@@ -37,7 +37,7 @@ struct Hand {
 }
 
 impl Hand {
-    fn dict<'py>(self, py: Python<'py>, rate: f64) -> PyResult<Bound<'py, PyDict>> {
+    fn dict(self, py: Python<'_>, rate: f64) -> PyResult<Bound<'_, PyDict>> {
         let d = PyDict::new(py);
         let (n, m) = (self.tick.len(), self.force_tick.len());
         d.set_item("time", seconds(self.tick, rate).into_pyarray(py))?;

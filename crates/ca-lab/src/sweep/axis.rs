@@ -83,7 +83,7 @@ impl Axis {
     }
 
     /// How many values, where that can be counted.
-    pub fn len(&self) -> Option<u64> {
+    pub fn count(&self) -> Option<u64> {
         match &self.space {
             Space::List(values) => Some(values.len() as u64),
             Space::Range { .. } => None,

@@ -127,7 +127,7 @@ impl Sweep {
                 .axes
                 .iter()
                 .try_fold(1u64, |n, a| {
-                    let len = a.len().ok_or_else(|| {
+                    let len = a.count().ok_or_else(|| {
                         let what = format!("`{}` may be anything between two values", a.name);
                         Failure::Usage(format!("{what}; say how many `runs` are drawn, or how many `steps` it has"))
                     });
@@ -179,7 +179,7 @@ impl Sweep {
         let mut rest = index;
         let mut values: Vec<Value> = Vec::new();
         for a in self.ask.axes.iter().rev() {
-            let n = a.len().unwrap_or(1);
+            let n = a.count().unwrap_or(1);
             values.extend(match &a.space {
                 Space::List(v) => v.get((rest % n) as usize).cloned(),
                 Space::Range { .. } => None,
@@ -236,7 +236,7 @@ impl Sweep {
         let (channels, n_out) = (scene.channels, scene.n_out);
         let (mut sound, mut level) = (Vec::new(), Level::new(channels));
         let room = usize::try_from(frames).ok().and_then(|n| n.checked_mul(channels));
-        if !room.is_some_and(|n| sound.try_reserve_exact(n).is_ok()) {
+        if room.is_none_or(|n| sound.try_reserve_exact(n).is_err()) {
             return Err(Failure::Failed(format!("{frames} samples do not fit into memory")));
         }
         let played = play::play(performance, frames, BLOCK, &mut |_, rows, _| {
