@@ -94,7 +94,7 @@ mod tests {
 
     #[test]
     fn silence_and_what_goes_on_have_none() {
-        assert_eq!(measures(&[0.0; 9600], 2, 48e3), Measures::default());
+        assert_eq!(measures(&vec![0.0; 9600], 2, 48e3), Measures::default());
         assert_eq!(measures(&[], 1, 48e3), Measures::default());
         let steady: Vec<f32> = (0..48_000).map(|k| (0.1 * f64::from(k)).sin() as f32).collect();
         let m = measures(&steady, 1, 48e3);
