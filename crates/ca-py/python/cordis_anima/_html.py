@@ -6,7 +6,7 @@ import base64
 import html
 import io
 import struct
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -63,3 +63,17 @@ def scene(title: str, inputs: Sequence[Port], params: Sequence[Param]) -> str:
     ports = ", ".join(html.escape(f"{p.name} ({p.role})") for p in inputs) or "none"
     table = f"<table><tr><th>live</th><th>value</th><th>range</th><th></th></tr>{rows}</table>" if rows else ""
     return f"<div><p>{html.escape(title)}</p><p>ports: {ports}</p>{table}</div>"
+
+
+def sweep(title: str, columns: Mapping[str, Sequence[object]], left: int) -> str:
+    """A sweep: how many runs ended how, and the first rows; what a run has not is an empty cell."""
+
+    def cell(value: object) -> str:
+        if isinstance(value, float):
+            return "" if value != value else f"{value:.6g}"
+        return "" if value is None else html.escape(str(value))
+
+    head = "".join(f"<th>{html.escape(name)}</th>" for name in columns)
+    rows = "".join("<tr>" + "".join(f"<td>{cell(v)}</td>" for v in row) + "</tr>" for row in zip(*columns.values()))
+    more = f"<p>and {left} more</p>" if left else ""
+    return f"<div><p>{html.escape(title)}</p><table><tr>{head}</tr>{rows}</table>{more}</div>"

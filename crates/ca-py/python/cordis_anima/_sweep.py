@@ -18,12 +18,15 @@ from typing import Any, Literal, NamedTuple, Union
 import numpy as np
 import numpy.typing as npt
 
-from . import _zarr
+from . import _html, _zarr
 from ._errors import UsageError, needed
 from ._job import Job, fill, forget, play
 from ._results import Floats, Sound, plain
 from ._scene import Gesture, Path, Progress, Scene
 
+#: how many rows a notebook shows, and what of them besides what was varied
+_SHOWN = 10
+_TOLD = ("status", "failed", "peak", "rms", "partial", "t60", "residual", "message")
 #: how long a task should take [s], so that handing it over is little beside it
 _TASK = 0.5
 
@@ -121,6 +124,11 @@ class Sweep(Mapping[str, Column]):
     def __repr__(self) -> str:
         told = ", ".join(f"{n} {status}" for status, n in self.counts.items())
         return f"<Sweep: {self.runs} runs over {', '.join(self.axes) or 'nothing'}: {told}>"
+
+    def _repr_html_(self) -> str:
+        names = [name for name in ("index", *self.axes, *_TOLD) if name in self]
+        first = {name: self[name][:_SHOWN].tolist() for name in names}
+        return _html.sweep(repr(self)[1:-1], first, max(0, self.runs - _SHOWN))
 
 
 def sweep(

@@ -92,4 +92,6 @@ def columns(path: str) -> dict[str, Any]:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         group = _group(path, "r")
-        return {name: np.asarray(group[name][:]) for name in group.attrs["columns"]}
+        found = {name: np.asarray(group[name][:]) for name in group.attrs["columns"]}
+    # texts are objects, as in memory
+    return {name: v if v.dtype.kind in "iuf" else v.astype(object) for name, v in found.items()}

@@ -206,6 +206,23 @@ def test_data_frames_and_data_sets():
     assert np.array_equal(data["audio"][4], s.audio[4]) and data.attrs["scene"] == s.scene
 
 
+def test_pages_of_notebooks():
+    s = ca.sweep(string(), {"low.k": ["1 kN/m", "<b>", "1 GN/m"], "low.m": [0.001, 0.002, 0.003, 0.004]}, seconds=0.05)
+    page = s._repr_html_()
+    assert page.startswith("<div><p>Sweep: 12 runs over low.k, low.m: 4 invalid, 4 ok, 4 unstable</p>")
+    assert page.endswith("<p>and 2 more</p></div>") and "http" not in page and "<script" not in page
+    rows = [row.split("<td>")[1:] for row in page.split("<tr>")[2:]]
+    rows = [[cell.split("</td>")[0] for cell in row] for row in rows]
+    assert len(rows) == 10 and page.count("<th>") == len(rows[0]) == 10
+    assert rows[0][:5] == ["0", "1 kN/m", "0.001", "ok", ""] and float(rows[0][5]) == pytest.approx(s["peak"][0], rel=1e-5)
+    # what it holds is no page
+    assert rows[4][:4] == ["4", "&lt;b&gt;", "0.001", "invalid"] and rows[4][-1].startswith("E") and "<b>" not in page
+    assert rows[8][3] == "unstable" and float(rows[8][4]) == pytest.approx(s["failed"][8], rel=1e-5)
+    # few rows are all of them
+    few = ca.sweep(string(), {"low.m": [0.001, 0.002]}, seconds=0.05)._repr_html_()
+    assert few.count("<tr>") == 3 and few.endswith("</table></div>")
+
+
 def test_zarr_is_the_same_and_goes_on(tmp_path):
     import xarray
 
@@ -216,6 +233,9 @@ def test_zarr_is_the_same_and_goes_on(tmp_path):
         if name not in TIMES:
             want = ["" if v is None else v for v in memory[name].tolist()]
             assert pickle.dumps(s[name].tolist()) == pickle.dumps(want), name
+            assert s[name].dtype == memory[name].dtype, name
+    assert repr(s) == repr(memory) == "<Sweep: 23 runs over low.k, low.m, low.z: 23 ok>"
+    assert s._repr_html_() == memory._repr_html_()
     with xarray.open_zarr(store, consolidated=False) as data:
         assert data["audio"].shape == (23, 2400, 1)
         assert np.array_equal(data["audio"], np.stack(memory.audio))
