@@ -21,6 +21,7 @@ import numpy.typing as npt
 from ._errors import MissingError, UsageError
 from ._render import Render
 from ._results import Accuracy, Energy, Floats, Modes, Sound
+from ._sweep import Sweep
 
 try:
     import matplotlib.pyplot as plt
@@ -45,6 +46,10 @@ _COLUMNS = 640
 _WINDOW = 1 << 17
 #: what rings longer than a day does not fall [s]
 _DAY = 86400.0
+#: columns of a sweep that say nothing of a run which was not played to its end
+_HEARD = ("peak", "rms", "partial", "t60", "residual")
+#: what columns of a sweep are counted in; those of parameters are in SI units
+_UNITS = {"partial": "Hz", "t60": "s", "failed": "s", "run_time": "s", "peak": "full scale = 1", "rms": "full scale = 1"}
 #: colours of what is gained, given away, there, and of no weight
 _GAIN, _LOSS, _STOCK, _DUST = "#2a9d6f", "#d1603d", "#3b6ea5", "#777777"
 
@@ -373,6 +378,86 @@ def probes(render: Render, selector: str | Sequence[str] | None = None, ax: Axes
     return ax
 
 
+def sweep(sweep: Sweep, x: str, y: str, *, color: str | None = None, ax: Axes | None = None) -> Axes:
+    """One column of a sweep over another, a dot for each run; texts are categories.
+
+    Runs that clip are triangles. All others that are not ok are crosses; they stand at the upper or right edge where the
+    column is measured of a sound, since theirs was not played to its end. Runs that have no place at all are counted
+    above. Axes are linear: where values were drawn by ratios, ``ax.set_xscale("log")`` shows them so.
+
+    Args:
+        x: name of a column.
+        y: name of another.
+        color: name of a column that colours dots and triangles: a bar for numbers, a legend for texts.
+
+    Raises:
+        UsageError: the sweep has no such column.
+
+    >>> import cordis_anima as ca
+    >>> from cordis_anima import plot
+    >>> s = ca.sweep(ca.examples.string(), {"low.m": ["1 g", "2 g", "4 g"]}, seconds=0.1)
+    >>> ax = plot.sweep(s, "low.m", "partial")
+    >>> ax.get_xlabel(), ax.get_ylabel(), len(ax.collections[0].get_offsets())
+    ('low.m', 'partial [Hz]', 3)
+    """
+    for name in [x, y] if color is None else [x, y, color]:
+        if name not in sweep:
+            raise UsageError(f"no column `{name}`; the sweep has {', '.join(sweep)}")
+    ax = _axes(ax, 4.0)
+    (across, texts_x), (up, texts_y) = _numbers(sweep, x), _numbers(sweep, y)
+    status = sweep["status"].astype(str)
+    played = (status == "ok") | (status == "clipped")
+    has_x, has_y = (np.isfinite(v) & (played | (name not in _HEARD)) for v, name in ((across, x), (up, y)))
+    _dots(sweep, color, played & has_x & has_y, across, up, ax)
+    for k, bad in enumerate(np.unique(status[~played])):
+        for which, px, py, where in [
+            (has_x & has_y, across, up, ax.transData),
+            (has_x & ~has_y, across, np.full(len(up), 0.97), _above(ax)),
+            (~has_x & has_y, np.full(len(up), 0.985), up, ax.get_yaxis_transform()),
+        ]:
+            at = which & (status == bad)
+            if at.any():
+                colour = _LOSS if bad == "unstable" else f"C{k + 4}"
+                ax.plot(px[at], py[at], "x", ms=6, color=colour, label=str(bad), transform=where)
+    for axis, texts in ((ax.xaxis, texts_x), (ax.yaxis, texts_y)):
+        if texts:
+            axis.set_major_locator(FixedLocator(list(range(len(texts)))))
+            axis.set_major_formatter(FixedFormatter(texts))
+    lost = int(np.where(played, ~(has_x & has_y), ~(has_x | has_y)).sum())
+    if lost:
+        ax.set_title(f"{lost} without a place left out", loc="right", fontsize=8)
+    # one entry for a label, wherever its marks are
+    marks = {str(mark.get_label()): mark for mark in [*ax.collections, *ax.lines]}
+    if list(marks) != ["ok"]:
+        # above, where it hides nothing
+        key = ax.legend(list(marks.values()), list(marks), loc="lower left", bbox_to_anchor=(0, 1), ncols=4, fontsize=8)
+        key.set_frame_on(False)
+    return _named(ax, _counted_in(x), _counted_in(y))
+
+
+def _dots(sweep: Sweep, color: str | None, which: npt.NDArray[np.bool_], across: Floats, up: Floats, ax: Axes) -> None:
+    """Runs that were played to their end, coloured by a column if there is one."""
+    shade, texts = (np.zeros(len(up)), [""]) if color is None else _numbers(sweep, color)
+    known = shade[which & np.isfinite(shade)]
+    ends = (float(known.min()), float(known.max())) if known.size else (0.0, 1.0)
+    viridis = plt.get_cmap("viridis").with_extremes(bad=_DUST)
+    drawn = None
+    for status, marker in [("ok", "o"), ("clipped", "^")]:
+        for k, text in enumerate(texts or [""]):
+            at = which & (sweep["status"] == status) & (shade == k if texts else True)
+            if not at.any():
+                continue
+            if texts:
+                colour = _STOCK if color is None else f"C{k}"
+                label = status if color is None else f"{color} = {text}" + (", clipped" if status == "clipped" else "")
+                ax.scatter(across[at], up[at], 16, color=colour, marker=marker, label=label)
+            else:
+                of = {"c": shade[at], "cmap": viridis, "vmin": ends[0], "vmax": ends[1], "plotnonfinite": True}
+                drawn = ax.scatter(across[at], up[at], 16, marker=marker, label=status, **of)
+    if drawn is not None and color is not None:
+        ax.figure.colorbar(drawn, ax=ax, pad=0.01).set_label(_counted_in(color))
+
+
 def _axes(ax: Axes | None, height: float) -> Axes:
     """Those that were given, or new ones [inches]."""
     if ax is not None:
@@ -410,6 +495,21 @@ def _counted(axis: Axis) -> None:
     axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
     axis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}"))
     axis.set_minor_formatter(NullFormatter())
+
+
+def _numbers(sweep: Sweep, name: str) -> tuple[Floats, list[str]]:
+    """A column as numbers; for texts, which of the names that follow it is."""
+    column = sweep[name]
+    if column.dtype.kind in "iuf":
+        return column.astype(np.float64), []
+    # what has no text is empty in some stores
+    texts, at = np.unique(np.array([str(t or "none") for t in column.tolist()]), return_inverse=True)
+    return at.astype(np.float64), [str(t) for t in texts]
+
+
+def _counted_in(name: str) -> str:
+    """The name of a column, with its unit where that is known."""
+    return f"{name} [{_UNITS[name]}]" if name in _UNITS else name
 
 
 def _names(ax: Axes, points: list[tuple[float, float, str]]) -> None:

@@ -281,6 +281,115 @@ def test_probes_are_shown_in_their_units(key: ca.Scene) -> None:
         plot.probes(key.render(0.01))
 
 
+def swept() -> ca.Sweep:
+    """Runs of every sort: ok, clipped, unstable, invalid; one that is silent; texts along one axis."""
+    text = (
+        "[CEL]\nb = { m = '1 g', k = '1 kN/m', dx0 = 1 }\nc = { m = '1 g', f = '1 kHz', dx0 = 0.3 }\n"
+        "[SOX]\no = { from = 'b', gain = 1 }\n"
+    )
+    vary = {"b.k": [1e3, 4e3, -1.0, 1e9], "b.m": [0.001, 0.004], "b.dx0": [0.0, 0.5, 1.25], "o.from": ["b", "c"]}
+    return ca.sweep(ca.parse(text), vary, seconds=0.05)
+
+
+def offsets(ax: Axes) -> dict[str, set[tuple[float, float]]]:
+    """Where dots of each label are."""
+    found: dict[str, set[tuple[float, float]]] = {}
+    for mark in ax.collections:
+        at = {(float(px), float(py)) for px, py in np.asarray(mark.get_offsets())}
+        found.setdefault(str(mark.get_label()), set()).update(at)
+    return found
+
+
+def rows(s: ca.Sweep, x: str, y: str, which: np.ndarray) -> set[tuple[float, float]]:
+    """The same of the columns."""
+    return set(zip(s[x][which].tolist(), s[y][which].tolist()))
+
+
+def test_a_sweep_is_dots_and_what_went_wrong_is_crosses() -> None:
+    s = swept()
+    assert set(s.counts) == {"ok", "clipped", "invalid", "unstable"}, s.counts
+    status, placed = s["status"], np.isfinite(s["partial"])
+    ax = plot.sweep(s, "b.k", "partial")
+    drawn(ax)
+    dots = offsets(ax)
+    assert dots == {name: rows(s, "b.k", "partial", (status == name) & placed) for name in ("ok", "clipped")}
+    assert all(dots.values()) and (ax.get_xlabel(), ax.get_ylabel()) == ("b.k", "partial [Hz]")
+    # what blew up was never heard, however loud a number it has; it stands at the edge, over its parameter
+    crosses = {str(line.get_label()): line for line in ax.lines}
+    assert set(crosses) == {"invalid", "unstable"}
+    for name, line in crosses.items():
+        assert line.get_xdata().tolist() == s["b.k"][status == name].tolist()
+        height = ax.transAxes.inverted().transform(line.get_transform().transform(line.get_xydata()))[:, 1]
+        assert ((height > 0.95) & (height < 1)).all()
+    low, high = ax.get_ylim()
+    heard = s["partial"][placed & ((status == "ok") | (status == "clipped"))]
+    assert low < heard.min() and heard.max() < high < 2 * heard.max()
+    # they are within what is seen
+    assert ax.get_xlim()[0] < s["b.k"].min() and s["b.k"].max() < ax.get_xlim()[1]
+    silent = ~placed & ((status == "ok") | (status == "clipped"))
+    assert ax.get_title("right") == f"{silent.sum()} without a place left out" and silent.sum() > 0
+    legend = ax.get_legend()
+    assert legend is not None and [t.get_text() for t in legend.get_texts()] == ["ok", "clipped", "invalid", "unstable"]
+    # at the right edge where it is the other one, and at their place where both are known
+    ax = plot.sweep(s, "peak", "b.k")
+    drawn(ax)
+    bad = ["invalid", "unstable"]
+    assert [line.get_ydata().tolist() for line in ax.lines] == [s["b.k"][status == name].tolist() for name in bad]
+    assert ax.get_xlim()[1] < 3 and ax.get_xlabel() == "peak [full scale = 1]"
+    ax = plot.sweep(s, "b.k", "b.m")
+    assert [set(zip(*line.get_data())) for line in ax.lines] == [rows(s, "b.k", "b.m", status == name) for name in bad]
+    ax = plot.sweep(s, "peak", "t60")
+    left = np.isnan(s["t60"]) | (status == "invalid") | (status == "unstable")
+    assert not ax.lines and 0 < left.sum() < s.runs and ax.get_title("right").startswith(f"{left.sum()} without")
+    # where all is as it should be nothing needs a legend
+    good = ca.sweep(ca.examples.string(), {"low.m": ["1 g", "2 g"]}, seconds=0.05)
+    assert plot.sweep(good, "low.m", "run_time").get_legend() is None
+
+
+def test_a_sweep_has_categories_and_colours() -> None:
+    s = swept()
+    status = s["status"]
+    ok = s.ok & np.isfinite(s["partial"])
+    # texts are along an axis
+    ax = plot.sweep(s, "b.k", "status")
+    drawn(ax)
+    names = [t.get_text() for t in ax.get_yticklabels()]
+    assert names == ["clipped", "invalid", "ok", "unstable"]
+    assert offsets(ax)["ok"] == {(k, 2.0) for k in s["b.k"][s.ok]}
+    assert {float(line.get_ydata()[0]): line.get_label() for line in ax.lines} == {1.0: "invalid", 3.0: "unstable"}
+    # what has no text is a category too
+    ax = plot.sweep(s, "module", "b.m")
+    drawn(ax)
+    assert [t.get_text() for t in ax.get_xticklabels()] == ["b", "none"]
+    assert {px for px, _ in offsets(ax)["ok"]} == {1.0}
+    # numbers colour by a bar
+    ax = plot.sweep(s, "b.k", "partial", color="t60")
+    drawn(ax)
+    assert ax.figure.axes[-1].get_ylabel() == "t60 [s]"
+    ax = plot.sweep(s, "b.k", "partial", color="b.m")
+    drawn(ax)
+    mark = ax.collections[0]
+    shades = dict(zip(map(tuple, np.asarray(mark.get_offsets())), np.asarray(mark.get_array())))
+    assert shades == {(k, f): m for k, f, m in zip(s["b.k"][ok], s["partial"][ok], s["b.m"][ok])}
+    # one scale for dots and triangles
+    assert {mark.get_clim() for mark in ax.collections} == {(0.001, 0.004)} and len(ax.collections) == 2
+    # texts by a legend
+    ax = plot.sweep(s, "b.k", "partial", color="o.from")
+    drawn(ax)
+    of = {name: (status == "ok") & np.isfinite(s["partial"]) & (s["o.from"] == name) for name in "bc"}
+    loud = (status == "clipped") & np.isfinite(s["partial"])
+    assert set(s["o.from"][loud]) == {"b"}
+    assert offsets(ax) == {
+        "o.from = b": rows(s, "b.k", "partial", of["b"]),
+        "o.from = b, clipped": rows(s, "b.k", "partial", loud),
+        "o.from = c": rows(s, "b.k", "partial", of["c"]),
+    }
+    assert all(offsets(ax).values())
+    for x, y, color, wrong in [("b.q", "peak", None, "b.q"), ("b.k", "loud", None, "loud"), ("b.k", "peak", "hue", "hue")]:
+        with pytest.raises(ca.UsageError, match=f"no column `{wrong}`; the sweep has index, b.k"):
+            plot.sweep(s, x, y, color=color)
+
+
 def test_what_makes_no_sound_has_no_plot_of_it() -> None:
     deaf = ca.parse("[CEL]\nb = { m = '1 g', f = '1 kHz', dx0 = '1 mm' }\n[SOX]\no = { from = 'b' }\n").render(0.01)
     deaf = replace(deaf, audio=deaf.audio[:, :0], channels=())

@@ -34,5 +34,14 @@ def shown() -> list[str]:
     return [ax.get_xlabel() for ax in axes]
 
 
+def swept() -> dict[str, int]:
+    """How runs of a few strings ended."""
+    s = ca.sweep(ca.examples.string(), {"low.f": ca.Range("110 Hz", "440 Hz", log=True)}, 4, seconds=0.1, audio=True)
+    ax = plot.sweep(s, "low.f", "partial", color="peak")
+    loudest: float = float(s["peak"].max())
+    assert s.audio is not None and loudest > 0 and ax.get_xlabel() == "low.f"
+    return s.counts
+
+
 if __name__ == "__main__":
-    print(struck(8e3), played(), [m for m in ca.load("harmonic_chain").modes().heard[:3]])
+    print(struck(8e3), played(), swept(), [m for m in ca.load("harmonic_chain").modes().heard[:3]])
