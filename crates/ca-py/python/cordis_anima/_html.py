@@ -6,6 +6,7 @@ import base64
 import html
 import io
 import struct
+import textwrap
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -14,6 +15,8 @@ from ._results import Param, Port, Sound
 
 #: columns of a drawn waveform
 _WIDTH = 600
+#: characters of a text in a table
+_TEXT = 60
 
 
 def _wav(audio: Sound, sr: int) -> bytes:
@@ -71,7 +74,7 @@ def sweep(title: str, columns: Mapping[str, Sequence[object]], left: int) -> str
     def cell(value: object) -> str:
         if isinstance(value, float):
             return "" if value != value else f"{value:.6g}"
-        return "" if value is None else html.escape(str(value))
+        return "" if value is None else html.escape(textwrap.shorten(str(value), _TEXT, placeholder=" …"))
 
     head = "".join(f"<th>{html.escape(name)}</th>" for name in columns)
     rows = "".join("<tr>" + "".join(f"<td>{cell(v)}</td>" for v in row) + "</tr>" for row in zip(*columns.values()))

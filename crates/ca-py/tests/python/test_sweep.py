@@ -218,6 +218,9 @@ def test_pages_of_notebooks():
     # what it holds is no page
     assert rows[4][:4] == ["4", "&lt;b&gt;", "0.001", "invalid"] and rows[4][-1].startswith("E") and "<b>" not in page
     assert rows[8][3] == "unstable" and float(rows[8][4]) == pytest.approx(s["failed"][8], rel=1e-5)
+    # a message of several lines is told as far as a cell goes
+    begin = rows[8][-1].removesuffix(" …")
+    assert s["message"][8].startswith(begin) and 30 < len(begin) < 60 < len(s["message"][8])
     # few rows are all of them
     few = ca.sweep(string(), {"low.m": [0.001, 0.002]}, seconds=0.05)._repr_html_()
     assert few.count("<tr>") == 3 and few.endswith("</table></div>")
