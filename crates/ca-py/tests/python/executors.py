@@ -64,7 +64,7 @@ def main(name: str) -> None:
                 ca.sweep(scene, VARY, 200, seconds=0.1, to=Path(folder, to), chunk=9, executor=by)
             files = [p.relative_to(Path(folder, "here")) for p in Path(folder, "here").rglob("*.flac")]
             assert len(files) == here.counts["ok"]
-            for file in [*files, "manifest.parquet"]:
+            for file in [*files, Path("manifest.parquet")]:
                 assert Path(folder, "here", file).read_bytes() == Path(folder, "there", file).read_bytes(), file
     print(f"{name}: {len(workers)} workers, {there.runs} runs and {len(files)} files as by threads")
 

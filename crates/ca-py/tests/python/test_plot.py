@@ -366,13 +366,18 @@ def test_a_sweep_has_categories_and_colours() -> None:
     ax = plot.sweep(s, "b.k", "partial", color="t60")
     drawn(ax)
     assert ax.figure.axes[-1].get_ylabel() == "t60 [s]"
+    # what has no number there is drawn all the same
+    shown = sum(len(mark.get_offsets()) - np.ma.getmaskarray(mark.get_offsets()).any(axis=1).sum() for mark in ax.collections)
+    has = (s.ok | (status == "clipped")) & np.isfinite(s["partial"])
+    assert shown == has.sum() and np.isnan(s["t60"][has]).any()
     ax = plot.sweep(s, "b.k", "partial", color="b.m")
     drawn(ax)
     mark = ax.collections[0]
     shades = dict(zip(map(tuple, np.asarray(mark.get_offsets())), np.asarray(mark.get_array())))
     assert shades == {(k, f): m for k, f, m in zip(s["b.k"][ok], s["partial"][ok], s["b.m"][ok])}
     # one scale for dots and triangles
-    assert {mark.get_clim() for mark in ax.collections} == {(0.001, 0.004)} and len(ax.collections) == 2
+    ax = plot.sweep(s, "b.k", "partial", color="b.dx0")
+    assert [mark.get_clim() for mark in ax.collections] == [(0.0, 1.25)] * 2 and set(s["b.dx0"][status == "clipped"]) == {1.25}
     # texts by a legend
     ax = plot.sweep(s, "b.k", "partial", color="o.from")
     drawn(ax)
