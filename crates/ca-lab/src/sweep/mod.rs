@@ -250,7 +250,8 @@ impl Sweep {
         row.rtf = row.run_time * scene.rate / frames as f64;
         row.peak = level.peak.iter().copied().fold(0.0, f64::max);
         row.rms = measure::rms(&sound);
-        if self.ask.measure && channels > 0 {
+        // what blew up has no pitch
+        if self.ask.measure && channels > 0 && played.broke.is_none() {
             let found = measure::measures(&sound, channels, scene.rate);
             (row.partial, row.t60) = (found.partial, found.t60);
         }

@@ -189,7 +189,8 @@ def sweep(
     begin = time.perf_counter()
     job = _job(scene, vary, (runs, int(seed), seconds, bool(energy), bool(measure)), gesture)
     core = job.core
-    target = None if to is None else os.fspath(to)
+    # workers may stand elsewhere
+    target = None if to is None else os.path.abspath(to)
     kept: Any = None
     if target is None:
         if isinstance(audio, str):

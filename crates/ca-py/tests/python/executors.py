@@ -1,4 +1,4 @@
-"""A sweep by workers of Ray or MPI is that of threads. Run by hand, where these are installed:
+"""A sweep by workers of Ray or MPI is that of threads: `tests/python/wheel` runs it, where these can be had.
 
 python executors.py ray
 mpiexec -n 3 python -m mpi4py.futures executors.py mpi
@@ -6,9 +6,10 @@ mpiexec -n 3 python -m mpi4py.futures executors.py mpi
 
 from __future__ import annotations
 
+import concurrent.futures
 import sys
 import tempfile
-from concurrent.futures import Executor, Future
+from concurrent.futures import Executor
 from pathlib import Path
 from typing import Any
 
@@ -23,14 +24,13 @@ def by_ray() -> Executor:
     import ray
 
     ray.init(num_cpus=2, log_to_driver=False, include_dashboard=False)
-    run = ray.remote(lambda f, *args: f(*args))
-
-    class Ray(Executor):
-        def submit(self, f: Any, /, *args: Any, **named: Any) -> Future[Any]:
-            future: Future[Any] = run.remote(f, *args, **named).future()
-            return future
-
-    return Ray()
+    # as the page shows it
+    page = (Path(__file__).parents[2] / "README.md").read_text()
+    block = page.split("```py\n")[1].split("```")[0]
+    space: dict[str, Any] = {"ray": ray, "concurrent": concurrent}
+    exec(compile(block, "README.md", "exec"), space)
+    made: Executor = space["Ray"]()
+    return made
 
 
 def by_mpi() -> Executor:
