@@ -45,15 +45,24 @@ def _wave(x: Sound, height: int = 60) -> str:
     )
 
 
+def _player(audio: Sound, sr: int, channels: Sequence[str]) -> str:
+    """A player and the channels; nothing where there is no sound."""
+    if not audio.size:
+        return ""
+    sound = base64.b64encode(_wav(audio[:, :2], sr)).decode()
+    waves = "".join(f"<div>{html.escape(name)}<br>{_wave(x)}</div>" for name, x in zip(channels, audio.T))
+    return f'<audio controls src="data:audio/wav;base64,{sound}"></audio>{waves}'
+
+
 def render(title: str, audio: Sound, sr: int, channels: Sequence[str]) -> str:
     """A render: what it is, a player, its channels."""
-    parts = [f"<p>{html.escape(title)}</p>"]
-    if audio.size:
-        sound = base64.b64encode(_wav(audio[:, :2], sr)).decode()
-        parts.append(f'<audio controls src="data:audio/wav;base64,{sound}"></audio>')
-        for name, x in zip(channels, audio.T):
-            parts.append(f"<div>{html.escape(name)}<br>{_wave(x)}</div>")
-    return "<div>" + "".join(parts) + "</div>"
+    return f"<div><p>{html.escape(title)}</p>{_player(audio, sr, channels)}</div>"
+
+
+def take(title: str, facts: Sequence[tuple[str, str]], audio: Sound, sr: int, channels: Sequence[str]) -> str:
+    """A take: what it is, what is to be known of it, a player, its channels."""
+    rows = "".join(f"<tr><th>{html.escape(name)}</th><td>{html.escape(text)}</td></tr>" for name, text in facts)
+    return f"<div><p>{html.escape(title)}</p><table>{rows}</table>{_player(audio, sr, channels)}</div>"
 
 
 def scene(title: str, inputs: Sequence[Port], params: Sequence[Param]) -> str:

@@ -10,12 +10,14 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from . import _core
+from . import _core, _html
 from ._errors import UsageError
 from ._results import Floats
 from ._scene import Gesture, Path, Progress, Scene
 
 Texts = npt.NDArray[np.object_]
+#: how much of a take a page plays [s]: takes are long, and what is played is in the page
+_PLAYED = 60.0
 
 
 class Fault(NamedTuple):
@@ -208,6 +210,23 @@ class Take:
     def __repr__(self) -> str:
         hands = ", ".join(self.devices) or "no device"
         return f"<Take {self.title!r}: {self.seconds:.3f} s with {hands}>"
+
+    def _repr_html_(self) -> str:
+        hands = (f"{name}: {h.dof} dof, {len(h.time)} frames in, {len(h.force_time)} out" for name, h in self.hands.items())
+        faults = (f"{f.cause} at {f.time:.3f} s ({f.device})" for f in self.faults)
+        lost = (f"{n} {what}" for n, what in zip(self.lost, ("records", "samples", "views")) if n)
+        facts = [
+            ("devices", "; ".join(hands) or "none"),
+            ("length", f"{self.seconds:.3f} s"),
+            ("faults", ", ".join(faults) or "none"),
+            ("lost", ", ".join(lost) or "nothing"),
+        ]
+        if self.cut is not None:
+            facts.append(("cut off", self.cut))
+        frames = round(_PLAYED * self.rate)
+        if len(self.audio) > frames:
+            facts.append(("played here", f"the first {_PLAYED:g} s"))
+        return _html.take(self.title, facts, self.audio[:frames].astype(np.float32), round(self.rate), self.channels)
 
 
 def record(

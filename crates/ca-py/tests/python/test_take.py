@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import base64
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+import numpy.typing as npt
 import pytest
 
 import cordis_anima as ca
@@ -14,9 +16,10 @@ import cordis_anima as ca
 PRESS = {"key": [(0, -0.006), (0.2, -0.006), (0.24, 0.001), (0.4, -0.006), (1.2, -0.006), (1.24, 0.001), (1.4, -0.006)]}
 
 
-def keyed() -> ca.Scene:
+def keyed(title: str = "A key") -> ca.Scene:
     """A device key, a contact, a live parameter."""
     return ca.parse(
+        f"[model]\ntitle = '{title}'\n"
         """
 [param]
 grip = { value = "2 kN/m", live = true, min = "100 N/m", max = "9 kN/m" }
@@ -133,3 +136,32 @@ def test_a_take_that_was_cut_off_is_read_as_far_as_it_goes(tmp_path: Path) -> No
     n = len(cut.audio)
     assert np.array_equal(cut.audio, whole.audio[:n])
     assert cut.replay().difference is None
+
+
+def test_a_page_of_a_take(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    throw = {"key": [(0, -6e-3), (1.3, -6e-3), (1.31, 1e-3)]}
+    t = ca.record(keyed("A <key> & a string"), tmp_path / "t.mcap", 1.6, gesture=throw)
+    page = t._repr_html_()
+    assert page.startswith("<div>") and page.endswith("</div>") and "http" not in page and "<script" not in page
+    assert "A &lt;key&gt; &amp; a string" in page and "<key>" not in page
+    assert "tgr12: 12 dof, 4801 frames in, 4801 out" in page and "1.600 s" in page
+    assert f"VELOCITY at {t.faults[0].time:.3f} s (tgr12)" in page and "nothing" in page
+    assert page.count("<svg") == 2 and "left" in page and "right" in page
+
+    def played(page: str) -> npt.NDArray[np.int16]:
+        """The samples in a page."""
+        wav = base64.b64decode(page.split("data:audio/wav;base64,")[1].split('"')[0])
+        return np.frombuffer(wav[44:], "<i2").reshape(-1, 2)
+
+    heard = np.rint(t.audio.astype(np.float32).astype(np.float64) * 32768)
+    assert np.array_equal(played(page), heard) and heard.any() and "played here" not in page
+    # of a long one not all is in the page
+    monkeypatch.setattr("cordis_anima._take._PLAYED", 1.5)
+    long = t._repr_html_()
+    assert np.array_equal(played(long), heard[:72000]) and "the first 1.5 s" in long
+    # one that was cut off, before anything was heard
+    (tmp_path / "cut.mcap").write_bytes(Path(t.path).read_bytes()[:12000])
+    cut = ca.Take(tmp_path / "cut.mcap")
+    assert cut.audio.size == 0 and "<audio" not in cut._repr_html_() and "it ends in the middle" in cut._repr_html_()
+    silent = ca.record(ca.examples.string(), tmp_path / "string.mcap", 0.05)
+    assert "<th>devices</th><td>none</td>" in silent._repr_html_() and "<th>faults</th><td>none</td>" in silent._repr_html_()
