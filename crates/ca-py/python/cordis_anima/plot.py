@@ -22,9 +22,11 @@ from ._errors import MissingError, UsageError
 from ._render import Render
 from ._results import Accuracy, Energy, Floats, Modes, Sound
 from ._sweep import Sweep
+from ._take import Take
 
 try:
     import matplotlib.pyplot as plt
+    from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.axis import Axis
     from matplotlib.lines import Line2D
@@ -52,6 +54,10 @@ _HEARD = ("peak", "rms", "partial", "t60", "residual")
 _UNITS = {"partial": "Hz", "t60": "s", "failed": "s", "run_time": "s", "peak": "full scale = 1", "rms": "full scale = 1"}
 #: colours of what is gained, given away, there, and of no weight
 _GAIN, _LOSS, _STOCK, _DUST = "#2a9d6f", "#d1603d", "#3b6ea5", "#777777"
+#: colours of how a force is meant
+_MODES = {"off": "#b8b8b8", "ramp": "#f2d16b", "on": "#a9d8b8", "damp": "#f0a35e", "fault": "#e08080"}
+#: the share of the longest way of all degrees of freedom below which one does not move: a sensor makes noise
+_STILL = 0.01
 
 
 def sound(render: Render, ax: Axes | None = None) -> Axes:
@@ -456,6 +462,85 @@ def _dots(sweep: Sweep, color: str | None, which: npt.NDArray[np.bool_], across:
                 drawn = ax.scatter(across[at], up[at], 16, marker=marker, label=status, **of)
     if drawn is not None and color is not None:
         ax.figure.colorbar(drawn, ax=ax, pad=0.01).set_label(_counted_in(color))
+
+
+def take(
+    take: Take,
+    device: str | None = None,
+    dof: int | Sequence[int] | None = None,
+    *,
+    axes: tuple[Axes, Axes] | None = None,
+) -> tuple[Axes, Axes]:
+    """Where a hand was [mm] and the force it got [N], over time [s], above each other.
+
+    Colours behind them say how the force was meant: off, ramp, on, damp or fault; a line stands where forces ended, with
+    the cause. Positions are taken for metres, as a device that is calibrated says them.
+
+    Args:
+        device: its name; the first of the take if none.
+        dof: one or several of its degrees of freedom; those that move if none.
+        axes: for the positions and for the forces.
+
+    Raises:
+        UsageError: the take has no such device or degree of freedom, or no frame of it.
+
+    >>> import cordis_anima as ca, tempfile, os
+    >>> from cordis_anima import plot
+    >>> t = ca.record(ca.load("hammered_string"), os.path.join(tempfile.mkdtemp(), "blow.mcap"), 0.5)
+    >>> position, force = plot.take(t)
+    >>> position.get_ylabel(), force.get_ylabel(), [line.get_label() for line in force.lines]
+    ('position [mm]', 'force [N]', ['tgr12 0'])
+    """
+    hands = take.hands
+    name = next(iter(hands), "") if device is None else device
+    if name not in hands:
+        what = f"no device `{device}`; the take has" if device is not None else "nothing to show: the take has"
+        raise UsageError(f"{what} {', '.join(hands) or 'no device'}")
+    hand = hands[name]
+    if not len(hand.time) or not len(hand.force_time):
+        raise UsageError(f"no frames of `{name}` in the take")
+    if dof is None:
+        way = np.ptp(hand.position, axis=0)
+        # all that move; the first where all stand still
+        asked = np.flatnonzero((way > 0) & (way >= _STILL * way.max())).tolist() or [0]
+    else:
+        asked = [dof] if isinstance(dof, int) else list(dof)
+    for k in asked:
+        if not 0 <= k < hand.dof:
+            raise UsageError(f"no degree of freedom {k}; `{name}` has 0 to {hand.dof - 1}")
+    if axes is None:
+        made = plt.subplots(2, figsize=(8, 4.6), layout="constrained", sharex=True)[1]
+        axes = (made[0], made[1])
+    above, below = axes
+    for n, k in enumerate(asked):
+        colour, label = f"C{n}", f"{name} {k}"
+        above.plot(hand.time, 1e3 * hand.position[:, k], lw=0.9, color=colour, label=label)
+        # a device holds a force until the next one comes
+        below.plot(hand.force_time, hand.force[:, k], lw=0.9, color=colour, label=label, drawstyle="steps-post")
+    # each lasts until the next begins
+    begin = np.flatnonzero(np.concatenate([[True], hand.mode[1:] != hand.mode[:-1]]))
+    ends = np.append(hand.force_time[begin[1:]], max(hand.force_time[-1], hand.time[-1]))
+    for a, b in zip(begin, ends):
+        mode = str(hand.mode[a])
+        for ax in axes:
+            ax.axvspan(hand.force_time[a], b, color=_MODES[mode], alpha=0.35, lw=0, label=mode, zorder=0)
+    for fault in take.faults:
+        if fault.device == name:
+            for ax in axes:
+                ax.axvline(fault.time, color=_LOSS, lw=1)
+            # where no force is any more
+            at, beside = (fault.time, 0.25), (3, 0)
+            below.annotate(fault.cause, at, beside, xycoords=_above(below), textcoords="offset points", fontsize=8, color=_LOSS)
+    start = min(hand.force_time[0], hand.time[0])
+    for ax in axes:
+        ax.set_xlim(start, max(ends[-1], start + 1e-3))
+    handles: dict[object, Artist] = {}
+    for artist in [*above.lines[: len(asked)], *above.patches]:
+        handles.setdefault(artist.get_label(), artist)
+    above.legend(handles=list(handles.values()), loc="lower left", bbox_to_anchor=(0, 1), ncols=8, fontsize=8, frameon=False)
+    _named(above, "", "position [mm]")
+    _named(below, "time [s]", "force [N]")
+    return axes
 
 
 def _axes(ax: Axes | None, height: float) -> Axes:

@@ -6,6 +6,7 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from dataclasses import replace
+from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -393,6 +394,90 @@ def test_a_sweep_has_categories_and_colours() -> None:
     for x, y, color, wrong in [("b.q", "peak", None, "b.q"), ("b.k", "loud", None, "loud"), ("b.k", "peak", "hue", "hue")]:
         with pytest.raises(ca.UsageError, match=f"no column `{wrong}`; the sweep has index, b.k"):
             plot.sweep(s, x, y, color=color)
+
+
+#: two keys, one in a contact; a third moves by a hundredth of a millimetre, as a sensor's noise does
+KEYS = """
+[TGR]
+low = { device = "tgr12", dof = 1, x = "-6 mm" }
+high = { device = "tgr12", dof = 4, x = "-6 mm" }
+still = { device = "tgr12", dof = 7, x = "-6 mm" }
+[SOL]
+bed = {}
+[BUT]
+pad = { between = [["low", "high", "still"], "bed"], k = "2 kN/m", z = "1 N s/m" }
+[SOF]
+out = { from = "bed" }
+"""
+
+
+def keys(path: Path, last: float) -> ca.Take:
+    """A press of both keys once forces are on, then one of the first within `last` [s]."""
+    press = [(0, -6e-3), (1.2, -6e-3), (1.25, 1e-3), (1.3, -6e-3)]
+    gesture = {"low": [*press, (1.4, -6e-3), (1.4 + last, 1e-3)], "high": press, "still": [(0, -6e-3), (1, -6.01e-3)]}
+    return ca.record(ca.parse(KEYS), path, 1.8, gesture=gesture)
+
+
+def test_a_take_is_where_hands_were_and_what_they_got(tmp_path: Path) -> None:
+    t = keys(tmp_path / "t.mcap", 0.1)
+    hand = t.hands["tgr12"]
+    above, below = plot.take(t)
+    drawn(above)
+    assert [line.get_label() for line in above.lines] == [line.get_label() for line in below.lines] == ["tgr12 1", "tgr12 4"]
+    for dof, position, force in zip((1, 4), above.lines, below.lines):
+        assert np.array_equal(position.get_xdata(), hand.time) and np.array_equal(force.get_xdata(), hand.force_time)
+        assert np.array_equal(position.get_ydata(), 1e3 * hand.position[:, dof]) and np.ptp(position.get_ydata()) > 6.9
+        assert np.array_equal(force.get_ydata(), hand.force[:, dof]) and np.ptp(force.get_ydata()) > 1.9
+        assert force.get_drawstyle() == "steps-post"
+    assert above.lines[0].get_color() != above.lines[1].get_color()
+    assert (above.get_ylabel(), below.get_ylabel(), below.get_xlabel()) == ("position [mm]", "force [N]", "time [s]")
+    # how forces were meant, each as long as it lasted
+    for ax in (above, below):
+        begins = {p.get_label(): (p.get_x(), p.get_x() + p.get_width()) for p in ax.patches}
+        assert list(begins) == ["off", "ramp", "on"]
+        assert begins["off"][0] == 0 and begins["off"][1] == begins["ramp"][0] == hand.force_time[hand.mode == "ramp"][0]
+        assert begins["ramp"][1] == begins["on"][0] and begins["on"][1] == ax.get_xlim()[1] == hand.force_time[-1]
+    legend = above.get_legend()
+    assert legend is not None and [x.get_text() for x in legend.get_texts()] == ["tgr12 1", "tgr12 4", "off", "ramp", "on"]
+    # what is asked for, where it is asked for
+    _, axes = plt.subplots(2)
+    assert plot.take(t, "tgr12", [7, 4], axes=(axes[0], axes[1])) == (axes[0], axes[1])
+    assert [line.get_label() for line in axes[0].lines] == ["tgr12 7", "tgr12 4"]
+    assert [line.get_label() for line in plot.take(t, dof=0)[1].lines] == ["tgr12 0"]
+    for wrong in (12, -1):
+        with pytest.raises(ca.UsageError, match=f"no degree of freedom {wrong}; `tgr12` has 0 to 11"):
+            plot.take(t, dof=wrong)
+    with pytest.raises(ca.UsageError, match="no device `falcon`; the take has tgr12"):
+        plot.take(t, "falcon")
+
+
+def test_where_forces_ended_stands_in_a_take(tmp_path: Path) -> None:
+    t = keys(tmp_path / "t.mcap", 0.01)
+    (fault,) = t.faults
+    above, below = plot.take(t)
+    drawn(above)
+    assert [text.get_text() for text in below.texts] == ["VELOCITY"] and below.texts[0].xy[0] == fault.time
+    assert [p.get_label() for p in below.patches] == ["off", "ramp", "on", "damp", "fault"]
+    assert len({p.get_facecolor() for p in below.patches}) == 5
+    for ax in (above, below):
+        assert list(ax.lines[-1].get_xdata()) == [fault.time] * 2 and fault.time == ax.patches[-1].get_x()
+    # a line is no degree of freedom
+    legend = above.get_legend()
+    assert legend is not None and len(legend.get_texts()) == 2 + 5
+
+
+def test_a_take_without_hands_has_no_plot(tmp_path: Path) -> None:
+    t = ca.record(ca.examples.string(), tmp_path / "string.mcap", 0.05)
+    with pytest.raises(ca.UsageError, match="nothing to show: the take has no device"):
+        plot.take(t)
+    whole = keys(tmp_path / "t.mcap", 0.1)
+    cut = tmp_path / "cut.mcap"
+    cut.write_bytes(Path(whole.path).read_bytes()[:12000])
+    with pytest.raises(ca.UsageError, match="no frames of `tgr12`"):
+        plot.take(ca.Take(cut))
+    # nothing moves: the first
+    held = ca.record(ca.parse(KEYS), tmp_path / "held.mcap", 0.05)
+    assert [line.get_label() for line in plot.take(held)[0].lines] == ["tgr12 0"]
 
 
 def test_what_makes_no_sound_has_no_plot_of_it() -> None:

@@ -43,5 +43,13 @@ def swept() -> dict[str, int]:
     return s.counts
 
 
+def taken(path: str) -> list[str]:
+    """What stands at the axes of a take, and why forces ended in it."""
+    take = ca.record(ca.load("hammered_string"), path, 0.5)
+    position, force = plot.take(take, "tgr12", [0, 1])
+    plot.take(take, axes=(position, force))
+    return [position.get_ylabel(), force.get_ylabel(), *(fault.cause for fault in take.faults)]
+
+
 if __name__ == "__main__":
     print(struck(8e3), played(), swept(), [m for m in ca.load("harmonic_chain").modes().heard[:3]])
