@@ -33,7 +33,7 @@ def kernel(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def test_there_are_some() -> None:
-    assert len(BOOKS) >= 3
+    assert len(BOOKS) >= 4
 
 
 @pytest.mark.parametrize("path", BOOKS, ids=lambda p: p.stem)
