@@ -4,9 +4,11 @@
 //! the bit, and shows the forces a hand would have had. Built-in gestures of other ports are not played, as by a server.
 
 use crate::load::{self, Loaded};
-use crate::{Failure, play};
+use crate::sweep::told;
+use crate::{Failure, bytes, play};
 use ca_core::Options;
 use ca_core::live::Controls;
+use ca_core::model::{Entry, Model, Value, write};
 use ca_core::scene::InputRole;
 use ca_haptic::calibration::Calibration;
 use ca_haptic::engine::{self, Act, Change, Engine, Port, Setup};
@@ -60,6 +62,7 @@ pub fn record(
     path: &Path,
     goes_on: &mut dyn FnMut(u64, u64) -> bool,
 ) -> Result<Told, Failure> {
+    let (loaded, changes) = &written(loaded)?;
     let options = Options { rate: ask.rate, energy: ask.energy, clouds: loaded.clouds.clone(), ..Options::default() };
     let scene = Arc::new(load::scene(loaded, &options)?);
     let hands = Performance::new(&scene, gesture)?;
@@ -76,7 +79,7 @@ pub fn record(
     let setups: Vec<Setup> = names.into_iter().map(|name| setup(&scene, name)).collect();
     // nobody else speaks here
     let own = engine::Options { session: 1, ..engine::Options::default() };
-    let header = Header::new(&loaded.model, Vec::new(), options, &scene, setups.clone(), own);
+    let header = Header::new(&loaded.model, changes.clone(), options, &scene, setups.clone(), own);
     let take = TakeWriter::create(path, &header, &scene)?;
     let ports = setups.into_iter().map(|s| Port::new(&scene, s)).collect();
     let (controls, engine) = (scene.controls(), Engine::new(scene.clone(), ports, own));
@@ -87,6 +90,61 @@ pub fn record(
         let _ = std::fs::remove_file(path);
     }
     done
+}
+
+/// The model as a take can hold it: the text of its author, and what was changed since as names and values of `--set`.
+/// Where that is not all of it, a text is written anew, and this is what is played: another text may have another order of
+/// modules, and so other bits.
+fn written(loaded: &Loaded) -> Result<(Loaded, Vec<(String, String)>), Failure> {
+    let model = &loaded.model;
+    if !model.text.is_empty() {
+        let read = if load::has_extension(Path::new(&model.file), "mdl") { load::read_mims } else { load::read_text };
+        let mut original = read(&model.text, &model.file);
+        let changes = changes(&original.model, model);
+        let known = changes.iter().all(|(name, text)| original.model.set(name, text));
+        load::look(&mut original);
+        // with findings of the reader there are no bytes
+        if known && bytes::bytes(&original).is_ok_and(|a| bytes::bytes(loaded).is_ok_and(|b| a == b)) {
+            return Ok((loaded.clone(), changes));
+        }
+    }
+    // an error in the model is told as such
+    bytes::bytes(loaded)?;
+    let mut again = load::read_text(&write::write(model), "model.ca.toml");
+    again.clouds.clone_from(&loaded.clouds);
+    Ok((again, Vec::new()))
+}
+
+/// Values that are others, or were not there.
+fn changes(from: &Model, to: &Model) -> Vec<(String, String)> {
+    let mut all = Vec::new();
+    let mut put = |name: String, new: &Value, old: Option<&Value>| {
+        if old != Some(new) {
+            all.push((name, told(new)));
+        }
+    };
+    let find = |list: &[Entry], key: &str| list.iter().find(|e| e.key == key).map(|e| e.value.clone());
+    for (owner, new, old) in [("model", &to.meta, &from.meta), ("rate", &to.rate, &from.rate)] {
+        for e in new {
+            put(format!("{owner}.{}", e.key), &e.value, find(old, &e.key).as_ref());
+        }
+    }
+    let value = |v: Value| match v {
+        Value::Table(entries) => find(&entries, "value"),
+        v => Some(v),
+    };
+    for e in &to.params {
+        if let Some(new) = value(e.value.clone()) {
+            put(e.key.clone(), &new, find(&from.params, &e.key).and_then(value).as_ref());
+        }
+    }
+    for item in &to.items {
+        let old = from.items.iter().find(|i| i.name == item.name).map_or(&[][..], |i| &i.args);
+        for e in &item.args {
+            put(format!("{}.{}", item.name, e.key), &e.value, find(old, &e.key).as_ref());
+        }
+    }
+    all
 }
 
 /// A device of that name: what is shipped of it, else one that nobody has described.

@@ -26,11 +26,15 @@ pub struct Take {
 struct Hand {
     dof: usize,
     tick: Vec<i64>,
+    number: Vec<i64>,
     device_ns: Vec<i64>,
     status: Vec<u32>,
     position: Vec<f64>,
     measured: Vec<f64>,
     force_tick: Vec<i64>,
+    answers: Vec<i64>,
+    flags: Vec<u32>,
+    injected: Vec<f64>,
     force: Vec<f64>,
     mode: Vec<&'static str>,
     cause: Vec<&'static str>,
@@ -41,12 +45,16 @@ impl Hand {
         let d = PyDict::new(py);
         let (n, m) = (self.tick.len(), self.force_tick.len());
         d.set_item("time", seconds(self.tick, rate).into_pyarray(py))?;
+        d.set_item("number", self.number.into_pyarray(py))?;
         d.set_item("device_time", seconds(self.device_ns, 1e9).into_pyarray(py))?;
         d.set_item("status", self.status.into_pyarray(py))?;
         d.set_item("position", table(py, self.position, n, self.dof)?)?;
         d.set_item("measured", table(py, self.measured, n, self.dof)?)?;
         d.set_item("force_time", seconds(self.force_tick, rate).into_pyarray(py))?;
         d.set_item("force", table(py, self.force, m, self.dof)?)?;
+        d.set_item("answers", self.answers.into_pyarray(py))?;
+        d.set_item("flags", self.flags.into_pyarray(py))?;
+        d.set_item("injected", self.injected.into_pyarray(py))?;
         d.set_item("mode", self.mode)?;
         d.set_item("cause", self.cause)?;
         Ok(d)
@@ -112,6 +120,7 @@ impl Take {
                     Event::Device(k, f) => {
                         let h = &mut hands[k];
                         h.tick.push(f.tick as i64);
+                        h.number.push(f.seq as i64);
                         h.device_ns.push(f.t_device_ns as i64);
                         h.status.push(f.status);
                         h.position.extend(&f.pos[..h.dof]);
@@ -121,6 +130,9 @@ impl Take {
                         let h = &mut hands[k];
                         h.force_tick.push(f.tick as i64);
                         h.force.extend(f.force[..h.dof].iter().map(|x| f64::from(*x)));
+                        h.answers.push(f.ack as i64);
+                        h.flags.push(f.flags);
+                        h.injected.push(f64::from(f.inject));
                         h.mode.push(Mode::read(f.mode).name());
                         h.cause.push(Cause::read(f.cause).name());
                     }

@@ -56,7 +56,10 @@ class Hand:
 
     #: when a frame was looked at (m,) [s], by the clock of the sound
     time: Floats
-    #: when it was measured (m,) [s], by the clock of the device
+    #: number of the frame (m,)
+    number: npt.NDArray[np.int64]
+    #: when it was measured (m,) [s], by the clock of the device; of `record`, the beginning of the frame at whose end the
+    #: hand is there
     device_time: Floats
     #: where the device was (m, dof), as it said: [m], or counts where it is calibrated here
     position: Floats
@@ -68,6 +71,14 @@ class Hand:
     force_time: Floats
     #: the force it got (n, dof) [N]
     force: Floats
+    #: number of the device frame it answers (n,)
+    answers: npt.NDArray[np.int64]
+    #: what the guard did to it (n,), a bit each, from the lowest: cut to the largest force, slowed down, made passive,
+    #: weakened for it oscillated, weakened to spare the motors, in the soft edge, from positions that are not fresh, and
+    #: armed but waiting until nothing pushes
+    flags: npt.NDArray[np.uint32]
+    #: damping that passivity took (n,) [N s/m], the largest of all degrees of freedom
+    injected: Floats
     #: ``off``, ``ramp``, ``on``, ``damp`` or ``fault`` (n,)
     mode: Texts
     #: why there was no force (n,), ``NONE`` where there was
@@ -96,6 +107,7 @@ class Take:
         self._core = _core.Take(os.fspath(path))
         self._about = self._core.about()
         self._all: dict[str, Any] | None = None
+        self._hands: dict[str, Hand] | None = None
         #: the file
         self.path: str = os.fspath(path)
 
@@ -148,10 +160,10 @@ class Take:
     def hands(self) -> Mapping[str, Hand]:
         """What passed, by name of the device."""
 
-        def hand(raw: Mapping[str, Any]) -> Hand:
-            return Hand(**{k: np.array(v, object) if isinstance(v, list) else v for k, v in raw.items()})
-
-        return {name: hand(raw) for name, raw in self._read()["devices"].items()}
+        if self._hands is None:
+            devices = self._read()["devices"].items()
+            self._hands = {name: Hand(**{k: _texts(v) for k, v in raw.items()}) for name, raw in devices}
+        return self._hands
 
     @property
     def audio(self) -> Floats:
@@ -207,6 +219,9 @@ class Take:
         """Plays it again, with the frames that came and at the same ticks, and compares every force and every sample."""
         return Verdict(**self._core.replay())
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (Take, (self.path,))
+
     def __repr__(self) -> str:
         hands = ", ".join(self.devices) or "no device"
         return f"<Take {self.title!r}: {self.seconds:.3f} s with {hands}>"
@@ -229,6 +244,10 @@ class Take:
         return _html.take(self.title, facts, self.audio[:frames].astype(np.float32), round(self.rate), self.channels)
 
 
+def _texts(column: Any) -> Any:
+    return np.array(column, object) if isinstance(column, list) else column
+
+
 def record(
     scene: Scene,
     path: Path,
@@ -242,7 +261,7 @@ def record(
     """Plays a scene by the engine of ``ca serve``, without a device and without a clock, into a take.
 
     Devices are where the gesture has them, whatever force they get; the guard is that of the device's profile, or of one
-    nobody has described.
+    nobody has described. Sound fades in within 50 ms, as that of a server does.
 
     Args:
         scene: what is played.

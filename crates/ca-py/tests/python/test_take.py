@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import pickle
 from collections.abc import Callable
 from pathlib import Path
 
@@ -78,17 +79,40 @@ def test_a_take_is_a_gesture(tmp_path: Path) -> None:
     assert np.array_equal(again.audio, t.audio)
 
 
+def test_a_take_of_a_changed_scene_is_of_that_scene(tmp_path: Path) -> None:
+    built = ca.Model().add("TGR", "key", device="tgr12", dof=0, x="-6 mm").add("SOL", "bed").add("MAS", "bob", m="1 g", dx0="1 mm")
+    built.add("RES", "spring", between=["bob", "bed"], k=400).add("BUT", "hit", between=["key", "bed"], k=2000, z=1)
+    built.add("SOX", "out", from_="bob", gain=100)
+    scenes = [
+        keyed().replace({"strike.z": 0.3, "model.title": "other"}),
+        keyed().replace({"grip": "3 kN/m", "low.m": "2 g"}, rate=44100),
+        ca.load("hammered_string", {"hammer.m": "30 g"}),
+        pickle.loads(pickle.dumps(keyed().replace({"strike.z": 0.3}))),
+        built.compile(),
+    ]
+    for k, scene in enumerate(scenes):
+        t = ca.record(scene, tmp_path / f"{k}.mcap", 0.5)
+        assert t.replay().identical and t.scene().hash == scene.hash and t.scene().rate == scene.rate, k
+        # the sound of a server fades in within 50 ms
+        heard = slice(round(0.05 * scene.rate), round(0.5 * scene.rate))
+        assert np.array_equal(t.audio[heard].astype(np.float32), scene.render(0.5).audio[heard]), k
+        assert pickle.loads(pickle.dumps(t)).title == t.title == scene.title
+
+
 def test_others_read_it(tmp_path: Path) -> None:
     from mcap.reader import make_reader
     from mcap_ros2.decoder import DecoderFactory
 
-    t = ca.record(keyed(), tmp_path / "t.mcap", 0.3, gesture=PRESS)
+    t = ca.record(keyed(), tmp_path / "t.mcap", 1.5, gesture=PRESS)
     hand = t.hands["tgr12"]
     with open(t.path, "rb") as file:
         reader = make_reader(file, decoder_factories=[DecoderFactory()])
         frames = [m.decoded_message for m in reader.iter_decoded_messages(topics=["/device/tgr12/in"])]
         forces = [m.decoded_message for m in reader.iter_decoded_messages(topics=["/device/tgr12/out"])]
     assert np.array_equal([f.pos[:12] for f in frames], hand.position)
+    assert np.array_equal([f.seq for f in frames], hand.number) and np.array_equal([f.ack for f in forces], hand.answers)
+    assert np.array_equal([f.flags for f in forces], hand.flags)
+    assert np.array_equal(np.array([f.inject for f in forces], np.float32), hand.injected) and hand.injected.max() > 0
     assert np.array_equal([f.tick / t.rate for f in frames], hand.time)
     assert np.array_equal(np.array([f.force[:12] for f in forces], np.float32), hand.force)
 
