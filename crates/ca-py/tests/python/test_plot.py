@@ -4,29 +4,16 @@ from __future__ import annotations
 
 import subprocess
 import sys
-from collections.abc import Iterator
 from dataclasses import replace
-from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
-from matplotlib.axes import Axes
 
 import cordis_anima as ca
 from cordis_anima import plot
-
-
-@pytest.fixture(autouse=True)
-def closed() -> Iterator[None]:
-    """Figures do not stay."""
-    yield
-    plt.close("all")
-
-
-def drawn(ax: Axes) -> None:
-    """It can be drawn, with a name at each axis."""
-    ax.figure.canvas.draw()
+from cordis_anima._plot_measured import _joule
+from plots import closed, drawn
 
 
 def sine(f: float, amplitude: float, seconds: float, rate: int = 48000) -> ca.Render:
@@ -38,7 +25,7 @@ def sine(f: float, amplitude: float, seconds: float, rate: int = 48000) -> ca.Re
 
 
 def test_nobody_loads_what_only_plots_need() -> None:
-    said = "import sys, cordis_anima; print([m for m in sys.modules if 'matplotlib' in m or m.endswith('.plot')])"
+    said = "import sys, cordis_anima; print([m for m in sys.modules if 'plot' in m])"
     done = subprocess.run([sys.executable, "-c", said], capture_output=True, text=True, check=True)
     assert done.stdout == "[]\n"
 
@@ -171,7 +158,7 @@ def test_an_energy_book_is_an_account(key: ca.Scene) -> None:
         entries = [e.start, e.work, -e.lost, e.made, e.changed, e.residual, e.stored]
         assert np.allclose([bar.get_width() for bar in bars], entries, rtol=0, atol=1e-12 * e.peak)
         # what is too small for a bar is a number
-        assert [text.get_text() for text in ax.texts] == [plot._joule(x) for x in entries]
+        assert [text.get_text() for text in ax.texts] == [_joule(x) for x in entries]
         # each begins where the one before ends; the last is what they come to
         ends = [bar.get_x() + bar.get_width() for bar in bars]
         assert np.allclose([bar.get_x() for bar in bars[1:-1]], ends[:-2], rtol=0, atol=1e-9 * e.peak)
@@ -184,7 +171,7 @@ def test_an_energy_book_is_an_account(key: ca.Scene) -> None:
 
 
 def test_energies_have_a_unit_people_know() -> None:
-    said = [plot._joule(x) for x in (-0.0, 0.0123, -5e-6, 2.5e-9, 3.0, -1.7e-15, 4.2e5)]
+    said = [_joule(x) for x in (-0.0, 0.0123, -5e-6, 2.5e-9, 3.0, -1.7e-15, 4.2e5)]
     assert said == ["0 J", "12.3 mJ", "−5 µJ", "2.5 nJ", "3 J", "−1.7e−15 J", "4.2e+05 J"]
 
 
@@ -280,204 +267,6 @@ def test_probes_are_shown_in_their_units(key: ca.Scene) -> None:
         plot.probes(r, "low")
     with pytest.raises(ca.UsageError, match="probes="):
         plot.probes(key.render(0.01))
-
-
-def swept() -> ca.Sweep:
-    """Runs of every sort: ok, clipped, unstable, invalid; one that is silent; texts along one axis."""
-    text = (
-        "[CEL]\nb = { m = '1 g', k = '1 kN/m', dx0 = 1 }\nc = { m = '1 g', f = '1 kHz', dx0 = 0.3 }\n"
-        "[SOX]\no = { from = 'b', gain = 1 }\n"
-    )
-    vary = {"b.k": [1e3, 4e3, -1.0, 1e9], "b.m": [0.001, 0.004], "b.dx0": [0.0, 0.5, 1.25], "o.from": ["b", "c"]}
-    return ca.sweep(ca.parse(text), vary, seconds=0.05)
-
-
-def offsets(ax: Axes) -> dict[str, set[tuple[float, float]]]:
-    """Where dots of each label are."""
-    found: dict[str, set[tuple[float, float]]] = {}
-    for mark in ax.collections:
-        at = {(float(px), float(py)) for px, py in np.asarray(mark.get_offsets())}
-        found.setdefault(str(mark.get_label()), set()).update(at)
-    return found
-
-
-def rows(s: ca.Sweep, x: str, y: str, which: np.ndarray) -> set[tuple[float, float]]:
-    """The same of the columns."""
-    return set(zip(s[x][which].tolist(), s[y][which].tolist()))
-
-
-def test_a_sweep_is_dots_and_what_went_wrong_is_crosses() -> None:
-    s = swept()
-    assert set(s.counts) == {"ok", "clipped", "invalid", "unstable"}, s.counts
-    status, placed = s["status"], np.isfinite(s["partial"])
-    ax = plot.sweep(s, "b.k", "partial")
-    drawn(ax)
-    dots = offsets(ax)
-    assert dots == {name: rows(s, "b.k", "partial", (status == name) & placed) for name in ("ok", "clipped")}
-    assert all(dots.values()) and (ax.get_xlabel(), ax.get_ylabel()) == ("b.k", "partial [Hz]")
-    # what blew up was never heard, however loud a number it has; it stands at the edge, over its parameter
-    crosses = {str(line.get_label()): line for line in ax.lines}
-    assert set(crosses) == {"invalid", "unstable"}
-    for name, line in crosses.items():
-        assert line.get_xdata().tolist() == s["b.k"][status == name].tolist()
-        height = ax.transAxes.inverted().transform(line.get_transform().transform(line.get_xydata()))[:, 1]
-        assert ((height > 0.95) & (height < 1)).all()
-    low, high = ax.get_ylim()
-    heard = s["partial"][placed & ((status == "ok") | (status == "clipped"))]
-    assert low < heard.min() and heard.max() < high < 2 * heard.max()
-    # they are within what is seen
-    assert ax.get_xlim()[0] < s["b.k"].min() and s["b.k"].max() < ax.get_xlim()[1]
-    silent = ~placed & ((status == "ok") | (status == "clipped"))
-    assert ax.get_title("right") == f"{silent.sum()} without a place left out" and silent.sum() > 0
-    legend = ax.get_legend()
-    assert legend is not None and [t.get_text() for t in legend.get_texts()] == ["ok", "clipped", "invalid", "unstable"]
-    # at the right edge where it is the other one, and at their place where both are known
-    ax = plot.sweep(s, "peak", "b.k")
-    drawn(ax)
-    bad = ["invalid", "unstable"]
-    assert [line.get_ydata().tolist() for line in ax.lines] == [s["b.k"][status == name].tolist() for name in bad]
-    assert ax.get_xlim()[1] < 3 and ax.get_xlabel() == "peak [full scale = 1]"
-    ax = plot.sweep(s, "b.k", "b.m")
-    assert [set(zip(*line.get_data())) for line in ax.lines] == [rows(s, "b.k", "b.m", status == name) for name in bad]
-    ax = plot.sweep(s, "peak", "t60")
-    left = np.isnan(s["t60"]) | (status == "invalid") | (status == "unstable")
-    assert not ax.lines and 0 < left.sum() < s.runs and ax.get_title("right").startswith(f"{left.sum()} without")
-    # where all is as it should be nothing needs a legend
-    good = ca.sweep(ca.examples.string(), {"low.m": ["1 g", "2 g"]}, seconds=0.05)
-    assert plot.sweep(good, "low.m", "run_time").get_legend() is None
-
-
-def test_a_sweep_has_categories_and_colours() -> None:
-    s = swept()
-    status = s["status"]
-    ok = s.ok & np.isfinite(s["partial"])
-    # texts are along an axis
-    ax = plot.sweep(s, "b.k", "status")
-    drawn(ax)
-    names = [t.get_text() for t in ax.get_yticklabels()]
-    assert names == ["clipped", "invalid", "ok", "unstable"]
-    assert offsets(ax)["ok"] == {(k, 2.0) for k in s["b.k"][s.ok]}
-    assert {float(line.get_ydata()[0]): line.get_label() for line in ax.lines} == {1.0: "invalid", 3.0: "unstable"}
-    # what has no text is a category too
-    ax = plot.sweep(s, "module", "b.m")
-    drawn(ax)
-    assert [t.get_text() for t in ax.get_xticklabels()] == ["b", "none"]
-    assert {px for px, _ in offsets(ax)["ok"]} == {1.0}
-    # numbers colour by a bar
-    ax = plot.sweep(s, "b.k", "partial", color="t60")
-    drawn(ax)
-    assert ax.figure.axes[-1].get_ylabel() == "t60 [s]"
-    # what has no number there is drawn all the same
-    shown = sum(len(mark.get_offsets()) - np.ma.getmaskarray(mark.get_offsets()).any(axis=1).sum() for mark in ax.collections)
-    has = (s.ok | (status == "clipped")) & np.isfinite(s["partial"])
-    assert shown == has.sum() and np.isnan(s["t60"][has]).any()
-    ax = plot.sweep(s, "b.k", "partial", color="b.m")
-    drawn(ax)
-    mark = ax.collections[0]
-    shades = dict(zip(map(tuple, np.asarray(mark.get_offsets())), np.asarray(mark.get_array())))
-    assert shades == {(k, f): m for k, f, m in zip(s["b.k"][ok], s["partial"][ok], s["b.m"][ok])}
-    # one scale for dots and triangles
-    ax = plot.sweep(s, "b.k", "partial", color="b.dx0")
-    assert [mark.get_clim() for mark in ax.collections] == [(0.0, 1.25)] * 2 and set(s["b.dx0"][status == "clipped"]) == {1.25}
-    # texts by a legend
-    ax = plot.sweep(s, "b.k", "partial", color="o.from")
-    drawn(ax)
-    of = {name: (status == "ok") & np.isfinite(s["partial"]) & (s["o.from"] == name) for name in "bc"}
-    loud = (status == "clipped") & np.isfinite(s["partial"])
-    assert set(s["o.from"][loud]) == {"b"}
-    assert offsets(ax) == {
-        "o.from = b": rows(s, "b.k", "partial", of["b"]),
-        "o.from = b, clipped": rows(s, "b.k", "partial", loud),
-        "o.from = c": rows(s, "b.k", "partial", of["c"]),
-    }
-    assert all(offsets(ax).values())
-    for x, y, color, wrong in [("b.q", "peak", None, "b.q"), ("b.k", "loud", None, "loud"), ("b.k", "peak", "hue", "hue")]:
-        with pytest.raises(ca.UsageError, match=f"no column `{wrong}`; the sweep has index, b.k"):
-            plot.sweep(s, x, y, color=color)
-
-
-#: two keys, one in a contact; a third moves by a hundredth of a millimetre, as a sensor's noise does
-KEYS = """
-[TGR]
-low = { device = "tgr12", dof = 1, x = "-6 mm" }
-high = { device = "tgr12", dof = 4, x = "-6 mm" }
-still = { device = "tgr12", dof = 7, x = "-6 mm" }
-[SOL]
-bed = {}
-[BUT]
-pad = { between = [["low", "high", "still"], "bed"], k = "2 kN/m", z = "1 N s/m" }
-[SOF]
-out = { from = "bed" }
-"""
-
-
-def keys(path: Path, last: float) -> ca.Take:
-    """A press of both keys once forces are on, then one of the first within `last` [s]."""
-    press = [(0, -6e-3), (1.2, -6e-3), (1.25, 1e-3), (1.3, -6e-3)]
-    gesture = {"low": [*press, (1.4, -6e-3), (1.4 + last, 1e-3)], "high": press, "still": [(0, -6e-3), (1, -6.01e-3)]}
-    return ca.record(ca.parse(KEYS), path, 1.8, gesture=gesture)
-
-
-def test_a_take_is_where_hands_were_and_what_they_got(tmp_path: Path) -> None:
-    t = keys(tmp_path / "t.mcap", 0.1)
-    hand = t.hands["tgr12"]
-    above, below = plot.take(t)
-    drawn(above)
-    assert [line.get_label() for line in above.lines] == [line.get_label() for line in below.lines] == ["tgr12 1", "tgr12 4"]
-    for dof, position, force in zip((1, 4), above.lines, below.lines):
-        assert np.array_equal(position.get_xdata(), hand.time) and np.array_equal(force.get_xdata(), hand.force_time)
-        assert np.array_equal(position.get_ydata(), 1e3 * hand.position[:, dof]) and np.ptp(position.get_ydata()) > 6.9
-        assert np.array_equal(force.get_ydata(), hand.force[:, dof]) and np.ptp(force.get_ydata()) > 1.9
-        assert force.get_drawstyle() == "steps-post"
-    assert above.lines[0].get_color() != above.lines[1].get_color()
-    assert (above.get_ylabel(), below.get_ylabel(), below.get_xlabel()) == ("position [mm]", "force [N]", "time [s]")
-    # how forces were meant, each as long as it lasted
-    for ax in (above, below):
-        begins = {p.get_label(): (p.get_x(), p.get_x() + p.get_width()) for p in ax.patches}
-        assert list(begins) == ["off", "ramp", "on"]
-        assert begins["off"][0] == 0 and begins["off"][1] == begins["ramp"][0] == hand.force_time[hand.mode == "ramp"][0]
-        assert begins["ramp"][1] == begins["on"][0] and begins["on"][1] == ax.get_xlim()[1] == hand.force_time[-1]
-    legend = above.get_legend()
-    assert legend is not None and [x.get_text() for x in legend.get_texts()] == ["tgr12 1", "tgr12 4", "off", "ramp", "on"]
-    # what is asked for, where it is asked for
-    _, axes = plt.subplots(2)
-    assert plot.take(t, "tgr12", [7, 4], axes=(axes[0], axes[1])) == (axes[0], axes[1])
-    assert [line.get_label() for line in axes[0].lines] == ["tgr12 7", "tgr12 4"]
-    assert [line.get_label() for line in plot.take(t, dof=0)[1].lines] == ["tgr12 0"]
-    for wrong in (12, -1):
-        with pytest.raises(ca.UsageError, match=f"no degree of freedom {wrong}; `tgr12` has 0 to 11"):
-            plot.take(t, dof=wrong)
-    with pytest.raises(ca.UsageError, match="no device `falcon`; the take has tgr12"):
-        plot.take(t, "falcon")
-
-
-def test_where_forces_ended_stands_in_a_take(tmp_path: Path) -> None:
-    t = keys(tmp_path / "t.mcap", 0.01)
-    (fault,) = t.faults
-    above, below = plot.take(t)
-    drawn(above)
-    assert [text.get_text() for text in below.texts] == ["VELOCITY"] and below.texts[0].xy[0] == fault.time
-    assert [p.get_label() for p in below.patches] == ["off", "ramp", "on", "damp", "fault"]
-    assert len({p.get_facecolor() for p in below.patches}) == 5
-    for ax in (above, below):
-        assert list(ax.lines[-1].get_xdata()) == [fault.time] * 2 and fault.time == ax.patches[-1].get_x()
-    # a line is no degree of freedom
-    legend = above.get_legend()
-    assert legend is not None and len(legend.get_texts()) == 2 + 5
-
-
-def test_a_take_without_hands_has_no_plot(tmp_path: Path) -> None:
-    t = ca.record(ca.examples.string(), tmp_path / "string.mcap", 0.05)
-    with pytest.raises(ca.UsageError, match="nothing to show: the take has no device"):
-        plot.take(t)
-    whole = keys(tmp_path / "t.mcap", 0.1)
-    cut = tmp_path / "cut.mcap"
-    cut.write_bytes(Path(whole.path).read_bytes()[:12000])
-    with pytest.raises(ca.UsageError, match="no frames of `tgr12`"):
-        plot.take(ca.Take(cut))
-    # nothing moves: the first
-    held = ca.record(ca.parse(KEYS), tmp_path / "held.mcap", 0.05)
-    assert [line.get_label() for line in plot.take(held)[0].lines] == ["tgr12 0"]
 
 
 def test_what_makes_no_sound_has_no_plot_of_it() -> None:
