@@ -7,10 +7,10 @@ use ca_core::model::select::is_name;
 use ca_haptic::gesture::{Gesture, PortMap, Track};
 use std::path::Path;
 
-/// `key=take.wav`, unless there is a file of that very name.
-pub fn port_and_file(text: &str) -> (Option<&str>, &Path) {
+/// `key=take.wav`, unless there is a file of that very name in `folder`.
+pub fn port_and_file<'a>(text: &'a str, folder: &Path) -> (Option<&'a str>, &'a Path) {
     match text.split_once('=') {
-        Some((port, file)) if !Path::new(text).exists() && is_name(port) => (Some(port), Path::new(file)),
+        Some((port, file)) if !folder.join(text).exists() && is_name(port) => (Some(port), Path::new(file)),
         _ => (None, Path::new(text)),
     }
 }
@@ -24,7 +24,7 @@ pub fn open(files: &[String], rate: Option<f64>, scene: &Scene, folder: &Path) -
     let ports: Vec<PortMap> = scene.inputs.iter().filter_map(map).collect();
     let mut tracks: Vec<Track> = Vec::new();
     for text in files {
-        let (port, file) = port_and_file(text);
+        let (port, file) = port_and_file(text, folder);
         let file = &*folder.join(file);
         // a rate is for arrays; among several files it is theirs alone
         let array = has_extension(file, "npy") || files.len() == 1;

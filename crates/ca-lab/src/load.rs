@@ -76,7 +76,8 @@ pub fn stem(path: &Path) -> String {
 /// with its text is in [`Loaded::diags`].
 pub fn load(word: &str) -> Result<Loaded, Failure> {
     let path = Path::new(word);
-    if path.exists() {
+    // a folder that is called like a bundled model hides none
+    if path.exists() && !(path.is_dir() && bundled(word).is_some()) {
         let text = text(path)?;
         if has_extension(path, "mdl") { Ok(read_mims(&text, word)) } else { Ok(read_text(&text, word)) }
     } else if let Some(text) = bundled(word) {

@@ -193,13 +193,22 @@ impl Stage<'_> {
             }
             sent.push(frame);
         }
+        let mut moved: Vec<(usize, usize, f64)> = Vec::new();
         let mut changes = Vec::new();
         for (what, value) in self.hands.hands(due) {
             match what {
                 Driven::Device(input) => {
-                    for (p, frame) in self.engine.ports.iter().zip(&mut sent) {
+                    for (k, (p, frame)) in self.engine.ports.iter().zip(&mut sent).enumerate() {
                         for l in p.links.iter().filter(|l| l.input == input) {
-                            frame.pos[l.dof] = value / l.gains.alpha;
+                            let at = value / l.gains.alpha;
+                            if moved.iter().any(|m| (m.0, m.1) == (k, l.dof) && m.2 != at) {
+                                let what = format!("`{}` is one hand", p.name);
+                                let why =
+                                    format!("{what} at its degree of freedom {}, and is to be in two places", l.dof);
+                                return Err(Failure::Usage(why));
+                            }
+                            moved.push((k, l.dof, at));
+                            frame.pos[l.dof] = at;
                         }
                     }
                 }

@@ -6,7 +6,7 @@ use crate::measure::table;
 use crate::model::{Given, Model};
 use crate::wait::Wait;
 use ca_lab::Failure;
-use ca_lab::sweep::folder::Folder;
+use ca_lab::sweep::folder::{self, Folder};
 use ca_lab::sweep::{self, Ask, Audio, Axis, Column};
 use numpy::{IntoPyArray as _, PyArray2};
 use pyo3::prelude::*;
@@ -21,7 +21,7 @@ pub struct Sweep {
     stop: AtomicBool,
 }
 
-/// What one parameter may be: values, or two ends, whether by ratios, and a number of steps.
+/// What one parameter may be: values, or two ends, whether by ratios, and a number of steps (a tuple, which no list is).
 #[derive(FromPyObject)]
 enum Space {
     Range(Given, Given, bool, Option<u64>),
@@ -32,13 +32,7 @@ impl Space {
     fn axis(self, name: &str) -> Result<Axis, Failure> {
         match self {
             Space::List(values) => Axis::list(name, values.into_iter().map(Given::typed).collect()),
-            Space::Range(from, to, log, steps) => {
-                let end = |v: Given| {
-                    let wrong = || Failure::Usage(format!("`{name}` goes from one number or quantity to another"));
-                    sweep::number(&v.typed()).ok_or_else(wrong)
-                };
-                Axis::range(name, end(from)?, end(to)?, log, steps)
-            }
+            Space::Range(from, to, log, steps) => Axis::range(name, [from.typed(), to.typed()], log, steps),
         }
     }
 }
@@ -99,6 +93,17 @@ impl Sweep {
     fn columns(&self) -> (Vec<String>, Vec<String>) {
         let all = self.sweep.table(&[]).columns.into_iter().map(|c| c.0).collect();
         (all, self.sweep.ask().axes.iter().map(sweep::column).collect())
+    }
+
+    /// What it computes, as a text: the same of equal sweeps, and of no others.
+    fn told(&self, audio: &str, chunk: u64) -> String {
+        folder::text(&self.sweep, audio, chunk)
+    }
+
+    /// How many runs are written at once where nothing is said.
+    #[getter]
+    fn chunk(&self) -> u64 {
+        folder::chunk(self.sweep.runs())
     }
 
     /// Nobody wants more of it: calls under way in other threads end soon.

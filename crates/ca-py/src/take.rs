@@ -12,8 +12,8 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
 
-/// Most samples of a sound, of all channels.
-const MOST: u64 = 1 << 32;
+/// Most samples of a hole in a sound, of all channels: an hour of one, and what says more is no take.
+const HOLE: u64 = 1 << 28;
 
 /// A take.
 #[pyclass(frozen, module = "cordis_anima._core")]
@@ -113,7 +113,7 @@ impl Take {
         for s in &header.setups {
             hands.push(Hand { dof: (s.profile.dof as usize).min(DOF), ..Hand::default() });
         }
-        let (mut sound, mut start, mut energy, mut rt) = (Vec::new(), None, Vec::new(), Vec::new());
+        let (mut sound, mut energy, mut rt) = (Vec::new(), Vec::new(), Vec::new());
         let summary = py.detach(|| {
             for event in self.take.events()? {
                 match event? {
@@ -138,15 +138,13 @@ impl Take {
                     }
                     Event::Sound(tick, samples) => {
                         // what found no room is silence, so that time stays time
-                        let from = *start.get_or_insert(tick);
-                        let at = tick.checked_sub(from).and_then(|n| n.checked_mul(header.channels.len() as u64));
-                        let at = at.filter(|n| *n < MOST).ok_or_else(|| {
-                            FileError::new(
-                                FileErrorKind::Content,
-                                format!("sound at sample {tick}, after sample {from}"),
-                            )
+                        let there = sound.len() as u64;
+                        let at = tick.checked_mul(header.channels.len() as u64);
+                        let at = at.filter(|n| (there..=there + HOLE).contains(n)).ok_or_else(|| {
+                            let what = format!("sound at sample {tick}, after {there} of all channels");
+                            FileError::new(FileErrorKind::Content, what)
                         })?;
-                        sound.resize(sound.len().max(at as usize), 0.0);
+                        sound.resize(at as usize, 0.0);
                         sound.extend(samples);
                     }
                     Event::Energy(e) => {

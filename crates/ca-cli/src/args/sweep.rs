@@ -19,20 +19,25 @@ use std::path::PathBuf;
   seed = 1
   audio = \"flac\"            # or \"wav\", \"none\"
 
+  [set]
+  \"left.gain\" = 500
+  \"right.gain\" = 500
+
   [vary]
-  \"pluck.d\" = { from = \"0.2 mm\", to = \"1 mm\" }
+  \"pluck.d\" = { from = \"0.2 mm\", to = \"0.5 mm\" }
   \"pluck.k\" = { from = \"1 kN/m\", to = \"9 kN/m\", log = true }
   \"low.f\" = [\"110 Hz\", \"146.83 Hz\", \"220 Hz\"]
 
-It may also have `rate`, `gesture` (files, as of `ca render`), `gesture_rate`, `energy = true` for the energy book,
-`measure = false` to leave out pitch and decay, `chunk = 100` runs that are written at once, `folder`, `steps` of a
-range, and values for all runs in `[set]`.
+It may also have `rate`, `gesture` (files, as of `ca render`), `gesture_rate`, `energy = true`
+for the energy book, `measure = false` to leave out pitch and decay, `chunk = 10` runs that are
+written at once, `folder`, and `steps` of a range.
 
 Examples:
   ca sweep plucked.sweep.toml --dry-run
   ca sweep plucked.sweep.toml
   ca sweep plucked.sweep.toml -o takes --threads 2 --json
-  ca sweep plucked.sweep.toml -o parts --shard 1/2 && ca sweep plucked.sweep.toml -o parts --shard 2/2")]
+  ca sweep plucked.sweep.toml -o parts --shard 1/2
+  ca sweep plucked.sweep.toml -o parts --shard 2/2")]
 pub struct SweepArgs {
     /// The plan, `*.sweep.toml`
     #[arg(value_name = "PLAN.toml")]

@@ -18,6 +18,7 @@ use std::time::Instant;
 
 /// Runs the command.
 pub fn run(args: &SweepArgs) -> Outcome {
+    listen();
     let plan = plan::read(&args.plan)?;
     if args.dry_run {
         return dry(&plan);
@@ -63,7 +64,6 @@ pub fn run(args: &SweepArgs) -> Outcome {
 
 /// Plays these chunks, and says how many runs ended how.
 fn played(plan: &Plan, folder: &Folder, chunks: &[u64], threads: usize) -> Result<BTreeMap<String, u64>, Failure> {
-    listen();
     let bar = term::progress(chunks.iter().map(|c| folder.span(*c).1 - folder.span(*c).0).sum());
     let next = AtomicUsize::new(0);
     let counts: Mutex<BTreeMap<String, u64>> = Mutex::default();

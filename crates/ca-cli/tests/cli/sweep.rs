@@ -163,8 +163,42 @@ fn a_bad_run_is_a_row() {
     assert!(texts(&table, "module")[3].as_ref().is_some_and(|m| m.contains("low")), "{table:?}");
     assert_eq!(texts(&table, "file")[0], None);
     assert!(numbers(&table, "residual")[1].is_some_and(|r| r < 1e-9));
-    // what is no quantity of a kind is no number of a column
-    assert_eq!(table.column("index"), Some(&Column::Whole(vec![0, 1, 2, 3])));
+    let k: Vec<f64> = numbers(&table, "low.k").into_iter().flatten().collect();
+    assert_eq!(k, [-1.0, 4e3, 4.0, 1e9], "in SI units, whatever units they are");
+    // what blew up has no pitch
+    assert!(numbers(&table, "partial")[1].is_some_and(|f| f > 20.0) && numbers(&table, "partial")[3].is_none());
+}
+
+#[test]
+fn folders_that_were_left_or_shared_go_on() {
+    let desk = desk();
+    // called like its model, beside which the folder stands
+    desk.put(
+        "plucked_string.sweep.toml",
+        "model = \"plucked_string\"\nseconds = 0.01\n[vary]\n\"low.f\" = [\"110 Hz\"]\n",
+    );
+    for _ in 0..2 {
+        desk.ca(&["sweep", "plucked_string.sweep.toml"]).is(0).says(&[]);
+    }
+    // two at once share the work
+    desk.put("s.sweep.toml", &small().replace("runs = 23", "runs = 200").replace("seconds = 0.05", "seconds = 0.5"));
+    let both: Vec<_> = (0..2).map(|_| desk.start(&["sweep", "s.sweep.toml", "--threads", "1"])).collect();
+    for child in both {
+        assert!(child.wait_with_output().unwrap().status.success());
+    }
+    let whole = same_every_time(&desk.path("s"));
+    assert_eq!(whole.len(), 200 + 2);
+    // rows without their end, and none at all, are done again
+    fs::write(desk.path("s/runs-000000/rows.parquet"), b"PAR1").unwrap();
+    fs::remove_file(desk.path("s/runs-000010/rows.parquet")).unwrap();
+    let again = desk.ca(&["sweep", "s.sweep.toml"]).is(0).out;
+    assert!(again.contains("10 of 200 runs"), "{again}");
+    assert_eq!(same_every_time(&desk.path("s")), whole);
+    // a number and its text are not the same plan
+    desk.put("n.sweep.toml", "model = \"struck.ca.toml\"\nseconds = 0.01\n[vary]\n\"low.n\" = [10, 20]\n");
+    desk.ca(&["sweep", "n.sweep.toml"]).is(0);
+    desk.put("n.sweep.toml", "model = \"struck.ca.toml\"\nseconds = 0.01\n[vary]\n\"low.n\" = [\"10\", \"20\"]\n");
+    desk.ca(&["sweep", "n.sweep.toml"]).is(2).says(&["another sweep"]);
 }
 
 #[test]
@@ -207,6 +241,16 @@ fn what_makes_no_sense_is_said_with_its_line() {
     says("model = \"struck.ca.toml\"\n[vary]\n\"low.k\" = []\n", &["p.sweep.toml:3", "0 values"]);
     says("model = \"struck.ca.toml\"\n[vary\n", &["p.sweep.toml:2"]);
     says("model = \"struck.ca.toml\"\naudio = \"mp3\"\n[vary]\n\"low.k\" = [1]\n", &["p.sweep.toml:2", "flac"]);
+    says("model = \"struck.ca.toml\"\n[vary]\n\"rate.sound\" = [44100]\n", &["one rate"]);
+    says(
+        "model = \"struck.ca.toml\"\nruns = 1000000000000\nchunk = 1\n[vary]\n\"low.k\" = [1000]\n",
+        &["make `chunk` larger"],
+    );
+    desk.put(
+        "p.sweep.toml",
+        "model = \"struck.ca.toml\"\n[vary]\n\"low.k\" = { from = \"1 m\", to = \"2 m\", steps = 2 }\n",
+    );
+    desk.ca(&["sweep", "p.sweep.toml"]).is(1).says(&["E008", "N/m"]);
     desk.ca(&["sweep", "no.sweep.toml"]).is(1).says(&["no.sweep.toml", "cannot be read"]);
     desk.put("p.sweep.toml", &small());
     desk.ca(&["sweep", "p.sweep.toml", "--shard", "3/2"]).is(2).says(&["1/2"]);

@@ -1,7 +1,7 @@
 //! How far a run is from the reference: as a motion, as a spectrum, in pitch and in decay.
 
 use super::play::Columns;
-use crate::pitch::{partial, spectrum};
+use crate::pitch::{spectrum, strongest};
 use ca_report::Spectrum;
 
 /// What is said of a run.
@@ -42,7 +42,7 @@ pub fn score(run: &Columns, truth: &Columns, rate: f64) -> Score {
             let level = |s: &Spectrum| s.power[0].iter().map(|p| p.sqrt()).collect::<Vec<f64>>();
             let d = apart(&vec![level(&x)], &vec![level(&y)]);
             far = far.max(d);
-            if let (Some(f), Some(g), None) = (partial(&x), partial(&y), cents) {
+            if let (Some(f), Some(g), None) = (strongest(&x), strongest(&y), cents) {
                 cents = Some(1200.0 * (f / g).log2());
             }
         }

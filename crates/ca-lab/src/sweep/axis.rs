@@ -4,7 +4,8 @@
 //! name of the axis: not on who computes it, in which order, nor on which other axes there are. With `‖` for bytes one
 //! after the other, numbers as 8 bytes with the lowest first:
 //!
-//! - seed of run i: the first 8 bytes of BLAKE3(hash of the scene, 32 bytes ‖ seed ‖ i), as a number;
+//! - seed of run i: the first 8 bytes of BLAKE3(hash of the scene, 32 bytes ‖ seed ‖ i) as a number, halved, so that a
+//!   column of whole numbers with a sign holds it;
 //! - place of run i on an axis, from 0 up to 1: the first 8 bytes of BLAKE3(seed of run i ‖ name), its upper 53 bits
 //!   over 2⁵³.
 
@@ -20,7 +21,7 @@ const MOST: usize = 1_000_000;
 pub enum Space {
     /// one of these
     List(Vec<Value>),
-    /// anything between, in the model's units
+    /// anything between, in SI units
     Range {
         /// at one end
         from: f64,
@@ -38,6 +39,8 @@ pub struct Axis {
     pub name: String,
     /// what it may be
     pub space: Space,
+    /// both ends as written, with their units, where it goes from one to the other
+    pub ends: Option<[Value; 2]>,
 }
 
 impl Axis {
@@ -49,15 +52,18 @@ impl Axis {
         if values.is_empty() || values.len() > MOST {
             return Err(Failure::Usage(format!("`{name}` has {} values: 1 to {MOST}", values.len())));
         }
-        Ok(Axis { name: name.into(), space: Space::List(values) })
+        Ok(Axis { name: name.into(), space: Space::List(values), ends: None })
     }
 
-    /// From one value to another: `steps` of them, or anything between.
+    /// From one value to another, numbers or quantities: `steps` of them, or anything between.
     ///
     /// # Errors
     /// [`Failure::Usage`] where there is no way from one to the other.
-    pub fn range(name: &str, from: f64, to: f64, log: bool, steps: Option<u64>) -> Result<Axis, Failure> {
+    pub fn range(name: &str, ends: [Value; 2], log: bool, steps: Option<u64>) -> Result<Axis, Failure> {
         let usage = |what: String| Err(Failure::Usage(format!("`{name}` {what}")));
+        let [Some(from), Some(to)] = [number(&ends[0]), number(&ends[1])] else {
+            return usage("goes from one number or quantity to another".into());
+        };
         if !(from.is_finite() && to.is_finite() && (to - from).is_finite()) {
             return usage(format!("goes from {from} to {to}: numbers are wanted"));
         }
@@ -65,13 +71,14 @@ impl Axis {
             return usage(format!("goes from {from} to {to} by ratios: both above 0, or both below"));
         }
         let Some(steps) = steps else {
-            return Ok(Axis { name: name.into(), space: Space::Range { from, to, log } });
+            return Ok(Axis { name: name.into(), space: Space::Range { from, to, log }, ends: Some(ends) });
         };
         if !(2..=MOST as u64).contains(&steps) {
             return usage(format!("has {steps} steps: 2 to {MOST}"));
         }
         let at = |k: u64| if k == steps - 1 { to } else { between(from, to, log, k as f64 / (steps - 1) as f64) };
-        Ok(Axis { name: name.into(), space: Space::List((0..steps).map(|k| Value::Num(at(k))).collect()) })
+        let values = (0..steps).map(|k| Value::Num(at(k))).collect();
+        Ok(Axis { name: name.into(), space: Space::List(values), ends: Some(ends) })
     }
 
     /// At `u`, from 0 up to 1.
@@ -124,7 +131,7 @@ fn word(parts: &[&[u8]]) -> u64 {
 
 /// The seed of a run.
 pub fn seed(scene: &blake3::Hash, seed: u64, index: u64) -> u64 {
-    word(&[scene.as_bytes(), &seed.to_le_bytes(), &index.to_le_bytes()])
+    word(&[scene.as_bytes(), &seed.to_le_bytes(), &index.to_le_bytes()]) >> 1
 }
 
 /// Where a run of this seed lies on the axis of this name, from 0 up to 1.

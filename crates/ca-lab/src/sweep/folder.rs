@@ -16,15 +16,21 @@ use super::{Audio, Sweep, TIMES, Table, told};
 use crate::Failure;
 use crate::load::reason;
 use crate::sweep::axis::Space;
+use ca_core::model::Value;
+use std::collections::hash_map::RandomState;
 use std::fmt::Write as _;
+use std::hash::{BuildHasher as _, Hasher as _};
+use std::io::{Read as _, Seek as _, SeekFrom};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
 /// Rows of a chunk.
 const ROWS: &str = "rows.parquet";
 const MANIFEST: &str = "manifest.parquet";
 const TIME: &str = "times.parquet";
 const ASKED: &str = "sweep.toml";
+
+/// Most chunks of a folder.
+const MOST: u64 = 1_000_000;
 
 /// Where a sweep goes.
 pub struct Folder {
@@ -40,11 +46,61 @@ fn failed(path: &Path, what: &str, e: &std::io::Error) -> Failure {
 
 /// A name beside `path` that nobody else has.
 fn aside(path: &Path) -> PathBuf {
-    static NEXT: AtomicU64 = AtomicU64::new(0);
     let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let host = std::env::var("HOSTNAME").unwrap_or_default();
-    let n = NEXT.fetch_add(1, Relaxed);
-    path.with_file_name(format!(".{name}.{host}{}-{n}.part", std::process::id()))
+    // random: numbers of processes come back, and are the same on other machines
+    let random = RandomState::new().build_hasher().finish();
+    path.with_file_name(format!(".{name}.{random:016x}.part"))
+}
+
+/// What a sweep computes, as a text: the same of equal sweeps, and of no others.
+pub fn text(sweep: &Sweep, audio: &str, chunk: u64) -> String {
+    let ask = sweep.ask();
+    let mut text = String::from("# What every worker of this folder computes.\n");
+    let mut line = |key: &str, value: String| {
+        let _ = writeln!(text, "{key} = {value}");
+    };
+    line("version", format!("{:?}", env!("CARGO_PKG_VERSION")));
+    line("scene", format!("{:?}", sweep.hash()));
+    line("runs", sweep.runs().to_string());
+    line("drawn", ask.runs.is_some().to_string());
+    line("seed", ask.seed.to_string());
+    line("rate", format!("{:?}", sweep.rate()));
+    if let Some(seconds) = ask.seconds {
+        line("seconds", format!("{seconds:?}"));
+    }
+    if let Some(gesture) = &sweep.played {
+        line("gesture", format!("{gesture:?}"));
+    }
+    line("energy", ask.energy.to_string());
+    line("measure", ask.measure.to_string());
+    line("audio", format!("{audio:?}"));
+    line("chunk", chunk.to_string());
+    text += "\n[vary]\n";
+    for axis in &ask.axes {
+        let space = match &axis.space {
+            Space::Range { from, to, log } => format!("{{ from = {from:?}, to = {to:?}, log = {log} }}"),
+            Space::List(values) => {
+                format!("[{}]", values.iter().map(toml).collect::<Vec<_>>().join(", "))
+            }
+        };
+        let _ = writeln!(text, "{:?} = {space}", axis.name);
+    }
+    text
+}
+
+/// A value in TOML.
+fn toml(value: &Value) -> String {
+    match value {
+        Value::Num(v) => format!("{v:?}"),
+        Value::Bool(v) => v.to_string(),
+        other => format!("{:?}", told(other)),
+    }
+}
+
+/// Runs that are written at once where nothing is said: enough chunks for many workers, of so few files that a folder
+/// opens.
+pub fn chunk(runs: u64) -> u64 {
+    runs.div_ceil(64).clamp(1, 100)
 }
 
 impl Folder {
@@ -56,6 +112,10 @@ impl Folder {
     pub fn open(path: &Path, sweep: &Sweep, audio: Audio, chunk: u64) -> Result<Folder, Failure> {
         if !(1..=1_000_000).contains(&chunk) {
             return Err(Failure::Usage(format!("a chunk of {chunk} runs: 1 to 1000000 are written at once")));
+        }
+        if sweep.runs().div_ceil(chunk) > MOST {
+            let what = format!("{} runs in chunks of {chunk} are more than {MOST} folders", sweep.runs());
+            return Err(Failure::Usage(format!("{what}; make `chunk` larger")));
         }
         if let Some(why) = audio.refuses(sweep.channels(), sweep.rate()) {
             return Err(Failure::Usage(why));
@@ -86,40 +146,8 @@ impl Folder {
         Ok(folder)
     }
 
-    /// What is computed here.
     fn text(&self, sweep: &Sweep) -> String {
-        let ask = sweep.ask();
-        let mut text = String::from("# What every worker of this folder computes.\n");
-        let mut line = |key: &str, value: String| {
-            let _ = writeln!(text, "{key} = {value}");
-        };
-        line("version", format!("{:?}", env!("CARGO_PKG_VERSION")));
-        line("scene", format!("{:?}", sweep.hash()));
-        line("runs", sweep.runs().to_string());
-        line("drawn", ask.runs.is_some().to_string());
-        line("seed", ask.seed.to_string());
-        line("rate", format!("{:?}", sweep.rate()));
-        if let Some(seconds) = ask.seconds {
-            line("seconds", format!("{seconds:?}"));
-        }
-        if let Some(gesture) = &sweep.gesture {
-            line("gesture", format!("{:?}", blake3::hash(format!("{gesture:?}").as_bytes()).to_hex().as_str()));
-        }
-        line("energy", ask.energy.to_string());
-        line("measure", ask.measure.to_string());
-        line("audio", format!("{:?}", self.audio.name()));
-        line("chunk", self.chunk.to_string());
-        text += "\n[vary]\n";
-        for axis in &ask.axes {
-            let space = match &axis.space {
-                Space::Range { from, to, log } => format!("{{ from = {from:?}, to = {to:?}, log = {log} }}"),
-                Space::List(values) => {
-                    format!("[{}]", values.iter().map(|v| format!("{:?}", told(v))).collect::<Vec<_>>().join(", "))
-                }
-            };
-            let _ = writeln!(text, "{:?} = {space}", axis.name);
-        }
-        text
+        text(sweep, self.audio.name(), self.chunk)
     }
 
     /// How many chunks there are to be.
@@ -141,9 +169,15 @@ impl Folder {
         self.path.join(format!("runs-{}", self.digits(chunk * self.chunk)))
     }
 
-    /// Whether a chunk is there.
+    /// Whether a chunk is there, with all its rows: a power cut may leave a file without its end.
     pub fn has(&self, chunk: u64) -> bool {
-        self.home(chunk).join(ROWS).exists()
+        let whole = |mut file: std::fs::File| -> std::io::Result<bool> {
+            let mut end = [0; 4];
+            let size = file.seek(SeekFrom::End(-4))?;
+            file.read_exact(&mut end)?;
+            Ok(&end == b"PAR1" && size > 8)
+        };
+        std::fs::File::open(self.home(chunk).join(ROWS)).and_then(whole).unwrap_or(false)
     }
 
     /// Plays the runs of a chunk and puts it in its place. `each` is asked now and then whether to go on, with the status
@@ -152,10 +186,18 @@ impl Folder {
     /// # Errors
     /// [`Failure::Stopped`] where `each` says no, [`Failure::Failed`] where the folder cannot be written.
     pub fn fill(&self, sweep: &Sweep, chunk: u64, each: &mut dyn FnMut(Option<&str>) -> bool) -> Result<(), Failure> {
+        // another process may do the same sweep
+        if self.has(chunk) {
+            return Ok(());
+        }
         let home = self.home(chunk);
         let part = aside(&home);
         std::fs::create_dir(&part).map_err(|e| failed(&part, "it cannot be made", &e))?;
         let done = self.play(sweep, chunk, &part, each).and_then(|()| {
+            // what is there without its rows is nothing
+            if home.exists() && !self.has(chunk) {
+                let _ = std::fs::remove_dir_all(&home);
+            }
             std::fs::rename(&part, &home).map_err(|e| failed(&home, "it cannot be put in its place", &e))
         });
         if done.is_err() {
@@ -197,7 +239,10 @@ impl Folder {
             };
             table.columns.push(("file".into(), super::Column::Text(rows.iter().map(file).collect())));
         }
-        table.write(&part.join(ROWS), &[])
+        let rows = part.join(ROWS);
+        table.write(&rows, &[])?;
+        let synced = std::fs::File::open(&rows).and_then(|f| f.sync_all());
+        synced.map_err(|e| failed(&rows, "it cannot be written", &e))
     }
 
     /// The table of all runs, written into the folder; `None` where some are missing.
@@ -211,6 +256,10 @@ impl Folder {
                 return Ok(None);
             }
             all.append(Table::read(&self.home(chunk).join(ROWS))?)?;
+        }
+        // a folder that is done may be one that nobody can write
+        if [MANIFEST, TIME].iter().all(|name| self.path.join(name).exists()) {
+            return Ok(Some(all));
         }
         let index = all.column("index").cloned();
         let (mut times, manifest) = all.clone().split(&TIMES);

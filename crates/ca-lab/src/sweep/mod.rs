@@ -12,7 +12,7 @@ pub mod plan;
 mod table;
 
 pub use audio::Audio;
-pub use axis::{Axis, Space, number};
+pub use axis::{Axis, Space};
 pub use table::{Column, Table};
 
 use crate::load::{self, Loaded, compiled};
@@ -38,7 +38,8 @@ const OWN: [&str; 13] = [
 
 /// The column of an axis: its name, if no other column has it.
 pub fn column(axis: &Axis) -> String {
-    let taken = OWN.iter().chain(&TIMES).chain(&["file"]).any(|n| *n == axis.name);
+    // the last of them are what data sets put beside the columns
+    let taken = OWN.iter().chain(&TIMES).chain(&["file", "audio", "done", "run"]).any(|n| *n == axis.name);
     if taken { format!("param.{}", axis.name) } else { axis.name.clone() }
 }
 
@@ -67,6 +68,8 @@ pub struct Sweep {
     ask: Ask,
     gesture: Option<Gesture>,
     hash: blake3::Hash,
+    /// hash of the gesture, if there is one
+    played: Option<String>,
     runs: u64,
     channels: usize,
     rate: f64,
@@ -119,7 +122,14 @@ impl Sweep {
             if ask.axes[..k].iter().any(|a| a.name == axis.name) {
                 return Err(Failure::Usage(format!("`{}` is varied twice", axis.name)));
             }
+            if axis.name == "rate.sound" {
+                let what = "`rate.sound` cannot be varied: all sounds of a sweep have one rate";
+                return Err(Failure::Usage(format!("{what}; make a sweep of each rate")));
+            }
             load::set(&mut loaded.clone(), &axis.name, axis.at(0.0))?;
+            for end in axis.ends.iter().flatten() {
+                measured_so(&loaded, &axis.name, end)?;
+            }
         }
         let runs = match ask.runs {
             Some(n) => Some(n),
@@ -142,7 +152,8 @@ impl Sweep {
         Performance::new(&scene, gesture.as_ref())?;
         let (channels, rate) = (scene.channels, scene.rate);
         let hash = bytes::named(&loaded, rate)?;
-        Ok(Sweep { loaded, ask, gesture, hash, runs, channels, rate })
+        let played = gesture.as_ref().map(|g| blake3::hash(format!("{g:?}").as_bytes()).to_hex().to_string());
+        Ok(Sweep { loaded, ask, gesture, hash, played, runs, channels, rate })
     }
 
     /// How many runs there are.
@@ -231,6 +242,13 @@ impl Sweep {
         let options = Options { rate: self.ask.rate, energy: self.ask.energy, ..Options::default() };
         let scene = load::scene(&loaded, &options)?;
         row.hash = bytes::named(&loaded, scene.rate)?.to_hex().to_string();
+        if (scene.rate, scene.channels) != (self.rate, self.channels) {
+            let what = format!("{} channels at {} Hz", scene.channels, scene.rate);
+            return Err(Failure::Failed(format!(
+                "{what}; all sounds of a sweep have {} at {} Hz",
+                self.channels, self.rate
+            )));
+        }
         let performance = Performance::new(&scene, self.gesture.as_ref())?;
         let frames = play::frames(&scene, play::seconds(&performance, self.ask.seconds));
         let (channels, n_out) = (scene.channels, scene.n_out);
@@ -310,12 +328,21 @@ impl Sweep {
         if self.ask.energy {
             add("residual", number(&|r| r.residual));
         }
-        // as it stands: 64 bits, with or without a sign
         add("seed", Column::Whole(rows.iter().map(|r| r.seed as i64).collect()));
         add("scene", text(&|r| Some(r.hash.clone())));
         add(TIMES[0], number(&|r| Some(r.run_time)));
         add(TIMES[1], number(&|r| Some(r.rtf)));
         Table { columns }
+    }
+}
+
+/// Whether a quantity is of the kind that a parameter takes: once for a range, of which numbers are drawn.
+fn measured_so(loaded: &Loaded, name: &str, end: &Value) -> Result<(), Failure> {
+    let mut model = loaded.clone();
+    load::set(&mut model, name, end.clone())?;
+    match load::scene(&model, &Options::default()) {
+        Err(Failure::Found(found)) if found.diags.list.iter().any(|d| d.code == "E008") => Err(Failure::Found(found)),
+        _ => Ok(()),
     }
 }
 

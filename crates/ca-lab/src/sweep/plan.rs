@@ -17,7 +17,7 @@
 //!
 //! Decides that what it names is looked for beside it, and that whatever it says wrongly is told with its line.
 
-use super::{Ask, Audio, Axis, Sweep};
+use super::{Ask, Audio, Axis, Sweep, folder};
 use crate::load::{self, reason, stem};
 use crate::{Failure, gesture};
 use ca_core::Options;
@@ -25,9 +25,6 @@ use ca_core::model::suggest::nearest;
 use ca_core::model::{Entry, Value, quantity};
 use std::path::{Path, PathBuf};
 use toml_edit::{Document, Item, TableLike};
-
-/// Runs that are written at once where nothing is said.
-pub const CHUNK: u64 = 100;
 
 const KEYS: [&str; 14] = [
     "model",
@@ -148,7 +145,7 @@ pub fn read(path: &Path) -> Result<Plan, Failure> {
     let model = t.one(top, "model", "the name of a model, in quotes", text_of)?;
     let model = model.ok_or_else(|| t.wrong(None, "there is no `model`; say which one is swept"))?;
     let near = beside.join(&model);
-    let word = if near.exists() { near.display().to_string() } else { model };
+    let word = if near.is_file() { near.display().to_string() } else { model };
     let mut loaded = t.at(&top["model"], load::load(&word))?;
     let table = |key: &str| -> Result<Option<&dyn TableLike>, Failure> {
         let Some(item) = top.get(key) else { return Ok(None) };
@@ -192,14 +189,15 @@ pub fn read(path: &Path) -> Result<Plan, Failure> {
     };
     let audio = t.one(top, "audio", "\"flac\", \"wav\" or \"none\"", |i| i.as_str().and_then(Audio::named))?;
     let chunk = t.one(top, "chunk", "a whole number from 1 on", |i| whole(i).filter(|n| *n > 0))?;
-    let folder = t.one(top, "folder", "the name of a folder, in quotes", text_of)?;
+    let home = t.one(top, "folder", "the name of a folder, in quotes", text_of)?;
     let own = stem(path);
     let own = own.strip_suffix(".sweep").unwrap_or(&own);
+    let sweep = Sweep::new(loaded, ask, gesture)?;
     Ok(Plan {
-        sweep: Sweep::new(loaded, ask, gesture)?,
         audio: audio.unwrap_or(Audio::Flac),
-        chunk: chunk.unwrap_or(CHUNK),
-        folder: beside.join(folder.as_deref().unwrap_or(own)),
+        chunk: chunk.unwrap_or(folder::chunk(sweep.runs())),
+        sweep,
+        folder: beside.join(home.as_deref().unwrap_or(own)),
     })
 }
 
@@ -211,8 +209,8 @@ fn axis(t: &Text, name: &str, item: &Item) -> Result<Axis, Failure> {
     let what = format!("`{name}` is a list of values, or `{{ from = …, to = … }}`");
     let range = item.as_table_like().ok_or_else(|| t.wrong(item.span(), &what))?;
     t.known(range, &["from", "to", "steps", "log"])?;
-    let end = |key: &str| t.one(range, key, "a number or a quantity", number);
+    let end = |key: &str| t.one(range, key, "a number or a quantity", |i| i.as_value().and_then(value));
     let (Some(from), Some(to)) = (end("from")?, end("to")?) else { return Err(t.wrong(item.span(), &what)) };
     let log = t.one(range, "log", "`true` or `false`", Item::as_bool)?.unwrap_or(false);
-    Axis::range(name, from, to, log, t.one(range, "steps", "a whole number from 2 on", whole)?)
+    Axis::range(name, [from, to], log, t.one(range, "steps", "a whole number from 2 on", whole)?)
 }

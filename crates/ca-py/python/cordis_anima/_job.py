@@ -6,7 +6,6 @@ Decides that a job is pickled as the bytes of a model and plain values, and comp
 from __future__ import annotations
 
 import functools
-import hashlib
 import pickle
 from typing import Any
 
@@ -16,24 +15,22 @@ class Job:
     """All that a worker needs: pickled, a model of some kilobytes; the scene is compiled where it is played."""
 
     def __init__(self, key: tuple[Any, ...]) -> None:
+        #: model, its name, what is asked, axes, gesture, and a number that no other call has
         self.key = key
 
     def __reduce__(self) -> tuple[Any, ...]:
         return (Job, (self.key,))
 
     @property
-    def name(self) -> str:
-        """What it computes, whoever computes it: equal jobs have equal names."""
-        return hashlib.sha256(repr(self.key).encode()).hexdigest()
-
-    @property
     def core(self) -> _core.Sweep:
         return _made(*self.key)
 
 
-@functools.lru_cache(maxsize=8)
-def _made(model: bytes, name: str, asked: tuple[Any, ...], vary: bytes, gesture: bytes | None) -> _core.Sweep:
-    """The sweep of a job, once in each process."""
+@functools.lru_cache(maxsize=32)
+def _made(
+    model: bytes, name: str, asked: tuple[Any, ...], vary: bytes, gesture: bytes | None, call: str
+) -> _core.Sweep:
+    """The sweep of a call, once in each process; another call has its own, which another one's end does not stop."""
     rate, runs, seed, seconds, energy, measure = asked
     hands = None if gesture is None else _core.Gesture(pickle.loads(gesture))
     return _core.Sweep(
@@ -47,11 +44,6 @@ def _made(model: bytes, name: str, asked: tuple[Any, ...], vary: bytes, gesture:
         energy=energy,
         measure=measure,
     )
-
-
-def forget() -> None:
-    """Compiles jobs anew: one of them was stopped."""
-    _made.cache_clear()
 
 
 def play(job: Job, first: int, end: int, audio: bool) -> tuple[int, int, Any, Any]:

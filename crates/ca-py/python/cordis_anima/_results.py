@@ -193,12 +193,13 @@ class Accuracy:
 
 def plain(value: object) -> Any:
     """Numbers of NumPy, tuples and the like as the engine takes them."""
+    # numbers of NumPy are floats too, and not the same to a hash
+    if hasattr(value, "tolist"):
+        return value.tolist()
     if isinstance(value, (bool, float, int, str)):
         return value
     if isinstance(value, Mapping):
         return {str(k): plain(v) for k, v in value.items()}
-    if hasattr(value, "tolist"):
-        return value.tolist()
     if isinstance(value, (list, tuple)):
         return [plain(v) for v in value]
     return value

@@ -7,10 +7,12 @@ that can be pickled, and numbers of runs. So threads, processes, joblib, Dask, M
 from __future__ import annotations
 
 import functools
+import operator
 import os
 import pickle
 import time
-from collections.abc import Iterator, Mapping, Sequence
+import uuid
+from collections.abc import Iterator, Mapping, Sequence, Set
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple, Union
@@ -19,8 +21,8 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _html, _zarr
-from ._errors import UsageError, needed
-from ._job import Job, fill, forget, play
+from ._errors import FailedError, UsageError, needed
+from ._job import Job, fill, play
 from ._results import Floats, Sound, plain
 from ._scene import Gesture, Path, Progress, Scene
 
@@ -143,7 +145,7 @@ def sweep(
     measure: bool = True,
     to: Path | None = None,
     audio: bool | Literal["flac", "wav", "none"] | None = None,
-    chunk: int = 100,
+    chunk: int | None = None,
     executor: Executor | None = None,
     batch: int | None = None,
     progress: Progress | None = None,
@@ -165,7 +167,7 @@ def sweep(
         measure: measure the strongest partial and the decay.
         to: a folder for sounds and rows, or ``*.zarr``; without, all stays in memory. What is there is not done again.
         audio: ``"flac"``, ``"wav"`` or ``"none"`` in a folder; in memory and Zarr, whether sounds are kept.
-        chunk: how many runs are written at once.
+        chunk: how many runs are written at once; without, a 64th of them, 100 at most.
         executor: who computes: threads of this process if none. Any `concurrent.futures.Executor`:
             ``dask.distributed.Client(…).get_executor()``, ``joblib.externals.loky.get_reusable_executor()``,
             ``mpi4py.futures.MPIPoolExecutor()``.
@@ -186,11 +188,17 @@ def sweep(
     """
     if seconds is not None and not 0 < seconds < 1e9:
         raise UsageError(f"seconds = {seconds}: a length above 0, below 1e9")
+    runs = None if runs is None else _whole("runs", runs, 1, 2**40)
+    seed = _whole("seed", seed, 0, 2**64 - 1)
+    batch = None if batch is None else _whole("batch", batch, 1, 2**40)
+    chunk = None if chunk is None else _whole("chunk", chunk, 1, 1_000_000)
     begin = time.perf_counter()
-    job = _job(scene, vary, (runs, int(seed), seconds, bool(energy), bool(measure)), gesture)
+    asked = (runs, seed, None if seconds is None else float(seconds), bool(energy), bool(measure))
+    job = _job(scene, vary, asked, gesture)
     core = job.core
     # workers may stand elsewhere
-    target = None if to is None else os.path.abspath(to)
+    target = None if to is None else os.path.abspath(os.fsdecode(to))
+    chunk = core.chunk if chunk is None else chunk
     kept: Any = None
     if target is None:
         if isinstance(audio, str):
@@ -210,7 +218,6 @@ def sweep(
         done = _all(executor or own, tasks, todo, core.runs, kept, progress)
     except BaseException:
         core.stop()
-        forget()
         raise
     finally:
         own.shutdown(cancel_futures=True)
@@ -221,23 +228,52 @@ def sweep(
     elif target.endswith(".zarr"):
         columns = _zarr.columns(target)
     else:
-        columns = _arrays(core.gather(target, form, chunk) or {})
+        raw = core.gather(target, form, chunk)
+        if raw is None:
+            raise FailedError(f"`{target}` has not all runs after all: is it the same folder for all workers?")
+        columns = _arrays(raw)
     return Sweep(columns, tuple(core.columns[1]), sounds, core.rate, target, core.hash, time.perf_counter() - begin)
+
+
+def _whole(name: str, value: object, low: int, high: int) -> int:
+    """A whole number, of Python, NumPy or whoever has some."""
+    try:
+        number = operator.index(value)  # type: ignore[arg-type]
+    except TypeError:
+        raise UsageError(f"{name} = {value!r}: a whole number is wanted") from None
+    if not low <= number <= high:
+        raise UsageError(f"{name} = {number}: {low} to {high}")
+    return number
+
+
+def _value(name: str, value: object) -> object:
+    """A value that a model can have."""
+    value = plain(value)
+    if isinstance(value, int) and not isinstance(value, bool):
+        try:
+            return float(value)
+        except OverflowError:
+            raise UsageError(f"`{name}` cannot be {value}") from None
+    if isinstance(value, (bool, float, str, list, dict)):
+        return value
+    raise UsageError(f"`{name}` cannot be {value!r}: numbers, quantities, names and lists are values")
 
 
 def _job(scene: Scene, vary: Mapping[str, Space], asked: tuple[Any, ...], gesture: Gesture) -> Job:
     axes: list[tuple[str, Any]] = []
     for name, space in vary.items():
         if isinstance(space, Range):
-            axes.append((name, (plain(space.low), plain(space.high), bool(space.log), space.steps)))
-        elif isinstance(space, (str, bytes)) or not hasattr(space, "__iter__"):
+            steps = None if space.steps is None else _whole(f"`{name}`: steps", space.steps, 2, 1_000_000)
+            axes.append((name, (_value(name, space.low), _value(name, space.high), bool(space.log), steps)))
+        elif isinstance(space, (str, bytes, Mapping, Set)) or not hasattr(space, "__iter__") or getattr(space, "ndim", 1) == 0:
             raise UsageError(f"`{name}` may be {space!r}: a `Range`, or a list of values")
         else:
-            axes.append((name, [plain(v) for v in space]))
+            axes.append((name, [_value(name, v) for v in space]))
     rate, _ = scene._asked
     hands = scene._gesture(gesture)
     held = None if hands is None else pickle.dumps(hands.tracks(), 4)
-    return Job((scene._model.bytes(), scene._model.name, (rate, *asked), pickle.dumps(axes, 4), held))
+    model = scene._model
+    return Job((model.bytes(), model.name, (rate, *asked), pickle.dumps(axes, 4), held, uuid.uuid4().hex))
 
 
 def _in_memory(job: Job, audio: bool, batch: int | None) -> tuple[list[Task], Any]:
@@ -250,8 +286,6 @@ def _in_memory(job: Job, audio: bool, batch: int | None) -> tuple[list[Task], An
         first, each = 1, time.perf_counter() - begin
         # few enough that several workers have something to do to the end
         batch = max(1, min(int(_TASK / max(each, 1e-6)), (runs + 15) // 16))
-    elif batch < 1:
-        raise UsageError(f"batch = {batch}: runs of a task, 1 or more")
     parts = range(first, runs, batch)
     return [functools.partial(play, job, k, min(k + batch, runs), audio) for k in parts], kept
 

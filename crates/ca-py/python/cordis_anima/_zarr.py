@@ -22,21 +22,23 @@ def _group(path: str, mode: str) -> Any:
 
 def tasks(job: Job, path: str, audio: bool, chunk: int) -> list[functools.partial[Any]]:
     """What is to be done, in a store that is there or is made now."""
-    if chunk < 1:
-        raise UsageError(f"chunk = {chunk}: runs that are written at once, 1 or more")
     core = job.core
-    asked = f"{job.name} {audio} {chunk}"
+    asked = core.told("zarr" if audio else "none", chunk)
     group = _group(path, "a")
-    if "cordis_anima" in group.attrs:
-        if group.attrs["cordis_anima"] != asked:
-            raise UsageError(f"`{path}` holds another sweep; choose another store, or remove this one")
-    elif any(True for _ in group.keys()):
+    said = group.attrs.get("cordis_anima")
+    if said not in (None, asked):
+        raise UsageError(f"`{path}` holds another sweep; choose another store, or remove this one")
+    if said is None and any(True for _ in group.keys()):
         raise UsageError(f"`{path}` holds something else; choose another store")
-    else:
+    if not group.attrs.get("made"):
+        # what was begun and not finished is begun anew
+        group.attrs["cordis_anima"] = asked
+        for name in list(group.keys()):
+            del group[name]
         _make(job, group, audio, chunk)
         group.attrs["scene"], group.attrs["rate"] = core.hash, core.rate
         group.attrs["columns"] = core.columns[0]
-        group.attrs["cordis_anima"] = asked
+        group.attrs["made"] = True
     done = group["done"][:]
     return [functools.partial(_fill, job, path, audio, chunk, int(k)) for k in np.flatnonzero(done == 0)]
 

@@ -104,8 +104,8 @@ def test_draws_are_those_of_the_document():
     first = lambda parts: struct.unpack("<Q", blake3(b"".join(parts)).digest()[:8])[0]
     assert s.scene == scene.hash
     for i in range(12):
-        seed = first([bytes.fromhex(scene.hash), struct.pack("<Q", 9), struct.pack("<Q", i)])
-        assert np.uint64(s["seed"].astype(np.uint64)[i]) == seed
+        seed = first([bytes.fromhex(scene.hash), struct.pack("<Q", 9), struct.pack("<Q", i)]) >> 1
+        assert s["seed"][i] == seed
         u = {name: (first([struct.pack("<Q", seed), name.encode()]) >> 11) * 2.0**-53 for name in VARY}
         assert s["low.k"][i] == pytest.approx(1e3 * 9 ** u["low.k"], rel=1e-14)
         assert s["low.m"][i] == (0.001 if u["low.m"] < 0.5 else 0.002)
@@ -283,6 +283,60 @@ def test_ctrl_c_ends_long_runs(how):
     assert ran.stdout == "ended\n", ran.stderr
 
 
+def test_the_end_of_one_is_not_the_end_of_another(tmp_path):
+    def wrong(done, of):
+        raise RuntimeError("mine")
+
+    def run(name, progress):
+        return ca.sweep(string(), VARY, 60, seconds=0.2, to=tmp_path / name, audio="none", progress=progress)
+
+    with ThreadPoolExecutor(2) as pool:
+        other = pool.submit(run, "a", None)
+        mine = pool.submit(run, "b", wrong)
+        with pytest.raises(RuntimeError, match="mine"):
+            mine.result()
+        assert other.result().counts == {"ok": 60}
+
+
+def test_a_relative_folder_is_that_of_the_caller(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "elsewhere").mkdir()
+    for to in ["rel", "rel.zarr"]:
+        with ProcessPoolExecutor(1, mp_context=get_context("spawn"), initializer=os.chdir, initargs=("elsewhere",)) as pool:
+            s = ca.sweep(string(), {"low.k": [1e3, 2e3]}, seconds=0.02, to=to, executor=pool)
+        assert s.runs == 2 and (tmp_path / to).is_dir() and not list((tmp_path / "elsewhere").iterdir())
+
+
+def test_a_store_that_was_begun_is_begun_anew(tmp_path, monkeypatch):
+    from cordis_anima import _zarr
+
+    store = str(tmp_path / "a.zarr")
+    make = _zarr._make
+
+    def killed(*args):
+        make(*args)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(_zarr, "_make", killed)
+    with pytest.raises(KeyboardInterrupt):
+        ca.sweep(string(), {"low.k": [1e3, 2e3]}, seconds=0.02, to=store)
+    monkeypatch.setattr(_zarr, "_make", make)
+    # equal values are an equal sweep, whatever they are made of
+    for values, seconds in [([1e3, 2e3], 0.02), (np.array([1000, 2000]), np.float64(0.02)), (list(np.array([1e3, 2e3])), 0.02)]:
+        assert ca.sweep(string(), {"low.k": values}, seconds=seconds, to=store + "/").counts == {"ok": 2}
+
+
+def test_names_that_data_sets_have_are_told_apart(tmp_path):
+    params = "".join(f'{n} = {{ value = "4 kN/m" }}\n' for n in ("audio", "run", "done", "peak"))
+    scene = ca.parse("[param]\n" + params + STRUCK.replace('"4 kN/m"', '"audio"'))
+    vary = {"audio": [1e3, 2e3], "run": [1.0], "done": [1.0], "peak": [1.0]}
+    s = ca.sweep(scene, vary, seconds=0.02, audio=True)
+    assert s.axes == ("param.audio", "param.run", "param.done", "param.peak")
+    assert s.to_xarray()["audio"].shape == (2, 960, 1) and s["param.audio"].tolist() == [1e3, 2e3]
+    z = ca.sweep(scene, vary, seconds=0.02, to=str(tmp_path / "a.zarr"))
+    assert np.array_equal(z["peak"], s["peak"])
+
+
 def test_a_killed_worker_is_not_missed(dask, tmp_path):
     runs = 10_000 if LONG else 600
     scene = string()
@@ -329,17 +383,30 @@ def test_what_makes_no_sense_is_refused(tmp_path):
         ({"low.k": ca.Range(-1, 2, log=True)}, 3, "above 0"),
         ({"low.k": ca.Range(1, 2, steps=1)}, None, "steps"),
         ({"low.k": [1.0]}, 0, "1 to"),
+        ({"low.k": [1.0]}, 2.0, "whole number"),
+        ({"low.k": ca.Range(1, 2, steps=3.0)}, None, "whole number"),
+        ({"low.k": {"from": 1, "to": 2}}, None, "a `Range`, or a list"),
+        ({"low.k": {1.0, 2.0}}, None, "a `Range`, or a list"),
+        ({"low.k": np.array(3.0)}, None, "a `Range`, or a list"),
+        ({"low.k": [None]}, None, "numbers, quantities"),
+        ({"low.k": [b"1"]}, None, "numbers, quantities"),
+        ({"low.k": [10**400]}, None, "cannot be"),
+        ({"rate.sound": [44100]}, None, "one rate"),
     ]:
         with pytest.raises(ca.UsageError, match=what):
             ca.sweep(scene, vary, runs)
+    with pytest.raises(ca.ModelError, match="N/m"):
+        ca.sweep(scene, {"low.k": ca.Range("1 s", "2 kN/m")}, 3)
     one = {"low.k": [1e3]}
     for more, what in [
         ({"seconds": -1}, "above 0"),
-        ({"batch": 0}, "1 or more"),
+        ({"batch": 0}, "1 to"),
+        ({"seed": -1}, "0 to"),
+        ({"chunk": 2.0}, "whole number"),
         ({"audio": "flac"}, "for a folder"),
         ({"to": tmp_path / "x", "audio": "mp3"}, "flac"),
         ({"to": tmp_path / "x", "chunk": 0}, "1 to"),
-        ({"to": str(tmp_path / "x.zarr"), "chunk": 0}, "1 or more"),
+        ({"to": str(tmp_path / "x.zarr"), "chunk": 0}, "1 to"),
         ({"gesture": {"nobody": 1.0}}, "nobody"),
     ]:
         with pytest.raises(ca.CaError, match=what):

@@ -155,7 +155,7 @@ fn open_probes(probes: &[Probe], scene: &Scene) -> Result<Vec<(ProbeOut, usize)>
 /// All gesture files as one gesture; none of them is `output`.
 pub(crate) fn gesture(args: &Playing, scene: &Scene, output: &Path) -> Result<Option<Gesture>, Failure> {
     for text in &args.gesture {
-        let file = gesture::port_and_file(text).1;
+        let file = gesture::port_and_file(text, Path::new("")).1;
         if same(file, output) {
             let what = format!("`{}` is the gesture and would be overwritten", file.display());
             return Err(Failure::Usage(format!("{what}; choose another file with `-o`")));
