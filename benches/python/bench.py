@@ -62,7 +62,7 @@ def threads() -> tuple[float, float]:
 
         return work
 
-    one, two, none = in_turn([pool(1), pool(2), alone])
+    one, two, none = in_turn([pool(1), pool(2), alone], 21)
     return one / two, none / one
 
 
@@ -118,7 +118,7 @@ def sweeps() -> dict[str, float]:
             "1 s, one thread": sweep(executor=one, seconds=1.0, measure=False),
             "1 s, two threads": sweep(executor=two, seconds=1.0, measure=False),
         }
-        times = in_turn(list(works.values()), 3)
+        times = in_turn(list(works.values()), 7)
     return {name: 1e6 * t / runs for name, t in zip(works, times)}
 
 
@@ -238,7 +238,7 @@ def main() -> None:
         "# The Python package, measured",
         "",
         "Written by `UPDATE=1 benches/python/run`; every figure is the quickest of several turns, and what is compared takes",
-        f"turns. {machine()}.",
+        f"turns. {machine()}; shared with others, so that figures differ by a tenth and more from run to run.",
         "",
         "## Threads",
         "",

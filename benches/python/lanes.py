@@ -64,30 +64,29 @@ def together(rows: list[Row], n: int, only: int | None = None) -> ca.Scene:
     return m.compile()
 
 
-def table(in_turn: Callable[..., list[float]], seconds: float = 1.0) -> list[tuple[str, float, float, float, int]]:
+def table(in_turn: Callable[..., list[float]], seconds: float = 4.0) -> list[tuple[str, float, float, float, int]]:
     """Of each network: how many times more is played than by one scene after the other on one thread; by lanes, by two
     threads, by both; and the number of lanes that did best.
     """
     found = []
-    for name, rows in [("string of 24", string()), ("struck string", struck()), ("60 masses, tangled", tangle())]:
-        alone = together(rows, 8, 3).render(0.1).audio[:, 0]
-        assert np.array_equal(together(rows, 8).render(0.1).audio[:, 3], alone), "the same bits"
-        one = together(rows, 1)
-        sizes = [2, 4, 8, 16, 32]
-        merged = [together(rows, n) for n in sizes]
+    sizes = [4, 8, 16, 32]
+    with ThreadPoolExecutor(2) as pool:
 
-        def threads(scene: ca.Scene) -> Callable[[], object]:
-            def work() -> None:
-                with ThreadPoolExecutor(2) as pool:
-                    list(pool.map(lambda _: scene.render(seconds), range(2)))
+        def both(scene: ca.Scene) -> Callable[[], object]:
+            return lambda: list(pool.map(lambda _: scene.render(seconds), range(2)))
 
-            return work
-
-        works: list[Callable[[], object]] = [lambda: one.render(seconds), threads(one)]
-        works += [lambda s=s: s.render(seconds) for s in merged]
-        times = in_turn(works)
-        gains = [times[0] * n / t for n, t in zip(sizes, times[2:])]
-        best = int(np.argmax(gains))
-        [both] = in_turn([threads(merged[best])])
-        found.append((name, gains[best], 2 * times[0] / times[1], 2 * sizes[best] * times[0] / both, sizes[best]))
+        for name, rows in [("string of 24", string()), ("struck string", struck()), ("60 masses, tangled", tangle())]:
+            alone = together(rows, 8, 3).render(0.1).audio[:, 0]
+            assert np.array_equal(together(rows, 8).render(0.1).audio[:, 3], alone), "the same bits"
+            one = together(rows, 1)
+            merged = [together(rows, n) for n in sizes]
+            works: list[Callable[[], object]] = [lambda: one.render(seconds), both(one)]
+            works += [lambda s=s, n=n: s.render(seconds / n) for s, n in zip(merged, sizes)]
+            works += [both(s) for s in merged]
+            # an instance and second of each costs
+            per = [1.0, 2.0, *(1.0 for _ in sizes), *(2.0 * n for n in sizes)]
+            each = [t / p for t, p in zip(in_turn(works, 15), per)]
+            lanes, threads = [each[0] / t for t in each[2 : 2 + len(sizes)]], [each[0] / t for t in each[2 + len(sizes) :]]
+            best = int(np.argmax(lanes))
+            found.append((name, lanes[best], each[0] / each[1], max(threads), sizes[best]))
     return found

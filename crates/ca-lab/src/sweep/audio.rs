@@ -44,7 +44,13 @@ impl Audio {
         let fits = (1..=most).contains(&channels) && rate.fract() == 0.0 && (1.0..=fastest).contains(&rate);
         let name = self.name().to_uppercase();
         (!fits).then(|| {
-            format!("{name} holds 1 to {most} channels at whole rates up to {fastest} Hz, not {channels} at {rate}")
+            let what = format!("{name} holds 1 to {most} channels at whole rates up to {fastest} Hz");
+            let fix = if self == Audio::Flac {
+                "\"wav\" holds more, \"none\" keeps rows only"
+            } else {
+                "\"none\" keeps rows only"
+            };
+            format!("{what}, not {channels} at {rate}; {fix}")
         })
     }
 

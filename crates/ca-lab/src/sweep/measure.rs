@@ -99,6 +99,9 @@ mod tests {
         let steady: Vec<f32> = (0..48_000).map(|k| (0.1 * f64::from(k)).sin() as f32).collect();
         let m = measures(&steady, 1, 48e3);
         assert!(m.t60.is_none() && m.partial.is_some(), "{m:?}");
+        // what only drifts has none below what is heard
+        let drift: Vec<f32> = (0..960).map(|k| (k as f32 / 960.0).powi(2)).collect();
+        assert!(measures(&drift, 1, 48e3).partial.is_none_or(|f| f >= ca_report::LOWEST));
         assert_eq!(rms(&[]), 0.0);
         assert!((rms(&steady) - 0.5f64.sqrt()).abs() < 1e-4);
     }
