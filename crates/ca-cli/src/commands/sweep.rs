@@ -47,7 +47,8 @@ pub fn run(args: &SweepArgs) -> Outcome {
         return Ok(Ended::Well);
     }
     let there = plan.sweep.runs();
-    writeln!(out, "{}  {runs} of {there} runs in {wall:.2} s, {threads} threads", path.display())?;
+    let by = if threads == 1 { "1 thread".into() } else { format!("{threads} threads") };
+    writeln!(out, "{}  {runs} of {there} runs in {wall:.2} s, {by}", path.display())?;
     if runs > 0 {
         let list: Vec<String> = counts.iter().map(|(status, n)| format!("{n} {status}")).collect();
         writeln!(
