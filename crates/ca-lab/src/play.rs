@@ -2,6 +2,7 @@
 
 use ca_core::Scene;
 use ca_core::energy::Ledger;
+use ca_core::ledger::Balance;
 use ca_haptic::gesture::Gesture;
 use ca_haptic::perform::{Performance, WILD};
 use std::time::{Duration, Instant};
@@ -119,6 +120,11 @@ fn fix(scene: &Scene, module: &str) -> Option<String> {
     let named = format!("`{module}`");
     let d = list().filter(about).find(|d| d.title.contains(&named)).or_else(|| list().find(about))?;
     d.help.clone()
+}
+
+/// The residual of a book, as a part of its peak.
+pub fn relative(b: &Balance) -> f64 {
+    if b.peak > 0.0 { b.residual.abs() / b.peak } else { 0.0 }
 }
 
 /// The gain that would just fit, three digits, towards zero.

@@ -6,10 +6,10 @@
 use crate::load::{self, Loaded};
 use crate::sweep::told;
 use crate::{Failure, bytes, play};
-use ca_core::Options;
 use ca_core::live::Controls;
 use ca_core::model::{Entry, Model, Value, write};
 use ca_core::scene::InputRole;
+use ca_core::{Options, Scene};
 use ca_haptic::calibration::Calibration;
 use ca_haptic::engine::{self, Act, Change, Engine, Port, Setup};
 use ca_haptic::equivalence;
@@ -73,10 +73,7 @@ pub fn record(
         let what = format!("`{name}` is no device");
         return Err(Failure::Usage(format!("{what}; a take holds what devices did and how live parameters changed")));
     }
-    let mut names: Vec<&str> = scene.inputs.iter().filter_map(|i| Some(i.device.as_ref()?.0.as_str())).collect();
-    names.sort_unstable();
-    names.dedup();
-    let setups: Vec<Setup> = names.into_iter().map(|name| setup(&scene, name)).collect();
+    let setups: Vec<Setup> = devices(&scene).iter().map(|name| setup(&scene, name)).collect();
     // nobody else speaks here
     let own = engine::Options { session: 1, ..engine::Options::default() };
     let header = Header::new(&loaded.model, changes.clone(), options, &scene, setups.clone(), own);
@@ -147,11 +144,29 @@ fn changes(from: &Model, to: &Model) -> Vec<(String, String)> {
     all
 }
 
+/// The devices a scene names, in order.
+pub fn devices(scene: &Scene) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    for i in scene.inputs.iter().filter(|i| i.role == InputRole::Device) {
+        if let Some((name, _)) = &i.device {
+            if !names.contains(name) {
+                names.push(name.clone());
+            }
+        }
+    }
+    names
+}
+
+/// One more than the highest DOF of a device that a scene uses.
+pub fn dofs(scene: &Scene, device: &str) -> u32 {
+    let of = |i: &ca_core::scene::Input| i.device.as_ref().filter(|d| d.0 == device).map(|d| d.1 + 1);
+    scene.inputs.iter().filter_map(of).max().unwrap_or(0)
+}
+
 /// A device of that name: what is shipped of it, else one that nobody has described.
-fn setup(scene: &ca_core::Scene, name: &str) -> Setup {
+fn setup(scene: &Scene, name: &str) -> Setup {
     let mut profile = Profile::shipped(name).or_else(|| Profile::shipped("unknown")).unwrap_or_else(|| unreachable!());
-    let of = |i: &ca_core::scene::Input| i.device.as_ref().filter(|d| d.0 == name).map(|d| d.1 + 1);
-    profile.dof = profile.dof.max(scene.inputs.iter().filter_map(of).max().unwrap_or(1));
+    profile.dof = profile.dof.max(dofs(scene, name));
     let gains = equivalence::gains(scene, name);
     Setup { device: name.into(), profile, calibration: Calibration::default(), gains }
 }

@@ -21,7 +21,8 @@ pub struct Sweep {
     stop: AtomicBool,
 }
 
-/// What one parameter may be: values, or two ends, whether by ratios, and a number of steps (a tuple, which no list is).
+/// What one parameter may be: two ends, whether by ratios, and a number of steps, as a tuple whose members were looked at
+/// before; or values, as a list.
 #[derive(FromPyObject)]
 enum Space {
     Range(Given, Given, bool, Option<u64>),

@@ -273,10 +273,7 @@ impl Sweep {
             let found = measure::measures(&sound, channels, scene.rate);
             (row.partial, row.t60) = (found.partial, found.t60);
         }
-        row.residual = played.energy.as_ref().filter(|_| self.ask.energy).map(|book| {
-            let b = book.balance();
-            if b.peak > 0.0 { b.residual.abs() / b.peak } else { 0.0 }
-        });
+        row.residual = played.energy.as_ref().filter(|_| self.ask.energy).map(|b| play::relative(&b.balance()));
         let refused = played.performance.state.refused;
         let twin = || compiled(&loaded, &Options { energy: true, ..options.clone() }).0;
         let audited = if played.broke.is_some() { twin() } else { None };

@@ -8,12 +8,12 @@ use crate::term::short;
 use crate::{Failure, term};
 use ca_core::Scene;
 use ca_core::compile::certify::Certificate;
-use ca_core::energy::{Balance, Ledger};
+use ca_core::energy::Ledger;
 use ca_core::kind::Unit;
 use ca_core::model::quantity::show;
 use ca_haptic::sound::Written;
-pub(crate) use ca_lab::play::Broke;
 use ca_lab::play::gain;
+pub(crate) use ca_lab::play::{Broke, relative};
 use serde_json::{Value as Json, json};
 use std::io::Write as _;
 use std::time::Duration;
@@ -52,11 +52,6 @@ pub(crate) fn decibel(peak: f64) -> f64 {
 /// One decimal, and no minus before nothing.
 pub(crate) fn tenths(v: f64) -> String {
     format!("{:.1}", (v * 10.0).round() / 10.0 + 0.0)
-}
-
-/// The residual of a book, as a part of its peak.
-pub(crate) fn relative(b: &Balance) -> f64 {
-    if b.peak > 0.0 { b.residual.abs() / b.peak } else { 0.0 }
 }
 
 /// A word for a shell.

@@ -3,23 +3,11 @@
 use crate::args::ServeArgs;
 use crate::{Failure, store, term};
 use ca_core::Scene;
-use ca_core::scene::InputRole;
 use ca_haptic::engine::{Engine, Options, Port, Setup};
 use ca_haptic::frame::DOF;
+pub(crate) use ca_lab::take::devices;
+use ca_lab::take::dofs;
 use std::sync::Arc;
-
-/// The devices a scene names, in order.
-pub(crate) fn devices(scene: &Scene) -> Vec<String> {
-    let mut names: Vec<String> = Vec::new();
-    for i in scene.inputs.iter().filter(|i| i.role == InputRole::Device) {
-        if let Some((name, _)) = &i.device {
-            if !names.contains(name) {
-                names.push(name.clone());
-            }
-        }
-    }
-    names
-}
 
 /// Everything that belongs to each device.
 pub(super) fn setups(args: &ServeArgs, scene: &Scene) -> Result<Vec<Setup>, Failure> {
@@ -53,12 +41,6 @@ pub(super) fn setups(args: &ServeArgs, scene: &Scene) -> Result<Vec<Setup>, Fail
         setups.push(Setup { device, profile, calibration, gains });
     }
     Ok(setups)
-}
-
-/// One more than the highest DOF of a device that a scene uses.
-fn dofs(scene: &Scene, device: &str) -> u32 {
-    let of = |i: &ca_core::scene::Input| i.device.as_ref().filter(|d| d.0 == device).map(|d| d.1 + 1);
-    scene.inputs.iter().filter_map(of).max().unwrap_or(0)
 }
 
 /// The engine.
