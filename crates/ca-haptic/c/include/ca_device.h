@@ -30,6 +30,7 @@
 #define CA_FLAG_EDGE 32
 #define CA_FLAG_STALE 64
 #define CA_FLAG_WAIT_CLEAR 128
+#define CA_FLAG_PASSIVITY_OFF 256
 #define CA_CAUSE_NONE 0
 #define CA_CAUSE_DISARMED 1
 #define CA_CAUSE_BUTTON 2
@@ -181,7 +182,7 @@ typedef struct {
   uint16_t n;
   // bits of [`flag`]
   uint32_t flags;
-  // damping the passivity controller injected, the largest of all DOF [N s/m]
+  // viscosity that the passivity stage added, the largest of all DOF [N s/m]
   float inject;
   // 0
   uint32_t reserved;

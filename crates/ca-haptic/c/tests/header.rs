@@ -61,6 +61,7 @@ fn numbers() -> String {
         ("EDGE", flag::EDGE),
         ("STALE", flag::STALE),
         ("WAIT_CLEAR", flag::WAIT_CLEAR),
+        ("PASSIVITY_OFF", flag::PASSIVITY_OFF),
     ] {
         put(&format!("FLAG_{name}"), u64::from(n));
     }

@@ -155,7 +155,7 @@ impl Port {
     pub(super) fn answer(&mut self, scene: &Scene, state: &State, session: u64, wild: bool) {
         let hand = &mut self.hand;
         hand.force = [0.0; DOF];
-        hand.received = [0.0; DOF];
+        (hand.received, hand.mean) = ([0.0; DOF], [0.0; DOF]);
         hand.flags = 0;
         hand.inject = 0.0;
         for (l, last) in self.links.iter().zip(&mut self.last) {
@@ -165,6 +165,7 @@ impl Port {
             // at one rate the force is that of a tick, and power is exact by the mean of two (numerics 5.1)
             let mean = if scene.ratio == 1 { 0.5 * (*last + b.force) } else { b.force };
             *last = b.force;
+            hand.mean[l.dof] += l.gains.beta * mean;
             hand.received[l.dof] -= l.gains.beta / l.gains.alpha * mean * (b.to - b.from);
         }
         if wild {
@@ -173,7 +174,7 @@ impl Port {
                 hand.trip(Cause::Nonfinite);
             }
             hand.trip(Cause::ModelUnstable);
-            (hand.force, hand.received) = ([0.0; DOF], [0.0; DOF]);
+            (hand.force, hand.received, hand.mean) = ([0.0; DOF], [0.0; DOF], [0.0; DOF]);
         }
         self.chain.pass(hand);
         let (ack_session, ack) = self.inlet.ack();

@@ -11,7 +11,7 @@ pub mod flag {
     pub const SATURATED: u32 = 1;
     /// slowed down
     pub const SLEWED: u32 = 2;
-    /// energy was taken out to stay passive
+    /// a viscosity was added to take out energy that the rate boundary made
     pub const PASSIVITY: u32 = 4;
     /// weakened because it oscillated
     pub const OSCILLATION: u32 = 8;
@@ -23,6 +23,8 @@ pub mod flag {
     pub const STALE: u32 = 64;
     /// armed, and waiting until nothing pushes
     pub const WAIT_CLEAR: u32 = 128;
+    /// the injection of the passivity stage gave energy to the hand, and is off for a while
+    pub const PASSIVITY_OFF: u32 = 256;
 }
 
 /// One frame of forces, 240 bytes.
@@ -62,7 +64,7 @@ pub struct ForceFrame {
     pub n: u16,
     /// bits of [`flag`]
     pub flags: u32,
-    /// damping the passivity controller injected, the largest of all DOF \[N s/m\]
+    /// viscosity that the passivity stage added, the largest of all DOF \[N s/m\]
     pub inject: f32,
     /// 0
     pub reserved: u32,

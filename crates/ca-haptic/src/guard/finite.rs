@@ -1,7 +1,7 @@
 //! H1: a force that is no number never leaves.
 
 use super::{Hand, Stage};
-use crate::frame::Cause;
+use crate::frame::{Cause, DOF};
 
 /// Zero instead, and a fault in the same frame.
 pub struct Finite;
@@ -13,7 +13,7 @@ impl Stage for Finite {
 
     fn pass(&mut self, hand: &mut Hand) {
         if hand.force[..hand.n].iter().any(|f| !f.is_finite()) {
-            hand.force = [0.0; crate::frame::DOF];
+            (hand.force, hand.mean) = ([0.0; DOF], [0.0; DOF]);
             hand.trip(Cause::Nonfinite);
         }
     }

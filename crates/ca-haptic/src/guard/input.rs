@@ -77,13 +77,11 @@ const STEPS: f64 = 8.0;
 const SPIKE: f64 = 2.3;
 /// What must be so, and not so, before forces may come.
 const READY: u32 = status::CALIBRATED | status::POWERED | status::BRAKE;
-/// Standard deviations of noise that count as a step.
-const SIGMAS: f64 = 6.0;
 
 impl Inlet {
     /// As the profile says, at engine frames of `te` seconds.
     pub fn new(profile: &Profile, te: f64) -> Inlet {
-        let grain = profile.body.step + SIGMAS * profile.body.noise;
+        let grain = profile.grain();
         Inlet {
             n: profile.dof as usize,
             te,

@@ -9,7 +9,7 @@
 //! ```
 //!
 //! The largest force comes before the stages that weaken: a gain on 800 N that the next stage cuts to 10 N would weaken
-//! nothing. None of those after it makes a vector longer (the passivity controller cuts its own sum). The gate (arming,
+//! nothing. None of those after it makes a vector longer (the passivity stage cuts its own sum). The gate (arming,
 //! fade-in, latched faults, damped stop) stands before the slew limit rather than after it, so that the last stage is
 //! the one whose promise |ΔF| ≤ limit a watcher on the wire can hold us to. A fault goes to zero at once. Velocity,
 //! staleness and a model that blew up trip from wherever they are noticed: [`Hand::trip`]. What leaves is rounded
@@ -56,14 +56,20 @@ pub struct Hand {
     pub v: [f64; DOF],
     /// energy the model received during this frame, by its mean force \[J\] in the measure of the hand
     pub received: [f64; DOF],
+    /// mean force of the model on the hand during this frame \[N\], cut as the force is: what the boundary should have given
+    pub mean: [f64; DOF],
     /// force on the hand \[N\]; what each stage changes
     pub force: [f64; DOF],
     /// what was sent with the frame before \[N\]
     pub sent: [f64; DOF],
     /// number of the force frame the device held during its motion, from 1; 0 where it does not say
     pub ack: u64,
+    /// how many frames ago it was sent; 1 where the device does not say
+    pub ago: u64,
     /// that force \[N\]; where the device does not say, what was sent with the frame before
     pub acting: [f64; DOF],
+    /// force that the passivity stage added \[N\]
+    pub injected: [f64; DOF],
     /// largest damping injected \[N s/m\]
     pub inject: f64,
     /// bits of [`flag`](crate::frame::flag) so far
@@ -91,10 +97,13 @@ impl Hand {
             moved: [0.0; DOF],
             v: [0.0; DOF],
             received: [0.0; DOF],
+            mean: [0.0; DOF],
             force: [0.0; DOF],
             sent: [0.0; DOF],
             ack: 0,
+            ago: 1,
             acting: [0.0; DOF],
+            injected: [0.0; DOF],
             inject: 0.0,
             flags: 0,
             mode: Mode::Off,
@@ -199,6 +208,7 @@ impl Chain {
     pub fn pass(&mut self, hand: &mut Hand) {
         let ago = (hand.frame + 1).saturating_sub(hand.ack);
         let known = hand.ack > 0 && (1..=PAST as u64).contains(&ago);
+        hand.ago = if known { ago } else { 1 };
         hand.acting = if known { self.past[hand.ack as usize % PAST] } else { hand.sent };
         self.finite.pass(hand);
         self.book.frame(hand);

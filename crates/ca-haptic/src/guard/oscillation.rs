@@ -1,10 +1,15 @@
-//! H13: a force that shakes the hand is weakened.
+//! H13: a force that shakes the hand is weakened, until it ends.
 //!
-//! Decides on the level of the force in a band (a high-pass and a low-pass of second order, then a running mean of the
-//! squares): where it stays above its share of the largest force for a while, the force is weakened by a fixed gain. It
-//! comes back by itself once the force that is asked for has been quiet for twenty times as long, fading in as after
-//! arming: a latch would be the alternative, and would take a player's instrument away for a loud passage. If it
-//! oscillates again it is weakened again, and every frame of it says so. The share is that of the r.m.s. value.
+//! Decides on the level of the force above 30 Hz, up to the Nyquist frequency of the loop (a high-pass of second order, a
+//! low-pass only where the profile asks for one, then a running mean of the squares): where its r.m.s. value stays above
+//! its share of the largest force for a while, the force is weakened by a fixed gain. A loop that is unstable at that
+//! gain goes on with a smaller amplitude, or still at the largest force: it is weakened again, and again, each time after
+//! half of that while. A force that goes on as before and is not cut is one that the model makes by itself, however weak
+//! it reaches the hand, and stays at the gain it has.
+//!
+//! The force comes back by itself once what is asked for has been quiet for twenty times as long, fading in as after
+//! arming; twice as long each time it has to be weakened again. A latch would be the alternative, and would take a player's
+//! instrument away for a loud passage. Every weakened frame says so.
 
 use super::gate::frames;
 use super::{Hand, Stage};
@@ -15,19 +20,25 @@ use crate::profile::Profile;
 pub struct Oscillation {
     axes: usize,
     high: Biquad,
-    low: Biquad,
+    low: Option<Biquad>,
     /// share of the new square in the running mean
     share: f64,
     threshold: f64,
     gain: f64,
+    /// smallest gain
+    least: f64,
     rise: f64,
     frames: u32,
     past: [Past; DOF],
     seen: [Seen; DOF],
 }
 
-/// Quiet for so many times `oscillation_time`, before the force comes back.
-const QUIET: u32 = 20;
+/// Quiet for so many times `oscillation_time`, before the force comes back: the first time, and at most.
+const QUIET: [u32; 2] = [20, 640];
+/// What is left of the level of an oscillation that was made by the loop, once the loop is weaker.
+const FELL: f64 = 0.7;
+/// Times a force is weakened at most.
+const TIMES: usize = 4;
 /// How many times shorter than `oscillation_time` the mean of the squares is.
 const MEAN: f64 = 5.0;
 
@@ -50,9 +61,11 @@ struct Seen {
     loud: u32,
     quiet: u32,
     gain: f64,
+    /// mean square when it was weakened last; 0 before
+    before: f64,
+    /// frames of quiet until the force comes back
+    wait: u32,
 }
-
-const NEW: Seen = Seen { square: 0.0, loud: 0, quiet: 0, gain: 1.0 };
 
 /// tan(π f te) to a few percent up to a quarter of the rate, without a function whose last bit differs between machines.
 fn warped(f: f64, te: f64) -> f64 {
@@ -86,15 +99,23 @@ impl Oscillation {
         (l.oscillation && level > 0.0).then(|| Oscillation {
             axes: profile.axes as usize,
             high: Biquad::new(l.oscillation_band[0], te, true),
-            low: Biquad::new(l.oscillation_band[1], te, false),
+            low: (l.oscillation_band[1] < 0.5 / te).then(|| Biquad::new(l.oscillation_band[1], te, false)),
             share: te / (te + l.oscillation_time / MEAN),
             threshold: level * level,
             gain: l.oscillation_gain,
+            least: [l.oscillation_gain; TIMES].iter().product(),
             rise: te / l.ramp,
             frames: frames(l.oscillation_time, te),
             past: [Past::default(); DOF],
-            seen: [NEW; DOF],
+            seen: [Seen::new(frames(l.oscillation_time, te)); DOF],
         })
+    }
+}
+
+impl Seen {
+    /// Nothing heard yet, by a stage that waits `frames` before it weakens.
+    fn new(frames: u32) -> Seen {
+        Seen { square: 0.0, loud: 0, quiet: 0, gain: 1.0, before: 0.0, wait: QUIET[0].saturating_mul(frames) }
     }
 }
 
@@ -106,7 +127,7 @@ impl Stage for Oscillation {
     fn pass(&mut self, hand: &mut Hand) {
         // nothing is weakened that nobody feels: waiting for the hand to be clear judges the full force
         if matches!(hand.mode, Mode::Off | Mode::Fault) {
-            (self.past, self.seen) = ([Past::default(); DOF], [NEW; DOF]);
+            (self.past, self.seen) = ([Past::default(); DOF], [Seen::new(self.frames); DOF]);
             return;
         }
         for at in (0..hand.n).step_by(self.axes) {
@@ -114,16 +135,26 @@ impl Stage for Oscillation {
             let mut square = 0.0;
             for k in at..end {
                 let p = &mut self.past[k];
-                let y = self.low.pass(&mut p.low, self.high.pass(&mut p.high, hand.force[k]));
+                let y = self.high.pass(&mut p.high, hand.force[k]);
+                let y = self.low.map_or(y, |low| low.pass(&mut p.low, y));
                 square += y * y;
             }
             let s = &mut self.seen[at];
             s.square += self.share * (square - s.square);
-            let loud = s.square > self.threshold;
-            (s.loud, s.quiet) = if loud { (s.loud.saturating_add(1), 0) } else { (0, s.quiet.saturating_add(1)) };
-            if s.loud >= self.frames {
-                s.gain = self.gain.min(s.gain);
-            } else if s.quiet >= QUIET * self.frames {
+            let first = s.gain == 1.0;
+            // at a smaller gain a loop shakes less
+            let scale = if first { 1.0 } else { s.gain * s.gain };
+            let goes_on = first || s.square < FELL * FELL * s.before || hand.flags & flag::SATURATED != 0;
+            let loud = s.square > self.threshold * scale && s.gain > self.least && goes_on;
+            s.loud = if loud { s.loud.saturating_add(1) } else { 0 };
+            s.quiet = if s.square > self.threshold || s.loud > 0 { 0 } else { s.quiet.saturating_add(1) };
+            if s.loud >= self.frames >> u32::from(!first) {
+                if first && s.before > 0.0 {
+                    s.wait = s.wait.saturating_mul(2).min(QUIET[1].saturating_mul(self.frames));
+                }
+                s.gain = (s.gain * self.gain).max(self.least);
+                (s.before, s.loud) = (s.square, 0);
+            } else if s.quiet >= s.wait {
                 s.gain = (s.gain + self.rise).min(1.0);
             }
             if s.gain < 1.0 {
@@ -157,14 +188,34 @@ mod tests {
     #[test]
     fn hears_the_band_and_nothing_else() {
         // r.m.s. 0.42 of the largest force is above 0.3, 0.28 is below
-        for f in [60.0, 100.0, 200.0] {
+        for f in [60.0, 100.0, 200.0, 400.0, 1000.0, 1450.0] {
             let at = weakened(f, 0.6, 3000).expect("an oscillation");
             assert!((150..220).contains(&at), "{f} Hz after {at} frames");
             assert_eq!(weakened(f, 0.4, 3000), None, "{f} Hz");
         }
-        // an octave and a half outside, and a hand that presses
-        for f in [0.0, 2.0, 10.0, 1000.0] {
+        // an octave and a half below, and a hand that presses
+        for f in [0.0, 2.0, 10.0] {
             assert_eq!(weakened(f, 1.0, 6000), None, "{f} Hz");
+        }
+    }
+
+    #[test]
+    fn is_weakened_again_while_it_falls_with_the_gain() {
+        let p = Profile::shipped("tgr12").expect("shipped");
+        // of a loop, in proportion to the gain; of the model, whatever the gain
+        for (of_loop, want) in [(true, 0.3_f64.powi(4)), (false, 0.3)] {
+            let mut stage = Oscillation::new(&p, TE).expect("it is on");
+            let mut hand = Hand::new(1, TE);
+            hand.mode = Mode::On;
+            let mut gain = 1.0;
+            for i in 0..600 {
+                let shake = 9.0 * (std::f64::consts::TAU * 100.0 * f64::from(i) * TE).sin();
+                hand.force[0] = if of_loop { gain * shake } else { shake };
+                let asked = hand.force[0];
+                stage.pass(&mut hand);
+                gain = if asked.abs() > 1e-6 { hand.force[0] / asked } else { gain };
+            }
+            assert!((gain / want - 1.0).abs() < 1e-9, "{of_loop}: {gain}");
         }
     }
 

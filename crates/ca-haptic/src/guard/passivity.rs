@@ -1,44 +1,117 @@
-//! H12: the border gives no energy that the hand did not bring.
+//! H12: the rate boundary gives no energy that the hand did not bring.
 //!
-//! Decides on the exact account of numerics 5.3 instead of an estimate from sampled force and speed: the model received
-//! F̄·Δ in this frame, the hand gave u·Δ with the force u the device really held: the one it says it used, else what
-//! was sent in the frame before. Their difference over frames, the leak, is energy made by answering late; while it is
-//! positive and the hand moves, a force against the motion takes it back within the frame, as far as that does not turn
-//! the motion round: the viscosity of the injection is at most m/T, with the mass of the bare device and its own frame,
-//! which stops it dead. Without that bound what is owed is paid at the turning points, where a nanometre of motion would
-//! ask for the largest force there is, and a wall of 20 kN/m at rest is kicked by 0.1 mm every few seconds.
+//! Decides on a band-limited ledger and on a small viscosity, rather than on the exact ledger and a force that repays it
+//! within a frame (the controller of Hannaford and Ryu 2002, which this stage was once). The device holds the force of
+//! an earlier frame, so that over a stiff wall the boundary makes energy like a negative viscosity K T κ (numerics 5.2).
+//! The device's own friction takes it out again, and only what is left over counts here:
 //!
-//! The account begins anew whenever forces are not fully on: fading in, the hand gives less than the model receives by
-//! intent. A device slower than the engine moves in some frames only, and keeps what was injected until it moves again.
-//! The account is in joules of the hand, so equivalence factors are in it already.
+//! ```text
+//! leak += ((f_acting − f_mean)·v − CREDIT b v² − b_injected v²) T       f_injected = −b_injected v
+//! ```
+//!
+//! Here v is the speed of the hand and f_acting − f_mean is the force that acted less the mean force of the model over
+//! the same frame. Both are low-passed by the same filter, so noise and steps of the sensor, which are fast, hardly enter,
+//! and where K T κ is less than the friction that is counted the leak stays at zero whatever the sensor does. Speeds that
+//! one step or the noise of the profile would show are not motion (a dead zone).
+//!
+//! The viscosity grows with the leak up to `passivity_viscosity` of the device's own friction. That bound is what keeps
+//! it from giving energy at any delay and frequency: of a viscosity b through a filter H and a delay τ no more than
+//! −b Re{H e^(−jωτ)} ≤ b comes back as a negative one. The leak is capped and an old credit is forgotten, in the manner
+//! of a reference energy that is followed rather than of a debt that is collected (Ryu, Preusche, Hannaford and Hirzinger
+//! 2005), so that nothing is paid at once when a hand lets go. What cannot be held passively by such a viscosity is named
+//! by `ca check --device`, and ended by the oscillation stage.
+//!
+//! The work of the injection itself is added up. Where it becomes positive, the injection stops for a second, for twice
+//! as long the next time, and every frame of that time carries a flag.
+//!
+//! The ledger begins anew whenever forces are not fully on.
 
+use super::gate::frames;
 use super::saturation::limit;
-use super::{Hand, Stage, norm};
+use super::{Hand, PAST, Stage, norm};
 use crate::frame::{DOF, Mode, flag};
 use crate::profile::Profile;
+
+/// Part of the device's friction that counts as taking out energy: the other part is what a profile may be wrong by.
+const CREDIT: f64 = 0.5;
+/// Part of the largest leak at which the viscosity is the largest; also the largest credit.
+const REFERENCE: f64 = 0.25;
+/// Time constant in which a credit is forgotten \[s\].
+const FORGET: f64 = 0.5;
+/// Work of the injection on the hand at which it stops \[J\], what of the energy it took out counts against that \[J\], and
+/// the time constant in which both are forgotten \[s\].
+const WORK: f64 = 1.5e-5;
+const TAKEN: f64 = 1e-4;
+const WORK_TIME: f64 = 5.0;
+/// For how long it stops, the first time and at most \[s\].
+const STOP: [f64; 2] = [1.0, 32.0];
 
 /// Observer and controller, per vector of force.
 pub struct Passivity {
     axes: usize,
+    /// largest force of a vector, and of the injection \[N\]
     most: f64,
-    /// largest force per motion in a frame \[N/m\]
-    stop: f64,
-    leak: [f64; DOF],
-    inject: [f64; DOF],
-    viscosity: [f64; DOF],
+    injection: f64,
+    /// friction that is counted, and the largest viscosity that is injected \[N s/m\]
+    friction: f64,
+    viscosity: f64,
+    /// share of the new value in each pole of the low-pass
+    share: f64,
+    /// speed below which nothing counts as motion \[m/s\]
+    dead: f64,
+    /// largest leak \[J\]
+    cap: f64,
+    stop: [u32; 2],
+    axis: [Axis; DOF],
+    vector: [Vector; DOF],
+    /// forces before the injection, and of the injection, a ring by the number of their frame \[N\]
+    past: Box<[[[f64; DOF]; 2]; PAST]>,
+}
+
+/// Two equal poles of a low-pass, of speed and of the difference of forces.
+#[derive(Clone, Copy, Default)]
+struct Axis {
+    speed: [f64; 2],
+    force: [f64; 2],
+}
+
+#[derive(Clone, Copy)]
+struct Vector {
+    leak: f64,
+    work: f64,
+    /// frames for which the injection stays off, and for which it will be off the next time
+    off: u32,
+    next: u32,
+}
+
+fn low_pass(pole: &mut [f64; 2], share: f64, x: f64) -> f64 {
+    pole[0] += share * (x - pole[0]);
+    pole[1] += share * (pole[0] - pole[1]);
+    pole[1]
 }
 
 impl Passivity {
-    /// As the profile says; `None` where it is not wanted.
+    /// As the profile says, at frames of `te` seconds; `None` where it is not wanted, or where the device has no friction
+    /// of its own, beside which no viscosity could be safe.
     pub fn new(profile: &Profile, te: f64) -> Option<Passivity> {
-        let frame = te.max(1.0 / profile.rate);
-        (profile.guard.passivity && profile.force > 0.0).then_some(Passivity {
+        let l = &profile.guard;
+        let viscosity = l.passivity_viscosity * profile.body.friction;
+        // two poles are 3 dB down together at 0.64 of the frequency of each
+        let w = core::f64::consts::TAU * l.passivity_band / 0.64;
+        let stop = STOP.map(|t| frames(t, te));
+        (l.passivity && profile.force > 0.0 && viscosity > 0.0).then(|| Passivity {
             axes: profile.axes as usize,
             most: profile.force,
-            stop: profile.body.mass / (frame * frame),
-            leak: [0.0; DOF],
-            inject: [0.0; DOF],
-            viscosity: [0.0; DOF],
+            injection: l.passivity_force * profile.force,
+            friction: CREDIT * profile.body.friction,
+            viscosity,
+            share: w * te / (1.0 + w * te),
+            dead: profile.grain() * core::f64::consts::TAU * l.passivity_band,
+            cap: l.passivity_leak,
+            stop,
+            axis: [Axis::default(); DOF],
+            vector: [Vector { leak: 0.0, work: 0.0, off: 0, next: stop[0] }; DOF],
+            past: Box::new([[[0.0; DOF]; 2]; PAST]),
         })
     }
 }
@@ -49,39 +122,56 @@ impl Stage for Passivity {
     }
 
     fn pass(&mut self, hand: &mut Hand) {
+        let now = (hand.frame + 1) as usize % PAST;
+        let [asked, injected] = self.past[(hand.frame + 1 - hand.ago) as usize % PAST];
+        self.past[now] = [hand.force, [0.0; DOF]];
+        // the mode is still that of the frame before: the force that did the work
+        let on = hand.mode == Mode::On;
         for at in (0..hand.n).step_by(self.axes) {
             let end = (at + self.axes).min(hand.n);
-            // the mode is still that of the frame before: the force that did the work
-            if hand.mode != Mode::On {
-                self.leak[at] = 0.0;
-                self.inject[at..end].fill(0.0);
+            let (mut speed, mut made, mut work) = ([0.0; 3], 0.0, 0.0);
+            for (k, v) in (at..end).zip(&mut speed) {
+                let axis = &mut self.axis[k];
+                *v = low_pass(&mut axis.speed, self.share, hand.moved[k] / hand.te);
+                made += low_pass(&mut axis.force, self.share, asked[k] - hand.mean[k]) * *v;
+                work += injected[k] * hand.moved[k];
+            }
+            let s = &mut self.vector[at];
+            if !on {
+                *s = Vector { leak: 0.0, work: 0.0, off: 0, next: self.stop[0] };
                 continue;
             }
-            let made: f64 = (at..end).map(|k| hand.received[k] + hand.acting[k] * hand.moved[k]).sum();
-            if made.is_finite() {
-                self.leak[at] += made;
+            // the part of the speed beyond the dead zone
+            let size = norm(&speed[..end - at]);
+            let part = if size > self.dead { 1.0 - self.dead / size } else { 0.0 };
+            let paid: f64 = (at..end).zip(speed).map(|(k, v)| injected[k] * v).sum();
+            s.leak += part * (made - self.friction * size * size + paid) * hand.te;
+            if s.leak < 0.0 {
+                s.leak *= 1.0 - hand.te / FORGET;
             }
-            let path = norm(&hand.moved[at..end]);
-            if hand.fresh || path > 0.0 {
-                self.inject[at..end].fill(0.0);
-                self.viscosity[at] = 0.0;
-                if self.leak[at] > 0.0 && path > 0.0 {
-                    // of a slower device the motion of its whole frame is seen at once
-                    let size = (self.leak[at] / path).min(self.most).min(self.stop * path);
-                    for k in at..end {
-                        self.inject[k] = -size * hand.moved[k] / path;
-                    }
-                    self.viscosity[at] = size * hand.te / path;
-                }
+            s.leak = s.leak.clamp(-REFERENCE * self.cap, self.cap);
+            s.work = (s.work * (1.0 - hand.te / WORK_TIME) + work).max(-TAKEN);
+            if s.work > WORK && s.off == 0 {
+                (s.off, s.next, s.work) = (s.next, (2 * s.next).min(self.stop[1]), 0.0);
             }
-            if self.inject[at..end].iter().any(|f| *f != 0.0) {
-                for k in at..end {
-                    hand.force[k] += self.inject[k];
-                }
-                limit(&mut hand.force[at..end], self.most);
-                hand.inject = hand.inject.max(self.viscosity[at]);
-                hand.flags |= flag::PASSIVITY;
+            if s.off > 0 {
+                s.off -= 1;
+                hand.flags |= flag::PASSIVITY_OFF;
+                continue;
             }
+            let viscosity = self.viscosity * (s.leak / (REFERENCE * self.cap)).clamp(0.0, 1.0);
+            if viscosity * part == 0.0 {
+                continue;
+            }
+            let b = (viscosity * part).min(self.injection / size);
+            for (k, v) in (at..end).zip(speed) {
+                self.past[now][1][k] = -b * v;
+                hand.force[k] -= b * v;
+            }
+            limit(&mut hand.force[at..end], self.most);
+            hand.inject = hand.inject.max(b);
+            hand.flags |= flag::PASSIVITY;
         }
+        hand.injected = self.past[now][1];
     }
 }

@@ -42,7 +42,9 @@ impl Stage for Saturation {
 
     fn pass(&mut self, hand: &mut Hand) {
         for at in (0..hand.n).step_by(self.axes) {
-            if limit(&mut hand.force[at..(at + self.axes).min(hand.n)], self.most) {
+            let end = (at + self.axes).min(hand.n);
+            limit(&mut hand.mean[at..end], self.most);
+            if limit(&mut hand.force[at..end], self.most) {
                 hand.flags |= flag::SATURATED;
             }
         }

@@ -111,17 +111,25 @@ pub struct Limits {
     pub edge: f64,
     /// stiffness of the soft edge \[N/m\]; absent: see [`Profile::edge_stiffness`] (H11)
     pub edge_stiffness: Option<f64>,
-    /// the passivity controller (H12)
+    /// the passivity stage (H12)
     pub passivity: bool,
+    /// largest viscosity it adds, as a part of `body.friction` (H12)
+    pub passivity_viscosity: f64,
+    /// largest force it adds, as a part of the largest force (H12)
+    pub passivity_force: f64,
+    /// frequency up to which it follows the motion \[Hz\] (H12)
+    pub passivity_band: f64,
+    /// largest energy it accounts as made by the rate boundary \[J\] (H12)
+    pub passivity_leak: f64,
     /// the oscillation detector (H13)
     pub oscillation: bool,
     /// part of the largest force, in the band, that counts as an oscillation (H13)
     pub oscillation_level: f64,
-    /// its band \[Hz\] (H13)
+    /// its band \[Hz\]; `inf` for up to half of the gesture rate (H13)
     pub oscillation_band: [f64; 2],
-    /// how long it must last \[s\] (H13)
+    /// how long it must last \[s\], and half of it to be weakened again (H13)
     pub oscillation_time: f64,
-    /// gain once detected (H13)
+    /// gain once detected, again for as long as it goes on (H13)
     pub oscillation_gain: f64,
 }
 
@@ -145,9 +153,13 @@ impl Default for Limits {
             edge: 0.05,
             edge_stiffness: None,
             passivity: true,
+            passivity_viscosity: 0.5,
+            passivity_force: 0.1,
+            passivity_band: 60.0,
+            passivity_leak: 2e-4,
             oscillation: true,
             oscillation_level: 0.3,
-            oscillation_band: [30.0, 300.0],
+            oscillation_band: [30.0, f64::INFINITY],
             oscillation_time: 0.05,
             oscillation_gain: 0.3,
         }
@@ -212,6 +224,8 @@ impl Profile {
             ("guard.ttl", l.ttl),
             ("guard.bad_time", l.bad_time),
             ("guard.oscillation_time", l.oscillation_time),
+            ("guard.passivity_band", l.passivity_band),
+            ("guard.passivity_leak", l.passivity_leak),
             ("rate", self.rate),
             ("body.mass", self.body.mass),
         ];
@@ -230,6 +244,8 @@ impl Profile {
             ("guard.stop", Some(l.stop)),
             ("guard.edge", Some(l.edge)),
             ("guard.edge_stiffness", l.edge_stiffness),
+            ("guard.passivity_viscosity", Some(l.passivity_viscosity)),
+            ("guard.passivity_force", Some(l.passivity_force)),
             ("guard.oscillation_level", Some(l.oscillation_level)),
             ("guard.oscillation_gain", Some(l.oscillation_gain)),
             ("body.friction", Some(self.body.friction)),
@@ -256,8 +272,15 @@ impl Profile {
             return Err("`guard.zero` must be later than `guard.hold`".into());
         }
         let [low, high] = l.oscillation_band;
-        if !(low > 0.0 && high > low && high.is_finite()) {
-            return Err("`guard.oscillation_band` = [lowest, highest] in hertz, more than 0".into());
+        if !(low > 0.0 && low.is_finite() && high > low) {
+            return Err(
+                "`guard.oscillation_band` = [lowest, highest] in hertz, more than 0; `inf` for all above".into()
+            );
+        }
+        for (name, v) in [("passivity_viscosity", l.passivity_viscosity), ("passivity_force", l.passivity_force)] {
+            if v > 1.0 {
+                return Err(format!("`guard.{name}` is a part of what the device has: at most 1, it is {v}"));
+            }
         }
         if l.oscillation_gain > 1.0 {
             return Err(format!("`guard.oscillation_gain` weakens: at most 1, it is {}", l.oscillation_gain));
@@ -282,6 +305,11 @@ impl Profile {
         let width = self.guard.edge * (self.range[1] - self.range[0]);
         let whole = if width > 0.0 { self.force / width } else { 0.0 };
         self.guard.edge_stiffness.unwrap_or_else(|| self.stiffness.map_or(whole, |k| whole.min(0.5 * k)))
+    }
+
+    /// Smallest motion that is no error of the sensor \[m\]: its step, and six standard deviations of its noise.
+    pub fn grain(&self) -> f64 {
+        self.body.step + 6.0 * self.body.noise
     }
 
     /// How long the force is held without fresh frames \[s\] (H6).

@@ -73,11 +73,11 @@ class Hand:
     force: Floats
     #: number of the device frame it answers (n,)
     answers: npt.NDArray[np.int64]
-    #: what the guard did to it (n,), a bit each, from the lowest: cut to the largest force, slowed down, made passive,
-    #: weakened for it oscillated, weakened to spare the motors, in the soft edge, from positions that are not fresh, and
-    #: armed but waiting until nothing pushes
+    #: what the guard did to it (n,), a bit each, from the lowest: cut to the largest force, slowed down, damped to stay
+    #: passive, weakened for it oscillated, weakened to spare the motors, in the soft edge, from positions that are not
+    #: fresh, armed but waiting until nothing pushes, and damping left out for a while since it gave energy
     flags: npt.NDArray[np.uint32]
-    #: damping that passivity took (n,) [N s/m], the largest of all degrees of freedom
+    #: viscosity that the passivity stage added (n,) [N s/m], the largest of all degrees of freedom
     injected: Floats
     #: ``off``, ``ramp``, ``on``, ``damp`` or ``fault`` (n,)
     mode: Texts

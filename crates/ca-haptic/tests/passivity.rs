@@ -1,0 +1,436 @@
+//! H12 and H13 in the loop of an engine and a simulated or prescribed hand, under noise and steps of the sensor and
+//! frames of delay (numerics 5.2, 5.3): what the passivity stage adds, what it pays out, and what ends.
+//!
+//! All lengths of time count frames. `CA_LONG=1` plays every case of the grid, else every 41st.
+
+use ca_core::border::{Delays, delays};
+use ca_core::model::read::read;
+use ca_core::{Catalog, Options as Compile, Scene, compile};
+use ca_haptic::calibration::Calibration;
+use ca_haptic::engine::{Act, Engine, Options, Port, Setup};
+use ca_haptic::equivalence::gains;
+use ca_haptic::frame::{DeviceFrame, ForceFrame, Mode, flag};
+use ca_haptic::gesture::{Gesture, Track};
+use ca_haptic::guard::Order;
+use ca_haptic::profile::{Profile, SHIPPED};
+use ca_haptic::simulated::{Device, Hand, Script};
+use std::fmt::Write as _;
+use std::sync::Arc;
+
+/// Seconds a gesture frame.
+const TE: f64 = 1.0 / 3000.0;
+
+fn scene(text: &str) -> Arc<Scene> {
+    let catalog = Catalog::core();
+    let (model, findings) = read(text, "loop.ca.toml", &catalog);
+    assert!(!findings.has_errors(), "{text}");
+    Arc::new(compile(&model, &catalog, &Compile::default()).expect("a scene"))
+}
+
+/// How far a key is above its wall while forces fade in: noise must not push \[m\].
+const GAP: f64 = 1e-4;
+
+/// A key at the middle of the travel of its device, and a wall below it: lossless, one-sided.
+fn wall(k: f64, middle: f64) -> Arc<Scene> {
+    scene(&format!(
+        "[TGR]\nkey = {{ device = \"key\", dof = 0, x = {middle:e} }}\n[SOL]\nwall = {{ x = {:e} }}\n\
+         [BUT]\nstop = {{ between = [\"wall\", \"key\"], k = {k:e}, d = 0 }}\n",
+        middle - GAP
+    ))
+}
+
+/// An engine with one device.
+struct Rig {
+    engine: Engine,
+    next: DeviceFrame,
+}
+
+impl Rig {
+    fn new(scene: &Arc<Scene>, device: &str, profile: Profile) -> Rig {
+        let next = DeviceFrame::new(device, profile.dof as usize);
+        let gains = gains(scene, device);
+        let setup = Setup { device: device.into(), profile, calibration: Calibration::default(), gains };
+        let port = Port::new(scene, setup);
+        assert!(!port.links.is_empty());
+        let mut engine = Engine::new(scene.clone(), vec![port], Options::default());
+        engine.act(Act::Order(None, Order::Arm));
+        Rig { engine, next }
+    }
+
+    /// A gesture frame; with a frame of the device where there is one, which held force number `ack`.
+    fn go(&mut self, x: Option<&[f64]>, ack: u64) -> ForceFrame {
+        if let Some(x) = x {
+            self.next.seq += 1;
+            self.next.ack = ack;
+            self.next.t_device_ns = (self.engine.due() as f64 / 48e3 * 1e9) as u64;
+            self.next.pos[..x.len()].copy_from_slice(x);
+            let mut f = self.next;
+            self.engine.take(0, &mut f);
+        }
+        let out = *self.engine.answer().next().expect("a device");
+        self.engine.finish();
+        out
+    }
+
+    fn injected(&self) -> [f64; 32] {
+        self.engine.ports[0].hand.injected
+    }
+}
+
+/// xorshift.
+struct Dice(u64);
+
+impl Dice {
+    fn even(&mut self) -> f64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        ((self.0 >> 12) as f64 + 0.5) / (1_u64 << 52) as f64
+    }
+
+    fn normal(&mut self) -> f64 {
+        (-2.0 * self.even().ln()).sqrt() * (std::f64::consts::TAU * self.even()).cos()
+    }
+}
+
+/// What a hand does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Move {
+    /// the device is pushed onto the wall with a fifth of its force, and gives way
+    Lean,
+    /// prescribed: 20 µm to and fro from frame to frame, 0.5 mm inside the wall
+    Tremble,
+    /// prescribed: slowly 1 mm into the wall, out of it at 0.3 m/s, once a second
+    Release,
+    /// prescribed: 10 Hz, 0.3 mm, 0.5 mm inside the wall
+    Tremor,
+    /// prescribed: 400 Hz, 20 µm, 0.5 mm inside the wall
+    Fast,
+}
+
+const MOVES: [Move; 5] = [Move::Lean, Move::Tremble, Move::Release, Move::Tremor, Move::Fast];
+
+#[derive(Clone, Debug)]
+struct Case {
+    profile: &'static str,
+    noise: f64,
+    step: f64,
+    /// whether the profile knows of noise and step
+    known: bool,
+    delay: u64,
+    motion: Move,
+    k: f64,
+}
+
+/// What was seen of a case.
+struct Seen {
+    /// of the force that the stage added \[N\]
+    rms: f64,
+    most: f64,
+    /// the most energy that it had given to the hand at any time \[J\]
+    paid: f64,
+    flags: u32,
+    /// K κ T over the friction of the device, less than 1 where the loop is passive by itself
+    share: f64,
+}
+
+fn play(case: &Case, seconds: f64) -> Seen {
+    let mut p = Profile::shipped(case.profile).expect("shipped");
+    p.dof = p.axes;
+    let (low, high) = (p.range[0], p.range[1]);
+    let middle = 0.5 * (low + high);
+    let mut real = p.clone();
+    (real.body.noise, real.body.step) = (case.noise, case.step);
+    if case.known {
+        p = real.clone();
+    }
+    let n = p.dof as usize;
+    let scene = wall(case.k, middle);
+    let every = (3000.0 / p.rate).round().max(1.0) as u64;
+    let longer = every as f64;
+    let own = delays(&scene);
+    let d = Delays {
+        spring: longer * (own.spring + (case.delay - 1) as f64 * own.frame),
+        frame: own.frame * longer,
+        ..own
+    };
+    let share = case.k / d.stiffest(p.body.friction);
+    // what of the force is not used moves the other axes not at all
+    let push = if case.motion == Move::Lean { -0.2 * p.force } else { 0.0 };
+    real.range = [low - middle, high - middle];
+    let mut device = Device::new(&real, Hand::NONE, Script::Push { force: 0.0 }, 0, 5);
+    let mut rig = Rig::new(&scene, "key", p.clone());
+    let mut dice = Dice(77);
+    let (mut x, mut measured) = ([middle; 3], [middle; 3]);
+    let (mut at, mut mode) = ([middle; 3], Mode::Off);
+    // forces by the number of their frame, sent and injected
+    let mut sent = vec![[[0.0; 3]; 2]];
+    let (mut begun, mut seen) = (None, Seen { rms: 0.0, most: 0.0, paid: 0.0, flags: 0, share });
+    let mut work = 0.0f64;
+    let frames = (seconds / TE) as u64;
+    for frame in 0..(frames + 9000) {
+        let now = begun.map_or(0, |b| frame - b);
+        if now >= frames {
+            break;
+        }
+        // of a slower device every so many frames
+        let comes = frame % every == 0;
+        let ack = (sent.len() as u64 - 1).saturating_sub((case.delay - 1) * every);
+        if comes {
+            let held = sent[ack as usize];
+            let t = now as f64 * TE;
+            if case.motion == Move::Lean {
+                if begun.is_some() {
+                    let force = held[0];
+                    let mut all = [force[0] + push, force[1], force[2]];
+                    if now == 0 {
+                        all = [0.0; 3];
+                    }
+                    device.step(&all[..n], every as f64 * TE);
+                }
+                for k in 0..n {
+                    x[k] = device.truth(k)[0] + middle;
+                }
+            } else if begun.is_some() {
+                let turn = std::f64::consts::TAU;
+                let begin = (t / 0.25).min(1.0);
+                x[0] = middle
+                    - begin * GAP
+                    - match case.motion {
+                        Move::Tremble => {
+                            0.5e-3 * begin + 20e-6 * dice.even() * if frame / every % 2 == 0 { 1.0 } else { -1.0 }
+                        }
+                        Move::Release => {
+                            let phase = t.fract();
+                            if phase < 0.8 { 1e-3 * phase / 0.8 } else { (1e-3 - 0.3 * (phase - 0.8)).max(0.0) }
+                        }
+                        Move::Tremor => begin * (0.5e-3 + 0.3e-3 * (10.0 * turn * t).sin()),
+                        _ => begin * (0.5e-3 + 20e-6 * (400.0 * turn * t).sin()),
+                    };
+            }
+            for k in 0..n {
+                if begun.is_some() {
+                    work += held[1][k] * (x[k] - at[k]);
+                }
+                at[k] = x[k];
+                let noisy = x[k] - middle + case.noise * dice.normal();
+                measured[k] = middle + if case.step > 0.0 { (noisy / case.step).round() * case.step } else { noisy };
+            }
+            seen.paid = seen.paid.max(work);
+        }
+        let f = rig.go(comes.then_some(&measured[..n]), ack);
+        mode = Mode::read(f.mode);
+        let injected = rig.injected();
+        sent.push([[0, 1, 2].map(|k| f64::from(f.force[k])), [injected[0], injected[1], injected[2]]]);
+        if begun.is_none() && mode == Mode::On {
+            begun = Some(frame + 1);
+        } else if begun.is_some() {
+            if mode != Mode::On {
+                // a wall that cannot be held throws the device, and forces end
+                assert!(share > 1.0, "{case:?}: {mode:?} at {now}: {}", f.cause);
+                break;
+            }
+            let size = injected[..n].iter().map(|f| f * f).sum::<f64>();
+            seen.rms += size / frames as f64;
+            seen.most = seen.most.max(size.sqrt());
+            seen.flags |= f.flags;
+        }
+    }
+    assert!(begun.is_some(), "{case:?}: forces are not on: {mode:?}");
+    seen.rms = seen.rms.sqrt();
+    seen
+}
+
+#[test]
+fn h12_adds_next_to_nothing_under_noise_and_pays_nothing_out() {
+    let mut cases = Vec::new();
+    for (profile, _) in SHIPPED.iter().filter(|s| s.0 != "mouse") {
+        for noise in [0.0, 1e-6, 5e-6] {
+            for step in [1e-6, 1e-5, 6e-5] {
+                for (delay, known) in [(1, true), (1, false), (2, true), (2, false)] {
+                    for motion in MOVES {
+                        for k in [5e2, 2e3, 6e3, 2e4] {
+                            cases.push(Case { profile, noise, step, known, delay, motion, k });
+                        }
+                    }
+                }
+            }
+        }
+    }
+    let each = if std::env::var_os("CA_LONG").is_some() { 1 } else { 41 };
+    let (mut rms, mut paid, mut passive, mut active) = (0.0f64, 0.0f64, 0, 0);
+    for case in cases.iter().step_by(each) {
+        let seen = play(case, 10.0);
+        if seen.share < 1.0 {
+            passive += 1;
+            rms = rms.max(seen.rms);
+            assert!(seen.rms < 0.05, "{case:?}: {} N r.m.s.", seen.rms);
+        } else {
+            active += 1;
+        }
+        paid = paid.max(seen.paid);
+        assert!(seen.paid < 1e-4, "{case:?}: {} J", seen.paid);
+    }
+    println!("{passive} passive, {active} not: at most {rms:.4} N r.m.s. where passive, {:.1} uJ paid out", 1e6 * paid);
+    assert!(passive > 20 && active > 20);
+}
+
+/// The device of numerics 5.3 on a wall, pushed with 2 N from the first moment: 0.2 kg, 2 N s/m, nothing else that limits.
+fn e02(passivity: bool) -> Profile {
+    let mut p = Profile::shipped("tgr12").expect("shipped");
+    (p.dof, p.force, p.range) = (1, 100.0, [-1e3, 1e3]);
+    (p.body.step, p.body.noise) = (0.0, 0.0);
+    let l = &mut p.guard;
+    (l.speed, l.slew, l.edge, l.passivity, l.oscillation) = (1e4, Some(1e15), 0.0, passivity, false);
+    (l.clear_time, l.ramp) = (TE, TE);
+    p
+}
+
+/// A simulated device without a hand in a loop with an engine, `delay` frames late.
+struct Loop {
+    rig: Rig,
+    device: Device,
+    sent: Vec<f64>,
+    delay: usize,
+}
+
+impl Loop {
+    fn new(scene: &Arc<Scene>, p: &Profile, delay: usize) -> Loop {
+        let mut rig = Rig::new(scene, "key", p.clone());
+        let on = (0..9000).find(|n| Mode::read(rig.go(Some(&[0.0]), *n).mode) == Mode::On);
+        let sent = vec![0.0; on.expect("forces on") as usize + 2];
+        Loop { rig, device: Device::new(p, Hand::NONE, Script::Push { force: 0.0 }, 0, 1), sent, delay }
+    }
+
+    /// A frame in which somebody pushes with `push` newtons: where the device is \[m\], and what is sent.
+    fn step(&mut self, push: f64) -> (f64, ForceFrame) {
+        let ack = self.sent.len() - self.delay;
+        self.device.step(&[self.sent[ack] + push], TE);
+        let f = self.rig.go(Some(&[self.device.measured()[0]]), ack as u64);
+        self.sent.push(f64::from(f.force[0]));
+        (self.device.truth(0)[0], f)
+    }
+}
+
+/// Peak to peak over the last second of ten \[m\].
+fn swing(k: f64, passivity: bool, delay: usize) -> f64 {
+    let mut l = Loop::new(&wall(k, 0.0), &e02(passivity), delay);
+    let (mut low, mut high) = (f64::MAX, f64::MIN);
+    for n in 0..30_000 {
+        let (x, _) = l.step(-2.0);
+        if n >= 27_000 {
+            (low, high) = (low.min(x), high.max(x));
+        }
+    }
+    high - low
+}
+
+#[test]
+fn h12_a_pressed_wall_swings_nowhere_more_than_without_the_stage() {
+    let mut table = String::from(
+        "| wall (kN/m) | without (µm) | with (µm) | a frame later: without | with |\n|---|---|---|---|---|\n",
+    );
+    let micro = |x: f64| if x < 5e-7 { "< 0.5".into() } else { format!("{:.0}", 1e6 * x) };
+    for k in [3.0, 5.5, 8.0, 12.0, 20.0, 40.0] {
+        let s = [(false, 1), (true, 1), (false, 2), (true, 2)].map(|(on, delay)| swing(1e3 * k, on, delay));
+        for pair in s.chunks(2) {
+            assert!(pair[1] <= pair[0] * (1.0 + 1e-4) + 1e-9, "{k} kN/m: {s:?}");
+        }
+        assert!(k > 5.5 || s[1] < 5e-6, "{k} kN/m: {s:?}");
+        let _ = writeln!(table, "| {k} | {} | {} | {} | {} |", micro(s[0]), micro(s[1]), micro(s[2]), micro(s[3]));
+    }
+    let page = include_str!("../../../docs/safety.md");
+    assert!(page.contains(&table), "docs/safety.md has another table than\n{table}");
+}
+
+#[test]
+fn h12_a_quick_release_is_not_held_back() {
+    for (k, delay) in [(5e2, 1), (5e2, 2), (2e3, 1), (2e3, 2)] {
+        let case = Case { profile: "tgr12", noise: 1e-6, step: 1e-6, known: true, delay, motion: Move::Release, k };
+        let seen = play(&case, 5.0);
+        assert!(seen.share < 1.0 && seen.most < 0.1, "{k} N/m, {delay}: {} N", seen.most);
+    }
+}
+
+#[test]
+fn h12_an_injection_that_gives_energy_stops_and_says_so() {
+    // 400 Hz over a wall that cannot be held: the injection comes too late to damp it
+    let case = Case { profile: "tgr12", noise: 0.0, step: 0.0, known: true, delay: 2, motion: Move::Fast, k: 2e4 };
+    let seen = play(&case, 10.0);
+    assert!(seen.flags & flag::PASSIVITY != 0 && seen.flags & flag::PASSIVITY_OFF != 0, "{:b}", seen.flags);
+    assert!(seen.paid > 1e-5 && seen.paid < 1e-4, "{} J", seen.paid);
+}
+
+#[test]
+fn h13_a_growing_oscillation_of_400_hz_ends_within_a_fifth_of_a_second() {
+    // a light device with much friction, on a spring of twice the stiffness b/T that it holds: cut to the largest force it
+    // is as soft as that, so that it swings at √(b/T/m)/2π = 421 Hz
+    let spring = "[TGR]\nkey = { device = \"key\", dof = 0 }\n[SOL]\nwall = {}\n[RES]\nk = { between = [\"wall\", \"key\"], k = 120e3 }\n";
+    for passivity in [true, false] {
+        let mut p = e02(passivity);
+        (p.body.mass, p.body.friction, p.force, p.guard.oscillation) = (0.00857, 20.0, 10.0, true);
+        let mut l = Loop::new(&scene(spring), &p, 1);
+        let (mut begun, mut force, mut moved) = (None, vec![], vec![]);
+        for n in 0..3000 {
+            let (x, f) = l.step(if n == 0 { 0.05 } else { 0.0 });
+            let f = f64::from(f.force[0]);
+            // a tenth of the largest force is the beginning
+            if begun.is_none() && f.abs() > 1.0 {
+                begun = Some(n);
+            }
+            force.push(f);
+            moved.push(x);
+        }
+        let begun = begun.expect("it grows");
+        assert!(begun < 300, "it grows from {begun}");
+        let most = |v: &[f64]| v.iter().fold(0.0, |m: f64, f| m.max(f.abs()));
+        assert!(most(&force[begun..begun + 150]) > 9.9, "up to the largest force");
+        let turns = force[begun..begun + 150].windows(2).filter(|w| w[0] * w[1] < 0.0).count();
+        let hertz = turns as f64 / (2.0 * 150.0 * TE);
+        assert!((hertz - 400.0).abs() < 60.0, "{hertz} Hz");
+        let after = begun + 600;
+        let (f, x) = (most(&force[after..after + 600]), most(&moved[after..after + 600]));
+        assert!(f < 0.1 && x < 1e-5, "after 0.2 s still {f} N, {x} m");
+    }
+}
+
+#[test]
+fn h12_twelve_keys_under_noise_are_left_alone() {
+    let text = include_str!("../../../models/hammer_piano.ca.toml");
+    let scene = scene(text);
+    let p = Profile::shipped("tgr12").expect("shipped");
+    // one finger leans on its key, inside the bed; eleven are not touched
+    let track = |k: usize| {
+        let to = if k == 0 { -0.2e-3 } else { -8e-3 };
+        Track::points(&format!("key {k}"), vec![(0.0, -8e-3), (1.5, -8e-3), (1.7, to)]).expect("a track")
+    };
+    let hands = Gesture::new((0..12).map(track).collect()).expect("a gesture");
+    let mut device = Device::new(&p, Hand::finger(p.force, &p), Script::File(hands), 0, 9);
+    let mut rig = Rig::new(&scene, "tgr12", p);
+    let mut sent = vec![[0.0; 12]];
+    let (mut sum, mut felt, mut worst, mut on) = ([0.0; 12], [0.0f64; 12], [0.0f64; 12], 0);
+    for _ in 0..21_000 {
+        let ack = sent.len().saturating_sub(2);
+        let x: [f64; 12] = device.step(&sent[ack], TE).try_into().expect("twelve keys");
+        let f = rig.go(Some(&x), ack as u64);
+        sent.push(core::array::from_fn(|k| f64::from(f.force[k])));
+        if Mode::read(f.mode) == Mode::On && device.time() > 2.0 {
+            on += 1;
+            for (k, added) in rig.injected()[..12].iter().enumerate() {
+                sum[k] += added * added;
+                worst[k] = worst[k].max(added.abs());
+                felt[k] = felt[k].max(sent[sent.len() - 1][k].abs());
+            }
+        }
+    }
+    assert!(on > 14_000, "{on} frames with forces");
+    // the key that is pressed is: nearly 2 N of the bed
+    let held = -sent.last().expect("frames")[0];
+    assert!(held > 1.0, "{held} N");
+    for k in 0..12 {
+        let rms = (sum[k] / f64::from(on)).sqrt();
+        assert!(rms < 1e-3 && worst[k] < 1e-2, "key {k}: {rms} N r.m.s., {} N", worst[k]);
+        // five deviations of the noise on 160 N/m
+        assert!(k == 0 || felt[k] < 1.5e-3, "key {k}, which nobody touches: {} N", felt[k]);
+    }
+}
