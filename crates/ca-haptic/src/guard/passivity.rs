@@ -21,8 +21,8 @@
 //! 2005), so that nothing is paid at once when a hand lets go. What cannot be held passively by such a viscosity is named
 //! by `ca check --device`, and ended by the oscillation stage.
 //!
-//! The work of the injection itself is added up. Where it becomes positive, the injection stops for a second, for twice
-//! as long the next time, and every frame of that time carries a flag.
+//! The work of the injection itself is added up. Where it becomes positive, the injection stops for two seconds, for
+//! twice as long the next time, and every frame of that time carries a flag.
 //!
 //! The ledger begins anew whenever forces are not fully on.
 
@@ -40,11 +40,11 @@ const REFERENCE: f64 = 0.25;
 const FORGET: f64 = 0.5;
 /// Work of the injection on the hand at which it stops \[J\], what of the energy it took out counts against that \[J\], and
 /// the time constant in which both are forgotten \[s\].
-const WORK: f64 = 1.5e-5;
+const WORK: f64 = 1e-5;
 const TAKEN: f64 = 1e-4;
 const WORK_TIME: f64 = 5.0;
 /// For how long it stops, the first time and at most \[s\].
-const STOP: [f64; 2] = [1.0, 32.0];
+const STOP: [f64; 2] = [2.0, 64.0];
 
 /// Observer and controller, per vector of force.
 pub struct Passivity {
@@ -133,7 +133,12 @@ impl Stage for Passivity {
             for (k, v) in (at..end).zip(&mut speed) {
                 let axis = &mut self.axis[k];
                 *v = low_pass(&mut axis.speed, self.share, hand.moved[k] / hand.te);
-                made += low_pass(&mut axis.force, self.share, asked[k] - hand.mean[k]) * *v;
+                if on {
+                    made += low_pass(&mut axis.force, self.share, asked[k] - hand.mean[k]) * *v;
+                } else {
+                    // when a device appears, which force it held is a matter of chance
+                    axis.force = [0.0; 2];
+                }
                 work += injected[k] * hand.moved[k];
             }
             let s = &mut self.vector[at];
