@@ -24,7 +24,7 @@
 //! The work of the injection itself is added up. Where it becomes positive, the injection stops for two seconds, for
 //! twice as long the next time, and every frame of that time carries a flag.
 //!
-//! The ledger begins anew whenever forces are not fully on.
+//! The ledger begins anew whenever forces are not fully on, and counts once they were for as long as a device may be late.
 
 use super::gate::frames;
 use super::saturation::limit;
@@ -62,6 +62,8 @@ pub struct Passivity {
     /// largest leak \[J\]
     cap: f64,
     stop: [u32; 2],
+    /// frames for which forces have been fully on, up to the length of the ring
+    on: usize,
     axis: [Axis; DOF],
     vector: [Vector; DOF],
     /// forces before the injection, and of the injection, a ring by the number of their frame \[N\]
@@ -109,6 +111,7 @@ impl Passivity {
             dead: profile.grain() * core::f64::consts::TAU * l.passivity_band,
             cap: l.passivity_leak,
             stop,
+            on: 0,
             axis: [Axis::default(); DOF],
             vector: [Vector { leak: 0.0, work: 0.0, off: 0, next: stop[0] }; DOF],
             past: Box::new([[[0.0; DOF]; 2]; PAST]),
@@ -126,25 +129,24 @@ impl Stage for Passivity {
         let [asked, injected] = self.past[(hand.frame + 1 - hand.ago) as usize % PAST];
         self.past[now] = [hand.force, [0.0; DOF]];
         // the mode is still that of the frame before: the force that did the work
-        let on = hand.mode == Mode::On;
+        self.on = if hand.mode == Mode::On { (self.on + 1).min(PAST) } else { 0 };
+        // whatever force a device says it held was fully on by then
+        let on = self.on == PAST;
         for at in (0..hand.n).step_by(self.axes) {
             let end = (at + self.axes).min(hand.n);
+            let s = &mut self.vector[at];
+            if !on {
+                // also the filters: which force a device held while it appeared is a matter of chance
+                self.axis[at..end].fill(Axis::default());
+                *s = Vector { leak: 0.0, work: 0.0, off: 0, next: self.stop[0] };
+                continue;
+            }
             let (mut speed, mut made, mut work) = ([0.0; 3], 0.0, 0.0);
             for (k, v) in (at..end).zip(&mut speed) {
                 let axis = &mut self.axis[k];
                 *v = low_pass(&mut axis.speed, self.share, hand.moved[k] / hand.te);
-                if on {
-                    made += low_pass(&mut axis.force, self.share, asked[k] - hand.mean[k]) * *v;
-                } else {
-                    // when a device appears, which force it held is a matter of chance
-                    axis.force = [0.0; 2];
-                }
+                made += low_pass(&mut axis.force, self.share, asked[k] - hand.mean[k]) * *v;
                 work += injected[k] * hand.moved[k];
-            }
-            let s = &mut self.vector[at];
-            if !on {
-                *s = Vector { leak: 0.0, work: 0.0, off: 0, next: self.stop[0] };
-                continue;
             }
             // the part of the speed beyond the dead zone
             let size = norm(&speed[..end - at]);
