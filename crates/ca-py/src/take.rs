@@ -201,11 +201,7 @@ impl Take {
         let faults = summary.faults.iter().map(|f| (f.device.clone(), f.time, f.cause.name()));
         d.set_item("faults", faults.collect::<Vec<_>>())?;
         d.set_item("lost", summary.lost)?;
-        let end = match summary.end {
-            take::End::Whole => None,
-            take::End::Cut(why, _) => Some(why),
-        };
-        d.set_item("cut", end)?;
+        d.set_item("cut", summary.end.early().map(|(why, _)| why))?;
         Ok(d)
     }
 

@@ -21,11 +21,12 @@ pub fn run(args: &LogArgs) -> Outcome {
             } else {
                 info(&take, &summary)?;
             }
-            if let End::Cut(why, bytes) = &summary.end {
+            if summary.end != End::Whole {
                 let fix = format!("`ca log recover {}` saves the rest", file.display());
-                term::warning(&format!("the file was cut off: {why}; {bytes} bytes at its end are of no use; {fix}"));
+                term::warning(&format!("{}; {fix}", summary.end));
             }
-            Ok(if summary.lost[0] + summary.lost[1] > 0 { Ended::Degraded } else { Ended::Well })
+            let damaged = matches!(summary.end, End::Damaged(..));
+            Ok(if damaged || summary.lost[0] + summary.lost[1] > 0 { Ended::Degraded } else { Ended::Well })
         }
         LogCommand::Recover { file, output, force } => recovered(file, output.as_ref(), *force),
         LogCommand::Export { file, what, output, force } => exported(file, what, output, *force),
@@ -59,8 +60,15 @@ fn recovered(file: &Path, output: Option<&PathBuf>, force: bool) -> Outcome {
             Ok(Ended::Well)
         }
         Some((why, bytes)) => {
-            let less = "what was played in the last quarter of a second before it ended was not yet written";
-            term::warning(&format!("the take was cut off: {why}, {bytes} bytes at its end were of no use; {less}"));
+            let text = if r.damaged {
+                format!(
+                    "the take is damaged: {why}, {bytes} bytes from there on were not used; what was played then is lost"
+                )
+            } else {
+                let less = "what was played in the last quarter of a second before it ended was not yet written";
+                format!("the take was cut off: {why}, {bytes} bytes at its end were of no use; {less}")
+            };
+            term::warning(&text);
             Ok(Ended::Degraded)
         }
     }
@@ -154,7 +162,7 @@ fn info_json(take: &Take, s: &Summary) -> Result<(), Failure> {
         s.faults.iter().map(|f| json!({"device": f.device, "time": f.time, "cause": f.cause.name()})).collect();
     let devices: Vec<_> =
         h.setups.iter().map(|d| json!({"name": d.device, "profile": d.profile.name, "dof": d.profile.dof})).collect();
-    let cut = if let End::Cut(why, bytes) = &s.end { Some(json!({"why": why, "bytes": bytes})) } else { None };
+    let cut = s.end.early().map(|(why, bytes)| json!({"why": why, "bytes": bytes}));
     let all = json!({
         "file": take.path.display().to_string(), "title": h.title, "model": h.file, "set": h.changes,
         "seconds": s.seconds, "sound_rate": h.rate, "gesture_rate": h.rate / f64::from(h.ratio), "host": h.host,

@@ -255,7 +255,7 @@ impl Desk {
             Record::Device { port, frame } => {
                 let Some(seen) = self.seen.get_mut(*port as usize) else { return };
                 seen.frames += 1;
-                if let Some(ns) = seen.loops.device(frame) {
+                if let Some(ns) = seen.loops.device(frame, crate::rt::now_ns()) {
                     seen.times.add(ns);
                     self.second.loops.add(ns);
                 }

@@ -1,16 +1,20 @@
 //! Loop latency: from a position a device sent to the first position it sent after using the force that answers it.
 //!
-//! Both ends are stamped by the device, so no clocks are compared; `ack` on either side ties them together.
+//! Both ends are stamped by the device, so no clocks are compared; `ack` on either side ties them together. A stamp of a
+//! clock that is not ours, or none, would make any number of it: a loop that is longer than the time which passed here
+//! meanwhile is not counted.
 
 use crate::frame::{DeviceFrame, ForceFrame};
 
 /// Frames that are remembered: a third of a second at 3 kHz.
 const KEPT: usize = 1024;
+/// Longest time a frame lies in the rings before it is looked at here \[ns\].
+const WAITS: u64 = 5_000_000_000;
 
 /// Of one device.
 pub(super) struct Loops {
-    /// when each position frame was sent, by its number: (seq, ns)
-    sent: Vec<(u64, u64)>,
+    /// when each position frame was sent, by its number, and when it was looked at here: (seq, ns, ns)
+    sent: Vec<(u64, u64, u64)>,
     /// which position each force frame answers, by its number: (seq, seq of the position)
     answered: Vec<(u64, u64)>,
     session: u64,
@@ -20,7 +24,7 @@ pub(super) struct Loops {
 
 impl Loops {
     pub(super) fn new() -> Loops {
-        Loops { sent: vec![(0, 0); KEPT], answered: vec![(0, 0); KEPT], session: 0, last: 0 }
+        Loops { sent: vec![(0, 0, 0); KEPT], answered: vec![(0, 0); KEPT], session: 0, last: 0 }
     }
 
     pub(super) fn force(&mut self, f: &ForceFrame) {
@@ -29,19 +33,21 @@ impl Loops {
         }
     }
 
-    /// The latency this frame closes \[ns\], if it is the first to use a force.
-    pub(super) fn device(&mut self, f: &DeviceFrame) -> Option<u64> {
+    /// The latency this frame closes \[ns\], if it is the first to use a force. It is `now` \[ns\] by our clock.
+    pub(super) fn device(&mut self, f: &DeviceFrame, now: u64) -> Option<u64> {
         if f.session != self.session {
             *self = Loops { session: f.session, ..Loops::new() };
         }
-        self.sent[f.seq as usize % KEPT] = (f.seq, f.t_host_ns);
+        self.sent[f.seq as usize % KEPT] = (f.seq, f.t_host_ns, now);
         if f.ack <= self.last {
             return None;
         }
         self.last = f.ack;
         let (seq, position) = self.answered[f.ack as usize % KEPT];
-        let (sent, at) = self.sent[position as usize % KEPT];
-        (seq == f.ack && sent == position && f.t_host_ns > at).then(|| f.t_host_ns - at)
+        let (sent, at, looked) = self.sent[position as usize % KEPT];
+        let most = now.saturating_sub(looked).saturating_add(WAITS);
+        let length = f.t_host_ns.checked_sub(at).filter(|ns| *ns > 0 && *ns <= most);
+        length.filter(|_| seq == f.ack && sent == position && at > 0)
     }
 }
 
@@ -56,13 +62,35 @@ mod tests {
         for n in 1..=5000_u64 {
             // the force that answers frame n is used two frames later
             (d.seq, d.ack, d.t_host_ns) = (n, n.saturating_sub(2), 1000 * n);
-            let told = l.device(&d);
+            let told = l.device(&d, 5 * 1000 * n);
             assert_eq!(told, (n > 2).then_some(2000), "{n}");
             (f.seq, f.ack) = (n, n);
             l.force(&f);
         }
         d.session = 10;
         (d.seq, d.ack) = (1, 4000);
-        assert_eq!(l.device(&d), None, "another session knows nothing of the past");
+        assert_eq!(l.device(&d, 1), None, "another session knows nothing of the past");
+    }
+
+    #[test]
+    fn a_stamp_of_no_clock_makes_no_latency() {
+        for (name, wrong) in [("the largest", u64::MAX), ("none", 0), ("another clock", 1_700_000_000_000_000_000)] {
+            let (mut l, mut d, mut f) = (Loops::new(), DeviceFrame::new("a", 1), ForceFrame::new("a", 1));
+            (d.session, f.ack_session) = (9, 9);
+            let mut counted = 0;
+            for n in 1..=900_u64 {
+                let now = 3_000_000_000_000 + 333_333 * n;
+                let t = if n.is_multiple_of(5) { wrong } else { now };
+                (d.seq, d.ack, d.t_host_ns) = (n, n.saturating_sub(2), t);
+                if let Some(ns) = l.device(&d, now) {
+                    assert_eq!(ns, 666_666, "{name}, frame {n}");
+                    counted += 1;
+                }
+                (f.seq, f.ack) = (n, n);
+                l.force(&f);
+            }
+            // a loop has two ends: two in five are lost
+            assert_eq!(counted, 898 - 180 - 179, "{name}");
+        }
     }
 }

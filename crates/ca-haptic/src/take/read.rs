@@ -72,8 +72,8 @@ impl Take {
             }
         }
         let Some(meta) = meta else {
-            let cut = matches!(source.end(), Some(End::Cut(..)));
-            let what = if cut { "it ends before its first frame" } else { "an MCAP file, but no take of `ca`" };
+            let early = source.end().is_some_and(|e| e.early().is_some());
+            let what = if early { "it ends before its first frame" } else { "an MCAP file, but no take of `ca`" };
             return Err(name(FileError::format(what).fix("give a file that `ca` wrote while playing")));
         };
         let header = Header::read(&files, &meta).map_err(name)?;

@@ -24,6 +24,8 @@ pub struct Recovered {
     pub attachments: u64,
     /// why the old one ended early, and the bytes at its end that are of no use; `None` where it was whole
     pub cut: Option<(String, u64)>,
+    /// true where it ended at bytes that are not as they were written, with more behind them
+    pub damaged: bool,
 }
 
 /// Copies what is whole of the file `from` to `to`.
@@ -33,7 +35,7 @@ pub fn recover(from: impl AsRef<Path>, to: impl AsRef<Path>) -> Result<Recovered
     let staged = Staged::create(to)?;
     let file = BufWriter::with_capacity(1 << 16, staged.handle()?);
     let mut out = options().create(file).map_err(|e| failed(to, &e))?;
-    let mut told = Recovered { messages: 0, seconds: 0.0, attachments: 0, cut: None };
+    let mut told = Recovered { messages: 0, seconds: 0.0, attachments: 0, cut: None, damaged: false };
     let mut first = None;
     for item in source.by_ref() {
         let item = item?;
@@ -48,9 +50,8 @@ pub fn recover(from: impl AsRef<Path>, to: impl AsRef<Path>) -> Result<Recovered
     out.finish().map_err(|e| failed(to, &e))?;
     out.into_inner().into_inner().map_err(|e| FileError::io(to, "it cannot be written", e.error()))?;
     staged.commit()?;
-    if let Some(End::Cut(why, bytes)) = source.end() {
-        told.cut = Some((why.clone(), *bytes));
-    }
+    told.damaged = matches!(source.end(), Some(End::Damaged(..)));
+    told.cut = source.end().and_then(End::early).map(|(why, bytes)| (why.to_owned(), bytes));
     Ok(told)
 }
 

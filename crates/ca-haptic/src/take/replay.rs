@@ -59,8 +59,10 @@ pub struct Verdict {
     pub difference: Option<Difference>,
     /// where something is missing in the take, so that nothing after it was compared \[s\]
     pub hole: Option<f64>,
-    /// why the file ends early, where it does
+    /// why the file ends early, or is not used to its end, where that is so
     pub cut: Option<String>,
+    /// true where that is because bytes in it are not as they were written
+    pub damaged: bool,
 }
 
 impl Verdict {
@@ -118,10 +120,13 @@ impl Replay {
                 break;
             }
         }
-        if let Some(End::Cut(why, _)) = events.end() {
-            self.verdict.cut = Some(why.clone());
-        }
         self.verdict.seconds = self.engine.due() as f64 / self.rate;
+        self.verdict.cut = events.end().and_then(End::early).map(|(why, _)| why.to_owned());
+        if let Some(End::Damaged(..)) = events.end() {
+            // something stood there, unlike at the end of a file that was cut off
+            self.verdict.damaged = true;
+            self.verdict.hole.get_or_insert(self.verdict.seconds);
+        }
         Ok(std::mem::take(&mut self.verdict))
     }
 

@@ -2,13 +2,16 @@
 //!
 //! Decides to read in a stream, so that a take of an hour takes no more memory than one of a second, and to check each
 //! chunk as a whole before anything of it is used: a file that ends early gives all that was written whole, and then
-//! says that it was cut.
+//! says that it was cut. One in which bytes are not as they were written gives what came before them and says that it is
+//! damaged, which is more than cut: what follows was played, and is not there. The sum over all bytes at the end of a
+//! finished file finds what no chunk does.
 
 use crate::error::{FileError, FileErrorKind};
 use mcap::McapError;
 use mcap::read::ChannelAccumulator;
 use mcap::records::{Metadata, Record};
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
+use std::fmt;
 use std::fs::File;
 use std::io::{BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
@@ -50,8 +53,32 @@ pub enum Item {
 pub enum End {
     /// as its writer meant
     Whole,
-    /// early: why, and how many bytes at the end are of no use
+    /// early, as of a writer that was killed: why, and how many bytes at the end are of no use
     Cut(String, u64),
+    /// in the middle, at bytes that are not as they were written: why, and how many bytes from there on are not used
+    Damaged(String, u64),
+}
+
+impl End {
+    /// Why it ended before its end, and how many bytes are not used; `None` where it is whole.
+    pub fn early(&self) -> Option<(&str, u64)> {
+        match self {
+            End::Whole => None,
+            End::Cut(why, bytes) | End::Damaged(why, bytes) => Some((why, *bytes)),
+        }
+    }
+}
+
+impl fmt::Display for End {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            End::Whole => f.write_str("the file is whole"),
+            End::Cut(why, bytes) => write!(f, "the file was cut off: {why}; {bytes} bytes at its end are of no use"),
+            End::Damaged(why, bytes) => {
+                write!(f, "the file is damaged: {why}; {bytes} bytes from there on are not used")
+            }
+        }
+    }
 }
 
 /// Reads a file.
@@ -87,16 +114,18 @@ impl Source {
             let e = FileError::format("it is no MCAP file").file(path.display());
             return Err(e.fix("give a file that `ca` wrote while playing"));
         }
+        // from its first byte, which the sum over all bytes counts
+        file.seek(SeekFrom::Start(0)).map_err(|e| io(&e))?;
         let options = LinearReaderOptions::default()
-            .with_skip_start_magic(true)
             .with_skip_end_magic(true)
             .with_prevalidate_chunk_crcs(true)
+            .with_validate_data_section_crc(true)
             .with_record_length_limit(CHUNK.saturating_add(size as usize));
         Ok(Source {
             path: path.to_owned(),
             file,
             size,
-            read: mcap::MAGIC.len() as u64,
+            read: 0,
             used: 0,
             reader: LinearReader::new_with_options(options),
             known: ChannelAccumulator::default(),
@@ -111,11 +140,13 @@ impl Source {
     }
 
     fn cut(&mut self, e: &McapError) -> Option<Result<Item, FileError>> {
-        let why = match e {
-            McapError::UnexpectedEof | McapError::UnexpectedEoc => "it ends in the middle".into(),
-            e => crate::error::lower(&e.to_string()),
-        };
-        self.end = Some(End::Cut(why, self.size.saturating_sub(self.used)));
+        let left = self.size.saturating_sub(self.used);
+        self.end = Some(match e {
+            // a file with its last bytes in place was not cut
+            McapError::UnexpectedEof if !self.finished => End::Cut("it ends in the middle".into(), left),
+            McapError::UnexpectedEof => End::Damaged("a record is longer than the file".into(), left),
+            e => End::Damaged(crate::error::lower(&e.to_string()), left),
+        });
         None
     }
 
@@ -145,6 +176,12 @@ impl Source {
             Record::DataEnd(_) => {
                 let index = || End::Cut("only its index is missing".into(), 0);
                 self.end = Some(if self.finished { End::Whole } else { index() });
+                None
+            }
+            // kinds from 0x80 on are anybody's
+            Record::Unknown { opcode, .. } if opcode < 0x80 => {
+                let why = format!("a record of kind {opcode:#04x}, which no take has");
+                self.end = Some(End::Damaged(why, self.size.saturating_sub(self.used)));
                 None
             }
             _ => None,

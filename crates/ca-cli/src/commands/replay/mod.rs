@@ -61,7 +61,11 @@ fn text(take: &Take, v: &Verdict, account: Option<&Account>) -> Result<(), Failu
     }
     drop(out);
     if let Some(why) = &v.cut {
-        term::note(&format!("the file was cut off: {why}"));
+        if v.damaged {
+            term::warning(&format!("the file is damaged: {why}; nothing after that was compared"));
+        } else {
+            term::note(&format!("the file was cut off: {why}"));
+        }
     }
     Ok(())
 }
@@ -75,6 +79,7 @@ fn json_of(take: &Take, v: &Verdict, account: Option<&Account>) -> Result<(), Fa
         "file": take.path.display().to_string(), "title": take.header.title, "seconds": v.seconds,
         "identical": v.is_identical(), "gesture_frames": v.frames, "device_frames": v.taken, "force_frames": v.forces,
         "samples": v.samples, "hashes": v.hashes, "difference": difference, "hole": v.hole, "cut": v.cut,
+        "damaged": v.damaged,
         "energy": account.map(Account::json),
     });
     writeln!(std::io::stdout().lock(), "{all:#}")?;

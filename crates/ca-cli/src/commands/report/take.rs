@@ -25,6 +25,8 @@ const CURVES: usize = 8;
 const EVENTS: usize = 100;
 /// Frames that may be on their way round.
 const RECENT: usize = 256;
+/// Longest time by which what the engine took is older than what was published \[s\].
+const AWAY: f64 = 5.0;
 /// Columns of a histogram for a factor of ten.
 const BINS: f64 = 25.0;
 
@@ -53,8 +55,8 @@ pub(super) fn report(args: &ReportArgs, file: &Path) -> Result<(String, Report),
     let mut report = Report::new(title, &format!("a take, {:.3} s, `{name}.mcap`, {}", summary.seconds, finished()));
     report.notes = parts::notes(&recorded.sound, false);
     let mut note = |text: String| report.notes.push((Weight::Warning, text));
-    if let End::Cut(why, bytes) = &summary.end {
-        note(format!("the file was cut off: {why}; {bytes} bytes at its end are of no use"));
+    if summary.end != End::Whole {
+        note(summary.end.to_string());
     }
     let [records, samples, views] = summary.lost;
     if records + samples + views > 0 {
@@ -242,12 +244,27 @@ impl Loops {
 #[derive(Clone, Default)]
 struct Clock {
     session: u64,
-    /// when its last frame was published \[ns\]
-    last: u64,
-    /// recent frames: number, and when they were published \[ns\]
-    frames: VecDeque<(u64, u64)>,
-    /// recent force frames: number, and when the frame they answer was published \[ns\]
-    forces: VecDeque<(u64, u64)>,
+    /// when its last frame was published
+    last: Option<Stamp>,
+    /// recent frames: number, and when they were published
+    frames: VecDeque<(u64, Stamp)>,
+    /// recent force frames: number, and when the frame they answer was published
+    forces: VecDeque<(u64, Stamp)>,
+}
+
+/// When a frame was published, by its device \[ns\], and when it was taken, by the engine \[s\].
+#[derive(Clone, Copy)]
+struct Stamp {
+    ns: u64,
+    taken: f64,
+}
+
+impl Stamp {
+    /// Time from an earlier one \[µs\]; none where a clock that is not ours, or none at all, says more than can have passed.
+    fn since(self, earlier: Stamp) -> Option<f64> {
+        let us = self.ns.checked_sub(earlier.ns)? as f64 * 1e-3;
+        (us <= 1e6 * (self.taken - earlier.taken + AWAY)).then_some(us)
+    }
 }
 
 /// All that is read off a take in one go.
@@ -293,7 +310,7 @@ impl Recorded {
                 r.events.push(vec![format!("{:.4}", tick as f64 / h.rate), of, what]);
             };
             match event? {
-                Event::Device(k, f) => r.device(k, &f),
+                Event::Device(k, f) => r.device(k, &f, h.rate),
                 Event::Force(k, f) => {
                     let (was, is) = (r.modes[k], Mode::read(f.mode));
                     r.modes[k] = is;
@@ -335,7 +352,7 @@ impl Recorded {
         Ok(r)
     }
 
-    fn device(&mut self, k: usize, f: &DeviceFrame) {
+    fn device(&mut self, k: usize, f: &DeviceFrame, rate: f64) {
         let hand = &mut self.hands[k];
         for (at, (dof, _)) in hand.at.iter_mut().zip(&hand.shown) {
             *at = f.pos.get(*dof).copied().unwrap_or(f64::NAN);
@@ -344,17 +361,18 @@ impl Recorded {
         if f.t_host_ns == 0 {
             return;
         }
-        if clock.session == f.session && clock.last > 0 {
-            self.loops.apart.push(f.t_host_ns.saturating_sub(clock.last) as f64 * 1e-3);
+        let now = Stamp { ns: f.t_host_ns, taken: f.tick as f64 / rate };
+        if clock.session == f.session {
+            self.loops.apart.extend(clock.last.and_then(|last| now.since(last)));
         }
         if clock.session != f.session {
             *clock = Clock { session: f.session, ..Clock::default() };
         }
-        clock.last = f.t_host_ns;
-        clock.frames.push_front((f.seq, f.t_host_ns));
+        clock.last = Some(now);
+        clock.frames.push_front((f.seq, now));
         clock.frames.truncate(RECENT);
         if let Some((_, t)) = clock.forces.iter().find(|(seq, _)| *seq == f.ack) {
-            self.loops.around.push(f.t_host_ns.saturating_sub(*t) as f64 * 1e-3);
+            self.loops.around.extend(now.since(*t));
             // what came before it is answered too
             clock.forces.retain(|(seq, _)| *seq > f.ack);
         }
@@ -377,5 +395,19 @@ impl Recorded {
             clock.forces.push_front((f.seq, *t));
             clock.forces.truncate(RECENT);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_clock_that_is_none_makes_no_time_of_the_loop() {
+        let (a, b) = (Stamp { ns: 5_000_000, taken: 0.0 }, Stamp { ns: 5_700_000, taken: 0.001 });
+        assert_eq!(b.since(a), Some(700.0));
+        assert_eq!(a.since(b), None);
+        let never = Stamp { ns: u64::MAX, taken: 0.002 };
+        assert_eq!((never.since(a), a.since(never)), (None, None));
     }
 }

@@ -2,6 +2,7 @@
 
 use super::performer::{DUO, Performer, catalog, duo};
 use super::replay;
+use crate::desk::Desk;
 use ca_haptic::FileErrorKind;
 use ca_haptic::take::{End, Replay, Take, TakeWriter};
 use mcap::records::Record;
@@ -115,7 +116,11 @@ fn a_take_cut_anywhere_reads_up_to_there() {
     }
     assert!(longest >= 880, "{longest} of 900");
     // and where bytes are wrong in the middle
-    for place in (2000..bytes.len()).step_by(bytes.len() / 23) {
+    // up to the end of its data; what follows is an index that no replay reads
+    let data = mcap::Summary::read(&bytes).unwrap().expect("a summary").chunk_indexes;
+    let data = data.iter().map(|c| (c.chunk_start_offset + c.chunk_length) as usize).max().expect("chunks");
+    let mut caught = 0;
+    for place in (2000..bytes.len()).step_by(bytes.len() / 97) {
         let mut wrong = bytes.clone();
         wrong[place] ^= 0x55;
         fs::write(&bad, &wrong).unwrap();
@@ -124,8 +129,46 @@ fn a_take_cut_anywhere_reads_up_to_there() {
             let v = r.run(&take, &mut |_| (), &mut |_| Ok(()));
             // chunks are checked as a whole: nothing wrong is believed
             assert!(v.as_ref().is_ok_and(|v| v.difference.is_none()), "byte {place}: {v:?}");
+            // and what was not read is not called identical
+            let v = v.unwrap();
+            assert!(place >= data || (v.damaged && !v.is_identical()), "byte {place} of {data}: {v:?}");
+            caught += usize::from(v.damaged);
         }
     }
+    assert!(caught > 60, "{caught}");
+}
+
+#[test]
+fn a_part_that_is_damaged_is_no_identical_replay() {
+    let desk = Desk::new();
+    duo(&desk.path("take.mcap"), 1600);
+    let good = fs::read(desk.path("take.mcap")).unwrap();
+    let chunks = mcap::Summary::read(&good).unwrap().expect("a summary").chunk_indexes;
+    let middle = &chunks[chunks.len() / 2];
+    let at = middle.chunk_start_offset as usize;
+    // its kind, its length, its bytes
+    for (name, place) in [("kind", at), ("length", at + 3), ("bytes", at + middle.chunk_length as usize / 2)] {
+        let mut bad = good.clone();
+        bad[place] ^= 0x55;
+        fs::write(desk.path("bad.mcap"), &bad).unwrap();
+        desk.ca(&["replay", "bad.mcap", "--verify"]).is(1).says(&["damaged", "records are missing there"]);
+        let j = desk.ca(&["replay", "bad.mcap", "--json"]).is(3).json();
+        assert_eq!(
+            (&j["identical"], &j["damaged"], &j["difference"]),
+            (&false.into(), &true.into(), &().into()),
+            "{name}"
+        );
+        desk.ca(&["log", "info", "bad.mcap"]).is(3).says(&["damaged"]);
+        desk.ca(&["log", "recover", "bad.mcap", "--force"]).is(3).says(&["damaged"]);
+        // what was saved is what came before, whole again
+        desk.ca(&["replay", "bad.recovered.mcap", "--verify"]).is(0).says(&["identical"]);
+        // a file that also lost its end
+        fs::write(desk.path("both.mcap"), &bad[..bad.len() - 2000]).unwrap();
+        if name != "length" {
+            desk.ca(&["replay", "both.mcap", "--verify"]).is(1).says(&["damaged"]);
+        }
+    }
+    desk.ca(&["replay", "take.mcap", "--verify"]).is(0);
 }
 
 #[test]
