@@ -1,6 +1,6 @@
 //! What a device says of itself, once a second: a process that comes later learns it without asking.
 
-use super::{DOF, VERSION, fnv};
+use super::{DOF, Strange, VERSION, fnv};
 #[cfg(feature = "iceoryx")]
 use iceoryx2::prelude::ZeroCopySend;
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
@@ -99,9 +99,14 @@ float32[32] damping
         }
     }
 
-    /// True where magic, version, layout and number of DOF are those of this build.
+    /// True where magic, version and layout are those of this build, and it has 1 to [`DOF`] degrees of freedom.
     pub fn is_ours(&self) -> bool {
-        super::is_ours([self.magic, Self::MAGIC], [self.layout, Self::LAYOUT], self.version, self.n)
+        self.wrong().is_none()
+    }
+
+    /// What is wrong with its head.
+    fn wrong(&self) -> Option<Strange> {
+        Strange::find([self.magic, Self::MAGIC], [self.layout, Self::LAYOUT], self.version, self.n)
     }
 }
 

@@ -1,6 +1,6 @@
 //! What a device says: where the hand is.
 
-use super::{DOF, VERSION, fnv};
+use super::{DOF, Strange, VERSION, fnv};
 #[cfg(feature = "iceoryx")]
 use iceoryx2::prelude::ZeroCopySend;
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
@@ -150,8 +150,18 @@ uint32 reserved
         }
     }
 
-    /// True where magic, version, layout and number of DOF are those of this build.
+    /// True where magic, version and layout are those of this build, and it has 1 to [`DOF`] degrees of freedom.
     pub fn is_ours(&self) -> bool {
-        super::is_ours([self.magic, Self::MAGIC], [self.layout, Self::LAYOUT], self.version, self.n)
+        self.wrong().is_none()
+    }
+
+    /// Why it is none of this build, or not of the device with this uid.
+    pub fn strange(&self, device: [u8; 16]) -> Option<Strange> {
+        self.wrong().or_else(|| Strange::other(self.device, device))
+    }
+
+    /// What is wrong with its head.
+    fn wrong(&self) -> Option<Strange> {
+        Strange::find([self.magic, Self::MAGIC], [self.layout, Self::LAYOUT], self.version, self.n)
     }
 }

@@ -1,6 +1,6 @@
 //! What the engine says: the force on the hand.
 
-use super::{Cause, DOF, Mode, VERSION, fnv};
+use super::{Cause, DOF, Mode, Strange, VERSION, fnv};
 #[cfg(feature = "iceoryx")]
 use iceoryx2::prelude::ZeroCopySend;
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
@@ -125,8 +125,13 @@ float32[32] force
         }
     }
 
-    /// True where magic, version, layout and number of DOF are those of this build.
+    /// True where magic, version and layout are those of this build, and it has 1 to [`DOF`] degrees of freedom.
     pub fn is_ours(&self) -> bool {
-        super::is_ours([self.magic, Self::MAGIC], [self.layout, Self::LAYOUT], self.version, self.n)
+        self.wrong().is_none()
+    }
+
+    /// What is wrong with its head.
+    fn wrong(&self) -> Option<Strange> {
+        Strange::find([self.magic, Self::MAGIC], [self.layout, Self::LAYOUT], self.version, self.n)
     }
 }

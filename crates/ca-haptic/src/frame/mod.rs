@@ -10,11 +10,13 @@ mod about;
 mod cause;
 mod device;
 mod force;
+mod strange;
 
 pub use about::{About, text};
 pub use cause::{CAUSES, Cause, Mode};
 pub use device::{DeviceFrame, status};
 pub use force::{ForceFrame, flag};
+pub use strange::Strange;
 
 /// Degrees of freedom of the largest device: 24 keys, and room.
 pub const DOF: usize = 32;
@@ -29,11 +31,6 @@ pub const fn fnv(text: &[u8]) -> u64 {
         i += 1;
     }
     hash
-}
-
-/// Whether a head is one of this build: magic and layout as they are and as they should be, version, number of DOF.
-fn is_ours(magic: [u32; 2], layout: [u64; 2], version: u32, n: u16) -> bool {
-    magic[0] == magic[1] && layout[0] == layout[1] && version == VERSION && usize::from(n) <= DOF
 }
 
 /// What names a device on the wire: its name, cut to 16 bytes, zeros after it.

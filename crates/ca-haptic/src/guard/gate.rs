@@ -2,7 +2,8 @@
 //!
 //! Off → (armed, calibrated, fresh, where the scene has it, and nothing pushes for a while) → ramp → on; any fault
 //! latches until somebody arms again, never ends by data returning. Too fast a motion brakes for a moment before it is
-//! off. Without fresh frames the force is held, then fades, then is a fault. A device that loses its calibration while forces are on says
+//! off. Without fresh frames the force is held,
+//! then fades, then is a fault: frames stayed away, or those that came could not be true. A device that loses its calibration while forces are on says
 //! positions that are no metres, which is implausible.
 
 use super::saturation::limit;
@@ -101,7 +102,8 @@ impl Stage for Gate {
             self.fault(hand.tripped);
         }
         if self.mode != Mode::Off && hand.age >= self.zero {
-            self.fault(Cause::WatchdogIn);
+            // frames that keep coming and cannot be true have not stayed away
+            self.fault(if hand.silent <= self.hold { Cause::Implausible } else { Cause::WatchdogIn });
         }
         if self.mode != Mode::Off && !hand.calibrated {
             self.fault(Cause::Implausible);

@@ -1,8 +1,8 @@
 //! H10: which frames of a device can be true, and how fast the hand moves.
 //!
 //! Decides before the model sees anything: a frame of another layout, of a number that does not grow, with a position
-//! that is no number or that no hand could have reached since the last good frame is dropped and counted; the last good
-//! position stays. Ten of them within a tenth of a second are a fault, and ten old ones in order a new beginning. A new
+//! that is marked invalid, is no number or could not have been reached by a hand since the last good frame is dropped and
+//! counted; the last good position stays. Ten of them within a tenth of a second are a fault, and ten old ones in order a new beginning. A new
 //! session of the device process starts afresh, with forces off: what was armed was another process.
 //!
 //! Speed is measured over frames of the *device*, at least three of them and so long that a step of its sensor is no
@@ -19,10 +19,12 @@ use crate::profile::Profile;
 pub enum Verdict {
     /// used
     Good,
-    /// not a frame of this version
+    /// not a frame of this version and layout, or with fewer degrees of freedom than the profile has
     Foreign,
     /// its number did not grow
     Old,
+    /// a position is marked as not valid
+    Masked,
     /// a position is no number
     Nonfinite,
     /// no hand moves so fast
@@ -40,6 +42,8 @@ pub struct Inlet {
     grain: f64,
     /// length over which speed is measured \[s\]
     window: f64,
+    /// engine frame before which the last frame of any kind came
+    heard: u64,
     bad: u32,
     bad_frames: u64,
     /// engine frames of the last bad ones, a ring
@@ -92,6 +96,7 @@ impl Inlet {
             window: (3.0 / profile.rate)
                 .max(SPIKE * (1.0 / profile.rate + te))
                 .max(STEPS * grain / profile.guard.speed),
+            heard: 0,
             bad: profile.guard.bad.clamp(1, 64),
             bad_frames: u64::from(super::gate::frames(profile.guard.bad_time, te)),
             when: [0; 64],
@@ -113,6 +118,7 @@ impl Inlet {
     /// Looks at a frame that came before engine frame `hand.frame`; a good one moves the hand.
     pub fn take(&mut self, f: &DeviceFrame, hand: &mut Hand) -> Verdict {
         let verdict = self.judge(f, hand);
+        self.heard = hand.frame;
         if verdict == Verdict::Good {
             if self.seen == 0 || f.session != self.session {
                 if self.seen > 0 {
@@ -135,7 +141,7 @@ impl Inlet {
             match verdict {
                 Verdict::Old => self.astray(f.seq, hand),
                 // where it is cannot be true; that somebody let go may be
-                Verdict::Nonfinite | Verdict::Jump => device_says(f, hand),
+                Verdict::Masked | Verdict::Nonfinite | Verdict::Jump => device_says(f, hand),
                 _ => {}
             }
             self.dropped += 1;
@@ -171,6 +177,9 @@ impl Inlet {
         if last.is_some() && f.seq <= self.seq {
             return Verdict::Old;
         }
+        if f.mask & self.needed() != self.needed() {
+            return Verdict::Masked;
+        }
         if f.pos[..self.n].iter().any(|x| !x.is_finite()) {
             return Verdict::Nonfinite;
         }
@@ -191,6 +200,11 @@ impl Inlet {
         Verdict::Good
     }
 
+    /// The positions that must be valid, a bit each.
+    fn needed(&self) -> u32 {
+        if self.n >= DOF { u32::MAX } else { (1 << self.n) - 1 }
+    }
+
     /// Once a frame, after all frames that came: motion, speed and age.
     pub fn settle(&mut self, hand: &mut Hand) {
         for k in 0..self.n {
@@ -203,6 +217,7 @@ impl Inlet {
             return;
         };
         hand.age = u32::try_from(hand.frame - new.at).unwrap_or(u32::MAX);
+        hand.silent = u32::try_from(hand.frame - self.heard).unwrap_or(u32::MAX);
         if !hand.fresh {
             return;
         }
@@ -329,5 +344,86 @@ mod tests {
             let (most, _, dropped) = fastest(rate, 0.0, clock, 5.0 * frame);
             assert!(dropped == 1 && most == 0.0, "{rate} Hz: {most} m/s, {dropped} dropped");
         }
+    }
+
+    /// Why forces end when a device of `rate` frames a second goes on with what `wrong` makes of its frames; false where
+    /// it sends none.
+    fn ended(rate: u32, wrong: impl Fn(u32, &mut DeviceFrame) -> bool) -> Cause {
+        let mut p = Profile::shipped("tgr12").expect("shipped");
+        (p.dof, p.rate, p.guard.speed) = (2, f64::from(rate), 1.0);
+        let (mut inlet, mut hand) = (Inlet::new(&p, TE), Hand::new(2, TE));
+        let mut chain = crate::guard::Chain::new(&p, TE);
+        chain.order(crate::guard::Order::Arm);
+        hand.met = u32::MAX;
+        let every = 3000 / rate;
+        for n in 0..12_000_u32 {
+            if n.is_multiple_of(every) {
+                let mut f = DeviceFrame::new("key", 2);
+                (f.seq, f.t_device_ns) = (u64::from(n / every) + 1, u64::from(n) * 333_333);
+                if n < 6000 || wrong(n / every, &mut f) {
+                    inlet.take(&f, &mut hand);
+                }
+            }
+            inlet.settle(&mut hand);
+            hand.met = u32::MAX;
+            chain.pass(&mut hand);
+            (hand.frame, hand.fresh, hand.tripped) = (hand.frame + 1, false, Cause::None);
+            if n == 5999 {
+                assert_eq!((hand.mode, hand.cause), (Mode::On, Cause::None), "{rate} Hz");
+            }
+        }
+        assert_eq!(hand.mode, Mode::Fault, "{rate} Hz");
+        hand.cause
+    }
+
+    #[test]
+    fn forces_end_for_what_was_wrong_at_every_rate() {
+        for rate in [3000, 1000, 500, 250] {
+            let far = ended(rate, |n, f| {
+                f.pos[1] = if n % 2 == 0 { 2.0 } else { 4.0 };
+                true
+            });
+            assert_eq!(far, Cause::Implausible, "jumps of 2 m at {rate} Hz");
+            let stays = ended(rate, |_, f| {
+                f.pos = [2.0; DOF];
+                true
+            });
+            assert_eq!(stays, Cause::Implausible, "2 m away at {rate} Hz");
+            let nan = ended(rate, |_, f| {
+                f.pos[0] = f64::NAN;
+                true
+            });
+            assert_eq!(nan, Cause::Implausible, "no number at {rate} Hz");
+            for mask in [0, 1, 2, u32::MAX - 2] {
+                let masked = ended(rate, |_, f| {
+                    f.mask = mask;
+                    true
+                });
+                assert_eq!(masked, Cause::Implausible, "mask {mask:x} at {rate} Hz");
+            }
+            assert_eq!(ended(rate, |_, _| false), Cause::WatchdogIn, "silence at {rate} Hz");
+        }
+    }
+
+    #[test]
+    fn a_position_that_is_not_valid_moves_nothing() {
+        let mut p = Profile::shipped("tgr12").expect("shipped");
+        p.dof = 2;
+        let (mut inlet, mut hand) = (Inlet::new(&p, TE), Hand::new(2, TE));
+        let mut f = DeviceFrame::new("key", 3);
+        for (seq, mask, verdict) in [
+            (1, 0, Verdict::Masked),
+            (2, 0b01, Verdict::Masked),
+            (3, 0b110, Verdict::Masked),
+            // what the profile does not have need not be valid
+            (4, 0b011, Verdict::Good),
+            (5, u32::MAX, Verdict::Good),
+        ] {
+            (f.seq, f.mask, f.pos) = (seq, mask, [1e-3; DOF]);
+            assert_eq!(inlet.take(&f, &mut hand), verdict, "mask {mask:b}");
+            let moved = if verdict == Verdict::Good { 1e-3 } else { 0.0 };
+            assert_eq!(hand.x[..2], [moved; 2], "mask {mask:b}");
+        }
+        assert_eq!(inlet.dropped, 3);
     }
 }

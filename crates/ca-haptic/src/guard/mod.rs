@@ -43,6 +43,8 @@ pub struct Hand {
     pub fresh: bool,
     /// frames since the last good one
     pub age: u32,
+    /// frames since the last one of any kind, also one that was dropped
+    pub silent: u32,
     /// the device says its positions are metres
     pub calibrated: bool,
     /// DOF that the scene has where they are, a bit each, those it has not at all included: it goes there gently when a
@@ -91,6 +93,7 @@ impl Hand {
             frame: 0,
             fresh: false,
             age: u32::MAX,
+            silent: u32::MAX,
             calibrated: false,
             met: 0,
             x: [0.0; DOF],

@@ -166,6 +166,7 @@ mod tests {
         let before = w.force(MS);
         for change in [
             |f: &mut ForceFrame| f.magic = 1,
+            |f: &mut ForceFrame| f.n = 0,
             |f: &mut ForceFrame| f.version += 1,
             |f: &mut ForceFrame| f.layout ^= 1,
             |f: &mut ForceFrame| f.n = 33,
@@ -179,6 +180,8 @@ mod tests {
             assert!(!w.take(&f));
             assert_eq!(w.force(MS), before);
         }
-        assert_eq!((w.foreign, w.old), (5, 2));
+        assert_eq!((w.foreign, w.old), (6, 2));
+        // and where nothing else comes, the end of the force has a reason
+        assert_eq!(w.cause(6 * MS + 1), Cause::WatchdogOut);
     }
 }
