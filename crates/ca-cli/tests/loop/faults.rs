@@ -149,3 +149,42 @@ fn h8_another_session_is_another_device() {
     drop(device);
     assert!(watch.end(&key()).faults().contains(&Cause::Disconnect));
 }
+
+#[test]
+fn h10_forces_end_with_the_reason_that_is_true() {
+    let stage = Stage::new();
+    type Wrong = fn(u64, &mut ca_haptic::frame::DeviceFrame);
+    let cases: [(&str, &str, Wrong); 2] = [
+        ("jumps of 2 m", "IMPLAUSIBLE", |n, f| f.pos[0] = if n % 2 == 0 { 2.0 } else { 4.0 }),
+        ("no position is valid", "IMPLAUSIBLE", |_, f| f.mask = 0),
+    ];
+    for (name, cause, wrong) in cases {
+        let _server = stage.serve("key.ca.toml", &["--quiet"]);
+        // wrong for half a second every four
+        let _device = Liar::moving(&stage.site, "key", move |n, f| {
+            if n % 12_000 >= 10_500 {
+                wrong(n, f);
+            }
+        });
+        stage.armed(name, |mode, why| mode == "fault" && why == cause);
+    }
+}
+
+#[test]
+fn what_is_wrong_with_frames_is_said_and_no_version_blamed() {
+    let stage = Stage::new();
+    type Wrong = fn(&mut ca_haptic::frame::DeviceFrame);
+    let cases: [(&str, Wrong); 4] = [
+        ("of another layout", |f| f.layout ^= 1),
+        ("of version 9", |f| f.version = 9),
+        ("have 0 degrees of freedom", |f| f.n = 0),
+        ("are for `kex`", |f| f.device[2] = b'x'),
+    ];
+    for (want, wrong) in cases {
+        let server = stage.serve("key.ca.toml", &[]);
+        let _device = Liar::moving(&stage.site, "key", move |_, f| wrong(f));
+        until(want, || server.said().contains(want));
+        let said = server.said();
+        assert_eq!(said.contains("of version 9"), want == "of version 9", "{said}");
+    }
+}

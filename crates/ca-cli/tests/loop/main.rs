@@ -11,6 +11,7 @@ mod faults;
 mod fuzz;
 mod liar;
 mod limits;
+mod other;
 mod piano;
 mod quiet;
 mod raw;

@@ -7,9 +7,11 @@
 
 use super::error::HostError;
 use super::lines::{Bell, Frames, Line, check_name};
+use super::room;
 use super::session::session;
 use super::site::{Ipc, Site};
 use super::watch::Watch;
+use super::within::{LIMIT, within};
 use crate::frame::{About, Cause, DOF, DeviceFrame, ForceFrame, VERSION, text, uid};
 use crate::rt::now_ns;
 use iceoryx2::port::listener::Listener;
@@ -39,18 +41,22 @@ pub struct DeviceClient {
 
 impl DeviceClient {
     /// Opens the lines of the device that `about` names ([`About::device`]); session and header are filled in here.
-    pub fn open(site: &Site, mut about: About) -> Result<DeviceClient, HostError> {
+    pub fn open(site: &Site, about: About) -> Result<DeviceClient, HostError> {
         let name = text(&about.device);
         check_name(&name)?;
         super::debris::strangers(site)?;
+        within(site, room::DEVICE, LIMIT, move |site| DeviceClient::made(site, &name, about))
+    }
+
+    fn made(site: &Site, name: &str, mut about: About) -> Result<DeviceClient, HostError> {
         (about.magic, about.version, about.layout) = (About::MAGIC, VERSION, About::LAYOUT);
-        (about.device, about.session) = (uid(&name), session());
+        (about.device, about.session) = (uid(name), session());
         let node = site.node(&format!("device {name}"))?;
         // first the line that only one can have
-        let frames = Frames::open(&node, &name, Line::In, 0)?.publisher(site)?;
-        let forces = Frames::open(&node, &name, Line::Out, 0)?.subscriber(site, 0)?;
-        let says = Frames::open(&node, &name, Line::About, 1)?.publisher(site)?;
-        let bell = Bell::open(&node, &name)?.listener(site)?;
+        let frames = Frames::open(&node, name, Line::In, 0)?.publisher(site)?;
+        let forces = Frames::open(&node, name, Line::Out, 0)?.subscriber(site, 0)?;
+        let says = Frames::open(&node, name, Line::About, 1)?.publisher(site)?;
+        let bell = Bell::open(&node, name)?.listener(site)?;
         let watch = Watch::new(about.device);
         let mut client =
             DeviceClient { about, seq: 0, told: 0, held: None, watch, frames, forces, says, bell, _node: node };

@@ -5,7 +5,9 @@
 //! request land in one tick.
 
 use super::error::{HostError, HostErrorKind};
+use super::room;
 use super::site::{Ipc, Site};
+use super::within::{LIMIT, within};
 use crate::frame::VERSION;
 use iceoryx2::port::server::Server;
 use iceoryx2::prelude::{
@@ -23,6 +25,8 @@ use std::time::{Duration, Instant};
 const CALLERS: usize = 8;
 /// Length texts begin with; they grow \[bytes\].
 const LENGTH: usize = 4096;
+/// Texts that have places in memory at a time, as iceoryx2 reckons for these numbers of callers.
+const UNDER_WAY: u64 = 96;
 
 /// A value as it was typed: a number in SI units, or a text with its unit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -109,6 +113,10 @@ impl ControlServer {
     /// Opens it. Another server at this place is an error; one that was killed is not.
     pub fn open(site: &Site) -> Result<ControlServer, HostError> {
         super::debris::strangers(site)?;
+        within(site, room::CONTROL, LIMIT, ControlServer::made)
+    }
+
+    fn made(site: &Site) -> Result<ControlServer, HostError> {
         let node = site.node("control")?;
         let (name, _) = service(&node)?;
         let end = Instant::now() + Duration::from_secs(1);
@@ -136,7 +144,7 @@ impl ControlServer {
                         CallbackProgression::Stop
                     });
                     let who = id.and_then(|id| site.who(|other| *other == id));
-                    if let (0, Some(who)) = (site.sweep().removed, who) {
+                    if let (0, Some(who)) = (site.swept().removed, who) {
                         let what = format!("a server runs at `{}` already: {who}", site.root().display());
                         let fix = "stop it, or set another CA_SHM_ROOT";
                         return Err(HostError::new(HostErrorKind::Busy, what, fix));
@@ -159,7 +167,10 @@ impl ControlServer {
                 Err(e) => Reply::refused(format!("not a request: {e}")),
             };
             let text = serde_json::to_vec(&reply).unwrap_or_default();
-            // one who asked and left gets no answer
+            // one who asked and left gets no answer, nor does a question for whose answer there is no room
+            if !fits(text.len()) {
+                continue;
+            }
             if let Ok(room) = call.loan_slice_uninit(text.len()) {
                 let _ = room.write_from_slice(&text).send();
             }
@@ -167,9 +178,25 @@ impl ControlServer {
     }
 }
 
+/// Most that a text of `length` bytes makes of new memory \[bytes\]: a place for each that may be under way.
+fn grown(length: usize) -> u64 {
+    if length <= LENGTH { 0 } else { UNDER_WAY * length.next_power_of_two() as u64 }
+}
+
+/// Whether there is room for a text.
+fn fits(length: usize) -> bool {
+    length <= LENGTH || room::check(grown(length)).is_ok()
+}
+
 /// Asks the server of this place, and waits for its answer at most this long.
 pub fn ask(site: &Site, request: &Request, patience: Duration) -> Result<Reply, HostError> {
     super::debris::strangers(site)?;
+    let text = serde_json::to_vec(request).map_err(|e| HostError::system("a request cannot be written", e))?;
+    let need = room::ASK.max(grown(text.len()));
+    within(site, need, LIMIT.saturating_add(patience), move |site| asked(site, &text, patience))
+}
+
+fn asked(site: &Site, text: &[u8], patience: Duration) -> Result<Reply, HostError> {
     let node = site.node("ask")?;
     let absent = || {
         let what = format!("no server runs at `{}`", site.root().display());
@@ -185,7 +212,6 @@ pub fn ask(site: &Site, request: &Request, patience: Duration) -> Result<Reply, 
         return Err(absent());
     }
     let failed = |e: &dyn std::fmt::Debug| HostError::system(format!("`{name}` cannot be asked"), e);
-    let text = serde_json::to_vec(request).map_err(|e| failed(&e))?;
     let client = factory
         .client_builder()
         .initial_max_slice_len(LENGTH)
@@ -194,7 +220,7 @@ pub fn ask(site: &Site, request: &Request, patience: Duration) -> Result<Reply, 
         .create()
         .map_err(|e| failed(&e))?;
     let room = client.loan_slice_uninit(text.len()).map_err(|e| failed(&e))?;
-    let pending = room.write_from_slice(&text).send().map_err(|e| failed(&e))?;
+    let pending = room.write_from_slice(text).send().map_err(|e| failed(&e))?;
     let end = Instant::now() + patience;
     loop {
         if let Some(answer) = pending.receive().map_err(|e| failed(&e))? {

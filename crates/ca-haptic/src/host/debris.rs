@@ -6,15 +6,13 @@
 //! any is removed file by file.
 
 use super::error::{HostError, HostErrorKind};
+use super::ours::SHM;
 use super::site::{Site, stamp};
 use crate::frame::VERSION;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
-
-/// Where shared memory has its names.
-const SHM: &str = "/dev/shm";
 
 /// All files of one version.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

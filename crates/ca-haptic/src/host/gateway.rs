@@ -7,8 +7,10 @@
 
 use super::error::{HostError, HostErrorKind};
 use super::lines::{Bell, Frames, Line, check_name};
+use super::room;
 use super::site::{Ipc, Site};
-use crate::frame::{About, DeviceFrame, ForceFrame, text, uid};
+use super::within::{LIMIT, within};
+use crate::frame::{About, DeviceFrame, ForceFrame, Strange, uid};
 use crate::rt::{Granted, Wish, now_ns};
 use iceoryx2::port::notifier::Notifier;
 use iceoryx2::port::publisher::Publisher;
@@ -18,11 +20,14 @@ use std::collections::VecDeque;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
 use std::sync::{Arc, mpsc};
 use std::thread::{JoinHandle, sleep};
-use std::time::Duration;
+use std::time::{Duration, Instant};
+use zerocopy::IntoBytes;
 
 /// Time between two looks, and while no device is there.
 const POLL: Duration = Duration::from_micros(50);
 const IDLE: Duration = Duration::from_millis(1);
+/// How long the end of the thread is waited for.
+const LEAVE: Duration = Duration::from_secs(5);
 /// Silence after which a device is gone \[ns\].
 const SILENCE_NS: u64 = 250_000_000;
 
@@ -45,13 +50,8 @@ pub enum Event {
     About(Box<About>),
     /// nothing came for a quarter of a second
     Gone,
-    /// frames came that are of another version or for another device; told once a session of silence
-    Foreign {
-        /// version they claim
-        version: u32,
-        /// device they claim
-        device: String,
-    },
+    /// frames came that are not used, and why; told once a session of silence
+    Foreign(Strange),
 }
 
 /// What was counted, for all devices together.
@@ -102,12 +102,19 @@ impl Gateway {
     /// Opens the lines of these devices. Another server that has one of them is an error; one that was killed is not.
     pub fn open<S: AsRef<str>>(site: &Site, names: &[S]) -> Result<Gateway, HostError> {
         super::debris::strangers(site)?;
+        let names: Vec<String> = names.iter().map(|n| n.as_ref().into()).collect();
+        let need = room::DEVICE * names.len() as u64;
+        // each device has its own patience
+        let limit = LIMIT * u32::try_from(names.len()).unwrap_or(u32::MAX).clamp(1, 10);
+        within(site, need, limit, move |site| Gateway::made(site, &names))
+    }
+
+    fn made(site: &Site, names: &[String]) -> Result<Gateway, HostError> {
         let node = site.node("server")?;
         let mut places: Vec<Place> = Vec::new();
         for name in names {
-            let name = name.as_ref();
             check_name(name)?;
-            if places.iter().any(|p| p.name == name) {
+            if places.iter().any(|p| p.name == *name) {
                 let what = format!("the device `{name}` is wanted twice");
                 return Err(HostError::new(HostErrorKind::Name, what, "name it once"));
             }
@@ -117,7 +124,7 @@ impl Gateway {
                 frames: Frames::open(&node, name, Line::In, 0)?.subscriber(site, 0)?,
                 says: Frames::open(&node, name, Line::About, 1)?.subscriber(site, 1)?,
                 bell: Bell::open(&node, name)?.notifier(site)?,
-                name: name.into(),
+                name: name.clone(),
                 uid: uid(name),
                 session: 0,
                 seq: 0,
@@ -137,12 +144,11 @@ impl Gateway {
             for _ in 0..BURST {
                 let Ok(Some(frame)) = p.frames.receive() else { break };
                 self.traffic.received.fetch_add(1, Relaxed);
-                if !frame.is_ours() || frame.device != p.uid {
+                if let Some(why) = frame.strange(p.uid) {
                     self.traffic.foreign.fetch_add(1, Relaxed);
                     if !p.complained {
                         p.complained = true;
-                        let event = Event::Foreign { version: frame.version, device: text(&frame.device) };
-                        self.events.push_back((k, event));
+                        self.events.push_back((k, Event::Foreign(why)));
                     }
                     continue;
                 }
@@ -165,7 +171,9 @@ impl Gateway {
                 self.events.push_back((k, Event::Gone));
             }
             while let Ok(Some(about)) = p.says.receive() {
-                if about.is_ours() && about.device == p.uid && p.about.as_ref() != Some(&*about) {
+                // bytes, since what is no number differs from itself
+                let new = p.about.is_none_or(|a| a.as_bytes() != about.as_bytes());
+                if about.is_ours() && about.device == p.uid && new {
                     p.about = Some(*about);
                     self.events.push_back((k, Event::About(Box::new(*about))));
                 }
@@ -224,7 +232,7 @@ impl Gateway {
         self
     }
 
-    /// Opens the lines in a thread of their own, where they stay (ports do not change threads), and runs there.
+    /// Opens the lines in a thread of their own, where they stay, and runs there.
     /// Asks the system for `wish`; what it granted is in [`Running::granted`].
     pub fn start<S: AsRef<str>>(site: &Site, names: &[S], mut rings: Rings, wish: Wish) -> Result<Running, HostError> {
         let (site, names): (Site, Vec<String>) = (site.clone(), names.iter().map(|n| n.as_ref().into()).collect());
@@ -271,6 +279,14 @@ pub struct Running {
 impl Drop for Running {
     fn drop(&mut self) {
         self.stop.store(true, Relaxed);
+        let end = Instant::now() + LEAVE;
+        while self.thread.as_ref().is_some_and(|t| !t.is_finished()) {
+            if Instant::now() > end {
+                // one that hangs in iceoryx2 holds up nobody
+                return;
+            }
+            sleep(IDLE);
+        }
         if let Some(thread) = self.thread.take() {
             let _ = thread.join();
         }
@@ -280,6 +296,10 @@ impl Drop for Running {
 /// Every device that speaks at this place, within this time: most answer within a few milliseconds, a device that sends
 /// seldom within a second.
 pub fn list_devices(site: &Site, patience: Duration) -> Result<Vec<About>, HostError> {
+    within(site, room::LOOK, LIMIT + patience, move |site| said(site, patience))
+}
+
+fn said(site: &Site, patience: Duration) -> Result<Vec<About>, HostError> {
     let node = site.node("list")?;
     let mut lines = Vec::new();
     for name in super::lines::devices(site)? {
@@ -287,7 +307,7 @@ pub fn list_devices(site: &Site, patience: Duration) -> Result<Vec<About>, HostE
         let reader = line.subscriber(site, 1)?;
         lines.push((line, reader, None));
     }
-    let end = std::time::Instant::now() + patience;
+    let end = Instant::now() + patience;
     loop {
         let mut waiting = false;
         for (line, reader, said) in &mut lines {
@@ -298,7 +318,7 @@ pub fn list_devices(site: &Site, patience: Duration) -> Result<Vec<About>, HostE
             }
             waiting |= said.is_none() && line.writers() > 0;
         }
-        if !waiting || std::time::Instant::now() >= end {
+        if !waiting || Instant::now() >= end {
             break;
         }
         sleep(Duration::from_millis(2));

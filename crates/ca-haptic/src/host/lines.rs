@@ -111,7 +111,7 @@ impl<T: Debug + Copy + ZeroCopySend + 'static> Frames<T> {
             match made {
                 Ok(port) => return Ok(port),
                 Err(PublisherCreateError::ExceedsMaxSupportedPublishers) => {
-                    let swept = site.sweep();
+                    let swept = site.swept();
                     if swept.removed == 0 && (self.holder(site).is_some() || Instant::now() > end) {
                         return Err(self.busy(site));
                     }
@@ -129,7 +129,7 @@ impl<T: Debug + Copy + ZeroCopySend + 'static> Frames<T> {
             match self.factory.subscriber_builder().buffer_size(BUFFER).history_request(history).create() {
                 Ok(port) => return Ok(port),
                 Err(SubscriberCreateError::ExceedsMaxSupportedSubscribers) if Instant::now() < end => {
-                    site.sweep();
+                    site.swept();
                     sleep(Duration::from_millis(5));
                 }
                 Err(SubscriberCreateError::ExceedsMaxSupportedSubscribers) => {
@@ -276,7 +276,7 @@ impl Bell {
 
     fn port<P, E: Debug>(&self, site: &Site, make: impl Fn() -> Result<P, E>) -> Result<P, HostError> {
         make().or_else(|_| {
-            site.sweep();
+            site.swept();
             make().map_err(|e| HostError::system(format!("`{}` has no room", self.name), e))
         })
     }

@@ -13,7 +13,9 @@
 //! ca/v1/control         JSON          requests and replies of `ca set`, `ca arm` …
 //! ```
 //!
-//! The trust boundary is the user: every process of the same user can write into this memory, no other can open it.
+//! The trust boundary is the user: every process of the same user can write into this memory, no other can open it. A
+//! file of another user under a name of ours is an error before anything is opened (`ours`), and opening has a limit of
+//! time (`within`).
 
 pub mod client;
 pub mod control;
@@ -21,9 +23,12 @@ pub mod debris;
 mod error;
 pub mod gateway;
 pub mod lines;
+mod ours;
+mod room;
 mod session;
 pub mod site;
 pub mod watch;
+mod within;
 
 pub use client::DeviceClient;
 pub use error::{HostError, HostErrorKind};

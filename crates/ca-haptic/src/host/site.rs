@@ -12,25 +12,33 @@
 //! ```
 
 use super::error::{HostError, HostErrorKind};
+use super::within::within;
 use crate::frame::{VERSION, fnv};
 use iceoryx2::node::NodeView;
 use iceoryx2::prelude::{
-    CallbackProgression, Config, FileName, Node, NodeBuilder, NodeName, NodeState, Path as IoxPath, ipc,
+    CallbackProgression, Config, FileName, Node, NodeBuilder, NodeName, NodeState, Path as IoxPath, ipc_threadsafe,
 };
 use iceoryx2::prelude::{LogLevel, SemanticString, SignalHandlingMode, set_log_level_from_env_or};
 use std::fs;
 use std::os::unix::fs::{DirBuilderExt, MetadataExt};
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 use std::sync::Once;
+use std::time::Duration;
 
-/// Shared memory between processes, with ports for one thread each.
-pub(super) type Ipc = ipc::Service;
+/// Shared memory between processes, with ports that are made on one thread and used on another
+/// ([`within`](super::within)).
+pub(super) type Ipc = ipc_threadsafe::Service;
 
 /// Release of iceoryx2 this build speaks.
 pub const IOX: &str = "0.10.0";
 /// Longest name of the folder \[bytes\]: with the prefix, a number of at most 36 digits and a suffix it must fit the
 /// address of a socket, 107 bytes.
 pub const LONGEST: usize = 44;
+
+/// Longest time a sweep may take.
+const SWEEP: Duration = Duration::from_secs(2);
+/// Links that are followed on the way to a folder, as in the kernel.
+const LINKS: u32 = 40;
 
 /// The library's own log is set once a process.
 static LOGS: Once = Once::new();
@@ -73,6 +81,11 @@ impl Site {
             return Err(bad(&format!("has {} bytes; shared memory wants at most {LONGEST}", text.len()), fix));
         }
         let root = PathBuf::from(text);
+        let safe = || match unsafe_step(&root) {
+            None => Ok(()),
+            Some((step, what)) => Err(bad(&format!("goes by way of `{}`, {what}", step.display()), fix)),
+        };
+        safe()?;
         if !root.exists() {
             fs::DirBuilder::new()
                 .mode(0o700)
@@ -80,6 +93,8 @@ impl Site {
                 .create(&root)
                 .map_err(|e| bad(&format!("cannot be made: {e}"), fix))?;
         }
+        // again: somebody may have been faster
+        safe()?;
         let about = fs::metadata(&root).map_err(|e| bad(&format!("cannot be looked at: {e}"), fix))?;
         if !about.is_dir() {
             return Err(bad("is no folder", fix));
@@ -144,6 +159,12 @@ impl Site {
     /// Removes what killed processes left behind, so that their places are free. A fraction of a millisecond when there
     /// is nothing to do, some milliseconds when there is: for a thread that has time, once to ten times a second.
     pub fn sweep(&self) -> Swept {
+        // what cannot be swept now may be at the next turn, and whoever opens a line says why not
+        within(self, 0, SWEEP, |site| Ok(site.swept())).unwrap_or_default()
+    }
+
+    /// The same, for who has a limit of time already.
+    pub(super) fn swept(&self) -> Swept {
         let mut swept = Swept::default();
         let _ = self.nodes(|state| {
             if let NodeState::Dead(node) = state {
@@ -170,12 +191,45 @@ impl Site {
     }
 }
 
+/// The first step on the way to a folder by which another user could lead us elsewhere, and why: a symbolic link that
+/// is neither ours nor root's, a folder in which everybody can rename what is not theirs.
+fn unsafe_step(path: &Path) -> Option<(PathBuf, String)> {
+    let mut left: Vec<PathBuf> = path.components().rev().map(|c| PathBuf::from(c.as_os_str())).collect();
+    let (mut at, mut links) = (PathBuf::new(), 0);
+    while let Some(step) = left.pop() {
+        match step.components().next() {
+            Some(Component::ParentDir) => {
+                at.pop();
+                continue;
+            }
+            Some(Component::CurDir) | None => continue,
+            _ => at.push(&step),
+        }
+        // what is not there yet, we make
+        let Ok(about) = fs::symlink_metadata(&at) else { continue };
+        if about.is_symlink() {
+            if about.uid() != uid() && about.uid() != 0 {
+                return Some((at, format!("a symbolic link of user {}", about.uid())));
+            }
+            links += 1;
+            let Some(to) = fs::read_link(&at).ok().filter(|_| links <= LINKS) else {
+                return Some((at, "a symbolic link that leads nowhere".into()));
+            };
+            at.pop();
+            left.extend(to.components().rev().map(|c| PathBuf::from(c.as_os_str())));
+        } else if !left.is_empty() && about.is_dir() && about.mode() & 0o1002 == 0o002 {
+            return Some((at, "in which everybody can put another in its place (`chmod +t` prevents it)".into()));
+        }
+    }
+    None
+}
+
 /// What names of this version begin with, before the folder's hash.
 pub(super) fn stamp() -> String {
     format!("ca{VERSION}-{IOX}-")
 }
 
 /// The user of this process. `/proc/self` belongs to it.
-fn uid() -> u32 {
+pub(super) fn uid() -> u32 {
     fs::metadata("/proc/self").map_or(0, |m| m.uid())
 }

@@ -1,7 +1,7 @@
 //! Both sides in one process: what goes through, who may be where, what is said when it may not.
 
 use crate::desk::{Server, about, place, spring, until};
-use ca_haptic::frame::{Cause, DOF, DeviceFrame, ForceFrame, text};
+use ca_haptic::frame::{Cause, DOF, DeviceFrame, ForceFrame, Strange, text};
 use ca_haptic::host::gateway::list_devices;
 use ca_haptic::host::{DeviceClient, Event, Gateway, HostErrorKind, Rings, Site};
 use std::path::Path;
@@ -236,4 +236,42 @@ fn every_ping_comes_back_with_its_number() {
     // for people, with --nocapture; a shared machine proves no time
     let at = |p: usize| times[times.len() * p / 1000] / 1000;
     println!("round trip: p50 {} us, p99 {} us, p99.9 {} us", at(500), at(990), at(999));
+}
+
+#[test]
+fn what_a_device_says_is_told_once_also_where_it_is_no_number() {
+    let place = place();
+    let mut server = Server::open(&place.site, &["key"], 7);
+    let mut who = about("key", 1);
+    (who.low[0], who.stiffness[0]) = (f32::NAN, f32::NAN);
+    let mut device = DeviceClient::open(&place.site, who).unwrap();
+    let mut frame = DeviceFrame::new("key", 1);
+    let (mut told, mut heard) = (0, 0);
+    // it says so once a second
+    let begin = ca_haptic::rt::now_ns();
+    until("it has said it three times", || {
+        device.send(&mut frame).unwrap();
+        server.serve();
+        told += std::iter::from_fn(|| server.gateway.event()).filter(|e| matches!(e.1, Event::About(_))).count();
+        heard += 1;
+        ca_haptic::rt::now_ns() - begin > 2_200_000_000
+    });
+    assert!(heard > 10 && server.gateway.about(0).is_some_and(|a| a.low[0].is_nan()));
+    assert_eq!(told, 1);
+}
+
+#[test]
+fn frames_without_a_degree_of_freedom_are_named() {
+    let place = place();
+    let mut server = Server::open(&place.site, &["key"], 7);
+    let mut device = DeviceClient::open(&place.site, about("key", 1)).unwrap();
+    let mut frame = DeviceFrame::new("key", 0);
+    let mut events = Vec::new();
+    until("it is told", || {
+        device.send(&mut frame).unwrap();
+        server.serve();
+        events.extend(std::iter::from_fn(|| server.gateway.event()));
+        events.iter().any(|(_, e)| *e == Event::Foreign(Strange::Size(0)))
+    });
+    assert_eq!(server.got[0], 0, "none of them is used");
 }

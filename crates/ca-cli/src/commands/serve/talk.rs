@@ -71,12 +71,10 @@ impl Talk {
             match event {
                 Event::Here { session } => desk.say(false, format!("{name}: here (session {session:x})")),
                 Event::Gone => desk.say(true, format!("{name}: gone")),
-                Event::Foreign { version, device } => desk.say(
-                    true,
-                    format!(
-                        "{name}: frames of version {version} for `{device}`, which are not used; rebuild the device process"
-                    ),
-                ),
+                Event::Foreign(why) => {
+                    let fix = why.fix();
+                    desk.say(true, format!("{name}: frames came that {why}, and are not used; {fix}"));
+                }
                 Event::About(about) => {
                     for what in self.profiles.get(k as usize).map_or_else(Vec::new, |p| differs(p, &about)) {
                         desk.say(true, format!("{name}: {what}"));

@@ -75,7 +75,7 @@ impl Bench {
             each(f);
         });
         while let Some((_, event)) = self.lines.event() {
-            self.foreign += u64::from(matches!(event, Event::Foreign { .. }));
+            self.foreign += u64::from(matches!(event, Event::Foreign(_)));
         }
     }
 

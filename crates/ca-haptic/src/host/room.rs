@@ -1,0 +1,127 @@
+//! Room for shared memory.
+//!
+//! Decides to ask before anything is made: where a `/dev/shm` is full (64 kB in some containers), the system gives names
+//! and sizes as before, and ends whoever writes there with a SIGBUS.
+
+#![allow(unsafe_code)]
+
+use super::error::{HostError, HostErrorKind};
+use super::ours::SHM;
+use std::fs::File;
+use std::io;
+use std::os::fd::AsRawFd;
+
+/// Most that one side of a device makes \[bytes\]: queues of frames, what it says of itself, and links to its readers.
+pub(super) const DEVICE: u64 = 192 << 10;
+/// Most that the control of a server makes \[bytes\], and one who asks it.
+pub(super) const CONTROL: u64 = 512 << 10;
+pub(super) const ASK: u64 = 256 << 10;
+/// Most that a look around makes \[bytes\].
+pub(super) const LOOK: u64 = 64 << 10;
+
+/// An error where `/dev/shm` has not so many bytes free.
+pub(super) fn check(need: u64) -> Result<(), HostError> {
+    // what cannot be asked is not there: another system, another place
+    let Some(free) = free() else { return Ok(()) };
+    if free >= need {
+        return Ok(());
+    }
+    let what = format!("`{SHM}` has {} kB free, and {} kB are needed", free >> 10, need.div_ceil(1 << 10));
+    let fix = "make room: `ca shm clean`, or a larger one (`mount -o remount,size=64M /dev/shm`; \
+               in a container `--shm-size 64m`)";
+    Err(HostError::new(HostErrorKind::System, what, fix))
+}
+
+/// Bytes that this user can still write there.
+#[cfg(target_os = "linux")]
+fn free() -> Option<u64> {
+    let path = std::ffi::CString::new(SHM).ok()?;
+    let mut about = std::mem::MaybeUninit::<libc::statvfs>::uninit();
+    // SAFETY: the path ends with a zero, and `about` is a valid place for the result, read only where the call succeeded.
+    let about = unsafe {
+        if libc::statvfs(path.as_ptr(), about.as_mut_ptr()) != 0 {
+            return None;
+        }
+        about.assume_init()
+    };
+    Some(about.f_bavail.saturating_mul(about.f_frsize))
+}
+
+#[cfg(not(target_os = "linux"))]
+fn free() -> Option<u64> {
+    None
+}
+
+/// Takes the first `bytes` of a file's memory.
+#[cfg(target_os = "linux")]
+pub(super) fn take(file: &File, bytes: u64) -> io::Result<()> {
+    let bytes = libc::off_t::try_from(bytes).map_err(io::Error::other)?;
+    // SAFETY: the descriptor is open for as long as `file` is borrowed.
+    match unsafe { libc::posix_fallocate(file.as_raw_fd(), 0, bytes) } {
+        0 => Ok(()),
+        e => Err(io::Error::from_raw_os_error(e)),
+    }
+}
+
+#[cfg(not(target_os = "linux"))]
+pub(super) fn take(_: &File, _: u64) -> io::Result<()> {
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frame::About;
+    use crate::host::control::{ControlServer, Reply, Request, ask};
+    use crate::host::{DeviceClient, Gateway, Site, debris};
+    use std::time::Duration;
+
+    /// Memory of all files of a place \[bytes\], in whole pages.
+    fn used(site: &Site) -> u64 {
+        let files = debris::list(site).into_iter().flat_map(|g| g.files);
+        files.filter(|f| f.0.starts_with(SHM)).map(|f| f.1.next_multiple_of(4096)).sum()
+    }
+
+    #[test]
+    fn what_is_asked_for_is_enough() {
+        let dir = tempfile::Builder::new().prefix("car").tempdir_in("/tmp").expect("a folder");
+        let site = Site::at(dir.path()).expect("a place");
+        let gateway = Gateway::open(&site, &["a", "b", "c"]).expect("a server");
+        let server = used(&site);
+        assert!(server <= 3 * DEVICE, "{server}");
+        let mut device = DeviceClient::open(&site, About::new("a", 1000, 12)).expect("a device");
+        device.send(&mut crate::frame::DeviceFrame::new("a", 12)).expect("sent");
+        let both = used(&site);
+        assert!(both - server <= DEVICE, "{both} - {server}");
+        // links to as many readers as there may be
+        let readers: Vec<_> =
+            (0..3).map(|_| crate::host::gateway::list_devices(&site, Duration::from_millis(1))).collect();
+        assert!(readers.iter().all(Result::is_ok) && used(&site) - both <= LOOK);
+        drop((gateway, device));
+        let before = used(&site);
+        let mut control = ControlServer::open(&site).expect("a control");
+        let with = used(&site);
+        assert!(with - before <= CONTROL, "{with} - {before}");
+        let here = site.clone();
+        let asking = std::thread::spawn(move || ask(&here, &Request::Status, Duration::from_secs(30)));
+        let mut most = 0;
+        while !asking.is_finished() {
+            control.poll(&mut |_| {
+                most = used(&site);
+                Reply::done("x")
+            });
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        assert!(asking.join().is_ok_and(|r| r.is_ok()));
+        assert!(most > with && most - with <= ASK, "{most} - {with}");
+        drop(control);
+        debris::clean(&site);
+    }
+
+    #[test]
+    fn more_than_there_is_is_an_error() {
+        check(0).expect("nothing is always there");
+        let e = check(u64::MAX).expect_err("there is an end");
+        assert!(e.what.contains(SHM) && e.fix.contains("shm-size"), "{e}");
+    }
+}
