@@ -16,6 +16,7 @@ mod friction;
 mod generate_space;
 mod guard;
 mod hertz;
+mod identity;
 mod implicit;
 mod live;
 mod lpr;

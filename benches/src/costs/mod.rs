@@ -13,6 +13,7 @@ pub mod page;
 mod scenes;
 
 use crate::{model, scene};
+use ca_core::identity::Identity;
 use ca_core::{KernelClass, Scene, State, tick};
 pub use hand::Rig;
 use std::hint::black_box;
@@ -167,9 +168,9 @@ fn passes(scene: &Scene) -> Vec<(&'static str, usize, usize)> {
     all.map(|op| (op.name, op.n, op.kernel as usize)).collect()
 }
 
-/// The state at load, but for what callers give to ports: they may, to those that nothing hears too.
+/// The state at load, but for whose it is and for what callers give to ports: they may, to those that nothing hears too.
 fn state(scene: &Scene) -> State {
-    State { input: Vec::new(), held: Vec::new(), ..scene.state() }
+    State { scene: Identity::default(), input: Vec::new(), held: Vec::new(), ..scene.state() }
 }
 
 impl Row {

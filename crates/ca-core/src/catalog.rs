@@ -61,9 +61,20 @@ impl Catalog {
     }
 
     /// Adds the kinds of another crate.
+    ///
+    /// # Panics
+    /// Where a code is taken: of two kinds of one code a model could name only the first.
     #[must_use]
     pub fn with(mut self, kinds: &[&'static Kind]) -> Catalog {
-        self.kinds.extend_from_slice(kinds);
+        for kind in kinds {
+            if let Some(first) = self.get(kind.code) {
+                let (code, one, other) = (kind.code, first.title, kind.title);
+                panic!(
+                    "two kinds have the code `{code}`: \"{one}\" and \"{other}\"; codes are unique, rename one of them"
+                );
+            }
+            self.kinds.push(kind);
+        }
         self
     }
 

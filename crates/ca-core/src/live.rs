@@ -5,6 +5,7 @@
 //! parameters such as f and t60 move all their coefficients together; [`State::apply`] starts the ramps without
 //! allocating. Only what the model declares `live` has a place here (or everything, if the compiler was asked).
 
+use crate::identity::Identity;
 use crate::kind::{Kind, MatSpec, Unit};
 use crate::method::implicit::Inertia;
 use crate::model::quantity::Plain;
@@ -86,6 +87,8 @@ pub struct LiveItem {
 /// Everything the compiler knows about live parameters.
 #[derive(Clone, Default)]
 pub struct LivePlan {
+    /// the scene they belong to
+    pub scene: Identity,
     /// the parameters
     pub params: Vec<LiveParam>,
     /// the coefficients they reach: places in [`State::coef`]
@@ -130,6 +133,8 @@ impl LiveAhead {
 /// New values of coefficients, to be applied together.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Patch {
+    /// the scene it belongs to: [`Scene::identity`](crate::Scene::identity), where it is made by hand
+    pub scene: Identity,
     /// place in [`LivePlan::coefs`] and value
     pub set: Vec<(u32, f64)>,
 }
@@ -184,7 +189,7 @@ impl Controls {
         if !(value >= param.min && value <= param.max) {
             return Err(Refused::Range(name.into(), param.min, param.max));
         }
-        let mut patch = Patch::default();
+        let mut patch = Patch { scene: self.plan.scene, set: Vec::new() };
         let mut items = self.plan.items.clone();
         for item in &mut items {
             let mut touched = false;
@@ -273,10 +278,10 @@ impl Loader {
 impl State {
     /// Starts moving the coefficients of `patch` to their new values, linearly over `ticks` (0 acts like 1), from the
     /// next tick on. All of one patch arrive in the same tick. Does not allocate. Returns false, having changed
-    /// nothing, where the patch is not of this scene.
+    /// nothing, where the patch is of another scene or holds a value that is not finite.
     pub fn apply(&mut self, patch: &Patch, ticks: u32) -> bool {
         let n = self.ramps.left.len();
-        if patch.set.iter().any(|(i, v)| *i as usize >= n || !real(*v).is_finite()) {
+        if patch.scene != self.scene || patch.set.iter().any(|(i, v)| *i as usize >= n || !real(*v).is_finite()) {
             return false;
         }
         // half-way between two factors is the factor of neither scene: with them all of the patch comes in one tick

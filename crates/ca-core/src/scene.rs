@@ -4,6 +4,7 @@
 
 use crate::certificate::Certificate;
 use crate::equivalence::{Equivalence, Gains};
+use crate::identity::Identity;
 use crate::io::midi::MidiMap;
 use crate::layout::{Account, Layout};
 use crate::live::{Controls, LivePlan};
@@ -113,6 +114,11 @@ impl Scene {
     /// A state at load, the only allocation of a scene's life.
     pub fn state(&self) -> State {
         self.initial.clone()
+    }
+
+    /// What its states and patches are known by: the same of a model that is compiled twice with the same options.
+    pub fn identity(&self) -> Identity {
+        self.initial.scene
     }
 
     /// MATs by number, whatever their axes.

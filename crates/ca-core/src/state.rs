@@ -4,6 +4,7 @@
 //! number. Positions are relative to rest and motion is the change per tick, which drifts far less than keeping two
 //! absolute positions (numerics 1.6).
 
+use crate::identity::Identity;
 use crate::ledger::Ledger;
 use crate::near::Near;
 use crate::real::{Real, wide};
@@ -71,9 +72,12 @@ impl Ramps {
     }
 }
 
-/// All that changes. Shapes in brackets; the writer of each array is named.
+/// All that changes, as [`Scene::state`](crate::Scene::state) makes it. Shapes in brackets; the writer of each array is
+/// named. Values may be written from outside, lengths may not: a tick relies on them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct State {
+    /// the scene it belongs to; written at load
+    pub scene: Identity,
     /// displacement from rest \[m\] (n_mat); written by `moves`, ports by `reads`
     pub x: Vec<Real>,
     /// x_n − x_{n−1} \[m/tick\] (n_mat); written with `x`

@@ -1,36 +1,88 @@
 //! The tick: inputs → changes → forces at x_n → outputs → advance, and its public halves.
+//!
+//! Decides that each call compares the identity of the state with that of the scene, once, before any pass: a state of
+//! another scene would play on in silence where the shapes agree, and read beyond an array where they do not. A type
+//! that binds one to the other would save this compare, and borrow the state from everybody who looks at it.
 
 use crate::scene::Scene;
 use crate::state::State;
 
 /// Runs one tick: inputs → changes → forces at x_n → outputs → advance.
+///
+/// # Panics
+/// Where the state is not of this scene (nothing has changed then), or the length of one of its arrays was changed.
 pub fn tick(scene: &Scene, s: &mut State) {
-    sense(scene, s);
-    advance(scene, s);
+    own(scene, s);
+    forces(scene, s);
+    motion(scene, s);
 }
 
 /// The first half of a tick: reads inputs, sums the forces at x_n and writes the outputs. What a device must get of
 /// this tick is known here, before any mass moves.
+///
+/// # Panics
+/// As [`tick`].
 pub fn sense(scene: &Scene, s: &mut State) {
+    own(scene, s);
+    forces(scene, s);
+}
+
+/// The second half of a tick: moves the masses from x_n to x_{n+1}.
+///
+/// # Panics
+/// As [`tick`].
+pub fn advance(scene: &Scene, s: &mut State) {
+    own(scene, s);
+    motion(scene, s);
+}
+
+/// Runs `out.len() / n_out` ticks and writes their outputs, interleaved; of a scene without outputs, `out.len()` ticks.
+/// Inputs keep the values they have. Returns false, having played nothing, where the state is not of this scene or
+/// `out` does not hold whole rows of outputs.
+///
+/// # Panics
+/// Where the length of an array of the state was changed.
+#[must_use = "false means that nothing was played"]
+pub fn process(scene: &Scene, s: &mut State, out: &mut [f64]) -> bool {
+    let row = scene.n_out.max(1);
+    if s.scene != scene.identity() || !out.len().is_multiple_of(row) {
+        return false;
+    }
+    for frame in out.chunks_exact_mut(row) {
+        forces(scene, s);
+        motion(scene, s);
+        for (o, v) in frame.iter_mut().zip(&s.output) {
+            *o = *v;
+        }
+    }
+    true
+}
+
+/// Refuses a state of another scene.
+#[inline]
+fn own(scene: &Scene, s: &State) {
+    if s.scene != scene.identity() {
+        foreign(scene);
+    }
+}
+
+#[cold]
+#[inline(never)]
+fn foreign(scene: &Scene) -> ! {
+    panic!("the state is not of the scene `{}`: make it by `scene.state()` of the scene that is played", scene.title)
+}
+
+#[inline]
+fn forces(scene: &Scene, s: &mut State) {
     for op in scene.reads.iter().chain(&scene.forces).chain(&scene.writes) {
         (op.kernel)(op, &scene.layout, s);
     }
 }
 
-/// The second half of a tick: moves the masses from x_n to x_{n+1}.
-pub fn advance(scene: &Scene, s: &mut State) {
+#[inline]
+fn motion(scene: &Scene, s: &mut State) {
     for op in &scene.moves {
         (op.kernel)(op, &scene.layout, s);
     }
     s.tick += 1;
-}
-
-/// Runs `out.len() / n_out` ticks and writes their outputs, interleaved. Inputs keep the values they have.
-pub fn process(scene: &Scene, s: &mut State, out: &mut [f64]) {
-    for frame in out.chunks_exact_mut(scene.n_out.max(1)) {
-        tick(scene, s);
-        for (o, v) in frame.iter_mut().zip(&s.output) {
-            *o = *v;
-        }
-    }
 }

@@ -123,7 +123,7 @@ fn blocks_are_ticks() {
         let mut out = Vec::new();
         for block in [1usize, 3, 64, 100] {
             let mut part = vec![f64::NAN; block * n];
-            process(&scene, &mut a, &mut part);
+            assert!(process(&scene, &mut a, &mut part), "{name}");
             out.extend(part);
         }
         for frame in out.chunks_exact(n) {

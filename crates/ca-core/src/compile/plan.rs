@@ -1,6 +1,7 @@
 //! Plan: where modules and their coefficients stand, and how live ones are computed again.
 
 use super::net::{End, Net};
+use crate::identity::Identity;
 use crate::kind::Role;
 use crate::layout::{Ahead, Place};
 use crate::live::{LiveAhead, LiveItem, LiveModule, LivePlan, Loader, Source};
@@ -110,6 +111,8 @@ impl Plan<'_> {
                 }
             })
             .collect();
-        LivePlan { params: self.net.params.clone(), coefs: self.live.clone(), items, ahead }
+        // whose it is is known when all else is
+        let scene = Identity::default();
+        LivePlan { scene, params: self.net.params.clone(), coefs: self.live.clone(), items, ahead }
     }
 }

@@ -10,6 +10,7 @@ use super::passes;
 use super::pefrl;
 use super::plan::Plan;
 use super::start::start;
+use crate::identity::Identity;
 use crate::kind::PortRole;
 use crate::layout::{Account, Enf, Enx, Gauge, Heard, Layout, LedgerPlan, Modal, Output, Place, Proxy};
 use crate::ledger::Ledger;
@@ -60,7 +61,7 @@ pub fn schedule(
     let symbols = symbols(&plan, &links, place);
     let moves = plan.moves(order, n_mat, waves.delays.len());
     let own = moves.iter().any(|o| o.name == "advance CEL");
-    let live = plan.live_plan(ahead.as_ref());
+    let mut live = plan.live_plan(ahead.as_ref());
     let whole = live.ahead.as_ref().map_or(u32::MAX, |a| a.first);
     let (coef, live_places) = (plan.coef, plan.live);
     let mut layout = Layout {
@@ -104,7 +105,10 @@ pub fn schedule(
     let mut writes = passes::writes(&layout, gains);
     let mut moves = if net.is_composed() { pefrl::moves(&layout, &forces, own) } else { moves };
     oversample(net, &mut layout, &mut reads, &forces, &mut writes, &mut moves);
-    let initial = start(&layout, &forces, net.is_composed(), loaded(net, &layout, x, &v, coef, (live_places, whole)));
+    let mut initial =
+        start(&layout, &forces, net.is_composed(), loaded(net, &layout, x, &v, coef, (live_places, whole)));
+    initial.scene = Identity::of(&layout, [&reads, &forces, &writes, &moves], &initial);
+    live.scene = initial.scene;
     let (probe_names, probe_of) = probes(net);
     Some(Scene {
         rate: net.rate,
@@ -332,6 +336,7 @@ fn loaded(net: &Net, layout: &Layout, x: Vec<f64>, v: &[f64], coef: Vec<f64>, (l
     let input: Vec<f64> = net.inputs.iter().map(|i| if i.role == InputRole::Force { 0.0 } else { i.rest }).collect();
     let ports = layout.enx.len() + layout.tgr.len() + layout.enf.len();
     State {
+        scene: Identity::default(),
         x: reals(x),
         d: v.iter().map(|v| real(v * net.te)).collect(),
         f: alloc::vec![0.0; layout.n_mat],

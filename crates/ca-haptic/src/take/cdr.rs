@@ -143,7 +143,7 @@ pub fn change(out: &mut Vec<u8>, tick: u64, c: &Change) {
     Out::new(out).put(tick).list(&param).list(&value).list(&length).list(&place).list(&coef);
 }
 
-/// A message as a change: its tick and what it was.
+/// A message as a change: its tick and what it was. Its patches belong to no scene, since a message names none.
 pub fn read_change(data: &[u8]) -> Option<(u64, Change)> {
     let mut r = In::new(data)?;
     let tick = r.get()?;
@@ -153,7 +153,8 @@ pub fn read_change(data: &[u8]) -> Option<(u64, Change)> {
         return None;
     }
     let mut all = place.into_iter().zip(coef);
-    let patches: Vec<Patch> = length.iter().map(|n| Patch { set: all.by_ref().take(*n as usize).collect() }).collect();
+    let mut patch = |n: &u32| Patch { set: all.by_ref().take(*n as usize).collect(), ..Patch::default() };
+    let patches: Vec<Patch> = length.iter().map(&mut patch).collect();
     let whole = patches.iter().zip(&length).all(|(p, n)| p.set.len() == *n as usize) && all.next().is_none();
     whole.then(|| (tick, Change { params: param.into_iter().zip(value).collect(), patches }))
 }
@@ -261,9 +262,9 @@ mod tests {
         let some = Change {
             params: vec![(0, 0.1), (7, -1.0 / 3.0)],
             patches: vec![
-                Patch { set: vec![(1, 2.0), (3, f64::MIN_POSITIVE)] },
+                Patch { set: vec![(1, 2.0), (3, f64::MIN_POSITIVE)], ..Patch::default() },
                 Patch::default(),
-                Patch { set: vec![(9, 1e300)] },
+                Patch { set: vec![(9, 1e300)], ..Patch::default() },
             ],
         };
         let mut data = Vec::new();

@@ -244,7 +244,9 @@ impl Replay {
         self.verdict.taken += 1;
     }
 
-    fn change(&mut self, change: Change) {
+    fn change(&mut self, mut change: Change) {
+        // a take holds one scene, which was looked at when the engine was made
+        change.patches.iter_mut().for_each(|p| p.scene = self.engine.scene.identity());
         self.engine.act(Act::Set(Box::new(change)));
     }
 

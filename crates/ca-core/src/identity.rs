@@ -1,0 +1,132 @@
+//! Identity: which scene a state or a patch belongs to, as one number.
+//!
+//! Decides on a hash of what the tick reads (arrays, passes and the state at load) rather than on a counter of
+//! compilations: the same model compiled twice is the same scene, so that a snapshot outlives the scene it was taken
+//! of, two such states are equal, and `compile` keeps nothing between two calls. Names, findings and the certificate
+//! are not part of it, since no tick reads them. It is computed once, at load; [`tick`](crate::tick()) compares it,
+//! [`State::apply`](crate::State::apply) too. It tells mistakes apart, not attackers.
+
+use crate::layout::Layout;
+use crate::op::Op;
+use crate::real::{Real, wide};
+use crate::state::State;
+use core::fmt::{self, Write as _};
+use core::hash::Hasher as _;
+
+/// Which scene something belongs to. The default is that of no scene.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Identity(u64);
+
+impl Identity {
+    /// That of the scene with these arrays, passes and state at load.
+    pub(crate) fn of(layout: &Layout, passes: [&[Op]; 4], initial: &State) -> Identity {
+        let mut h = Words(fnv::FnvHasher::default());
+        h.layout(layout);
+        for list in passes {
+            h.all(
+                list.iter().map(|o| {
+                    (o.name, o.law.map(|l| l.code), o.form, o.ports, o.n, o.first, o.mat, o.coef, o.mem, o.tap)
+                }),
+            );
+        }
+        h.word(initial.bits());
+        h.debug(&initial.input);
+        h.debug(&initial.ramps);
+        Identity(h.0.finish().max(1))
+    }
+}
+
+/// A hash of words. What is long goes in as bits; what is short, as it is written for debugging, which leaves out no
+/// field.
+struct Words(fnv::FnvHasher);
+
+impl fmt::Write for Words {
+    fn write_str(&mut self, text: &str) -> fmt::Result {
+        self.0.write(text.as_bytes());
+        Ok(())
+    }
+}
+
+impl Words {
+    fn word(&mut self, v: u64) {
+        self.0.write(&v.to_le_bytes());
+    }
+
+    /// A list of numbers, behind its length.
+    fn numbers<'n>(&mut self, all: impl ExactSizeIterator<Item = &'n Real>) {
+        self.word(all.len() as u64);
+        all.for_each(|v| self.word(wide(*v).to_bits()));
+    }
+
+    /// The same of places.
+    fn places<'n>(&mut self, all: impl ExactSizeIterator<Item = &'n u32>) {
+        self.word(all.len() as u64);
+        all.for_each(|v| self.word(u64::from(*v)));
+    }
+
+    fn debug(&mut self, value: &impl fmt::Debug) {
+        // a hash takes all that is written
+        let _ = write!(self, "{value:?};");
+    }
+
+    fn all(&mut self, values: impl Iterator<Item = impl fmt::Debug>) {
+        values.for_each(|v| self.debug(&v));
+        self.word(u64::MAX);
+    }
+
+    /// All of a layout: who adds an array to it is asked here what to do with it.
+    fn layout(&mut self, layout: &Layout) {
+        let Layout {
+            te,
+            ratio,
+            frame,
+            n_mat,
+            n_lia,
+            n_coef,
+            n_mem,
+            n_touch,
+            n_tap,
+            channels,
+            n_out,
+            ends,
+            onto,
+            reach,
+            crowds,
+            e0,
+            rest,
+            nodes,
+            proxies,
+            modal,
+            shares,
+            tables,
+            enx,
+            enf,
+            tgr,
+            crossing,
+            waves,
+            weighed,
+            outputs,
+            blockers,
+            lowpass,
+            ahead,
+            ledger,
+            finer,
+        } = layout;
+        self.debug(&(te, ratio, frame, n_mat, n_lia, n_coef, n_mem, n_touch, n_tap, channels, n_out));
+        self.places(ends.as_flattened().iter());
+        self.places(onto.as_flattened().iter());
+        self.numbers(reach.as_flattened().iter());
+        self.numbers(e0.iter());
+        self.numbers(rest.iter());
+        self.places(nodes.iter());
+        self.numbers(shares.iter());
+        self.places(weighed.iter());
+        self.debug(&(crowds, proxies, modal, tables));
+        self.debug(&(enx, enf, tgr, crossing, waves));
+        self.debug(&(outputs, blockers, lowpass, ahead));
+        let accounts = ledger.iter().flat_map(|l| &l.accounts);
+        self.debug(&ledger.as_ref().map(|l| l.weight));
+        self.all(accounts.map(|a| (a.op, a.n, a.ports, a.first, a.coef, a.mem, a.tap, a.coefs, a.mems, a.linear)));
+        self.debug(&finer.as_ref().map(|f| (f.times, &f.inputs)));
+    }
+}
