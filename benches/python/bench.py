@@ -111,7 +111,7 @@ def sweeps() -> dict[str, float]:
             "in memory, one thread": sweep(executor=one, **tick),
             "in memory, processes of loky": sweep(executor=processes, **tick),
             "0.1 s": sweep(executor=one, seconds=0.1, measure=False),
-            "0.1 s, measured": sweep(executor=one, seconds=0.1),
+            "0.1 s, measured": sweep(executor=one, seconds=0.1, measure=True),
             "0.1 s, rows in a folder": files("none"),
             "0.1 s, WAV": files("wav"),
             "0.1 s, FLAC": files("flac"),

@@ -37,6 +37,11 @@ pub fn failure(py: Python, failure: Failure) -> PyErr {
     }
 }
 
+/// The exception for a gesture that cannot be used: that of its file, or of a mistake where it came from memory.
+pub fn gesture(py: Python, e: &FileError) -> PyErr {
+    if e.file.is_empty() { usage(py, &e.to_string()) } else { file(py, e) }
+}
+
 /// The exception for a file that cannot be used.
 pub fn file(py: Python, e: &FileError) -> PyErr {
     raised(py, "FileError", (e.to_string(), &e.file, &e.place))

@@ -1,6 +1,6 @@
 //! Gestures: numbers, breakpoints and samples by the names of what they drive, or files.
 
-use crate::error::{failure, file, usage};
+use crate::error::{self, failure, file, usage};
 use crate::measure::table;
 use ca_haptic::gesture::{self, PortMap, Track};
 use numpy::{PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods as _, ToPyArray as _};
@@ -44,7 +44,7 @@ impl Gesture {
             }
         };
         let tracks: Result<Vec<Track>, _> = tracks.into_iter().map(track).collect();
-        let gesture = tracks.and_then(gesture::Gesture::new).map_err(|e| file(py, &e))?;
+        let gesture = tracks.and_then(gesture::Gesture::new).map_err(|e| error::gesture(py, &e))?;
         Ok(Gesture { gesture })
     }
 
@@ -52,7 +52,7 @@ impl Gesture {
     #[staticmethod]
     fn together(py: Python, all: Vec<PyRef<Gesture>>) -> PyResult<Gesture> {
         let tracks = all.iter().flat_map(|g| g.gesture.tracks().iter().cloned()).collect();
-        Ok(Gesture { gesture: gesture::Gesture::new(tracks).map_err(|e| file(py, &e))? })
+        Ok(Gesture { gesture: gesture::Gesture::new(tracks).map_err(|e| error::gesture(py, &e))? })
     }
 
     /// What it drives.

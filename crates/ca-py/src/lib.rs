@@ -25,6 +25,8 @@ mod _core {
     #[pymodule_export]
     use crate::gesture::Gesture;
     #[pymodule_export]
+    use crate::measure::quantity;
+    #[pymodule_export]
     use crate::model::{Model, bundled, kinds};
     #[pymodule_export]
     use crate::scene::Scene;

@@ -1,4 +1,4 @@
-//! What is measured of a model without playing it to anybody: modes, accuracy, units.
+//! What is measured of a model without playing it to anybody: modes, accuracy, units and quantities.
 
 use crate::error::{failure, usage};
 use crate::wait::Wait;
@@ -6,6 +6,7 @@ use ca_core::Options;
 use ca_core::analysis::modes;
 use ca_core::energy::Ledger;
 use ca_core::kind::Type;
+use ca_core::model::quantity::{Quantity, QuantityError, parse};
 use ca_lab::accuracy::{self, Ask};
 use ca_lab::load::Loaded;
 use ca_lab::{Failure, Found, catalog};
@@ -20,6 +21,16 @@ pub fn symbol(ty: Type) -> String {
         Type::PowerStiffness { exponent } => format!("N/m^{exponent}"),
         _ => String::new(),
     }
+}
+
+/// A quantity in SI units: `text` is a number in `unit`, or has a unit of its own of the same dimension.
+#[pyfunction]
+pub fn quantity(py: Python, name: &str, text: &str, unit: &str) -> PyResult<f64> {
+    let such = parse(format!("1.5 {unit}").trim());
+    let fits = |q: &Quantity| !q.has_unit || such.as_ref().is_ok_and(|s| s.dim.same(q.dim));
+    let refused = |why: String| usage(py, &format!("{name} = \"{text}\": {why}; write a number, or \"1.5 {unit}\""));
+    let read = parse(text).map_err(|e: QuantityError| refused(e.to_string()))?;
+    if fits(&read) { Ok(read.value) } else { Err(refused(format!("that is not in {unit}"))) }
 }
 
 /// All modes of the linear part, as arrays over modes.

@@ -7,12 +7,14 @@ use crate::scene::Scene;
 use crate::wait::Wait;
 use ca_core::Options;
 use ca_core::kind::Role;
+use ca_core::model::select::{is_name, is_word};
 use ca_core::model::suggest::nearest;
 use ca_core::model::{Entry, Value, read, write};
 use ca_lab::load::{self, BUNDLED, Loaded};
 use ca_lab::{bytes, take};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
+use std::collections::HashSet;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -20,6 +22,8 @@ use std::sync::Arc;
 #[pyclass(module = "cordis_anima._core")]
 pub struct Model {
     loaded: Loaded,
+    /// names of its modules and groups; empty until something is added
+    names: HashSet<String>,
 }
 
 /// A value as Python gives it.
@@ -65,6 +69,17 @@ fn entries(args: Vec<(String, Given)>) -> Vec<Entry> {
     args.into_iter().map(|(key, value)| Entry::new(&key, value.value())).collect()
 }
 
+/// The exception for what cannot be a name.
+fn no_name(py: Python, name: &str) -> PyErr {
+    let of = "letters from a to z or A to Z, digits and `_`, and no digit first";
+    usage(py, &format!("`{}` cannot be a name: it is made of {of}; a dot stands behind a group", name.escape_debug()))
+}
+
+/// The exception for a name that something has.
+fn taken(py: Python, name: &str, by: &str) -> PyErr {
+    usage(py, &format!("`{name}` is {by} already; names are unique in a model: rename one of the two"))
+}
+
 /// Names of the bundled models.
 #[pyfunction]
 pub fn bundled() -> Vec<&'static str> {
@@ -92,7 +107,28 @@ pub fn kinds()
 impl Model {
     /// Of what was read.
     pub fn of(loaded: Loaded) -> Model {
-        Model { loaded }
+        Model { loaded, names: HashSet::new() }
+    }
+
+    /// Takes a name for a module or a group: one that selectors can say, and that nothing else has.
+    fn take(&mut self, py: Python, name: &str) -> PyResult<()> {
+        let model = &self.loaded.model;
+        if self.names.is_empty() {
+            self.names
+                .extend(model.items.iter().map(|i| i.name.clone()).chain(model.groups.iter().map(|g| g.name.clone())));
+        }
+        if !is_name(name) {
+            return Err(no_name(py, name));
+        }
+        if model.params.iter().any(|p| p.key == name) {
+            return Err(taken(py, name, "a parameter"));
+        }
+        if !self.names.insert(name.to_owned()) {
+            let first = model.items.iter().find(|i| i.name == name);
+            let what = first.map_or_else(|| "a group".into(), |i| format!("a module, `{}`", i.kind));
+            return Err(taken(py, name, &what));
+        }
+        Ok(())
     }
 
     /// What is compiled: modules in their groups, and the files they name.
@@ -113,32 +149,32 @@ impl Model {
     /// An empty model.
     #[new]
     fn new() -> Model {
-        Model { loaded: load::built(ca_core::Model::default()) }
+        Model::of(load::built(ca_core::Model::default()))
     }
 
     /// A file, or a bundled model.
     #[staticmethod]
     fn open(py: Python, word: &str) -> PyResult<Model> {
         let loaded = py.detach(|| load::load(word)).map_err(|e| failure(py, e))?;
-        Ok(Model { loaded })
+        Ok(Model::of(loaded))
     }
 
     /// From text.
     #[staticmethod]
     fn read(py: Python, text: &str, file: &str) -> Model {
-        Model { loaded: py.detach(|| load::read_text(text, file)) }
+        Model::of(py.detach(|| load::read_text(text, file)))
     }
 
     /// From the text of a MIMS model.
     #[staticmethod]
     fn mims(py: Python, text: &str, file: &str) -> Model {
-        Model { loaded: py.detach(|| load::read_mims(text, file)) }
+        Model::of(py.detach(|| load::read_mims(text, file)))
     }
 
     /// From its bytes, called `name`.
     #[staticmethod]
     fn from_bytes(py: Python, bytes: &[u8], name: &str) -> PyResult<Model> {
-        Ok(Model { loaded: bytes::from_bytes(bytes, name).map_err(|e| failure(py, e))? })
+        Ok(Model::of(bytes::from_bytes(bytes, name).map_err(|e| failure(py, e))?))
     }
 
     /// What it means, as bytes.
@@ -149,7 +185,7 @@ impl Model {
 
     /// An equal model.
     fn copy(&self) -> Model {
-        Model { loaded: self.loaded.clone() }
+        Model::of(self.loaded.clone())
     }
 
     /// As a file would be written.
@@ -181,9 +217,23 @@ impl Model {
         self.loaded.model.items.iter().map(|i| (i.kind.as_str(), i.name.as_str())).collect()
     }
 
-    /// Adds a module; `a.b` stands in the group `a`, wherever that is added.
-    fn add(&mut self, kind: &str, name: &str, args: Vec<(String, Given)>) {
+    /// Adds a module; `a.b` stands in the group `a`, wherever that is added. What no compiler could make sense of later is
+    /// refused: a kind or a parameter that there is not, and a name that is none or taken.
+    fn add(&mut self, py: Python, kind: &str, name: &str, args: Vec<(String, Given)>) -> PyResult<()> {
+        let meant = |meant: Option<&str>, all: String| meant.map_or(all, |m| format!("did you mean `{m}`?"));
+        let catalog = ca_lab::catalog();
+        let Some(known) = catalog.get(kind) else {
+            let hint = meant(nearest(kind, catalog.iter().map(|k| k.code)), "`kinds()` has them all".into());
+            return Err(usage(py, &format!("`{name}`: there is no kind `{kind}`; {hint}")));
+        };
+        let params = || known.params.iter().map(|p| p.name);
+        if let Some((key, _)) = args.iter().find(|(key, _)| known.param(key).is_none()) {
+            let hint = meant(nearest(key, params()), format!("it has {}", params().collect::<Vec<_>>().join(", ")));
+            return Err(usage(py, &format!("`{name}`: `{kind}` has no parameter `{key}`; {hint}")));
+        }
+        self.take(py, name)?;
         self.loaded.model.add(kind, name, entries(args));
+        Ok(())
     }
 
     /// Adds a group.
@@ -194,6 +244,7 @@ impl Model {
                 &format!("there is a group `{name}` already; give it all of its properties at once"),
             ));
         }
+        self.take(py, name)?;
         let group =
             ca_core::model::Group { name: name.into(), span: ca_core::model::Span::NONE, props: entries(props) };
         self.loaded.model.groups.push(group);
@@ -208,7 +259,13 @@ impl Model {
             let hint = meant.map_or_else(|| format!("it has {}", keys.join(", ")), |m| format!("did you mean `{m}`?"));
             return Err(usage(py, &format!("`[{section}]` has no `{key}`; {hint}")));
         }
+        if (section == "param" && !is_word(key)) || (section == "gesture" && !is_name(key)) {
+            return Err(no_name(py, key));
+        }
         let model = &mut self.loaded.model;
+        if let Some(module) = model.items.iter().find(|i| section == "param" && i.name == key) {
+            return Err(taken(py, key, &format!("a module, `{}`", module.kind)));
+        }
         let list = match section {
             "model" => &mut model.meta,
             "rate" => &mut model.rate,

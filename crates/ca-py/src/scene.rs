@@ -1,6 +1,6 @@
 //! Scenes: what is compiled, and how it is played to its end.
 
-use crate::error::{failure, file, findings, usage};
+use crate::error::{self, failure, findings, usage};
 use crate::gesture::Gesture;
 use crate::measure::{energy, table};
 use crate::sim::Sim;
@@ -119,7 +119,7 @@ impl Scene {
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Bound<'py, PyDict>> {
         let (scene, gesture) = (&*self.compiled, gesture.map(|g| &g.gesture));
-        let performance = Performance::new(scene, gesture).map_err(|e| file(py, &e))?;
+        let performance = Performance::new(scene, gesture).map_err(|e| error::gesture(py, &e))?;
         let frames = play::frames(scene, play::seconds(&performance, seconds));
         let (channels, n_out) = (scene.channels, scene.n_out);
         let room = |width: usize| usize::try_from(frames).ok().and_then(|n| n.checked_mul(width));

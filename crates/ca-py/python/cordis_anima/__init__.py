@@ -95,14 +95,14 @@ def kinds() -> dict[str, Kind]:
 
 
 def load(
-    source: str | os.PathLike[str], changes: Mapping[str, object] | None = None, *, rate: float | None = None
+    source: str | os.PathLike[str], changes: Mapping[str, object] | None = None, *, rate: float | str | None = None
 ) -> Scene:
     """A scene from a file ``*.ca.toml``, a MIMS file ``*.mdl``, or a bundled model by its name.
 
     Args:
         source: the file or the name; ``examples.names()`` has the names.
         changes: values set before it is compiled, e.g. ``{"hammer.m": "30 g"}``.
-        rate: sound rate [Hz]; that of the model if none.
+        rate: sound rate [Hz], or text such as ``"96 kHz"``; that of the model if none.
 
     Raises:
         UsageError: no such model, with the nearest name.
@@ -119,7 +119,7 @@ def load(
     return model.compile(rate=rate)
 
 
-def parse(text: str, *, file: str = "model.ca.toml", rate: float | None = None) -> Scene:
+def parse(text: str, *, file: str = "model.ca.toml", rate: float | str | None = None) -> Scene:
     """A scene from the text of a model.
 
     >>> import cordis_anima as ca

@@ -10,7 +10,8 @@ from typing import Any
 
 from . import _core
 from ._errors import Diagnostic, ModelError, diagnostics
-from ._results import plain
+from ._results import number
+from ._results import value as _value
 from ._scene import Scene
 
 
@@ -55,12 +56,12 @@ class Model:
     __slots__ = ("_core",)
     __hash__ = None  # type: ignore[assignment]
 
-    def __init__(self, title: str = "", *, seconds: float | None = None) -> None:
+    def __init__(self, title: str = "", *, seconds: float | str | None = None) -> None:
         self._core = _core.Model()
         if title:
             self.put("model", "title", title)
         if seconds is not None:
-            self.put("model", "seconds", float(seconds))
+            self.put("model", "seconds", number("seconds", seconds, "s"))
 
     @classmethod
     def _of(cls, core: _core.Model) -> Model:
@@ -102,32 +103,66 @@ class Model:
     def add(self, kind: str, name: str, **values: object) -> Model:
         """Adds a module: a kind such as ``"MAS"`` (see `kinds`), a name, and its parameters as numbers in SI units,
         quantities, names, lists. A name ``"a.b"`` stands in the group ``a``. A last underscore is taken away, for words
-        that Python keeps for itself: ``from_="bob"``.
+        that Python keeps for itself, such as ``from_``.
+
+        Raises:
+            UsageError: no such kind or parameter, with the nearest one; a name that is taken, or that is not made of
+                letters from a to z, digits and underscores; a value that is none.
+
+        >>> import cordis_anima as ca
+        >>> ca.Model().add("MAS", "bob", m="1 g").add("SOX", "out", from_="bob").items
+        (('MAS', 'bob'), ('SOX', 'out'))
         """
-        self._core.add(kind, name, [(k.rstrip("_"), plain(v)) for k, v in values.items()])
+        self._core.add(kind, name, _entries(name, values))
         return self
 
     def group(self, name: str, **values: object) -> Model:
-        """Adds a group, once: modules that share a medium or a space, e.g. ``group("hall", dim=3, gravity=9.81)``."""
-        self._core.group(name, [(k.rstrip("_"), plain(v)) for k, v in values.items()])
+        """Adds a group, once: modules that share a medium or a space.
+
+        >>> import cordis_anima as ca
+        >>> m = ca.Model().group("hall", dim=3, gravity=9.81).add("MAS", "hall.ball", m="10 g")
+        >>> m.add("SOX", "out", from_="hall.ball", along="z").check().ok
+        True
+        """
+        self._core.group(name, _entries(name, values))
         return self
 
     def param(self, name: str, value: object, **about: object) -> Model:
-        """Adds a parameter: ``param("k", "3 kN/m", live=True, min=100, max="9 kN/m", doc="stiffness")``."""
+        """Adds a parameter, or writes it anew. The ends of its range are quantities as its value is, or plain numbers in
+        its ``unit``.
+
+        >>> import cordis_anima as ca
+        >>> m = ca.Model().param("k", "3 kN/m", live=True, min="100 N/m", max="9 kN/m", doc="stiffness")
+        >>> m = m.param("felt", 0, live=True, min=0, max=1, unit="N s/m")
+        >>> m = m.add("CEL", "bar", m="1 g", k="k", z="felt", dx0="1 mm").add("SOX", "out", from_="bar")
+        >>> m.compile().params["k"].min
+        100.0
+        """
         return self.put("param", name, {"value": value, **about} if about else value)
 
     def gesture(self, name: str, points: object) -> Model:
-        """What drives a port or a live parameter by itself: a list of ``[time, value]``."""
+        """What drives a port or a live parameter by itself: a list of times [s] and values.
+
+        >>> import cordis_anima as ca
+        >>> m = ca.Model().add("ENF", "push", to="bar").add("CEL", "bar", m="1 g", f="440 Hz").add("SOX", "out", from_="bar")
+        >>> m.gesture("push", [[0, 0], ["1 ms", "1 N"], ["2 ms", 0]]).compile().render(0.1).status
+        'ok'
+        """
         return self.put("gesture", name, points)
 
     def put(self, section: str, key: str, value: object) -> Model:
         """Writes an entry of ``model``, ``rate``, ``param``, ``gesture`` or ``equivalence``."""
-        self._core.put(section, key, plain(value))
+        self._core.put(section, key, _value(key, value))
         return self
 
     def set(self, name: str, value: object) -> Model:
-        """Sets a parameter that exists, as ``ca render --set`` does: ``set("hammer.m", "30 g")``."""
-        self._core.set(name, plain(value))
+        """Sets a parameter that exists, as ``ca render --set`` does.
+
+        >>> import cordis_anima as ca
+        >>> ca.Model.load("hammered_string").set("hammer.m", "30 g").check().ok
+        True
+        """
+        self._core.set(name, _value(name, value))
         return self
 
     @property
@@ -150,7 +185,7 @@ class Model:
         """Kinds and names of its modules, in order."""
         return tuple(self._core.items)
 
-    def check(self, *, rate: float | None = None) -> Check:
+    def check(self, *, rate: float | str | None = None) -> Check:
         """Compiles it without playing, and says everything that was found.
 
         >>> import cordis_anima as ca
@@ -158,10 +193,10 @@ class Model:
         >>> c.ok, c.diagnostics[0].code
         (False, 'E007')
         """
-        ok, found, text = self._core.check(rate)
+        ok, found, text = self._core.check(None if rate is None else number("rate", rate, "Hz"))
         return Check(ok, diagnostics(found), text)
 
-    def compile(self, *, rate: float | None = None, exact: bool = False) -> Scene:
+    def compile(self, *, rate: float | str | None = None, exact: bool = False) -> Scene:
         """Compiles it.
 
         Args:
@@ -205,6 +240,12 @@ class Model:
 
     def __repr__(self) -> str:
         return f"<Model {self.title or self.name or 'untitled'!r}: {len(self._core.items)} modules>"
+
+
+def _entries(name: str, values: Mapping[str, object]) -> list[tuple[str, Any]]:
+    """Parameters of what has this name, by the words that models have for them."""
+    keys = ((k.rstrip("_"), v) for k, v in values.items())
+    return [(k, _value(f"{name}.{k}", v)) for k, v in keys]
 
 
 def _again(data: bytes, name: str) -> Model:

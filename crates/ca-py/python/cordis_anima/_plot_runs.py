@@ -40,14 +40,15 @@ def sweep(sweep: Sweep, x: str, y: str, *, color: str | None = None, ax: Axes | 
 
     >>> import cordis_anima as ca
     >>> from cordis_anima import plot
-    >>> s = ca.sweep(ca.examples.string(), {"low.m": ["1 g", "2 g", "4 g"]}, seconds=0.1)
+    >>> s = ca.sweep(ca.examples.string(), {"low.m": ["1 g", "2 g", "4 g"]}, seconds=0.1, measure=True)
     >>> ax = plot.sweep(s, "low.m", "partial")
     >>> ax.get_xlabel(), ax.get_ylabel(), len(ax.collections[0].get_offsets())
     ('low.m', 'partial [Hz]', 3)
+    >>> ax.set_xscale("log")
     """
     for name in [x, y] if color is None else [x, y, color]:
         if name not in sweep:
-            raise UsageError(f"no column `{name}`; the sweep has {', '.join(sweep)}")
+            raise UsageError(f"{sweep._missing(name)}; the sweep has {', '.join(sweep)}")
     ax = given_or_new(ax, 4.0)
     (across, texts_x), (up, texts_y) = _numbers(sweep, x), _numbers(sweep, y)
     status = sweep["status"].astype(str)
@@ -102,7 +103,8 @@ def take(
 
     >>> import cordis_anima as ca, tempfile, os
     >>> from cordis_anima import plot
-    >>> t = ca.record(ca.load("hammered_string"), os.path.join(tempfile.mkdtemp(), "blow.mcap"), 0.5)
+    >>> folder = tempfile.TemporaryDirectory()
+    >>> t = ca.record(ca.load("hammered_string"), os.path.join(folder.name, "blow.mcap"), 0.5)
     >>> position, force = plot.take(t)
     >>> position.get_ylabel(), force.get_ylabel(), [line.get_label() for line in force.lines]
     ('position [mm]', 'force [N]', ['tgr12 0'])

@@ -9,6 +9,9 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from . import _core
+from ._errors import UsageError
+
 Floats = npt.NDArray[np.float64]
 Sound = npt.NDArray[np.float32]
 Status = Literal["ok", "clipped", "unstable", "refused"]
@@ -203,3 +206,70 @@ def plain(value: object) -> Any:
     if isinstance(value, (list, tuple)):
         return [plain(v) for v in value]
     return value
+
+
+def value(name: str, given: object) -> Any:
+    """A value that a model can have.
+
+    Raises:
+        UsageError: it is none, anywhere in it.
+    """
+    return _value(name, plain(given))
+
+
+def _value(name: str, given: Any) -> Any:
+    if isinstance(given, (bool, float, str)):
+        return given
+    if isinstance(given, int):
+        try:
+            return float(given)
+        except OverflowError:
+            raise UsageError(f"`{name}` cannot be {given}: it is too large for a number") from None
+    if isinstance(given, list):
+        return [_value(name, v) for v in given]
+    if isinstance(given, dict):
+        return {k: _value(name, v) for k, v in given.items()}
+    hint = "; leave it out where nothing is meant" if given is None else ""
+    raise UsageError(f"`{name}` cannot be {given!r}: numbers, quantities, names and lists are values{hint}")
+
+
+def number(name: str, given: object, unit: str) -> float:
+    """A number in `unit`, or a quantity as text, e.g. ``"1.5 s"``.
+
+    Raises:
+        UsageError: it is neither.
+    """
+    if isinstance(given, str):
+        return _core.quantity(name, given, unit)
+    try:
+        return float(given)  # type: ignore[arg-type]
+    except (TypeError, ValueError, OverflowError):
+        raise UsageError(f'{name} = {given!r}: write a number, or "1.5 {unit}"') from None
+
+
+def length(given: object) -> float:
+    """How long something is played [s]."""
+    seconds = number("seconds", given, "s")
+    if not 0 < seconds < 1e9:
+        raise UsageError(f"seconds = {given}: a length above 0, below 1e9")
+    return seconds
+
+
+def reals(name: str, given: object, *, dense: bool = False) -> Floats:
+    """Real numbers as an array; `dense`, one behind the other.
+
+    Raises:
+        UsageError: it holds anything else, or its rows are of several lengths.
+    """
+    try:
+        array = np.asarray(given)
+    except ValueError:
+        raise UsageError(f"`{name}` is no array: its rows are of several lengths") from None
+    if array.dtype.kind not in "biuf":
+        raise UsageError(f"`{name}` holds {_KINDS.get(array.dtype.kind, str(array.dtype))}: real numbers are wanted")
+    made: Floats = np.require(array, np.float64, ["C", "A"] if dense else ["A"])
+    return made
+
+
+#: what arrays can hold that is no number
+_KINDS = {"c": "complex numbers", "U": "text", "S": "bytes", "O": "something that is no number", "V": "records"}

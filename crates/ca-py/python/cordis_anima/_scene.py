@@ -12,7 +12,7 @@ import numpy.typing as npt
 from . import _core, _html
 from ._errors import Diagnostic, UnstableError, UsageError, diagnostics
 from ._render import Params, Render
-from ._results import Accuracy, Certificate, Floats, Modes, Param, Port, Status, plain
+from ._results import Accuracy, Certificate, Floats, Modes, Param, Port, Status, length, number, reals, value
 from ._results import energy as _energy
 from ._sim import Sim
 
@@ -51,9 +51,9 @@ class Scene:
         raise UsageError("a scene comes from `ca.load`, `ca.parse` or `Model.compile`")
 
     @classmethod
-    def _of(cls, model: _core.Model, rate: float | None, exact: bool) -> Scene:
+    def _of(cls, model: _core.Model, rate: float | str | None, exact: bool) -> Scene:
         made = cls.__new__(cls)
-        rate = None if rate is None else float(rate)
+        rate = None if rate is None else number("rate", rate, "Hz")
         made._model, made._asked, made._hash = model, (rate, exact), None
         made._compiled = model.compile(rate=rate, exact=exact)
         return made
@@ -164,7 +164,7 @@ class Scene:
 
     # others like it
 
-    def replace(self, changes: Mapping[str, object] | None = None, *, rate: float | None = None) -> Scene:
+    def replace(self, changes: Mapping[str, object] | None = None, *, rate: float | str | None = None) -> Scene:
         """The same scene with other values, as ``ca render --set`` takes them: numbers in the model's units, or quantities.
 
         Raises:
@@ -176,8 +176,8 @@ class Scene:
         'heavy'
         """
         model = self._model.copy()
-        for name, value in (changes or {}).items():
-            model.set(name, plain(value))
+        for name, given in (changes or {}).items():
+            model.set(name, value(name, given))
         asked, exact = self._asked
         return Scene._of(model, asked if rate is None else rate, exact)
 
@@ -185,7 +185,7 @@ class Scene:
 
     def render(
         self,
-        seconds: float | None = None,
+        seconds: float | str | None = None,
         *,
         gesture: Gesture = None,
         probes: Sequence[str] = (),
@@ -196,7 +196,7 @@ class Scene:
         """Plays the scene to its end. Other threads run meanwhile; Ctrl-C ends it.
 
         Args:
-            seconds: how long; without, as the model says, or until its gestures have died away.
+            seconds: how long, a number or text such as ``"1.5 s"``; without, as the model says, or until its gestures have died away.
             gesture: what drives ports and live parameters; takes the place of the built-in gesture of the same name.
                 A mapping of names to numbers, breakpoints ``[(t, value), …]``, arrays at the sound rate, arrays and
                 their rate, or files; or a file (CSV, NPY, WAV, MIDI, a take) whose tracks are called by them.
@@ -206,7 +206,10 @@ class Scene:
             progress: told now and then how many frames of how many are done.
 
         Raises:
-            UsageError, FileError, ModelError, UnstableError
+            UsageError: nothing is driven by such a name, values that are none, a length or an option that makes no sense.
+            FileError: a file of a gesture cannot be read.
+            ModelError: a probe that chooses nothing.
+            UnstableError: it blew up, where that was asked for.
 
         >>> import cordis_anima as ca
         >>> key = ca.load("hammered_string")
@@ -214,8 +217,7 @@ class Scene:
         >>> r.status, abs(r.energy.residual) < 1e-9 * r.energy.peak
         ('ok', True)
         """
-        if seconds is not None and not 0 < seconds < 1e9:
-            raise UsageError(f"seconds = {seconds}: a length above 0, below 1e9")
+        seconds = None if seconds is None else length(seconds)
         if on_unstable not in ("keep", "raise"):
             raise UsageError(f"on_unstable = {on_unstable!r}: \"keep\" or \"raise\"")
         probes = [probes] if isinstance(probes, str) else list(probes)
@@ -282,11 +284,11 @@ class Scene:
             if isinstance(curve, (str, os.PathLike)):
                 files.append(self._compiled.gesture(os.fspath(curve), name, None))
             elif isinstance(curve, tuple) and len(curve) == 2 and isinstance(curve[0], (str, os.PathLike)):
-                files.append(self._compiled.gesture(os.fspath(curve[0]), name, float(curve[1])))
-            elif isinstance(curve, tuple) and len(curve) == 2 and np.ndim(curve[0]) == 1 and np.ndim(curve[1]) == 0:  # type: ignore[arg-type]
-                tracks.append((name, (float(curve[1]), np.require(curve[0], np.float64, ["C", "A"]))))
+                files.append(self._compiled.gesture(os.fspath(curve[0]), name, number(f"rate of `{name}`", curve[1], "Hz")))
+            elif isinstance(curve, tuple) and len(curve) == 2 and _ndim(curve[0]) == 1 and _ndim(curve[1]) == 0:
+                tracks.append((name, (number(f"rate of `{name}`", curve[1], "Hz"), reals(name, curve[0], dense=True))))
             else:
-                values = np.require(curve, np.float64, ["A"])
+                values = reals(name, curve)
                 if values.ndim == 0:
                     tracks.append((name, float(values)))
                 elif values.ndim == 1:
@@ -324,7 +326,7 @@ class Scene:
 
     def accuracy(
         self,
-        seconds: float | None = None,
+        seconds: float | str | None = None,
         *,
         times: Sequence[int] = (1, 2, 4),
         reference: int = 32,
@@ -344,6 +346,7 @@ class Scene:
         >>> a.method[0], len(a) == len(a.error) == len(a.ns)
         ('as written', True)
         """
+        seconds = None if seconds is None else number("seconds", seconds, "s")
         times = [int(t) for t in times]
         if not times or min(times) < 1 or max(times) > 1_000_000 or not 4 <= reference <= 1_000_000 or reference % 4:
             raise UsageError("`times` are whole numbers from 1 on, `reference` is a multiple of 4")
@@ -352,6 +355,14 @@ class Scene:
             rate=self._asked[0], seconds=seconds, probes=probes, times=times, reference=reference, progress=progress
         )
         return Accuracy(**_frozen(raw))
+
+
+def _ndim(given: object) -> int | None:
+    """Dimensions of an array; none where its rows are of several lengths."""
+    try:
+        return np.ndim(given)  # type: ignore[arg-type]
+    except ValueError:
+        return None
 
 
 def _frozen(raw: Mapping[str, Any]) -> dict[str, Any]:

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from . import _core
 from ._errors import UsageError
-from ._results import Energy, Floats, Sound, energy
+from ._results import Energy, Floats, Sound, energy, number, reals
 
 #: what drives ports in a block: numbers or arrays (n,) by name, or an array (n, inputs) in the order of `Scene.inputs`
 Inputs = Union[Mapping[str, "float | npt.ArrayLike"], npt.ArrayLike, None]
@@ -81,7 +81,8 @@ class Sim:
         self._name = str(about["title"] or about["name"])
         self._frame = 1 / float(about["gesture_rate"])
         self._rest = np.array([[rest for _, _, rest in core.inputs]], dtype=np.float64)
-        self._live = [p[0] for p in core.params]
+        # names of live parameters, and their units
+        self._live = {p[0]: p[4] for p in core.params}
         #: samples of a block where nothing says how many
         self.block = block
         self._core = core.sim()
@@ -116,16 +117,16 @@ class Sim:
         raw = self._core.energy()
         return None if raw is None else energy(raw)
 
-    def set(self, name: str, value: float, *, over: float | None = None) -> None:
-        """Moves a live parameter to `value` [SI] within `over` seconds; a gesture frame if none.
+    def set(self, name: str, value: float | str, *, over: float | str | None = None) -> None:
+        """Moves a live parameter to `value`, in SI units or a quantity, within `over` seconds; a gesture frame if none.
 
         Raises:
             UsageError: no such parameter, or out of its range.
         """
-        over = self._frame if over is None else over
+        over = self._frame if over is None else number("over", over, "s")
         if not 0 <= over <= 3600:
             raise UsageError(f"over = {over}: from 0 to 3600 seconds")
-        self._core.set(name, float(value), max(1, round(over * self._rate)))
+        self._core.set(name, number(f"`{name}`", value, self._live.get(name, "")), max(1, round(over * self._rate)))
 
     def step(
         self,
@@ -170,7 +171,7 @@ class Sim:
         if inputs is None:
             return self._held, self.block if n is None else n
         if not isinstance(inputs, Mapping):
-            rows = np.require(inputs, np.float64, ["C", "A"])
+            rows = reals("inputs", inputs, dense=True)
             if rows.ndim != 2:
                 raise UsageError(f"inputs have the shape {rows.shape}: (n, {len(self._names)}), or give them by name")
             return rows, len(rows) if n is None else n
@@ -178,7 +179,7 @@ class Sim:
         for name, value in inputs.items():
             if name not in self._names:
                 raise UsageError(f"no port `{name}`; this scene has {', '.join(self._names) or 'none'}")
-            value = np.asarray(value, dtype=np.float64)
+            value = reals(name, value)
             if value.ndim > 1 or (value.ndim == 1 and n is not None and len(value) != n):
                 raise UsageError(f"`{name}` has the shape {value.shape}; a number, or as many as there are samples")
             if value.ndim == 1:

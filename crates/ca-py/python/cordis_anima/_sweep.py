@@ -1,29 +1,31 @@
 """One scene played many times, each time with other values.
 
 Decides that whoever computes a run is an `Executor` of the standard library, and that what is handed to it is plain: a job
-that can be pickled, and numbers of runs. So threads, processes, joblib, Dask, MPI and Ray are the same to it.
+that can be pickled, and numbers of runs. So threads, processes, joblib, Dask, MPI and Ray are the same to it. How they are
+handed over is decided in `_work`.
 """
 
 from __future__ import annotations
 
 import functools
+import itertools
 import operator
 import os
 import pickle
 import time
 import uuid
 from collections.abc import Iterator, Mapping, Sequence, Set
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
+from concurrent.futures import Executor, ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple, Union
 
 import numpy as np
 import numpy.typing as npt
 
-from . import _html, _zarr
+from . import _html, _work, _zarr
 from ._errors import FailedError, UsageError, needed
 from ._job import Job, fill, play
-from ._results import Floats, Sound, plain
+from ._results import Floats, Sound, length, value
 from ._scene import Gesture, Path, Progress, Scene
 
 #: how many rows a notebook shows, and what of them besides what was varied
@@ -31,6 +33,8 @@ _SHOWN = 10
 _TOLD = ("status", "failed", "peak", "rms", "partial", "t60", "residual", "message")
 #: how long a task should take [s], so that handing it over is little beside it
 _TASK = 0.5
+#: most values of a parameter
+_VALUES = 1_000_000
 
 
 class Range(NamedTuple):
@@ -54,7 +58,7 @@ class Range(NamedTuple):
 #: what a parameter may be: a range, or values
 Space = Union[Range, Sequence[object], npt.NDArray[Any]]
 Column = npt.NDArray[Any]
-Task = functools.partial[Any]
+Task = _work.Task
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -84,7 +88,15 @@ class Sweep(Mapping[str, Column]):
     run_time: float
 
     def __getitem__(self, name: str) -> Column:
-        return self.columns[name]
+        try:
+            return self.columns[name]
+        except KeyError:
+            raise KeyError(self._missing(name)) from None
+
+    @staticmethod
+    def _missing(name: str) -> str:
+        """What is said of a column that there is not."""
+        return f"no column `{name}`" + (": `sweep` makes it with measure=True" if name in ("partial", "t60") else "")
 
     def __iter__(self) -> Iterator[str]:
         return iter(self.columns)
@@ -139,10 +151,10 @@ def sweep(
     runs: int | None = None,
     *,
     seed: int = 0,
-    seconds: float | None = None,
+    seconds: float | str | None = None,
     gesture: Gesture = None,
     energy: bool = False,
-    measure: bool = True,
+    measure: bool = False,
     to: Path | None = None,
     audio: bool | Literal["flac", "wav", "none"] | None = None,
     chunk: int | None = None,
@@ -154,7 +166,8 @@ def sweep(
 
     A run depends on the scene, the seed and its number only: any executor, in any order, finds the same. A run that blows
     up or makes no sense is a row with its `status`, and ends nothing. Ctrl-C ends the sweep; what was written stays, and
-    the same call goes on from there.
+    the same call goes on from there. One that will take more than ten minutes says so in a warning, with the time; one
+    whose rows and sounds would take more than half of the memory is refused, with both.
 
     Args:
         scene: what is played.
@@ -164,10 +177,13 @@ def sweep(
         seconds: how long each is played; without, as the model says.
         gesture: what drives ports and live parameters, as in `Scene.render`.
         energy: keep the energy book, for a column ``residual``.
-        measure: measure the strongest partial and the decay.
+        measure: measure the strongest partial and the decay, for columns ``partial`` and ``t60``: for a short sound that
+            takes longer than to play it. The command does so, unless its plan says otherwise; who goes on with a folder of
+            the command asks for the same.
         to: a folder for sounds and rows, or ``*.zarr``; without, all stays in memory. What is there is not done again.
         audio: ``"flac"``, ``"wav"`` or ``"none"`` in a folder; in memory and Zarr, whether sounds are kept.
-        chunk: how many runs are written at once; without, a 64th of them, 100 at most.
+        chunk: how many runs are written at once; without, a 64th of them, in Zarr an eighth, 100 at most and
+            there no more than 64 MB of sounds.
         executor: who computes: threads of this process if none. Any `concurrent.futures.Executor`:
             ``dask.distributed.Client(…).get_executor()``, ``joblib.externals.loky.get_reusable_executor()``,
             ``mpi4py.futures.MPIPoolExecutor()``.
@@ -175,7 +191,7 @@ def sweep(
         progress: told how many runs of how many are done.
 
     Raises:
-        UsageError: no such parameter, values that are none, a folder of something else.
+        UsageError: no such parameter, values that are none, a folder of something else, more rows than memory holds.
         ModelError: the scene itself has errors.
 
     >>> import cordis_anima as ca
@@ -186,36 +202,52 @@ def sweep(
     >>> s["low.f"].shape, bool(s["peak"][s["hammer.m"] == 0.02].mean() > s["peak"][s["hammer.m"] == 0.01].mean())
     ((20,), True)
     """
-    if seconds is not None and not 0 < seconds < 1e9:
-        raise UsageError(f"seconds = {seconds}: a length above 0, below 1e9")
+    seconds = None if seconds is None else length(seconds)
     runs = None if runs is None else _whole("runs", runs, 1, 2**40)
     seed = _whole("seed", seed, 0, 2**64 - 1)
     batch = None if batch is None else _whole("batch", batch, 1, 2**40)
     chunk = None if chunk is None else _whole("chunk", chunk, 1, 1_000_000)
     begin = time.perf_counter()
-    asked = (runs, seed, None if seconds is None else float(seconds), bool(energy), bool(measure))
+    asked = (runs, seed, seconds, bool(energy), bool(measure))
     job = _job(scene, vary, asked, gesture)
     core = job.core
     # workers may stand elsewhere
     target = None if to is None else os.path.abspath(os.fsdecode(to))
-    chunk = core.chunk if chunk is None else chunk
-    kept: Any = None
-    if target is None:
-        if isinstance(audio, str):
-            raise UsageError(f"audio = {audio!r} is for a folder, `to=`; in memory, `True` keeps sounds")
-        tasks, kept = _in_memory(job, bool(audio), batch)
-    elif target.endswith(".zarr"):
-        if isinstance(audio, str):
-            raise UsageError(f"audio = {audio!r} is for a folder; in Zarr, `True` or `False`")
-        tasks = _zarr.tasks(job, target, audio is not False, chunk)
-    else:
-        form = audio if isinstance(audio, str) else "none" if audio is False else "flac"
-        tasks = [functools.partial(fill, job, target, form, chunk, k) for k in core.missing(target, form, chunk)]
-    # the last chunk may be shorter than others
-    todo = core.runs - (1 if kept else 0) if target is None else sum(_size(t, core.runs, chunk) for t in tasks)
+    if isinstance(audio, str) and (target is None or target.endswith(".zarr")):
+        raise UsageError(f"audio = {audio!r} is for a folder, `to=`; in memory and in Zarr, `True` or `False`")
+    total, size = core.runs, core.chunk if chunk is None else chunk
+    sound = target is None and bool(audio)
+
+    @functools.cache
+    def first() -> tuple[Any, float]:
+        """The first run, where that is asked before all else begins, and the time it took [s]."""
+        begin = time.perf_counter()
+        return play(job, 0, 1, sound), time.perf_counter() - begin
+
+    _work.check_room(total, len(core.columns[0]), first, sound, core.channels)
     own = ThreadPoolExecutor(os.cpu_count() or 1)
+    who = executor or own
+    kept: Any = None
+    warned = False
     try:
-        done = _all(executor or own, tasks, todo, core.runs, kept, progress)
+        if target is None:
+            kept, each = first()
+            tasks = _in_memory(job, sound, batch, each)
+            todo = total - 1
+            warned = _work.tell(each * todo / (_work.workers(who) or 1), todo, 2)
+        else:
+            if target.endswith(".zarr"):
+                size = _zarr.chunk(core, first()[0][2], audio is not False) if chunk is None else chunk
+                missing = _zarr.missing(job, target, audio is not False, size)
+                work = functools.partial(_zarr.fill, job, target, audio is not False, size)
+            else:
+                form = audio if isinstance(audio, str) else "none" if audio is False else "flac"
+                missing = core.missing(target, form, size)
+                work = functools.partial(fill, job, target, form, size)
+            # the last chunk may be shorter than others
+            todo = sum(min(size, total - k * size) for k in missing)
+            tasks = (functools.partial(work.func, *work.args, k) for k in missing)
+        done = _work.all_of(who, tasks, todo, total, kept, warned, progress)
     except BaseException:
         core.stop()
         raise
@@ -228,7 +260,7 @@ def sweep(
     elif target.endswith(".zarr"):
         columns = _zarr.columns(target)
     else:
-        raw = core.gather(target, form, chunk)
+        raw = core.gather(target, form, size)
         if raw is None:
             raise FailedError(f"`{target}` has not all runs after all: is it the same folder for all workers?")
         columns = _arrays(raw)
@@ -246,29 +278,19 @@ def _whole(name: str, value: object, low: int, high: int) -> int:
     return number
 
 
-def _value(name: str, value: object) -> object:
-    """A value that a model can have."""
-    value = plain(value)
-    if isinstance(value, int) and not isinstance(value, bool):
-        try:
-            return float(value)
-        except OverflowError:
-            raise UsageError(f"`{name}` cannot be {value}") from None
-    if isinstance(value, (bool, float, str, list, dict)):
-        return value
-    raise UsageError(f"`{name}` cannot be {value!r}: numbers, quantities, names and lists are values")
-
-
 def _job(scene: Scene, vary: Mapping[str, Space], asked: tuple[Any, ...], gesture: Gesture) -> Job:
     axes: list[tuple[str, Any]] = []
     for name, space in vary.items():
         if isinstance(space, Range):
             steps = None if space.steps is None else _whole(f"`{name}`: steps", space.steps, 2, 1_000_000)
-            axes.append((name, (_value(name, space.low), _value(name, space.high), bool(space.log), steps)))
+            axes.append((name, (value(name, space.low), value(name, space.high), bool(space.log), steps)))
         elif isinstance(space, (str, bytes, Mapping, Set)) or not hasattr(space, "__iter__") or getattr(space, "ndim", 1) == 0:
             raise UsageError(f"`{name}` may be {space!r}: a `Range`, or a list of values")
         else:
-            axes.append((name, [_value(name, v) for v in space]))
+            values = list(itertools.islice(space, _VALUES + 1))
+            if len(values) > _VALUES:
+                raise UsageError(f"`{name}` may be one of more than {_VALUES} values: say a `Range`, or fewer")
+            axes.append((name, [value(name, v) for v in values]))
     rate, _ = scene._asked
     hands = scene._gesture(gesture)
     held = None if hands is None else pickle.dumps(hands.tracks(), 4)
@@ -276,48 +298,13 @@ def _job(scene: Scene, vary: Mapping[str, Space], asked: tuple[Any, ...], gestur
     return Job((model.bytes(), model.name, (rate, *asked), pickle.dumps(axes, 4), held, uuid.uuid4().hex))
 
 
-def _in_memory(job: Job, audio: bool, batch: int | None) -> tuple[list[Task], Any]:
-    """Tasks of about half a second, and what was played to know how many runs that are."""
-    runs, kept = job.core.runs, None
-    first = 0
-    if batch is None:
-        begin = time.perf_counter()
-        kept = play(job, 0, 1, audio)
-        first, each = 1, time.perf_counter() - begin
-        # few enough that several workers have something to do to the end
-        batch = max(1, min(int(_TASK / max(each, 1e-6)), (runs + 15) // 16))
-    parts = range(first, runs, batch)
-    return [functools.partial(play, job, k, min(k + batch, runs), audio) for k in parts], kept
-
-
-def _size(task: Task, runs: int, chunk: int) -> int:
-    """Runs of a chunk, whose number is the last argument of its task."""
-    first = int(task.args[-1]) * chunk
-    return min(first + chunk, runs) - first
-
-
-def _all(
-    executor: Executor, tasks: list[Task], todo: int, runs: int, kept: Any, progress: Progress | None
-) -> list[Any]:
-    """What all tasks return, in their order."""
-    waiting: set[Future[Any]] = set()
-    done: list[Any] = [] if kept is None else [kept]
-    # what is there already counts as done
-    count = runs - todo
-    try:
-        waiting = {executor.submit(t.func, *t.args) for t in tasks}
-        while waiting:
-            ready, waiting = wait(waiting, timeout=0.1, return_when=FIRST_COMPLETED)
-            for future in ready:
-                found = future.result()
-                count += found[1]
-                done.append(found)
-            if ready and progress is not None:
-                progress(count, runs)
-    finally:
-        for future in waiting:
-            future.cancel()
-    return sorted(done, key=lambda d: int(d[0]))
+def _in_memory(job: Job, audio: bool, batch: int | None, each: float) -> Iterator[Task]:
+    """Tasks of about half a second, behind the first run, which took `each` [s]."""
+    runs = job.core.runs
+    # few enough that several workers have something to do to the end
+    size = batch or max(1, min(int(_TASK / max(each, 1e-6)), (runs + 15) // 16))
+    parts = range(1, runs, size)
+    return (functools.partial(play, job, k, min(k + size, runs), audio) for k in parts)
 
 
 def _arrays(raw: Mapping[str, Any]) -> dict[str, Column]:

@@ -11,8 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core, _html
-from ._errors import UsageError
-from ._results import Floats
+from ._results import Floats, length
 from ._scene import Gesture, Path, Progress, Scene
 
 Texts = npt.NDArray[np.object_]
@@ -97,7 +96,8 @@ class Take:
     """A take that was written by ``ca serve`` or by `record`: whole gesture frames, the first of them one sample long.
 
     >>> import cordis_anima as ca, tempfile, os
-    >>> path = os.path.join(tempfile.mkdtemp(), "blow.mcap")
+    >>> folder = tempfile.TemporaryDirectory()
+    >>> path = os.path.join(folder.name, "blow.mcap")
     >>> t = ca.record(ca.load("hammered_string"), path, 0.5)
     >>> t.devices, t.audio.shape, t.replay().identical
     (('tgr12',), (24001, 2), True)
@@ -251,7 +251,7 @@ def _texts(column: Any) -> Any:
 def record(
     scene: Scene,
     path: Path,
-    seconds: float | None = None,
+    seconds: float | str | None = None,
     *,
     gesture: Gesture = None,
     energy: bool = False,
@@ -278,18 +278,17 @@ def record(
         FileError: the file is there already, or cannot be written.
 
     >>> import cordis_anima as ca, tempfile, os
-    >>> path = os.path.join(tempfile.mkdtemp(), "blow.mcap")
+    >>> folder = tempfile.TemporaryDirectory()
+    >>> path = os.path.join(folder.name, "blow.mcap")
     >>> key = ca.load("hammered_string")
     >>> t = ca.record(key, path, 0.5)
     >>> t.hands["tgr12"]
     <Hand: 12 dof, 1501 frames in, 1501 out>
     """
-    if seconds is not None and not 0 < seconds < 1e9:
-        raise UsageError(f"seconds = {seconds}: a length above 0, below 1e9")
     scene._model.record(
         os.fspath(path),
         rate=scene._asked[0],
-        seconds=seconds,
+        seconds=None if seconds is None else length(seconds),
         gesture=scene._gesture(gesture),
         energy=energy,
         forces=forces,

@@ -1,27 +1,39 @@
 """A sweep in Zarr: every column an array over runs, the sounds one array over runs, frames and channels.
 
 Decides that a chunk of an array is what one task writes, so that workers never touch the same file, and that `done` says
-which of them are whole: it is written last. Texts that a run does not have are empty here.
+which of them are whole: it is written last. Texts that a run does not have are empty here. A task writes a file for each
+column, however few runs it has, so that chunks are as large as leaves some tasks for each of several workers.
 """
 
 from __future__ import annotations
 
-import functools
 import warnings
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
+from . import _core
 from ._errors import UsageError, needed
 from ._job import Job
+
+
+#: runs of a chunk, bytes of its sounds, and tasks that there are at least, where nothing is said
+_RUNS, _BYTES, _TASKS = 100, 64 << 20, 8
 
 
 def _group(path: str, mode: str) -> Any:
     return needed("zarr", "data").open_group(path, mode=mode)
 
 
-def tasks(job: Job, path: str, audio: bool, chunk: int) -> list[functools.partial[Any]]:
-    """What is to be done, in a store that is there or is made now."""
+def chunk(core: _core.Sweep, first: Mapping[str, Any], audio: bool) -> int:
+    """Runs that are written at once where nothing is said, by the first of them; the same whenever it is asked."""
+    sound = 4 * core.channels * int(first["frames"][0]) if audio else 0
+    return max(1, min(_RUNS, -(-core.runs // _TASKS), _BYTES // sound if sound else _RUNS))
+
+
+def missing(job: Job, path: str, audio: bool, chunk: int) -> list[int]:
+    """Numbers of the chunks that are to be done, in a store that is there or is made now."""
     core = job.core
     asked = core.told("zarr" if audio else "none", chunk)
     group = _group(path, "a")
@@ -40,7 +52,7 @@ def tasks(job: Job, path: str, audio: bool, chunk: int) -> list[functools.partia
         group.attrs["columns"] = core.columns[0]
         group.attrs["made"] = True
     done = group["done"][:]
-    return [functools.partial(_fill, job, path, audio, chunk, int(k)) for k in np.flatnonzero(done == 0)]
+    return [int(k) for k in np.flatnonzero(done == 0)]
 
 
 def _make(job: Job, group: Any, audio: bool, chunk: int) -> None:
@@ -65,7 +77,7 @@ def _make(job: Job, group: Any, audio: bool, chunk: int) -> None:
         group.create_array("done", shape=(n,), chunks=(1,), dtype="u1", dimension_names=("chunk",))
 
 
-def _fill(job: Job, path: str, audio: bool, chunk: int, which: int) -> tuple[int, int, Any, Any]:
+def fill(job: Job, path: str, audio: bool, chunk: int, which: int) -> tuple[int, int, Any, Any]:
     core = job.core
     first, end = which * chunk, min((which + 1) * chunk, core.runs)
     columns, sounds = core.play(first, end, audio)

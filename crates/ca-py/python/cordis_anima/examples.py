@@ -1,4 +1,9 @@
-"""The bundled models, as functions: ``examples.hammered_string()`` is ``load("hammered_string")``."""
+"""The bundled models, as functions: ``examples.hammered_string()`` is ``load("hammered_string")``.
+
+>>> import cordis_anima as ca
+>>> ca.examples.hammered_string() == ca.load("hammered_string")
+True
+"""
 
 from __future__ import annotations
 

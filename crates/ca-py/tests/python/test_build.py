@@ -88,9 +88,6 @@ def test_what_has_errors_has_no_bytes() -> None:
     with pytest.raises(ca.ModelError):
         pickle.dumps(wrong)
     assert wrong == wrong and wrong != wrong.copy()
-    twice = ca.Model().add("MAS", "bob", m=1).add("MAS", "bob", m=2)
-    with pytest.raises(ca.ModelError):
-        pickle.dumps(twice)
     # what a pickle has to say stands in no file
     good = ca.Model.parse("# one\n# two\n[MAS]\nbob = { m = 1, v = 1 }\n[SOX]\nout = { from = 'bob' }\nunused = 1\n", "x.ca.toml")
     assert not good.check()
@@ -163,5 +160,97 @@ def test_what_makes_no_sense_is_refused() -> None:
         ca.load("hammered_string").render(0.1, probes="nothing")
     with pytest.raises(AttributeError):
         ca.examples.nothing
-    with pytest.raises(TypeError):
+    with pytest.raises(ca.UsageError):
         ca.Model().add("MAS", "bob", m=object())
+
+
+def test_what_is_added_is_looked_at_at_once() -> None:
+    m = ca.Model().group("hall", dim=3).param("felt", 1).add("MAS", "bob", m="1 g").add("MAS", "hall.ball", m=1)
+    before = m.to_toml()
+    for wrong, what in [
+        (lambda: m.add("MSA", "other"), "no kind `MSA`; did you mean `MAS`"),
+        (lambda: m.add("Nothing of the kind", "other"), "`kinds\\(\\)` has them all"),
+        (lambda: m.add("MAS", "other", dxo=1), "no parameter `dxo`; did you mean `dx0`"),
+        (lambda: m.add("MAS", "other", colour=1), "it has m, "),
+        (lambda: m.add("SOL", "bob"), "`bob` is a module, `MAS` already"),
+        (lambda: m.add("SOL", "hall.ball"), "`hall.ball` is a module, `MAS` already"),
+        (lambda: m.add("SOL", "hall"), "`hall` is a group already"),
+        (lambda: m.add("SOL", "felt"), "`felt` is a parameter already"),
+        (lambda: m.group("hall"), "all of its properties at once"),
+        (lambda: m.group("bob"), "`bob` is a module, `MAS` already"),
+        (lambda: m.param("bob", 1), "`bob` is a module, `MAS` already"),
+    ]:
+        with pytest.raises(ca.UsageError, match=what):
+            wrong()
+    assert m.to_toml() == before, "nothing of it was added"
+    # what was refused is no name taken, in this one and in copies of it
+    for model in (m, m.copy(), pickle.loads(pickle.dumps(m.copy().add("SOX", "ear", from_="bob")))):
+        model.add("SOL", "other")
+        with pytest.raises(ca.UsageError, match="`other` is a module, `SOL` already"):
+            model.add("SOL", "other")
+    # a parameter is written anew by its name
+    assert "felt = 2" in m.param("felt", 2).to_toml()
+    # what was read is taken too
+    with pytest.raises(ca.UsageError, match="`hammer` is a module"):
+        ca.Model.load("hammered_string").add("SOL", "hammer")
+
+
+@pytest.mark.parametrize("name", ["é", "a b", "1st", "", "a.", ".a", "low[3]", "a-b", "ﬁ"])
+def test_a_name_is_what_selectors_can_say(name: str) -> None:
+    m = ca.Model()
+    for wrong in [
+        lambda: m.add("MAS", name, m=1),
+        lambda: m.group(name, dim=3),
+        lambda: m.param(name, 1),
+        lambda: m.gesture(name, [[0, 0]]),
+    ]:
+        with pytest.raises(ca.UsageError, match="cannot be a name"):
+            wrong()
+    assert m.items == () and m == ca.Model()
+
+
+def test_what_is_no_value_is_said_by_its_name() -> None:
+    for wrong, name in [
+        (lambda: ca.Model().add("MAS", "bob", m=None), "bob.m"),
+        (lambda: ca.Model().add("SOX", "out", from_=None), "out.from"),
+        (lambda: ca.Model().add("RES", "r", between=["a", None]), "r.between"),
+        (lambda: ca.Model().add("MAS", "bob", m=1 + 2j), "bob.m"),
+        (lambda: ca.Model().add("MAS", "bob", m=np.array([1j])), "bob.m"),
+        (lambda: ca.Model().add("MAS", "bob", m=b"1 g"), "bob.m"),
+        (lambda: ca.Model().add("MAS", "bob", m=10**400), "bob.m"),
+        (lambda: ca.Model().group("hall", gravity=None), "hall.gravity"),
+        (lambda: ca.Model().param("k", None), "k"),
+        (lambda: ca.Model().param("k", 1, max=None), "k"),
+        (lambda: ca.Model().gesture("k", [[0, None]]), "k"),
+        (lambda: ca.Model().put("model", "title", None), "title"),
+        (lambda: built().set("low.m", None), "low.m"),
+        (lambda: built().compile().replace({"low.m": None}), "low.m"),
+        (lambda: ca.load("hammered_string", {"hammer.m": None}), "hammer.m"),
+    ]:
+        with pytest.raises(ca.UsageError, match=f"^`{name}` cannot be") as e:
+            wrong()
+        assert "Given" not in str(e.value) and "extract" not in str(e.value)
+    with pytest.raises(ca.UsageError, match="leave it out"):
+        ca.Model().add("MAS", "bob", m=None)
+
+
+def test_times_and_rates_are_quantities_too() -> None:
+    string = ca.examples.string()
+    assert string.render("100 ms").audio.tobytes() == string.render(0.1).audio.tobytes()
+    assert string.render("0.1").audio.shape == (4800, 1)
+    assert ca.load("hammered_string", rate="96 kHz").rate == 96000 and string.replace(rate="44.1 kHz").sr == 44100
+    assert "seconds = 2" in ca.Model(seconds="2 s").to_toml()
+    assert ca.sweep(string, {"low.m": ["1 g"]}, seconds="10 ms")["frames"][0] == 480
+    for wrong, what in [
+        (lambda: string.render("1 m"), r'seconds = "1 m": that is not in s; write a number, or "1.5 s"'),
+        (lambda: string.render("a while"), r'seconds = "a while": .*write a number, or "1.5 s"'),
+        (lambda: string.render("1 sec"), "did you mean `s`"),
+        (lambda: string.render("-1 s"), "above 0"),
+        (lambda: string.render([1]), "write a number"),
+        (lambda: string.render(1j), "write a number"),
+        (lambda: ca.load("hammered_string", rate="48"  " kg"), "not in Hz"),
+        (lambda: string.accuracy("1 kg"), "not in s"),
+        (lambda: ca.Model(seconds="long"), "write a number"),
+    ]:
+        with pytest.raises(ca.UsageError, match=what):
+            wrong()

@@ -1,7 +1,8 @@
-"""Every notebook runs from top to bottom, as somebody would who opens it, and all it claims holds."""
+"""Every notebook runs from top to bottom, and again, as somebody would who opens it; all it claims holds, and no file stays."""
 
 from __future__ import annotations
 
+import copy
 import json
 import os
 import sys
@@ -32,6 +33,15 @@ def kernel(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return folder
 
 
+@pytest.fixture
+def temporary(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Where a kernel puts what is temporary."""
+    folder = tmp_path / "temporary"
+    folder.mkdir()
+    monkeypatch.setenv("TMPDIR", str(folder))
+    return folder
+
+
 def test_there_are_some() -> None:
     assert len(BOOKS) >= 4
 
@@ -48,8 +58,13 @@ def test_it_is_kept_without_what_a_run_leaves(path: Path) -> None:
 
 
 @pytest.mark.parametrize("path", BOOKS, ids=lambda p: p.stem)
-def test_it_runs(path: Path, kernel: Path) -> None:
+def test_it_runs(path: Path, kernel: Path, temporary: Path) -> None:
     book = nbformat.read(path, as_version=4)
+    # and runs again, in the same kernel and the same folder
+    again = copy.deepcopy(book.cells)
+    for cell in again:
+        cell["id"] += "-again"
+    book.cells += again
     code = [cell for cell in book.cells if cell.cell_type == "code"]
     # what it says it also tests
     assert sum("assert " in cell.source for cell in code) >= 3
@@ -59,3 +74,6 @@ def test_it_runs(path: Path, kernel: Path) -> None:
     # no warnings, and something to look at
     assert not [output.text for output in outputs if output.output_type == "stream" and output.name == "stderr"]
     assert any("image/png" in output.get("data", {}) for output in outputs)
+    # nothing stays where somebody has opened it
+    assert list(kernel.iterdir()) == []
+    assert [p.name for p in temporary.iterdir() if not p.name.startswith("dask")] == []

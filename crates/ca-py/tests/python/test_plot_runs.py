@@ -21,7 +21,7 @@ def swept() -> ca.Sweep:
         "[SOX]\no = { from = 'b', gain = 1 }\n"
     )
     vary = {"b.k": [1e3, 4e3, -1.0, 1e9], "b.m": [0.001, 0.004], "b.dx0": [0.0, 0.5, 1.25], "o.from": ["b", "c"]}
-    return ca.sweep(ca.parse(text), vary, seconds=0.05)
+    return ca.sweep(ca.parse(text), vary, seconds=0.05, measure=True)
 
 
 def offsets(ax: Axes) -> dict[str, set[tuple[float, float]]]:

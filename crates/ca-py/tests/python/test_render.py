@@ -82,11 +82,29 @@ def test_gestures_of_every_form(key: ca.Scene, tmp_path: Path) -> None:
     for form in [points, points.tolist(), (x, 48000), (x.tolist(), 48000.0), np.repeat(x, 2)[::2], *files]:
         assert np.array_equal(key.render(0.1, gesture={"hand": form}).audio, want)
     assert np.array_equal(key.render(0.1, gesture=tmp_path / "hand.npy").audio, want)
-    with pytest.raises(ca.FileError, match="nothing is driven by `hend`"):
-        key.render(0.1, gesture={"hend": 1})
+    # a mistake in a gesture is one of the request, where no file has a part in it
+    for wrong, what in [
+        ({"hend": 1}, "nothing is driven by `hend`"),
+        ({"hand": [(0, 0), (0.1, float("nan"))]}, "point 1"),
+        ({"hand": [(0, 0), (-0.1, 1)]}, "point 1"),
+        ({"hand": (x, -48000.0)}, "rate"),
+        ({"hand": (x, "48 kg")}, "not in Hz"),
+        ({"hand": []}, "hand"),
+        ({"hand": np.zeros((0, 2))}, "hand"),
+        ({"hand": x * 1j}, "`hand` holds complex numbers"),
+        ({"hand": (x * 1j, 48000)}, "`hand` holds complex numbers"),
+        ({"hand": 1j}, "`hand` holds complex numbers"),
+        ({"hand": [(0, 0j), (1, 1)]}, "`hand` holds complex numbers"),
+        ({"hand": None}, "`hand` holds something that is no number"),
+        ({"hand": ["0", "1"]}, "`hand` holds text"),
+        ({"hand": [[0, 0], [1]]}, "several lengths"),
+    ]:
+        with pytest.raises(ca.UsageError, match=what) as e:
+            key.render(0.1, gesture=wrong)  # type: ignore[arg-type]
+        assert not isinstance(e.value, OSError), what
     with pytest.raises(ca.FileError) as e:
-        key.render(0.1, gesture={"hand": [(0, 0), (0.1, float("nan"))]})
-    assert "point 1" in str(e.value) and isinstance(e.value, OSError)
+        key.render(0.1, gesture=tmp_path / "nothing.csv")
+    assert isinstance(e.value, OSError) and e.value.file.endswith("nothing.csv")
     for wrong in [tmp_path / "nothing.csv", tmp_path / "plain.npy"]:
         with pytest.raises(ca.FileError):
             key.render(0.1, gesture={"hand": wrong})

@@ -71,6 +71,8 @@ def test_live_parameters_are_a_mapping(key: ca.Scene) -> None:
     assert dict(sim.params) == {"grip": 2000.0}
     sim.params["grip"] = 5000
     assert sim.params["grip"] == 5000
+    sim.set("grip", "6 kN/m", over="1 ms")
+    assert sim.params["grip"] == 6000
     for wrong in [10, 1e9, float("nan")]:
         with pytest.raises(ca.UsageError):
             sim.params["grip"] = wrong
@@ -96,6 +98,10 @@ def test_what_a_block_cannot_be(key: ca.Scene) -> None:
         ({"hand": np.zeros(3), "push": np.zeros(4)}, {}),
         (np.zeros(3), {}),
         (np.zeros((4, 2)), {}),
+        (np.zeros((4, 3), complex), {}),
+        ({"hand": 1j}, {}),
+        ({"hand": None}, {}),
+        ({"hand": "1 mm"}, {}),
         (None, {"out": np.zeros((8, 3), np.float32)}),
         (None, {"force": np.zeros((8, 9))}),
         (None, {"n": -1}),
@@ -109,9 +115,12 @@ def test_what_a_block_cannot_be(key: ca.Scene) -> None:
     ]:
         with pytest.raises(ca.UsageError):
             sim.step(inputs, **kwargs)  # type: ignore[arg-type]
-    for over in [-1, float("nan"), float("inf"), 1e9]:
+    for over in [-1, float("nan"), float("inf"), 1e9, "1 m", "soon"]:
         with pytest.raises(ca.UsageError):
             sim.set("grip", 3000, over=over)
+    for value in ["3 kg", "stiff", None, 1j]:
+        with pytest.raises(ca.UsageError, match="`grip`"):
+            sim.set("grip", value)  # type: ignore[arg-type]
     with pytest.raises(ca.UsageError):
         key.open(block=0)
     with pytest.raises(TypeError, match="pickle the scene"):

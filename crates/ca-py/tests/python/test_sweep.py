@@ -1,11 +1,15 @@
 """Sweeps: the same whoever computes them, bad runs as rows, and files that others read."""
 
+import itertools
 import os
 import pickle
 import signal
 import struct
 import subprocess
 import sys
+import threading
+import types
+import warnings
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from multiprocessing import get_context
 from pathlib import Path
@@ -14,6 +18,7 @@ import numpy as np
 import pytest
 
 import cordis_anima as ca
+from cordis_anima import plot
 
 LONG = "CA_LONG" in os.environ
 TIMES = ("run_time", "rtf")
@@ -100,7 +105,7 @@ def test_draws_are_those_of_the_document():
     from blake3 import blake3
 
     scene = string()
-    s = ca.sweep(scene, VARY, 12, seed=9, seconds=0.01, measure=False)
+    s = ca.sweep(scene, VARY, 12, seed=9, seconds=0.01)
     first = lambda parts: struct.unpack("<Q", blake3(b"".join(parts)).digest()[:8])[0]
     assert s.scene == scene.hash
     for i in range(12):
@@ -111,13 +116,13 @@ def test_draws_are_those_of_the_document():
         assert s["low.m"][i] == (0.001 if u["low.m"] < 0.5 else 0.002)
         assert s["low.z"][i] == u["low.z"] * 1e-3
     # another axis moves no run along those that were there
-    more = ca.sweep(scene, {**VARY, "low.n": [20, 40]}, 12, seed=9, seconds=0.01, measure=False)
+    more = ca.sweep(scene, {**VARY, "low.n": [20, 40]}, 12, seed=9, seconds=0.01)
     assert all(np.array_equal(more[name], s[name]) for name in VARY)
 
 
 def test_a_row_is_what_a_render_says():
     scene = string()
-    s = ca.sweep(scene, {"low.k": [1e3, 5e3]}, seconds=0.3, energy=True, audio=True)
+    s = ca.sweep(scene, {"low.k": [1e3, 5e3]}, seconds=0.3, energy=True, audio=True, measure=True)
     for i, k in enumerate(s["low.k"]):
         r = scene.replace({"low.k": k}).render(0.3, energy=True)
         assert np.array_equal(s.audio[i], r.audio) and s["scene"][i] == scene.replace({"low.k": k}).hash
@@ -161,7 +166,7 @@ def test_a_folder_is_that_of_the_command(tmp_path, command):
     vary = {"low.k": ca.Range("1 kN/m", "9 kN/m", log=True), "low.n": [10, 20, 40]}
     seen = []
     s = ca.sweep(
-        string(), vary, 23, seed=5, seconds=0.05, to=tmp_path / "py", chunk=5,
+        string(), vary, 23, seed=5, seconds=0.05, to=tmp_path / "py", chunk=5, measure=True,
         progress=lambda done, of: seen.append((done, of)),
     )
     assert seen[-1] == (23, 23) and sorted(seen) == seen and s.path == str(tmp_path / "py")
@@ -171,7 +176,7 @@ def test_a_folder_is_that_of_the_command(tmp_path, command):
         if name.suffix in (".flac", ".toml") or name.name == "manifest.parquet":
             assert (tmp_path / "py" / name).read_bytes() == (tmp_path / "p" / name).read_bytes(), name
     # the one goes on with what the other began
-    again = ca.sweep(string(), vary, 23, seed=5, seconds=0.05, to=tmp_path / "p", chunk=5)
+    again = ca.sweep(string(), vary, 23, seed=5, seconds=0.05, to=tmp_path / "p", chunk=5, measure=True)
     same(s, again)
 
 
@@ -207,7 +212,8 @@ def test_data_frames_and_data_sets():
 
 
 def test_pages_of_notebooks():
-    s = ca.sweep(string(), {"low.k": ["1 kN/m", "<b>", "1 GN/m"], "low.m": [0.001, 0.002, 0.003, 0.004]}, seconds=0.05)
+    vary = {"low.k": ["1 kN/m", "<b>", "1 GN/m"], "low.m": [0.001, 0.002, 0.003, 0.004]}
+    s = ca.sweep(string(), vary, seconds=0.05, measure=True)
     page = s._repr_html_()
     assert page.startswith("<div><p>Sweep: 12 runs over low.k, low.m: 4 invalid, 4 ok, 4 unstable</p>")
     assert page.endswith("<p>and 2 more</p></div>") and "http" not in page and "<script" not in page
@@ -337,6 +343,108 @@ def test_names_that_data_sets_have_are_told_apart(tmp_path):
     assert np.array_equal(z["peak"], s["peak"])
 
 
+class Patient(ThreadPoolExecutor):
+    """Counts what it was handed, and what of that waits or runs."""
+
+    def __init__(self, n):
+        super().__init__(n)
+        self.handed, self.most, self.there, self.lock = 0, 0, 0, threading.Lock()
+
+    def submit(self, f, /, *args):
+        with self.lock:
+            self.handed, self.there = self.handed + 1, self.there + 1
+            self.most = max(self.most, self.there)
+        future = super().submit(f, *args)
+        future.add_done_callback(self.ended)
+        return future
+
+    def ended(self, _):
+        with self.lock:
+            self.there -= 1
+
+
+@pytest.mark.parametrize("to", [None, "folder", "store.zarr"])
+def test_tasks_are_made_when_there_is_room(tmp_path, to):
+    to = None if to is None else tmp_path / to
+    how = {"batch": 1} if to is None else {"chunk": 1, "audio": False if to.suffix else "none"}
+    one = Patient(1)
+    s = ca.sweep(string(), {"low.m": ca.Range("1 g", "2 g")}, 200, seconds=1e-3, executor=one, to=to, **how)
+    assert s.counts == {"ok": 200} and s["index"].tolist() == list(range(200))
+    assert one.handed >= 199 and one.most <= 64, "however many runs there are"
+
+
+def test_what_is_stopped_was_never_made():
+    one = Patient(1)
+
+    def enough(done, of):
+        raise RuntimeError("enough")
+
+    with pytest.raises(RuntimeError, match="enough"):
+        ca.sweep(string(), {"low.m": ca.Range("1 g", "2 g")}, 1_000_000, seconds=1e-3, executor=one, batch=1, progress=enough)
+    assert one.handed < 200
+
+
+@pytest.mark.parametrize("to", [None, "folder", "store.zarr"])
+def test_what_does_not_fit_is_refused_before_it_begins(tmp_path, to, monkeypatch):
+    one = Patient(1)
+    ask = {"seconds": 1e-3, "to": None if to is None else tmp_path / to, "executor": one}
+    vary = {"low.m": ca.Range("1 g", "2 g")}
+    with pytest.raises(ca.UsageError, match=r"^1000000000000 runs: their rows take \d+ TB, .* (days|years); ask for fewer"):
+        ca.sweep(string(), vary, 10**12, chunk=1_000_000, **ask)
+    with pytest.raises(ca.UsageError, match="TB"):
+        ca.sweep(string(), {"low.m": ca.Range(1, 2, steps=10**6), "low.k": ca.Range(1, 2, steps=10**6)}, chunk=10**6, **ask)
+    assert one.handed == 0 and not list(tmp_path.iterdir())
+    # whether it fits is a matter of the machine, and of sounds where they are kept
+    monkeypatch.setattr("cordis_anima._work.memory", lambda: 10_000_000)
+    assert ca.sweep(string(), vary, 100, seconds=0.1).runs == 100
+    if to is None:
+        with pytest.raises(ca.UsageError, match="rows and sounds take"):
+            ca.sweep(string(), vary, 1000, seconds=0.1, audio=True)
+
+
+def test_what_takes_long_says_so_first(monkeypatch, tmp_path):
+    vary = {"low.m": ca.Range("1 g", "2 g")}
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        ca.sweep(string(), vary, 20, seconds=1e-3)
+    monkeypatch.setattr("cordis_anima._work._LONG", 0.0)
+    monkeypatch.setattr("cordis_anima._work._WATCHED", 0.0)
+    # in memory before anything is handed over, elsewhere once something is done; once in any case
+    for to, left in [(None, 19), (tmp_path / "a", 15)]:
+        with pytest.warns(UserWarning, match=rf"^{left} runs are left, which take about .* Ctrl-C") as told:
+            ca.sweep(string(), vary, 20, seconds=1e-3, to=to, chunk=5, executor=ThreadPoolExecutor(1))
+        assert len(told) == 1 and told[0].filename == __file__
+
+
+def test_pitch_and_decay_are_measured_where_they_are_asked_for():
+    vary = {"low.m": ["1 g", "2 g"]}
+    plain, measured = (ca.sweep(string(), vary, seconds=0.1, **ask) for ask in ({}, {"measure": True}))
+    assert set(measured) - set(plain) == {"partial", "t60"} and np.isfinite(measured["partial"]).all()
+    with pytest.raises(KeyError, match="measure=True"):
+        plain["partial"]
+    with pytest.raises(ca.UsageError, match="measure=True"):
+        plot.sweep(plain, "low.m", "t60")
+
+
+def test_a_store_has_chunks_that_are_worth_a_task(tmp_path):
+    import zarr
+
+    for runs, seconds, audio, chunk in [(450, 0.01, False, 57), (40, 0.01, True, 5), (5, 0.01, True, 1), (1000, 1e-3, False, 100)]:
+        store = str(tmp_path / f"{runs}.zarr")
+        ca.sweep(string(), {"low.m": ca.Range("1 g", "2 g")}, runs, seconds=seconds, to=store, audio=audio)
+        assert zarr.open_group(store, mode="r")["peak"].chunks == (chunk,), runs
+        # the same call goes on with it
+        seen = []
+        ca.sweep(string(), {"low.m": ca.Range("1 g", "2 g")}, runs, seconds=seconds, to=store, audio=audio, progress=seen.append)
+        assert seen == []
+    # sounds of a chunk take no more than 64 MB: a minute in one channel is 11.52 MB
+    from cordis_anima import _zarr
+
+    sweep = types.SimpleNamespace(channels=1, runs=1000)
+    assert _zarr.chunk(sweep, {"frames": np.array([2_880_000])}, True) == 5
+    assert _zarr.chunk(sweep, {"frames": np.array([2_880_000])}, False) == 100
+
+
 def test_a_killed_worker_is_not_missed(dask, tmp_path):
     runs = 10_000 if LONG else 600
     scene = string()
@@ -389,6 +497,8 @@ def test_what_makes_no_sense_is_refused(tmp_path):
         ({"low.k": {1.0, 2.0}}, None, "a `Range`, or a list"),
         ({"low.k": np.array(3.0)}, None, "a `Range`, or a list"),
         ({"low.k": [None]}, None, "numbers, quantities"),
+        ({"low.k": itertools.count()}, None, "more than 1000000 values"),
+        ({"low.k": [1 + 2j]}, None, "numbers, quantities"),
         ({"low.k": [b"1"]}, None, "numbers, quantities"),
         ({"low.k": [10**400]}, None, "cannot be"),
         ({"rate.sound": [44100]}, None, "one rate"),

@@ -36,7 +36,8 @@ def shown() -> list[str]:
 
 def swept() -> dict[str, int]:
     """How runs of a few strings ended."""
-    s = ca.sweep(ca.examples.string(), {"low.f": ca.Range("110 Hz", "440 Hz", log=True)}, 4, seconds=0.1, audio=True)
+    vary = {"low.f": ca.Range("110 Hz", "440 Hz", log=True)}
+    s = ca.sweep(ca.examples.string(), vary, 4, seconds="100 ms", audio=True, measure=True)
     ax = plot.sweep(s, "low.f", "partial", color="peak")
     loudest: float = float(s["peak"].max())
     assert s.audio is not None and loudest > 0 and ax.get_xlabel() == "low.f"
