@@ -253,6 +253,72 @@ fn the_mended_number_mends() {
     assert!(radius(&scene(&text(safe))) < 1.0 + 1e-6);
 }
 
+/// A number that is named as a limit is one that a spring can have, and it mends; where no single number does, a share does.
+#[test]
+fn what_mends_a_mass_is_never_below_nothing() {
+    let text = |k: f64, z: f64| {
+        format!(
+            "[rate]\nsound = 1\ngesture = 1\n[SOL]\nw = {{}}\n[MAS]\na = {{ m = 1 }}\n[REF]\nl = {{ between = [\"w\", \"a\"], k = {k:?}, \
+             z = {z:?} }}\n[SOX]\nout = {{ from = \"a\" }}\n"
+        )
+    };
+    // viscous and stiff; one of the two alone is beyond the limit, or both
+    for (k, z) in [(9.0, 0.5), (1.0, 3.0), (9.0, 2.5), (5.0, 2.4), (43.4, 2.083), (4.1, 0.0), (0.0, 2.1), (4.5, 9.0)] {
+        let s = scene(&text(k, z));
+        assert_eq!(s.certificate.level, Level::Unstable);
+        let told = s.diags.list.iter().find(|d| d.code == "W103").expect("told");
+        let help = told.help.clone().unwrap_or_default();
+        assert!(!help.contains('-'), "k = {k}, z = {z}: {help}");
+        let after =
+            |word: &str| help.split(word).nth(1).and_then(|t| t.split(' ').next()).and_then(|t| t.parse::<f64>().ok());
+        let (k, z) =
+            match (after("keep `k` of `l` below "), after("keep `z` of `l` below "), after("make `l` at most ")) {
+                (Some(k), None, None) => (k, z),
+                (None, Some(z), None) => (k, z),
+                (None, None, Some(share)) => (k * share / 100.0, z * share / 100.0),
+                other => panic!("{help}: {other:?}"),
+            };
+        assert!(k >= 0.0 && z >= 0.0, "{help}");
+        assert_eq!(scene(&text(0.999 * k, 0.999 * z)).certificate.level, Level::Proven, "{help}");
+        assert_eq!(scene(&text(1.02 * k, 1.02 * z)).certificate.level, Level::Unstable, "{help}");
+    }
+}
+
+/// The margin is that of what has least room: a contact up to 1, a bow up to 1.5, or the linear network.
+#[test]
+fn the_margin_counts_contacts_and_friction() {
+    let text = |more: &str| {
+        format!(
+            "[rate]\nsound = 1\ngesture = 1\n[SOL]\nw = {{}}\n[MAS]\na = {{ m = 1 }}\n{more}\n[SOX]\nout = {{ from = \"a\" }}\n"
+        )
+    };
+    let margin = |more: &str| scene(&text(more)).certificate.margin();
+    let but = |k: f64, how: &str| format!("[BUT]\nb = {{ between = [\"w\", \"a\"], k = {k:?}, d = -1{how} }}");
+    within("ten times too stiff", off(margin(&but(10.0, "")), 0.1), 1e-12);
+    within("half as stiff", off(margin(&but(0.5, "")), 2.0), 1e-12);
+    within(
+        "beside a spring",
+        off(margin(&format!("{}\n[RES]\nr = {{ between = [\"w\", \"a\"], k = 1 }}", but(1e-3, ""))), 4.0),
+        1e-12,
+    );
+    assert!(margin(&but(10.0, ", method = \"stable\"")).is_infinite() && margin("").is_infinite());
+    let bow = "[BOW]\nb = { between = [\"w\", \"a\"], f = 3, v0 = 1, curve = \"coulomb\" }";
+    let s = scene(&text(bow));
+    assert!(s.certificate.friction > 1.5 && s.diags.list.iter().any(|d| d.code == "W113"), "{:?}", s.certificate);
+    within("a bow", off(s.certificate.margin(), 1.5 / s.certificate.friction), 1e-12);
+}
+
+/// What nothing hears is not judged, and that is said.
+#[test]
+fn what_is_left_out_is_not_judged() {
+    let text = "[SOL]\nw = {}\nfar = {}\n[MAS]\na = { m = 1 }\nlost = { m = 1e-6 }\n[RES]\nk = { between = [\"w\", \"a\"], k = 1 }\n\
+                j = { between = [\"far\", \"lost\"], k = 1e9 }\n[SOX]\nout = { from = \"a\" }\n";
+    let s = scene(text);
+    assert_eq!((s.certificate.level, &s.certificate.not_judged[..]), (Level::Proven, &[String::from("lost")][..]));
+    let s = scene(&format!("{text}also = {{ from = \"lost\" }}\n"));
+    assert_eq!((s.certificate.level, s.certificate.not_judged.len()), (Level::Unstable, 0));
+}
+
 /// Two live parameters of one module: their worst corner is one that neither reaches alone.
 #[test]
 fn live_parameters_count_at_their_worst_together() {

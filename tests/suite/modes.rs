@@ -56,6 +56,23 @@ fn a07_the_modes_of_a_chain() {
     assert_eq!(push.len(), 2);
 }
 
+/// A damper at a node of a mode takes nothing from it but rounding: that mode sounds for ever.
+#[test]
+fn a_mode_that_nothing_damps_sounds_for_ever() {
+    for method in ["", "[model]\nmethod = \"centred\"\n"] {
+        let text = format!(
+            "{method}[STRING]\ns = {{ n = 15, m = \"1 g\", k = \"100 kN/m\" }}\n[SOL]\nw = {{}}\n[FRO]\nz = {{ between = [\"w\", \"s[7]\"], z = \"20 mN s/m\" }}\n\
+             [SOX]\nout = {{ from = \"s[2]\" }}\n"
+        );
+        let found = of(&text).1;
+        for (j, m) in found.list.iter().enumerate() {
+            // the second, fourth and so on have a node in the middle
+            assert_eq!(m.t60.is_infinite(), j % 2 == 1, "mode {j}: {}", m.t60);
+            assert_eq!(m.t60_free.is_infinite(), j % 2 == 1, "mode {j}: {}", m.t60_free);
+        }
+    }
+}
+
 #[test]
 fn d05_the_stretching_modes_of_a_tetrahedron() {
     let c = case("D05");

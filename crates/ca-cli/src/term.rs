@@ -47,6 +47,18 @@ pub fn short(v: f64) -> String {
     if (0..=4).contains(&digits) { format!("{v:.*}", digits as usize) } else { format!("{v:.2e}") }
 }
 
+/// A time \[s\] in the unit in which people count it.
+pub fn time(seconds: f64) -> String {
+    let (by, unit) = match seconds {
+        s if s < 1.0 => (1e3, "ms"),
+        s if s < 120.0 => (1.0, "s"),
+        s if s < 7200.0 => (1.0 / 60.0, "min"),
+        s if s < 172_800.0 => (1.0 / 3600.0, "h"),
+        _ => (1.0 / 86_400.0, "days"),
+    };
+    format!("{} {unit}", short(seconds * by))
+}
+
 /// A bar for long work; hidden by itself where stderr is no terminal.
 pub fn progress(steps: u64) -> ProgressBar {
     let bar = ProgressBar::new(steps);

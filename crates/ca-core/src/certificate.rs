@@ -79,14 +79,21 @@ pub struct Certificate {
     pub contact: f64,
     /// the contact it belongs to
     pub stiffest: String,
+    /// steepest friction along a curve against the masses, slope·T/m; recommended up to 1.5
+    pub friction: f64,
+    /// items with masses that nothing hears: they are left out, and nothing here is said of them
+    pub not_judged: Vec<String>,
     /// device keys that something stiff holds
     pub keys: Vec<Key>,
 }
 
 impl Certificate {
-    /// How many times stiffer everything could be: limit over what is known of the largest eigenvalue from above.
-    /// Infinite for a scene without links.
+    /// How many times stiffer everything could be: limit over what is known of the largest eigenvalue from above, or what
+    /// the rules leave to the stiffest contact (up to 1) and the steepest friction (up to 1.5), where that is less.
+    /// Infinite where nothing has a limit: without links, or with methods that have none.
     pub fn margin(&self) -> f64 {
-        4.0 / self.largest.map_or(self.bound, |l| l.1)
+        let linear = 4.0 / self.largest.map_or(self.bound, |l| l.1).max(0.0);
+        let room = |limit: f64, now: f64| if now > 0.0 { limit / now } else { f64::INFINITY };
+        linear.min(room(1.0, self.contact)).min(room(1.5, self.friction))
     }
 }

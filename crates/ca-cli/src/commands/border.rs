@@ -13,7 +13,7 @@ use ca_core::equivalence::Scale;
 use ca_core::kind::Unit;
 use ca_core::layout::{Enx, Shape};
 use ca_core::ledger::{Exchange, Ledger};
-use ca_core::model::quantity::show;
+use ca_core::model::quantity::{show, six};
 use serde_json::{Value as Json, json};
 use std::io::Write;
 
@@ -52,7 +52,8 @@ pub(crate) fn text(out: &mut impl Write, scene: &Scene) -> Result<(), Failure> {
 
 /// The two rates of a scene, and how many ticks a sample has where it has several.
 pub(crate) fn rates(scene: &Scene) -> String {
-    let (sound, gesture) = (show(scene.rate, Unit::HERTZ), show(scene.rate / f64::from(scene.ratio), Unit::HERTZ));
+    let hertz = |f: f64| show(six(f), Unit::HERTZ);
+    let (sound, gesture) = (hertz(scene.rate), hertz(scene.rate / f64::from(scene.ratio)));
     format!("sound {sound}{}, gesture {gesture}", ticks(scene.oversample()))
 }
 

@@ -8,7 +8,6 @@ use crate::commands::render::{listen, stopped};
 use crate::{Ended, Failure, Outcome, term};
 use ca_lab::sweep::folder::Folder;
 use ca_lab::sweep::plan::{self, Plan};
-use ca_lab::sweep::told;
 use serde_json::json;
 use std::collections::BTreeMap;
 use std::io::Write as _;
@@ -110,10 +109,16 @@ fn dry(plan: &Plan) -> Outcome {
     let mut out = std::io::stdout().lock();
     writeln!(out, "{}  {} runs in {} chunks", plan.folder.display(), sweep.runs(), sweep.runs().div_ceil(plan.chunk))?;
     for (axis, value) in sweep.ask().axes.iter().zip(&row.values) {
-        writeln!(out, "  {} = {} in the first", axis.name, told(value))?;
+        writeln!(out, "  {} = {} in the first", axis.name, axis.told(value))?;
     }
-    let ms = |runs: f64| term::short(1e3 * row.run_time * runs);
-    writeln!(out, "  the first is {} and took {} ms; all of them {} ms", row.status, ms(1.0), ms(sweep.runs() as f64))?;
+    let time = |runs: f64| term::time(row.run_time * runs);
+    writeln!(
+        out,
+        "  the first is {} and took {}; all of them {} by one thread",
+        row.status,
+        time(1.0),
+        time(sweep.runs() as f64)
+    )?;
     if !row.message.is_empty() {
         writeln!(out, "  {}", row.message)?;
     }

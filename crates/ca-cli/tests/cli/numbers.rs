@@ -43,3 +43,68 @@ fn no_number_has_more_digits_than_a_float_has() {
     desk.ca(&["equiv", "far.ca.toml", "--set", "mass=1e99:1.0"]).is(1).says(&["[1e99, 1.0]"]);
     desk.ca(&["render", "far.ca.toml", "--set", "a.k=1e99"]).says(&["too stiff for its mass", "e91"]);
 }
+
+/// What was computed is shown with six digits: rates that do not divide, what is drawn in a sweep. All of it has its unit.
+#[test]
+fn what_was_computed_has_six_digits_and_its_unit() {
+    let desk = Desk::new();
+    let hammer = &["check", "hammer_piano", "--rate", "10007"][..];
+    for args in [hammer, &["check", "hammer_piano", "--rate", "10007", "--device", "tgr12"]] {
+        let r = desk.ca(args);
+        assert!(r.out.contains("3335.67 Hz") && longest(&r) <= 10, "{args:?}\n{}", r.out);
+    }
+    let plan = "model = \"plucked_string\"\nseconds = 0.01\nruns = 2000000\nseed = 1\naudio = \"none\"\n[vary]\n\
+                \"pluck.k\" = { from = \"1 kN/m\", to = \"9 kN/m\", log = true }\n\"low.t60\" = { from = \"0.3 s\", to = \"3 s\" }\n\
+                \"low.f\" = [\"110 Hz\", \"123.1 Hz\"]\n";
+    desk.put("drawn.sweep.toml", plan);
+    let r = desk.ca(&["sweep", "drawn.sweep.toml", "--dry-run"]).is(0);
+    let line = |name: &str| r.out.lines().find(|l| l.contains(name)).unwrap_or_else(|| panic!("{name}: {}", r.out));
+    for (name, unit) in [("pluck.k = ", " N/m in the first"), ("low.t60 = ", " s in the first"), ("low.f = ", " Hz in")]
+    {
+        assert!(line(name).contains(unit) && longest(&r) <= 8, "{}", r.out);
+    }
+    // two million runs of some milliseconds are hours, not milliseconds
+    let whole = line("all of them ").split("all of them ").nth(1).unwrap_or_default();
+    assert!([" min", " h", " days"].iter().any(|unit| whole.contains(unit)), "{whole}");
+}
+
+/// A sound that has left every range is not told by its level, nor is one that nobody could hear.
+#[test]
+fn levels_beyond_any_loudspeaker_are_words() {
+    let desk = Desk::new();
+    let text = |k: f64| {
+        format!(
+            "[SOL]\nw = {{}}\n[MAS]\na = {{ m = \"1 mg\", dx0 = \"1 mm\" }}\n[REF]\nl = {{ between = [\"w\", \"a\"], k = {k:?}, z = 1e-6 }}\n\
+             [SOX]\nfaint = {{ from = \"a\", gain = 1e-13 }}\nout = {{ from = \"a\" }}\nhuge = {{ from = \"a\", gain = 1e15 }}\n"
+        )
+    };
+    desk.put("model.ca.toml", &text(100.0));
+    let r = desk.ca(&["render", "model.ca.toml", "--seconds", "0.1"]).is(3);
+    assert!(r.out.contains("peak       faint silent, out -60.0 dBFS, huge over 200 dBFS"), "{}", r.out);
+    desk.put("model.ca.toml", &text(1e8));
+    let r = desk.ca(&["render", "model.ca.toml", "--seconds", "0.1"]).is(3);
+    assert!(r.out.contains("out diverged") && r.out.contains("huge diverged"), "{}", r.out);
+    desk.put("model.ca.toml", &text(100.0).replace("out = ", "# ").replace("huge = ", "# "));
+    desk.ca(&["render", "model.ca.toml", "--seconds", "0.1"]).is(0).says(&["faint silent", "nothing sounds", "`gain`"]);
+}
+
+/// What a certificate is about, in the commands that show it.
+#[test]
+fn what_was_not_judged_and_what_has_no_limit_is_said() {
+    let desk = Desk::new();
+    let text = "[SOL]\nw = {}\n[MAS]\na = { m = \"1 g\", x = \"1 mm\", v = \"-1 m/s\" }\nlost = { m = \"1 mg\" }\n[RES]\nj = { between = [\"lost\", \"w\"], k = \"1 GN/m\" }\n\
+                [BUT]\nl = { between = [\"w\", \"a\"], k = \"23.04 MN/m\" }\n[SOX]\nout = { from = \"a\" }\n";
+    desk.put("model.ca.toml", text);
+    let r = desk.ca(&["check", "model.ca.toml"]).is(0);
+    assert!(
+        r.out.contains("margin 0.100") && r.out.contains("not judged, since nothing hears it: `lost`"),
+        "{}",
+        r.out
+    );
+    let j = desk.ca(&["check", "model.ca.toml", "--json"]).is(0).json();
+    assert_eq!(j["summary"]["stability"]["not_judged"][0], "lost");
+    desk.put("model.ca.toml", &text.replace("23.04 MN/m\"", "23.04 MN/m\", method = \"stable\""));
+    let r = desk.ca(&["check", "model.ca.toml"]).is(0);
+    assert!(r.out.contains("rule of thumb, no limit") || r.out.contains("proven, no limit"), "{}", r.out);
+    assert!(!r.out.contains("inf"), "{}", r.out);
+}

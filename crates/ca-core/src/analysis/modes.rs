@@ -191,9 +191,10 @@ pub fn modes(network: &Network) -> Option<Modes> {
 
 const TURN: f64 = core::f64::consts::TAU;
 
-/// Seconds to fall by 60 dB at a rate of decay \[1/s\].
-fn t60(s: f64) -> f64 {
-    if s > 0.0 { 3.0 * core::f64::consts::LN_10 / s } else { f64::INFINITY }
+/// Seconds to fall by 60 dB at a rate of decay \[1/s\]; infinite where what is lost in a tick is no more than its
+/// rounding, `known` times over: that is no decay.
+fn t60(s: f64, te: f64, known: f64) -> f64 {
+    if s * te > known * f64::EPSILON { 3.0 * core::f64::consts::LN_10 / s } else { f64::INFINITY }
 }
 
 impl Mode {
@@ -202,6 +203,7 @@ impl Mode {
         let (a, b) = (self.a, self.b);
         // continuous: ω² = a/T², s = b/2T
         let (square, s) = (a - 0.25 * b * b, 0.5 * b / te);
+        let t60 = |s: f64| t60(s, te, 1.0);
         self.f = if square > 0.0 && a > 0.0 { libm::sqrt(square) / (TURN * te) } else { 0.0 };
         self.t60_free = match () {
             () if a == 0.0 => t60(2.0 * s),
@@ -261,7 +263,8 @@ fn poles(k: &Mat<f64>, z: &Mat<f64>, u: faer::MatRef<'_, f64>, te: f64, list: &m
         (given[j], taken[p]) = (true, true);
         let w = values[p];
         list[j].heard = libm::atan2(w.im, w.re) / (TURN * te);
-        list[j].t60 = t60(-libm::log(libm::hypot(w.re, w.im)) / te);
+        // poles are known to the rounding of a matrix of so many rows
+        list[j].t60 = t60(-libm::log(libm::hypot(w.re, w.im)) / te, te, 8.0 * n as f64);
     }
     Some(())
 }

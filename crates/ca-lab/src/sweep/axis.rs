@@ -89,6 +89,18 @@ impl Axis {
         }
     }
 
+    /// A value on it as somebody would write it: of what is drawn or counted between two quantities, six digits and
+    /// their unit.
+    pub fn told(&self, value: &Value) -> String {
+        let (Value::Num(v), Some([from, to])) = (value, &self.ends) else { return super::told(value) };
+        let dim = |end: &Value| match end {
+            Value::Text(t) => quantity::parse(t).ok().filter(|q| q.has_unit).map(|q| q.dim),
+            _ => None,
+        };
+        let unit = dim(from).or_else(|| dim(to)).map(quantity::unit_of).unwrap_or_default();
+        format!("{} {unit}", quantity::Plain(quantity::six(*v))).trim_end().to_owned()
+    }
+
     /// How many values, where that can be counted.
     pub fn count(&self) -> Option<u64> {
         match &self.space {

@@ -1,6 +1,7 @@
 //! What a run sounded like, in a few numbers.
 
 use crate::pitch::{partial, spectrum};
+use ca_core::model::quantity::six;
 
 /// Samples whose power is one point of the decay.
 const BLOCK: usize = 256;
@@ -33,11 +34,6 @@ pub fn measures(samples: &[f32], channels: usize, rate: f64) -> Measures {
     // transforms differ in their last bits from machine to machine
     let partial = spectrum(&column, rate).as_ref().and_then(partial).map(six);
     Measures { partial, t60: t60(samples, channels, rate) }
-}
-
-/// Six digits.
-fn six(v: f64) -> f64 {
-    format!("{v:.5e}").parse().unwrap_or(v)
 }
 
 /// By the line through the levels of blocks \[dB\] from the loudest on, until they are 60 dB below it or the sound ends: exact

@@ -68,6 +68,10 @@ class Certificate(NamedTuple):
     contact: float
     #: the contact it belongs to
     stiffest: str
+    #: steepest friction against the masses, slope·T/m; up to 1.5 is safe
+    friction: float
+    #: items with masses that nothing hears: they are left out, and nothing is said of them
+    not_judged: list[str]
 
 
 class Energy(NamedTuple):

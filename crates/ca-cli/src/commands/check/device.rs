@@ -16,7 +16,7 @@ use ca_core::border::{Delays, delays};
 use ca_core::certificate::Key;
 use ca_core::equivalence::Gains;
 use ca_core::kind::Unit;
-use ca_core::model::quantity::show;
+use ca_core::model::quantity::{show, six};
 use ca_core::{Scene, sense};
 use ca_haptic::profile::Profile;
 use serde_json::{Value as Json, json};
@@ -137,7 +137,7 @@ impl<'a> Asked<'a> {
             quantity(self.passive),
             quantity(self.at_once)
         )?;
-        let (wants, has) = (show(self.rate, Unit::HERTZ), show(p.rate, Unit::HERTZ));
+        let (wants, has) = (show(six(self.rate), Unit::HERTZ), show(six(p.rate), Unit::HERTZ));
         if self.slow() {
             writeln!(
                 out,

@@ -6,7 +6,7 @@ use crate::load::Loaded;
 use ca_core::Scene;
 use ca_core::equivalence::{Class, Equivalence, Gains, ROWS, Row, Scale};
 use ca_core::kind::Unit;
-use ca_core::model::quantity::show;
+use ca_core::model::quantity::{show, six};
 use serde_json::{Value as Json, json};
 use std::io::Write;
 
@@ -109,5 +109,5 @@ impl<'a> Table<'a> {
 
 /// Six digits.
 fn digits(v: f64, unit: Unit) -> String {
-    show(format!("{v:.5e}").parse().unwrap_or(v), unit)
+    show(six(v), unit)
 }

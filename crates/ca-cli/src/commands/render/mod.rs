@@ -9,7 +9,7 @@ mod told;
 
 pub(crate) use play::{listen, play, stopped};
 pub(crate) use told::{
-    Broke, decibel, fitting, joule, makers, relative, rippling, stability, stability_json, tenths, too_loud,
+    Broke, decibel, fitting, joule, level, makers, relative, rippling, stability, stability_json, tenths, too_loud,
 };
 
 use crate::args::{Kernel, Playing, RenderArgs, SampleFormat};

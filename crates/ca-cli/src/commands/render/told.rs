@@ -4,13 +4,14 @@ use super::Probe;
 use super::play::Audit;
 use crate::args::{RenderArgs, SampleFormat};
 use crate::commands::border;
+use crate::load::ticked;
 use crate::term::short;
 use crate::{Failure, term};
 use ca_core::Scene;
 use ca_core::compile::certify::Certificate;
 use ca_core::energy::Ledger;
 use ca_core::kind::Unit;
-use ca_core::model::quantity::show;
+use ca_core::model::quantity::{show, six};
 use ca_haptic::sound::Written;
 use ca_lab::play::gain;
 pub(crate) use ca_lab::play::{Broke, relative};
@@ -20,6 +21,12 @@ use std::time::Duration;
 
 /// A peak from which on the loudness is not the question, 40 dB over full scale.
 const FAR: f64 = 100.0;
+
+/// A peak below which nobody hears anything at any gain, 200 dB below full scale.
+const SILENT: f64 = 1e-10;
+
+/// Modules that are named in a line.
+const NAMED: usize = 3;
 
 /// All that is said.
 pub(crate) struct Summary<'a> {
@@ -47,6 +54,16 @@ pub(crate) fn too_loud(n: u64) -> String {
 
 pub(crate) fn decibel(peak: f64) -> f64 {
     20.0 * peak.log10()
+}
+
+/// A peak in words: by its level, but for what no sound card or file could hold.
+pub(crate) fn level(peak: f64, diverged: bool) -> String {
+    match peak {
+        p if p < SILENT => "silent".into(),
+        p if p > FAR && diverged => "diverged".into(),
+        p if p > 1.0 / SILENT => "over 200 dBFS".into(),
+        p => format!("{} dBFS", tenths(decibel(p))),
+    }
 }
 
 /// One decimal, and no minus before nothing.
@@ -93,12 +110,14 @@ impl Summary<'_> {
             };
             term::warning(&format!("{}{help}", too_loud(self.written.level.clipped)));
         }
-        if self.loudest() == 0.0 && !self.args.quiet {
+        if self.loudest() < SILENT && !self.args.quiet {
             let ports: Vec<&str> = self.scene.inputs.iter().map(|i| i.name.as_str()).collect();
-            let help = if ports.is_empty() {
+            let help = if self.loudest() > 0.0 {
+                "all stays more than 200 dB below full scale: give the outputs more `gain`".into()
+            } else if ports.is_empty() {
                 "give a module an initial `v` or `dx0`".into()
             } else {
-                format!("it can be played at {} by `--gesture`", crate::load::ticked(ports.into_iter()))
+                format!("it can be played at {} by `--gesture`", ticked(ports.into_iter()))
             };
             term::note(&format!("nothing sounds; {help}"));
         }
@@ -134,21 +153,14 @@ impl Summary<'_> {
         let w = self.written;
         let channels =
             if w.level.peak.len() == 1 { "1 channel".into() } else { format!("{} channels", w.level.peak.len()) };
-        let (seconds, khz) = (w.duration(), show(self.scene.rate, Unit::HERTZ));
+        let (seconds, khz) = (w.duration(), show(six(self.scene.rate), Unit::HERTZ));
         writeln!(out, "{}  {seconds:.3} s, {channels}, {khz}, {}", w.path.display(), self.format())?;
         let rtf = self.real_time_factor();
         let how = if self.args.energy { " with the energy book" } else { "" };
         writeln!(out, "  speed      {} times real time{how} (real-time factor {})", short(1.0 / rtf), short(rtf))?;
         let name = |i: usize| self.scene.channel_names.get(i).map_or("?", String::as_str);
         let peaks: Vec<String> = (0..w.level.peak.len())
-            .map(|i| {
-                let dbfs = if w.level.peak[i] > 0.0 {
-                    format!("{} dBFS", tenths(decibel(w.level.peak[i])))
-                } else {
-                    "silent".into()
-                };
-                format!("{} {dbfs}", name(i))
-            })
+            .map(|i| format!("{} {}", name(i), level(w.level.peak[i], self.broke.is_some())))
             .collect();
         writeln!(out, "  peak       {}", peaks.join(", "))?;
         border::text(&mut out, self.scene)?;
@@ -255,7 +267,18 @@ pub(crate) fn makers(scene: &Scene, book: &Ledger) -> Vec<(String, f64)> {
 /// One line.
 pub(crate) fn stability(c: &Certificate) -> String {
     let worst = if c.worst.is_empty() { String::new() } else { format!(", `{}` is nearest to the limit", c.worst) };
-    format!("{}, margin {}{worst}", c.level, short(c.margin()))
+    let margin = if c.margin().is_finite() { format!("margin {}", short(c.margin())) } else { "no limit".into() };
+    let silent = match &c.not_judged[..] {
+        [] => String::new(),
+        list if list.len() <= NAMED => {
+            format!("; not judged, since nothing hears it: {}", ticked(list.iter().map(String::as_str)))
+        }
+        list => {
+            let first = ticked(list[..NAMED].iter().map(String::as_str));
+            format!("; not judged, since nothing hears it: {first} and {} more", list.len() - NAMED)
+        }
+    };
+    format!("{}, {margin}{worst}{silent}", c.level)
 }
 
 /// What the energy of a linearised scene may do, in words.
@@ -271,6 +294,7 @@ pub(crate) fn stability_json(c: &Certificate) -> Json {
     json!({
         "level": c.level.to_string(), "bound": c.bound, "lower": c.lower, "limit": 4.0, "margin": c.margin(),
         "exact": c.exact, "largest": c.largest.map(|l| [l.0, l.1]), "ripple": c.ripple,
-        "worst": c.worst, "contact": c.contact, "stiffest": c.stiffest,
+        "worst": c.worst, "contact": c.contact, "stiffest": c.stiffest, "friction": c.friction,
+        "not_judged": c.not_judged,
     })
 }

@@ -6,7 +6,7 @@
 use crate::catalog;
 use crate::commands::border;
 use crate::commands::check::codes;
-use crate::commands::render::{decibel, fitting, rippling, stability as verdict, tenths, too_loud};
+use crate::commands::render::{decibel, fitting, level, rippling, stability as verdict, tenths, too_loud};
 use crate::term::short;
 use ca_core::analysis::{Mode, Modes, Network, modes};
 use ca_core::compile::certify::Level;
@@ -75,13 +75,12 @@ impl Facts {
 }
 
 /// Players, waveform, spectrogram and spectrum; nothing without channels.
-pub(super) fn sound(sound: Sound, marks: Vec<Mark>) -> Option<Section> {
+pub(super) fn sound(sound: Sound, marks: Vec<Mark>, diverged: bool) -> Option<Section> {
     if sound.names().is_empty() {
         return None;
     }
-    let level = |p: f64| if p > 0.0 { format!("{} dBFS", tenths(decibel(p))) } else { "silent".into() };
     let peaks: Vec<String> =
-        sound.names().iter().zip(sound.peak()).map(|(n, p)| format!("{n} {}", level(*p))).collect();
+        sound.names().iter().zip(sound.peak()).map(|(n, p)| format!("{n} {}", level(*p, diverged))).collect();
     let mut blocks =
         vec![Block::Text(format!("Greatest sample: {}.", peaks.join(", "))), Block::Plot(sound.waveform())];
     blocks.extend(spectrogram(&sound).map(Block::Plot));
@@ -206,8 +205,18 @@ pub(super) fn stability(scene: &Scene) -> Section {
     let mut rows = vec![
         ("verdict", format!("{}: {means}", c.level)),
         ("bound", format!("{} of the largest eigenvalue; the limit is 4", short(c.bound))),
-        ("margin", format!("{}: so many times stiffer everything could be", short(c.margin()))),
+        (
+            "margin",
+            match c.margin() {
+                m if m.is_finite() => format!("{}: so many times stiffer everything could be", short(m)),
+                _ => "nothing here has a limit".into(),
+            },
+        ),
     ];
+    if !c.not_judged.is_empty() {
+        let names = crate::load::ticked(c.not_judged.iter().map(String::as_str));
+        rows.push(("not judged", format!("{names}: nothing hears it, so it is left out")));
+    }
     if c.exact {
         rows.push(("decided by", "a sparse factorisation".into()));
     }

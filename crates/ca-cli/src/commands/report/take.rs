@@ -88,7 +88,7 @@ pub(super) fn report(args: &ReportArgs, file: &Path) -> Result<(String, Report),
     let modes = h.model(&catalog()).ok().map(|(model, _)| parts::modes(&model, &h.options));
     let marks = modes.as_ref().map(parts::Sung::marks).unwrap_or_default();
     let Recorded { sound, hands, events, loops, .. } = recorded;
-    report.sections.extend(parts::sound(sound, marks));
+    report.sections.extend(parts::sound(sound, marks, false));
     let faults = |device: &str| {
         let of = summary.faults.iter().filter(|f| f.device == device);
         of.map(|f| Mark { x: f.time, y: None, text: f.cause.name().into() }).collect::<Vec<_>>()

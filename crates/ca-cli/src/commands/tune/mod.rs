@@ -23,6 +23,8 @@ use toml_edit::{DocumentMut, Item};
 const MET: f64 = 1e-6;
 /// What is further away was not tuned \[cents\].
 const NEAR: f64 = 0.01;
+/// Digits of a number that is written: what [`MET`] needs.
+const DIGITS: usize = 11;
 /// Rounds over all parts, where there are several.
 const SWEEPS: usize = 2;
 /// Steps of the secant.
@@ -194,6 +196,8 @@ fn number(doc: &DocumentMut, knob: &Knob) -> Option<(f64, bool)> {
 
 /// Turns a knob in the text.
 fn turn(doc: &mut DocumentMut, knob: &Knob, v: f64, units: bool) -> Option<String> {
+    // more would be nothing but the rounding of the search, and less could be heard by an instrument
+    let v = quantity::rounded(v, DIGITS);
     let written = if units { format!("\"{v:?} {}\"", knob.unit) } else { format!("{v:?}") };
     let mut at: &mut Item = doc.as_item_mut();
     for key in &knob.path {

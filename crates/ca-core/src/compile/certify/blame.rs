@@ -57,15 +57,18 @@ pub fn unstable(model: &Model, net: &Net, rows: &[Row], bounds: &[Bound], i: usi
     let rate = faster(net, at, viscous);
     match most {
         Some((l, b)) => {
-            let room = 4.0 / r.c - (r.own - b.h());
+            let (room, counted) = (4.0 / r.c - (r.own - b.h()), b.explicit());
+            // what one number leaves to the other; below 0 no value of it would do
+            let (k, z) = (room - 2.0 * counted.z, 0.5 * (room - counted.k));
             let fix = if b.lift > 0.0 {
                 format!("use `theta = 0.25` or more for `{}`", l.name)
-            } else if room > 0.0 && b.k >= 2.0 * b.z {
-                let k = quantity::show(round_down(room - 2.0 * b.z), Unit::STIFFNESS);
-                format!("keep `k` of `{}` below {k}", l.name)
+            } else if k > 0.0 && counted.k >= 2.0 * counted.z {
+                format!("keep `k` of `{}` below {}", l.name, quantity::show(round_down(k), Unit::STIFFNESS))
+            } else if z > 0.0 {
+                format!("keep `z` of `{}` below {}", l.name, quantity::show(round_down(z * net.te), Unit::VISCOSITY))
             } else if room > 0.0 {
-                let z = quantity::show(round_down((room - b.k) * 0.5 * net.te), Unit::VISCOSITY);
-                format!("keep `z` of `{}` below {z}", l.name)
+                let share = 100.0 * room / (counted.k + 2.0 * counted.z);
+                format!("make `{}` at most {} % as stiff and viscous", l.name, quantity::Plain(round_down(share)))
             } else {
                 format!("soften `{}` and the other links of `{}`", l.name, m.name)
             };

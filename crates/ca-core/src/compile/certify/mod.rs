@@ -23,7 +23,9 @@ use crate::law::Bound;
 use crate::model::Model;
 use crate::model::diag::{Diag, Diags};
 use crate::model::quantity::Plain;
+use alloc::collections::BTreeSet;
 use alloc::format;
+use alloc::string::String;
 use alloc::vec::Vec;
 pub(super) use blame::round_up;
 use blame::{overflow, span, unstable};
@@ -84,7 +86,7 @@ pub fn certify(model: &Model, net: &Net, asked: bool, diags: &mut Diags) -> Cert
         return Certificate::default();
     }
     let mut cert = Certificate::default();
-    let mut pair: f64 = 0.0;
+    let (mut pair, mut cause): (f64, Option<usize>) = (0.0, None);
     let junction = |i: usize| net.lines.iter().any(|l| l.junctions().contains(&(i as u32)));
     for (i, r) in rows.iter().enumerate() {
         let g = r.disc * r.c;
@@ -93,7 +95,9 @@ pub fn certify(model: &Model, net: &Net, asked: bool, diags: &mut Diags) -> Cert
         let sure = if r.radial { (r.own / 3.0).max(r.most + r.eased) } else { r.own };
         // waves that come back may hold a junction against its own damper, which is where they leave
         let sure = if junction(i) { sure - 2.0 * r.z } else { sure };
-        cert.lower = cert.lower.max(sure * r.c);
+        if sure * r.c > cert.lower {
+            (cert.lower, cause) = (sure * r.c, Some(i));
+        }
     }
     // the contacts of a set are judged by rule, and no two of its members are tied
     for l in net.lias.iter().filter(|l| l.sets.is_none() && !l.law.is_late()) {
@@ -111,6 +115,7 @@ pub fn certify(model: &Model, net: &Net, asked: bool, diags: &mut Diags) -> Cert
     }
     let worst = (0..rows.len()).max_by(|a, b| (rows[*a].all * rows[*a].c).total_cmp(&(rows[*b].all * rows[*b].c)));
     cert.worst = worst.map(|i| net.mats[i].name.clone()).unwrap_or_default();
+    cert.not_judged = not_judged(net);
 
     let covered = !negative || springs.covered();
     let explicit: Vec<_> = net.lias.iter().zip(&bounds).filter(|(l, _)| !l.law.is_late()).collect();
@@ -139,7 +144,8 @@ pub fn certify(model: &Model, net: &Net, asked: bool, diags: &mut Diags) -> Cert
     } else {
         Level::NotProven
     };
-    if let (Level::Unstable, Some(i)) = (cert.level, worst) {
+    // of what is unstable by itself, that; what is nearest to the limit may owe it to what is not certainly there
+    if let (Level::Unstable, Some(i)) = (cert.level, cause.filter(|_| cert.lower >= 4.0).or(worst)) {
         diags.push(match &exact {
             Some(e) if verdict == Verdict::Unstable => e.blame(model, net, &bounds, i, &cert),
             _ => unstable(model, net, &rows, &bounds, i),
@@ -165,8 +171,15 @@ pub fn certify(model: &Model, net: &Net, asked: bool, diags: &mut Diags) -> Cert
         r.c /= ease;
     }
     contacts(model, net, &rows, &bounds, held, &mut cert, diags);
-    frictions(model, net, &rows, &bounds, held, diags);
+    frictions(model, net, &rows, &bounds, held, &mut cert, diags);
     devices(model, net, &bounds, diags);
     cert.keys = keys::keys(net, &bounds);
     cert
+}
+
+/// Items of which some mass is left out, since nothing hears it.
+fn not_judged(net: &Net) -> Vec<String> {
+    let silent = net.mats.iter().zip(&net.alive).filter(|(m, alive)| !**alive && !m.is_fixed()).map(|(m, _)| m.item);
+    let items: BTreeSet<u32> = silent.collect();
+    items.into_iter().map(|i| net.items[i as usize].name.clone()).collect()
 }

@@ -65,12 +65,14 @@ pub fn frictions(
     rows: &[Row],
     bounds: &[Bound],
     held: impl Fn(&LiaNode, &Bound) -> Option<f64>,
+    cert: &mut Certificate,
     diags: &mut Diags,
 ) {
     let mut told = BTreeSet::new();
     for (l, b) in net.lias.iter().zip(bounds).filter(|(l, b)| rubs(b) && !l.law.is_late()) {
         let c = held(l, b).unwrap_or_else(|| mobility(net, l, rows));
         let steep = b.z * c;
+        cert.friction = cert.friction.max(steep);
         if steep > 1.5 && told.insert(l.item) {
             let title = format!(
                 "`{}` is too steep to stick: slope·T/m is {:.3}, stay below 1.5",

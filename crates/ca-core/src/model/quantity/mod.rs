@@ -12,5 +12,5 @@ mod units;
 mod value;
 
 pub use read::{is_quantity, parse};
-pub use show::{Plain, show, unit_of};
+pub use show::{Plain, rounded, show, six, unit_of};
 pub use value::{Quantity, QuantityError};

@@ -10,6 +10,17 @@ use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 use core::fmt;
 
+/// `value` to six digits: as many as a number that was computed needs to be read by people. [`show`] and
+/// [`Plain`](super::Plain) write all digits that a value has.
+pub fn six(value: f64) -> f64 {
+    rounded(value, 6)
+}
+
+/// `value` to so many digits, at least one.
+pub fn rounded(value: f64, digits: usize) -> f64 {
+    format!("{value:.0$e}", digits.max(1) - 1).parse().unwrap_or(value)
+}
+
 /// The shortest text for `value` (in SI) in `unit`, with a prefix where that is shorter: 0.02 kg is `20 g`, 8000 N/m is
 /// `8 kN/m`. [`parse`](super::parse) gives the identical bits back. What is not finite has no such text and is written `inf`, `nan`.
 pub fn show(value: f64, unit: Unit) -> String {
