@@ -15,23 +15,13 @@ pub fn spectrum(column: &[f64], rate: f64) -> Option<Spectrum> {
     Some(found)
 }
 
-/// Frequency of the strongest partial \[Hz\], which stands above its neighbours.
+/// Frequency of the strongest partial \[Hz\], by a parabola through the levels about the strongest bin that stands above
+/// its neighbours: what rises towards an end of the range is none.
 pub fn partial(s: &Spectrum) -> Option<f64> {
-    // what rises towards an end of the range is none
-    loudest(s, |[l, m, r]| l <= m && r <= m)
-}
-
-/// Frequency of the strongest bin \[Hz\], whatever stands beside it.
-pub fn strongest(s: &Spectrum) -> Option<f64> {
-    loudest(s, |_| true)
-}
-
-/// By a parabola through the levels about the strongest bin among some.
-fn loudest(s: &Spectrum, among: impl Fn([f64; 3]) -> bool) -> Option<f64> {
     let p = s.power.first()?;
     let lowest = (ca_report::LOWEST / s.step).ceil().max(1.0) as usize;
-    let some = |at: &usize| p[*at] > 0.0 && among([p[*at - 1], p[*at], p[*at + 1]]);
-    let at = (lowest..p.len().checked_sub(1)?).filter(some).max_by(|a, b| p[*a].total_cmp(&p[*b]))?;
+    let peak = |at: &usize| p[*at] > 0.0 && p[*at - 1] <= p[*at] && p[*at + 1] <= p[*at];
+    let at = (lowest..p.len().checked_sub(1)?).filter(peak).max_by(|a, b| p[*a].total_cmp(&p[*b]))?;
     let [l, m, r] = [at - 1, at, at + 1].map(|i| p[i].max(f64::MIN_POSITIVE).ln());
     let bend = l - 2.0 * m + r;
     let shift = if bend < 0.0 { 0.5 * (l - r) / bend } else { 0.0 };

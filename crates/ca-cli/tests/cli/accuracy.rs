@@ -102,6 +102,66 @@ fn what_blows_up_is_told() {
     assert!(why.iter().any(|r| r["method"] == "implicit 1/4"), "{found:#}");
 }
 
+/// A mass on a line and the same in space, with a second and far stiffer spring across: what is heard along x is the
+/// same motion, so it has the same error.
+#[test]
+fn an_output_in_space_is_measured_along_its_direction() {
+    let line = "[SOL]\nw = {}\n[MAS]\na = { m = \"1 g\", dx0 = \"1 mm\" }\n[RES]\nk = { between = [\"w\", \"a\"], k = \"8 kN/m\" }\n\
+                [SOX]\nout = { from = \"a\" }\n";
+    let space = |outputs: &str| {
+        format!(
+            "[room]\ndim = 3\n[room.SOL]\nw = {{}}\n[room.MAS]\na = {{ m = \"1 g\", dx0 = [\"1 mm\", 0, \"1 mm\"] }}\n\
+             [RES]\nk = {{ between = [\"room.w\", \"room.a\"], along = \"x\", k = \"8 kN/m\" }}\n\
+             across = {{ between = [\"room.w\", \"room.a\"], along = \"z\", k = \"900 kN/m\" }}\n[SOX]\n{outputs}"
+        )
+    };
+    let x = "x = { from = \"room.a\", along = \"x\" }\n";
+    let z = "z = { from = \"room.a\", along = \"z\" }\n";
+    let short = ["--seconds", "0.05", "--times", "1,2"];
+    let (plain, along) = (measured(line, &short), measured(&space(x), &short));
+    let (both, across) = (measured(&space(&format!("{x}{z}")), &short), measured(&space(z), &short));
+    // 8 kN/m on 1 g: (ωT)²/24 of a radian per radian, and 141 radians of them
+    assert!((1e-3..1e-2).contains(&error(&plain, "as written", 1)), "{plain:#}");
+    for times in [1, 2] {
+        let e = |found: &Json| error(found, "as written", times);
+        let known = along["reference"]["known"].as_f64().expect("known");
+        assert!((e(&along) - e(&plain)).abs() < known + 1e-9, "{} and {}", e(&along), e(&plain));
+        // each output by itself, and of two the worst
+        assert!(e(&across) > 50.0 * e(&along), "{} and {}", e(&across), e(&along));
+        assert!((e(&both) / e(&across) - 1.0).abs() < 1e-6, "{} and {}", e(&both), e(&across));
+    }
+    // a place that is asked for by name is one thing: its error is a distance, and no worse than that of its worst axis
+    let body = measured(&space(x), &[&short[..], &["--probe", "room.a"]].concat());
+    let (e, all) = (error(&body, "as written", 1), [&along, &across].map(|f| error(f, "as written", 1)));
+    let mean = (all.iter().map(|e| e * e).sum::<f64>() / 2.0).sqrt();
+    assert!((e / mean - 1.0).abs() < 0.05, "{e} and {mean}");
+}
+
+/// Outputs that hear several things, a direction that is askew, and two ears on one channel.
+#[test]
+fn what_an_output_hears_is_what_is_measured() {
+    let text = |outputs: &str| CHAIN.split("[SOX]").next().map(|c| format!("{c}[SOX]\n{outputs}")).expect("a chain");
+    let short = ["--seconds", "0.02", "--times", "1"];
+    let of = |outputs: &str| error(&measured(&text(outputs), &short), "as written", 1);
+    let (a, b) = (of("out = { from = \"a\" }\n"), of("out = { from = \"b\" }\n"));
+    let two = of("a = { from = \"a\", gain = 3 }\nb = { from = \"b\", gain = 0.5 }\n"
+        .replace("a = {", "one = {")
+        .replace("\nb = {", "\ntwo = {")
+        .as_str());
+    assert!((two / a.max(b) - 1.0).abs() < 1e-9, "{two}, {a} and {b}");
+    // two outputs on one channel are two things that are heard
+    let mixed = of("one = { from = \"a\", channel = 0 }\ntwo = { from = \"b\", channel = 0 }\n");
+    assert!((mixed / a.max(b) - 1.0).abs() < 1e-9, "{mixed}, {a} and {b}");
+    // many at once: on channels of their own each is held against its own reference
+    let string = "[STRING]\ns = { n = 5, m = \"1 g\", f = \"2 kHz\" }\n[MAS]\nh = { m = \"1 g\", dx0 = \"1 mm\" }\n\
+                  [RES]\nk = { between = [\"h\", \"s[1]\"], k = \"2 kN/m\" }\n[SOX]\n";
+    let of = |outputs: &str| error(&measured(&format!("{string}{outputs}"), &short), "as written", 1);
+    let each: Vec<f64> = (0..5).map(|i| of(&format!("out = {{ from = \"s[{i}]\" }}\n"))).collect();
+    let all = of("out = { from = \"s[*]\" }\n");
+    let worst = each.iter().copied().fold(0.0, f64::max);
+    assert!((all / worst - 1.0).abs() < 1e-6, "{all}, {each:?}");
+}
+
 #[test]
 fn the_page_has_a_plot_and_the_table() {
     let desk = Desk::new();
@@ -120,7 +180,7 @@ fn nothing_to_hear_is_a_failure() {
     desk.put("mute.ca.toml", "[MAS]\na = { m = 1 }\n");
     desk.ca(&["accuracy", "mute.ca.toml"]).is(1).says(&["--probe"]);
     desk.put("still.ca.toml", "[MAS]\na = { m = 1 }\n[SOX]\nout = { from = \"a\" }\n");
-    desk.ca(&["accuracy", "still.ca.toml", "--seconds", "0.01"]).is(1).says(&["nothing of `a` moves", "--seconds"]);
+    desk.ca(&["accuracy", "still.ca.toml", "--seconds", "0.01"]).is(1).says(&["nothing of `out` moves", "--seconds"]);
     desk.ca(&["accuracy", "glass", "--error", "0"]).is(2).says(&["above 0"]);
 }
 

@@ -97,14 +97,20 @@ impl Wiring<'_> {
 
     /// A probe: one value for what lives on a line, a value for each axis of what lives in space.
     pub(super) fn probe(&mut self, text: &str, asked: u32) {
-        // an output's name means what it hears
-        let heard: Vec<OutNode> =
-            self.net.outs.iter().filter(|o| o.name == text && o.item.is_some()).cloned().collect();
-        if let Some(first) = heard.first() {
-            let channel = self.next_probe();
-            for o in heard.iter().take_while(|o| o.channel == first.channel) {
-                self.net.outs.push(OutNode { channel, gain: Source::Const(1.0), item: None, asked, ..o.clone() });
-            }
+        // an output's name means what it hears, along the direction it hears it; one that hears several on channels of
+        // their own is a value for each
+        let of = |o: &OutNode| o.item.is_some_and(|i| o.name == text || self.net.items[i as usize].name == text);
+        let heard: Vec<OutNode> = self.net.outs.iter().filter(|o| of(o)).cloned().collect();
+        let mut last = None;
+        for o in &heard {
+            let channel = match last {
+                Some((from, channel)) if from == o.channel => channel,
+                _ => self.next_probe(),
+            };
+            last = Some((o.channel, channel));
+            self.net.outs.push(OutNode { channel, gain: Source::Const(1.0), item: None, asked, ..o.clone() });
+        }
+        if last.is_some() {
             return;
         }
         let ears = match self.select(Written { text, span: Span::NONE, owner: "probe" }, None) {

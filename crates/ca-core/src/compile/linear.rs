@@ -92,7 +92,9 @@ pub fn network(net: &Net) -> Network {
     let whole = links(net, &slopes, &numbers, Points::AtLoad, &mut linear, counts);
     debug_assert!(whole, "the laws of sets are not linear");
     let (mut ports, mut deaf): (Vec<Port>, Vec<_>) = (Vec::new(), Vec::new());
-    for (name, ear, axis, share) in net.outs.iter().map(|o| (&o.name, o.ear, o.axis, o.share)) {
+    // the last port and its channel: a probe may have the name of an output
+    let mut last: Option<(&str, u32)> = None;
+    for (name, ear, axis, share, channel) in net.outs.iter().map(|o| (&o.name, o.ear, o.axis, o.share, o.channel)) {
         let Ear::Position(end) = ear else {
             deaf.push(name.clone());
             continue;
@@ -100,7 +102,8 @@ pub fn network(net: &Net) -> Network {
         let here = at_end(net, end, &numbers, Points::AtLoad, |first, _| alloc::vec![(first + u32::from(axis), share)]);
         let here = here.into_iter().flatten();
         // a direction is heard axis by axis
-        match ports.last_mut().filter(|p: &&mut Port| p.name == *name) {
+        let same = last.replace((name, channel)) == Some((name, channel));
+        match ports.last_mut().filter(|_| same) {
             Some(port) => port.at.extend(here),
             None => ports.push(Port { name: name.clone(), role: "hears", at: here.collect() }),
         }

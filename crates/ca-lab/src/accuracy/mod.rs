@@ -14,7 +14,7 @@ use crate::load::{self, Loaded};
 use ca_core::certificate::Level;
 use ca_core::energy::Balance;
 use ca_core::model::Value;
-use ca_core::{Model, Options};
+use ca_core::{Model, Options, Scene};
 use ca_report::{Axis, Block, Plot, Point, Section, Table};
 use score::Score;
 pub use truth::Origin;
@@ -152,18 +152,37 @@ pub fn measured(loaded: &Loaded, ask: &mut Ask) -> Result<Measured, Failure> {
     Ok(Measured { rows, truth, rate, frames, refused: ways.refused, warned: ways.warned })
 }
 
-/// What the outputs of a model listen to, once each.
+/// The outputs of a model by name, one for each thing that is heard: as a probe, the name of an output is what it hears
+/// along its direction, before gain and filters.
 pub fn heard(model: &Model) -> Vec<String> {
-    let outputs = model.items.iter().filter(|i| matches!(i.kind.as_str(), "SOX" | "SOF"));
     let mut all = Vec::new();
-    for e in outputs.flat_map(|i| i.args.iter().filter(|e| e.key == "from")) {
-        if let Value::Text(t) = &e.value {
-            if !all.contains(t) {
-                all.push(t.clone());
-            }
+    let mut known: Vec<(&str, [Option<&Value>; 2])> = Vec::new();
+    for i in model.items.iter().filter(|i| matches!(i.kind.as_str(), "SOX" | "SOF")) {
+        let value = |key: &str| i.args.iter().find(|e| e.key == key).map(|e| &e.value);
+        let what = (i.kind.as_str(), [value("from"), value("along")]);
+        if what.1[0].is_some() && !known.contains(&what) {
+            known.push(what);
+            all.push(i.name.clone());
         }
     }
     all
+}
+
+/// Which probe each column is of: the axes of one place in space are one probe, whose error is a distance.
+fn bodies(scene: &Scene) -> Vec<usize> {
+    let place = |name: &str| match name.rsplit_once('.') {
+        Some((place, "x" | "y" | "z")) => place.to_owned(),
+        _ => name.to_owned(),
+    };
+    let mut of: Vec<usize> = Vec::with_capacity(scene.probe_names.len());
+    let mut last = None;
+    for (name, asked) in scene.probe_names.iter().zip(&scene.probe_of) {
+        let here = Some((place(name), *asked));
+        let next = of.last().map_or(0, |n| n + usize::from(here != last));
+        of.push(next);
+        last = here;
+    }
+    of
 }
 
 /// How far it is, and whether anybody still wants it.
@@ -193,7 +212,7 @@ fn row(way: &Way, truth: &Truth, frames: usize, rate: f64, steps: &mut Steps) ->
     Ok(Row {
         method: way.method,
         times: way.times,
-        score: score::score(&columns, &truth.columns, rate),
+        score: score::score(&columns, &truth.columns, &truth.of, rate),
         ns,
         level: way.scene.certificate.level,
         balance,

@@ -1,7 +1,7 @@
 //! How far a run is from the reference: as a motion, as a spectrum, in pitch and in decay.
 
 use super::play::Columns;
-use crate::pitch::{spectrum, strongest};
+use crate::pitch::{partial, spectrum};
 use ca_report::Spectrum;
 
 /// What is said of a run.
@@ -21,28 +21,51 @@ fn square(v: impl Iterator<Item = f64>) -> f64 {
     v.map(|v| v * v).sum()
 }
 
-/// ‖a − b‖ / ‖b‖ of the worst column; of columns that are nothing in `b`, whether they are in `a`.
-pub fn apart(a: &Columns, b: &Columns) -> f64 {
-    let one = |(a, b): (&Vec<f64>, &Vec<f64>)| {
-        let (miss, whole) = (square(a.iter().zip(b).map(|(a, b)| a - b)), square(b.iter().copied()));
+/// ‖a − b‖ / ‖b‖ of the worst probe; of probes that are nothing in `b`, whether they are in `a`. Columns of one probe, of
+/// the same number in `of`, are the axes of one place, and their distance is that of the place.
+pub fn apart(a: &Columns, b: &Columns, of: &[usize]) -> f64 {
+    let one = |probe: std::ops::Range<usize>| {
+        let pairs = || a[probe.clone()].iter().zip(&b[probe.clone()]);
+        let miss: f64 = pairs().map(|(a, b)| square(a.iter().zip(b).map(|(a, b)| a - b))).sum();
+        let whole: f64 = pairs().map(|(_, b)| square(b.iter().copied())).sum();
         if whole > 0.0 { (miss / whole).sqrt() } else { miss.sqrt() }
     };
-    a.iter().zip(b).map(one).fold(0.0, |m: f64, v| if v.is_nan() { f64::INFINITY } else { m.max(v) })
+    let worst = probes(of).map(one);
+    worst.fold(0.0, |m: f64, v| if v.is_nan() { f64::INFINITY } else { m.max(v) })
+}
+
+/// The columns of each probe.
+fn probes(of: &[usize]) -> impl Iterator<Item = std::ops::Range<usize>> + '_ {
+    let mut at = 0;
+    of.chunk_by(|a, b| a == b).map(move |c| {
+        at += c.len();
+        at - c.len()..at
+    })
 }
 
 /// Compares a run with what it should be.
-pub fn score(run: &Columns, truth: &Columns, rate: f64) -> Score {
-    let halves = |c: &[f64]| {
-        let (first, last) = c.split_at(c.len() / 2);
-        10.0 * (square(last.iter().copied()) / square(first.iter().copied())).log10()
+pub fn score(run: &Columns, truth: &Columns, of: &[usize], rate: f64) -> Score {
+    let energy = |columns: &[Vec<f64>], half: usize| -> f64 {
+        let part = |c: &Vec<f64>| {
+            let (first, last) = c.split_at(c.len() / 2);
+            square([first, last][half].iter().copied())
+        };
+        columns.iter().map(part).sum()
     };
+    let halves = |c: &[Vec<f64>]| 10.0 * (energy(c, 1) / energy(c, 0)).log10();
+    let level = |s: &Spectrum| s.power[0].iter().map(|p| p.sqrt()).collect::<Vec<f64>>();
     let (mut far, mut cents, mut decay): (f64, Option<f64>, f64) = (0.0, None, 0.0);
-    for (a, b) in run.iter().zip(truth) {
-        if let (Some(x), Some(y)) = (spectrum(a, rate), spectrum(b, rate)) {
-            let level = |s: &Spectrum| s.power[0].iter().map(|p| p.sqrt()).collect::<Vec<f64>>();
-            let d = apart(&vec![level(&x)], &vec![level(&y)]);
-            far = far.max(d);
-            if let (Some(f), Some(g), None) = (strongest(&x), strongest(&y), cents) {
+    for probe in probes(of) {
+        let (a, b) = (&run[probe.clone()], &truth[probe]);
+        let of = |c: &[Vec<f64>]| c.iter().map(|c| spectrum(c, rate)).collect::<Option<Vec<Spectrum>>>();
+        if let (Some(x), Some(y)) = (of(a), of(b)) {
+            let levels = |all: &[Spectrum]| all.iter().map(level).collect::<Columns>();
+            far = far.max(apart(&levels(&x), &levels(&y), &vec![0; x.len()]));
+            // the axis along which it should move most
+            let most =
+                (0..b.len()).max_by(|i, j| square(b[*i].iter().copied()).total_cmp(&square(b[*j].iter().copied())));
+            let pitches = most.and_then(|k| partial(&x[k]).zip(partial(&y[k])));
+            if let (Some((f, g)), None) = (pitches, cents) {
                 cents = Some(1200.0 * (f / g).log2());
             }
         }
@@ -51,5 +74,5 @@ pub fn score(run: &Columns, truth: &Columns, rate: f64) -> Score {
             decay = d;
         }
     }
-    Score { error: apart(run, truth), spectrum: far, cents, decay }
+    Score { error: apart(run, truth, of), spectrum: far, cents, decay }
 }

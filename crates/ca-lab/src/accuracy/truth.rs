@@ -32,6 +32,8 @@ pub enum Origin {
 pub struct Truth {
     /// what the probes should read, at the samples of the model's own rate
     pub columns: Columns,
+    /// of which probe each of them is
+    pub of: Vec<usize>,
     /// from where
     pub origin: Origin,
     /// by which method, where it is the model at a higher rate
@@ -54,11 +56,13 @@ pub fn truth(
     (frames, reference): (usize, u32),
     steps: &mut Steps,
 ) -> Result<Truth, Failure> {
+    let of = &super::bodies(plain)[..];
     if let Some(columns) = closed(loaded, probes, plain, frames) {
-        return Ok(Truth { columns, origin: Origin::Modes, method: AS_WRITTEN, known: 1e-12 });
+        return Ok(Truth { columns, of: of.to_vec(), origin: Origin::Modes, method: AS_WRITTEN, known: 1e-12 });
     }
-    let mut by =
-        |loaded: &Loaded, method, times| carried(loaded, method, probes, plain.rate, (frames, times), &mut *steps);
+    let mut by = |loaded: &Loaded, method, times| {
+        carried(loaded, method, (probes, of), plain.rate, (frames, times), &mut *steps)
+    };
     let few = reference / 8;
     let mut best: Option<(Loaded, &'static str, f64)> = None;
     if few >= 4 {
@@ -70,7 +74,7 @@ pub fn truth(
                 continue;
             }
             let found = by(&twin, method, few)?;
-            let agree = apart(&found.columns, &pilot.columns) <= 2.0 * (found.known + pilot.known);
+            let agree = apart(&found.columns, &pilot.columns, of) <= 2.0 * (found.known + pilot.known);
             if agree && found.known < 0.5 * best.as_ref().map_or(pilot.known, |b| b.2) {
                 best = Some((twin, method, found.known));
             }
@@ -84,7 +88,7 @@ pub fn truth(
 fn carried(
     loaded: &Loaded,
     method: &'static str,
-    probes: &[String],
+    (probes, of): (&[String], &[usize]),
     rate: f64,
     (frames, times): (usize, u32),
     steps: &mut Steps,
@@ -95,15 +99,15 @@ fn carried(
         Ok(columns(&load::scene(loaded, &options)?, frames, times, steps)?.0)
     };
     let (coarse, middle, fine) = (at(times / 4)?, at(times / 2)?, at(times)?);
-    let (first, last) = (apart(&coarse, &middle), apart(&middle, &fine));
+    let (first, last) = (apart(&coarse, &middle, of), apart(&middle, &fine, of));
     let order = (first / last).log2();
     if !(0.7..=6.0).contains(&order) {
-        return Ok(Truth { columns: fine, origin: Origin::Open(times), method, known: last });
+        return Ok(Truth { columns: fine, of: of.to_vec(), origin: Origin::Open(times), method, known: last });
     }
     let step = 1.0 / (order.exp2() - 1.0);
     let carry = |(f, m): (&Vec<f64>, &Vec<f64>)| f.iter().zip(m).map(|(f, m)| f + (f - m) * step).collect();
     let columns = fine.iter().zip(&middle).map(carry).collect();
-    Ok(Truth { columns, origin: Origin::Rate(times, order), method, known: last * step })
+    Ok(Truth { columns, of: of.to_vec(), origin: Origin::Rate(times, order), method, known: last * step })
 }
 
 /// The motion of the modes at the probes; `None` where they are not all there is.

@@ -84,7 +84,7 @@ pub(super) fn report(args: &ReportArgs) -> Result<(String, Report), Failure> {
     }
     report.sections.push(facts.section());
     let modes = parts::modes(&loaded.model, &with(Vec::new()));
-    report.sections.extend(parts::sound(sound, modes.marks()));
+    report.sections.extend(parts::sound(sound, modes.marks(), broke.is_some()));
     report.sections.extend(moved(&loaded, &scene, &motion, &probes));
     report.sections.extend(book.section(&scene, 1.0));
     report.sections.push(modes.section());
@@ -158,7 +158,8 @@ fn moved(loaded: &Loaded, scene: &Scene, motion: &Envelope, probes: &[String]) -
     let (mut places, mut forces): (Vec<Curve>, Vec<Curve>) = (Vec::new(), Vec::new());
     for (k, (name, of)) in scene.probe_names.iter().zip(&scene.probe_of).enumerate() {
         let asked = probes.get(*of as usize).map_or("", String::as_str);
-        let shown = of_output(items, asked).unwrap_or(name);
+        // of an output that hears several, each by its own name
+        let shown = of_output(items, asked).filter(|_| name == asked).unwrap_or(name);
         let list = if is_force(name) || is_force(asked) { &mut forces } else { &mut places };
         if list.iter().all(|c| c.name != shown) {
             list.push(Curve::line(shown, motion.curve(k)));
