@@ -167,12 +167,26 @@ impl core::error::Error for Refused {}
 pub struct Controls {
     plan: LivePlan,
     te: f64,
+    room: Room,
+}
+
+/// What a change needs in passing; kept, so that a gesture that moves a parameter at every frame allocates nothing.
+#[derive(Clone, Default)]
+struct Room {
+    /// numbers of a generator
+    slots: Vec<Option<f64>>,
+    /// numbers of a module
+    values: Vec<Option<f64>>,
+    /// arguments before the change: item, argument and value
+    before: Vec<(usize, usize, Arg)>,
+    /// coefficients that links that look ahead depend on, before the change
+    known: Vec<f64>,
 }
 
 impl Controls {
     /// The parameters at their values at load; `te` is the tick \[s\].
     pub fn new(plan: &LivePlan, te: f64) -> Controls {
-        Controls { plan: plan.clone(), te }
+        Controls { plan: plan.clone(), te, room: Room::default() }
     }
 
     /// The parameters, with their present values.
@@ -181,61 +195,89 @@ impl Controls {
     }
 
     /// Sets `name` to `value` \[SI\] and returns the coefficients that change.
+    ///
+    /// # Errors
+    /// [`Refused`], and nothing has changed.
     pub fn set(&mut self, name: &str, value: f64) -> Result<Patch, Refused> {
         let Some(p) = self.plan.params.iter().position(|p| p.name == name) else {
             return Err(Refused::Unknown(name.into()));
         };
-        let param = &self.plan.params[p];
+        let mut patch = Patch::default();
+        self.turn(p, value, &mut patch)?;
+        Ok(patch)
+    }
+
+    /// Sets parameter number `p` of [`Controls::params`] to `value` \[SI\] and writes the coefficients that change into
+    /// `patch`, in place of what it held. From the second change on it allocates nothing, but for `WAVEGUIDE`, `CLOUD`,
+    /// a `MESH` with held nodes and links that look ahead, which are solved anew.
+    ///
+    /// # Errors
+    /// [`Refused`], and nothing has changed; `patch` is of no use then.
+    pub fn turn(&mut self, p: usize, value: f64, patch: &mut Patch) -> Result<(), Refused> {
+        patch.set.clear();
+        patch.scene = self.plan.scene;
+        let Some(param) = self.plan.params.get(p) else { return Err(Refused::Unknown(format!("parameter {p}"))) };
         if !(value >= param.min && value <= param.max) {
-            return Err(Refused::Range(name.into(), param.min, param.max));
+            return Err(Refused::Range(param.name.clone(), param.min, param.max));
         }
-        let mut patch = Patch { scene: self.plan.scene, set: Vec::new() };
-        let mut items = self.plan.items.clone();
-        for item in &mut items {
-            let mut touched = false;
+        let Room { known, before, .. } = &mut self.room;
+        before.clear();
+        known.clear();
+        known.extend(self.plan.ahead.iter().flat_map(|a| &a.known).map(|k| k.1));
+        let turned = self.turned(p, value, patch);
+        if turned.is_err() {
+            for (item, arg, value) in self.room.before.drain(..) {
+                self.plan.items[item].args[arg] = value;
+            }
+            let now = self.plan.ahead.iter_mut().flat_map(|a| &mut a.known);
+            now.zip(&self.room.known).for_each(|(k, v)| k.1 = *v);
+        } else {
+            self.plan.params[p].value = value;
+        }
+        turned
+    }
+
+    fn turned(&mut self, p: usize, value: f64, patch: &mut Patch) -> Result<(), Refused> {
+        let (te, room) = (self.te, &mut self.room);
+        for (n, item) in self.plan.items.iter_mut().enumerate() {
+            let touched = room.before.len();
             for (arg, q, factor) in &item.follows {
                 if *q == p {
-                    item.args[*arg] = Arg::Num(value * factor);
-                    touched = true;
+                    let old = core::mem::replace(&mut item.args[*arg], Arg::Num(value * factor));
+                    room.before.push((n, *arg, old));
                 }
             }
-            if touched {
-                item.patch(self.te, &mut patch)?;
+            if room.before.len() > touched {
+                item.patch(te, room, patch)?;
             }
         }
-        let mut ahead = self.plan.ahead.clone();
-        let follows = ahead.as_mut().is_none_or(|a| a.follow(&self.plan.coefs, &mut patch));
+        let follows = self.plan.ahead.as_mut().is_none_or(|a| a.follow(&self.plan.coefs, patch));
         if !follows || patch.set.iter().any(|(_, v)| !real(*v).is_finite()) {
+            let name = &self.plan.params[p].name;
             return Err(Refused::Unsolvable(format!("`{name}` = {} is beyond computing", Plain(value))));
         }
-        (self.plan.items, self.plan.ahead) = (items, ahead);
-        self.plan.params[p].value = value;
-        Ok(patch)
+        Ok(())
     }
 }
 
 impl LiveItem {
-    /// Numbers derived from the item's parameters: those of a generator, or the parameters themselves.
-    fn slots(&self, te: f64) -> Result<Vec<Option<f64>>, Refused> {
+    /// Adds what its modules become to a patch.
+    fn patch(&self, te: f64, room: &mut Room, patch: &mut Patch) -> Result<(), Refused> {
+        // numbers derived from the item's parameters: those of a generator, or the parameters themselves
+        room.slots.clear();
         match self.generator {
-            Some(g) => (g.derive)(&Args {
-                code: self.kind.code,
-                params: self.kind.params,
-                values: &self.args,
-                te,
-                dim: self.dim,
-            })
-            .map_err(|p| Refused::Unsolvable(p.title)),
-            None => Ok(self.args.iter().map(Arg::num).collect()),
+            Some(g) => {
+                let args =
+                    Args { code: self.kind.code, params: self.kind.params, values: &self.args, te, dim: self.dim };
+                (g.derive)(&args, &mut room.slots).map_err(|p| Refused::Unsolvable(p.title))?;
+            }
+            None => room.slots.extend(self.args.iter().map(Arg::num)),
         }
-    }
-
-    fn patch(&self, te: f64, patch: &mut Patch) -> Result<(), Refused> {
-        let slots = self.slots(te)?;
         let mut out = [0.0; 8];
         for m in &self.modules {
-            let values: Vec<Option<f64>> = m.values.iter().map(|s| s.get(&slots)).collect();
-            let n = m.loader.load(&values, te, &mut out);
+            room.values.clear();
+            room.values.extend(m.values.iter().map(|s| s.get(&room.slots)));
+            let n = m.loader.load(&room.values, te, &mut out);
             patch.set.extend(m.to.iter().copied().zip(out[..n].iter().copied()));
         }
         Ok(())

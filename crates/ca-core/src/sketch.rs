@@ -72,10 +72,14 @@ impl Args<'_> {
     }
     /// The numbers `name`; a single number stands for `n` of them.
     pub fn list(&self, name: &str, n: usize) -> Vec<Option<f64>> {
+        (0..n).map(|i| self.nth(name, i)).collect()
+    }
+    /// Number `i` of the list `name`; one number stands for all.
+    pub fn nth(&self, name: &str, i: usize) -> Option<f64> {
         match self.arg(name) {
-            Arg::Absent | Arg::Cloud(_) => alloc::vec![None; n],
-            Arg::Num(v) => alloc::vec![Some(*v); n],
-            Arg::List(l) => (0..n).map(|i| l.get(i).copied()).collect(),
+            Arg::Absent | Arg::Cloud(_) => None,
+            Arg::Num(v) => Some(*v),
+            Arg::List(l) => l.get(i).copied(),
         }
     }
     /// What the file `name` holds.
@@ -99,10 +103,23 @@ impl Args<'_> {
 pub struct Generator {
     /// in how many dimensions it can be drawn, e.g. `&[1]` for what lives on a line
     pub dims: &'static [u8],
-    /// the numbers its modules use, from its parameters; called at load and at live changes
-    pub derive: fn(&Args<'_>) -> Result<Vec<Option<f64>>, Problem>,
+    /// the numbers its modules use, from its parameters, behind those of a list; called at load and at live changes,
+    /// which reuse the list
+    pub derive: fn(&Args<'_>, &mut Vec<Option<f64>>) -> Result<(), Problem>,
     /// names and connects the modules
     pub build: fn(&Args<'_>, &mut Sketch<'_>),
+}
+
+impl Generator {
+    /// The numbers its modules use, as a list of their own.
+    ///
+    /// # Errors
+    /// Where the parameters do not go together.
+    pub fn derived(&self, args: &Args<'_>) -> Result<Vec<Option<f64>>, Problem> {
+        let mut slots = Vec::new();
+        (self.derive)(args, &mut slots)?;
+        Ok(slots)
+    }
 }
 
 /// What a drawn MAT is; numbers are slots of the derived list.

@@ -260,7 +260,7 @@ fn nodes(mut item: NetItem, source: &Item, net: &mut Net, v: &mut Values<'_>) {
                 net.items.push(item);
                 return;
             }
-            match (g.derive)(&args) {
+            match g.derived(&args) {
                 Ok(slots) => {
                     item.slots.clone_from(&slots);
                     let (args, live, group, te) = (item.args.clone(), !item.follows.is_empty(), item.group, net.te);

@@ -41,7 +41,7 @@ out = { from = "bell[0]", gain = 300 }
 };
 
 /// Slots: m, f, t60 of cell 0, of cell 1, …
-fn derive(a: &Args<'_>) -> Result<Vec<Option<f64>>, Problem> {
+fn derive(a: &Args<'_>, slots: &mut Vec<Option<f64>>) -> Result<(), Problem> {
     let n = a.len("f").unwrap_or(1);
     for other in ["t60", "m"] {
         if let Some(len) = a.len(other).filter(|len| *len != n) {
@@ -52,15 +52,15 @@ fn derive(a: &Args<'_>) -> Result<Vec<Option<f64>>, Problem> {
             });
         }
     }
-    let (f, t60, m) = (a.list("f", n), a.list("t60", n), a.list("m", n));
-    if let Some(high) = f.iter().flatten().find(|f| **f * a.te >= 0.5) {
+    if let Some(high) = (0..n).filter_map(|i| a.nth("f", i)).find(|f| f * a.te >= 0.5) {
         return Err(Problem {
             title: format!("{high} Hz is not below half the sound rate"),
             param: "f",
             help: format!("stay below {} Hz, or raise `rate.sound`", 0.5 / a.te),
         });
     }
-    Ok((0..n).flat_map(|i| [m[i], f[i], t60[i]]).collect())
+    slots.extend((0..n).flat_map(|i| ["m", "f", "t60"].map(|name| a.nth(name, i))));
+    Ok(())
 }
 
 fn build(a: &Args<'_>, b: &mut Sketch<'_>) {

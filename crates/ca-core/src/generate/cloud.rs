@@ -97,10 +97,11 @@ fn joined(a: &Args<'_>, cloud: &Cloud) -> Result<Vec<[u32; 2]>, Problem> {
 }
 
 /// Slots: m, k, z.
-fn derive(a: &Args<'_>) -> Result<Vec<Option<f64>>, Problem> {
+fn derive(a: &Args<'_>, slots: &mut Vec<Option<f64>>) -> Result<(), Problem> {
     let cloud = cloud(a);
     joined(a, &cloud)?;
-    Ok(alloc::vec![Some(mass(a, cloud.points.len())), a.num("k"), a.num("z")])
+    slots.extend([Some(mass(a, cloud.points.len())), a.num("k"), a.num("z")]);
+    Ok(())
 }
 
 fn build(a: &Args<'_>, b: &mut Sketch<'_>) {

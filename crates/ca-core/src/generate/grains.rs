@@ -49,8 +49,9 @@ out = { from = "room.centre", along = "z", gain = 0.1 }
 
 /// Slots: m.
 #[allow(clippy::unnecessary_wraps)] // the shape all generators have
-fn derive(a: &Args<'_>) -> Result<Vec<Option<f64>>, Problem> {
-    Ok(alloc::vec![Some(mass(a, a.count("n")))])
+fn derive(a: &Args<'_>, slots: &mut Vec<Option<f64>>) -> Result<(), Problem> {
+    slots.extend([Some(mass(a, a.count("n")))]);
+    Ok(())
 }
 
 /// The first `n` points of a cubic lattice of `dim` axes, by distance from the origin.

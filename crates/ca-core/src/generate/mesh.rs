@@ -106,7 +106,7 @@ fn fits(a: &Args<'_>) -> Result<(), Problem> {
 }
 
 /// Slots: m, k, z, zo, shear.
-fn derive(a: &Args<'_>) -> Result<Vec<Option<f64>>, Problem> {
+fn derive(a: &Args<'_>, slots: &mut Vec<Option<f64>>) -> Result<(), Problem> {
     fits(a)?;
     let (nx, ny) = (a.count("nx"), a.count("ny"));
     let m = mass(a, nx * ny);
@@ -161,7 +161,8 @@ fn derive(a: &Args<'_>) -> Result<Vec<Option<f64>>, Problem> {
             along * m / (a.te * a.te)
         }
     };
-    Ok(alloc::vec![Some(m), Some(k), a.num("z"), Some(zo), a.num("shear")])
+    slots.extend([Some(m), Some(k), a.num("z"), Some(zo), a.num("shear")]);
+    Ok(())
 }
 
 /// The nodes of `fixed`, counted from the start.

@@ -61,7 +61,7 @@ out = { from = "low[3]", gain = 200 }
 };
 
 /// Slots: m, z, zo, −B across a node, then the springs between neighbours with 0, 1, 2, 3 and 4 shares of B.
-fn derive(a: &Args<'_>) -> Result<Vec<Option<f64>>, Problem> {
+fn derive(a: &Args<'_>, slots: &mut Vec<Option<f64>>) -> Result<(), Problem> {
     let n = a.count("n");
     let m = mass(a, n);
     let zo = ground(a, m);
@@ -95,9 +95,9 @@ fn derive(a: &Args<'_>) -> Result<Vec<Option<f64>>, Problem> {
             (k * unit, b * unit)
         }
     };
-    let mut slots = alloc::vec![Some(m), a.num("z"), Some(zo), Some(-bend)];
+    slots.extend([Some(m), a.num("z"), Some(zo), Some(-bend)]);
     slots.extend((0..=4).map(|shares| Some(k + f64::from(shares) * bend)));
-    Ok(slots)
+    Ok(())
 }
 
 fn build(a: &Args<'_>, b: &mut Sketch<'_>) {

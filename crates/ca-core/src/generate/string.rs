@@ -152,7 +152,7 @@ pub(super) fn too_stiff(f: f64, n: usize, fewer: usize) -> Problem {
 }
 
 /// Slots: m, k, z, zo.
-fn derive(a: &Args<'_>) -> Result<Vec<Option<f64>>, Problem> {
+fn derive(a: &Args<'_>, slots: &mut Vec<Option<f64>>) -> Result<(), Problem> {
     let n = a.count("n");
     let m = mass(a, n);
     let zo = ground(a, m);
@@ -174,7 +174,8 @@ fn derive(a: &Args<'_>) -> Result<Vec<Option<f64>>, Problem> {
             stiffness(n) * m / (a.te * a.te)
         }
     };
-    Ok(alloc::vec![Some(m), Some(k), a.num("z"), Some(zo)])
+    slots.extend([Some(m), Some(k), a.num("z"), Some(zo)]);
+    Ok(())
 }
 
 fn build(a: &Args<'_>, b: &mut Sketch<'_>) {

@@ -62,9 +62,10 @@ pub(super) fn springs(a: &Args<'_>) -> Result<(), Problem> {
 }
 
 /// Slots: m, k, z.
-fn derive(a: &Args<'_>) -> Result<Vec<Option<f64>>, Problem> {
+fn derive(a: &Args<'_>, slots: &mut Vec<Option<f64>>) -> Result<(), Problem> {
     springs(a)?;
-    Ok(alloc::vec![Some(mass(a, 4)), a.num("k"), a.num("z")])
+    slots.extend([Some(mass(a, 4)), a.num("k"), a.num("z")]);
+    Ok(())
 }
 
 fn build(a: &Args<'_>, b: &mut Sketch<'_>) {

@@ -91,12 +91,13 @@ fn asked(a: &Args<'_>) -> Result<Asked, Problem> {
 }
 
 /// Slots: the damper that both sides are to a junction, then for each junction what it is as a CEL.
-fn derive(a: &Args<'_>) -> Result<Vec<Option<f64>>, Problem> {
+fn derive(a: &Args<'_>, slots: &mut Vec<Option<f64>>) -> Result<(), Problem> {
     let asked = asked(a)?;
     let masses = alloc::vec![asked.mass(0.0, a.te); asked.at.len()];
     tune(&asked, &masses, a.te)?;
-    let cells = masses.iter().map(|m| Some(asked.cell(*m, a.te)));
-    Ok(core::iter::once(Some(2.0 * asked.z)).chain(cells).collect())
+    slots.push(Some(2.0 * asked.z));
+    slots.extend(masses.iter().map(|m| Some(asked.cell(*m, a.te))));
+    Ok(())
 }
 
 fn build(a: &Args<'_>, b: &mut Sketch<'_>) {

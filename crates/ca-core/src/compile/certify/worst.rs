@@ -90,7 +90,7 @@ fn corners(net: &Net, item: u32, values: &[Source]) -> Vec<Vec<Option<f64>>> {
         }
         let slots = match it.kind.role {
             Role::Generator(g) => {
-                match (g.derive)(&Args {
+                match g.derived(&Args {
                     code: it.kind.code,
                     params: it.kind.params,
                     values: &args,
