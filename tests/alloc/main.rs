@@ -12,6 +12,7 @@ mod rings;
 use ca_benches::rattle;
 use ca_core::model::{Model, read};
 use ca_core::{KernelClass, Options, Scene, State, advance, compile, process, sense, tick};
+use ca_haptic::perform::Performance;
 use ca_tests::{gesture, texts};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -184,4 +185,55 @@ fn nor_while_parameters_move() {
         }
     }
     assert!(moved > 0, "no model has a live parameter");
+}
+
+/// A gesture that moves a live parameter at every frame: of a link, a contact, a cell, a string, a bank and a mass.
+#[test]
+fn nor_a_performance_whose_gesture_moves_parameters() {
+    let text = r#"
+[param]
+k = { value = 1000, unit = "N/m", live = true, min = 100, max = 1e4 }
+f = { value = 200, unit = "Hz", live = true, min = 100, max = 400 }
+m = { value = "1 g", live = true, min = "0.5 g", max = "2 g" }
+g = { value = 1, live = true, min = 0, max = 2 }
+[SOL]
+wall = {}
+[MAS]
+a = { m = "m", x = "1 mm", v = "-3 m/s" }
+[CEL]
+bar = { m = "2 g", f = "f", t60 = "1 s", dx0 = "1 mm" }
+[STRING]
+low = { n = 12, m = "3 g", f = "f", t60 = "2 s" }
+[BANK]
+bells = { f = ["500 Hz", "700 Hz"], t60 = 1, m = "m" }
+[REF]
+tie = { between = ["wall", "a"], k = "k", z = 0.01 }
+also = { between = ["a", "low[3]"], k = "k" }
+more = { between = ["low[5]", "bar"], k = "k" }
+bell = { between = ["bells[0]", "bar"], k = "k" }
+[BUT]
+hit = { between = ["bar", "a"], k = "k" }
+[SOX]
+out = { from = "a", gain = "g" }
+low = { from = "low[2]" }
+[gesture]
+k = [[0, 500], [1, 5000]]
+f = [[0, 150], [1, 300]]
+m = [[0, 0.0007], [1, 0.0017]]
+g = [[0, 0.1], [1, 3]]
+"#
+    .replace("low = { from", "string = { from");
+    let catalog = ca_tests::catalog();
+    let (model, _) = read::read(&text, "moved", &catalog);
+    let scene = compile(&model, &catalog, &Options::default()).unwrap_or_else(|d| panic!("{d}"));
+    let mut p = Performance::new(&scene, None).expect("a gesture");
+    // the first frames make room
+    (0..64).for_each(|_| p.tick());
+    let before: Vec<f64> = p.controls.params().iter().map(|p| p.value).collect();
+    let n = calls(|| (0..48_000).for_each(|_| p.tick()));
+    assert_eq!(n, 0);
+    for (was, param) in before.iter().zip(p.controls.params()) {
+        assert!(param.value != *was, "{} stood still", param.name);
+    }
+    assert!(!p.wild && p.state.x.iter().any(|x| *x != 0.0));
 }

@@ -3,6 +3,7 @@
 mod accuracy;
 mod acoustics;
 mod atlas;
+mod begin;
 mod border;
 mod certificate;
 mod chance;

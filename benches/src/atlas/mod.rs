@@ -10,6 +10,7 @@ mod contact;
 mod device;
 mod friction;
 mod linear;
+pub mod orders;
 pub mod page;
 pub mod poison;
 pub mod survival;

@@ -74,6 +74,9 @@ pub struct Enx {
     pub mat: u32,
     /// its rest position \[m\]; the input is absolute
     pub rest: f64,
+    /// true where a link at it goes by the motion to come (implicit links, `stable`, `secant`, `newton`): where it is and
+    /// how fast at the first tick is then part of the start, see [`crate::Scene::state_from`]
+    pub felt: bool,
 }
 
 /// A force port.

@@ -72,6 +72,7 @@ pub mod problem;
 pub mod real;
 pub mod scene;
 pub mod sketch;
+pub(crate) mod start;
 pub mod state;
 pub mod table;
 pub mod tick;

@@ -10,6 +10,8 @@ use crate::layout::{Account, Layout};
 use crate::live::{Controls, LivePlan};
 use crate::model::diag::Diags;
 use crate::op::Op;
+use crate::real::real;
+use crate::start::{Order, start};
 use crate::state::State;
 use alloc::string::String;
 use alloc::vec::Vec;
@@ -108,6 +110,8 @@ pub struct Scene {
     pub seconds: Option<f64>,
     /// the state at load
     pub(crate) initial: State,
+    /// how it was made and of what, where ports are part of the start
+    pub(crate) before: Option<(Order, State)>,
 }
 
 impl Scene {
@@ -119,6 +123,25 @@ impl Scene {
     /// What its states and patches are known by: the same of a model that is compiled twice with the same options.
     pub fn identity(&self) -> Identity {
         self.initial.scene
+    }
+
+    /// A state at load under hands that are at a place and under way: `hand` gives, for a place in [`State::input`], the
+    /// absolute position \[m\] and its change per tick \[m\] at the first tick, or `None` where it stands still at rest.
+    ///
+    /// Only position ports that some link feels by the motion to come are asked for ([`crate::layout::Enx::felt`]): those
+    /// links are of second order or more from the first tick on. All others begin as by [`Scene::state`], from a hand
+    /// that stands where it is.
+    pub fn state_from(&self, hand: impl Fn(usize) -> Option<[f64; 2]>) -> State {
+        let Some((order, before)) = &self.before else { return self.state() };
+        let mut s = before.clone();
+        for p in self.layout.enx.iter().filter(|p| p.felt) {
+            let Some([x, d]) = hand(p.input as usize).filter(|v| v.iter().all(|v| v.is_finite())) else { continue };
+            s.x[p.mat as usize] = real(x - p.rest);
+            s.d[p.mat as usize] = real(d);
+        }
+        let mut s = start(&self.layout, &self.forces, *order, s);
+        s.scene = self.initial.scene;
+        s
     }
 
     /// MATs by number, whatever their axes.

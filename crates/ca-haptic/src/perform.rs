@@ -8,7 +8,7 @@
 use crate::error::{FileError, FileErrorKind};
 use crate::gesture::{Gesture, Track};
 use ca_core::border::frame_due;
-use ca_core::live::Controls;
+use ca_core::live::{Controls, Patch};
 use ca_core::model::quantity::Plain;
 use ca_core::scene::{InputRole, Scene};
 use ca_core::{State, tick};
@@ -21,7 +21,8 @@ pub const WILD: f64 = 1e15;
 enum Target {
     Input(usize),
     Device(usize),
-    Param(String),
+    /// number in [`Controls::params`]
+    Param(usize),
 }
 
 /// What is driven: numbers are places in [`State::input`].
@@ -50,6 +51,8 @@ pub struct Performance<'a> {
     /// its live parameters
     pub controls: Controls,
     drives: Vec<Drive>,
+    /// the last change of a parameter, kept for its room
+    patch: Patch,
     /// true once positions have left every sensible range; nothing is computed any more, outputs are 0
     pub wild: bool,
 }
@@ -58,8 +61,14 @@ impl<'a> Performance<'a> {
     /// Plays `scene` by its built-in gesture; tracks of `gesture` take the place of built-in ones of the same name.
     /// A track that drives neither a port nor a live parameter is an error that names what could be driven.
     pub fn new(scene: &'a Scene, gesture: Option<&Gesture>) -> Result<Performance<'a>, FileError> {
-        let mut p =
-            Performance { scene, state: scene.state(), controls: scene.controls(), drives: Vec::new(), wild: false };
+        let mut p = Performance {
+            scene,
+            state: scene.state(),
+            controls: scene.controls(),
+            drives: Vec::new(),
+            patch: Patch { scene: scene.identity(), set: Vec::with_capacity(scene.live.coefs.len()) },
+            wild: false,
+        };
         for (name, points) in &scene.gestures {
             if gesture.is_none_or(|g| g.track(name).is_none()) {
                 p.drive(Track::points(name.clone(), points.iter().map(|p| (p[0], p[1])).collect())?)?;
@@ -68,16 +77,24 @@ impl<'a> Performance<'a> {
         for track in gesture.map_or(&[][..], Gesture::tracks) {
             p.drive(track.clone())?;
         }
+        // a hand that is under way at the first tick was so before it
+        let hand = |input: usize| {
+            let d = p.drives.iter().find(|d| matches!(d.target, Target::Input(i) if i == input))?;
+            let [now, next] = [0.0, scene.te].map(|t| d.track.at(t));
+            Some([now, next - now])
+        };
+        p.state = scene.state_from(hand);
         Ok(p)
     }
 
     fn drive(&mut self, track: Track) -> Result<(), FileError> {
         let name = track.name();
-        let target = match self.scene.inputs.iter().position(|i| i.name == name) {
-            Some(i) if self.scene.inputs[i].role == InputRole::Device => Target::Device(i),
-            Some(i) => Target::Input(i),
-            None if self.controls.params().iter().any(|p| p.name == name) => Target::Param(name.into()),
-            None => {
+        let param = || self.controls.params().iter().position(|p| p.name == name);
+        let target = match (self.scene.inputs.iter().position(|i| i.name == name), param()) {
+            (Some(i), _) if self.scene.inputs[i].role == InputRole::Device => Target::Device(i),
+            (Some(i), _) => Target::Input(i),
+            (None, Some(p)) => Target::Param(p),
+            (None, None) => {
                 let inputs = self.scene.inputs.iter().map(|i| i.name.as_str());
                 let all: Vec<String> = inputs
                     .chain(self.controls.params().iter().map(|p| p.name.as_str()))
@@ -109,12 +126,13 @@ impl<'a> Performance<'a> {
     /// scene instead of this.
     pub fn hands(&mut self, tick: u64) -> impl Iterator<Item = (Driven<'_>, f64)> {
         let t = self.end_of_frame(tick);
+        let params = self.controls.params();
         self.drives.iter_mut().map(move |d| {
             let value = d.track.at_near(&mut d.near, t);
-            let what = match &d.target {
-                Target::Input(i) => Driven::Port(*i),
-                Target::Device(i) => Driven::Device(*i),
-                Target::Param(name) => Driven::Param(name),
+            let what = match d.target {
+                Target::Input(i) => Driven::Port(i),
+                Target::Device(i) => Driven::Device(i),
+                Target::Param(p) => Driven::Param(&params[p].name),
             };
             (what, value)
         })
@@ -140,15 +158,14 @@ impl<'a> Performance<'a> {
             match &d.target {
                 Target::Input(i) => s.input[*i] = d.track.at_near(&mut d.near, t),
                 Target::Device(i) if frame => s.input[*i] = d.track.at_near(&mut d.near, end),
-                Target::Param(name) if frame => {
+                Target::Param(p) if frame => {
                     let v = d.track.at_near(&mut d.near, end);
-                    let moved = self.controls.params().iter().any(|p| p.name == *name && p.value != v);
-                    if moved {
+                    let param = &self.controls.params()[*p];
+                    if param.value != v {
                         // out of range is clamped: a gesture is a signal, and a signal never stops a performance
-                        let (lo, hi) =
-                            self.controls.params().iter().find(|p| p.name == *name).map_or((v, v), |p| (p.min, p.max));
-                        if let Ok(patch) = self.controls.set(name, v.max(lo).min(hi)) {
-                            s.apply(&patch, if s.tick == 0 { 1 } else { scene.frame });
+                        let v = v.max(param.min).min(param.max);
+                        if self.controls.turn(*p, v, &mut self.patch).is_ok() {
+                            s.apply(&self.patch, if s.tick == 0 { 1 } else { scene.frame });
                         }
                     }
                 }

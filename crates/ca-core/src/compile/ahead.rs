@@ -78,6 +78,17 @@ pub fn choose(net: &mut Net) {
     }
 }
 
+/// True where some link or cell goes by θ = 1/12, whose tick is of the fourth order without viscosity.
+pub fn is_fourth(net: &Net) -> bool {
+    let twelfth = |theta: Option<f64>| theta.is_some_and(|t| (t - 1.0 / 12.0).abs() < 1e-6);
+    let links = net.lias.iter().filter(|l| l.law.ahead).filter_map(|l| l.values.get(2).map(|v| (l.item, *v)));
+    let cell = &crate::mat::CEL;
+    let cells = net.mats.iter().filter(|m| m.code == cell.code && m.values.len() == cell.params.len());
+    let theta = cell.param("theta").unwrap_or(0);
+    let cells = cells.filter_map(|m| m.values.get(theta).map(|v| (m.item, *v)));
+    links.chain(cells).any(|(item, theta)| twelfth(theta.get(&net.items[item as usize].slots)))
+}
+
 /// Refuses links whose matrix would not stay as it is.
 pub fn check(model: &Model, net: &Net, diags: &mut Diags) {
     let mut told = BTreeSet::new();

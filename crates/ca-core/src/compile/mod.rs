@@ -49,7 +49,6 @@ mod single;
 mod slopes;
 mod space;
 mod specialise;
-mod start;
 mod turns;
 mod values;
 mod waves;

@@ -1,5 +1,6 @@
 //! Schedule: flat arrays and the list of passes. What a scene does not have makes no entry here.
 
+use super::ahead;
 use super::certify::Certificate;
 use super::cutoff::{blockers, plain_first};
 use super::links::{Links, own_tables};
@@ -9,7 +10,6 @@ use super::oversample::oversample;
 use super::passes;
 use super::pefrl;
 use super::plan::Plan;
-use super::start::start;
 use crate::identity::Identity;
 use crate::kind::PortRole;
 use crate::layout::{Account, Enf, Enx, Gauge, Heard, Layout, LedgerPlan, Modal, Output, Place, Proxy};
@@ -21,6 +21,7 @@ use crate::near::Near;
 use crate::op::Op;
 use crate::real::{Real, real};
 use crate::scene::{InputRole, Scene, Stands, Symbol};
+use crate::start::{Order, start};
 use crate::state::{Border, Cell, Ramps, State};
 use crate::touch::Touches;
 use alloc::collections::{BTreeMap, BTreeSet};
@@ -105,8 +106,15 @@ pub fn schedule(
     let mut writes = passes::writes(&layout, gains);
     let mut moves = if net.is_composed() { pefrl::moves(&layout, &forces, own) } else { moves };
     oversample(net, &mut layout, &mut reads, &forces, &mut writes, &mut moves);
-    let mut initial =
-        start(&layout, &forces, net.is_composed(), loaded(net, &layout, x, &v, coef, (live_places, whole)));
+    let begin = match () {
+        () if net.is_composed() => Order::Exact,
+        () if ahead::is_fourth(net) => Order::Fourth,
+        () => Order::Second,
+    };
+    let loaded = loaded(net, &layout, x, &v, coef, (live_places, whole));
+    let felt = net.oversample == 1 && layout.enx.iter().any(|p| p.felt);
+    let before = felt.then(|| (begin, loaded.clone()));
+    let mut initial = start(&layout, &forces, begin, loaded);
     initial.scene = Identity::of(&layout, [&reads, &forces, &writes, &moves], &initial);
     live.scene = initial.scene;
     let (probe_names, probe_of) = probes(net);
@@ -131,6 +139,7 @@ pub fn schedule(
         title: model.title().to_string(),
         seconds: net.seconds,
         initial,
+        before,
     })
 }
 
@@ -197,10 +206,15 @@ fn masses(plan: &mut Plan) -> Masses {
 /// The ports of one role that move a MAT, axis by axis.
 fn ports(plan: &Plan, role: PortRole) -> Vec<Enx> {
     let mut all = Vec::new();
+    // links by the motion to come, and what they hold
+    let late = plan.net.lias.iter().filter(|l| l.law.ahead || l.law.is_late());
+    let held = late.flat_map(LiaNode::all_ends).filter_map(|e| if let End::Mat(m) = e { Some(m) } else { None });
+    let held: BTreeSet<u32> = held.map(|m| plan.place[m as usize]).collect();
+    let felt = |at: &u32| held.contains(at);
     for (m, at) in plan.net.mats.iter().zip(&plan.place).filter(|(_, at)| **at != u32::MAX) {
         let MatRole::Port(r, inputs) = m.role else { continue };
         for (k, input) in inputs.iter().enumerate().filter(|_| r == role) {
-            all.extend(input.map(|input| Enx { input, mat: at + k as u32, rest: m.rest[k] }));
+            all.extend(input.map(|input| Enx { input, mat: at + k as u32, rest: m.rest[k], felt: felt(at) }));
         }
     }
     all

@@ -7,12 +7,17 @@ use crate::layout::{Heard, Layout, Output, Place, Proxy};
 use crate::real::{Real, TINY, real, wide};
 use crate::state::{Cell, State};
 
-/// Position ports: `d` is the change of position, so that dampers feel the hand. The first tick only places them.
+/// Position ports: `d` is the change of position, so that dampers feel the hand. The first tick only places them, but for
+/// those whose motion is part of the start.
 pub fn enx(op: &Op, layout: &Layout, s: &mut State) {
     for p in &layout.enx[..op.n] {
         let x = real(s.heard(p.input) - p.rest);
         let m = p.mat as usize;
-        s.d[m] = if s.tick == 0 { 0.0 } else { x - s.x[m] };
+        if s.tick > 0 {
+            s.d[m] = x - s.x[m];
+        } else if !p.felt {
+            s.d[m] = 0.0;
+        }
         s.x[m] = x;
         s.f[m] = 0.0;
     }

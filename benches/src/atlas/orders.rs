@@ -1,0 +1,154 @@
+//! The order of every method from the first tick on: from a place, with a speed, and under a hand that is under way.
+//!
+//! Decides to hold the error against a closed form where there is one; elsewhere three rates, each twice the last, tell
+//! the order by how they come together.
+
+use crate::{model, scene};
+use ca_core::{KernelClass, Scene, tick};
+use ca_haptic::perform::Performance;
+use std::f64::consts::TAU;
+
+/// Pitch of the oscillator \[Hz\].
+const F: f64 = 20.0;
+/// θ of the fourth order.
+const TWELFTH: &str = "method = \"implicit\"\ntheta = 0.08333333333333333";
+
+/// A method and the order that it has.
+pub struct Case {
+    /// as people call it
+    pub name: &'static str,
+    /// its words in `[model]`
+    pub method: &'static str,
+    /// what it is tried on
+    pub on: On,
+    /// the order it should have
+    pub order: f64,
+}
+
+/// What a method is tried on.
+pub enum On {
+    /// an oscillator with this viscosity \[N s/m\] of 1 kg
+    Oscillator(f64),
+    /// a bar that this link ties to a hand at a steady speed
+    Hand(&'static str),
+}
+
+const BOW: &str = "[BOW]\nrub = { between = [\"hand\", \"bar\"], f = 0.5, v0 = 0.2, method = \"newton\" }";
+const TIE: &str = "[REF]\ntie = { between = [\"hand\", \"bar\"], k = 400, z = 0.5 }";
+const SPRING: &str = "[REF]\ntie = { between = [\"hand\", \"bar\"], k = 400 }";
+
+/// All that are told.
+pub const CASES: [Case; 12] = [
+    Case { name: "`ca`, without viscosity", method: "method = \"ca\"", on: On::Oscillator(0.0), order: 2.0 },
+    Case { name: "`ca`, with viscosity", method: "method = \"ca\"", on: On::Oscillator(6.0), order: 1.0 },
+    Case { name: "`centred`, with viscosity", method: "method = \"centred\"", on: On::Oscillator(6.0), order: 2.0 },
+    Case {
+        name: "`implicit` 1/4, with viscosity",
+        method: "method = \"implicit\"\ntheta = 0.25",
+        on: On::Oscillator(6.0),
+        order: 2.0,
+    },
+    Case {
+        name: "`implicit` 1/2, without viscosity",
+        method: "method = \"implicit\"\ntheta = 0.5",
+        on: On::Oscillator(0.0),
+        order: 2.0,
+    },
+    Case { name: "`implicit` 1/12, without viscosity", method: TWELFTH, on: On::Oscillator(0.0), order: 4.0 },
+    Case { name: "`implicit` 1/12, with viscosity", method: TWELFTH, on: On::Oscillator(6.0), order: 2.0 },
+    Case { name: "`pefrl`, without viscosity", method: "method = \"pefrl\"", on: On::Oscillator(0.0), order: 4.0 },
+    Case { name: "`newton`, a bow at a steady speed", method: "method = \"centred\"", on: On::Hand(BOW), order: 2.0 },
+    Case {
+        name: "`centred`, tied to a hand at a steady speed",
+        method: "method = \"centred\"",
+        on: On::Hand(TIE),
+        order: 2.0,
+    },
+    Case {
+        name: "`implicit` 1/4, tied to a hand at a steady speed",
+        method: "method = \"implicit\"\ntheta = 0.25",
+        on: On::Hand(TIE),
+        order: 2.0,
+    },
+    Case {
+        name: "`implicit` 1/12, on a spring to a hand at a steady speed",
+        method: TWELFTH,
+        on: On::Hand(SPRING),
+        order: 4.0,
+    },
+];
+
+/// Where an oscillator starts: place \[m\] and speed \[m/s\].
+const FROM: [[f64; 2]; 3] = [[1.0, 0.0], [0.0, TAU * F], [0.6, -2.0 * TAU * F]];
+
+impl Case {
+    /// The orders it has: of an oscillator from a place, with a speed and with both; under a hand, that one.
+    pub fn measured(&self) -> Vec<f64> {
+        match self.on {
+            On::Oscillator(z) => {
+                let e = |rate: f64, from: [f64; 2]| missed(rate, from, z, self.method);
+                FROM.map(|from| (e(1000.0, from) / e(4000.0, from)).log2() / 2.0).to_vec()
+            }
+            On::Hand(link) => vec![converges(link, self.method, 2000.0)],
+        }
+    }
+
+    /// A row of the page.
+    pub fn row(&self) -> String {
+        let cells: Vec<String> = match &self.measured()[..] {
+            [hand] => vec!["–".into(), "–".into(), "–".into(), format!("{hand:.1}")],
+            all => all.iter().map(|o| format!("{o:.1}")).chain(["–".into()]).collect(),
+        };
+        format!("| {} | {:.0} | {} |", self.name, self.order, cells.join(" | "))
+    }
+}
+
+fn bob(scene: &Scene, name: &str) -> usize {
+    (0..scene.n_mat).find(|i| scene.mat_name(*i) == name).unwrap_or(0)
+}
+
+/// Largest error of an oscillator in a second.
+fn missed(rate: f64, from: [f64; 2], z: f64, method: &str) -> f64 {
+    let w = TAU * F;
+    let text = format!(
+        "[model]\n{method}\n[rate]\nsound = {rate:?}\ngesture = {rate:?}\n[SOL]\nwall = {{}}\n[MAS]\nbob = {{ m = 1, dx0 = {:?}, v = {:?} }}\n\
+         [REF]\nhold = {{ between = [\"wall\", \"bob\"], k = {:?}, z = {z:?} }}\n[SOX]\nout = {{ from = \"bob\" }}\n",
+        from[0],
+        from[1],
+        w * w
+    );
+    let scene = scene(&model(&text), KernelClass::Fast, false);
+    let (mut state, i) = (scene.state(), bob(&scene, "bob"));
+    let s = 0.5 * z;
+    let damped = (w * w - s * s).sqrt();
+    let exact = |t: f64| {
+        (-s * t).exp() * (from[0] * (damped * t).cos() + (from[1] + s * from[0]) / damped * (damped * t).sin())
+    };
+    (1..=rate as usize).fold(0.0f64, |worst, n| {
+        tick(&scene, &mut state);
+        worst.max((state.x[i] - exact(n as f64 / rate)).abs())
+    })
+}
+
+/// The order in which runs at three rates come together, of a bar under a hand that moves at a steady speed from before
+/// the first tick.
+fn converges(link: &str, method: &str, slowest: f64) -> f64 {
+    let run = |times: usize| -> Vec<f64> {
+        let rate = slowest * times as f64;
+        let text = format!(
+            "[model]\n{method}\n[rate]\nsound = {rate:?}\ngesture = {rate:?}\n[CEL]\nbar = {{ m = 0.01, k = 600, v = 0.1 }}\n[ENX]\nhand = {{}}\n\
+             {link}\n[SOX]\nout = {{ from = \"bar\" }}\n[gesture]\nhand = [[0, 0.01], [1, 0.41]]\n"
+        );
+        let scene = scene(&model(&text), KernelClass::Fast, false);
+        let i = bob(&scene, "bar");
+        let Ok(mut p) = Performance::new(&scene, None) else { return Vec::new() };
+        let sample = |_| {
+            (0..times).for_each(|_| p.tick());
+            p.state.x[i]
+        };
+        (0..(slowest * 0.05) as usize).map(sample).collect()
+    };
+    let [a, b, c] = [1, 2, 4].map(run);
+    let apart = |a: &[f64], b: &[f64]| a.iter().zip(b).fold(0.0f64, |m, (a, b)| m.max((a - b).abs()));
+    (apart(&a, &b) / apart(&b, &c)).log2()
+}

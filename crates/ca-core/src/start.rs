@@ -1,0 +1,84 @@
+//! Start: the state at load.
+
+use crate::layout::Layout;
+use crate::op::{Op, gauge, pass};
+use crate::real::Real;
+use crate::state::State;
+use alloc::vec::Vec;
+
+/// How a state becomes that of the first tick.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Order {
+    /// d₀ = v T − ½ (T²/m) F(x₀), numerics 1.1: an error of the third order in one tick, of the second in speed
+    Second,
+    /// and + ⅙ of what (T²/m) F gains over the motion v T, the third derivative: for a tick of the fourth order
+    Fourth,
+    /// d is motion itself: d₀ = v T
+    Exact,
+}
+
+/// The start: x stays, and d, which is v T, becomes x₀ − x₋₁ of a motion that has this place and speed at load.
+///
+/// Decides for what the scheme itself makes of the forces, implicit parts included: from rest the tick before is then the
+/// mirror of the tick after, whatever the order.
+pub fn start(layout: &Layout, forces: &[Op], order: Order, mut s: State) -> State {
+    let n = layout.n_mat;
+    let exact = order == Order::Exact;
+    let memory = |s: &mut State| {
+        for op in forces {
+            let Some(law) = op.law.filter(|l| l.mem > 0) else { continue };
+            for i in 0..op.n {
+                let felt = gauge::ports(layout, &op.ports, op.first, i)
+                    .map(|(gauge, ends, reach)| gauge::measure(gauge, &s.x, &s.d, ends, &reach).e);
+                let e = layout.e0[op.first + i] + felt.sum::<Real>();
+                let c: Vec<Real> = (0..law.coefs).map(|k| s.coef[op.coef + k * op.n + i]).collect();
+                (law.start)(&c, e, &mut s.mem[op.mem + i * law.mem..][..law.mem]);
+            }
+        }
+    };
+    for (k, p) in layout.proxies.iter().enumerate() {
+        s.cells[k] = pass::cell(layout, &s, p);
+    }
+    pass::sum(&Op::pass("modal ports", pass::sum, layout.modal.len()), layout, &mut s);
+    let project = Op::pass("points", pass::project, layout.proxies.len());
+    pass::project(&project, layout, &mut s);
+    memory(&mut s);
+    let counts = |op: &&Op| !exact && !matches!(op.name, "TGR out" | "border booked" | "TGR mute" | "ENF");
+    // the change of motion that a tick makes of a state
+    let change = |s: &State| -> Vec<Real> {
+        let mut trial = s.clone();
+        for op in forces.iter().filter(counts) {
+            (op.kernel)(op, layout, &mut trial);
+        }
+        let of = |i: usize| {
+            let (p, q, c) = (s.coef[i], s.coef[n + i], s.coef[2 * n + i]);
+            c * trial.f[i] + q * s.x[i] - (1.0 - p) * s.d[i]
+        };
+        (0..n).map(of).collect()
+    };
+    let more = (order == Order::Fourth).then(|| {
+        // half a tick of the motion each way, without that which dampers feel
+        let [ahead, behind] = [0.5, -0.5].map(|share| {
+            let mut at = s.clone();
+            for (x, d) in at.x.iter_mut().zip(&mut at.d) {
+                *x += share * *d;
+                *d = 0.0;
+            }
+            change(&at)
+        });
+        ahead.into_iter().zip(behind).map(|(a, b)| (a - b) / 6.0).collect::<Vec<Real>>()
+    });
+    let second = change(&s);
+    let moved = |i: usize| layout.enx.iter().any(|p| p.felt && p.mat as usize == i);
+    for i in 0..n {
+        if s.coef[2 * n + i] == 0.0 {
+            s.d[i] = if moved(i) { s.d[i] } else { 0.0 };
+        } else if !exact {
+            s.d[i] -= 0.5 * second[i];
+            s.d[i] += more.as_ref().map_or(0.0, |m| m[i]);
+        }
+    }
+    pass::sum(&Op::pass("modal ports", pass::sum, layout.modal.len()), layout, &mut s);
+    pass::project(&project, layout, &mut s);
+    s
+}
