@@ -51,6 +51,9 @@ pub struct Exchange {
     pub(crate) last: f64,
     /// the force it has been held since \[N\]
     pub(crate) held: f64,
+    /// what has been collected of the force so far \[N\], where no force goes to the hand; kept here rather than in
+    /// [`Border::sum`](crate::state::Border::sum), since it decides nothing of the future
+    pub(crate) sum: f64,
 }
 
 impl Exchange {

@@ -32,8 +32,17 @@ fn run(scene: &Scene, x: &[f64]) -> Run {
 
 /// A struck string, quite still until the key moves.
 fn still(rate: &str) -> Scene {
+    scene(&still_text(rate))
+}
+
+/// The same with an energy book.
+fn still_audited(rate: &str) -> Scene {
+    audited(&still_text(rate))
+}
+
+fn still_text(rate: &str) -> String {
     let text = INSTRUMENT.replace("x = \"4 mm\", v = \"0.1 m/s\"", "x = \"4 mm\"");
-    scene(&format!("[rate]\n{rate}\n{}", text.replace("[TGR]\nkey = {}", "[TGR]\nkey = { x = \"0 mm\" }")))
+    format!("[rate]\n{rate}\n{}", text.replace("[TGR]\nkey = {}", "[TGR]\nkey = { x = \"0 mm\" }"))
 }
 
 /// Still for a while, then two strokes.
@@ -91,6 +100,28 @@ fn without_feedback_the_hand_feels_nothing_and_the_sound_is_the_same() {
         assert!(felt.force.iter().any(|f| f64::from_bits(*f).abs() > 1.0));
         assert!(numb.force.iter().all(|f| *f == 0.0f64.to_bits()), "{rate}");
         assert!(felt.sound == numb.sound, "{rate}: the sound");
+    }
+}
+
+/// A take is played without a book, and its hashes are compared by a replay that keeps one.
+#[test]
+fn a_book_changes_no_bit_of_the_state() {
+    let x = strokes(300);
+    for rate in ["", "border = \"hold\"", "sound = 3000\ngesture = 3000", "latency = 2"] {
+        for feedback in [true, false] {
+            let rate = format!("{rate}\nfeedback = {feedback}");
+            let (plain, kept) = (still(&rate), still_audited(&rate));
+            for frames in [1, 2, 100, 300] {
+                let [a, b] = [&plain, &kept].map(|s| run(s, &x[..frames]).end);
+                assert!(a.ledger.is_none() && b.ledger.is_some());
+                assert_eq!(a.border, b.border, "{rate}: frame {frames}");
+                assert_eq!(a.bits(), b.bits(), "{rate}: frame {frames}");
+            }
+            assert!(
+                run(&kept, &x).end.ledger.is_some_and(|l| l.hands[0].received.abs() > 1e-6),
+                "{rate}: nothing crosses"
+            );
+        }
     }
 }
 

@@ -60,9 +60,12 @@ pub(crate) fn book(layout: &Layout) -> Kernel {
     if layout.frame == 1 { book::book::<true> } else { book::book::<false> }
 }
 
-/// Where no force goes to the hand: it is taken for the book, and never given.
+/// Where no force goes to the hand: it is taken for the book, and never given. Runs before and after that, so that
+/// what was collected lies with the book between ticks, and the state is that of a scene without one.
 pub(crate) fn mute(op: &Op, _layout: &Layout, s: &mut State) {
-    for b in &mut s.border[..op.n] {
+    let Some(l) = &mut s.ledger else { return };
+    for (b, e) in s.border[..op.n].iter_mut().zip(&mut l.hands) {
+        core::mem::swap(&mut b.sum, &mut e.sum);
         b.force = 0.0;
     }
 }

@@ -68,13 +68,17 @@ pub fn forces(layout: &Layout, mut links: Vec<Op>, late: usize, weight: usize) -
     list.extend(late);
     list.extend(together.map(|solve| Op::pass("contacts", solve, layout.n_touch)));
     let (keys, kept, felt) = (layout.tgr.len(), layout.ledger.is_some(), layout.crossing.feedback);
+    let aside = keys > 0 && kept && !felt;
+    if aside {
+        list.push(Op::pass("TGR mute", border::mute, keys));
+    }
     if keys > 0 && (felt || kept) {
         list.push(Op::pass("TGR out", border::collect(layout), keys));
     }
     if keys > 0 && kept {
         list.push(Op::pass("border booked", border::book(layout), keys));
     }
-    if keys > 0 && kept && !felt {
+    if aside {
         list.push(Op::pass("TGR mute", border::mute, keys));
     }
     if layout.ledger.is_some() {

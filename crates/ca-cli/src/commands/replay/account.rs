@@ -30,9 +30,10 @@ impl Account {
         let hand = |f: fn(&Port, usize) -> f64| -> f64 { engine.ports.iter().map(|p| at_hand(p, scale, f)).sum() };
         let given = hand(|p, k| p.chain.book.given[k]);
         let removed = hand(|p, k| p.chain.book.removed(k));
-        let leak = hand(|p, k| p.chain.book.leak(k));
         let b = book.balance();
         let received: f64 = book.hands.iter().map(|e| e.received).sum();
+        // by the book of the scene: a hand that is sent no force gives nothing to a model that receives all the same
+        let leak = scale * received - hand(|p, k| p.chain.book.asked[k]);
         let sources = vec![
             ("given by the hands".into(), given),
             ("added by guard and device".into(), removed),

@@ -1,7 +1,9 @@
 //! `ca replay`, `ca log`, and `ca render --gesture take.mcap`.
 
-use super::performer::duo;
+use super::performer::{DUO, Performer, duo};
 use crate::desk::{Desk, peak};
+use ca_haptic::engine::Act;
+use ca_haptic::guard::Order;
 use std::fs;
 
 #[test]
@@ -24,6 +26,34 @@ fn a_replay_tells_and_sounds() {
     desk.ca(&["replay", "no.mcap"]).is(1).says(&["`no.mcap`"]);
     desk.put("x.mcap", "hello").ca(&["replay", "x.mcap"]).is(1).says(&["no MCAP file"]);
     desk.ca(&["replay", "take.mcap", "-o", "x.flac"]).is(2).says(&["`.wav`"]);
+}
+
+/// A book that is kept only by the replay changes nothing, and closes, whether or not a force goes to the hands.
+#[test]
+fn a_replay_keeps_the_book_that_the_performance_did_not() {
+    let mut takes: Vec<(String, String, Vec<(&str, &str)>)> = Vec::new();
+    for more in [&[][..], &[("rate.border", "hold")], &[("rate.gesture", "48 kHz")], &[("rate.latency", "3")]] {
+        for mute in [&[][..], &[("rate.feedback", "false")]] {
+            takes.push((format!("duo{}", takes.len()), DUO.into(), [more, mute].concat()));
+        }
+    }
+    for name in ["rattle", "hammer_piano", "hammered_string"] {
+        let text = ca_lab::load::bundled(name).expect("bundled").to_owned();
+        takes.push((name.into(), text, vec![("rate.feedback", "false")]));
+    }
+    let desk = Desk::new();
+    for (name, text, changes) in takes {
+        let file = format!("{name}.mcap");
+        let mut p = Performer::of(&text, &changes, false, &desk.path(&file));
+        p.frames(10);
+        p.act(Act::Order(None, Order::Arm));
+        p.frames(1500);
+        p.finish();
+        let r = desk.ca(&["replay", &file, "--verify", "--energy", "--json"]).is(0).json();
+        assert_eq!((&r["identical"], &r["hashes"]), (&true.into(), &5.into()), "{name} {changes:?}: {r}");
+        let [residual, peak] = ["residual", "peak"].map(|k| r["energy"][k].as_f64().unwrap());
+        assert!(peak > 1e-9 && residual.abs() < 1e-9 * peak, "{name} {changes:?}: {residual} J of {peak} J");
+    }
 }
 
 #[test]

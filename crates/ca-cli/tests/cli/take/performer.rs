@@ -58,10 +58,15 @@ pub fn swing(device: usize, dof: usize, t: f64) -> f64 {
 impl Performer {
     /// Ready to play `text` with every device it names.
     pub fn new(text: &str, path: &Path) -> Performer {
-        let options = Options { energy: true, ..Options::default() };
+        let changes: &[_] = if text.contains("bar") { &[("bar.f", "231 Hz")] } else { &[] };
+        Performer::of(text, changes, true, path)
+    }
+
+    /// The same, with what is changed in the model, and with or without an energy book.
+    pub fn of(text: &str, changes: &[(&str, &str)], energy: bool, path: &Path) -> Performer {
+        let options = Options { energy, ..Options::default() };
         let (mut model, found) = ca_core::model::read::read(text, "some/where/duo.ca.toml", &catalog());
-        let changes = vec![("bar.f".to_owned(), "231 Hz".to_owned())];
-        let changes = if text.contains("bar") { changes } else { Vec::new() };
+        let changes: Vec<_> = changes.iter().map(|(k, v)| ((*k).to_owned(), (*v).to_owned())).collect();
         for (name, value) in &changes {
             assert!(model.set(name, value));
         }
