@@ -2,8 +2,10 @@
 //!
 //! Decides on `libc` alone: priority, memory lock, affinity and an absolute sleep are four calls, and no crate that is
 //! kept covers all of them. Nothing here fails: what was not granted is in [`Granted`], and the caller goes on without.
-//! A wait sleeps until shortly before the time and spins the rest; a thread that spun for ever would be stopped for
-//! 50 ms every second by the kernel's own guard. Linux; elsewhere nothing is granted and waits are those of `std`.
+//! A wait sleeps until shortly before the time and spins the rest. A real-time thread that never slept would keep a
+//! core from everything else, and the kernel's own guard would stop it for 50 ms every second; so a loop whose waits
+//! are too short to sleep in, or that is late all the time, sleeps for a sixteenth of the time all the same, a quarter
+//! of a millisecond at once ([`Waits`]). Linux; elsewhere nothing is granted and waits are those of `std`.
 
 #![allow(unsafe_code)]
 
@@ -18,6 +20,8 @@ pub struct Wish {
     pub cpu: Option<usize>,
     /// keep all memory of the process in RAM
     pub lock: bool,
+    /// nice value among threads that are not of real time, −20 to 19; a negative one is a larger share of the cores
+    pub nice: Option<i8>,
 }
 
 /// What was granted, as the system itself reports it.
@@ -27,6 +31,8 @@ pub struct Granted {
     pub policy: String,
     /// priority of the policy
     pub priority: i32,
+    /// nice value
+    pub nice: i32,
     /// cores the thread may run on
     pub cpus: Vec<usize>,
     /// memory that is kept in RAM \[kB\]
@@ -38,14 +44,12 @@ pub struct Granted {
 impl fmt::Display for Granted {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let cpus: Vec<String> = self.cpus.iter().map(usize::to_string).collect();
-        write!(
-            f,
-            "policy {} {}, cores {}, {} MB locked",
-            self.policy,
-            self.priority,
-            if cpus.is_empty() { "?".into() } else { cpus.join(" ") },
-            self.locked_kb / 1024
-        )?;
+        write!(f, "policy {} {}", self.policy, self.priority)?;
+        if self.nice != 0 {
+            write!(f, " nice {}", self.nice)?;
+        }
+        let cpus = if cpus.is_empty() { "?".into() } else { cpus.join(" ") };
+        write!(f, ", cores {cpus}, {} MB locked", self.locked_kb / 1024)?;
         for r in &self.refused {
             write!(f, "; not granted: {r}")?;
         }
@@ -57,33 +61,44 @@ impl fmt::Display for Granted {
 /// least, with a machine that wakes as it should.
 const SPIN: u64 = 80_000;
 const LEAST_SPIN: u64 = 5_000;
-/// Waits over which a late wake-up is forgotten: it was a second ago at 3000 a second.
+/// Waits over which a late wake-up is forgotten: it was a second ago at 3000 a second. Also those that did not sleep:
+/// else a loop of short waits would never try whether it could.
 const FORGET: u64 = 3000;
 
+/// Of the time a thread is awake it sleeps one part in so many: a little more than the twentieth that the kernel keeps
+/// from real-time threads.
+const REST: u64 = 16;
+/// Sleep that is owed is taken from so much on \[ns\], and never more at once than this.
+const OWED: u64 = 250_000;
+const MOST_OWED: u64 = 10_000_000;
+
 /// The waits of one thread: they sleep until shortly before the time, by as much as this machine woke us late of late,
-/// and spin the rest. So a quiet machine spins for a few per cent of the time, and a restless one for a quarter.
+/// and spin the rest. So a quiet machine spins for a few per cent of the time, and a restless one for a quarter. No
+/// thread is awake for more than sixteen parts in seventeen, however short its waits: where these leave no time to
+/// sleep in, one of them is late.
 #[derive(Clone, Debug)]
 pub struct Waits {
     /// \[ns\]
     spin: u64,
+    /// since when the thread is awake, as far as that is accounted for \[ns\]; 0 before its first wait
+    woke: u64,
+    /// sleep it owes \[ns\]
+    owed: u64,
 }
 
 impl Default for Waits {
     fn default() -> Waits {
-        Waits { spin: SPIN }
+        Waits { spin: SPIN, woke: 0, owed: 0 }
     }
 }
 
 impl Waits {
     /// Waits until `at` \[ns of [`now_ns`]\]; returns the time it is then.
     pub fn until(&mut self, at: u64) -> u64 {
-        let wake = at.saturating_sub(self.spin);
-        if wake > now_ns() {
+        let now = now_ns();
+        if let Some(wake) = self.plan(now, at) {
             system::sleep_until(wake);
-            let late = now_ns().saturating_sub(wake);
-            // a thread that was put off for longer than it would spin is not helped by spinning
-            let wanted = if late < SPIN { late + late / 4 } else { 0 };
-            self.spin = (self.spin - self.spin / FORGET).max(wanted).clamp(LEAST_SPIN, SPIN);
+            self.slept(now, wake, now_ns());
         }
         loop {
             let now = now_ns();
@@ -92,6 +107,56 @@ impl Waits {
             }
             core::hint::spin_loop();
         }
+    }
+
+    /// Sleeps until `at` \[ns\] without a spin: for what need not be met to the microsecond.
+    pub fn sleep(&mut self, at: u64) {
+        let now = now_ns();
+        self.awake(now);
+        let wake = at.max(now + self.due());
+        if wake > now {
+            system::sleep_until(wake);
+            self.rested(now, now_ns());
+        }
+    }
+
+    /// Where nothing is waited for: sleeps only if that is owed.
+    pub fn pass(&mut self) {
+        self.sleep(0);
+    }
+
+    /// Until when to sleep \[ns\] in a wait that begins `now`; `None` where there is no time for it.
+    fn plan(&mut self, now: u64, at: u64) -> Option<u64> {
+        self.awake(now);
+        self.spin = (self.spin - self.spin / FORGET).max(LEAST_SPIN);
+        let wake = at.saturating_sub(self.spin).max(now + self.due());
+        (wake > now).then_some(wake)
+    }
+
+    /// A sleep from `now` until `wake` ended at `after` \[ns\].
+    fn slept(&mut self, now: u64, wake: u64, after: u64) {
+        let late = after.saturating_sub(wake);
+        // a thread that was put off for longer than it would spin is not helped by spinning
+        let wanted = if late < SPIN { late + late / 4 } else { 0 };
+        self.spin = self.spin.max(wanted).clamp(LEAST_SPIN, SPIN);
+        self.rested(now, after);
+    }
+
+    /// The thread was awake until `now` \[ns\].
+    fn awake(&mut self, now: u64) {
+        let awake = if self.woke == 0 { 0 } else { now.saturating_sub(self.woke) };
+        self.owed = (self.owed + awake / REST).min(MOST_OWED);
+        self.woke = now;
+    }
+
+    fn rested(&mut self, from: u64, to: u64) {
+        self.owed = self.owed.saturating_sub(to.saturating_sub(from));
+        self.woke = to;
+    }
+
+    /// Sleep that is to be taken now \[ns\].
+    fn due(&self) -> u64 {
+        if self.owed >= OWED { self.owed } else { 0 }
     }
 }
 
@@ -172,6 +237,12 @@ mod system {
                 refused.push(format!("priority {priority} ({why}): raise `rtprio` in limits.conf"));
             }
         }
+        if let Some(nice) = wish.nice {
+            // SAFETY: takes no pointers; on Linux 0 is the calling thread, not the process.
+            if unsafe { libc::setpriority(libc::PRIO_PROCESS, 0, i32::from(nice)) } != 0 {
+                refused.push(format!("nice {nice} ({}): lower `nice` in limits.conf", error()));
+            }
+        }
         Granted { refused, ..read_back() }
     }
 
@@ -195,6 +266,8 @@ mod system {
                 n => format!("{n}"),
             },
             priority: p.sched_priority,
+            // SAFETY: takes no pointers. −1 is a value and an error alike; this call has no reason to fail.
+            nice: unsafe { libc::getpriority(libc::PRIO_PROCESS, 0) },
             cpus,
             locked_kb: locked.and_then(|l| l.trim().trim_end_matches(" kB").parse().ok()).unwrap_or(0),
             refused: Vec::new(),
@@ -224,7 +297,7 @@ mod system {
 
     /// Grants nothing.
     pub fn ask(wish: Wish) -> Granted {
-        let asked = wish.lock || wish.cpu.is_some() || wish.priority.is_some();
+        let asked = wish.lock || wish.cpu.is_some() || wish.priority.is_some() || wish.nice.is_some();
         let refused = if asked { vec!["real time is asked for on Linux only".into()] } else { Vec::new() };
         Granted { policy: "OTHER".into(), refused, ..Granted::default() }
     }
@@ -249,13 +322,59 @@ mod tests {
         assert!(waits.until(0) > last);
     }
 
+    /// A loop of any period and load on a machine that wakes it at once or late, by a clock of the test: it sleeps for a
+    /// twentieth of any half second, and a loop that has time to sleep in is not late for that.
+    #[test]
+    fn no_loop_is_awake_all_the_time() {
+        for period in [5_000, 20_833, 80_000, 333_333, 5_000_000_u64] {
+            for load in [0, 50, 90, 96, 100, 150, 1000_u64] {
+                for wakes in [0, 3_000, 60_000, 2_000_000] {
+                    let (mut waits, mut now) = (Waits::default(), 1_000_000_000_u64);
+                    let (mut due, mut late, mut n) = (now, 0, 0_u64);
+                    let (mut slept, mut from) = (0, now);
+                    while now < 2_000_000_000 {
+                        n += 1;
+                        due += period;
+                        // what is left out is left out, as the clock of the engine does
+                        if now > due {
+                            due += (now - due) / period * period;
+                        }
+                        if let Some(wake) = waits.plan(now, due) {
+                            let after = wake + wakes;
+                            waits.slept(now, wake, after);
+                            slept += after - now;
+                            now = after;
+                        }
+                        now = now.max(due);
+                        late += u64::from(now > due + wakes);
+                        now += period * load / 100;
+                        if now - from >= 500_000_000 {
+                            assert!(
+                                slept * 20 >= now - from,
+                                "period {period} ns, load {load} %, woken {wakes} ns late: slept {slept} of {} ns",
+                                now - from
+                            );
+                            (slept, from) = (0, now);
+                        }
+                    }
+                    if period >= 333_333 && load <= 50 {
+                        assert_eq!(late, 0, "period {period} ns, load {load} %: of {n}");
+                    }
+                }
+            }
+        }
+    }
+
     #[test]
     fn what_is_granted_is_read_back() {
         std::thread::spawn(|| {
             let cpu = ask(Wish::default()).cpus.first().copied();
-            let g = ask(Wish { priority: Some(1), cpu, lock: false });
+            let g = ask(Wish { priority: Some(1), cpu, ..Wish::default() });
             assert_eq!(g.policy == "FIFO", g.refused.iter().all(|r| !r.starts_with("priority")), "{g}");
             assert_eq!(g.cpus.len(), 1, "{g}");
+            // everybody may have less
+            let g = ask(Wish { nice: Some(7), ..Wish::default() });
+            assert!(g.nice == 7 && g.refused.is_empty() && g.to_string().contains("nice 7"), "{g}");
             let none = ask(Wish { cpu: Some(100_000), ..Wish::default() });
             assert_eq!(none.refused.len(), 1, "{none}");
             assert!(none.to_string().contains("not granted: core 100000"), "{none}");

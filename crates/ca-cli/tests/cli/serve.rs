@@ -123,6 +123,18 @@ fn what_cannot_be_served_is_refused() {
     assert_eq!(desk.files(), ["bad.toml", "cal.toml", "key.ca.toml"]);
 }
 
+/// On the clock of a device that is not there time passes all the same, and few frames are made in it.
+#[test]
+fn a_device_that_never_comes_ends_with_the_seconds() {
+    let desk = Desk::new();
+    desk.put("key.ca.toml", MODEL);
+    let r = desk.ca(&["serve", "key.ca.toml", "--clock", "device", "--seconds", "0.5", "--json"]).is(0).json();
+    let [frames, missed] = ["frames", "missed"].map(|k| r[k].as_u64().unwrap());
+    // 1500 periods: a frame for each tenth of a second, and the one that says that forces are off
+    assert!(frames + missed >= 1500, "{frames} frames, {missed} periods left out");
+    assert!(frames <= 6, "{frames} frames");
+}
+
 /// A scene without devices and live parameters: no shared memory, no thread but the engine's.
 #[cfg(target_os = "linux")]
 #[test]

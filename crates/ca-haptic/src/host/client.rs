@@ -151,6 +151,13 @@ impl DeviceClient {
 
     /// Sleeps until a force frame comes, at most this long. True if one came.
     pub fn wait(&mut self, timeout: Duration) -> bool {
-        self.bell.timed_wait(|_| {}, timeout).is_ok_and(|n| n > 0)
+        self.bell.timed_wait(|_| {}, timeout).map_or_else(
+            |_| {
+                // a bell that cannot be heard does not make the caller spin
+                std::thread::sleep(timeout);
+                false
+            },
+            |n| n > 0,
+        )
     }
 }

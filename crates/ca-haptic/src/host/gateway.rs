@@ -170,7 +170,8 @@ impl Gateway {
                 p.heard = 0;
                 self.events.push_back((k, Event::Gone));
             }
-            while let Ok(Some(about)) = p.says.receive() {
+            for _ in 0..BURST {
+                let Ok(Some(about)) = p.says.receive() else { break };
                 // bytes, since what is no number differs from itself
                 let new = p.about.is_none_or(|a| a.as_bytes() != about.as_bytes());
                 if about.is_ours() && about.device == p.uid && new {

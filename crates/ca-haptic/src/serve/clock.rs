@@ -4,9 +4,10 @@
 //! devices do. Where sound goes straight to a device that plays it, that device's clock rules: no other keeps the ring
 //! between the two from running full or dry. The device's own clock takes one frame of the first device for each frame
 //! of the engine: no slip between the two, for a device that drives everything, and for closed loops that must be the
-//! same every time.
+//! same every time. While no device is there, time passes as on the clock of the machine, so that a performance of a
+//! given length ends.
 
-use crate::rt::{Waits, now_ns, wait_until};
+use crate::rt::{Waits, now_ns};
 
 /// The clock of the gesture frames.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,7 +16,8 @@ pub enum Clock {
     Monotonic,
     /// as the device needs it that plays the sound, [`Rings::audio`](super::Rings::audio); a period apart without one
     Audio,
-    /// with each frame of the first device; without one for this long \[ns\], a frame all the same
+    /// with each frame of the first device; without one for this long \[ns\], a frame all the same, and the time counts as
+    /// periods left out
     Device {
         /// \[ns\]
         patience: u64,
@@ -56,20 +58,55 @@ impl Pace {
     }
 }
 
-/// Waits until `ready`, at most `patience` \[ns\]. Sleeps in short pieces: the other side is another thread.
-pub(super) fn wait_for(patience: u64, mut ready: impl FnMut() -> bool) -> Start {
+/// Waits until `ready`, at most `patience` \[ns\], for a loop of this `period` \[ns\]. Sleeps in pieces, since the other
+/// side is another thread; a wait in vain took as many periods as it lasted.
+pub(super) fn wait_for(waits: &mut Waits, patience: u64, period: f64, mut ready: impl FnMut() -> bool) -> Start {
     let begin = now_ns();
-    loop {
-        if ready() {
-            return Start::default();
-        }
-        let now = now_ns();
+    let mut now = begin;
+    while !ready() {
         if now - begin >= patience {
-            return Start { late: now - begin, missed: 1 };
+            let late = now - begin;
+            return Start { late, missed: (late as f64 / period) as u64 };
         }
-        wait_until(now + PIECE);
+        waits.sleep(now + piece(now - begin, patience));
+        now = now_ns();
     }
+    // one that is always ready is no reason never to sleep
+    waits.pass();
+    Start::default()
 }
 
-/// Between two looks at a ring \[ns\]: longer than a wait spins, so that it sleeps.
-const PIECE: u64 = 100_000;
+/// How long to sleep before the next look at a ring, after a wait of `waited` of `patience` \[ns\]: an eighth of the
+/// wait, so that an answer is seen late by as much at most, and a device that never comes costs a look a millisecond.
+fn piece(waited: u64, patience: u64) -> u64 {
+    (waited / 8).clamp(20_000, 1_000_000).min(patience - waited)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_wait_in_vain_looks_seldom_and_counts_as_what_it_lasted() {
+        let (mut looks, mut waits) = (0, Waits::default());
+        let start = wait_for(&mut waits, 100_000_000, 333_333.3, || {
+            looks += 1;
+            false
+        });
+        assert!(looks <= 150, "{looks} looks in a tenth of a second");
+        assert!(start.late >= 100_000_000 && start.missed >= 300, "{start:?}");
+        assert_eq!(start.missed, (start.late as f64 / 333_333.3) as u64);
+        // what is there is taken at once, and no period is left out for it
+        assert_eq!(wait_for(&mut waits, 100_000_000, 333_333.3, || true), Start::default());
+        assert_eq!(wait_for(&mut waits, 0, 333_333.3, || false).missed, 0);
+    }
+
+    #[test]
+    fn no_piece_is_nothing_or_longer_than_an_eighth_or_what_is_left() {
+        for waited in [0, 1, 100_000, 160_000, 333_333, 8_000_000, 50_000_000, 99_999_999] {
+            let p = piece(waited, 100_000_000);
+            assert!(p > 0 && p <= 1_000_000.min(100_000_000 - waited), "{p} after {waited}");
+            assert!(p <= 20_000.max(waited / 8), "{p} after {waited}");
+        }
+    }
+}

@@ -10,7 +10,7 @@ use crate::engine::{Act, Engine};
 use crate::frame::{Cause, DeviceFrame, ForceFrame, Mode};
 use crate::guard::Order;
 use crate::record::Record;
-use crate::rt::now_ns;
+use crate::rt::{Waits, now_ns};
 use rtrb::{Consumer, Producer};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Acquire, Ordering::Relaxed};
@@ -75,6 +75,13 @@ pub struct Shared {
     pub wild: AtomicBool,
 }
 
+impl Shared {
+    /// Records, sound samples and pictures that found no room on their way to the desk.
+    pub fn lost(&self) -> [u64; 3] {
+        [&self.lost_records, &self.lost_sound, &self.lost_views].map(|n| n.load(Relaxed))
+    }
+}
+
 /// An engine with its rings, to be moved into its thread.
 pub struct Live {
     engine: Engine,
@@ -109,10 +116,12 @@ impl Live {
         Live { engine, rings, shared, clock, every, waiting: None, missing: 0 }
     }
 
-    /// Runs until [`Shared::stop`], or `frames` gesture frames. Gives the engine back.
+    /// Runs until [`Shared::stop`], or `frames` gesture frames; on the clock of a device the time in which none came
+    /// counts as well. Gives the engine back.
     pub fn run(mut self, frames: Option<u64>) -> Engine {
         let scene = &self.engine.scene;
-        let mut pace = Pace::new(f64::from(scene.ratio) * scene.te);
+        let period = f64::from(scene.ratio) * scene.te;
+        let (mut pace, mut waits) = (Pace::new(period), Waits::default());
         let mut left = frames;
         while left != Some(0) {
             let start = match (self.clock, &mut self.rings.audio) {
@@ -120,7 +129,8 @@ impl Live {
                 (Clock::Monotonic | Clock::Audio, _) => pace.next(),
                 (Clock::Device { patience }, _) => {
                     let (frames, stop) = (&self.rings.frames, &self.shared.stop);
-                    wait_for(patience, || frames.slots() > 0 || stop.load(Relaxed))
+                    let ready = || frames.slots() > 0 || stop.load(Relaxed);
+                    wait_for(&mut waits, patience, period * 1e9, ready)
                 }
             };
             if self.shared.stop.load(Relaxed) {
@@ -133,7 +143,8 @@ impl Live {
             if self.rings.beats.push(Beat { start, took: now_ns() - begin }).is_err() {
                 self.shared.lost_beats.fetch_add(1, Relaxed);
             }
-            left = left.map(|n| n - 1);
+            let alone = if matches!(self.clock, Clock::Device { .. }) { start.missed } else { 0 };
+            left = left.map(|n| n.saturating_sub(alone.max(1)));
         }
         // the last word is that forces are off, not silence until the device notices
         self.engine.act(Act::Order(None, Order::Disarm));
@@ -206,7 +217,11 @@ impl Live {
         if let Some(record) = self.waiting.take() {
             self.keep(record);
         }
-        while self.waiting.is_none() {
+        // those that are there: who asks without end is no reason for the frame to wait
+        for _ in 0..self.rings.acts.slots() {
+            if self.waiting.is_some() {
+                return;
+            }
             let Ok((disarms, act)) = self.rings.acts.pop() else { return };
             if matches!(act, Act::Order(_, Order::Arm)) && disarms < self.shared.disarms.load(Relaxed) {
                 continue;

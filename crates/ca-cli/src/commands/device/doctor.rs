@@ -77,7 +77,7 @@ pub fn run(asked: bool) -> Outcome {
     rows.push(if granted.refused.is_empty() {
         Row::good("real time", granted.to_string())
     } else {
-        let fix = "give your user `rtprio 95` and `memlock unlimited` in /etc/security/limits.conf, and log in again";
+        let fix = "give your user `rtprio 95`, `memlock unlimited` and `nice -11` in /etc/security/limits.conf, and log in again";
         Row::poor("real time", granted.to_string(), fix)
     });
     let told = format!("{FRAMES} wake-ups, late by {}; {over} by more than a frame", times(&late));
@@ -205,9 +205,12 @@ fn limits() -> Vec<Row> {
             let line = limits.lines().find(|l| l.starts_with(name))?;
             line[name.len()..].split_whitespace().next().map(str::to_owned)
         };
-        let (lock, priority) = (of("Max locked memory"), of("Max realtime priority"));
-        let [lock, priority] = [lock, priority].map(|v| v.unwrap_or_else(|| "?".into()));
-        rows.push(Row::good("limits", format!("memlock {lock} bytes, rtprio {priority} (root needs neither)")));
+        let all = [of("Max locked memory"), of("Max realtime priority"), of("Max nice priority")];
+        let [lock, priority, nice] = all.map(|v| v.unwrap_or_else(|| "?".into()));
+        // the system counts from the other end
+        let nice = nice.parse::<i32>().map_or(nice, |n| (20 - n).to_string());
+        let found = format!("memlock {lock} bytes, rtprio {priority}, nice {nice} (root needs none of them)");
+        rows.push(Row::good("limits", found));
     }
     let governor = read("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor");
     if let Some(governor) = governor.filter(|g| g != "performance") {
@@ -225,7 +228,7 @@ fn limits() -> Vec<Row> {
 
 /// A second of gesture frames as the engine waits for them: what was granted, lateness, and how many were a frame late.
 fn second() -> (rt::Granted, Told, u64) {
-    let granted = rt::ask(Wish { priority: Some(70), cpu: None, lock: true });
+    let granted = rt::ask(Wish { priority: Some(70), lock: true, ..Wish::default() });
     let (mut late, mut over, mut waits) = (Times::new(), 0, Waits::default());
     let start = now_ns();
     for n in 1..=FRAMES {

@@ -171,7 +171,7 @@ fn aside<T: Sink + Send + 'static>(sinks: &mut Vec<Box<dyn Sink>>, name: &str, s
 /// What a thread asks for; `lower` than the engine.
 fn wish(args: &ServeArgs, lower: i32) -> Wish {
     let priority = (args.priority > 0).then(|| (i32::from(args.priority) + lower).clamp(1, 99) as u8);
-    Wish { priority, cpu: args.cpu.filter(|_| lower == 0), lock: !args.no_lock && lower == 0 }
+    Wish { priority, cpu: args.cpu.filter(|_| lower == 0), lock: !args.no_lock && lower == 0, nice: None }
 }
 
 /// Starts the engine on its thread; what the system granted is known before the first frame.

@@ -11,7 +11,7 @@ use ca_haptic::frame::{About, Cause, DOF, DeviceFrame, ForceFrame, Mode};
 use ca_haptic::guard::Order;
 use ca_haptic::host::{Event, Gateway, HostError, Site, session};
 use ca_haptic::profile::Profile;
-use ca_haptic::rt::{now_ns, wait_until};
+use ca_haptic::rt::{Waits, now_ns};
 use std::fmt::Write as _;
 use std::sync::Arc;
 
@@ -30,6 +30,7 @@ pub struct Bench {
     /// frames of other versions or devices
     pub foreign: u64,
     due: f64,
+    waits: Waits,
 }
 
 /// An engine, and the parameter of its scene.
@@ -50,6 +51,7 @@ impl Bench {
             sent: Vec::new(),
             foreign: 0,
             due: 0.0,
+            waits: Waits::default(),
         })
     }
 
@@ -84,7 +86,7 @@ impl Bench {
         let end = now_ns() + patience;
         while self.frames.len() < frames && now_ns() < end {
             self.poll(&mut |_| {});
-            wait_until(now_ns() + 200_000);
+            self.waits.sleep(now_ns() + 200_000);
         }
     }
 
@@ -92,7 +94,7 @@ impl Bench {
     pub fn play(&mut self, player: &mut Player, frames: u32) {
         for _ in 0..frames {
             self.due += player.period;
-            let now = wait_until(self.due as u64) as f64;
+            let now = self.waits.until(self.due as u64) as f64;
             // late by more than a frame: what was missed is not made up for
             if now > self.due + player.period {
                 self.due = now;
