@@ -1,5 +1,6 @@
 //! The desk: takes what the engine leaves behind to those who want it, and what people ask to the engine.
 
+use super::aside::missing;
 use super::audio::Watch;
 use super::loops::Loops;
 use super::summary::{DeviceSummary, Fault, Pulse, Summary};
@@ -18,9 +19,17 @@ use std::sync::atomic::Ordering::{Relaxed, Release};
 
 /// Where records end: a sound file, a take, a terminal.
 pub trait Sink {
-    /// Whether it can take more; while one cannot, everything stays in the rings of the engine.
-    fn is_ready(&self) -> bool {
-        true
+    /// What it is to be given, from the beginning to the end.
+    fn wants(&self) -> Wants {
+        Wants::ALL
+    }
+    /// Records, sound samples and pictures that it had to leave out so far.
+    fn lost(&self) -> [u64; 3] {
+        [0; 3]
+    }
+    /// What people should know of it by now: whether that is bad, and in words. Asked at each turn of the desk.
+    fn news(&mut self) -> Option<(bool, String)> {
+        None
     }
     /// Something happened.
     fn record(&mut self, record: &Record) -> Result<(), FileError> {
@@ -47,6 +56,26 @@ pub trait Sink {
         let _ = happened;
         Ok(())
     }
+}
+
+/// What a sink is given; words it gets in any case.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Wants {
+    /// what happened
+    pub records: bool,
+    /// sound
+    pub sound: bool,
+    /// pictures
+    pub views: bool,
+    /// how it goes, once a second
+    pub pulses: bool,
+}
+
+impl Wants {
+    /// Everything.
+    pub const ALL: Wants = Wants { records: true, sound: true, views: true, pulses: true };
+    /// Nothing but words.
+    pub const WORDS: Wants = Wants { records: false, sound: false, views: false, pulses: false };
 }
 
 /// Something people should know.
@@ -104,6 +133,8 @@ pub struct Desk {
     block: Vec<f64>,
     broken: Vec<FileError>,
     audio: Option<Watch>,
+    /// what was told to have found no room in the rings of the engine, and at which gesture frame
+    told: ([u64; 3], u64),
 }
 
 impl Desk {
@@ -141,6 +172,7 @@ impl Desk {
             block: Vec::new(),
             broken: Vec::new(),
             audio: None,
+            told: ([0; 3], 0),
             scene,
         }
     }
@@ -157,15 +189,8 @@ impl Desk {
         self.happened.push(Happened { tick: self.tick, device: None, bad, text });
     }
 
-    /// Takes what lies in the rings, if the sinks can; to be called every few milliseconds.
+    /// Takes everything that lies in the rings; to be called every few milliseconds, and once the engine has ended.
     pub fn turn(&mut self) {
-        if self.sinks.iter().all(|s| s.is_ready()) {
-            self.end();
-        }
-    }
-
-    /// Takes everything that lies in the rings, once the engine has ended.
-    pub fn end(&mut self) {
         // what there is now, so that records come first
         let mut heard = self.ends.sound.slots();
         while let Ok(record) = self.ends.records.pop() {
@@ -185,6 +210,10 @@ impl Desk {
         while let Ok(beat) = self.ends.beats.pop() {
             self.beat(beat);
         }
+        self.missing();
+        for (bad, text) in self.sinks.iter_mut().filter_map(|s| s.news()).collect::<Vec<_>>() {
+            self.say(bad, text);
+        }
         for text in self.audio.as_mut().map(Watch::news).unwrap_or_default() {
             self.say(true, text);
         }
@@ -193,6 +222,16 @@ impl Desk {
             for h in std::mem::take(&mut self.happened) {
                 self.tell(|s| s.said(&h));
             }
+        }
+    }
+
+    /// Says that something found no room in the rings, while that happens: at once, then once a second.
+    fn missing(&mut self) {
+        let (lost, (told, at)) = (self.shared.lost(), self.told);
+        if lost != told && (told == [0; 3] || self.frames - at >= self.rate) {
+            self.told = (lost, self.frames);
+            let why = "this process did not run for longer than the rings of the engine hold";
+            self.say(true, format!("all files: {} are missing so far; {why}", missing(lost)));
         }
     }
 
@@ -242,12 +281,16 @@ impl Desk {
         }
     }
 
-    fn lost(&self) -> u64 {
+    /// Records, sound samples and pictures that found no room in the rings or on their way to a sink.
+    fn left_out(&self) -> [u64; 3] {
+        let add = |a: [u64; 3], b: [u64; 3]| [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
+        self.sinks.iter().map(|s| s.lost()).fold(self.shared.lost(), add)
+    }
+
+    /// Records, sounds, pictures, forces and times lost so far.
+    pub fn lost(&self) -> u64 {
         let s = &self.shared;
-        [&s.lost_forces, &s.lost_records, &s.lost_sound, &s.lost_views, &s.lost_beats]
-            .map(|n| n.load(Relaxed))
-            .iter()
-            .sum()
+        self.left_out().iter().sum::<u64>() + s.lost_forces.load(Relaxed) + s.lost_beats.load(Relaxed)
     }
 
     fn look(&mut self, record: &Record) {
@@ -360,6 +403,7 @@ impl Desk {
     /// The account, once the engine has ended.
     pub fn summary(&mut self, engine: &Engine, granted: Vec<(String, String)>) -> Summary {
         let s = &self.shared;
+        let [lost_records, lost_sound, lost_views] = self.left_out();
         Summary {
             seconds: engine.state.tick as f64 / self.scene.rate,
             frames: engine.counts.frames,
@@ -370,9 +414,9 @@ impl Desk {
             stale: engine.counts.stale,
             dropped: engine.counts.dropped,
             lost_forces: s.lost_forces.load(Relaxed),
-            lost_records: s.lost_records.load(Relaxed),
-            lost_sound: s.lost_sound.load(Relaxed),
-            lost_views: s.lost_views.load(Relaxed),
+            lost_records,
+            lost_sound,
+            lost_views,
             lost_beats: s.lost_beats.load(Relaxed),
             clipped: engine.counts.clipped,
             refused: engine.counts.refused,

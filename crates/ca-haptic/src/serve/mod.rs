@@ -20,9 +20,9 @@ mod summary;
 #[cfg(feature = "mcap")]
 mod taken;
 
-pub use aside::{Aside, Line};
+pub use aside::{Aside, Line, Room};
 pub use clock::{Clock, Start};
-pub use desk::{Desk, Happened, Sink};
+pub use desk::{Desk, Happened, Sink, Wants};
 pub use live::{Beat, Every, Live, Rings, Shared};
 pub use summary::{DeviceSummary, Fault, Pulse, Summary};
 
@@ -55,7 +55,7 @@ pub struct DeskEnds {
 }
 
 /// How long the desk may be away \[s\] before something is lost, and counted.
-const AWAY: f64 = 2.0;
+const AWAY: f64 = 4.0;
 
 /// Rings for a scene with so many devices; `pictures` a second, 0 for none. What plays sound at once comes from
 /// [`audio::link`].

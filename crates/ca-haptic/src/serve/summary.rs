@@ -85,11 +85,11 @@ pub struct Summary {
     pub dropped: u64,
     /// force frames nobody fetched
     pub lost_forces: u64,
-    /// records nobody fetched
+    /// records that found no room in the rings or on their way to a file
     pub lost_records: u64,
-    /// sound samples nobody fetched
+    /// sound samples that found none, of all files together
     pub lost_sound: u64,
-    /// pictures nobody fetched
+    /// pictures that found none
     pub lost_views: u64,
     /// frames whose times are in none of the figures above: nobody fetched them in time
     pub lost_beats: u64,

@@ -52,11 +52,12 @@ mod tests {
     use crate::engine::Options;
     use crate::engine::tests::{KEY, setup};
     use crate::frame::DeviceFrame;
-    use crate::serve::{Aside, Clock, Desk, Every, Live, Shared, rings};
+    use crate::rt::Wish;
+    use crate::serve::{Aside, Clock, Desk, Every, Live, Room, Shared, rings};
     use crate::take::{Event, Header, Replay, Take};
     use ca_core::model::read;
     use ca_core::{Catalog, compile};
-    use std::sync::Arc;
+    use std::sync::{Arc, Mutex, PoisonError};
 
     #[test]
     fn what_finds_no_room_is_counted_and_told_where_it_is_missing() {
@@ -70,7 +71,7 @@ mod tests {
         let (ends, mut gateway, desk_ends) = rings(&scene, 1, 60);
         let shared = Arc::new(Shared::default());
         let take = TakeWriter::create(&path, &header, &scene).expect("a file");
-        let (line, take) = Aside::start("take", take).expect("a thread");
+        let (line, take) = Aside::start("take", take, Room::of(&scene), Wish::default()).expect("a thread");
         let mut desk = Desk::new(desk_ends, shared.clone(), scene, &engine.ports, vec![Box::new(line)]);
         let every = Every { energy: 0, view: 50, hash: 3000 };
         let mut live = Live::new(engine, ends, shared, Clock::Device { patience: 0 }, every);
@@ -83,17 +84,17 @@ mod tests {
                 while gateway.forces.pop().is_ok() {}
             }
         };
-        // rings hold two seconds: the desk is away for four, and what is asked of the engine still finds room
-        play(&mut live, 1..12_000);
+        // rings hold four seconds: the desk is away for six, and what is asked of the engine still finds room
+        play(&mut live, 1..18_000);
         desk.set(&[]).expect("asked");
-        play(&mut live, 12_000..12_001);
+        play(&mut live, 18_000..18_001);
         desk.turn();
-        play(&mut live, 12_001..12_101);
+        play(&mut live, 18_001..18_101);
         desk.turn();
         // and away again until the end
-        play(&mut live, 12_101..24_001);
+        play(&mut live, 18_101..36_001);
         let engine = live.run(Some(0));
-        desk.end();
+        desk.turn();
         let s = desk.summary(&engine, vec![]);
         assert!(!s.is_faithful() && s.lost_records > 8000 && s.lost_sound > 80_000 && s.lost_views > 60, "{s:?}");
         let lost = [s.lost_records, s.lost_sound, s.lost_views];
@@ -113,7 +114,61 @@ mod tests {
         let v = r.run(&take, &mut |_| (), &mut |_| Ok(())).expect("replayed");
         assert!(v.difference.is_none() && !v.is_identical(), "{v:?}");
         let before = events[..hole].iter().filter(|e| matches!(e, Event::Force(..))).count() as u64;
-        assert!(v.forces == before && before > 6000, "{v:?}");
-        assert!(v.hole.is_some_and(|t| t > 3.0 && t < 4.1), "{v:?}");
+        assert!(v.forces == before && before > 12_000, "{v:?}");
+        assert!(v.hole.is_some_and(|t| t > 5.0 && t < 6.1), "{v:?}");
+    }
+
+    /// A take on a disk that stands still until it is let go.
+    struct Slow(TakeWriter, Arc<Mutex<()>>);
+
+    impl Sink for Slow {
+        fn record(&mut self, record: &Record) -> Result<(), FileError> {
+            let _still = self.1.lock().unwrap_or_else(PoisonError::into_inner);
+            self.0.record(record)
+        }
+        fn sound(&mut self, tick: u64, frames: &[f64]) -> Result<(), FileError> {
+            self.0.sound(tick, frames)
+        }
+    }
+
+    #[test]
+    fn what_a_stalled_writer_loses_is_told_where_it_is_missing() {
+        let dir = tempfile::tempdir().expect("a directory");
+        let path = dir.path().join("a.mcap");
+        let (model, _) = read::read(KEY, "key.ca.toml", &Catalog::core());
+        let options = ca_core::Options::default();
+        let scene = Arc::new(compile(&model, &Catalog::core(), &options).expect("it compiles"));
+        let header = Header::new(&model, vec![], options, &scene, vec![setup()], Options::default());
+        let engine = header.engine(&Catalog::core()).expect("an engine");
+        let (ends, mut gateway, desk_ends) = rings(&scene, 1, 0);
+        let shared = Arc::new(Shared::default());
+        let still = Arc::new(Mutex::new(()));
+        let slow = Slow(TakeWriter::create(&path, &header, &scene).expect("a file"), still.clone());
+        let room = Room { seconds: 1.0, ..Room::of(&scene) };
+        let (line, take) = Aside::start("take", slow, room, Wish::default()).expect("a thread");
+        let mut desk = Desk::new(desk_ends, shared.clone(), scene, &engine.ports, vec![Box::new(line)]);
+        let mut live = Live::new(engine, ends, shared, Clock::Device { patience: 0 }, Every::default());
+        // three seconds, of which one may wait
+        let held = still.lock().expect("nobody panics");
+        for _ in 0..9000 {
+            live.frame();
+            while gateway.forces.pop().is_ok() {}
+            desk.turn();
+        }
+        assert_eq!(desk.lost(), take.lost().iter().sum::<u64>());
+        let engine = live.run(Some(0));
+        desk.turn();
+        drop(held);
+        let (s, lost) = (desk.summary(&engine, vec![]), take.lost());
+        assert_eq!((lost, s.is_faithful()), ([s.lost_records, s.lost_sound, 0], false));
+        take.end().expect("no failure").expect("a take").0.finish(lost).expect("finished");
+
+        let take = Take::open(&path).expect("a take");
+        assert_eq!(take.summary().expect("a summary").lost, lost);
+        let mut r = Replay::new(&take, &Catalog::core()).expect("an engine");
+        let v = r.run(&take, &mut |_| (), &mut |_| Ok(())).expect("replayed");
+        // 3000 frames of 16 samples: all of the first second, and not one of what came after
+        assert!(v.difference.is_none() && v.forces == 3000 && v.hole.is_some(), "{v:?}");
+        assert_eq!(lost[0], 9001 - v.forces);
     }
 }

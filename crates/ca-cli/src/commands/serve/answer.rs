@@ -75,12 +75,16 @@ fn status(desk: &Desk) -> Reply {
         })
         .collect();
     let mut text = format!("{frames} gesture frames, sample {tick}");
+    if desk.lost() > 0 {
+        let _ = write!(text, "; {} records, samples, pictures, forces or times lost so far", desk.lost());
+    }
     for (name, mode, cause, frames) in desk.devices() {
         let _ = write!(text, "\n{name}: {} ({}), {frames} frames", mode.name(), cause.name());
     }
     let mut fields = Map::new();
     fields.insert("frames".into(), json!(frames));
     fields.insert("tick".into(), json!(tick));
+    fields.insert("lost".into(), json!(desk.lost()));
     fields.insert("devices".into(), devices.into());
     fields.insert("params".into(), params.into());
     Reply { ok: true, text, fields }

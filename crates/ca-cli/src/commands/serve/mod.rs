@@ -21,7 +21,7 @@ use ca_haptic::FileError;
 use ca_haptic::engine::Engine;
 use ca_haptic::guard::Order;
 use ca_haptic::rt::{self, Wish};
-use ca_haptic::serve::{Aside, Clock, Desk, Every, Happened, Live, Shared, Sink, rings};
+use ca_haptic::serve::{Aside, Clock, Desk, Every, Happened, Live, Room, Shared, Sink, Wants, rings};
 use ca_haptic::sound::{Format, WavOut};
 use ca_haptic::take::{Header, TakeWriter};
 pub(crate) use setup::devices;
@@ -41,6 +41,8 @@ const PICTURES: u32 = 60;
 const HASHED: usize = 10_000;
 /// How long the engine waits for a device that sets the pace \[ns\].
 const PATIENCE: u64 = 100_000_000;
+/// Share of the cores that this thread and those which write files ask for: twelve times that of another program.
+const NICE: i8 = -11;
 
 /// Runs the command.
 pub fn run(args: &ServeArgs) -> Outcome {
@@ -59,19 +61,23 @@ pub fn run(args: &ServeArgs) -> Outcome {
     let session = ca_haptic::host::session();
     let engine = setup::engine(scene.clone(), &setups, session);
 
+    // on a busy machine the rings must be fetched from, and people heard, all the same; threads inherit it
+    let busy = Wish { nice: (args.priority > 0).then_some(NICE), ..Wish::default() };
+    rt::ask(busy);
+    let room = Room::of(&scene);
     let mut sinks: Vec<Box<dyn Sink>> = Vec::new();
     let words = Words { quiet: args.quiet };
     let words = if names.is_empty() {
         sinks.push(Box::new(words));
         None
     } else {
-        Some(aside(&mut sinks, "ca words", words)?)
+        Some(aside(&mut sinks, "ca words", words, room, Wish::default())?)
     };
     let wav = match &args.output {
         Some(path) if scene.channels > 0 => {
             load::is_sound(path)?;
             let out = WavOut::create(path, scene.rate, scene.channels, Format::F32)?;
-            Some(aside(&mut sinks, "ca sound", wav::Wav::new(out, scene.channels))?)
+            Some(aside(&mut sinks, "ca sound", wav::Wav::new(out, scene.channels), room, busy)?)
         }
         Some(_) => return Err(Failure::Usage("-o: the model has no output, so there is no sound to write".into())),
         None => None,
@@ -83,7 +89,7 @@ pub fn run(args: &ServeArgs) -> Outcome {
         Some(path) => {
             let changes = args.source.changes().collect();
             let header = Header::new(&loaded.model, changes, options, &scene, setups.clone(), engine.options());
-            Some(aside(&mut sinks, "ca take", TakeWriter::create(path, &header, &scene)?)?)
+            Some(aside(&mut sinks, "ca take", TakeWriter::create(path, &header, &scene)?, room, busy)?)
         }
         None => None,
     };
@@ -119,6 +125,8 @@ pub fn run(args: &ServeArgs) -> Outcome {
     let (thread, granted) = engine_thread(live, wish(args, 0), frames)?;
     let mut threads = vec![("engine".to_string(), granted)];
     threads.extend(talk.granted().map(|g| ("gateway".to_string(), g)));
+    threads.extend(wav.as_ref().map(|w| ("sound file".to_string(), w.granted().to_string())));
+    threads.extend(take.as_ref().map(|t| ("take".to_string(), t.granted().to_string())));
     if !args.quiet {
         for (name, granted) in &threads {
             term::note(&format!("{name}: {granted}"));
@@ -134,10 +142,12 @@ pub fn run(args: &ServeArgs) -> Outcome {
     }
     let traffic = talk.end();
     let engine = engine.map_err(|_| Failure::Failed("the engine thread ended by itself".into()))?;
-    desk.end();
+    desk.turn();
     let _ = words.map(Aside::end);
     let mut summary = desk.summary(&engine, threads);
-    let lost = [summary.lost_records, summary.lost_sound, summary.lost_views];
+    // of the take: what the rings had no room for, and what waited for it too long
+    let on_its_way = take.as_ref().map_or([0; 3], Aside::lost);
+    let lost = std::array::from_fn(|k| shared.lost()[k] + on_its_way[k]);
     let mut broken = |e: FileError| {
         term::error(&e.to_string());
         summary.broken.push(e.to_string());
@@ -162,8 +172,14 @@ pub fn run(args: &ServeArgs) -> Outcome {
 }
 
 /// Gives the desk a sink that is written by a thread of its own.
-fn aside<T: Sink + Send + 'static>(sinks: &mut Vec<Box<dyn Sink>>, name: &str, sink: T) -> Result<Aside<T>, Failure> {
-    let (line, aside) = Aside::start(name, sink)?;
+fn aside<T: Sink + Send + 'static>(
+    sinks: &mut Vec<Box<dyn Sink>>,
+    name: &str,
+    sink: T,
+    room: Room,
+    wish: Wish,
+) -> Result<Aside<T>, Failure> {
+    let (line, aside) = Aside::start(name, sink, room, wish)?;
     sinks.push(Box::new(line));
     Ok(aside)
 }
@@ -220,6 +236,10 @@ struct Words {
 }
 
 impl Sink for Words {
+    fn wants(&self) -> Wants {
+        Wants::WORDS
+    }
+
     fn said(&mut self, h: &Happened) -> Result<(), FileError> {
         if h.bad {
             term::warning(&h.text);

@@ -1,7 +1,7 @@
 //! The sound file a performance is kept in.
 
 use ca_haptic::FileError;
-use ca_haptic::serve::Sink;
+use ca_haptic::serve::{Sink, Wants};
 use ca_haptic::sound::{WavOut, Written};
 
 /// A WAV file. Sound that was lost is silence there, so that the rest stays where it belongs.
@@ -22,6 +22,10 @@ impl Wav {
 }
 
 impl Sink for Wav {
+    fn wants(&self) -> Wants {
+        Wants { sound: true, ..Wants::WORDS }
+    }
+
     fn sound(&mut self, tick: u64, frames: &[f64]) -> Result<(), FileError> {
         if tick > self.next {
             self.out.write(&vec![0.0; (tick - self.next) as usize * self.channels])?;
