@@ -31,6 +31,7 @@ mod oversample;
 mod peers;
 mod pefrl;
 mod play;
+mod pluck;
 mod published;
 mod quantity;
 mod reader;

@@ -31,13 +31,12 @@ fn elongations(layout: &Layout, s: &State, d0: &[Real], a: &Account, i: usize) -
     (e, moved)
 }
 
-/// Coefficients of link `i`, gathered from their columns. Eight is more than any law has.
-fn coefs(s: &State, a: &Account, i: usize) -> [Real; 8] {
-    let mut c = [0.0; 8];
-    for (k, c) in c[..a.coefs].iter_mut().enumerate() {
+/// Coefficients of link `i`, gathered from their columns into `room`.
+fn coefs<'r>(s: &State, room: &'r mut [Real], a: &Account, i: usize) -> &'r [Real] {
+    for (k, c) in room.iter_mut().enumerate().take(a.coefs) {
         *c = s.coef[a.coef + k * a.n + i];
     }
-    c
+    &room[..a.coefs]
 }
 
 /// Energy of the MATs and of weight between the last two ticks: (kinetic, held, heat of the tick booked).
@@ -71,18 +70,25 @@ struct Entry {
 }
 
 /// Visits every link: its batch, its number in the ledger and its energies.
-fn links(layout: &Layout, s: &State, near: &mut [Near], d0: &[Real], mut visit: impl FnMut(&Account, usize, Entry)) {
+fn links(
+    layout: &Layout,
+    s: &State,
+    near: &mut [Near],
+    room: &mut [Real],
+    d0: &[Real],
+    mut visit: impl FnMut(&Account, usize, Entry),
+) {
     for a in layout.ledger.iter().flat_map(|p| &p.accounts) {
         if let Some(at) = a.ports.crowd {
-            visit(a, a.first, set(layout, s, &mut near[at], d0, a, at));
+            visit(a, a.first, set(layout, s, &mut near[at], coefs(s, room, a, 0), d0, a, at));
             continue;
         }
         for i in 0..a.n {
-            let c = coefs(s, a, i);
+            let c = coefs(s, room, a, i);
             let (e, moved) = elongations(layout, s, d0, a, i);
             let mem = &s.mem[a.mem + i * a.mems..][..a.mems];
-            let held = wide((a.stored)(&c, mem, &layout.tables, e[1], e[2]));
-            let heat = wide((a.lost)(&c, mem, &layout.tables, e));
+            let held = wide((a.stored)(c, mem, &layout.tables, e[1], e[2]));
+            let heat = wide((a.lost)(c, mem, &layout.tables, e));
             let work = if a.linear { 0.0 } else { wide(-s.tap[a.tap + i] * 0.5 * moved) };
             visit(a, a.first + i, Entry { held, heat, work });
         }
@@ -90,12 +96,11 @@ fn links(layout: &Layout, s: &State, near: &mut [Near], d0: &[Real], mut visit: 
 }
 
 /// All pairs of a set together; its work is that of what it did to each of its members.
-fn set(layout: &Layout, s: &State, near: &mut Near, d0: &[Real], a: &Account, at: usize) -> Entry {
-    let c = coefs(s, a, 0);
+fn set(layout: &Layout, s: &State, near: &mut Near, c: &[Real], d0: &[Real], a: &Account, at: usize) -> Entry {
     let (mut held, mut heat) = (0.0, 0.0);
-    crowd::touched(layout, s, near, d0, at, (a.idle)(&c), |e| {
-        held += wide((a.stored)(&c, &[], &layout.tables, e[1], e[2]));
-        heat += wide((a.lost)(&c, &[], &layout.tables, e));
+    crowd::touched(layout, s, near, d0, at, (a.idle)(c), |e| {
+        held += wide((a.stored)(c, &[], &layout.tables, e[1], e[2]));
+        heat += wide((a.lost)(c, &[], &layout.tables, e));
     });
     let pushed = layout.crowds[at].members.iter().zip(s.tap[a.tap..].chunks(3));
     let moved = |i: usize| 0.5 * (s.d[i] + d0[i]);
@@ -108,7 +113,7 @@ fn hold(layout: &Layout, s: &State, near: &mut [Near], l: &mut Ledger) -> f64 {
     let (kinetic, mut h, _) = mats(layout, s, &s.d);
     l.kinetic = kinetic;
     h += kinetic + wave::energy(layout, s, &s.d).0;
-    links(layout, s, near, &s.d, |_, k, entry| {
+    links(layout, s, near, &mut l.room, &s.d, |_, k, entry| {
         l.held[k] = entry.held;
         h += entry.held;
     });
@@ -146,7 +151,7 @@ pub fn book(_op: &Op, layout: &Layout, s: &mut State) {
     l.lost_mats += heat + beside;
     lost += heat + beside;
     h += kinetic + waves;
-    links(layout, s, &mut near, &l.d0, |a, k, Entry { held, heat, work }| {
+    links(layout, s, &mut near, &mut l.room, &l.d0, |a, k, Entry { held, heat, work }| {
         if !a.linear {
             let made = held - l.held[k] + work + heat;
             l.source[k] += made;

@@ -10,10 +10,10 @@ use crate::real::Real;
 use crate::table::Table;
 
 /// Linear bound of a law: its largest slopes, `k` \[N/m\] against elongation and `z` \[N/(m/tick)\] against change of
-/// elongation. Exact for linear laws and for contacts of constant stiffness; of laws that stiffen without end (CUB,
-/// POW, HRZ) it is the slope at rest, and the certificate says "rule of thumb". Both ≥ 0 except for springs that are
+/// elongation. Exact for linear laws and for contacts of constant stiffness; of laws that stiffen without end
+/// (`hardens`) it is the slope at rest, and the certificate says "rule of thumb". Both ≥ 0 except for springs that are
 /// negative on purpose. `contact` marks laws that switch.
-// five answers to five questions, any of which may be yes
+// six answers to six questions, any of which may be yes
 #[allow(clippy::struct_excessive_bools)]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Bound {
@@ -27,6 +27,8 @@ pub struct Bound {
     pub linear: bool,
     /// true where `z` is the steepest place of a curve against speed, as of dry friction
     pub curve: bool,
+    /// true where a slope grows without end with elongation; `k` and `z` are then those at rest
+    pub hardens: bool,
     /// true where the law can feed energy in by itself
     pub active: bool,
     /// part of four times `k` that is taken from the time to come, so that stability does not count it: 4θk (numerics 1')

@@ -36,6 +36,8 @@ pub struct Ledger {
     pub(crate) port: Vec<f64>,
     /// energy held by each link at the last booking (n_lia)
     pub(crate) held: Vec<f64>,
+    /// in passing, the coefficients of one link (those of the law that has most)
+    pub(crate) room: Vec<Real>,
 }
 
 /// What crossed the border at one device port, whole frames only \[J\].
@@ -85,8 +87,9 @@ pub struct Balance {
 }
 
 impl Ledger {
-    /// An empty book for `n_mat` MATs, `n_lia` links and `ports` ports, `tgr` of them of devices.
-    pub(crate) fn new(n_mat: usize, n_lia: usize, ports: usize, tgr: usize) -> Ledger {
+    /// An empty book for `n_mat` MATs, `n_lia` links of at most `coefs` coefficients and `ports` ports, `tgr` of them of
+    /// devices.
+    pub(crate) fn new(n_mat: usize, n_lia: usize, coefs: usize, ports: usize, tgr: usize) -> Ledger {
         Ledger {
             lost: alloc::vec![0.0; n_lia],
             source: alloc::vec![0.0; n_lia],
@@ -95,6 +98,7 @@ impl Ledger {
             port: alloc::vec![0.0; ports],
             work: alloc::vec![0.0; ports],
             hands: alloc::vec![Exchange::default(); tgr],
+            room: alloc::vec![0.0; coefs],
             ..Ledger::default()
         }
     }

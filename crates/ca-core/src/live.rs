@@ -177,6 +177,8 @@ struct Room {
     slots: Vec<Option<f64>>,
     /// numbers of a module
     values: Vec<Option<f64>>,
+    /// coefficients of a module
+    coefs: Vec<f64>,
     /// arguments before the change: item, argument and value
     before: Vec<(usize, usize, Arg)>,
     /// coefficients that links that look ahead depend on, before the change
@@ -273,12 +275,11 @@ impl LiveItem {
             }
             None => room.slots.extend(self.args.iter().map(Arg::num)),
         }
-        let mut out = [0.0; 8];
         for m in &self.modules {
             room.values.clear();
             room.values.extend(m.values.iter().map(|s| s.get(&room.slots)));
-            let n = m.loader.load(&room.values, te, &mut out);
-            patch.set.extend(m.to.iter().copied().zip(out[..n].iter().copied()));
+            m.loader.load(&room.values, te, &mut room.coefs);
+            patch.set.extend(m.to.iter().copied().zip(room.coefs.iter().copied()));
         }
         Ok(())
     }
@@ -296,23 +297,20 @@ impl Source {
 }
 
 impl Loader {
-    /// Writes the coefficients for parameter values in SI; returns how many.
-    pub fn load(self, values: &[Option<f64>], te: f64, out: &mut [f64; 8]) -> usize {
+    /// Puts the coefficients for parameter values in SI into `out`, in place of what it held.
+    pub fn load(self, values: &[Option<f64>], te: f64, out: &mut Vec<f64>) {
+        out.clear();
         match self {
             Loader::Mat(spec, medium) => {
                 let c = (spec.coefs)(values, te);
                 // C = T²/m, so the damper z of the medium takes zT/m = zC/T
-                out[..3].copy_from_slice(&[c.p - medium / te * c.c, c.q, c.c]);
-                3
+                out.extend([c.p - medium / te * c.c, c.q, c.c]);
             }
             Loader::Lia(law) => {
-                (law.load)(values, te, &mut out[..law.coefs]);
-                law.coefs
+                out.resize(law.coefs, 0.0);
+                (law.load)(values, te, out);
             }
-            Loader::Times(by) => {
-                out[0] = by * values.first().copied().flatten().unwrap_or(0.0);
-                1
-            }
+            Loader::Times(by) => out.push(by * values.first().copied().flatten().unwrap_or(0.0)),
         }
     }
 }

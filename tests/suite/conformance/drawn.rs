@@ -1,17 +1,36 @@
 //! Kinds with drawn parameters, compiled: what the other files hold to their promises.
 
+use super::felt;
 use crate::play::{Dice, model};
 use ca_core::kind::{Kind, Need, Role, Type, Unit};
-use ca_core::model::{Entry, Model, Value};
+use ca_core::model::{Entry, Model, Value, read, render};
 use ca_core::phi::Law;
 use ca_core::table::Table;
-use ca_core::{Options, Scene, compile};
-use ca_tests::catalog;
+use ca_core::{Catalog, Options, Scene, compile};
+
+/// All kinds there are, and one of our own.
+pub fn catalog() -> Catalog {
+    ca_tests::catalog().with(&[&felt::KIND])
+}
+
+/// Name and text of every model there is, and of that kind's example.
+pub fn texts() -> Vec<(String, String)> {
+    let mut all = ca_tests::texts();
+    all.push((format!("example of {}", felt::KIND.code), felt::KIND.example.into()));
+    all
+}
+
+/// The model in `text`, which must read without errors.
+pub fn read(text: &str) -> Model {
+    let (model, diags) = read::read(text, "test.ca.toml", &catalog());
+    assert!(!diags.has_errors(), "{}", render::text(&diags, &model, false));
+    model
+}
 
 pub fn laws() -> Vec<(&'static Kind, &'static Law)> {
     let list: Vec<_> =
         catalog().iter().filter_map(|k| if let Role::Lia(l) = k.role { Some((k, l)) } else { None }).collect();
-    assert!(list.len() >= 11);
+    assert!(list.len() >= 12);
     list
 }
 
@@ -104,11 +123,6 @@ pub fn args(kind: &Kind, dice: &mut Dice) -> Vec<Entry> {
     out
 }
 
-/// The code of a law, whatever its form.
-pub fn plain(code: &str) -> &str {
-    code.strip_prefix("LPR_").unwrap_or(code)
-}
-
 /// The second port of a quadripole, on two fixed points: what is left is the plain link.
 pub fn held(kind: &Kind, m: &mut Model, args: &mut Vec<Entry>) {
     if kind.param("onto").is_some() {
@@ -145,18 +159,18 @@ pub struct Loaded {
 impl Loaded {
     pub fn new(kind: &Kind, dice: &mut Dice) -> Loaded {
         let m = pair(kind, "ca", dice);
-        let scene = built(&m, &Options::default());
+        let mut l = Loaded::first(&built(&m, &Options::default()));
+        l.named = ca_core::model::write::write(&m);
+        l
+    }
+    /// The first link of a scene.
+    pub fn first(scene: &Scene) -> Loaded {
         let s = scene.state();
         let op = scene.forces.iter().find(|o| o.law.is_some()).expect("a link");
         let law = op.law.expect("a law");
         let c: Vec<f64> = (0..law.coefs).map(|k| s.coef[op.coef + k * op.n]).collect();
-        let mut l = Loaded {
-            law,
-            c,
-            mem: vec![0.0; law.mem],
-            tables: scene.tables.clone(),
-            named: ca_core::model::write::write(&m),
-        };
+        let (mem, tables) = (vec![0.0; law.mem], scene.tables.clone());
+        let mut l = Loaded { law, c, mem, tables, named: String::new() };
         l.start(0.0);
         l
     }
@@ -169,6 +183,17 @@ impl Loaded {
     pub fn stored(&self, e: f64) -> f64 {
         (self.law.stored)(&self.c, &self.mem, &self.tables, e, e)
     }
+}
+
+/// True where the first link holds nothing wherever its ends are, and its force is known before they move.
+pub fn only_resists(scene: &Scene) -> bool {
+    let mut l = Loaded::first(scene);
+    let late = l.law.is_late();
+    let holds = |e: f64| {
+        l.start(e);
+        l.stored(e) != 0.0
+    };
+    !late && ![-1e-2, -1e-3, -1e-4, -1e-5, 1e-5, 1e-4, 1e-3, 1e-2].into_iter().any(holds)
 }
 
 /// Masses of [`row`].

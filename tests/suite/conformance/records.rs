@@ -1,13 +1,12 @@
 //! The records themselves: complete, with an example that sounds and names that are known.
 
-use super::drawn::built;
-use crate::play::audited;
+use super::drawn::{built, catalog, read as model, texts};
 use ca_core::catalog::SOURCES;
 use ca_core::kind::{Need, Type};
 use ca_core::model::{read, render};
 use ca_core::scene::Stands;
 use ca_core::{Options, tick};
-use ca_tests::{catalog, gesture, texts};
+use ca_tests::gesture;
 
 #[test]
 fn every_record_is_complete() {
@@ -72,7 +71,7 @@ fn every_example_sounds() {
 #[test]
 fn every_link_of_the_examples_is_known_by_name() {
     for (name, text) in texts() {
-        let scene = audited(&text);
+        let scene = built(&model(&text), &Options { energy: true, ..Options::default() });
         for k in 0..scene.n_lia {
             assert!(scene.audited_name(k).is_some_and(|n| n != "?"), "{name}: link {k}");
         }

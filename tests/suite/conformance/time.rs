@@ -1,10 +1,10 @@
 //! What goes on: live changes, snapshots, blocks.
 
-use crate::play::{audited, model, scene, with};
+use super::drawn::{built, catalog, read as model, texts};
 use ca_core::kind::Type;
 use ca_core::model::{Entry, Model, Value, quantity};
 use ca_core::{KernelClass, Options, State, compile, process, tick};
-use ca_tests::{gesture, texts};
+use ca_tests::gesture;
 
 /// Makes argument `arg` of item `item` a live parameter of value `v`, and says what its value was in SI.
 fn live(m: &Model, item: usize, arg: usize, v: Option<f64>) -> Option<(Model, f64)> {
@@ -30,14 +30,14 @@ fn live(m: &Model, item: usize, arg: usize, v: Option<f64>) -> Option<(Model, f6
 #[test]
 fn a_live_change_ends_where_a_fresh_compile_begins() {
     const TICKS: u32 = 7;
-    let catalog = ca_tests::catalog();
+    let catalog = catalog();
     let mut dialled = std::collections::BTreeSet::new();
     for (name, text) in texts() {
         let plain = model(&text);
         if plain.items.len() > 60 {
             continue;
         }
-        let rate = scene(&text).rate;
+        let rate = built(&plain, &Options::default()).rate;
         for item in 0..plain.items.len() {
             let kind = catalog.get(&plain.items[item].kind).expect("a kind");
             for arg in 0..plain.items[item].args.len() {
@@ -84,9 +84,19 @@ fn a_live_change_ends_where_a_fresh_compile_begins() {
             }
         }
     }
-    for must in
-        ["CEL.f", "CEL.t60", "STRING.f", "STRING.t60", "MESH.f", "STIFFSTRING.b", "REF.k", "BUT.d", "BOW.f", "SOX.gain"]
-    {
+    for must in [
+        "CEL.f",
+        "CEL.t60",
+        "STRING.f",
+        "STRING.t60",
+        "MESH.f",
+        "STIFFSTRING.b",
+        "REF.k",
+        "BUT.d",
+        "BOW.f",
+        "SOX.gain",
+        "FELT.q",
+    ] {
         assert!(dialled.contains(must), "{must} was never changed: {dialled:?}");
     }
 }
@@ -95,7 +105,7 @@ fn a_live_change_ends_where_a_fresh_compile_begins() {
 #[test]
 fn a_snapshot_goes_on_as_if_nothing_had_happened() {
     for (name, text) in texts() {
-        let scene = audited(&text);
+        let scene = built(&model(&text), &Options { energy: true, ..Options::default() });
         let mut s = scene.state();
         let run = |s: &mut State, n: usize| {
             for _ in 0..n {
@@ -117,7 +127,7 @@ fn a_snapshot_goes_on_as_if_nothing_had_happened() {
 #[test]
 fn blocks_are_ticks() {
     for (name, text) in texts() {
-        let scene = with(&text, &Options { kernel: KernelClass::Fast, ..Options::default() });
+        let scene = built(&model(&text), &Options { kernel: KernelClass::Fast, ..Options::default() });
         let (mut a, mut b) = (scene.state(), scene.state());
         let n = scene.n_out.max(1);
         let mut out = Vec::new();

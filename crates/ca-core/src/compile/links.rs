@@ -233,6 +233,7 @@ impl Plan<'_> {
             tap: scratch,
             where_is: alloc::vec![(0, 0); net.lias.len()],
         };
+        let mut to = Vec::new();
         for (batch, stride) in batches {
             let law = law(batch[0]);
             let n = batch.len();
@@ -268,10 +269,8 @@ impl Plan<'_> {
                 if let Some(t) = own.iter().position(|(o, _)| core::ptr::eq(*o, law)) {
                     values.push(Source::Const((net.tables.len() + t) as f64));
                 }
-                let mut to = [0usize; 8];
-                for (s, t) in to[..law.coefs].iter_mut().enumerate() {
-                    *t = coef + s * n + i;
-                }
+                to.clear();
+                to.extend((0..law.coefs).map(|s| coef + s * n + i));
                 self.load(Loader::Lia(law), l.item, &values, &to);
                 let onto = l.onto.map(|o| self.reach(o.ends, o.measure, l.soften).unwrap_or_default());
                 let reach = [self.reach(l.ends, l.measure, l.soften).unwrap_or_default(), onto.unwrap_or_default()];

@@ -23,6 +23,8 @@ pub struct Plan<'a> {
     pub coef: Vec<f64>,
     /// places of live coefficients
     pub live: Vec<u32>,
+    /// coefficients of the module that was loaded last
+    pub loaded: Vec<f64>,
     /// modules with live coefficients, by item
     pub modules: BTreeMap<u32, Vec<LiveModule>>,
 }
@@ -43,13 +45,12 @@ impl Plan<'_> {
 
     /// Computes coefficients into `to`; remembers how, where they may change.
     pub fn load(&mut self, loader: Loader, item: u32, values: &[Source], to: &[usize]) {
-        let mut out = [0.0; 8];
-        let n = loader.load(&self.net.values(item, values), self.net.te, &mut out);
-        for (k, t) in to[..n].iter().enumerate() {
-            self.coef[*t] = out[k];
+        loader.load(&self.net.values(item, values), self.net.te, &mut self.loaded);
+        for (t, v) in to.iter().zip(&self.loaded) {
+            self.coef[*t] = *v;
         }
         if self.net.is_live(item) && values.iter().any(|s| matches!(s, Source::Slot(_))) {
-            let places = to[..n].iter().map(|t| self.live_place(*t)).collect();
+            let places = to.iter().map(|t| self.live_place(*t)).collect();
             let module = LiveModule { loader, values: Arc::from(values), to: places };
             self.modules.entry(item).or_default().push(module);
         }

@@ -42,9 +42,12 @@ type Pressed = ([End; 2], f64, f64);
 
 /// The coefficients of a contact, as they are at load.
 fn coefs(net: &Net, l: &LiaNode) -> Vec<Real> {
-    let mut c = alloc::vec![0.0; l.law.coefs];
-    (l.law.load)(&net.values(l.item, &l.values), net.te, &mut c);
-    c.into_iter().map(real).collect()
+    l.law.loaded(&net.values(l.item, &l.values), net.te).into_iter().map(real).collect()
+}
+
+/// The force \[N\] of a contact that stands at `e` and remembers nothing but that.
+fn force(net: &Net, l: &LiaNode, c: &[Real], e: Real) -> Real {
+    (l.law.force)(c, &mut l.law.started(c, e), &net.tables, e, 0.0)
 }
 
 fn of_pair(net: &Net, l: &LiaNode, e0: f64, reach: &[[f64; 4]; 2]) -> Option<Pressed> {
@@ -58,7 +61,8 @@ fn of_pair(net: &Net, l: &LiaNode, e0: f64, reach: &[[f64; 4]; 2]) -> Option<Pre
     };
     let second = l.onto.map_or(0.0, |o| felt(o.ends, o.measure, &reach[1]));
     let e = e0 + felt(l.ends, l.measure, &reach[0]) + second;
-    let f = wide((l.law.force)(&coefs(net, l), &mut [], &net.tables, real(e), 0.0));
+    let c = coefs(net, l);
+    let f = wide(force(net, l, &c, real(e)));
     (f != 0.0).then_some((l.ends, e, f))
 }
 
@@ -71,8 +75,7 @@ fn of_set(net: &Net, l: &LiaNode) -> Option<Pressed> {
     let places = [0..sets[0].len(), sets[0].len()..rest.len() / 3].map(|r| r.map(|k| 3 * k as u32).collect::<Vec<_>>());
     let crowd = Crowd::new([&places[0], &places[1]]);
     let c = coefs(net, l);
-    let force = |e| (l.law.force)(&c, &mut [], &net.tables, e, 0.0);
-    let (i, j, e, f) = crowd::pressed(&crowd, &rest, &x, (l.law.idle)(&c), force)?;
+    let (i, j, e, f) = crowd::pressed(&crowd, &rest, &x, (l.law.idle)(&c), |e| force(net, l, &c, e))?;
     let name = |k: usize| sets.iter().flatten().nth(k).map(|m| End::Mat(*m));
     Some(([name(i)?, name(j)?], wide(e), wide(f)))
 }

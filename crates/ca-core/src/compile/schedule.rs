@@ -159,7 +159,7 @@ fn places<'n>(net: &'n Net, order: &[u32]) -> Plan<'n> {
         }
     }
     let coef = alloc::vec![0.0; 3 * n_mat as usize];
-    Plan { net, place, point, coef, live: Vec::new(), modules: BTreeMap::new() }
+    Plan { net, place, point, coef, live: Vec::new(), loaded: Vec::new(), modules: BTreeMap::new() }
 }
 
 /// Where MATs and moving points start, how fast, and where they rest.
@@ -368,7 +368,10 @@ fn loaded(net: &Net, layout: &Layout, x: Vec<f64>, v: &[f64], coef: Vec<f64>, (l
         ramps: Ramps::new(live, whole),
         ahead: alloc::vec![0.0; layout.ahead.as_ref().map_or(0, |a| 2 * a.places.len())],
         touches: Touches::new(layout.n_touch, layout.n_mat),
-        ledger: layout.ledger.is_some().then(|| Ledger::new(layout.n_mat, layout.n_lia, ports, layout.tgr.len())),
+        ledger: layout.ledger.as_ref().map(|p| {
+            let most = p.accounts.iter().map(|a| a.coefs).max().unwrap_or(0);
+            Ledger::new(layout.n_mat, layout.n_lia, most, ports, layout.tgr.len())
+        }),
         tick: 0,
         refused: 0,
         input,

@@ -36,7 +36,7 @@ pub fn check(model: &Model, net: &Net, diags: &mut Diags) {
         }
     };
     let load = |loader: Loader, id: u32, values: &[Source]| {
-        let mut out = [0.0; 8];
+        let mut out = Vec::new();
         loader.load(&net.values(id, values), net.te, &mut out);
         out
     };

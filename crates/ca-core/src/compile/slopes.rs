@@ -3,6 +3,7 @@
 use super::net::{LiaNode, MatNode, MatRole, Net};
 use crate::law::Bound;
 use crate::live::Loader;
+use alloc::vec::Vec;
 
 /// What a MAT is to the linear network: mobility \[m/N\], own stiffness \[N/m\], own viscosity \[N per m/tick\].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -20,7 +21,7 @@ pub struct Own {
 /// A MAT at load.
 pub fn own(net: &Net, m: &MatNode) -> Own {
     let MatRole::Mat(spec) = m.role else { return Own::default() };
-    let mut out = [0.0; 8];
+    let mut out = Vec::new();
     let mut values = net.values(m.item, &m.values);
     let loader = Loader::Mat(spec, net.medium(m).friction);
     loader.load(&values, net.te, &mut out);
@@ -40,7 +41,5 @@ pub fn own(net: &Net, m: &MatNode) -> Own {
 
 /// The slopes of a link at load.
 pub fn slopes(net: &Net, l: &LiaNode) -> Bound {
-    let mut c = [0.0; 8];
-    (l.law.load)(&net.values(l.item, &l.values), net.te, &mut c[..l.law.coefs]);
-    (l.law.bound)(&c[..l.law.coefs], &net.tables)
+    (l.law.bound)(&l.law.loaded(&net.values(l.item, &l.values), net.te), &net.tables)
 }

@@ -45,9 +45,7 @@ pub fn specialise(model: &Model, net: &mut Net, diags: &mut Diags) {
         }
         let live = fixed.contains(&Fixed::Live);
         let values: Vec<Option<f64>> = l.values.iter().map(|s| s.get(&item.slots)).collect();
-        let mut c = [0.0; 8];
-        (l.law.load)(&values, net.te, &mut c[..l.law.coefs]);
-        let nothing = !live && l.law.linear && c[..l.law.coefs].iter().all(|c| *c == 0.0);
+        let nothing = !live && l.law.linear && l.law.loaded(&values, net.te).iter().all(|c| *c == 0.0);
         if nothing {
             zero += 1;
             if reported != Some(l.item) && !generated {

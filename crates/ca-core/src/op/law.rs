@@ -4,6 +4,7 @@ use super::{Form, Kernel, kernel};
 use crate::law::{Bound, Force, Idle, Lost, Phi, Stored};
 use crate::real::Real;
 use crate::table::Table;
+use alloc::vec::Vec;
 
 /// A law as data: the functions of a [`Phi`] over slices, and its kernels.
 #[derive(Clone, Copy)]
@@ -79,6 +80,20 @@ fn arr<T: Copy + Default, const N: usize>(s: &[T]) -> [T; N] {
 }
 
 impl Law {
+    /// The coefficients of one link, from its parameters in SI and the tick `te` \[s\].
+    pub fn loaded(&self, p: &[Option<f64>], te: f64) -> Vec<f64> {
+        let mut c = alloc::vec![0.0; self.coefs];
+        (self.load)(p, te, &mut c);
+        c
+    }
+
+    /// Its memory at load, for elongation `e`.
+    pub fn started(&self, c: &[Real], e: Real) -> Vec<Real> {
+        let mut mem = alloc::vec![0.0; self.mem];
+        (self.start)(c, e, &mut mem);
+        mem
+    }
+
     /// The record of a law.
     pub const fn of<P: Phi<C, M> + 'static, const C: usize, const M: usize>(code: &'static str) -> Law {
         Law {

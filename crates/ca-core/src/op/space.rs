@@ -24,7 +24,8 @@ pub fn space<P: Phi<C, M>, G: Measure, const C: usize, const M: usize, const TAP
     for i in 0..n {
         let at = ends[i].map(|m| m as usize);
         let c = core::array::from_fn(|k| columns[k][i]);
-        if P::CONTACT {
+        // what remembers must see that it is let go
+        if P::CONTACT && M == 0 {
             let (from, to) = P::idle(&c);
             let (from, to) = (from.max(0.0), to.max(0.0));
             if G::square(x, at, &reach[i]).is_some_and(|l| l >= from * from && l <= to * to) {

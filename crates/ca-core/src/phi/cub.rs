@@ -62,6 +62,6 @@ impl Phi<3, 0> for Cub {
         linear_lost(z, e)
     }
     fn bound(&[k, _, z]: &[f64; 3], _: &[Table]) -> Bound {
-        Bound { k, z, ..Bound::default() }
+        Bound { k, z, hardens: true, ..Bound::default() }
     }
 }

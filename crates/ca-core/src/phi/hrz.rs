@@ -95,7 +95,8 @@ impl Phi<5, 0> for Hrz {
         let elastic = Self::force(&[c[0], c[1], 0.0, c[3], c[4]], &mut { *m }, t, e[1], w);
         (Self::force(c, &mut { *m }, t, e[1], w) - elastic) * w
     }
-    fn bound(&[k, n, ..]: &[f64; 5], _: &[Table]) -> Bound {
-        Bound { k: if n == 4.0 { k } else { 0.0 }, contact: true, ..Bound::default() }
+    fn bound(&[k, n, h, ..]: &[f64; 5], _: &[Table]) -> Bound {
+        let linear = n == 4.0;
+        Bound { k: if linear { k } else { 0.0 }, contact: true, hardens: !linear || h != 0.0, ..Bound::default() }
     }
 }

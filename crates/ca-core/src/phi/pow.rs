@@ -107,6 +107,7 @@ impl Phi<4, 0> for Pow {
         linear_lost(z, e)
     }
     fn bound(&[k, q, n, z]: &[f64; 4], _: &[Table]) -> Bound {
-        Bound { k: if n == 4.0 { k + q } else { k }, z, ..Bound::default() }
+        let linear = n == 4.0;
+        Bound { k: if linear { k + q } else { k }, z, hardens: !linear, ..Bound::default() }
     }
 }

@@ -53,7 +53,7 @@ pub fn worst_rows(net: &Net) -> Vec<Row> {
 
 fn row(net: &Net, m: &MatNode) -> Row {
     let MatRole::Mat(spec) = m.role else { return Row::default() };
-    let mut out = [0.0; 8];
+    let mut out = Vec::new();
     let (mut k, mut z, mut c): (f64, f64, f64) = (0.0, 0.0, 0.0);
     // worst corner of what may change: lightest, stiffest, most damped
     for values in corners(net, m.item, &m.values) {
@@ -122,9 +122,7 @@ pub fn worst_bounds(net: &Net) -> Vec<Bound> {
         }
         let mut worst = Bound::default();
         for (i, values) in corners(net, l.item, &l.values).into_iter().enumerate() {
-            let mut c = [0.0; 8];
-            (l.law.load)(&values, net.te, &mut c[..l.law.coefs]);
-            let b = (l.law.bound)(&c[..l.law.coefs], &net.tables);
+            let b = (l.law.bound)(&l.law.loaded(&values, net.te), &net.tables);
             // what counts is k − lift, whose worst is not that of k
             let most = (worst.k - worst.lift).max(b.k - b.lift);
             let k = worst.k.max(b.k);

@@ -1,0 +1,178 @@
+//! A law of our own that the catalog does not have: felt, a contact with hysteresis, nine coefficients and memory.
+//!
+//! Decides that the conformance suite is run with a law that differs from all bundled ones in each of these, added as
+//! another crate would add it. It is passive by construction: pressed deeper than ever in this contact it follows the
+//! loading curve L(n), else a softer one that ends there, and what lies between them is heat.
+//!
+//! Equation: n = d − e (sense "outside"), L = k n + q max(n − b, 0), m = largest n since touch;
+//! F = −L (r + (1 − r) n/m) + z w while n > 0, with `z` while closing and `zo` while opening.
+
+use super::drawn::{built, read};
+use crate::play::{apart, mat, within};
+use ca_core::kind::{ANY, Kind, Need, POSITIVE, Param, Role, Type, Unit};
+use ca_core::model::Model;
+use ca_core::phi::{ALONG, BETWEEN, Bound, Law, PAIRS, Phi};
+use ca_core::real::Real;
+use ca_core::table::Table;
+use ca_core::{Options, tick};
+
+pub static KIND: Kind = Kind {
+    code: "FELT",
+    title: "felt (contact with hysteresis)",
+    equation: "F = -L(n) (r + (1 - r) n/m) + z de/dt  while n = d - e > 0",
+    doc: "Gives back less than it took: a part of the work of the first compression is heat.",
+    source: &["Bilbao 2009"],
+    params: &[
+        BETWEEN,
+        Param::number("k", Unit::STIFFNESS, POSITIVE, Need::Required, "stiffness when first pressed"),
+        Param::number("q", Unit::STIFFNESS, POSITIVE, Need::Default(0.0), "what is added to it beyond `b`"),
+        Param::number("b", Unit::METRE, POSITIVE, Need::Default(1e-3), "depth at which it becomes stiffer"),
+        Param::number("r", Unit::NONE, (0.0, 1.0), Need::Default(0.5), "part of the force that is the same both ways"),
+        Param::number("z", Unit::VISCOSITY, POSITIVE, Need::Default(0.0), "viscosity while closing"),
+        Param::number("zo", Unit::VISCOSITY, POSITIVE, Need::Default(0.0), "viscosity while opening"),
+        Param::number("d", Unit::METRE, ANY, Need::Default(0.0), "threshold of the distance second − first"),
+        Param::new("sense", Type::Choice(&["outside", "inside"]), Need::Default(0.0), "keeps apart, or contains"),
+        Param::new("sticky", Type::Flag, Need::Default(1.0), "false clips the pull while letting go"),
+        PAIRS,
+        ALONG,
+    ],
+    one_of: &[],
+    example: r#"
+[CEL]
+bar = { m = "2 g", f = "330 Hz", t60 = "1 s" }
+[MAS]
+hammer = { m = "5 g", x = "-1 mm", v = "0.8 m/s" }
+[FELT]
+strike = { between = ["hammer", "bar"], k = "40 kN/m", q = "20 kN/m", b = "0.2 mm", z = "0.5 N s/m" }
+[SOX]
+out = { from = "bar", gain = 1000 }
+"#,
+    role: Role::Lia(&LAW),
+};
+
+static LAW: Law = Law::of::<Felt, 9, 2>("FELT");
+
+/// Coefficients k, q, b, r, z/T, zo/T, d, sign of the sense, 1 where clipped; memory: the largest penetration of this
+/// contact, and the heat of the last tick that is due to hysteresis.
+struct Felt;
+
+/// Integrals of the loading curve L from 0 to `n`: of L, and of L times depth.
+fn areas([k, q, b, ..]: &[Real; 9], n: Real) -> [Real; 2] {
+    let o = (n - b).max(0.0);
+    [0.5 * (k * n * n + q * o * o), k * n * n * n / 3.0 + q * o * o * (o / 3.0 + 0.5 * b)]
+}
+
+/// What is not given back of a compression to the depth `m`.
+fn kept(c: &[Real; 9], m: Real) -> Real {
+    let [work, moment] = areas(c, m);
+    if m > 0.0 { (1.0 - c[3]) * (work - moment / m) } else { 0.0 }
+}
+
+/// How deep it is pressed, 0 where it is not.
+fn depth(c: &[Real; 9], e: Real) -> Real {
+    (c[7] * (c[6] - e)).max(0.0)
+}
+
+impl Phi<9, 2> for Felt {
+    const CONTACT: bool = true;
+    fn idle(&[_, _, _, _, _, _, d, side, _]: &[Real; 9]) -> (Real, Real) {
+        if side > 0.0 { (d, Real::INFINITY) } else { (Real::NEG_INFINITY, d) }
+    }
+    fn coefs(p: &[Option<f64>], te: f64) -> [f64; 9] {
+        let at = |i: usize| p[i].unwrap_or(0.0);
+        let side = if p[8] == Some(1.0) { -1.0 } else { 1.0 };
+        let clip = if p[9] == Some(0.0) { 1.0 } else { 0.0 };
+        [at(1), at(2), at(3), at(4), at(5) / te, at(6) / te, at(7), side, clip]
+    }
+    fn start(c: &[Real; 9], e: Real) -> [Real; 2] {
+        [depth(c, e), 0.0]
+    }
+    fn force(c: &[Real; 9], mem: &mut [Real; 2], _: &[Table], e: Real, w: Real) -> Real {
+        let &[k, q, b, r, closing, opening, _, side, clip] = c;
+        let n = depth(c, e);
+        let before = mem[0];
+        // once let go, it is as it was before the blow
+        let m = if n > 0.0 { before.max(n) } else { 0.0 };
+        *mem = [m, (kept(c, m) - kept(c, before)).max(0.0)];
+        if n == 0.0 {
+            return 0.0;
+        }
+        let push = (k * n + q * (n - b).max(0.0)) * (r + (1.0 - r) * n / m);
+        let f = -side * push + if side * w < 0.0 { closing } else { opening } * w;
+        if clip != 0.0 && side * f > 0.0 { 0.0 } else { f }
+    }
+    fn potential(c: &[Real; 9], mem: &[Real; 2], _: &[Table], e: Real) -> Real {
+        let n = depth(c, e);
+        let [work, moment] = areas(c, n);
+        if n > 0.0 { c[3] * work + (1.0 - c[3]) * moment / n.max(mem[0]) } else { 0.0 }
+    }
+    fn lost(c: &[Real; 9], mem: &[Real; 2], t: &[Table], e: [Real; 3]) -> Real {
+        let w = e[1] - e[0];
+        let elastic = &[c[0], c[1], c[2], c[3], 0.0, 0.0, c[6], c[7], 0.0];
+        let viscous = Self::force(c, &mut { *mem }, t, e[1], w) - Self::force(elastic, &mut { *mem }, t, e[1], w);
+        mem[1] + viscous * w
+    }
+    fn bound(&[k, q, _, r, closing, opening, ..]: &[f64; 9], _: &[Table]) -> Bound {
+        // on the way back the curve ends with up to 2 − r times the slope of the loading curve
+        Bound { k: (k + q) * (2.0 - r), z: closing.max(opening), contact: true, ..Bound::default() }
+    }
+}
+
+/// A ball that a spring brings back to a felt again and again, on a line or in space along `x`.
+fn bounces(space: bool) -> Model {
+    let at = |v: f64| if space { format!("[{v}, 0, 0]") } else { format!("{v}") };
+    let dim = if space { 3 } else { 1 };
+    read(&format!(
+        "[room]\ndim = {dim}\n[room.SOL]\nwall = {{}}\nfar = {{ x = {} }}\n[room.MAS]\nball = {{ m = 0.01, x = {}, v = {} }}\n\
+         [FELT]\nblow = {{ between = [\"room.wall\", \"room.ball\"], k = 2e4, q = 1e4, b = 1e-4, d = 0.1, r = 0.3 }}\n\
+         [RES]\nback = {{ between = [\"room.ball\", \"room.far\"], k = 100, l0 = 0.104 }}\n",
+        at(0.2),
+        at(0.104),
+        at(-0.4),
+    ))
+}
+
+/// What remembers is told that it is let go where its ends are too far apart to touch: each blow begins anew.
+#[test]
+fn what_a_contact_remembers_ends_with_the_contact_in_space_too() {
+    let run = |space: bool| {
+        let scene = built(&bounces(space), &Options { energy: true, ..Options::default() });
+        let (mut s, ball) = (scene.state(), mat(&scene, "room.ball"));
+        let (mut path, mut blows) = (Vec::new(), 0);
+        for _ in 0..20_000 {
+            let pressed = s.mem[0] > 0.0;
+            tick(&scene, &mut s);
+            blows += u32::from(!pressed && s.mem[0] > 0.0);
+            path.push(s.x[ball]);
+        }
+        assert!(blows >= 3, "{blows} blows");
+        let b = s.ledger.as_ref().expect("asked for").balance();
+        within("the accounts of the blows", b.residual.abs() / b.peak, 1e-12);
+        path
+    };
+    within("in space as on a line", apart(&run(true), &run(false)), 1e-12);
+}
+
+/// The finding of a contact pressed at load has its force; nothing is assumed of what it remembers.
+#[test]
+fn a_contact_with_memory_that_is_pressed_at_load_is_named_with_its_force() {
+    let text = "[MAS]\nlow = { m = 1 }\nhigh = { m = 1, x = -1e-3 }\n[FELT]\npress = { between = [\"low\", \"high\"], \
+                k = 2000 }\n[SOX]\nout = { from = \"low\" }\n";
+    let scene = built(&read(text), &Options::default());
+    let found: Vec<_> = scene.diags.list.iter().map(|d| d.title.as_str()).collect();
+    assert_eq!(found, ["`press` presses at load, with 2 N"]);
+    assert_eq!(scene.state().mem, [1e-3, 0.0]);
+}
+
+/// Between two sets in space it stays a link for each pair, since each pair remembers its own contact.
+#[test]
+fn a_set_of_contacts_with_memory_is_its_pairs() {
+    let grains: String = (0..6).map(|i| format!("g{i} = {{ m = 1, x = [{}, 0, 0] }}\n", 0.01 * f64::from(i))).collect();
+    let names = (0..6).map(|i| format!("\"r.g{i}\"")).collect::<Vec<_>>().join(", ");
+    let text = format!(
+        "[r]\ndim = 3\n[r.MAS]\n{grains}[FELT]\nall = {{ between = [[{names}], [{names}]], pairs = \"all\", k = 10, \
+         d = 0.011 }}\n[SOX]\nout = {{ from = \"r.g0\", along = \"x\" }}\n"
+    );
+    let scene = built(&read(&text), &Options::default());
+    assert_eq!((scene.n_lia, scene.n_mem), (15, 30));
+}
