@@ -44,5 +44,6 @@ mod single;
 mod soak;
 mod space;
 mod stable;
+mod thresholds;
 mod waveguide;
 mod writer;

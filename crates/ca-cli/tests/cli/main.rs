@@ -1,6 +1,7 @@
 //! The command as people use it: the built binary in an empty directory.
 
 mod accuracy;
+mod against;
 mod border;
 mod desk;
 mod docs;

@@ -1,0 +1,89 @@
+//! `ca check --device`: each limit of a device from both sides, a thousandth of it apart.
+
+use crate::desk::Desk;
+use serde_json::Value as Json;
+
+/// What is said of one key on a spring of stiffness `k` \[N/m\], by a device of so many degrees of freedom, stiffness
+/// \[N/m\], force \[N\], friction \[N s/m\] and frames a second; and whether the command is content.
+struct Key {
+    k: f64,
+    of: u32,
+    dof: u32,
+    stiffness: f64,
+    force: f64,
+    friction: f64,
+    rate: f64,
+}
+
+/// A device that takes all this without a word.
+const EASY: Key = Key { k: 1000.0, of: 0, dof: 1, stiffness: 40e3, force: 100.0, friction: 50.0, rate: 3000.0 };
+
+impl Key {
+    fn asked(&self) -> (i32, Json, String) {
+        let desk = Desk::new();
+        let (k, dof) = (self.k, self.of);
+        desk.put(
+            "key.ca.toml",
+            &format!(
+                "[TGR]\nkey = {{ device = \"one\", dof = {dof} }}\n[SOL]\nwall = {{}}\n[RES]\nspring = {{ between = [\"key\", \
+                 \"wall\"], k = {k:?} }}\n[SOX]\nout = {{ from = \"key\" }}\n"
+            ),
+        );
+        let Key { dof, stiffness, force, friction, rate, .. } = *self;
+        desk.put(
+            "one.toml",
+            &format!(
+                "name = \"one\"\ntitle = \"One key\"\nsource = \"a test\"\ndof = {dof}\nrange = [-0.01, 0.01]\nforce = \
+                 {force:?}\nstiffness = {stiffness:?}\nrate = {rate:?}\n[body]\nmass = 0.2\nfriction = {friction:?}\nstep = \
+                 0.000001\nnoise = 0.000001\n"
+            ),
+        );
+        let args = ["check", "key.ca.toml", "--device", "one.toml"];
+        let told = desk.ca(&args);
+        let all = desk.ca(&[&args[..], &["--json"]].concat()).json()["device"].clone();
+        (told.code, all, told.out)
+    }
+}
+
+/// The limit in `at` of the JSON is passed by the second and not by the first, and the words say so.
+#[track_caller]
+fn between(below: &Key, above: &Key, at: &str, words: &str) {
+    let passed = |j: &Json| !matches!(j.pointer(at).unwrap(), Json::Null | Json::Bool(false));
+    let ((quiet, first, said), (loud, second, told)) = (below.asked(), above.asked());
+    assert!(!passed(&first) && passed(&second), "{at}: {first:#}\n{second:#}");
+    assert!(!said.contains(words) && told.contains(words), "`{words}`:\n{said}\n{told}");
+    assert!(quiet == 0 && (loud == 3) == (second["too_much"] == true), "{quiet} {loud}");
+}
+
+#[test]
+fn what_a_device_renders_ends_at_its_stiffness() {
+    let at = |k: f64| Key { k, friction: 500.0, force: 1e4, ..EASY };
+    between(&at(40e3 * 0.999), &at(40e3 * 1.001), "/keys/0/beyond_stiffness", "what it renders");
+}
+
+#[test]
+fn what_stays_passive_ends_where_the_page_says() {
+    let passive = EASY.asked().1["passive"].as_f64().unwrap();
+    let at = |k: f64| Key { k, stiffness: 10.0 * passive, force: 1e5, ..EASY };
+    between(&at(passive * 0.999), &at(passive * 1.001), "/keys/0/beyond_passive", "what stays passive");
+}
+
+#[test]
+fn a_force_within_the_travel_passes_that_of_the_device_from_its_limit_on() {
+    // 10 mm either way
+    let at = |k: f64| Key { k, force: 10.0, ..EASY };
+    between(&at(1000.0 * 0.999), &at(1000.0 * 1.001), "/keys/0/saturates", "the force passes 10 N");
+}
+
+#[test]
+fn a_device_is_slow_from_the_first_frame_it_lacks() {
+    between(&EASY, &Key { rate: 2999.0, ..EASY }, "/slow", "a frame without a new position repeats the last");
+}
+
+#[test]
+fn degrees_of_freedom_end_at_their_number() {
+    let (_, last, _) = Key { of: 2, dof: 3, ..EASY }.asked();
+    let (code, beyond, said) = Key { of: 3, dof: 3, ..EASY }.asked();
+    assert_eq!((&last["keys"][0]["there"], &beyond["keys"][0]["there"], code), (&true.into(), &false.into(), 3));
+    assert!(said.contains("beyond the 3 it has"), "{said}");
+}

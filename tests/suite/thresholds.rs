@@ -1,0 +1,257 @@
+//! Every number that a finding of the compiler states, from both sides: a thousandth below it nothing is said, a thousandth
+//! above it the finding is there. A limit that moves is seen, whichever way it goes.
+
+use crate::conformance::drawn::catalog;
+use ca_core::kind::{Kind, Type, Unit};
+use ca_core::model::diag::Diags;
+use ca_core::model::{Entry, Value, read};
+use ca_core::{Options, compile};
+use std::fmt::Write as _;
+
+/// What is found in a model: code, title and help of each, a line each.
+fn found(text: &str) -> String {
+    let (model, mut diags) = read::read(text, "test.ca.toml", &catalog());
+    diags.list.extend(match compile(&model, &catalog(), &Options::default()) {
+        Ok(scene) => scene.diags.list,
+        Err(diags) => diags.list,
+    });
+    said(&diags)
+}
+
+fn said(diags: &Diags) -> String {
+    let mut all = String::new();
+    for d in &diags.list {
+        let _ = writeln!(all, "{}: {} ({})", d.code, d.title, d.help.as_deref().unwrap_or(""));
+    }
+    all
+}
+
+/// The stiffness at which kT²/m of a gram is `a` at 48 kHz.
+fn k(a: f64) -> f64 {
+    a * 1e-3 * 48e3 * 48e3
+}
+
+/// The viscosity at which zT/m of a gram is `a` at 48 kHz.
+fn z(a: f64) -> f64 {
+    a * 1e-3 * 48e3
+}
+
+/// A gram beside a wall, and `more`.
+fn bob(more: &str) -> String {
+    format!("[SOL]\nwall = {{}}\n[MAS]\nbob = {{ m = \"1 g\" }}\n[SOX]\nout = {{ from = \"bob\" }}\n{more}")
+}
+
+/// The same, joined by one link.
+fn link(code: &str, args: &str) -> String {
+    bob(&format!("[{code}]\nl = {{ between = [\"wall\", \"bob\"], {args} }}\n"))
+}
+
+/// A string of a gram each, kT²/m = 0.9, that a spring of no straight line holds in the middle.
+fn held(a: f64) -> String {
+    format!(
+        "[STRING]\ns = {{ n = 20, m = \"1 g\", k = {:?} }}\n[SOL]\nwall = {{}}\n[CUB]\nc = {{ between = [\"wall\", \"s[9]\"], \
+         k = {:?}, k3 = 1 }}\n[SOX]\nout = {{ from = \"s[3]\" }}\n",
+        k(0.9),
+        k(a)
+    )
+}
+
+/// A body whose one edge leans on a spring of 100 N/m.
+fn lpr(k: f64) -> String {
+    format!(
+        "[room]\ndim = 3\n[room.MAS]\na = {{ m = 1 }}\nb = {{ m = 1, x = [1, 0, 0] }}\n[SOL]\nwall = {{}}\n[MAS]\nbob = {{ m = 1 \
+         }}\n[RES]\nhold = {{ between = [\"wall\", \"bob\"], k = 100 }}\n[LPR]\nedge = {{ between = [\"room.a\", \"room.b\"], \
+         onto = [\"wall\", \"bob\"], k = {k:?} }}\n[SOX]\nout = {{ from = \"bob\" }}\n"
+    )
+}
+
+fn rate(words: &str) -> String {
+    format!("[rate]\n{words}\n{}", bob(""))
+}
+
+/// A limit: what is said beyond it (a code and words), the number, and the model with a number in that place.
+type Limit = (&'static str, &'static str, f64, fn(f64) -> String);
+
+const LIMITS: &[Limit] = &[
+    ("W103", "the limit is", 4.0, |a| link("RES", &format!("k = {:?}", k(a)))),
+    ("W103", "the limit is", 2.0, |a| link("FRO", &format!("z = {:?}", z(a)))),
+    // the method counts its own limit, 8.9368, which is a good two times that of the explicit one
+    ("W103", "the limit is", 8.936_808, |a| {
+        format!("[model]\nmethod = \"pefrl\"\n{}", link("RES", &format!("k = {:?}", k(a))))
+    }),
+    ("W104", "may make energy", 1.0, |a| link("BUT", &format!("k = {:?}", k(a)))),
+    ("W104", "makes energy at every blow", 2.0, |a| link("BUT", &format!("k = {:?}", k(a)))),
+    ("W107", "the limit is 4", 0.4, held),
+    // a spring that is negative is covered by one beside it
+    ("W107", "not covered", 100.0, |k| {
+        let rest = "[MAS]\none = { m = 1 }\ntwo = { m = 1 }\n[SOX]\nout = { from = \"one\" }\n";
+        format!(
+            "{rest}[RES]\nplus = {{ between = [\"one\", \"two\"], k = 100 }}\nminus = {{ between = [\"one\", \"two\"], k = \
+             {:?} }}\n",
+            -k
+        )
+    }),
+    ("W112", "leans on less than itself", 100.0, lpr),
+    // slope·T/m is f/(v0 m) T
+    ("W113", "stay below 1.5", 1.5, |a| link("BOW", &format!("curve = \"coulomb\", f = {:?}, v0 = \"1 m/s\"", z(a)))),
+    // 1 % of the half of the sound rate are left to the filter
+    ("E023", "stay below 23760 Hz", 23_760.0, |f| rate(&format!("filter = {f:?}"))),
+    ("E023", "stay below 24000 Hz", 24_000.0, |f| {
+        format!("[CEL]\nbar = {{ m = 1, f = {f:?} }}\n[SOX]\nout = {{ from = \"bar\" }}\n")
+    }),
+    ("E009", "sound", 1e7, |f| rate(&format!("sound = {f:?}\ngesture = {f:?}"))),
+    ("E009", "seconds", 86_400.0, |s| format!("[model]\nseconds = {s:?}\n{}", bob(""))),
+];
+
+#[test]
+fn a_limit_that_is_stated_is_where_it_is_stated() {
+    let mut wrong = String::new();
+    for (code, words, at, text) in LIMITS {
+        for (v, is) in [(at * (1.0 - 1e-3), false), (at * (1.0 + 1e-3), true)] {
+            let all = found(&text(v));
+            if all.lines().any(|l| l.starts_with(code) && l.contains(words)) != is {
+                let _ = writeln!(wrong, "{code} ({words}) is {}told at {v}:\n{all}", if is { "not " } else { "" });
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong}");
+}
+
+/// What is told of a number that is nothing, a count, or a sign: just there, and not beside it.
+#[test]
+fn a_limit_at_nothing_or_at_a_count_is_there_too() {
+    let key = |z: f64| {
+        let tgr = "[TGR]\nkey = { device = \"d\", dof = 0 }\n[REF]\nr = { between = [\"key\", \"bob\"], k = 10, ";
+        bob(&format!("{tgr}z = {z:?} }}\n"))
+    };
+    let table = |y: f64| link("LNL", &format!("friction = [[-1, -1], [0, 0], [1, {y:?}]]"));
+    let dim = |n: i32| format!("[room]\ndim = {n}\n{}", bob(""));
+    let oversample = |n: i32| rate(&format!("oversample = {n}"));
+    let latency = |n: i32| rate(&format!("latency = {n}"));
+    for (code, words, quiet, told) in [
+        ("W105", "viscosity straight on a device key", key(0.0), key(1e-9)),
+        ("W110", "may feed energy in", table(0.0), table(-1e-9)),
+        ("E009", "dim", dim(3), dim(4)),
+        ("E009", "dim", dim(1), dim(0)),
+        ("E009", "oversample", oversample(64), oversample(65)),
+        ("E009", "oversample", oversample(1), oversample(0)),
+        ("E009", "latency", latency(10_000), latency(10_001)),
+        ("E009", "latency", latency(0), latency(-1)),
+        ("E009", "sound", rate("sound = 1\ngesture = 1"), rate("sound = 0.999\ngesture = 0.999")),
+    ] {
+        let is = |text: &str| found(text).lines().any(|l| l.starts_with(code) && l.contains(words));
+        assert!(!is(&quiet), "{code} ({words}) is told of\n{quiet}\n{}", found(&quiet));
+        assert!(is(&told), "{code} ({words}) is not told of\n{told}\n{}", found(&told));
+    }
+}
+
+/// A contact presses from its threshold on.
+#[test]
+fn a_contact_that_presses_at_load_is_told_from_its_threshold_on() {
+    let text = |x: f64| {
+        format!(
+            "[MAS]\nbob = {{ m = 1 }}\nend = {{ m = 1, x = {x:?} }}\n[BUT]\nb = {{ between = [\"bob\", \"end\"], k = 10, d = \
+             0.1 }}\n[SOX]\nout = {{ from = \"bob\" }}\n"
+        )
+    };
+    assert!(!found(&text(0.1 + 1e-9)).contains("W102"));
+    assert!(found(&text(0.1 - 1e-9)).contains("W102"));
+}
+
+/// The advice of W104: viscosity between 0.12 a and 1.9 − a, where there is room between them.
+#[test]
+fn viscosity_is_advised_to_a_stiff_contact_where_some_helps() {
+    let advised = |a: f64| found(&link("BUT", &format!("k = {:?}", k(a)))).contains("or viscosity `z` between");
+    let end = 1.9 / 1.12;
+    assert!(advised(end * (1.0 - 1e-3)) && !advised(end * (1.0 + 1e-3)));
+}
+
+/// Single precision: how stiff a link that looks ahead may be, how slow a decay, how large and small a number.
+#[test]
+fn the_limits_of_single_precision_are_where_they_are_stated() {
+    let found = |text: &str| {
+        use ca_core_single::{Catalog, Options, compile, model::read::read};
+        let (model, read) = read(text, "test.ca.toml", &Catalog::core());
+        let list = match compile(&model, &Catalog::core(), &Options::default()) {
+            Ok(scene) => scene.diags.list,
+            Err(diags) => diags.list,
+        };
+        let all = read.list.into_iter().chain(list);
+        all.map(|d| format!("{}: {} ({})\n", d.code, d.title, d.help.unwrap_or_default())).collect::<String>()
+    };
+    // θ k T²/m of one end
+    let stiff = |a: f64| link("RES", &format!("k = {:?}, method = \"implicit\", theta = 0.25", k(4.0 * a)));
+    // 1 − zT/m lies between two numbers of single precision, ten and a bit of their distance from 1
+    let fades = |bit: f64| {
+        let z = z((10.0 + bit) * f64::from(f32::EPSILON) / 2.0);
+        format!("[CEL]\nbar = {{ m = \"1 g\", k = 1, z = {z:?} }}\n[SOX]\nout = {{ from = \"bar\" }}\n")
+    };
+    let large = |k: f64| link("BUT", &format!("k = {k:?}"));
+    let far = |x: f64| format!("[CEL]\nbar = {{ m = 1, k = 1, dx0 = {x:?} }}\n[SOX]\nout = {{ from = \"bar\" }}\n");
+    for (code, words, quiet, told) in [
+        ("E028", "too stiff for single precision", stiff(99.9), stiff(100.1)),
+        ("W114", "fades too slowly", fades(0.1), fades(0.103)),
+        ("E009", "beyond single precision", large(3.40e38), large(3.41e38)),
+        ("E009", "beyond single precision", large(1.18e-38), large(1.17e-38)),
+        ("E009", "beyond single precision", far(1.01e-30), far(0.99e-30)),
+    ] {
+        let is = |text: &str| found(text).lines().any(|l| l.starts_with(code) && l.contains(words));
+        assert!(!is(&quiet), "{code} ({words}) is told of\n{quiet}\n{}", found(&quiet));
+        assert!(is(&told), "{code} ({words}) is not told of\n{told}\n{}", found(&told));
+    }
+}
+
+/// Puts one argument of the module that shows a kind into its example; what is found of it.
+fn with(kind: &Kind, key: &str, value: Value) -> String {
+    let (mut model, _) = read::read(kind.example, "test.ca.toml", &catalog());
+    let item = model.items.iter_mut().find(|i| i.kind == kind.code).expect("an example of itself");
+    item.args.retain(|e| e.key != key);
+    item.args.push(Entry::new(key, value));
+    match compile(&model, &catalog(), &Options::default()) {
+        Ok(scene) => said(&scene.diags),
+        Err(diags) => said(&diags),
+    }
+}
+
+/// The range of every parameter of every kind: its ends are in it, what is just beyond is refused with the name.
+#[test]
+fn every_range_of_a_parameter_ends_where_its_record_says() {
+    let mut seen = 0;
+    for kind in catalog().iter() {
+        for p in kind.params {
+            let (ends, beyond): (Vec<f64>, Vec<f64>) = match p.ty {
+                Type::Number { unit, min, max } => {
+                    let near = |v: f64, to: f64| if v == 0.0 { to } else { v + to * v.abs() };
+                    let plain = unit == Unit::NONE;
+                    let ends = [min, max].into_iter().filter(|v| v.abs() < 1e6 && *v != f64::MIN_POSITIVE);
+                    let low = (min > f64::MIN).then(|| if min == f64::MIN_POSITIVE { 0.0 } else { near(min, -1e-6) });
+                    let high = (max < f64::MAX).then(|| near(max, 1e-6));
+                    // an exponent goes by quarters: what is between them is refused for that
+                    let ends = ends.filter(|_| plain || min == 0.0).collect();
+                    (ends, low.into_iter().chain(high).collect())
+                }
+                Type::Count { min, max } => {
+                    let low = (min > 0).then(|| f64::from(min) - 1.0);
+                    (vec![], low.into_iter().chain([f64::from(max) + 1.0]).collect())
+                }
+                _ => continue,
+            };
+            let refused = |v: f64| {
+                let all = with(kind, p.name, v.into());
+                let is = |l: &str| l.starts_with("E009") && l.contains(&format!("`{}", p.name));
+                (all.lines().any(is) || all.lines().any(|l| l.starts_with("E009") && l.contains(p.name)), all)
+            };
+            for v in ends {
+                let (no, all) = refused(v);
+                assert!(!no, "{}.{} = {v} is refused:\n{all}", kind.code, p.name);
+                seen += 1;
+            }
+            for v in beyond {
+                let (no, all) = refused(v);
+                assert!(no, "{}.{} = {v} is not refused:\n{all}", kind.code, p.name);
+                seen += 1;
+            }
+        }
+    }
+    assert!(seen > 150, "{seen} ends were tried");
+}
