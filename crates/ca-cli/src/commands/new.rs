@@ -1,14 +1,21 @@
-//! `ca new`: a model to begin with.
+//! `ca new`: a model to begin with, and what an editor needs to help with it.
+//!
+//! Decides that the schema is written beside the model and named by a relative path, rather than by an address or a place
+//! of this machine: it is that of this build, works without a network, and moves with the folder.
 
 use crate::args::NewArgs;
 use crate::load::{self, BUNDLED};
-use crate::{Ended, Failure, Outcome};
+use crate::{Ended, Failure, Outcome, catalog};
+use ca_core::model::schema;
 use ca_core::model::suggest::nearest;
 use std::io::Write as _;
 use std::path::Path;
 
 /// The model that `ca new` writes by default.
 pub const STARTER: &str = include_str!("starter.ca.toml");
+
+/// The JSON Schema of model files, beside them.
+const SCHEMA: &str = "ca.schema.json";
 
 /// Runs the command.
 pub fn run(args: &NewArgs) -> Outcome {
@@ -23,10 +30,26 @@ pub fn run(args: &NewArgs) -> Outcome {
             return Err(Failure::Usage(format!("--from: no bundled model `{word}`; {hint}")));
         }
     };
-    write(&args.file, text, args.force)?;
+    write(&args.file, &format!("#:schema ./{SCHEMA}\n{text}"), args.force)?;
+    let beside = args.file.with_file_name(SCHEMA);
+    describe(&beside)?;
     let file = args.file.display();
     writeln!(std::io::stdout().lock(), "{file} written; hear it with\n\n  ca render {file}\n")?;
     Ok(Ended::Well)
+}
+
+/// Writes the schema for editors, in place of one that is older; a file that is something else stays.
+fn describe(path: &Path) -> Result<(), Failure> {
+    let own = schema::schema(&catalog());
+    let there = std::fs::read(path).ok().map(|b| serde_json::from_slice::<serde_json::Value>(&b).unwrap_or_default());
+    if there.is_some_and(|s| s["title"] != own["title"]) {
+        let what = format!("`{}` is there already, and is no schema of models", path.display());
+        return Err(Failure::Failed(format!("{what}: move it away, then `ca list --schema > {SCHEMA}`")));
+    }
+    std::fs::write(path, format!("{own:#}\n")).map_err(|e| {
+        let what = format!("`{}`: the schema for editors cannot be written: {}", path.display(), load::reason(&e));
+        Failure::Failed(what)
+    })
 }
 
 /// Writes a model file, never over another one unless told so.

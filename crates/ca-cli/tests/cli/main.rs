@@ -12,6 +12,7 @@ mod pitch;
 mod readme;
 mod render;
 mod report;
+mod schema;
 mod serve;
 mod shm;
 mod sweep;

@@ -10,6 +10,7 @@ use super::sections::{GROUP, META, RATES};
 use crate::catalog::Catalog;
 use crate::equivalence::{Class, ROWS, Row};
 use crate::kind::{Dim, Kind, Need, Param, Type, Unit};
+use crate::phi::implicit::{OF_GROUP, OF_MODEL, THETA};
 use alloc::format;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
@@ -19,6 +20,14 @@ use serde_json::{Map, Value as Json, json};
 const WORD: &str = "^[A-Za-z_][A-Za-z0-9_]*$";
 /// A quantity, see [`super::quantity`]; any other string names a `[param]`.
 const QUANTITY: &str = r"^\s*[-+−]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?(\s*[A-Za-zµμ%/].*)?$";
+
+/// The acceleration of free masses, of a model or of a group.
+const GRAVITY: Param = Param::new(
+    "gravity",
+    Type::Place { unit: Unit::ACCELERATION },
+    Need::Optional,
+    "acceleration of free masses: how much along the last axis, downwards, or a number for each axis",
+);
 
 /// The schema of the models this catalog can read.
 pub fn schema(catalog: &Catalog) -> Json {
@@ -41,13 +50,13 @@ pub fn schema(catalog: &Catalog) -> Json {
         kinds.insert(kind.code.into(), json!({"$ref": format!("#/$defs/{}", kind.code)}));
     }
     let mut group = kinds.clone();
-    group.extend(GROUP.iter().map(|p| ((*p).to_string(), known(p))));
+    group.extend(GROUP.iter().map(|p| ((*p).to_string(), known(p, &OF_GROUP))));
     defs.insert(
         "group".into(),
         json!({"type": "object", "description": "modules that share a medium", "properties": group, "additionalProperties": false}),
     );
     let section = |doc: &str, keys: &[&str]| {
-        let keys: Map<String, Json> = keys.iter().map(|k| ((*k).to_string(), known(k))).collect();
+        let keys: Map<String, Json> = keys.iter().map(|k| ((*k).to_string(), known(k, &OF_MODEL))).collect();
         json!({"type": "object", "description": doc, "properties": keys, "additionalProperties": false})
     };
     let mut properties = kinds;
@@ -70,14 +79,17 @@ pub fn schema(catalog: &Catalog) -> Json {
     })
 }
 
-/// Keys that are not parameters of kinds.
-fn known(key: &str) -> Json {
+/// Keys that are not parameters of kinds; `method` is what that key means here.
+fn known(key: &str, method: &Param) -> Json {
     let number = |doc: &str| json!({"$ref": "#/$defs/number", "description": doc});
     match key {
         "units" => json!({"enum": ["si", "alg"], "default": "si", "description": "units of bare numbers"}),
         "dim" => json!({"enum": [1, 2, 3], "description": "dimensions of space"}),
         "reference_rate" => number("rate whose sample is the unit of time of `alg` units [Hz]"),
-        "gravity" => json!({"description": "acceleration of free masses [m/s^2]"}),
+        "gravity" => param(&GRAVITY),
+        "method" => param(method),
+        "theta" => param(&THETA),
+        "seconds" => number("how long it sounds, if nobody says otherwise [s]"),
         "friction" => number("viscosity of the medium on every free mass [N s/m]"),
         "sound" => number("samples per second [Hz]"),
         "oversample" => {
@@ -92,7 +104,12 @@ fn known(key: &str) -> Json {
         }
         "feedback" => json!({"type": "boolean", "default": true, "description": "whether the hand gets a force"}),
         "filter" => number("edge of the pass band of the low-pass on all outputs [Hz]"),
-        _ => json!({"type": "string"}),
+        "title" => json!({"type": "string", "description": "what it is, in a few words"}),
+        "author" => json!({"type": "string", "description": "who made it"}),
+        "source" => json!({"type": "string", "description": "where it comes from"}),
+        "doc" => json!({"type": "string", "description": "more about it"}),
+        // a key that is listed has a type: the tests hold every list against this
+        _ => json!(false),
     }
 }
 
