@@ -14,7 +14,7 @@ use clap::{Args, ValueEnum};
 /// says where; the rest of the file, its comments too, stays as it is.
 #[derive(Args)]
 #[command(after_long_help = "Examples:
-  ca tune hammered_string low=A2
+  ca tune hammered_string low=B2
   ca tune membrane skin='180 Hz' --write higher.ca.toml
   ca tune glass --scale just --root C5 rim --write bowl.ca.toml
   ca tune higher.ca.toml skin=F3+10 --a4 '442 Hz' --in-place --json")]

@@ -1,6 +1,10 @@
 //! The README does what it says: its commands run, in the order and under the names it gives.
 
-use crate::desk::{Desk, blocks, from_root};
+mod effects;
+
+use crate::desk::{Desk, blocks, from_root, peak};
+#[cfg(unix)]
+use effects::Line;
 use std::fs;
 
 fn readme() -> String {
@@ -22,6 +26,7 @@ fn the_first_command_renders_and_the_second_tests() {
     let (name, _) = readme.split_once(".wav`").unwrap();
     let name = name.rsplit('`').next().unwrap();
     assert_eq!(desk.files(), [format!("{name}.wav")], "the file that the README names");
+    assert!(peak(&desk.wav(&desk.files()[0]).1) > 0.05, "it is heard");
 
     assert_eq!(commands[1], "tests/run");
     let recipe = fs::read_to_string(from_root(".ci/run")).unwrap();
@@ -32,7 +37,7 @@ fn the_first_command_renders_and_the_second_tests() {
 
 #[cfg(unix)]
 #[test]
-fn every_ca_line_runs() {
+fn every_ca_line_does_what_it_is_there_for() {
     let readme = readme();
     let desk = Desk::new();
     let models = blocks(&readme, "toml");
@@ -43,15 +48,40 @@ fn every_ca_line_runs() {
         assert!(name.ends_with(".ca.toml"), "{name}");
         desk.put(name, model);
     }
-    let mut ran = 0;
-    for line in commands(&readme).into_iter().filter(|l| l.starts_with("ca ")) {
-        desk.sh(line).is(0);
-        ran += 1;
+    let lines: Vec<Line> = commands(&readme).into_iter().filter_map(Line::new).collect();
+    assert!(lines.len() >= 6, "only {} lines of `ca` were found", lines.len());
+    for line in &lines {
+        let before = effects::files(&desk);
+        let ran = desk.sh(line.text).is(0);
+        effects::check(&desk, line, &before, &ran);
     }
-    assert!(ran >= 6, "only {ran} lines of `ca` were found");
-    for file in ["mine.wav", "soft.wav", "blow.csv", "low[8].npy", "other.ca.toml"] {
-        assert!(desk.path(file).is_file(), "{file}");
+    // what went on beside the others has ended by itself, since they waited for it or for longer
+    lines.iter().filter(|l| l.beside).for_each(|l| effects::check_beside(&desk, l));
+}
+
+/// Commands in the text: those of a bundled model sound; of the others the words and options are known.
+#[cfg(unix)]
+#[test]
+fn commands_in_its_sentences_are_commands() {
+    let readme = readme();
+    let mut seen = 0;
+    let spans = readme.split('`').skip(1).step_by(2).filter(|s| !s.contains('\n'));
+    for line in spans.filter_map(Line::new) {
+        let desk = Desk::new();
+        let bundled = line.words.get(1).filter(|m| ca_lab::load::bundled(m).is_some());
+        if bundled.is_some() && line.verb() == "render" {
+            let before = effects::files(&desk);
+            let ran = desk.sh(line.text).is(0);
+            effects::check(&desk, &line, &before, &ran);
+        } else {
+            let help = desk.ca(&[line.verb(), "--help"]).is(0).out;
+            for option in line.words.iter().filter(|w| w.starts_with("--")) {
+                assert!(help.contains(option.as_str()), "`{}`: no {option} in\n{help}", line.text);
+            }
+        }
+        seen += 1;
     }
+    assert!(seen >= 10, "only {seen} were found");
 }
 
 #[test]
