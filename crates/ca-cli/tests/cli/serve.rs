@@ -75,8 +75,10 @@ fn the_examples_of_the_control_run_against_a_server() {
     assert_eq!(status["fields"]["params"][0]["value"], 900.0);
 
     // a second server is refused, and says by whom
-    let second = desk.ca(&["serve", "key.ca.toml", "--seconds", "1"]).is(1);
-    second.says(&["tgr12"]);
+    let args = ["serve", "key.ca.toml", "--seconds", "1", "-o", "second.wav"];
+    desk.ca(&args).is(1).says(&["tgr12"]);
+    let half: Vec<_> = desk.files().into_iter().filter(|f| f.contains("second")).collect();
+    assert!(half.is_empty(), "a server that never ran leaves {half:?}");
 
     desk.ca(&["stop"]).is(0);
     let (code, out, err) = ended(server);

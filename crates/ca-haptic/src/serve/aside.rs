@@ -132,7 +132,18 @@ pub struct Aside<T> {
     to: Sender<Thing>,
     shared: Arc<Shared>,
     granted: Granted,
-    thread: JoinHandle<Option<T>>,
+    thread: Option<JoinHandle<Option<T>>>,
+}
+
+impl<T> Drop for Aside<T> {
+    /// Waits for a thread that nobody ended, so that its sink is gone before the process is: what it half wrote is then
+    /// removed.
+    fn drop(&mut self) {
+        if let Some(thread) = self.thread.take() {
+            let _ = self.to.send(Thing::End);
+            let _ = thread.join();
+        }
+    }
 }
 
 impl<T: Sink + Send + 'static> Aside<T> {
@@ -169,7 +180,7 @@ impl<T: Sink + Send + 'static> Aside<T> {
             told_at: 0,
             next: LATE,
         };
-        Ok((line, Aside { to, shared, granted: granted.recv().unwrap_or_default(), thread }))
+        Ok((line, Aside { to, shared, granted: granted.recv().unwrap_or_default(), thread: Some(thread) }))
     }
 
     /// What the system granted its thread.
@@ -183,10 +194,10 @@ impl<T: Sink + Send + 'static> Aside<T> {
     }
 
     /// The sink, once everything handed over is written; none where it failed and the desk has told so.
-    pub fn end(self) -> Result<Option<T>, FileError> {
+    pub fn end(mut self) -> Result<Option<T>, FileError> {
         // where it failed nobody listens any more
         let _ = self.to.send(Thing::End);
-        let sink = self.thread.join().unwrap_or_default();
+        let sink = self.thread.take().and_then(|t| t.join().ok()).flatten();
         self.shared.failed().map_or(Ok(sink), Err)
     }
 }
@@ -499,6 +510,31 @@ mod tests {
         let summary = desk.summary(&engine, vec![]);
         let lost = [[summary.lost_records, summary.lost_sound, summary.lost_views], aside.lost()];
         Played { ear, broken: [before, desk.broken().len()], disk: aside.end(), lost }
+    }
+
+    /// A sink that takes its time, and says when it is gone.
+    struct Slow(Arc<AtomicBool>);
+
+    impl Sink for Slow {
+        fn sound(&mut self, _: u64, _: &[f64]) -> Result<(), FileError> {
+            std::thread::sleep(std::time::Duration::from_millis(50));
+            Ok(())
+        }
+    }
+
+    impl Drop for Slow {
+        fn drop(&mut self) {
+            self.0.store(true, Relaxed);
+        }
+    }
+
+    #[test]
+    fn a_sink_that_nobody_ends_is_gone_with_its_owner() {
+        let gone = Arc::new(AtomicBool::new(false));
+        let (mut line, aside) = Aside::start("slow", Slow(gone.clone()), room(1.0), Wish::default()).expect("a thread");
+        line.sound(0, &[0.0]).expect("handed over");
+        drop(aside);
+        assert!(gone.load(Relaxed), "what it half wrote would stay");
     }
 
     #[test]
