@@ -54,7 +54,8 @@ pub fn profile_of(device: &str, given: &[String]) -> Result<Profile, Failure> {
     }
     let p = profile("unknown")?;
     term::warning(&format!(
-        "nobody has described the device `{device}`: at most {} N; say what it is with `--profile {device}=NAME`",
+        "nobody has described the device `{device}`: degrees of freedom as it says itself, at most {} N; \
+         say what it is with `--profile {device}=NAME`",
         p.force
     ));
     Ok(p)

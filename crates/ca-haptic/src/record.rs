@@ -6,6 +6,7 @@
 use crate::engine::Spent;
 use crate::frame::{DeviceFrame, ForceFrame};
 use crate::guard::Order;
+use crate::guard::wait::Wait;
 use ca_core::ledger::Balance;
 
 /// One thing that happened. `tick` is the sound sample before which it took effect.
@@ -27,7 +28,7 @@ pub enum Record {
         /// the frame
         frame: ForceFrame,
     },
-    /// parameters changed, or the scene was loaded again
+    /// parameters changed, the scene was loaded again, or a device said what it is
     Spent {
         /// when
         tick: u64,
@@ -57,6 +58,15 @@ pub enum Record {
         /// its sums
         balance: Balance,
     },
+    /// an armed device still has no force, told now and then
+    Waiting {
+        /// when
+        tick: u64,
+        /// number of the device in the engine
+        port: u32,
+        /// what keeps forces from beginning
+        wait: Wait,
+    },
     /// here so many records are missing: there was no room for them
     Lost {
         /// when there was room again
@@ -76,6 +86,7 @@ impl Record {
             | Record::Order { tick, .. }
             | Record::Hash { tick, .. }
             | Record::Energy { tick, .. }
+            | Record::Waiting { tick, .. }
             | Record::Lost { tick, .. } => *tick,
         }
     }

@@ -72,6 +72,9 @@ pub struct SimArgs {
     /// How long it plays; until stopped if left out
     #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     pub seconds: Option<f64>,
+    /// Holds still until forces come, as a hand would, and plays then
+    #[arg(long)]
+    pub wait: bool,
     /// Frames a second, if not those of its profile
     #[arg(long, value_name = "HZ", value_parser = hertz)]
     pub rate: Option<f64>,

@@ -154,6 +154,29 @@ fn check_says_what_a_device_cannot_render() {
 }
 
 #[test]
+fn check_compares_what_the_gesture_asks_for_with_the_travel() {
+    let desk = Desk::new();
+    let told = desk.ca(&["check", "rattle", "--device", "tgr12"]).is(3);
+    let told = told.says(&["`key_x` is to go from -44.3 mm to 44.6 mm, the device goes from -10 mm to 10 mm"]);
+    told.says(&["beyond its travel", "ca equiv --set position="]);
+    let j = desk.ca(&["check", "rattle", "--device", "tgr12", "--json"]).is(3).json();
+    let key = &j["device"]["keys"][0];
+    near(key["asks"][0].as_f64().unwrap(), -0.0443);
+    near(key["asks"][1].as_f64().unwrap(), 0.0446);
+    assert_eq!(key["beyond_travel"], true);
+    // scaled to the hand it fits, and not by a hair more
+    for (real, fits) in [("10 mm", true), ("9.9 mm", true), ("10.1 mm", false)] {
+        let set = format!("position={real}:44.6 mm");
+        desk.ca(&["equiv", "rattle", "--set", &set, "--write", "small.ca.toml", "--force"]).is(0);
+        let j = desk.ca(&["check", "small.ca.toml", "--device", "tgr12", "--json"]).json();
+        assert_eq!(j["device"]["keys"][0]["beyond_travel"], !fits, "{real}: {}", j["device"]["keys"][0]);
+    }
+    // a key that rests where the device cannot be
+    desk.put("far.ca.toml", "[TGR]\nkey = { device = \"tgr12\", x = \"11 mm\" }\n[SOX]\nout = { from = \"key\" }\n");
+    desk.ca(&["check", "far.ca.toml", "--device", "tgr12"]).is(3).says(&["from 11 mm to 11 mm"]);
+}
+
+#[test]
 fn a_law_that_stiffens_is_measured() {
     // k = 0 at rest, F = c e^3: its slope at the end of the travel is 3 c e^2
     let desk = Desk::new();

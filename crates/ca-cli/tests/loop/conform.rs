@@ -40,6 +40,9 @@ fn simulated_devices_pass() {
         assert!(pass && found.contains("WATCHDOG_OUT"), "{found}");
         // forces were really there
         assert!(row(&v, "measured").1.contains("were asked"), "{v:#}");
+        // with the profile it has, and on a spring that is known
+        assert!(row(&v, "serve").1.contains(&format!("profile `{name}`")), "{v:#}");
+        assert!(row(&v, "spring").1.contains("N of the spring"), "{v:#}");
         let seen = device.stop().is(0);
         assert!(seen.says(&["WATCHDOG_OUT", "another engine"]).out.contains(name));
     }
@@ -95,6 +98,7 @@ fn lies_of_forces_are_found() {
     found(Lie::Ack, "ack");
     found(Lie::Measured, "measured");
     found(Lie::Layout, "layout");
+    found(Lie::Sign, "spring");
 }
 
 #[test]

@@ -36,6 +36,8 @@ pub enum Lie {
     Session,
     /// it gives another force than it was told
     Measured,
+    /// it moves against the force: positions and forces have not the same sign
+    Sign,
 }
 
 /// Frame of 3000 a second \[ns\].
@@ -161,7 +163,12 @@ fn play(place: &Place, name: &str, lie: Lie, stop: &AtomicBool) {
         frame.cause = if watch.last().is_none() { Cause::Disarmed } else { cause } as u16;
         frame.seq = if lie == Lie::Numbers { 1 } else { n };
         frame.ack = if lie == Lie::Ack { 0 } else { held.seq };
-        frame.pos[0] = if lie == Lie::Positions { 0.02 } else { 0.0 };
+        match lie {
+            Lie::Positions => frame.pos[0] = 0.02,
+            // a damped finger that is pushed the wrong way
+            Lie::Sign => frame.pos[0] = (frame.pos[0] - 2e-4 * f64::from(frame.force_measured[0])).clamp(-0.01, 0.01),
+            _ => {}
+        }
         (frame.t_device_ns, frame.t_host_ns, frame.period_ns) = (n * period, now, period as u32);
         frames.send_copy(frame).unwrap();
         // what stood still goes on at its rate, and does not catch up

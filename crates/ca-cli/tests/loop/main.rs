@@ -6,6 +6,7 @@
 #[cfg(feature = "audio")]
 mod audio;
 mod conform;
+mod described;
 mod dialogue;
 mod faults;
 mod fuzz;

@@ -149,7 +149,8 @@ pub unsafe extern "C" fn ca_device_force(device: u64, force: *mut f64, frame: *m
                 // SAFETY: not null; that it points to a structure of this type is the caller's word
                 unsafe { frame.write(*last) };
             }
-            Ok(i32::from(client.cause() as u16))
+            // of the force above, not of one that came meanwhile
+            Ok(i32::from(client.watch().cause(ca_haptic::rt::now_ns()) as u16))
         })
     })
 }

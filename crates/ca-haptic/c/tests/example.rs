@@ -39,3 +39,44 @@ fn c_plays() {
         .unwrap();
     played(&place, child);
 }
+
+/// The commands of the page, as they stand there.
+fn page() -> String {
+    let page = include_str!("../../../../docs/devices.md");
+    let block = page.split("```sh\n").find(|b| b.contains("ca_device.h") || b.contains("-lca_device"));
+    let block = block.expect("how to build it").split("```").next().unwrap();
+    assert!(block.contains("cargo build -p ca-device") && block.contains("libca_device.a"), "{block}");
+    block.to_owned()
+}
+
+#[test]
+fn the_page_builds_and_links() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../..").canonicalize().unwrap();
+    // where this test was built, whatever its profile: <target>/<profile>/deps
+    let exe = std::env::current_exe().unwrap();
+    let target = exe.ancestors().nth(3).unwrap();
+    let place = place();
+    // the page writes into `target`, the test into a place of its own
+    let lines = page()
+        .replace("target/finger", &place.site.root().join("finger").display().to_string())
+        .replace("$PWD/target/", &format!("{}/", target.display()))
+        .replace("target/debug", &target.join("debug").display().to_string());
+    let built = Command::new("sh")
+        .args(["-ec", &lines])
+        .current_dir(&root)
+        .env("CARGO_TARGET_DIR", target)
+        .env("CARGO", env!("CARGO"))
+        .output()
+        .expect("a shell");
+    assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
+    for program in ["finger", "finger-static"] {
+        let child = Command::new(place.site.root().join(program))
+            .args(["finger", "2000"])
+            .env("CA_SHM_ROOT", place.site.root())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        played(&place, child);
+    }
+}

@@ -9,11 +9,13 @@
 //! Frame n covers the ticks (n−1)R+1 … nR (numerics 5.1); the very first only places the devices.
 
 mod port;
+mod refit;
 mod sound;
 #[cfg(test)]
 pub(crate) mod tests;
 
 pub use port::{Link, Port, Setup};
+pub use refit::Refit;
 
 use crate::frame::{DeviceFrame, ForceFrame};
 use crate::guard::Order;
@@ -41,6 +43,8 @@ pub enum Act {
     Order(Option<u32>, Order),
     /// this state of the same scene instead, usually that at load, and forces off; made outside, since that allocates
     Reload(Box<State>),
+    /// a device said what it is: its port made anew outside, since that allocates
+    Refit(Box<Refit>),
 }
 
 /// What an act leaves behind, to be freed elsewhere.
@@ -50,6 +54,8 @@ pub enum Spent {
     Change(Box<Change>),
     /// the state before a reload
     State(Box<State>),
+    /// the port before a refit, with the profile that took its place
+    Port(Box<Refit>),
 }
 
 /// Numbers of an engine that are not of the scene.
@@ -102,6 +108,8 @@ pub struct Engine {
     filled: usize,
     ceiling: Ceiling,
     wild: bool,
+    /// faults of ports that were made anew
+    past_faults: u64,
 }
 
 impl Engine {
@@ -111,8 +119,18 @@ impl Engine {
         let channels = scene.channels;
         let sound = vec![0.0; scene.ratio as usize * channels];
         let ceiling = Ceiling::new(channels, scene.rate);
-        let mut engine =
-            Engine { scene, state, ports, counts: Counts::default(), options, sound, filled: 0, ceiling, wild: false };
+        let mut engine = Engine {
+            scene,
+            state,
+            ports,
+            counts: Counts::default(),
+            options,
+            sound,
+            filled: 0,
+            ceiling,
+            wild: false,
+            past_faults: 0,
+        };
         for p in &mut engine.ports {
             p.out.session = options.session;
         }
@@ -174,6 +192,14 @@ impl Engine {
                 }
                 return Some(Spent::State(state));
             }
+            Act::Refit(mut refit) => {
+                let port = self.ports.get_mut(refit.which as usize);
+                match port.and_then(|p| refit.swap(p)) {
+                    Some(faults) => self.past_faults += faults,
+                    None => self.counts.refused += 1,
+                }
+                return Some(Spent::Port(refit));
+            }
         }
         None
     }
@@ -199,7 +225,7 @@ impl Engine {
         for p in &mut self.ports {
             p.answer(&self.scene, state, options.session, wild);
         }
-        self.counts.faults = self.ports.iter().map(|p| p.chain.faults()).sum();
+        self.counts.faults = self.past_faults + self.ports.iter().map(|p| p.chain.faults()).sum::<u64>();
         self.ports.iter().map(|p| &p.out)
     }
 

@@ -202,6 +202,17 @@ impl Port {
         self.last.fill(0.0);
     }
 
+    /// Goes on from where another port of the same device is.
+    pub(super) fn follow(&mut self, before: &Port) {
+        self.out = ForceFrame { ttl_us: self.out.ttl_us, n: self.out.n, ..before.out };
+        self.hand.frame = before.hand.frame;
+        self.there = before.there;
+        for (to, from) in self.last.iter_mut().zip(&before.last) {
+            *to = *from;
+        }
+        self.inlet.dropped = before.inlet.dropped;
+    }
+
     /// Frames the input checks dropped.
     pub fn dropped(&self) -> u64 {
         self.inlet.dropped

@@ -7,6 +7,7 @@
 //! positions that are no metres, which is implausible.
 
 use super::saturation::limit;
+use super::wait::Wait;
 use super::{Hand, Order, Stage};
 use crate::frame::{Cause, DOF, Mode, flag};
 use crate::profile::Profile;
@@ -29,6 +30,9 @@ pub struct Gate {
     stop_frames: u32,
     most: f64,
     faults: u64,
+    wait: Wait,
+    /// what the device is, is known
+    described: bool,
 }
 
 /// Whole frames in `t` seconds, at least 1.
@@ -56,6 +60,8 @@ impl Gate {
             stop_frames: frames(l.stop, te),
             most: profile.force.min(profile.continuous()),
             faults: 0,
+            wait: Wait::Nothing,
+            described: !(profile.is_unknown() && profile.force == 0.0),
         }
     }
 
@@ -80,6 +86,50 @@ impl Gate {
             (self.mode, self.cause, self.armed, self.since) = (Mode::Fault, cause, false, 0);
             self.faults += 1;
         }
+    }
+
+    /// What kept forces from beginning in the last frame.
+    pub fn wait(&self) -> Wait {
+        self.wait
+    }
+
+    /// What keeps forces from beginning: what the device is, where it is, and what the model presses with there.
+    fn waits(&self, hand: &Hand) -> Wait {
+        if hand.age > self.hold {
+            return Wait::Stale;
+        }
+        if !self.described {
+            return Wait::Undescribed;
+        }
+        if !hand.calibrated {
+            return Wait::NotReady;
+        }
+        if hand.met != u32::MAX {
+            return Wait::OnTheWay;
+        }
+        let mut wait = Wait::Nothing;
+        for at in (0..hand.n).step_by(self.axes) {
+            let f = hand.length(at, self.axes);
+            if f > 0.0 && f >= self.clear {
+                let (most, count) = match wait {
+                    Wait::Presses { dof, force, count, .. } if force >= f => ((dof, force), count),
+                    Wait::Presses { count, .. } => ((at as u32, f), count),
+                    _ => ((at as u32, f), 0),
+                };
+                wait = Wait::Presses { dof: most.0, force: most.1, limit: self.clear, count: count + 1 };
+            }
+        }
+        if wait == Wait::Nothing {
+            for (dof, v) in hand.v[..hand.n].iter().enumerate().filter(|(_, v)| v.abs() > self.speed) {
+                wait = Wait::Fast { dof: dof as u32, speed: v.abs(), limit: self.speed };
+            }
+        }
+        wait
+    }
+
+    /// Whether somebody has armed it, and no fault ended that.
+    pub fn is_armed(&self) -> bool {
+        self.armed
     }
 
     /// Faults that latched so far.
@@ -109,13 +159,12 @@ impl Stage for Gate {
             self.fault(Cause::Implausible);
         }
         let mut gain = 0.0;
+        self.wait = Wait::Nothing;
         match self.mode {
             Mode::Off if self.armed => {
                 hand.flags |= flag::WAIT_CLEAR;
-                let heavy = |f: f64| f > 0.0 && f >= self.clear;
-                let pushes = (0..hand.n).step_by(self.axes).any(|at| heavy(hand.length(at, self.axes)));
-                let clear = hand.calibrated && hand.met == u32::MAX && hand.age <= self.hold && !pushes && !fast;
-                self.since = if clear { self.since + 1 } else { 0 };
+                self.wait = self.waits(hand);
+                self.since = if self.wait == Wait::Nothing { self.since + 1 } else { 0 };
                 if self.since >= self.clear_frames {
                     (self.mode, self.since) = (Mode::Ramp, 0);
                 }

@@ -25,6 +25,7 @@ pub mod passivity;
 pub mod saturation;
 pub mod slew;
 pub mod thermal;
+pub mod wait;
 pub mod workspace;
 
 use crate::frame::{Cause, DOF, Mode};
@@ -231,6 +232,16 @@ impl Chain {
     /// Faults that latched so far.
     pub fn faults(&self) -> u64 {
         self.gate.faults()
+    }
+
+    /// What kept forces from beginning in the last frame.
+    pub fn wait(&self) -> wait::Wait {
+        self.gate.wait()
+    }
+
+    /// Whether somebody has armed it, and no fault ended that.
+    pub fn is_armed(&self) -> bool {
+        self.gate.is_armed()
     }
 
     /// Names of the stages, in order.

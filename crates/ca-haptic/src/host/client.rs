@@ -30,6 +30,8 @@ pub struct DeviceClient {
     seq: u64,
     told: u64,
     held: Option<u64>,
+    /// number of the force frame that the caller was given last
+    given: u64,
     watch: Watch,
     // ports before the node they belong to
     frames: Publisher<Ipc, DeviceFrame, ()>,
@@ -58,8 +60,19 @@ impl DeviceClient {
         let says = Frames::open(&node, name, Line::About, 1)?.publisher(site)?;
         let bell = Bell::open(&node, name)?.listener(site)?;
         let watch = Watch::new(about.device);
-        let mut client =
-            DeviceClient { about, seq: 0, told: 0, held: None, watch, frames, forces, says, bell, _node: node };
+        let mut client = DeviceClient {
+            about,
+            seq: 0,
+            told: 0,
+            held: None,
+            given: 0,
+            watch,
+            frames,
+            forces,
+            says,
+            bell,
+            _node: node,
+        };
         client.tell(now_ns())?;
         Ok(client)
     }
@@ -82,9 +95,10 @@ impl DeviceClient {
         self.held = Some(seq);
     }
 
-    /// Sends a frame: fills in who it is from (header, device, session), its number, the last force seen, the time and,
-    /// where 0, the period; on the wire also why there is no force, where the frame gives no reason of its own. Returns
-    /// how many read it; 0 is no error, the engine may come later.
+    /// Sends a frame: fills in who it is from (header, device, session), its number, the last force that was asked for
+    /// ([`DeviceClient::safe_force`], [`DeviceClient::force`]), the time and, where 0, the period; on the wire also why
+    /// there is no force, where the frame gives no reason of its own. Returns how many read it; 0 is no error, the engine
+    /// may come later.
     pub fn send(&mut self, frame: &mut DeviceFrame) -> Result<usize, HostError> {
         let now = now_ns();
         if now.saturating_sub(self.told) >= EVERY_NS {
@@ -97,7 +111,7 @@ impl DeviceClient {
         (frame.magic, frame.version, frame.layout) = (DeviceFrame::MAGIC, VERSION, DeviceFrame::LAYOUT);
         (frame.device, frame.session, frame.seq) = (self.about.device, self.about.session, self.seq);
         let own = self.held.is_none();
-        frame.ack = self.held.take().unwrap_or_else(|| self.watch.last().map_or(0, |f| f.seq));
+        frame.ack = self.held.take().unwrap_or(self.given);
         frame.t_host_ns = now;
         if frame.period_ns == 0 && self.about.rate > 0 {
             frame.period_ns = 1_000_000_000 / self.about.rate;
@@ -128,14 +142,23 @@ impl DeviceClient {
     /// The newest force frame of this layout and for this device, if one came since the last call. For display and
     /// measurement; motors get [`DeviceClient::safe_force`].
     pub fn force(&mut self) -> Option<ForceFrame> {
-        if self.drain() { self.watch.last().copied() } else { None }
+        if self.drain() { self.give().copied() } else { None }
     }
 
     /// What may reach the motors now \[N\]: zeros after the life of the last frame, when off or at fault, from an engine
     /// not yet seen at rest.
     pub fn safe_force(&mut self) -> [f64; DOF] {
         self.drain();
+        self.give();
         self.watch.force(now_ns())
+    }
+
+    /// The newest frame, which is what the motors hold from now on: one that is only looked at ([`DeviceClient::cause`])
+    /// acts on nobody, and must not be acknowledged.
+    fn give(&mut self) -> Option<&ForceFrame> {
+        let last = self.watch.last();
+        self.given = last.map_or(0, |f| f.seq);
+        last
     }
 
     /// Why [`DeviceClient::safe_force`] gives nothing; [`Cause::None`] where it gives a force.

@@ -2,7 +2,11 @@
 //!
 //! Decides that no number of the guard stands in code: `profiles/<name>.toml` holds what is known of the device with
 //! its source, and what the guard uses of it by default ([`Limits`]); a file of the user's own overrides any of them.
-//! A device nobody has described is `unknown`: 2 N, slow, soft.
+//! A device nobody has described is `unknown`: 2 N, slow, soft, of as many degrees of freedom as it says it has.
+
+mod described;
+
+pub use described::UNKNOWN;
 
 use crate::error::{FileError, FileErrorKind};
 use serde::{Deserialize, Serialize};

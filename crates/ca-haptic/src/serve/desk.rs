@@ -7,15 +7,22 @@ use super::summary::{DeviceSummary, Fault, Pulse, Summary};
 use super::{Beat, DeskEnds, Shared};
 use crate::FileError;
 use crate::blocks::take;
-use crate::engine::{Act, Change, Engine, Port};
+use crate::engine::{Act, Change, Engine, Port, Refit, Setup};
 use crate::frame::{Cause, Mode};
 use crate::guard::Order;
+use crate::guard::wait::Wait;
 use crate::record::Record;
 use crate::stats::Times;
 use ca_core::Scene;
 use ca_core::live::Controls;
+use ca_core::scene::InputRole;
 use std::sync::Arc;
 use std::sync::atomic::Ordering::{Relaxed, Release};
+
+/// Between two words on a device that is armed and waits \[s\].
+const REPEAT: f64 = 2.0;
+/// Looks at a device that waits before it is told: a model goes to its device within a second, which is no news.
+const LOOKS: u32 = 5;
 
 /// Where records end: a sound file, a take, a terminal.
 pub trait Sink {
@@ -97,6 +104,14 @@ struct Seen {
     profile: String,
     mode: Mode,
     cause: Cause,
+    /// forces were on
+    felt: bool,
+    /// what it waited for when last looked at, how often that was the case, and when it was last told
+    wait: Option<String>,
+    looks: u32,
+    told: u64,
+    /// when it was disarmed or tripped, since when it waits for nothing
+    ended: Option<u64>,
     frames: u64,
     loops: Loops,
     times: Times,
@@ -151,6 +166,11 @@ impl Desk {
             profile: p.profile.name.clone(),
             mode: Mode::Off,
             cause: Cause::Disarmed,
+            felt: false,
+            wait: None,
+            looks: 0,
+            told: 0,
+            ended: None,
             frames: 0,
             loops: Loops::new(),
             times: Times::new(),
@@ -312,6 +332,10 @@ impl Desk {
                     return;
                 }
                 (seen.mode, seen.cause) = now;
+                seen.felt |= matches!(now.0, Mode::Ramp | Mode::On);
+                if now.0 != Mode::Off {
+                    (seen.wait, seen.looks, seen.told) = (None, 0, 0);
+                }
                 let bad = matches!(now.0, Mode::Fault | Mode::Damp);
                 let text = match now {
                     (Mode::Fault, cause) => format!("{}: forces off, {}", seen.name, cause.name()),
@@ -327,8 +351,40 @@ impl Desk {
                     self.faults.push(Fault { device: seen.name.clone(), cause: now.1, tick: frame.tick });
                 }
             }
+            Record::Order { tick, port, order } => {
+                let meant = |k: usize| port.is_none_or(|p| p as usize == k);
+                for (_, seen) in self.seen.iter_mut().enumerate().filter(|(k, _)| meant(*k)) {
+                    if *order == Order::Arm {
+                        (seen.wait, seen.looks, seen.told, seen.ended) = (None, 0, 0, None);
+                    } else {
+                        seen.ended = Some(*tick);
+                    }
+                }
+            }
+            Record::Waiting { tick, port, wait } => self.waits(*tick, *port, wait),
             _ => {}
         }
+    }
+
+    /// An armed device has no force: told once that is no matter of a moment, and again and again.
+    fn waits(&mut self, tick: u64, port: u32, wait: &Wait) {
+        let every = (REPEAT * self.scene.rate) as u64;
+        let Some(seen) = self.seen.get_mut(port as usize) else { return };
+        let inputs = &self.scene.inputs;
+        let name = |dof: u32| {
+            let this = |d: &(String, u32)| d.0 == seen.name && d.1 == dof;
+            let found = inputs.iter().find(|i| i.role == InputRole::Device && i.device.as_ref().is_some_and(this));
+            found.map_or_else(|| format!("degree of freedom {dof}"), |i| format!("`{}`", i.name))
+        };
+        let text = wait.said(&name);
+        seen.looks += 1;
+        if seen.looks >= LOOKS && (seen.told == 0 || tick >= seen.told + every) {
+            seen.told = tick.max(1);
+            let device = Some(seen.name.clone());
+            let text = format!("{}: armed, forces still off: {text}", seen.name);
+            self.happened.push(Happened { tick, device, bad: true, text });
+        }
+        (seen.wait, seen.ended) = (Some(text), None);
     }
 
     fn act(&mut self, act: Act) -> Result<(), String> {
@@ -383,6 +439,11 @@ impl Desk {
         self.act(Act::Order(which, order))
     }
 
+    /// Device number `which` is what `setup` says from the next gesture frame on.
+    pub fn refit(&mut self, which: u32, setup: Setup) -> Result<(), String> {
+        self.act(Act::Refit(Box::new(Refit::new(&self.scene, which, setup))))
+    }
+
     /// The scene as at load, with all parameters as at load, and forces off.
     pub fn reload(&mut self) -> Result<(), String> {
         self.act(Act::Reload(Box::new(self.scene.state())))?;
@@ -395,6 +456,12 @@ impl Desk {
         self.seen.iter().map(|s| (s.name.as_str(), s.mode, s.cause, s.frames))
     }
 
+    /// What armed devices wait for, by name, in words.
+    pub fn waiting(&self) -> impl Iterator<Item = (&str, &str)> {
+        let waits = |s: &&Seen| s.ended.is_none();
+        self.seen.iter().filter(waits).filter_map(|s| Some((s.name.as_str(), s.wait.as_deref()?)))
+    }
+
     /// Gesture frames so far, and the sound sample they came to.
     pub fn progress(&self) -> (u64, u64) {
         (self.frames, self.tick)
@@ -402,7 +469,7 @@ impl Desk {
 
     /// The account, once the engine has ended.
     pub fn summary(&mut self, engine: &Engine, granted: Vec<(String, String)>) -> Summary {
-        let s = &self.shared;
+        let (s, ratio) = (&self.shared, u64::from(self.scene.ratio));
         let [lost_records, lost_sound, lost_views] = self.left_out();
         Summary {
             seconds: engine.state.tick as f64 / self.scene.rate,
@@ -431,6 +498,9 @@ impl Desk {
                     frames: s.frames,
                     dropped: p.dropped(),
                     loop_us: s.times.told(),
+                    felt: s.felt,
+                    // the last order of an engine is its own: what waited then has waited to the end
+                    waits: s.wait.clone().filter(|_| s.ended.is_none_or(|t| t + 2 * ratio >= engine.state.tick)),
                 })
                 .collect(),
             faults: std::mem::take(&mut self.faults),

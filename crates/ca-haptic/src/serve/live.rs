@@ -9,6 +9,7 @@ use crate::blocks::put;
 use crate::engine::{Act, Engine};
 use crate::frame::{Cause, DeviceFrame, ForceFrame, Mode};
 use crate::guard::Order;
+use crate::guard::wait::Wait;
 use crate::record::Record;
 use crate::rt::{Waits, now_ns};
 use rtrb::{Consumer, Producer};
@@ -94,7 +95,12 @@ pub struct Live {
     waiting: Option<Record>,
     /// records lost since the last one that found room
     missing: u64,
+    /// frames between two looks at what an armed device waits for
+    waits: u64,
 }
+
+/// Between two looks at what an armed device waits for \[s\].
+const WAITS: f64 = 0.25;
 
 /// Places of the ring that frames leave to what is asked of the engine, which is rare and decides its future.
 const KEPT: usize = 64;
@@ -113,7 +119,8 @@ pub struct Every {
 impl Live {
     /// Ready to run.
     pub fn new(engine: Engine, rings: Rings, shared: Arc<Shared>, clock: Clock, every: Every) -> Live {
-        Live { engine, rings, shared, clock, every, waiting: None, missing: 0 }
+        let waits = (WAITS * engine.scene.rate / f64::from(engine.scene.ratio)).max(1.0) as u64;
+        Live { engine, rings, shared, clock, every, waiting: None, missing: 0, waits }
     }
 
     /// Runs until [`Shared::stop`], or `frames` gesture frames; on the clock of a device the time in which none came
@@ -269,6 +276,15 @@ impl Live {
         let hash = due(self.every.hash).then(|| Record::Hash { tick, bits: e.state.bits() });
         for record in [energy, hash].into_iter().flatten() {
             note(&mut self.rings, &mut self.missing, &self.shared, record);
+        }
+        if due(self.waits) {
+            for (k, p) in self.engine.ports.iter().enumerate() {
+                let wait = p.chain.wait();
+                if wait != Wait::Nothing {
+                    let record = Record::Waiting { tick, port: k as u32, wait };
+                    note(&mut self.rings, &mut self.missing, &self.shared, record);
+                }
+            }
         }
         if let Some(views) = self.rings.views.as_mut().filter(|_| due(self.every.view)) {
             let x = &self.engine.state.x;

@@ -62,6 +62,10 @@ pub struct DeviceSummary {
     pub dropped: u64,
     /// loop latency \[µs\]
     pub loop_us: Told,
+    /// whether forces began at any time
+    pub felt: bool,
+    /// armed and off to the end: what it waited for
+    pub waits: Option<String>,
 }
 
 /// All of a performance.

@@ -59,6 +59,8 @@ pub struct Device {
     late: Vec<[f64; DOF]>,
     turn: usize,
     time: f64,
+    /// when the script began \[s\]
+    begin: f64,
     frames: u64,
     te: f64,
 }
@@ -90,6 +92,7 @@ impl Device {
             late: vec![[0.0; DOF]; delay],
             turn: 0,
             time: 0.0,
+            begin: 0.0,
             frames: 0,
             te: 0.0,
         };
@@ -113,7 +116,8 @@ impl Device {
         }
         self.held = now;
         for (k, now) in now.iter().enumerate().take(self.n) {
-            let (a, b) = (self.script.at(k, self.time), self.script.at(k, self.time + te));
+            let t = self.time - self.begin;
+            let (a, b) = (self.script.at(k, t), self.script.at(k, t + te));
             let drive = body::Drive {
                 force: now + 0.5 * (a.force + b.force),
                 from: a.position,
@@ -127,6 +131,11 @@ impl Device {
         (self.time, self.te) = (self.time + te, te);
         self.measure();
         &self.measured[..self.n]
+    }
+
+    /// The script begins anew from here.
+    pub fn begin(&mut self) {
+        self.begin = self.time;
     }
 
     fn measure(&mut self) {
@@ -220,6 +229,23 @@ mod tests {
         };
         assert_eq!(run(7), run(7));
         assert_ne!(run(7), run(8));
+    }
+
+    #[test]
+    fn a_script_that_begins_later_is_the_same_later() {
+        let p = plain();
+        let run = |wait: u32| {
+            let script = Script::named("strike", &p, Wish::default()).expect("a script");
+            let mut d = Device::new(&p, Hand::finger(10.0, &p), script, 0, 1);
+            for _ in 0..wait {
+                assert_eq!(d.step(&[], 1.0 / 1024.0)[0], 0.0, "it waits where it rests");
+                d.begin();
+            }
+            (0..3000).map(|_| d.step(&[], 1.0 / 1024.0)[0]).collect::<Vec<_>>()
+        };
+        let (now, later) = (run(0), run(5000));
+        assert!(now.iter().zip(&later).all(|(a, b)| (a - b).abs() < 1e-12));
+        assert!(now.iter().any(|x| *x < -0.005));
     }
 
     #[test]

@@ -28,6 +28,12 @@ uint64 tick
 float64 value
 string name
 ";
+/// A device that said what it is: `ca/msg/Profile`.
+pub const PROFILE: &str = "\
+uint64 tick
+uint32 port
+string profile
+";
 /// A stretch of sound, exact: `ca/msg/Sound`.
 pub const SOUND: &str = "\
 uint64 tick

@@ -7,7 +7,7 @@
 //! | topic | what | encoding |
 //! |---|---|---|
 //! | `/device/<name>/in`, `/device/<name>/out` | every frame looked at, every frame sent | CDR |
-//! | `/change`, `/order`, `/reload` | what was asked of the engine | CDR |
+//! | `/change`, `/order`, `/reload`, `/profile` | what was asked of the engine; what a device said it is | CDR |
 //! | `/hash`, `/sound` | a hash of the state each second; sound, 64 bits | CDR |
 //! | `/param`, `/energy`, `/rt`, `/lost` | for plots: parameters, energy, timing, what found no room | CDR |
 //! | `/gesture/joints`, `/audio`, `/masses`, `/scene`, `/log` | for viewers | protobuf of Foxglove |
@@ -49,6 +49,8 @@ pub mod topic {
     pub const RELOAD: &str = "/reload";
     /// forces armed, disarmed or tripped
     pub const ORDER: &str = "/order";
+    /// a device said what it is
+    pub const PROFILE: &str = "/profile";
     /// hashes of the state
     pub const HASH: &str = "/hash";
     /// the energy book

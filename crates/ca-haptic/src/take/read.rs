@@ -12,6 +12,7 @@ use crate::engine::Change;
 use crate::error::FileError;
 use crate::frame::{Cause, DeviceFrame, ForceFrame};
 use crate::guard::Order;
+use crate::profile::Profile;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
@@ -28,6 +29,8 @@ pub enum Event {
     Reload(Reloaded),
     /// forces were armed, disarmed or tripped before this tick, of one device or all
     Order(u64, Option<u32>, Order),
+    /// a device said what it is before this tick
+    Profile(u64, usize, Box<Profile>),
     /// a hash of the state
     Hash(Hashed),
     /// the energy book
@@ -130,6 +133,11 @@ impl Events {
                     _ => return None,
                 };
                 Event::Order(o.tick, (o.port != Ordered::ALL).then_some(o.port), order)
+            }
+            topic::PROFILE => {
+                let mut r = cdr::In::new(data)?;
+                let (tick, port) = (r.get::<u64>()?, r.get::<u32>()? as usize);
+                Event::Profile(tick, port, Box::new(Profile::read(&r.text()?, topic::PROFILE).ok()?))
             }
             topic::HASH => Event::Hash(cdr::record(data)?),
             topic::ENERGY => Event::Energy(cdr::record(data)?),

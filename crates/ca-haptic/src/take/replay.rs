@@ -7,7 +7,7 @@
 
 use super::read::{Event, Take};
 use super::source::End;
-use crate::engine::{Act, Change, Engine, Spent};
+use crate::engine::{Act, Change, Engine, Refit, Setup, Spent};
 use crate::error::FileError;
 use crate::frame::{DeviceFrame, ForceFrame};
 use ca_core::Catalog;
@@ -76,6 +76,8 @@ impl Verdict {
 pub struct Replay {
     /// the engine
     pub engine: Engine,
+    /// its devices, as the header has them and as they said later
+    setups: Vec<Setup>,
     rate: f64,
     channels: usize,
     /// what was found so far
@@ -94,6 +96,7 @@ impl Replay {
     pub fn new(take: &Take, catalog: &Catalog) -> Result<Replay, FileError> {
         let engine = take.header.engine(catalog).map_err(|e| e.file(take.path.display()))?;
         Ok(Replay {
+            setups: take.header.setups.clone(),
             rate: engine.scene.rate,
             channels: engine.scene.channels,
             verdict: Verdict::default(),
@@ -139,7 +142,7 @@ impl Replay {
         // what must have been computed before this
         let due = match &event {
             Event::Device(_, f) => f.tick,
-            Event::Change(tick, _) | Event::Order(tick, ..) => *tick,
+            Event::Change(tick, _) | Event::Order(tick, ..) | Event::Profile(tick, ..) => *tick,
             Event::Reload(r) => r.tick,
             Event::Hash(h) => h.tick,
             Event::Force(_, f) => f.tick + 1,
@@ -153,7 +156,9 @@ impl Replay {
         let late = |what: &str, tick: u64| (what.to_owned(), format!("at tick {tick}"), format!("due at {now}"));
         let odd = match event {
             Event::Device(_, f) if f.tick != now => Some(late("a device frame between frames", f.tick)),
-            Event::Change(tick, _) | Event::Order(tick, ..) if tick != now => Some(late("an act between frames", tick)),
+            Event::Change(tick, _) | Event::Order(tick, ..) | Event::Profile(tick, ..) if tick != now => {
+                Some(late("an act between frames", tick))
+            }
             Event::Reload(r) if r.tick != now => Some(late("a reload between frames", r.tick)),
             Event::Hash(h) if h.tick != now => Some(late("a hash between frames", h.tick)),
             Event::Device(k, frame) => {
@@ -166,6 +171,14 @@ impl Replay {
             }
             Event::Order(_, port, order) => {
                 self.engine.act(Act::Order(port, order));
+                None
+            }
+            Event::Profile(_, k, profile) => {
+                if let Some(setup) = self.setups.get_mut(k) {
+                    setup.profile = *profile;
+                    let refit = Refit::new(&self.engine.scene, k as u32, setup.clone());
+                    self.engine.act(Act::Refit(Box::new(refit)));
+                }
                 None
             }
             Event::Reload(r) => {

@@ -65,6 +65,7 @@ struct Ids {
     param: u16,
     reload: u16,
     order: u16,
+    profile: u16,
     hash: u16,
     energy: u16,
     lost: u16,
@@ -190,6 +191,16 @@ impl TakeWriter {
                 self.put(self.ids.reload, tick)?;
                 self.log(tick, Level::Info, "scene", "put back to its state at load")
             }
+            Record::Spent { tick, spent: Spent::Port(ref old) } => {
+                self.tick = tick;
+                cdr::Out::new(&mut self.data).put(tick).put(old.which).text(&old.profile.write());
+                self.put(self.ids.profile, tick)?;
+                let name = self.hands.get(old.which as usize).map_or_else(String::new, |h| h.name.clone());
+                let p = &old.profile;
+                let said =
+                    format!("{}: {} degrees of freedom, {} to a force, at most {} N", p.title, p.dof, p.axes, p.force);
+                self.log(tick, Level::Info, &name, &said)
+            }
             Record::Order { tick, port, order } => {
                 self.tick = tick;
                 let (number, cause) = match order {
@@ -206,6 +217,8 @@ impl TakeWriter {
                 self.tick = tick;
                 self.lost(records, 0, 0)
             }
+            // of no meaning for a replay: what was said of it is in the log
+            Record::Waiting { .. } => Ok(()),
             Record::Hash { tick, bits } => {
                 self.tick = tick;
                 cdr::body(&mut self.data, &Hashed { tick, bits });
@@ -361,11 +374,12 @@ fn channels(out: &mut Writer<NoSeek<BufWriter<File>>>, header: &Header, scene: &
             said: (u32::MAX, u16::MAX),
         });
     }
-    let [change, param, reload, order, hash, energy, lost, rt, sound] = [
+    let [change, param, reload, order, profile, hash, energy, lost, rt, sound] = [
         (topic::CHANGE, "Change", cdr::CHANGE),
         (topic::PARAM, "Param", cdr::PARAM),
         (topic::RELOAD, "Reloaded", Reloaded::SCHEMA),
         (topic::ORDER, "Ordered", Ordered::SCHEMA),
+        (topic::PROFILE, "Profile", cdr::PROFILE),
         (topic::HASH, "Hashed", Hashed::SCHEMA),
         (topic::ENERGY, "Energy", Energy::SCHEMA),
         (topic::LOST, "Lost", Lost::SCHEMA),
@@ -382,6 +396,7 @@ fn channels(out: &mut Writer<NoSeek<BufWriter<File>>>, header: &Header, scene: &
         param: param?,
         reload: reload?,
         order: order?,
+        profile: profile?,
         hash: hash?,
         energy: energy?,
         lost: lost?,

@@ -2,7 +2,7 @@
 
 use crate::desk::{Place, place, played, spawn};
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::process::{Command, Stdio};
 
 fn here(path: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
@@ -15,19 +15,28 @@ fn rust() {
     played(&place, child);
 }
 
-fn run(place: &Place, program: &Path, args: &[&str]) -> Child {
-    Command::new(program)
-        .args(args)
-        .args(["finger", "2000"])
-        .env("CA_SHM_ROOT", place.site.root())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap()
+/// The module of a device alone, as a package of its own: it needs no compiled half.
+fn package(place: &Place) -> PathBuf {
+    let folder = place.site.root().join("python");
+    let package = folder.join("cordis_anima");
+    std::fs::create_dir_all(&package).unwrap();
+    std::fs::write(package.join("__init__.py"), "").unwrap();
+    for name in ["device.py", "_errors.py"] {
+        std::fs::copy(here("../ca-py/python/cordis_anima").join(name), package.join(name)).unwrap();
+    }
+    folder
 }
 
 #[test]
 fn python() {
+    // the page shows the example itself
+    let example = std::fs::read_to_string(here("examples/device.py")).unwrap();
+    let page = std::fs::read_to_string(here("../../docs/devices.md")).unwrap();
+    let shown = page.split("```python\n").nth(1).unwrap().split("```").next().unwrap();
+    let (_, code) = example.split_once("\"\"\"\n\n").expect("a document, and then the code");
+    assert_eq!(shown, code);
+    assert!(code.lines().filter(|l| !l.trim().is_empty()).count() <= 15, "about fifteen lines");
+
     let made = Command::new(here("../../tests/python/venv")).stderr(Stdio::piped()).output().unwrap();
     if !made.status.success() {
         println!("skipped: no Python libraries here: {}", String::from_utf8_lossy(&made.stderr).trim());
@@ -35,7 +44,15 @@ fn python() {
     }
     let python = PathBuf::from(String::from_utf8(made.stdout).unwrap().trim());
     let place = place();
-    let script = here("examples/device.py");
-    let child = run(&place, &python, &[script.to_str().unwrap()]);
+    let folder = package(&place);
+    let child = Command::new(&python)
+        .arg(here("examples/device.py"))
+        .args(["finger", "2000"])
+        .env("CA_SHM_ROOT", place.site.root())
+        .env("PYTHONPATH", folder)
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
     played(&place, child);
 }

@@ -58,6 +58,40 @@ fn frames_cross_whoever_comes_first() {
 }
 
 #[test]
+fn a_force_that_was_only_looked_at_is_not_acknowledged() {
+    let place = place();
+    let mut device = DeviceClient::open(&place.site, about("key", 1)).unwrap();
+    let mut server = Server::open(&place.site, &["key"], 7);
+    let mut frame = DeviceFrame::new("key", 1);
+    let mut answer = |device: &mut DeviceClient, look: &dyn Fn(&mut DeviceClient)| {
+        let before = server.seq[0];
+        device.send(&mut frame).unwrap();
+        until("it is answered", || {
+            server.serve();
+            server.seq[0] > before
+        });
+        until("the answer is there", || {
+            look(device);
+            device.watch().last().is_some_and(|f| f.seq == server.seq[0])
+        });
+        (frame.ack, server.seq[0])
+    };
+    let give = |d: &mut DeviceClient| {
+        d.safe_force();
+    };
+    let look = |d: &mut DeviceClient| {
+        d.cause();
+    };
+    let given = answer(&mut device, &give).1;
+    // the next answer comes while the motors still hold that one: asking for the reason is no holding
+    let (ack, newer) = answer(&mut device, &look);
+    assert_eq!(ack, given);
+    let (ack, _) = answer(&mut device, &give);
+    assert_eq!(ack, given, "{newer} was only looked at");
+    assert_eq!(answer(&mut device, &look).0, newer + 1);
+}
+
+#[test]
 fn a_place_that_is_taken_says_who_has_it() {
     let place = place();
     let site = &place.site;

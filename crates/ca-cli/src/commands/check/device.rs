@@ -6,7 +6,9 @@
 //! what the device says it renders, and what stays passive with its own friction, K ≤ b/(κT), where κT is the delay of
 //! the border and one frame more, since a real device takes each force a frame later (numerics 5.2: κ = 2), of the frames
 //! of the device where those are longer. A force
-//! beyond the largest is no fault of the model, every hard stop has it: it is told where in the travel it begins.
+//! beyond the largest is no fault of the model, every hard stop has it: it is told where in the travel it begins. What the
+//! model plays by itself (`[gesture]`), and where its keys rest, is what a hand would have to reach: beyond the travel of
+//! the device it cannot be played, so that is too much as well.
 
 use crate::Failure;
 use crate::commands::border::quantity;
@@ -42,6 +44,8 @@ struct Row<'a> {
     links: Vec<(&'a str, f64)>,
     /// the device has this degree of freedom
     there: bool,
+    /// least and largest position that its rest and its gesture ask for \[m\]
+    asks: [f64; 2],
 }
 
 impl Row<'_> {
@@ -111,9 +115,18 @@ impl<'a> Asked<'a> {
         ]
     }
 
+    /// Whether a key is to be where the device cannot bring it.
+    fn outside(&self, r: &Row) -> bool {
+        let [low, high] = self.profile.range;
+        let slack = 1e-6 * (high - low);
+        r.asks[0] < low - slack || r.asks[1] > high + slack
+    }
+
     /// Whether something is asked that the device cannot give.
     pub(super) fn too_much(&self) -> bool {
-        !self.missing().is_empty() || self.rows.iter().any(|r| self.beyond(r).contains(&true))
+        !self.missing().is_empty()
+            || self.rows.iter().any(|r| self.outside(r))
+            || self.rows.iter().any(|r| self.beyond(r).contains(&true))
     }
 
     /// For people.
@@ -157,6 +170,23 @@ impl<'a> Asked<'a> {
                 out,
                 "  keys       {names} want degrees of freedom beyond the {} it has: they stay at rest",
                 p.dof
+            )?;
+        }
+        for r in self.rows.iter().filter(|r| self.outside(r)) {
+            writeln!(
+                out,
+                "  travel     `{}` is to go from {} to {}, the device goes from {} to {}",
+                r.name,
+                metre(r.asks[0]),
+                metre(r.asks[1]),
+                metre(p.range[0]),
+                metre(p.range[1])
+            )?;
+        }
+        if self.rows.iter().any(|r| self.outside(r)) {
+            writeln!(
+                out,
+                "             scale it for the hand (`ca equiv --set position=…`), or take a device with more travel"
             )?;
         }
         if !self.feedback {
@@ -211,7 +241,7 @@ impl<'a> Asked<'a> {
             return "not on this device".into();
         }
         let times = |limit: f64| short(r.k() / limit);
-        match self.beyond(r) {
+        let forces = match self.beyond(r) {
             [true, true] => format!(
                 "× {} what it renders, × {} what stays passive",
                 times(self.profile.stiffness.unwrap_or(f64::INFINITY)),
@@ -219,8 +249,10 @@ impl<'a> Asked<'a> {
             ),
             [true, false] => format!("× {} what it renders", times(self.profile.stiffness.unwrap_or(f64::INFINITY))),
             [false, true] => format!("× {} what stays passive", times(self.passive)),
-            [false, false] => "rendered".into(),
-        }
+            [false, false] if self.outside(r) => return "beyond its travel".into(),
+            [false, false] => return "rendered".into(),
+        };
+        if self.outside(r) { format!("{forces}, beyond its travel") } else { forces }
     }
 
     /// For programs.
@@ -237,6 +269,7 @@ impl<'a> Asked<'a> {
                     "steepest": r.steepest, "force": r.force, "saturates": r.saturates, "links": links,
                     "alpha": r.gains.alpha, "beta": r.gains.beta,
                     "beyond_stiffness": stiff, "beyond_passive": active,
+                    "asks": r.asks, "beyond_travel": self.outside(r),
                 })
             })
             .collect();
@@ -276,6 +309,8 @@ fn row<'a>(scene: &'a Scene, t: usize, profile: &Profile, devices: &[&str]) -> O
     let forces: Vec<f64> = places.iter().map(|x| force_at(*x)).collect();
     let steepest = forces.windows(2).map(|w| (w[1] - w[0]).abs() / (span / STEPS as f64)).fold(0.0, f64::max);
     let rest = input.rest / gains.alpha;
+    let own = scene.gestures.iter().filter(|g| g.0 == input.name).flat_map(|g| &g.1);
+    let asks = own.map(|p| p[1] / gains.alpha).fold([rest; 2], |[a, b], x| [a.min(x), b.max(x)]);
     let beyond = places.iter().zip(&forces).filter(|(_, f)| f.abs() > profile.force).map(|(x, _)| (x - rest).abs());
     Some(Row {
         name: &input.name,
@@ -287,5 +322,6 @@ fn row<'a>(scene: &'a Scene, t: usize, profile: &Profile, devices: &[&str]) -> O
         saturates: beyond.min_by(f64::total_cmp),
         links,
         there: *dof < profile.dof,
+        asks,
     })
 }

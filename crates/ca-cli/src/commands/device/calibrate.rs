@@ -9,7 +9,8 @@ use crate::args::CalibrateArgs;
 use crate::term::short;
 use crate::{Ended, Failure, Outcome, load, store, term};
 use ca_haptic::calibration::{Axis, Calibration};
-use ca_haptic::frame::{DOF, DeviceFrame};
+use ca_haptic::frame::{DOF, DeviceFrame, text};
+use ca_haptic::host::gateway::list_devices;
 use ca_haptic::host::{Gateway, Site};
 use ca_haptic::profile::Profile;
 use std::io::{BufRead as _, IsTerminal as _, Write as _};
@@ -26,7 +27,14 @@ const STILL: f64 = 0.02;
 /// Runs the command.
 pub fn run(args: &CalibrateArgs) -> Outcome {
     let given: Vec<String> = args.profile.iter().cloned().collect();
-    let profile = store::profile_of(&args.name, &given)?;
+    let mut profile = store::profile_of(&args.name, &given)?;
+    if profile.is_unknown() {
+        // one that speaks says itself how many axes it has and how far its stops are apart
+        let heard = Site::of_user().and_then(|site| list_devices(&site, PATIENCE)).unwrap_or_default();
+        if let Some(about) = heard.iter().find(|a| text(&a.device) == args.name) {
+            profile = profile.described(about).map_err(|e| Failure::Failed(format!("`{}`: {e}", args.name)))?;
+        }
+    }
     let n = (profile.dof as usize).min(DOF);
     let path = args.output.clone().unwrap_or_else(|| store::calibration_file(&args.name));
     let old = if path.is_file() {

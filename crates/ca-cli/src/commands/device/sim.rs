@@ -58,6 +58,7 @@ pub fn run(args: &SimArgs) -> Outcome {
         te: 1.0 / profile.rate,
         delay: usize::from(args.delay),
         strict: args.lockstep,
+        waits: args.wait,
         device,
         client,
         log,
@@ -134,6 +135,8 @@ struct Sim {
     delay: usize,
     /// forces are used as they come
     strict: bool,
+    /// the script has not begun: forces are still off
+    waits: bool,
     /// numbers of the forces under way to the motors, the newest first
     held: [u64; DOF],
     /// when each position was sent \[ns\], by its number
@@ -155,7 +158,8 @@ impl Sim {
             }
             self.send()?;
             force = self.client.safe_force();
-            let cause = self.client.cause();
+            // of the force that was just given, not of one that came meanwhile
+            let cause = self.client.watch().cause(now_ns());
             let latest = self.client.watch().last().copied();
             self.note(cause, latest.as_ref())?;
             n += 1;
@@ -215,7 +219,7 @@ impl Sim {
         } else if self.delay > 0 {
             self.client.held(self.held[self.delay]);
             let heard = self.client.watch().last().is_some();
-            self.frame.cause = if heard { self.client.cause() } else { Cause::Disarmed } as u16;
+            self.frame.cause = if heard { self.client.watch().cause(now_ns()) } else { Cause::Disarmed } as u16;
         }
         let readers = self.client.send(&mut self.frame)?;
         self.sent[self.frame.seq as usize % KEPT] = (self.frame.seq, self.frame.t_host_ns);
@@ -243,6 +247,10 @@ impl Sim {
         if cause != self.cause {
             self.cause = cause;
             term::note(&format!("frame {}: {}", self.frame.seq, said(cause)));
+        }
+        if self.waits {
+            self.waits = cause != Cause::None;
+            self.device.begin();
         }
         self.seen.causes[cause as usize] += 1;
         for (most, f) in self.seen.most.iter_mut().zip(self.device.held()) {

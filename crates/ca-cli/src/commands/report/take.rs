@@ -343,6 +343,11 @@ impl Recorded {
                     };
                     told(tick, device(port), what);
                 }
+                Event::Profile(tick, k, p) => {
+                    let of = h.setups.get(k).map_or_else(String::new, |s| s.device.clone());
+                    let what = format!("says: {}, {} degrees of freedom; at most {} N", p.title, p.dof, p.force);
+                    told(tick, of, what);
+                }
                 Event::Reload(l) => told(l.tick, "model".into(), "loaded again".into()),
                 Event::Lost(l) => told(l.tick, "take".into(), format!("{} records lost", l.records)),
                 Event::Rt(rt) => r.loops.seconds.push(rt),

@@ -81,8 +81,13 @@ fn status(desk: &Desk) -> Reply {
     for (name, mode, cause, frames) in desk.devices() {
         let _ = write!(text, "\n{name}: {} ({}), {frames} frames", mode.name(), cause.name());
     }
+    for (name, why) in desk.waiting() {
+        let _ = write!(text, "\n{name}: armed, forces still off: {why}");
+    }
     let mut fields = Map::new();
     fields.insert("frames".into(), json!(frames));
+    let waits: Map<String, Value> = desk.waiting().map(|(name, why)| (name.into(), json!(why))).collect();
+    fields.insert("waits".into(), waits.into());
     fields.insert("tick".into(), json!(tick));
     fields.insert("lost".into(), json!(desk.lost()));
     fields.insert("devices".into(), devices.into());

@@ -51,7 +51,7 @@ pub fn run(args: &ServeArgs) -> Outcome {
         Options { rate: args.source.rate, energy: args.energy, clouds: loaded.clouds.clone(), ..Options::default() };
     let scene = Arc::new(load::scene(&loaded, &options)?);
     let names = devices(&scene);
-    let setups = setup::setups(args, &scene)?;
+    let (setups, unknown) = setup::setups(args, &scene)?;
     if args.clock == ClockKind::Device && names.is_empty() {
         return Err(Failure::Usage("--clock device: the model has no device".into()));
     }
@@ -100,7 +100,7 @@ pub fn run(args: &ServeArgs) -> Outcome {
     let mut desk = Desk::new(desk_ends, shared.clone(), scene.clone(), &engine.ports, sinks);
     let (playing, follow) = audio::open(args, &scene, &mut desk)?.unzip();
     ends.audio = follow;
-    let mut talk = talk::Talk::open(&setups, &scene, gateway_ends, wish(args, -5))?;
+    let mut talk = talk::Talk::open(&setups, unknown, &scene, gateway_ends, wish(args, -5))?;
     if args.arm {
         desk.order(None, Order::Arm).map_err(Failure::Failed)?;
     }
@@ -131,7 +131,7 @@ pub fn run(args: &ServeArgs) -> Outcome {
         for (name, granted) in &threads {
             term::note(&format!("{name}: {granted}"));
         }
-        for s in &setups {
+        for s in setups.iter().filter(|s| !s.profile.is_unknown()) {
             term::note(&format!("device `{}`: {}, at most {} N", s.device, s.profile.title, s.profile.force));
         }
     }

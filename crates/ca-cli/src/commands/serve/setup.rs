@@ -5,12 +5,13 @@ use crate::{Failure, store, term};
 use ca_core::Scene;
 use ca_haptic::engine::{Engine, Options, Port, Setup};
 use ca_haptic::frame::DOF;
+use ca_haptic::profile::Profile;
 pub(crate) use ca_lab::take::devices;
 use ca_lab::take::dofs;
 use std::sync::Arc;
 
-/// Everything that belongs to each device.
-pub(super) fn setups(args: &ServeArgs, scene: &Scene) -> Result<Vec<Setup>, Failure> {
+/// Everything that belongs to each device; and of each that nobody has described, what it may do at most.
+pub(super) fn setups(args: &ServeArgs, scene: &Scene) -> Result<(Vec<Setup>, Vec<Option<Profile>>), Failure> {
     let names = devices(scene);
     for given in args.profile.iter().chain(&args.calibration) {
         if let Some((device, _)) = given.split_once('=') {
@@ -20,7 +21,7 @@ pub(super) fn setups(args: &ServeArgs, scene: &Scene) -> Result<Vec<Setup>, Fail
             }
         }
     }
-    let mut setups = Vec::new();
+    let (mut setups, mut unknown) = (Vec::new(), Vec::new());
     for device in names {
         let mut profile = store::profile_of(&device, &args.profile)?;
         let calibration = store::calibration_of(&device, &args.calibration)?;
@@ -28,7 +29,11 @@ pub(super) fn setups(args: &ServeArgs, scene: &Scene) -> Result<Vec<Setup>, Fail
         if wanted as usize > DOF {
             return Err(Failure::Failed(format!("`{device}`: dof {}; a device has at most {DOF}", wanted - 1)));
         }
-        if wanted > profile.dof {
+        unknown.push(profile.is_unknown().then(|| profile.clone()));
+        if profile.is_unknown() {
+            // what it is comes from the device, which may come later
+            profile = profile.undescribed(wanted);
+        } else if wanted > profile.dof {
             if profile.axes > 1 {
                 let what = format!("the model uses dof {} of `{device}`", wanted - 1);
                 return Err(Failure::Failed(format!("{what}, a {} has {}", profile.title, profile.dof)));
@@ -40,7 +45,7 @@ pub(super) fn setups(args: &ServeArgs, scene: &Scene) -> Result<Vec<Setup>, Fail
         let gains = ca_haptic::equivalence::gains(scene, &device);
         setups.push(Setup { device, profile, calibration, gains });
     }
-    Ok(setups)
+    Ok((setups, unknown))
 }
 
 /// The engine.

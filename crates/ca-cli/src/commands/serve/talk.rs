@@ -10,13 +10,18 @@ use ca_haptic::host::{Event, Gateway, Rings, Running, Site};
 use ca_haptic::profile::Profile;
 use ca_haptic::rt::Wish;
 use ca_haptic::serve::{Desk, GatewayEnds};
+use ca_lab::take::dofs;
 use std::sync::atomic::Ordering::Relaxed;
 use std::sync::mpsc::{Receiver, channel};
 
 /// Open lines; none for a scene that needs none.
 pub(super) struct Talk {
     names: Vec<String>,
-    profiles: Vec<Profile>,
+    setups: Vec<Setup>,
+    /// what the scene wants of devices that nobody has described, and what they may do at most
+    unknown: Vec<Option<Unknown>>,
+    /// devices that said what they are, and the engine does not know it yet
+    refits: Vec<u32>,
     site: Option<Site>,
     control: Option<ControlServer>,
     gateway: Option<Running>,
@@ -24,11 +29,28 @@ pub(super) struct Talk {
 }
 
 impl Talk {
-    pub(super) fn open(setups: &[Setup], scene: &Scene, ends: GatewayEnds, wish: Wish) -> Result<Talk, Failure> {
+    pub(super) fn open(
+        setups: &[Setup],
+        unknown: Vec<Option<Profile>>,
+        scene: &Scene,
+        ends: GatewayEnds,
+        wish: Wish,
+    ) -> Result<Talk, Failure> {
         let (tell, events) = channel();
         let names: Vec<String> = setups.iter().map(|s| s.device.clone()).collect();
-        let profiles = setups.iter().map(|s| s.profile.clone()).collect();
-        let mut talk = Talk { names: names.clone(), profiles, site: None, control: None, gateway: None, events };
+        let wanted = setups.iter().map(|s| dofs(scene, &s.device));
+        let unknown = unknown.into_iter().zip(wanted).map(|(p, wanted)| Some(Unknown { most: p?, wanted })).collect();
+        let setups = setups.to_vec();
+        let mut talk = Talk {
+            names: names.clone(),
+            setups,
+            unknown,
+            refits: Vec::new(),
+            site: None,
+            control: None,
+            gateway: None,
+            events,
+        };
         if names.is_empty() && scene.live.params.is_empty() {
             return Ok(talk);
         }
@@ -76,12 +98,27 @@ impl Talk {
                     desk.say(true, format!("{name}: frames came that {why}, and are not used; {fix}"));
                 }
                 Event::About(about) => {
-                    for what in self.profiles.get(k as usize).map_or_else(Vec::new, |p| differs(p, &about)) {
-                        desk.say(true, format!("{name}: {what}"));
+                    let Some(setup) = self.setups.get_mut(k as usize) else { continue };
+                    match &self.unknown[k as usize] {
+                        Some(unknown) => match unknown.fit(setup, &about) {
+                            Ok(Some(said)) => {
+                                desk.say(false, format!("{name}: {said}"));
+                                self.refits.push(k);
+                            }
+                            Ok(None) => {}
+                            Err(why) => desk.say(true, format!("{name}: {why}")),
+                        },
+                        None => {
+                            for what in differs(&setup.profile, &about) {
+                                desk.say(true, format!("{name}: {what}"));
+                            }
+                        }
                     }
                 }
             }
         }
+        // an engine that has more to do than it can take is asked again
+        self.refits.retain(|k| desk.refit(*k, self.setups[*k as usize].clone()).is_err());
         if sweep {
             if let Some(site) = &self.site {
                 site.sweep();
@@ -95,13 +132,45 @@ impl Talk {
     }
 }
 
+/// A device that nobody has described: what it is comes from itself.
+struct Unknown {
+    /// what such a device may do at most
+    most: Profile,
+    /// degrees of freedom the scene uses
+    wanted: u32,
+}
+
+impl Unknown {
+    /// Makes the setup what the device says, and gives that in words; `None` where it was so before.
+    fn fit(&self, setup: &mut Setup, about: &About) -> Result<Option<String>, String> {
+        let p = self.most.described(about)?;
+        if p.dof < self.wanted {
+            let (n, wanted) = (p.dof, self.wanted);
+            return Err(format!("the model uses {wanted} of its degrees of freedom and it has {n}: it is not played"));
+        }
+        if p == setup.profile {
+            return Ok(None);
+        }
+        setup.profile = p;
+        let p = &setup.profile;
+        let vector = if p.axes > 1 { format!(", {} to a force", p.axes) } else { String::new() };
+        Ok(Some(format!(
+            "it says: {}, {} degrees of freedom{vector}, {} frames a second; at most {} N, since nobody has described it",
+            p.title, p.dof, p.rate, p.force
+        )))
+    }
+}
+
 /// Where a device says less of itself than its profile does, which is what the guard goes by.
 fn differs(p: &Profile, a: &About) -> Vec<String> {
     let n = (a.n as usize).min(p.dof as usize);
     let least = a.force[..n].iter().copied().fold(f32::INFINITY, f32::min);
     let mut list = Vec::new();
     if u32::from(a.n) < p.dof {
-        list.push(format!("has {} degrees of freedom, its profile `{}` {}", a.n, p.name, p.dof));
+        list.push(format!(
+            "has {} degrees of freedom, its profile `{}` {}: its frames are not used; give it a profile with `dof = {}`",
+            a.n, p.name, p.dof, a.n
+        ));
     }
     if f64::from(least) < p.force * (1.0 - 1e-6) && least > 0.0 {
         list.push(format!("gives at most {least} N, its profile `{}` {}", p.name, p.force));

@@ -15,6 +15,9 @@ use ca_haptic::rt::{Waits, now_ns};
 use std::fmt::Write as _;
 use std::sync::Arc;
 
+/// How far the known spring is from where the device is, at most \[m\], and as part of its travel.
+const STRETCH: [f64; 2] = [0.002, 0.1];
+
 /// Where the springs of the scene end, beyond the hand \[m\]: so far that their force hardly depends on where it is.
 const REACH: f64 = 1.0;
 
@@ -38,6 +41,10 @@ pub struct Player {
     pub engine: Engine,
     controls: Controls,
     period: f64,
+    /// where the two known springs of each degree of freedom are at rest, on either side of where the device was \[m\]
+    pub rest: [[f64; DOF]; 2],
+    /// how far that is \[m\]
+    pub stretch: f64,
 }
 
 impl Bench {
@@ -126,7 +133,10 @@ impl Bench {
     /// An engine whose scene has the device where it is now.
     pub fn player(&self, profile: &Profile) -> Result<Player, Failure> {
         let x = self.frames.last().map_or([0.0; DOF], |f| f.pos);
-        let scene = Arc::new(scene(&self.name, profile.dof as usize, &x)?);
+        let [low, high] = profile.range;
+        let stretch = STRETCH[0].min(STRETCH[1] * (high - low));
+        let rest = [x.map(|x| x - stretch), x.map(|x| x + stretch)];
+        let scene = Arc::new(scene(&self.name, profile.dof as usize, &x, &rest)?);
         let setup = Setup {
             device: self.name.clone(),
             profile: profile.clone(),
@@ -136,7 +146,7 @@ impl Bench {
         let port = Port::new(&scene, setup);
         let (controls, period) = (scene.controls(), 1e9 * f64::from(scene.ratio) / scene.rate);
         let own = Options { session: session(), ..Options::default() };
-        Ok(Player { engine: Engine::new(scene, vec![port], own), controls, period })
+        Ok(Player { engine: Engine::new(scene, vec![port], own), controls, period, rest, stretch })
     }
 }
 
@@ -148,26 +158,44 @@ impl Player {
 
     /// Pulls at each degree of freedom with so much \[N\].
     pub fn pull(&mut self, force: f64) -> Result<(), Failure> {
-        let patch = self.controls.set("pull", force / REACH).map_err(|e| Failure::Failed(e.to_string()))?;
+        self.set("pull", force / REACH)
+    }
+
+    /// Holds each degree of freedom by springs of this stiffness \[N/m\], at rest at [`Player::rest`].
+    pub fn springs(&mut self, k: [f64; 2]) -> Result<(), Failure> {
+        self.set("below", k[0])?;
+        self.set("above", k[1])
+    }
+
+    fn set(&mut self, name: &str, value: f64) -> Result<(), Failure> {
+        let patch = self.controls.set(name, value).map_err(|e| Failure::Failed(e.to_string()))?;
         self.engine.act(Act::Set(Box::new(Change { params: Vec::new(), patches: vec![patch] })));
         Ok(())
     }
 }
 
-/// A spring that pulls at each degree of freedom, as much as the parameter `pull` says.
-fn scene(name: &str, n: usize, x: &[f64; DOF]) -> Result<Scene, Failure> {
-    let mut text =
-        String::from("[param]\npull = { value = 0, unit = \"N/m\", live = true, min = 0, max = 100 }\n[TGR]\n");
+/// A spring that pulls at each degree of freedom, as much as the parameter `pull` says, and two that hold it near where
+/// it is, as stiff as `below` and `above` say.
+fn scene(name: &str, n: usize, x: &[f64; DOF], rest: &[[f64; DOF]; 2]) -> Result<Scene, Failure> {
+    let mut text = String::from("[param]\n");
+    for (param, most) in [("pull", 100), ("below", 10_000), ("above", 10_000)] {
+        let _ = writeln!(text, "{param} = {{ value = 0, unit = \"N/m\", live = true, min = 0, max = {most} }}");
+    }
+    text += "[TGR]\n";
     for (k, x) in x.iter().enumerate().take(n) {
         let _ = writeln!(text, "d{k} = {{ device = \"{name}\", dof = {k}, x = {x:e} }}");
     }
     text += "[SOL]\n";
     for (k, x) in x.iter().enumerate().take(n) {
-        let _ = writeln!(text, "far{k} = {{ x = {:e} }}", x + REACH);
+        let [below, above] = [rest[0][k], rest[1][k]];
+        let _ = writeln!(text, "far{k} = {{ x = {:e} }}\nlow{k} = {{ x = {below:e} }}", x + REACH);
+        let _ = writeln!(text, "high{k} = {{ x = {above:e} }}");
     }
     text += "[RES]\n";
     for k in 0..n {
-        let _ = writeln!(text, "s{k} = {{ between = [\"d{k}\", \"far{k}\"], k = \"pull\", l0 = 0 }}");
+        for (to, param) in [("far", "pull"), ("low", "below"), ("high", "above")] {
+            let _ = writeln!(text, "{to}_{k} = {{ between = [\"d{k}\", \"{to}{k}\"], k = \"{param}\", l0 = 0 }}");
+        }
     }
     let (model, found) = read::read(&text, "conformance", &catalog());
     ca_core::load::finish(&model, found, &catalog(), &Compile::default())

@@ -14,6 +14,7 @@ use bench::{Bench, Player};
 use ca_core::model::quantity::Plain;
 use ca_haptic::frame::{About, Cause, DOF, DeviceFrame, ForceFrame, Mode, status, text};
 use ca_haptic::guard::Order;
+use ca_haptic::guard::wait::Wait;
 use ca_haptic::host::Site;
 use ca_haptic::profile::Profile;
 use ca_haptic::rt::{self, Wish};
@@ -33,6 +34,12 @@ type Wrong = (&'static str, fn(&mut ForceFrame));
 const TRIES: u32 = 8;
 /// The most that a force may live \[s\], in tries after a watchdog; what no device outlives is 0.1 s.
 const PATIENT: f64 = 0.08;
+/// Frames of the device until a spring that is new has its stiffness.
+const RISE: usize = 10;
+/// How much more than the force of the stretched spring a device may come to feel, which swings about its rest.
+const BEYOND: f64 = 1.5;
+/// ... and how much the guard may add, as part of the largest force of the device.
+const GUARD: f64 = 0.1;
 /// Added to the number of a frame that must not be used, so that it is known again.
 const FAR: u64 = 1_000_000;
 
@@ -72,10 +79,12 @@ pub fn run(args: &ConformanceArgs) -> Outcome {
             term::note(&format!("`{}` is given forces of up to {} N", args.name, short(force)));
         }
         alive(&mut bench, &about, &mut table);
+        served(&mut bench, &args.name, &about, &mut table)?;
         let mut player = bench.player(&profile)?;
         rest(&mut bench, &mut player, &mut table);
         let on = forces(&mut bench, &mut player, &mut profile, force, &mut table)?;
         if on {
+            felt(&mut bench, &mut player, &mut profile, force, &mut table)?;
             silence(&mut bench, &about, &mut table);
         }
         another(&mut bench, &mut profile, force, &mut table)?;
@@ -192,6 +201,50 @@ fn alive(b: &mut Bench, a: &About, t: &mut Table) {
     t.row("status", ready, "connected and powered");
 }
 
+/// Whether `ca serve` would use its frames, with the profile it would take, and give it forces.
+fn served(b: &mut Bench, name: &str, a: &About, t: &mut Table) -> Result<(), Failure> {
+    let own = store::profile_of(name, &[])?;
+    let profile = if own.is_unknown() {
+        match own.described(a) {
+            Ok(p) => p,
+            Err(why) => {
+                t.row("serve", false, why);
+                return Ok(());
+            }
+        }
+    } else {
+        own
+    };
+    let by = format!("profile `{}`, at most {} N", profile.name, profile.force);
+    if u32::from(a.n) < profile.dof {
+        let what = format!("{by}: it has {} degrees of freedom, the profile {}: no frame is used", a.n, profile.dof);
+        t.row("serve", false, what);
+        return Ok(());
+    }
+    b.forget();
+    b.listen(1, PATIENCE);
+    let (mut taken, mut dropped, mut wait) = (0, 0, Wait::Nothing);
+    for _ in 0..TRIES {
+        let mut p = b.player(&profile)?;
+        p.order(Order::Arm);
+        b.play(&mut p, REST);
+        (taken, dropped, wait) = (p.engine.counts.taken, p.engine.counts.dropped, p.engine.ports[0].chain.wait());
+        p.order(Order::Disarm);
+        b.play(&mut p, 10);
+        // a machine that stood still at this moment
+        if wait != Wait::Stale {
+            break;
+        }
+    }
+    let used = taken > 0 && dropped * 100 <= taken;
+    let mut found = format!("{by}: {taken} of {} frames used", taken + dropped);
+    if wait != Wait::Nothing {
+        found += &format!("; forces stay off once armed: {wait}");
+    }
+    t.row("serve", used && wait == Wait::Nothing, found);
+    Ok(())
+}
+
 /// What went wrong with frames that should have no force.
 fn gives(frames: &[DeviceFrame]) -> Option<String> {
     let none = |f: &&DeviceFrame| Cause::read(f.cause) == Cause::None;
@@ -292,6 +345,61 @@ fn forces(b: &mut Bench, p: &mut Player, profile: &mut Profile, force: f64, t: &
         return Ok(mode == Mode::On);
     }
     Ok(false)
+}
+
+/// A known spring to either side of where the device is: forces are those of the spring at the positions they answer, and
+/// none is much larger than where it began.
+fn felt(b: &mut Bench, p: &mut Player, profile: &mut Profile, force: f64, t: &mut Table) -> Result<(), Failure> {
+    for attempt in 1..=TRIES {
+        // from where it is now, which pulls before may have changed
+        *p = b.player(profile)?;
+        b.play(p, REST);
+        if !on(b, p, profile)? {
+            let (mode, cause) = b.mode();
+            t.row("spring", false, format!("mode {}, {}", mode.name(), cause.name()));
+            return Ok(());
+        }
+        let k = force / p.stretch;
+        let (mut most, mut offs) = (0.0_f64, Vec::new());
+        for side in 0..2 {
+            b.forget();
+            p.springs([[k, 0.0], [0.0, k]][side])?;
+            b.play(p, REST);
+            for s in &b.sent {
+                // the first frames are on their way to the spring
+                let Some(f) = b.frames.iter().skip(RISE).find(|f| f.seq == s.ack) else { continue };
+                for (d, sent) in s.force.iter().enumerate().take((f.n as usize).min(DOF)) {
+                    let (sent, spring) = (f64::from(*sent), k * (p.rest[side][d] - f.pos[d]));
+                    most = most.max(sent.abs());
+                    offs.push((sent - spring).abs());
+                }
+            }
+        }
+        if b.mode().0 != Mode::On && attempt < TRIES {
+            continue;
+        }
+        p.springs([0.0; 2])?;
+        b.play(p, 100);
+        // the guard may add to it for a moment, and not for half of the time
+        offs.sort_by(f64::total_cmp);
+        let off = offs.get(offs.len() / 2).copied().unwrap_or(f64::INFINITY);
+        // one that followed the first spring begins the second as far away again
+        let limit = 2.0 * BEYOND * force + GUARD * profile.force;
+        let pass = most <= limit && off <= 0.1 * force;
+        let what = format!(
+            "{} N/m, stretched by {} mm, is {} N: at most {} N, of {}; half of all within {} N of the spring",
+            short(k),
+            short(1e3 * p.stretch),
+            short(force),
+            short(most),
+            short(limit),
+            short(off)
+        );
+        let hint = if most > limit { "; do positions and forces have the same sign?" } else { "" };
+        t.row("spring", pass, what + hint);
+        return Ok(());
+    }
+    Ok(())
 }
 
 /// Forces it measured and those it was told, of the last frame whose force is known; `None` where it measures none.

@@ -1,0 +1,313 @@
+"""The side of a device: positions out, forces in, over shared memory.
+
+    from cordis_anima.device import Device
+
+    with Device("finger", low=-0.02, high=0.02, force=10.0) as device:
+        while running:
+            device.send(read_sensor())
+            motor(device.force())
+            device.wait()
+
+Needs the wheel `iceoryx2==0.10.0`: ``pip install "./crates/ca-py[device]"``. Nothing of it is loaded before `Device` is
+made. What may reach a motor is decided here as in `host/watch.rs`, and what a frame says of it as in `host/client.rs`;
+`ca device conformance NAME` asks for it.
+"""
+
+from __future__ import annotations
+
+import ctypes as c
+import functools
+import math
+import os
+import secrets
+import time
+from collections.abc import Sequence
+from typing import Any
+
+from ._errors import FailedError, UsageError, needed
+
+__all__ = ["CAUSES", "MODES", "Device"]
+
+#: degrees of freedom of the largest device
+DOF = 32
+#: why there is no force, by its number on the wire
+CAUSES = (
+    "NONE", "DISARMED", "BUTTON", "DEADMAN", "VELOCITY", "WATCHDOG_IN", "WATCHDOG_OUT", "NONFINITE", "IMPLAUSIBLE",
+    "THERMAL", "DISCONNECT", "SOFTWARE", "MODEL_UNSTABLE",
+)  # fmt: skip
+#: how a force is meant, by its number on the wire
+MODES = ("off", "ramp", "on", "damp", "fault")
+
+_NONE, _DISARMED, _WATCHDOG, _NONFINITE, _DISCONNECT = 0, 1, 6, 7, 10
+#: longest life of a force whatever its frame says [ns]
+_LONGEST = 100_000_000
+_SIZES: dict[str, Any] = {"uint8": c.c_uint8, "uint16": c.c_uint16, "uint32": c.c_uint32, "uint64": c.c_uint64,
+          "float32": c.c_float, "float64": c.c_double}  # fmt: skip
+
+
+def _fnv(text: str) -> int:
+    return functools.reduce(lambda h, b: (h ^ b) * 0x100000001B3 % 2**64, text.encode(), 0xCBF29CE484222325)
+
+
+def _record(name: str, magic: bytes, fields: str) -> Any:
+    """A structure from its message definition; `LAYOUT` is the hash of that text."""
+    text = "".join(f"{kind} {field}\n" for kind, field in (f.split() for f in fields.split(",")))
+    typed: list[tuple[str, Any]] = []
+    for line in text.splitlines():
+        kind, field = line.split()
+        base, _, count = kind.rstrip("]").partition("[")
+        typed.append((field, _SIZES[base] * int(count) if count else _SIZES[base]))
+    of = {"_fields_": typed, "type_name": staticmethod(lambda: f"ca.v1.{name}"), "LAYOUT": _fnv(text),
+          "MAGIC": int.from_bytes(magic, "little")}  # fmt: skip
+    return type(name, (c.Structure,), of)
+
+
+_HEAD = "uint32 magic,uint32 version,uint64 layout,uint8[16] device,uint64 session,"
+#: what a device says: where the hand is
+DeviceFrame = _record("DeviceFrame", b"caDF", _HEAD + (
+    "uint64 seq,uint64 ack,uint64 t_device_ns,uint64 t_host_ns,uint64 calibration,uint64 tick,uint32 period_ns,"
+    "uint32 status,uint16 cause,uint16 n,uint32 mask,uint32 vel_mask,uint32 buttons,float64[32] pos,float64[32] vel,"
+    "float32[32] force_measured,float32[4] quat,float32[4] aux,float32 temperature,uint32 reserved"))  # fmt: skip
+#: what the engine says: the force on the hand
+ForceFrame = _record("ForceFrame", b"caFF", _HEAD + (
+    "uint64 seq,uint64 ack_session,uint64 ack,uint64 t_host_ns,uint64 tick,uint64 calibration,uint32 ttl_us,"
+    "uint32 mode,uint16 cause,uint16 n,uint32 flags,float32 inject,uint32 reserved,float32[32] force"))  # fmt: skip
+#: what a device says of itself, once a second
+About = _record("About", b"caAB", _HEAD + (
+    "uint64 calibration,uint8[32] model,uint8[32] serial,uint8[16] firmware,uint32 rate,uint16 n,uint16 axes,"
+    "float32[32] low,float32[32] high,float32[32] force,float32[32] continuous,float32[32] stiffness,"
+    "float32[32] damping"))  # fmt: skip
+
+
+#: the file that iceoryx2 0.10.0 makes for everybody (mode 0666), and its first bytes: see `host/ours.rs`
+_COUNTER, _RELEASE = "9204dd183d1c4d8e1ff592a30766ffa6765aa8b5_node.0_10_0.global_mgmt", 10 << 16
+
+
+def _closed(prefix: str) -> None:
+    """Nothing under names of ours is another user's, and what iceoryx2 would make for everybody is made for us alone."""
+    shm = "/dev/shm"
+    if not os.path.isdir(shm):
+        return
+    for entry in os.scandir(shm):
+        if entry.name.startswith(prefix):
+            try:
+                whose = entry.stat(follow_symlinks=False).st_uid
+            except FileNotFoundError:
+                continue
+            if whose != os.getuid():
+                raise FailedError(f"`{entry.path}` belongs to user {whose}: remove it, or set another CA_SHM_ROOT")
+    path, fresh = f"{shm}/{prefix}{_COUNTER}", f"{shm}/{prefix}{os.getpid()}-{secrets.token_hex(4)}.new"
+    if os.path.exists(path) and os.stat(path).st_mode & 0o777 == 0o600:
+        return
+    with os.fdopen(os.open(fresh, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "wb") as file:
+        file.write(_RELEASE.to_bytes(8, "little") + bytes(8))
+    os.rename(fresh, path)
+
+
+class Device:
+    """A device of `n` degrees of freedom on its lines; `ca serve` may come before or after it.
+
+    Args:
+        name: 1 to 16 letters, digits, ``_``, ``-``, ``.``; as the model names it.
+        n: degrees of freedom, at most 32.
+        axes: how many neighbours make one force vector: 1 for keys, 3 for a stylus.
+        rate: frames a second.
+        low, high: travel [m], of each degree of freedom or of all.
+        force: largest force [N], of each degree of freedom or of all.
+        continuous: largest force for ever [N]; `force` if none.
+        stiffness: largest stiffness it renders [N/m], if known.
+        model: make and model, for people.
+        simulated: whether there is no hardware.
+
+    Raises:
+        UsageError: a name, a number of degrees of freedom or a rate that cannot be.
+        MissingError: the wheel `iceoryx2` is not installed.
+        FailedError: the folder of the shared memory belongs to somebody else, or another device has this name.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        n: int = 1,
+        *,
+        axes: int = 1,
+        rate: int = 1000,
+        low: float | Sequence[float] = -0.01,
+        high: float | Sequence[float] = 0.01,
+        force: float | Sequence[float] = 0.0,
+        continuous: float | Sequence[float] | None = None,
+        stiffness: float | Sequence[float] = 0.0,
+        model: str = "",
+        simulated: bool = False,
+    ) -> None:
+        if not (1 <= len(name) <= 16 and all(a.isascii() and (a.isalnum() or a in "_-.") for a in name)):
+            raise UsageError(f"a device cannot be named {name!r}; take 1 to 16 of a-z A-Z 0-9 _ - .")
+        if not (1 <= n <= DOF and 1 <= axes <= 3 and n % axes == 0):
+            raise UsageError(f"{n} degrees of freedom in vectors of {axes}; 1 to {DOF}, of 1, 2 or 3")
+        if rate < 1:
+            raise UsageError(f"{rate} frames a second; 1 or more")
+        #: degrees of freedom
+        self.n = n
+        self._name, self._period = name, 1_000_000_000 // int(rate)
+        self._uid, self._session = (c.c_uint8 * 16)(*name.encode()), secrets.randbits(63) + 1
+        self._about = self._fill(About, rate=int(rate), n=n, axes=axes, model=(c.c_uint8 * 32)(*model.encode()[:32]))
+        given = {"low": low, "high": high, "force": force, "stiffness": stiffness,
+                 "continuous": force if continuous is None else continuous}  # fmt: skip
+        for field, value in given.items():
+            values = [float(v) for v in value] if isinstance(value, Sequence) else [float(value)] * n
+            if len(values) != n:
+                raise UsageError(f"`{field}` has {len(values)} numbers for {n} degrees of freedom")
+            getattr(self._about, field)[:n] = values
+        # connected, powered, calibrated, simulated
+        self._status = 1 | 2 | 4 | (256 if simulated else 0)
+        self._seq, self._told, self._due = 0, 0, time.monotonic_ns()
+        self._last: Any = None
+        self._rested = False
+        self._open()
+
+    def _fill(self, kind: Any, **rest: Any) -> Any:
+        return kind(magic=kind.MAGIC, version=1, layout=kind.LAYOUT, device=self._uid, session=self._session, **rest)
+
+    def _open(self) -> None:
+        iox = needed("iceoryx2", "device")
+        root = os.environ.get("CA_SHM_ROOT") or f"/tmp/ca-{os.getuid()}"
+        root = root.rstrip("/")
+        os.makedirs(root, mode=0o700, exist_ok=True)
+        about = os.stat(root)
+        if about.st_uid != os.getuid() or about.st_mode & 0o022:
+            raise FailedError(f"`{root}` belongs to another user or can be written by others; set CA_SHM_ROOT")
+        prefix = f"ca1-0.10.0-{_fnv(root) % 2**32:08x}_"
+        _closed(prefix)
+        config = iox.config.default()
+        config.global_cfg.root_path = iox.Path.new(root)
+        config.global_cfg.prefix = iox.FileName.new(prefix)
+        iox.set_log_level_from_env_or(iox.LogLevel.Fatal)
+        self._node: Any = iox.NodeBuilder.new().config(config).create(iox.ServiceType.Ipc)
+
+        def line(end: str, kind: Any, history: int) -> Any:
+            service = iox.ServiceName.new(f"ca/v1/{self._name}/{end}")
+            of = self._node.service_builder(service).publish_subscribe(kind).enable_safe_overflow(True)
+            of = of.history_size(history).subscriber_max_buffer_size(4).subscriber_max_borrowed_samples(2)
+            return of.max_publishers(1).max_subscribers(8).max_nodes(32).open_or_create()
+
+        self._lines = [line("in", DeviceFrame, 0), line("out", ForceFrame, 0), line("about", About, 1)]
+        try:
+            self._sends: Any = self._lines[0].publisher_builder().create()
+        except iox.PublisherCreateError as e:
+            raise FailedError(f"the device `{self._name}` is there already: end it, or take another name") from e
+        self._hears: Any = self._lines[1].subscriber_builder().create()
+        self._tells: Any = self._lines[2].publisher_builder().create()
+
+    def send(
+        self,
+        position: float | Sequence[float],
+        *,
+        measured: float | Sequence[float] | None = None,
+        buttons: int = 0,
+        cause: str = "NONE",
+    ) -> None:
+        """Says where the hand is [m], a number for one degree of freedom or one for each; to be called each period,
+        whatever comes back.
+
+        Args:
+            position: of each degree of freedom [m].
+            measured: forces measured at the motors [N].
+            buttons: a bit each.
+            cause: why the device itself gives no force, one of `CAUSES`.
+        """
+        now = time.monotonic_ns()
+        if now - self._told >= 1_000_000_000:
+            self._tells.send_copy(self._about)
+            self._told = now
+        else:
+            # one who came since is given the last at once
+            self._tells.update_connections()
+        self._seq += 1
+        found = CAUSES.index(cause)
+        if found == _NONE:
+            # what it found itself; else, where the engine gives no force, that it was not asked for one
+            found = self._cause(now) if self._last is not None else _DISARMED
+            found = found if found in (_NONE, _WATCHDOG, _DISCONNECT) else _DISARMED
+        frame = self._fill(
+            DeviceFrame, seq=self._seq, ack=0 if self._last is None else self._last.seq, t_device_ns=now,
+            t_host_ns=now, period_ns=self._period, status=self._status, cause=found, n=self.n,
+            mask=2**self.n - 1, buttons=buttons,
+        )  # fmt: skip
+        frame.pos[: self.n] = self._each(position)
+        if measured is not None:
+            frame.force_measured[: self.n] = self._each(measured)
+        self._sends.send_copy(frame)
+
+    def _each(self, value: float | Sequence[float]) -> list[float]:
+        values = [float(v) for v in value] if isinstance(value, Sequence) else [float(value)]
+        if len(values) != self.n:
+            raise UsageError(f"{len(values)} numbers for {self.n} degrees of freedom")
+        return values
+
+    def force(self) -> list[float]:
+        """What may reach the motors now [N], one number a degree of freedom: zeros after the life of the last frame,
+        when off or at fault, from an engine not yet seen at rest. The next `send` says that this force was held."""
+        while (sample := self._hears.receive()) is not None:
+            frame = ForceFrame.from_buffer_copy(sample.payload().contents)
+            sample.delete()
+            self._take(frame)
+        if self._cause(time.monotonic_ns()) != _NONE:
+            return [0.0] * self.n
+        return [float(f) for f in self._last.force[: self.n]]
+
+    def _take(self, f: Any) -> None:
+        ours = (ForceFrame.MAGIC, 1, ForceFrame.LAYOUT, bytes(self._uid))
+        if (f.magic, f.version, f.layout, bytes(f.device)) != ours or not 1 <= f.n <= DOF:
+            return
+        same = self._last is not None and f.session == self._last.session
+        if same and f.seq <= self._last.seq:
+            return
+        self._rested = (self._rested and same) or f.mode not in (1, 2, 3)
+        self._last = f
+
+    def _cause(self, now: int) -> int:
+        f = self._last
+        if f is None:
+            return _DISCONNECT
+        if not 0 <= now - f.t_host_ns <= min(f.ttl_us * 1000, _LONGEST):
+            return _WATCHDOG
+        if f.mode not in (1, 2, 3):
+            return int(f.cause) if 0 < f.cause < len(CAUSES) else _DISARMED
+        if not self._rested:
+            return _DISCONNECT
+        return _NONE if all(math.isfinite(x) for x in f.force) else _NONFINITE
+
+    @property
+    def cause(self) -> str:
+        """Why `force` gives nothing; ``NONE`` where it gives a force."""
+        return CAUSES[self._cause(time.monotonic_ns())]
+
+    @property
+    def mode(self) -> str:
+        """How the newest force is meant, one of `MODES`; ``none`` before any came."""
+        return "none" if self._last is None else MODES[min(self._last.mode, 4)]
+
+    @property
+    def seen(self) -> int:
+        """Number of the newest force frame; 0 before any came."""
+        return 0 if self._last is None else int(self._last.seq)
+
+    def wait(self) -> None:
+        """Sleeps until the next frame is due. Periods that are over are left out, never made up for."""
+        now = time.monotonic_ns()
+        self._due += self._period * max(1, (now - self._due) // self._period)
+        time.sleep(max(0, self._due - now) * 1e-9)
+
+    def close(self) -> None:
+        """Leaves the lines."""
+        for port in (self._sends, self._hears, self._tells):
+            if port is not None:
+                port.delete()
+        self._sends = self._hears = self._tells = self._node = None
+        self._lines = []
+
+    def __enter__(self) -> Device:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
