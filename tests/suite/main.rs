@@ -19,6 +19,8 @@ mod guard;
 mod hertz;
 mod identity;
 mod implicit;
+mod imports;
+mod large;
 mod live;
 mod lpr;
 mod mims;

@@ -26,14 +26,14 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
 
-const SECOND: usize = 48_000;
+pub const SECOND: usize = 48_000;
 const SAME: f64 = 1e-9;
 
 /// Ports and what goes into them, a value per tick.
-type Played<'a> = &'a [(&'a str, Vec<f64>)];
+pub type Played<'a> = &'a [(&'a str, Vec<f64>)];
 
 /// What came out: a row per output.
-type Heard = Vec<Vec<f64>>;
+pub type Heard = Vec<Vec<f64>>;
 
 /// Runs a command that should work.
 fn run(command: &mut Command) -> Result<(), String> {
@@ -55,18 +55,26 @@ fn tools() -> Result<&'static str, String> {
 
 /// What `peers/NAME.dsp` plays in a second; `None` where it cannot be compiled here.
 fn theirs(name: &str, played: Played) -> Option<Heard> {
+    let here = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("peers");
+    by_faust(&std::fs::read_to_string(here.join(format!("{name}.dsp"))).unwrap(), played)
+}
+
+/// What a Faust program plays in a second; `None` where it cannot be compiled here.
+pub fn by_faust(text: &str, played: Played) -> Option<Heard> {
     let compiler = match tools() {
         Ok(compiler) => compiler,
         Err(why) => {
-            println!("skipped: {name}.dsp is compared with nothing, for {why}");
+            println!("skipped: compared with nothing, for {why}");
             return None;
         }
     };
     let here = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("peers");
     let dir = tempfile::tempdir().unwrap();
     let (source, program) = (dir.path().join("program.cpp"), dir.path().join("program"));
+    let dsp = dir.path().join("program.dsp");
+    std::fs::write(&dsp, text).unwrap();
     let mut faust = Command::new("faust");
-    faust.arg("-double").arg("-a").arg(here.join("run.cpp")).arg(here.join(format!("{name}.dsp")));
+    faust.arg("-double").arg("-a").arg(here.join("run.cpp")).arg(dsp);
     run(faust.arg("-o").arg(&source)).unwrap();
     // products and sums rounded one by one, as ours are, also where the processor could join them
     run(Command::new(compiler).args(["-O1", "-ffp-contract=off"]).arg(&source).arg("-o").arg(&program)).unwrap();
@@ -114,7 +122,7 @@ fn ours(text: &str, start: &[(&str, f64, f64)], played: Played) -> Heard {
 
 /// One row against the other, to a part of the largest value.
 #[track_caller]
-fn agree(what: &str, ours: &[f64], theirs: &[f64], tolerance: f64) {
+pub fn agree(what: &str, ours: &[f64], theirs: &[f64], tolerance: f64) {
     let top = peak(theirs);
     assert!(top > 1e-6, "{what} is silent, which compares nothing");
     within(what, apart(ours, theirs) / top, tolerance);

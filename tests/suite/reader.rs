@@ -253,7 +253,9 @@ fn json_counts_lines_and_characters_from_one() {
     let place = ["line", "column", "end_line", "end_column"].map(|k| d[k].as_u64().unwrap());
     assert_eq!(place, [3, 16, 3, 18]);
     assert_eq!(d["labels"][0]["text"], "not known here");
-    let built = render::json(&Diags { list: vec![Diag::note("N201", "x")] }, &Model::default());
+    let mut one = Diags::new();
+    one.push(Diag::note("N201", "x"));
+    let built = render::json(&one, &Model::default());
     assert!(built[0]["line"].is_null() && built[0]["fix"].is_null() && built[0]["title"] == "x");
 }
 

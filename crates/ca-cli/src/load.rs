@@ -5,7 +5,7 @@ use crate::args::Source;
 use ca_core::model::Value;
 use ca_core::{Options, Scene};
 pub use ca_lab::load::{
-    BUNDLED, Loaded, bundled, compiled, has_extension, import, reason, stem, text, ticked, warnings,
+    BUNDLED, Loaded, bundled, compiled, has_extension, import, mims_text, reason, stem, text, ticked, warnings,
 };
 use std::path::Path;
 

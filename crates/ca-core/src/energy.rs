@@ -145,6 +145,11 @@ pub fn book(_op: &Op, layout: &Layout, s: &mut State) {
         l.work[k] += w;
         work += w;
     }
+    if s.tick == 1 {
+        let given: f64 = l.kick.iter().zip(0..).map(|(f, m)| wide(*f) * moved(m, &l.d0)).sum();
+        l.changed += given;
+        work += given;
+    }
     let (kinetic, mut h, heat) = mats(layout, s, &l.d0);
     let (waves, beside) = wave::energy(layout, s, &l.d0);
     l.kinetic = kinetic;

@@ -38,6 +38,8 @@ pub struct Ledger {
     pub(crate) held: Vec<f64>,
     /// in passing, the coefficients of one link (those of the law that has most)
     pub(crate) room: Vec<Real>,
+    /// force \[N\] that only the first tick has, see the start of mi.lib (n_mat, or none)
+    pub(crate) kick: Vec<Real>,
 }
 
 /// What crossed the border at one device port, whole frames only \[J\].

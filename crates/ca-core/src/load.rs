@@ -2,7 +2,7 @@
 //!
 //! Decides that the compiler also looks at a model the reader found errors in, so that all errors of a file come in one
 //! run. What the compiler says then is believed only where the reader has not been: one mistake is one finding, and
-//! warnings about half a model are guesswork.
+//! warnings about half a model are guesswork. A reader that stopped at its limit has said enough.
 
 use crate::catalog::Catalog;
 use crate::compile::{Options, compile};
@@ -32,12 +32,16 @@ pub fn load(text: &str, file: &str, catalog: &Catalog, options: &Options) -> (Mo
 
 /// Compiles a model that was read, perhaps changed by [`Model::set`], with what the reader found.
 pub fn finish(model: &Model, found: Diags, catalog: &Catalog, options: &Options) -> Result<Scene, Diags> {
+    if found.is_full() {
+        return Err(found);
+    }
     let result = compile(model, catalog, options);
     if !found.has_errors() {
-        let merge = |mut more: Diags| {
-            more.list.splice(0..0, found.list.iter().cloned());
-            more.sort();
-            more
+        let merge = |more: Diags| {
+            let mut all = found.clone();
+            all.extend(more);
+            all.sort();
+            all
         };
         return match result {
             Ok(mut scene) => {

@@ -38,11 +38,18 @@ pub fn bundled(name: &str) -> Option<&'static str> {
     BUNDLED.iter().find(|m| m.0 == name).map(|m| m.1)
 }
 
+fn bytes(path: &Path) -> Result<Vec<u8>, Failure> {
+    std::fs::read(path).map_err(|e| Failure::Failed(format!("`{}`: it cannot be read: {}", path.display(), reason(&e))))
+}
+
+/// The text of a MIMS file, in whatever way it was saved.
+pub fn mims_text(path: &Path) -> Result<String, Failure> {
+    Ok(mims::decode(bytes(path)?))
+}
+
 /// The text of a file of ours, or why not.
 pub fn text(path: &Path) -> Result<String, Failure> {
-    let bytes = std::fs::read(path)
-        .map_err(|e| Failure::Failed(format!("`{}`: it cannot be read: {}", path.display(), reason(&e))))?;
-    String::from_utf8(bytes).map_err(|e| {
+    String::from_utf8(bytes(path)?).map_err(|e| {
         let at = e.utf8_error().valid_up_to();
         Failure::Failed(format!("`{}`: not a text in UTF-8, from byte {at} on", path.display()))
     })
@@ -78,8 +85,8 @@ pub fn load(word: &str) -> Result<Loaded, Failure> {
     let path = Path::new(word);
     // a folder that is called like a bundled model hides none
     if path.exists() && !(path.is_dir() && bundled(word).is_some()) {
-        let text = text(path)?;
-        if has_extension(path, "mdl") { Ok(read_mims(&text, word)) } else { Ok(read_text(&text, word)) }
+        let mims = has_extension(path, "mdl");
+        Ok(if mims { read_mims(&mims_text(path)?, word) } else { read_text(&text(path)?, word) })
     } else if let Some(text) = bundled(word) {
         Ok(read_text(text, &format!("{word}.ca.toml")))
     } else {
@@ -234,5 +241,5 @@ pub fn scene(loaded: &Loaded, options: &Options) -> Result<Scene, Failure> {
 
 /// Warnings among findings.
 pub fn warnings(diags: &Diags) -> usize {
-    diags.list.iter().filter(|d| d.severity == Severity::Warning).count()
+    diags.count(Severity::Warning)
 }

@@ -12,6 +12,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 mod bare;
+mod foreign;
 use bare::same_movement;
 
 fn folder() -> PathBuf {

@@ -14,7 +14,7 @@ use std::path::PathBuf;
 
 /// Runs the command.
 pub fn run(args: &ImportArgs) -> Outcome {
-    let text = load::text(&args.file)?;
+    let text = load::mims_text(&args.file)?;
     let file = args.file.display().to_string();
     let (model, notes) = load::import(&text, &file);
     // the findings point into the MIMS text

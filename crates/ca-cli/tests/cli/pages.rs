@@ -94,6 +94,16 @@ fn a_mims_model_is_imported_and_compiled() {
     assert_eq!(first, fs::read(desk.path("gut.ca.toml")).unwrap());
     desk.ca(&["render", "string.mdl", "-q"]).is(0);
     assert_eq!(desk.wav("string.wav").0.sample_rate, 44_100);
+    // as an old editor saved it: Latin-1, lines that end with a carriage return
+    let old = [b"# corde fix\xe9e\r".to_vec(), b"@g ground 0\r@a mass 1 0 0\r@r spring @g @a 0.1\r".to_vec()].concat();
+    fs::write(desk.path("old.mdl"), [&old[..], b"@o posOutput @a\r"].concat()).unwrap();
+    desk.ca(&["import", "old.mdl"]).is(0).says(&["lines from 5", "it compiles", "2 MAT"]);
+    fs::write(desk.path("wrong.mdl"), [&old[..], b"@o posOutput @b\r"].concat()).unwrap();
+    desk.ca(&["import", "wrong.mdl"]).is(1).says(&["wrong.mdl:5:14", "unknown name: `b`"]);
+    // what cannot be is refused in the file it stands in, and nothing is written
+    desk.put("light.mdl", "@a mass -1 0 0\n@o posOutput @a\n");
+    desk.ca(&["import", "light.mdl"]).is(1).says(&["light.mdl:1:9", "`M` of `a` is out of range: -1"]);
+    assert!(!desk.path("light.ca.toml").exists());
     let r = desk.ca(&["import", "odd.mdl"]).is(1).says(&["odd.mdl:1:"]);
     assert_eq!(r.out, "");
     desk.ca(&["render", "odd.mdl"]).is(1).says(&["odd.mdl:1:"]);

@@ -25,6 +25,7 @@ mod links;
 mod lists;
 mod lowpass;
 mod midi;
+mod milib;
 #[cfg_attr(not(feature = "analysis"), path = "no_modal.rs")]
 mod modal;
 mod named;

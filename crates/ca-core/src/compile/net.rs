@@ -336,6 +336,8 @@ pub struct Net {
     pub gestures: Vec<(String, Vec<[f64; 2]>)>,
     /// how long it sounds \[s\], if said
     pub seconds: Option<f64>,
+    /// whether the first two samples are those of mi.lib
+    pub as_milib: bool,
     /// what was left out, in words
     pub left_out: Vec<String>,
     /// MATs that stay, by document number

@@ -3,6 +3,7 @@
 
 use super::crossing::crossing;
 use super::expand::expand;
+use super::milib::START;
 use super::net::{Family, LARGEST, MatNode, MatRole, Net, NetItem};
 use super::say::type_name;
 use super::values::Values;
@@ -36,6 +37,9 @@ pub fn resolve(model: &Model, catalog: &Catalog, options: &Options, diags: &mut 
     rates::media(model, &mut net, &mut v);
     let mut unknown = BTreeSet::new();
     for (i, item) in model.items.iter().enumerate() {
+        if v.diags.is_full() {
+            break;
+        }
         let Some(kind) = catalog.get(&item.kind) else {
             // once for a section, however many modules stand in it
             if unknown.insert((item.kind_span, item.kind.as_str())) {
@@ -51,6 +55,9 @@ pub fn resolve(model: &Model, catalog: &Catalog, options: &Options, diags: &mut 
         let te = v.alg.take();
         net.seconds = v.number(e, Unit::SECOND, (0.0, 86_400.0), "`seconds` of `[model]`").map(|s| s.0);
         v.alg = te;
+    }
+    if let Some(e) = model.meta(START.name) {
+        net.as_milib = v.word(&START, e, "`[model]`") == Some(1.0);
     }
     equivalence::equivalence(model, &mut net, &mut v);
     params::place(&mut v, &mut net);

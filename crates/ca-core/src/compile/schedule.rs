@@ -4,6 +4,7 @@ use super::ahead;
 use super::certify::Certificate;
 use super::cutoff::{blockers, plain_first};
 use super::links::{Links, own_tables};
+use super::milib;
 use super::net::{Coordinate, Ear, End, LiaNode, MatRole, Net, OutNode};
 use super::options::Options;
 use super::oversample::oversample;
@@ -106,15 +107,18 @@ pub fn schedule(
     let mut writes = passes::writes(&layout, gains);
     let mut moves = if net.is_composed() { pefrl::moves(&layout, &forces, own) } else { moves };
     oversample(net, &mut layout, &mut reads, &forces, &mut writes, &mut moves);
+    milib::check(model, net, &layout, &forces, diags);
     let begin = match () {
         () if net.is_composed() => Order::Exact,
         () if ahead::is_fourth(net) => Order::Fourth,
         () => Order::Second,
     };
     let loaded = loaded(net, &layout, x, &v, coef, (live_places, whole));
-    let felt = net.oversample == 1 && layout.enx.iter().any(|p| p.felt);
+    let as_milib = net.as_milib && !diags.has_errors();
+    let felt = !as_milib && net.oversample == 1 && layout.enx.iter().any(|p| p.felt);
     let before = felt.then(|| (begin, loaded.clone()));
-    let mut initial = start(&layout, &forces, begin, loaded);
+    let mut initial =
+        if as_milib { milib::first(&layout, &forces, loaded) } else { start(&layout, &forces, begin, loaded) };
     initial.scene = Identity::of(&layout, [&reads, &forces, &writes, &moves], &initial);
     live.scene = initial.scene;
     let (probe_names, probe_of) = probes(net);

@@ -115,8 +115,7 @@ impl Wiring<'_> {
 
     /// True where the name stands in the model, but broken: the reason has been given there.
     fn is_reported(&mut self, name: &str) -> bool {
-        let broken = self.model.lost.iter().any(|l| l == name || l.rsplit('.').next() == Some(name))
-            || self.model.items.iter().any(|i| i.name == name) && !self.net.items.iter().any(|i| i.name == name);
+        let broken = self.broken.contains(name);
         if broken && self.net.incomplete.is_none() {
             self.net.incomplete = Some(name.into());
         }
@@ -147,9 +146,7 @@ impl Wiring<'_> {
         let group = self.model.groups.iter().any(|g| g.name == name);
         let member = self.net.families.keys().find(|k| k.rsplit('.').next() == Some(name));
         // modules that are broken themselves are meant no less
-        let broken =
-            self.model.items.iter().map(|i| i.name.as_str()).filter(|n| !self.net.items.iter().any(|i| i.name == *n));
-        let names = self.net.families.keys().map(String::as_str).chain(broken);
+        let names = self.net.families.keys().map(String::as_str).chain(self.broken.iter().copied());
         let near = member.map(String::as_str).or_else(|| nearest(name, names));
         let d = if self.model.params.iter().any(|p| p.key == name) {
             d.help("that is a parameter; the ends of links and outputs are modules")

@@ -6,7 +6,7 @@ use super::say::type_name;
 use super::select::{Meaning, Written};
 use super::sets::heard;
 use super::space;
-use super::wiring::Wiring;
+use super::wiring::{Wiring, broken};
 use crate::kind::PortRole;
 use crate::kind::Role;
 use crate::live::Source;
@@ -21,10 +21,14 @@ const LINKED: &str = "a link joins MATs: masses, fixed points, cells, ports move
 
 /// Adds links, force ports, outputs and probes.
 pub fn wire(model: &Model, net: Net, options: &Options, diags: &mut Diags) -> Net {
-    let mut w = Wiring { model, net, diags, heard: heard(model, options), points: BTreeMap::new(), under: 0 };
+    let (heard, broken) = (heard(model, options), broken(model, &net));
+    let mut w = Wiring { model, net, diags, heard, points: BTreeMap::new(), broken, over: false, under: 0 };
     for id in 0..w.net.items.len() {
         if let Role::Lia(_) = w.net.items[id].kind.role {
             w.link(id as u32, options.kernel);
+        }
+        if w.diags.is_full() {
+            return w.net;
         }
     }
     for id in 0..w.net.items.len() {
@@ -131,7 +135,10 @@ impl Wiring<'_> {
         }
         let count = if all { a.len().saturating_mul(b.len()) } else { a.len().max(b.len()) };
         if self.net.mats.len() + self.net.lias.len() + count > LARGEST {
-            self.too_many(&name, "links", e.span);
+            // once, not for each link that is one too many
+            if !core::mem::replace(&mut self.over, true) {
+                self.too_many(&name, "links", e.span);
+            }
             return;
         }
         let pairs: Vec<[End; 2]> = if all && a == b {

@@ -6,6 +6,7 @@
 //! so that models built by programs get the same diagnostics without the parser.
 
 use super::Span;
+use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
 
@@ -89,11 +90,17 @@ impl Diag {
     }
 }
 
+/// So many findings of one severity are kept. Nobody reads more, and a file of a million lines with a mistake in each
+/// would otherwise need many times its size.
+pub const KEPT: usize = 100;
+
 /// All findings about one model, in order of place once [`Diags::sort`] has run.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Diags {
-    /// the findings
+    /// the findings, at most [`KEPT`] of a severity, and one more that says where there were more errors
     pub list: Vec<Diag>,
+    /// how many more there are of each severity
+    more: [usize; 3],
 }
 
 impl Diags {
@@ -101,9 +108,37 @@ impl Diags {
     pub fn new() -> Diags {
         Diags::default()
     }
-    /// Adds one.
+    /// Adds one, unless [`KEPT`] of its severity are there; then it is counted. The first error too many is replaced by
+    /// one that says so.
     pub fn push(&mut self, d: Diag) {
-        self.list.push(d);
+        let severity = d.severity;
+        if self.list.iter().filter(|o| o.severity == severity).count() < KEPT {
+            self.list.push(d);
+            return;
+        }
+        if severity == Severity::Error && !self.is_full() {
+            let d = Diag::error("E027", format!("more than {KEPT} errors: the search for others ended there"));
+            self.list.push(d.help("mend these first"));
+        }
+        self.more[severity as usize] += 1;
+    }
+    /// Forgets warnings and notes.
+    pub fn keep_errors(&mut self) {
+        self.list.retain(|d| d.severity == Severity::Error);
+        self.more[1..].fill(0);
+    }
+    /// Adds what was found elsewhere.
+    pub fn extend(&mut self, found: Diags) {
+        found.list.into_iter().for_each(|d| self.push(d));
+        self.more.iter_mut().zip(found.more).for_each(|(a, b)| *a += b);
+    }
+    /// How many there are of a severity, with those that were not kept.
+    pub fn count(&self, severity: Severity) -> usize {
+        self.list.iter().filter(|d| d.severity == severity).count() + self.more[severity as usize]
+    }
+    /// True where there were more than [`KEPT`] errors: there is no use in looking for others.
+    pub fn is_full(&self) -> bool {
+        self.more[Severity::Error as usize] > 0
     }
     /// True where an error is among them.
     pub fn has_errors(&self) -> bool {

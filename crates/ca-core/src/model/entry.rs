@@ -37,7 +37,10 @@ pub(super) fn article(value: &DeValue) -> &'static str {
 
 impl Reader<'_, '_> {
     pub(super) fn entries(&mut self, table: &DeTable) -> Vec<Entry> {
-        ordered(table).into_iter().filter_map(|(k, v)| self.entry(k.get_ref().as_ref().into(), k, v)).collect()
+        // as much room as is needed: there may be a million of these
+        let mut all = Vec::with_capacity(table.len());
+        all.extend(ordered(table).into_iter().filter_map(|(k, v)| self.entry(k.get_ref().as_ref().into(), k, v)));
+        all
     }
 
     pub(super) fn entry(&mut self, key: String, k: &Key, v: &Val) -> Option<Entry> {
@@ -58,7 +61,9 @@ impl Reader<'_, '_> {
                     let value = r.value(key, v)?;
                     Some(Entry { key: String::new(), key_span: Span::NONE, value, span: r.span(v) })
                 };
-                Value::List(a.iter().filter_map(|v| member(self, v)).collect())
+                let mut all = Vec::with_capacity(a.len());
+                all.extend(a.iter().filter_map(|v| member(self, v)));
+                Value::List(all)
             }
             DeValue::Table(t) => Value::Table(self.entries(t)),
             DeValue::Datetime(_) => {

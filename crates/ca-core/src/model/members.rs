@@ -82,6 +82,9 @@ impl Reader<'_, '_> {
         group: Option<(usize, &str)>,
     ) {
         for (key, value) in ordered(table) {
+            if self.diags.is_full() {
+                return;
+            }
             let word = key.get_ref().as_ref();
             let name = group.map_or_else(|| word.to_owned(), |(_, g)| format!("{g}.{word}"));
             // the value is not TOML, which has been reported: the parser then gives it no place of its own

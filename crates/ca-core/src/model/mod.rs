@@ -8,6 +8,8 @@
 use alloc::string::String;
 use alloc::vec::Vec;
 
+#[cfg(feature = "parse")]
+mod blocks;
 pub mod diag;
 #[cfg(feature = "parse")]
 mod entry;

@@ -6,6 +6,7 @@
 //! is reported and then read as the one suggested, so that one slip does not make ten complaints further down. Only
 //! names and shapes are judged here; numbers, units and references are for the compiler.
 
+use super::blocks;
 use super::diag::{Diag, Diags};
 use super::entry::{Key, Val, article, ordered};
 use super::reader::{Reader, is_code, ticked};
@@ -35,15 +36,25 @@ use toml::de::{DeTable, DeValue};
 /// ```
 pub fn read(text: &str, file: &str, catalog: &Catalog) -> (Model, Diags) {
     let mut diags = Diags::new();
-    let source = Source::mend(text, &mut diags);
-    let (doc, errors) = DeTable::parse_recoverable(source.text());
-    syntax::report(&source, text, doc.get_ref(), &errors, &mut diags);
-    let model = Model { file: file.into(), text: text.into(), header: header(text), ..Model::default() };
-    let mut reader = Reader { catalog, source: &source, text, model, diags };
-    for (key, value) in ordered(doc.get_ref()) {
-        reader.root(key, value);
+    let source = Source::mend(text, catalog, &mut diags);
+    let mut model = Model { file: file.into(), text: text.into(), header: header(text), ..Model::default() };
+    let mut one = |source: &Source| {
+        let (doc, errors) = DeTable::parse_recoverable(source.text());
+        syntax::report(source, text, doc.get_ref(), &errors, &mut diags);
+        let (model_so_far, diags_so_far) = (core::mem::take(&mut model), core::mem::take(&mut diags));
+        let mut reader = Reader { catalog, source, text, model: model_so_far, diags: diags_so_far };
+        for (key, value) in ordered(doc.get_ref()) {
+            reader.root(key, value);
+        }
+        (model, diags) = (reader.model, reader.diags);
+        diags.is_full()
+    };
+    if source.cuts.is_empty() {
+        one(&source);
+    } else {
+        // the rest of a file that has more errors than are kept is not looked at
+        _ = blocks::parts(&source, &source.cuts).any(|part| one(&part));
     }
-    let Reader { mut model, mut diags, .. } = reader;
     unique(&mut model, &mut diags);
     broken_lines(&mut model, &diags);
     diags.sort();
@@ -76,11 +87,14 @@ fn header(text: &str) -> String {
 /// Sorts modules by place and leaves out those whose name is taken.
 fn unique(model: &mut Model, diags: &mut Diags) {
     model.items.sort_by_key(|i| i.name_span);
-    let mut taken: BTreeMap<String, Span> = model.groups.iter().map(|g| (g.name.clone(), g.span)).collect();
-    model.items.retain(|item| {
-        let Some(&first) = taken.get(&item.name) else {
-            taken.insert(item.name.clone(), item.name_span);
-            return true;
+    let mut taken: BTreeMap<&str, Span> = model.groups.iter().map(|g| (g.name.as_str(), g.span)).collect();
+    let mut kept = Vec::with_capacity(model.items.len());
+    for item in &model.items {
+        let first = taken.get(item.name.as_str()).copied();
+        kept.push(first.is_none());
+        let Some(first) = first else {
+            taken.insert(&item.name, item.name_span);
+            continue;
         };
         diags.push(
             Diag::error("E012", format!("`{}` is used twice", item.name))
@@ -88,8 +102,9 @@ fn unique(model: &mut Model, diags: &mut Diags) {
                 .at(first, "first here")
                 .help("names are unique in a model: rename one of the two"),
         );
-        false
-    });
+    }
+    let mut kept = kept.into_iter();
+    model.items.retain(|_| kept.next().unwrap_or(true));
 }
 
 impl Reader<'_, '_> {

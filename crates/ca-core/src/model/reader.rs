@@ -66,7 +66,7 @@ impl Reader<'_, '_> {
         all: impl Fn() -> String,
     ) -> Vec<Entry> {
         let written: Vec<String> = list.iter().map(|e| e.key.clone()).collect();
-        let mut kept: Vec<Entry> = Vec::new();
+        let mut kept: Vec<Entry> = Vec::with_capacity(list.len());
         for mut e in list {
             if keys.contains(&e.key.as_str()) {
                 kept.push(e);

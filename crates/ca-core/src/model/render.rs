@@ -5,7 +5,7 @@
 //! built by a program have no text: their findings keep title and help. JSON carries everything, for editors and
 //! tests; its lines and columns start at 1, columns count characters.
 
-use super::diag::{Diag, Diags, Severity};
+use super::diag::{Diag, Diags, KEPT, Severity};
 use super::{Model, Span};
 use alloc::format;
 use alloc::string::{String, ToString};
@@ -14,8 +14,10 @@ use annotate_snippets::{AnnotationKind, Group, Level, Patch, Renderer, Snippet};
 use core::ops::Range;
 use serde_json::{Value as Json, json};
 
-/// At most so many findings are printed.
+/// At most so many findings are printed; at most [`KEPT`] of a severity are kept.
 pub const SHOWN: usize = 20;
+/// Of a longer text, in bytes, only the lines around a finding are looked at.
+const WHOLE: usize = 1 << 16;
 /// A fix in a longer line is not shown as an edited line, which would be printed whole.
 const LONG: usize = 400;
 
@@ -35,8 +37,9 @@ pub fn text(diags: &Diags, model: &Model, color: bool) -> String {
         out += &renderer.render(&groups(&diags.list[i], model));
         out += "\n\n";
     }
-    if diags.list.len() > SHOWN {
-        out += &["… and ", &(diags.list.len() - SHOWN).to_string(), " more\n"].concat();
+    let all = [Severity::Error, Severity::Warning, Severity::Note].map(|s| diags.count(s)).iter().sum::<usize>();
+    if all > SHOWN && !diags.is_full() {
+        out += &["… and ", &(all - SHOWN).to_string(), " more\n"].concat();
     }
     out + &summary(diags) + "\n"
 }
@@ -44,11 +47,14 @@ pub fn text(diags: &Diags, model: &Model, color: bool) -> String {
 /// `2 errors, 1 warning`
 pub fn summary(diags: &Diags) -> String {
     let count = |severity: Severity, word: &str| {
-        let n = diags.list.iter().filter(|d| d.severity == severity).count();
+        let n = diags.count(severity);
         (n > 0).then(|| format!("{n} {word}{}", if n == 1 { "" } else { "s" }))
     };
     let parts = [(Severity::Error, "error"), (Severity::Warning, "warning"), (Severity::Note, "note")];
     let parts: Vec<String> = parts.into_iter().filter_map(|(s, w)| count(s, w)).collect();
+    if diags.is_full() {
+        return format!("more than {KEPT} errors: the search for others ended there");
+    }
     if parts.is_empty() { "no findings".into() } else { parts.join(", ") }
 }
 
@@ -59,12 +65,14 @@ fn groups<'a>(d: &'a Diag, model: &'a Model) -> Vec<Group<'a>> {
         Severity::Note => Level::NOTE,
     };
     let mut main = Group::with_title(level.primary_title(d.title.as_str()).id(d.code));
-    let mut snippet = source(model);
+    let view = view(d, model);
+    let within = |r: Range<usize>| r.start - view.start..r.end - view.start;
+    let mut snippet = source(model, &view);
     let mut places = 0;
     for (span, label) in &d.labels {
         let Some(range) = clamp(*span, &model.text) else { continue };
         let kind = if places == 0 { AnnotationKind::Primary } else { AnnotationKind::Context };
-        let a = kind.span(range);
+        let a = kind.span(within(range));
         snippet = snippet.annotation(if label.is_empty() { a } else { a.label(label.as_str()) });
         places += 1;
     }
@@ -80,7 +88,8 @@ fn groups<'a>(d: &'a Diag, model: &'a Model) -> Vec<Group<'a>> {
         return alloc::vec![main];
     };
     let help = d.help.as_deref().unwrap_or("write it so");
-    let fix = Group::with_title(Level::HELP.secondary_title(help)).element(source(model).patch(Patch::new(range, new)));
+    let fix = Group::with_title(Level::HELP.secondary_title(help))
+        .element(source(model, &view).patch(Patch::new(within(range), new)));
     alloc::vec![main, fix]
 }
 
@@ -89,8 +98,24 @@ fn line_length(text: &str, at: usize) -> usize {
     before.len() - before.rfind('\n').map_or(0, |i| i + 1) + after.find('\n').unwrap_or(after.len())
 }
 
-fn source<T: Clone>(model: &Model) -> Snippet<'_, T> {
-    let snippet = Snippet::source(model.text.as_str());
+/// The part of the text a finding is shown in: all of it, or of a long one the lines from its first place to its last.
+/// The renderer splits what it is given into lines, for each finding anew.
+fn view(d: &Diag, model: &Model) -> Range<usize> {
+    let text = model.text.as_str();
+    let spans = d.labels.iter().map(|l| l.0).chain(d.fix.as_ref().map(|f| f.span));
+    let ranges: Vec<Range<usize>> = spans.filter_map(|s| clamp(s, text)).collect();
+    let (Some(from), Some(to)) = (ranges.iter().map(|r| r.start).min(), ranges.iter().map(|r| r.end).max()) else {
+        return 0..text.len();
+    };
+    if text.len() <= WHOLE {
+        return 0..text.len();
+    }
+    text[..from].rfind('\n').map_or(0, |i| i + 1)..text[to..].find('\n').map_or(text.len(), |i| to + i)
+}
+
+fn source<'a, T: Clone>(model: &'a Model, view: &Range<usize>) -> Snippet<'a, T> {
+    let above = model.text[..view.start].bytes().filter(|&b| b == b'\n').count();
+    let snippet = Snippet::source(&model.text[view.clone()]).line_start(above + 1);
     if model.file.is_empty() { snippet } else { snippet.path(model.file.as_str()) }
 }
 

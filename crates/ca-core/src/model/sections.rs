@@ -15,6 +15,7 @@ pub const META: &[&str] = &[
     "method",
     "theta",
     "seconds",
+    "start",
 ];
 /// Keys of `[rate]`.
 pub const RATES: &[&str] = &["sound", "oversample", "gesture", "border", "latency", "feedback", "filter"];

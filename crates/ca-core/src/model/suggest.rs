@@ -4,10 +4,13 @@
 //! suggested: a wrong suggestion costs more than none. Without the feature `parse` only the first rule holds, because
 //! the edit distance comes from a dependency.
 
+/// A list that is longer is not looked through to its end: nobody waits seconds for a guess.
+const MOST: usize = 10_000;
+
 /// The candidate nearest to `word`, if one is near; the earlier of two equally near.
 pub fn nearest<'a>(word: &str, candidates: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     let mut best: Option<(usize, &'a str)> = None;
-    for c in candidates {
+    for c in candidates.take(MOST) {
         let d = distance(word, c);
         if d.is_some_and(|d| best.is_none_or(|b| d < b.0)) {
             best = d.map(|d| (d, c));

@@ -10,8 +10,11 @@
 //! hostile file would overflow the stack. A text nested deeper than [`DEEP`] is not parsed at all.
 
 use super::Span;
+use super::blocks::{Cut, Cutter};
 use super::diag::{Diag, Diags};
 use super::select::{is_name, is_word};
+use crate::catalog::Catalog;
+use crate::compile::net::LARGEST;
 use alloc::borrow::Cow;
 use alloc::collections::BTreeSet;
 use alloc::format;
@@ -25,18 +28,24 @@ pub(super) struct Source<'s> {
     text: Cow<'s, str>,
     /// offset in the mended text of each byte inserted, rising
     inserted: Vec<usize>,
+    /// of a part: where each of its pieces begins, and where that stands in the mended text
+    pieces: Vec<(usize, usize)>,
+    /// where a long text is cut, in the mended text
+    pub(super) cuts: Vec<Cut>,
 }
 
 impl<'s> Source<'s> {
     /// The text itself where brackets and quotes pair, else a mended copy; what was mended is reported.
-    pub(super) fn mend(text: &'s str, diags: &mut Diags) -> Source<'s> {
-        let edits = Mender { text, ..Mender::default() }.run(diags);
-        diags.list.truncate(BROKEN);
-        let Some(mut edits) = edits else {
-            return Source { text: Cow::Borrowed(""), inserted: Vec::new() };
-        };
+    pub(super) fn mend(text: &'s str, catalog: &Catalog, diags: &mut Diags) -> Source<'s> {
+        let mut mender =
+            Mender { text, catalog, at: 0, open: Vec::new(), edits: Vec::new(), solid: 0, cutter: Cutter::default() };
+        let plain = |text, cuts| Source { text: Cow::Borrowed(text), inserted: Vec::new(), pieces: Vec::new(), cuts };
+        if !mender.run(diags) || diags.is_full() {
+            return plain("", Vec::new());
+        }
+        let (mut edits, mut cuts) = (mender.edits, mender.cutter.cuts);
         if edits.is_empty() {
-            return Source { text: Cow::Borrowed(text), inserted: Vec::new() };
+            return plain(text, cuts);
         }
         edits.sort_by_key(|e| e.0);
         let (mut mended, mut inserted, mut from) = (String::new(), Vec::new(), 0);
@@ -47,7 +56,19 @@ impl<'s> Source<'s> {
             from = at;
         }
         mended.push_str(&text[from..]);
-        Source { text: Cow::Owned(mended), inserted }
+        let places: Vec<usize> = inserted.iter().enumerate().map(|(i, at)| at - i).collect();
+        // what is inserted at a place stands before it
+        let moved = |at: usize| at + places.partition_point(|&p| p <= at);
+        for c in &mut cuts {
+            c.header = moved(c.header.start)..moved(c.header.end);
+            c.body = moved(c.body.start)..moved(c.body.end);
+        }
+        Source { text: Cow::Owned(mended), inserted, pieces: Vec::new(), cuts }
+    }
+
+    /// A part of the text, from these pieces of it.
+    pub(super) fn part(&self, text: String, pieces: Vec<(usize, usize)>) -> Source<'static> {
+        Source { text: Cow::Owned(text), inserted: self.inserted.clone(), pieces, cuts: Vec::new() }
     }
 
     pub(super) fn text(&self) -> &str {
@@ -56,8 +77,14 @@ impl<'s> Source<'s> {
 
     /// A range of the mended text as a span of the text as written.
     pub(super) fn span(&self, r: Range<usize>) -> Span {
+        let whole = |at: usize| {
+            let piece = self.pieces.partition_point(|p| p.0 <= at).checked_sub(1).and_then(|i| self.pieces.get(i));
+            piece.map_or(at, |p| at - p.0 + p.1)
+        };
         let back = |at: usize| at - self.inserted.partition_point(|&i| i < at);
-        Span { start: back(r.start), end: back(r.end.max(r.start)) }
+        // the end of a piece is not the beginning of the next
+        let end = if r.end > r.start { whole(r.end - 1) + 1 } else { whole(r.start) };
+        Span { start: back(whole(r.start)), end: back(end) }
     }
 }
 
@@ -70,6 +97,9 @@ const BROKEN: usize = 100;
 /// Turns the parser's errors into findings. Of several on one line the first counts; the rest of a broken line is
 /// guesswork.
 pub(super) fn report(source: &Source, text: &str, doc: &DeTable, errors: &[Error], diags: &mut Diags) {
+    if errors.is_empty() {
+        return;
+    }
     let breaks: Vec<usize> = text.bytes().enumerate().filter(|(_, b)| *b == b'\n').map(|(i, _)| i).collect();
     let line = |span: Span| breaks.partition_point(|&b| b < span.start);
     let mut broken: BTreeSet<usize> = diags.list.iter().flat_map(|d| d.labels.iter().map(|l| line(l.0))).collect();
@@ -147,20 +177,21 @@ fn last_key_before(source: &Source, table: &DeTable, name: &str, before: Span, b
 }
 
 /// One pass over the text with a stack of open brackets.
-#[derive(Default)]
 struct Mender<'s> {
     text: &'s str,
+    catalog: &'s Catalog,
     at: usize,
     /// open brackets: place and the character that closes them
     open: Vec<(usize, char)>,
     edits: Vec<(usize, char)>,
     /// end of the last thing that is neither blank nor comment
     solid: usize,
+    cutter: Cutter,
 }
 
-impl Mender<'_> {
-    /// The characters to insert, or nothing where the text is nested too deep.
-    fn run(mut self, diags: &mut Diags) -> Option<Vec<(usize, char)>> {
+impl<'s> Mender<'s> {
+    /// Finds the characters to insert; false where the text is nested too deep or holds too many modules.
+    fn run(&mut self, diags: &mut Diags) -> bool {
         // the byte before `solid`, and whether the line is blank so far
         let (mut last, mut fresh) = (b'\n', true);
         while let Some(&b) = self.text.as_bytes().get(self.at) {
@@ -176,14 +207,23 @@ impl Mender<'_> {
                         self.equals(diags);
                     }
                     if fresh && self.open.is_empty() && b == b'[' {
+                        let line = self.line();
+                        self.cutter.section(self.at, line, self.catalog);
                         self.header(diags);
                     } else {
+                        if fresh && self.open.is_empty() && self.cutter.module(self.at) > LARGEST {
+                            let d = Diag::error("E027", format!("more than {LARGEST} masses and links are written"));
+                            let d = d.at(Span { start: self.at, end: self.at + 1 }, "from here on");
+                            let fewer = "a model holds no more, and a real-time one some thousands";
+                            diags.push(d.help(fewer));
+                            return false;
+                        }
                         self.token(b, diags);
                     }
                     if self.open.len() > DEEP {
                         let d = Diag::error("E001", "not TOML: nested too deep");
                         diags.push(d.at(Span { start: self.at, end: self.at + 1 }, format!("more than {DEEP} deep")));
-                        return None;
+                        return false;
                     }
                     fresh = false;
                     self.solid = self.at + 1;
@@ -195,7 +235,8 @@ impl Mender<'_> {
         if !self.open.is_empty() {
             self.close(0, diags);
         }
-        Some(self.edits)
+        self.cutter.section(self.text.len(), "", self.catalog);
+        true
     }
 
     fn line_end(&self) -> usize {
@@ -203,7 +244,7 @@ impl Mender<'_> {
         end.map_or(self.text.len(), |i| self.at + i)
     }
 
-    fn line(&self) -> &str {
+    fn line(&self) -> &'s str {
         self.text.get(self.at..self.line_end()).unwrap_or("")
     }
 

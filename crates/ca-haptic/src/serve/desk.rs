@@ -66,6 +66,7 @@ pub trait Sink {
 }
 
 /// What a sink is given; words it gets in any case.
+#[allow(clippy::struct_excessive_bools, reason = "each is a stream of its own, wanted or not")]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Wants {
     /// what happened

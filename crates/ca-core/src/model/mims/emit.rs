@@ -4,6 +4,7 @@
 //! is told in the header (it stays with the model; a finding is gone with the terminal), and that parameters which
 //! nothing names any more are left out with a note.
 
+use super::first;
 use super::names::Losses;
 use super::part::{Arg, Net, Part};
 use super::plan::{Generator, Plan};
@@ -23,6 +24,9 @@ pub(super) fn emit(net: &Net, plan: &Plan, file: &str, diags: &mut Diags) -> Mod
     }
     model.meta.push(Entry::new("units", "alg"));
     model.meta.push(Entry::new("reference_rate", "44.1 kHz"));
+    if first::matters(net) {
+        model.meta.push(Entry::new("start", "mi.lib"));
+    }
     model.rate.push(Entry::new("sound", "44.1 kHz"));
     for (name, a) in &net.groups {
         let props = Vec::from([Entry::new("gravity", *a)]);
@@ -118,6 +122,9 @@ fn header(net: &Net, plan: &Plan, file: &str) -> String {
         format!("Imported from {} (MIMS). Numbers are per sample at 44.1 kHz, as there.", one_line(source)),
         format!("{}.", counts.join(", ")),
     ]);
+    if first::matters(net) {
+        lines.push("Starts as mi.lib does: `dx0` is one sample before the first, `v` the step that led there.".into());
+    }
     for g in &plan.generators {
         let label = |p: usize| net.parts.get(p).map_or("", |p| p.name.as_str());
         let (a, b) = g.members;

@@ -62,24 +62,30 @@ pub(super) fn give_meaning(r: &mut Reader<'_, '_>, line: &Line<'_>, what: What, 
         }
         (What::NlPluck, &[k, scale]) => {
             part.kind = "LNL";
-            let (k, reach) = (finite(r, line, part, k), finite(r, line, part, scale));
+            let (k, reach) = (r.fold(k, &part.name), r.fold(scale, &part.name));
             let (tip, most) = (reach / 10.0, 0.9 * k * reach / 10.0);
+            product(r, line, part, most);
             part.args.push(("spring", Arg::Curve([[-reach, 0.0], [-tip, most], [tip, -most], [reach, 0.0]])));
         }
         (What::NlBow, &[z, scale]) => {
             part.kind = "BOW";
-            let (z, v1) = (finite(r, line, part, z), finite(r, line, part, scale));
+            let (z, v1) = (r.fold(z, &part.name), r.fold(scale, &part.name));
             let f = 2.0 * z * v1 / 9.0;
-            if !f.is_finite() {
-                let d = Diag::error("E009", format!("the force of `{}` is out of range: {f}", part.name));
-                r.diags.push(d.at(line.label.span, "this bow"));
-            }
+            product(r, line, part, f);
             part.args.push(("curve", Arg::Word("piecewise")));
             for (key, x) in [("f", f), ("v0", v1 / 3.0), ("v1", v1), ("fd", 0.0)] {
                 part.args.push((key, Arg::Num(x)));
             }
         }
         _ => {}
+    }
+}
+
+/// Refuses a force that no float holds.
+fn product(r: &mut Reader<'_, '_>, line: &Line<'_>, part: &Part, f: f64) {
+    if !f.is_finite() {
+        let d = Diag::error("E009", format!("the force of `{}` is out of range: {f}", part.name));
+        r.diags.push(d.at(line.label.span, "this link"));
     }
 }
 
@@ -97,14 +103,4 @@ pub(super) fn rest_lengths(parts: &mut [Part]) {
             part.args.push(("l0", Arg::Num(0.0)));
         }
     }
-}
-
-/// The value of an argument; a product with a small number stays finite.
-fn finite(r: &mut Reader<'_, '_>, line: &Line<'_>, part: &Part, arg: Arg) -> f64 {
-    let x = r.fold(arg, &part.name);
-    if x.abs() > 1e300 {
-        let d = Diag::error("E009", format!("a number of `{}` is out of range: {x:e}", part.name));
-        r.diags.push(d.at(line.label.span, "this link"));
-    }
-    x
 }

@@ -14,6 +14,7 @@
 
 mod chain;
 mod emit;
+mod first;
 mod graph;
 mod lattice;
 mod links;
@@ -27,7 +28,21 @@ mod regular;
 mod types;
 
 use super::Model;
-use super::diag::{Diags, Severity};
+use super::diag::Diags;
+use alloc::string::String;
+use alloc::vec::Vec;
+
+/// The text of a MIMS file, whatever wrote it: bytes that are not UTF-8 are Latin-1, which only comments and labels can
+/// hold, and lines that end as on old Macintoshes end as everywhere else.
+///
+/// ```
+/// use ca_core::model::mims::decode;
+/// assert_eq!(decode(b"# m\xfcde\r@a ground 0".to_vec()), "# m\u{fc}de\n@a ground 0");
+/// ```
+pub fn decode(bytes: Vec<u8>) -> String {
+    let text = String::from_utf8(bytes).unwrap_or_else(|e| e.as_bytes().iter().map(|&b| char::from(b)).collect());
+    if text.contains('\n') { text } else { text.replace('\r', "\n") }
+}
 
 /// Reads a MIMS model. `file` is its name, of which only the last part is kept, as title and in the header comment.
 ///
@@ -53,7 +68,7 @@ pub fn import(text: &str, file: &str) -> (Model, Diags) {
         }
     }
     if diags.has_errors() {
-        diags.list.retain(|d| d.severity == Severity::Error); // nothing was imported, so nothing was lost
+        diags.keep_errors(); // nothing was imported, so nothing was lost
     }
     diags.sort();
     (model, diags)

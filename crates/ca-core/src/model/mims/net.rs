@@ -4,12 +4,14 @@
 //! a name wherever its value is used as it is. Where a law needs a product of two of them, the product is
 //! written as a number and said so: a model file has no expressions, and a hidden second parameter
 //! (`nlK_times_0_9`) would look like the author's.
-//! A mass starts with velocity x0 − xDelayed per sample; an `osc` is drawn to 0, not to its x0, so x0 is a
-//! displacement there and a rest position everywhere else.
+//! Positions of MIMS are absolute and a link of it is slack at the distance 0, so everything rests at 0 and x0 is the
+//! displacement at the start; only a `posInput`, which stays at its x0 until it is moved, rests there. A mass comes at
+//! x0 − xDelayed per sample, and the first two samples are mi.lib's (`start`).
 
+use super::first;
 use super::links;
 use super::names::Losses;
-use super::parse::{Line, shown};
+use super::parse::{Line, Token, shown};
 use super::part::{Arg, Net, Param, Part};
 use super::reader::{Reader, number};
 use super::types::{Type, What};
@@ -20,6 +22,9 @@ use alloc::collections::BTreeMap;
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
+
+/// Beyond this, and below its inverse, a number leaves the range of a float somewhere on its way to SI units.
+const HUGE: f64 = 1e290;
 
 /// Gives every line its meaning. Parts are only to be used where `diags` has no error.
 pub(super) fn build<'a>(typed: &[(&Line<'a>, &'static Type)], diags: &mut Diags) -> Net {
@@ -48,13 +53,17 @@ pub(super) fn build<'a>(typed: &[(&Line<'a>, &'static Type)], diags: &mut Diags)
         n_parts += usize::from(is_part);
     }
     for (line, ty) in typed {
+        if r.diags.is_full() {
+            break;
+        }
         if !matches!(ty.what, What::Param | What::AudioParam) {
             let part = r.part(line, ty);
             r.net.parts.push(part);
         }
     }
-    let Reader { mut net, losses, diags, .. } = r;
+    let Reader { mut net, mut losses, diags, .. } = r;
     links::rest_lengths(&mut net.parts);
+    first::notes(&net, &mut losses);
     name_groups(&mut net);
     losses.into_diags(diags);
     net
@@ -120,20 +129,47 @@ impl<'a> Reader<'a, '_> {
             );
         }
         let room = line.args.iter().skip(ty.ends).take(ty.numbers.len());
-        let nums: Vec<Arg> = room.map(|t| self.arg(t).unwrap_or(Arg::Num(0.0))).collect();
+        let read: Vec<Option<Arg>> = room.map(|t| self.arg(t)).collect();
+        for ((name, arg), token) in ty.numbers.iter().zip(&read).zip(line.args.iter().skip(ty.ends)) {
+            if let Some(arg) = *arg {
+                self.in_range(line, ty, name, arg, token);
+            }
+        }
+        let nums: Vec<Arg> = read.into_iter().map(|arg| arg.unwrap_or(Arg::Num(0.0))).collect();
         if line.args.len() > ty.ends + ty.numbers.len() {
             let first = &line.args[ty.ends + ty.numbers.len()];
             let what = Diag::note("N201", "where a module is drawn is not kept").at(first.span, "buffer, x and y");
             self.losses.add("drawn", what);
         }
-        let mut part = Part { name, kind: "SOL", args: Vec::new(), ends, group: None, rest: Arg::Num(0.0) };
+        let (span, rest) = (line.label.span, Arg::Num(0.0));
+        let mut part = Part { name, span, kind: "SOL", args: Vec::new(), ends, group: None, rest };
         self.give_meaning(line, ty, &nums, &mut part);
         part
     }
 
+    /// Refuses a number that no module of ours can have, where it stands.
+    fn in_range(&mut self, line: &Line<'a>, ty: &Type, name: &str, arg: Arg, token: &Token<'a>) {
+        let x = self.net.value(arg);
+        let wanted = match name {
+            "M" | "scale" if x <= 0.0 => "above 0",
+            // a pluck may pull
+            "K" if ty.what == What::NlPluck && x.abs() <= HUGE => return,
+            "K" | "Q" | "Z" if x < 0.0 => "0 or more",
+            "M" if x < 1.0 / HUGE => "1e-290 or more",
+            _ if x.abs() > HUGE => "at most 1e290 in size",
+            _ => return,
+        };
+        let title = format!("`{name}` of `{}` is out of range: {}", shown(line.label.text), Plain(x));
+        let mut d = Diag::error("E009", title).at(token.span, format!("must be {wanted}"));
+        if let Arg::Param(i) = arg {
+            d = d.at(self.net.params[i].span, "from here");
+        }
+        self.diags.push(d);
+    }
+
     fn give_meaning(&mut self, line: &Line<'a>, ty: &Type, nums: &[Arg], part: &mut Part) {
         match (ty.what, nums) {
-            (What::Ground, &[x]) => part.rest = x,
+            (What::Ground, &[x]) => part.place(x),
             (What::PosInput, &[x]) => {
                 part.kind = "ENX";
                 part.rest = x;
@@ -158,10 +194,6 @@ impl<'a> Reader<'a, '_> {
                 part.kind = "CEL";
                 part.args.extend([("m", m), ("k", k), ("z", z)]);
                 self.start(line, ty, part, x, x1);
-                part.rest = Arg::Num(0.0);
-                if x != Arg::Num(0.0) {
-                    part.args.insert(3, ("dx0", x));
-                }
             }
             (What::FrcInput, _) => part.kind = "ENF",
             (What::PosOutput, _) => part.kind = "SOX",
@@ -169,37 +201,43 @@ impl<'a> Reader<'a, '_> {
             _ => links::give_meaning(self, line, ty.what, nums, part),
         }
         if !matches!(part.rest, Arg::Num(x) if x == 0.0) {
-            let at = part.args.iter().take_while(|(k, _)| *k != "v").count();
-            part.args.insert(at, ("x", part.rest));
+            part.args.push(("x", part.rest));
         }
     }
 
-    /// Rest position and initial velocity.
+    /// Displacement and velocity at the start.
     fn start(&mut self, line: &Line<'a>, ty: &Type, part: &mut Part, x: Arg, x1: Arg) {
-        part.rest = x;
-        if x == x1 {
-            return;
+        part.place(x);
+        let same = x == x1;
+        let v = if same { 0.0 } else { self.fold(x, &part.name) - self.fold(x1, &part.name) };
+        if v != 0.0 {
+            part.args.push(("v", Arg::Num(v)));
         }
-        let v = self.fold(x, &part.name) - self.fold(x1, &part.name);
-        if v == 0.0 {
+        let at = self.net.value(x);
+        let (key, title) = if v != 0.0 {
+            ("velocity", format!("`{}` starts at a velocity: {v} per sample", part.name))
+        } else if at != 0.0 {
+            ("at rest", format!("`{}` starts at rest, at {at}", part.name))
+        } else {
             return;
-        }
-        part.args.push(("v", Arg::Num(v)));
-        if let Some(last) = line.args.get(ty.numbers.len() - 1) {
-            let d = Diag::note("N201", format!("`{}` starts at a velocity: {v} per sample", part.name))
-                .at(last.span, "read as the position one sample before")
-                .help("MIMS4Max writes a velocity per second here; this line does not tell which it is");
-            self.losses.add("velocity", d);
+        };
+        // the younger dialect has no `massG`
+        let unclear = ty.younger.is_some();
+        if let Some(last) = line.args.get(ty.numbers.len() - 1).filter(|_| unclear || v != 0.0) {
+            let d = Diag::note("N201", title).at(last.span, "read as the position one sample before");
+            let help = "MIMS4Max writes a velocity per second here; this line does not tell which it is";
+            self.losses.add(key, if unclear { d.help(help) } else { d });
         }
     }
 
     fn fall(&mut self, line: &Line<'a>, part: &mut Part, m: Arg, g: Arg) {
         let (mass, force) = (self.fold(m, &part.name), self.fold(g, &part.name));
-        if force == 0.0 {
+        // no mass: that was said
+        if force == 0.0 || mass <= 0.0 {
             return;
         }
         let a = force / mass;
-        if !a.is_finite() {
+        if a.abs() > HUGE {
             let d = Diag::error(
                 "E009",
                 format!("the acceleration of `{}` is out of range: {}/{}", part.name, Plain(force), Plain(mass)),

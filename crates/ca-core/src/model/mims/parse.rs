@@ -33,11 +33,8 @@ pub(super) fn lines<'a>(text: &'a str, diags: &mut Diags) -> Option<Vec<Line<'a>
     let mut lines = Vec::new();
     let mut strange: Option<(Token<'_>, usize)> = None;
     let mut n_strange = 0usize;
-    let mut at = 0;
-    for (row, raw) in text.split('\n').enumerate() {
-        let number = row + 1;
+    for (number, at, raw) in rows(text) {
         let words = tokens(raw, at);
-        at += raw.len() + 1;
         let Some((first, rest)) = words.split_first() else { continue };
         if let Some(sign) = younger_form(&words) {
             refuse_younger(number, sign.span, "only in the younger dialect", diags);
@@ -89,6 +86,18 @@ fn younger_form<'a>(words: &[Token<'a>]) -> Option<Token<'a>> {
     }
     let opens = |w: &&Token<'_>| w.text.starts_with(['[', '\'']);
     if first.text.starts_with('@') { words[1..].iter().find(opens).copied() } else { None }
+}
+
+/// Rows with their number and place; they end with a line feed, a carriage return or both.
+fn rows(text: &str) -> impl Iterator<Item = (usize, usize, &str)> {
+    let mut next = Some(0);
+    (1..).map_while(move |number| {
+        let at = next?;
+        let rest = text.get(at..)?;
+        let len = rest.find(['\n', '\r']);
+        next = len.map(|len| at + len + if rest[len..].starts_with("\r\n") { 2 } else { 1 });
+        Some((number, at, &rest[..len.unwrap_or(rest.len())]))
+    })
 }
 
 fn tokens(raw: &str, at: usize) -> Vec<Token<'_>> {

@@ -42,14 +42,30 @@ pub(super) struct Param {
 #[derive(Clone, Debug)]
 pub(super) struct Part {
     pub name: String,
+    /// where its label stands
+    pub span: Span,
     pub kind: &'static str,
     pub args: Vec<(&'static str, Arg)>,
     /// the parts it holds on to: none, one (port) or two (link)
     pub ends: Vec<usize>,
     /// index into [`Net::groups`]
     pub group: Option<usize>,
-    /// rest position of a material element
+    /// rest position of a `posInput`; everything else rests at 0
     pub rest: Arg,
+}
+
+impl Part {
+    /// The argument `key`, 0 where it is not written.
+    pub fn arg(&self, key: &str) -> Arg {
+        self.args.iter().find(|a| a.0 == key).map_or(Arg::Num(0.0), |a| a.1)
+    }
+
+    /// Puts it at `x` at the start.
+    pub fn place(&mut self, x: Arg) {
+        if x != Arg::Num(0.0) {
+            self.args.push(("dx0", x));
+        }
+    }
 }
 
 /// A model before it is written.
@@ -61,4 +77,15 @@ pub(super) struct Net {
     /// name and acceleration [m per sample²] of each group
     pub groups: Vec<(String, f64)>,
     pub names: Names,
+}
+
+impl Net {
+    /// The number behind an argument; 0 where it is none.
+    pub fn value(&self, arg: Arg) -> f64 {
+        match arg {
+            Arg::Num(x) => x,
+            Arg::Param(i) => self.params.get(i).map_or(0.0, |p| p.value),
+            Arg::Word(_) | Arg::Curve(_) => 0.0,
+        }
+    }
 }

@@ -28,15 +28,10 @@ pub(super) struct Reader<'a, 'd> {
 impl<'a> Reader<'a, '_> {
     /// The number behind an argument, where its name cannot be kept.
     pub fn fold(&mut self, arg: Arg, by: &str) -> f64 {
-        match arg {
-            Arg::Num(x) => x,
-            Arg::Param(i) => {
-                let p = &mut self.net.params[i];
-                p.folded.get_or_insert_with(|| by.to_string());
-                p.value
-            }
-            Arg::Word(_) | Arg::Curve(_) => 0.0,
+        if let Arg::Param(i) = arg {
+            self.net.params[i].folded.get_or_insert_with(|| by.to_string());
         }
+        self.net.value(arg)
     }
 
     /// A name of its own for `label`, saying where it had to be changed.

@@ -102,13 +102,16 @@ pub(super) fn typed<'l, 'a>(lines: &'l [Line<'a>], diags: &mut Diags) -> Vec<(&'
     for line in lines {
         let known = TYPES.iter().find(|t| t.name == line.ty.text);
         if known.is_none() && YOUNGER.contains(&line.ty.text) {
-            diags.list.clear();
+            *diags = Diags::new();
             refuse_younger(line.number, line.ty.span, "only in the younger dialect", diags);
             return Vec::new();
         }
         let near = || TYPES.iter().find(|t| same_word(t.name, line.ty.text) && fits(t, line));
         let Some(ty) = known.or_else(near) else {
-            unknown(line, diags);
+            // a sign of the younger dialect may still come
+            if !diags.is_full() {
+                unknown(line, diags);
+            }
             continue;
         };
         if known.is_none() {
@@ -120,7 +123,7 @@ pub(super) fn typed<'l, 'a>(lines: &'l [Line<'a>], diags: &mut Diags) -> Vec<(&'
             );
         }
         if Some(line.args.len()) == ty.younger.map(|n| n + ty.ends) {
-            diags.list.clear();
+            *diags = Diags::new();
             refuse_younger(line.number, line.ty.span, "so many numbers only in the younger dialect", diags);
             return Vec::new();
         }
