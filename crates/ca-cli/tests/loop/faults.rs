@@ -152,8 +152,8 @@ fn h8_another_session_is_another_device() {
 
 #[test]
 fn h10_forces_end_with_the_reason_that_is_true() {
-    let stage = Stage::new();
     type Wrong = fn(u64, &mut ca_haptic::frame::DeviceFrame);
+    let stage = Stage::new();
     let cases: [(&str, &str, Wrong); 2] = [
         ("jumps of 2 m", "IMPLAUSIBLE", |n, f| f.pos[0] = if n % 2 == 0 { 2.0 } else { 4.0 }),
         ("no position is valid", "IMPLAUSIBLE", |_, f| f.mask = 0),
@@ -172,8 +172,8 @@ fn h10_forces_end_with_the_reason_that_is_true() {
 
 #[test]
 fn what_is_wrong_with_frames_is_said_and_no_version_blamed() {
-    let stage = Stage::new();
     type Wrong = fn(&mut ca_haptic::frame::DeviceFrame);
+    let stage = Stage::new();
     let cases: [(&str, Wrong); 4] = [
         ("of another layout", |f| f.layout ^= 1),
         ("of version 9", |f| f.version = 9),

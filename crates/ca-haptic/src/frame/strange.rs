@@ -76,8 +76,8 @@ mod tests {
 
     #[test]
     fn what_is_wrong_with_a_head_is_called_what_it_is() {
-        let good = DeviceFrame::new("key", 1);
         type Wrong = (&'static str, fn(&mut DeviceFrame));
+        let good = DeviceFrame::new("key", 1);
         let cases: [Wrong; 7] = [
             ("are of version 7", |f| f.version = 7),
             ("of another layout", |f| f.layout ^= 1),
