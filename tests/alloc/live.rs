@@ -92,6 +92,7 @@ impl Found {
                 }
                 Record::Lost { records, .. } => self.lost += records,
                 Record::Energy { .. } | Record::Hash { .. } => self.regular += 1,
+                Record::Waiting { .. } => {}
                 Record::Spent { spent: Spent::State(_), .. } => self.reloads += 1,
                 Record::Spent { .. } | Record::Order { .. } => self.acts += 1,
             }

@@ -237,3 +237,36 @@ fn the_ledger_counts_the_first_force() {
     assert!(book.changed.abs() > 1e-6, "the first force did no work: {book:?}");
     assert!(book.residual.abs() < 1e-12 * book.peak, "{book:?}");
 }
+
+/// The start is that of the explicit scheme, a tick a sample; with anything else it is refused, not approximated.
+#[test]
+fn the_start_of_mi_lib_is_refused_where_mi_lib_has_no_like() {
+    let first = |model: &str, rate: &str, more: &str| {
+        let text = format!(
+            "[model]\nstart = \"mi.lib\"\n{model}[rate]\nsound = 44100\n{rate}[SOL]\ng = {{}}\n\
+             [MAS]\nm = {{ m = 1, dx0 = 1e-3 }}\n[REF]\nr = {{ between = [\"g\", \"m\"], k = 1, z = 1 }}\n{more}\
+             [SOX]\no = {{ from = \"m\" }}\n"
+        );
+        let (_, result) = ca_core::load(&text, "start.ca.toml", &ca_tests::catalog(), &ca_core::Options::default());
+        result.err().map(|d| (d.list[0].code, text[d.list[0].span().start..].lines().next().unwrap().to_string()))
+    };
+    let refused = Some(("E010", "\"mi.lib\"".to_string()));
+    assert_eq!(first("", "", ""), None);
+    assert_eq!(first("method = \"implicit\"\n", "", ""), refused);
+    assert_eq!(first("", "oversample = 2\n", ""), refused);
+    assert_eq!(
+        first(
+            "",
+            "",
+            "[WAVEGUIDE]\nw = { f = 200, t60 = 1, z = 0.8, at = [0.3] }\n[RES]\nx = { between = [\"w[0]\", \"m\"], k = 1 }\n"
+        ),
+        refused
+    );
+    let (_, result) = ca_core::load(
+        "[model]\nstart = \"milib\"\n[SOL]\ng = {}\n[SOX]\no = { from = \"g\" }\n",
+        "",
+        &ca_tests::catalog(),
+        &ca_core::Options::default(),
+    );
+    assert_eq!(result.err().unwrap().list[0].code, "E011");
+}

@@ -77,10 +77,10 @@ fn every_bit_is_that_of_the_pairs() {
     ];
     for (which, contact) in contacts.iter().enumerate() {
         let text = shaken(contact);
-        let scenes = [with(&text, &reference()), scene(&text), scene(&text), scene(&text), audited(&text)];
+        let scenes = vec![with(&text, &reference()), scene(&text), scene(&text), scene(&text), audited(&text)];
         assert!(scenes[0].crowds.is_empty() && scenes[1].crowds.len() == 1, "{contact}");
         let skins = [0.0, 0.0, 0.25, 1.0, 0.25];
-        let mut states = scenes.each_ref().map(Scene::state);
+        let mut states = scenes.iter().map(Scene::state).collect::<Vec<_>>();
         for (s, skin) in states.iter_mut().zip(skins) {
             s.near.iter_mut().for_each(|n| n.skin = skin);
         }
@@ -192,7 +192,7 @@ fn a_distance_that_moves_keeps_every_pair() {
         shaken(&hits().replace(&format!("d = {D}"), "d = \"d\""))
     );
     let scenes = [with(&text, &reference()), scene(&text)];
-    let mut states = scenes.each_ref().map(Scene::state);
+    let mut states = scenes.iter().map(Scene::state).collect::<Vec<_>>();
     for n in 0..6000 {
         for (scene, s) in scenes.iter().zip(&mut states) {
             let to = match n {

@@ -167,7 +167,8 @@ fn a_contact_with_memory_that_is_pressed_at_load_is_named_with_its_force() {
 /// Between two sets in space it stays a link for each pair, since each pair remembers its own contact.
 #[test]
 fn a_set_of_contacts_with_memory_is_its_pairs() {
-    let grains: String = (0..6).map(|i| format!("g{i} = {{ m = 1, x = [{}, 0, 0] }}\n", 0.01 * f64::from(i))).collect();
+    let grains: Vec<_> = (0..6).map(|i| format!("g{i} = {{ m = 1, x = [{}, 0, 0] }}\n", 0.01 * f64::from(i))).collect();
+    let grains = grains.concat();
     let names = (0..6).map(|i| format!("\"r.g{i}\"")).collect::<Vec<_>>().join(", ");
     let text = format!(
         "[r]\ndim = 3\n[r.MAS]\n{grains}[FELT]\nall = {{ between = [[{names}], [{names}]], pairs = \"all\", k = 10, \
