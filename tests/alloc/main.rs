@@ -235,7 +235,7 @@ low = { from = "low[2]" }
 k = [[0, 500], [1, 5000]]
 f = [[0, 150], [1, 300]]
 m = [[0, 0.0007], [1, 0.0017]]
-g = [[0, 0.1], [1, 3]]
+g = [[0, 0.1], [1, 1.9]]
 "#
     .replace("low = { from", "string = { from");
     let catalog = ca_tests::catalog();

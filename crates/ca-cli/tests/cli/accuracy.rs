@@ -121,7 +121,7 @@ fn an_output_in_space_is_measured_along_its_direction() {
     let (plain, along) = (measured(line, &short), measured(&space(x), &short));
     let (both, across) = (measured(&space(&format!("{x}{z}")), &short), measured(&space(z), &short));
     // 8 kN/m on 1 g: (ωT)²/24 of a radian per radian, and 141 radians of them
-    assert!((1e-3..1e-2).contains(&error(&plain, "as written", 1)), "{plain:#}");
+    assert!((5e-3..5e-2).contains(&error(&plain, "as written", 1)), "{plain:#}");
     for times in [1, 2] {
         let e = |found: &Json| error(found, "as written", times);
         let known = along["reference"]["known"].as_f64().expect("known");
