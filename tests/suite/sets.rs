@@ -77,7 +77,9 @@ fn every_bit_is_that_of_the_pairs() {
     ];
     for (which, contact) in contacts.iter().enumerate() {
         let text = shaken(contact);
-        let scenes = vec![with(&text, &reference()), scene(&text), scene(&text), scene(&text), audited(&text)];
+        let mut scenes = Vec::from([with(&text, &reference())]);
+        scenes.extend((0..3).map(|_| scene(&text)));
+        scenes.push(audited(&text));
         assert!(scenes[0].crowds.is_empty() && scenes[1].crowds.len() == 1, "{contact}");
         let skins = [0.0, 0.0, 0.25, 1.0, 0.25];
         let mut states = scenes.iter().map(Scene::state).collect::<Vec<_>>();
@@ -99,7 +101,7 @@ fn every_bit_is_that_of_the_pairs() {
             touched += u32::from(states[0].f.iter().all(|f| f.is_finite()));
         }
         assert_eq!(touched, 16_000);
-        let lists = states.each_ref().map(|s| s.near.first().map_or(0, |n| n.lists));
+        let lists = states.iter().map(|s| s.near.first().map_or(0, |n| n.lists)).collect::<Vec<_>>();
         // what contains has no use for a list
         let expected = if which == 3 { lists == [0; 5] } else { lists[1] == 0 && lists[2..].iter().all(|n| *n > 10) };
         assert!(expected, "{contact}: {lists:?}");

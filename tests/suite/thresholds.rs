@@ -177,7 +177,8 @@ fn the_limits_of_single_precision_are_where_they_are_stated() {
             Err(diags) => diags.list,
         };
         let all = read.list.into_iter().chain(list);
-        let lines: Vec<_> = all.map(|d| format!("{}: {} ({})\n", d.code, d.title, d.help.unwrap_or_default())).collect();
+        let lines: Vec<_> =
+            all.map(|d| format!("{}: {} ({})\n", d.code, d.title, d.help.unwrap_or_default())).collect();
         lines.concat()
     };
     // θ k T²/m of one end

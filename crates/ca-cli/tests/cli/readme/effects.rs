@@ -7,6 +7,7 @@
 use crate::desk::{Desk, Ran, peak};
 use std::collections::BTreeMap;
 use std::fs;
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 /// A line of a shell that runs `ca`.
@@ -76,7 +77,9 @@ pub fn files(desk: &Desk) -> Files {
 /// What a line that has ended has done.
 pub fn check(desk: &Desk, line: &Line, before: &Files, ran: &Ran) {
     let says = |words: &[&str]| {
-        words.iter().for_each(|w| assert!(ran.out.contains(w), "`{}`: no `{w}` in\n{}", line.text, ran.out))
+        for w in words {
+            assert!(ran.out.contains(w), "`{}`: no `{w}` in\n{}", line.text, ran.out);
+        }
     };
     match line.verb() {
         _ if line.beside => {}
@@ -111,7 +114,9 @@ pub fn check(desk: &Desk, line: &Line, before: &Files, ran: &Ran) {
         "list" => match line.words.get(1) {
             None => {
                 ca_lab::catalog().iter().for_each(|k| says(&[k.code, k.equation]));
-                ca_lab::load::BUNDLED.iter().for_each(|m| says(&[m.0]));
+                for m in ca_lab::load::BUNDLED {
+                    says(&[m.0]);
+                }
             }
             Some(kind) => {
                 let catalog = ca_lab::catalog();
@@ -219,7 +224,7 @@ fn rendered(desk: &Desk, line: &Line, before: &Files, ran: &Ran) {
     for probe in line.all("--probe") {
         let file = probe.split_once('=').map_or_else(|| format!("{probe}.npy"), |(_, f)| f.to_owned());
         assert!(!before.contains_key(&file), "`{}`: {file} was there", line.text);
-        let values: Vec<f64> = if file.ends_with(".csv") {
+        let values: Vec<f64> = if Path::new(file).extension().is_some_and(|e| e == "csv") {
             let text = fs::read_to_string(desk.path(&file)).unwrap();
             let rows = text.lines().skip(1);
             rows.map(|l| l.rsplit(',').next().unwrap().parse().unwrap()).collect()

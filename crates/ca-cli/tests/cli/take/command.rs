@@ -31,7 +31,7 @@ fn a_replay_tells_and_sounds() {
 /// A book that is kept only by the replay changes nothing, and closes, whether or not a force goes to the hands.
 #[test]
 fn a_replay_keeps_the_book_that_the_performance_did_not() {
-    let mut takes: Vec<(String, String, Vec<(&str, &str)>)> = Vec::new();
+    let mut takes = Vec::new();
     for more in [&[][..], &[("rate.border", "hold")], &[("rate.gesture", "48 kHz")], &[("rate.latency", "3")]] {
         for mute in [&[][..], &[("rate.feedback", "false")]] {
             takes.push((format!("duo{}", takes.len()), DUO.into(), [more, mute].concat()));

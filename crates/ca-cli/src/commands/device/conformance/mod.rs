@@ -239,7 +239,7 @@ fn served(b: &mut Bench, name: &str, a: &About, t: &mut Table) -> Result<(), Fai
     let used = taken > 0 && dropped * 100 <= taken;
     let mut found = format!("{by}: {taken} of {} frames used", taken + dropped);
     if wait != Wait::Nothing {
-        found += &format!("; forces stay off once armed: {wait}");
+        found = format!("{found}; forces stay off once armed: {wait}");
     }
     t.row("serve", used && wait == Wait::Nothing, found);
     Ok(())
