@@ -128,7 +128,7 @@ fn three_axes_of_a_device_without_a_profile_are_one_force() {
     // 4 N on each axis, once the parameter is played
     let mut model = String::from("[param]\nk = { value = 0, unit = \"N/m\", live = true, min = 0, max = 10 }\n[TGR]\n");
     for d in 0..3 {
-        model += &format!("p{d} = {{ device = \"finger\", dof = {d} }}\n");
+        model = format!("{model}p{d} = {{ device = \"finger\", dof = {d} }}\n");
     }
     model += "[SOL]\nfar = { x = \"1 m\" }\n[RES]\ns = { between = [[\"p0\", \"p1\", \"p2\"], \"far\"], k = \"k\", l0 = 0 }\n";
     stage.put("stylus.ca.toml", &model);

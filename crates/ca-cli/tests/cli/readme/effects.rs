@@ -224,7 +224,7 @@ fn rendered(desk: &Desk, line: &Line, before: &Files, ran: &Ran) {
     for probe in line.all("--probe") {
         let file = probe.split_once('=').map_or_else(|| format!("{probe}.npy"), |(_, f)| f.to_owned());
         assert!(!before.contains_key(&file), "`{}`: {file} was there", line.text);
-        let values: Vec<f64> = if Path::new(file).extension().is_some_and(|e| e == "csv") {
+        let values: Vec<f64> = if Path::new(&file).extension().is_some_and(|e| e == "csv") {
             let text = fs::read_to_string(desk.path(&file)).unwrap();
             let rows = text.lines().skip(1);
             rows.map(|l| l.rsplit(',').next().unwrap().parse().unwrap()).collect()
