@@ -188,8 +188,8 @@ fn play(case: &Case, seconds: f64) -> Seen {
                     }
                     device.step(&all[..n], every as f64 * TE);
                 }
-                for k in 0..n {
-                    x[k] = device.truth(k)[0] + middle;
+                for (k, x) in x.iter_mut().enumerate().take(n) {
+                    *x = device.truth(k)[0] + middle;
                 }
             } else if begun.is_some() {
                 let turn = std::f64::consts::TAU;
@@ -198,7 +198,8 @@ fn play(case: &Case, seconds: f64) -> Seen {
                     - begin * GAP
                     - match case.motion {
                         Move::Tremble => {
-                            0.5e-3 * begin + 20e-6 * dice.even() * if frame / every % 2 == 0 { 1.0 } else { -1.0 }
+                            0.5e-3 * begin
+                                + 20e-6 * dice.even() * if (frame / every).is_multiple_of(2) { 1.0 } else { -1.0 }
                         }
                         Move::Release => {
                             let phase = t.fract();
@@ -402,7 +403,7 @@ fn h12_twelve_keys_under_noise_are_left_alone() {
     // one finger leans on its key, inside the bed; eleven are not touched
     let track = |k: usize| {
         let to = if k == 0 { -0.2e-3 } else { -8e-3 };
-        Track::points(&format!("key {k}"), vec![(0.0, -8e-3), (1.5, -8e-3), (1.7, to)]).expect("a track")
+        Track::points(format!("key {k}"), vec![(0.0, -8e-3), (1.5, -8e-3), (1.7, to)]).expect("a track")
     };
     let hands = Gesture::new((0..12).map(track).collect()).expect("a gesture");
     let mut device = Device::new(&p, Hand::finger(p.force, &p), Script::File(hands), 0, 9);

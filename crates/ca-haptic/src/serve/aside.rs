@@ -437,12 +437,15 @@ mod tests {
         assert_eq!(lost, [0, 240_000 - 120_000, 0]);
     }
 
-    /// What the desk tells, and all it hands over.
+    /// Ticks of sounds, number of records, words.
+    type Heard = (Vec<u64>, u64, Vec<String>);
+
+    /// What the desk says, and all it hands over.
     #[derive(Clone, Default)]
-    struct Ear(Arc<Mutex<(Vec<u64>, u64, Vec<String>)>>);
+    struct Ear(Arc<Mutex<Heard>>);
 
     impl Ear {
-        fn heard(&self) -> (Vec<u64>, u64, Vec<String>) {
+        fn heard(&self) -> Heard {
             self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
         }
     }
