@@ -8,7 +8,7 @@ use super::{Beat, DeskEnds, Shared};
 use crate::FileError;
 use crate::blocks::take;
 use crate::engine::{Act, Change, Engine, Port, Refit, Setup};
-use crate::frame::{Cause, Mode};
+use crate::frame::{Cause, Mode, flag};
 use crate::guard::Order;
 use crate::guard::wait::Wait;
 use crate::record::Record;
@@ -107,6 +107,8 @@ struct Seen {
     cause: Cause,
     /// forces were on
     felt: bool,
+    /// its passivity stage adds nothing for a while
+    undamped: bool,
     /// what it waited for when last looked at, how often that was the case, and when it was last told
     wait: Option<String>,
     looks: u32,
@@ -168,6 +170,7 @@ impl Desk {
             mode: Mode::Off,
             cause: Cause::Disarmed,
             felt: false,
+            undamped: false,
             wait: None,
             looks: 0,
             told: 0,
@@ -328,6 +331,12 @@ impl Desk {
                 self.tick = frame.tick;
                 let Some(seen) = self.seen.get_mut(*port as usize) else { return };
                 seen.loops.force(frame);
+                let undamped = frame.flags & flag::PASSIVITY_OFF != 0;
+                if undamped && !seen.undamped {
+                    let text = format!("{}: damping for passivity gave energy to the hand; off for a while", seen.name);
+                    self.happened.push(Happened { tick: frame.tick, device: Some(seen.name.clone()), bad: true, text });
+                }
+                seen.undamped = undamped;
                 let now = (Mode::read(frame.mode), Cause::read(frame.cause));
                 if now == (seen.mode, seen.cause) {
                     return;
@@ -509,5 +518,29 @@ impl Desk {
             granted,
             audio: self.audio.as_ref().map(Watch::summary),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::tests::{KEY, setup};
+    use crate::frame::ForceFrame;
+    use ca_core::{Catalog, Options, compile, model::read::read};
+
+    #[test]
+    fn damping_that_gave_energy_is_reported_once_each_time() {
+        let (model, _) = read(KEY, "key.ca.toml", &Catalog::core());
+        let scene = Arc::new(compile(&model, &Catalog::core(), &Options::default()).expect("it compiles"));
+        let (_engine, _gateway, ends) = super::super::rings(&scene, 1, 0);
+        let port = Port::new(&scene, setup());
+        let mut desk = Desk::new(ends, Arc::default(), scene, &[port], vec![]);
+        let mut frame = ForceFrame::new("key", 1);
+        for flags in [0, 0x100, 0x100, 0, 0, 0x100, 0x104] {
+            frame.flags = flags;
+            desk.look(&Record::Force { port: 0, frame });
+        }
+        let texts: Vec<_> = desk.happened.iter().map(|h| h.text.as_str()).collect();
+        assert_eq!(texts, ["key: damping for passivity gave energy to the hand; off for a while"; 2]);
     }
 }
