@@ -112,9 +112,26 @@ def test_others_read_it(tmp_path: Path) -> None:
     assert np.array_equal([f.pos[:12] for f in frames], hand.position)
     assert np.array_equal([f.seq for f in frames], hand.number) and np.array_equal([f.ack for f in forces], hand.answers)
     assert np.array_equal([f.flags for f in forces], hand.flags)
-    assert np.array_equal(np.array([f.inject for f in forces], np.float32), hand.injected) and hand.injected.max() > 0
+    assert np.array_equal(np.array([f.inject for f in forces], np.float32), hand.injected)
     assert np.array_equal([f.tick / t.rate for f in frames], hand.time)
     assert np.array_equal(np.array([f.force[:12] for f in forces], np.float32), hand.force)
+
+
+def test_the_viscosity_that_the_guard_adds_is_in_the_take(tmp_path: Path) -> None:
+    wall = """
+[TGR]
+key = { device = "tgr12", dof = 1, x = "-6 mm" }
+[SOL]
+wall = {}
+[BUT]
+stop = { between = ["key", "wall"], k = "%s" }
+[SOX]
+out = { from = "key" }
+"""
+    # a frame of 1 kN/m is less than half of the device's 2 N s/m, one of 6 kN/m is not
+    soft, stiff = (ca.record(ca.parse(wall % k), tmp_path / f"{k}.mcap", 1.5, gesture=PRESS) for k in ("1 kN/m", "6 kN/m"))
+    assert soft.hands["tgr12"].injected.max() == 0
+    assert 0.1 < stiff.hands["tgr12"].injected.max() <= 1.0
 
 
 def test_bundled_models_with_devices_can_be_taken(tmp_path: Path) -> None:
