@@ -124,12 +124,12 @@ key = { device = "tgr12", dof = 1, x = "-6 mm" }
 [SOL]
 wall = {}
 [BUT]
-stop = { between = ["key", "wall"], k = "%s" }
+stop = { between = ["key", "wall"], k = "%d kN/m" }
 [SOX]
 out = { from = "key" }
 """
     # a frame of 1 kN/m is less than half of the device's 2 N s/m, one of 6 kN/m is not
-    soft, stiff = (ca.record(ca.parse(wall % k), tmp_path / f"{k}.mcap", 1.5, gesture=PRESS) for k in ("1 kN/m", "6 kN/m"))
+    soft, stiff = (ca.record(ca.parse(wall % k), tmp_path / f"{k}.mcap", 1.5, gesture=PRESS) for k in (1, 6))
     assert soft.hands["tgr12"].injected.max() == 0
     assert 0.1 < stiff.hands["tgr12"].injected.max() <= 1.0
 
