@@ -4,7 +4,7 @@
 //! low-pass only where the profile asks for one, then a running mean of the squares): where its r.m.s. value stays above
 //! its share of the largest force for a while, the force is weakened by a fixed gain. A loop that is unstable at that
 //! gain goes on with a smaller amplitude, or still at the largest force: it is weakened again, and again, each time after
-//! half of that while. A force that goes on as before and is not cut is one that the model makes by itself, however weak
+//! that while. A force that goes on as before and is not cut is one that the model makes by itself, however weak
 //! it reaches the hand, and stays at the gain it has.
 //!
 //! The force comes back by itself once what is asked for has been quiet for twenty times as long, fading in as after
@@ -148,7 +148,7 @@ impl Stage for Oscillation {
             let loud = s.square > self.threshold * scale && s.gain > self.least && goes_on;
             s.loud = if loud { s.loud.saturating_add(1) } else { 0 };
             s.quiet = if s.square > self.threshold || s.loud > 0 { 0 } else { s.quiet.saturating_add(1) };
-            if s.loud >= self.frames >> u32::from(!first) {
+            if s.loud >= self.frames {
                 if first && s.before > 0.0 {
                     s.wait = s.wait.saturating_mul(2).min(QUIET[1].saturating_mul(self.frames));
                 }
@@ -208,7 +208,7 @@ mod tests {
             let mut hand = Hand::new(1, TE);
             hand.mode = Mode::On;
             let mut gain = 1.0;
-            for i in 0..600 {
+            for i in 0..900 {
                 let shake = 9.0 * (std::f64::consts::TAU * 100.0 * f64::from(i) * TE).sin();
                 hand.force[0] = if of_loop { gain * shake } else { shake };
                 let asked = hand.force[0];

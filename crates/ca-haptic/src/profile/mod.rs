@@ -131,7 +131,7 @@ pub struct Limits {
     pub oscillation_level: f64,
     /// its band \[Hz\]; `inf` for up to half of the gesture rate (H13)
     pub oscillation_band: [f64; 2],
-    /// how long it must last \[s\], and half of it to be weakened again (H13)
+    /// how long it must last \[s\], the first time and to be weakened again (H13)
     pub oscillation_time: f64,
     /// gain once detected, again for as long as it goes on (H13)
     pub oscillation_gain: f64,

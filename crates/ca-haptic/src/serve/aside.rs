@@ -274,7 +274,8 @@ impl Sink for Line {
             return Some((true, format!("{}: {} are missing so far; {why}", self.name, missing(lost))));
         }
         let behind = self.behind();
-        if behind >= self.next {
+        // beyond that, what is lost says it
+        if behind >= self.next && behind < self.room.seconds {
             self.next = 2.0 * behind;
             let most = self.room.seconds;
             return Some((
@@ -553,8 +554,9 @@ mod tests {
     fn a_disk_that_stands_still_for_long_loses_what_is_counted_and_no_other_file_does() {
         let p = play(room(1.0), usize::MAX, 9000, true);
         let (ticks, records, told) = p.ear.heard();
-        // the others have everything, a force and a sound each, the orders besides: nobody waits for the disk
-        assert_eq!((ticks.len(), records), (9001, 9001 + 2));
+        // the others have everything, a force and a sound each, the orders and what is waited for besides: nobody waits for
+        // the disk
+        assert_eq!((ticks.len(), records), (9001, 9001 + 3));
         // a frame is as late as its force, which is of its end
         let fits = ticks.iter().filter(|t| **t + 16 <= 48_000).count();
         assert!(told.iter().any(|t| t.starts_with("disk: ") && t.contains("are missing so far")), "{told:?}");
@@ -562,7 +564,8 @@ mod tests {
         assert_eq!(disk.ticks, ticks[..fits]);
         let forces = disk.records.iter().filter(|r| matches!(r, Record::Force { .. })).count();
         let missing = 9001 - fits as u64;
-        assert_eq!((forces, p.lost), (fits, [[missing, 16 * missing, 0]; 2]));
+        // and that it waits, once
+        assert_eq!((forces, p.lost), (fits, [[missing + 1, 16 * missing, 0]; 2]));
         // what decides the future is there, and before it the count of what is not
         let end = &disk.records[fits..];
         let [Record::Lost { records: a, .. }, Record::Order { order: Order::Arm, .. }, off @ ..] = end else {
