@@ -18,8 +18,8 @@ fn handing_over_allocates_nothing() {
     let mut frame = DeviceFrame::new("hand", 2);
     frame.session = 1;
     let mut lost = 0;
-    // the rings hold two seconds, and nobody reads: there is room, then there is none
-    for frames in [1000, 12_000] {
+    // the rings hold four seconds, and nobody reads: there is room, then there is none
+    for frames in [1000, 24_000] {
         let n = calls(|| {
             for _ in 0..frames {
                 frame.seq += 1;

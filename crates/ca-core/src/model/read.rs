@@ -79,7 +79,7 @@ fn broken_lines(model: &mut Model, diags: &Diags) {
 fn header(text: &str) -> String {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let lines = text.lines().skip_while(|l| l.trim().is_empty()).map_while(|l| l.trim_start().strip_prefix('#'));
-    let lines = lines.filter(|l| !l.starts_with(':'));
+    let lines = lines.filter(|l| !l.starts_with(":schema"));
     let lines: Vec<&str> = lines.map(|l| l.strip_prefix(' ').unwrap_or(l).trim_end()).collect();
     lines.join("\n").trim_end().into()
 }

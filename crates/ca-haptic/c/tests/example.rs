@@ -43,7 +43,7 @@ fn c_plays() {
 /// The commands of the page, as they stand there.
 fn page() -> String {
     let page = include_str!("../../../../docs/devices.md");
-    let block = page.split("```sh\n").find(|b| b.contains("ca_device.h") || b.contains("-lca_device"));
+    let block = page.split("```sh\n").skip(1).find(|b| b.contains("ca_device.h") || b.contains("-lca_device"));
     let block = block.expect("how to build it").split("```").next().unwrap();
     assert!(block.contains("cargo build -p ca-device") && block.contains("libca_device.a"), "{block}");
     block.to_owned()

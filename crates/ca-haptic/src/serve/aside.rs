@@ -575,7 +575,7 @@ mod tests {
             panic!("{off:?}")
         };
         // the very last force, which says that they are off, comes after the last order
-        assert_eq!(a + b + 1, missing);
+        assert_eq!(a + b + 1, missing + 1);
     }
 
     #[test]
