@@ -67,12 +67,14 @@ impl Catalog {
     #[must_use]
     pub fn with(mut self, kinds: &[&'static Kind]) -> Catalog {
         for kind in kinds {
-            if let Some(first) = self.get(kind.code) {
-                let (code, one, other) = (kind.code, first.title, kind.title);
-                panic!(
-                    "two kinds have the code `{code}`: \"{one}\" and \"{other}\"; codes are unique, rename one of them"
-                );
-            }
+            let first = self.get(kind.code);
+            assert!(
+                first.is_none(),
+                "two kinds have the code `{}`: \"{}\" and \"{}\"; codes are unique, rename one of them",
+                kind.code,
+                first.map_or("", |k| k.title),
+                kind.title
+            );
             self.kinds.push(kind);
         }
         self
