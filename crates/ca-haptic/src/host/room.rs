@@ -3,13 +3,10 @@
 //! Decides to ask before anything is made: where a `/dev/shm` is full (64 kB in some containers), the system gives names
 //! and sizes as before, and ends whoever writes there with a SIGBUS.
 
-#![allow(unsafe_code)]
-
 use super::error::{HostError, HostErrorKind};
 use super::ours::SHM;
 use std::fs::File;
 use std::io;
-use std::os::fd::AsRawFd;
 
 /// Most that one side of a device makes \[bytes\]: queues of frames, what it says of itself, and links to its readers.
 pub(super) const DEVICE: u64 = 192 << 10;
@@ -33,34 +30,15 @@ pub(super) fn check(need: u64) -> Result<(), HostError> {
 }
 
 /// Bytes that this user can still write there.
-#[cfg(target_os = "linux")]
 fn free() -> Option<u64> {
-    let path = std::ffi::CString::new(SHM).ok()?;
-    let mut about = std::mem::MaybeUninit::<libc::statvfs>::uninit();
-    // SAFETY: the path ends with a zero, and `about` is a valid place for the result, read only where the call succeeded.
-    let about = unsafe {
-        if libc::statvfs(path.as_ptr(), about.as_mut_ptr()) != 0 {
-            return None;
-        }
-        about.assume_init()
-    };
+    let about = rustix::fs::statvfs(SHM).ok()?;
     Some(about.f_bavail.saturating_mul(about.f_frsize))
-}
-
-#[cfg(not(target_os = "linux"))]
-fn free() -> Option<u64> {
-    None
 }
 
 /// Takes the first `bytes` of a file's memory.
 #[cfg(target_os = "linux")]
 pub(super) fn take(file: &File, bytes: u64) -> io::Result<()> {
-    let bytes = libc::off_t::try_from(bytes).map_err(io::Error::other)?;
-    // SAFETY: the descriptor is open for as long as `file` is borrowed.
-    match unsafe { libc::posix_fallocate(file.as_raw_fd(), 0, bytes) } {
-        0 => Ok(()),
-        e => Err(io::Error::from_raw_os_error(e)),
-    }
+    Ok(rustix::fs::fallocate(file, rustix::fs::FallocateFlags::empty(), 0, bytes)?)
 }
 
 #[cfg(not(target_os = "linux"))]

@@ -16,14 +16,16 @@ mod clock;
 mod desk;
 mod live;
 mod loops;
+mod sink;
 mod summary;
 #[cfg(feature = "mcap")]
 mod taken;
 
 pub use aside::{Aside, Line, Room};
 pub use clock::{Clock, Start};
-pub use desk::{Desk, Happened, Sink, Wants};
+pub use desk::Desk;
 pub use live::{Beat, Every, Live, Rings, Shared};
+pub use sink::{Happened, Sink, Wants};
 pub use summary::{DeviceSummary, Fault, Pulse, Summary};
 
 use crate::engine::Act;

@@ -1,6 +1,6 @@
 //! The take as a sink.
 
-use super::desk::{Happened, Sink};
+use super::sink::{Happened, Sink};
 use super::summary::Pulse;
 use crate::error::FileError;
 use crate::record::Record;
@@ -49,25 +49,31 @@ impl Sink for TakeWriter {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::engine::Options;
     use crate::engine::tests::{KEY, setup};
+    use crate::engine::{Engine, Options};
     use crate::frame::DeviceFrame;
     use crate::rt::Wish;
     use crate::serve::{Aside, Clock, Desk, Every, Live, Room, Shared, rings};
     use crate::take::{Event, Header, Replay, Take};
     use ca_core::model::read;
-    use ca_core::{Catalog, compile};
+    use ca_core::{Catalog, Scene, compile};
     use std::sync::{Arc, Mutex, PoisonError};
 
-    #[test]
-    fn what_finds_no_room_is_counted_and_told_where_it_is_missing() {
-        let dir = tempfile::tempdir().expect("a directory");
-        let path = dir.path().join("a.mcap");
+    /// The scene of a key, the start of its take and an engine for it.
+    fn key() -> (Header, Arc<Scene>, Engine) {
         let (model, _) = read::read(KEY, "key.ca.toml", &Catalog::core());
         let options = ca_core::Options::default();
         let scene = Arc::new(compile(&model, &Catalog::core(), &options).expect("it compiles"));
         let header = Header::new(&model, vec![], options, &scene, vec![setup()], Options::default());
         let engine = header.engine(&Catalog::core()).expect("an engine");
+        (header, scene, engine)
+    }
+
+    #[test]
+    fn what_finds_no_room_is_counted_and_told_where_it_is_missing() {
+        let dir = tempfile::tempdir().expect("a directory");
+        let path = dir.path().join("a.mcap");
+        let (header, scene, engine) = key();
         let (ends, mut gateway, desk_ends) = rings(&scene, 1, 60);
         let shared = Arc::new(Shared::default());
         let take = TakeWriter::create(&path, &header, &scene).expect("a file");
@@ -135,11 +141,7 @@ mod tests {
     fn what_a_stalled_writer_loses_is_told_where_it_is_missing() {
         let dir = tempfile::tempdir().expect("a directory");
         let path = dir.path().join("a.mcap");
-        let (model, _) = read::read(KEY, "key.ca.toml", &Catalog::core());
-        let options = ca_core::Options::default();
-        let scene = Arc::new(compile(&model, &Catalog::core(), &options).expect("it compiles"));
-        let header = Header::new(&model, vec![], options, &scene, vec![setup()], Options::default());
-        let engine = header.engine(&Catalog::core()).expect("an engine");
+        let (header, scene, engine) = key();
         let (ends, mut gateway, desk_ends) = rings(&scene, 1, 0);
         let shared = Arc::new(Shared::default());
         let still = Arc::new(Mutex::new(()));

@@ -1,0 +1,248 @@
+//! What a line does under load, on a slow disk and at its end.
+
+use super::*;
+use crate::engine::tests::setup;
+use crate::engine::{Engine, Options, Port};
+use crate::guard::Order;
+use crate::serve::{Clock, Desk, Every, Live, rings};
+use ca_core::{Catalog, compile, model::read};
+
+const RATE: f64 = 48_000.0;
+/// Sound of a gesture frame of one channel.
+const FRAME: [f64; 16] = [0.0; 16];
+
+/// A disk that stands still until it is let go, and is full after so many blocks.
+struct Disk {
+    still: Arc<Mutex<()>>,
+    ticks: Vec<u64>,
+    records: Vec<Record>,
+    blocks: usize,
+}
+
+impl Sink for Disk {
+    fn record(&mut self, record: &Record) -> Result<(), FileError> {
+        let _still = self.still.lock().unwrap_or_else(PoisonError::into_inner);
+        self.records.push(record.clone());
+        Ok(())
+    }
+    fn sound(&mut self, tick: u64, _: &[f64]) -> Result<(), FileError> {
+        let _still = self.still.lock().unwrap_or_else(PoisonError::into_inner);
+        self.ticks.push(tick);
+        if self.ticks.len() > self.blocks { Err(FileError::content("full")) } else { Ok(()) }
+    }
+}
+
+fn disk(room: Room, blocks: usize) -> (Line, Aside<Disk>, Arc<Mutex<()>>) {
+    let still = Arc::new(Mutex::new(()));
+    let disk = Disk { still: still.clone(), ticks: vec![], records: vec![], blocks };
+    let (line, aside) = Aside::start("ca disk", disk, room, Wish::default()).expect("a thread");
+    (line, aside, still)
+}
+
+fn room(seconds: f64) -> Room {
+    Room { rate: RATE, seconds, bytes: 1 << 28 }
+}
+
+#[test]
+fn what_waits_is_bounded_by_seconds_and_by_memory_and_the_rest_is_counted() {
+    let each = size_of::<Thing>() + size_of_val(&FRAME);
+    let by_bytes = Room { bytes: 700 * each, ..room(1e9) };
+    // ten seconds of sound for a disk that stands still
+    for (room, fits) in [(room(2.0), 6000), (room(0.5), 1500), (by_bytes, 700), (room(20.0), 30_000)] {
+        let (mut line, aside, still) = disk(room, usize::MAX);
+        let held = still.lock().expect("nobody panics");
+        for n in 0..30_000 {
+            line.sound(16 * n, &FRAME).expect("handed over, or left out");
+        }
+        assert_eq!(aside.lost(), [0, (30_000 - fits) * 16, 0], "{room:?}");
+        drop(held);
+        let disk = aside.end().expect("no failure").expect("a disk");
+        assert!(disk.ticks.iter().copied().eq((0..fits).map(|n| 16 * n)), "{room:?}");
+    }
+    // a device at 3 kHz, its forces and two channels of sound, for as long as a disk may stand still
+    let second = 6000 * (size_of::<Record>() + size_of::<Thing>()) + 3000 * (each + size_of_val(&FRAME));
+    assert!(30 * second < 1 << 28, "{second} bytes a second");
+}
+
+#[test]
+fn a_loss_is_told_while_it_lasts_and_that_it_is_over() {
+    let (mut line, aside, still) = disk(room(2.5), usize::MAX);
+    let held = still.lock().expect("nobody panics");
+    let mut told = Vec::new();
+    for n in 0..15_000_u64 {
+        line.sound(16 * n, &FRAME).expect("handed over, or left out");
+        told.extend(line.news().map(|(bad, text)| (16.0 * n as f64 / RATE, bad, text)));
+    }
+    let at: Vec<f64> = told.iter().map(|t| t.0).collect();
+    assert_eq!(at, [2.0, 2.5, 3.5, 4.5], "{told:?}");
+    assert!(told.iter().all(|t| t.1));
+    assert!(told[0].2.starts_with("disk: written 2.0 s late; beyond 2.5 s something is lost"), "{told:?}");
+    for (k, samples) in [(1, 16), (2, 48_016), (3, 96_016)] {
+        let text = format!("disk: {samples} sound samples are missing so far; ");
+        assert!(told[k].2.starts_with(&text), "{told:?}");
+    }
+    drop(held);
+    while line.shared.waiting.load(Relaxed) > 0 {
+        std::thread::yield_now();
+    }
+    assert_eq!(line.news(), Some((false, "disk: written in time again".into())));
+    assert_eq!(line.news(), None);
+    // and there is room again, after one hole
+    line.sound(240_000, &FRAME).expect("handed over");
+    let lost = aside.lost();
+    let ticks = aside.end().expect("no failure").expect("a disk").ticks;
+    assert_eq!((ticks.len(), ticks[7499], ticks[7500]), (7501, 119_984, 240_000));
+    assert_eq!(lost, [0, 240_000 - 120_000, 0]);
+}
+
+/// Ticks of sounds, number of records, words.
+type Heard = (Vec<u64>, u64, Vec<String>);
+
+/// What the desk says, and all it hands over.
+#[derive(Clone, Default)]
+struct Ear(Arc<Mutex<Heard>>);
+
+impl Ear {
+    fn heard(&self) -> Heard {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+}
+
+impl Sink for Ear {
+    fn record(&mut self, _: &Record) -> Result<(), FileError> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).1 += 1;
+        Ok(())
+    }
+    fn sound(&mut self, tick: u64, _: &[f64]) -> Result<(), FileError> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).0.push(tick);
+        Ok(())
+    }
+    fn said(&mut self, h: &Happened) -> Result<(), FileError> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).2.push(h.text.clone());
+        Ok(())
+    }
+}
+
+struct Played {
+    ear: Ear,
+    /// failures the desk knew of before the disk went on, and after
+    broken: [usize; 2],
+    disk: Result<Option<Disk>, FileError>,
+    /// by the summary, and by the disk's own count
+    lost: [[u64; 3]; 2],
+}
+
+/// So many gesture frames for a disk that may stand still all the while, and for somebody who hears everything. In
+/// the last one somebody arms.
+fn play(room: Room, blocks: usize, frames: u64, hold: bool) -> Played {
+    let (model, _) = read::read(crate::engine::tests::KEY, "key.ca.toml", &Catalog::core());
+    let scene = Arc::new(compile(&model, &Catalog::core(), &ca_core::Options::default()).expect("it compiles"));
+    let engine = Engine::new(scene.clone(), vec![Port::new(&scene, setup())], Options::default());
+    let (ends, mut gateway, desk_ends) = rings(&scene, 1, 0);
+    let shared = Arc::new(crate::serve::Shared::default());
+    let (line, aside, still) = disk(room, blocks);
+    let held = hold.then(|| still.lock().unwrap_or_else(PoisonError::into_inner));
+    let ear = Ear::default();
+    let sinks: Vec<Box<dyn Sink>> = vec![Box::new(line), Box::new(ear.clone())];
+    let mut desk = Desk::new(desk_ends, shared.clone(), scene, &engine.ports, sinks);
+    let mut live = Live::new(engine, ends, shared, Clock::Device { patience: 0 }, Every::default());
+    for n in 0..frames {
+        if n == frames - 1 {
+            desk.order(None, Order::Arm).expect("asked");
+        }
+        live.frame();
+        while gateway.forces.pop().is_ok() {}
+        desk.turn();
+    }
+    let engine = live.run(Some(0));
+    desk.turn();
+    let before = desk.broken().len();
+    // what was told while it stood still
+    let ear = Ear(Arc::new(Mutex::new(ear.heard())));
+    drop(held);
+    if blocks < 100 && hold {
+        // the desk learns of the failure if something is left to hand over
+        while !aside.shared.over.load(Relaxed) {
+            std::thread::yield_now();
+        }
+        desk.say(false, "is anybody there?".into());
+    }
+    desk.turn();
+    let summary = desk.summary(&engine, vec![]);
+    let lost = [[summary.lost_records, summary.lost_sound, summary.lost_views], aside.lost()];
+    Played { ear, broken: [before, desk.broken().len()], disk: aside.end(), lost }
+}
+
+/// A sink that takes its time, and says when it is gone.
+struct Slow(Arc<AtomicBool>);
+
+impl Sink for Slow {
+    fn sound(&mut self, _: u64, _: &[f64]) -> Result<(), FileError> {
+        std::thread::sleep(std::time::Duration::from_millis(50));
+        Ok(())
+    }
+}
+
+impl Drop for Slow {
+    fn drop(&mut self) {
+        self.0.store(true, Relaxed);
+    }
+}
+
+#[test]
+fn a_sink_that_nobody_ends_is_gone_with_its_owner() {
+    let gone = Arc::new(AtomicBool::new(false));
+    let (mut line, aside) = Aside::start("slow", Slow(gone.clone()), room(1.0), Wish::default()).expect("a thread");
+    line.sound(0, &[0.0]).expect("handed over");
+    drop(aside);
+    assert!(gone.load(Relaxed), "what it half wrote would stay");
+}
+
+#[test]
+fn a_disk_that_stands_still_for_a_while_loses_nothing() {
+    let p = play(room(2.0), usize::MAX, 5000, true);
+    let ticks = p.disk.expect("no failure").expect("a disk").ticks;
+    assert_eq!((p.broken, p.lost, ticks.len()), ([0, 0], [[0; 3]; 2], 5001));
+    assert!(ticks.windows(2).all(|w| w[0] < w[1]));
+    assert!(p.ear.heard().2.iter().all(|t| !t.contains("missing")), "{:?}", p.ear.heard().2);
+}
+
+#[test]
+fn a_disk_that_stands_still_for_long_loses_what_is_counted_and_no_other_file_does() {
+    let p = play(room(1.0), usize::MAX, 9000, true);
+    let (ticks, records, told) = p.ear.heard();
+    // the others have everything, a force and a sound each, the orders and what is waited for besides: nobody waits for
+    // the disk
+    assert_eq!((ticks.len(), records), (9001, 9001 + 3));
+    // a frame is as late as its force, which is of its end
+    let fits = ticks.iter().filter(|t| **t + 16 <= 48_000).count();
+    assert!(told.iter().any(|t| t.starts_with("disk: ") && t.contains("are missing so far")), "{told:?}");
+    let disk = p.disk.expect("no failure").expect("a disk");
+    assert_eq!(disk.ticks, ticks[..fits]);
+    let forces = disk.records.iter().filter(|r| matches!(r, Record::Force { .. })).count();
+    let missing = 9001 - fits as u64;
+    // and that it waits, once
+    assert_eq!((forces, p.lost), (fits, [[missing + 1, 16 * missing, 0]; 2]));
+    // what decides the future is there, and before it the count of what is not
+    let end = &disk.records[fits..];
+    let [Record::Lost { records: a, .. }, Record::Order { order: Order::Arm, .. }, off @ ..] = end else {
+        panic!("{end:?}")
+    };
+    let [Record::Lost { records: b, .. }, Record::Order { order: Order::Disarm, .. }] = off else { panic!("{off:?}") };
+    // the very last force, which says that they are off, comes after the last order
+    assert_eq!(a + b + 1, missing + 1);
+}
+
+#[test]
+fn a_disk_that_fails_with_much_behind_it_is_told_once_and_holds_up_nobody() {
+    let p = play(room(2.0), 10, 5000, true);
+    assert_eq!((p.broken, p.disk.is_ok_and(|d| d.is_none())), ([0, 1], true));
+}
+
+#[test]
+fn a_full_disk_is_told_once() {
+    let p = play(room(2.0), 10, 3000, false);
+    // by the desk if it came by again, else at the end
+    assert_eq!(p.broken[1] + usize::from(p.disk.is_err()), 1);
+    assert!(p.disk.is_err() || p.disk.is_ok_and(|d| d.is_none()));
+}

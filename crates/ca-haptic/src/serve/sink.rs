@@ -1,0 +1,80 @@
+//! What a sink is: one trait for sound files, takes, terminals and Python, so that a new one is a file of its own.
+
+use super::summary::Pulse;
+use crate::FileError;
+use crate::record::Record;
+
+/// Where records end: a sound file, a take, a terminal.
+pub trait Sink {
+    /// What it is to be given, from the beginning to the end.
+    fn wants(&self) -> Wants {
+        Wants::ALL
+    }
+    /// Records, sound samples and pictures that it had to leave out so far.
+    fn lost(&self) -> [u64; 3] {
+        [0; 3]
+    }
+    /// What people should know of it by now: whether that is bad, and in words. Asked at each turn of the desk.
+    fn news(&mut self) -> Option<(bool, String)> {
+        None
+    }
+    /// Something happened.
+    fn record(&mut self, record: &Record) -> Result<(), FileError> {
+        let _ = record;
+        Ok(())
+    }
+    /// Sound, interleaved, the first of it at `tick`. It never comes before the records of what made it.
+    fn sound(&mut self, tick: u64, frames: &[f64]) -> Result<(), FileError> {
+        let _ = (tick, frames);
+        Ok(())
+    }
+    /// A picture: displacement \[m\] of every place of the state, as it was before `tick`.
+    fn view(&mut self, tick: u64, x: &[f64]) -> Result<(), FileError> {
+        let _ = (tick, x);
+        Ok(())
+    }
+    /// Once a second.
+    fn pulse(&mut self, pulse: &Pulse) -> Result<(), FileError> {
+        let _ = pulse;
+        Ok(())
+    }
+    /// Something people should know.
+    fn said(&mut self, happened: &Happened) -> Result<(), FileError> {
+        let _ = happened;
+        Ok(())
+    }
+}
+
+/// What a sink is given; words it gets in any case.
+#[allow(clippy::struct_excessive_bools, reason = "each is a stream of its own, wanted or not")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Wants {
+    /// what happened
+    pub records: bool,
+    /// sound
+    pub sound: bool,
+    /// pictures
+    pub views: bool,
+    /// how it goes, once a second
+    pub pulses: bool,
+}
+
+impl Wants {
+    /// Everything.
+    pub const ALL: Wants = Wants { records: true, sound: true, views: true, pulses: true };
+    /// Nothing but words.
+    pub const WORDS: Wants = Wants { records: false, sound: false, views: false, pulses: false };
+}
+
+/// Something people should know.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Happened {
+    /// sound sample
+    pub tick: u64,
+    /// the device it is about, if it is about one
+    pub device: Option<String>,
+    /// something went wrong
+    pub bad: bool,
+    /// in words
+    pub text: String,
+}
