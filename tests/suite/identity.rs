@@ -2,8 +2,8 @@
 
 use crate::play::{audited, scene, with};
 use ca_core::catalog::Catalog;
-use ca_core::identity::Identity;
 use ca_core::live::Patch;
+use ca_core::state::Identity;
 use ca_core::{Options, Scene, State, advance, process, sense, tick};
 use ca_haptic::engine::{Act, Change, Engine, Port, Spent};
 use ca_tests::{KEY, profile, setup, texts};

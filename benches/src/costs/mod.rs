@@ -13,7 +13,7 @@ pub mod page;
 mod scenes;
 
 use crate::{model, scene};
-use ca_core::identity::Identity;
+use ca_core::state::Identity;
 use ca_core::{KernelClass, Scene, State, tick};
 pub use hand::Rig;
 use std::hint::black_box;

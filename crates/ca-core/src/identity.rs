@@ -9,13 +9,9 @@
 use crate::layout::Layout;
 use crate::op::Op;
 use crate::real::{Real, wide};
-use crate::state::State;
+use crate::state::{Identity, State};
 use core::fmt::{self, Write as _};
 use core::hash::Hasher as _;
-
-/// Which scene something belongs to. The default is that of no scene.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Identity(u64);
 
 impl Identity {
     /// That of the scene with these arrays, passes and state at load.

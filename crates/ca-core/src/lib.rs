@@ -51,7 +51,7 @@ pub mod compile;
 pub mod energy;
 pub mod equivalence;
 pub mod generate;
-pub mod identity;
+mod identity;
 pub mod io;
 pub mod kind;
 pub mod law;

@@ -5,13 +5,13 @@
 //! parameters such as f and t60 move all their coefficients together; [`State::apply`] starts the ramps without
 //! allocating. Only what the model declares `live` has a place here (or everything, if the compiler was asked).
 
-use crate::identity::Identity;
 use crate::kind::{Kind, MatSpec, Unit};
 use crate::method::implicit::Inertia;
 use crate::model::quantity::Plain;
 use crate::op::law::Law;
 use crate::real::{real, wide};
 use crate::sketch::{Arg, Args, Generator};
+use crate::state::Identity;
 use crate::state::State;
 use alloc::format;
 use alloc::string::String;

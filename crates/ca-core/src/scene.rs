@@ -4,7 +4,6 @@
 
 use crate::certificate::Certificate;
 use crate::equivalence::{Equivalence, Gains};
-use crate::identity::Identity;
 use crate::io::midi::MidiMap;
 use crate::layout::{Account, Layout};
 use crate::live::{Controls, LivePlan};
@@ -12,6 +11,7 @@ use crate::model::diag::Diags;
 use crate::op::Op;
 use crate::real::real;
 use crate::start::{Order, start};
+use crate::state::Identity;
 use crate::state::State;
 use alloc::string::String;
 use alloc::vec::Vec;

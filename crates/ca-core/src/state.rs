@@ -4,7 +4,6 @@
 //! number. Positions are relative to rest and motion is the change per tick, which drifts far less than keeping two
 //! absolute positions (numerics 1.6).
 
-use crate::identity::Identity;
 use crate::ledger::Ledger;
 use crate::near::Near;
 use crate::real::{Real, wide};
@@ -71,6 +70,10 @@ impl Ramps {
         self.moving > 0
     }
 }
+
+/// Which scene a state or a patch belongs to; the default is that of no scene. How it comes about: `identity.rs`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Identity(pub(crate) u64);
 
 /// All that changes, as [`Scene::state`](crate::Scene::state) makes it. Shapes in brackets; the writer of each array is
 /// named. Values may be written from outside, lengths may not: a tick relies on them.

@@ -1,12 +1,12 @@
 //! Plan: where modules and their coefficients stand, and how live ones are computed again.
 
 use super::net::{End, Net};
-use crate::identity::Identity;
 use crate::kind::Role;
 use crate::layout::{Ahead, Place};
 use crate::live::{LiveAhead, LiveItem, LiveModule, LivePlan, Loader, Source};
 use crate::method::implicit::Inertia;
 use crate::sketch::Arg;
+use crate::state::Identity;
 use alloc::collections::{BTreeMap, BTreeSet};
 use alloc::sync::Arc;
 use alloc::vec::Vec;

@@ -8,10 +8,8 @@
 //! Counts modules too: more than a model holds are refused before any of them is parsed.
 
 use super::select::is_word;
-use super::syntax::Source;
 use crate::catalog::Catalog;
 use crate::kind::Role;
-use alloc::string::String;
 use alloc::vec::Vec;
 use core::ops::Range;
 
@@ -67,25 +65,4 @@ impl Cutter {
             cut.body.end = at;
         }
     }
-}
-
-/// The parts of a text that has these cuts: what is left of it, then one for each cut.
-pub(super) fn parts<'a>(source: &'a Source<'a>, cuts: &'a [Cut]) -> impl Iterator<Item = Source<'static>> + 'a {
-    let text = source.text();
-    let whole = core::iter::once_with(move || {
-        let (mut kept, mut pieces, mut from) = (String::new(), Vec::new(), 0);
-        for to in cuts.iter().map(|c| c.body.clone()).chain(core::iter::once(text.len()..text.len())) {
-            pieces.push((kept.len(), from));
-            kept.push_str(text.get(from..to.start).unwrap_or(""));
-            from = to.end;
-        }
-        source.part(kept, pieces)
-    });
-    let of_cut = move |c: &Cut| {
-        let header = text.get(c.header.clone()).unwrap_or("");
-        let body = text.get(c.body.clone()).unwrap_or("");
-        let pieces = Vec::from([(0, c.header.start), (header.len() + 1, c.body.start)]);
-        source.part([header, "\n", body].concat(), pieces)
-    };
-    whole.chain(cuts.iter().map(of_cut))
 }

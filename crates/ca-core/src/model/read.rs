@@ -6,7 +6,6 @@
 //! is reported and then read as the one suggested, so that one slip does not make ten complaints further down. Only
 //! names and shapes are judged here; numbers, units and references are for the compiler.
 
-use super::blocks;
 use super::diag::{Diag, Diags};
 use super::entry::{Key, Val, article, ordered};
 use super::reader::{Reader, is_code, ticked};
@@ -53,7 +52,7 @@ pub fn read(text: &str, file: &str, catalog: &Catalog) -> (Model, Diags) {
         one(&source);
     } else {
         // the rest of a file that has more errors than are kept is not looked at
-        _ = blocks::parts(&source, &source.cuts).any(|part| one(&part));
+        _ = source.parts().any(|part| one(&part));
     }
     unique(&mut model, &mut diags);
     broken_lines(&mut model, &diags);

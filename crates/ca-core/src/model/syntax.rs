@@ -66,8 +66,29 @@ impl<'s> Source<'s> {
         Source { text: Cow::Owned(mended), inserted, pieces: Vec::new(), cuts }
     }
 
+    /// The parts of a text that is cut: what is left of it, then one for each cut.
+    pub(super) fn parts(&self) -> impl Iterator<Item = Source<'static>> + '_ {
+        let text = self.text();
+        let whole = core::iter::once_with(move || {
+            let (mut kept, mut pieces, mut from) = (String::new(), Vec::new(), 0);
+            for to in self.cuts.iter().map(|c| c.body.clone()).chain(core::iter::once(text.len()..text.len())) {
+                pieces.push((kept.len(), from));
+                kept.push_str(text.get(from..to.start).unwrap_or(""));
+                from = to.end;
+            }
+            self.part(kept, pieces)
+        });
+        let of_cut = move |c: &Cut| {
+            let header = text.get(c.header.clone()).unwrap_or("");
+            let body = text.get(c.body.clone()).unwrap_or("");
+            let pieces = Vec::from([(0, c.header.start), (header.len() + 1, c.body.start)]);
+            self.part([header, "\n", body].concat(), pieces)
+        };
+        whole.chain(self.cuts.iter().map(of_cut))
+    }
+
     /// A part of the text, from these pieces of it.
-    pub(super) fn part(&self, text: String, pieces: Vec<(usize, usize)>) -> Source<'static> {
+    fn part(&self, text: String, pieces: Vec<(usize, usize)>) -> Source<'static> {
         Source { text: Cow::Owned(text), inserted: self.inserted.clone(), pieces, cuts: Vec::new() }
     }
 

@@ -1,79 +1,11 @@
 //! A law as data: what the compiler, the ledger and the certificate call without knowing which law it is.
 
-use super::{Form, Kernel, kernel};
-use crate::law::{Bound, Force, Idle, Lost, Phi, Stored};
+use super::choose::kernel;
+pub use super::{Fixed, Law, Turn};
+use crate::law::Phi;
 use crate::real::Real;
 use crate::table::Table;
 use alloc::vec::Vec;
-
-/// A law as data: the functions of a [`Phi`] over slices, and its kernels.
-#[derive(Clone, Copy)]
-pub struct Law {
-    /// code of the law that runs, e.g. `RES` for a REF without viscosity
-    pub code: &'static str,
-    /// coefficients per link
-    pub coefs: usize,
-    /// numbers of memory per link
-    pub mem: usize,
-    /// see [`Phi::LINEAR`]
-    pub linear: bool,
-    /// see [`Phi::CONTACT`]
-    pub contact: bool,
-    /// when its force is computed
-    pub turn: Turn,
-    /// true where part of its force comes from the time to come, for all such links at once
-    pub ahead: bool,
-    /// see [`Phi::coefs`]; `out` has [`Law::coefs`] places
-    pub load: fn(p: &[Option<f64>], te: f64, out: &mut [f64]),
-    /// see [`Phi::start`]
-    pub start: fn(c: &[Real], e: Real, mem: &mut [Real]),
-    /// see [`Phi::force`]
-    pub force: Force,
-    /// see [`Phi::stored`]
-    pub stored: Stored,
-    /// see [`Phi::lost`]
-    pub lost: Lost,
-    /// see [`Phi::idle`]
-    pub idle: Idle,
-    /// see [`Phi::bound`]
-    pub bound: fn(c: &[f64], tables: &[Table]) -> Bound,
-    /// the pass for one form of the law
-    pub kernel: fn(Form) -> Kernel,
-    /// a cheaper law for these parameters (`None` marks one that may change while playing), if there is one
-    pub simpler: fn(p: &[Fixed]) -> Option<&'static Law>,
-    /// a table the law needs whatever its parameters; its number is handed over after the last parameter
-    pub table: Option<fn() -> Table>,
-}
-
-/// When the force of a law is computed among the forces of a tick.
-#[derive(Clone, Copy)]
-pub enum Turn {
-    /// from what is known at its beginning
-    Any,
-    /// after all forces of turn `Any`, from the motion they would cause: on a line, where no other link of a later turn
-    /// moves the same place. Elsewhere this law runs instead
-    Alone(&'static Law),
-    /// after all others, collected link by link and then computed at once by this pass
-    Together(Kernel),
-}
-
-/// What is known of a parameter when a law is specialised.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Fixed {
-    /// not written
-    Absent,
-    /// this value, for good
-    At(f64),
-    /// may change while playing
-    Live,
-}
-
-impl Fixed {
-    /// True where the parameter is nothing and stays so.
-    pub fn is_zero(self) -> bool {
-        matches!(self, Fixed::Absent | Fixed::At(0.0))
-    }
-}
 
 fn arr<T: Copy + Default, const N: usize>(s: &[T]) -> [T; N] {
     s.first_chunk::<N>().copied().unwrap_or([T::default(); N])

@@ -5,13 +5,15 @@
 //! other crates bring passes of their own (LPR), and rather than a boxed trait object, because the record is then plain
 //! data that `ca check --schedule` can print.
 
-use crate::law::Phi;
+use crate::law::{Bound, Force, Idle, Lost, Stored};
 use crate::layout::Layout;
 pub use crate::layout::{Gauge, Ports};
+use crate::real::Real;
 use crate::state::State;
-use law::Law;
+use crate::table::Table;
 
 pub mod blocker;
+mod choose;
 pub mod crowd;
 pub mod finer;
 mod gather;
@@ -79,25 +81,71 @@ impl Op {
     }
 }
 
-/// The kernel of a law for one form of a dipole.
-pub(crate) fn kernel<P: Phi<C, M> + 'static, const C: usize, const M: usize>(form: Form) -> Kernel {
-    if form.set {
-        return if form.tap {
-            wide::wide::<crowd::All<P, C, M, true>>
-        } else {
-            wide::wide::<crowd::All<P, C, M, false>>
-        };
-    }
-    match (form.gauge, form.stride > 0, form.offset, form.tap) {
-        (Gauge::Line, false, false, false) => gather::gather::<P, C, M, false, false>,
-        (Gauge::Line, false, false, true) => gather::gather::<P, C, M, false, true>,
-        (Gauge::Line, false, true, false) => gather::gather::<P, C, M, true, false>,
-        (Gauge::Line, false, true, true) => gather::gather::<P, C, M, true, true>,
-        (Gauge::Line, true, false, _) => wide::wide::<run::Run<P, C, M, false>>,
-        (Gauge::Line, true, true, _) => wide::wide::<run::Run<P, C, M, true>>,
-        (Gauge::Along, _, _, false) => space::space::<P, gauge::Along, C, M, false>,
-        (Gauge::Along, _, _, true) => space::space::<P, gauge::Along, C, M, true>,
-        (Gauge::Radial, _, _, false) => space::space::<P, gauge::Radial, C, M, false>,
-        (Gauge::Radial, _, _, true) => space::space::<P, gauge::Radial, C, M, true>,
+/// A law as data: the functions of a [`Phi`] over slices, and its kernels.
+#[derive(Clone, Copy)]
+pub struct Law {
+    /// code of the law that runs, e.g. `RES` for a REF without viscosity
+    pub code: &'static str,
+    /// coefficients per link
+    pub coefs: usize,
+    /// numbers of memory per link
+    pub mem: usize,
+    /// see [`Phi::LINEAR`]
+    pub linear: bool,
+    /// see [`Phi::CONTACT`]
+    pub contact: bool,
+    /// when its force is computed
+    pub turn: Turn,
+    /// true where part of its force comes from the time to come, for all such links at once
+    pub ahead: bool,
+    /// see [`Phi::coefs`]; `out` has [`Law::coefs`] places
+    pub load: fn(p: &[Option<f64>], te: f64, out: &mut [f64]),
+    /// see [`Phi::start`]
+    pub start: fn(c: &[Real], e: Real, mem: &mut [Real]),
+    /// see [`Phi::force`]
+    pub force: Force,
+    /// see [`Phi::stored`]
+    pub stored: Stored,
+    /// see [`Phi::lost`]
+    pub lost: Lost,
+    /// see [`Phi::idle`]
+    pub idle: Idle,
+    /// see [`Phi::bound`]
+    pub bound: fn(c: &[f64], tables: &[Table]) -> Bound,
+    /// the pass for one form of the law
+    pub kernel: fn(Form) -> Kernel,
+    /// a cheaper law for these parameters (`None` marks one that may change while playing), if there is one
+    pub simpler: fn(p: &[Fixed]) -> Option<&'static Law>,
+    /// a table the law needs whatever its parameters; its number is handed over after the last parameter
+    pub table: Option<fn() -> Table>,
+}
+
+/// When the force of a law is computed among the forces of a tick.
+#[derive(Clone, Copy)]
+pub enum Turn {
+    /// from what is known at its beginning
+    Any,
+    /// after all forces of turn `Any`, from the motion they would cause: on a line, where no other link of a later turn
+    /// moves the same place. Elsewhere this law runs instead
+    Alone(&'static Law),
+    /// after all others, collected link by link and then computed at once by this pass
+    Together(Kernel),
+}
+
+/// What is known of a parameter when a law is specialised.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Fixed {
+    /// not written
+    Absent,
+    /// this value, for good
+    At(f64),
+    /// may change while playing
+    Live,
+}
+
+impl Fixed {
+    /// True where the parameter is nothing and stays so.
+    pub fn is_zero(self) -> bool {
+        matches!(self, Fixed::Absent | Fixed::At(0.0))
     }
 }

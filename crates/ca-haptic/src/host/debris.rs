@@ -6,8 +6,7 @@
 //! any is removed file by file.
 
 use super::error::{HostError, HostErrorKind};
-use super::ours::SHM;
-use super::site::{Site, stamp};
+use super::site::{SHM, Site, stamp};
 use crate::frame::VERSION;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;

@@ -8,7 +8,7 @@
 //! opened the file before keeps it open.
 
 use super::error::{HostError, HostErrorKind};
-use super::site::{Site, uid};
+use super::site::{SHM, Site, uid};
 use std::fs::{self, OpenOptions, Permissions};
 use std::io::{self, ErrorKind, Write};
 use std::os::unix::fs::{MetadataExt, OpenOptionsExt, PermissionsExt};
@@ -17,8 +17,6 @@ use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-/// Where shared memory has its names.
-pub(super) const SHM: &str = "/dev/shm";
 /// How long a file may be without a byte in it: its maker is between two calls of the system.
 const UNMADE: Duration = Duration::from_secs(1);
 

@@ -12,7 +12,6 @@
 //! ```
 
 use super::error::{HostError, HostErrorKind};
-use super::within::within;
 use crate::frame::{VERSION, fnv};
 use iceoryx2::node::NodeView;
 use iceoryx2::prelude::{
@@ -23,7 +22,6 @@ use std::fs;
 use std::os::unix::fs::{DirBuilderExt, MetadataExt};
 use std::path::{Component, Path, PathBuf};
 use std::sync::Once;
-use std::time::Duration;
 
 /// Shared memory between processes, with ports that are made on one thread and used on another
 /// ([`within`](super::within)).
@@ -35,8 +33,8 @@ pub const IOX: &str = "0.10.0";
 /// address of a socket, 107 bytes.
 pub const LONGEST: usize = 44;
 
-/// Longest time a sweep may take.
-const SWEEP: Duration = Duration::from_secs(2);
+/// Where shared memory has its names.
+pub(super) const SHM: &str = "/dev/shm";
 /// Links that are followed on the way to a folder, as in the kernel.
 const LINKS: u32 = 40;
 
@@ -156,14 +154,7 @@ impl Site {
         .map_err(|e| HostError::system(format!("`{}` cannot be listed", self.root.display()), e))
     }
 
-    /// Removes what killed processes left behind, so that their places are free. A fraction of a millisecond when there
-    /// is nothing to do, some milliseconds when there is: for a thread that has time, once to ten times a second.
-    pub fn sweep(&self) -> Swept {
-        // what cannot be swept now may be at the next turn, and whoever opens a line says why not
-        within(self, 0, SWEEP, |site| Ok(site.swept())).unwrap_or_default()
-    }
-
-    /// The same, for who has a limit of time already.
+    /// Removes what killed processes left behind, without a limit of time: [`Site::sweep`] has one.
     pub(super) fn swept(&self) -> Swept {
         let mut swept = Swept::default();
         let _ = self.nodes(|state| {

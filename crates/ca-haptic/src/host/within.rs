@@ -6,7 +6,7 @@
 //! asleep most of the time.
 
 use super::error::{HostError, HostErrorKind};
-use super::site::Site;
+use super::site::{Site, Swept};
 use super::{ours, room};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
@@ -14,6 +14,8 @@ use std::time::Duration;
 /// Longest time in which lines open: somebody who comes or goes may stand in the way of each for a second.
 pub(super) const LIMIT: Duration = Duration::from_secs(10);
 
+/// Longest time a sweep may take.
+const SWEEP: Duration = Duration::from_secs(2);
 /// Memory of the thread's stack \[bytes\]: a server that keeps its memory in RAM pays for all of it, at each sweep.
 const STACK: usize = 512 << 10;
 
@@ -31,6 +33,15 @@ pub(super) fn within<T: Send + 'static>(
     ours::check(site)?;
     ours::reserve(site)?;
     Ok(made)
+}
+
+impl Site {
+    /// Removes what killed processes left behind, so that their places are free. A fraction of a millisecond when there
+    /// is nothing to do, some milliseconds when there is: for a thread that has time, once to ten times a second.
+    pub fn sweep(&self) -> Swept {
+        // what cannot be swept now may be at the next turn, and whoever opens a line says why not
+        within(self, 0, SWEEP, |site| Ok(site.swept())).unwrap_or_default()
+    }
 }
 
 fn limited<T: Send + 'static>(
