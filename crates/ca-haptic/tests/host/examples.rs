@@ -30,7 +30,7 @@ fn package(place: &Place) -> PathBuf {
 #[test]
 fn python() {
     // the page shows the example itself
-    let example = std::fs::read_to_string(here("examples/device.py")).unwrap();
+    let example = std::fs::read_to_string(here("../ca-py/examples/device.py")).unwrap();
     let page = std::fs::read_to_string(here("../../docs/devices.md")).unwrap();
     let shown = page.split("```python\n").nth(1).unwrap().split("```").next().unwrap();
     let (_, code) = example.split_once("\"\"\"\n\n").expect("a document, and then the code");
@@ -46,7 +46,7 @@ fn python() {
     let place = place();
     let folder = package(&place);
     let child = Command::new(&python)
-        .arg(here("examples/device.py"))
+        .arg(here("../ca-py/examples/device.py"))
         .args(["finger", "2000"])
         .env("CA_SHM_ROOT", place.site.root())
         .env("PYTHONPATH", folder)
