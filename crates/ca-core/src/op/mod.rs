@@ -81,7 +81,7 @@ impl Op {
     }
 }
 
-/// A law as data: the functions of a [`Phi`] over slices, and its kernels.
+/// A law as data: the functions of a [`Phi`](crate::law::Phi) over slices, and its kernels.
 #[derive(Clone, Copy)]
 pub struct Law {
     /// code of the law that runs, e.g. `RES` for a REF without viscosity
@@ -90,27 +90,27 @@ pub struct Law {
     pub coefs: usize,
     /// numbers of memory per link
     pub mem: usize,
-    /// see [`Phi::LINEAR`]
+    /// see [`Phi::LINEAR`](crate::law::Phi::LINEAR)
     pub linear: bool,
-    /// see [`Phi::CONTACT`]
+    /// see [`Phi::CONTACT`](crate::law::Phi::CONTACT)
     pub contact: bool,
     /// when its force is computed
     pub turn: Turn,
     /// true where part of its force comes from the time to come, for all such links at once
     pub ahead: bool,
-    /// see [`Phi::coefs`]; `out` has [`Law::coefs`] places
+    /// see [`Phi::coefs`](crate::law::Phi::coefs); `out` has [`Law::coefs`] places
     pub load: fn(p: &[Option<f64>], te: f64, out: &mut [f64]),
-    /// see [`Phi::start`]
+    /// see [`Phi::start`](crate::law::Phi::start)
     pub start: fn(c: &[Real], e: Real, mem: &mut [Real]),
-    /// see [`Phi::force`]
+    /// see [`Phi::force`](crate::law::Phi::force)
     pub force: Force,
-    /// see [`Phi::stored`]
+    /// see [`Phi::stored`](crate::law::Phi::stored)
     pub stored: Stored,
-    /// see [`Phi::lost`]
+    /// see [`Phi::lost`](crate::law::Phi::lost)
     pub lost: Lost,
-    /// see [`Phi::idle`]
+    /// see [`Phi::idle`](crate::law::Phi::idle)
     pub idle: Idle,
-    /// see [`Phi::bound`]
+    /// see [`Phi::bound`](crate::law::Phi::bound)
     pub bound: fn(c: &[f64], tables: &[Table]) -> Bound,
     /// the pass for one form of the law
     pub kernel: fn(Form) -> Kernel,
