@@ -1,4 +1,4 @@
-//! The stability atlas: maps of the running engine beside theory, the survival table, and what is no number.
+//! The stability atlas: maps of the running engine beside theory, the survival table, and what is not finite.
 //!
 //! Prints the page; with `UPDATE=1` writes it to `docs/atlas.md` and its maps to `docs/atlas/`.
 #![allow(missing_docs)]

@@ -60,7 +60,7 @@ fn an_engine_allocates_nothing() {
         next.session = 1;
         let mut dice = 0x9e37_79b9_7f4a_7c15_u64;
         let mut modes = [0; 5];
-        let mut wild = 0;
+        let mut diverged = 0;
         let n = calls(|| {
             for n in 0..12_000_u32 {
                 let t = n % 3000;
@@ -117,12 +117,16 @@ fn an_engine_allocates_nothing() {
                     modes[Mode::read(out.mode) as usize] += 1;
                 }
                 e.finish();
-                wild += u32::from(e.is_wild());
+                diverged += u32::from(e.has_diverged());
             }
         });
         assert_eq!(n, 0, "energy {energy}");
         assert!(modes.iter().all(|n| *n > 20), "off, ramp, on, damp, fault: {modes:?}");
-        assert!(wild > 100 && !e.is_wild() && spent.len() == 8, "{wild} wild, {} given back", spent.len());
+        assert!(
+            diverged > 100 && !e.has_diverged() && spent.len() == 8,
+            "{diverged} diverged, {} given back",
+            spent.len()
+        );
         let c = e.counts;
         assert!(c.faults > 3 && c.dropped > 50 && c.stale > 40 && c.refused == 0, "{c:?}");
     }

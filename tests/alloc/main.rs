@@ -250,5 +250,5 @@ g = [[0, 0.1], [1, 1.9]]
     for (was, param) in before.iter().zip(p.controls.params()) {
         assert!(param.value != *was, "{} stood still", param.name);
     }
-    assert!(!p.wild && p.state.x.iter().any(|x| *x != 0.0));
+    assert!(!p.diverged && p.state.x.iter().any(|x| *x != 0.0));
 }

@@ -207,7 +207,7 @@ fn two_ways_to_write_it() {
         })
         .collect();
     within("a push is a weight", apart(&weight, &push), 1e-14);
-    // what is no number is refused once a tick, however many kicks there are
+    // what is not finite is refused once a tick, however many kicks there are
     s.input[0] = f64::NAN;
     tick(&pushed, &mut s);
     assert_eq!(s.refused, 1);

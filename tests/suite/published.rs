@@ -39,7 +39,7 @@ fn play(scene: &Scene, points: &[(f64, f64)], seconds: f64) -> Vec<Vec<f64>> {
             o.push(*v);
         }
     }
-    assert!(!p.wild && out.iter().flatten().all(|v| v.is_finite()));
+    assert!(!p.diverged && out.iter().flatten().all(|v| v.is_finite()));
     out
 }
 

@@ -159,7 +159,7 @@ fn positions_that_are_huge_or_no_numbers_stop_nothing() {
                 tick(scene, s);
             }
         }
-        // what is no number has no bits worth comparing
+        // what is not finite has no bits worth comparing
         let clean =
             |b: Vec<u64>| b.into_iter().map(|b| if f64::from_bits(b).is_nan() { 0 } else { b }).collect::<Vec<_>>();
         assert_eq!(clean(bits(&plain, &s)), clean(bits(&set, &t)), "{bad}");

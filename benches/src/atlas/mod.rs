@@ -192,7 +192,7 @@ impl Field {
 const FAR: f64 = 1e6;
 
 /// How a motion of size 1 goes on: its largest size in the last quarter of `ticks` over that in the quarter before, or
-/// infinity where it passed [`FAR`] or is no number. Two quarters of a motion that neither grows nor dies are alike.
+/// infinity where it passed [`FAR`] or is not finite. Two quarters of a motion that neither grows nor dies are alike.
 fn growth(ticks: usize, mut step: impl FnMut() -> f64) -> f64 {
     let mut most = [0.0f64; 4];
     for n in 0..ticks {

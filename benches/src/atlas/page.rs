@@ -65,7 +65,7 @@ pub const DOORS: [(&str, &str, Try); 4] = [
     ("live parameters, by name and as a patch", "refused, nothing changed", poison::changes),
     (
         "frames of a device, with forces on",
-        "no force and no sound that is no number; where positions stay bad, no force",
+        "no force and no sound that is not finite; where positions stay bad, no force",
         poison::frames,
     ),
 ];
@@ -97,7 +97,7 @@ pub fn page(maps: &str) -> String {
     for case in &orders::CASES {
         let _ = writeln!(t, "{}", case.row());
     }
-    t += "\n## What is no number\n\nNaN, +∞ and −∞ at every door of the engine.\n\n\
+    t += "\n## What is not finite\n\nNaN, +∞ and −∞ at every door of the engine.\n\n\
           | where | what happens | tried | came through |\n|---|---|---|---|\n";
     for (name, what, try_it) in DOORS {
         let _ = writeln!(t, "{}", door(name, what, &try_it()));

@@ -1,4 +1,4 @@
-//! What is no number, at every door there is: parameters, ports, live changes, frames of a device.
+//! What is not finite, at every door there is: parameters, ports, live changes, frames of a device.
 //!
 //! Decides on the examples of the catalog as the scenes: every kind is there, so a kind that is added is tried too.
 
@@ -11,7 +11,7 @@ use ca_core::param::Type;
 use ca_core::{Options, Scene, compile, tick};
 use ca_haptic::frame::DeviceFrame;
 
-/// What is no number.
+/// What is not finite.
 const BAD: [f64; 3] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
 
 /// How a door fared.
@@ -120,7 +120,7 @@ pub fn changes() -> Door {
 /// Puts a number into a frame.
 type Spoil = fn(&mut DeviceFrame, f64);
 
-/// Frames of a device with forces on: no force and no sound that is no number, and after a run of positions that are
+/// Frames of a device with forces on: no force and no sound that is not finite, and after a run of positions that are
 /// none, no force at all.
 pub fn frames() -> Door {
     let mut door = Door::default();

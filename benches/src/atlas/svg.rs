@@ -12,13 +12,13 @@ pub(crate) const ROOM: [f64; 4] = [70.0, 16.0, 26.0, 92.0];
 
 /// Colours that the colour-blind can tell apart.
 const CALM: &str = "#cfe3f3";
-const WILD: &str = "#f0b55a";
+const DIVERGED: &str = "#f0b55a";
 const WRONG: &str = "#d00000";
 
 fn colour(cell: &Cell) -> &'static str {
     match (cell.contradicts(), cell.grows) {
         (true, _) => WRONG,
-        (_, true) => WILD,
+        (_, true) => DIVERGED,
         _ => CALM,
     }
 }
@@ -120,7 +120,7 @@ pub(crate) fn frame(t: &mut String, axes: &[Axis; 2]) {
 /// What the colours mean; the line only where there is one.
 fn legend(t: &mut String, map: &Map, field: &Field, [mut x, y]: [f64; 2]) {
     let wrong = format!("contradicts theory: {}", field.contradictions());
-    for (fill, word) in [(CALM, map.words[0]), (WILD, map.words[1]), (WRONG, wrong.as_str())] {
+    for (fill, word) in [(CALM, map.words[0]), (DIVERGED, map.words[1]), (WRONG, wrong.as_str())] {
         let _ = writeln!(t, "<rect x=\"{x}\" y=\"{y}\" width=\"14\" height=\"14\" fill=\"{fill}\" stroke=\"#444\"/>");
         let _ = writeln!(t, "<text x=\"{}\" y=\"{}\">{word}</text>", x + 20.0, y + 12.0);
         x += 36.0 + 7.2 * word.chars().count() as f64;

@@ -58,7 +58,7 @@ pub struct Near {
     at: [Vec<Real>; 3],
     /// where they were when the list was made \[m\] (3 x n)
     was: [Vec<Real>; 3],
-    /// the furthest any of them has moved since \[m\]; infinite where one is no number
+    /// the furthest any of them has moved since \[m\]; infinite where one is not finite
     moved: Real,
     /// how wrong a distance may be by rounding \[m\]
     rounding: Real,
@@ -336,7 +336,7 @@ impl Grid {
     }
 }
 
-/// What is no number counts as infinite.
+/// What is not finite counts as infinite.
 #[inline(always)]
 fn finite(v: Real) -> Real {
     if v < Real::INFINITY { v } else { Real::INFINITY }

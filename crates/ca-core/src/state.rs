@@ -156,7 +156,7 @@ impl State {
     }
 
     /// The MAT with the largest displacement, or the first that is not finite.
-    pub fn wildest(&self) -> usize {
+    pub fn furthest(&self) -> usize {
         let size = |i: &usize| if self.x[*i].is_nan() { Real::INFINITY } else { self.x[*i].abs() };
         (0..self.x.len()).max_by(|a, b| size(a).total_cmp(&size(b))).unwrap_or(0)
     }

@@ -15,7 +15,7 @@ use ca_core::{State, tick};
 
 /// Beyond this displacement \[m\] a scene is taken to have blown up. Far above any scale models are written in (1e-9 to
 /// 1e9), far below overflow.
-pub const WILD: f64 = 1e15;
+pub const DIVERGED: f64 = 1e15;
 
 /// What a track drives.
 enum Target {
@@ -54,7 +54,7 @@ pub struct Performance<'a> {
     /// the last change of a parameter, kept for its room
     patch: Patch,
     /// true once positions have left every sensible range; nothing is computed any more, outputs are 0
-    pub wild: bool,
+    pub diverged: bool,
 }
 
 impl<'a> Performance<'a> {
@@ -67,7 +67,7 @@ impl<'a> Performance<'a> {
             controls: scene.controls(),
             drives: Vec::new(),
             patch: Patch { scene: scene.identity(), set: Vec::with_capacity(scene.live.coefs.len()) },
-            wild: false,
+            diverged: false,
         };
         for (name, points) in &scene.gestures {
             if gesture.is_none_or(|g| g.track(name).is_none()) {
@@ -146,7 +146,7 @@ impl<'a> Performance<'a> {
 
     /// Runs one tick; the outputs are in `state.output`.
     pub fn tick(&mut self) {
-        if self.wild {
+        if self.diverged {
             self.state.output.fill(0.0);
             return;
         }
@@ -173,12 +173,12 @@ impl<'a> Performance<'a> {
             }
         }
         tick(scene, s);
-        if s.tick.is_multiple_of(64) && !s.is_sound(WILD) {
-            self.wild = true;
+        if s.tick.is_multiple_of(64) && !s.is_sound(DIVERGED) {
+            self.diverged = true;
         }
     }
 
-    /// The module to blame once the scene is [`Performance::wild`], and why: the one the certificate names where that
+    /// The module to blame once the scene is [`Performance::diverged`], and why: the one the certificate names where that
     /// found the scene unstable; else the link that made most energy in a second run with the book kept, given as
     /// `audited`; else the MAT that went furthest.
     pub fn blame(&self, audited: Option<&Scene>, gesture: Option<&Gesture>) -> (String, String) {
@@ -190,7 +190,7 @@ impl<'a> Performance<'a> {
         if let Some(scene) = audited {
             if let Ok(mut twin) = Performance::new(scene, gesture) {
                 // up to the first tick out of range: what is booked after that says nothing of the cause
-                while twin.state.is_sound(WILD) && twin.state.tick < self.state.tick + 64 {
+                while twin.state.is_sound(DIVERGED) && twin.state.tick < self.state.tick + 64 {
                     twin.tick();
                 }
                 if let Some((link, made)) = twin.state.ledger.as_ref().and_then(ca_core::energy::Ledger::culprit) {
@@ -200,7 +200,7 @@ impl<'a> Performance<'a> {
                 }
             }
         }
-        let m = self.state.wildest();
+        let m = self.state.furthest();
         (self.scene.mat_name(m).into(), "it went furthest".into())
     }
 }

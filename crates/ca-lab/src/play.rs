@@ -4,7 +4,7 @@ use ca_core::Scene;
 use ca_core::energy::Ledger;
 use ca_core::ledger::Balance;
 use ca_haptic::gesture::Gesture;
-use ca_haptic::perform::{Performance, WILD};
+use ca_haptic::perform::{DIVERGED, Performance};
 use std::time::{Duration, Instant};
 
 /// Ticks between two looks at what was played.
@@ -64,8 +64,8 @@ pub fn play<'a, E>(mut p: Performance<'a>, frames: u64, block: u64, heard: &mut 
     }
     let wall = begin.elapsed();
     // what blew up between two looks at the state is found here at the latest
-    p.wild |= !p.state.is_sound(WILD);
-    let broke = p.wild.then_some(p.state.tick);
+    p.diverged |= !p.state.is_sound(DIVERGED);
+    let broke = p.diverged.then_some(p.state.tick);
     let (energy, energy_ticks) = match last_good {
         Some((book, tick)) => (Some(book), tick),
         None => (p.state.ledger.clone(), p.state.tick),
@@ -77,8 +77,8 @@ pub fn play<'a, E>(mut p: Performance<'a>, frames: u64, block: u64, heard: &mut 
 
 /// Where a book is kept and the positions have just left every range: the book as it was.
 fn keep_book(p: &Performance, last_good: &mut Option<(Ledger, u64)>) {
-    if let (Some(book), None, false) = (&p.state.ledger, &*last_good, p.wild) {
-        if !p.state.is_sound(WILD) {
+    if let (Some(book), None, false) = (&p.state.ledger, &*last_good, p.diverged) {
+        if !p.state.is_sound(DIVERGED) {
             *last_good = Some((book.clone(), p.state.tick));
         }
     }

@@ -7,7 +7,7 @@ use crate::error::{failure, usage};
 use crate::wait::Wait;
 use ca_core::live::Controls;
 use ca_core::{State, advance, sense};
-use ca_haptic::perform::WILD;
+use ca_haptic::perform::DIVERGED;
 use ca_haptic::sound::Level;
 use ca_lab::Failure;
 use numpy::{PyReadonlyArray2, PyReadwriteArray2, PyUntypedArrayMethods as _};
@@ -32,7 +32,7 @@ struct Running {
     state: State,
     controls: Controls,
     level: Level,
-    wild: bool,
+    diverged: bool,
 }
 
 /// Where the force on a port stands.
@@ -46,12 +46,12 @@ enum Felt {
 
 impl Running {
     fn new(scene: &ca_core::Scene) -> Running {
-        Running { state: scene.state(), controls: scene.controls(), level: Level::new(scene.channels), wild: false }
+        Running { state: scene.state(), controls: scene.controls(), level: Level::new(scene.channels), diverged: false }
     }
 
     /// One sample; its sound is in the state's output.
     fn sense(&mut self, scene: &ca_core::Scene) {
-        if self.wild {
+        if self.diverged {
             self.state.output.fill(0.0);
         } else {
             sense(scene, &mut self.state);
@@ -63,13 +63,13 @@ impl Running {
             Felt::Mat(m) => self.state.f[m],
             Felt::Border(k) => self.state.border[k].force,
         };
-        if self.wild || !force.is_finite() { 0.0 } else { force }
+        if self.diverged || !force.is_finite() { 0.0 } else { force }
     }
 
     fn advance(&mut self, scene: &ca_core::Scene) {
-        if !self.wild {
+        if !self.diverged {
             advance(scene, &mut self.state);
-            self.wild = self.state.tick.is_multiple_of(64) && !self.state.is_sound(WILD);
+            self.diverged = self.state.tick.is_multiple_of(64) && !self.state.is_sound(DIVERGED);
         }
     }
 }
@@ -107,8 +107,8 @@ impl Sim {
 
     /// True once it has blown up: silence from there on.
     #[getter]
-    fn wild(&self, py: Python) -> bool {
-        self.with(py, |r| r.wild)
+    fn diverged(&self, py: Python) -> bool {
+        self.with(py, |r| r.diverged)
     }
 
     /// Samples cut off at full scale, samples without a value, inputs without a value.

@@ -1,4 +1,4 @@
-//! Sound as a page holds it: a player, a waveform, and what was too loud or no number.
+//! Sound as a page holds it: a player, a waveform, and what was too loud or not finite.
 //!
 //! Decides on 16-bit WAV inside the page: every browser plays it, and half the size of floats is what a page can bear.
 //! Of a long sound the page holds the beginning ([`KEPT`]) and says so; waveform and counts are of all of it. With more
@@ -36,7 +36,7 @@ impl Sound {
         Sound { rate, names: names.to_vec(), frames: 0, peak, clipped: 0, broken: 0, kept: Vec::new(), waves }
     }
 
-    /// Whole frames of interleaved samples, full scale ±1. What is beyond it is cut off, what is no number becomes
+    /// Whole frames of interleaved samples, full scale ±1. What is beyond it is cut off, what is not finite becomes
     /// silence, and both are counted.
     pub fn push(&mut self, frames: &[f64]) {
         let n = self.names.len();
@@ -86,7 +86,7 @@ impl Sound {
         self.clipped
     }
 
-    /// Samples that were no number.
+    /// Samples that were not finite.
     pub fn broken(&self) -> u64 {
         self.broken
     }

@@ -205,7 +205,7 @@ fn any_frame_of_a_device() {
         }
         w.saw(flag::SATURATED | flag::SLEWED | flag::EDGE | flag::STALE | flag::WAIT_CLEAR);
         let c = rig.engine.counts;
-        assert!(c.dropped > 100 && c.faults > 20 && !rig.engine.is_wild(), "{c:?}");
+        assert!(c.dropped > 100 && c.faults > 20 && !rig.engine.has_diverged(), "{c:?}");
         assert!(rig.engine.state.x.iter().all(|x| x.is_finite()));
     }
 }

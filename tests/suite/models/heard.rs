@@ -70,7 +70,7 @@ pub fn perform(model: Model, scene: &Scene, gesture: Option<&Gesture>, seconds: 
         p.tick();
         out.iter_mut().zip(&p.state.output).for_each(|(o, v)| o.push(*v));
     }
-    assert!(!p.wild && out.iter().flatten().all(|v| v.is_finite()), "{}: wild", scene.title);
+    assert!(!p.diverged && out.iter().flatten().all(|v| v.is_finite()), "{}: diverged", scene.title);
     // the books close, and contacts and hard springs are soft enough for the scheme to make next to no energy
     let book = p.state.ledger.as_ref().unwrap().balance();
     let (open, made) = (book.residual.abs() / book.peak, book.source.abs() / book.peak);

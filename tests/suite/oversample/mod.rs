@@ -250,7 +250,7 @@ fn the_error_falls_with_the_square_of_the_ticks() {
     }
 }
 
-/// What is no number counts once a sample: a position stays, a force is none.
+/// What is not finite counts once a sample: a position stays, a force is none.
 #[test]
 fn what_is_no_number_is_refused_once_a_sample() {
     let [scene, _] = twins(PUSHED, "gesture = 3000", 8, &booked("s[7]"));

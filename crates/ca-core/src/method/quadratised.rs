@@ -168,7 +168,7 @@ fn conjugate(list: &mut [Touch], push: &mut [Real], mobility: &[Real]) {
     let goal = (EXACT * rho).max(NOTHING);
     // in exact arithmetic as many steps as contacts; rounding may ask for more
     for _ in 0..10 * list.len() + 10 {
-        // what is no number is not for here to find out
+        // what is not finite is not for here to find out
         if rho.is_nan() || rho <= goal {
             break;
         }

@@ -3,7 +3,7 @@
 //! Decides that points keep the order of the file and that those in the very same place become one, the first: exporters
 //! write a corner once for each seam, and two masses in one place are never meant. A face or line gives its edges, each
 //! once; a face with less than three different corners, or one corner twice, is left out and counted. What a model
-//! cannot hold, and what is no number, is refused.
+//! cannot hold, and what is not finite, is refused.
 
 mod csv;
 mod obj;

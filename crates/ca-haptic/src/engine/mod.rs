@@ -64,12 +64,12 @@ pub struct Options {
     /// a number that changes with every start, sent with every force frame
     pub session: u64,
     /// displacement \[m\] or motion a tick beyond which the model has blown up (H15)
-    pub wild: f64,
+    pub diverged: f64,
 }
 
 impl Default for Options {
     fn default() -> Options {
-        Options { session: 1, wild: 1e3 }
+        Options { session: 1, diverged: 1e3 }
     }
 }
 
@@ -86,7 +86,7 @@ pub struct Counts {
     pub stale: u64,
     /// faults that latched
     pub faults: u64,
-    /// sound samples that hit the ceiling or were no number (H16)
+    /// sound samples that hit the ceiling or were not finite (H16)
     pub clipped: u64,
     /// acts that did not fit the scene
     pub refused: u64,
@@ -107,7 +107,7 @@ pub struct Engine {
     sound: Vec<f64>,
     filled: usize,
     ceiling: Ceiling,
-    wild: bool,
+    diverged: bool,
     /// faults of ports that were made anew
     past_faults: u64,
 }
@@ -128,7 +128,7 @@ impl Engine {
             sound,
             filled: 0,
             ceiling,
-            wild: false,
+            diverged: false,
             past_faults: 0,
         };
         for p in &mut engine.ports {
@@ -181,7 +181,7 @@ impl Engine {
                     // the tick goes on: it says which phase of a frame comes, and numbers the frames of a take
                     state.tick = self.state.tick;
                     core::mem::swap(&mut self.state, &mut state);
-                    self.wild = false;
+                    self.diverged = false;
                     self.ceiling.reset();
                     for p in &mut self.ports {
                         p.chain.order(Order::Disarm);
@@ -215,15 +215,15 @@ impl Engine {
         self.filled = 0;
         let ticks = if first { 1 } else { self.scene.ratio };
         for j in 1..=ticks {
-            if j > 1 && !self.wild {
+            if j > 1 && !self.diverged {
                 advance(&self.scene, &mut self.state);
             }
             self.sample();
         }
         self.watch();
-        let (state, wild, options) = (&self.state, self.wild, &self.options);
+        let (state, diverged, options) = (&self.state, self.diverged, &self.options);
         for p in &mut self.ports {
-            p.answer(&self.scene, state, options.session, wild);
+            p.answer(&self.scene, state, options.session, diverged);
         }
         self.counts.faults = self.past_faults + self.ports.iter().map(|p| p.chain.faults()).sum::<u64>();
         self.ports.iter().map(|p| &p.out)
@@ -231,7 +231,7 @@ impl Engine {
 
     /// The second half: the masses of the last tick move. Returns the sound of the frame, interleaved.
     pub fn finish(&mut self) -> &[f64] {
-        if self.wild {
+        if self.diverged {
             // time goes on, so that frames keep their numbers
             self.state.tick += 1;
         } else {
@@ -244,7 +244,7 @@ impl Engine {
     /// One tick up to its outputs.
     fn sample(&mut self) {
         let n = self.scene.channels;
-        if self.wild {
+        if self.diverged {
             self.state.output.fill(0.0);
             // the tick of the frame's last sample moves in `finish`
             self.state.tick += u64::from(self.filled > 0);
@@ -253,14 +253,14 @@ impl Engine {
         }
         let to = &mut self.sound[self.filled..self.filled + n];
         to.copy_from_slice(&self.state.output[..n]);
-        self.counts.clipped += self.ceiling.pass(to, self.wild);
+        self.counts.clipped += self.ceiling.pass(to, self.diverged);
         self.filled += n;
     }
 
     /// H15: whether positions are still those of an instrument.
     fn watch(&mut self) {
-        if !self.wild && !self.state.is_sound(self.options.wild) {
-            self.wild = true;
+        if !self.diverged && !self.state.is_sound(self.options.diverged) {
+            self.diverged = true;
         }
     }
 
@@ -270,7 +270,7 @@ impl Engine {
     }
 
     /// Whether the model has blown up.
-    pub fn is_wild(&self) -> bool {
-        self.wild
+    pub fn has_diverged(&self) -> bool {
+        self.diverged
     }
 }

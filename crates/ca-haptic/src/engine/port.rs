@@ -152,7 +152,7 @@ impl Port {
     }
 
     /// The force of the frame, through the guard, onto the wire.
-    pub(super) fn answer(&mut self, scene: &Scene, state: &State, session: u64, wild: bool) {
+    pub(super) fn answer(&mut self, scene: &Scene, state: &State, session: u64, diverged: bool) {
         let hand = &mut self.hand;
         hand.force = [0.0; DOF];
         (hand.received, hand.mean) = ([0.0; DOF], [0.0; DOF]);
@@ -168,8 +168,8 @@ impl Port {
             hand.mean[l.dof] += l.gains.beta * mean;
             hand.received[l.dof] -= l.gains.beta / l.gains.alpha * mean * (b.to - b.from);
         }
-        if wild {
-            // a force that is no number says more than that the model blew up
+        if diverged {
+            // a force that is not finite says more than that the model blew up
             if hand.force[..hand.n].iter().any(|f| !f.is_finite()) {
                 hand.trip(Cause::Nonfinite);
             }

@@ -25,9 +25,9 @@ impl Ceiling {
         }
     }
 
-    /// A sample of each channel. Returns how many were cut. Once `wild`, the last sample fades away.
-    pub(super) fn pass(&mut self, frame: &mut [f64], wild: bool) -> u64 {
-        if wild {
+    /// A sample of each channel. Returns how many were cut. Once `diverged`, the last sample fades away.
+    pub(super) fn pass(&mut self, frame: &mut [f64], diverged: bool) -> u64 {
+        if diverged {
             self.rest = (self.rest - self.fall).max(0.0);
             for (x, last) in frame.iter_mut().zip(&self.last) {
                 *x = last * self.rest;

@@ -22,7 +22,7 @@ pub enum Cause {
     WatchdogIn = 5,
     /// forces of the engine stayed away, as the device saw it
     WatchdogOut = 6,
-    /// the model gave a force that is no number
+    /// the model gave a force that is not finite
     Nonfinite = 7,
     /// too many frames that cannot be true
     Implausible = 8,

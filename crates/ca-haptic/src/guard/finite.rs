@@ -1,4 +1,4 @@
-//! H1: a force that is no number never leaves.
+//! H1: a force that is not finite never leaves.
 
 use super::{Hand, Stage};
 use crate::frame::{Cause, DOF};

@@ -25,7 +25,7 @@ pub enum Verdict {
     Old,
     /// a position is marked as not valid
     Masked,
-    /// a position is no number
+    /// a position is not finite
     Nonfinite,
     /// no hand moves so fast
     Jump,
@@ -393,7 +393,7 @@ mod tests {
                 f.pos[0] = f64::NAN;
                 true
             });
-            assert_eq!(nan, Cause::Implausible, "no number at {rate} Hz");
+            assert_eq!(nan, Cause::Implausible, "not finite at {rate} Hz");
             for mask in [0, 1, 2, u32::MAX - 2] {
                 let masked = ended(rate, |_, f| {
                     f.mask = mask;

@@ -134,7 +134,7 @@ pub fn norm(v: &[f64]) -> f64 {
     if let [x] = v { x.abs() } else { v.iter().map(|x| x * x).sum::<f64>().sqrt() }
 }
 
-/// A number that the wire holds exactly, no larger than `f`; 0 for what is no number.
+/// A number that the wire holds exactly, no larger than `f`; 0 for what is not finite.
 fn wired(f: f64) -> f64 {
     // the 29 bits that single precision does not have
     let cut = f64::from_bits(f.to_bits() & !((1 << 29) - 1));

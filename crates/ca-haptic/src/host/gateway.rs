@@ -172,7 +172,7 @@ impl Gateway {
             }
             for _ in 0..BURST {
                 let Ok(Some(about)) = p.says.receive() else { break };
-                // bytes, since what is no number differs from itself
+                // bytes, since what is not finite differs from itself
                 let new = p.about.is_none_or(|a| a.as_bytes() != about.as_bytes());
                 if about.is_ours() && about.device == p.uid && new {
                     p.about = Some(*about);

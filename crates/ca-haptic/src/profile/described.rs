@@ -44,7 +44,7 @@ impl Profile {
         let all = ..n as usize;
         let low = about.low[all].iter().fold(f64::INFINITY, |m, x| m.min(f64::from(*x)));
         let high = about.high[all].iter().fold(f64::NEG_INFINITY, |m, x| m.max(f64::from(*x)));
-        // 0 and what is no number say nothing
+        // 0 and what is not finite say nothing
         let least = |own: &[f32]| {
             own[all].iter().filter(|v| v.is_finite() && **v > 0.0).map(|v| f64::from(*v)).min_by(f64::total_cmp)
         };

@@ -369,7 +369,7 @@ impl Desk {
             self.shared.disarm.fetch_or(which.map_or(u64::MAX, |k| 1 << k.min(63)), Release);
             return Ok(());
         }
-        if order == Order::Arm && self.shared.wild.load(Relaxed) {
+        if order == Order::Arm && self.shared.diverged.load(Relaxed) {
             self.reload()?;
         }
         self.act(Act::Order(which, order))
@@ -423,7 +423,7 @@ impl Desk {
             lost_beats: s.lost_beats.load(Relaxed),
             clipped: engine.counts.clipped,
             refused: engine.counts.refused,
-            unstable: engine.is_wild(),
+            unstable: engine.has_diverged(),
             devices: self
                 .seen
                 .iter()

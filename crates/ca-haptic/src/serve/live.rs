@@ -73,7 +73,7 @@ pub struct Shared {
     /// sound samples at the ceiling
     pub clipped: AtomicU64,
     /// the model has blown up
-    pub wild: AtomicBool,
+    pub diverged: AtomicBool,
 }
 
 impl Shared {
@@ -213,7 +213,7 @@ impl Live {
         if let Some(audio) = &mut rings.audio {
             audio.put(sound);
         }
-        shared.wild.store(engine.is_wild(), Relaxed);
+        shared.diverged.store(engine.has_diverged(), Relaxed);
         shared.dropped.store(engine.counts.dropped, Relaxed);
         shared.stale.store(engine.counts.stale, Relaxed);
         shared.clipped.store(engine.counts.clipped, Relaxed);

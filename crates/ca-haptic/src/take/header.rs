@@ -183,7 +183,7 @@ impl Header {
             ("asked.probes", json(&self.options.probes)),
             ("asked.kernel", kernel.into()),
             ("engine.session", self.engine.session.to_string()),
-            ("engine.wild", exact(self.engine.wild)),
+            ("engine.wild", exact(self.engine.diverged)),
             ("sound.rate", exact(self.rate)),
             ("sound.channels", json(&self.channels)),
             ("gesture.ratio", self.ratio.to_string()),
@@ -259,7 +259,7 @@ impl Header {
                 ..Options::default()
             },
             setups,
-            engine: engine::Options { session: whole("engine.session")?, wild: number("engine.wild")? },
+            engine: engine::Options { session: whole("engine.session")?, diverged: number("engine.wild")? },
             rate: number("sound.rate")?,
             ratio: u32::try_from(whole("gesture.ratio")?).map_err(|_| bad("gesture.ratio"))?,
             channels: list("sound.channels")?,
@@ -315,7 +315,7 @@ mod tests {
                 calibration: Calibration { device: "a b".into(), by: "me".into(), axis: vec![axis; 3] },
                 gains: vec![Gains { alpha: 1.0 / 3.0, beta: 1e17 }, Gains::default()],
             };
-            let engine = engine::Options { session: u64::MAX, wild: 0.1 };
+            let engine = engine::Options { session: u64::MAX, diverged: 0.1 };
             let changes = vec![("r.k".to_owned(), "7".to_owned())];
             let h = Header::new(&model, changes, options.clone(), &scene, vec![setup], engine);
             let (files, meta) = h.write();

@@ -4,7 +4,7 @@ use super::Steps;
 use crate::Failure;
 use ca_core::Scene;
 use ca_core::energy::Balance;
-use ca_haptic::perform::{Performance, WILD};
+use ca_haptic::perform::{DIVERGED, Performance};
 use std::time::Instant;
 
 /// A column for each probe.
@@ -24,7 +24,7 @@ pub fn columns(scene: &Scene, frames: usize, times: u32, steps: &mut Steps) -> R
         }
         p.tick();
         for (column, v) in all.iter_mut().zip(&p.state.output[scene.channels..]) {
-            column.push(if p.wild { f64::NAN } else { *v });
+            column.push(if p.diverged { f64::NAN } else { *v });
         }
         for _ in 1..times {
             p.tick();
@@ -36,7 +36,7 @@ pub fn columns(scene: &Scene, frames: usize, times: u32, steps: &mut Steps) -> R
 /// The energy book after so many ticks, or as long as it stays within range.
 pub fn book(scene: &Scene, ticks: u64) -> Option<Balance> {
     let mut p = Performance::new(scene, None).ok()?;
-    while p.state.tick < ticks && p.state.is_sound(WILD) {
+    while p.state.tick < ticks && p.state.is_sound(DIVERGED) {
         p.tick();
     }
     p.state.ledger.map(|l| l.balance())

@@ -10,7 +10,7 @@ use crate::load::Loaded;
 use ca_core::model::write::write;
 use ca_core::{Options, Scene};
 use ca_core_single as single;
-use ca_haptic::perform::{Performance, WILD};
+use ca_haptic::perform::{DIVERGED, Performance};
 use single::model::diag::Severity;
 use std::time::Instant;
 
@@ -54,20 +54,20 @@ pub fn columns(
     }
     let mut s = scene.state();
     let mut all = vec![Vec::with_capacity(frames); scene.n_out - scene.channels];
-    let mut wild = false;
+    let mut diverged = false;
     let begin = Instant::now();
     for tick in 0..frames * times as usize {
         if tick % BLOCK == BLOCK - 1 {
             steps.look()?;
         }
-        if !wild {
+        if !diverged {
             s.input.copy_from_slice(&given[tick * n..][..n]);
             single::tick(scene, &mut s);
-            wild = s.tick.is_multiple_of(64) && !s.is_sound(WILD);
+            diverged = s.tick.is_multiple_of(64) && !s.is_sound(DIVERGED);
         }
         if tick.is_multiple_of(times as usize) {
             for (column, v) in all.iter_mut().zip(&s.output[scene.channels..]) {
-                column.push(if wild { f64::NAN } else { *v });
+                column.push(if diverged { f64::NAN } else { *v });
             }
         }
     }

@@ -107,7 +107,7 @@ class Sim:
     def status(self) -> str:
         """``ok``, ``unstable``, ``clipped`` or ``refused``, of all that was played."""
         clipped, non_finite, refused = self._core.counts
-        if self._core.wild:
+        if self._core.diverged:
             return "unstable"
         return "clipped" if clipped or non_finite else "refused" if refused else "ok"
 

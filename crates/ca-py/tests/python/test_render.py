@@ -59,13 +59,13 @@ def test_what_goes_wrong_is_a_status() -> None:
         by = float(scene.render(0.01).message.split("gain by ")[1].split(" ")[0])
         assert scene.replace({"o.gain": gain * by}).render(0.01).status == "ok" and gain * by > 0.99
     text = "[SOL]\nw = {}\n[MAS]\nb = { m = '1 g', dx0 = '1 mm' }\n[REF]\nr = { between = ['w', 'b'], k = '1e9 N/m' }\n[SOX]\no = { from = 'b' }\n"
-    wild = ca.parse(text)
-    assert wild.certificate.level == "unstable" and [d.code for d in wild.diagnostics] == ["W103"]
-    r = wild.render(0.2, energy=True)
+    diverged = ca.parse(text)
+    assert diverged.certificate.level == "unstable" and [d.code for d in diverged.diagnostics] == ["W103"]
+    r = diverged.render(0.2, energy=True)
     assert r.status == "unstable" and r.failed is not None and r.failed[1] == "b" and "`b`" in r.message
     assert np.isfinite(r.audio).all() and np.abs(r.audio[-100:]).max() == 0
     with pytest.raises(ca.UnstableError) as e:
-        wild.render(0.2, on_unstable="raise")
+        diverged.render(0.2, on_unstable="raise")
     assert e.value.module == "b" and 0 < e.value.time < 0.2 and isinstance(e.value, ArithmeticError)
 
 

@@ -43,7 +43,7 @@ pub(super) fn measure(scene: &Scene) -> Measured {
         for _ in 0..(WARM * scene.rate) as u64 {
             p.tick();
         }
-        if !p.wild {
+        if !p.diverged {
             state = p.state;
         }
     }

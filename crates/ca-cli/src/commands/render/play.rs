@@ -4,7 +4,7 @@ use crate::{Failure, term};
 use ca_core::Scene;
 use ca_core::energy::Ledger;
 use ca_haptic::gesture::Gesture;
-use ca_haptic::perform::{Performance, WILD};
+use ca_haptic::perform::{DIVERGED, Performance};
 use ca_haptic::probe::ProbeOut;
 use ca_haptic::sound::{WavOut, Written};
 pub(crate) use ca_lab::play::{BLOCK, Played};
@@ -117,7 +117,7 @@ pub(crate) fn audit(twin: &Scene, gesture: Option<&Gesture>, frames: u64) -> Opt
     let afford = AUDITED / (twin.n_mat + twin.n_lia).max(1) as u64;
     let ticks = frames.min(twin.rate as u64).min(afford).max(1);
     let mut p = Performance::new(twin, gesture).ok()?;
-    while p.state.tick < ticks + 1 && p.state.is_sound(WILD) {
+    while p.state.tick < ticks + 1 && p.state.is_sound(DIVERGED) {
         p.tick();
     }
     let booked = p.state.tick.saturating_sub(1);

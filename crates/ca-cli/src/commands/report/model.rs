@@ -55,7 +55,7 @@ pub(super) fn report(args: &ReportArgs) -> Result<(String, Report), Failure> {
             sound.push(&row[..scene.channels]);
             motion.push(&row[scene.channels..]);
         }
-        if !p.wild && p.state.is_sound(ca_haptic::perform::WILD) {
+        if !p.diverged && p.state.is_sound(ca_haptic::perform::DIVERGED) {
             book.look(p.state.tick as f64 * scene.te, p.state.ledger.as_ref());
         }
         Ok(())
