@@ -1,4 +1,4 @@
-//! One tick, by scene, kernel class and precision, and what the energy book costs. Throughput is in modules (MAT or
+//! One tick, by scene, kernel class and precision, and what the energy ledger costs. Throughput is in modules (MAT or
 //! LIA), so criterion prints modules per second; only ratios within one run count.
 #![allow(missing_docs)]
 

@@ -91,12 +91,12 @@ proptest! {
                 let mut least = f64::INFINITY;
                 for _ in 0..3000 {
                     tick(&scene, &mut s);
-                    if let Some(book) = &s.ledger {
-                        least = least.min(book.h / book.peak.max(1e-300));
+                    if let Some(ledger) = &s.ledger {
+                        least = least.min(ledger.h / ledger.peak.max(1e-300));
                     }
                 }
                 if scene.certificate.level == Level::Proven {
-                    let b = s.ledger.as_ref().expect("a book").balance();
+                    let b = s.ledger.as_ref().expect("a ledger").balance();
                     prop_assert!(s.is_sound(10.0), "{:?}", scene.certificate);
                     // stable is the same as: the energy is never negative and only falls
                     prop_assert!(least >= -1e-12 && b.h <= b.h0 * (1.0 + 1e-9) + 1e-300, "{b:?}");

@@ -78,7 +78,7 @@ fn a_block_slides_and_stops() {
             // the secant trembles on, ever less
             let tremor = f * scene.te / (4.0 * m * 46e3);
             within("at rest", (s.d[i] * scene.rate).abs(), tremor);
-            within("all is heat", off(heat(&scene, &s), s.ledger.as_ref().expect("a book").h0), 1e-9);
+            within("all is heat", off(heat(&scene, &s), s.ledger.as_ref().expect("a ledger").h0), 1e-9);
         }
     }
     // what is explicit rings there for ever
@@ -187,14 +187,14 @@ fn shared_friction_only_takes() {
         let mut last = f64::INFINITY;
         for n in 0..20_000 {
             tick(&scene, &mut s);
-            let book = s.ledger.as_ref().expect("a book");
+            let ledger = s.ledger.as_ref().expect("a ledger");
             if n > 0 {
-                assert!(book.h <= last + 1e-12 * book.peak, "{dim}, {v0}: {} after {last}", book.h);
+                assert!(ledger.h <= last + 1e-12 * ledger.peak, "{dim}, {v0}: {} after {last}", ledger.h);
             }
-            last = book.h;
+            last = ledger.h;
         }
-        let book = s.ledger.as_ref().expect("a book");
-        let b = book.balance();
+        let ledger = s.ledger.as_ref().expect("a ledger");
+        let b = ledger.balance();
         within(&format!("a pile in {dim}, v0 = {v0}: residual"), b.residual.abs() / b.peak, 5e-12);
         within("made", made(&s), 1e-13);
         assert!(heat(&scene, &s) > 0.3 * b.h0, "{b:?}");
@@ -217,11 +217,11 @@ fn a_table_that_drives_is_cut_to_what_resists() {
         let mut last = f64::INFINITY;
         for n in 0..5000 {
             tick(&scene, &mut s);
-            let book = s.ledger.as_ref().expect("a book");
+            let ledger = s.ledger.as_ref().expect("a ledger");
             if n > 0 {
-                assert!(book.h <= last + 1e-13 * book.peak);
+                assert!(ledger.h <= last + 1e-13 * ledger.peak);
             }
-            last = book.h;
+            last = ledger.h;
         }
         assert!(heat(&scene, &s) > 0.0);
     }
@@ -245,7 +245,7 @@ fn force_turned_while_it_rubs() {
                 within("it goes with the bow", off(s.d[bar] * scene.rate, 0.02), 0.02);
             }
         }
-        let b = s.ledger.as_ref().expect("a book").balance();
+        let b = s.ledger.as_ref().expect("a ledger").balance();
         within("residual", b.residual.abs() / b.peak, 1e-12);
         within("changed", b.changed.abs(), 0.0);
         // but for the tick in which the hand begins to move, which no link foresees

@@ -58,7 +58,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 400, ..ProptestConfig::default() })]
 
     /// Blows from 1 µm/s to 1 km/s of masses from 1 mg to 1 kg, hardness kη^(p−1)T²/m at the depth of a tick up to 1e16,
-    /// losses from none to all: nothing is ever made, nothing pulls, and the books close.
+    /// losses from none to all: nothing is ever made, nothing pulls, and the ledgers balance.
     #[test]
     fn any_blow_only_takes(
         exponents in [0.0..1.0f64, -6.0..3.0f64, -6.0..0.0f64, -4.0..16.0f64, -6.0..6.0f64],
@@ -88,7 +88,7 @@ proptest! {
             let s = only_falls(&scene, 400, room, &text, |s| {
                 assert!(s.tap.iter().all(|f| way * f <= 0.0), "{method} pulls\n{text}");
             });
-            let b = s.ledger.as_ref().expect("a book").balance();
+            let b = s.ledger.as_ref().expect("a ledger").balance();
             prop_assert!(b.source <= room * b.peak, "{method}: made {:e}\n{text}", b.source / b.peak);
             prop_assert!(!lossless || off(b.h, b.h0) <= room, "{method}: {b:?}\n{text}");
         }
@@ -108,13 +108,13 @@ fn losses_of_hunt_and_crossley() {
             (0..1000).for_each(|_| tick(&scene, &mut s));
             let back = s.d[mat(&scene, "ball")] * scene.rate;
             within(&format!("restitution, {method}, h = {h}"), off(1.0 - back, 2.0 / 3.0 * h), tolerance);
-            let book = s.ledger.as_ref().expect("a book");
-            within("its heat", off(book.h0 - book.h, heat(&scene, &s)), 1e-9);
+            let ledger = s.ledger.as_ref().expect("a ledger");
+            within("its heat", off(ledger.h0 - ledger.h, heat(&scene, &s)), 1e-9);
         }
     }
 }
 
-/// A row of balls between walls; the books of each stiffness.
+/// A row of balls between walls; the ledgers of each stiffness.
 #[test]
 fn masses_that_share_a_blow_keep_their_energy() {
     for a in [1.0, 1e4, 1e8, 1e12] {
@@ -147,19 +147,19 @@ fn masses_that_share_a_blow_keep_their_energy() {
             let (mut worst, mut struck, mut last) = (0.0f64, 0, f64::INFINITY);
             for n in 0..48_000 {
                 tick(&scene, &mut s);
-                let book = s.ledger.as_ref().expect("a book");
+                let ledger = s.ledger.as_ref().expect("a ledger");
                 struck += usize::from(s.tap.iter().filter(|f| **f < 0.0).count() > 1);
                 if n > 0 {
-                    worst = worst.max(off(book.h, book.h0));
-                    assert!(book.h <= last + 1e-11 * book.peak);
+                    worst = worst.max(off(ledger.h, ledger.h0));
+                    assert!(ledger.h <= last + 1e-11 * ledger.peak);
                 }
-                last = book.h;
+                last = ledger.h;
             }
             assert!(struck > 0, "never two at once");
             within(&format!("a row of round balls, a = {a:e}, h = {h}"), worst, tolerance);
             within("made", made(&s), 1e-11);
-            let book = s.ledger.as_ref().expect("a book").balance();
-            within("its residual", book.residual.abs() / book.peak, 1e-12);
+            let ledger = s.ledger.as_ref().expect("a ledger").balance();
+            within("its residual", ledger.residual.abs() / ledger.peak, 1e-12);
             let at = |i: usize| s.x[mat(&scene, &format!("b{i}"))] + scene.rest[mat(&scene, &format!("b{i}"))];
             assert!((0..6).all(|i| at(i + 1) > at(i)), "a ball has passed another");
         }
@@ -180,17 +180,17 @@ fn a_ball_in_a_round_box() {
         let (mut worst, mut last, mut touched) = (0.0f64, f64::INFINITY, [0; 2]);
         for n in 0..24_000 {
             tick(&scene, &mut s);
-            let book = s.ledger.as_ref().expect("a book");
+            let ledger = s.ledger.as_ref().expect("a ledger");
             (0..2).for_each(|i| touched[i] += u32::from(s.tap[i] != 0.0));
             if n > 0 {
-                worst = worst.max(off(book.h, book.h0));
-                assert!(book.h <= last + 1e-11 * book.peak);
+                worst = worst.max(off(ledger.h, ledger.h0));
+                assert!(ledger.h <= last + 1e-11 * ledger.peak);
             }
-            last = book.h;
+            last = ledger.h;
         }
         assert!(touched.iter().all(|n| *n > 3), "{touched:?}");
         within(&format!("a round box, k = {k:e}, h = {h}"), worst, if h == 0.0 { 1e-10 } else { 1.0 });
-        let b = s.ledger.as_ref().expect("a book").balance();
+        let b = s.ledger.as_ref().expect("a ledger").balance();
         within("its residual", b.residual.abs() / b.peak, 1e-12);
         within("made", made(&s), 1e-11);
     }
@@ -221,9 +221,9 @@ fn pressed_at_load_turned_while_pressed_and_a_hand() {
         // harder or softer while pressed: the turn is booked as such, and nothing is made
         for k in [1e5, 1e9] {
             let (s, out) = play(Some(k));
-            let b = s.ledger.as_ref().expect("a book").balance();
+            let b = s.ledger.as_ref().expect("a ledger").balance();
             within("made", made(&s), 1e-11);
-            within("the book", b.residual.abs() / b.peak, 1e-12);
+            within("the ledger", b.residual.abs() / b.peak, 1e-12);
             within("what went in came out", off(out, b.h0 + b.changed), 1e-9);
             assert!(method == "stable3d" || (b.changed > 0.0) == (k > 1e7), "{b:?}");
         }
@@ -238,7 +238,7 @@ fn pressed_at_load_turned_while_pressed_and_a_hand() {
             tick(&scene, &mut s);
         }
         within("twice the speed of the hand", (s.d[mat(&scene, "ball")] * scene.rate - 2.0).abs(), 1e-9);
-        within("work of the hand", off(s.ledger.as_ref().expect("a book").balance().work, 2e-3), 1e-9);
+        within("work of the hand", off(s.ledger.as_ref().expect("a ledger").balance().work, 2e-3), 1e-9);
     }
 }
 

@@ -142,7 +142,7 @@ fn every_model_is_a_scene_of_its_own() {
     for (name, text) in texts() {
         let plain = with(&text, &Options::default());
         let heard = with(&text, &Options { energy: true, ..Options::default() });
-        assert_ne!(plain.identity(), heard.identity(), "{name}: a book is another state");
+        assert_ne!(plain.identity(), heard.identity(), "{name}: a ledger is another state");
         assert_eq!(plain.identity(), with(&text, &Options::default()).identity(), "{name}");
         for s in [&plain, &heard] {
             assert!(s.identity() != Identity::default() && s.state().scene == s.identity(), "{name}");

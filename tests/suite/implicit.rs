@@ -1,4 +1,4 @@
-//! Linear links and cells by the methods `centred` and `implicit`: A14, A15, H04, orders, books, and what is heard.
+//! Linear links and cells by the methods `centred` and `implicit`: A14, A15, H04, orders, ledgers, and what is heard.
 
 use crate::play::{Dice, apart, audited, case, list, mat, mats, num, off, reference, scene, with, within};
 use ca_core::certificate::Level;
@@ -67,13 +67,13 @@ fn a14_one_link_stiffened() {
         let mut worst = 0.0f64;
         for t in 0..steps {
             tick(&scene, &mut s);
-            let book = s.ledger.as_ref().expect("a book");
+            let ledger = s.ledger.as_ref().expect("a ledger");
             if t > 0 {
-                worst = worst.max(off(book.h, book.h0));
+                worst = worst.max(off(ledger.h, ledger.h0));
             }
         }
         within(&format!("A14, theta {theta}"), worst, num(c, "tolerance/energy_rel"));
-        let b = s.ledger.as_ref().expect("a book").balance();
+        let b = s.ledger.as_ref().expect("a ledger").balance();
         within("A14, not explained", b.residual.abs() / b.peak, 1e-12);
     }
 }
@@ -189,10 +189,10 @@ fn orders() {
     );
 }
 
-/// A plate on stiff legs with a damper between, pushed about, moved by a port and led by live parameters: the books
+/// A plate on stiff legs with a damper between, pushed about, moved by a port and led by live parameters: the ledgers
 /// close, link by link and in document order alike, and the force that is heard is the one that acts.
 #[test]
-fn books_close_and_forces_are_whole() {
+fn ledgers_balance_and_forces_are_whole() {
     let text = "[rate]\nsound = 1\ngesture = 1\n[param]\nkk = { value = 1e4, live = true, min = 1, max = 1e8 }\n\
                 [SOL]\nwall = {}\n[ENX]\nhand = {}\n[MAS]\nfree = { m = 2 }\n[CEL]\ncup = { m = 1, k = 1e3, z = 5e2, method = \"implicit\" }\n\
                 [MESH]\np = { nx = 5, ny = 4, m = 1, k = 0.3, z = 0.01 }\n[REF]\n\
@@ -227,11 +227,11 @@ fn books_close_and_forces_are_whole() {
             within("force of a link", (heard("heard") + heard("free_f")).abs(), 1e-9);
             within("force on a port", (heard("hand_f") - heard("grip_f")).abs(), 1e-12);
         }
-        let book = s.ledger.as_ref().expect("a book");
-        let b = book.balance();
+        let ledger = s.ledger.as_ref().expect("a ledger");
+        let b = ledger.balance();
         within("not explained", b.residual.abs() / b.peak, 1e-11);
         // only at the port, which goes another way than it went, is something made
-        for (name, made) in (0..scene.n_lia).map(|l| (scene.audited_name(l).unwrap_or("?"), book.source[l])) {
+        for (name, made) in (0..scene.n_lia).map(|l| (scene.audited_name(l).unwrap_or("?"), ledger.source[l])) {
             within(&format!("made by {name}"), made.abs() / b.peak, if name == "grip" { 1e-2 } else { 1e-11 });
         }
         ends.push(s);
@@ -339,7 +339,7 @@ fn a_row_stays_whole_and_pairs_need_no_matrix() {
             tick(scene, &mut s);
             heard.extend(&s.output);
         }
-        let b = s.ledger.as_ref().expect("a book").balance();
+        let b = s.ledger.as_ref().expect("a ledger").balance();
         within("not explained", b.residual.abs() / b.peak, 1e-10);
         heard
     };

@@ -233,9 +233,9 @@ fn the_ledger_counts_the_first_force() {
     let scene = crate::play::audited(&write(&model));
     let mut s = scene.state();
     (0..2000).for_each(|_| tick(&scene, &mut s));
-    let book = s.ledger.as_ref().expect("a ledger").balance();
-    assert!(book.changed.abs() > 1e-6, "the first force did no work: {book:?}");
-    assert!(book.residual.abs() < 1e-12 * book.peak, "{book:?}");
+    let ledger = s.ledger.as_ref().expect("a ledger").balance();
+    assert!(ledger.changed.abs() > 1e-6, "the first force did no work: {ledger:?}");
+    assert!(ledger.residual.abs() < 1e-12 * ledger.peak, "{ledger:?}");
 }
 
 /// The start is that of the explicit scheme, a tick a sample; with anything else it is refused, not approximated.

@@ -90,7 +90,7 @@ fn a_string_is_exact() {
     assert_eq!(scene(&string("ca", 25.0, 1e-4, "")).certificate.level, Level::Unstable);
 }
 
-/// Struck by a hammer, held by a damper, pushed by a force and pulled by a hand: the books close, and the motion is that of
+/// Struck by a hammer, held by a damper, pushed by a force and pulled by a hand: the ledgers balance, and the motion is that of
 /// the explicit scheme at 64 times the rate.
 #[test]
 fn a_port_is_a_mass_to_others() {
@@ -109,7 +109,7 @@ fn a_port_is_a_mass_to_others() {
         tick(&scene, &mut s);
         heard.push(s.output[0]);
     }
-    let b = s.ledger.as_ref().expect("a book").balance();
+    let b = s.ledger.as_ref().expect("a ledger").balance();
     within("not explained", b.residual.abs() / b.peak, 1e-12);
     // the same scene, explicit, at 64 ticks for each: T is 1/64 of before
     let fine = compile(

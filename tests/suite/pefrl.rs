@@ -262,7 +262,7 @@ fn what_it_refuses() {
     let found = titles(&format!("{all}[g]\nmethod = \"modal\"\n{}", cell("k = 1")), &Options::default());
     assert_eq!(found, ["`g` asks for a method of its own, but `pefrl` is for the whole model"]);
     let kept = titles(&all, &Options { energy: true, ..Options::default() });
-    assert_eq!(kept, ["no energy book is kept of `method = \"pefrl\"`"]);
+    assert_eq!(kept, ["no energy ledger is kept of `method = \"pefrl\"`"]);
     // in a group it is not a word
     let group = "[g]\nmethod = \"pefrl\"\n[g.CEL]\nx = { m = 1, k = 1 }\n[SOX]\nxo = { from = \"g.x\" }\n";
     let refused = compile(&model(group), &catalog(), &Options::default()).expect_err("an error");

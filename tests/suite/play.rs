@@ -26,7 +26,7 @@ pub fn scene(text: &str) -> Scene {
     with(text, &Options::default())
 }
 
-/// With the energy book kept.
+/// With the energy ledger kept.
 pub fn audited(text: &str) -> Scene {
     with(text, &Options { energy: true, ..Options::default() })
 }

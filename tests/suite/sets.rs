@@ -243,7 +243,7 @@ fn the_energy_book_closes_and_agrees_with_that_of_the_pairs() {
             tick(&set, &mut s);
             tick(&pairs, &mut t);
         }
-        let balance = |s: &State| s.ledger.as_ref().expect("a book").balance();
+        let balance = |s: &State| s.ledger.as_ref().expect("a ledger").balance();
         let (one, all) = (balance(&s), balance(&t));
         within("residual", one.residual.abs() / one.peak, 1e-12);
         assert!(all.lost > 0.0 && all.source != 0.0);

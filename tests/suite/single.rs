@@ -160,14 +160,14 @@ fn a_slow_string_neither_drifts_nor_freezes() {
     assert!(moved < 1e-4, "a string kept as two positions has moved by {moved} m in a whole period");
 }
 
-/// The book closes as far as single precision reaches: numerics 2 says 1e-7 in a tick, 5e-5 in ten seconds.
+/// The ledger balances as far as single precision reaches: numerics 2 says 1e-7 in a tick, 5e-5 in ten seconds.
 #[test]
 fn the_book() {
     let struck = "[STRING]\ns = { n = 40, f = \"110 Hz\", t60 = \"4 s\", m = \"1 g\" }\n[MAS]\nh = { m = \"20 g\", x = \"-5.01 mm\", v = \"1 m/s\" }\n[BUT]\nb = { between = [\"h\", \"s[8]\"], k = \"8 kN/m\", z = 0.2 }\n[SOX]\no = { from = \"s[3]\" }\n";
     let scene = with(struck, &Options { energy: true, ..Options::default() }).expect("it compiles");
     let mut s = scene.state();
     (0..480_000).for_each(|_| tick(&scene, &mut s));
-    let l = s.ledger.as_ref().expect("a book");
+    let l = s.ledger.as_ref().expect("a ledger");
     let b = l.balance();
     within("in a tick", l.worst / b.peak, 4e-7);
     within("in ten seconds", b.residual.abs() / b.peak, 4e-7);

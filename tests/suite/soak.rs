@@ -159,10 +159,10 @@ impl Line {
 /// alone it only falls.
 fn makes_nothing(line: &Line, ticks: u64) {
     let (text, scene) = line.proven();
-    books_close(&text, &scene, ticks);
+    ledgers_balance(&text, &scene, ticks);
 }
 
-fn books_close(text: &str, scene: &Scene, ticks: u64) {
+fn ledgers_balance(text: &str, scene: &Scene, ticks: u64) {
     let (mut s, mut dice) = (scene.state(), Dice(0x2545_f491_4f6c_dd1d));
     let mut released = f64::INFINITY;
     let (mut far, mut pull): (f64, f64) = (1.0, 0.0);
@@ -172,7 +172,7 @@ fn books_close(text: &str, scene: &Scene, ticks: u64) {
         if n % 64 != 0 && n + 1 != ticks {
             continue;
         }
-        let b = s.ledger.as_ref().expect("a book").balance();
+        let b = s.ledger.as_ref().expect("a ledger").balance();
         // what nothing holds drifts away, and the last digit of where it stands is work of each force on it
         far = s.x.iter().fold(far, |m, x| m.max(x.abs()));
         pull = s.tap.iter().fold(pull, |m, f| m.max(f.abs()));
@@ -186,7 +186,7 @@ fn books_close(text: &str, scene: &Scene, ticks: u64) {
     }
 }
 
-/// Rounding of the book over a million ticks, as a share of the most it held.
+/// Rounding of the ledger over a million ticks, as a share of the most it held.
 const ROOM: f64 = 1e-9;
 
 /// Two masses that nothing holds, pushed about for so long that the last digit of where they stand counts.
@@ -196,7 +196,7 @@ fn what_drifts_far_away_is_booked_to_its_last_digit() {
                 [SOX]\no = { from = \"a\" }\n[ENF]\nhand = { to = \"a\" }\n";
     let scene = with(text, &Options { energy: true, ..Options::default() });
     assert_eq!(scene.certificate.level, Level::Proven);
-    books_close(text, &scene, 600_000);
+    ledgers_balance(text, &scene, 600_000);
 }
 
 #[test]
@@ -300,9 +300,9 @@ impl Space {
     }
 }
 
-/// The energy of the book.
+/// The energy of the ledger.
 fn held(s: &State) -> f64 {
-    s.ledger.as_ref().expect("a book").h
+    s.ledger.as_ref().expect("a ledger").h
 }
 
 /// Lets a scene go with each of its places moved by what `moved` says \[m\], and plays it: by what share of itself its

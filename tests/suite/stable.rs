@@ -7,29 +7,33 @@ use ca_core::{Options, Scene, State, tick};
 use std::fmt::Write as _;
 
 pub fn heat(scene: &Scene, s: &State) -> f64 {
-    let book = s.ledger.as_ref().expect("a book");
-    (0..scene.n_lia).map(|i| book.lost[i]).sum()
+    let ledger = s.ledger.as_ref().expect("a ledger");
+    (0..scene.n_lia).map(|i| ledger.lost[i]).sum()
 }
 
-/// Largest |energy made| by a link, over the scale of the book.
+/// Largest |energy made| by a link, over the scale of the ledger.
 pub fn made(s: &State) -> f64 {
-    let book = s.ledger.as_ref().expect("a book");
-    book.source.iter().fold(0.0f64, |m, v| m.max(v.abs())) / book.peak
+    let ledger = s.ledger.as_ref().expect("a ledger");
+    ledger.source.iter().fold(0.0f64, |m, v| m.max(v.abs())) / ledger.peak
 }
 
-/// Plays `ticks` of an audited scene that is left alone: its energy only falls, but for `room` of its peak, and the book
+/// Plays `ticks` of an audited scene that is left alone: its energy only falls, but for `room` of its peak, and the ledger
 /// closes; `each` looks at every tick. Returns the end.
 pub fn only_falls(scene: &Scene, ticks: u64, room: f64, text: &str, mut each: impl FnMut(&State)) -> State {
     let mut s = scene.state();
     let mut last = f64::INFINITY;
     for n in 0..ticks {
         tick(scene, &mut s);
-        let book = s.ledger.as_ref().expect("a book");
-        assert!(book.h.is_finite() && (n == 0 || book.h <= last + room * book.peak), "{} after {last}\n{text}", book.h);
-        last = book.h;
+        let ledger = s.ledger.as_ref().expect("a ledger");
+        assert!(
+            ledger.h.is_finite() && (n == 0 || ledger.h <= last + room * ledger.peak),
+            "{} after {last}\n{text}",
+            ledger.h
+        );
+        last = ledger.h;
         each(&s);
     }
-    let b = s.ledger.as_ref().expect("a book").balance();
+    let b = s.ledger.as_ref().expect("a ledger").balance();
     assert!(b.residual.abs() <= 1e-12 * b.peak, "{b:?}\n{text}");
     s
 }
@@ -90,9 +94,9 @@ fn c04_near_rigid_walls() {
         let mut worst = 0.0f64;
         for n in 0..steps / 4 {
             tick(&scene, &mut s);
-            let book = s.ledger.as_ref().expect("a book");
+            let ledger = s.ledger.as_ref().expect("a ledger");
             if n > 0 {
-                worst = worst.max(off(book.h, book.h0));
+                worst = worst.max(off(ledger.h, ledger.h0));
             }
         }
         within(&format!("C04 quadratised, a = {a:e}"), worst, 1e-11);
@@ -166,18 +170,18 @@ fn a_damper_only_takes() {
                     let (mut last, mut pull) = (f64::INFINITY, 0.0f64);
                     for n in 0..4000 {
                         tick(&scene, &mut s);
-                        let book = s.ledger.as_ref().expect("a book");
+                        let ledger = s.ledger.as_ref().expect("a ledger");
                         if n > 0 {
-                            assert!(book.h <= last + 1e-12 * book.peak, "{what}: {} after {last}", book.h);
+                            assert!(ledger.h <= last + 1e-12 * ledger.peak, "{what}: {} after {last}", ledger.h);
                         }
-                        last = book.h;
+                        last = ledger.h;
                         pull = s.tap.iter().fold(pull, |m, f| m.max(*f));
                     }
-                    let book = s.ledger.as_ref().expect("a book");
+                    let ledger = s.ledger.as_ref().expect("a ledger");
                     assert!(sticky || pull == 0.0, "{what}: pulls with {pull}");
                     let lost = heat(&scene, &s);
                     assert!(lost > 0.0, "{what}");
-                    within(&format!("{what}, heat"), off(book.h0 - book.h, lost), 1e-9);
+                    within(&format!("{what}, heat"), off(ledger.h0 - ledger.h, lost), 1e-9);
                     within(&format!("{what}, made"), made(&s), 1e-10);
                 }
             }
@@ -214,16 +218,16 @@ fn masses_that_share_a_blow_keep_their_energy() {
         let mut struck = 0;
         for n in 0..48_000 {
             tick(&scene, &mut s);
-            let book = s.ledger.as_ref().expect("a book");
+            let ledger = s.ledger.as_ref().expect("a ledger");
             struck += usize::from(s.tap.iter().filter(|f| **f < 0.0).count() > 1);
             if n > 0 {
-                worst = worst.max(off(book.h, book.h0));
+                worst = worst.max(off(ledger.h, ledger.h0));
             }
         }
         assert!(struck > 3, "never two at once");
         within(&format!("a row of balls, a = {a:e}"), worst, 1e-9);
-        let book = s.ledger.as_ref().expect("a book").balance();
-        within("its residual", book.residual.abs() / book.peak, 1e-12);
+        let ledger = s.ledger.as_ref().expect("a ledger").balance();
+        within("its residual", ledger.residual.abs() / ledger.peak, 1e-12);
         // the walls aside, what the tie does not break: no ball has passed another
         assert!((0..6).all(|i| at(&scene, &s, i + 1) > at(&scene, &s, i)));
     }
@@ -255,10 +259,10 @@ fn held_from_more_sides_than_it_has_axes() {
     let (mut worst, mut touched) = (0.0f64, 0);
     for n in 0..48_000 {
         tick(&scene, &mut s);
-        let book = s.ledger.as_ref().expect("a book");
+        let ledger = s.ledger.as_ref().expect("a ledger");
         touched += usize::from(s.tap.iter().any(|f| *f != 0.0));
         if n > 0 {
-            worst = worst.max(off(book.h, book.h0));
+            worst = worst.max(off(ledger.h, ledger.h0));
         }
         assert!(s.is_sound(0.01));
     }
@@ -288,9 +292,9 @@ fn a_contact_pressed_at_load_and_a_hand() {
                 tick(&scene, &mut s);
             }
             assert!(s.d[i] > 0.0);
-            let book = s.ledger.as_ref().expect("a book");
-            let b = book.balance();
-            within("the book", b.residual.abs() / b.peak, 1e-12);
+            let ledger = s.ledger.as_ref().expect("a ledger");
+            let b = ledger.balance();
+            within("the ledger", b.residual.abs() / b.peak, 1e-12);
             let v = s.d[i] * scene.rate;
             if scene.inputs.is_empty() {
                 within("all of what was pressed", off(0.5e-3 * v * v, 0.5 * 1e5 * 1e-8), 0.03);

@@ -76,7 +76,7 @@ pub fn page(maps: &str) -> String {
     t += &wrap(
         "Each case is played by each method that has a part in it. An oscillator is let go from 1. A contact is a \
          wall at the rest of a cell of k T²/m = 0.01, hit once every swing, so that an explicit one may also settle \
-         at a phase of the tick in which it takes as much as it made. Energy is that of the energy book and its heat, \
+         at a phase of the tick in which it takes as much as it made. Energy is that of the energy ledger and its heat, \
          its largest deviation at any tick; momentum is that of both masses, where the light one moves by about 1 a tick. \
          Resonators that die away pass through the denormal numbers, if at all, for less than the 1024 ticks between \
          two looks of the engine at what is too small to matter, and then are 0.",

@@ -1,7 +1,7 @@
 //! The survival table: extreme cases by method, each played, with what became of it in words.
 //!
 //! Decides on two lists, of cases and of methods: a method is its name and what it makes of the model of a case, or
-//! nothing where it has no part in it. Energy is that of the scene's own book, which other tests keep honest; all else
+//! nothing where it has no part in it. Energy is that of the scene's own ledger, which other tests keep honest; all else
 //! is read from the state.
 
 use super::friction::gripped;

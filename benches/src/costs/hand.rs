@@ -301,7 +301,7 @@ pub(super) fn rows() -> Vec<Row> {
         stage("H4: heat", "`thermal`", "thermal", true),
         stage("H5, H6, H8, H9: arming and faults", "`gate`", "gate", false),
         stage("H3: the fastest force", "`slew`", "slew", false),
-        row("the chain", "all stages, and the book of the hand", Rig::Hand, Rig::Chain, device()),
+        row("the chain", "all stages, and the ledger of the hand", Rig::Hand, Rig::Chain, device()),
         row("H1 to H14: a device", "input, ports of the scene, chain, frame", Rig::Keys, Rig::Device, device()),
         row("records", "rings to gateway and desk, both ends", Rig::Device, Rig::Live, device()),
         row("H15, H16: an engine", "around a string of 100, without a device", Rig::Ticks, Rig::Engine, device()),

@@ -32,7 +32,7 @@ pub enum Run {
 pub struct Played {
     /// the model
     pub text: String,
-    /// with the energy book
+    /// with the energy ledger
     pub energy: bool,
     /// what is done besides
     pub also: Also,

@@ -1,4 +1,4 @@
-//! What is priced in the tick: the energy book, checks, filters, live parameters, gauges, contacts, methods, LPR, waves
+//! What is priced in the tick: the energy ledger, checks, filters, live parameters, gauges, contacts, methods, LPR, waves
 //! and ports, each in a scene of many of them.
 
 use super::{Also, Played, Row, Run, Without};
@@ -133,10 +133,10 @@ fn beside(thing: &'static str, with: &'static str, modules: usize, [plain, used]
     row(thing, with, modules, [run(plain), run(used)], without)
 }
 
-/// A row of the energy book of a model.
-fn book(with: &'static str, modules: usize, text: String) -> Row {
+/// A row of the energy ledger of a model.
+fn ledger(with: &'static str, modules: usize, text: String) -> Row {
     let kept = Without::Absent(&["ledger", "ledger keeps"], |s| usize::from(s.ledger.is_some()));
-    row("energy book", with, modules, [run(text.clone()), booked(text)], kept)
+    row("energy ledger", with, modules, [run(text.clone()), booked(text)], kept)
 }
 
 const PRESSED: &str = "k = 100, d = \"1 mm\"";
@@ -166,11 +166,11 @@ fn checks() -> Vec<Row> {
     let hash = [run(string(100)), doing(Also::Hashes, string(100))];
     let low_pass = ["", "[rate]\nfilter = \"18 kHz\"\n"].map(|filter| run(format!("{filter}{}", string(100))));
     vec![
-        book("a cell", N, cells(N, "")),
-        book("a spring with damper", N, bundle("REF", "k = 100, z = 0.001")),
-        book("a contact that presses", N, bundle("BUT", PRESSED)),
-        book("a waveguide of 110 Hz", 1, format!("{WAVES}[SOX]\nwave = {{ from = \"low[0]\" }}\n")),
-        book("a device key on a spring to a cell", KEYS, keys("TGR", "")),
+        ledger("a cell", N, cells(N, "")),
+        ledger("a spring with damper", N, bundle("REF", "k = 100, z = 0.001")),
+        ledger("a contact that presses", N, bundle("BUT", PRESSED)),
+        ledger("a waveguide of 110 Hz", 1, format!("{WAVES}[SOX]\nwave = {{ from = \"low[0]\" }}\n")),
+        ledger("a device key on a spring to a cell", KEYS, keys("TGR", "")),
         row("is the state sound? (H15)", "a place of a string of 100, once a frame", 102, watch, Without::Outside),
         row("hash of the state", "a place of a string of 100, once a frame", 102, hash, Without::Outside),
         row(

@@ -78,7 +78,7 @@ pub struct Fared {
     pub seconds: f64,
 }
 
-/// Plays the rattle for `seconds`, or until it blows up, with the energy book kept.
+/// Plays the rattle for `seconds`, or until it blows up, with the energy ledger kept.
 pub fn fares(a: f64, method: &str, seed: u64, seconds: f64) -> Fared {
     let scene = built(a, method, seed, true);
     let mut s = scene.state();
@@ -89,22 +89,22 @@ pub fn fares(a: f64, method: &str, seed: u64, seconds: f64) -> Fared {
     let mut f = Fared { end: 1.0, worst: 0.0, residual: 0.0, made: 0.0, seconds };
     for n in 0..(seconds * RATE) as u64 {
         tick(&scene, &mut s);
-        let Some(book) = s.ledger.as_ref() else { break };
-        f.end = book.h / h0;
+        let Some(ledger) = s.ledger.as_ref() else { break };
+        f.end = ledger.h / h0;
         f.worst = f.worst.max((f.end - 1.0).abs());
         if f.end.is_nan() || f.end >= BLOWN {
             (f.worst, f.seconds) = (f64::INFINITY, n as f64 / RATE);
             break;
         }
     }
-    if let Some(book) = s.ledger.as_ref() {
-        f.residual = book.balance().residual.abs() / h0;
-        f.made = contacts.iter().map(|i| book.source[*i].abs()).fold(0.0, f64::max) / h0;
+    if let Some(ledger) = s.ledger.as_ref() {
+        f.residual = ledger.balance().residual.abs() / h0;
+        f.made = contacts.iter().map(|i| ledger.source[*i].abs()).fold(0.0, f64::max) / h0;
     }
     f
 }
 
-/// Time of a tick without the energy book \[ns\], the best of three runs of `seconds`.
+/// Time of a tick without the energy ledger \[ns\], the best of three runs of `seconds`.
 pub fn costs(a: f64, method: &str, seed: u64, seconds: f64) -> f64 {
     let scene = built(a, method, seed, false);
     let ticks = (seconds * RATE) as u64;

@@ -15,7 +15,7 @@ what it is. Played for 10 s at 48 kHz from three draws of the velocities.
 - **explicit** (`method = \"ca\"`): energy at the end over that at the start, per draw, or when it passed 10⁷ times that;
 - **stable** (`method = \"stable3d\"`): the largest |E/E₀ − 1| at any tick, per draw. What is left is of the explicit
   springs of the pyramids, which keep energy to O(T²) and without drift;
-- **ns** per tick of the whole scene, 18 springs and 60 contacts, without the energy book. Of the machine that made this
+- **ns** per tick of the whole scene, 18 springs and 60 contacts, without the energy ledger. Of the machine that made this
   page: only their ratios mean something elsewhere. A tick of real time is 20 833 ns.
 
 | kT²/m | explicit: E/E₀ after 10 s | ns | stable: largest deviation of E | ns |

@@ -185,7 +185,7 @@ pub struct RenderArgs {
     /// Writes any quantity to a file, `.npy` (default) or `.csv`: `low[3]`, `strike`, `low@0.3`; repeatable
     #[arg(long, value_name = "NAME[=FILE]")]
     pub probe: Vec<String>,
-    /// Keeps the energy book for the whole length (slower)
+    /// Keeps the energy ledger for the whole length (slower)
     #[arg(long)]
     pub energy: bool,
     /// Which passes run the links; the same sound, `reference` slower and link by link

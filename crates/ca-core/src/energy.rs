@@ -1,7 +1,7 @@
-//! The energy book: what is held, lost, received and made, per module, every tick.
+//! The energy ledger: what is held, lost, received and made, per module, every tick.
 //!
 //! Decides to keep the exact discrete identity of the scheme (numerics 2) rather than an estimate: for linear modules
-//! the books close to rounding, so the residual is a test of the engine; for any other link the difference is its own
+//! the ledgers balance to rounding, so the residual is a test of the engine; for any other link the difference is its own
 //! account, which names the module that makes energy. Sample n is booked when x_{n+1} is known of ports too, that is
 //! at the beginning of tick n+1, before changes. A scene that does not ask has no pass, array or test of this.
 
@@ -120,8 +120,8 @@ fn hold(layout: &Layout, s: &State, near: &mut [Near], l: &mut Ledger) -> f64 {
     h
 }
 
-/// Books the tick that has just been completed by reading the inputs of the next.
-pub fn book(_op: &Op, layout: &Layout, s: &mut State) {
+/// Records the tick that has just been completed by reading the inputs of the next.
+pub fn ledger(_op: &Op, layout: &Layout, s: &mut State) {
     let Some(mut l) = s.ledger.take() else { return };
     let mut near = core::mem::take(&mut s.near);
     if s.tick == 0 {

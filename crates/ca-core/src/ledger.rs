@@ -67,7 +67,7 @@ impl Exchange {
     }
 }
 
-/// Sums of the books, for people.
+/// Sums of the ledgers, for people.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Balance {
     /// energy at load \[J\]
@@ -89,7 +89,7 @@ pub struct Balance {
 }
 
 impl Ledger {
-    /// An empty book for `n_mat` MATs, `n_lia` links of at most `coefs` coefficients and `ports` ports, `tgr` of them of
+    /// An empty ledger for `n_mat` MATs, `n_lia` links of at most `coefs` coefficients and `ports` ports, `tgr` of them of
     /// devices.
     pub(crate) fn new(n_mat: usize, n_lia: usize, coefs: usize, ports: usize, tgr: usize) -> Ledger {
         Ledger {

@@ -6,7 +6,7 @@
 //! and by changes while playing, is `f64` and rounded once, where it becomes a coefficient. What a caller gives and
 //! takes (inputs, outputs, device ports), time, and the accounts of energy stay `f64`.
 //!
-//! In single precision a second of sound is known to 1e-4 or so, the energy book closes to 1e-7 in a tick, and a scene
+//! In single precision a second of sound is known to 1e-4 or so, the energy ledger balances to 1e-7 in a tick, and a scene
 //! is refused that has a distance in space, a link that looks ahead with more than 100 times the inertia of its ends,
 //! or a number that becomes nothing or infinite.
 

@@ -122,7 +122,7 @@ pub struct State {
     pub touches: Touches,
     /// coefficients on their way to a new value
     pub ramps: Ramps,
-    /// energy book, where the scene keeps one
+    /// energy ledger, where the scene keeps one
     pub ledger: Option<Ledger>,
     /// samples done, which are ticks where a sample has one; while passes run, ticks in any case
     pub tick: u64,

@@ -179,7 +179,7 @@ impl<'a> Performance<'a> {
     }
 
     /// The module to blame once the scene is [`Performance::diverged`], and why: the one the certificate names where that
-    /// found the scene unstable; else the link that made most energy in a second run with the book kept, given as
+    /// found the scene unstable; else the link that made most energy in a second run with the ledger kept, given as
     /// `audited`; else the MAT that went furthest.
     pub fn blame(&self, audited: Option<&Scene>, gesture: Option<&Gesture>) -> (String, String) {
         let cert = &self.scene.certificate;

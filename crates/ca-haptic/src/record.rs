@@ -51,7 +51,7 @@ pub enum Record {
         /// [`ca_core::State::bits`]
         bits: u64,
     },
-    /// the energy book
+    /// the energy ledger
     Energy {
         /// when
         tick: u64,

@@ -22,9 +22,9 @@ pub struct Played<'a> {
     pub wall: Duration,
     /// the tick at which it was found to have blown up
     pub broke: Option<u64>,
-    /// the book at the end, or before anything left its range
+    /// the ledger at the end, or before anything left its range
     pub energy: Option<Ledger>,
-    /// ticks in the book
+    /// ticks in the ledger
     pub energy_ticks: u64,
 }
 
@@ -67,7 +67,7 @@ pub fn play<'a, E>(mut p: Performance<'a>, frames: u64, block: u64, heard: &mut 
     p.diverged |= !p.state.is_sound(DIVERGED);
     let broke = p.diverged.then_some(p.state.tick);
     let (energy, energy_ticks) = match last_good {
-        Some((book, tick)) => (Some(book), tick),
+        Some((ledger, tick)) => (Some(ledger), tick),
         None => (p.state.ledger.clone(), p.state.tick),
     };
     // a tick is booked when the next one begins
@@ -75,11 +75,11 @@ pub fn play<'a, E>(mut p: Performance<'a>, frames: u64, block: u64, heard: &mut 
     Ok(Played { performance: p, wall, broke, energy, energy_ticks })
 }
 
-/// Where a book is kept and the positions have just left every range: the book as it was.
+/// Where a ledger is kept and the positions have just left every range: the ledger as it was.
 fn keep_book(p: &Performance, last_good: &mut Option<(Ledger, u64)>) {
-    if let (Some(book), None, false) = (&p.state.ledger, &*last_good, p.diverged) {
+    if let (Some(ledger), None, false) = (&p.state.ledger, &*last_good, p.diverged) {
         if !p.state.is_sound(DIVERGED) {
-            *last_good = Some((book.clone(), p.state.tick));
+            *last_good = Some((ledger.clone(), p.state.tick));
         }
     }
 }
@@ -97,7 +97,7 @@ pub struct Broke {
 }
 
 impl Broke {
-    /// What is to blame, where `played` blew up; `audited` is its scene, with the book kept if there is one.
+    /// What is to blame, where `played` blew up; `audited` is its scene, with the ledger kept if there is one.
     pub fn of(played: &Played, audited: &Scene, gesture: Option<&Gesture>) -> Option<Broke> {
         let time = played.broke? as f64 * audited.te;
         let (module, why) = played.performance.blame(Some(audited), gesture);
@@ -122,7 +122,7 @@ fn fix(scene: &Scene, module: &str) -> Option<String> {
     d.help.clone()
 }
 
-/// The residual of a book, as a part of its peak.
+/// The residual of a ledger, as a part of its peak.
 pub fn relative(b: &Balance) -> f64 {
     if b.peak > 0.0 { b.residual.abs() / b.peak } else { 0.0 }
 }

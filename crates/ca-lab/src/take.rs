@@ -33,7 +33,7 @@ pub struct Ask {
     pub seconds: Option<f64>,
     /// sound rate \[Hz\]; that of the model if none
     pub rate: Option<f64>,
-    /// whether the energy book is kept
+    /// whether the energy ledger is kept
     pub energy: bool,
     /// whether forces are armed, as soon as the guard lets them
     pub forces: bool,
@@ -249,8 +249,8 @@ impl Stage<'_> {
         if second {
             let (tick, bits) = (self.engine.due(), self.engine.state.bits());
             self.take.record(&Record::Hash { tick, bits })?;
-            if let Some(book) = &self.engine.state.ledger {
-                self.take.record(&Record::Energy { tick, balance: book.balance() })?;
+            if let Some(ledger) = &self.engine.state.ledger {
+                self.take.record(&Record::Energy { tick, balance: ledger.balance() })?;
             }
         }
         Ok(())

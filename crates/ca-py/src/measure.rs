@@ -144,14 +144,19 @@ pub fn table<T: numpy::Element>(
     flat.into_pyarray(py).reshape([rows, width])
 }
 
-/// The book: its sums, and who lost, made and received what.
-pub fn energy<'py>(py: Python<'py>, scene: &ca_core::Scene, book: &Ledger, ticks: u64) -> PyResult<Bound<'py, PyDict>> {
-    let b = book.balance();
+/// The ledger: its sums, and who lost, made and received what.
+pub fn energy<'py>(
+    py: Python<'py>,
+    scene: &ca_core::Scene,
+    ledger: &Ledger,
+    ticks: u64,
+) -> PyResult<Bound<'py, PyDict>> {
+    let b = ledger.balance();
     let d = PyDict::new(py);
     for (name, value) in [
         ("start", b.h0),
         ("stored", b.h),
-        ("kinetic", book.kinetic),
+        ("kinetic", ledger.kinetic),
         ("lost", b.lost),
         ("made", b.source),
         ("work", b.work),
@@ -166,11 +171,11 @@ pub fn energy<'py>(py: Python<'py>, scene: &ca_core::Scene, book: &Ledger, ticks
         let name = |l: usize| scene.audited_name(l).unwrap_or("?").to_owned();
         all.iter().enumerate().filter(|(_, v)| **v != 0.0).map(|(l, v)| (name(l), *v)).collect()
     };
-    d.set_item("lost_by", by_link(&book.lost))?;
-    d.set_item("made_by", by_link(&book.source))?;
+    d.set_item("lost_by", by_link(&ledger.lost))?;
+    d.set_item("made_by", by_link(&ledger.source))?;
     let ports = scene.enx.iter().chain(&scene.tgr).map(|p| p.input).chain(scene.enf.iter().map(|p| p.input));
     let work: Vec<(String, f64)> =
-        ports.zip(&book.work).map(|(i, w)| (scene.inputs[i as usize].name.clone(), *w)).collect();
+        ports.zip(&ledger.work).map(|(i, w)| (scene.inputs[i as usize].name.clone(), *w)).collect();
     d.set_item("work_by", work)?;
     Ok(d)
 }

@@ -166,8 +166,8 @@ impl Scene {
         d.set_item("refused", played.performance.state.refused)?;
         d.set_item("run_time", played.wall.as_secs_f64())?;
         d.set_item("broke", broke.map(|b| (b.time, b.module.clone(), b.to_string())))?;
-        if let Some(book) = &played.energy {
-            d.set_item("energy", energy(py, scene, book, played.energy_ticks)?)?;
+        if let Some(ledger) = &played.energy {
+            d.set_item("energy", energy(py, scene, ledger, played.energy_ticks)?)?;
         }
         Ok(d)
     }

@@ -190,9 +190,9 @@ impl Sim {
         self.with(py, |r| *r = Running::new(&self.scene));
     }
 
-    /// The energy book, where one is kept.
+    /// The energy ledger, where one is kept.
     fn energy<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
-        let (book, tick) = self.with(py, |r| (r.state.ledger.clone(), r.state.tick));
-        book.map(|b| crate::measure::energy(py, &self.scene, &b, tick.saturating_sub(1))).transpose()
+        let (ledger, tick) = self.with(py, |r| (r.state.ledger.clone(), r.state.tick));
+        ledger.map(|b| crate::measure::energy(py, &self.scene, &b, tick.saturating_sub(1))).transpose()
     }
 }

@@ -180,8 +180,8 @@ impl Take {
         let channels = header.channels.len();
         let frames = sound.len().checked_div(channels).unwrap_or(0);
         d.set_item("audio", table(py, sound, frames, channels)?)?;
-        let book = ["time", "start", "stored", "lost", "made", "work", "changed", "residual", "peak"];
-        d.set_item("energy", columns(py, &book, &energy)?)?;
+        let ledger = ["time", "start", "stored", "lost", "made", "work", "changed", "residual", "peak"];
+        d.set_item("energy", columns(py, &ledger, &energy)?)?;
         let numbers = [
             "time",
             "frames",

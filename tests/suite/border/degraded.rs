@@ -1,4 +1,4 @@
-//! The paper's degraded experiments, latency and no feedback, and what the book of the border says of them.
+//! The paper's degraded experiments, latency and no feedback, and what the ledger of the border says of them.
 
 use super::{INSTRUMENT, hand};
 use crate::play::{TURN, audited, scene, within};
@@ -35,7 +35,7 @@ fn still(rate: &str) -> Scene {
     scene(&still_text(rate))
 }
 
-/// The same with an energy book.
+/// The same with an energy ledger.
 fn still_audited(rate: &str) -> Scene {
     audited(&still_text(rate))
 }
@@ -103,7 +103,7 @@ fn without_feedback_the_hand_feels_nothing_and_the_sound_is_the_same() {
     }
 }
 
-/// A take is played without a book, and its hashes are compared by a replay that keeps one.
+/// A take is played without a ledger, and its hashes are compared by a replay that keeps one.
 #[test]
 fn a_book_changes_no_bit_of_the_state() {
     let x = strokes(300);
@@ -127,12 +127,12 @@ fn a_book_changes_no_bit_of_the_state() {
 
 const WALL: &str = "[SOL]\nwall = {}\n[TGR]\nkey = {}\n[RES]\nlink = { between = [\"wall\", \"key\"], k = 2e4 }\n";
 
-/// The book of the border for a hand on a wall, and the same from the positions of the hand alone: received, given.
-fn books(rate: &str, late: usize, felt: bool) -> [f64; 4] {
+/// The ledger of the border for a hand on a wall, and the same from the positions of the hand alone: received, given.
+fn ledgers(rate: &str, late: usize, felt: bool) -> [f64; 4] {
     let x = [vec![0.0; 2 + late], hand(3000, 3000.0)].concat();
     let end = run(&audited(&format!("[rate]\n{rate}\n{WALL}")), &x).end;
-    let book = end.ledger.as_ref().expect("a book").hands[0];
-    within("leak", (book.leak() - (book.received - book.given)).abs(), 0.0);
+    let ledger = end.ledger.as_ref().expect("a ledger").hands[0];
+    within("leak", (ledger.leak() - (ledger.received - ledger.given)).abs(), 0.0);
     let at = |n: usize| x[n.saturating_sub(late)];
     let mean = |n: usize| if n == 0 { 0.0 } else { 2e4 * 0.5 * (at(n) + at(n - 1)) };
     let one_rate = end.tick == x.len() as u64;
@@ -148,7 +148,7 @@ fn books(rate: &str, late: usize, felt: bool) -> [f64; 4] {
     let frames = 1..x.len();
     let received = frames.clone().map(|n| mean(n) * (at(n) - at(n - 1))).sum();
     let given = frames.map(|n| sent(n - 1) * (x[n] - x[n - 1])).sum();
-    [book.received, received, book.given, given]
+    [ledger.received, received, ledger.given, given]
 }
 
 #[test]
@@ -161,7 +161,7 @@ fn the_book_of_the_border() {
         ("feedback = false", 0, false),
         ("sound = 3000\ngesture = 3000\nlatency = 2\nfeedback = false", 2, false),
     ] {
-        let [received, want, given, gave] = books(rate, late, felt);
+        let [received, want, given, gave] = ledgers(rate, late, felt);
         let scale = 0.5 * 2e4 * 4e-3 * 4e-3;
         within(&format!("received, {rate}"), (received - want).abs() / scale, 1e-12);
         within(&format!("given, {rate}"), (given - gave).abs() / scale, 1e-12);

@@ -64,11 +64,11 @@ struct Played {
     ticks: f64,
     /// the same by the ledger of the port
     booked: f64,
-    /// the same by the book of the border, frame by frame
+    /// the same by the ledger of the border, frame by frame
     received: f64,
     /// Σ|P|
     scale: f64,
-    /// residual of the whole book over its peak
+    /// residual of the whole ledger over its peak
     residual: f64,
 }
 
@@ -97,13 +97,13 @@ fn play(scene: &Scene, x: &[f64]) -> Played {
     }
     let at = |j: usize| positions[j.min(positions.len() - 1)];
     let power: Vec<f64> = (0..forces.len()).map(|j| -forces[j] * 0.5 * (at(j + 1) - at(j.saturating_sub(1)))).collect();
-    let book = s.ledger.as_ref().expect("a book");
-    let b = book.balance();
+    let ledger = s.ledger.as_ref().expect("a ledger");
+    let b = ledger.balance();
     Played {
         frames,
         ticks: power.iter().sum(),
-        booked: book.work[0],
-        received: book.hands[0].received,
+        booked: ledger.work[0],
+        received: ledger.hands[0].received,
         scale: power.iter().map(|p| p.abs()).sum(),
         residual: b.residual.abs() / b.peak,
     }
@@ -122,7 +122,7 @@ fn e01_the_border_makes_nothing() {
                 let what = format!("E01 {name}, {border}, R = {}", scene.ratio);
                 assert!(p.scale > 1e-3);
                 within(&format!("{what}, by the ledger"), (p.ticks - p.booked).abs() / p.scale, EXACT);
-                within(&format!("{what}, by the book"), (p.received - p.ticks).abs() / p.scale, EXACT);
+                within(&format!("{what}, by the ledger"), (p.received - p.ticks).abs() / p.scale, EXACT);
                 within(&format!("{what}, residual"), p.residual, 1e-12);
                 if scene.ratio > 1 {
                     within(&what, (p.frames - p.ticks).abs() / p.scale, EXACT);
@@ -143,7 +143,7 @@ fn e01_with_an_instrument_behind_the_key() {
         let what = format!("E01 an instrument, {border}");
         within(&what, (p.frames - p.booked).abs() / p.scale, EXACT);
         within(&format!("{what}, by ticks"), (p.frames - p.ticks).abs() / p.scale, EXACT);
-        within(&format!("{what}, by the book"), (p.received - p.ticks).abs() / p.scale, EXACT);
+        within(&format!("{what}, by the ledger"), (p.received - p.ticks).abs() / p.scale, EXACT);
         within(&format!("{what}, residual"), p.residual, 1e-12);
     }
 }

@@ -43,10 +43,10 @@ fn e01_in_a_plane() {
             }
             tick(&scene, &mut s);
         }
-        let book = s.ledger.as_ref().expect("a book");
-        let b = book.balance();
+        let ledger = s.ledger.as_ref().expect("a ledger");
+        let b = ledger.balance();
         within(&format!("in a plane, {rate}, residual"), b.residual.abs() / b.peak, 1e-12);
-        for (hand, work) in book.hands.iter().zip(&book.work) {
+        for (hand, work) in ledger.hands.iter().zip(&ledger.work) {
             assert!(work.abs() > 1e-6);
             within(
                 &format!("in a plane, {rate}"),

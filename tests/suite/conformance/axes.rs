@@ -129,7 +129,7 @@ fn the_books_close_in_space() {
             (0..3000).for_each(|_| tick(&scene, &mut s));
             let ledger = s.ledger.as_ref().expect("asked for");
             let b = ledger.balance();
-            within(&format!("{}: books in space", kind.code), b.residual.abs() / b.peak, 1e-12);
+            within(&format!("{}: ledgers in space", kind.code), b.residual.abs() / b.peak, 1e-12);
         }
     }
 }

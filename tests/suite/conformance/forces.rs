@@ -117,10 +117,10 @@ proptest! {
         }
     }
 
-    /// With the book kept: every law's accounts close, heat is never negative, linear laws and those that look ahead make
+    /// With the ledger kept: every law's accounts close, heat is never negative, linear laws and those that look ahead make
     /// nothing, and what only resists never makes a mass faster.
     #[test]
-    fn books_close(seed in 1u64.., x in -1e-3..1e-3f64, v in -0.2..0.2f64) {
+    fn ledgers_balance(seed in 1u64.., x in -1e-3..1e-3f64, v in -0.2..0.2f64) {
         for (kind, way) in ways() {
             let mut m = pair(kind, way, &mut Dice(seed));
             m.add("SOL", "ground", []);
@@ -136,14 +136,14 @@ proptest! {
                 let tie = 1e4 * s.x[mat(&scene, "low")].abs();
                 force = s.tap.iter().fold(force.max(tie), |m, f| m.max(f.abs()));
                 far = s.x.iter().fold(far, |m, x| m.max(x.abs()));
-                let book = s.ledger.as_ref().expect("a book");
-                prop_assert!(book.lost.iter().all(|l| *l >= 0.0), "{}", kind.code);
+                let ledger = s.ledger.as_ref().expect("a ledger");
+                prop_assert!(ledger.lost.iter().all(|l| *l >= 0.0), "{}", kind.code);
                 if n > 0 && resists {
-                    prop_assert!(book.h <= before + book.source.iter().sum::<f64>().abs() + 1e-12 * book.peak);
+                    prop_assert!(ledger.h <= before + ledger.source.iter().sum::<f64>().abs() + 1e-12 * ledger.peak);
                 }
-                before = book.h;
+                before = ledger.h;
             }
-            let b = s.ledger.as_ref().expect("a book").balance();
+            let b = s.ledger.as_ref().expect("a ledger").balance();
             // and where a force acts far from rest on what holds little, each place is rounded: a walk of 2000 steps
             let places = (2000.0f64 / 12.0).sqrt() * f64::EPSILON * force * far;
             prop_assert!(b.residual.abs() <= 1e-12 * b.peak + places, "{} {way}: {b:?}", kind.code);

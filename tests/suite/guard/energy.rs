@@ -1,4 +1,4 @@
-//! Three accounts of the same energy: the book of the scene, the book of the guard, and what a watcher adds up from the
+//! Three accounts of the same energy: the ledger of the scene, the ledger of the guard, and what a watcher adds up from the
 //! frames on the wire.
 
 use super::{Rig, TE, bare, cause, mode, profile};
@@ -59,23 +59,23 @@ fn accounts(profile: Profile, rate: &str, exact: bool) -> [f64; 4] {
         }
         last = x;
     }
-    let book = rig.engine.ports[0].chain.book.clone();
-    let ledger = rig.engine.state.ledger.as_ref().expect("a book");
+    let hand = rig.engine.ports[0].chain.ledger.clone();
+    let ledger = rig.engine.state.ledger.as_ref().expect("a ledger");
     for k in 0..2 {
         let g = gains()[k];
         let joules = g.beta / g.alpha;
         assert!(scale[k] > 1e-3, "{} J crossed key {k}", scale[k]);
-        within("given, by the wire", (book.given[k] - given[k]).abs() / scale[k], 1e-12);
+        within("given, by the wire", (hand.given[k] - given[k]).abs() / scale[k], 1e-12);
         if exact {
             let e = ledger.hands[k];
-            within("received, by the scene", (book.received[k] - e.received * joules).abs() / scale[k], 1e-12);
-            within("asked, by the scene", (book.asked[k] - e.given * joules).abs() / scale[k], 1e-12);
-            within("leak", (book.leak(k) - e.leak() * joules).abs() / scale[k], 1e-12);
+            within("received, by the scene", (hand.received[k] - e.received * joules).abs() / scale[k], 1e-12);
+            within("asked, by the scene", (hand.asked[k] - e.given * joules).abs() / scale[k], 1e-12);
+            within("leak", (hand.leak(k) - e.leak() * joules).abs() / scale[k], 1e-12);
         }
     }
     let b = ledger.balance();
-    within("the book of the scene", b.residual.abs() / b.peak, 1e-12);
-    [book.received[0], book.asked[0], book.given[0], book.removed(0)]
+    within("the ledger of the scene", b.residual.abs() / b.peak, 1e-12);
+    [hand.received[0], hand.asked[0], hand.given[0], hand.removed(0)]
 }
 
 #[test]
@@ -90,7 +90,7 @@ fn the_books_agree_to_rounding() {
 
 #[test]
 fn what_the_guard_keeps_is_a_line_of_its_own() {
-    // a fifth of the force: the rest is what the guard removed, and the book of the scene knows nothing of it
+    // a fifth of the force: the rest is what the guard removed, and the ledger of the scene knows nothing of it
     let weak = profile(|p| {
         (p.force, p.guard.oscillation) = (0.2, false);
         (p.body.step, p.body.noise) = (0.0, 0.0);

@@ -102,8 +102,8 @@ fn pressed(k: f64) -> (Vec<f64>, f64) {
         }
         swing.push(high - low);
     }
-    let book = &l.rig.engine.ports[0].chain.book;
-    (swing, book.received[0] - book.given[0])
+    let ledger = &l.rig.engine.ports[0].chain.ledger;
+    (swing, ledger.received[0] - ledger.given[0])
 }
 
 #[test]

@@ -52,7 +52,7 @@ fn energies(scene: &Scene, s: &mut State, steps: usize) -> [f64; 3] {
     tick(scene, s);
     for n in 0..steps {
         tick(scene, s);
-        let h = s.ledger.as_ref().expect("a book").h;
+        let h = s.ledger.as_ref().expect("a ledger").h;
         if n == 0 {
             first = h;
         }
@@ -72,8 +72,8 @@ fn d01_energy_is_bounded() {
         kick(&scene, &mut s, 1e-3, &mut Dice(5));
         let [first, low, high] = energies(&scene, &mut s, num(c, "setup/steps") as usize);
         within(&format!("D01 a = {a}"), (high - low) / first, num(c, "tolerance/CA"));
-        let b = s.ledger.as_ref().expect("a book").balance();
-        within(&format!("D01 a = {a}: the books close"), b.residual.abs() / b.peak, 1e-10);
+        let b = s.ledger.as_ref().expect("a ledger").balance();
+        within(&format!("D01 a = {a}: the ledgers balance"), b.residual.abs() / b.peak, 1e-10);
     }
 }
 

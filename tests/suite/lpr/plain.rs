@@ -54,7 +54,7 @@ fn with_a_port_held_it_is_the_plain_link() {
                         built(&twins(code, &list, space, onto), &Options { energy: true, ..Options::default() });
                     let mut s = scene.state();
                     (0..4000).for_each(|_| tick(&scene, &mut s));
-                    let b = s.ledger.as_ref().expect("a book").balance();
+                    let b = s.ledger.as_ref().expect("a ledger").balance();
                     assert!(b.residual.abs() <= 1e-12 * b.peak, "{code}: {b:?}");
                     let [low, high] =
                         ["low", "high"].map(|n| mat(&scene, &format!("{}{n}", if space { "room." } else { "" })));
@@ -131,7 +131,7 @@ fn between_worlds_of_one_kind_the_books_close() {
             let speed = if dim == 3 { s.d[at].hypot(s.d[at + 1]) } else { s.d[at] };
             most = most.max(0.5 * 0.01 * (speed * FS).powi(2));
         }
-        let b = s.ledger.as_ref().expect("a book").balance();
+        let b = s.ledger.as_ref().expect("a ledger").balance();
         within(&format!("closure, {dim} axes"), b.residual.abs() / b.peak, 1e-12);
         assert!(most > 0.1 * b.h0, "little of {} J arrived: {most}", b.h0);
         assert!(b.source.abs() <= 1e-6 * b.h0 && b.lost > 0.1 * b.h0, "{b:?}");

@@ -236,21 +236,21 @@ fn page() -> (String, f64) {
 /// Where the energy of a finger went [J]: given, made by the border, received; lost in the hammer's damper, in its felt,
 /// in the bed, in the strings, in the bridge; in motion; made by the scheme, negative.
 fn account(f: &Finger) -> [f64; 10] {
-    let book = f.engine.state.ledger.as_ref().expect("the book is kept");
+    let ledger = f.engine.state.ledger.as_ref().expect("the ledger is kept");
     let hand = f.scene.tgr.iter().position(|p| f.scene.inputs[p.input as usize].name == "c").expect("the key");
-    let (received, given) = (book.hands[hand].received, book.hands[hand].given);
-    // the book of the border and the forces on the wire, which are of single precision, tell the same
-    assert!((f.work / given - 1.0).abs() < 1e-6, "the finger worked {} J, the book says {given} J", f.work);
+    let (received, given) = (ledger.hands[hand].received, ledger.hands[hand].given);
+    // the ledger of the border and the forces on the wire, which are of single precision, tell the same
+    assert!((f.work / given - 1.0).abs() < 1e-6, "the finger worked {} J, the ledger says {given} J", f.work);
     let lost = |name: &str| -> f64 {
         let of = |i: usize| f.scene.audited_name(i).is_some_and(|n| n.split(['[', '_']).next() == Some(name));
-        book.lost.iter().enumerate().filter(|(i, _)| of(*i)).map(|(_, l)| l).sum()
+        ledger.lost.iter().enumerate().filter(|(i, _)| of(*i)).map(|(_, l)| l).sum()
     };
     let links = ["calm", "strike", "stop", "board"].map(lost);
-    let all: f64 = book.lost.iter().sum();
+    let all: f64 = ledger.lost.iter().sum();
     assert!((links.iter().sum::<f64>() - all).abs() <= 1e-15 * all, "heat in a link that is not in the table");
     let [calm, strike, stop, board] = links;
-    let made = -book.source.iter().sum::<f64>();
-    [given, received - given, received, calm, strike, stop, book.lost_mats, board, book.h - book.h0, made]
+    let made = -ledger.source.iter().sum::<f64>();
+    [given, received - given, received, calm, strike, stop, ledger.lost_mats, board, ledger.h - ledger.h0, made]
 }
 
 #[test]

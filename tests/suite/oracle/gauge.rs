@@ -1,4 +1,4 @@
-//! What a link in space measures, by the book.
+//! What a link in space measures, by the ledger.
 
 use super::network::{Gauge, Mat};
 

@@ -1,4 +1,4 @@
-//! Scenes whose samples have several ticks: order, the same bits as at the higher rate, hands and inputs, books, and
+//! Scenes whose samples have several ticks: order, the same bits as at the higher rate, hands and inputs, ledgers, and
 //! what is not there where nobody asks.
 
 mod filter;
@@ -64,9 +64,9 @@ fn same_bits(what: &str, [coarse, fine]: &[Scene; 2], samples: u32, hand: Hand) 
         assert_eq!((a.tick, b.tick), (u64::from(n) + 1, u64::from(n * times) + 1));
         most = a.x.iter().fold(most, |m, x| m.max(x.abs()));
     }
-    if let Some(book) = &a.ledger {
-        let book = book.balance();
-        within(&format!("{what}, {times} ticks: residual"), book.residual.abs() / book.peak, 1e-13);
+    if let Some(ledger) = &a.ledger {
+        let ledger = ledger.balance();
+        within(&format!("{what}, {times} ticks: residual"), ledger.residual.abs() / ledger.peak, 1e-13);
     }
     most
 }
@@ -99,7 +99,7 @@ fn hand(sample: f64) -> f64 {
     2e-4 * (0.002 * sample).sin()
 }
 
-/// With the book, and what the first output listens to as a probe.
+/// With the ledger, and what the first output listens to as a probe.
 fn booked(probe: &str) -> Options {
     Options { energy: true, probes: vec![probe.into()], ..Options::default() }
 }
@@ -130,7 +130,7 @@ fn it_is_the_scene_at_the_higher_rate() {
             assert!(most > 1e-6, "{what}: {most}");
         }
     }
-    // of which no book is kept
+    // of which no ledger is kept
     let text = STRUCK.replace(", z = 0.1, zo = 0.01", "").replace(", z = 0.2", "");
     let options = Options { energy: false, ..booked("s[7]") };
     let text = format!("[model]\nmethod = \"pefrl\"\n{text}");

@@ -80,8 +80,8 @@ point = { from = "low@finger" }
                 }
             }
             assert!(s.refused > 0);
-            let b = s.ledger.as_ref().expect("a book").balance();
-            within("H07 the books still close", b.residual.abs() / b.peak, 1e-11);
+            let b = s.ledger.as_ref().expect("a ledger").balance();
+            within("H07 the ledgers still balance", b.residual.abs() / b.peak, 1e-11);
         }
     }
 }

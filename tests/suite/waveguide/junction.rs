@@ -47,12 +47,12 @@ fn g03_the_energy_of_a_sprung_junction_is_constant() {
     s.d[mat(&scene, "w[0]")] = 1e-5;
     tick(&scene, &mut s);
     tick(&scene, &mut s);
-    let h0 = s.ledger.as_ref().expect("a book").h;
+    let h0 = s.ledger.as_ref().expect("a ledger").h;
     assert!(h0 > 0.0);
     let mut drift = 0.0f64;
     for _ in 0..num(c, "setup/steps") as usize {
         tick(&scene, &mut s);
-        drift = drift.max(off(s.ledger.as_ref().expect("a book").h, h0));
+        drift = drift.max(off(s.ledger.as_ref().expect("a ledger").h, h0));
     }
     within("G03 drift", drift, num(c, "tolerance/rel"));
 }

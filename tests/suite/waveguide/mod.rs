@@ -1,8 +1,8 @@
 //! Waveguides: pitch and decay by the poles of the running engine (G01), junctions that hold any spring (G02, G03),
-//! how waves travel, what the books say, and instruments that touch them.
+//! how waves travel, what the ledgers say, and instruments that touch them.
 
-mod books;
 mod junction;
+mod ledgers;
 mod played;
 mod tuning;
 

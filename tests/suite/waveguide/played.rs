@@ -7,7 +7,7 @@ use ca_core::tick;
 
 const STRING: &str = "f = 220, t60 = 3, t60_high = 0.5, z = 0.6, at = [0.13, 0.6]";
 
-/// Played for half a second by its gesture: the largest motion, and what the books say of made energy.
+/// Played for half a second by its gesture: the largest motion, and what the ledgers say of made energy.
 fn played(more: &str) -> (f64, f64) {
     let scene = audited(&string(STRING, more));
     let told = scene.diags.list.iter().any(|d| d.code.starts_with('W'));
@@ -19,9 +19,9 @@ fn played(more: &str) -> (f64, f64) {
         tick(&scene, &mut s);
         most = most.max(s.x[w].abs());
     }
-    let book = s.ledger.as_ref().expect("a book").balance();
-    within("residual", book.residual.abs() / book.peak, 1e-11);
-    (most, book.source / book.peak)
+    let ledger = s.ledger.as_ref().expect("a ledger").balance();
+    within("residual", ledger.residual.abs() / ledger.peak, 1e-11);
+    (most, ledger.source / ledger.peak)
 }
 
 #[test]
@@ -82,7 +82,7 @@ fn whatever_a_mass_may_have() {
         s.input[0] = if n < 1000 { 0.3 } else { 0.0 };
         tick(&scene, &mut s);
     }
-    let book = s.ledger.as_ref().expect("a book").balance();
-    assert!(book.work.abs() > 1e-6 && book.lost > 0.0);
-    within("residual", book.residual.abs() / book.peak, 1e-12);
+    let ledger = s.ledger.as_ref().expect("a ledger").balance();
+    assert!(ledger.work.abs() > 1e-6 && ledger.lost > 0.0);
+    within("residual", ledger.residual.abs() / ledger.peak, 1e-12);
 }

@@ -8,10 +8,10 @@ use std::path::PathBuf;
 /// Writes a page about a model or a take
 ///
 /// One HTML file that opens anywhere and asks nobody for anything: the sound with its waveform, spectrogram and spectrum,
-/// the modes of the linear part, the motion of modules, the energy book, error against run time of its beginning, what is
+/// the modes of the linear part, the motion of modules, the energy ledger, error against run time of its beginning, what is
 /// proven of stability, and the model itself.
-/// A model is played as by `ca render`, with the energy book kept. A take (`*.mcap`) is shown as it was: gestures, forces,
-/// faults, and how the real-time loop did; it is played again for the book. Exit code 3 as of `ca render` and
+/// A model is played as by `ca render`, with the energy ledger kept. A take (`*.mcap`) is shown as it was: gestures, forces,
+/// faults, and how the real-time loop did; it is played again for the ledger. Exit code 3 as of `ca render` and
 /// `ca replay`: the page is written all the same, and says what is wrong.
 #[derive(Args)]
 #[command(after_long_help = "Examples:

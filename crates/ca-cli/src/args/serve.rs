@@ -61,7 +61,7 @@ pub struct ServeArgs {
     /// Does not ask to keep memory in RAM
     #[arg(long)]
     pub no_lock: bool,
-    /// Keeps the energy book (slower)
+    /// Keeps the energy ledger (slower)
     #[arg(long)]
     pub energy: bool,
     /// Prints nothing but warnings and errors

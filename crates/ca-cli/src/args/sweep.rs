@@ -29,7 +29,7 @@ use std::path::PathBuf;
   \"low.f\" = [\"110 Hz\", \"146.83 Hz\", \"220 Hz\"]
 
 It may also have `rate`, `gesture` (files, as of `ca render`), `gesture_rate`, `energy = true`
-for the energy book, `measure = false` to leave out pitch and decay, `chunk = 10` runs that are
+for the energy ledger, `measure = false` to leave out pitch and decay, `chunk = 10` runs that are
 written at once, `folder`, and `steps` of a range.
 
 Examples:

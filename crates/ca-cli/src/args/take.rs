@@ -23,7 +23,7 @@ pub struct ReplayArgs {
     /// Writes the sound as it is computed now
     #[arg(short, long, value_name = "FILE.wav")]
     pub output: Option<PathBuf>,
-    /// Keeps the energy book, and says where the energy of the hands went
+    /// Keeps the energy ledger, and says where the energy of the hands went
     #[arg(long)]
     pub energy: bool,
     /// Prints the verdict as JSON

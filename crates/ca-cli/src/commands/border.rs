@@ -159,11 +159,11 @@ fn shape(scene: &Scene) -> &'static str {
 }
 
 /// Name of each device key, what the scene received there and what the hand gave, in joules of the hand.
-pub(crate) fn exchanged<'a>(scene: &'a Scene, book: &Ledger) -> Vec<(&'a str, f64, f64)> {
+pub(crate) fn exchanged<'a>(scene: &'a Scene, ledger: &Ledger) -> Vec<(&'a str, f64, f64)> {
     let name = |input: u32| scene.inputs.get(input as usize).map_or("?", |i| i.name.as_str());
     let joules = |input: u32| scene.inputs.get(input as usize).map_or(1.0, |i| i.gains.energy());
     let row = |p: &Enx, e: &Exchange| (name(p.input), e.received * joules(p.input), e.given * joules(p.input));
-    scene.tgr.iter().zip(&book.hands).map(|(p, e)| row(p, e)).collect()
+    scene.tgr.iter().zip(&ledger.hands).map(|(p, e)| row(p, e)).collect()
 }
 
 /// Says so where something was asked of a border that is not there.

@@ -93,15 +93,15 @@ fn the_report_says_how_late_and_what_each_hand_gave() {
     let args = ["render", "struck.ca.toml", "--latency", "1", "--energy"];
     let r = desk.ca(&args).is(0).says(&["latency    gesture to force 0.667 ms", "through `key`", "given by its hand"]);
     assert!(r.err.is_empty(), "{}", r.err);
-    let book = |more: &[&str]| {
+    let ledger = |more: &[&str]| {
         let args = ["render", "struck.ca.toml", "--energy", "--json"];
         let j = desk.ca(&[&args[..], more].concat()).is(0).json();
         let of = |key: &str| j["energy"]["hands"][0][key].as_f64().unwrap();
         (of("received"), of("given"), of("leak"), j["latency"]["gesture_to_sound_ms"].as_f64().unwrap())
     };
-    let now = book(&[]);
+    let now = ledger(&[]);
     assert!((now.0 - now.1 - now.2).abs() < 1e-12 && now.0 > 0.0 && now.2 != 0.0);
-    let numb = book(&["--no-feedback", "--latency", "2"]);
+    let numb = ledger(&["--no-feedback", "--latency", "2"]);
     assert!(numb.1 == 0.0 && numb.2 == numb.0 && (numb.3 - 1.0).abs() < 1e-9);
 }
 

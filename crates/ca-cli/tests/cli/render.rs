@@ -59,7 +59,7 @@ fn the_same_bits_in_two_runs_and_with_either_kernel() {
     let a = fs::read(desk.path("a.wav")).unwrap();
     assert!(peak(&desk.wav("a.wav").1) > 0.01);
     assert!(a == fs::read(desk.path("d.wav")).unwrap(), "two runs differ");
-    assert!(a == fs::read(desk.path("b.wav")).unwrap(), "the book changes the sound");
+    assert!(a == fs::read(desk.path("b.wav")).unwrap(), "the ledger changes the sound");
     assert!(a == fs::read(desk.path("c.wav")).unwrap(), "the kernels differ");
 }
 
@@ -90,7 +90,7 @@ fn an_unstable_model_is_named_and_silenced() {
         assert_eq!(samples.len(), 48_000);
         assert!(samples.iter().all(|s| s.is_finite() && s.abs() <= 1.0));
         assert!(peak(&samples) > 0.01 && peak(&samples[4800..]) == 0.0);
-        // the book stops in time, and says the same
+        // the ledger stops in time, and says the same
         let j = desk.ca(&["render", &file, "--seconds", "1", "--energy", "--json"]).is(3).json();
         assert_eq!(j["blown_up"]["module"].as_str(), Some(*module));
         assert!(j["energy"]["relative_residual"].as_f64().unwrap() < 1e-9, "{j:#}");

@@ -4,7 +4,7 @@
 //! of a frame times the motion of its port, summed over frames, is the sum of f·(X_{j+1} − X_{j−1})/2 over ticks.
 //! `linear.rs` is the default, since it does not print a 3 kHz staircase on the sound; `hold.rs` is the other such pair,
 //! for comparison; `synchronous.rs` is both where R = 1. Which of them runs is chosen once, at load, and what a scene
-//! does not ask for (delay, book, silence towards the hand) is no branch of theirs but a pass or a kernel of its own.
+//! does not ask for (delay, ledger, silence towards the hand) is no branch of theirs but a pass or a kernel of its own.
 //!
 //! Frame n covers the ticks (n−1)R+1 … nR. The caller writes X_n to [`State::input`] before tick (n−1)R+1; after the
 //! forces of tick nR, before the masses move, [`Border::force`] is the force of the frame, to be held by the device
@@ -16,9 +16,9 @@ use crate::real::real;
 pub use crate::state::Border;
 use crate::state::State;
 
-mod book;
 mod delays;
 mod hold;
+mod ledger;
 mod linear;
 mod synchronous;
 
@@ -55,13 +55,13 @@ pub(crate) fn collect(layout: &Layout) -> Kernel {
     }
 }
 
-/// The pass that keeps the book of the border.
-pub(crate) fn book(layout: &Layout) -> Kernel {
-    if layout.frame == 1 { book::book::<true> } else { book::book::<false> }
+/// The pass that keeps the ledger of the border.
+pub(crate) fn ledger(layout: &Layout) -> Kernel {
+    if layout.frame == 1 { ledger::ledger::<true> } else { ledger::ledger::<false> }
 }
 
-/// Where no force goes to the hand: it is taken for the book, and never given. Runs before and after that, so that
-/// what was collected lies with the book between ticks, and the state is that of a scene without one.
+/// Where no force goes to the hand: it is taken for the ledger, and never given. Runs before and after that, so that
+/// what was collected lies with the ledger between ticks, and the state is that of a scene without one.
 pub(crate) fn mute(op: &Op, _layout: &Layout, s: &mut State) {
     let Some(l) = &mut s.ledger else { return };
     for (b, e) in s.border[..op.n].iter_mut().zip(&mut l.hands) {

@@ -19,7 +19,7 @@ pub enum KernelClass {
 pub struct Options {
     /// sound rate \[Hz\]; the model's own if `None`
     pub rate: Option<f64>,
-    /// keep the energy book
+    /// keep the energy ledger
     pub energy: bool,
     /// selectors of modules to be heard besides the outputs: displacement of a MAT, force of a LIA
     pub probes: Vec<String>,

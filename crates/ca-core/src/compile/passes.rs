@@ -11,7 +11,7 @@ use crate::{border, energy};
 use alloc::collections::BTreeSet;
 use alloc::vec::Vec;
 
-/// Before the forces: ports, the book of the tick before, changes, moving points.
+/// Before the forces: ports, the ledger of the tick before, changes, moving points.
 pub fn reads(layout: &Layout, live: usize, aimed: bool) -> Vec<Op> {
     let kept = layout.ledger.is_some();
     let points = layout.proxies.len();
@@ -21,9 +21,9 @@ pub fn reads(layout: &Layout, live: usize, aimed: bool) -> Vec<Op> {
         (!layout.enx.is_empty(), "ENX", pass::enx, layout.enx.len()),
         (!layout.tgr.is_empty(), "TGR in", border::position(layout), layout.tgr.len()),
         (modal > 0, "modal ports", pass::sum, modal),
-        // the book needs the points where the last tick had them
+        // the ledger needs the points where the last tick had them
         (kept && points > 0, "points", pass::project, points),
-        (kept, "ledger", energy::book, modules),
+        (kept, "ledger", energy::ledger, modules),
         (live > 0, "changes", pass::ramp, live),
         (aimed, "aim", pass::aim, points),
         (points > 0 && (!kept || aimed), "points", pass::project, points),
@@ -76,7 +76,7 @@ pub fn forces(layout: &Layout, mut links: Vec<Op>, late: usize, weight: usize) -
         list.push(Op::pass("TGR out", border::collect(layout), keys));
     }
     if keys > 0 && kept {
-        list.push(Op::pass("border booked", border::book(layout), keys));
+        list.push(Op::pass("border booked", border::ledger(layout), keys));
     }
     if aside {
         list.push(Op::pass("TGR mute", border::mute, keys));

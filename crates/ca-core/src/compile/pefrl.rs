@@ -39,9 +39,9 @@ pub fn check(model: &Model, net: &Net, options: &Options, diags: &mut Diags) {
         return;
     }
     if options.energy {
-        let d = Diag::error("E028", "no energy book is kept of `method = \"pefrl\"`");
+        let d = Diag::error("E028", "no energy ledger is kept of `method = \"pefrl\"`");
         let at = model.meta("method").map_or(Span::NONE, |e| e.span);
-        diags.push(d.at(at, "for the whole model").help("do without the book, or use `method = \"ca\"`"));
+        diags.push(d.at(at, "for the whole model").help("do without the ledger, or use `method = \"ca\"`"));
     }
     for (g, _) in model.groups.iter().zip(&net.media).filter(|(_, m)| m.method != PEFRL) {
         let title = format!("`{}` asks for a method of its own, but `pefrl` is for the whole model", g.name);

@@ -313,7 +313,7 @@ fn outputs(plan: &mut Plan, links: &Links) -> Option<(usize, Vec<Output>)> {
     Some((first, all))
 }
 
-/// What the energy book reads of each pass of links, and its `place` among the forces; which places are `ported`.
+/// What the energy ledger reads of each pass of links, and its `place` among the forces; which places are `ported`.
 fn accounts(links: &Links, ported: impl Fn(u32) -> bool, place: impl Fn(usize) -> usize) -> Vec<Account> {
     let account = |(i, op): (usize, &Op)| {
         let law = op.law?;

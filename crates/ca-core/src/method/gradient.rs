@@ -6,7 +6,7 @@
 //! N = (U(s) − U(a)) / (s − a) + (z/2)(s − a)        s = η* − c N
 //! ```
 //! The work N(s − a)/2 is then half of U(s) − U(a) plus the heat (z/4)(s − a)², so with (U(η) + U(η₊))/2 as the energy
-//! held the books close for any stiffness. The left side rises with s: one root. For a linear spring it is piecewise
+//! held the ledgers balance for any stiffness. The left side rises with s: one root. For a linear spring it is piecewise
 //! quadratic: no iteration, and a square root only in the two ticks in which it begins or ends. For a power law it is
 //! convex, and a few steps of Newton find it, but where the contact lets go, which is a quadratic for both. The damper
 //! acts while pressed together at the tick itself, with the viscosity of that depth (Hunt and Crossley: h k η^p); it is

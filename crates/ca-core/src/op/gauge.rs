@@ -3,7 +3,7 @@
 //! Decides that a law never sees positions: a gauge turns the two ends into an elongation and its change per tick, and
 //! the scalar force of the law back into forces on the ends, along the gradient of that elongation, so power in equals
 //! power out whatever the law. On a line that is a difference; along a direction the projected difference; in space
-//! the distance of two points. The kernels in space, the quadripoles of other crates, the energy book and the start
+//! the distance of two points. The kernels in space, the quadripoles of other crates, the energy ledger and the start
 //! all measure by these functions.
 //!
 //! The change of a distance is `(D + D')·(D − D') / (l + l')` with D' the vector one tick before: the difference of

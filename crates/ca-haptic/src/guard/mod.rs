@@ -13,13 +13,13 @@
 //! fade-in, latched faults, damped stop) stands before the slew limit rather than after it, so that the last stage is
 //! the one whose promise |ΔF| ≤ limit a watcher on the wire can hold us to. A fault goes to zero at once. Velocity,
 //! staleness and a model that blew up trip from wherever they are noticed: [`Hand::trip`]. What leaves is rounded
-//! towards zero to the single precision of the wire, so that rounding passes no limit and the books know what was sent.
+//! towards zero to the single precision of the wire, so that rounding passes no limit and the ledgers know what was sent.
 //! The TTL is stamped on the frame by the engine.
 
-pub mod book;
 pub mod finite;
 pub mod gate;
 pub mod input;
+pub mod ledger;
 pub mod oscillation;
 pub mod passivity;
 pub mod saturation;
@@ -147,7 +147,7 @@ pub trait Stage: Send {
     fn name(&self) -> &'static str;
     /// Takes and gives a hand; called once a frame, also while forces are off.
     fn pass(&mut self, hand: &mut Hand);
-    /// What was sent in the end, for stages that keep books; called once a frame after the whole chain.
+    /// What was sent in the end, for stages that keep ledgers; called once a frame after the whole chain.
     fn sent(&mut self, hand: &Hand) {
         let _ = hand;
     }
@@ -167,7 +167,7 @@ pub enum Order {
 /// The stages of one device, in order.
 pub struct Chain {
     /// what the hand gave, and what became of it
-    pub book: book::Book,
+    pub ledger: ledger::HandLedger,
     finite: finite::Finite,
     /// those a profile may leave out, and the largest force
     stages: Vec<Box<dyn Stage>>,
@@ -194,7 +194,7 @@ impl Chain {
             thermal::Thermal::new(profile, te).map(boxed),
         ];
         Chain {
-            book: book::Book::default(),
+            ledger: ledger::HandLedger::default(),
             finite: finite::Finite,
             stages: stages.into_iter().flatten().collect(),
             gate: gate::Gate::new(profile, te),
@@ -215,7 +215,7 @@ impl Chain {
         hand.ago = if known { ago } else { 1 };
         hand.acting = if known { self.past[hand.ack as usize % PAST] } else { hand.sent };
         self.finite.pass(hand);
-        self.book.frame(hand);
+        self.ledger.frame(hand);
         for s in &mut self.stages {
             s.pass(hand);
         }

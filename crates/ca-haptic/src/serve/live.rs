@@ -108,7 +108,7 @@ const KEPT: usize = 64;
 /// How often things are recorded, in gesture frames; 0 for never.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Every {
-    /// the energy book, where the scene keeps one
+    /// the energy ledger, where the scene keeps one
     pub energy: u64,
     /// pictures
     pub view: u64,

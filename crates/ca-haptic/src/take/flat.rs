@@ -82,7 +82,7 @@ flat! {
 }
 
 flat! {
-    /// The energy book.
+    /// The energy ledger.
     Energy {
         /// the next sound sample
         tick: u64,
@@ -106,7 +106,7 @@ flat! {
 }
 
 impl Energy {
-    /// The book at a tick.
+    /// The ledger at a tick.
     pub fn new(tick: u64, b: &Balance) -> Energy {
         let Balance { h0, h, lost, source, work, changed, residual, peak } = *b;
         Energy { tick, h0, h, lost, source, work, changed, residual, peak }

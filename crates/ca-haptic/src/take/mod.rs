@@ -53,7 +53,7 @@ pub mod topic {
     pub const PROFILE: &str = "/profile";
     /// hashes of the state
     pub const HASH: &str = "/hash";
-    /// the energy book
+    /// the energy ledger
     pub const ENERGY: &str = "/energy";
     /// what found no room
     pub const LOST: &str = "/lost";

@@ -33,7 +33,7 @@ pub enum Event {
     Profile(u64, usize, Box<Profile>),
     /// a hash of the state
     Hash(Hashed),
-    /// the energy book
+    /// the energy ledger
     Energy(Energy),
     /// sound, interleaved, from this tick on
     Sound(u64, Vec<f64>),

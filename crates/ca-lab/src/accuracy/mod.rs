@@ -50,7 +50,7 @@ pub struct Row {
     pub ns: f64,
     /// what is certified of it
     pub level: Level,
-    /// the energy book at its end, where there is one
+    /// the energy ledger at its end, where there is one
     balance: Option<Balance>,
     /// nothing is both more exact and quicker
     pub front: bool,
@@ -208,7 +208,7 @@ impl Steps<'_> {
 /// Plays a way and scores it.
 fn row(way: &Way, truth: &Truth, frames: usize, rate: f64, steps: &mut Steps) -> Result<Row, Failure> {
     let (columns, ns) = way.play(frames, steps)?;
-    let balance = way.audited.as_ref().and_then(|s| play::book(s, frames as u64 * u64::from(way.times)));
+    let balance = way.audited.as_ref().and_then(|s| play::ledger(s, frames as u64 * u64::from(way.times)));
     Ok(Row {
         method: way.method,
         times: way.times,

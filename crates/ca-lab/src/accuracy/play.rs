@@ -33,8 +33,8 @@ pub fn columns(scene: &Scene, frames: usize, times: u32, steps: &mut Steps) -> R
     Ok((all, begin.elapsed().as_nanos() as f64 / frames.max(1) as f64))
 }
 
-/// The energy book after so many ticks, or as long as it stays within range.
-pub fn book(scene: &Scene, ticks: u64) -> Option<Balance> {
+/// The energy ledger after so many ticks, or as long as it stays within range.
+pub fn ledger(scene: &Scene, ticks: u64) -> Option<Balance> {
     let mut p = Performance::new(scene, None).ok()?;
     while p.state.tick < ticks && p.state.is_sound(DIVERGED) {
         p.tick();

@@ -48,7 +48,7 @@ pub struct Way {
     pub times: u32,
     /// what runs
     pub scene: Scene,
-    /// the same with the energy book
+    /// the same with the energy ledger
     pub audited: Option<Scene>,
     /// the same in single precision, which runs in its place
     pub single: Option<ca_core_single::Scene>,

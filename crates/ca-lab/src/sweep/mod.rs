@@ -56,7 +56,7 @@ pub struct Ask {
     pub seconds: Option<f64>,
     /// sound rate \[Hz\]; that of the model if none
     pub rate: Option<f64>,
-    /// whether the energy book is kept
+    /// whether the energy ledger is kept
     pub energy: bool,
     /// whether pitch and decay are measured
     pub measure: bool,
@@ -102,7 +102,7 @@ pub struct Row {
     pub partial: Option<f64>,
     /// time in which it falls by 60 dB \[s\]
     pub t60: Option<f64>,
-    /// energy that the book misses, as a share of what there was
+    /// energy that the ledger misses, as a share of what there was
     pub residual: Option<f64>,
     /// names its scene among machines; empty where there is none
     pub hash: String,

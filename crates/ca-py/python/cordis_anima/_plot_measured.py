@@ -27,8 +27,8 @@ from ._results import Accuracy, Energy, Modes
 _DAY = 86400.0
 
 
-def energy(book: Render | Energy, ax: Axes | None = None) -> Axes:
-    """The energy book as an account: a bar for each entry [J], which begins where the one above ends.
+def energy(ledger: Render | Energy, ax: Axes | None = None) -> Axes:
+    """The energy ledger as an account: a bar for each entry [J], which begins where the one above ends.
 
     Raises:
         UsageError: the render kept none; ask for it by ``render(…, energy=True)``.
@@ -39,9 +39,9 @@ def energy(book: Render | Energy, ax: Axes | None = None) -> Axes:
     >>> [text.get_text() for text in ax.get_yticklabels()]
     ['start', 'work of ports', 'heat', 'made by the scheme', 'changed parameters', 'residual', 'stored at the end']
     """
-    e = book.energy if isinstance(book, Render) else book
+    e = ledger.energy if isinstance(ledger, Render) else ledger
     if e is None:
-        raise UsageError("no energy book was kept: `render(…, energy=True)`")
+        raise UsageError("no energy ledger was kept: `render(…, energy=True)`")
     ax = given_or_new(ax, 3.4)
     rows = [
         ("start", 0.0, e.start, STOCK),

@@ -38,7 +38,7 @@ class Render:
     columns: Mapping[str, tuple[str, ...]]
     #: unit of each probe: ``m`` or ``N``
     units: Mapping[str, str]
-    #: the energy book, where `energy=True` asked for it
+    #: the energy ledger, where `energy=True` asked for it
     energy: Energy | None
     #: ``ok``; ``unstable``, it blew up; ``clipped``, louder than full scale; ``refused``, an input had no value
     status: Status

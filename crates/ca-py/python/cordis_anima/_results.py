@@ -75,7 +75,7 @@ class Certificate(NamedTuple):
 
 
 class Energy(NamedTuple):
-    """The energy book [J]: ``stored = start + work − lost + made + changed + residual``."""
+    """The energy ledger [J]: ``stored = start + work − lost + made + changed + residual``."""
 
     #: energy at load
     start: float
@@ -95,7 +95,7 @@ class Energy(NamedTuple):
     residual: float
     #: the scale of the residual
     peak: float
-    #: how much time the book covers [s]; less than the render where it blew up
+    #: how much time the ledger covers [s]; less than the render where it blew up
     seconds: float
     #: heat of each link
     lost_by: Mapping[str, float]
@@ -106,7 +106,7 @@ class Energy(NamedTuple):
 
 
 def energy(raw: Mapping[str, Any]) -> Energy:
-    """An energy book from what the engine says."""
+    """An energy ledger from what the engine says."""
     plain: dict[str, Any] = {k: dict(v) if k.endswith("_by") else v for k, v in raw.items()}
     return Energy(**plain)
 
@@ -162,7 +162,7 @@ class Accuracy:
     cents: Floats
     #: how much more the second half is than it should be [dB]
     decay: Floats
-    #: energy made, as a share of what there was; NaN where no book is kept
+    #: energy made, as a share of what there was; NaN where no ledger is kept
     made: Floats
     #: time of one sample on this machine [ns]
     ns: Floats

@@ -201,7 +201,7 @@ class Scene:
                 A mapping of names to numbers, breakpoints ``[(t, value), …]``, arrays at the sound rate, arrays and
                 their rate, or files; or a file (CSV, NPY, WAV, MIDI, a take) whose tracks are called by them.
             probes: selectors to listen to besides: ``"low[3]"``, ``"strike"``, ``"low[*]"``.
-            energy: keep the energy book; a little slower.
+            energy: keep the energy ledger; a little slower.
             on_unstable: ``"raise"`` for an `UnstableError` where it blows up; else silence from there on.
             progress: told now and then how many frames of how many are done.
 

@@ -113,7 +113,7 @@ class Sim:
 
     @property
     def energy(self) -> Energy | None:
-        """The energy book, where `open(energy=True)` asked for it."""
+        """The energy ledger, where `open(energy=True)` asked for it."""
         raw = self._core.energy()
         return None if raw is None else energy(raw)
 

@@ -176,7 +176,7 @@ def sweep(
         seed: another one draws others.
         seconds: how long each is played; without, as the model says.
         gesture: what drives ports and live parameters, as in `Scene.render`.
-        energy: keep the energy book, for a column ``residual``.
+        energy: keep the energy ledger, for a column ``residual``.
         measure: measure the strongest partial and the decay, for columns ``partial`` and ``t60``: for a short sound that
             takes longer than to play it. The command does so, unless its plan says otherwise; who goes on with a folder of
             the command asks for the same.

@@ -173,7 +173,7 @@ class Take:
 
     @property
     def energy(self) -> Mapping[str, Floats]:
-        """The energy book over time: ``time`` [s], all else [J] as in `Energy`; empty arrays where none was kept."""
+        """The energy ledger over time: ``time`` [s], all else [J] as in `Energy`; empty arrays where none was kept."""
         return dict(self._read()["energy"])
 
     @property
@@ -269,7 +269,7 @@ def record(
         seconds: how long; without, as in `Scene.render`.
         gesture: what drives devices and live parameters; another port cannot be driven in a take, and what the model has
             for one is not played.
-        energy: keep the energy book.
+        energy: keep the energy ledger.
         forces: arm forces, as soon as the guard lets them.
         progress: told how many samples of how many are done.
 

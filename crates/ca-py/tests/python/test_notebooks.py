@@ -48,27 +48,27 @@ def test_there_are_some() -> None:
 
 @pytest.mark.parametrize("path", BOOKS, ids=lambda p: p.stem)
 def test_it_is_kept_without_what_a_run_leaves(path: Path) -> None:
-    book = json.loads(path.read_text())
-    nbformat.validate(nbformat.from_dict(book))
-    assert (book["nbformat"], book["nbformat_minor"]) == (4, 5)
-    assert set(book["metadata"]) == {"kernelspec", "language_info"}
-    for cell in book["cells"]:
+    ledger = json.loads(path.read_text())
+    nbformat.validate(nbformat.from_dict(ledger))
+    assert (ledger["nbformat"], ledger["nbformat_minor"]) == (4, 5)
+    assert set(ledger["metadata"]) == {"kernelspec", "language_info"}
+    for cell in ledger["cells"]:
         assert cell["metadata"] == {} and "".join(cell["source"]).strip()
         assert cell.get("outputs", []) == [] and cell.get("execution_count") is None
 
 
 @pytest.mark.parametrize("path", BOOKS, ids=lambda p: p.stem)
 def test_it_runs(path: Path, kernel: Path, temporary: Path) -> None:
-    book = nbformat.read(path, as_version=4)
+    ledger = nbformat.read(path, as_version=4)
     # and runs again, in the same kernel and the same folder
-    again = copy.deepcopy(book.cells)
+    again = copy.deepcopy(ledger.cells)
     for cell in again:
         cell["id"] += "-again"
-    book.cells += again
-    code = [cell for cell in book.cells if cell.cell_type == "code"]
+    ledger.cells += again
+    code = [cell for cell in ledger.cells if cell.cell_type == "code"]
     # what it says it also tests
     assert sum("assert " in cell.source for cell in code) >= 3
-    nbclient.NotebookClient(book, timeout=300, kernel_name="python3", resources={"metadata": {"path": str(kernel)}}).execute()
+    nbclient.NotebookClient(ledger, timeout=300, kernel_name="python3", resources={"metadata": {"path": str(kernel)}}).execute()
     outputs = [output for cell in code for output in cell.outputs]
     assert all(cell.execution_count for cell in code)
     # no warnings, and something to look at

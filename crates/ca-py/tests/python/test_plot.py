@@ -151,8 +151,8 @@ def test_an_energy_book_is_an_account(key: ca.Scene) -> None:
     r = key.render(0.2, gesture=gesture, energy=True)
     e = r.energy
     assert e is not None and e.work != 0 and e.lost > 0 and e.changed != 0
-    for book in (r, e):
-        ax = plot.energy(book)
+    for ledger in (r, e):
+        ax = plot.energy(ledger)
         drawn(ax)
         bars = ax.patches
         entries = [e.start, e.work, -e.lost, e.made, e.changed, e.residual, e.stored]

@@ -150,9 +150,9 @@ def test_blocks_without_end_and_books(key: ca.Scene) -> None:
         if k == 9:
             break
     assert sim.time == pytest.approx(11 * 160 / key.sr)
-    book = sim.energy
-    assert book is not None and abs(book.residual) < 1e-9 * book.peak
-    assert set(book.work_by) == {"key", "hand", "push"}
+    ledger = sim.energy
+    assert ledger is not None and abs(ledger.residual) < 1e-9 * ledger.peak
+    assert set(ledger.work_by) == {"key", "hand", "push"}
     assert key.open().energy is None
 
 

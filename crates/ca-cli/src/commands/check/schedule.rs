@@ -120,7 +120,7 @@ fn absent(scene: &Scene) -> Vec<&'static str> {
     };
     let space = scene.symbols.iter().any(|s| s.axes > 1);
     let absent = [
-        ("ledger", "no energy book"),
+        ("ledger", "no energy ledger"),
         ("changes", "no live parameters"),
         ("TGR in", "no border to a device"),
         ("ENX", "no position inputs"),

@@ -78,7 +78,7 @@ pub fn run(args: &RenderArgs) -> Outcome {
     let played = play(performance, frames, play::BLOCK, show, &mut |_, rows| files.write(rows))?;
     let written = files.finish()?;
     let energy = match &played.energy {
-        Some(book) => Some(play::Audit { book: book.clone(), ticks: played.energy_ticks, whole: true }),
+        Some(ledger) => Some(play::Audit { ledger: ledger.clone(), ticks: played.energy_ticks, whole: true }),
         None => audited().and_then(|twin| play::audit(&twin, gesture.as_ref(), frames)),
     };
     let twin = if played.broke.is_some() && !args.energy { audited() } else { None };

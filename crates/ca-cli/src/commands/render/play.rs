@@ -100,9 +100,9 @@ impl Files {
     }
 }
 
-/// An energy book, and how much time it covers.
+/// An energy ledger, and how much time it covers.
 pub(crate) struct Audit {
-    pub book: Ledger,
+    pub ledger: Ledger,
     pub ticks: u64,
     /// whether it was kept all the time
     pub whole: bool,
@@ -112,7 +112,7 @@ pub(crate) struct Audit {
 /// less, and the summary says for how long.
 const AUDITED: u64 = 100_000_000;
 
-/// Plays the first second once more with the book kept, up to the last tick before any blow-up.
+/// Plays the first second once more with the ledger kept, up to the last tick before any blow-up.
 pub(crate) fn audit(twin: &Scene, gesture: Option<&Gesture>, frames: u64) -> Option<Audit> {
     let afford = AUDITED / (twin.n_mat + twin.n_lia).max(1) as u64;
     let ticks = frames.min(twin.rate as u64).min(afford).max(1);
@@ -121,5 +121,5 @@ pub(crate) fn audit(twin: &Scene, gesture: Option<&Gesture>, frames: u64) -> Opt
         p.tick();
     }
     let booked = p.state.tick.saturating_sub(1);
-    p.state.ledger.map(|book| Audit { book, ticks: booked, whole: false })
+    p.state.ledger.map(|ledger| Audit { ledger, ticks: booked, whole: false })
 }

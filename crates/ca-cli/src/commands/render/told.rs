@@ -156,7 +156,7 @@ impl Summary<'_> {
         let (seconds, khz) = (w.duration(), show(six(self.scene.rate), Unit::HERTZ));
         writeln!(out, "{}  {seconds:.3} s, {channels}, {khz}, {}", w.path.display(), self.format())?;
         let rtf = self.real_time_factor();
-        let how = if self.args.energy { " with the energy book" } else { "" };
+        let how = if self.args.energy { " with the energy ledger" } else { "" };
         writeln!(out, "  speed      {} times real time{how} (real-time factor {})", short(1.0 / rtf), short(rtf))?;
         let name = |i: usize| self.scene.channel_names.get(i).map_or("?", String::as_str);
         let peaks: Vec<String> = (0..w.level.peak.len())
@@ -179,7 +179,7 @@ impl Summary<'_> {
     }
 
     fn energy(&self, out: &mut impl std::io::Write, a: &Audit) -> Result<(), Failure> {
-        let b = a.book.balance();
+        let b = a.ledger.balance();
         let time = a.ticks as f64 * self.scene.te;
         let span = if a.whole && self.broke.is_none() {
             String::new()
@@ -199,14 +199,14 @@ impl Summary<'_> {
         writeln!(out, "    lost     {}", joule(b.lost))?;
         writeln!(out, "    made     {} by the scheme", joule(b.source))?;
         writeln!(out, "    held     {}", joule(b.h))?;
-        for (name, received, given) in border::exchanged(self.scene, &a.book) {
+        for (name, received, given) in border::exchanged(self.scene, &a.ledger) {
             let (leak, received, given) = (joule(received - given), joule(received), joule(given));
             writeln!(out, "    border   {received} through `{name}`, {given} given by its hand: {leak} made")?;
             if let Some(scale) = self.scene.equivalence.keys.iter().find(|k| k.key == name) {
                 writeln!(out, "             `{name}` is {}", border::scale_of(scale))?;
             }
         }
-        for (name, made) in makers(self.scene, &a.book).iter().take(5) {
+        for (name, made) in makers(self.scene, &a.ledger).iter().take(5) {
             writeln!(out, "      {} made by `{name}`", joule(*made))?;
         }
         Ok(())
@@ -222,10 +222,10 @@ impl Summary<'_> {
             })
             .collect();
         let energy = self.energy.map(|a| {
-            let b = a.book.balance();
+            let b = a.ledger.balance();
             let makers: Vec<Json> =
-                makers(self.scene, &a.book).iter().take(5).map(|(n, v)| json!({"link": n, "made": v})).collect();
-            let hands: Vec<Json> = border::exchanged(self.scene, &a.book)
+                makers(self.scene, &a.ledger).iter().take(5).map(|(n, v)| json!({"link": n, "made": v})).collect();
+            let hands: Vec<Json> = border::exchanged(self.scene, &a.ledger)
                 .iter()
                 .map(|(name, r, g)| json!({"name": name, "received": r, "given": g, "leak": r - g}))
                 .collect();
@@ -256,8 +256,8 @@ impl Summary<'_> {
 }
 
 /// Links that made energy, most first.
-pub(crate) fn makers(scene: &Scene, book: &Ledger) -> Vec<(String, f64)> {
-    let made = book.source.iter().enumerate().filter(|(_, v)| **v > 0.0);
+pub(crate) fn makers(scene: &Scene, ledger: &Ledger) -> Vec<(String, f64)> {
+    let made = ledger.source.iter().enumerate().filter(|(_, v)| **v > 0.0);
     let mut list: Vec<(String, f64)> =
         made.filter_map(|(i, v)| Some((scene.audited_name(i)?.to_owned(), *v))).collect();
     list.sort_by(|a, b| b.1.total_cmp(&a.1));

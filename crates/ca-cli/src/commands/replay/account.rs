@@ -22,18 +22,18 @@ pub(super) struct Account {
 }
 
 impl Account {
-    /// Of an engine that keeps the energy book; `None` where it does not.
+    /// Of an engine that keeps the energy ledger; `None` where it does not.
     pub(super) fn of(engine: &Engine) -> Option<Account> {
         let scene = &engine.scene;
-        let book = engine.state.ledger.as_ref()?;
+        let ledger = engine.state.ledger.as_ref()?;
         let scale = scene.equivalence.of("").energy();
         let hand = |f: fn(&Port, usize) -> f64| -> f64 { engine.ports.iter().map(|p| at_hand(p, scale, f)).sum() };
-        let given = hand(|p, k| p.chain.book.given[k]);
-        let removed = hand(|p, k| p.chain.book.removed(k));
-        let b = book.balance();
-        let received: f64 = book.hands.iter().map(|e| e.received).sum();
-        // by the book of the scene: a hand that is sent no force gives nothing to a model that receives all the same
-        let leak = scale * received - hand(|p, k| p.chain.book.asked[k]);
+        let given = hand(|p, k| p.chain.ledger.given[k]);
+        let removed = hand(|p, k| p.chain.ledger.removed(k));
+        let b = ledger.balance();
+        let received: f64 = ledger.hands.iter().map(|e| e.received).sum();
+        // by the ledger of the scene: a hand that is sent no force gives nothing to a model that receives all the same
+        let leak = scale * received - hand(|p, k| p.chain.ledger.asked[k]);
         let sources = vec![
             ("given by the hands".into(), given),
             ("added by guard and device".into(), removed),
@@ -41,8 +41,8 @@ impl Account {
             ("received at other ports".into(), scale * (b.work - received)),
             ("brought by changes".into(), scale * b.changed),
         ];
-        let mut sinks: Vec<(String, f64)> = lost(scene, book).into_iter().map(|(n, j)| (n, scale * j)).collect();
-        sinks.push(("lost in masses".into(), scale * book.lost_mats));
+        let mut sinks: Vec<(String, f64)> = lost(scene, ledger).into_iter().map(|(n, j)| (n, scale * j)).collect();
+        sinks.push(("lost in masses".into(), scale * ledger.lost_mats));
         sinks.push(("held, more than at load".into(), scale * (b.h - b.h0)));
         sinks.push(("swallowed by the scheme".into(), -scale * b.source));
         Some(Account { sources, sinks, peak: scale * b.peak })
@@ -93,9 +93,9 @@ fn at_hand(port: &Port, scale: f64, f: fn(&Port, usize) -> f64) -> f64 {
 }
 
 /// Heat of links, by their name in the file, most first.
-fn lost(scene: &Scene, book: &Ledger) -> Vec<(String, f64)> {
+fn lost(scene: &Scene, ledger: &Ledger) -> Vec<(String, f64)> {
     let mut list: Vec<(String, f64)> = Vec::new();
-    for (i, j) in book.lost.iter().enumerate() {
+    for (i, j) in ledger.lost.iter().enumerate() {
         let name = scene.audited_name(i).unwrap_or("?").split('[').next().unwrap_or("?");
         let name = format!("lost in `{name}`");
         match list.iter_mut().find(|r| r.0 == name) {

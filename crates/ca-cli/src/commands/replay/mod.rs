@@ -21,7 +21,7 @@ pub fn run(args: &ReplayArgs) -> Outcome {
         return Err(Failure::Usage(format!("{what}; give the file the extension `.wav`")));
     }
     let mut take = Take::open(&args.file)?;
-    // the book changes no bit of what is played, which the comparison shows
+    // the ledger changes no bit of what is played, which the comparison shows
     take.header.options.energy |= args.energy;
     let mut replay = Replay::new(&take, &catalog())?;
     let channels = replay.engine.scene.channels;

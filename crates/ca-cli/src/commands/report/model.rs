@@ -1,7 +1,7 @@
 //! A model on a page: played, and everything about it.
 
 use super::parts::{self, Facts, finished};
-use super::played::Book;
+use super::played::EnergyOverTime;
 use crate::Failure;
 use crate::args::ReportArgs;
 use crate::commands::render::{self, Broke};
@@ -16,7 +16,7 @@ use std::path::Path;
 
 /// Most curves of one plot.
 const CURVES: usize = 8;
-/// Times the book is looked at.
+/// Times the ledger is looked at.
 const LOOKS: u64 = 1000;
 /// What is tried for error against run time: its length \[s\], multiples of the rate, and that of the reference.
 const TRIED: f64 = 0.2;
@@ -26,7 +26,7 @@ const REFERENCE: u32 = 32;
 /// Plays the model and tells all of it.
 pub(super) fn report(args: &ReportArgs) -> Result<(String, Report), Failure> {
     let loaded = load::load(&args.source)?;
-    // the book is of the explicit scheme
+    // the ledger is of the explicit scheme
     let composed = matches!(loaded.model.meta("method").map(|e| &e.value), Some(Value::Text(t)) if t == "pefrl");
     let with = |probes: Vec<String>| Options {
         rate: args.source.rate,
@@ -48,7 +48,7 @@ pub(super) fn report(args: &ReportArgs) -> Result<(String, Report), Failure> {
 
     let mut sound = Sound::new(scene.rate, &scene.channel_names);
     let mut motion = Envelope::new(scene.rate, scene.n_out - scene.channels);
-    let mut book = Book::default();
+    let mut ledger = EnergyOverTime::default();
     let block = (frames / LOOKS).clamp(1, 1024);
     let played = render::play(performance, frames, block, !args.quiet, &mut |p, rows| {
         for row in rows.chunks_exact(scene.n_out.max(1)) {
@@ -56,11 +56,11 @@ pub(super) fn report(args: &ReportArgs) -> Result<(String, Report), Failure> {
             motion.push(&row[scene.channels..]);
         }
         if !p.diverged && p.state.is_sound(ca_haptic::perform::DIVERGED) {
-            book.look(p.state.tick as f64 * scene.te, p.state.ledger.as_ref());
+            ledger.look(p.state.tick as f64 * scene.te, p.state.ledger.as_ref());
         }
         Ok(())
     })?;
-    book.end = played.energy.clone();
+    ledger.end = played.energy.clone();
 
     let broke = Broke::of(&played, &scene, gesture.as_ref());
     let title = if scene.title.is_empty() { &loaded.name } else { &scene.title };
@@ -77,8 +77,8 @@ pub(super) fn report(args: &ReportArgs) -> Result<(String, Report), Failure> {
     let mut facts = Facts::of(&scene);
     facts.add("length", format!("{seconds} s"));
     let factor = played.wall.as_secs_f64() / (frames as f64 * scene.te);
-    let book_kept = if composed { "" } else { " with the energy book" };
-    facts.add("real-time factor", format!("{}{book_kept}, on this machine", short(factor)));
+    let ledger_kept = if composed { "" } else { " with the energy ledger" };
+    facts.add("real-time factor", format!("{}{ledger_kept}, on this machine", short(factor)));
     for (name, value) in args.source.changes() {
         facts.add("changed", format!("{name} = {value}"));
     }
@@ -86,7 +86,7 @@ pub(super) fn report(args: &ReportArgs) -> Result<(String, Report), Failure> {
     let modes = parts::modes(&loaded.model, &with(Vec::new()));
     report.sections.extend(parts::sound(sound, modes.marks(), broke.is_some()));
     report.sections.extend(moved(&loaded, &scene, &motion, &probes));
-    report.sections.extend(book.section(&scene, 1.0));
+    report.sections.extend(ledger.section(&scene, 1.0));
     report.sections.push(modes.section());
     report.sections.extend(accuracy(args, &loaded)?);
     report.sections.push(parts::stability(&scene));

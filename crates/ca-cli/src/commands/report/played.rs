@@ -1,4 +1,4 @@
-//! The energy book over the time of a performance, looked at now and then.
+//! The energy ledger over the time of a performance, looked at now and then.
 //!
 //! Decides to show the residual by itself, as a part of the largest energy so far: it is ten orders of magnitude below
 //! the rest, and the one curve that tests the engine.
@@ -8,27 +8,27 @@ use ca_core::Scene;
 use ca_core::energy::{Balance, Ledger};
 use ca_report::{Axis, Block, Curve, Grid, Plot, Section, Table};
 
-/// The book at several times.
+/// The ledger at several times.
 #[derive(Default)]
-pub(super) struct Book {
+pub(super) struct EnergyOverTime {
     /// \[s\]
     times: Vec<f64>,
     /// sums, and the part in motion \[J\]
     sums: Vec<(Balance, f64)>,
-    /// the book at the end
+    /// the ledger at the end
     pub end: Option<Ledger>,
 }
 
-impl Book {
-    /// Notes what the book says at a time \[s\].
-    pub fn look(&mut self, time: f64, book: Option<&Ledger>) {
-        if let Some(book) = book {
+impl EnergyOverTime {
+    /// Notes what the ledger says at a time \[s\].
+    pub fn look(&mut self, time: f64, ledger: Option<&Ledger>) {
+        if let Some(ledger) = ledger {
             self.times.push(time);
-            self.sums.push((book.balance(), book.kinetic));
+            self.sums.push((ledger.balance(), ledger.kinetic));
         }
     }
 
-    /// The section, in joules that are `scale` times those of the model; `None` where no book was kept.
+    /// The section, in joules that are `scale` times those of the model; `None` where no ledger was kept.
     pub fn section(&self, scene: &Scene, scale: f64) -> Option<Section> {
         let end = self.end.as_ref()?;
         let b = end.balance();
@@ -50,8 +50,8 @@ impl Book {
         let rest = vec![Curve::line("residual", self.sums.iter().map(|s| relative(&s.0)).collect())];
         let closes = match relative(&b) {
             _ if b.peak == 0.0 => "Nothing moved, so there is no energy.".into(),
-            0.0 => "The book closes exactly.".into(),
-            rel => format!("The book closes to {rel:.1e} of its peak, {}.", joule(scale * b.peak)),
+            0.0 => "The ledger balances exactly.".into(),
+            rel => format!("The ledger balances to {rel:.1e} of its peak, {}.", joule(scale * b.peak)),
         };
         let mut rows = vec![
             ("at load", joule(scale * b.h0)),

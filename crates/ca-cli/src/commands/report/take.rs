@@ -1,12 +1,12 @@
-//! A take on a page: what was recorded, as it was, and the book of playing it again.
+//! A take on a page: what was recorded, as it was, and the ledger of playing it again.
 //!
 //! Decides to show what the file holds rather than what a replay makes of it: sound, positions and forces as they were,
-//! holes as holes. The energy book and the verdict come of a replay; where this build cannot play the take, the page
+//! holes as holes. The energy ledger and the verdict come of a replay; where this build cannot play the take, the page
 //! says so and is written without them. The times of the loop are those of the device's clock, from a frame to the first
 //! that was made under the force which answers it: force frames are recorded before anybody sends them.
 
 use super::parts::{self, Facts, finished};
-use super::played::Book;
+use super::played::EnergyOverTime;
 use super::useless;
 use crate::args::ReportArgs;
 use crate::term::short;
@@ -104,8 +104,8 @@ pub(super) fn report(args: &ReportArgs, file: &Path) -> Result<(String, Report),
         report.sections.push(Section::new("Events", blocks));
     }
     report.sections.extend(loops.section(h.rate, h.rate / f64::from(h.ratio)));
-    if let (Ok((_, book)), Ok(scene)) = (&again, &scene) {
-        report.sections.extend(book.section(scene, scene.equivalence.of("").energy()));
+    if let (Ok((_, ledger)), Ok(scene)) = (&again, &scene) {
+        report.sections.extend(ledger.section(scene, scene.equivalence.of("").energy()));
     }
     report.sections.extend(modes.map(|m| m.section()));
     report.sections.extend(scene.as_ref().ok().map(parts::stability));
@@ -114,25 +114,25 @@ pub(super) fn report(args: &ReportArgs, file: &Path) -> Result<(String, Report),
     Ok((name, report))
 }
 
-/// The verdict of a replay in words, and its energy book; or why there is none.
-fn again(take: &Take) -> Result<(String, Book), String> {
+/// The verdict of a replay in words, and its energy ledger; or why there is none.
+fn again(take: &Take) -> Result<(String, EnergyOverTime), String> {
     let mut replay = Replay::new(take, &catalog()).map_err(|e| e.to_string())?;
-    let mut book = Book::default();
+    let mut ledger = EnergyOverTime::default();
     let (mut seen, every) = (0_u64, (take.header.rate / f64::from(take.header.ratio) / 50.0).max(1.0) as u64);
     let mut look = |engine: &ca_haptic::engine::Engine| {
         if seen.is_multiple_of(every) {
-            book.look(engine.state.tick as f64 / take.header.rate, engine.state.ledger.as_ref());
+            ledger.look(engine.state.tick as f64 / take.header.rate, engine.state.ledger.as_ref());
         }
         seen += 1;
     };
     let verdict = replay.run(take, &mut look, &mut |_| Ok(())).map_err(|e| e.to_string())?;
-    book.end.clone_from(&replay.engine.state.ledger);
+    ledger.end.clone_from(&replay.engine.state.ledger);
     match (&verdict.difference, verdict.hole) {
         (Some(d), _) => Err(format!("played again, it is not as it was: {d}")),
         (None, Some(t)) => Err(format!("it cannot be played again from {t:.3} s on: records are missing there")),
         (None, None) => Ok((
             format!("identical to the bit: {} force frames, {} sound samples", verdict.forces, verdict.samples),
-            book,
+            ledger,
         )),
     }
 }

@@ -28,7 +28,7 @@ fn a_replay_tells_and_sounds() {
     desk.ca(&["replay", "take.mcap", "-o", "x.flac"]).is(2).says(&["`.wav`"]);
 }
 
-/// A book that is kept only by the replay changes nothing, and closes, whether or not a force goes to the hands.
+/// A ledger that is kept only by the replay changes nothing, and closes, whether or not a force goes to the hands.
 #[test]
 fn a_replay_keeps_the_book_that_the_performance_did_not() {
     let mut takes = Vec::new();

@@ -11,7 +11,7 @@ use ca_haptic::take::{Header, Rt, TakeWriter, Told};
 use std::path::Path;
 use std::sync::Arc;
 
-/// Two devices, a live parameter, contacts, two channels, an energy book.
+/// Two devices, a live parameter, contacts, two channels, an energy ledger.
 pub const DUO: &str = r#"
 # Two hands on one bar.
 [model]
@@ -62,7 +62,7 @@ impl Performer {
         Performer::of(text, changes, true, path)
     }
 
-    /// The same, with what is changed in the model, and with or without an energy book.
+    /// The same, with what is changed in the model, and with or without an energy ledger.
     pub fn of(text: &str, changes: &[(&str, &str)], energy: bool, path: &Path) -> Performer {
         let options = Options { energy, ..Options::default() };
         let (mut model, found) = ca_core::model::read::read(text, "some/where/duo.ca.toml", &catalog());
@@ -166,8 +166,8 @@ impl Performer {
         if second {
             let (tick, bits) = (self.engine.due(), self.engine.state.bits());
             self.note(&Record::Hash { tick, bits });
-            if let Some(book) = &self.engine.state.ledger {
-                let balance = book.balance();
+            if let Some(ledger) = &self.engine.state.ledger {
+                let balance = ledger.balance();
                 self.note(&Record::Energy { tick, balance });
             }
         }

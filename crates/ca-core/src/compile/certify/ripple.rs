@@ -1,9 +1,9 @@
 //! How far the energy of a scene with distances in space may rise above itself, left alone.
 //!
-//! Without viscosity the scheme is symplectic, so beside the energy H of the book it keeps another one for as long as
+//! Without viscosity the scheme is symplectic, so beside the energy H of the ledger it keeps another one for as long as
 //! anyone plays, and does not drift; what is left to bound is the difference of the two. With λ = ω²T² of a mode:
 //! - What it keeps is Σ ρ Hᵢ over the modes, ρ = θ/sin θ with 2 sin(θ/2) = √λ. Lengths tie the modes to each other, and
-//!   energy that goes from a mode of λ to one without stiffness is ρ times as large in the book.
+//!   energy that goes from a mode of λ to one without stiffness is ρ times as large in the ledger.
 //! - A spring under tension holds sideways, with its energy before and after a tick in the mean and not in the product:
 //!   ¼ dᵀKd above what the mode keeps, up to λ/2 of its energy in motion, which is at most 1/(1 − λ/4) of all of it.
 //!
@@ -16,7 +16,7 @@ use super::exact::Exact;
 use crate::certificate::{Certificate, Level};
 
 /// The share by which the energy of small motions may rise above what it was at any time before. `None` where nothing
-/// is known of it: a contact that looks ahead keeps the energy of the book, and so moves the one that the rest keeps.
+/// is known of it: a contact that looks ahead keeps the energy of the ledger, and so moves the one that the rest keeps.
 pub fn ripple(net: &Net, exact: Option<&Exact>, cert: &Certificate) -> Option<f64> {
     if cert.level != Level::Linearised || net.is_composed() || net.lias.iter().any(|l| l.law.is_late()) {
         return None;

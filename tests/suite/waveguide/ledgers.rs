@@ -1,4 +1,4 @@
-//! The energy of waves is held, that of the far end is heat, and the books close.
+//! The energy of waves is held, that of the far end is heat, and the ledgers balance.
 
 use super::string;
 use crate::play::{TURN, audited, scene, within};
@@ -20,16 +20,16 @@ fn the_books_close_and_the_far_end_only_takes() {
         let mut heat = 0.0;
         for n in 0..48_000 {
             tick(&scene, &mut s);
-            let book = s.ledger.as_ref().expect("a book").balance();
-            assert!(book.lost >= heat - 1e-15 * book.peak, "tick {n} of {loss}: {} after {heat}", book.lost);
-            heat = book.lost;
+            let ledger = s.ledger.as_ref().expect("a ledger").balance();
+            assert!(ledger.lost >= heat - 1e-15 * ledger.peak, "tick {n} of {loss}: {} after {heat}", ledger.lost);
+            heat = ledger.lost;
         }
-        let l = s.ledger.as_ref().expect("a book");
-        let book = l.balance();
-        within("residual", book.residual.abs() / book.peak, 1e-12);
-        within("of one tick", l.worst / book.peak, 1e-14);
-        assert!(book.h0 > 1e-4 && book.source == 0.0);
-        within("what is not heat in the end", (1.0 - book.lost / book.h0).abs(), 2e-3);
+        let l = s.ledger.as_ref().expect("a ledger");
+        let ledger = l.balance();
+        within("residual", ledger.residual.abs() / ledger.peak, 1e-12);
+        within("of one tick", l.worst / ledger.peak, 1e-14);
+        assert!(ledger.h0 > 1e-4 && ledger.source == 0.0);
+        within("what is not heat in the end", (1.0 - ledger.lost / ledger.h0).abs(), 2e-3);
     }
 }
 
@@ -43,7 +43,7 @@ fn a_note_loses_sixty_decibels_in_its_time() {
     for n in 0..24_000 {
         s.input[0] = if n < 96 { 1.0 - (TURN * f64::from(n) / 96.0).cos() } else { 0.0 };
         tick(&scene, &mut s);
-        held.push(s.ledger.as_ref().expect("a book").h);
+        held.push(s.ledger.as_ref().expect("a ledger").h);
     }
     within("decibels in 0.25 s", (10.0 * (held[23_000] / held[11_000]).log10() + 30.0).abs(), 0.02);
 }

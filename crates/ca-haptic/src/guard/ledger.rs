@@ -2,7 +2,7 @@
 //!
 //! Decides to write three sums rather than their differences, each exact (numerics 5.3): what the model received by the
 //! mean force of each frame, what the hand would have given had the model's force been sent, and what it gave to the
-//! force that was sent. The first two are the book of the scene ([`Exchange`](ca_core::ledger::Exchange)) times β/α;
+//! force that was sent. The first two are the ledger of the scene ([`Exchange`](ca_core::ledger::Exchange)) times β/α;
 //! the guard's own share is a line of its own, their difference to the third.
 
 use super::Hand;
@@ -10,7 +10,7 @@ use crate::frame::DOF;
 
 /// Sums since the engine began \[J\].
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Book {
+pub struct HandLedger {
     /// energy the model received
     pub received: [f64; DOF],
     /// energy the hand would have given to the forces the model asked for
@@ -21,8 +21,8 @@ pub struct Book {
     last: [f64; DOF],
 }
 
-impl Book {
-    /// Books the frame that ends at the present position; `hand.force` is what the model asks for now.
+impl HandLedger {
+    /// Records the frame that ends at the present position; `hand.force` is what the model asks for now.
     pub(super) fn frame(&mut self, hand: &Hand) {
         for k in 0..hand.n {
             // a model that blew up receives nothing that could be counted

@@ -1,4 +1,4 @@
-//! Energy: nothing is created, the books close, and they name who makes it.
+//! Energy: nothing is created, the ledgers balance, and they name who makes it.
 
 use super::bench::{FS, string};
 use crate::play::{PI, audited, case, mat, mats, num, off, within};
@@ -16,7 +16,7 @@ fn a09_nothing_is_created_in_ten_seconds() {
     let (mut h0, mut drift) = (0.0, 0.0f64);
     for n in 0..num(c, "setup/steps") as usize {
         tick(&scene, &mut s);
-        let h = s.ledger.as_ref().expect("a book").h;
+        let h = s.ledger.as_ref().expect("a ledger").h;
         if n == 0 {
             h0 = h;
         }
@@ -24,7 +24,7 @@ fn a09_nothing_is_created_in_ten_seconds() {
     }
     assert!(h0 > 0.0);
     within("A09 drift", drift, num(c, "tolerance/drift_rel"));
-    // the book's energy is that of the masses and springs, counted by hand
+    // the ledger's energy is that of the masses and springs, counted by hand
     let k = 0.9 * 1e-3 * FS * FS;
     let mut by_hand = 0.0;
     let ends: Vec<f64> = std::iter::once(0.0).chain(masses.iter().map(|p| s.x[*p])).chain([0.0]).collect();
@@ -47,10 +47,10 @@ fn a10_the_books_close_with_dampers_and_a_force() {
         s.input[0] = if n < steps / 4 { (0.05 * n as f64).sin() } else { 0.0 };
         tick(&scene, &mut s);
     }
-    let book = s.ledger.as_ref().expect("a book");
-    let b = book.balance();
+    let ledger = s.ledger.as_ref().expect("a ledger");
+    let b = ledger.balance();
     assert!(b.work > 0.0 && b.lost > 0.99 * b.work && b.source == 0.0, "{b:?}");
-    within("A10 one sample", book.worst / b.peak, num(c, "tolerance/residual_rel"));
+    within("A10 one sample", ledger.worst / b.peak, num(c, "tolerance/residual_rel"));
     within("A10 cumulative", b.residual.abs() / b.peak, num(c, "tolerance/cumulative_rel"));
 }
 
@@ -81,20 +81,20 @@ fn a17_the_book_names_who_makes_energy() {
     (s.d[mat(&scene, "low")], s.d[mat(&scene, "high")]) = (-0.4, 0.1);
     tick(&scene, &mut s);
     tick(&scene, &mut s);
-    let first = s.ledger.clone().expect("a book").balance();
+    let first = s.ledger.clone().expect("a ledger").balance();
     within("A17 energy after the first tick", off(first.h, num(c, "values/H1")), 1e-6);
     for _ in 2..=num(c, "setup/steps") as usize {
         tick(&scene, &mut s);
     }
-    let book = s.ledger.as_ref().expect("a book");
-    let b = book.balance();
+    let ledger = s.ledger.as_ref().expect("a ledger");
+    let b = ledger.balance();
     let tolerance = num(c, "tolerance/closure_abs");
     within("A17 closure", b.residual.abs(), tolerance);
     within("A17 change is what the links made", (b.h - first.h - (b.source - first.source)).abs(), tolerance);
-    let (culprit, made) = book.culprit().expect("someone makes energy");
+    let (culprit, made) = ledger.culprit().expect("someone makes energy");
     assert_eq!(scene.audited_name(culprit), Some("contact"));
     assert!(made > 0.5 * b.source && b.source > 0.1, "{b:?}");
-    // the linear spring keeps its books by theorem
+    // the linear spring keeps its ledgers by theorem
     let spring = (0..scene.n_lia).find(|i| scene.audited_name(*i) == Some("spring")).expect("the spring");
-    assert_eq!(book.source[spring], num(c, "values/spring"));
+    assert_eq!(ledger.source[spring], num(c, "values/spring"));
 }

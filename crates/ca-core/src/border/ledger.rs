@@ -1,4 +1,4 @@
-//! The book of the border: what each hand gave and what the scene received from it, frame by frame (numerics 5.3).
+//! The ledger of the border: what each hand gave and what the scene received from it, frame by frame (numerics 5.3).
 //!
 //! Decides to keep it exact rather than to estimate: a device holds its force u from one frame to the next, so what the
 //! hand gives during frame n is u_{n−1} times the motion of the hand, and what the scene receives is the mean force of
@@ -14,7 +14,7 @@ use crate::state::State;
 
 /// At the end of a frame, once its force is known. With `SYNC`, where the hand is sent the force of the tick, the mean
 /// with the one before is what the scene receives by.
-pub(super) fn book<const SYNC: bool>(op: &Op, layout: &Layout, s: &mut State) {
+pub(super) fn ledger<const SYNC: bool>(op: &Op, layout: &Layout, s: &mut State) {
     let j = phase(layout.frame, s.tick);
     if j != 0 && j != layout.frame {
         return;
