@@ -84,7 +84,7 @@ fn burdened(model: &Model, border: &str, feedback: &str) -> Model {
     m
 }
 
-/// Links that look ahead: by themselves, and together, some of which may not pull.
+/// Implicit links: by themselves, and together, some of which may not pull.
 fn stable() -> Vec<(String, String)> {
     let alone = r#"
 [param]

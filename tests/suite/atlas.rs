@@ -105,7 +105,7 @@ fn the_survival_table() {
     }
     assert_eq!(largest(0.1, 1.94), (1.0, false));
 
-    // what looks ahead bears what explicit links do not: numerics 3.6
+    // what is implicit bears what explicit links do not: numerics 3.6
     let by = |case: Case, method: &str| match played(case, method) {
         Outcome::Largest(x, rises) => (x, rises),
         other => panic!("{case:?} by {method}: {other:?}"),

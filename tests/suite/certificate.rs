@@ -48,8 +48,8 @@ fn drawn(seed: u64, scale: f64) -> String {
         let b = (roll() * (n + 1) as f64) as usize;
         let other = if b == n || b == a { "wall".into() } else { format!("n{b}") };
         let (k, z) = (scale * decades(roll()), if roll() < 0.5 { 0.0 } else { scale * decades(roll()) });
-        let ahead = method(roll());
-        let _ = writeln!(text, "l{l} = {{ between = [\"n{a}\", \"{other}\"], k = {k:e}, z = {z:e}{ahead} }}");
+        let implicit = method(roll());
+        let _ = writeln!(text, "l{l} = {{ between = [\"n{a}\", \"{other}\"], k = {k:e}, z = {z:e}{implicit} }}");
     }
     if string {
         let (m, k) = (decades(roll()), scale * decades(roll()));

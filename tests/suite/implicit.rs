@@ -349,14 +349,14 @@ fn a_row_stays_whole_and_pairs_need_no_matrix() {
     within("in one matrix", apart(&ours, &run(&solved)), 1e-9);
 }
 
-/// What cannot be solved ahead is refused with a word, and a scene without such links has nothing of it.
+/// What cannot be solved implicitly is refused with a word, and a scene without such links has nothing of it.
 #[test]
 fn pay_only_for_what_is_used() {
     let s = scene(&bob("k = 1, z = 0.1"));
-    assert!(s.layout.ahead.is_none() && s.state().ahead.is_empty());
+    assert!(s.layout.implicit.is_none() && s.state().implicit.is_empty());
     assert!(s.forces.iter().all(|o| !o.name.starts_with("implicit")));
     let s = scene(&cell("k = 1e9, method = \"implicit\""));
-    assert!(s.layout.ahead.is_none(), "a cell needs no matrix");
+    assert!(s.layout.implicit.is_none(), "a cell needs no matrix");
 }
 
 /// Two masses on a spring 10¹² times as stiff as they are heavy: what moves them together keeps its digits.

@@ -237,15 +237,15 @@ fn what_it_refuses() {
     assert!(titles(&all, &Options::default()).is_empty());
     let tie = |end: &str| format!("between = [\"a\", \"{end}\"]");
     let cell = |own: &str| format!("[g.CEL]\nx = {{ m = 1, {own} }}\n[g.SOX]\no = {{ from = \"g.x\" }}\n");
-    let (motion, ahead) = ("the force of `g.x` hangs on motion", "`g.x` looks ahead");
+    let (motion, implicit) = ("the force of `g.x` hangs on motion", "`g.x` is implicit");
     for (more, why) in [
         (format!("[g.REF]\nx = {{ {}, k = 1, z = 0.1 }}\n", tie("b")), motion),
         (format!("[g.HRZ]\nx = {{ {}, k = 1, h = 0.1 }}\n", tie("b")), motion),
         (format!("[g.FRO]\nx = {{ {}, z = 0.1 }}\n", tie("w")), motion),
         (format!("[g.PLK]\nx = {{ {}, k = 1, d = 1 }}\n", tie("b")), "`g.x` remembers"),
-        (format!("[g.BUT]\nx = {{ {}, k = 1, method = \"stable\" }}\n", tie("b")), ahead),
-        (format!("[g.RES]\nx = {{ {}, k = 1, method = \"implicit\" }}\n", tie("b")), ahead),
-        (cell("k = 1, method = \"implicit\""), ahead),
+        (format!("[g.BUT]\nx = {{ {}, k = 1, method = \"stable\" }}\n", tie("b")), implicit),
+        (format!("[g.RES]\nx = {{ {}, k = 1, method = \"implicit\" }}\n", tie("b")), implicit),
+        (cell("k = 1, method = \"implicit\""), implicit),
         (cell("k = 1, z = 1"), "`g.x` is damped"),
         (cell("f = 100"), "`g.x` is tuned to the pitch of the explicit scheme"),
         (format!("[g.ENX]\nx = {{}}\n[g.RES]\nt = {{ {}, k = 1 }}\n", tie("g.x")), "`g.x` is moved from outside"),

@@ -176,7 +176,7 @@ fn the_book() {
 const STRING: &str =
     "[STRING]\ns = { n = 40, f = \"110 Hz\", t60 = \"4 s\", m = \"1 g\" }\n[SOX]\no = { from = \"s[5]\" }\n";
 
-/// Half a second of contacts, bows, waves, modes and links that look ahead, against double precision.
+/// Half a second of contacts, bows, waves, modes and implicit links, against double precision.
 #[test]
 fn laws_and_methods() {
     let hammer = "[MAS]\nh = { m = \"20 g\", x = \"-5.01234 mm\", v = \"1 m/s\" }\n";

@@ -115,7 +115,7 @@ impl Line {
             add(code, format!("n{i}"), args);
             add("SOX", format!("o{i}"), format!("from = \"{}\"", self.end(i)));
         }
-        // what looks ahead in two ways cannot share a mass
+        // what is implicit in two ways cannot share a mass
         let blows = self.ties.iter().any(|t| matches!(t.0, Tie::Contact | Tie::Bow));
         for (l, (tie, a, b, k, z)) in self.ties.iter().enumerate() {
             let n = self.bodies.len();

@@ -158,7 +158,7 @@ fn viscosity_is_advised_to_a_stiff_contact_where_some_helps() {
     assert!(advised(end * (1.0 - 1e-3)) && !advised(end * (1.0 + 1e-3)));
 }
 
-/// Single precision: how stiff a link that looks ahead may be, how slow a decay, how large and small a number.
+/// Single precision: how stiff an implicit link may be, how slow a decay, how large and small a number.
 #[test]
 fn the_limits_of_single_precision_are_where_they_are_stated() {
     let found = |text: &str| {

@@ -247,7 +247,7 @@ fn links() -> Vec<Row> {
 }
 
 fn methods() -> Vec<Row> {
-    let ahead = |method: &str| apart("REF", &format!("k = 1, z = 0.001, method = \"{method}\""));
+    let implicit = |method: &str| apart("REF", &format!("k = 1, z = 0.001, method = \"{method}\""));
     let also = |params: &str, method: &str| format!("{params}, method = \"{method}\"");
     let cell = |method: &str| cells(N, &also("", method));
     let unheard = |method: &str| format!("[q.CEL]\na = {{ m = 1e-3, k = 100, method = \"{method}\" }}\n");
@@ -264,14 +264,20 @@ fn methods() -> Vec<Row> {
     );
     let hidden = "[q]\nmethod = \"modal\"\n[q.STRING]\nt = { n = 10, m = 1e-3, k = 1e3 }\n";
     vec![
-        beside("method `centred`", "a link of a string of 100", 101, [string(100), by("centred")], &ahead("centred")),
+        beside(
+            "method `centred`",
+            "a link of a string of 100",
+            101,
+            [string(100), by("centred")],
+            &implicit("centred"),
+        ),
         beside("method `centred`", "a cell", N, [cells(N, ""), cell("centred")], &unheard("centred")),
         beside(
             "method `implicit`",
             "a link of a string of 100",
             101,
             [string(100), by("implicit")],
-            &ahead("implicit"),
+            &implicit("implicit"),
         ),
         beside("method `implicit`", "a cell", N, [cells(N, ""), cell("implicit")], &unheard("implicit")),
         beside("method `modal`", "a mass of a string of 100, heard in one place", 100, [string(100), modes], hidden),

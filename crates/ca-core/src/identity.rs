@@ -104,7 +104,7 @@ impl Words {
             outputs,
             blockers,
             lowpass,
-            ahead,
+            implicit,
             ledger,
             finer,
         } = layout;
@@ -119,7 +119,7 @@ impl Words {
         self.places(weighed.iter());
         self.debug(&(crowds, proxies, modal, tables));
         self.debug(&(enx, enf, tgr, crossing, waves));
-        self.debug(&(outputs, blockers, lowpass, ahead));
+        self.debug(&(outputs, blockers, lowpass, implicit));
         let accounts = ledger.iter().flat_map(|l| &l.accounts);
         self.debug(&ledger.as_ref().map(|l| l.weight));
         self.all(accounts.map(|a| (a.op, a.n, a.ports, a.first, a.coef, a.mem, a.tap, a.coefs, a.mems, a.linear)));

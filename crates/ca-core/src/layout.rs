@@ -270,7 +270,7 @@ pub struct Account {
 /// Links that take part of their force from the time to come: what they join is one matrix of inertia. Those that share
 /// no mass with another are pairs, which need none.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Ahead {
+pub struct ImplicitLinks {
     /// places in the state, in the order of elimination (n)
     pub places: Vec<u32>,
     /// pattern of its factor
@@ -283,7 +283,7 @@ pub struct Ahead {
     pub pairs: Vec<Pair>,
 }
 
-/// A link on a line that looks ahead by itself.
+/// An implicit link on a line that is solved by itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Pair {
     /// places in the state of its ends
@@ -299,7 +299,7 @@ pub struct Felt {
     pub coef: [u32; 3],
     /// place in [`State::tap`]
     pub tap: Option<u32>,
-    /// what its elongation is of the places in [`Ahead::places`]: number and weight
+    /// what its elongation is of the places in [`ImplicitLinks::places`]: number and weight
     pub moves: Vec<(u32, Real)>,
     /// the same of places in the state that no force moves
     pub held: Vec<(u32, Real)>,
@@ -394,8 +394,8 @@ pub struct Layout {
     pub blockers: Vec<Blocker>,
     /// low-pass of the sound channels: the first half of its coefficients, up to the middle one (any)
     pub lowpass: Vec<Real>,
-    /// what is solved in each tick, where links look ahead together
-    pub ahead: Option<Ahead>,
+    /// what is solved in each tick, where implicit links are solved together
+    pub implicit: Option<ImplicitLinks>,
     /// what the ledger needs, where the scene keeps one
     pub ledger: Option<LedgerPlan>,
     /// where a sample has several ticks

@@ -95,13 +95,13 @@ pub struct LivePlan {
     pub coefs: Vec<u32>,
     /// how to get from one to the other
     pub items: Vec<LiveItem>,
-    /// what has to be solved anew, where links that look ahead depend on them
-    pub ahead: Option<LiveAhead>,
+    /// what has to be solved anew, where implicit links depend on them
+    pub implicit: Option<LiveImplicit>,
 }
 
-/// The factor of links that look ahead, as far as it follows live parameters.
+/// The factor of implicit links, as far as it follows live parameters.
 #[derive(Clone, Debug, PartialEq)]
-pub struct LiveAhead {
+pub struct LiveImplicit {
     /// what it is made of
     pub made: Inertia,
     /// the first of its coefficients in [`LivePlan::coefs`]
@@ -110,7 +110,7 @@ pub struct LiveAhead {
     pub known: Vec<(u32, f64)>,
 }
 
-impl LiveAhead {
+impl LiveImplicit {
     /// Adds the factor to a patch that changes what it is made of; false where there is none.
     fn follow(&mut self, coefs: &[u32], patch: &mut Patch) -> bool {
         let mut changed = false;
@@ -181,7 +181,7 @@ struct Room {
     coefs: Vec<f64>,
     /// arguments before the change: item, argument and value
     before: Vec<(usize, usize, Arg)>,
-    /// coefficients that links that look ahead depend on, before the change
+    /// coefficients that implicit links depend on, before the change
     known: Vec<f64>,
 }
 
@@ -211,7 +211,7 @@ impl Controls {
 
     /// Sets parameter number `p` of [`Controls::params`] to `value` \[SI\] and writes the coefficients that change into
     /// `patch`, in place of what it held. From the second change on it allocates nothing, but for `WAVEGUIDE`, `CLOUD`,
-    /// a `MESH` with held nodes and links that look ahead, which are solved anew.
+    /// a `MESH` with held nodes and implicit links, which are solved anew.
     ///
     /// # Errors
     /// [`Refused`], and nothing has changed; `patch` is of no use then.
@@ -225,13 +225,13 @@ impl Controls {
         let Room { known, before, .. } = &mut self.room;
         before.clear();
         known.clear();
-        known.extend(self.plan.ahead.iter().flat_map(|a| &a.known).map(|k| k.1));
+        known.extend(self.plan.implicit.iter().flat_map(|a| &a.known).map(|k| k.1));
         let turned = self.turned(p, value, patch);
         if turned.is_err() {
             for (item, arg, value) in self.room.before.drain(..) {
                 self.plan.items[item].args[arg] = value;
             }
-            let now = self.plan.ahead.iter_mut().flat_map(|a| &mut a.known);
+            let now = self.plan.implicit.iter_mut().flat_map(|a| &mut a.known);
             now.zip(&self.room.known).for_each(|(k, v)| k.1 = *v);
         } else {
             self.plan.params[p].value = value;
@@ -253,7 +253,7 @@ impl Controls {
                 item.patch(te, room, patch)?;
             }
         }
-        let follows = self.plan.ahead.as_mut().is_none_or(|a| a.follow(&self.plan.coefs, patch));
+        let follows = self.plan.implicit.as_mut().is_none_or(|a| a.follow(&self.plan.coefs, patch));
         if !follows || patch.set.iter().any(|(_, v)| !real(*v).is_finite()) {
             let name = &self.plan.params[p].name;
             return Err(Refused::Unsolvable(format!("`{name}` = {} is beyond computing", Plain(value))));

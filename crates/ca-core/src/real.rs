@@ -7,7 +7,7 @@
 //! takes (inputs, outputs, device ports), time, and the accounts of energy stay `f64`.
 //!
 //! In single precision a second of sound is known to 1e-4 or so, the energy ledger balances to 1e-7 in a tick, and a scene
-//! is refused that has a distance in space, a link that looks ahead with more than 100 times the inertia of its ends,
+//! is refused that has a distance in space, an implicit link with more than 100 times the inertia of its ends,
 //! or a number that becomes nothing or infinite.
 
 // one of the two builds casts a number to what it is

@@ -115,9 +115,9 @@ pub struct State {
     pub glide: Vec<[f64; 2]>,
     /// past of the sound channels before the low-pass (channels x 2n), a ring each, twice; written by `writes`
     pub lowpass: Vec<Real>,
-    /// in passing, of links that look ahead: changes of motion \[m/tick²\] (places), then what MATs add to them by
+    /// in passing, of implicit links: changes of motion \[m/tick²\] (places), then what MATs add to them by
     /// themselves \[N\] (places); written by `forces`
-    pub ahead: Vec<Real>,
+    pub implicit: Vec<Real>,
     /// contacts that are solved together; empty between ticks, written by `forces`
     pub touches: Touches,
     /// coefficients on their way to a new value

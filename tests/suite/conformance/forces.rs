@@ -19,7 +19,7 @@ proptest! {
             for _ in 0..200 {
                 ca_core::sense(&scene, &mut s);
                 // what is solved for rounds at each mass by itself
-                let room = if scene.layout.ahead.is_some() { 1e-13 * s.f[a].abs() } else { 0.0 };
+                let room = if scene.layout.implicit.is_some() { 1e-13 * s.f[a].abs() } else { 0.0 };
                 prop_assert!((s.f[a] + s.f[b]).abs() <= room, "{}: {} and {}", kind.code, s.f[a], s.f[b]);
                 ca_core::advance(&scene, &mut s);
             }
@@ -117,7 +117,7 @@ proptest! {
         }
     }
 
-    /// With the ledger kept: every law's accounts close, heat is never negative, linear laws and those that look ahead make
+    /// With the ledger kept: every law's accounts close, heat is never negative, linear laws and implicit ones make
     /// nothing, and what only resists never makes a mass faster.
     #[test]
     fn ledgers_balance(seed in 1u64.., x in -1e-3..1e-3f64, v in -0.2..0.2f64) {

@@ -17,7 +17,7 @@ fn check_tells_what_it_knows() {
     let passes = j["schedule"]["passes"].as_array().unwrap();
     assert!(passes.iter().any(|p| p["pass"] == "REF" && p["stride"] == 1 && p["modules"] == 21));
     assert!(passes.iter().all(|p| p["ns_per_tick"].as_f64().is_some()));
-    // a contact that looks ahead comes after all that does not
+    // an implicit contact comes after all explicit forces
     let r = desk.ca(&["check", "struck.ca.toml", "--schedule", "--set", "strike.method=stable"]).is(0);
     let place = |w: &str| r.out.rfind(w).unwrap_or_else(|| panic!("no {w}"));
     assert!(place("REF") < place("BUT stable") && place("BUT stable") < place("writes"));

@@ -21,7 +21,7 @@ pub struct Place {
     /// its own viscosity to the ground \[N per m/tick\]
     pub z: f64,
     /// what an implicit method adds to its inertia \[N per m/tick²\]
-    pub ahead: f64,
+    pub implicit: f64,
 }
 
 /// A link. Its elongation is the sum of its entries' weights times displacements.
@@ -34,7 +34,7 @@ pub struct Row {
     /// viscosity \[N per m/tick\]
     pub z: f64,
     /// what an implicit method adds to the inertia along it \[N per m/tick²\]
-    pub ahead: f64,
+    pub implicit: f64,
     /// first of its entries, and how many
     entries: (u32, u32),
 }
@@ -64,11 +64,11 @@ pub struct Linear {
 
 impl Linear {
     /// Takes in a link; one that moves nothing is left out.
-    pub fn link(&mut self, lia: u32, [k, z, ahead]: [f64; 3], entries: &[(u32, f64)]) {
+    pub fn link(&mut self, lia: u32, [k, z, implicit]: [f64; 3], entries: &[(u32, f64)]) {
         if !entries.is_empty() && (k != 0.0 || z != 0.0) {
             let first = self.entries.len() as u32;
             self.entries.extend_from_slice(entries);
-            self.rows.push(Row { lia, k, z, ahead, entries: (first, entries.len() as u32) });
+            self.rows.push(Row { lia, k, z, implicit, entries: (first, entries.len() as u32) });
         }
     }
 

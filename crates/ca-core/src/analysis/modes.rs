@@ -87,13 +87,13 @@ fn matrices(linear: &Linear) -> (Mat<f64>, Mat<f64>, Option<Mat<f64>>) {
     let n = linear.places.len();
     let root: Vec<f64> = linear.places.iter().map(|p| libm::sqrt(p.c)).collect();
     let (mut k, mut z) = (Mat::<f64>::zeros(n, n), Mat::<f64>::zeros(n, n));
-    let some = linear.places.iter().any(|p| p.ahead != 0.0) || linear.rows.iter().any(|r| r.ahead != 0.0);
-    let mut ahead = some.then(|| Mat::<f64>::zeros(n, n));
+    let some = linear.places.iter().any(|p| p.implicit != 0.0) || linear.rows.iter().any(|r| r.implicit != 0.0);
+    let mut implicit = some.then(|| Mat::<f64>::zeros(n, n));
     for (i, p) in linear.places.iter().enumerate() {
         k[(i, i)] += p.c * p.k;
         z[(i, i)] += p.c * p.z;
-        if let Some(a) = &mut ahead {
-            a[(i, i)] += p.c * p.ahead;
+        if let Some(a) = &mut implicit {
+            a[(i, i)] += p.c * p.implicit;
         }
     }
     for row in &linear.rows {
@@ -104,13 +104,13 @@ fn matrices(linear: &Linear) -> (Mat<f64>, Mat<f64>, Option<Mat<f64>>) {
                 let both = a * root[i] * (b * root[j]);
                 k[(i, j)] += row.k * both;
                 z[(i, j)] += row.z * both;
-                if let Some(m) = &mut ahead {
-                    m[(i, j)] += row.ahead * both;
+                if let Some(m) = &mut implicit {
+                    m[(i, j)] += row.implicit * both;
                 }
             }
         }
     }
-    (k, z, ahead)
+    (k, z, implicit)
 }
 
 /// ω²T² and zT/m of a mode, given its shape scaled by the roots of the masses. Summed link by link over the squares of
@@ -143,11 +143,11 @@ pub fn modes(network: &Network) -> Option<Modes> {
         return Some(Modes { list: Vec::new(), approximate: false });
     }
     let te = network.te;
-    let (mut k, mut z, ahead) = matrices(&network.linear);
+    let (mut k, mut z, implicit) = matrices(&network.linear);
     let found = k.self_adjoint_eigen(Side::Lower).ok()?;
     let (u, values) = (found.U(), found.S());
     let damping = u.transpose() * &z * u;
-    let heavier = ahead.as_ref().map(|a| u.transpose() * a * u);
+    let heavier = implicit.as_ref().map(|a| u.transpose() * a * u);
     let top = (0..n).map(|j| values[j]).fold(0.0, f64::max);
     let mut list: Vec<Mode> = Vec::with_capacity(n);
     for j in 0..n {
@@ -177,9 +177,9 @@ pub fn modes(network: &Network) -> Option<Modes> {
         mode.alone(te, 1.0 + heavier.as_ref().map_or(0.0, |h| h[(j, j)]), network.composed);
         list.push(mode);
     }
-    let ties = ahead.is_some() || list.iter().any(|m| m.coupled > COUPLED);
+    let ties = implicit.is_some() || list.iter().any(|m| m.coupled > COUPLED);
     if ties && n <= EXACT {
-        if let Some(mut a) = ahead {
+        if let Some(mut a) = implicit {
             (0..n).for_each(|i| a[(i, i)] += 1.0);
             let a = a.partial_piv_lu();
             (k, z) = (a.solve(&k), a.solve(&z));

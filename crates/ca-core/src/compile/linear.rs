@@ -37,7 +37,7 @@ pub fn places(net: &Net, own: &[Own]) -> (Linear, Numbers) {
             c: own.c,
             k: own.k,
             z: own.z,
-            ahead: own.ahead,
+            implicit: own.implicit,
         }));
     }
     (linear, Numbers(numbers))
@@ -66,8 +66,8 @@ pub fn links(
         for row in rows(net, l, b, numbers, points) {
             match row {
                 Pull::At(k, z, entries) => {
-                    let ahead = 0.25 * b.lift * k + if b.centred { 0.5 * b.z * z } else { 0.0 };
-                    linear.link(i as u32, [b.k * k, b.z * z, ahead], &entries);
+                    let implicit = 0.25 * b.lift * k + if b.centred { 0.5 * b.z * z } else { 0.0 };
+                    linear.link(i as u32, [b.k * k, b.z * z, implicit], &entries);
                 }
                 Pull::Anywhere(at) => linear.loose.push(Loose { k: b.k, z: b.z, at }),
             }

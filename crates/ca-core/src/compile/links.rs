@@ -22,7 +22,7 @@ const SHORTEST_RUN: usize = 10;
 pub struct Links {
     /// their passes
     pub forces: Vec<Op>,
-    /// the first of those that look ahead
+    /// the first of the implicit ones
     pub late: usize,
     /// contacts that are solved together
     pub touch: usize,
@@ -105,22 +105,22 @@ impl Plan<'_> {
         out
     }
 
-    /// The law each link runs by: its own, but springs in a row with links that look ahead run by the law of these, θ = 0
+    /// The law each link runs by: its own, but springs in a row with implicit links run by the law of these, θ = 0
     /// and without viscosity, which is the same force. One row of springs costs less than what such links leave of it.
     fn laws(&self, class: KernelClass) -> Vec<&'static Law> {
         let net = self.net;
         let mut laws: Vec<_> = net.lias.iter().map(|l| l.law).collect();
         let ids: Vec<u32> = (0..laws.len() as u32).collect();
-        if class == KernelClass::Reference || !laws.iter().any(|l| l.ahead) {
+        if class == KernelClass::Reference || !laws.iter().any(|l| l.implicit) {
             return laws;
         }
         let spring: &'static Law = &res::LAW;
         let fits = |l: u32| {
             let l = &net.lias[l as usize];
-            (l.law.ahead || core::ptr::eq(l.law, spring)) && l.measure.gauge() == Gauge::Line && l.onto.is_none()
+            (l.law.implicit || core::ptr::eq(l.law, spring)) && l.measure.gauge() == Gauge::Line && l.onto.is_none()
         };
         for row in ids.chunk_by(|a, b| fits(*a) && fits(*b) && self.follows(*a, *b)) {
-            if fits(row[0]) && self.stride(row).is_some() && row.iter().any(|l| laws[*l as usize].ahead) {
+            if fits(row[0]) && self.stride(row).is_some() && row.iter().any(|l| laws[*l as usize].implicit) {
                 for l in row {
                     laws[*l as usize] = &implicit::LAW;
                 }
@@ -263,7 +263,7 @@ impl Plan<'_> {
                 k.e0.push(self.offset(l));
                 k.where_is[*id as usize] = (k.forces.len() as u32, i as u32);
                 let mut values = l.values.to_vec();
-                if law.ahead && !l.law.ahead {
+                if law.implicit && !l.law.implicit {
                     values = alloc::vec![values.get(1).copied().unwrap_or(Source::Absent)];
                 }
                 if let Some(t) = own.iter().position(|(o, _)| core::ptr::eq(*o, law)) {

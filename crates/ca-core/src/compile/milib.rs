@@ -35,8 +35,8 @@ pub const START: Param = Param::new(
 pub fn check(model: &Model, net: &Net, layout: &Layout, forces: &[Op], diags: &mut Diags) {
     let Some(e) = model.meta("start").filter(|_| net.as_milib) else { return };
     let what = if net.is_composed()
-        || layout.ahead.is_some()
-        || forces.iter().any(|op| op.law.is_some_and(|l| l.ahead || l.is_late()))
+        || layout.implicit.is_some()
+        || forces.iter().any(|op| op.law.is_some_and(|l| l.implicit || l.is_late()))
     {
         "another method than `ca`"
     } else if net.oversample > 1 {

@@ -9,7 +9,6 @@
 //! Decides on one network of plain records ([`net::Net`]) between model and scene: every pass reads and rewrites that,
 //! and all of them push findings into one list, so an author sees everything at once.
 
-mod ahead;
 pub mod certify;
 mod crossing;
 mod cutoff;
@@ -18,6 +17,7 @@ mod equivalence;
 mod expand;
 mod fed;
 mod gesture;
+mod implicit;
 #[cfg(feature = "analysis")]
 mod linear;
 mod lines;
@@ -75,11 +75,11 @@ fn network(model: &Model, catalog: &Catalog, options: &Options) -> Result<(Net, 
         return Err(diags);
     }
     params::report_unused(&net, &mut diags);
-    ahead::choose(&mut net);
+    implicit::choose(&mut net);
     specialise::specialise(model, &mut net, &mut diags);
     prune::prune(model, &mut net, &mut diags);
     turns::turns(model, &mut net, &mut diags);
-    ahead::check(model, &net, &mut diags);
+    implicit::check(model, &net, &mut diags);
     waves::settle(model, &mut net, &mut diags);
     pefrl::check(model, &net, options, &mut diags);
     fed::mark(&mut net);

@@ -61,7 +61,7 @@ fn inside(net: &Net, l: &LiaNode, within: &[bool], group: usize) -> bool {
     let held = ends.all(|e| matches!(e, End::Mat(m) if within[*m as usize] || net.mats[*m as usize].is_still()));
     held && belongs(net, net.items[l.item as usize].group, group)
         && l.law.linear
-        && !l.law.ahead
+        && !l.law.implicit
         && matches!(l.measure, Measure::Line(_))
         && l.onto.is_none()
 }
@@ -179,8 +179,8 @@ fn obstacle(model: &Model, net: &Net, within: &[bool], name: &str, item: u32, gr
             let title = format!("{name} goes by its modes: `{}` has no force of its own", l.name);
             return refuse(l.item, "E028", title, "hear a mass, or what touches it, or use `method = \"ca\"`");
         }
-        if l.law.is_late() || l.law.ahead {
-            let title = format!("`{}` looks ahead at a mass of {name}, which goes by its modes", l.name);
+        if l.law.is_late() || l.law.implicit {
+            let title = format!("`{}` is implicit at a mass of {name}, which goes by its modes", l.name);
             return refuse(l.item, "E028", title, "use `method = \"ca\"` for one of them");
         }
     }

@@ -53,7 +53,7 @@ pub fn forces(layout: &Layout, mut links: Vec<Op>, late: usize, weight: usize) -
     if !layout.modal.is_empty() {
         list.push(Op::pass("modes", pass::share, layout.modal.len()));
     }
-    if let Some(a) = &layout.ahead {
+    if let Some(a) = &layout.implicit {
         let (places, pairs) = (a.places.len(), a.pairs.len());
         if places > 0 {
             list.push(Op::pass("implicit", implicit::solve, places));

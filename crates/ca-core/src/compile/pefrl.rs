@@ -1,7 +1,7 @@
 //! PEFRL: whether a model may go by it, what its tick runs, and what it does to the limit ([`crate::method::pefrl`]).
 //!
 //! Decides for the whole model or none of it: what is inside a tick and what is at its ends cannot be mixed. Refused
-//! is what hangs on motion (viscosity, friction), remembers, looks ahead, is moved from outside, or is tuned to the
+//! is what hangs on motion (viscosity, friction), remembers, is implicit, is moved from outside, or is tuned to the
 //! pitch of another scheme. The force passes of the scene run again at each kick; those at the beginning of the tick
 //! are there for who hears forces.
 
@@ -59,8 +59,8 @@ pub fn check(model: &Model, net: &Net, options: &Options, diags: &mut Diags) {
             (format!("`{}` is moved from outside", m.name), "push a mass by `[ENF]` instead")
         } else if row.z != 0.0 {
             (format!("`{}` is damped", m.name), "leave out its `z` or `t60`, and `friction` of the model")
-        } else if super::slopes::own(net, m).ahead != 0.0 {
-            (format!("`{}` looks ahead", m.name), "leave out its `method`")
+        } else if super::slopes::own(net, m).implicit != 0.0 {
+            (format!("`{}` is implicit", m.name), "leave out its `method`")
         } else {
             return None;
         };
@@ -68,8 +68,8 @@ pub fn check(model: &Model, net: &Net, options: &Options, diags: &mut Diags) {
     });
     let bounds = super::certify::worst_bounds(net);
     let of_links = net.lias.iter().zip(&bounds).filter_map(|(l, b)| {
-        let why = if l.law.is_late() || l.law.ahead {
-            (format!("`{}` looks ahead", l.name), "leave out its `method`")
+        let why = if l.law.is_late() || l.law.implicit {
+            (format!("`{}` is implicit", l.name), "leave out its `method`")
         } else if b.z != 0.0 || loses(net, l) {
             (format!("the force of `{}` hangs on motion", l.name), "keep springs and contacts without viscosity")
         } else if l.law.mem > 0 {

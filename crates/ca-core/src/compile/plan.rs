@@ -2,8 +2,8 @@
 
 use super::net::{End, Net};
 use crate::kind::Role;
-use crate::layout::{Ahead, Place};
-use crate::live::{LiveAhead, LiveItem, LiveModule, LivePlan, Loader, Source};
+use crate::layout::{ImplicitLinks, Place};
+use crate::live::{LiveImplicit, LiveItem, LiveModule, LivePlan, Loader, Source};
 use crate::method::implicit::Inertia;
 use crate::sketch::Arg;
 use crate::state::Identity;
@@ -75,8 +75,8 @@ impl Plan<'_> {
     }
 
     /// What live changes need to know.
-    pub fn live_plan(&mut self, ahead: Option<&(Ahead, Inertia)>) -> LivePlan {
-        let ahead = ahead.and_then(|(a, made)| {
+    pub fn live_plan(&mut self, implicit: Option<&(ImplicitLinks, Inertia)>) -> LivePlan {
+        let implicit = implicit.and_then(|(a, made)| {
             let live: BTreeSet<u32> = self.live.iter().copied().collect();
             let inputs = made.inputs();
             if !inputs.iter().any(|c| live.contains(c)) {
@@ -85,7 +85,7 @@ impl Plan<'_> {
             let first = self.live.len() as u32;
             self.live.extend((a.coef as u32..).take(made.numbers()));
             let known = inputs.into_iter().map(|c| (c, self.coef[c as usize])).collect();
-            Some(LiveAhead { made: made.clone(), first, known })
+            Some(LiveImplicit { made: made.clone(), first, known })
         });
         let items = core::mem::take(&mut self.modules)
             .into_iter()
@@ -114,6 +114,6 @@ impl Plan<'_> {
             .collect();
         // whose it is is known when all else is
         let scene = Identity::default();
-        LivePlan { scene, params: self.net.params.clone(), coefs: self.live.clone(), items, ahead }
+        LivePlan { scene, params: self.net.params.clone(), coefs: self.live.clone(), items, implicit }
     }
 }

@@ -1,8 +1,8 @@
 //! Schedule: flat arrays and the list of passes. What a scene does not have makes no entry here.
 
-use super::ahead;
 use super::certify::Certificate;
 use super::cutoff::{blockers, plain_first};
+use super::implicit;
 use super::links::{Links, own_tables};
 use super::milib;
 use super::net::{Coordinate, Ear, End, LiaNode, MatRole, Net, OutNode};
@@ -49,12 +49,12 @@ pub fn schedule(
     let links = plan.links(options, diags, model);
     let Points { nodes, proxies, modal, shares, aimed } = points(&mut plan);
     let (gains, outputs) = outputs(&mut plan, &links)?;
-    let ahead = plan.ahead(n_mat, &links, model, diags);
-    // what stands before the links in the list of forces moves them back; moving points and what looks ahead only those
+    let implicit = plan.implicit(n_mat, &links, model, diags);
+    // what stands before the links in the list of forces moves them back; moving points and what is implicit only those
     // of a later turn
     let waves = plan.waves(links.mem);
     let lead = [enf.is_empty(), weighed.is_empty(), waves.delays.is_empty()].iter().filter(|none| !**none).count();
-    let solved = ahead.as_ref().map_or([false; 2], |(a, _)| [!a.places.is_empty(), !a.pairs.is_empty()]);
+    let solved = implicit.as_ref().map_or([false; 2], |(a, _)| [!a.places.is_empty(), !a.pairs.is_empty()]);
     let back = [!proxies.is_empty(), !modal.is_empty(), solved[0], solved[1]].into_iter().filter(|b| *b).count();
     let place = |op: usize| op + lead + if op >= links.late { back } else { 0 };
     let ported: BTreeSet<u32> = enx.iter().chain(&tgr).map(|p| p.mat).collect();
@@ -63,8 +63,8 @@ pub fn schedule(
     let symbols = symbols(&plan, &links, place);
     let moves = plan.moves(order, n_mat, waves.delays.len());
     let own = moves.iter().any(|o| o.name == "advance CEL");
-    let mut live = plan.live_plan(ahead.as_ref());
-    let whole = live.ahead.as_ref().map_or(u32::MAX, |a| a.first);
+    let mut live = plan.live_plan(implicit.as_ref());
+    let whole = live.implicit.as_ref().map_or(u32::MAX, |a| a.first);
     let (coef, live_places) = (plan.coef, plan.live);
     let mut layout = Layout {
         te: 1.0 / net.rate,
@@ -98,7 +98,7 @@ pub fn schedule(
         outputs,
         blockers: blockers(model, net, diags),
         lowpass: if net.channels.is_empty() { Vec::new() } else { reals(net.lowpass.clone()) },
-        ahead: ahead.map(|a| a.0),
+        implicit: implicit.map(|a| a.0),
         ledger,
         finer: None,
     };
@@ -110,7 +110,7 @@ pub fn schedule(
     milib::check(model, net, &layout, &forces, diags);
     let begin = match () {
         () if net.is_composed() => Order::Exact,
-        () if ahead::is_fourth(net) => Order::Fourth,
+        () if implicit::is_fourth(net) => Order::Fourth,
         () => Order::Second,
     };
     let loaded = loaded(net, &layout, x, &v, coef, (live_places, whole));
@@ -211,7 +211,7 @@ fn masses(plan: &mut Plan) -> Masses {
 fn ports(plan: &Plan, role: PortRole) -> Vec<Enx> {
     let mut all = Vec::new();
     // links by the motion to come, and what they hold
-    let late = plan.net.lias.iter().filter(|l| l.law.ahead || l.law.is_late());
+    let late = plan.net.lias.iter().filter(|l| l.law.implicit || l.law.is_late());
     let held = late.flat_map(LiaNode::all_ends).filter_map(|e| if let End::Mat(m) = e { Some(m) } else { None });
     let held: BTreeSet<u32> = held.map(|m| plan.place[m as usize]).collect();
     let felt = |at: &u32| held.contains(at);
@@ -321,8 +321,8 @@ fn accounts(links: &Links, ported: impl Fn(u32) -> bool, place: impl Fn(usize) -
         let (coefs, mems, stored, lost, idle) = (law.coefs, law.mem, law.stored, law.lost, law.idle);
         // a distance is no linear function of places: the identity then holds only with what the link made
         let radial = ports.gauge == Gauge::Radial || ports.onto.is_some_and(|o| o.0 == Gauge::Radial);
-        // what looks ahead to a port that then goes another way is not exact either
-        let strays = law.ahead && links.ends[first..first + n].iter().flatten().any(|p| ported(*p));
+        // what is implicit to a port that then goes another way is not exact either
+        let strays = law.implicit && links.ends[first..first + n].iter().flatten().any(|p| ported(*p));
         let linear = law.linear && !radial && !strays;
         Some(Account { op: place(i), n, ports, first, coef, mem, tap, coefs, mems, linear, stored, lost, idle })
     };
@@ -370,7 +370,7 @@ fn loaded(net: &Net, layout: &Layout, x: Vec<f64>, v: &[f64], coef: Vec<f64>, (l
         glide: layout.finer.iter().flat_map(|f| &f.inputs).map(|i| [input[*i as usize]; 2]).collect(),
         lowpass: alloc::vec![0.0; layout.channels * 2 * (2 * layout.lowpass.len()).saturating_sub(1)],
         ramps: Ramps::new(live, whole),
-        ahead: alloc::vec![0.0; layout.ahead.as_ref().map_or(0, |a| 2 * a.places.len())],
+        implicit: alloc::vec![0.0; layout.implicit.as_ref().map_or(0, |a| 2 * a.places.len())],
         touches: Touches::new(layout.n_touch, layout.n_mat),
         ledger: layout.ledger.as_ref().map(|p| {
             let most = p.accounts.iter().map(|a| a.coefs).max().unwrap_or(0);

@@ -3,7 +3,7 @@
 //! Decides by what was measured against double precision (tests/suite/single.rs). Strings, meshes, cells, modes,
 //! friction and contacts by any method keep 1e-3 and better over a second, so nothing is said of them. Three do not:
 //! - a **distance in space** is known to 1e-7 of where its ends are, and what a body sings by is that small;
-//! - a link that **looks ahead** with much more than the inertia of its ends multiplies rounding by as much;
+//! - an **implicit** link with much more than the inertia of its ends multiplies rounding by as much;
 //! - a **number** of a module may be too large or too small, or so near to 1 that a long decay is lost in it.
 
 use super::net::{End, MatRole, Net};
@@ -16,7 +16,7 @@ use alloc::collections::BTreeSet;
 use alloc::format;
 use alloc::vec::Vec;
 
-/// How much more than the inertia of its ends a link may look ahead with.
+/// How much more than the inertia of its ends the inertia of an implicit link may be.
 const STIFFEST: f64 = 100.0;
 /// By how much the decay of a mass may be off, relative.
 const FADES: f64 = 0.01;
@@ -69,12 +69,12 @@ pub fn check(model: &Model, net: &Net, diags: &mut Diags) {
             tell(l.item, d, "the sound would be its rounding", "use double precision, or `along`");
         }
         let ends = l.ends.iter().map(|e| if let End::Mat(m) = e { mobility[*m as usize] } else { 0.0 });
-        if l.law.ahead && inertia(&[c[0], c[1], c[2]]) * ends.sum::<f64>() > STIFFEST {
+        if l.law.implicit && inertia(&[c[0], c[1], c[2]]) * ends.sum::<f64>() > STIFFEST {
             let d = Diag::error("E028", format!("`{}` is too stiff for single precision", l.name));
             tell(
                 l.item,
                 d,
-                "looks ahead with over 100 times the inertia of its ends",
+                "is implicit with over 100 times the inertia of its ends",
                 "use less stiffness, or double precision",
             );
         }

@@ -14,8 +14,8 @@ pub struct Own {
     pub k: f64,
     /// viscosity to the ground
     pub z: f64,
-    /// inertia beyond its mass, of a cell that looks ahead \[N per m/tick²\]
-    pub ahead: f64,
+    /// inertia beyond its mass, of an implicit cell \[N per m/tick²\]
+    pub implicit: f64,
 }
 
 /// A MAT at load.
@@ -29,14 +29,14 @@ pub fn own(net: &Net, m: &MatNode) -> Own {
     if c <= 0.0 {
         return Own::default();
     }
-    let own = Own { c, k: -out[1] / c, z: (1.0 - out[0]) / c, ahead: 0.0 };
+    let own = Own { c, k: -out[1] / c, z: (1.0 - out[0]) / c, implicit: 0.0 };
     let Some(method) = crate::mat::CEL.param("method").filter(|_| m.code == crate::mat::CEL.code) else { return own };
     if values.get(method).copied().flatten().is_none() {
         return own;
     }
     values[method] = None;
     loader.load(&values, net.te, &mut out);
-    Own { c: out[2], ahead: 1.0 / c - 1.0 / out[2], ..own }
+    Own { c: out[2], implicit: 1.0 / c - 1.0 / out[2], ..own }
 }
 
 /// The slopes of a link at load.

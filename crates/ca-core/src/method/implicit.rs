@@ -15,7 +15,7 @@
 //! change step together in one tick, since half-way between two factors is the factor of neither. Between whom a port
 //! goes is not known yet: it goes on as it went.
 
-use crate::layout::{Ahead, Layout};
+use crate::layout::{ImplicitLinks, Layout};
 use crate::ldl::Pattern;
 use crate::op::Op;
 use crate::phi::implicit::inertia;
@@ -25,10 +25,10 @@ use alloc::vec::Vec;
 
 /// Replaces forces by those that the matrix of inertia lets act.
 pub fn solve(_op: &Op, layout: &Layout, s: &mut State) {
-    let Some(a) = &layout.ahead else { return };
+    let Some(a) = &layout.implicit else { return };
     let n = layout.n_mat;
     let (factor, inertia) = s.coef[a.coef..].split_at(a.pattern.numbers());
-    let (u, own) = s.ahead.split_at_mut(a.places.len());
+    let (u, own) = s.implicit.split_at_mut(a.places.len());
     for (((u, own), p), inertia) in u.iter_mut().zip(&mut *own).zip(&a.places).zip(inertia) {
         let p = *p as usize;
         // what the spring and damper of a MAT of its own add to its motion, as a force
@@ -43,9 +43,9 @@ pub fn solve(_op: &Op, layout: &Layout, s: &mut State) {
 }
 
 /// Completes the force of links that are heard, and of what they hold.
-fn feel(a: &Ahead, s: &mut State) {
+fn feel(a: &ImplicitLinks, s: &mut State) {
     for l in &a.felt {
-        let turned: Real = l.moves.iter().map(|(i, w)| w * s.ahead[*i as usize]).sum();
+        let turned: Real = l.moves.iter().map(|(i, w)| w * s.implicit[*i as usize]).sum();
         let more = real(inertia(&l.coef.map(|c| wide(s.coef[c as usize])))) * turned;
         if let Some(t) = l.tap {
             s.tap[t as usize] += more;
@@ -61,11 +61,11 @@ fn feel(a: &Ahead, s: &mut State) {
 /// The motion of both ends is made of one common part and what is left of their own, never as a force and its opposite:
 /// the force from before the tick may be 10⁶ times what acts in the end, and its last digit would stretch the link.
 pub fn pairs(op: &Op, layout: &Layout, s: &mut State) {
-    let Some(ahead) = &layout.ahead else { return };
+    let Some(implicit) = &layout.implicit else { return };
     let n = layout.n_mat;
     let (p, q, c) = (&s.coef[..n], &s.coef[n..2 * n], &s.coef[2 * n..3 * n]);
     let numbers = s.coef[op.coef..].chunks_exact(OF_PAIR);
-    for (pair, numbers) in ahead.pairs.iter().zip(numbers) {
+    for (pair, numbers) in implicit.pairs.iter().zip(numbers) {
         let [a, b] = pair.ends.map(|i| i as usize);
         let &[g, left, inertia_a, inertia_b] = numbers else { continue };
         let own = |i: usize| (p[i] - 1.0) * s.d[i] + q[i] * s.x[i];

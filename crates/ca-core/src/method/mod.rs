@@ -1,4 +1,4 @@
-//! Methods: linear links that look ahead ([`implicit`], numerics 3.1), a tick of fourth order for the whole model
+//! Methods: implicit linear links ([`implicit`], numerics 3.1), a tick of fourth order for the whole model
 //! ([`pefrl`], 3.1), one-sided springs that keep energy exact whatever their stiffness (3.3, 3.4), and friction that only
 //! resists however steep it is (3.5). The rest of this page speaks of the last two.
 //!

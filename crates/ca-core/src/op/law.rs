@@ -35,7 +35,7 @@ impl Law {
             linear: P::LINEAR,
             contact: P::CONTACT,
             turn: Turn::Any,
-            ahead: false,
+            implicit: false,
             load: |p, te, out| out.copy_from_slice(&P::coefs(p, te)),
             start: |c, e, mem| mem[..M].copy_from_slice(&P::start(&arr(c), e)),
             force: |c, mem, tables, e, w| {

@@ -97,7 +97,7 @@ pub struct Law {
     /// when its force is computed
     pub turn: Turn,
     /// true where part of its force comes from the time to come, for all such links at once
-    pub ahead: bool,
+    pub implicit: bool,
     /// see [`Phi::coefs`](crate::law::Phi::coefs); `out` has [`Law::coefs`] places
     pub load: fn(p: &[Option<f64>], te: f64, out: &mut [f64]),
     /// see [`Phi::start`](crate::law::Phi::start)

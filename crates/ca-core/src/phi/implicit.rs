@@ -61,7 +61,7 @@ pub fn theta(method: f64, written: Option<f64>) -> Option<f64> {
 }
 
 /// The law; parameters k, z and θ in this order, whatever the kind.
-pub static LAW: Law = Law { ahead: true, ..Law::of::<Implicit, 3, 0>("REF implicit") };
+pub static LAW: Law = Law { implicit: true, ..Law::of::<Implicit, 3, 0>("REF implicit") };
 
 /// Coefficients k, z/T, θ.
 pub struct Implicit;

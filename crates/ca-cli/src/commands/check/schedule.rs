@@ -128,7 +128,7 @@ fn absent(scene: &Scene) -> Vec<&'static str> {
         ("points", "no moving points"),
         ("waves in", "no waveguides"),
         ("modal ports", "no modes"),
-        ("implicit", "nothing that looks ahead"),
+        ("implicit", "nothing that is implicit"),
         ("weight", "no weight"),
         ("outputs", "no outputs"),
         ("high pass", "no high pass"),

@@ -40,7 +40,7 @@ impl Exact {
     pub fn new(net: &Net, worst: &[Row], bounds: &[Bound]) -> Option<Exact> {
         let bounds: Vec<Bound> = bounds.iter().map(Bound::explicit).collect();
         let bounds = &bounds[..];
-        let own: Vec<Own> = worst.iter().map(|r| Own { c: r.c, k: r.k, z: r.z, ahead: 0.0 }).collect();
+        let own: Vec<Own> = worst.iter().map(|r| Own { c: r.c, k: r.k, z: r.z, implicit: 0.0 }).collect();
         let (mut linear, numbers) = places(net, &own);
         let whole = links(net, bounds, &numbers, Points::Anywhere, &mut linear, |l, b| {
             !l.law.is_late() && (b.linear || !b.contact)

@@ -16,7 +16,7 @@ use super::exact::Exact;
 use crate::certificate::{Certificate, Level};
 
 /// The share by which the energy of small motions may rise above what it was at any time before. `None` where nothing
-/// is known of it: a contact that looks ahead keeps the energy of the ledger, and so moves the one that the rest keeps.
+/// is known of it: an implicit contact keeps the energy of the ledger, and so moves the one that the rest keeps.
 pub fn ripple(net: &Net, exact: Option<&Exact>, cert: &Certificate) -> Option<f64> {
     if cert.level != Level::Linearised || net.is_composed() || net.lias.iter().any(|l| l.law.is_late()) {
         return None;

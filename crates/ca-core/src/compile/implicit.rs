@@ -1,4 +1,4 @@
-//! Ahead: which linear links and cells go by the methods `centred` and `implicit`, and the matrix the links make.
+//! Implicit: which linear links and cells go by the methods `centred` and `implicit`, and the matrix the links make.
 //!
 //! Decides that a method is chosen before the laws are specialised, by a word of the link, of its group or of the model,
 //! and that a cell needs no matrix: its own spring and damper only make it heavier ([`crate::mat::cel`]). Refused where
@@ -9,7 +9,7 @@ use super::links::Links;
 use super::net::{Ear, End, LiaNode, MatRole, Measure, Net};
 use super::plan::Plan;
 use super::say::no_method;
-use crate::layout::{Ahead, Felt, Pair};
+use crate::layout::{Felt, ImplicitLinks, Pair};
 use crate::ldl::Pattern;
 use crate::live::Source;
 use crate::method::implicit::Inertia;
@@ -48,7 +48,7 @@ pub fn choose(net: &mut Net) {
             _ => continue,
         };
         let Some(theta) = asked(net, l.item, l.kind, &l.values) else { continue };
-        // with neither viscosity nor θ there is nothing to look ahead for: it is the explicit link
+        // with neither viscosity nor θ there is nothing to be implicit for: it is the explicit link
         let z_of = z.and_then(|z| l.values.get(z)).copied().unwrap_or(Source::Absent);
         let live = matches!(z_of, Source::Slot(_)) && net.is_live(l.item);
         if theta == 0.0 && !live && z_of.get(&net.items[l.item as usize].slots).unwrap_or(0.0) == 0.0 {
@@ -81,7 +81,7 @@ pub fn choose(net: &mut Net) {
 /// True where some link or cell goes by θ = 1/12, whose tick is of the fourth order without viscosity.
 pub fn is_fourth(net: &Net) -> bool {
     let twelfth = |theta: Option<f64>| theta.is_some_and(|t| (t - 1.0 / 12.0).abs() < 1e-6);
-    let links = net.lias.iter().filter(|l| l.law.ahead).filter_map(|l| l.values.get(2).map(|v| (l.item, *v)));
+    let links = net.lias.iter().filter(|l| l.law.implicit).filter_map(|l| l.values.get(2).map(|v| (l.item, *v)));
     let cell = &crate::mat::CEL;
     let cells = net.mats.iter().filter(|m| m.code == cell.code && m.values.len() == cell.params.len());
     let theta = cell.param("theta").unwrap_or(0);
@@ -96,7 +96,7 @@ pub fn check(model: &Model, net: &Net, diags: &mut Diags) {
     for l in net.lias.iter().filter(|l| l.law.is_late()) {
         late.extend(l.all_ends().filter_map(|e| if let End::Mat(m) = e { Some((m, l)) } else { None }));
     }
-    for l in net.lias.iter().filter(|l| l.law.ahead) {
+    for l in net.lias.iter().filter(|l| l.law.implicit) {
         if told.contains(&l.item) {
             continue;
         }
@@ -106,15 +106,15 @@ pub fn check(model: &Model, net: &Net, diags: &mut Diags) {
         });
         let point = l.all_ends().find(|e| matches!(e, End::Point(_)));
         let (title, label, help) = if l.is_radial() || l.onto.is_some() {
-            let title = format!("`{}` looks ahead along a distance in space", l.name);
+            let title = format!("`{}` is implicit along a distance in space", l.name);
             (title, "not between points in space", "give it a direction, `along`, or `method = \"ca\"`")
         } else if let Some(point) = point {
-            let title = format!("`{}` looks ahead at a moving point, `{}`", l.name, net.end_name(point));
+            let title = format!("`{}` is implicit at a moving point, `{}`", l.name, net.end_name(point));
             (title, "not at moving points", "use `method = \"ca\"`, or a mass such as `low[8]` in its place")
         } else if let Some((m, other)) = shared {
             let m = &net.mats[m as usize].name;
-            let title = format!("`{}` looks ahead, and so does `{}`, which touches `{m}` too", l.name, other.name);
-            (title, "two kinds of looking ahead at one mass", "use `method = \"ca\"` for one of them")
+            let title = format!("`{}` is implicit, and so is `{}`, which touches `{m}` too", l.name, other.name);
+            (title, "two kinds of implicit links at one mass", "use `method = \"ca\"` for one of them")
         } else {
             continue;
         };
@@ -141,10 +141,16 @@ impl Plan<'_> {
         all
     }
 
-    /// The matrix of the links that look ahead, factorised, and what it is made of; none where there are none.
-    pub fn ahead(&mut self, n_mat: usize, links: &Links, model: &Model, diags: &mut Diags) -> Option<(Ahead, Inertia)> {
+    /// The matrix of the implicit links, factorised, and what it is made of; none where there are none.
+    pub fn implicit(
+        &mut self,
+        n_mat: usize,
+        links: &Links,
+        model: &Model,
+        diags: &mut Diags,
+    ) -> Option<(ImplicitLinks, Inertia)> {
         let net = self.net;
-        let solved: Vec<(usize, &LiaNode)> = net.lias.iter().enumerate().filter(|(_, l)| l.law.ahead).collect();
+        let solved: Vec<(usize, &LiaNode)> = net.lias.iter().enumerate().filter(|(_, l)| l.law.implicit).collect();
         let (_, first) = solved.first()?;
         let item = &model.items[net.items[first.item as usize].model];
         let heard: BTreeSet<u32> = net
@@ -192,7 +198,7 @@ impl Plan<'_> {
             f.moves.iter().enumerate().flat_map(|(k, (i, _))| f.moves[..k].iter().map(move |(j, _)| (*i, *j)))
         });
         let Some(pattern) = Pattern::new(n, joined, LARGEST) else {
-            let title = format!("`{}` and what looks ahead with it are too many to be solved in a tick", item.name);
+            let title = format!("`{}` and what is implicit with it are too many to be solved in a tick", item.name);
             let help = "use `method = \"ca\"` where stiffness allows it, or a coarser mesh";
             diags.push(Diag::error("E027", title).at(item.name_span, "too many").help(help));
             return None;
@@ -218,12 +224,12 @@ impl Plan<'_> {
         };
         let coef = self.coef.len();
         self.coef.extend(factor);
-        Some((Ahead { places: at, pattern: made.pattern.clone(), coef, felt, pairs }, made))
+        Some((ImplicitLinks { places: at, pattern: made.pattern.clone(), coef, felt, pairs }, made))
     }
 }
 
 fn beyond(name: &str, span: Span) -> Diag {
-    let d = Diag::error("E009", format!("the numbers of `{name}` and what looks ahead with it are beyond computing"));
+    let d = Diag::error("E009", format!("the numbers of `{name}` and what is implicit with it are beyond computing"));
     d.at(span, "overflows").help("use a larger mass, or less stiffness and viscosity")
 }
 
