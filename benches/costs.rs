@@ -45,9 +45,9 @@ fn counted(i: usize, length: u32) -> Option<u64> {
         .env("CA_COSTS", format!("{i} {length}"))
         .output()
         .ok()?;
-    let told = String::from_utf8_lossy(&out.stderr).into_owned();
-    assert!(out.status.success(), "run {i}: {told}");
-    told.lines().find_map(|l| l.split("Collected : ").nth(1)).and_then(|n| n.trim().parse().ok())
+    let reported = String::from_utf8_lossy(&out.stderr).into_owned();
+    assert!(out.status.success(), "run {i}: {reported}");
+    reported.lines().find_map(|l| l.split("Collected : ").nth(1)).and_then(|n| n.trim().parse().ok())
 }
 
 /// Instructions per tick or frame of each run; `None` without valgrind.

@@ -212,8 +212,8 @@ def peers() -> list[tuple[str, float, float]]:
         if program is not None:
             subprocess.run([program, "48000"], check=True, stdout=subprocess.DEVNULL)
             first = time.perf_counter() - begin
-            told = subprocess.run([program, str(n)], check=True, capture_output=True, text=True).stdout.split()
-            rows.append(("Faust's mi.lib to C++, `-O3 -march=native`", float(told[0]), first))
+            reported = subprocess.run([program, str(n)], check=True, capture_output=True, text=True).stdout.split()
+            rows.append(("Faust's mi.lib to C++, `-O3 -march=native`", float(reported[0]), first))
     return [(name, 1e9 * t / n, first) for name, t, first in rows]
 
 

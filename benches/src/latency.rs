@@ -40,7 +40,7 @@ const COUNTS: [&str; 6] =
 
 /// One distribution: how many, and p50, p99, p99.9 and largest \[µs\].
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Told {
+pub struct Percentiles {
     /// how many
     pub n: u64,
     /// \[µs\]
@@ -51,7 +51,7 @@ pub struct Told {
 #[derive(Clone, Debug, Default)]
 pub struct Run {
     /// as [`TIMED`]
-    pub told: [Told; 4],
+    pub reported: [Percentiles; 4],
     /// gesture frames; periods left out by the engine, by the device; positions the gateway did not see
     pub counts: [u64; 4],
     /// what the system granted the engine
@@ -76,9 +76,9 @@ fn names((priority, load): (bool, bool)) -> [String; 2] {
 pub fn page(runs: &[Run]) -> String {
     let mut t = format!("{HEAD}\n{}", head(&COLUMNS));
     for (run, which) in runs.iter().zip(RUNS) {
-        for (what, told) in TIMED.iter().zip(run.told) {
-            let times = told.us.map(|us| format!("{us:.1}"));
-            t += &line(&[&names(which)[..], &[(*what).into(), told.n.to_string()], &times].concat());
+        for (what, reported) in TIMED.iter().zip(run.reported) {
+            let times = reported.us.map(|us| format!("{us:.1}"));
+            t += &line(&[&names(which)[..], &[(*what).into(), reported.n.to_string()], &times].concat());
         }
     }
     let _ = write!(t, "\n{}", head(&COUNTS));

@@ -11,10 +11,10 @@ use std::fmt::Write as _;
 
 /// Whose times these are.
 pub fn machine() -> String {
-    let told = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-    let name = told.lines().find_map(|l| l.strip_prefix("model name")).and_then(|l| l.split_once(": "));
+    let reported = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let name = reported.lines().find_map(|l| l.strip_prefix("model name")).and_then(|l| l.split_once(": "));
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    let virtual_one = if told.contains("hypervisor") { ", a virtual one that it shares with others" } else { "" };
+    let virtual_one = if reported.contains("hypervisor") { ", a virtual one that it shares with others" } else { "" };
     format!("{cores} cores of {}{virtual_one}", name.map_or("a kind it does not tell", |(_, name)| name.trim()))
 }
 

@@ -73,7 +73,7 @@ struct Found {
     forces: u64,
     /// energy and hashes
     regular: u64,
-    /// those that are told to be missing
+    /// those that are reported missing
     lost: u64,
     sound: u64,
     modes: [u64; 5],

@@ -7,7 +7,7 @@ use ca_core::tick;
 
 const PAGE: &str = include_str!("../../docs/accuracy.md");
 
-/// A number of a cell, which may be told to be below it.
+/// A number of a cell, which may be given as below it.
 fn number(cell: &str) -> f64 {
     cell.trim_start_matches("< ").parse().unwrap_or(f64::NAN)
 }
@@ -43,9 +43,9 @@ fn every_scene_is_on_the_page() {
 
 #[test]
 fn what_is_expected_follows_from_the_tables() {
-    let told = rows(PAGE, "What is expected");
+    let reported = rows(PAGE, "What is expected");
     let is = |what: &str| {
-        let row = told.iter().find(|r| r[0] == what).unwrap_or_else(|| panic!("no `{what}`"));
+        let row = reported.iter().find(|r| r[0] == what).unwrap_or_else(|| panic!("no `{what}`"));
         assert!(number(&row[2]) <= number(&row[1]) && row[3] == "yes", "{row:?}");
         number(&row[2])
     };
@@ -61,7 +61,7 @@ fn what_is_expected_follows_from_the_tables() {
     assert!(off(is("time with one link 10⁶ beyond the limit over that without"), number(&stiff[1][4])) < 0.01);
     assert!(off(is("time with eight of 65 links 10⁶ beyond the limit over that without"), number(&stiff[2][4])) < 0.01);
     assert!(is("error of `modal` over 1 s") <= 1e-9 && is("time of `modal` over that of `ca`, 1 s") <= 2.0);
-    assert_eq!(told.len(), 8);
+    assert_eq!(reported.len(), 8);
 }
 
 /// Stiff links are proven, and a million times over the limit without the method.

@@ -175,7 +175,7 @@ fn agrees(seed: u64) -> Option<(Level, bool)> {
     match c.level {
         // a mode that moves freely has the double eigenvalue 1, which differences only know to half their digits
         Level::Proven | Level::Linearised => assert!(high < 4.0 && r < 1.0 + 1e-4, "{r}, {c:?}\n{text}"),
-        // nor what a damper without a limit of its own slows down; that is told by the time it takes
+        // nor what a damper without a limit of its own slows down; that is seen by the time it takes
         Level::Unstable => assert!(high > 4.0 && (r > 1.0 + 1e-4 || grows(&scene)), "{r}, {c:?}\n{text}"),
         _ => panic!("nothing here is open: {c:?}\n{text}"),
     }
@@ -231,7 +231,7 @@ fn the_largest_eigenvalue_is_exact() {
     assert_eq!((s.certificate.level, s.certificate.exact), (Level::Proven, true));
 }
 
-/// What is too stiff only all together is told with numbers that mend it, and just.
+/// What is too stiff only all together is reported with numbers that mend it, and just.
 #[test]
 fn the_mended_number_mends() {
     let text = |k: f64| {
@@ -243,8 +243,8 @@ fn the_mended_number_mends() {
     };
     let s = scene(&text(1.6));
     assert_eq!((s.certificate.level, s.certificate.exact), (Level::Unstable, true));
-    let told = s.diags.list.iter().find(|d| d.code == "W103").expect("told");
-    let help = told.help.clone().unwrap_or_default();
+    let reported = s.diags.list.iter().find(|d| d.code == "W103").expect("W103");
+    let help = reported.help.clone().unwrap_or_default();
     let number = help.split("below ").nth(1).and_then(|t| t.split(' ').next()).and_then(|t| t.parse::<f64>().ok());
     let safe = number.unwrap_or_else(|| panic!("{help}"));
     assert!(help.contains("`two`") && safe < 1.6, "{help}");
@@ -266,8 +266,8 @@ fn what_mends_a_mass_is_never_below_nothing() {
     for (k, z) in [(9.0, 0.5), (1.0, 3.0), (9.0, 2.5), (5.0, 2.4), (43.4, 2.083), (4.1, 0.0), (0.0, 2.1), (4.5, 9.0)] {
         let s = scene(&text(k, z));
         assert_eq!(s.certificate.level, Level::Unstable);
-        let told = s.diags.list.iter().find(|d| d.code == "W103").expect("told");
-        let help = told.help.clone().unwrap_or_default();
+        let reported = s.diags.list.iter().find(|d| d.code == "W103").expect("W103");
+        let help = reported.help.clone().unwrap_or_default();
         assert!(!help.contains('-'), "k = {k}, z = {z}: {help}");
         let after =
             |word: &str| help.split(word).nth(1).and_then(|t| t.split(' ').next()).and_then(|t| t.parse::<f64>().ok());
@@ -358,7 +358,7 @@ fn tension_holds_sideways() {
 
 /// A bow that is steep chatters and does not blow up: nobody says it would.
 #[test]
-fn a_steep_bow_is_told_and_not_called_unstable() {
+fn a_steep_bow_is_reported_and_not_called_unstable() {
     let s = scene(
         "[MAS]\nreed = { m = \"1 g\" }\n[ENX]\nbow = {}\n[BOW]\nrub = { between = [\"reed\", \"bow\"], f = \"20 N\", v0 = \"10 mm/s\" }\n\
          [SOX]\nout = { from = \"reed\" }\n[gesture]\nbow = [[0, 0], [1, \"0.2 m\"]]\n",

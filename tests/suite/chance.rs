@@ -158,7 +158,7 @@ proptest! {
     }
 
     #[test]
-    fn any_network_compiles_or_is_told_why(seed in 1u64..) {
+    fn any_network_compiles_or_is_reported_why(seed in 1u64..) {
         let m = network(seed, true);
         if let Ok(scene) = compile(&m, &catalog(), &Options::default()) {
             let mut s = scene.state();

@@ -51,8 +51,8 @@ fn every_method_is_on_the_page() {
     }
     // all others are beside it
     assert!(words.remove("ca") && PAGE.contains("Methods are beside `ca`"));
-    let told = table().into_iter().filter_map(|c| c[0].strip_prefix("method ").map(|m| m.trim_matches('`')));
-    assert_eq!(told.collect::<BTreeSet<_>>(), words);
+    let reported = table().into_iter().filter_map(|c| c[0].strip_prefix("method ").map(|m| m.trim_matches('`')));
+    assert_eq!(reported.collect::<BTreeSet<_>>(), words);
 }
 
 #[test]

@@ -13,7 +13,7 @@ use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-/// The one place that says what a user is told about a text.
+/// The one place that says what is reported of a text.
 fn report(language: &str, text: &str) -> String {
     let (model, diags) = if language == "mdl" {
         let diags = mims::import(text, "model.mdl").1;

@@ -206,9 +206,9 @@ proptest! {
             let path = dir.path().join("a.wav");
             let mut out = WavOut::create(&path, 3000.0, channels, format).unwrap();
             out.write(samples).unwrap();
-            let told = out.finish().unwrap();
-            prop_assert_eq!(told.level.clipped, samples.iter().filter(|x| x.is_finite() && x.abs() > 1.0).count() as u64);
-            prop_assert_eq!(told.level.non_finite, samples.iter().filter(|x| !x.is_finite()).count() as u64);
+            let reported = out.finish().unwrap();
+            prop_assert_eq!(reported.level.clipped, samples.iter().filter(|x| x.is_finite() && x.abs() > 1.0).count() as u64);
+            prop_assert_eq!(reported.level.non_finite, samples.iter().filter(|x| !x.is_finite()).count() as u64);
             let g = Gesture::open(&path, &[], None).unwrap();
             prop_assert_eq!(g.tracks().len(), channels);
             for (i, x) in samples.iter().enumerate() {

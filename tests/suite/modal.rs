@@ -193,7 +193,7 @@ fn the_model_asks_for_all_its_groups() {
     );
 }
 
-/// What cannot go by modes is refused with a word; damping that ties modes is told.
+/// What cannot go by modes is refused with a word; damping that ties modes is reported.
 #[test]
 fn what_cannot_be() {
     let refused = |text: &str, code: &str, word: &str| {

@@ -149,7 +149,7 @@ fn first_samples() {
     let [damper, contact, pluck, tied, cell] = &theirs[..] else { panic!("{} outputs", theirs.len()) };
     // a damper on an end that stands still at 10, said to have been at 3: not the force of 7, but of 10 + 3
     assert_eq!((damper[0], damper[1]), (-13.0, 0.0));
-    // a contact 2 deep between ends that stand still, told so by the rule above: its threshold is taken for a speed
+    // a contact 2 deep between ends that stand still, by the rule above: its threshold is taken for a speed
     assert_eq!((contact[0], contact[1]), (2.0 + 2.0, 2.0));
     // the second end of a plucked pair stands above the first and is pushed up: it is repelled
     assert_eq!(pluck[0], 0.9 * 0.5);

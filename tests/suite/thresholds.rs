@@ -102,14 +102,14 @@ fn a_limit_that_is_stated_is_where_it_is_stated() {
         for (v, is) in [(at * (1.0 - 1e-3), false), (at * (1.0 + 1e-3), true)] {
             let all = found(&text(v));
             if all.lines().any(|l| l.starts_with(code) && l.contains(words)) != is {
-                let _ = writeln!(wrong, "{code} ({words}) is {}told at {v}:\n{all}", if is { "not " } else { "" });
+                let _ = writeln!(wrong, "{code} ({words}) is {}reported at {v}:\n{all}", if is { "not " } else { "" });
             }
         }
     }
     assert!(wrong.is_empty(), "{wrong}");
 }
 
-/// What is told of a number that is nothing, a count, or a sign: just there, and not beside it.
+/// What is reported of a number that is nothing, a count, or a sign: just there, and not beside it.
 #[test]
 fn a_limit_at_nothing_or_at_a_count_is_there_too() {
     let key = |z: f64| {
@@ -120,7 +120,7 @@ fn a_limit_at_nothing_or_at_a_count_is_there_too() {
     let dim = |n: i32| format!("[room]\ndim = {n}\n{}", bob(""));
     let oversample = |n: i32| rate(&format!("oversample = {n}"));
     let latency = |n: i32| rate(&format!("latency = {n}"));
-    for (code, words, quiet, told) in [
+    for (code, words, quiet, reported) in [
         ("W105", "viscosity straight on a device key", key(0.0), key(1e-9)),
         ("W110", "may feed energy in", table(0.0), table(-1e-9)),
         ("E009", "dim", dim(3), dim(4)),
@@ -132,14 +132,14 @@ fn a_limit_at_nothing_or_at_a_count_is_there_too() {
         ("E009", "sound", rate("sound = 1\ngesture = 1"), rate("sound = 0.999\ngesture = 0.999")),
     ] {
         let is = |text: &str| found(text).lines().any(|l| l.starts_with(code) && l.contains(words));
-        assert!(!is(&quiet), "{code} ({words}) is told of\n{quiet}\n{}", found(&quiet));
-        assert!(is(&told), "{code} ({words}) is not told of\n{told}\n{}", found(&told));
+        assert!(!is(&quiet), "{code} ({words}) is reported\n{quiet}\n{}", found(&quiet));
+        assert!(is(&reported), "{code} ({words}) is not reported\n{reported}\n{}", found(&reported));
     }
 }
 
 /// A contact presses from its threshold on.
 #[test]
-fn a_contact_that_presses_at_load_is_told_from_its_threshold_on() {
+fn a_contact_that_presses_at_load_is_reported_from_its_threshold_on() {
     let text = |x: f64| {
         format!(
             "[MAS]\nbob = {{ m = 1 }}\nend = {{ m = 1, x = {x:?} }}\n[BUT]\nb = {{ between = [\"bob\", \"end\"], k = 10, d = \
@@ -182,7 +182,7 @@ fn the_limits_of_single_precision_are_where_they_are_stated() {
     };
     let large = |k: f64| link("BUT", &format!("k = {k:?}"));
     let far = |x: f64| format!("[CEL]\nbar = {{ m = 1, k = 1, dx0 = {x:?} }}\n[SOX]\nout = {{ from = \"bar\" }}\n");
-    for (code, words, quiet, told) in [
+    for (code, words, quiet, reported) in [
         ("E028", "too stiff for single precision", stiff(99.9), stiff(100.1)),
         ("W114", "fades too slowly", fades(0.1), fades(0.103)),
         ("E009", "beyond single precision", large(3.40e38), large(3.41e38)),
@@ -190,8 +190,8 @@ fn the_limits_of_single_precision_are_where_they_are_stated() {
         ("E009", "beyond single precision", far(1.01e-30), far(0.99e-30)),
     ] {
         let is = |text: &str| found(text).lines().any(|l| l.starts_with(code) && l.contains(words));
-        assert!(!is(&quiet), "{code} ({words}) is told of\n{quiet}\n{}", found(&quiet));
-        assert!(is(&told), "{code} ({words}) is not told of\n{told}\n{}", found(&told));
+        assert!(!is(&quiet), "{code} ({words}) is reported\n{quiet}\n{}", found(&quiet));
+        assert!(is(&reported), "{code} ({words}) is not reported\n{reported}\n{}", found(&reported));
     }
 }
 

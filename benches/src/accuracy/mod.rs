@@ -198,7 +198,7 @@ pub struct Found {
     /// a way each
     pub rows: Vec<Row>,
     /// methods that the scene cannot take, with the reason, and what others leave out
-    pub told: Vec<String>,
+    pub reported: Vec<String>,
 }
 
 impl Found {

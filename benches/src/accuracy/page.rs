@@ -53,7 +53,7 @@ fn table(found: &Found) -> String {
 }
 
 /// A number of the table of what is expected.
-fn told(v: f64) -> String {
+fn reported(v: f64) -> String {
     if v < 0.01 { format!("{v:.1e}") } else { format!("{v:.2}") }
 }
 
@@ -64,7 +64,7 @@ pub fn page(found: &[Found], stiff: &[Found], claims: &[Claim], machine: &str) -
     t += &head(&["what", "at most", "is", "holds"]);
     for c in claims {
         let holds = if c.holds() { "yes" } else { "**no**" };
-        t += &line(&[c.what.clone(), told(c.most), told(c.is), holds.into()]);
+        t += &line(&[c.what.clone(), reported(c.most), reported(c.is), holds.into()]);
     }
     for (case, f) in CASES.iter().zip(found) {
         let _ = write!(
@@ -76,7 +76,7 @@ pub fn page(found: &[Found], stiff: &[Found], claims: &[Claim], machine: &str) -
             case.name
         );
         let _ = write!(t, "{}\n\n{}", wrap(&format!("{} s, against {}.", case.seconds, f.against)), table(f));
-        for what in &f.told {
+        for what in &f.reported {
             let _ = write!(t, "\n{}\n", wrap(what));
         }
     }

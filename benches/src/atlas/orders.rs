@@ -37,7 +37,7 @@ const BOW: &str = "[BOW]\nrub = { between = [\"hand\", \"bar\"], f = 0.5, v0 = 0
 const TIE: &str = "[REF]\ntie = { between = [\"hand\", \"bar\"], k = 400, z = 0.5 }";
 const SPRING: &str = "[REF]\ntie = { between = [\"hand\", \"bar\"], k = 400 }";
 
-/// All that are told.
+/// All that are reported.
 pub const CASES: [Case; 12] = [
     Case { name: "`ca`, without viscosity", method: "method = \"ca\"", on: On::Oscillator(0.0), order: 2.0 },
     Case { name: "`ca`, with viscosity", method: "method = \"ca\"", on: On::Oscillator(6.0), order: 1.0 },

@@ -54,8 +54,8 @@ pub fn parameters() -> Door {
                     let mut model = example.clone();
                     let name = format!("{}.{}", item.name, param.name);
                     let set = model.set(&name, &bad.to_string());
-                    let told = finish(&model, found.clone(), &catalog, &Options::default()).err();
-                    let refused = told.is_some_and(|d| d.list.iter().any(|d| d.code == "E009" || d.code == "E006"));
+                    let reported = finish(&model, found.clone(), &catalog, &Options::default()).err();
+                    let refused = reported.is_some_and(|d| d.list.iter().any(|d| d.code == "E009" || d.code == "E006"));
                     door.tries(set && refused, || format!("{name} = {bad} of {}", kind.code));
                 }
             }

@@ -17,10 +17,10 @@ fn measured(text: &str, seconds: &str, times: &str, reference: &str) -> Found {
     let mut ca = Command::new(env!("CARGO_BIN_EXE_ca"));
     ca.arg("accuracy").arg(&path).args(["--seconds", seconds, "--times", times, "--reference", reference, "--json"]);
     let out = ca.env_remove("CA_CONFIG").stderr(Stdio::inherit()).output().expect("ca starts");
-    let told: Value = serde_json::from_slice(&out.stdout).expect("ca tells of it as JSON");
+    let reported: Value = serde_json::from_slice(&out.stdout).expect("ca tells of it as JSON");
     let number = |v: &Value| v.as_f64();
     let word = |v: &Value| v.as_str().unwrap_or_default().to_string();
-    let rows = told["rows"].as_array().into_iter().flatten().map(|r| Row {
+    let rows = reported["rows"].as_array().into_iter().flatten().map(|r| Row {
         method: word(&r["method"]),
         times: r["times"].as_u64().unwrap_or(0) as u32,
         error: number(&r["error"]).unwrap_or(f64::INFINITY),
@@ -33,14 +33,14 @@ fn measured(text: &str, seconds: &str, times: &str, reference: &str) -> Found {
         front: r["front"] == true,
     });
     let list = |key: &str, what: &str, how: &str| -> Vec<String> {
-        let all = told[key].as_array().into_iter().flatten();
+        let all = reported[key].as_array().into_iter().flatten();
         all.map(|r| format!("{how} `{}`: {}.", word(&r["method"]), word(&r[what]))).collect()
     };
     Found {
-        against: word(&told["reference"]["words"]),
-        known: number(&told["reference"]["known"]).unwrap_or(f64::INFINITY),
+        against: word(&reported["reference"]["words"]),
+        known: number(&reported["reference"]["known"]).unwrap_or(f64::INFINITY),
         rows: rows.collect(),
-        told: [list("refused", "why", "Not by"), list("warned", "what", "By")].concat(),
+        reported: [list("refused", "why", "Not by"), list("warned", "what", "By")].concat(),
     }
 }
 
@@ -73,7 +73,7 @@ fn main() -> ExitCode {
     if update {
         std::fs::write(docs.join("accuracy.md"), text).expect("the page can be written");
     }
-    // what does not depend on the machine must hold; times are told
+    // what does not depend on the machine must hold; times are reported
     let errors = claims.iter().filter(|c| c.what.starts_with("error"));
     if errors.clone().all(ca_benches::accuracy::Claim::holds) { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }

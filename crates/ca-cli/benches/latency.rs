@@ -7,7 +7,7 @@
 
 #[cfg(target_os = "linux")]
 mod linux {
-    use ca_benches::latency::{RUNS, Run, Told, page};
+    use ca_benches::latency::{Percentiles, RUNS, Run, page};
     use ca_haptic::host::Site;
     use ca_haptic::host::control::{Request, ask};
     use serde_json::Value;
@@ -39,18 +39,18 @@ mod linux {
             Proc(c.arg("--load").stdin(Stdio::piped()).spawn().expect("load starts"))
         }
 
-        /// What it told, at its end.
-        fn told(mut self) -> Value {
+        /// What it reported, at its end.
+        fn reported(mut self) -> Value {
             let out = self.0.stdout.take().expect("a pipe");
-            let told = serde_json::from_reader(out).expect("ca tells of its run as JSON");
+            let reported = serde_json::from_reader(out).expect("ca tells of its run as JSON");
             self.0.wait().expect("it ends");
-            told
+            reported
         }
     }
 
-    fn told(v: &Value) -> Told {
+    fn reported(v: &Value) -> Percentiles {
         let us = ["p50", "p99", "p999", "max"].map(|k| v[k].as_f64().unwrap_or(f64::NAN));
-        Told { n: v["n"].as_u64().unwrap_or(0), us }
+        Percentiles { n: v["n"].as_u64().unwrap_or(0), us }
     }
 
     fn run((priority, load): (bool, bool), seconds: f64) -> Run {
@@ -67,19 +67,19 @@ mod linux {
         }
         let length = seconds.to_string();
         let sim = ["device", "sim", "--profile", "tgr12", "--script", "strike", "--seconds", &length, "--json"];
-        let device = Proc::ca(&site, &[&sim[..], &["--priority", device]].concat()).told();
+        let device = Proc::ca(&site, &[&sim[..], &["--priority", device]].concat()).reported();
         ask(&site, &Request::Stop, Duration::from_secs(30)).expect("the server ends");
-        let server = server.told();
+        let server = server.reported();
         drop(load);
         ca_haptic::host::debris::clean(&site);
         let number = |v: &Value| v.as_u64().unwrap_or(0);
         let granted = server["granted"].as_array().into_iter().flatten().find(|g| g[0] == "engine");
         Run {
-            told: [
-                told(&server["frame_us"]),
-                told(&server["late_us"]),
-                told(&device["loop_us"]),
-                told(&server["devices"][0]["loop_us"]),
+            reported: [
+                reported(&server["frame_us"]),
+                reported(&server["late_us"]),
+                reported(&device["loop_us"]),
+                reported(&server["devices"][0]["loop_us"]),
             ],
             counts: [
                 number(&server["frames"]),

@@ -35,7 +35,7 @@ pub enum Failure {
     /// the request could not be done: exit code 1
     Failed(String),
     /// as before, but all is already said: exit code 1
-    Told,
+    Reported,
     /// somebody pressed Ctrl-C: exit code 130, as of any command that ends so
     Interrupted,
     /// the reader of stdout went away
@@ -68,7 +68,7 @@ impl From<ca_lab::Failure> for Failure {
             ca_lab::Failure::Stopped => Failure::Interrupted,
             ca_lab::Failure::Found(found) => {
                 term::findings(&render::text(&found.diags, &found.model, term::color()));
-                Failure::Told
+                Failure::Reported
             }
         }
     }
@@ -120,7 +120,7 @@ fn main() -> ExitCode {
     match outcome {
         Ok(Ended::Well) | Err(Failure::BrokenPipe) => ExitCode::SUCCESS,
         Ok(Ended::Degraded) => ExitCode::from(3),
-        Err(Failure::Told) => ExitCode::from(1),
+        Err(Failure::Reported) => ExitCode::from(1),
         Err(Failure::Interrupted) => ExitCode::from(130),
         Err(Failure::Failed(what)) => {
             term::error(&what);

@@ -28,9 +28,9 @@
 //!     sound.write(&[x * 300.0])?; // too loud
 //!     probe.write(&[x])?;
 //! }
-//! let told = sound.finish()?; // only now is there a file of that name
-//! assert_eq!((told.frames, told.level.peak[0]), (450, 1.5));
-//! assert!(told.level.clipped > 240);
+//! let reported = sound.finish()?; // only now is there a file of that name
+//! assert_eq!((reported.frames, reported.level.peak[0]), (450, 1.5));
+//! assert!(reported.level.clipped > 240);
 //! assert_eq!(probe.finish()?, 450);
 //!
 //! // what cannot be read says where, and what to do

@@ -58,7 +58,7 @@ pub enum Record {
         /// its sums
         balance: Balance,
     },
-    /// an armed device still has no force, told now and then
+    /// an armed device still has no force, reported now and then
     Waiting {
         /// when
         tick: u64,

@@ -110,7 +110,7 @@ pub struct WavOut {
     staged: Staged,
     format: Format,
     limit: u64,
-    told: Written,
+    reported: Written,
 }
 
 impl WavOut {
@@ -136,55 +136,61 @@ impl WavOut {
         let staged = Staged::create(path)?;
         let writer =
             WavWriter::new(BufWriter::with_capacity(1 << 16, staged.handle()?), spec).map_err(|e| failed(path, &e))?;
-        let told = Written { path: path.to_owned(), frames: 0, rate: rate as u32, level: Level::new(channels) };
-        Ok(WavOut { writer, staged, format, limit: MAX_DATA / (channels as u64 * u64::from(format.bits() / 8)), told })
+        let reported = Written { path: path.to_owned(), frames: 0, rate: rate as u32, level: Level::new(channels) };
+        Ok(WavOut {
+            writer,
+            staged,
+            format,
+            limit: MAX_DATA / (channels as u64 * u64::from(format.bits() / 8)),
+            reported,
+        })
     }
 
     /// Appends whole frames of interleaved samples.
     pub fn write(&mut self, frames: &[f64]) -> Result<(), FileError> {
-        let n = self.told.level.peak.len();
+        let n = self.reported.level.peak.len();
         if !frames.len().is_multiple_of(n) {
             let what = format!("{} samples are no whole frames of {n} channels", frames.len());
-            return Err(FileError::usage(what).file(self.told.path.display()));
+            return Err(FileError::usage(what).file(self.reported.path.display()));
         }
-        if self.told.frames + (frames.len() / n) as u64 > self.limit {
+        if self.reported.frames + (frames.len() / n) as u64 > self.limit {
             let e = FileError::new(FileErrorKind::Full, "a WAV file holds 4 GiB, and they are full");
-            let e = e.file(self.told.path.display()).at(format!("{:.0} s", self.told.duration()));
+            let e = e.file(self.reported.path.display()).at(format!("{:.0} s", self.reported.duration()));
             return Err(e.fix("render less time, fewer outputs or fewer bits"));
         }
         for frame in frames.chunks_exact(n) {
             for (channel, x) in frame.iter().enumerate() {
-                let x = self.told.level.keep(channel, *x);
+                let x = self.reported.level.keep(channel, *x);
                 match self.format {
                     Format::F32 => self.writer.write_sample(x as f32),
                     Format::I24 => self.writer.write_sample(integer(x, 8_388_608.0)),
                     Format::I16 => self.writer.write_sample(integer(x, 32_768.0)),
                 }
-                .map_err(|e| failed(&self.told.path, &e))?;
+                .map_err(|e| failed(&self.reported.path, &e))?;
             }
-            self.told.frames += 1;
+            self.reported.frames += 1;
         }
         Ok(())
     }
 
     /// What has been written so far; the numbers of [`WavOut::finish`], while it goes on.
     pub fn so_far(&self) -> &Written {
-        &self.told
+        &self.reported
     }
 
     /// Completes the file and puts it in its place.
     pub fn finish(self) -> Result<Written, FileError> {
-        let WavOut { writer, staged, told, .. } = self;
-        writer.finalize().map_err(|e| failed(&told.path, &e))?;
-        if told.level.peak.len() > 2 && staged.is_plain() {
+        let WavOut { writer, staged, reported, .. } = self;
+        writer.finalize().map_err(|e| failed(&reported.path, &e))?;
+        if reported.level.peak.len() > 2 && staged.is_plain() {
             // dwChannelMask of WAVEFORMATEXTENSIBLE, at this place in what hound writes
             let mut file = staged.handle()?;
             file.seek(SeekFrom::Start(40))
                 .and_then(|_| file.write_all(&[0; 4]))
-                .map_err(|e| FileError::io(&told.path, "it cannot be written", &e))?;
+                .map_err(|e| FileError::io(&reported.path, "it cannot be written", &e))?;
         }
         staged.commit()?;
-        Ok(told)
+        Ok(reported)
     }
 }
 
@@ -210,43 +216,43 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         let mut out = WavOut::create(dir.path().join("a.wav"), 48_000.0, 1, format).unwrap();
         samples.chunks(3).for_each(|c| out.write(c).unwrap());
-        let told = out.finish().unwrap();
-        (dir, told)
+        let reported = out.finish().unwrap();
+        (dir, reported)
     }
 
     #[test]
     fn integers_are_exact() {
         for (format, full) in [(Format::I16, 32_768), (Format::I24, 8_388_608)] {
-            let (_dir, told) = render(format, &ODD);
-            let mut file = WavReader::open(&told.path).unwrap();
+            let (_dir, reported) = render(format, &ODD);
+            let mut file = WavReader::open(&reported.path).unwrap();
             assert_eq!((file.spec().bits_per_sample, file.spec().sample_rate), (format.bits(), 48_000));
             let got: Vec<i32> = file.samples().map(Result::unwrap).collect();
             let tenth = if full == 32_768 { 3277 } else { 838_861 };
             assert_eq!(got, [0, full / 2, -full / 2, full - 1, -full, full - 1, -full, tenth]);
-            assert_eq!((told.level.clipped, told.level.non_finite, told.frames), (2, 0, 8));
-            assert_eq!(told.level.peak, [7.0]);
-            assert!(!told.is_faithful());
+            assert_eq!((reported.level.clipped, reported.level.non_finite, reported.frames), (2, 0, 8));
+            assert_eq!(reported.level.peak, [7.0]);
+            assert!(!reported.is_faithful());
         }
         // ties to even
-        let (_dir, told) = render(Format::I16, &[0.5 / 32_768.0, 1.5 / 32_768.0, -2.5 / 32_768.0]);
-        let got: Vec<i32> = WavReader::open(&told.path).unwrap().samples().map(Result::unwrap).collect();
+        let (_dir, reported) = render(Format::I16, &[0.5 / 32_768.0, 1.5 / 32_768.0, -2.5 / 32_768.0]);
+        let got: Vec<i32> = WavReader::open(&reported.path).unwrap().samples().map(Result::unwrap).collect();
         assert_eq!(got, [0, 2, -2]);
     }
 
     #[test]
     fn floats_have_the_same_ceiling() {
-        let (_dir, told) = render(Format::F32, &ODD);
-        let got: Vec<f32> = WavReader::open(&told.path).unwrap().samples().map(Result::unwrap).collect();
+        let (_dir, reported) = render(Format::F32, &ODD);
+        let got: Vec<f32> = WavReader::open(&reported.path).unwrap().samples().map(Result::unwrap).collect();
         assert_eq!(got, [0.0, 0.5, -0.5, 1.0, -1.0, 1.0, -1.0, 0.1]);
-        assert_eq!(told.level.clipped, 2);
+        assert_eq!(reported.level.clipped, 2);
     }
 
     #[test]
     fn what_has_no_value_is_silence_and_counted_apart() {
-        let (_dir, told) = render(Format::F32, &[f64::NAN, 0.25, f64::INFINITY, f64::NEG_INFINITY]);
-        let got: Vec<f32> = WavReader::open(&told.path).unwrap().samples().map(Result::unwrap).collect();
+        let (_dir, reported) = render(Format::F32, &[f64::NAN, 0.25, f64::INFINITY, f64::NEG_INFINITY]);
+        let got: Vec<f32> = WavReader::open(&reported.path).unwrap().samples().map(Result::unwrap).collect();
         assert_eq!(got, [0.0, 0.25, 0.0, 0.0]);
-        assert_eq!((told.level.clipped, told.level.non_finite, told.level.peak[0]), (0, 3, 0.25));
+        assert_eq!((reported.level.clipped, reported.level.non_finite, reported.level.peak[0]), (0, 3, 0.25));
     }
 
     #[test]
@@ -259,8 +265,8 @@ mod tests {
                 let frame: Vec<f64> = (0..channels).map(|c| c as f64 / 512.0).collect();
                 out.write(&frame).unwrap();
                 out.write(&frame).unwrap();
-                let told = out.finish().unwrap();
-                assert_eq!((told.level.peak.as_slice(), told.frames), (&frame[..], 2));
+                let reported = out.finish().unwrap();
+                assert_eq!((reported.level.peak.as_slice(), reported.frames), (&frame[..], 2));
                 let bytes = std::fs::read(&path).unwrap();
                 assert_eq!(u32::from_le_bytes(bytes[4..8].try_into().unwrap()) as usize, bytes.len() - 8);
                 assert_eq!(usize::from(u16::from_le_bytes([bytes[22], bytes[23]])), channels);

@@ -10,9 +10,9 @@ use serde::Serialize;
 #[derive(Clone, Debug)]
 pub struct Times(Histogram<u64>);
 
-/// What is told of a distribution \[µs\].
+/// What is reported of a distribution \[µs\].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Told {
+pub struct Percentiles {
     /// how many
     pub n: u64,
     /// median
@@ -44,12 +44,12 @@ impl Times {
     }
 
     /// The numbers.
-    pub fn told(&self) -> Told {
+    pub fn percentiles(&self) -> Percentiles {
         if self.0.is_empty() {
-            return Told::default();
+            return Percentiles::default();
         }
         let at = |q: f64| self.0.value_at_quantile(q) as f64 * 1e-3;
-        Told { n: self.0.len(), p50: at(0.5), p99: at(0.99), p999: at(0.999), max: self.0.max() as f64 * 1e-3 }
+        Percentiles { n: self.0.len(), p50: at(0.5), p99: at(0.99), p999: at(0.999), max: self.0.max() as f64 * 1e-3 }
     }
 }
 
@@ -60,15 +60,15 @@ mod tests {
     #[test]
     fn percentiles_of_a_known_distribution() {
         let mut t = Times::new();
-        assert_eq!(t.told(), Told::default());
+        assert_eq!(t.percentiles(), Percentiles::default());
         for k in 1..=1000_u64 {
             t.add(k * 1000);
         }
-        let told = t.told();
+        let reported = t.percentiles();
         let near = |a: f64, b: f64| (a - b).abs() <= 1e-3 * b;
-        assert!(told.n == 1000 && near(told.p50, 500.0) && near(told.p99, 990.0), "{told:?}");
-        assert!(near(told.p999, 999.0) && near(told.max, 1000.0), "{told:?}");
+        assert!(reported.n == 1000 && near(reported.p50, 500.0) && near(reported.p99, 990.0), "{reported:?}");
+        assert!(near(reported.p999, 999.0) && near(reported.max, 1000.0), "{reported:?}");
         t.add(u64::MAX);
-        assert!(near(t.told().max, 1e8), "{:?}", t.told());
+        assert!(near(t.percentiles().max, 1e8), "{:?}", t.percentiles());
     }
 }

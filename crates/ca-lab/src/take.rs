@@ -4,7 +4,7 @@
 //! the bit, and shows the forces a hand would have had. Built-in gestures of other ports are not played, as by a server.
 
 use crate::load::{self, Loaded};
-use crate::sweep::told;
+use crate::sweep::reported;
 use crate::{Failure, bytes, play};
 use ca_core::live::Controls;
 use ca_core::model::{Entry, Model, Value, write};
@@ -19,7 +19,7 @@ use ca_haptic::guard::Order;
 use ca_haptic::perform::{Driven, Performance};
 use ca_haptic::profile::Profile;
 use ca_haptic::record::Record;
-use ca_haptic::take::{Header, TakeWriter, Told};
+use ca_haptic::take::{Finished, Header, TakeWriter};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -49,7 +49,7 @@ struct Stage<'a> {
     seq: u64,
 }
 
-/// Plays a model into a take. `goes_on` is told how many samples of how many there are.
+/// Plays a model into a take. `goes_on` is called with how many samples of how many there are.
 ///
 /// # Errors
 /// [`Failure::Usage`] where something is driven that is no device and no live parameter, [`Failure::Found`] where the
@@ -61,7 +61,7 @@ pub fn record(
     ask: &Ask,
     path: &Path,
     goes_on: &mut dyn FnMut(u64, u64) -> bool,
-) -> Result<Told, Failure> {
+) -> Result<Finished, Failure> {
     let (loaded, changes) = &written(loaded)?;
     let options = Options { rate: ask.rate, energy: ask.energy, clouds: loaded.clouds.clone(), ..Options::default() };
     let scene = Arc::new(load::scene(loaded, &options)?);
@@ -105,7 +105,7 @@ fn written(loaded: &Loaded) -> Result<(Loaded, Vec<(String, String)>), Failure> 
             return Ok((loaded.clone(), changes));
         }
     }
-    // an error in the model is told as such
+    // an error in the model is reported as such
     bytes::bytes(loaded)?;
     let mut again = load::read_text(&write::write(model), "model.ca.toml");
     again.clouds.clone_from(&loaded.clouds);
@@ -117,7 +117,7 @@ fn changes(from: &Model, to: &Model) -> Vec<(String, String)> {
     let mut all = Vec::new();
     let mut put = |name: String, new: &Value, old: Option<&Value>| {
         if old != Some(new) {
-            all.push((name, told(new)));
+            all.push((name, reported(new)));
         }
     };
     let find = |list: &[Entry], key: &str| list.iter().find(|e| e.key == key).map(|e| e.value.clone());

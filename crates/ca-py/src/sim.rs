@@ -22,7 +22,7 @@ const BLOCK: usize = 4096;
 #[pyclass(frozen, module = "cordis_anima._core")]
 pub struct Sim {
     scene: Arc<ca_core::Scene>,
-    /// the ports whose forces are told: input and where its force stands
+    /// the ports whose forces are reported: input and where its force stands
     felt: Vec<(usize, Felt)>,
     running: Mutex<Running>,
 }
@@ -93,7 +93,7 @@ impl Sim {
 
 #[pymethods]
 impl Sim {
-    /// Names of the ports whose forces are told.
+    /// Names of the ports whose forces are reported.
     #[getter]
     fn ports(&self) -> Vec<&str> {
         self.felt.iter().map(|(input, _)| self.scene.inputs[*input].name.as_str()).collect()

@@ -97,7 +97,7 @@ impl Sweep {
     }
 
     /// What it computes, as a text: the same of equal sweeps, and of no others.
-    fn told(&self, audio: &str, chunk: u64) -> String {
+    fn reported(&self, audio: &str, chunk: u64) -> String {
         folder::text(&self.sweep, audio, chunk)
     }
 

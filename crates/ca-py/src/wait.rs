@@ -15,7 +15,7 @@ pub struct Wait {
 }
 
 impl Wait {
-    /// With what is told `progress(done, of)`.
+    /// With what is reported `progress(done, of)`.
     pub fn new(progress: Option<Py<PyAny>>) -> Wait {
         Wait { progress, last: Instant::now(), error: None }
     }
@@ -29,11 +29,11 @@ impl Wait {
             return true;
         }
         self.last = Instant::now();
-        let told = Python::attach(|py| {
+        let reported = Python::attach(|py| {
             py.check_signals()?;
             self.progress.as_ref().map_or(Ok(()), |f| f.call1(py, (done, of)).map(drop))
         });
-        self.error = told.err();
+        self.error = reported.err();
         self.error.is_none()
     }
 }

@@ -54,8 +54,8 @@ fn everything() {
         .env("CA_ROOT", root())
         .output()
         .expect("Python runs");
-    let told = String::from_utf8_lossy(&run.stdout);
-    println!("{told}{}", String::from_utf8_lossy(&run.stderr));
-    assert!(run.status.success(), "{told}");
-    assert!(told.contains(" passed"), "{told}");
+    let reported = String::from_utf8_lossy(&run.stdout);
+    println!("{reported}{}", String::from_utf8_lossy(&run.stderr));
+    assert!(run.status.success(), "{reported}");
+    assert!(reported.contains(" passed"), "{reported}");
 }

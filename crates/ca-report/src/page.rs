@@ -137,7 +137,7 @@ fn figure(plot: &Plot, plots: &mut Vec<Json>) -> Markup {
     }
     let id = format!("p{}", plots.len());
     plots.push(plot.json(&id));
-    let (unit, told) = plot.told();
+    let (unit, ranges) = plot.ranges();
     let unit = if unit.is_empty() { String::new() } else { format!(" [{unit}]") };
     html! {
         figure {
@@ -160,7 +160,7 @@ fn figure(plot: &Plot, plots: &mut Vec<Json>) -> Markup {
                         thead { tr {
                             th { (plot.y.label) (unit) } th.number { "least" } th.number { "greatest" } th.number { "last" }
                         } }
-                        tbody { @for (name, extent) in told { tr {
+                        tbody { @for (name, extent) in ranges { tr {
                             td { (name) }
                             @match extent {
                                 Some(e) => { @for v in e { td.number { (digits(v)) } } }

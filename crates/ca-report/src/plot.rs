@@ -211,8 +211,8 @@ impl Plot {
         (factor, format!("{letter}{}", self.y.unit))
     }
 
-    /// For those who cannot see it: each curve with its least, greatest and last value, in the unit that is told.
-    pub(crate) fn told(&self) -> (String, Vec<Extent>) {
+    /// For those who cannot see it: each curve with its least, greatest and last value, in the unit that is ranges.
+    pub(crate) fn ranges(&self) -> (String, Vec<Extent>) {
         let (factor, unit) = self.scale();
         let row = |c: &Curve| (c.name.clone(), c.extent().map(|e| e.map(|v| v / factor)));
         (unit, self.curves.iter().map(row).collect())
@@ -264,7 +264,7 @@ mod tests {
         let read = read(&j["curves"][0]["y"]);
         assert_eq!((read[0], read[1], read[3]), (0.0, -125.0, 10.0));
         assert!(read[2].is_nan());
-        assert_eq!(plot("m").told().1[0].1.map(|e| e.map(|v| v as f32)), Some([-125.0, 10.0, 10.0]));
+        assert_eq!(plot("m").ranges().1[0].1.map(|e| e.map(|v| v as f32)), Some([-125.0, 10.0, 10.0]));
         assert_eq!(plot("dB").json("p")["y"]["unit"], "dB");
         for (most, letter) in [(0.0, ""), (1e-18, ""), (3e-15, "f"), (0.999, "m"), (1.0, ""), (1e5, "k"), (1e15, "G")] {
             assert_eq!(prefix("N", most).1, letter, "{most}");

@@ -169,17 +169,17 @@ fn a_brake_ends_in_its_fault_whoever_arms() {
 }
 
 #[test]
-fn a_device_that_says_again_what_it_was_told_can_be_armed() {
-    for told in [Cause::Velocity, Cause::Software, Cause::Disconnect, Cause::WatchdogOut] {
+fn a_device_that_says_again_what_it_was_sent_can_be_armed() {
+    for reported in [Cause::Velocity, Cause::Software, Cause::Disconnect, Cause::WatchdogOut] {
         let mut rig = Rig::new(KEY, profile(|_| {}));
         rig.on(&[0.0]);
-        rig.order(Order::Trip(told));
-        rig.next.cause = told as u16;
-        (0..10).for_each(|_| assert!(is_off(&rig.go(&[0.0]), told)));
+        rig.order(Order::Trip(reported));
+        rig.next.cause = reported as u16;
+        (0..10).for_each(|_| assert!(is_off(&rig.go(&[0.0]), reported)));
         rig.order(Order::Arm);
         // it hears of it a few frames later
-        assert_eq!(mode(&rig.go(&[0.0])), Mode::Off, "{told:?}");
+        assert_eq!(mode(&rig.go(&[0.0])), Mode::Off, "{reported:?}");
         rig.next.cause = Cause::Disarmed as u16;
-        assert_eq!(mode(&rig.on(&[0.0])), Mode::On, "{told:?}");
+        assert_eq!(mode(&rig.on(&[0.0])), Mode::On, "{reported:?}");
     }
 }

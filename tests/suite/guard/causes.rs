@@ -75,7 +75,7 @@ fn text() -> String {
 }
 
 #[test]
-fn every_cause_can_happen_is_told_and_ends_with_arming() {
+fn every_cause_can_happen_is_reported_and_ends_with_arming() {
     for why in CAUSES {
         let mut rig = Rig::new(&text(), profile(|_| {}));
         rig.on(&[0.0]);

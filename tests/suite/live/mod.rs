@@ -47,10 +47,10 @@ fn device(n: u64) -> DeviceFrame {
     f
 }
 
-/// All a sink is told: records, sound, ticks of pictures.
+/// All a sink is given: records, sound, ticks of pictures.
 #[derive(Clone, Default)]
-struct Heard(Arc<Mutex<Told>>);
-type Told = (Vec<Record>, Vec<f64>, Vec<u64>);
+struct Heard(Arc<Mutex<Received>>);
+type Received = (Vec<Record>, Vec<f64>, Vec<u64>);
 
 impl Sink for Heard {
     fn record(&mut self, record: &Record) -> Result<(), ca_haptic::FileError> {

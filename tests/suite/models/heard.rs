@@ -48,8 +48,8 @@ pub fn play(name: &str, probes: &[&str]) -> Heard {
     }
     assert!(model.title().len() > 10 && !model.title().contains('\n'));
     let scene = scene(&model, probes);
-    let told = scene.diags.list.iter().any(|d| d.code.starts_with('W'));
-    assert!(!told, "{}", render::text(&scene.diags, &model, false));
+    let reported = scene.diags.list.iter().any(|d| d.code.starts_with('W'));
+    assert!(!reported, "{}", render::text(&scene.diags, &model, false));
     let heard = perform(model, &scene, None, scene.seconds.expect("a model says how long it sounds"));
     let level = heard.sound.iter().map(|c| db(peak(c))).fold(f64::MIN, f64::max);
     assert!((-12.0..=-0.5).contains(&level), "{name} peaks at {level:.2} dBFS");

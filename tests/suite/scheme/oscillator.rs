@@ -101,8 +101,8 @@ fn a03_the_limit_and_who_says_so() {
     for (a, level) in [(3.99, Level::Proven), (4.0, Level::Unstable), (4.01, Level::Unstable)] {
         let scene = scene(&bob(1.0, 1.0, a, 0.0));
         assert_eq!((scene.certificate.level, scene.certificate.bound), (level, a));
-        let told = scene.diags.list.iter().any(|d| d.code == "W103" && d.title.contains("`bob`"));
-        assert_eq!(told, level == Level::Unstable, "{}", scene.diags);
+        let reported = scene.diags.list.iter().any(|d| d.code == "W103" && d.title.contains("`bob`"));
+        assert_eq!(reported, level == Level::Unstable, "{}", scene.diags);
     }
 }
 

@@ -16,7 +16,7 @@ fn string(parameters: &str, more: &str) -> String {
 }
 
 /// Poles of the running engine, as moduli and angles: it is moved a little in each number of its state, and ticks.
-/// Waves are told by how long ago they left, as their rings turn.
+/// Waves are found by how long ago they left, as their rings turn.
 fn poles(scene: &Scene) -> Vec<[f64; 2]> {
     let start = scene.state();
     let places: Vec<usize> = (0..scene.n_mat).filter(|i| start.coef[2 * scene.n_mat + i] > 0.0).collect();

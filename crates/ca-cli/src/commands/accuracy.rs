@@ -38,28 +38,28 @@ pub fn run(args: &AccuracyArgs) -> Outcome {
     }
     let found = found?;
     let best = args.error.and_then(|e| found.cheapest(e));
-    let told = Told { name: &loaded.name, found: &found, best };
+    let reported = Page { name: &loaded.name, found: &found, best };
     if args.json {
-        writeln!(std::io::stdout().lock(), "{:#}", told.json())?;
+        writeln!(std::io::stdout().lock(), "{:#}", reported.json())?;
     } else {
-        told.text(args.error)?;
+        reported.text(args.error)?;
     }
     if let Some(path) = &args.output {
-        page::write(path, &told.page(&loaded).html())?;
+        page::write(path, &reported.page(&loaded).html())?;
         term::note(&format!("the page is `{}`", path.display()));
     }
     Ok(if args.error.is_some() && best.is_none() { Ended::Degraded } else { Ended::Well })
 }
 
 /// What is said of it all.
-struct Told<'a> {
+struct Page<'a> {
     name: &'a str,
     found: &'a Measured,
     /// what meets the error that was asked for
     best: Option<&'a Row>,
 }
 
-impl Told<'_> {
+impl Page<'_> {
     fn verdict(&self, asked: f64) -> String {
         match self.best {
             Some(r) => format!("the cheapest with an error of at most {asked:.0e}: {}", r.name()),

@@ -17,7 +17,7 @@ use ca_core::model::quantity::{show, six};
 use serde_json::{Value as Json, json};
 use std::io::Write;
 
-/// Keys that are told one by one.
+/// Keys that are reported one by one.
 const KEYS: usize = 5;
 
 fn ms(seconds: f64) -> String {

@@ -13,7 +13,7 @@ const PATIENCE: Duration = Duration::from_secs(5);
 /// `ca set`.
 pub fn set(args: &SetArgs) -> Outcome {
     if args.values.is_empty() {
-        return told(&Request::Status, args.json, |r| {
+        return reported(&Request::Status, args.json, |r| {
             let list = r.fields.get("params").and_then(|p| p.as_array()).cloned().unwrap_or_default();
             if list.is_empty() {
                 return "this model has no live parameters".into();
@@ -29,35 +29,35 @@ pub fn set(args: &SetArgs) -> Outcome {
         });
     }
     let values = args.values.iter().map(|(n, v)| (n.clone(), Given::Text(v.clone()))).collect();
-    told(&Request::Set { values }, args.json, |r| r.text.clone())
+    reported(&Request::Set { values }, args.json, |r| r.text.clone())
 }
 
 /// `ca arm`.
 pub fn arm(args: &ArmArgs) -> Outcome {
-    told(&Request::Arm { device: args.device.clone() }, args.json, |r| r.text.clone())
+    reported(&Request::Arm { device: args.device.clone() }, args.json, |r| r.text.clone())
 }
 
 /// `ca disarm`.
 pub fn disarm(args: &ArmArgs) -> Outcome {
-    told(&Request::Disarm { device: args.device.clone() }, args.json, |r| r.text.clone())
+    reported(&Request::Disarm { device: args.device.clone() }, args.json, |r| r.text.clone())
 }
 
 /// `ca status`.
 pub fn status(args: &StatusArgs) -> Outcome {
-    told(&Request::Status, args.json, |r| r.text.clone())
+    reported(&Request::Status, args.json, |r| r.text.clone())
 }
 
 /// `ca stop`.
 pub fn stop(args: &StatusArgs) -> Outcome {
-    told(&Request::Stop, args.json, |r| r.text.clone())
+    reported(&Request::Stop, args.json, |r| r.text.clone())
 }
 
-fn told(request: &Request, json: bool, text: impl FnOnce(&Reply) -> String) -> Outcome {
+fn reported(request: &Request, json: bool, text: impl FnOnce(&Reply) -> String) -> Outcome {
     let reply = ask(&Site::of_user()?, request, PATIENCE)?;
     let mut out = std::io::stdout().lock();
     if json {
         writeln!(out, "{:#}", serde_json::to_value(&reply).unwrap_or_default())?;
-        return if reply.ok { Ok(Ended::Well) } else { Err(Failure::Told) };
+        return if reply.ok { Ok(Ended::Well) } else { Err(Failure::Reported) };
     }
     if !reply.ok {
         return Err(Failure::Failed(reply.text));

@@ -21,7 +21,7 @@ pub fn run(args: &ImportArgs) -> Outcome {
     let original = Model { file, text, ..Model::default() };
     term::findings(&render::text(&notes, &original, term::color()));
     if notes.has_errors() {
-        return Err(Failure::Told);
+        return Err(Failure::Reported);
     }
     let output = args.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.ca.toml", load::stem(&args.file))));
     let text = write::write(&model);
@@ -34,7 +34,7 @@ pub fn run(args: &ImportArgs) -> Outcome {
     let loaded = Loaded { model, diags, name: load::stem(&output), clouds: Clouds::new() };
     let (scene, diags) = load::compiled(&loaded, &Options::default());
     term::findings(&render::text(&diags, &loaded.model, term::color()));
-    let Some(scene) = scene else { return Err(Failure::Told) };
+    let Some(scene) = scene else { return Err(Failure::Reported) };
     writeln!(out, "it compiles: {} MAT, {} LIA, stability {}", scene.mats(), scene.n_lia, scene.certificate.level)?;
     writeln!(out, "hear it with\n\n  ca render {shown}\n")?;
     Ok(if scene.certificate.level == Level::Unstable { Ended::Degraded } else { Ended::Well })

@@ -26,7 +26,7 @@ pub fn run(args: &ModesArgs) -> Outcome {
     let options = Options { rate: args.source.rate, clouds: loaded.clouds.clone(), ..Options::default() };
     let network = ca_core::compile::linear(&loaded.model, &catalog(), &options).map_err(|diags| {
         term::findings(&render::text(&diags, &loaded.model, term::color()));
-        Failure::Told
+        Failure::Reported
     })?;
     let n = network.linear.places.len();
     if n == 0 {

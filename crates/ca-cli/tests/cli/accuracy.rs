@@ -91,7 +91,7 @@ fn another_model_is_its_own_reference() {
 /// A model that blows up as it is has its row all the same, and is never recommended; methods that it cannot take are
 /// named with the reason.
 #[test]
-fn what_blows_up_is_told() {
+fn what_blows_up_is_reported() {
     let text = "[SOL]\nw = {}\n[MAS]\na = { m = \"1 g\", dx0 = \"1 mm\" }\n[RES]\nk = { between = [\"w\", \"a\"], k = \"50 MN/m\" }\n\
                 [BUT]\nstop = { between = [\"w\", \"a\"], k = 100, d = \"-1 m\", method = \"stable\" }\n[SOX]\nout = { from = \"a\" }\n";
     let found = measured(text, &["--seconds", "0.01", "--times", "1,8", "--reference", "16", "--error", "1"]);
@@ -193,7 +193,7 @@ fn no_reference_is_beyond_all_rates() {
 }
 
 /// The model as written in single precision goes with it to what that holds, at every multiple of the rate; what it cannot
-/// be in is told.
+/// be in is reported.
 #[test]
 fn single_precision_is_a_way() {
     let found = measured(CHAIN, &["--seconds", "0.05", "--times", "1,4"]);
@@ -221,10 +221,10 @@ fn the_page_of_error_against_run_time_is_true() {
     let page = include_str!("../../../../docs/accuracy.md");
     for (case, reference) in [(&CASES[0], "8"), (&CASES[3], CASES[3].reference)] {
         let found = measured(&(case.text)(), &["--seconds", case.seconds, "--times", "1", "--reference", reference]);
-        let told = rows(page, case.title);
+        let reported = rows(page, case.title);
         for r in found["rows"].as_array().expect("rows") {
             let name = format!("{} ×1", r["method"].as_str().expect("a method"));
-            let row = told.iter().find(|t| t[0].trim_end_matches(" *") == name).unwrap_or_else(|| panic!("{name}"));
+            let row = reported.iter().find(|t| t[0].trim_end_matches(" *") == name).unwrap_or_else(|| panic!("{name}"));
             let said = |cell: usize| row[cell].trim_start_matches("< ").parse::<f64>().expect("a number");
             let error =
                 r["error"].as_f64().expect("an error").max(found["reference"]["known"].as_f64().expect("known"));

@@ -39,9 +39,9 @@ impl Key {
             ),
         );
         let args = ["check", "key.ca.toml", "--device", "one.toml"];
-        let told = desk.ca(&args);
+        let reported = desk.ca(&args);
         let all = desk.ca(&[&args[..], &["--json"]].concat()).json()["device"].clone();
-        (told.code, all, told.out)
+        (reported.code, all, reported.out)
     }
 }
 
@@ -49,9 +49,9 @@ impl Key {
 #[track_caller]
 fn between(below: &Key, above: &Key, at: &str, words: &str) {
     let passed = |j: &Json| !matches!(j.pointer(at).unwrap(), Json::Null | Json::Bool(false));
-    let ((quiet, first, said), (loud, second, told)) = (below.asked(), above.asked());
+    let ((quiet, first, said), (loud, second, reported)) = (below.asked(), above.asked());
     assert!(!passed(&first) && passed(&second), "{at}: {first:#}\n{second:#}");
-    assert!(!said.contains(words) && told.contains(words), "`{words}`:\n{said}\n{told}");
+    assert!(!said.contains(words) && reported.contains(words), "`{words}`:\n{said}\n{reported}");
     assert!(quiet == 0 && (loud == 3) == (second["too_much"] == true), "{quiet} {loud}");
 }
 

@@ -35,9 +35,9 @@ fn check_tells_delays_and_what_a_key_asks_of_a_device() {
     desk.ca(&one).is(0).says(&["the force of the tick", "0.0208 N s/m"]);
 }
 
-/// Finer ticks: what is told, and that a render is the plain one, late by the filter, but for what the scheme bends.
+/// Finer ticks: what is reported, and that a render is the plain one, late by the filter, but for what the scheme bends.
 #[test]
-fn finer_ticks_are_told_and_heard() {
+fn finer_ticks_are_reported_and_heard() {
     let desk = Desk::new();
     desk.put("struck.ca.toml", STRUCK).put("key.csv", KEY);
     let four = ["--set", "rate.oversample=4"];

@@ -85,7 +85,7 @@ fn a_file_is_changed_there_and_nowhere_else() {
     assert_eq!((&j["keys"][0]["lever"], &j["keys"][1]["energy_gain"]), (&true.into(), &1.5.into()));
     // what an author wrote is where it was
     assert!(read().starts_with(PAPER), "{}", read());
-    // and what is told of the key elsewhere is told in the hand
+    // and what is reported of the key elsewhere is in units of the hand
     desk.ca(&["check", "paper.ca.toml"]).is(0).says(&["`key3`: springs sum to"]);
 }
 
@@ -137,13 +137,13 @@ fn check_says_what_a_device_cannot_render() {
     near(key["force"].as_f64().unwrap(), 7779.24 * 0.01);
     // the second key wants a degree of freedom that twelve keys have not
     assert_eq!(j["device"]["keys"][1]["there"], false);
-    let told = desk.ca(&["check", "paper.ca.toml", "--device", "tgr12"]).is(3);
-    told.says(&["× 2.59 what stays passive", "`shank`", "beyond the 12 it has", "not on this device"]);
+    let reported = desk.ca(&["check", "paper.ca.toml", "--device", "tgr12"]).is(3);
+    reported.says(&["× 2.59 what stays passive", "`shank`", "beyond the 12 it has", "not on this device"]);
     // a profile of one's own, stiffer and slower
     let own = "name = \"mine\"\ntitle = \"Mine\"\nsource = \"me\"\ndof = 15\nrange = [-0.01, 0.01]\nforce = 100\nstiffness = 5000\nrate = 1000\n[body]\nfriction = 20\n";
     desk.put("mine.toml", own);
-    let told = desk.ca(&["check", "paper.ca.toml", "--device", "mine.toml"]).is(3);
-    told.says(&["3 kHz and the device gives 1 kHz", "× 1.56 what it renders"]);
+    let reported = desk.ca(&["check", "paper.ca.toml", "--device", "mine.toml"]).is(3);
+    reported.says(&["3 kHz and the device gives 1 kHz", "× 1.56 what it renders"]);
     let j = desk.ca(&["check", "paper.ca.toml", "--device", "mine.toml", "--json"]).is(3).json();
     near(j["device"]["passive"].as_f64().unwrap(), 20.0 / (2.0 / 1000.0));
     desk.ca(&["check", "paper.ca.toml", "--device", "tgr21"]).is(2).says(&["did you mean `tgr12`?"]);
@@ -156,9 +156,9 @@ fn check_says_what_a_device_cannot_render() {
 #[test]
 fn check_compares_what_the_gesture_asks_for_with_the_travel() {
     let desk = Desk::new();
-    let told = desk.ca(&["check", "rattle", "--device", "tgr12"]).is(3);
-    let told = told.says(&["`key_x` is to go from -44.3 mm to 44.6 mm, the device goes from -10 mm to 10 mm"]);
-    told.says(&["beyond its travel", "ca equiv --set position="]);
+    let reported = desk.ca(&["check", "rattle", "--device", "tgr12"]).is(3);
+    let reported = reported.says(&["`key_x` is to go from -44.3 mm to 44.6 mm, the device goes from -10 mm to 10 mm"]);
+    reported.says(&["beyond its travel", "ca equiv --set position="]);
     let j = desk.ca(&["check", "rattle", "--device", "tgr12", "--json"]).is(3).json();
     let key = &j["device"]["keys"][0];
     near(key["asks"][0].as_f64().unwrap(), -0.0443);

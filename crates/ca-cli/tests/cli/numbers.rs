@@ -68,7 +68,7 @@ fn what_was_computed_has_six_digits_and_its_unit() {
     assert!([" min", " h", " days"].iter().any(|unit| whole.contains(unit)), "{whole}");
 }
 
-/// A sound that has left every range is not told by its level, nor is one that nobody could hear.
+/// A sound that has left every range is not reported by its level, nor is one that nobody could hear.
 #[test]
 fn levels_beyond_any_loudspeaker_are_words() {
     let desk = Desk::new();

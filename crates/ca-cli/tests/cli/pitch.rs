@@ -57,7 +57,7 @@ fn heard(desk: &Desk, file: &str, port: &str) -> f64 {
 }
 
 #[test]
-fn modes_are_told_with_pitch_decay_and_where_they_are_heard() {
+fn modes_are_reported_with_pitch_decay_and_where_they_are_heard() {
     let desk = Desk::new();
     desk.put("parts.ca.toml", PARTS);
     let r = desk.ca(&["modes", "parts.ca.toml", "-n", "5"]).is(0);
@@ -116,7 +116,7 @@ fn a_bank_takes_a_scale() {
 }
 
 #[test]
-fn what_cannot_be_tuned_is_told() {
+fn what_cannot_be_tuned_is_reported() {
     let desk = Desk::new();
     desk.put("parts.ca.toml", PARTS);
     let no = |args: &[&str], code: i32, words: &[&str]| {

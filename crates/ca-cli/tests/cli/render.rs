@@ -233,7 +233,7 @@ fn a_nameless_track_is_given_to_a_port() {
 }
 
 #[test]
-fn what_blows_is_told_with_the_command_that_shows_why() {
+fn what_blows_is_reported_with_the_command_that_shows_why() {
     let desk = Desk::new();
     desk.put("struck.ca.toml", STRUCK);
     desk.put("key.csv", KEY);

@@ -51,7 +51,7 @@ fn names(plot: &Json) -> Vec<&str> {
 }
 
 #[test]
-fn a_model_is_told_whole() {
+fn a_model_is_reported_whole() {
     let desk = Desk::new();
     desk.put("struck.ca.toml", STRUCK).put("key.csv", KEY);
     let r = desk.ca(&["report", "struck.ca.toml", "--accuracy", "0.05"]).is(0).says(&[
@@ -160,7 +160,7 @@ fn no_word_of_a_model_becomes_markup() {
 }
 
 #[test]
-fn a_take_is_told_as_it_was() {
+fn a_take_is_reported_as_it_was() {
     let desk = Desk::new();
     let p = performer::duo(&desk.path("take.mcap"), 2500);
     desk.ca(&["report", "take.mcap"]).is(0).says(&["take.html", "SOFTWARE"]);
@@ -238,11 +238,11 @@ fn dom(desk: &Desk, page: &str) -> Option<String> {
     command.args(["--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking"]);
     command.args(["--disable-component-update", "--disable-sync", "--virtual-time-budget=5000", "--dump-dom"]);
     command.arg(format!("--user-data-dir={}", profile.path().display()));
-    let Ok(told) = command.arg(format!("file://{}", desk.path(page).display())).output() else {
+    let Ok(reported) = command.arg(format!("file://{}", desk.path(page).display())).output() else {
         eprintln!("skipped: no chromium here to open {page}");
         return None;
     };
-    Some(String::from_utf8_lossy(&told.stdout).into_owned())
+    Some(String::from_utf8_lossy(&reported.stdout).into_owned())
 }
 
 /// Opens pages: every plot is drawn, no script fails, nothing is asked of anybody.

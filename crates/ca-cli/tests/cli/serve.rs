@@ -82,24 +82,24 @@ fn the_examples_of_the_control_run_against_a_server() {
 
     desk.ca(&["stop"]).is(0);
     let (code, out, err) = ended(server);
-    let told: serde_json::Value = serde_json::from_str(&out).unwrap_or_else(|e| panic!("{e}\n{out}\n{err}"));
-    assert_eq!(code, if told["faithful"] == true { 0 } else { 3 }, "{err}");
-    assert_eq!((told["lost_sound"].as_u64(), told["clipped"].as_u64()), (Some(0), Some(0)));
-    assert_eq!(told["granted"][0][0], "engine");
-    assert!(told["granted"][0][1].as_str().unwrap().starts_with("policy "), "{out}");
+    let reported: serde_json::Value = serde_json::from_str(&out).unwrap_or_else(|e| panic!("{e}\n{out}\n{err}"));
+    assert_eq!(code, if reported["faithful"] == true { 0 } else { 3 }, "{err}");
+    assert_eq!((reported["lost_sound"].as_u64(), reported["clipped"].as_u64()), (Some(0), Some(0)));
+    assert_eq!(reported["granted"][0][0], "engine");
+    assert!(reported["granted"][0][1].as_str().unwrap().starts_with("policy "), "{out}");
     for times in ["frame_us", "late_us"] {
-        let t = &told[times];
+        let t = &reported[times];
         assert!(t["n"].as_u64().unwrap() > 0 && t["p50"].as_f64().unwrap() <= t["max"].as_f64().unwrap());
     }
     let (spec, samples) = desk.wav("played.wav");
     assert_eq!((spec.channels, spec.sample_rate), (1, 48000));
-    let seconds = told["seconds"].as_f64().unwrap();
+    let seconds = reported["seconds"].as_f64().unwrap();
     assert!((samples.len() as f64 / 48000.0 - seconds).abs() < 1e-3, "{} of {seconds}", samples.len());
     assert!(crate::desk::peak(&samples) > 0.01);
     desk.ca(&["status"]).is(1).says(&["no server runs", "ca serve"]);
 
     // all of it again from the take: forces, sound and state, also what was changed while it ran
-    assert_eq!(told["take"]["lost"], 0);
+    assert_eq!(reported["take"]["lost"], 0);
     let again = desk.ca(&["replay", "take.mcap", "--verify", "--json", "-o", "again.wav"]).is(0).json();
     assert_eq!(again["identical"], true, "{again}");
     assert_eq!(desk.wav("again.wav").1, samples);

@@ -138,10 +138,10 @@ fn a_run_is_a_render() {
         let set = [format!("low.k={:?}", k[run].unwrap()), format!("low.n={}", n[run].unwrap())];
         let mut args = vec!["render", "struck.ca.toml", "--seconds", "0.05", "-o", "r.wav", "--json"];
         args.extend(set.iter().flat_map(|s| ["--set", s]));
-        let told: serde_json::Value = serde_json::from_str(&desk.ca(&args).is(0).out).unwrap();
+        let reported: serde_json::Value = serde_json::from_str(&desk.ca(&args).is(0).out).unwrap();
         let mine = fs::read(desk.path("s").join(files[run].as_ref().unwrap())).unwrap();
         assert_eq!(mine, fs::read(desk.path("r.wav")).unwrap(), "run {run}: the same bytes");
-        let loudest = told["channels"].as_array().unwrap().iter().map(|c| c["peak"].as_f64().unwrap());
+        let loudest = reported["channels"].as_array().unwrap().iter().map(|c| c["peak"].as_f64().unwrap());
         let (mine, loudest) = (peaks[run].unwrap(), loudest.fold(0.0, f64::max));
         // a number of JSON is read to its last digit but one
         assert!((mine / loudest - 1.0).abs() < 1e-15, "{mine} {loudest}");

@@ -167,16 +167,16 @@ fn what_is_heard_is_what_is_written() {
         let args = ["serve", "bar.ca.toml", "--audio", "jack", "--seconds", "5", "-o", "bar.wav", "--json"];
         let played = jack.ca(&stage, &[&args[..], &["--log", "bar.mcap"]].concat()).end();
         let heard = samples(&listener.end());
-        let told = played.json();
-        let audio = &told["audio"];
+        let reported = played.json();
+        let audio = &reported["audio"];
         let n = |k: &str| audio[k].as_u64().unwrap_or_else(|| panic!("no {k} in {audio:#}"));
         assert_eq!((&audio["host"], n("rate"), n("channels"), n("buffer")), (&"JACK".into(), 48_000, 2, frames.into()));
         // what is asked for at once, a gesture frame, and a margin
         assert_eq!(n("lead"), u64::from(frames + 16 + 48.max(frames / 2)));
         assert!(audio["latency_ms"].as_f64().unwrap() >= (n("lead") + u64::from(frames)) as f64 / 48.0);
         let lost = n("underruns") + n("xruns") + n("stops");
-        assert_eq!(played.code, Some(if told["faithful"] == true { 0 } else { 3 }), "{told:#}");
-        assert!(lost == 0 || played.code == Some(3), "{told:#}");
+        assert_eq!(played.code, Some(if reported["faithful"] == true { 0 } else { 3 }), "{reported:#}");
+        assert!(lost == 0 || played.code == Some(3), "{reported:#}");
 
         let mut wav = hound::WavReader::open(stage.path("bar.wav")).unwrap();
         let written: Vec<f32> = wav.samples().map(Result::unwrap).collect();
@@ -202,13 +202,13 @@ fn a_server_that_dies_takes_no_force_along() {
         frames() > 1000
     });
     jack.server.take().unwrap().kill();
-    until("it is told", || server.said().contains("no longer asks for sound"));
+    until("it is reported", || server.said().contains("no longer asks for sound"));
     let begin = frames();
     until("frames go on", || frames() > begin + 6000);
     assert!(server.lives());
-    let told = server.stop().is(3).json();
-    assert_eq!((&told["audio"]["stops"], &told["faithful"]), (&1.into(), &false.into()), "{told:#}");
-    assert!(told["audio"]["unheard"].as_u64().unwrap() > 0, "{told:#}");
+    let reported = server.stop().is(3).json();
+    assert_eq!((&reported["audio"]["stops"], &reported["faithful"]), (&1.into(), &false.into()), "{reported:#}");
+    assert!(reported["audio"]["unheard"].as_u64().unwrap() > 0, "{reported:#}");
 }
 
 #[test]

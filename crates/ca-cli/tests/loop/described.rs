@@ -112,8 +112,8 @@ fn a_key_without_a_profile_is_felt_whoever_comes_first() {
         let most = finger.felt()[0];
         assert!(most < 1.1 * 500.0 * DEPTH, "{most} N where the spring gives {} N", 500.0 * DEPTH);
         let ran = server.stop();
-        let told = ran.json();
-        assert_eq!(told["devices"][0]["dropped"], 0, "{told:#}");
+        let reported = ran.json();
+        assert_eq!(reported["devices"][0]["dropped"], 0, "{reported:#}");
         assert!(ran.err.contains("finger: it says: ") && ran.err.contains("1 degrees of freedom"), "{}", ran.err);
         // what it said is in the take
         stage.ca(&["replay", "take.mcap", "--verify"]).is(0);
@@ -144,7 +144,7 @@ fn three_axes_of_a_device_without_a_profile_are_one_force() {
 }
 
 #[test]
-fn a_device_with_too_little_is_told_of_and_gives_nothing() {
+fn a_device_with_too_little_is_reported_of_and_gives_nothing() {
     let stage = stage();
     stage.put("two.ca.toml", &FINGER.replace("dof = 0", "dof = 1"));
     let server = stage.serve("two.ca.toml", &["--arm", "--seconds", "2"]);

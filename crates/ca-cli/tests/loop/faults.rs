@@ -29,8 +29,8 @@ fn h9_a_throw_brakes_and_ends() {
     let count = watch.count();
     until("it stays so", || watch.count() > count + 300);
     assert_eq!(stage.state().1, "VELOCITY");
-    let told = server.stop().json();
-    assert!(told["faults"].as_array().unwrap().iter().any(|f| f["cause"] == "VELOCITY"), "{told:#}");
+    let reported = server.stop().json();
+    assert!(reported["faults"].as_array().unwrap().iter().any(|f| f["cause"] == "VELOCITY"), "{reported:#}");
     let seen = watch.end(&key());
     // 200 ms of brake, of 600 frames most are seen; against a motion of 0.5 m/s with 5 N s/m
     // the last brake: one before it may have ended early, in another fault
@@ -86,8 +86,8 @@ fn h15_h16_a_model_that_explodes_leaves_hand_and_ear() {
     });
     let count = watch.count();
     until("it stays so", || watch.count() > count + 300);
-    let told = server.stop().is(3).json();
-    assert_eq!(told["unstable"], true);
+    let reported = server.stop().is(3).json();
+    assert_eq!(reported["unstable"], true);
     let seen = watch.end(&key());
     assert_eq!(seen.frames.last().map(|f| Mode::read(f.mode)), Some(Mode::Off), "the last word of a server");
     let samples: Vec<f32> =
@@ -115,21 +115,21 @@ fn h10_no_frame_of_a_device_moves_a_force_beyond_its_limits() {
     // once nothing is wrong any more it can be played again
     stage.on();
     device.end();
-    let told = server.stop().json();
+    let reported = server.stop().json();
     let seen = watch.end(&key());
     let causes = seen.faults();
     assert!(causes.contains(&Cause::Implausible), "{causes:?}");
-    let number = |k: &str| told["traffic"][k].as_u64().unwrap();
-    let (received, foreign, dropped) = (number("received"), number("foreign"), told["dropped"].as_u64().unwrap());
+    let number = |k: &str| reported["traffic"][k].as_u64().unwrap();
+    let (received, foreign, dropped) = (number("received"), number("foreign"), reported["dropped"].as_u64().unwrap());
     // what was overwritten in the queue was never there; most must have been
-    assert!(received > all / 4 && foreign > all / 100 && dropped > all / 100, "{told:#}");
+    assert!(received > all / 4 && foreign > all / 100 && dropped > all / 100, "{reported:#}");
     let (sent, watched) = (number("sent"), seen.frames.len() as u64);
     eprintln!(
         "{all} frames of anything: {received} received, {foreign} foreign, {dropped} dropped; \
          {watched} of {sent} forces seen, {} missed by number; {causes:?}",
         seen.unseen
     );
-    assert!(watched <= sent && watched + seen.unseen <= told["frames"].as_u64().unwrap(), "{told:#}");
+    assert!(watched <= sent && watched + seen.unseen <= reported["frames"].as_u64().unwrap(), "{reported:#}");
     // a third of a second of standing still is let pass; here none does for that long, and a hundredth is generous
     assert!(watched >= sent - sent / 100, "{watched} of {sent} forces were seen");
 }

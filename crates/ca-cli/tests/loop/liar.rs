@@ -34,7 +34,7 @@ pub enum Lie {
     GoesOn,
     /// its session is not the one it says
     Session,
-    /// it gives another force than it was told
+    /// it gives another force than it was sent
     Measured,
     /// it moves against the force: positions and forces have not the same sign
     Sign,

@@ -48,8 +48,8 @@ fn attempt(speed: f64) -> Option<Played> {
         "felt.csv",
     ]);
     device.end().is(0);
-    let told = server.stop();
-    let summary = told.json();
+    let reported = server.stop();
+    let summary = reported.json();
     let frames = summary["devices"][0]["frames"].as_u64()?;
     if frames != 12_000 || !summary["faults"].as_array()?.is_empty() {
         eprintln!("once more: {frames} frames, {}", summary["faults"]);

@@ -20,7 +20,7 @@ fn resident(id: u32) -> u64 {
 struct Played {
     /// what the device told
     device: Value,
-    /// what the server told
+    /// what the server reported
     server: Value,
     /// the server's memory after a sixth of it and at the end \[kB\]
     memory: [u64; 2],

@@ -46,11 +46,11 @@ fn run(model: &str, profile: &str, push: &str, delay: &str, seconds: &str) -> Ru
         let args = ["--script", "push", "--push", push, "--delay", delay, "--seconds", seconds];
         let device = stage.key(&[&args[..], &["--lockstep", "--force-log", "felt.csv", "--json"]].concat());
         let seen = device.end().is(0).json();
-        let told = server.stop().json();
+        let reported = server.stop().json();
         let text = stage.read("felt.csv");
         // after the device's end the engine waits in vain, once at least
-        let alone = told["frames"].as_u64().unwrap() - told["devices"][0]["frames"].as_u64().unwrap();
-        let lost = seen["asked_again"].as_u64().unwrap() + told["faults"].as_array().unwrap().len() as u64;
+        let alone = reported["frames"].as_u64().unwrap() - reported["devices"][0]["frames"].as_u64().unwrap();
+        let lost = seen["asked_again"].as_u64().unwrap() + reported["faults"].as_array().unwrap().len() as u64;
         if lost == 0 && alone < 40 && is_whole(&text) {
             let x = text.lines().skip(1).map(|l| l.split(',').nth(7).unwrap().parse().unwrap()).collect();
             return Run { x, text };

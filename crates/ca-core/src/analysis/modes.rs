@@ -5,7 +5,7 @@
 //! √(ω² − s²) and dies by e^(−st), s = b/2T.
 //!
 //! Decides for one symmetric eigenproblem, of T² M^-½ K M^-½: modes are orthogonal and every one is found. Damping that
-//! is not proportional couples them; how much is told for each mode ([`Mode::coupled`]), and up to [`EXACT`] places the
+//! is not proportional couples them; how much is reported for each mode ([`Mode::coupled`]), and up to [`EXACT`] places the
 //! poles are then those of the whole scheme.
 
 use super::linear::{Linear, Network};

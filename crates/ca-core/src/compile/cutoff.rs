@@ -34,10 +34,10 @@ pub fn plain_first(net: &Net) -> impl Iterator<Item = &OutNode> {
 
 /// The high passes, in that order: bilinear, so −3 dB exactly at the cut-off.
 pub fn blockers(model: &Model, net: &Net, diags: &mut Diags) -> Vec<Blocker> {
-    let mut told = BTreeSet::new();
+    let mut reported = BTreeSet::new();
     let mut all = Vec::new();
     for (o, f) in net.outs.iter().filter_map(|o| Some((o, cutoff(net, o)?))) {
-        if f * net.te >= 0.5 && o.item.is_some_and(|i| told.insert(i)) {
+        if f * net.te >= 0.5 && o.item.is_some_and(|i| reported.insert(i)) {
             diags.push(too_high(model, net, o, f));
         }
         let t = libm::tan(PI * f * net.te);

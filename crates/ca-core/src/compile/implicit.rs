@@ -91,13 +91,13 @@ pub fn is_fourth(net: &Net) -> bool {
 
 /// Refuses links whose matrix would not stay as it is.
 pub fn check(model: &Model, net: &Net, diags: &mut Diags) {
-    let mut told = BTreeSet::new();
+    let mut reported = BTreeSet::new();
     let mut late: BTreeMap<u32, &LiaNode> = BTreeMap::new();
     for l in net.lias.iter().filter(|l| l.law.is_late()) {
         late.extend(l.all_ends().filter_map(|e| if let End::Mat(m) = e { Some((m, l)) } else { None }));
     }
     for l in net.lias.iter().filter(|l| l.law.implicit) {
-        if told.contains(&l.item) {
+        if reported.contains(&l.item) {
             continue;
         }
         let shared = l.all_ends().find_map(|e| match e {
@@ -118,7 +118,7 @@ pub fn check(model: &Model, net: &Net, diags: &mut Diags) {
         } else {
             continue;
         };
-        told.insert(l.item);
+        reported.insert(l.item);
         diags.push(no_method(&model.items[net.items[l.item as usize].model], title, label, help));
     }
 }

@@ -84,7 +84,7 @@ pub fn network(net: &Net) -> Network {
         .zip(&net.alive)
         .map(|(m, alive)| if *alive { slopes::own(net, m) } else { Own::default() })
         .collect();
-    // delays are no matrix: what hangs on a waveguide is told as if that stood still
+    // delays are no matrix: what hangs on a waveguide is reported as if that stood still
     net.lines.iter().flat_map(LineNode::junctions).for_each(|m| own[m as usize] = Own::default());
     let slopes: Vec<Bound> = net.lias.iter().map(|l| slopes::slopes(net, l)).collect();
     let (mut linear, numbers) = places(net, &own);

@@ -83,9 +83,9 @@ pub fn check(model: &Model, net: &Net, options: &Options, diags: &mut Diags) {
         let name = &net.items[l.item as usize].name;
         (l.item, (format!("`{name}` is a string of waves"), "use a `[STRING]`"))
     });
-    let mut told = BTreeSet::new();
+    let mut reported = BTreeSet::new();
     for (item, (why, help)) in of_waves.chain(of_mats).chain(of_links) {
-        if told.insert(item) {
+        if reported.insert(item) {
             let at = model.items[net.items[item as usize].model].name_span;
             let d = Diag::error("E028", format!("the model goes by `pefrl`, and {why}")).at(at, "not by `pefrl`");
             diags.push(d.help(format!("{help}; or use `method = \"ca\"`")));

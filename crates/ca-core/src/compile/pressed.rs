@@ -1,4 +1,4 @@
-//! Pressed: a contact that is pressed together before anything has moved. Of a set, the first of its pairs is told.
+//! Pressed: a contact that is pressed together before anything has moved. Of a set, the first of its pairs is reported.
 
 use super::net::{End, LiaNode, Measure, Net};
 use crate::kind::Unit;

@@ -19,7 +19,7 @@ pub fn range_help(min: f64, max: f64, show: impl Fn(f64) -> String) -> String {
 }
 
 /// The place of bytes `from .. to` of the text that stands in quotes at `span`; the whole where quotes and escapes do
-/// not let it be told.
+/// not let it be reported.
 pub fn inside(span: Span, text: &str, from: usize, to: usize) -> Span {
     if !span.is_some() || span.end < span.start || span.end - span.start != text.len() + 2 {
         return span;

@@ -28,9 +28,9 @@ fn is_lost(v: f64, least: Real) -> bool {
 
 /// Says of each item what is not kept of it, once.
 pub fn check(model: &Model, net: &Net, diags: &mut Diags) {
-    let mut told = BTreeSet::new();
+    let mut reported = BTreeSet::new();
     let mut tell = |id: u32, d: Diag, label: &str, help: &str| {
-        if told.insert(id) {
+        if reported.insert(id) {
             let item = &model.items[net.items[id as usize].model];
             diags.push(d.at(item.name_span, label).help(help));
         }

@@ -17,10 +17,10 @@ use alloc::vec::Vec;
 /// of several masses.
 pub fn turns(model: &Model, net: &mut Net, diags: &mut Diags) {
     let mut count: Vec<[u32; 3]> = alloc::vec![[0; 3]; net.mats.len()];
-    let mut told = BTreeSet::new();
+    let mut reported = BTreeSet::new();
     for l in net.lias.iter().filter(|l| l.law.is_late()) {
         if let Some(point) = l.ends.into_iter().find(|e| matches!(e, End::Point(_))) {
-            if told.insert(l.item) {
+            if reported.insert(l.item) {
                 let title =
                     format!("the method of `{}` does not work at a moving point, `{}`", l.name, net.end_name(point));
                 let help = "use `method = \"ca\"`, or a mass such as `low[8]` in its place";

@@ -18,7 +18,7 @@ use alloc::format;
 use alloc::vec::Vec;
 use core::f64::consts::PI;
 
-/// Share of the sound rate below which the corner of a junction is told.
+/// Share of the sound rate below which the corner of a junction is reported.
 const LOW_CORNER: f64 = 0.25;
 
 /// Gives the junctions that stay their masses and tunes the strings.

@@ -23,7 +23,7 @@ pub(super) struct Cut {
     pub body: Range<usize>,
 }
 
-/// Finds the cuts, told of every section and every module in the order of the text.
+/// Finds the cuts, given every section and every module in the order of the text.
 #[derive(Default)]
 pub(super) struct Cutter {
     pub cuts: Vec<Cut>,

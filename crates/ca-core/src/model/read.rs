@@ -1,7 +1,7 @@
 //! From TOML text to [`Model`].
 //!
 //! Decides that the document is walked by hand, span by span, and never through derived deserialisation: a derive
-//! stops at its first error and knows no places, and the point of a text format is to be told everything that is wrong
+//! stops at its first error and knows no places, and the point of a text format is to report everything that is wrong
 //! with it at once. Decides also that the reader *goes on with what was probably meant*: a misspelt kind or parameter
 //! is reported and then read as the one suggested, so that one slip does not make ten complaints further down. Only
 //! names and shapes are judged here; numbers, units and references are for the compiler.

@@ -276,7 +276,7 @@ fn device_says(f: &DeviceFrame, hand: &mut Hand) {
         | Cause::Nonfinite
         | Cause::Implausible
         | Cause::ModelUnstable => {}
-        // it missed forces that were not on, or says again what it was told: no reason against the next ones
+        // it missed forces that were not on, or repeats what it was sent: no reason against the next ones
         Cause::WatchdogOut | Cause::Disconnect | Cause::Velocity | Cause::Software
             if matches!(hand.mode, Mode::Off | Mode::Fault) => {}
         cause => hand.trip(cause),

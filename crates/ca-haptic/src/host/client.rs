@@ -28,7 +28,7 @@ const EVERY_NS: u64 = 1_000_000_000;
 pub struct DeviceClient {
     about: About,
     seq: u64,
-    told: u64,
+    reported: u64,
     held: Option<u64>,
     /// number of the force frame that the caller was given last
     given: u64,
@@ -63,7 +63,7 @@ impl DeviceClient {
         let mut client = DeviceClient {
             about,
             seq: 0,
-            told: 0,
+            reported: 0,
             held: None,
             given: 0,
             watch,
@@ -83,7 +83,7 @@ impl DeviceClient {
     }
 
     fn tell(&mut self, now: u64) -> Result<(), HostError> {
-        self.told = now;
+        self.reported = now;
         self.says.send_copy(self.about).map_err(|e| HostError::system("what the device is cannot be said", e))?;
         Ok(())
     }
@@ -101,7 +101,7 @@ impl DeviceClient {
     /// may come later.
     pub fn send(&mut self, frame: &mut DeviceFrame) -> Result<usize, HostError> {
         let now = now_ns();
-        if now.saturating_sub(self.told) >= EVERY_NS {
+        if now.saturating_sub(self.reported) >= EVERY_NS {
             self.tell(now)?;
         } else {
             // one who came since is given the last at once

@@ -50,7 +50,7 @@ pub enum Event {
     About(Box<About>),
     /// nothing came for a quarter of a second
     Gone,
-    /// frames came that are not used, and why; told once a session of silence
+    /// frames came that are not used, and why; reported once a session of silence
     Foreign(Strange),
 }
 
@@ -84,8 +84,8 @@ struct Place {
     /// when the last frame came \[ns\]; 0 while it is gone
     heard: u64,
     complained: bool,
-    /// when it was last told that it is here \[ns\]
-    told: u64,
+    /// when it last announced itself \[ns\]
+    reported: u64,
     about: Option<About>,
 }
 
@@ -130,7 +130,7 @@ impl Gateway {
                 seq: 0,
                 heard: 0,
                 complained: false,
-                told: 0,
+                reported: 0,
                 about: None,
             });
         }
@@ -153,10 +153,10 @@ impl Gateway {
                     continue;
                 }
                 if p.heard == 0 || p.session != frame.session {
-                    // one that changes all the time is told of now and then
-                    if now.saturating_sub(p.told) > TOLD_NS {
+                    // one that changes all the time is reported now and then
+                    if now.saturating_sub(p.reported) > TOLD_NS {
                         self.events.push_back((k, Event::Here { session: frame.session }));
-                        (p.told, p.complained) = (now, false);
+                        (p.reported, p.complained) = (now, false);
                     }
                 } else {
                     let gap = frame.seq.saturating_sub(p.seq).saturating_sub(1);
@@ -192,7 +192,7 @@ impl Gateway {
         let _ = p.bell.notify();
     }
 
-    /// The oldest event not yet told: the number of the device, and what happened.
+    /// The oldest event not yet reported: the number of the device, and what happened.
     pub fn event(&mut self) -> Option<(usize, Event)> {
         self.events.pop_front()
     }
@@ -238,7 +238,7 @@ impl Gateway {
     pub fn start<S: AsRef<str>>(site: &Site, names: &[S], mut rings: Rings, wish: Wish) -> Result<Running, HostError> {
         let (site, names): (Site, Vec<String>) = (site.clone(), names.iter().map(|n| n.as_ref().into()).collect());
         let stop = Arc::new(AtomicBool::new(false));
-        let (tell, told) = mpsc::channel();
+        let (tell, reported) = mpsc::channel();
         let end = stop.clone();
         let thread = std::thread::Builder::new()
             .name("ca gateway".into())
@@ -252,7 +252,7 @@ impl Gateway {
                 }
             })
             .map_err(|e| HostError::system("no thread", e))?;
-        let (traffic, granted) = told.recv().map_err(|e| HostError::system("the gateway ended", e))??;
+        let (traffic, granted) = reported.recv().map_err(|e| HostError::system("the gateway ended", e))??;
         Ok(Running { traffic, granted, stop, thread: Some(thread) })
     }
 }

@@ -49,7 +49,7 @@ fn limited<T: Send + 'static>(
     limit: Duration,
     act: impl FnOnce(&Site) -> Result<T, HostError> + Send + 'static,
 ) -> Result<T, HostError> {
-    let (tell, told) = channel();
+    let (tell, reported) = channel();
     let here = site.clone();
     std::thread::Builder::new()
         .name("ca opens".into())
@@ -59,7 +59,7 @@ fn limited<T: Send + 'static>(
             let _ = tell.send(act(&here));
         })
         .map_err(|e| HostError::system("no thread", e))?;
-    told.recv_timeout(limit).unwrap_or_else(|e| {
+    reported.recv_timeout(limit).unwrap_or_else(|e| {
         let root = site.root().display();
         let what = match e {
             RecvTimeoutError::Timeout => format!("shared memory at `{root}` does not open within {limit:?}"),

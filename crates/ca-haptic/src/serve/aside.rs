@@ -3,7 +3,7 @@
 //! Decides that no disk stands between a person and `ca disarm`, and none between the rings of the engine and another
 //! file: the desk hands over and goes on, whatever a sink does. What waits for it is bounded by seconds of the
 //! performance and by memory ([`Room`]); beyond that, frames, sound and pictures are left out of this file alone,
-//! counted, and told where they are missing. What decides the future of an engine (changes, orders, reloads) is rare,
+//! counted, and reported where they are missing. What decides the future of an engine (changes, orders, reloads) is rare,
 //! and always handed over. Once there is no room, half of it must be free before the next is taken: one long hole says
 //! more than a thousand short ones. A hand-over that waits in the rings instead was tried: one slow file then made holes
 //! in all of them, and the desk blind.
@@ -121,9 +121,9 @@ pub struct Line {
     full: bool,
     /// records left out since the last that was handed over
     missing: u64,
-    /// what was told: the loss, when \[ticks\], and how late it is to be for the next word \[s\]
-    told: [u64; 3],
-    told_at: u64,
+    /// what was reported: the loss, when \[ticks\], and how late it is to be for the next word \[s\]
+    reported: [u64; 3],
+    reported_at: u64,
     next: f64,
 }
 
@@ -176,8 +176,8 @@ impl<T: Sink + Send + 'static> Aside<T> {
             newest: 0,
             full: false,
             missing: 0,
-            told: [0; 3],
-            told_at: 0,
+            reported: [0; 3],
+            reported_at: 0,
             next: LATE,
         };
         Ok((line, Aside { to, shared, granted: granted.recv().unwrap_or_default(), thread: Some(thread) }))
@@ -267,9 +267,9 @@ impl Sink for Line {
 
     fn news(&mut self) -> Option<(bool, String)> {
         let lost = self.shared.lost();
-        let first = self.told == [0; 3];
-        if lost != self.told && (first || (self.newest - self.told_at) as f64 >= self.room.rate) {
-            (self.told, self.told_at) = (lost, self.newest);
+        let first = self.reported == [0; 3];
+        if lost != self.reported && (first || (self.newest - self.reported_at) as f64 >= self.room.rate) {
+            (self.reported, self.reported_at) = (lost, self.newest);
             let why = "it is written slower than it is played: write to a faster disk, or end what else keeps this machine busy";
             return Some((true, format!("{}: {} are missing so far; {why}", self.name, missing(lost))));
         }

@@ -22,7 +22,7 @@ use std::sync::atomic::Ordering::{Relaxed, Release};
 
 /// Between two words on a device that is armed and waits \[s\].
 const REPEAT: f64 = 2.0;
-/// Looks at a device that waits before it is told: a model goes to its device within a second, which is no news.
+/// Looks at a device that waits before that is reported: a model goes to its device within a second, which is no news.
 const LOOKS: u32 = 5;
 
 /// One device as the desk sees it.
@@ -35,10 +35,10 @@ struct Seen {
     felt: bool,
     /// its passivity stage adds nothing for a while
     undamped: bool,
-    /// what it waited for when last looked at, how often that was the case, and when it was last told
+    /// what it waited for when last looked at, how often that was the case, and when it was last reported
     wait: Option<String>,
     looks: u32,
-    told: u64,
+    reported: u64,
     /// when it was disarmed or tripped, since when it waits for nothing
     ended: Option<u64>,
     frames: u64,
@@ -77,8 +77,8 @@ pub struct Desk {
     block: Vec<f64>,
     broken: Vec<FileError>,
     audio: Option<Watch>,
-    /// what was told to have found no room in the rings of the engine, and at which gesture frame
-    told: ([u64; 3], u64),
+    /// what was reported as left out for want of room in the rings of the engine, and at which gesture frame
+    reported: ([u64; 3], u64),
 }
 
 impl Desk {
@@ -99,7 +99,7 @@ impl Desk {
             undamped: false,
             wait: None,
             looks: 0,
-            told: 0,
+            reported: 0,
             ended: None,
             frames: 0,
             loops: Loops::new(),
@@ -122,7 +122,7 @@ impl Desk {
             block: Vec::new(),
             broken: Vec::new(),
             audio: None,
-            told: ([0; 3], 0),
+            reported: ([0; 3], 0),
             scene,
         }
     }
@@ -134,7 +134,7 @@ impl Desk {
         self.audio = Some(audio);
     }
 
-    /// Something people should know, and a take: told at the next turn.
+    /// Something people should know, and a take: reported at the next turn.
     pub fn say(&mut self, bad: bool, text: String) {
         self.happened.push(Happened { tick: self.tick, device: None, bad, text });
     }
@@ -177,15 +177,15 @@ impl Desk {
 
     /// Says that something found no room in the rings, while that happens: at once, then once a second.
     fn missing(&mut self) {
-        let (lost, (told, at)) = (self.shared.lost(), self.told);
-        if lost != told && (told == [0; 3] || self.frames - at >= self.rate) {
-            self.told = (lost, self.frames);
+        let (lost, (reported, at)) = (self.shared.lost(), self.reported);
+        if lost != reported && (reported == [0; 3] || self.frames - at >= self.rate) {
+            self.reported = (lost, self.frames);
             let why = "this process did not run for longer than the rings of the engine hold";
             self.say(true, format!("all files: {} are missing so far; {why}", missing(lost)));
         }
     }
 
-    /// A sink that fails is told of once, and left out from then on; playing goes on.
+    /// A sink that fails is reported once, and left out from then on; playing goes on.
     fn tell(&mut self, mut f: impl FnMut(&mut dyn Sink) -> Result<(), FileError>) {
         let mut broken = Vec::new();
         self.sinks.retain_mut(|s| f(s.as_mut()).map_err(|e| broken.push(e)).is_ok());
@@ -213,9 +213,9 @@ impl Desk {
             let pulse = Pulse {
                 tick: self.tick,
                 frames: self.frames,
-                frame_us: self.second.frames.told(),
-                late_us: self.second.late.told(),
-                loop_us: self.second.loops.told(),
+                frame_us: self.second.frames.percentiles(),
+                late_us: self.second.late.percentiles(),
+                loop_us: self.second.loops.percentiles(),
                 missed: self.shared.missed.load(Relaxed),
                 dropped: self.shared.dropped.load(Relaxed),
                 stale: self.shared.stale.load(Relaxed),
@@ -270,7 +270,7 @@ impl Desk {
                 (seen.mode, seen.cause) = now;
                 seen.felt |= matches!(now.0, Mode::Ramp | Mode::On);
                 if now.0 != Mode::Off {
-                    (seen.wait, seen.looks, seen.told) = (None, 0, 0);
+                    (seen.wait, seen.looks, seen.reported) = (None, 0, 0);
                 }
                 let bad = matches!(now.0, Mode::Fault | Mode::Damp);
                 let text = match now {
@@ -291,7 +291,7 @@ impl Desk {
                 let meant = |k: usize| port.is_none_or(|p| p as usize == k);
                 for (_, seen) in self.seen.iter_mut().enumerate().filter(|(k, _)| meant(*k)) {
                     if *order == Order::Arm {
-                        (seen.wait, seen.looks, seen.told, seen.ended) = (None, 0, 0, None);
+                        (seen.wait, seen.looks, seen.reported, seen.ended) = (None, 0, 0, None);
                     } else {
                         seen.ended = Some(*tick);
                     }
@@ -302,7 +302,7 @@ impl Desk {
         }
     }
 
-    /// An armed device has no force: told once that is no matter of a moment, and again and again.
+    /// An armed device has no force: reported once that is no matter of a moment, and again and again.
     fn waits(&mut self, tick: u64, port: u32, wait: &Wait) {
         let every = (REPEAT * self.scene.rate) as u64;
         let Some(seen) = self.seen.get_mut(port as usize) else { return };
@@ -314,8 +314,8 @@ impl Desk {
         };
         let text = wait.said(&name);
         seen.looks += 1;
-        if seen.looks >= LOOKS && (seen.told == 0 || tick >= seen.told + every) {
-            seen.told = tick.max(1);
+        if seen.looks >= LOOKS && (seen.reported == 0 || tick >= seen.reported + every) {
+            seen.reported = tick.max(1);
             let device = Some(seen.name.clone());
             let text = format!("{}: armed, forces still off: {text}", seen.name);
             self.happened.push(Happened { tick, device, bad: true, text });
@@ -411,8 +411,8 @@ impl Desk {
             seconds: engine.state.tick as f64 / self.scene.rate,
             frames: engine.counts.frames,
             period_us: 1e6 * f64::from(self.scene.ratio) * self.scene.te,
-            frame_us: self.frame_times.told(),
-            late_us: self.late_times.told(),
+            frame_us: self.frame_times.percentiles(),
+            late_us: self.late_times.percentiles(),
             missed: self.shared.missed.load(Relaxed),
             stale: engine.counts.stale,
             dropped: engine.counts.dropped,
@@ -433,7 +433,7 @@ impl Desk {
                     profile: s.profile.clone(),
                     frames: s.frames,
                     dropped: p.dropped(),
-                    loop_us: s.times.told(),
+                    loop_us: s.times.percentiles(),
                     felt: s.felt,
                     // the last order of an engine is its own: what waited then has waited to the end
                     waits: s.wait.clone().filter(|_| s.ended.is_none_or(|t| t + 2 * ratio >= engine.state.tick)),

@@ -62,8 +62,8 @@ mod tests {
         for n in 1..=5000_u64 {
             // the force that answers frame n is used two frames later
             (d.seq, d.ack, d.t_host_ns) = (n, n.saturating_sub(2), 1000 * n);
-            let told = l.device(&d, 5 * 1000 * n);
-            assert_eq!(told, (n > 2).then_some(2000), "{n}");
+            let reported = l.device(&d, 5 * 1000 * n);
+            assert_eq!(reported, (n > 2).then_some(2000), "{n}");
             (f.seq, f.ack) = (n, n);
             l.force(&f);
         }

@@ -1,8 +1,8 @@
-//! What is told of a performance: once a second, and at its end.
+//! What is reported of a performance: once a second, and at its end.
 
 use super::audio::AudioSummary;
 use crate::frame::Cause;
-use crate::stats::Told;
+use crate::stats::Percentiles;
 use serde::Serialize;
 
 /// Once a second.
@@ -13,11 +13,11 @@ pub struct Pulse {
     /// gesture frames so far
     pub frames: u64,
     /// computing time of a gesture frame in the last second \[µs\]
-    pub frame_us: Told,
+    pub frame_us: Percentiles,
     /// how late they began in the last second \[µs\]
-    pub late_us: Told,
+    pub late_us: Percentiles,
     /// loop latency in the last second, all devices \[µs\]
-    pub loop_us: Told,
+    pub loop_us: Percentiles,
     /// periods left out so far
     pub missed: u64,
     /// device frames dropped by the input checks so far
@@ -61,7 +61,7 @@ pub struct DeviceSummary {
     /// of these, dropped by the input checks
     pub dropped: u64,
     /// loop latency \[µs\]
-    pub loop_us: Told,
+    pub loop_us: Percentiles,
     /// whether forces began at any time
     pub felt: bool,
     /// armed and off to the end: what it waited for
@@ -78,9 +78,9 @@ pub struct Summary {
     /// a gesture frame \[µs\]
     pub period_us: f64,
     /// computing time of a gesture frame \[µs\]
-    pub frame_us: Told,
+    pub frame_us: Percentiles,
     /// how late gesture frames began \[µs\]
-    pub late_us: Told,
+    pub late_us: Percentiles,
     /// periods left out because the one before was not done
     pub missed: u64,
     /// gesture frames without news from a device that had been there

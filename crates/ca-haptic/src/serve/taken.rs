@@ -38,7 +38,7 @@ impl Sink for TakeWriter {
     }
 
     fn said(&mut self, h: &Happened) -> Result<(), FileError> {
-        // modes and causes of devices are told by the frames themselves
+        // modes and causes of devices are reported by the frames themselves
         if h.device.is_some() {
             return Ok(());
         }
@@ -104,8 +104,8 @@ mod tests {
         let s = desk.summary(&engine, vec![]);
         assert!(!s.is_faithful() && s.lost_records > 8000 && s.lost_sound > 80_000 && s.lost_views > 60, "{s:?}");
         let lost = [s.lost_records, s.lost_sound, s.lost_views];
-        let told = take.end().expect("no failure").expect("a take").finish(lost).expect("finished");
-        assert_eq!(told.lost, s.lost_records + s.lost_sound);
+        let reported = take.end().expect("no failure").expect("a take").finish(lost).expect("finished");
+        assert_eq!(reported.lost, s.lost_records + s.lost_sound);
 
         let take = Take::open(&path).expect("a take");
         assert_eq!(take.summary().expect("a summary").lost, lost);
@@ -138,7 +138,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_stalled_writer_loses_is_told_where_it_is_missing() {
+    fn what_a_stalled_writer_loses_is_reported_where_it_is_missing() {
         let dir = tempfile::tempdir().expect("a directory");
         let path = dir.path().join("a.mcap");
         let (header, scene, engine) = key();

@@ -167,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn a_script_rests_and_goes_where_it_is_told() {
+    fn a_script_rests_and_goes_where_it_says() {
         let p = Profile::shipped("tgr12").expect("shipped");
         for (script, low, high) in [("strike", -0.008, -6e-4), ("bow", -0.0154, -6e-4), ("shake", -0.0154, -6e-4)] {
             for speed in [None, Some(0.4)] {

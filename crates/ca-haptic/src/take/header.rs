@@ -5,7 +5,7 @@
 //! of sums, so other bits. (The resolved text goes along for people to read.) Bodies from files travel as OBJ, profiles
 //! and calibrations as the files they are, so that nothing outside a take is needed and any program can look inside. A
 //! take begins with the engine, at tick 0, so its snapshot is the state at load; a hash of it stands in the header, and
-//! who compiles the model to other numbers is told at once.
+//! who compiles the model to other numbers is reported at once.
 
 use crate::calibration::Calibration;
 use crate::cloud;

@@ -34,7 +34,7 @@ pub use replay::{Difference, Replay, Verdict};
 pub use source::End;
 pub use summary::{Fault, Summary, Topic};
 pub use views::Level;
-pub use write::{TakeWriter, Told};
+pub use write::{Finished, TakeWriter};
 
 /// The layout that goes with every take, for Foxglove and Lichtblick.
 const LAYOUT: &str = include_str!("../../../../layouts/ca-foxglove.json");

@@ -35,24 +35,24 @@ pub fn recover(from: impl AsRef<Path>, to: impl AsRef<Path>) -> Result<Recovered
     let staged = Staged::create(to)?;
     let file = BufWriter::with_capacity(1 << 16, staged.handle()?);
     let mut out = options().create(file).map_err(|e| failed(to, &e))?;
-    let mut told = Recovered { messages: 0, seconds: 0.0, attachments: 0, cut: None, damaged: false };
+    let mut reported = Recovered { messages: 0, seconds: 0.0, attachments: 0, cut: None, damaged: false };
     let mut first = None;
     for item in source.by_ref() {
         let item = item?;
         if let Item::Message { time, .. } = &item {
-            told.messages += 1;
+            reported.messages += 1;
             let begin = *first.get_or_insert(*time);
-            told.seconds = told.seconds.max(time.saturating_sub(begin) as f64 * 1e-9);
+            reported.seconds = reported.seconds.max(time.saturating_sub(begin) as f64 * 1e-9);
         }
-        told.attachments += u64::from(matches!(item, Item::Attachment { .. }));
+        reported.attachments += u64::from(matches!(item, Item::Attachment { .. }));
         copy(&mut out, item).map_err(|e| failed(to, &e))?;
     }
     out.finish().map_err(|e| failed(to, &e))?;
     out.into_inner().into_inner().map_err(|e| FileError::io(to, "it cannot be written", e.error()))?;
     staged.commit()?;
-    told.damaged = matches!(source.end(), Some(End::Damaged(..)));
-    told.cut = source.end().and_then(End::early).map(|(why, bytes)| (why.to_owned(), bytes));
-    Ok(told)
+    reported.damaged = matches!(source.end(), Some(End::Damaged(..)));
+    reported.cut = source.end().and_then(End::early).map(|(why, bytes)| (why.to_owned(), bytes));
+    Ok(reported)
 }
 
 fn copy(out: &mut Writer<BufWriter<File>>, item: Item) -> McapResult<()> {

@@ -37,7 +37,7 @@ const CHUNK: Duration = Duration::from_millis(200);
 
 /// What became of a take.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Told {
+pub struct Finished {
     /// the file
     pub path: PathBuf,
     /// messages in it
@@ -97,9 +97,9 @@ pub struct TakeWriter {
     sound_tick: u64,
     /// when the last chunk was closed
     flushed: Instant,
-    /// what was told to have found no room: records, sound samples, views
+    /// what was reported as left out for want of room: records, sound samples, views
     lost: [u64; 3],
-    told: Told,
+    reported: Finished,
 }
 
 impl TakeWriter {
@@ -135,7 +135,7 @@ impl TakeWriter {
         let (out, ids, hands) = begin().map_err(|e| failed(&path, &e))?;
         Ok(TakeWriter {
             out,
-            told: Told { path: path.clone(), ..Told::default() },
+            reported: Finished { path: path.clone(), ..Finished::default() },
             path,
             header: header.clone(),
             hands,
@@ -158,8 +158,8 @@ impl TakeWriter {
         self.sequence = self.sequence.wrapping_add(1);
         let time = self.header.time(tick);
         let head = MessageHeader { channel_id: channel, sequence: self.sequence, log_time: time, publish_time: time };
-        self.told.messages += 1;
-        self.told.seconds = self.told.seconds.max(tick as f64 / self.header.rate);
+        self.reported.messages += 1;
+        self.reported.seconds = self.reported.seconds.max(tick as f64 / self.header.rate);
         let mut done = self.out.write_to_known_channel(&head, &self.data);
         if done.is_ok() && self.flushed.elapsed() >= CHUNK {
             done = self.out.flush();
@@ -334,7 +334,7 @@ impl TakeWriter {
         }
         let [r, s, v] = self.lost;
         self.lost = [r + records, s + samples, v + views];
-        self.told.lost += records + samples;
+        self.reported.lost += records + samples;
         cdr::body(&mut self.data, &Lost { tick: self.tick, records, samples, views });
         self.put(self.ids.lost, self.tick)?;
         let what = format!("{records} records, {samples} sound samples and {views} views found no room");
@@ -342,8 +342,8 @@ impl TakeWriter {
     }
 
     /// Completes the file: its index, and everything on the disk. Of the records, sound samples and views that found no
-    /// room in all, those that were not told where they are missing are told at the end.
-    pub fn finish(mut self, lost: [u64; 3]) -> Result<Told, FileError> {
+    /// room in all, those that were not reported where they are missing are reported at the end.
+    pub fn finish(mut self, lost: [u64; 3]) -> Result<Finished, FileError> {
         self.sound_block()?;
         let [records, samples, views] = std::array::from_fn(|k| lost[k].saturating_sub(self.lost[k]));
         self.lost(records, samples, views)?;
@@ -351,7 +351,7 @@ impl TakeWriter {
         let io = |e: &std::io::Error| FileError::io(&self.path, "it cannot be written", e);
         let file = self.out.into_inner().into_inner().into_inner().map_err(|e| io(e.error()))?;
         file.sync_all().map_err(|e| io(&e))?;
-        Ok(self.told)
+        Ok(self.reported)
     }
 }
 

@@ -66,7 +66,7 @@ impl Server {
         }
     }
 
-    /// What a second server of this device is told.
+    /// What a second server of this device is answered.
     pub fn refused(site: &Site, name: &str) -> String {
         Gateway::open(site, &[name]).err().expect("one server a device").to_string()
     }

@@ -273,25 +273,25 @@ fn every_ping_comes_back_with_its_number() {
 }
 
 #[test]
-fn what_a_device_says_is_told_once_also_where_it_is_no_number() {
+fn what_a_device_says_is_reported_once_also_where_it_is_no_number() {
     let place = place();
     let mut server = Server::open(&place.site, &["key"], 7);
     let mut who = about("key", 1);
     (who.low[0], who.stiffness[0]) = (f32::NAN, f32::NAN);
     let mut device = DeviceClient::open(&place.site, who).unwrap();
     let mut frame = DeviceFrame::new("key", 1);
-    let (mut told, mut heard) = (0, 0);
+    let (mut reported, mut heard) = (0, 0);
     // it says so once a second
     let begin = ca_haptic::rt::now_ns();
     until("it has said it three times", || {
         device.send(&mut frame).unwrap();
         server.serve();
-        told += std::iter::from_fn(|| server.gateway.event()).filter(|e| matches!(e.1, Event::About(_))).count();
+        reported += std::iter::from_fn(|| server.gateway.event()).filter(|e| matches!(e.1, Event::About(_))).count();
         heard += 1;
         ca_haptic::rt::now_ns() - begin > 2_200_000_000
     });
     assert!(heard > 10 && server.gateway.about(0).is_some_and(|a| a.low[0].is_nan()));
-    assert_eq!(told, 1);
+    assert_eq!(reported, 1);
 }
 
 #[test]
@@ -301,7 +301,7 @@ fn frames_without_a_degree_of_freedom_are_named() {
     let mut device = DeviceClient::open(&place.site, about("key", 1)).unwrap();
     let mut frame = DeviceFrame::new("key", 0);
     let mut events = Vec::new();
-    until("it is told", || {
+    until("it is reported", || {
         device.send(&mut frame).unwrap();
         server.serve();
         events.extend(std::iter::from_fn(|| server.gateway.event()));

@@ -136,7 +136,7 @@ fn a_device_that_is_killed_is_gone_and_its_place_is_free() {
         assert!(e.what.contains(&format!("process {}", child.id())), "{e}");
         child.kill().unwrap();
         child.wait().unwrap();
-        until("silence is told", || {
+        until("silence is reported", || {
             server.serve();
             gone |= std::iter::from_fn(|| server.gateway.event()).any(|e| e == (0, Event::Gone));
             gone

@@ -82,7 +82,7 @@ pub struct Ask<'a> {
     pub reference: u32,
     /// what to do where nothing moves
     pub remedy: &'static str,
-    /// told now and then how many steps of how many are done; false where no more is wanted
+    /// called now and then with how many steps of how many are done; false where no more is wanted
     pub progress: &'a mut dyn FnMut(u64, u64) -> bool,
 }
 
@@ -308,12 +308,12 @@ impl Measured {
         let table = Table::new(&Self::HEAD, self.rows.iter().map(|r| self.cells(r)).collect());
         let how = format!("{:.3} s at {} Hz, against {}.", self.seconds(), self.rate, self.origin());
         let mut blocks = vec![Block::Text(how), Block::Plot(plot), Block::Table(table)];
-        let told = |list: &[(&'static str, String)]| -> Vec<Vec<String>> {
+        let reported = |list: &[(&'static str, String)]| -> Vec<Vec<String>> {
             list.iter().map(|(m, what)| vec![(*m).to_owned(), what.clone()]).collect()
         };
         for (head, list) in [("why not", &self.refused), ("what it leaves out", &self.warned)] {
             if !list.is_empty() {
-                blocks.push(Block::Table(Table::new(&["method", head], told(list))));
+                blocks.push(Block::Table(Table::new(&["method", head], reported(list))));
             }
         }
         Section::new(TITLE, blocks)

@@ -3,7 +3,7 @@
 //! Decides for the closed form only where it is the whole truth: everything linear on lines, damping that ties no modes,
 //! nothing that drives or weighs. Elsewhere three rates, each twice the last, tell the order p at which the model
 //! converges; if it does so as a scheme should, the last two are carried on to rate infinity by (A − B)/(2^p − 1), and that
-//! step is also how well the reference is known. A model that does not converge (chaos, a jump at every tick) is told: its
+//! step is also how well the reference is known. A model that does not converge (chaos, a jump at every tick) is reported: its
 //! reference is then the finest run, known as well as the last two agree. A method of higher order takes the place of the
 //! model as written where, at an eighth of that rate, it is known better and the two agree within what they are known to.
 

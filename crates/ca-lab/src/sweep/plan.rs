@@ -15,7 +15,7 @@
 //! "low.n" = [10, 20, 40]
 //! ```
 //!
-//! Decides that what it names is looked for beside it, and that whatever it says wrongly is told with its line.
+//! Decides that what it names is looked for beside it, and that whatever it says wrongly is reported with its line.
 
 use super::{Ask, Audio, Axis, Sweep, folder};
 use crate::load::{self, reason, stem};

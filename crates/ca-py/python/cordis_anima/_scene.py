@@ -203,7 +203,7 @@ class Scene:
             probes: selectors to listen to besides: ``"low[3]"``, ``"strike"``, ``"low[*]"``.
             energy: keep the energy ledger; a little slower.
             on_unstable: ``"raise"`` for an `UnstableError` where it blows up; else silence from there on.
-            progress: told now and then how many frames of how many are done.
+            progress: called now and then with how many frames of how many are done.
 
         Raises:
             UsageError: nothing is driven by such a name, values that are none, a length or an option that makes no sense.
@@ -237,12 +237,12 @@ class Scene:
             status = "unstable"
         elif raw["clipped"] or raw["non_finite"]:
             status = "clipped"
-            told = []
+            reported = []
             if raw["clipped"]:
-                told.append(f"{raw['clipped']} samples beyond full scale; multiply the gain by {raw['gain']:g} or less")
+                reported.append(f"{raw['clipped']} samples beyond full scale; multiply the gain by {raw['gain']:g} or less")
             if raw["non_finite"]:
-                told.append(f"{raw['non_finite']} samples had no value and became silence")
-            message = "; ".join(told)
+                reported.append(f"{raw['non_finite']} samples had no value and became silence")
+            message = "; ".join(reported)
         elif raw["refused"]:
             status, message = "refused", f"{raw['refused']} inputs had no value"
         heard, names = _probes(raw, probes)

@@ -160,7 +160,7 @@ class Sim:
         forces = np.empty((n, len(self._ports)), dtype=np.float64) if force is None else force
         self._core.step(given, audio, forces)
         if len(given):
-            # what had no value was told once; what holds is the last that had one
+            # what had no value was reported once; what holds is the last that had one
             last = given[-1:]
             self._held = np.where(np.isfinite(last), last, self._held)
         return Block(audio, forces)

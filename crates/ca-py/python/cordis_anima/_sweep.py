@@ -136,8 +136,8 @@ class Sweep(Mapping[str, Column]):
         )
 
     def __repr__(self) -> str:
-        told = ", ".join(f"{n} {status}" for status, n in self.counts.items())
-        return f"<Sweep: {self.runs} runs over {', '.join(self.axes) or 'nothing'}: {told}>"
+        reported = ", ".join(f"{n} {status}" for status, n in self.counts.items())
+        return f"<Sweep: {self.runs} runs over {', '.join(self.axes) or 'nothing'}: {reported}>"
 
     def _repr_html_(self) -> str:
         names = [name for name in ("index", *self.axes, *_TOLD) if name in self]
@@ -188,7 +188,7 @@ def sweep(
             ``dask.distributed.Client(…).get_executor()``, ``joblib.externals.loky.get_reusable_executor()``,
             ``mpi4py.futures.MPIPoolExecutor()``.
         batch: runs of a task in memory; without, as many as take half a second.
-        progress: told how many runs of how many are done.
+        progress: called with how many runs of how many are done.
 
     Raises:
         UsageError: no such parameter, values that are none, a folder of something else, more rows than memory holds.

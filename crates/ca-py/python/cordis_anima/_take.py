@@ -271,7 +271,7 @@ def record(
             for one is not played.
         energy: keep the energy ledger.
         forces: arm forces, as soon as the guard lets them.
-        progress: told how many samples of how many are done.
+        progress: called with how many samples of how many are done.
 
     Raises:
         UsageError: something is driven that is no device and no live parameter.

@@ -2,7 +2,7 @@
 
 Decides that no more tasks wait than keep every worker busy: what waits does not grow with the number of runs. What stays
 are rows and sounds, so those are counted before anything is handed over, and refused where they would not fit. How long
-it takes is told as soon as something has been played, where that is long.
+it takes is reported as soon as something has been played, where that is long.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ Task = functools.partial[Any]
 
 #: tasks that wait for each worker, at least so many for all of them, and so many where nobody knows how many there are
 _EACH, _LEAST, _UNKNOWN = 4, 64, 1024
-#: how long a sweep may take without a word, and how long it is watched before its time is told [s]
+#: how long a sweep may take without a word, and how long it is watched before its time is reported [s]
 _LONG, _WATCHED = 600.0, 1.0
 #: memory where the system does not say how much it has [bytes]
 _MEMORY = 4 << 30
@@ -82,10 +82,10 @@ def all_of(
     todo: int,
     runs: int,
     kept: Any,
-    told: bool,
+    reported: bool,
     progress: Callable[[int, int], object] | None,
 ) -> list[Any]:
-    """What all tasks return, in their order, `todo` runs of `runs`; `kept` is what was played before, `told` whether its
+    """What all tasks return, in their order, `todo` runs of `runs`; `kept` is what was played before, `reported` whether its
     time was.
     """
     n = workers(executor)
@@ -109,8 +109,8 @@ def all_of(
                 # what was there already counts as done
                 progress(runs - todo + new, runs)
             passed = time.perf_counter() - begin
-            if not told and new and passed > _WATCHED:
-                told = tell(passed / new * (todo - new), todo - new, 3)
+            if not reported and new and passed > _WATCHED:
+                reported = tell(passed / new * (todo - new), todo - new, 3)
     finally:
         for future in waiting:
             future.cancel()

@@ -35,7 +35,7 @@ def chunk(core: _core.Sweep, first: Mapping[str, Any], audio: bool) -> int:
 def missing(job: Job, path: str, audio: bool, chunk: int) -> list[int]:
     """Numbers of the chunks that are to be done, in a store that is there or is made now."""
     core = job.core
-    asked = core.told("zarr" if audio else "none", chunk)
+    asked = core.reported("zarr" if audio else "none", chunk)
     group = _group(path, "a")
     said = group.attrs.get("cordis_anima")
     if said not in (None, asked):

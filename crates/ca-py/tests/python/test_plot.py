@@ -30,7 +30,7 @@ def test_nobody_loads_what_only_plots_need() -> None:
     assert done.stdout == "[]\n"
 
 
-def test_what_is_missing_is_told() -> None:
+def test_what_is_missing_is_reported() -> None:
     said = """
 import sys
 sys.modules["matplotlib"] = None

@@ -121,11 +121,11 @@ def test_other_threads_run_meanwhile(key: ca.Scene) -> None:
             counted[0] += 1
 
     other = threading.Thread(target=count)
-    told: list[tuple[int, int]] = []
+    reported: list[tuple[int, int]] = []
     at: list[tuple[float, int]] = []
 
     def progress(n: int, of: int) -> None:
-        told.append((n, of))
+        reported.append((n, of))
         at.append((time.perf_counter(), counted[0]))
 
     other.start()
@@ -136,9 +136,9 @@ def test_other_threads_run_meanwhile(key: ca.Scene) -> None:
     free = counted[0] - begin
     done.set()
     other.join()
-    assert told[-1] == (len(r.audio), len(r.audio)) and [n for n, _ in told] == sorted(n for n, _ in told)
+    assert reported[-1] == (len(r.audio), len(r.audio)) and [n for n, _ in reported] == sorted(n for n, _ in reported)
     # a render that kept the lock would let it count between its calls back only
-    assert len(told) > 3 and at[-1][1] - at[0][1] > 0.25 * free
+    assert len(reported) > 3 and at[-1][1] - at[0][1] > 0.25 * free
 
 
 def test_control_c_and_a_callback_end_it(key: ca.Scene) -> None:

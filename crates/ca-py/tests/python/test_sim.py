@@ -58,9 +58,9 @@ def test_forces_are_those_on_the_ports(key: ca.Scene) -> None:
     assert np.allclose(force[:, 1], r.probes["hold"], rtol=0, atol=1e-12)
     # a device gets the mean over a frame
     frames = r.probes["strike"].reshape(-1, 16)
-    told = force[15::16, 0]
-    assert np.abs(told).max() > 0.01
-    assert np.abs(told[20:] - frames.mean(axis=1)[20:]).max() < 0.2 * np.abs(told).max()
+    reported = force[15::16, 0]
+    assert np.abs(reported).max() > 0.01
+    assert np.abs(reported[20:] - frames.mean(axis=1)[20:]).max() < 0.2 * np.abs(reported).max()
 
 
 def test_live_parameters_are_a_mapping(key: ca.Scene) -> None:
@@ -126,7 +126,7 @@ def test_what_a_block_cannot_be(key: ca.Scene) -> None:
     with pytest.raises(TypeError, match="pickle the scene"):
         pickle.dumps(sim)
     assert sim.time == before
-    # a signal is never an error: what has no value is held, counted and told
+    # a signal is never an error: what has no value is held, counted and reported
     sim.step({"hand": np.array([0.001, np.nan, np.inf, np.nan])})
     assert sim.status == "refused" and sim._core.counts[2] == 3
     # and once: what stays is the last that had one; nothing is nothing

@@ -224,7 +224,7 @@ def test_pages_of_notebooks():
     # what it holds is no page
     assert rows[4][:4] == ["4", "&lt;b&gt;", "0.001", "invalid"] and rows[4][-1].startswith("E") and "<b>" not in page
     assert rows[8][3] == "unstable" and float(rows[8][4]) == pytest.approx(s["failed"][8], rel=1e-5)
-    # a message of several lines is told as far as a cell goes
+    # a message of several lines is reported as far as a cell goes
     begin = rows[8][-1].removesuffix(" …")
     assert s["message"][8].startswith(begin) and 30 < len(begin) < 60 < len(s["message"][8])
     # few rows are all of them
@@ -332,7 +332,7 @@ def test_a_store_that_was_begun_is_begun_anew(tmp_path, monkeypatch):
         assert ca.sweep(string(), {"low.k": values}, seconds=seconds, to=store + "/").counts == {"ok": 2}
 
 
-def test_names_that_data_sets_have_are_told_apart(tmp_path):
+def test_names_that_data_sets_have_are_reported_apart(tmp_path):
     params = "".join(f'{n} = {{ value = "4 kN/m" }}\n' for n in ("audio", "run", "done", "peak"))
     scene = ca.parse("[param]\n" + params + STRUCK.replace('"4 kN/m"', '"audio"'))
     vary = {"audio": [1e3, 2e3], "run": [1.0], "done": [1.0], "peak": [1.0]}
@@ -411,9 +411,9 @@ def test_what_takes_long_says_so_first(monkeypatch, tmp_path):
     monkeypatch.setattr("cordis_anima._work._WATCHED", 0.0)
     # in memory before anything is handed over, elsewhere once something is done; once in any case
     for to, left in [(None, 19), (tmp_path / "a", 15)]:
-        with pytest.warns(UserWarning, match=rf"^{left} runs are left, which take about .* Ctrl-C") as told:
+        with pytest.warns(UserWarning, match=rf"^{left} runs are left, which take about .* Ctrl-C") as reported:
             ca.sweep(string(), vary, 20, seconds=1e-3, to=to, chunk=5, executor=ThreadPoolExecutor(1))
-        assert len(told) == 1 and told[0].filename == __file__
+        assert len(reported) == 1 and reported[0].filename == __file__
 
 
 def test_pitch_and_decay_are_measured_where_they_are_asked_for():

@@ -49,7 +49,7 @@ pub fn run(args: &CheckArgs) -> Outcome {
         }
     }
     match scene {
-        None => Err(Failure::Told),
+        None => Err(Failure::Reported),
         Some(s) if s.certificate.level == Level::Unstable => Ok(Ended::Degraded),
         Some(_) if asked.is_some_and(|a| a.too_much()) => Ok(Ended::Degraded),
         Some(_) => Ok(Ended::Well),

@@ -12,7 +12,7 @@ use ca_haptic::host::gateway::list_devices;
 use ca_haptic::host::{DeviceClient, Gateway, HostError, HostErrorKind, Site, debris};
 use ca_haptic::profile::Profile;
 use ca_haptic::rt::{self, Waits, Wish, now_ns};
-use ca_haptic::stats::{Times, Told};
+use ca_haptic::stats::{Percentiles, Times};
 use serde_json::json;
 use std::fs;
 use std::io::Write as _;
@@ -80,11 +80,11 @@ pub fn run(asked: bool) -> Outcome {
         let fix = "give your user `rtprio 95`, `memlock unlimited` and `nice -11` in /etc/security/limits.conf, and log in again";
         Row::poor("real time", granted.to_string(), fix)
     });
-    let told = format!("{FRAMES} wake-ups, late by {}; {over} by more than a frame", times(&late));
+    let reported = format!("{FRAMES} wake-ups, late by {}; {over} by more than a frame", times(&late));
     rows.push(if over <= FRAMES / 100 {
-        Row::good("timer", told)
+        Row::good("timer", reported)
     } else {
-        Row::poor("timer", told, "end what keeps the cores busy, or give the engine a core: `ca serve --cpu N`")
+        Row::poor("timer", reported, "end what keeps the cores busy, or give the engine a core: `ca serve --cpu N`")
     });
 
     let mut out = std::io::stdout().lock();
@@ -118,7 +118,7 @@ fn name(state: State) -> &'static str {
     }
 }
 
-fn times(t: &Told) -> String {
+fn times(t: &Percentiles) -> String {
     let [a, b, c, d] = [t.p50, t.p99, t.p999, t.max].map(term::short);
     format!("p50 {a}  p99 {b}  p99.9 {c}  max {d} us")
 }
@@ -140,7 +140,7 @@ fn left_over(site: &Site) -> Row {
 }
 
 /// Frames there and back between a device and a server, both here, through shared memory.
-fn round(site: &Site) -> Result<Told, HostError> {
+fn round(site: &Site) -> Result<Percentiles, HostError> {
     let name = format!("doctor-{}", std::process::id());
     let profile = Profile { dof: 1, axes: 1, ..Profile::shipped("unknown").unwrap_or_else(|| unreachable!()) };
     let mut device = DeviceClient::open(site, about(&name, &profile))?;
@@ -169,7 +169,7 @@ fn round(site: &Site) -> Result<Told, HostError> {
         }
         times.add(now_ns() - begin);
     }
-    Ok(times.told())
+    Ok(times.percentiles())
 }
 
 /// Who is here.
@@ -227,7 +227,7 @@ fn limits() -> Vec<Row> {
 }
 
 /// A second of gesture frames as the engine waits for them: what was granted, lateness, and how many were a frame late.
-fn second() -> (rt::Granted, Told, u64) {
+fn second() -> (rt::Granted, Percentiles, u64) {
     let granted = rt::ask(Wish { priority: Some(70), lock: true, ..Wish::default() });
     let (mut late, mut over, mut waits) = (Times::new(), 0, Waits::default());
     let start = now_ns();
@@ -237,5 +237,5 @@ fn second() -> (rt::Granted, Told, u64) {
         late.add(by);
         over += u64::from(by > PERIOD);
     }
-    (granted, late.told(), over)
+    (granted, late.percentiles(), over)
 }

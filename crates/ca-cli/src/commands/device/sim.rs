@@ -74,7 +74,7 @@ pub fn run(args: &SimArgs) -> Outcome {
         log.finish()?;
     }
     ended?;
-    sim.seen.told(&name, profile.rate, sim.client.watch().restarts, args.json)?;
+    sim.seen.reported(&name, profile.rate, sim.client.watch().restarts, args.json)?;
     Ok(Ended::Well)
 }
 
@@ -284,10 +284,10 @@ struct Seen {
 }
 
 impl Seen {
-    fn told(&self, name: &str, rate: f64, restarts: u64, asked: bool) -> std::io::Result<()> {
+    fn reported(&self, name: &str, rate: f64, restarts: u64, asked: bool) -> std::io::Result<()> {
         let mut out = std::io::stdout().lock();
         let causes = || ca_haptic::frame::CAUSES.iter().zip(self.causes).filter(|c| c.1 > 0);
-        let loops = self.loops.told();
+        let loops = self.loops.percentiles();
         if asked {
             let causes: serde_json::Map<String, serde_json::Value> =
                 causes().map(|(c, n)| (c.name().into(), json!(n))).collect();

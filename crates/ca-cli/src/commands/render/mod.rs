@@ -5,10 +5,10 @@
 //! within full scale, but never called a success.
 
 mod play;
-mod told;
+mod summary;
 
 pub(crate) use play::{listen, play, stopped};
-pub(crate) use told::{
+pub(crate) use summary::{
     Broke, decibel, fitting, joule, level, makers, relative, rippling, stability, stability_json, tenths, too_loud,
 };
 
@@ -83,7 +83,7 @@ pub fn run(args: &RenderArgs) -> Outcome {
     };
     let twin = if played.broke.is_some() && !args.energy { audited() } else { None };
     let broke = Broke::of(&played, twin.as_ref().unwrap_or(&scene), gesture.as_ref());
-    let summary = told::Summary {
+    let summary = summary::Summary {
         args,
         scene: &scene,
         written: &written,

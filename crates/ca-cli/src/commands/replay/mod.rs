@@ -40,7 +40,7 @@ pub fn run(args: &ReplayArgs) -> Outcome {
     if verdict.is_identical() {
         return Ok(Ended::Well);
     }
-    if args.verify { Err(Failure::Told) } else { Ok(Ended::Degraded) }
+    if args.verify { Err(Failure::Reported) } else { Ok(Ended::Degraded) }
 }
 
 fn text(take: &Take, v: &Verdict, account: Option<&Account>) -> Result<(), Failure> {

@@ -306,7 +306,7 @@ impl Recorded {
         let device = |k: Option<u32>| k.map_or_else(|| "all".into(), |k| h.setups[k as usize].device.clone());
         let param = |k: u32| scene.and_then(|s| s.live.params.get(k as usize)).map_or("?", |p| p.name.as_str());
         for event in take.events()? {
-            let mut told = |tick: u64, of: String, what: String| {
+            let mut reported = |tick: u64, of: String, what: String| {
                 r.events.push(vec![format!("{:.4}", tick as f64 / h.rate), of, what]);
             };
             match event? {
@@ -333,7 +333,7 @@ impl Recorded {
                 }
                 Event::Change(tick, change) => {
                     let list = change.params.iter().map(|(k, v)| format!("{} = {}", param(*k), short(*v)));
-                    told(tick, "parameters".into(), list.collect::<Vec<_>>().join(", "));
+                    reported(tick, "parameters".into(), list.collect::<Vec<_>>().join(", "));
                 }
                 Event::Order(tick, port, order) => {
                     let what = match order {
@@ -341,15 +341,15 @@ impl Recorded {
                         Order::Disarm => "disarmed".into(),
                         Order::Trip(cause) => format!("tripped: {}", cause.name()),
                     };
-                    told(tick, device(port), what);
+                    reported(tick, device(port), what);
                 }
                 Event::Profile(tick, k, p) => {
                     let of = h.setups.get(k).map_or_else(String::new, |s| s.device.clone());
                     let what = format!("says: {}, {} degrees of freedom; at most {} N", p.title, p.dof, p.force);
-                    told(tick, of, what);
+                    reported(tick, of, what);
                 }
-                Event::Reload(l) => told(l.tick, "model".into(), "loaded again".into()),
-                Event::Lost(l) => told(l.tick, "take".into(), format!("{} records lost", l.records)),
+                Event::Reload(l) => reported(l.tick, "model".into(), "loaded again".into()),
+                Event::Lost(l) => reported(l.tick, "take".into(), format!("{} records lost", l.records)),
                 Event::Rt(rt) => r.loops.seconds.push(rt),
                 Event::Hash(_) | Event::Energy(_) | Event::View => {}
             }

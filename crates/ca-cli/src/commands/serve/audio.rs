@@ -2,7 +2,7 @@
 //!
 //! Decides that a device is asked for what the model makes, and refused where it cannot play that as it is: nothing is
 //! converted to another rate here. Its callback takes samples from a ring and reads the clock, no more; what a device
-//! complains of is told by the desk.
+//! complains of is reported by the desk.
 
 use crate::args::ServeArgs;
 use crate::{Failure, load};

@@ -9,8 +9,8 @@ mod answer;
 #[cfg_attr(not(feature = "audio"), path = "no_audio.rs")]
 mod audio;
 mod setup;
+mod summary;
 mod talk;
-mod told;
 mod wav;
 
 use crate::args::{ClockKind, ServeArgs};
@@ -154,19 +154,19 @@ pub fn run(args: &ServeArgs) -> Outcome {
     };
     let written = wav.map(|w| w.end().and_then(|w| w.map(wav::Wav::finish).transpose()));
     let written = written.and_then(|w| w.map_err(&mut broken).ok().flatten());
-    let told_of_take = take.map(|t| t.end().and_then(|t| t.map(|t| t.finish(lost)).transpose()));
-    let told_of_take = told_of_take.and_then(|t| t.map_err(&mut broken).ok().flatten());
-    if let Some(lost) = told_of_take.as_ref().map(|t| t.lost).filter(|n| *n > 0) {
+    let finished = take.map(|t| t.end().and_then(|t| t.map(|t| t.finish(lost)).transpose()));
+    let finished = finished.and_then(|t| t.map_err(&mut broken).ok().flatten());
+    if let Some(lost) = finished.as_ref().map(|t| t.lost).filter(|n| *n > 0) {
         term::warning(&format!("the take has holes: {lost} records or samples found no room"));
     }
-    let files = told::Files {
+    let files = summary::Files {
         sound: args.output.as_deref().zip(written.as_ref()),
-        take: args.log.as_deref().zip(told_of_take.as_ref()),
+        take: args.log.as_deref().zip(finished.as_ref()),
     };
     if args.json {
-        println!("{:#}", told::value(&summary, &loaded.name, &files, traffic));
+        println!("{:#}", summary::value(&summary, &loaded.name, &files, traffic));
     } else if !args.quiet {
-        told::text(&summary, &loaded.name, &files, traffic, scene.rate)?;
+        summary::text(&summary, &loaded.name, &files, traffic, scene.rate)?;
     }
     Ok(if summary.is_faithful() { Ended::Well } else { Ended::Degraded })
 }
@@ -192,7 +192,7 @@ fn wish(args: &ServeArgs, lower: i32) -> Wish {
 
 /// Starts the engine on its thread; what the system granted is known before the first frame.
 fn engine_thread(live: Live, wish: Wish, frames: Option<u64>) -> Result<(JoinHandle<Engine>, String), Failure> {
-    let (tell, told) = std::sync::mpsc::channel();
+    let (tell, reported) = std::sync::mpsc::channel();
     let thread = std::thread::Builder::new()
         .name("ca engine".into())
         .spawn(move || {
@@ -200,7 +200,7 @@ fn engine_thread(live: Live, wish: Wish, frames: Option<u64>) -> Result<(JoinHan
             live.run(frames)
         })
         .map_err(|e| Failure::Failed(format!("no thread for the engine: {e}")))?;
-    Ok((thread, told.recv().unwrap_or_default()))
+    Ok((thread, reported.recv().unwrap_or_default()))
 }
 
 /// The desk, until the engine ends or somebody stops it.

@@ -67,7 +67,7 @@ impl Talk {
 
     /// Closes the lines once the last force is sent. What went over those of all devices: received, of these foreign,
     /// never seen, no room; sent, not sent.
-    pub(super) fn end(self) -> Option<super::told::Traffic> {
+    pub(super) fn end(self) -> Option<super::summary::Traffic> {
         let gateway = self.gateway?;
         let t = gateway.traffic.clone();
         drop(gateway);

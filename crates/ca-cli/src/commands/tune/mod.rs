@@ -107,7 +107,7 @@ pub fn run(args: &TuneArgs) -> Outcome {
     } else if let Some(path) = &args.to.write {
         super::new::write(path, &text, args.to.force)?;
     }
-    told(&loaded, &done, args.json)?;
+    reported(&loaded, &done, args.json)?;
     if let Some(path) = args.to.write.as_deref().or(args.to.in_place.then_some(Path::new(&args.model))) {
         term::note(&format!("written to `{}`", path.display()));
     }
@@ -263,7 +263,7 @@ fn heard(loaded: &Loaded, name: &str, knob: &Knob, mode: u32) -> Result<f64, Fai
     let options = Options { clouds: loaded.clouds.clone(), ..Options::default() };
     let network = ca_core::compile::linear(&loaded.model, &catalog(), &options).map_err(|diags| {
         term::findings(&render::text(&diags, &loaded.model, term::color()));
-        Failure::Told
+        Failure::Reported
     })?;
     if let Some((_, code)) = network.left_out.iter().find(|(n, _)| n == name) {
         return Err(Failure::Usage(format!(
@@ -300,7 +300,7 @@ fn share(network: &Network, m: &Mode, places: &[usize]) -> f64 {
     places.iter().map(|i| m.shape[*i] * m.shape[*i] * te * te / network.linear.places[*i].c).sum()
 }
 
-fn told(loaded: &Loaded, done: &[Tuned], as_json: bool) -> Result<(), Failure> {
+fn reported(loaded: &Loaded, done: &[Tuned], as_json: bool) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
     if as_json {
         let list: Vec<Json> = done

@@ -156,7 +156,7 @@ fn a_take_plays_another_model() {
 /// A file that may not grow any more stands for a full disk.
 #[cfg(unix)]
 #[test]
-fn a_full_disk_is_told_once_and_playing_goes_on() {
+fn a_full_disk_is_reported_once_and_playing_goes_on() {
     let desk = Desk::new();
     desk.put(
         "bar.ca.toml",
@@ -165,8 +165,8 @@ fn a_full_disk_is_told_once_and_playing_goes_on() {
     // 200 kB, half a second of sound or so
     let r = desk.sh("ulimit -f 400; trap '' XFSZ; ca serve bar.ca.toml --seconds 3 --log take.mcap --json");
     assert_eq!(r.code, 3, "{}{}", r.out, r.err);
-    let told = r.err.lines().filter(|l| l.starts_with("warning: ") && l.contains("take.mcap")).count();
-    assert_eq!(told, 1, "{}", r.err);
+    let reported = r.err.lines().filter(|l| l.starts_with("warning: ") && l.contains("take.mcap")).count();
+    assert_eq!(reported, 1, "{}", r.err);
     let j = r.json();
     assert_eq!((j["broken"].as_array().map(Vec::len), &j["faithful"]), (Some(1), &false.into()), "{}", r.out);
     assert!(j["seconds"].as_f64().is_some_and(|s| s > 2.9) && j["take"].is_null(), "{}", r.out);

@@ -28,7 +28,7 @@ fn plays_until_it_is_killed() {
         }
         // how far it is, for who kills it
         if n.is_multiple_of(30) {
-            std::fs::write(path.with_extension("told"), p.engine.due().to_string()).unwrap();
+            std::fs::write(path.with_extension("reported"), p.engine.due().to_string()).unwrap();
         }
     }
 }
@@ -44,15 +44,15 @@ fn a_killed_take_loses_less_than_a_second_and_replays() {
         .stderr(Stdio::null())
         .spawn()
         .unwrap();
-    let told = || std::fs::read_to_string(path.with_extension("told")).ok()?.parse::<u64>().ok();
+    let reported = || std::fs::read_to_string(path.with_extension("reported")).ok()?.parse::<u64>().ok();
     let begin = Instant::now();
-    while told().unwrap_or(0) < 3 * 48_000 {
+    while reported().unwrap_or(0) < 3 * 48_000 {
         assert!(begin.elapsed() < Duration::from_secs(30), "it does not play");
         std::thread::sleep(Duration::from_millis(20));
     }
     child.kill().unwrap();
     child.wait().unwrap();
-    let reached = told().unwrap();
+    let reached = reported().unwrap();
 
     let cut = replay(&path);
     assert!(cut.cut.is_some() && cut.difference.is_none(), "{cut:?}");

@@ -21,8 +21,8 @@ fn a_replay_is_the_same_to_the_bit() {
     let path = dir.path().join("a.mcap");
     let mut p = Performer::new(DUO, &path);
     p.play(2500);
-    let told = p.finish();
-    assert_eq!(told.lost, 0);
+    let reported = p.finish();
+    assert_eq!(reported.lost, 0);
     assert!(p.sound.iter().any(|x| x.abs() > 0.01), "it is heard");
     let v = replay(&path);
     assert_eq!((v.difference.clone(), v.hole, v.cut.clone()), (None, None, None), "{v:?}");

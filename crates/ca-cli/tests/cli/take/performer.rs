@@ -7,7 +7,7 @@ use ca_haptic::frame::DeviceFrame;
 use ca_haptic::guard::Order;
 use ca_haptic::profile::Profile;
 use ca_haptic::record::Record;
-use ca_haptic::take::{Header, Rt, TakeWriter, Told};
+use ca_haptic::take::{Finished, Header, Rt, TakeWriter};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -203,7 +203,7 @@ impl Performer {
     }
 
     /// Completes the take.
-    pub fn finish(&mut self) -> Told {
+    pub fn finish(&mut self) -> Finished {
         self.take.take().expect("not finished").finish([0; 3]).expect("finished")
     }
 }

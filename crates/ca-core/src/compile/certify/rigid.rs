@@ -213,11 +213,11 @@ pub fn rigid(model: &Model, net: &Net, diags: &mut Diags) {
     }
     let springs = Springs::new(net);
     let mut parts = Vec::new();
-    let mut told = BTreeSet::new();
+    let mut reported = BTreeSet::new();
     for l in &net.lias {
         let Some(o) = l.onto else { continue };
         let k = stiffness(net, l);
-        if k <= 0.0 || told.contains(&l.item) {
+        if k <= 0.0 || reported.contains(&l.item) {
             continue;
         }
         let (mut found, mut held) = (None, false);
@@ -237,7 +237,7 @@ pub fn rigid(model: &Model, net: &Net, diags: &mut Diags) {
             found = found.filter(|f: &Diag| f.code == "W112").or(Some(d));
         }
         if let (Some(d), false) = (found, held) {
-            told.insert(l.item);
+            reported.insert(l.item);
             diags.push(d);
         }
     }

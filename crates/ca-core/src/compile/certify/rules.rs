@@ -22,9 +22,9 @@ pub fn contacts(
     cert: &mut Certificate,
     diags: &mut Diags,
 ) {
-    let mut told = BTreeSet::new();
+    let mut reported = BTreeSet::new();
     for (l, b) in net.lias.iter().zip(bounds) {
-        if b.active && told.insert(l.item) {
+        if b.active && reported.insert(l.item) {
             let d = Diag::warning("W110", format!("`{}` may feed energy in: its table does not only resist", l.name));
             diags.push(d.at(span(model, net, l.item), "active").help("a force of the sign of its speed only resists, and a spring that never falls only returns; if it is meant to drive, mind the level"));
         }
@@ -37,7 +37,7 @@ pub fn contacts(
             cert.contact = a;
             cert.stiffest.clone_from(&l.name);
         }
-        if a > 1.0 && told.insert(l.item) {
+        if a > 1.0 && reported.insert(l.item) {
             let safe = quantity::show(round_down(1.0 / c), Unit::STIFFNESS);
             let word = if a > 2.0 { "makes energy at every blow" } else { "may make energy at a blow" };
             let d = Diag::warning(
@@ -68,12 +68,12 @@ pub fn frictions(
     cert: &mut Certificate,
     diags: &mut Diags,
 ) {
-    let mut told = BTreeSet::new();
+    let mut reported = BTreeSet::new();
     for (l, b) in net.lias.iter().zip(bounds).filter(|(l, b)| rubs(b) && !l.law.is_late()) {
         let c = held(l, b).unwrap_or_else(|| mobility(net, l, rows));
         let steep = b.z * c;
         cert.friction = cert.friction.max(steep);
-        if steep > 1.5 && told.insert(l.item) {
+        if steep > 1.5 && reported.insert(l.item) {
             let title = format!(
                 "`{}` is too steep to stick: slope·T/m is {:.3}, stay below 1.5",
                 l.name,
@@ -109,9 +109,9 @@ fn mobility(net: &Net, l: &LiaNode, rows: &[Row]) -> f64 {
 /// The delay of a device turns viscosity straight on a key into noise and instability (ICMC 2013, 7.1).
 pub fn devices(model: &Model, net: &Net, bounds: &[Bound], diags: &mut Diags) {
     let is_key = |e: &End| matches!(e, End::Mat(m) if net.mats[*m as usize].code == "TGR");
-    let mut told = BTreeSet::new();
+    let mut reported = BTreeSet::new();
     for (l, b) in net.lias.iter().zip(bounds) {
-        if b.z > 0.0 && l.all_ends().any(|e| is_key(&e)) && told.insert(l.item) {
+        if b.z > 0.0 && l.all_ends().any(|e| is_key(&e)) && reported.insert(l.item) {
             let d = Diag::warning("W105", format!("`{}` puts viscosity straight on a device key", l.name))
                 .at(span(model, net, l.item), "noisy, and limited by the device's own friction")
                 .help("tie the key to a MAS by a RES, and damp that MAS to ground instead");

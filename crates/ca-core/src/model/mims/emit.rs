@@ -1,7 +1,7 @@
 //! Parts and plan → [`Model`], with a header that says where it came from and how to play it.
 //!
 //! Decides that the model is in `alg` units at 44.1 kHz and sounds at that rate, that what a generator replaced
-//! is told in the header (it stays with the model; a finding is gone with the terminal), and that parameters which
+//! is reported in the header (it stays with the model; a finding is gone with the terminal), and that parameters which
 //! nothing names any more are left out with a note.
 
 use super::first;

@@ -65,21 +65,21 @@ fn what_waits_is_bounded_by_seconds_and_by_memory_and_the_rest_is_counted() {
 }
 
 #[test]
-fn a_loss_is_told_while_it_lasts_and_that_it_is_over() {
+fn a_loss_is_reported_while_it_lasts_and_that_it_is_over() {
     let (mut line, aside, still) = disk(room(2.5), usize::MAX);
     let held = still.lock().expect("nobody panics");
-    let mut told = Vec::new();
+    let mut reported = Vec::new();
     for n in 0..15_000_u64 {
         line.sound(16 * n, &FRAME).expect("handed over, or left out");
-        told.extend(line.news().map(|(bad, text)| (16.0 * n as f64 / RATE, bad, text)));
+        reported.extend(line.news().map(|(bad, text)| (16.0 * n as f64 / RATE, bad, text)));
     }
-    let at: Vec<f64> = told.iter().map(|t| t.0).collect();
-    assert_eq!(at, [2.0, 2.5, 3.5, 4.5], "{told:?}");
-    assert!(told.iter().all(|t| t.1));
-    assert!(told[0].2.starts_with("disk: written 2.0 s late; beyond 2.5 s something is lost"), "{told:?}");
+    let at: Vec<f64> = reported.iter().map(|t| t.0).collect();
+    assert_eq!(at, [2.0, 2.5, 3.5, 4.5], "{reported:?}");
+    assert!(reported.iter().all(|t| t.1));
+    assert!(reported[0].2.starts_with("disk: written 2.0 s late; beyond 2.5 s something is lost"), "{reported:?}");
     for (k, samples) in [(1, 16), (2, 48_016), (3, 96_016)] {
         let text = format!("disk: {samples} sound samples are missing so far; ");
-        assert!(told[k].2.starts_with(&text), "{told:?}");
+        assert!(reported[k].2.starts_with(&text), "{reported:?}");
     }
     drop(held);
     while line.shared.waiting.load(Relaxed) > 0 {
@@ -157,7 +157,7 @@ fn play(room: Room, blocks: usize, frames: u64, hold: bool) -> Played {
     let engine = live.run(Some(0));
     desk.turn();
     let before = desk.broken().len();
-    // what was told while it stood still
+    // what was reported while it stood still
     let ear = Ear(Arc::new(Mutex::new(ear.heard())));
     drop(held);
     if blocks < 100 && hold {
@@ -210,13 +210,13 @@ fn a_disk_that_stands_still_for_a_while_loses_nothing() {
 #[test]
 fn a_disk_that_stands_still_for_long_loses_what_is_counted_and_no_other_file_does() {
     let p = play(room(1.0), usize::MAX, 9000, true);
-    let (ticks, records, told) = p.ear.heard();
+    let (ticks, records, reported) = p.ear.heard();
     // the others have everything, a force and a sound each, the orders and what is waited for besides: nobody waits for
     // the disk
     assert_eq!((ticks.len(), records), (9001, 9001 + 3));
     // a frame is as late as its force, which is of its end
     let fits = ticks.iter().filter(|t| **t + 16 <= 48_000).count();
-    assert!(told.iter().any(|t| t.starts_with("disk: ") && t.contains("are missing so far")), "{told:?}");
+    assert!(reported.iter().any(|t| t.starts_with("disk: ") && t.contains("are missing so far")), "{reported:?}");
     let disk = p.disk.expect("no failure").expect("a disk");
     assert_eq!(disk.ticks, ticks[..fits]);
     let forces = disk.records.iter().filter(|r| matches!(r, Record::Force { .. })).count();
@@ -234,13 +234,13 @@ fn a_disk_that_stands_still_for_long_loses_what_is_counted_and_no_other_file_doe
 }
 
 #[test]
-fn a_disk_that_fails_with_much_behind_it_is_told_once_and_holds_up_nobody() {
+fn a_disk_that_fails_with_much_behind_it_is_reported_once_and_holds_up_nobody() {
     let p = play(room(2.0), 10, 5000, true);
     assert_eq!((p.broken, p.disk.is_ok_and(|d| d.is_none())), ([0, 1], true));
 }
 
 #[test]
-fn a_full_disk_is_told_once() {
+fn a_full_disk_is_reported_once() {
     let p = play(room(2.0), 10, 3000, false);
     // by the desk if it came by again, else at the end
     assert_eq!(p.broken[1] + usize::from(p.disk.is_err()), 1);

@@ -48,7 +48,7 @@ pub struct Counts {
     pub skipped: AtomicU64,
     /// samples that found no room, since the device did not ask
     pub unheard: AtomicU64,
-    /// underruns the device itself told of
+    /// underruns the device itself reported
     pub xruns: AtomicU64,
     /// times the device stopped asking
     pub stops: AtomicU64,
@@ -101,7 +101,7 @@ pub struct AudioSummary {
     pub skipped: u64,
     /// samples that found no room since the device did not ask
     pub unheard: u64,
-    /// underruns the device told of
+    /// underruns the device reported
     pub xruns: u64,
     /// times the device stopped asking
     pub stops: u64,
@@ -123,8 +123,8 @@ pub struct Watch {
     /// what both sides count
     pub counts: Arc<Counts>,
     gaps: Consumer<u64>,
-    told: Vec<u64>,
-    /// gaps before this sample are not told of
+    reported: Vec<u64>,
+    /// gaps before this sample are not reported
     quiet: u64,
     was_alive: bool,
 }
@@ -137,8 +137,8 @@ impl Watch {
     pub(super) fn news(&mut self) -> Vec<String> {
         let mut news = Vec::new();
         while let Ok(at) = self.gaps.pop() {
-            if self.told.len() < GAPS {
-                self.told.push(at);
+            if self.reported.len() < GAPS {
+                self.reported.push(at);
             }
             // once a second is enough, the summary has all of them
             if at >= self.quiet {
@@ -171,7 +171,7 @@ impl Watch {
             lead: n(&c.lead),
             latency_ms: 1e3 * (n(&c.lead) as f64 / rate + heard),
             underruns: n(&c.underruns),
-            gaps: self.told.clone(),
+            gaps: self.reported.clone(),
             silent: n(&c.silent),
             skipped: n(&c.skipped),
             unheard: n(&c.unheard),
@@ -200,5 +200,5 @@ pub fn link(channels: usize, frame: u32, who: Who, buffer: u32) -> (Follow, Play
     counts.lead.store(lead, Relaxed);
     let player = Player::new(channels, rate, held as u64, samples, calls, gaps, counts.clone());
     let follow = Follow::new(channels, frame, rate, buffer, samples_in, calls_out, counts.clone());
-    (follow, player, Watch { who, counts, gaps: gaps_out, told: Vec::new(), quiet: 0, was_alive: false })
+    (follow, player, Watch { who, counts, gaps: gaps_out, reported: Vec::new(), quiet: 0, was_alive: false })
 }

@@ -108,7 +108,7 @@ impl Hall {
         self.heard.iter().position(|x| *x != 0.0).expect("something was heard")
     }
 
-    fn told(&mut self) -> AudioSummary {
+    fn reported(&mut self) -> AudioSummary {
         self.watch.news();
         self.watch.summary()
     }
@@ -122,8 +122,8 @@ fn a_steady_device_hears_every_sample() {
         h.late = |k| 3e5 * chance(k);
         h.jitter = |k| 4e5 * chance(k + 7);
         h.run(30.0);
-        let told = h.told();
-        assert!(told.is_faithful(), "{told:?}");
+        let reported = h.reported();
+        assert!(reported.is_faithful(), "{reported:?}");
         let first = h.first();
         for (n, x) in h.heard[first..].iter().enumerate() {
             assert_eq!(*x, sound(n as u64) as f32, "{n}");
@@ -132,10 +132,10 @@ fn a_steady_device_hears_every_sample() {
         let asked = h.heard.len() as f64 - first as f64;
         let ahead = h.sent as f64 - asked;
         let lead = lead(call, R as u32, RATE) as f64;
-        assert_eq!(told.lead as f64, lead);
+        assert_eq!(reported.lead as f64, lead);
         // at any time between two calls: the lead, less what was just taken; late wake-ups and calls take from it
         assert!(ahead > lead - f64::from(call) - 64.0 && ahead < lead + 64.0, "{ahead} of {lead}");
-        assert!((told.ppm - ppm).abs() < 2.0, "{} for {ppm}", told.ppm);
+        assert!((reported.ppm - ppm).abs() < 2.0, "{} for {ppm}", reported.ppm);
         // forces keep their pace: each frame but the few of the start, half to twice a period after the other
         let late = |w: &[f64]| (w[1] - w[0]) * 1e-9 * RATE / R as f64;
         assert!(h.began.windows(2).skip(100).all(|w| (-0.1..4.0).contains(&late(w))));
@@ -148,22 +148,26 @@ fn a_gap_is_counted_and_heard_as_a_fade() {
     let mut h = Hall::new(64, 0.0);
     h.late = |k| if k == 6000 { 2e7 } else { 0.0 };
     h.run(4.0);
-    let told = h.told();
-    assert_eq!((told.underruns, told.gaps.len(), told.skipped, told.xruns, told.stops), (1, 1, 0, 0, 0), "{told:?}");
-    assert!(!told.is_faithful());
+    let reported = h.reported();
+    assert_eq!(
+        (reported.underruns, reported.gaps.len(), reported.skipped, reported.xruns, reported.stops),
+        (1, 1, 0, 0, 0),
+        "{reported:?}"
+    );
+    assert!(!reported.is_faithful());
     // 20 ms, less what the ring held
-    assert!((640..960).contains(&told.silent), "{told:?}");
-    let (first, gap) = (h.first(), told.gaps[0] as usize);
+    assert!((640..960).contains(&reported.silent), "{reported:?}");
+    let (first, gap) = (h.first(), reported.gaps[0] as usize);
     let before = &h.heard[first..first + gap];
     assert!(before.iter().enumerate().all(|(n, x)| *x == sound(n as u64) as f32));
-    let silence = &h.heard[first + gap..first + gap + told.silent as usize];
+    let silence = &h.heard[first + gap..first + gap + reported.silent as usize];
     let fade = (0.001 * RATE) as usize;
     // out of the last sample, in steps of a fade, into nothing
     for (k, x) in silence.iter().enumerate() {
         let want = before[gap - 1] * (1.0 - (k + 1) as f32 / fade as f32).max(0.0);
         assert!((x - want).abs() < 1e-5, "{k}: {x}, not {want}");
     }
-    let after = &h.heard[first + gap + told.silent as usize..];
+    let after = &h.heard[first + gap + reported.silent as usize..];
     for (k, x) in after.iter().enumerate() {
         let want = sound((gap + k) as u64) as f32;
         if k < fade {
@@ -173,7 +177,7 @@ fn a_gap_is_counted_and_heard_as_a_fade() {
         }
     }
     // the lead is there again
-    let ahead = h.sent as i64 - (h.heard.len() - first) as i64 + told.silent as i64;
+    let ahead = h.sent as i64 - (h.heard.len() - first) as i64 + reported.silent as i64;
     assert!((64..=160).contains(&ahead), "{ahead}");
 }
 
@@ -186,7 +190,7 @@ fn forces_do_not_depend_on_a_sound_device() {
     h.asks = false;
     let (at, frames) = (h.now, h.frames);
     h.run(3.0);
-    assert_eq!(h.told().stops, 1);
+    assert_eq!(h.reported().stops, 1);
     assert!(!h.watch.counts.alive.load(Relaxed));
     let rate = RATE / R as f64 * (1.0 + ppm * 1e-6);
     let want = (h.now - at) * 1e-9 * rate;
@@ -199,13 +203,13 @@ fn forces_do_not_depend_on_a_sound_device() {
     (h.asks, h.ask) = (true, h.now + 1e6);
     let heard = h.heard.len();
     h.run(2.0);
-    let told = h.told();
+    let reported = h.reported();
     assert!(h.watch.counts.alive.load(Relaxed));
-    assert!(told.skipped > 0 && told.unheard > 0 && told.stops == 1, "{told:?}");
+    assert!(reported.skipped > 0 && reported.unheard > 0 && reported.stops == 1, "{reported:?}");
     // all there is: heard, left out, or without room; the rest is the lead, less what was just taken
-    let silent = (h.heard.len() - h.first()) as i64 - told.silent as i64;
-    let rest = h.sent as i64 - silent - (told.skipped + told.unheard) as i64;
-    assert!((told.lead as i64 - 128..=told.lead as i64 + 64).contains(&rest), "{rest}: {told:?}");
+    let silent = (h.heard.len() - h.first()) as i64 - reported.silent as i64;
+    let rest = h.sent as i64 - silent - (reported.skipped + reported.unheard) as i64;
+    assert!((reported.lead as i64 - 128..=reported.lead as i64 + 64).contains(&rest), "{rest}: {reported:?}");
     assert!(h.heard.len() - heard > 90_000);
     let period = 1e9 / rate;
     let steps = |w: &[f64]| (w[1] - w[0]) / period;

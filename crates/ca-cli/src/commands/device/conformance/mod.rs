@@ -90,10 +90,10 @@ pub fn run(args: &ConformanceArgs) -> Outcome {
         another(&mut bench, &mut profile, force, &mut table)?;
         strangers(&mut bench, &mut table);
     }
-    told(&table, args)
+    reported(&table, args)
 }
 
-fn told(table: &Table, args: &ConformanceArgs) -> Outcome {
+fn reported(table: &Table, args: &ConformanceArgs) -> Outcome {
     let failed = table.0.iter().filter(|r| !r.pass).count();
     let mut out = std::io::stdout().lock();
     if args.json {
@@ -330,8 +330,8 @@ fn forces(b: &mut Bench, p: &mut Player, profile: &mut Profile, force: f64, t: &
         let held = b.frames.iter().filter(|f| Cause::read(f.cause) == Cause::None).count();
         let most = held * 10 >= b.frames.len() * 9 && held > 0;
         t.row("forces", most, format!("of {} frames {held} have them", b.frames.len()));
-        let told = measured(b);
-        match told {
+        let reported = measured(b);
+        match reported {
             Some((is, want)) => {
                 let near = is.iter().zip(&want).all(|(a, b)| (a - b).abs() <= 0.1 * force.max(1e-9));
                 t.row(
@@ -340,7 +340,7 @@ fn forces(b: &mut Bench, p: &mut Player, profile: &mut Profile, force: f64, t: &
                     format!("{} N, {} N were asked of the first axis", short(is[0]), short(want[0])),
                 );
             }
-            None => t.row("measured", true, "not told"),
+            None => t.row("measured", true, "not reported"),
         }
         return Ok(mode == Mode::On);
     }
@@ -402,7 +402,7 @@ fn felt(b: &mut Bench, p: &mut Player, profile: &mut Profile, force: f64, t: &mu
     Ok(())
 }
 
-/// Forces it measured and those it was told, of the last frame whose force is known; `None` where it measures none.
+/// Forces it measured and those it was given, of the last frame whose force is known; `None` where it measures none.
 fn measured(b: &Bench) -> Option<(Vec<f64>, Vec<f64>)> {
     let n = |f: &DeviceFrame| (f.n as usize).min(DOF);
     b.frames.iter().rev().find_map(|f| {

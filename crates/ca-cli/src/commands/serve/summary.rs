@@ -1,9 +1,9 @@
-//! What is told at the end of a performance.
+//! What is reported at the end of a performance.
 
 use crate::term::short;
 use ca_haptic::serve::Summary;
 use ca_haptic::sound::Written;
-use ca_haptic::stats::Told;
+use ca_haptic::stats::Percentiles;
 use ca_haptic::take;
 use serde_json::{Value, json};
 use std::io::{self, Write as _};
@@ -12,7 +12,7 @@ use std::path::Path;
 /// What was written.
 pub(super) struct Files<'a> {
     pub sound: Option<(&'a Path, &'a Written)>,
-    pub take: Option<(&'a Path, &'a take::Told)>,
+    pub take: Option<(&'a Path, &'a take::Finished)>,
 }
 
 /// What went over the lines.
@@ -85,7 +85,7 @@ pub(super) fn text(s: &Summary, name: &str, files: &Files, traffic: Option<Traff
     Ok(())
 }
 
-fn times(t: &Told) -> String {
+fn times(t: &Percentiles) -> String {
     format!("p50 {}  p99 {}  p99.9 {}  max {} us", short(t.p50), short(t.p99), short(t.p999), short(t.max))
 }
 
