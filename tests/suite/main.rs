@@ -47,5 +47,6 @@ mod soak;
 mod space;
 mod stable;
 mod thresholds;
+mod tuning;
 mod waveguide;
 mod writer;

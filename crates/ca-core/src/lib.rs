@@ -77,6 +77,7 @@ pub mod state;
 pub mod table;
 pub mod tick;
 pub mod touch;
+pub mod tuning;
 pub mod wave;
 
 pub use catalog::Catalog;

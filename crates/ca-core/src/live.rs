@@ -13,6 +13,7 @@ use crate::real::{real, wide};
 use crate::sketch::{Arg, Args, Generator};
 use crate::state::Identity;
 use crate::state::State;
+use crate::tuning::Scheme;
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
@@ -74,6 +75,8 @@ pub struct LiveItem {
     pub kind: &'static Kind,
     /// axes along which its MATs move
     pub dim: u8,
+    /// how what is linear in it is computed
+    pub scheme: Scheme,
     /// its resolved parameters
     pub args: Vec<Arg>,
     /// which of them follow which live parameter: (argument, parameter, factor)
@@ -269,8 +272,14 @@ impl LiveItem {
         room.slots.clear();
         match self.generator {
             Some(g) => {
-                let args =
-                    Args { code: self.kind.code, params: self.kind.params, values: &self.args, te, dim: self.dim };
+                let args = Args {
+                    code: self.kind.code,
+                    params: self.kind.params,
+                    values: &self.args,
+                    te,
+                    dim: self.dim,
+                    scheme: self.scheme,
+                };
                 (g.derive)(&args, &mut room.slots).map_err(|p| Refused::Unsolvable(p.title))?;
             }
             None => room.slots.extend(self.args.iter().map(Arg::num)),

@@ -7,6 +7,7 @@
 use crate::cloud::Cloud;
 use crate::param::Param;
 pub use crate::problem::Problem;
+use crate::tuning::Scheme;
 use crate::wave::Asked;
 use alloc::string::String;
 use alloc::sync::Arc;
@@ -48,6 +49,8 @@ pub struct Args<'a> {
     pub te: f64,
     /// axes along which its MATs move
     pub dim: u8,
+    /// how what is linear in it is computed
+    pub scheme: Scheme,
 }
 
 impl Args<'_> {

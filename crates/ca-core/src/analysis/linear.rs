@@ -99,6 +99,8 @@ pub struct Network {
     pub oversample: u32,
     /// true where its ticks are those of [`crate::method::pefrl`]
     pub composed: bool,
+    /// true where all of it goes by its modes, which the scheme then plays as they are
+    pub modal: bool,
     /// its places and links
     pub linear: Linear,
     /// name of each place: its module, with `.x`, `.y` or `.z` in space

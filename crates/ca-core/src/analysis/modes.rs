@@ -175,9 +175,12 @@ pub fn modes(network: &Network) -> Option<Modes> {
             shape,
         };
         mode.alone(te, 1.0 + heavier.as_ref().map_or(0.0, |h| h[(j, j)]), network.composed);
+        if network.modal {
+            (mode.heard, mode.t60, mode.grows) = (mode.f, mode.t60_free, false);
+        }
         list.push(mode);
     }
-    let ties = implicit.is_some() || list.iter().any(|m| m.coupled > COUPLED);
+    let ties = !network.modal && (implicit.is_some() || list.iter().any(|m| m.coupled > COUPLED));
     if ties && n <= EXACT {
         if let Some(mut a) = implicit {
             (0..n).for_each(|i| a[(i, i)] += 1.0);

@@ -5,6 +5,7 @@
 //! the matrix would change from tick to tick (distances in space, quadripoles, moving points), and where a contact that
 //! counts on the motion to come shares a mass with such a link.
 
+use super::lines::LineNode;
 use super::links::Links;
 use super::net::{Ear, End, LiaNode, MatRole, Measure, Net};
 use super::plan::Plan;
@@ -68,7 +69,9 @@ pub fn choose(net: &mut Net) {
     }
     let cell = &crate::mat::CEL;
     let Some((method, theta)) = cell.param("method").zip(cell.param("theta")) else { return };
-    for i in 0..net.mats.len() {
+    // a junction of waves is exact as it is: what would be its damper is what waves take along
+    let junctions: BTreeSet<u32> = net.lines.iter().flat_map(LineNode::junctions).collect();
+    for i in (0..net.mats.len()).filter(|i| !junctions.contains(&(*i as u32))) {
         let m = &net.mats[i];
         let Some(share) = asked(net, m.item, cell, &m.values).filter(|_| m.code == cell.code) else { continue };
         let mut values = m.values.to_vec();

@@ -9,6 +9,7 @@ use super::slopes::{self, Own};
 use crate::analysis::{Linear, Loose, Network, Place, Port};
 use crate::law::Bound;
 use crate::op::pass;
+use crate::tuning::Scheme;
 use alloc::vec::Vec;
 
 /// Where moving points are taken to be.
@@ -141,6 +142,10 @@ pub fn network(net: &Net) -> Network {
         te: net.te,
         oversample: net.oversample,
         composed: net.is_composed(),
+        modal: linear.places.iter().all(|p| {
+            let m = &net.mats[p.mat as usize];
+            !m.in_space() && net.scheme(m.group) == Scheme::Modal
+        }),
         x: linear.places.iter().map(|p| at(p, |m| m.dx0)).collect(),
         v: linear.places.iter().map(|p| at(p, |m| m.v)).collect(),
         names: names.collect(),

@@ -13,6 +13,7 @@ use crate::op::law::Law;
 use crate::scene::Input;
 use crate::sketch::Arg;
 use crate::table::Table;
+use crate::tuning::Scheme;
 use alloc::collections::BTreeMap;
 use alloc::string::String;
 use alloc::sync::Arc;
@@ -366,6 +367,12 @@ impl Net {
     /// The medium of a group; that of the model without one.
     pub fn medium_of(&self, group: Option<u32>) -> Medium {
         group.and_then(|g| self.media.get(g as usize)).or(self.media.last()).copied().unwrap_or_default()
+    }
+
+    /// How what is linear in a group is computed.
+    pub fn scheme(&self, group: Option<u32>) -> Scheme {
+        let medium = self.medium_of(group);
+        Scheme::of(medium.method, medium.theta)
     }
 
     /// Rest position of an end.

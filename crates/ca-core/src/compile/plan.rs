@@ -7,6 +7,7 @@ use crate::live::{LiveImplicit, LiveItem, LiveModule, LivePlan, Loader, Source};
 use crate::method::implicit::Inertia;
 use crate::sketch::Arg;
 use crate::state::Identity;
+use crate::tuning::Scheme;
 use alloc::collections::{BTreeMap, BTreeSet};
 use alloc::sync::Arc;
 use alloc::vec::Vec;
@@ -94,6 +95,7 @@ impl Plan<'_> {
                     LiveItem {
                         kind: item.kind,
                         dim: item.dim,
+                        scheme: self.net.scheme(item.group),
                         args: item.args.clone(),
                         follows: item.follows.clone(),
                         generator: if let Role::Generator(g) = item.kind.role { Some(g) } else { None },
@@ -104,6 +106,7 @@ impl Plan<'_> {
                     LiveItem {
                         kind: &crate::io::ENX,
                         dim: 1,
+                        scheme: Scheme::Explicit,
                         args: alloc::vec![Arg::Num(self.net.params[p].value)],
                         follows: alloc::vec![(0, p, 1.0)],
                         generator: None,

@@ -259,7 +259,8 @@ fn nodes(mut item: NetItem, source: &Item, net: &mut Net, v: &mut Values<'_>) {
                 v.diags.push(d.at(source.name_span, place).help(help));
                 return;
             }
-            let args = Args { code: kind.code, params: kind.params, values: &item.args, te: net.te, dim };
+            let scheme = net.scheme(item.group);
+            let args = Args { code: kind.code, params: kind.params, values: &item.args, te: net.te, dim, scheme };
             let before = net.mats.len() + net.lias.len();
             let will = sense::modules(&args);
             if will.saturating_add(before) > LARGEST {
@@ -273,7 +274,10 @@ fn nodes(mut item: NetItem, source: &Item, net: &mut Net, v: &mut Values<'_>) {
                     let (args, live, group, te) = (item.args.clone(), !item.follows.is_empty(), item.group, net.te);
                     net.items.push(item);
                     let mut drawing = Sketch::new(&slots, live);
-                    (g.build)(&Args { code: kind.code, params: kind.params, values: &args, te, dim }, &mut drawing);
+                    (g.build)(
+                        &Args { code: kind.code, params: kind.params, values: &args, te, dim, scheme },
+                        &mut drawing,
+                    );
                     expand(net, id, &drawing, (dim, rest), group);
                 }
                 Err(p) => {

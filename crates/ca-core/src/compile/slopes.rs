@@ -3,6 +3,7 @@
 use super::net::{LiaNode, MatNode, MatRole, Net};
 use crate::law::Bound;
 use crate::live::Loader;
+use crate::tuning::Scheme;
 use alloc::vec::Vec;
 
 /// What a MAT is to the linear network: mobility \[m/N\], own stiffness \[N/m\], own viscosity \[N per m/tick\].
@@ -30,6 +31,12 @@ pub fn own(net: &Net, m: &MatNode) -> Own {
         return Own::default();
     }
     let own = Own { c, k: -out[1] / c, z: (1.0 - out[0]) / c, implicit: 0.0 };
+    if let Some((f, t60)) = pitch(m, &values).filter(|_| net.scheme(m.group) == Scheme::Modal) {
+        // the mode itself, not what the explicit scheme needs to sound like it
+        if let Some((a, b)) = Scheme::Modal.tuned(f, t60, net.te) {
+            return Own { c, k: a / c, z: b / c + net.medium(m).friction / net.te, implicit: 0.0 };
+        }
+    }
     let Some(method) = crate::mat::CEL.param("method").filter(|_| m.code == crate::mat::CEL.code) else { return own };
     if values.get(method).copied().flatten().is_none() {
         return own;
@@ -37,6 +44,14 @@ pub fn own(net: &Net, m: &MatNode) -> Own {
     values[method] = None;
     loader.load(&values, net.te, &mut out);
     Own { c: out[2], implicit: 1.0 / c - 1.0 / out[2], ..own }
+}
+
+/// Pitch \[Hz\] and decay time \[s\] of a cell that is given by them.
+fn pitch(m: &MatNode, values: &[Option<f64>]) -> Option<(f64, f64)> {
+    let cell = &crate::mat::CEL;
+    let at = |name: &str| values.get(cell.param(name)?).copied().flatten();
+    let f = at("f").filter(|_| m.code == cell.code)?;
+    Some((f, at("t60").unwrap_or(f64::INFINITY)))
 }
 
 /// The slopes of a link at load.

@@ -148,7 +148,7 @@ fn derive(a: &Args<'_>, slots: &mut Vec<Option<f64>>) -> Result<(), Problem> {
             // stiffness across a spring, along it, and what both together may be
             let share = if a.dim == 1 { 1.0 } else { a.or0("stretch") };
             let along = stiffness / share;
-            if stiffness + along > 1.0 {
+            if stiffness + along > a.scheme.room() {
                 let limit = share / (1.0 + share);
                 let mut p = too_stiff(f, nx * ny, 0);
                 p.param = "nx";

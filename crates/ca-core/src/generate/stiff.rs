@@ -85,7 +85,7 @@ fn derive(a: &Args<'_>, slots: &mut Vec<Option<f64>>) -> Result<(), Problem> {
             };
             let fits = |n: usize| {
                 let (k, b) = solve(n);
-                4.0 * k + 16.0 * b <= 4.0
+                4.0 * k + 16.0 * b <= 4.0 * a.scheme.room()
             };
             if !fits(n) {
                 return Err(too_stiff(f, n, (3..n).rev().find(|n| fits(*n)).unwrap_or(0)));

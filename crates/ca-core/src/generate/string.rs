@@ -5,9 +5,11 @@
 //! ground b every mode obeys λ_j = (1−r)² + 4r sin²(θ/2), r² = 1−b, as a CEL does. Source: CMJ 1993, SMC 2019.
 
 use crate::kind::{ABOVE_ZERO, Kind, Need, OneOf, POSITIVE, Param, Role, Type, Unit};
-use crate::mat::{X, retune};
+use crate::mat::X;
+
 use crate::model::quantity::Plain;
 use crate::sketch::{Args, Generator, Problem, Sketch};
+use crate::tuning::Scheme;
 use alloc::format;
 use alloc::vec::Vec;
 
@@ -118,7 +120,11 @@ pub(super) fn mass(a: &Args<'_>, n: usize) -> f64 {
 /// Viscosity to ground of a mass `m`: as written, or from t60 exactly (numerics 1.5).
 pub(super) fn ground(a: &Args<'_>, m: f64) -> f64 {
     match a.num("t60") {
-        Some(t60) => retune(0.0, t60, a.te).1 * m / a.te,
+        // the tuned one knows the fundamental, by which a share of the force from the time to come slows the decay
+        Some(t60) => match (a.scheme, a.num("f")) {
+            (Scheme::Implicit(_), Some(f)) => a.scheme.tuned(f, t60, a.te).map_or(0.0, |(_, b)| b) * m / a.te,
+            (scheme, _) => scheme.damped(t60, a.te) * m / a.te,
+        },
         None => a.or0("zo"),
     }
 }
@@ -132,10 +138,11 @@ pub(super) fn target(a: &Args<'_>, f: f64, zo: f64, m: f64) -> Result<f64, Probl
             help: format!("stay below {} Hz, or raise `rate.sound`", Plain(0.5 / a.te)),
         });
     }
-    let b = zo * a.te / m;
-    let r = libm::sqrt((1.0 - b).max(0.0));
-    let half = libm::sin(core::f64::consts::PI * f * a.te);
-    Ok((1.0 - r) * (1.0 - r) + 4.0 * r * half * half)
+    a.scheme.stiffness(f, zo * a.te / m, a.te).ok_or_else(|| Problem {
+        title: format!("no stiffness sounds {} Hz by this `theta` at this sound rate", Plain(f)),
+        param: "f",
+        help: "use `theta = 0.25`, ask for a lower pitch, or raise `rate.sound`".into(),
+    })
 }
 
 /// "too stiff": what to say where the spring asked for would pass the stability limit.
@@ -167,8 +174,8 @@ fn derive(a: &Args<'_>, slots: &mut Vec<Option<f64>>) -> Result<(), Problem> {
                 lambda / (4.0 * s * s)
             };
             // the highest partial sits at 4a sin², which must stay below the limit: a ≤ 1 serves every n
-            if stiffness(n) > 1.0 {
-                let fewer = (1..n).rev().find(|n| stiffness(*n) <= 1.0).unwrap_or(0);
+            if stiffness(n) > a.scheme.room() {
+                let fewer = (1..n).rev().find(|n| stiffness(*n) <= a.scheme.room()).unwrap_or(0);
                 return Err(too_stiff(f, n, fewer));
             }
             stiffness(n) * m / (a.te * a.te)

@@ -96,6 +96,7 @@ fn corners(net: &Net, item: u32, values: &[Source]) -> Vec<Vec<Option<f64>>> {
                     values: &args,
                     te: net.te,
                     dim: it.dim,
+                    scheme: net.scheme(it.group),
                 }) {
                     Ok(s) => s,
                     // out of reach, so a change to it is refused
