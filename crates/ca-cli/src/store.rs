@@ -69,5 +69,15 @@ pub fn calibration_of(device: &str, given: &[String]) -> Result<Calibration, Fai
         None if calibration_file(device).is_file() => calibration_file(device),
         None => return Ok(Calibration::default()),
     };
-    Ok(Calibration::read(&load::text(&path)?, &path.display().to_string())?)
+    let read = Calibration::read(&load::text(&path)?, &path.display().to_string())?;
+    // a file of no device is of any
+    if !read.device.is_empty() && read.device != device {
+        return Err(Failure::Failed(format!(
+            "{}: this is the calibration of `{}`, not of `{device}`: positions and forces would be wrong by its factors; \
+             give the one of `{device}`, or make it with `ca device calibrate`",
+            path.display(),
+            read.device
+        )));
+    }
+    Ok(read)
 }

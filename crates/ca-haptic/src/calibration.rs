@@ -8,6 +8,9 @@ use crate::error::{FileError, FileErrorKind};
 use crate::frame::{DOF, fnv};
 use serde::{Deserialize, Serialize};
 
+/// Largest number of an axis: beyond it a force of a newton is none that the wire holds.
+const LARGEST: f64 = 1e9;
+
 /// One degree of freedom.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -50,9 +53,13 @@ impl Calibration {
             return Err(bad(format!("at most {DOF} axes")));
         }
         for (k, a) in c.axis.iter().enumerate() {
-            let fine = |v: f64| v.is_finite() && v != 0.0;
-            if !fine(a.scale) || !fine(a.force) || !a.offset.is_finite() {
-                return Err(bad(format!("axis {k}: `scale` and `force` must be numbers other than 0")));
+            let numbers =
+                [("scale", a.scale, 1.0 / LARGEST), ("force", a.force, 1.0 / LARGEST), ("offset", a.offset, 0.0)];
+            for (name, v, least) in numbers {
+                if !(v.abs() >= least && v.abs() <= LARGEST) {
+                    let from = if least > 0.0 { "of a size from 1e-9 to 1e9" } else { "from -1e9 to 1e9" };
+                    return Err(bad(format!("axis {k}: `{name}` must be {from}, it is {v}")));
+                }
             }
         }
         Ok(c)

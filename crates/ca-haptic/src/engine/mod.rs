@@ -108,6 +108,8 @@ pub struct Engine {
     filled: usize,
     ceiling: Ceiling,
     diverged: bool,
+    /// the scene is at the force of the frame
+    prepared: bool,
     /// faults of ports that were made anew
     past_faults: u64,
 }
@@ -129,6 +131,7 @@ impl Engine {
             filled: 0,
             ceiling,
             diverged: false,
+            prepared: false,
             past_faults: 0,
         };
         for p in &mut engine.ports {
@@ -204,9 +207,9 @@ impl Engine {
         None
     }
 
-    /// The first half of a gesture frame: runs the scene up to the force of the frame, guards it and gives the frames
-    /// to send, one per device.
-    pub fn answer(&mut self) -> impl Iterator<Item = &ForceFrame> {
+    /// Runs the scene up to the force of the frame, which [`Engine::answer`] then guards. By itself for who wants to look
+    /// at a clock in between: what a stage of the guard is asked before [`Engine::answer`] still counts for this frame.
+    pub fn prepare(&mut self) {
         let first = self.state.tick == 0;
         for p in &mut self.ports {
             p.place(&mut self.state);
@@ -221,6 +224,16 @@ impl Engine {
             self.sample();
         }
         self.watch();
+        self.prepared = true;
+    }
+
+    /// The first half of a gesture frame: runs the scene up to the force of the frame, unless [`Engine::prepare`] did,
+    /// guards it and gives the frames to send, one per device.
+    pub fn answer(&mut self) -> impl Iterator<Item = &ForceFrame> {
+        if !core::mem::take(&mut self.prepared) {
+            self.prepare();
+            self.prepared = false;
+        }
         let (state, diverged, options) = (&self.state, self.diverged, &self.options);
         for p in &mut self.ports {
             p.answer(&self.scene, state, options.session, diverged);

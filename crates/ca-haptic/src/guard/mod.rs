@@ -137,8 +137,8 @@ pub fn norm(v: &[f64]) -> f64 {
 /// A number that the wire holds exactly, no larger than `f`; 0 for what is not finite.
 fn wired(f: f64) -> f64 {
     // the 29 bits that single precision does not have
-    let cut = f64::from_bits(f.to_bits() & !((1 << 29) - 1));
-    if f.is_finite() { f64::from(cut as f32) } else { 0.0 }
+    let cut = f64::from_bits(f.to_bits() & !((1 << 29) - 1)) as f32;
+    if cut.is_finite() { f64::from(cut) } else { 0.0 }
 }
 
 /// One stage of the chain.

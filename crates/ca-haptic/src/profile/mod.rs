@@ -47,6 +47,9 @@ pub struct Profile {
     pub guard: Limits,
 }
 
+/// Shortest time in which a force may begin or fade in \[s\].
+const SOON: f64 = 0.01;
+
 fn one() -> u32 {
     1
 }
@@ -261,6 +264,48 @@ impl Profile {
         for (name, v) in rest {
             if v.is_some_and(|v| !(v.is_finite() && v >= 0.0)) {
                 return Err(format!("`{name}` must not be negative, it is {}", v.unwrap_or_default()));
+            }
+        }
+        let most = [
+            ("force", self.force, 1000.0, "N"),
+            ("continuous", self.continuous(), self.force, "N, the largest force"),
+            ("stiffness", self.stiffness.unwrap_or(0.0), 1e7, "N/m"),
+            ("damping", self.damping.unwrap_or(0.0), 1e5, "N s/m"),
+            ("rate", self.rate, 100_000.0, "Hz"),
+            ("body.mass", self.body.mass, 1000.0, "kg"),
+            ("body.friction", self.body.friction, 1000.0, "N s/m"),
+            ("body.dry", self.body.dry, 1000.0, "N"),
+            ("body.step", self.body.step, 0.01, "m"),
+            ("body.noise", self.body.noise, 0.01, "m"),
+            ("body.force_step", self.body.force_step, 1000.0, "N"),
+            ("guard.speed", l.speed, 20.0, "m/s"),
+            ("guard.slew", l.slew.unwrap_or(0.0), 1e8, "N/s"),
+            ("guard.thermal", l.thermal, 3600.0, "s"),
+            ("guard.clear", l.clear, 1.0, "of the largest force"),
+            ("guard.clear_time", l.clear_time, 60.0, "s"),
+            ("guard.ramp", l.ramp, 60.0, "s"),
+            ("guard.approach", l.approach, 60.0, "s"),
+            ("guard.hold", self.hold(), 0.5, "s"),
+            ("guard.zero", l.zero, 1.0, "s"),
+            ("guard.ttl", l.ttl, 0.5, "s"),
+            ("guard.brake", l.brake, 1000.0, "N s/m"),
+            ("guard.stop", l.stop, 10.0, "s"),
+            ("guard.bad_time", l.bad_time, 10.0, "s"),
+            ("guard.edge_stiffness", l.edge_stiffness.unwrap_or(0.0), 1e6, "N/m"),
+            ("guard.oscillation_level", l.oscillation_level, 1.0, "of the largest force"),
+            ("guard.oscillation_time", l.oscillation_time, 10.0, "s"),
+            ("guard.passivity_leak", l.passivity_leak, 0.01, "J"),
+        ];
+        for (name, v, most, unit) in most {
+            if v > most {
+                return Err(format!(
+                    "`{name}` is at most {most} {unit}, it is {v}: more would leave a hand without this limit"
+                ));
+            }
+        }
+        for (name, v) in [("ramp", l.ramp), ("approach", l.approach), ("clear_time", l.clear_time)] {
+            if v < SOON {
+                return Err(format!("`guard.{name}` is at least {SOON} s, it is {v}: less is a jump"));
             }
         }
         if self.dof == 0 || self.dof as usize > crate::frame::DOF {

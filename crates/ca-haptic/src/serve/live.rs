@@ -129,14 +129,20 @@ impl Live {
         let scene = &self.engine.scene;
         let period = f64::from(scene.ratio) * scene.te;
         let (mut pace, mut waits) = (Pace::new(period), Waits::default());
-        let mut left = frames;
+        // on the clock of a device no time is due: what tells of a stall is how long nobody looked
+        let (mut left, mut looked) = (frames, now_ns());
         while left != Some(0) {
+            let mut blind = 0;
             let start = match (self.clock, &mut self.rings.audio) {
                 (Clock::Audio, Some(audio)) => audio.next(),
                 (Clock::Monotonic | Clock::Audio, _) => pace.next(),
                 (Clock::Device { patience }, _) => {
                     let (frames, stop) = (&self.rings.frames, &self.shared.stop);
-                    let ready = || frames.slots() > 0 || stop.load(Relaxed);
+                    let ready = || {
+                        let now = now_ns();
+                        (blind, looked) = (blind.max(now - looked), now);
+                        frames.slots() > 0 || stop.load(Relaxed)
+                    };
                     wait_for(&mut waits, patience, period * 1e9, ready)
                 }
             };
@@ -144,12 +150,13 @@ impl Live {
                 break;
             }
             let begin = now_ns();
-            self.lapsed(start.late);
+            self.lapsed(start.late.max(blind), self.engine.due());
             self.frame();
             self.shared.missed.fetch_add(start.missed, Relaxed);
             if self.rings.beats.push(Beat { start, took: now_ns() - begin }).is_err() {
                 self.shared.lost_beats.fetch_add(1, Relaxed);
             }
+            looked = now_ns();
             let alone = if matches!(self.clock, Clock::Device { .. }) { start.missed } else { 0 };
             left = left.map(|n| n.saturating_sub(alone.max(1)));
         }
@@ -163,20 +170,19 @@ impl Live {
         self.engine
     }
 
-    /// A frame that begins so late \[ns\] that the device let go of the last force: it does not come back in one step.
-    fn lapsed(&mut self, late: u64) {
+    /// A frame that is so late \[ns\] that the device let go of the last force: it does not come back in one step.
+    fn lapsed(&mut self, late: u64, tick: u64) {
         for k in 0..self.engine.ports.len() {
             let p = &self.engine.ports[k];
             let gives = matches!(p.hand.mode, Mode::Ramp | Mode::On | Mode::Damp);
             if gives && late >= u64::from(p.out.ttl_us) * 1000 {
-                self.order(k as u32, Order::Trip(Cause::WatchdogOut));
+                self.order(k as u32, Order::Trip(Cause::WatchdogOut), tick);
             }
         }
     }
 
     /// An order that is obeyed at once; only what tells of it may find no room.
-    fn order(&mut self, port: u32, order: Order) {
-        let tick = self.engine.due();
+    fn order(&mut self, port: u32, order: Order, tick: u64) {
         let _ = self.engine.act(Act::Order(Some(port), order));
         let record = Record::Order { tick, port: Some(port), order };
         if hand(&mut self.rings, &mut self.missing, record, 2).is_err() {
@@ -187,15 +193,19 @@ impl Live {
 
     /// One gesture frame.
     pub fn frame(&mut self) {
+        let begin = now_ns();
         let off = self.shared.disarm.swap(0, Acquire);
         for k in 0..self.engine.ports.len() {
             if off >> k.min(63) & 1 == 1 {
-                self.order(k as u32, Order::Disarm);
+                self.order(k as u32, Order::Disarm, self.engine.due());
             }
         }
         self.acts();
         self.devices();
         let due = self.engine.due();
+        self.engine.prepare();
+        // a machine that stood still meanwhile: the force is of where the hand was then
+        self.lapsed(now_ns() - begin, due);
         let Live { engine, rings, shared, missing, .. } = self;
         for (k, out) in engine.answer().enumerate() {
             let port = k as u32;
