@@ -1,7 +1,7 @@
 //! Another user of the same machine: it can neither write into what is ours, nor hold up a command by a file or a link of
 //! its own. These tests are run by root, who can be somebody else; where they are not, they say so and do nothing.
 
-use super::stage::{Ran, Stage};
+use super::stage::{Ran, Stage, until};
 use std::fs;
 use std::os::unix::fs::{MetadataExt, PermissionsExt};
 use std::os::unix::process::CommandExt;
@@ -106,6 +106,27 @@ fn a_file_of_another_user_under_our_name_is_an_error_of_every_command() {
         fs::remove_file(&path).unwrap();
     }
     run(&stage, &["device", "sim", "--profile", "key", "--seconds", "0.1"]).is(0);
+}
+
+/// A process that is killed while it makes a service leaves one that nobody may open.
+#[test]
+fn what_a_killed_process_had_begun_is_no_obstacle() {
+    let stage = Stage::new();
+    // the name of a service is the hash of what it is called: as one of a server that was whole
+    run(&stage, &["serve", "key.ca.toml", "--seconds", "0.1"]).is(0);
+    let server = stage.serve("key.ca.toml", &["--quiet"]);
+    let services = stage.site.root().join("services");
+    until("it serves", || fs::read_dir(&services).is_ok_and(|all| all.flatten().count() >= 4));
+    let names: Vec<_> = fs::read_dir(&services).unwrap().flatten().map(|e| e.path()).collect();
+    server.kill();
+    run(&stage, &["device", "list"]).is(0);
+    for path in &names {
+        let _ = fs::remove_file(path);
+        fs::write(path, []).unwrap();
+        fs::set_permissions(path, fs::Permissions::from_mode(0o600)).unwrap();
+        run(&stage, &["serve", "key.ca.toml", "--seconds", "0.1"]).is(0);
+    }
+    assert!(names.len() >= 4, "{names:?}");
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use super::{Act, Engine, Options, Port, Setup};
 use crate::calibration::Calibration;
-use crate::frame::{DeviceFrame, Mode};
+use crate::frame::{Cause, DeviceFrame, Mode};
 use crate::guard::Order;
 use crate::profile::Profile;
 use ca_core::{Catalog, load};
@@ -51,6 +51,29 @@ fn a_spring_is_felt_once_armed_and_clear() {
     }
     assert_eq!(force[1], f64::from(Mode::On as u32));
     assert!((force[0] + 500.0 * 0.005).abs() < 1e-6, "{force:?}");
+}
+
+#[test]
+fn an_order_between_the_scene_and_the_guard_counts_for_this_frame() {
+    let mut e = engine();
+    let mut f = DeviceFrame::new("key", 1);
+    f.session = 7;
+    e.act(Act::Order(None, Order::Arm));
+    let mut sent = Vec::new();
+    for n in 0..6000_u64 {
+        (f.seq, f.t_device_ns) = (n + 1, n * 333_333);
+        f.pos[0] = if n < 400 { 0.0 } else { (0.000_01 * (n - 400) as f64).min(0.005) };
+        e.take(0, &mut f);
+        e.prepare();
+        if n == 5999 {
+            e.act(Act::Order(Some(0), Order::Trip(Cause::WatchdogOut)));
+        }
+        sent.push(*e.answer().next().expect("one device"));
+        e.finish();
+    }
+    assert!((f64::from(sent[5998].force[0]) + 500.0 * 0.005).abs() < 1e-6, "{:?}", sent[5998]);
+    let last = sent[5999];
+    assert_eq!((last.mode, last.cause, last.force[0]), (Mode::Fault as u32, Cause::WatchdogOut as u16, 0.0));
 }
 
 #[test]

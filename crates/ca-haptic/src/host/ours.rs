@@ -2,7 +2,8 @@
 //!
 //! Decides to look before iceoryx2 opens anything, since it takes any file with the right name: one of another user could
 //! hold it up for ever or give it memory that the other user writes. A file of another user is an error. A file of ours
-//! without a byte in it has no maker any more, or somebody cut it, and nobody can use it: it is removed. The one file that
+//! without a byte in it has no maker any more, or somebody cut it, and nobody can use it: it is removed. So is a service in
+//! the folder of the place that was begun and not finished, whose maker was killed while it started. The one file that
 //! iceoryx2 0.10 makes for everybody (a counter, mode 0666; no option of its configuration changes that) is made here
 //! first, with mode 0600, and iceoryx2 opens what it finds. A change of the mode afterwards would be too late: whoever
 //! opened the file before keeps it open.
@@ -87,7 +88,14 @@ fn look(site: &Site) -> Result<Vec<PathBuf>, HostError> {
             }
         }
     }
+    unmade.extend(half_made(site));
     Ok(unmade)
+}
+
+/// Services whose maker has not finished them: it may write there until then, and nobody else can open them.
+fn half_made(site: &Site) -> impl Iterator<Item = PathBuf> {
+    let entries = fs::read_dir(site.root().join("services")).into_iter().flatten().flatten();
+    entries.filter(|e| e.metadata().is_ok_and(|m| m.is_file() && m.mode() & 0o200 != 0)).map(|e| e.path())
 }
 
 fn is_counter(site: &Site, path: &Path) -> bool {
