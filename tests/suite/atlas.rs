@@ -71,7 +71,7 @@ fn played(case: Case, method: &str) -> Outcome {
     case.outcome(&(method.text)(&case).expect("it has a part in it"), case.ticks()[1])
 }
 
-/// Numerics 3.6, the columns there are.
+/// docs/numerics.md §3.6, the columns there are.
 #[test]
 fn the_survival_table() {
     let largest = |a: f64, b: f64| match played(Case::Oscillator(a, b), "ca") {
@@ -89,7 +89,7 @@ fn the_survival_table() {
     assert!(!bounded.1 && rises.1);
     let growth = num(a03, "values/growth_per_sample_a_4_01");
     within("A03 a = 4.01", off(blown(4.01, 0.0).0, growth), num(a03, "tolerance/growth_rel"));
-    // the larger root of w² − (2 − a − b) w + (1 − b), numerics 1.3
+    // the larger root of w² − (2 − a − b) w + (1 − b), docs/numerics.md §1.3
     let root = |a: f64, b: f64| {
         let half = 0.5 * (a + b) - 1.0;
         half + (half * half - 1.0 + b).sqrt()
@@ -105,7 +105,7 @@ fn the_survival_table() {
     }
     assert_eq!(largest(0.1, 1.94), (1.0, false));
 
-    // what is implicit bears what explicit links do not: numerics 3.6
+    // what is implicit bears what explicit links do not: docs/numerics.md §3.6
     let by = |case: Case, method: &str| match played(case, method) {
         Outcome::Largest(x, rises) => (x, rises),
         other => panic!("{case:?} by {method}: {other:?}"),

@@ -206,7 +206,7 @@ fn the_drawn_networks_are_of_every_kind() {
     }
 }
 
-/// numerics 1.3: the eigenvalues of its table, to all their digits.
+/// docs/numerics.md §1.3: the eigenvalues of its table, to all their digits.
 #[test]
 fn the_largest_eigenvalue_is_exact() {
     let exact = Options { exact: true, ..Options::default() };

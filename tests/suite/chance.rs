@@ -110,7 +110,7 @@ proptest! {
         }
     }
 
-    /// The exact test of numerics 1.3 by a dense factorisation: the cheap bounds never contradict it.
+    /// The exact test of docs/numerics.md §1.3 by a dense factorisation: the cheap bounds never contradict it.
     #[test]
     fn the_certificate_never_contradicts_the_exact_test(seed in 1u64..) {
         let m = network(seed, false);

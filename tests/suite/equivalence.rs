@@ -1,5 +1,5 @@
-//! Equivalences: the table of numerics 6, what an author writes about it, and a driving point measured in a compiled
-//! scene.
+//! Equivalences: the table of docs/numerics.md §6, what an author writes about it, and a driving point measured in a
+//! compiled scene.
 
 use crate::play::{case, num, off, within};
 use ca_core::equivalence::{Class, Gains, Pair, ROWS, Row, anchor_for, keep, row, solve};
@@ -42,7 +42,7 @@ fn the_table_of_the_paper() {
     near("alpha", e.gains.alpha, 50.0, 1e-15);
     near("beta", e.gains.beta, 777_924.0, 1e-15);
     near("time", e.te, 22.675_736_961_451_25e-6, 1e-15);
-    // every row of numerics 6, as real = factor x simulated, and its exponents of alpha, beta and Te
+    // every row of docs/numerics.md §6, as real = factor x simulated, and its exponents of alpha, beta and Te
     let table = [
         ("position", 0.02, [-1, 0, 0]),
         ("velocity", 882.0, [-1, 0, -1]),

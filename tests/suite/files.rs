@@ -40,7 +40,7 @@ fn playable(g: &Gesture) {
     }
 }
 
-/// Either it plays or it says why not, in the house style.
+/// Either it plays or it says why not, in the words of every other finding.
 fn survives(format: GestureFormat, bytes: &[u8], rate: Option<f64>) {
     match Gesture::read(format, bytes, &ports(), rate) {
         Ok(g) => playable(&g),

@@ -171,7 +171,7 @@ fn orders() {
     {
         within(&format!("order of {method}"), (order(method) - want).abs(), 0.1);
     }
-    // centred differences of the fourth order without damping; numerics 3.1
+    // centred differences of the fourth order without damping; docs/numerics.md §3.1
     let undamped = |rate: f64, theta: f64| {
         let w = std::f64::consts::TAU * 20.0 / rate;
         let scene = scene(&bob(&format!("k = {:?}, method = \"implicit\", theta = {theta:?}", w * w)));

@@ -61,8 +61,8 @@ fn play(scene: &Scene, ticks: usize) -> Vec<Vec<f64>> {
     all
 }
 
-/// numerics 3.1: exact over 0.1 s and over 1 s at 48 kHz, with and without damping; beyond the explicit limit the modes
-/// that half the rate has room for are left, however few.
+/// docs/numerics.md §3.1: exact over 0.1 s and over 1 s at 48 kHz, with and without damping; beyond the explicit limit
+/// the modes that half the rate has room for are left, however few.
 #[test]
 fn a_string_is_exact() {
     for (a, z) in [(0.25, 0.0), (0.98, 0.0), (0.25, 3e-4), (25.0, 1e-4), (1e4, 1e-4)] {

@@ -141,7 +141,7 @@ fn coupled_damping_is_that_of_the_engine() {
     }
 }
 
-/// Proportional damping: the closed form of numerics 1.4, and what rings for ever does.
+/// Proportional damping: the closed form of docs/numerics.md §1.4, and what rings for ever does.
 #[test]
 fn damping_by_itself() {
     let (f, t60) = (440.0, 2.0);

@@ -43,7 +43,7 @@ fn play(scene: &Scene, points: &[(f64, f64)], seconds: f64) -> Vec<Vec<f64>> {
     out
 }
 
-/// Frequency of mode `j` of `n` masses of stiffness ratio `a`, fixed at both ends (numerics 1.2).
+/// Frequency of mode `j` of `n` masses of stiffness ratio `a`, fixed at both ends (docs/numerics.md §1.2).
 fn chain(n: usize, a: f64, j: usize, rate: f64) -> f64 {
     let s = (j as f64 * std::f64::consts::FRAC_PI_2 / (n as f64 + 1.0)).sin();
     rate / std::f64::consts::PI * (a.sqrt() * s).asin()

@@ -141,7 +141,8 @@ fn drift(f: f64, seconds: usize) -> f64 {
     worst
 }
 
-/// Numerics 1.6 and 2: 1e-5 of the energy in 10 s, 2e-5 in 60 s of 1 Hz, where positions kept twice do not even move.
+/// docs/numerics.md §1.6 and §2.3: 1e-5 of the energy in 10 s, 2e-5 in 60 s of 1 Hz, where positions kept twice do not
+/// even move.
 #[test]
 fn a_slow_string_neither_drifts_nor_freezes() {
     within("40 masses at 110 Hz, 10 s", drift(110.0, 10), 2.5e-5);
@@ -160,7 +161,8 @@ fn a_slow_string_neither_drifts_nor_freezes() {
     assert!(moved < 1e-4, "a string kept as two positions has moved by {moved} m in a whole period");
 }
 
-/// The ledger balances as far as single precision reaches: numerics 2 says 1e-7 in a tick, 5e-5 in ten seconds.
+/// The ledger balances as far as single precision reaches: docs/numerics.md §2.3 says 1e-7 in a tick, 5e-5 in ten
+/// seconds.
 #[test]
 fn the_book() {
     let struck = "[STRING]\ns = { n = 40, f = \"110 Hz\", t60 = \"4 s\", m = \"1 g\" }\n[MAS]\nh = { m = \"20 g\", x = \"-5.01 mm\", v = \"1 m/s\" }\n[BUT]\nb = { between = [\"h\", \"s[8]\"], k = \"8 kN/m\", z = 0.2 }\n[SOX]\no = { from = \"s[3]\" }\n";

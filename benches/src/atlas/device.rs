@@ -2,9 +2,9 @@
 //!
 //! Decides on axes without dimension: the delay of one gesture period T against the friction of the device, K T/b, and
 //! how much of its speed that friction takes in a period, b T/m. Theory is the exact characteristic polynomial of a
-//! mass with friction under a held force and of the border's filter H(z) (numerics 5.2), judged by Schur and Cohn; the
-//! passivity bound K T/b = 1/κ, which holds whatever the mass, is drawn thin. The border is played by itself, with the
-//! device beside it; the device loop as it runs: frames, engine, guard and a simulated device.
+//! mass with friction under a held force and of the border's filter H(z) (docs/numerics.md §5.2), judged by Schur and
+//! Cohn; the passivity bound K T/b = 1/κ, which holds whatever the mass, is drawn thin. The border is played by itself,
+//! with the device beside it; the device loop as it runs: frames, engine, guard and a simulated device.
 
 use super::{Axis, Line, Map, growth};
 use crate::{model, scene};

@@ -1,7 +1,7 @@
 //! Linear networks, explicit: one oscillator, a chain, a mesh, two masses, a tetrahedron that sounds in cells.
 //!
-//! Theory is the eigenvalue bound of numerics 1.3, S = M − T²K/4 − TC/2 > 0. In all of these the dampers stand where
-//! the springs do, so that C is K times z/k and the bound is a straight line, (a + 2b) λ < 4, with the largest
+//! Theory is the eigenvalue bound of docs/numerics.md §1.3, S = M − T²K/4 − TC/2 > 0. In all of these the dampers stand
+//! where the springs do, so that C is K times z/k and the bound is a straight line, (a + 2b) λ < 4, with the largest
 //! eigenvalue λ of the network known in closed form. Decides on springs and dampers of one ratio for that reason.
 
 use super::{Axis, Line, Map, growth};

@@ -242,7 +242,7 @@ const FAR: f64 = 1e200;
 fn largest(text: &str, ticks: u64) -> Outcome {
     let (scene, mut s) = ready(text, false);
     let bob = (0..scene.n_mat).find(|i| scene.mat_name(*i) == "bob").expect("the mass");
-    // as the cases of numerics 3.6 begin: at 1, and there the tick before too
+    // as the cases of docs/numerics.md §3.6 begin: at 1, and there the tick before too
     s.d[bob] = 0.0;
     let mut most = [s.x[bob].abs(), 0.0];
     for n in 0..ticks {

@@ -2,10 +2,11 @@
 //!
 //! Decides on the limit in closed form, of the junction and of the string behind it. To travelling waves a mass is
 //! (2m/T)(z − 1)/(z + 1), a spring a negative mass of kT²/4 beside a passive spring, a damper of the scheme a negative
-//! mass of zT/2 beside a passive damper (numerics 7.2, 1.4). Whatever the string is, as long as it makes no energy, a
-//! mass that is negative in sum has a real pole z < −1 and one that is positive has none. The string adds to the sum
-//! only where it gives all of the highest frequency back turned over, as a rigid end does an even number of samples D
-//! away: ZT/2D. An odd number gives it back as it came, and ends that lose any of it give less than a mass is.
+//! mass of zT/2 beside a passive damper (docs/numerics.md §7.2, §1.4). Whatever the string is, as long as it makes no
+//! energy, a mass that is negative in sum has a real pole z < −1 and one that is positive has none. The string adds to
+//! the sum only where it gives all of the highest frequency back turned over, as a rigid end does an even number of
+//! samples D away: ZT/2D. An odd number gives it back as it came, and ends that lose any of it give less than a mass
+//! is.
 
 use super::linear::{RATE, WORDS, beyond, edge, grows};
 use super::{Axis, Line, Map};

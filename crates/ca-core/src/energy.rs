@@ -1,9 +1,9 @@
 //! The energy ledger: what is held, lost, received and made, per module, every tick.
 //!
-//! Decides to keep the exact discrete identity of the scheme (numerics 2) rather than an estimate: for linear modules
-//! the ledgers balance to rounding, so the residual is a test of the engine; for any other link the difference is its own
-//! account, which names the module that makes energy. Sample n is booked when x_{n+1} is known of ports too, that is
-//! at the beginning of tick n+1, before changes. A scene that does not ask has no pass, array or test of this.
+//! Decides to keep the exact discrete identity of the scheme (docs/numerics.md §2) rather than an estimate: for linear
+//! modules the ledgers balance to rounding, so the residual is a test of the engine; for any other link the difference
+//! is its own account, which names the module that makes energy. Sample n is booked when x_{n+1} is known of ports too,
+//! that is at the beginning of tick n+1, before changes. A scene that does not ask has no pass, array or test of this.
 
 use crate::layout::{Account, Gauge, Layout};
 pub use crate::ledger::{Balance, Exchange, Ledger};

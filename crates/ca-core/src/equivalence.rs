@@ -1,12 +1,12 @@
 //! Equivalence: how large and how heavy the simulated world is in the hand.
 //!
-//! Decides for the table of the GENESIS paper (6.3, 6.4; numerics 6). A device puts X = α·x into the model and gets
-//! f = β·F back; everything else follows: a quantity of dimension lengthᵃ forceᵇ timeᶜ is α⁻ᵃ βᵇ Teᶜ times as large in
-//! the hand as in the model, so the exponents of a row come from its dimension and no table of them can be wrong in one
-//! place. Te is the unit of time of the model's numbers: 1 s, or a sample of the reference rate in `alg` units.
-//! Nobody needs α or β: two rows of different classes, as pairs "real = simulated", settle both; one row settles them
-//! where another class is held (the anchor, a padlock on its row). The alternative, two gains in the file, would make an
-//! author compute what the table shows.
+//! Decides for the table of the GENESIS paper (6.3, 6.4; docs/numerics.md §6). A device puts X = α·x into the model and
+//! gets f = β·F back; everything else follows: a quantity of dimension lengthᵃ forceᵇ timeᶜ is α⁻ᵃ βᵇ Teᶜ times as
+//! large in the hand as in the model, so the exponents of a row come from its dimension and no table of them can be
+//! wrong in one place. Te is the unit of time of the model's numbers: 1 s, or a sample of the reference rate in `alg`
+//! units. Nobody needs α or β: two rows of different classes, as pairs "real = simulated", settle both; one row settles
+//! them where another class is held (the anchor, a padlock on its row). The alternative, two gains in the file, would
+//! make an author compute what the table shows.
 //!
 //! Nothing of it reaches the tick: the result is a pair of [`Gains`] for each device key.
 

@@ -31,7 +31,8 @@ pub struct Bound {
     pub hardens: bool,
     /// true where the law can feed energy in by itself
     pub active: bool,
-    /// part of four times `k` that is taken from the time to come, so that stability does not count it: 4θk (numerics 1')
+    /// part of four times `k` that is taken from the time to come, so that stability does not count it: 4θk
+    /// (docs/numerics.md §1.3, eq. 1′)
     pub lift: f64,
     /// true where `z` is a centred difference, which never destabilises
     pub centred: bool,
@@ -81,7 +82,8 @@ pub trait Phi<const C: usize, const M: usize> {
         0.0
     }
 
-    /// Energy held between two ticks \[J\] (numerics 2.2); linear laws override it with the exact product form.
+    /// Energy held between two ticks \[J\] (docs/numerics.md §2.2); linear laws override it with the exact product
+    /// form.
     fn stored(c: &[Real; C], mem: &[Real; M], tables: &[Table], e0: Real, e1: Real) -> Real {
         0.5 * (Self::potential(c, mem, tables, e0) + Self::potential(c, mem, tables, e1))
     }

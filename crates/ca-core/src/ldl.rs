@@ -1,4 +1,4 @@
-//! LDLᵀ of a sparse symmetric matrix, for what is solved in every tick (numerics 3.1).
+//! LDLᵀ of a sparse symmetric matrix, for what is solved in every tick (docs/numerics.md §3.1).
 //!
 //! Decides for our own fifty lines, while everything that is computed once goes to faer: a library that chooses its
 //! vector instructions by the machine gives other last bits on another machine, and a scene must give the same bits

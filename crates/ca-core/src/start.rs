@@ -9,7 +9,8 @@ use alloc::vec::Vec;
 /// How a state becomes that of the first tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Order {
-    /// d₀ = v T − ½ (T²/m) F(x₀), numerics 1.1: an error of the third order in one tick, of the second in speed
+    /// d₀ = v T − ½ (T²/m) F(x₀), docs/numerics.md §1.1: an error of the third order in one tick, of the second in
+    /// speed
     Second,
     /// and + ⅙ of what (T²/m) F gains over the motion v T, the third derivative: for a tick of the fourth order
     Fourth,

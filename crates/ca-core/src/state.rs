@@ -2,7 +2,7 @@
 //!
 //! Decides that a state is plain data: a clone is a snapshot, assigning it restores, a hash of its bits is a golden
 //! number. Positions are relative to rest and motion is the change per tick, which drifts far less than keeping two
-//! absolute positions (numerics 1.6).
+//! absolute positions (docs/numerics.md §1.6).
 
 use crate::ledger::Ledger;
 use crate::near::Near;

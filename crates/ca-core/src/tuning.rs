@@ -2,7 +2,7 @@
 //!
 //! A mode has the dimensionless stiffness a = T²k/m and viscosity b = Tz/m. Its pole r e^(iφ), φ = 2πfT, r = 10^(−3T/t60),
 //! is that of
-//! - the explicit scheme where a = 1 + r² − 2r cos φ and b = 1 − r² (numerics 1.5, [`crate::mat::retune`]);
+//! - the explicit scheme where a = 1 + r² − 2r cos φ and b = 1 − r² (docs/numerics.md §1.5, [`crate::mat::retune`]);
 //! - the implicit one of share θ, (1 + b/2 + θa) w² − (2 − a(1 − 2θ)) w + (1 − b/2 + θa) = 0, where with
 //!   D = 1/((1 + r²)/2 − θ(1 + r² − 2r cos φ)) a = D(1 + r² − 2r cos φ) and b = D(1 − r²), so that `centred` is θ = 0;
 //! - the mode itself where a = φ² + s² and b = 2s, s = −ln r.

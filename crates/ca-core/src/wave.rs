@@ -6,8 +6,9 @@
 //! ```
 //! A velocity wave that leaves a junction comes back from the near end turned over, D₁ samples later and through a loss
 //! of its own, a + b (z + 1/z) with a + 2b = 1; from the far end
-//! H(z) = z^−(N+1) · (a + b (z + 1/z)) · (c + 1/z)/(1 + c/z) later, turned over too (numerics 7.1). The loss has linear
-//! phase and makes no energy where a, b ≥ 0 and a + 2b ≤ 1; the allpass makes up for the fraction of a sample.
+//! H(z) = z^−(N+1) · (a + b (z + 1/z)) · (c + 1/z)/(1 + c/z) later, turned over too (docs/numerics.md §7.1). The loss
+//! has linear phase and makes no energy where a, b ≥ 0 and a + 2b ≤ 1; the allpass makes up for the fraction of a
+//! sample.
 //!
 //! Decides to solve for the pole itself, at the complex z of the pitch and the decay that were asked for, through all
 //! junctions and their masses, instead of for a phase at a real frequency: pitch and decay of the fundamental are then

@@ -1,8 +1,8 @@
 //! Equivalence: how large and how heavy the simulated world is in the hand.
 //!
-//! X = α·x from real to simulated position, f = β·F from simulated to real force (GENESIS paper, 6.3; numerics 6). The
-//! table, and what an author writes about it, are of the model: [`ca_core::equivalence`]. Here is what a device needs
-//! of it, which is two numbers for each of its degrees of freedom.
+//! X = α·x from real to simulated position, f = β·F from simulated to real force (GENESIS paper, 6.3;
+//! docs/numerics.md §6). The table, and what an author writes about it, are of the model: [`ca_core::equivalence`].
+//! Here is what a device needs of it, which is two numbers for each of its degrees of freedom.
 
 use ca_core::Scene;
 pub use ca_core::equivalence::Gains;

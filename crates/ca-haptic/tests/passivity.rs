@@ -1,5 +1,5 @@
 //! H12 and H13 in the loop of an engine and a simulated or prescribed hand, under noise and steps of the sensor and
-//! frames of delay (numerics 5.2, 5.3): what the passivity stage adds, what it pays out, and what ends.
+//! frames of delay (docs/numerics.md §5.2, §5.3): what the passivity stage adds, what it pays out, and what ends.
 //!
 //! All lengths of time count frames. `CA_LONG=1` plays every case of the grid, else every 41st.
 
@@ -276,7 +276,8 @@ fn h12_adds_next_to_nothing_under_noise_and_pays_nothing_out() {
     assert!(passive > 20 && active > 20);
 }
 
-/// The device of numerics 5.3 on a wall, pushed with 2 N from the first moment: 0.2 kg, 2 N s/m, nothing else that limits.
+/// The device of docs/numerics.md §5.3 on a wall, pushed with 2 N from the first moment: 0.2 kg, 2 N s/m, nothing else
+/// that limits.
 fn e02(passivity: bool) -> Profile {
     let mut p = Profile::shipped("tgr12").expect("shipped");
     (p.dof, p.force, p.range) = (1, 100.0, [-1e3, 1e3]);

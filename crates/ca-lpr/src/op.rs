@@ -7,7 +7,7 @@
 //! only with its square roots.
 //!
 //! At zero length a port in space has no direction and pulls nothing, while the law and the other port go on
-//! (numerics 4.4); `soften` keeps the direction where ends pass through each other.
+//! (docs/numerics.md §4.4); `soften` keeps the direction where ends pass through each other.
 
 use ca_core::State;
 use ca_core::law::Phi;

@@ -1,4 +1,4 @@
-//! The loop through a simulated hand, against numerics 5.2 and 5.3; the passivity stage in it is
+//! The loop through a simulated hand, against docs/numerics.md §5.2 and §5.3; the passivity stage in it is
 //! `crates/ca-haptic/tests/passivity.rs`.
 //!
 //! Lock-step: the position at the end of a frame is answered before the next begins, so the delay of a spring is that
@@ -108,7 +108,8 @@ fn pressed(k: f64) -> (Vec<f64>, f64) {
 
 #[test]
 fn a_pressed_wall_shakes_as_theory_says() {
-    // K = 20 000 is beyond the 6007 of this device: the swing of numerics 5.3, 2970 um; their reading has three digits
+    // K = 20 000 is beyond the 6007 of this device: the swing of docs/numerics.md §5.3, 2970 um; their reading has
+    // three digits
     let (swing, made) = pressed(20_000.0);
     within("K = 20 000", off(swing[9], 2970e-6), 0.005);
     assert!(made > 0.1, "{made} J");

@@ -169,7 +169,7 @@ fn d05_modes_of_the_tetrahedron() {
     assert!(found[6..].iter().all(|l| l.abs() < tolerance), "{found:?}");
 }
 
-/// The certificate's bound is one, and what it says of the limit is what happens (numerics 4.2).
+/// The certificate's bound is one, and what it says of the limit is what happens (docs/numerics.md §4.2).
 #[test]
 fn the_bound_of_four_ends_is_a_bound() {
     for (a, stable) in [(0.1, true), (0.3, true), (0.5, true), (0.9, false)] {
@@ -244,7 +244,7 @@ fn spin(turns: f64, kc: f64) -> (f64, f64) {
 
 #[test]
 fn turning_is_silent_but_for_what_is_steady() {
-    // micrometres of numerics 4.3, of edges whose other ports are held
+    // micrometres of docs/numerics.md §4.3, of edges whose other ports are held
     for (turns, published) in [(1.0, 0.0017), (5.0, 0.0428), (20.0, 0.685)] {
         let (extension, moved) = spin(turns, f64::INFINITY);
         within(&format!("extension at {turns} Hz"), (extension * 1e6 - published).abs(), 5e-4);
@@ -253,7 +253,8 @@ fn turning_is_silent_but_for_what_is_steady() {
     }
 }
 
-/// Ends that pass near each other, again and again: a softening length of 4 a l keeps the energy (numerics 4.4).
+/// Ends that pass near each other, again and again: a softening length of 4 a l keeps the energy
+/// (docs/numerics.md §4.4).
 #[test]
 fn softening_keeps_energy_where_ends_pass_through_each_other() {
     let l = 0.02;

@@ -38,7 +38,7 @@ fn a_linear_model_has_a_closed_form() {
         assert!((rise - order).abs() < 0.15, "{method}: {rise}");
     }
     let plain = row(&found, "as written", 1);
-    // 1.22 kHz and above, at 48 kHz: numerics 1.2
+    // 1.22 kHz and above, at 48 kHz: docs/numerics.md §1.2
     assert!((0.5..20.0).contains(&plain["cents"].as_f64().expect("a pitch")), "{plain}");
     assert!(row(&found, "modal", 1)["front"] == true && plain["made"].as_f64().is_some_and(|m| m < 1e-12));
 }

@@ -2,6 +2,7 @@
 
 use crate::desk::{Desk, blocks, from_root};
 use std::fs;
+use std::path::{Path, PathBuf};
 
 const INTRO: &str = "# Kinds of modules
 
@@ -82,4 +83,83 @@ fn the_page_of_safety_has_the_numbers_of_the_guard() {
         assert!(page.contains(words), "{words}");
     }
     assert!(std::fs::read_to_string(from_root("README.md")).unwrap().contains("docs/safety.md"));
+}
+
+/// All texts below a directory that may cite a page, whatever tools have left there aside.
+fn texts(dir: &Path, found: &mut Vec<PathBuf>) {
+    for entry in fs::read_dir(dir).unwrap() {
+        let path = entry.unwrap().path();
+        let name = path.file_name().unwrap().to_str().unwrap().to_string();
+        let ending = path.extension().and_then(|e| e.to_str()).unwrap_or("");
+        if path.is_dir() {
+            if !name.starts_with('.') && !["target", "__pycache__", "node_modules"].contains(&name.as_str()) {
+                texts(&path, found);
+            }
+        } else if ["rs", "py", "pyi", "md", "toml", "h", "c", "ipynb"].contains(&ending) {
+            found.push(path);
+        }
+    }
+}
+
+/// The sections that a text cites of the page of numerics, as `§1.3`, `§5.2, §5.3` or `§5.2 and §5.3` behind its name.
+/// `None` where the sign is followed by no number.
+fn cited(text: &str) -> Option<Vec<String>> {
+    let mut all = Vec::new();
+    for rest in text.split(&["numerics", ".md "].concat()).skip(1) {
+        let mut rest = rest.strip_prefix('§');
+        while let Some(from) = rest {
+            let end = from.find(|c: char| c != '.' && !c.is_ascii_digit()).unwrap_or(from.len());
+            let number = from[..end].trim_end_matches('.');
+            if number.is_empty() {
+                return None;
+            }
+            all.push(number.to_string());
+            let after = &from[number.len()..];
+            rest = [", §", " and §", ", and §"].into_iter().find_map(|join| after.strip_prefix(join));
+        }
+    }
+    Some(all)
+}
+
+#[test]
+fn every_section_of_the_numerics_page_that_code_cites_exists() {
+    let page = fs::read_to_string(from_root("docs/numerics.md")).unwrap();
+    let headings = page.lines().filter(|l| l.starts_with('#'));
+    let sections: Vec<&str> = headings.filter_map(|l| l.trim_start_matches('#').split_whitespace().next()).collect();
+    let mut files = Vec::new();
+    for dir in ["crates", "tests", "benches", "docs", "models"] {
+        texts(&from_root(dir), &mut files);
+    }
+    files.push(from_root("README.md"));
+    let (mut seen, old) = (0, ["umerics", " "].concat());
+    for path in files {
+        let text = fs::read_to_string(&path).unwrap();
+        let Some(numbers) = cited(&text) else { panic!("{}: a citation without a number", path.display()) };
+        seen += numbers.len();
+        for n in numbers {
+            assert!(sections.contains(&n.as_str()), "{}: docs/numerics.md has no section {n}", path.display());
+        }
+        for rest in text.split(&old).skip(1) {
+            let bare = rest.starts_with(|c: char| c.is_ascii_digit());
+            assert!(!bare, "{}: cite a section of docs/numerics.md in place of {rest:.4}", path.display());
+        }
+    }
+    assert!(seen >= 90, "only {seen} citations were found");
+}
+
+/// A test is named by its file, from the tests of the engine or from the root, and its name; code by its file.
+#[test]
+fn what_the_numerics_page_names_is_there() {
+    let page = fs::read_to_string(from_root("docs/numerics.md")).unwrap();
+    let mut seen = 0;
+    for name in page.split('`').skip(1).step_by(2).filter(|n| n.contains(".rs")) {
+        let (file, test) = name.split_once("::").unwrap_or((name, ""));
+        let home = if test.is_empty() { "crates/ca-core/src" } else { "tests/suite" };
+        let near = from_root(home).join(file);
+        let path = if near.exists() { near } else { from_root(file) };
+        let text = fs::read_to_string(&path).unwrap_or_else(|e| panic!("{name}: {e}"));
+        assert!(test.is_empty() || text.contains(&format!("fn {test}(")), "{name}: no such test");
+        seen += 1;
+    }
+    assert!(seen >= 100, "only {seen} names were found");
 }

@@ -1,5 +1,6 @@
-//! The closed loop across shared memory against theory: the figures of the loops in one process (numerics 5.2, 5.3),
-//! through two processes, gateway, rings and frames. In lock-step, so it is the same loop every time.
+//! The closed loop across shared memory against theory: the figures of the loops in one process
+//! (docs/numerics.md §5.2, §5.3), through two processes, gateway, rings and frames. In lock-step, so it is the same
+//! loop every time.
 
 use super::stage::Stage;
 
@@ -105,7 +106,7 @@ fn pressed(k: f64, passivity: bool, force: f64) -> f64 {
 #[test]
 fn h12_a_pressed_wall_swings_as_theory_says_and_less_with_the_stage() {
     let free = pressed(20_000.0, false, 100.0);
-    // numerics 5.3: 2970 um, three digits
+    // docs/numerics.md §5.3: 2970 um, three digits
     assert!((free / 2970e-6 - 1.0).abs() < 0.005, "{free}");
     let held = pressed(20_000.0, true, 100.0);
     assert!(held < free, "{held}");

@@ -1,5 +1,5 @@
 //! The exact test of stability: H = M^-½ (T²K + 2TC) M^-½ has all eigenvalues below 4 exactly where the sparse Cholesky
-//! factorisation of 4 − H succeeds (numerics 1.3, eq. 1).
+//! factorisation of 4 − H succeeds (docs/numerics.md §1.3, eq. 1).
 //!
 //! Decides to scale by the roots of the masses first: the answer is the same, and mass ratios of many decades cost no
 //! digits. The largest eigenvalue comes from the same test by bisection, not from an iteration that approaches it from

@@ -1,5 +1,5 @@
 //! The linear network of a scene as matrices see it: places that move, and links as rows b with a stiffness and a
-//! viscosity, so that K = Σ k b bᵀ and C = Σ z b bᵀ (numerics 1.3).
+//! viscosity, so that K = Σ k b bᵀ and C = Σ z b bᵀ (docs/numerics.md §1.3).
 //!
 //! Decides to keep rows instead of matrices: stability wants T²K + 2TC at once, modes want them apart, and the largest
 //! safe value of one link wants all the others.

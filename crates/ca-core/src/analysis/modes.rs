@@ -1,8 +1,8 @@
 //! The modes of a linear network: what it sings without the scheme, what the scheme makes of it, how long, and where.
 //!
 //! With a = ω²T² and b = zT/m of a mode, the scheme's poles are the roots of w² − (2 − a − b) w + (1 − b): its pitch is
-//! (fs/2π) arg w, and it dies by |w| = √(1 − b) a sample (numerics 1.2, 1.4). Without the scheme the same mode sings
-//! √(ω² − s²) and dies by e^(−st), s = b/2T.
+//! (fs/2π) arg w, and it dies by |w| = √(1 − b) a sample (docs/numerics.md §1.2, §1.4). Without the scheme the same
+//! mode sings √(ω² − s²) and dies by e^(−st), s = b/2T.
 //!
 //! Decides for one symmetric eigenproblem, of T² M^-½ K M^-½: modes are orthogonal and every one is found. Damping that
 //! is not proportional couples them; how much is reported for each mode ([`Mode::coupled`]), and up to [`EXACT`] places the

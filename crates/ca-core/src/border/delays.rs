@@ -2,8 +2,8 @@
 //!
 //! Decides to state what follows from the scene alone: the time to compute a frame, buffers of sound and the loop of a
 //! host come on top. A frame is computed when its last position is known, so an answer is one frame late (the 0.33 ms
-//! of the rattle); a spring on a key is felt with the delay κ·T of its mean force, held by the device (numerics 5.2),
-//! and that is what limits its stiffness.
+//! of the rattle); a spring on a key is felt with the delay κ·T of its mean force, held by the device
+//! (docs/numerics.md §5.2), and that is what limits its stiffness.
 
 use crate::layout::Layout;
 

@@ -2,7 +2,7 @@
 //!
 //! All motion of the frame happens between its first tick and the one before, and half of either force acts on it: the
 //! mean of these two is the only force that keeps power exact. The force at the first tick alone would react half a
-//! frame sooner and make energy, 3 % of what crosses (numerics 5.1).
+//! frame sooner and make energy, 3 % of what crosses (docs/numerics.md §5.1).
 
 use super::{begin, phase, place};
 use crate::layout::Layout;

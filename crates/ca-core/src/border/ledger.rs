@@ -1,4 +1,5 @@
-//! The ledger of the border: what each hand gave and what the scene received from it, frame by frame (numerics 5.3).
+//! The ledger of the border: what each hand gave and what the scene received from it, frame by frame
+//! (docs/numerics.md §5.3).
 //!
 //! Decides to keep it exact rather than to estimate: a device holds its force u from one frame to the next, so what the
 //! hand gives during frame n is u_{n−1} times the motion of the hand, and what the scene receives is the mean force of

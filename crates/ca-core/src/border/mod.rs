@@ -1,10 +1,11 @@
 //! The border between two rates: a device that speaks R times slower than the sound.
 //!
-//! Decides on pairs of position in and force out that conserve power for any link behind them (numerics 5.1): the force
-//! of a frame times the motion of its port, summed over frames, is the sum of f·(X_{j+1} − X_{j−1})/2 over ticks.
-//! `linear.rs` is the default, since it does not print a 3 kHz staircase on the sound; `hold.rs` is the other such pair,
-//! for comparison; `synchronous.rs` is both where R = 1. Which of them runs is chosen once, at load, and what a scene
-//! does not ask for (delay, ledger, silence towards the hand) is no branch of theirs but a pass or a kernel of its own.
+//! Decides on pairs of position in and force out that conserve power for any link behind them (docs/numerics.md §5.1):
+//! the force of a frame times the motion of its port, summed over frames, is the sum of f·(X_{j+1} − X_{j−1})/2 over
+//! ticks. `linear.rs` is the default, since it does not print a 3 kHz staircase on the sound; `hold.rs` is the other
+//! such pair, for comparison; `synchronous.rs` is both where R = 1. Which of them runs is chosen once, at load, and
+//! what a scene does not ask for (delay, ledger, silence towards the hand) is no branch of theirs but a pass or a
+//! kernel of its own.
 //!
 //! Frame n covers the ticks (n−1)R+1 … nR. The caller writes X_n to [`State::input`] before tick (n−1)R+1; after the
 //! forces of tick nR, before the masses move, [`Border::force`] is the force of the frame, to be held by the device

@@ -14,7 +14,8 @@ use alloc::format;
 use alloc::vec::Vec;
 use core::f64::consts::PI;
 
-/// What a spinning body stretches by is far larger than its sound and as slow as a gesture \[Hz\] (numerics 4.3).
+/// What a spinning body stretches by is far larger than its sound and as slow as a gesture \[Hz\]
+/// (docs/numerics.md §4.3).
 const FED: f64 = 7.0;
 
 /// The cut-off \[Hz\] of an output: what is written, where that is not 0; by default none, but for what a body in space

@@ -2,7 +2,7 @@
 //!
 //! Decides that the real side of a pair is in SI and the simulated side in the model's units, that no row at all means
 //! one to one in metres and newtons, and that one row keeps the class of the anchor as it would be without the section.
-//! A key with its own factors multiplies those of the whole (numerics 6).
+//! A key with its own factors multiplies those of the whole (docs/numerics.md §6).
 
 use super::net::{MatRole, Net};
 use super::say::type_name;

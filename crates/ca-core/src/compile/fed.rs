@@ -1,8 +1,8 @@
 //! Fed: which MATs hear what a body in space does as a whole.
 //!
 //! Decides by reach alone: through its port on a line a quadripole passes on whatever changes a distance in space, the
-//! slow stretch of a spinning body included (numerics 4.3), and everything that hangs on that port gets it. Outputs
-//! there take a high pass unless one is written (see [`cutoff`](super::cutoff)).
+//! slow stretch of a spinning body included (docs/numerics.md §4.3), and everything that hangs on that port gets it.
+//! Outputs there take a high pass unless one is written (see [`cutoff`](super::cutoff)).
 
 use super::net::{Ear, End, Measure, Net, OutNode};
 use alloc::vec::Vec;

@@ -1,9 +1,9 @@
-//! Modal: the linear part of a group by its exact modes (numerics 3.1).
+//! Modal: the linear part of a group by its exact modes (docs/numerics.md §3.1).
 //!
 //! The masses, cells and linear links of a group with `method = "modal"` become one oscillator for each mode, retuned so
-//! that its poles are the exact ones (numerics 1.5); every mass that something else holds, hears or pushes becomes a port,
-//! a sum over modes, and forces on it go back by the same weights, so no energy is made. The modes are cells like any
-//! other: the certificate and the energy ledger know nothing new.
+//! that its poles are the exact ones (docs/numerics.md §1.5); every mass that something else holds, hears or pushes
+//! becomes a port, a sum over modes, and forces on it go back by the same weights, so no energy is made. The modes are
+//! cells like any other: the certificate and the energy ledger know nothing new.
 //!
 //! Decides that a mode keeps its mass, so that a stroke moves it as much as it should, rather than its static stiffness;
 //! that damping belongs to the modes, each its own share, with a warning where it would tie them (W115); and that modes

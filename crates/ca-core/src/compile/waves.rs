@@ -1,8 +1,8 @@
 //! Waves: the strings of the network, from what was asked for to delays and filters, once their links are known.
 //!
 //! Decides that a junction without a written mass takes the one its links need: ½(kT² + 2zT) for each linear link,
-//! twice that where both its ends move, and 2(kT² + 2zT) for a contact (numerics 7.2, 3.2), and at least a 16th of
-//! that of a sample of the string. The mass is there before the string is tuned, so it costs no pitch.
+//! twice that where both its ends move, and 2(kT² + 2zT) for a contact (docs/numerics.md §7.2, §3.2), and at least a
+//! 16th of that of a sample of the string. The mass is there before the string is tuned, so it costs no pitch.
 
 use super::certify::{round_up, worst_bounds};
 use super::net::{End, Net};

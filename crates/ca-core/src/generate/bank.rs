@@ -1,6 +1,6 @@
 //! BANK: cells side by side, one per partial; the modes of a bell, a bar or a gong, each exactly where it is asked.
 //!
-//! Every cell is a CEL by f and t60 (numerics 1.5), so pitch and decay are exact at any sound rate.
+//! Every cell is a CEL by f and t60 (docs/numerics.md §1.5), so pitch and decay are exact at any sound rate.
 
 use crate::kind::{ABOVE_ZERO, Kind, Need, Param, Role, Type, Unit};
 use crate::mat::X;

@@ -1,8 +1,9 @@
 //! STRING and CHAIN: masses in a row, joined by springs.
 //!
 //! Modes of N masses of stiffness ratio a = kT²/m, fixed at both ends: f_j = (fs/π) asin(√a sin(jπ/(2(N+1)))); free:
-//! sin(jπ/(2N)) (numerics 1.2). Given `f`, the first of these is inverted exactly, damping included: with damping to
-//! ground b every mode obeys λ_j = (1−r)² + 4r sin²(θ/2), r² = 1−b, as a CEL does. Source: CMJ 1993, SMC 2019.
+//! sin(jπ/(2N)) (docs/numerics.md §1.2). Given `f`, the first of these is inverted exactly, damping included: with
+//! damping to ground b every mode obeys λ_j = (1−r)² + 4r sin²(θ/2), r² = 1−b, as a CEL does. Source: CMJ 1993, SMC
+//! 2019.
 
 use crate::kind::{ABOVE_ZERO, Kind, Need, OneOf, POSITIVE, Param, Role, Type, Unit};
 use crate::mat::X;
@@ -117,7 +118,7 @@ pub(super) fn mass(a: &Args<'_>, n: usize) -> f64 {
     a.num("m").or_else(|| a.num("m_total").map(|m| m / n as f64)).unwrap_or(1.0)
 }
 
-/// Viscosity to ground of a mass `m`: as written, or from t60 exactly (numerics 1.5).
+/// Viscosity to ground of a mass `m`: as written, or from t60 exactly (docs/numerics.md §1.5).
 pub(super) fn ground(a: &Args<'_>, m: f64) -> f64 {
     match a.num("t60") {
         // the tuned one knows the fundamental, by which a share of the force from the time to come slows the decay

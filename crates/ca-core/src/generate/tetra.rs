@@ -2,8 +2,9 @@
 //!
 //! Its corners are every other corner of a cube, so the centre is exact: with s = edge/√8,
 //! 0 (s, s, s), 1 (s, −s, −s), 2 (−s, s, −s), 3 (−s, −s, s). Six springs, slack at rest, in the order 01 02 03 12 13 23.
-//! Stretching modes λ = kT²/m · (4; 2, 2, 2; 1, 1), so that alone kT²/m < 1 is stable (numerics 9). Without springs an
-//! author joins the corners as he likes, e.g. by LPR between `["p[*]", "p[*]"]`, which makes the six pairs in that order.
+//! Stretching modes λ = kT²/m · (4; 2, 2, 2; 1, 1), so that alone kT²/m < 1 is stable (docs/numerics.md §4.2). Without
+//! springs an author joins the corners as he likes, e.g. by LPR between `["p[*]", "p[*]"]`, which makes the six pairs
+//! in that order.
 
 use super::pose::{Pose, SPIN, TURN, V};
 use super::string::{K, M, M_TOTAL, MASSES, mass};

@@ -1,9 +1,9 @@
 //! WAVEGUIDE: a string of travelling waves, with junctions at which it is touched.
 //!
 //! Equation, at each junction between two sides of impedance Z, with v = (x' − x1)/2T: m (x' − 2x + x1)/T² = f + 2Z
-//! (v₁ + v₂) − 2Z v, and v − vᵢ goes out on side i (numerics 7.2). With f alone on the right this is a mass of m + ZT
-//! with a damper of 2Z, so a junction *is* a CEL without spring, of three coefficients like any MAT, and S = M − ¼T²K
-//! − ½TC of a network counts it with m: all that is known of masses holds of junctions. Delays, loss and tuning:
+//! (v₁ + v₂) − 2Z v, and v − vᵢ goes out on side i (docs/numerics.md §7.2). With f alone on the right this is a mass of
+//! m + ZT with a damper of 2Z, so a junction *is* a CEL without spring, of three coefficients like any MAT, and S = M −
+//! ¼T²K − ½TC of a network counts it with m: all that is known of masses holds of junctions. Delays, loss and tuning:
 //! [`crate::wave`]. Stability: passive whatever is linked, as far as the links are with masses of m. Source: HSP v2
 //! (`DWG-end~`, `ex-junct~`); the mass makes passive what `ex-junct~` is not. Test: G01 to G03.
 

@@ -2,7 +2,7 @@
 //!
 //! Equation: x_{n+1} = (2 − a − b) x_n + (b − 1) x_{n−1} + (T²/m) f, a = kT²/m, b = zT/m.
 //! Parameters: m \[kg\] with k \[N/m\], z \[N s/m\], or with the heard frequency f \[Hz\] and the decay time t60 \[s\].
-//! Source: CMJ 1993; the retuning is numerics 1.5 (exact inversion of the scheme's own warping).
+//! Source: CMJ 1993; the retuning is docs/numerics.md §1.5 (exact inversion of the scheme's own warping).
 //! Stability: a + 2b < 4, always true when given by f below half the sound rate and t60. Test: A04, A05, B02.
 
 use super::{Coefs, DX0, MatSpec, V, X};
@@ -48,7 +48,8 @@ fn coefs(p: &[Option<f64>], te: f64) -> Coefs {
     }
     let (k, z) = (p[1].unwrap_or(0.0), p[2].unwrap_or(0.0));
     if let Some(theta) = theta(p[8].unwrap_or(0.0), p[9]) {
-        // what is implicit is inertia (numerics 1.3, eq. 1′): a cell of this mass, explicit, is the same scheme
+        // what is implicit is inertia (docs/numerics.md §1.3, eq. 1′): a cell of this mass, explicit, is the same
+        // scheme
         let c = 1.0 / (m / (te * te) + theta * k + 0.5 * z / te);
         return Coefs { p: 1.0 - z / te * c, q: -k * c, c };
     }
@@ -56,8 +57,8 @@ fn coefs(p: &[Option<f64>], te: f64) -> Coefs {
 }
 
 /// The dimensionless stiffness a = kT²/m and viscosity b = zT/m with which the scheme oscillates at exactly `f` \[Hz\]
-/// and loses 60 dB in exactly `t60` \[s\] (numerics 1.5). `t60` may be infinite. Written so that nothing cancels at low
-/// frequency, where 1 − 2r cos θ + r² loses five digits.
+/// and loses 60 dB in exactly `t60` \[s\] (docs/numerics.md §1.5). `t60` may be infinite. Written so that nothing
+/// cancels at low frequency, where 1 − 2r cos θ + r² loses five digits.
 pub fn retune(f: f64, t60: f64, te: f64) -> (f64, f64) {
     let s = 3.0 * core::f64::consts::LN_10 / t60;
     let q = -libm::expm1(-s * te);

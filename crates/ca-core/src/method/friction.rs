@@ -1,5 +1,5 @@
-//! Friction against the speed in the middle of the tick, so that it only resists however steep its curve (numerics
-//! 3.5).
+//! Friction against the speed in the middle of the tick, so that it only resists however steep its curve
+//! (docs/numerics.md §3.5).
 //!
 //! The explicit law takes the speed of the tick before; where its curve is steep against the masses, what should stick
 //! rings instead. Here the force is F = λu with u = (e₊ − e₋)/2, the centred motion, and λ ≥ 0: its work over the tick
@@ -29,7 +29,7 @@ use crate::table::Table;
 use crate::touch::Touch;
 
 /// Newton while the steepest slope times T²/m of both ends is below this; the root of the bell curve is the only one up
-/// to 4.48 (numerics 3.5).
+/// to 4.48 (docs/numerics.md §3.5).
 const STEEPEST: Real = 4.0;
 
 /// A law of speed alone, F(w) of the sign of w, w the change of elongation per tick.

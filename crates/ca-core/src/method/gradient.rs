@@ -1,5 +1,5 @@
 //! Discrete gradient: the push of a contact as the slope of its potential between the tick before and the tick after
-//! (Chatziioannou and van Walstijn 2013; in closed form, numerics 3.3).
+//! (Chatziioannou and van Walstijn 2013; in closed form, docs/numerics.md §3.3).
 //!
 //! With a = η₋, s = η₊ unknown, η* the penetration after the tick without this contact and c = T²(1/m₁ + 1/m₂):
 //! ```text

@@ -1,4 +1,5 @@
-//! Linear links by the methods `centred` and `implicit`: the theta scheme on those links only (numerics 1.3, eq. 1′).
+//! Linear links by the methods `centred` and `implicit`: the theta scheme on those links only (docs/numerics.md §1.3,
+//! eq. 1′).
 //!
 //! With u the change of motion of a tick, d₊ = d + u, and F the sum of all explicit forces at the tick, those of these
 //! links and of springs of the masses included,

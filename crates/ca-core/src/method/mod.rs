@@ -1,16 +1,16 @@
-//! Methods: implicit linear links ([`implicit`], numerics 3.1), a tick of fourth order for the whole model
-//! ([`pefrl`], 3.1), one-sided springs that keep energy exact whatever their stiffness (3.3, 3.4), and friction that only
-//! resists however steep it is (3.5). The rest of this page speaks of the last two.
+//! Methods: implicit linear links ([`implicit`], docs/numerics.md §3.1), a tick of fourth order for the whole model
+//! ([`pefrl`], §3.1), one-sided springs that keep energy exact whatever their stiffness (§3.3, §3.4), and friction that
+//! only resists however steep it is (§3.5). The rest of this page speaks of the last two.
 //!
-//! The explicit contact makes or swallows energy at every blow (numerics 3.2), because its force is that at the
-//! beginning of a tick. The methods here choose the force so that its work over the tick is what the spring takes up,
-//! which needs the motion that all *other* forces would cause: their passes come last among the forces (see
+//! The explicit contact makes or swallows energy at every blow (docs/numerics.md §3.2), because its force is that at
+//! the beginning of a tick. The methods here choose the force so that its work over the tick is what the spring takes
+//! up, which needs the motion that all *other* forces would cause: their passes come last among the forces (see
 //! [`Turn`](crate::op::law::Turn)). Decides against sub-steps and against iterating the whole scene: both cost in
 //! every tick, these only while something touches.
 //!
 //! Common to the springs: the penetration η is `side·(d − e)`, positive while pressed together; the push N ≥ 0 acts
 //! against it, and as a tension of the link it is F = −side·N. A push N kept over a tick takes the work N·s/2 from the
-//! masses, where s = η₊ − η₋ is the change of penetration over two ticks (numerics 2.2).
+//! masses, where s = η₊ − η₋ is the change of penetration over two ticks (docs/numerics.md §2.2).
 
 pub mod friction;
 pub mod gradient;

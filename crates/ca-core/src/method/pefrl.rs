@@ -1,4 +1,4 @@
-//! PEFRL: a tick of fourth order for what keeps energy, as five drifts and four kicks (numerics 3.1).
+//! PEFRL: a tick of fourth order for what keeps energy, as five drifts and four kicks (docs/numerics.md §3.1).
 //!
 //! Equation: x ← x + ξ d; d ← d + (½ − λ) A(x); x ← x + χ d; d ← d + λ A(x); x ← x + (1 − 2(χ + ξ)) d; and back the
 //! same way, with A = Q x + C f the change of motion that a tick of this force would make, and d = v T.

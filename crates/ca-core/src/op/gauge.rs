@@ -7,9 +7,9 @@
 //! all measure by these functions.
 //!
 //! The change of a distance is `(D + D')·(D − D') / (l + l')` with D' the vector one tick before: the difference of
-//! lengths (numerics 1.1), exactly zero in translation and to rounding in rotation, without a remembered length and
-//! without its cancellation. At zero length the direction is undefined and the force is zero (numerics 4.4); with a
-//! softening length δ the distance is `sqrt(D² + δ²)`, smooth everywhere.
+//! lengths (docs/numerics.md §1.1), exactly zero in translation and to rounding in rotation, without a remembered
+//! length and without its cancellation. At zero length the direction is undefined and the force is zero
+//! (docs/numerics.md §4.4); with a softening length δ the distance is `sqrt(D² + δ²)`, smooth everywhere.
 
 use crate::layout::{Gauge, Layout, Ports};
 use crate::real::{Real, sqrt};

@@ -2,8 +2,8 @@
 //!
 //! Waves are velocities, counted in \[m/tick\] like all motion. Between the two passes a junction is a MAT like any
 //! other: `arrive` adds 2 (Z/T) Σ vᵢ to the force on it, its own damper takes 2 (Z/T) v, and `depart` knows v = (d′ +
-//! d)/2 when it has moved (numerics 7.2). A delay is a ring whose first place follows from the tick, so no wave is ever
-//! moved.
+//! d)/2 when it has moved (docs/numerics.md §7.2). A delay is a ring whose first place follows from the tick, so no
+//! wave is ever moved.
 
 use super::Op;
 use crate::layout::{Delay, Layout, Through};

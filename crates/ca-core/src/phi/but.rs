@@ -4,7 +4,7 @@
 //! e > d (sense "inside": contains it); 0 otherwise. Not clipped against sticking unless `sticky = false`.
 //! Parameters: k \[N/m\], z \[N s/m\], d \[m\]. Source: CMJ 1993, ICMC 2013.
 //! Stability: method "ca" is not passive by itself; kT²/m ≤ 1 recommended, with 0.12 a ≤ zT/m ≤ 1.9 − a nothing is
-//! created (numerics 3.2). "stable" and "stable3d" are passive at any stiffness ([`crate::method`]).
+//! created (docs/numerics.md §3.2). "stable" and "stable3d" are passive at any stiffness ([`crate::method`]).
 //! Test: A17, B05, C01 to C06.
 
 use super::{ALONG, BETWEEN, Bound, Fixed, Law, METHOD, PAIRS, Phi};

@@ -1,7 +1,7 @@
 //! FRO: a damper.
 //!
 //! Equation: F = (z/T) w. Parameters: z \[N s/m\] ≥ 0. Source: CMJ 1993. Stability: 2zT(1/m₁ + 1/m₂) < 4 for one link;
-//! the backward difference acts as a centred damper and a negative mass −zT/2 (numerics 1.4). Test: A04, A10.
+//! the backward difference acts as a centred damper and a negative mass −zT/2 (docs/numerics.md §1.4). Test: A04, A10.
 
 use super::implicit::{METHOD, THETA};
 use super::{ALONG, BETWEEN, Bound, L0, Law, PAIRS, Phi, SOFTEN, linear_lost, linear_stored};

@@ -1,9 +1,9 @@
 //! A linear link whose force is taken from before and after the tick: REF, RES and FRO by the methods `centred` and
-//! `implicit` (numerics 1.3, eq. 1′, and 3.1).
+//! `implicit` (docs/numerics.md §1.3, eq. 1′, and §3.1).
 //!
 //! Equation: F = k (θ e₊ + (1 − 2θ) e + θ e₋) + z (e₊ − e₋)/2T. `centred` is θ = 0. Parameters: k \[N/m\], z \[N s/m\], θ.
-//! Stability: T²k(1 − 4θ)(1/m₁ + 1/m₂) < 4 for one link, whatever z; from θ = ¼ on any k. Source: numerics 3.1.
-//! Test: A14, A15, H04.
+//! Stability: T²k(1 − 4θ)(1/m₁ + 1/m₂) < 4 for one link, whatever z; from θ = ¼ on any k. Source:
+//! docs/numerics.md §3.1. Test: A14, A15, H04.
 //!
 //! Decides that the law itself sees only the explicit part, F₀ = k e + z w, as every law does; with u the change of
 //! motion in the tick, what is missing is (θk + z/2T) times the change of w, which [`crate::method::implicit`] solves for

@@ -1,8 +1,8 @@
 //! PLK: a plectrum, with true hysteresis.
 //!
 //! Equation: engaged, F = k e + (z/T) w; lets go when |e| ≥ d; takes hold again when e changes sign. Parameters:
-//! k \[N/m\], z \[N s/m\], d \[m\] > 0. Source: HSP v2 (contact-pluck), numerics 2.2 for the energy: what is stored at
-//! release is booked as lost. Stability: as REF while engaged. Test: `tests/suite/pluck.rs`.
+//! k \[N/m\], z \[N s/m\], d \[m\] > 0. Source: HSP v2 (contact-pluck), docs/numerics.md §2.2 for the energy: what is
+//! stored at release is booked as lost. Stability: as REF while engaged. Test: `tests/suite/pluck.rs`.
 
 use super::{ALONG, BETWEEN, Bound, Law, PAIRS, Phi, linear_lost, linear_stored};
 use crate::kind::{ABOVE_ZERO, Kind, Need, POSITIVE, Param, Role, Unit};

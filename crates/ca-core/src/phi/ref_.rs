@@ -1,7 +1,7 @@
 //! REF: a spring and a damper side by side.
 //!
 //! Equation: F = k e + (z/T) w. Parameters: k \[N/m\] ≥ 0, z \[N s/m\] ≥ 0. Source: CMJ 1993.
-//! Stability: (T²k + 2Tz)(1/m₁ + 1/m₂) < 4 for one link (numerics 1.3). Test: A04, A10.
+//! Stability: (T²k + 2Tz)(1/m₁ + 1/m₂) < 4 for one link (docs/numerics.md §1.3). Test: A04, A10.
 //! Without viscosity it runs as RES, without stiffness as FRO, unless the parameter may change while playing.
 
 use super::implicit::{METHOD, THETA};

@@ -6,7 +6,7 @@
 //! move: [`Engine::answer`] makes the force frames, to be sent at once, and [`Engine::finish`] does the rest. After
 //! [`Engine::new`] nothing allocates, locks, logs or panics.
 //!
-//! Frame n covers the ticks (n−1)R+1 … nR (numerics 5.1); the very first only places the devices.
+//! Frame n covers the ticks (n−1)R+1 … nR (docs/numerics.md §5.1); the very first only places the devices.
 
 mod port;
 mod refit;

@@ -160,9 +160,9 @@ impl Port {
         hand.inject = 0.0;
         for (l, last) in self.links.iter().zip(&mut self.last) {
             let b = &state.border[l.border];
-            // +β · force on the port (architecture 11); several ports of one DOF add
+            // +β · force on the port, which is that on the hand (docs/numerics.md §6); several ports of one DOF add
             hand.force[l.dof] += l.gains.beta * b.force;
-            // at one rate the force is that of a tick, and power is exact by the mean of two (numerics 5.1)
+            // at one rate the force is that of a tick, and power is exact by the mean of two (docs/numerics.md §5.1)
             let mean = if scene.ratio == 1 { 0.5 * (*last + b.force) } else { b.force };
             *last = b.force;
             hand.mean[l.dof] += l.gains.beta * mean;

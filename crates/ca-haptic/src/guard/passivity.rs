@@ -2,8 +2,8 @@
 //!
 //! Decides on a band-limited ledger and on a small viscosity, rather than on the exact ledger and a force that repays it
 //! within a frame (the controller of Hannaford and Ryu 2002, which this stage was once). The device holds the force of
-//! an earlier frame, so that over a stiff wall the boundary makes energy like a negative viscosity K T κ (numerics 5.2).
-//! The device's own friction takes it out again, and only what is left over counts here:
+//! an earlier frame, so that over a stiff wall the boundary makes energy like a negative viscosity K T κ
+//! (docs/numerics.md §5.2). The device's own friction takes it out again, and only what is left over counts here:
 //!
 //! ```text
 //! leak += ((f_acting − f_mean)·v − CREDIT b v² − b_injected v²) T       f_injected = −b_injected v

@@ -2,9 +2,9 @@
 //!
 //! Decides on a device that is exact between frames rather than integrated in small steps: a mass with viscous and dry
 //! friction between end stops, in a hand that is a mass, a spring and a damper around what the player intends, all under
-//! a force that is held over the frame. So a loop that shakes does it for the reasons of numerics 5.2 and for no other.
-//! Then the imperfections of the hardware: steps and noise of the sensor, steps of the force, frames of delay. It knows
-//! no clock and no transport; the same seed and forces give the same positions.
+//! a force that is held over the frame. So a loop that shakes does it for the reasons of docs/numerics.md §5.2 and for
+//! no other. Then the imperfections of the hardware: steps and noise of the sensor, steps of the force, frames of
+//! delay. It knows no clock and no transport; the same seed and forces give the same positions.
 
 mod body;
 mod script;

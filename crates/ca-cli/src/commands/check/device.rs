@@ -4,8 +4,8 @@
 //! parameters at their stiffest) and the steepest place of the force measured over the whole travel of the device, with
 //! everything behind the key at rest, which is how a law that stiffens without end shows itself. Both limits are reported:
 //! what the device says it renders, and what stays passive with its own friction, K ≤ b/(κT), where κT is the delay of
-//! the border and one frame more, since a real device takes each force a frame later (numerics 5.2: κ = 2), of the frames
-//! of the device where those are longer. A force
+//! the border and one frame more, since a real device takes each force a frame later (docs/numerics.md §5.2: κ = 2), of
+//! the frames of the device where those are longer. A force
 //! beyond the largest is no fault of the model, every hard stop has it: so it is said where in the travel it begins. What the
 //! model plays by itself (`[gesture]`), and where its keys rest, is what a hand would have to reach: beyond the travel of
 //! the device it cannot be played, so that is too much as well.

@@ -1,4 +1,4 @@
-//! The exact answer, where the cheap bounds leave it open: one sparse factorisation of 4 − H (numerics 1.3).
+//! The exact answer, where the cheap bounds leave it open: one sparse factorisation of 4 − H (docs/numerics.md §1.3).
 //!
 //! Decides with the slopes of all links that are always there, at the worst corner of what may change and at the pose of
 //! load; a link at a moving point counts at every node under it. Where that is not enough, the linear links alone, with

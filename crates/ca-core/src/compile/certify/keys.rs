@@ -1,4 +1,4 @@
-//! The springs on each device key: what a device must bear to stay passive (numerics 5.2).
+//! The springs on each device key: what a device must bear to stay passive (docs/numerics.md §5.2).
 //!
 //! Decides to add up the slopes of all links at a key, as if all contacts were closed and all live parameters at their
 //! stiffest, and in space pulled in one direction. What hangs behind these links does not matter: it is passive by the rest of the certificate.

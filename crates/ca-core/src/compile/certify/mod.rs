@@ -1,10 +1,10 @@
 //! Certify: what can be said of stability before anything moves, and which module to blame.
 //!
-//! Decides for the cheap bounds of numerics 1.3 first (two sums per module, no matrix), which settle almost every scene.
-//! With h = T²k + 2Tz for each link and d_i their sum at mass i: d_i/m_i ≥ 4 is certainly unstable and this module is
-//! the cause; the smaller of the Gershgorin and the link bound below 4 is certainly stable. Between them, and with the
-//! feature `analysis`, one sparse factorisation decides. Contacts and other non-linear links are judged by rule
-//! (numerics 3.2) and said to be.
+//! Decides for the cheap bounds of docs/numerics.md §1.3 first (two sums per module, no matrix), which settle almost
+//! every scene. With h = T²k + 2Tz for each link and d_i their sum at mass i: d_i/m_i ≥ 4 is certainly unstable and
+//! this module is the cause; the smaller of the Gershgorin and the link bound below 4 is certainly stable. Between
+//! them, and with the feature `analysis`, one sparse factorisation decides. Contacts and other non-linear links are
+//! judged by rule (docs/numerics.md §3.2) and said to be.
 
 mod blame;
 #[cfg_attr(not(feature = "analysis"), path = "no_exact.rs")]

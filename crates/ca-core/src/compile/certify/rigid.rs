@@ -1,9 +1,9 @@
 //! What an LPR leans on: whether the world of its line port holds the two ends together, and how softly.
 //!
 //! An LPR is two springs end to end, itself and that world: the extension under a force F is F (1/k + χ), with χ the
-//! static compliance between the two ends (numerics 4.3). Where nothing joins them χ is infinite and the body in space
-//! falls apart (W111); where χ is above 1/k, most of the stiffness that was written is not there (W112). Of two ports on
-//! lines it is enough that one leans on something.
+//! static compliance between the two ends (docs/numerics.md §4.3). Where nothing joins them χ is infinite and the body
+//! in space falls apart (W111); where χ is above 1/k, most of the stiffness that was written is not there (W112). Of
+//! two ports on lines it is enough that one leans on something.
 //!
 //! Decides for one factorisation of each part of the network that LPRs lean on, in document order within its envelope,
 //! which for strings and meshes is a narrow band; parts whose envelope is too wide are only looked at for connection.

@@ -11,8 +11,8 @@ use crate::model::{Model, quantity};
 use alloc::collections::BTreeSet;
 use alloc::format;
 
-/// Rules for contacts (numerics 3.2): kT²/m ≤ 1 recommended, ≤ 2 at the most. The mobility is that of both ends with the
-/// links that hold them (`held`), where that is known.
+/// Rules for contacts (docs/numerics.md §3.2): kT²/m ≤ 1 recommended, ≤ 2 at the most. The mobility is that of both
+/// ends with the links that hold them (`held`), where that is known.
 pub fn contacts(
     model: &Model,
     net: &Net,
@@ -57,8 +57,8 @@ pub fn contacts(
     }
 }
 
-/// Rule for friction that is no straight line, as of a bow (numerics 3.5): slope·T/m up to 1.5, or what should stick
-/// rings at every other sample.
+/// Rule for friction that is no straight line, as of a bow (docs/numerics.md §3.5): slope·T/m up to 1.5, or what should
+/// stick rings at every other sample.
 pub fn frictions(
     model: &Model,
     net: &Net,
