@@ -53,10 +53,25 @@ fn the_doctor_tries_shared_memory_and_finds_who_is_there() {
 }
 
 #[test]
+fn a_device_in_lock_step_ends_without_a_server() {
+    let stage = Stage::new();
+    let r = stage.ca(&["device", "sim", "--profile", "key", "--lockstep", "--seconds", "0.1"]);
+    r.is(0).says(&["no server answered frame "]);
+}
+
+#[test]
 fn calibrate_writes_what_serve_reads() {
     let stage = Stage::new();
     stage.ca(&["device", "calibrate", "key", "--low", "100", "--high", "4100"]).is(0).says(&["c/calibration/key.toml"]);
     let c = Calibration::read(&stage.read("c/calibration/key.toml"), "key").unwrap();
+    // positions and forces of another device would be wrong by its factors
+    stage.put("falcon.toml", &c.write().replace("\"key\"", "\"falcon\""));
+    let other = stage.ca(&["serve", "key.ca.toml", "--seconds", "0.1", "--calibration", "key=falcon.toml"]);
+    other.is(1).says(&["falcon.toml", "the calibration of `falcon`, not of `key`"]);
+    let far = c.write().replace("force = 1.0", "force = 1e300");
+    stage.put("far.toml", &far);
+    let far = stage.ca(&["serve", "key.ca.toml", "--seconds", "0.1", "--calibration", "key=far.toml"]);
+    far.is(1).says(&["far.toml", "axis 0", "`force`", "1e9"]);
     let a = c.axis[0];
     assert!((a.scale * 100.0 + a.offset + 0.01).abs() < 1e-15 && (a.scale * 4100.0 + a.offset - 0.01).abs() < 1e-15);
     // a device that says counts, and does not know of metres: 2600 is 2.5 mm

@@ -28,6 +28,8 @@ static STOP: AtomicBool = AtomicBool::new(false);
 
 /// In lock-step: how long an answer may take before the position is said again \[ns\]. Longer than the engine waits.
 const AGAIN: u64 = 300_000_000;
+/// Shortest wait for an answer, in lock step for a given time \[ns\].
+const PATIENCE: f64 = 2e9;
 /// Frames whose times are remembered.
 const KEPT: usize = 4096;
 
@@ -177,6 +179,9 @@ impl Sim {
         let mut n = 0_u64;
         while !STOP.load(Relaxed) && frames.is_none_or(|all| n < all) {
             let mut at = self.send()?;
+            // as long as it was to last in all, and nobody answered: no server is there any more, or never was
+            let patience = frames.map(|all| (all as f64 * self.te * 1e9).max(PATIENCE) as u64);
+            let asked = at;
             let answer = loop {
                 if STOP.load(Relaxed) {
                     return Ok(());
@@ -186,6 +191,10 @@ impl Sim {
                 let (me, seq) = (self.frame.session, self.frame.seq);
                 if let Some(f) = self.client.watch().last().filter(|f| f.ack_session == me && f.ack == seq) {
                     break *f;
+                }
+                if patience.is_some_and(|p| now_ns() > asked + p) {
+                    term::warning(&format!("no server answered frame {}: ended", self.frame.seq));
+                    return Ok(());
                 }
                 if now_ns() > at + AGAIN {
                     // nobody listened yet, or the server is another one now

@@ -47,7 +47,8 @@ pub(super) fn text(s: &Summary, name: &str, files: &Files, traffic: Option<Traff
     let lost =
         [(s.lost_records, "records"), (s.lost_sound, "samples"), (s.lost_views, "pictures"), (s.lost_beats, "times")];
     let lost: Vec<String> = lost.iter().filter(|l| l.0 > 0).map(|(n, what)| format!("{n} {what}")).collect();
-    writeln!(out, "  {:<15}{}", "lost", if lost.is_empty() { "nothing".into() } else { lost.join(", ") })?;
+    let nothing = if s.broken.is_empty() { "nothing" } else { "what is not written, as below" };
+    writeln!(out, "  {:<15}{}", "lost", if lost.is_empty() { nothing.into() } else { lost.join(", ") })?;
     if s.faults.is_empty() {
         writeln!(out, "  {:<15}none", "faults")?;
     }
