@@ -62,7 +62,7 @@ pub mod rt;
 pub mod serve;
 pub mod simulated;
 pub mod sound;
-mod staged;
+pub mod staged;
 pub mod stats;
 #[cfg(feature = "mcap")]
 pub mod take;

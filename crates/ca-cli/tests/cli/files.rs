@@ -1,0 +1,35 @@
+//! Files as they are written and read: whole or not at all, and never without end.
+
+use crate::desk::{BAR, Desk};
+use std::fs;
+
+/// What is there stays, and nothing half written beside it, where the disk is full: a file that may not grow any more
+/// stands for it.
+#[cfg(unix)]
+#[test]
+fn what_does_not_fit_on_the_disk_replaces_nothing() {
+    let desk = Desk::new();
+    desk.put("bar.ca.toml", &format!("{BAR}# {}\n", "long ".repeat(200)));
+    let short = "--seconds 0.01 --times 1 --reference 4";
+    for line in [
+        "report bar.ca.toml --seconds 1 --accuracy 0 -o x.html",
+        &format!("accuracy bar.ca.toml {short} -o x.html"),
+        "equiv bar.ca.toml --write x.ca.toml --force",
+        "new x.ca.toml --force",
+        "modes bar.ca.toml --shapes x.csv",
+    ] {
+        let name = ["x.html", "x.ca.toml", "x.csv"].into_iter().find(|n| line.contains(n)).unwrap();
+        desk.put(name, "good");
+        let blocks = if name == "x.csv" { 0 } else { 1 };
+        let r = desk.sh(&format!("ulimit -f {blocks}; trap '' XFSZ; ca {line}")).is(1);
+        assert!(r.err.contains(name) && r.err.contains("cannot be written"), "{line}: {}", r.err);
+        assert_eq!(fs::read_to_string(desk.path(name)).unwrap(), "good", "{line}");
+        fs::remove_file(desk.path(name)).unwrap();
+        desk.sh(&format!("ulimit -f {blocks}; trap '' XFSZ; ca {}", line.trim_end_matches(" --force"))).is(1);
+        assert_eq!(desk.files(), ["bar.ca.toml"], "{line} leaves nothing");
+    }
+    // the schema beside a model that fits
+    desk.sh("ulimit -f 20; trap '' XFSZ; ca new y.ca.toml").is(1).says(&["ca.schema.json"]);
+    assert_eq!(desk.files(), ["bar.ca.toml", "y.ca.toml"]);
+    desk.ca(&["equiv", "bar.ca.toml", "--write", "y.ca.toml"]).is(1).says(&["it exists", "--force"]);
+}
