@@ -57,6 +57,7 @@ pub mod host;
 pub mod perform;
 pub mod probe;
 pub mod profile;
+pub mod reading;
 pub mod record;
 pub mod rt;
 pub mod serve;

@@ -8,7 +8,7 @@ use crate::load::{self, BUNDLED};
 use crate::{Ended, Failure, Outcome, catalog};
 use ca_core::model::schema;
 use ca_core::model::suggest::nearest;
-use ca_haptic::staged;
+use ca_haptic::{reading, staged};
 use std::io::Write as _;
 use std::path::Path;
 
@@ -42,7 +42,8 @@ pub fn run(args: &NewArgs) -> Outcome {
 /// Writes the schema for editors, in place of one that is older; a file that is something else stays.
 fn describe(path: &Path) -> Result<(), Failure> {
     let own = schema::schema(&catalog());
-    let there = std::fs::read(path).ok().map(|b| serde_json::from_slice::<serde_json::Value>(&b).unwrap_or_default());
+    let read = |path| serde_json::from_slice::<serde_json::Value>(&reading::text(path, reading::MODEL).ok()?).ok();
+    let there = path.exists().then(|| read(path).unwrap_or_default());
     if there.is_some_and(|s| s["title"] != own["title"]) {
         let what = format!("`{}` is there already, and is no schema of models", path.display());
         return Err(Failure::Failed(format!("{what}: move it away, then `ca list --schema > {SCHEMA}`")));

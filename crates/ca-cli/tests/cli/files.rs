@@ -33,3 +33,33 @@ fn what_does_not_fit_on_the_disk_replaces_nothing() {
     assert_eq!(desk.files(), ["bar.ca.toml", "y.ca.toml"]);
     desk.ca(&["equiv", "bar.ca.toml", "--write", "y.ca.toml"]).is(1).says(&["it exists", "--force"]);
 }
+
+/// What has no end, or no text in it, is refused at once; so is what is too large, by its size.
+#[cfg(unix)]
+#[test]
+fn nothing_is_read_without_end() {
+    let desk = Desk::new();
+    desk.put("bar.ca.toml", BAR);
+    let sparse = |name: &str, bytes: u64| fs::File::create(desk.path(name)).unwrap().set_len(bytes).unwrap();
+    sparse("big.ca.toml", 3_000_000_000);
+    sparse("big.csv", 3_000_000_000);
+    sparse("big.wav", 3_000_000_000);
+    sparse("nul.csv", 300_000_000);
+    sparse("nul.mdl", 1000);
+    sparse("nul.toml", 1000);
+    // little room stands for a large file
+    let ca = |line: &str| desk.sh(&format!("ulimit -v 2000000; ca {line}")).is(1);
+    ca("check /dev/zero").says(&["`/dev/zero`", "byte 0 is NUL", "saved as UTF-8"]);
+    ca("check big.ca.toml").says(&["`big.ca.toml`", "larger than the 256 MB", "STRING"]);
+    for name in ["big.csv", "big.wav"] {
+        ca(&format!("render bar.ca.toml --gesture {name}")).says(&[
+            name,
+            "larger than the 1000 MB",
+            "cut it into parts",
+        ]);
+    }
+    let r = ca("render bar.ca.toml --gesture nul.csv").says(&["`nul.csv`", "byte 0 is NUL"]);
+    assert!(!r.err.contains('\0') && r.err.len() < 1000, "{}", r.err);
+    ca("import nul.mdl").says(&["byte 0 is NUL"]);
+    ca("sweep nul.toml").says(&["byte 0 is NUL"]);
+}
