@@ -1,8 +1,9 @@
 //! From what was typed to a model and a scene.
 
-use crate::Failure;
 use crate::args::Source;
-use ca_core::model::Value;
+use crate::{Failure, term};
+use ca_core::model::diag::Severity;
+use ca_core::model::{Value, render};
 use ca_core::{Options, Scene};
 pub use ca_lab::load::{
     BUNDLED, Loaded, bundled, compiled, has_extension, import, mims_text, reason, stem, text, ticked, warnings,
@@ -30,6 +31,15 @@ pub fn load(source: &Source) -> Result<Loaded, Failure> {
         })?;
     }
     Ok(loaded)
+}
+
+/// Prints the warnings about a model in full, and nothing else that was found; `-q` leaves them.
+pub fn warn(loaded: &Loaded, scene: &Scene) {
+    let mut diags = scene.diags.clone();
+    diags.list.retain(|d| d.severity == Severity::Warning);
+    if !diags.list.is_empty() {
+        term::findings(&render::text(&diags, &loaded.model, term::color()));
+    }
 }
 
 /// Compiles, or shows all findings and ends the command.

@@ -1,7 +1,7 @@
 //! Pages of HTML: refused before the work is done where their name says otherwise, and written at its end.
 
 use crate::Failure;
-use crate::load::{has_extension, reason};
+use crate::load::has_extension;
 use std::path::Path;
 
 /// Refuses to write a page to a file that is not called `.html`.
@@ -17,6 +17,5 @@ pub fn is_page(path: &Path) -> Result<(), Failure> {
 
 /// Writes a page.
 pub fn write(path: &Path, page: &str) -> Result<(), Failure> {
-    std::fs::write(path, page)
-        .map_err(|e| Failure::Failed(format!("`{}`: it cannot be written: {}", path.display(), reason(&e))))
+    Ok(ca_haptic::staged::write(path, page.as_bytes())?)
 }

@@ -82,6 +82,15 @@ impl FileError {
     }
 }
 
+/// A word of a file, as it may stand on a terminal: not too long, and what is no sign is escaped.
+pub(crate) fn shown(word: &str) -> String {
+    const MOST: usize = 40;
+    let short: String = word.chars().take(MOST).collect();
+    let rest = if word.chars().nth(MOST).is_some() { "…" } else { "" };
+    short.chars().map(|c| if c.is_control() { c.escape_default().to_string() } else { c.into() }).collect::<String>()
+        + rest
+}
+
 /// The libraries below us begin their messages with a capital.
 pub(crate) fn lower(s: &str) -> String {
     let mut c = s.chars();

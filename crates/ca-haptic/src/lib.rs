@@ -57,12 +57,13 @@ pub mod host;
 pub mod perform;
 pub mod probe;
 pub mod profile;
+pub mod reading;
 pub mod record;
 pub mod rt;
 pub mod serve;
 pub mod simulated;
 pub mod sound;
-mod staged;
+pub mod staged;
 pub mod stats;
 #[cfg(feature = "mcap")]
 pub mod take;

@@ -11,6 +11,7 @@ use ca_core::model::diag::{Diags, Severity};
 use ca_core::model::suggest::nearest;
 use ca_core::model::{Item, Value, mims, read};
 use ca_core::{Model, Options, Scene};
+use ca_haptic::reading;
 use std::path::Path;
 
 include!(concat!(env!("OUT_DIR"), "/bundled.rs"));
@@ -39,7 +40,7 @@ pub fn bundled(name: &str) -> Option<&'static str> {
 }
 
 fn bytes(path: &Path) -> Result<Vec<u8>, Failure> {
-    std::fs::read(path).map_err(|e| Failure::Failed(format!("`{}`: it cannot be read: {}", path.display(), reason(&e))))
+    Ok(reading::text(path, reading::MODEL)?)
 }
 
 /// The text of a MIMS file, in whatever way it was saved.

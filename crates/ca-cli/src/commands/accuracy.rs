@@ -38,11 +38,11 @@ pub fn run(args: &AccuracyArgs) -> Outcome {
     }
     let found = found?;
     let best = args.error.and_then(|e| found.cheapest(e));
-    let reported = Page { name: &loaded.name, found: &found, best };
+    let reported = Page { name: &loaded.name, found: &found, best, asked: args.error };
     if args.json {
         writeln!(std::io::stdout().lock(), "{:#}", reported.json())?;
     } else {
-        reported.text(args.error)?;
+        reported.text()?;
     }
     if let Some(path) = &args.output {
         page::write(path, &reported.page(&loaded).html())?;
@@ -57,17 +57,32 @@ struct Page<'a> {
     found: &'a Measured,
     /// what meets the error that was asked for
     best: Option<&'a Row>,
+    /// that error
+    asked: Option<f64>,
 }
 
 impl Page<'_> {
-    fn verdict(&self, asked: f64) -> String {
-        match self.best {
-            Some(r) => format!("the cheapest with an error of at most {asked:.0e}: {}", r.name()),
-            None => format!("none of these has an error of at most {asked:.0e}; try more of `--times`"),
-        }
+    /// What is said to who asked for an error.
+    fn verdict(&self) -> Option<String> {
+        let (asked, truth) = (self.asked?, &self.found.truth);
+        let (known, aim) = (truth.known, format!("an error of at most {asked:e}"));
+        Some(match (self.best, truth.origin) {
+            (Some(r), _) => format!("the cheapest with {aim}: {}", r.name()),
+            (None, _) if known <= asked => format!("none of these has {aim}; try more of `--times`"),
+            (None, Origin::Modes) => {
+                format!(
+                    "{aim} cannot be confirmed: the closed form is known only to {known:.1e}; ask for more than that"
+                )
+            }
+            (None, Origin::Rate(n, _) | Origin::Open(n)) => {
+                format!(
+                    "{aim} cannot be confirmed: the reference is known only to {known:.1e}; raise `--reference` above {n}"
+                )
+            }
+        })
     }
 
-    fn text(&self, asked: Option<f64>) -> Result<(), Failure> {
+    fn text(&self) -> Result<(), Failure> {
         let f = self.found;
         let mut out = std::io::stdout().lock();
         writeln!(out, "{}: {:.3} s at {} Hz, against {}", self.name, f.seconds(), f.rate, f.origin())?;
@@ -92,8 +107,8 @@ impl Page<'_> {
         for (method, what) in &f.warned {
             writeln!(out, "  by {method}: {what}")?;
         }
-        if let Some(asked) = asked {
-            writeln!(out, "{}", self.verdict(asked))?;
+        if let Some(verdict) = self.verdict() {
+            writeln!(out, "{verdict}")?;
         }
         Ok(())
     }
@@ -125,6 +140,7 @@ impl Page<'_> {
             "refused": f.refused.iter().map(|(m, why)| json!({ "method": m, "why": why })).collect::<Vec<_>>(),
             "warned": f.warned.iter().map(|(m, what)| json!({ "method": m, "what": what })).collect::<Vec<_>>(),
             "recommended": self.best.map(|r| json!({ "method": r.method, "times": r.times })),
+            "verdict": self.verdict(),
         })
     }
 

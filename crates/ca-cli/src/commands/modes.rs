@@ -11,6 +11,7 @@ use ca_core::Options;
 use ca_core::analysis::{Mode, Modes, Network, modes};
 use ca_core::model::quantity::Plain;
 use ca_core::model::render;
+use ca_haptic::staged::Staged;
 use serde_json::{Value as Json, json};
 use std::io::Write as _;
 use std::path::Path;
@@ -160,8 +161,10 @@ fn value(name: &str, network: &Network, found: &Modes) -> Json {
 
 /// A row for each place, a column for each mode \[1/√kg\].
 fn shapes(path: &Path, network: &Network, found: &Modes) -> Result<(), Failure> {
-    let bad = |e: std::io::Error| Failure::Failed(format!("`{}` cannot be written: {e}", path.display()));
-    let mut file = std::io::BufWriter::new(std::fs::File::create(path).map_err(bad)?);
+    let bad =
+        |e: std::io::Error| Failure::Failed(format!("`{}` cannot be written: {}", path.display(), load::reason(&e)));
+    let staged = Staged::create(path)?;
+    let mut file = std::io::BufWriter::new(staged.handle()?);
     let mut write = || -> std::io::Result<()> {
         write!(file, "place")?;
         (1..=found.list.len()).try_for_each(|j| write!(file, ",mode {j}"))?;
@@ -174,5 +177,6 @@ fn shapes(path: &Path, network: &Network, found: &Modes) -> Result<(), Failure> 
         }
         file.flush()
     };
-    write().map_err(bad)
+    write().map_err(bad)?;
+    Ok(staged.commit()?)
 }

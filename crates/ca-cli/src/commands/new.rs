@@ -8,6 +8,7 @@ use crate::load::{self, BUNDLED};
 use crate::{Ended, Failure, Outcome, catalog};
 use ca_core::model::schema;
 use ca_core::model::suggest::nearest;
+use ca_haptic::{reading, staged};
 use std::io::Write as _;
 use std::path::Path;
 
@@ -41,15 +42,13 @@ pub fn run(args: &NewArgs) -> Outcome {
 /// Writes the schema for editors, in place of one that is older; a file that is something else stays.
 fn describe(path: &Path) -> Result<(), Failure> {
     let own = schema::schema(&catalog());
-    let there = std::fs::read(path).ok().map(|b| serde_json::from_slice::<serde_json::Value>(&b).unwrap_or_default());
+    let read = |path| serde_json::from_slice::<serde_json::Value>(&reading::text(path, reading::MODEL).ok()?).ok();
+    let there = path.exists().then(|| read(path).unwrap_or_default());
     if there.is_some_and(|s| s["title"] != own["title"]) {
         let what = format!("`{}` is there already, and is no schema of models", path.display());
         return Err(Failure::Failed(format!("{what}: move it away, then `ca list --schema > {SCHEMA}`")));
     }
-    std::fs::write(path, format!("{own:#}\n")).map_err(|e| {
-        let what = format!("`{}`: the schema for editors cannot be written: {}", path.display(), load::reason(&e));
-        Failure::Failed(what)
-    })
+    Ok(staged::write(path, format!("{own:#}\n").as_bytes())?)
 }
 
 /// Writes a model file, never over another one unless told so.
@@ -59,13 +58,9 @@ pub(super) fn write(path: &Path, text: &str, force: bool) -> Result<(), Failure>
         let what = format!("`{}`: a model file ends in `.ca.toml`", path.display());
         return Err(Failure::Usage(format!("{what}; write `{}`", own.display())));
     }
-    let file = std::fs::File::options().write(true).create(true).truncate(true).create_new(!force).open(path);
-    file.and_then(|mut f| f.write_all(text.as_bytes())).map_err(|e| {
-        let what = match e.kind() {
-            std::io::ErrorKind::AlreadyExists => "it exists; `--force` overwrites it".into(),
-            std::io::ErrorKind::NotFound => "it cannot be written; make the directory first".into(),
-            _ => format!("it cannot be written: {}", load::reason(&e)),
-        };
-        Failure::Failed(format!("`{}`: {what}", path.display()))
-    })
+    if !force && path.symlink_metadata().is_ok() {
+        return Err(Failure::Failed(format!("`{}`: it exists; `--force` overwrites it", path.display())));
+    }
+    let write = if force { staged::write } else { staged::write_new };
+    Ok(write(path, text.as_bytes())?)
 }

@@ -184,6 +184,32 @@ fn nothing_to_hear_is_a_failure() {
     desk.ca(&["accuracy", "glass", "--error", "0"]).is(2).says(&["above 0"]);
 }
 
+/// What the reference does not know is not recommended, however small a row's error seems to be.
+#[test]
+fn no_way_is_better_than_its_reference_is_known() {
+    let desk = Desk::new();
+    let text = format!("{CHAIN}[CUB]\nhard = {{ between = [\"l\", \"b\"], k3 = \"10 GN/m^3\" }}\n");
+    desk.put("hard.ca.toml", &text);
+    let short = ["accuracy", "hard.ca.toml", "--seconds", "0.02", "--times", "1", "--reference", "4"];
+    let ask = |error: &str, more: &[&str]| desk.ca(&[&short[..], &["--error", error], more].concat());
+    let plain = ask("1e-30", &[]).is(3);
+    assert!(
+        plain.out.contains("the reference is known only to") && plain.out.contains("`--reference`"),
+        "{}",
+        plain.out
+    );
+    assert!(!plain.out.contains("the cheapest"), "{}", plain.out);
+    for error in ["1e-30", "1e-6"] {
+        let found: Json = serde_json::from_str(&ask(error, &["--json"]).is(3).out).expect("JSON");
+        assert!(found["reference"]["known"].as_f64().is_some_and(|k| k > 1e-6), "{found:#}");
+        assert!(found["recommended"].is_null(), "{found:#}");
+        assert!(found["verdict"].as_str().is_some_and(|v| v.contains("`--reference`")), "{found:#}");
+    }
+    desk.put("line.ca.toml", CHAIN);
+    let r = desk.ca(&["accuracy", "line.ca.toml", "--seconds", "0.02", "--times", "1", "--error", "1e-30"]).is(3);
+    assert!(r.out.contains("the closed form is known only to 1.0e-12"), "{}", r.out);
+}
+
 /// A reference beyond all rates is refused before anything is played, with the most there may be.
 #[test]
 fn no_reference_is_beyond_all_rates() {

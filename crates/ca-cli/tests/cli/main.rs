@@ -6,6 +6,7 @@ mod border;
 mod desk;
 mod docs;
 mod equiv;
+mod files;
 mod numbers;
 mod pages;
 mod pitch;

@@ -365,3 +365,23 @@ fn probes_of_several_are_called_by_their_modules() {
     r.says(&["--probe: `none` does nothing, so it was left out; probe the modules at its ends"]);
     desk.ca(&[&render[..], &["--probe", "*"]].concat()).is(1).says(&["`*` is not a selector"]);
 }
+
+/// `-q` leaves what warns of the model; what is only good to know it leaves out.
+#[test]
+fn quiet_is_not_silent_about_the_model() {
+    let desk = Desk::new();
+    desk.put("wild.ca.toml", UNSTABLE).put("bar.ca.toml", BAR);
+    let codes = |text: &str| -> Vec<String> {
+        let lines = text.lines().filter_map(|l| l.strip_prefix("warning[")?.split(']').next());
+        lines.map(str::to_owned).collect()
+    };
+    let known = desk.ca(&["check", "wild.ca.toml"]);
+    let known = codes(&(known.out + &known.err));
+    assert!(!known.is_empty());
+    let r = desk.ca(&["render", "wild.ca.toml", "-q"]).is(3);
+    assert_eq!((r.out.as_str(), codes(&r.err)), ("", known.clone()), "{}", r.err);
+    let r = desk.ca(&["report", "wild.ca.toml", "-q", "--accuracy", "0"]).is(3);
+    assert_eq!((r.out.as_str(), codes(&r.err)), ("", known), "{}", r.err);
+    let r = desk.ca(&["render", "bar.ca.toml", "-q"]).is(0);
+    assert_eq!((r.out.as_str(), r.err.as_str()), ("", ""));
+}

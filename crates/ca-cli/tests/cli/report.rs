@@ -145,6 +145,27 @@ fn what_is_odd_still_has_a_page() {
     browse(&desk, &["quiet.html", "mute.html", "empty.html", "wild.html", "one.html", "loud.html"]);
 }
 
+/// An output that hears a force may hear every mode: none of them is called silent, all are marked.
+#[test]
+fn modes_are_not_silent_to_who_hears_forces() {
+    let desk = Desk::new();
+    let plain = "[ENF]\npush = { to = \"g[3]\" }\n[STRING]\ng = { n = 20, f = \"110 Hz\", m = \"10 g\", t60 = \"2 s\" }\n[SOF]\nout = { from = \"g.link[0]\" }\n[gesture]\npush = [[0, 1], [0.01, 0]]\n";
+    desk.put("force.ca.toml", plain).put("both.ca.toml", &format!("{plain}[SOX]\nnear = {{ from = \"g[9]\" }}\n"));
+    for (name, levels) in [("force", false), ("both", true)] {
+        desk.ca(&["report", &format!("{name}.ca.toml"), "--seconds", "1", "--accuracy", "0"]);
+        let page = Page::of(&desk, &format!("{name}.html"));
+        page.says(&["These outputs hear forces"]);
+        for lie in ["silent", "not heard"] {
+            assert!(!page.html.contains(&format!(">{lie}<")), "{name}: `{lie}` on the page");
+        }
+        assert_eq!(page.html.contains("at the displacement outputs [dB]"), levels, "{name}");
+        assert!(!page.html.contains(">at the outputs [dB]<"), "{name}");
+        assert!(!names(page.plot("T60")).contains(&"not heard"), "{name}");
+        let marks = page.plot("level of a sine")["marks"].as_array().unwrap();
+        assert!(marks.len() >= 20, "{name}: {} modes are marked", marks.len());
+    }
+}
+
 /// Titles, names of files and comments are text, whatever is in them.
 #[test]
 fn no_word_of_a_model_becomes_markup() {

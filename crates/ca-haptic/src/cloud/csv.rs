@@ -4,7 +4,7 @@
 //! `x`, `y` and `z`. Lines beginning with `#` are comments. There are no edges: a model joins what is near by `reach`.
 
 use super::Drawing;
-use crate::error::{FileError, lower};
+use crate::error::{FileError, lower, shown};
 use ::csv::{ByteRecord, ReaderBuilder, Trim};
 
 /// Reads a CSV cloud.
@@ -59,6 +59,6 @@ fn number(row: &ByteRecord, column: usize, line: u64) -> Result<f64, FileError> 
     match text.parse::<f64>() {
         Ok(v) if v.is_finite() => Ok(v),
         _ if text.is_empty() => Err(wrong("there is no number".into())),
-        _ => Err(wrong(format!("`{text}` is not a number"))),
+        _ => Err(wrong(format!("`{}` is not a number", shown(&text)))),
     }
 }

@@ -10,6 +10,7 @@ mod obj;
 mod ply;
 
 use crate::error::FileError;
+use crate::reading;
 use ca_core::Catalog;
 use ca_core::Model;
 use ca_core::cloud::{Cloud, Clouds, Unread};
@@ -43,7 +44,9 @@ pub fn open(path: impl AsRef<Path>) -> Result<Cloud, FileError> {
             return Err(e.fix("use `.ply`, `.obj` or `.csv`"));
         }
     };
-    let bytes = std::fs::read(path).map_err(|e| FileError::io(path, "it cannot be read", &e))?;
+    // a `.ply` may be binary
+    let binary = ext.as_deref() == Some("ply");
+    let bytes = (if binary { reading::bytes } else { reading::text })(path, reading::CLOUD)?;
     read(&bytes).and_then(|d| cloud(&d)).map_err(|e| e.file(path.display()))
 }
 

@@ -14,7 +14,7 @@
 //! run backwards. Only commas separate and only points are decimal: guessing would turn `1,5` into two columns.
 
 use super::{Gesture, LONGEST, Track};
-use crate::error::{FileError, FileErrorKind, lower};
+use crate::error::{FileError, FileErrorKind, lower, shown};
 use ::csv::{ByteRecord, ReaderBuilder, Trim};
 use ca_core::model::quantity::Plain;
 
@@ -54,7 +54,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Gesture, FileError> {
     }
     let tracks = names.into_iter().zip(columns).enumerate().map(|(c, (name, points))| {
         if points.is_empty() {
-            let e = FileError::content("all cells are blank").at(format!("column {} (`{name}`)", c + 2));
+            let e = FileError::content("all cells are blank").at(format!("column {} (`{}`)", c + 2, shown(&name)));
             return Err(e.fix("give it a value or remove the column"));
         }
         Track::points(name, points)
@@ -70,7 +70,7 @@ fn header(line: u64, head: &ByteRecord) -> Result<Vec<String>, FileError> {
         let name = std::str::from_utf8(cell)
             .map_err(|_| FileError::content("the name is not UTF-8").at(&at).fix("save the file as UTF-8"))?;
         if c == 0 && name != "time" {
-            let e = FileError::content(format!("the first column is `{name}`, not `time`")).at(at);
+            let e = FileError::content(format!("the first column is `{}`, not `time`", shown(name))).at(at);
             return Err(if name.starts_with("time") && name.contains([';', '\t']) {
                 e.fix("separate columns by commas and write decimals with a point")
             } else if name.eq_ignore_ascii_case("time") {
@@ -83,7 +83,7 @@ fn header(line: u64, head: &ByteRecord) -> Result<Vec<String>, FileError> {
             return Err(FileError::content("the column has no name").at(at).fix("name the port it moves"));
         }
         if let Some(first) = names.iter().position(|n| n == name) {
-            let e = FileError::content(format!("`{name}` already names column {}", first + 1)).at(at);
+            let e = FileError::content(format!("`{}` already names column {}", shown(name), first + 1)).at(at);
             return Err(e.fix("rename or remove one of the two"));
         }
         names.push(name.to_owned());
@@ -97,7 +97,7 @@ fn header(line: u64, head: &ByteRecord) -> Result<Vec<String>, FileError> {
 }
 
 fn place(line: u64, column: usize, name: &str) -> String {
-    format!("line {line}, column {} (`{name}`)", column + 1)
+    format!("line {line}, column {} (`{}`)", column + 1, shown(name))
 }
 
 fn cells(n: usize) -> String {
@@ -113,12 +113,11 @@ fn number(line: u64, column: usize, name: &str, cell: &[u8]) -> Result<Option<f6
     match text.parse::<f64>() {
         Ok(v) if v.is_finite() => Ok(Some(v)),
         Ok(_) => {
-            let e = FileError::content(format!("`{text}` is no finite number")).at(place(line, column, name));
+            let e = FileError::content(format!("`{}` is no finite number", shown(&text))).at(place(line, column, name));
             Err(e.fix("leave the cell blank to interpolate"))
         }
         Err(_) => {
-            let shown: String = text.chars().take(40).collect();
-            let e = FileError::content(format!("`{}` is not a number", shown.escape_debug()));
+            let e = FileError::content(format!("`{}` is not a number", shown(&text)));
             Err(e.at(place(line, column, name)).fix("write it like `-1.5e-3`, without a unit"))
         }
     }
@@ -220,6 +219,7 @@ mod tests {
         says("time,key\n0,0,7\n", &["line 2", "3 cells"]);
         says("time,a,b\n0,1,\n1,2,\n", &["column 3 (`b`)", "all cells are blank"]);
         says("time,key\n0,1 mm\n", &["`1 mm`", "without a unit"]);
+        says(&format!("\u{1b}[2J{}\n", "n".repeat(99)), &["`\\u{1b}[2Jnnn", "nnn…`, not `time`"]);
         let e = read(b"time,\xff\n0,0\n").unwrap_err();
         assert!(e.to_string().contains("UTF-8"), "{e}");
     }

@@ -13,7 +13,8 @@
 //! | `.wav` | `ch0`, `ch1`, … | its own rate |
 //! | `.mid`, `.midi` | as the ports it moves | its own tempo map |
 
-use crate::error::{FileError, FileErrorKind};
+use crate::error::{FileError, FileErrorKind, shown};
+use crate::reading;
 use ca_core::io::midi::MidiMap;
 use std::path::Path;
 
@@ -77,7 +78,7 @@ impl Gesture {
                 return Err(FileError::content(format!("track {i} has no name")).fix("name the port it moves"));
             }
             if tracks[..i].iter().any(|u| u.name() == t.name()) {
-                let e = FileError::content(format!("two tracks are called `{}`", t.name()));
+                let e = FileError::content(format!("two tracks are called `{}`", shown(t.name())));
                 return Err(e.fix("rename or remove one"));
             }
         }
@@ -95,7 +96,8 @@ impl Gesture {
                 .file(path.display())
                 .fix("use a `.csv`, `.npy`, `.wav` or `.mid` file")
         })?;
-        let bytes = std::fs::read(path).map_err(|e| FileError::io(path, "it cannot be read", &e))?;
+        let read = if format == GestureFormat::Csv { reading::text } else { reading::bytes };
+        let bytes = read(path, reading::GESTURE)?;
         Gesture::read(format, &bytes, ports, rate).map_err(|e| e.file(path.display()))
     }
 

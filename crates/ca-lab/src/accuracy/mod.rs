@@ -248,9 +248,12 @@ fn small(v: f64) -> String {
 }
 
 impl Measured {
-    /// The cheapest way with at most this error; among those that are not known to be unstable.
+    /// The cheapest way with at most this error; among those that are not known to be unstable. None where the reference
+    /// is not known as well as that: below it, errors cannot be told apart.
     pub fn cheapest(&self, error: f64) -> Option<&Row> {
-        let error = error.max(self.truth.known);
+        if self.truth.known > error {
+            return None;
+        }
         let good = self.rows.iter().filter(|r| r.score.error <= error && r.level != Level::Unstable);
         good.min_by(|a, b| a.ns.total_cmp(&b.ns))
     }

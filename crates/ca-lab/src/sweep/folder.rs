@@ -17,6 +17,7 @@ use crate::Failure;
 use crate::load::reason;
 use crate::sweep::axis::Space;
 use ca_core::model::Value;
+use ca_haptic::staged;
 use std::collections::hash_map::RandomState;
 use std::fmt::Write as _;
 use std::hash::{BuildHasher as _, Hasher as _};
@@ -140,9 +141,7 @@ impl Folder {
         }
         std::fs::create_dir_all(path).map_err(|e| failed(path, "it cannot be made", &e))?;
         // workers begin at the same time, and all of them write the same
-        let part = aside(&asked);
-        let done = std::fs::write(&part, text).and_then(|()| std::fs::rename(&part, &asked));
-        done.map_err(|e| failed(&asked, "it cannot be written", &e))?;
+        staged::write(&asked, text.as_bytes())?;
         Ok(folder)
     }
 
@@ -239,10 +238,7 @@ impl Folder {
             };
             table.columns.push(("file".into(), super::Column::Text(rows.iter().map(file).collect())));
         }
-        let rows = part.join(ROWS);
-        table.write(&rows, &[])?;
-        let synced = std::fs::File::open(&rows).and_then(|f| f.sync_all());
-        synced.map_err(|e| failed(&rows, "it cannot be written", &e))
+        table.write(&part.join(ROWS), &[])
     }
 
     /// The table of all runs, written into the folder; `None` where some are missing.
@@ -271,10 +267,7 @@ impl Folder {
             ("rate", sweep.rate().to_string()),
         ];
         for (name, table) in [(MANIFEST, manifest), (TIME, times)] {
-            let path = self.path.join(name);
-            let part = aside(&path);
-            table.write(&part, &about)?;
-            std::fs::rename(&part, &path).map_err(|e| failed(&path, "it cannot be put in its place", &e))?;
+            table.write(&self.path.join(name), &about)?;
         }
         // what killed workers left behind
         for file in std::fs::read_dir(&self.path).into_iter().flatten().flatten() {

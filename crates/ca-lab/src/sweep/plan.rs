@@ -18,7 +18,7 @@
 //! Decides that what it names is looked for beside it, and that whatever it says wrongly is reported with its line.
 
 use super::{Ask, Audio, Axis, Sweep, folder};
-use crate::load::{self, reason, stem};
+use crate::load::{self, stem};
 use crate::{Failure, gesture};
 use ca_core::Options;
 use ca_core::model::suggest::nearest;
@@ -132,8 +132,7 @@ fn value(item: &toml_edit::Value) -> Option<Value> {
 /// [`Failure::Failed`] where the file cannot be read, [`Failure::Usage`] with the line of what makes no sense, and what
 /// [`Sweep::new`] says.
 pub fn read(path: &Path) -> Result<Plan, Failure> {
-    let text = std::fs::read_to_string(path)
-        .map_err(|e| Failure::Failed(format!("`{}`: it cannot be read: {}", path.display(), reason(&e))))?;
+    let text = load::text(path)?;
     let file = path.display().to_string();
     let t = Text { text: &text, file: &file };
     let doc = Document::parse(text.as_str()).map_err(|e| t.wrong(e.span(), e.message()))?;

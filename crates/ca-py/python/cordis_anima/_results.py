@@ -188,11 +188,12 @@ class Accuracy:
         return f"<Accuracy: {len(self)} ways, {self.seconds:g} s at {self.rate:g} Hz against {self.against}>"
 
     def cheapest(self, error: float) -> tuple[str, int] | None:
-        """The quickest method and multiple of the rate with at most this error; ``None`` where there is none."""
-        good = [
-            k for k in range(len(self)) if self.error[k] <= max(error, self.known) and self.stability[k] != "unstable"
-        ]
-        if not good:
+        """The quickest method and multiple of the rate with at most this error; ``None`` where there is none.
+
+        There is none either where the reference is not known as well as that: a higher ``reference`` is.
+        """
+        good = [k for k in range(len(self)) if self.error[k] <= error and self.stability[k] != "unstable"]
+        if self.known > error or not good:
             return None
         best = min(good, key=lambda k: float(self.ns[k]))
         return self.method[best], int(self.times[best])

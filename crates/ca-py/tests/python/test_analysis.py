@@ -53,6 +53,6 @@ def test_error_against_run_time() -> None:
     assert best is not None
     k = [k for k in range(len(a)) if (a.method[k], a.times[k]) == best][0]
     assert a.error[k] <= 1e-3 and (a.ns > 0).all() and a.front.any()
-    # what is below how well the reference is known cannot be told apart
-    assert a.known < 1e-9 and a.cheapest(0) == a.cheapest(a.known)
+    # what is below how well the reference is known cannot be confirmed
+    assert a.known < 1e-9 and a.cheapest(a.known / 2) is None and a.cheapest(1e-9) is not None
     assert a != ca.examples.string().modes() and len({a, a}) == 1

@@ -104,8 +104,7 @@ fn put(path: &Path, text: &str) -> Result<(), Failure> {
         std::fs::create_dir_all(folder).map_err(|e| failed(&e))?;
     }
     // whole or not at all: half a calibration would be a force in the wrong place
-    let part = path.with_extension("toml.part");
-    std::fs::write(&part, text).and_then(|()| std::fs::rename(&part, path)).map_err(|e| failed(&e))
+    Ok(ca_haptic::staged::write(path, text.as_bytes())?)
 }
 
 /// Both stops of each axis, of a running device and a person; `None` where the person skips.

@@ -12,6 +12,7 @@ use crate::load::{self, Loaded};
 use crate::{Ended, Failure, Outcome, catalog, term};
 use ca_core::Options;
 use ca_core::model::{read, render, write};
+use ca_haptic::staged;
 use std::io::Write as _;
 use std::path::Path;
 
@@ -33,7 +34,7 @@ pub fn run(args: &EquivArgs) -> Outcome {
             let why = if mdl { "a MIMS file holds no equivalences" } else { "a bundled model is not yours to change" };
             return Err(Failure::Usage(format!("`{}`: {why}; name a file by `--write FILE.ca.toml`", args.model)));
         }
-        replace(path, &text)?;
+        staged::write(path, text.as_bytes())?;
     } else if let Some(path) = &args.to.write {
         super::new::write(path, &text, args.to.force)?;
     }
@@ -49,15 +50,4 @@ pub fn run(args: &EquivArgs) -> Outcome {
     // findings that are not errors, as every command that compiles shows them
     term::findings(&render::text(&loaded.diags, &loaded.model, term::color()));
     Ok(Ended::Well)
-}
-
-/// The new text in the place of the old one, in one step: an author's file is never half written.
-pub(super) fn replace(path: &Path, text: &str) -> Result<(), Failure> {
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let aside = path.with_file_name(format!(".{name}.new"));
-    let rights = || std::fs::metadata(path).and_then(|m| std::fs::set_permissions(&aside, m.permissions()));
-    std::fs::write(&aside, text).and_then(|()| rights()).and_then(|()| std::fs::rename(&aside, path)).map_err(|e| {
-        let _ = std::fs::remove_file(&aside);
-        Failure::Failed(format!("`{}`: it cannot be written: {}", path.display(), load::reason(&e)))
-    })
 }

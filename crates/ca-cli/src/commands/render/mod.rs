@@ -95,6 +95,9 @@ pub fn run(args: &RenderArgs) -> Outcome {
         probes: &probes,
     };
     summary.warn();
+    if args.quiet {
+        crate::load::warn(&loaded, &scene);
+    }
     if args.json {
         summary.json()?;
     } else if !args.quiet {

@@ -41,6 +41,7 @@ pub(super) fn report(args: &ReportArgs) -> Result<(String, Report), Failure> {
         Some(scene) => (scene, heard(&loaded.model.items)),
         None => (load::scene(&loaded, &with(args.probe.clone()))?, args.probe.clone()),
     };
+    load::warn(&loaded, &scene);
     crate::commands::border::idle(&args.source, &scene);
     let gesture = render::gesture(&args.playing, &scene, args.output.as_deref().unwrap_or(Path::new("")))?;
     let performance = Performance::new(&scene, gesture.as_ref())?;

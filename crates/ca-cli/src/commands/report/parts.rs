@@ -124,9 +124,15 @@ impl Sung {
         swings.map(|(i, m)| (i + 1, m, level(m))).collect()
     }
 
-    /// Marks at the frequencies of those that are heard.
+    /// Outputs that hear forces, of which the modes tell nothing.
+    fn by_force(&self) -> &[String] {
+        self.0.as_ref().map_or(&[], |(network, _)| &network.deaf)
+    }
+
+    /// Marks at the frequencies of those that are heard; of all that may be.
     pub fn marks(&self) -> Vec<Mark> {
-        let heard = self.swinging().into_iter().filter(|(_, m, level)| *level > SILENT && m.heard >= LOWEST);
+        let any = !self.by_force().is_empty();
+        let heard = self.swinging().into_iter().filter(|(_, m, level)| (any || *level > SILENT) && m.heard >= LOWEST);
         heard.take(MODES).map(|(i, m, _)| Mark { x: m.heard, y: None, text: i.to_string() }).collect()
     }
 
@@ -151,6 +157,21 @@ impl Sung {
         if found.approximate {
             blocks.push(Block::Text("Damping ties modes to each other; T60 is that of each by itself.".into()));
         }
+        let forces = self.by_force();
+        let places = network.ports.iter().any(|p| p.role == "hears");
+        if !forces.is_empty() {
+            let names = crate::load::ticked(forces.iter().map(String::as_str));
+            let rest = if places { "; the levels are of the others" } else { "" };
+            let note =
+                format!("These outputs hear forces, which are no displacements, and may hear any mode: {names}{rest}.");
+            blocks.push(Block::Text(note));
+        }
+        // what an output that hears forces makes of a mode is not known, and no silence
+        let (rest, silent, outputs) = match (forces.is_empty(), places) {
+            (true, _) => ("not heard", "silent", "at the outputs [dB]"),
+            (false, true) => ("if heard, as a force", "-", "at the displacement outputs [dB]"),
+            (false, false) => ("modes", "-", ""),
+        };
         let points = swinging.iter().filter(|(_, m, _)| m.t60.is_finite() && m.t60 > 0.0).map(|(i, m, level)| Point {
             name: if *i <= MODES { i.to_string() } else { String::new() },
             x: m.heard,
@@ -160,25 +181,31 @@ impl Sung {
         let points: Vec<Point> = points.collect();
         if points.len() > 1 {
             let (x, y) = (Axis::log("frequency", "Hz"), Axis::log("T60", "s"));
-            blocks.push(Block::Plot(Plot::scatter("How long each mode rings", x, y, "heard", "not heard", &points)));
+            let mut plot = Plot::scatter("How long each mode rings", x, y, "heard", rest, &points);
+            plot.curves.retain(|c| c.y.iter().any(|v| v.is_finite()));
+            blocks.push(Block::Plot(plot));
         }
+        let head = ["mode", "free [Hz]", "heard [Hz]", "cents", "T60 [s]", outputs];
+        let head: Vec<&str> = head.into_iter().filter(|h| !h.is_empty()).collect();
+        let columns = head.len();
         let rows = swinging.iter().take(MODES).map(|(i, m, level)| {
             let t60 = match m.t60 {
                 _ if m.grows => "grows".into(),
                 t if t.is_finite() => format!("{:.4}", Plain(t)),
                 _ => "∞".into(),
             };
-            let level = if *level > SILENT { tenths(*level) } else { "silent".into() };
-            vec![
+            let level = if *level > SILENT { tenths(*level) } else { silent.into() };
+            let mut row = vec![
                 i.to_string(),
                 format!("{:.3}", m.f),
                 format!("{:.3}", m.heard),
                 format!("{:+.3}", m.cents()),
                 t60,
                 level,
-            ]
+            ];
+            row.truncate(columns);
+            row
         });
-        let head = ["mode", "free [Hz]", "heard [Hz]", "cents", "T60 [s]", "at the outputs [dB]"];
         let rows: Vec<Vec<String>> = rows.collect();
         if rows.is_empty() {
             blocks.push(Block::Text("None of them swings.".into()));

@@ -50,6 +50,7 @@ pub fn run(args: &ServeArgs) -> Outcome {
     let options =
         Options { rate: args.source.rate, energy: args.energy, clouds: loaded.clouds.clone(), ..Options::default() };
     let scene = Arc::new(load::scene(&loaded, &options)?);
+    load::warn(&loaded, &scene);
     let names = devices(&scene);
     let (setups, unknown) = setup::setups(args, &scene)?;
     if args.clock == ClockKind::Device && names.is_empty() {

@@ -1,0 +1,65 @@
+//! Files as they are written and read: whole or not at all, and never without end.
+
+use crate::desk::{BAR, Desk};
+use std::fs;
+
+/// What is there stays, and nothing half written beside it, where the disk is full: a file that may not grow any more
+/// stands for it.
+#[cfg(unix)]
+#[test]
+fn what_does_not_fit_on_the_disk_replaces_nothing() {
+    let desk = Desk::new();
+    desk.put("bar.ca.toml", &format!("{BAR}# {}\n", "long ".repeat(200)));
+    let short = "--seconds 0.01 --times 1 --reference 4";
+    for line in [
+        "report bar.ca.toml --seconds 1 --accuracy 0 -o x.html",
+        &format!("accuracy bar.ca.toml {short} -o x.html"),
+        "equiv bar.ca.toml --write x.ca.toml --force",
+        "new x.ca.toml --force",
+        "modes bar.ca.toml --shapes x.csv",
+    ] {
+        let name = ["x.html", "x.ca.toml", "x.csv"].into_iter().find(|n| line.contains(n)).unwrap();
+        desk.put(name, "good");
+        let blocks = if name == "x.csv" { 0 } else { 1 };
+        let r = desk.sh(&format!("ulimit -f {blocks}; trap '' XFSZ; ca {line}")).is(1);
+        assert!(r.err.contains(name) && r.err.contains("cannot be written"), "{line}: {}", r.err);
+        assert_eq!(fs::read_to_string(desk.path(name)).unwrap(), "good", "{line}");
+        fs::remove_file(desk.path(name)).unwrap();
+        desk.sh(&format!("ulimit -f {blocks}; trap '' XFSZ; ca {}", line.trim_end_matches(" --force"))).is(1);
+        assert_eq!(desk.files(), ["bar.ca.toml"], "{line} leaves nothing");
+    }
+    // the schema beside a model that fits
+    desk.sh("ulimit -f 20; trap '' XFSZ; ca new y.ca.toml").is(1).says(&["ca.schema.json"]);
+    assert_eq!(desk.files(), ["bar.ca.toml", "y.ca.toml"]);
+    desk.ca(&["equiv", "bar.ca.toml", "--write", "y.ca.toml"]).is(1).says(&["it exists", "--force"]);
+}
+
+/// What has no end, or no text in it, is refused at once; so is what is too large, by its size.
+#[cfg(unix)]
+#[test]
+fn nothing_is_read_without_end() {
+    let desk = Desk::new();
+    desk.put("bar.ca.toml", BAR);
+    let sparse = |name: &str, bytes: u64| fs::File::create(desk.path(name)).unwrap().set_len(bytes).unwrap();
+    sparse("big.ca.toml", 3_000_000_000);
+    sparse("big.csv", 3_000_000_000);
+    sparse("big.wav", 3_000_000_000);
+    sparse("nul.csv", 300_000_000);
+    sparse("nul.mdl", 1000);
+    sparse("nul.toml", 1000);
+    // little room stands for a large file
+    let ca = |line: &str| desk.sh(&format!("ulimit -v 2000000; ca {line}")).is(1);
+    ca("check /dev/zero").says(&["`/dev/zero`", "byte 0 is NUL", "saved as UTF-8"]);
+    ca("check big.ca.toml").says(&["`big.ca.toml`", "larger than the 256 MB", "STRING"]);
+    for name in ["big.csv", "big.wav"] {
+        ca(&format!("render bar.ca.toml --gesture {name}")).says(&[
+            name,
+            "larger than the 1000 MB",
+            "cut it into parts",
+        ]);
+    }
+    let r = ca("render bar.ca.toml --gesture nul.csv").says(&["`nul.csv`", "byte 0 is NUL"]);
+    assert!(!r.err.contains('\0') && r.err.len() < 1000, "{}", r.err);
+    ca("import nul.mdl").says(&["byte 0 is NUL"]);
+    ca("sweep nul.toml").says(&["byte 0 is NUL"]);
+}

@@ -1,0 +1,103 @@
+//! Files that are read whole, up to a limit.
+//!
+//! Decides that nothing is read without end: a file that is too large is refused by its size, and what has none (a pipe,
+//! `/dev/zero`) where the limit is passed. What should be text is refused at its first NUL, before more is read.
+
+use crate::error::FileError;
+use std::fs::File;
+use std::io::Read as _;
+use std::path::Path;
+
+/// What is read between two looks at it \[bytes\].
+const CHUNK: u64 = 1 << 20;
+
+/// How much is read of one kind of file.
+#[derive(Clone, Copy, Debug)]
+pub struct Limit {
+    /// \[MB\]
+    pub megabytes: u64,
+    /// what to do about more
+    pub fix: &'static str,
+}
+
+/// Models, and whatever else people write: plans, profiles, calibrations.
+pub const MODEL: Limit =
+    Limit { megabytes: 256, fix: "name a model; what repeats in it is better made by `STRING`, `MESH` and the like" };
+/// Gestures.
+pub const GESTURE: Limit = Limit { megabytes: 1000, fix: "cut it into parts, or lower its rate" };
+/// Bodies of drawing programs.
+pub const CLOUD: Limit = Limit { megabytes: 1000, fix: "simplify it" };
+
+/// A file of text, not decoded.
+///
+/// # Errors
+/// Where it cannot be read, is larger than the limit, or holds a NUL, as no text does.
+pub fn text(path: &Path, limit: Limit) -> Result<Vec<u8>, FileError> {
+    read(path, limit, true)
+}
+
+/// A file of any bytes.
+///
+/// # Errors
+/// Where it cannot be read, and where it is larger than the limit.
+pub fn bytes(path: &Path, limit: Limit) -> Result<Vec<u8>, FileError> {
+    read(path, limit, false)
+}
+
+fn read(path: &Path, limit: Limit, text: bool) -> Result<Vec<u8>, FileError> {
+    let fail = |e: std::io::Error| FileError::io(path, "it cannot be read", &e);
+    let most = limit.megabytes * 1_000_000;
+    let too_large = || {
+        let what = format!("it is larger than the {} MB that are read of such a file", limit.megabytes);
+        FileError::content(what).file(path.display()).fix(limit.fix)
+    };
+    let mut file = File::open(path).map_err(fail)?;
+    if file.metadata().is_ok_and(|m| m.is_file() && m.len() > most) {
+        return Err(too_large());
+    }
+    let mut all = Vec::new();
+    loop {
+        let before = all.len();
+        let n = (&mut file).take(CHUNK).read_to_end(&mut all).map_err(fail)?;
+        if n == 0 {
+            return Ok(all);
+        }
+        if let Some(at) = all[before..].iter().position(|b| text && *b == 0) {
+            let e = FileError::format(format!("it is no text: byte {} is NUL", before + at));
+            return Err(e.file(path.display()).fix("name a text file, saved as UTF-8"));
+        }
+        if all.len() as u64 > most {
+            return Err(too_large());
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nothing_is_read_beyond_its_limit() {
+        const SMALL: Limit = Limit { megabytes: 3, fix: "use less" };
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.csv");
+        std::fs::write(&path, vec![b'7'; 3_000_000]).unwrap();
+        assert_eq!(text(&path, SMALL).unwrap().len(), 3_000_000);
+        std::fs::write(&path, vec![b'7'; 3_000_001]).unwrap();
+        let e = bytes(&path, SMALL).unwrap_err().to_string();
+        assert!(e.contains("larger than the 3 MB") && e.ends_with("; use less"), "{e}");
+        // as large as it says and nothing in it
+        File::create(&path).unwrap().set_len(2_000_000).unwrap();
+        let e = text(&path, SMALL).unwrap_err().to_string();
+        assert!(e.contains("byte 0 is NUL") && e.contains("UTF-8"), "{e}");
+        assert_eq!(bytes(&path, SMALL).unwrap().len(), 2_000_000);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn what_has_no_end_is_left_at_the_limit() {
+        let zero = Path::new("/dev/zero");
+        assert!(bytes(zero, Limit { megabytes: 3, fix: "" }).unwrap_err().what.contains("larger than the 3 MB"));
+        assert!(text(zero, MODEL).unwrap_err().what.contains("NUL"));
+    }
+}
