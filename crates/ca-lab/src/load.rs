@@ -8,6 +8,7 @@ use ca_core::Catalog;
 use ca_core::cloud::Clouds;
 use ca_core::load::finish;
 use ca_core::model::diag::{Diags, Severity};
+use ca_core::model::render::line_column;
 use ca_core::model::suggest::nearest;
 use ca_core::model::{Item, Value, mims, read};
 use ca_core::{Model, Options, Scene};
@@ -50,8 +51,11 @@ pub fn mims_text(path: &Path) -> Result<String, Failure> {
 /// The text of a file of ours, or why not.
 pub fn text(path: &Path) -> Result<String, Failure> {
     String::from_utf8(bytes(path)?).map_err(|e| {
-        let at = e.utf8_error().valid_up_to();
-        Failure::Failed(format!("`{}`: not a text in UTF-8, from byte {at} on", path.display()))
+        let good = e.as_bytes().get(..e.utf8_error().valid_up_to()).unwrap_or_default();
+        let good = String::from_utf8_lossy(good);
+        let (line, column) = line_column(&good, good.len());
+        let what = format!("`{}`: not a text in UTF-8, from line {line}, column {column} on", path.display());
+        Failure::Failed(format!("{what}; save it as UTF-8"))
     })
 }
 

@@ -81,8 +81,8 @@ fn errors_of_a_model_point_at_their_places() {
     }
     desk.put("mute.ca.toml", "[CEL]\nbar = { m = 1, f = 9, dx0 = 1 }\n");
     desk.ca(&["render", "mute.ca.toml"]).is(1).says(&["no output", "SOX"]);
-    fs::write(desk.path("odd.ca.toml"), [b'[', 0xff]).unwrap();
-    desk.ca(&["render", "odd.ca.toml"]).is(1).says(&["UTF-8"]);
+    fs::write(desk.path("odd.ca.toml"), b"[CEL]\n# caf\xe9\n").unwrap();
+    desk.ca(&["render", "odd.ca.toml"]).is(1).says(&["UTF-8", "line 2, column 6"]);
     desk.ca(&["render", "."]).is(1);
     assert_eq!(desk.files(), ["a.ca.toml", "mute.ca.toml", "odd.ca.toml"]);
 }
