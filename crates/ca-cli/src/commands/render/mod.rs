@@ -95,6 +95,7 @@ pub fn run(args: &RenderArgs) -> Outcome {
         probes: &probes,
     };
     summary.warn();
+    ca_lab::play::clamped(&played.performance).iter().for_each(|what| term::warning(what));
     if args.json {
         summary.json()?;
     } else if !args.quiet {
