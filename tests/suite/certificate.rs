@@ -319,6 +319,16 @@ fn what_is_left_out_is_not_judged() {
     assert_eq!((s.certificate.level, s.certificate.not_judged.len()), (Level::Unstable, 0));
 }
 
+/// Masses whose modes stand for them are heard, and judged by those.
+#[test]
+fn what_goes_by_its_modes_is_judged() {
+    let text = "[model]\nmethod = \"modal\"\n[CEL]\nb = { m = 1, k = 1e6 }\nlost = { m = 1, k = 1e6 }\n\
+                [SOX]\nout = { from = \"b\" }\n";
+    assert_eq!(scene(text).certificate.not_judged, [String::from("lost")]);
+    let s = scene(&text.replace("lost = { m = 1, k = 1e6 }\n", ""));
+    assert!(s.certificate.not_judged.is_empty() && s.certificate.level == Level::Proven, "{:?}", s.certificate);
+}
+
 /// Two live parameters of one module: their worst corner is one that neither reaches alone.
 #[test]
 fn live_parameters_count_at_their_worst_together() {

@@ -21,6 +21,9 @@ const COLUMNS: usize = 8;
 /// A port hears nothing of a mode from here on down \[dB\].
 const SILENT: f64 = -200.0;
 
+/// What to do about what nothing hears.
+const HEAR: &str = "hear it with an output to have it in the scene";
+
 /// Runs the command.
 pub fn run(args: &ModesArgs) -> Outcome {
     let loaded = load::load(&args.source)?;
@@ -31,6 +34,10 @@ pub fn run(args: &ModesArgs) -> Outcome {
     })?;
     let n = network.linear.places.len();
     if n == 0 {
+        if !network.unheard.is_empty() {
+            let silent = load::ticked(network.unheard.iter().map(String::as_str));
+            return Err(Failure::Failed(format!("nothing that is heard moves; nothing hears {silent}: {HEAR}")));
+        }
         let but = if network.left_out.is_empty() { String::new() } else { format!(" but {}", left_out(&network)) };
         return Err(Failure::Failed(format!("nothing in this model moves{but}")));
     }
@@ -82,6 +89,10 @@ fn text(name: &str, network: &Network, found: &Modes, most: usize) -> Result<(),
     )?;
     if !network.left_out.is_empty() {
         writeln!(out, "  no linear links, so not part of it: {}", left_out(network))?;
+    }
+    if !network.unheard.is_empty() {
+        let silent = load::ticked(network.unheard.iter().map(String::as_str));
+        writeln!(out, "  nothing hears these, so they are left out: {silent} ({HEAR})")?;
     }
     let ports: Vec<_> = network.ports.iter().take(COLUMNS).collect();
     let columns: Vec<Vec<f64>> = ports.iter().map(|p| levels(found, &p.at)).collect();
@@ -154,7 +165,7 @@ fn value(name: &str, network: &Network, found: &Modes) -> Json {
         network.left_out.iter().map(|(name, code)| json!({ "name": name, "law": code })).collect();
     json!({
         "name": name, "rate": rate(network), "oversample": network.oversample, "places": network.names, "ports": ports,
-        "left_out": left_out,
+        "left_out": left_out, "unheard": network.unheard,
         "approximate": found.approximate, "force_outputs": network.deaf, "modes": list,
     })
 }

@@ -82,10 +82,65 @@ fn errors_of_a_model_point_at_their_places() {
     }
     desk.put("mute.ca.toml", "[CEL]\nbar = { m = 1, f = 9, dx0 = 1 }\n");
     desk.ca(&["render", "mute.ca.toml"]).is(1).says(&["no output", "SOX"]);
-    fs::write(desk.path("odd.ca.toml"), [b'[', 0xff]).unwrap();
-    desk.ca(&["render", "odd.ca.toml"]).is(1).says(&["UTF-8"]);
+    fs::write(desk.path("odd.ca.toml"), b"[CEL]\n# caf\xe9\n").unwrap();
+    desk.ca(&["render", "odd.ca.toml"]).is(1).says(&["UTF-8", "line 2, column 6"]);
     desk.ca(&["render", "."]).is(1);
     assert_eq!(desk.files(), ["a.ca.toml", "mute.ca.toml", "odd.ca.toml"]);
+}
+
+/// A negative number is the value of the option before it, and refused by what the option takes.
+#[test]
+fn negative_numbers_are_judged_as_any_other() {
+    let desk = Desk::new();
+    for line in [
+        "render x --seconds -1",
+        "render x --rate -1",
+        "render x --latency -1",
+        "render x --gesture g.csv --gesture-rate -3",
+        "accuracy x --error -1",
+        "accuracy x --times -1",
+        "accuracy x --reference -1",
+        "modes x --modes -1",
+        "modes x -n -1",
+        "tune x a=A3 --a4 -1",
+        "tune x a=A3 --mode -1",
+        "equiv x --key a --lever -2",
+        "report x --accuracy -1",
+        "serve x --cpu -1",
+        "serve x --priority -1",
+        "serve x --audio --audio-buffer -1",
+        "sweep x --threads -1",
+        "device sim --rate -1",
+        "device sim --speed -1",
+        "device sim --seed -1",
+        "device sim --delay -1",
+    ] {
+        let ran = desk.ca(&line.split(' ').collect::<Vec<_>>()).is(2).says(&["invalid value '-"]);
+        assert!(!ran.err.contains("tip"), "{line}: {}", ran.err);
+    }
+}
+
+/// What cannot be set says where it is written, and what is set wrongly is not blamed on the file.
+#[test]
+fn what_is_set_is_told_from_what_is_written() {
+    let desk = Desk::new();
+    desk.put(
+        "room.ca.toml",
+        "[param]\nstiff = { value = \"1 kN/m\", live = true, min = \"0.5 kN/m\", max = \"2 kN/m\" }\n[room]\ndim = 2\n\
+         gravity = \"9.81 m/s^2\"\n[room.MAS]\na = { m = \"1 g\", x = [0, 0] }\n[CEL]\nb = { m = \"1 g\", k = \"stiff\" }\n\
+         [SOX]\nout = { from = \"b\" }\nalso = { from = \"room.a\", along = \"x\" }\n",
+    );
+    let set = |what: &str| desk.ca(&["check", "room.ca.toml", "--set", what]);
+    desk.ca(&["check", "room.ca.toml"]).is(0);
+    set("room.gravity=1").is(2).says(&["--set: `gravity` of the group `room`", "room.ca.toml:5"]);
+    set("room.friction=1").is(2).says(&["write it below `[room]`, room.ca.toml:3"]);
+    set("room.a.x=[1,2]").is(2).says(&["--set: `room.a.x`: a list", "room.ca.toml:7"]);
+    set("model.title=[1,2]").is(0);
+    for (value, is) in [("99999", "a plain number"), ("1 kg", "in kg")] {
+        let ran = set(&format!("stiff={value}")).is(1).says(&["E008", is, "`min` is in N/m", "what is set"]);
+        assert!(!ran.err.contains("room.ca.toml:2"), "{}", ran.err);
+    }
+    set("stiff=1.5 kN/m").is(0);
 }
 
 #[cfg(unix)]

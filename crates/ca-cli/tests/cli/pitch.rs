@@ -140,6 +140,28 @@ fn what_cannot_be_tuned_is_reported() {
 }
 
 /// A string of waves is in no matrix: both commands say so, and what to do instead.
+/// What nothing hears is not in the scene: that is the cause, and not that it has no modes.
+#[test]
+fn what_nothing_hears_is_said_to_be_unheard() {
+    let desk = Desk::new();
+    let cells = "[CEL]\nc = { m = \"1 g\", f = \"100 Hz\" }\nd = { m = \"1 g\", f = \"200 Hz\" }\n[SOX]\nout = { from = \"c\" }\n";
+    desk.put("un.ca.toml", cells);
+    desk.ca(&["tune", "un.ca.toml", "d=A3"]).is(1).says(&["nothing hears `d`", "`from = \"d\"`"]);
+    desk.ca(&["modes", "un.ca.toml"]).is(0).says(&["nothing hears these, so they are left out: `d`"]);
+    assert_eq!(desk.ca(&["modes", "un.ca.toml", "--json"]).is(0).json()["unheard"][0], "d");
+    desk.ca(&["tune", "un.ca.toml", "c=A3"]).is(0);
+    let bank =
+        "[BANK]\nk = { f = [\"100 Hz\", \"200 Hz\", \"300 Hz\"], m = \"1 g\" }\n[SOX]\nout = { from = \"k[0]\" }\n";
+    desk.put("bank.ca.toml", bank);
+    let scale = ["tune", "bank.ca.toml", "--scale", "harmonic", "--root", "A3", "k"];
+    desk.ca(&scale).is(1).says(&["nothing hears `k[1]`", "`from = \"k[*]\"`"]);
+    desk.ca(&["modes", "bank.ca.toml"]).is(0).says(&["left out: `k[1]`, `k[2]`"]);
+    desk.put("bank.ca.toml", &bank.replace("k[0]", "k[*]"));
+    desk.ca(&scale).is(0);
+    desk.put("fixed.ca.toml", &cells.replace("[SOX]", "[SOL]\nw = {}\n[SOX]").replace("from = \"c\"", "from = \"w\""));
+    desk.ca(&["modes", "fixed.ca.toml"]).is(1).says(&["nothing that is heard moves", "`c`, `d`"]);
+}
+
 #[test]
 fn waveguides_are_left_out_and_said_to_be() {
     let desk = Desk::new();

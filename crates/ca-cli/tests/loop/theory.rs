@@ -30,6 +30,7 @@ slew = 1e8
 edge = 0
 passivity = {passivity}
 oscillation = false
+clear = 1
 clear_time = 0.01
 ramp = 0.01
 ttl = 0.1

@@ -115,4 +115,6 @@ pub struct Network {
     pub deaf: Vec<String>,
     /// links that are not linear, and so not in it: name and law
     pub left_out: Vec<(String, &'static str)>,
+    /// what nothing hears, and so is not in it: modules, or of one that is heard in part its members
+    pub unheard: Vec<String>,
 }

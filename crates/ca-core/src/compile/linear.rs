@@ -10,6 +10,7 @@ use crate::analysis::{Linear, Loose, Network, Place, Port};
 use crate::law::Bound;
 use crate::op::pass;
 use crate::tuning::Scheme;
+use alloc::string::String;
 use alloc::vec::Vec;
 
 /// Where moving points are taken to be.
@@ -152,8 +153,25 @@ pub fn network(net: &Net) -> Network {
         ports,
         deaf,
         left_out: left_out.into_iter().map(|(i, code)| (net.items[i as usize].name.clone(), code)).collect(),
+        unheard: unheard(net),
         linear,
     }
+}
+
+/// Modules that nothing hears; of one that is heard in part, its members.
+fn unheard(net: &Net) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    let mut all = alloc::vec![0_usize; net.items.len()];
+    net.mats.iter().filter(|m| !m.is_fixed()).for_each(|m| all[m.item as usize] += 1);
+    for of in net.unheard.chunk_by(|a, b| net.mats[*a as usize].item == net.mats[*b as usize].item) {
+        let Some(item) = of.first().map(|m| net.mats[*m as usize].item) else { continue };
+        if of.len() == all[item as usize] {
+            names.push(net.items[item as usize].name.clone());
+        } else {
+            names.extend(of.iter().map(|m| net.mats[*m as usize].name.clone()));
+        }
+    }
+    names
 }
 
 /// One row of a link, as a share of its slopes, or one for each node a point may stand at.

@@ -343,6 +343,8 @@ pub struct Net {
     pub left_out: Vec<String>,
     /// MATs that stay, by document number
     pub alive: Vec<bool>,
+    /// MATs that could move and that nothing hears, by document number
+    pub unheard: Vec<u32>,
     /// MATs that hang on the line port of a quadripole, by document number; empty where there is none
     pub fed: Vec<bool>,
 }

@@ -4,7 +4,7 @@ use super::named::{Named, Raw};
 use super::net::Net;
 use super::say::{bad_quantity, inside, range_help, type_name, wrong_unit};
 use super::values::Values;
-use crate::kind::Unit;
+use crate::kind::{Dim, Unit};
 use crate::live::LiveParam;
 use crate::model::diag::{Diag, Diags};
 use crate::model::quantity::Plain;
@@ -143,10 +143,7 @@ fn limits(n: &mut Named, spans: [Span; 2], what: &str, diags: &mut Diags) {
         if nothing || matches!((a, b), (None, None)) || matches!((a, b), (Some(a), Some(b)) if a.same(b)) {
             continue;
         }
-        let symbol = a.map_or(String::new(), quantity::unit_of);
-        let is = b.map_or(String::new(), quantity::unit_of);
-        let d = wrong_unit(&format!("`{key}` of {what}"), &symbol, &is, span);
-        diags.push(d.at(n.value_span, "the value").help("give value and limits in one unit, e.g. by `unit = \"…\"`"));
+        diags.push(not_alike(n, what, key, span, [a, b]));
         (n.min, n.max) = (None, None);
         return;
     }
@@ -169,6 +166,31 @@ fn limits(n: &mut Named, spans: [Span; 2], what: &str, diags: &mut Diags) {
         let (a, b) = (low.unwrap_or(f64::MIN), high.unwrap_or(f64::MAX));
         diags.push(d.at(n.value_span, "out of range").help(range_help(a, b, show)));
     }
+}
+
+/// What to say where the value and a limit are not of one unit. Of the two a plain number is what is wrong, and a value
+/// that was set, which does not stand in the text.
+fn not_alike(n: &Named, what: &str, key: &str, span: Span, [value, limit]: [Option<Dim>; 2]) -> Diag {
+    let [is, of] = [value, limit].map(|d| d.map_or(String::new(), quantity::unit_of));
+    let in_unit = |unit: &str| if unit.is_empty() { "a plain number".into() } else { format!("in {unit}") };
+    let help = "give value and limits in one unit, e.g. by `unit = \"…\"`";
+    let was_set = span.is_some() && !n.value_span.is_some();
+    if value.is_some() && !was_set {
+        let d = if limit.is_some() {
+            wrong_unit(&format!("`{key}` of {what}"), &is, &of, span)
+        } else {
+            let title = format!("`{key}` of {what} is a plain number, and its value is in {is}");
+            Diag::error("E008", title).at(span, "a plain number")
+        };
+        return d.at(n.value_span, "the value").help(help);
+    }
+    let title = format!("the value of {what} is {}, and its `{key}` is {}", in_unit(&is), in_unit(&of));
+    let d = Diag::error("E008", title);
+    if !was_set {
+        return d.at(n.value_span, "a plain number").at(span, format!("this is in {of}")).help(help);
+    }
+    let v = Plain(n.value.map_or(0.0, Raw::number));
+    d.help(format!("what is set is given as in the file, e.g. `{}={}`", n.name, format!("{v} {of}").trim_end()))
 }
 
 /// Hands the parameters over to the network; notes which nothing uses.

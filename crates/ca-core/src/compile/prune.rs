@@ -105,6 +105,7 @@ pub fn prune(model: &Model, net: &mut Net, diags: &mut Diags) {
         alive[i] |= matches!(m.role, MatRole::Port(PortRole::Tgr, _));
     }
     report(model, net, &alive, &keep, diags);
+    net.unheard = (0..n as u32).filter(|m| !alive[*m as usize] && !fixed[*m as usize]).collect();
     net.alive = alive;
     if keep.iter().any(|k| !k) {
         let lias = core::mem::take(&mut net.lias);

@@ -103,15 +103,16 @@ pub fn reference(model: &Model, net: &Net, diags: &mut Diags) -> Option<f64> {
 
 /// Gravity and friction of every group; those of the model come last.
 pub fn media(model: &Model, net: &mut Net, v: &mut Values<'_>) {
-    let root = medium(&model.meta, "`[model]`", Medium::default(), &OF_MODEL, v);
+    let root = medium(&model.meta, ["`[model]`", "[model]"], Medium::default(), &OF_MODEL, v);
     for g in &model.groups {
-        let m = medium(&g.props, &format!("group `{}`", g.name), root, &OF_GROUP, v);
+        let m = medium(&g.props, [&format!("group `{}`", g.name), &g.name], root, &OF_GROUP, v);
         net.media.push(m);
     }
     net.media.push(root);
 }
 
-fn medium(props: &[Entry], owner: &str, outer: Medium, methods: &Param, v: &mut Values<'_>) -> Medium {
+/// The medium of an owner: how it is spoken of, and its bare name.
+fn medium(props: &[Entry], [owner, name]: [&str; 2], outer: Medium, methods: &Param, v: &mut Values<'_>) -> Medium {
     let mut m = outer;
     // which way is down hangs on the number of axes
     if let Some(e) = props.iter().find(|e| e.key == "dim") {
@@ -142,8 +143,8 @@ fn medium(props: &[Entry], owner: &str, outer: Medium, methods: &Param, v: &mut 
                     m.friction = z;
                 }
             }
-            "method" => m.method = v.word(methods, e, owner).unwrap_or(m.method),
-            "theta" => m.theta = v.word(&THETA, e, owner).or(m.theta),
+            "method" => m.method = v.word(methods, e, name).unwrap_or(m.method),
+            "theta" => m.theta = v.word(&THETA, e, name).or(m.theta),
             _ => {}
         }
     }

@@ -57,7 +57,7 @@ pub fn resolve(model: &Model, catalog: &Catalog, options: &Options, diags: &mut 
         v.alg = te;
     }
     if let Some(e) = model.meta(START.name) {
-        net.as_milib = v.word(&START, e, "`[model]`") == Some(1.0);
+        net.as_milib = v.word(&START, e, "[model]") == Some(1.0);
     }
     equivalence::equivalence(model, &mut net, &mut v);
     params::place(&mut v, &mut net);

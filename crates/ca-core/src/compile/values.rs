@@ -164,12 +164,12 @@ impl Values<'_> {
         (quarters(p) && (1.0..=5.0).contains(&p)).then_some(p)
     }
 
-    /// The argument `param` of an item.
-    /// A parameter of what is no module: of a group, or of the model.
+    /// A parameter of what is no module: of a group, or of the model, by its bare name.
     pub fn word(&mut self, param: &Param, e: &Entry, owner: &str) -> Option<f64> {
         self.arg(&crate::phi::REF, param, e, &[], owner)?.0.num()
     }
 
+    /// The argument `param` of an item.
     pub fn arg(
         &mut self,
         kind: &'static Kind,

@@ -102,8 +102,9 @@ impl Reader<'_, '_> {
             mended.insert(0, '_');
         }
         let d = Diag::error("E014", format!("not a name: `{}`", word.escape_debug())).at(span, "not a name");
-        let d = d.help("a name is made of letters, digits and `_`, and starts with a letter");
-        self.diags.push(if is_word(&mended) { d.fix(span, mended) } else { d });
+        let d = d.help("a name is made of the letters a to z and A to Z, digits and `_`, and starts with a letter");
+        // of a word in other letters nothing that means anything is left
+        self.diags.push(if word.is_ascii() && is_word(&mended) { d.fix(span, mended) } else { d });
         self.model.lost.push(word.into());
         false
     }

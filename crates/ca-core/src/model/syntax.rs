@@ -144,6 +144,10 @@ pub(super) fn report(source: &Source, text: &str, doc: &DeTable, errors: &[Error
             diags.push(d.help("a value with a unit is a string").fix(span, format!("\"{written}\"")));
             continue;
         }
+        // a name in other letters is read on, and found to be none there
+        if e.message().starts_with("invalid unquoted key") && written.chars().all(char::is_alphabetic) {
+            continue;
+        }
         if !broken.insert(line(span)) {
             continue;
         }

@@ -98,6 +98,7 @@ pub fn run(args: &RenderArgs) -> Outcome {
     if args.quiet {
         crate::load::warn(&loaded, &scene);
     }
+    ca_lab::play::clamped(&played.performance).iter().for_each(|what| term::warning(what));
     if args.json {
         summary.json()?;
     } else if !args.quiet {

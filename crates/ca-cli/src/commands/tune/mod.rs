@@ -278,6 +278,13 @@ fn heard(loaded: &Loaded, name: &str, knob: &Knob, mode: u32) -> Result<f64, Fai
         )));
     };
     let own: Vec<usize> = (0..network.names.len()).filter(|i| is_of(&network.names[*i], name, knob)).collect();
+    if own.is_empty() && network.unheard.iter().any(|u| u == name || (*u == knob.part && knob.cell.is_some())) {
+        let from = if knob.cell.is_some() { format!("{}[*]", knob.part) } else { name.into() };
+        return Err(Failure::Failed(format!(
+            "nothing hears `{name}`, so it is left out of the scene; hear it with an output, such as `[SOX]` with \
+             `from = \"{from}\"`"
+        )));
+    }
     let most = found.list.iter().filter(|m| m.heard > 0.0 && share(&network, m, &own) > 0.5);
     let Some(m) = most.clone().nth(mode as usize - 1) else {
         let n = most.count();

@@ -177,9 +177,8 @@ pub fn certify(model: &Model, net: &Net, asked: bool, diags: &mut Diags) -> Cert
     cert
 }
 
-/// Items of which some mass is left out, since nothing hears it.
+/// Items of which some mass is left out, since nothing hears it. Masses whose modes stand for them are heard.
 fn not_judged(net: &Net) -> Vec<String> {
-    let silent = net.mats.iter().zip(&net.alive).filter(|(m, alive)| !**alive && !m.is_fixed()).map(|(m, _)| m.item);
-    let items: BTreeSet<u32> = silent.collect();
+    let items: BTreeSet<u32> = net.unheard.iter().map(|m| net.mats[*m as usize].item).collect();
     items.into_iter().map(|i| net.items[i as usize].name.clone()).collect()
 }
