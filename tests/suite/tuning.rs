@@ -132,8 +132,9 @@ fn a_pitch_beyond_a_method_is_refused() {
     let model = crate::play::model(text);
     let found =
         ca_core::compile(&model, &ca_tests::catalog(), &ca_core::Options::default()).expect_err("it cannot sound");
-    let all =
-        found.list.iter().map(|d| format!("{} {}", d.title, d.help.clone().unwrap_or_default())).collect::<String>();
+    let all: Vec<String> =
+        found.list.iter().map(|d| format!("{} {}", d.title, d.help.clone().unwrap_or_default())).collect();
+    let all = all.join("\n");
     assert!(all.contains("13000 Hz") && all.contains("theta = 0.25"), "{all}");
     let text = text.replace("[STRING]", "theta = 0.25\n[STRING]");
     assert!(ca_core::compile(&crate::play::model(&text), &ca_tests::catalog(), &ca_core::Options::default()).is_ok());

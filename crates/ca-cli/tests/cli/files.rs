@@ -20,7 +20,7 @@ fn what_does_not_fit_on_the_disk_replaces_nothing() {
     ] {
         let name = ["x.html", "x.ca.toml", "x.csv"].into_iter().find(|n| line.contains(n)).unwrap();
         desk.put(name, "good");
-        let blocks = if name == "x.csv" { 0 } else { 1 };
+        let blocks = i32::from(name != "x.csv");
         let r = desk.sh(&format!("ulimit -f {blocks}; trap '' XFSZ; ca {line}")).is(1);
         assert!(r.err.contains(name) && r.err.contains("cannot be written"), "{line}: {}", r.err);
         assert_eq!(fs::read_to_string(desk.path(name)).unwrap(), "good", "{line}");

@@ -88,7 +88,7 @@ impl Text<'_> {
     }
 
     /// Findings about a value that the model was given from here: they point here.
-    fn from_here<T>(&self, item: Option<&Item>, done: Result<T, Failure>) -> Result<T, Failure> {
+    fn placed<T>(&self, item: Option<&Item>, done: Result<T, Failure>) -> Result<T, Failure> {
         done.map_err(|e| {
             let Failure::Found(mut found) = e else { return e };
             for d in &mut found.diags.list {
@@ -209,7 +209,7 @@ pub fn read(path: &Path) -> Result<Plan, Failure> {
         }
         let value = item.as_value().and_then(value);
         let value = value.ok_or_else(|| t.wrong(item.span(), &format!("`{name}` is no value")))?;
-        t.at(item, t.from_here(Some(item), measured_so(&loaded, name, &value)))?;
+        t.at(item, t.placed(Some(item), measured_so(&loaded, name, &value)))?;
         t.at(item, load::set(&mut loaded, name, value))?;
     }
     let vary = vary.ok_or_else(|| t.wrong(None, "there is no `[vary]`; name the parameters that change"))?;
@@ -222,7 +222,7 @@ pub fn read(path: &Path) -> Result<Plan, Failure> {
         t.at(item, varied(&axis))?;
         t.at(item, load::set(&mut loaded.clone(), &axis.name, axis.at(0.0)))?;
         for (key, end) in ["from", "to"].iter().zip(axis.ends.iter().flatten()) {
-            t.from_here(item.get(key), measured_so(&loaded, &axis.name, end))?;
+            t.placed(item.get(key), measured_so(&loaded, &axis.name, end))?;
         }
         if runs.is_none() {
             t.at(item, counted(&axis))?;

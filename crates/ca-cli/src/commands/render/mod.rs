@@ -98,7 +98,9 @@ pub fn run(args: &RenderArgs) -> Outcome {
     if args.quiet {
         crate::load::warn(&loaded, &scene);
     }
-    ca_lab::play::clamped(&played.performance).iter().for_each(|what| term::warning(what));
+    for what in ca_lab::play::clamped(&played.performance) {
+        term::warning(&what);
+    }
     if args.json {
         summary.json()?;
     } else if !args.quiet {
