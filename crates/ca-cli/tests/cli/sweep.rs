@@ -264,6 +264,44 @@ fn what_makes_no_sense_is_said_with_its_line() {
     desk.ca(&["sweep", "p.sweep.toml"]).is(2).says(&["another sweep", "sweep.toml"]);
 }
 
+/// Units are those of a model, and what is wrong is said with the one place where it stands.
+#[test]
+fn units_and_places_of_a_plan_are_said_as_of_a_model() {
+    let desk = desk();
+    let says = |plan: &str, code: i32, what: &[&str]| {
+        desk.put("p.sweep.toml", &format!("model = \"struck.ca.toml\"\n{plan}"));
+        let ran = desk.ca(&["sweep", "p.sweep.toml"]).is(code).says(what);
+        assert_eq!(ran.err.matches("p.sweep.toml:").count(), 1, "{}", ran.err);
+    };
+    for (line, is) in [
+        ("seconds = \"0.1 kg\"", "`seconds` is given in kg, not in s"),
+        ("seconds = \"0.1 Hz\"", "`seconds` is given in Hz, not in s"),
+        ("seconds = \"0.1 s s\"", "`seconds` is given in"),
+        ("gesture_rate = \"100 g\"", "`gesture_rate` is given in kg, not in Hz"),
+        ("rate = \"44100 g\"", "`rate` is given in kg, not in Hz"),
+        ("[set]\n\"low.z\" = \"1 s\"", "`z` of `low` is given in s, not in N s/m"),
+    ] {
+        let at = if line.starts_with('[') { "p.sweep.toml:3:" } else { "p.sweep.toml:2:" };
+        says(&format!("{line}\n[vary]\n\"low.k\" = [1000]\n"), 1, &["E008", is, at]);
+    }
+    says("seconds = -1\n[vary]\n", 1, &["E009", "p.sweep.toml:2:"]);
+    says("seconds = \"long\"\n[vary]\n", 2, &["p.sweep.toml:2: `seconds` is a number of seconds"]);
+    let range = "{ from = \"1 kN/m\", to = \"2 m\", steps = 2 }";
+    says(&format!("[vary]\n\"low.k\" = {range}\n"), 1, &["E008", "p.sweep.toml:3:", "in m, not in N/m"]);
+    says("runs = 0\n[vary]\n\"low.k\" = [1000]\n", 2, &["p.sweep.toml:2: `runs` is a whole number from 1 to"]);
+    let range = "{ from = 1, to = 2, steps = 1e9 }";
+    says(&format!("[vary]\n\"low.k\" = {range}\n"), 2, &["p.sweep.toml:3: `steps` is a whole number"]);
+    says("[vary]\n\"low.k\" = { from = 1, to = 2 }\n", 2, &["p.sweep.toml:3: ", "`runs`"]);
+    says("[vary]\n\"rate.sound\" = [44100]\n", 2, &["p.sweep.toml:3: ", "one rate"]);
+    // a dot without quotes
+    says("[vary]\nlow.k = [1, 2]\n", 2, &["p.sweep.toml:3: ", "write `\"low.k\" = …`"]);
+    says("[set]\nlow.k = 1\n[vary]\n", 2, &["p.sweep.toml:3: ", "write `\"low.k\" = …`"]);
+    // one name twice
+    let twice = "[set]\n\"low.k\" = 1000\n[vary]\n\"low.k\" = [1000, 2000]\n";
+    says(twice, 2, &["p.sweep.toml:3: `low.k` is set here, and varied in line 5"]);
+    assert!(!desk.path("p").exists());
+}
+
 #[cfg(unix)]
 #[test]
 fn what_is_stopped_goes_on() {

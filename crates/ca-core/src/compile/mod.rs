@@ -59,8 +59,9 @@ mod wiring;
 pub use options::{KernelClass, Options};
 
 use crate::catalog::Catalog;
-use crate::model::Model;
+use crate::kind::Unit;
 use crate::model::diag::Diags;
+use crate::model::{Entry, Model};
 use crate::real::SINGLE;
 use crate::scene::Scene;
 use net::Net;
@@ -87,6 +88,14 @@ fn network(model: &Model, catalog: &Catalog, options: &Options) -> Result<(Net, 
         single::check(model, &net, &mut diags);
     }
     Ok((net, diags))
+}
+
+/// A number that stands in another text than a model, such as the plan of a sweep: in SI, read and judged as one of a
+/// model that has no parameters; `what` names it in what is said.
+pub fn measured(e: &Entry, unit: Unit, range: (f64, f64), what: &str) -> Result<f64, Diags> {
+    let mut diags = Diags::new();
+    let v = values::Values::new(None, &mut diags).constant(e, unit, range, what);
+    v.ok_or(diags)
 }
 
 /// The linear part of a model at load, for its modes.

@@ -17,12 +17,14 @@
 //!
 //! Decides that what it names is looked for beside it, and that whatever it says wrongly is reported with its line.
 
-use super::{Ask, Audio, Axis, Sweep, folder};
-use crate::load::{self, reason, stem};
-use crate::{Failure, gesture};
-use ca_core::Options;
+use super::{Ask, Audio, Axis, MOST, Sweep, counted, folder, measured_so, varied};
+use crate::load::{self, stem};
+use crate::{Failure, Found, gesture};
+use ca_core::kind::{ABOVE_ZERO, Unit};
+use ca_core::model::diag::Diags;
 use ca_core::model::suggest::nearest;
-use ca_core::model::{Entry, Value, quantity};
+use ca_core::model::{Entry, Model, Span, Value, quantity};
+use ca_core::{Options, compile};
 use std::path::{Path, PathBuf};
 use toml_edit::{Document, Item, TableLike};
 
@@ -62,9 +64,12 @@ struct Text<'a> {
 }
 
 impl Text<'_> {
+    fn line(&self, at: Option<std::ops::Range<usize>>) -> Option<usize> {
+        at.map(|at| 1 + self.text[..at.start.min(self.text.len())].matches('\n').count())
+    }
+
     fn wrong(&self, at: Option<std::ops::Range<usize>>, what: &str) -> Failure {
-        let line = at.map(|at| 1 + self.text[..at.start.min(self.text.len())].matches('\n').count());
-        let line = line.map_or_else(String::new, |n| format!(":{n}"));
+        let line = self.line(at).map_or_else(String::new, |n| format!(":{n}"));
         Failure::Usage(format!("{}{line}: {what}", self.file))
     }
 
@@ -74,6 +79,48 @@ impl Text<'_> {
             Failure::Usage(what) => self.wrong(item.span(), &what),
             other => other,
         })
+    }
+
+    /// Findings about this text.
+    fn found(&self, diags: Diags) -> Failure {
+        let model = Model { file: self.file.into(), text: self.text.into(), ..Model::default() };
+        Failure::Found(Box::new(Found { model, diags }))
+    }
+
+    /// Findings about a value that the model was given from here: they point here.
+    fn placed<T>(&self, item: Option<&Item>, done: Result<T, Failure>) -> Result<T, Failure> {
+        done.map_err(|e| {
+            let Failure::Found(mut found) = e else { return e };
+            for d in &mut found.diags.list {
+                let label = d.labels.first().map(|l| l.1.clone()).unwrap_or_default();
+                (d.labels, d.fix) = (vec![(span(item.and_then(Item::span)), label)], None);
+            }
+            self.found(found.diags)
+        })
+    }
+
+    /// A number above 0 in this unit, as of a model.
+    fn number(&self, table: &dyn TableLike, key: &str, unit: Unit, what: &str) -> Result<Option<f64>, Failure> {
+        let Some(item) = table.get(key) else { return Ok(None) };
+        let value = item.as_value().and_then(value);
+        let value = value.filter(|v| !matches!(v, Value::Text(t) if !quantity::is_quantity(t)));
+        let value = value.ok_or_else(|| self.wrong(item.span(), &format!("`{key}` is a number of {what} above 0")))?;
+        let entry = Entry { span: span(item.span()), ..Entry::new(key, value) };
+        let read = compile::measured(&entry, unit, ABOVE_ZERO, &format!("`{key}`"));
+        read.map(Some).map_err(|diags| self.found(diags))
+    }
+
+    /// What to say of a name with a dot that does not stand in quotes: TOML reads it as a table in a table.
+    fn unquoted(&self, name: &str, item: &Item) -> Failure {
+        let (mut whole, mut inner) = (name.to_owned(), item);
+        while let Some((key, next)) = inner.as_table().and_then(|t| t.iter().next()) {
+            whole = format!("{whole}.{key}");
+            inner = next;
+        }
+        self.wrong(
+            item.span().or(inner.span()),
+            &format!("a name with a dot stands in quotes: write `\"{whole}\" = …`"),
+        )
     }
 
     fn one<T>(
@@ -99,12 +146,8 @@ impl Text<'_> {
     }
 }
 
-/// A number in SI units, or a quantity.
-fn number(item: &Item) -> Option<f64> {
-    match item.as_str() {
-        Some(text) => quantity::parse(text).ok().map(|q| q.value),
-        None => item.as_float().or(item.as_integer().map(|v| v as f64)),
-    }
+fn span(at: Option<std::ops::Range<usize>>) -> Span {
+    at.map_or(Span::NONE, |at| Span { start: at.start, end: at.end })
 }
 
 fn whole(item: &Item) -> Option<u64> {
@@ -132,8 +175,7 @@ fn value(item: &toml_edit::Value) -> Option<Value> {
 /// [`Failure::Failed`] where the file cannot be read, [`Failure::Usage`] with the line of what makes no sense, and what
 /// [`Sweep::new`] says.
 pub fn read(path: &Path) -> Result<Plan, Failure> {
-    let text = std::fs::read_to_string(path)
-        .map_err(|e| Failure::Failed(format!("`{}`: it cannot be read: {}", path.display(), reason(&e))))?;
+    let text = load::text(path)?;
     let file = path.display().to_string();
     let t = Text { text: &text, file: &file };
     let doc = Document::parse(text.as_str()).map_err(|e| t.wrong(e.span(), e.message()))?;
@@ -151,26 +193,49 @@ pub fn read(path: &Path) -> Result<Plan, Failure> {
         let Some(item) = top.get(key) else { return Ok(None) };
         item.as_table_like().map(Some).ok_or_else(|| t.wrong(item.span(), &format!("`{key}` is a section, `[{key}]`")))
     };
-    for (name, item) in table("set")?.map(TableLike::iter).into_iter().flatten() {
+    let (set, vary) = (table("set")?, table("vary")?);
+    let both = set
+        .into_iter()
+        .flat_map(TableLike::iter)
+        .find(|(name, item)| !item.is_table() && vary.is_some_and(|v| v.contains_key(name)));
+    if let Some((name, item)) = both {
+        let varied = vary.and_then(|v| t.line(v.get(name)?.span())).unwrap_or_default();
+        let what = format!("`{name}` is set here, and varied in line {varied}; leave out one of them");
+        return Err(t.wrong(item.span(), &what));
+    }
+    for (name, item) in set.map(TableLike::iter).into_iter().flatten() {
+        if item.is_table() {
+            return Err(t.unquoted(name, item));
+        }
         let value = item.as_value().and_then(value);
         let value = value.ok_or_else(|| t.wrong(item.span(), &format!("`{name}` is no value")))?;
+        t.at(item, t.placed(Some(item), measured_so(&loaded, name, &value)))?;
         t.at(item, load::set(&mut loaded, name, value))?;
     }
-    let vary = table("vary")?.ok_or_else(|| t.wrong(None, "there is no `[vary]`; name the parameters that change"))?;
-    let axes = vary.iter().map(|(name, item)| t.at(item, axis(&t, name, item))).collect::<Result<Vec<_>, _>>()?;
-    for (axis, (_, item)) in axes.iter().zip(vary.iter()) {
+    let vary = vary.ok_or_else(|| t.wrong(None, "there is no `[vary]`; name the parameters that change"))?;
+    let runs = t.one(top, "runs", &format!("a whole number from 1 to {MOST}"), |i| {
+        whole(i).filter(|n| (1..=MOST).contains(n))
+    })?;
+    let mut axes = Vec::new();
+    for (name, item) in vary.iter() {
+        let axis = axis(&t, name, item)?;
+        t.at(item, varied(&axis))?;
         t.at(item, load::set(&mut loaded.clone(), &axis.name, axis.at(0.0)))?;
+        for (key, end) in ["from", "to"].iter().zip(axis.ends.iter().flatten()) {
+            t.placed(item.get(key), measured_so(&loaded, &axis.name, end))?;
+        }
+        if runs.is_none() {
+            t.at(item, counted(&axis))?;
+        }
+        axes.push(axis);
     }
     let yes = |key: &str, or: bool| t.one(top, key, "`true` or `false`", Item::as_bool).map(|v| v.unwrap_or(or));
-    let above = |key: &str, unit: &str| {
-        t.one(top, key, &format!("a number of {unit} above 0"), |i| number(i).filter(|v| *v > 0.0 && v.is_finite()))
-    };
     let ask = Ask {
         axes,
-        runs: t.one(top, "runs", "a whole number from 1 on", whole)?,
+        runs,
         seed: t.one(top, "seed", "a whole number from 0 on", whole)?.unwrap_or(0),
-        seconds: above("seconds", "seconds")?,
-        rate: above("rate", "hertz")?,
+        seconds: t.number(top, "seconds", Unit::SECOND, "seconds")?,
+        rate: t.number(top, "rate", Unit::HERTZ, "hertz")?,
         energy: yes("energy", false)?,
         measure: yes("measure", true)?,
     };
@@ -179,7 +244,7 @@ pub fn read(path: &Path) -> Result<Plan, Failure> {
             Some(list) => list.iter().map(|v| v.as_str().map(str::to_owned)).collect(),
             None => text_of(item).map(|f| vec![f]),
         })?;
-    let gesture_rate = above("gesture_rate", "hertz")?;
+    let gesture_rate = t.number(top, "gesture_rate", Unit::HERTZ, "hertz")?;
     let gesture = match files {
         Some(files) => {
             let scene = load::scene(&loaded, &Options { rate: ask.rate, ..Options::default() })?;
@@ -204,13 +269,18 @@ pub fn read(path: &Path) -> Result<Plan, Failure> {
 fn axis(t: &Text, name: &str, item: &Item) -> Result<Axis, Failure> {
     if let Some(list) = item.as_array() {
         let values = list.iter().map(value).collect::<Option<Vec<_>>>();
-        return Axis::list(name, values.ok_or_else(|| t.wrong(item.span(), &format!("`{name}` has a date in it")))?);
+        let values = values.ok_or_else(|| t.wrong(item.span(), &format!("`{name}` has a date in it")))?;
+        return t.at(item, Axis::list(name, values));
     }
     let what = format!("`{name}` is a list of values, or `{{ from = …, to = … }}`");
     let range = item.as_table_like().ok_or_else(|| t.wrong(item.span(), &what))?;
+    if item.is_table() && range.get("from").or(range.get("to")).is_none() {
+        return Err(t.unquoted(name, item));
+    }
     t.known(range, &["from", "to", "steps", "log"])?;
     let end = |key: &str| t.one(range, key, "a number or a quantity", |i| i.as_value().and_then(value));
     let (Some(from), Some(to)) = (end("from")?, end("to")?) else { return Err(t.wrong(item.span(), &what)) };
     let log = t.one(range, "log", "`true` or `false`", Item::as_bool)?.unwrap_or(false);
-    Axis::range(name, [from, to], log, t.one(range, "steps", "a whole number from 2 on", whole)?)
+    let steps = t.one(range, "steps", "a whole number from 2 on", whole)?;
+    t.at(item, Axis::range(name, [from, to], log, steps))
 }
