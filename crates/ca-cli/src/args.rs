@@ -3,7 +3,8 @@
 
 use ca_core::kind::Unit;
 use ca_core::model::quantity;
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{Args, CommandFactory as _, Parser, Subcommand, ValueEnum};
+use std::any::TypeId;
 use std::path::PathBuf;
 
 mod accuracy;
@@ -36,6 +37,21 @@ pub struct Cli {
     /// what to do
     #[command(subcommand)]
     pub command: Command,
+}
+
+/// The command line as it is read: a negative number after an option is its value, to be judged as any other.
+pub fn command() -> clap::Command {
+    numbers(Cli::command())
+}
+
+fn numbers(command: clap::Command) -> clap::Command {
+    let takes_number = |arg: &clap::Arg| {
+        let is = arg.get_value_parser().type_id();
+        let of = [TypeId::of::<f64>(), TypeId::of::<u8>(), TypeId::of::<u16>(), TypeId::of::<u32>()];
+        !arg.is_positional() && of.into_iter().chain([TypeId::of::<u64>(), TypeId::of::<usize>()]).any(|t| is == t)
+    };
+    let one = |arg: clap::Arg| if takes_number(&arg) { arg.allow_negative_numbers(true) } else { arg };
+    command.mut_args(one).mut_subcommands(numbers)
 }
 
 /// The commands.
@@ -94,7 +110,7 @@ pub struct Source {
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = pair)]
     pub set: Vec<(String, String)>,
     /// Sound rate, e.g. "96 kHz"; the model's own, or 48 kHz
-    #[arg(long, value_name = "HZ", value_parser = hertz, allow_negative_numbers = true)]
+    #[arg(long, value_name = "HZ", value_parser = hertz)]
     pub rate: Option<f64>,
     /// Position of devices within a gesture frame, as `--set rate.border=hold`
     #[arg(long, value_enum)]
@@ -133,7 +149,7 @@ impl Source {
 #[derive(Args)]
 pub struct Playing {
     /// How long, e.g. 4 or "4 s"
-    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", value_parser = seconds)]
     pub seconds: Option<f64>,
     /// A gesture that plays it (csv, npy, wav, mid, or a take, mcap); its tracks take the place of built-in ones;
     /// repeatable. The one nameless track of an array or a sound is given to a port by `key=FILE`
@@ -339,6 +355,10 @@ fn quantity_of(text: &str, unit: Unit, range: (f64, f64)) -> Result<f64, String>
         return Err(format!("it lies between {} and {} {}", range.0, range.1, unit.symbol));
     }
     Ok(q.value)
+}
+
+fn count(text: &str) -> Result<usize, String> {
+    text.trim().parse().map_err(|_| "a whole number from 0 on is wanted".into())
 }
 
 fn hertz(text: &str) -> Result<f64, String> {

@@ -15,7 +15,7 @@ use args::{Cli, Command};
 use ca_core::model::render;
 use ca_haptic::host::{HostError, HostErrorKind};
 pub use ca_lab::catalog;
-use clap::Parser as _;
+use clap::FromArgMatches as _;
 use std::process::ExitCode;
 
 /// How a command ended where it did not fail.
@@ -87,7 +87,7 @@ impl From<HostError> for Failure {
 pub type Outcome = Result<Ended, Failure>;
 
 fn main() -> ExitCode {
-    let cli = match Cli::try_parse() {
+    let cli = match args::command().try_get_matches().and_then(|m| Cli::from_arg_matches(&m)) {
         Ok(cli) => cli,
         Err(e) => {
             let _ = e.print();

@@ -23,7 +23,7 @@ pub struct AccuracyArgs {
     #[command(flatten)]
     pub source: Source,
     /// How long it is played; `seconds` of the model, but no more than one, if left out
-    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", value_parser = seconds)]
     pub seconds: Option<f64>,
     /// Multiples of the sound rate to try
     #[arg(long, value_name = "N,…", value_delimiter = ',', default_value = "1,2,4,8", value_parser = clap::value_parser!(u32).range(1..=1024))]

@@ -70,7 +70,7 @@ pub struct SimArgs {
     #[arg(long)]
     pub name: Option<String>,
     /// How long it plays; until stopped if left out
-    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", value_parser = seconds)]
     pub seconds: Option<f64>,
     /// Holds still until forces come, as a hand would, and plays then
     #[arg(long)]
@@ -88,7 +88,7 @@ pub struct SimArgs {
     #[arg(long, value_name = "FILE", required_if_eq("script", "file"))]
     pub gesture: Option<PathBuf>,
     /// Force of `--script push` in newtons; a fifth of its largest, downwards, if left out
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(long, value_name = "N")]
     pub push: Option<f64>,
     /// Waits for the force that answers each frame, and keeps no time of its own: with `ca serve --clock device` a loop
     /// that is the same every time. For measurements, never with a hand
@@ -131,10 +131,10 @@ pub struct CalibrateArgs {
     #[arg(long, value_name = "NAME|FILE")]
     pub profile: Option<String>,
     /// What it says at its low stops: one number, or one for each degree of freedom
-    #[arg(long, value_name = "N,...", value_delimiter = ',', requires = "high", allow_negative_numbers = true)]
+    #[arg(long, value_name = "N,...", value_delimiter = ',', requires = "high")]
     pub low: Vec<f64>,
     /// What it says at its high stops
-    #[arg(long, value_name = "N,...", value_delimiter = ',', requires = "low", allow_negative_numbers = true)]
+    #[arg(long, value_name = "N,...", value_delimiter = ',', requires = "low")]
     pub high: Vec<f64>,
     /// The file to write; the one `ca serve` reads for this device if left out
     #[arg(short, long, value_name = "FILE.toml")]

@@ -1,6 +1,6 @@
 //! How a model sings.
 
-use super::Source;
+use super::{Source, count};
 use clap::Args;
 use std::path::PathBuf;
 
@@ -21,7 +21,7 @@ pub struct ModesArgs {
     #[command(flatten)]
     pub source: Source,
     /// How many modes are shown, lowest first
-    #[arg(short = 'n', long, default_value_t = 24, value_name = "N")]
+    #[arg(short = 'n', long, default_value_t = 24, value_name = "N", value_parser = count)]
     pub modes: usize,
     /// Writes the shapes as CSV: a row for each place, a column for each mode
     #[arg(long, value_name = "FILE.csv")]

@@ -35,7 +35,7 @@ pub struct ReportArgs {
     pub probe: Vec<String>,
     /// As long as other methods and rates are tried, for error against run time as of `ca accuracy`; 0 leaves it out,
     /// 0.2 s if nothing is said
-    #[arg(long, value_name = "S", value_parser = tried, allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", value_parser = tried)]
     pub accuracy: Option<f64>,
     /// Prints nothing but warnings and errors
     #[arg(short, long)]

@@ -1,6 +1,6 @@
 //! Playing in real time, and what is said to it.
 
-use super::{Source, pair, seconds};
+use super::{Source, count, pair, seconds};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
@@ -24,7 +24,7 @@ pub struct ServeArgs {
     #[command(flatten)]
     pub source: Source,
     /// How long, e.g. 60 or "1 min"; until stopped if left out
-    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", value_parser = seconds)]
     pub seconds: Option<f64>,
     /// Writes the sound to a WAV file
     #[arg(short, long, value_name = "FILE.wav")]
@@ -56,7 +56,7 @@ pub struct ServeArgs {
     #[arg(long, value_name = "0-99", default_value_t = 70, value_parser = clap::value_parser!(u8).range(0..=99))]
     pub priority: u8,
     /// The core the engine stays on
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = count)]
     pub cpu: Option<usize>,
     /// Does not ask to keep memory in RAM
     #[arg(long)]

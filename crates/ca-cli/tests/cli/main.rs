@@ -87,6 +87,38 @@ fn errors_of_a_model_point_at_their_places() {
     assert_eq!(desk.files(), ["a.ca.toml", "mute.ca.toml", "odd.ca.toml"]);
 }
 
+/// A negative number is the value of the option before it, and refused by what the option takes.
+#[test]
+fn negative_numbers_are_judged_as_any_other() {
+    let desk = Desk::new();
+    for line in [
+        "render x --seconds -1",
+        "render x --rate -1",
+        "render x --latency -1",
+        "render x --gesture g.csv --gesture-rate -3",
+        "accuracy x --error -1",
+        "accuracy x --times -1",
+        "accuracy x --reference -1",
+        "modes x --modes -1",
+        "modes x -n -1",
+        "tune x a=A3 --a4 -1",
+        "tune x a=A3 --mode -1",
+        "equiv x --key a --lever -2",
+        "report x --accuracy -1",
+        "serve x --cpu -1",
+        "serve x --priority -1",
+        "serve x --audio --audio-buffer -1",
+        "sweep x --threads -1",
+        "device sim --rate -1",
+        "device sim --speed -1",
+        "device sim --seed -1",
+        "device sim --delay -1",
+    ] {
+        let ran = desk.ca(&line.split(' ').collect::<Vec<_>>()).is(2).says(&["invalid value '-"]);
+        assert!(!ran.err.contains("tip"), "{line}: {}", ran.err);
+    }
+}
+
 #[cfg(unix)]
 #[test]
 fn examples_of_the_help_run() {
