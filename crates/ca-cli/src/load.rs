@@ -2,7 +2,6 @@
 
 use crate::Failure;
 use crate::args::Source;
-use ca_core::model::Value;
 use ca_core::{Options, Scene};
 pub use ca_lab::load::{
     BUNDLED, Loaded, bundled, compiled, has_extension, import, mims_text, reason, stem, text, ticked, warnings,
@@ -24,7 +23,7 @@ pub fn is_sound(path: &Path) -> Result<(), Failure> {
 pub fn load(source: &Source) -> Result<Loaded, Failure> {
     let mut loaded = ca_lab::load::load(&source.model)?;
     for (name, value) in source.changes() {
-        ca_lab::load::set(&mut loaded, &name, Value::typed(&value)).map_err(|e| match Failure::from(e) {
+        ca_lab::load::set_typed(&mut loaded, &name, &value).map_err(|e| match Failure::from(e) {
             Failure::Usage(what) => Failure::Usage(format!("--set: {what}")),
             other => other,
         })?;

@@ -10,7 +10,7 @@ use ca_core::load::finish;
 use ca_core::model::diag::{Diags, Severity};
 use ca_core::model::render::line_column;
 use ca_core::model::suggest::nearest;
-use ca_core::model::{Item, Value, mims, read};
+use ca_core::model::{Entry, Item, Span, Value, mims, read};
 use ca_core::{Model, Options, Scene};
 use std::path::Path;
 
@@ -194,6 +194,9 @@ pub fn set(loaded: &mut Loaded, name: &str, value: Value) -> Result<(), Failure>
         look(loaded);
         return Ok(());
     }
+    if let Some(what) = of_group(model, name) {
+        return Err(Failure::Usage(what));
+    }
     let mut all: Vec<String> = model.params.iter().map(|e| e.key.clone()).collect();
     for i in &model.items {
         all.extend(keys(i).into_iter().flatten().map(|k| format!("{}.{k}", i.name)));
@@ -206,6 +209,47 @@ pub fn set(loaded: &mut Loaded, name: &str, value: Value) -> Result<(), Failure>
         None => format!("its parameters are {}", ticked(model.params.iter().map(|e| e.key.as_str()))),
     };
     Err(Failure::Usage(format!("the model has no `{name}`; {hint}")))
+}
+
+/// Where something stands in the text of a model, in words; nothing for one that was built.
+fn place(model: &Model, span: Span) -> Option<String> {
+    let known = span.is_some() && !model.text.is_empty();
+    known.then(|| format!("{}:{}", model.file, line_column(&model.text, span.start).0))
+}
+
+/// What to say of a property of a group, which is no parameter.
+fn of_group(model: &Model, name: &str) -> Option<String> {
+    let (owner, key) = name.rsplit_once('.')?;
+    let group = model.groups.iter().find(|g| g.name == owner && read::GROUP.contains(&key))?;
+    let what = format!("`{key}` of the group `{owner}` can only be changed in the file");
+    Some(match group.props.iter().find(|e| e.key == key).and_then(|e| place(model, e.key_span)) {
+        Some(at) => format!("{what}; it stands in {at}"),
+        None => match place(model, group.span) {
+            Some(at) => format!("{what}; write it below `[{owner}]`, {at}"),
+            None => what,
+        },
+    })
+}
+
+/// As [`set`], from what was typed: a number, a quantity, a flag or a word.
+///
+/// # Errors
+/// Those of [`set`], and [`Failure::Usage`] for a list, with the place where it is to be written.
+pub fn set_typed(loaded: &mut Loaded, name: &str, text: &str) -> Result<(), Failure> {
+    let model = &loaded.model;
+    let (owner, key) = name.rsplit_once('.').unwrap_or(("", name));
+    // titles and the like are free text
+    if text.trim_start().starts_with('[') && owner != "model" {
+        let item = model.items.iter().find(|i| i.name == owner);
+        let args: &[Entry] = item.map_or(&model.params, |i| &i.args);
+        let written = args.iter().find(|e| e.key == key).map(|e| e.key_span).or(item.map(|i| i.name_span));
+        if let Some(span) = written {
+            let at = place(model, span).map(|at| format!(", {at}")).unwrap_or_default();
+            let what = format!("`{name}`: a list such as `{}` cannot be set from here", text.trim());
+            return Err(Failure::Usage(format!("{what}; write it in the file{at}")));
+        }
+    }
+    set(loaded, name, Value::typed(text))
 }
 
 fn keys(item: &Item) -> Option<Vec<&'static str>> {

@@ -119,6 +119,29 @@ fn negative_numbers_are_judged_as_any_other() {
     }
 }
 
+/// What cannot be set says where it is written, and what is set wrongly is not blamed on the file.
+#[test]
+fn what_is_set_is_told_from_what_is_written() {
+    let desk = Desk::new();
+    desk.put(
+        "room.ca.toml",
+        "[param]\nstiff = { value = \"1 kN/m\", live = true, min = \"0.5 kN/m\", max = \"2 kN/m\" }\n[room]\ndim = 2\n\
+         gravity = \"9.81 m/s^2\"\n[room.MAS]\na = { m = \"1 g\", x = [0, 0] }\n[CEL]\nb = { m = \"1 g\", k = \"stiff\" }\n\
+         [SOX]\nout = { from = \"b\" }\nalso = { from = \"room.a\", along = \"x\" }\n",
+    );
+    let set = |what: &str| desk.ca(&["check", "room.ca.toml", "--set", what]);
+    desk.ca(&["check", "room.ca.toml"]).is(0);
+    set("room.gravity=1").is(2).says(&["--set: `gravity` of the group `room`", "room.ca.toml:5"]);
+    set("room.friction=1").is(2).says(&["write it below `[room]`, room.ca.toml:3"]);
+    set("room.a.x=[1,2]").is(2).says(&["--set: `room.a.x`: a list", "room.ca.toml:7"]);
+    set("model.title=[1,2]").is(0);
+    for (value, is) in [("99999", "a plain number"), ("1 kg", "in kg")] {
+        let ran = set(&format!("stiff={value}")).is(1).says(&["E008", is, "`min` is in N/m", "what is set"]);
+        assert!(!ran.err.contains("room.ca.toml:2"), "{}", ran.err);
+    }
+    set("stiff=1.5 kN/m").is(0);
+}
+
 #[cfg(unix)]
 #[test]
 fn examples_of_the_help_run() {
