@@ -8,7 +8,7 @@
 use crate::error::{FileError, FileErrorKind};
 use crate::gesture::{Gesture, Track};
 use ca_core::border::frame_due;
-use ca_core::live::{Controls, Patch};
+use ca_core::live::{Controls, LiveParam, Patch};
 use ca_core::model::quantity::Plain;
 use ca_core::scene::{InputRole, Scene};
 use ca_core::{State, tick};
@@ -40,6 +40,8 @@ struct Drive {
     target: Target,
     track: Track,
     near: usize,
+    /// of a live parameter, the first value that was out of its range
+    outside: Option<f64>,
 }
 
 /// A scene being played by gestures.
@@ -108,13 +110,23 @@ impl<'a> Performance<'a> {
                 return Err(FileError::new(FileErrorKind::Usage, format!("nothing is driven by `{name}`")).fix(fix));
             }
         };
-        self.drives.push(Drive { target, track, near: 0 });
+        self.drives.push(Drive { target, track, near: 0, outside: None });
         Ok(())
     }
 
     /// Seconds until the last gesture has ended; 0 without gestures.
     pub fn duration(&self) -> f64 {
         self.drives.iter().map(|d| d.track.duration()).fold(0.0, f64::max)
+    }
+
+    /// Live parameters whose gesture has left their range so far, where they stayed at its end: each with the first value
+    /// that was outside \[SI\].
+    pub fn clamped(&self) -> impl Iterator<Item = (&LiveParam, f64)> {
+        let params = self.controls.params();
+        self.drives.iter().filter_map(move |d| match d.target {
+            Target::Param(p) => Some((params.get(p)?, d.outside?)),
+            _ => None,
+        })
     }
 
     /// Names of what is being driven.
@@ -162,6 +174,9 @@ impl<'a> Performance<'a> {
                     let v = d.track.at_near(&mut d.near, end);
                     let param = &self.controls.params()[*p];
                     if param.value != v {
+                        if !(param.min..=param.max).contains(&v) {
+                            d.outside = d.outside.or(Some(v));
+                        }
                         // out of range is clamped: a gesture is a signal, and a signal never stops a performance
                         let v = v.max(param.min).min(param.max);
                         if self.controls.turn(*p, v, &mut self.patch).is_ok() {

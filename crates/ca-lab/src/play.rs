@@ -3,6 +3,8 @@
 use ca_core::Scene;
 use ca_core::energy::Ledger;
 use ca_core::ledger::Balance;
+use ca_core::live::LiveParam;
+use ca_core::model::quantity;
 use ca_haptic::gesture::Gesture;
 use ca_haptic::perform::{DIVERGED, Performance};
 use std::time::{Duration, Instant};
@@ -120,6 +122,18 @@ fn fix(scene: &Scene, module: &str) -> Option<String> {
     let named = format!("`{module}`");
     let d = list().filter(about).find(|d| d.title.contains(&named)).or_else(|| list().find(about))?;
     d.help.clone()
+}
+
+/// What to say of each live parameter that stayed at the end of its range, since its gesture went beyond.
+pub fn clamped(p: &Performance) -> Vec<String> {
+    let one = |(param, v): (&LiveParam, f64)| {
+        let show = |v: f64| quantity::show(v, param.unit).trim_end().to_owned();
+        let (least, bound) = if v > param.max { (false, param.max) } else { (true, param.min) };
+        let (name, most) = (&param.name, if least { "least" } else { "most" });
+        let what = format!("the gesture of `{name}` asks for {}, it is {} at {most}", show(v), show(bound));
+        format!("{what} and stayed there; numbers of a gesture are in SI units")
+    };
+    p.clamped().map(one).collect()
 }
 
 /// The residual of a ledger, as a part of its peak.

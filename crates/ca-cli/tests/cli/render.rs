@@ -204,6 +204,25 @@ fn a_gesture_file_plays() {
     desk.ca(&args).is(1).says(&["two tracks"]);
 }
 
+/// A gesture beyond the range of its parameter is no failure, and said once.
+#[test]
+fn a_gesture_out_of_range_is_said() {
+    let desk = Desk::new();
+    desk.put(
+        "stiff.ca.toml",
+        "[param]\nstiff = { value = \"1 kN/m\", live = true, min = \"0.5 kN/m\", max = \"2 kN/m\" }\n\
+         [CEL]\nb = { m = \"1 g\", k = \"stiff\", dx0 = \"1 mm\" }\n[SOX]\nout = { from = \"b\" }\n",
+    );
+    let of = |text: &str| {
+        desk.put("s.csv", text);
+        desk.ca(&["render", "stiff.ca.toml", "--gesture", "s.csv", "--seconds", "0.1", "-q"]).is(0)
+    };
+    assert_eq!(of("time,stiff\n0,500\n0.1,2000\n").err, "");
+    let ran = of("time,stiff\n0,1\n0.1,0.5\n").says(&["gesture of `stiff` asks for 1 N/m", "500 N/m at least"]);
+    assert_eq!(ran.err.matches("`stiff`").count(), 1, "{}", ran.err);
+    of("time,stiff\n0,1000\n0.1,3000\n").says(&["2 kN/m at most"]);
+}
+
 #[test]
 fn a_nameless_track_is_given_to_a_port() {
     let desk = Desk::new();

@@ -95,6 +95,9 @@ pub fn run(args: &RenderArgs) -> Outcome {
         probes: &probes,
     };
     summary.warn();
+    for what in ca_lab::play::clamped(&played.performance) {
+        term::warning(&what);
+    }
     if args.json {
         summary.json()?;
     } else if !args.quiet {

@@ -74,6 +74,9 @@ pub(super) fn report(args: &ReportArgs) -> Result<(String, Report), Failure> {
         let what = format!("{refused} inputs had no value; the last good one was held instead");
         report.notes.push((Weight::Warning, what));
     }
+    for what in ca_lab::play::clamped(&played.performance) {
+        term::warning(&what);
+    }
     let mut facts = Facts::of(&scene);
     facts.add("length", format!("{seconds} s"));
     let factor = played.wall.as_secs_f64() / (frames as f64 * scene.te);
