@@ -75,8 +75,12 @@ fn the_examples_of_the_control_run_against_a_server() {
     assert_eq!(status["fields"]["params"][0]["value"], 900.0);
 
     // a second server is refused, and says by whom
-    let args = ["serve", "key.ca.toml", "--seconds", "1", "-o", "second.wav"];
+    let args = ["serve", "key.ca.toml", "--seconds", "1", "-o", "second.wav", "--log", "second.mcap"];
     desk.ca(&args).is(1).says(&["tgr12"]);
+    // a take that is there is another one, and stays
+    desk.put("older.mcap", "a take");
+    desk.ca(&["serve", "key.ca.toml", "--seconds", "1", "--log", "older.mcap"]).is(1).says(&["never overwritten"]);
+    assert_eq!(std::fs::read(desk.path("older.mcap")).unwrap(), b"a take");
     let half: Vec<_> = desk.files().into_iter().filter(|f| f.contains("second")).collect();
     assert!(half.is_empty(), "a server that never ran leaves {half:?}");
 

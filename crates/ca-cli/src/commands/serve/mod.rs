@@ -25,6 +25,7 @@ use ca_haptic::serve::{Aside, Clock, Desk, Every, Happened, Live, Room, Shared, 
 use ca_haptic::sound::{Format, WavOut};
 use ca_haptic::take::{Header, TakeWriter};
 pub(crate) use setup::devices;
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
 use std::thread::JoinHandle;
@@ -85,11 +86,15 @@ pub fn run(args: &ServeArgs) -> Outcome {
     if args.audio.is_some() && scene.channels == 0 {
         return Err(Failure::Usage("--audio: the model has no output, so there is no sound to play".into()));
     }
+    // before `take`, so that its file is closed when it is removed
+    let mut unplayed = Unplayed(None);
     let take = match &args.log {
         Some(path) => {
             let changes = args.source.changes().collect();
             let header = Header::new(&loaded.model, changes, options, &scene, setups.clone(), engine.options());
-            Some(aside(&mut sinks, "ca take", TakeWriter::create(path, &header, &scene)?, room, busy)?)
+            let writer = TakeWriter::create(path, &header, &scene)?;
+            unplayed.0 = Some(path.clone());
+            Some(aside(&mut sinks, "ca take", writer, room, busy)?)
         }
         None => None,
     };
@@ -123,6 +128,7 @@ pub fn run(args: &ServeArgs) -> Outcome {
     let live = Live::new(engine, ends, shared.clone(), clock, every);
     playing.as_ref().map_or(Ok(()), audio::Playing::start)?;
     let (thread, granted) = engine_thread(live, wish(args, 0), frames)?;
+    unplayed.0 = None;
     let mut threads = vec![("engine".to_string(), granted)];
     threads.extend(talk.granted().map(|g| ("gateway".to_string(), g)));
     threads.extend(wav.as_ref().map(|w| ("sound file".to_string(), w.granted().to_string())));
@@ -169,6 +175,17 @@ pub fn run(args: &ServeArgs) -> Outcome {
         summary::text(&summary, &loaded.name, &files, traffic, scene.rate)?;
     }
     Ok(if summary.is_faithful() { Ended::Well } else { Ended::Degraded })
+}
+
+/// The file of a take that nothing was played into yet: where serving is refused before it begins, it goes again.
+struct Unplayed(Option<PathBuf>);
+
+impl Drop for Unplayed {
+    fn drop(&mut self) {
+        if let Some(path) = &self.0 {
+            let _ = std::fs::remove_file(path);
+        }
+    }
 }
 
 /// Gives the desk a sink that is written by a thread of its own.
