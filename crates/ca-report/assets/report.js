@@ -30,8 +30,8 @@
   };
   const prefixed = v => v >= 1e6 && v < 1e9 ? plain(v / 1e6) + "M" : v >= 1e3 && v < 1e6 ? plain(v / 1e3) + "k" : plain(v);
   const exponent = v => {
-    const e = Math.round(Math.log10(v));
-    return "10" + String(e).replace(/[0-9-]/g, d => d === "-" ? "⁻" : "⁰¹²³⁴⁵⁶⁷⁸⁹"[d]);
+    const e = Math.floor(Math.log10(v) + 1e-9), m = +(v / 10 ** e).toPrecision(3);
+    return (m === 1 ? "" : m + "·") + "10" + String(e).replace(/[0-9-]/g, d => d === "-" ? "⁻" : "⁰¹²³⁴⁵⁶⁷⁸⁹"[d]);
   };
   // over up to four decades 1, 2 and 5, over more the decades
   const logTicks = (low, high) => {
@@ -42,6 +42,15 @@
     return ticks.map(t => +t.toPrecision(3)).filter(t => t >= low && t <= high);
   };
   const name = a => a.label + (a.unit ? " [" + a.unit + "]" : "");
+
+  // what the words beside an axis need, and no less than others have
+  const wide = least => (u, values, i, cycle) => {
+    const axis = u.axes[i];
+    if (cycle > 1) return axis._size;
+    u.ctx.font = axis.font[0];
+    const words = (values || []).map(v => u.ctx.measureText(v == null ? "" : v).width);
+    return Math.max(least, Math.ceil(axis.ticks.size + axis.gap + Math.max(0, ...words) / (devicePixelRatio || 1)));
+  };
 
   const axisOf = (a, size) => ({
     label: name(a), labelSize: 20, labelFont: font, font, size, stroke: css("--soft"),
@@ -80,8 +89,10 @@
     for (const [x, y, text] of plot.marks) {
       const at = u.valToPos(x, "x", true);
       if (!(at >= u.bbox.left && at <= u.bbox.left + u.bbox.width)) continue;
-      const top = y == null ? u.bbox.top + 3 * ratio : u.valToPos(y, "y", true) - 16 * ratio;
-      const left = at + 3 * ratio, wide = c.measureText(text).width;
+      const wide = c.measureText(text).width, most = u.bbox.left + u.bbox.width - wide - 2 * ratio;
+      // whole at the edges too
+      const top = Math.max(u.bbox.top + 3 * ratio, y == null ? 0 : u.valToPos(y, "y", true) - 16 * ratio);
+      const left = Math.max(u.bbox.left, Math.min(at + 3 * ratio, most));
       // marks whose words would cover others are left out; zooming shows them
       if (taken.some(t => left < t[0] + t[2] && t[0] < left + wide && Math.abs(t[1] - top) < 12 * ratio)) continue;
       taken.push([left, top, wide]);
@@ -135,7 +146,7 @@
         x: { time: false, distr: plot.x.log ? 3 : 1, range: across(plot.x, x) },
         y: { distr: plot.y.log ? 3 : 1, range: upward(plot.y) },
       },
-      axes: [axisOf(plot.x, 34), axisOf(plot.y, 56)],
+      axes: [axisOf(plot.x, 34), axisOf(plot.y, wide(56))],
       series: [{ label: name(plot.x), value: (u, v) => plain(v) }, ...plot.curves.map(seriesOf)],
       cursor: { y: Boolean(image), ...(time ? { sync: { key: together.key, scales: ["x", null] } } : {}) },
       legend: { show: !image },

@@ -184,6 +184,14 @@ impl Plot {
     pub fn scatter(title: &str, x: Axis, y: Axis, front: &str, others: &str, points: &[Point]) -> Plot {
         let mut points: Vec<&Point> = points.iter().filter(|p| p.x.is_finite() && p.y.is_finite()).collect();
         points.sort_by(|a, b| a.x.total_cmp(&b.x));
+        let x = match (points.first(), points.last()) {
+            // room for points and words at the edges
+            (Some(a), Some(b)) if x.log && x.range.is_none() && a.x > 0.0 => {
+                let room = (b.x / a.x).powf(0.04).max(1.05);
+                x.over(a.x / room, b.x * room)
+            }
+            _ => x,
+        };
         let of = |front: bool| points.iter().map(|p| if p.front == front { p.y } else { f64::NAN }).collect();
         Plot {
             title: title.into(),
@@ -278,6 +286,7 @@ mod tests {
             [p("b", 2.0, 1.0, true), p("no", f64::NAN, 1.0, true), p("a", 1.0, 5.0, true), p("c", 1.5, 9.0, false)];
         let plot = Plot::scatter("t", Axis::log("x", "s"), Axis::log("y", ""), "best", "rest", &points);
         assert_eq!(plot.grid, Grid::Points(vec![1.0, 1.5, 2.0]));
+        assert!(plot.x.range.is_some_and(|[from, to]| from < 1.0 && to > 2.0), "{:?}", plot.x.range);
         let finite = |c: &Curve| c.y.iter().map(|v| v.is_finite()).collect::<Vec<_>>();
         assert_eq!(finite(&plot.curves[0]), [false, true, false]);
         assert_eq!(finite(&plot.curves[1]), [true, false, true]);

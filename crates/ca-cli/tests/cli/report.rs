@@ -252,6 +252,17 @@ fn a_page_is_drawn_without_a_request() {
     }
 }
 
+/// Ticks of an axis of few decades are 1, 2 and 5 of each, and say so.
+#[test]
+fn a_tick_says_what_it_stands_for() {
+    let desk = Desk::new();
+    let script = include_str!("../../../ca-report/assets/report.js");
+    let functions = &script[script.find("  const exponent").unwrap()..script.find("  const name =").unwrap()];
+    desk.put("ticks.html", &format!("<meta charset=utf-8><script>{functions};document.title = logTicks(1e-13, 1e-11).map(exponent).join()</script>"));
+    let Some(dom) = dom(&desk, "ticks.html") else { return };
+    assert!(dom.contains("10⁻¹³,2·10⁻¹³,5·10⁻¹³,10⁻¹²,2·10⁻¹²,5·10⁻¹²,10⁻¹¹"), "{dom}");
+}
+
 /// The document as Chromium leaves it; `None` without Chromium.
 fn dom(desk: &Desk, page: &str) -> Option<String> {
     let profile = tempfile::tempdir().unwrap();
