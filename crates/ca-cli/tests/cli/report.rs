@@ -166,6 +166,29 @@ fn modes_are_not_silent_to_who_hears_forces() {
     }
 }
 
+/// What is said of the energy of a model that blew up is not the size of the blow-up.
+#[test]
+fn the_energy_of_a_blow_up_is_no_number() {
+    let desk = Desk::new();
+    for k in ["9.3 MN/m", "11 MN/m"] {
+        let wild = format!(
+            "[SOL]\nwall = {{}}\n[MAS]\nbob = {{ m = \"1 g\", dx0 = \"1 mm\" }}\n[RES]\nspring = {{ between = [\"wall\", \"bob\"], k = \"{k}\" }}\n[SOX]\nout = {{ from = \"bob\" }}\n"
+        );
+        desk.put("wild.ca.toml", &wild);
+        for more in [&["--energy"][..], &[]] {
+            let r = desk.ca(&[&["render", "wild.ca.toml", "--seconds", "1"], more].concat()).is(3);
+            assert!(r.out.contains("energy     diverged") && !r.out.contains("peak,"), "{}", r.out);
+            assert!(!r.out.contains("held") && r.out.contains("though no energy is made"), "{}", r.out);
+        }
+        desk.ca(&["report", "wild.ca.toml", "--accuracy", "0", "--seconds", "1"]).is(3);
+        let page = Page::of(&desk, "wild.html");
+        page.says(&["though no energy is made"]);
+        assert!(!page.html.contains("The ledger balances"), "{k}");
+        let energies: Vec<&Json> = page.plots.iter().filter(|p| p["y"]["label"] == "energy").collect();
+        assert!(energies.iter().all(|p| p["y"]["unit"] != "GJ"), "{k}: {energies:?}");
+    }
+}
+
 /// Titles, names of files and comments are text, whatever is in them.
 #[test]
 fn no_word_of_a_model_becomes_markup() {

@@ -9,7 +9,8 @@ mod summary;
 
 pub(crate) use play::{listen, play, stopped};
 pub(crate) use summary::{
-    Broke, decibel, fitting, joule, level, makers, relative, rippling, stability, stability_json, tenths, too_loud,
+    Broke, decibel, fitting, grows, joule, level, makers, relative, rippling, stability, stability_json, tenths,
+    too_loud,
 };
 
 use crate::args::{Kernel, Playing, RenderArgs, SampleFormat};

@@ -8,7 +8,7 @@ use crate::load::ticked;
 use crate::term::short;
 use crate::{Failure, term};
 use ca_core::Scene;
-use ca_core::compile::certify::Certificate;
+use ca_core::compile::certify::{Certificate, Level};
 use ca_core::energy::Ledger;
 use ca_core::kind::Unit;
 use ca_core::model::quantity::{show, six};
@@ -181,10 +181,20 @@ impl Summary<'_> {
     fn energy(&self, out: &mut impl std::io::Write, a: &Audit) -> Result<(), Failure> {
         let b = a.ledger.balance();
         let time = a.ticks as f64 * self.scene.te;
-        let span = if a.whole && self.broke.is_none() {
+        if let Some(broke) = self.broke {
+            // how large all was at the last tick in range measures the blow-up and nothing else
+            let grows = grows(self.scene, &a.ledger);
+            writeln!(out, "  energy     diverged at {time:.4} s, found at {:.4} s{grows}", broke.time)?;
+            if a.whole {
+                writeln!(out, "    at load  {}", joule(b.h0))?;
+                for (name, made) in makers(self.scene, &a.ledger).iter().take(5) {
+                    writeln!(out, "      {} made by `{name}` until then", joule(*made))?;
+                }
+            }
+            return Ok(());
+        }
+        let span = if a.whole {
             String::new()
-        } else if self.broke.is_some() {
-            format!(" (up to the blow-up, {} s)", short(time))
         } else {
             format!(" (first {} s)", short(time).trim_end_matches('0').trim_end_matches('.'))
         };
@@ -252,6 +262,17 @@ impl Summary<'_> {
         });
         writeln!(std::io::stdout().lock(), "{all:#}")?;
         Ok(())
+    }
+}
+
+/// How a model could grow though its links made no energy to speak of, as the end of a sentence.
+pub(crate) fn grows(scene: &Scene, ledger: &Ledger) -> &'static str {
+    let b = ledger.balance();
+    let kept = b.source.abs() <= 1e-6 * b.peak;
+    if kept && scene.certificate.level == Level::Unstable {
+        ": above the limit of stability motion grows though no energy is made"
+    } else {
+        ""
     }
 }
 

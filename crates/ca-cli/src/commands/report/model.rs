@@ -64,6 +64,7 @@ pub(super) fn report(args: &ReportArgs) -> Result<(String, Report), Failure> {
     ledger.end = played.energy.clone();
 
     let broke = Broke::of(&played, &scene, gesture.as_ref());
+    ledger.broke = broke.as_ref().map(|b| b.time);
     let title = if scene.title.is_empty() { &loaded.name } else { &scene.title };
     let mut report = Report::new(title, &format!("`{}`, {}", source_name(&loaded), finished()));
     report.notes = parts::notes(&sound, broke.is_some());

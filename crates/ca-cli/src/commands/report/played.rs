@@ -1,12 +1,16 @@
 //! The energy ledger over the time of a performance, looked at now and then.
 //!
 //! Decides to show the residual by itself, as a part of the largest energy so far: it is ten orders of magnitude below
-//! the rest, and the one curve that tests the engine.
+//! the rest, and the one curve that tests the engine. Of a model that blew up the ledger is shown as long as its energy
+//! is of the size of what the model was given: what comes then measures the blow-up.
 
-use crate::commands::render::{joule, makers, relative};
+use crate::commands::render::{grows, joule, makers, relative};
 use ca_core::Scene;
 use ca_core::energy::{Balance, Ledger};
 use ca_report::{Axis, Block, Curve, Grid, Plot, Section, Table};
+
+/// Energy so many times what a model was given is that of its blow-up.
+const WILD: f64 = 1e6;
 
 /// The ledger at several times.
 #[derive(Default)]
@@ -17,6 +21,8 @@ pub(super) struct EnergyOverTime {
     sums: Vec<(Balance, f64)>,
     /// the ledger at the end
     pub end: Option<Ledger>,
+    /// when the model blew up \[s\]
+    pub broke: Option<f64>,
 }
 
 impl EnergyOverTime {
@@ -31,10 +37,22 @@ impl EnergyOverTime {
     /// The section, in joules that are `scale` times those of the model; `None` where no ledger was kept.
     pub fn section(&self, scene: &Scene, scale: f64) -> Option<Section> {
         let end = self.end.as_ref()?;
-        let b = end.balance();
-        let grid = || Grid::Points(self.times.clone());
+        let tame = |(b, motion): &&(Balance, f64)| {
+            let given = b.h0.abs().max(b.work.abs()).max(b.changed.abs());
+            self.broke.is_none() || b.peak.max(motion.abs()) <= WILD * given
+        };
+        let blown = format!("The model blew up at {:.4} s{}", self.broke.unwrap_or_default(), grows(scene, end));
+        let sums: Vec<&(Balance, f64)> = self.sums.iter().take_while(tame).collect();
+        let Some((b, last)) = (match self.broke {
+            None => Some((end.balance(), f64::INFINITY)),
+            Some(_) => sums.last().map(|s| (s.0, self.times[sums.len() - 1])),
+        }) else {
+            let early = format!("{blown}. That is too early for its energy to be shown.");
+            return Some(Section::new("Energy", vec![Block::Text(early)]));
+        };
+        let grid = || Grid::Points(self.times[..sums.len()].to_vec());
         let curve = |name: &str, of: fn(&(Balance, f64)) -> f64| {
-            let y: Vec<f64> = self.sums.iter().map(|s| scale * of(s)).collect();
+            let y: Vec<f64> = sums.iter().map(|s| scale * of(s)).collect();
             // an account in which nothing happened is no curve
             y.iter().any(|v| *v != 0.0).then(|| Curve::line(name, y))
         };
@@ -47,8 +65,13 @@ impl EnergyOverTime {
             curve("made by the scheme", |s| s.0.source),
         ];
         let curves: Vec<Curve> = accounts.into_iter().flatten().collect();
-        let rest = vec![Curve::line("residual", self.sums.iter().map(|s| relative(&s.0)).collect())];
+        let rest = vec![Curve::line("residual", sums.iter().map(|s| relative(&s.0)).collect())];
         let closes = match relative(&b) {
+            _ if self.broke.is_some() => {
+                format!(
+                    "{blown}. The ledger is that up to {last:.4} s, while there was energy of the size of what it was given."
+                )
+            }
             _ if b.peak == 0.0 => "Nothing moved, so there is no energy.".into(),
             0.0 => "The ledger balances exactly.".into(),
             rel => format!("The ledger balances to {rel:.1e} of its peak, {}.", joule(scale * b.peak)),
@@ -62,7 +85,8 @@ impl EnergyOverTime {
             ("held", joule(scale * b.h)),
             ("residual", format!("{:.1e} J", scale * b.residual)),
         ];
-        let makers = makers(scene, end);
+        // the ledger of each link is that of the end
+        let makers = if self.broke.is_none() { makers(scene, end) } else { Vec::new() };
         rows.extend(
             makers.iter().take(5).map(|(name, made)| ("most of it by", format!("`{name}`: {}", joule(scale * made)))),
         );
