@@ -84,8 +84,15 @@ pub enum Command {
     /// Changes live parameters of a running `ca serve`
     Set(SetArgs),
     /// Turns the forces of a running `ca serve` on
+    ///
+    /// Once armed, forces fade in within a second, as soon as nothing pushes; `ca status` says what an armed device waits
+    /// for. After a fault forces stay off until somebody arms again; a model that diverged is loaded again first.
     Arm(ArmArgs),
-    /// Turns them off
+    /// Turns the forces of a running `ca serve` off at once
+    ///
+    /// Obeyed with the next gesture frame, whatever disk, terminal or queue stands still. The model plays on, and so do
+    /// sound and take; `ca arm` turns forces on again. It does not replace a switch that cuts the power of the motors
+    /// (docs/safety.md).
     Disarm(ArmArgs),
     /// Asks a running `ca serve` how it goes
     Status(StatusArgs),

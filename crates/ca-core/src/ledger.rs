@@ -82,7 +82,7 @@ pub struct Balance {
     pub work: f64,
     /// received by changes \[J\]
     pub changed: f64,
-    /// what does not add up \[J\]
+    /// residual, what the ledger does not explain \[J\]
     pub residual: f64,
     /// scale of the residual \[J\]
     pub peak: f64,

@@ -1,6 +1,6 @@
 //! The spectrum of a sound, in levels of sines.
 //!
-//! Decides that a sine at full scale reads 0 dB wherever it lies: windows of Hann, scaled by their sum, on transforms at
+//! Decides that a sine at full scale reads 0 dB wherever it lies: Hann windows, scaled by their sum, on transforms at
 //! least twice as long as the window, so that a sine between two bins reads at most 0.4 dB less. A sound longer than a
 //! window is cut into windows that overlap by half, whose powers are averaged. The page has room for so many columns of
 //! equal ratios; each shows the loudest bin in it, at the frequency of that bin.

@@ -85,6 +85,46 @@ fn the_page_of_safety_has_the_numbers_of_the_guard() {
     assert!(std::fs::read_to_string(from_root("README.md")).unwrap().contains("docs/safety.md"));
 }
 
+#[test]
+fn the_index_of_the_documents_names_every_page() {
+    let index = fs::read_to_string(from_root("docs/README.md")).unwrap();
+    for entry in fs::read_dir(from_root("docs")).unwrap().flatten() {
+        let name = entry.file_name().into_string().unwrap();
+        if name.ends_with(".md") && name != "README.md" {
+            assert!(index.contains(&format!("]({name})")), "docs/README.md does not name {name}");
+        }
+    }
+}
+
+/// Links from page to page, with sections left aside; those to others' sites are not asked for.
+#[test]
+fn links_between_documents_lead_somewhere() {
+    let mut pages = vec![from_root("README.md"), from_root("crates/ca-py/README.md")];
+    pages.extend(fs::read_dir(from_root("docs")).unwrap().flatten().map(|e| e.path()));
+    let mut seen = 0;
+    for page in pages.iter().filter(|p| p.extension().is_some_and(|e| e == "md")) {
+        let text = fs::read_to_string(page).unwrap();
+        for link in text.split("](").skip(1).filter_map(|rest| rest.split_once(')')).map(|(link, _)| link) {
+            let file = link.split('#').next().unwrap_or("");
+            if file.is_empty() || file.contains("://") || file.contains(char::is_whitespace) {
+                continue;
+            }
+            assert!(page.parent().unwrap().join(file).exists(), "{}: no {file}", page.display());
+            seen += 1;
+        }
+    }
+    assert!(seen > 40, "{seen} links");
+}
+
+#[test]
+fn the_glossary_knows_every_kind() {
+    let page = fs::read_to_string(from_root("docs/glossary.md")).unwrap();
+    let words: Vec<&str> = page.split(|c: char| !c.is_ascii_alphanumeric()).collect();
+    for kind in ca_core::Catalog::core().with(ca_lpr::KINDS).iter() {
+        assert!(words.contains(&kind.code), "docs/glossary.md does not say what {} is", kind.code);
+    }
+}
+
 /// All texts below a directory that may cite a page, whatever tools have left there aside.
 fn texts(dir: &Path, found: &mut Vec<PathBuf>) {
     for entry in fs::read_dir(dir).unwrap() {

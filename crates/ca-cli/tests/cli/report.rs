@@ -65,7 +65,7 @@ fn a_model_is_reported_whole() {
         page.titles(),
         ["Summary", "Sound", "Motion", "Energy", "Modes", "Error against run time", "Stability", "Model"]
     );
-    page.says(&["rule of thumb", "The ledger balances to", "45 MAT", "Greatest sample", "data:image/png;base64,"]);
+    page.says(&["rule of thumb", "The ledger balances to", "45 MAT", "Peak: ", "data:image/png;base64,"]);
     page.says(&["[STRING]", "real-time factor"]);
     // as long as the model says, 16 bits, two channels
     let wav = page.html.split("data:audio/wav;base64,").nth(1).unwrap().split('"').next().unwrap();

@@ -98,7 +98,7 @@ flat! {
         work: f64,
         /// received by changes \[J\]
         changed: f64,
-        /// what does not add up \[J\]
+        /// residual, what the ledger does not explain \[J\]
         residual: f64,
         /// scale of the residual \[J\]
         peak: f64,

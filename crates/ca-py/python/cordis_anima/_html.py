@@ -31,7 +31,7 @@ def _wav(audio: Sound, sr: int) -> bytes:
 
 
 def _wave(x: Sound, height: int = 60) -> str:
-    """A waveform as SVG: the least and the greatest sample of each column."""
+    """A waveform as SVG: the least and the largest sample of each column."""
     edges = np.linspace(0, len(x), min(_WIDTH, len(x)) + 1).astype(int)[:-1]
     low, high = np.minimum.reduceat(x, edges), np.maximum.reduceat(x, edges)
     top = max(float(np.abs(x).max()), 1e-9)

@@ -248,7 +248,7 @@ def _starts(n: int, window: int, hop: int) -> Ints:
 
 
 def _power(x: Sound, starts: Ints, window: int, size: int) -> Floats:
-    """Power (windows, bins) by windows of Hann; a sine of amplitude A has A² at its bin."""
+    """Power (windows, bins) with Hann windows; a sine of amplitude A has A² at its bin."""
     hann: Floats = 0.5 - 0.5 * np.cos(2 * np.pi * (np.arange(window) + 0.5) / window)
     scale = 2 / hann.sum()
     power = np.empty((len(starts), size // 2 + 1))

@@ -91,7 +91,7 @@ class Energy(NamedTuple):
     work: float
     #: received by changes of parameters
     changed: float
-    #: what does not add up: rounding
+    #: residual, what the ledger does not explain: rounding
     residual: float
     #: the scale of the residual
     peak: float

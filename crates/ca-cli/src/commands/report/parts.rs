@@ -81,13 +81,12 @@ pub(super) fn sound(sound: Sound, marks: Vec<Mark>, diverged: bool) -> Option<Se
     }
     let peaks: Vec<String> =
         sound.names().iter().zip(sound.peak()).map(|(n, p)| format!("{n} {}", level(*p, diverged))).collect();
-    let mut blocks =
-        vec![Block::Text(format!("Greatest sample: {}.", peaks.join(", "))), Block::Plot(sound.waveform())];
+    let mut blocks = vec![Block::Text(format!("Peak: {}.", peaks.join(", "))), Block::Plot(sound.waveform())];
     blocks.extend(spectrogram(&sound).map(Block::Plot));
     if let Some(plot) = Spectrum::of(&sound).and_then(|s| s.plot(sound.names(), marks)) {
         let marked = if plot.marks.is_empty() { "" } else { " Numbers are those of the modes below." };
         blocks.push(Block::Plot(plot));
-        blocks.push(Block::Text(format!("A sine at full scale reads 0 dBFS; windows of Hann.{marked}")));
+        blocks.push(Block::Text(format!("A sine at full scale reads 0 dBFS; Hann window.{marked}")));
     }
     blocks.insert(1, Block::Sound(sound));
     Some(Section::new("Sound", blocks))

@@ -94,7 +94,7 @@ impl EnergyOverTime {
         if !curves.is_empty() {
             blocks.push(Block::Plot(Plot::over_time("Energy", Axis::linear("energy", "J"), grid(), curves)));
             let axis = Axis::log("residual / peak", "");
-            blocks.push(Block::Plot(Plot::over_time("What does not add up", axis, grid(), rest)));
+            blocks.push(Block::Plot(Plot::over_time("Residual", axis, grid(), rest)));
         }
         blocks.push(Block::Table(Table::pairs(rows)));
         Some(Section::new("Energy", blocks))
