@@ -54,34 +54,22 @@ fn numbers(command: clap::Command) -> clap::Command {
     command.mut_args(one).mut_subcommands(numbers)
 }
 
-/// The commands.
+/// The commands. What `--help` says of one stands with its arguments; a line here would take its place, and its second
+/// paragraph away. Only where several commands have the same arguments it is here.
 #[derive(Subcommand)]
 pub enum Command {
-    /// Plays a model into a WAV file
     Render(RenderArgs),
-    /// Says everything that can be known of a model before it sounds
     Check(CheckArgs),
-    /// Says how the linear part of a model sings
     Modes(ModesArgs),
-    /// Measures the error of a model against its run time, over methods and rates
     Accuracy(AccuracyArgs),
-    /// Plays a model many times, each time with other values
     Sweep(SweepArgs),
-    /// Tunes strings, meshes, cells and banks
     Tune(TuneArgs),
-    /// Writes a page about a model or a take
     Report(ReportArgs),
-    /// Shows and sets how large and how heavy a model is in the hand
     Equiv(EquivArgs),
-    /// Lists kinds of modules and bundled models, or shows one of them
     List(ListArgs),
-    /// Starts a model of your own
     New(NewArgs),
-    /// Turns a MIMS model into a model file
     Import(ImportArgs),
-    /// Plays a model in real time, by device processes
     Serve(ServeArgs),
-    /// Changes live parameters of a running `ca serve`
     Set(SetArgs),
     /// Turns the forces of a running `ca serve` on
     ///
@@ -95,16 +83,17 @@ pub enum Command {
     /// (docs/safety.md).
     Disarm(ArmArgs),
     /// Asks a running `ca serve` how it goes
+    ///
+    /// Says how many gesture frames and samples it has played, the mode and the cause of each device, what an armed one
+    /// waits for, and how much was lost; with `--json` also the live parameters.
     Status(StatusArgs),
     /// Ends a running `ca serve`
+    ///
+    /// Forces go to zero with the next gesture frame; sound file and take are finished, and the summary is printed there.
     Stop(StatusArgs),
-    /// Plays a take again, and says whether it is as it was
     Replay(ReplayArgs),
-    /// Looks into takes, saves what was cut off, and takes parts out
     Log(LogArgs),
-    /// Simulates a device, finds devices, and tests and calibrates them
     Device(DeviceArgs),
-    /// Shows or removes what lies in shared memory
     Shm(ShmArgs),
 }
 

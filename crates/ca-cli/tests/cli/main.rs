@@ -18,6 +18,7 @@ mod serve;
 mod shm;
 mod sweep;
 mod take;
+mod words;
 
 use desk::{BAR, Desk, KEY, mims};
 use std::fs;
@@ -169,6 +170,23 @@ fn examples_of_the_help_run() {
         }
     }
     assert!(ran >= 42, "only {ran} examples were found");
+}
+
+/// More than the line of the list: what it does, by which rules, and how it ends.
+#[test]
+fn every_command_explains_itself() {
+    let desk = Desk::new();
+    let general = desk.ca(&["--help"]).is(0).out;
+    let list = general.split("Commands:\n").nth(1).unwrap().split("\n\n").next().unwrap();
+    let commands: Vec<&str> =
+        list.lines().filter_map(|l| l.split_whitespace().next()).filter(|c| *c != "help").collect();
+    assert!(commands.len() >= 20, "{commands:?}");
+    for command in commands {
+        let help = desk.ca(&[command, "--help"]).is(0).out;
+        let about = help.split("Usage:").next().unwrap();
+        let paragraphs = about.split("\n\n").filter(|p| !p.trim().is_empty()).count();
+        assert!(paragraphs >= 2, "ca {command} --help says no more than the list:\n{help}");
+    }
 }
 
 #[test]
