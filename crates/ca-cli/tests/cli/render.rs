@@ -404,3 +404,16 @@ fn quiet_is_not_silent_about_the_model() {
     let r = desk.ca(&["render", "bar.ca.toml", "-q"]).is(0);
     assert_eq!((r.out.as_str(), r.err.as_str()), ("", ""));
 }
+
+/// No rate is advised that no model may have.
+#[test]
+fn advice_can_be_followed() {
+    let desk = Desk::new();
+    for (k, faster) in [("20 MN/m", true), ("1e300 N/m", false)] {
+        desk.put("wild.ca.toml", &UNSTABLE.replace("20 MN/m", k));
+        let r = desk.ca(&["check", "wild.ca.toml"]);
+        let said = r.out + &r.err;
+        assert!(said.contains("make `bob` heavier") && !said.contains(", or \n"), "{said}");
+        assert_eq!(said.contains("raise the sound rate"), faster, "{said}");
+    }
+}

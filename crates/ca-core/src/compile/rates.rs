@@ -15,7 +15,7 @@ use crate::phi::implicit::{OF_GROUP, OF_MODEL, THETA};
 use alloc::format;
 
 /// Slowest and fastest clock \[Hz\].
-const CLOCK: (f64, f64) = (1.0, 1e7);
+pub const CLOCK: (f64, f64) = (1.0, 1e7);
 /// Most ticks in a sample.
 pub const FINEST: u32 = 64;
 const OVERSAMPLE: Param =

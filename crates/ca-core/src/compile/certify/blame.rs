@@ -2,7 +2,7 @@
 
 use super::worst::Row;
 use crate::compile::net::{LiaNode, Net};
-use crate::compile::rates::FINEST;
+use crate::compile::rates::{CLOCK, FINEST};
 use crate::kind::Unit;
 use crate::law::Bound;
 use crate::model::diag::{Diag, Diags};
@@ -10,6 +10,7 @@ use crate::model::{Model, Span, quantity};
 use alloc::collections::BTreeSet;
 use alloc::format;
 use alloc::string::String;
+use alloc::vec::Vec;
 
 /// Numbers so large or so small that the coefficients are not numbers any more. Said for each item, and an error.
 pub fn overflow(model: &Model, net: &Net, rows: &[Row], bounds: &[Bound], diags: &mut Diags) -> bool {
@@ -72,19 +73,26 @@ pub fn unstable(model: &Model, net: &Net, rows: &[Row], bounds: &[Bound], i: usi
             } else {
                 format!("soften `{}` and the other links of `{}`", l.name, m.name)
             };
-            d.at(span(model, net, l.item), "its stiffest link").help(format!("{fix}, or {heavier}, or {rate}"))
+            d.at(span(model, net, l.item), "its stiffest link").help(any(&[&fix, &heavier, &rate]))
         }
-        None => d.help(format!("{heavier}, or {rate}")),
+        None => d.help(any(&[&heavier, &rate])),
     }
 }
 
 /// The sound rate at which an eigenvalue of now would be at the limit, and the ticks in a sample that are enough:
-/// stiffness falls with the square of the rate, viscosity with it.
+/// stiffness falls with the square of the rate, viscosity with it. Empty where no model may have either.
 pub fn faster(net: &Net, now: f64, viscous: bool) -> String {
     let times = if viscous { now / 4.0 } else { libm::sqrt(now / 4.0) };
-    let rate = format!("raise the sound rate above {:.0} Hz", quantity::Plain(net.rate * times));
+    let above = net.rate * times;
+    let rate = format!("raise the sound rate above {:.0} Hz", quantity::Plain(above));
     let ticks = libm::floor(f64::from(net.oversample) * times) + 1.0;
-    if ticks > f64::from(FINEST) { rate } else { format!("{rate}, or write `oversample = {ticks}` in `[rate]`") }
+    let finer = format!("write `oversample = {ticks}` in `[rate]`");
+    any(&[if above < CLOCK.1 { &rate } else { "" }, if ticks > f64::from(FINEST) { "" } else { &finer }])
+}
+
+/// Ways to mend it, one of which is enough; those that are empty are none.
+pub fn any(ways: &[&str]) -> String {
+    ways.iter().copied().filter(|w| !w.is_empty()).collect::<Vec<_>>().join(", or ")
 }
 
 /// Three digits, towards zero.

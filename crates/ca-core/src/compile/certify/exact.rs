@@ -4,7 +4,7 @@
 //! load; a link at a moving point counts at every node under it. Where that is not enough, the linear links alone, with
 //! the points where they are at load, say whether the scene is certainly unstable.
 
-use super::blame::{faster, round_down, span};
+use super::blame::{any, faster, round_down, span};
 use super::worst::Row;
 use crate::analysis::{Factor, Linear, Loose, Pencil};
 use crate::certificate::{Certificate, Verdict};
@@ -127,7 +127,7 @@ impl Exact {
         let touches = |l: &LiaNode| l.all_ends().any(|e| net.under(e).contains(&(mat as u32)));
         let most = net.lias.iter().zip(bounds).filter(|(l, b)| b.linear && l.sets.is_none() && touches(l));
         let Some((l, b)) = most.max_by(|a, b| a.1.h().total_cmp(&b.1.h())) else {
-            return d.help(rate);
+            return d.help(any(&["make the masses heavier, or soften what holds them", &rate]));
         };
         let d = if l.item == m.item { d } else { d.at(span(model, net, l.item), "its stiffest link") };
         let name = &net.items[l.item as usize].name;
@@ -142,7 +142,7 @@ impl Exact {
             }
             None => format!("soften `{name}` and what else holds `{}`", m.name),
         };
-        d.help(format!("{fix}, or {rate}"))
+        d.help(any(&[&fix, &rate]))
     }
 }
 
