@@ -57,14 +57,15 @@ fn between(below: &Key, above: &Key, at: &str, words: &str) {
 
 #[test]
 fn what_a_device_renders_ends_at_its_stiffness() {
-    let at = |k: f64| Key { k, friction: 500.0, force: 1e4, ..EASY };
+    let at = |k: f64| Key { k, friction: 500.0, force: 1000.0, ..EASY };
     between(&at(40e3 * 0.999), &at(40e3 * 1.001), "/keys/0/beyond_stiffness", "what it renders");
 }
 
 #[test]
 fn what_stays_passive_ends_where_the_page_says() {
-    let passive = EASY.asked().1["passive"].as_f64().unwrap();
-    let at = |k: f64| Key { k, stiffness: 10.0 * passive, force: 1e5, ..EASY };
+    let thin = Key { friction: 10.0, ..EASY };
+    let passive = thin.asked().1["passive"].as_f64().unwrap();
+    let at = |k: f64| Key { k, stiffness: 10.0 * passive, force: 1000.0, ..thin };
     between(&at(passive * 0.999), &at(passive * 1.001), "/keys/0/beyond_passive", "what stays passive");
 }
 
