@@ -223,13 +223,15 @@ fn asked(site: &Site, text: &[u8], patience: Duration) -> Result<Reply, HostErro
     let pending = room.write_from_slice(text).send().map_err(|e| failed(&e))?;
     let end = Instant::now() + patience;
     loop {
+        // asked first: one who answers and ends has left its answer
+        let there = pending.is_connected();
         if let Some(answer) = pending.receive().map_err(|e| failed(&e))? {
             return serde_json::from_slice(answer.payload()).map_err(|e| {
                 let what = format!("the server at `{}` answers what is no reply: {e}", site.root().display());
                 HostError::new(HostErrorKind::Answer, what, "run both sides from one release of ca")
             });
         }
-        if !pending.is_connected() {
+        if !there {
             return Err(absent());
         }
         if Instant::now() > end {
