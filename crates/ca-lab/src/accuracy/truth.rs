@@ -15,6 +15,7 @@ use crate::Failure;
 use crate::catalog;
 use crate::load::{self, Loaded};
 use ca_core::analysis::{Modes, Network, modes};
+use ca_core::model::Value;
 use ca_core::{Options, Scene};
 
 /// Where a reference comes from.
@@ -124,7 +125,13 @@ fn closed(loaded: &Loaded, probes: &[String], scene: &Scene, frames: usize) -> O
         clouds: loaded.clouds.clone(),
         ..Options::default()
     };
-    let network = ca_core::compile::linear(&loaded.model, &catalog(), &options).ok()?;
+    // what is given by a pitch has that pitch, which the stiffness that a scheme needs for it would miss
+    let mut model = loaded.model.clone();
+    model.set("model.method", "modal");
+    for props in std::iter::once(&mut model.meta).chain(model.groups.iter_mut().map(|g| &mut g.props)) {
+        props.retain(|e| e.key != "theta" && (e.key != "method" || e.value == Value::Text("modal".into())));
+    }
+    let network = ca_core::compile::linear(&model, &catalog(), &options).ok()?;
     let whole = network.left_out.is_empty() && network.deaf.is_empty() && network.linear.loose.is_empty();
     if !whole || network.ports.len() < n {
         return None;
