@@ -2,7 +2,7 @@
 //!
 //! A mode has the dimensionless stiffness a = T²k/m and viscosity b = Tz/m. Its pole r e^(iφ), φ = 2πfT, r = 10^(−3T/t60),
 //! is that of
-//! - the explicit scheme where a = 1 + r² − 2r cos φ and b = 1 − r² (docs/numerics.md §1.5, [`crate::mat::retune`]);
+//! - the explicit scheme where a = 1 + r² − 2r cos φ and b = 1 − r² (docs/numerics.md §1.5, [`retune`]);
 //! - the implicit one of share θ, (1 + b/2 + θa) w² − (2 − a(1 − 2θ)) w + (1 − b/2 + θa) = 0, where with
 //!   D = 1/((1 + r²)/2 − θ(1 + r² − 2r cos φ)) a = D(1 + r² − 2r cos φ) and b = D(1 − r²), so that `centred` is θ = 0;
 //! - the mode itself where a = φ² + s² and b = 2s, s = −ln r.
@@ -11,9 +11,19 @@
 //! of tune. The alternative, stiffness by the explicit scheme and whatever pitch another one makes of it, is 15 cents off
 //! at 440 Hz and 48 kHz.
 
-use crate::mat::retune;
-use crate::phi::implicit::{MODAL, theta};
 use core::f64::consts::{LN_10, PI};
+
+/// The number of the method `modal` of a group or the model.
+pub const MODAL: f64 = 3.0;
+
+/// The share of the force from before and after that a method takes, each; `None` for the explicit one.
+pub fn theta(method: f64, written: Option<f64>) -> Option<f64> {
+    match method {
+        1.0 => Some(0.0),
+        2.0 => Some(written.unwrap_or(0.5)),
+        _ => None,
+    }
+}
 
 /// How the linear part of an item is computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -108,4 +118,15 @@ impl Scheme {
 fn bend(r: f64, loss: f64, phi: f64) -> f64 {
     let half = libm::sin(0.5 * phi);
     loss * loss + 4.0 * r * half * half
+}
+
+/// The dimensionless stiffness a = kT²/m and viscosity b = zT/m with which the scheme oscillates at exactly `f` \[Hz\]
+/// and loses 60 dB in exactly `t60` \[s\] (docs/numerics.md §1.5). `t60` may be infinite. Written so that nothing
+/// cancels at low frequency, where 1 − 2r cos θ + r² loses five digits.
+pub fn retune(f: f64, t60: f64, te: f64) -> (f64, f64) {
+    let s = 3.0 * core::f64::consts::LN_10 / t60;
+    let q = -libm::expm1(-s * te);
+    let r = 1.0 - q;
+    let half = libm::sin(core::f64::consts::PI * f * te);
+    (q * q + 4.0 * r * half * half, -libm::expm1(-2.0 * s * te))
 }

@@ -8,6 +8,7 @@
 use super::{Coefs, DX0, MatSpec, V, X};
 use crate::kind::{ABOVE_ZERO, Kind, Need, OneOf, POSITIVE, Param, Role, Unit};
 use crate::phi::implicit::{METHOD, THETA, theta};
+use crate::tuning::retune;
 
 /// CEL in the catalog.
 pub static KIND: Kind = Kind {
@@ -54,15 +55,4 @@ fn coefs(p: &[Option<f64>], te: f64) -> Coefs {
         return Coefs { p: 1.0 - z / te * c, q: -k * c, c };
     }
     Coefs { p: 1.0 - z * te / m, q: -k * c, c }
-}
-
-/// The dimensionless stiffness a = kT²/m and viscosity b = zT/m with which the scheme oscillates at exactly `f` \[Hz\]
-/// and loses 60 dB in exactly `t60` \[s\] (docs/numerics.md §1.5). `t60` may be infinite. Written so that nothing
-/// cancels at low frequency, where 1 − 2r cos θ + r² loses five digits.
-pub fn retune(f: f64, t60: f64, te: f64) -> (f64, f64) {
-    let s = 3.0 * core::f64::consts::LN_10 / t60;
-    let q = -libm::expm1(-s * te);
-    let r = 1.0 - q;
-    let half = libm::sin(core::f64::consts::PI * f * te);
-    (q * q + 4.0 * r * half * half, -libm::expm1(-2.0 * s * te))
 }

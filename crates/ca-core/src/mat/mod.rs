@@ -25,6 +25,7 @@ pub const V: Param = Param::new("v", Type::Place { unit: Unit::SPEED }, Need::De
 
 /// All MAT kinds, in the order of the documentation.
 pub const KINDS: &[&Kind] = &[&mas::KIND, &sol::KIND, &cel::KIND];
-pub use cel::{KIND as CEL, retune};
+pub use crate::tuning::retune;
+pub use cel::KIND as CEL;
 pub use mas::KIND as MAS;
 pub use sol::KIND as SOL;

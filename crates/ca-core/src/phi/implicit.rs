@@ -13,6 +13,7 @@ use super::{Bound, Law, Phi, linear_lost, linear_stored};
 use crate::kind::{Need, Param, Type, Unit};
 use crate::real::Real;
 use crate::table::Table;
+pub use crate::tuning::{MODAL, theta};
 
 /// The methods of linear links, by name.
 pub const METHOD: Param = Param::new(
@@ -36,8 +37,6 @@ pub const OF_MODEL: Param = Param::new(
     Need::Optional,
     "how linear links and cells are computed, or, by pefrl, everything",
 );
-/// The numbers of the last of them.
-pub const MODAL: f64 = 3.0;
 /// See [`crate::method::pefrl`].
 pub const PEFRL: f64 = 4.0;
 /// Weight of the time to come.
@@ -50,15 +49,6 @@ pub const THETA: Param = Param::number(
      not ring; 1/2 if left out",
 )
 .for_good();
-
-/// The share of the force from before and after that a method takes, each; `None` for the explicit one.
-pub fn theta(method: f64, written: Option<f64>) -> Option<f64> {
-    match method {
-        1.0 => Some(0.0),
-        2.0 => Some(written.unwrap_or(0.5)),
-        _ => None,
-    }
-}
 
 /// The law; parameters k, z and θ in this order, whatever the kind.
 pub static LAW: Law = Law { implicit: true, ..Law::of::<Implicit, 3, 0>("REF implicit") };
