@@ -53,7 +53,7 @@ fn table(found: &Found) -> String {
 }
 
 /// A number of the table of what is expected.
-fn reported(v: f64) -> String {
+fn shown(v: f64) -> String {
     if v < 0.01 { format!("{v:.1e}") } else { format!("{v:.2}") }
 }
 
@@ -64,7 +64,7 @@ pub fn page(found: &[Found], stiff: &[Found], claims: &[Claim], machine: &str) -
     t += &head(&["what", "at most", "is", "holds"]);
     for c in claims {
         let holds = if c.holds() { "yes" } else { "**no**" };
-        t += &line(&[c.what.clone(), reported(c.most), reported(c.is), holds.into()]);
+        t += &line(&[c.what.clone(), shown(c.most), shown(c.is), holds.into()]);
     }
     for (case, f) in CASES.iter().zip(found) {
         let _ = write!(

@@ -19,7 +19,7 @@ contradiction. No number of this page depends on the machine.
 ";
 
 /// The line below a map.
-pub fn reported(map: &Map, field: &Field) -> String {
+pub fn figure(map: &Map, field: &Field) -> String {
     let up = field.cells.len() / field.across;
     let band = if map.band > 0.0 { format!("; band: {} % of each axis", 100.0 * map.band) } else { String::new() };
     format!(
@@ -38,7 +38,7 @@ pub fn section(map: &Map, field: &Field) -> String {
         wrap(map.text),
         map.title,
         map.name,
-        reported(map, field)
+        figure(map, field)
     )
 }
 

@@ -110,7 +110,7 @@ pub struct WavOut {
     staged: Staged,
     format: Format,
     limit: u64,
-    reported: Written,
+    written: Written,
 }
 
 impl WavOut {
@@ -136,61 +136,61 @@ impl WavOut {
         let staged = Staged::create(path)?;
         let writer =
             WavWriter::new(BufWriter::with_capacity(1 << 16, staged.handle()?), spec).map_err(|e| failed(path, &e))?;
-        let reported = Written { path: path.to_owned(), frames: 0, rate: rate as u32, level: Level::new(channels) };
+        let written = Written { path: path.to_owned(), frames: 0, rate: rate as u32, level: Level::new(channels) };
         Ok(WavOut {
             writer,
             staged,
             format,
             limit: MAX_DATA / (channels as u64 * u64::from(format.bits() / 8)),
-            reported,
+            written,
         })
     }
 
     /// Appends whole frames of interleaved samples.
     pub fn write(&mut self, frames: &[f64]) -> Result<(), FileError> {
-        let n = self.reported.level.peak.len();
+        let n = self.written.level.peak.len();
         if !frames.len().is_multiple_of(n) {
             let what = format!("{} samples are no whole frames of {n} channels", frames.len());
-            return Err(FileError::usage(what).file(self.reported.path.display()));
+            return Err(FileError::usage(what).file(self.written.path.display()));
         }
-        if self.reported.frames + (frames.len() / n) as u64 > self.limit {
+        if self.written.frames + (frames.len() / n) as u64 > self.limit {
             let e = FileError::new(FileErrorKind::Full, "a WAV file holds 4 GiB, and they are full");
-            let e = e.file(self.reported.path.display()).at(format!("{:.0} s", self.reported.duration()));
+            let e = e.file(self.written.path.display()).at(format!("{:.0} s", self.written.duration()));
             return Err(e.fix("render less time, fewer outputs or fewer bits"));
         }
         for frame in frames.chunks_exact(n) {
             for (channel, x) in frame.iter().enumerate() {
-                let x = self.reported.level.keep(channel, *x);
+                let x = self.written.level.keep(channel, *x);
                 match self.format {
                     Format::F32 => self.writer.write_sample(x as f32),
                     Format::I24 => self.writer.write_sample(integer(x, 8_388_608.0)),
                     Format::I16 => self.writer.write_sample(integer(x, 32_768.0)),
                 }
-                .map_err(|e| failed(&self.reported.path, &e))?;
+                .map_err(|e| failed(&self.written.path, &e))?;
             }
-            self.reported.frames += 1;
+            self.written.frames += 1;
         }
         Ok(())
     }
 
     /// What has been written so far; the numbers of [`WavOut::finish`], while it goes on.
     pub fn so_far(&self) -> &Written {
-        &self.reported
+        &self.written
     }
 
     /// Completes the file and puts it in its place.
     pub fn finish(self) -> Result<Written, FileError> {
-        let WavOut { writer, staged, reported, .. } = self;
-        writer.finalize().map_err(|e| failed(&reported.path, &e))?;
-        if reported.level.peak.len() > 2 && staged.is_plain() {
+        let WavOut { writer, staged, written, .. } = self;
+        writer.finalize().map_err(|e| failed(&written.path, &e))?;
+        if written.level.peak.len() > 2 && staged.is_plain() {
             // dwChannelMask of WAVEFORMATEXTENSIBLE, at this place in what hound writes
             let mut file = staged.handle()?;
             file.seek(SeekFrom::Start(40))
                 .and_then(|_| file.write_all(&[0; 4]))
-                .map_err(|e| FileError::io(&reported.path, "it cannot be written", &e))?;
+                .map_err(|e| FileError::io(&written.path, "it cannot be written", &e))?;
         }
         staged.commit()?;
-        Ok(reported)
+        Ok(written)
     }
 }
 
@@ -216,43 +216,43 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         let mut out = WavOut::create(dir.path().join("a.wav"), 48_000.0, 1, format).unwrap();
         samples.chunks(3).for_each(|c| out.write(c).unwrap());
-        let reported = out.finish().unwrap();
-        (dir, reported)
+        let written = out.finish().unwrap();
+        (dir, written)
     }
 
     #[test]
     fn integers_are_exact() {
         for (format, full) in [(Format::I16, 32_768), (Format::I24, 8_388_608)] {
-            let (_dir, reported) = render(format, &ODD);
-            let mut file = WavReader::open(&reported.path).unwrap();
+            let (_dir, written) = render(format, &ODD);
+            let mut file = WavReader::open(&written.path).unwrap();
             assert_eq!((file.spec().bits_per_sample, file.spec().sample_rate), (format.bits(), 48_000));
             let got: Vec<i32> = file.samples().map(Result::unwrap).collect();
             let tenth = if full == 32_768 { 3277 } else { 838_861 };
             assert_eq!(got, [0, full / 2, -full / 2, full - 1, -full, full - 1, -full, tenth]);
-            assert_eq!((reported.level.clipped, reported.level.non_finite, reported.frames), (2, 0, 8));
-            assert_eq!(reported.level.peak, [7.0]);
-            assert!(!reported.is_faithful());
+            assert_eq!((written.level.clipped, written.level.non_finite, written.frames), (2, 0, 8));
+            assert_eq!(written.level.peak, [7.0]);
+            assert!(!written.is_faithful());
         }
         // ties to even
-        let (_dir, reported) = render(Format::I16, &[0.5 / 32_768.0, 1.5 / 32_768.0, -2.5 / 32_768.0]);
-        let got: Vec<i32> = WavReader::open(&reported.path).unwrap().samples().map(Result::unwrap).collect();
+        let (_dir, written) = render(Format::I16, &[0.5 / 32_768.0, 1.5 / 32_768.0, -2.5 / 32_768.0]);
+        let got: Vec<i32> = WavReader::open(&written.path).unwrap().samples().map(Result::unwrap).collect();
         assert_eq!(got, [0, 2, -2]);
     }
 
     #[test]
     fn floats_have_the_same_ceiling() {
-        let (_dir, reported) = render(Format::F32, &ODD);
-        let got: Vec<f32> = WavReader::open(&reported.path).unwrap().samples().map(Result::unwrap).collect();
+        let (_dir, written) = render(Format::F32, &ODD);
+        let got: Vec<f32> = WavReader::open(&written.path).unwrap().samples().map(Result::unwrap).collect();
         assert_eq!(got, [0.0, 0.5, -0.5, 1.0, -1.0, 1.0, -1.0, 0.1]);
-        assert_eq!(reported.level.clipped, 2);
+        assert_eq!(written.level.clipped, 2);
     }
 
     #[test]
     fn what_has_no_value_is_silence_and_counted_apart() {
-        let (_dir, reported) = render(Format::F32, &[f64::NAN, 0.25, f64::INFINITY, f64::NEG_INFINITY]);
-        let got: Vec<f32> = WavReader::open(&reported.path).unwrap().samples().map(Result::unwrap).collect();
+        let (_dir, written) = render(Format::F32, &[f64::NAN, 0.25, f64::INFINITY, f64::NEG_INFINITY]);
+        let got: Vec<f32> = WavReader::open(&written.path).unwrap().samples().map(Result::unwrap).collect();
         assert_eq!(got, [0.0, 0.25, 0.0, 0.0]);
-        assert_eq!((reported.level.clipped, reported.level.non_finite, reported.level.peak[0]), (0, 3, 0.25));
+        assert_eq!((written.level.clipped, written.level.non_finite, written.level.peak[0]), (0, 3, 0.25));
     }
 
     #[test]
@@ -265,8 +265,8 @@ mod tests {
                 let frame: Vec<f64> = (0..channels).map(|c| c as f64 / 512.0).collect();
                 out.write(&frame).unwrap();
                 out.write(&frame).unwrap();
-                let reported = out.finish().unwrap();
-                assert_eq!((reported.level.peak.as_slice(), reported.frames), (&frame[..], 2));
+                let written = out.finish().unwrap();
+                assert_eq!((written.level.peak.as_slice(), written.frames), (&frame[..], 2));
                 let bytes = std::fs::read(&path).unwrap();
                 assert_eq!(u32::from_le_bytes(bytes[4..8].try_into().unwrap()) as usize, bytes.len() - 8);
                 assert_eq!(usize::from(u16::from_le_bytes([bytes[22], bytes[23]])), channels);

@@ -4,7 +4,7 @@
 //! the bit, and shows the forces a hand would have had. Built-in gestures of other ports are not played, as by a server.
 
 use crate::load::{self, Loaded};
-use crate::sweep::reported;
+use crate::sweep::shown;
 use crate::{Failure, bytes, play};
 use ca_core::live::Controls;
 use ca_core::model::{Entry, Model, Value, write};
@@ -117,7 +117,7 @@ fn changes(from: &Model, to: &Model) -> Vec<(String, String)> {
     let mut all = Vec::new();
     let mut put = |name: String, new: &Value, old: Option<&Value>| {
         if old != Some(new) {
-            all.push((name, reported(new)));
+            all.push((name, shown(new)));
         }
     };
     let find = |list: &[Entry], key: &str| list.iter().find(|e| e.key == key).map(|e| e.value.clone());

@@ -219,7 +219,7 @@ impl Plot {
         (factor, format!("{letter}{}", self.y.unit))
     }
 
-    /// For those who cannot see it: each curve with its least, greatest and last value, in the unit that is ranges.
+    /// For those who cannot see it: each curve with its least, greatest and last value, in the unit that is shown.
     pub(crate) fn ranges(&self) -> (String, Vec<Extent>) {
         let (factor, unit) = self.scale();
         let row = |c: &Curve| (c.name.clone(), c.extent().map(|e| e.map(|v| v / factor)));

@@ -13,7 +13,7 @@ const PATIENCE: Duration = Duration::from_secs(5);
 /// `ca set`.
 pub fn set(args: &SetArgs) -> Outcome {
     if args.values.is_empty() {
-        return reported(&Request::Status, args.json, |r| {
+        return print(&Request::Status, args.json, |r| {
             let list = r.fields.get("params").and_then(|p| p.as_array()).cloned().unwrap_or_default();
             if list.is_empty() {
                 return "this model has no live parameters".into();
@@ -29,30 +29,30 @@ pub fn set(args: &SetArgs) -> Outcome {
         });
     }
     let values = args.values.iter().map(|(n, v)| (n.clone(), Given::Text(v.clone()))).collect();
-    reported(&Request::Set { values }, args.json, |r| r.text.clone())
+    print(&Request::Set { values }, args.json, |r| r.text.clone())
 }
 
 /// `ca arm`.
 pub fn arm(args: &ArmArgs) -> Outcome {
-    reported(&Request::Arm { device: args.device.clone() }, args.json, |r| r.text.clone())
+    print(&Request::Arm { device: args.device.clone() }, args.json, |r| r.text.clone())
 }
 
 /// `ca disarm`.
 pub fn disarm(args: &ArmArgs) -> Outcome {
-    reported(&Request::Disarm { device: args.device.clone() }, args.json, |r| r.text.clone())
+    print(&Request::Disarm { device: args.device.clone() }, args.json, |r| r.text.clone())
 }
 
 /// `ca status`.
 pub fn status(args: &StatusArgs) -> Outcome {
-    reported(&Request::Status, args.json, |r| r.text.clone())
+    print(&Request::Status, args.json, |r| r.text.clone())
 }
 
 /// `ca stop`.
 pub fn stop(args: &StatusArgs) -> Outcome {
-    reported(&Request::Stop, args.json, |r| r.text.clone())
+    print(&Request::Stop, args.json, |r| r.text.clone())
 }
 
-fn reported(request: &Request, json: bool, text: impl FnOnce(&Reply) -> String) -> Outcome {
+fn print(request: &Request, json: bool, text: impl FnOnce(&Reply) -> String) -> Outcome {
     let reply = ask(&Site::of_user()?, request, PATIENCE)?;
     let mut out = std::io::stdout().lock();
     if json {

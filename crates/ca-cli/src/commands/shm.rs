@@ -24,7 +24,7 @@ fn size(bytes: u64) -> String {
     if bytes < 10_000 { format!("{bytes} bytes") } else { format!("{} kB", bytes / 1000) }
 }
 
-fn reported(group: &Group) -> String {
+fn line(group: &Group) -> String {
     let who = group.alive.iter().map(|(id, name)| format!("{id} ({name})")).collect::<Vec<_>>().join(", ");
     let who = if who.is_empty() { "dead".into() } else { format!("used by {who}") };
     let version = format!("frames {} over iceoryx2 {}", group.frames, group.iox);
@@ -53,7 +53,7 @@ fn list(site: &Site, json: bool) -> Outcome {
         writeln!(out, "nothing there")?;
     }
     for group in &groups {
-        writeln!(out, "{}", reported(group))?;
+        writeln!(out, "{}", line(group))?;
         for (path, bytes) in &group.files {
             writeln!(out, "  {} ({})", path.display(), size(*bytes))?;
         }
@@ -76,7 +76,7 @@ fn clean(site: &Site, json: bool) -> Outcome {
         }
         writeln!(out, "{} files removed, {}", cleaned.removed.len(), size(bytes))?;
         for group in &cleaned.kept {
-            writeln!(out, "kept {}", reported(group))?;
+            writeln!(out, "kept {}", line(group))?;
         }
     }
     for (path, why) in &cleaned.failed {

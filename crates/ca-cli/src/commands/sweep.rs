@@ -109,7 +109,7 @@ fn dry(plan: &Plan) -> Outcome {
     let mut out = std::io::stdout().lock();
     writeln!(out, "{}  {} runs in {} chunks", plan.folder.display(), sweep.runs(), sweep.runs().div_ceil(plan.chunk))?;
     for (axis, value) in sweep.ask().axes.iter().zip(&row.values) {
-        writeln!(out, "  {} = {} in the first", axis.name, axis.reported(value))?;
+        writeln!(out, "  {} = {} in the first", axis.name, axis.shown(value))?;
     }
     let time = |runs: f64| term::time(row.run_time * runs);
     writeln!(

@@ -131,7 +131,7 @@ fn the_glossary_knows_every_kind() {
 }
 
 /// All texts below a directory that may cite a page, whatever tools have left there aside.
-fn texts(dir: &Path, found: &mut Vec<PathBuf>) {
+pub fn texts(dir: &Path, found: &mut Vec<PathBuf>) {
     for entry in fs::read_dir(dir).unwrap() {
         let path = entry.unwrap().path();
         let name = path.file_name().unwrap().to_str().unwrap().to_string();
@@ -140,14 +140,14 @@ fn texts(dir: &Path, found: &mut Vec<PathBuf>) {
             if !name.starts_with('.') && !["target", "__pycache__", "node_modules"].contains(&name.as_str()) {
                 texts(&path, found);
             }
-        } else if ["rs", "py", "pyi", "md", "toml", "h", "c", "ipynb"].contains(&ending) {
+        } else if ["rs", "py", "pyi", "md", "toml", "h", "c", "js", "ipynb"].contains(&ending) {
             found.push(path);
         }
     }
 }
 
 /// The sections that a text cites of the page of numerics, as `§1.3`, `§5.2, §5.3` or `§5.2 and §5.3` behind its name.
-/// `None` where the sign is followed by no number.
+/// `None` where no digit follows the sign.
 fn cited(text: &str) -> Option<Vec<String>> {
     let mut all = Vec::new();
     for rest in text.split(&["numerics", ".md "].concat()).skip(1) {

@@ -209,7 +209,11 @@ impl Engine {
 
     /// Runs the scene up to the force of the frame, which [`Engine::answer`] then guards. By itself for who wants to look
     /// at a clock in between: what a stage of the guard is asked before [`Engine::answer`] still counts for this frame.
+    /// A second call does nothing.
     pub fn prepare(&mut self) {
+        if core::mem::replace(&mut self.prepared, true) {
+            return;
+        }
         let first = self.state.tick == 0;
         for p in &mut self.ports {
             p.place(&mut self.state);
@@ -224,16 +228,13 @@ impl Engine {
             self.sample();
         }
         self.watch();
-        self.prepared = true;
     }
 
     /// The first half of a gesture frame: runs the scene up to the force of the frame, unless [`Engine::prepare`] did,
     /// guards it and gives the frames to send, one per device.
     pub fn answer(&mut self) -> impl Iterator<Item = &ForceFrame> {
-        if !core::mem::take(&mut self.prepared) {
-            self.prepare();
-            self.prepared = false;
-        }
+        self.prepare();
+        self.prepared = false;
         let (state, diverged, options) = (&self.state, self.diverged, &self.options);
         for p in &mut self.ports {
             p.answer(&self.scene, state, options.session, diverged);

@@ -249,7 +249,7 @@ fn small(v: f64) -> String {
 
 impl Measured {
     /// The cheapest way with at most this error; among those that are not known to be unstable. None where the reference
-    /// is not known as well as that: below it, errors cannot be told apart.
+    /// is not known as well as that: errors below it are not distinguished.
     pub fn cheapest(&self, error: f64) -> Option<&Row> {
         if self.truth.known > error {
             return None;

@@ -91,8 +91,8 @@ impl Axis {
 
     /// A value on it as somebody would write it: of what is drawn or counted between two quantities, six digits and
     /// their unit.
-    pub fn reported(&self, value: &Value) -> String {
-        let (Value::Num(v), Some([from, to])) = (value, &self.ends) else { return super::reported(value) };
+    pub fn shown(&self, value: &Value) -> String {
+        let (Value::Num(v), Some([from, to])) = (value, &self.ends) else { return super::shown(value) };
         let dim = |end: &Value| match end {
             Value::Text(t) => quantity::parse(t).ok().filter(|q| q.has_unit).map(|q| q.dim),
             _ => None,

@@ -12,7 +12,7 @@
 //! what one of them left half done does not count, and what is there need not be done again. Times are kept apart from
 //! the manifest, which so is the same file to the byte whoever wrote it.
 
-use super::{Audio, Sweep, TIMES, Table, reported};
+use super::{Audio, Sweep, TIMES, Table, shown};
 use crate::Failure;
 use crate::load::reason;
 use crate::sweep::axis::Space;
@@ -94,7 +94,7 @@ fn toml(value: &Value) -> String {
     match value {
         Value::Num(v) => format!("{v:?}"),
         Value::Bool(v) => v.to_string(),
-        other => format!("{:?}", reported(other)),
+        other => format!("{:?}", shown(other)),
     }
 }
 

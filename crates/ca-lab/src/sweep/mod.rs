@@ -294,7 +294,7 @@ impl Sweep {
                 if a.is_numeric() {
                     number(&|r| axis::number(&r.values[k]))
                 } else {
-                    text(&|r| Some(reported(&r.values[k])))
+                    text(&|r| Some(shown(&r.values[k])))
                 },
             );
         }
@@ -351,14 +351,14 @@ fn measured_so(loaded: &Loaded, name: &str, end: &Value) -> Result<(), Failure> 
 }
 
 /// A value as somebody would write it.
-pub fn reported(value: &Value) -> String {
+pub fn shown(value: &Value) -> String {
     match value {
         Value::Num(v) => v.to_string(),
         Value::Text(t) => t.clone(),
         Value::Bool(b) => b.to_string(),
-        Value::List(v) => format!("[{}]", v.iter().map(|e| reported(&e.value)).collect::<Vec<_>>().join(", ")),
+        Value::List(v) => format!("[{}]", v.iter().map(|e| shown(&e.value)).collect::<Vec<_>>().join(", ")),
         Value::Table(v) => {
-            let one = v.iter().map(|e| format!("{} = {}", e.key, reported(&e.value)));
+            let one = v.iter().map(|e| format!("{} = {}", e.key, shown(&e.value)));
             format!("{{{}}}", one.collect::<Vec<_>>().join(", "))
         }
     }

@@ -10,7 +10,7 @@ use ca_core::energy::{Balance, Ledger};
 use ca_report::{Axis, Block, Curve, Grid, Plot, Section, Table};
 
 /// Energy so many times what a model was given is that of its blow-up.
-const WILD: f64 = 1e6;
+const BLOW_UP: f64 = 1e6;
 
 /// The ledger at several times.
 #[derive(Default)]
@@ -39,7 +39,7 @@ impl EnergyOverTime {
         let end = self.end.as_ref()?;
         let tame = |(b, motion): &&(Balance, f64)| {
             let given = b.h0.abs().max(b.work.abs()).max(b.changed.abs());
-            self.broke.is_none() || b.peak.max(motion.abs()) <= WILD * given
+            self.broke.is_none() || b.peak.max(motion.abs()) <= BLOW_UP * given
         };
         let blown = format!("The model blew up at {:.4} s{}", self.broke.unwrap_or_default(), grows(scene, end));
         let sums: Vec<&(Balance, f64)> = self.sums.iter().take_while(tame).collect();

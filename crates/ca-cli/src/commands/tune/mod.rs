@@ -107,7 +107,7 @@ pub fn run(args: &TuneArgs) -> Outcome {
     } else if let Some(path) = &args.to.write {
         super::new::write(path, &text, args.to.force)?;
     }
-    reported(&loaded, &done, args.json)?;
+    print(&loaded, &done, args.json)?;
     if let Some(path) = args.to.write.as_deref().or(args.to.in_place.then_some(Path::new(&args.model))) {
         term::note(&format!("written to `{}`", path.display()));
     }
@@ -307,7 +307,7 @@ fn share(network: &Network, m: &Mode, places: &[usize]) -> f64 {
     places.iter().map(|i| m.shape[*i] * m.shape[*i] * te * te / network.linear.places[*i].c).sum()
 }
 
-fn reported(loaded: &Loaded, done: &[Tuned], as_json: bool) -> Result<(), Failure> {
+fn print(loaded: &Loaded, done: &[Tuned], as_json: bool) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
     if as_json {
         let list: Vec<Json> = done

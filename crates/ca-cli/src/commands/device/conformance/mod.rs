@@ -90,10 +90,10 @@ pub fn run(args: &ConformanceArgs) -> Outcome {
         another(&mut bench, &mut profile, force, &mut table)?;
         strangers(&mut bench, &mut table);
     }
-    reported(&table, args)
+    print(&table, args)
 }
 
-fn reported(table: &Table, args: &ConformanceArgs) -> Outcome {
+fn print(table: &Table, args: &ConformanceArgs) -> Outcome {
     let failed = table.0.iter().filter(|r| !r.pass).count();
     let mut out = std::io::stdout().lock();
     if args.json {
