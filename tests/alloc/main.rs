@@ -202,7 +202,8 @@ fn nor_while_parameters_move() {
     assert!(moved > 0, "no model has a live parameter");
 }
 
-/// A gesture that moves a live parameter at every frame: of a link, a contact, a cell, a string, a bank and a mass.
+/// A gesture that moves a live parameter at every frame: of a link, a contact, a cell, a string, a bank, a mass, a mesh
+/// with held nodes, a cloud of points, and of implicit links that share a mass and that do not.
 #[test]
 fn nor_a_performance_whose_gesture_moves_parameters() {
     let text = r#"
@@ -215,6 +216,10 @@ g = { value = 1, live = true, min = 0, max = 2 }
 wall = {}
 [MAS]
 a = { m = "m", x = "1 mm", v = "-3 m/s" }
+c = { m = "m", v = 1 }
+d = { m = "1 g" }
+e = { m = "1 g" }
+e2 = { m = "m", v = 1 }
 [CEL]
 bar = { m = "2 g", f = "f", t60 = "1 s", dx0 = "1 mm" }
 [STRING]
@@ -228,9 +233,21 @@ more = { between = ["low[5]", "bar"], k = "k" }
 bell = { between = ["bells[0]", "bar"], k = "k" }
 [BUT]
 hit = { between = ["bar", "a"], k = "k" }
+held = { between = ["skin[1,1]", "bar"], k = 10 }
+[RES]
+next = { between = ["c", "d"], k = "k", method = "implicit" }
+after = { between = ["d", "e"], k = "k", method = "implicit" }
+alone = { between = ["wall", "e2"], k = "k", method = "implicit" }
+[MESH]
+skin = { nx = 4, ny = 3, k = "k", m = "m", fixed = [[0, 0], [-1, -1]] }
+[room]
+dim = 3
+[room.CLOUD]
+star = { points = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], scale = 0.02, reach = "4 cm", m = "m", k = "k" }
 [SOX]
 out = { from = "a", gain = "g" }
 low = { from = "low[2]" }
+star = { from = "room.star[1]", along = "x" }
 [gesture]
 k = [[0, 500], [1, 5000]]
 f = [[0, 150], [1, 300]]

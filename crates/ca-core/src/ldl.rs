@@ -77,27 +77,34 @@ impl Pattern {
         self.rows[r.clone()].binary_search(&i).ok().map(|k| r.start + k)
     }
 
-    /// The numbers: 1/D, then L. Given are the sums of the rows, and what stands beside the diagonal, each once, as row,
-    /// column and value in the order of elimination; what falls on one place adds up. `None` where the matrix is not
-    /// positive definite, or beyond computing.
+    /// Turns row sums into the numbers of the factor, in place: `v` holds the sums of the rows (n) and is left with 1/D
+    /// (n), then L. What stands beside the diagonal is given each once, as row, column and value in the order of
+    /// elimination; what falls on one place adds up. `around` is working memory; once both have their capacity nothing
+    /// is allocated. False where the matrix is not positive definite, or beyond computing; `v` is of no use then.
     ///
     /// With row sums in place of the diagonal nothing is ever subtracted where all ties are springs, so that a mass on a
     /// spring of 10¹² times its inertia keeps all its digits.
-    pub fn factor(&self, sums: Vec<f64>, beside: impl Iterator<Item = (u32, u32, f64)>) -> Option<Vec<f64>> {
+    pub fn factor(
+        &self,
+        v: &mut Vec<f64>,
+        around: &mut Vec<f64>,
+        beside: impl Iterator<Item = (u32, u32, f64)>,
+    ) -> bool {
         let n = self.size();
-        let mut v = sums;
         v.resize(n + self.rows.len(), 0.0);
         // what stands beside the diagonal in each row, left of it and right of it
-        let mut around = alloc::vec![0.0; n];
+        around.clear();
+        around.resize(n, 0.0);
         for (i, j, a) in beside {
-            v[n + self.place(i.max(j), i.min(j) as usize)?] += a;
+            let Some(at) = self.place(i.max(j), i.min(j) as usize) else { return false };
+            v[n + at] += a;
             around[i as usize] += a;
             around[j as usize] += a;
         }
         for k in 0..n {
             let (d, sum) = (v[k] - around[k], v[k]);
             if !(d > 0.0 && d.is_finite()) {
-                return None;
+                return false;
             }
             let r = self.column(k);
             for p in r.clone() {
@@ -107,8 +114,8 @@ impl Pattern {
                 around[j] -= a;
                 for q in p + 1..r.end {
                     let (i, more) = (self.rows[q], l * v[n + q]);
-                    let at = n + self.place(i, j)?;
-                    v[at] -= more;
+                    let Some(at) = self.place(i, j) else { return false };
+                    v[n + at] -= more;
                     around[j] -= more;
                     around[i as usize] -= more;
                 }
@@ -118,7 +125,7 @@ impl Pattern {
             }
             v[k] = 1.0 / d;
         }
-        v.iter().all(|v| v.is_finite()).then_some(v)
+        v.iter().all(|v| v.is_finite())
     }
 
     /// Solves in place, with the numbers of [`Pattern::factor`]; rows in the order of elimination. Does not allocate.

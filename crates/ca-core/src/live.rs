@@ -115,7 +115,7 @@ pub struct LiveImplicit {
 
 impl LiveImplicit {
     /// Adds the factor to a patch that changes what it is made of; false where there is none.
-    fn follow(&mut self, coefs: &[u32], patch: &mut Patch) -> bool {
+    fn follow(&mut self, coefs: &[u32], room: &mut Room, patch: &mut Patch) -> bool {
         let mut changed = false;
         for (i, v) in &patch.set {
             let place = coefs.get(*i as usize).copied().unwrap_or(u32::MAX);
@@ -126,8 +126,10 @@ impl LiveImplicit {
         }
         if changed {
             let value = |c: u32| self.known.binary_search_by_key(&c, |k| k.0).map_or(f64::NAN, |k| self.known[k].1);
-            let Some(factor) = self.made.factor(value) else { return false };
-            patch.set.extend((self.first..).zip(factor));
+            if !self.made.factor(value, &mut room.coefs, &mut room.around) {
+                return false;
+            }
+            patch.set.extend((self.first..).zip(room.coefs.iter().copied()));
         }
         true
     }
@@ -180,8 +182,10 @@ struct Room {
     slots: Vec<Option<f64>>,
     /// numbers of a module
     values: Vec<Option<f64>>,
-    /// coefficients of a module
+    /// coefficients of a module, or of the factor of implicit links
     coefs: Vec<f64>,
+    /// working memory of that factor
+    around: Vec<f64>,
     /// arguments before the change: item, argument and value
     before: Vec<(usize, usize, Arg)>,
     /// coefficients that implicit links depend on, before the change
@@ -213,8 +217,7 @@ impl Controls {
     }
 
     /// Sets parameter number `p` of [`Controls::params`] to `value` \[SI\] and writes the coefficients that change into
-    /// `patch`, in place of what it held. From the second change on it allocates nothing, but for `WAVEGUIDE`, `CLOUD`,
-    /// a `MESH` with held nodes and implicit links, which are solved anew.
+    /// `patch`, in place of what it held. From the second change on it allocates nothing.
     ///
     /// # Errors
     /// [`Refused`], and nothing has changed; `patch` is of no use then.
@@ -256,7 +259,7 @@ impl Controls {
                 item.patch(te, room, patch)?;
             }
         }
-        let follows = self.plan.implicit.as_mut().is_none_or(|a| a.follow(&self.plan.coefs, patch));
+        let follows = self.plan.implicit.as_mut().is_none_or(|a| a.follow(&self.plan.coefs, room, patch));
         if !follows || patch.set.iter().any(|(_, v)| !real(*v).is_finite()) {
             let name = &self.plan.params[p].name;
             return Err(Refused::Unsolvable(format!("`{name}` = {} is beyond computing", Plain(value))));

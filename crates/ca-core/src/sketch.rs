@@ -109,8 +109,9 @@ pub struct Generator {
     /// the numbers its modules use, from its parameters, behind those of a list; called at load and at live changes,
     /// which reuse the list
     pub derive: fn(&Args<'_>, &mut Vec<Option<f64>>) -> Result<(), Problem>,
-    /// names and connects the modules
-    pub build: fn(&Args<'_>, &mut Sketch<'_>),
+    /// names and connects the modules, or says why they cannot be; called once, so whatever no live change can alter is
+    /// refused here
+    pub build: fn(&Args<'_>, &mut Sketch<'_>) -> Result<(), Problem>,
 }
 
 impl Generator {

@@ -221,10 +221,11 @@ impl Plan<'_> {
             made.links.push((coef, [first, f.moves.len() as u32]));
             felt.extend(needed.then_some(f));
         }
-        let Some(factor) = made.factor(|c| self.coef[c as usize]) else {
+        let mut factor = Vec::new();
+        if !made.factor(|c| self.coef[c as usize], &mut factor, &mut Vec::new()) {
             diags.push(beyond(&item.name, item.name_span));
             return None;
-        };
+        }
         let coef = self.coef.len();
         self.coef.extend(factor);
         Some((ImplicitLinks { places: at, pattern: made.pattern.clone(), coef, felt, pairs }, made))

@@ -268,16 +268,16 @@ fn nodes(mut item: NetItem, source: &Item, net: &mut Net, v: &mut Values<'_>) {
                 net.items.push(item);
                 return;
             }
-            match g.derived(&args) {
-                Ok(slots) => {
+            let mut slots = Vec::new();
+            let drawn = (g.derive)(&args, &mut slots).and_then(|()| {
+                let mut drawing = Sketch::new(&slots, !item.follows.is_empty());
+                (g.build)(&args, &mut drawing).map(|()| drawing)
+            });
+            match drawn {
+                Ok(drawing) => {
                     item.slots.clone_from(&slots);
-                    let (args, live, group, te) = (item.args.clone(), !item.follows.is_empty(), item.group, net.te);
+                    let group = item.group;
                     net.items.push(item);
-                    let mut drawing = Sketch::new(&slots, live);
-                    (g.build)(
-                        &Args { code: kind.code, params: kind.params, values: &args, te, dim, scheme },
-                        &mut drawing,
-                    );
                     expand(net, id, &drawing, (dim, rest), group);
                 }
                 Err(p) => {

@@ -75,7 +75,6 @@ fn cloud<'a>(a: &'a Args<'_>) -> Cow<'a, Cloud> {
 
 /// The pairs that are joined.
 fn joined(a: &Args<'_>, cloud: &Cloud) -> Result<Vec<[u32; 2]>, Problem> {
-    super::tetra::springs(a)?;
     if a.num("k").is_none() {
         return Ok(Vec::new());
     }
@@ -98,21 +97,21 @@ fn joined(a: &Args<'_>, cloud: &Cloud) -> Result<Vec<[u32; 2]>, Problem> {
 
 /// Slots: m, k, z.
 fn derive(a: &Args<'_>, slots: &mut Vec<Option<f64>>) -> Result<(), Problem> {
-    let cloud = cloud(a);
-    joined(a, &cloud)?;
-    slots.extend([Some(mass(a, cloud.points.len())), a.num("k"), a.num("z")]);
+    super::tetra::springs(a)?;
+    let points = a.cloud("file").map_or(a.len("points").unwrap_or(0) / 3, |c| c.points.len());
+    slots.extend([Some(mass(a, points)), a.num("k"), a.num("z")]);
     Ok(())
 }
 
-fn build(a: &Args<'_>, b: &mut Sketch<'_>) {
+fn build(a: &Args<'_>, b: &mut Sketch<'_>) -> Result<(), Problem> {
     let (cloud, pose, scale) = (cloud(a), Pose::new(a), a.or0("scale"));
     for (i, p) in cloud.points.iter().enumerate() {
         b.mass(format!("{i}"), 0, u32::MAX);
         b.places.push(pose.place(p.map(|p| p * scale)));
         b.speeds.push(pose.speed(b.places[i]));
     }
-    // `derive` has refused what cannot be joined
-    for [i, j] in joined(a, &cloud).unwrap_or_default() {
+    for [i, j] in joined(a, &cloud)? {
         b.link(i, j, 1, 2);
     }
+    Ok(())
 }

@@ -69,11 +69,12 @@ fn lattice(n: usize, dim: u8) -> Vec<[i32; 3]> {
     all
 }
 
-fn build(a: &Args<'_>, b: &mut Sketch<'_>) {
+fn build(a: &Args<'_>, b: &mut Sketch<'_>) -> Result<(), Problem> {
     let (pose, gap) = (Pose::new(a), a.or0("gap"));
     for (i, p) in lattice(a.count("n"), a.dim).into_iter().enumerate() {
         b.mass(format!("{i}"), 0, u32::MAX);
         b.places.push(p.map(|v| f64::from(v) * gap));
         b.speeds.push(pose.speed(b.places[i]));
     }
+    Ok(())
 }

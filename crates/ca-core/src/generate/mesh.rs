@@ -111,10 +111,9 @@ fn derive(a: &Args<'_>, slots: &mut Vec<Option<f64>>) -> Result<(), Problem> {
     let (nx, ny) = (a.count("nx"), a.count("ny"));
     let m = mass(a, nx * ny);
     let zo = ground(a, m);
-    let held = held(a, nx, ny)?;
     let k = match a.num("f") {
         None => a.or0("k"),
-        Some(_) if !held.is_empty() => {
+        Some(_) if a.len("fixed").unwrap_or(0) > 0 => {
             return Err(Problem {
                 title: "the pitch of a mesh with nodes held here and there has no closed form".into(),
                 param: "f",
@@ -185,12 +184,11 @@ fn held(a: &Args<'_>, nx: usize, ny: usize) -> Result<Vec<[usize; 2]>, Problem> 
     flat.chunks_exact(2).map(node).collect()
 }
 
-fn build(a: &Args<'_>, b: &mut Sketch<'_>) {
+fn build(a: &Args<'_>, b: &mut Sketch<'_>) -> Result<(), Problem> {
     let (nx, ny, edges) = (a.count("nx"), a.count("ny"), a.count("edges"));
     let (dx, pose) = (a.num("dx"), Pose::new(a));
     let mut grid = Vec::with_capacity(nx * ny);
-    // `derive` has refused nodes that are not there
-    let fixed = held(a, nx, ny).unwrap_or_default();
+    let fixed = held(a, nx, ny)?;
     for i in 0..nx {
         for j in 0..ny {
             let (rim_x, rim_y) = (i == 0 || i == nx - 1, j == 0 || j == ny - 1);
@@ -229,4 +227,5 @@ fn build(a: &Args<'_>, b: &mut Sketch<'_>) {
         }
     }
     b.walkable(grid, [nx as u32, ny as u32]);
+    Ok(())
 }

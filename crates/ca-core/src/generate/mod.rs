@@ -2,6 +2,8 @@
 //!
 //! Expansion happens in the compiler, never in the author's file, and names stay indexable: `low[8]`, `low[-1]`,
 //! `low[*]`.
+// all generators have functions of one type, whether or not they refuse anything
+#![allow(clippy::unnecessary_wraps)]
 
 use crate::kind::Kind;
 pub use crate::sketch::{Arg, Args, Generator, Problem, Sketch};

@@ -100,7 +100,7 @@ fn derive(a: &Args<'_>, slots: &mut Vec<Option<f64>>) -> Result<(), Problem> {
     Ok(())
 }
 
-fn build(a: &Args<'_>, b: &mut Sketch<'_>) {
+fn build(a: &Args<'_>, b: &mut Sketch<'_>) -> Result<(), Problem> {
     let n = a.count("n");
     let ends = a.count("ends");
     let mut row = Vec::with_capacity(n + 2);
@@ -127,6 +127,7 @@ fn build(a: &Args<'_>, b: &mut Sketch<'_>) {
     }
     let len = row.len() as u32;
     b.walkable(row, [len, 1]);
+    Ok(())
 }
 
 /// No slot: the parameter is absent.

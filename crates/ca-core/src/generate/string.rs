@@ -186,7 +186,7 @@ fn derive(a: &Args<'_>, slots: &mut Vec<Option<f64>>) -> Result<(), Problem> {
     Ok(())
 }
 
-fn build(a: &Args<'_>, b: &mut Sketch<'_>) {
+fn build(a: &Args<'_>, b: &mut Sketch<'_>) -> Result<(), Problem> {
     let n = a.count("n");
     let free = a.code == "CHAIN" || a.num("ends") == Some(1.0);
     let mut row = Vec::with_capacity(n + 2);
@@ -204,4 +204,5 @@ fn build(a: &Args<'_>, b: &mut Sketch<'_>) {
     }
     let len = row.len() as u32;
     b.walkable(row, [len, 1]);
+    Ok(())
 }

@@ -69,7 +69,7 @@ fn derive(a: &Args<'_>, slots: &mut Vec<Option<f64>>) -> Result<(), Problem> {
     Ok(())
 }
 
-fn build(a: &Args<'_>, b: &mut Sketch<'_>) {
+fn build(a: &Args<'_>, b: &mut Sketch<'_>) -> Result<(), Problem> {
     let (pose, s) = (Pose::new(a), a.or0("edge") / libm::sqrt(8.0));
     for (i, corner) in [[s, s, s], [s, -s, -s], [-s, s, -s], [-s, -s, s]].into_iter().enumerate() {
         b.mass(format!("{i}"), 0, NONE);
@@ -81,6 +81,7 @@ fn build(a: &Args<'_>, b: &mut Sketch<'_>) {
             b.link(i, j, 1, 2);
         }
     }
+    Ok(())
 }
 
 /// No slot: no viscosity to ground.

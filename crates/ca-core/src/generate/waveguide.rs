@@ -100,10 +100,11 @@ fn derive(a: &Args<'_>, slots: &mut Vec<Option<f64>>) -> Result<(), Problem> {
     Ok(())
 }
 
-fn build(a: &Args<'_>, b: &mut Sketch<'_>) {
-    let Ok(asked) = asked(a) else { return };
+fn build(a: &Args<'_>, b: &mut Sketch<'_>) -> Result<(), Problem> {
+    let asked = asked(a)?;
     for i in 0..asked.at.len() {
         b.mass(format!("{i}"), 1 + i as u32, 0);
     }
     b.line = Some(asked);
+    Ok(())
 }

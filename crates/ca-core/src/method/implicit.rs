@@ -104,30 +104,39 @@ pub struct Inertia {
 }
 
 impl Inertia {
-    /// The coefficients of the factor, the inertia of each row and the numbers of each pair, from those they depend on;
-    /// `None` where they are beyond computing.
-    pub fn factor(&self, coef: impl Fn(u32) -> f64) -> Option<Vec<f64>> {
-        let own: Vec<f64> = self.mobility.iter().map(|c| 1.0 / coef(*c)).collect();
-        let mut sums = own.clone();
-        let mut beside = Vec::with_capacity(self.links.len());
+    /// Writes the coefficients of the factor, the inertia of each row and the numbers of each pair, from those they
+    /// depend on, into `out`, in place of what it held; `around` is working memory. Once both have their capacity
+    /// nothing is allocated. False where the numbers are beyond computing; `out` is of no use then.
+    pub fn factor(&self, coef: impl Fn(u32) -> f64, out: &mut Vec<f64>, around: &mut Vec<f64>) -> bool {
+        let ends = |first: u32, n: u32| &self.entries[first as usize..(first + n) as usize];
+        out.clear();
+        out.extend(self.mobility.iter().map(|c| 1.0 / coef(*c)));
         for (c, [first, n]) in &self.links {
-            let g = inertia(&c.map(&coef));
-            let ends = &self.entries[*first as usize..(first + n) as usize];
+            let (g, ends) = (inertia(&c.map(&coef)), ends(*first, *n));
             let whole: f64 = ends.iter().map(|e| e.1).sum();
-            for (k, (i, a)) in ends.iter().enumerate() {
-                sums[*i as usize] += g * a * whole;
-                beside.extend(ends[..k].iter().map(|(j, b)| (*i, *j, g * a * b)));
+            for (i, a) in ends {
+                out[*i as usize] += g * a * whole;
             }
         }
-        let mut numbers = self.pattern.factor(sums, beside.into_iter())?;
-        numbers.extend(own);
+        let beside = self.links.iter().flat_map(|(c, [first, n])| {
+            let (g, ends) = (inertia(&c.map(&coef)), ends(*first, *n));
+            let before = move |k: usize, (i, a): (u32, f64)| ends[..k].iter().map(move |(j, b)| (i, *j, g * a * b));
+            ends.iter().enumerate().flat_map(move |(k, e)| before(k, *e))
+        });
+        if !self.pattern.factor(out, around, beside) {
+            return false;
+        }
+        out.extend(self.mobility.iter().map(|c| 1.0 / coef(*c)));
         for (c, ends) in &self.pairs {
             let (g, c) = (inertia(&c.map(&coef)), ends.map(&coef));
             let stiff = 1.0 + g * (c[0] + c[1]);
+            if !stiff.is_finite() {
+                return false;
+            }
             let [a, b] = c.map(|c| if c == 0.0 { 0.0 } else { 1.0 / c });
-            numbers.extend([g, stiff.is_finite().then_some(1.0 / stiff)?, a, b]);
+            out.extend([g, 1.0 / stiff, a, b]);
         }
-        numbers.iter().all(|v| v.is_finite()).then_some(numbers)
+        out.iter().all(|v| v.is_finite())
     }
 
     /// How many coefficients these are.
