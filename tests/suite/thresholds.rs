@@ -352,6 +352,11 @@ fn junctions_of_a_waveguide_have_room_from_there_on() {
     }
 }
 
+/// So many lines.
+fn lines(n: usize, line: impl Fn(usize) -> String) -> String {
+    (0..n).map(line).collect::<Vec<_>>().concat()
+}
+
 /// A million masses and links, wherever they come from: so many pass, one more is refused where it is one too many.
 /// What passes has another error, so that nobody has to compile it.
 #[test]
@@ -364,12 +369,12 @@ fn a_model_holds_a_million_modules() {
     };
     // a string brings two modules for each mass at most
     let strings = |beside: usize| {
-        let more: String = (0..beside).map(|i| format!("m{i} = {{ m = 1 }}\n")).collect();
+        let more = lines(beside, |i| format!("m{i} = {{ m = 1 }}\n"));
         format!("[MAS]\n{more}[STRING]\ns = {{ m = 1, n = 499990, f = 23999 }}\n")
     };
     // 1000 x 996 links, with 3990 masses and links of their own, and some more
     let joined = |beside: usize| {
-        let more: String = (0..beside).map(|i| format!("m{i} = {{ m = 1 }}\n")).collect();
+        let more = lines(beside, |i| format!("m{i} = {{ m = 1 }}\n"));
         let row = |n: &str, m: usize| format!("{n} = {{ n = {m}, m = 1, k = 1 }}\n");
         let rows = row("a", 1000) + &row("b", 996);
         format!(
@@ -387,7 +392,7 @@ fn a_model_holds_a_million_modules() {
     let ends = |more: usize| format!("{chain}[RES]\nr = {{ between = [\"w\", {}], k = 1 }}\n", list(1000, more));
     // the same thousand again and again, as what a force pushes, what an output hears and what is linked to a moving point
     let again = |kind: &str, n: usize, args: &str| {
-        let all: String = (0..n).map(|i| format!("o{i} = {{ {args} }}\n")).collect();
+        let all = lines(n, |i| format!("o{i} = {{ {args} }}\n"));
         format!("{chain}[{kind}]\n{all}[SOF]\nn = {{ from = \"nothing\" }}\n")
     };
     let pushed = |n: usize| again("ENF", n, "to = \"a[*]\"");
@@ -395,8 +400,7 @@ fn a_model_holds_a_million_modules() {
     let linked = |n: usize| again("RES", n, "between = [\"a@0.5\", \"a[*]\"], k = 1");
     // places on a chain of a thousand
     let points = |n: usize| {
-        let all: String =
-            (0..n).map(|i| format!("o{i} = {{ from = \"a@{}\", channel = 0 }}\n", i as f64 / 1e4)).collect();
+        let all = lines(n, |i| format!("o{i} = {{ from = \"a@{}\", channel = 0 }}\n", i as f64 / 1e4));
         format!("{chain}[SOX]\n{all}n = {{ from = \"nothing\" }}\n")
     };
     for (words, quiet, reported) in [
