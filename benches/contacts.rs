@@ -6,7 +6,8 @@
 #![allow(missing_docs)]
 
 use ca_benches::{grains, model, scene};
-use ca_core::{KernelClass, Scene, State, advance, tick};
+use ca_compile::KernelClass;
+use ca_core::{Scene, State, advance, tick};
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use std::time::{Duration, Instant};
 

@@ -4,14 +4,16 @@
 #![allow(missing_docs)]
 
 use ca_benches::{by_hand, mims_mesh, scene, string};
+use ca_compile::KernelClass;
 use ca_core::certificate::Level;
-use ca_core::{Catalog, KernelClass, model::mims, model::read::read};
+use ca_import::mims;
+use ca_model::read::read;
 use criterion::{Criterion, criterion_group, criterion_main};
 use std::hint::black_box;
 
 fn load(c: &mut Criterion) {
     let mut g = c.benchmark_group("load");
-    let catalog = Catalog::core();
+    let catalog = ca_model::catalog();
     for (name, text) in [("string of 1000, generated", string(1000)), ("string of 1000, by hand", by_hand(1000))] {
         g.bench_function(name, |b| {
             b.iter(|| {

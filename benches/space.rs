@@ -3,7 +3,7 @@
 #![allow(missing_docs)]
 
 use ca_benches::{model, scene};
-use ca_core::KernelClass;
+use ca_compile::KernelClass;
 use ca_core::op::Op;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use std::fmt::Write as _;

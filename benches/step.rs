@@ -3,7 +3,8 @@
 #![allow(missing_docs)]
 
 use ca_benches::{mesh, model, random, scene, string};
-use ca_core::{KernelClass, tick};
+use ca_compile::KernelClass;
+use ca_core::tick;
 use ca_core_single as single;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 
@@ -40,8 +41,8 @@ fn precision(c: &mut Criterion) {
         let mut state = scene.state();
         g.throughput(Throughput::Elements((scene.n_mat + scene.n_lia) as u64));
         g.bench_function("double", |b| b.iter(|| tick(&scene, &mut state)));
-        let (catalog, options) = (single::Catalog::core(), single::Options::default());
-        let scene = single::load(&text, "bench.ca.toml", &catalog, &options).1.expect("the bench compiles");
+        let (catalog, options) = (ca_model_single::catalog(), ca_compile_single::Options::default());
+        let scene = ca_compile_single::load(&text, "bench.ca.toml", &catalog, &options).1.expect("the bench compiles");
         let mut state = scene.state();
         g.bench_function("single", |b| b.iter(|| single::tick(&scene, &mut state)));
         g.finish();

@@ -6,7 +6,9 @@ pub mod costs;
 pub mod latency;
 pub mod rattle;
 
-use ca_core::{Catalog, KernelClass, Model, Options, Scene, compile};
+use ca_compile::{KernelClass, Options, compile};
+use ca_core::{Catalog, Scene};
+use ca_model::Model;
 use std::fmt::Write as _;
 
 /// Whose times these are.
@@ -20,19 +22,19 @@ pub fn machine() -> String {
 
 /// All kinds there are.
 pub fn catalog() -> Catalog {
-    Catalog::core().with(ca_lpr::KINDS)
+    ca_model::catalog().with(ca_lpr::KINDS)
 }
 
 /// Reads a model of ours; a finding is a defect of the bench.
 pub fn model(text: &str) -> Model {
-    let (model, findings) = ca_core::model::read::read(text, "bench.ca.toml", &catalog());
+    let (model, findings) = ca_model::read::read(text, "bench.ca.toml", &catalog());
     assert!(!findings.has_errors(), "{findings}");
     model
 }
 
 /// Compiles a model with one class of kernels.
 pub fn scene(model: &Model, kernel: KernelClass, energy: bool) -> Scene {
-    compile(model, &catalog(), &Options { kernel, energy, ..Options::default() }).expect("the bench compiles")
+    compile(model, &catalog(), &Options { kernel, energy, ..Options::default() }).expect("the bench compiles").scene
 }
 
 /// A string of `n` masses by its generator.

@@ -3,8 +3,10 @@
 //! `cargo +nightly fuzz run mims`, from the root of the repository. The folder `tests/mims` makes good seeds.
 #![no_main]
 
-use ca_core::model::{mims, read, render, write};
-use ca_core::{Catalog, Options, compile};
+use ca_import::mims;
+use ca_model::{read, render, write};
+use ca_compile::{Options, compile};
+use ca_core::Catalog;
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|data: &[u8]| {
@@ -17,7 +19,7 @@ fuzz_target!(|data: &[u8]| {
     if diags.has_errors() {
         return;
     }
-    let catalog = Catalog::core();
+    let catalog = ca_model::catalog();
     let (again, found) = read::read(&write::write(&model), "again", &catalog);
     assert!(found.list.is_empty(), "{found}");
     for m in [&model, &again] {

@@ -4,8 +4,8 @@
 #![no_main]
 
 use ca_core::catalog::Catalog;
-use ca_core::model::{quantity, read, render, select, write};
-use ca_core::{Options, load};
+use ca_model::{quantity, read, render, select, write};
+use ca_compile::{Options, load};
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|data: &[u8]| {
@@ -14,7 +14,7 @@ fuzz_target!(|data: &[u8]| {
     if let Ok(s) = select::parse(&text) {
         assert_eq!(select::parse(&s.to_string()), Ok(s));
     }
-    let catalog = Catalog::core();
+    let catalog = ca_model::catalog();
     let (model, diags) = read::read(&text, "fuzz", &catalog);
     for d in &diags.list {
         for (span, _) in &d.labels {

@@ -1,11 +1,12 @@
 //! Nor do the two sides of a sound device, each on its thread: what starts and ends a run is the same however long it is.
 
 use super::calls;
-use ca_core::{Options as Compile, compile, model::read};
+use ca_compile::{Options as Compile, compile};
 use ca_haptic::engine::{Engine, Options};
 use ca_haptic::rt::now_ns;
 use ca_haptic::serve::audio::{Who, link};
 use ca_haptic::serve::{Clock, Every, Live, Shared, rings};
+use ca_model::read;
 use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
 use std::time::Duration;
@@ -16,7 +17,7 @@ const TEXT: &str = "[CEL]\nbar = { m = \"1 g\", f = \"220 Hz\", dx0 = \"1 mm\" }
 fn run(frames: u64) -> (u64, u64) {
     let catalog = ca_tests::catalog();
     let (model, _) = read::read(TEXT, "bar.ca.toml", &catalog);
-    let scene = Arc::new(compile(&model, &catalog, &Compile::default()).expect("it compiles"));
+    let scene = Arc::new(compile(&model, &catalog, &Compile::default()).expect("it compiles").scene);
     let engine = Engine::new(scene.clone(), vec![], Options::default());
     let (mut ends, _gateway, _desk) = rings(&scene, 0, 0);
     let who = Who { rate: 48_000, channels: 2, ..Who::default() };

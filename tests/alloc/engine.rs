@@ -1,12 +1,14 @@
 //! Nor does the engine with its guard: arming, faults, a reload, changes and frames of any kind.
 
 use super::calls;
-use ca_core::{Options as Compile, Scene, State, compile, model::read};
+use ca_compile::{Options as Compile, compile};
+use ca_core::{Scene, State};
 use ca_haptic::calibration::{Axis, Calibration};
 use ca_haptic::engine::{Act, Change, Engine, Options, Port, Setup, Spent};
 use ca_haptic::frame::{CAUSES, DeviceFrame, Mode};
 use ca_haptic::guard::Order;
 use ca_haptic::profile::Profile;
+use ca_model::read;
 use std::sync::Arc;
 
 const TEXT: &str = r#"
@@ -30,7 +32,7 @@ out = { from = "bar", gain = 100 }
 pub(super) fn engine(energy: bool, patient: bool) -> (Engine, State, Change) {
     let catalog = ca_tests::catalog();
     let (model, _) = read::read(TEXT, "hand.ca.toml", &catalog);
-    let scene: Scene = compile(&model, &catalog, &Compile { energy, ..Compile::default() }).expect("it compiles");
+    let scene: Scene = compile(&model, &catalog, &Compile { energy, ..Compile::default() }).expect("it compiles").scene;
     let mut profile = Profile::shipped("tgr12").expect("shipped");
     (profile.dof, profile.axes, profile.continuous) = (2, 2, Some(3.0));
     (profile.guard.clear_time, profile.guard.ramp) = (0.01, 0.02);

@@ -2,9 +2,9 @@
 //! refused costs no more than one that is right.
 
 use crate::{calls, most};
-use ca_core::model::diag::KEPT;
-use ca_core::model::read::read;
-use ca_core::{Options, load};
+use ca_compile::{Options, load};
+use ca_model::diag::KEPT;
+use ca_model::read::read;
 use ca_tests::catalog;
 use std::fmt::Write as _;
 

@@ -11,9 +11,10 @@ mod live;
 mod rings;
 
 use ca_benches::rattle;
-use ca_core::model::{Model, read};
-use ca_core::{KernelClass, Options, Scene, State, advance, compile, process, sense, tick};
+use ca_compile::{KernelClass, Options, compile};
+use ca_core::{Scene, State, advance, process, sense, tick};
 use ca_haptic::perform::Performance;
+use ca_model::{Model, read};
 use ca_tests::{gesture, texts};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -129,7 +130,7 @@ fn scenes() -> Vec<(String, Scene)> {
             for energy in [false, true] {
                 for kernel in [KernelClass::Fast, KernelClass::Reference] {
                     let options = Options { energy, kernel, ..Options::default() };
-                    let scene = compile(model, &catalog, &options).unwrap_or_else(|d| panic!("{name}: {d}"));
+                    let scene = compile(model, &catalog, &options).unwrap_or_else(|d| panic!("{name}: {d}")).scene;
                     all.push((format!("{name}{what}, energy {energy}, {kernel:?}"), scene));
                 }
             }

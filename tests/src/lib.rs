@@ -10,7 +10,7 @@ use std::path::Path;
 
 /// All kinds there are.
 pub fn catalog() -> Catalog {
-    Catalog::core().with(ca_lpr::KINDS)
+    ca_model::catalog().with(ca_lpr::KINDS)
 }
 
 /// Name and text of every model: the examples of the catalog, `models/` and `tests/models/`.

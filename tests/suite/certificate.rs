@@ -5,9 +5,11 @@
 //! engine tick, and takes the spectral radius of what came out.
 
 use crate::play::{Dice, off, scene, with, within};
+use ca_compile::Compiled;
+use ca_compile::{Options, compile};
 use ca_core::certificate::Level;
-use ca_core::model::read;
-use ca_core::{Options, Scene, State, compile, tick};
+use ca_core::{Scene, State, tick};
+use ca_model::read;
 use ca_tests::catalog;
 use proptest::prelude::*;
 use std::fmt::Write as _;
@@ -92,14 +94,14 @@ fn drawn(seed: u64, scale: f64) -> String {
 }
 
 /// Compiles without judging the findings; `None` where the numbers are refused.
-fn compiled(text: &str) -> Option<Scene> {
+fn compiled(text: &str) -> Option<Compiled> {
     let (model, found) = read::read(text, "drawn.ca.toml", &catalog());
-    assert!(!found.has_errors(), "{text}\n{}", ca_core::model::render::text(&found, &model, false));
+    assert!(!found.has_errors(), "{text}\n{}", ca_model::render::text(&found, &model, false));
     compile(&model, &catalog(), &Options { exact: true, ..Options::default() }).ok()
 }
 
 /// A drawn network, scaled so that its limit is near.
-fn near_the_limit(seed: u64) -> Option<(String, Scene)> {
+fn near_the_limit(seed: u64) -> Option<(String, Compiled)> {
     let bound = compiled(&drawn(seed, 1.0))?.certificate.bound;
     let mut dice = Dice(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15).max(1));
     let text = drawn(seed, (4.4 + 1.8 * dice.roll()) / bound);
@@ -243,7 +245,7 @@ fn the_mended_number_mends() {
     };
     let s = scene(&text(1.6));
     assert_eq!((s.certificate.level, s.certificate.exact), (Level::Unstable, true));
-    let reported = s.diags.list.iter().find(|d| d.code == "W103").expect("W103");
+    let reported = s.findings.list.iter().find(|d| d.code == "W103").expect("W103");
     let help = reported.help.clone().unwrap_or_default();
     let number = help.split("below ").nth(1).and_then(|t| t.split(' ').next()).and_then(|t| t.parse::<f64>().ok());
     let safe = number.unwrap_or_else(|| panic!("{help}"));
@@ -266,7 +268,7 @@ fn what_mends_a_mass_is_never_below_nothing() {
     for (k, z) in [(9.0, 0.5), (1.0, 3.0), (9.0, 2.5), (5.0, 2.4), (43.4, 2.083), (4.1, 0.0), (0.0, 2.1), (4.5, 9.0)] {
         let s = scene(&text(k, z));
         assert_eq!(s.certificate.level, Level::Unstable);
-        let reported = s.diags.list.iter().find(|d| d.code == "W103").expect("W103");
+        let reported = s.findings.list.iter().find(|d| d.code == "W103").expect("W103");
         let help = reported.help.clone().unwrap_or_default();
         assert!(!help.contains('-'), "k = {k}, z = {z}: {help}");
         let after =
@@ -304,7 +306,7 @@ fn the_margin_counts_contacts_and_friction() {
     assert!(margin(&but(10.0, ", method = \"stable\"")).is_infinite() && margin("").is_infinite());
     let bow = "[BOW]\nb = { between = [\"w\", \"a\"], f = 3, v0 = 1, curve = \"coulomb\" }";
     let s = scene(&text(bow));
-    assert!(s.certificate.friction > 1.5 && s.diags.list.iter().any(|d| d.code == "W113"), "{:?}", s.certificate);
+    assert!(s.certificate.friction > 1.5 && s.findings.list.iter().any(|d| d.code == "W113"), "{:?}", s.certificate);
     within("a bow", off(s.certificate.margin(), 1.5 / s.certificate.friction), 1e-12);
 }
 
@@ -353,8 +355,8 @@ fn tension_holds_sideways() {
              [SOX]\nout = {{ from = \"a.b\", along = \"y\" }}\n"
         );
         let network =
-            ca_core::compile::linear(&crate::play::model(&text), &catalog(), &Options::default()).expect("it compiles");
-        let found = ca_core::analysis::modes::modes(&network).expect("they are found");
+            ca_compile::linear(&crate::play::model(&text), &catalog(), &Options::default()).expect("it compiles");
+        let found = ca_compile::analysis::modes::modes(&network).expect("they are found");
         let length = 1.0 + dx0;
         // sideways twice F/l, along it k
         let mut want = [0.3 * (length - l0) / length, 0.3 * (length - l0) / length, 0.3];
@@ -374,7 +376,7 @@ fn a_steep_bow_is_reported_and_not_called_unstable() {
          [SOX]\nout = { from = \"reed\" }\n[gesture]\nbow = [[0, 0], [1, \"0.2 m\"]]\n",
     );
     assert_eq!(s.certificate.level, Level::NotProven);
-    assert!(s.diags.list.iter().any(|d| d.code == "W113"));
+    assert!(s.findings.list.iter().any(|d| d.code == "W113"));
     let mut state = s.state();
     (0..20_000).for_each(|_| tick(&s, &mut state));
     assert!(state.is_sound(1.0));

@@ -2,9 +2,10 @@
 //! stays finite.
 
 use crate::play::Dice;
-use ca_core::compile::certify::Level;
-use ca_core::model::{Entry, Model, Value, read, render};
-use ca_core::{KernelClass, Options, compile, tick};
+use ca_compile::certify::Level;
+use ca_compile::{KernelClass, Options, compile};
+use ca_core::tick;
+use ca_model::{Entry, Model, Value, read, render};
 use ca_tests::{catalog, texts};
 use proptest::prelude::*;
 
@@ -58,7 +59,7 @@ fn survives(text: &str) {
         Ok(scene) if scene.n_mat + scene.n_lia < 5000 => {
             let mut s = scene.state();
             (0..20).for_each(|_| tick(&scene, &mut s));
-            render::text(&scene.diags, &model, false);
+            render::text(&scene.findings, &model, false);
         }
         Ok(_) => {}
         Err(found) => {

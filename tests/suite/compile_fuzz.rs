@@ -1,7 +1,9 @@
 //! The compiler: whatever it is given, it answers with a scene or with findings, in little time and memory.
 
-use ca_core::model::{Entry, Model, Value, mims, render};
-use ca_core::{Options, load, tick};
+use ca_compile::{Options, load};
+use ca_core::tick;
+use ca_import::mims;
+use ca_model::{Entry, Model, Value, render};
 use ca_tests::catalog;
 use proptest::prelude::*;
 
@@ -15,12 +17,12 @@ fn survives(text: &str) -> Vec<&'static str> {
     let (model, result) = load(text, "m.ca.toml", &catalog(), &Options::default());
     let diags = match result {
         Ok(scene) => {
-            assert!(!scene.diags.has_errors(), "{text}\n{}", scene.diags);
+            assert!(!scene.findings.has_errors(), "{text}\n{}", scene.findings);
             let mut state = scene.state();
             if scene.n_mat < 1000 {
                 (0..3).for_each(|_| tick(&scene, &mut state));
             }
-            scene.diags
+            scene.findings
         }
         Err(diags) => {
             assert!(diags.has_errors(), "no scene and no reason:\n{text}");
@@ -136,7 +138,7 @@ fn imported_models_compile() {
         let text = std::fs::read_to_string(&path).expect("UTF-8");
         let (model, diags) = mims::import(&text, "m.mdl");
         if path.extension().is_some_and(|e| e == "mdl") && !diags.has_errors() {
-            let made = ca_core::compile(&model, &catalog(), &Options::default());
+            let made = ca_compile::compile(&model, &catalog(), &Options::default());
             assert!(made.is_ok(), "{}: {}", path.display(), made.expect_err("seen"));
         }
     }
@@ -198,7 +200,7 @@ proptest! {
             let args = [Entry::new("between", Value::from(vec!["a", "b"])), Entry::new(key, text)];
             model.add(kind.code, &name, args);
         }
-        if let Err(diags) = ca_core::compile(&model, &catalog, &Options::default()) {
+        if let Err(diags) = ca_compile::compile(&model, &catalog, &Options::default()) {
             prop_assert!(diags.has_errors());
             render::text(&diags, &model, false);
         }

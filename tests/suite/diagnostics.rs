@@ -4,10 +4,11 @@
 //! after it a `text` block with the report expected. `UPDATE=1 cargo test -p ca-tests diagnostics` writes the reports anew; the difference is reviewed
 //! like code.
 
+use ca_compile::{Options, load};
 use ca_core::cloud::{Cloud, Unread};
-use ca_core::model::diag::CODES;
-use ca_core::model::{Model, mims, render};
-use ca_core::{Options, load};
+use ca_import::mims;
+use ca_model::diag::CODES;
+use ca_model::{Model, render};
 use ca_tests::catalog;
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -25,7 +26,7 @@ fn report(language: &str, text: &str) -> String {
         let clouds = [("seam.obj".into(), Ok(seam.into())), ("cut.ply".into(), Err(cut))].into();
         let options = Options { clouds, ..Options::default() };
         let (model, result) = load(text, "model.ca.toml", &catalog(), &options);
-        (model, result.map_or_else(|diags| diags, |scene| scene.diags))
+        (model, result.map_or_else(|diags| diags, |scene| scene.findings))
     };
     if diags.list.is_empty() { "no findings\n".into() } else { render::text(&diags, &model, false) }
 }

@@ -2,8 +2,9 @@
 //! compiled scene.
 
 use crate::play::{case, num, off, within};
+use ca_compile::{Options, load};
 use ca_core::equivalence::{Class, Gains, Pair, ROWS, Row, anchor_for, keep, row, solve};
-use ca_core::{Options, Scene, State, advance, load, sense};
+use ca_core::{Scene, State, advance, sense};
 use ca_haptic::equivalence::gains;
 use ca_tests::catalog;
 use proptest::prelude::*;
@@ -16,7 +17,7 @@ fn near(what: &str, is: f64, want: f64, within: f64) {
 
 fn scene(text: &str) -> Scene {
     let (model, scene) = load(text, "hand.ca.toml", &catalog(), &Options::default());
-    scene.unwrap_or_else(|d| panic!("{}", ca_core::model::render::text(&d, &model, false)))
+    scene.unwrap_or_else(|d| panic!("{}", ca_model::render::text(&d, &model, false))).scene
 }
 
 fn at(name: &str) -> &'static Row {

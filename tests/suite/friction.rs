@@ -44,7 +44,7 @@ proptest! {
                     );
                     let scene = audited(&text);
                     prop_assert_eq!(scene.certificate.level, Level::Proven);
-                    prop_assert!(scene.diags.list.is_empty(), "{}", scene.diags);
+                    prop_assert!(scene.findings.list.is_empty(), "{}", scene.findings);
                     let s = only_falls(&scene, 400, 1e-12, &text, |_| {});
                     prop_assert!(made(&s) <= 1e-12, "made {:e}\n{text}", made(&s));
                     prop_assert!(heat(&scene, &s) > 0.0);
@@ -209,10 +209,10 @@ fn a_table_that_drives_is_cut_to_what_resists() {
              rub = {{ between = [\"wall\", \"bob\"], curve = \"table\", points = [[-1, 0.1], [-0.1, 0.2], [0, 0], [0.1, 0.2], [1, -0.1]], method = \"{method}\" }}\n[SOX]\nout = {{ from = \"bob\" }}\n"
         )
     };
-    assert!(scene(&text("ca")).diags.list.iter().any(|d| d.code == "W110"));
+    assert!(scene(&text("ca")).findings.list.iter().any(|d| d.code == "W110"));
     for method in ["secant", "newton"] {
         let scene = audited(&text(method));
-        assert!(scene.diags.list.is_empty(), "{}", scene.diags);
+        assert!(scene.findings.list.is_empty(), "{}", scene.findings);
         let mut s = scene.state();
         let mut last = f64::INFINITY;
         for n in 0..5000 {

@@ -1,8 +1,8 @@
 //! What generators draw in space: where things are, how they start, what they weigh and how they vibrate.
 
 use crate::play::{case, list, mats, num, off, reference, scene, with, within};
+use ca_compile::{Options, compile};
 use ca_core::cloud::Cloud;
-use ca_core::{Options, compile};
 use ca_core::{Scene, sense};
 use ca_haptic::cloud::{of_model, open};
 
@@ -284,7 +284,7 @@ fn a_cloud_becomes_masses_and_springs() {
         within("thrown", (s.d[at[i] + 1] / scene.te - 3.0).abs(), 1e-14);
         within("a fifth of the whole", off(scene.te * scene.te / s.coef[2 * scene.n_mat + at[i]], 2e-3), 1e-15);
     }
-    assert!(scene.diags.list.iter().any(|d| d.code == "N202"), "{}", scene.diags);
+    assert!(scene.findings.list.iter().any(|d| d.code == "N202"), "{}", scene.findings);
     // by reach: the sides of the square, not its diagonals, nor the slanting edges of 1.03
     let near = build(&format!("[room.CLOUD]\np = {{ {args}, reach = 0.2001 }}\n")).unwrap();
     assert_eq!(near.n_lia, 5 + 4);
@@ -332,7 +332,7 @@ fn across(body: &str, nx: usize, ny: usize, axis: usize) -> (f64, f64, Scene) {
     }
     let stiffness = projected / square;
     let stray = inner.iter().map(|(i, j)| (s.f[name(*i, *j) + axis] / by + stiffness * shape(*i, *j)).abs());
-    (stiffness, stray.fold(0.0, f64::max) / stiffness, scene)
+    (stiffness, stray.fold(0.0, f64::max) / stiffness, scene.scene)
 }
 
 #[test]

@@ -142,7 +142,7 @@ fn masses_that_share_a_blow_keep_their_energy() {
             let scene = audited(&(text + "[SOX]\nout = { from = \"b3\" }\n"));
             assert!(ran(&scene).contains(&"HRZ stable3d") && !ran(&scene).contains(&"HRZ stable"));
             assert_eq!(scene.certificate.level, Level::Proven);
-            assert!(scene.diags.list.is_empty(), "{}", scene.diags);
+            assert!(scene.findings.list.is_empty(), "{}", scene.findings);
             let mut s = scene.state();
             let (mut worst, mut struck, mut last) = (0.0f64, 0, f64::INFINITY);
             for n in 0..48_000 {

@@ -1,10 +1,10 @@
 //! Whose a state and a patch are: those of another scene are refused, whatever their shapes.
 
 use crate::play::{audited, scene, with};
-use ca_core::catalog::Catalog;
+use ca_compile::Options;
 use ca_core::live::Patch;
 use ca_core::state::Identity;
-use ca_core::{Options, Scene, State, advance, process, sense, tick};
+use ca_core::{Scene, State, advance, process, sense, tick};
 use ca_haptic::engine::{Act, Change, Engine, Port, Spent};
 use ca_tests::{KEY, profile, setup, texts};
 use std::collections::BTreeMap;
@@ -18,6 +18,7 @@ fn bob(m: &str, k: &str) -> Scene {
          [MAS]\nbob = {{ m = {m}, dx0 = 0.001 }}\n[RES]\nspring = {{ between = [\"wall\", \"bob\"], k = {k} }}\n\
          [SOX]\nleft = {{ from = \"bob\" }}\nright = {{ from = \"bob\", gain = 2 }}\n"
     ))
+    .scene
 }
 
 /// What a call says where it panics.
@@ -52,7 +53,7 @@ fn a_state_of_another_scene_is_not_played() {
     for (other, what) in [
         (bob("1", "2000"), "another number"),
         (bob("2", "1000"), "another mass"),
-        (scene("[CEL]\nbar = { m = 1, k = 2, dx0 = 0.1 }\n[SOX]\nout = { from = \"bar\" }\n"), "another shape"),
+        (scene("[CEL]\nbar = { m = 1, k = 2, dx0 = 0.1 }\n[SOX]\nout = { from = \"bar\" }\n").scene, "another shape"),
     ] {
         let s = other.state();
         assert_ne!(mine.identity(), other.identity(), "{what}");
@@ -76,7 +77,7 @@ fn a_state_of_another_scene_is_not_played() {
 fn an_engine_takes_only_what_is_of_its_scene() {
     let live = "[param]\ndial = { value = 1, live = true, min = 1, max = 9 }\n";
     let text = |x: &str| format!("{live}{}weight = {{ from = \"key\", gain = \"dial\" }}\n", KEY.replace("500", x));
-    let (mine, other) = (Arc::new(scene(&text("500"))), scene(&text("600")));
+    let (mine, other) = (Arc::new(scene(&text("500")).scene), scene(&text("600")));
     let port = Port::new(&mine, setup("key", profile(|_| ())));
     let mut engine = Engine::new(mine.clone(), vec![port], ca_haptic::engine::Options::default());
     let before = engine.state.clone();
@@ -164,14 +165,14 @@ fn every_model_is_a_scene_of_its_own() {
 
 #[test]
 fn codes_are_unique() {
-    let taken = Catalog::core().iter().next().expect("a kind");
-    let said = panics(|| drop(Catalog::core().with(&[taken])));
+    let taken = ca_model::catalog().iter().next().expect("a kind");
+    let said = panics(|| drop(ca_model::catalog().with(&[taken])));
     assert!(said.contains(taken.code) && said.contains(taken.title), "{said}");
     // also within one list
-    let said = panics(|| drop(Catalog::core().with(ca_lpr::KINDS).with(ca_lpr::KINDS)));
+    let said = panics(|| drop(ca_model::catalog().with(ca_lpr::KINDS).with(ca_lpr::KINDS)));
     assert!(said.contains(ca_lpr::KINDS[0].code), "{said}");
     let twice = [ca_lpr::KINDS[0], ca_lpr::KINDS[0]];
-    assert!(panics(|| drop(Catalog::core().with(&twice))).contains("two kinds"));
+    assert!(panics(|| drop(ca_model::catalog().with(&twice))).contains("two kinds"));
     let all: Vec<&str> = ca_tests::catalog().iter().map(|k| k.code).collect();
     assert!(all.iter().enumerate().all(|(i, c)| !all[..i].contains(c)), "{all:?}");
 }

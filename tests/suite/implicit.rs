@@ -203,8 +203,8 @@ fn ledgers_balance_and_forces_are_whole() {
                 [ENF]\npush = { to = \"p[2,1]\" }\n[SOX]\nout = { from = \"p[2,2]\" }\n\
                 [SOF]\nheard = { from = \"rub\", dc = 0 }\nfree_f = { from = \"free\", dc = 0 }\ngrip_f = { from = \"grip\", dc = 0 }\nhand_f = { from = \"hand\", dc = 0 }\n";
     let fast = audited(text);
-    let plain = with(text, &ca_core::Options { energy: true, ..reference() });
-    assert_eq!(fast.certificate.level, Level::Proven, "{:?}", fast.diags);
+    let plain = with(text, &ca_compile::Options { energy: true, ..reference() });
+    assert_eq!(fast.certificate.level, Level::Proven, "{:?}", fast.findings);
     let mut ends = Vec::new();
     for scene in [&fast, &plain] {
         let mut s = scene.state();
@@ -271,9 +271,9 @@ fn a_group_has_a_method() {
     assert_eq!(scene.certificate.level, Level::Proven);
     let codes: Vec<_> = scene.forces.iter().map(|o| o.name).collect();
     assert_eq!(codes, ["REF implicit", "REF implicit", "RES", "implicit"]);
-    let network = ca_core::compile::linear(&crate::play::model(text), &catalog(), &ca_core::Options::default());
+    let network = ca_compile::linear(&crate::play::model(text), &catalog(), &ca_compile::Options::default());
     let network = network.expect("it compiles");
-    let modes = ca_core::analysis::modes::modes(&network).expect("they are found");
+    let modes = ca_compile::analysis::modes::modes(&network).expect("they are found");
     let top = modes.list.last().expect("a mode");
     // let go in the shape of the highest mode
     let mut s = scene.state();
@@ -324,7 +324,7 @@ fn mixed(more: &str) -> String {
 fn a_row_stays_whole_and_pairs_need_no_matrix() {
     let tied = "tie = { between = [\"p5\", \"p12\"], k = 1e-200, method = \"implicit\" }\n";
     let (row, solved) = (audited(&mixed("")), audited(&mixed(tied)));
-    let plain = with(&mixed(""), &ca_core::Options { energy: true, ..reference() });
+    let plain = with(&mixed(""), &ca_compile::Options { energy: true, ..reference() });
     let passes = |s: &Scene| s.forces.iter().map(|o| (o.name, o.n)).collect::<Vec<_>>();
     assert_eq!(passes(&row)[..2], [("REF implicit", 31), ("implicit pairs", 6)]);
     assert_eq!(

@@ -6,9 +6,9 @@
 
 use crate::peers::{Heard, Played, SECOND, agree, by_faust};
 use crate::play::{Dice, scene};
-use ca_core::model::mims::import;
-use ca_core::model::write::write;
 use ca_core::{Scene, tick};
+use ca_import::mims::import;
+use ca_model::write::write;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
@@ -16,7 +16,7 @@ use std::fmt::Write as _;
 fn imported(text: &str) -> (Scene, Vec<String>) {
     let (model, diags) = import(text, "drawn.mdl");
     assert!(!diags.has_errors(), "{diags}{text}");
-    (scene(&write(&model)), diags.list.iter().map(|d| d.title.clone()).collect())
+    (scene(&write(&model)).scene, diags.list.iter().map(|d| d.title.clone()).collect())
 }
 
 /// What the import plays in a second.
@@ -247,7 +247,8 @@ fn the_start_of_mi_lib_is_refused_where_mi_lib_has_no_like() {
              [MAS]\nm = {{ m = 1, dx0 = 1e-3 }}\n[REF]\nr = {{ between = [\"g\", \"m\"], k = 1, z = 1 }}\n{more}\
              [SOX]\no = {{ from = \"m\" }}\n"
         );
-        let (_, result) = ca_core::load(&text, "start.ca.toml", &ca_tests::catalog(), &ca_core::Options::default());
+        let (_, result) =
+            ca_compile::load(&text, "start.ca.toml", &ca_tests::catalog(), &ca_compile::Options::default());
         result.err().map(|d| (d.list[0].code, text[d.list[0].span().start..].lines().next().unwrap().to_string()))
     };
     let refused = Some(("E010", "\"mi.lib\"".to_string()));
@@ -262,11 +263,11 @@ fn the_start_of_mi_lib_is_refused_where_mi_lib_has_no_like() {
         ),
         refused
     );
-    let (_, result) = ca_core::load(
+    let (_, result) = ca_compile::load(
         "[model]\nstart = \"milib\"\n[SOL]\ng = {}\n[SOX]\no = { from = \"g\" }\n",
         "",
         &ca_tests::catalog(),
-        &ca_core::Options::default(),
+        &ca_compile::Options::default(),
     );
     assert_eq!(result.err().unwrap().list[0].code, "E011");
 }

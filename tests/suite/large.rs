@@ -1,8 +1,8 @@
 //! Texts so long that they are read in parts, and findings so many that they are not all kept.
 
-use ca_core::model::diag::{Diag, Diags, KEPT, Severity};
-use ca_core::model::read::read;
-use ca_core::model::{Item, Model, Span, render};
+use ca_model::diag::{Diag, Diags, KEPT, Severity};
+use ca_model::read::read;
+use ca_model::{Item, Model, Span, render};
 use ca_tests::catalog;
 use std::fmt::Write as _;
 

@@ -1,8 +1,9 @@
 //! Groups that go by their modes: exact to rounding, struck and held like any other, and cheap.
 
 use crate::play::{PI, apart, audited, model, rel_l2, scene, within};
+use ca_compile::{Options, compile};
 use ca_core::certificate::Level;
-use ca_core::{Options, Scene, compile, tick};
+use ca_core::{Scene, tick};
 use ca_tests::catalog;
 use std::fmt::Write as _;
 
@@ -212,5 +213,5 @@ fn what_cannot_be() {
     refused(&live, "E028", "live");
     let tied = string("modal", 0.25, 0.0, "").replace("s7 = { m = 1, k = 0, z = 0.0", "s7 = { m = 1, k = 0, z = 0.01");
     let found = compile(&model(&tied), &catalog(), &Options::default()).expect("it compiles");
-    assert!(found.diags.list.iter().any(|d| d.code == "W115"), "{:?}", found.diags);
+    assert!(found.findings.list.iter().any(|d| d.code == "W115"), "{:?}", found.findings);
 }

@@ -1,13 +1,14 @@
 //! `analysis::modes` against closed forms and against the running engine: A02, A07, D05, damping that couples.
 
 use crate::play::{PI, case, list, mats, model, num, off, rows, scene, within};
-use ca_core::analysis::modes::{Modes, modes};
-use ca_core::{Options, tick};
+use ca_compile::Options;
+use ca_compile::analysis::modes::{Modes, modes};
+use ca_core::tick;
 use ca_tests::catalog;
 use std::fmt::Write as _;
 
-fn of(text: &str) -> (ca_core::analysis::Network, Modes) {
-    let network = ca_core::compile::linear(&model(text), &catalog(), &Options::default()).expect("it compiles");
+fn of(text: &str) -> (ca_compile::analysis::Network, Modes) {
+    let network = ca_compile::linear(&model(text), &catalog(), &Options::default()).expect("it compiles");
     let found = modes(&network).expect("they are found");
     (network, found)
 }

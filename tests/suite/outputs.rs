@@ -6,7 +6,7 @@ use ca_core::{Scene, tick};
 
 /// A port that is heard, so that any signal can be sent through an output.
 fn wire(rate: &str, out: &str) -> Scene {
-    scene(&format!("[rate]\n{rate}\n[ENX]\nin = {{}}\n[SOX]\nout = {{ from = \"in\"{out} }}\n"))
+    scene(&format!("[rate]\n{rate}\n[ENX]\nin = {{}}\n[SOX]\nout = {{ from = \"in\"{out} }}\n")).scene
 }
 
 /// What comes out where `x` goes in.
@@ -177,7 +177,7 @@ fn a_low_pass_is_the_one_it_says() {
 fn every_channel_is_filtered_and_no_probe() {
     let text =
         "[rate]\nfilter = \"18 kHz\"\n[ENX]\nin = {}\n[SOX]\na = { from = \"in\" }\nb = { from = \"in\", gain = -3 }\n";
-    let probed = crate::play::with(text, &ca_core::Options { probes: vec!["in".into()], ..Default::default() });
+    let probed = crate::play::with(text, &ca_compile::Options { probes: vec!["in".into()], ..Default::default() });
     let n = probed.lowpass.len() - 1;
     let mut s = probed.state();
     let mut heard = Vec::new();

@@ -2,10 +2,11 @@
 
 use crate::play::{TURN, apart, mat, model, off, scene, within};
 use crate::references::{duffing, pluck};
-use ca_core::analysis::modes::modes;
+use ca_compile::analysis::modes::modes;
+use ca_compile::{Options, compile};
 use ca_core::certificate::Level;
 use ca_core::method::pefrl::{LIMIT, explicit};
-use ca_core::{Options, Scene, State, compile, tick};
+use ca_core::{Scene, State, tick};
 use ca_tests::catalog;
 
 const HEAD: &str = "[model]\nmethod = \"pefrl\"\n";
@@ -93,7 +94,7 @@ fn a_tick_is_the_polynomial() {
 #[test]
 fn modes_know_its_pitch() {
     for text in oscillators(5.0) {
-        let network = ca_core::compile::linear(&model(&text), &catalog(), &Options::default()).expect("it compiles");
+        let network = ca_compile::linear(&model(&text), &catalog(), &Options::default()).expect("it compiles");
         let found = modes(&network).expect("they are found");
         let (x, d) = (step(&scene(&text), 1.0, 0.0), step(&scene(&text), 0.0, 1.0));
         let angle = (0.5 * (x.0 + d.1)).acos();
@@ -143,7 +144,7 @@ fn hard() -> Scene {
     scene(&format!(
         "{HEAD}gravity = 9.81\n[rate]\nsound = 1000\ngesture = 1000\n[SOL]\nwall = {{}}\n[MAS]\nbob = {{ m = 1, dx0 = 1 }}\n[CUB]\n\
          hold = {{ between = [\"wall\", \"bob\"], k = 1000, k3 = 30000 }}\n[SOX]\nout = {{ from = \"bob\" }}\n"
-    ))
+    )).scene
 }
 
 #[test]

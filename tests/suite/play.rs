@@ -1,8 +1,10 @@
 //! Models from text, compiled and played, and the reference cases of `data/numerics_cases.json`: what the numerical
 //! tests share. `CA_TOL=0 cargo test -p ca-tests -- --nocapture` prints every residual beside its tolerance.
 
-use ca_core::model::{Model, read, render};
-use ca_core::{KernelClass, Options, Scene, compile};
+use ca_compile::Compiled;
+use ca_compile::{KernelClass, Options, compile};
+use ca_core::Scene;
+use ca_model::{Model, read, render};
 use ca_tests::catalog;
 use serde_json::Value;
 use std::sync::OnceLock;
@@ -17,17 +19,17 @@ pub fn model(text: &str) -> Model {
     model
 }
 
-pub fn with(text: &str, options: &Options) -> Scene {
+pub fn with(text: &str, options: &Options) -> Compiled {
     let model = model(text);
     compile(&model, &catalog(), options).unwrap_or_else(|d| panic!("{text}\n{}", render::text(&d, &model, false)))
 }
 
-pub fn scene(text: &str) -> Scene {
+pub fn scene(text: &str) -> Compiled {
     with(text, &Options::default())
 }
 
 /// With the energy ledger kept.
-pub fn audited(text: &str) -> Scene {
+pub fn audited(text: &str) -> Compiled {
     with(text, &Options { energy: true, ..Options::default() })
 }
 

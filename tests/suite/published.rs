@@ -2,10 +2,12 @@
 //! are read where they are at hand, beside the project; the project's own tests use models of our own.
 
 use crate::acoustics::{cents, partial, peak, period, rms};
-use ca_core::model::{mims, read, render, write};
-use ca_core::{Options, Scene, compile};
+use ca_compile::{Options, compile};
+use ca_core::Scene;
 use ca_haptic::gesture::{Gesture, Track};
 use ca_haptic::perform::Performance;
+use ca_import::mims;
+use ca_model::{read, render, write};
 use ca_tests::catalog;
 use std::path::PathBuf;
 
@@ -23,7 +25,8 @@ fn published(name: &str) -> Option<Scene> {
     assert!(findings.list.is_empty(), "{}", render::text(&findings, &model, false));
     Some(
         compile(&model, &catalog(), &Options::default())
-            .unwrap_or_else(|d| panic!("{}", render::text(&d, &model, false))),
+            .unwrap_or_else(|d| panic!("{}", render::text(&d, &model, false)))
+            .scene,
     )
 }
 

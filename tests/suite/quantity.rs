@@ -1,7 +1,7 @@
 //! Quantities: bits, units, errors with their place.
 
 use ca_core::kind::{Dim, Unit};
-use ca_core::model::quantity::{Plain, Quantity, parse, show, unit_of};
+use ca_model::quantity::{Plain, Quantity, parse, show, unit_of};
 use proptest::prelude::*;
 
 fn value(text: &str, dim: Dim) -> f64 {

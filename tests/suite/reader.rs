@@ -1,7 +1,7 @@
 //! The reader: what a model holds, where its spans point, and that nothing stops it.
 
-use ca_core::model::diag::{Diag, Diags, Severity};
-use ca_core::model::{Entry, Model, Span, Value, read, render, schema};
+use ca_model::diag::{Diag, Diags, Severity};
+use ca_model::{Entry, Model, Span, Value, read, render, schema};
 use ca_tests::catalog;
 use proptest::prelude::*;
 

@@ -1,6 +1,6 @@
 //! Selectors: every form, its text back, errors with their place.
 
-use ca_core::model::select::{At, Coord, Index, Part, is_name, is_word, parse};
+use ca_model::select::{At, Coord, Index, Part, is_name, is_word, parse};
 use proptest::prelude::*;
 
 #[test]

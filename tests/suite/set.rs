@@ -1,7 +1,7 @@
 //! `Model::set`, behind `--set`.
 
-use ca_core::model::{Model, Value, read};
-use ca_core::{Options, load::finish};
+use ca_compile::{Options, load::finish};
+use ca_model::{Model, Value, read};
 use ca_tests::catalog;
 
 const TEXT: &str = r#"

@@ -2,7 +2,8 @@
 //! found, and what holds of any contact: momentum, energy, findings at load.
 
 use crate::play::{Dice, audited, mat, model, reference, scene, with, within};
-use ca_core::{Catalog, Options, Scene, State, compile, tick};
+use ca_compile::{Options, compile};
+use ca_core::{Scene, State, tick};
 use std::fmt::Write as _;
 
 const D: f64 = 5e-3;
@@ -82,7 +83,7 @@ fn every_bit_is_that_of_the_pairs() {
         scenes.push(audited(&text));
         assert!(scenes[0].crowds.is_empty() && scenes[1].crowds.len() == 1, "{contact}");
         let skins = [0.0, 0.0, 0.25, 1.0, 0.25];
-        let mut states = scenes.iter().map(Scene::state).collect::<Vec<_>>();
+        let mut states = scenes.iter().map(|s| s.state()).collect::<Vec<_>>();
         for (s, skin) in states.iter_mut().zip(skins) {
             s.near.iter_mut().for_each(|n| n.skin = skin);
         }
@@ -194,7 +195,7 @@ fn a_distance_that_moves_keeps_every_pair() {
         shaken(&hits().replace(&format!("d = {D}"), "d = \"d\""))
     );
     let scenes = [with(&text, &reference()), scene(&text)];
-    let mut states = scenes.iter().map(Scene::state).collect::<Vec<_>>();
+    let mut states = scenes.iter().map(|s| s.state()).collect::<Vec<_>>();
     for n in 0..6000 {
         for (scene, s) in scenes.iter().zip(&mut states) {
             let to = match n {
@@ -304,13 +305,13 @@ fn ten_thousand_grains_are_one_module() {
     };
     let apart = scene(&text("6 mm"));
     assert_eq!((apart.n_lia, apart.crowds[0].pairs()), (1, 49_995_000));
-    assert!(apart.diags.list.is_empty(), "{}", apart.diags);
+    assert!(apart.findings.list.is_empty(), "{}", apart.findings);
     // once, for the first pair there is
     let pressed = scene(&text("4 mm"));
-    assert_eq!(pressed.diags.list.len(), 1);
-    let said = &pressed.diags.list[0];
-    assert!(said.code == "W102" && said.title.contains("`hits` presses at load, with 0.1 N"), "{}", pressed.diags);
+    assert_eq!(pressed.findings.list.len(), 1);
+    let said = &pressed.findings.list[0];
+    assert!(said.code == "W102" && said.title.contains("`hits` presses at load, with 0.1 N"), "{}", pressed.findings);
     // the pairs themselves would be too many
-    let refused = compile(&model(&text("6 mm")), &Catalog::core(), &reference()).expect_err("too many");
+    let refused = compile(&model(&text("6 mm")), &ca_model::catalog(), &reference()).expect_err("too many");
     assert!(refused.list.iter().any(|d| d.code == "E027"), "{refused}");
 }

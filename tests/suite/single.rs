@@ -5,16 +5,17 @@
 //! begins there or a tick later is for the last bit to say, in either precision.
 
 use crate::play::{PI, TURN, case, num, off, rel_l2, within};
+use ca_compile_single::{Compiled, KernelClass, Options, load};
 use ca_core_single as single;
+use ca_model_single::diag::{Diags, Severity};
 use ca_tests::follow;
-use single::model::diag::{Diags, Severity};
-use single::{Catalog, KernelClass, Options, Scene, State, load, tick};
+use single::{Scene, State, tick};
 
-fn with(text: &str, options: &Options) -> Result<Scene, Diags> {
-    load(text, "test.ca.toml", &Catalog::core(), options).1
+fn with(text: &str, options: &Options) -> Result<Compiled, Diags> {
+    load(text, "test.ca.toml", &ca_model_single::catalog(), options).1
 }
 
-fn scene(text: &str) -> Scene {
+fn scene(text: &str) -> Compiled {
     with(text, &Options::default()).unwrap_or_else(|d| panic!("{text}\n{d}"))
 }
 
@@ -211,7 +212,7 @@ fn laws_and_methods() {
     for (code, most) in
         [("WAVEGUIDE", 2e-5), ("PLK", 6e-5), ("LNL", 3e-4), ("POW", 3e-4), ("TGR", 5e-5), ("MESH", 1e-4)]
     {
-        let kind = ca_core::Catalog::core();
+        let kind = ca_model::catalog();
         let example = kind.get(code).expect("a kind").example;
         within(code, apart(example, 24_000), most);
     }
@@ -293,19 +294,19 @@ fn what_is_not_kept() {
         (tetra.into(), "E028", "`room.p"),
     ];
     for (text, code, name) in cases {
-        let found = with(&text, &Options::default()).map_or_else(|d| d, |scene| scene.diags);
+        let found = with(&text, &Options::default()).map_or_else(|d| d, |scene| scene.findings);
         let said = found.list.iter().find(|d| d.code == code && d.title.contains(name));
         let said = said.unwrap_or_else(|| panic!("{text}\n{found}"));
         assert_eq!(said.severity == Severity::Error, code != "W114", "{text}\n{found}");
         assert!(said.help.as_ref().is_some_and(|h| h.contains("double precision")), "{said:?}");
-        let (_, scene) = ca_core::load(&text, "test.ca.toml", &ca_core::Catalog::core(), &ca_core::Options::default());
-        assert!(scene.is_ok_and(|s| s.diags.list.iter().all(|d| d.code != code)), "{text}");
+        let (_, scene) = ca_compile::load(&text, "test.ca.toml", &ca_model::catalog(), &ca_compile::Options::default());
+        assert!(scene.is_ok_and(|s| s.findings.list.iter().all(|d| d.code != code)), "{text}");
     }
     // just within
     for text in
         [cell("m = 1e-3, f = 440, t60 = 60, dx0 = 1e-28"), link("k = 1e8, method = \"implicit\""), link("k = 1e-30")]
     {
-        let found = with(&text, &Options::default()).map_or_else(|d| d, |scene| scene.diags);
+        let found = with(&text, &Options::default()).map_or_else(|d| d, |scene| scene.findings);
         assert!(!found.has_errors() && found.list.iter().all(|d| d.code != "W114"), "{text}\n{found}");
     }
 }

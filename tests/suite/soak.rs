@@ -5,8 +5,9 @@
 //! fails shrinks to the few parts that it takes, and is printed as text.
 
 use crate::play::{Dice, scene, with, within};
+use ca_compile::Options;
 use ca_core::certificate::Level;
-use ca_core::{Options, Scene, State, tick};
+use ca_core::{Scene, State, tick};
 use proptest::prelude::*;
 use proptest::sample::{Index, select};
 use proptest::test_runner::TestRunner;
@@ -147,7 +148,7 @@ impl Line {
             let text = self.text(scale);
             let scene = with(&text, &Options { energy: true, ..Options::default() });
             if scene.certificate.level == Level::Proven {
-                return (text, scene);
+                return (text, scene.scene);
             }
             scale *= 0.7;
             assert!(scale > 1e-9, "{:?}\n{text}", scene.certificate);
@@ -296,7 +297,7 @@ impl Space {
         let exact = 2.0 * self.near / (1.0 - self.near);
         let ripple = c.ripple.unwrap_or_else(|| panic!("no ripple\n{text}"));
         assert!(ripple >= exact * 0.5 * (1.0 - 1e-4), "{ripple} is below {exact}\n{text}");
-        (text, scene)
+        (text, scene.scene)
     }
 }
 

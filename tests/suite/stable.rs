@@ -2,8 +2,9 @@
 
 use crate::play::{Dice, audited, case, list, mat, num, off, reference, scene, with, within};
 use ca_benches::rattle::{fares, page};
+use ca_compile::Options;
 use ca_core::certificate::Level;
-use ca_core::{Options, Scene, State, tick};
+use ca_core::{Scene, State, tick};
 use std::fmt::Write as _;
 
 pub fn heat(scene: &Scene, s: &State) -> f64 {
@@ -212,7 +213,7 @@ fn masses_that_share_a_blow_keep_their_energy() {
         text += "[RES]\ntie = { between = [\"b2\", \"b3\"], k = 1e4 }\n[SOX]\nout = { from = \"b3\" }\n";
         let scene = audited(&text);
         assert_eq!(scene.certificate.level, Level::Proven);
-        assert!(scene.diags.list.is_empty(), "{}", scene.diags);
+        assert!(scene.findings.list.is_empty(), "{}", scene.findings);
         let mut s = scene.state();
         let mut worst = 0.0f64;
         let mut struck = 0;

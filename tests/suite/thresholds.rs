@@ -2,10 +2,10 @@
 //! above it the finding is there. A limit that moves is seen, whichever way it goes.
 
 use crate::conformance::drawn::catalog;
+use ca_compile::{Options, compile};
 use ca_core::kind::{Kind, Type, Unit};
-use ca_core::model::diag::Diags;
-use ca_core::model::{Entry, Value, read};
-use ca_core::{Options, compile};
+use ca_model::diag::Diags;
+use ca_model::{Entry, Value, read};
 use std::f64::consts::PI;
 use std::fmt::Write as _;
 
@@ -13,7 +13,7 @@ use std::fmt::Write as _;
 fn found(text: &str) -> String {
     let (model, mut diags) = read::read(text, "test.ca.toml", &catalog());
     diags.list.extend(match compile(&model, &catalog(), &Options::default()) {
-        Ok(scene) => scene.diags.list,
+        Ok(scene) => scene.findings.list,
         Err(diags) => diags.list,
     });
     said(&diags)
@@ -217,10 +217,11 @@ fn viscosity_is_advised_to_a_stiff_contact_where_some_helps() {
 #[test]
 fn the_limits_of_single_precision_are_where_they_are_stated() {
     let found = |text: &str| {
-        use ca_core_single::{Catalog, Options, compile, model::read::read};
-        let (model, read) = read(text, "test.ca.toml", &Catalog::core());
-        let list = match compile(&model, &Catalog::core(), &Options::default()) {
-            Ok(scene) => scene.diags.list,
+        use ca_compile_single::{Options, compile};
+        use ca_model_single::read::read;
+        let (model, read) = read(text, "test.ca.toml", &ca_model_single::catalog());
+        let list = match compile(&model, &ca_model_single::catalog(), &Options::default()) {
+            Ok(scene) => scene.findings.list,
             Err(diags) => diags.list,
         };
         let all = read.list.into_iter().chain(list);
@@ -257,7 +258,7 @@ fn with(kind: &Kind, key: &str, value: Value) -> String {
     item.args.retain(|e| e.key != key);
     item.args.push(Entry::new(key, value));
     match compile(&model, &catalog(), &Options::default()) {
-        Ok(scene) => said(&scene.diags),
+        Ok(scene) => said(&scene.findings),
         Err(diags) => said(&diags),
     }
 }

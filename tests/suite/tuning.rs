@@ -116,9 +116,9 @@ fn modes_of_a_modal_model_are_those_that_are_heard() {
     for (parts, names, _) in tuned(3000.0, 0.5) {
         let text = whole("method = \"modal\"\n", 22_050.0, &parts, &names);
         let model = crate::play::model(&text);
-        let network = ca_core::compile::linear(&model, &ca_tests::catalog(), &ca_core::Options::default())
-            .expect("it is a network");
-        let modes = ca_core::analysis::modes::modes(&network).expect("it has modes");
+        let network =
+            ca_compile::linear(&model, &ca_tests::catalog(), &ca_compile::Options::default()).expect("it is a network");
+        let modes = ca_compile::analysis::modes::modes(&network).expect("it has modes");
         let first = &modes.list[0];
         within(&format!("{parts}: {}", first.heard), (first.heard / 3000.0 - 1.0).abs(), 1e-9);
         within(&format!("{parts}: {}", first.t60), (first.t60 / 0.5 - 1.0).abs(), 1e-7);
@@ -130,12 +130,14 @@ fn modes_of_a_modal_model_are_those_that_are_heard() {
 fn a_pitch_beyond_a_method_is_refused() {
     let text = "[model]\nmethod = \"implicit\"\n[STRING]\nlow = { n = 3, f = \"13 kHz\", m = \"1 g\" }\n[SOX]\no = { from = \"low[0]\" }\n";
     let model = crate::play::model(text);
-    let found =
-        ca_core::compile(&model, &ca_tests::catalog(), &ca_core::Options::default()).expect_err("it cannot sound");
+    let found = ca_compile::compile(&model, &ca_tests::catalog(), &ca_compile::Options::default())
+        .expect_err("it cannot sound");
     let all: Vec<String> =
         found.list.iter().map(|d| format!("{} {}", d.title, d.help.clone().unwrap_or_default())).collect();
     let all = all.join("\n");
     assert!(all.contains("13000 Hz") && all.contains("theta = 0.25"), "{all}");
     let text = text.replace("[STRING]", "theta = 0.25\n[STRING]");
-    assert!(ca_core::compile(&crate::play::model(&text), &ca_tests::catalog(), &ca_core::Options::default()).is_ok());
+    assert!(
+        ca_compile::compile(&crate::play::model(&text), &ca_tests::catalog(), &ca_compile::Options::default()).is_ok()
+    );
 }

@@ -1,6 +1,6 @@
 //! The writer: what is written reads back to the same model.
 
-use ca_core::model::{Entry, Group, Item, Model, Span, Value, read, render, write};
+use ca_model::{Entry, Group, Item, Model, Span, Value, read, render, write};
 use ca_tests::catalog;
 use proptest::prelude::*;
 

@@ -7,7 +7,8 @@
 
 use super::{Axis, Line, Map};
 use crate::{model, scene};
-use ca_core::{KernelClass, Scene, State, tick};
+use ca_compile::KernelClass;
+use ca_core::{Scene, State, tick};
 
 /// A ball of 1 kg and its contact with a wall, at one tick a second: a is k and b is z.
 pub fn contact(a: f64, b: f64, method: &str) -> Scene {

@@ -8,7 +8,8 @@
 
 use super::{Axis, Line, Map, growth};
 use crate::{model, scene};
-use ca_core::{KernelClass, Scene, tick};
+use ca_compile::KernelClass;
+use ca_core::{Scene, tick};
 use ca_haptic::calibration::Calibration;
 use ca_haptic::engine::{Act, Engine, Options, Port, Setup};
 use ca_haptic::frame::{DeviceFrame, ForceFrame, Mode};

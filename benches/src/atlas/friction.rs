@@ -6,7 +6,8 @@
 
 use super::{Axis, Line, Map, growth};
 use crate::{model, scene};
-use ca_core::{KernelClass, tick};
+use ca_compile::KernelClass;
+use ca_core::tick;
 
 /// e^½, the slope of the smooth curve at rest over f/v0.
 const SLOPE: f64 = 1.648_721_270_700_128_2;

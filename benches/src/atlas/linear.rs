@@ -6,7 +6,8 @@
 
 use super::{Axis, Line, Map, growth};
 use crate::{model, scene};
-use ca_core::{KernelClass, tick};
+use ca_compile::KernelClass;
+use ca_core::tick;
 use std::f64::consts::PI;
 use std::fmt::Write as _;
 

@@ -4,7 +4,8 @@
 //! the order by how they come together.
 
 use crate::{model, scene};
-use ca_core::{KernelClass, Scene, tick};
+use ca_compile::KernelClass;
+use ca_core::{Scene, tick};
 use ca_haptic::perform::Performance;
 use std::f64::consts::TAU;
 

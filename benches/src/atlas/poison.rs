@@ -4,12 +4,13 @@
 
 use super::device::{self, Rig};
 use crate::catalog;
+use ca_compile::load::finish;
+use ca_compile::{Options, compile};
 use ca_core::live::Controls;
-use ca_core::load::finish;
-use ca_core::model::read::read;
 use ca_core::param::Type;
-use ca_core::{Options, Scene, compile, tick};
+use ca_core::{Scene, tick};
 use ca_haptic::frame::DeviceFrame;
+use ca_model::read::read;
 
 /// What is not finite.
 const BAD: [f64; 3] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
@@ -69,7 +70,7 @@ fn examples() -> Vec<(&'static str, Scene)> {
     let catalog = catalog();
     let scene = |kind: &'static ca_core::kind::Kind| {
         let (model, _) = read(kind.example, "example.ca.toml", &catalog);
-        compile(&model, &catalog, &Options::default()).ok().map(|scene| (kind.code, scene))
+        compile(&model, &catalog, &Options::default()).ok().map(|compiled| (kind.code, compiled.scene))
     };
     catalog.iter().filter_map(scene).collect()
 }
@@ -104,7 +105,7 @@ const LIVE: &str = "[param]\nfelt = { value = 0, unit = \"N s/m\", live = true, 
 /// Changes while it plays: refused by name, and by the state where somebody makes the patch by hand.
 pub fn changes() -> Door {
     let mut door = Door::default();
-    let scene = crate::scene(&crate::model(LIVE), ca_core::KernelClass::Fast, false);
+    let scene = crate::scene(&crate::model(LIVE), ca_compile::KernelClass::Fast, false);
     let mut controls = Controls::new(&scene.live, scene.te);
     let good = controls.set("felt", 0.5).expect("a good value");
     for bad in BAD {

@@ -6,7 +6,8 @@
 
 use super::friction::gripped;
 use crate::{model, string};
-use ca_core::{Options, Scene, State, compile, tick};
+use ca_compile::{Options, compile};
+use ca_core::{Scene, State, tick};
 
 /// An extreme case.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -223,7 +224,7 @@ fn ready(text: &str, energy: bool) -> (Scene, State) {
     let options = Options { energy, ..Options::default() };
     let scene = compile(&model(text), &crate::catalog(), &options).expect("the case compiles");
     let s = scene.state();
-    (scene, s)
+    (scene.scene, s)
 }
 
 /// What is heard, over `l`.

@@ -4,7 +4,8 @@
 pub mod page;
 
 use crate::model;
-use ca_core::{Catalog, Options, Scene, compile, tick};
+use ca_compile::{Options, compile};
+use ca_core::{Scene, tick};
 use std::fmt::Write as _;
 use std::time::Instant;
 
@@ -60,7 +61,7 @@ pub fn text(a: f64, method: &str, seed: u64) -> String {
 
 fn built(a: f64, method: &str, seed: u64, energy: bool) -> Scene {
     let model = model(&text(a, method, seed));
-    compile(&model, &Catalog::core(), &Options { energy, ..Options::default() }).expect("the rattle compiles")
+    compile(&model, &ca_model::catalog(), &Options { energy, ..Options::default() }).expect("the rattle compiles").scene
 }
 
 /// How the energy of a run fared.

@@ -2,7 +2,7 @@
 //! examples that run (a test extracts and runs them).
 
 use ca_core::kind::Unit;
-use ca_core::model::quantity;
+use ca_model::quantity;
 use clap::{Args, CommandFactory as _, Parser, Subcommand, ValueEnum};
 use std::any::TypeId;
 use std::path::PathBuf;

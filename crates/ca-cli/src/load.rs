@@ -2,12 +2,12 @@
 
 use crate::args::Source;
 use crate::{Failure, term};
-use ca_core::model::diag::Severity;
-use ca_core::model::render;
-use ca_core::{Options, Scene};
+use ca_compile::{Compiled, Options};
 pub use ca_lab::load::{
     BUNDLED, Loaded, bundled, compiled, has_extension, import, mims_text, reason, stem, text, ticked, warnings,
 };
+use ca_model::diag::Severity;
+use ca_model::render;
 use std::path::Path;
 
 /// Refuses to write sound to a file that is not called `.wav`.
@@ -34,8 +34,8 @@ pub fn load(source: &Source) -> Result<Loaded, Failure> {
 }
 
 /// Prints the warnings about a model in full, and nothing else that was found; `-q` leaves them.
-pub fn warn(loaded: &Loaded, scene: &Scene) {
-    let mut diags = scene.diags.clone();
+pub fn warn(loaded: &Loaded, scene: &Compiled) {
+    let mut diags = scene.findings.clone();
     diags.list.retain(|d| d.severity == Severity::Warning);
     if !diags.list.is_empty() {
         term::findings(&render::text(&diags, &loaded.model, term::color()));
@@ -43,6 +43,6 @@ pub fn warn(loaded: &Loaded, scene: &Scene) {
 }
 
 /// Compiles, or shows all findings and ends the command.
-pub fn scene(loaded: &Loaded, options: &Options) -> Result<Scene, Failure> {
+pub fn scene(loaded: &Loaded, options: &Options) -> Result<Compiled, Failure> {
     Ok(ca_lab::load::scene(loaded, options)?)
 }

@@ -12,9 +12,9 @@ mod store;
 mod term;
 
 use args::{Cli, Command};
-use ca_core::model::render;
 use ca_haptic::host::{HostError, HostErrorKind};
 pub use ca_lab::catalog;
+use ca_model::render;
 use clap::FromArgMatches as _;
 use std::process::ExitCode;
 

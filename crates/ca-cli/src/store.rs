@@ -4,9 +4,9 @@
 //! that a calibration is found by the name of its device, because it belongs to hardware and not to a model.
 
 use crate::{Failure, load, term};
-use ca_core::model::suggest::nearest;
 use ca_haptic::calibration::Calibration;
 use ca_haptic::profile::{Profile, SHIPPED};
+use ca_model::suggest::nearest;
 use std::path::{Path, PathBuf};
 
 /// The directory.

@@ -1,7 +1,7 @@
 //! The ordered list of all kinds a build knows, and the list of sources they cite.
 //!
-//! Decides that this list is the only place where a kind is registered. Faces assemble their catalog in one place,
-//! e.g. `Catalog::core().with(ca_lpr::KINDS)`.
+//! Decides that each crate lists its kinds in one place, and that whoever reads models puts the lists together in one
+//! place, e.g. `ca_model::catalog().with(ca_lpr::KINDS)`.
 
 use crate::kind::Kind;
 use alloc::vec::Vec;
@@ -54,9 +54,10 @@ pub struct Catalog {
 }
 
 impl Catalog {
-    /// The one-dimensional kinds of this crate.
+    /// MATs, LIAs and ports: the kinds of this crate. Those a model is written with have generators too:
+    /// `ca_model::catalog()`.
     pub fn core() -> Catalog {
-        let lists = [crate::mat::KINDS, crate::phi::KINDS, crate::io::KINDS, crate::generate::KINDS];
+        let lists = [crate::mat::KINDS, crate::phi::KINDS, crate::io::KINDS];
         Catalog { kinds: lists.concat() }
     }
 

@@ -1,4 +1,4 @@
-//! What was proven of a scene's stability, as data; [`compile`](mod@crate::compile) writes it.
+//! What was proven of a scene's stability, as data; the compiler writes it.
 
 use alloc::string::String;
 use alloc::vec::Vec;

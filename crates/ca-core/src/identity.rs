@@ -15,7 +15,7 @@ use core::hash::Hasher as _;
 
 impl Identity {
     /// That of the scene with these arrays, passes and state at load.
-    pub(crate) fn of(layout: &Layout, passes: [&[Op]; 4], initial: &State) -> Identity {
+    pub fn of(layout: &Layout, passes: [&[Op]; 4], initial: &State) -> Identity {
         let mut h = Words(fnv::FnvHasher::default());
         h.layout(layout);
         for list in passes {

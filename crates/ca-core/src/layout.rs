@@ -274,7 +274,7 @@ pub struct ImplicitLinks {
     /// places in the state, in the order of elimination (n)
     pub places: Vec<u32>,
     /// pattern of its factor
-    pub(crate) pattern: Pattern,
+    pub pattern: Pattern,
     /// first coefficient of the factor; behind it the inertia of the places (n), then the numbers of the pairs
     pub coef: usize,
     /// links whose whole force somebody needs

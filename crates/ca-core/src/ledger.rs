@@ -39,7 +39,7 @@ pub struct Ledger {
     /// in passing, the coefficients of one link (those of the law that has most)
     pub(crate) room: Vec<Real>,
     /// force \[N\] that only the first tick has, see the start of mi.lib (n_mat, or none)
-    pub(crate) kick: Vec<Real>,
+    pub kick: Vec<Real>,
 }
 
 /// What crossed the border at one device port, whole frames only \[J\].
@@ -91,7 +91,7 @@ pub struct Balance {
 impl Ledger {
     /// An empty ledger for `n_mat` MATs, `n_lia` links of at most `coefs` coefficients and `ports` ports, `tgr` of them of
     /// devices.
-    pub(crate) fn new(n_mat: usize, n_lia: usize, coefs: usize, ports: usize, tgr: usize) -> Ledger {
+    pub fn new(n_mat: usize, n_lia: usize, coefs: usize, ports: usize, tgr: usize) -> Ledger {
         Ledger {
             lost: alloc::vec![0.0; n_lia],
             source: alloc::vec![0.0; n_lia],

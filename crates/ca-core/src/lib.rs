@@ -1,56 +1,32 @@
-//! Virtual instruments made of masses and interactions (CORDIS-ANIMA), compiled to a short list of homogeneous
+//! The run-time of CORDIS-ANIMA: virtual instruments made of masses and interactions, as a short list of homogeneous
 //! passes over flat arrays.
 //!
 //! ```text
-//! text ─read→ Model ─compile→ Scene (immutable)     State (flat arrays)
-//!                                └──── tick(&scene, &mut state) ────┘
+//! Scene (immutable, shared)      State (flat arrays, one per player)
+//!        └──── tick(&scene, &mut state) ────┘
 //! ```
-//! A tour:
-//! ```
-//! # #[cfg(feature = "parse")] {
-//! use ca_core::{Catalog, Options, load, tick};
+//! A [`Scene`] says what there is, a [`State`] how it stands, and [`tick()`] moves it on by one sample: no allocation, no
+//! lock, no call of the system, the same bits on every processor. The halves of a tick are public ([`sense`] and
+//! [`advance`]): a device gets the force of this tick before any mass moves, so the one-sample delay stays one sample.
 //!
-//! let text = r#"
-//! [SOL]
-//! wall = {}
-//! [MAS]
-//! bob = { m = "1 g", dx0 = "1 mm" }
-//! [REF]
-//! spring = { between = ["wall", "bob"], k = "7.6 kN/m", z = "5 mN s/m" }
-//! [SOX]
-//! out = { from = "bob", gain = 1000 }
-//! "#;
-//! let (_model, result) = load(text, "bob.ca.toml", &Catalog::core(), &Options::default());
-//! let scene = result.expect("it compiles");
-//! let mut state = scene.state();
-//! for _ in 0..48 {
-//!     tick(&scene, &mut state); // one sample at 48 kHz; never allocates
-//! }
-//! assert!(state.output[0].abs() <= 1.0);
-//! # }
-//! ```
-//! The halves of a tick are public ([`sense`] and [`advance`]): a device gets the force of this tick before any mass
-//! moves, so the one-sample delay stays one sample.
+//! What is here: the elements ([`mat`], [`phi`], [`io`]) with the [records](kind) that describe them, the passes ([`op`]),
+//! the integration [`method`]s, the [rate boundary](border), the energy [`ledger`], and [live changes](live). What is not:
+//! nothing reads a file or a text, and nothing here makes a scene. Models are read by `ca-model` and compiled by
+//! `ca-compile`; a program adds `cordis-anima`, which is all of it behind five names.
 //!
 //! A tick computes with [`real::Real`]: `f64` in `ca-core`, and `f32` in `ca-core-single`, which is these files under
-//! another name.
+//! another name. Features: `std` (default) finds the widest instructions of the machine at run time.
 #![no_std]
 #![forbid(unsafe_code)]
 
 extern crate alloc;
-#[cfg(feature = "parse")]
-extern crate std;
 
-#[cfg(feature = "analysis")]
-pub mod analysis;
 pub mod border;
 pub mod catalog;
 pub mod certificate;
 pub mod cloud;
-pub mod compile;
 pub mod energy;
 pub mod equivalence;
-pub mod generate;
 mod identity;
 pub mod io;
 pub mod kind;
@@ -59,20 +35,18 @@ pub mod layout;
 pub mod ldl;
 pub mod ledger;
 pub mod live;
-#[cfg(feature = "parse")]
-pub mod load;
 pub mod mat;
 pub mod method;
-pub mod model;
 pub mod near;
 pub mod op;
 pub mod param;
 pub mod phi;
+pub mod plain;
 pub mod problem;
 pub mod real;
 pub mod scene;
 pub mod sketch;
-pub(crate) mod start;
+pub mod start;
 pub mod state;
 pub mod table;
 pub mod tick;
@@ -81,10 +55,6 @@ pub mod tuning;
 pub mod wave;
 
 pub use catalog::Catalog;
-pub use compile::{KernelClass, Options, compile};
-#[cfg(feature = "parse")]
-pub use load::load;
-pub use model::Model;
 pub use scene::Scene;
 pub use state::State;
 pub use tick::{advance, process, sense, tick};

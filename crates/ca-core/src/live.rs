@@ -7,8 +7,8 @@
 
 use crate::kind::{Kind, MatSpec, Unit};
 use crate::method::implicit::Inertia;
-use crate::model::quantity::Plain;
 use crate::op::law::Law;
+use crate::plain::Plain;
 use crate::real::{real, wide};
 use crate::sketch::{Arg, Args, Generator};
 use crate::state::Identity;

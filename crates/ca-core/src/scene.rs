@@ -1,13 +1,12 @@
 //! Scene: a compiled model. Immutable; shared between threads; everything a tick reads and never writes.
 //!
-//! Counts first, then arrays with their shape. All of it is written once, by [`compile`](mod@crate::compile).
+//! Counts first, then arrays with their shape. All of it is written once, by the compiler (`ca-compile`), whose findings are not part of it.
 
 use crate::certificate::Certificate;
 use crate::equivalence::{Equivalence, Gains};
 use crate::io::midi::MidiMap;
 use crate::layout::{Account, Layout};
 use crate::live::{Controls, LivePlan};
-use crate::model::diag::Diags;
 use crate::op::Op;
 use crate::real::real;
 use crate::start::{Order, start};
@@ -88,7 +87,7 @@ pub struct Scene {
     /// names of the probes (n_out − channels): the selector, or the module where it chose several, with `.x`, `.y`, `.z`
     /// for what is in space
     pub probe_names: Vec<String>,
-    /// for each of them the selector that asked for it, a place in [`crate::Options::probes`]
+    /// for each of them the selector that asked for it, a place in the list that the compiler was given
     pub probe_of: Vec<u32>,
     /// live coefficients and how to compute them
     pub live: LivePlan,
@@ -102,16 +101,14 @@ pub struct Scene {
     pub equivalence: Equivalence,
     /// what the passes of the compiler left out, in words
     pub left_out: Vec<String>,
-    /// warnings and notes of the compiler
-    pub diags: Diags,
     /// title of the model
     pub title: String,
     /// how long the author lets it sound \[s\], if said
     pub seconds: Option<f64>,
     /// the state at load
-    pub(crate) initial: State,
+    pub initial: State,
     /// how it was made and of what, where ports are part of the start
-    pub(crate) before: Option<(Order, State)>,
+    pub before: Option<(Order, State)>,
 }
 
 impl Scene {

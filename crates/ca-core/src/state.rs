@@ -52,7 +52,7 @@ pub struct Ramps {
 
 impl Ramps {
     /// Room for the live coefficients at these places of [`State::coef`], those from `whole` on never half-way.
-    pub(crate) fn new(place: Vec<u32>, whole: u32) -> Ramps {
+    pub fn new(place: Vec<u32>, whole: u32) -> Ramps {
         let n = place.len();
         Ramps {
             place,

@@ -61,7 +61,7 @@ pub struct Touches {
 
 impl Touches {
     /// Room for `contacts` among `places`.
-    pub(crate) fn new(contacts: usize, places: usize) -> Touches {
+    pub fn new(contacts: usize, places: usize) -> Touches {
         let places = if contacts == 0 { 0 } else { places };
         Touches { n: 0, list: alloc::vec![Touch::default(); contacts], push: alloc::vec![0.0; places] }
     }

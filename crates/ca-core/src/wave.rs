@@ -16,7 +16,7 @@
 //! lowest, or they would be caught between it and a heavy junction, and nothing at 0 Hz: so it holds the string to its
 //! place, where a loss would let it slip under a steady pull. All else is lost at the far end.
 
-use crate::model::quantity::Plain;
+use crate::plain::Plain;
 use crate::problem::Problem;
 use alloc::format;
 use alloc::vec::Vec;

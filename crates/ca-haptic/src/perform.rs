@@ -9,9 +9,9 @@ use crate::error::{FileError, FileErrorKind};
 use crate::gesture::{Gesture, Track};
 use ca_core::border::frame_due;
 use ca_core::live::{Controls, LiveParam, Patch};
-use ca_core::model::quantity::Plain;
 use ca_core::scene::{InputRole, Scene};
 use ca_core::{State, tick};
+use ca_model::quantity::Plain;
 
 /// Beyond this displacement \[m\] a scene is taken to have blown up. Far above any scale models are written in (1e-9 to
 /// 1e9), far below overflow.

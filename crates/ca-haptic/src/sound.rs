@@ -15,7 +15,7 @@
 
 use crate::error::{FileError, FileErrorKind, lower};
 use crate::staged::Staged;
-use ca_core::model::quantity::Plain;
+use ca_model::quantity::Plain;
 use hound::{SampleFormat, WavSpec, WavWriter};
 use std::fs::File;
 use std::io::{BufWriter, Seek, SeekFrom, Write};

@@ -3,9 +3,9 @@
 //!
 //! All lengths of time count frames. `CA_LONG=1` plays every case of the grid, else every 41st.
 
+use ca_compile::{Options as Compile, compile};
 use ca_core::border::{Delays, delays};
-use ca_core::model::read::read;
-use ca_core::{Catalog, Options as Compile, Scene, compile};
+use ca_core::Scene;
 use ca_haptic::calibration::Calibration;
 use ca_haptic::engine::{Act, Engine, Options, Port, Setup};
 use ca_haptic::equivalence::gains;
@@ -14,6 +14,7 @@ use ca_haptic::gesture::{Gesture, Track};
 use ca_haptic::guard::Order;
 use ca_haptic::profile::{Profile, SHIPPED};
 use ca_haptic::simulated::{Device, Hand, Script};
+use ca_model::read::read;
 use std::fmt::Write as _;
 use std::sync::Arc;
 
@@ -21,10 +22,10 @@ use std::sync::Arc;
 const TE: f64 = 1.0 / 3000.0;
 
 fn scene(text: &str) -> Arc<Scene> {
-    let catalog = Catalog::core();
+    let catalog = ca_model::catalog();
     let (model, findings) = read(text, "loop.ca.toml", &catalog);
     assert!(!findings.has_errors(), "{text}");
-    Arc::new(compile(&model, &catalog, &Compile::default()).expect("a scene"))
+    Arc::new(compile(&model, &catalog, &Compile::default()).expect("a scene").scene)
 }
 
 /// How far a key is above its wall while forces fade in: noise must not push \[m\].

@@ -6,10 +6,10 @@
 
 use crate::load::Loaded;
 use crate::{Failure, Found};
-use ca_core::Model;
 use ca_core::cloud::{Cloud, Clouds, Unread};
-use ca_core::model::diag::Diags;
-use ca_core::model::{read, write};
+use ca_model::Model;
+use ca_model::diag::Diags;
+use ca_model::{read, write};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 

@@ -3,8 +3,8 @@
 use crate::load::{has_extension, ticked};
 use crate::{Failure, catalog};
 use ca_core::Scene;
-use ca_core::model::select::is_name;
 use ca_haptic::gesture::{Gesture, PortMap, Track};
+use ca_model::select::is_name;
 use std::path::Path;
 
 /// `key=take.wav`, unless there is a file of that very name in `folder`.

@@ -15,8 +15,8 @@ pub mod take;
 
 pub use load::{Loaded, catalog};
 
-use ca_core::model::Model;
-use ca_core::model::diag::Diags;
+use ca_model::Model;
+use ca_model::diag::Diags;
 
 /// Why something could not be done.
 #[derive(Clone, Debug, PartialEq)]

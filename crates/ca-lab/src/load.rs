@@ -4,22 +4,25 @@
 //! word which names nothing gets the nearest name as an answer.
 
 use crate::{Failure, Found};
+use ca_compile::load::finish;
+use ca_compile::{Compiled, Options};
 use ca_core::Catalog;
+use ca_core::Scene;
 use ca_core::cloud::Clouds;
-use ca_core::load::finish;
-use ca_core::model::diag::{Diags, Severity};
-use ca_core::model::render::line_column;
-use ca_core::model::suggest::nearest;
-use ca_core::model::{Entry, Item, Span, Value, mims, read};
-use ca_core::{Model, Options, Scene};
 use ca_haptic::reading;
+use ca_import::mims;
+use ca_model::Model;
+use ca_model::diag::{Diags, Severity};
+use ca_model::render::line_column;
+use ca_model::suggest::nearest;
+use ca_model::{Entry, Item, Span, Value, read};
 use std::path::Path;
 
 include!(concat!(env!("OUT_DIR"), "/bundled.rs"));
 
 /// All kinds this build knows.
 pub fn catalog() -> Catalog {
-    Catalog::core().with(ca_lpr::KINDS)
+    ca_model::catalog().with(ca_lpr::KINDS)
 }
 
 /// A model with what its reader found.
@@ -271,10 +274,7 @@ pub fn ticked<'a>(words: impl Iterator<Item = &'a str>) -> String {
 pub fn compiled(loaded: &Loaded, options: &Options) -> (Option<Scene>, Diags) {
     let options = Options { clouds: loaded.clouds.clone(), ..options.clone() };
     match finish(&loaded.model, loaded.diags.clone(), &catalog(), &options) {
-        Ok(scene) => {
-            let diags = scene.diags.clone();
-            (Some(scene), diags)
-        }
+        Ok(Compiled { scene, findings }) => (Some(scene), findings),
         Err(diags) => (None, diags),
     }
 }
@@ -283,9 +283,11 @@ pub fn compiled(loaded: &Loaded, options: &Options) -> (Option<Scene>, Diags) {
 ///
 /// # Errors
 /// [`Failure::Found`] with all findings.
-pub fn scene(loaded: &Loaded, options: &Options) -> Result<Scene, Failure> {
-    let (scene, diags) = compiled(loaded, options);
-    scene.ok_or_else(|| Failure::Found(Box::new(Found { model: loaded.model.clone(), diags })))
+pub fn scene(loaded: &Loaded, options: &Options) -> Result<Compiled, Failure> {
+    match compiled(loaded, options) {
+        (Some(scene), findings) => Ok(Compiled { scene, findings }),
+        (None, diags) => Err(Failure::Found(Box::new(Found { model: loaded.model.clone(), diags }))),
+    }
 }
 
 /// Warnings among findings.

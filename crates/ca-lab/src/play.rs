@@ -4,9 +4,10 @@ use ca_core::Scene;
 use ca_core::energy::Ledger;
 use ca_core::ledger::Balance;
 use ca_core::live::LiveParam;
-use ca_core::model::quantity;
 use ca_haptic::gesture::Gesture;
 use ca_haptic::perform::{DIVERGED, Performance};
+use ca_model::diag::Diags;
+use ca_model::quantity;
 use std::time::{Duration, Instant};
 
 /// Ticks between two looks at what was played.
@@ -99,11 +100,12 @@ pub struct Broke {
 }
 
 impl Broke {
-    /// What is to blame, where `played` blew up; `audited` is its scene, with the ledger kept if there is one.
-    pub fn of(played: &Played, audited: &Scene, gesture: Option<&Gesture>) -> Option<Broke> {
+    /// What is to blame, where `played` blew up; `audited` is its scene, with the ledger kept if there is one,
+    /// `findings` those of the compiler.
+    pub fn of(played: &Played, audited: &Scene, findings: &Diags, gesture: Option<&Gesture>) -> Option<Broke> {
         let time = played.broke? as f64 * audited.te;
         let (module, why) = played.performance.blame(Some(audited), gesture);
-        Some(Broke { time, fix: fix(audited, &module), module, why })
+        Some(Broke { time, fix: fix(findings, &module), module, why })
     }
 }
 
@@ -116,9 +118,9 @@ impl std::fmt::Display for Broke {
 }
 
 /// What the warnings of the compiler offer against the blow-up of `module`: those that name it come first.
-fn fix(scene: &Scene, module: &str) -> Option<String> {
-    let list = || scene.diags.list.iter();
-    let about = |d: &&ca_core::model::diag::Diag| matches!(d.code, "W103" | "W104" | "W110" | "W105");
+fn fix(findings: &Diags, module: &str) -> Option<String> {
+    let list = || findings.list.iter();
+    let about = |d: &&ca_model::diag::Diag| matches!(d.code, "W103" | "W104" | "W110" | "W105");
     let named = format!("`{module}`");
     let d = list().filter(about).find(|d| d.title.contains(&named)).or_else(|| list().find(about))?;
     d.help.clone()

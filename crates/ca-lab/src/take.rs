@@ -6,10 +6,10 @@
 use crate::load::{self, Loaded};
 use crate::sweep::shown;
 use crate::{Failure, bytes, play};
+use ca_compile::Options;
+use ca_core::Scene;
 use ca_core::live::Controls;
-use ca_core::model::{Entry, Model, Value, write};
 use ca_core::scene::InputRole;
-use ca_core::{Options, Scene};
 use ca_haptic::calibration::Calibration;
 use ca_haptic::engine::{self, Act, Change, Engine, Port, Setup};
 use ca_haptic::equivalence;
@@ -20,6 +20,7 @@ use ca_haptic::perform::{Driven, Performance};
 use ca_haptic::profile::Profile;
 use ca_haptic::record::Record;
 use ca_haptic::take::{Finished, Header, TakeWriter};
+use ca_model::{Entry, Model, Value, write};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -64,7 +65,7 @@ pub fn record(
 ) -> Result<Finished, Failure> {
     let (loaded, changes) = &written(loaded)?;
     let options = Options { rate: ask.rate, energy: ask.energy, clouds: loaded.clouds.clone(), ..Options::default() };
-    let scene = Arc::new(load::scene(loaded, &options)?);
+    let scene = Arc::new(load::scene(loaded, &options)?.scene);
     let hands = Performance::new(&scene, gesture)?;
     let frames = play::frames(&scene, play::seconds(&hands, ask.seconds));
     let given = gesture.map_or(&[][..], Gesture::tracks).iter().map(Track::name);

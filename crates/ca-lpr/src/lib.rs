@@ -16,9 +16,10 @@
 //! parameters, its bounds and its energy. The kinds are `LPR` (spring and damper, as the REF) and `LPR_` with the code
 //! of the law. A tour:
 //! ```
-//! use ca_core::{Catalog, Options, load, tick};
+//! use ca_compile::{Options, load};
+//! use ca_core::{Catalog, tick};
 //!
-//! let catalog = Catalog::core().with(ca_lpr::KINDS);
+//! let catalog = ca_model::catalog().with(ca_lpr::KINDS);
 //! let kind = catalog.get("LPR").expect("the kinds of this crate");
 //! let (_model, result) = load(kind.example, "lpr.ca.toml", &catalog, &Options::default());
 //! let scene = result.expect("it compiles");

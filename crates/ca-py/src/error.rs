@@ -1,10 +1,10 @@
 //! What fails, as an exception of the package.
 
-use ca_core::model::Model;
-use ca_core::model::diag::Diags;
-use ca_core::model::render;
 use ca_haptic::FileError;
 use ca_lab::Failure;
+use ca_model::Model;
+use ca_model::diag::Diags;
+use ca_model::render;
 use pyo3::prelude::*;
 
 /// An exception of `cordis_anima._errors` with these arguments.

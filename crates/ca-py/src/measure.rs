@@ -2,14 +2,14 @@
 
 use crate::error::{failure, usage};
 use crate::wait::Wait;
-use ca_core::Options;
-use ca_core::analysis::modes;
+use ca_compile::Options;
+use ca_compile::analysis::modes;
 use ca_core::energy::Ledger;
 use ca_core::kind::Type;
-use ca_core::model::quantity::{Quantity, QuantityError, parse};
 use ca_lab::accuracy::{self, Ask};
 use ca_lab::load::Loaded;
 use ca_lab::{Failure, Found, catalog};
+use ca_model::quantity::{Quantity, QuantityError, parse};
 use numpy::{IntoPyArray as _, PyArray1, PyArray2, PyArrayMethods as _};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -37,7 +37,7 @@ pub fn quantity(py: Python, name: &str, text: &str, unit: &str) -> PyResult<f64>
 pub fn modes<'py>(py: Python<'py>, loaded: &Loaded, rate: Option<f64>) -> PyResult<Bound<'py, PyDict>> {
     let found = py.detach(|| {
         let options = Options { rate, clouds: loaded.clouds.clone(), ..Options::default() };
-        let network = ca_core::compile::linear(&loaded.model, &catalog(), &options)
+        let network = ca_compile::linear(&loaded.model, &catalog(), &options)
             .map_err(|diags| Failure::Found(Box::new(Found { model: loaded.model.clone(), diags })))?;
         let n = network.linear.places.len();
         if n == 0 {

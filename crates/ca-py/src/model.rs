@@ -5,18 +5,17 @@ use crate::gesture::Gesture;
 use crate::measure;
 use crate::scene::Scene;
 use crate::wait::Wait;
-use ca_core::Options;
+use ca_compile::Options;
 use ca_core::kind::Role;
-use ca_core::model::select::{is_name, is_word};
-use ca_core::model::suggest::nearest;
-use ca_core::model::{Entry, Value, read, write};
 use ca_lab::load::{self, BUNDLED, Loaded};
 use ca_lab::{bytes, take};
+use ca_model::select::{is_name, is_word};
+use ca_model::suggest::nearest;
+use ca_model::{Entry, Value, read, write};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use std::collections::HashSet;
 use std::path::PathBuf;
-use std::sync::Arc;
 
 /// What an author wrote.
 #[pyclass(module = "cordis_anima._core")]
@@ -149,7 +148,7 @@ impl Model {
     /// An empty model.
     #[new]
     fn new() -> Model {
-        Model::of(load::built(ca_core::Model::default()))
+        Model::of(load::built(ca_model::Model::default()))
     }
 
     /// A file, or a bundled model.
@@ -245,8 +244,7 @@ impl Model {
             ));
         }
         self.take(py, name)?;
-        let group =
-            ca_core::model::Group { name: name.into(), span: ca_core::model::Span::NONE, props: entries(props) };
+        let group = ca_model::Group { name: name.into(), span: ca_model::Span::NONE, props: entries(props) };
         self.loaded.model.groups.push(group);
         Ok(())
     }
@@ -306,7 +304,7 @@ impl Model {
         let options = Options { rate, energy, probes, exact, ..Options::default() };
         let loaded = self.whole();
         let scene = py.detach(|| load::scene(&loaded, &options)).map_err(|e| failure(py, e))?;
-        Ok(Scene::new(Arc::new(scene), loaded, options))
+        Ok(Scene::new(scene, loaded, options))
     }
 
     /// Plays it by the engine of devices, into a take.

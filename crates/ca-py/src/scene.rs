@@ -5,7 +5,7 @@ use crate::gesture::Gesture;
 use crate::measure::{energy, table};
 use crate::sim::Sim;
 use crate::wait::Wait;
-use ca_core::Options;
+use ca_compile::{Compiled, Options};
 use ca_core::scene::InputRole;
 use ca_haptic::gesture::PortMap;
 use ca_haptic::perform::Performance;
@@ -13,6 +13,7 @@ use ca_haptic::sound::Level;
 use ca_lab::load::{self, Loaded};
 use ca_lab::play::{self, BLOCK, Broke};
 use ca_lab::{Failure, bytes};
+use ca_model::diag::Diags;
 use numpy::IntoPyArray as _;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -23,14 +24,16 @@ use std::sync::Arc;
 #[pyclass(frozen, module = "cordis_anima._core")]
 pub struct Scene {
     pub(crate) compiled: Arc<ca_core::Scene>,
+    /// of reader and compiler
+    found: Diags,
     loaded: Loaded,
     options: Options,
 }
 
 impl Scene {
     /// A scene, with what it was compiled from.
-    pub fn new(compiled: Arc<ca_core::Scene>, loaded: Loaded, options: Options) -> Scene {
-        Scene { compiled, loaded, options }
+    pub fn new(Compiled { scene, findings }: Compiled, loaded: Loaded, options: Options) -> Scene {
+        Scene { compiled: Arc::new(scene), found: findings, loaded, options }
     }
 }
 
@@ -89,7 +92,7 @@ impl Scene {
 
     /// JSON of what was found, and how it reads.
     fn findings(&self) -> (String, String) {
-        findings(&self.compiled.diags, &self.loaded.model)
+        findings(&self.found, &self.loaded.model)
     }
 
     /// What is proven of its stability.
@@ -151,7 +154,7 @@ impl Scene {
             played.broke?;
             let options = Options { energy: true, probes: Vec::new(), ..self.options.clone() };
             let twin = load::compiled(&self.loaded, &options).0;
-            Broke::of(&played, twin.as_ref().unwrap_or(scene), gesture)
+            Broke::of(&played, twin.as_ref().unwrap_or(scene), &self.found, gesture)
         });
         let d = PyDict::new(py);
         d.set_item("audio", table(py, heard.audio, frames as usize, channels)?)?;

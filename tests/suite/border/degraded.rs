@@ -32,12 +32,12 @@ fn run(scene: &Scene, x: &[f64]) -> Run {
 
 /// A struck string, quite still until the key moves.
 fn still(rate: &str) -> Scene {
-    scene(&still_text(rate))
+    scene(&still_text(rate)).scene
 }
 
 /// The same with an energy ledger.
 fn still_audited(rate: &str) -> Scene {
-    audited(&still_text(rate))
+    audited(&still_text(rate)).scene
 }
 
 fn still_text(rate: &str) -> String {

@@ -44,7 +44,7 @@ fn wall(row: &Row, gesture: f64, k: f64) -> Scene {
     let z = if row.damped { k / gesture / 2.0 } else { 0.0 };
     let rate = format!("sound = {:e}\ngesture = {gesture:e}\n{}", gesture * f64::from(row.ratio), row.more);
     let link = format!("link = {{ between = [\"wall\", \"key\"], k = {k:e}, z = {z:e} }}");
-    scene(&format!("[rate]\n{rate}\n[SOL]\nwall = {{}}\n[TGR]\nkey = {{}}\n[REF]\n{link}\n"))
+    scene(&format!("[rate]\n{rate}\n[SOL]\nwall = {{}}\n[TGR]\nkey = {{}}\n[REF]\n{link}\n")).scene
 }
 
 fn frame(scene: &Scene, s: &mut State, x: f64) -> f64 {

@@ -37,7 +37,7 @@ fn held(sound: u32, gesture: u32, link: &str) -> Scene {
 
 fn held_by(border: &str, sound: u32, gesture: u32, link: &str) -> Scene {
     let rate = format!("sound = {sound}\ngesture = {gesture}\nborder = \"{border}\"");
-    audited(&format!("[rate]\n{rate}\n[SOL]\nwall = {{}}\n[TGR]\nkey = {{}}\n{link}"))
+    audited(&format!("[rate]\n{rate}\n[SOL]\nwall = {{}}\n[TGR]\nkey = {{}}\n{link}")).scene
 }
 
 /// The hand of E01, still at the end so that the last frame is whole.

@@ -3,9 +3,10 @@
 
 use super::drawn::{args, built, held, laws};
 use crate::play::{Dice, mat, model, within};
+use ca_compile::Options;
 use ca_core::kind::Kind;
-use ca_core::model::{Entry, Model, Value};
-use ca_core::{Options, State, tick};
+use ca_core::{State, tick};
+use ca_model::{Entry, Model, Value};
 
 /// Two masses with a distance between them, on a line or along `n` in space, joined by one link; `along` for a link
 /// that acts on the difference along `n`.

@@ -2,11 +2,13 @@
 
 use super::felt;
 use crate::play::{Dice, model};
+use ca_compile::Compiled;
+use ca_compile::{Options, compile};
 use ca_core::kind::{Kind, Need, Role, Type, Unit};
-use ca_core::model::{Entry, Model, Value, read, render};
 use ca_core::phi::Law;
 use ca_core::table::Table;
-use ca_core::{Catalog, Options, Scene, compile};
+use ca_core::{Catalog, Scene};
+use ca_model::{Entry, Model, Value, read, render};
 
 /// All kinds there are, and one of our own.
 pub fn catalog() -> Catalog {
@@ -143,8 +145,8 @@ pub fn pair(kind: &Kind, way: &str, dice: &mut Dice) -> Model {
     m
 }
 
-pub fn built(m: &Model, options: &Options) -> Scene {
-    compile(m, &catalog(), options).unwrap_or_else(|d| panic!("{d}\n{}", ca_core::model::write::write(m)))
+pub fn built(m: &Model, options: &Options) -> Compiled {
+    compile(m, &catalog(), options).unwrap_or_else(|d| panic!("{d}\n{}", ca_model::write::write(m)))
 }
 
 /// A law with its coefficients, memory and tables, taken from a compiled scene.
@@ -160,7 +162,7 @@ impl Loaded {
     pub fn new(kind: &Kind, dice: &mut Dice) -> Loaded {
         let m = pair(kind, "ca", dice);
         let mut l = Loaded::first(&built(&m, &Options::default()));
-        l.named = ca_core::model::write::write(&m);
+        l.named = ca_model::write::write(&m);
         l
     }
     /// The first link of a scene.

@@ -9,12 +9,13 @@
 
 use super::drawn::{built, read};
 use crate::play::{apart, mat, within};
+use ca_compile::Options;
 use ca_core::kind::{ANY, Kind, Need, POSITIVE, Param, Role, Type, Unit};
-use ca_core::model::Model;
 use ca_core::phi::{ALONG, BETWEEN, Bound, Law, PAIRS, Phi};
 use ca_core::real::Real;
 use ca_core::table::Table;
-use ca_core::{Options, tick};
+use ca_core::tick;
+use ca_model::Model;
 
 pub static KIND: Kind = Kind {
     code: "FELT",
@@ -159,7 +160,7 @@ fn a_contact_with_memory_that_is_pressed_at_load_is_named_with_its_force() {
     let text = "[MAS]\nlow = { m = 1 }\nhigh = { m = 1, x = -1e-3 }\n[FELT]\npress = { between = [\"low\", \"high\"], \
                 k = 2000 }\n[SOX]\nout = { from = \"low\" }\n";
     let scene = built(&read(text), &Options::default());
-    let found: Vec<_> = scene.diags.list.iter().map(|d| d.title.as_str()).collect();
+    let found: Vec<_> = scene.findings.list.iter().map(|d| d.title.as_str()).collect();
     assert_eq!(found, ["`press` presses at load, with 2 N"]);
     assert_eq!(scene.state().mem, [1e-3, 0.0]);
 }

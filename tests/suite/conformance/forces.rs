@@ -2,8 +2,9 @@
 
 use super::drawn::{Loaded, built, laws, only_resists, pair, ways};
 use crate::play::{Dice, mat};
-use ca_core::model::{Entry, Value};
-use ca_core::{Options, tick};
+use ca_compile::Options;
+use ca_core::tick;
+use ca_model::{Entry, Value};
 use proptest::prelude::*;
 
 proptest! {

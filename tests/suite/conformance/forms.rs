@@ -2,7 +2,8 @@
 
 use super::drawn::{MASSES, built, row, ways};
 use crate::play::{Dice, mat, reference};
-use ca_core::{Options, tick};
+use ca_compile::Options;
+use ca_core::tick;
 
 #[test]
 fn all_forms_of_a_law_give_the_same_bits() {

@@ -1,11 +1,12 @@
 //! The records themselves: complete, with an example that sounds and names that are known.
 
 use super::drawn::{built, catalog, read as model, texts};
+use ca_compile::Options;
 use ca_core::catalog::SOURCES;
 use ca_core::kind::{Need, Type};
-use ca_core::model::{read, render};
 use ca_core::scene::Stands;
-use ca_core::{Options, tick};
+use ca_core::tick;
+use ca_model::{read, render};
 use ca_tests::gesture;
 
 #[test]
@@ -55,7 +56,7 @@ fn every_example_sounds() {
         assert!(diags.list.is_empty(), "{}", render::text(&diags, &m, false));
         assert!(m.items.iter().any(|i| i.kind == kind.code), "the example of {} is of something else", kind.code);
         let scene = built(&m, &Options::default());
-        assert!(scene.diags.list.is_empty(), "{}: {}", kind.code, render::text(&scene.diags, &m, false));
+        assert!(scene.findings.list.is_empty(), "{}: {}", kind.code, render::text(&scene.findings, &m, false));
         let mut s = scene.state();
         let mut peak = 0.0f64;
         for n in 0..96_000 {

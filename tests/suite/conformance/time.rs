@@ -1,9 +1,10 @@
 //! What goes on: live changes, snapshots, blocks.
 
 use super::drawn::{built, catalog, read as model, texts};
+use ca_compile::{KernelClass, Options, compile};
 use ca_core::kind::Type;
-use ca_core::model::{Entry, Model, Value, quantity};
-use ca_core::{KernelClass, Options, State, compile, process, tick};
+use ca_core::{State, process, tick};
+use ca_model::{Entry, Model, Value, quantity};
 use ca_tests::gesture;
 
 /// Makes argument `arg` of item `item` a live parameter of value `v`, and says what its value was in SI.

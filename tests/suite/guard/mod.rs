@@ -10,7 +10,7 @@ mod requirements;
 mod slow;
 
 use crate::play::with;
-use ca_core::Options as Compile;
+use ca_compile::Options as Compile;
 use ca_haptic::engine::{Act, Engine, Options, Port, Setup};
 use ca_haptic::equivalence::Gains;
 use ca_haptic::frame::{Cause, DeviceFrame, ForceFrame, Mode};
@@ -48,7 +48,7 @@ impl Rig {
     }
 
     pub fn with(text: &str, profile: Profile, gains: Vec<Gains>, energy: bool) -> Rig {
-        let scene = Arc::new(with(text, &Compile { energy, ..Compile::default() }));
+        let scene = Arc::new(with(text, &Compile { energy, ..Compile::default() }).scene);
         let mut next = DeviceFrame::new("key", profile.dof as usize);
         next.session = 7;
         let setup = Setup { gains, ..ca_tests::setup("key", profile) };

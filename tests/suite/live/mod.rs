@@ -92,7 +92,7 @@ fn start(scene: &Arc<Scene>, clock: Clock, profile: Profile) -> Running {
 /// In lock-step with the clock of the device, what the threads do is what the engine alone does, to the bit.
 #[test]
 fn threads_add_nothing_to_the_engine() {
-    let scene = Arc::new(scene(MODEL));
+    let scene = Arc::new(scene(MODEL).scene);
     let mut run = start(&scene, Clock::Device { patience: 60_000_000_000 }, profile(|_| ()));
     let mut forces: Vec<ForceFrame> = Vec::new();
     run.desk.order(None, Order::Arm).unwrap();
@@ -144,7 +144,7 @@ fn threads_add_nothing_to_the_engine() {
 /// Two parameters asked for together change in the same tick; a wrong one among them changes nothing.
 #[test]
 fn parameters_change_together_or_not_at_all() {
-    let scene = Arc::new(scene(MODEL));
+    let scene = Arc::new(scene(MODEL).scene);
     let mut run = start(&scene, Clock::Device { patience: 60_000_000_000 }, profile(|_| ()));
     let step = |run: &mut Running, n: u64| {
         run.gateway.frames.push((0, device(n))).unwrap();
@@ -194,7 +194,7 @@ fn parameters_change_together_or_not_at_all() {
 /// On the monotonic clock: a device that stops is noticed and forces end; nothing is lost without a count.
 #[test]
 fn a_device_that_stops_is_a_fault() {
-    let scene = Arc::new(scene(MODEL));
+    let scene = Arc::new(scene(MODEL).scene);
     // a machine that has other things to do keeps this thread away for longer than a device would stay away, and the
     // engine's for longer than a force lives, which would be a fault of its own
     let patient = profile(|p| {

@@ -4,8 +4,9 @@
 use super::FS;
 use crate::conformance::drawn::{args, built, laws};
 use crate::play::{Dice, apart, mat, model, scene, with, within};
-use ca_core::model::{Entry, Model, Value};
-use ca_core::{Options, advance, sense, tick};
+use ca_compile::Options;
+use ca_core::{advance, sense, tick};
+use ca_model::{Entry, Model, Value};
 use std::fmt::Write as _;
 
 /// Two masses joined by a link or by an LPR of the same law, one port of which is held, on a line or in space.
@@ -38,7 +39,7 @@ fn twins(code: &str, list: &[Entry], space: bool, onto: bool) -> Model {
 fn with_a_port_held_it_is_the_plain_link() {
     let mut compared = 0;
     // those of the core, which all have an LPR
-    let core = ca_core::Catalog::core();
+    let core = ca_model::catalog();
     for (plain, _) in laws().iter().filter(|(k, _)| core.get(k.code).is_some()) {
         let code = if plain.code == "REF" { "LPR".to_string() } else { format!("LPR_{}", plain.code) };
         for seed in 1..9 {
@@ -123,7 +124,7 @@ fn between_worlds_of_one_kind_the_books_close() {
     };
     for dim in [1, 3] {
         let scene = with(&text(dim), &Options { energy: true, ..Options::default() });
-        assert!(scene.diags.list.is_empty(), "{}", scene.diags);
+        assert!(scene.findings.list.is_empty(), "{}", scene.findings);
         let mut s = scene.state();
         let (at, mut most) = (mat(&scene, "b.ball"), 0.0f64);
         for _ in 0..48_000 {

@@ -2,8 +2,8 @@
 //! own few lines, simulated side by side. Generators are expanded here as the documentation says, not by the compiler.
 
 use super::shown;
-use ca_core::model::mims::import;
-use ca_core::model::{Model, Value};
+use ca_import::mims::import;
+use ca_model::{Model, Value};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
@@ -157,7 +157,7 @@ pub fn same_movement(text: &str) {
 }
 
 /// The nodes of a mesh that are held besides its edges.
-fn held(item: &ca_core::model::Item) -> Vec<[f64; 2]> {
+fn held(item: &ca_model::Item) -> Vec<[f64; 2]> {
     let list = |v: &Value| if let Value::List(l) = v { l.clone() } else { Vec::new() };
     let num = |v: &Value| if let Value::Num(n) = v { *n } else { f64::NAN };
     let fixed = item.args.iter().find(|e| e.key == "fixed").map_or(Vec::new(), |e| list(&e.value));

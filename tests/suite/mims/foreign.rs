@@ -2,9 +2,9 @@
 
 use super::import;
 use crate::play::scene;
-use ca_core::model::diag::KEPT;
-use ca_core::model::mims::decode;
-use ca_core::model::write::write;
+use ca_import::mims::decode;
+use ca_model::diag::KEPT;
+use ca_model::write::write;
 use std::fmt::Write as _;
 
 const WHOLE: &str = "@g ground 0.\n@a mass 1. 0. 0.\n@r springDamper @g @a 0.1 0.001\n@out1 posOutput @a\n";

@@ -4,9 +4,9 @@
 //! That generators stand for exactly what was written is not read off but computed: the text and the imported model are
 //! simulated side by side, each by its own few lines, and every mass must move alike.
 
-use ca_core::model::diag::{Diags, Severity};
-use ca_core::model::mims::import;
-use ca_core::model::{Entry, Model, Value};
+use ca_import::mims::import;
+use ca_model::diag::{Diags, Severity};
+use ca_model::{Entry, Model, Value};
 use proptest::prelude::*;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -180,7 +180,7 @@ fn published_models_are_read() {
         let text = std::fs::read_to_string(&path).unwrap();
         let (model, diags) = import(&text, path.to_str().unwrap());
         assert!(diags.list.iter().all(|d| d.severity == Severity::Note), "{name}: {diags}");
-        let size = |i: &ca_core::model::Item| match &i.args[0].value {
+        let size = |i: &ca_model::Item| match &i.args[0].value {
             Value::Num(n) => format!("{} {} {n}", i.kind, i.name),
             _ => String::new(),
         };

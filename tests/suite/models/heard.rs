@@ -1,11 +1,13 @@
 //! A model played by its own gesture, as heard and as probed, and what every model must keep.
 
 use crate::acoustics::{cents, damping, db, mode, partial, peak, sin2, stiffness};
-use ca_core::model::read::read;
-use ca_core::model::{Model, Value, quantity, render};
-use ca_core::{Options, Scene, compile};
+use ca_compile::Compiled;
+use ca_compile::{Options, compile};
+use ca_core::Scene;
 use ca_haptic::gesture::Gesture;
 use ca_haptic::perform::Performance;
+use ca_model::read::read;
+use ca_model::{Model, Value, quantity, render};
 use ca_tests::catalog;
 use std::path::PathBuf;
 
@@ -48,15 +50,15 @@ pub fn play(name: &str, probes: &[&str]) -> Heard {
     }
     assert!(model.title().len() > 10 && !model.title().contains('\n'));
     let scene = scene(&model, probes);
-    let reported = scene.diags.list.iter().any(|d| d.code.starts_with('W'));
-    assert!(!reported, "{}", render::text(&scene.diags, &model, false));
+    let reported = scene.findings.list.iter().any(|d| d.code.starts_with('W'));
+    assert!(!reported, "{}", render::text(&scene.findings, &model, false));
     let heard = perform(model, &scene, None, scene.seconds.expect("a model says how long it sounds"));
     let level = heard.sound.iter().map(|c| db(peak(c))).fold(f64::MIN, f64::max);
     assert!((-12.0..=-0.5).contains(&level), "{name} peaks at {level:.2} dBFS");
     heard
 }
 
-pub fn scene(model: &Model, probes: &[&str]) -> Scene {
+pub fn scene(model: &Model, probes: &[&str]) -> Compiled {
     let options = Options { probes: probes.iter().map(|p| (*p).into()).collect(), energy: true, ..Options::default() };
     compile(model, &catalog(), &options).unwrap_or_else(|d| panic!("{}", render::text(&d, model, false)))
 }

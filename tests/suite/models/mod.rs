@@ -10,7 +10,6 @@ mod space;
 mod strings;
 
 use bars::{glass, iron_bar, marimba};
-use ca_core::Catalog;
 use heard::{file_names, load};
 use piano::hammer_piano;
 use plates::{gong, membrane, plate};
@@ -65,7 +64,7 @@ models!(
 fn every_model_is_checked_and_every_kind_is_played() {
     assert_eq!(file_names(), CHECKED, "a model without a check, or a check without a model");
     let used: BTreeSet<String> = file_names().iter().flat_map(|n| load(n).items.into_iter().map(|i| i.kind)).collect();
-    let core: BTreeSet<String> = Catalog::core().iter().map(|k| k.code.to_string()).collect();
+    let core: BTreeSet<String> = ca_model::catalog().iter().map(|k| k.code.to_string()).collect();
     let unplayed: Vec<&String> = core.difference(&used).collect();
     assert!(unplayed.is_empty(), "kinds no model plays: {unplayed:?}");
     let titles: BTreeSet<String> = file_names().iter().map(|n| load(n).title().to_string()).collect();

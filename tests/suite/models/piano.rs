@@ -5,8 +5,9 @@
 
 use super::heard::{load, perform, play, scene};
 use crate::acoustics::{cents, db, partial, peak};
+use ca_compile::{Options, compile};
+use ca_core::Scene;
 use ca_core::equivalence::Gains;
-use ca_core::{Options, Scene, compile};
 use ca_haptic::calibration::Calibration;
 use ca_haptic::engine::{Act, Engine, Options as EngineOptions, Port, Setup};
 use ca_haptic::equivalence::gains;
@@ -86,7 +87,8 @@ impl Finger {
     /// A device whose keys all stand there, not heard of yet.
     fn at(x: f64) -> Finger {
         let options = Options { energy: true, ..Options::default() };
-        let scene = Arc::new(compile(&load("hammer_piano"), &ca_tests::catalog(), &options).expect("it compiles"));
+        let scene =
+            Arc::new(compile(&load("hammer_piano"), &ca_tests::catalog(), &options).expect("it compiles").scene);
         let gains = gains(&scene, "tgr12");
         assert_eq!(gains, [Gains::default(); 12]);
         // the model as it is: what the guard takes from it has tests of its own

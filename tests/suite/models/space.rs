@@ -116,7 +116,7 @@ pub fn rattle_stick() {
     let body = |h: &Heard| {
         let all =
             h.model.items.iter().filter(|i| !hands.contains(&i.name.as_str()) && !ties.contains(&i.name.as_str()));
-        let bare = |i: &ca_core::model::Item| {
+        let bare = |i: &ca_model::Item| {
             let args: Vec<_> = i.args.iter().map(|e| (e.key.clone(), plain(&e.value))).collect();
             (i.kind.clone(), i.name.clone(), args)
         };
@@ -126,8 +126,8 @@ pub fn rattle_stick() {
 }
 
 /// A value without the places it was read from.
-fn plain(v: &ca_core::model::Value) -> String {
-    use ca_core::model::Value;
+fn plain(v: &ca_model::Value) -> String {
+    use ca_model::Value;
     match v {
         Value::List(l) => format!("[{}]", l.iter().map(|e| plain(&e.value)).collect::<Vec<_>>().join(", ")),
         other => format!("{other:?}"),

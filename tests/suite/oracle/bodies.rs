@@ -4,7 +4,7 @@
 use super::expand::{Family, mat};
 use super::network::{Gauge, Law, Link, Network};
 use super::numbers::{Numbers, entry, list};
-use ca_core::model::Item;
+use ca_model::Item;
 use std::f64::consts::TAU;
 
 fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {

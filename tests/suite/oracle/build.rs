@@ -5,8 +5,8 @@ use super::expand::{Family, bank, fixed, mat, mesh, row};
 use super::network::{Gauge, Heard, Law, Link, Mat, Network, Point, Port};
 use super::numbers::{Numbers, entry, list, word};
 use super::waves::string;
-use ca_core::model::select::{At, Coord, Index, Part, parse};
-use ca_core::model::{Item, Model, Value};
+use ca_model::select::{At, Coord, Index, Part, parse};
+use ca_model::{Item, Model, Value};
 use std::collections::BTreeMap;
 
 struct Builder<'a> {

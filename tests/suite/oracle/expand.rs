@@ -2,7 +2,7 @@
 
 use super::network::{Gauge, Law, Link, Mat, Network};
 use super::numbers::{Numbers, entry, list, word};
-use ca_core::model::Item;
+use ca_model::Item;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// What a name may be asked for.

@@ -14,8 +14,9 @@ use self::build::build;
 use self::network::{Law, Network};
 use crate::conformance::drawn::built;
 use crate::play::{model, reference, within};
-use ca_core::Model;
-use ca_core::{KernelClass, Options, Scene, State, tick};
+use ca_compile::{KernelClass, Options};
+use ca_core::{Scene, State, tick};
+use ca_model::Model;
 use ca_tests::{gesture, texts};
 
 fn play(scene: &Scene, oracle: &mut Network, mut each: impl FnMut(usize, &Network, &[f64], &State)) {

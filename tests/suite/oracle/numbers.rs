@@ -1,7 +1,7 @@
 //! The numbers of a model in SI, by name of the parameter.
 
 use super::network::Curve;
-use ca_core::model::{Entry, Item, Model, Value, quantity};
+use ca_model::{Entry, Item, Model, Value, quantity};
 
 pub fn entry<'e>(list: &'e [Entry], key: &str) -> Option<&'e Value> {
     list.iter().find(|e| e.key == key).map(|e| &e.value)

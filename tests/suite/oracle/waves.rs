@@ -6,8 +6,8 @@
 use super::expand::{Family, mat};
 use super::network::{Mat, Network};
 use super::numbers::{Numbers, entry, list};
-use ca_core::model::Item;
 use ca_core::wave::{Asked, Loss, tune};
+use ca_model::Item;
 use std::collections::VecDeque;
 
 /// A string: junction j takes in what comes by way 2j from the left and by way 2j + 1 from the right.

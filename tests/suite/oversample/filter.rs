@@ -1,8 +1,9 @@
 //! What ticks make above half the sound rate must not fold into the sound: the filter before they are left out.
 
 use crate::play::{TURN, apart, off, scene, with, within};
+use ca_compile::Options;
 use ca_core::border::delays;
-use ca_core::{Options, Scene, tick};
+use ca_core::{Scene, tick};
 
 /// Gain of the filter of the outputs at `f` times the rate of the ticks.
 fn gain(scene: &Scene, f: f64) -> f64 {

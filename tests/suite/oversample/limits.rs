@@ -1,8 +1,9 @@
 //! Limits of stability and pitch are those of the tick; advice on how many ticks would mend a scene is true.
 
 use crate::play::{PI, TURN, mat, model, off, scene, within};
+use ca_compile::{Options, compile};
 use ca_core::certificate::Level;
-use ca_core::{Options, Scene, compile, tick};
+use ca_core::tick;
 use ca_tests::catalog;
 
 fn bob(k: f64, z: f64, times: u32) -> String {
@@ -15,8 +16,8 @@ fn bob(k: f64, z: f64, times: u32) -> String {
 /// What is unstable is told how many ticks would mend it, and they do, and one less does not.
 #[test]
 fn advice_on_ticks_is_true() {
-    let advised = |scene: &Scene| -> Option<u32> {
-        let found = scene.diags.list.iter().find(|d| d.code == "W103")?;
+    let advised = |scene: &ca_compile::Compiled| -> Option<u32> {
+        let found = scene.findings.list.iter().find(|d| d.code == "W103")?;
         let help = found.help.as_deref().expect("a help");
         Some(help.split_once("`oversample = ")?.1.split_once('`')?.0.parse().expect("a number"))
     };
@@ -70,9 +71,8 @@ fn limits_move_with_the_ticks() {
         )
     };
     for times in [1, 4] {
-        let network =
-            ca_core::compile::linear(&model(&text(times)), &catalog(), &Options::default()).expect("it compiles");
-        let heard = ca_core::analysis::modes::modes(&network).expect("modes").list[0].heard;
+        let network = ca_compile::linear(&model(&text(times)), &catalog(), &Options::default()).expect("it compiles");
+        let heard = ca_compile::analysis::modes::modes(&network).expect("modes").list[0].heard;
         let ticks = 48e3 * f64::from(times);
         within("heard", off(heard, (PI * 5e3 / ticks).asin() / PI * ticks), 1e-12);
     }

@@ -5,16 +5,17 @@ mod filter;
 mod limits;
 
 use crate::play::{TURN, apart, scene, with, within};
+use ca_compile::Options;
 use ca_core::border::frame_due;
 use ca_core::op::Op;
 use ca_core::scene::InputRole;
-use ca_core::{Options, Scene, State, advance, sense, tick};
+use ca_core::{Scene, State, advance, sense, tick};
 use ca_haptic::perform::Performance;
 
 /// A model whose samples have `times` ticks, and the same with so many samples.
 fn twins(text: &str, more: &str, times: u32, options: &Options) -> [Scene; 2] {
     let rate = |sound: u32, own: &str| format!("{text}\n[rate]\nsound = {sound}\n{own}\n{more}\n");
-    [rate(48_000, &format!("oversample = {times}")), rate(48_000 * times, "")].map(|t| with(&t, options))
+    [rate(48_000, &format!("oversample = {times}")), rate(48_000 * times, "")].map(|t| with(&t, options).scene)
 }
 
 /// A gesture, by samples of 48 kHz.

@@ -2,7 +2,7 @@
 
 use super::bench::{FS, at, bob, heard, mode};
 use crate::play::{PI, TURN, case, list, mat, num, off, rows, scene, within};
-use ca_core::compile::certify::Level;
+use ca_compile::certify::Level;
 use ca_core::mat::retune;
 use ca_core::tick;
 
@@ -101,8 +101,8 @@ fn a03_the_limit_and_who_says_so() {
     for (a, level) in [(3.99, Level::Proven), (4.0, Level::Unstable), (4.01, Level::Unstable)] {
         let scene = scene(&bob(1.0, 1.0, a, 0.0));
         assert_eq!((scene.certificate.level, scene.certificate.bound), (level, a));
-        let reported = scene.diags.list.iter().any(|d| d.code == "W103" && d.title.contains("`bob`"));
-        assert_eq!(reported, level == Level::Unstable, "{}", scene.diags);
+        let reported = scene.findings.list.iter().any(|d| d.code == "W103" && d.title.contains("`bob`"));
+        assert_eq!(reported, level == Level::Unstable, "{}", scene.findings);
     }
 }
 

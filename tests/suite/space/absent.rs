@@ -1,7 +1,8 @@
 //! A scene has no pass and no array for what it does not use: space, second ports, crowds, borders, filters.
 
 use crate::play::{scene, with};
-use ca_core::{Options, Scene};
+use ca_compile::Options;
+use ca_core::Scene;
 
 fn passes(s: &Scene) -> Vec<&'static str> {
     [&s.reads, &s.forces, &s.writes, &s.moves].into_iter().flatten().map(|o| o.name).collect()

@@ -10,8 +10,8 @@ const STRING: &str = "f = 220, t60 = 3, t60_high = 0.5, z = 0.6, at = [0.13, 0.6
 /// Played for half a second by its gesture: the largest motion, and what the ledgers say of made energy.
 fn played(more: &str) -> (f64, f64) {
     let scene = audited(&string(STRING, more));
-    let reported = scene.diags.list.iter().any(|d| d.code.starts_with('W'));
-    assert!(!reported, "{}", scene.diags);
+    let reported = scene.findings.list.iter().any(|d| d.code.starts_with('W'));
+    assert!(!reported, "{}", scene.findings);
     let mut s = scene.state();
     let (mut most, w) = (0.0f64, mat(&scene, "w[1]"));
     for _ in 0..24_000 {

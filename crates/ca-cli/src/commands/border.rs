@@ -13,7 +13,7 @@ use ca_core::equivalence::Scale;
 use ca_core::kind::Unit;
 use ca_core::layout::{Enx, Shape};
 use ca_core::ledger::{Exchange, Ledger};
-use ca_core::model::quantity::{show, six};
+use ca_model::quantity::{show, six};
 use serde_json::{Value as Json, json};
 use std::io::Write;
 

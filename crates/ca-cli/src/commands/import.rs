@@ -5,10 +5,10 @@
 use crate::args::ImportArgs;
 use crate::load::{self, Loaded};
 use crate::{Ended, Failure, Outcome, catalog, term};
-use ca_core::Options;
+use ca_compile::Options;
+use ca_compile::certify::Level;
 use ca_core::cloud::Clouds;
-use ca_core::compile::certify::Level;
-use ca_core::model::{Model, read, render, write};
+use ca_model::{Model, read, render, write};
 use std::io::Write as _;
 use std::path::PathBuf;
 

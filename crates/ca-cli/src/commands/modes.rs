@@ -7,11 +7,11 @@ use super::border;
 use crate::args::ModesArgs;
 use crate::load;
 use crate::{Ended, Failure, Outcome, catalog, term};
-use ca_core::Options;
-use ca_core::analysis::{Mode, Modes, Network, modes};
-use ca_core::model::quantity::Plain;
-use ca_core::model::render;
+use ca_compile::Options;
+use ca_compile::analysis::{Mode, Modes, Network, modes};
 use ca_haptic::staged::Staged;
+use ca_model::quantity::Plain;
+use ca_model::render;
 use serde_json::{Value as Json, json};
 use std::io::Write as _;
 use std::path::Path;
@@ -28,7 +28,7 @@ const HEAR: &str = "hear it with an output to have it in the scene";
 pub fn run(args: &ModesArgs) -> Outcome {
     let loaded = load::load(&args.source)?;
     let options = Options { rate: args.source.rate, clouds: loaded.clouds.clone(), ..Options::default() };
-    let network = ca_core::compile::linear(&loaded.model, &catalog(), &options).map_err(|diags| {
+    let network = ca_compile::linear(&loaded.model, &catalog(), &options).map_err(|diags| {
         term::findings(&render::text(&diags, &loaded.model, term::color()));
         Failure::Reported
     })?;

@@ -6,9 +6,9 @@
 use crate::args::NewArgs;
 use crate::load::{self, BUNDLED};
 use crate::{Ended, Failure, Outcome, catalog};
-use ca_core::model::schema;
-use ca_core::model::suggest::nearest;
 use ca_haptic::{reading, staged};
+use ca_model::schema;
+use ca_model::suggest::nearest;
 use std::io::Write as _;
 use std::path::Path;
 

@@ -41,7 +41,7 @@ fn the_examples_of_the_format_are_models_without_findings() {
 
 #[test]
 fn the_page_of_the_format_names_all_there_is() {
-    use ca_core::model::read::{GROUP, META, RATES, SECTIONS};
+    use ca_model::read::{GROUP, META, RATES, SECTIONS};
     let page = fs::read_to_string(from_root("docs/model-format.md")).unwrap();
     for word in META.iter().chain(RATES).chain(GROUP) {
         assert!(page.contains(&format!("`{word}`")), "the page does not know `{word}`");

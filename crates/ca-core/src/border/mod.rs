@@ -36,7 +36,7 @@ pub fn frame_due(layout: &Layout, sample: u64) -> bool {
 }
 
 /// The pass that moves device ports, for what this layout asks.
-pub(crate) fn position(layout: &Layout) -> Kernel {
+pub fn position(layout: &Layout) -> Kernel {
     match (layout.frame, layout.crossing.shape, layout.crossing.latency > 0) {
         (1, _, false) => synchronous::position::<false>,
         (1, _, true) => synchronous::position::<true>,
@@ -48,7 +48,7 @@ pub(crate) fn position(layout: &Layout) -> Kernel {
 }
 
 /// The pass that takes the force on device ports after the forces of a tick.
-pub(crate) fn collect(layout: &Layout) -> Kernel {
+pub fn collect(layout: &Layout) -> Kernel {
     match (layout.frame, layout.crossing.shape) {
         (1, _) => synchronous::collect,
         (_, Shape::Linear) => linear::collect,
@@ -57,13 +57,13 @@ pub(crate) fn collect(layout: &Layout) -> Kernel {
 }
 
 /// The pass that keeps the ledger of the border.
-pub(crate) fn ledger(layout: &Layout) -> Kernel {
+pub fn ledger(layout: &Layout) -> Kernel {
     if layout.frame == 1 { ledger::ledger::<true> } else { ledger::ledger::<false> }
 }
 
 /// Where no force goes to the hand: it is taken for the ledger, and never given. Runs before and after that, so that
 /// what was collected lies with the ledger between ticks, and the state is that of a scene without one.
-pub(crate) fn mute(op: &Op, _layout: &Layout, s: &mut State) {
+pub fn mute(op: &Op, _layout: &Layout, s: &mut State) {
     let Some(l) = &mut s.ledger else { return };
     for (b, e) in s.border[..op.n].iter_mut().zip(&mut l.hands) {
         core::mem::swap(&mut b.sum, &mut e.sum);

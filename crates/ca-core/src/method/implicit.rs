@@ -92,15 +92,16 @@ const OF_PAIR: usize = 4;
 /// What the matrix is made of, for whoever factorises it: the numbers are coefficients.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Inertia {
-    pub(crate) pattern: Pattern,
+    /// pattern of the factor
+    pub pattern: Pattern,
     /// place of the mobility of each row, in the order of elimination
-    pub(crate) mobility: Vec<u32>,
+    pub mobility: Vec<u32>,
     /// links: places of k, z and θ, first entry and number of entries
-    pub(crate) links: Vec<([u32; 3], [u32; 2])>,
+    pub links: Vec<([u32; 3], [u32; 2])>,
     /// their entries: row and weight
-    pub(crate) entries: Vec<(u32, f64)>,
+    pub entries: Vec<(u32, f64)>,
     /// pairs: places of k, z and θ, and of the mobility of both ends
-    pub(crate) pairs: Vec<([u32; 3], [u32; 2])>,
+    pub pairs: Vec<([u32; 3], [u32; 2])>,
 }
 
 impl Inertia {

@@ -7,7 +7,7 @@
 //!
 //! Decides for a composition rather than a modified equation, since it knows nothing of the law: any force that hangs
 //! on positions alone will do. It is symplectic and reversible, so energy ripples and does not drift. A force that
-//! hangs on motion, or remembers, has no place in it, and is refused ([`mod@crate::compile`]).
+//! hangs on motion, or remembers, has no place in it, and is refused by the compiler.
 
 use crate::layout::Layout;
 use crate::op::Op;

@@ -5,7 +5,7 @@ use crate::calibration::Calibration;
 use crate::frame::{Cause, DeviceFrame, Mode};
 use crate::guard::Order;
 use crate::profile::Profile;
-use ca_core::{Catalog, load};
+use ca_compile::load;
 use std::sync::Arc;
 
 /// A key on a spring of 500 N/m, and nothing else.
@@ -27,8 +27,8 @@ pub(crate) fn setup() -> Setup {
 }
 
 fn engine() -> Engine {
-    let (_, scene) = load(KEY, "key.ca.toml", &Catalog::core(), &ca_core::Options::default());
-    let scene = Arc::new(scene.expect("it compiles"));
+    let (_, scene) = load(KEY, "key.ca.toml", &ca_model::catalog(), &ca_compile::Options::default());
+    let scene = Arc::new(scene.expect("it compiles").scene);
     let port = Port::new(&scene, setup());
     Engine::new(scene, vec![port], Options::default())
 }
@@ -78,8 +78,8 @@ fn an_order_between_the_scene_and_the_guard_counts_for_this_frame() {
 
 #[test]
 fn a_device_that_says_what_it_is_goes_on_from_where_it_was() {
-    let (_, scene) = load(KEY, "key.ca.toml", &Catalog::core(), &ca_core::Options::default());
-    let scene = Arc::new(scene.expect("it compiles"));
+    let (_, scene) = load(KEY, "key.ca.toml", &ca_model::catalog(), &ca_compile::Options::default());
+    let scene = Arc::new(scene.expect("it compiles").scene);
     let unknown = Profile::shipped("unknown").expect("shipped");
     let with = |profile: Profile| Setup { profile, ..setup() };
     let mut e = Engine::new(scene.clone(), vec![Port::new(&scene, with(unknown.undescribed(1)))], Options::default());
@@ -130,8 +130,8 @@ fn a_device_that_says_what_it_is_goes_on_from_where_it_was() {
 /// A hand that goes 1.5 mm into 500 N/m in 30 ms, whose device sends nothing for `stall` frames on the
 /// way: largest force.
 fn struck_after_a_stall(stall: u64) -> f64 {
-    let (_, scene) = load(KEY, "key.ca.toml", &Catalog::core(), &ca_core::Options::default());
-    let scene = Arc::new(scene.expect("it compiles"));
+    let (_, scene) = load(KEY, "key.ca.toml", &ca_model::catalog(), &ca_compile::Options::default());
+    let scene = Arc::new(scene.expect("it compiles").scene);
     let mut e = Engine::new(scene.clone(), vec![Port::new(&scene, setup())], Options::default());
     let (mut f, mut most, mut held) = (DeviceFrame::new("key", 1), 0.0_f64, 0);
     f.session = 7;

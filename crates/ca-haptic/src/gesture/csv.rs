@@ -16,7 +16,7 @@
 use super::{Gesture, LONGEST, Track};
 use crate::error::{FileError, FileErrorKind, lower, shown};
 use ::csv::{ByteRecord, ReaderBuilder, Trim};
-use ca_core::model::quantity::Plain;
+use ca_model::quantity::Plain;
 
 /// Reads a CSV gesture.
 pub(super) fn read(bytes: &[u8]) -> Result<Gesture, FileError> {

@@ -11,7 +11,7 @@
 
 use super::{Gesture, Track, check_rate};
 use crate::error::{FileError, FileErrorKind};
-use ca_core::model::quantity::Plain;
+use ca_model::quantity::Plain;
 
 /// More columns than this are a matrix the wrong way round.
 const MAX_COLUMNS: usize = 1024;

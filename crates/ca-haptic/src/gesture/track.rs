@@ -8,7 +8,7 @@
 //! Values and times are finite by construction, and so is everything in between: bad input never reaches a model.
 
 use crate::error::FileError;
-use ca_core::model::quantity::Plain;
+use ca_model::quantity::Plain;
 
 /// Longest time a breakpoint may have, either side of zero \[s\]: beyond it a double hardly tells sound samples apart.
 pub const LONGEST: f64 = 1e9;

@@ -452,12 +452,13 @@ mod tests {
     use super::*;
     use crate::engine::tests::{KEY, setup};
     use crate::frame::ForceFrame;
-    use ca_core::{Catalog, Options, compile, model::read::read};
+    use ca_compile::{Options, compile};
+    use ca_model::read::read;
 
     #[test]
     fn damping_that_gave_energy_is_reported_once_each_time() {
-        let (model, _) = read(KEY, "key.ca.toml", &Catalog::core());
-        let scene = Arc::new(compile(&model, &Catalog::core(), &Options::default()).expect("it compiles"));
+        let (model, _) = read(KEY, "key.ca.toml", &ca_model::catalog());
+        let scene = Arc::new(compile(&model, &ca_model::catalog(), &Options::default()).expect("it compiles").scene);
         let (_engine, _gateway, ends) = super::super::rings(&scene, 1, 0);
         let port = Port::new(&scene, setup());
         let mut desk = Desk::new(ends, Arc::default(), scene, &[port], vec![]);

@@ -55,17 +55,18 @@ mod tests {
     use crate::rt::Wish;
     use crate::serve::{Aside, Clock, Desk, Every, Live, Room, Shared, rings};
     use crate::take::{Event, Header, Replay, Take};
-    use ca_core::model::read;
-    use ca_core::{Catalog, Scene, compile};
+    use ca_compile::compile;
+    use ca_core::Scene;
+    use ca_model::read;
     use std::sync::{Arc, Mutex, PoisonError};
 
     /// The scene of a key, the start of its take and an engine for it.
     fn key() -> (Header, Arc<Scene>, Engine) {
-        let (model, _) = read::read(KEY, "key.ca.toml", &Catalog::core());
-        let options = ca_core::Options::default();
-        let scene = Arc::new(compile(&model, &Catalog::core(), &options).expect("it compiles"));
+        let (model, _) = read::read(KEY, "key.ca.toml", &ca_model::catalog());
+        let options = ca_compile::Options::default();
+        let scene = Arc::new(compile(&model, &ca_model::catalog(), &options).expect("it compiles").scene);
         let header = Header::new(&model, vec![], options, &scene, vec![setup()], Options::default());
-        let engine = header.engine(&Catalog::core()).expect("an engine");
+        let engine = header.engine(&ca_model::catalog()).expect("an engine");
         (header, scene, engine)
     }
 
@@ -116,7 +117,7 @@ mod tests {
         let is_frame = |e: &Event| matches!(e, Event::Device(..) | Event::Force(..));
         assert!(hole < change && !events[hole..change].iter().any(is_frame));
         // and a replay stands by what is before it
-        let mut r = Replay::new(&take, &Catalog::core()).expect("an engine");
+        let mut r = Replay::new(&take, &ca_model::catalog()).expect("an engine");
         let v = r.run(&take, &mut |_| (), &mut |_| Ok(())).expect("replayed");
         assert!(v.difference.is_none() && !v.is_identical(), "{v:?}");
         let before = events[..hole].iter().filter(|e| matches!(e, Event::Force(..))).count() as u64;
@@ -167,7 +168,7 @@ mod tests {
 
         let take = Take::open(&path).expect("a take");
         assert_eq!(take.summary().expect("a summary").lost, lost);
-        let mut r = Replay::new(&take, &Catalog::core()).expect("an engine");
+        let mut r = Replay::new(&take, &ca_model::catalog()).expect("an engine");
         let v = r.run(&take, &mut |_| (), &mut |_| Ok(())).expect("replayed");
         // 3000 frames of 16 samples: all of the first second, and not one of what came after
         assert!(v.difference.is_none() && v.forces == 3000 && v.hole.is_some(), "{v:?}");

@@ -13,10 +13,12 @@ use crate::engine::{self, Engine, Port, Setup};
 use crate::equivalence::Gains;
 use crate::error::FileError;
 use crate::profile::Profile;
+use ca_compile::{Compiled, KernelClass, Options};
 use ca_core::cloud::Clouds;
-use ca_core::model::diag::Diags;
-use ca_core::model::{Model, mims, read, write};
-use ca_core::{Catalog, KernelClass, Options, Scene};
+use ca_core::{Catalog, Scene};
+use ca_import::mims;
+use ca_model::diag::Diags;
+use ca_model::{Model, read, write};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -129,21 +131,22 @@ impl Header {
     }
 
     /// The scene that was played, compiled again.
-    pub fn scene(&self, catalog: &Catalog) -> Result<Scene, FileError> {
+    pub fn scene(&self, catalog: &Catalog) -> Result<Compiled, FileError> {
         let (model, found) = self.model(catalog)?;
-        let scene = ca_core::load::finish(&model, found, catalog, &self.options).map_err(|d| {
+        let compiled = ca_compile::load::finish(&model, found, catalog, &self.options).map_err(|d| {
             let first = d.list.first().map_or("", |d| d.title.as_str());
             FileError::content(format!("its model does not compile: {first}")).fix(self.other())
         })?;
+        let scene = &compiled.scene;
         if (scene.rate, scene.ratio) != (self.rate, self.ratio) || scene.state().bits() != self.start {
             return Err(FileError::content("its model compiles to other numbers here").fix(self.other()));
         }
-        Ok(scene)
+        Ok(compiled)
     }
 
     /// The engine that played it, at rest.
     pub fn engine(&self, catalog: &Catalog) -> Result<Engine, FileError> {
-        let scene = Arc::new(self.scene(catalog)?);
+        let scene = Arc::new(self.scene(catalog)?.scene);
         let ports = self.setups.iter().map(|s| Port::new(&scene, s.clone())).collect();
         Ok(Engine::new(scene, ports, self.engine))
     }
@@ -299,14 +302,14 @@ mod tests {
     #[test]
     fn everything_comes_back_to_the_bit() {
         let text = "[TGR]\nkey = { device = \"a b\", dof = 0 }\n[SOL]\nw = {}\n[RES]\nr = { between = [\"key\", \"w\"], k = 5 }\n[SOX]\nout = { from = \"key\" }\n";
-        let (mut model, _) = read::read(text, "some/where/key.ca.toml", &Catalog::core());
+        let (mut model, _) = read::read(text, "some/where/key.ca.toml", &ca_model::catalog());
         assert!(model.set("r.k", "7"));
         let points = vec![[0.1, -1.0 / 3.0, 1e-300], [1.0, 2.0, 3.0], [0.0, 0.5, 1e300]];
         let cloud = Cloud { points, edges: vec![[0, 2], [1, 2]], merged: 0, flat: 0 };
         let mut options =
             Options { rate: Some(44_100.0), energy: true, probes: vec!["r".into()], ..Options::default() };
         options.clouds.insert("a/b c.ply".into(), Ok(Arc::new(cloud.clone())));
-        let scene = ca_core::compile(&model, &Catalog::core(), &options).expect("it compiles");
+        let scene = ca_compile::compile(&model, &ca_model::catalog(), &options).expect("it compiles");
         for (name, _) in SHIPPED {
             let axis = Axis { scale: 0.1, offset: -1.0 / 3.0, force: 1e-7 };
             let setup = Setup {
@@ -326,7 +329,7 @@ mod tests {
             assert_eq!(back.options.clouds["a/b c.ply"], Ok(Arc::new(cloud.clone())));
             assert_eq!((back.file.as_str(), back.text.as_str()), ("key.ca.toml", text));
             assert!(back.resolved.contains("k = 7"));
-            let again = back.scene(&Catalog::core()).expect("it compiles again");
+            let again = back.scene(&ca_model::catalog()).expect("it compiles again");
             assert_eq!(again.state().bits(), scene.state().bits());
             for key in meta.keys().filter(|k| !k.starts_with("host.")) {
                 let mut less = meta.clone();

@@ -11,10 +11,12 @@ mod ways;
 
 use crate::Failure;
 use crate::load::{self, Loaded};
+use ca_compile::Options;
+use ca_core::Scene;
 use ca_core::certificate::Level;
 use ca_core::energy::Balance;
-use ca_core::model::Value;
-use ca_core::{Model, Options, Scene};
+use ca_model::Model;
+use ca_model::Value;
 use ca_report::{Axis, Block, Plot, Point, Section, Table};
 use score::Score;
 pub use truth::Origin;

@@ -7,11 +7,12 @@ use super::Steps;
 use super::play::{BLOCK, Columns};
 use crate::Failure;
 use crate::load::Loaded;
-use ca_core::model::write::write;
-use ca_core::{Options, Scene};
+use ca_compile::Options;
+use ca_core::Scene;
 use ca_core_single as single;
 use ca_haptic::perform::{DIVERGED, Performance};
-use single::model::diag::Severity;
+use ca_model::write::write;
+use ca_model_single::diag::Severity;
 use std::time::Instant;
 
 /// As people call it.
@@ -19,20 +20,24 @@ pub const SINGLE: &str = "single";
 
 /// The scene in single precision, or why there is none.
 pub fn compiled(loaded: &Loaded, options: &Options) -> Result<single::Scene, String> {
-    let catalog = single::Catalog::core();
+    let catalog = ca_model_single::catalog();
     let unknown = loaded.model.items.iter().find(|i| catalog.get(&i.kind).is_none() || !loaded.clouds.is_empty());
     if let Some(item) = unknown {
         return Err(format!("`{}` is made in double precision only", item.name));
     }
-    let options = single::Options { rate: options.rate, probes: options.probes.clone(), ..single::Options::default() };
-    let (_, scene) = single::load(&write(&loaded.model), &loaded.model.file, &catalog, &options);
+    let options = ca_compile_single::Options {
+        rate: options.rate,
+        probes: options.probes.clone(),
+        ..ca_compile_single::Options::default()
+    };
+    let (_, scene) = ca_compile_single::load(&write(&loaded.model), &loaded.model.file, &catalog, &options);
     let scene = scene.map_err(|diags| {
         let first = diags.list.into_iter().find(|d| d.severity == Severity::Error);
         first.map(|d| d.title).unwrap_or_default()
     })?;
     match scene.gestures.iter().find(|(name, _)| scene.input(name).is_none()) {
         Some((name, _)) => Err(format!("a gesture moves `{name}`, which is no port")),
-        None => Ok(scene),
+        None => Ok(scene.scene),
     }
 }
 

@@ -14,9 +14,10 @@ use super::ways::{AS_WRITTEN, twin};
 use crate::Failure;
 use crate::catalog;
 use crate::load::{self, Loaded};
-use ca_core::analysis::{Modes, Network, modes};
-use ca_core::model::Value;
-use ca_core::{Options, Scene};
+use ca_compile::Options;
+use ca_compile::analysis::{Modes, Network, modes};
+use ca_core::Scene;
+use ca_model::Value;
 
 /// Where a reference comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -97,7 +98,7 @@ fn carried(
     let mut at = |times: u32| -> Result<Columns, Failure> {
         let rate = Some(rate * f64::from(times));
         let options = Options { rate, probes: probes.to_vec(), ..Options::default() };
-        Ok(columns(&load::scene(loaded, &options)?, frames, times, steps)?.0)
+        Ok(columns(&load::scene(loaded, &options)?.scene, frames, times, steps)?.0)
     };
     let (coarse, middle, fine) = (at(times / 4)?, at(times / 2)?, at(times)?);
     let (first, last) = (apart(&coarse, &middle, of), apart(&middle, &fine, of));
@@ -131,7 +132,7 @@ fn closed(loaded: &Loaded, probes: &[String], scene: &Scene, frames: usize) -> O
     for props in std::iter::once(&mut model.meta).chain(model.groups.iter_mut().map(|g| &mut g.props)) {
         props.retain(|e| e.key != "theta" && (e.key != "method" || e.value == Value::Text("modal".into())));
     }
-    let network = ca_core::compile::linear(&model, &catalog(), &options).ok()?;
+    let network = ca_compile::linear(&model, &catalog(), &options).ok()?;
     let whole = network.left_out.is_empty() && network.deaf.is_empty() && network.linear.loose.is_empty();
     if !whole || network.ports.len() < n {
         return None;

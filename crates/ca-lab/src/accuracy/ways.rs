@@ -9,9 +9,10 @@ use super::single::{self, SINGLE};
 use crate::Failure;
 use crate::catalog;
 use crate::load::{self, Loaded};
+use ca_compile::Options;
+use ca_core::Scene;
 use ca_core::kind::Type;
-use ca_core::model::diag::Severity;
-use ca_core::{Options, Scene};
+use ca_model::diag::Severity;
 
 /// The method of a model that nothing is asked of.
 pub const AS_WRITTEN: &str = "as written";

@@ -10,8 +10,8 @@
 //!   over 2⁵³.
 
 use crate::Failure;
-use ca_core::model::Value;
-use ca_core::model::quantity;
+use ca_model::Value;
+use ca_model::quantity;
 
 /// Most values on an axis.
 const MOST: usize = 1_000_000;

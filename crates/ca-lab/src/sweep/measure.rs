@@ -1,7 +1,7 @@
 //! What a run sounded like, in a few numbers.
 
 use crate::pitch::{partial, spectrum};
-use ca_core::model::quantity::six;
+use ca_model::quantity::six;
 
 /// Samples whose power is one point of the decay.
 const BLOCK: usize = 256;

@@ -18,12 +18,12 @@ pub use table::{Column, Table};
 use crate::load::{self, Loaded, compiled};
 use crate::play::{self, BLOCK, Broke};
 use crate::{Failure, bytes};
-use ca_core::Options;
-use ca_core::model::Value;
-use ca_core::model::diag::Severity;
+use ca_compile::Options;
 use ca_haptic::gesture::Gesture;
 use ca_haptic::perform::Performance;
 use ca_haptic::sound::Level;
+use ca_model::Value;
+use ca_model::diag::Severity;
 
 /// Most runs of a sweep.
 const MOST: u64 = 1 << 40;
@@ -264,7 +264,9 @@ impl Sweep {
         let refused = played.performance.state.refused;
         let twin = || compiled(&loaded, &Options { energy: true, ..options.clone() }).0;
         let audited = if played.broke.is_some() { twin() } else { None };
-        if let Some(broke) = Broke::of(&played, audited.as_ref().unwrap_or(&scene), self.gesture.as_ref()) {
+        if let Some(broke) =
+            Broke::of(&played, audited.as_ref().unwrap_or(&scene), &scene.findings, self.gesture.as_ref())
+        {
             row.status = "unstable";
             row.message = broke.to_string();
             (row.failed, row.module) = (Some(broke.time), Some(broke.module));

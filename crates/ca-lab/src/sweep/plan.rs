@@ -20,11 +20,11 @@
 use super::{Ask, Audio, Axis, MOST, Sweep, counted, folder, measured_so, varied};
 use crate::load::{self, stem};
 use crate::{Failure, Found, gesture};
+use ca_compile::Options;
 use ca_core::kind::{ABOVE_ZERO, Unit};
-use ca_core::model::diag::Diags;
-use ca_core::model::suggest::nearest;
-use ca_core::model::{Entry, Model, Span, Value, quantity};
-use ca_core::{Options, compile};
+use ca_model::diag::Diags;
+use ca_model::suggest::nearest;
+use ca_model::{Entry, Model, Span, Value, quantity};
 use std::path::{Path, PathBuf};
 use toml_edit::{Document, Item, TableLike};
 
@@ -106,7 +106,7 @@ impl Text<'_> {
         let value = value.filter(|v| !matches!(v, Value::Text(t) if !quantity::is_quantity(t)));
         let value = value.ok_or_else(|| self.wrong(item.span(), &format!("`{key}` is a number of {what} above 0")))?;
         let entry = Entry { span: span(item.span()), ..Entry::new(key, value) };
-        let read = compile::measured(&entry, unit, ABOVE_ZERO, &format!("`{key}`"));
+        let read = ca_compile::measured(&entry, unit, ABOVE_ZERO, &format!("`{key}`"));
         read.map(Some).map_err(|diags| self.found(diags))
     }
 

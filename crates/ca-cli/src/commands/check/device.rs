@@ -18,9 +18,9 @@ use ca_core::border::{Delays, delays};
 use ca_core::certificate::Key;
 use ca_core::equivalence::Gains;
 use ca_core::kind::Unit;
-use ca_core::model::quantity::{show, six};
 use ca_core::{Scene, sense};
 use ca_haptic::profile::Profile;
+use ca_model::quantity::{show, six};
 use serde_json::{Value as Json, json};
 use std::io::Write;
 

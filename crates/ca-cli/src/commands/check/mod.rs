@@ -12,10 +12,11 @@ use crate::commands::render::{rippling, stability, stability_json};
 use crate::load::{self, Loaded};
 use crate::term::short;
 use crate::{Ended, Failure, Outcome, term};
-use ca_core::compile::certify::Level;
-use ca_core::model::quantity::Plain;
-use ca_core::model::render;
-use ca_core::{Options, Scene};
+use ca_compile::Options;
+use ca_compile::certify::Level;
+use ca_core::Scene;
+use ca_model::quantity::Plain;
+use ca_model::render;
 use serde_json::{Value as Json, json};
 use std::io::Write as _;
 

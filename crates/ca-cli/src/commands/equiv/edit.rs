@@ -7,9 +7,9 @@
 use crate::Failure;
 use crate::args::EquivArgs;
 use ca_core::equivalence::{Class, Equivalence, Gains, ROWS, Row, anchor_for, row};
-use ca_core::model::Model;
-use ca_core::model::quantity::{self, show};
-use ca_core::model::suggest::nearest;
+use ca_model::Model;
+use ca_model::quantity::{self, show};
+use ca_model::suggest::nearest;
 use toml_edit::{Array, DocumentMut, Item, Table, TableLike, value};
 
 /// The text with the section as asked.

@@ -10,9 +10,9 @@ mod table;
 use crate::args::{EquivArgs, Source};
 use crate::load::{self, Loaded};
 use crate::{Ended, Failure, Outcome, catalog, term};
-use ca_core::Options;
-use ca_core::model::{read, render, write};
+use ca_compile::Options;
 use ca_haptic::staged;
+use ca_model::{read, render, write};
 use std::io::Write as _;
 use std::path::Path;
 

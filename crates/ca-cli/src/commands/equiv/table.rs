@@ -6,7 +6,7 @@ use crate::load::Loaded;
 use ca_core::Scene;
 use ca_core::equivalence::{Class, Equivalence, Gains, ROWS, Row, Scale};
 use ca_core::kind::Unit;
-use ca_core::model::quantity::{show, six};
+use ca_model::quantity::{show, six};
 use serde_json::{Value as Json, json};
 use std::io::Write;
 

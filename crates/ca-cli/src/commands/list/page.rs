@@ -2,7 +2,7 @@
 
 use ca_core::catalog::SOURCES;
 use ca_core::kind::{Dim, Kind, Need, Param, Type, Unit};
-use ca_core::model::quantity::show;
+use ca_model::quantity::show;
 use serde_json::{Value as Json, json};
 use std::fmt::Write as _;
 

@@ -17,7 +17,8 @@ use crate::args::{Kernel, Playing, RenderArgs, SampleFormat};
 use crate::commands::border;
 use crate::load::{self, Loaded};
 use crate::{Ended, Failure, Outcome, catalog, term};
-use ca_core::{KernelClass, Options, Scene, compile};
+use ca_compile::{KernelClass, Options, compile};
+use ca_core::Scene;
 use ca_haptic::gesture::Gesture;
 use ca_haptic::perform::Performance;
 use ca_haptic::probe::ProbeOut;
@@ -83,7 +84,7 @@ pub fn run(args: &RenderArgs) -> Outcome {
         None => audited().and_then(|twin| play::audit(&twin, gesture.as_ref(), frames)),
     };
     let twin = if played.broke.is_some() && !args.energy { audited() } else { None };
-    let broke = Broke::of(&played, twin.as_ref().unwrap_or(&scene), gesture.as_ref());
+    let broke = Broke::of(&played, twin.as_ref().unwrap_or(&scene), &scene.findings, gesture.as_ref());
     let summary = summary::Summary {
         args,
         scene: &scene,
@@ -92,7 +93,7 @@ pub fn run(args: &RenderArgs) -> Outcome {
         energy: energy.as_ref(),
         broke: broke.as_ref(),
         refused: played.performance.state.refused,
-        warnings: load::warnings(&scene.diags),
+        warnings: load::warnings(&scene.findings),
         probes: &probes,
     };
     summary.warn();

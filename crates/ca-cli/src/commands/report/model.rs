@@ -7,10 +7,11 @@ use crate::args::ReportArgs;
 use crate::commands::render::{self, Broke};
 use crate::load::{self, Loaded};
 use crate::term::{self, short};
-use ca_core::model::{Item, Value};
-use ca_core::{Options, Scene};
+use ca_compile::Options;
+use ca_core::Scene;
 use ca_haptic::perform::Performance;
 use ca_lab::accuracy::{self, Ask};
+use ca_model::{Item, Value};
 use ca_report::{Axis, Block, Curve, Envelope, Plot, Report, Section, Sound, Weight};
 use std::path::Path;
 
@@ -36,7 +37,7 @@ pub(super) fn report(args: &ReportArgs) -> Result<(String, Report), Failure> {
         ..Options::default()
     };
     // what nobody asked for is no reason to fail
-    let own = (args.probe.is_empty()).then(|| load::compiled(&loaded, &with(heard(&loaded.model.items))).0).flatten();
+    let own = (args.probe.is_empty()).then(|| load::scene(&loaded, &with(heard(&loaded.model.items))).ok()).flatten();
     let (scene, probes) = match own {
         Some(scene) => (scene, heard(&loaded.model.items)),
         None => (load::scene(&loaded, &with(args.probe.clone()))?, args.probe.clone()),
@@ -63,7 +64,7 @@ pub(super) fn report(args: &ReportArgs) -> Result<(String, Report), Failure> {
     })?;
     ledger.end = played.energy.clone();
 
-    let broke = Broke::of(&played, &scene, gesture.as_ref());
+    let broke = Broke::of(&played, &scene, &scene.findings, gesture.as_ref());
     ledger.broke = broke.as_ref().map(|b| b.time);
     let title = if scene.title.is_empty() { &loaded.name } else { &scene.title };
     let mut report = Report::new(title, &format!("`{}`, {}", source_name(&loaded), finished()));

@@ -8,11 +8,14 @@ use crate::commands::border;
 use crate::commands::check::codes;
 use crate::commands::render::{decibel, fitting, level, rippling, stability as verdict, tenths, too_loud};
 use crate::term::short;
-use ca_core::analysis::{Mode, Modes, Network, modes};
-use ca_core::compile::certify::Level;
-use ca_core::model::diag::Severity;
-use ca_core::model::quantity::Plain;
-use ca_core::{Model, Options, Scene};
+use ca_compile::Compiled;
+use ca_compile::Options;
+use ca_compile::analysis::{Mode, Modes, Network, modes};
+use ca_compile::certify::Level;
+use ca_core::Scene;
+use ca_model::Model;
+use ca_model::diag::Severity;
+use ca_model::quantity::Plain;
 use ca_report::{Axis, Block, LOWEST, Mark, Plot, Point, Section, Sound, Spectrum, Table, Weight, spectrogram};
 
 /// Most places of a network whose modes are on the page: more would take longer than playing it.
@@ -97,7 +100,7 @@ pub(super) struct Sung(Result<(Network, Modes), String>);
 
 /// The modes of a model as it is compiled with `options`.
 pub(super) fn modes(model: &Model, options: &Options) -> Sung {
-    let Ok(network) = ca_core::compile::linear(model, &catalog(), options) else {
+    let Ok(network) = ca_compile::linear(model, &catalog(), options) else {
         return Sung(Err("The model has no linear part that could be looked at by itself.".into()));
     };
     let n = network.linear.places.len();
@@ -219,7 +222,7 @@ impl Sung {
 }
 
 /// What is proven, how far the limit is, what keys ask, and the findings.
-pub(super) fn stability(scene: &Scene) -> Section {
+pub(super) fn stability(scene: &Compiled) -> Section {
     let c = &scene.certificate;
     let means = match c.level {
         Level::Proven => "every link is linear and the bound is below the limit, at every setting",
@@ -262,7 +265,7 @@ pub(super) fn stability(scene: &Scene) -> Section {
         blocks.push(Block::Text("What the springs at each key ask of a device, to stay passive:".into()));
         blocks.push(Block::Table(Table::new(&["key", "stiffness [N/m]", "friction needed [N s/m]"], keys)));
     }
-    let findings = scene.diags.list.iter().map(|d| {
+    let findings = scene.findings.list.iter().map(|d| {
         let what = if d.severity == Severity::Warning { "warning" } else { "note" };
         vec![d.code.to_owned(), what.to_owned(), d.title.clone(), d.help.clone().unwrap_or_default()]
     });

@@ -47,7 +47,7 @@ pub(super) fn report(args: &ReportArgs, file: &Path) -> Result<(String, Report),
     let mut take = Take::open(file)?;
     let summary = take.summary()?;
     let scene = take.header.scene(&catalog());
-    let recorded = Recorded::of(&take, scene.as_ref().ok())?;
+    let recorded = Recorded::of(&take, scene.as_deref().ok())?;
     take.header.options.energy = true;
     let h = &take.header;
     let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
@@ -71,7 +71,7 @@ pub(super) fn report(args: &ReportArgs, file: &Path) -> Result<(String, Report),
     let faults = faults.map(|f| format!("`{}`: forces ended at {:.3} s: {}", f.device, f.time, f.cause.name()));
     report.notes.extend(faults.map(|text| (Weight::Note, text)));
 
-    let mut facts = scene.as_ref().map_or_else(|_| Facts::default(), Facts::of);
+    let mut facts = scene.as_ref().map_or_else(|_| Facts::default(), |scene| Facts::of(scene));
     facts.add("length", format!("{:.3} s", summary.seconds));
     let get = |key: &str| h.host.get(key).map_or("?", String::as_str);
     facts.add("written by", format!("ca {} on {} {}", get("ca"), get("os"), get("arch")));

@@ -1,10 +1,10 @@
 //! What a running server answers.
 
 use ca_core::live::LiveParam;
-use ca_core::model::quantity;
 use ca_haptic::guard::Order;
 use ca_haptic::host::control::{Given, Reply, Request};
 use ca_haptic::serve::Desk;
+use ca_model::quantity;
 use serde_json::{Map, Value, json};
 use std::fmt::Write as _;
 
@@ -45,7 +45,7 @@ pub(super) fn answer(desk: &mut Desk, request: Request, leave: &mut bool) -> Rep
 fn value(desk: &Desk, name: &str, given: Given) -> Result<f64, String> {
     let params = desk.controls().params();
     let Some(param) = params.iter().find(|p| p.name == name) else {
-        let meant = ca_core::model::suggest::nearest(name, params.iter().map(|p| p.name.as_str()));
+        let meant = ca_model::suggest::nearest(name, params.iter().map(|p| p.name.as_str()));
         let hint = match meant {
             Some(m) => format!("did you mean `{m}`?"),
             None => "declare it in [param] with live = true".into(),

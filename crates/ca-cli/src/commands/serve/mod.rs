@@ -16,7 +16,7 @@ mod wav;
 use crate::args::{ClockKind, ServeArgs};
 use crate::load;
 use crate::{Ended, Failure, Outcome, term};
-use ca_core::Options;
+use ca_compile::Options;
 use ca_haptic::FileError;
 use ca_haptic::engine::Engine;
 use ca_haptic::guard::Order;
@@ -50,8 +50,9 @@ pub fn run(args: &ServeArgs) -> Outcome {
     let loaded = load::load(&args.source)?;
     let options =
         Options { rate: args.source.rate, energy: args.energy, clouds: loaded.clouds.clone(), ..Options::default() };
-    let scene = Arc::new(load::scene(&loaded, &options)?);
-    load::warn(&loaded, &scene);
+    let compiled = load::scene(&loaded, &options)?;
+    load::warn(&loaded, &compiled);
+    let scene = Arc::new(compiled.scene);
     let names = devices(&scene);
     let (setups, unknown) = setup::setups(args, &scene)?;
     if args.clock == ClockKind::Device && names.is_empty() {

@@ -9,10 +9,10 @@ mod pitch;
 use crate::args::{Source, TuneArgs};
 use crate::load::{self, Loaded};
 use crate::{Ended, Failure, Outcome, catalog, term};
-use ca_core::Options;
-use ca_core::analysis::{Mode, Network, modes};
+use ca_compile::Options;
+use ca_compile::analysis::{Mode, Network, modes};
 use ca_core::certificate::Level;
-use ca_core::model::{Model, Value, quantity, read, render};
+use ca_model::{Model, Value, quantity, read, render};
 use pitch::pitch;
 use serde_json::{Value as Json, json};
 use std::io::Write as _;
@@ -93,7 +93,7 @@ pub fn run(args: &TuneArgs) -> Outcome {
     }
     let scene = load::scene(&loaded, &Options::default())?;
     if scene.certificate.level == Level::Unstable {
-        term::findings(&render::text(&scene.diags, &loaded.model, term::color()));
+        term::findings(&render::text(&scene.findings, &loaded.model, term::color()));
         return Err(Failure::Failed("so tuned, the model would blow up: a lower pitch, or a higher sound rate".into()));
     }
     let text = doc.to_string();
@@ -144,7 +144,7 @@ fn wishes(args: &TuneArgs, model: &Model) -> Result<Vec<(String, Option<usize>, 
 fn knob(model: &Model, part: &str, cell: Option<usize>) -> Result<Knob, Failure> {
     let Some(item) = model.items.iter().find(|i| i.name == part) else {
         let names = || model.items.iter().map(|i| i.name.as_str());
-        let near = ca_core::model::suggest::nearest(part, names());
+        let near = ca_model::suggest::nearest(part, names());
         let hint =
             near.map_or_else(|| format!("there is {}", load::ticked(names())), |n| format!("did you mean `{n}`?"));
         return Err(Failure::Usage(format!("the model has no `{part}`; {hint}")));
@@ -261,7 +261,7 @@ fn tune(loaded: &mut Loaded, doc: &mut DocumentMut, knob: &Knob, wanted: f64, mo
 /// The pitch of a part: of the modes that are mostly it, number `mode` from below.
 fn heard(loaded: &Loaded, name: &str, knob: &Knob, mode: u32) -> Result<f64, Failure> {
     let options = Options { clouds: loaded.clouds.clone(), ..Options::default() };
-    let network = ca_core::compile::linear(&loaded.model, &catalog(), &options).map_err(|diags| {
+    let network = ca_compile::linear(&loaded.model, &catalog(), &options).map_err(|diags| {
         term::findings(&render::text(&diags, &loaded.model, term::color()));
         Failure::Reported
     })?;

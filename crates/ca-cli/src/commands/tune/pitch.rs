@@ -2,7 +2,7 @@
 
 use crate::args::Scale;
 use ca_core::kind::Unit;
-use ca_core::model::quantity;
+use ca_model::quantity;
 
 /// A pitch \[Hz\]: `220 Hz`, `220`, `A3`, `C#4`, `Bb2+14.5`.
 pub(super) fn pitch(text: &str, a4: f64) -> Result<f64, String> {

@@ -1,6 +1,7 @@
 //! A performance without a server: an engine, scripted devices that send real frames, and a take of it.
 
-use ca_core::{Catalog, Options, State};
+use ca_compile::Options;
+use ca_core::{Catalog, State};
 use ca_haptic::engine::{self, Act, Change, Engine, Port, Setup};
 use ca_haptic::equivalence::Gains;
 use ca_haptic::frame::DeviceFrame;
@@ -65,12 +66,12 @@ impl Performer {
     /// The same, with what is changed in the model, and with or without an energy ledger.
     pub fn of(text: &str, changes: &[(&str, &str)], energy: bool, path: &Path) -> Performer {
         let options = Options { energy, ..Options::default() };
-        let (mut model, found) = ca_core::model::read::read(text, "some/where/duo.ca.toml", &catalog());
+        let (mut model, found) = ca_model::read::read(text, "some/where/duo.ca.toml", &catalog());
         let changes: Vec<_> = changes.iter().map(|(k, v)| ((*k).to_owned(), (*v).to_owned())).collect();
         for (name, value) in &changes {
             assert!(model.set(name, value));
         }
-        let scene = ca_core::load::finish(&model, found, &catalog(), &options).expect("it compiles");
+        let scene = ca_compile::load::finish(&model, found, &catalog(), &options).expect("it compiles");
         let mut names: Vec<String> = scene.inputs.iter().filter_map(|i| Some(i.device.as_ref()?.0.clone())).collect();
         names.dedup();
         let mut profile = Profile::shipped("tgr12").expect("shipped");
@@ -87,7 +88,7 @@ impl Performer {
         let own = engine::Options { session: 0xfeed_face_dead_beef, diverged: 1e3 };
         let header = Header::new(&model, changes, options, &scene, setups.clone(), own);
         let take = TakeWriter::create(path, &header, &scene).expect("a take");
-        let scene = Arc::new(scene);
+        let scene = Arc::new(scene.scene);
         let ports = setups.into_iter().map(|s| Port::new(&scene, s)).collect();
         let controls = scene.controls();
         let engine = Engine::new(scene, ports, own);

@@ -5,7 +5,8 @@ use crate::engine::tests::setup;
 use crate::engine::{Engine, Options, Port};
 use crate::guard::Order;
 use crate::serve::{Clock, Desk, Every, Live, rings};
-use ca_core::{Catalog, compile, model::read};
+use ca_compile::compile;
+use ca_model::read;
 
 const RATE: f64 = 48_000.0;
 /// Sound of a gesture frame of one channel.
@@ -135,8 +136,9 @@ struct Played {
 /// So many gesture frames for a disk that may stand still all the while, and for somebody who hears everything. In
 /// the last one somebody arms.
 fn play(room: Room, blocks: usize, frames: u64, hold: bool) -> Played {
-    let (model, _) = read::read(crate::engine::tests::KEY, "key.ca.toml", &Catalog::core());
-    let scene = Arc::new(compile(&model, &Catalog::core(), &ca_core::Options::default()).expect("it compiles"));
+    let (model, _) = read::read(crate::engine::tests::KEY, "key.ca.toml", &ca_model::catalog());
+    let scene =
+        Arc::new(compile(&model, &ca_model::catalog(), &ca_compile::Options::default()).expect("it compiles").scene);
     let engine = Engine::new(scene.clone(), vec![Port::new(&scene, setup())], Options::default());
     let (ends, mut gateway, desk_ends) = rings(&scene, 1, 0);
     let shared = Arc::new(crate::serve::Shared::default());

@@ -2,9 +2,9 @@
 //! little at each degree of freedom.
 
 use crate::{Failure, catalog};
+use ca_compile::Options as Compile;
+use ca_core::Scene;
 use ca_core::live::Controls;
-use ca_core::model::read;
-use ca_core::{Options as Compile, Scene};
 use ca_haptic::calibration::Calibration;
 use ca_haptic::engine::{Act, Change, Engine, Options, Port, Setup};
 use ca_haptic::frame::{About, Cause, DOF, DeviceFrame, ForceFrame, Mode};
@@ -12,6 +12,7 @@ use ca_haptic::guard::Order;
 use ca_haptic::host::{Event, Gateway, HostError, Site, session};
 use ca_haptic::profile::Profile;
 use ca_haptic::rt::{Waits, now_ns};
+use ca_model::read;
 use std::fmt::Write as _;
 use std::sync::Arc;
 
@@ -198,6 +199,7 @@ fn scene(name: &str, n: usize, x: &[f64; DOF], rest: &[[f64; DOF]; 2]) -> Result
         }
     }
     let (model, found) = read::read(&text, "conformance", &catalog());
-    ca_core::load::finish(&model, found, &catalog(), &Compile::default())
+    ca_compile::load::finish(&model, found, &catalog(), &Compile::default())
+        .map(|compiled| compiled.scene)
         .map_err(|d| Failure::Failed(format!("the scene of this test: {:?}", d.list)))
 }

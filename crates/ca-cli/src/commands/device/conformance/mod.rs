@@ -11,13 +11,13 @@ use crate::args::ConformanceArgs;
 use crate::term::short;
 use crate::{Ended, Failure, Outcome, store, term};
 use bench::{Bench, Player};
-use ca_core::model::quantity::Plain;
 use ca_haptic::frame::{About, Cause, DOF, DeviceFrame, ForceFrame, Mode, status, text};
 use ca_haptic::guard::Order;
 use ca_haptic::guard::wait::Wait;
 use ca_haptic::host::Site;
 use ca_haptic::profile::Profile;
 use ca_haptic::rt::{self, Wish};
+use ca_model::quantity::Plain;
 use serde_json::json;
 use std::io::Write as _;
 

@@ -1,0 +1,273 @@
+//! The modes of a linear network: what it sings without the scheme, what the scheme makes of it, how long, and where.
+//!
+//! With a = ω²T² and b = zT/m of a mode, the scheme's poles are the roots of w² − (2 − a − b) w + (1 − b): its pitch is
+//! (fs/2π) arg w, and it dies by |w| = √(1 − b) a sample (docs/numerics.md §1.2, §1.4). Without the scheme the same
+//! mode sings √(ω² − s²) and dies by e^(−st), s = b/2T.
+//!
+//! Decides for one symmetric eigenproblem, of T² M^-½ K M^-½: modes are orthogonal and every one is found. Damping that
+//! is not proportional couples them; how much is reported for each mode ([`Mode::coupled`]), and up to [`EXACT`] places the
+//! poles are then those of the whole scheme.
+
+use super::linear::{Linear, Network};
+use alloc::vec::Vec;
+use ca_core::method::pefrl::explicit;
+use faer::linalg::solvers::Solve as _;
+use faer::{Mat, Side};
+
+/// Most places of a network whose modes are computed: the matrix is dense.
+pub const LARGEST: usize = 4000;
+/// Most places of a network with coupled damping whose poles are computed as they are.
+pub const EXACT: usize = 400;
+/// From here on damping couples modes by more than rounding.
+const COUPLED: f64 = 1e-9;
+
+/// One mode.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mode {
+    /// ω²T²
+    pub a: f64,
+    /// zT/m of the mode
+    pub b: f64,
+    /// frequency without the scheme \[Hz\]; 0 where it does not swing
+    pub f: f64,
+    /// frequency as the scheme plays it \[Hz\]; 0 where it does not swing
+    pub heard: f64,
+    /// time to fall by 60 dB, as the scheme plays it \[s\]; infinite without damping
+    pub t60: f64,
+    /// the same without the scheme \[s\]
+    pub t60_free: f64,
+    /// true where the scheme makes it grow: the scene is unstable
+    pub grows: bool,
+    /// how much damping ties it to its neighbours: share of its own damping, over their distance; 0 where not at all
+    pub coupled: f64,
+    /// displacement of each place \[1/√kg\], for a modal mass of 1 kg
+    pub shape: Vec<f64>,
+}
+
+/// All modes, lowest first.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Modes {
+    /// they
+    pub list: Vec<Mode>,
+    /// true where coupled damping is not in the figures: they are those of each mode by itself
+    pub approximate: bool,
+}
+
+impl Mode {
+    /// How far the scheme moves its pitch \[cents\]; 0 where it does not swing.
+    pub fn cents(&self) -> f64 {
+        if self.f > 0.0 && self.heard > 0.0 { 1200.0 * libm::log2(self.heard / self.f) } else { 0.0 }
+    }
+
+    /// Where it is `t` ticks after it was at `x` and went by `v` per tick, without the scheme.
+    pub fn free(&self, x: f64, v: f64, t: f64) -> f64 {
+        let s = 0.5 * self.b;
+        let (square, v) = (self.a - s * s, v + s * x);
+        // e^(−s t) goes into each part, so that none of them overflows
+        if square > 0.0 {
+            let w = libm::sqrt(square);
+            let (sin, cos) = libm::sincos(w * t);
+            return libm::exp(-s * t) * (x * cos + v / w * sin);
+        }
+        let g = libm::sqrt(-square);
+        let (slow, fast) = (libm::exp((g - s) * t), libm::exp((-g - s) * t));
+        let turned = if g > 0.0 { 0.5 * (slow - fast) / g } else { t * libm::exp(-s * t) };
+        0.5 * x * (slow + fast) + v * turned
+    }
+
+    /// How much it moves a port \[1/√kg\].
+    pub fn at(&self, port: &[(u32, f64)]) -> f64 {
+        port.iter().map(|(i, w)| w * self.shape.get(*i as usize).copied().unwrap_or(0.0)).sum()
+    }
+}
+
+/// K and C scaled by the roots of the masses, T² M^-½ K M^-½ and T M^-½ C M^-½, and the inertia that implicit methods
+/// add, scaled alike; nothing where there are none.
+fn matrices(linear: &Linear) -> (Mat<f64>, Mat<f64>, Option<Mat<f64>>) {
+    let n = linear.places.len();
+    let root: Vec<f64> = linear.places.iter().map(|p| libm::sqrt(p.c)).collect();
+    let (mut k, mut z) = (Mat::<f64>::zeros(n, n), Mat::<f64>::zeros(n, n));
+    let some = linear.places.iter().any(|p| p.implicit != 0.0) || linear.rows.iter().any(|r| r.implicit != 0.0);
+    let mut implicit = some.then(|| Mat::<f64>::zeros(n, n));
+    for (i, p) in linear.places.iter().enumerate() {
+        k[(i, i)] += p.c * p.k;
+        z[(i, i)] += p.c * p.z;
+        if let Some(a) = &mut implicit {
+            a[(i, i)] += p.c * p.implicit;
+        }
+    }
+    for row in &linear.rows {
+        let entries = linear.entries(row);
+        for (i, a) in entries {
+            for (j, b) in entries {
+                let (i, j) = (*i as usize, *j as usize);
+                let both = a * root[i] * (b * root[j]);
+                k[(i, j)] += row.k * both;
+                z[(i, j)] += row.z * both;
+                if let Some(m) = &mut implicit {
+                    m[(i, j)] += row.implicit * both;
+                }
+            }
+        }
+    }
+    (k, z, implicit)
+}
+
+/// ω²T² and zT/m of a mode, given its shape scaled by the roots of the masses. Summed link by link over the squares of
+/// elongations: a low mode bends each link little, and as an eigenvalue it would only be known to the rounding of the
+/// highest.
+fn rayleigh(linear: &Linear, u: impl Fn(u32) -> f64) -> (f64, f64) {
+    let (mut a, mut b, mut whole) = (0.0, 0.0, 0.0);
+    for (p, i) in linear.places.iter().zip(0..) {
+        let square = u(i) * u(i);
+        a += p.c * p.k * square;
+        b += p.c * p.z * square;
+        whole += square;
+    }
+    for row in &linear.rows {
+        let at = |i: &u32| u(*i) * libm::sqrt(linear.places[*i as usize].c);
+        let e: f64 = linear.entries(row).iter().map(|(i, w)| w * at(i)).sum();
+        a += row.k * e * e;
+        b += row.z * e * e;
+    }
+    (a / whole, b / whole)
+}
+
+/// The modes of a network; `None` where it is too large, or where the numbers are beyond computing.
+pub fn modes(network: &Network) -> Option<Modes> {
+    let n = network.linear.places.len();
+    if n > LARGEST {
+        return None;
+    }
+    if n == 0 {
+        return Some(Modes { list: Vec::new(), approximate: false });
+    }
+    let te = network.te;
+    let (mut k, mut z, implicit) = matrices(&network.linear);
+    let found = k.self_adjoint_eigen(Side::Lower).ok()?;
+    let (u, values) = (found.U(), found.S());
+    let damping = u.transpose() * &z * u;
+    let heavier = implicit.as_ref().map(|a| u.transpose() * a * u);
+    let top = (0..n).map(|j| values[j]).fold(0.0, f64::max);
+    let mut list: Vec<Mode> = Vec::with_capacity(n);
+    for j in 0..n {
+        // what rounding leaves of a motion that is free
+        let free = values[j].abs() <= 1e-13 * top;
+        let (a, b) = rayleigh(&network.linear, |i| u[(i as usize, j)]);
+        let (a, b) = (if free { 0.0 } else { a }, b.max(0.0));
+        let coupled = (0..n)
+            .filter(|i| *i != j)
+            .map(|i| {
+                damping[(i, j)].abs() / ((values[i] - values[j]).abs() + damping[(i, i)].max(b)).max(f64::MIN_POSITIVE)
+            })
+            .fold(0.0, f64::max);
+        let places = &network.linear.places;
+        let shape = (0..n).map(|i| u[(i, j)] * libm::sqrt(places[i].c) / te).collect();
+        let mut mode = Mode {
+            a,
+            b,
+            f: 0.0,
+            heard: 0.0,
+            t60: f64::INFINITY,
+            t60_free: f64::INFINITY,
+            grows: false,
+            coupled,
+            shape,
+        };
+        mode.alone(te, 1.0 + heavier.as_ref().map_or(0.0, |h| h[(j, j)]), network.composed);
+        if network.modal {
+            (mode.heard, mode.t60, mode.grows) = (mode.f, mode.t60_free, false);
+        }
+        list.push(mode);
+    }
+    let ties = !network.modal && (implicit.is_some() || list.iter().any(|m| m.coupled > COUPLED));
+    if ties && n <= EXACT {
+        if let Some(mut a) = implicit {
+            (0..n).for_each(|i| a[(i, i)] += 1.0);
+            let a = a.partial_piv_lu();
+            (k, z) = (a.solve(&k), a.solve(&z));
+        }
+        poles(&k, &z, u, te, &mut list)?;
+    }
+    Some(Modes { list, approximate: ties && n > EXACT })
+}
+
+const TURN: f64 = core::f64::consts::TAU;
+
+/// Seconds to fall by 60 dB at a rate of decay \[1/s\]; infinite where what is lost in a tick is no more than its
+/// rounding, `known` times over: that is no decay.
+fn t60(s: f64, te: f64, known: f64) -> f64 {
+    if s * te > known * f64::EPSILON { 3.0 * core::f64::consts::LN_10 / s } else { f64::INFINITY }
+}
+
+impl Mode {
+    /// Pitch and decay of the mode by itself, with the inertia that implicit methods give it, or by the `composed` one.
+    fn alone(&mut self, te: f64, heavier: f64, composed: bool) {
+        let (a, b) = (self.a, self.b);
+        // continuous: ω² = a/T², s = b/2T
+        let (square, s) = (a - 0.25 * b * b, 0.5 * b / te);
+        let t60 = |s: f64| t60(s, te, 1.0);
+        self.f = if square > 0.0 && a > 0.0 { libm::sqrt(square) / (TURN * te) } else { 0.0 };
+        self.t60_free = match () {
+            () if a == 0.0 => t60(2.0 * s),
+            () if square >= 0.0 => t60(s),
+            () => t60(s - libm::sqrt(-square) / te),
+        };
+        let (a, b) = (if composed { explicit(a) } else { a / heavier }, b / heavier);
+        // the scheme: the middle of its two poles is 1 − (a + b)/2, their distance twice the root of this
+        let half = 1.0 - 0.5 * (a + b);
+        let off = a - 0.25 * (a + b) * (a + b);
+        if off > 0.0 && a > 0.0 {
+            self.heard = libm::atan2(libm::sqrt(off), half) / (TURN * te);
+            self.t60 = t60(-0.5 * libm::log1p(-b) / te);
+        } else {
+            let slowest = half.abs() + libm::sqrt((-off).max(0.0));
+            self.grows = a > 0.0 && slowest > 1.0;
+            self.t60 = if a == 0.0 { t60(-libm::log1p(-b) / te) } else { t60(-libm::log(slowest) / te) };
+        }
+    }
+}
+
+/// The poles of the whole scheme, given to the modes whose shapes they have.
+fn poles(k: &Mat<f64>, z: &Mat<f64>, u: faer::MatRef<'_, f64>, te: f64, list: &mut [Mode]) -> Option<()> {
+    let n = list.len();
+    let mut map = Mat::<f64>::zeros(2 * n, 2 * n);
+    for i in 0..n {
+        for j in 0..n {
+            let one = if i == j { 1.0 } else { 0.0 };
+            map[(i, j)] = 2.0 * one - k[(i, j)] - z[(i, j)];
+            map[(i, n + j)] = z[(i, j)] - one;
+        }
+        map[(n + i, i)] = 1.0;
+    }
+    let found = map.eigen().ok()?;
+    let (vectors, values) = (found.U(), found.S());
+    let swings: Vec<usize> = (0..2 * n).filter(|p| values[*p].im > 1e-12).collect();
+    // how much each pole's shape is a mode's
+    let mut pairs: Vec<(f64, usize, usize)> = Vec::with_capacity(swings.len() * n);
+    for p in swings {
+        let mut dots = alloc::vec![(0.0, 0.0); n];
+        let mut whole = 0.0;
+        for (j, dot) in dots.iter_mut().enumerate() {
+            for i in 0..n {
+                dot.0 += u[(i, j)] * vectors[(i, p)].re;
+                dot.1 += u[(i, j)] * vectors[(i, p)].im;
+            }
+            whole += dot.0 * dot.0 + dot.1 * dot.1;
+        }
+        pairs.extend(dots.iter().enumerate().map(|(j, d)| ((d.0 * d.0 + d.1 * d.1) / whole, j, p)));
+    }
+    pairs.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let (mut given, mut taken) = (alloc::vec![false; n], alloc::vec![false; 2 * n]);
+    for (_, j, p) in pairs {
+        if given[j] || taken[p] || list[j].heard == 0.0 {
+            continue;
+        }
+        (given[j], taken[p]) = (true, true);
+        let w = values[p];
+        list[j].heard = libm::atan2(w.im, w.re) / (TURN * te);
+        // poles are known to the rounding of a matrix of so many rows
+        list[j].t60 = t60(-libm::log(libm::hypot(w.re, w.im)) / te, te, 8.0 * n as f64);
+    }
+    Some(())
+}

@@ -1,0 +1,113 @@
+//! Which module is to blame, and what would mend it, in numbers an author can type.
+
+use super::worst::Row;
+use crate::net::{LiaNode, Net};
+use crate::rates::{CLOCK, FINEST};
+use alloc::collections::BTreeSet;
+use alloc::format;
+use alloc::string::String;
+use alloc::vec::Vec;
+use ca_core::kind::Unit;
+use ca_core::law::Bound;
+use ca_model::diag::{Diag, Diags};
+use ca_model::{Model, Span, quantity};
+
+/// Numbers so large or so small that the coefficients are not numbers any more. Said for each item, and an error.
+pub fn overflow(model: &Model, net: &Net, rows: &[Row], bounds: &[Bound], diags: &mut Diags) -> bool {
+    let mats =
+        net.mats.iter().zip(rows).filter(|(_, r)| !(r.c.is_finite() && (r.all * r.c).is_finite())).map(|(m, _)| m.item);
+    let links = net.lias.iter().zip(bounds).filter(|(_, b)| !(b.k.is_finite() && b.z.is_finite())).map(|(l, _)| l.item);
+    let items: BTreeSet<u32> = mats.chain(links).collect();
+    for item in &items {
+        let name = &net.items[*item as usize].name;
+        let d = Diag::error("E009", format!("the numbers of `{name}` are beyond computing"));
+        diags.push(
+            d.at(span(model, net, *item), "overflows").help("use a larger mass, or less stiffness and viscosity"),
+        );
+    }
+    !items.is_empty()
+}
+
+/// Where a module is named.
+pub fn span(model: &Model, net: &Net, item: u32) -> Span {
+    model.items[net.items[item as usize].model].name_span
+}
+
+/// What makes a mass unstable, and the numbers that would mend it.
+pub fn unstable(model: &Model, net: &Net, rows: &[Row], bounds: &[Bound], i: usize) -> Diag {
+    let m = &net.mats[i];
+    let r = &rows[i];
+    let at = r.own * r.c;
+    let title = format!(
+        "`{}` is too stiff for its mass at this sound rate: {:.3}, the limit is 4",
+        m.name,
+        quantity::Plain(at)
+    );
+    let d = Diag::warning("W103", title).at(span(model, net, m.item), "this mass");
+    // the link that weighs most is the one to change
+    let mut most: Option<(&LiaNode, &Bound)> = None;
+    for (l, b) in net.lias.iter().zip(bounds) {
+        let touches = b.linear && l.all_ends().any(|e| net.under(e).contains(&(i as u32)));
+        if touches && most.is_none_or(|(_, o)| b.h() > o.h()) {
+            most = Some((l, b));
+        }
+    }
+    let mass = net.te * net.te * net.ease() / r.c * at / 4.0;
+    let heavier = format!("make `{}` heavier than {}", m.name, quantity::show(round_up(mass), Unit::KILOGRAM));
+    let viscous = net.lias.iter().zip(bounds).any(|(_, b)| b.z > 0.0) || r.z > 0.0;
+    let rate = faster(net, at, viscous);
+    match most {
+        Some((l, b)) => {
+            let (room, counted) = (4.0 / r.c - (r.own - b.h()), b.explicit());
+            // what one number leaves to the other; below 0 no value of it would do
+            let (k, z) = (room - 2.0 * counted.z, 0.5 * (room - counted.k));
+            let fix = if b.lift > 0.0 {
+                format!("use `theta = 0.25` or more for `{}`", l.name)
+            } else if k > 0.0 && counted.k >= 2.0 * counted.z {
+                format!("keep `k` of `{}` below {}", l.name, quantity::show(round_down(k), Unit::STIFFNESS))
+            } else if z > 0.0 {
+                format!("keep `z` of `{}` below {}", l.name, quantity::show(round_down(z * net.te), Unit::VISCOSITY))
+            } else if room > 0.0 {
+                let share = 100.0 * room / (counted.k + 2.0 * counted.z);
+                format!("make `{}` at most {} % as stiff and viscous", l.name, quantity::Plain(round_down(share)))
+            } else {
+                format!("soften `{}` and the other links of `{}`", l.name, m.name)
+            };
+            d.at(span(model, net, l.item), "its stiffest link").help(any(&[&fix, &heavier, &rate]))
+        }
+        None => d.help(any(&[&heavier, &rate])),
+    }
+}
+
+/// The sound rate at which an eigenvalue of now would be at the limit, and the ticks in a sample that are enough:
+/// stiffness falls with the square of the rate, viscosity with it. Empty where no model may have either.
+pub fn faster(net: &Net, now: f64, viscous: bool) -> String {
+    let times = if viscous { now / 4.0 } else { libm::sqrt(now / 4.0) };
+    let above = net.rate * times;
+    let rate = format!("raise the sound rate above {:.0} Hz", quantity::Plain(above));
+    let ticks = libm::floor(f64::from(net.oversample) * times) + 1.0;
+    let finer = format!("write `oversample = {ticks}` in `[rate]`");
+    any(&[if above < CLOCK.1 { &rate } else { "" }, if ticks > f64::from(FINEST) { "" } else { &finer }])
+}
+
+/// Ways to mend it, one of which is enough; those that are empty are none.
+pub fn any(ways: &[&str]) -> String {
+    ways.iter().copied().filter(|w| !w.is_empty()).collect::<Vec<_>>().join(", or ")
+}
+
+/// Three digits, towards zero.
+pub fn round_down(v: f64) -> f64 {
+    three_digits(v, libm::floor)
+}
+
+/// Three digits, away from zero.
+pub fn round_up(v: f64) -> f64 {
+    three_digits(v, libm::ceil)
+}
+
+/// The power of ten goes through text, so that what is shown has three digits and no noise behind them.
+fn three_digits(v: f64, to: fn(f64) -> f64) -> f64 {
+    let ten = libm::floor(libm::log10(v.abs().max(1e-300))) - 2.0;
+    let n = to(v / libm::pow(10.0, ten));
+    format!("{n}e{ten}").parse().unwrap_or(v)
+}

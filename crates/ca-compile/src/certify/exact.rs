@@ -1,0 +1,161 @@
+//! The exact answer, where the cheap bounds leave it open: one sparse factorisation of 4 − H (docs/numerics.md §1.3).
+//!
+//! Decides with the slopes of all links that are always there, at the worst corner of what may change and at the pose of
+//! load; a link at a moving point counts at every node under it. Where that is not enough, the linear links alone, with
+//! the points where they are at load, say whether the scene is certainly unstable.
+
+use super::blame::{any, faster, round_down, span};
+use super::worst::Row;
+use crate::analysis::{Factor, Linear, Loose, Pencil};
+use crate::linear::{Numbers, Points, Pull, links, places, rows};
+use crate::net::{LiaNode, Net};
+use crate::slopes::Own;
+use alloc::format;
+use alloc::vec::Vec;
+use ca_core::certificate::{Certificate, Verdict};
+use ca_core::kind::{Role, Unit};
+use ca_core::law::Bound;
+use ca_model::diag::Diag;
+use ca_model::{Model, quantity};
+
+/// Rounding of the factorisation, as a share of the limit.
+const ROUNDING: f64 = 1e-12;
+/// Products that looking for the worst place of a moving point, or at many contacts, may take.
+pub const WORK: usize = 2_000_000;
+/// How far the largest eigenvalue is narrowed for a message, and where it was asked for.
+const TOLD: f64 = 1e-5;
+const ASKED: f64 = 1e-13;
+
+/// The network as a matrix, and its factorisation.
+pub struct Exact {
+    linear: Linear,
+    numbers: Numbers,
+    pencil: Pencil,
+    factor: Option<Factor>,
+    whole: bool,
+}
+
+impl Exact {
+    /// The matrix of a network; `None` where nothing moves.
+    pub fn new(net: &Net, worst: &[Row], bounds: &[Bound]) -> Option<Exact> {
+        let bounds: Vec<Bound> = bounds.iter().map(Bound::explicit).collect();
+        let bounds = &bounds[..];
+        let own: Vec<Own> = worst.iter().map(|r| Own { c: r.c, k: r.k, z: r.z, implicit: 0.0 }).collect();
+        let (mut linear, numbers) = places(net, &own);
+        let whole = links(net, bounds, &numbers, Points::Anywhere, &mut linear, |l, b| {
+            !l.law.is_late() && (b.linear || !b.contact)
+        });
+        let pencil = Pencil::new(&linear, |_| 1.0)?;
+        let factor = pencil.below(4.0 * (1.0 - ROUNDING));
+        Some(Exact { linear, numbers, pencil, factor, whole })
+    }
+
+    /// Whether the scene is stable: surely wherever points stand and whatever is the steepest, or surely not with the
+    /// linear links alone and the points where they are at load.
+    pub fn verdict(&self, net: &Net, bounds: &[Bound]) -> Verdict {
+        if self.is_stable() {
+            return Verdict::Stable;
+        }
+        let above = |p: Pencil| p.below(4.0 * (1.0 + ROUNDING)).is_none();
+        if Pencil::new(&self.certain(net, bounds), |_| 1.0).is_some_and(above) {
+            Verdict::Unstable
+        } else {
+            Verdict::Open
+        }
+    }
+
+    fn is_stable(&self) -> bool {
+        let Some(factor) = self.factor.as_ref().filter(|_| self.whole) else { return false };
+        let solves: usize = self.linear.loose.iter().map(|l| l.at.len()).sum();
+        if solves.saturating_mul(self.linear.places.len()) > WORK {
+            return false;
+        }
+        // 4 − H − Σ h b bᵀ is definite where Σ h bᵀ(4 − H)⁻¹b is below 1
+        let most = |l: &Loose| l.at.iter().map(|b| factor.gives(b)).fold(0.0, f64::max);
+        let used: f64 = self.linear.loose.iter().map(|l| (l.k + 2.0 * l.z) * most(l)).sum();
+        used < 1.0 - ROUNDING
+    }
+
+    /// What is there for certain: the linear links, with the points where they are at load.
+    fn certain(&self, net: &Net, bounds: &[Bound]) -> Linear {
+        let mut linear = Linear::default();
+        linear.places.clone_from(&self.linear.places);
+        let counts = |l: &LiaNode, b: &Bound| b.linear && !l.law.is_late();
+        let bounds: Vec<Bound> = bounds.iter().map(Bound::explicit).collect();
+        links(net, &bounds, &self.numbers, Points::AtLoad, &mut linear, counts);
+        linear
+    }
+
+    /// How easily a contact moves its two ends apart \[m/N per tick²\], with the other links that hold them: T² bᵀS⁻¹b,
+    /// which is T²/m of a mass that hangs on nothing. `None` where it was not looked at.
+    pub fn mobility(&self, net: &Net, l: &LiaNode, own: &Bound) -> Option<f64> {
+        let factor = self.factor.as_ref().filter(|_| l.sets.is_none())?;
+        // what is always there is in the matrix itself, and taken out of it again
+        let h = if own.contact { 0.0 } else { own.h() };
+        let of = |b: &[(u32, f64)]| {
+            let g = factor.gives(b);
+            4.0 * g / (1.0 + h * g)
+        };
+        rows(net, l, &Bound::default(), &self.numbers, Points::Anywhere)
+            .iter()
+            .map(|row| match row {
+                Pull::At(_, _, b) => of(b),
+                Pull::Anywhere(at) => at.iter().map(|b| 4.0 * factor.gives(b)).fold(0.0, f64::max),
+            })
+            .reduce(f64::max)
+    }
+
+    /// Bounds of the largest eigenvalue; `None` where points wander or sets are tied, so that it depends.
+    pub fn largest(&self, cert: &Certificate, asked: bool) -> Option<(f64, f64)> {
+        let fixed = self.whole && self.linear.loose.is_empty();
+        fixed.then(|| self.pencil.largest(cert.lower, cert.bound, if asked { ASKED } else { TOLD }))
+    }
+
+    /// What makes the whole unstable though no module is by itself, and the numbers that would mend it.
+    pub fn blame(&self, model: &Model, net: &Net, bounds: &[Bound], mat: usize, cert: &Certificate) -> Diag {
+        let m = &net.mats[mat];
+        let linear = self.certain(net, bounds);
+        let largest = Pencil::new(&linear, |_| 1.0).map_or(4.0, |p| p.largest(cert.lower, cert.bound, TOLD).1);
+        let title = format!(
+            "too stiff for the masses at this sound rate, all together: {:.4}, the limit is 4",
+            quantity::Plain(largest)
+        );
+        let d = Diag::warning("W103", title).at(span(model, net, m.item), "nearest to the limit by itself");
+        let viscous = bounds.iter().any(|b| b.z > 0.0) || linear.places.iter().any(|p| p.z > 0.0);
+        let rate = faster(net, largest, viscous);
+        // the link there that weighs most is the one to change
+        let touches = |l: &LiaNode| l.all_ends().any(|e| net.under(e).contains(&(mat as u32)));
+        let most = net.lias.iter().zip(bounds).filter(|(l, b)| b.linear && l.sets.is_none() && touches(l));
+        let Some((l, b)) = most.max_by(|a, b| a.1.h().total_cmp(&b.1.h())) else {
+            return d.help(any(&["make the masses heavier, or soften what holds them", &rate]));
+        };
+        let d = if l.item == m.item { d } else { d.at(span(model, net, l.item), "its stiffest link") };
+        let name = &net.items[l.item as usize].name;
+        let single = matches!(net.items[l.item as usize].kind.role, Role::Lia(_));
+        let fix = match share(net, &linear, l.item) {
+            Some(s) if single && b.z == 0.0 => {
+                format!("keep `k` of `{name}` below {}", quantity::show(round_down(b.k * s), Unit::STIFFNESS))
+            }
+            Some(s) => {
+                let and = if b.z > 0.0 { " and viscous" } else { "" };
+                format!("make `{name}` at most {:.1} % as stiff{and}", libm::floor(1000.0 * s) / 10.0)
+            }
+            None => format!("soften `{name}` and what else holds `{}`", m.name),
+        };
+        d.help(any(&[&fix, &rate]))
+    }
+}
+
+/// The largest share of the slopes of one item's links that would be stable; `None` where it is next to nothing.
+fn share(net: &Net, linear: &Linear, item: u32) -> Option<f64> {
+    let stable = |s: f64| {
+        let weigh = |lia: u32| if net.lias[lia as usize].item == item { s } else { 1.0 };
+        Pencil::new(linear, |r| weigh(r.lia)).is_some_and(|p| p.below(4.0).is_some())
+    };
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..14 {
+        let middle = 0.5 * (low + high);
+        if stable(middle) { low = middle } else { high = middle }
+    }
+    (low > 0.01).then_some(low)
+}

@@ -1,0 +1,37 @@
+//! A build without `analysis`: only the cheap bounds speak.
+
+use super::worst::Row;
+use crate::net::{LiaNode, Net};
+use ca_core::certificate::{Certificate, Verdict};
+use ca_core::law::Bound;
+use ca_model::Model;
+use ca_model::diag::Diag;
+
+/// As many products as a factorisation may take for contacts alone.
+pub const WORK: usize = 1;
+
+/// There is none.
+pub enum Exact {}
+
+impl Exact {
+    /// None.
+    pub fn new(_: &Net, _: &[Row], _: &[Bound]) -> Option<Exact> {
+        None
+    }
+    /// Never asked.
+    pub fn verdict(&self, _: &Net, _: &[Bound]) -> Verdict {
+        match *self {}
+    }
+    /// Never asked.
+    pub fn mobility(&self, _: &Net, _: &LiaNode, _: &Bound) -> Option<f64> {
+        match *self {}
+    }
+    /// Never asked.
+    pub fn largest(&self, _: &Certificate, _: bool) -> Option<(f64, f64)> {
+        match *self {}
+    }
+    /// Never asked.
+    pub fn blame(&self, _: &Model, _: &Net, _: &[Bound], _: usize, _: &Certificate) -> Diag {
+        match *self {}
+    }
+}

@@ -1,0 +1,32 @@
+//! What the caller asks of a compilation.
+
+use alloc::string::String;
+use alloc::vec::Vec;
+use ca_core::cloud::Clouds;
+
+/// Which passes run the links.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum KernelClass {
+    /// batches by law, chains as runs: fast
+    #[default]
+    Fast,
+    /// links one by one in document order: the bits of a plain loop over modules
+    Reference,
+}
+
+/// What the caller asks of a compilation.
+#[derive(Clone, Debug, Default)]
+pub struct Options {
+    /// sound rate \[Hz\]; the model's own if `None`
+    pub rate: Option<f64>,
+    /// keep the energy ledger
+    pub energy: bool,
+    /// selectors of modules to be heard besides the outputs: displacement of a MAT, force of a LIA
+    pub probes: Vec<String>,
+    /// what the files named in the model hold
+    pub clouds: Clouds,
+    /// narrow down the largest eigenvalue, where the build can
+    pub exact: bool,
+    /// which passes run the links
+    pub kernel: KernelClass,
+}

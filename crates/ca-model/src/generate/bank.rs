@@ -1,0 +1,72 @@
+//! BANK: cells side by side, one per partial; the modes of a bell, a bar or a gong, each exactly where it is asked.
+//!
+//! Every cell is a CEL by f and t60 (docs/numerics.md §1.5), so pitch and decay are exact at any sound rate.
+
+use alloc::format;
+use alloc::vec::Vec;
+use ca_core::kind::{ABOVE_ZERO, Kind, Need, Param, Role, Type, Unit};
+use ca_core::mat::X;
+use ca_core::sketch::{Args, Generator, Problem, Sketch};
+
+const fn numbers(unit: Unit) -> Type {
+    Type::Numbers { unit, min: ABOVE_ZERO.0, max: ABOVE_ZERO.1 }
+}
+
+/// BANK in the catalog.
+pub static KIND: Kind = Kind {
+    code: "BANK",
+    title: "bank of cells",
+    equation: "one CEL per frequency",
+    doc: "Cells side by side, each with its frequency, decay and mass; lists of equal length, or one value for all. \
+          Couple them by links, or strike several at once.",
+    source: &["HSP v2"],
+    params: &[
+        Param::new("f", numbers(Unit::HERTZ), Need::Required, "frequencies as heard"),
+        Param::new("t60", numbers(Unit::SECOND), Need::Optional, "times to decay by 60 dB"),
+        Param::new("m", numbers(Unit::KILOGRAM), Need::Required, "inertias"),
+        X,
+    ],
+    one_of: &[],
+    example: r#"
+[BANK]
+bell = { f = ["440 Hz", "881 Hz", "1217 Hz"], t60 = ["3 s", "2 s", "1 s"], m = "5 g" }
+[MAS]
+hammer = { m = "5 g", x = "-1 mm", v = "1 m/s" }
+[BUT]
+strike = { between = ["hammer", "bell[*]"], k = "30 kN/m", z = "0.5 N s/m" }
+[SOX]
+out = { from = "bell[0]", gain = 300 }
+"#,
+    role: Role::Generator(&Generator { dims: &[1], derive, build }),
+};
+
+/// Slots: m, f, t60 of cell 0, of cell 1, …
+fn derive(a: &Args<'_>, slots: &mut Vec<Option<f64>>) -> Result<(), Problem> {
+    let n = a.len("f").unwrap_or(1);
+    for other in ["t60", "m"] {
+        if let Some(len) = a.len(other).filter(|len| *len != n) {
+            return Err(Problem {
+                title: format!("`{other}` has {len} number{} where `f` has {n}", if len == 1 { "" } else { "s" }),
+                param: if other == "m" { "m" } else { "t60" },
+                help: "give as many as there are frequencies, or one for all".into(),
+            });
+        }
+    }
+    if let Some(high) = (0..n).filter_map(|i| a.nth("f", i)).find(|f| f * a.te >= 0.5) {
+        return Err(Problem {
+            title: format!("{high} Hz is not below half the sound rate"),
+            param: "f",
+            help: format!("stay below {} Hz, or raise `rate.sound`", 0.5 / a.te),
+        });
+    }
+    slots.extend((0..n).flat_map(|i| ["m", "f", "t60"].map(|name| a.nth(name, i))));
+    Ok(())
+}
+
+fn build(a: &Args<'_>, b: &mut Sketch<'_>) -> Result<(), Problem> {
+    for i in 0..a.len("f").unwrap_or(1) {
+        let s = 3 * i as u32;
+        b.cell(format!("{i}"), s, s + 1, s + 2);
+    }
+    Ok(())
+}

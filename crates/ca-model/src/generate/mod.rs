@@ -1,0 +1,32 @@
+//! Generators: one line of text, many modules, one file each. What a generator draws: [`ca_core::sketch`].
+//!
+//! Expansion happens in the compiler, never in the author's file, and names stay indexable: `low[8]`, `low[-1]`,
+//! `low[*]`.
+// all generators have functions of one type, whether or not they refuse anything
+#![allow(clippy::unnecessary_wraps)]
+
+use ca_core::kind::Kind;
+pub use ca_core::sketch::{Arg, Args, Generator, Problem, Sketch};
+
+mod bank;
+mod cloud;
+mod grains;
+mod mesh;
+mod pose;
+mod stiff;
+mod string;
+mod tetra;
+mod waveguide;
+
+/// All generator kinds, in the order of the documentation.
+pub const KINDS: &[&Kind] = &[
+    &string::STRING,
+    &string::CHAIN,
+    &stiff::KIND,
+    &mesh::KIND,
+    &bank::KIND,
+    &waveguide::KIND,
+    &tetra::KIND,
+    &cloud::KIND,
+    &grains::KIND,
+];

@@ -1,0 +1,134 @@
+//! STIFFSTRING: a string that resists bending, as piano strings and bars do.
+//!
+//! Decides on true bending, −B δ⁴, expressed with ordinary links: the energy ½B(x_{i−1} − 2x_i + x_{i+1})² of each
+//! inner node is two springs of 2B to its neighbours and one of −B across it. The second-neighbour springs of positive
+//! stiffness found elsewhere in the field flatten the partials instead of sharpening them. The sum is never negative,
+//! which the certificate proves by covering each −B with the springs beside it. Hinged modes:
+//! λ_j = 4k s_j² + 16B s_j⁴, s_j = sin(jπ/(2(N+1))), heard as f_j ≈ j f √(1 + b j²). Source: Bilbao 2009.
+
+use super::string::{DECAY, F, K, M, M_TOTAL, MANY, MASSES, T60, TUNING, Z, ZO, ground, mass, target, too_stiff};
+use alloc::format;
+use alloc::vec::Vec;
+use ca_core::kind::{Kind, Need, OneOf, POSITIVE, Param, Role, Type, Unit};
+use ca_core::mat::X;
+use ca_core::sketch::{Args, Generator, Problem, Sketch};
+
+/// STIFFSTRING in the catalog.
+pub static KIND: Kind = Kind {
+    code: "STIFFSTRING",
+    title: "stiff string",
+    equation: "STRING plus bending: f_j ≈ j f sqrt(1 + b j²)",
+    doc: "A string with bending stiffness: its partials are stretched, as in a piano (`b` about 1e-4) or a bar (`k = 0` \
+          with `kb`). Given `f`, the ends must be hinged, where the first partial is exactly `f`.",
+    source: &["Bilbao 2009", "SMC 2019"],
+    params: &[
+        Param::new("n", Type::Count { min: 3, max: MANY }, Need::Required, "number of masses"),
+        M,
+        M_TOTAL,
+        K,
+        F,
+        Param::number("kb", Unit::STIFFNESS, POSITIVE, Need::Optional, "bending stiffness EI/h³ of each node"),
+        Param::number(
+            "b",
+            Unit::NONE,
+            POSITIVE,
+            Need::Optional,
+            "inharmonicity, with `f`: partial j is stretched by sqrt(1 + b j²)",
+        ),
+        Z,
+        ZO,
+        T60,
+        Param::new(
+            "ends",
+            Type::Choice(&["hinged", "fixed", "free"]),
+            Need::Default(0.0),
+            "hinged: held, free to turn; fixed: held and clamped; free",
+        ),
+        X,
+    ],
+    one_of: &[MASSES, TUNING, OneOf { sets: &[&["k", "kb"], &["f", "b"]], required: false }, DECAY],
+    example: r#"
+[STIFFSTRING]
+low = { n = 30, f = "110 Hz", b = 1e-3, t60 = "3 s", m = "1 g" }
+[MAS]
+hammer = { m = "10 g", x = "-1 mm", v = "1 m/s" }
+[BUT]
+strike = { between = ["hammer", "low[6]"], k = "30 kN/m", z = "1 N s/m" }
+[SOX]
+out = { from = "low[3]", gain = 200 }
+"#,
+    role: Role::Generator(&Generator { dims: &[1], derive, build }),
+};
+
+/// Slots: m, z, zo, −B across a node, then the springs between neighbours with 0, 1, 2, 3 and 4 shares of B.
+fn derive(a: &Args<'_>, slots: &mut Vec<Option<f64>>) -> Result<(), Problem> {
+    let n = a.count("n");
+    let m = mass(a, n);
+    let zo = ground(a, m);
+    let (k, bend) = match a.num("f") {
+        None => (a.or0("k"), a.or0("kb")),
+        Some(f) => {
+            if a.or0("ends") != 0.0 {
+                return Err(Problem {
+                    title: "`f` tunes a stiff string exactly only with hinged ends".into(),
+                    param: "ends",
+                    help: "use `ends = \"hinged\"`, or give `k` and `kb`".into(),
+                });
+            }
+            let lambda = target(a, f, zo, m)?;
+            let solve = |n: usize| {
+                let n1 = n as f64 + 1.0;
+                let s = libm::sin(core::f64::consts::FRAC_PI_2 / n1);
+                let beta = a.or0("b") * n1 * n1 / (core::f64::consts::PI * core::f64::consts::PI);
+                let k = lambda / (4.0 * s * s * (1.0 + 4.0 * beta * s * s));
+                (k, beta * k)
+            };
+            let fits = |n: usize| {
+                let (k, b) = solve(n);
+                4.0 * k + 16.0 * b <= 4.0 * a.scheme.room()
+            };
+            if !fits(n) {
+                return Err(too_stiff(f, n, (3..n).rev().find(|n| fits(*n)).unwrap_or(0)));
+            }
+            let (k, b) = solve(n);
+            let unit = m / (a.te * a.te);
+            (k * unit, b * unit)
+        }
+    };
+    slots.extend([Some(m), a.num("z"), Some(zo), Some(-bend)]);
+    slots.extend((0..=4).map(|shares| Some(k + f64::from(shares) * bend)));
+    Ok(())
+}
+
+fn build(a: &Args<'_>, b: &mut Sketch<'_>) -> Result<(), Problem> {
+    let n = a.count("n");
+    let ends = a.count("ends");
+    let mut row = Vec::with_capacity(n + 2);
+    if ends != 2 {
+        row.push(b.tip());
+    }
+    for i in 0..n {
+        row.push(b.mass(format!("{i}"), 0, 2));
+    }
+    if ends != 2 {
+        row.push(b.tip());
+    }
+    let last = row.len() - 2;
+    for (i, pair) in row.windows(2).enumerate() {
+        // every inner node beside the link gives 2 shares; a clamp, whose node beyond is at rest too, gives 2 − 1
+        let inner = u32::from(i > 0) * 2 + u32::from(i < last) * 2;
+        let clamp = u32::from(ends == 1) * (u32::from(i == 0) + u32::from(i == last));
+        b.link(pair[0], pair[1], 4 + inner + clamp, 1);
+    }
+    if !b.nothing(3) {
+        for three in row.windows(3) {
+            b.link(three[0], three[2], 3, NONE);
+        }
+    }
+    let len = row.len() as u32;
+    b.walkable(row, [len, 1]);
+    Ok(())
+}
+
+/// No slot: the parameter is absent.
+const NONE: u32 = u32::MAX;

@@ -1,0 +1,208 @@
+//! STRING and CHAIN: masses in a row, joined by springs.
+//!
+//! Modes of N masses of stiffness ratio a = kT²/m, fixed at both ends: f_j = (fs/π) asin(√a sin(jπ/(2(N+1)))); free:
+//! sin(jπ/(2N)) (docs/numerics.md §1.2). Given `f`, the first of these is inverted exactly, damping included: with
+//! damping to ground b every mode obeys λ_j = (1−r)² + 4r sin²(θ/2), r² = 1−b, as a CEL does. Source: CMJ 1993, SMC
+//! 2019.
+
+use ca_core::kind::{ABOVE_ZERO, Kind, Need, OneOf, POSITIVE, Param, Role, Type, Unit};
+use ca_core::mat::X;
+
+use crate::quantity::Plain;
+use alloc::format;
+use alloc::vec::Vec;
+use ca_core::sketch::{Args, Generator, Problem, Sketch};
+use ca_core::tuning::Scheme;
+
+/// How many masses a generator may make.
+pub(super) const MANY: u32 = 1_000_000;
+pub(super) const M: Param = Param::number("m", Unit::KILOGRAM, ABOVE_ZERO, Need::Optional, "inertia of each mass");
+pub(super) const M_TOTAL: Param =
+    Param::number("m_total", Unit::KILOGRAM, ABOVE_ZERO, Need::Optional, "inertia of the whole, shared evenly");
+pub(super) const K: Param = Param::number("k", Unit::STIFFNESS, POSITIVE, Need::Optional, "stiffness of each spring");
+pub(super) const F: Param =
+    Param::number("f", Unit::HERTZ, ABOVE_ZERO, Need::Optional, "fundamental as heard, warping included");
+pub(super) const Z: Param = Param::number(
+    "z",
+    Unit::VISCOSITY,
+    POSITIVE,
+    Need::Default(0.0),
+    "viscosity of each link: high partials die first",
+);
+pub(super) const ZO: Param = Param::number(
+    "zo",
+    Unit::VISCOSITY,
+    POSITIVE,
+    Need::Optional,
+    "viscosity of each mass to ground: all partials die alike",
+);
+pub(super) const T60: Param =
+    Param::number("t60", Unit::SECOND, ABOVE_ZERO, Need::Optional, "time to decay by 60 dB, by damping to ground");
+pub(super) const MASSES: OneOf = OneOf { sets: &[&["m"], &["m_total"]], required: true };
+pub(super) const TUNING: OneOf = OneOf { sets: &[&["k"], &["f"]], required: true };
+pub(super) const DECAY: OneOf = OneOf { sets: &[&["zo"], &["t60"]], required: false };
+
+/// STRING in the catalog.
+pub static STRING: Kind = Kind {
+    code: "STRING",
+    title: "string",
+    equation: "n MAS in a row, REF between neighbours; ends fixed, free or hinged",
+    doc: "A string of `n` masses. Give it a pitch (`f`) and a decay (`t60`), or stiffness and viscosities. `low[0]` is \
+          the first mass, `low[-1]` the last, `low@0.31` a point 31 % of the way between the ends. For a plain \
+          string, hinged ends are the same as fixed ones: it has no bending to hold.",
+    source: &["CMJ 1993", "SMC 2019"],
+    params: &[
+        Param::new("n", Type::Count { min: 1, max: MANY }, Need::Required, "number of masses"),
+        M,
+        M_TOTAL,
+        K,
+        F,
+        Z,
+        ZO,
+        T60,
+        Param::new("ends", Type::Choice(&["fixed", "free", "hinged"]), Need::Default(0.0), "what holds the ends"),
+        X,
+    ],
+    one_of: &[MASSES, TUNING, DECAY],
+    example: r#"
+[STRING]
+low = { n = 40, f = "110 Hz", t60 = "4 s", m = "1 g" }
+[MAS]
+hammer = { m = "10 g", x = "-1 mm", v = "1 m/s" }
+[BUT]
+strike = { between = ["hammer", "low[8]"], k = "30 kN/m", z = "1 N s/m" }
+[SOX]
+out = { from = "low[3]", gain = 200 }
+"#,
+    role: Role::Generator(&Generator { dims: &[1], derive, build }),
+};
+
+/// CHAIN in the catalog.
+pub static CHAIN: Kind = Kind {
+    code: "CHAIN",
+    title: "chain",
+    equation: "n MAS in a row, REF between neighbours; nothing at the ends",
+    doc: "A string with nothing at its ends, to be tied to whatever you like.",
+    source: &["SMC 2019"],
+    params: &[
+        Param::new("n", Type::Count { min: 2, max: MANY }, Need::Required, "number of masses"),
+        M,
+        M_TOTAL,
+        K,
+        F,
+        Z,
+        ZO,
+        T60,
+        X,
+    ],
+    one_of: &[MASSES, TUNING, DECAY],
+    example: r#"
+[SOL]
+wall = {}
+[CHAIN]
+tail = { n = 12, m = "1 g", k = "20 kN/m", z = "20 mN s/m" }
+[RES]
+tie = { between = ["wall", "tail[0]"], k = "20 kN/m" }
+[MAS]
+hammer = { m = "10 g", x = "-1 mm", v = "1 m/s" }
+[BUT]
+strike = { between = ["hammer", "tail[-1]"], k = "30 kN/m", z = "1 N s/m" }
+[SOX]
+out = { from = "tail[5]", gain = 200 }
+"#,
+    role: Role::Generator(&Generator { dims: &[1], derive, build }),
+};
+
+/// The mass of each of `n`.
+pub(super) fn mass(a: &Args<'_>, n: usize) -> f64 {
+    a.num("m").or_else(|| a.num("m_total").map(|m| m / n as f64)).unwrap_or(1.0)
+}
+
+/// Viscosity to ground of a mass `m`: as written, or from t60 exactly (docs/numerics.md §1.5).
+pub(super) fn ground(a: &Args<'_>, m: f64) -> f64 {
+    match a.num("t60") {
+        // the tuned one knows the fundamental, by which a share of the force from the time to come slows the decay
+        Some(t60) => match (a.scheme, a.num("f")) {
+            (Scheme::Implicit(_), Some(f)) => a.scheme.tuned(f, t60, a.te).map_or(0.0, |(_, b)| b) * m / a.te,
+            (scheme, _) => scheme.damped(t60, a.te) * m / a.te,
+        },
+        None => a.or0("zo"),
+    }
+}
+
+/// The λ = T²ω²-like number a mode must have to be heard at `f` with viscosity to ground `zo`.
+pub(super) fn target(a: &Args<'_>, f: f64, zo: f64, m: f64) -> Result<f64, Problem> {
+    if f * a.te >= 0.5 {
+        return Err(Problem {
+            title: format!("{} Hz is not below half the sound rate", Plain(f)),
+            param: "f",
+            help: format!("stay below {} Hz, or raise `rate.sound`", Plain(0.5 / a.te)),
+        });
+    }
+    a.scheme.stiffness(f, zo * a.te / m, a.te).ok_or_else(|| Problem {
+        title: format!("no stiffness sounds {} Hz by this `theta` at this sound rate", Plain(f)),
+        param: "f",
+        help: "use `theta = 0.25`, ask for a lower pitch, or raise `rate.sound`".into(),
+    })
+}
+
+/// "too stiff": what to say where the spring asked for would pass the stability limit.
+pub(super) fn too_stiff(f: f64, n: usize, fewer: usize) -> Problem {
+    Problem {
+        title: format!("{n} masses cannot sound {} Hz at this sound rate", Plain(f)),
+        param: "n",
+        help: if fewer > 0 {
+            format!("use at most {fewer} masses, or raise `rate.sound`")
+        } else {
+            "ask for a lower pitch, or raise `rate.sound`".into()
+        },
+    }
+}
+
+/// Slots: m, k, z, zo.
+fn derive(a: &Args<'_>, slots: &mut Vec<Option<f64>>) -> Result<(), Problem> {
+    let n = a.count("n");
+    let m = mass(a, n);
+    let zo = ground(a, m);
+    let free = a.code == "CHAIN" || a.num("ends") == Some(1.0);
+    let k = match a.num("f") {
+        None => a.or0("k"),
+        Some(f) => {
+            let lambda = target(a, f, zo, m)?;
+            let angle = |n: usize| core::f64::consts::FRAC_PI_2 / if free { n as f64 } else { n as f64 + 1.0 };
+            let stiffness = |n: usize| {
+                let s = libm::sin(angle(n));
+                lambda / (4.0 * s * s)
+            };
+            // the highest partial sits at 4a sin², which must stay below the limit: a ≤ 1 serves every n
+            if stiffness(n) > a.scheme.room() {
+                let fewer = (1..n).rev().find(|n| stiffness(*n) <= a.scheme.room()).unwrap_or(0);
+                return Err(too_stiff(f, n, fewer));
+            }
+            stiffness(n) * m / (a.te * a.te)
+        }
+    };
+    slots.extend([Some(m), Some(k), a.num("z"), Some(zo)]);
+    Ok(())
+}
+
+fn build(a: &Args<'_>, b: &mut Sketch<'_>) -> Result<(), Problem> {
+    let n = a.count("n");
+    let free = a.code == "CHAIN" || a.num("ends") == Some(1.0);
+    let mut row = Vec::with_capacity(n + 2);
+    if !free {
+        row.push(b.tip());
+    }
+    for i in 0..n {
+        row.push(b.mass(format!("{i}"), 0, 3));
+    }
+    if !free {
+        row.push(b.tip());
+    }
+    for pair in row.windows(2) {
+        b.link(pair[0], pair[1], 1, 2);
+    }
+    let len = row.len() as u32;
+    b.walkable(row, [len, 1]);
+    Ok(())
+}

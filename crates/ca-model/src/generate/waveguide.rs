@@ -1,0 +1,110 @@
+//! WAVEGUIDE: a string of travelling waves, with junctions at which it is touched.
+//!
+//! Equation, at each junction between two sides of impedance Z, with v = (x' − x1)/2T: m (x' − 2x + x1)/T² = f + 2Z
+//! (v₁ + v₂) − 2Z v, and v − vᵢ goes out on side i (docs/numerics.md §7.2). With f alone on the right this is a mass of
+//! m + ZT with a damper of 2Z, so a junction *is* a CEL without spring, of three coefficients like any MAT, and S = M −
+//! ¼T²K − ½TC of a network counts it with m: all that is known of masses holds of junctions. Delays, loss and tuning:
+//! [`ca_core::wave`]. Stability: passive whatever is linked, as far as the links are with masses of m. Source: HSP v2
+//! (`DWG-end~`, `ex-junct~`); the mass makes passive what `ex-junct~` is not. Test: G01 to G03.
+
+use crate::quantity::Plain;
+use alloc::format;
+use alloc::vec::Vec;
+use ca_core::kind::{ABOVE_ZERO, Kind, Need, OneOf, Param, Role, Type, Unit};
+use ca_core::mat::X;
+use ca_core::sketch::{Args, Generator, Problem, Sketch};
+use ca_core::wave::{Asked, tune};
+
+const fn number(name: &'static str, unit: Unit, need: Need, doc: &'static str) -> Param {
+    Param::number(name, unit, ABOVE_ZERO, need, doc).for_good()
+}
+
+/// WAVEGUIDE in the catalog.
+pub static KIND: Kind = Kind {
+    code: "WAVEGUIDE",
+    title: "digital waveguide",
+    equation: "m (x' - 2x + x1)/T² = f + 2z (v1 + v2) - z (x' - x1)/T;  v1, v2 the waves that arrive",
+    doc: "A string of travelling waves, harmonic up to the highest partial and as cheap however long. It is touched at \
+          its junctions, `low[0]` at the first of the places `at`, `low[1]` at the next: masses like any other, which \
+          any link, force or output may take. Pitch and decay of the fundamental are exact, with the masses of the \
+          junctions; the places are met to half a sample of a round trip.",
+    source: &["HSP v2", "Bilbao 2009"],
+    params: &[
+        number("f", Unit::HERTZ, Need::Required, "fundamental as heard"),
+        number("t60", Unit::SECOND, Need::Optional, "time to decay by 60 dB at `f`; no decay if left out"),
+        number("t60_high", Unit::SECOND, Need::Optional, "the same at `f_high`; as at `f` if left out"),
+        number("f_high", Unit::HERTZ, Need::Default(5000.0), "second frequency of the loss"),
+        number("z", Unit::VISCOSITY, Need::Optional, "wave impedance, sqrt(tension · mu)"),
+        number("tension", Unit::NEWTON, Need::Optional, "tension, beside `mu`"),
+        number("mu", Unit::LINEAR_DENSITY, Need::Optional, "mass per length, beside `tension`"),
+        Param::new(
+            "at",
+            Type::Numbers { unit: Unit::NONE, min: 0.0, max: 1.0 },
+            Need::Required,
+            "where its junctions are, rising from the near end at 0 to the far end at 1",
+        ),
+        number("m", Unit::KILOGRAM, Need::Optional, "mass of each junction; what its links need if left out"),
+        X,
+    ],
+    one_of: &[OneOf { sets: &[&["z"], &["tension", "mu"]], required: true }],
+    example: r#"
+[WAVEGUIDE]
+low = { f = "110 Hz", t60 = "5 s", t60_high = "0.8 s", z = "0.8 N s/m", at = [0.12, 0.7], m = "18 mg" }
+[MAS]
+hammer = { m = "4 g", x = "-1 mm", v = "1 m/s" }
+[BUT]
+strike = { between = ["hammer", "low[0]"], k = "20 kN/m", z = "0.2 N s/m" }
+[SOX]
+out = { from = "low[1]", gain = 200 }
+"#,
+    role: Role::Generator(&Generator { dims: &[1], derive, build }),
+};
+
+/// What is asked for, in SI.
+fn asked(a: &Args<'_>) -> Result<Asked, Problem> {
+    let problem = |param, title, help: &str| Err(Problem { title, param, help: help.into() });
+    let (f, t60, high) = (a.or0("f"), a.num("t60"), a.num("t60_high"));
+    let z = match (a.num("z"), a.num("tension"), a.num("mu")) {
+        (Some(z), ..) => z,
+        (_, Some(tension), Some(mu)) => libm::sqrt(tension * mu),
+        _ => return problem("tension", "`tension` needs `mu`".into(), "add e.g. `mu = \"1 g/m\"`, or give `z`"),
+    };
+    let top = a.or0("f_high");
+    match (t60, high) {
+        (None, Some(_)) => return problem("t60_high", "`t60_high` needs `t60`".into(), "add e.g. `t60 = \"4 s\"`"),
+        (Some(low), Some(high)) if high > low => {
+            return problem(
+                "t60_high",
+                format!("{} s is longer than the {} s of `t60`", Plain(high), Plain(low)),
+                "high partials decay as fast as low ones or faster",
+            );
+        }
+        (_, Some(_)) if !(f < top && top * a.te < 0.5) => {
+            let title = format!("`f_high`, {} Hz, is not between `f` and half the sound rate", Plain(top));
+            return problem("f_high", title, &format!("choose one between {} and {} Hz", Plain(f), Plain(0.5 / a.te)));
+        }
+        _ => {}
+    }
+    let at: Vec<f64> = a.list("at", a.len("at").unwrap_or(1)).into_iter().flatten().collect();
+    let t60 = t60.unwrap_or(f64::INFINITY);
+    Ok(Asked { f, t60, high: high.map(|t60| [top, t60]), z, at, m: a.num("m") })
+}
+
+/// Slots: the damper that both sides are to a junction, then for each junction what it is as a CEL.
+fn derive(a: &Args<'_>, slots: &mut Vec<Option<f64>>) -> Result<(), Problem> {
+    let asked = asked(a)?;
+    let masses = alloc::vec![asked.mass(0.0, a.te); asked.at.len()];
+    tune(&asked, &masses, a.te)?;
+    slots.push(Some(2.0 * asked.z));
+    slots.extend(masses.iter().map(|m| Some(asked.cell(*m, a.te))));
+    Ok(())
+}
+
+fn build(a: &Args<'_>, b: &mut Sketch<'_>) -> Result<(), Problem> {
+    let asked = asked(a)?;
+    for i in 0..asked.at.len() {
+        b.mass(format!("{i}"), 1 + i as u32, 0);
+    }
+    b.line = Some(asked);
+    Ok(())
+}

@@ -1,0 +1,111 @@
+//! The reader at work: what it has of the text and of the model, and the questions all sections ask.
+//!
+//! Decides what is a name, what is nearly a known key, and that what cannot be read is remembered by name.
+
+use super::diag::{Diag, Diags};
+use super::select::is_word;
+use super::suggest::nearest;
+use super::syntax::Source;
+use super::{Entry, Model, Span};
+use alloc::format;
+use alloc::string::String;
+use alloc::vec::Vec;
+use ca_core::catalog::Catalog;
+use toml::Spanned;
+use toml::de::DeTable;
+
+/// What other programs and textbooks call a parameter.
+const OTHER_NAMES: &[(&str, &str)] = &[
+    ("mass", "m"),
+    ("inertia", "m"),
+    ("stiffness", "k"),
+    ("spring", "k"),
+    ("damping", "z"),
+    ("viscosity", "z"),
+    ("friction", "z"),
+    ("frequency", "f"),
+    ("freq", "f"),
+    ("decay", "t60"),
+    ("threshold", "d"),
+    ("distance", "d"),
+    ("length", "l0"),
+    ("position", "x"),
+    ("velocity", "v"),
+    ("speed", "v"),
+];
+
+pub(super) fn is_code(key: &str) -> bool {
+    key.starts_with(|c: char| c.is_ascii_uppercase())
+}
+
+/// `a`, `b`, `c`
+pub(super) fn ticked<'a>(words: impl Iterator<Item = &'a str>) -> String {
+    words.map(|w| format!("`{w}`")).collect::<Vec<_>>().join(", ")
+}
+
+/// A model being read.
+pub(super) struct Reader<'a, 's> {
+    pub(super) catalog: &'a Catalog,
+    pub(super) source: &'a Source<'s>,
+    pub(super) text: &'a str,
+    pub(super) model: Model,
+    pub(super) diags: Diags,
+}
+
+impl Reader<'_, '_> {
+    pub(super) fn span<T>(&self, s: &Spanned<T>) -> Span {
+        self.source.span(s.span())
+    }
+
+    /// Keeps entries whose key is known, and those whose key is nearly so under the key that was meant.
+    pub(super) fn admit(
+        &mut self,
+        list: Vec<Entry>,
+        keys: &[&'static str],
+        title: impl Fn(&str) -> String,
+        all: impl Fn() -> String,
+    ) -> Vec<Entry> {
+        let written: Vec<String> = list.iter().map(|e| e.key.clone()).collect();
+        let mut kept: Vec<Entry> = Vec::with_capacity(list.len());
+        for mut e in list {
+            if keys.contains(&e.key.as_str()) {
+                kept.push(e);
+                continue;
+            }
+            let free = |k: &&str| !written.iter().any(|w| w == k) && !kept.iter().any(|x| x.key == **k);
+            let d = Diag::error("E004", title(&e.key)).at(e.key_span, "not known here");
+            let other = OTHER_NAMES.iter().find(|o| o.0.eq_ignore_ascii_case(&e.key)).map(|o| o.1);
+            let other = keys.iter().copied().find(|k| Some(*k) == other && free(k));
+            match nearest(&e.key, keys.iter().copied().filter(free)).or(other) {
+                Some(meant) => {
+                    self.diags.push(d.help(format!("did you mean `{meant}`?")).fix(e.key_span, meant));
+                    e.key = meant.into();
+                    kept.push(e);
+                }
+                None => self.diags.push(d.help(all())),
+            }
+        }
+        kept
+    }
+
+    /// Remembers the names in a table that is not read.
+    pub(super) fn lose(&mut self, table: &DeTable) {
+        self.model.lost.extend(table.keys().map(|k| String::from(k.get_ref().as_ref())));
+    }
+
+    pub(super) fn check_name(&mut self, word: &str, span: Span) -> bool {
+        if is_word(word) {
+            return true;
+        }
+        let mut mended: String = word.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
+        if mended.starts_with(|c: char| c.is_ascii_digit()) {
+            mended.insert(0, '_');
+        }
+        let d = Diag::error("E014", format!("not a name: `{}`", word.escape_debug())).at(span, "not a name");
+        let d = d.help("a name is made of the letters a to z and A to Z, digits and `_`, and starts with a letter");
+        // of a word in other letters nothing that means anything is left
+        self.diags.push(if word.is_ascii() && is_word(&mended) { d.fix(span, mended) } else { d });
+        self.model.lost.push(word.into());
+        false
+    }
+}

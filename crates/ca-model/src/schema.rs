@@ -1,0 +1,287 @@
+//! JSON Schema (2020-12) of `*.ca.toml`, for editors.
+//!
+//! Decides that the schema comes from the catalog and nothing else, so it cannot fall behind. It is as strict as a
+//! schema can be without knowing the model: names of parameters, words of choices, what excludes what. Bounds are given
+//! as bounds only where they hold in every system of units (zero, and plain numbers); the others stand in the
+//! description. Whether a name exists is beyond it.
+
+use super::quantity::show;
+use super::sections::{GROUP, META, RATES};
+use alloc::format;
+use alloc::string::{String, ToString};
+use alloc::vec::Vec;
+use ca_core::catalog::Catalog;
+use ca_core::equivalence::{Class, ROWS, Row};
+use ca_core::kind::{Dim, Kind, Need, Param, Type, Unit};
+use ca_core::phi::implicit::{OF_GROUP, OF_MODEL, THETA};
+use serde_json::{Map, Value as Json, json};
+
+/// A word of a name.
+const WORD: &str = "^[A-Za-z_][A-Za-z0-9_]*$";
+/// A quantity, see [`super::quantity`]; any other string names a `[param]`.
+const QUANTITY: &str = r"^\s*[-+−]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?(\s*[A-Za-zµμ%/].*)?$";
+
+/// The acceleration of free masses, of a model or of a group.
+const GRAVITY: Param = Param::new(
+    "gravity",
+    Type::Place { unit: Unit::ACCELERATION },
+    Need::Optional,
+    "acceleration of free masses: how much along the last axis, downwards, or a number for each axis",
+);
+
+/// The schema of the models this catalog can read.
+pub fn schema(catalog: &Catalog) -> Json {
+    let mut defs = Map::new();
+    defs.insert(
+        "quantity".into(),
+        json!({"type": "string", "pattern": QUANTITY, "description": "a number and its unit"}),
+    );
+    defs.insert(
+        "name".into(),
+        json!({"type": "string", "pattern": r"^[A-Za-z_][A-Za-z0-9_.]*$", "description": "a `[param]`"}),
+    );
+    defs.insert(
+        "number".into(),
+        json!({"anyOf": [{"type": "number"}, {"$ref": "#/$defs/quantity"}, {"$ref": "#/$defs/name"}]}),
+    );
+    let mut kinds = Map::new();
+    for kind in catalog.iter() {
+        defs.insert(kind.code.into(), members(kind));
+        kinds.insert(kind.code.into(), json!({"$ref": format!("#/$defs/{}", kind.code)}));
+    }
+    let mut group = kinds.clone();
+    group.extend(GROUP.iter().map(|p| ((*p).to_string(), known(p, &OF_GROUP))));
+    defs.insert(
+        "group".into(),
+        json!({"type": "object", "description": "modules that share a medium", "properties": group, "additionalProperties": false}),
+    );
+    let section = |doc: &str, keys: &[&str]| {
+        let keys: Map<String, Json> = keys.iter().map(|k| ((*k).to_string(), known(k, &OF_MODEL))).collect();
+        json!({"type": "object", "description": doc, "properties": keys, "additionalProperties": false})
+    };
+    let mut properties = kinds;
+    properties.insert("model".into(), section("what the model is", META));
+    properties.insert("rate".into(), section("the two rates", RATES));
+    properties.insert("param".into(), params());
+    properties.insert(
+        "gesture".into(),
+        json!({"type": "object", "description": "a port or a live parameter, and its breakpoints [time, value]"}),
+    );
+    properties.insert("equivalence".into(), equivalence());
+    json!({
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "CORDIS-ANIMA model",
+        "type": "object",
+        "properties": properties,
+        "propertyNames": {"pattern": WORD},
+        "additionalProperties": {"$ref": "#/$defs/group"},
+        "$defs": defs,
+    })
+}
+
+/// Keys that are not parameters of kinds; `method` is what that key means here.
+fn known(key: &str, method: &Param) -> Json {
+    let number = |doc: &str| json!({"$ref": "#/$defs/number", "description": doc});
+    match key {
+        "units" => json!({"enum": ["si", "alg"], "default": "si", "description": "units of bare numbers"}),
+        "start" => json!({"enum": ["centred", "mi.lib"], "default": "centred", "description": "how it starts"}),
+        "dim" => json!({"enum": [1, 2, 3], "description": "dimensions of space"}),
+        "reference_rate" => number("rate whose sample is the unit of time of `alg` units [Hz]"),
+        "gravity" => param(&GRAVITY),
+        "method" => param(method),
+        "theta" => param(&THETA),
+        "seconds" => number("how long it sounds, if nobody says otherwise [s]"),
+        "friction" => number("viscosity of the medium on every free mass [N s/m]"),
+        "sound" => number("samples per second [Hz]"),
+        "oversample" => {
+            json!({"type": "integer", "minimum": 1, "maximum": 64, "default": 1, "description": "ticks in a sample"})
+        }
+        "gesture" => number("device frames per second; sound / gesture is a whole number [Hz]"),
+        "border" => {
+            json!({"enum": ["linear", "hold"], "default": "linear", "description": "position of a device within a frame"})
+        }
+        "latency" => {
+            json!({"type": "integer", "minimum": 0, "default": 0, "description": "frames added to the position of each device"})
+        }
+        "feedback" => json!({"type": "boolean", "default": true, "description": "whether the hand gets a force"}),
+        "filter" => number("edge of the pass band of the low-pass on all outputs [Hz]"),
+        "title" => json!({"type": "string", "description": "what it is, in a few words"}),
+        "author" => json!({"type": "string", "description": "who made it"}),
+        "source" => json!({"type": "string", "description": "where it comes from"}),
+        "doc" => json!({"type": "string", "description": "more about it"}),
+        // a key that is listed has a type: the tests hold every list against this
+        _ => json!(false),
+    }
+}
+
+fn params() -> Json {
+    let number = json!({"$ref": "#/$defs/number"});
+    let full = json!({
+        "type": "object",
+        "properties": {
+            "value": number, "min": number, "max": number,
+            "unit": {"type": "string"}, "doc": {"type": "string"},
+            "live": {"type": "boolean", "description": "may be changed while it sounds"},
+        },
+        "required": ["value"],
+    });
+    json!({
+        "type": "object",
+        "description": "named numbers",
+        "propertyNames": {"pattern": WORD},
+        "additionalProperties": {"anyOf": [number, full]},
+    })
+}
+
+/// Rows as pairs, the anchor, and a table for each device key (a group's key is a table in a table).
+fn equivalence() -> Json {
+    let number = json!({"$ref": "#/$defs/number"});
+    let rows = ROWS.iter().filter(|r| r.class() != Class::Time);
+    let pair = |r: &Row| {
+        let doc = format!("[real, simulated]; the real one in {} where no unit is written", r.unit.symbol);
+        json!({"type": "array", "minItems": 2, "maxItems": 2, "items": number, "description": doc})
+    };
+    let mut known: Map<String, Json> = rows.clone().map(|r| (r.name.to_string(), pair(r))).collect();
+    let anchors: Vec<&str> = ["impedance"].into_iter().chain(rows.map(|r| r.name)).collect();
+    known.insert("anchor".into(), json!({"enum": anchors, "description": "what stays where one row is given"}));
+    let factor = json!({"$ref": "#/$defs/number", "description": "factor beside the scale of the whole"});
+    let key = json!({
+        "type": "object", "description": "how this device key differs from the others",
+        "properties": {"lever": factor, "position": factor, "force": factor}, "additionalProperties": {"type": "object"},
+        "allOf": [{"not": {"required": ["lever", "position"]}}, {"not": {"required": ["lever", "force"]}}],
+    });
+    json!({
+        "type": "object", "description": "how large and how heavy the model is in the hand: a quantity = [real, simulated]",
+        "properties": known, "additionalProperties": key,
+    })
+}
+
+/// The section of one kind.
+fn members(kind: &Kind) -> Json {
+    let properties: Map<String, Json> = kind.params.iter().map(|p| (p.name.to_string(), param(p))).collect();
+    let required: Vec<&str> = kind.params.iter().filter(|p| p.need == Need::Required).map(|p| p.name).collect();
+    let mut rules = Vec::new();
+    for one_of in kind.one_of {
+        for (i, a) in one_of.sets.iter().enumerate() {
+            for b in &one_of.sets[i + 1..] {
+                let pairs = a.iter().flat_map(|x| b.iter().map(move |y| (x, y))).filter(|(x, y)| x != y);
+                rules.extend(pairs.map(|(x, y)| json!({"not": {"required": [x, y]}})));
+            }
+        }
+        if one_of.required {
+            let firsts: Vec<Json> =
+                one_of.sets.iter().filter_map(|s| s.first()).map(|f| json!({"required": [f]})).collect();
+            rules.push(json!({"anyOf": firsts}));
+        }
+    }
+    let mut module = json!({"type": "object", "properties": properties, "additionalProperties": false});
+    if !required.is_empty() {
+        module["required"] = json!(required);
+    }
+    if !rules.is_empty() {
+        module["allOf"] = json!(rules);
+    }
+    json!({
+        "type": "object",
+        "title": format!("{}: {}", kind.code, kind.title),
+        "description": format!("{}\n\n{}", kind.doc, kind.equation),
+        "propertyNames": {"pattern": WORD},
+        "additionalProperties": module,
+    })
+}
+
+fn param(p: &Param) -> Json {
+    let (mut json, unit) = match p.ty {
+        Type::Number { unit, min, max } => (number(unit, min, max), Some((unit, min, max))),
+        Type::Numbers { unit, min, max } => {
+            let one = number(unit, min, max);
+            (json!({"anyOf": [one, {"type": "array", "items": one}]}), Some((unit, min, max)))
+        }
+        Type::PowerStiffness { .. } => (number(Unit::STIFFNESS, 0.0, f64::MAX), None),
+        Type::Count { min, max } => {
+            (json!({"anyOf": [{"type": "integer", "minimum": min, "maximum": max}, {"$ref": "#/$defs/name"}]}), None)
+        }
+        Type::Choice(words) => (json!({"enum": words}), None),
+        Type::Flag => (json!({"type": "boolean"}), None),
+        Type::Points { .. } => {
+            let number = json!({"anyOf": [{"type": "number"}, {"$ref": "#/$defs/quantity"}]});
+            let point = json!({"type": "array", "minItems": 2, "maxItems": 2, "items": number});
+            (json!({"type": "array", "minItems": 2, "items": point}), None)
+        }
+        Type::Place { unit } => {
+            let one = number(unit, f64::MIN, f64::MAX);
+            let list = json!({"type": "array", "minItems": 2, "maxItems": 3, "items": one});
+            (json!({"anyOf": [one, list]}), Some((unit, f64::MIN, f64::MAX)))
+        }
+        Type::Places { unit } => {
+            let one = number(unit, f64::MIN, f64::MAX);
+            let place = json!({"type": "array", "minItems": 3, "maxItems": 3, "items": one});
+            (json!({"type": "array", "minItems": 1, "items": place}), Some((unit, f64::MIN, f64::MAX)))
+        }
+        Type::Direction => {
+            let list = json!({"type": "array", "minItems": 2, "maxItems": 3, "items": {"type": "number"}});
+            (json!({"anyOf": [{"enum": ["x", "y", "z"]}, list]}), None)
+        }
+        Type::Counts { min, max } => {
+            let one = json!({"type": "integer", "minimum": min, "maximum": max});
+            (json!({"anyOf": [one, {"type": "array", "items": one}, {"$ref": "#/$defs/name"}]}), None)
+        }
+        Type::Nodes => {
+            let node = json!({"type": "array", "minItems": 2, "maxItems": 2, "items": {"type": "integer"}});
+            (json!({"type": "array", "items": node}), None)
+        }
+        Type::Between => {
+            let end = json!({"anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}}]});
+            (json!({"type": "array", "minItems": 2, "maxItems": 2, "items": end}), None)
+        }
+        Type::Module | Type::Text | Type::File => (json!({"type": "string"}), None),
+        Type::Midi => (json!({"type": "object"}), None),
+    };
+    let mut doc = Vec::from([p.doc.to_string()]);
+    match p.ty {
+        Type::PowerStiffness { exponent } => doc.push(format!(" [N/m^{exponent}]")),
+        Type::Points { x, y } => doc.push(format!(" [{}, {}]", symbol(x), symbol(y))),
+        _ => {}
+    }
+    if let Some((unit, min, max)) = unit {
+        doc.push(format!(" [{}]", symbol(unit)));
+        let own = |v: f64| v != 0.0 && v.abs() != f64::MAX && v != f64::MIN_POSITIVE;
+        if own(min) {
+            doc.push(format!(", from {}", show(min, unit)));
+        }
+        if own(max) {
+            doc.push(format!(", up to {}", show(max, unit)));
+        }
+        if let Need::Default(v) = p.need {
+            json["default"] = if v == 0.0 || unit.dim == Dim::NONE { json!(v) } else { json!(show(v, unit)) };
+        }
+    } else if let Need::Default(v) = p.need {
+        json["default"] = match p.ty {
+            Type::Choice(words) => json!(words.get(v as usize)),
+            Type::Flag => json!(v != 0.0),
+            Type::Count { .. } | Type::Counts { .. } => json!(v as u64),
+            _ => json!(v),
+        };
+    }
+    json["description"] = json!(doc.concat());
+    json
+}
+
+fn symbol(unit: Unit) -> &'static str {
+    if unit.symbol.is_empty() { "plain number" } else { unit.symbol }
+}
+
+/// A bare number with the bounds that hold in every system of units, or a quantity, or a name.
+fn number(unit: Unit, min: f64, max: f64) -> Json {
+    let mut bare = json!({"type": "number"});
+    let plain = unit.dim == Dim::NONE;
+    if min == f64::MIN_POSITIVE {
+        bare["exclusiveMinimum"] = json!(0);
+    } else if min == 0.0 || plain && min != f64::MIN {
+        bare["minimum"] = json!(min);
+    }
+    if plain && max != f64::MAX || max == 0.0 {
+        bare["maximum"] = json!(max);
+    }
+    json!({"anyOf": [bare, {"$ref": "#/$defs/quantity"}, {"$ref": "#/$defs/name"}]})
+}

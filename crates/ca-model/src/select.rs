@@ -1,0 +1,249 @@
+//! Selectors: how one module, or some modules of a generator, are named in `between`, `from` and gestures.
+//!
+//! ```text
+//! hammer   ball.a              a module; members of a group carry its name
+//! low[8]   low[-1]   low[*]    masses of a generator: one, from the end, all
+//! low[2..5]   plate[3,4]       a half-open range; row and column of a mesh
+//! low.link[3]   low.end[0]     its links, the fixed points at its ends
+//! low@0.31  plate@0.3,0.4      a moving point between the ends; the place may be a name: low@place
+//! ```
+//! Decides that a selector is one string with one small grammar, the same in a file, on the command line and in
+//! Python. Only the text is judged here; whether the names exist and the index is in range is for the compiler.
+
+use alloc::borrow::ToOwned;
+use alloc::format;
+use alloc::string::String;
+use alloc::vec::Vec;
+use core::fmt;
+
+/// What is selected of a generator.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// its masses; also what stands for a plain module
+    Mass,
+    /// its links: `.link`
+    Link,
+    /// the fixed points at its ends: `.end`
+    End,
+}
+
+/// Which of them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Index {
+    /// no brackets
+    None,
+    /// `[3]`; negative counts from the end
+    One(i64),
+    /// `[3,4]`
+    Two(i64, i64),
+    /// `[*]`
+    All,
+    /// `[2..5]`, the 5 excluded
+    Range(i64, i64),
+}
+
+/// One coordinate of a moving point, 0 to 1 between the ends.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Coord {
+    /// a number
+    Num(f64),
+    /// a live parameter or an ENX port
+    Name(String),
+}
+
+/// Where on the generator: one coordinate on a string, two on a mesh.
+#[derive(Clone, Debug, PartialEq)]
+pub struct At(pub Vec<Coord>);
+
+/// A selector, read.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Selector {
+    /// full name of the module or generator
+    pub name: String,
+    /// masses, links or ends
+    pub part: Part,
+    /// which of them
+    pub index: Index,
+    /// the moving point
+    pub at: Option<At>,
+}
+
+/// What is wrong in the text of a selector, and where.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SelectError {
+    /// byte offset
+    pub at: usize,
+    /// what is wrong
+    pub message: String,
+}
+
+impl fmt::Display for SelectError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.message)
+    }
+}
+impl core::error::Error for SelectError {}
+
+fn fault<T>(at: usize, message: impl Into<String>) -> Result<T, SelectError> {
+    Err(SelectError { at, message: message.into() })
+}
+
+/// Whether `text` is one word of a name: an ASCII letter or `_`, then letters, digits and `_`.
+pub fn is_word(text: &str) -> bool {
+    text.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
+        && text.bytes().all(|c| c.is_ascii_alphanumeric() || c == b'_')
+}
+
+/// Whether `text` is a full name: words joined by dots.
+pub fn is_name(text: &str) -> bool {
+    text.split('.').all(is_word)
+}
+
+/// Reads a selector.
+///
+/// ```
+/// use ca_model::select::{Index, Part, parse};
+/// let s = parse("low.link[-1]").unwrap();
+/// assert_eq!((s.name.as_str(), s.part, s.index), ("low", Part::Link, Index::One(-1)));
+/// assert_eq!(s.to_string(), "low.link[-1]");
+/// ```
+pub fn parse(text: &str) -> Result<Selector, SelectError> {
+    let lead = text.len() - text.trim_start().len();
+    let whole = text.trim();
+    let (left, place) = match whole.split_once('@') {
+        Some((l, r)) => (l, Some((lead + l.len() + 1, r))),
+        None => (whole, None),
+    };
+    let left = left.trim_end();
+    let (mut name, index) = match left.split_once('[') {
+        Some((name, inner)) => (name.trim_end(), brackets(inner, lead + name.len() + 1)?),
+        None => (left, Index::None),
+    };
+    let mut part = Part::Mass;
+    if index != Index::None {
+        for (suffix, p) in [(".link", Part::Link), (".end", Part::End)] {
+            if let Some(stem) = name.strip_suffix(suffix) {
+                (name, part) = (stem, p);
+            }
+        }
+    }
+    if !is_name(name) {
+        return fault(lead + first_odd(name), odd_name(name));
+    }
+    let at = match place {
+        Some((start, _)) if index != Index::None => {
+            return fault(start - 1, "a moving point has no index: write the place alone, as in `low@0.31`");
+        }
+        Some((start, r)) => Some(coords(r, start)?),
+        None => None,
+    };
+    Ok(Selector { name: name.to_owned(), part, index, at })
+}
+
+/// First byte at which `name` stops being a name.
+fn first_odd(name: &str) -> usize {
+    let mut begin = true;
+    for (i, c) in name.char_indices() {
+        let fits = if begin { c.is_ascii_alphabetic() } else { c.is_ascii_alphanumeric() };
+        if !(fits || c == '_' || c == '.' && !begin) {
+            return i;
+        }
+        begin = c == '.';
+    }
+    name.len()
+}
+
+fn odd_name(name: &str) -> String {
+    if name.is_empty() {
+        return "a name is missing".into();
+    }
+    match name[first_odd(name)..].chars().next() {
+        Some(']') => "`]` without `[`".into(),
+        Some(c) if c.is_ascii_digit() => "a name starts with a letter".into(),
+        Some(c) => format!("`{}` is not part of a name", c.escape_debug()),
+        None => "a name does not end with a dot".into(),
+    }
+}
+
+fn brackets(inner: &str, start: usize) -> Result<Index, SelectError> {
+    let Some(close) = inner.find(']') else {
+        return fault(start + inner.len(), "`]` is missing");
+    };
+    let after = &inner[close + 1..];
+    if !after.is_empty() {
+        return fault(start + close + 1, "nothing follows `]`");
+    }
+    let inner = &inner[..close];
+    let two = |sep: &str| inner.split_once(sep).map(|(a, b)| (a, b, start + a.len() + sep.len()));
+    if inner.trim() == "*" {
+        Ok(Index::All)
+    } else if let Some((a, b, s)) = two("..") {
+        Ok(Index::Range(integer(a, start)?, integer(b, s)?))
+    } else if let Some((a, b, s)) = two(",") {
+        Ok(Index::Two(integer(a, start)?, integer(b, s)?))
+    } else {
+        Ok(Index::One(integer(inner, start)?))
+    }
+}
+
+fn integer(text: &str, start: usize) -> Result<i64, SelectError> {
+    let at = start + text.len() - text.trim_start().len();
+    match text.trim() {
+        "" => fault(at, "a number is missing"),
+        t => t.parse().or_else(|_| {
+            fault(
+                at,
+                format!("`{}` is not an index: write a whole number, `*` or a range such as `2..5`", t.escape_debug()),
+            )
+        }),
+    }
+}
+
+fn coords(text: &str, start: usize) -> Result<At, SelectError> {
+    let mut at = start;
+    let mut list = Vec::new();
+    for piece in text.split(',') {
+        let here = at + piece.len() - piece.trim_start().len();
+        at += piece.len() + 1;
+        let word = piece.trim();
+        if list.len() == 2 {
+            return fault(here, "a moving point has one or two coordinates");
+        }
+        if word.is_empty() {
+            return fault(here, "a place is missing after `@`: a number from 0 to 1 or a name");
+        }
+        let numeric = word.bytes().all(|c| c.is_ascii_digit() || matches!(c, b'.' | b'-' | b'+' | b'e' | b'E'));
+        match word.parse::<f64>() {
+            _ if is_name(word) => list.push(Coord::Name(word.to_owned())),
+            Ok(v) if numeric && v.is_finite() => list.push(Coord::Num(v)),
+            _ => return fault(here, format!("`{}` is neither a number nor a name", word.escape_debug())),
+        }
+    }
+    Ok(At(list))
+}
+
+impl fmt::Display for Selector {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.name)?;
+        f.write_str(match self.part {
+            Part::Mass => "",
+            Part::Link => ".link",
+            Part::End => ".end",
+        })?;
+        match self.index {
+            Index::None => {}
+            Index::One(i) => write!(f, "[{i}]")?,
+            Index::Two(i, j) => write!(f, "[{i},{j}]")?,
+            Index::All => f.write_str("[*]")?,
+            Index::Range(a, b) => write!(f, "[{a}..{b}]")?,
+        }
+        for (i, c) in self.at.iter().flat_map(|a| a.0.iter()).enumerate() {
+            f.write_str(if i == 0 { "@" } else { "," })?;
+            match c {
+                Coord::Num(v) => write!(f, "{v}")?,
+                Coord::Name(n) => f.write_str(n)?,
+            }
+        }
+        Ok(())
+    }
+}
