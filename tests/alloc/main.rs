@@ -13,7 +13,7 @@ mod rings;
 use ca_benches::rattle;
 use ca_compile::{KernelClass, Options, compile};
 use ca_core::{Scene, State, advance, process, sense, tick};
-use ca_haptic::perform::Performance;
+use ca_io::perform::Performance;
 use ca_model::{Model, read};
 use ca_tests::{gesture, texts};
 use std::alloc::{GlobalAlloc, Layout, System};

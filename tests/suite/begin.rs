@@ -2,7 +2,7 @@
 
 use crate::play::{scene, within};
 use ca_benches::atlas::orders::CASES;
-use ca_haptic::perform::Performance;
+use ca_io::perform::Performance;
 
 #[test]
 fn a_start_has_the_order_of_its_method() {

@@ -2,10 +2,10 @@
 //! and no content of any file ends the process. `PROPTEST_CASES=100000` makes a long search of it.
 
 use ca_core::io::midi::{MidiMap, MidiSource};
-use ca_haptic::FileErrorKind;
-use ca_haptic::gesture::{Gesture, GestureFormat, PortMap};
-use ca_haptic::probe::ProbeOut;
-use ca_haptic::sound::{Format, WavOut};
+use ca_io::FileErrorKind;
+use ca_io::gesture::{Gesture, GestureFormat, PortMap};
+use ca_io::probe::ProbeOut;
+use ca_io::sound::{Format, WavOut};
 use npyz::WriterBuilder;
 use proptest::prelude::*;
 use std::path::Path;

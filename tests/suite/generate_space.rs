@@ -4,7 +4,7 @@ use crate::play::{case, list, mats, num, off, reference, scene, with, within};
 use ca_compile::{Options, compile};
 use ca_core::cloud::Cloud;
 use ca_core::{Scene, sense};
-use ca_haptic::cloud::{of_model, open};
+use ca_io::cloud::{of_model, open};
 
 /// A body in a room, every mass of it tied to the origin first, so that the reach of the ties is where it is at rest.
 fn room(body: &str) -> String {

@@ -4,9 +4,9 @@
 use crate::acoustics::{cents, partial, peak, period, rms};
 use ca_compile::{Options, compile};
 use ca_core::Scene;
-use ca_haptic::gesture::{Gesture, Track};
-use ca_haptic::perform::Performance;
 use ca_import::mims;
+use ca_io::gesture::{Gesture, Track};
+use ca_io::perform::Performance;
 use ca_model::{read, render, write};
 use ca_tests::catalog;
 use std::path::PathBuf;

@@ -6,7 +6,7 @@
 use crate::{model, scene};
 use ca_compile::KernelClass;
 use ca_core::{Scene, tick};
-use ca_haptic::perform::Performance;
+use ca_io::perform::Performance;
 use std::f64::consts::TAU;
 
 /// Pitch of the oscillator \[Hz\].

@@ -4,8 +4,8 @@
 //! `ca device calibrate`, valid for every model until the hardware changes. A device process that speaks metres and
 //! newtons by itself needs none; gains here are then what is left to correct.
 
-use crate::error::{FileError, FileErrorKind};
 use crate::frame::{DOF, fnv};
+use ca_io::error::{FileError, FileErrorKind};
 use serde::{Deserialize, Serialize};
 
 /// Largest number of an axis: beyond it a force of a newton is none that the wire holds.

@@ -1,4 +1,5 @@
-//! What surrounds a scene: gestures in, sound files out; devices, their safety, the real-time loop and takes.
+//! What plays a scene by hand: devices, their safety, the real-time loop and takes. Files of others (gestures, sounds,
+//! clouds of points) and a scene played to its end without a device are in `ca-io`.
 //!
 //! ```text
 //! frame, profile, calibration, equivalence → guard → engine → record → serve
@@ -6,66 +7,19 @@
 //! simulated (a device as physics)    host (shared memory, feature `iceoryx`)    take (MCAP, feature `mcap`)
 //! ```
 //!
-//! A gesture is a few named functions of time, read from CSV, NPY, WAV or MIDI files. A render is a WAV file, and a
-//! probe is any quantity of the model in an NPY or CSV file. All three together:
-//!
-//! ```
-//! use ca_haptic::gesture::{Gesture, GestureFormat};
-//! use ca_haptic::probe::ProbeOut;
-//! use ca_haptic::sound::{Format, WavOut};
-//!
-//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! // a key goes down 5 mm in 20 ms, stays, and comes up
-//! let text = "time,key\n0,0\n0.02,-0.005\n0.1,-0.005\n0.15,0\n";
-//! let gesture = Gesture::read(GestureFormat::Csv, text.as_bytes(), &[], None)?;
-//! let mut key = gesture.track("key").unwrap().cursor();
-//!
-//! let dir = tempfile::tempdir()?;
-//! let mut sound = WavOut::create(dir.path().join("out.wav"), 3000.0, 1, Format::I24)?;
-//! let mut probe = ProbeOut::create(dir.path().join("key.npy"), &["key"], 3000.0)?;
-//! for n in 0..450 {
-//!     let x = key.at(f64::from(n) / 3000.0); // [m]; amortised O(1), nothing is allocated
-//!     sound.write(&[x * 300.0])?; // too loud
-//!     probe.write(&[x])?;
-//! }
-//! let reported = sound.finish()?; // only now is there a file of that name
-//! assert_eq!((reported.frames, reported.level.peak[0]), (450, 1.5));
-//! assert!(reported.level.clipped > 240);
-//! assert_eq!(probe.finish()?, 450);
-//!
-//! // what cannot be read says where, and what to do
-//! let bad = Gesture::read(GestureFormat::Csv, b"time,key\n0,5 mm\n", &[], None).unwrap_err();
-//! assert_eq!(
-//!     bad.to_string(),
-//!     "line 2, column 2 (`key`): `5 mm` is not a number; write it like `-1.5e-3`, without a unit"
-//! );
-//! # Ok(())
-//! # }
-//! ```
-
 mod blocks;
 pub mod calibration;
-pub mod cloud;
 pub mod engine;
 pub mod equivalence;
-pub mod error;
 pub mod frame;
-pub mod gesture;
 pub mod guard;
 #[cfg(feature = "iceoryx")]
 pub mod host;
-pub mod perform;
-pub mod probe;
 pub mod profile;
-pub mod reading;
 pub mod record;
 pub mod rt;
 pub mod serve;
 pub mod simulated;
-pub mod sound;
-pub mod staged;
 pub mod stats;
 #[cfg(feature = "mcap")]
 pub mod take;
-
-pub use error::{FileError, FileErrorKind};

@@ -4,16 +4,16 @@
 //! All lengths of time count frames. `CA_LONG=1` plays every case of the grid, else every 41st.
 
 use ca_compile::{Options as Compile, compile};
-use ca_core::border::{Delays, delays};
 use ca_core::Scene;
+use ca_core::border::{Delays, delays};
 use ca_haptic::calibration::Calibration;
 use ca_haptic::engine::{Act, Engine, Options, Port, Setup};
 use ca_haptic::equivalence::gains;
 use ca_haptic::frame::{DeviceFrame, ForceFrame, Mode, flag};
-use ca_haptic::gesture::{Gesture, Track};
 use ca_haptic::guard::Order;
 use ca_haptic::profile::{Profile, SHIPPED};
 use ca_haptic::simulated::{Device, Hand, Script};
+use ca_io::gesture::{Gesture, Track};
 use ca_model::read::read;
 use std::fmt::Write as _;
 use std::sync::Arc;

@@ -3,7 +3,7 @@
 use crate::load::{has_extension, ticked};
 use crate::{Failure, catalog};
 use ca_core::Scene;
-use ca_haptic::gesture::{Gesture, PortMap, Track};
+use ca_io::gesture::{Gesture, PortMap, Track};
 use ca_model::select::is_name;
 use std::path::Path;
 

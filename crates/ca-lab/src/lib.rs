@@ -40,10 +40,10 @@ pub struct Found {
     pub diags: Diags,
 }
 
-impl From<ca_haptic::FileError> for Failure {
-    fn from(e: ca_haptic::FileError) -> Failure {
+impl From<ca_io::FileError> for Failure {
+    fn from(e: ca_io::FileError) -> Failure {
         match e.kind {
-            ca_haptic::FileErrorKind::Usage | ca_haptic::FileErrorKind::Unsupported => Failure::Usage(e.to_string()),
+            ca_io::FileErrorKind::Usage | ca_io::FileErrorKind::Unsupported => Failure::Usage(e.to_string()),
             _ => Failure::Failed(e.to_string()),
         }
     }

@@ -9,8 +9,8 @@ use ca_compile::{Compiled, Options};
 use ca_core::Catalog;
 use ca_core::Scene;
 use ca_core::cloud::Clouds;
-use ca_haptic::reading;
 use ca_import::mims;
+use ca_io::reading;
 use ca_model::Model;
 use ca_model::diag::{Diags, Severity};
 use ca_model::render::line_column;
@@ -128,9 +128,9 @@ fn found(model: Model, diags: Diags, file: &str) -> Loaded {
 /// Reads the files that the model names and that were not read yet; they are looked for beside its own.
 pub fn look(loaded: &mut Loaded) {
     let (model, kinds) = (&loaded.model, catalog());
-    if ca_haptic::cloud::named(model, &kinds).into_iter().any(|name| !loaded.clouds.contains_key(name)) {
+    if ca_io::cloud::named(model, &kinds).into_iter().any(|name| !loaded.clouds.contains_key(name)) {
         let folder = Path::new(&model.file).parent().unwrap_or(Path::new(""));
-        let read = ca_haptic::cloud::of_model(model, &kinds, folder);
+        let read = ca_io::cloud::of_model(model, &kinds, folder);
         loaded.clouds = read.into_iter().chain(std::mem::take(&mut loaded.clouds)).collect();
     }
 }

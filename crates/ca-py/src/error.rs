@@ -1,6 +1,6 @@
 //! What fails, as an exception of the package.
 
-use ca_haptic::FileError;
+use ca_io::FileError;
 use ca_lab::Failure;
 use ca_model::Model;
 use ca_model::diag::Diags;

@@ -2,7 +2,7 @@
 
 use crate::error::{self, failure, file, usage};
 use crate::measure::table;
-use ca_haptic::gesture::{self, PortMap, Track};
+use ca_io::gesture::{self, PortMap, Track};
 use numpy::{PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods as _, ToPyArray as _};
 use pyo3::prelude::*;
 use std::path::Path;

@@ -5,7 +5,7 @@ use crate::measure::table;
 use crate::model::Model;
 use ca_haptic::frame::{Cause, DOF, Mode};
 use ca_haptic::take::{self, Event, Replay, Verdict};
-use ca_haptic::{FileError, FileErrorKind};
+use ca_io::{FileError, FileErrorKind};
 use ca_lab::{catalog, load};
 use numpy::IntoPyArray as _;
 use pyo3::prelude::*;

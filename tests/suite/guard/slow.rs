@@ -6,10 +6,10 @@
 use super::{KEY, Rig, TE, cause, mode};
 use crate::play::Dice;
 use ca_haptic::frame::{Cause, Mode, flag};
-use ca_haptic::gesture::{Gesture, Track};
 use ca_haptic::guard::Order;
 use ca_haptic::profile::Profile;
 use ca_haptic::simulated::{Device, Hand, Script};
+use ca_io::gesture::{Gesture, Track};
 
 /// What a sweep gave.
 struct Swept {

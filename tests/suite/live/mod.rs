@@ -53,17 +53,17 @@ struct Heard(Arc<Mutex<Received>>);
 type Received = (Vec<Record>, Vec<f64>, Vec<u64>);
 
 impl Sink for Heard {
-    fn record(&mut self, record: &Record) -> Result<(), ca_haptic::FileError> {
+    fn record(&mut self, record: &Record) -> Result<(), ca_io::FileError> {
         self.0.lock().unwrap().0.push(record.clone());
         Ok(())
     }
-    fn sound(&mut self, tick: u64, frames: &[f64]) -> Result<(), ca_haptic::FileError> {
+    fn sound(&mut self, tick: u64, frames: &[f64]) -> Result<(), ca_io::FileError> {
         let sound = &mut self.0.lock().unwrap().1;
         assert_eq!(sound.len() as u64, tick, "one channel, and nothing is missing");
         sound.extend(frames);
         Ok(())
     }
-    fn view(&mut self, tick: u64, x: &[f64]) -> Result<(), ca_haptic::FileError> {
+    fn view(&mut self, tick: u64, x: &[f64]) -> Result<(), ca_io::FileError> {
         assert_eq!(x.len(), 3);
         self.0.lock().unwrap().2.push(tick);
         Ok(())

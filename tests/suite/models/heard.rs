@@ -4,8 +4,8 @@ use crate::acoustics::{cents, damping, db, mode, partial, peak, sin2, stiffness}
 use ca_compile::Compiled;
 use ca_compile::{Options, compile};
 use ca_core::Scene;
-use ca_haptic::gesture::Gesture;
-use ca_haptic::perform::Performance;
+use ca_io::gesture::Gesture;
+use ca_io::perform::Performance;
 use ca_model::read::read;
 use ca_model::{Model, Value, quantity, render};
 use ca_tests::catalog;

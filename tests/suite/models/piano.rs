@@ -12,9 +12,9 @@ use ca_haptic::calibration::Calibration;
 use ca_haptic::engine::{Act, Engine, Options as EngineOptions, Port, Setup};
 use ca_haptic::equivalence::gains;
 use ca_haptic::frame::{DeviceFrame, Mode};
-use ca_haptic::gesture::{Gesture, Track};
 use ca_haptic::guard::Order;
 use ca_haptic::profile::Profile;
+use ca_io::gesture::{Gesture, Track};
 use std::fmt::Write as _;
 use std::sync::Arc;
 

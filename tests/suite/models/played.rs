@@ -2,7 +2,7 @@
 
 use super::heard::{load, perform, play, scene};
 use crate::acoustics::{cents, density, envelope, flatness, partial, peak, period, rms, slope, velocity};
-use ca_haptic::gesture::{Gesture, Track};
+use ca_io::gesture::{Gesture, Track};
 
 pub fn wind() {
     let h = play("wind", &["air[13]", "air[4]", "whistle1", "whistle2", "whistle3", "whistle4"]);

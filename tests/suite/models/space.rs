@@ -5,7 +5,7 @@ use super::heard::{Heard, load, perform, play, scene};
 use crate::acoustics::{cents, db, eigenvalues, mode, partial, peak, rms};
 use ca_core::Scene;
 use ca_core::scene::Stands;
-use ca_haptic::gesture::{Gesture, Track};
+use ca_io::gesture::{Gesture, Track};
 
 /// Places of the modules `names` over time [m], absolute, from probes of the same names in the same order.
 struct Motion<'a> {

@@ -10,7 +10,7 @@ use ca_core::border::frame_due;
 use ca_core::op::Op;
 use ca_core::scene::InputRole;
 use ca_core::{Scene, State, advance, sense, tick};
-use ca_haptic::perform::Performance;
+use ca_io::perform::Performance;
 
 /// A model whose samples have `times` ticks, and the same with so many samples.
 fn twins(text: &str, more: &str, times: u32, options: &Options) -> [Scene; 2] {

@@ -9,7 +9,7 @@ use crate::load;
 use crate::{Ended, Failure, Outcome, catalog, term};
 use ca_compile::Options;
 use ca_compile::analysis::{Mode, Modes, Network, modes};
-use ca_haptic::staged::Staged;
+use ca_io::staged::Staged;
 use ca_model::quantity::Plain;
 use ca_model::render;
 use serde_json::{Value as Json, json};

@@ -6,7 +6,7 @@
 use crate::args::NewArgs;
 use crate::load::{self, BUNDLED};
 use crate::{Ended, Failure, Outcome, catalog};
-use ca_haptic::{reading, staged};
+use ca_io::{reading, staged};
 use ca_model::schema;
 use ca_model::suggest::nearest;
 use std::io::Write as _;

@@ -11,7 +11,7 @@ mod tests;
 
 pub use described::UNKNOWN;
 
-use crate::error::{FileError, FileErrorKind};
+use ca_io::error::{FileError, FileErrorKind};
 use serde::{Deserialize, Serialize};
 
 /// A device, as the guard and the simulation see it. Per degree of freedom where not said otherwise.

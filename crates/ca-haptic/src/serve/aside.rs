@@ -13,10 +13,10 @@
 
 use super::sink::{Happened, Sink, Wants};
 use super::summary::Pulse;
-use crate::error::FileError;
 use crate::record::Record;
 use crate::rt::{self, Granted, Wish};
 use ca_core::Scene;
+use ca_io::error::FileError;
 use std::fmt::Write as _;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering::Relaxed};
 use std::sync::mpsc::{Receiver, Sender, channel};

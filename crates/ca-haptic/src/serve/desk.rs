@@ -6,7 +6,6 @@ use super::loops::Loops;
 use super::sink::{Happened, Sink};
 use super::summary::{DeviceSummary, Fault, Pulse, Summary};
 use super::{Beat, DeskEnds, Shared};
-use crate::FileError;
 use crate::blocks::take;
 use crate::engine::{Act, Change, Engine, Port, Refit, Setup};
 use crate::frame::{Cause, Mode, flag};
@@ -17,6 +16,7 @@ use crate::stats::Times;
 use ca_core::Scene;
 use ca_core::live::Controls;
 use ca_core::scene::InputRole;
+use ca_io::FileError;
 use std::sync::Arc;
 use std::sync::atomic::Ordering::{Relaxed, Release};
 

@@ -1,8 +1,8 @@
 //! What a sink is: one trait for sound files, takes, terminals and Python, so that a new one is a file of its own.
 
 use super::summary::Pulse;
-use crate::FileError;
 use crate::record::Record;
+use ca_io::FileError;
 
 /// Where records end: a sound file, a take, a terminal.
 pub trait Sink {

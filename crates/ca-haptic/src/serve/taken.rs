@@ -2,9 +2,9 @@
 
 use super::sink::{Happened, Sink};
 use super::summary::Pulse;
-use crate::error::FileError;
 use crate::record::Record;
 use crate::take::{Level, Rt, TakeWriter};
+use ca_io::error::FileError;
 
 impl Sink for TakeWriter {
     fn record(&mut self, record: &Record) -> Result<(), FileError> {

@@ -5,8 +5,8 @@
 //! force without a place, and `file` is what somebody recorded. Each begins at rest, so that arming finds nothing to
 //! wait for; neighbouring DOF are a little later than the first, as fingers are.
 
-use crate::gesture::Gesture;
 use crate::profile::Profile;
+use ca_io::gesture::Gesture;
 use std::f64::consts::PI;
 
 /// What is intended at a time.
@@ -140,8 +140,8 @@ impl Script {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gesture::Track;
     use crate::profile::SHIPPED;
+    use ca_io::gesture::Track;
 
     #[test]
     fn every_script_begins_at_rest_and_stays_in_the_travel_of_every_device() {

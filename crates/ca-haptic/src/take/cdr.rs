@@ -6,8 +6,8 @@
 //! is for people who export a topic.
 
 use crate::engine::Change;
-use crate::error::FileError;
 use ca_core::live::Patch;
+use ca_io::error::FileError;
 use zerocopy::{FromBytes, Immutable, IntoBytes};
 
 /// The first bytes of every message.

@@ -7,10 +7,10 @@
 use super::cdr::{self, Field, In, Kind};
 use super::read::{Event, Take};
 use super::source::{Item, Source, torn};
-use crate::error::FileError;
 use crate::frame::DOF;
-use crate::sound::{Format, WavOut, Written};
-use crate::staged::Staged;
+use ca_io::error::FileError;
+use ca_io::sound::{Format, WavOut, Written};
+use ca_io::staged::Staged;
 use std::fmt::Write as _;
 use std::fs::File;
 use std::io::{BufWriter, Seek, SeekFrom, Write};

@@ -7,10 +7,10 @@
 
 use super::read::{Event, Take};
 use super::replay::Replay;
-use crate::error::FileError;
-use crate::gesture::{Gesture, Track};
 use ca_core::Catalog;
 use ca_core::scene::InputRole;
+use ca_io::error::FileError;
+use ca_io::gesture::{Gesture, Track};
 use std::path::Path;
 
 /// The gesture in the take at `path`.

@@ -8,15 +8,15 @@
 //! who compiles the model to other numbers is reported at once.
 
 use crate::calibration::Calibration;
-use crate::cloud;
 use crate::engine::{self, Engine, Port, Setup};
 use crate::equivalence::Gains;
-use crate::error::FileError;
 use crate::profile::Profile;
 use ca_compile::{Compiled, KernelClass, Options};
 use ca_core::cloud::Clouds;
 use ca_core::{Catalog, Scene};
 use ca_import::mims;
+use ca_io::cloud;
+use ca_io::error::FileError;
 use ca_model::diag::Diags;
 use ca_model::{Model, read, write};
 use std::collections::BTreeMap;

@@ -9,10 +9,10 @@ use super::header::{Header, META};
 use super::source::{End, Item, Source, torn};
 use super::{cdr, topic};
 use crate::engine::Change;
-use crate::error::FileError;
 use crate::frame::{Cause, DeviceFrame, ForceFrame};
 use crate::guard::Order;
 use crate::profile::Profile;
+use ca_io::error::FileError;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 

@@ -6,8 +6,8 @@
 use super::options;
 use super::source::{End, Item, Source};
 use super::write::failed;
-use crate::error::FileError;
-use crate::staged::Staged;
+use ca_io::error::FileError;
+use ca_io::staged::Staged;
 use mcap::{Attachment, McapResult, Message, Writer};
 use std::fs::File;
 use std::io::BufWriter;

@@ -8,9 +8,9 @@
 use super::read::{Event, Take};
 use super::source::End;
 use crate::engine::{Act, Change, Engine, Refit, Setup, Spent};
-use crate::error::FileError;
 use crate::frame::{DeviceFrame, ForceFrame};
 use ca_core::Catalog;
+use ca_io::error::FileError;
 use std::collections::VecDeque;
 use std::fmt;
 use zerocopy::IntoBytes;

@@ -6,7 +6,7 @@
 //! damaged, which is more than cut: what follows was played, and is not there. The sum over all bytes at the end of a
 //! finished file finds what no chunk does.
 
-use crate::error::{FileError, FileErrorKind};
+use ca_io::error::{FileError, FileErrorKind};
 use mcap::McapError;
 use mcap::read::ChannelAccumulator;
 use mcap::records::{Metadata, Record};
@@ -145,7 +145,7 @@ impl Source {
             // a file with its last bytes in place was not cut
             McapError::UnexpectedEof if !self.finished => End::Cut("it ends in the middle".into(), left),
             McapError::UnexpectedEof => End::Damaged("a record is longer than the file".into(), left),
-            e => End::Damaged(crate::error::lower(&e.to_string()), left),
+            e => End::Damaged(ca_io::error::lower(&e.to_string()), left),
         });
         None
     }

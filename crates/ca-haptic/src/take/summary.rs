@@ -5,8 +5,8 @@
 use super::read::Take;
 use super::source::{End, Item, Source};
 use super::{cdr, flat::Lost, topic};
-use crate::error::FileError;
 use crate::frame::{Cause, ForceFrame, Mode};
+use ca_io::error::FileError;
 use std::collections::BTreeMap;
 
 /// One topic.

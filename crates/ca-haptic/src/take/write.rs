@@ -14,11 +14,11 @@ use super::header::{Header, META};
 use super::views::{self, Level, Picture};
 use super::{cdr, options, topic};
 use crate::engine::Spent;
-use crate::error::{FileError, FileErrorKind};
 use crate::frame::{Cause, DOF, DeviceFrame, ForceFrame, Mode};
 use crate::guard::Order;
 use crate::record::Record;
 use ca_core::Scene;
+use ca_io::error::{FileError, FileErrorKind};
 use mcap::records::MessageHeader;
 use mcap::write::NoSeek;
 use mcap::{Attachment, McapError, McapResult, Writer};
@@ -415,6 +415,6 @@ fn channels(out: &mut Writer<NoSeek<BufWriter<File>>>, header: &Header, scene: &
 pub(super) fn failed(path: &Path, e: &McapError) -> FileError {
     match e {
         McapError::Io(e) => FileError::io(path, "it cannot be written", e),
-        e => FileError::new(FileErrorKind::Io, crate::error::lower(&e.to_string())).file(path.display()),
+        e => FileError::new(FileErrorKind::Io, ca_io::error::lower(&e.to_string())).file(path.display()),
     }
 }

@@ -4,7 +4,7 @@ use super::Steps;
 use crate::Failure;
 use ca_core::Scene;
 use ca_core::energy::Balance;
-use ca_haptic::perform::{DIVERGED, Performance};
+use ca_io::perform::{DIVERGED, Performance};
 use std::time::Instant;
 
 /// A column for each probe.

@@ -10,7 +10,7 @@ use crate::load::Loaded;
 use ca_compile::Options;
 use ca_core::Scene;
 use ca_core_single as single;
-use ca_haptic::perform::{DIVERGED, Performance};
+use ca_io::perform::{DIVERGED, Performance};
 use ca_model::write::write;
 use ca_model_single::diag::Severity;
 use std::time::Instant;

@@ -99,7 +99,7 @@ fn wav(samples: &[f32], channels: usize, rate: u32) -> hound::Result<Vec<u8>> {
     writer.finalize()?;
     let mut bytes = file.into_inner();
     if channels > 2 {
-        // no loudspeakers: see `ca_haptic::sound`
+        // no loudspeakers: see `ca_io::sound`
         bytes[40..44].fill(0);
     }
     Ok(bytes)

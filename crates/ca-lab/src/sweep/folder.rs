@@ -16,7 +16,7 @@ use super::{Audio, Sweep, TIMES, Table, shown};
 use crate::Failure;
 use crate::load::reason;
 use crate::sweep::axis::Space;
-use ca_haptic::staged;
+use ca_io::staged;
 use ca_model::Value;
 use std::collections::hash_map::RandomState;
 use std::fmt::Write as _;

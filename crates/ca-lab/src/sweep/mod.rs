@@ -19,9 +19,9 @@ use crate::load::{self, Loaded, compiled};
 use crate::play::{self, BLOCK, Broke};
 use crate::{Failure, bytes};
 use ca_compile::Options;
-use ca_haptic::gesture::Gesture;
-use ca_haptic::perform::Performance;
-use ca_haptic::sound::Level;
+use ca_io::gesture::Gesture;
+use ca_io::perform::Performance;
+use ca_io::sound::Level;
 use ca_model::Value;
 use ca_model::diag::Severity;
 

@@ -9,7 +9,7 @@ use crate::Failure;
 use crate::term::short;
 use ca_core::op::{Gauge, Op};
 use ca_core::{Scene, State, tick};
-use ca_haptic::perform::Performance;
+use ca_io::perform::Performance;
 use serde_json::{Value as Json, json};
 use std::hint::black_box;
 use std::io::Write as _;

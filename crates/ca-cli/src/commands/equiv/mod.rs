@@ -11,7 +11,7 @@ use crate::args::{EquivArgs, Source};
 use crate::load::{self, Loaded};
 use crate::{Ended, Failure, Outcome, catalog, term};
 use ca_compile::Options;
-use ca_haptic::staged;
+use ca_io::staged;
 use ca_model::{read, render, write};
 use std::io::Write as _;
 use std::path::Path;

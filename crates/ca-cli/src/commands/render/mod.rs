@@ -19,10 +19,10 @@ use crate::load::{self, Loaded};
 use crate::{Ended, Failure, Outcome, catalog, term};
 use ca_compile::{KernelClass, Options, compile};
 use ca_core::Scene;
-use ca_haptic::gesture::Gesture;
-use ca_haptic::perform::Performance;
-use ca_haptic::probe::ProbeOut;
-use ca_haptic::sound::{Format, WavOut};
+use ca_io::gesture::Gesture;
+use ca_io::perform::Performance;
+use ca_io::probe::ProbeOut;
+use ca_io::sound::{Format, WavOut};
 use ca_lab::gesture;
 use std::path::{Path, PathBuf};
 

@@ -3,10 +3,10 @@
 use crate::{Failure, term};
 use ca_core::Scene;
 use ca_core::energy::Ledger;
-use ca_haptic::gesture::Gesture;
-use ca_haptic::perform::{DIVERGED, Performance};
-use ca_haptic::probe::ProbeOut;
-use ca_haptic::sound::{WavOut, Written};
+use ca_io::gesture::Gesture;
+use ca_io::perform::{DIVERGED, Performance};
+use ca_io::probe::ProbeOut;
+use ca_io::sound::{WavOut, Written};
 pub(crate) use ca_lab::play::{BLOCK, Played};
 use indicatif::ProgressBar;
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -11,7 +11,7 @@ use ca_compile::certify::{Certificate, Level};
 use ca_core::Scene;
 use ca_core::energy::Ledger;
 use ca_core::kind::Unit;
-use ca_haptic::sound::Written;
+use ca_io::sound::Written;
 use ca_lab::play::gain;
 pub(crate) use ca_lab::play::{Broke, relative};
 use ca_model::quantity::{show, six};

@@ -9,8 +9,8 @@ use crate::args::ReplayArgs;
 use crate::load::has_extension;
 use crate::{Ended, Failure, Outcome, catalog, term};
 use account::Account;
-use ca_haptic::sound::{Format, WavOut};
 use ca_haptic::take::{Replay, Take, Verdict};
+use ca_io::sound::{Format, WavOut};
 use serde_json::json;
 use std::io::Write as _;
 

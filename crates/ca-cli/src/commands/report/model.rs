@@ -9,7 +9,7 @@ use crate::load::{self, Loaded};
 use crate::term::{self, short};
 use ca_compile::Options;
 use ca_core::Scene;
-use ca_haptic::perform::Performance;
+use ca_io::perform::Performance;
 use ca_lab::accuracy::{self, Ask};
 use ca_model::{Item, Value};
 use ca_report::{Axis, Block, Curve, Envelope, Plot, Report, Section, Sound, Weight};
@@ -57,7 +57,7 @@ pub(super) fn report(args: &ReportArgs) -> Result<(String, Report), Failure> {
             sound.push(&row[..scene.channels]);
             motion.push(&row[scene.channels..]);
         }
-        if !p.diverged && p.state.is_sound(ca_haptic::perform::DIVERGED) {
+        if !p.diverged && p.state.is_sound(ca_io::perform::DIVERGED) {
             ledger.look(p.state.tick as f64 * scene.te, p.state.ledger.as_ref());
         }
         Ok(())

@@ -2,9 +2,9 @@
 
 use crate::term::short;
 use ca_haptic::serve::Summary;
-use ca_haptic::sound::Written;
 use ca_haptic::stats::Percentiles;
 use ca_haptic::take;
+use ca_io::sound::Written;
 use serde_json::{Value, json};
 use std::io::{self, Write as _};
 use std::path::Path;

@@ -1,8 +1,8 @@
 //! The sound file a performance is kept in.
 
-use ca_haptic::FileError;
 use ca_haptic::serve::{Sink, Wants};
-use ca_haptic::sound::{WavOut, Written};
+use ca_io::FileError;
+use ca_io::sound::{WavOut, Written};
 
 /// A WAV file. Sound that was lost is silence there, so that the rest stays where it belongs.
 pub(super) struct Wav {

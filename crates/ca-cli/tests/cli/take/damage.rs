@@ -3,8 +3,8 @@
 use super::performer::{DUO, Performer, catalog, duo};
 use super::replay;
 use crate::desk::Desk;
-use ca_haptic::FileErrorKind;
 use ca_haptic::take::{End, Replay, Take, TakeWriter};
+use ca_io::FileErrorKind;
 use mcap::records::Record;
 use std::fs;
 use std::path::Path;

@@ -92,11 +92,11 @@ fn a_take_played_on_its_own_model_gives_its_sound() {
     p.frames(400);
     p.finish();
     let gesture = ca_haptic::take::gesture(&path, &catalog()).unwrap();
-    let mut names: Vec<&str> = gesture.tracks().iter().map(ca_haptic::gesture::Track::name).collect();
+    let mut names: Vec<&str> = gesture.tracks().iter().map(ca_io::gesture::Track::name).collect();
     names.sort_unstable();
     assert_eq!(names, ["key", "pad", "stiff"]);
     let scene = Take::open(&path).unwrap().header.scene(&catalog()).unwrap();
-    let mut again = ca_haptic::perform::Performance::new(&scene, Some(&gesture)).unwrap();
+    let mut again = ca_io::perform::Performance::new(&scene, Some(&gesture)).unwrap();
     // the engine fades in over 50 ms, a render does not
     let faded = 2400;
     let mut loud = 0;

@@ -45,45 +45,53 @@ impl FileError {
     pub fn new(kind: FileErrorKind, what: impl Into<String>) -> FileError {
         FileError { kind, file: String::new(), place: String::new(), what: what.into(), fix: String::new() }
     }
-    pub(crate) fn io(path: &Path, what: &str, e: &std::io::Error) -> FileError {
+    /// The system refused: `what` says what was tried.
+    pub fn io(path: &Path, what: &str, e: &std::io::Error) -> FileError {
         // the number says nothing that the words do not
         let why = e.to_string();
         let why = why.split(" (os error").next().unwrap_or(&why);
         FileError::new(FileErrorKind::Io, format!("{what}: {}", lower(why))).file(path.display())
     }
-    pub(crate) fn format(what: impl Into<String>) -> FileError {
+    /// Not a file of this format.
+    pub fn format(what: impl Into<String>) -> FileError {
         FileError::new(FileErrorKind::Format, what)
     }
-    pub(crate) fn content(what: impl Into<String>) -> FileError {
+    /// A file of this format that holds what cannot be.
+    pub fn content(what: impl Into<String>) -> FileError {
         FileError::new(FileErrorKind::Content, what)
     }
-    pub(crate) fn unsupported(what: impl Into<String>) -> FileError {
+    /// What the format allows and this reader does not know.
+    pub fn unsupported(what: impl Into<String>) -> FileError {
         FileError::new(FileErrorKind::Unsupported, what)
     }
-    pub(crate) fn usage(what: impl Into<String>) -> FileError {
+    /// Not the fault of a file.
+    pub fn usage(what: impl Into<String>) -> FileError {
         FileError::new(FileErrorKind::Usage, what)
     }
+    /// Names the file.
     #[must_use]
-    pub(crate) fn file(mut self, file: impl fmt::Display) -> FileError {
+    pub fn file(mut self, file: impl fmt::Display) -> FileError {
         if self.file.is_empty() {
             self.file = file.to_string();
         }
         self
     }
+    /// Names the place in it.
     #[must_use]
-    pub(crate) fn at(mut self, place: impl Into<String>) -> FileError {
+    pub fn at(mut self, place: impl Into<String>) -> FileError {
         self.place = place.into();
         self
     }
+    /// Says what to do.
     #[must_use]
-    pub(crate) fn fix(mut self, fix: impl Into<String>) -> FileError {
+    pub fn fix(mut self, fix: impl Into<String>) -> FileError {
         self.fix = fix.into();
         self
     }
 }
 
 /// A word of a file, as it may stand on a terminal: not too long, and what is no sign is escaped.
-pub(crate) fn shown(word: &str) -> String {
+pub fn shown(word: &str) -> String {
     const MOST: usize = 40;
     let short: String = word.chars().take(MOST).collect();
     let rest = if word.chars().nth(MOST).is_some() { "…" } else { "" };
@@ -92,7 +100,7 @@ pub(crate) fn shown(word: &str) -> String {
 }
 
 /// The libraries below us begin their messages with a capital.
-pub(crate) fn lower(s: &str) -> String {
+pub fn lower(s: &str) -> String {
     let mut c = s.chars();
     match c.next() {
         Some(a) if !c.as_str().starts_with(char::is_uppercase) => a.to_lowercase().chain(c).collect(),

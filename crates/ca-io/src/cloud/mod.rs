@@ -73,15 +73,13 @@ pub fn of_model(model: &Model, catalog: &Catalog, folder: &Path) -> Clouds {
 }
 
 /// A cloud as the text of an OBJ file: the same points and edges when read again.
-#[cfg(feature = "mcap")]
-pub(crate) fn write_obj(cloud: &Cloud) -> String {
+pub fn write_obj(cloud: &Cloud) -> String {
     let points = cloud.points.iter().map(|[x, y, z]| format!("v {x:?} {y:?} {z:?}\n"));
     points.chain(cloud.edges.iter().map(|[a, b]| format!("l {} {}\n", a + 1, b + 1))).collect()
 }
 
 /// Reads a cloud from the text of an OBJ file.
-#[cfg(feature = "mcap")]
-pub(crate) fn read_obj(text: &[u8]) -> Result<Cloud, FileError> {
+pub fn read_obj(text: &[u8]) -> Result<Cloud, FileError> {
     obj::read(text).and_then(|d| cloud(&d))
 }
 
