@@ -1,14 +1,16 @@
 //! The scene compiler: from what the author wrote to what runs, leaving out what the scene does not need.
 //!
 //! ```text
-//! Model ─resolve→ Net ─wire→ Net ─prune→ ─specialise→ ─number→ ─schedule→ Scene
-//!        units,          links,    what      cheaper      order    passes     ▲
-//!        ranges          names     nobody    laws         of MATs             └─ certify
-//!                                  hears
+//!          lower              connect            passes                 certify          emit
+//! Model ─ units, ranges, ─ Net: ends of links, ─ methods, cheaper laws, ─ a bound on ─ order, arrays, ─ Scene
+//!         parameters           taps of outputs    what nobody hears        stability     passes
 //! ```
-//! Decides on one network of plain records ([`net::Net`]) between model and scene: every pass reads and rewrites that,
-//! and all of them push findings into one list, so an author sees everything at once.
-
+//! Decides on one network of plain records between model and scene: every pass reads and rewrites that, and all of them
+//! push findings into one list, so an author sees everything at once. The folders are in the order of work, and each
+//! knows those before it and the network, never those behind it.
+//!
+//! [`load`](load::load) reads and compiles a text, [`compile`] a model, [`linear`] gives the matrices at load whose
+//! [modes](analysis) are asked for (feature `analysis`). What a model says is in `ca-model`, what runs in `ca-core`.
 #![no_std]
 #![forbid(unsafe_code)]
 
@@ -17,53 +19,15 @@ extern crate alloc;
 #[cfg(feature = "analysis")]
 pub mod analysis;
 pub mod certify;
-mod crossing;
-mod cutoff;
-mod ears;
-mod equivalence;
-mod expand;
-mod fed;
-mod gesture;
-mod implicit;
-#[cfg(feature = "analysis")]
-mod linear;
-mod lines;
-mod links;
-mod lists;
+mod connect;
+mod emit;
+mod findings;
 #[cfg(feature = "parse")]
 pub mod load;
-mod lowpass;
-mod midi;
-mod milib;
-#[cfg_attr(not(feature = "analysis"), path = "no_modal.rs")]
-mod modal;
-mod named;
-pub mod net;
-mod number;
+mod lower;
+mod net;
 mod options;
-mod oversample;
-mod params;
 mod passes;
-mod pefrl;
-mod plan;
-mod pressed;
-mod prune;
-mod rates;
-mod resolve;
-mod say;
-mod schedule;
-mod select;
-mod sense;
-mod sets;
-mod single;
-mod slopes;
-mod space;
-mod specialise;
-mod turns;
-mod values;
-mod waves;
-mod wire;
-mod wiring;
 
 #[cfg(feature = "parse")]
 pub use load::load;
@@ -75,7 +39,11 @@ use ca_core::real::SINGLE;
 use ca_core::scene::Scene;
 use ca_model::diag::Diags;
 use ca_model::{Entry, Model};
+use connect::wire;
+use emit::{ordering, schedule};
+use lower::{params, resolve, values};
 use net::Net;
+use passes::{implicit, modal, pefrl, prune, reach, single, solve_order, specialise, waves};
 
 /// What a model became.
 #[derive(Debug)]
@@ -107,11 +75,11 @@ fn network(model: &Model, catalog: &Catalog, options: &Options) -> Result<(Net, 
     implicit::choose(&mut net);
     specialise::specialise(model, &mut net, &mut diags);
     prune::prune(model, &mut net, &mut diags);
-    turns::turns(model, &mut net, &mut diags);
+    solve_order::choose(model, &mut net, &mut diags);
     implicit::check(model, &net, &mut diags);
     waves::settle(model, &mut net, &mut diags);
     pefrl::check(model, &net, options, &mut diags);
-    fed::mark(&mut net);
+    reach::mark(&mut net);
     if SINGLE {
         single::check(model, &net, &mut diags);
     }
@@ -130,7 +98,7 @@ pub fn measured(e: &Entry, unit: Unit, range: (f64, f64), what: &str) -> Result<
 #[cfg(feature = "analysis")]
 pub fn linear(model: &Model, catalog: &Catalog, options: &Options) -> Result<crate::analysis::Network, Diags> {
     let (net, mut diags) = network(model, catalog, options)?;
-    let linear = linear::network(&net);
+    let linear = net::linear::network(&net);
     let numbers = |p: &crate::analysis::Place| [p.c, p.k, p.z].iter().all(|v| v.is_finite());
     if !linear.linear.places.iter().all(numbers) || !linear.linear.rows.iter().all(|r| (r.k + r.z).is_finite()) {
         // what the numbers are is for the certificate to say
@@ -154,8 +122,8 @@ pub fn compile(model: &Model, catalog: &Catalog, options: &Options) -> Result<Co
         return Err(diags);
     }
     let order = match options.kernel {
-        KernelClass::Fast => number::number(&net),
-        KernelClass::Reference => number::document(&net),
+        KernelClass::Fast => ordering::number(&net),
+        KernelClass::Reference => ordering::document(&net),
     };
     let scene = schedule::schedule(model, &net, &order, options, certificate, &mut diags);
     diags.sort();

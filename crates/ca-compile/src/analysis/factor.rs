@@ -5,7 +5,7 @@
 //! digits. The largest eigenvalue comes from the same test by bisection, not from an iteration that approaches it from
 //! below: the answer is a bound on either side.
 
-use super::linear::{Linear, Row};
+use crate::analysis::linear::{Linear, Row};
 use alloc::vec::Vec;
 use faer::linalg::solvers::Solve as _;
 use faer::sparse::linalg::solvers::{Llt, SymbolicLlt};

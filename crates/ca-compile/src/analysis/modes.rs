@@ -8,7 +8,7 @@
 //! is not proportional couples them; how much is reported for each mode ([`Mode::coupled`]), and up to [`EXACT`] places the
 //! poles are then those of the whole scheme.
 
-use super::linear::{Linear, Network};
+use crate::analysis::linear::{Linear, Network};
 use alloc::vec::Vec;
 use ca_core::method::pefrl::explicit;
 use faer::linalg::solvers::Solve as _;

@@ -1,8 +1,9 @@
 //! Which module is to blame, and what would mend it, in numbers an author can type.
 
-use super::worst::Row;
+use crate::findings::{round_down, round_up};
+use crate::lower::rates::{CLOCK, FINEST};
+use crate::net::worst::Row;
 use crate::net::{LiaNode, Net};
-use crate::rates::{CLOCK, FINEST};
 use alloc::collections::BTreeSet;
 use alloc::format;
 use alloc::string::String;
@@ -93,21 +94,4 @@ pub fn faster(net: &Net, now: f64, viscous: bool) -> String {
 /// Ways to mend it, one of which is enough; those that are empty are none.
 pub fn any(ways: &[&str]) -> String {
     ways.iter().copied().filter(|w| !w.is_empty()).collect::<Vec<_>>().join(", or ")
-}
-
-/// Three digits, towards zero.
-pub fn round_down(v: f64) -> f64 {
-    three_digits(v, libm::floor)
-}
-
-/// Three digits, away from zero.
-pub fn round_up(v: f64) -> f64 {
-    three_digits(v, libm::ceil)
-}
-
-/// The power of ten goes through text, so that what is shown has three digits and no noise behind them.
-fn three_digits(v: f64, to: fn(f64) -> f64) -> f64 {
-    let ten = libm::floor(libm::log10(v.abs().max(1e-300))) - 2.0;
-    let n = to(v / libm::pow(10.0, ten));
-    format!("{n}e{ten}").parse().unwrap_or(v)
 }

@@ -4,12 +4,13 @@
 //! load; a link at a moving point counts at every node under it. Where that is not enough, the linear links alone, with
 //! the points where they are at load, say whether the scene is certainly unstable.
 
-use super::blame::{any, faster, round_down, span};
-use super::worst::Row;
 use crate::analysis::{Factor, Linear, Loose, Pencil};
-use crate::linear::{Numbers, Points, Pull, links, places, rows};
+use crate::certify::blame::{any, faster, span};
+use crate::findings::round_down;
+use crate::net::linear::{Numbers, Points, Pull, links, places, rows};
+use crate::net::linearisation::Own;
+use crate::net::worst::Row;
 use crate::net::{LiaNode, Net};
-use crate::slopes::Own;
 use alloc::format;
 use alloc::vec::Vec;
 use ca_core::certificate::{Certificate, Verdict};

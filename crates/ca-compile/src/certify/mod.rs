@@ -14,14 +14,13 @@ mod negative;
 mod rigid;
 mod ripple;
 mod rules;
-mod worst;
 
-use super::net::{End, LiaNode, Net};
+use crate::net::worst::{Row, worst_bounds, worst_rows};
+use crate::net::{End, LiaNode, Net};
 use alloc::collections::BTreeSet;
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
-pub(super) use blame::round_up;
 use blame::{overflow, span, unstable};
 use ca_core::certificate::Verdict;
 pub use ca_core::certificate::{Certificate, Level};
@@ -32,8 +31,6 @@ use ca_model::quantity::Plain;
 use exact::Exact;
 use negative::Negative;
 use rules::{contacts, devices, frictions, rubs};
-use worst::Row;
-pub(super) use worst::{worst_bounds, worst_rows};
 
 /// Judges the network; warnings name the module and what would mend it. The largest eigenvalue is narrowed down only
 /// where it is `asked` for.

@@ -1,6 +1,6 @@
 //! A build without `analysis`: only the cheap bounds speak.
 
-use super::worst::Row;
+use crate::net::worst::Row;
 use crate::net::{LiaNode, Net};
 use ca_core::certificate::{Certificate, Verdict};
 use ca_core::law::Bound;

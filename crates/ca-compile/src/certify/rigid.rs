@@ -9,9 +9,10 @@
 //! which for strings and meshes is a narrow band; parts whose envelope is too wide are only looked at for connection.
 //! Springs that push (bending) count in the compliance and not in the connection.
 
-use super::blame::{round_down, span};
+use crate::certify::blame::span;
+use crate::findings::round_down;
+use crate::net::linearisation;
 use crate::net::{End, LiaNode, Measure, Net};
-use crate::slopes;
 use alloc::collections::BTreeSet;
 use alloc::format;
 use alloc::vec::Vec;
@@ -41,7 +42,7 @@ fn node(mat: u32, axis: u8) -> Node {
 
 /// Stiffness of a link at rest; 0 of contacts, which may be open.
 fn stiffness(net: &Net, l: &LiaNode) -> f64 {
-    let b = slopes::slopes(net, l);
+    let b = linearisation::slopes(net, l);
     if b.contact { 0.0 } else { b.k }
 }
 
@@ -50,7 +51,7 @@ impl Springs {
         let n = 3 * net.mats.len();
         let mut s = Springs { ground: alloc::vec![0.0; n], around: alloc::vec![Vec::new(); n], moving: false };
         for (i, m) in net.mats.iter().enumerate() {
-            let k = slopes::own(net, m).k;
+            let k = linearisation::own(net, m).k;
             (0..m.axes).for_each(|axis| s.ground[node(i as u32, axis)] = k);
         }
         for (m, before, k) in net.lines.iter().flat_map(|l| l.springs(net.te)) {

@@ -11,8 +11,8 @@
 //! Decides on a number that is proven for small motions over one that is measured: it is reached by a mass between two
 //! springs drawn out of nothing, and rises with λ, so that a higher rate mends it.
 
-use super::Net;
-use super::exact::Exact;
+use crate::certify::Net;
+use crate::certify::exact::Exact;
 use ca_core::certificate::{Certificate, Level};
 
 /// The share by which the energy of small motions may rise above what it was at any time before. `None` where nothing

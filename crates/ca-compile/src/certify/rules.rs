@@ -1,7 +1,8 @@
 //! What no bound tells: contacts and device keys, judged by rule.
 
-use super::blame::{round_down, round_up, span};
-use super::worst::Row;
+use crate::certify::blame::span;
+use crate::findings::{round_down, round_up};
+use crate::net::worst::Row;
 use crate::net::{End, LiaNode, Net};
 use alloc::collections::BTreeSet;
 use alloc::format;

@@ -1,0 +1,7 @@
+//! Second: from names to ends. What is written between quotes becomes ends of links, taps of outputs and moving points.
+
+pub mod outputs;
+pub mod select;
+pub mod sets;
+pub mod wire;
+pub mod wiring;

@@ -1,0 +1,146 @@
+//! Ears: what outputs and probes hear, and along which axis of what is in space.
+
+use crate::connect::select::{Meaning, Written};
+use crate::connect::wiring::Wiring;
+use crate::findings::type_name;
+use crate::lower::space;
+use crate::net::{Ear, End, OutNode};
+use alloc::format;
+use alloc::string::String;
+use alloc::vec::Vec;
+use ca_core::live::Source;
+use ca_model::LARGEST;
+use ca_model::diag::Diag;
+use ca_model::{Entry, Span, Value};
+
+impl Wiring<'_> {
+    /// The axes of an end that a port hears or pushes, with their shares.
+    pub(super) fn directed(
+        &mut self,
+        end: End,
+        along: Option<[f64; 3]>,
+        owner: &str,
+        span: Span,
+        does: &str,
+    ) -> Option<Vec<(u8, f64)>> {
+        let axes = self.net.axes(end);
+        let name = self.net.end_name(end);
+        let d = match (axes, along) {
+            (1, None) => return Some(alloc::vec![(0, 1.0)]),
+            (1, Some(_)) => Diag::error("E029", format!("`{owner}` has a direction, but `{name}` lives on a line"))
+                .at(span, "on a line")
+                .help("leave out `along`"),
+            (_, None) => Diag::error("E029", format!("`{owner}` {does} `{name}`, which moves along {axes} axes"))
+                .at(span, "along which?")
+                .help("add `along = \"x\"`, `\"y\"`, `\"z\"` or a direction such as `[0, 0.6, 0.8]`"),
+            (_, Some(n)) => {
+                return Some((0..3u8).filter(|k| n[*k as usize] != 0.0).map(|k| (k, n[k as usize])).collect());
+            }
+        };
+        self.diags.push(d);
+        None
+    }
+
+    pub(super) fn ears(&mut self, e: &Entry, name: &str, force: bool) -> Vec<Ear> {
+        let Value::Text(text) = &e.value else {
+            let title = format!("`from` of `{name}` must be the name of a module, not {}", type_name(&e.value));
+            let help = "put the name in quotes, e.g. `\"bar\"`; several of one kind are `\"low[*]\"`";
+            self.diags.push(Diag::error("E006", title).at(e.span, "not a name").help(help));
+            return Vec::new();
+        };
+        let why = "SOX hears the position of a mass; SOF hears the force of a link";
+        match self.select(Written { text, span: e.span, owner: name }, (!force).then_some(why)) {
+            Some(Meaning::Links(l)) => l.into_iter().map(Ear::ForceOf).collect(),
+            Some(Meaning::Ends(v)) if force => v.into_iter().map(Ear::ForceOn).collect(),
+            Some(Meaning::Ends(v)) => v.into_iter().map(Ear::Position).collect(),
+            None => Vec::new(),
+        }
+    }
+
+    pub(super) fn output(&mut self, id: u32, force: bool) {
+        let item = &self.net.items[id as usize];
+        let (name, kind) = (item.name.clone(), item.kind);
+        let index = |key: &str| kind.param(key).unwrap_or(0);
+        let channel = item.args[index("channel")].num();
+        let along = kind.param("along").and_then(|i| space::direction(&item.args[i]));
+        let Some(e) = self.entry(id, "from") else { return };
+        let ears = self.ears(&e, &name, force);
+        let many = ears.len() > 1 && channel.is_none();
+        for (i, ear) in ears.into_iter().enumerate() {
+            let own = if many { format!("{name}[{i}]") } else { name.clone() };
+            let channel = channel.map_or(self.net.channels.len() as u32, |c| c as u32);
+            if channel > 255 {
+                // once, not for each output that follows
+                if !self.diags.list.iter().any(|d| d.code == "E027" && d.title.ends_with("256 channels")) {
+                    let d = Diag::error("E027", format!("`{name}` would be the first beyond 256 channels"));
+                    self.diags.push(d.at(e.span, "one too many").help("give several outputs the same `channel`"));
+                }
+                return;
+            }
+            if self.net.outs.len() >= LARGEST {
+                self.too_many(&name, "outputs", e.span);
+                return;
+            }
+            while self.net.channels.len() <= channel as usize {
+                self.net.channels.push(own.clone());
+            }
+            let gain = Source::Slot(index("gain") as u32);
+            let parts = match ear {
+                Ear::Position(end) | Ear::ForceOn(end) => self.directed(end, along, &name, e.span, "hears"),
+                Ear::ForceOf(_) => Some(alloc::vec![(0, 1.0)]),
+            };
+            for (axis, share) in parts.into_iter().flatten() {
+                let name = own.clone();
+                self.net.outs.push(OutNode { name, ear, axis, share, channel, gain, item: Some(id), asked: 0 });
+            }
+        }
+    }
+
+    /// A probe: one value for what lives on a line, a value for each axis of what lives in space.
+    pub(super) fn probe(&mut self, text: &str, asked: u32) {
+        // an output's name means what it hears, along the direction it hears it; one that hears several on channels of
+        // their own is a value for each
+        let of = |o: &OutNode| o.item.is_some_and(|i| o.name == text || self.net.items[i as usize].name == text);
+        let heard: Vec<OutNode> = self.net.outs.iter().filter(|o| of(o)).cloned().collect();
+        let mut last = None;
+        for o in &heard {
+            let channel = match last {
+                Some((from, channel)) if from == o.channel => channel,
+                _ => self.next_probe(),
+            };
+            last = Some((o.channel, channel));
+            self.net.outs.push(OutNode { channel, gain: Source::Const(1.0), item: None, asked, ..o.clone() });
+        }
+        if last.is_some() {
+            return;
+        }
+        let ears = match self.select(Written { text, span: Span::NONE, owner: "probe" }, None) {
+            Some(Meaning::Links(l)) => l.into_iter().map(Ear::ForceOf).collect::<Vec<_>>(),
+            Some(Meaning::Ends(v)) => v.into_iter().map(Ear::Position).collect(),
+            None => return,
+        };
+        let many = ears.len() > 1;
+        for ear in ears {
+            // one is called as it was asked for, several each by its own name
+            let name = match ear {
+                _ if !many => text,
+                Ear::Position(end) | Ear::ForceOn(end) => self.net.end_name(end),
+                Ear::ForceOf(l) => &self.net.lias[l as usize].name,
+            };
+            let name = String::from(name);
+            let axes = if let Ear::Position(e) = ear { self.net.axes(e) } else { 1 };
+            // of a plane too: its frozen axis is a number like the others
+            for axis in 0..if axes > 1 { 3 } else { 1 } {
+                let name = if axes > 1 { format!("{name}.{}", space::AXES[axis as usize]) } else { name.clone() };
+                let (channel, gain) = (self.next_probe(), Source::Const(1.0));
+                self.net.outs.push(OutNode { name, ear, axis, share: 1.0, channel, gain, item: None, asked });
+            }
+        }
+    }
+
+    /// The place of the next probe, behind all channels.
+    fn next_probe(&self) -> u32 {
+        let probes = self.net.outs.iter().filter(|o| o.item.is_none()).map(|o| o.channel + 1).max();
+        probes.unwrap_or(self.net.channels.len() as u32)
+    }
+}

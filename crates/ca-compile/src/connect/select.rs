@@ -1,0 +1,393 @@
+//! Select: what a selector means in this network, or why it means nothing.
+//!
+//! Decides that a name which exists but could not be compiled is passed over in silence: what is wrong with it has been
+//! said where it stands, and one mistake is one finding.
+
+use crate::connect::wiring::Wiring;
+use crate::findings::inside;
+use crate::net::{Coordinate, End, Family, MatRole, PointNode};
+use alloc::format;
+use alloc::string::{String, ToString};
+use alloc::vec::Vec;
+use ca_core::kind::PortRole;
+use ca_core::kind::{Kind, Role};
+use ca_model::LARGEST;
+use ca_model::Span;
+use ca_model::diag::Diag;
+use ca_model::quantity::Plain;
+use ca_model::select::{self, Coord, Index, Part, Selector};
+use ca_model::suggest::nearest;
+
+/// What a selector means.
+pub(super) enum Meaning {
+    Ends(Vec<End>),
+    Links(Vec<u32>),
+}
+
+/// A selector where it stands: text, its place with the quotes, and who holds it.
+#[derive(Clone, Copy)]
+pub(super) struct Written<'t> {
+    pub text: &'t str,
+    pub span: Span,
+    pub owner: &'t str,
+}
+
+impl Written<'_> {
+    /// The place of a part of the text.
+    fn part(&self, from: usize, to: usize) -> Span {
+        inside(self.span, self.text, from, to)
+    }
+    fn lead(&self) -> usize {
+        self.text.len() - self.text.trim_start().len()
+    }
+    fn name(&self, name: &str) -> Span {
+        self.part(self.lead(), self.lead() + name.len())
+    }
+    /// From the first `[` or `@` to the end; the whole if there is none.
+    fn index(&self) -> Span {
+        let from = self.text.find(['[', '@']).unwrap_or(self.lead());
+        self.part(from, self.text.trim_end().len())
+    }
+}
+
+impl Wiring<'_> {
+    /// Reads one selector and looks it up. `wants_mat`: why a MAT is wanted, if one is.
+    pub(super) fn select(&mut self, w: Written<'_>, wants_mat: Option<&str>) -> Option<Meaning> {
+        let sel = match select::parse(w.text) {
+            Ok(s) => s,
+            Err(e) => {
+                let name = w.text.split(['[', '@', '(']).next().unwrap_or("").trim();
+                if self.is_reported(name) {
+                    return None;
+                }
+                self.not_a_selector(w, &e);
+                return None;
+            }
+        };
+        let Some(family) = self.net.families.get(&sel.name) else {
+            self.unknown(&sel.name, w, wants_mat);
+            return None;
+        };
+        if let Some(at) = &sel.at {
+            return self.moving(&sel, &at.0, w).map(|p| Meaning::Ends(alloc::vec![End::Point(p)]));
+        }
+        let plain_link = family.masses.is_empty() && !family.links.is_empty();
+        let (list, links) = match sel.part {
+            Part::Mass if plain_link => (&family.links, true),
+            Part::Mass => (&family.masses, false),
+            Part::Link => (&family.links, true),
+            Part::End => (&family.tips, false),
+        };
+        if let (true, Some(why)) = (links, wants_mat) {
+            let d = Diag::error("E017", format!("`{}`: `{}` is a link, not a mass", w.owner, w.text.trim()));
+            self.diags.push(d.at(w.span, "a LIA").help(why));
+            return None;
+        }
+        match pick(list, sel.index, family.size) {
+            Ok(ids) if links => Some(Meaning::Links(ids)),
+            Ok(ids) => Some(Meaning::Ends(ids.into_iter().map(End::Mat).collect())),
+            Err(why) => {
+                let d = outside(w, &sel, list.len(), family, &why);
+                self.diags.push(d);
+                None
+            }
+        }
+    }
+
+    fn not_a_selector(&mut self, w: Written<'_>, e: &select::SelectError) {
+        // the character at fault, with the word it begins; what is missing is shown at what stands before it
+        let rest = w.text.get(e.at..).unwrap_or("");
+        let word = rest.find(|c: char| !c.is_ascii_alphanumeric()).unwrap_or(rest.len());
+        let len = word.max(rest.chars().next().map_or(0, char::len_utf8));
+        // what is missing at the end is shown at the last character
+        let last = w.text.get(..e.at).and_then(|t| t.chars().next_back()).map_or(0, char::len_utf8);
+        let (from, to) = if len == 0 { (e.at - last, e.at) } else { (e.at, e.at + len) };
+        let shown: String = w.text.chars().take(40).collect();
+        let shown =
+            if w.text.trim().is_empty() { "an empty text".into() } else { format!("`{}`", shown.escape_debug()) };
+        let d = Diag::error("E015", format!("`{}`: {shown} is not a selector", w.owner));
+        let d = d.at(w.part(from, to), e.message.clone());
+        let meant = brackets(w.text).filter(|m| select::parse(m).is_ok());
+        self.diags.push(match meant {
+            Some(m) => d.help(format!("did you mean `{m}`?")).fix(w.span, format!("\"{m}\"")),
+            None => d.help("write e.g. `hammer`, `low[8]`, `low[-1]`, `low[*]` or `low@0.31`"),
+        });
+    }
+
+    /// True where the name stands in the model, but broken: the reason has been given there.
+    fn is_reported(&mut self, name: &str) -> bool {
+        let broken = self.broken.contains(name);
+        if broken && self.net.incomplete.is_none() {
+            self.net.incomplete = Some(name.into());
+        }
+        broken
+    }
+
+    fn unknown(&mut self, name: &str, w: Written<'_>, wants_mat: Option<&str>) {
+        if self.is_reported(name) {
+            return;
+        }
+        let known = self.net.items.iter().find(|i| i.name == name).map(|i| (i.kind, i.model));
+        if let Some((kind, at)) = known {
+            if let Role::Generator(_) = kind.role {
+                // it could not be built, and that has been said
+                self.net.incomplete.get_or_insert_with(|| name.into());
+                return;
+            }
+            let d = Diag::error("E017", format!("`{}`: `{name}` is {}, not a mass", w.owner, family_of(kind)));
+            let d =
+                d.at(w.span, format!("{} is not a MAT", kind.code)).at(self.model.items[at].name_span, "declared here");
+            self.diags.push(match wants_mat {
+                Some(why) => d.help(why),
+                None => d.help("name a MAT, a LIA or a port that is moved from outside"),
+            });
+            return;
+        }
+        let d = Diag::error("E013", format!("`{}`: no module `{name}`", w.owner)).at(w.name(name), "unknown");
+        let group = self.model.groups.iter().any(|g| g.name == name);
+        let member = self.net.families.keys().find(|k| k.rsplit('.').next() == Some(name));
+        // modules that are broken themselves are meant no less
+        let names = self.net.families.keys().map(String::as_str).chain(self.broken.iter().copied());
+        let near = member.map(String::as_str).or_else(|| nearest(name, names));
+        let d = if self.model.params.iter().any(|p| p.key == name) {
+            d.help("that is a parameter; the ends of links and outputs are modules")
+        } else if group {
+            let first = self.net.families.keys().find(|k| k.starts_with(&format!("{name}.")));
+            let first = first.map_or_else(|| format!("{name}.…"), ToString::to_string);
+            d.help(format!("that is a group; name one of its modules, e.g. `{first}`"))
+        } else if let Some(near) = near {
+            // a part of the text can be mended only where it can be told from the whole
+            let span = w.name(name);
+            let new = if span == w.span { format!("\"{near}\"") } else { near.to_string() };
+            d.help(format!("did you mean `{near}`?")).fix(span, new)
+        } else {
+            d.help(format!("declare it, e.g. `{name} = {{ m = \"20 g\" }}` under `[MAS]`"))
+        };
+        self.diags.push(d);
+    }
+
+    /// A moving point; the same text is the same point.
+    fn moving(&mut self, sel: &Selector, at: &[Coord], w: Written<'_>) -> Option<u32> {
+        let text = sel.to_string();
+        if let Some(p) = self.points.get(&text) {
+            return Some(*p);
+        }
+        let family = &self.net.families[&sel.name];
+        let wants = if family.size[1] > 1 { 2 } else { 1 };
+        let (owner, name, nodes) = (w.owner, &sel.name, family.nodes.len());
+        if nodes < 2 || sel.part != Part::Mass || sel.index != Index::None {
+            let d = Diag::error("E017", format!("`{owner}`: no way to move along `{name}`"))
+                .at(w.index(), "a single module");
+            let d = d
+                .help(format!("a moving point needs a STRING, STIFFSTRING, CHAIN or MESH; a module is named `{name}`"));
+            self.diags.push(d);
+            return None;
+        }
+        if self.net.mats[family.nodes[0] as usize].in_space() {
+            let d = Diag::error("E029", format!("`{owner}`: points move along what lives on a line only"));
+            let help =
+                format!("name a node of `{name}`, or tie a mesh or string on a line to it by links with `along`");
+            self.diags.push(d.at(w.index(), "in space").help(help));
+            return None;
+        }
+        if at.len() != wants {
+            let (help, is) = if wants == 2 {
+                (format!("write `{name}@0.3,0.4`: where along both sides"), "a mesh has two")
+            } else {
+                (format!("write `{name}@0.3`: where along its length"), "a string has one")
+            };
+            let d = Diag::error(
+                "E015",
+                format!(
+                    "`{owner}`: `{name}` takes {wants} coordinate{}, not {}",
+                    if wants == 1 { "" } else { "s" },
+                    at.len()
+                ),
+            );
+            let d = d.at(w.index(), is);
+            // 0,3 for 0.3
+            let comma = w.text.trim().replace(',', ".");
+            let decimal = wants == 1 && select::parse(&comma).is_ok_and(|s| s.at.is_some_and(|a| a.0.len() == 1));
+            self.diags.push(if decimal {
+                d.help("the decimal sign is a dot").fix(w.span, format!("\"{comma}\""))
+            } else {
+                d.help(help)
+            });
+            return None;
+        }
+        let mut coordinates = Vec::new();
+        for c in at {
+            coordinates.push(match c {
+                Coord::Num(v) if (0.0..=1.0).contains(v) => Coordinate::At(*v),
+                Coord::Num(v) => {
+                    let d = Diag::error(
+                        "E009",
+                        format!("`{owner}`: the place {} on `{name}` is not between 0 and 1", Plain(*v)),
+                    );
+                    let d = d.at(w.index(), "beyond the end");
+                    self.diags.push(
+                        d.help(format!("0 is one end, 1 the other; a single mass is `{name}[{}]`", libm::trunc(*v))),
+                    );
+                    return None;
+                }
+                Coord::Name(n) => self.coordinate(n, w)?,
+            });
+        }
+        self.under += nodes;
+        if self.under > 4 * LARGEST {
+            // once, not for each that follows
+            if self.under - nodes <= 4 * LARGEST {
+                let title = format!("`{owner}`: too many moving points on long strings");
+                let d = Diag::error("E027", title).at(w.span, "one too many");
+                let help = "use fewer of them, or shorter strings: each costs as much as the string has masses";
+                self.diags.push(d.help(help));
+            }
+            return None;
+        }
+        let id = self.net.points.len() as u32;
+        self.net.points.push(PointNode { name: text.clone(), family: sel.name.clone(), at: coordinates, shape: None });
+        self.points.insert(text, id);
+        Some(id)
+    }
+
+    fn coordinate(&mut self, name: &str, w: Written<'_>) -> Option<Coordinate> {
+        self.net.unused.retain(|u| u.0 != name);
+        if let Some(i) = self.net.params.iter().position(|p| p.name == name) {
+            let p = &mut self.net.params[i];
+            // the place it stands in bounds it, unless the author was stricter
+            p.min = p.min.max(0.0);
+            p.max = p.max.min(1.0);
+            if !(p.min..=p.max).contains(&p.value) {
+                let v = p.value;
+                return self.off_the_end(name, v, w);
+            }
+            return Some(Coordinate::Live(i as u32));
+        }
+        if let Some(v) = self.net.constants.get(name).copied() {
+            if !(0.0..=1.0).contains(&v) {
+                return self.off_the_end(name, v, w);
+            }
+            return Some(Coordinate::At(v));
+        }
+        let mat = self.net.families.get(name).and_then(|f| f.masses.first().copied());
+        if let Some(m) = mat.filter(|m| matches!(self.net.mats[*m as usize].role, MatRole::Port(..))) {
+            return Some(Coordinate::Port(m));
+        }
+        if self.is_reported(name) || self.model.params.iter().any(|p| p.key == name) {
+            return None;
+        }
+        let ports = self.net.mats.iter().filter(|m| matches!(m.role, MatRole::Port(..))).map(|m| m.name.as_str());
+        let params = self.model.params.iter().map(|p| p.key.as_str());
+        let near = nearest(name, params.chain(ports));
+        let from = w.text.find('@').map_or(0, |i| i + 1);
+        let from = w.text.get(from..).and_then(|t| t.find(name)).map_or(from, |i| from + i);
+        let span = w.part(from, from + name.len());
+        let d = Diag::error("E013", format!("`{}`: no parameter or port `{name}`", w.owner)).at(span, "unknown place");
+        self.diags.push(match near {
+            Some(near) if span != w.span => d.help(format!("did you mean `{near}`?")).fix(span, near),
+            _ => d.help("a moving point follows a number, a `[param]`, or an ENX or TGR port"),
+        });
+        None
+    }
+
+    fn off_the_end(&mut self, name: &str, v: f64, w: Written<'_>) -> Option<Coordinate> {
+        let d = Diag::error("E009", format!("`{}`: the place `{name}` is not between 0 and 1: {}", w.owner, Plain(v)));
+        self.diags.push(d.at(w.index(), "beyond the end").help("0 is one end, 1 the other"));
+        None
+    }
+}
+
+/// `low(3)`, `low{3}`, `low 3` and `low.3` as `low[3]`.
+fn brackets(text: &str) -> Option<String> {
+    let text = text.trim();
+    let name = text.find(|c: char| !(c.is_ascii_alphanumeric() || c == '_'))?;
+    let index = text[name..].trim_matches(|c: char| " .(){}[]<>".contains(c));
+    (!index.is_empty()).then(|| format!("{}[{index}]", &text[..name]))
+}
+
+fn family_of(kind: &Kind) -> &'static str {
+    match kind.role {
+        Role::Lia(_) => "a link",
+        Role::Port(PortRole::Sox | PortRole::Sof) => "an output",
+        Role::Port(PortRole::Enf) => "a force",
+        _ => "something else",
+    }
+}
+
+/// Why an index selects nothing.
+enum Pick {
+    /// none where one is needed
+    Needs,
+    /// beyond the end
+    Outside,
+    /// a range that holds nothing
+    Empty,
+    /// two indices on what is not a mesh
+    Row,
+}
+
+fn pick(list: &[u32], index: Index, size: [u32; 2]) -> Result<Vec<u32>, Pick> {
+    let wrap = |i: i64, n: usize| {
+        let at = if i < 0 { i + n as i64 } else { i };
+        usize::try_from(at).ok().filter(|k| *k < n).ok_or(Pick::Outside)
+    };
+    match index {
+        _ if list.is_empty() => Err(Pick::Outside),
+        Index::None if list.len() == 1 => Ok(list.to_vec()),
+        Index::None => Err(Pick::Needs),
+        Index::All => Ok(list.to_vec()),
+        Index::One(i) => Ok(alloc::vec![list[wrap(i, list.len())?]]),
+        Index::Two(..) if size[1] < 2 => Err(Pick::Row),
+        Index::Two(i, j) => {
+            let (i, j) = (wrap(i, size[0] as usize)?, wrap(j, size[1] as usize)?);
+            list.get(i * size[1] as usize + j).map(|m| alloc::vec![*m]).ok_or(Pick::Outside)
+        }
+        Index::Range(a, b) => {
+            let n = list.len();
+            let a = wrap(a, n)?;
+            let b = if b == n as i64 { n } else { wrap(b, n)? };
+            if a < b { Ok(list[a..b].to_vec()) } else { Err(Pick::Empty) }
+        }
+    }
+}
+
+fn outside(w: Written<'_>, sel: &Selector, n: usize, family: &Family, why: &Pick) -> Diag {
+    let name = match sel.part {
+        Part::Mass => sel.name.clone(),
+        Part::Link => format!("{}.link", sel.name),
+        Part::End => format!("{}.end", sel.name),
+    };
+    let title = |what: String| Diag::error("E016", format!("`{}`: {what}", w.owner));
+    let mesh = family.size[1] > 1 && sel.part == Part::Mass;
+    let one = if mesh { format!("`{name}[3,4]`") } else { format!("`{name}[0]`") };
+    match why {
+        Pick::Needs => {
+            let d = title(format!("`{name}` is {n} modules, one is wanted")).at(w.span, "which one?");
+            d.help(format!("write {one} for one of them, `{name}[*]` for all"))
+        }
+        Pick::Row => {
+            let d = title(format!("no `{}`", w.text.trim())).at(w.index(), "two indices");
+            d.help(format!("`{name}` is no mesh: write one index, e.g. {one}"))
+        }
+        Pick::Empty => {
+            let d = title(format!("no `{}`", w.text.trim())).at(w.index(), "an empty range");
+            d.help("the second index is excluded: `[2..5]` is 2, 3 and 4")
+        }
+        Pick::Outside if n == 0 => {
+            title(format!("`{name}` has none")).at(w.index(), "none to select").help(match sel.part {
+                Part::End => "only strings with ends that are held have fixed points there",
+                _ => "name the module without an index",
+            })
+        }
+        Pick::Outside => {
+            let d = title(format!("no `{}`", w.text.trim())).at(w.index(), "beyond the end");
+            d.help(if mesh {
+                format!("`{name}` goes from [0,0] to [{},{}]", family.size[0] - 1, family.size[1] - 1)
+            } else if n == 1 {
+                format!("`{name}` is one module: write `{name}`, or `{name}[0]`")
+            } else {
+                format!("`{name}` is {n} modules: [0] to [{}], or [-{n}] to [-1] from the end", n - 1)
+            })
+        }
+    }
+}

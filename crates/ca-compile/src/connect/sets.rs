@@ -1,0 +1,65 @@
+//! Sets: a contact between all pairs of two sets of masses in space stays one module.
+//!
+//! Decides where: for a law that remembers nothing and does nothing far away, between distances, with enough pairs, and
+//! only where nobody hears one of the pairs, since their forces are not kept apart. Everything else makes its pairs,
+//! each a module of its own; so does [`KernelClass::Reference`](crate::KernelClass), as the plain account of the same.
+
+use crate::connect::wiring::Wiring;
+use crate::net::{End, LiaNode, Measure};
+use crate::options::Options;
+use alloc::collections::BTreeSet;
+use alloc::string::String;
+use alloc::sync::Arc;
+use alloc::vec::Vec;
+use ca_core::live::Source;
+use ca_core::op::law::Law;
+use ca_model::select::parse;
+use ca_model::{Model, Value};
+
+/// Fewer pairs than this for each member are cheaper as they are: three grains, or one thing against many.
+const FEWEST: f64 = 1.5;
+
+/// Names of what outputs and probes hear.
+pub fn heard(model: &Model, options: &Options) -> BTreeSet<String> {
+    let from = model.items.iter().flat_map(|i| &i.args).filter(|e| e.key == "from");
+    let texts = from.filter_map(|e| if let Value::Text(t) = &e.value { Some(t) } else { None });
+    texts.chain(&options.probes).filter_map(|t| parse(t).ok()).map(|s| s.name).collect()
+}
+
+impl Wiring<'_> {
+    /// Adds item `id` as one module between all pairs of `a` and `b`, if it can be one.
+    pub(super) fn set(&mut self, id: u32, law: &'static Law, a: &[End], b: &[End]) -> bool {
+        let item = &self.net.items[id as usize];
+        let (name, kind) = (item.name.clone(), item.kind);
+        let arg = |key: &str| kind.param(key).and_then(|i| item.args[i].num());
+        let mats = |ends: &[End]| {
+            let mat = |e: &End| {
+                if let End::Mat(m) = e { Some(*m).filter(|m| self.net.mats[*m as usize].in_space()) } else { None }
+            };
+            ends.iter().map(mat).collect::<Option<Vec<u32>>>()
+        };
+        let (Some(first), Some(second)) = (mats(a), mats(b)) else { return false };
+        let itself = first == second;
+        let (n, m) = (first.len() as f64, second.len() as f64);
+        let enough = if itself { 0.5 * (n - 1.0) >= FEWEST } else { n * m >= FEWEST * (n + m) };
+        let written = |key: &str| self.entry(id, key).is_some();
+        // a method of its own keeps something for each pair; a module joined to itself is an error that pairs tell
+        let plain = law.contact && law.mem == 0 && arg("method").is_none_or(|m| m == 0.0);
+        if !plain || !enough || self.heard.contains(&name) || ["along", "onto", "soften", "l0"].into_iter().any(written)
+        {
+            return false;
+        }
+        let mut all = BTreeSet::new();
+        let twice = |m: &u32| !all.insert(*m);
+        if first.iter().chain(if itself { &[] } else { &second[..] }).any(twice) {
+            return false;
+        }
+        let ends = [a[0], if itself { a[1] } else { b[0] }];
+        let sets = Some(Arc::new([first, if itself { Vec::new() } else { second }]));
+        let values = (0..kind.params.len() as u32).map(Source::Slot).collect();
+        self.net.families.entry(name.clone()).or_default().links = alloc::vec![self.net.lias.len() as u32];
+        let (measure, onto, l0, soften) = (Measure::Radial, None, None, 0.0);
+        self.net.lias.push(LiaNode { name, kind, law, values, ends, measure, onto, sets, l0, soften, item: id });
+        true
+    }
+}

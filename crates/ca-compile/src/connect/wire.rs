@@ -1,0 +1,301 @@
+//! Wire: what is written between quotes becomes ends of links, ears of outputs and moving points.
+
+use crate::connect::select::{Meaning, Written};
+use crate::connect::sets::heard;
+use crate::connect::wiring::{Wiring, broken};
+use crate::findings::type_name;
+use crate::lower::space;
+use crate::net::{End, LiaNode, Measure, Net, Push, SecondPort};
+use crate::options::{KernelClass, Options};
+use alloc::collections::{BTreeMap, BTreeSet};
+use alloc::format;
+use alloc::sync::Arc;
+use alloc::vec::Vec;
+use ca_core::kind::PortRole;
+use ca_core::kind::Role;
+use ca_core::live::Source;
+use ca_model::LARGEST;
+use ca_model::diag::{Diag, Diags};
+use ca_model::{Entry, Item, Model, Span, Value};
+
+const LINKED: &str = "a link joins MATs: masses, fixed points, cells, ports moved from outside";
+
+/// Adds links, force ports, outputs and probes.
+pub fn wire(model: &Model, net: Net, options: &Options, diags: &mut Diags) -> Net {
+    let (heard, broken) = (heard(model, options), broken(model, &net));
+    let mut w = Wiring { model, net, diags, heard, points: BTreeMap::new(), broken, over: false, under: 0 };
+    for id in 0..w.net.items.len() {
+        if let Role::Lia(_) = w.net.items[id].kind.role {
+            w.link(id as u32, options.kernel);
+        }
+        if w.diags.is_full() {
+            return w.net;
+        }
+    }
+    for id in 0..w.net.items.len() {
+        match w.net.items[id].kind.role {
+            Role::Port(PortRole::Enf) => w.push(id as u32),
+            Role::Port(PortRole::Sox) => w.output(id as u32, false),
+            Role::Port(PortRole::Sof) => w.output(id as u32, true),
+            _ => {}
+        }
+    }
+    w.broken_items();
+    for (asked, probe) in options.probes.iter().enumerate() {
+        w.probe(probe, asked as u32);
+    }
+    if let (Some(name), false) = (&w.net.incomplete, w.diags.has_errors()) {
+        let d = Diag::error("E013", format!("`{name}` could not be read, and something refers to it"));
+        w.diags.push(d.help("mend what the reader reported first"));
+    }
+    w.net.alive = alloc::vec![true; w.net.mats.len()];
+    w.net
+}
+
+impl Wiring<'_> {
+    fn item(&self, id: u32) -> &Item {
+        &self.model.items[self.net.items[id as usize].model]
+    }
+
+    pub(super) fn entry(&self, id: u32, key: &str) -> Option<Entry> {
+        self.item(id).args.iter().find(|e| e.key == key).cloned()
+    }
+
+    /// The ends on one side of `between`, or what a force pushes; `why` says what is wanted there.
+    fn side(&mut self, e: &Entry, owner: &str, key: &str, why: &str) -> Option<Vec<End>> {
+        match &e.value {
+            Value::Text(t) => match self.select(Written { text: t, span: e.span, owner }, Some(why))? {
+                Meaning::Ends(v) => Some(v),
+                Meaning::Links(_) => None,
+            },
+            Value::List(l) => {
+                let mut all = Some(Vec::new());
+                for x in l {
+                    let ends = self.side(x, owner, key, why);
+                    if all.as_ref().zip(ends.as_ref()).is_some_and(|(a, b)| a.len() + b.len() > LARGEST) {
+                        self.too_many(owner, "ends", e.span);
+                        return None;
+                    }
+                    all = all.zip(ends).map(|(mut a, b)| {
+                        a.extend(b);
+                        a
+                    });
+                }
+                all
+            }
+            other => {
+                let title = format!("`{key}` of `{owner}` holds names of modules, not {}", type_name(other));
+                let d = Diag::error("E006", title).at(e.span, "not a name");
+                let quoted = "put the name in quotes, e.g. `\"hammer\"` or `\"low[8]\"`";
+                self.diags.push(d.help(quoted));
+                None
+            }
+        }
+    }
+
+    pub(super) fn too_many(&mut self, owner: &str, what: &str, span: Span) {
+        let d = Diag::error("E027", format!("`{owner}` makes too many {what}")).at(span, "here");
+        self.diags.push(d.help(format!("a model holds up to {LARGEST} masses and links")));
+    }
+
+    fn link(&mut self, id: u32, class: KernelClass) {
+        let (name, kind) = (self.net.items[id as usize].name.clone(), self.net.items[id as usize].kind);
+        let Role::Lia(law) = kind.role else { return };
+        let Some(e) = self.entry(id, "between") else { return };
+        let help = "write `between = [\"first\", \"second\"]`";
+        let Value::List(l) = &e.value else {
+            let d = Diag::error("E006", format!("`between` of `{name}` must be a list of two ends"));
+            self.diags.push(d.at(e.span, format!("this is {}", type_name(&e.value))).help(help));
+            return;
+        };
+        let [first, second] = l.as_slice() else {
+            let count = ["no end", "one end"].get(l.len()).map_or_else(|| format!("{} ends", l.len()), |s| (*s).into());
+            let d =
+                Diag::error("E018", format!("`between` of `{name}` has {count}, not two")).at(e.span, "two are wanted");
+            let help = if l.len() > 2 {
+                "a link has a first and a second end; to link many, make each side a list: `[[\"a\", \"b\"], \"c\"]`"
+            } else {
+                help
+            };
+            self.diags.push(d.help(help));
+            return;
+        };
+        let (a, b) = (self.side(first, &name, "between", LINKED), self.side(second, &name, "between", LINKED));
+        let (Some(a), Some(b)) = (a, b) else { return };
+        if let Some((side, _)) = [(first, &a), (second, &b)].into_iter().find(|(_, ends)| ends.is_empty()) {
+            let d = Diag::error("E018", format!("`{name}` joins nothing: one side is empty")).at(side.span, "no end");
+            self.diags.push(d.help(help));
+            return;
+        }
+        let arg = |key: &str| kind.param(key).and_then(|i| self.net.items[id as usize].args[i].num());
+        // a set with itself makes all pairs: one to one would join each to itself
+        let all = arg("pairs") == Some(1.0) || (a.len() > 1 && a == b);
+        let (l0, soften) = (arg("l0"), arg("soften").unwrap_or(0.0));
+        if all && class == KernelClass::Fast && self.set(id, law, &a, &b) {
+            return;
+        }
+        let count = if all { a.len().saturating_mul(b.len()) } else { a.len().max(b.len()) };
+        if self.net.mats.len() + self.net.lias.len() + count > LARGEST {
+            // once, not for each link that is one too many
+            if !core::mem::replace(&mut self.over, true) {
+                self.too_many(&name, "links", e.span);
+            }
+            return;
+        }
+        let pairs: Vec<[End; 2]> = if all && a == b {
+            (0..a.len()).flat_map(|i| (i + 1..a.len()).map(move |j| (i, j))).map(|(i, j)| [a[i], a[j]]).collect()
+        } else if all {
+            a.iter().flat_map(|x| b.iter().map(move |y| [*x, *y])).collect()
+        } else if a.len() == b.len() {
+            a.iter().zip(&b).map(|(x, y)| [*x, *y]).collect()
+        } else if a.len() == 1 || b.len() == 1 {
+            (0..count).map(|i| [a[i.min(a.len() - 1)], b[i.min(b.len() - 1)]]).collect()
+        } else {
+            let ends = |n: usize| if n == 1 { "1 end".into() } else { format!("{n} ends") };
+            let d =
+                Diag::error("E018", format!("`{name}`: {} on one side, {} on the other", ends(a.len()), ends(b.len())));
+            let d = d.at(first.span, ends(a.len())).at(second.span, ends(b.len()));
+            self.diags.push(d.help("give equal numbers, one against many, or `pairs = \"all\"`"));
+            return;
+        };
+        if pairs.is_empty() {
+            let d = Diag::error("E018", format!("`{name}` joins nothing: one module makes no pair with itself"));
+            self.diags.push(d.at(e.span, "no pair").help("name two different ends"));
+            return;
+        }
+        let Ok(onto) = self.onto(id, &name, pairs.len()) else { return };
+        let along = kind.param("along").and_then(|i| space::direction(&self.net.items[id as usize].args[i]));
+        let points = |end: &End| if let End::Point(_) = end { self.net.under(*end).len() } else { 0 };
+        self.under = self.under.saturating_add(pairs.iter().flatten().map(points).sum());
+        if self.under > 40 * LARGEST {
+            self.too_many(&name, "links to moving points on long strings", e.span);
+            return;
+        }
+        let values: Arc<[Source]> = (0..kind.params.len() as u32).map(Source::Slot).collect();
+        let many = pairs.len() > 1;
+        let mut made = Vec::with_capacity(pairs.len());
+        for (i, ends) in pairs.into_iter().enumerate() {
+            if ends[0] == ends[1] {
+                let d = Diag::error("E022", format!("`{name}` joins `{}` to itself", self.net.end_name(ends[0])));
+                let help = if many {
+                    "leave it out of one side, or link by `pairs = \"all\"` with one list on both sides"
+                } else {
+                    "name two different modules"
+                };
+                self.diags.push(d.at(e.span, "the same at both ends").help(help));
+                return;
+            }
+            let measured = match onto.get(i) {
+                None => space::measure(&self.net, ends, along).map(|m| (m, None)),
+                Some(o) => self.ports(ends, *o).map(|(m, o)| (m, Some(o))),
+            };
+            let (mut measure, mut onto) = match measured {
+                Ok(found) => found,
+                Err((what, help)) => {
+                    let at = self.entry(id, "along").map_or(e.span, |e| e.span);
+                    let d = Diag::error("E029", format!("`{name}` {what}")).at(at, "does not fit");
+                    self.diags.push(d.help(help));
+                    return;
+                }
+            };
+            let mut ends = ends;
+            // a quadripole is the same either way round: the port in space comes first
+            if let (Measure::Line(_), Some(o @ SecondPort { measure: Measure::Radial, .. })) = (measure, &mut onto) {
+                core::mem::swap(&mut ends, &mut o.ends);
+                core::mem::swap(&mut measure, &mut o.measure);
+            }
+            let name = if many { format!("{name}[{i}]") } else { name.clone() };
+            let values = values.clone();
+            let node = LiaNode { name, kind, law, values, ends, measure, onto, sets: None, l0, soften, item: id };
+            if soften > 0.0 && !node.is_radial() {
+                let at = self.entry(id, "soften").map_or(e.span, |e| e.span);
+                let d = Diag::error("E029", format!("`{}` softens no distance", node.name)).at(at, "on a line");
+                self.diags.push(d.help("leave out `soften`: it keeps the direction of a distance in space defined"));
+                return;
+            }
+            for l in space::vectorial(&self.net, node) {
+                made.push(self.net.lias.len() as u32);
+                self.net.lias.push(l);
+            }
+        }
+        self.net.families.entry(name).or_default().links = made;
+    }
+
+    /// How the two ports of a quadripole measure; an error in words where the ends of one are in different worlds.
+    fn ports(&self, first: [End; 2], second: [End; 2]) -> Result<(Measure, SecondPort), (&'static str, &'static str)> {
+        let measure = |ends| space::measure(&self.net, ends, None);
+        let help = "the ends of one port stand in one world: both on a line, or both in space";
+        let first = measure(first).map_err(|_| ("joins a line and space by `between`", help))?;
+        let there = measure(second).map_err(|_| ("joins a line and space by `onto`", help))?;
+        Ok((first, SecondPort { ends: second, measure: there }))
+    }
+
+    /// The second ports of `count` quadripoles, one pair of ends each; none for a link of two ends.
+    fn onto(&mut self, id: u32, name: &str, count: usize) -> Result<Vec<[End; 2]>, ()> {
+        let Some(e) = self.entry(id, "onto") else { return Ok(Vec::new()) };
+        let help = "write `onto = [\"first\", \"second\"]`, the ends in the other world";
+        let pair = if let Value::List(l) = &e.value { <&[Entry; 2]>::try_from(l.as_slice()).ok() } else { None };
+        let Some([first, second]) = pair else {
+            let d = Diag::error("E018", format!("`onto` of `{name}` is not a pair of ends"));
+            self.diags.push(d.at(e.span, "two are wanted").help(help));
+            return Err(());
+        };
+        let (a, b) = (self.side(first, name, "onto", LINKED), self.side(second, name, "onto", LINKED));
+        let (Some(a), Some(b)) = (a, b) else { return Err(()) };
+        if [&a, &b].iter().any(|side| side.is_empty() || (side.len() != 1 && side.len() != count)) {
+            let (a, b) = (a.len(), b.len());
+            let title = format!("`{name}`: {count} links, but {a} and {b} ends in `onto`");
+            let d = Diag::error("E018", title).at(e.span, "does not fit");
+            self.diags.push(d.help("give one end, or as many as `between` makes links, on each side"));
+            return Err(());
+        }
+        let pairs: Vec<[End; 2]> = (0..count).map(|i| [a[i.min(a.len() - 1)], b[i.min(b.len() - 1)]]).collect();
+        if let Some(same) = pairs.iter().find(|p| p[0] == p[1]) {
+            let title = format!("`{name}` joins `{}` to itself", self.net.end_name(same[0]));
+            self.diags.push(Diag::error("E022", title).at(e.span, "the same at both ends").help(help));
+            return Err(());
+        }
+        Ok(pairs)
+    }
+
+    /// References of modules that could not be resolved are looked up all the same, so that everything is said at once.
+    fn broken_items(&mut self) {
+        let good: BTreeSet<usize> = self.net.items.iter().map(|i| i.model).collect();
+        let model = self.model;
+        for (_, item) in model.items.iter().enumerate().filter(|(i, _)| !good.contains(i)) {
+            for e in &item.args {
+                match (e.key.as_str(), &e.value) {
+                    ("between" | "onto", Value::List(_)) | ("to", Value::Text(_)) => {
+                        self.side(e, &item.name, &e.key, LINKED);
+                    }
+                    ("from", Value::Text(text)) => {
+                        self.select(Written { text, span: e.span, owner: &item.name }, None);
+                    }
+                    _ => {}
+                }
+            }
+        }
+    }
+
+    fn push(&mut self, id: u32) {
+        let name = self.net.items[id as usize].name.clone();
+        let Some(e) = self.entry(id, "to") else { return };
+        let Some(ends) = self.side(&e, &name, "to", "a force pushes a MAT: a mass or a cell") else { return };
+        let Some(input) = self.net.inputs.iter().position(|i| i.name == name) else { return };
+        let along = self.net.items[id as usize].args.get(2).and_then(space::direction);
+        if self.net.pushes.len() + ends.len() > LARGEST {
+            self.too_many(&name, "forces", e.span);
+            return;
+        }
+        for end in ends {
+            let Some(parts) = self.directed(end, along, &name, e.span, "pushes") else { return };
+            let [(axis, share)] = parts[..] else {
+                let d = Diag::error("E029", format!("`{name}` pushes along no axis")).at(e.span, "a slanted direction");
+                self.diags.push(d.help("a force port has one axis: use two of them"));
+                return;
+            };
+            debug_assert!(share == 1.0);
+            self.net.pushes.push(Push { input: input as u32, end, axis });
+        }
+    }
+}

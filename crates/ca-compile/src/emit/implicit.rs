@@ -1,0 +1,148 @@
+//! The matrix of implicit links: which places it joins, and its first factor (docs/numerics.md §1.3).
+
+use crate::emit::links::Links;
+use crate::emit::plan::Plan;
+use crate::net::{Ear, End, LiaNode, MatRole, Measure};
+use alloc::collections::{BTreeMap, BTreeSet};
+use alloc::format;
+use alloc::vec::Vec;
+use ca_core::layout::{Felt, ImplicitLinks, Pair};
+use ca_core::ldl::Pattern;
+use ca_core::method::implicit::Inertia;
+use ca_core::op::Op;
+use ca_core::real::{real, wide};
+use ca_model::diag::{Diag, Diags};
+use ca_model::{Model, Span};
+
+/// More entries of a factor than this are refused: no machine solves them in a tick.
+const LARGEST: usize = 1_000_000;
+
+impl Plan<'_> {
+    /// The places a link pulls at, end by end.
+    fn pulls(&self, l: &LiaNode, heard: &BTreeSet<u32>) -> Vec<Pull> {
+        let mut all = Vec::new();
+        for (side, sign) in [-1.0, 1.0].into_iter().enumerate() {
+            let End::Mat(m) = l.ends[side] else { continue };
+            let mat = &self.net.mats[m as usize];
+            let heard = matches!(mat.role, MatRole::Port(..)) || heard.contains(&m);
+            all.extend(directions(l, side, mat.places()).into_iter().map(|(axis, w)| Pull {
+                place: self.place[m as usize] + axis,
+                weight: sign * w,
+                moves: !mat.is_fixed() && axis < u32::from(mat.axes),
+                heard,
+            }));
+        }
+        all
+    }
+
+    /// The matrix of the implicit links, factorised, and what it is made of; none where there are none.
+    pub fn implicit(
+        &mut self,
+        n_mat: usize,
+        links: &Links,
+        model: &Model,
+        diags: &mut Diags,
+    ) -> Option<(ImplicitLinks, Inertia)> {
+        let net = self.net;
+        let solved: Vec<(usize, &LiaNode)> = net.lias.iter().enumerate().filter(|(_, l)| l.law.implicit).collect();
+        let (_, first) = solved.first()?;
+        let item = &model.items[net.items[first.item as usize].model];
+        let heard: BTreeSet<u32> = net
+            .outs
+            .iter()
+            .filter_map(|o| if let Ear::ForceOn(End::Mat(m)) = o.ear { Some(m) } else { None })
+            .collect();
+        let pulls: Vec<Vec<Pull>> = solved.iter().map(|(_, l)| self.pulls(l, &heard)).collect();
+        let mut met: BTreeMap<u32, u32> = BTreeMap::new();
+        for p in pulls.iter().flatten().filter(|p| p.moves) {
+            *met.entry(p.place).or_default() += 1;
+        }
+        let mut made = Inertia::default();
+        let mut pairs: Vec<Pair> = Vec::new();
+        // the rest by numbers of the places they move
+        let mut number: BTreeMap<u32, u32> = BTreeMap::new();
+        let mut rows: Vec<([u32; 3], Felt, bool)> = Vec::new();
+        for ((id, l), pulls) in solved.iter().zip(&pulls) {
+            let (op, at) = links.where_is[*id];
+            let op: &Op = &links.forces[op as usize];
+            let coef = core::array::from_fn(|k| (op.coef + k * op.n + at as usize) as u32);
+            let tap = op.form.tap.then_some((op.tap + at as usize) as u32);
+            let apart = pulls.iter().all(|p| !p.moves || met[&p.place] == 1);
+            if let (Measure::Line(_), [a, b], true) = (l.measure, &pulls[..], apart) {
+                let ends = [a.place, b.place];
+                made.pairs.push((coef, ends.map(|p| 2 * n_mat as u32 + p)));
+                pairs.push(Pair { ends, tap });
+                continue;
+            }
+            let mut felt = Felt { coef, tap, ..Felt::default() };
+            let mut needed = tap.is_some();
+            for p in pulls {
+                if p.moves {
+                    let next = number.len() as u32;
+                    felt.moves.push((*number.entry(p.place).or_insert(next), real(p.weight)));
+                } else {
+                    needed |= p.heard;
+                    felt.held.push((p.place, real(p.weight)));
+                }
+            }
+            rows.push((coef, felt, needed));
+        }
+        let n = number.len();
+        let joined = rows.iter().flat_map(|(_, f, _)| {
+            f.moves.iter().enumerate().flat_map(|(k, (i, _))| f.moves[..k].iter().map(move |(j, _)| (*i, *j)))
+        });
+        let Some(pattern) = Pattern::new(n, joined, LARGEST) else {
+            let title = format!("`{}` and what is implicit with it are too many to be solved in a tick", item.name);
+            let help = "use `method = \"ca\"` where stiffness allows it, or a coarser mesh";
+            diags.push(Diag::error("E027", title).at(item.name_span, "too many").help(help));
+            return None;
+        };
+        let mut to = alloc::vec![0; n];
+        pattern.order.iter().zip(0..).for_each(|(i, k)| to[*i as usize] = k);
+        let mut at = alloc::vec![0; n];
+        for (place, i) in &number {
+            at[to[*i as usize] as usize] = *place;
+        }
+        (made.pattern, made.mobility) = (pattern, at.iter().map(|p| 2 * n_mat as u32 + p).collect());
+        let mut felt = Vec::new();
+        for (coef, mut f, needed) in rows {
+            f.moves.iter_mut().for_each(|(i, _)| *i = to[*i as usize]);
+            let first = made.entries.len() as u32;
+            made.entries.extend(f.moves.iter().map(|(i, w)| (*i, wide(*w))));
+            made.links.push((coef, [first, f.moves.len() as u32]));
+            felt.extend(needed.then_some(f));
+        }
+        let mut factor = Vec::new();
+        if !made.factor(|c| self.coef[c as usize], &mut factor, &mut Vec::new()) {
+            diags.push(beyond(&item.name, item.name_span));
+            return None;
+        }
+        let coef = self.coef.len();
+        self.coef.extend(factor);
+        Some((ImplicitLinks { places: at, pattern: made.pattern.clone(), coef, felt, pairs }, made))
+    }
+}
+
+fn beyond(name: &str, span: Span) -> Diag {
+    let d = Diag::error("E009", format!("the numbers of `{name}` and what is implicit with it are beyond computing"));
+    d.at(span, "overflows").help("use a larger mass, or less stiffness and viscosity")
+}
+
+/// What a link does to one place in the state.
+struct Pull {
+    place: u32,
+    weight: f64,
+    /// forces move it
+    moves: bool,
+    /// somebody hears the force on it although it is not moved
+    heard: bool,
+}
+
+/// Axes and weights by which a link feels one of its ends.
+fn directions(l: &LiaNode, side: usize, places: u32) -> Vec<(u32, f64)> {
+    match l.measure {
+        Measure::Along(n) => (0..places).map(|k| (k, n[k as usize])).filter(|(_, w)| *w != 0.0).collect(),
+        Measure::Line(axes) => alloc::vec![(u32::from(axes[side]), 1.0)],
+        Measure::Radial => Vec::new(),
+    }
+}

@@ -1,0 +1,297 @@
+//! Links: batches of one law, rows as runs, and where each link ends up.
+
+use crate::emit::penetration;
+use crate::emit::plan::Plan;
+use crate::net::{Ear, End, LiaNode, Measure, Net};
+use crate::options::{KernelClass, Options};
+use alloc::vec::Vec;
+use ca_core::kind::Role;
+use ca_core::layout::Crowd;
+use ca_core::live::{Loader, Source};
+use ca_core::op::law::{Law, Turn};
+use ca_core::op::{Form, Gauge, Op, Ports};
+use ca_core::phi::{implicit, res};
+use ca_model::Model;
+use ca_model::diag::Diags;
+
+/// Rows shorter than this are gathered: a run has three loops to set up, and waits for what it has just written. Measured
+/// for RES: 4 links 15 ns as a run and 8 gathered, 7 links 16 and 12, 11 links 18 and 22.
+const SHORTEST_RUN: usize = 10;
+
+/// The links, laid out.
+pub struct Links {
+    /// their passes
+    pub forces: Vec<Op>,
+    /// the first of the implicit ones
+    pub late: usize,
+    /// contacts that are solved together
+    pub touch: usize,
+    /// first and second place of each
+    pub ends: Vec<[u32; 2]>,
+    /// the same of second ports
+    pub onto: Vec<[u32; 2]>,
+    /// what ports in space need
+    pub reach: Vec<[f64; 4]>,
+    /// sets of which all pairs are joined
+    pub crowds: Vec<Crowd>,
+    /// constant part of the elongation of each
+    pub e0: Vec<f64>,
+    /// numbers of memory
+    pub mem: usize,
+    /// places for forces
+    pub tap: usize,
+    /// for each link of the net, its op and position in it
+    pub where_is: Vec<(u32, u32)>,
+}
+
+/// Tables that laws bring with them, in order of first use, after those of the model.
+pub fn own_tables(net: &Net) -> Vec<(&'static Law, ca_core::table::Table)> {
+    let mut own: Vec<(&'static Law, ca_core::table::Table)> = Vec::new();
+    for l in &net.lias {
+        if let Some(table) = l.law.table {
+            if !own.iter().any(|(law, _)| core::ptr::eq(*law, l.law)) {
+                own.push((l.law, table()));
+            }
+        }
+    }
+    own
+}
+
+/// What links of one batch have in common.
+#[derive(Clone, Copy, PartialEq)]
+struct Shape {
+    law: *const Law,
+    gauge: Gauge,
+    onto: Option<Gauge>,
+    /// for sets, which: each is a batch of its own
+    set: Option<u32>,
+}
+
+impl Plan<'_> {
+    /// Batches of links: in document order, or by law with rows as runs; each with its stride, 0 where there is none.
+    fn batches(&self, class: KernelClass, laws: &[&'static Law]) -> Vec<(Vec<u32>, usize)> {
+        let shape = |l: u32| self.shape(l, laws[l as usize]);
+        let same = |a: u32, b: u32| shape(a) == shape(b);
+        let all: Vec<u32> = (0..self.net.lias.len() as u32).collect();
+        if class == KernelClass::Reference {
+            return all.chunk_by(|a, b| same(*a, *b)).map(|c| (c.to_vec(), 0)).collect();
+        }
+        let mut by_law: Vec<Vec<u32>> = Vec::new();
+        for l in all {
+            match by_law.iter_mut().find(|g| same(g[0], l)) {
+                Some(g) => g.push(l),
+                None => by_law.push(alloc::vec![l]),
+            }
+        }
+        let mut out = Vec::new();
+        for group in by_law {
+            let at = shape(group[0]);
+            if at.gauge != Gauge::Line || at.onto.is_some() || laws[group[0] as usize].is_late() {
+                out.push((group, 0));
+                continue;
+            }
+            let mut loose = Vec::new();
+            for row in group.chunk_by(|a, b| self.follows(*a, *b)) {
+                if let Some(stride) = self.stride(row) {
+                    out.push((row.to_vec(), stride));
+                } else {
+                    loose.extend_from_slice(row);
+                }
+            }
+            if !loose.is_empty() {
+                out.push((loose, 0));
+            }
+        }
+        out
+    }
+
+    /// The law each link runs by: its own, but springs in a row with implicit links run by the law of these, θ = 0
+    /// and without viscosity, which is the same force. One row of springs costs less than what such links leave of it.
+    fn laws(&self, class: KernelClass) -> Vec<&'static Law> {
+        let net = self.net;
+        let mut laws: Vec<_> = net.lias.iter().map(|l| l.law).collect();
+        let ids: Vec<u32> = (0..laws.len() as u32).collect();
+        if class == KernelClass::Reference || !laws.iter().any(|l| l.implicit) {
+            return laws;
+        }
+        let spring: &'static Law = &res::LAW;
+        let fits = |l: u32| {
+            let l = &net.lias[l as usize];
+            (l.law.implicit || core::ptr::eq(l.law, spring)) && l.measure.gauge() == Gauge::Line && l.onto.is_none()
+        };
+        for row in ids.chunk_by(|a, b| fits(*a) && fits(*b) && self.follows(*a, *b)) {
+            if fits(row[0]) && self.stride(row).is_some() && row.iter().any(|l| laws[*l as usize].implicit) {
+                for l in row {
+                    laws[*l as usize] = &implicit::LAW;
+                }
+            }
+        }
+        laws
+    }
+
+    /// True where link `b` stands behind `a` in a row.
+    fn follows(&self, a: u32, b: u32) -> bool {
+        let ([a0, a1], [b0, b1]) = (self.ends(a), self.ends(b));
+        a1.wrapping_sub(a0) == b1.wrapping_sub(b0) && b0 == a0.wrapping_add(1)
+    }
+
+    /// The stride of a row that is worth a run.
+    fn stride(&self, row: &[u32]) -> Option<usize> {
+        let [a, b] = self.ends(row[0]);
+        let stride = b.wrapping_sub(a);
+        (row.len() >= SHORTEST_RUN && stride < u32::MAX / 2).then_some(stride as usize)
+    }
+
+    fn shape(&self, l: u32, law: &'static Law) -> Shape {
+        let node = &self.net.lias[l as usize];
+        let set = node.sets.as_ref().map(|_| l);
+        Shape { law, gauge: node.measure.gauge(), onto: node.onto.map(|o| o.measure.gauge()), set }
+    }
+
+    fn ends(&self, l: u32) -> [u32; 2] {
+        let l = &self.net.lias[l as usize];
+        self.port(l.ends, l.measure)
+    }
+
+    /// First places of two ends; on a line, those of the axes it measures.
+    fn port(&self, ends: [End; 2], measure: Measure) -> [u32; 2] {
+        let axes = if let Measure::Line(axes) = measure { axes } else { [0, 0] };
+        [0, 1].map(|k| self.at(ends[k]) + u32::from(axes[k]))
+    }
+
+    /// What a port in space needs beside its ends, if it is one.
+    fn reach(&self, ends: [End; 2], measure: Measure, soften: f64) -> Option<[f64; 4]> {
+        match measure {
+            Measure::Line(_) => None,
+            Measure::Along(n) => Some([n[0], n[1], n[2], 0.0]),
+            Measure::Radial => {
+                let [x, y, z] = self.net.apart(ends);
+                Some([x, y, z, soften * soften])
+            }
+        }
+    }
+
+    /// What two ends at rest add to the elongation beside what the kernel measures, and their distance.
+    fn at_rest(&self, ends: [End; 2], measure: Measure) -> (f64, f64) {
+        let v = self.net.apart(ends);
+        match measure {
+            Measure::Line([a, b]) => {
+                let d = self.net.rest(ends[1])[b as usize] - self.net.rest(ends[0])[a as usize];
+                (d, d)
+            }
+            Measure::Along(n) => {
+                let d = n[0] * v[0] + n[1] * v[1] + n[2] * v[2];
+                (d, d)
+            }
+            // the kernel measures the whole distance
+            Measure::Radial => (0.0, libm::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])),
+        }
+    }
+
+    /// Constant part of the elongation: laws with a rest length are slack at rest, contacts count from position. The
+    /// second port of a quadripole is slack at rest.
+    fn offset(&self, l: &LiaNode) -> f64 {
+        let (constant, distance) = self.at_rest(l.ends, l.measure);
+        let generated = matches!(l.kind.role, Role::Lia(_)) && self.net.items[l.item as usize].kind.code != l.kind.code;
+        let has_length = generated || l.kind.param("l0").is_some();
+        let slack = if has_length { l.l0.unwrap_or(distance) } else { 0.0 };
+        let slack = if l.measure == Measure::Radial && l.soften != 0.0 {
+            libm::sqrt(slack * slack + l.soften * l.soften)
+        } else {
+            slack
+        };
+        let second = l.onto.map_or(0.0, |o| {
+            let (constant, distance) = self.at_rest(o.ends, o.measure);
+            let soft = if o.measure == Measure::Radial { l.soften } else { 0.0 };
+            let slack = if soft == 0.0 { distance } else { libm::sqrt(distance * distance + soft * soft) };
+            constant - slack
+        });
+        constant - slack + second
+    }
+
+    /// Lays out all links.
+    pub fn links(&mut self, options: &Options, diags: &mut Diags, model: &Model) -> Links {
+        let net = self.net;
+        let own = own_tables(net);
+        let heard: Vec<u32> =
+            net.outs.iter().filter_map(|o| if let Ear::ForceOf(l) = o.ear { Some(l) } else { None }).collect();
+        let laws = self.laws(options.kernel);
+        let law = |l: u32| laws[l as usize];
+        let mut batches = self.batches(options.kernel, &laws);
+        batches.sort_by_key(|b| law(b.0[0]).is_late());
+        let scratch = batches.iter().filter(|b| b.1 > 0).map(|b| b.0.len()).max().unwrap_or(0);
+        let mut k = Links {
+            forces: Vec::new(),
+            late: batches.iter().filter(|b| !law(b.0[0]).is_late()).count(),
+            touch: 0,
+            ends: Vec::with_capacity(net.lias.len()),
+            onto: Vec::new(),
+            reach: Vec::new(),
+            crowds: Vec::new(),
+            e0: Vec::with_capacity(net.lias.len()),
+            mem: 0,
+            tap: scratch,
+            where_is: alloc::vec![(0, 0); net.lias.len()],
+        };
+        let mut to = Vec::new();
+        for (batch, stride) in batches {
+            let law = law(batch[0]);
+            let n = batch.len();
+            let (first, coef) = (k.ends.len(), self.coef.len());
+            let shape = self.shape(batch[0], law);
+            let mut ports = Ports { gauge: shape.gauge, reach: k.reach.len(), onto: None, crowd: None };
+            let nodes = || batch.iter().map(|id| &net.lias[*id as usize]);
+            k.reach.extend(nodes().filter_map(|l| self.reach(l.ends, l.measure, l.soften)));
+            if let Some(g) = shape.onto {
+                ports.onto = Some((g, k.onto.len(), k.reach.len()));
+                k.onto.extend(nodes().filter_map(|l| l.onto).map(|o| self.port(o.ends, o.measure)));
+                k.reach.extend(nodes().filter_map(|l| {
+                    let o = l.onto?;
+                    self.reach(o.ends, o.measure, l.soften)
+                }));
+            }
+            let sets = net.lias[batch[0] as usize].sets.as_ref();
+            if let Some(sets) = sets {
+                let places = |set: &[u32]| set.iter().map(|m| self.place[*m as usize]).collect::<Vec<u32>>();
+                ports.crowd = Some(k.crowds.len());
+                k.crowds.push(Crowd::new([&places(&sets[0]), &places(&sets[1])]));
+            }
+            self.coef.resize(coef + n * law.coefs, 0.0);
+            for (i, id) in batch.iter().enumerate() {
+                let l = &net.lias[*id as usize];
+                k.ends.push(self.ends(*id));
+                k.e0.push(self.offset(l));
+                k.where_is[*id as usize] = (k.forces.len() as u32, i as u32);
+                let mut values = l.values.to_vec();
+                if law.implicit && !l.law.implicit {
+                    values = alloc::vec![values.get(1).copied().unwrap_or(Source::Absent)];
+                }
+                if let Some(t) = own.iter().position(|(o, _)| core::ptr::eq(*o, law)) {
+                    values.push(Source::Const((net.tables.len() + t) as f64));
+                }
+                to.clear();
+                to.extend((0..law.coefs).map(|s| coef + s * n + i));
+                self.load(Loader::Lia(law), l.item, &values, &to);
+                let onto = l.onto.map(|o| self.reach(o.ends, o.measure, l.soften).unwrap_or_default());
+                let reach = [self.reach(l.ends, l.measure, l.soften).unwrap_or_default(), onto.unwrap_or_default()];
+                if l.law.contact {
+                    penetration::warn(net, l, k.e0[first + i], &reach, model, diags);
+                }
+            }
+            let tap = options.energy || batch.iter().any(|l| heard.contains(l));
+            let offset = k.e0[first..].iter().any(|e| *e != 0.0);
+            let form = Form { stride, offset, tap, gauge: shape.gauge, onto: shape.onto, set: sets.is_some() };
+            let mut op = Op::pass(law.code, (law.kernel)(form), n);
+            op = Op { law: Some(law), form, ports, first, coef, mem: k.mem, mat: k.ends[first][0] as usize, ..op };
+            if tap {
+                op.tap = k.tap;
+                // of a set, the force on each axis of each member
+                k.tap += ports.crowd.map_or(n, |c| 3 * k.crowds[c].members.len());
+            }
+            k.mem += n * law.mem;
+            k.touch += if matches!(law.turn, Turn::Together(_)) { n } else { 0 };
+            k.forces.push(op);
+        }
+        k
+    }
+}

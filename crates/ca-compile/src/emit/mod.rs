@@ -1,0 +1,14 @@
+//! Last: from the network to the arrays and passes of a [`Scene`](ca_core::Scene).
+
+pub mod cutoff;
+pub mod implicit;
+pub mod links;
+pub mod milib;
+pub mod ordering;
+pub mod oversample;
+pub mod pass_list;
+pub mod pefrl;
+pub mod penetration;
+pub mod plan;
+pub mod schedule;
+pub mod waves;

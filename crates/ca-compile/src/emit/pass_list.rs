@@ -1,0 +1,159 @@
+//! Passes: the lists of what a tick runs, in order. What the scene does not have makes no entry.
+
+use crate::emit::plan::Plan;
+use crate::net::MatRole;
+use alloc::collections::BTreeSet;
+use alloc::vec::Vec;
+use ca_core::layout::Layout;
+use ca_core::method::implicit;
+use ca_core::op::law::Turn;
+use ca_core::op::wide::wide;
+use ca_core::op::{Kernel, Op, blocker, lowpass, pass, wave};
+use ca_core::{border, energy};
+
+/// Before the forces: ports, the ledger of the tick before, changes, moving points.
+pub fn reads(layout: &Layout, live: usize, aimed: bool) -> Vec<Op> {
+    let kept = layout.ledger.is_some();
+    let points = layout.proxies.len();
+    let modules = layout.n_mat + layout.n_lia;
+    let modal = layout.modal.len();
+    let list: [(bool, &'static str, Kernel, usize); 9] = [
+        (!layout.enx.is_empty(), "ENX", pass::enx, layout.enx.len()),
+        (!layout.tgr.is_empty(), "TGR in", border::position(layout), layout.tgr.len()),
+        (modal > 0, "modal ports", pass::sum, modal),
+        // the ledger needs the points where the last tick had them
+        (kept && points > 0, "points", pass::project, points),
+        (kept, "ledger", energy::ledger, modules),
+        (live > 0, "changes", pass::ramp, live),
+        (aimed, "aim", pass::aim, points),
+        (points > 0 && (!kept || aimed), "points", pass::project, points),
+        (kept && (live > 0 || aimed), "changes booked", energy::rebook, modules),
+    ];
+    list.into_iter().filter(|p| p.0).map(|(_, name, kernel, n)| Op::pass(name, kernel, n)).collect()
+}
+
+/// Forces at the present positions: from outside, weight, waves, links, and what goes on to others. Links from `late` on need
+/// all of that.
+pub fn forces(layout: &Layout, mut links: Vec<Op>, late: usize, weight: usize) -> Vec<Op> {
+    let mut list = Vec::new();
+    if !layout.enf.is_empty() {
+        list.push(Op::pass("ENF", pass::enf::<true>, layout.enf.len()));
+    }
+    if !layout.weighed.is_empty() {
+        list.push(Op { coef: weight, ..Op::pass("weight", pass::weight, layout.weighed.len()) });
+    }
+    if !layout.waves.delays.is_empty() {
+        list.push(Op::pass("waves in", wave::arrive, layout.waves.delays.len()));
+    }
+    let late = links.split_off(late);
+    list.extend(links);
+    if !layout.proxies.is_empty() {
+        list.push(Op::pass("points back", pass::spread, layout.proxies.len()));
+    }
+    if !layout.modal.is_empty() {
+        list.push(Op::pass("modes", pass::share, layout.modal.len()));
+    }
+    if let Some(a) = &layout.implicit {
+        let (places, pairs) = (a.places.len(), a.pairs.len());
+        if places > 0 {
+            list.push(Op::pass("implicit", implicit::solve, places));
+        }
+        if pairs > 0 {
+            let coef = a.coef + a.pattern.numbers() + places;
+            list.push(Op { coef, ..Op::pass("implicit pairs", implicit::pairs, pairs) });
+        }
+    }
+    let together =
+        late.iter().find_map(|o| if let Some(Turn::Together(f)) = o.law.map(|l| l.turn) { Some(f) } else { None });
+    list.extend(late);
+    list.extend(together.map(|solve| Op::pass("contacts", solve, layout.n_touch)));
+    let (keys, kept, felt) = (layout.tgr.len(), layout.ledger.is_some(), layout.crossing.feedback);
+    let aside = keys > 0 && kept && !felt;
+    if aside {
+        list.push(Op::pass("TGR mute", border::mute, keys));
+    }
+    if keys > 0 && (felt || kept) {
+        list.push(Op::pass("TGR out", border::collect(layout), keys));
+    }
+    if keys > 0 && kept {
+        list.push(Op::pass("border booked", border::ledger(layout), keys));
+    }
+    if aside {
+        list.push(Op::pass("TGR mute", border::mute, keys));
+    }
+    if layout.ledger.is_some() {
+        list.push(Op::pass("ledger keeps", energy::keep, layout.n_mat));
+    }
+    list
+}
+
+/// Outputs; `gains` is the coefficient of the first.
+pub fn writes(layout: &Layout, gains: usize) -> Vec<Op> {
+    let high = layout.blockers.len();
+    let plain = layout.outputs.len() - high;
+    let list = [
+        // it clears what the others add to
+        (plain + high > 0, "outputs", pass::outputs as Kernel, plain, 0),
+        (high > 0, "high pass", blocker::blocker, high, plain),
+        (!layout.lowpass.is_empty(), "low pass", lowpass::lowpass, layout.channels, 0),
+    ];
+    let op = |(_, name, kernel, n, first)| Op { first, coef: gains + first, ..Op::pass(name, kernel, n) };
+    list.into_iter().filter(|p| p.0).map(op).collect()
+}
+
+impl Plan<'_> {
+    /// Advance passes: stretches of MATs with and without coefficients of their own, nothing for what is fixed; then what
+    /// leaves on the `ways` of waves.
+    pub fn moves(&self, order: &[u32], n_mat: usize, ways: usize) -> Vec<Op> {
+        #[derive(PartialEq, Clone, Copy)]
+        enum Class {
+            Free,
+            Full,
+            Held,
+        }
+        let live: BTreeSet<u32> = self.live.iter().copied().collect();
+        // what a fixed point has no use for costs less than two stretches, so it goes with its neighbour
+        let mut classes: Vec<Option<Class>> = Vec::new();
+        for m in order {
+            let m = &self.net.mats[*m as usize];
+            for k in 0..m.places() as usize {
+                let at = classes.len();
+                classes.push(match m.role {
+                    MatRole::Port(_, inputs) if inputs[k].is_some() => Some(Class::Held),
+                    MatRole::Mat(s) if !s.fixed && k < m.axes as usize => {
+                        let own = self.coef[at] != 1.0 || self.coef[n_mat + at] != 0.0 || live.contains(&(at as u32));
+                        Some(if own { Class::Full } else { Class::Free })
+                    }
+                    // a fixed point, a frozen axis
+                    _ => None,
+                });
+            }
+        }
+        for i in 1..classes.len() {
+            classes[i] = classes[i].or(classes[i - 1].filter(|c| *c != Class::Held));
+        }
+        for i in (1..classes.len()).rev() {
+            classes[i - 1] = classes[i - 1].or(classes[i].filter(|c| *c != Class::Held));
+        }
+        let mut ops = Vec::new();
+        let mut at = 0;
+        for stretch in classes.chunk_by(|a, b| a == b) {
+            let first = at;
+            at += stretch.len();
+            let (name, kernel): (_, Kernel) = match stretch[0] {
+                Some(Class::Held) => continue,
+                Some(Class::Full) => ("advance CEL", wide::<pass::AdvanceFull>),
+                // a fixed point that stands alone does not move, but the force on it starts from nothing each tick
+                Some(Class::Free) | None => ("advance MAS", wide::<pass::AdvanceFree>),
+            };
+            ops.push(Op { mat: first, ..Op::pass(name, kernel, stretch.len()) });
+        }
+        if ways > 0 {
+            ops.push(Op::pass("waves out", wave::depart, ways));
+        }
+        if !order.is_empty() {
+            ops.push(Op::pass("flush", pass::flush, n_mat));
+        }
+        ops
+    }
+}

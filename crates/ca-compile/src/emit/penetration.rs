@@ -1,0 +1,81 @@
+//! Pressed: a contact that is pressed together before anything has moved. Of a set, the first of its pairs is reported.
+
+use crate::net::{End, LiaNode, Measure, Net};
+use alloc::format;
+use alloc::vec::Vec;
+use ca_core::kind::Unit;
+use ca_core::layout::Crowd;
+use ca_core::op::crowd;
+use ca_core::op::gauge::measure;
+use ca_core::real::{Real, real, wide};
+use ca_model::diag::{Diag, Diags};
+use ca_model::{Model, quantity};
+
+/// Warns if `l` is pressed at load; once for each item.
+pub fn warn(net: &Net, l: &LiaNode, e0: f64, reach: &[[f64; 4]; 2], model: &Model, diags: &mut Diags) {
+    let found = if l.sets.is_some() { of_set(net, l) } else { of_pair(net, l, e0, reach) };
+    let Some((ends, e, f)) = found else { return };
+    let item = &model.items[net.items[l.item as usize].model];
+    let known = |d: &Diag| d.code == "W102" && d.span() == item.name_span && item.name_span.is_some();
+    if diags.list.iter().any(known) {
+        return;
+    }
+    let (a, b) = (net.end_name(ends[0]), net.end_name(ends[1]));
+    let force = quantity::show(f.abs(), Unit::NEWTON);
+    let d = Diag::warning("W102", format!("`{}` presses at load, with {force}", l.name));
+    // three digits are enough to find the place
+    let gap = format!("{:.2e}", e.abs()).parse().unwrap_or(e.abs());
+    let gap = quantity::show(gap, Unit::METRE);
+    let (label, help) = if l.is_radial() {
+        let way = if f < 0.0 { "move them apart" } else { "move them closer" };
+        (format!("`{b}` is {gap} from `{a}`"), format!("{way} by `x` or `dx0`, or change `d`"))
+    } else {
+        let side = if e < 0.0 { "below" } else { "above" };
+        let way = "swap the ends of `between`, or move one of them by `x` or `dx0`";
+        (format!("`{b}` is {gap} {side} `{a}`"), format!("it keeps `{b}` above `{a}`; {way}"))
+    };
+    diags.push(d.at(item.name_span, label).help(help));
+}
+
+/// The ends that are pressed, their elongation \[m\] and their force \[N\].
+type Pressed = ([End; 2], f64, f64);
+
+/// The coefficients of a contact, as they are at load.
+fn coefs(net: &Net, l: &LiaNode) -> Vec<Real> {
+    l.law.loaded(&net.values(l.item, &l.values), net.te).into_iter().map(real).collect()
+}
+
+/// The force \[N\] of a contact that stands at `e` and remembers nothing but that.
+fn force(net: &Net, l: &LiaNode, c: &[Real], e: Real) -> Real {
+    (l.law.force)(c, &mut l.law.started(c, e), &net.tables, e, 0.0)
+}
+
+fn of_pair(net: &Net, l: &LiaNode, e0: f64, reach: &[[f64; 4]; 2]) -> Option<Pressed> {
+    let felt = |ends: [End; 2], m: Measure, reach: &[f64; 4]| {
+        let at = ends.map(|e| if let End::Mat(m) = e { net.mats[m as usize].dx0 } else { [0.0; 3] });
+        let places = match m {
+            Measure::Line([a, b]) => [at[0][a as usize], 0.0, 0.0, at[1][b as usize], 0.0, 0.0],
+            _ => [at[0][0], at[0][1], at[0][2], at[1][0], at[1][1], at[1][2]],
+        };
+        wide(measure(m.gauge(), &places.map(real), &[0.0; 6], [0, 3], &reach.map(real)).e)
+    };
+    let second = l.onto.map_or(0.0, |o| felt(o.ends, o.measure, &reach[1]));
+    let e = e0 + felt(l.ends, l.measure, &reach[0]) + second;
+    let c = coefs(net, l);
+    let f = wide(force(net, l, &c, real(e)));
+    (f != 0.0).then_some((l.ends, e, f))
+}
+
+fn of_set(net: &Net, l: &LiaNode) -> Option<Pressed> {
+    let sets = l.sets.as_deref()?;
+    let members = || sets.iter().flatten().map(|m| &net.mats[*m as usize]);
+    // the members alone, three places each
+    let rest: Vec<Real> = members().flat_map(|m| m.rest.map(real)).collect();
+    let x: Vec<Real> = members().flat_map(|m| m.dx0.map(real)).collect();
+    let places = [0..sets[0].len(), sets[0].len()..rest.len() / 3].map(|r| r.map(|k| 3 * k as u32).collect::<Vec<_>>());
+    let crowd = Crowd::new([&places[0], &places[1]]);
+    let c = coefs(net, l);
+    let (i, j, e, f) = crowd::pressed(&crowd, &rest, &x, (l.law.idle)(&c), |e| force(net, l, &c, e))?;
+    let name = |k: usize| sets.iter().flatten().nth(k).map(|m| End::Mat(*m));
+    Some(([name(i)?, name(j)?], wide(e), wide(f)))
+}

@@ -1,0 +1,122 @@
+//! Plan: where modules and their coefficients stand, and how live ones are computed again.
+
+use crate::net::{End, Net};
+use alloc::collections::{BTreeMap, BTreeSet};
+use alloc::sync::Arc;
+use alloc::vec::Vec;
+use ca_core::kind::Role;
+use ca_core::layout::{ImplicitLinks, Place};
+use ca_core::live::{LiveImplicit, LiveItem, LiveModule, LivePlan, Loader, Source};
+use ca_core::method::implicit::Inertia;
+use ca_core::sketch::Arg;
+use ca_core::state::Identity;
+use ca_core::tuning::Scheme;
+
+/// Arrays and places while the scene is being laid out.
+pub struct Plan<'a> {
+    /// the network
+    pub net: &'a Net,
+    /// document number → first place in the state; `u32::MAX` for what is left out
+    pub place: Vec<u32>,
+    /// moving point → place in the state
+    pub point: Vec<u32>,
+    /// coefficients so far
+    pub coef: Vec<f64>,
+    /// places of live coefficients
+    pub live: Vec<u32>,
+    /// coefficients of the module that was loaded last
+    pub loaded: Vec<f64>,
+    /// modules with live coefficients, by item
+    pub modules: BTreeMap<u32, Vec<LiveModule>>,
+}
+
+impl Plan<'_> {
+    /// Place of an end in the state; `u32::MAX` where it was left out.
+    pub fn at(&self, e: End) -> u32 {
+        match e {
+            End::Mat(m) => self.place[m as usize],
+            End::Point(p) => self.point[p as usize],
+        }
+    }
+
+    /// Place of one axis of an end, if it stays.
+    pub fn alive(&self, e: End, axis: u8) -> Option<u32> {
+        Some(self.at(e)).filter(|m| *m != u32::MAX).map(|m| m + u32::from(axis))
+    }
+
+    /// Computes coefficients into `to`; remembers how, where they may change.
+    pub fn load(&mut self, loader: Loader, item: u32, values: &[Source], to: &[usize]) {
+        loader.load(&self.net.values(item, values), self.net.te, &mut self.loaded);
+        for (t, v) in to.iter().zip(&self.loaded) {
+            self.coef[*t] = *v;
+        }
+        if self.net.is_live(item) && values.iter().any(|s| matches!(s, Source::Slot(_))) {
+            let places = to.iter().map(|t| self.live_place(*t)).collect();
+            let module = LiveModule { loader, values: Arc::from(values), to: places };
+            self.modules.entry(item).or_default().push(module);
+        }
+    }
+
+    fn live_place(&mut self, coef: usize) -> u32 {
+        self.live.push(coef as u32);
+        self.live.len() as u32 - 1
+    }
+
+    /// A coefficient for the coordinate of a moving point, live where it follows a parameter.
+    pub fn coordinate(&mut self, v: f64, param: Option<u32>) -> Place {
+        self.coef.push(v);
+        let at = self.coef.len() - 1;
+        if let Some(p) = param {
+            let to = alloc::vec![self.live_place(at)];
+            let module = LiveModule { loader: Loader::Times(1.0), values: Arc::from([Source::Slot(0)]), to };
+            // points have no item: they are numbered after the items, one per parameter
+            self.modules.entry(self.net.items.len() as u32 + p).or_default().push(module);
+        }
+        Place::Coef(at as u32)
+    }
+
+    /// What live changes need to know.
+    pub fn live_plan(&mut self, implicit: Option<&(ImplicitLinks, Inertia)>) -> LivePlan {
+        let implicit = implicit.and_then(|(a, made)| {
+            let live: BTreeSet<u32> = self.live.iter().copied().collect();
+            let inputs = made.inputs();
+            if !inputs.iter().any(|c| live.contains(c)) {
+                return None;
+            }
+            let first = self.live.len() as u32;
+            self.live.extend((a.coef as u32..).take(made.numbers()));
+            let known = inputs.into_iter().map(|c| (c, self.coef[c as usize])).collect();
+            Some(LiveImplicit { made: made.clone(), first, known })
+        });
+        let items = core::mem::take(&mut self.modules)
+            .into_iter()
+            .map(|(id, modules)| {
+                if let Some(item) = self.net.items.get(id as usize) {
+                    LiveItem {
+                        kind: item.kind,
+                        dim: item.dim,
+                        scheme: self.net.scheme(item.group),
+                        args: item.args.clone(),
+                        follows: item.follows.clone(),
+                        generator: if let Role::Generator(g) = item.kind.role { Some(g) } else { None },
+                        modules,
+                    }
+                } else {
+                    let p = id as usize - self.net.items.len();
+                    LiveItem {
+                        kind: &ca_core::io::ENX,
+                        dim: 1,
+                        scheme: Scheme::Explicit,
+                        args: alloc::vec![Arg::Num(self.net.params[p].value)],
+                        follows: alloc::vec![(0, p, 1.0)],
+                        generator: None,
+                        modules,
+                    }
+                }
+            })
+            .collect();
+        // whose it is is known when all else is
+        let scene = Identity::default();
+        LivePlan { scene, params: self.net.params.clone(), coefs: self.live.clone(), items, implicit }
+    }
+}

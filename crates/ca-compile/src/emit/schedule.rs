@@ -1,0 +1,405 @@
+//! Schedule: flat arrays and the list of passes. What a scene does not have makes no entry here.
+
+use crate::certify::Certificate;
+use crate::emit::cutoff::{blockers, plain_first};
+use crate::emit::links::{Links, own_tables};
+use crate::emit::milib;
+use crate::emit::oversample::oversample;
+use crate::emit::pass_list;
+use crate::emit::pefrl;
+use crate::emit::plan::Plan;
+use crate::net::{Coordinate, Ear, End, LiaNode, MatRole, Net, OutNode};
+use crate::options::Options;
+use crate::passes::implicit;
+use alloc::collections::{BTreeMap, BTreeSet};
+use alloc::string::{String, ToString};
+use alloc::vec::Vec;
+use ca_core::kind::PortRole;
+use ca_core::layout::{Account, Enf, Enx, Gauge, Heard, Layout, LedgerPlan, Modal, Output, Place, Proxy};
+use ca_core::ledger::Ledger;
+use ca_core::live::Loader;
+use ca_core::near::Near;
+use ca_core::op::Op;
+use ca_core::real::{Real, real};
+use ca_core::scene::{InputRole, Scene, Stands, Symbol};
+use ca_core::start::{Order, start};
+use ca_core::state::Identity;
+use ca_core::state::{Border, Cell, Ramps, State};
+use ca_core::touch::Touches;
+use ca_model::Model;
+use ca_model::diag::Diags;
+
+/// Builds the scene. `None` where the findings hold an error.
+pub fn schedule(
+    model: &Model,
+    net: &Net,
+    order: &[u32],
+    options: &Options,
+    certificate: Certificate,
+    diags: &mut Diags,
+) -> Option<Scene> {
+    let mut plan = places(net, order);
+    let Masses { x, v, rest } = masses(&mut plan);
+    let n_mat = x.len();
+    let (enx, tgr) = (ports(&plan, PortRole::Enx), ports(&plan, PortRole::Tgr));
+    let enf: Vec<Enf> =
+        net.pushes.iter().filter_map(|p| Some(Enf { input: p.input, mat: plan.alive(p.end, p.axis)? })).collect();
+    // in this order, coefficients stand one behind the other
+    let (weight, weighed) = weigh(&mut plan);
+    let links = plan.links(options, diags, model);
+    let Points { nodes, proxies, modal, shares, aimed } = points(&mut plan);
+    let (gains, outputs) = outputs(&mut plan, &links)?;
+    let implicit = plan.implicit(n_mat, &links, model, diags);
+    // what stands before the links in the list of forces moves them back; moving points and what is implicit only those
+    // of a later turn
+    let waves = plan.waves(links.mem);
+    let lead = [enf.is_empty(), weighed.is_empty(), waves.delays.is_empty()].iter().filter(|none| !**none).count();
+    let solved = implicit.as_ref().map_or([false; 2], |(a, _)| [!a.places.is_empty(), !a.pairs.is_empty()]);
+    let back = [!proxies.is_empty(), !modal.is_empty(), solved[0], solved[1]].into_iter().filter(|b| *b).count();
+    let place = |op: usize| op + lead + if op >= links.late { back } else { 0 };
+    let ported: BTreeSet<u32> = enx.iter().chain(&tgr).map(|p| p.mat).collect();
+    let ledger =
+        options.energy.then(|| LedgerPlan { accounts: accounts(&links, |p| ported.contains(&p), place), weight });
+    let symbols = symbols(&plan, &links, place);
+    let moves = plan.moves(order, n_mat, waves.delays.len());
+    let own = moves.iter().any(|o| o.name == "advance CEL");
+    let mut live = plan.live_plan(implicit.as_ref());
+    let whole = live.implicit.as_ref().map_or(u32::MAX, |a| a.first);
+    let (coef, live_places) = (plan.coef, plan.live);
+    let mut layout = Layout {
+        te: 1.0 / net.rate,
+        ratio: net.ratio,
+        frame: net.ratio * net.oversample,
+        n_mat,
+        n_lia: links.ends.len(),
+        n_coef: coef.len(),
+        n_mem: links.mem + waves.len,
+        n_touch: links.touch,
+        n_tap: links.tap,
+        channels: net.channels.len(),
+        n_out: net.outs.iter().map(|o| o.channel as usize + 1).max().unwrap_or(0).max(net.channels.len()),
+        ends: links.ends,
+        onto: links.onto,
+        reach: links.reach.iter().map(|r| r.map(real)).collect(),
+        crowds: links.crowds,
+        e0: reals(links.e0),
+        rest: reals(rest),
+        nodes,
+        proxies,
+        modal,
+        shares: reals(shares),
+        tables: net.tables.iter().cloned().chain(own_tables(net).into_iter().map(|(_, t)| t)).collect(),
+        enx,
+        enf,
+        tgr,
+        crossing: net.crossing,
+        waves,
+        weighed,
+        outputs,
+        blockers: blockers(model, net, diags),
+        lowpass: if net.channels.is_empty() { Vec::new() } else { reals(net.lowpass.clone()) },
+        implicit: implicit.map(|a| a.0),
+        ledger,
+        finer: None,
+    };
+    let mut reads = pass_list::reads(&layout, live_places.len(), aimed);
+    let forces = pass_list::forces(&layout, links.forces, links.late, weight);
+    let mut writes = pass_list::writes(&layout, gains);
+    let mut moves = if net.is_composed() { pefrl::moves(&layout, &forces, own) } else { moves };
+    oversample(net, &mut layout, &mut reads, &forces, &mut writes, &mut moves);
+    milib::check(model, net, &layout, &forces, diags);
+    let begin = match () {
+        () if net.is_composed() => Order::Exact,
+        () if implicit::is_fourth(net) => Order::Fourth,
+        () => Order::Second,
+    };
+    let loaded = loaded(net, &layout, x, &v, coef, (live_places, whole));
+    let as_milib = net.as_milib && !diags.has_errors();
+    let felt = !as_milib && net.oversample == 1 && layout.enx.iter().any(|p| p.felt);
+    let before = felt.then(|| (begin, loaded.clone()));
+    let mut initial =
+        if as_milib { milib::first(&layout, &forces, loaded) } else { start(&layout, &forces, begin, loaded) };
+    initial.scene = Identity::of(&layout, [&reads, &forces, &writes, &moves], &initial);
+    live.scene = initial.scene;
+    let (probe_names, probe_of) = probes(net);
+    Some(Scene {
+        rate: net.rate,
+        layout,
+        reads,
+        forces,
+        writes,
+        moves,
+        inputs: net.inputs.clone(),
+        probe_names,
+        probe_of,
+        channel_names: net.channels.clone(),
+        live,
+        gestures: net.gestures.clone(),
+        symbols,
+        certificate,
+        equivalence: net.equivalence.clone(),
+        left_out: net.left_out.clone(),
+        title: model.title().to_string(),
+        seconds: net.seconds,
+        initial,
+        before,
+    })
+}
+
+/// Places: MATs in their order, moving points behind them; what nobody needs has none.
+fn places<'n>(net: &'n Net, order: &[u32]) -> Plan<'n> {
+    let mut place = alloc::vec![u32::MAX; net.mats.len()];
+    let mut n_mat = 0;
+    for m in order {
+        place[*m as usize] = n_mat;
+        n_mat += net.mats[*m as usize].places();
+    }
+    let mut point = alloc::vec![u32::MAX; net.points.len()];
+    for (p, used) in point.iter_mut().zip(used_points(net)) {
+        if used {
+            *p = n_mat;
+            n_mat += 1;
+        }
+    }
+    let coef = alloc::vec![0.0; 3 * n_mat as usize];
+    Plan { net, place, point, coef, live: Vec::new(), loaded: Vec::new(), modules: BTreeMap::new() }
+}
+
+/// Where MATs and moving points start, how fast, and where they rest.
+struct Masses {
+    x: Vec<f64>,
+    v: Vec<f64>,
+    rest: Vec<f64>,
+}
+
+/// Positions and coefficients of MATs, rest positions of moving points too.
+fn masses(plan: &mut Plan) -> Masses {
+    let net = plan.net;
+    let n_mat = plan.coef.len() / 3;
+    let zero = alloc::vec![0.0; n_mat];
+    let mut all = Masses { x: zero.clone(), v: zero.clone(), rest: zero };
+    for (i, m) in net.mats.iter().enumerate() {
+        let at = plan.place[i] as usize;
+        if at == u32::MAX as usize {
+            continue;
+        }
+        for k in 0..m.places() as usize {
+            (all.x[at + k], all.v[at + k], all.rest[at + k]) = (m.dx0[k], m.v[k], m.rest[k]);
+        }
+        if let MatRole::Port(_, inputs) = m.role {
+            // as far as anyone can tell, it goes on as it went
+            (0..3).filter(|k| inputs[*k].is_some()).for_each(|k| plan.coef[at + k] = 1.0);
+        }
+        if let MatRole::Mat(spec) = m.role {
+            let loader = Loader::Mat(spec, if spec.fixed { 0.0 } else { net.medium(m).friction });
+            // a frozen axis keeps the coefficients 0, 0, 0 of a fixed point
+            for at in at..at + m.axes as usize {
+                plan.load(loader, m.item, &m.values, &[at, n_mat + at, 2 * n_mat + at]);
+            }
+        }
+    }
+    for (p, at) in plan.point.iter().enumerate() {
+        if *at != u32::MAX {
+            all.rest[*at as usize] = net.rest(End::Point(p as u32))[0];
+        }
+    }
+    all
+}
+
+/// The ports of one role that move a MAT, axis by axis.
+fn ports(plan: &Plan, role: PortRole) -> Vec<Enx> {
+    let mut all = Vec::new();
+    // links by the motion to come, and what they hold
+    let late = plan.net.lias.iter().filter(|l| l.law.implicit || l.law.is_late());
+    let held = late.flat_map(LiaNode::all_ends).filter_map(|e| if let End::Mat(m) = e { Some(m) } else { None });
+    let held: BTreeSet<u32> = held.map(|m| plan.place[m as usize]).collect();
+    let felt = |at: &u32| held.contains(at);
+    for (m, at) in plan.net.mats.iter().zip(&plan.place).filter(|(_, at)| **at != u32::MAX) {
+        let MatRole::Port(r, inputs) = m.role else { continue };
+        for (k, input) in inputs.iter().enumerate().filter(|_| r == role) {
+            all.extend(input.map(|input| Enx { input, mat: at + k as u32, rest: m.rest[k], felt: felt(at) }));
+        }
+    }
+    all
+}
+
+/// MATs under gravity, behind the place of their first coefficient.
+fn weigh(plan: &mut Plan) -> (usize, Vec<u32>) {
+    let net = plan.net;
+    let first = plan.coef.len();
+    let mut weighed = Vec::new();
+    for (i, m) in net.mats.iter().enumerate() {
+        if m.is_fixed() || plan.place[i] == u32::MAX {
+            continue;
+        }
+        for (k, g) in net.medium(m).gravity[..m.axes as usize].iter().enumerate().filter(|(_, g)| **g != 0.0) {
+            weighed.push(plan.place[i] + k as u32);
+            plan.coef.push(0.0);
+            let to = plan.coef.len() - 1;
+            plan.load(Loader::Times(*g), m.item, &m.values, &[to]);
+        }
+    }
+    (first, weighed)
+}
+
+/// Moving points and masses that go by modes, laid out.
+#[derive(Default)]
+struct Points {
+    /// the MATs under them
+    nodes: Vec<u32>,
+    proxies: Vec<Proxy>,
+    /// masses that go by modes, and their shares
+    modal: Vec<Modal>,
+    shares: Vec<f64>,
+    /// whether one of them moves along what it stands on
+    aimed: bool,
+}
+
+fn points(plan: &mut Plan) -> Points {
+    let net = plan.net;
+    let mut all = Points::default();
+    for (i, p) in net.points.iter().enumerate() {
+        let mat = plan.point[i];
+        if mat == u32::MAX {
+            continue;
+        }
+        let family = &net.families[&p.family];
+        if let Some((weights, _)) = &p.shape {
+            // modes are tied to nothing, so they stand as they were made: in a row
+            let first = family.nodes.first().map_or(0, |mode| plan.place[*mode as usize]);
+            let (share, n) = (all.shares.len() as u32, weights.len() as u32);
+            all.shares.extend(weights);
+            all.modal.push(Modal { mat, first, share, n });
+            continue;
+        }
+        let first = all.nodes.len() as u32;
+        all.nodes.extend(family.nodes.iter().map(|m| plan.place[*m as usize]));
+        let mut at = [Place::Coef(0); 2];
+        for (k, c) in p.at.iter().enumerate() {
+            at[k] = match c {
+                Coordinate::Port(m) => Place::Mat(plan.place[*m as usize]),
+                Coordinate::At(v) => plan.coordinate(*v, None),
+                Coordinate::Live(q) => plan.coordinate(net.params[*q as usize].value, Some(*q)),
+            };
+            all.aimed |= !matches!(c, Coordinate::At(_));
+        }
+        all.proxies.push(Proxy { mat, first, size: family.size, at });
+    }
+    all
+}
+
+/// Outputs, behind the place of the first gain. `None` where one hears what was left out.
+fn outputs(plan: &mut Plan, links: &Links) -> Option<(usize, Vec<Output>)> {
+    let first = plan.coef.len();
+    let mut all = Vec::new();
+    for o in plain_first(plan.net) {
+        let heard = match o.ear {
+            Ear::Position(e) => Heard::Position(plan.alive(e, o.axis)?),
+            Ear::ForceOn(e) => Heard::ForceOn(plan.alive(e, o.axis)?),
+            Ear::ForceOf(l) => {
+                let (op, k) = links.where_is[l as usize];
+                Heard::ForceOf((links.forces[op as usize].tap + k as usize) as u32)
+            }
+        };
+        all.push(Output { channel: o.channel, heard });
+        plan.coef.push(0.0);
+        let to = plan.coef.len() - 1;
+        match (o.item, o.gain) {
+            (Some(item), gain) => plan.load(Loader::Times(o.share), item, &[gain], &[to]),
+            (None, gain) => plan.coef[to] = o.share * gain.get(&[]).unwrap_or(1.0),
+        }
+    }
+    Some((first, all))
+}
+
+/// What the energy ledger reads of each pass of links, and its `place` among the forces; which places are `ported`.
+fn accounts(links: &Links, ported: impl Fn(u32) -> bool, place: impl Fn(usize) -> usize) -> Vec<Account> {
+    let account = |(i, op): (usize, &Op)| {
+        let law = op.law?;
+        let Op { n, ports, first, coef, mem, tap, .. } = *op;
+        let (coefs, mems, stored, lost, idle) = (law.coefs, law.mem, law.stored, law.lost, law.idle);
+        // a distance is no linear function of places: the identity then holds only with what the link made
+        let radial = ports.gauge == Gauge::Radial || ports.onto.is_some_and(|o| o.0 == Gauge::Radial);
+        // what is implicit to a port that then goes another way is not exact either
+        let strays = law.implicit && links.ends[first..first + n].iter().flatten().any(|p| ported(*p));
+        let linear = law.linear && !radial && !strays;
+        Some(Account { op: place(i), n, ports, first, coef, mem, tap, coefs, mems, linear, stored, lost, idle })
+    };
+    links.forces.iter().enumerate().filter_map(account).collect()
+}
+
+/// The modules by name: MATs that stay, then links, whose passes have a `place` among the forces.
+fn symbols(plan: &Plan, links: &Links, place: impl Fn(usize) -> usize) -> Vec<Symbol> {
+    let net = plan.net;
+    let mats = net.mats.iter().zip(&plan.place).filter(|(_, at)| **at != u32::MAX);
+    let mats = mats.map(|(m, at)| Symbol { name: m.name.clone(), code: m.code, axes: m.axes, place: Stands::Mat(*at) });
+    let lias = net.lias.iter().zip(&links.where_is);
+    let lias = lias.map(|(l, (op, k))| Symbol {
+        name: l.name.clone(),
+        code: l.law.code,
+        axes: 1,
+        place: Stands::Lia(place(*op as usize) as u32, *k),
+    });
+    mats.chain(lias).collect()
+}
+
+/// Numbers as a tick has them.
+fn reals(all: Vec<f64>) -> Vec<Real> {
+    all.into_iter().map(real).collect()
+}
+
+/// The state as written: every mass where its author put it, with the speed it was given.
+fn loaded(net: &Net, layout: &Layout, x: Vec<f64>, v: &[f64], coef: Vec<f64>, (live, whole): (Vec<u32>, u32)) -> State {
+    let input: Vec<f64> = net.inputs.iter().map(|i| if i.role == InputRole::Force { 0.0 } else { i.rest }).collect();
+    let ports = layout.enx.len() + layout.tgr.len() + layout.enf.len();
+    State {
+        scene: Identity::default(),
+        x: reals(x),
+        d: v.iter().map(|v| real(v * net.te)).collect(),
+        f: alloc::vec![0.0; layout.n_mat],
+        mem: alloc::vec![0.0; layout.n_mem],
+        tap: alloc::vec![0.0; layout.n_tap],
+        held: input.clone(),
+        output: alloc::vec![0.0; layout.n_out],
+        near: layout.crowds.iter().map(|c| Near::new(c.members.len(), c.rows, c.columns)).collect(),
+        cells: alloc::vec![Cell::default(); layout.proxies.len()],
+        border: alloc::vec![Border::default(); layout.tgr.len()],
+        late: alloc::vec![0.0; layout.tgr.len() * layout.crossing.latency as usize],
+        blocked: alloc::vec![[0.0; 2]; layout.blockers.len()],
+        glide: layout.finer.iter().flat_map(|f| &f.inputs).map(|i| [input[*i as usize]; 2]).collect(),
+        lowpass: alloc::vec![0.0; layout.channels * 2 * (2 * layout.lowpass.len()).saturating_sub(1)],
+        ramps: Ramps::new(live, whole),
+        implicit: alloc::vec![0.0; layout.implicit.as_ref().map_or(0, |a| 2 * a.places.len())],
+        touches: Touches::new(layout.n_touch, layout.n_mat),
+        ledger: layout.ledger.as_ref().map(|p| {
+            let most = p.accounts.iter().map(|a| a.coefs).max().unwrap_or(0);
+            Ledger::new(layout.n_mat, layout.n_lia, most, ports, layout.tgr.len())
+        }),
+        tick: 0,
+        refused: 0,
+        input,
+        coef: reals(coef),
+    }
+}
+
+/// The probes by name and by what asked for them, one for each place behind the channels.
+fn probes(net: &Net) -> (Vec<String>, Vec<u32>) {
+    let mut all: Vec<&OutNode> = net.outs.iter().filter(|o| o.item.is_none()).collect();
+    all.dedup_by_key(|o| o.channel);
+    all.into_iter().map(|o| (o.name.clone(), o.asked)).unzip()
+}
+
+fn used_points(net: &Net) -> Vec<bool> {
+    let mut used = alloc::vec![false; net.points.len()];
+    let ends = net.lias.iter().flat_map(LiaNode::all_ends);
+    let heard = net.outs.iter().filter_map(|o| match o.ear {
+        Ear::Position(e) | Ear::ForceOn(e) => Some(e),
+        Ear::ForceOf(_) => None,
+    });
+    for e in ends.chain(heard).chain(net.pushes.iter().map(|p| p.end)) {
+        if let End::Point(p) = e {
+            used[p as usize] = net.under(e).iter().all(|m| net.alive[*m as usize]);
+        }
+    }
+    used
+}

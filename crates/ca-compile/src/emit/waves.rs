@@ -1,0 +1,47 @@
+//! Waves: where the strings of waves and their memory stand.
+
+use crate::emit::plan::Plan;
+use alloc::vec::Vec;
+use ca_core::layout::{Delay, Junction, Through, Waves};
+
+impl Plan<'_> {
+    /// Lays out the strings; their memory begins at `memory`.
+    pub fn waves(&self, memory: usize) -> Waves {
+        let mut all = Waves { first: memory, ..Waves::default() };
+        let mut next = memory;
+        let mut take = |n: usize| {
+            next += n;
+            next - n
+        };
+        for line in &self.net.lines {
+            let Some(tuned) = &line.tuned else { continue };
+            let base = all.junctions.len();
+            let z = line.asked.z / self.net.te;
+            for m in line.junctions() {
+                all.junctions.push(Junction { mat: self.place[m as usize], z, memory: take(3) });
+            }
+            let last = tuned.delays.len() - 1;
+            for (i, len) in tuned.delays.iter().copied().enumerate() {
+                // before the first junction and behind the last a wave comes back to where it was
+                let sides = [(i > 0).then(|| (base + i - 1, 1)), (i < last).then_some((base + i, 0))];
+                let [left, right] = sides;
+                let mut lossy = |loss| Through::Lossy { loss, memory: take(1) };
+                // taps and allpass of the near end take two samples of its delay; every ring of taps has three more
+                let ways = match (left, right, tuned.near) {
+                    (Some(a), Some(b), _) => alloc::vec![(a, b, Through::Open, len), (b, a, Through::Open, len)],
+                    (Some(a), None, _) => alloc::vec![(a, a, lossy(tuned.loss), len + 3)],
+                    (None, Some(b), Some(near)) => alloc::vec![(b, b, lossy(near), len + 1)],
+                    (None, Some(b), None) => alloc::vec![(b, b, Through::Rigid, len)],
+                    (None, None, _) => Vec::new(),
+                };
+                for ((junction, side), (other, there), through, len) in ways {
+                    let from = all.junctions[junction].memory + side;
+                    let to = all.junctions[other].memory + there;
+                    all.delays.push(Delay { junction, from, to, first: take(len), len, through });
+                }
+            }
+        }
+        all.len = next - memory;
+        all
+    }
+}

@@ -1,0 +1,41 @@
+//! What `[rate]` says beside the two rates: how devices cross the border, and the low-pass of the outputs.
+
+use crate::lower::lowpass;
+use crate::lower::values::Values;
+use crate::net::Net;
+use ca_core::io::TGR;
+use ca_core::kind::{Need, Param, Type, Unit};
+use ca_core::layout::{Crossing, Shape};
+use ca_model::Model;
+use ca_model::diag::Diags;
+
+/// Longest delay \[frames\], 3 s at 3 kHz: it is room in the state.
+const LATEST: u32 = 10_000;
+
+const BORDER: Param =
+    Param::new("border", Type::Choice(&["linear", "hold"]), Need::Default(0.0), "position of a device within a frame");
+const LATENCY: Param =
+    Param::new("latency", Type::Count { min: 0, max: LATEST }, Need::Default(0.0), "frames added to each device");
+const FEEDBACK: Param = Param::new("feedback", Type::Flag, Need::Default(1.0), "whether the hand gets a force");
+const FILTER: Param =
+    Param::number("filter", Unit::HERTZ, (1.0, 1e7), Need::Optional, "edge of the low-pass of the outputs");
+
+/// Reads them into the network; needs its rates.
+pub fn crossing(model: &Model, net: &mut Net, diags: &mut Diags) {
+    let mut v = Values::new(None, diags);
+    let mut number = |p: &Param| {
+        let e = model.rate.iter().find(|e| e.key == p.name)?;
+        // the kind matters to exponents only, of which there are none
+        let (arg, _) = v.arg(&TGR, p, e, &[], "[rate]")?;
+        arg.num()
+    };
+    let shape = if number(&BORDER) == Some(1.0) { Shape::Hold } else { Shape::Linear };
+    let latency = number(&LATENCY).unwrap_or(0.0) as u32;
+    let feedback = number(&FEEDBACK) != Some(0.0);
+    net.crossing = Crossing { shape, latency, feedback };
+    // what ticks between samples make above half the sound rate must go before they are left out
+    if let Some(edge) = number(&FILTER).or((net.oversample > 1).then_some(lowpass::WIDEST * net.rate)) {
+        let span = model.rate.iter().find(|e| e.key == FILTER.name).map(|e| e.span);
+        net.lowpass = lowpass::design(edge, net.rate, net.oversample, span, diags);
+    }
+}

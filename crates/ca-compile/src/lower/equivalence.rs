@@ -1,0 +1,260 @@
+//! `[equivalence]`: what the author wrote about the hand, checked and solved.
+//!
+//! Decides that the real side of a pair is in SI and the simulated side in the model's units, that no row at all means
+//! one to one in metres and newtons, and that one row keeps the class of the anchor as it would be without the section.
+//! A key with its own factors multiplies those of the whole (docs/numerics.md §6).
+
+use crate::findings::type_name;
+use crate::lower::values::Values;
+use crate::net::{MatRole, Net};
+use alloc::format;
+use alloc::string::String;
+use alloc::vec::Vec;
+use ca_core::equivalence::{Class, Equivalence, Gains, Pair, ROWS, Row, Scale, anchor_for, keep, row, solve};
+use ca_core::kind::{ABOVE_ZERO, PortRole, Unit};
+use ca_core::scene::InputRole;
+use ca_model::diag::Diag;
+use ca_model::suggest::nearest;
+use ca_model::{Entry, Model, Value};
+
+/// What a key's own table holds.
+const WORDS: [&str; 3] = ["lever", "position", "force"];
+
+/// Reads the section and gives every device input its gains.
+pub fn equivalence(model: &Model, net: &mut Net, v: &mut Values<'_>) {
+    let te = v.alg.unwrap_or(1.0);
+    let keys: Vec<(String, [Option<u32>; 3])> = net
+        .mats
+        .iter()
+        .filter_map(|m| match m.role {
+            MatRole::Port(PortRole::Tgr, inputs) => Some((m.name.clone(), inputs)),
+            _ => None,
+        })
+        .collect();
+    let mut found = Equivalence { te, ..Equivalence::default() };
+    let mut pairs: Vec<(Pair, &Entry)> = Vec::new();
+    let mut tables: Vec<(String, &Entry)> = Vec::new();
+    let mut anchor: Option<&Entry> = None;
+    for e in &model.equivalence {
+        if e.key == "anchor" {
+            found.anchor = read_anchor(e, v);
+            anchor = Some(e);
+        } else if matches!(e.value, Value::Table(_)) {
+            flatten("", e, &mut tables);
+        } else {
+            match row(&e.key) {
+                Some(row) => pairs.extend(pair(row, e, v).map(|p| (p, e))),
+                None => unknown(e, &keys, v),
+            }
+        }
+    }
+    if let Some(gains) = whole(&pairs, found.anchor, anchor, te, v) {
+        found.gains = gains;
+    }
+    for (name, e) in tables {
+        found.keys.extend(scale(name, e, &keys, model, v));
+    }
+    for (name, inputs) in &keys {
+        let gains = found.of(name);
+        for i in inputs.iter().flatten() {
+            net.inputs[*i as usize].gains = gains;
+        }
+    }
+    shared(net, &found, model, v);
+    net.equivalence = found;
+}
+
+/// `[equivalence.room.hand]` is the key `room.hand`.
+fn flatten<'m>(prefix: &str, e: &'m Entry, out: &mut Vec<(String, &'m Entry)>) {
+    let name = format!("{prefix}{}", e.key);
+    let Value::Table(inner) = &e.value else { return };
+    if !inner.is_empty() && inner.iter().all(|x| matches!(x.value, Value::Table(_))) {
+        for x in inner {
+            flatten(&format!("{name}."), x, out);
+        }
+    } else {
+        out.push((name, e));
+    }
+}
+
+fn ticked<'a>(words: impl Iterator<Item = &'a str>) -> String {
+    words.map(|w| format!("`{w}`")).collect::<Vec<_>>().join(", ")
+}
+
+fn unknown(e: &Entry, keys: &[(String, [Option<u32>; 3])], v: &mut Values<'_>) {
+    let d =
+        Diag::error("E004", format!("unknown key in `[equivalence]`: `{}`", e.key)).at(e.key_span, "not known here");
+    let words = ROWS.iter().map(|r| r.name).filter(|n| *n != "time").chain(["anchor"]);
+    v.diags.push(match nearest(&e.key, words.clone()) {
+        Some(near) => d.help(format!("did you mean `{near}`?")).fix(e.key_span, near),
+        None if keys.iter().any(|k| k.0 == e.key) => {
+            d.help(format!("a device key has a table of its own: `[equivalence.{}]`", e.key))
+        }
+        None => d.help(format!("`[equivalence]` knows {}, and a table for each device key", ticked(words))),
+    });
+}
+
+fn read_anchor(e: &Entry, v: &mut Values<'_>) -> Option<Class> {
+    let word = if let Value::Text(t) = &e.value { t.as_str() } else { "" };
+    let words = ["position", "force", "impedance", "energy"];
+    match Class::of(word) {
+        Some(class) if class != Class::Time => Some(class),
+        _ => {
+            let title = format!("`anchor` of `[equivalence]` is none of {}", ticked(words.into_iter()));
+            let d = Diag::error("E011", title).at(e.span, "not a choice");
+            let names = words.into_iter().chain(ROWS.iter().map(|r| r.name)).filter(|w| *w != "time");
+            v.diags.push(match nearest(word, names) {
+                Some(near) => d.help(format!("did you mean `{near}`?")).fix(e.span, format!("\"{near}\"")),
+                None => d.help("it names what stays as it is: `position`, the travel of the keys, if left out"),
+            });
+            None
+        }
+    }
+}
+
+fn pair(row: &'static Row, e: &Entry, v: &mut Values<'_>) -> Option<Pair> {
+    if row.class() == Class::Time {
+        let d = Diag::error("E032", "`time` has no equivalence of its own").at(e.key_span, "the clock decides");
+        v.diags.push(d.help("a second is a second; in `alg` units a sample is one of `reference_rate`"));
+        return None;
+    }
+    let Value::List(list) = &e.value else {
+        return wrong_shape(row, e, &format!("not {}", type_name(&e.value)), v);
+    };
+    let [real, sim] = list.as_slice() else {
+        return wrong_shape(row, e, &format!("not a list of {}", list.len()), v);
+    };
+    let alg = v.alg.take();
+    let real = v.constant(real, row.unit, ABOVE_ZERO, &format!("the real `{}` of `[equivalence]`", row.name));
+    v.alg = alg;
+    let sim = v.constant(sim, row.unit, ABOVE_ZERO, &format!("the simulated `{}` of `[equivalence]`", row.name));
+    // numbers of the model, not SI
+    let unit = v.alg.map_or(1.0, |te| row.unit.dim.alg_to_si(te));
+    Some(Pair { row, ratio: real? / (sim? / unit) })
+}
+
+fn wrong_shape(row: &Row, e: &Entry, is: &str, v: &mut Values<'_>) -> Option<Pair> {
+    let d = Diag::error("E006", format!("`{}` of `[equivalence]` must be a pair, {is}", row.name));
+    let example = crate::findings::quoted(row.unit);
+    v.diags.push(d.at(e.span, "not a pair").help(format!("write `[real, simulated]`, e.g. `[{example}, 1.0]`")));
+    None
+}
+
+/// α and β of the whole, from what was written; `None` where that has been reported.
+fn whole(
+    pairs: &[(Pair, &Entry)],
+    held: Option<Class>,
+    anchor: Option<&Entry>,
+    te: f64,
+    v: &mut Values<'_>,
+) -> Option<Gains> {
+    let others =
+        |class: Class| ticked(ROWS.iter().filter(|r| ![class, Class::Time].contains(&r.class())).map(|r| r.name));
+    let (gains, last) = match pairs {
+        [] => return Some(Gains::default()),
+        [(p, e)] => {
+            let class = p.row.class();
+            let held = held.unwrap_or(anchor_for(class));
+            if held == class {
+                let d = Diag::error("E032", format!("the anchor holds what `{}` sets", p.row.name));
+                let d = d
+                    .at(anchor.map_or(e.key_span, |a| a.span), "the same equivalence said twice")
+                    .at(e.key_span, "set here");
+                v.diags.push(d.help(format!("beside `{}`, hold one of {}", p.row.name, others(class))));
+                return None;
+            }
+            (keep(*p, held, Gains::default(), te), e)
+        }
+        [(a, _), (b, e)] => {
+            let class = a.row.class();
+            if class == b.row.class() {
+                let title = format!("`{}` and `{}` are one equivalence said twice", a.row.name, b.row.name);
+                let d = Diag::error("E032", title)
+                    .at(e.key_span, "follows from the other")
+                    .at(pairs[0].1.key_span, "the other");
+                v.diags.push(d.help(format!("beside `{}`, write one of {}", a.row.name, others(class))));
+                return None;
+            }
+            (solve([*a, *b], te), e)
+        }
+        [_, _, (c, e), ..] => {
+            let d = Diag::error("E032", format!("`{}` is one equivalence too many: two settle all", c.row.name));
+            v.diags.push(d.at(e.key_span, "the third").help("keep two; `ca equiv` shows what all others are then"));
+            return None;
+        }
+    };
+    if gains.is_none() {
+        let d = Diag::error("E009", format!("`{}` of `[equivalence]` is beyond all scales", last.key));
+        v.diags.push(d.at(last.span, "out of range").help("between the two worlds lie at most 30 orders of magnitude"));
+    }
+    gains
+}
+
+/// The table of one key.
+fn scale(
+    key: String,
+    e: &Entry,
+    keys: &[(String, [Option<u32>; 3])],
+    model: &Model,
+    v: &mut Values<'_>,
+) -> Option<Scale> {
+    let Value::Table(entries) = &e.value else { return None };
+    if !keys.iter().any(|k| k.0 == key) {
+        if model.lost.contains(&key) {
+            return None;
+        }
+        if let Some(i) = model.items.iter().find(|i| i.name == key) {
+            let d = Diag::error("E017", format!("`[equivalence.{key}]`: {} is no device key", i.kind));
+            v.diags.push(d.at(e.key_span, "not a TGR").help("only a TGR stands between the hand and the model"));
+            return None;
+        }
+        let d =
+            Diag::error("E013", format!("`[equivalence.{key}]`: no device key `{key}`")).at(e.key_span, "no such TGR");
+        v.diags.push(match nearest(&key, keys.iter().map(|k| k.0.as_str())) {
+            Some(near) => d.help(format!("did you mean `{near}`?")).fix(e.key_span, near),
+            None if row(&key).is_some() => d.help(format!("write `{key} = [real, simulated]`")),
+            None if keys.is_empty() => d.help("the model has no TGR"),
+            None => d.help(format!("its keys are {}", ticked(keys.iter().map(|k| k.0.as_str())))),
+        });
+        return None;
+    }
+    let mut factors = [None; 3];
+    for x in entries {
+        let Some(i) = WORDS.iter().position(|w| *w == x.key) else {
+            let d = Diag::error("E004", format!("`[equivalence.{key}]`: unknown key `{}`", x.key))
+                .at(x.key_span, "not known here");
+            v.diags.push(match nearest(&x.key, WORDS.into_iter()) {
+                Some(near) => d.help(format!("did you mean `{near}`?")).fix(x.key_span, near),
+                None => d.help("a key has `lever`, or `position` and `force`: factors beside those of the whole"),
+            });
+            return None;
+        };
+        let what = format!("`{}` of `[equivalence.{key}]`", x.key);
+        factors[i] = Some((v.constant(x, Unit::NONE, (1e-6, 1e6), &what)?, x));
+    }
+    let [lever, position, force] = factors;
+    if let (Some((_, l)), Some((_, other))) = (lever, position.or(force)) {
+        let d = Diag::error("E010", format!("`[equivalence.{key}]`: `lever` and `{}` exclude each other", other.key));
+        let d = d.at(other.key_span, "excludes `lever`").at(l.key_span, "written here");
+        v.diags.push(d.help("a lever is `position` and `force` by the same factor: keep one of the two ways"));
+        return None;
+    }
+    let of = |f: Option<(f64, &Entry)>| f.or(lever).map_or(1.0, |f| f.0);
+    Some(Scale { key, position: of(position), force: of(force) })
+}
+
+/// Keys that move with one degree of freedom have one scale: the force on it is one force.
+fn shared(net: &Net, found: &Equivalence, model: &Model, v: &mut Values<'_>) {
+    let devices: Vec<_> = net.inputs.iter().filter(|i| i.role == InputRole::Device && i.device.is_some()).collect();
+    for (n, b) in devices.iter().enumerate() {
+        let Some(a) = devices[..n].iter().find(|a| a.device == b.device && a.gains != b.gains) else { continue };
+        let Some((device, dof)) = &b.device else { continue };
+        let title =
+            format!("`{}` and `{}` are degree of freedom {dof} of `{device}`, with different scales", a.name, b.name);
+        let named = |name: &str| found.keys.iter().any(|k| k.key == name);
+        let one = if named(&b.name) { &b.name } else { &a.name };
+        let place = model.equivalence.iter().find(|e| e.key == *one).map_or(ca_model::Span::NONE, |e| e.key_span);
+        let d = Diag::error("E032", title).at(place, "not that of the other");
+        v.diags.push(d.help(format!("give both the same factors, or another `dof` to `{}`", b.name)));
+    }
+}

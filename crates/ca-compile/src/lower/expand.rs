@@ -1,0 +1,88 @@
+//! Expand: a generator's drawing becomes modules with names, kinds and places for their numbers.
+
+use crate::net::lines::LineNode;
+use crate::net::{End, Family, LiaNode, MatNode, MatRole, Measure, Net};
+use alloc::format;
+use alloc::sync::Arc;
+use alloc::vec::Vec;
+use ca_core::kind::{Kind, Role};
+use ca_core::live::Source;
+use ca_core::sketch::{Drawn, Sketch};
+
+/// Lists of sources met lately: most modules of a generator share theirs.
+#[derive(Default)]
+struct Shared(Vec<Arc<[Source]>>);
+
+impl Shared {
+    fn list(&mut self, values: &[Source]) -> Arc<[Source]> {
+        if let Some(known) = self.0.iter().find(|s| s[..] == *values) {
+            return known.clone();
+        }
+        let new: Arc<[Source]> = Arc::from(values);
+        self.0.truncate(7);
+        self.0.insert(0, new.clone());
+        new
+    }
+}
+
+/// Adds the drawing of item `item` to the net. The cheapest law that serves each link is chosen later, by the same
+/// pass that treats links written by hand.
+pub fn expand(net: &mut Net, item: u32, sketch: &Sketch<'_>, (dim, rest): (u8, [f64; 3]), group: Option<u32>) {
+    let name = net.items[item as usize].name.clone();
+    let base = net.mats.len() as u32;
+    let mut shared = Shared::default();
+    let mut family = Family { size: sketch.size, ..Family::default() };
+    for (i, (what, index)) in sketch.mats.iter().enumerate() {
+        let id = base + i as u32;
+        let (kind, slots): (&'static Kind, &[(usize, u32)]) = match what {
+            Drawn::Mass(m, z) if sketch.nothing(*z) => (&ca_core::mat::MAS, &[(0, *m)]),
+            Drawn::Mass(m, z) => (&ca_core::mat::CEL, &[(0, *m), (2, *z)]),
+            Drawn::Cell(m, f, t60) => (&ca_core::mat::CEL, &[(0, *m), (3, *f), (4, *t60)]),
+            Drawn::Held | Drawn::Tip => (&ca_core::mat::SOL, &[]),
+        };
+        let name = if *what == Drawn::Tip {
+            family.tips.push(id);
+            format!("{name}.end[{}]", family.tips.len() - 1)
+        } else {
+            family.masses.push(id);
+            format!("{name}[{index}]")
+        };
+        let Role::Mat(spec) = kind.role else { continue };
+        let mut values = alloc::vec![Source::Absent; kind.params.len()];
+        for (param, slot) in slots {
+            values[*param] = Source::Slot(*slot);
+        }
+        net.mats.push(MatNode {
+            name,
+            code: kind.code,
+            role: MatRole::Mat(spec),
+            values: shared.list(&values),
+            axes: dim,
+            rest: sketch.places.get(i).map_or(rest, |p| core::array::from_fn(|k| rest[k] + p[k])),
+            dx0: [0.0; 3],
+            v: sketch.speeds.get(i).copied().unwrap_or([0.0; 3]),
+            group,
+            item,
+        });
+    }
+    let Role::Lia(law) = ca_core::phi::REF.role else { return };
+    for (i, l) in sketch.links.iter().enumerate() {
+        family.links.push(net.lias.len() as u32);
+        net.lias.push(LiaNode {
+            name: format!("{name}.link[{i}]"),
+            kind: &ca_core::phi::REF,
+            law,
+            values: shared.list(&[Source::Absent, Source::Slot(l.k), Source::Slot(l.z), Source::Absent]),
+            ends: l.ends.map(|e| End::Mat(base + e)),
+            measure: if dim == 1 { Measure::Line([0, 0]) } else { Measure::Radial },
+            onto: None,
+            sets: None,
+            l0: l.l0,
+            soften: 0.0,
+            item,
+        });
+    }
+    net.lines.extend(sketch.line.clone().map(|asked| LineNode { item, first: base, asked, tuned: None }));
+    family.nodes = sketch.nodes.iter().map(|n| base + n).collect();
+    net.families.insert(name, family);
+}

@@ -1,0 +1,176 @@
+//! MIDI: the meaning of `midi = { … }` on a port, checked word by word.
+
+use crate::findings::type_name;
+use crate::lower::values::Values;
+use alloc::format;
+use alloc::string::String;
+use ca_core::io::midi::{MidiMap, MidiSource};
+use ca_core::kind::{ANY, POSITIVE, Unit};
+use ca_model::diag::Diag;
+use ca_model::suggest::nearest;
+use ca_model::{Entry, Value};
+
+const KEYS: &[&str] = &["note", "cc", "bend", "pressure", "channel", "from", "to", "attack", "release"];
+
+impl Values<'_> {
+    /// The mapping written in `e`; `unit` is what the port takes.
+    pub fn midi(&mut self, e: &Entry, unit: Unit, owner: &str) -> Option<MidiMap> {
+        let what = format!("`midi` of `{owner}`");
+        let Value::Table(entries) = &e.value else {
+            let title = format!("{what} must be a table, not {}", type_name(&e.value));
+            let help = "write e.g. `midi = { note = \"C4\", to = \"5 mm\" }`";
+            self.diags.push(Diag::error("E026", title).at(e.span, "not a table").help(help));
+            return None;
+        };
+        let mut map =
+            MidiMap { source: MidiSource::PitchBend, channel: None, from: 0.0, to: 0.0, attack: 0.005, release: 0.03 };
+        let mut source: Option<&Entry> = None;
+        let (mut to, mut good) = (false, true);
+        for m in entries {
+            let what = format!("`{}` in {what}", m.key);
+            let key = KEYS.iter().find(|k| **k == m.key).copied().unwrap_or("");
+            let done = match key {
+                "note" => self.notes(m, &what).map(|(low, high)| map.source = MidiSource::Note { low, high }),
+                "cc" => self.small(m, (0, 127), "controllers", &what).map(|n| map.source = MidiSource::Control(n)),
+                "bend" => self.yes(m, &what).map(|()| map.source = MidiSource::PitchBend),
+                "pressure" => self.yes(m, &what).map(|()| map.source = MidiSource::Pressure),
+                "channel" => self.small(m, (1, 16), "channels", &what).map(|n| map.channel = Some(n)),
+                "from" => self.constant(m, unit, ANY, &what).map(|v| map.from = v),
+                "to" => self.constant(m, unit, ANY, &what).map(|v| map.to = v),
+                "attack" => self.constant(m, Unit::SECOND, POSITIVE, &what).map(|v| map.attack = v),
+                "release" => self.constant(m, Unit::SECOND, POSITIVE, &what).map(|v| map.release = v),
+                _ => {
+                    let d = Diag::error("E026", format!("{what} is not known")).at(m.key_span, "not part of a mapping");
+                    self.diags.push(match nearest(&m.key, KEYS.iter().copied()) {
+                        Some(near) => d.help(format!("did you mean `{near}`?")).fix(m.key_span, near),
+                        None => d.help(
+                            "a mapping has one of `note`, `cc`, `bend`, `pressure`, then `to`, and if you like \
+                             `from`, `channel`, `attack`, `release`",
+                        ),
+                    });
+                    None
+                }
+            };
+            good &= done.is_some();
+            to |= m.key == "to";
+            if matches!(key, "note" | "cc" | "bend" | "pressure") {
+                if let Some(first) = source {
+                    let d = Diag::error(
+                        "E026",
+                        format!("`midi` of `{owner}` has two sources: `{}` and `{}`", first.key, m.key),
+                    );
+                    let d = d.at(m.key_span, "second source").at(first.key_span, "first source");
+                    self.diags.push(d.help("keep one of them: a port follows one thing"));
+                    good = false;
+                }
+                source = Some(m);
+            }
+        }
+        if good && (source.is_none() || !to) {
+            let (missing, help) = if to {
+                ("a source", "add one of `note = \"C4\"`, `cc = 1`, `bend = true`, `pressure = true`".into())
+            } else {
+                ("`to`", format!("add `to = \"{}\"`: the value at full scale", crate::findings::example(unit)))
+            };
+            let d = Diag::error("E026", format!("`midi` of `{owner}` needs {missing}")).at(e.span, "incomplete");
+            self.diags.push(d.help(help));
+            return None;
+        }
+        good.then_some(map)
+    }
+
+    fn yes(&mut self, e: &Entry, what: &str) -> Option<()> {
+        if e.value == Value::Bool(true) {
+            return Some(());
+        }
+        let d = Diag::error("E026", format!("{what} is either `true` or left out")).at(e.span, "not `true`");
+        self.diags.push(d.help("write `true`, or remove it"));
+        None
+    }
+
+    fn small(&mut self, e: &Entry, (min, max): (u8, u8), things: &str, what: &str) -> Option<u8> {
+        let n = small(e).filter(|n| (min..=max).contains(n));
+        if n.is_none() {
+            let d = Diag::error("E026", format!("{what} must be a whole number from {min} to {max}"));
+            self.diags.push(d.at(e.span, "out of range").help(format!("MIDI has {things} {min} to {max}")));
+        }
+        n
+    }
+
+    /// A note as number or name (C4 = 60), or a range of two.
+    fn notes(&mut self, e: &Entry, what: &str) -> Option<(u8, u8)> {
+        match &e.value {
+            Value::List(l) if l.len() == 2 => {
+                let (a, b) = (self.note(&l[0], what), self.note(&l[1], what));
+                let (a, b) = (a?, b?);
+                if a > b {
+                    let d = Diag::error("E026", format!("{what}: the range goes down")).at(e.span, "from high to low");
+                    self.diags.push(d.help("write the lowest note first"));
+                    return None;
+                }
+                Some((a, b))
+            }
+            Value::List(l) => {
+                let d = Diag::error("E026", format!("{what}: a range has two notes, not {}", l.len()));
+                self.diags
+                    .push(d.at(e.span, "not a range").help("write the lowest and the highest: `[\"C3\", \"C5\"]`"));
+                None
+            }
+            _ => self.note(e, what).map(|n| (n, n)),
+        }
+    }
+
+    fn note(&mut self, e: &Entry, what: &str) -> Option<u8> {
+        let Value::Text(t) = &e.value else { return self.small(e, (0, 127), "notes", what) };
+        let found = named_note(t);
+        if found.is_none() {
+            let d = Diag::error("E026", format!("{what}: no note `{t}`")).at(e.span, "not a note");
+            let d = match meant(t) {
+                Some(m) => d.help(format!("did you mean `{m}`?")).fix(e.span, format!("\"{m}\"")),
+                None => d.help(
+                    "write a letter from A to G, `#` or `b` if any, and the octave: `C4` is 60; from `C-1` to `G9`",
+                ),
+            };
+            self.diags.push(d);
+        }
+        found
+    }
+}
+
+fn small(e: &Entry) -> Option<u8> {
+    match e.value {
+        Value::Num(v) if v == libm::floor(v) && (0.0..=127.0).contains(&v) => Some(v as u8),
+        _ => None,
+    }
+}
+
+/// `C4` is 60.
+fn named_note(t: &str) -> Option<u8> {
+    let mut chars = t.chars();
+    let step = match chars.next()?.to_ascii_uppercase() {
+        'C' => 0,
+        'D' => 2,
+        'E' => 4,
+        'F' => 5,
+        'G' => 7,
+        'A' => 9,
+        'B' => 11,
+        _ => return None,
+    };
+    let rest = chars.as_str();
+    let (sharp, octave) = match rest.chars().next()? {
+        c @ ('#' | '♯') => (1, &rest[c.len_utf8()..]),
+        c @ ('b' | '♭') => (-1, &rest[c.len_utf8()..]),
+        _ => (0, rest),
+    };
+    let number = 12 * (octave.parse::<i32>().ok()?.checked_add(1)?.clamp(-9, 20)) + step + sharp;
+    u8::try_from(number).ok().filter(|n| *n < 128)
+}
+
+/// What a German note name, a missing octave or a number in quotes was meant to be.
+fn meant(t: &str) -> Option<String> {
+    let t = t.trim();
+    let german = t.strip_prefix(['H', 'h']).map(|rest| format!("B{rest}"));
+    let candidates = [german, Some(t.into()), Some(format!("{t}4"))];
+    candidates.into_iter().flatten().find(|c| named_note(c).is_some())
+}

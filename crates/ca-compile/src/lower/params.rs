@@ -1,0 +1,234 @@
+//! `[param]`: named numbers, live or not, and what became of them.
+
+use crate::findings::{bad_quantity, inside, range_help, type_name, wrong_unit};
+use crate::lower::named::{Named, Raw};
+use crate::lower::values::Values;
+use crate::net::Net;
+use alloc::format;
+use alloc::string::String;
+use alloc::vec::Vec;
+use ca_core::kind::{Dim, Unit};
+use ca_core::live::LiveParam;
+use ca_model::diag::{Diag, Diags};
+use ca_model::quantity::Plain;
+use ca_model::suggest::nearest;
+use ca_model::{Entry, Model, Span, Value, quantity};
+
+const KEYS: &[&str] = &["value", "unit", "live", "min", "max", "doc"];
+
+/// The parameters of a model.
+pub fn all(model: &Model, diags: &mut Diags) -> Vec<Named> {
+    let lost = model.lost.iter().map(|name| Named::broken(name, Span::NONE));
+    let mut list: Vec<Named> = model.params.iter().map(|e| named(e, diags)).collect();
+    list.extend(lost);
+    list
+}
+
+fn raw(e: &Entry, what: &str, diags: &mut Diags) -> Option<Raw> {
+    match &e.value {
+        Value::Num(v) if v.is_finite() => Some(Raw::Bare(*v)),
+        Value::Num(v) => {
+            let d = Diag::error("E009", format!("{what} is out of range: {v}")).at(e.span, "out of range");
+            diags.push(d.help("use a finite number"));
+            None
+        }
+        Value::Text(t) if quantity::is_quantity(t) => match quantity::parse(t) {
+            Ok(q) => Some(Raw::Quantity(q)),
+            Err(err) => {
+                diags.push(bad_quantity(what, e, t, &err, None));
+                None
+            }
+        },
+        other => {
+            let title = format!("{what} must be a number or a quantity, not {}", type_name(other));
+            let d = Diag::error("E006", title).at(e.span, "not a number");
+            diags.push(d.help("write e.g. `0.5` or `\"8 kN/m\"`; parameters cannot be made of other parameters"));
+            None
+        }
+    }
+}
+
+fn named(e: &Entry, diags: &mut Diags) -> Named {
+    let what = format!("parameter `{}`", e.key);
+    let mut n = Named { value_span: e.span, ..Named::broken(&e.key, e.key_span) };
+    let Value::Table(entries) = &e.value else {
+        n.value = raw(e, &what, diags);
+        return n;
+    };
+    let text = |key: &str| match entries.iter().find(|x| x.key == key).map(|x| (&x.value, x.span)) {
+        Some((Value::Text(t), span)) => Some((t.clone(), span)),
+        _ => None,
+    };
+    // a bare number with `unit = "…"` beside it is a quantity
+    let mut unit = text("unit").filter(|u| !u.0.is_empty());
+    if let Some((u, span)) = &unit {
+        let asked = format!("1 {u}");
+        if let Err(err) = quantity::parse(&asked) {
+            let text = u.clone();
+            let (from, to) = (err.at.saturating_sub(2), err.end.saturating_sub(2));
+            let place = inside(*span, &text, from, to.max(from + 1));
+            let d = Diag::error("E007", format!("`unit` of {what}: {}", err.message)).at(place, "not a unit");
+            diags.push(match &err.hint {
+                Some(h) if place != *span => d.help(format!("did you mean `{h}`?")).fix(place, h.clone()),
+                Some(h) => d.help(format!("did you mean `{h}`?")),
+                None => d.help("units are made of m, g, s, Hz, N, J, W and prefixes, e.g. `N s/m`"),
+            });
+            unit = None;
+            // what follows would only say it again
+            if !entries.iter().any(|x| x.key == "value" && matches!(x.value, Value::Text(_))) {
+                return n;
+            }
+        }
+    }
+    let with_unit = |x: &Entry| match (&x.value, &unit) {
+        (Value::Num(v), Some((u, _))) if v.is_finite() => {
+            Entry { value: Value::Text(format!("{v:e} {u}")), ..x.clone() }
+        }
+        _ => x.clone(),
+    };
+    let mut spans = [Span::NONE; 2];
+    for x in entries {
+        match (x.key.as_str(), &x.value) {
+            ("value", _) => {
+                n.value = raw(&with_unit(x), &what, diags);
+                n.value_span = x.span;
+            }
+            ("min", _) => (n.min, spans[0]) = (raw(&with_unit(x), &format!("`min` of {what}"), diags), x.span),
+            ("max", _) => (n.max, spans[1]) = (raw(&with_unit(x), &format!("`max` of {what}"), diags), x.span),
+            ("live", Value::Bool(b)) => n.live = *b,
+            ("unit" | "doc", Value::Text(_)) => {}
+            ("live", other) => {
+                let d = Diag::error(
+                    "E006",
+                    format!("`live` of {what} must be `true` or `false`, not {}", type_name(other)),
+                );
+                diags.push(d.at(x.span, "wrong type").help("write `live = true`").fix(x.span, "true"));
+            }
+            ("unit" | "doc", other) => {
+                let d = Diag::error("E006", format!("`{}` of {what} must be a text, not {}", x.key, type_name(other)));
+                diags.push(d.at(x.span, "wrong type").help("put it in quotes"));
+            }
+            _ => {
+                let d =
+                    Diag::error("E004", format!("unknown key in {what}: `{}`", x.key)).at(x.key_span, "not known here");
+                diags.push(match nearest(&x.key, KEYS.iter().copied()) {
+                    Some(near) => d.help(format!("did you mean `{near}`?")).fix(x.key_span, near),
+                    None => d.help("a parameter has `value`, `unit`, `live`, `min`, `max` and `doc`"),
+                });
+            }
+        }
+    }
+    n.doc = text("doc").map(|d| d.0).unwrap_or_default();
+    if !entries.iter().any(|x| x.key == "value") {
+        let d = Diag::error("E005", format!("{what} has no `value`")).at(e.key_span, "without `value`");
+        diags.push(d.help("add e.g. `value = 0.5`, or `value = \"8 kN/m\"`"));
+    }
+    limits(&mut n, spans, &what, diags);
+    n
+}
+
+/// `min` and `max` are of the kind of `value`, in order, and `value` lies between them.
+fn limits(n: &mut Named, spans: [Span; 2], what: &str, diags: &mut Diags) {
+    let Some(value) = n.value else { return };
+    let dim = |r: Raw| match r {
+        Raw::Quantity(q) if q.has_unit => Some(q.dim),
+        _ => None,
+    };
+    let limits = [("min", n.min, spans[0]), ("max", n.max, spans[1])];
+    for (key, limit, span) in limits {
+        let Some(limit) = limit else { continue };
+        let (a, b) = (dim(value), dim(limit));
+        // 0 is 0 in every unit
+        let nothing = limit.number() == 0.0;
+        if nothing || matches!((a, b), (None, None)) || matches!((a, b), (Some(a), Some(b)) if a.same(b)) {
+            continue;
+        }
+        diags.push(not_alike(n, what, key, span, [a, b]));
+        (n.min, n.max) = (None, None);
+        return;
+    }
+    let (low, high) = (n.min.map(Raw::number), n.max.map(Raw::number));
+    if let (Some(a), Some(b)) = (low, high) {
+        if a > b {
+            let d = Diag::error("E009", format!("{what}: `min` is above `max`"))
+                .at(spans[0], "smallest")
+                .at(spans[1], "largest");
+            diags.push(d.help("swap the two"));
+            (n.min, n.max) = (None, None);
+            return;
+        }
+    }
+    let v = value.number();
+    if low.is_some_and(|a| v < a) || high.is_some_and(|b| v > b) {
+        let unit = dim(value).map_or(String::new(), quantity::unit_of);
+        let show = |v: f64| if unit.is_empty() { format!("{}", Plain(v)) } else { format!("{} {unit}", Plain(v)) };
+        let d = Diag::error("E009", format!("{what} is outside its own range: {}", show(v)));
+        let (a, b) = (low.unwrap_or(f64::MIN), high.unwrap_or(f64::MAX));
+        diags.push(d.at(n.value_span, "out of range").help(range_help(a, b, show)));
+    }
+}
+
+/// What to say where the value and a limit are not of one unit. Of the two a plain number is what is wrong, and a value
+/// that was set, which does not stand in the text.
+fn not_alike(n: &Named, what: &str, key: &str, span: Span, [value, limit]: [Option<Dim>; 2]) -> Diag {
+    let [is, of] = [value, limit].map(|d| d.map_or(String::new(), quantity::unit_of));
+    let in_unit = |unit: &str| if unit.is_empty() { "a plain number".into() } else { format!("in {unit}") };
+    let help = "give value and limits in one unit, e.g. by `unit = \"…\"`";
+    let was_set = span.is_some() && !n.value_span.is_some();
+    if value.is_some() && !was_set {
+        let d = if limit.is_some() {
+            wrong_unit(&format!("`{key}` of {what}"), &is, &of, span)
+        } else {
+            let title = format!("`{key}` of {what} is a plain number, and its value is in {is}");
+            Diag::error("E008", title).at(span, "a plain number")
+        };
+        return d.at(n.value_span, "the value").help(help);
+    }
+    let title = format!("the value of {what} is {}, and its `{key}` is {}", in_unit(&is), in_unit(&of));
+    let d = Diag::error("E008", title);
+    if !was_set {
+        return d.at(n.value_span, "a plain number").at(span, format!("this is in {of}")).help(help);
+    }
+    let v = Plain(n.value.map_or(0.0, Raw::number));
+    d.help(format!("what is set is given as in the file, e.g. `{}={}`", n.name, format!("{v} {of}").trim_end()))
+}
+
+/// Hands the parameters over to the network; notes which nothing uses.
+pub fn place(v: &mut Values<'_>, net: &mut Net) {
+    let mut renumber = alloc::vec![usize::MAX; v.named.len()];
+    for (i, n) in v.named.iter().enumerate() {
+        let Some(raw) = n.value else { continue };
+        if n.used.is_none() {
+            net.unused.push((n.name.clone(), n.span));
+        }
+        if !n.live {
+            net.constants.insert(n.name.clone(), raw.number());
+            continue;
+        }
+        let (unit, min, max) = n.used.unwrap_or((Unit::NONE, f64::MIN, f64::MAX));
+        let factor = if matches!(raw, Raw::Bare(_)) { v.alg.map_or(1.0, |tr| unit.dim.alg_to_si(tr)) } else { 1.0 };
+        renumber[i] = net.params.len();
+        net.params.push(LiveParam {
+            name: n.name.clone(),
+            unit,
+            // a declared range never widens that of the place
+            min: n.min.map_or(min / factor, Raw::number).max(min / factor),
+            max: n.max.map_or(max / factor, Raw::number).min(max / factor),
+            value: raw.number(),
+            doc: n.doc.clone(),
+        });
+    }
+    for item in &mut net.items {
+        for f in &mut item.follows {
+            f.1 = renumber[f.1];
+        }
+    }
+}
+
+/// Parameters that no module and no moving point follows.
+pub fn report_unused(net: &Net, diags: &mut Diags) {
+    for (name, span) in &net.unused {
+        let d = Diag::warning("W109", format!("parameter `{name}` is used by nothing")).at(*span, "declared here");
+        diags.push(d.help(format!("write `\"{name}\"` where a module should follow it, or remove it")));
+    }
+}

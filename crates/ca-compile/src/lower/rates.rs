@@ -1,0 +1,173 @@
+//! Rates, units and media: what holds for the whole model or for a group of modules.
+//!
+//! The one place where the tick of the physics and the sample of the outside part ways.
+
+use crate::lower::values::Values;
+use crate::net::{Medium, Net};
+use crate::options::Options;
+use alloc::format;
+use ca_core::io::TGR;
+use ca_core::kind::{ANY, Need, POSITIVE, Param, Type, Unit};
+use ca_core::phi::implicit::{OF_GROUP, OF_MODEL, THETA};
+use ca_model::diag::{Diag, Diags};
+use ca_model::quantity::Plain;
+use ca_model::suggest::nearest;
+use ca_model::{Entry, Model, Span, Value};
+
+/// Slowest and fastest clock \[Hz\].
+pub const CLOCK: (f64, f64) = (1.0, 1e7);
+/// Most ticks in a sample.
+pub const FINEST: u32 = 64;
+const OVERSAMPLE: Param =
+    Param::new("oversample", Type::Count { min: 1, max: FINEST }, Need::Default(1.0), "ticks in a sample");
+
+/// Sound rate, ticks in a sample, tick and ratio.
+pub fn rates(model: &Model, options: &Options, net: &mut Net, diags: &mut Diags) {
+    let hertz = |key: &str, diags: &mut Diags| {
+        let e = model.rate.iter().find(|e| e.key == key)?;
+        let mut v = Values::new(None, diags);
+        Some((v.number(e, Unit::HERTZ, CLOCK, &format!("`rate.{key}`")).map(|n| n.0), e.span))
+    };
+    let written = hertz("sound", diags);
+    let gesture = hertz("gesture", diags);
+    let asked = options.rate.filter(|r| {
+        let good = (CLOCK.0..=CLOCK.1).contains(r);
+        if !good {
+            let d = Diag::error("E020", format!("no sound rate can be {} Hz", Plain(*r)));
+            diags.push(d.help(format!("ask for {} to {} Hz", Plain(CLOCK.0), Plain(CLOCK.1))));
+        }
+        good
+    });
+    let sound = asked.or(written.and_then(|w| w.0)).unwrap_or(48_000.0);
+    net.rate = sound;
+    let finer = model.rate.iter().find(|e| e.key == OVERSAMPLE.name).and_then(|e| {
+        // the kind matters to exponents only, of which there are none
+        Values::new(None, diags).arg(&TGR, &OVERSAMPLE, e, &[], "[rate]")?.0.num()
+    });
+    net.oversample = finer.map_or(1, |n| n as u32);
+    net.te = 1.0 / (sound * f64::from(net.oversample));
+    net.ratio = 1;
+    // a rate that could not be read fits nothing
+    if matches!(written, Some((None, _))) || matches!(gesture, Some((None, _))) || options.rate != asked {
+        return;
+    }
+    // 3 kHz or the nearest that divides the sound rate: 44.1 kHz / 15
+    let slow = gesture.and_then(|g| g.0).unwrap_or(sound / libm::round(sound / 3000.0).max(1.0));
+    let ratio = libm::round(sound / slow).max(1.0);
+    if (sound / ratio - slow).abs() > 1e-6 * slow || slow > sound {
+        let place = |w: Option<(Option<f64>, Span)>| w.map_or(Span::NONE, |w| w.1);
+        let span = place(gesture);
+        let title =
+            format!("the sound rate, {} Hz, is not a multiple of the gesture rate, {} Hz", Plain(sound), Plain(slow));
+        let mut d = Diag::error("E020", title).at(span, "does not divide the sound rate");
+        if asked.is_some() {
+            d = d.help(format!("with this gesture rate ask for a sound rate of {} Hz", Plain(slow * ratio)));
+        } else {
+            if place(written).is_some() {
+                d = d.at(place(written), "the sound rate");
+            }
+            let near = sound / ratio;
+            d = d.help(format!("the nearest that does is {} Hz", Plain(near)));
+            // a fraction of a hertz would be a fix nobody wants
+            if near == libm::round(near) {
+                d = d.fix(span, format!("\"{near} Hz\""));
+            }
+        }
+        diags.push(d);
+    }
+    net.ratio = ratio as u32;
+}
+
+/// Tick of the reference rate, for `alg` units.
+pub fn reference(model: &Model, net: &Net, diags: &mut Diags) -> Option<f64> {
+    let e = model.meta("units")?;
+    let word = if let Value::Text(t) = &e.value { t.as_str() } else { "" };
+    match word {
+        "si" => None,
+        "alg" => {
+            let Some(e) = model.meta("reference_rate") else { return Some(1.0 / net.rate) };
+            let mut v = Values::new(None, diags);
+            v.number(e, Unit::HERTZ, CLOCK, "`model.reference_rate`").map(|r| 1.0 / r.0)
+        }
+        _ => {
+            let d = Diag::error("E011", "`units` of `[model]` is neither `si` nor `alg`").at(e.span, "not a choice");
+            let all = "`si`: SI units; `alg`: per-sample units at `reference_rate`, as in GENESIS and mi.lib";
+            diags.push(match nearest(word, ["si", "alg"].into_iter()) {
+                Some(near) => d.help(all).fix(e.span, format!("\"{near}\"")),
+                None => d.help(all),
+            });
+            None
+        }
+    }
+}
+
+/// Gravity and friction of every group; those of the model come last.
+pub fn media(model: &Model, net: &mut Net, v: &mut Values<'_>) {
+    let root = medium(&model.meta, ["`[model]`", "[model]"], Medium::default(), &OF_MODEL, v);
+    for g in &model.groups {
+        let m = medium(&g.props, [&format!("group `{}`", g.name), &g.name], root, &OF_GROUP, v);
+        net.media.push(m);
+    }
+    net.media.push(root);
+}
+
+/// The medium of an owner: how it is spoken of, and its bare name.
+fn medium(props: &[Entry], [owner, name]: [&str; 2], outer: Medium, methods: &Param, v: &mut Values<'_>) -> Medium {
+    let mut m = outer;
+    // which way is down hangs on the number of axes
+    if let Some(e) = props.iter().find(|e| e.key == "dim") {
+        let what = format!("`dim` of {owner}");
+        match e.value {
+            Value::Num(n) if [1.0, 2.0, 3.0].contains(&n) => m.dim = n as u8,
+            _ => {
+                let d = Diag::error("E009", format!("{what} is the number of axes: 1, 2 or 3"));
+                let d = d.at(e.span, "neither 1, 2 nor 3");
+                v.diags.push(d.help("1: a line; 2: a plane; 3: space").fix(e.span, "3"));
+            }
+        }
+        // the weight of the model is along its own axes
+        if m.dim != outer.dim {
+            m.gravity = down(m.dim, -down_of(outer));
+        }
+    }
+    for e in props {
+        let what = format!("`{}` of {owner}", e.key);
+        match e.key.as_str() {
+            "gravity" => {
+                if let Some(g) = gravity(e, m.dim, &what, v) {
+                    m.gravity = g;
+                }
+            }
+            "friction" => {
+                if let Some(z) = v.constant(e, Unit::VISCOSITY, POSITIVE, &what) {
+                    m.friction = z;
+                }
+            }
+            "method" => m.method = v.word(methods, e, name).unwrap_or(m.method),
+            "theta" => m.theta = v.word(&THETA, e, name).or(m.theta),
+            _ => {}
+        }
+    }
+    m
+}
+
+/// A pull `g` towards negative positions of the last axis.
+fn down(dim: u8, g: f64) -> [f64; 3] {
+    let mut all = [0.0; 3];
+    all[dim as usize - 1] = -g;
+    all
+}
+
+/// What pulls along the last axis.
+fn down_of(m: Medium) -> f64 {
+    m.gravity[m.dim as usize - 1]
+}
+
+/// One number, the pull towards negative positions of the last axis; or the acceleration, a number per axis.
+fn gravity(e: &Entry, dim: u8, what: &str, v: &mut Values<'_>) -> Option<[f64; 3]> {
+    if let Value::List(_) = e.value {
+        let list = v.place(e, Unit::ACCELERATION, what)?;
+        return crate::lower::space::place(Some(&list), dim, e.span, what, v.diags);
+    }
+    v.constant(e, Unit::ACCELERATION, ANY, what).map(|g| down(dim, g))
+}

@@ -1,0 +1,404 @@
+//! Resolve: rates, parameters, media, and every item's parameters in SI; MATs, ports and generators become nodes.
+//! Links wait for all names to be known (`wire.rs`).
+
+use crate::Options;
+use crate::findings::type_name;
+use crate::lower::crossing::crossing;
+use crate::lower::expand::expand;
+use crate::lower::values::Values;
+use crate::lower::{equivalence, gesture, params, rates, requirements, space};
+use crate::net::{Family, MatNode, MatRole, Net, NetItem};
+use alloc::collections::{BTreeMap, BTreeSet};
+use alloc::format;
+use alloc::string::String;
+use alloc::vec::Vec;
+use ca_core::catalog::Catalog;
+use ca_core::equivalence::Gains;
+use ca_core::kind::{Kind, Need, OneOf, Role, Type, Unit};
+use ca_core::kind::{Param, PortRole};
+use ca_core::live::Source;
+use ca_core::scene::{Input, InputRole};
+use ca_core::sketch::{Arg, Args, Problem, Sketch};
+use ca_model::LARGEST;
+use ca_model::diag::{Diag, Diags};
+use ca_model::quantity::Plain;
+use ca_model::suggest::nearest;
+use ca_model::{Item, Model, Span, Value};
+
+/// `start` of `[model]`.
+pub const START: Param = Param::new(
+    "start",
+    Type::Choice(&["centred", "mi.lib"]),
+    Need::Default(0.0),
+    "what `dx0` and `v` are at the start: position and speed there, or the positions before it, as in mi.lib",
+);
+
+/// Everything but links and outputs.
+pub fn resolve(model: &Model, catalog: &Catalog, options: &Options, diags: &mut Diags) -> Net {
+    let mut net = Net::default();
+    rates::rates(model, options, &mut net, diags);
+    crossing(model, &mut net, diags);
+    let alg = rates::reference(model, &net, diags);
+    unique(model, diags);
+    let mut v = Values::new(alg, diags);
+    v.clouds.clone_from(&options.clouds);
+    v.named = params::all(model, v.diags);
+    rates::media(model, &mut net, &mut v);
+    let mut unknown = BTreeSet::new();
+    for (i, item) in model.items.iter().enumerate() {
+        if v.diags.is_full() {
+            break;
+        }
+        let Some(kind) = catalog.get(&item.kind) else {
+            // once for a section, however many modules stand in it
+            if unknown.insert((item.kind_span, item.kind.as_str())) {
+                v.diags.push(unknown_kind(item, catalog));
+            }
+            continue;
+        };
+        if let Some(resolved) = item_args(kind, item, i, &mut v) {
+            nodes(resolved, item, &mut net, &mut v);
+        }
+    }
+    if let Some(e) = model.meta("seconds") {
+        let te = v.alg.take();
+        net.seconds = v.number(e, Unit::SECOND, (0.0, 86_400.0), "`seconds` of `[model]`").map(|s| s.0);
+        v.alg = te;
+    }
+    if let Some(e) = model.meta(START.name) {
+        net.as_milib = v.word(&START, e, "[model]") == Some(1.0);
+    }
+    equivalence::equivalence(model, &mut net, &mut v);
+    params::place(&mut v, &mut net);
+    net.tables = v.tables;
+    gesture::gestures(model, &mut net, alg, &v.named, diags);
+    net
+}
+
+fn unknown_kind(item: &Item, catalog: &Catalog) -> Diag {
+    let d = Diag::error("E002", format!("unknown kind: `{}`", item.kind)).at(item.kind_span, "no such kind");
+    match nearest(&item.kind, catalog.iter().map(|k| k.code)) {
+        Some(near) => d.help(format!("did you mean `{near}`?")).fix(item.kind_span, near),
+        None => d.help(format!("kinds are {}", list(catalog.iter().map(|k| k.code)))),
+    }
+}
+
+/// Names are unique, also between modules and parameters: `ca set`, gestures and moving points take both.
+fn unique(model: &Model, diags: &mut Diags) {
+    let params = model.params.iter().map(|e| (e.key.as_str(), e.key_span, "a parameter"));
+    let items = model.items.iter().map(|i| (i.name.as_str(), i.name_span, "a module"));
+    let mut taken: BTreeMap<&str, (Span, &str)> = BTreeMap::new();
+    for (name, span, what) in params.chain(items) {
+        let Some((first, was)) = taken.insert(name, (span, what)) else { continue };
+        let title = if was == what {
+            format!("`{name}` is used twice")
+        } else {
+            format!("`{name}` names both {was} and {what}")
+        };
+        let d = Diag::error("E012", title).at(span, format!("{what} here")).at(first, format!("{was} here"));
+        diags.push(d.help("names are unique in a model: rename one of the two"));
+    }
+}
+
+/// Checks and converts the parameters of an item.
+fn item_args(kind: &'static Kind, item: &Item, model: usize, v: &mut Values<'_>) -> Option<NetItem> {
+    let mut args = alloc::vec![Arg::Absent; kind.params.len()];
+    let mut follows = Vec::new();
+    let (mut good, mut misspelt) = (true, false);
+    for e in &item.args {
+        let Some(i) = kind.param(&e.key) else {
+            let d = Diag::error("E004", format!("`{}`: unknown parameter `{}`", item.name, e.key));
+            let d = d.at(e.key_span, "not known here");
+            v.diags.push(match nearest(&e.key, kind.params.iter().map(|p| p.name)) {
+                Some(near) => d.help(format!("did you mean `{near}`?")).fix(e.key_span, near),
+                None => d.help(format!("`{}` has {}", kind.code, list(kind.params.iter().map(|p| p.name)))),
+            });
+            misspelt = true;
+            good = false;
+            continue;
+        };
+        match v.arg(kind, &kind.params[i], e, &item.args, &item.name) {
+            Some((arg, follow)) => {
+                args[i] = arg;
+                follows.extend(follow.map(|(p, factor)| (i, p, factor)));
+            }
+            None => good = false,
+        }
+    }
+    for (i, p) in kind.params.iter().enumerate() {
+        let written = item.args.iter().any(|e| e.key == p.name);
+        match p.need {
+            // a misspelt parameter is probably the one that is missing
+            Need::Required if !written && misspelt => good = false,
+            Need::Required if !written => {
+                let help = match p.ty {
+                    Type::Number { unit, .. } => {
+                        format!("add e.g. `{} = {}` ({})", p.name, crate::findings::quoted(unit), p.doc)
+                    }
+                    Type::Between => {
+                        format!("add `{} = [\"first\", \"second\"]`, the modules at its ends", p.name)
+                    }
+                    Type::Module => format!("add `{} = \"…\"` ({})", p.name, p.doc),
+                    Type::Count { min, .. } => format!("add e.g. `{} = {}` ({})", p.name, min.max(40), p.doc),
+                    _ => format!("add `{}` ({})", p.name, p.doc),
+                };
+                let d = Diag::error("E005", format!("`{}` needs `{}`", item.name, p.name));
+                v.diags.push(d.at(item.name_span, format!("{} without `{}`", kind.code, p.name)).help(help));
+                good = false;
+            }
+            Need::Default(d) if !written => args[i] = Arg::Num(d),
+            _ => {}
+        }
+    }
+    for choice in kind.one_of {
+        good = good && !misspelt && one_of(kind, item, choice, v.diags);
+    }
+    good = good && requirements::parameters(kind, item, &args, v.diags);
+    good.then(|| NetItem {
+        name: item.name.clone(),
+        kind,
+        model,
+        group: item.group.map(|g| g as u32),
+        dim: 1,
+        args,
+        follows,
+        slots: Vec::new(),
+    })
+}
+
+fn one_of(kind: &Kind, item: &Item, choice: &OneOf, diags: &mut Diags) -> bool {
+    let written = |set: &&[&str]| item.args.iter().find(|e| set.contains(&e.key.as_str()));
+    let found: Vec<_> = choice.sets.iter().filter_map(|s| written(s).map(|e| (s, e))).collect();
+    let title = |name: &str| kind.param(name).map_or("", |i| kind.params[i].doc);
+    let value = |name: &str| match kind.param(name).map(|i| kind.params[i].ty) {
+        Some(Type::Number { unit, .. }) => crate::findings::quoted(unit),
+        _ => "…".into(),
+    };
+    match found.as_slice() {
+        [] if choice.required => {
+            let sets = choice.sets.iter().map(|s| format!("`{}`", s[0])).collect::<Vec<_>>().join(" or ");
+            let d = Diag::error("E005", format!("`{}` needs {sets}", item.name));
+            let d = d.at(item.name_span, format!("{} without {sets}", kind.code));
+            let ways = choice.sets.iter().map(|s| format!("`{} = {}` ({})", s[0], value(s[0]), title(s[0])));
+            diags.push(d.help(format!("add {}", ways.collect::<Vec<_>>().join(" or "))));
+            false
+        }
+        [] => true,
+        [(set, e)] => {
+            // the first name of a set is what makes it chosen
+            let head = item.args.iter().any(|a| a.key == set[0]);
+            if !head && choice.required {
+                let d = Diag::error("E005", format!("`{}` needs `{}` beside `{}`", item.name, set[0], e.key));
+                let d = d.at(e.key_span, format!("without `{}`", set[0]));
+                diags.push(d.help(format!("add `{} = {}` ({})", set[0], value(set[0]), title(set[0]))));
+            }
+            head || !choice.required
+        }
+        [(_, a), (_, b), ..] => {
+            let d = Diag::error("E010", format!("`{}`: `{}` and `{}` exclude each other", item.name, a.key, b.key))
+                .at(b.key_span, format!("excludes `{}`", a.key))
+                .at(a.key_span, "written here")
+                .help("keep one of them");
+            diags.push(d);
+            false
+        }
+    }
+}
+
+/// Makes MATs, ports and generators; refuses what would be too large before it makes it.
+fn nodes(mut item: NetItem, source: &Item, net: &mut Net, v: &mut Values<'_>) {
+    let id = net.items.len() as u32;
+    let kind = item.kind;
+    item.slots = item.args.iter().map(Arg::num).collect();
+    let dim = net.medium_of(item.group).dim;
+    item.dim = dim;
+    let mut places = BTreeMap::new();
+    for (p, arg) in kind.params.iter().zip(&item.args).filter(|(p, _)| matches!(p.ty, Type::Place { .. })) {
+        let span = source.args.iter().find(|e| e.key == p.name).map_or(Span::NONE, |e| e.span);
+        let what = format!("`{}` of `{}`", p.name, item.name);
+        places.insert(p.name, space::place(Some(arg), dim, span, &what, v.diags));
+    }
+    if places.values().any(Option::is_none) {
+        return;
+    }
+    let [rest, dx0, speed] = ["x", "dx0", "v"].map(|name| places.get(name).copied().flatten().unwrap_or_default());
+    match kind.role {
+        Role::Mat(spec) => {
+            if let (Some(f), "CEL") = (kind.param("f").and_then(|i| item.args[i].num()), kind.code) {
+                if f * net.te >= 0.5 {
+                    let span = source.args.iter().find(|e| e.key == "f").map_or(source.span, |e| e.span);
+                    let d = Diag::error(
+                        "E023",
+                        format!("`{}`: {} Hz is not below half the sound rate", item.name, Plain(f)),
+                    );
+                    let half = net.rate * f64::from(net.oversample) / 2.0;
+                    let help = format!("stay below {} Hz, or raise `sound` in `[rate]`", Plain(half));
+                    v.diags.push(d.at(span, "too high").help(help));
+                }
+            }
+            let node = MatNode {
+                name: item.name.clone(),
+                code: kind.code,
+                role: MatRole::Mat(spec),
+                values: (0..kind.params.len() as u32).map(Source::Slot).collect(),
+                axes: dim,
+                rest,
+                dx0,
+                v: speed,
+                group: item.group,
+                item: id,
+            };
+            single(net, node);
+            net.items.push(item);
+        }
+        Role::Port(role) => {
+            port(role, &item, source, id, (dim, rest), net, v);
+            net.items.push(item);
+        }
+        Role::Generator(g) => {
+            if !g.dims.contains(&dim) {
+                let lives = ["on a line", "in a plane", "in space"][usize::from(dim) - 1];
+                let d = Diag::error("E029", format!("`{}`: a {} cannot live {lives}", item.name, kind.code));
+                let help = if g.dims.contains(&3) {
+                    "put it into a group with `dim = 3`"
+                } else {
+                    "put it into a group without `dim`, and couple the two by an LPR or a link with `along`"
+                };
+                let place = if dim == 1 { "on a line".into() } else { format!("in a group with `dim = {dim}`") };
+                v.diags.push(d.at(source.name_span, place).help(help));
+                return;
+            }
+            let scheme = net.scheme(item.group);
+            let args = Args { code: kind.code, params: kind.params, values: &item.args, te: net.te, dim, scheme };
+            let before = net.mats.len() + net.lias.len();
+            let will = requirements::modules(&args);
+            if will.saturating_add(before) > LARGEST {
+                v.diags.push(too_many(&item.name, kind, source, will, before));
+                net.items.push(item);
+                return;
+            }
+            let mut slots = Vec::new();
+            let drawn = (g.derive)(&args, &mut slots).and_then(|()| {
+                let mut drawing = Sketch::new(&slots, !item.follows.is_empty());
+                (g.build)(&args, &mut drawing).map(|()| drawing)
+            });
+            match drawn {
+                Ok(drawing) => {
+                    item.slots.clone_from(&slots);
+                    let group = item.group;
+                    net.items.push(item);
+                    expand(net, id, &drawing, (dim, rest), group);
+                }
+                Err(p) => {
+                    v.diags.push(does_not_fit(&item.name, source, p));
+                    net.items.push(item);
+                }
+            }
+        }
+        Role::Lia(_) => net.items.push(item),
+    }
+}
+
+/// What a generator cannot do, pointed at where it was asked for.
+pub fn does_not_fit(name: &str, source: &Item, p: Problem) -> Diag {
+    let written = source.args.iter().find(|e| e.key == p.param);
+    let d = Diag::error("E023", format!("`{name}`: {}", p.title));
+    d.at(written.map_or(source.name_span, |e| e.span), "does not fit").help(p.help)
+}
+
+fn too_many(name: &str, kind: &Kind, source: &Item, will: usize, before: usize) -> Diag {
+    let count = source
+        .args
+        .iter()
+        .find(|e| kind.param(&e.key).is_some_and(|i| matches!(kind.params[i].ty, Type::Count { .. })));
+    let title = if before == 0 {
+        format!("`{name}` would be {will} modules")
+    } else {
+        format!("`{name}` would be {will} modules beside {before} others")
+    };
+    let d = Diag::error("E027", title).at(count.map_or(source.name_span, |e| e.span), "too many");
+    d.help(format!("a model holds up to {LARGEST} masses and links; a real-time one some thousands"))
+}
+
+fn single(net: &mut Net, node: MatNode) {
+    let id = net.mats.len() as u32;
+    let family = Family { masses: alloc::vec![id], size: [1, 1], ..Family::default() };
+    net.families.insert(node.name.clone(), family);
+    net.mats.push(node);
+}
+
+fn port(
+    role: PortRole,
+    item: &NetItem,
+    source: &Item,
+    id: u32,
+    (dim, rest): (u8, [f64; 3]),
+    net: &mut Net,
+    v: &mut Values<'_>,
+) {
+    if matches!(role, PortRole::Sox | PortRole::Sof) {
+        return;
+    }
+    let (input_role, unit) = match role {
+        PortRole::Enf => (InputRole::Force, Unit::NEWTON),
+        PortRole::Tgr => (InputRole::Device, Unit::METRE),
+        _ => (InputRole::Position, Unit::METRE),
+    };
+    let entry = |key: &str| source.args.iter().find(|e| e.key == key);
+    let midi = entry("midi").and_then(|e| v.midi(e, unit, &item.name));
+    let device = entry("device").and_then(|e| match &e.value {
+        Value::Text(t) => Some(t.clone()),
+        other => {
+            let title = format!("`device` of `{}` must be a text, not {}", item.name, type_name(other));
+            let d = Diag::error("E006", title).at(e.span, "not a text");
+            v.diags.push(d.help("write the name of the device, e.g. `\"tgr12\"`"));
+            None
+        }
+    });
+    // a force has the one axis it pushes along
+    let dim = if role == PortRole::Enf { 1 } else { dim };
+    let dofs = match item.kind.param("dof").map(|i| &item.args[i]) {
+        Some(Arg::List(l)) => l.clone(),
+        Some(Arg::Num(v)) if dim == 1 || entry("dof").is_some() => alloc::vec![*v],
+        _ => (0..dim).map(f64::from).collect(),
+    };
+    if dofs.len() > dim as usize || dofs.is_empty() {
+        let span = entry("dof").map_or(source.name_span, |e| e.span);
+        let title = format!("`dof` of `{}` has {} degrees of freedom for {dim} axes", item.name, dofs.len());
+        let help = "give one number for each axis that moves, or put the port into a group with `dim = 3`";
+        v.diags.push(Diag::error("E006", title).at(span, "does not fit").help(help));
+        return;
+    }
+    if let (true, Some(e)) = (dofs.len() > 1, entry("midi")) {
+        let d = Diag::error("E026", format!("`{}`: a note moves one axis, not {}", item.name, dofs.len()));
+        v.diags
+            .push(d.at(e.span, "in space").help("let it move an ENX on a line, tied to this by a link with `along`"));
+    }
+    let mut inputs = [None; 3];
+    for (k, dof) in dofs.iter().enumerate() {
+        inputs[k] = Some(net.inputs.len() as u32);
+        let name = if dim == 1 { item.name.clone() } else { format!("{}.{}", item.name, space::AXES[k]) };
+        let device = device.as_ref().map(|d| (d.clone(), *dof as u32));
+        let rest = if role == PortRole::Enf { 0.0 } else { rest[k] };
+        net.inputs.push(Input { name, role: input_role, rest, midi, device, gains: Gains::default() });
+    }
+    if role != PortRole::Enf {
+        let node = MatNode {
+            name: item.name.clone(),
+            code: item.kind.code,
+            role: MatRole::Port(role, inputs),
+            values: [].into(),
+            axes: dim,
+            rest,
+            dx0: [0.0; 3],
+            v: [0.0; 3],
+            group: item.group,
+            item: id,
+        };
+        single(net, node);
+    }
+}
+
+fn list<'a>(names: impl Iterator<Item = &'a str>) -> String {
+    names.map(|n| format!("`{n}`")).collect::<Vec<_>>().join(", ")
+}

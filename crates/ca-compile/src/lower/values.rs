@@ -1,0 +1,309 @@
+//! Values: from what is written to numbers in SI: units, ranges, named parameters, tables.
+//!
+//! Decides that a bare number is in the model's units and a quantity in its own, that both are checked against the
+//! dimension of the place they stand in, and that a `[param]` without a unit takes the dimension of where it is used.
+
+use crate::findings::{bad_quantity, instead, quoted, range_help, type_name, unit_span, wanted, wrong_unit};
+use crate::lower::named::{Named, Raw};
+use alloc::format;
+use alloc::vec::Vec;
+use ca_core::cloud::Clouds;
+use ca_core::kind::{Dim, Kind, Need, Param, Type, Unit};
+use ca_core::sketch::Arg;
+use ca_core::table::Table;
+use ca_model::diag::{Diag, Diags};
+use ca_model::quantity;
+use ca_model::quantity::Plain;
+use ca_model::suggest::nearest;
+use ca_model::{Entry, Span, Value};
+
+/// A number and, if it follows a live parameter, which one and by what factor.
+pub type Followed = (f64, Option<(usize, f64)>);
+
+/// Reads values of one model.
+pub struct Values<'a> {
+    /// tick of the reference rate for `alg` units; `None` in SI
+    pub alg: Option<f64>,
+    /// the parameters
+    pub named: Vec<Named>,
+    /// what the files hold
+    pub clouds: Clouds,
+    /// tables met so far
+    pub tables: Vec<Table>,
+    /// findings
+    pub diags: &'a mut Diags,
+}
+
+impl<'a> Values<'a> {
+    /// Without named parameters.
+    pub fn new(alg: Option<f64>, diags: &'a mut Diags) -> Values<'a> {
+        Values { alg, named: Vec::new(), clouds: Clouds::new(), tables: Vec::new(), diags }
+    }
+}
+
+impl Values<'_> {
+    /// Factor from a bare number of dimension `dim` to SI.
+    fn bare(&self, dim: Dim) -> f64 {
+        self.alg.map_or(1.0, |tr| dim.alg_to_si(tr))
+    }
+
+    /// A quantity in SI, if its dimension is that of `unit`; `what` names the place for the report.
+    fn measured(&mut self, text: &str, unit: Unit, e: &Entry, what: &str) -> Option<f64> {
+        match quantity::parse(text) {
+            Ok(q) if !q.has_unit => Some(q.value * self.bare(unit.dim)),
+            Ok(q) if q.dim.same(unit.dim) => Some(q.value),
+            Ok(q) => {
+                let d = wrong_unit(what, unit.symbol, &quantity::unit_of(q.dim), unit_span(e, text));
+                let d = instead(d, text, &q, unit, e);
+                self.diags.push(d);
+                None
+            }
+            Err(err) => {
+                self.diags.push(bad_quantity(what, e, text, &err, Some(unit)));
+                None
+            }
+        }
+    }
+
+    /// A number of dimension `unit` within `min ..= max`, or a named parameter.
+    pub fn number(&mut self, e: &Entry, unit: Unit, range: (f64, f64), what: &str) -> Option<Followed> {
+        let followed = match &e.value {
+            Value::Num(v) => (*v * self.bare(unit.dim), None),
+            Value::Text(t) if quantity::is_quantity(t) => (self.measured(t, unit, e, what)?, None),
+            Value::Text(t) => self.named_number(t, unit, range, e, what)?,
+            other => {
+                let title = format!("{what} must be a number, not {}", type_name(other));
+                let help = format!("write e.g. `{}`, or the name of a `[param]`", quoted(unit));
+                self.diags.push(Diag::error("E006", title).at(e.span, "not a number").help(help));
+                return None;
+            }
+        };
+        self.in_range(followed.0, unit, range, e, what).then_some(followed)
+    }
+
+    fn in_range(&mut self, v: f64, unit: Unit, (min, max): (f64, f64), e: &Entry, what: &str) -> bool {
+        if v >= min && v <= max {
+            return true;
+        }
+        let show = |v: f64| {
+            if unit.symbol.is_empty() { format!("{}", Plain(v)) } else { quantity::show(v, unit) }
+        };
+        let written = match &e.value {
+            Value::Text(t) if quantity::is_quantity(t) => t.trim().into(),
+            _ => show(v),
+        };
+        let mut d = Diag::error("E009", format!("{what} is out of range: {written}")).at(e.span, "out of range");
+        if let Value::Text(t) = &e.value {
+            if let Some(n) = self.named.iter().find(|n| n.name == *t) {
+                d = d.at(n.value_span, "from here");
+            }
+        }
+        let help = if v.is_finite() { range_help(min, max, show) } else { "use a finite number".into() };
+        self.diags.push(d.help(help));
+        false
+    }
+
+    fn named_number(&mut self, name: &str, unit: Unit, range: (f64, f64), e: &Entry, what: &str) -> Option<Followed> {
+        let Some(i) = self.named.iter().position(|n| n.name == name) else {
+            let d = Diag::error("E013", format!("{what}: no parameter `{name}`")).at(e.span, "not in `[param]`");
+            let near = nearest(name, self.named.iter().filter(|n| n.value.is_some()).map(|n| n.name.as_str()));
+            self.diags.push(match near {
+                Some(near) => d.help(format!("did you mean `{near}`?")).fix(e.span, format!("\"{near}\"")),
+                None => d.help(format!("declare it under `[param]`, or write a value such as `{}`", quoted(unit))),
+            });
+            return None;
+        };
+        let factor = match self.named[i].value? {
+            Raw::Quantity(q) if q.has_unit && q.dim.same(unit.dim) => 1.0,
+            Raw::Quantity(q) if q.has_unit => {
+                let is = quantity::unit_of(q.dim);
+                let d = wrong_unit(what, unit.symbol, &is, e.span).at(self.named[i].value_span, "declared here");
+                self.diags
+                    .push(d.help(format!("give `{name}` in {}, or use another parameter here", wanted(unit.symbol))));
+                return None;
+            }
+            _ => self.bare(unit.dim),
+        };
+        let n = &mut self.named[i];
+        match &mut n.used {
+            // several places: the narrowest range of them
+            Some((u, min, max)) if u.dim.same(unit.dim) => (*min, *max) = (min.max(range.0), max.min(range.1)),
+            Some(_) => {}
+            none => *none = Some((unit, range.0, range.1)),
+        }
+        Some((n.value?.number() * factor, n.live.then_some((i, factor))))
+    }
+
+    /// A plain number that cannot follow anything.
+    pub fn constant(&mut self, e: &Entry, unit: Unit, range: (f64, f64), what: &str) -> Option<f64> {
+        let (v, follows) = self.number(e, unit, range, what)?;
+        if let Some((i, _)) = follows {
+            let d = Diag::error("E025", format!("{what} cannot change while playing"))
+                .at(e.span, "names a live parameter")
+                .at(self.named[i].span, "live here")
+                .help("write the number itself, or take `live` from the parameter");
+            self.diags.push(d);
+            return None;
+        }
+        Some(v)
+    }
+
+    /// The exponent `name` of a power law among the arguments of its module; `None` where it is wrong, which is said
+    /// when its own turn comes.
+    fn exponent(&self, kind: &Kind, name: &str, siblings: &[Entry]) -> Option<f64> {
+        let p = match siblings.iter().find(|s| s.key == name).map(|s| &s.value) {
+            None => match kind.param(name).map(|i| kind.params[i].need) {
+                Some(Need::Default(p)) => p,
+                _ => return None,
+            },
+            Some(Value::Num(p)) => *p,
+            Some(Value::Text(t)) if quantity::is_quantity(t) => quantity::parse(t).ok()?.value,
+            Some(Value::Text(t)) => self.named.iter().find(|n| n.name == *t)?.value?.number(),
+            Some(_) => return None,
+        };
+        (quarters(p) && (1.0..=5.0).contains(&p)).then_some(p)
+    }
+
+    /// A parameter of what is no module: of a group, or of the model, by its bare name.
+    pub fn word(&mut self, param: &Param, e: &Entry, owner: &str) -> Option<f64> {
+        self.arg(&ca_core::phi::REF, param, e, &[], owner)?.0.num()
+    }
+
+    /// The argument `param` of an item.
+    pub fn arg(
+        &mut self,
+        kind: &'static Kind,
+        param: &Param,
+        e: &Entry,
+        siblings: &[Entry],
+        owner: &str,
+    ) -> Option<(Arg, Option<(usize, f64)>)> {
+        let what = format!("`{}` of `{owner}`", param.name);
+        let plain = |v: f64| Some((Arg::Num(v), None));
+        match param.ty {
+            Type::Number { unit, min, max } => {
+                let exponent = kind
+                    .params
+                    .iter()
+                    .any(|p| matches!(p.ty, Type::PowerStiffness { exponent } if exponent == param.name));
+                if !exponent {
+                    if !param.live {
+                        return plain(self.constant(e, unit, (min, max), &what)?);
+                    }
+                    let (v, follows) = self.number(e, unit, (min, max), &what)?;
+                    return Some((Arg::Num(v), follows));
+                }
+                // the unit of the stiffness hangs on it, so it cannot move
+                let v = self.constant(e, unit, (min, max), &what)?;
+                if !quarters(v) {
+                    let near = libm::round(v * 4.0) / 4.0;
+                    let d = Diag::error("E009", format!("{what} is not a multiple of 1/4: {}", Plain(v)))
+                        .at(e.span, "the tick has only products and square roots");
+                    self.diags.push(d.help(format!("the nearest is {near}")).fix(e.span, format!("{near}")));
+                    return None;
+                }
+                plain(v)
+            }
+            Type::PowerStiffness { exponent } => {
+                let p = self.exponent(kind, exponent, siblings)?;
+                let unit = Unit { symbol: power_symbol(p), dim: Dim::power_stiffness(p) };
+                let (v, follows) = self.number(e, unit, ca_core::kind::POSITIVE, &what)?;
+                Some((Arg::Num(v), follows))
+            }
+            Type::Count { min, max } => plain(self.count(e, (min, max), &what)?),
+            Type::Choice(words) => match &e.value {
+                Value::Text(t) if words.contains(&t.as_str()) => {
+                    plain(words.iter().position(|w| w == t).unwrap_or(0) as f64)
+                }
+                Value::Text(t) => {
+                    let list = words.iter().map(|w| format!("`{w}`")).collect::<Vec<_>>().join(", ");
+                    let mut d = Diag::error("E011", format!("{what} cannot be `{t}`")).at(e.span, "not a choice");
+                    d = match nearest(t, words.iter().copied()) {
+                        Some(near) => d.help(format!("did you mean `{near}`?")).fix(e.span, format!("\"{near}\"")),
+                        None => d.help(format!("choose one of {list}")),
+                    };
+                    self.diags.push(d);
+                    None
+                }
+                other => {
+                    let list = words.iter().map(|w| format!("`\"{w}\"`")).collect::<Vec<_>>().join(", ");
+                    self.wrong_type(&what, "a word in quotes", other, e.span, &format!("choose one of {list}"))
+                }
+            },
+            Type::Flag => match e.value {
+                Value::Bool(b) => plain(f64::from(u8::from(b))),
+                ref other => self.wrong_type(&what, "`true` or `false`", other, e.span, "write it without quotes"),
+            },
+            Type::Numbers { unit, min, max } => match &e.value {
+                Value::List(list) if list.is_empty() => {
+                    let d = Diag::error("E006", format!("{what} is an empty list")).at(e.span, "no number");
+                    self.diags.push(d.help(format!("write one number or more, e.g. `[{}]`", quoted(unit))));
+                    None
+                }
+                Value::List(list) => {
+                    let read: Vec<_> = list.iter().map(|x| self.constant(x, unit, (min, max), &what)).collect();
+                    read.into_iter().collect::<Option<Vec<f64>>>().map(|l| (Arg::List(l), None))
+                }
+                _ => self.number(e, unit, (min, max), &what).map(|(v, f)| (Arg::Num(v), f)),
+            },
+            Type::Points { x, y } => {
+                let points = self.points(e, x, y, &what)?;
+                let Some(table) = Table::new(&points) else {
+                    self.not_a_table(e, &points, x, &what);
+                    return None;
+                };
+                self.tables.push(table);
+                plain(self.tables.len() as f64 - 1.0)
+            }
+            Type::Place { unit } => self.place(e, unit, &what).map(|a| (a, None)),
+            Type::Direction => self.direction(e, &what).map(|a| (a, None)),
+            Type::Counts { min, max } => match &e.value {
+                Value::List(list) => {
+                    let read: Vec<_> = list.iter().map(|x| self.count(x, (min, max), &what)).collect();
+                    read.into_iter().collect::<Option<Vec<f64>>>().map(|l| (Arg::List(l), None))
+                }
+                _ => self.count(e, (min, max), &what).map(|v| (Arg::Num(v), None)),
+            },
+            Type::Nodes => self.nodes(e, &what).map(|list| (Arg::List(list), None)),
+            Type::File => self.file(e, &what).map(|a| (a, None)),
+            Type::Places { unit } => self.places(e, unit, &what).map(|l| (Arg::List(l), None)),
+            // structure, read elsewhere
+            Type::Between | Type::Module | Type::Text | Type::Midi => Some((Arg::Absent, None)),
+        }
+    }
+
+    fn not_a_table(&mut self, e: &Entry, points: &[[f64; 2]], x: Unit, what: &str) {
+        let Value::List(list) = &e.value else { return };
+        if let Some(i) = (1..points.len()).find(|i| points[*i][0] <= points[i - 1][0]) {
+            let show = |i: usize| quantity::show(points[i][0], x);
+            let title = format!("{what}: the first numbers must rise: {} after {}", show(i), show(i - 1));
+            let d =
+                Diag::error("E019", title).at(list[i].span, "does not rise").at(list[i - 1].span, "the point before");
+            self.diags.push(d.help("write the points from left to right, each place once"));
+            return;
+        }
+        let many = ["no point", "one point"].get(points.len()).copied().unwrap_or("too few points");
+        let d = Diag::error("E019", format!("{what} has {many}, a table needs two")).at(e.span, "not a table");
+        let d = d.help("write `[[x, y], [x, y], …]` with x going up; beyond the ends the last value holds");
+        self.diags.push(d);
+    }
+
+    pub(super) fn wrong_type<T>(&mut self, what: &str, wanted: &str, is: &Value, span: Span, help: &str) -> Option<T> {
+        let title = format!("{what} must be {wanted}, not {}", type_name(is));
+        self.diags.push(Diag::error("E006", title).at(span, "wrong type").help(help));
+        None
+    }
+}
+
+fn quarters(p: f64) -> bool {
+    p * 4.0 == libm::round(p * 4.0)
+}
+
+/// The unit of a power law of exponent `p`, a multiple of 1/4 from 1 to 5.
+fn power_symbol(p: f64) -> &'static str {
+    const SYMBOLS: [&str; 17] = [
+        "N/m", "N/m^1.25", "N/m^1.5", "N/m^1.75", "N/m^2", "N/m^2.25", "N/m^2.5", "N/m^2.75", "N/m^3", "N/m^3.25",
+        "N/m^3.5", "N/m^3.75", "N/m^4", "N/m^4.25", "N/m^4.5", "N/m^4.75", "N/m^5",
+    ];
+    SYMBOLS.get(libm::round(4.0 * (p - 1.0)).max(0.0) as usize).copied().unwrap_or("N/m^p")
+}

@@ -1,0 +1,327 @@
+//! From the network to matrices: which places move, and how each link pulls at them at the pose of load.
+//!
+//! Decides that a link at a moving point is as many links as there are nodes under it: its row is a mean of theirs, so
+//! whatever holds for each of them holds wherever the point stands.
+
+use crate::analysis::{Linear, Loose, Network, Place, Port};
+use crate::net::linearisation;
+use crate::net::linearisation::Own;
+use crate::net::lines::LineNode;
+use crate::net::{Coordinate, Ear, End, LiaNode, MatNode, Measure, Net};
+use alloc::string::String;
+use alloc::vec::Vec;
+use ca_core::law::Bound;
+use ca_core::op::pass;
+use ca_core::tuning::Scheme;
+
+/// Where moving points are taken to be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Points {
+    /// where they are at load
+    AtLoad,
+    /// anywhere they may come
+    Anywhere,
+}
+
+/// Where the places of each MAT begin in the linear network; `None` for what does not move.
+pub struct Numbers(Vec<Option<u32>>);
+
+/// The places of a network, without links.
+pub fn places(net: &Net, own: &[Own]) -> (Linear, Numbers) {
+    let mut linear = Linear::default();
+    let mut numbers = Vec::with_capacity(net.mats.len());
+    for (i, (m, own)) in net.mats.iter().zip(own).enumerate() {
+        let moves = own.c > 0.0;
+        numbers.push(moves.then_some(linear.places.len() as u32));
+        let axes = if moves { m.axes } else { 0 };
+        linear.places.extend((0..axes).map(|axis| Place {
+            mat: i as u32,
+            axis,
+            c: own.c,
+            k: own.k,
+            z: own.z,
+            implicit: own.implicit,
+        }));
+    }
+    (linear, Numbers(numbers))
+}
+
+/// As many places as the points of one link may come to, together.
+const SPOTS: usize = 10_000;
+
+/// The links of the network that `counts`, with their slopes. False where one that counts cannot be taken in: a set of
+/// pairs, or one with points that may come to too many places.
+pub fn links(
+    net: &Net,
+    bounds: &[Bound],
+    numbers: &Numbers,
+    points: Points,
+    linear: &mut Linear,
+    counts: impl Fn(&LiaNode, &Bound) -> bool,
+) -> bool {
+    let mut all = true;
+    for (i, (l, b)) in net.lias.iter().zip(bounds).enumerate().filter(|(_, (l, b))| counts(l, b)) {
+        let spots = l.all_ends().map(|e| net.spots(e)).fold(1, usize::saturating_mul);
+        if l.sets.is_some() || (points == Points::Anywhere && spots > SPOTS) {
+            all = false;
+            continue;
+        }
+        for row in rows(net, l, b, numbers, points) {
+            match row {
+                Pull::At(k, z, entries) => {
+                    let implicit = 0.25 * b.lift * k + if b.centred { 0.5 * b.z * z } else { 0.0 };
+                    linear.link(i as u32, [b.k * k, b.z * z, implicit], &entries);
+                }
+                Pull::Anywhere(at) => linear.loose.push(Loose { k: b.k, z: b.z, at }),
+            }
+        }
+    }
+    all
+}
+
+/// The linear part of a network at load, and where it is driven and heard.
+pub fn network(net: &Net) -> Network {
+    let mut own: Vec<Own> = net
+        .mats
+        .iter()
+        .zip(&net.alive)
+        .map(|(m, alive)| if *alive { linearisation::own(net, m) } else { Own::default() })
+        .collect();
+    // delays are no matrix: what hangs on a waveguide is reported as if that stood still
+    net.lines.iter().flat_map(LineNode::junctions).for_each(|m| own[m as usize] = Own::default());
+    let slopes: Vec<Bound> = net.lias.iter().map(|l| linearisation::slopes(net, l)).collect();
+    let (mut linear, numbers) = places(net, &own);
+    let counts = |l: &LiaNode, b: &Bound| b.linear && !l.law.is_late();
+    let whole = links(net, &slopes, &numbers, Points::AtLoad, &mut linear, counts);
+    debug_assert!(whole, "the laws of sets are not linear");
+    let (mut ports, mut deaf): (Vec<Port>, Vec<_>) = (Vec::new(), Vec::new());
+    // the last port and its channel: a probe may have the name of an output
+    let mut last: Option<(&str, u32)> = None;
+    for (name, ear, axis, share, channel) in net.outs.iter().map(|o| (&o.name, o.ear, o.axis, o.share, o.channel)) {
+        let Ear::Position(end) = ear else {
+            deaf.push(name.clone());
+            continue;
+        };
+        let here = at_end(net, end, &numbers, Points::AtLoad, |first, _| alloc::vec![(first + u32::from(axis), share)]);
+        let here = here.into_iter().flatten();
+        // a direction is heard axis by axis
+        let same = last.replace((name, channel)) == Some((name, channel));
+        match ports.last_mut().filter(|_| same) {
+            Some(port) => port.at.extend(here),
+            None => ports.push(Port { name: name.clone(), role: "hears", at: here.collect() }),
+        }
+    }
+    for p in &net.pushes {
+        let here =
+            at_end(net, p.end, &numbers, Points::AtLoad, |first, _| alloc::vec![(first + u32::from(p.axis), 1.0)]);
+        let name = net.inputs[p.input as usize].name.clone();
+        ports.push(Port { name, role: "pushes", at: here.into_iter().flatten().collect() });
+    }
+    let mut left_out: Vec<(u32, &str)> =
+        net.lines.iter().map(|l| (l.item, net.items[l.item as usize].kind.code)).collect();
+    for (l, b) in net.lias.iter().zip(&slopes).filter(|(l, b)| !counts(l, b)) {
+        if left_out.last().is_some_and(|o| o.0 == l.item) {
+            continue;
+        }
+        left_out.push((l.item, l.law.code));
+        if l.sets.is_none() {
+            let row = rows(net, l, b, &numbers, Points::AtLoad).into_iter().next();
+            if let Some(Pull::At(_, _, at)) = row {
+                ports.push(Port { name: l.name.clone(), role: "acts", at });
+            }
+        }
+    }
+    let names = linear.places.iter().map(|p| {
+        let m = &net.mats[p.mat as usize];
+        if m.in_space() {
+            alloc::format!("{}.{}", m.name, ["x", "y", "z"][p.axis as usize % 3])
+        } else {
+            m.name.clone()
+        }
+    });
+    let at = |p: &Place, of: fn(&MatNode) -> [f64; 3]| of(&net.mats[p.mat as usize])[p.axis as usize];
+    Network {
+        te: net.te,
+        oversample: net.oversample,
+        composed: net.is_composed(),
+        modal: linear.places.iter().all(|p| {
+            let m = &net.mats[p.mat as usize];
+            !m.in_space() && net.scheme(m.group) == Scheme::Modal
+        }),
+        x: linear.places.iter().map(|p| at(p, |m| m.dx0)).collect(),
+        v: linear.places.iter().map(|p| at(p, |m| m.v)).collect(),
+        names: names.collect(),
+        ports,
+        deaf,
+        left_out: left_out.into_iter().map(|(i, code)| (net.items[i as usize].name.clone(), code)).collect(),
+        unheard: unheard(net),
+        linear,
+    }
+}
+
+/// Modules that nothing hears; of one that is heard in part, its members.
+fn unheard(net: &Net) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    let mut all = alloc::vec![0_usize; net.items.len()];
+    net.mats.iter().filter(|m| !m.is_fixed()).for_each(|m| all[m.item as usize] += 1);
+    for of in net.unheard.chunk_by(|a, b| net.mats[*a as usize].item == net.mats[*b as usize].item) {
+        let Some(item) = of.first().map(|m| net.mats[*m as usize].item) else { continue };
+        if of.len() == all[item as usize] {
+            names.push(net.items[item as usize].name.clone());
+        } else {
+            names.extend(of.iter().map(|m| net.mats[*m as usize].name.clone()));
+        }
+    }
+    names
+}
+
+/// One row of a link, as a share of its slopes, or one for each node a point may stand at.
+pub enum Pull {
+    /// here, with these shares of its stiffness and of its viscosity
+    At(f64, f64, Vec<(u32, f64)>),
+    /// at any of these
+    Anywhere(Vec<Vec<(u32, f64)>>),
+}
+
+/// The rows of a link: its own, and for one under tension in space those across it.
+pub fn rows(net: &Net, l: &LiaNode, b: &Bound, numbers: &Numbers, points: Points) -> Vec<Pull> {
+    let ports: Vec<_> = core::iter::once((l.ends, l.measure)).chain(l.onto.map(|o| (o.ends, o.measure))).collect();
+    // of each port, its direction; of each end, the nodes it may be at
+    let mut choices: Vec<Vec<(u32, f64)>> = alloc::vec![Vec::new()];
+    for (ends, measure) in &ports {
+        for (side, end) in ends.iter().enumerate() {
+            let sign = if side == 0 { -1.0 } else { 1.0 };
+            let pulls = at_end(net, *end, numbers, points, |first, axes| {
+                direction(net, *ends, *measure, l.soften, side, axes)
+                    .map(|(k, u)| (first + u32::from(k), sign * u))
+                    .collect()
+            });
+            choices = choices.iter().flat_map(|c| pulls.iter().map(|p| c.iter().chain(p).copied().collect())).collect();
+        }
+    }
+    if choices.len() > 1 {
+        return alloc::vec![Pull::Anywhere(choices)];
+    }
+    let mut rows: Vec<Pull> = choices.into_iter().map(|c| Pull::At(1.0, 1.0, c)).collect();
+    if !(b.k > 0.0 && b.linear) {
+        return rows;
+    }
+    // across a link under tension there is stiffness too, F/l, and no viscosity
+    let pulled: f64 = ports.iter().enumerate().map(|(i, (ends, m))| stretch(net, l, *ends, *m, i == 0)).sum();
+    for (ends, _) in ports.iter().filter(|(_, m)| *m == Measure::Radial) {
+        let (u, length) = unit(net, *ends, l.soften);
+        let tension = pulled / length;
+        if !(tension > 0.0 && tension.is_finite()) {
+            continue;
+        }
+        for k in 0..3_u8 {
+            // I − uuᵀ, row by row: its rows' squares sum to itself
+            let across: [f64; 3] =
+                core::array::from_fn(|j| f64::from(u8::from(j == k as usize)) - u[k as usize] * u[j]);
+            let mut entries = Vec::new();
+            for (end, sign) in ends.iter().zip([-1.0, 1.0]) {
+                let End::Mat(m) = end else { continue };
+                let Some(first) = numbers.0[*m as usize] else { continue };
+                let axes = 0..net.mats[*m as usize].axes;
+                entries.extend(axes.map(|j| (first + u32::from(j), sign * across[j as usize])));
+            }
+            rows.push(Pull::At(tension, 0.0, entries));
+        }
+    }
+    rows
+}
+
+/// How far a port is pulled out at load \[m\]: nothing where no end was moved and no length is written.
+fn stretch(net: &Net, l: &LiaNode, ends: [End; 2], measure: Measure, first: bool) -> f64 {
+    let rest = net.apart(ends);
+    let (from, to) = (moved(net, ends[0]), moved(net, ends[1]));
+    let by: [f64; 3] = core::array::from_fn(|k| to[k] - from[k]);
+    let written = if first { l.l0 } else { None };
+    match measure {
+        Measure::Line([a, b]) => {
+            let apart = net.rest(ends[1])[b as usize] - net.rest(ends[0])[a as usize];
+            apart + to[b as usize] - from[a as usize] - written.unwrap_or(apart)
+        }
+        Measure::Along(n) => {
+            let dot = |v: [f64; 3]| n[0] * v[0] + n[1] * v[1] + n[2] * v[2];
+            dot(rest) + dot(by) - written.unwrap_or(dot(rest))
+        }
+        Measure::Radial => {
+            let soft = |v: f64| libm::sqrt(v * v + l.soften * l.soften);
+            let slack = written.unwrap_or(libm::sqrt(rest.iter().map(|x| x * x).sum()));
+            unit(net, ends, l.soften).1 - soft(slack)
+        }
+    }
+}
+
+/// What a pull on an end is on the places under it, one list for each node it may be at.
+fn at_end(
+    net: &Net,
+    end: End,
+    numbers: &Numbers,
+    points: Points,
+    pull: impl Fn(u32, u8) -> Vec<(u32, f64)>,
+) -> Vec<Vec<(u32, f64)>> {
+    let on = |m: u32| {
+        let axes = net.mats[m as usize].axes;
+        numbers.0[m as usize].map(|first| pull(first, axes)).unwrap_or_default()
+    };
+    let End::Point(p) = end else {
+        let End::Mat(m) = end else { return alloc::vec![Vec::new()] };
+        return alloc::vec![on(m)];
+    };
+    let point = &net.points[p as usize];
+    let family = &net.families[&point.family];
+    if let Some((weights, _)) = &point.shape {
+        let all = family.nodes.iter().zip(weights).flat_map(|(m, w)| on(*m).into_iter().map(move |(i, u)| (i, u * w)));
+        return alloc::vec![all.collect()];
+    }
+    let stands = |c: &Coordinate| match *c {
+        Coordinate::At(v) => Some(v),
+        _ if points == Points::Anywhere => None,
+        Coordinate::Live(p) => Some(net.params[p as usize].value),
+        Coordinate::Port(m) => Some(net.mats[m as usize].rest[0]),
+    };
+    let still: Option<Vec<f64>> = point.at.iter().map(stands).collect();
+    let Some(at) = still else { return family.nodes.iter().map(|m| on(*m)).collect() };
+    let size = family.size;
+    let steps = [0, 1].map(|k| pass::step(at.get(k).copied().unwrap_or(0.0).clamp(0.0, 1.0), size[k].max(1)));
+    let mut here = Vec::new();
+    for (i, a) in [(steps[0].0, 1.0 - steps[0].1), (steps[0].0 + 1, steps[0].1)] {
+        for (j, b) in [(steps[1].0, 1.0 - steps[1].1), (steps[1].0 + 1, steps[1].1)] {
+            let node = family.nodes.get((i * size[1].max(1) + j) as usize).filter(|_| a * b > 0.0);
+            here.extend(node.into_iter().flat_map(|m| on(*m)).map(|(place, u)| (place, u * a * b)));
+        }
+    }
+    alloc::vec![here]
+}
+
+/// Axes and weights by which a port feels one of its ends.
+fn direction(
+    net: &Net,
+    ends: [End; 2],
+    measure: Measure,
+    soften: f64,
+    side: usize,
+    axes: u8,
+) -> impl Iterator<Item = (u8, f64)> {
+    let u = match measure {
+        Measure::Line(axis) => core::array::from_fn(|k| f64::from(u8::from(k == axis[side] as usize))),
+        Measure::Along(n) => n,
+        Measure::Radial => unit(net, ends, soften).0,
+    };
+    (0..axes).map(move |k| (k, u[k as usize])).filter(|(_, u)| *u != 0.0)
+}
+
+/// How far an end stands from its rest position at load.
+fn moved(net: &Net, e: End) -> [f64; 3] {
+    if let End::Mat(m) = e { net.mats[m as usize].dx0 } else { [0.0; 3] }
+}
+
+/// Direction and length from the first to the second end, where they are at load.
+fn unit(net: &Net, ends: [End; 2], soften: f64) -> ([f64; 3], f64) {
+    let (rest, from, to) = (net.apart(ends), moved(net, ends[0]), moved(net, ends[1]));
+    let v: [f64; 3] = core::array::from_fn(|k| rest[k] + to[k] - from[k]);
+    let length = libm::sqrt(v.iter().map(|x| x * x).sum::<f64>() + soften * soften).max(f64::MIN_POSITIVE);
+    (v.map(|x| x / length), length)
+}

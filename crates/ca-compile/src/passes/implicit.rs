@@ -1,0 +1,116 @@
+//! Implicit: which linear links and cells go by the methods `centred` and `implicit`, and the matrix the links make.
+//!
+//! Decides that a method is chosen before the laws are specialised, by a word of the link, of its group or of the model,
+//! and that a cell needs no matrix: its own spring and damper only make it heavier ([`ca_core::mat::cel`]). Refused where
+//! the matrix would change from tick to tick (distances in space, quadripoles, moving points), and where a contact that
+//! counts on the motion to come shares a mass with such a link.
+
+use crate::findings::no_method;
+use crate::net::lines::LineNode;
+use crate::net::{End, LiaNode, Net};
+use alloc::collections::{BTreeMap, BTreeSet};
+use alloc::format;
+use alloc::sync::Arc;
+use ca_core::live::Source;
+use ca_core::phi::implicit;
+use ca_model::Model;
+use ca_model::diag::Diags;
+
+/// Gives links and cells the method that they, their group or the model ask for.
+pub fn choose(net: &mut Net) {
+    let asked = |net: &Net, item: u32, kind: &ca_core::kind::Kind, values: &[Source]| {
+        let at = |name: &str| {
+            let i = kind.param(name)?;
+            values.get(i)?.get(&net.items[item as usize].slots)
+        };
+        let medium = net.medium_of(net.items[item as usize].group);
+        implicit::theta(at("method").unwrap_or(medium.method), at("theta").or(medium.theta))
+    };
+    // item, its values as written, and as the law takes them: most links of a generator share theirs
+    let mut last: Option<(u32, [Arc<[Source]>; 2])> = None;
+    for i in 0..net.lias.len() {
+        let l = &net.lias[i];
+        // the law before it is specialised; what has no method of this kind has no such parameters
+        let (k, z) = match l.kind.code {
+            "REF" => (Some(1), Some(2)),
+            "RES" => (Some(1), None),
+            "FRO" => (None, Some(1)),
+            _ => continue,
+        };
+        let Some(theta) = asked(net, l.item, l.kind, &l.values) else { continue };
+        // with neither viscosity nor θ there is nothing to be implicit for: it is the explicit link
+        let z_of = z.and_then(|z| l.values.get(z)).copied().unwrap_or(Source::Absent);
+        let live = matches!(z_of, Source::Slot(_)) && net.is_live(l.item);
+        if theta == 0.0 && !live && z_of.get(&net.items[l.item as usize].slots).unwrap_or(0.0) == 0.0 {
+            continue;
+        }
+        let known = last.as_ref().filter(|(item, [old, _])| *item == l.item && old[..] == l.values[..]);
+        let values = known.map_or_else(
+            || {
+                let from = |p: Option<usize>| p.and_then(|p| l.values.get(p).copied()).unwrap_or(Source::Absent);
+                Arc::from([from(k), from(z), Source::Const(theta)])
+            },
+            |(_, [_, new])| new.clone(),
+        );
+        last = Some((l.item, [l.values.clone(), values.clone()]));
+        let l = &mut net.lias[i];
+        (l.law, l.values) = (&implicit::LAW, values);
+    }
+    let cell = &ca_core::mat::CEL;
+    let Some((method, theta)) = cell.param("method").zip(cell.param("theta")) else { return };
+    // a junction of waves is exact as it is: what would be its damper is what waves take along
+    let junctions: BTreeSet<u32> = net.lines.iter().flat_map(LineNode::junctions).collect();
+    for i in (0..net.mats.len()).filter(|i| !junctions.contains(&(*i as u32))) {
+        let m = &net.mats[i];
+        let Some(share) = asked(net, m.item, cell, &m.values).filter(|_| m.code == cell.code) else { continue };
+        let mut values = m.values.to_vec();
+        // θ = 0 by the method `implicit` is the method `centred`
+        (values[method], values[theta]) = (Source::Const(2.0), Source::Const(share));
+        net.mats[i].values = Arc::from(values);
+    }
+}
+
+/// True where some link or cell goes by θ = 1/12, whose tick is of the fourth order without viscosity.
+pub fn is_fourth(net: &Net) -> bool {
+    let twelfth = |theta: Option<f64>| theta.is_some_and(|t| (t - 1.0 / 12.0).abs() < 1e-6);
+    let links = net.lias.iter().filter(|l| l.law.implicit).filter_map(|l| l.values.get(2).map(|v| (l.item, *v)));
+    let cell = &ca_core::mat::CEL;
+    let cells = net.mats.iter().filter(|m| m.code == cell.code && m.values.len() == cell.params.len());
+    let theta = cell.param("theta").unwrap_or(0);
+    let cells = cells.filter_map(|m| m.values.get(theta).map(|v| (m.item, *v)));
+    links.chain(cells).any(|(item, theta)| twelfth(theta.get(&net.items[item as usize].slots)))
+}
+
+/// Refuses links whose matrix would not stay as it is.
+pub fn check(model: &Model, net: &Net, diags: &mut Diags) {
+    let mut reported = BTreeSet::new();
+    let mut late: BTreeMap<u32, &LiaNode> = BTreeMap::new();
+    for l in net.lias.iter().filter(|l| l.law.is_late()) {
+        late.extend(l.all_ends().filter_map(|e| if let End::Mat(m) = e { Some((m, l)) } else { None }));
+    }
+    for l in net.lias.iter().filter(|l| l.law.implicit) {
+        if reported.contains(&l.item) {
+            continue;
+        }
+        let shared = l.all_ends().find_map(|e| match e {
+            End::Mat(m) if !net.mats[m as usize].is_fixed() => late.get(&m).map(|late| (m, *late)),
+            _ => None,
+        });
+        let point = l.all_ends().find(|e| matches!(e, End::Point(_)));
+        let (title, label, help) = if l.is_radial() || l.onto.is_some() {
+            let title = format!("`{}` is implicit along a distance in space", l.name);
+            (title, "not between points in space", "give it a direction, `along`, or `method = \"ca\"`")
+        } else if let Some(point) = point {
+            let title = format!("`{}` is implicit at a moving point, `{}`", l.name, net.end_name(point));
+            (title, "not at moving points", "use `method = \"ca\"`, or a mass such as `low[8]` in its place")
+        } else if let Some((m, other)) = shared {
+            let m = &net.mats[m as usize].name;
+            let title = format!("`{}` is implicit, and so is `{}`, which touches `{m}` too", l.name, other.name);
+            (title, "two kinds of implicit links at one mass", "use `method = \"ca\"` for one of them")
+        } else {
+            continue;
+        };
+        reported.insert(l.item);
+        diags.push(no_method(&model.items[net.items[l.item as usize].model], title, label, help));
+    }
+}

@@ -1,0 +1,280 @@
+//! Modal: the linear part of a group by its exact modes (docs/numerics.md §3.1).
+//!
+//! The masses, cells and linear links of a group with `method = "modal"` become one oscillator for each mode, retuned so
+//! that its poles are the exact ones (docs/numerics.md §1.5); every mass that something else holds, hears or pushes
+//! becomes a port, a sum over modes, and forces on it go back by the same weights, so no energy is made. The modes are
+//! cells like any other: the certificate and the energy ledger know nothing new.
+//!
+//! Decides that a mode keeps its mass, so that a stroke moves it as much as it should, rather than its static stiffness;
+//! that damping belongs to the modes, each its own share, with a warning where it would tie them (W115); and that modes
+//! beyond half the sound rate are left out, as nobody could hear them. Eigenvectors come from faer, whose last bits hang on
+//! the vector instructions of the machine: of all methods this one alone gives other last bits on another kind of machine.
+
+use crate::analysis::modes::{LARGEST, Mode, modes};
+use crate::analysis::{Linear, Network};
+use crate::net::linear::{Points, links, places};
+use crate::net::linearisation;
+use crate::net::linearisation::Own;
+use crate::net::lines::LineNode;
+use crate::net::{Ear, End, Family, LiaNode, MatNode, MatRole, Measure, Medium, Net, PointNode};
+use alloc::collections::BTreeMap;
+use alloc::format;
+use alloc::string::String;
+use alloc::sync::Arc;
+use alloc::vec::Vec;
+use ca_core::kind::{Coefs, MatSpec, Role};
+use ca_core::live::Source;
+use ca_core::phi::implicit::MODAL;
+use ca_model::diag::{Diag, Diags};
+use ca_model::{Model, Span};
+
+/// A mode: persistence, pull and mobility as they are.
+static MODE: MatSpec = MatSpec {
+    coefs: |p, _| {
+        let at = |i: usize| p.get(i).copied().flatten().unwrap_or(0.0);
+        Coefs { p: at(0), q: at(1), c: at(2) }
+    },
+    fixed: false,
+};
+
+/// From where on damping ties modes more than rounding does.
+const TIED: f64 = 1e-9;
+
+/// Replaces the linear part of each group that asks for it.
+pub fn modal(model: &Model, net: &mut Net, diags: &mut Diags) {
+    // the medium of modes is put before the last, that of the model, which is therefore looked for anew
+    for group in 0..net.media.len() {
+        let group = if group < model.groups.len() { group } else { net.media.len() - 1 };
+        if net.media[group].method == MODAL {
+            one(model, net, group, diags);
+        }
+    }
+}
+
+/// Whether a module belongs to the group; the last medium is that of modules without group.
+fn belongs(net: &Net, of: Option<u32>, group: usize) -> bool {
+    of.map_or(net.media.len() - 1, |g| g as usize) == group
+}
+
+/// True for a link that becomes part of the modes.
+fn inside(net: &Net, l: &LiaNode, within: &[bool], group: usize) -> bool {
+    let mut ends = l.ends.iter();
+    let held = ends.all(|e| matches!(e, End::Mat(m) if within[*m as usize] || net.mats[*m as usize].is_still()));
+    held && belongs(net, net.items[l.item as usize].group, group)
+        && l.law.linear
+        && !l.law.implicit
+        && matches!(l.measure, Measure::Line(_))
+        && l.onto.is_none()
+}
+
+impl MatNode {
+    /// True for what neither forces nor hands move.
+    fn is_still(&self) -> bool {
+        matches!(self.role, MatRole::Mat(s) if s.fixed)
+    }
+}
+
+/// A finding about the group as a whole, at its first module.
+fn refuse(model: &Model, net: &Net, item: u32, code: &'static str, title: String, help: &str) -> Diag {
+    let span: Span = model.items[net.items[item as usize].model].name_span;
+    Diag::error(code, title).at(span, "by its modes").help(help)
+}
+
+fn one(model: &Model, net: &mut Net, group: usize, diags: &mut Diags) {
+    let mut within: Vec<bool> = net
+        .mats
+        .iter()
+        .zip(&net.alive)
+        .map(|(m, alive)| *alive && !m.is_fixed() && !m.in_space() && belongs(net, m.group, group))
+        .collect();
+    // what waves run through is exact as it is
+    for m in net.lines.iter().flat_map(LineNode::junctions) {
+        within[m as usize] = false;
+    }
+    let Some(first) = within.iter().position(|w| *w) else { return };
+    let item = net.mats[first].item;
+    let name = model.groups.get(group).map_or_else(|| "the model".into(), |g| format!("`{}`", g.name));
+    if let Some(d) = obstacle(model, net, &within, &name, item, group) {
+        diags.push(d);
+        return;
+    }
+    let keep: Vec<bool> = net.lias.iter().map(|l| !inside(net, l, &within, group)).collect();
+    // its matrices, and their modes
+    let own: Vec<Own> = net
+        .mats
+        .iter()
+        .zip(&within)
+        .map(|(m, w)| if *w { linearisation::own(net, m) } else { Own::default() })
+        .collect();
+    let bounds: Vec<_> = net.lias.iter().map(|l| linearisation::slopes(net, l)).collect();
+    let (mut linear, numbers) = places(net, &own);
+    links(net, &bounds, &numbers, Points::AtLoad, &mut linear, |l, _| inside(net, l, &within, group));
+    let te = net.te;
+    let network = Network { te, linear, ..Network::default() };
+    let Some(found) = modes(&network) else {
+        let title = format!("{name} has {} places that move, or numbers beyond computing", network.linear.places.len());
+        let help = format!("modes are computed up to {LARGEST} places: use `method = \"ca\"`, or a smaller group");
+        diags.push(refuse(model, net, item, "E027", title, &help));
+        return;
+    };
+    warn(model, net, item, &found.list, &name, diags);
+    let kept: Vec<&Mode> = found.list.iter().filter(|m| m.a < core::f64::consts::PI * core::f64::consts::PI).collect();
+    if kept.len() < found.list.len() {
+        net.left_out.push(format!("{} modes of {name} above half the sound rate", found.list.len() - kept.len()));
+    }
+    let most = network.linear.places.iter().map(|p| p.c).fold(0.0, f64::max);
+    let modes = oscillators(net, &network.linear, &kept, most, item);
+    // what else touches, hears or pushes a mass of it does so at a port
+    let mut ports: BTreeMap<u32, u32> = BTreeMap::new();
+    let row: BTreeMap<u32, usize> = network.linear.places.iter().enumerate().map(|(i, p)| (p.mat, i)).collect();
+    let family = format!("{name} modes");
+    let mut points = core::mem::take(&mut net.points);
+    let mats = &net.mats;
+    let mut port = |end: &mut End| {
+        let End::Mat(m) = *end else { return };
+        let Some(i) = row.get(&m) else { return };
+        let id = *ports.entry(m).or_insert_with(|| {
+            let weights = kept.iter().map(|k| k.shape[*i] * te / libm::sqrt(most)).collect();
+            let mat = &mats[m as usize];
+            let shape = Some((weights, mat.rest));
+            points.push(PointNode { name: mat.name.clone(), family: family.clone(), at: Vec::new(), shape });
+            points.len() as u32 - 1
+        });
+        *end = End::Point(id);
+    };
+    for (l, _) in net.lias.iter_mut().zip(&keep).filter(|(_, keep)| **keep) {
+        l.ends.iter_mut().for_each(&mut port);
+        l.onto.iter_mut().for_each(|o| o.ends.iter_mut().for_each(&mut port));
+    }
+    for o in &mut net.outs {
+        if let Ear::Position(e) | Ear::ForceOn(e) = &mut o.ear {
+            port(e);
+        }
+    }
+    net.pushes.iter_mut().for_each(|p| port(&mut p.end));
+    net.points = points;
+    net.families.insert(family, Family { nodes: modes, ..Family::default() });
+    within.iter().zip(&mut net.alive).filter(|(w, _)| **w).for_each(|(_, alive)| *alive = false);
+    let lias = core::mem::take(&mut net.lias);
+    net.drop_links(lias, &keep);
+}
+
+/// What stands in the way, with what to do about it.
+fn obstacle(model: &Model, net: &Net, within: &[bool], name: &str, item: u32, group: usize) -> Option<Diag> {
+    let refuse = |item, code, title, help| Some(refuse(model, net, item, code, title, help));
+    let touches = |l: &LiaNode| l.all_ends().any(|e| net.under(e).iter().any(|m| within[*m as usize]));
+    let of = |i: u32| net.items[i as usize].name.as_str();
+    if net.media[group].gravity != [0.0; 3] {
+        return refuse(
+            item,
+            "E028",
+            format!("{name} goes by its modes and has weight"),
+            "leave `gravity` to other groups",
+        );
+    }
+    let mut mats = net.mats.iter().zip(within).filter(|(_, w)| **w).map(|(m, _)| m.item);
+    let mut links = net.lias.iter().filter(|l| inside(net, l, within, group)).map(|l| l.item);
+    if let Some(i) = mats.find(|i| net.is_live(*i)).or_else(|| links.find(|i| net.is_live(*i))) {
+        let title = format!("{name} goes by its modes, and `{}` follows a live parameter", of(i));
+        return refuse(i, "E028", title, "use a number: modes are computed once; or `method = \"ca\"`");
+    }
+    for (i, l) in net.lias.iter().enumerate().filter(|(_, l)| touches(l)) {
+        let heard = net.outs.iter().any(|o| o.ear == Ear::ForceOf(i as u32));
+        if inside(net, l, within, group) && heard {
+            let title = format!("{name} goes by its modes: `{}` has no force of its own", l.name);
+            return refuse(l.item, "E028", title, "hear a mass, or what touches it, or use `method = \"ca\"`");
+        }
+        if l.law.is_late() || l.law.implicit {
+            let title = format!("`{}` is implicit at a mass of {name}, which goes by its modes", l.name);
+            return refuse(l.item, "E028", title, "use `method = \"ca\"` for one of them");
+        }
+    }
+    let points = net.points.iter().find(|p| net.families[&p.family].nodes.iter().any(|m| within[*m as usize]))?;
+    let title = format!("{name} goes by its modes: nothing moves along it, as `{}` would", points.name);
+    refuse(item, "E028", title, "use a mass such as `low[8]`, or `method = \"ca\"`")
+}
+
+/// Says where damping would tie modes that are now apart.
+fn warn(model: &Model, net: &Net, item: u32, list: &[Mode], name: &str, diags: &mut Diags) {
+    let most = list.iter().map(|m| m.coupled).fold(0.0, f64::max);
+    if most > TIED {
+        let span = model.items[net.items[item as usize].model].name_span;
+        let title = format!("damping ties the modes of {name} to each other, which is left out");
+        let d = Diag::warning("W115", title).at(span, format!("by up to {most:.1e} of their distance"));
+        diags.push(d.help("damp all masses alike (for their weight), or keep `method = \"ca\"` where it matters"));
+    }
+}
+
+/// The modes as MATs, with the start of the masses they stand for; returns their numbers.
+fn oscillators(net: &mut Net, linear: &Linear, kept: &[&Mode], most: f64, item: u32) -> Vec<u32> {
+    let te = net.te;
+    // a medium without friction: what the masses had is in the modes
+    let medium = net.media.len() as u32 - 1;
+    net.media.insert(medium as usize, Medium::default());
+    let fed = linear.places.iter().any(|p| net.fed.get(p.mat as usize) == Some(&true));
+    let group = model_name(net, item);
+    let mut numbers = Vec::with_capacity(kept.len());
+    for (j, mode) in kept.iter().enumerate() {
+        // mass-normalised: q = Σ φ m x
+        let project = |of: &dyn Fn(&MatNode) -> f64| -> f64 {
+            let sum: f64 =
+                linear.places.iter().zip(&mode.shape).map(|(p, u)| u / p.c * of(&net.mats[p.mat as usize])).sum();
+            sum * te * libm::sqrt(most)
+        };
+        let (x, v) = (project(&|m| m.dx0[0]), project(&|m| m.v[0]));
+        let (a, b, before) = exact(mode, x, v * te);
+        // the start takes half a tick of spring and damper off it again
+        let d = (x - before + 0.5 * -a * x) / (1.0 + 0.5 * b);
+        let d = if d.is_finite() { d } else { v * te };
+        numbers.push(net.mats.len() as u32);
+        net.mats.push(MatNode {
+            name: format!("{group}.mode[{j}]"),
+            code: "mode",
+            role: MatRole::Mat(&MODE),
+            values: Arc::from([Source::Const(1.0 - b), Source::Const(-a), Source::Const(most)]),
+            axes: 1,
+            rest: [0.0; 3],
+            dx0: [x, 0.0, 0.0],
+            v: [d / te, 0.0, 0.0],
+            group: Some(medium),
+            item,
+        });
+        net.alive.push(true);
+        if !net.fed.is_empty() {
+            net.fed.push(fed);
+        }
+    }
+    numbers
+}
+
+/// The name that modes go by.
+fn model_name(net: &Net, item: u32) -> String {
+    let name = &net.items[item as usize].name;
+    match (name.split_once('.'), net.items[item as usize].kind.role) {
+        (Some((group, _)), _) => group.into(),
+        (None, Role::Generator(_)) => name.clone(),
+        (None, _) => "model".into(),
+    }
+}
+
+/// Stiffness a and viscosity b with which the scheme has the exact poles of a mode, and where it was one tick before, from
+/// where it is and how fast [per tick].
+fn exact(mode: &Mode, x: f64, v: f64) -> (f64, f64, f64) {
+    let s = 0.5 * mode.b;
+    let square = mode.a - s * s;
+    if square > 0.0 {
+        let theta = libm::sqrt(square);
+        let (q, half) = (-libm::expm1(-s), libm::sin(0.5 * theta));
+        let r = 1.0 - q;
+        let a = q * q + 4.0 * r * half * half;
+        let (sin, cos) = libm::sincos(theta);
+        return (a, -libm::expm1(-2.0 * s), libm::exp(s) * (x * cos - (v + s * x) / theta * sin));
+    }
+    // two real poles, e^(−s ± g)
+    let g = libm::sqrt(-square);
+    let (slow, fast) = (mode.a / (s + g).max(f64::MIN_POSITIVE), s + g);
+    let (p, q) = (-libm::expm1(-slow), -libm::expm1(-fast));
+    // a free mode moves evenly; one with a single pole twice is the limit
+    let shape = if g > 0.0 { libm::sinh(g) / g } else { 1.0 };
+    (p * q, p + q - p * q, libm::exp(s) * (x * libm::cosh(g) - (v + s * x) * shape))
+}

@@ -1,0 +1,97 @@
+//! PEFRL: whether a model may go by it, what its tick runs, and what it does to the limit ([`ca_core::method::pefrl`]).
+//!
+//! Decides for the whole model or none of it: what is inside a tick and what is at its ends cannot be mixed. Refused
+//! is what hangs on motion (viscosity, friction), remembers, is implicit, is moved from outside, or is tuned to the
+//! pitch of another scheme. The force passes of the scene run again at each kick; those at the beginning of the tick
+//! are there for who hears forces.
+
+use crate::net::worst::worst_rows;
+use crate::net::{LiaNode, MatRole, Net};
+use crate::options::Options;
+use alloc::collections::BTreeSet;
+use alloc::format;
+use ca_core::live::Source;
+use ca_core::method::pefrl::LIMIT;
+use ca_core::phi::implicit::PEFRL;
+use ca_core::sketch::Arg;
+use ca_model::diag::{Diag, Diags};
+use ca_model::{Model, Span};
+
+impl Net {
+    /// True where the model goes by PEFRL.
+    pub fn is_composed(&self) -> bool {
+        self.media.last().is_some_and(|m| m.method == PEFRL)
+    }
+
+    /// The limit of the explicit scheme as a share of that of the method: what the certificate counts stiffness by.
+    pub fn ease(&self) -> f64 {
+        if self.is_composed() { 4.0 / LIMIT } else { 1.0 }
+    }
+}
+
+/// Refuses what the method cannot do.
+pub fn check(model: &Model, net: &Net, options: &Options, diags: &mut Diags) {
+    if !net.is_composed() {
+        return;
+    }
+    if options.energy {
+        let d = Diag::error("E028", "no energy ledger is kept of `method = \"pefrl\"`");
+        let at = model.meta("method").map_or(Span::NONE, |e| e.span);
+        diags.push(d.at(at, "for the whole model").help("do without the ledger, or use `method = \"ca\"`"));
+    }
+    for (g, _) in model.groups.iter().zip(&net.media).filter(|(_, m)| m.method != PEFRL) {
+        let title = format!("`{}` asks for a method of its own, but `pefrl` is for the whole model", g.name);
+        let at = g.props.iter().find(|e| e.key == "method").map_or(Span::NONE, |e| e.span);
+        diags.push(Diag::error("E028", title).at(at, "not beside `pefrl`").help("leave one of the two out"));
+    }
+    let rows = worst_rows(net);
+    let mats = net.mats.iter().zip(&rows).zip(&net.alive).filter(|(_, alive)| **alive);
+    let of_mats = mats.filter_map(|((m, row), _)| {
+        let item = &net.items[m.item as usize];
+        let tuned = item.kind.param("f").and_then(|f| item.args.get(f)).is_some_and(|f| *f != Arg::Absent);
+        let why = if tuned {
+            (format!("`{}` is tuned to the pitch of the explicit scheme", item.name), "write stiffness, not `f`")
+        } else if let MatRole::Port(..) = m.role {
+            (format!("`{}` is moved from outside", m.name), "push a mass by `[ENF]` instead")
+        } else if row.z != 0.0 {
+            (format!("`{}` is damped", m.name), "leave out its `z` or `t60`, and `friction` of the model")
+        } else if crate::net::linearisation::own(net, m).implicit != 0.0 {
+            (format!("`{}` is implicit", m.name), "leave out its `method`")
+        } else {
+            return None;
+        };
+        Some((m.item, why))
+    });
+    let bounds = crate::net::worst::worst_bounds(net);
+    let of_links = net.lias.iter().zip(&bounds).filter_map(|(l, b)| {
+        let why = if l.law.is_late() || l.law.implicit {
+            (format!("`{}` is implicit", l.name), "leave out its `method`")
+        } else if b.z != 0.0 || loses(net, l) {
+            (format!("the force of `{}` hangs on motion", l.name), "keep springs and contacts without viscosity")
+        } else if l.law.mem > 0 {
+            (format!("`{}` remembers", l.name), "keep links whose force hangs on positions alone")
+        } else {
+            return None;
+        };
+        Some((l.item, why))
+    });
+    let of_waves = net.lines.iter().map(|l| {
+        let name = &net.items[l.item as usize].name;
+        (l.item, (format!("`{name}` is a string of waves"), "use a `[STRING]`"))
+    });
+    let mut reported = BTreeSet::new();
+    for (item, (why, help)) in of_waves.chain(of_mats).chain(of_links) {
+        if reported.insert(item) {
+            let at = model.items[net.items[item as usize].model].name_span;
+            let d = Diag::error("E028", format!("the model goes by `pefrl`, and {why}")).at(at, "not by `pefrl`");
+            diags.push(d.help(format!("{help}; or use `method = \"ca\"`")));
+        }
+    }
+}
+
+/// True of a Hertz contact that loses energy at a blow, which is no slope, or may come to.
+fn loses(net: &Net, l: &LiaNode) -> bool {
+    let Some(from) = l.kind.param("h").and_then(|h| l.values.get(h)) else { return false };
+    let live = net.is_live(l.item) && matches!(from, Source::Slot(_));
+    live || from.get(&net.items[l.item as usize].slots).is_some_and(|h| h != 0.0)
+}

@@ -1,0 +1,171 @@
+//! Prune: what no output and no hand can hear is not computed. Motion does not pass through a fixed point or a port,
+//! so those do not join what hangs on them.
+
+use crate::net::{Ear, End, MatRole, Net};
+use alloc::format;
+use alloc::vec::Vec;
+use ca_core::kind::PortRole;
+use ca_core::kind::Role;
+use ca_model::Model;
+use ca_model::diag::{Diag, Diags};
+
+/// Marks the MATs that stay and drops the links that do not.
+pub fn prune(model: &Model, net: &mut Net, diags: &mut Diags) {
+    let heard_at_all =
+        !net.outs.is_empty() || net.mats.iter().any(|m| matches!(m.role, MatRole::Port(PortRole::Tgr, _)));
+    if net.mats.is_empty() {
+        diags
+            .push(Diag::error("E024", "the model has no modules").help("add `[MAS]`, `[SOL]` and a link, or `ca new`"));
+        return;
+    }
+    if !heard_at_all {
+        let d = Diag::warning("W108", "the model has no output: it computes, and nobody hears it");
+        diags.push(d.help("add e.g. `[SOX]` with `out = { from = \"…\" }`"));
+        return;
+    }
+    let n = net.mats.len();
+    let fixed: Vec<bool> = net.mats.iter().map(crate::net::MatNode::is_fixed).collect();
+    let mut sets = Sets::new(n + net.points.len());
+    // a moving point joins what it may touch, as far as that moves
+    let place = |e: End| match e {
+        End::Mat(m) => m as usize,
+        End::Point(p) => n + p as usize,
+    };
+    for p in 0..net.points.len() {
+        for m in net.under(End::Point(p as u32)) {
+            if !fixed[m as usize] {
+                sets.join(n + p, m as usize);
+            }
+        }
+    }
+    let moves = |e: End| match e {
+        End::Mat(m) => !fixed[m as usize],
+        End::Point(_) => true,
+    };
+    for l in &net.lias {
+        let mut moving = l.all_ends().filter(|e| moves(*e)).map(place);
+        if let Some(first) = moving.next() {
+            moving.for_each(|e| sets.join(first, e));
+        }
+    }
+    for l in &net.lines {
+        l.junctions().for_each(|m| sets.join(l.first as usize, m as usize));
+    }
+    let mut heard = alloc::vec![false; n + net.points.len()];
+    let mut hear = |sets: &mut Sets, e: End| heard[sets.root(place(e))] = true;
+    let tgr = |e: End| matches!(e, End::Mat(m) if matches!(net.mats[m as usize].role, MatRole::Port(PortRole::Tgr, _)));
+    for o in &net.outs {
+        match o.ear {
+            Ear::Position(e) | Ear::ForceOn(e) => hear(&mut sets, e),
+            Ear::ForceOf(l) => net.lias[l as usize].all_ends().for_each(|e| hear(&mut sets, e)),
+        }
+    }
+    let listened: Vec<End> =
+        net.outs.iter().filter_map(|o| if let Ear::ForceOn(e) = o.ear { Some(e) } else { None }).collect();
+    // whoever pulls on a device, or on a fixed point whose force is heard, is felt
+    for l in &net.lias {
+        if l.all_ends().any(|e| tgr(e) || listened.contains(&e)) {
+            l.all_ends().filter(|e| moves(*e)).for_each(|e| hear(&mut sets, e));
+        }
+    }
+    let audible: Vec<bool> = (0..heard.len()).map(|i| heard[sets.root(i)]).collect();
+    let mut alive: Vec<bool> = (0..n).map(|i| !fixed[i] && audible[i]).collect();
+    let taps: Vec<u32> =
+        net.outs.iter().filter_map(|o| if let Ear::ForceOf(l) = o.ear { Some(l) } else { None }).collect();
+    let keep: Vec<bool> = net
+        .lias
+        .iter()
+        .enumerate()
+        .map(|(i, l)| {
+            let moving = l.all_ends().any(moves);
+            let felt = l.all_ends().any(|e| tgr(e) || listened.contains(&e)) || taps.contains(&(i as u32));
+            if moving { l.all_ends().all(|e| !moves(e) || audible[place(e)]) } else { felt }
+        })
+        .collect();
+    // fixed points and ports stay where something holds them
+    let hold = |alive: &mut Vec<bool>, e: End| net.under(e).into_iter().for_each(|m| alive[m as usize] = true);
+    for (l, k) in net.lias.iter().zip(&keep) {
+        if *k {
+            l.all_ends().for_each(|e| hold(&mut alive, e));
+        }
+    }
+    for o in &net.outs {
+        if let Ear::Position(e) | Ear::ForceOn(e) = o.ear {
+            hold(&mut alive, e);
+        }
+    }
+    for p in &net.points {
+        for c in &p.at {
+            if let crate::net::Coordinate::Port(m) = c {
+                alive[*m as usize] = true;
+            }
+        }
+    }
+    for (i, m) in net.mats.iter().enumerate() {
+        alive[i] |= matches!(m.role, MatRole::Port(PortRole::Tgr, _));
+    }
+    report(model, net, &alive, &keep, diags);
+    net.unheard = (0..n as u32).filter(|m| !alive[*m as usize] && !fixed[*m as usize]).collect();
+    net.alive = alive;
+    if keep.iter().any(|k| !k) {
+        let lias = core::mem::take(&mut net.lias);
+        net.drop_links(lias, &keep);
+    }
+}
+
+/// Names items of which nothing is left.
+fn report(model: &Model, net: &mut Net, alive: &[bool], keep: &[bool], diags: &mut Diags) {
+    let mut all = alloc::vec![(0usize, 0usize); net.items.len()];
+    let modules = net.mats.iter().map(|m| m.item).zip(alive).chain(net.lias.iter().map(|l| l.item).zip(keep));
+    for (item, stays) in modules {
+        let a = &mut all[item as usize];
+        a.0 += 1;
+        a.1 += usize::from(*stays);
+    }
+    let lost = |f: &dyn Fn(usize) -> bool| (0..all.len()).filter(|i| f(*i)).map(|i| all[i].0 - all[i].1).sum::<usize>();
+    let n = lost(&|_| true);
+    if n > 0 {
+        net.left_out.push(format!("{n} modules that nothing hears"));
+    }
+    // what hung on a link that does nothing has been said with that link
+    let zero = diags.list.iter().any(|d| d.code == "W106");
+    let fixed = |i: usize| matches!(net.items[i].kind.role, Role::Mat(s) if s.fixed);
+    let gone = |i: &usize| all[*i].0 > 0 && all[*i].1 == 0 && !(zero && fixed(*i));
+    let silent: Vec<usize> = (0..all.len()).filter(gone).collect();
+    if let Some(first) = silent.first() {
+        let mut d = Diag::warning(
+            "W101",
+            if silent.len() == 1 {
+                format!("nothing hears `{}`", net.items[*first].name)
+            } else {
+                format!("nothing hears `{}` and {} more", net.items[*first].name, silent.len() - 1)
+            },
+        );
+        for i in silent.iter().take(6) {
+            d = d.at(model.items[net.items[*i].model].name_span, "left out");
+        }
+        diags.push(d.help("connect it to something with an output, or remove it"));
+    }
+}
+
+/// Disjoint sets.
+struct Sets(Vec<u32>);
+
+impl Sets {
+    fn new(n: usize) -> Sets {
+        Sets((0..n as u32).collect())
+    }
+    fn root(&mut self, i: usize) -> usize {
+        let mut i = i as u32;
+        while self.0[i as usize] != i {
+            let up = self.0[self.0[i as usize] as usize];
+            self.0[i as usize] = up;
+            i = up;
+        }
+        i as usize
+    }
+    fn join(&mut self, a: usize, b: usize) {
+        let (a, b) = (self.root(a), self.root(b));
+        self.0[a.max(b)] = a.min(b) as u32;
+    }
+}

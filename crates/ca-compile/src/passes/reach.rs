@@ -1,0 +1,59 @@
+//! Fed: which MATs hear what a body in space does as a whole.
+//!
+//! Decides by reach alone: through its port on a line a quadripole passes on whatever changes a distance in space, the
+//! slow stretch of a spinning body included (docs/numerics.md §4.3), and everything that hangs on that port gets it.
+//! Outputs there take a high pass unless one is written (see `emit/cutoff.rs`).
+
+use crate::net::{Ear, End, Measure, Net, OutNode};
+use alloc::vec::Vec;
+
+/// Marks the MATs that hang on the line port of a quadripole whose other port is in space.
+pub fn mark(net: &mut Net) {
+    let line = |m: Measure| matches!(m, Measure::Line(_));
+    let second = |l: &crate::net::LiaNode| l.onto.filter(|o| l.measure == Measure::Radial && line(o.measure));
+    let seeds: Vec<End> = net.lias.iter().filter_map(second).flat_map(|o| o.ends).collect();
+    if seeds.is_empty() {
+        return;
+    }
+    // which links pass motion on between which MATs: those on lines, and the line ports themselves
+    let mut at: Vec<Vec<u32>> = alloc::vec![Vec::new(); net.mats.len()];
+    let mut joins: Vec<Vec<u32>> = Vec::new();
+    let moving = |ends: &[End]| -> Vec<u32> {
+        let all = ends.iter().flat_map(|e| net.under(*e));
+        all.filter(|m| !net.mats[*m as usize].is_fixed()).collect()
+    };
+    for l in &net.lias {
+        let first = if line(l.measure) { moving(&l.ends) } else { Vec::new() };
+        let other = l.onto.filter(|o| line(o.measure)).map_or(Vec::new(), |o| moving(&o.ends));
+        let all: Vec<u32> = first.into_iter().chain(other).collect();
+        for m in &all {
+            at[*m as usize].push(joins.len() as u32);
+        }
+        joins.push(all);
+    }
+    let mut fed = alloc::vec![false; net.mats.len()];
+    let mut reached = moving(&seeds);
+    while let Some(m) = reached.pop() {
+        if core::mem::replace(&mut fed[m as usize], true) {
+            continue;
+        }
+        for j in core::mem::take(&mut at[m as usize]) {
+            reached.append(&mut joins[j as usize]);
+        }
+    }
+    net.fed = fed;
+}
+
+impl Net {
+    /// True where an output hears what the line port of a quadripole feeds.
+    pub fn fed(&self, out: &OutNode) -> bool {
+        let fed = |m: u32| self.fed.get(m as usize).copied().unwrap_or(false);
+        if self.fed.is_empty() {
+            return false;
+        }
+        match out.ear {
+            Ear::Position(e) | Ear::ForceOn(e) => self.under(e).into_iter().any(fed),
+            Ear::ForceOf(l) => self.lias[l as usize].all_ends().any(|e| self.under(e).into_iter().any(fed)),
+        }
+    }
+}

@@ -1,0 +1,88 @@
+//! What single precision does not keep: refused before anything sounds, rather than heard as noise, drift or silence.
+//!
+//! Decides by what was measured against double precision (tests/suite/single.rs). Strings, meshes, cells, modes,
+//! friction and contacts by any method keep 1e-3 and better over a second, so nothing is said of them. Three do not:
+//! - a **distance in space** is known to 1e-7 of where its ends are, and what a body sings by is that small;
+//! - an **implicit** link with much more than the inertia of its ends multiplies rounding by as much;
+//! - a **number** of a module may be too large or too small, or so near to 1 that a long decay is lost in it.
+
+use crate::net::{End, MatRole, Net};
+use alloc::collections::BTreeSet;
+use alloc::format;
+use alloc::vec::Vec;
+use ca_core::live::{Loader, Source};
+use ca_core::phi::implicit::inertia;
+use ca_core::real::{Real, TINY, real, wide};
+use ca_model::Model;
+use ca_model::diag::{Diag, Diags};
+
+/// How much more than the inertia of its ends the inertia of an implicit link may be.
+const STIFFEST: f64 = 100.0;
+/// By how much the decay of a mass may be off, relative.
+const FADES: f64 = 0.01;
+
+/// True where a number becomes nothing, or infinite.
+fn is_lost(v: f64, least: Real) -> bool {
+    v != 0.0 && !(real(v).abs() >= least && real(v).is_finite())
+}
+
+/// Says of each item what is not kept of it, once.
+pub fn check(model: &Model, net: &Net, diags: &mut Diags) {
+    let mut reported = BTreeSet::new();
+    let mut tell = |id: u32, d: Diag, label: &str, help: &str| {
+        if reported.insert(id) {
+            let item = &model.items[net.items[id as usize].model];
+            diags.push(d.at(item.name_span, label).help(help));
+        }
+    };
+    let load = |loader: Loader, id: u32, values: &[Source]| {
+        let mut out = Vec::new();
+        loader.load(&net.values(id, values), net.te, &mut out);
+        out
+    };
+    let beyond = |name: &str| Diag::error("E009", format!("a number of `{name}` is beyond single precision"));
+    let (label, help) = ("not from 1e-38 to 3e38 in a tick", "use numbers nearer to 1, or double precision");
+    let mut mobility: Vec<f64> = alloc::vec![0.0; net.mats.len()];
+    for (i, m) in net.mats.iter().enumerate().filter(|(i, _)| net.alive[*i]) {
+        if m.dx0.iter().chain(&m.v.map(|v| v * net.te)).any(|v| is_lost(*v, TINY)) {
+            tell(m.item, beyond(&m.name), "not from 1e-30 m to 3e38 m", help);
+        }
+        let MatRole::Mat(spec) = m.role else { continue };
+        let friction = if spec.fixed { 0.0 } else { net.medium(m).friction };
+        let c = load(Loader::Mat(spec, friction), m.item, &m.values);
+        mobility[i] = c[2];
+        if c.iter().any(|v| is_lost(*v, Real::MIN_POSITIVE)) {
+            tell(m.item, beyond(&m.name), label, help);
+        }
+        let (asked, kept) = (1.0 - c[0], 1.0 - wide(real(c[0])));
+        if (kept - asked).abs() > FADES * asked.abs() {
+            let d = Diag::warning("W114", format!("`{}` fades too slowly for single precision", m.name));
+            tell(m.item, d, "its decay is off by more than 1 %", "use a lower rate, no damper, or double precision");
+        }
+    }
+    for l in &net.lias {
+        let c = load(Loader::Lia(l.law), l.item, &l.values);
+        if c.iter().any(|v| is_lost(*v, Real::MIN_POSITIVE)) {
+            tell(l.item, beyond(&l.name), label, help);
+        } else if l.is_radial() {
+            let d = Diag::error("E028", format!("`{}` measures a distance in space, in single precision", l.name));
+            tell(l.item, d, "the sound would be its rounding", "use double precision, or `along`");
+        }
+        let ends = l.ends.iter().map(|e| if let End::Mat(m) = e { mobility[*m as usize] } else { 0.0 });
+        if l.law.implicit && inertia(&[c[0], c[1], c[2]]) * ends.sum::<f64>() > STIFFEST {
+            let d = Diag::error("E028", format!("`{}` is too stiff for single precision", l.name));
+            tell(
+                l.item,
+                d,
+                "is implicit with over 100 times the inertia of its ends",
+                "use less stiffness, or double precision",
+            );
+        }
+    }
+    for o in &net.outs {
+        let Some(id) = o.item else { continue };
+        if is_lost(load(Loader::Times(o.share), id, &[o.gain])[0], Real::MIN_POSITIVE) {
+            tell(id, beyond(&o.name), label, help);
+        }
+    }
+}

@@ -1,0 +1,102 @@
+//! Specialise: the cheapest law that does what the parameters say, and no law for what does nothing. Never for a
+//! parameter that may change while playing.
+
+use crate::net::Net;
+use alloc::format;
+use alloc::vec::Vec;
+use ca_core::live::Source;
+use ca_core::op::law::Fixed;
+use ca_model::Model;
+use ca_model::diag::{Diag, Diags};
+
+/// Rewrites the laws of the links and drops those that are nothing.
+pub fn specialise(model: &Model, net: &mut Net, diags: &mut Diags) {
+    // generators make thousands of links with the same values: the answer of the last one serves
+    let mut last: Option<(u32, alloc::sync::Arc<[Source]>, &'static ca_core::op::law::Law, bool)> = None;
+    let mut lias = core::mem::take(&mut net.lias);
+    let mut reported = None;
+    let mut zero = 0;
+    let mut keep = Vec::with_capacity(lias.len());
+    for l in &mut lias {
+        if let Some((item, values, law, nothing)) = &last {
+            if *item == l.item && (alloc::sync::Arc::ptr_eq(values, &l.values) || values[..] == l.values[..]) {
+                l.law = law;
+                keep.push(!nothing);
+                zero += usize::from(*nothing);
+                continue;
+            }
+        }
+        let item = &net.items[l.item as usize];
+        // which of its values may move: for a generator any, since one slot may depend on every argument
+        let generated = matches!(item.kind.role, ca_core::kind::Role::Generator(_));
+        let fixed: Vec<Fixed> = l
+            .values
+            .iter()
+            .map(|s| match (s, s.get(&item.slots)) {
+                (Source::Slot(i), Some(_)) if item.follows.iter().any(|f| generated || f.0 == *i as usize) => {
+                    Fixed::Live
+                }
+                (_, Some(v)) => Fixed::At(v),
+                (_, None) => Fixed::Absent,
+            })
+            .collect();
+        while let Some(simpler) = (l.law.simpler)(&fixed) {
+            l.law = simpler;
+        }
+        let live = fixed.contains(&Fixed::Live);
+        let values: Vec<Option<f64>> = l.values.iter().map(|s| s.get(&item.slots)).collect();
+        let nothing = !live && l.law.linear && l.law.loaded(&values, net.te).iter().all(|c| *c == 0.0);
+        if nothing {
+            zero += 1;
+            if reported != Some(l.item) && !generated {
+                reported = Some(l.item);
+                let span = model.items[item.model].name_span;
+                let d = Diag::warning("W106", format!("`{}` does nothing: its parameters are 0", l.name));
+                diags.push(d.at(span, "left out").help("remove it, or declare its parameter live"));
+            }
+        }
+        keep.push(!nothing);
+        last = Some((l.item, l.values.clone(), l.law, nothing));
+    }
+    if zero > 0 {
+        net.left_out.push(format!("{zero} links that do nothing"));
+        net.drop_links(lias, &keep);
+    } else {
+        net.lias = lias;
+    }
+}
+
+impl Net {
+    /// Keeps the links marked, renumbering what refers to them.
+    pub(super) fn drop_links(&mut self, lias: Vec<crate::net::LiaNode>, keep: &[bool]) {
+        let mut renumber = alloc::vec![u32::MAX; lias.len()];
+        let mut n = 0;
+        for (r, k) in renumber.iter_mut().zip(keep) {
+            if *k {
+                *r = n;
+                n += 1;
+            }
+        }
+        self.lias = lias.into_iter().zip(keep).filter(|(_, k)| **k).map(|(l, _)| l).collect();
+        for f in self.families.values_mut() {
+            f.links.retain_mut(|l| {
+                *l = renumber[*l as usize];
+                *l != u32::MAX
+            });
+        }
+        for o in &mut self.outs {
+            if let crate::net::Ear::ForceOf(l) = &mut o.ear {
+                *l = renumber[*l as usize];
+            }
+        }
+        // an output that hears a link that is nothing hears nothing; its channel stays
+        self.outs.retain(|o| o.ear != crate::net::Ear::ForceOf(u32::MAX));
+        // a probe that does leaves no gap
+        let (mut was, mut next) = (None, self.channels.len() as u32);
+        for o in self.outs.iter_mut().filter(|o| o.item.is_none()) {
+            next += u32::from(was.is_some_and(|w| w != o.channel));
+            was = Some(o.channel);
+            o.channel = next;
+        }
+    }
+}

@@ -1,0 +1,86 @@
+//! Waves: the strings of the network, from what was asked for to delays and filters, once their links are known.
+//!
+//! Decides that a junction without a written mass takes the one its links need: ½(kT² + 2zT) for each linear link,
+//! twice that where both its ends move, and 2(kT² + 2zT) for a contact (docs/numerics.md §7.2, §3.2), and at least a
+//! 16th of that of a sample of the string. The mass is there before the string is tuned, so it costs no pitch.
+
+use crate::findings::round_up;
+use crate::lower::resolve::does_not_fit;
+use crate::net::worst::worst_bounds;
+use crate::net::{End, Net};
+use alloc::format;
+use alloc::vec::Vec;
+use ca_core::kind::Unit;
+use ca_core::wave::tune;
+use ca_model::Model;
+use ca_model::diag::{Diag, Diags};
+use ca_model::quantity::{self, Plain};
+use core::f64::consts::PI;
+
+/// Share of the sound rate below which the corner of a junction is reported.
+const LOW_CORNER: f64 = 0.25;
+
+/// Gives the junctions that stay their masses and tunes the strings.
+pub fn settle(model: &Model, net: &mut Net, diags: &mut Diags) {
+    let mut lines = core::mem::take(&mut net.lines);
+    lines.retain(|l| net.alive[l.first as usize]);
+    if !lines.is_empty() {
+        let needs = needs(net);
+        for line in &mut lines {
+            let masses: Vec<f64> = line.junctions().map(|m| line.asked.mass(needs[m as usize], net.te)).collect();
+            let item = &mut net.items[line.item as usize];
+            for (i, m) in masses.iter().enumerate() {
+                item.slots[1 + i] = Some(line.asked.cell(*m, net.te));
+            }
+            let source = &model.items[item.model];
+            match tune(&line.asked, &masses, net.te) {
+                Ok(tuned) => {
+                    let low = masses.iter().fold(0.0f64, |a, b| a.max(*b));
+                    let corner = line.asked.z / (PI * low);
+                    if corner < LOW_CORNER * net.rate {
+                        let title = format!(
+                            "above {:.0} Hz a junction of `{}` moves by its mass, not by the string",
+                            Plain(corner),
+                            item.name
+                        );
+                        let d = Diag::note("N203", title)
+                            .at(source.name_span, quantity::show(round_up(low), Unit::KILOGRAM));
+                        diags.push(d.help("softer links, a larger `z` or a higher sound rate raise it"));
+                    }
+                    if let (Some(t60), Some([f, _])) = (tuned.reached, line.asked.high) {
+                        let title = format!(
+                            "`{}` cannot decay so fast at {} Hz: it takes {:.3} s",
+                            item.name,
+                            Plain(f),
+                            Plain(t60)
+                        );
+                        let d = Diag::warning("W114", title);
+                        let entry = source.args.iter().find(|e| e.key == "t60_high");
+                        let d = d.at(entry.map_or(source.name_span, |e| e.span), "out of reach");
+                        diags.push(d.help(
+                            "beside `t60` the filter of three taps takes no more; \
+                                          use a longer `t60_high`, or a shorter `t60`",
+                        ));
+                    }
+                    line.tuned = Some(tuned);
+                }
+                Err(p) => diags.push(does_not_fit(&item.name, source, p)),
+            }
+        }
+    }
+    net.lines = lines;
+}
+
+/// What the links of each MAT need of its mass, if it is a junction \[kg\].
+fn needs(net: &Net) -> Vec<f64> {
+    let mut needs = alloc::vec![0.0; net.mats.len()];
+    for (l, b) in net.lias.iter().zip(worst_bounds(net)).filter(|(l, _)| !l.law.is_late()) {
+        let moving = l.all_ends().filter(|e| net.under(*e).iter().any(|m| !net.mats[*m as usize].is_fixed())).count();
+        let share = if b.contact { 2.0 } else { 0.5 * moving as f64 };
+        for e in l.all_ends() {
+            let End::Mat(m) = e else { continue };
+            needs[m as usize] += share * net.te * net.te * (b.k + 2.0 * b.z).max(0.0);
+        }
+    }
+    needs
+}
