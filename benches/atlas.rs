@@ -1,6 +1,6 @@
 //! The stability atlas: maps of the running engine beside theory, the survival table, and what is not finite.
 //!
-//! Prints the page; with `UPDATE=1` writes it to `docs/atlas.md` and its maps to `docs/atlas/`.
+//! Prints the page; with `UPDATE=1` writes it to `docs/measured/atlas.md` and its maps to `docs/measured/atlas/`.
 #![allow(missing_docs)]
 
 use ca_benches::atlas::page::{page, section};
@@ -11,7 +11,7 @@ fn main() {
     // `cargo test --benches` asks whether it runs at all
     let long = std::env::args().any(|a| a == "--bench");
     let (across, up) = if long { (80, 60) } else { (2, 2) };
-    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs");
+    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/measured");
     let update = long && std::env::var_os("UPDATE").is_some();
     let mut maps = String::new();
     for map in MAPS {

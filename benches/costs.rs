@@ -3,7 +3,7 @@
 //!
 //! It counts by running itself under `valgrind --tool=callgrind`, each run in two lengths whose difference counts, as
 //! many at a time as there are cores; without valgrind it says so and counts nothing. It fails where a scene pays for
-//! what it does not use. Prints the page; with `UPDATE=1` writes it to `docs/costs.md`.
+//! what it does not use. Prints the page; with `UPDATE=1` writes it to `docs/measured/costs.md`.
 
 use ca_benches::costs::page::{Price, page};
 use ca_benches::costs::{Row, Run, rows};
@@ -132,7 +132,7 @@ fn main() -> ExitCode {
         return ExitCode::FAILURE;
     }
     if std::env::var_os("UPDATE").is_some() {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/costs.md");
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/measured/costs.md");
         std::fs::write(path, text).expect("the page can be written");
     }
     ExitCode::SUCCESS

@@ -1,6 +1,6 @@
 //! Energy of the rattle against the stiffness of its contacts, explicit and stable, with the run time beside it.
 //!
-//! Prints the table; with `UPDATE=1` writes it to `docs/rattle-energy.md`. The energies are the same on every machine
+//! Prints the table; with `UPDATE=1` writes it to `docs/measured/rattle-energy.md`. The energies are the same on every machine
 //! and held by a test; the times are of the machine that made the page.
 #![allow(missing_docs)]
 
@@ -25,7 +25,7 @@ fn main() {
     let text = page::page(&table);
     println!("{text}");
     if long && std::env::var_os("UPDATE").is_some() {
-        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/rattle-energy.md");
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/measured/rattle-energy.md");
         std::fs::write(path, text).expect("the page can be written");
     }
 }

@@ -1,4 +1,4 @@
-//! The page `docs/latency.md`: which runs the bench makes, and how each is written, so that a test finds them there.
+//! The page `docs/measured/latency.md`: which runs the bench makes, and how each is written, so that a test finds them there.
 //! The bench itself stands with the command it measures.
 
 use std::fmt::Write as _;
@@ -117,7 +117,7 @@ mod tests {
     fn the_page_has_the_rows_and_columns_the_bench_makes() {
         let run = Run { granted: "policy none".into(), ..Run::default() };
         let made = page(&vec![run; RUNS.len()]);
-        let there = include_str!("../../docs/latency.md");
+        let there = include_str!("../../docs/measured/latency.md");
         assert_eq!(frame(there), frame(&made), "`UPDATE=1 cargo bench -p ca-cli --bench latency` makes it anew");
         // and it was made by a whole run: tens of thousands of frames each
         let timed = there.lines().filter(|l| TIMED.iter().any(|t| l.contains(&format!("| {t} |"))));

@@ -5,7 +5,7 @@ use ca_benches::accuracy::page::rows;
 use ca_benches::accuracy::{CASES, STIFF, stiffened};
 use ca_core::tick;
 
-const PAGE: &str = include_str!("../../docs/accuracy.md");
+const PAGE: &str = include_str!("../../docs/measured/accuracy.md");
 
 /// A number of a cell, which may be given as below it.
 fn number(cell: &str) -> f64 {
@@ -26,7 +26,7 @@ fn every_scene_is_on_the_page() {
         assert!(all.len() >= 6, "{}: {} rows", case.title, all.len());
         assert!(all.iter().all(|r| r.len() == 9 && number(&r[6]) > 0.0), "{}: {all:?}", case.title);
         assert!(all.iter().any(|r| r[0].ends_with(" *")), "{}: nothing is best", case.title);
-        let path = format!("{}/../docs/accuracy/{}.svg", env!("CARGO_MANIFEST_DIR"), case.name);
+        let path = format!("{}/../docs/measured/accuracy/{}.svg", env!("CARGO_MANIFEST_DIR"), case.name);
         let picture = std::fs::read_to_string(&path).expect("a picture");
         // a dot for each row, and one for each method in the legend
         let methods: std::collections::BTreeSet<&str> =

@@ -1,4 +1,4 @@
-//! The stability atlas: coarse maps by the functions that make `docs/atlas.md`, the survival table, and what is no
+//! The stability atlas: coarse maps by the functions that make `docs/measured/atlas.md`, the survival table, and what is no
 //! number at every door.
 
 use crate::play::{case, list, num, off, within};
@@ -7,7 +7,7 @@ use ca_benches::atlas::survival::{CASES, Case, METHODS, Outcome};
 use ca_benches::atlas::{Cell, MAPS, contact, exact, limit, ratio, svg};
 use std::collections::BTreeSet;
 
-const PAGE: &str = include_str!("../../docs/atlas.md");
+const PAGE: &str = include_str!("../../docs/measured/atlas.md");
 
 #[test]
 fn no_cell_of_any_map_contradicts_theory() {
@@ -181,9 +181,9 @@ fn nothing_that_is_no_number_comes_in() {
 /// The page has a section and a picture for every map, no contradiction, and the rows the engine gives today.
 #[test]
 fn the_page_of_the_atlas_holds() {
-    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/atlas");
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/measured/atlas");
     let drawn: BTreeSet<String> = std::fs::read_dir(folder)
-        .expect("docs/atlas")
+        .expect("docs/measured/atlas")
         .map(|f| f.expect("readable").file_name().to_string_lossy().trim_end_matches(".svg").to_string())
         .collect();
     assert_eq!(drawn, MAPS.iter().map(|m| m.name.to_string()).collect());

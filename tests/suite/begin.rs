@@ -1,4 +1,4 @@
-//! The start of every method has the order of the method, by the functions that make the table of `docs/atlas.md`.
+//! The start of every method has the order of the method, by the functions that make the table of `docs/measured/atlas.md`.
 
 use crate::play::{scene, within};
 use ca_benches::atlas::orders::CASES;
@@ -6,7 +6,7 @@ use ca_io::perform::Performance;
 
 #[test]
 fn a_start_has_the_order_of_its_method() {
-    let page = include_str!("../../docs/atlas.md");
+    let page = include_str!("../../docs/measured/atlas.md");
     let rows: Vec<String> = CASES.iter().map(ca_benches::atlas::orders::Case::row).collect();
     let here = rows.join("\n");
     for case in &CASES {

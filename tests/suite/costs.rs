@@ -8,7 +8,7 @@ use ca_core::kind::Type;
 use ca_core::phi::implicit::{OF_GROUP, OF_MODEL};
 use std::collections::BTreeSet;
 
-const PAGE: &str = include_str!("../../docs/costs.md");
+const PAGE: &str = include_str!("../../docs/measured/costs.md");
 
 /// The cells of each line of a table that is no head.
 fn table() -> Vec<Vec<&'static str>> {

@@ -361,7 +361,7 @@ fn c06_the_stable_rattle_keeps_it() {
 
 #[test]
 fn the_page_of_the_rattle_holds() {
-    let text = include_str!("../../docs/rattle-energy.md");
+    let text = include_str!("../../docs/measured/rattle-energy.md");
     let cell = |a: &str, column: usize| {
         let row = text.lines().find(|l| l.starts_with(&format!("| {a} |"))).expect("a row");
         row.split('|').nth(column).expect("a column").trim().split(", ").next().expect("a draw").to_string()

@@ -1,4 +1,4 @@
-//! Work and precision: the scenes of `docs/accuracy.md`, what is expected of them, and how the page is written, so that a
+//! Work and precision: the scenes of `docs/measured/accuracy.md`, what is expected of them, and how the page is written, so that a
 //! test finds the same there. The bench itself stands with the command it runs, `ca accuracy`.
 //!
 //! Decides that what is expected is computed from the rows of the tables, by whoever reads them: the bench after it

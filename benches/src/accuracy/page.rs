@@ -1,4 +1,4 @@
-//! The page `docs/accuracy.md`, written and read: what a table says is all that a test has of the machine it was made on.
+//! The page `docs/measured/accuracy.md`, written and read: what a table says is all that a test has of the machine it was made on.
 
 use super::{CASES, Claim, Found, Row, STIFF};
 use crate::atlas::page::wrap;

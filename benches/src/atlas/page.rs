@@ -1,4 +1,4 @@
-//! The page `docs/atlas.md`: how maps and tables are written, so that a test finds them there again.
+//! The page `docs/measured/atlas.md`: how maps and tables are written, so that a test finds them there again.
 
 use super::orders;
 use super::poison::{self, Door};

@@ -293,7 +293,7 @@ pub(super) fn rows() -> Vec<Row> {
     let device = || Without::Device(None, false);
     vec![
         row("H10: what a device says", "frames in order, speeds", Rig::Silent, Rig::Inlet, device()),
-        stage("H1: no number", "`finite`", "finite", false),
+        stage("H1: non-finite forces", "`finite`", "finite", false),
         stage("H11: the edge of the travel", "`workspace`", "workspace", true),
         stage("H2: the largest force", "`saturation`", "saturation", false),
         stage("H12: passivity", "`passivity`", "passivity", true),

@@ -1,4 +1,4 @@
-//! The page `docs/costs.md`: how rows are written, so that a test finds them there again.
+//! The page `docs/measured/costs.md`: how rows are written, so that a test finds them there again.
 
 use super::{Row, Without};
 use std::fmt::Write as _;

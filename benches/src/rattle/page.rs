@@ -1,4 +1,4 @@
-//! The page `docs/rattle-energy.md`: how a run is written in a cell, so that a test finds it there again.
+//! The page `docs/measured/rattle-energy.md`: how a run is written in a cell, so that a test finds it there again.
 
 use super::Fared;
 use std::fmt::Write as _;

@@ -1,7 +1,7 @@
 //! Error against run time of seven scenes, by `ca accuracy` as a process.
 //!
 //! Decides on what the command itself says of a scene, so that whoever reads the page can ask it again of theirs. Prints
-//! the page; with `UPDATE=1` writes it to `docs/accuracy.md` and its pictures to `docs/accuracy/`.
+//! the page; with `UPDATE=1` writes it to `docs/measured/accuracy.md` and its pictures to `docs/measured/accuracy/`.
 #![allow(missing_docs)]
 
 use ca_benches::accuracy::{CASES, Found, Row, STIFF, claims, page::page, stiffened, svg};
@@ -52,7 +52,7 @@ fn main() -> ExitCode {
         assert!(!one.rows.is_empty(), "no way to play it");
         return ExitCode::SUCCESS;
     }
-    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs");
+    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/measured");
     let update = std::env::var_os("UPDATE").is_some();
     let mut found = Vec::new();
     for case in &CASES {

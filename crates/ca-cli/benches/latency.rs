@@ -2,7 +2,7 @@
 //! priority, with and without load.
 //!
 //! Decides on what the two commands tell of themselves: they count every frame, and nothing of the bench stands in their
-//! way. Prints the tables; with `UPDATE=1` writes them to `docs/latency.md`.
+//! way. Prints the tables; with `UPDATE=1` writes them to `docs/measured/latency.md`.
 #![allow(missing_docs)]
 
 #[cfg(target_os = "linux")]
@@ -108,7 +108,7 @@ mod linux {
         let text = page(&runs);
         println!("{text}");
         if long && std::env::var_os("UPDATE").is_some() {
-            let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/latency.md");
+            let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/measured/latency.md");
             std::fs::write(path, text).expect("the page can be written");
         }
     }

@@ -1,4 +1,4 @@
-//! The hammer piano: its twelve pitches, and the page `docs/hammer-piano.md`, made by a finger that is a list of
+//! The hammer piano: its twelve pitches, and the page `docs/measured/hammer-piano.md`, made by a finger that is a list of
 //! positions, through the engine and the guard of a TGR: how a key feels, what is heard, and where the energy goes.
 //!
 //! `UPDATE=1 cargo test -p ca-tests hammer_piano` writes the page anew.
@@ -260,10 +260,13 @@ fn the_page_of_the_hammer_piano_holds() {
     let (want, worst) = page();
     println!("hammer piano: worst residual {worst:.2e} of the energy given");
     assert!(worst <= 1e-9, "the energy of the finger is not accounted for: {worst:e}");
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/hammer-piano.md");
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/measured/hammer-piano.md");
     if std::env::var_os("UPDATE").is_some() {
         std::fs::write(path, &want).expect("docs/ is there");
     }
     let is = std::fs::read_to_string(path).unwrap_or_default();
-    assert!(is == want, "docs/hammer-piano.md is stale; run `UPDATE=1 cargo test -p ca-tests hammer_piano`\n{want}");
+    assert!(
+        is == want,
+        "docs/measured/hammer-piano.md is stale; run `UPDATE=1 cargo test -p ca-tests hammer_piano`\n{want}"
+    );
 }

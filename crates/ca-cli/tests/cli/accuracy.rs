@@ -240,11 +240,11 @@ fn single_precision_is_a_way() {
     }
 }
 
-/// What `docs/accuracy.md` says is what the command says, of scenes that are short: all but the times.
+/// What `docs/measured/accuracy.md` says is what the command says, of scenes that are short: all but the times.
 #[test]
 fn the_page_of_error_against_run_time_is_true() {
     use ca_benches::accuracy::{CASES, page::rows};
-    let page = include_str!("../../../../docs/accuracy.md");
+    let page = include_str!("../../../../docs/measured/accuracy.md");
     for (case, reference) in [(&CASES[0], "8"), (&CASES[3], CASES[3].reference)] {
         let found = measured(&(case.text)(), &["--seconds", case.seconds, "--times", "1", "--reference", reference]);
         let reported = rows(page, case.title);

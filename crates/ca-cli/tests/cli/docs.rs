@@ -85,22 +85,28 @@ fn the_page_of_safety_has_the_numbers_of_the_guard() {
     assert!(std::fs::read_to_string(from_root("README.md")).unwrap().contains("docs/safety.md"));
 }
 
+/// The pages written by people, and those that benches write.
+fn pages() -> Vec<PathBuf> {
+    let folders = [from_root("docs"), from_root("docs/measured")].map(|f| fs::read_dir(f).unwrap().flatten());
+    let files = folders.into_iter().flatten().map(|e| e.path());
+    files.filter(|p| p.extension().is_some_and(|e| e == "md")).collect()
+}
+
 #[test]
 fn the_index_of_the_documents_names_every_page() {
     let index = fs::read_to_string(from_root("docs/README.md")).unwrap();
-    for entry in fs::read_dir(from_root("docs")).unwrap().flatten() {
-        let name = entry.file_name().into_string().unwrap();
-        if entry.path().extension().is_some_and(|e| e == "md") && name != "README.md" {
-            assert!(index.contains(&format!("]({name})")), "docs/README.md does not name {name}");
-        }
+    let root = from_root("docs");
+    for page in pages().iter().filter_map(|p| p.strip_prefix(&root).ok()).filter(|p| *p != Path::new("README.md")) {
+        let name = page.to_string_lossy();
+        assert!(index.contains(&format!("]({name})")), "docs/README.md does not name {name}");
     }
 }
 
 /// Links from page to page, with sections left aside; those to others' sites are not asked for.
 #[test]
 fn links_between_documents_lead_somewhere() {
-    let mut pages = vec![from_root("README.md"), from_root("crates/ca-py/README.md")];
-    pages.extend(fs::read_dir(from_root("docs")).unwrap().flatten().map(|e| e.path()));
+    let mut pages = pages();
+    pages.extend([from_root("README.md"), from_root("crates/ca-py/README.md")]);
     let mut seen = 0;
     for page in pages.iter().filter(|p| p.extension().is_some_and(|e| e == "md")) {
         let text = fs::read_to_string(page).unwrap();

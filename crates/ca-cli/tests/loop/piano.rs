@@ -1,5 +1,5 @@
 //! The hammer piano played across shared memory by a simulated TGR in a hand that gives way:
-//! `docs/hammer-piano-played.md`.
+//! `docs/measured/hammer-piano-played.md`.
 //!
 //! Device and engine wait for each other, so that the page is the same every time, but for a last digit; `UPDATE=1`
 //! writes it anew.
@@ -202,13 +202,13 @@ fn the_page_of_the_piano_played_by_a_device_holds() {
     assert!(all[0].peak == 0.0 && all.windows(2).all(|w| w[0].peak <= w[1].peak), "a slow key is silent");
     assert!(all.windows(2).all(|w| w[0].most()[0] < w[1].most()[0]));
     let want = page(&all);
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/hammer-piano-played.md");
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/measured/hammer-piano-played.md");
     if std::env::var_os("UPDATE").is_some() {
         std::fs::write(path, &want).expect("docs/ is there");
     }
     let is = std::fs::read_to_string(path).unwrap_or_default();
     assert!(
         same(&is, &want),
-        "docs/hammer-piano-played.md is stale; run `UPDATE=1 cargo test -p ca-cli --test loop piano`\n{want}"
+        "docs/measured/hammer-piano-played.md is stale; run `UPDATE=1 cargo test -p ca-cli --test loop piano`\n{want}"
     );
 }
