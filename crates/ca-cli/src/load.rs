@@ -4,7 +4,7 @@ use crate::args::Source;
 use crate::{Failure, term};
 use ca_compile::{Compiled, Options};
 pub use ca_lab::load::{
-    BUNDLED, Loaded, bundled, compiled, has_extension, import, mims_text, reason, stem, text, ticked, warnings,
+    BUNDLED, Loaded, bundled, compiled, has_extension, mims_text, reason, stem, text, ticked, warnings,
 };
 use ca_model::diag::Severity;
 use ca_model::render;

@@ -17,6 +17,10 @@ use ca_model::quantity::Plain;
 /// 1e9), far below overflow.
 pub const DIVERGED: f64 = 1e15;
 
+/// Seconds of silence after a gesture, and the least of everything.
+const TAIL: f64 = 2.0;
+const LEAST: f64 = 3.0;
+
 /// What a track drives.
 enum Target {
     Input(usize),
@@ -218,4 +222,14 @@ impl<'a> Performance<'a> {
         let m = self.state.furthest();
         (self.scene.mat_name(m).into(), "it went furthest".into())
     }
+}
+
+/// How long a scene is played \[s\]: as asked, as its author says, or until its gestures have died away.
+pub fn seconds(p: &Performance, asked: Option<f64>) -> f64 {
+    asked.or(p.scene.seconds).unwrap_or((p.duration() + TAIL).max(LEAST))
+}
+
+/// Samples in so many seconds; at least one.
+pub fn frames(scene: &Scene, seconds: f64) -> u64 {
+    (seconds * scene.rate).round().max(1.0) as u64
 }

@@ -13,10 +13,7 @@ pub mod play;
 pub mod sweep;
 pub mod take;
 
-pub use load::{Loaded, catalog};
-
-use ca_model::Model;
-use ca_model::diag::Diags;
+pub use cordis_anima::{Found, Loaded, catalog};
 
 /// Why something could not be done.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,15 +26,6 @@ pub enum Failure {
     Found(Box<Found>),
     /// whoever asked wants no more of it
     Stopped,
-}
-
-/// Findings, with the model they point into.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Found {
-    /// the model
-    pub model: Model,
-    /// errors, and what else was found
-    pub diags: Diags,
 }
 
 impl From<ca_io::FileError> for Failure {

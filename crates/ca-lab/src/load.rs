@@ -3,64 +3,33 @@
 //! Decides how the word for a model is understood: a file if there is one of that name, else a bundled model; and that a
 //! word which names nothing gets the nearest name as an answer.
 
-use crate::{Failure, Found};
-use ca_compile::load::finish;
+use crate::Failure;
 use ca_compile::{Compiled, Options};
-use ca_core::Catalog;
 use ca_core::Scene;
-use ca_core::cloud::Clouds;
-use ca_import::mims;
-use ca_io::reading;
-use ca_model::Model;
 use ca_model::diag::{Diags, Severity};
 use ca_model::render::line_column;
 use ca_model::suggest::nearest;
-use ca_model::{Entry, Item, Span, Value, read};
+use ca_model::{Entry, Item, Model, Span, Value, read};
+use cordis_anima::loaded;
+pub use cordis_anima::loaded::stem;
+pub use cordis_anima::{Loaded, catalog};
 use std::path::Path;
 
 include!(concat!(env!("OUT_DIR"), "/bundled.rs"));
-
-/// All kinds this build knows.
-pub fn catalog() -> Catalog {
-    ca_model::catalog().with(ca_lpr::KINDS)
-}
-
-/// A model with what its reader found.
-#[derive(Clone)]
-pub struct Loaded {
-    /// the model
-    pub model: Model,
-    /// findings of the reader
-    pub diags: Diags,
-    /// its name without folder and extension
-    pub name: String,
-    /// what the files it names hold
-    pub clouds: Clouds,
-}
 
 /// Text of a bundled model.
 pub fn bundled(name: &str) -> Option<&'static str> {
     BUNDLED.iter().find(|m| m.0 == name).map(|m| m.1)
 }
 
-fn bytes(path: &Path) -> Result<Vec<u8>, Failure> {
-    Ok(reading::text(path, reading::MODEL)?)
-}
-
 /// The text of a MIMS file, in whatever way it was saved.
 pub fn mims_text(path: &Path) -> Result<String, Failure> {
-    Ok(mims::decode(bytes(path)?))
+    Ok(loaded::mims_text(path)?)
 }
 
 /// The text of a file of ours, or why not.
 pub fn text(path: &Path) -> Result<String, Failure> {
-    String::from_utf8(bytes(path)?).map_err(|e| {
-        let good = e.as_bytes().get(..e.utf8_error().valid_up_to()).unwrap_or_default();
-        let good = String::from_utf8_lossy(good);
-        let (line, column) = line_column(&good, good.len());
-        let what = format!("`{}`: not a text in UTF-8, from line {line}, column {column} on", path.display());
-        Failure::Failed(format!("{what}; save it as UTF-8"))
-    })
+    Ok(loaded::text(path)?)
 }
 
 /// What the system says, as part of a sentence.
@@ -76,14 +45,6 @@ pub fn has_extension(path: &Path, ext: &str) -> bool {
     path.extension().is_some_and(|e| e.eq_ignore_ascii_case(ext))
 }
 
-/// `a/b/gut.ca.toml` → `gut`
-pub fn stem(path: &Path) -> String {
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let lower = name.to_ascii_lowercase();
-    let cut = [".ca.toml", ".toml", ".mdl"].into_iter().find(|e| lower.ends_with(e)).map_or(0, str::len);
-    name[..name.len() - cut].to_owned()
-}
-
 /// The model that a word means, without changes.
 ///
 /// # Errors
@@ -93,55 +54,12 @@ pub fn load(word: &str) -> Result<Loaded, Failure> {
     let path = Path::new(word);
     // a folder that is called like a bundled model hides none
     if path.exists() && !(path.is_dir() && bundled(word).is_some()) {
-        let mims = has_extension(path, "mdl");
-        Ok(if mims { read_mims(&mims_text(path)?, word) } else { read_text(&text(path)?, word) })
+        Ok(Loaded::open(path)?)
     } else if let Some(text) = bundled(word) {
-        Ok(read_text(text, &format!("{word}.ca.toml")))
+        Ok(Loaded::read(text, &format!("{word}.ca.toml")))
     } else {
         Err(Failure::Usage(no_model(word)))
     }
-}
-
-/// A model from its text; `file` is its name in reports, and where the files it names are looked for.
-pub fn read_text(text: &str, file: &str) -> Loaded {
-    let (model, diags) = read::read(text, file, &catalog());
-    found(model, diags, file)
-}
-
-/// A model from a MIMS text.
-pub fn read_mims(text: &str, file: &str) -> Loaded {
-    let (model, diags) = import(text, file);
-    found(model, diags, file)
-}
-
-/// A model that was built, with nothing found yet.
-pub fn built(model: Model) -> Loaded {
-    found(model, Diags::new(), "")
-}
-
-fn found(model: Model, diags: Diags, file: &str) -> Loaded {
-    let mut loaded = Loaded { name: stem(Path::new(file)), clouds: Clouds::new(), model, diags };
-    look(&mut loaded);
-    loaded
-}
-
-/// Reads the files that the model names and that were not read yet; they are looked for beside its own.
-pub fn look(loaded: &mut Loaded) {
-    let (model, kinds) = (&loaded.model, catalog());
-    if ca_io::cloud::named(model, &kinds).into_iter().any(|name| !loaded.clouds.contains_key(name)) {
-        let folder = Path::new(&model.file).parent().unwrap_or(Path::new(""));
-        let read = ca_io::cloud::of_model(model, &kinds, folder);
-        loaded.clouds = read.into_iter().chain(std::mem::take(&mut loaded.clouds)).collect();
-    }
-}
-
-/// Reads a MIMS text. With errors, the model that comes back is empty but for the text they point into.
-pub fn import(text: &str, file: &str) -> (Model, Diags) {
-    let (model, diags) = mims::import(text, file);
-    if diags.has_errors() {
-        return (Model { file: file.into(), text: text.into(), ..Model::default() }, diags);
-    }
-    (model, diags)
 }
 
 fn no_model(word: &str) -> String {
@@ -195,7 +113,7 @@ pub fn set(loaded: &mut Loaded, name: &str, value: Value) -> Result<(), Failure>
         }
     }
     if model.put(name, value) {
-        look(loaded);
+        loaded.look();
         return Ok(());
     }
     if let Some(what) = of_group(model, name) {
@@ -272,10 +190,9 @@ pub fn ticked<'a>(words: impl Iterator<Item = &'a str>) -> String {
 
 /// Compiles. Findings of reader and compiler together, in order of place; one is not said twice.
 pub fn compiled(loaded: &Loaded, options: &Options) -> (Option<Scene>, Diags) {
-    let options = Options { clouds: loaded.clouds.clone(), ..options.clone() };
-    match finish(&loaded.model, loaded.diags.clone(), &catalog(), &options) {
+    match loaded.compile(options) {
         Ok(Compiled { scene, findings }) => (Some(scene), findings),
-        Err(diags) => (None, diags),
+        Err(found) => (None, found.diags),
     }
 }
 
@@ -284,10 +201,7 @@ pub fn compiled(loaded: &Loaded, options: &Options) -> (Option<Scene>, Diags) {
 /// # Errors
 /// [`Failure::Found`] with all findings.
 pub fn scene(loaded: &Loaded, options: &Options) -> Result<Compiled, Failure> {
-    match compiled(loaded, options) {
-        (Some(scene), findings) => Ok(Compiled { scene, findings }),
-        (None, diags) => Err(Failure::Found(Box::new(Found { model: loaded.model.clone(), diags }))),
-    }
+    loaded.compile(options).map_err(Failure::Found)
 }
 
 /// Warnings among findings.

@@ -6,16 +6,13 @@ use ca_core::ledger::Balance;
 use ca_core::live::LiveParam;
 use ca_io::gesture::Gesture;
 use ca_io::perform::{DIVERGED, Performance};
+pub use ca_io::perform::{frames, seconds};
 use ca_model::diag::Diags;
 use ca_model::quantity;
 use std::time::{Duration, Instant};
 
 /// Ticks between two looks at what was played.
 pub const BLOCK: u64 = 1024;
-
-/// Seconds of silence after a gesture, and the least of everything.
-const TAIL: f64 = 2.0;
-const LEAST: f64 = 3.0;
 
 /// What playing left behind.
 pub struct Played<'a> {
@@ -29,16 +26,6 @@ pub struct Played<'a> {
     pub energy: Option<Ledger>,
     /// ticks in the ledger
     pub energy_ticks: u64,
-}
-
-/// How long a scene is played \[s\]: as asked, as its author says, or until its gestures have died away.
-pub fn seconds(p: &Performance, asked: Option<f64>) -> f64 {
-    asked.or(p.scene.seconds).unwrap_or((p.duration() + TAIL).max(LEAST))
-}
-
-/// Samples in so many seconds; at least one.
-pub fn frames(scene: &Scene, seconds: f64) -> u64 {
-    (seconds * scene.rate).round().max(1.0) as u64
 }
 
 /// What is done with outputs, rows one after the other, and with how many there have been.

@@ -96,11 +96,11 @@ pub fn record(
 fn written(loaded: &Loaded) -> Result<(Loaded, Vec<(String, String)>), Failure> {
     let model = &loaded.model;
     if !model.text.is_empty() {
-        let read = if load::has_extension(Path::new(&model.file), "mdl") { load::read_mims } else { load::read_text };
+        let read = if load::has_extension(Path::new(&model.file), "mdl") { Loaded::import } else { Loaded::read };
         let mut original = read(&model.text, &model.file);
         let changes = changes(&original.model, model);
         let known = changes.iter().all(|(name, text)| original.model.set(name, text));
-        load::look(&mut original);
+        original.look();
         // with findings of the reader there are no bytes
         if known && bytes::bytes(&original).is_ok_and(|a| bytes::bytes(loaded).is_ok_and(|b| a == b)) {
             return Ok((loaded.clone(), changes));
@@ -108,7 +108,7 @@ fn written(loaded: &Loaded) -> Result<(Loaded, Vec<(String, String)>), Failure> 
     }
     // an error in the model is reported as such
     bytes::bytes(loaded)?;
-    let mut again = load::read_text(&write::write(model), "model.ca.toml");
+    let mut again = Loaded::read(&write::write(model), "model.ca.toml");
     again.clouds.clone_from(&loaded.clouds);
     Ok((again, Vec::new()))
 }

@@ -138,7 +138,7 @@ impl Model {
             let group = item.name.rsplit_once('.').map(|(group, _)| group);
             item.group = group.and_then(|group| model.groups.iter().position(|g| g.name == group));
         }
-        load::look(&mut loaded);
+        loaded.look();
         loaded
     }
 }
@@ -148,7 +148,7 @@ impl Model {
     /// An empty model.
     #[new]
     fn new() -> Model {
-        Model::of(load::built(ca_model::Model::default()))
+        Model::of(Loaded::built(ca_model::Model::default()))
     }
 
     /// A file, or a bundled model.
@@ -161,13 +161,13 @@ impl Model {
     /// From text.
     #[staticmethod]
     fn read(py: Python, text: &str, file: &str) -> Model {
-        Model::of(py.detach(|| load::read_text(text, file)))
+        Model::of(py.detach(|| Loaded::read(text, file)))
     }
 
     /// From the text of a MIMS model.
     #[staticmethod]
     fn mims(py: Python, text: &str, file: &str) -> Model {
-        Model::of(py.detach(|| load::read_mims(text, file)))
+        Model::of(py.detach(|| Loaded::import(text, file)))
     }
 
     /// From its bytes, called `name`.

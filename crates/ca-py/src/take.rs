@@ -6,7 +6,7 @@ use crate::model::Model;
 use ca_haptic::frame::{Cause, DOF, Mode};
 use ca_haptic::take::{self, Event, Replay, Verdict};
 use ca_io::{FileError, FileErrorKind};
-use ca_lab::{catalog, load};
+use ca_lab::{Loaded, catalog};
 use numpy::IntoPyArray as _;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -100,7 +100,7 @@ impl Take {
     /// The model that was played, and its rate.
     fn model(&self, py: Python) -> PyResult<(Model, Option<f64>)> {
         let (model, diags) = self.take.header.model(&catalog()).map_err(|e| file(py, &e))?;
-        let mut loaded = load::built(model);
+        let mut loaded = Loaded::built(model);
         loaded.diags = diags;
         loaded.clouds.clone_from(&self.take.header.options.clouds);
         Ok((Model::of(loaded), self.take.header.options.rate))

@@ -4,11 +4,10 @@
 
 use crate::args::ImportArgs;
 use crate::load::{self, Loaded};
-use crate::{Ended, Failure, Outcome, catalog, term};
+use crate::{Ended, Failure, Outcome, term};
 use ca_compile::Options;
 use ca_compile::certify::Level;
-use ca_core::cloud::Clouds;
-use ca_model::{Model, read, render, write};
+use ca_model::{Model, render, write};
 use std::io::Write as _;
 use std::path::PathBuf;
 
@@ -16,7 +15,7 @@ use std::path::PathBuf;
 pub fn run(args: &ImportArgs) -> Outcome {
     let text = load::mims_text(&args.file)?;
     let file = args.file.display().to_string();
-    let (model, notes) = load::import(&text, &file);
+    let Loaded { model, diags: notes, .. } = Loaded::import(&text, &file);
     // the findings point into the MIMS text
     let original = Model { file, text, ..Model::default() };
     term::findings(&render::text(&notes, &original, term::color()));
@@ -30,8 +29,7 @@ pub fn run(args: &ImportArgs) -> Outcome {
     let shown = output.display().to_string();
     writeln!(out, "{shown} written: {} lines from {}", text.lines().count(), original.text.lines().count())?;
 
-    let (model, diags) = read::read(&text, &shown, &catalog());
-    let loaded = Loaded { model, diags, name: load::stem(&output), clouds: Clouds::new() };
+    let loaded = Loaded::read(&text, &shown);
     let (scene, diags) = load::compiled(&loaded, &Options::default());
     term::findings(&render::text(&diags, &loaded.model, term::color()));
     let Some(scene) = scene else { return Err(Failure::Reported) };

@@ -1,0 +1,41 @@
+//! Virtual instruments made of masses and interactions (CORDIS-ANIMA), for Rust programs: load, compile, tick, render.
+//!
+//! ```
+//! use cordis_anima::{Loaded, Options, tick};
+//!
+//! let text = "[CEL]\nbar = { m = '2 g', f = '440 Hz', t60 = '2 s', dx0 = '1 mm' }\n[SOX]\nout = { from = 'bar', gain = 500 }\n";
+//! let scene = Loaded::read(text, "bar.ca.toml").compile(&Options::default())?.scene;
+//! let mut state = scene.state();
+//! for _ in 0..48_000 {
+//!     tick(&scene, &mut state); // one sample at 48 kHz; never allocates
+//!     assert!(state.output[0].abs() <= 1.0);
+//! }
+//! # Ok::<(), cordis_anima::Error>(())
+//! ```
+//! A file is loaded by [`load`], and played to its end, by its own gesture, by [`render`]:
+//! ```no_run
+//! let scene = cordis_anima::load("hammered_string.ca.toml")?.scene;
+//! let sound = cordis_anima::render(&scene, None)?;
+//! println!("{} samples of {} channels at {} Hz", sound.frames(), sound.channels, sound.rate);
+//! # Ok::<(), cordis_anima::Error>(())
+//! ```
+//! `examples/` has a renderer (`render`), a real-time callback (`callback`), a law of one's own (`law`) and a sweep over
+//! threads (`sweep`). What each layer offers beyond these names is in its crate, which is here under its own name:
+//! [`ca_core`] (the run-time), [`ca_model`] (the language), [`ca_compile`] (the compiler), [`ca_io`] (gestures, sound
+//! files, performances), [`ca_import`] (formats of others). Devices and forces are in `ca-haptic`, which is not part of
+//! this crate: a program that only sounds pays for none of it.
+#![forbid(unsafe_code)]
+
+mod error;
+pub mod loaded;
+mod render;
+
+pub use ca_compile::{Compiled, KernelClass, Options};
+pub use ca_core::{Catalog, Scene, State, advance, process, sense, tick};
+pub use ca_io::FileError;
+pub use ca_model::Model;
+pub use error::{Error, Found};
+pub use loaded::{Loaded, catalog, load};
+pub use render::{Rendered, render};
+
+pub use {ca_compile, ca_core, ca_import, ca_io, ca_model};

@@ -1,0 +1,134 @@
+//! A model with what was found in it and what the files it names hold: everything that is needed to compile it.
+//!
+//! Decides that the extension says what a file is: `.mdl` is of MIMS, all else is a model of ours.
+
+use crate::{Error, Found};
+use ca_compile::load::finish;
+use ca_compile::{Compiled, Options};
+use ca_core::Catalog;
+use ca_core::cloud::Clouds;
+use ca_import::mims;
+use ca_io::error::FileErrorKind;
+use ca_io::{FileError, reading};
+use ca_model::diag::Diags;
+use ca_model::render::line_column;
+use ca_model::{Model, read};
+use std::path::Path;
+
+/// All kinds there are: those of the run-time, generators, and LPR.
+pub fn catalog() -> Catalog {
+    ca_model::catalog().with(ca_lpr::KINDS)
+}
+
+/// Loads and compiles a model.
+///
+/// # Errors
+/// [`Error::File`] where the file cannot be read, [`Error::Model`] where the model has errors.
+pub fn load(path: impl AsRef<Path>) -> Result<Compiled, Error> {
+    Ok(Loaded::open(path)?.compile(&Options::default())?)
+}
+
+/// A model with what its reader found.
+#[derive(Clone)]
+pub struct Loaded {
+    /// the model
+    pub model: Model,
+    /// findings of the reader
+    pub diags: Diags,
+    /// its name without folder and extension
+    pub name: String,
+    /// what the files it names hold
+    pub clouds: Clouds,
+}
+
+impl Loaded {
+    /// A model from its file, and the files it names, which are looked for beside it.
+    ///
+    /// # Errors
+    /// Where the file cannot be read, is no text in UTF-8, or is larger than any model. What is wrong with the model is
+    /// in [`Loaded::diags`].
+    pub fn open(path: impl AsRef<Path>) -> Result<Loaded, FileError> {
+        let path = path.as_ref();
+        let file = path.to_string_lossy();
+        let mims = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("mdl"));
+        Ok(if mims { Loaded::import(&mims_text(path)?, &file) } else { Loaded::read(&text(path)?, &file) })
+    }
+
+    /// A model from its text; `file` is its name in reports, and where the files it names are looked for.
+    pub fn read(text: &str, file: &str) -> Loaded {
+        let (model, diags) = read::read(text, file, &catalog());
+        Loaded::found(model, diags, file)
+    }
+
+    /// A model from a MIMS text. With errors, the model is empty but for the text they point into.
+    pub fn import(text: &str, file: &str) -> Loaded {
+        let (mut model, diags) = mims::import(text, file);
+        if diags.has_errors() {
+            model = Model { file: file.into(), text: text.into(), ..Model::default() };
+        }
+        Loaded::found(model, diags, file)
+    }
+
+    /// A model that was built by a program.
+    pub fn built(model: Model) -> Loaded {
+        Loaded::found(model, Diags::new(), "")
+    }
+
+    fn found(model: Model, diags: Diags, file: &str) -> Loaded {
+        let mut loaded = Loaded { name: stem(Path::new(file)), clouds: Clouds::new(), model, diags };
+        loaded.look();
+        loaded
+    }
+
+    /// Reads the files that the model names and that were not read yet, after a change of the model; they are looked for
+    /// beside its own.
+    pub fn look(&mut self) {
+        let (model, kinds) = (&self.model, catalog());
+        if ca_io::cloud::named(model, &kinds).into_iter().any(|name| !self.clouds.contains_key(name)) {
+            let folder = Path::new(&model.file).parent().unwrap_or(Path::new(""));
+            let read = ca_io::cloud::of_model(model, &kinds, folder);
+            self.clouds = read.into_iter().chain(std::mem::take(&mut self.clouds)).collect();
+        }
+    }
+
+    /// Compiles it; [`Options::clouds`] are its own. Findings of reader and compiler together, in order of place; one is
+    /// not said twice.
+    ///
+    /// # Errors
+    /// All findings, with an error among them.
+    pub fn compile(&self, options: &Options) -> Result<Compiled, Box<Found>> {
+        let options = Options { clouds: self.clouds.clone(), ..options.clone() };
+        finish(&self.model, self.diags.clone(), &catalog(), &options)
+            .map_err(|diags| Box::new(Found { model: self.model.clone(), diags }))
+    }
+}
+
+/// The text of a MIMS file, in whatever way it was saved.
+///
+/// # Errors
+/// Where it cannot be read.
+pub fn mims_text(path: &Path) -> Result<String, FileError> {
+    Ok(mims::decode(reading::text(path, reading::MODEL)?))
+}
+
+/// The text of a model of ours.
+///
+/// # Errors
+/// Where it cannot be read, or is not UTF-8; with line and column.
+pub fn text(path: &Path) -> Result<String, FileError> {
+    String::from_utf8(reading::text(path, reading::MODEL)?).map_err(|e| {
+        let good = e.as_bytes().get(..e.utf8_error().valid_up_to()).unwrap_or_default();
+        let good = String::from_utf8_lossy(good);
+        let (line, column) = line_column(&good, good.len());
+        let what = format!("not a text in UTF-8, from line {line}, column {column} on");
+        FileError::new(FileErrorKind::Format, what).file(path.display()).fix("save it as UTF-8")
+    })
+}
+
+/// `a/b/gut.ca.toml` → `gut`
+pub fn stem(path: &Path) -> String {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let lower = name.to_ascii_lowercase();
+    let cut = [".ca.toml", ".toml", ".mdl"].into_iter().find(|e| lower.ends_with(e)).map_or(0, str::len);
+    name[..name.len() - cut].to_owned()
+}

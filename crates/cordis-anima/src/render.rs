@@ -1,0 +1,47 @@
+//! A scene played to its end, in memory.
+//!
+//! Decides that it is the loop of [`Performance`], as for the command and Python: the same bits everywhere. A file, a
+//! gesture or the energy ledger are for those who use [`ca_io`] themselves (`examples/render.rs`).
+
+use crate::Error;
+use ca_core::Scene;
+use ca_io::perform::{self, Performance};
+
+/// What a scene sounded like.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rendered {
+    /// sound rate \[Hz\]
+    pub rate: f64,
+    /// sound channels
+    pub channels: usize,
+    /// samples, interleaved (frames × channels); 1 is full scale
+    pub sound: Vec<f64>,
+    /// the second at which it had diverged, and silence began \[s\]
+    pub diverged: Option<f64>,
+}
+
+impl Rendered {
+    /// Samples of each channel.
+    pub fn frames(&self) -> usize {
+        self.sound.len() / self.channels.max(1)
+    }
+}
+
+/// Plays a scene by its built-in gesture: for so many seconds, or as long as its author says, or until its gesture has
+/// died away.
+///
+/// # Errors
+/// [`Error::File`] where its gesture drives what is not there.
+pub fn render(scene: &Scene, seconds: Option<f64>) -> Result<Rendered, Error> {
+    let mut p = Performance::new(scene, None)?;
+    let frames = perform::frames(scene, perform::seconds(&p, seconds));
+    let (mut sound, mut diverged) = (Vec::new(), None);
+    for _ in 0..frames {
+        p.tick();
+        sound.extend_from_slice(&p.state.output[..scene.channels]);
+        if p.diverged && diverged.is_none() {
+            diverged = Some(p.state.tick as f64 * scene.te);
+        }
+    }
+    Ok(Rendered { rate: scene.rate, channels: scene.channels, sound, diverged })
+}
