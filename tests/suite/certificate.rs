@@ -140,7 +140,8 @@ fn radius(scene: &Scene) -> f64 {
     values.iter().map(|v| v.re.hypot(v.im)).fold(0.0, f64::max)
 }
 
-/// Whether a push becomes a thousand times faster within a million ticks; free motion does not become faster.
+/// Whether a push becomes a thousand times faster within ten million ticks, as a radius of 1 + 1e-6 makes it; free motion does
+/// not become faster.
 fn grows(scene: &Scene) -> bool {
     let mut s = scene.state();
     let moving: Vec<usize> = (0..scene.n_mat).filter(|i| s.coef[2 * scene.n_mat + i] > 0.0).collect();
@@ -150,7 +151,7 @@ fn grows(scene: &Scene) -> bool {
     }
     let fastest = |s: &State| moving.iter().fold(0.0, |most: f64, i| most.max(s.d[*i].abs()));
     let enough = 1e3 * fastest(&s);
-    (0..1_000_000).any(|_| {
+    (0..10_000_000).any(|_| {
         tick(scene, &mut s);
         fastest(&s) >= enough
     })

@@ -18,7 +18,7 @@ struct Played {
 impl Played {
     fn new(text: &str) -> Played {
         let scene = Arc::new(crate::play::with(text, &ca_compile::Options::default()).scene);
-        let own = setup("key", profile(|p| (p.guard.clear_time, p.guard.ramp) = (0.001, 0.001)));
+        let own = setup("key", profile(|p| (p.guard.clear_time, p.guard.ramp, p.guard.ttl) = (0.001, 0.001, 60.0)));
         let engine = Engine::new(scene.clone(), vec![Port::new(&scene, own)], Options::default());
         let (ends, gateway, desk_ends) = rings(&scene, 1, 0);
         let shared = Arc::new(Shared::default());

@@ -89,11 +89,17 @@ fn start(scene: &Arc<Scene>, clock: Clock, profile: Profile) -> Running {
     Running { thread: std::thread::spawn(move || live.run(None)), gateway, desk, shared, heard }
 }
 
+/// A device whose forces outlive a machine that stands still: with the clock of a device time is counted in its frames, and
+/// only how long the engine itself was away is not.
+fn lasting() -> Profile {
+    profile(|p| p.guard.ttl = 60.0)
+}
+
 /// In lock-step with the clock of the device, what the threads do is what the engine alone does, to the bit.
 #[test]
 fn threads_add_nothing_to_the_engine() {
     let scene = Arc::new(scene(MODEL).scene);
-    let mut run = start(&scene, Clock::Device { patience: 60_000_000_000 }, profile(|_| ()));
+    let mut run = start(&scene, Clock::Device { patience: 60_000_000_000 }, lasting());
     let mut forces: Vec<ForceFrame> = Vec::new();
     run.desk.order(None, Order::Arm).unwrap();
     for n in 1..=4000 {
@@ -115,7 +121,7 @@ fn threads_add_nothing_to_the_engine() {
     run.desk.turn();
     let summary = run.desk.summary(&engine_after, vec![]);
 
-    let mut alone = engine(&scene, profile(|_| ()));
+    let mut alone = engine(&scene, lasting());
     alone.act(ca_haptic::engine::Act::Order(None, Order::Arm));
     let mut sound = Vec::new();
     for n in 1..=4000 {
@@ -145,7 +151,7 @@ fn threads_add_nothing_to_the_engine() {
 #[test]
 fn parameters_change_together_or_not_at_all() {
     let scene = Arc::new(scene(MODEL).scene);
-    let mut run = start(&scene, Clock::Device { patience: 60_000_000_000 }, profile(|_| ()));
+    let mut run = start(&scene, Clock::Device { patience: 60_000_000_000 }, lasting());
     let step = |run: &mut Running, n: u64| {
         run.gateway.frames.push((0, device(n))).unwrap();
         while run.gateway.forces.pop().is_err() {

@@ -129,7 +129,8 @@ def test_other_threads_run_meanwhile(key: ca.Scene) -> None:
         at.append((time.perf_counter(), counted[0]))
 
     other.start()
-    r = key.render(20.0, progress=progress)
+    # long enough for several reports on any machine
+    r = key.render(90.0, progress=progress)
     # how far it counts while this thread does nothing for as long
     begin = counted[0]
     time.sleep(at[-1][0] - at[0][0])
