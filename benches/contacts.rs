@@ -17,19 +17,19 @@ const WARM: u64 = 500;
 /// Time of the pass of the grains in `ticks` ticks.
 fn pass(scene: &Scene, s: &mut State, ticks: u64) -> Duration {
     let hits = scene.forces.iter().rposition(|op| op.law.is_some()).expect("the contact of the grains");
-    let mut spent = Duration::ZERO;
+    let mut retired = Duration::ZERO;
     for _ in 0..ticks {
         for (i, op) in scene.reads.iter().chain(&scene.forces).enumerate() {
             let begin = (i == hits + scene.reads.len()).then(Instant::now);
             (op.kernel)(op, scene, s);
-            spent += begin.map_or(Duration::ZERO, |b| b.elapsed());
+            retired += begin.map_or(Duration::ZERO, |b| b.elapsed());
         }
         advance(scene, s);
     }
     // reading the clock is no part of it
     let begin = Instant::now();
     let clock = (0..1000).map(|_| Instant::now().elapsed()).sum::<Duration>();
-    spent.saturating_sub(clock.min(begin.elapsed()) * u32::try_from(ticks).unwrap_or(u32::MAX) / 1000)
+    retired.saturating_sub(clock.min(begin.elapsed()) * u32::try_from(ticks).unwrap_or(u32::MAX) / 1000)
 }
 
 fn contacts(c: &mut Criterion) {

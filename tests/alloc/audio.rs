@@ -19,7 +19,7 @@ fn run(frames: u64) -> (u64, u64) {
     let (model, _) = read::read(TEXT, "bar.ca.toml", &catalog);
     let scene = Arc::new(compile(&model, &catalog, &Compile::default()).expect("it compiles").scene);
     let engine = Engine::new(scene.clone(), vec![], Options::default());
-    let (mut ends, _gateway, _desk) = rings(&scene, 0, 0);
+    let (mut ends, _gateway, _recorder) = rings(&scene, 0, 0);
     let who = Who { rate: 48_000, channels: 2, ..Who::default() };
     let (follow, mut player, watch) = link(scene.channels, scene.ratio, who, 64);
     ends.audio = Some(follow);

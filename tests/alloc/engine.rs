@@ -4,7 +4,7 @@ use super::calls;
 use ca_compile::{Options as Compile, compile};
 use ca_core::{Scene, State};
 use ca_haptic::calibration::{Axis, Calibration};
-use ca_haptic::engine::{Act, Change, Engine, Options, Port, Setup, Spent};
+use ca_haptic::engine::{Change, Engine, EngineCommand, Options, Port, Retired, Setup};
 use ca_haptic::frame::{CAUSES, DeviceFrame, Mode};
 use ca_haptic::guard::Order;
 use ca_haptic::profile::Profile;
@@ -57,7 +57,7 @@ fn an_engine_allocates_nothing() {
         let (mut e, state, change) = engine(energy, false);
         let mut boxes: Vec<Box<State>> = (0..4).map(|_| Box::new(state.clone())).collect();
         let mut changes: Vec<Box<Change>> = (0..8).map(|_| Box::new(change.clone())).collect();
-        let mut spent: Vec<Spent> = Vec::with_capacity(16);
+        let mut retired: Vec<Retired> = Vec::with_capacity(16);
         let mut next = DeviceFrame::new("hand", 2);
         next.session = 1;
         let mut dice = 0x9e37_79b9_7f4a_7c15_u64;
@@ -67,16 +67,16 @@ fn an_engine_allocates_nothing() {
             for n in 0..12_000_u32 {
                 let t = n % 3000;
                 if t % 500 == 0 {
-                    e.act(Act::Order(None, Order::Arm));
+                    e.command(EngineCommand::Order(None, Order::Arm));
                 }
                 if t == 700 {
                     if let Some(c) = changes.pop() {
-                        spent.extend(e.act(Act::Set(c)));
+                        retired.extend(e.command(EngineCommand::Set(c)));
                     }
                 }
                 if t % 500 == 450 {
                     let why = CAUSES[(n / 500) as usize % CAUSES.len()];
-                    e.act(Act::Order(Some(0), if t < 500 { Order::Disarm } else { Order::Trip(why) }));
+                    e.command(EngineCommand::Order(Some(0), if t < 500 { Order::Disarm } else { Order::Trip(why) }));
                 }
                 // the model blows up, and is loaded again
                 if t == 2800 {
@@ -85,7 +85,7 @@ fn an_engine_allocates_nothing() {
                 }
                 if t == 2990 {
                     if let Some(s) = boxes.pop() {
-                        spent.extend(e.act(Act::Reload(s)));
+                        retired.extend(e.command(EngineCommand::Reload(s)));
                     }
                 }
                 dice ^= dice << 13;
@@ -125,9 +125,9 @@ fn an_engine_allocates_nothing() {
         assert_eq!(n, 0, "energy {energy}");
         assert!(modes.iter().all(|n| *n > 20), "off, ramp, on, damp, fault: {modes:?}");
         assert!(
-            diverged > 100 && !e.has_diverged() && spent.len() == 8,
+            diverged > 100 && !e.has_diverged() && retired.len() == 8,
             "{diverged} diverged, {} given back",
-            spent.len()
+            retired.len()
         );
         let c = e.counts;
         assert!(c.faults > 3 && c.dropped > 50 && c.stale > 40 && c.refused == 0, "{c:?}");

@@ -1,10 +1,10 @@
-//! Nor does the whole loop in its thread: rings, clock, engine and guard, with a device, a gateway and a desk beside it,
+//! Nor does the whole loop in its thread: rings, clock, engine and guard, with a device, a gateway and a recorder beside it,
 //! both cores busy, and faults, changes and reloads all the time. What was handed over and what was lost must add up.
 //! Three seconds; a minute with `CA_LONG=1`.
 
 use super::{calls, engine};
 use ca_core::State;
-use ca_haptic::engine::{Act, Engine, Spent};
+use ca_haptic::engine::{Engine, EngineCommand, Retired};
 use ca_haptic::frame::{CAUSES, DeviceFrame, Mode};
 use ca_haptic::guard::Order;
 use ca_haptic::record::Record;
@@ -66,7 +66,7 @@ fn play(mut ends: GatewayEnds, over: &AtomicBool) -> (u64, u64, u64) {
     (sent, full, forces)
 }
 
-/// What the desk found in the rings.
+/// What the recorder found in the rings.
 #[derive(Debug, Default)]
 struct Found {
     devices: u64,
@@ -78,7 +78,7 @@ struct Found {
     sound: u64,
     modes: [u64; 5],
     reloads: u64,
-    acts: u64,
+    commands: u64,
 }
 
 impl Found {
@@ -93,8 +93,8 @@ impl Found {
                 Record::Lost { records, .. } => self.lost += records,
                 Record::Energy { .. } | Record::Hash { .. } => self.regular += 1,
                 Record::Waiting { .. } => {}
-                Record::Spent { spent: Spent::State(_), .. } => self.reloads += 1,
-                Record::Spent { .. } | Record::Order { .. } => self.acts += 1,
+                Record::Retired { retired: Retired::State(_), .. } => self.reloads += 1,
+                Record::Retired { .. } | Record::Order { .. } => self.commands += 1,
             }
         }
         // what there is, each with its tick and its length
@@ -111,7 +111,7 @@ fn nor_does_the_loop_while_both_cores_are_busy() {
     let frames: u64 = if std::env::var_os("CA_LONG").is_some() { 180_000 } else { 9000 };
     let (engine, state, change) = engine::engine(true, true);
     let scene = engine.scene.clone();
-    let (ends, gateway, mut desk) = rings(&scene, 1, 0);
+    let (ends, gateway, mut recorder) = rings(&scene, 1, 0);
     let shared = Arc::new(Shared::default());
     let live = Live::new(engine, ends, shared.clone(), Clock::Monotonic, Every { energy: 30, view: 0, hash: 3000 });
     let (over, ended) = (AtomicBool::new(false), AtomicBool::new(false));
@@ -130,17 +130,17 @@ fn nor_does_the_loop_while_both_cores_are_busy() {
         });
         let mut turns = 0_u64;
         while !ended.load(Relaxed) {
-            found.look(&mut desk.records, &mut desk.sound);
-            while desk.beats.pop().is_ok() {}
+            found.look(&mut recorder.records, &mut recorder.sound);
+            while recorder.timings.pop().is_ok() {}
             let act = match turns % 25 {
-                3 | 8 => Some(Act::Order(None, Order::Arm)),
-                13 => Some(Act::Set(Box::new(change.clone()))),
-                20 => Some(Act::Order(Some(0), Order::Trip(CAUSES[(turns / 25) as usize % CAUSES.len()]))),
-                23 if (turns / 25) % 4 == 3 => Some(Act::Reload(Box::<State>::new(state.clone()))),
+                3 | 8 => Some(EngineCommand::Order(None, Order::Arm)),
+                13 => Some(EngineCommand::Set(Box::new(change.clone()))),
+                20 => Some(EngineCommand::Order(Some(0), Order::Trip(CAUSES[(turns / 25) as usize % CAUSES.len()]))),
+                23 if (turns / 25) % 4 == 3 => Some(EngineCommand::Reload(Box::<State>::new(state.clone()))),
                 _ => None,
             };
             // where it has no room, the engine has enough to do
-            let _ = act.map(|a| desk.acts.push((0, a)));
+            let _ = act.map(|a| recorder.commands.push((0, a)));
             turns += 1;
             std::thread::sleep(Duration::from_millis(20));
         }
@@ -148,7 +148,7 @@ fn nor_does_the_loop_while_both_cores_are_busy() {
         let (n, engine) = engine.join().expect("the engine");
         (n, engine, device.join().expect("the device"))
     });
-    found.look(&mut desk.records, &mut desk.sound);
+    found.look(&mut recorder.records, &mut recorder.sound);
     let c = engine.counts;
     let (sent, full, forces) = device;
     let lost = [&shared.lost_records, &shared.lost_forces, &shared.lost_sound];
@@ -172,7 +172,7 @@ fn nor_does_the_loop_while_both_cores_are_busy() {
     let [off, ramp, on, _, fault] = found.modes;
     assert!([off, ramp, on, fault].iter().all(|n| *n > 20), "off, ramp, on, damp, fault: {found:?}");
     assert!(
-        found.reloads > 0 && found.acts > 10 && c.faults > 3 && c.dropped > 50 && c.stale > 40 && c.refused == 0,
+        found.reloads > 0 && found.commands > 10 && c.faults > 3 && c.dropped > 50 && c.stale > 40 && c.refused == 0,
         "{c:?} {found:?}"
     );
 }

@@ -2,7 +2,7 @@
 
 use super::calls;
 use super::engine::engine;
-use ca_haptic::engine::{Act, Change};
+use ca_haptic::engine::{Change, EngineCommand};
 use ca_haptic::frame::DeviceFrame;
 use ca_haptic::serve::{Clock, Every, Live, Shared, rings};
 use std::sync::Arc;
@@ -11,7 +11,7 @@ use std::sync::atomic::Ordering::Relaxed;
 #[test]
 fn handing_over_allocates_nothing() {
     let (engine, ..) = engine(true, false);
-    let (ends, mut gateway, mut desk) = rings(&engine.scene, 1, 60);
+    let (ends, mut gateway, mut recorder) = rings(&engine.scene, 1, 60);
     let shared = Arc::new(Shared::default());
     let every = Every { energy: 30, view: 50, hash: 3000 };
     let mut live = Live::new(engine, ends, shared.clone(), Clock::Device { patience: 0 }, every);
@@ -35,7 +35,7 @@ fn handing_over_allocates_nothing() {
     assert!(lost > 100_000, "nothing was too much");
     // more is asked than finds room: boxes come back or wait, and are not freed here
     for _ in 0..3 {
-        while desk.acts.push((0, Act::Set(Box::<Change>::default()))).is_ok() {}
+        while recorder.commands.push((0, EngineCommand::Set(Box::<Change>::default()))).is_ok() {}
         assert_eq!(calls(|| live.frame()), 0, "boxes are freed elsewhere");
     }
 }

@@ -5,7 +5,7 @@ use ca_compile::Options;
 use ca_core::live::Patch;
 use ca_core::state::Identity;
 use ca_core::{Scene, State, advance, process, sense, tick};
-use ca_haptic::engine::{Act, Change, Engine, Port, Spent};
+use ca_haptic::engine::{Change, Engine, EngineCommand, Port, Retired};
 use ca_tests::{KEY, profile, setup, texts};
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -83,14 +83,14 @@ fn an_engine_takes_only_what_is_of_its_scene() {
     let before = engine.state.clone();
     assert_eq!((before.x.len(), before.coef.len()), (other.state().x.len(), other.state().coef.len()));
     let foreign = other.controls().set("dial", 2.0).expect("in range");
-    engine.act(Act::Set(Box::new(Change { params: vec![(0, 2.0)], patches: vec![foreign] })));
-    let spent = engine.act(Act::Reload(Box::new(other.state())));
-    assert!(matches!(spent, Some(Spent::State(s)) if *s == other.state()), "what was refused is given back");
+    engine.command(EngineCommand::Set(Box::new(Change { params: vec![(0, 2.0)], patches: vec![foreign] })));
+    let retired = engine.command(EngineCommand::Reload(Box::new(other.state())));
+    assert!(matches!(retired, Some(Retired::State(s)) if *s == other.state()), "what was refused is given back");
     assert_eq!((engine.counts.refused, &engine.state), (2, &before));
     // its own are taken
     let patch = mine.controls().set("dial", 2.0).expect("in range");
-    engine.act(Act::Set(Box::new(Change { params: vec![(0, 2.0)], patches: vec![patch] })));
-    engine.act(Act::Reload(Box::new(mine.state())));
+    engine.command(EngineCommand::Set(Box::new(Change { params: vec![(0, 2.0)], patches: vec![patch] })));
+    engine.command(EngineCommand::Reload(Box::new(mine.state())));
     assert_eq!(engine.counts.refused, 2);
     assert_eq!(engine.answer().count(), 1);
     engine.finish();

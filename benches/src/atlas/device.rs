@@ -11,7 +11,7 @@ use crate::{model, scene};
 use ca_compile::KernelClass;
 use ca_core::{Scene, tick};
 use ca_haptic::calibration::Calibration;
-use ca_haptic::engine::{Act, Engine, Options, Port, Setup};
+use ca_haptic::engine::{Engine, EngineCommand, Options, Port, Setup};
 use ca_haptic::frame::{DeviceFrame, ForceFrame, Mode};
 use ca_haptic::guard::Order;
 use ca_haptic::profile::Profile;
@@ -65,7 +65,7 @@ impl Rig {
         let mut frame = DeviceFrame::new("key", 1);
         frame.session = 7;
         let mut rig = Rig { engine: Engine::new(scene, vec![port], Options::default()), frame };
-        rig.engine.act(Act::Order(None, Order::Arm));
+        rig.engine.command(EngineCommand::Order(None, Order::Arm));
         let on = (0..100).any(|_| rig.go(0, |_| ()).mode == Mode::On as u32);
         assert!(on, "forces are not on");
         rig

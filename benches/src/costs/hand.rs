@@ -6,10 +6,10 @@ use super::{Played, Player, Row, Run, Without};
 use crate::string;
 use ca_core::{Scene, tick};
 use ca_haptic::calibration::Calibration;
-use ca_haptic::engine::{Act, Engine, Options, Port, Setup};
+use ca_haptic::engine::{Engine, EngineCommand, Options, Port, Setup};
 use ca_haptic::frame::{DOF, DeviceFrame, Mode};
-use ca_haptic::guard::input::Inlet;
-use ca_haptic::guard::{Chain, Hand, Order, Stage};
+use ca_haptic::guard::input::InputValidator;
+use ca_haptic::guard::{Chain, GuardFrame, Order, Stage};
 use ca_haptic::guard::{finite, gate, oscillation, passivity, saturation, slew, thermal, workspace};
 use ca_haptic::profile::Profile;
 use ca_haptic::serve::{Clock, Every, GatewayEnds, Live, Shared, rings};
@@ -27,13 +27,13 @@ const KEYS: usize = 12;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Rig {
     /// a hand, and nothing that looks at it
-    Hand,
+    GuardFrame,
     /// frames of a device, and nothing that looks at them
     Silent,
     /// a stage by name
     Stage(&'static str),
     /// the checks of what a device says
-    Inlet,
+    InputValidator,
     /// the whole chain
     Chain,
     /// a string of 100 without an engine, frame by frame
@@ -123,8 +123,8 @@ impl Frames {
 }
 
 /// A hand as it is while forces are on.
-fn moving() -> Hand {
-    let mut hand = Hand::new(KEYS, TE);
+fn moving() -> GuardFrame {
+    let mut hand = GuardFrame::new(KEYS, TE);
     (hand.fresh, hand.age, hand.calibrated, hand.met, hand.mode) = (true, 0, true, u32::MAX, Mode::On);
     hand.moved[..KEYS].fill(1e-5);
     hand.v[..KEYS].fill(0.03);
@@ -136,10 +136,10 @@ impl Rig {
     /// At its beginning, with forces on.
     pub(super) fn player(self) -> Player {
         match self {
-            Rig::Hand => looked_at(None),
+            Rig::GuardFrame => looked_at(None),
             Rig::Stage(name) => looked_at(Some(stage(name))),
             Rig::Silent => said(None),
-            Rig::Inlet => said(Some(Inlet::new(&profile(), TE))),
+            Rig::InputValidator => said(Some(InputValidator::new(&profile(), TE))),
             Rig::Chain => {
                 let mut chain = Chain::new(&profile(), TE);
                 chain.order(Order::Arm);
@@ -190,19 +190,19 @@ fn looked_at(mut stage: Option<Box<dyn Stage>>) -> Player {
 }
 
 /// Frames of a device, looked at or not.
-fn said(mut inlet: Option<Inlet>) -> Player {
+fn said(mut validator: Option<InputValidator>) -> Player {
     let (mut hand, mut frames) = (moving(), Frames::new());
     Box::new(move |n| {
         for _ in 0..n {
             let frame = frames.next();
-            if let Some(inlet) = &mut inlet {
-                inlet.take(&frame, &mut hand);
-                inlet.settle(&mut hand);
+            if let Some(validator) = &mut validator {
+                validator.take(&frame, &mut hand);
+                validator.update(&mut hand);
             }
             hand.frame += 1;
             black_box((&mut hand, &frame));
         }
-        assert!(inlet.as_ref().is_none_or(|i| i.dropped == 0));
+        assert!(validator.as_ref().is_none_or(|i| i.dropped == 0));
     })
 }
 
@@ -229,7 +229,7 @@ fn frame(engine: &mut Engine, frames: &mut Frames) {
 /// The engine of the keys with its device, forces on.
 fn armed() -> (Engine, Frames) {
     let (mut engine, mut frames) = (engine(keys(), Some(profile())), Frames::new());
-    engine.act(Act::Order(None, Order::Arm));
+    engine.command(EngineCommand::Order(None, Order::Arm));
     let on = (0..3000).any(|_| {
         frame(&mut engine, &mut frames);
         engine.ports[0].hand.mode == Mode::On
@@ -288,11 +288,12 @@ pub(super) fn rows() -> Vec<Row> {
         used: Run::Hand(used),
         without,
     };
-    let stage =
-        |thing, with, name, asked| row(thing, with, Rig::Hand, Rig::Stage(name), Without::Device(Some(name), asked));
+    let stage = |thing, with, name, asked| {
+        row(thing, with, Rig::GuardFrame, Rig::Stage(name), Without::Device(Some(name), asked))
+    };
     let device = || Without::Device(None, false);
     vec![
-        row("H10: what a device says", "frames in order, speeds", Rig::Silent, Rig::Inlet, device()),
+        row("H10: what a device says", "frames in order, speeds", Rig::Silent, Rig::InputValidator, device()),
         stage("H1: non-finite forces", "`finite`", "finite", false),
         stage("H11: the edge of the travel", "`workspace`", "workspace", true),
         stage("H2: the largest force", "`saturation`", "saturation", false),
@@ -301,7 +302,7 @@ pub(super) fn rows() -> Vec<Row> {
         stage("H4: heat", "`thermal`", "thermal", true),
         stage("H5, H6, H8, H9: arming and faults", "`gate`", "gate", false),
         stage("H3: the fastest force", "`slew`", "slew", false),
-        row("the chain", "all stages, and the ledger of the hand", Rig::Hand, Rig::Chain, device()),
+        row("the chain", "all stages, and the ledger of the hand", Rig::GuardFrame, Rig::Chain, device()),
         row("H1 to H14: a device", "input, ports of the scene, chain, frame", Rig::Keys, Rig::Device, device()),
         row("records", "rings to gateway and desk, both ends", Rig::Device, Rig::Live, device()),
         row("H15, H16: an engine", "around a string of 100, without a device", Rig::Ticks, Rig::Engine, device()),

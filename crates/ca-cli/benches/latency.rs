@@ -71,7 +71,7 @@ mod linux {
         ask(&site, &Request::Stop, Duration::from_secs(30)).expect("the server ends");
         let server = server.reported();
         drop(load);
-        ca_haptic::host::debris::clean(&site);
+        ca_haptic::host::stale_shm::clean(&site);
         let number = |v: &Value| v.as_u64().unwrap_or(0);
         let granted = server["granted"].as_array().into_iter().flatten().find(|g| g[0] == "engine");
         Run {

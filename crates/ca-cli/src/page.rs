@@ -17,5 +17,5 @@ pub fn is_page(path: &Path) -> Result<(), Failure> {
 
 /// Writes a page.
 pub fn write(path: &Path, page: &str) -> Result<(), Failure> {
-    Ok(ca_io::staged::write(path, page.as_bytes())?)
+    Ok(ca_io::atomic_file::write(path, page.as_bytes())?)
 }

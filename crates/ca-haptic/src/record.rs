@@ -3,7 +3,7 @@
 //! Decides that the real-time thread hands over plain values through a ring and never waits: a record that finds no room
 //! is counted and gone. Boxes travel the same way, so that they are freed where freeing is allowed.
 
-use crate::engine::Spent;
+use crate::engine::Retired;
 use crate::frame::{DeviceFrame, ForceFrame};
 use crate::guard::Order;
 use crate::guard::wait::Wait;
@@ -29,11 +29,11 @@ pub enum Record {
         frame: ForceFrame,
     },
     /// parameters changed, the scene was loaded again, or a device said what it is
-    Spent {
+    Retired {
         /// when
         tick: u64,
         /// what it was
-        spent: Spent,
+        retired: Retired,
     },
     /// forces were armed, disarmed or tripped
     Order {
@@ -82,7 +82,7 @@ impl Record {
         match self {
             Record::Device { frame, .. } => frame.tick,
             Record::Force { frame, .. } => frame.tick,
-            Record::Spent { tick, .. }
+            Record::Retired { tick, .. }
             | Record::Order { tick, .. }
             | Record::Hash { tick, .. }
             | Record::Energy { tick, .. }

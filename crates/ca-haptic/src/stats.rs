@@ -1,7 +1,7 @@
 //! How a loop fared: distributions of times, in the numbers people ask for.
 //!
 //! Decides on HDR histograms: three digits over any range, fixed memory, and percentiles that do not depend on how
-//! many samples were kept. They are filled by the desk, never by the real-time thread.
+//! many samples were kept. They are filled by the recorder, never by the real-time thread.
 
 use hdrhistogram::Histogram;
 use serde::Serialize;

@@ -7,7 +7,7 @@ use ca_compile::{Options as Compile, compile};
 use ca_core::Scene;
 use ca_core::border::{Delays, delays};
 use ca_haptic::calibration::Calibration;
-use ca_haptic::engine::{Act, Engine, Options, Port, Setup};
+use ca_haptic::engine::{Engine, EngineCommand, Options, Port, Setup};
 use ca_haptic::equivalence::gains;
 use ca_haptic::frame::{DeviceFrame, ForceFrame, Mode, flag};
 use ca_haptic::guard::Order;
@@ -54,7 +54,7 @@ impl Rig {
         let port = Port::new(scene, setup);
         assert!(!port.links.is_empty());
         let mut engine = Engine::new(scene.clone(), vec![port], Options::default());
-        engine.act(Act::Order(None, Order::Arm));
+        engine.command(EngineCommand::Order(None, Order::Arm));
         Rig { engine, next }
     }
 

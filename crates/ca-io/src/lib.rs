@@ -38,6 +38,7 @@
 //! # }
 //! ```
 
+pub mod atomic_file;
 pub mod cloud;
 pub mod error;
 pub mod gesture;
@@ -45,6 +46,5 @@ pub mod perform;
 pub mod probe;
 pub mod reading;
 pub mod sound;
-pub mod staged;
 
 pub use error::{FileError, FileErrorKind};

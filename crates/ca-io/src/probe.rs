@@ -5,10 +5,10 @@
 //! shape `(frames,)` for one quantity and `(frames, k)` for more; the number of frames, unknown until the end, is put
 //! into a header of fixed length. CSV is `time,name…`, a gesture that can be played again, with the shortest digits
 //! which read back as the same number. A structured NPY with the names in it was the alternative; plotting wants a
-//! plain array, and whoever wants names has CSV. The file takes its place when finished (`staged.rs`).
+//! plain array, and whoever wants names has CSV. The file takes its place when finished (`atomic_file.rs`).
 
+use crate::atomic_file::AtomicFile;
 use crate::error::{FileError, FileErrorKind};
-use crate::staged::Staged;
 use std::fs::File;
 use std::io::{BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
@@ -25,7 +25,7 @@ enum Kind {
 pub struct ProbeOut {
     // before `staged`, so that it is closed when the sibling is removed
     out: BufWriter<File>,
-    staged: Staged,
+    staged: AtomicFile,
     path: PathBuf,
     kind: Kind,
     columns: usize,
@@ -50,7 +50,7 @@ impl ProbeOut {
             return Err(FileError::usage("there is nothing to probe").file(path.display()).fix("name a module"));
         }
         crate::gesture::check_rate(rate).map_err(|e| e.file(path.display()))?;
-        let staged = Staged::create(path)?;
+        let staged = AtomicFile::create(path)?;
         let (file, path, columns) = (staged.handle()?, path.to_owned(), names.len());
         let mut p = ProbeOut { out: BufWriter::new(file), staged, path, kind, columns, rate, frames: 0 };
         let begun = match p.kind {

@@ -9,12 +9,12 @@
 //! and the noise of a render is then the model's. Its price is distortion where sound fades below −90 dB in 16 bits;
 //! 24 bits, the answer to that, cost half as much again.
 //!
-//! The file takes its place only when it is finished (`staged.rs`). Beyond two channels the header assigns no
+//! The file takes its place only when it is finished (`atomic_file.rs`). Beyond two channels the header assigns no
 //! loudspeakers: outputs of a model are not left, right, centre and subwoofer, and players that mix down would drop
 //! the fourth one.
 
+use crate::atomic_file::AtomicFile;
 use crate::error::{FileError, FileErrorKind, lower};
-use crate::staged::Staged;
 use ca_model::quantity::Plain;
 use hound::{SampleFormat, WavSpec, WavWriter};
 use std::fs::File;
@@ -107,7 +107,7 @@ impl Level {
 pub struct WavOut {
     // before `staged`, so that it is closed when the sibling is removed
     writer: WavWriter<BufWriter<File>>,
-    staged: Staged,
+    staged: AtomicFile,
     format: Format,
     limit: u64,
     written: Written,
@@ -133,7 +133,7 @@ impl WavOut {
             bits_per_sample: format.bits(),
             sample_format,
         };
-        let staged = Staged::create(path)?;
+        let staged = AtomicFile::create(path)?;
         let writer =
             WavWriter::new(BufWriter::with_capacity(1 << 16, staged.handle()?), spec).map_err(|e| failed(path, &e))?;
         let written = Written { path: path.to_owned(), frames: 0, rate: rate as u32, level: Level::new(channels) };

@@ -11,7 +11,7 @@ use ca_core::Scene;
 use ca_core::live::Controls;
 use ca_core::scene::InputRole;
 use ca_haptic::calibration::Calibration;
-use ca_haptic::engine::{self, Act, Change, Engine, Port, Setup};
+use ca_haptic::engine::{self, Change, Engine, EngineCommand, Port, Setup};
 use ca_haptic::equivalence;
 use ca_haptic::frame::DeviceFrame;
 use ca_haptic::guard::Order;
@@ -191,7 +191,7 @@ impl Stage<'_> {
 
     fn order(&mut self, order: Order) -> Result<(), Failure> {
         let tick = self.engine.due();
-        self.engine.act(Act::Order(None, order));
+        self.engine.command(EngineCommand::Order(None, order));
         Ok(self.take.record(&Record::Order { tick, port: None, order })?)
     }
 
@@ -268,8 +268,8 @@ impl Stage<'_> {
         let patch = self.controls.set(name, value).map_err(|e| Failure::Failed(e.to_string()))?;
         let tick = self.engine.due();
         let change = Change { params: vec![(p as u32, value)], patches: vec![patch] };
-        if let Some(spent) = self.engine.act(Act::Set(Box::new(change))) {
-            self.take.record(&Record::Spent { tick, spent })?;
+        if let Some(retired) = self.engine.command(EngineCommand::Set(Box::new(change))) {
+            self.take.record(&Record::Retired { tick, retired })?;
         }
         Ok(())
     }

@@ -6,7 +6,7 @@ use super::requirements::{STYLUS, angle};
 use super::{Rig, TE, mode, profile};
 use crate::play::Dice;
 use ca_haptic::frame::{Cause, DOF, DeviceFrame, ForceFrame, Mode, flag, status};
-use ca_haptic::guard::{Chain, Hand, Order};
+use ca_haptic::guard::{Chain, GuardFrame, Order};
 use ca_haptic::profile::Profile;
 
 /// Frames of each of the two tests.
@@ -84,7 +84,7 @@ fn any_force_of_a_model() {
             // nothing that turns a vector
             (p.guard.slew, p.guard.passivity, p.guard.edge) = (Some(1e9), false, 0.0);
         }
-        let (mut chain, mut hand) = (Chain::new(&p, TE), Hand::new(3, TE));
+        let (mut chain, mut hand) = (Chain::new(&p, TE), GuardFrame::new(3, TE));
         (hand.calibrated, hand.met, hand.age) = (true, u32::MAX, 0);
         let mut w = Watcher::new(&p);
         let mut dice = Dice(99 + u64::from(axes));

@@ -11,7 +11,7 @@ mod slow;
 
 use crate::play::with;
 use ca_compile::Options as Compile;
-use ca_haptic::engine::{Act, Engine, Options, Port, Setup};
+use ca_haptic::engine::{Engine, EngineCommand, Options, Port, Setup};
 use ca_haptic::equivalence::Gains;
 use ca_haptic::frame::{Cause, DeviceFrame, ForceFrame, Mode};
 use ca_haptic::guard::Order;
@@ -58,7 +58,7 @@ impl Rig {
     }
 
     pub fn order(&mut self, order: Order) {
-        assert!(self.engine.act(Act::Order(None, order)).is_none());
+        assert!(self.engine.command(EngineCommand::Order(None, order)).is_none());
     }
 
     /// A good frame at these positions.

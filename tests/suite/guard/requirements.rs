@@ -2,11 +2,11 @@
 
 use super::{KEY, Rig, TE, bare, cause, force, is_off, mode, profile};
 use crate::play::within;
-use ca_haptic::engine::{Act, Spent};
+use ca_haptic::engine::{EngineCommand, Retired};
 use ca_haptic::equivalence::Gains;
 use ca_haptic::frame::{Cause, Mode, flag};
 use ca_haptic::guard::input::Verdict;
-use ca_haptic::guard::{Chain, Hand, Order};
+use ca_haptic::guard::{Chain, GuardFrame, Order};
 
 const EXPLODING: &str = include_str!("../../models/exploding_resonator.ca.toml");
 
@@ -91,7 +91,7 @@ fn h3_force_does_not_jump() {
 fn h4_motors_stay_within_their_rating() {
     let p = profile(|p| p.continuous = Some(3.0));
     let mut chain = Chain::new(&p, TE);
-    let mut hand = Hand::new(1, TE);
+    let mut hand = GuardFrame::new(1, TE);
     (hand.calibrated, hand.met, hand.age) = (true, u32::MAX, 0);
     chain.order(Order::Arm);
     let (mut heat, mut worst, mut peak, mut last) = (0.0, 0.0f64, 0, 0.0);
@@ -319,8 +319,8 @@ fn h15_h16_what_explodes_is_taken_from_hand_and_ear() {
     let faded = &after[16..silent];
     assert!(faded.len() > 100 && faded.windows(2).all(|w| w[1].abs() < w[0].abs()), "no click on the way");
     // loaded again it plays again: faded in, forces off until armed
-    let spent = rig.engine.act(Act::Reload(Box::new(first)));
-    assert!(matches!(spent, Some(Spent::State(_))));
+    let retired = rig.engine.command(EngineCommand::Reload(Box::new(first)));
+    assert!(matches!(retired, Some(Retired::State(_))));
     let f = rig.go(&[0.0]);
     assert!(mode(&f) == Mode::Off && cause(&f) == Cause::Disarmed);
     assert!(!rig.engine.has_diverged() && rig.sound.iter().all(|v| v.abs() < 1e-3));

@@ -1,4 +1,4 @@
-//! The real-time loop without shared memory: engine thread, rings and desk, fed by the test.
+//! The real-time loop without shared memory: engine thread, rings and recorder, fed by the test.
 
 mod disarm;
 
@@ -9,7 +9,7 @@ use ca_haptic::frame::{Cause, DeviceFrame, ForceFrame, Mode};
 use ca_haptic::guard::Order;
 use ca_haptic::profile::Profile;
 use ca_haptic::record::Record;
-use ca_haptic::serve::{Clock, Desk, Every, GatewayEnds, Live, Shared, Sink, rings};
+use ca_haptic::serve::{Clock, Every, GatewayEnds, Live, Recorder, Shared, Sink, rings};
 use ca_tests::profile;
 use std::sync::atomic::Ordering::Relaxed;
 use std::sync::{Arc, Mutex};
@@ -73,20 +73,20 @@ impl Sink for Heard {
 struct Running {
     thread: JoinHandle<Engine>,
     gateway: GatewayEnds,
-    desk: Desk,
+    recorder: Recorder,
     shared: Arc<Shared>,
     heard: Heard,
 }
 
 fn start(scene: &Arc<Scene>, clock: Clock, profile: Profile) -> Running {
     let engine = engine(scene, profile);
-    let (ends, gateway, desk_ends) = rings(scene, 1, 60);
+    let (ends, gateway, recorder_ends) = rings(scene, 1, 60);
     let (shared, heard) = (Arc::new(Shared::default()), Heard::default());
     let sinks: Vec<Box<dyn Sink>> = vec![Box::new(heard.clone())];
-    let desk = Desk::new(desk_ends, shared.clone(), scene.clone(), &engine.ports, sinks);
+    let recorder = Recorder::new(recorder_ends, shared.clone(), scene.clone(), &engine.ports, sinks);
     let every = Every { energy: 30, view: 50, hash: 3000 };
     let live = Live::new(engine, ends, shared.clone(), clock, every);
-    Running { thread: std::thread::spawn(move || live.run(None)), gateway, desk, shared, heard }
+    Running { thread: std::thread::spawn(move || live.run(None)), gateway, recorder, shared, heard }
 }
 
 /// A device whose forces outlive a machine that stands still: with the clock of a device time is counted in its frames, and
@@ -101,7 +101,7 @@ fn threads_add_nothing_to_the_engine() {
     let scene = Arc::new(scene(MODEL).scene);
     let mut run = start(&scene, Clock::Device { patience: 60_000_000_000 }, lasting());
     let mut forces: Vec<ForceFrame> = Vec::new();
-    run.desk.order(None, Order::Arm).unwrap();
+    run.recorder.order(None, Order::Arm).unwrap();
     for n in 1..=4000 {
         run.gateway.frames.push((0, device(n))).unwrap();
         // the frame that answers it
@@ -114,15 +114,15 @@ fn threads_add_nothing_to_the_engine() {
             }
             std::thread::yield_now();
         }
-        run.desk.turn();
+        run.recorder.poll();
     }
     run.shared.stop.store(true, Relaxed);
     let engine_after = run.thread.join().unwrap();
-    run.desk.turn();
-    let summary = run.desk.summary(&engine_after, vec![]);
+    run.recorder.poll();
+    let summary = run.recorder.summary(&engine_after, vec![]);
 
     let mut alone = engine(&scene, lasting());
-    alone.act(ca_haptic::engine::Act::Order(None, Order::Arm));
+    alone.command(ca_haptic::engine::EngineCommand::Order(None, Order::Arm));
     let mut sound = Vec::new();
     for n in 1..=4000 {
         alone.take(0, &mut device(n));
@@ -157,28 +157,28 @@ fn parameters_change_together_or_not_at_all() {
         while run.gateway.forces.pop().is_err() {
             std::thread::yield_now();
         }
-        run.desk.turn();
+        run.recorder.poll();
     };
     for n in 1..=10 {
         step(&mut run, n);
     }
     let two = |k: f64, z: f64| [("k".to_string(), k), ("z".to_string(), z)];
-    assert!(run.desk.set(&two(900.0, 7.0)).unwrap_err().contains("`z` must lie between 0 and 1"));
-    assert!(run.desk.set(&[("q".to_string(), 1.0)]).unwrap_err().contains("`q`"));
-    assert!(run.desk.order(Some("kay"), Order::Arm).unwrap_err().contains("`key`"));
-    run.desk.set(&two(900.0, 0.5)).unwrap();
+    assert!(run.recorder.set(&two(900.0, 7.0)).unwrap_err().contains("`z` must lie between 0 and 1"));
+    assert!(run.recorder.set(&[("q".to_string(), 1.0)]).unwrap_err().contains("`q`"));
+    assert!(run.recorder.order(Some("kay"), Order::Arm).unwrap_err().contains("`key`"));
+    run.recorder.set(&two(900.0, 0.5)).unwrap();
     for n in 11..=20 {
         step(&mut run, n);
     }
     run.shared.stop.store(true, Relaxed);
     let engine = run.thread.join().unwrap();
-    run.desk.turn();
+    run.recorder.poll();
     let heard = run.heard.0.lock().unwrap();
     let changes: Vec<_> = heard
         .0
         .iter()
         .filter_map(|r| match r {
-            Record::Spent { tick, spent: ca_haptic::engine::Spent::Change(c) } => Some((*tick, c.params.clone())),
+            Record::Retired { tick, retired: ca_haptic::engine::Retired::Change(c) } => Some((*tick, c.params.clone())),
             _ => None,
         })
         .collect();
@@ -208,7 +208,7 @@ fn a_device_that_stops_is_a_fault() {
         (p.guard.clear_time, p.guard.ramp) = (0.001, 0.001);
     });
     let mut run = start(&scene, Clock::Monotonic, patient);
-    run.desk.order(None, Order::Arm).unwrap();
+    run.recorder.order(None, Order::Arm).unwrap();
     let (mut n, mut used, mut armed, mut last) = (0, 0, 0, ForceFrame::new("key", 1));
     let begin = std::time::Instant::now();
     // one frame for each force: whatever the machine does, the device is as fast as the engine
@@ -222,10 +222,10 @@ fn a_device_that_stops_is_a_fault() {
             let _ = run.gateway.frames.push((0, frame));
             used += 1;
         }
-        run.desk.turn();
+        run.recorder.poll();
         // on a busy machine this thread may be away for longer than the guard allows
         if last.mode == Mode::Fault as u32 && last.seq > armed + 100 {
-            run.desk.order(None, Order::Arm).unwrap();
+            run.recorder.order(None, Order::Arm).unwrap();
             armed = last.seq;
         }
     }
@@ -237,13 +237,13 @@ fn a_device_that_stops_is_a_fault() {
                 off = off.or(Some(f));
             }
         }
-        run.desk.turn();
+        run.recorder.poll();
     }
     assert_eq!((off.unwrap().cause, off.unwrap().force[0]), (Cause::WatchdogIn as u16, 0.0));
     run.shared.stop.store(true, Relaxed);
     let engine = run.thread.join().unwrap();
-    run.desk.turn();
-    let s = run.desk.summary(&engine, vec![("engine".into(), "as granted".into())]);
+    run.recorder.poll();
+    let s = run.recorder.summary(&engine, vec![("engine".into(), "as granted".into())]);
     assert!(s.faults.iter().any(|f| f.cause == Cause::WatchdogIn && f.device == "key"));
     assert!(s.stale > 0 && s.devices[0].frames == used && s.devices[0].loop_us.n > 0, "{s:?}");
     assert_eq!(s.frames, s.frame_us.n + 1);

@@ -9,7 +9,7 @@ use ca_compile::{Options, compile};
 use ca_core::Scene;
 use ca_core::equivalence::Gains;
 use ca_haptic::calibration::Calibration;
-use ca_haptic::engine::{Act, Engine, Options as EngineOptions, Port, Setup};
+use ca_haptic::engine::{Engine, EngineCommand, Options as EngineOptions, Port, Setup};
 use ca_haptic::equivalence::gains;
 use ca_haptic::frame::{DeviceFrame, Mode};
 use ca_haptic::guard::Order;
@@ -78,7 +78,7 @@ impl Finger {
     /// At rest on a key whose forces are on.
     fn new() -> Finger {
         let mut f = Finger::at(UP);
-        f.engine.act(Act::Order(None, Order::Arm));
+        f.engine.command(EngineCommand::Order(None, Order::Arm));
         f.stay(1.2);
         assert_eq!(f.engine.ports[0].out.mode, Mode::On as u32, "forces are not on");
         f

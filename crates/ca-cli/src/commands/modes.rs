@@ -9,7 +9,7 @@ use crate::load;
 use crate::{Ended, Failure, Outcome, catalog, term};
 use ca_compile::Options;
 use ca_compile::analysis::{Mode, Modes, Network, modes};
-use ca_io::staged::Staged;
+use ca_io::atomic_file::AtomicFile;
 use ca_model::quantity::Plain;
 use ca_model::render;
 use serde_json::{Value as Json, json};
@@ -174,7 +174,7 @@ fn value(name: &str, network: &Network, found: &Modes) -> Json {
 fn shapes(path: &Path, network: &Network, found: &Modes) -> Result<(), Failure> {
     let bad =
         |e: std::io::Error| Failure::Failed(format!("`{}` cannot be written: {}", path.display(), load::reason(&e)));
-    let staged = Staged::create(path)?;
+    let staged = AtomicFile::create(path)?;
     let mut file = std::io::BufWriter::new(staged.handle()?);
     let mut write = || -> std::io::Result<()> {
         write!(file, "place")?;

@@ -6,7 +6,7 @@
 use crate::args::NewArgs;
 use crate::load::{self, BUNDLED};
 use crate::{Ended, Failure, Outcome, catalog};
-use ca_io::{reading, staged};
+use ca_io::{atomic_file, reading};
 use ca_model::schema;
 use ca_model::suggest::nearest;
 use std::io::Write as _;
@@ -48,7 +48,7 @@ fn describe(path: &Path) -> Result<(), Failure> {
         let what = format!("`{}` is there already, and is no schema of models", path.display());
         return Err(Failure::Failed(format!("{what}: move it away, then `ca list --schema > {SCHEMA}`")));
     }
-    Ok(staged::write(path, format!("{own:#}\n").as_bytes())?)
+    Ok(atomic_file::write(path, format!("{own:#}\n").as_bytes())?)
 }
 
 /// Writes a model file, never over another one unless told so.
@@ -61,6 +61,6 @@ pub(super) fn write(path: &Path, text: &str, force: bool) -> Result<(), Failure>
     if !force && path.symlink_metadata().is_ok() {
         return Err(Failure::Failed(format!("`{}`: it exists; `--force` overwrites it", path.display())));
     }
-    let write = if force { staged::write } else { staged::write_new };
+    let write = if force { atomic_file::write } else { atomic_file::write_new };
     Ok(write(path, text.as_bytes())?)
 }

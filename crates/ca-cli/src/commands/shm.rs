@@ -7,7 +7,7 @@
 use crate::args::{ShmArgs, ShmWhat};
 use crate::{Ended, Outcome, term};
 use ca_haptic::host::Site;
-use ca_haptic::host::debris::{self, Group};
+use ca_haptic::host::stale_shm::{self, Group};
 use serde_json::{Value, json};
 use std::io::Write as _;
 
@@ -40,7 +40,7 @@ fn as_json(group: &Group) -> Value {
 }
 
 fn list(site: &Site, json: bool) -> Outcome {
-    let groups = debris::list(site);
+    let groups = stale_shm::list(site);
     let mut out = std::io::stdout().lock();
     if json {
         let groups: Vec<_> = groups.iter().map(as_json).collect();
@@ -62,7 +62,7 @@ fn list(site: &Site, json: bool) -> Outcome {
 }
 
 fn clean(site: &Site, json: bool) -> Outcome {
-    let cleaned = debris::clean(site);
+    let cleaned = stale_shm::clean(site);
     let bytes: u64 = cleaned.removed.iter().map(|r| r.1).sum();
     let mut out = std::io::stdout().lock();
     if json {

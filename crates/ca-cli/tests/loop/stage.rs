@@ -179,7 +179,7 @@ impl Stage {
 impl Drop for Stage {
     fn drop(&mut self) {
         // names in /dev/shm are not in the folder
-        ca_haptic::host::debris::clean(&self.site);
+        ca_haptic::host::stale_shm::clean(&self.site);
     }
 }
 

@@ -83,5 +83,5 @@ fn mistakes_are_errors_with_words() {
         assert!(again > device, "a handle is never used twice");
         assert_eq!(ca_device_close(again), 0);
     }
-    ca_haptic::host::debris::clean(&site);
+    ca_haptic::host::stale_shm::clean(&site);
 }

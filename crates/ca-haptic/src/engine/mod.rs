@@ -1,6 +1,6 @@
 //! The engine: frames of devices in, forces and sound out, one gesture frame at a time.
 //!
-//! Decides that this is a pure function of what it is given: the scene, the order of frames and acts, and nothing else,
+//! Decides that this is a pure function of what it is given: the scene, the order of frames and commands, and nothing else,
 //! no clock, no thread. Real time is somebody else's ([`serve`](crate::serve)); a take replays the same calls and gets
 //! the same bits. A frame has two halves, because the force of the frame is known before the masses of its last tick
 //! move: [`Engine::answer`] makes the force frames, to be sent at once, and [`Engine::finish`] does the rest. After
@@ -36,7 +36,7 @@ pub struct Change {
 
 /// What somebody asks of a running engine.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Act {
+pub enum EngineCommand {
     /// new values of parameters, ramped over the next gesture frame
     Set(Box<Change>),
     /// forces on or off, of one device or all
@@ -49,7 +49,7 @@ pub enum Act {
 
 /// What an act leaves behind, to be freed elsewhere.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Spent {
+pub enum Retired {
     /// a change that was made
     Change(Box<Change>),
     /// the state before a reload
@@ -88,7 +88,7 @@ pub struct Counts {
     pub faults: u64,
     /// sound samples that hit the ceiling or were not finite (H16)
     pub clipped: u64,
-    /// acts that did not fit the scene
+    /// commands that did not fit the scene
     pub refused: u64,
 }
 
@@ -160,9 +160,9 @@ impl Engine {
     }
 
     /// Does what somebody asked, from the next tick on. Gives back what must be freed elsewhere.
-    pub fn act(&mut self, act: Act) -> Option<Spent> {
+    pub fn command(&mut self, act: EngineCommand) -> Option<Retired> {
         match act {
-            Act::Set(change) => {
+            EngineCommand::Set(change) => {
                 // at once where nothing has sounded yet
                 let ticks = if self.state.tick == 0 { 1 } else { self.scene.frame };
                 for patch in &change.patches {
@@ -170,16 +170,16 @@ impl Engine {
                         self.counts.refused += 1;
                     }
                 }
-                return Some(Spent::Change(change));
+                return Some(Retired::Change(change));
             }
-            Act::Order(which, order) => match which {
+            EngineCommand::Order(which, order) => match which {
                 None => self.ports.iter_mut().for_each(|p| p.chain.order(order)),
                 Some(k) => match self.ports.get_mut(k as usize) {
                     Some(p) => p.chain.order(order),
                     None => self.counts.refused += 1,
                 },
             },
-            Act::Reload(mut state) => {
+            EngineCommand::Reload(mut state) => {
                 if state.scene == self.scene.identity() {
                     // the tick goes on: it says which phase of a frame comes, and numbers the frames of a take
                     state.tick = self.state.tick;
@@ -193,15 +193,15 @@ impl Engine {
                 } else {
                     self.counts.refused += 1;
                 }
-                return Some(Spent::State(state));
+                return Some(Retired::State(state));
             }
-            Act::Refit(mut refit) => {
+            EngineCommand::Refit(mut refit) => {
                 let port = self.ports.get_mut(refit.which as usize);
                 match port.and_then(|p| refit.swap(p)) {
                     Some(faults) => self.past_faults += faults,
                     None => self.counts.refused += 1,
                 }
-                return Some(Spent::Port(refit));
+                return Some(Retired::Port(refit));
             }
         }
         None

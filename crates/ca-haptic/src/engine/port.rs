@@ -3,8 +3,8 @@
 use crate::calibration::Calibration;
 use crate::equivalence::Gains;
 use crate::frame::{Cause, DOF, DeviceFrame, ForceFrame, status};
-use crate::guard::input::{Inlet, Verdict};
-use crate::guard::{Chain, Hand};
+use crate::guard::input::{InputValidator, Verdict};
+use crate::guard::{Chain, GuardFrame};
 use crate::profile::Profile;
 use ca_core::scene::InputRole;
 use ca_core::{Scene, State};
@@ -44,12 +44,12 @@ pub struct Port {
     /// its guard
     pub chain: Chain,
     /// the frame under way
-    pub hand: Hand,
+    pub hand: GuardFrame,
     /// the last force frame
     pub out: ForceFrame,
     /// what moves what
     pub links: Vec<Link>,
-    inlet: Inlet,
+    validator: InputValidator,
     calibration: Calibration,
     /// force of each link in the frame before \[N\], of the scene
     last: Vec<f64>,
@@ -95,8 +95,8 @@ impl Port {
         let frame = te.max(1.0 / profile.rate);
         Port {
             chain: Chain::new(&profile, te),
-            inlet: Inlet::new(&profile, te),
-            hand: Hand::new(n, te),
+            validator: InputValidator::new(&profile, te),
+            hand: GuardFrame::new(n, te),
             reach: 2.0 * profile.guard.speed * frame,
             gentle: (profile.range[1] - profile.range[0]) / profile.guard.approach * te,
             pace: (1.0 / (profile.rate * te)).ceil().clamp(1.0, 1e9) as u32,
@@ -119,13 +119,13 @@ impl Port {
             // counts of a sensor are metres from here on, whatever the device knows of them
             real.status |= status::CALIBRATED;
         }
-        self.inlet.take(&real, &mut self.hand)
+        self.validator.take(&real, &mut self.hand)
     }
 
     /// Once a frame, before its first tick: moves the ports of the scene towards the hand. They follow no faster than a
     /// hand can move; and to a device that appears somewhere else they go gently, so that its appearance does not strike.
     pub(super) fn place(&mut self, state: &mut State) {
-        self.inlet.settle(&mut self.hand);
+        self.validator.update(&mut self.hand);
         if self.hand.age == u32::MAX {
             return;
         }
@@ -177,7 +177,7 @@ impl Port {
             (hand.force, hand.received, hand.mean) = ([0.0; DOF], [0.0; DOF], [0.0; DOF]);
         }
         self.chain.pass(hand);
-        let (ack_session, ack) = self.inlet.ack();
+        let (ack_session, ack) = self.validator.ack();
         let out = &mut self.out;
         (out.session, out.ack_session, out.ack) = (session, ack_session, ack);
         out.seq += 1;
@@ -210,11 +210,11 @@ impl Port {
         for (to, from) in self.last.iter_mut().zip(&before.last) {
             *to = *from;
         }
-        self.inlet.dropped = before.inlet.dropped;
+        self.validator.dropped = before.validator.dropped;
     }
 
     /// Frames the input checks dropped.
     pub fn dropped(&self) -> u64 {
-        self.inlet.dropped
+        self.validator.dropped
     }
 }

@@ -1,6 +1,6 @@
 //! The engine end to end, without a process: a key on a spring.
 
-use super::{Act, Engine, Options, Port, Setup};
+use super::{Engine, EngineCommand, Options, Port, Setup};
 use crate::calibration::Calibration;
 use crate::frame::{Cause, DeviceFrame, Mode};
 use crate::guard::Order;
@@ -39,7 +39,7 @@ fn a_spring_is_felt_once_armed_and_clear() {
     let mut f = DeviceFrame::new("key", 1);
     f.session = 7;
     let mut force = [0.0; 2];
-    e.act(Act::Order(None, Order::Arm));
+    e.command(EngineCommand::Order(None, Order::Arm));
     for n in 0..6000_u64 {
         f.seq += 1;
         f.t_device_ns = n * 333_333;
@@ -58,7 +58,7 @@ fn an_order_between_the_scene_and_the_guard_counts_for_this_frame() {
     let mut e = engine();
     let mut f = DeviceFrame::new("key", 1);
     f.session = 7;
-    e.act(Act::Order(None, Order::Arm));
+    e.command(EngineCommand::Order(None, Order::Arm));
     let mut sent = Vec::new();
     for n in 0..6000_u64 {
         (f.seq, f.t_device_ns) = (n + 1, n * 333_333);
@@ -66,7 +66,7 @@ fn an_order_between_the_scene_and_the_guard_counts_for_this_frame() {
         e.take(0, &mut f);
         e.prepare();
         if n == 5999 {
-            e.act(Act::Order(Some(0), Order::Trip(Cause::WatchdogOut)));
+            e.command(EngineCommand::Order(Some(0), Order::Trip(Cause::WatchdogOut)));
         }
         sent.push(*e.answer().next().expect("one device"));
         e.finish();
@@ -98,14 +98,14 @@ fn a_device_that_says_what_it_is_goes_on_from_where_it_was() {
         }
         out.expect("one device")
     };
-    e.act(Act::Order(None, Order::Arm));
+    e.command(EngineCommand::Order(None, Order::Arm));
     let before = play(&mut e, 3000, 1e-3);
     assert_eq!((before.mode, before.force[0]), (Mode::Off as u32, 0.0), "it has not said what it is");
     assert_eq!(e.ports[0].chain.wait(), crate::guard::wait::Wait::Undescribed);
     let input = e.state.input.clone();
     let described = unknown.described(&crate::frame::About::new("key", 1000, 1)).expect("it makes sense");
-    let spent = e.act(Act::Refit(Box::new(super::Refit::new(&scene, 0, with(described.clone())))));
-    assert!(matches!(spent, Some(super::Spent::Port(ref p)) if p.profile == described));
+    let retired = e.command(EngineCommand::Refit(Box::new(super::Refit::new(&scene, 0, with(described.clone())))));
+    assert!(matches!(retired, Some(super::Retired::Port(ref p)) if p.profile == described));
     assert_eq!((e.counts.dropped, e.state.input == input), (0, true));
     // armed as before, but the key presses: 0.5 N of 2 N
     let after = play(&mut e, 3000, 1e-3);
@@ -117,13 +117,13 @@ fn a_device_that_says_what_it_is_goes_on_from_where_it_was() {
     assert!(on.mode == Mode::On as u32 && (f64::from(on.force[0]) + 0.5).abs() < 1e-6, "{on:?}");
     // another device while forces are on: those end in a fault, which is counted
     let other = Profile { force: 1.0, ..described };
-    e.act(Act::Refit(Box::new(super::Refit::new(&scene, 0, with(other)))));
+    e.command(EngineCommand::Refit(Box::new(super::Refit::new(&scene, 0, with(other)))));
     let fault = play(&mut e, 1, 1e-3);
     assert_eq!((fault.mode, fault.cause), (Mode::Fault as u32, crate::frame::Cause::Disconnect as u16));
     assert_eq!((fault.force[0], e.counts.faults), (0.0, 1));
     // what is only a copy has no port to give
     let copy = super::Refit::new(&scene, 0, setup()).clone();
-    e.act(Act::Refit(Box::new(copy)));
+    e.command(EngineCommand::Refit(Box::new(copy)));
     assert_eq!((e.counts.refused, e.ports[0].profile.name.as_str()), (1, "unknown"));
 }
 
@@ -135,7 +135,7 @@ fn struck_after_a_stall(stall: u64) -> f64 {
     let mut e = Engine::new(scene.clone(), vec![Port::new(&scene, setup())], Options::default());
     let (mut f, mut most, mut held) = (DeviceFrame::new("key", 1), 0.0_f64, 0);
     f.session = 7;
-    e.act(Act::Order(None, Order::Arm));
+    e.command(EngineCommand::Order(None, Order::Arm));
     for n in 0..8000_u64 {
         let way = ((n as f64 - 6000.0) / 90.0).clamp(0.0, 1.0);
         if !(6050..6050 + stall).contains(&n) {

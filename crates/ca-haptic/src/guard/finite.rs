@@ -1,6 +1,6 @@
 //! H1: a force that is not finite never leaves.
 
-use super::{Hand, Stage};
+use super::{GuardFrame, Stage};
 use crate::frame::{Cause, DOF};
 
 /// Zero instead, and a fault in the same frame.
@@ -11,7 +11,7 @@ impl Stage for Finite {
         "finite"
     }
 
-    fn pass(&mut self, hand: &mut Hand) {
+    fn pass(&mut self, hand: &mut GuardFrame) {
         if hand.force[..hand.n].iter().any(|f| !f.is_finite()) {
             (hand.force, hand.mean) = ([0.0; DOF], [0.0; DOF]);
             hand.trip(Cause::Nonfinite);

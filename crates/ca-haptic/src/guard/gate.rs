@@ -8,7 +8,7 @@
 
 use super::saturation::limit;
 use super::wait::Wait;
-use super::{Hand, Order, Stage};
+use super::{GuardFrame, Order, Stage};
 use crate::frame::{Cause, DOF, Mode, flag};
 use crate::profile::Profile;
 
@@ -94,7 +94,7 @@ impl Gate {
     }
 
     /// What keeps forces from beginning: what the device is, where it is, and what the model presses with there.
-    fn waits(&self, hand: &Hand) -> Wait {
+    fn waits(&self, hand: &GuardFrame) -> Wait {
         if hand.age > self.hold {
             return Wait::Stale;
         }
@@ -143,7 +143,7 @@ impl Stage for Gate {
         "gate"
     }
 
-    fn pass(&mut self, hand: &mut Hand) {
+    fn pass(&mut self, hand: &mut GuardFrame) {
         let fast = hand.v[..hand.n].iter().any(|v| v.abs() > self.speed);
         if fast && self.armed && matches!(self.mode, Mode::Ramp | Mode::On) {
             (self.mode, self.cause, self.since) = (Mode::Damp, Cause::Velocity, 0);

@@ -10,7 +10,7 @@
 //! than a metre a second. One wrong position within what H10 lets pass is then no velocity trip either. The clock of the
 //! device is used where it agrees with ours, else ours.
 
-use super::Hand;
+use super::GuardFrame;
 use crate::frame::{Cause, DOF, DeviceFrame, Mode, status};
 use crate::profile::Profile;
 
@@ -32,7 +32,7 @@ pub enum Verdict {
 }
 
 /// The way in of one device.
-pub struct Inlet {
+pub struct InputValidator {
     n: usize,
     te: f64,
     session: u64,
@@ -82,11 +82,11 @@ const SPIKE: f64 = 2.3;
 /// What must be so, and not so, before forces may come.
 const READY: u32 = status::CALIBRATED | status::POWERED | status::BRAKE;
 
-impl Inlet {
+impl InputValidator {
     /// As the profile says, at engine frames of `te` seconds.
-    pub fn new(profile: &Profile, te: f64) -> Inlet {
+    pub fn new(profile: &Profile, te: f64) -> InputValidator {
         let grain = profile.grain();
-        Inlet {
+        InputValidator {
             n: profile.dof as usize,
             te,
             session: 0,
@@ -116,7 +116,7 @@ impl Inlet {
     }
 
     /// Looks at a frame that came before engine frame `hand.frame`; a good one moves the hand.
-    pub fn take(&mut self, f: &DeviceFrame, hand: &mut Hand) -> Verdict {
+    pub fn take(&mut self, f: &DeviceFrame, hand: &mut GuardFrame) -> Verdict {
         let verdict = self.judge(f, hand);
         self.heard = hand.frame;
         if verdict == Verdict::Good {
@@ -139,7 +139,7 @@ impl Inlet {
             device_says(f, hand);
         } else {
             match verdict {
-                Verdict::Old => self.astray(f.seq, hand),
+                Verdict::Old => self.reject(f.seq, hand),
                 // where it is cannot be true; that somebody let go may be
                 Verdict::Masked | Verdict::Nonfinite | Verdict::Jump => device_says(f, hand),
                 _ => {}
@@ -159,7 +159,7 @@ impl Inlet {
 
     /// A number that was too large once is believed no longer than the frames after it go on as if it had never been:
     /// as many of them as make a fault begin anew, with forces off.
-    fn astray(&mut self, seq: u64, hand: &mut Hand) {
+    fn reject(&mut self, seq: u64, hand: &mut GuardFrame) {
         self.strays = if seq == self.stray.wrapping_add(1) { self.strays + 1 } else { 0 };
         self.stray = seq;
         if self.strays >= self.bad {
@@ -169,7 +169,7 @@ impl Inlet {
         }
     }
 
-    fn judge(&self, f: &DeviceFrame, hand: &Hand) -> Verdict {
+    fn judge(&self, f: &DeviceFrame, hand: &GuardFrame) -> Verdict {
         if !f.is_ours() || (f.n as usize) < self.n {
             return Verdict::Foreign;
         }
@@ -206,7 +206,7 @@ impl Inlet {
     }
 
     /// Once a frame, after all frames that came: motion, speed and age.
-    pub fn settle(&mut self, hand: &mut Hand) {
+    pub fn update(&mut self, hand: &mut GuardFrame) {
         for k in 0..self.n {
             hand.moved[k] = hand.x[k] - self.before[k];
         }
@@ -254,7 +254,7 @@ impl Inlet {
 }
 
 /// What the device reports of itself.
-fn device_says(f: &DeviceFrame, hand: &mut Hand) {
+fn device_says(f: &DeviceFrame, hand: &mut GuardFrame) {
     if f.status & status::CONNECTED == 0 {
         hand.trip(Cause::Disconnect);
     }
@@ -294,7 +294,7 @@ mod tests {
     fn fastest(rate: u32, speed: f64, clock: impl Fn(f64) -> u64, spike: f64) -> (f64, f64, u64) {
         let mut p = Profile::shipped("tgr12").expect("shipped");
         (p.dof, p.rate, p.guard.speed) = (1, f64::from(rate), 1.0);
-        let (mut inlet, mut hand) = (Inlet::new(&p, TE), Hand::new(1, TE));
+        let (mut validator, mut hand) = (InputValidator::new(&p, TE), GuardFrame::new(1, TE));
         let mut f = DeviceFrame::new("key", 1);
         let (mut most, mut last) = (0.0f64, 0.0);
         let every = 3000 / rate;
@@ -304,14 +304,14 @@ mod tests {
                 f.seq += 1;
                 f.t_device_ns = clock(t);
                 f.pos[0] = speed * t + if n == 1500 { spike } else { 0.0 };
-                inlet.take(&f, &mut hand);
+                validator.take(&f, &mut hand);
             }
-            inlet.settle(&mut hand);
+            validator.update(&mut hand);
             (hand.frame, hand.fresh) = (hand.frame + 1, false);
             most = most.max(hand.v[0].abs());
             last = hand.v[0];
         }
-        (most, last, inlet.dropped)
+        (most, last, validator.dropped)
     }
 
     #[test]
@@ -351,7 +351,7 @@ mod tests {
     fn ended(rate: u32, wrong: impl Fn(u32, &mut DeviceFrame) -> bool) -> Cause {
         let mut p = Profile::shipped("tgr12").expect("shipped");
         (p.dof, p.rate, p.guard.speed) = (2, f64::from(rate), 1.0);
-        let (mut inlet, mut hand) = (Inlet::new(&p, TE), Hand::new(2, TE));
+        let (mut validator, mut hand) = (InputValidator::new(&p, TE), GuardFrame::new(2, TE));
         let mut chain = crate::guard::Chain::new(&p, TE);
         chain.order(crate::guard::Order::Arm);
         hand.met = u32::MAX;
@@ -361,10 +361,10 @@ mod tests {
                 let mut f = DeviceFrame::new("key", 2);
                 (f.seq, f.t_device_ns) = (u64::from(n / every) + 1, u64::from(n) * 333_333);
                 if n < 6000 || wrong(n / every, &mut f) {
-                    inlet.take(&f, &mut hand);
+                    validator.take(&f, &mut hand);
                 }
             }
-            inlet.settle(&mut hand);
+            validator.update(&mut hand);
             hand.met = u32::MAX;
             chain.pass(&mut hand);
             (hand.frame, hand.fresh, hand.tripped) = (hand.frame + 1, false, Cause::None);
@@ -409,7 +409,7 @@ mod tests {
     fn a_position_that_is_not_valid_moves_nothing() {
         let mut p = Profile::shipped("tgr12").expect("shipped");
         p.dof = 2;
-        let (mut inlet, mut hand) = (Inlet::new(&p, TE), Hand::new(2, TE));
+        let (mut validator, mut hand) = (InputValidator::new(&p, TE), GuardFrame::new(2, TE));
         let mut f = DeviceFrame::new("key", 3);
         for (seq, mask, verdict) in [
             (1, 0, Verdict::Masked),
@@ -420,10 +420,10 @@ mod tests {
             (5, u32::MAX, Verdict::Good),
         ] {
             (f.seq, f.mask, f.pos) = (seq, mask, [1e-3; DOF]);
-            assert_eq!(inlet.take(&f, &mut hand), verdict, "mask {mask:b}");
+            assert_eq!(validator.take(&f, &mut hand), verdict, "mask {mask:b}");
             let moved = if verdict == Verdict::Good { 1e-3 } else { 0.0 };
             assert_eq!(hand.x[..2], [moved; 2], "mask {mask:b}");
         }
-        assert_eq!(inlet.dropped, 3);
+        assert_eq!(validator.dropped, 3);
     }
 }

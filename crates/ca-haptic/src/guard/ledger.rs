@@ -6,7 +6,7 @@
 //! ([`Exchange`](ca_core::ledger::Exchange)) times β/α; the guard's own share is a line of its own, their difference to
 //! the third.
 
-use super::Hand;
+use super::GuardFrame;
 use crate::frame::DOF;
 
 /// Sums since the engine began \[J\].
@@ -24,7 +24,7 @@ pub struct HandLedger {
 
 impl HandLedger {
     /// Records the frame that ends at the present position; `hand.force` is what the model asks for now.
-    pub(super) fn frame(&mut self, hand: &Hand) {
+    pub(super) fn frame(&mut self, hand: &GuardFrame) {
         for k in 0..hand.n {
             // a model that blew up receives nothing that could be counted
             if hand.received[k].is_finite() {

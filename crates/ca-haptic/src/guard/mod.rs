@@ -1,6 +1,6 @@
 //! The guard: what stands between a model and a hand.
 //!
-//! Decides on one ordered chain per device, a stage a file, each taking and giving a [`Hand`]; the order is here and
+//! Decides on one ordered chain per device, a stage a file, each taking and giving a [`GuardFrame`]; the order is here and
 //! nowhere else. A stage that a profile does not ask for is not in the chain. Nothing allocates, locks or panics after
 //! [`Chain::new`], and everything counts frames, never a clock: a take replays it bit for bit.
 //!
@@ -12,7 +12,7 @@
 //! nothing. None of those after it makes a vector longer (the passivity stage cuts its own sum). The gate (arming,
 //! fade-in, latched faults, damped stop) stands before the slew limit rather than after it, so that the last stage is
 //! the one whose promise |ΔF| ≤ limit a watcher on the wire can hold us to. A fault goes to zero at once. Velocity,
-//! staleness and a model that blew up trip from wherever they are noticed: [`Hand::trip`]. What leaves is rounded
+//! staleness and a model that blew up trip from wherever they are noticed: [`GuardFrame::trip`]. What leaves is rounded
 //! towards zero to the single precision of the wire, so that rounding passes no limit and the ledgers know what was sent.
 //! The TTL is stamped on the frame by the engine.
 
@@ -33,7 +33,7 @@ use crate::profile::Profile;
 
 /// One device during one frame, on its way through the chain.
 #[derive(Clone, Debug)]
-pub struct Hand {
+pub struct GuardFrame {
     /// degrees of freedom
     pub n: usize,
     /// seconds a frame
@@ -85,10 +85,10 @@ pub struct Hand {
     pub tripped: Cause,
 }
 
-impl Hand {
+impl GuardFrame {
     /// A device of `n` degrees of freedom at frames of `te` seconds, at rest and off.
-    pub fn new(n: usize, te: f64) -> Hand {
-        Hand {
+    pub fn new(n: usize, te: f64) -> GuardFrame {
+        GuardFrame {
             n: n.min(DOF),
             te,
             frame: 0,
@@ -146,9 +146,9 @@ pub trait Stage: Send {
     /// What it is called in reports.
     fn name(&self) -> &'static str;
     /// Takes and gives a hand; called once a frame, also while forces are off.
-    fn pass(&mut self, hand: &mut Hand);
+    fn pass(&mut self, hand: &mut GuardFrame);
     /// What was sent in the end, for stages that keep ledgers; called once a frame after the whole chain.
-    fn sent(&mut self, hand: &Hand) {
+    fn sent(&mut self, hand: &GuardFrame) {
         let _ = hand;
     }
 }
@@ -209,7 +209,7 @@ impl Chain {
     }
 
     /// Passes a frame; afterwards `hand.force` may go to the hand.
-    pub fn pass(&mut self, hand: &mut Hand) {
+    pub fn pass(&mut self, hand: &mut GuardFrame) {
         let ago = (hand.frame + 1).saturating_sub(hand.ack);
         let known = hand.ack > 0 && (1..=PAST as u64).contains(&ago);
         hand.ago = if known { ago } else { 1 };

@@ -12,7 +12,7 @@
 //! instrument away for a loud passage. Every weakened frame says so.
 
 use super::gate::frames;
-use super::{Hand, Stage};
+use super::{GuardFrame, Stage};
 use crate::frame::{DOF, Mode, flag};
 use crate::profile::Profile;
 
@@ -124,7 +124,7 @@ impl Stage for Oscillation {
         "oscillation"
     }
 
-    fn pass(&mut self, hand: &mut Hand) {
+    fn pass(&mut self, hand: &mut GuardFrame) {
         // nothing is weakened that nobody feels: waiting for the hand to be clear judges the full force
         if matches!(hand.mode, Mode::Off | Mode::Fault) {
             (self.past, self.seen) = ([Past::default(); DOF], [Seen::new(self.frames); DOF]);
@@ -176,7 +176,7 @@ mod tests {
     fn weakened(f: f64, size: f64, n: usize) -> Option<usize> {
         let p = Profile::shipped("tgr12").expect("shipped");
         let mut stage = Oscillation::new(&p, TE).expect("it is on");
-        let mut hand = Hand::new(1, TE);
+        let mut hand = GuardFrame::new(1, TE);
         hand.mode = Mode::On;
         (0..n).find(|i| {
             hand.force[0] = size * p.force * (std::f64::consts::TAU * f * *i as f64 * TE).sin();
@@ -205,7 +205,7 @@ mod tests {
         let p = Profile::shipped("tgr12").expect("shipped");
         for f in [32.0, 45.0, 64.0] {
             let mut stage = Oscillation::new(&p, TE).expect("it is on");
-            let mut hand = Hand::new(1, TE);
+            let mut hand = GuardFrame::new(1, TE);
             hand.mode = Mode::On;
             // the largest force for a quarter of each period; r.m.s. of the whole 0.43 of it, at times 0.2
             let at = (0..3000).find(|i| {
@@ -219,7 +219,7 @@ mod tests {
         }
         // a single blow as long as that is none
         let mut stage = Oscillation::new(&p, TE).expect("it is on");
-        let mut hand = Hand::new(1, TE);
+        let mut hand = GuardFrame::new(1, TE);
         hand.mode = Mode::On;
         for i in 0..6000 {
             hand.force[0] = if i % 1000 < 60 { p.force } else { 0.0 };
@@ -235,7 +235,7 @@ mod tests {
         // of a loop, in proportion to the gain; of the model, whatever the gain
         for (of_loop, want) in [(true, 0.3_f64.powi(4)), (false, 0.3)] {
             let mut stage = Oscillation::new(&p, TE).expect("it is on");
-            let mut hand = Hand::new(1, TE);
+            let mut hand = GuardFrame::new(1, TE);
             hand.mode = Mode::On;
             let mut gain = 1.0;
             for i in 0..900 {
@@ -253,7 +253,7 @@ mod tests {
     fn comes_back_when_it_is_quiet() {
         let p = Profile::shipped("tgr12").expect("shipped");
         let mut stage = Oscillation::new(&p, TE).expect("it is on");
-        let mut hand = Hand::new(1, TE);
+        let mut hand = GuardFrame::new(1, TE);
         hand.mode = Mode::On;
         let mut gains = Vec::new();
         for i in 0..12_000 {

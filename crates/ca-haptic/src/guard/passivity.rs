@@ -28,7 +28,7 @@
 
 use super::gate::frames;
 use super::saturation::limit;
-use super::{Hand, PAST, Stage, norm};
+use super::{GuardFrame, PAST, Stage, norm};
 use crate::frame::{DOF, Mode, flag};
 use crate::profile::Profile;
 
@@ -124,7 +124,7 @@ impl Stage for Passivity {
         "passivity"
     }
 
-    fn pass(&mut self, hand: &mut Hand) {
+    fn pass(&mut self, hand: &mut GuardFrame) {
         let now = (hand.frame + 1) as usize % PAST;
         let [asked, injected] = self.past[(hand.frame + 1 - hand.ago) as usize % PAST];
         self.past[now] = [hand.force, [0.0; DOF]];

@@ -1,6 +1,6 @@
 //! H2: no vector of force longer than the device may give, its direction kept.
 
-use super::{Hand, Stage, norm};
+use super::{GuardFrame, Stage, norm};
 use crate::frame::flag;
 use crate::profile::Profile;
 
@@ -40,7 +40,7 @@ impl Stage for Saturation {
         "saturation"
     }
 
-    fn pass(&mut self, hand: &mut Hand) {
+    fn pass(&mut self, hand: &mut GuardFrame) {
         for at in (0..hand.n).step_by(self.axes) {
             let end = (at + self.axes).min(hand.n);
             limit(&mut hand.mean[at..end], self.most);

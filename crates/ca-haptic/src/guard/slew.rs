@@ -1,7 +1,7 @@
 //! H3: no force changes faster than the stiffest thing the device renders could change it. Off and fault are zero at
 //! once.
 
-use super::{Hand, Stage, norm};
+use super::{GuardFrame, Stage, norm};
 use crate::frame::{DOF, Mode, flag};
 use crate::profile::Profile;
 
@@ -23,7 +23,7 @@ impl Stage for Slew {
         "slew"
     }
 
-    fn pass(&mut self, hand: &mut Hand) {
+    fn pass(&mut self, hand: &mut GuardFrame) {
         if matches!(hand.mode, Mode::Off | Mode::Fault) {
             return;
         }

@@ -6,7 +6,7 @@
 //! device that measures its motors reports. Arming does not cool a motor: the heat stays.
 
 use super::saturation::limit;
-use super::{Hand, Stage, norm};
+use super::{GuardFrame, Stage, norm};
 use crate::frame::{DOF, flag};
 use crate::profile::Profile;
 
@@ -42,7 +42,7 @@ impl Stage for Thermal {
         "thermal"
     }
 
-    fn pass(&mut self, hand: &mut Hand) {
+    fn pass(&mut self, hand: &mut GuardFrame) {
         let full = self.rating * self.rating;
         for at in (0..hand.n).step_by(self.axes) {
             let left = (full - self.heat[at]).max(0.0);
@@ -55,7 +55,7 @@ impl Stage for Thermal {
         }
     }
 
-    fn sent(&mut self, hand: &Hand) {
+    fn sent(&mut self, hand: &GuardFrame) {
         for at in (0..hand.n).step_by(self.axes) {
             let f = norm(&hand.force[at..(at + self.axes).min(hand.n)]);
             self.heat[at] += self.share * (f * f - self.heat[at]);

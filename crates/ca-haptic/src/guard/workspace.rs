@@ -9,7 +9,7 @@
 //! pushed out, which nobody asked for, and does not have to be lifted before forces begin: an edge is there once the hand
 //! has been outside of it.
 
-use super::{Hand, Stage};
+use super::{GuardFrame, Stage};
 use crate::frame::{DOF, Mode, flag};
 use crate::profile::Profile;
 
@@ -45,7 +45,7 @@ impl Stage for Workspace {
         "workspace"
     }
 
-    fn pass(&mut self, hand: &mut Hand) {
+    fn pass(&mut self, hand: &mut GuardFrame) {
         for i in 0..hand.n {
             let x = hand.x[i];
             let mut push = self.k * ((self.low - x).max(0.0) - (x - self.high).max(0.0));
@@ -76,14 +76,14 @@ mod tests {
         let mut stage = Workspace::new(&p).expect("it has edges");
         // 5 % of 20 mm; 10 N at the stop is less than half of 40 N/mm
         for (x, want) in [(0.0, 0.0), (8.9e-3, 0.0), (9.5e-3, -5.0), (0.01, -10.0), (-9.1e-3, 1.0), (-0.01, 10.0)] {
-            let mut hand = Hand::new(1, 1.0 / 3000.0);
+            let mut hand = GuardFrame::new(1, 1.0 / 3000.0);
             (hand.x[0], hand.mode) = (x, Mode::On);
             stage.pass(&mut hand);
             assert!((hand.force[0] - want).abs() < 1e-9, "{x}: {}", hand.force[0]);
             assert_eq!(hand.flags & flag::EDGE != 0, want != 0.0);
         }
         // armed while inside: not pushed out, and closed again once it has been outside
-        let mut hand = Hand::new(1, 1.0 / 3000.0);
+        let mut hand = GuardFrame::new(1, 1.0 / 3000.0);
         for (x, mode, want) in [
             (0.01, Mode::Off, 0.0),
             (0.01, Mode::On, 0.0),
@@ -104,7 +104,7 @@ mod tests {
     fn takes_what_it_stores() {
         let p = Profile::shipped("tgr12").expect("shipped");
         let mut stage = Workspace::new(&p).expect("it has edges");
-        let mut hand = Hand::new(1, 1.0 / 3000.0);
+        let mut hand = GuardFrame::new(1, 1.0 / 3000.0);
         hand.mode = Mode::On;
         stage.pass(&mut hand);
         hand.x[0] = 9e-3;

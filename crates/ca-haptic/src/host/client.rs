@@ -46,7 +46,7 @@ impl DeviceClient {
     pub fn open(site: &Site, about: About) -> Result<DeviceClient, HostError> {
         let name = text(&about.device);
         check_name(&name)?;
-        super::debris::strangers(site)?;
+        super::stale_shm::strangers(site)?;
         within(site, room::DEVICE, LIMIT, move |site| DeviceClient::made(site, &name, about))
     }
 
@@ -154,7 +154,7 @@ impl DeviceClient {
     }
 
     /// The newest frame, which is what the motors hold from now on: one that is only looked at ([`DeviceClient::cause`])
-    /// acts on nobody, and must not be acknowledged.
+    /// commands on nobody, and must not be acknowledged.
     fn give(&mut self) -> Option<&ForceFrame> {
         let last = self.watch.last();
         self.given = last.map_or(0, |f| f.seq);

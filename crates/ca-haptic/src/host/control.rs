@@ -112,7 +112,7 @@ pub struct ControlServer {
 impl ControlServer {
     /// Opens it. Another server at this place is an error; one that was killed is not.
     pub fn open(site: &Site) -> Result<ControlServer, HostError> {
-        super::debris::strangers(site)?;
+        super::stale_shm::strangers(site)?;
         within(site, room::CONTROL, LIMIT, ControlServer::made)
     }
 
@@ -190,7 +190,7 @@ fn fits(length: usize) -> bool {
 
 /// Asks the server of this place, and waits for its answer at most this long.
 pub fn ask(site: &Site, request: &Request, patience: Duration) -> Result<Reply, HostError> {
-    super::debris::strangers(site)?;
+    super::stale_shm::strangers(site)?;
     let text = serde_json::to_vec(request).map_err(|e| HostError::system("a request cannot be written", e))?;
     let need = room::ASK.max(grown(text.len()));
     within(site, need, LIMIT.saturating_add(patience), move |site| asked(site, &text, patience))

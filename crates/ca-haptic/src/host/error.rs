@@ -45,7 +45,7 @@ impl HostError {
         HostError::new(
             HostErrorKind::System,
             format!("{what}: {why:?}"),
-            "see `ca shm list`; `ca shm clean` helps against debris",
+            "see `ca shm list`; `ca shm clean` removes what ended processes have left",
         )
     }
 }

@@ -101,7 +101,7 @@ pub struct Gateway {
 impl Gateway {
     /// Opens the lines of these devices. Another server that has one of them is an error; one that was killed is not.
     pub fn open<S: AsRef<str>>(site: &Site, names: &[S]) -> Result<Gateway, HostError> {
-        super::debris::strangers(site)?;
+        super::stale_shm::strangers(site)?;
         let names: Vec<String> = names.iter().map(|n| n.as_ref().into()).collect();
         let need = room::DEVICE * names.len() as u64;
         // each device has its own patience

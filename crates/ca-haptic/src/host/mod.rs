@@ -19,7 +19,6 @@
 
 pub mod client;
 pub mod control;
-pub mod debris;
 mod error;
 pub mod gateway;
 pub mod lines;
@@ -27,6 +26,7 @@ mod ours;
 mod room;
 mod session;
 pub mod site;
+pub mod stale_shm;
 pub mod watch;
 mod within;
 

@@ -51,12 +51,12 @@ mod tests {
     use super::*;
     use crate::frame::About;
     use crate::host::control::{ControlServer, Reply, Request, ask};
-    use crate::host::{DeviceClient, Gateway, Site, debris};
+    use crate::host::{DeviceClient, Gateway, Site, stale_shm};
     use std::time::Duration;
 
     /// Memory of all files of a place \[bytes\], in whole pages.
     fn used(site: &Site) -> u64 {
-        let files = debris::list(site).into_iter().flat_map(|g| g.files);
+        let files = stale_shm::list(site).into_iter().flat_map(|g| g.files);
         files.filter(|f| f.0.starts_with(SHM)).map(|f| f.1.next_multiple_of(4096)).sum()
     }
 
@@ -93,7 +93,7 @@ mod tests {
         assert!(asking.join().is_ok_and(|r| r.is_ok()));
         assert!(most > with && most - with <= ASK, "{most} - {with}");
         drop(control);
-        debris::clean(&site);
+        stale_shm::clean(&site);
     }
 
     #[test]

@@ -65,7 +65,7 @@ fn limited<T: Send + 'static>(
             RecvTimeoutError::Timeout => format!("shared memory at `{root}` does not open within {limit:?}"),
             RecvTimeoutError::Disconnected => format!("iceoryx2 gave up on the shared memory at `{root}`"),
         };
-        let fix = "see `ca shm list`; `ca shm clean` helps against debris, another CA_SHM_ROOT against other users";
+        let fix = "see `ca shm list`; `ca shm clean` removes what ended processes have left, another CA_SHM_ROOT against other users";
         Err(HostError::new(HostErrorKind::System, what, fix))
     })
 }
@@ -93,6 +93,6 @@ mod tests {
         assert!(e.kind == HostErrorKind::System && e.what.contains("300ms"), "{e}");
         // and with our look before it, the place heals
         within(&site, 0, LIMIT, |site| site.node("three")).expect("it opens");
-        crate::host::debris::clean(&site);
+        crate::host::stale_shm::clean(&site);
     }
 }

@@ -1,12 +1,12 @@
 //! The engine thread: rings in, rings out, and the wait between.
 //!
 //! Decides that this loop calls the kernel for nothing but its wait. What does not fit a ring is counted; what must be
-//! freed travels to the desk, and waits here until there is room.
+//! freed travels to the recorder, and waits here until there is room.
 
 use super::audio::Follow;
 use super::clock::{Clock, Pace, Start, wait_for};
 use crate::blocks::put;
-use crate::engine::{Act, Engine};
+use crate::engine::{Engine, EngineCommand};
 use crate::frame::{Cause, DeviceFrame, ForceFrame, Mode};
 use crate::guard::Order;
 use crate::guard::wait::Wait;
@@ -23,13 +23,13 @@ pub struct Rings {
     /// frames of forces, by number
     pub forces: Producer<(u32, ForceFrame)>,
     /// what is asked, and how many disarms were asked for before
-    pub acts: Consumer<(u64, Act)>,
+    pub commands: Consumer<(u64, EngineCommand)>,
     /// what happened
     pub records: Producer<Record>,
     /// sound of a gesture frame: its first tick, how many samples, and they, interleaved
     pub sound: Producer<f64>,
     /// how each frame went
-    pub beats: Producer<Beat>,
+    pub timings: Producer<FrameTiming>,
     /// pictures: a tick, how many places, and their displacements \[m\]; none where nobody looks
     pub views: Option<Producer<f64>>,
     /// what plays the sound at once; none where it only goes to files
@@ -38,7 +38,7 @@ pub struct Rings {
 
 /// How a gesture frame went.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Beat {
+pub struct FrameTiming {
     /// when it began, and what was left out
     pub start: Start,
     /// how long it computed \[ns\]
@@ -56,8 +56,8 @@ pub struct Shared {
     pub disarms: AtomicU64,
     /// periods left out
     pub missed: AtomicU64,
-    /// beats nobody fetched in time
-    pub lost_beats: AtomicU64,
+    /// timings nobody fetched in time
+    pub lost_timings: AtomicU64,
     /// force frames the gateway did not fetch in time
     pub lost_forces: AtomicU64,
     /// records nobody fetched in time
@@ -77,7 +77,7 @@ pub struct Shared {
 }
 
 impl Shared {
-    /// Records, sound samples and pictures that found no room on their way to the desk.
+    /// Records, sound samples and pictures that found no room on their way to the recorder.
     pub fn lost(&self) -> [u64; 3] {
         [&self.lost_records, &self.lost_sound, &self.lost_views].map(|n| n.load(Relaxed))
     }
@@ -153,15 +153,15 @@ impl Live {
             self.lapsed(start.late.max(blind), self.engine.due());
             self.frame();
             self.shared.missed.fetch_add(start.missed, Relaxed);
-            if self.rings.beats.push(Beat { start, took: now_ns() - begin }).is_err() {
-                self.shared.lost_beats.fetch_add(1, Relaxed);
+            if self.rings.timings.push(FrameTiming { start, took: now_ns() - begin }).is_err() {
+                self.shared.lost_timings.fetch_add(1, Relaxed);
             }
             looked = now_ns();
             let alone = if matches!(self.clock, Clock::Device { .. }) { start.missed } else { 0 };
             left = left.map(|n| n.saturating_sub(alone.max(1)));
         }
         // the last word is that forces are off, not silence until the device notices
-        self.engine.act(Act::Order(None, Order::Disarm));
+        self.engine.command(EngineCommand::Order(None, Order::Disarm));
         self.keep(Record::Order { tick: self.engine.due(), port: None, order: Order::Disarm });
         self.frame();
         if self.waiting.is_some() {
@@ -183,7 +183,7 @@ impl Live {
 
     /// An order that is obeyed at once; only what tells of it may find no room.
     fn order(&mut self, port: u32, order: Order, tick: u64) {
-        let _ = self.engine.act(Act::Order(Some(port), order));
+        let _ = self.engine.command(EngineCommand::Order(Some(port), order));
         let record = Record::Order { tick, port: Some(port), order };
         if hand(&mut self.rings, &mut self.missing, record, 2).is_err() {
             self.missing += 1;
@@ -200,7 +200,7 @@ impl Live {
                 self.order(k as u32, Order::Disarm, self.engine.due());
             }
         }
-        self.acts();
+        self.commands();
         self.devices();
         let due = self.engine.due();
         self.engine.prepare();
@@ -230,25 +230,25 @@ impl Live {
         self.regular();
     }
 
-    fn acts(&mut self) {
+    fn commands(&mut self) {
         if let Some(record) = self.waiting.take() {
             self.keep(record);
         }
         // those that are there: who asks without end is no reason for the frame to wait
-        for _ in 0..self.rings.acts.slots() {
+        for _ in 0..self.rings.commands.slots() {
             if self.waiting.is_some() {
                 return;
             }
-            let Ok((disarms, act)) = self.rings.acts.pop() else { return };
-            if matches!(act, Act::Order(_, Order::Arm)) && disarms < self.shared.disarms.load(Relaxed) {
+            let Ok((disarms, act)) = self.rings.commands.pop() else { return };
+            if matches!(act, EngineCommand::Order(_, Order::Arm)) && disarms < self.shared.disarms.load(Relaxed) {
                 continue;
             }
             let tick = self.engine.due();
-            if let Act::Order(port, order) = act {
+            if let EngineCommand::Order(port, order) = act {
                 self.keep(Record::Order { tick, port, order });
             }
-            if let Some(spent) = self.engine.act(act) {
-                self.keep(Record::Spent { tick, spent });
+            if let Some(retired) = self.engine.command(act) {
+                self.keep(Record::Retired { tick, retired });
             }
         }
     }

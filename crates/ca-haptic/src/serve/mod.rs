@@ -1,34 +1,34 @@
-//! A scene played in real time: the engine on its thread, rings to its neighbours, and the desk that looks after it.
+//! A scene played in real time: the engine on its thread, rings to its neighbours, and the recorder that looks after it.
 //!
 //! ```text
-//! devices ⇄ gateway ⇄ rings ⇄ engine thread ─► rings ─► desk ─► sound file, take, terminal
-//!                                   │▲───────── acts ─────┘
+//! devices ⇄ gateway ⇄ rings ⇄ engine thread ─► rings ─► recorder ─► sound file, take, terminal
+//!                                   │▲───────── commands ─────┘
 //!                                   └──► ring ─► device that plays sound, where there is one
 //! ```
 //!
 //! Decides that the engine thread knows rings only. Who fills them (shared memory, a test) and where records end is the
-//! caller's: [`rings`] makes both sides. The desk is no thread of its own but a turn to be taken every few milliseconds
+//! caller's: [`rings`] makes both sides. The recorder is no thread of its own but a turn to be taken every few milliseconds
 //! by the caller, so that a program embeds it in the loop it has.
 
-mod aside;
+mod async_sink;
 pub mod audio;
 mod clock;
-mod desk;
 mod live;
 mod loops;
+mod recorder;
 mod sink;
 mod summary;
 #[cfg(feature = "mcap")]
 mod taken;
 
-pub use aside::{Aside, Line, Room};
+pub use async_sink::{AsyncSink, Room, SinkHandle};
 pub use clock::{Clock, Start};
-pub use desk::Desk;
-pub use live::{Beat, Every, Live, Rings, Shared};
+pub use live::{Every, FrameTiming, Live, Rings, Shared};
+pub use recorder::Recorder;
 pub use sink::{Happened, Sink, Wants};
-pub use summary::{DeviceSummary, Fault, Pulse, Summary};
+pub use summary::{DeviceSummary, Fault, StatsSnapshot, Summary};
 
-use crate::engine::Act;
+use crate::engine::EngineCommand;
 use crate::frame::{DeviceFrame, ForceFrame};
 use crate::record::Record;
 use ca_core::Scene;
@@ -42,26 +42,26 @@ pub struct GatewayEnds {
     pub forces: Consumer<(u32, ForceFrame)>,
 }
 
-/// The desk's ends of the rings.
-pub struct DeskEnds {
+/// The recorder's ends of the rings.
+pub struct RecorderEnds {
     /// what is asked
-    pub acts: Producer<(u64, Act)>,
+    pub commands: Producer<(u64, EngineCommand)>,
     /// what happened
     pub records: Consumer<Record>,
     /// sound of gesture frames: first tick, how many samples, and they, interleaved
     pub sound: Consumer<f64>,
     /// how each frame went
-    pub beats: Consumer<Beat>,
+    pub timings: Consumer<FrameTiming>,
     /// pictures; none where nobody looks
     pub views: Option<Consumer<f64>>,
 }
 
-/// How long the desk may be away \[s\] before something is lost, and counted.
+/// How long the recorder may be away \[s\] before something is lost, and counted.
 const AWAY: f64 = 4.0;
 
 /// Rings for a scene with so many devices; `pictures` a second, 0 for none. What plays sound at once comes from
 /// [`audio::link`].
-pub fn rings(scene: &Scene, devices: usize, pictures: u32) -> (Rings, GatewayEnds, DeskEnds) {
+pub fn rings(scene: &Scene, devices: usize, pictures: u32) -> (Rings, GatewayEnds, RecorderEnds) {
     let rate = scene.rate / f64::from(scene.ratio);
     let frames = (AWAY * rate) as usize;
     // the gateway is never away: a device that sends in bursts, or one that is suspended and comes back
@@ -82,14 +82,20 @@ pub fn rings(scene: &Scene, devices: usize, pictures: u32) -> (Rings, GatewayEnd
         Rings {
             frames: frames_out,
             forces: forces_in,
-            acts: acts_out,
+            commands: acts_out,
             records: records_in,
             sound: sound_in,
-            beats: beats_in,
+            timings: beats_in,
             views: views_in,
             audio: None,
         },
         GatewayEnds { frames: frames_in, forces: forces_out },
-        DeskEnds { acts: acts_in, records: records_out, sound: sound_out, beats: beats_out, views: views_out },
+        RecorderEnds {
+            commands: acts_in,
+            records: records_out,
+            sound: sound_out,
+            timings: beats_out,
+            views: views_out,
+        },
     )
 }

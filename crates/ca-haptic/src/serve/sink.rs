@@ -1,6 +1,6 @@
 //! What a sink is: one trait for sound files, takes, terminals and Python, so that a new one is a file of its own.
 
-use super::summary::Pulse;
+use super::summary::StatsSnapshot;
 use crate::record::Record;
 use ca_io::FileError;
 
@@ -14,7 +14,7 @@ pub trait Sink {
     fn lost(&self) -> [u64; 3] {
         [0; 3]
     }
-    /// What people should know of it by now: whether that is bad, and in words. Asked at each turn of the desk.
+    /// What people should know of it by now: whether that is bad, and in words. Asked at each poll of the recorder.
     fn news(&mut self) -> Option<(bool, String)> {
         None
     }
@@ -34,8 +34,8 @@ pub trait Sink {
         Ok(())
     }
     /// Once a second.
-    fn pulse(&mut self, pulse: &Pulse) -> Result<(), FileError> {
-        let _ = pulse;
+    fn snapshot(&mut self, snapshot: &StatsSnapshot) -> Result<(), FileError> {
+        let _ = snapshot;
         Ok(())
     }
     /// Something people should know.

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 /// Once a second.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Pulse {
+pub struct StatsSnapshot {
     /// sound sample
     pub tick: u64,
     /// gesture frames so far
@@ -96,7 +96,7 @@ pub struct Summary {
     /// pictures that found none
     pub lost_views: u64,
     /// frames whose times are in none of the figures above: nobody fetched them in time
-    pub lost_beats: u64,
+    pub lost_timings: u64,
     /// sound samples cut at full scale
     pub clipped: u64,
     /// changes that did not fit
@@ -118,7 +118,7 @@ pub struct Summary {
 impl Summary {
     /// True where nothing was lost, cut, left unwritten or blown up. Faults of a hand or device are no loss.
     pub fn is_faithful(&self) -> bool {
-        let lost = self.lost_forces + self.lost_records + self.lost_sound + self.lost_views + self.lost_beats;
+        let lost = self.lost_forces + self.lost_records + self.lost_sound + self.lost_views + self.lost_timings;
         let heard = self.audio.as_ref().is_none_or(AudioSummary::is_faithful);
         lost == 0 && self.broken.is_empty() && self.clipped == 0 && !self.unstable && self.refused == 0 && heard
     }

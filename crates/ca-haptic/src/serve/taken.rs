@@ -1,7 +1,7 @@
 //! The take as a sink.
 
 use super::sink::{Happened, Sink};
-use super::summary::Pulse;
+use super::summary::StatsSnapshot;
 use crate::record::Record;
 use crate::take::{Level, Rt, TakeWriter};
 use ca_io::error::FileError;
@@ -19,7 +19,7 @@ impl Sink for TakeWriter {
         TakeWriter::view(self, tick, x)
     }
 
-    fn pulse(&mut self, p: &Pulse) -> Result<(), FileError> {
+    fn snapshot(&mut self, p: &StatsSnapshot) -> Result<(), FileError> {
         self.stats(&Rt {
             tick: p.tick,
             frames: p.frames,
@@ -53,7 +53,7 @@ mod tests {
     use crate::engine::{Engine, Options};
     use crate::frame::DeviceFrame;
     use crate::rt::Wish;
-    use crate::serve::{Aside, Clock, Desk, Every, Live, Room, Shared, rings};
+    use crate::serve::{AsyncSink, Clock, Every, Live, Recorder, Room, Shared, rings};
     use crate::take::{Event, Header, Replay, Take};
     use ca_compile::compile;
     use ca_core::Scene;
@@ -75,11 +75,11 @@ mod tests {
         let dir = tempfile::tempdir().expect("a directory");
         let path = dir.path().join("a.mcap");
         let (header, scene, engine) = key();
-        let (ends, mut gateway, desk_ends) = rings(&scene, 1, 60);
+        let (ends, mut gateway, recorder_ends) = rings(&scene, 1, 60);
         let shared = Arc::new(Shared::default());
         let take = TakeWriter::create(&path, &header, &scene).expect("a file");
-        let (line, take) = Aside::start("take", take, Room::of(&scene), Wish::default()).expect("a thread");
-        let mut desk = Desk::new(desk_ends, shared.clone(), scene, &engine.ports, vec![Box::new(line)]);
+        let (line, take) = AsyncSink::start("take", take, Room::of(&scene), Wish::default()).expect("a thread");
+        let mut recorder = Recorder::new(recorder_ends, shared.clone(), scene, &engine.ports, vec![Box::new(line)]);
         let every = Every { energy: 0, view: 50, hash: 3000 };
         let mut live = Live::new(engine, ends, shared, Clock::Device { patience: 0 }, every);
         let mut play = |live: &mut Live, frames: std::ops::Range<u64>| {
@@ -91,18 +91,18 @@ mod tests {
                 while gateway.forces.pop().is_ok() {}
             }
         };
-        // rings hold four seconds, that of records up to six: the desk is away for eight, and what is asked of the engine still finds room
+        // rings hold four seconds, that of records up to six: the recorder is away for eight, and what is asked of the engine still finds room
         play(&mut live, 1..24_000);
-        desk.set(&[]).expect("asked");
+        recorder.set(&[]).expect("asked");
         play(&mut live, 24_000..24_001);
-        desk.turn();
+        recorder.poll();
         play(&mut live, 24_001..24_101);
-        desk.turn();
+        recorder.poll();
         // and away again until the end
         play(&mut live, 24_101..42_001);
         let engine = live.run(Some(0));
-        desk.turn();
-        let s = desk.summary(&engine, vec![]);
+        recorder.poll();
+        let s = recorder.summary(&engine, vec![]);
         assert!(!s.is_faithful() && s.lost_records > 8000 && s.lost_sound > 80_000 && s.lost_views > 60, "{s:?}");
         let lost = [s.lost_records, s.lost_sound, s.lost_views];
         let reported = take.end().expect("no failure").expect("a take").finish(lost).expect("finished");
@@ -143,26 +143,26 @@ mod tests {
         let dir = tempfile::tempdir().expect("a directory");
         let path = dir.path().join("a.mcap");
         let (header, scene, engine) = key();
-        let (ends, mut gateway, desk_ends) = rings(&scene, 1, 0);
+        let (ends, mut gateway, recorder_ends) = rings(&scene, 1, 0);
         let shared = Arc::new(Shared::default());
         let still = Arc::new(Mutex::new(()));
         let slow = Slow(TakeWriter::create(&path, &header, &scene).expect("a file"), still.clone());
         let room = Room { seconds: 1.0, ..Room::of(&scene) };
-        let (line, take) = Aside::start("take", slow, room, Wish::default()).expect("a thread");
-        let mut desk = Desk::new(desk_ends, shared.clone(), scene, &engine.ports, vec![Box::new(line)]);
+        let (line, take) = AsyncSink::start("take", slow, room, Wish::default()).expect("a thread");
+        let mut recorder = Recorder::new(recorder_ends, shared.clone(), scene, &engine.ports, vec![Box::new(line)]);
         let mut live = Live::new(engine, ends, shared, Clock::Device { patience: 0 }, Every::default());
         // three seconds, of which one may wait
         let held = still.lock().expect("nobody panics");
         for _ in 0..9000 {
             live.frame();
             while gateway.forces.pop().is_ok() {}
-            desk.turn();
+            recorder.poll();
         }
-        assert_eq!(desk.lost(), take.lost().iter().sum::<u64>());
+        assert_eq!(recorder.lost(), take.lost().iter().sum::<u64>());
         let engine = live.run(Some(0));
-        desk.turn();
+        recorder.poll();
         drop(held);
-        let (s, lost) = (desk.summary(&engine, vec![]), take.lost());
+        let (s, lost) = (recorder.summary(&engine, vec![]), take.lost());
         assert_eq!((lost, s.is_faithful()), ([s.lost_records, s.lost_sound, 0], false));
         take.end().expect("no failure").expect("a take").0.finish(lost).expect("finished");
 

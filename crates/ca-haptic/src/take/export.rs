@@ -8,9 +8,9 @@ use super::cdr::{self, Field, In, Kind};
 use super::read::{Event, Take};
 use super::source::{Item, Source, torn};
 use crate::frame::DOF;
+use ca_io::atomic_file::AtomicFile;
 use ca_io::error::FileError;
 use ca_io::sound::{Format, WavOut, Written};
-use ca_io::staged::Staged;
 use std::fmt::Write as _;
 use std::fs::File;
 use std::io::{BufWriter, Seek, SeekFrom, Write};
@@ -39,7 +39,7 @@ pub fn attachment(take: &Take, name: &str, to: impl AsRef<Path>) -> Result<u64, 
     for item in Source::open(&take.path)? {
         match item? {
             Item::Attachment { name: own, data, .. } if own == name => {
-                let staged = Staged::create(to)?;
+                let staged = AtomicFile::create(to)?;
                 let done = staged.handle()?.write_all(&data);
                 done.map_err(|e| FileError::io(to, "it cannot be written", &e))?;
                 staged.commit()?;
@@ -102,7 +102,7 @@ fn shown(take: &Take, topic: &str) -> usize {
 struct Table<'a> {
     to: &'a Path,
     out: BufWriter<File>,
-    staged: Staged,
+    staged: AtomicFile,
     fields: Vec<Field>,
     array: bool,
     shown: usize,
@@ -115,7 +115,7 @@ impl<'a> Table<'a> {
             let e = FileError::unsupported("its messages differ in length, so they are no array").file(to.display());
             return Err(e.fix("use `.csv`"));
         }
-        let staged = Staged::create(to)?;
+        let staged = AtomicFile::create(to)?;
         let out = BufWriter::new(staged.handle()?);
         let mut t = Table { to, out, staged, fields, array, shown, rows: 0 };
         let head = if array { t.header() } else { t.names().into_bytes() };

@@ -6,8 +6,8 @@
 use super::options;
 use super::source::{End, Item, Source};
 use super::write::failed;
+use ca_io::atomic_file::AtomicFile;
 use ca_io::error::FileError;
-use ca_io::staged::Staged;
 use mcap::{Attachment, McapResult, Message, Writer};
 use std::fs::File;
 use std::io::BufWriter;
@@ -32,7 +32,7 @@ pub struct Recovered {
 pub fn recover(from: impl AsRef<Path>, to: impl AsRef<Path>) -> Result<Recovered, FileError> {
     let (from, to) = (from.as_ref(), to.as_ref());
     let mut source = Source::open(from)?;
-    let staged = Staged::create(to)?;
+    let staged = AtomicFile::create(to)?;
     let file = BufWriter::with_capacity(1 << 16, staged.handle()?);
     let mut out = options().create(file).map_err(|e| failed(to, &e))?;
     let mut reported = Recovered { messages: 0, seconds: 0.0, attachments: 0, cut: None, damaged: false };

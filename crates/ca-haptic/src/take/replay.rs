@@ -7,7 +7,7 @@
 
 use super::read::{Event, Take};
 use super::source::End;
-use crate::engine::{Act, Change, Engine, Refit, Setup, Spent};
+use crate::engine::{Change, Engine, EngineCommand, Refit, Retired, Setup};
 use crate::frame::{DeviceFrame, ForceFrame};
 use ca_core::Catalog;
 use ca_io::error::FileError;
@@ -170,14 +170,14 @@ impl Replay {
                 None
             }
             Event::Order(_, port, order) => {
-                self.engine.act(Act::Order(port, order));
+                self.engine.command(EngineCommand::Order(port, order));
                 None
             }
             Event::Profile(_, k, profile) => {
                 if let Some(setup) = self.setups.get_mut(k) {
                     setup.profile = *profile;
                     let refit = Refit::new(&self.engine.scene, k as u32, setup.clone());
-                    self.engine.act(Act::Refit(Box::new(refit)));
+                    self.engine.command(EngineCommand::Refit(Box::new(refit)));
                 }
                 None
             }
@@ -185,8 +185,8 @@ impl Replay {
                 let mine = (self.engine.state.x.len() as u32, self.engine.state.coef.len() as u32);
                 if mine == (r.places, r.coefs) {
                     let fresh = Box::new(self.engine.scene.state());
-                    match self.engine.act(Act::Reload(fresh)) {
-                        Some(Spent::State(old)) if old.bits() != r.bits => {
+                    match self.engine.command(EngineCommand::Reload(fresh)) {
+                        Some(Retired::State(old)) if old.bits() != r.bits => {
                             let bits = |b: u64| format!("{b:016x}");
                             Some(("the state before a reload".into(), bits(r.bits), bits(old.bits())))
                         }
@@ -260,7 +260,7 @@ impl Replay {
     fn change(&mut self, mut change: Change) {
         // a take holds one scene, which was looked at when the engine was made
         change.patches.iter_mut().for_each(|p| p.scene = self.engine.scene.identity());
-        self.engine.act(Act::Set(Box::new(change)));
+        self.engine.command(EngineCommand::Set(Box::new(change)));
     }
 
     fn force(&mut self, k: usize, was: &ForceFrame) -> Option<(String, String, String)> {

@@ -13,7 +13,7 @@ use super::flat::{Energy, Hashed, Lost, Ordered, Reloaded, Rt};
 use super::header::{Header, META};
 use super::views::{self, Level, Picture};
 use super::{cdr, options, topic};
-use crate::engine::Spent;
+use crate::engine::Retired;
 use crate::frame::{Cause, DOF, DeviceFrame, ForceFrame, Mode};
 use crate::guard::Order;
 use crate::record::Record;
@@ -49,7 +49,7 @@ pub struct Finished {
 }
 
 /// A device as it is written.
-struct Hand {
+struct GuardFrame {
     name: String,
     joints: Vec<String>,
     /// where the hand is \[m\], and the force on it \[N\]
@@ -83,7 +83,7 @@ pub struct TakeWriter {
     out: Writer<NoSeek<BufWriter<File>>>,
     path: PathBuf,
     header: Header,
-    hands: Vec<Hand>,
+    hands: Vec<GuardFrame>,
     params: Vec<String>,
     ids: Ids,
     picture: Picture,
@@ -173,7 +173,7 @@ impl TakeWriter {
         match *record {
             Record::Device { port, ref frame } => self.device(port as usize, frame),
             Record::Force { port, ref frame } => self.force(port as usize, frame),
-            Record::Spent { tick, spent: Spent::Change(ref change) } => {
+            Record::Retired { tick, retired: Retired::Change(ref change) } => {
                 self.tick = tick;
                 cdr::change(&mut self.data, tick, change);
                 self.put(self.ids.change, tick)?;
@@ -184,14 +184,14 @@ impl TakeWriter {
                 }
                 Ok(())
             }
-            Record::Spent { tick, spent: Spent::State(ref old) } => {
+            Record::Retired { tick, retired: Retired::State(ref old) } => {
                 self.tick = tick;
                 let (places, coefs) = (old.x.len() as u32, old.coef.len() as u32);
                 cdr::body(&mut self.data, &Reloaded { tick, bits: old.bits(), places, coefs });
                 self.put(self.ids.reload, tick)?;
                 self.log(tick, Level::Info, "scene", "put back to its state at load")
             }
-            Record::Spent { tick, spent: Spent::Port(ref old) } => {
+            Record::Retired { tick, retired: Retired::Port(ref old) } => {
                 self.tick = tick;
                 cdr::Out::new(&mut self.data).put(tick).put(old.which).text(&old.profile.write());
                 self.put(self.ids.profile, tick)?;
@@ -356,7 +356,11 @@ impl TakeWriter {
 }
 
 /// Declares all channels.
-fn channels(out: &mut Writer<NoSeek<BufWriter<File>>>, header: &Header, scene: &Scene) -> McapResult<(Ids, Vec<Hand>)> {
+fn channels(
+    out: &mut Writer<NoSeek<BufWriter<File>>>,
+    header: &Header,
+    scene: &Scene,
+) -> McapResult<(Ids, Vec<GuardFrame>)> {
     let none = BTreeMap::new();
     let mut flat = |topic: &str, name: &str, schema: &str| {
         let id = out.add_schema(&format!("ca_v1/msg/{name}"), "ros2msg", schema.as_bytes())?;
@@ -365,7 +369,7 @@ fn channels(out: &mut Writer<NoSeek<BufWriter<File>>>, header: &Header, scene: &
     let mut hands = Vec::new();
     for s in &header.setups {
         let name = &s.device;
-        hands.push(Hand {
+        hands.push(GuardFrame {
             take: flat(&topic::device(name), "DeviceFrame", DeviceFrame::SCHEMA)?,
             give: flat(&topic::force(name), "ForceFrame", ForceFrame::SCHEMA)?,
             joints: (0..s.profile.dof as usize).map(|k| views::joint(scene, name, k)).collect(),

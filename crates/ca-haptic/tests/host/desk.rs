@@ -19,7 +19,7 @@ pub fn place() -> Place {
 impl Drop for Place {
     fn drop(&mut self) {
         // names in /dev/shm are not in the folder
-        ca_haptic::host::debris::clean(&self.site);
+        ca_haptic::host::stale_shm::clean(&self.site);
     }
 }
 

@@ -140,7 +140,7 @@ fn the_longest_place_works() {
         device.wait(Duration::from_millis(5))
     });
     drop((device, server));
-    ca_haptic::host::debris::clean(&site);
+    ca_haptic::host::stale_shm::clean(&site);
 }
 
 #[test]

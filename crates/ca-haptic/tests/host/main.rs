@@ -1,9 +1,9 @@
 //! Devices and server over real shared memory, in threads and in processes of their own.
 
 mod control;
-mod debris;
 mod desk;
 mod examples;
 mod frames;
 mod lines;
 mod processes;
+mod stale_shm;

@@ -16,7 +16,7 @@ use super::{Audio, Sweep, TIMES, Table, shown};
 use crate::Failure;
 use crate::load::reason;
 use crate::sweep::axis::Space;
-use ca_io::staged;
+use ca_io::atomic_file;
 use ca_model::Value;
 use std::collections::hash_map::RandomState;
 use std::fmt::Write as _;
@@ -141,7 +141,7 @@ impl Folder {
         }
         std::fs::create_dir_all(path).map_err(|e| failed(path, "it cannot be made", &e))?;
         // workers begin at the same time, and all of them write the same
-        staged::write(&asked, text.as_bytes())?;
+        atomic_file::write(&asked, text.as_bytes())?;
         Ok(folder)
     }
 

@@ -87,7 +87,7 @@ impl Table {
     pub fn write(&self, path: &Path, about: &[(&str, String)]) -> Result<(), Failure> {
         let fail = |e: String| Failure::Failed(format!("`{}`: it cannot be written: {e}", path.display()));
         let bytes = self.bytes(about).map_err(|e| fail(e.to_string()))?;
-        Ok(ca_io::staged::write(path, &bytes)?)
+        Ok(ca_io::atomic_file::write(path, &bytes)?)
     }
 
     fn bytes(&self, about: &[(&str, String)]) -> Result<Vec<u8>, ParquetError> {

@@ -104,7 +104,7 @@ fn put(path: &Path, text: &str) -> Result<(), Failure> {
         std::fs::create_dir_all(folder).map_err(|e| failed(&e))?;
     }
     // whole or not at all: half a calibration would be a force in the wrong place
-    Ok(ca_io::staged::write(path, text.as_bytes())?)
+    Ok(ca_io::atomic_file::write(path, text.as_bytes())?)
 }
 
 /// Both stops of each axis, of a running device and a person; `None` where the person skips.

@@ -9,7 +9,7 @@ use crate::{Ended, Failure, Outcome, term};
 use ca_haptic::frame::{DeviceFrame, ForceFrame};
 use ca_haptic::host::control::{Request, ask};
 use ca_haptic::host::gateway::list_devices;
-use ca_haptic::host::{DeviceClient, Gateway, HostError, HostErrorKind, Site, debris};
+use ca_haptic::host::{DeviceClient, Gateway, HostError, HostErrorKind, Site, stale_shm};
 use ca_haptic::profile::Profile;
 use ca_haptic::rt::{self, Waits, Wish, now_ns};
 use ca_haptic::stats::{Percentiles, Times};
@@ -125,7 +125,7 @@ fn times(t: &Percentiles) -> String {
 
 /// What others left behind.
 fn left_over(site: &Site) -> Row {
-    let groups = debris::list(site);
+    let groups = stale_shm::list(site);
     let dead: Vec<String> = groups
         .iter()
         .filter(|g| !g.ours && g.alive.is_empty())
@@ -134,9 +134,13 @@ fn left_over(site: &Site) -> Row {
     let swept = site.sweep();
     if swept.left > 0 {
         let found = format!("{} processes ended without leaving, and cannot be swept", swept.left);
-        return Row::poor("debris", found, "`ca shm clean`");
+        return Row::poor("stale shared memory", found, "`ca shm clean`");
     }
-    if dead.is_empty() { Row::good("debris", "none") } else { Row::poor("debris", dead.join(", "), "`ca shm clean`") }
+    if dead.is_empty() {
+        Row::good("stale shared memory", "none")
+    } else {
+        Row::poor("stale shared memory", dead.join(", "), "`ca shm clean`")
+    }
 }
 
 /// Frames there and back between a device and a server, both here, through shared memory.

@@ -11,7 +11,7 @@ use crate::args::{EquivArgs, Source};
 use crate::load::{self, Loaded};
 use crate::{Ended, Failure, Outcome, catalog, term};
 use ca_compile::Options;
-use ca_io::staged;
+use ca_io::atomic_file;
 use ca_model::{read, render, write};
 use std::io::Write as _;
 use std::path::Path;
@@ -34,7 +34,7 @@ pub fn run(args: &EquivArgs) -> Outcome {
             let why = if mdl { "a MIMS file holds no equivalences" } else { "a bundled model is not yours to change" };
             return Err(Failure::Usage(format!("`{}`: {why}; name a file by `--write FILE.ca.toml`", args.model)));
         }
-        staged::write(path, text.as_bytes())?;
+        atomic_file::write(path, text.as_bytes())?;
     } else if let Some(path) = &args.to.write {
         super::new::write(path, &text, args.to.force)?;
     }

@@ -3,13 +3,13 @@
 use ca_core::live::LiveParam;
 use ca_haptic::guard::Order;
 use ca_haptic::host::control::{Given, Reply, Request};
-use ca_haptic::serve::Desk;
+use ca_haptic::serve::Recorder;
 use ca_model::quantity;
 use serde_json::{Map, Value, json};
 use std::fmt::Write as _;
 
 /// Does what is asked; sets `leave` where that is the end.
-pub(super) fn answer(desk: &mut Desk, request: Request, leave: &mut bool) -> Reply {
+pub(super) fn answer(recorder: &mut Recorder, request: Request, leave: &mut bool) -> Reply {
     let done = |r: Result<(), String>, text: String| match r {
         Ok(()) => Reply::done(text),
         Err(why) => Reply::refused(why),
@@ -18,32 +18,35 @@ pub(super) fn answer(desk: &mut Desk, request: Request, leave: &mut bool) -> Rep
         Request::Set { values } => {
             let mut list: Vec<(String, f64)> = Vec::new();
             for (name, given) in values {
-                match value(desk, &name, given) {
+                match value(recorder, &name, given) {
                     Ok(v) => list.push((name, v)),
                     Err(why) => return Reply::refused(why),
                 }
             }
             let names: Vec<String> = list.iter().map(|(n, v)| format!("{n} = {}", quantity::Plain(*v))).collect();
-            done(desk.set(&list), names.join(", "))
+            done(recorder.set(&list), names.join(", "))
         }
         Request::Arm { device } => {
             let who = device.as_deref().unwrap_or("all devices").to_string();
-            done(desk.order(device.as_deref(), Order::Arm), format!("{who}: armed; forces fade in once nothing pushes"))
+            done(
+                recorder.order(device.as_deref(), Order::Arm),
+                format!("{who}: armed; forces fade in once nothing pushes"),
+            )
         }
         Request::Disarm { device } => {
             let who = device.as_deref().unwrap_or("all devices").to_string();
-            done(desk.order(device.as_deref(), Order::Disarm), format!("{who}: forces off"))
+            done(recorder.order(device.as_deref(), Order::Disarm), format!("{who}: forces off"))
         }
         Request::Stop => {
             *leave = true;
             Reply::done("ends")
         }
-        Request::Status => status(desk),
+        Request::Status => status(recorder),
     }
 }
 
-fn value(desk: &Desk, name: &str, given: Given) -> Result<f64, String> {
-    let params = desk.controls().params();
+fn value(recorder: &Recorder, name: &str, given: Given) -> Result<f64, String> {
+    let params = recorder.controls().params();
     let Some(param) = params.iter().find(|p| p.name == name) else {
         let meant = ca_model::suggest::nearest(name, params.iter().map(|p| p.name.as_str()));
         let hint = match meant {
@@ -64,32 +67,32 @@ fn value(desk: &Desk, name: &str, given: Given) -> Result<f64, String> {
     }
 }
 
-fn status(desk: &Desk) -> Reply {
-    let (frames, tick) = desk.progress();
+fn status(recorder: &Recorder) -> Reply {
+    let (frames, tick) = recorder.progress();
     let param = |p: &LiveParam| json!({"name": p.name, "value": p.value, "min": p.min, "max": p.max, "unit": p.unit.symbol, "doc": p.doc});
-    let params: Vec<Value> = desk.controls().params().iter().map(param).collect();
-    let devices: Vec<Value> = desk
+    let params: Vec<Value> = recorder.controls().params().iter().map(param).collect();
+    let devices: Vec<Value> = recorder
         .devices()
         .map(|(name, mode, cause, frames)| {
             json!({"device": name, "mode": mode.name(), "cause": cause.name(), "frames": frames})
         })
         .collect();
     let mut text = format!("{frames} gesture frames, sample {tick}");
-    if desk.lost() > 0 {
-        let _ = write!(text, "; {} records, samples, pictures, forces or times lost so far", desk.lost());
+    if recorder.lost() > 0 {
+        let _ = write!(text, "; {} records, samples, pictures, forces or times lost so far", recorder.lost());
     }
-    for (name, mode, cause, frames) in desk.devices() {
+    for (name, mode, cause, frames) in recorder.devices() {
         let _ = write!(text, "\n{name}: {} ({}), {frames} frames", mode.name(), cause.name());
     }
-    for (name, why) in desk.waiting() {
+    for (name, why) in recorder.waiting() {
         let _ = write!(text, "\n{name}: armed, forces still off: {why}");
     }
     let mut fields = Map::new();
     fields.insert("frames".into(), json!(frames));
-    let waits: Map<String, Value> = desk.waiting().map(|(name, why)| (name.into(), json!(why))).collect();
+    let waits: Map<String, Value> = recorder.waiting().map(|(name, why)| (name.into(), json!(why))).collect();
     fields.insert("waits".into(), waits.into());
     fields.insert("tick".into(), json!(tick));
-    fields.insert("lost".into(), json!(desk.lost()));
+    fields.insert("lost".into(), json!(recorder.lost()));
     fields.insert("devices".into(), devices.into());
     fields.insert("params".into(), params.into());
     Reply { ok: true, text, fields }

@@ -2,13 +2,13 @@
 //!
 //! Decides that a device is asked for what the model makes, and refused where it cannot play that as it is: nothing is
 //! converted to another rate here. Its callback takes samples from a ring and reads the clock, no more; what a device
-//! complains of is reported by the desk.
+//! complains of is reported by the recorder.
 
 use crate::args::ServeArgs;
 use crate::{Failure, load};
 use ca_core::Scene;
 use ca_haptic::rt::now_ns;
-use ca_haptic::serve::Desk;
+use ca_haptic::serve::Recorder;
 use ca_haptic::serve::audio::{Counts, Follow, Who, link};
 use cpal::traits::{DeviceTrait as _, HostTrait as _, StreamTrait as _};
 use cpal::{
@@ -32,8 +32,12 @@ pub(super) struct Playing {
     name: String,
 }
 
-/// Opens what was asked for, and hands the engine's side of it to engine and desk; `None` where nothing was.
-pub(super) fn open(args: &ServeArgs, scene: &Scene, desk: &mut Desk) -> Result<Option<(Playing, Follow)>, Failure> {
+/// Opens what was asked for, and hands the engine's side of it to engine and recorder; `None` where nothing was.
+pub(super) fn open(
+    args: &ServeArgs,
+    scene: &Scene,
+    recorder: &mut Recorder,
+) -> Result<Option<(Playing, Follow)>, Failure> {
     let Some(wanted) = &args.audio else { return Ok(None) };
     // what the library would print, cpal says in words of its own
     jack::set_logger(jack::LoggerType::None);
@@ -67,7 +71,7 @@ pub(super) fn open(args: &ServeArgs, scene: &Scene, desk: &mut Desk) -> Result<O
             None,
         )
         .map_err(failed)?;
-    desk.hears(watch);
+    recorder.hears(watch);
     Ok(Some((Playing { stream, counts, words, name }, follow)))
 }
 
@@ -78,9 +82,9 @@ impl Playing {
     }
 
     /// What the device complains of.
-    pub(super) fn turn(&self, desk: &mut Desk) {
+    pub(super) fn turn(&self, recorder: &mut Recorder) {
         for text in self.words.try_iter() {
-            desk.say(true, format!("{}: {text}", self.name));
+            recorder.say(true, format!("{}: {text}", self.name));
         }
     }
 

@@ -1,7 +1,7 @@
 //! `ca serve`: a model played in real time by device processes.
 //!
 //! Decides who does what: the engine thread computes, the gateway thread moves frames between shared memory and rings,
-//! files are written by threads of their own, and this one, the desk, does everything else that may take its time. A
+//! files are written by threads of their own, and this one, the recorder, does everything else that may take its time. A
 //! model without devices gets no gateway and no shared memory; one without live parameters either gets no control; sound
 //! goes to a device only where that is asked.
 
@@ -20,7 +20,7 @@ use ca_compile::Options;
 use ca_haptic::engine::Engine;
 use ca_haptic::guard::Order;
 use ca_haptic::rt::{self, Wish};
-use ca_haptic::serve::{Aside, Clock, Desk, Every, Happened, Live, Room, Shared, Sink, Wants, rings};
+use ca_haptic::serve::{AsyncSink, Clock, Every, Happened, Live, Recorder, Room, Shared, Sink, Wants, rings};
 use ca_haptic::take::{Header, TakeWriter};
 use ca_io::FileError;
 use ca_io::sound::{Format, WavOut};
@@ -31,7 +31,7 @@ use std::sync::atomic::Ordering::Relaxed;
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-/// Between two turns of the desk.
+/// Between two turns of the recorder.
 const TURN: Duration = Duration::from_millis(2);
 
 /// Between two sweeps of dead processes, in turns.
@@ -102,14 +102,14 @@ pub fn run(args: &ServeArgs) -> Outcome {
     };
 
     let pictures = if take.is_some() { PICTURES } else { 0 };
-    let (mut ends, gateway_ends, desk_ends) = rings(&scene, names.len(), pictures);
+    let (mut ends, gateway_ends, recorder_ends) = rings(&scene, names.len(), pictures);
     let shared = Arc::new(Shared::default());
-    let mut desk = Desk::new(desk_ends, shared.clone(), scene.clone(), &engine.ports, sinks);
-    let (playing, follow) = audio::open(args, &scene, &mut desk)?.unzip();
+    let mut recorder = Recorder::new(recorder_ends, shared.clone(), scene.clone(), &engine.ports, sinks);
+    let (playing, follow) = audio::open(args, &scene, &mut recorder)?.unzip();
     ends.audio = follow;
     let mut talk = talk::Talk::open(&setups, unknown, &scene, gateway_ends, wish(args, -5))?;
     if args.arm {
-        desk.order(None, Order::Arm).map_err(Failure::Failed)?;
+        recorder.order(None, Order::Arm).map_err(Failure::Failed)?;
     }
 
     let clock = match args.clock {
@@ -144,17 +144,17 @@ pub fn run(args: &ServeArgs) -> Outcome {
         }
     }
 
-    let engine = attend(thread, &mut desk, &mut talk, playing.as_ref(), &shared);
+    let engine = attend(thread, &mut recorder, &mut talk, playing.as_ref(), &shared);
     if let Some(playing) = playing {
         playing.end(scene.rate);
     }
     let traffic = talk.end();
     let engine = engine.map_err(|_| Failure::Failed("the engine thread ended by itself".into()))?;
-    desk.turn();
-    let _ = words.map(Aside::end);
-    let mut summary = desk.summary(&engine, threads);
+    recorder.poll();
+    let _ = words.map(AsyncSink::end);
+    let mut summary = recorder.summary(&engine, threads);
     // of the take: what the rings had no room for, and what waited for it too long
-    let on_its_way = take.as_ref().map_or([0; 3], Aside::lost);
+    let on_its_way = take.as_ref().map_or([0; 3], AsyncSink::lost);
     let lost = std::array::from_fn(|k| shared.lost()[k] + on_its_way[k]);
     let mut broken = |e: FileError| {
         term::error(&e.to_string());
@@ -190,15 +190,15 @@ impl Drop for Unplayed {
     }
 }
 
-/// Gives the desk a sink that is written by a thread of its own.
+/// Gives the recorder a sink that is written by a thread of its own.
 fn aside<T: Sink + Send + 'static>(
     sinks: &mut Vec<Box<dyn Sink>>,
     name: &str,
     sink: T,
     room: Room,
     wish: Wish,
-) -> Result<Aside<T>, Failure> {
-    let (line, aside) = Aside::start(name, sink, room, wish)?;
+) -> Result<AsyncSink<T>, Failure> {
+    let (line, aside) = AsyncSink::start(name, sink, room, wish)?;
     sinks.push(Box::new(line));
     Ok(aside)
 }
@@ -222,10 +222,10 @@ fn engine_thread(live: Live, wish: Wish, frames: Option<u64>) -> Result<(JoinHan
     Ok((thread, reported.recv().unwrap_or_default()))
 }
 
-/// The desk, until the engine ends or somebody stops it.
+/// The recorder, until the engine ends or somebody stops it.
 fn attend(
     thread: JoinHandle<Engine>,
-    desk: &mut Desk,
+    recorder: &mut Recorder,
     talk: &mut talk::Talk,
     playing: Option<&audio::Playing>,
     shared: &Arc<Shared>,
@@ -236,10 +236,10 @@ fn attend(
     let mut turns = 0_u64;
     while !thread.is_finished() {
         if let Some(playing) = playing {
-            playing.turn(desk);
+            playing.turn(recorder);
         }
-        desk.turn();
-        if talk.turn(desk, turns.is_multiple_of(SWEEP)) {
+        recorder.poll();
+        if talk.turn(recorder, turns.is_multiple_of(SWEEP)) {
             shared.stop.store(true, Relaxed);
         }
         turns += 1;

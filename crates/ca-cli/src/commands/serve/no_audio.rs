@@ -3,14 +3,14 @@
 use crate::Failure;
 use crate::args::ServeArgs;
 use ca_core::Scene;
-use ca_haptic::serve::Desk;
+use ca_haptic::serve::Recorder;
 use ca_haptic::serve::audio::Follow;
 
 /// There is none.
 pub(super) enum Playing {}
 
 /// Refuses.
-pub(super) fn open(args: &ServeArgs, _: &Scene, _: &mut Desk) -> Result<Option<(Playing, Follow)>, Failure> {
+pub(super) fn open(args: &ServeArgs, _: &Scene, _: &mut Recorder) -> Result<Option<(Playing, Follow)>, Failure> {
     match args.audio {
         None => Ok(None),
         Some(_) => Err(Failure::Failed(
@@ -26,7 +26,7 @@ impl Playing {
         match *self {}
     }
 
-    pub(super) fn turn(&self, _: &mut Desk) {
+    pub(super) fn turn(&self, _: &mut Recorder) {
         match *self {}
     }
 

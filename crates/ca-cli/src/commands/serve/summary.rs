@@ -45,7 +45,7 @@ pub(super) fn text(s: &Summary, name: &str, files: &Files, traffic: Option<Traff
         writeln!(out, "  {:<15}{}", "frames", on_the_way.join(", "))?;
     }
     let lost =
-        [(s.lost_records, "records"), (s.lost_sound, "samples"), (s.lost_views, "pictures"), (s.lost_beats, "times")];
+        [(s.lost_records, "records"), (s.lost_sound, "samples"), (s.lost_views, "pictures"), (s.lost_timings, "times")];
     let lost: Vec<String> = lost.iter().filter(|l| l.0 > 0).map(|(n, what)| format!("{n} {what}")).collect();
     let nothing = if s.broken.is_empty() { "nothing" } else { "what is not written, as below" };
     writeln!(out, "  {:<15}{}", "lost", if lost.is_empty() { nothing.into() } else { lost.join(", ") })?;

@@ -9,7 +9,7 @@ use ca_haptic::host::control::ControlServer;
 use ca_haptic::host::{Event, Gateway, Rings, Running, Site};
 use ca_haptic::profile::Profile;
 use ca_haptic::rt::Wish;
-use ca_haptic::serve::{Desk, GatewayEnds};
+use ca_haptic::serve::{GatewayEnds, Recorder};
 use ca_lab::take::dofs;
 use std::sync::atomic::Ordering::Relaxed;
 use std::sync::mpsc::{Receiver, channel};
@@ -87,30 +87,30 @@ impl Talk {
     }
 
     /// One turn: what devices do, what people ask. True where somebody asked to stop.
-    pub(super) fn turn(&mut self, desk: &mut Desk, sweep: bool) -> bool {
+    pub(super) fn turn(&mut self, recorder: &mut Recorder, sweep: bool) -> bool {
         while let Ok((k, event)) = self.events.try_recv() {
             let name = self.names.get(k as usize).map_or("?", String::as_str);
             match event {
-                Event::Here { session } => desk.say(false, format!("{name}: here (session {session:x})")),
-                Event::Gone => desk.say(true, format!("{name}: gone")),
+                Event::Here { session } => recorder.say(false, format!("{name}: here (session {session:x})")),
+                Event::Gone => recorder.say(true, format!("{name}: gone")),
                 Event::Foreign(why) => {
                     let fix = why.fix();
-                    desk.say(true, format!("{name}: frames came that {why}, and are not used; {fix}"));
+                    recorder.say(true, format!("{name}: frames came that {why}, and are not used; {fix}"));
                 }
                 Event::About(about) => {
                     let Some(setup) = self.setups.get_mut(k as usize) else { continue };
                     match &self.unknown[k as usize] {
                         Some(unknown) => match unknown.fit(setup, &about) {
                             Ok(Some(said)) => {
-                                desk.say(false, format!("{name}: {said}"));
+                                recorder.say(false, format!("{name}: {said}"));
                                 self.refits.push(k);
                             }
                             Ok(None) => {}
-                            Err(why) => desk.say(true, format!("{name}: {why}")),
+                            Err(why) => recorder.say(true, format!("{name}: {why}")),
                         },
                         None => {
                             for what in differs(&setup.profile, &about) {
-                                desk.say(true, format!("{name}: {what}"));
+                                recorder.say(true, format!("{name}: {what}"));
                             }
                         }
                     }
@@ -118,7 +118,7 @@ impl Talk {
             }
         }
         // an engine that has more to do than it can take is asked again
-        self.refits.retain(|k| desk.refit(*k, self.setups[*k as usize].clone()).is_err());
+        self.refits.retain(|k| recorder.refit(*k, self.setups[*k as usize].clone()).is_err());
         if sweep {
             if let Some(site) = &self.site {
                 site.sweep();
@@ -126,7 +126,7 @@ impl Talk {
         }
         let mut leave = false;
         if let Some(control) = &mut self.control {
-            control.poll(&mut |request| answer(desk, request, &mut leave));
+            control.poll(&mut |request| answer(recorder, request, &mut leave));
         }
         leave
     }

@@ -103,7 +103,7 @@ pub fn run(args: &TuneArgs) -> Outcome {
             let why = "a bundled model is not yours to change; name a file by `--write FILE.ca.toml`";
             return Err(Failure::Usage(format!("`{}`: {why}", args.model)));
         }
-        ca_io::staged::write(path, text.as_bytes())?;
+        ca_io::atomic_file::write(path, text.as_bytes())?;
     } else if let Some(path) = &args.to.write {
         super::new::write(path, &text, args.to.force)?;
     }

@@ -2,7 +2,7 @@
 
 use super::performer::{DUO, Performer, duo};
 use crate::desk::{Desk, peak};
-use ca_haptic::engine::Act;
+use ca_haptic::engine::EngineCommand;
 use ca_haptic::guard::Order;
 use std::fs;
 
@@ -46,7 +46,7 @@ fn a_replay_keeps_the_book_that_the_performance_did_not() {
         let file = format!("{name}.mcap");
         let mut p = Performer::of(&text, &changes, false, &desk.path(&file));
         p.frames(10);
-        p.act(Act::Order(None, Order::Arm));
+        p.command(EngineCommand::Order(None, Order::Arm));
         p.frames(1500);
         p.finish();
         let r = desk.ca(&["replay", &file, "--verify", "--energy", "--json"]).is(0).json();

@@ -16,7 +16,7 @@ const PLACE: &str = "CA_TEST_TAKE";
 fn plays_until_it_is_killed() {
     let Some(path) = std::env::var_os(PLACE).map(PathBuf::from) else { return };
     let mut p = Performer::new(DUO, &path);
-    p.act(ca_haptic::engine::Act::Order(None, ca_haptic::guard::Order::Arm));
+    p.command(ca_haptic::engine::EngineCommand::Order(None, ca_haptic::guard::Order::Arm));
     let begin = Instant::now();
     // two minutes at most, should nobody come
     for n in 1..=360_000_u32 {

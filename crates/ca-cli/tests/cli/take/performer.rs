@@ -2,7 +2,7 @@
 
 use ca_compile::Options;
 use ca_core::{Catalog, State};
-use ca_haptic::engine::{self, Act, Change, Engine, Port, Setup};
+use ca_haptic::engine::{self, Change, Engine, EngineCommand, Port, Setup};
 use ca_haptic::equivalence::Gains;
 use ca_haptic::frame::DeviceFrame;
 use ca_haptic::guard::Order;
@@ -100,13 +100,13 @@ impl Performer {
     }
 
     /// Does what somebody asks, between frames.
-    pub fn act(&mut self, act: Act) {
+    pub fn command(&mut self, act: EngineCommand) {
         let tick = self.engine.due();
-        if let Act::Order(port, order) = act {
-            self.engine.act(act);
+        if let EngineCommand::Order(port, order) = act {
+            self.engine.command(act);
             self.note(&Record::Order { tick, port, order });
-        } else if let Some(spent) = self.engine.act(act) {
-            self.note(&Record::Spent { tick, spent });
+        } else if let Some(retired) = self.engine.command(act) {
+            self.note(&Record::Retired { tick, retired });
         }
     }
 
@@ -114,14 +114,14 @@ impl Performer {
     pub fn set(&mut self, name: &str, value: f64) {
         let p = self.controls.params().iter().position(|p| p.name == name).expect("a live parameter") as u32;
         let patch = self.controls.set(name, value).expect("in range");
-        self.act(Act::Set(Box::new(Change { params: vec![(p, value)], patches: vec![patch] })));
+        self.command(EngineCommand::Set(Box::new(Change { params: vec![(p, value)], patches: vec![patch] })));
     }
 
     /// The scene as at load.
     pub fn reload(&mut self) {
         let fresh: State = self.engine.scene.state();
         self.controls = self.engine.scene.controls();
-        self.act(Act::Reload(Box::new(fresh)));
+        self.command(EngineCommand::Reload(Box::new(fresh)));
     }
 
     /// One gesture frame, all devices sending.
@@ -182,7 +182,7 @@ impl Performer {
     /// A performance with all that can happen in it, of `n` frames, at least 1500.
     pub fn play(&mut self, n: u64) {
         self.frames(10);
-        self.act(Act::Order(None, Order::Arm));
+        self.command(EngineCommand::Order(None, Order::Arm));
         self.frames(400);
         let has_param = !self.controls.params().is_empty();
         if has_param {
@@ -191,13 +191,13 @@ impl Performer {
             self.set("stiff", 1000.0 / 3.0);
         }
         self.frames(300);
-        self.act(Act::Order(Some(0), Order::Trip(ca_haptic::frame::Cause::Software)));
+        self.command(EngineCommand::Order(Some(0), Order::Trip(ca_haptic::frame::Cause::Software)));
         self.frames(200);
-        self.act(Act::Order(Some(0), Order::Arm));
+        self.command(EngineCommand::Order(Some(0), Order::Arm));
         self.frames(300);
         if has_param {
             self.reload();
-            self.act(Act::Order(None, Order::Arm));
+            self.command(EngineCommand::Order(None, Order::Arm));
         }
         let more = n.saturating_sub(self.seq);
         self.frames(more);

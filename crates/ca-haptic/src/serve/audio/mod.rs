@@ -37,7 +37,7 @@ pub struct Call {
     pub at: u64,
 }
 
-/// What both sides and the desk may look at. Counts are since the start.
+/// What both sides and the recorder may look at. Counts are since the start.
 #[derive(Debug, Default)]
 pub struct Counts {
     /// times there was nothing to play
@@ -116,7 +116,7 @@ impl AudioSummary {
     }
 }
 
-/// The desk's end.
+/// The recorder's end.
 pub struct Watch {
     /// who plays
     pub who: Who,
@@ -185,7 +185,7 @@ impl Watch {
 /// How late a call may be \[s\] before what waits for it is too old to be played.
 const HELD: f64 = 0.1;
 
-/// Both sides, and the desk's: of a scene of so many channels and so many samples a gesture frame, for a device that asks
+/// Both sides, and the recorder's: of a scene of so many channels and so many samples a gesture frame, for a device that asks
 /// for `buffer` samples at once.
 pub fn link(channels: usize, frame: u32, who: Who, buffer: u32) -> (Follow, Player, Watch) {
     let counts = Arc::new(Counts::default());

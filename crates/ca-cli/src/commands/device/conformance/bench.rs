@@ -6,7 +6,7 @@ use ca_compile::Options as Compile;
 use ca_core::Scene;
 use ca_core::live::Controls;
 use ca_haptic::calibration::Calibration;
-use ca_haptic::engine::{Act, Change, Engine, Options, Port, Setup};
+use ca_haptic::engine::{Change, Engine, EngineCommand, Options, Port, Setup};
 use ca_haptic::frame::{About, Cause, DOF, DeviceFrame, ForceFrame, Mode};
 use ca_haptic::guard::Order;
 use ca_haptic::host::{Event, Gateway, HostError, Site, session};
@@ -154,7 +154,7 @@ impl Bench {
 impl Player {
     /// Forces on, or off.
     pub fn order(&mut self, order: Order) {
-        self.engine.act(Act::Order(None, order));
+        self.engine.command(EngineCommand::Order(None, order));
     }
 
     /// Pulls at each degree of freedom with so much \[N\].
@@ -170,7 +170,7 @@ impl Player {
 
     fn set(&mut self, name: &str, value: f64) -> Result<(), Failure> {
         let patch = self.controls.set(name, value).map_err(|e| Failure::Failed(e.to_string()))?;
-        self.engine.act(Act::Set(Box::new(Change { params: Vec::new(), patches: vec![patch] })));
+        self.engine.command(EngineCommand::Set(Box::new(Change { params: Vec::new(), patches: vec![patch] })));
         Ok(())
     }
 }

@@ -1,13 +1,13 @@
-//! The desk: takes what the engine leaves behind to those who want it, and what people ask to the engine.
+//! The recorder: takes what the engine leaves behind to those who want it, and what people ask to the engine.
 
-use super::aside::missing;
+use super::async_sink::missing;
 use super::audio::Watch;
 use super::loops::Loops;
 use super::sink::{Happened, Sink};
-use super::summary::{DeviceSummary, Fault, Pulse, Summary};
-use super::{Beat, DeskEnds, Shared};
+use super::summary::{DeviceSummary, Fault, StatsSnapshot, Summary};
+use super::{FrameTiming, RecorderEnds, Shared};
 use crate::blocks::take;
-use crate::engine::{Act, Change, Engine, Port, Refit, Setup};
+use crate::engine::{Change, Engine, EngineCommand, Port, Refit, Setup};
 use crate::frame::{Cause, Mode, flag};
 use crate::guard::Order;
 use crate::guard::wait::Wait;
@@ -25,7 +25,7 @@ const REPEAT: f64 = 2.0;
 /// Looks at a device that waits before that is reported: a model goes to its device within a second, which is no news.
 const LOOKS: u32 = 5;
 
-/// One device as the desk sees it.
+/// One device as the recorder sees it.
 struct Seen {
     name: String,
     profile: String,
@@ -46,7 +46,7 @@ struct Seen {
     times: Times,
 }
 
-/// What was measured since the last pulse.
+/// What was measured since the last snapshot.
 #[derive(Default)]
 struct Second {
     frames: Times,
@@ -57,8 +57,8 @@ struct Second {
 }
 
 /// Looks after a running engine.
-pub struct Desk {
-    ends: DeskEnds,
+pub struct Recorder {
+    ends: RecorderEnds,
     shared: Arc<Shared>,
     scene: Arc<Scene>,
     controls: Controls,
@@ -66,7 +66,7 @@ pub struct Desk {
     seen: Vec<Seen>,
     frame_times: Times,
     late_times: Times,
-    /// since the last pulse
+    /// since the last snapshot
     second: Second,
     frames: u64,
     tick: u64,
@@ -81,15 +81,15 @@ pub struct Desk {
     reported: ([u64; 3], u64),
 }
 
-impl Desk {
-    /// A desk for an engine with these ports; what it learns goes to `sinks`.
+impl Recorder {
+    /// A recorder for an engine with these ports; what it learns goes to `sinks`.
     pub fn new(
-        ends: DeskEnds,
+        ends: RecorderEnds,
         shared: Arc<Shared>,
         scene: Arc<Scene>,
         ports: &[Port],
         sinks: Vec<Box<dyn Sink>>,
-    ) -> Desk {
+    ) -> Recorder {
         let seen = |p: &Port| Seen {
             name: p.name.clone(),
             profile: p.profile.name.clone(),
@@ -105,7 +105,7 @@ impl Desk {
             loops: Loops::new(),
             times: Times::new(),
         };
-        Desk {
+        Recorder {
             ends,
             shared,
             controls: scene.controls(),
@@ -140,7 +140,7 @@ impl Desk {
     }
 
     /// Takes everything that lies in the rings; to be called every few milliseconds, and once the engine has ended.
-    pub fn turn(&mut self) {
+    pub fn poll(&mut self) {
         // what there is now, so that records come first
         let mut heard = self.ends.sound.slots();
         while let Ok(record) = self.ends.records.pop() {
@@ -157,8 +157,8 @@ impl Desk {
             self.tell(|s| s.view(tick, &block));
         }
         self.block = block;
-        while let Ok(beat) = self.ends.beats.pop() {
-            self.beat(beat);
+        while let Ok(timing) = self.ends.timings.pop() {
+            self.timing(timing);
         }
         self.missing();
         for (bad, text) in self.sinks.iter_mut().filter_map(|s| s.news()).collect::<Vec<_>>() {
@@ -200,17 +200,17 @@ impl Desk {
         &self.broken
     }
 
-    fn beat(&mut self, beat: Beat) {
+    fn timing(&mut self, timing: FrameTiming) {
         self.frames += 1;
-        self.frame_times.add(beat.took);
-        self.late_times.add(beat.start.late);
-        self.second.frames.add(beat.took);
-        self.second.late.add(beat.start.late);
-        self.second.took += beat.took;
+        self.frame_times.add(timing.took);
+        self.late_times.add(timing.start.late);
+        self.second.frames.add(timing.took);
+        self.second.late.add(timing.start.late);
+        self.second.took += timing.took;
         if self.frames.is_multiple_of(self.rate) {
             let frame = self.rate as f64 / (self.scene.rate / f64::from(self.scene.ratio));
             let audio = self.audio.as_ref().map(Watch::summary);
-            let pulse = Pulse {
+            let snapshot = StatsSnapshot {
                 tick: self.tick,
                 frames: self.frames,
                 frame_us: self.second.frames.percentiles(),
@@ -227,7 +227,7 @@ impl Desk {
                 ppm: audio.map_or(0.0, |a| a.ppm),
             };
             self.second = Second::default();
-            self.tell(|s| s.pulse(&pulse));
+            self.tell(|s| s.snapshot(&snapshot));
         }
     }
 
@@ -240,7 +240,7 @@ impl Desk {
     /// Records, sounds, pictures, forces and times lost so far.
     pub fn lost(&self) -> u64 {
         let s = &self.shared;
-        self.left_out().iter().sum::<u64>() + s.lost_forces.load(Relaxed) + s.lost_beats.load(Relaxed)
+        self.left_out().iter().sum::<u64>() + s.lost_forces.load(Relaxed) + s.lost_timings.load(Relaxed)
     }
 
     fn look(&mut self, record: &Record) {
@@ -323,10 +323,10 @@ impl Desk {
         (seen.wait, seen.ended) = (Some(text), None);
     }
 
-    fn act(&mut self, act: Act) -> Result<(), String> {
+    fn command(&mut self, act: EngineCommand) -> Result<(), String> {
         let disarms = self.shared.disarms.load(Relaxed);
         self.ends
-            .acts
+            .commands
             .push((disarms, act))
             .map_err(|_| "the engine has more to do than it can take; try again".to_string())
     }
@@ -341,7 +341,7 @@ impl Desk {
             change.params.push((place as u32, *value));
             change.patches.push(patch);
         }
-        self.act(Act::Set(Box::new(change)))?;
+        self.command(EngineCommand::Set(Box::new(change)))?;
         self.controls = controls;
         Ok(())
     }
@@ -372,17 +372,17 @@ impl Desk {
         if order == Order::Arm && self.shared.diverged.load(Relaxed) {
             self.reload()?;
         }
-        self.act(Act::Order(which, order))
+        self.command(EngineCommand::Order(which, order))
     }
 
     /// Device number `which` is what `setup` says from the next gesture frame on.
     pub fn refit(&mut self, which: u32, setup: Setup) -> Result<(), String> {
-        self.act(Act::Refit(Box::new(Refit::new(&self.scene, which, setup))))
+        self.command(EngineCommand::Refit(Box::new(Refit::new(&self.scene, which, setup))))
     }
 
     /// The scene as at load, with all parameters as at load, and forces off.
     pub fn reload(&mut self) -> Result<(), String> {
-        self.act(Act::Reload(Box::new(self.scene.state())))?;
+        self.command(EngineCommand::Reload(Box::new(self.scene.state())))?;
         self.controls = self.scene.controls();
         Ok(())
     }
@@ -420,7 +420,7 @@ impl Desk {
             lost_records,
             lost_sound,
             lost_views,
-            lost_beats: s.lost_beats.load(Relaxed),
+            lost_timings: s.lost_timings.load(Relaxed),
             clipped: engine.counts.clipped,
             refused: engine.counts.refused,
             unstable: engine.has_diverged(),
@@ -461,13 +461,13 @@ mod tests {
         let scene = Arc::new(compile(&model, &ca_model::catalog(), &Options::default()).expect("it compiles").scene);
         let (_engine, _gateway, ends) = super::super::rings(&scene, 1, 0);
         let port = Port::new(&scene, setup());
-        let mut desk = Desk::new(ends, Arc::default(), scene, &[port], vec![]);
+        let mut recorder = Recorder::new(ends, Arc::default(), scene, &[port], vec![]);
         let mut frame = ForceFrame::new("key", 1);
         for flags in [0, 0x100, 0x100, 0, 0, 0x100, 0x104] {
             frame.flags = flags;
-            desk.look(&Record::Force { port: 0, frame });
+            recorder.look(&Record::Force { port: 0, frame });
         }
-        let texts: Vec<_> = desk.happened.iter().map(|h| h.text.as_str()).collect();
+        let texts: Vec<_> = recorder.happened.iter().map(|h| h.text.as_str()).collect();
         assert_eq!(texts, ["key: damping for passivity gave energy to the hand; off for a while"; 2]);
     }
 }

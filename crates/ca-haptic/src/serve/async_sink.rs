@@ -1,18 +1,18 @@
 //! A sink on a thread of its own.
 //!
 //! Decides that no disk stands between a person and `ca disarm`, and none between the rings of the engine and another
-//! file: the desk hands over and goes on, whatever a sink does. What waits for it is bounded by seconds of the
+//! file: the recorder hands over and goes on, whatever a sink does. What waits for it is bounded by seconds of the
 //! performance and by memory ([`Room`]); beyond that, frames, sound and pictures are left out of this file alone,
 //! counted, and reported where they are missing. What decides the future of an engine (changes, orders, reloads) is rare,
 //! and always handed over. Once there is no room, half of it must be free before the next is taken: one long hole says
 //! more than a thousand short ones. A hand-over that waits in the rings instead was tried: one slow file then made holes
-//! in all of them, and the desk blind.
+//! in all of them, and the recorder without word.
 //!
 //! The thread asks for a larger share of the cores rather than for real time: a writer that has much to catch up with
 //! would keep a core from everything else, and bring the kernel's guard upon the engine.
 
 use super::sink::{Happened, Sink, Wants};
-use super::summary::Pulse;
+use super::summary::StatsSnapshot;
 use crate::record::Record;
 use crate::rt::{self, Granted, Wish};
 use ca_core::Scene;
@@ -45,32 +45,32 @@ impl Room {
 const LATE: f64 = 2.0;
 
 /// One thing to be written.
-enum Thing {
+enum Message {
     Record(Box<Record>),
     Sound(u64, Vec<f64>),
     View(u64, Vec<f64>),
-    Pulse(Pulse),
+    StatsSnapshot(StatsSnapshot),
     Said(Happened),
     End,
 }
 
-impl Thing {
+impl Message {
     /// When it happened, where that says how far a sink has come.
     fn tick(&self) -> Option<u64> {
         match self {
-            Thing::Record(r) => Some(r.tick()),
-            Thing::Sound(tick, _) | Thing::View(tick, _) => Some(*tick),
-            Thing::Pulse(_) | Thing::Said(_) | Thing::End => None,
+            Message::Record(r) => Some(r.tick()),
+            Message::Sound(tick, _) | Message::View(tick, _) => Some(*tick),
+            Message::StatsSnapshot(_) | Message::Said(_) | Message::End => None,
         }
     }
 
     fn bytes(&self) -> usize {
-        size_of::<Thing>()
+        size_of::<Message>()
             + match self {
-                Thing::Record(_) => size_of::<Record>(),
-                Thing::Sound(_, v) | Thing::View(_, v) => size_of_val(&v[..]),
-                Thing::Said(h) => h.text.len(),
-                Thing::Pulse(_) | Thing::End => 0,
+                Message::Record(_) => size_of::<Record>(),
+                Message::Sound(_, v) | Message::View(_, v) => size_of_val(&v[..]),
+                Message::Said(h) => h.text.len(),
+                Message::StatsSnapshot(_) | Message::End => 0,
             }
     }
 }
@@ -108,10 +108,10 @@ impl Drop for Over<'_> {
     }
 }
 
-/// The desk's end.
-pub struct Line {
+/// The recorder's end.
+pub struct SinkHandle {
     name: String,
-    to: Sender<Thing>,
+    to: Sender<Message>,
     shared: Arc<Shared>,
     wants: Wants,
     room: Room,
@@ -128,27 +128,27 @@ pub struct Line {
 }
 
 /// The owner's end.
-pub struct Aside<T> {
-    to: Sender<Thing>,
+pub struct AsyncSink<T> {
+    to: Sender<Message>,
     shared: Arc<Shared>,
     granted: Granted,
     thread: Option<JoinHandle<Option<T>>>,
 }
 
-impl<T> Drop for Aside<T> {
+impl<T> Drop for AsyncSink<T> {
     /// Waits for a thread that nobody ended, so that its sink is gone before the process is: what it half wrote is then
     /// removed.
     fn drop(&mut self) {
         if let Some(thread) = self.thread.take() {
-            let _ = self.to.send(Thing::End);
+            let _ = self.to.send(Message::End);
             let _ = thread.join();
         }
     }
 }
 
-impl<T: Sink + Send + 'static> Aside<T> {
+impl<T: Sink + Send + 'static> AsyncSink<T> {
     /// Moves a sink to a thread of this name, which asks the system for `wish`.
-    pub fn start(name: &str, mut sink: T, room: Room, wish: Wish) -> Result<(Line, Aside<T>), FileError> {
+    pub fn start(name: &str, mut sink: T, room: Room, wish: Wish) -> Result<(SinkHandle, AsyncSink<T>), FileError> {
         let (to, from) = channel();
         let (tell, granted) = channel();
         let shared = Arc::new(Shared::default());
@@ -167,7 +167,7 @@ impl<T: Sink + Send + 'static> Aside<T> {
                 }
             })
             .map_err(|e| FileError::content(format!("no thread to write with: {e}")))?;
-        let line = Line {
+        let line = SinkHandle {
             name: name.strip_prefix("ca ").unwrap_or(name).into(),
             to: to.clone(),
             shared: shared.clone(),
@@ -180,7 +180,7 @@ impl<T: Sink + Send + 'static> Aside<T> {
             reported_at: 0,
             next: LATE,
         };
-        Ok((line, Aside { to, shared, granted: granted.recv().unwrap_or_default(), thread: Some(thread) }))
+        Ok((line, AsyncSink { to, shared, granted: granted.recv().unwrap_or_default(), thread: Some(thread) }))
     }
 
     /// What the system granted its thread.
@@ -193,25 +193,25 @@ impl<T: Sink + Send + 'static> Aside<T> {
         self.shared.lost()
     }
 
-    /// The sink, once everything handed over is written; none where it failed and the desk has told so.
+    /// The sink, once everything handed over is written; none where it failed and the recorder has told so.
     pub fn end(mut self) -> Result<Option<T>, FileError> {
         // where it failed nobody listens any more
-        let _ = self.to.send(Thing::End);
+        let _ = self.to.send(Message::End);
         let sink = self.thread.take().and_then(|t| t.join().ok()).flatten();
         self.shared.failed().map_or(Ok(sink), Err)
     }
 }
 
-fn work(sink: &mut impl Sink, from: &Receiver<Thing>, shared: &Shared) -> Result<(), FileError> {
+fn work(sink: &mut impl Sink, from: &Receiver<Message>, shared: &Shared) -> Result<(), FileError> {
     while let Ok(thing) = from.recv() {
         let (tick, bytes) = (thing.tick(), thing.bytes());
         match thing {
-            Thing::Record(r) => sink.record(&r)?,
-            Thing::Sound(tick, frames) => sink.sound(tick, &frames)?,
-            Thing::View(tick, x) => sink.view(tick, &x)?,
-            Thing::Pulse(p) => sink.pulse(&p)?,
-            Thing::Said(h) => sink.said(&h)?,
-            Thing::End => break,
+            Message::Record(r) => sink.record(&r)?,
+            Message::Sound(tick, frames) => sink.sound(tick, &frames)?,
+            Message::View(tick, x) => sink.view(tick, &x)?,
+            Message::StatsSnapshot(p) => sink.snapshot(&p)?,
+            Message::Said(h) => sink.said(&h)?,
+            Message::End => break,
         }
         if let Some(tick) = tick {
             shared.done.fetch_max(tick, Relaxed);
@@ -222,8 +222,8 @@ fn work(sink: &mut impl Sink, from: &Receiver<Thing>, shared: &Shared) -> Result
     Ok(())
 }
 
-impl Line {
-    fn put(&mut self, thing: Thing) -> Result<(), FileError> {
+impl SinkHandle {
+    fn put(&mut self, thing: Message) -> Result<(), FileError> {
         self.newest = self.newest.max(thing.tick().unwrap_or(0));
         self.shared.waiting.fetch_add(1, Relaxed);
         self.shared.bytes.fetch_add(thing.bytes(), Relaxed);
@@ -256,7 +256,7 @@ impl Line {
     }
 }
 
-impl Sink for Line {
+impl Sink for SinkHandle {
     fn wants(&self) -> Wants {
         self.wants
     }
@@ -295,40 +295,40 @@ impl Sink for Line {
             return Ok(());
         }
         let tick = record.tick();
-        let decides = matches!(record, Record::Spent { .. } | Record::Order { .. } | Record::Lost { .. });
+        let decides = matches!(record, Record::Retired { .. } | Record::Order { .. } | Record::Lost { .. });
         if !decides && !self.has_room(tick, 0, 1) {
             self.missing += 1;
             return Ok(());
         }
         if self.missing > 0 {
             let records = std::mem::take(&mut self.missing);
-            self.put(Thing::Record(Box::new(Record::Lost { tick, records })))?;
+            self.put(Message::Record(Box::new(Record::Lost { tick, records })))?;
         }
-        self.put(Thing::Record(Box::new(record.clone())))
+        self.put(Message::Record(Box::new(record.clone())))
     }
 
     fn sound(&mut self, tick: u64, frames: &[f64]) -> Result<(), FileError> {
         if self.wants.sound && self.has_room(tick, 1, frames.len() as u64) {
-            self.put(Thing::Sound(tick, frames.to_vec()))?;
+            self.put(Message::Sound(tick, frames.to_vec()))?;
         }
         Ok(())
     }
 
     fn view(&mut self, tick: u64, x: &[f64]) -> Result<(), FileError> {
         if self.wants.views && self.has_room(tick, 2, 1) {
-            self.put(Thing::View(tick, x.to_vec()))?;
+            self.put(Message::View(tick, x.to_vec()))?;
         }
         Ok(())
     }
 
-    fn pulse(&mut self, pulse: &Pulse) -> Result<(), FileError> {
-        if self.wants.pulses { self.put(Thing::Pulse(*pulse)) } else { Ok(()) }
+    fn snapshot(&mut self, snapshot: &StatsSnapshot) -> Result<(), FileError> {
+        if self.wants.pulses { self.put(Message::StatsSnapshot(*snapshot)) } else { Ok(()) }
     }
 
     fn said(&mut self, happened: &Happened) -> Result<(), FileError> {
         // one a second, or what a person did: a terminal that stands still is no reason to fill the memory
         let full = self.shared.bytes.load(Relaxed) >= 2 * self.room.bytes && !self.shared.over.load(Relaxed);
-        if full { Ok(()) } else { self.put(Thing::Said(happened.clone())) }
+        if full { Ok(()) } else { self.put(Message::Said(happened.clone())) }
     }
 }
 

@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 
 /// Where the bytes go until they are all there.
 #[derive(Debug)]
-pub struct Staged {
+pub struct AtomicFile {
     /// what the caller asked for, with symbolic links followed
     target: PathBuf,
     /// the sibling, until it has become the target; `None` where the target is written straight
@@ -29,7 +29,7 @@ pub struct Staged {
 /// # Errors
 /// Where it cannot be written; what was there stays.
 pub fn write(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
-    let staged = Staged::create(path)?;
+    let staged = AtomicFile::create(path)?;
     staged.fill(bytes)?;
     staged.commit()
 }
@@ -43,7 +43,7 @@ pub fn write_new(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
     if path.symlink_metadata().is_ok() {
         return Err(there());
     }
-    let mut staged = Staged::create(path)?;
+    let mut staged = AtomicFile::create(path)?;
     staged.fill(bytes)?;
     let Some(part) = &staged.part else { return Ok(()) };
     staged.file.sync_all().map_err(|e| staged.fail(&e))?;
@@ -59,12 +59,12 @@ pub fn write_new(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
     }
 }
 
-impl Staged {
+impl AtomicFile {
     /// Begins a file.
     ///
     /// # Errors
     /// Where no file can be there.
-    pub fn create(path: &Path) -> Result<Staged, FileError> {
+    pub fn create(path: &Path) -> Result<AtomicFile, FileError> {
         let fail = |e: &std::io::Error| {
             let err = FileError::io(path, "it cannot be written", e);
             if e.kind() == std::io::ErrorKind::NotFound { err.fix("make the directory first") } else { err }
@@ -77,7 +77,7 @@ impl Staged {
             }
             Ok(m) if !m.is_file() => {
                 let file = File::options().write(true).open(&target).map_err(|e| fail(&e))?;
-                return Ok(Staged { target, part: None, file });
+                return Ok(AtomicFile { target, part: None, file });
             }
             _ => {}
         }
@@ -93,7 +93,7 @@ impl Staged {
             // a file system without rights has none to keep
             let _ = file.set_permissions(rights);
         }
-        Ok(Staged { target, part: Some(part), file })
+        Ok(AtomicFile { target, part: Some(part), file })
     }
 
     fn fail(&self, e: &std::io::Error) -> FileError {
@@ -133,7 +133,7 @@ impl Staged {
     }
 }
 
-impl Drop for Staged {
+impl Drop for AtomicFile {
     fn drop(&mut self) {
         if let Some(part) = &self.part {
             let _ = fs::remove_file(part);
@@ -151,7 +151,7 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("a.wav");
         fs::write(&path, "good").unwrap();
-        let staged = Staged::create(&path).unwrap();
+        let staged = AtomicFile::create(&path).unwrap();
         staged.handle().unwrap().write_all(b"ha").unwrap();
         assert_eq!(fs::read_dir(&dir).unwrap().count(), 2);
         assert_eq!(fs::read(&path).unwrap(), b"good");
@@ -159,7 +159,7 @@ mod tests {
         assert_eq!(fs::read_dir(&dir).unwrap().count(), 1);
         assert_eq!(fs::read(&path).unwrap(), b"good");
         // two at once do not share a sibling, the last one to finish wins
-        let (a, b) = (Staged::create(&path).unwrap(), Staged::create(&path).unwrap());
+        let (a, b) = (AtomicFile::create(&path).unwrap(), AtomicFile::create(&path).unwrap());
         a.handle().unwrap().write_all(b"first").unwrap();
         b.handle().unwrap().write_all(b"second").unwrap();
         b.commit().unwrap();
@@ -195,8 +195,8 @@ mod tests {
     #[test]
     fn refuses_a_directory_and_a_place_that_is_not() {
         let dir = tempfile::tempdir().unwrap();
-        assert!(Staged::create(dir.path()).unwrap_err().what.contains("directory"));
-        let e = Staged::create(&dir.path().join("no/such/a.wav")).unwrap_err();
+        assert!(AtomicFile::create(dir.path()).unwrap_err().what.contains("directory"));
+        let e = AtomicFile::create(&dir.path().join("no/such/a.wav")).unwrap_err();
         assert_eq!((e.kind, e.fix.as_str()), (FileErrorKind::Io, "make the directory first"));
     }
 
@@ -207,14 +207,14 @@ mod tests {
         let (real, link) = (dir.path().join("real"), dir.path().join("link"));
         fs::write(&real, "old").unwrap();
         std::os::unix::fs::symlink(&real, &link).unwrap();
-        let s = Staged::create(&link).unwrap();
+        let s = AtomicFile::create(&link).unwrap();
         s.handle().unwrap().write_all(b"new").unwrap();
         s.commit().unwrap();
         assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
         assert_eq!(fs::read(&real).unwrap(), b"new");
         let null = dir.path().join("null");
         std::os::unix::fs::symlink("/dev/null", &null).unwrap();
-        let s = Staged::create(&null).unwrap();
+        let s = AtomicFile::create(&null).unwrap();
         assert!(!s.is_plain());
         s.commit().unwrap();
         assert!(!fs::metadata("/dev/null").unwrap().is_file());

@@ -1,7 +1,7 @@
 //! What killed processes and other versions leave behind.
 
 use crate::desk::{about, place, spawn, until};
-use ca_haptic::host::debris::{clean, list};
+use ca_haptic::host::stale_shm::{clean, list};
 use ca_haptic::host::{DeviceClient, Gateway, HostErrorKind};
 use std::fs;
 use std::io::BufRead;

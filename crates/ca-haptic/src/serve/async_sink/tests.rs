@@ -4,7 +4,7 @@ use super::*;
 use crate::engine::tests::setup;
 use crate::engine::{Engine, Options, Port};
 use crate::guard::Order;
-use crate::serve::{Clock, Desk, Every, Live, rings};
+use crate::serve::{Clock, Every, Live, Recorder, rings};
 use ca_compile::compile;
 use ca_model::read;
 
@@ -33,10 +33,10 @@ impl Sink for Disk {
     }
 }
 
-fn disk(room: Room, blocks: usize) -> (Line, Aside<Disk>, Arc<Mutex<()>>) {
+fn disk(room: Room, blocks: usize) -> (SinkHandle, AsyncSink<Disk>, Arc<Mutex<()>>) {
     let still = Arc::new(Mutex::new(()));
     let disk = Disk { still: still.clone(), ticks: vec![], records: vec![], blocks };
-    let (line, aside) = Aside::start("ca disk", disk, room, Wish::default()).expect("a thread");
+    let (line, aside) = AsyncSink::start("ca disk", disk, room, Wish::default()).expect("a thread");
     (line, aside, still)
 }
 
@@ -46,7 +46,7 @@ fn room(seconds: f64) -> Room {
 
 #[test]
 fn what_waits_is_bounded_by_seconds_and_by_memory_and_the_rest_is_counted() {
-    let each = size_of::<Thing>() + size_of_val(&FRAME);
+    let each = size_of::<Message>() + size_of_val(&FRAME);
     let by_bytes = Room { bytes: 700 * each, ..room(1e9) };
     // ten seconds of sound for a disk that stands still
     for (room, fits) in [(room(2.0), 6000), (room(0.5), 1500), (by_bytes, 700), (room(20.0), 30_000)] {
@@ -61,7 +61,7 @@ fn what_waits_is_bounded_by_seconds_and_by_memory_and_the_rest_is_counted() {
         assert!(disk.ticks.iter().copied().eq((0..fits).map(|n| 16 * n)), "{room:?}");
     }
     // a device at 3 kHz, its forces and two channels of sound, for as long as a disk may stand still
-    let second = 6000 * (size_of::<Record>() + size_of::<Thing>()) + 3000 * (each + size_of_val(&FRAME));
+    let second = 6000 * (size_of::<Record>() + size_of::<Message>()) + 3000 * (each + size_of_val(&FRAME));
     assert!(30 * second < 1 << 28, "{second} bytes a second");
 }
 
@@ -99,7 +99,7 @@ fn a_loss_is_reported_while_it_lasts_and_that_it_is_over() {
 /// Ticks of sounds, number of records, words.
 type Heard = (Vec<u64>, u64, Vec<String>);
 
-/// What the desk says, and all it hands over.
+/// What the recorder says, and all it hands over.
 #[derive(Clone, Default)]
 struct Ear(Arc<Mutex<Heard>>);
 
@@ -126,7 +126,7 @@ impl Sink for Ear {
 
 struct Played {
     ear: Ear,
-    /// failures the desk knew of before the disk went on, and after
+    /// failures the recorder knew of before the disk went on, and after
     broken: [usize; 2],
     disk: Result<Option<Disk>, FileError>,
     /// by the summary, and by the disk's own count
@@ -140,39 +140,39 @@ fn play(room: Room, blocks: usize, frames: u64, hold: bool) -> Played {
     let scene =
         Arc::new(compile(&model, &ca_model::catalog(), &ca_compile::Options::default()).expect("it compiles").scene);
     let engine = Engine::new(scene.clone(), vec![Port::new(&scene, setup())], Options::default());
-    let (ends, mut gateway, desk_ends) = rings(&scene, 1, 0);
+    let (ends, mut gateway, recorder_ends) = rings(&scene, 1, 0);
     let shared = Arc::new(crate::serve::Shared::default());
     let (line, aside, still) = disk(room, blocks);
     let held = hold.then(|| still.lock().unwrap_or_else(PoisonError::into_inner));
     let ear = Ear::default();
     let sinks: Vec<Box<dyn Sink>> = vec![Box::new(line), Box::new(ear.clone())];
-    let mut desk = Desk::new(desk_ends, shared.clone(), scene, &engine.ports, sinks);
+    let mut recorder = Recorder::new(recorder_ends, shared.clone(), scene, &engine.ports, sinks);
     let mut live = Live::new(engine, ends, shared, Clock::Device { patience: 0 }, Every::default());
     for n in 0..frames {
         if n == frames - 1 {
-            desk.order(None, Order::Arm).expect("asked");
+            recorder.order(None, Order::Arm).expect("asked");
         }
         live.frame();
         while gateway.forces.pop().is_ok() {}
-        desk.turn();
+        recorder.poll();
     }
     let engine = live.run(Some(0));
-    desk.turn();
-    let before = desk.broken().len();
+    recorder.poll();
+    let before = recorder.broken().len();
     // what was reported while it stood still
     let ear = Ear(Arc::new(Mutex::new(ear.heard())));
     drop(held);
     if blocks < 100 && hold {
-        // the desk learns of the failure if something is left to hand over
+        // the recorder learns of the failure if something is left to hand over
         while !aside.shared.over.load(Relaxed) {
             std::thread::yield_now();
         }
-        desk.say(false, "is anybody there?".into());
+        recorder.say(false, "is anybody there?".into());
     }
-    desk.turn();
-    let summary = desk.summary(&engine, vec![]);
+    recorder.poll();
+    let summary = recorder.summary(&engine, vec![]);
     let lost = [[summary.lost_records, summary.lost_sound, summary.lost_views], aside.lost()];
-    Played { ear, broken: [before, desk.broken().len()], disk: aside.end(), lost }
+    Played { ear, broken: [before, recorder.broken().len()], disk: aside.end(), lost }
 }
 
 /// A sink that takes its time, and says when it is gone.
@@ -194,7 +194,7 @@ impl Drop for Slow {
 #[test]
 fn a_sink_that_nobody_ends_is_gone_with_its_owner() {
     let gone = Arc::new(AtomicBool::new(false));
-    let (mut line, aside) = Aside::start("slow", Slow(gone.clone()), room(1.0), Wish::default()).expect("a thread");
+    let (mut line, aside) = AsyncSink::start("slow", Slow(gone.clone()), room(1.0), Wish::default()).expect("a thread");
     line.sound(0, &[0.0]).expect("handed over");
     drop(aside);
     assert!(gone.load(Relaxed), "what it half wrote would stay");
@@ -244,7 +244,7 @@ fn a_disk_that_fails_with_much_behind_it_is_reported_once_and_holds_up_nobody() 
 #[test]
 fn a_full_disk_is_reported_once() {
     let p = play(room(2.0), 10, 3000, false);
-    // by the desk if it came by again, else at the end
+    // by the recorder if it came by again, else at the end
     assert_eq!(p.broken[1] + usize::from(p.disk.is_err()), 1);
     assert!(p.disk.is_err() || p.disk.is_ok_and(|d| d.is_none()));
 }
