@@ -7,7 +7,7 @@
 
 use ca_benches::{grains, model, scene};
 use ca_compile::KernelClass;
-use ca_core::{Scene, State, advance, tick};
+use ca_core::{Scene, State, integrate, tick};
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use std::time::{Duration, Instant};
 
@@ -24,7 +24,7 @@ fn pass(scene: &Scene, s: &mut State, ticks: u64) -> Duration {
             (op.kernel)(op, scene, s);
             retired += begin.map_or(Duration::ZERO, |b| b.elapsed());
         }
-        advance(scene, s);
+        integrate(scene, s);
     }
     // reading the clock is no part of it
     let begin = Instant::now();

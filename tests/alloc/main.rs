@@ -12,7 +12,7 @@ mod rings;
 
 use ca_benches::rattle;
 use ca_compile::{KernelClass, Options, compile};
-use ca_core::{Scene, State, advance, process, sense, tick};
+use ca_core::{Scene, State, compute_forces, integrate, process, tick};
 use ca_io::perform::Performance;
 use ca_model::{Model, read};
 use ca_tests::{gesture, texts};
@@ -153,8 +153,8 @@ fn a_tick_allocates_nothing() {
         let n = calls(|| {
             for _ in 0..200 {
                 gesture(&scene, &mut s);
-                sense(&scene, &mut s);
-                advance(&scene, &mut s);
+                compute_forces(&scene, &mut s);
+                integrate(&scene, &mut s);
                 tick(&scene, &mut s);
             }
         });

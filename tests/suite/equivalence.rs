@@ -4,7 +4,7 @@
 use crate::play::{case, num, off, within};
 use ca_compile::{Options, load};
 use ca_core::equivalence::{Class, Gains, Pair, ROWS, Row, anchor_for, keep, row, solve};
-use ca_core::{Scene, State, advance, sense};
+use ca_core::{Scene, State, compute_forces, integrate};
 use ca_haptic::equivalence::gains;
 use ca_tests::catalog;
 use proptest::prelude::*;
@@ -111,10 +111,10 @@ fn a_mass_on_the_key_weighs_what_the_table_says() {
         let rise = rise * rise * rise * (10.0 - 15.0 * rise + 6.0 * rise * rise);
         let hand = amplitude * rise * t.sin();
         state.input[input] = g.alpha * hand;
-        sense(&s, &mut state);
+        compute_forces(&s, &mut state);
         x.push(hand);
         f.push(g.beta * state.border[0].force);
-        advance(&s, &mut state);
+        integrate(&s, &mut state);
     }
     // least squares of the force on the hand against its acceleration, over whole periods of the second second
     let a = |n: usize| (x[n + 1] - 2.0 * x[n] + x[n - 1]) / (s.te * s.te);
@@ -143,9 +143,9 @@ fn a_device_on_a_spring_swings_as_the_table_says() {
     for n in 0..44_100 {
         state.input[s.input("key").unwrap()] = g.alpha * x;
         state.input[s.input("other").unwrap()] = 0.0;
-        sense(&s, &mut state);
+        compute_forces(&s, &mut state);
         let force = g.beta * state.border[0].force;
-        advance(&s, &mut state);
+        integrate(&s, &mut state);
         let before = x;
         v += force / m * te;
         x += v * te;

@@ -3,7 +3,7 @@
 use crate::play::{case, list, mats, num, off, reference, scene, with, within};
 use ca_compile::{Options, compile};
 use ca_core::cloud::Cloud;
-use ca_core::{Scene, sense};
+use ca_core::{Scene, compute_forces};
 use ca_io::cloud::{of_model, open};
 
 /// A body in a room, every mass of it tied to the origin first, so that the reach of the ties is where it is at rest.
@@ -102,7 +102,7 @@ fn stiffness(scene: &Scene, u: &[[f64; 3]], by: f64) -> Vec<[f64; 3]> {
         for (at, u) in at.iter().zip(u) {
             (0..3).for_each(|k| s.x[at + k] = by * u[k]);
         }
-        sense(scene, &mut s);
+        compute_forces(scene, &mut s);
         at.iter().map(|at| [0, 1, 2].map(|k| s.f[at + k])).collect::<Vec<_>>()
     };
     let (plus, minus) = (force(by), force(-by));
@@ -324,7 +324,7 @@ fn across(body: &str, nx: usize, ny: usize, axis: usize) -> (f64, f64, Scene) {
     for (i, j) in &inner {
         s.x[name(*i, *j) + axis] = by * shape(*i, *j);
     }
-    sense(&scene, &mut s);
+    compute_forces(&scene, &mut s);
     let (mut projected, mut square) = (0.0, 0.0);
     for (i, j) in &inner {
         projected -= s.f[name(*i, *j) + axis] * shape(*i, *j) / by;

@@ -4,7 +4,7 @@ use crate::play::{audited, scene, with};
 use ca_compile::Options;
 use ca_core::live::Patch;
 use ca_core::state::Identity;
-use ca_core::{Scene, State, advance, process, sense, tick};
+use ca_core::{Scene, State, compute_forces, integrate, process, tick};
 use ca_haptic::engine::{Change, Engine, EngineCommand, Port, Retired};
 use ca_tests::{KEY, profile, setup, texts};
 use std::collections::BTreeMap;
@@ -57,7 +57,7 @@ fn a_state_of_another_scene_is_not_played() {
     ] {
         let s = other.state();
         assert_ne!(mine.identity(), other.identity(), "{what}");
-        let play: [fn(&Scene, &mut State); 3] = [tick, sense, advance];
+        let play: [fn(&Scene, &mut State); 3] = [tick, compute_forces, integrate];
         for play in play {
             let mut played = s.clone();
             let said = panics(|| play(&mine, &mut played));

@@ -81,7 +81,7 @@ fn every_bit_is_that_of_the_pairs() {
         let mut scenes = Vec::from([with(&text, &reference())]);
         scenes.extend((0..3).map(|_| scene(&text)));
         scenes.push(audited(&text));
-        assert!(scenes[0].crowds.is_empty() && scenes[1].crowds.len() == 1, "{contact}");
+        assert!(scenes[0].pair_sets.is_empty() && scenes[1].pair_sets.len() == 1, "{contact}");
         let skins = [0.0, 0.0, 0.25, 1.0, 0.25];
         let mut states = scenes.iter().map(|s| s.state()).collect::<Vec<_>>();
         for (s, skin) in states.iter_mut().zip(skins) {
@@ -259,7 +259,7 @@ fn the_energy_book_closes_and_agrees_with_that_of_the_pairs() {
 #[test]
 fn a_pair_that_is_heard_makes_the_pairs() {
     let one = scene(&shaken(&hits()));
-    assert_eq!((one.n_lia, one.crowds[0].pairs()), (41, 780));
+    assert_eq!((one.n_lia, one.pair_sets[0].pairs()), (41, 780));
     let sof = "\n[SOF]\nblow = { from = \"hits[3]\" }\n";
     assert_eq!(scene(&(shaken(&hits()) + sof)).n_lia, 40 + 780);
     let probed = Options { probes: vec!["hits[5]".into()], ..Options::default() };
@@ -273,7 +273,7 @@ fn a_pair_that_is_heard_makes_the_pairs() {
     assert_eq!(scene(&shaken(&stable)).n_lia, 40 + 780);
     // nor is one against many worth it
     let one = format!("rim = {{ between = [\"room.middle\", {}], pairs = \"all\", k = 1, d = {D} }}", names(0, 40));
-    assert!(scene(&shaken(&one)).crowds.is_empty());
+    assert!(scene(&shaken(&one)).pair_sets.is_empty());
 }
 
 #[test]
@@ -287,7 +287,7 @@ fn the_rule_for_contacts_takes_the_lightest_pair() {
     {
         let text = heard(&format!("{body}hits = {{ between = {between}, k = 4e5, d = 1e-3 }}"));
         let (set, pairs) = (scene(&text), with(&text, &reference()));
-        assert_eq!(set.crowds.len(), 1);
+        assert_eq!(set.pair_sets.len(), 1);
         within("kT²/m", (set.certificate.contact / (4e5 * c / 1e-3 / 48e3 / 48e3) - 1.0).abs(), 1e-14);
         assert!((set.certificate.contact - pairs.certificate.contact).abs() < 1e-12);
         assert_eq!(set.certificate.level, pairs.certificate.level);
@@ -304,7 +304,7 @@ fn ten_thousand_grains_are_one_module() {
         )
     };
     let apart = scene(&text("6 mm"));
-    assert_eq!((apart.n_lia, apart.crowds[0].pairs()), (1, 49_995_000));
+    assert_eq!((apart.n_lia, apart.pair_sets[0].pairs()), (1, 49_995_000));
     assert!(apart.findings.list.is_empty(), "{}", apart.findings);
     // once, for the first pair there is
     let pressed = scene(&text("4 mm"));

@@ -7,10 +7,10 @@
 
 use crate::layout::{Account, Gauge, Layout};
 pub use crate::ledger::{Balance, Exchange, Ledger};
-use crate::near::Near;
-use crate::op::{Op, crowd, gauge, wave};
+use crate::op::{Op, gauge, pair_set, wave};
 use crate::real::{Real, wide};
 use crate::state::State;
+use crate::verlet::VerletList;
 
 /// Link `i` of a batch around the tick being booked, where `d0` is the motion into that tick: its elongations before,
 /// at and after, and how far its ends moved along its force in the two ticks together.
@@ -73,7 +73,7 @@ struct Entry {
 fn links(
     layout: &Layout,
     s: &State,
-    near: &mut [Near],
+    near: &mut [VerletList],
     room: &mut [Real],
     d0: &[Real],
     mut visit: impl FnMut(&Account, usize, Entry),
@@ -96,20 +96,20 @@ fn links(
 }
 
 /// All pairs of a set together; its work is that of what it did to each of its members.
-fn set(layout: &Layout, s: &State, near: &mut Near, c: &[Real], d0: &[Real], a: &Account, at: usize) -> Entry {
+fn set(layout: &Layout, s: &State, near: &mut VerletList, c: &[Real], d0: &[Real], a: &Account, at: usize) -> Entry {
     let (mut held, mut heat) = (0.0, 0.0);
-    crowd::touched(layout, s, near, d0, at, (a.idle)(c), |e| {
+    pair_set::touched(layout, s, near, d0, at, (a.idle)(c), |e| {
         held += wide((a.stored)(c, &[], &layout.tables, e[1], e[2]));
         heat += wide((a.lost)(c, &[], &layout.tables, e));
     });
-    let pushed = layout.crowds[at].members.iter().zip(s.tap[a.tap..].chunks(3));
+    let pushed = layout.pair_sets[at].members.iter().zip(s.tap[a.tap..].chunks(3));
     let moved = |i: usize| 0.5 * (s.d[i] + d0[i]);
     let work = pushed.map(|(m, f)| (0..3).map(|k| wide(f[k] * moved(*m as usize + k))).sum::<f64>()).sum();
     Entry { held, heat, work }
 }
 
 /// Recomputes what everything holds with the present coefficients; returns the total.
-fn hold(layout: &Layout, s: &State, near: &mut [Near], l: &mut Ledger) -> f64 {
+fn hold(layout: &Layout, s: &State, near: &mut [VerletList], l: &mut Ledger) -> f64 {
     let (kinetic, mut h, _) = mats(layout, s, &s.d);
     l.kinetic = kinetic;
     h += kinetic + wave::energy(layout, s, &s.d).0;

@@ -87,7 +87,7 @@ impl Words {
             ends,
             onto,
             reach,
-            crowds,
+            pair_sets,
             e0,
             rest,
             nodes,
@@ -117,7 +117,7 @@ impl Words {
         self.places(nodes.iter());
         self.numbers(shares.iter());
         self.places(weighed.iter());
-        self.debug(&(crowds, proxies, modal, tables));
+        self.debug(&(pair_sets, proxies, modal, tables));
         self.debug(&(enx, enf, tgr, crossing, waves));
         self.debug(&(outputs, blockers, lowpass, implicit));
         let accounts = ledger.iter().flat_map(|l| &l.accounts);

@@ -35,13 +35,13 @@ pub struct Ports {
     /// of the second port, where the links are quadripoles: gauge, first entry in [`Layout::onto`], first in
     /// [`Layout::reach`]
     pub onto: Option<(Gauge, usize, usize)>,
-    /// where all pairs of two sets are one module, its place in [`Layout::crowds`]
+    /// where all pairs of two sets are one module, its place in [`Layout::pair_sets`]
     pub crowd: Option<usize>,
 }
 
 /// Two sets of points in space of which every pair is joined, or all pairs of one.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Crowd {
+pub struct PairSet {
     /// first place of each member, those of the first set first (members)
     pub members: Vec<u32>,
     /// members that are first ends: the first set
@@ -50,12 +50,12 @@ pub struct Crowd {
     pub columns: usize,
 }
 
-impl Crowd {
+impl PairSet {
     /// The crowd of a first and a second set; without a second, of all pairs of the first.
-    pub fn new([first, second]: [&[u32]; 2]) -> Crowd {
+    pub fn new([first, second]: [&[u32]; 2]) -> PairSet {
         let rows = first.len();
         let columns = if second.is_empty() { 0 } else { rows };
-        Crowd { members: [first, second].concat(), rows, columns }
+        PairSet { members: [first, second].concat(), rows, columns }
     }
 
     /// Number of pairs.
@@ -361,7 +361,7 @@ pub struct Layout {
     /// the square of the softening length \[m²\], for [`Gauge::Along`] the direction and nothing (any x 4)
     pub reach: Vec<[Real; 4]>,
     /// sets of which all pairs are joined (any)
-    pub crowds: Vec<Crowd>,
+    pub pair_sets: Vec<PairSet>,
     /// constant part of the elongation \[m\] (n_lia)
     pub e0: Vec<Real>,
     /// rest positions \[m\] (n_mat)

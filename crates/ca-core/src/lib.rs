@@ -6,8 +6,8 @@
 //!        └──── tick(&scene, &mut state) ────┘
 //! ```
 //! A [`Scene`] says what there is, a [`State`] how it stands, and [`tick()`] moves it on by one sample: no allocation, no
-//! lock, no call of the system, the same bits on every processor. The halves of a tick are public ([`sense`] and
-//! [`advance`]): a device gets the force of this tick before any mass moves, so the one-sample delay stays one sample.
+//! lock, no call of the system, the same bits on every processor. The halves of a tick are public ([`compute_forces`] and
+//! [`integrate`]): a device gets the force of this tick before any mass moves, so the one-sample delay stays one sample.
 //!
 //! What is here: the elements ([`mat`], [`phi`], [`io`]) with the [records](kind) that describe them, the passes ([`op`]),
 //! the integration [`method`]s, the [rate boundary](border), the energy [`ledger`], and [live changes](live). What is not:
@@ -21,6 +21,7 @@
 
 extern crate alloc;
 
+pub mod active_contacts;
 pub mod border;
 pub mod catalog;
 pub mod certificate;
@@ -37,7 +38,6 @@ pub mod ledger;
 pub mod live;
 pub mod mat;
 pub mod method;
-pub mod near;
 pub mod op;
 pub mod param;
 pub mod phi;
@@ -50,11 +50,11 @@ pub mod start;
 pub mod state;
 pub mod table;
 pub mod tick;
-pub mod touch;
 pub mod tuning;
+pub mod verlet;
 pub mod wave;
 
 pub use catalog::Catalog;
 pub use scene::Scene;
 pub use state::State;
-pub use tick::{advance, process, sense, tick};
+pub use tick::{compute_forces, integrate, process, tick};

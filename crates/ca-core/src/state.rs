@@ -4,10 +4,10 @@
 //! number. Positions are relative to rest and motion is the change per tick, which drifts far less than keeping two
 //! absolute positions (docs/numerics.md §1.6).
 
+use crate::active_contacts::ActiveContacts;
 use crate::ledger::Ledger;
-use crate::near::Near;
 use crate::real::{Real, wide};
-use crate::touch::Touches;
+use crate::verlet::VerletList;
 use alloc::vec::Vec;
 use core::hash::Hasher;
 
@@ -102,8 +102,8 @@ pub struct State {
     pub output: Vec<f64>,
     /// moving points (proxies); written by `aim`
     pub cells: Vec<Cell>,
-    /// which members of sets are near (crowds); written by `forces`, and no part of what decides the future
-    pub near: Vec<Near>,
+    /// which members of sets are near (pair_sets); written by `forces`, and no part of what decides the future
+    pub near: Vec<VerletList>,
     /// device ports (tgr); written by the border
     pub border: Vec<Border>,
     /// positions of devices that are under way, absolute \[m\] (tgr x latency), a ring each; written by the border
@@ -119,7 +119,7 @@ pub struct State {
     /// themselves \[N\] (places); written by `forces`
     pub implicit: Vec<Real>,
     /// contacts that are solved together; empty between ticks, written by `forces`
-    pub touches: Touches,
+    pub touches: ActiveContacts,
     /// coefficients on their way to a new value
     pub ramps: Ramps,
     /// energy ledger, where the scene keeps one

@@ -22,7 +22,7 @@ pub fn tick(scene: &Scene, s: &mut State) {
 ///
 /// # Panics
 /// As [`tick`].
-pub fn sense(scene: &Scene, s: &mut State) {
+pub fn compute_forces(scene: &Scene, s: &mut State) {
     own(scene, s);
     forces(scene, s);
 }
@@ -31,7 +31,7 @@ pub fn sense(scene: &Scene, s: &mut State) {
 ///
 /// # Panics
 /// As [`tick`].
-pub fn advance(scene: &Scene, s: &mut State) {
+pub fn integrate(scene: &Scene, s: &mut State) {
     own(scene, s);
     motion(scene, s);
 }

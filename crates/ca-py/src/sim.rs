@@ -6,7 +6,7 @@
 use crate::error::{failure, usage};
 use crate::wait::Wait;
 use ca_core::live::Controls;
-use ca_core::{State, advance, sense};
+use ca_core::{State, compute_forces, integrate};
 use ca_io::perform::DIVERGED;
 use ca_io::sound::Level;
 use ca_lab::Failure;
@@ -54,7 +54,7 @@ impl Running {
         if self.diverged {
             self.state.output.fill(0.0);
         } else {
-            sense(scene, &mut self.state);
+            compute_forces(scene, &mut self.state);
         }
     }
 
@@ -68,7 +68,7 @@ impl Running {
 
     fn advance(&mut self, scene: &ca_core::Scene) {
         if !self.diverged {
-            advance(scene, &mut self.state);
+            integrate(scene, &mut self.state);
             self.diverged = self.state.tick.is_multiple_of(64) && !self.state.is_sound(DIVERGED);
         }
     }

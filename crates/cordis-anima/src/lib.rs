@@ -31,7 +31,7 @@ pub mod loaded;
 mod render;
 
 pub use ca_compile::{Compiled, KernelClass, Options};
-pub use ca_core::{Catalog, Scene, State, advance, process, sense, tick};
+pub use ca_core::{Catalog, Scene, State, compute_forces, integrate, process, tick};
 pub use ca_io::FileError;
 pub use ca_model::Model;
 pub use error::{Error, Found};

@@ -7,7 +7,7 @@ mod space;
 
 use crate::play::{Dice, TURN, audited, case, mat, num, within};
 use ca_core::border::frame_due;
-use ca_core::{Scene, advance, sense};
+use ca_core::{Scene, compute_forces, integrate};
 
 /// What the balance keeps to, far within the tolerance of its case.
 const EXACT: f64 = 1e-15;
@@ -86,14 +86,14 @@ fn play(scene: &Scene, x: &[f64]) -> Played {
             }
             s.input[0] = x[frame];
         }
-        sense(scene, &mut s);
+        compute_forces(scene, &mut s);
         positions.push(s.x[key]);
         forces.push(s.f[key]);
         let last = s.tick > 0 && s.tick.is_multiple_of(u64::from(scene.ratio));
         if last {
             frames -= s.border[0].force * (x[frame] - x[frame - 1]);
         }
-        advance(scene, &mut s);
+        integrate(scene, &mut s);
     }
     let at = |j: usize| positions[j.min(positions.len() - 1)];
     let power: Vec<f64> = (0..forces.len()).map(|j| -forces[j] * 0.5 * (at(j + 1) - at(j.saturating_sub(1)))).collect();
@@ -174,11 +174,11 @@ fn at_one_rate_the_force_is_that_of_the_tick() {
     let mut s = scene.state();
     for x in hand(300, 3000.0) {
         s.input[0] = x;
-        sense(&scene, &mut s);
+        compute_forces(&scene, &mut s);
         if s.tick > 0 {
             assert_eq!(s.border[0].force, s.f[key]);
             assert_eq!(s.x[key], x);
         }
-        advance(&scene, &mut s);
+        integrate(&scene, &mut s);
     }
 }

@@ -18,11 +18,11 @@ proptest! {
             let mut s = scene.state();
             (s.x[a], s.x[b], s.d[a]) = (x, y, v);
             for _ in 0..200 {
-                ca_core::sense(&scene, &mut s);
+                ca_core::compute_forces(&scene, &mut s);
                 // what is solved for rounds at each mass by itself
                 let room = if scene.layout.implicit.is_some() { 1e-13 * s.f[a].abs() } else { 0.0 };
                 prop_assert!((s.f[a] + s.f[b]).abs() <= room, "{}: {} and {}", kind.code, s.f[a], s.f[b]);
-                ca_core::advance(&scene, &mut s);
+                ca_core::integrate(&scene, &mut s);
             }
         }
     }

@@ -4,7 +4,7 @@ mod plain;
 
 use crate::play::{Dice, audited, case, list, mat, num, off, scene, within};
 use ca_core::certificate::Level;
-use ca_core::{Scene, State, sense, tick};
+use ca_core::{Scene, State, compute_forces, tick};
 use std::fmt::Write as _;
 
 const FS: f64 = 48000.0;
@@ -118,7 +118,7 @@ fn stiffness(scene: &Scene, step: f64) -> Vec<Vec<f64>> {
         let mut s = scene.state();
         s.d.fill(0.0);
         s.x[j] += x;
-        sense(scene, &mut s);
+        compute_forces(scene, &mut s);
         s.f
     };
     let c = scene.state().coef[2 * n..3 * n].to_vec();

@@ -5,7 +5,7 @@ use super::FS;
 use crate::conformance::drawn::{args, built, laws};
 use crate::play::{Dice, apart, mat, model, scene, with, within};
 use ca_compile::Options;
-use ca_core::{advance, sense, tick};
+use ca_core::{compute_forces, integrate, tick};
 use ca_model::{Entry, Model, Value};
 use std::fmt::Write as _;
 
@@ -150,9 +150,9 @@ fn at_zero_length_nothing_pulls_in_space() {
     let (ball, bar) = (mat(&scene, "air.ball"), mat(&scene, "bar"));
     let mut bar_moved = 0.0f64;
     for _ in 0..2000 {
-        sense(&scene, &mut s);
+        compute_forces(&scene, &mut s);
         assert_eq!(s.f[ball..][..3], [0.0; 3]);
-        advance(&scene, &mut s);
+        integrate(&scene, &mut s);
         bar_moved = bar_moved.max(s.x[bar]);
     }
     // the law goes on, and the other port has its force

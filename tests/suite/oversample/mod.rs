@@ -9,7 +9,7 @@ use ca_compile::Options;
 use ca_core::border::frame_due;
 use ca_core::op::Op;
 use ca_core::scene::InputRole;
-use ca_core::{Scene, State, advance, sense, tick};
+use ca_core::{Scene, State, compute_forces, integrate, tick};
 use ca_io::perform::Performance;
 
 /// A model whose samples have `times` ticks, and the same with so many samples.
@@ -157,10 +157,10 @@ fn a_hand_is_led_through_all_ticks() {
     for n in 0..200 {
         halves.input[0] = hand(f64::from(n));
         whole.input[0] = halves.input[0];
-        sense(&scene, &mut halves);
+        compute_forces(&scene, &mut halves);
         assert_eq!(halves.tick, u64::from(n as u32));
         let force = halves.border[0].force;
-        advance(&scene, &mut halves);
+        integrate(&scene, &mut halves);
         tick(&scene, &mut whole);
         assert!(halves == whole && force.to_bits() == whole.border[0].force.to_bits());
     }

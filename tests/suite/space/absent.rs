@@ -1,4 +1,4 @@
-//! A scene has no pass and no array for what it does not use: space, second ports, crowds, borders, filters.
+//! A scene has no pass and no array for what it does not use: space, second ports, pair_sets, borders, filters.
 
 use crate::play::{scene, with};
 use ca_compile::Options;
@@ -12,11 +12,11 @@ fn passes(s: &Scene) -> Vec<&'static str> {
 fn arrays(s: &Scene) -> [usize; 17] {
     let t = s.state();
     let (few, many) = (&s.layout, &t);
-    let touches = usize::from(many.touches != ca_core::touch::Touches::default());
+    let touches = usize::from(many.touches != ca_core::active_contacts::ActiveContacts::default());
     [
         few.onto.len(),
         few.reach.len(),
-        few.crowds.len(),
+        few.pair_sets.len(),
         few.proxies.len(),
         few.enx.len(),
         few.enf.len(),
@@ -62,8 +62,8 @@ fn what_nobody_hears_leaves_nothing_behind() {
         &format!("{STRING}{SILENT}"),
         &Options { probes: vec!["c".into(), "room.g[0]".into()], ..Options::default() },
     );
-    let (names, [onto, reach, crowds, ..]) = (passes(&heard), arrays(&heard));
+    let (names, [onto, reach, pair_sets, ..]) = (passes(&heard), arrays(&heard));
     assert!(["LPR_RES", "BUT"].iter().all(|n| names.contains(n)), "{names:?}");
     // six LPR, and the crowd
-    assert_eq!((onto, reach, crowds), (6, 7, 1));
+    assert_eq!((onto, reach, pair_sets), (6, 7, 1));
 }

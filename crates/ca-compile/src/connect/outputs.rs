@@ -4,7 +4,7 @@ use crate::connect::select::{Meaning, Written};
 use crate::connect::wiring::Wiring;
 use crate::findings::type_name;
 use crate::lower::space;
-use crate::net::{Ear, End, OutNode};
+use crate::net::{End, OutNode, OutputTap};
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
@@ -41,7 +41,7 @@ impl Wiring<'_> {
         None
     }
 
-    pub(super) fn ears(&mut self, e: &Entry, name: &str, force: bool) -> Vec<Ear> {
+    pub(super) fn taps(&mut self, e: &Entry, name: &str, force: bool) -> Vec<OutputTap> {
         let Value::Text(text) = &e.value else {
             let title = format!("`from` of `{name}` must be the name of a module, not {}", type_name(&e.value));
             let help = "put the name in quotes, e.g. `\"bar\"`; several of one kind are `\"low[*]\"`";
@@ -50,9 +50,9 @@ impl Wiring<'_> {
         };
         let why = "SOX hears the position of a mass; SOF hears the force of a link";
         match self.select(Written { text, span: e.span, owner: name }, (!force).then_some(why)) {
-            Some(Meaning::Links(l)) => l.into_iter().map(Ear::ForceOf).collect(),
-            Some(Meaning::Ends(v)) if force => v.into_iter().map(Ear::ForceOn).collect(),
-            Some(Meaning::Ends(v)) => v.into_iter().map(Ear::Position).collect(),
+            Some(Meaning::Links(l)) => l.into_iter().map(OutputTap::ForceOf).collect(),
+            Some(Meaning::Ends(v)) if force => v.into_iter().map(OutputTap::ForceOn).collect(),
+            Some(Meaning::Ends(v)) => v.into_iter().map(OutputTap::Position).collect(),
             None => Vec::new(),
         }
     }
@@ -64,9 +64,9 @@ impl Wiring<'_> {
         let channel = item.args[index("channel")].num();
         let along = kind.param("along").and_then(|i| space::direction(&item.args[i]));
         let Some(e) = self.entry(id, "from") else { return };
-        let ears = self.ears(&e, &name, force);
-        let many = ears.len() > 1 && channel.is_none();
-        for (i, ear) in ears.into_iter().enumerate() {
+        let taps = self.taps(&e, &name, force);
+        let many = taps.len() > 1 && channel.is_none();
+        for (i, tap) in taps.into_iter().enumerate() {
             let own = if many { format!("{name}[{i}]") } else { name.clone() };
             let channel = channel.map_or(self.net.channels.len() as u32, |c| c as u32);
             if channel > 255 {
@@ -85,13 +85,13 @@ impl Wiring<'_> {
                 self.net.channels.push(own.clone());
             }
             let gain = Source::Slot(index("gain") as u32);
-            let parts = match ear {
-                Ear::Position(end) | Ear::ForceOn(end) => self.directed(end, along, &name, e.span, "hears"),
-                Ear::ForceOf(_) => Some(alloc::vec![(0, 1.0)]),
+            let parts = match tap {
+                OutputTap::Position(end) | OutputTap::ForceOn(end) => self.directed(end, along, &name, e.span, "hears"),
+                OutputTap::ForceOf(_) => Some(alloc::vec![(0, 1.0)]),
             };
             for (axis, share) in parts.into_iter().flatten() {
                 let name = own.clone();
-                self.net.outs.push(OutNode { name, ear, axis, share, channel, gain, item: Some(id), asked: 0 });
+                self.net.outs.push(OutNode { name, tap, axis, share, channel, gain, item: Some(id), asked: 0 });
             }
         }
     }
@@ -114,26 +114,26 @@ impl Wiring<'_> {
         if last.is_some() {
             return;
         }
-        let ears = match self.select(Written { text, span: Span::NONE, owner: "probe" }, None) {
-            Some(Meaning::Links(l)) => l.into_iter().map(Ear::ForceOf).collect::<Vec<_>>(),
-            Some(Meaning::Ends(v)) => v.into_iter().map(Ear::Position).collect(),
+        let taps = match self.select(Written { text, span: Span::NONE, owner: "probe" }, None) {
+            Some(Meaning::Links(l)) => l.into_iter().map(OutputTap::ForceOf).collect::<Vec<_>>(),
+            Some(Meaning::Ends(v)) => v.into_iter().map(OutputTap::Position).collect(),
             None => return,
         };
-        let many = ears.len() > 1;
-        for ear in ears {
+        let many = taps.len() > 1;
+        for tap in taps {
             // one is called as it was asked for, several each by its own name
-            let name = match ear {
+            let name = match tap {
                 _ if !many => text,
-                Ear::Position(end) | Ear::ForceOn(end) => self.net.end_name(end),
-                Ear::ForceOf(l) => &self.net.lias[l as usize].name,
+                OutputTap::Position(end) | OutputTap::ForceOn(end) => self.net.end_name(end),
+                OutputTap::ForceOf(l) => &self.net.lias[l as usize].name,
             };
             let name = String::from(name);
-            let axes = if let Ear::Position(e) = ear { self.net.axes(e) } else { 1 };
+            let axes = if let OutputTap::Position(e) = tap { self.net.axes(e) } else { 1 };
             // of a plane too: its frozen axis is a number like the others
             for axis in 0..if axes > 1 { 3 } else { 1 } {
                 let name = if axes > 1 { format!("{name}.{}", space::AXES[axis as usize]) } else { name.clone() };
                 let (channel, gain) = (self.next_probe(), Source::Const(1.0));
-                self.net.outs.push(OutNode { name, ear, axis, share: 1.0, channel, gain, item: None, asked });
+                self.net.outs.push(OutNode { name, tap, axis, share: 1.0, channel, gain, item: None, asked });
             }
         }
     }

@@ -1,4 +1,4 @@
-//! Wire: what is written between quotes becomes ends of links, ears of outputs and moving points.
+//! Wire: what is written between quotes becomes ends of links, taps of outputs and moving points.
 
 use crate::connect::select::{Meaning, Written};
 use crate::connect::sets::heard;

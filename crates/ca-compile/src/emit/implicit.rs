@@ -2,7 +2,7 @@
 
 use crate::emit::links::Links;
 use crate::emit::plan::Plan;
-use crate::net::{Ear, End, LiaNode, MatRole, Measure};
+use crate::net::{End, LiaNode, MatRole, Measure, OutputTap};
 use alloc::collections::{BTreeMap, BTreeSet};
 use alloc::format;
 use alloc::vec::Vec;
@@ -50,7 +50,7 @@ impl Plan<'_> {
         let heard: BTreeSet<u32> = net
             .outs
             .iter()
-            .filter_map(|o| if let Ear::ForceOn(End::Mat(m)) = o.ear { Some(m) } else { None })
+            .filter_map(|o| if let OutputTap::ForceOn(End::Mat(m)) = o.tap { Some(m) } else { None })
             .collect();
         let pulls: Vec<Vec<Pull>> = solved.iter().map(|(_, l)| self.pulls(l, &heard)).collect();
         let mut met: BTreeMap<u32, u32> = BTreeMap::new();

@@ -2,13 +2,13 @@
 
 use crate::emit::penetration;
 use crate::emit::plan::Plan;
-use crate::net::{Ear, End, LiaNode, Measure, Net};
+use crate::net::{End, LiaNode, Measure, Net, OutputTap};
 use crate::options::{KernelClass, Options};
 use alloc::vec::Vec;
 use ca_core::kind::Role;
-use ca_core::layout::Crowd;
+use ca_core::layout::PairSet;
 use ca_core::live::{Loader, Source};
-use ca_core::op::law::{Law, Turn};
+use ca_core::op::law::{Law, SolveStage};
 use ca_core::op::{Form, Gauge, Op, Ports};
 use ca_core::phi::{implicit, res};
 use ca_model::Model;
@@ -33,7 +33,7 @@ pub struct Links {
     /// what ports in space need
     pub reach: Vec<[f64; 4]>,
     /// sets of which all pairs are joined
-    pub crowds: Vec<Crowd>,
+    pub pair_sets: Vec<PairSet>,
     /// constant part of the elongation of each
     pub e0: Vec<f64>,
     /// numbers of memory
@@ -214,7 +214,7 @@ impl Plan<'_> {
         let net = self.net;
         let own = own_tables(net);
         let heard: Vec<u32> =
-            net.outs.iter().filter_map(|o| if let Ear::ForceOf(l) = o.ear { Some(l) } else { None }).collect();
+            net.outs.iter().filter_map(|o| if let OutputTap::ForceOf(l) = o.tap { Some(l) } else { None }).collect();
         let laws = self.laws(options.kernel);
         let law = |l: u32| laws[l as usize];
         let mut batches = self.batches(options.kernel, &laws);
@@ -227,7 +227,7 @@ impl Plan<'_> {
             ends: Vec::with_capacity(net.lias.len()),
             onto: Vec::new(),
             reach: Vec::new(),
-            crowds: Vec::new(),
+            pair_sets: Vec::new(),
             e0: Vec::with_capacity(net.lias.len()),
             mem: 0,
             tap: scratch,
@@ -253,8 +253,8 @@ impl Plan<'_> {
             let sets = net.lias[batch[0] as usize].sets.as_ref();
             if let Some(sets) = sets {
                 let places = |set: &[u32]| set.iter().map(|m| self.place[*m as usize]).collect::<Vec<u32>>();
-                ports.crowd = Some(k.crowds.len());
-                k.crowds.push(Crowd::new([&places(&sets[0]), &places(&sets[1])]));
+                ports.crowd = Some(k.pair_sets.len());
+                k.pair_sets.push(PairSet::new([&places(&sets[0]), &places(&sets[1])]));
             }
             self.coef.resize(coef + n * law.coefs, 0.0);
             for (i, id) in batch.iter().enumerate() {
@@ -286,10 +286,10 @@ impl Plan<'_> {
             if tap {
                 op.tap = k.tap;
                 // of a set, the force on each axis of each member
-                k.tap += ports.crowd.map_or(n, |c| 3 * k.crowds[c].members.len());
+                k.tap += ports.crowd.map_or(n, |c| 3 * k.pair_sets[c].members.len());
             }
             k.mem += n * law.mem;
-            k.touch += if matches!(law.turn, Turn::Together(_)) { n } else { 0 };
+            k.touch += if matches!(law.stage, SolveStage::Coupled(_)) { n } else { 0 };
             k.forces.push(op);
         }
         k

@@ -9,7 +9,7 @@ use crate::net::Net;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 use ca_core::layout::{Finer, Layout};
-use ca_core::op::{Op, finer, lowpass};
+use ca_core::op::{Op, lowpass, substep};
 use ca_core::scene::InputRole;
 use ca_core::state::State;
 
@@ -29,7 +29,7 @@ pub fn oversample(
     let slow = (0..).zip(&net.inputs).filter(|(_, i)| i.role != InputRole::Device);
     let inputs: Vec<u32> = slow.map(|(place, _)| place).collect();
     if !inputs.is_empty() {
-        reads.insert(0, Op::pass("inputs", finer::inputs, inputs.len()));
+        reads.insert(0, Op::pass("inputs", substep::inputs, inputs.len()));
     }
     // between samples nobody listens but the filter
     let unheard = |op: &Op| if op.name == "low pass" { Op { kernel: lowpass::remember, ..*op } } else { *op };
@@ -38,8 +38,8 @@ pub fn oversample(
     let tick = Arc::new(move |layout: &Layout, s: &mut State| ops.iter().for_each(|op| (op.kernel)(op, layout, s)));
     layout.finer = Some(Finer { times: net.oversample, tick, inputs });
     let count = |name, kernel| Op::pass(name, kernel, 1);
-    reads.insert(0, Op::pass("ticks between", finer::between, net.oversample as usize - 1));
-    writes.push(count("to samples", finer::to_samples));
-    moves.insert(0, count("to ticks", finer::to_ticks));
-    moves.push(count("to samples", finer::to_samples));
+    reads.insert(0, Op::pass("ticks between", substep::between, net.oversample as usize - 1));
+    writes.push(count("to samples", substep::to_samples));
+    moves.insert(0, count("to ticks", substep::to_ticks));
+    moves.push(count("to samples", substep::to_samples));
 }

@@ -6,7 +6,7 @@ use alloc::collections::BTreeSet;
 use alloc::vec::Vec;
 use ca_core::layout::Layout;
 use ca_core::method::implicit;
-use ca_core::op::law::Turn;
+use ca_core::op::law::SolveStage;
 use ca_core::op::wide::wide;
 use ca_core::op::{Kernel, Op, blocker, lowpass, pass, wave};
 use ca_core::{border, energy};
@@ -63,8 +63,9 @@ pub fn forces(layout: &Layout, mut links: Vec<Op>, late: usize, weight: usize) -
             list.push(Op { coef, ..Op::pass("implicit pairs", implicit::pairs, pairs) });
         }
     }
-    let together =
-        late.iter().find_map(|o| if let Some(Turn::Together(f)) = o.law.map(|l| l.turn) { Some(f) } else { None });
+    let together = late
+        .iter()
+        .find_map(|o| if let Some(SolveStage::Coupled(f)) = o.law.map(|l| l.stage) { Some(f) } else { None });
     list.extend(late);
     list.extend(together.map(|solve| Op::pass("contacts", solve, layout.n_touch)));
     let (keys, kept, felt) = (layout.tgr.len(), layout.ledger.is_some(), layout.crossing.feedback);

@@ -4,9 +4,9 @@ use crate::net::{End, LiaNode, Measure, Net};
 use alloc::format;
 use alloc::vec::Vec;
 use ca_core::kind::Unit;
-use ca_core::layout::Crowd;
-use ca_core::op::crowd;
+use ca_core::layout::PairSet;
 use ca_core::op::gauge::measure;
+use ca_core::op::pair_set;
 use ca_core::real::{Real, real, wide};
 use ca_model::diag::{Diag, Diags};
 use ca_model::{Model, quantity};
@@ -73,9 +73,9 @@ fn of_set(net: &Net, l: &LiaNode) -> Option<Pressed> {
     let rest: Vec<Real> = members().flat_map(|m| m.rest.map(real)).collect();
     let x: Vec<Real> = members().flat_map(|m| m.dx0.map(real)).collect();
     let places = [0..sets[0].len(), sets[0].len()..rest.len() / 3].map(|r| r.map(|k| 3 * k as u32).collect::<Vec<_>>());
-    let crowd = Crowd::new([&places[0], &places[1]]);
+    let crowd = PairSet::new([&places[0], &places[1]]);
     let c = coefs(net, l);
-    let (i, j, e, f) = crowd::pressed(&crowd, &rest, &x, (l.law.idle)(&c), |e| force(net, l, &c, e))?;
+    let (i, j, e, f) = pair_set::pressed(&crowd, &rest, &x, (l.law.idle)(&c), |e| force(net, l, &c, e))?;
     let name = |k: usize| sets.iter().flatten().nth(k).map(|m| End::Mat(*m));
     Some(([name(i)?, name(j)?], wide(e), wide(f)))
 }

@@ -8,24 +8,24 @@ use crate::emit::oversample::oversample;
 use crate::emit::pass_list;
 use crate::emit::pefrl;
 use crate::emit::plan::Plan;
-use crate::net::{Coordinate, Ear, End, LiaNode, MatRole, Net, OutNode};
+use crate::net::{Coordinate, End, LiaNode, MatRole, Net, OutNode, OutputTap};
 use crate::options::Options;
 use crate::passes::implicit;
 use alloc::collections::{BTreeMap, BTreeSet};
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
+use ca_core::active_contacts::ActiveContacts;
 use ca_core::kind::PortRole;
 use ca_core::layout::{Account, Enf, Enx, Gauge, Heard, Layout, LedgerPlan, Modal, Output, Place, Proxy};
 use ca_core::ledger::Ledger;
 use ca_core::live::Loader;
-use ca_core::near::Near;
 use ca_core::op::Op;
 use ca_core::real::{Real, real};
 use ca_core::scene::{InputRole, Scene, Stands, Symbol};
 use ca_core::start::{Order, start};
 use ca_core::state::Identity;
 use ca_core::state::{Border, Cell, Ramps, State};
-use ca_core::touch::Touches;
+use ca_core::verlet::VerletList;
 use ca_model::Model;
 use ca_model::diag::Diags;
 
@@ -81,7 +81,7 @@ pub fn schedule(
         ends: links.ends,
         onto: links.onto,
         reach: links.reach.iter().map(|r| r.map(real)).collect(),
-        crowds: links.crowds,
+        pair_sets: links.pair_sets,
         e0: reals(links.e0),
         rest: reals(rest),
         nodes,
@@ -293,10 +293,10 @@ fn outputs(plan: &mut Plan, links: &Links) -> Option<(usize, Vec<Output>)> {
     let first = plan.coef.len();
     let mut all = Vec::new();
     for o in plain_first(plan.net) {
-        let heard = match o.ear {
-            Ear::Position(e) => Heard::Position(plan.alive(e, o.axis)?),
-            Ear::ForceOn(e) => Heard::ForceOn(plan.alive(e, o.axis)?),
-            Ear::ForceOf(l) => {
+        let heard = match o.tap {
+            OutputTap::Position(e) => Heard::Position(plan.alive(e, o.axis)?),
+            OutputTap::ForceOn(e) => Heard::ForceOn(plan.alive(e, o.axis)?),
+            OutputTap::ForceOf(l) => {
                 let (op, k) = links.where_is[l as usize];
                 Heard::ForceOf((links.forces[op as usize].tap + k as usize) as u32)
             }
@@ -361,7 +361,7 @@ fn loaded(net: &Net, layout: &Layout, x: Vec<f64>, v: &[f64], coef: Vec<f64>, (l
         tap: alloc::vec![0.0; layout.n_tap],
         held: input.clone(),
         output: alloc::vec![0.0; layout.n_out],
-        near: layout.crowds.iter().map(|c| Near::new(c.members.len(), c.rows, c.columns)).collect(),
+        near: layout.pair_sets.iter().map(|c| VerletList::new(c.members.len(), c.rows, c.columns)).collect(),
         cells: alloc::vec![Cell::default(); layout.proxies.len()],
         border: alloc::vec![Border::default(); layout.tgr.len()],
         late: alloc::vec![0.0; layout.tgr.len() * layout.crossing.latency as usize],
@@ -370,7 +370,7 @@ fn loaded(net: &Net, layout: &Layout, x: Vec<f64>, v: &[f64], coef: Vec<f64>, (l
         lowpass: alloc::vec![0.0; layout.channels * 2 * (2 * layout.lowpass.len()).saturating_sub(1)],
         ramps: Ramps::new(live, whole),
         implicit: alloc::vec![0.0; layout.implicit.as_ref().map_or(0, |a| 2 * a.places.len())],
-        touches: Touches::new(layout.n_touch, layout.n_mat),
+        touches: ActiveContacts::new(layout.n_touch, layout.n_mat),
         ledger: layout.ledger.as_ref().map(|p| {
             let most = p.accounts.iter().map(|a| a.coefs).max().unwrap_or(0);
             Ledger::new(layout.n_mat, layout.n_lia, most, ports, layout.tgr.len())
@@ -392,9 +392,9 @@ fn probes(net: &Net) -> (Vec<String>, Vec<u32>) {
 fn used_points(net: &Net) -> Vec<bool> {
     let mut used = alloc::vec![false; net.points.len()];
     let ends = net.lias.iter().flat_map(LiaNode::all_ends);
-    let heard = net.outs.iter().filter_map(|o| match o.ear {
-        Ear::Position(e) | Ear::ForceOn(e) => Some(e),
-        Ear::ForceOf(_) => None,
+    let heard = net.outs.iter().filter_map(|o| match o.tap {
+        OutputTap::Position(e) | OutputTap::ForceOn(e) => Some(e),
+        OutputTap::ForceOf(_) => None,
     });
     for e in ends.chain(heard).chain(net.pushes.iter().map(|p| p.end)) {
         if let End::Point(p) = e {

@@ -7,7 +7,7 @@ use crate::analysis::{Linear, Loose, Network, Place, Port};
 use crate::net::linearisation;
 use crate::net::linearisation::Own;
 use crate::net::lines::LineNode;
-use crate::net::{Coordinate, Ear, End, LiaNode, MatNode, Measure, Net};
+use crate::net::{Coordinate, End, LiaNode, MatNode, Measure, Net, OutputTap};
 use alloc::string::String;
 use alloc::vec::Vec;
 use ca_core::law::Bound;
@@ -97,8 +97,8 @@ pub fn network(net: &Net) -> Network {
     let (mut ports, mut deaf): (Vec<Port>, Vec<_>) = (Vec::new(), Vec::new());
     // the last port and its channel: a probe may have the name of an output
     let mut last: Option<(&str, u32)> = None;
-    for (name, ear, axis, share, channel) in net.outs.iter().map(|o| (&o.name, o.ear, o.axis, o.share, o.channel)) {
-        let Ear::Position(end) = ear else {
+    for (name, tap, axis, share, channel) in net.outs.iter().map(|o| (&o.name, o.tap, o.axis, o.share, o.channel)) {
+        let OutputTap::Position(end) = tap else {
             deaf.push(name.clone());
             continue;
         };

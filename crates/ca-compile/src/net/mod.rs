@@ -209,7 +209,7 @@ pub struct PointNode {
 
 /// What an output hears.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Ear {
+pub enum OutputTap {
     /// displacement
     Position(End),
     /// summed force
@@ -224,7 +224,7 @@ pub struct OutNode {
     /// its name
     pub name: String,
     /// what it hears
-    pub ear: Ear,
+    pub tap: OutputTap,
     /// of something in space, the axis it hears
     pub axis: u8,
     /// factor, beside the gain: the share of this axis in the direction it hears

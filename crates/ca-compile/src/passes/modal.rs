@@ -16,7 +16,7 @@ use crate::net::linear::{Points, links, places};
 use crate::net::linearisation;
 use crate::net::linearisation::Own;
 use crate::net::lines::LineNode;
-use crate::net::{Ear, End, Family, LiaNode, MatNode, MatRole, Measure, Medium, Net, PointNode};
+use crate::net::{End, Family, LiaNode, MatNode, MatRole, Measure, Medium, Net, OutputTap, PointNode};
 use alloc::collections::BTreeMap;
 use alloc::format;
 use alloc::string::String;
@@ -147,7 +147,7 @@ fn one(model: &Model, net: &mut Net, group: usize, diags: &mut Diags) {
         l.onto.iter_mut().for_each(|o| o.ends.iter_mut().for_each(&mut port));
     }
     for o in &mut net.outs {
-        if let Ear::Position(e) | Ear::ForceOn(e) = &mut o.ear {
+        if let OutputTap::Position(e) | OutputTap::ForceOn(e) = &mut o.tap {
             port(e);
         }
     }
@@ -179,7 +179,7 @@ fn obstacle(model: &Model, net: &Net, within: &[bool], name: &str, item: u32, gr
         return refuse(i, "E028", title, "use a number: modes are computed once; or `method = \"ca\"`");
     }
     for (i, l) in net.lias.iter().enumerate().filter(|(_, l)| touches(l)) {
-        let heard = net.outs.iter().any(|o| o.ear == Ear::ForceOf(i as u32));
+        let heard = net.outs.iter().any(|o| o.tap == OutputTap::ForceOf(i as u32));
         if inside(net, l, within, group) && heard {
             let title = format!("{name} goes by its modes: `{}` has no force of its own", l.name);
             return refuse(l.item, "E028", title, "hear a mass, or what touches it, or use `method = \"ca\"`");

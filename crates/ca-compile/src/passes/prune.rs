@@ -1,7 +1,7 @@
 //! Prune: what no output and no hand can hear is not computed. Motion does not pass through a fixed point or a port,
 //! so those do not join what hangs on them.
 
-use crate::net::{Ear, End, MatRole, Net};
+use crate::net::{End, MatRole, Net, OutputTap};
 use alloc::format;
 use alloc::vec::Vec;
 use ca_core::kind::PortRole;
@@ -55,13 +55,13 @@ pub fn prune(model: &Model, net: &mut Net, diags: &mut Diags) {
     let mut hear = |sets: &mut Sets, e: End| heard[sets.root(place(e))] = true;
     let tgr = |e: End| matches!(e, End::Mat(m) if matches!(net.mats[m as usize].role, MatRole::Port(PortRole::Tgr, _)));
     for o in &net.outs {
-        match o.ear {
-            Ear::Position(e) | Ear::ForceOn(e) => hear(&mut sets, e),
-            Ear::ForceOf(l) => net.lias[l as usize].all_ends().for_each(|e| hear(&mut sets, e)),
+        match o.tap {
+            OutputTap::Position(e) | OutputTap::ForceOn(e) => hear(&mut sets, e),
+            OutputTap::ForceOf(l) => net.lias[l as usize].all_ends().for_each(|e| hear(&mut sets, e)),
         }
     }
     let listened: Vec<End> =
-        net.outs.iter().filter_map(|o| if let Ear::ForceOn(e) = o.ear { Some(e) } else { None }).collect();
+        net.outs.iter().filter_map(|o| if let OutputTap::ForceOn(e) = o.tap { Some(e) } else { None }).collect();
     // whoever pulls on a device, or on a fixed point whose force is heard, is felt
     for l in &net.lias {
         if l.all_ends().any(|e| tgr(e) || listened.contains(&e)) {
@@ -71,7 +71,7 @@ pub fn prune(model: &Model, net: &mut Net, diags: &mut Diags) {
     let audible: Vec<bool> = (0..heard.len()).map(|i| heard[sets.root(i)]).collect();
     let mut alive: Vec<bool> = (0..n).map(|i| !fixed[i] && audible[i]).collect();
     let taps: Vec<u32> =
-        net.outs.iter().filter_map(|o| if let Ear::ForceOf(l) = o.ear { Some(l) } else { None }).collect();
+        net.outs.iter().filter_map(|o| if let OutputTap::ForceOf(l) = o.tap { Some(l) } else { None }).collect();
     let keep: Vec<bool> = net
         .lias
         .iter()
@@ -90,7 +90,7 @@ pub fn prune(model: &Model, net: &mut Net, diags: &mut Diags) {
         }
     }
     for o in &net.outs {
-        if let Ear::Position(e) | Ear::ForceOn(e) = o.ear {
+        if let OutputTap::Position(e) | OutputTap::ForceOn(e) = o.tap {
             hold(&mut alive, e);
         }
     }

@@ -4,7 +4,7 @@
 //! slow stretch of a spinning body included (docs/numerics.md §4.3), and everything that hangs on that port gets it.
 //! Outputs there take a high pass unless one is written (see `emit/cutoff.rs`).
 
-use crate::net::{Ear, End, Measure, Net, OutNode};
+use crate::net::{End, Measure, Net, OutNode, OutputTap};
 use alloc::vec::Vec;
 
 /// Marks the MATs that hang on the line port of a quadripole whose other port is in space.
@@ -51,9 +51,9 @@ impl Net {
         if self.fed.is_empty() {
             return false;
         }
-        match out.ear {
-            Ear::Position(e) | Ear::ForceOn(e) => self.under(e).into_iter().any(fed),
-            Ear::ForceOf(l) => self.lias[l as usize].all_ends().any(|e| self.under(e).into_iter().any(fed)),
+        match out.tap {
+            OutputTap::Position(e) | OutputTap::ForceOn(e) => self.under(e).into_iter().any(fed),
+            OutputTap::ForceOf(l) => self.lias[l as usize].all_ends().any(|e| self.under(e).into_iter().any(fed)),
         }
     }
 }

@@ -9,7 +9,7 @@ use crate::net::{End, LiaNode, Measure, Net};
 use alloc::collections::BTreeSet;
 use alloc::format;
 use alloc::vec::Vec;
-use ca_core::op::law::Turn;
+use ca_core::op::law::SolveStage;
 use ca_model::Model;
 use ca_model::diag::Diags;
 
@@ -39,8 +39,8 @@ pub fn choose(model: &Model, net: &mut Net, diags: &mut Diags) {
     let laws: Vec<_> = net
         .lias
         .iter()
-        .map(|l| match l.law.turn {
-            Turn::Alone(together) if shared(l) => together,
+        .map(|l| match l.law.stage {
+            SolveStage::Single(together) if shared(l) => together,
             _ => l.law,
         })
         .collect();

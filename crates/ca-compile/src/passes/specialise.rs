@@ -85,12 +85,12 @@ impl Net {
             });
         }
         for o in &mut self.outs {
-            if let crate::net::Ear::ForceOf(l) = &mut o.ear {
+            if let crate::net::OutputTap::ForceOf(l) = &mut o.tap {
                 *l = renumber[*l as usize];
             }
         }
         // an output that hears a link that is nothing hears nothing; its channel stays
-        self.outs.retain(|o| o.ear != crate::net::Ear::ForceOf(u32::MAX));
+        self.outs.retain(|o| o.tap != crate::net::OutputTap::ForceOf(u32::MAX));
         // a probe that does leaves no gap
         let (mut was, mut next) = (None, self.channels.len() as u32);
         for o in self.outs.iter_mut().filter(|o| o.item.is_none()) {

@@ -18,15 +18,15 @@
 use super::newton::root;
 use super::quadratised::{self, join, reach};
 use super::{goes, mobility};
+use crate::active_contacts::ActiveContact;
 use crate::law::{Bound, Phi};
 use crate::layout::{Gauge, Layout};
 use crate::op::gauge::{Along, Line, Measure, Radial};
-use crate::op::law::{Law, Turn};
+use crate::op::law::{Law, SolveStage};
 use crate::op::{Form, Kernel, Op};
 use crate::real::{Real, real, wide};
 use crate::state::State;
 use crate::table::Table;
-use crate::touch::Touch;
 
 /// Newton while the steepest slope times T²/m of both ends is below this; the root of the bell curve is the only one up
 /// to 4.48 (docs/numerics.md §3.5).
@@ -54,7 +54,7 @@ pub const fn alone<P: Curve<C> + 'static, const C: usize, const NEWTON: bool>(
         lost: |_, mem, _, _| mem[0],
         bound: bound::<P, C>,
         kernel: |_| rub::<P, C, NEWTON>,
-        turn: Turn::Alone(together),
+        stage: SolveStage::Single(together),
         simpler: |_| None,
         ..curve
     }
@@ -69,7 +69,7 @@ pub const fn together<P: Curve<C> + 'static, const C: usize>(code: &'static str,
         lost: |_, mem, _, _| mem[1],
         bound: bound::<P, C>,
         kernel: kernel::<P, C>,
-        turn: Turn::Together(quadratised::solve),
+        stage: SolveStage::Coupled(quadratised::solve),
         simpler: |_| None,
         ..curve
     }
@@ -125,6 +125,6 @@ fn gather<P: Curve<C>, G: Measure, const C: usize>(op: &Op, layout: &Layout, s: 
         let felt = G::measure(&s.x, &s.d, ends, &at);
         let z = P::chord(&coef, &layout.tables, felt.w).max(0.0);
         let link = reach::<G>(op, layout, s, i, 1.0, felt.u);
-        join(s, Touch { z, ..link });
+        join(s, ActiveContact { z, ..link });
     }
 }

@@ -20,7 +20,7 @@ use super::spring::{Contact, Spring};
 use super::{goes, mobility};
 use crate::layout::Layout;
 use crate::op::Op;
-use crate::op::law::{Law, Turn};
+use crate::op::law::{Law, SolveStage};
 use crate::real::{Real, sqrt};
 use crate::state::State;
 
@@ -31,7 +31,7 @@ pub const fn law<S: Spring>(spring: Law, other: &'static Law) -> Law {
         start: |_, _, mem| mem.fill(0.0),
         lost: |_, mem, _, _| mem[0],
         kernel: |_| push::<S>,
-        turn: Turn::Alone(other),
+        stage: SolveStage::Single(other),
         ..spring
     }
 }

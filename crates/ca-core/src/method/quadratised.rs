@@ -30,13 +30,13 @@
 
 use super::spring::{Contact, Spring};
 use super::{goes, mobility};
+use crate::active_contacts::{ActiveContact, ActiveContacts};
 use crate::layout::{Gauge, Layout};
 use crate::op::gauge::{Along, Line, Measure, Radial};
-use crate::op::law::{Law, Turn};
+use crate::op::law::{Law, SolveStage};
 use crate::op::{Form, Kernel, Op};
 use crate::real::{Real, SINGLE, sqrt};
 use crate::state::State;
-use crate::touch::{Touch, Touches};
 use nalgebra::Vector3;
 
 /// The residual is brought below this part of what it was, squared.
@@ -56,7 +56,7 @@ pub const fn law<S: Spring>(spring: Law) -> Law {
         stored: |_, mem, _, _, _| 0.5 * mem[0] * mem[0],
         lost: |_, mem, _, _| mem[1],
         kernel: kernel::<S>,
-        turn: Turn::Together(solve),
+        stage: SolveStage::Coupled(solve),
         ..spring
     }
 }
@@ -103,13 +103,20 @@ fn gather<S: Spring, G: Measure>(op: &Op, layout: &Layout, s: &mut State) {
             (false, true) => (4.0 * psi / (sqrt(free * free + 4.0 * w * psi * psi) - free), 0.0),
             (false, false) => (0.0, 0.0),
         };
-        join(s, Touch { clip: contact.clip, open: eta < 0.0, gamma, psi, z, ..link });
+        join(s, ActiveContact { clip: contact.clip, open: eta < 0.0, gamma, psi, z, ..link });
     }
 }
 
 /// Link `i` of `op`, of which `u` is the gradient of the elongation, as one that may act: what all other forces would
 /// do to it, and its mobility \[m/N\] on the diagonal.
-pub(super) fn reach<G: Measure>(op: &Op, layout: &Layout, s: &State, i: usize, side: Real, u: Vector3<Real>) -> Touch {
+pub(super) fn reach<G: Measure>(
+    op: &Op,
+    layout: &Layout,
+    s: &State,
+    i: usize,
+    side: Real,
+    u: Vector3<Real>,
+) -> ActiveContact {
     let g: [Real; 3] = (u * -side).into();
     let (ends, places) = (layout.ends[op.first + i], if G::SPACE { 3 } else { 1 });
     let (mut free, mut w) = (0.0, 0.0);
@@ -119,21 +126,21 @@ pub(super) fn reach<G: Measure>(op: &Op, layout: &Layout, s: &State, i: usize, s
         w += g * g * (mobility(layout, s, a) + mobility(layout, s, b));
     }
     let tap = op.form.tap.then_some(op.tap + i);
-    Touch { ends, places, g, mem: op.mem + 2 * i, tap, side, free, diag: w, ..Touch::default() }
+    ActiveContact { ends, places, g, mem: op.mem + 2 * i, tap, side, free, diag: w, ..ActiveContact::default() }
 }
 
 /// Adds a link to those of this tick, if it does anything.
-pub(super) fn join(s: &mut State, link: Touch) {
+pub(super) fn join(s: &mut State, link: ActiveContact) {
     let stiff = 0.25 * link.gamma * link.gamma + 0.5 * link.z;
     let touches = &mut s.touches;
     let Some(t) = touches.list.get_mut(touches.n).filter(|_| stiff > 0.0) else { return };
-    *t = Touch { stiff, diag: link.diag + 1.0 / stiff, ..link };
+    *t = ActiveContact { stiff, diag: link.diag + 1.0 / stiff, ..link };
     touches.n += 1;
 }
 
 /// Sets `q` of each contact to W p.
-fn respond(list: &mut [Touch], push: &mut [Real], mobility: &[Real]) {
-    let places = |t: &Touch| {
+fn respond(list: &mut [ActiveContact], push: &mut [Real], mobility: &[Real]) {
+    let places = |t: &ActiveContact| {
         let ([a, b], n) = (t.ends.map(|m| m as usize), t.places);
         (0..n).map(move |k| (a + k, b + k, k))
     };
@@ -154,7 +161,7 @@ fn respond(list: &mut [Touch], push: &mut [Real], mobility: &[Real]) {
 }
 
 /// Solves for `y` of all contacts listed.
-fn conjugate(list: &mut [Touch], push: &mut [Real], mobility: &[Real]) {
+fn conjugate(list: &mut [ActiveContact], push: &mut [Real], mobility: &[Real]) {
     for t in &mut *list {
         t.p = t.gamma * t.psi;
     }
@@ -194,7 +201,7 @@ fn conjugate(list: &mut [Touch], push: &mut [Real], mobility: &[Real]) {
 /// Computes the pushes of all contacts collected and applies them.
 pub(super) fn solve(_op: &Op, layout: &Layout, s: &mut State) {
     let mobility = &s.coef[2 * layout.n_mat..];
-    let Touches { n, list, push } = &mut s.touches;
+    let ActiveContacts { n, list, push } = &mut s.touches;
     let all = &mut list[..core::mem::take(n)];
     let mut acting = all.len();
     loop {

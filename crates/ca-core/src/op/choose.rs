@@ -1,15 +1,15 @@
 //! Which kernel runs a law: one for each form of a batch of links, chosen at load.
 
-use super::{Form, Gauge, Kernel, crowd, gather, gauge, run, space, wide};
+use super::{Form, Gauge, Kernel, gather, gauge, pair_set, run, space, wide};
 use crate::law::Phi;
 
 /// The kernel of a law for one form of a dipole.
 pub(crate) fn kernel<P: Phi<C, M> + 'static, const C: usize, const M: usize>(form: Form) -> Kernel {
     if form.set {
         return if form.tap {
-            wide::wide::<crowd::All<P, C, M, true>>
+            wide::wide::<pair_set::All<P, C, M, true>>
         } else {
-            wide::wide::<crowd::All<P, C, M, false>>
+            wide::wide::<pair_set::All<P, C, M, false>>
         };
     }
     match (form.gauge, form.stride > 0, form.offset, form.tap) {

@@ -1,7 +1,7 @@
 //! A law as data: what the compiler, the ledger and the certificate call without knowing which law it is.
 
 use super::choose::kernel;
-pub use super::{Fixed, Law, Turn};
+pub use super::{Fixed, Law, SolveStage};
 use crate::law::Phi;
 use crate::real::Real;
 use crate::table::Table;
@@ -34,7 +34,7 @@ impl Law {
             mem: M,
             linear: P::LINEAR,
             contact: P::CONTACT,
-            turn: Turn::Any,
+            stage: SolveStage::Explicit,
             implicit: false,
             load: |p, te, out| out.copy_from_slice(&P::coefs(p, te)),
             start: |c, e, mem| mem[..M].copy_from_slice(&P::start(&arr(c), e)),
@@ -56,7 +56,7 @@ impl Law {
 
     /// True where the force depends on the motion that others would cause.
     pub const fn is_late(&self) -> bool {
-        !matches!(self.turn, Turn::Any)
+        !matches!(self.stage, SolveStage::Explicit)
     }
 
     /// The same law with a rule that picks a cheaper one.

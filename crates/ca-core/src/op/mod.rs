@@ -14,15 +14,15 @@ use crate::table::Table;
 
 pub mod blocker;
 mod choose;
-pub mod crowd;
-pub mod finer;
 mod gather;
 pub mod gauge;
 pub mod law;
 pub mod lowpass;
+pub mod pair_set;
 pub mod pass;
 mod run;
 mod space;
+pub mod substep;
 pub mod wave;
 pub mod wide;
 
@@ -95,7 +95,7 @@ pub struct Law {
     /// see [`Phi::CONTACT`](crate::law::Phi::CONTACT)
     pub contact: bool,
     /// when its force is computed
-    pub turn: Turn,
+    pub stage: SolveStage,
     /// true where part of its force comes from the time to come, for all such links at once
     pub implicit: bool,
     /// see [`Phi::coefs`](crate::law::Phi::coefs); `out` has [`Law::coefs`] places
@@ -122,14 +122,14 @@ pub struct Law {
 
 /// When the force of a law is computed among the forces of a tick.
 #[derive(Clone, Copy)]
-pub enum Turn {
+pub enum SolveStage {
     /// from what is known at its beginning
-    Any,
-    /// after all forces of turn `Any`, from the motion they would cause: on a line, where no other link of a later turn
+    Explicit,
+    /// after all forces of stage `Explicit`, from the motion they would cause: on a line, where no other link of a later stage
     /// moves the same place. Elsewhere this law runs instead
-    Alone(&'static Law),
+    Single(&'static Law),
     /// after all others, collected link by link and then computed at once by this pass
-    Together(Kernel),
+    Coupled(Kernel),
 }
 
 /// What is known of a parameter when a law is specialised.

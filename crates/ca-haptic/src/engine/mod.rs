@@ -21,7 +21,7 @@ use crate::frame::{DeviceFrame, ForceFrame};
 use crate::guard::Order;
 use crate::guard::input::Verdict;
 use ca_core::live::Patch;
-use ca_core::{Scene, State, advance, sense};
+use ca_core::{Scene, State, compute_forces, integrate};
 use sound::Ceiling;
 use std::sync::Arc;
 
@@ -223,7 +223,7 @@ impl Engine {
         let ticks = if first { 1 } else { self.scene.ratio };
         for j in 1..=ticks {
             if j > 1 && !self.diverged {
-                advance(&self.scene, &mut self.state);
+                integrate(&self.scene, &mut self.state);
             }
             self.sample();
         }
@@ -249,7 +249,7 @@ impl Engine {
             // time goes on, so that frames keep their numbers
             self.state.tick += 1;
         } else {
-            advance(&self.scene, &mut self.state);
+            integrate(&self.scene, &mut self.state);
         }
         self.counts.frames += 1;
         &self.sound[..self.filled]
@@ -263,7 +263,7 @@ impl Engine {
             // the tick of the frame's last sample moves in `finish`
             self.state.tick += u64::from(self.filled > 0);
         } else {
-            sense(&self.scene, &mut self.state);
+            compute_forces(&self.scene, &mut self.state);
         }
         let to = &mut self.sound[self.filled..self.filled + n];
         to.copy_from_slice(&self.state.output[..n]);

@@ -18,7 +18,7 @@ use ca_core::border::{Delays, delays};
 use ca_core::certificate::Key;
 use ca_core::equivalence::Gains;
 use ca_core::kind::Unit;
-use ca_core::{Scene, sense};
+use ca_core::{Scene, compute_forces};
 use ca_haptic::profile::Profile;
 use ca_model::quantity::{show, six};
 use serde_json::{Value as Json, json};
@@ -301,7 +301,7 @@ fn row<'a>(scene: &'a Scene, t: usize, profile: &Profile, devices: &[&str]) -> O
     let force_at = |x: f64| {
         let mut s = state.clone();
         s.input[port.input as usize] = gains.alpha * x;
-        sense(scene, &mut s);
+        compute_forces(scene, &mut s);
         gains.beta * s.f[at]
     };
     let span = profile.range[1] - profile.range[0];

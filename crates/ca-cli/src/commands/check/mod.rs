@@ -81,7 +81,7 @@ fn summary(loaded: &Loaded, scene: &Scene, exact: bool) -> Result<(), Failure> {
     writeln!(out, "  modules    {} MAT, {} LIA: {}", scene.mats(), scene.n_lia, by_code.join(", "))?;
     for (op, name) in scene.forces.iter().enumerate().map(|(i, op)| (op, scene.lia_name(i, 0))) {
         if let Some(crowd) = op.ports.crowd {
-            writeln!(out, "             `{name}` joins all {} pairs", scene.crowds[crowd].pairs())?;
+            writeln!(out, "             `{name}` joins all {} pairs", scene.pair_sets[crowd].pairs())?;
         }
     }
     writeln!(out, "  passes     {} in a tick", ops(scene))?;

@@ -110,7 +110,7 @@ fn form(op: &Op) -> String {
 
 /// How many pairs a pass joins as one module, if it does.
 fn pairs(scene: &Scene, op: &Op) -> Option<u64> {
-    op.ports.crowd.map(|c| scene.crowds[c].pairs())
+    op.ports.crowd.map(|c| scene.pair_sets[c].pairs())
 }
 
 /// What a scene could have and this one has not.

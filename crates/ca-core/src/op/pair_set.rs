@@ -1,18 +1,18 @@
-//! Crowd: a contact between all pairs of two sets of points in space, as one module: one row of coefficients, and only
+//! PairSet: a contact between all pairs of two sets of points in space, as one module: one row of coefficients, and only
 //! pairs that touch are computed.
 //!
 //! Decides that the pairs that touch are computed exactly as single links are, by the same functions and in the order
-//! of the pairs, so a set and its pairs written out agree in every bit; how they are found is for [`crate::near`]. What
+//! of the pairs, so a set and its pairs written out agree in every bit; how they are found is for [`crate::verlet`]. What
 //! contains (`sense = "inside"`) acts on those that are far apart: then all are measured.
 
 use super::Op;
 use super::gauge::{Measure, Radial};
 use super::wide::Body;
 use crate::law::Phi;
-use crate::layout::{Crowd, Layout};
-use crate::near::Near;
+use crate::layout::{Layout, PairSet};
 use crate::real::{Real, sqrt};
 use crate::state::State;
+use crate::verlet::VerletList;
 use core::marker::PhantomData;
 
 /// Three numbers from `i` on.
@@ -29,7 +29,7 @@ fn square([x, y, z]: [Real; 3]) -> Real {
 
 /// The ends of a pair, and what a radial port needs beside them.
 #[inline(always)]
-fn pair(crowd: &Crowd, rest: &[Real], i: usize, j: usize) -> ([usize; 2], [Real; 4]) {
+fn pair(crowd: &PairSet, rest: &[Real], i: usize, j: usize) -> ([usize; 2], [Real; 4]) {
     let (a, b) = (crowd.members[i], crowd.members[j]);
     let (p, q) = (three(rest, a), three(rest, b));
     ([a as usize, b as usize], [q[0] - p[0], q[1] - p[1], q[2] - p[2], 0.0])
@@ -43,7 +43,7 @@ fn radius((from, to): (Real, Real)) -> Real {
 
 /// Puts the members where they are.
 #[inline(always)]
-fn place(near: &mut Near, crowd: &Crowd, rest: &[Real], x: &[Real]) {
+fn place(near: &mut VerletList, crowd: &PairSet, rest: &[Real], x: &[Real]) {
     let members = &crowd.members;
     near.place(|k| [three(rest, members[k]), three(x, members[k])]);
 }
@@ -55,7 +55,7 @@ impl<P: Phi<C, M>, const C: usize, const M: usize, const TAP: bool> Body for All
     #[inline(always)]
     fn run(op: &Op, layout: &Layout, s: &mut State) {
         let Some(at) = op.ports.crowd else { return };
-        let (crowd, near) = (&layout.crowds[at], &mut s.near[at]);
+        let (crowd, near) = (&layout.pair_sets[at], &mut s.near[at]);
         let Some(c) = s.coef[op.coef..].first_chunk::<C>() else { return };
         let (x, d, f, rest) = (&s.x, &s.d, &mut s.f, &layout.rest);
         let tap = if TAP { &mut s.tap[op.tap..][..3 * crowd.members.len()] } else { &mut [] };
@@ -86,13 +86,13 @@ impl<P: Phi<C, M>, const C: usize, const M: usize, const TAP: bool> Body for All
 
 /// The first pair that presses while nothing moves: its members and its force \[N\], by `force` of the elongation.
 pub fn pressed(
-    crowd: &Crowd,
+    crowd: &PairSet,
     rest: &[Real],
     x: &[Real],
     idle: (Real, Real),
     force: impl Fn(Real) -> Real,
 ) -> Option<Pressed> {
-    let mut near = Near::new(crowd.members.len(), crowd.rows, crowd.columns);
+    let mut near = VerletList::new(crowd.members.len(), crowd.rows, crowd.columns);
     place(&mut near, crowd, rest, x);
     near.renew(radius(idle), |_| 0.0);
     let mut found: Option<Pressed> = None;
@@ -114,13 +114,13 @@ pub type Pressed = (usize, usize, Real, Real);
 pub fn touched(
     layout: &Layout,
     s: &State,
-    near: &mut Near,
+    near: &mut VerletList,
     d0: &[Real],
     at: usize,
     idle: (Real, Real),
     mut visit: impl FnMut([Real; 3]),
 ) {
-    let (crowd, x, d) = (&layout.crowds[at], &s.x, &s.d);
+    let (crowd, x, d) = (&layout.pair_sets[at], &s.x, &s.d);
     place(near, crowd, &layout.rest, x);
     let fastest = |d: &[Real]| sqrt(crowd.members.iter().map(|m| square(three(d, *m))).fold(0.0, Real::max));
     let moved = 2.0 * (fastest(d) + fastest(d0));

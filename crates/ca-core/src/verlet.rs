@@ -1,4 +1,4 @@
-//! Near: which pairs of two sets of points are closer than a distance.
+//! VerletList: which pairs of two sets of points are closer than a distance.
 //!
 //! Decides for a neighbour list with a skin (Verlet): the pairs within distance + skin are listed, and the list serves
 //! until some point has moved half the skin. It is exact: what is listed is measured again by whoever asks, and a pair
@@ -47,7 +47,7 @@ const ROUNDING: Real = 4096.0 * Real::EPSILON;
 
 /// Points, and the pairs of them that are near. Pairs are (row, column): each row joins all columns behind it.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Near {
+pub struct VerletList {
     /// points; the last of them may only be columns
     n: usize,
     /// rows
@@ -84,15 +84,15 @@ pub struct Near {
     pub lists: u64,
 }
 
-impl Near {
+impl VerletList {
     /// Room for `n` points, of which the first `rows` are paired with those from `first` on, if behind them.
-    pub fn new(n: usize, rows: usize, first: usize) -> Near {
+    pub fn new(n: usize, rows: usize, first: usize) -> VerletList {
         let columns = n - first;
         // four at least, so that a cell and its neighbours on both sides are three
         let bits = (2..10).find(|b| 1usize << (3 * b) >= columns).unwrap_or(10);
         let none = || alloc::vec![Real::INFINITY; n];
         let at = || alloc::vec![Real::INFINITY; n + LANES];
-        Near {
+        VerletList {
             n,
             rows,
             first,
@@ -107,7 +107,7 @@ impl Near {
             cell: alloc::vec![0; columns],
             head: alloc::vec![0; (1 << (3 * bits)) + 2],
             order: alloc::vec![0; columns],
-            ..Near::default()
+            ..VerletList::default()
         }
     }
 

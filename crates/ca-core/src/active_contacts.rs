@@ -9,7 +9,7 @@ use alloc::vec::Vec;
 
 /// One link that acts in this tick; of friction, γ and ψ are 0, and the elongation is a penetration that shrinks.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Touch {
+pub(crate) struct ActiveContact {
     /// first place of either end
     pub ends: [u32; 2],
     /// places of an end: 1 on a line, 3 in space
@@ -50,19 +50,19 @@ pub(crate) struct Touch {
 
 /// The contacts of this tick.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Touches {
+pub struct ActiveContacts {
     /// how many act so far
     pub(crate) n: usize,
     /// the first `n` of them act (as long as there are contacts that may)
-    pub(crate) list: Vec<Touch>,
+    pub(crate) list: Vec<ActiveContact>,
     /// pushes on places, nothing between solutions (`n_mat`, none without such contacts)
     pub(crate) push: Vec<Real>,
 }
 
-impl Touches {
+impl ActiveContacts {
     /// Room for `contacts` among `places`.
-    pub fn new(contacts: usize, places: usize) -> Touches {
+    pub fn new(contacts: usize, places: usize) -> ActiveContacts {
         let places = if contacts == 0 { 0 } else { places };
-        Touches { n: 0, list: alloc::vec![Touch::default(); contacts], push: alloc::vec![0.0; places] }
+        ActiveContacts { n: 0, list: alloc::vec![ActiveContact::default(); contacts], push: alloc::vec![0.0; places] }
     }
 }
