@@ -8,7 +8,7 @@ use crate::{Ended, Failure, Outcome, catalog, term};
 use ca_compile::Options;
 use ca_compile::certify::Level;
 use ca_core::cloud::Clouds;
-use ca_model::{Model, read, render, write};
+use ca_model::{Model, read, write};
 use std::io::Write as _;
 use std::path::PathBuf;
 
@@ -19,7 +19,7 @@ pub fn run(args: &ImportArgs) -> Outcome {
     let (model, notes) = load::import(&text, &file);
     // the findings point into the MIMS text
     let original = Model { file, text, ..Model::default() };
-    term::findings(&render::text(&notes, &original, term::color()));
+    term::findings(&notes, &original);
     if notes.has_errors() {
         return Err(Failure::Reported);
     }
@@ -33,7 +33,7 @@ pub fn run(args: &ImportArgs) -> Outcome {
     let (model, diags) = read::read(&text, &shown, &catalog());
     let loaded = Loaded { model, diags, name: load::stem(&output), clouds: Clouds::new() };
     let (scene, diags) = load::compiled(&loaded, &Options::default());
-    term::findings(&render::text(&diags, &loaded.model, term::color()));
+    term::findings(&diags, &loaded.model);
     let Some(scene) = scene else { return Err(Failure::Reported) };
     writeln!(out, "it compiles: {} MAT, {} LIA, stability {}", scene.mats(), scene.n_lia, scene.certificate.level)?;
     writeln!(out, "hear it with\n\n  ca render {shown}\n")?;
