@@ -17,6 +17,8 @@ mod report;
 mod schema;
 mod serve;
 mod shm;
+#[path = "../../../../tests/src/skipped.rs"]
+mod skipped;
 mod sweep;
 mod take;
 mod words;

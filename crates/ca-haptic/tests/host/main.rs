@@ -7,3 +7,5 @@ mod examples;
 mod frames;
 mod lines;
 mod processes;
+#[path = "../../../../tests/src/skipped.rs"]
+mod skipped;
