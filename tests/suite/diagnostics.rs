@@ -182,6 +182,7 @@ fn the_pages_of_the_crate_are_those_of_the_files() {
         let page = ca_model::explain::page(code).unwrap_or_else(|| panic!("{code} has no page"));
         assert_eq!((page.code, page.title), (*code, *title));
         assert_eq!(sorted(&page.text()), sorted(&written[*code]), "{code}");
+        assert!(!page.text().starts_with("```"), "{code}: a page begins by saying what the code means");
     }
     assert!(ca_model::explain::page("E000").is_none());
 }

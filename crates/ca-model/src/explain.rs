@@ -14,10 +14,10 @@ const FILES: [&str; 8] = [
     include_str!("../diagnostics/reading.md"),
     include_str!("../diagnostics/values.md"),
     include_str!("../diagnostics/names.md"),
-    include_str!("../diagnostics/waveguide.md"),
     include_str!("../diagnostics/rates.md"),
-    include_str!("../diagnostics/equivalence.md"),
     include_str!("../diagnostics/stability.md"),
+    include_str!("../diagnostics/equivalence.md"),
+    include_str!("../diagnostics/waveguide.md"),
     include_str!("../diagnostics/mims.md"),
 ];
 
