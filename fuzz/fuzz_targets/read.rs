@@ -1,6 +1,6 @@
 //! Arbitrary bytes as a model file: read, compile, report, write, and read what was written.
 //!
-//! `cargo +nightly fuzz run read`, from the root of the repository. The folder `tests/diagnostics` makes good seeds.
+//! `cargo +nightly fuzz run read`, from the root of the repository. The folder `crates/ca-model/diagnostics` makes good seeds.
 #![no_main]
 
 use ca_core::catalog::Catalog;

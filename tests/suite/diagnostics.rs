@@ -1,4 +1,5 @@
-//! `tests/diagnostics/*.md`: what is said about a model, written down as a reader of the documentation would see it.
+//! `crates/ca-model/diagnostics/*.md`: what is said about a model, written down as a reader of the documentation and of
+//! `ca explain` sees it.
 //!
 //! A section `## E004 unknown parameter` holds prose, then a `toml` block (or `mdl`, a MIMS model to import) and right
 //! after it a `text` block with the report expected. `UPDATE=1 cargo test -p ca-tests diagnostics` writes the reports anew; the difference is reviewed
@@ -10,7 +11,7 @@ use ca_import::mims;
 use ca_model::diag::CODES;
 use ca_model::{Model, render};
 use ca_tests::catalog;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
@@ -32,8 +33,8 @@ fn report(language: &str, text: &str) -> String {
 }
 
 fn files() -> Vec<(PathBuf, String)> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("diagnostics");
-    let entries = std::fs::read_dir(folder).expect("tests/diagnostics is there");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../crates/ca-model/diagnostics");
+    let entries = std::fs::read_dir(folder).expect("the folder of the pages");
     let mut list: Vec<PathBuf> = entries.map(|e| e.expect("readable").path()).collect();
     list.retain(|p| p.extension().is_some_and(|e| e == "md"));
     list.sort();
@@ -124,7 +125,7 @@ fn reports_are_as_written() {
             }
         }
     }
-    assert!(n > 0, "no case in tests/diagnostics");
+    assert!(n > 0, "no case in crates/ca-model/diagnostics");
     assert!(wrong.is_empty(), "{wrong}UPDATE=1 writes the reports anew");
 }
 
@@ -151,7 +152,39 @@ fn every_code_has_a_section() {
     let shown: BTreeSet<String> = files().iter().flat_map(|(_, doc)| walk(doc).0).map(|c| c.heading).collect();
     let missing: Vec<String> =
         CODES.iter().map(|(code, title)| format!("{code} {title}")).filter(|h| !shown.contains(h)).collect();
-    assert!(missing.is_empty(), "without a section in tests/diagnostics:\n{}", missing.join("\n"));
+    assert!(missing.is_empty(), "without a section in crates/ca-model/diagnostics:\n{}", missing.join("\n"));
+}
+
+/// What a program prints of a code is what stands in the files, all of it and nothing else.
+#[test]
+fn the_pages_of_the_crate_are_those_of_the_files() {
+    let mut written: BTreeMap<String, String> = BTreeMap::new();
+    for (_, doc) in files() {
+        let (mut code, mut fenced) = (None, false);
+        for line in doc.lines() {
+            if let (false, Some(heading)) = (fenced, line.strip_prefix("## ")) {
+                code = heading.split(' ').next();
+                continue;
+            }
+            fenced ^= line.starts_with("```");
+            if let Some(code) = code {
+                written.entry(code.into()).or_default().extend([line.trim_end(), "\n"]);
+            }
+        }
+    }
+    // the order of the files is the crate's own affair
+    let sorted = |text: &str| {
+        let mut lines: Vec<String> = text.lines().filter(|l| !l.is_empty()).map(str::to_owned).collect();
+        lines.sort();
+        lines
+    };
+    for (code, title) in CODES {
+        let page = ca_model::explain::page(code).unwrap_or_else(|| panic!("{code} has no page"));
+        assert_eq!((page.code, page.title), (*code, *title));
+        assert_eq!(sorted(&page.text()), sorted(&written[*code]), "{code}");
+        assert!(!page.text().starts_with("```"), "{code}: a page begins by saying what the code means");
+    }
+    assert!(ca_model::explain::page("E000").is_none());
 }
 
 #[test]

@@ -43,6 +43,7 @@ mod select;
 mod set;
 mod sets;
 mod single;
+mod skipped;
 mod soak;
 mod space;
 mod stable;

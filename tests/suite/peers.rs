@@ -1,7 +1,7 @@
 //! Compiled scenes against another's program: mi.lib, the CORDIS-ANIMA modules of Faust. The programs in `peers/` are
 //! ours, the modules and the compiler are not; each is compiled to C++ in double precision, and the same network is
 //! written as a model in per-sample units. Both play one second at 48 kHz. Where there is no Faust or no C++ compiler,
-//! nothing is compared, and the test says so.
+//! nothing is compared, and the test is skipped.
 //!
 //! The two must agree to 1e-9 of the largest value heard, which is rounding: mi.lib keeps the last two positions, we a
 //! position and a step, and what differs in the last digits grows by contacts and by springs whose pitch depends on how
@@ -22,6 +22,7 @@
 use crate::acoustics::peak;
 use crate::play::{apart, mat, off, scene, within};
 use ca_core::tick;
+use ca_tests::skipped::skipped;
 use std::io::Write;
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
@@ -42,29 +43,32 @@ fn run(command: &mut Command) -> Result<(), String> {
     out.status.success().then_some(()).ok_or_else(|| format!("{command:?}: {said}"))
 }
 
-/// A C++ compiler, where there is also a Faust that knows mi.lib; else what is missing.
-fn tools() -> Result<&'static str, String> {
-    run(Command::new("faust").arg("--version"))?;
-    let dir = tempfile::tempdir().map_err(|e| e.to_string())?;
+/// A C++ compiler, where there is also a Faust that knows mi.lib; else what is missing, and how that was seen.
+fn tools() -> Result<&'static str, (&'static str, String)> {
+    let faust = |command: &mut Command| run(command).map_err(|why| ("faust", why));
+    faust(Command::new("faust").arg("--version"))?;
+    let dir = tempfile::tempdir().unwrap();
     let probe = dir.path().join("probe.dsp");
-    std::fs::write(&probe, "process = library(\"mi.lib\").ground(0);").map_err(|e| e.to_string())?;
-    run(Command::new("faust").arg(probe).arg("-o").arg(dir.path().join("probe.cpp")))?;
+    std::fs::write(&probe, "process = library(\"mi.lib\").ground(0);").unwrap();
+    faust(Command::new("faust").arg(probe).arg("-o").arg(dir.path().join("probe.cpp")))?;
     let here = |c: &&str| run(Command::new(c).arg("--version")).is_ok();
-    ["c++", "g++", "clang++"].into_iter().find(here).ok_or_else(|| "no C++ compiler".into())
+    ["c++", "g++", "clang++"].into_iter().find(here).ok_or_else(|| ("c++", "no C++ compiler".into()))
 }
 
 /// What `peers/NAME.dsp` plays in a second; `None` where it cannot be compiled here.
+#[track_caller]
 fn theirs(name: &str, played: Played) -> Option<Heard> {
     let here = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("peers");
     by_faust(&std::fs::read_to_string(here.join(format!("{name}.dsp"))).unwrap(), played)
 }
 
 /// What a Faust program plays in a second; `None` where it cannot be compiled here.
+#[track_caller]
 pub fn by_faust(text: &str, played: Played) -> Option<Heard> {
     let compiler = match tools() {
         Ok(compiler) => compiler,
-        Err(why) => {
-            println!("skipped: compared with nothing, for {why}");
+        Err((needs, why)) => {
+            skipped(needs, &format!("not compared with mi.lib: {why}"));
             return None;
         }
     };

@@ -9,13 +9,15 @@ use ca_io::gesture::{Gesture, Track};
 use ca_io::perform::Performance;
 use ca_model::{read, render, write};
 use ca_tests::catalog;
+use ca_tests::skipped::skipped;
 use std::path::PathBuf;
 
 /// The scene of a published model, by way of the text `ca import` writes; `None` where it is not at hand.
+#[track_caller]
 fn published(name: &str) -> Option<Scene> {
     let dir = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/data/mims");
     let Ok(text) = std::fs::read_to_string(dir.join(format!("{name}.mdl"))) else {
-        println!("{name}.mdl is not at hand: not checked");
+        skipped("published models", &format!("no {name}.mdl in shared/data/mims beside the project"));
         return None;
     };
     let (model, notes) = mims::import(&text, name);

@@ -10,6 +10,7 @@ use std::path::PathBuf;
 mod accuracy;
 mod device;
 mod equiv;
+mod explain;
 mod modes;
 mod report;
 mod serve;
@@ -20,6 +21,7 @@ mod tune;
 pub use accuracy::AccuracyArgs;
 pub use device::{CalibrateArgs, ConformanceArgs, DeviceArgs, DeviceCommand, ScriptKind, SimArgs};
 pub use equiv::EquivArgs;
+pub use explain::ExplainArgs;
 pub use modes::ModesArgs;
 pub use report::ReportArgs;
 pub use serve::{ArmArgs, ClockKind, ServeArgs, SetArgs, ShmArgs, ShmWhat, StatusArgs};
@@ -42,6 +44,12 @@ pub struct Cli {
 /// The command line as it is read: a negative number after an option is its value, to be judged as any other.
 pub fn command() -> clap::Command {
     numbers(Cli::command())
+}
+
+/// Whether as little as possible is said: by `--quiet`, or by `--json`, which programs read.
+pub fn is_terse(matches: &clap::ArgMatches) -> bool {
+    let given = |flag: &str| matches.try_get_one::<bool>(flag).is_ok_and(|v| v.is_some_and(|v| *v));
+    given("quiet") || given("json") || matches.subcommand().is_some_and(|(_, m)| is_terse(m))
 }
 
 fn numbers(command: clap::Command) -> clap::Command {
@@ -67,6 +75,7 @@ pub enum Command {
     Report(ReportArgs),
     Equiv(EquivArgs),
     List(ListArgs),
+    Explain(ExplainArgs),
     New(NewArgs),
     Import(ImportArgs),
     Serve(ServeArgs),

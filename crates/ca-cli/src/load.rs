@@ -7,7 +7,6 @@ pub use ca_lab::load::{
     BUNDLED, Loaded, bundled, compiled, has_extension, mims_text, reason, stem, text, ticked, warnings,
 };
 use ca_model::diag::Severity;
-use ca_model::render;
 use std::path::Path;
 
 /// Refuses to write sound to a file that is not called `.wav`.
@@ -38,7 +37,7 @@ pub fn warn(loaded: &Loaded, scene: &Compiled) {
     let mut diags = scene.findings.clone();
     diags.list.retain(|d| d.severity == Severity::Warning);
     if !diags.list.is_empty() {
-        term::findings(&render::text(&diags, &loaded.model, term::color()));
+        term::findings(&diags, &loaded.model);
     }
 }
 

@@ -14,7 +14,6 @@ mod term;
 use args::{Cli, Command};
 use ca_haptic::host::{HostError, HostErrorKind};
 pub use ca_lab::catalog;
-use ca_model::render;
 use clap::FromArgMatches as _;
 use std::process::ExitCode;
 
@@ -67,7 +66,7 @@ impl From<ca_lab::Failure> for Failure {
             ca_lab::Failure::Failed(what) => Failure::Failed(what),
             ca_lab::Failure::Stopped => Failure::Interrupted,
             ca_lab::Failure::Found(found) => {
-                term::findings(&render::text(&found.diags, &found.model, term::color()));
+                term::findings(&found.diags, &found.model);
                 Failure::Reported
             }
         }
@@ -87,7 +86,11 @@ impl From<HostError> for Failure {
 pub type Outcome = Result<Ended, Failure>;
 
 fn main() -> ExitCode {
-    let cli = match args::command().try_get_matches().and_then(|m| Cli::from_arg_matches(&m)) {
+    let read = args::command().try_get_matches().and_then(|m| {
+        term::explaining(!args::is_terse(&m));
+        Cli::from_arg_matches(&m)
+    });
+    let cli = match read {
         Ok(cli) => cli,
         Err(e) => {
             let _ = e.print();
@@ -104,6 +107,7 @@ fn main() -> ExitCode {
         Command::Report(a) => commands::report::run(a),
         Command::Equiv(a) => commands::equiv::run(a),
         Command::List(a) => commands::list::run(a),
+        Command::Explain(a) => commands::explain::run(a),
         Command::New(a) => commands::new::run(a),
         Command::Import(a) => commands::import::run(a),
         Command::Serve(a) => commands::serve::run(a),

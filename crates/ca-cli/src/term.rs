@@ -3,8 +3,11 @@
 //! Decides that `NO_COLOR`, `TERM=dumb` and anything that is not a terminal mean plain text, and that nothing panics
 //! where stderr is closed.
 
+use ca_model::diag::{Diags, Severity};
+use ca_model::{Model, render};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{IsTerminal as _, Write as _};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Whether stderr takes colour.
 pub fn color() -> bool {
@@ -33,9 +36,25 @@ pub fn note(text: &str) {
     lead("note", "36", text);
 }
 
-/// Rendered findings, as they are.
-pub fn findings(text: &str) {
-    let _ = write!(std::io::stderr().lock(), "{text}");
+/// Whether the page of a finding is still to be named; that is done once in a run.
+static EXPLAINING: AtomicBool = AtomicBool::new(false);
+
+/// Says whether findings lead to `ca explain`.
+pub fn explaining(yes: bool) {
+    EXPLAINING.store(yes, Ordering::Relaxed);
+}
+
+/// Findings with their places, and which page says more of the first error, or else of the first warning.
+pub fn findings(diags: &Diags, model: &Model) {
+    let text = render::text(diags, model, color());
+    let worst = diags.list.iter().filter(|d| d.severity != Severity::Note).min_by_key(|d| d.severity);
+    let mut err = std::io::stderr().lock();
+    let _ = write!(err, "{text}");
+    if let Some(d) = worst
+        && EXPLAINING.swap(false, Ordering::Relaxed)
+    {
+        let _ = writeln!(err, "`ca explain {}` says more", d.code);
+    }
 }
 
 /// Three significant digits.

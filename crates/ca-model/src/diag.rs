@@ -160,7 +160,7 @@ impl core::fmt::Display for Diags {
 }
 impl core::error::Error for Diags {}
 
-/// Every code with what it means in a few words. `E` errors, `W` warnings, `N` notes. `tests/diagnostics/*.md` has a
+/// Every code with what it means in a few words. `E` errors, `W` warnings, `N` notes. `diagnostics/*.md` has a
 /// section for each (checked by a test).
 pub const CODES: &[(&str, &str)] = &[
     ("E001", "not TOML"),

@@ -22,6 +22,8 @@ mod blocks;
 pub mod diag;
 #[cfg(feature = "parse")]
 mod entry;
+#[cfg(feature = "parse")]
+pub mod explain;
 pub mod generate;
 #[cfg(feature = "parse")]
 mod members;

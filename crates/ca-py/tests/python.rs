@@ -1,10 +1,14 @@
 //! The package as Python sees it: its tests, its documents, its types.
 //!
 //! Decides for one test here that runs those in `python/`, in an environment of its own: what this crate does is only
-//! seen from there, on a system like Unix. Where there is no Python, or no index of packages, it says so and passes.
+//! seen from there, on a system like Unix. Where there is no Python, or no index of packages, it is skipped.
 
 #![cfg(unix)]
 
+#[path = "../../../tests/src/skipped.rs"]
+mod skipped;
+
+use skipped::skipped;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
@@ -13,14 +17,15 @@ fn root() -> PathBuf {
 }
 
 /// The interpreter with all packages, if it can be had.
+#[track_caller]
 fn python() -> Option<PathBuf> {
-    let made = Command::new("bash").arg(root().join("tests/python/venv")).stderr(Stdio::piped()).output().ok()?;
-    let text = String::from_utf8(made.stdout).ok()?;
+    let made =
+        Command::new("bash").arg(root().join("tests/python/venv")).stderr(Stdio::piped()).output().expect("bash");
     if !made.status.success() {
-        println!("no Python with packages here: {}", String::from_utf8_lossy(&made.stderr).trim());
+        skipped("python", &format!("no Python with packages: {}", String::from_utf8_lossy(&made.stderr)));
         return None;
     }
-    Some(PathBuf::from(text.trim()))
+    Some(PathBuf::from(String::from_utf8(made.stdout).expect("a path in UTF-8").trim()))
 }
 
 #[test]

@@ -7,6 +7,7 @@
 use ca_import::mims::import;
 use ca_model::diag::{Diags, Severity};
 use ca_model::{Entry, Model, Value};
+use ca_tests::skipped::skipped;
 use proptest::prelude::*;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -165,7 +166,7 @@ fn pluck_and_bow_keep_their_curves() {
 fn published_models_are_read() {
     let dir = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data/mims");
     if !dir.is_dir() {
-        println!("skipped: no published models beside the workspace");
+        skipped("published models", "no shared/data/mims beside the project");
         return;
     }
     let generators = [

@@ -7,7 +7,7 @@ use crate::load::{self, Loaded};
 use crate::{Ended, Failure, Outcome, term};
 use ca_compile::Options;
 use ca_compile::certify::Level;
-use ca_model::{Model, render, write};
+use ca_model::{Model, write};
 use std::io::Write as _;
 use std::path::PathBuf;
 
@@ -18,7 +18,7 @@ pub fn run(args: &ImportArgs) -> Outcome {
     let Loaded { model, diags: notes, .. } = Loaded::import(&text, &file);
     // the findings point into the MIMS text
     let original = Model { file, text, ..Model::default() };
-    term::findings(&render::text(&notes, &original, term::color()));
+    term::findings(&notes, &original);
     if notes.has_errors() {
         return Err(Failure::Reported);
     }
@@ -31,7 +31,7 @@ pub fn run(args: &ImportArgs) -> Outcome {
 
     let loaded = Loaded::read(&text, &shown);
     let (scene, diags) = load::compiled(&loaded, &Options::default());
-    term::findings(&render::text(&diags, &loaded.model, term::color()));
+    term::findings(&diags, &loaded.model);
     let Some(scene) = scene else { return Err(Failure::Reported) };
     writeln!(out, "it compiles: {} MAT, {} LIA, stability {}", scene.mats(), scene.n_lia, scene.certificate.level)?;
     writeln!(out, "hear it with\n\n  ca render {shown}\n")?;

@@ -6,6 +6,7 @@ pub mod check;
 pub mod control;
 pub mod device;
 pub mod equiv;
+pub mod explain;
 pub mod import;
 pub mod list;
 pub mod log;

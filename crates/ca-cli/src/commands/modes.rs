@@ -11,7 +11,6 @@ use ca_compile::Options;
 use ca_compile::analysis::{Mode, Modes, Network, modes};
 use ca_io::atomic_file::AtomicFile;
 use ca_model::quantity::Plain;
-use ca_model::render;
 use serde_json::{Value as Json, json};
 use std::io::Write as _;
 use std::path::Path;
@@ -29,7 +28,7 @@ pub fn run(args: &ModesArgs) -> Outcome {
     let loaded = load::load(&args.source)?;
     let options = Options { rate: args.source.rate, clouds: loaded.clouds.clone(), ..Options::default() };
     let network = ca_compile::linear(&loaded.model, &catalog(), &options).map_err(|diags| {
-        term::findings(&render::text(&diags, &loaded.model, term::color()));
+        term::findings(&diags, &loaded.model);
         Failure::Reported
     })?;
     let n = network.linear.places.len();

@@ -6,6 +6,7 @@ mod border;
 mod desk;
 mod docs;
 mod equiv;
+mod explain;
 mod files;
 mod numbers;
 mod pages;
@@ -16,6 +17,8 @@ mod report;
 mod schema;
 mod serve;
 mod shm;
+#[path = "../../../../tests/src/skipped.rs"]
+mod skipped;
 mod sweep;
 mod take;
 mod words;
@@ -35,6 +38,7 @@ fn what_is_misspelt_gets_an_answer() {
     desk.ca(&["render", "bar.ca.toml", "--set", "bar.t6=1"]).is(2).says(&["did you mean `bar.t60`?"]);
     desk.ca(&["render", "bar.ca.toml", "--set", "bra.m=1"]).is(2).says(&["did you mean `bar.m`?"]);
     desk.ca(&["render", "bar.ca.toml", "--probe", "bat"]).is(1).says(&["E013", "`bat`", "`bar`"]);
+    desk.ca(&["explain", "e13"]).is(2).says(&["did you mean `E013`?"]);
     desk.ca(&["list", "BTU"]).is(2).says(&["did you mean `BUT`?"]);
     desk.ca(&["new", "x.ca.toml", "--from", "strin"]).is(2).says(&["did you mean `string`?"]);
     desk.ca(&["rendr"]).is(2).says(&["render"]);
@@ -149,8 +153,8 @@ fn what_is_set_is_told_from_what_is_written() {
 fn examples_of_the_help_run() {
     let mut ran = 0;
     for command in [
-        "render", "check", "accuracy", "report", "equiv", "modes", "tune", "sweep", "list", "new", "import", "serve",
-        "replay", "log", "shm",
+        "render", "check", "accuracy", "report", "equiv", "modes", "tune", "sweep", "list", "explain", "new", "import",
+        "serve", "replay", "log", "shm",
     ] {
         let desk = Desk::new();
         if ["replay", "log", "report"].contains(&command) {
@@ -169,7 +173,7 @@ fn examples_of_the_help_run() {
             ran += 1;
         }
     }
-    assert!(ran >= 42, "only {ran} examples were found");
+    assert!(ran >= 45, "only {ran} examples were found");
 }
 
 /// More than the line of the list: what it does, by which rules, and how it ends.

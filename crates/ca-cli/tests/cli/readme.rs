@@ -33,6 +33,7 @@ fn the_first_command_renders_and_the_second_tests() {
     assert_eq!(recipe.lines().last(), Some("exec tests/run"), "the recipe runs the command of the README");
     let script = fs::read_to_string(from_root("tests/run")).unwrap();
     assert!(script.contains("cargo test --workspace") && script.contains("--long"));
+    assert!(script.lines().any(|l| l == "tests/setup"), "what tests need is set up by the one command");
 }
 
 #[cfg(unix)]

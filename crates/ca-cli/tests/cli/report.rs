@@ -1,6 +1,7 @@
 //! `ca report`: what is on the page, and that a browser draws it without asking anybody.
 
 use crate::desk::{BAR, Desk, KEY, STRUCK};
+use crate::skipped::skipped;
 use crate::take::performer;
 use serde_json::Value as Json;
 use std::fs;
@@ -287,6 +288,7 @@ fn a_tick_says_what_it_stands_for() {
 }
 
 /// The document as Chromium leaves it; `None` without Chromium.
+#[track_caller]
 fn dom(desk: &Desk, page: &str) -> Option<String> {
     let profile = tempfile::tempdir().unwrap();
     let mut command = Command::new("chromium");
@@ -294,7 +296,7 @@ fn dom(desk: &Desk, page: &str) -> Option<String> {
     command.args(["--disable-component-update", "--disable-sync", "--virtual-time-budget=5000", "--dump-dom"]);
     command.arg(format!("--user-data-dir={}", profile.path().display()));
     let Ok(reported) = command.arg(format!("file://{}", desk.path(page).display())).output() else {
-        eprintln!("skipped: no chromium here to open {page}");
+        skipped("chromium", "no Chromium, so no page is opened");
         return None;
     };
     Some(String::from_utf8_lossy(&reported.stdout).into_owned())

@@ -3,6 +3,7 @@
 //! wrote to its file, to the bit, wherever nothing was counted as lost.
 
 use super::role::{Job, Role};
+use super::skipped::skipped;
 use super::stage::{Proc, Stage, until};
 use ca_haptic::host::control::Request;
 use std::fs;
@@ -21,10 +22,11 @@ struct Jack {
 
 impl Jack {
     /// One that asks for so many frames at once; `None` where JACK is not installed.
+    #[track_caller]
     fn start(stage: &Stage, frames: u32) -> Option<Jack> {
         let there = Command::new("jackd").arg("--version").stdout(Stdio::null()).stderr(Stdio::null()).status();
         if there.is_err() {
-            println!("jackd is not installed: sound devices are not tested");
+            skipped("jackd", "no JACK server");
             return None;
         }
         // one of few: JACK has places for eight names, and those of servers that were killed stay taken

@@ -1,6 +1,7 @@
 //! `ca device calibrate` asked in a terminal: a person who brings a device to its stops, skips an axis, lets it move.
 
 use super::liar::Liar;
+use super::skipped::skipped;
 use super::stage::{Stage, until};
 use std::fs::File;
 use std::io::Write as _;
@@ -53,7 +54,7 @@ impl Drop for Terminal {
 #[test]
 fn a_person_is_asked_for_each_stop() {
     if Command::new("script").arg("--version").output().is_err() {
-        println!("`script` is not installed: nobody is asked in a terminal");
+        skipped("script", "no `script`, so there is no terminal in which somebody is asked");
         return;
     }
     let stage = Stage::new();

@@ -17,6 +17,8 @@ mod piano;
 mod quiet;
 mod raw;
 mod role;
+#[path = "../../../../tests/src/skipped.rs"]
+mod skipped;
 mod soak;
 mod stage;
 mod stopped;

@@ -1,6 +1,7 @@
 //! Another user of the same machine: it can neither write into what is ours, nor hold up a command by a file or a link of
-//! its own. These tests are run by root, who can be somebody else; where they are not, they say so and do nothing.
+//! its own. These tests are run by root, who can be somebody else; where they are not, they are skipped.
 
+use super::skipped::skipped;
 use super::stage::{Ran, Stage, until};
 use std::fs;
 use std::os::unix::fs::{MetadataExt, PermissionsExt};
@@ -12,9 +13,10 @@ use std::process::Command;
 const NOBODY: u32 = 65534;
 
 /// Runs a line of a shell as another user; `None` where this user cannot.
+#[track_caller]
 fn as_nobody(line: &str) -> Option<String> {
     if fs::metadata("/proc/self").unwrap().uid() != 0 {
-        eprintln!("not run: only root can be another user");
+        skipped("root", "only root can be another user");
         return None;
     }
     let o = Command::new("sh").args(["-c", line]).current_dir("/").uid(NOBODY).gid(NOBODY).output().unwrap();
@@ -207,7 +209,7 @@ fn a_small_dev_shm_is_an_error_and_no_signal() {
         c.env("CA", env!("CARGO_BIN_EXE_ca"));
         let r = stage.start(c).end();
         if r.code != Some(0) || r.out.contains("unable") {
-            eprintln!("not run: no room of its own for shared memory here: {}", r.err);
+            skipped("unshare", &format!("no room of its own for shared memory: {}", r.err));
             return;
         }
         let code = |who: &str| -> i32 {

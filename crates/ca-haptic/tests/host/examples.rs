@@ -1,6 +1,7 @@
 //! The examples in Rust and Python as processes (that in C is a test of `ca-device`).
 
 use crate::desk::{Place, place, played, spawn};
+use crate::skipped::skipped;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
@@ -39,7 +40,7 @@ fn python() {
 
     let made = Command::new(here("../../tests/python/venv")).stderr(Stdio::piped()).output().unwrap();
     if !made.status.success() {
-        println!("skipped: no Python libraries here: {}", String::from_utf8_lossy(&made.stderr).trim());
+        skipped("python", &format!("no Python with packages: {}", String::from_utf8_lossy(&made.stderr)));
         return;
     }
     let python = PathBuf::from(String::from_utf8(made.stdout).unwrap().trim());

@@ -6,4 +6,6 @@ mod examples;
 mod frames;
 mod lines;
 mod processes;
+#[path = "../../../../tests/src/skipped.rs"]
+mod skipped;
 mod stale_shm;

@@ -37,7 +37,7 @@ pub fn run(args: &CheckArgs) -> Outcome {
         });
         writeln!(std::io::stdout().lock(), "{all:#}")?;
     } else {
-        term::findings(&render::text(&diags, &loaded.model, term::color()));
+        term::findings(&diags, &loaded.model);
         if let Some(scene) = &scene {
             border::idle(&args.source, scene);
             summary(&loaded, scene, args.exact)?;

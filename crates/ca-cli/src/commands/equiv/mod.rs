@@ -12,7 +12,7 @@ use crate::load::{self, Loaded};
 use crate::{Ended, Failure, Outcome, catalog, term};
 use ca_compile::Options;
 use ca_io::atomic_file;
-use ca_model::{read, render, write};
+use ca_model::{read, write};
 use std::io::Write as _;
 use std::path::Path;
 
@@ -48,6 +48,6 @@ pub fn run(args: &EquivArgs) -> Outcome {
         term::note(&format!("written to `{}`", path.display()));
     }
     // findings that are not errors, as every command that compiles shows them
-    term::findings(&render::text(&loaded.diags, &loaded.model, term::color()));
+    term::findings(&loaded.diags, &loaded.model);
     Ok(Ended::Well)
 }

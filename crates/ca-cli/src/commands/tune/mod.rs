@@ -12,7 +12,7 @@ use crate::{Ended, Failure, Outcome, catalog, term};
 use ca_compile::Options;
 use ca_compile::analysis::{Mode, Network, modes};
 use ca_core::certificate::Level;
-use ca_model::{Model, Value, quantity, read, render};
+use ca_model::{Model, Value, quantity, read};
 use pitch::pitch;
 use serde_json::{Value as Json, json};
 use std::io::Write as _;
@@ -93,7 +93,7 @@ pub fn run(args: &TuneArgs) -> Outcome {
     }
     let scene = load::scene(&loaded, &Options::default())?;
     if scene.certificate.level == Level::Unstable {
-        term::findings(&render::text(&scene.findings, &loaded.model, term::color()));
+        term::findings(&scene.findings, &loaded.model);
         return Err(Failure::Failed("so tuned, the model would blow up: a lower pitch, or a higher sound rate".into()));
     }
     let text = doc.to_string();
@@ -262,7 +262,7 @@ fn tune(loaded: &mut Loaded, doc: &mut DocumentMut, knob: &Knob, wanted: f64, mo
 fn heard(loaded: &Loaded, name: &str, knob: &Knob, mode: u32) -> Result<f64, Failure> {
     let options = Options { clouds: loaded.clouds.clone(), ..Options::default() };
     let network = ca_compile::linear(&loaded.model, &catalog(), &options).map_err(|diags| {
-        term::findings(&render::text(&diags, &loaded.model, term::color()));
+        term::findings(&diags, &loaded.model);
         Failure::Reported
     })?;
     if let Some((_, code)) = network.left_out.iter().find(|(n, _)| n == name) {

@@ -124,6 +124,11 @@ pub fn check(desk: &Desk, line: &Line, before: &Files, ran: &Ran) {
                 kind.params.iter().for_each(|p| says(&[p.name, p.doc.split(' ').next().unwrap()]));
             }
         },
+        "explain" => {
+            let code = line.about();
+            let title = ca_model::diag::CODES.iter().find(|c| c.0 == code).unwrap().1;
+            says(&[&format!("{code} {title}"), &format!("[{code}]: "), "help: "]);
+        }
         "new" => {
             assert!(!before.contains_key(line.about()) && desk.path(line.about()).is_file());
             assert_eq!(desk.ca(&["check", line.about()]).is(0).err, "");

@@ -2,16 +2,18 @@
 
 use super::performer::{DUO, Performer, duo};
 use crate::desk::{Desk, from_root};
+use crate::skipped::skipped;
 use std::process::Command;
 
-/// The Python with the libraries; `None`, with the reason printed, where they cannot be had.
+/// The Python with the libraries; `None` where they cannot be had.
+#[track_caller]
 fn python() -> Option<String> {
-    let made = Command::new("bash").arg(from_root("tests/python/venv")).output().ok()?;
+    let made = Command::new("bash").arg(from_root("tests/python/venv")).output().unwrap();
     let said = String::from_utf8_lossy(&made.stdout).trim().to_owned();
     if made.status.success() {
         return said.lines().last().map(str::to_owned);
     }
-    println!("skipped: {}", String::from_utf8_lossy(&made.stderr).trim());
+    skipped("python", &format!("no Python with packages: {}", String::from_utf8_lossy(&made.stderr)));
     None
 }
 

@@ -1,0 +1,65 @@
+//! `ca explain`: what the code of a finding means.
+//!
+//! Decides nothing of what is said: titles and pages come from `ca-model`, where the codes are.
+
+use crate::args::ExplainArgs;
+use crate::{Ended, Failure, Outcome};
+use ca_model::diag::{CODES, Severity};
+use ca_model::explain::{page, severity};
+use ca_model::suggest::nearest;
+use serde_json::{Value as Json, json};
+use std::fmt::Write as _;
+use std::io::Write as _;
+
+/// The severities with the heading of each in the list, and its word in JSON as `ca check --json` has it.
+const GROUPS: [(Severity, &str, &str); 3] = [
+    (Severity::Error, "Errors: the model is not compiled", "error"),
+    (Severity::Warning, "Warnings: it is compiled, and is probably not what was meant", "warning"),
+    (Severity::Note, "Notes: worth knowing", "note"),
+];
+
+/// Runs the command.
+pub fn run(args: &ExplainArgs) -> Outcome {
+    let text = match args.code.as_deref() {
+        Some(code) => one(code.trim(), args.json)?,
+        None if args.json => format!("{:#}\n", Json::Array(CODES.iter().map(|(c, t)| entry(c, t)).collect())),
+        None => list(),
+    };
+    let mut out = std::io::stdout().lock();
+    out.write_all(text.as_bytes())?;
+    out.flush()?;
+    Ok(Ended::Well)
+}
+
+fn one(code: &str, json: bool) -> Result<String, Failure> {
+    let Some(page) = page(code) else {
+        let hint = match nearest(code, CODES.iter().map(|c| c.0)) {
+            Some(near) => format!("did you mean `{near}`?"),
+            None => "`ca explain` lists them all".into(),
+        };
+        return Err(Failure::Usage(format!("`{code}` is not the code of a finding; {hint}")));
+    };
+    if json {
+        let mut all = entry(page.code, page.title);
+        all["text"] = page.text().into();
+        return Ok(format!("{all:#}\n"));
+    }
+    Ok(format!("{} {}\n\n{}", page.code, page.title, page.plain()))
+}
+
+fn entry(code: &str, title: &str) -> Json {
+    let word = GROUPS.iter().find(|g| g.0 == severity(code)).map(|g| g.2);
+    json!({"code": code, "severity": word, "title": title})
+}
+
+fn list() -> String {
+    let mut out = String::new();
+    for (group, heading, _) in GROUPS {
+        let _ = writeln!(out, "{heading}");
+        for (code, title) in CODES.iter().filter(|c| severity(c.0) == group) {
+            let _ = writeln!(out, "  {code}  {title}");
+        }
+        out.push('\n');
+    }
+    out + "`ca explain E013` explains one of them.\n"
+}
