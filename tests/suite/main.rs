@@ -38,6 +38,7 @@ mod published;
 mod quantity;
 mod reader;
 mod references;
+mod ring;
 mod scheme;
 mod select;
 mod set;

@@ -9,8 +9,21 @@ use ca_core::kind::{Kind, Need, Param, Role, Type};
 use ca_core::phi;
 
 /// All kinds of this crate, in the order of the documentation.
-pub const KINDS: &[&Kind] =
-    &[&LPR, &LPR_RES, &LPR_FRO, &LPR_BUT, &LPR_CUB, &LPR_POW, &LPR_HRZ, &LPR_LNL, &LPR_PLK, &LPR_ATT, &LPR_BOW];
+pub const KINDS: &[&Kind] = &{
+    const OWN: [&Kind; 10] =
+        [&LPR, &LPR_RES, &LPR_FRO, &LPR_BUT, &LPR_CUB, &LPR_HRZ, &LPR_LNL, &LPR_PLK, &LPR_ATT, &LPR_BOW];
+    let (mut all, mut i) = ([OWN[0]; OWN.len() + TWINS.len()], 0);
+    while i < all.len() {
+        all[i] = if i < OWN.len() { OWN[i] } else { TWINS[i - OWN.len()] };
+        i += 1;
+    }
+    all
+};
+
+// To give a law of the core its LPR: one line here, `file: Phi;`. Those below have pages of their own.
+twins! {
+    pow: Pow;
+}
 
 const ONTO: Param = Param::new(
     "onto",
@@ -19,13 +32,19 @@ const ONTO: Param = Param::new(
     "the two ends of the second port, in the other world; each side one end, or as many as `between` makes links",
 );
 
+/// What every LPR is, behind what its law is.
+pub const PAGE: &str = " Its elongation `e` is the sum of those of two pairs of ends, `between` and `onto`, each a distance \
+                        in space or a difference on a line; the same force pulls at both, so energy crosses and none is made. \
+                        The second port, or the one on a line where only one is in space, is slack at rest. For the law itself \
+                        see the kind without `LPR_`.";
+
 const fn is_kept(p: &Param) -> bool {
     // methods other than the explicit one know of one port
     !matches!(p.ty, Type::Direction) && !matches!(p.name.as_bytes(), b"method" | b"theta")
 }
 
 /// How many parameters the LPR of `kind` has.
-const fn count(kind: &Kind) -> usize {
+pub const fn count(kind: &Kind) -> usize {
     let (mut n, mut i) = (1, 0);
     while i < kind.params.len() {
         n += is_kept(&kind.params[i]) as usize;
@@ -35,7 +54,7 @@ const fn count(kind: &Kind) -> usize {
 }
 
 /// They.
-const fn params<const N: usize>(kind: &Kind) -> [Param; N] {
+pub const fn params<const N: usize>(kind: &Kind) -> [Param; N] {
     let mut all = [ONTO; N];
     let (mut n, mut i) = (0, 0);
     while i < kind.params.len() {
@@ -89,12 +108,7 @@ macro_rules! kind {
         static $name: Kind = Kind {
             code: $code,
             title: $title,
-            doc: concat!(
-                $doc,
-                " Its elongation `e` is the sum of those of two pairs of ends, `between` and `onto`, each a distance \
-                 in space or a difference on a line; the same force pulls at both, so energy crosses and none is made. \
-                 The second port, or the one on a line where only one is in space, is slack at rest. For the law itself see the kind without `LPR_`."
-            ),
+            doc: text!($doc, PAGE),
             source: &["Rattle"],
             params: {
                 const N: usize = count(&$of);
@@ -153,20 +167,6 @@ kind!(
     "hardening spring across two worlds",
     "An edge that stiffens as it is drawn out.",
     edge!("LPR_CUB", "\"60 mm/s\", \"80 mm/s\", 0", "k = \"2 kN/m\", k3 = \"1e10 N/m^3\", z = \"0.1 N s/m\"", "3000")
-);
-kind!(
-    LPR_POW,
-    "LPR_POW",
-    POW,
-    phi::pow::KIND,
-    "power-law spring across two worlds",
-    "An edge that is soft near rest and hard beyond.",
-    edge!(
-        "LPR_POW",
-        "\"60 mm/s\", \"80 mm/s\", 0",
-        "k = \"2 kN/m\", q = \"3e6 N/m^2\", p = 2, z = \"0.1 N s/m\"",
-        "3000"
-    )
 );
 kind!(
     LPR_HRZ,

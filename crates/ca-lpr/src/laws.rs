@@ -1,7 +1,7 @@
 //! The laws of the core with the kernels of quadripoles: law list × op.
 //!
 //! Decides that a record is that of the core, bounds, energy, table and all, with another kernel, so that no law is
-//! written twice. Where the core knows a cheaper law for some parameters, its twin here takes the place; one that had
+//! written twice. Here are those of `kind!`; the others are made by [`crate::twins`]. Where the core knows a cheaper law for some parameters, its twin here takes the place; one that had
 //! no twin would not be taken, and the general law would run.
 
 use crate::op::kernel;
@@ -30,7 +30,6 @@ laws! {
     ZONLY "LPR_FRO" phi::ref_::ZONLY, phi::fro::Fro;
     BUT "LPR_BUT" phi::but::LAW, phi::but::But;
     CUB "LPR_CUB" phi::cub::LAW, phi::cub::Cub;
-    POW "LPR_POW" phi::pow::LAW, phi::pow::Pow;
     HRZ "LPR_HRZ" phi::hrz::LAW, phi::hrz::Hrz;
     LNL "LPR_LNL" phi::lnl::LAW, phi::lnl::Lnl;
     SPRING "LPR_LNL spring" phi::lnl::SPRING, phi::lnl::TableSpring;
@@ -44,6 +43,6 @@ laws! {
 }
 
 /// The law of this crate that is the form of `law`.
-fn twin(law: &'static Law) -> Option<&'static Law> {
+pub fn twin(law: &'static Law) -> Option<&'static Law> {
     TWINS.iter().find(|(of, _)| core::ptr::eq(*of, law)).map(|(_, own)| *own)
 }

@@ -30,6 +30,8 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+#[macro_use]
+mod twins;
 mod kinds;
 mod laws;
 pub mod op;

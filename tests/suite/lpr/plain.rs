@@ -42,6 +42,11 @@ fn with_a_port_held_it_is_the_plain_link() {
     let core = ca_model::catalog();
     for (plain, _) in laws().iter().filter(|(k, _)| core.get(k.code).is_some()) {
         let code = if plain.code == "REF" { "LPR".to_string() } else { format!("LPR_{}", plain.code) };
+        assert!(
+            ca_tests::catalog().get(&code).is_some(),
+            "{} has no {code}: add its line to `twins!` of crates/ca-lpr/src/kinds.rs",
+            plain.code
+        );
         for seed in 1..9 {
             let mut list = args(plain, &mut Dice(seed * 7919));
             list.retain(|e| e.key != "l0");

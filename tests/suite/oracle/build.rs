@@ -2,9 +2,11 @@
 
 use super::bodies::body;
 use super::expand::{Family, bank, fixed, mat, mesh, row};
+use super::listed::{Listed, drawn, kind};
 use super::network::{Gauge, Heard, Law, Link, Mat, Network, Point, Port};
 use super::numbers::{Numbers, entry, list, word};
 use super::waves::string;
+use ca_core::kind::Role;
 use ca_model::select::{At, Coord, Index, Part, parse};
 use ca_model::{Item, Model, Value};
 use std::collections::BTreeMap;
@@ -80,7 +82,10 @@ impl Builder<'_> {
             "STRING" | "CHAIN" | "STIFFSTRING" => row(numbers, net, i),
             "WAVEGUIDE" => string(numbers, net, i),
             "MESH" => mesh(numbers, net, i),
-            _ => return,
+            _ => match kind(i).role {
+                Role::Generator(g) => drawn(numbers, net, i, g),
+                _ => return,
+            },
         };
         self.names.insert(i.name.clone(), family);
     }
@@ -180,16 +185,17 @@ impl Builder<'_> {
     }
 
     fn tie(&mut self, i: &Item, ends: [usize; 2], onto: Option<[usize; 2]>) {
-        let springs = ["RES", "FRO", "REF", "CUB", "POW", "LNL", "LPR"];
-        let law = i.kind.strip_prefix("LPR_").unwrap_or(&i.kind);
         let (gauge, e0, distance) = self.port(i, ends, self.numbers.along(i));
         let soft = |l: f64, g: &Gauge| match g {
             Gauge::Radial(_, soft) if *soft != 0.0 => (l * l + soft).sqrt(),
             _ => l,
         };
-        let length = if springs.contains(&law) { self.numbers.maybe(i, "l0").unwrap_or(distance) } else { 0.0 };
+        let length = if kind(i).param("l0").is_some() { self.numbers.maybe(i, "l0").unwrap_or(distance) } else { 0.0 };
         let mut e0 = e0 - soft(length, &gauge);
-        if onto.is_none() && length == 0.0 && ["RES", "FRO", "REF"].contains(&law) && matches!(gauge, Gauge::Radial(..))
+        if onto.is_none()
+            && length == 0.0
+            && ["RES", "FRO", "REF"].contains(&i.kind.as_str())
+            && matches!(gauge, Gauge::Radial(..))
         {
             // without length it has no direction of its own
             for k in 0..self.net.mats[ends[0]].axes.max(self.net.mats[ends[1]].axes) {
@@ -242,7 +248,7 @@ impl Builder<'_> {
                     }
                 }
             }
-            (other, _) => panic!("the oracle does not know {other}"),
+            _ => Law::Listed(Listed::new(&self.numbers, i)),
         }
     }
 

@@ -44,6 +44,7 @@ impl Law {
             Law::Stribeck { f, v0, .. } if w.abs() < v0 => f / v0 * w,
             Law::Stribeck { f, fd, v0, v1 } => (fd + (f - fd) / (v1 - v0) * (v1 - w.abs()).max(0.0)).copysign(w),
             Law::Smooth { f, v0, ref bell } => (f * follow(bell, w.abs() * (1.0 / v0))).copysign(w),
+            Law::Listed(ref mut law) => law.force(e, w),
         }
     }
 }

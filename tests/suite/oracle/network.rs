@@ -1,6 +1,7 @@
 //! The model as plain modules: what reading it leaves and the interpreter plays. Data only.
 //! Time counts in ticks T: `x` [m] is measured from the rest, `d` [m] is the way of the last tick, z stands for z/T.
 
+use super::listed::Listed;
 use super::waves::Line;
 
 /// d ← p·d + q·x + c·f, then x ← x + d. A mass has p = 1, q = 0, c = T²/m; a cell p = 1 − zT/m, q = −kT²/m, c = T²/m;
@@ -32,6 +33,7 @@ pub enum Law {
     Curves { spring: Option<Curve>, friction: Option<Curve>, te: f64 },
     Stribeck { f: f64, fd: f64, v0: f64, v1: f64 },
     Smooth { f: f64, v0: f64, bell: Curve },
+    Listed(Listed),
 }
 
 /// How two ends are measured: these axes of them, their difference along a direction, or their distance, of which the

@@ -178,8 +178,9 @@ impl Wiring<'_> {
         if nodes < 2 || sel.part != Part::Mass || sel.index != Index::None {
             let d = Diag::error("E017", format!("`{owner}`: no way to move along `{name}`"))
                 .at(w.index(), "a single module");
-            let d = d
-                .help(format!("a moving point needs a STRING, STIFFSTRING, CHAIN or MESH; a module is named `{name}`"));
+            let d = d.help(format!(
+                "a moving point needs masses in a row or on a grid, e.g. a STRING or a MESH; a module is named `{name}`"
+            ));
             self.diags.push(d);
             return None;
         }

@@ -13,6 +13,7 @@ mod cloud;
 mod grains;
 mod mesh;
 mod pose;
+mod ring;
 mod stiff;
 mod string;
 mod tetra;
@@ -22,6 +23,7 @@ mod waveguide;
 pub const KINDS: &[&Kind] = &[
     &string::STRING,
     &string::CHAIN,
+    &ring::KIND,
     &stiff::KIND,
     &mesh::KIND,
     &bank::KIND,

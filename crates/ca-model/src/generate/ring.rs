@@ -1,0 +1,100 @@
+//! RING: masses in a circle, each joined to the next by a spring and the last to the first.
+//!
+//! Modes of n masses of stiffness ratio a = kT²/m: λ_j = 4a sin²(jπ/n), j = 0 … ⌊n/2⌋. All but j = 0 (the whole ring
+//! moves, at no pitch) and j = n/2 are two of one pitch, as cos and sin around the ring (docs/numerics.md §1.2). Given `f`,
+//! j = 1 is inverted exactly, damping included, as for STRING. Source: SMC 2019.
+//!
+//! Decides that the limit is that of its own highest mode. A row never reaches 4a; a ring of an even number does, so the
+//! rule a ≤ 1 of STRING would pass a ring that is at the limit and grows. The explicit method counts viscosity to ground
+//! too, twice. The way of a moving point is closed by its first mass standing at both ends of the list of nodes: nothing
+//! below has to know of circles, but a point is led from 0 to 1 and cannot go round and round.
+
+use super::string::{DECAY, F, K, M, M_TOTAL, MANY, MASSES, T60, TUNING, Z, ZO, ground, mass, target, too_stiff};
+use alloc::format;
+use alloc::vec::Vec;
+use ca_core::kind::{Kind, Need, Param, Role, Type};
+use ca_core::mat::X;
+use ca_core::sketch::{Args, Generator, Problem, Sketch};
+use ca_core::tuning::Scheme;
+
+/// RING in the catalog.
+pub static KIND: Kind = Kind {
+    code: "RING",
+    title: "ring",
+    equation: "n MAS in a circle, REF between neighbours; nothing holds it",
+    doc: "A closed chain of `n` masses, as a hoop or the rim of a bell. Nothing holds it: what pushes one side moves all of \
+          it, unless it is tied to something. `hoop[0]` is the first mass, joined to `hoop[1]` and `hoop[-1]`; `hoop@0.31` \
+          a point 31 % of the way around from the first mass, to which both `hoop@0` and `hoop@1` lead.",
+    source: &["SMC 2019"],
+    params: &[
+        Param::new("n", Type::Count { min: 3, max: MANY }, Need::Required, "number of masses"),
+        M,
+        M_TOTAL,
+        K,
+        F,
+        Z,
+        ZO,
+        T60,
+        X,
+    ],
+    one_of: &[MASSES, TUNING, DECAY],
+    example: r#"
+[SOL]
+wall = {}
+[RING]
+hoop = { n = 24, f = "330 Hz", t60 = "2 s", m = "1 g" }
+[RES]
+tie = { between = ["wall", "hoop[12]"], k = "20 kN/m" }
+[MAS]
+hammer = { m = "10 g", x = "-1 mm", v = "1 m/s" }
+[BUT]
+strike = { between = ["hammer", "hoop[0]"], k = "30 kN/m", z = "1 N s/m" }
+[SOX]
+out = { from = "hoop[5]", gain = 200 }
+"#,
+    role: Role::Generator(&Generator { dims: &[1], derive, build }),
+};
+
+/// sin²(jπ/n)
+fn sin2(j: usize, n: usize) -> f64 {
+    let s = libm::sin(core::f64::consts::PI * j as f64 / n as f64);
+    s * s
+}
+
+/// Slots: m, k, z, zo.
+fn derive(a: &Args<'_>, slots: &mut Vec<Option<f64>>) -> Result<(), Problem> {
+    let n = a.count("n");
+    let m = mass(a, n);
+    let zo = ground(a, m);
+    let k = match a.num("f") {
+        None => a.or0("k"),
+        Some(f) => {
+            let lambda = target(a, f, zo, m)?;
+            let drag = if a.scheme == Scheme::Explicit { 2.0 * zo * a.te / m } else { 0.0 };
+            // below the limit by more than rounding: a ring at the limit grows
+            let limit = 4.0 * a.scheme.room() * (1.0 - 1e-9);
+            let fits = |n: usize| lambda * sin2(n / 2, n) / sin2(1, n) + drag < limit;
+            if !fits(n) {
+                return Err(too_stiff(f, n, (3..n).rev().find(|n| fits(*n)).unwrap_or(0)));
+            }
+            lambda / (4.0 * sin2(1, n)) * m / (a.te * a.te)
+        }
+    };
+    slots.extend([Some(m), Some(k), a.num("z"), Some(zo)]);
+    Ok(())
+}
+
+fn build(a: &Args<'_>, b: &mut Sketch<'_>) -> Result<(), Problem> {
+    let n = a.count("n");
+    let mut circle = Vec::with_capacity(n + 1);
+    for i in 0..n {
+        circle.push(b.mass(format!("{i}"), 0, 3));
+    }
+    circle.extend(circle.first().copied());
+    for pair in circle.windows(2) {
+        b.link(pair[0], pair[1], 1, 2);
+    }
+    let len = circle.len() as u32;
+    b.walkable(circle, [len, 1]);
+    Ok(())
+}
