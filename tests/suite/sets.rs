@@ -233,7 +233,7 @@ fn momentum_is_kept() {
 }
 
 #[test]
-fn the_energy_book_closes_and_agrees_with_that_of_the_pairs() {
+fn the_energy_ledger_balances_and_agrees_with_that_of_the_pairs() {
     let all = names(0, 40);
     let hertz = format!("[HRZ]\nhits = {{ between = [{all}, {all}], k = 3e5, h = 0.1, d = {D} }}");
     for contact in [hits(), hertz] {

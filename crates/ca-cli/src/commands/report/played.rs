@@ -66,7 +66,7 @@ impl EnergyOverTime {
         ];
         let curves: Vec<Curve> = accounts.into_iter().flatten().collect();
         let rest = vec![Curve::line("residual", sums.iter().map(|s| relative(&s.0)).collect())];
-        let closes = match relative(&b) {
+        let balance = match relative(&b) {
             _ if self.broke.is_some() => {
                 format!(
                     "{blown}. The ledger is that up to {last:.4} s, while there was energy of the size of what it was given."
@@ -90,7 +90,7 @@ impl EnergyOverTime {
         rows.extend(
             makers.iter().take(5).map(|(name, made)| ("most of it by", format!("`{name}`: {}", joule(scale * made)))),
         );
-        let mut blocks = vec![Block::Text(closes)];
+        let mut blocks = vec![Block::Text(balance)];
         if !curves.is_empty() {
             blocks.push(Block::Plot(Plot::over_time("Energy", Axis::linear("energy", "J"), grid(), curves)));
             let axis = Axis::log("residual / peak", "");
