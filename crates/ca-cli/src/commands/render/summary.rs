@@ -199,7 +199,8 @@ impl Summary<'_> {
             format!(" (first {} s)", short(time).trim_end_matches('0').trim_end_matches('.'))
         };
         let rel = relative(&b);
-        let balance = if rel == 0.0 { "exactly".into() } else { format!("to {rel:.1e} of its peak, {}", joule(b.peak)) };
+        let balance =
+            if rel == 0.0 { "exactly".into() } else { format!("to {rel:.1e} of its peak, {}", joule(b.peak)) };
         writeln!(out, "  energy     balances {balance}{span}")?;
         if !a.whole {
             return Ok(());
