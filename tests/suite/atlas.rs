@@ -170,11 +170,17 @@ fn nothing_that_is_no_number_comes_in() {
     for (name, what, try_it) in DOORS {
         let tried = try_it();
         assert!(tried.through.is_empty() && tried.tried >= 6, "{name}: {:?}", tried.through);
-        assert!(
-            PAGE.contains(&door(name, what, &tried)),
-            "{name}: the page is of another build, not {}",
-            door(name, what, &tried)
-        );
+        let row = door(name, what, &tried);
+        // a new kind has new numbers, of which nothing else on the page tells
+        if std::env::var_os("UPDATE").is_some() {
+            let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/measured/atlas.md");
+            let page = std::fs::read_to_string(path).expect("the page");
+            let head = format!("| {name} | ");
+            let lines: Vec<&str> = page.lines().map(|l| if l.starts_with(&head) { row.as_str() } else { l }).collect();
+            std::fs::write(path, lines.join("\n") + "\n").expect("writable");
+            continue;
+        }
+        assert!(PAGE.contains(&row), "{name}: docs/measured/atlas.md does not have {row}; run this test with UPDATE=1");
     }
 }
 
