@@ -3,10 +3,9 @@
 //! `cargo +nightly fuzz run mims`, from the root of the repository. The folder `tests/mims` makes good seeds.
 #![no_main]
 
+use ca_compile::{Options, compile};
 use ca_import::mims;
 use ca_model::{read, render, write};
-use ca_compile::{Options, compile};
-use ca_core::Catalog;
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|data: &[u8]| {

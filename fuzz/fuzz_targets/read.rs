@@ -3,9 +3,8 @@
 //! `cargo +nightly fuzz run read`, from the root of the repository. The folder `crates/ca-model/diagnostics` makes good seeds.
 #![no_main]
 
-use ca_core::catalog::Catalog;
-use ca_model::{quantity, read, render, select, write};
 use ca_compile::{Options, load};
+use ca_model::{quantity, read, render, select, write};
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|data: &[u8]| {
@@ -24,7 +23,7 @@ fuzz_target!(|data: &[u8]| {
     render::text(&diags, &model, false);
     render::json(&diags, &model);
     let (model, result) = load(&text, "fuzz", &catalog, &Options::default());
-    let found = result.map_or_else(|d| d, |scene| scene.diags);
+    let found = result.map_or_else(|d| d, |compiled| compiled.findings);
     for d in &found.list {
         for (span, _) in &d.labels {
             assert!(!span.is_some() || span.start <= span.end && span.end <= text.len(), "{d:?}");
