@@ -17,7 +17,7 @@ use played::{physical_lfo, piano_key, rain_stick, wind};
 use space::{chimes, crystal, jack, maracas, rattle, rattle_stick};
 use std::collections::BTreeSet;
 use strings::{
-    bowed_string, hammered_string, harmonic_chain, natural_harmonic, piano_wire, pinched_string, plucked_string,
+    bowed_string, hammered_string, harmonic_chain, hoop, natural_harmonic, piano_wire, pinched_string, plucked_string,
     slide_guitar, wave_guitar,
 };
 
@@ -40,6 +40,7 @@ models!(
     hammer_piano,
     hammered_string,
     harmonic_chain,
+    hoop,
     iron_bar,
     jack,
     maracas,

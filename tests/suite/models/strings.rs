@@ -1,7 +1,9 @@
 //! Strings: partials, decay, and what the player does to them.
 
 use super::heard::play;
-use crate::acoustics::{centroid, cents, db, envelope, partial, peak, period, rms, sin2, t60, velocity};
+use crate::acoustics::{
+    centroid, cents, damping, db, envelope, mode, partial, peak, period, rms, sin2, stiffness, t60, velocity,
+};
 use crate::play::PI;
 
 pub fn hammered_string() {
@@ -180,4 +182,20 @@ pub fn harmonic_chain() {
     assert!((pitch("string5") / pitch("string4") - 1.25).abs() < 1e-12, "a pure third");
     assert!((pitch("string6") / pitch("string4") - 1.5).abs() < 1e-12, "a pure fifth");
     assert!(db(rms(h.at(0, 4.0, 4.4)) / rms(h.at(0, 5.8, 6.0))) > 30.0, "the damper does not stop it");
+}
+
+pub fn hoop() {
+    let h = play("hoop", &[]);
+    let n = h.number("hoop", "n") as usize;
+    let zo = damping(h.number("hoop", "t60"), h.rate);
+    let z = h.number("hoop", "z") / (h.number("hoop", "m") * h.rate);
+    // sin²(jπ/n)
+    let shape = |j: usize| 4.0 * sin2(2 * j, n);
+    let a = stiffness(h.number("hoop", "f"), zo, h.rate) / shape(1);
+    let tone = |j: usize| mode(a * shape(j), zo + z * shape(j), h.rate);
+    h.stands(0, [0.4, 1.9], [1, 2, 4, 5].map(|j| tone(j).0), 6.0, 3.0);
+    let measured = t60(h.at(0, 2.4, 4.8), h.rate, tone(1).0);
+    assert!((measured / tone(1).1 - 1.0).abs() < 0.03, "T60 {measured:.3} s, analytic {:.3} s", tone(1).1);
+    let strokes = [0.1, 2.0].map(|t| peak(h.at(1, t, t + 0.3)));
+    assert!(strokes[1] > 1.2 * strokes[0], "{strokes:?}");
 }

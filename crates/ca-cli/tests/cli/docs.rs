@@ -106,7 +106,7 @@ fn the_index_of_the_documents_names_every_page() {
 #[test]
 fn links_between_documents_lead_somewhere() {
     let mut pages = pages();
-    pages.extend([from_root("README.md"), from_root("crates/ca-py/README.md")]);
+    pages.extend(["README.md", "CONTRIBUTING.md", "crates/ca-py/README.md"].map(from_root));
     let mut seen = 0;
     for page in pages.iter().filter(|p| p.extension().is_some_and(|e| e == "md")) {
         let text = fs::read_to_string(page).unwrap();
@@ -120,6 +120,20 @@ fn links_between_documents_lead_somewhere() {
         }
     }
     assert!(seen > 40, "{seen} links");
+}
+
+/// Files and folders that the page for contributors names from the root are there.
+#[test]
+fn what_contributors_are_sent_to_is_there() {
+    let page = fs::read_to_string(from_root("CONTRIBUTING.md")).unwrap();
+    let folders = ["crates/", "tests/", "docs/", "benches/", "models/"];
+    let named = page.split('`').skip(1).step_by(2).filter(|s| folders.iter().any(|f| s.starts_with(f)));
+    let mut seen = 0;
+    for path in named.filter(|s| !s.contains(['*', ' '])) {
+        assert!(from_root(path).exists(), "CONTRIBUTING.md: no {path}");
+        seen += 1;
+    }
+    assert!(seen > 25, "{seen}");
 }
 
 #[test]
