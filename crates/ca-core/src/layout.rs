@@ -51,7 +51,7 @@ pub struct PairSet {
 }
 
 impl PairSet {
-    /// The crowd of a first and a second set; without a second, of all pairs of the first.
+    /// The pairs of a first and a second set; without a second, of all pairs of the first.
     pub fn new([first, second]: [&[u32]; 2]) -> PairSet {
         let rows = first.len();
         let columns = if second.is_empty() { 0 } else { rows };

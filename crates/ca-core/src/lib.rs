@@ -12,7 +12,7 @@
 //! What is here: the elements ([`mat`], [`phi`], [`io`]) with the [records](kind) that describe them, the passes ([`op`]),
 //! the integration [`method`]s, the [rate boundary](border), the energy [`ledger`], and [live changes](live). What is not:
 //! nothing reads a file or a text, and nothing here makes a scene. Models are read by `ca-model` and compiled by
-//! `ca-compile`; a program adds `cordis-anima`, which is all of it behind five names.
+//! `ca-compile`; a program adds `cordis-anima`, which is both with files and sound.
 //!
 //! A tick computes with [`real::Real`]: `f64` in `ca-core`, and `f32` in `ca-core-single`, which is these files under
 //! another name. Features: `std` (default) finds the widest instructions of the machine at run time.

@@ -1,4 +1,4 @@
-//! The tick: inputs → changes → forces at x_n → outputs → advance, and its public halves.
+//! The tick: inputs → changes → forces at x_n → outputs → integration, and its public halves.
 //!
 //! Decides that each call compares the identity of the state with that of the scene, once, before any pass: a state of
 //! another scene would play on in silence where the shapes agree, and read beyond an array where they do not. A type
@@ -7,7 +7,7 @@
 use crate::scene::Scene;
 use crate::state::State;
 
-/// Runs one tick: inputs → changes → forces at x_n → outputs → advance.
+/// Runs one tick: inputs → changes → forces at x_n → outputs → integration.
 ///
 /// # Panics
 /// Where the state is not of this scene (nothing has changed then), or the length of one of its arrays was changed.

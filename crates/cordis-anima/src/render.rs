@@ -6,6 +6,7 @@
 use crate::Error;
 use ca_core::Scene;
 use ca_io::perform::{self, Performance};
+use ca_io::{FileError, FileErrorKind};
 
 /// What a scene sounded like.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,11 +32,22 @@ impl Rendered {
 /// died away.
 ///
 /// # Errors
-/// [`Error::File`] where its gesture drives what is not there.
+/// [`Error::File`] where its gesture drives what is not there, where `seconds` is no time, or where so much sound does not
+/// fit into memory.
 pub fn render(scene: &Scene, seconds: Option<f64>) -> Result<Rendered, Error> {
     let mut p = Performance::new(scene, None)?;
-    let frames = perform::frames(scene, perform::seconds(&p, seconds));
+    let seconds = perform::seconds(&p, seconds);
+    if seconds.is_nan() || seconds < 0.0 {
+        let e = FileError::new(FileErrorKind::Usage, format!("{seconds} s is no time to play for"));
+        return Err(e.fix("give 0 seconds or more").into());
+    }
+    let frames = perform::frames(scene, seconds);
     let (mut sound, mut diverged) = (Vec::new(), None);
+    let room = usize::try_from(frames).ok().and_then(|n| n.checked_mul(scene.channels.max(1)));
+    if room.is_none_or(|n| sound.try_reserve_exact(n).is_err()) {
+        let e = FileError::new(FileErrorKind::Usage, format!("{seconds} s of sound do not fit into memory"));
+        return Err(e.fix("play less, or play it by blocks with `ca_io::perform::Performance`").into());
+    }
     for _ in 0..frames {
         p.tick();
         sound.extend_from_slice(&p.state.output[..scene.channels]);

@@ -1,4 +1,7 @@
 //! The matrix of implicit links: which places it joins, and its first factor (docs/numerics.md §1.3).
+//!
+//! Decides on one factorisation for all links that share masses, and on a closed form for a link that shares none. A
+//! pattern that would fill up is refused, since it is solved in every tick.
 
 use crate::emit::links::Links;
 use crate::emit::plan::Plan;

@@ -7,7 +7,7 @@
 //! (M/T² + Σ (θk + z/2T) b bᵀ) u = F
 //! ```
 //! so the matrix is inertia: only what such links join is in it, and it changes with parameters, not with time. The pass
-//! replaces the forces there by those that give u, M u/T², which are the true ones; advance goes on as ever. A link that
+//! replaces the forces there by those that give u, M u/T², which are the true ones; integration goes on as ever. A link that
 //! shares no mass with another such needs no matrix: with w the change of its elongation by all that is explicit, γ = θk +
 //! z/2T and c the mobility of its ends, it changes by w/(1 + γc). The energy of the links is ½k e e₊ + ½θk(e₊ − e)², their heat that of a centred damper, and the ledgers balance to rounding.
 //!

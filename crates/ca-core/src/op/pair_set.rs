@@ -48,7 +48,7 @@ fn place(near: &mut VerletList, crowd: &PairSet, rest: &[Real], x: &[Real]) {
     near.place(|k| [three(rest, members[k]), three(x, members[k])]);
 }
 
-/// Applies the law of `op` to all pairs of its crowd; the force on each member is kept in [`State::tap`] if asked.
+/// Applies the law of `op` to all pairs of its set; the force on each member is kept in [`State::tap`] if asked.
 pub struct All<P, const C: usize, const M: usize, const TAP: bool>(PhantomData<P>);
 
 impl<P: Phi<C, M>, const C: usize, const M: usize, const TAP: bool> Body for All<P, C, M, TAP> {
@@ -106,10 +106,10 @@ pub fn pressed(
     found
 }
 
-/// Two members of a crowd by number, their distance \[m\], and the force between them \[N\].
+/// Two members of a pair set by number, their distance \[m\], and the force between them \[N\].
 pub type Pressed = (usize, usize, Real, Real);
 
-/// Calls `visit` for all pairs of a crowd that may have been in touch in the last two ticks, with the elongations
+/// Calls `visit` for all pairs of a pair set that may have been in touch in the last two ticks, with the elongations
 /// before, at and after the tick between them; `d0` is the motion before the last one.
 pub fn touched(
     layout: &Layout,

@@ -1,4 +1,4 @@
-//! The passes that are not links: ports, weight, moving points, advance. Each is there only if the layout has its
+//! The passes that are not links: ports, weight, moving points, integration. Each is there only if the layout has its
 //! modules.
 
 use super::Op;

@@ -193,7 +193,7 @@ impl<T: Sink + Send + 'static> AsyncSink<T> {
         self.shared.lost()
     }
 
-    /// The sink, once everything handed over is written; none where it failed and the recorder has told so.
+    /// The sink, once everything handed over is written; none where it failed and the recorder has reported it.
     pub fn end(mut self) -> Result<Option<T>, FileError> {
         // where it failed nobody listens any more
         let _ = self.to.send(Message::End);

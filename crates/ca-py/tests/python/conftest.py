@@ -62,3 +62,12 @@ def command(tmp_path: Path) -> Iterator[Callable[..., str]]:
         return done.stdout
 
     yield run
+
+
+@pytest.fixture(scope="module")
+def dask():
+    from dask.distributed import Client, LocalCluster
+
+    cluster = LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None)
+    with cluster, Client(cluster) as client:
+        yield client

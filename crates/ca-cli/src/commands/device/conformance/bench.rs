@@ -16,6 +16,16 @@ use ca_model::read;
 use std::fmt::Write as _;
 use std::sync::Arc;
 
+/// Frames of the device that are looked at in a phase.
+pub(super) const LOOK: usize = 200;
+/// Engine frames of a phase at rest.
+pub(super) const REST: u32 = 600;
+/// How long a device may take for its first word, and for a phase \[ns\].
+pub(super) const PATIENCE: u64 = 5_000_000_000;
+
+/// How often forces are tried to be on: a machine that is busy trips watchdogs, which is not the device's fault.
+pub(super) const TRIES: u32 = 8;
+
 /// How far the known spring is from where the device is, at most \[m\], and as part of its travel.
 const STRETCH: [f64; 2] = [0.002, 0.1];
 
