@@ -190,7 +190,7 @@ fn orders() {
 }
 
 /// A plate on stiff legs with a damper between, pushed about, moved by a port and led by live parameters: the ledgers
-/// close, link by link and in document order alike, and the force that is heard is the one that commands.
+/// close, link by link and in document order alike, and the force that is heard is the one that acts.
 #[test]
 fn ledgers_balance_and_forces_are_whole() {
     let text = "[rate]\nsound = 1\ngesture = 1\n[param]\nkk = { value = 1e4, live = true, min = 1, max = 1e8 }\n\
@@ -222,7 +222,7 @@ fn ledgers_balance_and_forces_are_whole() {
             let d = s.d[free];
             tick(scene, &mut s);
             let heard = |name: &str| s.output[scene.channel_names.iter().position(|c| c == name).expect("a channel")];
-            // only the damper commands on `free`: what is heard of it is what moved it
+            // only the damper acts on `free`: what is heard of it is what moved it
             within("force on a mass", (heard("free_f") - 2.0 * (s.d[free] - d)).abs(), 1e-9);
             within("force of a link", (heard("heard") + heard("free_f")).abs(), 1e-9);
             within("force on a port", (heard("hand_f") - heard("grip_f")).abs(), 1e-12);

@@ -27,7 +27,7 @@ const KEYS: usize = 12;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Rig {
     /// a hand, and nothing that looks at it
-    GuardFrame,
+    Frame,
     /// frames of a device, and nothing that looks at them
     Silent,
     /// a stage by name
@@ -136,7 +136,7 @@ impl Rig {
     /// At its beginning, with forces on.
     pub(super) fn player(self) -> Player {
         match self {
-            Rig::GuardFrame => looked_at(None),
+            Rig::Frame => looked_at(None),
             Rig::Stage(name) => looked_at(Some(stage(name))),
             Rig::Silent => said(None),
             Rig::InputValidator => said(Some(InputValidator::new(&profile(), TE))),
@@ -288,9 +288,8 @@ pub(super) fn rows() -> Vec<Row> {
         used: Run::Hand(used),
         without,
     };
-    let stage = |thing, with, name, asked| {
-        row(thing, with, Rig::GuardFrame, Rig::Stage(name), Without::Device(Some(name), asked))
-    };
+    let stage =
+        |thing, with, name, asked| row(thing, with, Rig::Frame, Rig::Stage(name), Without::Device(Some(name), asked));
     let device = || Without::Device(None, false);
     vec![
         row("H10: what a device says", "frames in order, speeds", Rig::Silent, Rig::InputValidator, device()),
@@ -302,7 +301,7 @@ pub(super) fn rows() -> Vec<Row> {
         stage("H4: heat", "`thermal`", "thermal", true),
         stage("H5, H6, H8, H9: arming and faults", "`gate`", "gate", false),
         stage("H3: the fastest force", "`slew`", "slew", false),
-        row("the chain", "all stages, and the ledger of the hand", Rig::GuardFrame, Rig::Chain, device()),
+        row("the chain", "all stages, and the ledger of the hand", Rig::Frame, Rig::Chain, device()),
         row("H1 to H14: a device", "input, ports of the scene, chain, frame", Rig::Keys, Rig::Device, device()),
         row("records", "rings to gateway and desk, both ends", Rig::Device, Rig::Live, device()),
         row("H15, H16: an engine", "around a string of 100, without a device", Rig::Ticks, Rig::Engine, device()),

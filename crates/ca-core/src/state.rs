@@ -102,7 +102,7 @@ pub struct State {
     pub output: Vec<f64>,
     /// moving points (proxies); written by `aim`
     pub cells: Vec<Cell>,
-    /// which members of sets are near (pair_sets); written by `forces`, and no part of what decides the future
+    /// which members of sets are near (pair sets); written by `forces`, and no part of what decides the future
     pub near: Vec<VerletList>,
     /// device ports (tgr); written by the border
     pub border: Vec<Border>,

@@ -18,7 +18,7 @@ pub const BLOCK: u64 = 1024;
 pub struct Played<'a> {
     /// at its end
     pub performance: Performance<'a>,
-    /// time retired
+    /// time spent
     pub wall: Duration,
     /// the tick at which it was found to have blown up
     pub broke: Option<u64>,

@@ -9,7 +9,7 @@ use ca_core::{State, tick};
 use ca_model::{Entry, Model, Value};
 
 /// Two masses with a distance between them, on a line or along `n` in space, joined by one link; `along` for a link
-/// that commands on the difference along `n`.
+/// that acts on the difference along `n`.
 fn pair(kind: &Kind, list: &[Entry], n: Option<[f64; 3]>, along: Option<[f64; 3]>) -> Model {
     let at = |v: f64| n.map_or(format!("{v}"), |n| format!("[{}, {}, {}]", v * n[0], v * n[1], v * n[2]));
     let (from, speed, back) = (at(3e-3), at(0.4), at(-0.3));

@@ -147,7 +147,7 @@ proptest! {
                 before = ledger.h;
             }
             let b = s.ledger.as_ref().expect("a ledger").balance();
-            // and where a force commands far from rest on what holds little, each place is rounded: a walk of 2000 steps
+            // and where a force acts far from rest on what holds little, each place is rounded: a walk of 2000 steps
             let places = (2000.0f64 / 12.0).sqrt() * f64::EPSILON * force * far;
             prop_assert!(b.residual.abs() <= 1e-12 * b.peak + places, "{} {way}: {b:?}", kind.code);
             prop_assert!(way == "ca" || b.source <= 1e-12 * b.peak + places, "{} {way}: {b:?}", kind.code);

@@ -1,6 +1,6 @@
 //! Scenes in space against motions in continuous time, which `data/space/reference.py` integrates at order 8 with
 //! every switch of a contact hit. Each case is rendered at five rates; the error must fall as the scheme promises
-//! (order 2, order 1 where the backward damper of CORDIS-ANIMA commands) and be at 48 kHz what the scheme should make:
+//! (order 2, order 1 where the backward damper of CORDIS-ANIMA acts) and be at 48 kHz what the scheme should make:
 //! more or less than that is a bug. Those figures come from a second, bare implementation of the equations.
 //! `cargo test -p ca-tests reference -- --nocapture` prints the errors beside the ticks.
 //!

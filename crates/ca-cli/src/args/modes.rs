@@ -8,7 +8,7 @@ use std::path::PathBuf;
 ///
 /// For each mode: its frequency without the scheme and as the scheme plays it at this sound rate, the difference in cents,
 /// the time to fall by 60 dB, and how strongly each output hears it, each input pushes it, and each link that is not
-/// linear commands on it, in dB below the mode that is strongest there. Links that are not linear are not part of it, and
+/// linear acts on it, in dB below the mode that is strongest there. Links that are not linear are not part of it, and
 /// named. Parameters have the values of load, moving points stand where they stand at load.
 #[derive(Args)]
 #[command(after_long_help = "Examples:

@@ -154,7 +154,7 @@ impl DeviceClient {
     }
 
     /// The newest frame, which is what the motors hold from now on: one that is only looked at ([`DeviceClient::cause`])
-    /// commands on nobody, and must not be acknowledged.
+    /// acts on nobody, and must not be acknowledged.
     fn give(&mut self) -> Option<&ForceFrame> {
         let last = self.watch.last();
         self.given = last.map_or(0, |f| f.seq);

@@ -18,7 +18,7 @@ pub(super) struct Mechanics {
     pub range: [f64; 2],
 }
 
-/// What commands during a frame.
+/// What acts during a frame.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Drive {
     /// of the motor and of a hand that pushes \[N\]

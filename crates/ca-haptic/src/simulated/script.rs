@@ -1,7 +1,7 @@
 //! What a simulated player intends: functions of time, for each degree of freedom.
 //!
 //! Decides on six gestures that between them ask everything of a loop: `strike` meets things fast and lets go, `bow`
-//! crosses them back and forth, `shake` goes fast and stays small, `hold` does nothing while a force commands, `push` is a
+//! crosses them back and forth, `shake` goes fast and stays small, `hold` does nothing while a force acts, `push` is a
 //! force without a place, and `file` is what somebody recorded. Each begins at rest, so that arming finds nothing to
 //! wait for; neighbouring DOF are a little later than the first, as fingers are.
 

@@ -150,7 +150,7 @@ flat! {
         late_p99: f64,
         /// the same, largest \[µs\]
         late_max: f64,
-        /// part of the last second retired computing
+        /// part of the last second spent computing
         busy: f64,
         /// times the device that plays the sound had nothing to play, or said so
         underruns: u64,

@@ -237,7 +237,7 @@ impl Sim {
         Ok(self.frame.t_host_ns)
     }
 
-    /// Takes note of what commands from now on.
+    /// Takes note of what acts from now on.
     fn note(&mut self, cause: Cause, latest: Option<&ForceFrame>) -> Result<(), Failure> {
         let seq = latest.map_or(0, |f| f.seq);
         if let Some(f) = latest.filter(|f| f.seq != self.seen.last) {

@@ -138,7 +138,7 @@ fn again(take: &Take) -> Result<(String, EnergyOverTime), String> {
 }
 
 /// What a hand did and felt.
-struct GuardFrame {
+struct DevicePlots {
     device: String,
     /// degree of freedom and name of each curve
     shown: Vec<(usize, String)>,
@@ -148,7 +148,7 @@ struct GuardFrame {
     curves: Envelope,
 }
 
-impl GuardFrame {
+impl DevicePlots {
     fn section(&self, faults: &[Mark]) -> Section {
         let n = self.shown.len();
         let curves = |from: usize| -> Vec<Curve> {
@@ -270,7 +270,7 @@ impl Stamp {
 /// All that is read off a take in one go.
 struct Recorded {
     sound: Sound,
-    hands: Vec<GuardFrame>,
+    hands: Vec<DevicePlots>,
     /// time, of what, what
     events: Vec<Vec<String>>,
     loops: Loops,
@@ -293,7 +293,7 @@ impl Recorded {
                 shown = (0..(dofs as usize).min(CURVES)).map(|k| (k, format!("degree {k}"))).collect();
             }
             let curves = Envelope::new(gesture, 2 * shown.len());
-            GuardFrame { device: device.clone(), at: vec![f64::NAN; shown.len()], shown, curves }
+            DevicePlots { device: device.clone(), at: vec![f64::NAN; shown.len()], shown, curves }
         };
         let mut r = Recorded {
             sound: Sound::new(h.rate, &h.channels),
