@@ -157,6 +157,8 @@ impl<T: Sink + Send + 'static> AsyncSink<T> {
             .name(name.into())
             .spawn(move || {
                 let _over = Over(&of);
+                // gone before it is said to be over: what is sent then is not taken in silence
+                let from = from;
                 let _ = tell.send(rt::ask(wish));
                 match work(&mut sink, &from, &of) {
                     Ok(()) => Some(sink),
