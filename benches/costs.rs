@@ -6,7 +6,7 @@
 //! what it does not use. Prints the page; with `UPDATE=1` writes it to `docs/measured/costs.md`.
 
 use ca_benches::costs::page::{Price, page};
-use ca_benches::costs::{Row, Run, rows};
+use ca_benches::costs::{CostRow, Run, rows};
 use std::path::Path;
 use std::process::{Command, ExitCode};
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
@@ -27,7 +27,7 @@ fn lengths(run: &Run) -> [u32; 2] {
 }
 
 /// Every run there is, once.
-fn runs(rows: &[Row]) -> Vec<Run> {
+fn runs(rows: &[CostRow]) -> Vec<Run> {
     let mut all = Vec::new();
     for run in rows.iter().flat_map(|r| [Some(r.plain.clone()), Some(r.used.clone()), r.unheard()]).flatten() {
         if !all.contains(&run) {
@@ -70,7 +70,7 @@ fn counts(runs: &[Run]) -> Option<Vec<f64>> {
 }
 
 /// ns per tick or frame of the row with its thing, less without: the best of each, in turn.
-fn time(row: &Row) -> f64 {
+fn time(row: &CostRow) -> f64 {
     const TURNS: usize = 32;
     let n = lengths(&row.used)[0];
     let mut best = [f64::INFINITY; 2];
@@ -114,7 +114,7 @@ fn main() -> ExitCode {
         return if failed { ExitCode::FAILURE } else { ExitCode::SUCCESS };
     };
     let count = |run: &Run| runs.iter().position(|r| r == run).map_or(f64::NAN, |i| counts[i]);
-    let price = |row: &Row| Price {
+    let price = |row: &CostRow| Price {
         instructions: (count(&row.used) - count(&row.plain)) / row.modules,
         ns: time(row) / row.modules,
         unheard: row.unheard().map(|run| count(&run) - count(&row.plain)),

@@ -16,7 +16,7 @@ fn main() {
     let row = |a: &f64| {
         let runs = |method: &str| SEEDS.map(|seed| fares(*a, method, seed, seconds));
         let cost = |method: &str| costs(*a, method, SEEDS[0], 0.2 * seconds);
-        // what has blown up is not timed
+        // what has diverged is not timed
         let explicit = runs("ca");
         let first = explicit[0].worst.is_finite().then(|| cost("ca"));
         page::row(*a, &explicit, first, &runs("stable3d"), cost("stable3d"))

@@ -2,8 +2,8 @@
 //! stays finite.
 
 use crate::play::Dice;
-use ca_compile::certify::Level;
 use ca_compile::{KernelClass, Options, compile};
+use ca_core::certificate::Level;
 use ca_core::tick;
 use ca_model::{Entry, Model, Value, read, render};
 use ca_tests::{catalog, texts};

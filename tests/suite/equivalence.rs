@@ -3,7 +3,7 @@
 
 use crate::play::{case, num, off, within};
 use ca_compile::{Options, load};
-use ca_core::equivalence::{Class, Gains, Pair, ROWS, Row, anchor_for, keep, row, solve};
+use ca_core::equivalence::{Class, Gains, Pair, Quantity, ROWS, anchor_for, keep, row, solve};
 use ca_core::{Scene, State, compute_forces, integrate};
 use ca_haptic::equivalence::gains;
 use ca_tests::catalog;
@@ -20,7 +20,7 @@ fn scene(text: &str) -> Scene {
     scene.unwrap_or_else(|d| panic!("{}", ca_model::render::text(&d, &model, false))).scene
 }
 
-fn at(name: &str) -> &'static Row {
+fn at(name: &str) -> &'static Quantity {
     row(name).unwrap()
 }
 
@@ -42,7 +42,7 @@ fn the_table_of_the_paper() {
     let e = &s.equivalence;
     near("alpha", e.gains.alpha, 50.0, 1e-15);
     near("beta", e.gains.beta, 777_924.0, 1e-15);
-    near("time", e.te, 22.675_736_961_451_25e-6, 1e-15);
+    near("time", e.time_unit, 22.675_736_961_451_25e-6, 1e-15);
     // every row of docs/numerics.md §6, as real = factor x simulated, and its exponents of alpha, beta and Te
     let table = [
         ("position", 0.02, [-1, 0, 0]),
@@ -61,7 +61,7 @@ fn the_table_of_the_paper() {
     assert_eq!(table.map(|t| t.0).to_vec(), ROWS.iter().map(|r| r.name).collect::<Vec<_>>());
     for (name, factor, exponents) in table {
         assert_eq!(at(name).exponents(), exponents, "{name}");
-        near(name, at(name).factor(e.gains, e.te), factor, 1e-14);
+        near(name, at(name).factor(e.gains, e.time_unit), factor, 1e-14);
     }
 }
 
@@ -77,7 +77,7 @@ fn f01_the_table_by_numbers() {
     let e = &s.equivalence;
     within("F01 alpha", off(e.gains.alpha, num(c, "values/alpha")), tolerance);
     within("F01 beta", off(e.gains.beta, num(c, "values/beta")), tolerance);
-    let factor = |name: &str| at(name).factor(e.gains, e.te);
+    let factor = |name: &str| at(name).factor(e.gains, e.time_unit);
     let table = c["values"]["SI_per_unit"].as_object().expect("a table");
     for name in table.keys() {
         let is = match name.as_str() {
@@ -103,7 +103,7 @@ fn a_mass_on_the_key_weighs_what_the_table_says() {
     let input = s.input("key").unwrap();
     let (mut x, mut f) = (Vec::new(), Vec::new());
     let amplitude = 0.005;
-    let w = 2.0 * std::f64::consts::PI * 5.0 * s.te;
+    let w = 2.0 * std::f64::consts::PI * 5.0 * s.sample_dt;
     for n in 0..(44_100 * 2) {
         // begins with neither place nor speed, so that the mass does not ring on its spring
         let t = f64::from(n) * w;
@@ -117,7 +117,7 @@ fn a_mass_on_the_key_weighs_what_the_table_says() {
         integrate(&s, &mut state);
     }
     // least squares of the force on the hand against its acceleration, over whole periods of the second second
-    let a = |n: usize| (x[n + 1] - 2.0 * x[n] + x[n - 1]) / (s.te * s.te);
+    let a = |n: usize| (x[n + 1] - 2.0 * x[n] + x[n - 1]) / (s.sample_dt * s.sample_dt);
     let range = 44_100..(2 * 44_100 - 1);
     let (fa, aa) = range.fold((0.0, 0.0), |(fa, aa), n| (fa + f[n] * a(n), aa + a(n) * a(n)));
     let m = -fa / aa;
@@ -136,7 +136,7 @@ fn a_device_on_a_spring_swings_as_the_table_says() {
     let g = gains(&s, "hand")[0];
     let k = s.certificate.keys[0].k * g.stiffness();
     near("stiffness", k, 7779.24, 1e-14);
-    let (m, te) = (0.1, s.te);
+    let (m, te) = (0.1, s.sample_dt);
     let (mut x, mut v) = (0.001, 0.0);
     let mut state = s.state();
     let mut crossings = Vec::new();
@@ -168,7 +168,7 @@ fn si_models_are_in_si() {
     };
     let none = model("");
     assert_eq!(none.equivalence.gains, Gains::default());
-    assert!(ROWS.iter().all(|r| r.factor(none.equivalence.gains, none.equivalence.te) == 1.0));
+    assert!(ROWS.iter().all(|r| r.factor(none.equivalence.gains, none.equivalence.time_unit) == 1.0));
     // one row keeps the travel
     let heavy = model("[equivalence]\nmass = [\"20 g\", \"1 g\"]\n").equivalence.gains;
     assert_eq!((heavy.alpha, heavy.beta), (1.0, 20.0));
@@ -221,7 +221,7 @@ fn keys_in_space_and_in_groups_have_their_scale() {
     assert_eq!(gains(&s, "falcon"), [Gains { alpha: 5.0, beta: 10.0 }; 3]);
 }
 
-fn settable() -> Vec<&'static Row> {
+fn settable() -> Vec<&'static Quantity> {
     ROWS.iter().filter(|r| r.class() != Class::Time).collect()
 }
 

@@ -279,7 +279,7 @@ fn a_render_that_stops_leaves_the_old_file() {
     let stopped = std::panic::catch_unwind(|| {
         let mut out = WavOut::create(&path, 48e3, 1, Format::F32).unwrap();
         out.write(&vec![0.5; 100_000]).unwrap();
-        std::panic::resume_unwind(Box::new("the model blew up"));
+        std::panic::resume_unwind(Box::new("the model diverged"));
     });
     assert!(stopped.is_err());
     assert_eq!(std::fs::read(&path).unwrap(), good);

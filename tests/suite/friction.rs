@@ -76,7 +76,7 @@ fn a_block_slides_and_stops() {
                 tolerance + 2.0 * (v0 / v).powi(2),
             );
             // the secant trembles on, ever less
-            let tremor = f * scene.te / (4.0 * m * 46e3);
+            let tremor = f * scene.sample_dt / (4.0 * m * 46e3);
             within("at rest", (s.d[i] * scene.rate).abs(), tremor);
             within("all is heat", off(heat(&scene, &s), s.ledger.as_ref().expect("a ledger").h0), 1e-9);
         }

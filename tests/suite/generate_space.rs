@@ -73,7 +73,7 @@ fn a_tetrahedron_starts_as_a_rigid_body() {
     for (i, at) in mats(&scene, "room.p").into_iter().enumerate() {
         let [x, y, z, _] = scene.layout.reach[i];
         let v = [1.0 + wy * z - wz * y, 2.0 + wz * x - wx * z, -3.0 + wx * y - wy * x];
-        let d = [0, 1, 2].map(|k| s.d[at + k] / scene.te);
+        let d = [0, 1, 2].map(|k| s.d[at + k] / scene.sample_dt);
         within("v = v₀ + ω × r", norm(minus(d, v)), 1e-14);
     }
 }
@@ -83,7 +83,10 @@ fn a_tetrahedron_weighs_what_is_asked() {
     let mobility = |body: &str| {
         let scene = scene(&room(body));
         let places = mats(&scene, "room.p");
-        places.iter().map(|p| scene.te * scene.te / scene.state().coef[2 * scene.n_mat + p]).collect::<Vec<f64>>()
+        places
+            .iter()
+            .map(|p| scene.sample_dt * scene.sample_dt / scene.state().coef[2 * scene.n_mat + p])
+            .collect::<Vec<f64>>()
     };
     let each = mobility(&tetra(""));
     let shared = mobility("[room.TETRA]\np = { edge = 0.1, m_total = \"2 g\" }\n");
@@ -281,8 +284,12 @@ fn a_cloud_becomes_masses_and_springs() {
     for (i, [x, y, z]) in CORNERS[..5].iter().enumerate() {
         let rest = [0, 1, 2].map(|k| scene.layout.reach[8 + i][k]);
         within("at its place", norm(minus(rest, [1.0 - 0.2 * y, 0.2 * x, 0.2 * z])), 1e-15);
-        within("thrown", (s.d[at[i] + 1] / scene.te - 3.0).abs(), 1e-14);
-        within("a fifth of the whole", off(scene.te * scene.te / s.coef[2 * scene.n_mat + at[i]], 2e-3), 1e-15);
+        within("thrown", (s.d[at[i] + 1] / scene.sample_dt - 3.0).abs(), 1e-14);
+        within(
+            "a fifth of the whole",
+            off(scene.sample_dt * scene.sample_dt / s.coef[2 * scene.n_mat + at[i]], 2e-3),
+            1e-15,
+        );
     }
     assert!(scene.findings.list.iter().any(|d| d.code == "N202"), "{}", scene.findings);
     // by reach: the sides of the square, not its diagonals, nor the slanting edges of 1.03
@@ -348,13 +355,17 @@ fn a_stretched_mesh_sounds_across_as_asked() {
         // by pitch: heard at f, warping included
         let (stiffness, _, scene) =
             across(&format!("m = 1e-3, f = 220, dx = 0.01, stretch = {stretch}{shear}"), 7, 5, 2);
-        let half = 0.5 * scene.te * (stiffness / 1e-3).sqrt();
-        within("f", off(half.asin() / (pi * scene.te), 220.0), 1e-7);
+        let half = 0.5 * scene.sample_dt * (stiffness / 1e-3).sqrt();
+        within("f", off(half.asin() / (pi * scene.sample_dt), 220.0), 1e-7);
     }
     // turned up, it moves along y; and it moves at all: a period of the lowest mode comes back
     let (stiffness, _, scene) =
         across("m = 1e-3, f = 220, dx = 0.01, stretch = 0.5, turn = [\"-25 %\", 0, 0]", 7, 5, 1);
-    within("turned", off((0.5 * scene.te * (stiffness / 1e-3).sqrt()).asin() / (pi * scene.te), 220.0), 1e-7);
+    within(
+        "turned",
+        off((0.5 * scene.sample_dt * (stiffness / 1e-3).sqrt()).asin() / (pi * scene.sample_dt), 220.0),
+        1e-7,
+    );
 }
 
 #[test]

@@ -167,7 +167,7 @@ fn energy_does_not_drift() {
     let scene = hard();
     let (mut s, i) = (scene.state(), mat(&scene, "bob"));
     let energy = |s: &State| {
-        let (x, v) = (s.x[i], s.d[i] / scene.te);
+        let (x, v) = (s.x[i], s.d[i] / scene.sample_dt);
         0.5 * v * v + 500.0 * x * x + 7500.0 * x.powi(4) + 9.81 * x
     };
     let start = energy(&s);
@@ -222,7 +222,7 @@ fn only_who_asks_has_it() {
     let all = names(&text);
     let count = |name: &str| all.iter().filter(|n| **n == name).count();
     assert_eq!((count("drift"), count("kick"), count("RES"), count("flush"), all.len()), (5, 4, 4, 1, 14));
-    assert_eq!(names(&text.replace("pefrl", "ca")), ["advance MAS", "flush"]);
+    assert_eq!(names(&text.replace("pefrl", "ca")), ["integrate MAS", "flush"]);
 }
 
 #[test]

@@ -1,8 +1,8 @@
 //! RING: its modes against the closed form λ_j = 4a sin²(jπ/n), what is of one pitch, its limit, and the way around it.
 
 use crate::play::{PI, mat, mats, model, off, scene, within};
-use ca_compile::certify::Level;
 use ca_compile::{Options, analysis::modes::modes, compile};
+use ca_core::certificate::Level;
 use ca_core::tick;
 use ca_tests::catalog;
 

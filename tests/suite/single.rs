@@ -23,7 +23,7 @@ fn scene(text: &str) -> Compiled {
 fn step(scene: &Scene, s: &mut State) {
     for (name, points) in &scene.gestures {
         let input = scene.input(name).expect("a port");
-        s.input[input] = follow(points, s.tick as f64 * scene.te);
+        s.input[input] = follow(points, s.tick as f64 * scene.sample_dt);
     }
     tick(scene, s);
 }

@@ -165,12 +165,12 @@ const BOW: &str = "[CEL]\nbob = { m = \"1 g\", f = \"220 Hz\", t60 = \"2 s\" }\n
 
 /// One way to play a scene, as `ca accuracy --json` tells it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Row {
+pub struct ErrorRow {
     /// method
     pub method: String,
     /// multiple of the rate
     pub times: u32,
-    /// of the outputs, relative; infinite where it blew up
+    /// of the outputs, relative; infinite where it diverged
     pub error: f64,
     /// of the levels of the spectrum, relative
     pub spectrum: f64,
@@ -196,14 +196,14 @@ pub struct Found {
     /// how well that is known, relative
     pub known: f64,
     /// a way each
-    pub rows: Vec<Row>,
+    pub rows: Vec<ErrorRow>,
     /// methods that the scene cannot take, with the reason, and what others leave out
     pub reported: Vec<String>,
 }
 
 impl Found {
     /// The row of a method at a multiple of the rate.
-    pub fn row(&self, method: &str, times: u32) -> Option<&Row> {
+    pub fn row(&self, method: &str, times: u32) -> Option<&ErrorRow> {
         self.rows.iter().find(|r| r.method == method && r.times == times)
     }
 

@@ -1,6 +1,6 @@
 //! The page `docs/measured/accuracy.md`, written and read: what a table says is all that a test has of the machine it was made on.
 
-use super::{CASES, Claim, Found, Row, STIFF};
+use super::{CASES, Claim, ErrorRow, Found, STIFF};
 use crate::atlas::page::wrap;
 use std::fmt::Write as _;
 
@@ -11,7 +11,7 @@ const HEAD: &str = "# Error against run time
 What `ca accuracy` finds of seven scenes: every method they know, at multiples of 48 kHz. **Error** is the distance of
 what the outputs hear from the reference, relative, before gains and filters, and cannot be less than the reference is
 known; **spectrum** the same of the levels of its partials; **cents** and **decay dB** how far the strongest partial and
-the loudness of the second half are off; **made** the energy that the scheme gives or takes, relative to the most there
+the loudness of the second half are off; **energy** the energy that the scheme gives or takes, relative to the most there
 was, where there is a ledger; **ns** the time of one sample at 48 kHz, the quickest of at least four runs, all ways in turn,
 with the finding of diverged states and the reading of outputs; `single` runs in a loop of its own that does less of
 that. Rows with a star are beaten by nothing in both error and time; full dots in
@@ -19,7 +19,7 @@ the pictures. The errors do not depend on the machine, the times do.
 ";
 
 const COLUMNS: [&str; 9] =
-    ["method", "error", "spectrum", "cents", "decay dB", "made", "ns", "x real time", "stability"];
+    ["method", "error", "spectrum", "cents", "decay dB", "energy", "ns", "x real time", "stability"];
 
 fn line(cells: &[String]) -> String {
     format!("| {} |\n", cells.join(" | "))
@@ -33,7 +33,7 @@ fn small(v: f64) -> String {
     if v.is_finite() { format!("{v:.1e}") } else { "-".into() }
 }
 
-fn cells(r: &Row, known: f64) -> Vec<String> {
+fn cells(r: &ErrorRow, known: f64) -> Vec<String> {
     let star = if r.front { " *" } else { "" };
     vec![
         format!("{} ×{}{star}", r.method, r.times),
@@ -87,7 +87,7 @@ pub fn page(found: &[Found], stiff: &[Found], claims: &[Claim], machine: &str) -
           is then a little dearer, and as no two of them share a mass each is solved by itself.",
     );
     t += "\n\n";
-    t += &head(&["stiff links", "error", "made", "ns", "over none", "stability"]);
+    t += &head(&["stiff links", "error", "energy", "ns", "over none", "stability"]);
     let none = stiff.first().and_then(|f| f.row("as written", 1)).map_or(f64::NAN, |r| r.ns);
     for (n, r) in STIFF.iter().zip(stiff).filter_map(|(n, f)| Some((n, f.row("as written", 1)?))) {
         let made = r.made.map_or("-".into(), small);

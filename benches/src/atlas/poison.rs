@@ -43,7 +43,7 @@ pub fn parameters() -> Door {
                 | Type::PowerStiffness { .. }
                 | Type::Count { .. }
                 | Type::Numbers { .. }
-                | Type::Place { .. }
+                | Type::Position { .. }
                 | Type::Counts { .. }
         )
     };
@@ -106,7 +106,7 @@ const LIVE: &str = "[param]\nfelt = { value = 0, unit = \"N s/m\", live = true, 
 pub fn changes() -> Door {
     let mut door = Door::default();
     let scene = crate::scene(&crate::model(LIVE), ca_compile::KernelClass::Fast, false);
-    let mut controls = Controls::new(&scene.live, scene.te);
+    let mut controls = Controls::new(&scene.live, scene.sample_dt);
     let good = controls.set("felt", 0.5).expect("a good value");
     for bad in BAD {
         door.tries(controls.set("felt", bad).is_err(), || format!("felt = {bad}"));

@@ -213,7 +213,7 @@ impl Case {
             Case::Flight => {
                 let (scene, mut s) = ready(text, false);
                 (0..ticks).for_each(|_| tick(&scene, &mut s));
-                let way = ticks as f64 * scene.te;
+                let way = ticks as f64 * scene.sample_dt;
                 Outcome::Astray((s.x[0] / way - 1.0).abs())
             }
         }
@@ -259,7 +259,7 @@ fn largest(text: &str, ticks: u64) -> Outcome {
     Outcome::Largest(most[0].max(most[1]), most[1] > 1.5 * most[0])
 }
 
-/// More energy than this many times that of the start is a scene that has blown up.
+/// More energy than this many times that of the start is a scene that has diverged.
 const BLOWN: f64 = 1e7;
 
 /// Energy with heat, and the momentum of masses in the order of the model, where there are any; all that can move is given `kick`

@@ -2,7 +2,7 @@
 //! around a scene, and what is written down. One device of twelve keys, all stages there are, forces on, a slow motion
 //! within all limits: what every frame costs while nothing is wrong.
 
-use super::{Played, Player, Row, Run, Without};
+use super::{CostRow, Played, Player, Run, Without};
 use crate::string;
 use ca_core::{Scene, tick};
 use ca_haptic::calibration::Calibration;
@@ -279,8 +279,8 @@ pub(super) fn nothing(stage: Option<&str>, asked: bool) -> Result<(), String> {
 }
 
 /// Rows of the hand.
-pub(super) fn rows() -> Vec<Row> {
-    let row = |thing, with, plain, used, without| Row {
+pub(super) fn rows() -> Vec<CostRow> {
+    let row = |thing, with, plain, used, without| CostRow {
         thing,
         with,
         modules: 1.0,

@@ -3,7 +3,7 @@
 //! Decides that a price is a difference: a run with the thing, less the same run without it, over the modules that have
 //! it. So nothing is taken apart that runs as a whole, and what the compiler chooses otherwise because of it (another
 //! law, another pass) is in the price. Two kinds of proof that nobody pays for what is absent: where a thing can stand
-//! in a scene that does not hear it, both are counted and must be equal, and [`Row::nothing`] finds the same passes and
+//! in a scene that does not hear it, both are counted and must be equal, and [`CostRow::nothing`] finds the same passes and
 //! the same state in them; where it cannot, its passes and its numbers in the state are named, and are not there.
 //!
 //! The bench is `benches/costs.rs`; the page it writes, [`page`].
@@ -72,7 +72,7 @@ pub enum Without {
 }
 
 /// A line of the page.
-pub struct Row {
+pub struct CostRow {
     /// what is priced
     pub thing: &'static str,
     /// with what, and of which module the price is
@@ -88,7 +88,7 @@ pub struct Row {
 }
 
 /// All rows, in the order of the page.
-pub fn rows() -> Vec<Row> {
+pub fn rows() -> Vec<CostRow> {
     let mut all = scenes::rows();
     all.extend(hand::rows());
     all
@@ -171,10 +171,10 @@ fn passes(scene: &Scene) -> Vec<(&'static str, usize, usize)> {
 
 /// The state at load, but for whose it is and for what callers give to ports: they may, to those that nothing hears too.
 fn state(scene: &Scene) -> State {
-    State { scene: Identity::default(), input: Vec::new(), held: Vec::new(), ..scene.state() }
+    State { scene: Identity::default(), input: Vec::new(), last_input: Vec::new(), ..scene.state() }
 }
 
-impl Row {
+impl CostRow {
     /// The scene of the row that has the thing and does not hear it.
     pub fn unheard(&self) -> Option<Run> {
         let Without::Unheard(text) = &self.without else { return None };

@@ -1,6 +1,6 @@
 //! The page `docs/measured/costs.md`: how rows are written, so that a test finds them there again.
 
-use super::{Row, Without};
+use super::{CostRow, Without};
 use std::fmt::Write as _;
 
 /// The text above the tables.
@@ -81,8 +81,8 @@ fn number(v: f64) -> String {
 }
 
 /// A line of a table.
-pub fn line(row: &Row, price: &Price) -> String {
-    let Row { thing, with, without, .. } = row;
+pub fn line(row: &CostRow, price: &Price) -> String {
+    let CostRow { thing, with, without, .. } = row;
     let mut cells = format!("| {thing} | {with} | {} | {} |", number(price.instructions), number(price.ns));
     if price.is_paid_by_others() {
         let _ = write!(cells, " {} |", number(price.unheard.unwrap_or(0.0)));
@@ -93,16 +93,16 @@ pub fn line(row: &Row, price: &Price) -> String {
 }
 
 /// The whole page; `machine` says whose times these are.
-pub fn page(rows: &[Row], prices: &[Price], machine: &str) -> String {
+pub fn page(rows: &[CostRow], prices: &[Price], machine: &str) -> String {
     let mut t = format!("{HEAD}\nThe machine of this page is {machine}.\n\n## In the tick\n");
-    let priced = |t: &mut String, head: &str, which: fn(&Row) -> bool| {
+    let priced = |t: &mut String, head: &str, which: fn(&CostRow) -> bool| {
         let n = head.matches('|').count() - 1;
         let _ = write!(t, "\n{head}\n|{}\n", "---|".repeat(n));
         for (row, price) in rows.iter().zip(prices).filter(|(row, _)| which(row)) {
             let _ = writeln!(t, "{}", line(row, price));
         }
     };
-    let always = |row: &Row| matches!(row.without, Without::Always);
+    let always = |row: &CostRow| matches!(row.without, Without::Always);
     priced(&mut t, COLUMNS, |row| !row.used.is_hand() && !matches!(row.without, Without::Always));
     t += FRAMES;
     priced(&mut t, &COLUMNS.replace("module and tick", "device and frame"), |row| row.used.is_hand());

@@ -1,7 +1,7 @@
 //! What is priced in the tick: the energy ledger, checks, filters, live parameters, gauges, contacts, methods, LPR, waves
 //! and ports, each in a scene of many of them.
 
-use super::{Also, Played, Row, Run, Without};
+use super::{Also, CostRow, Played, Run, Without};
 use crate::{grains, string};
 use ca_core::State;
 use std::fmt::Write as _;
@@ -122,19 +122,25 @@ fn doing(also: Also, text: impl Into<String>) -> Run {
     Run::Scene(Played { also, ..Played::new(text) })
 }
 
-fn row(thing: &'static str, with: &'static str, modules: usize, runs: [Run; 2], without: Without) -> Row {
+fn row(thing: &'static str, with: &'static str, modules: usize, runs: [Run; 2], without: Without) -> CostRow {
     let [plain, used] = runs;
-    Row { thing, with, modules: modules as f64, plain, used, without }
+    CostRow { thing, with, modules: modules as f64, plain, used, without }
 }
 
 /// A row of what may stand, unheard, beside the plain scene.
-fn beside(thing: &'static str, with: &'static str, modules: usize, [plain, used]: [String; 2], unheard: &str) -> Row {
+fn beside(
+    thing: &'static str,
+    with: &'static str,
+    modules: usize,
+    [plain, used]: [String; 2],
+    unheard: &str,
+) -> CostRow {
     let without = Without::Unheard(format!("{plain}{unheard}"));
     row(thing, with, modules, [run(plain), run(used)], without)
 }
 
 /// A row of the energy ledger of a model.
-fn ledger(with: &'static str, modules: usize, text: String) -> Row {
+fn ledger(with: &'static str, modules: usize, text: String) -> CostRow {
     let kept = Without::Absent(&["ledger", "ledger keeps"], |s| usize::from(s.ledger.is_some()));
     row("energy ledger", with, modules, [run(text.clone()), booked(text)], kept)
 }
@@ -144,7 +150,7 @@ const OPEN: &str = "k = 100, d = \"-1 mm\"";
 const RUBS: &str = "f = \"0.1 mN\", v0 = \"20 mm/s\"";
 
 /// Rows of the tick.
-pub(super) fn rows() -> Vec<Row> {
+pub(super) fn rows() -> Vec<CostRow> {
     let mut all = checks();
     all.extend(links());
     all.extend(methods());
@@ -154,7 +160,7 @@ pub(super) fn rows() -> Vec<Row> {
     all
 }
 
-fn checks() -> Vec<Row> {
+fn checks() -> Vec<CostRow> {
     let springs = walled("REF", "k = 7.5, z = 0.001");
     let by_name = |live: bool| named(&springs, "k = 7.5", 7.5, live);
     let idle = |text: &str| text.replace("[param]\n", "[param]\nidle = { value = 1, live = true, min = 0, max = 2 }\n");
@@ -199,7 +205,7 @@ fn checks() -> Vec<Row> {
     ]
 }
 
-fn links() -> Vec<Row> {
+fn links() -> Vec<CostRow> {
     let line = || space("RES", "k = 1, along = \"x\"");
     let skew = space("RES", "k = 1, along = [0, 0.6, 0.8]");
     let flying =
@@ -222,14 +228,14 @@ fn links() -> Vec<Row> {
         ),
         beside("neighbour list", "one of 64 grains that fill a tenth", 64, [alone, flying], swarm),
         beside(
-            "gauge along a direction",
+            "measure along a direction",
             "a spring in space, beside one along an axis",
             N,
             [line(), skew],
             &adrift("RES", "k = 1, along = [0, 0.6, 0.8]"),
         ),
         beside(
-            "gauge of a distance",
+            "measure of a distance",
             "a spring in space, beside one along an axis",
             N,
             [line(), space("RES", "k = 1")],
@@ -246,7 +252,7 @@ fn links() -> Vec<Row> {
     ]
 }
 
-fn methods() -> Vec<Row> {
+fn methods() -> Vec<CostRow> {
     let implicit = |method: &str| apart("REF", &format!("k = 1, z = 0.001, method = \"{method}\""));
     let also = |params: &str, method: &str| format!("{params}, method = \"{method}\"");
     let cell = |method: &str| cells(N, &also("", method));
@@ -323,7 +329,7 @@ fn methods() -> Vec<Row> {
     ]
 }
 
-fn ports() -> Vec<Row> {
+fn ports() -> Vec<CostRow> {
     let fixed = || keys("SOL", "");
     let key = |with: &'static str, rate: &str| {
         let border: fn(&State) -> usize = |s| s.border.len() + s.late.len();

@@ -15,7 +15,7 @@ const EDGE: f64 = 0.02;
 const CORNER: f64 = 1e-3;
 /// Sound rate \[Hz\].
 const RATE: f64 = 48e3;
-/// More energy than this many times that of the start is a scene that has blown up.
+/// More energy than this many times that of the start is a scene that has diverged.
 const BLOWN: f64 = 1e7;
 
 /// The model: contacts of stiffness kT²/m = `a` by `method`, velocities drawn with `seed`. Corners of different pyramids
@@ -67,7 +67,7 @@ fn built(a: f64, method: &str, seed: u64, energy: bool) -> Scene {
 /// How the energy of a run fared.
 #[derive(Clone, Copy, Debug)]
 pub struct Fared {
-    /// energy at the end, or when it blew up, over that at the start
+    /// energy at the end, or when it diverged, over that at the start
     pub end: f64,
     /// largest |E/E₀ − 1| at any tick
     pub worst: f64,

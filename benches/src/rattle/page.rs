@@ -24,7 +24,7 @@ what it is. Played for 10 s at 48 kHz from three draws of the velocities.
 
 /// The energy of an explicit run.
 pub fn ended(f: &Fared) -> String {
-    if f.worst.is_finite() { format!("{:.4}", f.end) } else { format!("blown up after {:.2} s", f.seconds) }
+    if f.worst.is_finite() { format!("{:.4}", f.end) } else { format!("diverged after {:.2} s", f.seconds) }
 }
 
 /// The energy of a stable run.

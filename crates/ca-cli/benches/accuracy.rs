@@ -4,7 +4,7 @@
 //! the page; with `UPDATE=1` writes it to `docs/measured/accuracy.md` and its pictures to `docs/measured/accuracy/`.
 #![allow(missing_docs)]
 
-use ca_benches::accuracy::{CASES, Found, Row, STIFF, claims, page::page, stiffened, svg};
+use ca_benches::accuracy::{CASES, ErrorRow, Found, STIFF, claims, page::page, stiffened, svg};
 use serde_json::Value;
 use std::path::Path;
 use std::process::{Command, ExitCode, Stdio};
@@ -20,7 +20,7 @@ fn measured(text: &str, seconds: &str, times: &str, reference: &str) -> Found {
     let reported: Value = serde_json::from_slice(&out.stdout).expect("ca tells of it as JSON");
     let number = |v: &Value| v.as_f64();
     let word = |v: &Value| v.as_str().unwrap_or_default().to_string();
-    let rows = reported["rows"].as_array().into_iter().flatten().map(|r| Row {
+    let rows = reported["rows"].as_array().into_iter().flatten().map(|r| ErrorRow {
         method: word(&r["method"]),
         times: r["times"].as_u64().unwrap_or(0) as u32,
         error: number(&r["error"]).unwrap_or(f64::INFINITY),

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!          lower              connect            passes                 certify          emit
-//! Model ─ units, ranges, ─ Net: ends of links, ─ methods, cheaper laws, ─ a bound on ─ order, arrays, ─ Scene
+//! Model ─ units, ranges, ─ Pruned: ends of links, ─ methods, cheaper laws, ─ a bound on ─ order, arrays, ─ Scene
 //!         parameters           taps of outputs    what nobody hears        stability     passes
 //! ```
 //! Decides on one network of plain records between model and scene: every pass reads and rewrites that, and all of them
@@ -18,7 +18,7 @@ extern crate alloc;
 
 #[cfg(feature = "analysis")]
 pub mod analysis;
-pub mod certify;
+mod certify;
 mod connect;
 mod emit;
 mod findings;
@@ -42,7 +42,7 @@ use ca_model::{Entry, Model};
 use connect::wire;
 use emit::{ordering, schedule};
 use lower::{params, resolve, values};
-use net::Net;
+use net::Pruned;
 use passes::{implicit, modal, pefrl, prune, reach, single, solve_order, specialise, waves};
 
 /// What a model became.
@@ -63,7 +63,7 @@ impl core::ops::Deref for Compiled {
 }
 
 /// The network of a model, without what nobody hears.
-fn network(model: &Model, catalog: &Catalog, options: &Options) -> Result<(Net, Diags), Diags> {
+fn network(model: &Model, catalog: &Catalog, options: &Options) -> Result<(Pruned, Diags), Diags> {
     let mut diags = Diags::new();
     let net = resolve::resolve(model, catalog, options, &mut diags);
     let mut net = wire::wire(model, net, options, &mut diags);
@@ -74,7 +74,7 @@ fn network(model: &Model, catalog: &Catalog, options: &Options) -> Result<(Net, 
     params::report_unused(&net, &mut diags);
     implicit::choose(&mut net);
     specialise::specialise(model, &mut net, &mut diags);
-    prune::prune(model, &mut net, &mut diags);
+    let mut net = prune::prune(model, net, &mut diags);
     solve_order::choose(model, &mut net, &mut diags);
     implicit::check(model, &net, &mut diags);
     waves::settle(model, &mut net, &mut diags);
@@ -99,8 +99,8 @@ pub fn measured(e: &Entry, unit: Unit, range: (f64, f64), what: &str) -> Result<
 pub fn linear(model: &Model, catalog: &Catalog, options: &Options) -> Result<crate::analysis::Network, Diags> {
     let (net, mut diags) = network(model, catalog, options)?;
     let linear = net::linear::network(&net);
-    let numbers = |p: &crate::analysis::Place| [p.c, p.k, p.z].iter().all(|v| v.is_finite());
-    if !linear.linear.places.iter().all(numbers) || !linear.linear.rows.iter().all(|r| (r.k + r.z).is_finite()) {
+    let numbers = |p: &crate::analysis::Dof| [p.c, p.k, p.z].iter().all(|v| v.is_finite());
+    if !linear.linear.dofs.iter().all(numbers) || !linear.linear.rows.iter().all(|r| (r.k + r.z).is_finite()) {
         // what the numbers are is for the certificate to say
         certify::certify(model, &net, false, &mut diags);
         diags.sort();

@@ -10,10 +10,10 @@ use alloc::vec::Vec;
 /// One link that acts in this tick; of friction, γ and ψ are 0, and the elongation is a penetration that shrinks.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct ActiveContact {
-    /// first place of either end
+    /// first slot of either end
     pub ends: [u32; 2],
-    /// places of an end: 1 on a line, 3 in space
-    pub places: usize,
+    /// axes of an end: 1 on a line, 3 in space
+    pub axes: usize,
     /// gradient of the penetration against the second end; its negative against the first
     pub g: [Real; 3],
     /// its memory

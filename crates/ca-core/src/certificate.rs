@@ -35,7 +35,7 @@ impl core::fmt::Display for Level {
 
 /// What a factorisation says.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Verdict {
+pub enum FactorVerdict {
     /// all eigenvalues are below the limit
     Stable,
     /// one is above it

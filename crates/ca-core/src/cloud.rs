@@ -14,7 +14,7 @@ use alloc::vec::Vec;
 pub struct Cloud {
     /// the points, in units of the file
     pub points: Vec<[f64; 3]>,
-    /// places in `points`, the smaller first, each pair once
+    /// indices into `points`, the smaller first, each pair once
     pub edges: Vec<[u32; 2]>,
     /// points left out because another stood in the very same place
     pub merged: usize,

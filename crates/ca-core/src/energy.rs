@@ -1,13 +1,13 @@
-//! The energy ledger: what is held, lost, received and made, per module, every tick.
+//! The energy ledger: what is stored, lost, received and made, per module, every tick.
 //!
 //! Decides to keep the exact discrete identity of the scheme (docs/numerics.md §2) rather than an estimate: for linear
 //! modules the ledgers balance to rounding, so the residual is a test of the engine; for any other link the difference
 //! is its own account, which names the module that makes energy. Sample n is booked when x_{n+1} is known of ports too,
 //! that is at the beginning of tick n+1, before changes. A scene that does not ask has no pass, array or test of this.
 
-use crate::layout::{Account, Gauge, Layout};
+use crate::layout::{Account, Layout, MeasureKind};
 pub use crate::ledger::{Balance, Exchange, Ledger};
-use crate::op::{Op, gauge, pair_set, wave};
+use crate::op::{Op, measure, pair_set, wave};
 use crate::real::{Real, wide};
 use crate::state::State;
 use crate::verlet::VerletList;
@@ -15,7 +15,7 @@ use crate::verlet::VerletList;
 /// Link `i` of a batch around the tick being booked, where `d0` is the motion into that tick: its elongations before,
 /// at and after, and how far its ends moved along its force in the two ticks together.
 fn elongations(layout: &Layout, s: &State, d0: &[Real], a: &Account, i: usize) -> ([Real; 3], Real) {
-    if a.ports.gauge == Gauge::Line && a.ports.onto.is_none() {
+    if a.ports.measure == MeasureKind::Line && a.ports.onto.is_none() {
         let [p, q] = layout.ends[a.first + i].map(|m| m as usize);
         let after = s.x[q] - s.x[p] + layout.e0[a.first + i];
         let at = after - (s.d[q] - s.d[p]);
@@ -23,8 +23,8 @@ fn elongations(layout: &Layout, s: &State, d0: &[Real], a: &Account, i: usize) -
         return (e, e[2] - e[0]);
     }
     let (mut e, mut moved) = ([layout.e0[a.first + i]; 3], 0.0);
-    for (gauge, ends, reach) in gauge::ports(layout, &a.ports, a.first, i) {
-        let (part, along) = gauge::around(gauge, &s.x, &s.d, d0, ends, &reach);
+    for (measure, ends, reach) in measure::ports(layout, &a.ports, a.first, i) {
+        let (part, along) = measure::around(measure, &s.x, &s.d, d0, ends, &reach);
         (0..3).for_each(|k| e[k] += part[k]);
         moved += along;
     }
@@ -39,10 +39,10 @@ fn coefs<'r>(s: &State, room: &'r mut [Real], a: &Account, i: usize) -> &'r [Rea
     &room[..a.coefs]
 }
 
-/// Energy of the MATs and of weight between the last two ticks: (kinetic, held, heat of the tick booked).
+/// Energy of the MATs and of weight between the last two ticks: (kinetic, stored, heat of that tick).
 fn mats(layout: &Layout, s: &State, d0: &[Real]) -> (f64, f64, f64) {
     let n = layout.n_mat;
-    let (mut kinetic, mut held, mut lost) = (0.0, 0.0, 0.0);
+    let (mut kinetic, mut stored, mut lost) = (0.0, 0.0, 0.0);
     for (i, d0) in d0.iter().enumerate() {
         let [p, q, c] = [i, n + i, 2 * n + i].map(|k| wide(s.coef[k]));
         if c == 0.0 {
@@ -51,20 +51,20 @@ fn mats(layout: &Layout, s: &State, d0: &[Real]) -> (f64, f64, f64) {
         let [x, d, d0] = [s.x[i], s.d[i], *d0].map(wide);
         kinetic += 0.5 * d * d / c;
         let z = (1.0 - p) / c;
-        held += 0.5 * (-q / c) * x * (x - d) - 0.25 * z * d * d;
+        stored += 0.5 * (-q / c) * x * (x - d) - 0.25 * z * d * d;
         lost += 0.25 * z * (d + d0) * (d + d0);
     }
     let weight = layout.ledger.as_ref().map_or(0, |l| l.weight);
     for (k, m) in layout.weighed.iter().enumerate() {
         let (x, d) = (wide(s.x[*m as usize]), wide(s.d[*m as usize]));
-        held -= wide(s.coef[weight + k]) * (x - 0.5 * d);
+        stored -= wide(s.coef[weight + k]) * (x - 0.5 * d);
     }
-    (kinetic, held, lost)
+    (kinetic, stored, lost)
 }
 
 /// What a link holds after the tick being booked, its heat in that tick, and the work of its force on its ends.
 struct Entry {
-    held: f64,
+    stored: f64,
     heat: f64,
     work: f64,
 }
@@ -87,25 +87,25 @@ fn links(
             let c = coefs(s, room, a, i);
             let (e, moved) = elongations(layout, s, d0, a, i);
             let mem = &s.mem[a.mem + i * a.mems..][..a.mems];
-            let held = wide((a.stored)(c, mem, &layout.tables, e[1], e[2]));
+            let stored = wide((a.stored)(c, mem, &layout.tables, e[1], e[2]));
             let heat = wide((a.lost)(c, mem, &layout.tables, e));
             let work = if a.linear { 0.0 } else { wide(-s.tap[a.tap + i] * 0.5 * moved) };
-            visit(a, a.first + i, Entry { held, heat, work });
+            visit(a, a.first + i, Entry { stored, heat, work });
         }
     }
 }
 
 /// All pairs of a set together; its work is that of what it did to each of its members.
 fn set(layout: &Layout, s: &State, near: &mut VerletList, c: &[Real], d0: &[Real], a: &Account, at: usize) -> Entry {
-    let (mut held, mut heat) = (0.0, 0.0);
+    let (mut stored, mut heat) = (0.0, 0.0);
     pair_set::touched(layout, s, near, d0, at, (a.idle)(c), |e| {
-        held += wide((a.stored)(c, &[], &layout.tables, e[1], e[2]));
+        stored += wide((a.stored)(c, &[], &layout.tables, e[1], e[2]));
         heat += wide((a.lost)(c, &[], &layout.tables, e));
     });
     let pushed = layout.pair_sets[at].members.iter().zip(s.tap[a.tap..].chunks(3));
     let moved = |i: usize| 0.5 * (s.d[i] + d0[i]);
     let work = pushed.map(|(m, f)| (0..3).map(|k| wide(f[k] * moved(*m as usize + k))).sum::<f64>()).sum();
-    Entry { held, heat, work }
+    Entry { stored, heat, work }
 }
 
 /// Recomputes what everything holds with the present coefficients; returns the total.
@@ -114,8 +114,8 @@ fn hold(layout: &Layout, s: &State, near: &mut [VerletList], l: &mut Ledger) -> 
     l.kinetic = kinetic;
     h += kinetic + wave::energy(layout, s, &s.d).0;
     links(layout, s, near, &mut l.room, &s.d, |_, k, entry| {
-        l.held[k] = entry.held;
-        h += entry.held;
+        l.stored[k] = entry.stored;
+        h += entry.stored;
     });
     h
 }
@@ -156,16 +156,16 @@ pub fn ledger(_op: &Op, layout: &Layout, s: &mut State) {
     l.lost_mats += heat + beside;
     lost += heat + beside;
     h += kinetic + waves;
-    links(layout, s, &mut near, &mut l.room, &l.d0, |a, k, Entry { held, heat, work }| {
+    links(layout, s, &mut near, &mut l.room, &l.d0, |a, k, Entry { stored, heat, work }| {
         if !a.linear {
-            let made = held - l.held[k] + work + heat;
-            l.source[k] += made;
-            source += made;
+            let error = stored - l.stored[k] + work + heat;
+            l.source[k] += error;
+            source += error;
         }
-        l.held[k] = held;
+        l.stored[k] = stored;
         l.lost[k] += heat;
         lost += heat;
-        h += held;
+        h += stored;
     });
     l.h = h;
     l.worst = l.worst.max((h - before - work + lost - source).abs());

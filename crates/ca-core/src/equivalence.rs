@@ -71,23 +71,23 @@ impl Class {
         }
     }
     /// A row that stands for it.
-    pub fn row(self) -> &'static Row {
+    pub fn row(self) -> &'static Quantity {
         let name = if self == Class::Impedance { "stiffness" } else { self.name() };
         ROWS.iter().find(|r| r.name == name).unwrap_or(&ROWS[0])
     }
     /// Its rows.
-    pub fn rows(self) -> impl Iterator<Item = &'static Row> {
+    pub fn rows(self) -> impl Iterator<Item = &'static Quantity> {
         ROWS.iter().filter(move |r| r.class() == self)
     }
     /// The class a word means: the name of a row, or `impedance`.
     pub fn of(word: &str) -> Option<Class> {
-        if word == "impedance" { Some(Class::Impedance) } else { row(word).map(Row::class) }
+        if word == "impedance" { Some(Class::Impedance) } else { row(word).map(Quantity::class) }
     }
 }
 
 /// A quantity that has an equivalence.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Row {
+pub struct Quantity {
     /// its name in a model file
     pub name: &'static str,
     /// unit of the real side
@@ -95,27 +95,27 @@ pub struct Row {
 }
 
 /// The table, in the order it is shown.
-pub const ROWS: &[Row] = &[
-    Row { name: "position", unit: Unit::METRE },
-    Row { name: "velocity", unit: Unit::SPEED },
-    Row { name: "acceleration", unit: Unit::ACCELERATION },
-    Row { name: "force", unit: Unit::NEWTON },
-    Row { name: "momentum", unit: Unit::MOMENTUM },
-    Row { name: "mass", unit: Unit::KILOGRAM },
-    Row { name: "stiffness", unit: Unit::STIFFNESS },
-    Row { name: "viscosity", unit: Unit::VISCOSITY },
-    Row { name: "compliance", unit: Unit::COMPLIANCE },
-    Row { name: "energy", unit: Unit::JOULE },
-    Row { name: "power", unit: Unit::WATT },
-    Row { name: "time", unit: Unit::SECOND },
+pub const ROWS: &[Quantity] = &[
+    Quantity { name: "position", unit: Unit::METRE },
+    Quantity { name: "velocity", unit: Unit::SPEED },
+    Quantity { name: "acceleration", unit: Unit::ACCELERATION },
+    Quantity { name: "force", unit: Unit::NEWTON },
+    Quantity { name: "momentum", unit: Unit::MOMENTUM },
+    Quantity { name: "mass", unit: Unit::KILOGRAM },
+    Quantity { name: "stiffness", unit: Unit::STIFFNESS },
+    Quantity { name: "viscosity", unit: Unit::VISCOSITY },
+    Quantity { name: "compliance", unit: Unit::COMPLIANCE },
+    Quantity { name: "energy", unit: Unit::JOULE },
+    Quantity { name: "power", unit: Unit::WATT },
+    Quantity { name: "time", unit: Unit::SECOND },
 ];
 
 /// The row of this name.
-pub fn row(name: &str) -> Option<&'static Row> {
+pub fn row(name: &str) -> Option<&'static Quantity> {
     ROWS.iter().find(|r| r.name == name)
 }
 
-impl Row {
+impl Quantity {
     /// Exponents (p, q, s): real/simulated = αᵖ βᑫ Teˢ.
     pub fn exponents(&self) -> [i32; 3] {
         // length^(m−kg) force^kg time^(s+2kg) is m^m kg^kg s^s
@@ -132,10 +132,10 @@ impl Row {
             _ => Class::Energy,
         }
     }
-    /// Real over simulated, for a model whose unit of time is `te` seconds.
-    pub fn factor(&self, g: Gains, te: f64) -> f64 {
+    /// Real over simulated, for a model whose unit of time is `time_unit` seconds.
+    pub fn factor(&self, g: Gains, time_unit: f64) -> f64 {
         let [p, q, s] = self.exponents();
-        power(g.alpha, p) * power(g.beta, q) * power(te, s)
+        power(g.alpha, p) * power(g.beta, q) * power(time_unit, s)
     }
 }
 
@@ -143,7 +143,7 @@ impl Row {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pair {
     /// the quantity
-    pub row: &'static Row,
+    pub row: &'static Quantity,
     /// real over simulated
     pub ratio: f64,
 }
@@ -152,17 +152,17 @@ pub struct Pair {
 ///
 /// ```
 /// use ca_core::equivalence::{Pair, row, solve};
-/// let te = 1.0 / 44_100.0;
+/// let time_unit = 1.0 / 44_100.0;
 /// let mass = Pair { row: row("mass").unwrap(), ratio: 0.02 }; // 20 g is 1.0
 /// let place = Pair { row: row("position").unwrap(), ratio: 0.02 }; // 20 mm is 1
-/// let g = solve([mass, place], te).unwrap();
+/// let g = solve([mass, place], time_unit).unwrap();
 /// assert!((g.alpha - 50.0).abs() < 1e-12 && (g.beta - 777_924.0).abs() < 1e-6);
 /// ```
-pub fn solve(pairs: [Pair; 2], te: f64) -> Option<Gains> {
+pub fn solve(pairs: [Pair; 2], time_unit: f64) -> Option<Gains> {
     // of α and β alone: ln rᵢ = pᵢ ln α + qᵢ ln β
     let [(p1, q1, r1), (p2, q2, r2)] = pairs.map(|e| {
         let [p, q, s] = e.row.exponents();
-        (p, q, e.ratio / power(te, s))
+        (p, q, e.ratio / power(time_unit, s))
     });
     let det = p1 * q2 - p2 * q1;
     let root = |v: f64| match det {
@@ -176,9 +176,9 @@ pub fn solve(pairs: [Pair; 2], te: f64) -> Option<Gains> {
 }
 
 /// The gains that make one pair true and keep what `anchor` stands for as it is in `held`.
-pub fn keep(pair: Pair, anchor: Class, held: Gains, te: f64) -> Option<Gains> {
+pub fn keep(pair: Pair, anchor: Class, held: Gains, time_unit: f64) -> Option<Gains> {
     let row = anchor.row();
-    solve([pair, Pair { row, ratio: row.factor(held, te) }], te)
+    solve([pair, Pair { row, ratio: row.factor(held, time_unit) }], time_unit)
 }
 
 /// What stays when a row of this class is edited and nobody said anything: the travel of the key; where that is what
@@ -211,7 +211,7 @@ pub struct Equivalence {
     /// of the whole
     pub gains: Gains,
     /// unit of time of the model's numbers \[s\]: 1, or a sample of the reference rate in `alg` units
-    pub te: f64,
+    pub time_unit: f64,
     /// the anchor written in the model
     pub anchor: Option<Class>,
     /// keys that differ, in the order of the document
@@ -220,7 +220,7 @@ pub struct Equivalence {
 
 impl Default for Equivalence {
     fn default() -> Equivalence {
-        Equivalence { gains: Gains::default(), te: 1.0, anchor: None, keys: Vec::new() }
+        Equivalence { gains: Gains::default(), time_unit: 1.0, anchor: None, keys: Vec::new() }
     }
 }
 

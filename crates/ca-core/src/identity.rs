@@ -73,7 +73,7 @@ impl Words {
     /// All of a layout: who adds an array to it is asked here what to do with it.
     fn layout(&mut self, layout: &Layout) {
         let Layout {
-            te,
+            sample_dt,
             ratio,
             frame,
             n_mat,
@@ -106,9 +106,9 @@ impl Words {
             lowpass,
             implicit,
             ledger,
-            finer,
+            substeps,
         } = layout;
-        self.debug(&(te, ratio, frame, n_mat, n_lia, n_coef, n_mem, n_touch, n_tap, channels, n_out));
+        self.debug(&(sample_dt, ratio, frame, n_mat, n_lia, n_coef, n_mem, n_touch, n_tap, channels, n_out));
         self.places(ends.as_flattened().iter());
         self.places(onto.as_flattened().iter());
         self.numbers(reach.as_flattened().iter());
@@ -123,6 +123,6 @@ impl Words {
         let accounts = ledger.iter().flat_map(|l| &l.accounts);
         self.debug(&ledger.as_ref().map(|l| l.weight));
         self.all(accounts.map(|a| (a.op, a.n, a.ports, a.first, a.coef, a.mem, a.tap, a.coefs, a.mems, a.linear)));
-        self.debug(&finer.as_ref().map(|f| (f.times, &f.inputs)));
+        self.debug(&substeps.as_ref().map(|f| (f.times, &f.inputs)));
     }
 }

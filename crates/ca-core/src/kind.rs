@@ -5,9 +5,9 @@
 //! module is one file and one line in [`crate::catalog`]. The alternative, an enum with a match in every layer, spreads
 //! one idea over ten files.
 
+use crate::builder::Generator;
 use crate::op::law::Law;
 pub use crate::param::{ABOVE_ZERO, ANY, Dim, Need, OneOf, POSITIVE, Param, Type, Unit};
-use crate::sketch::Generator;
 
 /// The three coefficients of a MAT for one tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,8 +23,8 @@ pub struct Coefs {
 /// How a kind of MAT gets its coefficients.
 #[derive(Clone, Copy)]
 pub struct MatSpec {
-    /// from parameters in SI (in the order of [`Kind::params`]) and the tick `te` \[s\]
-    pub coefs: fn(params: &[Option<f64>], te: f64) -> Coefs,
+    /// from parameters in SI (in the order of [`Kind::params`]) and the tick, `tick_dt` \[s\]
+    pub coefs: fn(params: &[Option<f64>], tick_dt: f64) -> Coefs,
     /// true for what never moves
     pub fixed: bool,
 }

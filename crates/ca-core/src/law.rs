@@ -66,8 +66,8 @@ pub trait Phi<const C: usize, const M: usize> {
         (Real::INFINITY, Real::NEG_INFINITY)
     }
 
-    /// Coefficients per tick from the parameters in SI (in the order of `Kind::params`) and the tick `te` \[s\].
-    fn coefs(p: &[Option<f64>], te: f64) -> [f64; C];
+    /// Coefficients per tick from the parameters in SI (in the order of `Kind::params`) and the tick, `tick_dt` \[s\].
+    fn coefs(p: &[Option<f64>], tick_dt: f64) -> [f64; C];
 
     /// Memory at load, for elongation `e`.
     fn start(_c: &[Real; C], _e: Real) -> [Real; M] {

@@ -15,7 +15,7 @@ use alloc::vec::Vec;
 
 /// How a port of a link measures its two ends.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Gauge {
+pub enum MeasureKind {
     /// the difference of two places: on a line, or along one axis of space
     #[default]
     Line,
@@ -29,20 +29,20 @@ pub enum Gauge {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Ports {
     /// of the first port
-    pub gauge: Gauge,
+    pub measure: MeasureKind,
     /// its first entry in [`Layout::reach`], unless it is a line
     pub reach: usize,
-    /// of the second port, where the links are quadripoles: gauge, first entry in [`Layout::onto`], first in
+    /// of the second port, where the links are quadripoles: measure, first entry in [`Layout::onto`], first in
     /// [`Layout::reach`]
-    pub onto: Option<(Gauge, usize, usize)>,
-    /// where all pairs of two sets are one module, its place in [`Layout::pair_sets`]
+    pub onto: Option<(MeasureKind, usize, usize)>,
+    /// where all pairs of two sets are one module, its index in [`Layout::pair_sets`]
     pub crowd: Option<usize>,
 }
 
 /// Two sets of points in space of which every pair is joined, or all pairs of one.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PairSet {
-    /// first place of each member, those of the first set first (members)
+    /// first slot of each member, those of the first set first (members)
     pub members: Vec<u32>,
     /// members that are first ends: the first set
     pub rows: usize,
@@ -68,7 +68,7 @@ impl PairSet {
 /// A position port.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Enx {
-    /// place in [`State::input`]
+    /// index into [`State::input`]
     pub input: u32,
     /// the MAT it moves
     pub mat: u32,
@@ -76,13 +76,13 @@ pub struct Enx {
     pub rest: f64,
     /// true where a link at it goes by the motion to come (implicit links, `stable`, `secant`, `newton`): where it is and
     /// how fast at the first tick is then part of the start, see [`crate::Scene::state_from`]
-    pub felt: bool,
+    pub implicit: bool,
 }
 
 /// A force port.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Enf {
-    /// place in [`State::input`]
+    /// index into [`State::input`]
     pub input: u32,
     /// the MAT it pushes
     pub mat: u32,
@@ -90,7 +90,7 @@ pub struct Enf {
 
 /// Where a coordinate of a moving point comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Place {
+pub enum CoordinateSource {
     /// a coefficient, which may be live
     Coef(u32),
     /// the absolute position of a MAT, e.g. an ENX
@@ -107,7 +107,7 @@ pub struct Proxy {
     /// nodes along the two directions; 1 for a string
     pub size: [u32; 2],
     /// coordinates 0 … 1
-    pub at: [Place; 2],
+    pub at: [CoordinateSource; 2],
 }
 
 /// A mass in a group that goes by its modes: a MAT without mass, the sum of its shares in modes that stand in a row.
@@ -130,14 +130,14 @@ pub enum Heard {
     Position(u32),
     /// summed force on a MAT
     ForceOn(u32),
-    /// force of a LIA, at this place in [`State::tap`]
+    /// force of a LIA, at this index into [`State::tap`]
     ForceOf(u32),
 }
 
 /// An output or a probe.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Output {
-    /// place in [`State::output`](crate::state::State)
+    /// index into [`State::output`](crate::state::State)
     pub channel: u32,
     /// what it hears
     pub heard: Heard,
@@ -215,7 +215,7 @@ pub struct Delay {
     pub from: usize,
     /// memory of the wave that arrives on the side they come to
     pub to: usize,
-    /// first place of the ring
+    /// first slot of the ring
     pub first: usize,
     /// its length: the ticks a wave takes, and three more where a loss follows
     pub len: usize,
@@ -230,7 +230,7 @@ pub struct Waves {
     pub junctions: Vec<Junction>,
     /// how waves travel (any)
     pub delays: Vec<Delay>,
-    /// first place of their memory in [`State::mem`](crate::state::State)
+    /// first slot of their memory in [`State::mem`](crate::state::State)
     pub first: usize,
     /// places of it
     pub len: usize,
@@ -251,7 +251,7 @@ pub struct Account {
     pub coef: usize,
     /// first number of memory, as in a pass
     pub mem: usize,
-    /// first place in `State::tap`, as in a pass
+    /// first index into `State::tap`, as in a pass
     pub tap: usize,
     /// coefficients per link
     pub coefs: usize,
@@ -271,14 +271,14 @@ pub struct Account {
 /// no mass with another are pairs, which need none.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ImplicitLinks {
-    /// places in the state, in the order of elimination (n)
+    /// slots in the state, in the order of elimination (n)
     pub places: Vec<u32>,
     /// pattern of its factor
     pub pattern: Pattern,
     /// first coefficient of the factor; behind it the inertia of the places (n), then the numbers of the pairs
     pub coef: usize,
     /// links whose whole force somebody needs
-    pub felt: Vec<Felt>,
+    pub forces: Vec<LinkForce>,
     /// links that share no mass with another such (any)
     pub pairs: Vec<Pair>,
 }
@@ -286,23 +286,23 @@ pub struct ImplicitLinks {
 /// An implicit link on a line that is solved by itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Pair {
-    /// places in the state of its ends
+    /// slots in the state of its ends
     pub ends: [u32; 2],
-    /// place in [`State::tap`], where its force is kept
+    /// index into [`State::tap`], where its force is kept
     pub tap: Option<u32>,
 }
 
 /// A link by an implicit method whose whole force is needed: it is heard, or what it holds is not moved by forces.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Felt {
-    /// places in [`State::coef`](crate::state::State) of k, z and θ
+pub struct LinkForce {
+    /// indices into [`State::coef`](crate::state::State) of k, z and θ
     pub coef: [u32; 3],
-    /// place in [`State::tap`]
+    /// index into [`State::tap`]
     pub tap: Option<u32>,
-    /// what its elongation is of the places in [`ImplicitLinks::places`]: number and weight
-    pub moves: Vec<(u32, Real)>,
-    /// the same of places in the state that no force moves
-    pub held: Vec<(u32, Real)>,
+    /// what its elongation is of the indices into [`ImplicitLinks::places`]: number and weight
+    pub moving: Vec<(u32, Real)>,
+    /// the same of slots in the state that no force moves
+    pub fixed: Vec<(u32, Real)>,
 }
 
 /// What the ledger needs to find its way.
@@ -319,12 +319,12 @@ pub type Between = Arc<dyn Fn(&Layout, &mut State) + Send + Sync>;
 
 /// A sample of several ticks.
 #[derive(Clone)]
-pub struct Finer {
+pub struct Substeps {
     /// ticks in a sample, R
     pub times: u32,
     /// one tick between two samples; a function, since what a pass is lies above what it reads
     pub tick: Between,
-    /// places in [`State::input`] that are given once a sample (any)
+    /// indices into [`State::input`] that are given once a sample (any)
     pub inputs: Vec<u32>,
 }
 
@@ -332,12 +332,12 @@ pub struct Finer {
 #[derive(Clone, Default)]
 pub struct Layout {
     /// sound sample \[s\], 1/rate
-    pub te: f64,
+    pub sample_dt: f64,
     /// sound samples per gesture frame
     pub ratio: u32,
     /// ticks per gesture frame: as many, unless a sample has several
     pub frame: u32,
-    /// places of MATs, moving points included: one for a MAT on a line, three in a row for one in space
+    /// slots of MATs, moving points included: one for a MAT on a line, three in a row for one in space
     pub n_mat: usize,
     /// links
     pub n_lia: usize,
@@ -351,14 +351,14 @@ pub struct Layout {
     pub n_tap: usize,
     /// channels of sound; probes come after them in [`State::output`](crate::state::State)
     pub channels: usize,
-    /// places in [`State::output`](crate::state::State)
+    /// indices into [`State::output`](crate::state::State)
     pub n_out: usize,
-    /// ends of links, first place of the first and of the second MAT (n_lia x 2)
+    /// ends of links, first slot of the first and of the second MAT (n_lia x 2)
     pub ends: Vec<[u32; 2]>,
     /// ends of the second ports of quadripoles (any x 2)
     pub onto: Vec<[u32; 2]>,
-    /// what a port in space needs beside its ends: for [`Gauge::Radial`] the vector between the ends at rest \[m\] and
-    /// the square of the softening length \[m²\], for [`Gauge::Along`] the direction and nothing (any x 4)
+    /// what a port in space needs beside its ends: for [`MeasureKind::Radial`] the vector between the ends at rest \[m\] and
+    /// the square of the softening length \[m²\], for [`MeasureKind::Along`] the direction and nothing (any x 4)
     pub reach: Vec<[Real; 4]>,
     /// sets of which all pairs are joined (any)
     pub pair_sets: Vec<PairSet>,
@@ -399,12 +399,12 @@ pub struct Layout {
     /// what the ledger needs, where the scene keeps one
     pub ledger: Option<LedgerPlan>,
     /// where a sample has several ticks
-    pub finer: Option<Finer>,
+    pub substeps: Option<Substeps>,
 }
 
 impl Layout {
     /// Ticks in a sample: 1, unless the model asks for more.
     pub fn oversample(&self) -> u32 {
-        self.finer.as_ref().map_or(1, |f| f.times)
+        self.substeps.as_ref().map_or(1, |f| f.times)
     }
 }

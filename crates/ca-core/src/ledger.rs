@@ -28,14 +28,14 @@ pub struct Ledger {
     pub changed: f64,
     /// largest imbalance of a single tick
     pub worst: f64,
-    /// d of the tick being booked (n_mat)
+    /// d of the tick that the ledger is at (n_mat)
     pub(crate) d0: Vec<Real>,
     /// heat of everything so far, kept apart so that no tick sums over all links again
     pub(crate) heat: f64,
     /// force on position and device ports, force given by force ports (ports)
     pub(crate) port: Vec<f64>,
-    /// energy held by each link at the last booking (n_lia)
-    pub(crate) held: Vec<f64>,
+    /// energy stored by each link at the last tick of the ledger (n_lia)
+    pub(crate) stored: Vec<f64>,
     /// in passing, the coefficients of one link (those of the law that has most)
     pub(crate) room: Vec<Real>,
     /// force \[N\] that only the first tick has, see the start of mi.lib (n_mat, or none)
@@ -76,7 +76,7 @@ pub struct Balance {
     pub h: f64,
     /// heat \[J\]
     pub lost: f64,
-    /// made by non-linear links \[J\]
+    /// error of the scheme: what non-linear links gave that nothing gave them \[J\]
     pub source: f64,
     /// received from ports \[J\]
     pub work: f64,
@@ -95,7 +95,7 @@ impl Ledger {
         Ledger {
             lost: alloc::vec![0.0; n_lia],
             source: alloc::vec![0.0; n_lia],
-            held: alloc::vec![0.0; n_lia],
+            stored: alloc::vec![0.0; n_lia],
             d0: alloc::vec![0.0; n_mat],
             port: alloc::vec![0.0; ports],
             work: alloc::vec![0.0; ports],

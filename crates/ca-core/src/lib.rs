@@ -23,8 +23,10 @@ extern crate alloc;
 
 pub mod active_contacts;
 pub mod border;
+pub mod builder;
 pub mod catalog;
 pub mod certificate;
+mod choice;
 pub mod cloud;
 pub mod energy;
 pub mod equivalence;
@@ -45,7 +47,6 @@ pub mod plain;
 pub mod problem;
 pub mod real;
 pub mod scene;
-pub mod sketch;
 pub mod start;
 pub mod state;
 pub mod table;

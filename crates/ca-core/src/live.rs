@@ -5,12 +5,12 @@
 //! parameters such as f and t60 move all their coefficients together; [`State::apply`] starts the ramps without
 //! allocating. Only what the model declares `live` has a place here (or everything, if the compiler was asked).
 
+use crate::builder::{Arg, Args, Generator};
 use crate::kind::{Kind, MatSpec, Unit};
 use crate::method::implicit::Inertia;
 use crate::op::law::Law;
 use crate::plain::Plain;
 use crate::real::{real, wide};
-use crate::sketch::{Arg, Args, Generator};
 use crate::state::Identity;
 use crate::state::State;
 use crate::tuning::Scheme;
@@ -64,7 +64,7 @@ pub struct LiveModule {
     pub loader: Loader,
     /// from what, in the order of the parameters of its kind
     pub values: alloc::sync::Arc<[Source]>,
-    /// to where: places in [`LivePlan::coefs`], one per coefficient
+    /// to where: indices into [`LivePlan::coefs`], one per coefficient
     pub to: Vec<u32>,
 }
 
@@ -94,7 +94,7 @@ pub struct LivePlan {
     pub scene: Identity,
     /// the parameters
     pub params: Vec<LiveParam>,
-    /// the coefficients they reach: places in [`State::coef`]
+    /// the coefficients they reach: indices into [`State::coef`]
     pub coefs: Vec<u32>,
     /// how to get from one to the other
     pub items: Vec<LiveItem>,
@@ -140,7 +140,7 @@ impl LiveImplicit {
 pub struct Patch {
     /// the scene it belongs to: [`Scene::identity`](crate::Scene::identity), where it is made by hand
     pub scene: Identity,
-    /// place in [`LivePlan::coefs`] and value
+    /// index into [`LivePlan::coefs`] and value
     pub set: Vec<(u32, f64)>,
 }
 
@@ -171,7 +171,7 @@ impl core::error::Error for Refused {}
 #[derive(Clone)]
 pub struct Controls {
     plan: LivePlan,
-    te: f64,
+    tick_dt: f64,
     room: Room,
 }
 
@@ -193,9 +193,9 @@ struct Room {
 }
 
 impl Controls {
-    /// The parameters at their values at load; `te` is the tick \[s\].
-    pub fn new(plan: &LivePlan, te: f64) -> Controls {
-        Controls { plan: plan.clone(), te, room: Room::default() }
+    /// The parameters at their values at load; `tick_dt` is that of a tick \[s\].
+    pub fn new(plan: &LivePlan, tick_dt: f64) -> Controls {
+        Controls { plan: plan.clone(), tick_dt, room: Room::default() }
     }
 
     /// The parameters, with their present values.
@@ -246,7 +246,7 @@ impl Controls {
     }
 
     fn turned(&mut self, p: usize, value: f64, patch: &mut Patch) -> Result<(), Refused> {
-        let (te, room) = (self.te, &mut self.room);
+        let (tick_dt, room) = (self.tick_dt, &mut self.room);
         for (n, item) in self.plan.items.iter_mut().enumerate() {
             let touched = room.before.len();
             for (arg, q, factor) in &item.follows {
@@ -256,7 +256,7 @@ impl Controls {
                 }
             }
             if room.before.len() > touched {
-                item.patch(te, room, patch)?;
+                item.patch(tick_dt, room, patch)?;
             }
         }
         let follows = self.plan.implicit.as_mut().is_none_or(|a| a.follow(&self.plan.coefs, room, patch));
@@ -270,7 +270,7 @@ impl Controls {
 
 impl LiveItem {
     /// Adds what its modules become to a patch.
-    fn patch(&self, te: f64, room: &mut Room, patch: &mut Patch) -> Result<(), Refused> {
+    fn patch(&self, tick_dt: f64, room: &mut Room, patch: &mut Patch) -> Result<(), Refused> {
         // numbers derived from the item's parameters: those of a generator, or the parameters themselves
         room.slots.clear();
         match self.generator {
@@ -279,7 +279,7 @@ impl LiveItem {
                     code: self.kind.code,
                     params: self.kind.params,
                     values: &self.args,
-                    te,
+                    tick_dt,
                     dim: self.dim,
                     scheme: self.scheme,
                 };
@@ -290,7 +290,7 @@ impl LiveItem {
         for m in &self.modules {
             room.values.clear();
             room.values.extend(m.values.iter().map(|s| s.get(&room.slots)));
-            m.loader.load(&room.values, te, &mut room.coefs);
+            m.loader.load(&room.values, tick_dt, &mut room.coefs);
             patch.set.extend(m.to.iter().copied().zip(room.coefs.iter().copied()));
         }
         Ok(())
@@ -310,17 +310,17 @@ impl Source {
 
 impl Loader {
     /// Puts the coefficients for parameter values in SI into `out`, in place of what it held.
-    pub fn load(self, values: &[Option<f64>], te: f64, out: &mut Vec<f64>) {
+    pub fn load(self, values: &[Option<f64>], tick_dt: f64, out: &mut Vec<f64>) {
         out.clear();
         match self {
             Loader::Mat(spec, medium) => {
-                let c = (spec.coefs)(values, te);
+                let c = (spec.coefs)(values, tick_dt);
                 // C = T²/m, so the damper z of the medium takes zT/m = zC/T
-                out.extend([c.p - medium / te * c.c, c.q, c.c]);
+                out.extend([c.p - medium / tick_dt * c.c, c.q, c.c]);
             }
             Loader::Lia(law) => {
                 out.resize(law.coefs, 0.0);
-                (law.load)(values, te, out);
+                (law.load)(values, tick_dt, out);
             }
             Loader::Times(by) => out.push(by * values.first().copied().flatten().unwrap_or(0.0)),
         }
@@ -348,7 +348,7 @@ impl State {
             }
             r.left[i] = ticks;
             r.target[i] = real(*v);
-            r.step[i] = real((*v - wide(self.coef[r.place[i] as usize])) / f64::from(ticks));
+            r.step[i] = real((*v - wide(self.coef[r.index[i] as usize])) / f64::from(ticks));
         }
         true
     }

@@ -178,7 +178,7 @@ pub enum Type {
         y: Unit,
     },
     /// a place, or a velocity: a number on a line, two in a plane, three in space
-    Place {
+    Position {
         /// unit and dimension
         unit: Unit,
     },
@@ -200,7 +200,7 @@ pub enum Type {
     /// a file of points, see [`crate::cloud`]
     File,
     /// a list of places
-    Places {
+    Positions {
         /// unit and dimension
         unit: Unit,
     },

@@ -53,13 +53,13 @@ pub struct Symbol {
     /// axes along which a MAT moves: 1 on a line, 2 in a plane, 3 in space; 1 for a LIA
     pub axes: u8,
     /// where it stands
-    pub place: Stands,
+    pub location: Location,
 }
 
 /// Where a module stands in the state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stands {
-    /// a MAT: place in [`State::x`], the first of three where it has more than one axis
+pub enum Location {
+    /// a MAT: index into [`State::x`], the first of three where it has more than one axis
     Mat(u32),
     /// a LIA: op number in [`Scene::forces`] and position in it
     Lia(u32, u32),
@@ -80,7 +80,7 @@ pub struct Scene {
     /// passes that move the MATs
     pub moves: Vec<Op>,
 
-    /// places of [`State::input`]
+    /// indices into [`State::input`]
     pub inputs: Vec<Input>,
     /// names of the sound channels (channels)
     pub channel_names: Vec<String>,
@@ -122,16 +122,16 @@ impl Scene {
         self.initial.scene
     }
 
-    /// A state at load under hands that are at a place and under way: `hand` gives, for a place in [`State::input`], the
+    /// A state at load under hands that are at a place and under way: `hand` gives, for an index into [`State::input`], the
     /// absolute position \[m\] and its change per tick \[m\] at the first tick, or `None` where it stands still at rest.
     ///
-    /// Only position ports that some link feels by the motion to come are asked for ([`crate::layout::Enx::felt`]): those
+    /// Only position ports that some link feels by the motion to come are asked for ([`crate::layout::Enx::implicit`]): those
     /// links are of second order or more from the first tick on. All others begin as by [`Scene::state`], from a hand
     /// that stands where it is.
     pub fn state_from(&self, hand: impl Fn(usize) -> Option<[f64; 2]>) -> State {
         let Some((order, before)) = &self.before else { return self.state() };
         let mut s = before.clone();
-        for p in self.layout.enx.iter().filter(|p| p.felt) {
+        for p in self.layout.enx.iter().filter(|p| p.implicit) {
             let Some([x, d]) = hand(p.input as usize).filter(|v| v.iter().all(|v| v.is_finite())) else { continue };
             s.x[p.mat as usize] = real(x - p.rest);
             s.d[p.mat as usize] = real(d);
@@ -143,19 +143,19 @@ impl Scene {
 
     /// MATs by number, whatever their axes.
     pub fn mats(&self) -> usize {
-        self.symbols.iter().filter(|s| matches!(s.place, Stands::Mat(_))).count()
+        self.symbols.iter().filter(|s| matches!(s.location, Location::Mat(_))).count()
     }
 
-    /// The place in [`State::input`] of the port `name`.
+    /// The index into [`State::input`] of the port `name`.
     pub fn input(&self, name: &str) -> Option<usize> {
         self.inputs.iter().position(|i| i.name == name)
     }
 
     /// Name of the MAT at a place of the state; the three places of one in space have its name.
     pub fn mat_name(&self, mat: usize) -> &str {
-        let here = |s: &&Symbol| match s.place {
-            Stands::Mat(at) => (at as usize..at as usize + if s.axes > 1 { 3 } else { 1 }).contains(&mat),
-            Stands::Lia(..) => false,
+        let here = |s: &&Symbol| match s.location {
+            Location::Mat(at) => (at as usize..at as usize + if s.axes > 1 { 3 } else { 1 }).contains(&mat),
+            Location::Lia(..) => false,
         };
         self.symbols.iter().find(here).map_or("a moving point", |s| &s.name)
     }
@@ -174,11 +174,11 @@ impl Scene {
 
     /// Name of a link by op and position.
     pub fn lia_name(&self, op: usize, i: usize) -> &str {
-        self.symbols.iter().find(|s| s.place == Stands::Lia(op as u32, i as u32)).map_or("?", |s| &s.name)
+        self.symbols.iter().find(|s| s.location == Location::Lia(op as u32, i as u32)).map_or("?", |s| &s.name)
     }
 }
 
-/// A scene reads as its layout, with names added: `scene.n_mat`, `scene.te`.
+/// A scene reads as its layout, with names added: `scene.n_mat`, `scene.sample_dt`.
 impl core::ops::Deref for Scene {
     type Target = Layout;
     fn deref(&self) -> &Layout {

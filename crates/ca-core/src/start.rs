@@ -1,7 +1,7 @@
 //! Start: the state at load.
 
 use crate::layout::Layout;
-use crate::op::{Op, gauge, pass};
+use crate::op::{Op, measure, pass};
 use crate::real::Real;
 use crate::state::State;
 use alloc::vec::Vec;
@@ -29,9 +29,9 @@ pub fn start(layout: &Layout, forces: &[Op], order: Order, mut s: State) -> Stat
         for op in forces {
             let Some(law) = op.law.filter(|l| l.mem > 0) else { continue };
             for i in 0..op.n {
-                let felt = gauge::ports(layout, &op.ports, op.first, i)
-                    .map(|(gauge, ends, reach)| gauge::measure(gauge, &s.x, &s.d, ends, &reach).e);
-                let e = layout.e0[op.first + i] + felt.sum::<Real>();
+                let measured = measure::ports(layout, &op.ports, op.first, i)
+                    .map(|(measure, ends, reach)| measure::measure(measure, &s.x, &s.d, ends, &reach).e);
+                let e = layout.e0[op.first + i] + measured.sum::<Real>();
                 let c: Vec<Real> = (0..law.coefs).map(|k| s.coef[op.coef + k * op.n + i]).collect();
                 (law.start)(&c, e, &mut s.mem[op.mem + i * law.mem..][..law.mem]);
             }
@@ -70,7 +70,7 @@ pub fn start(layout: &Layout, forces: &[Op], order: Order, mut s: State) -> Stat
         ahead.into_iter().zip(behind).map(|(a, b)| (a - b) / 6.0).collect::<Vec<Real>>()
     });
     let second = change(&s);
-    let moved = |i: usize| layout.enx.iter().any(|p| p.felt && p.mat as usize == i);
+    let moved = |i: usize| layout.enx.iter().any(|p| p.implicit && p.mat as usize == i);
     for i in 0..n {
         if s.coef[2 * n + i] == 0.0 {
             s.d[i] = if moved(i) { s.d[i] } else { 0.0 };

@@ -39,7 +39,7 @@ pub struct Border {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Ramps {
     /// the coefficients
-    pub(crate) place: Vec<u32>,
+    pub(crate) index: Vec<u32>,
     pub(crate) left: Vec<u32>,
     pub(crate) step: Vec<Real>,
     pub(crate) target: Vec<Real>,
@@ -51,11 +51,11 @@ pub struct Ramps {
 }
 
 impl Ramps {
-    /// Room for the live coefficients at these places of [`State::coef`], those from `whole` on never half-way.
-    pub fn new(place: Vec<u32>, whole: u32) -> Ramps {
-        let n = place.len();
+    /// Room for the live coefficients at these indices into [`State::coef`], those from `whole` on never half-way.
+    pub fn new(index: Vec<u32>, whole: u32) -> Ramps {
+        let n = index.len();
         Ramps {
-            place,
+            index,
             left: alloc::vec![0; n],
             step: alloc::vec![0.0; n],
             target: alloc::vec![0.0; n],
@@ -97,7 +97,7 @@ pub struct State {
     /// what the ports are given, absolute \[m\] or \[N\]; written by the caller before a tick (devices: before a frame)
     pub input: Vec<f64>,
     /// the last good value of each input (inputs); written by `reads`
-    pub held: Vec<f64>,
+    pub last_input: Vec<f64>,
     /// what is heard (n_out); written by `writes`
     pub output: Vec<f64>,
     /// moving points (proxies); written by `aim`
@@ -166,10 +166,10 @@ impl State {
         let i = input as usize;
         let v = self.input[i];
         if v.is_finite() {
-            self.held[i] = v;
+            self.last_input[i] = v;
         } else {
             self.refused += 1;
         }
-        self.held[i]
+        self.last_input[i]
     }
 }

@@ -13,15 +13,35 @@
 
 use core::f64::consts::{LN_10, PI};
 
-/// The number of the method `modal` of a group or the model.
-pub const MODAL: f64 = 3.0;
+crate::choice! {
+    /// How what is linear is computed. A link or a cell knows the first three, a group `modal` too, the model all.
+    pub enum Method {
+        /// explicit, as in the field
+        Ca = "ca",
+        /// viscosity from before and after the tick
+        Centred = "centred",
+        /// stiffness too, by a share θ
+        Implicit = "implicit",
+        /// by its modes
+        Modal = "modal",
+        /// everything, by [`crate::method::pefrl`]
+        Pefrl = "pefrl",
+    }
+}
 
-/// The share of the force from before and after that a method takes, each; `None` for the explicit one.
-pub fn theta(method: f64, written: Option<f64>) -> Option<f64> {
-    match method {
-        1.0 => Some(0.0),
-        2.0 => Some(written.unwrap_or(0.5)),
-        _ => None,
+impl Method {
+    /// Of a link or a cell.
+    pub const OF_LINK: &'static [&'static str] = Method::WORDS.split_at(3).0;
+    /// Of a group.
+    pub const OF_GROUP: &'static [&'static str] = Method::WORDS.split_at(4).0;
+
+    /// The share of the force from before and after that it takes, each; `None` for what is not implicit.
+    pub fn theta(self, written: Option<f64>) -> Option<f64> {
+        match self {
+            Method::Centred => Some(0.0),
+            Method::Implicit => Some(written.unwrap_or(0.5)),
+            Method::Ca | Method::Modal | Method::Pefrl => None,
+        }
     }
 }
 
@@ -38,21 +58,21 @@ pub enum Scheme {
 }
 
 impl Scheme {
-    /// That of a medium, by the number of its method and its `theta`.
-    pub fn of(method: f64, written: Option<f64>) -> Scheme {
-        match theta(method, written) {
+    /// That of a medium, by its method and its `theta`.
+    pub fn of(method: Method, written: Option<f64>) -> Scheme {
+        match method.theta(written) {
             Some(theta) => Scheme::Implicit(theta),
-            None if method == MODAL => Scheme::Modal,
+            None if method == Method::Modal => Scheme::Modal,
             None => Scheme::Explicit,
         }
     }
 
     /// The viscosity b with which modes fall by 60 dB in `t60` \[s\]: all of them, but by a share θ above 0 those whose
     /// period is long beside a tick; [`Scheme::tuned`] takes the pitch into account.
-    pub fn damped(self, t60: f64, te: f64) -> f64 {
-        let s = 3.0 * LN_10 / t60 * te;
+    pub fn damped(self, t60: f64, tick_dt: f64) -> f64 {
+        let s = 3.0 * LN_10 / t60 * tick_dt;
         match self {
-            Scheme::Explicit => retune(0.0, t60, te).1,
+            Scheme::Explicit => retune(0.0, t60, tick_dt).1,
             // 2 (1 − r²)/(1 + r²)
             Scheme::Implicit(_) => 2.0 * libm::tanh(s),
             Scheme::Modal => 2.0 * s,
@@ -61,10 +81,10 @@ impl Scheme {
 
     /// Stiffness a and viscosity b of a mode heard at `f` \[Hz\] that falls by 60 dB in `t60` \[s\]; `None` where this
     /// scheme has no such pole.
-    pub fn tuned(self, f: f64, t60: f64, te: f64) -> Option<(f64, f64)> {
-        let (s, phi) = (3.0 * LN_10 / t60 * te, 2.0 * PI * f * te);
+    pub fn tuned(self, f: f64, t60: f64, tick_dt: f64) -> Option<(f64, f64)> {
+        let (s, phi) = (3.0 * LN_10 / t60 * tick_dt, 2.0 * PI * f * tick_dt);
         match self {
-            Scheme::Explicit => Some(retune(f, t60, te)),
+            Scheme::Explicit => Some(retune(f, t60, tick_dt)),
             Scheme::Implicit(theta) => {
                 let (r, square) = (libm::exp(-s), -libm::expm1(-2.0 * s));
                 let bend = bend(r, -libm::expm1(-s), phi);
@@ -76,12 +96,12 @@ impl Scheme {
     }
 
     /// Stiffness a of a mode heard at `f` \[Hz\] whose viscosity b is given; `None` where this scheme has no such pole.
-    pub fn stiffness(self, f: f64, b: f64, te: f64) -> Option<f64> {
-        let phi = 2.0 * PI * f * te;
+    pub fn stiffness(self, f: f64, b: f64, tick_dt: f64) -> Option<f64> {
+        let phi = 2.0 * PI * f * tick_dt;
         match self {
             Scheme::Explicit => {
                 let r = libm::sqrt((1.0 - b).max(0.0));
-                let half = libm::sin(PI * f * te);
+                let half = libm::sin(PI * f * tick_dt);
                 Some((1.0 - r) * (1.0 - r) + 4.0 * r * half * half)
             }
             Scheme::Implicit(theta) => {
@@ -123,10 +143,10 @@ fn bend(r: f64, loss: f64, phi: f64) -> f64 {
 /// The dimensionless stiffness a = kT²/m and viscosity b = zT/m with which the scheme oscillates at exactly `f` \[Hz\]
 /// and loses 60 dB in exactly `t60` \[s\] (docs/numerics.md §1.5). `t60` may be infinite. Written so that nothing
 /// cancels at low frequency, where 1 − 2r cos θ + r² loses five digits.
-pub fn retune(f: f64, t60: f64, te: f64) -> (f64, f64) {
+pub fn retune(f: f64, t60: f64, tick_dt: f64) -> (f64, f64) {
     let s = 3.0 * core::f64::consts::LN_10 / t60;
-    let q = -libm::expm1(-s * te);
+    let q = -libm::expm1(-s * tick_dt);
     let r = 1.0 - q;
-    let half = libm::sin(core::f64::consts::PI * f * te);
-    (q * q + 4.0 * r * half * half, -libm::expm1(-2.0 * s * te))
+    let half = libm::sin(core::f64::consts::PI * f * tick_dt);
+    (q * q + 4.0 * r * half * half, -libm::expm1(-2.0 * s * tick_dt))
 }

@@ -48,13 +48,13 @@ pub struct Asked {
 impl Asked {
     /// Mass of a junction \[kg\]: as written, or what its links `need`, and no less than a 16th of what the string has
     /// in a sample, so that what it rings with by itself, at half the sound rate, dies within a millisecond or so.
-    pub fn mass(&self, need: f64, te: f64) -> f64 {
-        self.m.unwrap_or(need.max(self.z * te / 16.0))
+    pub fn mass(&self, need: f64, tick_dt: f64) -> f64 {
+        self.m.unwrap_or(need.max(self.z * tick_dt / 16.0))
     }
 
     /// Mass of the CEL that a junction of mass `m` is, beside a damper of 2z \[kg\].
-    pub fn cell(&self, m: f64, te: f64) -> f64 {
-        m + self.z * te
+    pub fn cell(&self, m: f64, tick_dt: f64) -> f64 {
+        m + self.z * tick_dt
     }
 }
 
@@ -94,33 +94,33 @@ fn problem<T>(param: &'static str, title: impl Into<alloc::string::String>, help
     Err(Problem { title: title.into(), param, help: help.into() })
 }
 
-/// Brings a string into tune, with junctions of these `masses` \[kg\], at a tick of `te` \[s\].
-pub fn tune(asked: &Asked, masses: &[f64], te: f64) -> Result<Tuned, Problem> {
+/// Brings a string into tune, with junctions of these `masses` \[kg\], at a tick of `tick_dt` \[s\].
+pub fn tune(asked: &Asked, masses: &[f64], tick_dt: f64) -> Result<Tuned, Problem> {
     let dies = || problem("t60", "it dies out before it has swung once", "use a longer `t60`");
     if asked.f * asked.t60 < 0.25 {
         return dies();
     }
-    let delays = places(asked, te)?;
-    let omega = TAU * asked.f * te;
+    let delays = places(asked, tick_dt)?;
+    let omega = TAU * asked.f * tick_dt;
     let z = {
-        let radius = libm::exp(-3.0 * LN_10 * te / asked.t60);
+        let radius = libm::exp(-3.0 * LN_10 * tick_dt / asked.t60);
         Complex::new(radius * libm::cos(omega), radius * libm::sin(omega))
     };
     // z to the power −n
     let later = |n: f64| {
-        let size = libm::exp(3.0 * LN_10 * te / asked.t60 * n);
+        let size = libm::exp(3.0 * LN_10 * tick_dt / asked.t60 * n);
         Complex::new(size * libm::cos(omega * n), -size * libm::sin(omega * n))
     };
     // what the near end and all junctions give back to a wave from the far end
     let wave = (z + z.inv()) * 0.5;
-    let near = near(asked, te).filter(|_| delays[0] >= 3);
+    let near = near(asked, tick_dt).filter(|_| delays[0] >= 3);
     let mut back = -later(delays[0] as f64) * near.map_or(Complex::from(1.0), |l| l.gain(wave));
     for (i, m) in masses.iter().enumerate() {
         if i > 0 {
             back *= later(2.0 * delays[i] as f64);
         }
         // a mass of the scheme is 2m/T (z−1)/(z+1) to waves
-        let mass = (z - 1.0) / (z + 1.0) * (2.0 * m / (te * asked.z)) * (back + 1.0);
+        let mass = (z - 1.0) / (z + 1.0) * (2.0 * m / (tick_dt * asked.z)) * (back + 1.0);
         back = (back * 2.0 - mass) / (mass + 2.0);
     }
     let wanted = -back.inv();
@@ -128,7 +128,7 @@ pub fn tune(asked: &Asked, masses: &[f64], te: f64) -> Result<Tuned, Problem> {
     let lag = -libm::atan2(wanted.im, wanted.re);
     let left = if lag < 0.0 { lag + TAU } else { lag } / omega;
     // beyond a whole turn the masses have made it another mode
-    let wrapped = left > 1.0 / (asked.f * te) - heard + 0.5;
+    let wrapped = left > 1.0 / (asked.f * tick_dt) - heard + 0.5;
     if wrapped || left.is_nan() || left < 2.5 {
         return problem(
             if asked.m.is_some() { "m" } else { "at" },
@@ -140,7 +140,7 @@ pub fn tune(asked: &Asked, masses: &[f64], te: f64) -> Result<Tuned, Problem> {
     let (mut part, mut g0) = (left - 1.0 - n, turn(asked, asked.t60));
     let (mut loss, mut reached) = (Loss { a: 1.0, b: 0.0, c: 0.0 }, None);
     for _ in 0..STEPS {
-        (loss, reached) = far(asked, near.as_ref(), wave, g0, te);
+        (loss, reached) = far(asked, near.as_ref(), wave, g0, tick_dt);
         loss.c = libm::sin(0.5 * omega * (1.0 - part)) / libm::sin(0.5 * omega * (1.0 + part));
         let allpass = (z.inv() + loss.c) / (z.inv() * loss.c + 1.0);
         let off = wanted / (later(n + 1.0) * loss.gain(wave) * allpass);
@@ -156,8 +156,8 @@ pub fn tune(asked: &Asked, masses: &[f64], te: f64) -> Result<Tuned, Problem> {
 }
 
 /// Whole delays up to the last junction; the place of a junction is met to half a sample.
-fn places(asked: &Asked, te: f64) -> Result<Vec<usize>, Problem> {
-    let whole = 1.0 / (asked.f * te);
+fn places(asked: &Asked, tick_dt: f64) -> Result<Vec<usize>, Problem> {
+    let whole = 1.0 / (asked.f * tick_dt);
     if whole > LONGEST {
         return problem(
             "f",
@@ -197,9 +197,9 @@ fn turn(asked: &Asked, t60: f64) -> f64 {
 }
 
 /// The taps of the near end: half of the loss between the two frequencies, no more than half of that at the first.
-fn near(asked: &Asked, te: f64) -> Option<Loss> {
+fn near(asked: &Asked, tick_dt: f64) -> Option<Loss> {
     let [f, t60] = asked.high?;
-    let [low, high] = [asked.f, f].map(|f| 1.0 - libm::cos(TAU * f * te));
+    let [low, high] = [asked.f, f].map(|f| 1.0 - libm::cos(TAU * f * tick_dt));
     let g0 = turn(asked, asked.t60);
     let half = 1.0 - libm::sqrt(turn(asked, t60) / g0);
     let double = (half / high).min(0.5 * (1.0 - g0) / low).min(0.5);
@@ -208,9 +208,9 @@ fn near(asked: &Asked, te: f64) -> Option<Loss> {
 
 /// The taps of the far end with gain `g0` at the pole, and such a gain at the second frequency that its decay is as
 /// asked for; or as near to that as no energy is made, with the decay time that is reached.
-fn far(asked: &Asked, near: Option<&Loss>, wave: Complex<f64>, g0: f64, te: f64) -> (Loss, Option<f64>) {
+fn far(asked: &Asked, near: Option<&Loss>, wave: Complex<f64>, g0: f64, tick_dt: f64) -> (Loss, Option<f64>) {
     let Some([f, t60]) = asked.high else { return (Loss { a: g0, b: 0.0, c: 0.0 }, None) };
-    let (low, high) = (wave.re, libm::cos(TAU * f * te));
+    let (low, high) = (wave.re, libm::cos(TAU * f * tick_dt));
     let before = near.map_or(1.0, |l| l.gain(Complex::from(high)).re);
     let ideal = (g0 - turn(asked, t60) / before) / (low - high);
     // a ≥ 2b keeps the highest frequencies from turning over, a + 2b ≤ 1 the lowest from growing

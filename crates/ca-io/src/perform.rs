@@ -13,7 +13,7 @@ use ca_core::scene::{InputRole, Scene};
 use ca_core::{State, tick};
 use ca_model::quantity::Plain;
 
-/// Beyond this displacement \[m\] a scene is taken to have blown up. Far above any scale models are written in (1e-9 to
+/// Beyond this displacement \[m\] a scene is taken to have diverged. Far above any scale models are written in (1e-9 to
 /// 1e9), far below overflow.
 pub const DIVERGED: f64 = 1e15;
 
@@ -86,7 +86,7 @@ impl<'a> Performance<'a> {
         // a hand that is under way at the first tick was so before it
         let hand = |input: usize| {
             let d = p.drives.iter().find(|d| matches!(d.target, Target::Input(i) if i == input))?;
-            let [now, next] = [0.0, scene.te].map(|t| d.track.at(t));
+            let [now, next] = [0.0, scene.sample_dt].map(|t| d.track.at(t));
             Some([now, next - now])
         };
         p.state = scene.state_from(hand);
@@ -156,8 +156,8 @@ impl<'a> Performance<'a> {
 
     /// Time at which what is read at the start of a frame is meant \[s\]: its end.
     fn end_of_frame(&self, tick: u64) -> f64 {
-        let te = self.scene.te;
-        if tick == 0 { 0.0 } else { tick as f64 * te + f64::from(self.scene.ratio - 1) * te }
+        let tick_dt = self.scene.sample_dt;
+        if tick == 0 { 0.0 } else { tick as f64 * tick_dt + f64::from(self.scene.ratio - 1) * tick_dt }
     }
 
     /// Runs one tick; the outputs are in `state.output`.
@@ -169,7 +169,7 @@ impl<'a> Performance<'a> {
         let end = self.end_of_frame(self.state.tick);
         let (scene, s) = (self.scene, &mut self.state);
         let frame = frame_due(scene, s.tick);
-        let t = s.tick as f64 * scene.te;
+        let t = s.tick as f64 * scene.sample_dt;
         for d in &mut self.drives {
             match &d.target {
                 Target::Input(i) => s.input[*i] = d.track.at_near(&mut d.near, t),

@@ -1,7 +1,7 @@
 //! What the command and Python both do with a model: find it, play it, measure it, sweep it.
 //!
 //! Decides that the faces share more than the engine: which word means which model, how long it is played, when it has
-//! blown up and what every method makes of it. A face adds how it is asked and how it tells.
+//! diverged and what every method makes of it. A face adds how it is asked and how it tells.
 #![forbid(unsafe_code)]
 
 pub mod accuracy;

@@ -20,7 +20,7 @@ pub struct Played<'a> {
     pub performance: Performance<'a>,
     /// time spent
     pub wall: Duration,
-    /// the tick at which it was found to have blown up
+    /// the tick at which it was found to have diverged
     pub broke: Option<u64>,
     /// the ledger at the end, or before anything left its range
     pub energy: Option<Ledger>,
@@ -53,7 +53,7 @@ pub fn play<'a, E>(mut p: Performance<'a>, frames: u64, block: u64, heard: &mut 
         heard(&p, &rows, done)?;
     }
     let wall = begin.elapsed();
-    // what blew up between two looks at the state is found here at the latest
+    // what diverged between two looks at the state is found here at the latest
     p.diverged |= !p.state.is_sound(DIVERGED);
     let broke = p.diverged.then_some(p.state.tick);
     let (energy, energy_ticks) = match last_good {
@@ -87,10 +87,10 @@ pub struct Broke {
 }
 
 impl Broke {
-    /// What is to blame, where `played` blew up; `audited` is its scene, with the ledger kept if there is one,
+    /// What is to blame, where `played` diverged; `audited` is its scene, with the ledger kept if there is one,
     /// `findings` those of the compiler.
     pub fn of(played: &Played, audited: &Scene, findings: &Diags, gesture: Option<&Gesture>) -> Option<Broke> {
-        let time = played.broke? as f64 * audited.te;
+        let time = played.broke? as f64 * audited.sample_dt;
         let (module, why) = played.performance.blame(Some(audited), gesture);
         Some(Broke { time, fix: fix(findings, &module), module, why })
     }
@@ -100,11 +100,11 @@ impl std::fmt::Display for Broke {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let Broke { module, why, time, fix } = self;
         let fix = fix.as_ref().map(|f| format!("; {f}")).unwrap_or_default();
-        write!(f, "the model blew up at {time:.4} s, silence after that: `{module}`: {why}{fix}")
+        write!(f, "the model diverged at {time:.4} s, silence after that: `{module}`: {why}{fix}")
     }
 }
 
-/// What the warnings of the compiler offer against the blow-up of `module`: those that name it come first.
+/// What the warnings of the compiler offer against the divergence of `module`: those that name it come first.
 fn fix(findings: &Diags, module: &str) -> Option<String> {
     let list = || findings.list.iter();
     let about = |d: &&ca_model::diag::Diag| matches!(d.code, "W103" | "W104" | "W110" | "W105");

@@ -201,7 +201,7 @@ impl Stage<'_> {
         let mut sent: Vec<DeviceFrame> = Vec::new();
         for p in &self.engine.ports {
             let mut frame = DeviceFrame::new(&p.name, p.profile.dof as usize);
-            let ns = (due as f64 * self.engine.scene.te * 1e9) as u64;
+            let ns = (due as f64 * self.engine.scene.sample_dt * 1e9) as u64;
             (frame.session, frame.seq, frame.t_device_ns) = (1, self.seq + 1, ns);
             // what nobody moves stays where the scene has it
             for l in &p.links {

@@ -12,8 +12,8 @@
 use ca_core::State;
 use ca_core::law::Phi;
 use ca_core::layout::Layout;
-use ca_core::op::gauge::{Line, Measure, Radial};
-use ca_core::op::{Form, Gauge, Kernel, Op};
+use ca_core::op::measure::{Line, Measure, Radial};
+use ca_core::op::{Form, Kernel, MeasureKind, Op};
 
 /// Applies the law of `op` to each of its quadripoles, whose ports measure by `A` and `B`.
 pub fn lpr<P: Phi<C, M>, A: Measure, B: Measure, const C: usize, const M: usize, const TAP: bool>(
@@ -52,11 +52,11 @@ fn reach<G: Measure>(layout: &Layout, first: usize, n: usize) -> &[[f64; 4]] {
 /// The kernel of a law for one form of a quadripole. The compiler puts a port in space first, and an LPR has no
 /// parameter that would give a port a fixed direction.
 pub fn kernel<P: Phi<C, M> + 'static, const C: usize, const M: usize>(form: Form) -> Kernel {
-    match (form.gauge, form.onto, form.tap) {
-        (Gauge::Line, _, false) => lpr::<P, Line, Line, C, M, false>,
-        (Gauge::Line, _, true) => lpr::<P, Line, Line, C, M, true>,
-        (_, Some(Gauge::Radial), false) => lpr::<P, Radial, Radial, C, M, false>,
-        (_, Some(Gauge::Radial), true) => lpr::<P, Radial, Radial, C, M, true>,
+    match (form.measure, form.onto, form.tap) {
+        (MeasureKind::Line, _, false) => lpr::<P, Line, Line, C, M, false>,
+        (MeasureKind::Line, _, true) => lpr::<P, Line, Line, C, M, true>,
+        (_, Some(MeasureKind::Radial), false) => lpr::<P, Radial, Radial, C, M, false>,
+        (_, Some(MeasureKind::Radial), true) => lpr::<P, Radial, Radial, C, M, true>,
         (_, _, false) => lpr::<P, Radial, Line, C, M, false>,
         (_, _, true) => lpr::<P, Radial, Line, C, M, true>,
     }

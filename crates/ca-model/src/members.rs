@@ -133,7 +133,7 @@ impl Reader<'_, '_> {
         let mut d = d.help(format!("write its parameters in braces: `{{ {shown} }}`"));
         let written = self.text.get(span.start..span.end);
         let quantity = first.filter(|p| {
-            matches!(p.ty, Type::Number { .. } | Type::Place { .. }) && matches!(what, "a string" | "a number")
+            matches!(p.ty, Type::Number { .. } | Type::Position { .. }) && matches!(what, "a string" | "a number")
         });
         if let (Some(p), Some(w)) = (quantity, written) {
             d = d.fix(span, format!("{{ {} = {w} }}", p.name));

@@ -11,7 +11,7 @@ use alloc::format;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 use ca_core::catalog::Catalog;
-use ca_core::equivalence::{Class, ROWS, Row};
+use ca_core::equivalence::{Class, Quantity, ROWS};
 use ca_core::kind::{Dim, Kind, Need, Param, Type, Unit};
 use ca_core::phi::implicit::{OF_GROUP, OF_MODEL, THETA};
 use serde_json::{Map, Value as Json, json};
@@ -24,7 +24,7 @@ const QUANTITY: &str = r"^\s*[-+−]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?(\s*[A-Za-z
 /// The acceleration of free masses, of a model or of a group.
 const GRAVITY: Param = Param::new(
     "gravity",
-    Type::Place { unit: Unit::ACCELERATION },
+    Type::Position { unit: Unit::ACCELERATION },
     Need::Optional,
     "acceleration of free masses: how much along the last axis, downwards, or a number for each axis",
 );
@@ -137,7 +137,7 @@ fn params() -> Json {
 fn equivalence() -> Json {
     let number = json!({"$ref": "#/$defs/number"});
     let rows = ROWS.iter().filter(|r| r.class() != Class::Time);
-    let pair = |r: &Row| {
+    let pair = |r: &Quantity| {
         let doc = format!("[real, simulated]; the real one in {} where no unit is written", r.unit.symbol);
         json!({"type": "array", "minItems": 2, "maxItems": 2, "items": number, "description": doc})
     };
@@ -208,12 +208,12 @@ fn param(p: &Param) -> Json {
             let point = json!({"type": "array", "minItems": 2, "maxItems": 2, "items": number});
             (json!({"type": "array", "minItems": 2, "items": point}), None)
         }
-        Type::Place { unit } => {
+        Type::Position { unit } => {
             let one = number(unit, f64::MIN, f64::MAX);
             let list = json!({"type": "array", "minItems": 2, "maxItems": 3, "items": one});
             (json!({"anyOf": [one, list]}), Some((unit, f64::MIN, f64::MAX)))
         }
-        Type::Places { unit } => {
+        Type::Positions { unit } => {
             let one = number(unit, f64::MIN, f64::MAX);
             let place = json!({"type": "array", "minItems": 3, "maxItems": 3, "items": one});
             (json!({"type": "array", "minItems": 1, "items": place}), Some((unit, f64::MIN, f64::MAX)))

@@ -39,7 +39,7 @@ pub fn modes<'py>(py: Python<'py>, loaded: &Loaded, rate: Option<f64>) -> PyResu
         let options = Options { rate, clouds: loaded.clouds.clone(), ..Options::default() };
         let network = ca_compile::linear(&loaded.model, &catalog(), &options)
             .map_err(|diags| Failure::Found(Box::new(Found { model: loaded.model.clone(), diags })))?;
-        let n = network.linear.places.len();
+        let n = network.linear.dofs.len();
         if n == 0 {
             return Err(Failure::Failed("nothing in this model moves".into()));
         }
@@ -112,7 +112,7 @@ pub fn accuracy<'py>(
         (None, found) => found.map_err(|e| failure(py, e))?,
     };
     let rows = &found.rows;
-    let column = |f: &dyn Fn(&accuracy::Row) -> f64| -> Bound<'py, PyArray1<f64>> {
+    let column = |f: &dyn Fn(&accuracy::MethodRow) -> f64| -> Bound<'py, PyArray1<f64>> {
         rows.iter().map(f).collect::<Vec<f64>>().into_pyarray(py)
     };
     let d = PyDict::new(py);
@@ -122,13 +122,13 @@ pub fn accuracy<'py>(
     d.set_item("spectrum", column(&|r| r.score.spectrum))?;
     d.set_item("cents", column(&|r| r.score.cents.unwrap_or(f64::NAN)))?;
     d.set_item("decay", column(&|r| r.score.decay))?;
-    d.set_item("made", column(&|r| r.made().unwrap_or(f64::NAN)))?;
+    d.set_item("made", column(&|r| r.energy_error().unwrap_or(f64::NAN)))?;
     d.set_item("ns", column(&|r| r.ns))?;
     d.set_item("stability", rows.iter().map(|r| r.level.to_string()).collect::<Vec<_>>())?;
     d.set_item("front", rows.iter().map(|r| r.front).collect::<Vec<_>>().into_pyarray(py))?;
     d.set_item("rate", found.rate)?;
     d.set_item("seconds", found.seconds())?;
-    d.set_item("known", found.truth.known)?;
+    d.set_item("known", found.reference.known)?;
     d.set_item("against", found.origin())?;
     d.set_item("refused", found.refused.clone())?;
     Ok(d)
@@ -163,7 +163,7 @@ pub fn energy<'py>(
         ("changed", b.changed),
         ("residual", b.residual),
         ("peak", b.peak),
-        ("seconds", ticks as f64 * scene.te),
+        ("seconds", ticks as f64 * scene.sample_dt),
     ] {
         d.set_item(name, value)?;
     }

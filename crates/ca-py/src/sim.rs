@@ -23,7 +23,7 @@ const BLOCK: usize = 4096;
 pub struct Sim {
     scene: Arc<ca_core::Scene>,
     /// the ports whose forces are reported: input and where its force stands
-    felt: Vec<(usize, Felt)>,
+    ports: Vec<(usize, PortForce)>,
     running: Mutex<Running>,
 }
 
@@ -37,7 +37,7 @@ struct Running {
 
 /// Where the force on a port stands.
 #[derive(Clone, Copy)]
-enum Felt {
+enum PortForce {
     /// a position port, by its MAT
     Mat(usize),
     /// a device port, by its border
@@ -58,10 +58,10 @@ impl Running {
         }
     }
 
-    fn force(&self, felt: Felt) -> f64 {
-        let force = match felt {
-            Felt::Mat(m) => self.state.f[m],
-            Felt::Border(k) => self.state.border[k].force,
+    fn force(&self, ports: PortForce) -> f64 {
+        let force = match ports {
+            PortForce::Mat(m) => self.state.f[m],
+            PortForce::Border(k) => self.state.border[k].force,
         };
         if self.diverged || !force.is_finite() { 0.0 } else { force }
     }
@@ -77,12 +77,12 @@ impl Running {
 impl Sim {
     /// From the beginning.
     pub fn new(scene: Arc<ca_core::Scene>) -> Sim {
-        let positions = scene.enx.iter().map(|p| (p.input as usize, Felt::Mat(p.mat as usize)));
-        let devices = scene.tgr.iter().enumerate().map(|(k, p)| (p.input as usize, Felt::Border(k)));
-        let mut felt: Vec<_> = positions.chain(devices).collect();
-        felt.sort_by_key(|(input, _)| *input);
+        let positions = scene.enx.iter().map(|p| (p.input as usize, PortForce::Mat(p.mat as usize)));
+        let devices = scene.tgr.iter().enumerate().map(|(k, p)| (p.input as usize, PortForce::Border(k)));
+        let mut ports: Vec<_> = positions.chain(devices).collect();
+        ports.sort_by_key(|(input, _)| *input);
         let running = Mutex::new(Running::new(&scene));
-        Sim { scene, felt, running }
+        Sim { scene, ports, running }
     }
 
     /// Does something with what changes, without the lock of the interpreter.
@@ -96,7 +96,7 @@ impl Sim {
     /// Names of the ports whose forces are reported.
     #[getter]
     fn ports(&self) -> Vec<&str> {
-        self.felt.iter().map(|(input, _)| self.scene.inputs[*input].name.as_str()).collect()
+        self.ports.iter().map(|(input, _)| self.scene.inputs[*input].name.as_str()).collect()
     }
 
     /// Samples so far.
@@ -105,7 +105,7 @@ impl Sim {
         self.with(py, |r| r.state.tick)
     }
 
-    /// True once it has blown up: silence from there on.
+    /// True once it has diverged: silence from there on.
     #[getter]
     fn diverged(&self, py: Python) -> bool {
         self.with(py, |r| r.diverged)
@@ -127,15 +127,15 @@ impl Sim {
         mut audio: PyReadwriteArray2<f32>,
         mut forces: Option<PyReadwriteArray2<f64>>,
     ) -> PyResult<()> {
-        let (scene, felt) = (&*self.scene, &self.felt);
+        let (scene, ports) = (&*self.scene, &self.ports);
         let (n_in, channels) = (scene.inputs.len(), scene.channels);
         let (n, rows) = (audio.shape()[0], inputs.shape()[0]);
         if audio.shape()[1] != channels || inputs.shape()[1] != n_in || ![1, n].contains(&rows) {
             let what = format!("audio must be (n, {channels}) and inputs (n, {n_in}) or (1, {n_in})");
             return Err(usage(py, &what));
         }
-        if forces.as_ref().is_some_and(|f| f.shape() != [n, felt.len()]) {
-            return Err(usage(py, &format!("forces must be ({n}, {})", felt.len())));
+        if forces.as_ref().is_some_and(|f| f.shape() != [n, ports.len()]) {
+            return Err(usage(py, &format!("forces must be ({n}, {})", ports.len())));
         }
         // of an array without elements there is no view: its strides say nothing
         let given = (!inputs.is_empty()).then(|| inputs.as_array());
@@ -158,7 +158,7 @@ impl Sim {
                     }
                 }
                 if let Some(forces) = &mut forces {
-                    for (to, (_, f)) in forces.row_mut(i).iter_mut().zip(felt) {
+                    for (to, (_, f)) in forces.row_mut(i).iter_mut().zip(ports) {
                         *to = r.force(*f);
                     }
                 }

@@ -178,7 +178,7 @@ impl Sweep {
 }
 
 /// Numbers as arrays, NaN where there is none; texts as lists.
-fn columns(py: Python<'_>, table: sweep::Table) -> PyResult<Bound<'_, PyDict>> {
+fn columns(py: Python<'_>, table: sweep::RunTable) -> PyResult<Bound<'_, PyDict>> {
     let all = PyDict::new(py);
     for (name, column) in table.columns {
         match column {

@@ -4,7 +4,7 @@ use crate::error::{failure, file};
 use crate::measure::table;
 use crate::model::Model;
 use ca_haptic::frame::{Cause, DOF, Mode};
-use ca_haptic::take::{self, Event, Replay, Verdict};
+use ca_haptic::take::{self, Event, Replay, ReplayVerdict};
 use ca_io::{FileError, FileErrorKind};
 use ca_lab::{Loaded, catalog};
 use numpy::IntoPyArray as _;
@@ -211,7 +211,7 @@ impl Take {
             let mut replay = Replay::new(&self.take, &catalog())?;
             replay.run(&self.take, &mut |_| (), &mut |_| Ok(()))
         };
-        let v: Verdict = py.detach(run).map_err(|e| failure(py, e.into()))?;
+        let v: ReplayVerdict = py.detach(run).map_err(|e| failure(py, e.into()))?;
         let d = PyDict::new(py);
         d.set_item("identical", v.is_identical())?;
         d.set_item("forces", v.forces)?;

@@ -52,7 +52,7 @@ pub fn render(scene: &Scene, seconds: Option<f64>) -> Result<Rendered, Error> {
         p.tick();
         sound.extend_from_slice(&p.state.output[..scene.channels]);
         if p.diverged && diverged.is_none() {
-            diverged = Some(p.state.tick as f64 * scene.te);
+            diverged = Some(p.state.tick as f64 * scene.sample_dt);
         }
     }
     Ok(Rendered { rate: scene.rate, channels: scene.channels, sound, diverged })

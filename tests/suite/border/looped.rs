@@ -25,22 +25,22 @@ impl Device {
 }
 
 /// A row of E02 as a model: ticks a frame, what `[rate]` says more, whether a damper KT/2 stands beside the spring.
-struct Row {
+struct LoopRow {
     ratio: u32,
     more: &'static str,
     damped: bool,
 }
 
-const ROWS: [Row; 5] = [
-    Row { ratio: 1, more: "", damped: false },
-    Row { ratio: 16, more: "", damped: false },
-    Row { ratio: 16, more: "", damped: true },
-    Row { ratio: 1, more: "latency = 1", damped: false },
-    Row { ratio: 16, more: "latency = 1", damped: false },
+const ROWS: [LoopRow; 5] = [
+    LoopRow { ratio: 1, more: "", damped: false },
+    LoopRow { ratio: 16, more: "", damped: false },
+    LoopRow { ratio: 16, more: "", damped: true },
+    LoopRow { ratio: 1, more: "latency = 1", damped: false },
+    LoopRow { ratio: 16, more: "latency = 1", damped: false },
 ];
 
 /// A wall of stiffness `k` behind a key.
-fn wall(row: &Row, gesture: f64, k: f64) -> Scene {
+fn wall(row: &LoopRow, gesture: f64, k: f64) -> Scene {
     let z = if row.damped { k / gesture / 2.0 } else { 0.0 };
     let rate = format!("sound = {:e}\ngesture = {gesture:e}\n{}", gesture * f64::from(row.ratio), row.more);
     let link = format!("link = {{ between = [\"wall\", \"key\"], k = {k:e}, z = {z:e} }}");
@@ -92,7 +92,7 @@ fn growth(map: &[Vec<f64>]) -> f64 {
 }
 
 /// The stiffness at which the loop begins to grow.
-fn limit(row: &Row, device: &Device) -> f64 {
+fn limit(row: &LoopRow, device: &Device) -> f64 {
     let grows = |k: f64| growth(&map(&wall(row, 1.0 / device.t, k), device)) > 0.0;
     let (mut lo, mut hi) = (100.0, 1e6);
     assert!(!grows(lo) && grows(hi));
@@ -147,7 +147,7 @@ fn e02_how_stiff_a_key_may_be() {
 /// Holding the position does not make the key stiffer: the force that keeps power exact is a mean here too.
 #[test]
 fn a_held_position_is_as_late_as_a_line() {
-    let row = |more| Row { ratio: 16, more, damped: false };
+    let row = |more| LoopRow { ratio: 16, more, damped: false };
     let device = Device { m: 0.2, b: 2.0, t: 1.0 / 3000.0 };
     let (line, held) = (limit(&row(""), &device), limit(&row("border = \"hold\""), &device));
     within("E02 hold", off(held, line), 1e-5);
@@ -162,7 +162,7 @@ fn e05_how_late_a_spring_is() {
     let tolerance = num(case, "tolerance/abs_ms");
     let rows = [("", 1, ms[0]), ("", 16, ms[1]), ("border = \"hold\"", 16, ms[1]), ("latency = 1", 16, ms[2])];
     for (more, ratio, want) in rows {
-        let scene = wall(&Row { ratio, more, damped: false }, 3000.0, 2000.0);
+        let scene = wall(&LoopRow { ratio, more, damped: false }, 3000.0, 2000.0);
         let h = response(&scene, 2000.0);
         let sum: f64 = h.iter().sum();
         within("the spring", off(sum, 1.0), 1e-12);

@@ -132,7 +132,7 @@ proptest! {
             let mut s = scene.state();
             let resists = only_resists(&scene);
             let high = mat(&scene, "high");
-            (s.x[high], s.d[high]) = (x, v * scene.te);
+            (s.x[high], s.d[high]) = (x, v * scene.sample_dt);
             let (mut before, mut force, mut far) = (0.0, 0.0f64, 0.0f64);
             for n in 0..2000 {
                 tick(&scene, &mut s);

@@ -4,7 +4,7 @@ use super::drawn::{built, catalog, read as model, texts};
 use ca_compile::Options;
 use ca_core::catalog::SOURCES;
 use ca_core::kind::{Need, Type};
-use ca_core::scene::Stands;
+use ca_core::scene::Location;
 use ca_core::tick;
 use ca_model::{read, render};
 use ca_tests::gesture;
@@ -76,7 +76,7 @@ fn every_link_of_the_examples_is_known_by_name() {
         for k in 0..scene.n_lia {
             assert!(scene.audited_name(k).is_some_and(|n| n != "?"), "{name}: link {k}");
         }
-        let links = scene.symbols.iter().filter(|s| matches!(s.place, Stands::Lia(..))).count();
+        let links = scene.symbols.iter().filter(|s| matches!(s.location, Location::Lia(..))).count();
         assert_eq!(links, scene.n_lia, "{name}");
     }
 }

@@ -4,12 +4,12 @@ use super::{KEY, Rig, TE, cause, force, is_off, mode, profile};
 use crate::play::within;
 use ca_haptic::frame::{Cause, Mode, flag, status};
 use ca_haptic::guard::Order;
-use ca_haptic::guard::input::Verdict;
+use ca_haptic::guard::input::FrameVerdict;
 
 /// Frames until the scene has a device that stands 8 mm away: the travel of 20 mm takes a second.
 const WAY: u32 = 1200;
 
-/// Stands still at 8 mm while the scene goes there: no faster than it should, no force before.
+/// Location still at 8 mm while the scene goes there: no faster than it should, no force before.
 fn met(rig: &mut Rig, x: f64) {
     let most = 0.02 * TE;
     let mut last = rig.engine.state.input[0];
@@ -69,7 +69,7 @@ fn a_number_from_nowhere_is_no_end() {
     rig.on(&[0.0]);
     let seq = rig.next.seq;
     rig.next.seq = u64::MAX - 1;
-    assert_eq!(rig.send(&[0.0]), Verdict::Good);
+    assert_eq!(rig.send(&[0.0]), FrameVerdict::Good);
     rig.frame();
     rig.next.seq = seq;
     // the frames go on as if nothing had been: the tenth in order is a fault, and the next the beginning
@@ -79,14 +79,14 @@ fn a_number_from_nowhere_is_no_end() {
             (verdict, cause(&rig.frame()))
         })
         .collect();
-    assert!(found[..11].iter().all(|f| f.0 == Verdict::Old) && found[11].0 == Verdict::Good, "{found:?}");
+    assert!(found[..11].iter().all(|f| f.0 == FrameVerdict::Old) && found[11].0 == FrameVerdict::Good, "{found:?}");
     assert!(found[11].1 == Cause::Implausible);
     assert!(is_off(&rig.go(&[0.0]), Cause::Implausible), "and nobody armed");
     rig.on(&[0.0]);
     // frames that stand still, or come twice, are no such order
     for _ in 0..40 {
         rig.next.seq = 5;
-        assert_eq!(rig.send(&[0.0]), Verdict::Old);
+        assert_eq!(rig.send(&[0.0]), FrameVerdict::Old);
         rig.frame();
     }
     assert!(is_off(&rig.frame(), Cause::Implausible));
@@ -101,7 +101,7 @@ fn nobody_is_armed_on_a_position_that_nobody_sends() {
     rig.next.seq = u64::MAX - 1;
     rig.send(&[9e-4]);
     rig.next.seq = seq;
-    (0..11).for_each(|_| assert_eq!(rig.send(&[9e-4]), Verdict::Old));
+    (0..11).for_each(|_| assert_eq!(rig.send(&[9e-4]), FrameVerdict::Old));
     rig.frame();
     assert!(is_off(&rig.frame(), Cause::Implausible));
     rig.order(Order::Arm);
@@ -129,7 +129,7 @@ fn a_clock_in_other_units_lets_no_jump_through() {
         if wild {
             rig.next.t_device_ns += 1_000_000_000;
         }
-        assert_eq!(step(&mut rig, 5e-3), Verdict::Jump, "{units}");
+        assert_eq!(step(&mut rig, 5e-3), FrameVerdict::Jump, "{units}");
         let f = rig.frame();
         assert!(mode(&f) == Mode::On && force(&f).abs() < 1e-9, "{f:?}");
     }

@@ -99,7 +99,7 @@ fn every_cause_can_happen_is_reported_and_ends_with_arming() {
             assert_eq!((cause(&f), f.force[0]), (why, 0.0), "{}", why.name());
         }
         if why == Cause::ModelUnstable {
-            // an instrument that blew up must be loaded again first
+            // an instrument that diverged must be loaded again first
             rig.order(Order::Arm);
             assert!(is_off(&rig.go(&[x]), why));
         } else {

@@ -15,7 +15,7 @@ use ca_haptic::engine::{Engine, EngineCommand, Options, Port, Setup};
 use ca_haptic::equivalence::Gains;
 use ca_haptic::frame::{Cause, DeviceFrame, ForceFrame, Mode};
 use ca_haptic::guard::Order;
-use ca_haptic::guard::input::Verdict;
+use ca_haptic::guard::input::FrameVerdict;
 use ca_haptic::profile::Profile;
 pub use ca_tests::{KEY, profile};
 use std::sync::Arc;
@@ -62,7 +62,7 @@ impl Rig {
     }
 
     /// A good frame at these positions.
-    pub fn send(&mut self, x: &[f64]) -> Verdict {
+    pub fn send(&mut self, x: &[f64]) -> FrameVerdict {
         self.next.seq += 1;
         self.next.t_device_ns += (TE * 1e9) as u64;
         self.next.pos[..x.len()].copy_from_slice(x);

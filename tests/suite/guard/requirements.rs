@@ -5,7 +5,7 @@ use crate::play::within;
 use ca_haptic::engine::{EngineCommand, Retired};
 use ca_haptic::equivalence::Gains;
 use ca_haptic::frame::{Cause, Mode, flag};
-use ca_haptic::guard::input::Verdict;
+use ca_haptic::guard::input::FrameVerdict;
 use ca_haptic::guard::{Chain, GuardFrame, Order};
 
 const EXPLODING: &str = include_str!("../../models/exploding_resonator.ca.toml");
@@ -231,23 +231,23 @@ fn h10_frames_that_cannot_be_true_are_dropped() {
         let want = match what % 5 {
             0 => {
                 f.layout ^= 1;
-                Verdict::Foreign
+                FrameVerdict::Foreign
             }
             1 => {
                 f.seq = good.seq;
-                Verdict::Old
+                FrameVerdict::Old
             }
             2 => {
                 f.pos[0] = f64::NAN;
-                Verdict::Nonfinite
+                FrameVerdict::Nonfinite
             }
             3 => {
                 f.pos[0] += 5e-3;
-                Verdict::Jump
+                FrameVerdict::Jump
             }
             _ => {
                 f.n = 0;
-                Verdict::Foreign
+                FrameVerdict::Foreign
             }
         };
         assert_eq!(rig.engine.take(0, &mut f), want);

@@ -216,7 +216,7 @@ fn page() -> (String, f64) {
         "lost in the strings",
         "lost in the bridge, to its board",
         "still in motion",
-        "made (−) by the scheme",
+        "error of the scheme",
     ];
     for (i, row) in rows.iter().enumerate() {
         let _ = write!(out, "\n| {row} |");

@@ -4,7 +4,7 @@
 use super::heard::{Heard, load, perform, play, scene};
 use crate::acoustics::{cents, db, eigenvalues, mode, partial, peak, rms};
 use ca_core::Scene;
-use ca_core::scene::Stands;
+use ca_core::scene::Location;
 use ca_io::gesture::{Gesture, Track};
 
 /// Places of the modules `names` over time [m], absolute, from probes of the same names in the same order.
@@ -17,7 +17,7 @@ impl<'a> Motion<'a> {
     fn new(heard: &'a Heard, scene: &Scene, names: &[String]) -> Motion<'a> {
         let rest = names.iter().map(|n| {
             let symbol = scene.symbols.iter().find(|s| s.name == *n).unwrap_or_else(|| panic!("no `{n}`"));
-            let Stands::Mat(at) = symbol.place else { panic!("`{n}` is a link") };
+            let Location::Mat(at) = symbol.location else { panic!("`{n}` is a link") };
             [0, 1, 2].map(|k| scene.rest[at as usize + k])
         });
         Motion { rest: rest.collect(), heard }

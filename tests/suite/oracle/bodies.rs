@@ -2,7 +2,7 @@
 //! joins them.
 
 use super::expand::{Family, mat};
-use super::network::{Gauge, Law, Link, Network};
+use super::network::{Law, Link, MeasureKind, Network};
 use super::numbers::{Numbers, entry, list};
 use ca_model::Item;
 use std::f64::consts::TAU;
@@ -64,11 +64,11 @@ pub fn body(numbers: &Numbers, net: &mut Network, i: &Item) -> Family {
         let p = turned(turn, *p);
         let (mass, round) = (mat(numbers, net, i, m, 1.0, 0.0), cross(spin, p));
         net.mats[mass].rest = [0, 1, 2].map(|k| at[k] + p[k]);
-        net.mats[mass].d = [0, 1, 2].map(|k| (v[k] + round[k]) * numbers.te);
+        net.mats[mass].d = [0, 1, 2].map(|k| (v[k] + round[k]) * numbers.tick_dt);
         family.masses.push(mass);
     }
     let reach = numbers.maybe(i, "reach").unwrap_or(f64::INFINITY);
-    let (k, z) = (numbers.num(i, "k"), numbers.num(i, "z") / numbers.te);
+    let (k, z) = (numbers.num(i, "k"), numbers.num(i, "z") / numbers.tick_dt);
     for a in 0..if k == 0.0 { 0 } else { corners.len() } {
         for b in a + 1..corners.len() {
             let ends = [family.masses[a], family.masses[b]];
@@ -76,7 +76,7 @@ pub fn body(numbers: &Numbers, net: &mut Network, i: &Item) -> Family {
             let length = dot(apart, apart).sqrt();
             if length <= reach {
                 family.links.push(net.links.len());
-                let ports = vec![(ends, Gauge::Radial(apart, 0.0))];
+                let ports = vec![(ends, MeasureKind::Radial(apart, 0.0))];
                 net.links.push(Link { ports, e0: -length, law: Law::Linear { k, z }, f: 0.0 });
             }
         }

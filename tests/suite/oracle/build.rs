@@ -3,7 +3,7 @@
 use super::bodies::body;
 use super::expand::{Family, bank, fixed, mat, mesh, row};
 use super::listed::{Listed, drawn, kind};
-use super::network::{Gauge, Heard, Law, Link, Mat, Network, Point, Port};
+use super::network::{Heard, Law, Link, Mat, MeasureKind, Network, Point, Port};
 use super::numbers::{Numbers, entry, list, word};
 use super::waves::string;
 use ca_core::kind::Role;
@@ -51,14 +51,15 @@ impl Builder<'_> {
         let one = |at: usize| Family { masses: vec![at], size: [1, 1], ..Family::default() };
         let family = match i.kind.as_str() {
             "MAS" | "CEL" => {
-                let (te, m) = (numbers.te, numbers.num(i, "m"));
+                let (tick_dt, m) = (numbers.tick_dt, numbers.num(i, "m"));
                 let (a, b) = match numbers.maybe(i, "f") {
                     _ if i.kind == "MAS" => (0.0, 0.0),
                     Some(f) => numbers.heard_at(f, numbers.maybe(i, "t60").unwrap_or(f64::INFINITY)),
-                    None => (numbers.num(i, "k") * (te * te / m), numbers.num(i, "z") * te / m),
+                    None => (numbers.num(i, "k") * (tick_dt * tick_dt / m), numbers.num(i, "z") * tick_dt / m),
                 };
                 let at = mat(numbers, net, i, m, 1.0 - b, -a);
-                (net.mats[at].x, net.mats[at].d) = (numbers.place(i, "dx0"), numbers.place(i, "v").map(|v| v * te));
+                (net.mats[at].x, net.mats[at].d) =
+                    (numbers.place(i, "dx0"), numbers.place(i, "v").map(|v| v * tick_dt));
                 one(at)
             }
             "SOL" => one(fixed(numbers, net, i)),
@@ -164,60 +165,60 @@ impl Builder<'_> {
     }
 
     /// A port between two ends, what it adds to the elongation at rest, and its length at rest.
-    fn port(&self, i: &Item, ends: [usize; 2], along: Option<[f64; 3]>) -> (Gauge, f64, f64) {
+    fn port(&self, i: &Item, ends: [usize; 2], along: Option<[f64; 3]>) -> (MeasureKind, f64, f64) {
         let [a, b] = ends.map(|m| &self.net.mats[m]);
         let apart = [0, 1, 2].map(|k| b.rest[k] - a.rest[k]);
         let axis = |m: &Mat| if m.axes == 1 { Some(0) } else { along?.iter().position(|v| *v == 1.0) };
         match (axis(a), axis(b), along) {
             (Some(j), Some(k), _) => {
                 let d = b.rest[k] - a.rest[j];
-                (Gauge::Line([j, k]), d, d)
+                (MeasureKind::Line([j, k]), d, d)
             }
             (.., Some(n)) => {
                 let d = n[0] * apart[0] + n[1] * apart[1] + n[2] * apart[2];
-                (Gauge::Along(n), d, d)
+                (MeasureKind::Along(n), d, d)
             }
             (.., None) => {
                 let soft = self.num(i, "soften");
-                (Gauge::Radial(apart, soft * soft), 0.0, apart.iter().map(|v| v * v).sum::<f64>().sqrt())
+                (MeasureKind::Radial(apart, soft * soft), 0.0, apart.iter().map(|v| v * v).sum::<f64>().sqrt())
             }
         }
     }
 
     fn tie(&mut self, i: &Item, ends: [usize; 2], onto: Option<[usize; 2]>) {
-        let (gauge, e0, distance) = self.port(i, ends, self.numbers.along(i));
-        let soft = |l: f64, g: &Gauge| match g {
-            Gauge::Radial(_, soft) if *soft != 0.0 => (l * l + soft).sqrt(),
+        let (measure, e0, distance) = self.port(i, ends, self.numbers.along(i));
+        let soft = |l: f64, g: &MeasureKind| match g {
+            MeasureKind::Radial(_, soft) if *soft != 0.0 => (l * l + soft).sqrt(),
             _ => l,
         };
         let length = if kind(i).param("l0").is_some() { self.numbers.maybe(i, "l0").unwrap_or(distance) } else { 0.0 };
-        let mut e0 = e0 - soft(length, &gauge);
+        let mut e0 = e0 - soft(length, &measure);
         if onto.is_none()
             && length == 0.0
             && ["RES", "FRO", "REF"].contains(&i.kind.as_str())
-            && matches!(gauge, Gauge::Radial(..))
+            && matches!(measure, MeasureKind::Radial(..))
         {
             // without length it has no direction of its own
             for k in 0..self.net.mats[ends[0]].axes.max(self.net.mats[ends[1]].axes) {
                 let e0 = self.net.mats[ends[1]].rest[k] - self.net.mats[ends[0]].rest[k];
-                let ports = vec![(ends, Gauge::Line([k, k]))];
+                let ports = vec![(ends, MeasureKind::Line([k, k]))];
                 self.net.links.push(Link { ports, e0, law: self.law(i), f: 0.0 });
             }
             return;
         }
-        let mut ports = vec![(ends, gauge)];
+        let mut ports = vec![(ends, measure)];
         if let Some(ends) = onto {
-            let (gauge, constant, distance) = self.port(i, ends, None);
-            e0 += constant - soft(distance, &gauge);
-            ports.push((ends, gauge));
+            let (measure, constant, distance) = self.port(i, ends, None);
+            e0 += constant - soft(distance, &measure);
+            ports.push((ends, measure));
         }
         self.net.links.push(Link { ports, e0, law: self.law(i), f: 0.0 });
     }
 
     fn law(&self, i: &Item) -> Law {
-        let te = self.numbers.te;
+        let tick_dt = self.numbers.tick_dt;
         let [k, d, f] = ["k", "d", "f"].map(|key| self.num(i, key));
-        let [z, h] = ["z", "h"].map(|key| self.num(i, key) / te);
+        let [z, h] = ["z", "h"].map(|key| self.num(i, key) / tick_dt);
         let quarters = (4.0 * self.numbers.maybe(i, "p").unwrap_or(1.5)) as u32;
         let side = if word(i, "sense") == "inside" { -1.0 } else { 1.0 };
         match (i.kind.strip_prefix("LPR_").unwrap_or(&i.kind), word(i, "curve")) {
@@ -231,12 +232,12 @@ impl Builder<'_> {
             ("LNL", _) => {
                 let (spring, friction) =
                     (self.numbers.curve(i, "spring", 0.0), self.numbers.curve(i, "friction", -1.0));
-                Law::Curves { spring, friction, te }
+                Law::Curves { spring, friction, tick_dt }
             }
-            ("BOW", "table") => Law::Curves { spring: None, friction: self.numbers.curve(i, "points", -1.0), te },
+            ("BOW", "table") => Law::Curves { spring: None, friction: self.numbers.curve(i, "points", -1.0), tick_dt },
             ("BOW", curve) => {
-                let v0 = self.num(i, "v0") * te;
-                let v1 = self.numbers.maybe(i, "v1").map_or(3.0 * v0, |v| (v * te).max(v0 * (1.0 + 1e-9)));
+                let v0 = self.num(i, "v0") * tick_dt;
+                let v1 = self.numbers.maybe(i, "v1").map_or(3.0 * v0, |v| (v * tick_dt).max(v0 * (1.0 + 1e-9)));
                 match curve {
                     "coulomb" => Law::Stribeck { f, fd: f, v0, v1 },
                     "piecewise" => Law::Stribeck { f, fd: self.num(i, "fd").min(f), v0, v1 },

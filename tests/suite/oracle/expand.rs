@@ -1,6 +1,6 @@
 //! What the generators stand for, as plain masses and springs: drawn here a second time, from their definitions.
 
-use super::network::{Gauge, Law, Link, Mat, Network};
+use super::network::{Law, Link, Mat, MeasureKind, Network};
 use super::numbers::{Numbers, entry, list, word};
 use ca_model::Item;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -18,8 +18,8 @@ pub struct Family {
 
 /// A MAT of mass `m`, infinite where fixed, in the medium of its module.
 pub fn mat(numbers: &Numbers, net: &mut Network, i: &Item, m: f64, p: f64, q: f64) -> usize {
-    let c = if m == f64::INFINITY { 0.0 } else { numbers.te * numbers.te / m };
-    let p = p - numbers.friction(i) / numbers.te * c;
+    let c = if m == f64::INFINITY { 0.0 } else { numbers.tick_dt * numbers.tick_dt / m };
+    let p = p - numbers.friction(i) / numbers.tick_dt * c;
     let mut weight = [0.0; 3];
     if c != 0.0 {
         weight = numbers.gravity(i).map(|g| g * m);
@@ -48,18 +48,23 @@ pub fn bank(numbers: &Numbers, net: &mut Network, i: &Item) -> Family {
 
 fn tie(net: &mut Network, family: &mut Family, a: usize, b: usize, k: f64, z: f64) {
     family.links.push(net.links.len());
-    net.links.push(Link { ports: vec![([a, b], Gauge::Line([0, 0]))], e0: 0.0, law: Law::Linear { k, z }, f: 0.0 });
+    net.links.push(Link {
+        ports: vec![([a, b], MeasureKind::Line([0, 0]))],
+        e0: 0.0,
+        law: Law::Linear { k, z },
+        f: 0.0,
+    });
 }
 
 /// Mass, damping to ground as the factor p, and eigenvalue kT²/m of the lowest mode where it is asked for by frequency.
 fn matter(numbers: &Numbers, i: &Item, n: usize) -> (f64, f64, Option<f64>) {
-    let te = numbers.te;
+    let tick_dt = numbers.tick_dt;
     let m = numbers.maybe(i, "m").unwrap_or_else(|| numbers.num(i, "m_total") / n as f64);
     let t60 = numbers.maybe(i, "t60");
-    let zo = t60.map_or(numbers.num(i, "zo"), |t| numbers.heard_at(0.0, t).1 * m / te);
-    let p = 1.0 - zo * te / m;
+    let zo = t60.map_or(numbers.num(i, "zo"), |t| numbers.heard_at(0.0, t).1 * m / tick_dt);
+    let p = 1.0 - zo * tick_dt / m;
     let eigenvalue = numbers.maybe(i, "f").map(|f| {
-        let (r, half) = (p.max(0.0).sqrt(), libm::sin(PI * f * te));
+        let (r, half) = (p.max(0.0).sqrt(), libm::sin(PI * f * tick_dt));
         (1.0 - r) * (1.0 - r) + 4.0 * r * half * half
     });
     (m, p, eigenvalue)
@@ -70,7 +75,7 @@ fn matter(numbers: &Numbers, i: &Item, n: usize) -> (f64, f64, Option<f64>) {
 /// A row of n between fixed ends has λ₁ = 4a sin²(π/2(n+1)), a free one 4a sin²(π/2n). Stiffness is bending: second
 /// differences, whose square is a spring to the neighbour but one of −kb and shares of kb on the near ones.
 pub fn row(numbers: &Numbers, net: &mut Network, i: &Item) -> Family {
-    let (te, n, stiff) = (numbers.te, numbers.num(i, "n") as usize, i.kind == "STIFFSTRING");
+    let (tick_dt, n, stiff) = (numbers.tick_dt, numbers.num(i, "n") as usize, i.kind == "STIFFSTRING");
     let free = i.kind == "CHAIN" || word(i, "ends") == "free";
     let (m, p, eigenvalue) = matter(numbers, i, n);
     let (mut k, mut bend) = (numbers.num(i, "k"), numbers.num(i, "kb"));
@@ -79,10 +84,10 @@ pub fn row(numbers: &Numbers, net: &mut Network, i: &Item) -> Family {
         let s = libm::sin(FRAC_PI_2 / if free && !stiff { n as f64 } else { n1 });
         let beta = numbers.num(i, "b") * n1 * n1 / (PI * PI);
         (k, bend) = if stiff {
-            let (a, unit) = (lambda / (4.0 * s * s * (1.0 + 4.0 * beta * s * s)), m / (te * te));
+            let (a, unit) = (lambda / (4.0 * s * s * (1.0 + 4.0 * beta * s * s)), m / (tick_dt * tick_dt));
             (a * unit, beta * a * unit)
         } else {
-            (lambda / (4.0 * s * s) * m / (te * te), 0.0)
+            (lambda / (4.0 * s * s) * m / (tick_dt * tick_dt), 0.0)
         };
     }
     let ends = usize::from(!free);
@@ -101,7 +106,7 @@ pub fn row(numbers: &Numbers, net: &mut Network, i: &Item) -> Family {
         let clamped = u32::from(word(i, "ends") == "fixed") * (start + end);
         let shares = f64::from(2 * (1 - start) + 2 * (1 - end) + clamped);
         let k = if stiff { k + shares * bend } else { k };
-        tie(net, &mut family, nodes[j], nodes[j + 1], k, numbers.num(i, "z") / te);
+        tie(net, &mut family, nodes[j], nodes[j + 1], k, numbers.num(i, "z") / tick_dt);
     }
     if stiff && bend != 0.0 {
         (0..last).for_each(|j| tie(net, &mut family, nodes[j], nodes[j + 2], -bend, 0.0));
@@ -113,7 +118,7 @@ pub fn row(numbers: &Numbers, net: &mut Network, i: &Item) -> Family {
 ///
 /// The lowest mode has λ₁ = 4a (sin²(π/2(nx−1)) + sin²(π/2(ny−1))) held at the rim, 4a sin²(π/2 max(nx, ny)) else.
 pub fn mesh(numbers: &Numbers, net: &mut Network, i: &Item) -> Family {
-    let (te, [nx, ny]) = (numbers.te, ["nx", "ny"].map(|key| numbers.num(i, key) as usize));
+    let (tick_dt, [nx, ny]) = (numbers.tick_dt, ["nx", "ny"].map(|key| numbers.num(i, key) as usize));
     let (m, p, eigenvalue) = matter(numbers, i, nx * ny);
     let sin2 = |n: usize| {
         let s = libm::sin(FRAC_PI_2 / n as f64);
@@ -121,7 +126,7 @@ pub fn mesh(numbers: &Numbers, net: &mut Network, i: &Item) -> Family {
     };
     let closed = word(i, "edges") == "closed";
     let shape = if closed { sin2(nx - 1) + sin2(ny - 1) } else { sin2(nx.max(ny)) };
-    let k = eigenvalue.map_or(numbers.num(i, "k"), |lambda| lambda / (4.0 * shape) * m / (te * te));
+    let k = eigenvalue.map_or(numbers.num(i, "k"), |lambda| lambda / (4.0 * shape) * m / (tick_dt * tick_dt));
     let places = (0..nx).flat_map(|x| (0..ny).map(move |y| (x, y)));
     let place = |(x, y)| {
         let rim = [x == 0 || x == nx - 1, y == 0 || y == ny - 1];
@@ -134,7 +139,7 @@ pub fn mesh(numbers: &Numbers, net: &mut Network, i: &Item) -> Family {
     };
     let nodes: Vec<usize> = places.clone().map(place).collect();
     let mut family = Family { masses: nodes.clone(), size: [nx, ny], ..Family::default() };
-    let z = numbers.num(i, "z") / te;
+    let z = numbers.num(i, "z") / tick_dt;
     for (x, y) in places.clone().filter(|(_, y)| *y > 0) {
         tie(net, &mut family, nodes[x * ny + y - 1], nodes[x * ny + y], k, z);
     }

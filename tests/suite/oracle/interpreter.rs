@@ -2,7 +2,7 @@
 //! they are written in books, and shares nothing with the compiler. To give the same bits it sums in the same order:
 //! the links as the document has them.
 
-use super::network::{Gauge, Heard, Law, Network, Point};
+use super::network::{Heard, Law, MeasureKind, Network, Point};
 use ca_tests::follow;
 
 /// x to the power of quarters/4, by products and roots.
@@ -37,9 +37,9 @@ impl Law {
                 (*held, *last) = (Some(holds), e);
                 if holds { k * e + z * w } else { 0.0 }
             }
-            Law::Curves { ref spring, ref friction, te } => {
+            Law::Curves { ref spring, ref friction, tick_dt } => {
                 let pull = spring.as_ref().map_or(0.0, |s| follow(s, e));
-                pull + friction.as_ref().map_or(0.0, |f| follow(f, w * (1.0 / te)))
+                pull + friction.as_ref().map_or(0.0, |f| follow(f, w * (1.0 / tick_dt)))
             }
             Law::Stribeck { f, v0, .. } if w.abs() < v0 => f / v0 * w,
             Law::Stribeck { f, fd, v0, v1 } => (fd + (f - fd) / (v1 - v0) * (v1 - w.abs()).max(0.0)).copysign(w),
@@ -76,8 +76,8 @@ impl Network {
             let felt: Vec<_> = link.ports.iter().map(|([a, b], g)| g.feel(&self.mats[*a], &self.mats[*b])).collect();
             let sum = |of: fn(&(f64, f64, [f64; 3])) -> f64| felt.iter().map(of).reduce(|a, b| a + b).unwrap_or(0.0);
             link.f = link.law.force(sum(|p| p.0) + link.e0, sum(|p| p.1));
-            for (([a, b], gauge), (_, _, u)) in link.ports.iter().zip(&felt) {
-                let axes = if let Gauge::Line(of) = gauge { vec![*of] } else { vec![[0, 0], [1, 1], [2, 2]] };
+            for (([a, b], measure), (_, _, u)) in link.ports.iter().zip(&felt) {
+                let axes = if let MeasureKind::Line(of) = measure { vec![*of] } else { vec![[0, 0], [1, 1], [2, 2]] };
                 for [i, j] in axes {
                     self.mats[*a].f[i] += u[i] * link.f;
                     self.mats[*b].f[j] -= u[j] * link.f;

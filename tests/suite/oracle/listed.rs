@@ -6,10 +6,10 @@
 //! make every new kind an edit in three files of the oracle. The kinds it knows keep their second definition.
 
 use super::expand::{Family, fixed, mat};
-use super::network::{Gauge, Law, Link, Network};
+use super::network::{Law, Link, MeasureKind, Network};
 use super::numbers::{Numbers, entry, list};
+use ca_core::builder::{Arg, Args, Builder, Built, Generator};
 use ca_core::kind::{Kind, Need, Role, Type};
-use ca_core::sketch::{Arg, Args, Drawn, Generator, Sketch};
 use ca_core::table::Table;
 use ca_core::tuning::Scheme;
 use ca_model::{Item, Value};
@@ -55,7 +55,7 @@ impl Listed {
             p.push(Some(tables.len() as f64));
             tables.push(own());
         }
-        Listed { law, c: law.loaded(&p, numbers.te), mem: None, tables }
+        Listed { law, c: law.loaded(&p, numbers.tick_dt), mem: None, tables }
     }
 
     /// Force on the first end, of stretch e [m] and its change w in the last tick [m].
@@ -68,33 +68,33 @@ impl Listed {
 /// The drawing of a generator, as plain modules.
 pub fn drawn(numbers: &Numbers, net: &mut Network, i: &Item, generator: &Generator) -> Family {
     let (kind, values) = (kind(i), args(numbers, i, &mut Vec::new()));
-    let (te, dim) = (numbers.te, numbers.axes(i) as u8);
-    let args = Args { code: kind.code, params: kind.params, values: &values, te, dim, scheme: Scheme::Explicit };
+    let (tick_dt, dim) = (numbers.tick_dt, numbers.axes(i) as u8);
+    let args = Args { code: kind.code, params: kind.params, values: &values, tick_dt, dim, scheme: Scheme::Explicit };
     let slots = generator.derived(&args).expect("it can be drawn");
-    let mut sketch = Sketch::new(&slots, false);
+    let mut sketch = Builder::new(&slots, false);
     (generator.build)(&args, &mut sketch).expect("it is drawn");
     let slot = |at: u32| slots.get(at as usize).copied().flatten();
     let mut family = Family { size: sketch.size.map(|n| n as usize), ..Family::default() };
     let mut all = Vec::new();
     for (at, (what, _)) in sketch.mats.iter().enumerate() {
         let new = match *what {
-            Drawn::Mass(m, z) => {
+            Built::Mass(m, z) => {
                 let m = slot(m).expect("a mass");
-                mat(numbers, net, i, m, 1.0 - slot(z).unwrap_or(0.0) * te / m, 0.0)
+                mat(numbers, net, i, m, 1.0 - slot(z).unwrap_or(0.0) * tick_dt / m, 0.0)
             }
-            Drawn::Cell(m, f, t60) => {
+            Built::Cell(m, f, t60) => {
                 let (a, b) = numbers.heard_at(slot(f).expect("a pitch"), slot(t60).unwrap_or(f64::INFINITY));
                 mat(numbers, net, i, slot(m).expect("a mass"), 1.0 - b, -a)
             }
-            Drawn::Held | Drawn::Tip => fixed(numbers, net, i),
+            Built::Fixed | Built::Anchor => fixed(numbers, net, i),
         };
         if let Some(p) = sketch.places.get(at) {
             (0..3).for_each(|k| net.mats[new].rest[k] += p[k]);
         }
         if let Some(v) = sketch.speeds.get(at) {
-            net.mats[new].d = v.map(|v| v * te);
+            net.mats[new].d = v.map(|v| v * tick_dt);
         }
-        if *what == Drawn::Tip {
+        if *what == Built::Anchor {
             family.ends.push(new);
         } else {
             family.masses.push(new);
@@ -103,13 +103,16 @@ pub fn drawn(numbers: &Numbers, net: &mut Network, i: &Item, generator: &Generat
     }
     for l in &sketch.links {
         let ends = l.ends.map(|e| all[e as usize]);
-        let (k, z) = (slot(l.k).unwrap_or(0.0), slot(l.z).unwrap_or(0.0) / te);
+        let (k, z) = (slot(l.k).unwrap_or(0.0), slot(l.z).unwrap_or(0.0) / tick_dt);
         let apart = [0, 1, 2].map(|k| net.mats[ends[1]].rest[k] - net.mats[ends[0]].rest[k]);
         let length = apart.iter().map(|v| v * v).sum::<f64>().sqrt();
-        let (gauge, e0) =
-            if dim == 1 { (Gauge::Line([0, 0]), 0.0) } else { (Gauge::Radial(apart, 0.0), -l.l0.unwrap_or(length)) };
+        let (measure, e0) = if dim == 1 {
+            (MeasureKind::Line([0, 0]), 0.0)
+        } else {
+            (MeasureKind::Radial(apart, 0.0), -l.l0.unwrap_or(length))
+        };
         family.links.push(net.links.len());
-        net.links.push(Link { ports: vec![(ends, gauge)], e0, law: Law::Linear { k, z }, f: 0.0 });
+        net.links.push(Link { ports: vec![(ends, measure)], e0, law: Law::Linear { k, z }, f: 0.0 });
     }
     family.nodes = sketch.nodes.iter().map(|n| all[*n as usize]).collect();
     family

@@ -1,13 +1,13 @@
 //! The compiled scene against the oracle, which plays the same text module by module: `build` reads it into the plain
-//! modules of `network`, with `numbers`, `expand`, `bodies` and `waves`; `interpreter` plays them, and measures by `gauge`. A
+//! modules of `network`, with `numbers`, `expand`, `bodies` and `waves`; `interpreter` plays them, and measures by `measure`. A
 //! kind it has no definition of its own for is `listed`: taken from its record.
 
 mod bodies;
 mod build;
 mod expand;
-mod gauge;
 mod interpreter;
 mod listed;
+mod measure;
 mod network;
 mod numbers;
 mod waves;

@@ -30,7 +30,7 @@ pub enum Law {
     Hertz { k: f64, quarters: u32, h: f64, d: f64, side: f64 },
     Attract { k: f64, z: f64, d: f64, rho: f64 },
     Pluck { k: f64, z: f64, d: f64, held: Option<bool>, last: f64 },
-    Curves { spring: Option<Curve>, friction: Option<Curve>, te: f64 },
+    Curves { spring: Option<Curve>, friction: Option<Curve>, tick_dt: f64 },
     Stribeck { f: f64, fd: f64, v0: f64, v1: f64 },
     Smooth { f: f64, v0: f64, bell: Curve },
     Listed(Listed),
@@ -38,7 +38,7 @@ pub enum Law {
 
 /// How two ends are measured: these axes of them, their difference along a direction, or their distance, of which the
 /// vector at rest and the square of the softening length are given.
-pub enum Gauge {
+pub enum MeasureKind {
     Line([usize; 2]),
     Along([f64; 3]),
     Radial([f64; 3], f64),
@@ -47,7 +47,7 @@ pub enum Gauge {
 /// Sees the sum of what its ports measure, and e₀, and the change of that; its force pulls the first end of each port
 /// and pushes the second. A dipole has one port, a quadripole two.
 pub struct Link {
-    pub ports: Vec<([usize; 2], Gauge)>,
+    pub ports: Vec<([usize; 2], MeasureKind)>,
     pub e0: f64,
     pub law: Law,
     pub f: f64,

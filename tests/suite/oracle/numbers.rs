@@ -19,7 +19,7 @@ pub fn word<'i>(i: &'i Item, key: &str) -> &'i str {
 pub struct Numbers<'a> {
     pub model: &'a Model,
     /// the tick [s]
-    pub te: f64,
+    pub tick_dt: f64,
     /// ticks to a gesture period
     pub ratio: u64,
     /// the tick that numbers without unit are written for [s], in per-sample units
@@ -28,13 +28,13 @@ pub struct Numbers<'a> {
 
 impl<'a> Numbers<'a> {
     pub fn new(model: &'a Model) -> Numbers<'a> {
-        let mut n = Numbers { model, te: 1.0, ratio: 1, sample: None };
+        let mut n = Numbers { model, tick_dt: 1.0, ratio: 1, sample: None };
         let sound = entry(&model.rate, "sound").map_or(48e3, |v| n.value(v, 0.0));
         let near = sound / (sound / 3000.0).round().max(1.0);
         let gesture = entry(&model.rate, "gesture").map_or(near, |v| n.value(v, 0.0));
-        (n.te, n.ratio) = (1.0 / sound, (sound / gesture).round() as u64);
+        (n.tick_dt, n.ratio) = (1.0 / sound, (sound / gesture).round() as u64);
         if model.meta("units").is_some_and(|e| e.value == "alg".into()) {
-            n.sample = Some(model.meta("reference_rate").map_or(n.te, |e| 1.0 / n.value(&e.value, 0.0)));
+            n.sample = Some(model.meta("reference_rate").map_or(n.tick_dt, |e| 1.0 / n.value(&e.value, 0.0)));
         }
         n
     }
@@ -139,8 +139,8 @@ impl<'a> Numbers<'a> {
     /// kT²/m and zT/m of what is heard at `f` and has lost 60 dB after `t60`.
     pub fn heard_at(&self, f: f64, t60: f64) -> (f64, f64) {
         let decay = 3.0 * std::f64::consts::LN_10 / t60;
-        let lost = -libm::expm1(-decay * self.te);
-        let half = libm::sin(std::f64::consts::PI * f * self.te);
-        (lost * lost + 4.0 * (1.0 - lost) * half * half, -libm::expm1(-2.0 * decay * self.te))
+        let lost = -libm::expm1(-decay * self.tick_dt);
+        let half = libm::sin(std::f64::consts::PI * f * self.tick_dt);
+        (lost * lost + 4.0 * (1.0 - lost) * half * half, -libm::expm1(-2.0 * decay * self.tick_dt))
     }
 }

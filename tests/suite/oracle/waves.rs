@@ -29,7 +29,7 @@ pub struct Line {
 
 /// A WAVEGUIDE whose junctions have a written mass.
 pub fn string(numbers: &Numbers, net: &mut Network, i: &Item) -> Family {
-    let te = numbers.te;
+    let tick_dt = numbers.tick_dt;
     let num = |key: &str| numbers.maybe(i, key);
     let z = num("z").unwrap_or_else(|| (numbers.num(i, "tension") * numbers.num(i, "mu")).sqrt());
     let at = entry(&i.args, "at").expect("at");
@@ -40,9 +40,9 @@ pub fn string(numbers: &Numbers, net: &mut Network, i: &Item) -> Family {
     let high = num("t60_high").map(|t60| [num("f_high").unwrap_or(5000.0), t60]);
     let (m, n) = (num("m").expect("a written mass"), at.len());
     let asked = Asked { f: num("f").expect("f"), t60: num("t60").unwrap_or(f64::INFINITY), high, z, at, m: Some(m) };
-    let tuned = tune(&asked, &vec![m; n], te).expect("a string");
-    let cell = m + z * te;
-    let masses: Vec<usize> = (0..n).map(|_| mat(numbers, net, i, cell, 1.0 - 2.0 * z * te / cell, -0.0)).collect();
+    let tuned = tune(&asked, &vec![m; n], tick_dt).expect("a string");
+    let cell = m + z * tick_dt;
+    let masses: Vec<usize> = (0..n).map(|_| mat(numbers, net, i, cell, 1.0 - 2.0 * z * tick_dt / cell, -0.0)).collect();
     // to junction j from the left come waves from the junction before, from the right those of the next
     let way = |k: usize| match k {
         0 => tuned.delays[0] + usize::from(tuned.near.is_some()),
@@ -51,7 +51,7 @@ pub fn string(numbers: &Numbers, net: &mut Network, i: &Item) -> Family {
     };
     net.lines.push(Line {
         mats: masses.clone(),
-        z: z / te,
+        z: z / tick_dt,
         ways: (0..2 * n).map(|k| vec![0.0; way(k)].into()).collect(),
         ends: [tuned.near, Some(tuned.loss)],
         memory: [0.0; 2],

@@ -316,7 +316,9 @@ fn only_who_asks_has_it() {
     for text in [STRUCK, BOWED, KEYED, PUSHED] {
         let [plain, one, four] =
             ["", "[rate]\noversample = 1\n", "[rate]\noversample = 4\n"].map(|r| scene(&format!("{text}{r}")));
-        assert!(plain.finer.is_none() && one.finer.is_none() && plain.lowpass.is_empty() && one.lowpass.is_empty());
+        assert!(
+            plain.substeps.is_none() && one.substeps.is_none() && plain.lowpass.is_empty() && one.lowpass.is_empty()
+        );
         assert_eq!(passes(&plain), passes(&one));
         assert!(plain.state() == one.state() && one.state().glide.is_empty());
         let own = ["ticks between", "inputs", "low pass", "to samples", "to ticks"];

@@ -2,7 +2,7 @@
 
 use super::bench::{FS, heard, mode, string};
 use crate::play::{Dice, PI, TURN, apart, case, list, mat, mats, num, off, scene, within};
-use ca_compile::certify::Level;
+use ca_core::certificate::Level;
 use ca_core::{State, tick};
 
 #[test]

@@ -2,7 +2,7 @@
 
 use super::bench::{FS, at, bob, heard, mode};
 use crate::play::{PI, TURN, case, list, mat, num, off, rows, scene, within};
-use ca_compile::certify::Level;
+use ca_core::certificate::Level;
 use ca_core::mat::retune;
 use ca_core::tick;
 

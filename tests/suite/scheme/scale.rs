@@ -68,7 +68,7 @@ point = { from = "low@finger" }
                 if glitch {
                     s.input[*port] = bad;
                 }
-                let (held, refused) = (s.held[*port], s.refused);
+                let (kept, refused) = (s.last_input[*port], s.refused);
                 tick(&scene, &mut s);
                 let all = [&s.x, &s.d, &s.f, &s.output, &s.tap];
                 assert!(all.iter().all(|v| v.iter().all(|v| v.is_finite())), "{bad} at tick {n}");
@@ -76,7 +76,7 @@ point = { from = "low@finger" }
                     scene.inputs[*port].device.is_none() && *port != inputs[1] || ca_core::border::frame_due(&scene, n);
                 assert_eq!(s.refused - refused, u64::from(glitch && due), "{bad}, port {port}, tick {n}");
                 if glitch && *port != inputs[2] {
-                    assert_eq!(s.held[*port], held, "the last good value is held");
+                    assert_eq!(s.last_input[*port], kept, "the last good value is held");
                 }
             }
             assert!(s.refused > 0);

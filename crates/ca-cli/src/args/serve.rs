@@ -101,7 +101,7 @@ pub struct SetArgs {
 /// Turns the forces of a running `ca serve` on or off
 ///
 /// Once armed, forces fade in within a second, as soon as nothing pushes. A fault turns them off until somebody arms
-/// again; a model that blew up is loaded again first.
+/// again; a model that diverged is loaded again first.
 #[derive(Args)]
 #[command(after_long_help = "Examples:
   ca arm

@@ -3,7 +3,7 @@
 use crate::args::AccuracyArgs;
 use crate::load::{self, Loaded};
 use crate::{Ended, Failure, Outcome, page, term};
-use ca_lab::accuracy::{self, Ask, Measured, Origin, Row};
+use ca_lab::accuracy::{self, Ask, Measured, MethodRow, Origin};
 use ca_report::{Block, Report, Section};
 use serde_json::{Value as Json, json};
 use std::io::Write as _;
@@ -56,7 +56,7 @@ struct Page<'a> {
     name: &'a str,
     found: &'a Measured,
     /// what meets the error that was asked for
-    best: Option<&'a Row>,
+    best: Option<&'a MethodRow>,
     /// that error
     asked: Option<f64>,
 }
@@ -64,9 +64,9 @@ struct Page<'a> {
 impl Page<'_> {
     /// What is said to who asked for an error.
     fn verdict(&self) -> Option<String> {
-        let (asked, truth) = (self.asked?, &self.found.truth);
-        let (known, aim) = (truth.known, format!("an error of at most {asked:e}"));
-        Some(match (self.best, truth.origin) {
+        let (asked, reference) = (self.asked?, &self.found.reference);
+        let (known, aim) = (reference.known, format!("an error of at most {asked:e}"));
+        Some(match (self.best, reference.origin) {
             (Some(r), _) => format!("the cheapest with {aim}: {}", r.name()),
             (None, _) if known <= asked => format!("none of these has {aim}; try more of `--times`"),
             (None, Origin::Modes) => {
@@ -123,20 +123,20 @@ impl Page<'_> {
                 json!({
                     "method": r.method, "times": r.times, "error": finite(r.score.error),
                     "spectrum_error": finite(r.score.spectrum), "cents": r.score.cents.map(finite),
-                    "decay_db": finite(r.score.decay), "made": r.made().map(finite), "ns_per_sample": r.ns,
+                    "decay_db": finite(r.score.decay), "made": r.energy_error().map(finite), "ns_per_sample": r.ns,
                     "real_time_factor": 1e9 / (r.ns * f.rate), "stability": r.level.to_string(), "front": r.front,
                 })
             })
             .collect();
-        let (origin, times, order) = match f.truth.origin {
+        let (origin, times, order) = match f.reference.origin {
             Origin::Modes => ("modes", None, None),
             Origin::Rate(n, p) => ("rate", Some(n), Some(p)),
             Origin::Open(n) => ("open", Some(n), None),
         };
         json!({
             "name": self.name, "rate": f.rate, "seconds": f.seconds(), "rows": rows,
-            "reference": { "origin": origin, "times": times, "order": order, "known": f.truth.known,
-                           "method": f.truth.method, "words": f.origin() },
+            "reference": { "origin": origin, "times": times, "order": order, "known": f.reference.known,
+                           "method": f.reference.method, "words": f.origin() },
             "refused": f.refused.iter().map(|(m, why)| json!({ "method": m, "why": why })).collect::<Vec<_>>(),
             "warned": f.warned.iter().map(|(m, what)| json!({ "method": m, "what": what })).collect::<Vec<_>>(),
             "recommended": self.best.map(|r| json!({ "method": r.method, "times": r.times })),

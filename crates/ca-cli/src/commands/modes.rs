@@ -31,7 +31,7 @@ pub fn run(args: &ModesArgs) -> Outcome {
         term::findings(&diags, &loaded.model);
         Failure::Reported
     })?;
-    let n = network.linear.places.len();
+    let n = network.linear.dofs.len();
     if n == 0 {
         if !network.unheard.is_empty() {
             let silent = load::ticked(network.unheard.iter().map(String::as_str));
@@ -73,7 +73,7 @@ fn levels(found: &Modes, port: &[(u32, f64)]) -> Vec<f64> {
 
 /// The sound rate \[Hz\].
 fn rate(network: &Network) -> f64 {
-    1.0 / (network.te * f64::from(network.oversample))
+    1.0 / (network.tick_dt * f64::from(network.oversample))
 }
 
 fn text(name: &str, network: &Network, found: &Modes, most: usize) -> Result<(), Failure> {

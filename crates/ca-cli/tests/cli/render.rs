@@ -85,7 +85,7 @@ fn an_unstable_model_is_named_and_silenced() {
         let file = format!("{model}.ca.toml");
         let r = desk.ca(&["render", &file, "--seconds", "1"]).is(3);
         let module = guilty.iter().find(|m| r.err.contains(&format!("`{m}`: "))).unwrap_or_else(|| panic!("{}", r.err));
-        assert!(r.err.contains("blew up at 0.00") && r.err.contains(advice), "{}", r.err);
+        assert!(r.err.contains("diverged at 0.00") && r.err.contains(advice), "{}", r.err);
         let (_, samples) = desk.wav(&format!("{model}.wav"));
         assert_eq!(samples.len(), 48_000);
         assert!(samples.iter().all(|s| s.is_finite() && s.abs() <= 1.0));
@@ -320,11 +320,11 @@ fn length_follows_the_gesture_where_nobody_says() {
 }
 
 #[test]
-fn the_energy_book_is_shown() {
+fn the_energy_ledger_is_shown() {
     let desk = Desk::new();
     desk.put("struck.ca.toml", STRUCK);
     let r = desk.ca(&["render", "struck.ca.toml", "--energy"]).is(0);
-    r.says(&["received", "lost", "made", "held", "made by `strike`"]);
+    r.says(&["received", "lost", "error", "stored", "of it by `strike`"]);
     let j = desk.ca(&["render", "struck.ca.toml", "--json"]).is(0).json();
     assert_eq!((j["energy"]["seconds"].as_f64(), j["energy"]["whole"].as_bool()), (Some(1.0), Some(false)));
     assert!(j["energy"]["relative_residual"].as_f64().unwrap() < 1e-10);

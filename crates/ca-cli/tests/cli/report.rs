@@ -134,8 +134,8 @@ fn what_is_odd_still_has_a_page() {
     assert_eq!(Page::of(&desk, "mute.html").titles(), ["Summary", "Energy", "Modes", "Stability", "Model"]);
     desk.ca(&["report", "empty.ca.toml"]).is(0);
     Page::of(&desk, "empty.html").says(&["Nothing in this model moves"]);
-    desk.ca(&["report", "wild.ca.toml", "--seconds", "100 ms"]).is(3).says(&["blew up", "`bob`"]);
-    Page::of(&desk, "wild.html").says(&["class=\"note warning\"", "blew up", "unstable", "A mode grows"]);
+    desk.ca(&["report", "wild.ca.toml", "--seconds", "100 ms"]).is(3).says(&["diverged", "`bob`"]);
+    Page::of(&desk, "wild.html").says(&["class=\"note warning\"", "diverged", "unstable", "A mode grows"]);
     desk.ca(&["report", "bar.ca.toml", "-o", "one.html", "--seconds", "20 us"]).is(0);
     assert_eq!(Page::of(&desk, "one.html").plot("sample")["grid"][2], 1);
     // no rate is high enough to know the error at this one
@@ -167,9 +167,9 @@ fn modes_are_not_silent_to_who_hears_forces() {
     }
 }
 
-/// What is said of the energy of a model that blew up is not the size of the blow-up.
+/// What is said of the energy of a model that diverged is not the size of the divergence.
 #[test]
-fn the_energy_of_a_blow_up_is_no_number() {
+fn the_energy_of_a_divergence_is_no_number() {
     let desk = Desk::new();
     for k in ["9.3 MN/m", "11 MN/m"] {
         let wild = format!(

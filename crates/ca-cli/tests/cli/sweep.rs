@@ -1,7 +1,7 @@
 //! `ca sweep`: the same runs for anybody, whole chunks, and bad runs as rows.
 
 use crate::desk::{Desk, blocks, from_root};
-use ca_lab::sweep::{Column, Table};
+use ca_lab::sweep::{Column, RunTable};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
@@ -75,22 +75,22 @@ fn same_every_time(root: &Path) -> BTreeMap<String, Vec<u8>> {
     files(root).into_iter().filter(|(name, _)| !timed(name)).collect()
 }
 
-fn texts(t: &Table, name: &str) -> Vec<Option<String>> {
+fn texts(t: &RunTable, name: &str) -> Vec<Option<String>> {
     match t.column(name) {
         Some(Column::Text(v)) => v.clone(),
         other => panic!("{name}: {other:?}"),
     }
 }
 
-fn numbers(t: &Table, name: &str) -> Vec<Option<f64>> {
+fn numbers(t: &RunTable, name: &str) -> Vec<Option<f64>> {
     match t.column(name) {
         Some(Column::Number(v)) => v.clone(),
         other => panic!("{name}: {other:?}"),
     }
 }
 
-fn manifest(desk: &Desk, folder: &str) -> Table {
-    Table::read(&desk.path(folder).join("manifest.parquet")).unwrap()
+fn manifest(desk: &Desk, folder: &str) -> RunTable {
+    RunTable::read(&desk.path(folder).join("manifest.parquet")).unwrap()
 }
 
 #[test]
@@ -158,14 +158,14 @@ fn a_bad_run_is_a_row() {
     let status: Vec<String> = texts(&table, "status").into_iter().flatten().collect();
     let message: Vec<String> = texts(&table, "message").into_iter().flatten().collect();
     assert_eq!(status, ["invalid", "ok", "invalid", "unstable"], "{message:?} {}", ran.out);
-    assert!(message[0].contains('E') && message[1].is_empty() && message[3].contains("blew up"), "{message:?}");
+    assert!(message[0].contains('E') && message[1].is_empty() && message[3].contains("diverged"), "{message:?}");
     assert!(numbers(&table, "failed")[3].is_some_and(|t| t < 0.1));
     assert!(texts(&table, "module")[3].as_ref().is_some_and(|m| m.contains("low")), "{table:?}");
     assert_eq!(texts(&table, "file")[0], None);
     assert!(numbers(&table, "residual")[1].is_some_and(|r| r < 1e-9));
     let k: Vec<f64> = numbers(&table, "low.k").into_iter().flatten().collect();
     assert_eq!(k, [-1.0, 4e3, 4.0, 1e9], "in SI units, whatever units they are");
-    // what blew up has no pitch
+    // what diverged has no pitch
     assert!(numbers(&table, "partial")[1].is_some_and(|f| f > 20.0) && numbers(&table, "partial")[3].is_none());
 }
 

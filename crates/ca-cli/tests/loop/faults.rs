@@ -80,7 +80,7 @@ fn h15_h16_a_model_that_explodes_leaves_hand_and_ear() {
     let watch = Watch::of(&stage.site, "key");
     let _device = stage.key(&["--script", "hold"]);
     let server = stage.serve("bang.ca.toml", &["--json", "-o", "bang.wav"]);
-    // where the machine stood still it blew up before; arming loads it again
+    // where the machine stood still it diverged before; arming loads it again
     stage.armed("it blows up with forces on", |mode, cause| {
         mode == "fault" && cause == "MODEL_UNSTABLE" && watch.so_far().of(Mode::Ramp).next().is_some()
     });

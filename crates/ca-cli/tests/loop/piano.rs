@@ -162,7 +162,7 @@ fn page(all: &[Played]) -> String {
         ("lost in the bed", &["lost in `stop"]),
         ("lost in strings and bridge", &["lost in masses", "lost in `board"]),
         ("still held", &["held"]),
-        ("made (−) by the scheme", &["swallowed"]),
+        ("error of the scheme", &["swallowed"]),
     ];
     for (what, names) in rows {
         let _ = write!(out, "\n| {what} |");

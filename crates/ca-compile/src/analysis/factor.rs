@@ -5,7 +5,7 @@
 //! digits. The largest eigenvalue comes from the same test by bisection, not from an iteration that approaches it from
 //! below: the answer is a bound on either side.
 
-use crate::analysis::linear::{Linear, Row};
+use crate::analysis::linear::{Linear, LinkRow};
 use alloc::vec::Vec;
 use faer::linalg::solvers::Solve as _;
 use faer::sparse::linalg::solvers::{Llt, SymbolicLlt};
@@ -32,11 +32,11 @@ pub struct Factor {
 impl Pencil {
     /// The matrix of a network, each link as heavy as `weigh` says (1: as it is). `None` where nothing moves, or where
     /// there is no memory for it.
-    pub fn new(linear: &Linear, weigh: impl Fn(&Row) -> f64) -> Option<Pencil> {
-        let n = linear.places.len();
-        let roots: Vec<f64> = linear.places.iter().map(|p| libm::sqrt(p.c)).collect();
+    pub fn new(linear: &Linear, weigh: impl Fn(&LinkRow) -> f64) -> Option<Pencil> {
+        let n = linear.dofs.len();
+        let roots: Vec<f64> = linear.dofs.iter().map(|p| libm::sqrt(p.c)).collect();
         let mut all = Vec::with_capacity(n + 3 * linear.rows.len());
-        for (i, p) in linear.places.iter().enumerate() {
+        for (i, p) in linear.dofs.iter().enumerate() {
             all.push(Triplet::new(i as u32, i as u32, p.c * (p.k + 2.0 * p.z)));
         }
         for row in &linear.rows {
@@ -74,7 +74,7 @@ impl Pencil {
     /// Bounds of the largest eigenvalue, `digits` apart or nearer, from bounds that are known.
     pub fn largest(&self, lower: f64, upper: f64, digits: f64) -> (f64, f64) {
         let (mut low, mut high) = (lower.max(0.0), upper.max(lower));
-        // what was taken for a bound may be one of other places than those looked at
+        // what was taken for a bound may be one of other dofs than those looked at
         if self.below(low).is_some() {
             (low, high) = (0.0, low);
         }

@@ -1,4 +1,4 @@
-//! The linear network of a scene as matrices see it: places that move, and links as rows b with a stiffness and a
+//! The linear network of a scene as matrices see it: dofs that move, and links as rows b with a stiffness and a
 //! viscosity, so that K = Σ k b bᵀ and C = Σ z b bᵀ (docs/numerics.md §1.3).
 //!
 //! Decides to keep rows instead of matrices: stability wants T²K + 2TC at once, modes want them apart, and the largest
@@ -9,7 +9,7 @@ use alloc::vec::Vec;
 
 /// A place that moves: one axis of one MAT.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Place {
+pub struct Dof {
     /// number of the MAT in document order
     pub mat: u32,
     /// its axis
@@ -26,7 +26,7 @@ pub struct Place {
 
 /// A link. Its elongation is the sum of its entries' weights times displacements.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Row {
+pub struct LinkRow {
     /// number of the LIA in document order
     pub lia: u32,
     /// stiffness \[N/m\]
@@ -53,10 +53,10 @@ pub struct Loose {
 /// The linear network.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Linear {
-    /// places that move
-    pub places: Vec<Place>,
+    /// dofs that move
+    pub dofs: Vec<Dof>,
     /// links between them, or to what is fixed
-    pub rows: Vec<Row>,
+    pub rows: Vec<LinkRow>,
     /// links at points that wander
     pub loose: Vec<Loose>,
     entries: Vec<(u32, f64)>,
@@ -68,12 +68,12 @@ impl Linear {
         if !entries.is_empty() && (k != 0.0 || z != 0.0) {
             let first = self.entries.len() as u32;
             self.entries.extend_from_slice(entries);
-            self.rows.push(Row { lia, k, z, implicit, entries: (first, entries.len() as u32) });
+            self.rows.push(LinkRow { lia, k, z, implicit, entries: (first, entries.len() as u32) });
         }
     }
 
-    /// Entries of a link: places and weights.
-    pub fn entries(&self, row: &Row) -> &[(u32, f64)] {
+    /// Entries of a link: dofs and weights.
+    pub fn entries(&self, row: &LinkRow) -> &[(u32, f64)] {
         let (first, n) = row.entries;
         self.entries.get(first as usize..(first + n) as usize).unwrap_or_default()
     }
@@ -86,7 +86,7 @@ pub struct Port {
     pub name: String,
     /// what it does: `hears`, `pushes`, or `acts` for a link that is not linear
     pub role: &'static str,
-    /// places and weights
+    /// dofs and weights
     pub at: Vec<(u32, f64)>,
 }
 
@@ -94,14 +94,14 @@ pub struct Port {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Network {
     /// tick \[s\]
-    pub te: f64,
+    pub tick_dt: f64,
     /// ticks in a sample
     pub oversample: u32,
     /// true where its ticks are those of [`ca_core::method::pefrl`]
     pub composed: bool,
     /// true where all of it goes by its modes, which the scheme then plays as they are
     pub modal: bool,
-    /// its places and links
+    /// its dofs and links
     pub linear: Linear,
     /// name of each place: its module, with `.x`, `.y` or `.z` in space
     pub names: Vec<String>,

@@ -8,5 +8,5 @@ pub mod linear;
 pub mod modes;
 
 pub use factor::{Factor, Pencil};
-pub use linear::{Linear, Loose, Network, Place, Port, Row};
+pub use linear::{Dof, Linear, LinkRow, Loose, Network, Port};
 pub use modes::{Mode, Modes};

@@ -5,7 +5,7 @@
 //! mode sings √(ω² − s²) and dies by e^(−st), s = b/2T.
 //!
 //! Decides for one symmetric eigenproblem, of T² M^-½ K M^-½: modes are orthogonal and every one is found. Damping that
-//! is not proportional couples them; how much is reported for each mode ([`Mode::coupled`]), and up to [`EXACT`] places the
+//! is not proportional couples them; how much is reported for each mode ([`Mode::coupled`]), and up to [`EXACT`] dofs the
 //! poles are then those of the whole scheme.
 
 use crate::analysis::linear::{Linear, Network};
@@ -14,9 +14,9 @@ use ca_core::method::pefrl::explicit;
 use faer::linalg::solvers::Solve as _;
 use faer::{Mat, Side};
 
-/// Most places of a network whose modes are computed: the matrix is dense.
+/// Most dofs of a network whose modes are computed: the matrix is dense.
 pub const LARGEST: usize = 4000;
-/// Most places of a network with coupled damping whose poles are computed as they are.
+/// Most dofs of a network with coupled damping whose poles are computed as they are.
 pub const EXACT: usize = 400;
 /// From here on damping couples modes by more than rounding.
 const COUPLED: f64 = 1e-9;
@@ -84,12 +84,12 @@ impl Mode {
 /// K and C scaled by the roots of the masses, T² M^-½ K M^-½ and T M^-½ C M^-½, and the inertia that implicit methods
 /// add, scaled alike; nothing where there are none.
 fn matrices(linear: &Linear) -> (Mat<f64>, Mat<f64>, Option<Mat<f64>>) {
-    let n = linear.places.len();
-    let root: Vec<f64> = linear.places.iter().map(|p| libm::sqrt(p.c)).collect();
+    let n = linear.dofs.len();
+    let root: Vec<f64> = linear.dofs.iter().map(|p| libm::sqrt(p.c)).collect();
     let (mut k, mut z) = (Mat::<f64>::zeros(n, n), Mat::<f64>::zeros(n, n));
-    let some = linear.places.iter().any(|p| p.implicit != 0.0) || linear.rows.iter().any(|r| r.implicit != 0.0);
+    let some = linear.dofs.iter().any(|p| p.implicit != 0.0) || linear.rows.iter().any(|r| r.implicit != 0.0);
     let mut implicit = some.then(|| Mat::<f64>::zeros(n, n));
-    for (i, p) in linear.places.iter().enumerate() {
+    for (i, p) in linear.dofs.iter().enumerate() {
         k[(i, i)] += p.c * p.k;
         z[(i, i)] += p.c * p.z;
         if let Some(a) = &mut implicit {
@@ -118,14 +118,14 @@ fn matrices(linear: &Linear) -> (Mat<f64>, Mat<f64>, Option<Mat<f64>>) {
 /// highest.
 fn rayleigh(linear: &Linear, u: impl Fn(u32) -> f64) -> (f64, f64) {
     let (mut a, mut b, mut whole) = (0.0, 0.0, 0.0);
-    for (p, i) in linear.places.iter().zip(0..) {
+    for (p, i) in linear.dofs.iter().zip(0..) {
         let square = u(i) * u(i);
         a += p.c * p.k * square;
         b += p.c * p.z * square;
         whole += square;
     }
     for row in &linear.rows {
-        let at = |i: &u32| u(*i) * libm::sqrt(linear.places[*i as usize].c);
+        let at = |i: &u32| u(*i) * libm::sqrt(linear.dofs[*i as usize].c);
         let e: f64 = linear.entries(row).iter().map(|(i, w)| w * at(i)).sum();
         a += row.k * e * e;
         b += row.z * e * e;
@@ -135,14 +135,14 @@ fn rayleigh(linear: &Linear, u: impl Fn(u32) -> f64) -> (f64, f64) {
 
 /// The modes of a network; `None` where it is too large, or where the numbers are beyond computing.
 pub fn modes(network: &Network) -> Option<Modes> {
-    let n = network.linear.places.len();
+    let n = network.linear.dofs.len();
     if n > LARGEST {
         return None;
     }
     if n == 0 {
         return Some(Modes { list: Vec::new(), approximate: false });
     }
-    let te = network.te;
+    let tick_dt = network.tick_dt;
     let (mut k, mut z, implicit) = matrices(&network.linear);
     let found = k.self_adjoint_eigen(Side::Lower).ok()?;
     let (u, values) = (found.U(), found.S());
@@ -161,8 +161,8 @@ pub fn modes(network: &Network) -> Option<Modes> {
                 damping[(i, j)].abs() / ((values[i] - values[j]).abs() + damping[(i, i)].max(b)).max(f64::MIN_POSITIVE)
             })
             .fold(0.0, f64::max);
-        let places = &network.linear.places;
-        let shape = (0..n).map(|i| u[(i, j)] * libm::sqrt(places[i].c) / te).collect();
+        let dofs = &network.linear.dofs;
+        let shape = (0..n).map(|i| u[(i, j)] * libm::sqrt(dofs[i].c) / tick_dt).collect();
         let mut mode = Mode {
             a,
             b,
@@ -174,7 +174,7 @@ pub fn modes(network: &Network) -> Option<Modes> {
             coupled,
             shape,
         };
-        mode.alone(te, 1.0 + heavier.as_ref().map_or(0.0, |h| h[(j, j)]), network.composed);
+        mode.alone(tick_dt, 1.0 + heavier.as_ref().map_or(0.0, |h| h[(j, j)]), network.composed);
         if network.modal {
             (mode.heard, mode.t60, mode.grows) = (mode.f, mode.t60_free, false);
         }
@@ -187,7 +187,7 @@ pub fn modes(network: &Network) -> Option<Modes> {
             let a = a.partial_piv_lu();
             (k, z) = (a.solve(&k), a.solve(&z));
         }
-        poles(&k, &z, u, te, &mut list)?;
+        poles(&k, &z, u, tick_dt, &mut list)?;
     }
     Some(Modes { list, approximate: ties && n > EXACT })
 }
@@ -196,40 +196,40 @@ const TURN: f64 = core::f64::consts::TAU;
 
 /// Seconds to fall by 60 dB at a rate of decay \[1/s\]; infinite where what is lost in a tick is no more than its
 /// rounding, `known` times over: that is no decay.
-fn t60(s: f64, te: f64, known: f64) -> f64 {
-    if s * te > known * f64::EPSILON { 3.0 * core::f64::consts::LN_10 / s } else { f64::INFINITY }
+fn t60(s: f64, tick_dt: f64, known: f64) -> f64 {
+    if s * tick_dt > known * f64::EPSILON { 3.0 * core::f64::consts::LN_10 / s } else { f64::INFINITY }
 }
 
 impl Mode {
     /// Pitch and decay of the mode by itself, with the inertia that implicit methods give it, or by the `composed` one.
-    fn alone(&mut self, te: f64, heavier: f64, composed: bool) {
+    fn alone(&mut self, tick_dt: f64, heavier: f64, composed: bool) {
         let (a, b) = (self.a, self.b);
         // continuous: ω² = a/T², s = b/2T
-        let (square, s) = (a - 0.25 * b * b, 0.5 * b / te);
-        let t60 = |s: f64| t60(s, te, 1.0);
-        self.f = if square > 0.0 && a > 0.0 { libm::sqrt(square) / (TURN * te) } else { 0.0 };
+        let (square, s) = (a - 0.25 * b * b, 0.5 * b / tick_dt);
+        let t60 = |s: f64| t60(s, tick_dt, 1.0);
+        self.f = if square > 0.0 && a > 0.0 { libm::sqrt(square) / (TURN * tick_dt) } else { 0.0 };
         self.t60_free = match () {
             () if a == 0.0 => t60(2.0 * s),
             () if square >= 0.0 => t60(s),
-            () => t60(s - libm::sqrt(-square) / te),
+            () => t60(s - libm::sqrt(-square) / tick_dt),
         };
         let (a, b) = (if composed { explicit(a) } else { a / heavier }, b / heavier);
         // the scheme: the middle of its two poles is 1 − (a + b)/2, their distance twice the root of this
         let half = 1.0 - 0.5 * (a + b);
         let off = a - 0.25 * (a + b) * (a + b);
         if off > 0.0 && a > 0.0 {
-            self.heard = libm::atan2(libm::sqrt(off), half) / (TURN * te);
-            self.t60 = t60(-0.5 * libm::log1p(-b) / te);
+            self.heard = libm::atan2(libm::sqrt(off), half) / (TURN * tick_dt);
+            self.t60 = t60(-0.5 * libm::log1p(-b) / tick_dt);
         } else {
             let slowest = half.abs() + libm::sqrt((-off).max(0.0));
             self.grows = a > 0.0 && slowest > 1.0;
-            self.t60 = if a == 0.0 { t60(-libm::log1p(-b) / te) } else { t60(-libm::log(slowest) / te) };
+            self.t60 = if a == 0.0 { t60(-libm::log1p(-b) / tick_dt) } else { t60(-libm::log(slowest) / tick_dt) };
         }
     }
 }
 
 /// The poles of the whole scheme, given to the modes whose shapes they have.
-fn poles(k: &Mat<f64>, z: &Mat<f64>, u: faer::MatRef<'_, f64>, te: f64, list: &mut [Mode]) -> Option<()> {
+fn poles(k: &Mat<f64>, z: &Mat<f64>, u: faer::MatRef<'_, f64>, tick_dt: f64, list: &mut [Mode]) -> Option<()> {
     let n = list.len();
     let mut map = Mat::<f64>::zeros(2 * n, 2 * n);
     for i in 0..n {
@@ -265,9 +265,9 @@ fn poles(k: &Mat<f64>, z: &Mat<f64>, u: faer::MatRef<'_, f64>, te: f64, list: &m
         }
         (given[j], taken[p]) = (true, true);
         let w = values[p];
-        list[j].heard = libm::atan2(w.im, w.re) / (TURN * te);
+        list[j].heard = libm::atan2(w.im, w.re) / (TURN * tick_dt);
         // poles are known to the rounding of a matrix of so many rows
-        list[j].t60 = t60(-libm::log(libm::hypot(w.re, w.im)) / te, te, 8.0 * n as f64);
+        list[j].t60 = t60(-libm::log(libm::hypot(w.re, w.im)) / tick_dt, tick_dt, 8.0 * n as f64);
     }
     Some(())
 }

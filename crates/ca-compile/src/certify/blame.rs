@@ -1,9 +1,9 @@
 //! Which module is to blame, and what would mend it, in numbers an author can type.
 
+use crate::certify::accumulate::{Accumulated, Sums};
 use crate::findings::{round_down, round_up};
 use crate::lower::rates::{CLOCK, FINEST};
-use crate::net::worst::Row;
-use crate::net::{LiaNode, Net};
+use crate::net::{LiaNode, Pruned};
 use alloc::collections::BTreeSet;
 use alloc::format;
 use alloc::string::String;
@@ -14,10 +14,11 @@ use ca_model::diag::{Diag, Diags};
 use ca_model::{Model, Span, quantity};
 
 /// Numbers so large or so small that the coefficients are not numbers any more. Said for each item, and an error.
-pub fn overflow(model: &Model, net: &Net, rows: &[Row], bounds: &[Bound], diags: &mut Diags) -> bool {
-    let mats =
-        net.mats.iter().zip(rows).filter(|(_, r)| !(r.c.is_finite() && (r.all * r.c).is_finite())).map(|(m, _)| m.item);
-    let links = net.lias.iter().zip(bounds).filter(|(_, b)| !(b.k.is_finite() && b.z.is_finite())).map(|(l, _)| l.item);
+pub fn overflow(model: &Model, net: &Pruned, sums: &Accumulated, diags: &mut Diags) -> bool {
+    let good = |s: &Sums| s.pull.is_finite() && (s.all * s.pull).is_finite();
+    let mats = net.mats.iter().zip(&sums.mats).filter(|(_, s)| !good(s)).map(|(m, _)| m.item);
+    let links =
+        net.lias.iter().zip(&sums.links).filter(|(_, b)| !(b.k.is_finite() && b.z.is_finite())).map(|(l, _)| l.item);
     let items: BTreeSet<u32> = mats.chain(links).collect();
     for item in &items {
         let name = &net.items[*item as usize].name;
@@ -30,15 +31,15 @@ pub fn overflow(model: &Model, net: &Net, rows: &[Row], bounds: &[Bound], diags:
 }
 
 /// Where a module is named.
-pub fn span(model: &Model, net: &Net, item: u32) -> Span {
+pub fn span(model: &Model, net: &Pruned, item: u32) -> Span {
     model.items[net.items[item as usize].model].name_span
 }
 
 /// What makes a mass unstable, and the numbers that would mend it.
-pub fn unstable(model: &Model, net: &Net, rows: &[Row], bounds: &[Bound], i: usize) -> Diag {
+pub fn unstable(model: &Model, net: &Pruned, sums: &Accumulated, i: usize) -> Diag {
     let m = &net.mats[i];
-    let r = &rows[i];
-    let at = r.own * r.c;
+    let s = &sums.mats[i];
+    let at = s.certain * s.pull;
     let title = format!(
         "`{}` is too stiff for its mass at this sound rate: {:.3}, the limit is 4",
         m.name,
@@ -47,19 +48,19 @@ pub fn unstable(model: &Model, net: &Net, rows: &[Row], bounds: &[Bound], i: usi
     let d = Diag::warning("W103", title).at(span(model, net, m.item), "this mass");
     // the link that weighs most is the one to change
     let mut most: Option<(&LiaNode, &Bound)> = None;
-    for (l, b) in net.lias.iter().zip(bounds) {
+    for (l, b) in net.lias.iter().zip(&sums.links) {
         let touches = b.linear && l.all_ends().any(|e| net.under(e).contains(&(i as u32)));
         if touches && most.is_none_or(|(_, o)| b.h() > o.h()) {
             most = Some((l, b));
         }
     }
-    let mass = net.te * net.te * net.ease() / r.c * at / 4.0;
+    let mass = net.tick_dt * net.tick_dt / s.c * at / 4.0;
     let heavier = format!("make `{}` heavier than {}", m.name, quantity::show(round_up(mass), Unit::KILOGRAM));
-    let viscous = net.lias.iter().zip(bounds).any(|(_, b)| b.z > 0.0) || r.z > 0.0;
+    let viscous = net.lias.iter().zip(&sums.links).any(|(_, b)| b.z > 0.0) || s.z > 0.0;
     let rate = faster(net, at, viscous);
     match most {
         Some((l, b)) => {
-            let (room, counted) = (4.0 / r.c - (r.own - b.h()), b.explicit());
+            let (room, counted) = (4.0 / s.pull - (s.certain - b.h()), b.explicit());
             // what one number leaves to the other; below 0 no value of it would do
             let (k, z) = (room - 2.0 * counted.z, 0.5 * (room - counted.k));
             let fix = if b.lift > 0.0 {
@@ -67,7 +68,11 @@ pub fn unstable(model: &Model, net: &Net, rows: &[Row], bounds: &[Bound], i: usi
             } else if k > 0.0 && counted.k >= 2.0 * counted.z {
                 format!("keep `k` of `{}` below {}", l.name, quantity::show(round_down(k), Unit::STIFFNESS))
             } else if z > 0.0 {
-                format!("keep `z` of `{}` below {}", l.name, quantity::show(round_down(z * net.te), Unit::VISCOSITY))
+                format!(
+                    "keep `z` of `{}` below {}",
+                    l.name,
+                    quantity::show(round_down(z * net.tick_dt), Unit::VISCOSITY)
+                )
             } else if room > 0.0 {
                 let share = 100.0 * room / (counted.k + 2.0 * counted.z);
                 format!("make `{}` at most {} % as stiff and viscous", l.name, quantity::Plain(round_down(share)))
@@ -82,7 +87,7 @@ pub fn unstable(model: &Model, net: &Net, rows: &[Row], bounds: &[Bound], i: usi
 
 /// The sound rate at which an eigenvalue of now would be at the limit, and the ticks in a sample that are enough:
 /// stiffness falls with the square of the rate, viscosity with it. Empty where no model may have either.
-pub fn faster(net: &Net, now: f64, viscous: bool) -> String {
+pub fn faster(net: &Pruned, now: f64, viscous: bool) -> String {
     let times = if viscous { now / 4.0 } else { libm::sqrt(now / 4.0) };
     let above = net.rate * times;
     let rate = format!("raise the sound rate above {:.0} Hz", quantity::Plain(above));

@@ -5,15 +5,15 @@
 //! the points where they are at load, say whether the scene is certainly unstable.
 
 use crate::analysis::{Factor, Linear, Loose, Pencil};
+use crate::certify::accumulate::Sums;
 use crate::certify::blame::{any, faster, span};
 use crate::findings::round_down;
-use crate::net::linear::{Numbers, Points, Pull, links, places, rows};
+use crate::net::linear::{Numbers, Points, Pull, dofs, links, rows};
 use crate::net::linearisation::Own;
-use crate::net::worst::Row;
-use crate::net::{LiaNode, Net};
+use crate::net::{LiaNode, Pruned};
 use alloc::format;
 use alloc::vec::Vec;
-use ca_core::certificate::{Certificate, Verdict};
+use ca_core::certificate::{Certificate, FactorVerdict};
 use ca_core::kind::{Role, Unit};
 use ca_core::law::Bound;
 use ca_model::diag::Diag;
@@ -38,11 +38,11 @@ pub struct Exact {
 
 impl Exact {
     /// The matrix of a network; `None` where nothing moves.
-    pub fn new(net: &Net, worst: &[Row], bounds: &[Bound]) -> Option<Exact> {
+    pub fn new(net: &Pruned, sums: &[Sums], bounds: &[Bound]) -> Option<Exact> {
         let bounds: Vec<Bound> = bounds.iter().map(Bound::explicit).collect();
         let bounds = &bounds[..];
-        let own: Vec<Own> = worst.iter().map(|r| Own { c: r.c, k: r.k, z: r.z, implicit: 0.0 }).collect();
-        let (mut linear, numbers) = places(net, &own);
+        let own: Vec<Own> = sums.iter().map(|s| Own { c: s.pull, k: s.k, z: s.z, implicit: 0.0 }).collect();
+        let (mut linear, numbers) = dofs(net, &own);
         let whole = links(net, bounds, &numbers, Points::Anywhere, &mut linear, |l, b| {
             !l.law.is_late() && (b.linear || !b.contact)
         });
@@ -53,22 +53,22 @@ impl Exact {
 
     /// Whether the scene is stable: surely wherever points stand and whatever is the steepest, or surely not with the
     /// linear links alone and the points where they are at load.
-    pub fn verdict(&self, net: &Net, bounds: &[Bound]) -> Verdict {
+    pub fn verdict(&self, net: &Pruned, bounds: &[Bound]) -> FactorVerdict {
         if self.is_stable() {
-            return Verdict::Stable;
+            return FactorVerdict::Stable;
         }
         let above = |p: Pencil| p.below(4.0 * (1.0 + ROUNDING)).is_none();
         if Pencil::new(&self.certain(net, bounds), |_| 1.0).is_some_and(above) {
-            Verdict::Unstable
+            FactorVerdict::Unstable
         } else {
-            Verdict::Open
+            FactorVerdict::Open
         }
     }
 
     fn is_stable(&self) -> bool {
         let Some(factor) = self.factor.as_ref().filter(|_| self.whole) else { return false };
         let solves: usize = self.linear.loose.iter().map(|l| l.at.len()).sum();
-        if solves.saturating_mul(self.linear.places.len()) > WORK {
+        if solves.saturating_mul(self.linear.dofs.len()) > WORK {
             return false;
         }
         // 4 − H − Σ h b bᵀ is definite where Σ h bᵀ(4 − H)⁻¹b is below 1
@@ -78,9 +78,9 @@ impl Exact {
     }
 
     /// What is there for certain: the linear links, with the points where they are at load.
-    fn certain(&self, net: &Net, bounds: &[Bound]) -> Linear {
+    fn certain(&self, net: &Pruned, bounds: &[Bound]) -> Linear {
         let mut linear = Linear::default();
-        linear.places.clone_from(&self.linear.places);
+        linear.dofs.clone_from(&self.linear.dofs);
         let counts = |l: &LiaNode, b: &Bound| b.linear && !l.law.is_late();
         let bounds: Vec<Bound> = bounds.iter().map(Bound::explicit).collect();
         links(net, &bounds, &self.numbers, Points::AtLoad, &mut linear, counts);
@@ -89,19 +89,19 @@ impl Exact {
 
     /// How easily a contact moves its two ends apart \[m/N per tick²\], with the other links that hold them: T² bᵀS⁻¹b,
     /// which is T²/m of a mass that hangs on nothing. `None` where it was not looked at.
-    pub fn mobility(&self, net: &Net, l: &LiaNode, own: &Bound) -> Option<f64> {
+    pub fn mobility(&self, net: &Pruned, l: &LiaNode, own: &Bound) -> Option<f64> {
         let factor = self.factor.as_ref().filter(|_| l.sets.is_none())?;
         // what is always there is in the matrix itself, and taken out of it again
         let h = if own.contact { 0.0 } else { own.h() };
         let of = |b: &[(u32, f64)]| {
             let g = factor.gives(b);
-            4.0 * g / (1.0 + h * g)
+            4.0 * g / (1.0 + h * g) / net.ease()
         };
         rows(net, l, &Bound::default(), &self.numbers, Points::Anywhere)
             .iter()
             .map(|row| match row {
                 Pull::At(_, _, b) => of(b),
-                Pull::Anywhere(at) => at.iter().map(|b| 4.0 * factor.gives(b)).fold(0.0, f64::max),
+                Pull::Anywhere(at) => at.iter().map(|b| 4.0 * factor.gives(b) / net.ease()).fold(0.0, f64::max),
             })
             .reduce(f64::max)
     }
@@ -113,7 +113,7 @@ impl Exact {
     }
 
     /// What makes the whole unstable though no module is by itself, and the numbers that would mend it.
-    pub fn blame(&self, model: &Model, net: &Net, bounds: &[Bound], mat: usize, cert: &Certificate) -> Diag {
+    pub fn blame(&self, model: &Model, net: &Pruned, bounds: &[Bound], mat: usize, cert: &Certificate) -> Diag {
         let m = &net.mats[mat];
         let linear = self.certain(net, bounds);
         let largest = Pencil::new(&linear, |_| 1.0).map_or(4.0, |p| p.largest(cert.lower, cert.bound, TOLD).1);
@@ -122,7 +122,7 @@ impl Exact {
             quantity::Plain(largest)
         );
         let d = Diag::warning("W103", title).at(span(model, net, m.item), "nearest to the limit by itself");
-        let viscous = bounds.iter().any(|b| b.z > 0.0) || linear.places.iter().any(|p| p.z > 0.0);
+        let viscous = bounds.iter().any(|b| b.z > 0.0) || linear.dofs.iter().any(|p| p.z > 0.0);
         let rate = faster(net, largest, viscous);
         // the link there that weighs most is the one to change
         let touches = |l: &LiaNode| l.all_ends().any(|e| net.under(e).contains(&(mat as u32)));
@@ -148,7 +148,7 @@ impl Exact {
 }
 
 /// The largest share of the slopes of one item's links that would be stable; `None` where it is next to nothing.
-fn share(net: &Net, linear: &Linear, item: u32) -> Option<f64> {
+fn share(net: &Pruned, linear: &Linear, item: u32) -> Option<f64> {
     let stable = |s: f64| {
         let weigh = |lia: u32| if net.lias[lia as usize].item == item { s } else { 1.0 };
         Pencil::new(linear, |r| weigh(r.lia)).is_some_and(|p| p.below(4.0).is_some())

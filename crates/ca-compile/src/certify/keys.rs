@@ -3,14 +3,14 @@
 //! Decides to add up the slopes of all links at a key, as if all contacts were closed and all live parameters at their
 //! stiffest, and in space pulled in one direction. What hangs behind these links does not matter: it is passive by the rest of the certificate.
 
-use crate::net::{End, MatRole, Net};
+use crate::net::{End, MatRole, Pruned};
 use alloc::vec::Vec;
 use ca_core::certificate::Key;
 use ca_core::kind::PortRole;
 use ca_core::law::Bound;
 
 /// A row for each key that something stiff holds, in the order of the document.
-pub fn keys(net: &Net, bounds: &[Bound]) -> Vec<Key> {
+pub fn keys(net: &Pruned, bounds: &[Bound]) -> Vec<Key> {
     let mut held: Vec<Vec<(u32, f64)>> = alloc::vec![Vec::new(); net.mats.len()];
     for (l, b) in net.lias.iter().zip(bounds) {
         for e in l.all_ends() {

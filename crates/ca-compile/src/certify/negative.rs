@@ -22,25 +22,25 @@ impl Negative {
     }
 
     /// Whether every negative spring is covered.
-    pub fn covered(mut self) -> bool {
-        if self.negative.is_empty() {
-            return true;
-        }
+    pub fn covered(&self) -> bool {
+        let mut positive = self.positive.clone();
         let mut around: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
-        for (i, j) in self.positive.keys() {
+        for (i, j) in positive.keys() {
             around.entry(*i).or_default().push(*j);
             around.entry(*j).or_default().push(*i);
         }
         for (i, j, b) in &self.negative {
             let key = |a: u32, c: u32| (a.min(c), a.max(c));
             let need = 2.0 * b * (1.0 - 1e-12);
-            let middle =
-                around.get(i).into_iter().flatten().copied().find(|m| {
-                    [key(*i, *m), key(*m, *j)].iter().all(|k| self.positive.get(k).is_some_and(|v| *v >= need))
-                });
+            let middle = around
+                .get(i)
+                .into_iter()
+                .flatten()
+                .copied()
+                .find(|m| [key(*i, *m), key(*m, *j)].iter().all(|k| positive.get(k).is_some_and(|v| *v >= need)));
             let Some(m) = middle else { return false };
             for k in [key(*i, m), key(m, *j)] {
-                if let Some(v) = self.positive.get_mut(&k) {
+                if let Some(v) = positive.get_mut(&k) {
                     *v -= 2.0 * b;
                 }
             }

@@ -1,8 +1,8 @@
 //! A build without `analysis`: only the cheap bounds speak.
 
-use crate::net::worst::Row;
-use crate::net::{LiaNode, Net};
-use ca_core::certificate::{Certificate, Verdict};
+use crate::certify::accumulate::Sums;
+use crate::net::{LiaNode, Pruned};
+use ca_core::certificate::{Certificate, FactorVerdict};
 use ca_core::law::Bound;
 use ca_model::Model;
 use ca_model::diag::Diag;
@@ -15,15 +15,15 @@ pub enum Exact {}
 
 impl Exact {
     /// None.
-    pub fn new(_: &Net, _: &[Row], _: &[Bound]) -> Option<Exact> {
+    pub fn new(_: &Pruned, _: &[Sums], _: &[Bound]) -> Option<Exact> {
         None
     }
     /// Never asked.
-    pub fn verdict(&self, _: &Net, _: &[Bound]) -> Verdict {
+    pub fn verdict(&self, _: &Pruned, _: &[Bound]) -> FactorVerdict {
         match *self {}
     }
     /// Never asked.
-    pub fn mobility(&self, _: &Net, _: &LiaNode, _: &Bound) -> Option<f64> {
+    pub fn mobility(&self, _: &Pruned, _: &LiaNode, _: &Bound) -> Option<f64> {
         match *self {}
     }
     /// Never asked.
@@ -31,7 +31,7 @@ impl Exact {
         match *self {}
     }
     /// Never asked.
-    pub fn blame(&self, _: &Model, _: &Net, _: &[Bound], _: usize, _: &Certificate) -> Diag {
+    pub fn blame(&self, _: &Model, _: &Pruned, _: &[Bound], _: usize, _: &Certificate) -> Diag {
         match *self {}
     }
 }

@@ -12,7 +12,7 @@
 use crate::certify::blame::span;
 use crate::findings::round_down;
 use crate::net::linearisation;
-use crate::net::{End, LiaNode, Measure, Net};
+use crate::net::{End, LiaNode, Measure, Pruned};
 use alloc::collections::BTreeSet;
 use alloc::format;
 use alloc::vec::Vec;
@@ -41,20 +41,20 @@ fn node(mat: u32, axis: u8) -> Node {
 }
 
 /// Stiffness of a link at rest; 0 of contacts, which may be open.
-fn stiffness(net: &Net, l: &LiaNode) -> f64 {
+fn stiffness(net: &Pruned, l: &LiaNode) -> f64 {
     let b = linearisation::slopes(net, l);
     if b.contact { 0.0 } else { b.k }
 }
 
 impl Springs {
-    fn new(net: &Net) -> Springs {
+    fn new(net: &Pruned) -> Springs {
         let n = 3 * net.mats.len();
         let mut s = Springs { ground: alloc::vec![0.0; n], around: alloc::vec![Vec::new(); n], moving: false };
         for (i, m) in net.mats.iter().enumerate() {
             let k = linearisation::own(net, m).k;
             (0..m.axes).for_each(|axis| s.ground[node(i as u32, axis)] = k);
         }
-        for (m, before, k) in net.lines.iter().flat_map(|l| l.springs(net.te)) {
+        for (m, before, k) in net.lines.iter().flat_map(|l| l.springs(net.tick_dt)) {
             let i = node(m, 0);
             match before.map(|b| node(b, 0)) {
                 None => s.ground[i] += k,
@@ -180,7 +180,7 @@ enum Hold {
     Gives(Option<f64>),
 }
 
-fn hold(net: &Net, s: &Springs, parts: &mut Vec<Part>, ends: [End; 2], axes: [u8; 2]) -> Hold {
+fn hold(net: &Pruned, s: &Springs, parts: &mut Vec<Part>, ends: [End; 2], axes: [u8; 2]) -> Hold {
     // of an end that moves along a string, the string has to hold
     let place =
         |e: End, axis: u8| net.under(e).first().filter(|m| !net.mats[**m as usize].is_fixed()).map(|m| node(*m, axis));
@@ -208,7 +208,7 @@ fn hold(net: &Net, s: &Springs, parts: &mut Vec<Part>, ends: [End; 2], axes: [u8
 }
 
 /// Looks at the line ports of each LPR; one finding for each item.
-pub fn rigid(model: &Model, net: &Net, diags: &mut Diags) {
+pub fn rigid(model: &Model, net: &Pruned, diags: &mut Diags) {
     if net.lias.iter().all(|l| l.onto.is_none()) {
         return;
     }

@@ -11,13 +11,13 @@
 //! Decides on a number that is proven for small motions over one that is measured: it is reached by a mass between two
 //! springs drawn out of nothing, and rises with λ, so that a higher rate mends it.
 
-use crate::certify::Net;
 use crate::certify::exact::Exact;
+use crate::net::Pruned;
 use ca_core::certificate::{Certificate, Level};
 
 /// The share by which the energy of small motions may rise above what it was at any time before. `None` where nothing
 /// is known of it: an implicit contact keeps the energy of the ledger, and so moves the one that the rest keeps.
-pub fn ripple(net: &Net, exact: Option<&Exact>, cert: &Certificate) -> Option<f64> {
+pub fn ripple(net: &Pruned, exact: Option<&Exact>, cert: &Certificate) -> Option<f64> {
     if cert.level != Level::Linearised || net.is_composed() || net.lias.iter().any(|l| l.law.is_late()) {
         return None;
     }

@@ -1,9 +1,9 @@
 //! What no bound tells: contacts and device keys, judged by rule.
 
+use crate::certify::accumulate::{Accumulated, Sums};
 use crate::certify::blame::span;
 use crate::findings::{round_down, round_up};
-use crate::net::worst::Row;
-use crate::net::{End, LiaNode, Net};
+use crate::net::{End, LiaNode, Pruned};
 use alloc::collections::BTreeSet;
 use alloc::format;
 use ca_core::certificate::Certificate;
@@ -16,15 +16,14 @@ use ca_model::{Model, quantity};
 /// ends with the links that hold them (`held`), where that is known.
 pub fn contacts(
     model: &Model,
-    net: &Net,
-    rows: &[Row],
-    bounds: &[Bound],
+    net: &Pruned,
+    sums: &Accumulated,
     held: impl Fn(&LiaNode, &Bound) -> Option<f64>,
     cert: &mut Certificate,
     diags: &mut Diags,
 ) {
     let mut reported = BTreeSet::new();
-    for (l, b) in net.lias.iter().zip(bounds) {
+    for (l, b) in net.lias.iter().zip(&sums.links) {
         if b.active && reported.insert(l.item) {
             let d = Diag::warning("W110", format!("`{}` may feed energy in: its table does not only resist", l.name));
             diags.push(d.at(span(model, net, l.item), "active").help("a force of the sign of its speed only resists, and a spring that never falls only returns; if it is meant to drive, mind the level"));
@@ -32,7 +31,7 @@ pub fn contacts(
         if !b.contact || b.k == 0.0 || l.law.is_late() {
             continue;
         }
-        let c = held(l, b).unwrap_or_else(|| mobility(net, l, rows));
+        let c = held(l, b).unwrap_or_else(|| mobility(net, l, &sums.mats));
         let a = b.k * c;
         if a > cert.contact {
             cert.contact = a;
@@ -47,7 +46,7 @@ pub fn contacts(
             );
             let (lo, hi) = (0.12 * a, 1.9 - a);
             let help = if hi > lo {
-                let z = |b: f64| quantity::show(round_down(b / (c / net.te)), Unit::VISCOSITY);
+                let z = |b: f64| quantity::show(round_down(b / (c / net.tick_dt)), Unit::VISCOSITY);
                 format!("use `k` up to {safe}, or viscosity `z` between {} and {}", z(lo), z(hi))
             } else {
                 format!("use `k` up to {safe}, heavier masses, a higher sound rate")
@@ -62,16 +61,15 @@ pub fn contacts(
 /// stick rings at every other sample.
 pub fn frictions(
     model: &Model,
-    net: &Net,
-    rows: &[Row],
-    bounds: &[Bound],
+    net: &Pruned,
+    sums: &Accumulated,
     held: impl Fn(&LiaNode, &Bound) -> Option<f64>,
     cert: &mut Certificate,
     diags: &mut Diags,
 ) {
     let mut reported = BTreeSet::new();
-    for (l, b) in net.lias.iter().zip(bounds).filter(|(l, b)| rubs(b) && !l.law.is_late()) {
-        let c = held(l, b).unwrap_or_else(|| mobility(net, l, rows));
+    for (l, b) in net.lias.iter().zip(&sums.links).filter(|(l, b)| rubs(b) && !l.law.is_late()) {
+        let c = held(l, b).unwrap_or_else(|| mobility(net, l, &sums.mats));
         let steep = b.z * c;
         cert.friction = cert.friction.max(steep);
         if steep > 1.5 && reported.insert(l.item) {
@@ -96,19 +94,19 @@ pub fn rubs(b: &Bound) -> bool {
 }
 
 /// T²/m of both ends of a contact together; of a set, of its most mobile pair.
-fn mobility(net: &Net, l: &LiaNode, rows: &[Row]) -> f64 {
-    let end = |e: End| net.under(e).iter().map(|m| rows[*m as usize].c).fold(0.0, f64::max);
+fn mobility(net: &Pruned, l: &LiaNode, mats: &[Sums]) -> f64 {
+    let end = |e: End| net.under(e).iter().map(|m| mats[*m as usize].c).fold(0.0, f64::max);
     let Some(sets) = &l.sets else { return l.all_ends().map(end).sum() };
     // the largest and the next
     let two = |set: &[u32]| {
-        set.iter().map(|m| rows[*m as usize].c).fold((0.0f64, 0.0f64), |(a, b), c| (a.max(c), b.max(a.min(c))))
+        set.iter().map(|m| mats[*m as usize].c).fold((0.0f64, 0.0f64), |(a, b), c| (a.max(c), b.max(a.min(c))))
     };
     let (first, next) = two(&sets[0]);
     if sets[1].is_empty() { first + next } else { first + two(&sets[1]).0 }
 }
 
 /// The delay of a device turns viscosity straight on a key into noise and instability (ICMC 2013, 7.1).
-pub fn devices(model: &Model, net: &Net, bounds: &[Bound], diags: &mut Diags) {
+pub fn devices(model: &Model, net: &Pruned, bounds: &[Bound], diags: &mut Diags) {
     let is_key = |e: &End| matches!(e, End::Mat(m) if net.mats[*m as usize].code == "TGR");
     let mut reported = BTreeSet::new();
     for (l, b) in net.lias.iter().zip(bounds) {

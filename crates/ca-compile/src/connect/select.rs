@@ -76,7 +76,7 @@ impl Wiring<'_> {
             Part::Mass if plain_link => (&family.links, true),
             Part::Mass => (&family.masses, false),
             Part::Link => (&family.links, true),
-            Part::End => (&family.tips, false),
+            Part::End => (&family.anchors, false),
         };
         if let (true, Some(why)) = (links, wants_mat) {
             let d = Diag::error("E017", format!("`{}`: `{}` is a link, not a mass", w.owner, w.text.trim()));

@@ -1,11 +1,12 @@
 //! Wire: what is written between quotes becomes ends of links, taps of outputs and moving points.
 
+use crate::connect::measure;
 use crate::connect::select::{Meaning, Written};
 use crate::connect::sets::heard;
 use crate::connect::wiring::{Wiring, broken};
 use crate::findings::type_name;
 use crate::lower::space;
-use crate::net::{End, LiaNode, Measure, Net, Push, SecondPort};
+use crate::net::{End, LiaNode, Measure, Push, Resolved, SecondPort, Wired};
 use crate::options::{KernelClass, Options};
 use alloc::collections::{BTreeMap, BTreeSet};
 use alloc::format;
@@ -14,6 +15,7 @@ use alloc::vec::Vec;
 use ca_core::kind::PortRole;
 use ca_core::kind::Role;
 use ca_core::live::Source;
+use ca_core::phi::Pairs;
 use ca_model::LARGEST;
 use ca_model::diag::{Diag, Diags};
 use ca_model::{Entry, Item, Model, Span, Value};
@@ -21,9 +23,9 @@ use ca_model::{Entry, Item, Model, Span, Value};
 const LINKED: &str = "a link joins MATs: masses, fixed points, cells, ports moved from outside";
 
 /// Adds links, force ports, outputs and probes.
-pub fn wire(model: &Model, net: Net, options: &Options, diags: &mut Diags) -> Net {
+pub fn wire(model: &Model, net: Resolved, options: &Options, diags: &mut Diags) -> Wired {
     let (heard, broken) = (heard(model, options), broken(model, &net));
-    let mut w = Wiring { model, net, diags, heard, points: BTreeMap::new(), broken, over: false, under: 0 };
+    let mut w = Wiring { model, net: net.into(), diags, heard, points: BTreeMap::new(), broken, over: false, under: 0 };
     for id in 0..w.net.items.len() {
         if let Role::Lia(_) = w.net.items[id].kind.role {
             w.link(id as u32, options.kernel);
@@ -48,7 +50,6 @@ pub fn wire(model: &Model, net: Net, options: &Options, diags: &mut Diags) -> Ne
         let d = Diag::error("E013", format!("`{name}` could not be read, and something refers to it"));
         w.diags.push(d.help("mend what the reader reported first"));
     }
-    w.net.alive = alloc::vec![true; w.net.mats.len()];
     w.net
 }
 
@@ -129,7 +130,7 @@ impl Wiring<'_> {
         }
         let arg = |key: &str| kind.param(key).and_then(|i| self.net.items[id as usize].args[i].num());
         // a set with itself makes all pairs: one to one would join each to itself
-        let all = arg("pairs") == Some(1.0) || (a.len() > 1 && a == b);
+        let all = Pairs::of(arg("pairs")) == Pairs::All || (a.len() > 1 && a == b);
         let (l0, soften) = (arg("l0"), arg("soften").unwrap_or(0.0));
         if all && class == KernelClass::Fast && self.set(id, law, &a, &b) {
             return;
@@ -186,7 +187,7 @@ impl Wiring<'_> {
                 return;
             }
             let measured = match onto.get(i) {
-                None => space::measure(&self.net, ends, along).map(|m| (m, None)),
+                None => measure::measure(&self.net, ends, along).map(|m| (m, None)),
                 Some(o) => self.ports(ends, *o).map(|(m, o)| (m, Some(o))),
             };
             let (mut measure, mut onto) = match measured {
@@ -213,7 +214,7 @@ impl Wiring<'_> {
                 self.diags.push(d.help("leave out `soften`: it keeps the direction of a distance in space defined"));
                 return;
             }
-            for l in space::vectorial(&self.net, node) {
+            for l in measure::vectorial(&self.net, node) {
                 made.push(self.net.lias.len() as u32);
                 self.net.lias.push(l);
             }
@@ -223,7 +224,7 @@ impl Wiring<'_> {
 
     /// How the two ports of a quadripole measure; an error in words where the ends of one are in different worlds.
     fn ports(&self, first: [End; 2], second: [End; 2]) -> Result<(Measure, SecondPort), (&'static str, &'static str)> {
-        let measure = |ends| space::measure(&self.net, ends, None);
+        let measure = |ends| measure::measure(&self.net, ends, None);
         let help = "the ends of one port stand in one world: both on a line, or both in space";
         let first = measure(first).map_err(|_| ("joins a line and space by `between`", help))?;
         let there = measure(second).map_err(|_| ("joins a line and space by `onto`", help))?;

@@ -1,6 +1,6 @@
 //! What is at hand while names become modules: the model, the network so far, the moving points met.
 
-use crate::net::Net;
+use crate::net::{Resolved, Wired};
 use alloc::collections::{BTreeMap, BTreeSet};
 use alloc::string::String;
 use ca_model::Model;
@@ -9,7 +9,7 @@ use ca_model::diag::Diags;
 /// A network being wired.
 pub(super) struct Wiring<'a> {
     pub model: &'a Model,
-    pub net: Net,
+    pub net: Wired,
     pub diags: &'a mut Diags,
     /// names that outputs and probes hear
     pub heard: BTreeSet<String>,
@@ -24,7 +24,7 @@ pub(super) struct Wiring<'a> {
 }
 
 /// Names that stand in the model, but not in the network, in full and without their group.
-pub(super) fn broken<'a>(model: &'a Model, net: &Net) -> BTreeSet<&'a str> {
+pub(super) fn broken<'a>(model: &'a Model, net: &Resolved) -> BTreeSet<&'a str> {
     let last = |name: &'a str| name.rsplit('.').next().unwrap_or(name);
     let mut all: BTreeSet<&str> = model.lost.iter().flat_map(|l| [l.as_str(), last(l)]).collect();
     if net.items.len() < model.items.len() {

@@ -2,7 +2,7 @@
 //!
 //! The one place where the cut-off of an output is decided.
 
-use crate::net::{Net, OutNode};
+use crate::net::{OutNode, Pruned};
 use alloc::collections::BTreeSet;
 use alloc::format;
 use alloc::vec::Vec;
@@ -20,34 +20,34 @@ const FED: f64 = 7.0;
 
 /// The cut-off \[Hz\] of an output: what is written, where that is not 0; by default none, but for what a body in space
 /// feeds through a quadripole.
-fn cutoff(net: &Net, o: &OutNode) -> Option<f64> {
+fn cutoff(net: &Pruned, o: &OutNode) -> Option<f64> {
     let item = &net.items[o.item? as usize];
     let written = item.kind.param("dc").and_then(|i| item.args[i].num());
-    let own = || Some(FED).filter(|f| net.fed(o) && f * net.te < 0.5);
+    let own = || Some(FED).filter(|f| net.hears_lpr(o) && f * net.tick_dt < 0.5);
     written.or_else(own).filter(|f| *f > 0.0)
 }
 
 /// Outputs without a high pass, then those with one.
-pub fn plain_first(net: &Net) -> impl Iterator<Item = &OutNode> {
+pub fn plain_first(net: &Pruned) -> impl Iterator<Item = &OutNode> {
     let with = |yes: bool| net.outs.iter().filter(move |o| cutoff(net, o).is_some() == yes);
     with(false).chain(with(true))
 }
 
 /// The high passes, in that order: bilinear, so −3 dB exactly at the cut-off.
-pub fn blockers(model: &Model, net: &Net, diags: &mut Diags) -> Vec<Blocker> {
+pub fn blockers(model: &Model, net: &Pruned, diags: &mut Diags) -> Vec<Blocker> {
     let mut reported = BTreeSet::new();
     let mut all = Vec::new();
     for (o, f) in net.outs.iter().filter_map(|o| Some((o, cutoff(net, o)?))) {
-        if f * net.te >= 0.5 && o.item.is_some_and(|i| reported.insert(i)) {
+        if f * net.tick_dt >= 0.5 && o.item.is_some_and(|i| reported.insert(i)) {
             diags.push(too_high(model, net, o, f));
         }
-        let t = libm::tan(PI * f * net.te);
+        let t = libm::tan(PI * f * net.tick_dt);
         all.push(Blocker { r: real((1.0 - t) / (1.0 + t)), g: real(1.0 / (1.0 + t)) });
     }
     all
 }
 
-fn too_high(model: &Model, net: &Net, o: &OutNode, f: f64) -> Diag {
+fn too_high(model: &Model, net: &Pruned, o: &OutNode, f: f64) -> Diag {
     let item = o.item.map(|i| &model.items[net.items[i as usize].model]);
     let span = item.and_then(|i| i.args.iter().find(|e| e.key == "dc")).map_or(Span::NONE, |e| e.span);
     let name = item.map_or(&o.name, |i| &i.name);

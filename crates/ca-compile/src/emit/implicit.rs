@@ -9,7 +9,7 @@ use crate::net::{End, LiaNode, MatRole, Measure, OutputTap};
 use alloc::collections::{BTreeMap, BTreeSet};
 use alloc::format;
 use alloc::vec::Vec;
-use ca_core::layout::{Felt, ImplicitLinks, Pair};
+use ca_core::layout::{ImplicitLinks, LinkForce, Pair};
 use ca_core::ldl::Pattern;
 use ca_core::method::implicit::Inertia;
 use ca_core::op::Op;
@@ -28,8 +28,8 @@ impl Plan<'_> {
             let End::Mat(m) = l.ends[side] else { continue };
             let mat = &self.net.mats[m as usize];
             let heard = matches!(mat.role, MatRole::Port(..)) || heard.contains(&m);
-            all.extend(directions(l, side, mat.places()).into_iter().map(|(axis, w)| Pull {
-                place: self.place[m as usize] + axis,
+            all.extend(directions(l, side, mat.slots()).into_iter().map(|(axis, w)| Pull {
+                place: self.slot[m as usize] + axis,
                 weight: sign * w,
                 moves: !mat.is_fixed() && axis < u32::from(mat.axes),
                 heard,
@@ -64,7 +64,7 @@ impl Plan<'_> {
         let mut pairs: Vec<Pair> = Vec::new();
         // the rest by numbers of the places they move
         let mut number: BTreeMap<u32, u32> = BTreeMap::new();
-        let mut rows: Vec<([u32; 3], Felt, bool)> = Vec::new();
+        let mut rows: Vec<([u32; 3], LinkForce, bool)> = Vec::new();
         for ((id, l), pulls) in solved.iter().zip(&pulls) {
             let (op, at) = links.where_is[*id];
             let op: &Op = &links.forces[op as usize];
@@ -77,22 +77,22 @@ impl Plan<'_> {
                 pairs.push(Pair { ends, tap });
                 continue;
             }
-            let mut felt = Felt { coef, tap, ..Felt::default() };
+            let mut force = LinkForce { coef, tap, ..LinkForce::default() };
             let mut needed = tap.is_some();
             for p in pulls {
                 if p.moves {
                     let next = number.len() as u32;
-                    felt.moves.push((*number.entry(p.place).or_insert(next), real(p.weight)));
+                    force.moving.push((*number.entry(p.place).or_insert(next), real(p.weight)));
                 } else {
                     needed |= p.heard;
-                    felt.held.push((p.place, real(p.weight)));
+                    force.fixed.push((p.place, real(p.weight)));
                 }
             }
-            rows.push((coef, felt, needed));
+            rows.push((coef, force, needed));
         }
         let n = number.len();
         let joined = rows.iter().flat_map(|(_, f, _)| {
-            f.moves.iter().enumerate().flat_map(|(k, (i, _))| f.moves[..k].iter().map(move |(j, _)| (*i, *j)))
+            f.moving.iter().enumerate().flat_map(|(k, (i, _))| f.moving[..k].iter().map(move |(j, _)| (*i, *j)))
         });
         let Some(pattern) = Pattern::new(n, joined, LARGEST) else {
             let title = format!("`{}` and what is implicit with it are too many to be solved in a tick", item.name);
@@ -107,13 +107,13 @@ impl Plan<'_> {
             at[to[*i as usize] as usize] = *place;
         }
         (made.pattern, made.mobility) = (pattern, at.iter().map(|p| 2 * n_mat as u32 + p).collect());
-        let mut felt = Vec::new();
+        let mut forces = Vec::new();
         for (coef, mut f, needed) in rows {
-            f.moves.iter_mut().for_each(|(i, _)| *i = to[*i as usize]);
+            f.moving.iter_mut().for_each(|(i, _)| *i = to[*i as usize]);
             let first = made.entries.len() as u32;
-            made.entries.extend(f.moves.iter().map(|(i, w)| (*i, wide(*w))));
-            made.links.push((coef, [first, f.moves.len() as u32]));
-            felt.extend(needed.then_some(f));
+            made.entries.extend(f.moving.iter().map(|(i, w)| (*i, wide(*w))));
+            made.links.push((coef, [first, f.moving.len() as u32]));
+            forces.extend(needed.then_some(f));
         }
         let mut factor = Vec::new();
         if !made.factor(|c| self.coef[c as usize], &mut factor, &mut Vec::new()) {
@@ -122,7 +122,7 @@ impl Plan<'_> {
         }
         let coef = self.coef.len();
         self.coef.extend(factor);
-        Some((ImplicitLinks { places: at, pattern: made.pattern.clone(), coef, felt, pairs }, made))
+        Some((ImplicitLinks { places: at, pattern: made.pattern.clone(), coef, forces, pairs }, made))
     }
 }
 
@@ -131,7 +131,7 @@ fn beyond(name: &str, span: Span) -> Diag {
     d.at(span, "overflows").help("use a larger mass, or less stiffness and viscosity")
 }
 
-/// What a link does to one place in the state.
+/// What a link does to one slot in the state.
 struct Pull {
     place: u32,
     weight: f64,

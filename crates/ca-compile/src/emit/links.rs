@@ -2,14 +2,14 @@
 
 use crate::emit::penetration;
 use crate::emit::plan::Plan;
-use crate::net::{End, LiaNode, Measure, Net, OutputTap};
+use crate::net::{End, LiaNode, Measure, OutputTap, Pruned};
 use crate::options::{KernelClass, Options};
 use alloc::vec::Vec;
 use ca_core::kind::Role;
 use ca_core::layout::PairSet;
 use ca_core::live::{Loader, Source};
 use ca_core::op::law::{Law, SolveStage};
-use ca_core::op::{Form, Gauge, Op, Ports};
+use ca_core::op::{Form, MeasureKind, Op, Ports};
 use ca_core::phi::{implicit, res};
 use ca_model::Model;
 use ca_model::diag::Diags;
@@ -45,7 +45,7 @@ pub struct Links {
 }
 
 /// Tables that laws bring with them, in order of first use, after those of the model.
-pub fn own_tables(net: &Net) -> Vec<(&'static Law, ca_core::table::Table)> {
+pub fn own_tables(net: &Pruned) -> Vec<(&'static Law, ca_core::table::Table)> {
     let mut own: Vec<(&'static Law, ca_core::table::Table)> = Vec::new();
     for l in &net.lias {
         if let Some(table) = l.law.table {
@@ -61,8 +61,8 @@ pub fn own_tables(net: &Net) -> Vec<(&'static Law, ca_core::table::Table)> {
 #[derive(Clone, Copy, PartialEq)]
 struct Shape {
     law: *const Law,
-    gauge: Gauge,
-    onto: Option<Gauge>,
+    measure: MeasureKind,
+    onto: Option<MeasureKind>,
     /// for sets, which: each is a batch of its own
     set: Option<u32>,
 }
@@ -86,7 +86,7 @@ impl Plan<'_> {
         let mut out = Vec::new();
         for group in by_law {
             let at = shape(group[0]);
-            if at.gauge != Gauge::Line || at.onto.is_some() || laws[group[0] as usize].is_late() {
+            if at.measure != MeasureKind::Line || at.onto.is_some() || laws[group[0] as usize].is_late() {
                 out.push((group, 0));
                 continue;
             }
@@ -117,7 +117,9 @@ impl Plan<'_> {
         let spring: &'static Law = &res::LAW;
         let fits = |l: u32| {
             let l = &net.lias[l as usize];
-            (l.law.implicit || core::ptr::eq(l.law, spring)) && l.measure.gauge() == Gauge::Line && l.onto.is_none()
+            (l.law.implicit || core::ptr::eq(l.law, spring))
+                && l.measure.measure() == MeasureKind::Line
+                && l.onto.is_none()
         };
         for row in ids.chunk_by(|a, b| fits(*a) && fits(*b) && self.follows(*a, *b)) {
             if fits(row[0]) && self.stride(row).is_some() && row.iter().any(|l| laws[*l as usize].implicit) {
@@ -145,7 +147,7 @@ impl Plan<'_> {
     fn shape(&self, l: u32, law: &'static Law) -> Shape {
         let node = &self.net.lias[l as usize];
         let set = node.sets.as_ref().map(|_| l);
-        Shape { law, gauge: node.measure.gauge(), onto: node.onto.map(|o| o.measure.gauge()), set }
+        Shape { law, measure: node.measure.measure(), onto: node.onto.map(|o| o.measure.measure()), set }
     }
 
     fn ends(&self, l: u32) -> [u32; 2] {
@@ -239,7 +241,7 @@ impl Plan<'_> {
             let n = batch.len();
             let (first, coef) = (k.ends.len(), self.coef.len());
             let shape = self.shape(batch[0], law);
-            let mut ports = Ports { gauge: shape.gauge, reach: k.reach.len(), onto: None, crowd: None };
+            let mut ports = Ports { measure: shape.measure, reach: k.reach.len(), onto: None, crowd: None };
             let nodes = || batch.iter().map(|id| &net.lias[*id as usize]);
             k.reach.extend(nodes().filter_map(|l| self.reach(l.ends, l.measure, l.soften)));
             if let Some(g) = shape.onto {
@@ -252,7 +254,7 @@ impl Plan<'_> {
             }
             let sets = net.lias[batch[0] as usize].sets.as_ref();
             if let Some(sets) = sets {
-                let places = |set: &[u32]| set.iter().map(|m| self.place[*m as usize]).collect::<Vec<u32>>();
+                let places = |set: &[u32]| set.iter().map(|m| self.slot[*m as usize]).collect::<Vec<u32>>();
                 ports.crowd = Some(k.pair_sets.len());
                 k.pair_sets.push(PairSet::new([&places(&sets[0]), &places(&sets[1])]));
             }
@@ -280,7 +282,7 @@ impl Plan<'_> {
             }
             let tap = options.energy || batch.iter().any(|l| heard.contains(l));
             let offset = k.e0[first..].iter().any(|e| *e != 0.0);
-            let form = Form { stride, offset, tap, gauge: shape.gauge, onto: shape.onto, set: sets.is_some() };
+            let form = Form { stride, offset, tap, measure: shape.measure, onto: shape.onto, set: sets.is_some() };
             let mut op = Op::pass(law.code, (law.kernel)(form), n);
             op = Op { law: Some(law), form, ports, first, coef, mem: k.mem, mat: k.ends[first][0] as usize, ..op };
             if tap {

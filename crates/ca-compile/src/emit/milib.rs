@@ -12,7 +12,7 @@
 //! One thing stays different: the threshold of a contact that touches in the first sample, which mi.lib takes for a
 //! part of the speed. The import says where that is so.
 
-use crate::net::Net;
+use crate::net::Pruned;
 use alloc::vec::Vec;
 use ca_core::layout::Layout;
 use ca_core::op::Op;
@@ -23,7 +23,7 @@ use ca_model::Model;
 use ca_model::diag::{Diag, Diags};
 
 /// Refuses the start where the first tick is not the explicit scheme's: there is nothing to compare it with.
-pub fn check(model: &Model, net: &Net, layout: &Layout, forces: &[Op], diags: &mut Diags) {
+pub fn check(model: &Model, net: &Pruned, layout: &Layout, forces: &[Op], diags: &mut Diags) {
     let Some(e) = model.meta("start").filter(|_| net.as_milib) else { return };
     let what = if net.is_composed()
         || layout.implicit.is_some()

@@ -4,17 +4,17 @@
 //! Decides to walk along links from each MAT to its next, so that chains stand in a row whatever order they were
 //! written in, and kernels can run through them without indices. What already stands in a row is left as it is.
 
-use crate::net::{End, Net};
+use crate::net::{End, Pruned};
 use alloc::vec::Vec;
 use ca_core::kind::Role;
 
 /// Storage order: document numbers of the MATs that stay, as they stand in the state.
-pub fn document(net: &Net) -> Vec<u32> {
+pub fn document(net: &Pruned) -> Vec<u32> {
     (0..net.mats.len() as u32).filter(|m| net.alive[*m as usize]).collect()
 }
 
 /// As `document`, with chains in a row.
-pub fn number(net: &Net) -> Vec<u32> {
+pub fn number(net: &Pruned) -> Vec<u32> {
     // neighbours in document order of the links, as (start, list)
     let n = net.mats.len();
     let pairs = || {

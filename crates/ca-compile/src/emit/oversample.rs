@@ -5,17 +5,17 @@
 //! ask has nothing of it. The tick at the sample itself is what the scene runs anyway, so that probes and hands get what is
 //! there at that moment.
 
-use crate::net::Net;
+use crate::net::Pruned;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
-use ca_core::layout::{Finer, Layout};
+use ca_core::layout::{Layout, Substeps};
 use ca_core::op::{Op, lowpass, substep};
 use ca_core::scene::InputRole;
 use ca_core::state::State;
 
 /// Puts the ticks between samples in front of the passes of a sample, if the model asks for some.
 pub fn oversample(
-    net: &Net,
+    net: &Pruned,
     layout: &mut Layout,
     reads: &mut Vec<Op>,
     forces: &[Op],
@@ -36,7 +36,7 @@ pub fn oversample(
     let heard = writes.iter().filter(|_| !layout.lowpass.is_empty()).map(unheard);
     let ops: Vec<Op> = reads.iter().chain(forces).copied().chain(heard).chain(moves.iter().copied()).collect();
     let tick = Arc::new(move |layout: &Layout, s: &mut State| ops.iter().for_each(|op| (op.kernel)(op, layout, s)));
-    layout.finer = Some(Finer { times: net.oversample, tick, inputs });
+    layout.substeps = Some(Substeps { times: net.oversample, tick, inputs });
     let count = |name, kernel| Op::pass(name, kernel, 1);
     reads.insert(0, Op::pass("ticks between", substep::between, net.oversample as usize - 1));
     writes.push(count("to samples", substep::to_samples));

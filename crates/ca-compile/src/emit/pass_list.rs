@@ -103,9 +103,9 @@ pub fn writes(layout: &Layout, gains: usize) -> Vec<Op> {
 }
 
 impl Plan<'_> {
-    /// Advance passes: stretches of MATs with and without coefficients of their own, nothing for what is fixed; then what
-    /// leaves on the `ways` of waves.
-    pub fn moves(&self, order: &[u32], n_mat: usize, ways: usize) -> Vec<Op> {
+    /// Integration: stretches of MATs with and without coefficients of their own, nothing for what is fixed; then what
+    /// leaves on the `ways` of waves. And whether some MAT has coefficients of its own.
+    pub fn moves(&self, order: &[u32], n_mat: usize, ways: usize) -> (Vec<Op>, bool) {
         #[derive(PartialEq, Clone, Copy)]
         enum Class {
             Free,
@@ -117,7 +117,7 @@ impl Plan<'_> {
         let mut classes: Vec<Option<Class>> = Vec::new();
         for m in order {
             let m = &self.net.mats[*m as usize];
-            for k in 0..m.places() as usize {
+            for k in 0..m.slots() as usize {
                 let at = classes.len();
                 classes.push(match m.role {
                     MatRole::Port(_, inputs) if inputs[k].is_some() => Some(Class::Held),
@@ -143,9 +143,9 @@ impl Plan<'_> {
             at += stretch.len();
             let (name, kernel): (_, Kernel) = match stretch[0] {
                 Some(Class::Held) => continue,
-                Some(Class::Full) => ("advance CEL", wide::<pass::AdvanceFull>),
+                Some(Class::Full) => ("integrate CEL", wide::<pass::IntegrateFull>),
                 // a fixed point that stands alone does not move, but the force on it starts from nothing each tick
-                Some(Class::Free) | None => ("advance MAS", wide::<pass::AdvanceFree>),
+                Some(Class::Free) | None => ("integrate MAS", wide::<pass::IntegrateFree>),
             };
             ops.push(Op { mat: first, ..Op::pass(name, kernel, stretch.len()) });
         }
@@ -155,6 +155,6 @@ impl Plan<'_> {
         if !order.is_empty() {
             ops.push(Op::pass("flush", pass::flush, n_mat));
         }
-        ops
+        (ops, classes.contains(&Some(Class::Full)))
     }
 }

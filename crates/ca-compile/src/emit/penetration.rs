@@ -1,18 +1,18 @@
 //! Pressed: a contact that is pressed together before anything has moved. Of a set, the first of its pairs is reported.
 
-use crate::net::{End, LiaNode, Measure, Net};
+use crate::net::{End, LiaNode, Measure, Pruned};
 use alloc::format;
 use alloc::vec::Vec;
 use ca_core::kind::Unit;
 use ca_core::layout::PairSet;
-use ca_core::op::gauge::measure;
+use ca_core::op::measure::measure;
 use ca_core::op::pair_set;
 use ca_core::real::{Real, real, wide};
 use ca_model::diag::{Diag, Diags};
 use ca_model::{Model, quantity};
 
 /// Warns if `l` is pressed at load; once for each item.
-pub fn warn(net: &Net, l: &LiaNode, e0: f64, reach: &[[f64; 4]; 2], model: &Model, diags: &mut Diags) {
+pub fn warn(net: &Pruned, l: &LiaNode, e0: f64, reach: &[[f64; 4]; 2], model: &Model, diags: &mut Diags) {
     let found = if l.sets.is_some() { of_set(net, l) } else { of_pair(net, l, e0, reach) };
     let Some((ends, e, f)) = found else { return };
     let item = &model.items[net.items[l.item as usize].model];
@@ -41,23 +41,23 @@ pub fn warn(net: &Net, l: &LiaNode, e0: f64, reach: &[[f64; 4]; 2], model: &Mode
 type Pressed = ([End; 2], f64, f64);
 
 /// The coefficients of a contact, as they are at load.
-fn coefs(net: &Net, l: &LiaNode) -> Vec<Real> {
-    l.law.loaded(&net.values(l.item, &l.values), net.te).into_iter().map(real).collect()
+fn coefs(net: &Pruned, l: &LiaNode) -> Vec<Real> {
+    l.law.loaded(&net.values(l.item, &l.values), net.tick_dt).into_iter().map(real).collect()
 }
 
 /// The force \[N\] of a contact that stands at `e` and remembers nothing but that.
-fn force(net: &Net, l: &LiaNode, c: &[Real], e: Real) -> Real {
+fn force(net: &Pruned, l: &LiaNode, c: &[Real], e: Real) -> Real {
     (l.law.force)(c, &mut l.law.started(c, e), &net.tables, e, 0.0)
 }
 
-fn of_pair(net: &Net, l: &LiaNode, e0: f64, reach: &[[f64; 4]; 2]) -> Option<Pressed> {
+fn of_pair(net: &Pruned, l: &LiaNode, e0: f64, reach: &[[f64; 4]; 2]) -> Option<Pressed> {
     let felt = |ends: [End; 2], m: Measure, reach: &[f64; 4]| {
         let at = ends.map(|e| if let End::Mat(m) = e { net.mats[m as usize].dx0 } else { [0.0; 3] });
         let places = match m {
             Measure::Line([a, b]) => [at[0][a as usize], 0.0, 0.0, at[1][b as usize], 0.0, 0.0],
             _ => [at[0][0], at[0][1], at[0][2], at[1][0], at[1][1], at[1][2]],
         };
-        wide(measure(m.gauge(), &places.map(real), &[0.0; 6], [0, 3], &reach.map(real)).e)
+        wide(measure(m.measure(), &places.map(real), &[0.0; 6], [0, 3], &reach.map(real)).e)
     };
     let second = l.onto.map_or(0.0, |o| felt(o.ends, o.measure, &reach[1]));
     let e = e0 + felt(l.ends, l.measure, &reach[0]) + second;
@@ -66,7 +66,7 @@ fn of_pair(net: &Net, l: &LiaNode, e0: f64, reach: &[[f64; 4]; 2]) -> Option<Pre
     (f != 0.0).then_some((l.ends, e, f))
 }
 
-fn of_set(net: &Net, l: &LiaNode) -> Option<Pressed> {
+fn of_set(net: &Pruned, l: &LiaNode) -> Option<Pressed> {
     let sets = l.sets.as_deref()?;
     let members = || sets.iter().flatten().map(|m| &net.mats[*m as usize]);
     // the members alone, three places each

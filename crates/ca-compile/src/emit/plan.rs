@@ -1,24 +1,24 @@
 //! Plan: where modules and their coefficients stand, and how live ones are computed again.
 
-use crate::net::{End, Net};
+use crate::net::{End, Pruned};
 use alloc::collections::{BTreeMap, BTreeSet};
 use alloc::sync::Arc;
 use alloc::vec::Vec;
+use ca_core::builder::Arg;
 use ca_core::kind::Role;
-use ca_core::layout::{ImplicitLinks, Place};
+use ca_core::layout::{CoordinateSource, ImplicitLinks};
 use ca_core::live::{LiveImplicit, LiveItem, LiveModule, LivePlan, Loader, Source};
 use ca_core::method::implicit::Inertia;
-use ca_core::sketch::Arg;
 use ca_core::state::Identity;
 use ca_core::tuning::Scheme;
 
 /// Arrays and places while the scene is being laid out.
 pub struct Plan<'a> {
     /// the network
-    pub net: &'a Net,
-    /// document number → first place in the state; `u32::MAX` for what is left out
-    pub place: Vec<u32>,
-    /// moving point → place in the state
+    pub net: &'a Pruned,
+    /// document number → first slot in the state; `u32::MAX` for what is left out
+    pub slot: Vec<u32>,
+    /// moving point → slot in the state
     pub point: Vec<u32>,
     /// coefficients so far
     pub coef: Vec<f64>,
@@ -34,7 +34,7 @@ impl Plan<'_> {
     /// Place of an end in the state; `u32::MAX` where it was left out.
     pub fn at(&self, e: End) -> u32 {
         match e {
-            End::Mat(m) => self.place[m as usize],
+            End::Mat(m) => self.slot[m as usize],
             End::Point(p) => self.point[p as usize],
         }
     }
@@ -46,7 +46,7 @@ impl Plan<'_> {
 
     /// Computes coefficients into `to`; remembers how, where they may change.
     pub fn load(&mut self, loader: Loader, item: u32, values: &[Source], to: &[usize]) {
-        loader.load(&self.net.values(item, values), self.net.te, &mut self.loaded);
+        loader.load(&self.net.values(item, values), self.net.tick_dt, &mut self.loaded);
         for (t, v) in to.iter().zip(&self.loaded) {
             self.coef[*t] = *v;
         }
@@ -63,7 +63,7 @@ impl Plan<'_> {
     }
 
     /// A coefficient for the coordinate of a moving point, live where it follows a parameter.
-    pub fn coordinate(&mut self, v: f64, param: Option<u32>) -> Place {
+    pub fn coordinate(&mut self, v: f64, param: Option<u32>) -> CoordinateSource {
         self.coef.push(v);
         let at = self.coef.len() - 1;
         if let Some(p) = param {
@@ -72,7 +72,7 @@ impl Plan<'_> {
             // points have no item: they are numbered after the items, one per parameter
             self.modules.entry(self.net.items.len() as u32 + p).or_default().push(module);
         }
-        Place::Coef(at as u32)
+        CoordinateSource::Coef(at as u32)
     }
 
     /// What live changes need to know.

@@ -1,6 +1,5 @@
 //! Schedule: flat arrays and the list of passes. What a scene does not have makes no entry here.
 
-use crate::certify::Certificate;
 use crate::emit::cutoff::{blockers, plain_first};
 use crate::emit::links::{Links, own_tables};
 use crate::emit::milib;
@@ -8,20 +7,23 @@ use crate::emit::oversample::oversample;
 use crate::emit::pass_list;
 use crate::emit::pefrl;
 use crate::emit::plan::Plan;
-use crate::net::{Coordinate, End, LiaNode, MatRole, Net, OutNode, OutputTap};
+use crate::net::{Coordinate, End, LiaNode, MatRole, OutNode, OutputTap, Pruned};
 use crate::options::Options;
 use crate::passes::implicit;
 use alloc::collections::{BTreeMap, BTreeSet};
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 use ca_core::active_contacts::ActiveContacts;
+use ca_core::certificate::Certificate;
 use ca_core::kind::PortRole;
-use ca_core::layout::{Account, Enf, Enx, Gauge, Heard, Layout, LedgerPlan, Modal, Output, Place, Proxy};
+use ca_core::layout::{
+    Account, CoordinateSource, Enf, Enx, Heard, Layout, LedgerPlan, MeasureKind, Modal, Output, Proxy,
+};
 use ca_core::ledger::Ledger;
 use ca_core::live::Loader;
 use ca_core::op::Op;
 use ca_core::real::{Real, real};
-use ca_core::scene::{InputRole, Scene, Stands, Symbol};
+use ca_core::scene::{InputRole, Location, Scene, Symbol};
 use ca_core::start::{Order, start};
 use ca_core::state::Identity;
 use ca_core::state::{Border, Cell, Ramps, State};
@@ -32,13 +34,13 @@ use ca_model::diag::Diags;
 /// Builds the scene. `None` where the findings hold an error.
 pub fn schedule(
     model: &Model,
-    net: &Net,
+    net: &Pruned,
     order: &[u32],
     options: &Options,
     certificate: Certificate,
     diags: &mut Diags,
 ) -> Option<Scene> {
-    let mut plan = places(net, order);
+    let mut plan = slots(net, order);
     let Masses { x, v, rest } = masses(&mut plan);
     let n_mat = x.len();
     let (enx, tgr) = (ports(&plan, PortRole::Enx), ports(&plan, PortRole::Tgr));
@@ -61,13 +63,12 @@ pub fn schedule(
     let ledger =
         options.energy.then(|| LedgerPlan { accounts: accounts(&links, |p| ported.contains(&p), place), weight });
     let symbols = symbols(&plan, &links, place);
-    let moves = plan.moves(order, n_mat, waves.delays.len());
-    let own = moves.iter().any(|o| o.name == "advance CEL");
+    let (moves, own) = plan.moves(order, n_mat, waves.delays.len());
     let mut live = plan.live_plan(implicit.as_ref());
     let whole = live.implicit.as_ref().map_or(u32::MAX, |a| a.first);
     let (coef, live_places) = (plan.coef, plan.live);
     let mut layout = Layout {
-        te: 1.0 / net.rate,
+        sample_dt: 1.0 / net.rate,
         ratio: net.ratio,
         frame: net.ratio * net.oversample,
         n_mat,
@@ -100,7 +101,7 @@ pub fn schedule(
         lowpass: if net.channels.is_empty() { Vec::new() } else { reals(net.lowpass.clone()) },
         implicit: implicit.map(|a| a.0),
         ledger,
-        finer: None,
+        substeps: None,
     };
     let mut reads = pass_list::reads(&layout, live_places.len(), aimed);
     let forces = pass_list::forces(&layout, links.forces, links.late, weight);
@@ -115,8 +116,8 @@ pub fn schedule(
     };
     let loaded = loaded(net, &layout, x, &v, coef, (live_places, whole));
     let as_milib = net.as_milib && !diags.has_errors();
-    let felt = !as_milib && net.oversample == 1 && layout.enx.iter().any(|p| p.felt);
-    let before = felt.then(|| (begin, loaded.clone()));
+    let ahead = !as_milib && net.oversample == 1 && layout.enx.iter().any(|p| p.implicit);
+    let before = ahead.then(|| (begin, loaded.clone()));
     let mut initial =
         if as_milib { milib::first(&layout, &forces, loaded) } else { start(&layout, &forces, begin, loaded) };
     initial.scene = Identity::of(&layout, [&reads, &forces, &writes, &moves], &initial);
@@ -146,13 +147,13 @@ pub fn schedule(
     })
 }
 
-/// Places: MATs in their order, moving points behind them; what nobody needs has none.
-fn places<'n>(net: &'n Net, order: &[u32]) -> Plan<'n> {
-    let mut place = alloc::vec![u32::MAX; net.mats.len()];
+/// Slots: MATs in their order, moving points behind them; what nobody needs has none.
+fn slots<'n>(net: &'n Pruned, order: &[u32]) -> Plan<'n> {
+    let mut slot = alloc::vec![u32::MAX; net.mats.len()];
     let mut n_mat = 0;
     for m in order {
-        place[*m as usize] = n_mat;
-        n_mat += net.mats[*m as usize].places();
+        slot[*m as usize] = n_mat;
+        n_mat += net.mats[*m as usize].slots();
     }
     let mut point = alloc::vec![u32::MAX; net.points.len()];
     for (p, used) in point.iter_mut().zip(used_points(net)) {
@@ -162,7 +163,7 @@ fn places<'n>(net: &'n Net, order: &[u32]) -> Plan<'n> {
         }
     }
     let coef = alloc::vec![0.0; 3 * n_mat as usize];
-    Plan { net, place, point, coef, live: Vec::new(), loaded: Vec::new(), modules: BTreeMap::new() }
+    Plan { net, slot, point, coef, live: Vec::new(), loaded: Vec::new(), modules: BTreeMap::new() }
 }
 
 /// Where MATs and moving points start, how fast, and where they rest.
@@ -179,11 +180,11 @@ fn masses(plan: &mut Plan) -> Masses {
     let zero = alloc::vec![0.0; n_mat];
     let mut all = Masses { x: zero.clone(), v: zero.clone(), rest: zero };
     for (i, m) in net.mats.iter().enumerate() {
-        let at = plan.place[i] as usize;
+        let at = plan.slot[i] as usize;
         if at == u32::MAX as usize {
             continue;
         }
-        for k in 0..m.places() as usize {
+        for k in 0..m.slots() as usize {
             (all.x[at + k], all.v[at + k], all.rest[at + k]) = (m.dx0[k], m.v[k], m.rest[k]);
         }
         if let MatRole::Port(_, inputs) = m.role {
@@ -212,12 +213,12 @@ fn ports(plan: &Plan, role: PortRole) -> Vec<Enx> {
     // links by the motion to come, and what they hold
     let late = plan.net.lias.iter().filter(|l| l.law.implicit || l.law.is_late());
     let held = late.flat_map(LiaNode::all_ends).filter_map(|e| if let End::Mat(m) = e { Some(m) } else { None });
-    let held: BTreeSet<u32> = held.map(|m| plan.place[m as usize]).collect();
-    let felt = |at: &u32| held.contains(at);
-    for (m, at) in plan.net.mats.iter().zip(&plan.place).filter(|(_, at)| **at != u32::MAX) {
+    let held: BTreeSet<u32> = held.map(|m| plan.slot[m as usize]).collect();
+    let implicit = |at: &u32| held.contains(at);
+    for (m, at) in plan.net.mats.iter().zip(&plan.slot).filter(|(_, at)| **at != u32::MAX) {
         let MatRole::Port(r, inputs) = m.role else { continue };
         for (k, input) in inputs.iter().enumerate().filter(|_| r == role) {
-            all.extend(input.map(|input| Enx { input, mat: at + k as u32, rest: m.rest[k], felt: felt(at) }));
+            all.extend(input.map(|input| Enx { input, mat: at + k as u32, rest: m.rest[k], implicit: implicit(at) }));
         }
     }
     all
@@ -229,11 +230,11 @@ fn weigh(plan: &mut Plan) -> (usize, Vec<u32>) {
     let first = plan.coef.len();
     let mut weighed = Vec::new();
     for (i, m) in net.mats.iter().enumerate() {
-        if m.is_fixed() || plan.place[i] == u32::MAX {
+        if m.is_fixed() || plan.slot[i] == u32::MAX {
             continue;
         }
         for (k, g) in net.medium(m).gravity[..m.axes as usize].iter().enumerate().filter(|(_, g)| **g != 0.0) {
-            weighed.push(plan.place[i] + k as u32);
+            weighed.push(plan.slot[i] + k as u32);
             plan.coef.push(0.0);
             let to = plan.coef.len() - 1;
             plan.load(Loader::Times(*g), m.item, &m.values, &[to]);
@@ -266,18 +267,18 @@ fn points(plan: &mut Plan) -> Points {
         let family = &net.families[&p.family];
         if let Some((weights, _)) = &p.shape {
             // modes are tied to nothing, so they stand as they were made: in a row
-            let first = family.nodes.first().map_or(0, |mode| plan.place[*mode as usize]);
+            let first = family.nodes.first().map_or(0, |mode| plan.slot[*mode as usize]);
             let (share, n) = (all.shares.len() as u32, weights.len() as u32);
             all.shares.extend(weights);
             all.modal.push(Modal { mat, first, share, n });
             continue;
         }
         let first = all.nodes.len() as u32;
-        all.nodes.extend(family.nodes.iter().map(|m| plan.place[*m as usize]));
-        let mut at = [Place::Coef(0); 2];
+        all.nodes.extend(family.nodes.iter().map(|m| plan.slot[*m as usize]));
+        let mut at = [CoordinateSource::Coef(0); 2];
         for (k, c) in p.at.iter().enumerate() {
             at[k] = match c {
-                Coordinate::Port(m) => Place::Mat(plan.place[*m as usize]),
+                Coordinate::Port(m) => CoordinateSource::Mat(plan.slot[*m as usize]),
                 Coordinate::At(v) => plan.coordinate(*v, None),
                 Coordinate::Live(q) => plan.coordinate(net.params[*q as usize].value, Some(*q)),
             };
@@ -312,33 +313,34 @@ fn outputs(plan: &mut Plan, links: &Links) -> Option<(usize, Vec<Output>)> {
     Some((first, all))
 }
 
-/// What the energy ledger reads of each pass of links, and its `place` among the forces; which places are `ported`.
-fn accounts(links: &Links, ported: impl Fn(u32) -> bool, place: impl Fn(usize) -> usize) -> Vec<Account> {
+/// What the energy ledger reads of each pass of links, and its `index` among the forces; which places are `ported`.
+fn accounts(links: &Links, ported: impl Fn(u32) -> bool, index: impl Fn(usize) -> usize) -> Vec<Account> {
     let account = |(i, op): (usize, &Op)| {
         let law = op.law?;
         let Op { n, ports, first, coef, mem, tap, .. } = *op;
         let (coefs, mems, stored, lost, idle) = (law.coefs, law.mem, law.stored, law.lost, law.idle);
         // a distance is no linear function of places: the identity then holds only with what the link made
-        let radial = ports.gauge == Gauge::Radial || ports.onto.is_some_and(|o| o.0 == Gauge::Radial);
+        let radial = ports.measure == MeasureKind::Radial || ports.onto.is_some_and(|o| o.0 == MeasureKind::Radial);
         // what is implicit to a port that then goes another way is not exact either
         let strays = law.implicit && links.ends[first..first + n].iter().flatten().any(|p| ported(*p));
         let linear = law.linear && !radial && !strays;
-        Some(Account { op: place(i), n, ports, first, coef, mem, tap, coefs, mems, linear, stored, lost, idle })
+        Some(Account { op: index(i), n, ports, first, coef, mem, tap, coefs, mems, linear, stored, lost, idle })
     };
     links.forces.iter().enumerate().filter_map(account).collect()
 }
 
-/// The modules by name: MATs that stay, then links, whose passes have a `place` among the forces.
-fn symbols(plan: &Plan, links: &Links, place: impl Fn(usize) -> usize) -> Vec<Symbol> {
+/// The modules by name: MATs that stay, then links, whose passes have an `index` among the forces.
+fn symbols(plan: &Plan, links: &Links, index: impl Fn(usize) -> usize) -> Vec<Symbol> {
     let net = plan.net;
-    let mats = net.mats.iter().zip(&plan.place).filter(|(_, at)| **at != u32::MAX);
-    let mats = mats.map(|(m, at)| Symbol { name: m.name.clone(), code: m.code, axes: m.axes, place: Stands::Mat(*at) });
+    let mats = net.mats.iter().zip(&plan.slot).filter(|(_, at)| **at != u32::MAX);
+    let mats =
+        mats.map(|(m, at)| Symbol { name: m.name.clone(), code: m.code, axes: m.axes, location: Location::Mat(*at) });
     let lias = net.lias.iter().zip(&links.where_is);
     let lias = lias.map(|(l, (op, k))| Symbol {
         name: l.name.clone(),
         code: l.law.code,
         axes: 1,
-        place: Stands::Lia(place(*op as usize) as u32, *k),
+        location: Location::Lia(index(*op as usize) as u32, *k),
     });
     mats.chain(lias).collect()
 }
@@ -349,24 +351,31 @@ fn reals(all: Vec<f64>) -> Vec<Real> {
 }
 
 /// The state as written: every mass where its author put it, with the speed it was given.
-fn loaded(net: &Net, layout: &Layout, x: Vec<f64>, v: &[f64], coef: Vec<f64>, (live, whole): (Vec<u32>, u32)) -> State {
+fn loaded(
+    net: &Pruned,
+    layout: &Layout,
+    x: Vec<f64>,
+    v: &[f64],
+    coef: Vec<f64>,
+    (live, whole): (Vec<u32>, u32),
+) -> State {
     let input: Vec<f64> = net.inputs.iter().map(|i| if i.role == InputRole::Force { 0.0 } else { i.rest }).collect();
     let ports = layout.enx.len() + layout.tgr.len() + layout.enf.len();
     State {
         scene: Identity::default(),
         x: reals(x),
-        d: v.iter().map(|v| real(v * net.te)).collect(),
+        d: v.iter().map(|v| real(v * net.tick_dt)).collect(),
         f: alloc::vec![0.0; layout.n_mat],
         mem: alloc::vec![0.0; layout.n_mem],
         tap: alloc::vec![0.0; layout.n_tap],
-        held: input.clone(),
+        last_input: input.clone(),
         output: alloc::vec![0.0; layout.n_out],
         near: layout.pair_sets.iter().map(|c| VerletList::new(c.members.len(), c.rows, c.columns)).collect(),
         cells: alloc::vec![Cell::default(); layout.proxies.len()],
         border: alloc::vec![Border::default(); layout.tgr.len()],
         late: alloc::vec![0.0; layout.tgr.len() * layout.crossing.latency as usize],
         blocked: alloc::vec![[0.0; 2]; layout.blockers.len()],
-        glide: layout.finer.iter().flat_map(|f| &f.inputs).map(|i| [input[*i as usize]; 2]).collect(),
+        glide: layout.substeps.iter().flat_map(|f| &f.inputs).map(|i| [input[*i as usize]; 2]).collect(),
         lowpass: alloc::vec![0.0; layout.channels * 2 * (2 * layout.lowpass.len()).saturating_sub(1)],
         ramps: Ramps::new(live, whole),
         implicit: alloc::vec![0.0; layout.implicit.as_ref().map_or(0, |a| 2 * a.places.len())],
@@ -383,13 +392,13 @@ fn loaded(net: &Net, layout: &Layout, x: Vec<f64>, v: &[f64], coef: Vec<f64>, (l
 }
 
 /// The probes by name and by what asked for them, one for each place behind the channels.
-fn probes(net: &Net) -> (Vec<String>, Vec<u32>) {
+fn probes(net: &Pruned) -> (Vec<String>, Vec<u32>) {
     let mut all: Vec<&OutNode> = net.outs.iter().filter(|o| o.item.is_none()).collect();
     all.dedup_by_key(|o| o.channel);
     all.into_iter().map(|o| (o.name.clone(), o.asked)).unzip()
 }
 
-fn used_points(net: &Net) -> Vec<bool> {
+fn used_points(net: &Pruned) -> Vec<bool> {
     let mut used = alloc::vec![false; net.points.len()];
     let ends = net.lias.iter().flat_map(LiaNode::all_ends);
     let heard = net.outs.iter().filter_map(|o| match o.tap {

@@ -16,9 +16,9 @@ impl Plan<'_> {
         for line in &self.net.lines {
             let Some(tuned) = &line.tuned else { continue };
             let base = all.junctions.len();
-            let z = line.asked.z / self.net.te;
+            let z = line.asked.z / self.net.tick_dt;
             for m in line.junctions() {
-                all.junctions.push(Junction { mat: self.place[m as usize], z, memory: take(3) });
+                all.junctions.push(Junction { mat: self.slot[m as usize], z, memory: take(3) });
             }
             let last = tuned.delays.len() - 1;
             for (i, len) in tuned.delays.iter().copied().enumerate() {

@@ -2,7 +2,7 @@
 
 use crate::lower::lowpass;
 use crate::lower::values::Values;
-use crate::net::Net;
+use crate::net::Resolved;
 use ca_core::io::TGR;
 use ca_core::kind::{Need, Param, Type, Unit};
 use ca_core::layout::{Crossing, Shape};
@@ -12,8 +12,18 @@ use ca_model::diag::Diags;
 /// Longest delay \[frames\], 3 s at 3 kHz: it is room in the state.
 const LATEST: u32 = 10_000;
 
+ca_core::choice! {
+    /// The position of a device between two frames.
+    enum Border {
+        /// a straight line
+        Linear = "linear",
+        /// that of the last frame
+        Hold = "hold",
+    }
+}
+
 const BORDER: Param =
-    Param::new("border", Type::Choice(&["linear", "hold"]), Need::Default(0.0), "position of a device within a frame");
+    Param::new("border", Type::Choice(Border::WORDS), Need::Default(0.0), "position of a device within a frame");
 const LATENCY: Param =
     Param::new("latency", Type::Count { min: 0, max: LATEST }, Need::Default(0.0), "frames added to each device");
 const FEEDBACK: Param = Param::new("feedback", Type::Flag, Need::Default(1.0), "whether the hand gets a force");
@@ -21,7 +31,7 @@ const FILTER: Param =
     Param::number("filter", Unit::HERTZ, (1.0, 1e7), Need::Optional, "edge of the low-pass of the outputs");
 
 /// Reads them into the network; needs its rates.
-pub fn crossing(model: &Model, net: &mut Net, diags: &mut Diags) {
+pub fn crossing(model: &Model, net: &mut Resolved, diags: &mut Diags) {
     let mut v = Values::new(None, diags);
     let mut number = |p: &Param| {
         let e = model.rate.iter().find(|e| e.key == p.name)?;
@@ -29,7 +39,10 @@ pub fn crossing(model: &Model, net: &mut Net, diags: &mut Diags) {
         let (arg, _) = v.arg(&TGR, p, e, &[], "[rate]")?;
         arg.num()
     };
-    let shape = if number(&BORDER) == Some(1.0) { Shape::Hold } else { Shape::Linear };
+    let shape = match Border::of(number(&BORDER)) {
+        Border::Linear => Shape::Linear,
+        Border::Hold => Shape::Hold,
+    };
     let latency = number(&LATENCY).unwrap_or(0.0) as u32;
     let feedback = number(&FEEDBACK) != Some(0.0);
     net.crossing = Crossing { shape, latency, feedback };

@@ -6,11 +6,11 @@
 
 use crate::findings::type_name;
 use crate::lower::values::Values;
-use crate::net::{MatRole, Net};
+use crate::net::{MatRole, Resolved};
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
-use ca_core::equivalence::{Class, Equivalence, Gains, Pair, ROWS, Row, Scale, anchor_for, keep, row, solve};
+use ca_core::equivalence::{Class, Equivalence, Gains, Pair, Quantity, ROWS, Scale, anchor_for, keep, row, solve};
 use ca_core::kind::{ABOVE_ZERO, PortRole, Unit};
 use ca_core::scene::InputRole;
 use ca_model::diag::Diag;
@@ -21,8 +21,8 @@ use ca_model::{Entry, Model, Value};
 const WORDS: [&str; 3] = ["lever", "position", "force"];
 
 /// Reads the section and gives every device input its gains.
-pub fn equivalence(model: &Model, net: &mut Net, v: &mut Values<'_>) {
-    let te = v.alg.unwrap_or(1.0);
+pub fn equivalence(model: &Model, net: &mut Resolved, v: &mut Values<'_>) {
+    let time_unit = v.alg.unwrap_or(1.0);
     let keys: Vec<(String, [Option<u32>; 3])> = net
         .mats
         .iter()
@@ -31,7 +31,7 @@ pub fn equivalence(model: &Model, net: &mut Net, v: &mut Values<'_>) {
             _ => None,
         })
         .collect();
-    let mut found = Equivalence { te, ..Equivalence::default() };
+    let mut found = Equivalence { time_unit, ..Equivalence::default() };
     let mut pairs: Vec<(Pair, &Entry)> = Vec::new();
     let mut tables: Vec<(String, &Entry)> = Vec::new();
     let mut anchor: Option<&Entry> = None;
@@ -48,7 +48,7 @@ pub fn equivalence(model: &Model, net: &mut Net, v: &mut Values<'_>) {
             }
         }
     }
-    if let Some(gains) = whole(&pairs, found.anchor, anchor, te, v) {
+    if let Some(gains) = whole(&pairs, found.anchor, anchor, time_unit, v) {
         found.gains = gains;
     }
     for (name, e) in tables {
@@ -112,7 +112,7 @@ fn read_anchor(e: &Entry, v: &mut Values<'_>) -> Option<Class> {
     }
 }
 
-fn pair(row: &'static Row, e: &Entry, v: &mut Values<'_>) -> Option<Pair> {
+fn pair(row: &'static Quantity, e: &Entry, v: &mut Values<'_>) -> Option<Pair> {
     if row.class() == Class::Time {
         let d = Diag::error("E032", "`time` has no equivalence of its own").at(e.key_span, "the clock decides");
         v.diags.push(d.help("a second is a second; in `alg` units a sample is one of `reference_rate`"));
@@ -129,11 +129,11 @@ fn pair(row: &'static Row, e: &Entry, v: &mut Values<'_>) -> Option<Pair> {
     v.alg = alg;
     let sim = v.constant(sim, row.unit, ABOVE_ZERO, &format!("the simulated `{}` of `[equivalence]`", row.name));
     // numbers of the model, not SI
-    let unit = v.alg.map_or(1.0, |te| row.unit.dim.alg_to_si(te));
+    let unit = v.alg.map_or(1.0, |time_unit| row.unit.dim.alg_to_si(time_unit));
     Some(Pair { row, ratio: real? / (sim? / unit) })
 }
 
-fn wrong_shape(row: &Row, e: &Entry, is: &str, v: &mut Values<'_>) -> Option<Pair> {
+fn wrong_shape(row: &Quantity, e: &Entry, is: &str, v: &mut Values<'_>) -> Option<Pair> {
     let d = Diag::error("E006", format!("`{}` of `[equivalence]` must be a pair, {is}", row.name));
     let example = crate::findings::quoted(row.unit);
     v.diags.push(d.at(e.span, "not a pair").help(format!("write `[real, simulated]`, e.g. `[{example}, 1.0]`")));
@@ -145,7 +145,7 @@ fn whole(
     pairs: &[(Pair, &Entry)],
     held: Option<Class>,
     anchor: Option<&Entry>,
-    te: f64,
+    time_unit: f64,
     v: &mut Values<'_>,
 ) -> Option<Gains> {
     let others =
@@ -163,7 +163,7 @@ fn whole(
                 v.diags.push(d.help(format!("beside `{}`, hold one of {}", p.row.name, others(class))));
                 return None;
             }
-            (keep(*p, held, Gains::default(), te), e)
+            (keep(*p, held, Gains::default(), time_unit), e)
         }
         [(a, _), (b, e)] => {
             let class = a.row.class();
@@ -175,7 +175,7 @@ fn whole(
                 v.diags.push(d.help(format!("beside `{}`, write one of {}", a.row.name, others(class))));
                 return None;
             }
-            (solve([*a, *b], te), e)
+            (solve([*a, *b], time_unit), e)
         }
         [_, _, (c, e), ..] => {
             let d = Diag::error("E032", format!("`{}` is one equivalence too many: two settle all", c.row.name));
@@ -244,7 +244,7 @@ fn scale(
 }
 
 /// Keys that move with one degree of freedom have one scale: the force on it is one force.
-fn shared(net: &Net, found: &Equivalence, model: &Model, v: &mut Values<'_>) {
+fn shared(net: &Resolved, found: &Equivalence, model: &Model, v: &mut Values<'_>) {
     let devices: Vec<_> = net.inputs.iter().filter(|i| i.role == InputRole::Device && i.device.is_some()).collect();
     for (n, b) in devices.iter().enumerate() {
         let Some(a) = devices[..n].iter().find(|a| a.device == b.device && a.gains != b.gains) else { continue };

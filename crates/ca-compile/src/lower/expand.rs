@@ -1,13 +1,13 @@
-//! Expand: a generator's drawing becomes modules with names, kinds and places for their numbers.
+//! Expand: what a generator built becomes modules with names, kinds and places for their numbers.
 
 use crate::net::lines::LineNode;
-use crate::net::{End, Family, LiaNode, MatNode, MatRole, Measure, Net};
+use crate::net::{End, Family, LiaNode, MatNode, MatRole, Measure, Resolved};
 use alloc::format;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
+use ca_core::builder::{Builder, Built};
 use ca_core::kind::{Kind, Role};
 use ca_core::live::Source;
-use ca_core::sketch::{Drawn, Sketch};
 
 /// Lists of sources met lately: most modules of a generator share theirs.
 #[derive(Default)]
@@ -25,24 +25,24 @@ impl Shared {
     }
 }
 
-/// Adds the drawing of item `item` to the net. The cheapest law that serves each link is chosen later, by the same
+/// Adds what item `item` built to the net. The cheapest law that serves each link is chosen later, by the same
 /// pass that treats links written by hand.
-pub fn expand(net: &mut Net, item: u32, sketch: &Sketch<'_>, (dim, rest): (u8, [f64; 3]), group: Option<u32>) {
+pub fn expand(net: &mut Resolved, item: u32, built: &Builder<'_>, (dim, rest): (u8, [f64; 3]), group: Option<u32>) {
     let name = net.items[item as usize].name.clone();
     let base = net.mats.len() as u32;
     let mut shared = Shared::default();
-    let mut family = Family { size: sketch.size, ..Family::default() };
-    for (i, (what, index)) in sketch.mats.iter().enumerate() {
+    let mut family = Family { size: built.size, ..Family::default() };
+    for (i, (what, index)) in built.mats.iter().enumerate() {
         let id = base + i as u32;
         let (kind, slots): (&'static Kind, &[(usize, u32)]) = match what {
-            Drawn::Mass(m, z) if sketch.nothing(*z) => (&ca_core::mat::MAS, &[(0, *m)]),
-            Drawn::Mass(m, z) => (&ca_core::mat::CEL, &[(0, *m), (2, *z)]),
-            Drawn::Cell(m, f, t60) => (&ca_core::mat::CEL, &[(0, *m), (3, *f), (4, *t60)]),
-            Drawn::Held | Drawn::Tip => (&ca_core::mat::SOL, &[]),
+            Built::Mass(m, z) if built.nothing(*z) => (&ca_core::mat::MAS, &[(0, *m)]),
+            Built::Mass(m, z) => (&ca_core::mat::CEL, &[(0, *m), (2, *z)]),
+            Built::Cell(m, f, t60) => (&ca_core::mat::CEL, &[(0, *m), (3, *f), (4, *t60)]),
+            Built::Fixed | Built::Anchor => (&ca_core::mat::SOL, &[]),
         };
-        let name = if *what == Drawn::Tip {
-            family.tips.push(id);
-            format!("{name}.end[{}]", family.tips.len() - 1)
+        let name = if *what == Built::Anchor {
+            family.anchors.push(id);
+            format!("{name}.end[{}]", family.anchors.len() - 1)
         } else {
             family.masses.push(id);
             format!("{name}[{index}]")
@@ -58,15 +58,15 @@ pub fn expand(net: &mut Net, item: u32, sketch: &Sketch<'_>, (dim, rest): (u8, [
             role: MatRole::Mat(spec),
             values: shared.list(&values),
             axes: dim,
-            rest: sketch.places.get(i).map_or(rest, |p| core::array::from_fn(|k| rest[k] + p[k])),
+            rest: built.places.get(i).map_or(rest, |p| core::array::from_fn(|k| rest[k] + p[k])),
             dx0: [0.0; 3],
-            v: sketch.speeds.get(i).copied().unwrap_or([0.0; 3]),
+            v: built.speeds.get(i).copied().unwrap_or([0.0; 3]),
             group,
             item,
         });
     }
     let Role::Lia(law) = ca_core::phi::REF.role else { return };
-    for (i, l) in sketch.links.iter().enumerate() {
+    for (i, l) in built.links.iter().enumerate() {
         family.links.push(net.lias.len() as u32);
         net.lias.push(LiaNode {
             name: format!("{name}.link[{i}]"),
@@ -82,7 +82,7 @@ pub fn expand(net: &mut Net, item: u32, sketch: &Sketch<'_>, (dim, rest): (u8, [
             item,
         });
     }
-    net.lines.extend(sketch.line.clone().map(|asked| LineNode { item, first: base, asked, tuned: None }));
-    family.nodes = sketch.nodes.iter().map(|n| base + n).collect();
+    net.lines.extend(built.line.clone().map(|asked| LineNode { item, first: base, asked, tuned: None }));
+    family.nodes = built.nodes.iter().map(|n| base + n).collect();
     net.families.insert(name, family);
 }

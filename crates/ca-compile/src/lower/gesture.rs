@@ -2,7 +2,7 @@
 
 use crate::lower::named::Named;
 use crate::lower::values::Values;
-use crate::net::Net;
+use crate::net::Resolved;
 use alloc::format;
 use alloc::vec::Vec;
 use ca_core::kind::Unit;
@@ -13,7 +13,7 @@ use ca_model::suggest::nearest;
 use ca_model::{Entry, Model, Value};
 
 /// Reads all gestures.
-pub fn gestures(model: &Model, net: &mut Net, alg: Option<f64>, named: &[Named], diags: &mut Diags) {
+pub fn gestures(model: &Model, net: &mut Resolved, alg: Option<f64>, named: &[Named], diags: &mut Diags) {
     for e in &model.gestures {
         let input = net.inputs.iter().find(|i| i.name == e.key);
         let param = net.params.iter().find(|p| p.name == e.key);
@@ -74,7 +74,7 @@ pub fn gestures(model: &Model, net: &mut Net, alg: Option<f64>, named: &[Named],
     }
 }
 
-fn drives_nothing(e: &Entry, model: &Model, net: &Net, named: &[Named], diags: &mut Diags) {
+fn drives_nothing(e: &Entry, model: &Model, net: &Resolved, named: &[Named], diags: &mut Diags) {
     let mut d = Diag::error("E021", format!("gesture `{}` drives nothing", e.key));
     if let Some(n) = named.iter().find(|n| n.name == e.key) {
         if n.value.is_none() {

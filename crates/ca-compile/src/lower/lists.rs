@@ -5,8 +5,8 @@ use crate::lower::values::Values;
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
+use ca_core::builder::Arg;
 use ca_core::kind::Unit;
-use ca_core::sketch::Arg;
 use ca_model::diag::Diag;
 use ca_model::quantity::Plain;
 use ca_model::{Entry, Value};
@@ -25,7 +25,7 @@ impl Values<'_> {
     }
 
     /// A place, or a velocity: a number, or a list of them. How many there must be is known where the group is.
-    pub fn place(&mut self, e: &Entry, unit: Unit, what: &str) -> Option<Arg> {
+    pub fn position(&mut self, e: &Entry, unit: Unit, what: &str) -> Option<Arg> {
         let Value::List(list) = &e.value else {
             return self.constant(e, unit, ca_core::kind::ANY, what).map(Arg::Num);
         };
@@ -34,14 +34,14 @@ impl Values<'_> {
     }
 
     /// A list of places in space, flat.
-    pub(super) fn places(&mut self, e: &Entry, unit: Unit, what: &str) -> Option<Vec<f64>> {
+    pub(super) fn positions(&mut self, e: &Entry, unit: Unit, what: &str) -> Option<Vec<f64>> {
         let help = format!("write e.g. `[[0, 0, 0], [{}, 0, 0]]`", quoted(unit));
         let Value::List(list) = &e.value else {
             return self.wrong_type(what, "a list of points", &e.value, e.span, &help);
         };
         let mut all = Vec::with_capacity(3 * list.len());
         for p in list {
-            match self.place(p, unit, what)? {
+            match self.position(p, unit, what)? {
                 Arg::List(l) if l.len() == 3 => all.extend(l),
                 _ => {
                     let d = Diag::error("E006", format!("{what}: a point in space has three numbers"));

@@ -3,7 +3,7 @@
 use crate::findings::{bad_quantity, inside, range_help, type_name, wrong_unit};
 use crate::lower::named::{Named, Raw};
 use crate::lower::values::Values;
-use crate::net::Net;
+use crate::net::Resolved;
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
@@ -194,7 +194,7 @@ fn not_alike(n: &Named, what: &str, key: &str, span: Span, [value, limit]: [Opti
 }
 
 /// Hands the parameters over to the network; notes which nothing uses.
-pub fn place(v: &mut Values<'_>, net: &mut Net) {
+pub fn place(v: &mut Values<'_>, net: &mut Resolved) {
     let mut renumber = alloc::vec![usize::MAX; v.named.len()];
     for (i, n) in v.named.iter().enumerate() {
         let Some(raw) = n.value else { continue };
@@ -226,7 +226,7 @@ pub fn place(v: &mut Values<'_>, net: &mut Net) {
 }
 
 /// Parameters that no module and no moving point follows.
-pub fn report_unused(net: &Net, diags: &mut Diags) {
+pub fn report_unused(net: &Resolved, diags: &mut Diags) {
     for (name, span) in &net.unused {
         let d = Diag::warning("W109", format!("parameter `{name}` is used by nothing")).at(*span, "declared here");
         diags.push(d.help(format!("write `\"{name}\"` where a module should follow it, or remove it")));

@@ -3,12 +3,13 @@
 //! The one place where the tick of the physics and the sample of the outside part ways.
 
 use crate::lower::values::Values;
-use crate::net::{Medium, Net};
+use crate::net::{Medium, Resolved};
 use crate::options::Options;
 use alloc::format;
 use ca_core::io::TGR;
 use ca_core::kind::{ANY, Need, POSITIVE, Param, Type, Unit};
 use ca_core::phi::implicit::{OF_GROUP, OF_MODEL, THETA};
+use ca_core::tuning::Method;
 use ca_model::diag::{Diag, Diags};
 use ca_model::quantity::Plain;
 use ca_model::suggest::nearest;
@@ -22,7 +23,7 @@ const OVERSAMPLE: Param =
     Param::new("oversample", Type::Count { min: 1, max: FINEST }, Need::Default(1.0), "ticks in a sample");
 
 /// Sound rate, ticks in a sample, tick and ratio.
-pub fn rates(model: &Model, options: &Options, net: &mut Net, diags: &mut Diags) {
+pub fn rates(model: &Model, options: &Options, net: &mut Resolved, diags: &mut Diags) {
     let hertz = |key: &str, diags: &mut Diags| {
         let e = model.rate.iter().find(|e| e.key == key)?;
         let mut v = Values::new(None, diags);
@@ -45,7 +46,7 @@ pub fn rates(model: &Model, options: &Options, net: &mut Net, diags: &mut Diags)
         Values::new(None, diags).arg(&TGR, &OVERSAMPLE, e, &[], "[rate]")?.0.num()
     });
     net.oversample = finer.map_or(1, |n| n as u32);
-    net.te = 1.0 / (sound * f64::from(net.oversample));
+    net.tick_dt = 1.0 / (sound * f64::from(net.oversample));
     net.ratio = 1;
     // a rate that could not be read fits nothing
     if matches!(written, Some((None, _))) || matches!(gesture, Some((None, _))) || options.rate != asked {
@@ -79,7 +80,7 @@ pub fn rates(model: &Model, options: &Options, net: &mut Net, diags: &mut Diags)
 }
 
 /// Tick of the reference rate, for `alg` units.
-pub fn reference(model: &Model, net: &Net, diags: &mut Diags) -> Option<f64> {
+pub fn reference(model: &Model, net: &Resolved, diags: &mut Diags) -> Option<f64> {
     let e = model.meta("units")?;
     let word = if let Value::Text(t) = &e.value { t.as_str() } else { "" };
     match word {
@@ -102,7 +103,7 @@ pub fn reference(model: &Model, net: &Net, diags: &mut Diags) -> Option<f64> {
 }
 
 /// Gravity and friction of every group; those of the model come last.
-pub fn media(model: &Model, net: &mut Net, v: &mut Values<'_>) {
+pub fn media(model: &Model, net: &mut Resolved, v: &mut Values<'_>) {
     let root = medium(&model.meta, ["`[model]`", "[model]"], Medium::default(), &OF_MODEL, v);
     for g in &model.groups {
         let m = medium(&g.props, [&format!("group `{}`", g.name), &g.name], root, &OF_GROUP, v);
@@ -143,7 +144,7 @@ fn medium(props: &[Entry], [owner, name]: [&str; 2], outer: Medium, methods: &Pa
                     m.friction = z;
                 }
             }
-            "method" => m.method = v.word(methods, e, name).unwrap_or(m.method),
+            "method" => m.method = v.word(methods, e, name).map_or(m.method, Method::of),
             "theta" => m.theta = v.word(&THETA, e, name).or(m.theta),
             _ => {}
         }
@@ -166,8 +167,8 @@ fn down_of(m: Medium) -> f64 {
 /// One number, the pull towards negative positions of the last axis; or the acceleration, a number per axis.
 fn gravity(e: &Entry, dim: u8, what: &str, v: &mut Values<'_>) -> Option<[f64; 3]> {
     if let Value::List(_) = e.value {
-        let list = v.place(e, Unit::ACCELERATION, what)?;
-        return crate::lower::space::place(Some(&list), dim, e.span, what, v.diags);
+        let list = v.position(e, Unit::ACCELERATION, what)?;
+        return crate::lower::space::position(Some(&list), dim, e.span, what, v.diags);
     }
     v.constant(e, Unit::ACCELERATION, ANY, what).map(|g| down(dim, g))
 }

@@ -1,13 +1,11 @@
 //! What the parameter tables of the kinds cannot say: parameters that need each other, and how much a generator makes.
 
 use alloc::format;
+use ca_core::builder::{Arg, Args};
 use ca_core::kind::{Kind, Type};
-use ca_core::sketch::{Arg, Args};
+use ca_core::phi::bow::CurveShape;
 use ca_model::Item;
 use ca_model::diag::{Diag, Diags};
-
-/// Curves of a BOW that is drawn by `points`, as numbered by its choice.
-const DRAWN: f64 = 3.0;
 
 /// False, with a finding, where the parameters of an item do not make sense together.
 pub fn parameters(kind: &Kind, item: &Item, args: &[Arg], diags: &mut Diags) -> bool {
@@ -19,12 +17,12 @@ pub fn parameters(kind: &Kind, item: &Item, args: &[Arg], diags: &mut Diags) -> 
         d.at(span, format!("without `{name}`")).help(help)
     };
     let d = match kind.code {
-        "BOW" if num("curve") == Some(DRAWN) && entry("points").is_none() => missing(
+        "BOW" if CurveShape::of(num("curve")) == CurveShape::Table && entry("points").is_none() => missing(
             "points",
             "curve",
             "add `points = [[\"-1 m/s\", \"-1 N\"], [0, 0], [\"1 m/s\", \"1 N\"]]`, or choose another curve",
         ),
-        "BOW" if num("curve") != Some(DRAWN) && entry("points").is_some() => {
+        "BOW" if CurveShape::of(num("curve")) != CurveShape::Table && entry("points").is_some() => {
             let d = missing("curve", "points", "add `curve = \"table\"`");
             entry("curve").map_or(d.clone(), |e| d.fix(e.span, "\"table\""))
         }

@@ -7,35 +7,45 @@ use crate::lower::crossing::crossing;
 use crate::lower::expand::expand;
 use crate::lower::values::Values;
 use crate::lower::{equivalence, gesture, params, rates, requirements, space};
-use crate::net::{Family, MatNode, MatRole, Net, NetItem};
+use crate::net::{Family, MatNode, MatRole, NetItem, Resolved};
 use alloc::collections::{BTreeMap, BTreeSet};
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
+use ca_core::builder::{Arg, Args, Builder, Problem};
 use ca_core::catalog::Catalog;
 use ca_core::equivalence::Gains;
 use ca_core::kind::{Kind, Need, OneOf, Role, Type, Unit};
 use ca_core::kind::{Param, PortRole};
 use ca_core::live::Source;
 use ca_core::scene::{Input, InputRole};
-use ca_core::sketch::{Arg, Args, Problem, Sketch};
 use ca_model::LARGEST;
 use ca_model::diag::{Diag, Diags};
 use ca_model::quantity::Plain;
 use ca_model::suggest::nearest;
 use ca_model::{Item, Model, Span, Value};
 
+ca_core::choice! {
+    /// What `dx0` and `v` are at the start.
+    enum Start {
+        /// position and speed there
+        Centred = "centred",
+        /// the positions before it
+        MiLib = "mi.lib",
+    }
+}
+
 /// `start` of `[model]`.
 pub const START: Param = Param::new(
     "start",
-    Type::Choice(&["centred", "mi.lib"]),
+    Type::Choice(Start::WORDS),
     Need::Default(0.0),
     "what `dx0` and `v` are at the start: position and speed there, or the positions before it, as in mi.lib",
 );
 
 /// Everything but links and outputs.
-pub fn resolve(model: &Model, catalog: &Catalog, options: &Options, diags: &mut Diags) -> Net {
-    let mut net = Net::default();
+pub fn resolve(model: &Model, catalog: &Catalog, options: &Options, diags: &mut Diags) -> Resolved {
+    let mut net = Resolved::default();
     rates::rates(model, options, &mut net, diags);
     crossing(model, &mut net, diags);
     let alg = rates::reference(model, &net, diags);
@@ -61,12 +71,12 @@ pub fn resolve(model: &Model, catalog: &Catalog, options: &Options, diags: &mut 
         }
     }
     if let Some(e) = model.meta("seconds") {
-        let te = v.alg.take();
+        let tick_dt = v.alg.take();
         net.seconds = v.number(e, Unit::SECOND, (0.0, 86_400.0), "`seconds` of `[model]`").map(|s| s.0);
-        v.alg = te;
+        v.alg = tick_dt;
     }
     if let Some(e) = model.meta(START.name) {
-        net.as_milib = v.word(&START, e, "[model]") == Some(1.0);
+        net.as_milib = Start::of(v.word(&START, e, "[model]")) == Start::MiLib;
     }
     equivalence::equivalence(model, &mut net, &mut v);
     params::place(&mut v, &mut net);
@@ -206,17 +216,17 @@ fn one_of(kind: &Kind, item: &Item, choice: &OneOf, diags: &mut Diags) -> bool {
 }
 
 /// Makes MATs, ports and generators; refuses what would be too large before it makes it.
-fn nodes(mut item: NetItem, source: &Item, net: &mut Net, v: &mut Values<'_>) {
+fn nodes(mut item: NetItem, source: &Item, net: &mut Resolved, v: &mut Values<'_>) {
     let id = net.items.len() as u32;
     let kind = item.kind;
     item.slots = item.args.iter().map(Arg::num).collect();
     let dim = net.medium_of(item.group).dim;
     item.dim = dim;
     let mut places = BTreeMap::new();
-    for (p, arg) in kind.params.iter().zip(&item.args).filter(|(p, _)| matches!(p.ty, Type::Place { .. })) {
+    for (p, arg) in kind.params.iter().zip(&item.args).filter(|(p, _)| matches!(p.ty, Type::Position { .. })) {
         let span = source.args.iter().find(|e| e.key == p.name).map_or(Span::NONE, |e| e.span);
         let what = format!("`{}` of `{}`", p.name, item.name);
-        places.insert(p.name, space::place(Some(arg), dim, span, &what, v.diags));
+        places.insert(p.name, space::position(Some(arg), dim, span, &what, v.diags));
     }
     if places.values().any(Option::is_none) {
         return;
@@ -225,7 +235,7 @@ fn nodes(mut item: NetItem, source: &Item, net: &mut Net, v: &mut Values<'_>) {
     match kind.role {
         Role::Mat(spec) => {
             if let (Some(f), "CEL") = (kind.param("f").and_then(|i| item.args[i].num()), kind.code) {
-                if f * net.te >= 0.5 {
+                if f * net.tick_dt >= 0.5 {
                     let span = source.args.iter().find(|e| e.key == "f").map_or(source.span, |e| e.span);
                     let d = Diag::error(
                         "E023",
@@ -269,7 +279,8 @@ fn nodes(mut item: NetItem, source: &Item, net: &mut Net, v: &mut Values<'_>) {
                 return;
             }
             let scheme = net.scheme(item.group);
-            let args = Args { code: kind.code, params: kind.params, values: &item.args, te: net.te, dim, scheme };
+            let args =
+                Args { code: kind.code, params: kind.params, values: &item.args, tick_dt: net.tick_dt, dim, scheme };
             let before = net.mats.len() + net.lias.len();
             let will = requirements::modules(&args);
             if will.saturating_add(before) > LARGEST {
@@ -278,16 +289,16 @@ fn nodes(mut item: NetItem, source: &Item, net: &mut Net, v: &mut Values<'_>) {
                 return;
             }
             let mut slots = Vec::new();
-            let drawn = (g.derive)(&args, &mut slots).and_then(|()| {
-                let mut drawing = Sketch::new(&slots, !item.follows.is_empty());
-                (g.build)(&args, &mut drawing).map(|()| drawing)
+            let built = (g.derive)(&args, &mut slots).and_then(|()| {
+                let mut b = Builder::new(&slots, !item.follows.is_empty());
+                (g.build)(&args, &mut b).map(|()| b)
             });
-            match drawn {
-                Ok(drawing) => {
+            match built {
+                Ok(built) => {
                     item.slots.clone_from(&slots);
                     let group = item.group;
                     net.items.push(item);
-                    expand(net, id, &drawing, (dim, rest), group);
+                    expand(net, id, &built, (dim, rest), group);
                 }
                 Err(p) => {
                     v.diags.push(does_not_fit(&item.name, source, p));
@@ -320,7 +331,7 @@ fn too_many(name: &str, kind: &Kind, source: &Item, will: usize, before: usize) 
     d.help(format!("a model holds up to {LARGEST} masses and links; a real-time one some thousands"))
 }
 
-fn single(net: &mut Net, node: MatNode) {
+fn single(net: &mut Resolved, node: MatNode) {
     let id = net.mats.len() as u32;
     let family = Family { masses: alloc::vec![id], size: [1, 1], ..Family::default() };
     net.families.insert(node.name.clone(), family);
@@ -333,7 +344,7 @@ fn port(
     source: &Item,
     id: u32,
     (dim, rest): (u8, [f64; 3]),
-    net: &mut Net,
+    net: &mut Resolved,
     v: &mut Values<'_>,
 ) {
     if matches!(role, PortRole::Sox | PortRole::Sof) {

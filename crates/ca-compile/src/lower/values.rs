@@ -7,9 +7,9 @@ use crate::findings::{bad_quantity, instead, quoted, range_help, type_name, unit
 use crate::lower::named::{Named, Raw};
 use alloc::format;
 use alloc::vec::Vec;
+use ca_core::builder::Arg;
 use ca_core::cloud::Clouds;
 use ca_core::kind::{Dim, Kind, Need, Param, Type, Unit};
-use ca_core::sketch::Arg;
 use ca_core::table::Table;
 use ca_model::diag::{Diag, Diags};
 use ca_model::quantity;
@@ -255,7 +255,7 @@ impl Values<'_> {
                 self.tables.push(table);
                 plain(self.tables.len() as f64 - 1.0)
             }
-            Type::Place { unit } => self.place(e, unit, &what).map(|a| (a, None)),
+            Type::Position { unit } => self.position(e, unit, &what).map(|a| (a, None)),
             Type::Direction => self.direction(e, &what).map(|a| (a, None)),
             Type::Counts { min, max } => match &e.value {
                 Value::List(list) => {
@@ -266,7 +266,7 @@ impl Values<'_> {
             },
             Type::Nodes => self.nodes(e, &what).map(|list| (Arg::List(list), None)),
             Type::File => self.file(e, &what).map(|a| (a, None)),
-            Type::Places { unit } => self.places(e, unit, &what).map(|l| (Arg::List(l), None)),
+            Type::Positions { unit } => self.positions(e, unit, &what).map(|l| (Arg::List(l), None)),
             // structure, read elsewhere
             Type::Between | Type::Module | Type::Text | Type::Midi => Some((Arg::Absent, None)),
         }

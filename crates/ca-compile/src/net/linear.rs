@@ -1,13 +1,13 @@
-//! From the network to matrices: which places move, and how each link pulls at them at the pose of load.
+//! From the network to matrices: which dofs move, and how each link pulls at them at the pose of load.
 //!
 //! Decides that a link at a moving point is as many links as there are nodes under it: its row is a mean of theirs, so
 //! whatever holds for each of them holds wherever the point stands.
 
-use crate::analysis::{Linear, Loose, Network, Place, Port};
+use crate::analysis::{Dof, Linear, Loose, Network, Port};
 use crate::net::linearisation;
 use crate::net::linearisation::Own;
 use crate::net::lines::LineNode;
-use crate::net::{Coordinate, End, LiaNode, MatNode, Measure, Net, OutputTap};
+use crate::net::{Coordinate, End, LiaNode, MatNode, Measure, OutputTap, Pruned, Wired};
 use alloc::string::String;
 use alloc::vec::Vec;
 use ca_core::law::Bound;
@@ -23,18 +23,18 @@ pub enum Points {
     Anywhere,
 }
 
-/// Where the places of each MAT begin in the linear network; `None` for what does not move.
+/// Where the dofs of each MAT begin in the linear network; `None` for what does not move.
 pub struct Numbers(Vec<Option<u32>>);
 
-/// The places of a network, without links.
-pub fn places(net: &Net, own: &[Own]) -> (Linear, Numbers) {
+/// The dofs of a network, without links.
+pub fn dofs(net: &Wired, own: &[Own]) -> (Linear, Numbers) {
     let mut linear = Linear::default();
     let mut numbers = Vec::with_capacity(net.mats.len());
     for (i, (m, own)) in net.mats.iter().zip(own).enumerate() {
         let moves = own.c > 0.0;
-        numbers.push(moves.then_some(linear.places.len() as u32));
+        numbers.push(moves.then_some(linear.dofs.len() as u32));
         let axes = if moves { m.axes } else { 0 };
-        linear.places.extend((0..axes).map(|axis| Place {
+        linear.dofs.extend((0..axes).map(|axis| Dof {
             mat: i as u32,
             axis,
             c: own.c,
@@ -46,13 +46,13 @@ pub fn places(net: &Net, own: &[Own]) -> (Linear, Numbers) {
     (linear, Numbers(numbers))
 }
 
-/// As many places as the points of one link may come to, together.
+/// As many dofs as the points of one link may come to, together.
 const SPOTS: usize = 10_000;
 
 /// The links of the network that `counts`, with their slopes. False where one that counts cannot be taken in: a set of
-/// pairs, or one with points that may come to too many places.
+/// pairs, or one with points that may come to too many dofs.
 pub fn links(
-    net: &Net,
+    net: &Wired,
     bounds: &[Bound],
     numbers: &Numbers,
     points: Points,
@@ -80,7 +80,7 @@ pub fn links(
 }
 
 /// The linear part of a network at load, and where it is driven and heard.
-pub fn network(net: &Net) -> Network {
+pub fn network(net: &Pruned) -> Network {
     let mut own: Vec<Own> = net
         .mats
         .iter()
@@ -90,7 +90,7 @@ pub fn network(net: &Net) -> Network {
     // delays are no matrix: what hangs on a waveguide is reported as if that stood still
     net.lines.iter().flat_map(LineNode::junctions).for_each(|m| own[m as usize] = Own::default());
     let slopes: Vec<Bound> = net.lias.iter().map(|l| linearisation::slopes(net, l)).collect();
-    let (mut linear, numbers) = places(net, &own);
+    let (mut linear, numbers) = dofs(net, &own);
     let counts = |l: &LiaNode, b: &Bound| b.linear && !l.law.is_late();
     let whole = links(net, &slopes, &numbers, Points::AtLoad, &mut linear, counts);
     debug_assert!(whole, "the laws of sets are not linear");
@@ -131,7 +131,7 @@ pub fn network(net: &Net) -> Network {
             }
         }
     }
-    let names = linear.places.iter().map(|p| {
+    let names = linear.dofs.iter().map(|p| {
         let m = &net.mats[p.mat as usize];
         if m.in_space() {
             alloc::format!("{}.{}", m.name, ["x", "y", "z"][p.axis as usize % 3])
@@ -139,17 +139,17 @@ pub fn network(net: &Net) -> Network {
             m.name.clone()
         }
     });
-    let at = |p: &Place, of: fn(&MatNode) -> [f64; 3]| of(&net.mats[p.mat as usize])[p.axis as usize];
+    let at = |p: &Dof, of: fn(&MatNode) -> [f64; 3]| of(&net.mats[p.mat as usize])[p.axis as usize];
     Network {
-        te: net.te,
+        tick_dt: net.tick_dt,
         oversample: net.oversample,
         composed: net.is_composed(),
-        modal: linear.places.iter().all(|p| {
+        modal: linear.dofs.iter().all(|p| {
             let m = &net.mats[p.mat as usize];
             !m.in_space() && net.scheme(m.group) == Scheme::Modal
         }),
-        x: linear.places.iter().map(|p| at(p, |m| m.dx0)).collect(),
-        v: linear.places.iter().map(|p| at(p, |m| m.v)).collect(),
+        x: linear.dofs.iter().map(|p| at(p, |m| m.dx0)).collect(),
+        v: linear.dofs.iter().map(|p| at(p, |m| m.v)).collect(),
         names: names.collect(),
         ports,
         deaf,
@@ -160,7 +160,7 @@ pub fn network(net: &Net) -> Network {
 }
 
 /// Modules that nothing hears; of one that is heard in part, its members.
-fn unheard(net: &Net) -> Vec<String> {
+fn unheard(net: &Pruned) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     let mut all = alloc::vec![0_usize; net.items.len()];
     net.mats.iter().filter(|m| !m.is_fixed()).for_each(|m| all[m.item as usize] += 1);
@@ -184,7 +184,7 @@ pub enum Pull {
 }
 
 /// The rows of a link: its own, and for one under tension in space those across it.
-pub fn rows(net: &Net, l: &LiaNode, b: &Bound, numbers: &Numbers, points: Points) -> Vec<Pull> {
+pub fn rows(net: &Wired, l: &LiaNode, b: &Bound, numbers: &Numbers, points: Points) -> Vec<Pull> {
     let ports: Vec<_> = core::iter::once((l.ends, l.measure)).chain(l.onto.map(|o| (o.ends, o.measure))).collect();
     // of each port, its direction; of each end, the nodes it may be at
     let mut choices: Vec<Vec<(u32, f64)>> = alloc::vec![Vec::new()];
@@ -232,7 +232,7 @@ pub fn rows(net: &Net, l: &LiaNode, b: &Bound, numbers: &Numbers, points: Points
 }
 
 /// How far a port is pulled out at load \[m\]: nothing where no end was moved and no length is written.
-fn stretch(net: &Net, l: &LiaNode, ends: [End; 2], measure: Measure, first: bool) -> f64 {
+fn stretch(net: &Wired, l: &LiaNode, ends: [End; 2], measure: Measure, first: bool) -> f64 {
     let rest = net.apart(ends);
     let (from, to) = (moved(net, ends[0]), moved(net, ends[1]));
     let by: [f64; 3] = core::array::from_fn(|k| to[k] - from[k]);
@@ -254,9 +254,9 @@ fn stretch(net: &Net, l: &LiaNode, ends: [End; 2], measure: Measure, first: bool
     }
 }
 
-/// What a pull on an end is on the places under it, one list for each node it may be at.
+/// What a pull on an end is on the dofs under it, one list for each node it may be at.
 fn at_end(
-    net: &Net,
+    net: &Wired,
     end: End,
     numbers: &Numbers,
     points: Points,
@@ -298,7 +298,7 @@ fn at_end(
 
 /// Axes and weights by which a port feels one of its ends.
 fn direction(
-    net: &Net,
+    net: &Wired,
     ends: [End; 2],
     measure: Measure,
     soften: f64,
@@ -314,12 +314,12 @@ fn direction(
 }
 
 /// How far an end stands from its rest position at load.
-fn moved(net: &Net, e: End) -> [f64; 3] {
+fn moved(net: &Wired, e: End) -> [f64; 3] {
     if let End::Mat(m) = e { net.mats[m as usize].dx0 } else { [0.0; 3] }
 }
 
 /// Direction and length from the first to the second end, where they are at load.
-fn unit(net: &Net, ends: [End; 2], soften: f64) -> ([f64; 3], f64) {
+fn unit(net: &Wired, ends: [End; 2], soften: f64) -> ([f64; 3], f64) {
     let (rest, from, to) = (net.apart(ends), moved(net, ends[0]), moved(net, ends[1]));
     let v: [f64; 3] = core::array::from_fn(|k| rest[k] + to[k] - from[k]);
     let length = libm::sqrt(v.iter().map(|x| x * x).sum::<f64>() + soften * soften).max(f64::MIN_POSITIVE);

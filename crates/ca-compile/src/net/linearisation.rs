@@ -1,6 +1,6 @@
 //! What modules are at load to small motions: slopes of links, mobility and own stiffness of MATs.
 
-use crate::net::{LiaNode, MatNode, MatRole, Net};
+use crate::net::{LiaNode, MatNode, MatRole, Resolved};
 use alloc::vec::Vec;
 use ca_core::law::Bound;
 use ca_core::live::Loader;
@@ -20,12 +20,12 @@ pub struct Own {
 }
 
 /// A MAT at load.
-pub fn own(net: &Net, m: &MatNode) -> Own {
+pub fn own(net: &Resolved, m: &MatNode) -> Own {
     let MatRole::Mat(spec) = m.role else { return Own::default() };
     let mut out = Vec::new();
     let mut values = net.values(m.item, &m.values);
     let loader = Loader::Mat(spec, net.medium(m).friction);
-    loader.load(&values, net.te, &mut out);
+    loader.load(&values, net.tick_dt, &mut out);
     let c = if spec.fixed { 0.0 } else { out[2] };
     if c <= 0.0 {
         return Own::default();
@@ -33,8 +33,8 @@ pub fn own(net: &Net, m: &MatNode) -> Own {
     let own = Own { c, k: -out[1] / c, z: (1.0 - out[0]) / c, implicit: 0.0 };
     if let Some((f, t60)) = pitch(m, &values).filter(|_| net.scheme(m.group) == Scheme::Modal) {
         // the mode itself, not what the explicit scheme needs to sound like it
-        if let Some((a, b)) = Scheme::Modal.tuned(f, t60, net.te) {
-            return Own { c, k: a / c, z: b / c + net.medium(m).friction / net.te, implicit: 0.0 };
+        if let Some((a, b)) = Scheme::Modal.tuned(f, t60, net.tick_dt) {
+            return Own { c, k: a / c, z: b / c + net.medium(m).friction / net.tick_dt, implicit: 0.0 };
         }
     }
     let Some(method) = ca_core::mat::CEL.param("method").filter(|_| m.code == ca_core::mat::CEL.code) else {
@@ -44,7 +44,7 @@ pub fn own(net: &Net, m: &MatNode) -> Own {
         return own;
     }
     values[method] = None;
-    loader.load(&values, net.te, &mut out);
+    loader.load(&values, net.tick_dt, &mut out);
     Own { c: out[2], implicit: 1.0 / c - 1.0 / out[2], ..own }
 }
 
@@ -57,6 +57,6 @@ fn pitch(m: &MatNode, values: &[Option<f64>]) -> Option<(f64, f64)> {
 }
 
 /// The slopes of a link at load.
-pub fn slopes(net: &Net, l: &LiaNode) -> Bound {
-    (l.law.bound)(&l.law.loaded(&net.values(l.item, &l.values), net.te), &net.tables)
+pub fn slopes(net: &Resolved, l: &LiaNode) -> Bound {
+    (l.law.bound)(&l.law.loaded(&net.values(l.item, &l.values), net.tick_dt), &net.tables)
 }

@@ -23,9 +23,9 @@ impl LineNode {
 
     /// What it is to a steady pull: from each junction a spring to the one before, or to the ground \[N/m\]. The
     /// lossy end gives way in time, and counts for nothing.
-    pub fn springs(&self, te: f64) -> impl Iterator<Item = (u32, Option<u32>, f64)> {
+    pub fn springs(&self, tick_dt: f64) -> impl Iterator<Item = (u32, Option<u32>, f64)> {
         let between = move |i: usize, delay: usize| {
-            let k = self.asked.z / (te * delay as f64);
+            let k = self.asked.z / (tick_dt * delay as f64);
             let m = self.first + i as u32;
             if i == 0 { (m, None, 2.0 * k) } else { (m, Some(m - 1), k) }
         };

@@ -1,76 +1,59 @@
 //! The worst of what may change: for each mass and each link, its numbers at the ends of the ranges of all live
 //! parameters it follows.
 
-use crate::net::{MatNode, MatRole, Net};
+use crate::net::{MatNode, MatRole, Resolved};
 use alloc::sync::Arc;
 use alloc::vec::Vec;
+use ca_core::builder::{Arg, Args};
 use ca_core::kind::Role;
 use ca_core::law::Bound;
 use ca_core::live::{Loader, Source};
-use ca_core::sketch::{Arg, Args};
 
-/// What the linear bounds need of one mass.
+/// A MAT at the worst corner of what may change; nothing of what is fixed.
 #[derive(Clone, Copy, Default)]
-pub struct Row {
-    /// T²k + 2Tz of all links at this mass that are certainly there, as steep as that
-    pub own: f64,
-    /// the same of all links that may be
-    pub all: f64,
-    /// the same with links between masses counted twice
-    pub disc: f64,
-    /// T²/m
+pub struct WorstMat {
+    /// mobility T²/m \[m/N\]
     pub c: f64,
     /// stiffness of its own \[N/m\], as of a CEL
-    #[cfg_attr(not(feature = "analysis"), allow(dead_code))]
     pub k: f64,
     /// viscosity of its own and of its medium \[N per m/tick\]
-    #[cfg_attr(not(feature = "analysis"), allow(dead_code))]
     pub z: f64,
-    /// contacts
-    pub touch: f64,
-    /// T²k + 2Tz of the stiffest of them
-    pub most: f64,
-    /// the sum of those below 0
-    pub eased: f64,
-    /// true where some of them are radial, so that they act in different directions
-    pub radial: bool,
 }
 
-/// A row for each MAT; generators make thousands with the same values, and each corner may solve for a pitch.
-pub fn worst_rows(net: &Net) -> Vec<Row> {
-    let mut last: Option<(&MatNode, Row)> = None;
+/// Each MAT; generators make thousands with the same values, and each corner may solve for a pitch.
+pub fn worst_mats(net: &Resolved) -> Vec<WorstMat> {
+    let mut last: Option<(&MatNode, WorstMat)> = None;
     let mut rows = Vec::with_capacity(net.mats.len());
     for m in &net.mats {
         let same = last.as_ref().filter(|(o, _)| {
             o.item == m.item && o.code == m.code && (Arc::ptr_eq(&o.values, &m.values) || o.values[..] == m.values[..])
         });
-        let r = same.map_or_else(|| row(net, m), |s| s.1);
+        let r = same.map_or_else(|| worst_mat(net, m), |s| s.1);
         rows.push(r);
         last = Some((m, r));
     }
     rows
 }
 
-fn row(net: &Net, m: &MatNode) -> Row {
-    let MatRole::Mat(spec) = m.role else { return Row::default() };
+fn worst_mat(net: &Resolved, m: &MatNode) -> WorstMat {
+    let MatRole::Mat(spec) = m.role else { return WorstMat::default() };
     let mut out = Vec::new();
     let (mut k, mut z, mut c): (f64, f64, f64) = (0.0, 0.0, 0.0);
     // worst corner of what may change: lightest, stiffest, most damped
     for values in corners(net, m.item, &m.values) {
-        Loader::Mat(spec, net.medium(m).friction).load(&values, net.te, &mut out);
+        Loader::Mat(spec, net.medium(m).friction).load(&values, net.tick_dt, &mut out);
         if out[2] != 0.0 {
             (k, z, c) = (k.max(-out[1] / out[2]), z.max((1.0 - out[0]) / out[2]), c.max(out[2]));
         }
     }
     if c == 0.0 || spec.fixed {
-        return Row::default();
+        return WorstMat::default();
     }
-    let own = k + 2.0 * z;
-    Row { own, all: own, disc: own, c, k, z, ..Row::default() }
+    WorstMat { c, k, z }
 }
 
 /// The parameter values of a module at load and at every corner of the ranges of the live parameters it follows.
-fn corners(net: &Net, item: u32, values: &[Source]) -> Vec<Vec<Option<f64>>> {
+fn corners(net: &Resolved, item: u32, values: &[Source]) -> Vec<Vec<Option<f64>>> {
     let it = &net.items[item as usize];
     let mut all = alloc::vec![net.values(item, values)];
     let mut live: Vec<usize> = it.follows.iter().map(|f| f.1).collect();
@@ -94,7 +77,7 @@ fn corners(net: &Net, item: u32, values: &[Source]) -> Vec<Vec<Option<f64>>> {
                     code: it.kind.code,
                     params: it.kind.params,
                     values: &args,
-                    te: net.te,
+                    tick_dt: net.tick_dt,
                     dim: it.dim,
                     scheme: net.scheme(it.group),
                 }) {
@@ -111,7 +94,7 @@ fn corners(net: &Net, item: u32, values: &[Source]) -> Vec<Vec<Option<f64>>> {
 }
 
 /// The bound of each link, at the worst corner of what may change.
-pub fn worst_bounds(net: &Net) -> Vec<Bound> {
+pub fn worst_bounds(net: &Resolved) -> Vec<Bound> {
     let mut last: Option<(u32, Arc<[Source]>, Bound)> = None;
     let mut bounds = Vec::with_capacity(net.lias.len());
     for l in &net.lias {
@@ -123,7 +106,7 @@ pub fn worst_bounds(net: &Net) -> Vec<Bound> {
         }
         let mut worst = Bound::default();
         for (i, values) in corners(net, l.item, &l.values).into_iter().enumerate() {
-            let b = (l.law.bound)(&l.law.loaded(&values, net.te), &net.tables);
+            let b = (l.law.bound)(&l.law.loaded(&values, net.tick_dt), &net.tables);
             // what counts is k − lift, whose worst is not that of k
             let most = (worst.k - worst.lift).max(b.k - b.lift);
             let k = worst.k.max(b.k);

@@ -8,24 +8,25 @@
 
 use crate::findings::no_method;
 use crate::net::lines::LineNode;
-use crate::net::{End, LiaNode, Net};
+use crate::net::{End, LiaNode, Wired};
 use alloc::collections::{BTreeMap, BTreeSet};
 use alloc::format;
 use alloc::sync::Arc;
 use ca_core::live::Source;
 use ca_core::phi::implicit;
+use ca_core::tuning::Method;
 use ca_model::Model;
 use ca_model::diag::Diags;
 
 /// Gives links and cells the method that they, their group or the model ask for.
-pub fn choose(net: &mut Net) {
-    let asked = |net: &Net, item: u32, kind: &ca_core::kind::Kind, values: &[Source]| {
+pub fn choose(net: &mut Wired) {
+    let asked = |net: &Wired, item: u32, kind: &ca_core::kind::Kind, values: &[Source]| {
         let at = |name: &str| {
             let i = kind.param(name)?;
             values.get(i)?.get(&net.items[item as usize].slots)
         };
         let medium = net.medium_of(net.items[item as usize].group);
-        implicit::theta(at("method").unwrap_or(medium.method), at("theta").or(medium.theta))
+        at("method").map_or(medium.method, Method::of).theta(at("theta").or(medium.theta))
     };
     // item, its values as written, and as the law takes them: most links of a generator share theirs
     let mut last: Option<(u32, [Arc<[Source]>; 2])> = None;
@@ -72,7 +73,7 @@ pub fn choose(net: &mut Net) {
 }
 
 /// True where some link or cell goes by θ = 1/12, whose tick is of the fourth order without viscosity.
-pub fn is_fourth(net: &Net) -> bool {
+pub fn is_fourth(net: &Wired) -> bool {
     let twelfth = |theta: Option<f64>| theta.is_some_and(|t| (t - 1.0 / 12.0).abs() < 1e-6);
     let links = net.lias.iter().filter(|l| l.law.implicit).filter_map(|l| l.values.get(2).map(|v| (l.item, *v)));
     let cell = &ca_core::mat::CEL;
@@ -83,7 +84,7 @@ pub fn is_fourth(net: &Net) -> bool {
 }
 
 /// Refuses links whose matrix would not stay as it is.
-pub fn check(model: &Model, net: &Net, diags: &mut Diags) {
+pub fn check(model: &Model, net: &Wired, diags: &mut Diags) {
     let mut reported = BTreeSet::new();
     let mut late: BTreeMap<u32, &LiaNode> = BTreeMap::new();
     for l in net.lias.iter().filter(|l| l.law.is_late()) {

@@ -12,11 +12,11 @@
 
 use crate::analysis::modes::{LARGEST, Mode, modes};
 use crate::analysis::{Linear, Network};
-use crate::net::linear::{Points, links, places};
+use crate::net::linear::{Points, dofs, links};
 use crate::net::linearisation;
 use crate::net::linearisation::Own;
 use crate::net::lines::LineNode;
-use crate::net::{End, Family, LiaNode, MatNode, MatRole, Measure, Medium, Net, OutputTap, PointNode};
+use crate::net::{End, Family, LiaNode, MatNode, MatRole, Measure, Medium, OutputTap, PointNode, Pruned};
 use alloc::collections::BTreeMap;
 use alloc::format;
 use alloc::string::String;
@@ -24,7 +24,7 @@ use alloc::sync::Arc;
 use alloc::vec::Vec;
 use ca_core::kind::{Coefs, MatSpec, Role};
 use ca_core::live::Source;
-use ca_core::phi::implicit::MODAL;
+use ca_core::tuning::Method;
 use ca_model::diag::{Diag, Diags};
 use ca_model::{Model, Span};
 
@@ -41,23 +41,23 @@ static MODE: MatSpec = MatSpec {
 const TIED: f64 = 1e-9;
 
 /// Replaces the linear part of each group that asks for it.
-pub fn modal(model: &Model, net: &mut Net, diags: &mut Diags) {
+pub fn modal(model: &Model, net: &mut Pruned, diags: &mut Diags) {
     // the medium of modes is put before the last, that of the model, which is therefore looked for anew
     for group in 0..net.media.len() {
         let group = if group < model.groups.len() { group } else { net.media.len() - 1 };
-        if net.media[group].method == MODAL {
+        if net.media[group].method == Method::Modal {
             one(model, net, group, diags);
         }
     }
 }
 
 /// Whether a module belongs to the group; the last medium is that of modules without group.
-fn belongs(net: &Net, of: Option<u32>, group: usize) -> bool {
+fn belongs(net: &Pruned, of: Option<u32>, group: usize) -> bool {
     of.map_or(net.media.len() - 1, |g| g as usize) == group
 }
 
 /// True for a link that becomes part of the modes.
-fn inside(net: &Net, l: &LiaNode, within: &[bool], group: usize) -> bool {
+fn inside(net: &Pruned, l: &LiaNode, within: &[bool], group: usize) -> bool {
     let mut ends = l.ends.iter();
     let held = ends.all(|e| matches!(e, End::Mat(m) if within[*m as usize] || net.mats[*m as usize].is_still()));
     held && belongs(net, net.items[l.item as usize].group, group)
@@ -75,12 +75,12 @@ impl MatNode {
 }
 
 /// A finding about the group as a whole, at its first module.
-fn refuse(model: &Model, net: &Net, item: u32, code: &'static str, title: String, help: &str) -> Diag {
+fn refuse(model: &Model, net: &Pruned, item: u32, code: &'static str, title: String, help: &str) -> Diag {
     let span: Span = model.items[net.items[item as usize].model].name_span;
     Diag::error(code, title).at(span, "by its modes").help(help)
 }
 
-fn one(model: &Model, net: &mut Net, group: usize, diags: &mut Diags) {
+fn one(model: &Model, net: &mut Pruned, group: usize, diags: &mut Diags) {
     let mut within: Vec<bool> = net
         .mats
         .iter()
@@ -107,12 +107,12 @@ fn one(model: &Model, net: &mut Net, group: usize, diags: &mut Diags) {
         .map(|(m, w)| if *w { linearisation::own(net, m) } else { Own::default() })
         .collect();
     let bounds: Vec<_> = net.lias.iter().map(|l| linearisation::slopes(net, l)).collect();
-    let (mut linear, numbers) = places(net, &own);
+    let (mut linear, numbers) = dofs(net, &own);
     links(net, &bounds, &numbers, Points::AtLoad, &mut linear, |l, _| inside(net, l, &within, group));
-    let te = net.te;
-    let network = Network { te, linear, ..Network::default() };
+    let tick_dt = net.tick_dt;
+    let network = Network { tick_dt, linear, ..Network::default() };
     let Some(found) = modes(&network) else {
-        let title = format!("{name} has {} places that move, or numbers beyond computing", network.linear.places.len());
+        let title = format!("{name} has {} places that move, or numbers beyond computing", network.linear.dofs.len());
         let help = format!("modes are computed up to {LARGEST} places: use `method = \"ca\"`, or a smaller group");
         diags.push(refuse(model, net, item, "E027", title, &help));
         return;
@@ -122,19 +122,20 @@ fn one(model: &Model, net: &mut Net, group: usize, diags: &mut Diags) {
     if kept.len() < found.list.len() {
         net.left_out.push(format!("{} modes of {name} above half the sound rate", found.list.len() - kept.len()));
     }
-    let most = network.linear.places.iter().map(|p| p.c).fold(0.0, f64::max);
+    let most = network.linear.dofs.iter().map(|p| p.c).fold(0.0, f64::max);
     let modes = oscillators(net, &network.linear, &kept, most, item);
     // what else touches, hears or pushes a mass of it does so at a port
     let mut ports: BTreeMap<u32, u32> = BTreeMap::new();
-    let row: BTreeMap<u32, usize> = network.linear.places.iter().enumerate().map(|(i, p)| (p.mat, i)).collect();
+    let row: BTreeMap<u32, usize> = network.linear.dofs.iter().enumerate().map(|(i, p)| (p.mat, i)).collect();
     let family = format!("{name} modes");
     let mut points = core::mem::take(&mut net.points);
-    let mats = &net.mats;
+    let wired = &mut net.wired;
+    let mats = &wired.resolved.mats;
     let mut port = |end: &mut End| {
         let End::Mat(m) = *end else { return };
         let Some(i) = row.get(&m) else { return };
         let id = *ports.entry(m).or_insert_with(|| {
-            let weights = kept.iter().map(|k| k.shape[*i] * te / libm::sqrt(most)).collect();
+            let weights = kept.iter().map(|k| k.shape[*i] * tick_dt / libm::sqrt(most)).collect();
             let mat = &mats[m as usize];
             let shape = Some((weights, mat.rest));
             points.push(PointNode { name: mat.name.clone(), family: family.clone(), at: Vec::new(), shape });
@@ -142,16 +143,16 @@ fn one(model: &Model, net: &mut Net, group: usize, diags: &mut Diags) {
         });
         *end = End::Point(id);
     };
-    for (l, _) in net.lias.iter_mut().zip(&keep).filter(|(_, keep)| **keep) {
+    for (l, _) in wired.resolved.lias.iter_mut().zip(&keep).filter(|(_, keep)| **keep) {
         l.ends.iter_mut().for_each(&mut port);
         l.onto.iter_mut().for_each(|o| o.ends.iter_mut().for_each(&mut port));
     }
-    for o in &mut net.outs {
+    for o in &mut wired.outs {
         if let OutputTap::Position(e) | OutputTap::ForceOn(e) = &mut o.tap {
             port(e);
         }
     }
-    net.pushes.iter_mut().for_each(|p| port(&mut p.end));
+    wired.pushes.iter_mut().for_each(|p| port(&mut p.end));
     net.points = points;
     net.families.insert(family, Family { nodes: modes, ..Family::default() });
     within.iter().zip(&mut net.alive).filter(|(w, _)| **w).for_each(|(_, alive)| *alive = false);
@@ -160,7 +161,7 @@ fn one(model: &Model, net: &mut Net, group: usize, diags: &mut Diags) {
 }
 
 /// What stands in the way, with what to do about it.
-fn obstacle(model: &Model, net: &Net, within: &[bool], name: &str, item: u32, group: usize) -> Option<Diag> {
+fn obstacle(model: &Model, net: &Pruned, within: &[bool], name: &str, item: u32, group: usize) -> Option<Diag> {
     let refuse = |item, code, title, help| Some(refuse(model, net, item, code, title, help));
     let touches = |l: &LiaNode| l.all_ends().any(|e| net.under(e).iter().any(|m| within[*m as usize]));
     let of = |i: u32| net.items[i as usize].name.as_str();
@@ -195,7 +196,7 @@ fn obstacle(model: &Model, net: &Net, within: &[bool], name: &str, item: u32, gr
 }
 
 /// Says where damping would tie modes that are now apart.
-fn warn(model: &Model, net: &Net, item: u32, list: &[Mode], name: &str, diags: &mut Diags) {
+fn warn(model: &Model, net: &Pruned, item: u32, list: &[Mode], name: &str, diags: &mut Diags) {
     let most = list.iter().map(|m| m.coupled).fold(0.0, f64::max);
     if most > TIED {
         let span = model.items[net.items[item as usize].model].name_span;
@@ -206,26 +207,26 @@ fn warn(model: &Model, net: &Net, item: u32, list: &[Mode], name: &str, diags: &
 }
 
 /// The modes as MATs, with the start of the masses they stand for; returns their numbers.
-fn oscillators(net: &mut Net, linear: &Linear, kept: &[&Mode], most: f64, item: u32) -> Vec<u32> {
-    let te = net.te;
+fn oscillators(net: &mut Pruned, linear: &Linear, kept: &[&Mode], most: f64, item: u32) -> Vec<u32> {
+    let tick_dt = net.tick_dt;
     // a medium without friction: what the masses had is in the modes
     let medium = net.media.len() as u32 - 1;
     net.media.insert(medium as usize, Medium::default());
-    let fed = linear.places.iter().any(|p| net.fed.get(p.mat as usize) == Some(&true));
+    let from_lpr = linear.dofs.iter().any(|p| net.from_lpr.get(p.mat as usize) == Some(&true));
     let group = model_name(net, item);
     let mut numbers = Vec::with_capacity(kept.len());
     for (j, mode) in kept.iter().enumerate() {
         // mass-normalised: q = Σ φ m x
         let project = |of: &dyn Fn(&MatNode) -> f64| -> f64 {
             let sum: f64 =
-                linear.places.iter().zip(&mode.shape).map(|(p, u)| u / p.c * of(&net.mats[p.mat as usize])).sum();
-            sum * te * libm::sqrt(most)
+                linear.dofs.iter().zip(&mode.shape).map(|(p, u)| u / p.c * of(&net.mats[p.mat as usize])).sum();
+            sum * tick_dt * libm::sqrt(most)
         };
         let (x, v) = (project(&|m| m.dx0[0]), project(&|m| m.v[0]));
-        let (a, b, before) = exact(mode, x, v * te);
+        let (a, b, before) = exact(mode, x, v * tick_dt);
         // the start takes half a tick of spring and damper off it again
         let d = (x - before + 0.5 * -a * x) / (1.0 + 0.5 * b);
-        let d = if d.is_finite() { d } else { v * te };
+        let d = if d.is_finite() { d } else { v * tick_dt };
         numbers.push(net.mats.len() as u32);
         net.mats.push(MatNode {
             name: format!("{group}.mode[{j}]"),
@@ -235,20 +236,20 @@ fn oscillators(net: &mut Net, linear: &Linear, kept: &[&Mode], most: f64, item: 
             axes: 1,
             rest: [0.0; 3],
             dx0: [x, 0.0, 0.0],
-            v: [d / te, 0.0, 0.0],
+            v: [d / tick_dt, 0.0, 0.0],
             group: Some(medium),
             item,
         });
         net.alive.push(true);
-        if !net.fed.is_empty() {
-            net.fed.push(fed);
+        if !net.from_lpr.is_empty() {
+            net.from_lpr.push(from_lpr);
         }
     }
     numbers
 }
 
 /// The name that modes go by.
-fn model_name(net: &Net, item: u32) -> String {
+fn model_name(net: &Pruned, item: u32) -> String {
     let name = &net.items[item as usize].name;
     match (name.split_once('.'), net.items[item as usize].kind.role) {
         (Some((group, _)), _) => group.into(),

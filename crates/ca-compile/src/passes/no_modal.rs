@@ -1,14 +1,14 @@
 //! A build without `analysis` has no modes to offer.
 
-use crate::net::Net;
+use crate::net::Pruned;
 use alloc::format;
-use ca_core::phi::implicit::MODAL;
+use ca_core::tuning::Method;
 use ca_model::Model;
 use ca_model::diag::{Diag, Diags};
 
 /// Says so, for each group that asks for them.
-pub fn modal(model: &Model, net: &mut Net, diags: &mut Diags) {
-    for (i, _) in net.media.iter().enumerate().filter(|(_, m)| m.method == MODAL) {
+pub fn modal(model: &Model, net: &mut Pruned, diags: &mut Diags) {
+    for (i, _) in net.media.iter().enumerate().filter(|(_, m)| m.method == Method::Modal) {
         let name = model.groups.get(i).map_or_else(|| "the model".into(), |g| format!("`{}`", g.name));
         let d = Diag::error("E028", format!("{name} asks for its modes, which this build cannot compute"));
         diags.push(d.help("build with the feature `analysis`, or use `method = \"ca\"`"));

@@ -5,32 +5,19 @@
 //! pitch of another scheme. The force passes of the scene run again at each kick; those at the beginning of the tick
 //! are there for who hears forces.
 
-use crate::net::worst::worst_rows;
-use crate::net::{LiaNode, MatRole, Net};
+use crate::net::worst::worst_mats;
+use crate::net::{LiaNode, MatRole, Pruned};
 use crate::options::Options;
 use alloc::collections::BTreeSet;
 use alloc::format;
+use ca_core::builder::Arg;
 use ca_core::live::Source;
-use ca_core::method::pefrl::LIMIT;
-use ca_core::phi::implicit::PEFRL;
-use ca_core::sketch::Arg;
+use ca_core::tuning::Method;
 use ca_model::diag::{Diag, Diags};
 use ca_model::{Model, Span};
 
-impl Net {
-    /// True where the model goes by PEFRL.
-    pub fn is_composed(&self) -> bool {
-        self.media.last().is_some_and(|m| m.method == PEFRL)
-    }
-
-    /// The limit of the explicit scheme as a share of that of the method: what the certificate counts stiffness by.
-    pub fn ease(&self) -> f64 {
-        if self.is_composed() { 4.0 / LIMIT } else { 1.0 }
-    }
-}
-
 /// Refuses what the method cannot do.
-pub fn check(model: &Model, net: &Net, options: &Options, diags: &mut Diags) {
+pub fn check(model: &Model, net: &Pruned, options: &Options, diags: &mut Diags) {
     if !net.is_composed() {
         return;
     }
@@ -39,12 +26,12 @@ pub fn check(model: &Model, net: &Net, options: &Options, diags: &mut Diags) {
         let at = model.meta("method").map_or(Span::NONE, |e| e.span);
         diags.push(d.at(at, "for the whole model").help("do without the ledger, or use `method = \"ca\"`"));
     }
-    for (g, _) in model.groups.iter().zip(&net.media).filter(|(_, m)| m.method != PEFRL) {
+    for (g, _) in model.groups.iter().zip(&net.media).filter(|(_, m)| m.method != Method::Pefrl) {
         let title = format!("`{}` asks for a method of its own, but `pefrl` is for the whole model", g.name);
         let at = g.props.iter().find(|e| e.key == "method").map_or(Span::NONE, |e| e.span);
         diags.push(Diag::error("E028", title).at(at, "not beside `pefrl`").help("leave one of the two out"));
     }
-    let rows = worst_rows(net);
+    let rows = worst_mats(net);
     let mats = net.mats.iter().zip(&rows).zip(&net.alive).filter(|(_, alive)| **alive);
     let of_mats = mats.filter_map(|((m, row), _)| {
         let item = &net.items[m.item as usize];
@@ -90,7 +77,7 @@ pub fn check(model: &Model, net: &Net, options: &Options, diags: &mut Diags) {
 }
 
 /// True of a Hertz contact that loses energy at a blow, which is no slope, or may come to.
-fn loses(net: &Net, l: &LiaNode) -> bool {
+fn loses(net: &Pruned, l: &LiaNode) -> bool {
     let Some(from) = l.kind.param("h").and_then(|h| l.values.get(h)) else { return false };
     let live = net.is_live(l.item) && matches!(from, Source::Slot(_));
     live || from.get(&net.items[l.item as usize].slots).is_some_and(|h| h != 0.0)

@@ -1,7 +1,7 @@
 //! Prune: what no output and no hand can hear is not computed. Motion does not pass through a fixed point or a port,
 //! so those do not join what hangs on them.
 
-use crate::net::{End, MatRole, Net, OutputTap};
+use crate::net::{End, MatRole, OutputTap, Pruned, Wired};
 use alloc::format;
 use alloc::vec::Vec;
 use ca_core::kind::PortRole;
@@ -10,18 +10,18 @@ use ca_model::Model;
 use ca_model::diag::{Diag, Diags};
 
 /// Marks the MATs that stay and drops the links that do not.
-pub fn prune(model: &Model, net: &mut Net, diags: &mut Diags) {
+pub fn prune(model: &Model, mut net: Wired, diags: &mut Diags) -> Pruned {
     let heard_at_all =
         !net.outs.is_empty() || net.mats.iter().any(|m| matches!(m.role, MatRole::Port(PortRole::Tgr, _)));
     if net.mats.is_empty() {
         diags
             .push(Diag::error("E024", "the model has no modules").help("add `[MAS]`, `[SOL]` and a link, or `ca new`"));
-        return;
+        return whole(net);
     }
     if !heard_at_all {
         let d = Diag::warning("W108", "the model has no output: it computes, and nobody hears it");
         diags.push(d.help("add e.g. `[SOX]` with `out = { from = \"…\" }`"));
-        return;
+        return whole(net);
     }
     let n = net.mats.len();
     let fixed: Vec<bool> = net.mats.iter().map(crate::net::MatNode::is_fixed).collect();
@@ -104,17 +104,22 @@ pub fn prune(model: &Model, net: &mut Net, diags: &mut Diags) {
     for (i, m) in net.mats.iter().enumerate() {
         alive[i] |= matches!(m.role, MatRole::Port(PortRole::Tgr, _));
     }
-    report(model, net, &alive, &keep, diags);
-    net.unheard = (0..n as u32).filter(|m| !alive[*m as usize] && !fixed[*m as usize]).collect();
-    net.alive = alive;
+    report(model, &mut net, &alive, &keep, diags);
+    let unheard = (0..n as u32).filter(|m| !alive[*m as usize] && !fixed[*m as usize]).collect();
     if keep.iter().any(|k| !k) {
         let lias = core::mem::take(&mut net.lias);
         net.drop_links(lias, &keep);
     }
+    Pruned { wired: net, alive, unheard, from_lpr: Vec::new() }
+}
+
+/// All of it stays.
+fn whole(net: Wired) -> Pruned {
+    Pruned { alive: alloc::vec![true; net.mats.len()], wired: net, ..Pruned::default() }
 }
 
 /// Names items of which nothing is left.
-fn report(model: &Model, net: &mut Net, alive: &[bool], keep: &[bool], diags: &mut Diags) {
+fn report(model: &Model, net: &mut Wired, alive: &[bool], keep: &[bool], diags: &mut Diags) {
     let mut all = alloc::vec![(0usize, 0usize); net.items.len()];
     let modules = net.mats.iter().map(|m| m.item).zip(alive).chain(net.lias.iter().map(|l| l.item).zip(keep));
     for (item, stays) in modules {

@@ -1,14 +1,14 @@
-//! Fed: which MATs hear what a body in space does as a whole.
+//! Reach: which MATs hear what a body in space does as a whole.
 //!
 //! Decides by reach alone: through its port on a line a quadripole passes on whatever changes a distance in space, the
 //! slow stretch of a spinning body included (docs/numerics.md §4.3), and everything that hangs on that port gets it.
 //! Outputs there take a high pass unless one is written (see `emit/cutoff.rs`).
 
-use crate::net::{End, Measure, Net, OutNode, OutputTap};
+use crate::net::{End, Measure, OutNode, OutputTap, Pruned};
 use alloc::vec::Vec;
 
 /// Marks the MATs that hang on the line port of a quadripole whose other port is in space.
-pub fn mark(net: &mut Net) {
+pub fn mark(net: &mut Pruned) {
     let line = |m: Measure| matches!(m, Measure::Line(_));
     let second = |l: &crate::net::LiaNode| l.onto.filter(|o| l.measure == Measure::Radial && line(o.measure));
     let seeds: Vec<End> = net.lias.iter().filter_map(second).flat_map(|o| o.ends).collect();
@@ -31,29 +31,29 @@ pub fn mark(net: &mut Net) {
         }
         joins.push(all);
     }
-    let mut fed = alloc::vec![false; net.mats.len()];
+    let mut from_lpr = alloc::vec![false; net.mats.len()];
     let mut reached = moving(&seeds);
     while let Some(m) = reached.pop() {
-        if core::mem::replace(&mut fed[m as usize], true) {
+        if core::mem::replace(&mut from_lpr[m as usize], true) {
             continue;
         }
         for j in core::mem::take(&mut at[m as usize]) {
             reached.append(&mut joins[j as usize]);
         }
     }
-    net.fed = fed;
+    net.from_lpr = from_lpr;
 }
 
-impl Net {
-    /// True where an output hears what the line port of a quadripole feeds.
-    pub fn fed(&self, out: &OutNode) -> bool {
-        let fed = |m: u32| self.fed.get(m as usize).copied().unwrap_or(false);
-        if self.fed.is_empty() {
+impl Pruned {
+    /// True where an output hears a MAT that hangs on the line port of a quadripole.
+    pub fn hears_lpr(&self, out: &OutNode) -> bool {
+        let reached = |m: u32| self.from_lpr.get(m as usize).copied().unwrap_or(false);
+        if self.from_lpr.is_empty() {
             return false;
         }
         match out.tap {
-            OutputTap::Position(e) | OutputTap::ForceOn(e) => self.under(e).into_iter().any(fed),
-            OutputTap::ForceOf(l) => self.lias[l as usize].all_ends().any(|e| self.under(e).into_iter().any(fed)),
+            OutputTap::Position(e) | OutputTap::ForceOn(e) => self.under(e).into_iter().any(reached),
+            OutputTap::ForceOf(l) => self.lias[l as usize].all_ends().any(|e| self.under(e).into_iter().any(reached)),
         }
     }
 }

@@ -6,7 +6,7 @@
 //! - an **implicit** link with much more than the inertia of its ends multiplies rounding by as much;
 //! - a **number** of a module may be too large or too small, or so near to 1 that a long decay is lost in it.
 
-use crate::net::{End, MatRole, Net};
+use crate::net::{End, MatRole, Pruned};
 use alloc::collections::BTreeSet;
 use alloc::format;
 use alloc::vec::Vec;
@@ -27,7 +27,7 @@ fn is_lost(v: f64, least: Real) -> bool {
 }
 
 /// Says of each item what is not kept of it, once.
-pub fn check(model: &Model, net: &Net, diags: &mut Diags) {
+pub fn check(model: &Model, net: &Pruned, diags: &mut Diags) {
     let mut reported = BTreeSet::new();
     let mut tell = |id: u32, d: Diag, label: &str, help: &str| {
         if reported.insert(id) {
@@ -37,14 +37,14 @@ pub fn check(model: &Model, net: &Net, diags: &mut Diags) {
     };
     let load = |loader: Loader, id: u32, values: &[Source]| {
         let mut out = Vec::new();
-        loader.load(&net.values(id, values), net.te, &mut out);
+        loader.load(&net.values(id, values), net.tick_dt, &mut out);
         out
     };
     let beyond = |name: &str| Diag::error("E009", format!("a number of `{name}` is beyond single precision"));
     let (label, help) = ("not from 1e-38 to 3e38 in a tick", "use numbers nearer to 1, or double precision");
     let mut mobility: Vec<f64> = alloc::vec![0.0; net.mats.len()];
     for (i, m) in net.mats.iter().enumerate().filter(|(i, _)| net.alive[*i]) {
-        if m.dx0.iter().chain(&m.v.map(|v| v * net.te)).any(|v| is_lost(*v, TINY)) {
+        if m.dx0.iter().chain(&m.v.map(|v| v * net.tick_dt)).any(|v| is_lost(*v, TINY)) {
             tell(m.item, beyond(&m.name), "not from 1e-30 m to 3e38 m", help);
         }
         let MatRole::Mat(spec) = m.role else { continue };

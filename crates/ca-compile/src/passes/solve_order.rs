@@ -5,7 +5,7 @@
 //! of closed forms, and only those that share a mass pay for a solver.
 
 use crate::findings::no_method;
-use crate::net::{End, LiaNode, Measure, Net};
+use crate::net::{End, LiaNode, Measure, Pruned};
 use alloc::collections::BTreeSet;
 use alloc::format;
 use alloc::vec::Vec;
@@ -15,7 +15,7 @@ use ca_model::diag::Diags;
 
 /// Gives links that may not act alone the law that acts together; refuses those at moving points, whose motion is that
 /// of several masses.
-pub fn choose(model: &Model, net: &mut Net, diags: &mut Diags) {
+pub fn choose(model: &Model, net: &mut Pruned, diags: &mut Diags) {
     let mut count: Vec<[u32; 3]> = alloc::vec![[0; 3]; net.mats.len()];
     let mut reported = BTreeSet::new();
     for l in net.lias.iter().filter(|l| l.law.is_late()) {
@@ -48,7 +48,7 @@ pub fn choose(model: &Model, net: &mut Net, diags: &mut Diags) {
 }
 
 /// The places that a link moves: MATs and axes.
-fn places(net: &Net, l: &LiaNode) -> Vec<(u32, u8)> {
+fn places(net: &Pruned, l: &LiaNode) -> Vec<(u32, u8)> {
     let mut all = Vec::new();
     for (side, end) in l.ends.into_iter().enumerate() {
         let End::Mat(m) = end else { continue };

@@ -1,7 +1,7 @@
 //! Specialise: the cheapest law that does what the parameters say, and no law for what does nothing. Never for a
 //! parameter that may change while playing.
 
-use crate::net::Net;
+use crate::net::Wired;
 use alloc::format;
 use alloc::vec::Vec;
 use ca_core::live::Source;
@@ -10,7 +10,7 @@ use ca_model::Model;
 use ca_model::diag::{Diag, Diags};
 
 /// Rewrites the laws of the links and drops those that are nothing.
-pub fn specialise(model: &Model, net: &mut Net, diags: &mut Diags) {
+pub fn specialise(model: &Model, net: &mut Wired, diags: &mut Diags) {
     // generators make thousands of links with the same values: the answer of the last one serves
     let mut last: Option<(u32, alloc::sync::Arc<[Source]>, &'static ca_core::op::law::Law, bool)> = None;
     let mut lias = core::mem::take(&mut net.lias);
@@ -45,7 +45,7 @@ pub fn specialise(model: &Model, net: &mut Net, diags: &mut Diags) {
         }
         let live = fixed.contains(&Fixed::Live);
         let values: Vec<Option<f64>> = l.values.iter().map(|s| s.get(&item.slots)).collect();
-        let nothing = !live && l.law.linear && l.law.loaded(&values, net.te).iter().all(|c| *c == 0.0);
+        let nothing = !live && l.law.linear && l.law.loaded(&values, net.tick_dt).iter().all(|c| *c == 0.0);
         if nothing {
             zero += 1;
             if reported != Some(l.item) && !generated {
@@ -66,7 +66,7 @@ pub fn specialise(model: &Model, net: &mut Net, diags: &mut Diags) {
     }
 }
 
-impl Net {
+impl Wired {
     /// Keeps the links marked, renumbering what refers to them.
     pub(super) fn drop_links(&mut self, lias: Vec<crate::net::LiaNode>, keep: &[bool]) {
         let mut renumber = alloc::vec![u32::MAX; lias.len()];

@@ -7,7 +7,7 @@
 use crate::findings::round_up;
 use crate::lower::resolve::does_not_fit;
 use crate::net::worst::worst_bounds;
-use crate::net::{End, Net};
+use crate::net::{End, Pruned};
 use alloc::format;
 use alloc::vec::Vec;
 use ca_core::kind::Unit;
@@ -21,19 +21,21 @@ use core::f64::consts::PI;
 const LOW_CORNER: f64 = 0.25;
 
 /// Gives the junctions that stay their masses and tunes the strings.
-pub fn settle(model: &Model, net: &mut Net, diags: &mut Diags) {
+pub fn settle(model: &Model, net: &mut Pruned, diags: &mut Diags) {
     let mut lines = core::mem::take(&mut net.lines);
     lines.retain(|l| net.alive[l.first as usize]);
     if !lines.is_empty() {
         let needs = needs(net);
         for line in &mut lines {
-            let masses: Vec<f64> = line.junctions().map(|m| line.asked.mass(needs[m as usize], net.te)).collect();
+            let masses: Vec<f64> = line.junctions().map(|m| line.asked.mass(needs[m as usize], net.tick_dt)).collect();
+            let tick_dt = net.tick_dt;
             let item = &mut net.items[line.item as usize];
             for (i, m) in masses.iter().enumerate() {
-                item.slots[1 + i] = Some(line.asked.cell(*m, net.te));
+                item.slots[1 + i] = Some(line.asked.cell(*m, tick_dt));
             }
+            let item = &net.items[line.item as usize];
             let source = &model.items[item.model];
-            match tune(&line.asked, &masses, net.te) {
+            match tune(&line.asked, &masses, net.tick_dt) {
                 Ok(tuned) => {
                     let low = masses.iter().fold(0.0f64, |a, b| a.max(*b));
                     let corner = line.asked.z / (PI * low);
@@ -72,14 +74,14 @@ pub fn settle(model: &Model, net: &mut Net, diags: &mut Diags) {
 }
 
 /// What the links of each MAT need of its mass, if it is a junction \[kg\].
-fn needs(net: &Net) -> Vec<f64> {
+fn needs(net: &Pruned) -> Vec<f64> {
     let mut needs = alloc::vec![0.0; net.mats.len()];
     for (l, b) in net.lias.iter().zip(worst_bounds(net)).filter(|(l, _)| !l.law.is_late()) {
         let moving = l.all_ends().filter(|e| net.under(*e).iter().any(|m| !net.mats[*m as usize].is_fixed())).count();
         let share = if b.contact { 2.0 } else { 0.5 * moving as f64 };
         for e in l.all_ends() {
             let End::Mat(m) = e else { continue };
-            needs[m as usize] += share * net.te * net.te * (b.k + 2.0 * b.z).max(0.0);
+            needs[m as usize] += share * net.tick_dt * net.tick_dt * (b.k + 2.0 * b.z).max(0.0);
         }
     }
     needs

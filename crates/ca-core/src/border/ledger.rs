@@ -23,7 +23,7 @@ pub(super) fn ledger<const SYNC: bool>(op: &Op, layout: &Layout, s: &mut State) 
     let Some(l) = &mut s.ledger else { return };
     for (k, p) in layout.tgr[..op.n].iter().enumerate() {
         // what was taken at the start of the frame, whatever the caller has written since
-        let hand = s.held[p.input as usize];
+        let hand = s.last_input[p.input as usize];
         let (b, e, f) = (&s.border[k], &mut l.hands[k], wide(s.f[p.mat as usize]));
         if j > 0 {
             let mean = if SYNC { 0.5 * (e.last + f) } else { b.force };

@@ -12,8 +12,12 @@ pub mod midi;
 /// All port kinds, in the order of the documentation.
 pub const KINDS: &[&Kind] = &[&ENX, &ENF, &SOX, &SOF, &TGR];
 
-const X: Param =
-    Param::new("x", Type::Place { unit: Unit::METRE }, Need::Default(0.0), "where it stands before anything is heard");
+const X: Param = Param::new(
+    "x",
+    Type::Position { unit: Unit::METRE },
+    Need::Default(0.0),
+    "where it stands before anything is heard",
+);
 const ALONG: Param =
     Param::new("along", Type::Direction, Need::Optional, "in space: the direction it hears or pushes; required there");
 const MIDI: Param = Param::new(

@@ -7,8 +7,8 @@
 
 use super::{Coefs, DX0, MatSpec, V, X};
 use crate::kind::{ABOVE_ZERO, Kind, Need, OneOf, POSITIVE, Param, Role, Unit};
-use crate::phi::implicit::{METHOD, THETA, theta};
-use crate::tuning::retune;
+use crate::phi::implicit::{METHOD, THETA};
+use crate::tuning::{Method, retune};
 
 /// CEL in the catalog.
 pub static KIND: Kind = Kind {
@@ -40,19 +40,19 @@ out = { from = "bar", gain = 1000 }
     role: Role::Mat(&MatSpec { coefs, fixed: false }),
 };
 
-fn coefs(p: &[Option<f64>], te: f64) -> Coefs {
+fn coefs(p: &[Option<f64>], tick_dt: f64) -> Coefs {
     let m = p[0].unwrap_or(1.0);
-    let c = te * te / m;
+    let c = tick_dt * tick_dt / m;
     if let Some(f) = p[3] {
-        let (a, b) = retune(f, p[4].unwrap_or(f64::INFINITY), te);
+        let (a, b) = retune(f, p[4].unwrap_or(f64::INFINITY), tick_dt);
         return Coefs { p: 1.0 - b, q: -a, c };
     }
     let (k, z) = (p[1].unwrap_or(0.0), p[2].unwrap_or(0.0));
-    if let Some(theta) = theta(p[8].unwrap_or(0.0), p[9]) {
+    if let Some(theta) = Method::of(p[8]).theta(p[9]) {
         // what is implicit is inertia (docs/numerics.md §1.3, eq. 1′): a cell of this mass, explicit, is the same
         // scheme
-        let c = 1.0 / (m / (te * te) + theta * k + 0.5 * z / te);
-        return Coefs { p: 1.0 - z / te * c, q: -k * c, c };
+        let c = 1.0 / (m / (tick_dt * tick_dt) + theta * k + 0.5 * z / tick_dt);
+        return Coefs { p: 1.0 - z / tick_dt * c, q: -k * c, c };
     }
-    Coefs { p: 1.0 - z * te / m, q: -k * c, c }
+    Coefs { p: 1.0 - z * tick_dt / m, q: -k * c, c }
 }

@@ -29,7 +29,7 @@ out = { from = "bob", gain = 1000 }
     role: Role::Mat(&MatSpec { coefs, fixed: false }),
 };
 
-fn coefs(p: &[Option<f64>], te: f64) -> Coefs {
+fn coefs(p: &[Option<f64>], tick_dt: f64) -> Coefs {
     let m = p[0].unwrap_or(1.0);
-    Coefs { p: 1.0, q: 0.0, c: te * te / m }
+    Coefs { p: 1.0, q: 0.0, c: tick_dt * tick_dt / m }
 }

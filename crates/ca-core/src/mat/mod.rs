@@ -1,6 +1,6 @@
 //! MAT: what has a position. Every MAT is three coefficients, `d ← P·d + Q·x + C·f ; x ← x + d`.
 //!
-//! Decides that MAS, CEL and SOL do not exist at run time: they differ in three numbers, so one pass advances them all
+//! Decides that MAS, CEL and SOL do not exist at run time: they differ in three numbers, so one pass integrates them all
 //! (seen in mi.lib, style of the field). `x` is relative to the rest position and `d = x_n − x_{n−1}`: this delta form
 //! drifts far less than keeping two positions, and keeps single precision alive.
 
@@ -12,16 +12,16 @@ mod mas;
 mod sol;
 
 /// Rest position.
-pub const X: Param = Param::new("x", Type::Place { unit: Unit::METRE }, Need::Default(0.0), "rest position");
+pub const X: Param = Param::new("x", Type::Position { unit: Unit::METRE }, Need::Default(0.0), "rest position");
 /// Initial displacement.
 pub const DX0: Param = Param::new(
     "dx0",
-    Type::Place { unit: Unit::METRE },
+    Type::Position { unit: Unit::METRE },
     Need::Default(0.0),
     "initial displacement from the rest position",
 );
 /// Initial velocity.
-pub const V: Param = Param::new("v", Type::Place { unit: Unit::SPEED }, Need::Default(0.0), "initial velocity");
+pub const V: Param = Param::new("v", Type::Position { unit: Unit::SPEED }, Need::Default(0.0), "initial velocity");
 
 /// All MAT kinds, in the order of the documentation.
 pub const KINDS: &[&Kind] = &[&mas::KIND, &sol::KIND, &cel::KIND];

@@ -20,9 +20,9 @@ use super::quadratised::{self, join, reach};
 use super::{goes, mobility};
 use crate::active_contacts::ActiveContact;
 use crate::law::{Bound, Phi};
-use crate::layout::{Gauge, Layout};
-use crate::op::gauge::{Along, Line, Measure, Radial};
+use crate::layout::{Layout, MeasureKind};
 use crate::op::law::{Law, SolveStage};
+use crate::op::measure::{Along, Line, Measure, Radial};
 use crate::op::{Form, Kernel, Op};
 use crate::real::{Real, real, wide};
 use crate::state::State;
@@ -81,10 +81,10 @@ fn bound<P: Curve<C>, const C: usize>(c: &[f64], tables: &[Table]) -> Bound {
 }
 
 fn kernel<P: Curve<C>, const C: usize>(form: Form) -> Kernel {
-    match form.gauge {
-        Gauge::Line => gather::<P, Line, C>,
-        Gauge::Along => gather::<P, Along, C>,
-        Gauge::Radial => gather::<P, Radial, C>,
+    match form.measure {
+        MeasureKind::Line => gather::<P, Line, C>,
+        MeasureKind::Along => gather::<P, Along, C>,
+        MeasureKind::Radial => gather::<P, Radial, C>,
     }
 }
 
@@ -122,9 +122,9 @@ fn gather<P: Curve<C>, G: Measure, const C: usize>(op: &Op, layout: &Layout, s: 
         let coef = core::array::from_fn(|k| s.coef[op.coef + k * op.n + i]);
         let ends = layout.ends[op.first + i].map(|m| m as usize);
         let at = if G::SPACE { layout.reach[op.ports.reach + i] } else { [0.0; 4] };
-        let felt = G::measure(&s.x, &s.d, ends, &at);
-        let z = P::chord(&coef, &layout.tables, felt.w).max(0.0);
-        let link = reach::<G>(op, layout, s, i, 1.0, felt.u);
+        let measured = G::measure(&s.x, &s.d, ends, &at);
+        let z = P::chord(&coef, &layout.tables, measured.w).max(0.0);
+        let link = reach::<G>(op, layout, s, i, 1.0, measured.u);
         join(s, ActiveContact { z, ..link });
     }
 }

@@ -45,13 +45,13 @@ pub fn solve(_op: &Op, layout: &Layout, s: &mut State) {
 
 /// Completes the force of links that are heard, and of what they hold.
 fn feel(a: &ImplicitLinks, s: &mut State) {
-    for l in &a.felt {
-        let turned: Real = l.moves.iter().map(|(i, w)| w * s.implicit[*i as usize]).sum();
+    for l in &a.forces {
+        let turned: Real = l.moving.iter().map(|(i, w)| w * s.implicit[*i as usize]).sum();
         let more = real(inertia(&l.coef.map(|c| wide(s.coef[c as usize])))) * turned;
         if let Some(t) = l.tap {
             s.tap[t as usize] += more;
         }
-        for (p, w) in &l.held {
+        for (p, w) in &l.fixed {
             s.f[*p as usize] -= w * more;
         }
     }

@@ -24,14 +24,14 @@ use crate::layout::Layout;
 use crate::real::Real;
 use crate::state::State;
 
-/// The change of position \[m/tick\] that all forces so far give to a place in this tick. A port goes on as it went:
+/// The change of position \[m/tick\] that all forces so far give to a slot in this tick. A port goes on as it went:
 /// where it will be is not known yet.
-fn goes(layout: &Layout, s: &State, place: usize) -> Real {
+fn goes(layout: &Layout, s: &State, slot: usize) -> Real {
     let n = layout.n_mat;
-    s.coef[place] * s.d[place] + s.coef[n + place] * s.x[place] + s.coef[2 * n + place] * s.f[place]
+    s.coef[slot] * s.d[slot] + s.coef[n + slot] * s.x[slot] + s.coef[2 * n + slot] * s.f[slot]
 }
 
-/// Mobility T²/m of a place \[m/N\].
-fn mobility(layout: &Layout, s: &State, place: usize) -> Real {
-    s.coef[2 * layout.n_mat + place]
+/// Mobility T²/m of a slot \[m/N\].
+fn mobility(layout: &Layout, s: &State, slot: usize) -> Real {
+    s.coef[2 * layout.n_mat + slot]
 }

@@ -31,9 +31,9 @@
 use super::spring::{Contact, Spring};
 use super::{goes, mobility};
 use crate::active_contacts::{ActiveContact, ActiveContacts};
-use crate::layout::{Gauge, Layout};
-use crate::op::gauge::{Along, Line, Measure, Radial};
+use crate::layout::{Layout, MeasureKind};
 use crate::op::law::{Law, SolveStage};
+use crate::op::measure::{Along, Line, Measure, Radial};
 use crate::op::{Form, Kernel, Op};
 use crate::real::{Real, SINGLE, sqrt};
 use crate::state::State;
@@ -62,10 +62,10 @@ pub const fn law<S: Spring>(spring: Law) -> Law {
 }
 
 fn kernel<S: Spring>(form: Form) -> Kernel {
-    match form.gauge {
-        Gauge::Line => gather::<S, Line>,
-        Gauge::Along => gather::<S, Along>,
-        Gauge::Radial => gather::<S, Radial>,
+    match form.measure {
+        MeasureKind::Line => gather::<S, Line>,
+        MeasureKind::Along => gather::<S, Along>,
+        MeasureKind::Radial => gather::<S, Radial>,
     }
 }
 
@@ -88,12 +88,12 @@ fn gather<S: Spring, G: Measure>(op: &Op, layout: &Layout, s: &mut State) {
                 continue;
             }
         }
-        let felt = G::measure(&s.x, &s.d, ends, &at);
-        let eta = contact.penetration(felt.e + layout.e0[op.first + i]);
+        let measured = G::measure(&s.x, &s.d, ends, &at);
+        let eta = contact.penetration(measured.e + layout.e0[op.first + i]);
         if eta < 0.0 && psi == 0.0 {
             continue;
         }
-        let link = reach::<G>(op, layout, s, i, contact.side, felt.u);
+        let link = reach::<G>(op, layout, s, i, contact.side, measured.u);
         let (free, w) = (link.free, link.diag);
         let (gamma, z) = match (eta >= 0.0, free < 0.0) {
             (true, opening) => {
@@ -118,15 +118,15 @@ pub(super) fn reach<G: Measure>(
     u: Vector3<Real>,
 ) -> ActiveContact {
     let g: [Real; 3] = (u * -side).into();
-    let (ends, places) = (layout.ends[op.first + i], if G::SPACE { 3 } else { 1 });
+    let (ends, axes) = (layout.ends[op.first + i], if G::SPACE { 3 } else { 1 });
     let (mut free, mut w) = (0.0, 0.0);
-    for (k, g) in g[..places].iter().enumerate() {
+    for (k, g) in g[..axes].iter().enumerate() {
         let [a, b] = ends.map(|m| m as usize + k);
         free += g * (goes(layout, s, b) + s.d[b] - goes(layout, s, a) - s.d[a]);
         w += g * g * (mobility(layout, s, a) + mobility(layout, s, b));
     }
     let tap = op.form.tap.then_some(op.tap + i);
-    ActiveContact { ends, places, g, mem: op.mem + 2 * i, tap, side, free, diag: w, ..ActiveContact::default() }
+    ActiveContact { ends, axes, g, mem: op.mem + 2 * i, tap, side, free, diag: w, ..ActiveContact::default() }
 }
 
 /// Adds a link to those of this tick, if it does anything.
@@ -141,7 +141,7 @@ pub(super) fn join(s: &mut State, link: ActiveContact) {
 /// Sets `q` of each contact to W p.
 fn respond(list: &mut [ActiveContact], push: &mut [Real], mobility: &[Real]) {
     let places = |t: &ActiveContact| {
-        let ([a, b], n) = (t.ends.map(|m| m as usize), t.places);
+        let ([a, b], n) = (t.ends.map(|m| m as usize), t.axes);
         (0..n).map(move |k| (a + k, b + k, k))
     };
     for t in &*list {
@@ -227,7 +227,7 @@ pub(super) fn solve(_op: &Op, layout: &Layout, s: &mut State) {
         let nothing = t.open && t.psi * t.psi + left * left == t.psi * t.psi;
         s.mem[t.mem] = if nothing { 0.0 } else { left };
         s.mem[t.mem + 1] = 0.25 * t.z * moved * moved;
-        for k in 0..t.places {
+        for k in 0..t.axes {
             let [a, b] = t.ends.map(|m| m as usize + k);
             s.f[a] += t.g[k] * t.p;
             s.f[b] -= t.g[k] * t.p;

@@ -12,10 +12,10 @@ fn arr<T: Copy + Default, const N: usize>(s: &[T]) -> [T; N] {
 }
 
 impl Law {
-    /// The coefficients of one link, from its parameters in SI and the tick `te` \[s\].
-    pub fn loaded(&self, p: &[Option<f64>], te: f64) -> Vec<f64> {
+    /// The coefficients of one link, from its parameters in SI and the tick, `tick_dt` \[s\].
+    pub fn loaded(&self, p: &[Option<f64>], tick_dt: f64) -> Vec<f64> {
         let mut c = alloc::vec![0.0; self.coefs];
-        (self.load)(p, te, &mut c);
+        (self.load)(p, tick_dt, &mut c);
         c
     }
 
@@ -36,7 +36,7 @@ impl Law {
             contact: P::CONTACT,
             stage: SolveStage::Explicit,
             implicit: false,
-            load: |p, te, out| out.copy_from_slice(&P::coefs(p, te)),
+            load: |p, tick_dt, out| out.copy_from_slice(&P::coefs(p, tick_dt)),
             start: |c, e, mem| mem[..M].copy_from_slice(&P::start(&arr(c), e)),
             force: |c, mem, tables, e, w| {
                 let mut m = arr(mem);

@@ -7,7 +7,7 @@
 
 use crate::law::{Bound, Force, Idle, Lost, Stored};
 use crate::layout::Layout;
-pub use crate::layout::{Gauge, Ports};
+pub use crate::layout::{MeasureKind, Ports};
 use crate::real::Real;
 use crate::state::State;
 use crate::table::Table;
@@ -15,9 +15,9 @@ use crate::table::Table;
 pub mod blocker;
 mod choose;
 mod gather;
-pub mod gauge;
 pub mod law;
 pub mod lowpass;
+pub mod measure;
 pub mod pair_set;
 pub mod pass;
 mod run;
@@ -39,9 +39,9 @@ pub struct Form {
     /// the force of each link is kept in [`State::tap`]
     pub tap: bool,
     /// how the first port measures
-    pub gauge: Gauge,
+    pub measure: MeasureKind,
     /// how the second port measures, for quadripoles
-    pub onto: Option<Gauge>,
+    pub onto: Option<MeasureKind>,
     /// all pairs of two sets are one module; only for contacts without memory
     pub set: bool,
 }
@@ -51,7 +51,7 @@ pub struct Form {
 pub struct Op {
     /// what to run
     pub kernel: Kernel,
-    /// what it is, for people: the code of a law, or `advance`, `enx`, …
+    /// what it is, for people: the code of a law, or `integrate MAS`, `enx`, …
     pub name: &'static str,
     /// the law, for links
     pub law: Option<&'static Law>,
@@ -69,7 +69,7 @@ pub struct Op {
     pub coef: usize,
     /// first number in [`State::mem`]; those of link i start at `mem + i·M`
     pub mem: usize,
-    /// first place in [`State::tap`]
+    /// first index into [`State::tap`]
     pub tap: usize,
 }
 
@@ -99,7 +99,7 @@ pub struct Law {
     /// true where part of its force comes from the time to come, for all such links at once
     pub implicit: bool,
     /// see [`Phi::coefs`](crate::law::Phi::coefs); `out` has [`Law::coefs`] places
-    pub load: fn(p: &[Option<f64>], te: f64, out: &mut [f64]),
+    pub load: fn(p: &[Option<f64>], tick_dt: f64, out: &mut [f64]),
     /// see [`Phi::start`](crate::law::Phi::start)
     pub start: fn(c: &[Real], e: Real, mem: &mut [Real]),
     /// see [`Phi::force`](crate::law::Phi::force)
@@ -147,5 +147,10 @@ impl Fixed {
     /// True where the parameter is nothing and stays so.
     pub fn is_zero(self) -> bool {
         matches!(self, Fixed::Absent | Fixed::At(0.0))
+    }
+
+    /// The value, if it is one for good.
+    pub fn number(self) -> Option<f64> {
+        if let Fixed::At(v) = self { Some(v) } else { None }
     }
 }

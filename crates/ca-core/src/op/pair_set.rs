@@ -6,7 +6,7 @@
 //! contains (`sense = "inside"`) acts on those that are far apart: then all are measured.
 
 use super::Op;
-use super::gauge::{Measure, Radial};
+use super::measure::{Measure, Radial};
 use super::wide::Body;
 use crate::law::Phi;
 use crate::layout::{Layout, PairSet};
@@ -74,11 +74,11 @@ impl<P: Phi<C, M>, const C: usize, const M: usize, const TAP: bool> Body for All
             if Radial::square(x, ends, &reach).is_some_and(|l| l >= from * from && l <= to * to) {
                 return;
             }
-            let felt = Radial::measure(x, d, ends, &reach);
-            let force = P::force(c, &mut none, &layout.tables, felt.e, felt.w);
-            Radial::pull(f, ends, &felt.u, force);
+            let measured = Radial::measure(x, d, ends, &reach);
+            let force = P::force(c, &mut none, &layout.tables, measured.e, measured.w);
+            Radial::pull(f, ends, &measured.u, force);
             if TAP {
-                Radial::pull(tap, [3 * i, 3 * j], &felt.u, force);
+                Radial::pull(tap, [3 * i, 3 * j], &measured.u, force);
             }
         });
     }
@@ -126,6 +126,6 @@ pub fn touched(
     let moved = 2.0 * (fastest(d) + fastest(d0));
     near.each(radius(idle) + moved, |i, j| {
         let (ends, reach) = pair(crowd, &layout.rest, i, j);
-        visit(super::gauge::around(crate::layout::Gauge::Radial, x, d, d0, ends.map(|e| e as u32), &reach).0);
+        visit(super::measure::around(crate::layout::MeasureKind::Radial, x, d, d0, ends.map(|e| e as u32), &reach).0);
     });
 }

@@ -3,7 +3,7 @@
 
 use super::Op;
 use super::wide::Body;
-use crate::layout::{Heard, Layout, Output, Place, Proxy};
+use crate::layout::{CoordinateSource, Heard, Layout, Output, Proxy};
 use crate::real::{Real, TINY, real, wide};
 use crate::state::{Cell, State};
 
@@ -15,7 +15,7 @@ pub fn enx(op: &Op, layout: &Layout, s: &mut State) {
         let m = p.mat as usize;
         if s.tick > 0 {
             s.d[m] = x - s.x[m];
-        } else if !p.felt {
+        } else if !p.implicit {
             s.d[m] = 0.0;
         }
         s.x[m] = x;
@@ -49,10 +49,10 @@ pub fn aim(op: &Op, layout: &Layout, s: &mut State) {
     }
 }
 
-fn coordinate(layout: &Layout, s: &State, place: Place) -> f64 {
+fn coordinate(layout: &Layout, s: &State, place: CoordinateSource) -> f64 {
     let v = match place {
-        Place::Coef(c) => wide(s.coef[c as usize]),
-        Place::Mat(m) => wide(s.x[m as usize]) + wide(layout.rest[m as usize]),
+        CoordinateSource::Coef(c) => wide(s.coef[c as usize]),
+        CoordinateSource::Mat(m) => wide(s.x[m as usize]) + wide(layout.rest[m as usize]),
     };
     // a coordinate that is not a number stays where nothing is hurt
     if v >= 0.0 { v.min(1.0) } else { 0.0 }
@@ -159,9 +159,9 @@ pub(super) fn heard(o: &Output, s: &State) -> Real {
 }
 
 /// Moves MATs `op.mat ..` that only have inertia: d ← d + C·f, x ← x + d.
-pub struct AdvanceFree;
+pub struct IntegrateFree;
 
-impl Body for AdvanceFree {
+impl Body for IntegrateFree {
     #[inline(always)]
     fn run(op: &Op, layout: &Layout, s: &mut State) {
         let r = op.mat..op.mat + op.n;
@@ -176,9 +176,9 @@ impl Body for AdvanceFree {
 }
 
 /// Moves MATs `op.mat ..` with spring and damper of their own: d ← P·d + Q·x + C·f, x ← x + d.
-pub struct AdvanceFull;
+pub struct IntegrateFull;
 
-impl Body for AdvanceFull {
+impl Body for IntegrateFull {
     #[inline(always)]
     fn run(op: &Op, layout: &Layout, s: &mut State) {
         let (n, r) = (layout.n_mat, op.mat..op.mat + op.n);
@@ -211,7 +211,7 @@ pub fn ramp(_op: &Op, _layout: &Layout, s: &mut State) {
     let mut k = 0;
     while k < r.moving {
         let i = r.active[k] as usize;
-        let c = &mut coef[r.place[i] as usize];
+        let c = &mut coef[r.index[i] as usize];
         r.left[i] -= 1;
         if r.left[i] == 0 {
             *c = r.target[i];

@@ -1,8 +1,8 @@
-//! Space: links between points in space, one by one, in order. The force of the law pulls along what the gauge
+//! Space: links between points in space, one by one, in order. The force of the law pulls along what the measure
 //! measured; contacts that are idle cost a squared distance and no square root.
 
 use super::Op;
-use super::gauge::Measure;
+use super::measure::Measure;
 use crate::law::Phi;
 use crate::layout::Layout;
 use crate::real::Real;
@@ -35,10 +35,10 @@ pub fn space<P: Phi<C, M>, G: Measure, const C: usize, const M: usize, const TAP
                 continue;
             }
         }
-        let felt = G::measure(x, d, at, &reach[i]);
+        let measured = G::measure(x, d, at, &reach[i]);
         let Some(m) = mem[i * M..].first_chunk_mut::<M>() else { continue };
-        let force = P::force(&c, m, &layout.tables, felt.e + e0[i], felt.w);
-        G::pull(f, at, &felt.u, force);
+        let force = P::force(&c, m, &layout.tables, measured.e + e0[i], measured.w);
+        G::pull(f, at, &measured.u, force);
         if TAP {
             s.tap[op.tap + i] = force;
         }

@@ -12,11 +12,11 @@ use crate::state::State;
 
 /// Runs the ticks between the sample before and this one, and counts ticks from there on. The first sample has none.
 pub fn between(_op: &Op, layout: &Layout, s: &mut State) {
-    let Some(finer) = &layout.finer else { return };
-    let now = s.tick * u64::from(finer.times);
-    s.tick = (now + 1).saturating_sub(u64::from(finer.times));
+    let Some(substeps) = &layout.substeps else { return };
+    let now = s.tick * u64::from(substeps.times);
+    s.tick = (now + 1).saturating_sub(u64::from(substeps.times));
     while s.tick < now {
-        (finer.tick)(layout, s);
+        (substeps.tick)(layout, s);
         s.tick += 1;
     }
 }
@@ -24,9 +24,9 @@ pub fn between(_op: &Op, layout: &Layout, s: &mut State) {
 /// Moves what is given once a sample a tick further. What is not finite is refused here: a position stays, a force is
 /// none.
 pub fn inputs(op: &Op, layout: &Layout, s: &mut State) {
-    let Some(finer) = &layout.finer else { return };
-    let j = phase(finer.times, s.tick);
-    for (g, i) in s.glide[..op.n].iter_mut().zip(&finer.inputs) {
+    let Some(substeps) = &layout.substeps else { return };
+    let j = phase(substeps.times, s.tick);
+    for (g, i) in s.glide[..op.n].iter_mut().zip(&substeps.inputs) {
         let v = &mut s.input[*i as usize];
         if j <= 1 {
             let to = if v.is_finite() {
@@ -38,7 +38,11 @@ pub fn inputs(op: &Op, layout: &Layout, s: &mut State) {
             *g = [if j == 0 { to } else { g[1] }, to];
         }
         let [from, to] = *g;
-        *v = if j == 0 || j == finer.times { to } else { from + f64::from(j) / f64::from(finer.times) * (to - from) };
+        *v = if j == 0 || j == substeps.times {
+            to
+        } else {
+            from + f64::from(j) / f64::from(substeps.times) * (to - from)
+        };
     }
 }
 

@@ -57,10 +57,10 @@ pub fn depart(_op: &Op, layout: &Layout, s: &mut State) {
 /// tick less what the dampers of the junctions gave to the waves \[J\].
 ///
 /// The taps give (1 − (a+2b)²) and more of what goes in to heat, where b (a+2b) of the square of the older wave they
-/// still hear and (a+b)(a+2b) of the newer one count as held; an allpass of memory q holds q²/(1 − c²).
+/// still hear and (a+b)(a+2b) of the newer one count as stored; an allpass of memory q holds q²/(1 − c²).
 pub fn energy(layout: &Layout, s: &State, d0: &[Real]) -> (f64, f64) {
     let w = &layout.waves;
-    let (mut held, mut heat) = (0.0, 0.0);
+    let (mut stored, mut heat) = (0.0, 0.0);
     for d in &w.delays {
         let wave = |back: usize| wide(s.mem[d.at(s.tick, back)]);
         let energy = |v: f64| v * v;
@@ -79,11 +79,11 @@ pub fn energy(layout: &Layout, s: &State, d0: &[Real]) -> (f64, f64) {
             d.len
         };
         sum += (1..=way).map(|back| energy(wave(back))).sum::<f64>();
-        held += w.junctions[d.junction].z * sum;
+        stored += w.junctions[d.junction].z * sum;
     }
     for j in &w.junctions {
         let v = 0.5 * wide(s.d[j.mat as usize] + d0[j.mat as usize]);
         heat -= 2.0 * j.z * v * v;
     }
-    (held, heat)
+    (stored, heat)
 }

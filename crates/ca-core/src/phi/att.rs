@@ -55,9 +55,9 @@ pub static LAW: Law = Law::of::<Att, 5, 0>("ATT");
 pub struct Att;
 
 impl Phi<5, 0> for Att {
-    fn coefs(p: &[Option<f64>], te: f64) -> [f64; 5] {
+    fn coefs(p: &[Option<f64>], tick_dt: f64) -> [f64; 5] {
         let (k, d, rho) = (p[1].unwrap_or(0.0), p[2].unwrap_or(1.0), p[3].unwrap_or(0.5));
-        [k, rho * d, d, k * rho / (1.0 - rho), p[4].unwrap_or(0.0) / te]
+        [k, rho * d, d, k * rho / (1.0 - rho), p[4].unwrap_or(0.0) / tick_dt]
     }
     #[inline(always)]
     fn force(&[k, tip, d, fall, z]: &[Real; 5], _: &mut [Real; 0], _: &[Table], e: Real, w: Real) -> Real {

@@ -17,6 +17,31 @@ use crate::real::{NONE, Real};
 use crate::table::Table;
 use alloc::vec::Vec;
 
+crate::choice! {
+    /// The force over the speed.
+    pub enum CurveShape {
+        /// u exp(½ − u²/2)
+        Smooth = "smooth",
+        /// rises, falls and stays, in straight lines
+        Piecewise = "piecewise",
+        /// rises to a constant
+        Coulomb = "coulomb",
+        /// by points
+        Table = "table",
+    }
+}
+crate::choice! {
+    /// How the force is found.
+    pub enum FrictionMethod {
+        /// explicit
+        Ca = "ca",
+        /// by the slope from the origin
+        Secant = "secant",
+        /// by Newton's method
+        Newton = "newton",
+    }
+}
+
 /// BOW in the catalog.
 pub static KIND: Kind = Kind {
     code: "BOW",
@@ -28,7 +53,7 @@ pub static KIND: Kind = Kind {
     source: &["ICMC 2013", "LAC 2019", "HSP v2"],
     params: &[
         BETWEEN,
-        Param::new("curve", Type::Choice(&["smooth", "piecewise", "coulomb", "table"]), Need::Default(0.0), "shape"),
+        Param::new("curve", Type::Choice(CurveShape::WORDS), Need::Default(0.0), "shape"),
         Param::number("f", Unit::NEWTON, POSITIVE, Need::Optional, "largest friction force"),
         Param::number("v0", Unit::SPEED, ABOVE_ZERO, Need::Optional, "speed of the largest force"),
         Param::number("v1", Unit::SPEED, ABOVE_ZERO, Need::Optional, "piecewise: speed where the fall ends; 3 v0"),
@@ -38,7 +63,7 @@ pub static KIND: Kind = Kind {
         ALONG,
         Param::new(
             "method",
-            Type::Choice(&["ca", "secant", "newton"]),
+            Type::Choice(FrictionMethod::WORDS),
             Need::Default(0.0),
             "ca: explicit, as in the field; secant: only resists, at any slope; newton: the same and more exact; where \
              the slope is too steep or the place is shared, secant",
@@ -62,8 +87,8 @@ bow = [[0, 0], [1, "0.2 m"]]
 
 /// The law of BOW, and what it becomes with another curve or method.
 pub static SMOOTH: Law = Law::of::<Smooth, 3, 0>("BOW smooth").with_table(bell).or(|p| {
-    let word = |i: usize| p.get(i).and_then(|p| if let Fixed::At(n) = p { Some(*n as usize) } else { None });
-    let law = *LAWS.get(word(1)?)?.get(word(9).unwrap_or(0))?;
+    let number = |i: usize| p.get(i).and_then(|p: &Fixed| p.number());
+    let law = LAWS[CurveShape::of(number(1)?) as usize][FrictionMethod::of(number(9)) as usize];
     (!core::ptr::eq(law, &raw const SMOOTH)).then_some(law)
 });
 /// With `curve = "piecewise"`.
@@ -72,7 +97,7 @@ pub static PIECEWISE: Law = Law::of::<Piecewise, 5, 0>("BOW piecewise");
 pub static COULOMB: Law = Law::of::<Coulomb, 2, 0>("BOW coulomb");
 /// With `curve = "table"`.
 pub static TABLE: Law = Law {
-    load: |p, te, out| out.copy_from_slice(&[p[6].unwrap_or(NONE), 1.0 / te]),
+    load: |p, tick_dt, out| out.copy_from_slice(&[p[6].unwrap_or(NONE), 1.0 / tick_dt]),
     ..Law::of::<lnl::TableFriction, 2, 0>("BOW table")
 };
 
@@ -118,9 +143,9 @@ fn bell() -> Table {
 pub struct Smooth;
 
 impl Phi<3, 0> for Smooth {
-    fn coefs(p: &[Option<f64>], te: f64) -> [f64; 3] {
+    fn coefs(p: &[Option<f64>], tick_dt: f64) -> [f64; 3] {
         let bell = p.last().copied().flatten().unwrap_or(NONE);
-        [p[2].unwrap_or(0.0), 1.0 / (p[3].unwrap_or(1.0) * te), bell]
+        [p[2].unwrap_or(0.0), 1.0 / (p[3].unwrap_or(1.0) * tick_dt), bell]
     }
     #[inline(always)]
     fn force(&[f, per, bell]: &[Real; 3], _: &mut [Real; 0], tables: &[Table], _e: Real, w: Real) -> Real {
@@ -149,9 +174,9 @@ impl Curve<3> for Smooth {
 pub struct Piecewise;
 
 impl Phi<5, 0> for Piecewise {
-    fn coefs(p: &[Option<f64>], te: f64) -> [f64; 5] {
-        let (f, v0) = (p[2].unwrap_or(0.0), p[3].unwrap_or(1.0) * te);
-        let v1 = p[4].map_or(3.0 * v0, |v| (v * te).max(v0 * (1.0 + 1e-9)));
+    fn coefs(p: &[Option<f64>], tick_dt: f64) -> [f64; 5] {
+        let (f, v0) = (p[2].unwrap_or(0.0), p[3].unwrap_or(1.0) * tick_dt);
+        let v1 = p[4].map_or(3.0 * v0, |v| (v * tick_dt).max(v0 * (1.0 + 1e-9)));
         let fd = p[5].unwrap_or(0.0).min(f);
         [f / v0, v0, fd, (f - fd) / (v1 - v0), v1]
     }
@@ -195,9 +220,9 @@ impl Curve<5> for Piecewise {
 pub struct Coulomb;
 
 impl Phi<2, 0> for Coulomb {
-    fn coefs(p: &[Option<f64>], te: f64) -> [f64; 2] {
+    fn coefs(p: &[Option<f64>], tick_dt: f64) -> [f64; 2] {
         let f = p[2].unwrap_or(0.0);
-        [f / (p[3].unwrap_or(1.0) * te), f]
+        [f / (p[3].unwrap_or(1.0) * tick_dt), f]
     }
     #[inline(always)]
     fn force(&[rise, f]: &[Real; 2], _: &mut [Real; 0], _: &[Table], _e: Real, w: Real) -> Real {

@@ -7,7 +7,7 @@
 //! created (docs/numerics.md §3.2). "stable" and "stable3d" are passive at any stiffness ([`crate::method`]).
 //! Test: A17, B05, C01 to C06.
 
-use super::{ALONG, BETWEEN, Bound, Fixed, Law, METHOD, PAIRS, Phi};
+use super::{ALONG, BETWEEN, Bound, ContactMethod, Law, METHOD, PAIRS, Phi, Sense};
 use crate::kind::{ANY, Kind, Need, POSITIVE, Param, Role, Type, Unit};
 use crate::method::spring::Linear;
 use crate::method::{gradient, quadratised};
@@ -30,7 +30,7 @@ pub static KIND: Kind = Kind {
         Param::number("k", Unit::STIFFNESS, POSITIVE, Need::Required, "stiffness in contact"),
         Param::number("z", Unit::VISCOSITY, POSITIVE, Need::Default(0.0), "viscosity in contact"),
         Param::number("d", Unit::METRE, ANY, Need::Default(0.0), "threshold of the distance second − first"),
-        Param::new("sense", Type::Choice(&["outside", "inside"]), Need::Default(0.0), "keeps apart, or contains"),
+        Param::new("sense", Type::Choice(Sense::WORDS), Need::Default(0.0), "keeps apart, or contains"),
         Param::new("sticky", Type::Flag, Need::Default(1.0), "false clips the pull while letting go"),
         PAIRS,
         ALONG,
@@ -51,10 +51,10 @@ out = { from = "bar", gain = 1000 }
 };
 
 /// The law of BUT.
-pub static LAW: Law = Law::of::<But, 5, 0>("BUT").or(|p| match p.get(8)? {
-    Fixed::At(1.0) => Some(&STABLE),
-    Fixed::At(2.0) => Some(&STABLE3D),
-    _ => None,
+pub static LAW: Law = Law::of::<But, 5, 0>("BUT").or(|p| match ContactMethod::of(p.get(8)?.number()?) {
+    ContactMethod::Ca => None,
+    ContactMethod::Stable => Some(&STABLE),
+    ContactMethod::Stable3d => Some(&STABLE3D),
 });
 static STABLE: Law = gradient::law::<Linear>(Law::of::<But, 5, 0>("BUT stable"), &STABLE3D);
 static STABLE3D: Law = quadratised::law::<Linear>(Law::of::<But, 5, 0>("BUT stable3d"));
@@ -68,12 +68,12 @@ impl Phi<5, 0> for But {
     fn idle(&[_, _, d, side, _]: &[Real; 5]) -> (Real, Real) {
         if side > 0.0 { (d, Real::INFINITY) } else { (Real::NEG_INFINITY, d) }
     }
-    fn coefs(p: &[Option<f64>], te: f64) -> [f64; 5] {
+    fn coefs(p: &[Option<f64>], tick_dt: f64) -> [f64; 5] {
         [
             p[1].unwrap_or(0.0),
-            p[2].unwrap_or(0.0) / te,
+            p[2].unwrap_or(0.0) / tick_dt,
             p[3].unwrap_or(0.0),
-            if p[4] == Some(1.0) { -1.0 } else { 1.0 },
+            Sense::of(p[4]).sign(),
             if p[5] == Some(0.0) { 1.0 } else { 0.0 },
         ]
     }

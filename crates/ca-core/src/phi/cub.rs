@@ -47,8 +47,8 @@ pub static LAW: Law = Law::of::<Cub, 3, 0>("CUB");
 pub struct Cub;
 
 impl Phi<3, 0> for Cub {
-    fn coefs(p: &[Option<f64>], te: f64) -> [f64; 3] {
-        [p[1].unwrap_or(0.0), p[2].unwrap_or(0.0), p[3].unwrap_or(0.0) / te]
+    fn coefs(p: &[Option<f64>], tick_dt: f64) -> [f64; 3] {
+        [p[1].unwrap_or(0.0), p[2].unwrap_or(0.0), p[3].unwrap_or(0.0) / tick_dt]
     }
     #[inline(always)]
     fn force(&[k, k3, z]: &[Real; 3], _: &mut [Real; 0], _: &[Table], e: Real, w: Real) -> Real {

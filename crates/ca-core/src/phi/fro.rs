@@ -48,8 +48,8 @@ pub struct Fro;
 
 impl Phi<1, 0> for Fro {
     const LINEAR: bool = true;
-    fn coefs(p: &[Option<f64>], te: f64) -> [f64; 1] {
-        [p[1].unwrap_or(0.0) / te]
+    fn coefs(p: &[Option<f64>], tick_dt: f64) -> [f64; 1] {
+        [p[1].unwrap_or(0.0) / tick_dt]
     }
     #[inline(always)]
     fn force(&[z]: &[Real; 1], _: &mut [Real; 0], _: &[Table], _e: Real, w: Real) -> Real {

@@ -6,7 +6,7 @@
 //! at any stiffness ([`crate::method`]). It never pulls. Test: B04.
 
 use super::pow::{P, quarter_power};
-use super::{ALONG, BETWEEN, Bound, Fixed, Law, METHOD, PAIRS, Phi};
+use super::{ALONG, BETWEEN, Bound, ContactMethod, Law, METHOD, PAIRS, Phi, Sense};
 use crate::kind::{ANY, Dim, Kind, Need, POSITIVE, Param, Role, Type, Unit};
 use crate::method::spring::Power;
 use crate::method::{gradient, quadratised};
@@ -34,7 +34,7 @@ pub static KIND: Kind = Kind {
             "loss at a blow, relative to the elastic force per unit of speed",
         ),
         Param::number("d", Unit::METRE, ANY, Need::Default(0.0), "threshold of the distance second − first"),
-        Param::new("sense", Type::Choice(&["outside", "inside"]), Need::Default(0.0), "keeps apart, or contains"),
+        Param::new("sense", Type::Choice(Sense::WORDS), Need::Default(0.0), "keeps apart, or contains"),
         PAIRS,
         ALONG,
         METHOD,
@@ -54,10 +54,10 @@ out = { from = "bar", gain = 1000 }
 };
 
 /// The law of HRZ.
-pub static LAW: Law = Law::of::<Hrz, 5, 0>("HRZ").or(|p| match p.get(8)? {
-    Fixed::At(1.0) => Some(&STABLE),
-    Fixed::At(2.0) => Some(&STABLE3D),
-    _ => None,
+pub static LAW: Law = Law::of::<Hrz, 5, 0>("HRZ").or(|p| match ContactMethod::of(p.get(8)?.number()?) {
+    ContactMethod::Ca => None,
+    ContactMethod::Stable => Some(&STABLE),
+    ContactMethod::Stable3d => Some(&STABLE3D),
 });
 static STABLE: Law = gradient::law::<Power>(Law::of::<Hrz, 5, 0>("HRZ stable"), &STABLE3D);
 static STABLE3D: Law = quadratised::law::<Power>(Law::of::<Hrz, 5, 0>("HRZ stable3d"));
@@ -71,10 +71,9 @@ impl Phi<5, 0> for Hrz {
     fn idle(&[_, _, _, d, side]: &[Real; 5]) -> (Real, Real) {
         if side > 0.0 { (d, Real::INFINITY) } else { (Real::NEG_INFINITY, d) }
     }
-    fn coefs(p: &[Option<f64>], te: f64) -> [f64; 5] {
+    fn coefs(p: &[Option<f64>], tick_dt: f64) -> [f64; 5] {
         let n = libm::round(4.0 * p[2].unwrap_or(1.5));
-        let side = if p[5] == Some(1.0) { -1.0 } else { 1.0 };
-        [p[1].unwrap_or(0.0), n, p[3].unwrap_or(0.0) / te, p[4].unwrap_or(0.0), side]
+        [p[1].unwrap_or(0.0), n, p[3].unwrap_or(0.0) / tick_dt, p[4].unwrap_or(0.0), Sense::of(p[5]).sign()]
     }
     #[inline(always)]
     fn force(&[k, n, h, d, side]: &[Real; 5], _: &mut [Real; 0], _: &[Table], e: Real, w: Real) -> Real {

@@ -13,32 +13,26 @@ use super::{Bound, Law, Phi, linear_lost, linear_stored};
 use crate::kind::{Need, Param, Type, Unit};
 use crate::real::Real;
 use crate::table::Table;
-pub use crate::tuning::{MODAL, theta};
+use crate::tuning::Method;
 
 /// The methods of linear links, by name.
 pub const METHOD: Param = Param::new(
     "method",
-    Type::Choice(&["ca", "centred", "implicit"]),
+    Type::Choice(Method::OF_LINK),
     Need::Optional,
     "ca: explicit, as in the field; centred: viscosity without a limit and of second order; implicit: stiffness without \
      a limit too. Of the group or the model if left out",
 );
 /// The methods of a group, by name: those of links, and the modes of what is linear in it.
-pub const OF_GROUP: Param = Param::new(
-    "method",
-    Type::Choice(&["ca", "centred", "implicit", "modal"]),
-    Need::Optional,
-    "how linear links and cells are computed",
-);
+pub const OF_GROUP: Param =
+    Param::new("method", Type::Choice(Method::OF_GROUP), Need::Optional, "how linear links and cells are computed");
 /// The methods of the model, by name: those of a group, and one for all masses at once.
 pub const OF_MODEL: Param = Param::new(
     "method",
-    Type::Choice(&["ca", "centred", "implicit", "modal", "pefrl"]),
+    Type::Choice(Method::WORDS),
     Need::Optional,
     "how linear links and cells are computed, or, by pefrl, everything",
 );
-/// See [`crate::method::pefrl`].
-pub const PEFRL: f64 = 4.0;
 /// Weight of the time to come.
 pub const THETA: Param = Param::number(
     "theta",
@@ -63,9 +57,9 @@ pub fn inertia(&[k, z, theta]: &[f64; 3]) -> f64 {
 
 impl Phi<3, 0> for Implicit {
     const LINEAR: bool = true;
-    fn coefs(p: &[Option<f64>], te: f64) -> [f64; 3] {
+    fn coefs(p: &[Option<f64>], tick_dt: f64) -> [f64; 3] {
         let at = |i: usize| p.get(i).copied().flatten().unwrap_or(0.0);
-        [at(0), at(1) / te, at(2)]
+        [at(0), at(1) / tick_dt, at(2)]
     }
     #[inline(always)]
     fn force(&[k, z, _]: &[Real; 3], _: &mut [Real; 0], _: &[Table], e: Real, w: Real) -> Real {

@@ -89,8 +89,8 @@ impl Phi<1, 0> for TableSpring {
 pub struct TableFriction;
 
 impl Phi<2, 0> for TableFriction {
-    fn coefs(p: &[Option<f64>], te: f64) -> [f64; 2] {
-        [p[2].unwrap_or(NONE), 1.0 / te]
+    fn coefs(p: &[Option<f64>], tick_dt: f64) -> [f64; 2] {
+        [p[2].unwrap_or(NONE), 1.0 / tick_dt]
     }
     #[inline(always)]
     fn force(&[n, fs]: &[Real; 2], _: &mut [Real; 0], tables: &[Table], _e: Real, w: Real) -> Real {
@@ -120,8 +120,8 @@ impl Curve<2> for TableFriction {
 pub struct Lnl;
 
 impl Phi<3, 0> for Lnl {
-    fn coefs(p: &[Option<f64>], te: f64) -> [f64; 3] {
-        [p[1].unwrap_or(NONE), p[2].unwrap_or(NONE), 1.0 / te]
+    fn coefs(p: &[Option<f64>], tick_dt: f64) -> [f64; 3] {
+        [p[1].unwrap_or(NONE), p[2].unwrap_or(NONE), 1.0 / tick_dt]
     }
     #[inline(always)]
     fn force(&[a, b, fs]: &[Real; 3], m: &mut [Real; 0], tables: &[Table], e: Real, w: Real) -> Real {

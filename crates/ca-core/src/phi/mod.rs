@@ -61,19 +61,59 @@ pub const SOFTEN: Param = Param::number(
 )
 .for_good();
 
-/// How the force of a one-sided spring is found.
+crate::choice! {
+    /// How the force of a one-sided spring is found.
+    pub enum ContactMethod {
+        /// explicit
+        Ca = "ca",
+        /// by a difference of the potential
+        Stable = "stable",
+        /// by an auxiliary variable
+        Stable3d = "stable3d",
+    }
+}
+crate::choice! {
+    /// On which side of its threshold a one-sided spring acts.
+    pub enum Sense {
+        /// below: keeps apart
+        Outside = "outside",
+        /// above: contains
+        Inside = "inside",
+    }
+}
+crate::choice! {
+    /// How many links two lists of ends make.
+    pub enum Pairs {
+        /// one to one
+        Each = "each",
+        /// every pair, once
+        All = "all",
+    }
+}
+
+impl Sense {
+    /// +1 where it acts below its threshold, −1 above.
+    pub fn sign(self) -> f64 {
+        match self {
+            Sense::Outside => 1.0,
+            Sense::Inside => -1.0,
+        }
+    }
+}
+
+/// Parameter [`ContactMethod`].
 pub const METHOD: Param = Param::new(
     "method",
-    Type::Choice(&["ca", "stable", "stable3d"]),
+    Type::Choice(ContactMethod::WORDS),
     Need::Default(0.0),
     "ca: explicit, as in the field; stable: keeps energy at any stiffness; stable3d: the same by the method for \
      space and shared masses, which stable takes where it must",
 );
 
-/// How many links two lists of ends make.
+/// Parameter [`Pairs`].
 pub const PAIRS: Param = Param::new(
     "pairs",
-    Type::Choice(&["each", "all"]),
+    Type::Choice(Pairs::WORDS),
     Need::Default(0.0),
     "each: lists pair one to one; all: every pair, once",
 );

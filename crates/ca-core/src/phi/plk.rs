@@ -48,8 +48,8 @@ pub static LAW: Law = Law::of::<Plk, 3, 3>("PLK");
 pub struct Plk;
 
 impl Phi<3, 3> for Plk {
-    fn coefs(p: &[Option<f64>], te: f64) -> [f64; 3] {
-        [p[1].unwrap_or(0.0), p[2].unwrap_or(0.0) / te, p[3].unwrap_or(NONE)]
+    fn coefs(p: &[Option<f64>], tick_dt: f64) -> [f64; 3] {
+        [p[1].unwrap_or(0.0), p[2].unwrap_or(0.0) / tick_dt, p[3].unwrap_or(NONE)]
     }
     fn start(&[_, _, d]: &[Real; 3], e: Real) -> [Real; 3] {
         [if e.abs() < d { 1.0 } else { 0.0 }, e, 0.0]

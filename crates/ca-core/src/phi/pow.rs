@@ -91,9 +91,9 @@ pub fn quarter_root(x: Real, n: Real) -> Real {
 pub struct Pow;
 
 impl Phi<4, 0> for Pow {
-    fn coefs(p: &[Option<f64>], te: f64) -> [f64; 4] {
+    fn coefs(p: &[Option<f64>], tick_dt: f64) -> [f64; 4] {
         let n = libm::round(4.0 * p[3].unwrap_or(1.5));
-        [p[1].unwrap_or(0.0), p[2].unwrap_or(0.0), n, p[4].unwrap_or(0.0) / te]
+        [p[1].unwrap_or(0.0), p[2].unwrap_or(0.0), n, p[4].unwrap_or(0.0) / tick_dt]
     }
     #[inline(always)]
     fn force(&[k, q, n, z]: &[Real; 4], _: &mut [Real; 0], _: &[Table], e: Real, w: Real) -> Real {

@@ -51,15 +51,15 @@ pub static LAW: Law = Law::of::<Ref, 2, 0>("REF").or(|p| match (p[1].is_zero(), 
 
 /// FRO with the parameters of REF in their places.
 pub static ZONLY: Law =
-    Law { load: |p, te, out| out[0] = p[2].unwrap_or(0.0) / te, ..Law::of::<fro::Fro, 1, 0>("FRO") };
+    Law { load: |p, tick_dt, out| out[0] = p[2].unwrap_or(0.0) / tick_dt, ..Law::of::<fro::Fro, 1, 0>("FRO") };
 
 /// F = k e + (z/T) w
 pub struct Ref;
 
 impl Phi<2, 0> for Ref {
     const LINEAR: bool = true;
-    fn coefs(p: &[Option<f64>], te: f64) -> [f64; 2] {
-        [p[1].unwrap_or(0.0), p[2].unwrap_or(0.0) / te]
+    fn coefs(p: &[Option<f64>], tick_dt: f64) -> [f64; 2] {
+        [p[1].unwrap_or(0.0), p[2].unwrap_or(0.0) / tick_dt]
     }
     #[inline(always)]
     fn force(&[k, z]: &[Real; 2], _: &mut [Real; 0], _: &[Table], e: Real, w: Real) -> Real {

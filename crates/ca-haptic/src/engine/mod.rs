@@ -19,7 +19,7 @@ pub use refit::Refit;
 
 use crate::frame::{DeviceFrame, ForceFrame};
 use crate::guard::Order;
-use crate::guard::input::Verdict;
+use crate::guard::input::FrameVerdict;
 use ca_core::live::Patch;
 use ca_core::{Scene, State, compute_forces, integrate};
 use sound::Ceiling;
@@ -63,7 +63,7 @@ pub enum Retired {
 pub struct Options {
     /// a number that changes with every start, sent with every force frame
     pub session: u64,
-    /// displacement \[m\] or motion a tick beyond which the model has blown up (H15)
+    /// displacement \[m\] or motion a tick beyond which the model has diverged (H15)
     pub diverged: f64,
 }
 
@@ -147,11 +147,11 @@ impl Engine {
 
     /// Takes a frame of device number `k`, and stamps it. Several may come before one gesture frame; the last good one
     /// counts.
-    pub fn take(&mut self, k: usize, frame: &mut DeviceFrame) -> Verdict {
+    pub fn take(&mut self, k: usize, frame: &mut DeviceFrame) -> FrameVerdict {
         frame.tick = self.state.tick;
-        let Some(port) = self.ports.get_mut(k) else { return Verdict::Foreign };
+        let Some(port) = self.ports.get_mut(k) else { return FrameVerdict::Foreign };
         let verdict = port.take(frame);
-        if verdict == Verdict::Good {
+        if verdict == FrameVerdict::Good {
             self.counts.taken += 1;
         } else {
             self.counts.dropped += 1;
@@ -283,7 +283,7 @@ impl Engine {
         self.options
     }
 
-    /// Whether the model has blown up.
+    /// Whether the model has diverged.
     pub fn has_diverged(&self) -> bool {
         self.diverged
     }

@@ -3,7 +3,7 @@
 use crate::calibration::Calibration;
 use crate::equivalence::Gains;
 use crate::frame::{Cause, DOF, DeviceFrame, ForceFrame, status};
-use crate::guard::input::{InputValidator, Verdict};
+use crate::guard::input::{FrameVerdict, InputValidator};
 use crate::guard::{Chain, GuardFrame};
 use crate::profile::Profile;
 use ca_core::scene::InputRole;
@@ -67,7 +67,7 @@ pub struct Port {
 impl Port {
     /// The port of a device, with the inputs of `scene` that name it.
     pub fn new(scene: &Scene, setup: Setup) -> Port {
-        let te = f64::from(scene.ratio) * scene.te;
+        let frame_dt = f64::from(scene.ratio) * scene.sample_dt;
         let Setup { device, profile, calibration, gains } = setup;
         let mut links = Vec::new();
         for (border, p) in scene.tgr.iter().enumerate() {
@@ -92,14 +92,14 @@ impl Port {
             there[l.dof] = scene.inputs[l.input].rest / l.gains.alpha;
         }
         // a device slower than the engine moves farther at once
-        let frame = te.max(1.0 / profile.rate);
+        let frame = frame_dt.max(1.0 / profile.rate);
         Port {
-            chain: Chain::new(&profile, te),
-            validator: InputValidator::new(&profile, te),
-            hand: GuardFrame::new(n, te),
+            chain: Chain::new(&profile, frame_dt),
+            validator: InputValidator::new(&profile, frame_dt),
+            hand: GuardFrame::new(n, frame_dt),
             reach: 2.0 * profile.guard.speed * frame,
-            gentle: (profile.range[1] - profile.range[0]) / profile.guard.approach * te,
-            pace: (1.0 / (profile.rate * te)).ceil().clamp(1.0, 1e9) as u32,
+            gentle: (profile.range[1] - profile.range[0]) / profile.guard.approach * frame_dt,
+            pace: (1.0 / (profile.rate * frame_dt)).ceil().clamp(1.0, 1e9) as u32,
             used: links.iter().fold(0, |u, l| u | 1 << l.dof),
             last: vec![0.0; links.len()],
             name: device,
@@ -112,7 +112,7 @@ impl Port {
     }
 
     /// A frame that came from the device.
-    pub(super) fn take(&mut self, frame: &DeviceFrame) -> Verdict {
+    pub(super) fn take(&mut self, frame: &DeviceFrame) -> FrameVerdict {
         let mut real = *frame;
         self.calibration.positions(&mut real.pos);
         if self.calibration.axis.len() >= self.profile.dof as usize {
@@ -169,7 +169,7 @@ impl Port {
             hand.received[l.dof] -= l.gains.beta / l.gains.alpha * mean * (b.to - b.from);
         }
         if diverged {
-            // a force that is not finite says more than that the model blew up
+            // a force that is not finite says more than that the model diverged
             if hand.force[..hand.n].iter().any(|f| !f.is_finite()) {
                 hand.trip(Cause::Nonfinite);
             }

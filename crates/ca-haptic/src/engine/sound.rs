@@ -11,7 +11,7 @@ pub(super) struct Ceiling {
 
 /// Fade-in after a load \[s\].
 const RISE: f64 = 0.05;
-/// Fade-out after a blow-up \[s\]: with the frame in which it is noticed, less than the 5 ms of H15.
+/// Fade-out after a divergence \[s\]: with the frame in which it is noticed, less than the 5 ms of H15.
 const FALL: f64 = 0.004;
 
 impl Ceiling {

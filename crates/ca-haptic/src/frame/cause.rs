@@ -32,7 +32,7 @@ pub enum Cause {
     Disconnect = 10,
     /// a program asked for it
     Software = 11,
-    /// the model blew up
+    /// the model diverged
     ModelUnstable = 12,
 }
 

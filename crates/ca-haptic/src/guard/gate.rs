@@ -36,13 +36,13 @@ pub struct Gate {
 }
 
 /// Whole frames in `t` seconds, at least 1.
-pub(super) fn frames(t: f64, te: f64) -> u32 {
-    (t / te).round().clamp(1.0, 1e9) as u32
+pub(super) fn frames(t: f64, frame_dt: f64) -> u32 {
+    (t / frame_dt).round().clamp(1.0, 1e9) as u32
 }
 
 impl Gate {
-    /// As the profile says, at frames of `te` seconds.
-    pub fn new(profile: &Profile, te: f64) -> Gate {
+    /// As the profile says, at frames of `frame_dt` seconds.
+    pub fn new(profile: &Profile, frame_dt: f64) -> Gate {
         let l = &profile.guard;
         Gate {
             axes: profile.axes as usize,
@@ -51,13 +51,13 @@ impl Gate {
             armed: false,
             since: 0,
             clear: l.clear * profile.force,
-            clear_frames: frames(l.clear_time, te),
-            ramp_frames: frames(l.ramp, te),
-            hold: frames(profile.hold(), te),
-            zero: frames(l.zero, te),
+            clear_frames: frames(l.clear_time, frame_dt),
+            ramp_frames: frames(l.ramp, frame_dt),
+            hold: frames(profile.hold(), frame_dt),
+            zero: frames(l.zero, frame_dt),
             speed: l.speed,
             brake: l.brake,
-            stop_frames: frames(l.stop, te),
+            stop_frames: frames(l.stop, frame_dt),
             most: profile.force.min(profile.continuous()),
             faults: 0,
             wait: Wait::Nothing,

@@ -16,7 +16,7 @@ use crate::profile::Profile;
 
 /// What became of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Verdict {
+pub enum FrameVerdict {
     /// used
     Good,
     /// not a frame of this version and layout, or with fewer degrees of freedom than the profile has
@@ -34,7 +34,7 @@ pub enum Verdict {
 /// The way in of one device.
 pub struct InputValidator {
     n: usize,
-    te: f64,
+    frame_dt: f64,
     session: u64,
     seq: u64,
     /// fastest motion that is believed \[m/s\], and what the sensor adds to it \[m\]
@@ -83,22 +83,22 @@ const SPIKE: f64 = 2.3;
 const READY: u32 = status::CALIBRATED | status::POWERED | status::BRAKE;
 
 impl InputValidator {
-    /// As the profile says, at engine frames of `te` seconds.
-    pub fn new(profile: &Profile, te: f64) -> InputValidator {
+    /// As the profile says, at engine frames of `frame_dt` seconds.
+    pub fn new(profile: &Profile, frame_dt: f64) -> InputValidator {
         let grain = profile.grain();
         InputValidator {
             n: profile.dof as usize,
-            te,
+            frame_dt,
             session: 0,
             seq: 0,
             reach: 2.0 * profile.guard.speed,
             grain,
             window: (3.0 / profile.rate)
-                .max(SPIKE * (1.0 / profile.rate + te))
+                .max(SPIKE * (1.0 / profile.rate + frame_dt))
                 .max(STEPS * grain / profile.guard.speed),
             heard: 0,
             bad: profile.guard.bad.clamp(1, 64),
-            bad_frames: u64::from(super::gate::frames(profile.guard.bad_time, te)),
+            bad_frames: u64::from(super::gate::frames(profile.guard.bad_time, frame_dt)),
             when: [0; 64],
             count: 0,
             past: [Seen { at: 0, clock: 0, host: 0, x: [0.0; DOF] }; PAST],
@@ -116,10 +116,10 @@ impl InputValidator {
     }
 
     /// Looks at a frame that came before engine frame `hand.frame`; a good one moves the hand.
-    pub fn take(&mut self, f: &DeviceFrame, hand: &mut GuardFrame) -> Verdict {
+    pub fn take(&mut self, f: &DeviceFrame, hand: &mut GuardFrame) -> FrameVerdict {
         let verdict = self.judge(f, hand);
         self.heard = hand.frame;
-        if verdict == Verdict::Good {
+        if verdict == FrameVerdict::Good {
             if self.seen == 0 || f.session != self.session {
                 if self.seen > 0 {
                     hand.trip(Cause::Disconnect);
@@ -139,9 +139,9 @@ impl InputValidator {
             device_says(f, hand);
         } else {
             match verdict {
-                Verdict::Old => self.reject(f.seq, hand),
+                FrameVerdict::Old => self.reject(f.seq, hand),
                 // where it is cannot be true; that somebody let go may be
-                Verdict::Masked | Verdict::Nonfinite | Verdict::Jump => device_says(f, hand),
+                FrameVerdict::Masked | FrameVerdict::Nonfinite | FrameVerdict::Jump => device_says(f, hand),
                 _ => {}
             }
             self.dropped += 1;
@@ -169,23 +169,23 @@ impl InputValidator {
         }
     }
 
-    fn judge(&self, f: &DeviceFrame, hand: &GuardFrame) -> Verdict {
+    fn judge(&self, f: &DeviceFrame, hand: &GuardFrame) -> FrameVerdict {
         if !f.is_ours() || (f.n as usize) < self.n {
-            return Verdict::Foreign;
+            return FrameVerdict::Foreign;
         }
         let last = self.last(0).filter(|_| f.session == self.session);
         if last.is_some() && f.seq <= self.seq {
-            return Verdict::Old;
+            return FrameVerdict::Old;
         }
         if f.mask & self.needed() != self.needed() {
-            return Verdict::Masked;
+            return FrameVerdict::Masked;
         }
         if f.pos[..self.n].iter().any(|x| !x.is_finite()) {
-            return Verdict::Nonfinite;
+            return FrameVerdict::Nonfinite;
         }
         if let Some(last) = last {
             // the longer of the two clocks: a frame that was late in one of them is no jump
-            let ours = (hand.frame - last.at + 1) as f64 * self.te;
+            let ours = (hand.frame - last.at + 1) as f64 * self.frame_dt;
             let mut theirs = f.t_device_ns.saturating_sub(last.clock).min(1_000_000_000);
             if f.t_host_ns > 0 && last.host > 0 {
                 // a clock in other units, or a wild one, is as long as the other one says
@@ -194,10 +194,10 @@ impl InputValidator {
             let theirs = theirs as f64 * 1e-9;
             let most = self.reach * ours.max(theirs) + self.grain;
             if f.pos[..self.n].iter().zip(&last.x).any(|(a, b)| (a - b).abs() > most) {
-                return Verdict::Jump;
+                return FrameVerdict::Jump;
             }
         }
-        Verdict::Good
+        FrameVerdict::Good
     }
 
     /// The positions that must be valid, a bit each.
@@ -227,7 +227,7 @@ impl InputValidator {
             // too short a past says more of the sensor than of the hand
             let Some(earlier) = self.last(back) else { return };
             (old, length) = (earlier, self.between(earlier, new));
-            if length >= self.window - 0.25 * self.te {
+            if length >= self.window - 0.25 * self.frame_dt {
                 break;
             }
         }
@@ -240,10 +240,10 @@ impl InputValidator {
 
     /// Seconds between two good frames.
     fn between(&self, old: &Seen, new: &Seen) -> f64 {
-        let ours = ((new.at - old.at) as f64 * self.te).max(self.te);
+        let ours = ((new.at - old.at) as f64 * self.frame_dt).max(self.frame_dt);
         let theirs = new.clock.saturating_sub(old.clock) as f64 * 1e-9;
         // frames wait in queues, so ours may be short or long by some; a clock in other units is off by far more
-        let slack = 3.0 * self.te;
+        let slack = 3.0 * self.frame_dt;
         if theirs > 0.5 * (ours - slack) && theirs < 2.0 * (ours + slack) && theirs > 0.0 { theirs } else { ours }
     }
 
@@ -412,16 +412,16 @@ mod tests {
         let (mut validator, mut hand) = (InputValidator::new(&p, TE), GuardFrame::new(2, TE));
         let mut f = DeviceFrame::new("key", 3);
         for (seq, mask, verdict) in [
-            (1, 0, Verdict::Masked),
-            (2, 0b01, Verdict::Masked),
-            (3, 0b110, Verdict::Masked),
+            (1, 0, FrameVerdict::Masked),
+            (2, 0b01, FrameVerdict::Masked),
+            (3, 0b110, FrameVerdict::Masked),
             // what the profile does not have need not be valid
-            (4, 0b011, Verdict::Good),
-            (5, u32::MAX, Verdict::Good),
+            (4, 0b011, FrameVerdict::Good),
+            (5, u32::MAX, FrameVerdict::Good),
         ] {
             (f.seq, f.mask, f.pos) = (seq, mask, [1e-3; DOF]);
             assert_eq!(validator.take(&f, &mut hand), verdict, "mask {mask:b}");
-            let moved = if verdict == Verdict::Good { 1e-3 } else { 0.0 };
+            let moved = if verdict == FrameVerdict::Good { 1e-3 } else { 0.0 };
             assert_eq!(hand.x[..2], [moved; 2], "mask {mask:b}");
         }
         assert_eq!(validator.dropped, 3);

@@ -26,7 +26,7 @@ impl HandLedger {
     /// Records the frame that ends at the present position; `hand.force` is what the model asks for now.
     pub(super) fn frame(&mut self, hand: &GuardFrame) {
         for k in 0..hand.n {
-            // a model that blew up receives nothing that could be counted
+            // a model that diverged receives nothing that could be counted
             if hand.received[k].is_finite() {
                 self.received[k] += hand.received[k];
             }

@@ -12,7 +12,7 @@
 //! nothing. None of those after it makes a vector longer (the passivity stage cuts its own sum). The gate (arming,
 //! fade-in, latched faults, damped stop) stands before the slew limit rather than after it, so that the last stage is
 //! the one whose promise |ΔF| ≤ limit a watcher on the wire can hold us to. A fault goes to zero at once. Velocity,
-//! staleness and a model that blew up trip from wherever they are noticed: [`GuardFrame::trip`]. What leaves is rounded
+//! staleness and a model that diverged trip from wherever they are noticed: [`GuardFrame::trip`]. What leaves is rounded
 //! towards zero to the single precision of the wire, so that rounding passes no limit and the ledgers know what was sent.
 //! The TTL is stamped on the frame by the engine.
 
@@ -37,7 +37,7 @@ pub struct GuardFrame {
     /// degrees of freedom
     pub n: usize,
     /// seconds a frame
-    pub te: f64,
+    pub frame_dt: f64,
     /// gesture frames since the engine began
     pub frame: u64,
     /// a good frame of the device came since the last one
@@ -86,11 +86,11 @@ pub struct GuardFrame {
 }
 
 impl GuardFrame {
-    /// A device of `n` degrees of freedom at frames of `te` seconds, at rest and off.
-    pub fn new(n: usize, te: f64) -> GuardFrame {
+    /// A device of `n` degrees of freedom at frames of `frame_dt` seconds, at rest and off.
+    pub fn new(n: usize, frame_dt: f64) -> GuardFrame {
         GuardFrame {
             n: n.min(DOF),
-            te,
+            frame_dt,
             frame: 0,
             fresh: false,
             age: u32::MAX,
@@ -160,7 +160,7 @@ pub enum Order {
     Arm,
     /// forces off
     Disarm,
-    /// a fault from outside, e.g. the model blew up
+    /// a fault from outside, e.g. the model diverged
     Trip(Cause),
 }
 
@@ -181,24 +181,24 @@ pub struct Chain {
 const PAST: usize = 32;
 
 impl Chain {
-    /// The chain a profile asks for, at frames of `te` seconds.
-    pub fn new(profile: &Profile, te: f64) -> Chain {
+    /// The chain a profile asks for, at frames of `frame_dt` seconds.
+    pub fn new(profile: &Profile, frame_dt: f64) -> Chain {
         fn boxed<S: Stage + 'static>(s: S) -> Box<dyn Stage> {
             Box::new(s)
         }
         let stages = [
             workspace::Workspace::new(profile).map(boxed),
             Some(boxed(saturation::Saturation::new(profile))),
-            passivity::Passivity::new(profile, te).map(boxed),
-            oscillation::Oscillation::new(profile, te).map(boxed),
-            thermal::Thermal::new(profile, te).map(boxed),
+            passivity::Passivity::new(profile, frame_dt).map(boxed),
+            oscillation::Oscillation::new(profile, frame_dt).map(boxed),
+            thermal::Thermal::new(profile, frame_dt).map(boxed),
         ];
         Chain {
             ledger: ledger::HandLedger::default(),
             finite: finite::Finite,
             stages: stages.into_iter().flatten().collect(),
-            gate: gate::Gate::new(profile, te),
-            slew: slew::Slew::new(profile, te),
+            gate: gate::Gate::new(profile, frame_dt),
+            slew: slew::Slew::new(profile, frame_dt),
             past: Box::new([[0.0; DOF]; PAST]),
         }
     }

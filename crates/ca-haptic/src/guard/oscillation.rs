@@ -67,16 +67,16 @@ struct Seen {
     wait: u32,
 }
 
-/// tan(π f te) to a few percent up to a quarter of the rate, without a function whose last bit differs between machines.
-fn warped(f: f64, te: f64) -> f64 {
-    let w = std::f64::consts::PI * (f * te).min(0.4);
+/// tan(π f frame_dt) to a few percent up to a quarter of the rate, without a function whose last bit differs between machines.
+fn warped(f: f64, frame_dt: f64) -> f64 {
+    let w = std::f64::consts::PI * (f * frame_dt).min(0.4);
     w / (1.0 - w * w / 3.0)
 }
 
 impl Biquad {
     /// Butterworth, by the bilinear transform.
-    fn new(f: f64, te: f64, high: bool) -> Biquad {
-        let k = warped(f, te);
+    fn new(f: f64, frame_dt: f64, high: bool) -> Biquad {
+        let k = warped(f, frame_dt);
         let norm = 1.0 / (1.0 + std::f64::consts::SQRT_2 * k + k * k);
         let a = [2.0 * (k * k - 1.0) * norm, (1.0 - std::f64::consts::SQRT_2 * k + k * k) * norm];
         let b = if high { [norm, -2.0 * norm, norm] } else { [k * k * norm, 2.0 * k * k * norm, k * k * norm] };
@@ -92,22 +92,22 @@ impl Biquad {
 }
 
 impl Oscillation {
-    /// As the profile says, at frames of `te` seconds; `None` where it is not wanted.
-    pub fn new(profile: &Profile, te: f64) -> Option<Oscillation> {
+    /// As the profile says, at frames of `frame_dt` seconds; `None` where it is not wanted.
+    pub fn new(profile: &Profile, frame_dt: f64) -> Option<Oscillation> {
         let l = &profile.guard;
         let level = l.oscillation_level * profile.force;
         (l.oscillation && level > 0.0).then(|| Oscillation {
             axes: profile.axes as usize,
-            high: Biquad::new(l.oscillation_band[0], te, true),
-            low: (l.oscillation_band[1] < 0.5 / te).then(|| Biquad::new(l.oscillation_band[1], te, false)),
-            share: te / (te + l.oscillation_time / MEAN),
+            high: Biquad::new(l.oscillation_band[0], frame_dt, true),
+            low: (l.oscillation_band[1] < 0.5 / frame_dt).then(|| Biquad::new(l.oscillation_band[1], frame_dt, false)),
+            share: frame_dt / (frame_dt + l.oscillation_time / MEAN),
             threshold: level * level,
             gain: l.oscillation_gain,
             least: [l.oscillation_gain; TIMES].iter().product(),
-            rise: te / l.ramp,
-            frames: frames(l.oscillation_time, te),
+            rise: frame_dt / l.ramp,
+            frames: frames(l.oscillation_time, frame_dt),
             past: [Past::default(); DOF],
-            seen: [Seen::new(frames(l.oscillation_time, te)); DOF],
+            seen: [Seen::new(frames(l.oscillation_time, frame_dt)); DOF],
         })
     }
 }

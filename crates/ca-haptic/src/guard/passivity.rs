@@ -93,21 +93,21 @@ fn low_pass(pole: &mut [f64; 2], share: f64, x: f64) -> f64 {
 }
 
 impl Passivity {
-    /// As the profile says, at frames of `te` seconds; `None` where it is not wanted, or where the device has no friction
+    /// As the profile says, at frames of `frame_dt` seconds; `None` where it is not wanted, or where the device has no friction
     /// of its own, beside which no viscosity could be safe.
-    pub fn new(profile: &Profile, te: f64) -> Option<Passivity> {
+    pub fn new(profile: &Profile, frame_dt: f64) -> Option<Passivity> {
         let l = &profile.guard;
         let viscosity = l.passivity_viscosity * profile.body.friction;
         // two poles are 3 dB down together at 0.64 of the frequency of each
         let w = core::f64::consts::TAU * l.passivity_band / 0.64;
-        let stop = STOP.map(|t| frames(t, te));
+        let stop = STOP.map(|t| frames(t, frame_dt));
         (l.passivity && profile.force > 0.0 && viscosity > 0.0).then(|| Passivity {
             axes: profile.axes as usize,
             most: profile.force,
             injection: l.passivity_force * profile.force,
             friction: CREDIT * profile.body.friction,
             viscosity,
-            share: w * te / (1.0 + w * te),
+            share: w * frame_dt / (1.0 + w * frame_dt),
             dead: profile.grain() * core::f64::consts::TAU * l.passivity_band,
             cap: l.passivity_leak,
             stop,
@@ -144,7 +144,7 @@ impl Stage for Passivity {
             let (mut speed, mut made, mut work) = ([0.0; 3], 0.0, 0.0);
             for (k, v) in (at..end).zip(&mut speed) {
                 let axis = &mut self.axis[k];
-                *v = low_pass(&mut axis.speed, self.share, hand.moved[k] / hand.te);
+                *v = low_pass(&mut axis.speed, self.share, hand.moved[k] / hand.frame_dt);
                 made += low_pass(&mut axis.force, self.share, asked[k] - hand.mean[k]) * *v;
                 work += injected[k] * hand.moved[k];
             }
@@ -152,12 +152,12 @@ impl Stage for Passivity {
             let size = norm(&speed[..end - at]);
             let part = if size > self.dead { 1.0 - self.dead / size } else { 0.0 };
             let paid: f64 = (at..end).zip(speed).map(|(k, v)| injected[k] * v).sum();
-            s.leak += part * (made - self.friction * size * size + paid) * hand.te;
+            s.leak += part * (made - self.friction * size * size + paid) * hand.frame_dt;
             if s.leak < 0.0 {
-                s.leak *= 1.0 - hand.te / FORGET;
+                s.leak *= 1.0 - hand.frame_dt / FORGET;
             }
             s.leak = s.leak.clamp(-REFERENCE * self.cap, self.cap);
-            s.work = (s.work * (1.0 - hand.te / WORK_TIME) + work).max(-TAKEN);
+            s.work = (s.work * (1.0 - hand.frame_dt / WORK_TIME) + work).max(-TAKEN);
             if s.work > WORK && s.off == 0 {
                 (s.off, s.next, s.work) = (s.next, (2 * s.next).min(self.stop[1]), 0.0);
             }

@@ -12,9 +12,9 @@ pub struct Slew {
 }
 
 impl Slew {
-    /// As the profile says, at frames of `te` seconds.
-    pub fn new(profile: &Profile, te: f64) -> Slew {
-        Slew { axes: profile.axes as usize, most: profile.slew() * te }
+    /// As the profile says, at frames of `frame_dt` seconds.
+    pub fn new(profile: &Profile, frame_dt: f64) -> Slew {
+        Slew { axes: profile.axes as usize, most: profile.slew() * frame_dt }
     }
 }
 

@@ -24,14 +24,14 @@ pub struct Thermal {
 const LAST: f64 = 0.2;
 
 impl Thermal {
-    /// As the profile says, at frames of `te` seconds; `None` for a device that stands its largest force for ever.
-    pub fn new(profile: &Profile, te: f64) -> Option<Thermal> {
+    /// As the profile says, at frames of `frame_dt` seconds; `None` for a device that stands its largest force for ever.
+    pub fn new(profile: &Profile, frame_dt: f64) -> Option<Thermal> {
         let (peak, rating) = (profile.force, profile.continuous());
         (rating < peak).then(|| Thermal {
             axes: profile.axes as usize,
             peak,
             rating,
-            share: te / (te + profile.guard.thermal),
+            share: frame_dt / (frame_dt + profile.guard.thermal),
             heat: [0.0; DOF],
         })
     }

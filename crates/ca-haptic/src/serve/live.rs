@@ -72,7 +72,7 @@ pub struct Shared {
     pub stale: AtomicU64,
     /// sound samples at the ceiling
     pub clipped: AtomicU64,
-    /// the model has blown up
+    /// the model has diverged
     pub diverged: AtomicBool,
 }
 
@@ -127,7 +127,7 @@ impl Live {
     /// counts as well. Gives the engine back.
     pub fn run(mut self, frames: Option<u64>) -> Engine {
         let scene = &self.engine.scene;
-        let period = f64::from(scene.ratio) * scene.te;
+        let period = f64::from(scene.ratio) * scene.sample_dt;
         let (mut pace, mut waits) = (Pace::new(period), Waits::default());
         // on the clock of a device no time is due: what tells of a stall is how long nobody looked
         let (mut left, mut looked) = (frames, now_ns());

@@ -32,7 +32,7 @@ struct Seen {
     mode: Mode,
     cause: Cause,
     /// forces were on
-    felt: bool,
+    forces_on: bool,
     /// its passivity stage adds nothing for a while
     undamped: bool,
     /// what it waited for when last looked at, how often that was the case, and when it was last reported
@@ -95,7 +95,7 @@ impl Recorder {
             profile: p.profile.name.clone(),
             mode: Mode::Off,
             cause: Cause::Disarmed,
-            felt: false,
+            forces_on: false,
             undamped: false,
             wait: None,
             looks: 0,
@@ -268,7 +268,7 @@ impl Recorder {
                     return;
                 }
                 (seen.mode, seen.cause) = now;
-                seen.felt |= matches!(now.0, Mode::Ramp | Mode::On);
+                seen.forces_on |= matches!(now.0, Mode::Ramp | Mode::On);
                 if now.0 != Mode::Off {
                     (seen.wait, seen.looks, seen.reported) = (None, 0, 0);
                 }
@@ -351,7 +351,7 @@ impl Recorder {
         &self.controls
     }
 
-    /// Arms or disarms a device, or all. A model that blew up is loaded again first.
+    /// Arms or disarms a device, or all. A model that diverged is loaded again first.
     pub fn order(&mut self, device: Option<&str>, order: Order) -> Result<(), String> {
         let which = match device {
             None => None,
@@ -410,7 +410,7 @@ impl Recorder {
         Summary {
             seconds: engine.state.tick as f64 / self.scene.rate,
             frames: engine.counts.frames,
-            period_us: 1e6 * f64::from(self.scene.ratio) * self.scene.te,
+            period_us: 1e6 * f64::from(self.scene.ratio) * self.scene.sample_dt,
             frame_us: self.frame_times.percentiles(),
             late_us: self.late_times.percentiles(),
             missed: self.shared.missed.load(Relaxed),
@@ -434,7 +434,7 @@ impl Recorder {
                     frames: s.frames,
                     dropped: p.dropped(),
                     loop_us: s.times.percentiles(),
-                    felt: s.felt,
+                    forces_on: s.forces_on,
                     // the last order of an engine is its own: what waited then has waited to the end
                     waits: s.wait.clone().filter(|_| s.ended.is_none_or(|t| t + 2 * ratio >= engine.state.tick)),
                 })

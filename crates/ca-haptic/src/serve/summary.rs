@@ -63,7 +63,7 @@ pub struct DeviceSummary {
     /// loop latency \[µs\]
     pub loop_us: Percentiles,
     /// whether forces began at any time
-    pub felt: bool,
+    pub forces_on: bool,
     /// armed and off to the end: what it waited for
     pub waits: Option<String>,
 }
@@ -101,7 +101,7 @@ pub struct Summary {
     pub clipped: u64,
     /// changes that did not fit
     pub refused: u64,
-    /// the model blew up, and was not loaded again
+    /// the model diverged, and was not loaded again
     pub unstable: bool,
     /// devices
     pub devices: Vec<DeviceSummary>,
@@ -116,7 +116,7 @@ pub struct Summary {
 }
 
 impl Summary {
-    /// True where nothing was lost, cut, left unwritten or blown up. Faults of a hand or device are no loss.
+    /// True where nothing was lost, cut, left unwritten or diverged. Faults of a hand or device are no loss.
     pub fn is_faithful(&self) -> bool {
         let lost = self.lost_forces + self.lost_records + self.lost_sound + self.lost_views + self.lost_timings;
         let heard = self.audio.as_ref().is_none_or(AudioSummary::is_faithful);

@@ -62,7 +62,7 @@ pub struct Device {
     /// when the script began \[s\]
     begin: f64,
     frames: u64,
-    te: f64,
+    frame_dt: f64,
 }
 
 impl Device {
@@ -94,15 +94,15 @@ impl Device {
             time: 0.0,
             begin: 0.0,
             frames: 0,
-            te: 0.0,
+            frame_dt: 0.0,
         };
         device.measure();
         device
     }
 
-    /// A frame of `te` seconds under forces \[N\], which the motors cut to what they can. Returns what the sensor says at
+    /// A frame of `frame_dt` seconds under forces \[N\], which the motors cut to what they can. Returns what the sensor says at
     /// its end \[m\].
-    pub fn step(&mut self, force: &[f64], te: f64) -> &[f64] {
+    pub fn step(&mut self, force: &[f64], frame_dt: f64) -> &[f64] {
         let mut now = [0.0; DOF];
         for (to, f) in now.iter_mut().zip(force).take(self.n) {
             *to = if f.is_finite() { f.clamp(-self.most, self.most) } else { 0.0 };
@@ -117,7 +117,7 @@ impl Device {
         self.held = now;
         for (k, now) in now.iter().enumerate().take(self.n) {
             let t = self.time - self.begin;
-            let (a, b) = (self.script.at(k, t), self.script.at(k, t + te));
+            let (a, b) = (self.script.at(k, t), self.script.at(k, t + frame_dt));
             let drive = body::Drive {
                 force: now + 0.5 * (a.force + b.force),
                 from: a.position,
@@ -125,10 +125,10 @@ impl Device {
                 stiffness: self.hand.stiffness,
                 damping: self.hand.damping,
             };
-            self.state[k] = self.mechanics.go(self.state[k], &drive, te);
+            self.state[k] = self.mechanics.go(self.state[k], &drive, frame_dt);
         }
         self.frames += 1;
-        (self.time, self.te) = (self.time + te, te);
+        (self.time, self.frame_dt) = (self.time + frame_dt, frame_dt);
         self.measure();
         &self.measured[..self.n]
     }
@@ -174,7 +174,7 @@ impl Device {
         to.n = self.n as u16;
         to.status |= status::SIMULATED | status::CONNECTED | status::POWERED | status::CALIBRATED;
         to.t_device_ns = (self.time * 1e9).round() as u64;
-        to.period_ns = (self.te * 1e9).round() as u32;
+        to.period_ns = (self.frame_dt * 1e9).round() as u32;
         to.pos[..self.n].copy_from_slice(&self.measured[..self.n]);
         for (to, held) in to.force_measured.iter_mut().zip(&self.held).take(self.n) {
             *to = *held as f32;

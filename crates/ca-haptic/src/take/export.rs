@@ -64,7 +64,7 @@ pub fn messages(take: &Take, topic: &str, to: impl AsRef<Path>) -> Result<u64, F
             return Err(e.fix("choose one of them; `sound` becomes a `.wav`"));
         }
     };
-    let mut table: Option<Table> = None;
+    let mut table: Option<ChannelTable> = None;
     for item in Source::open(&take.path)? {
         let Item::Message { channel, sequence, time, data } = item? else { continue };
         if channel.topic != topic {
@@ -79,7 +79,7 @@ pub fn messages(take: &Take, topic: &str, to: impl AsRef<Path>) -> Result<u64, F
                     return Err(e.file(take.path.display()).fix("read it with `mcap-protobuf-support` in Python"));
                 };
                 let fields = cdr::fields(&String::from_utf8_lossy(&schema.data));
-                none.insert(Table::begin(to, fields, array, shown(take, topic))?)
+                none.insert(ChannelTable::begin(to, fields, array, shown(take, topic))?)
             }
         };
         let seconds = time.saturating_sub(take.header.began_ns) as f64 * 1e-9;
@@ -99,7 +99,7 @@ fn shown(take: &Take, topic: &str) -> usize {
 }
 
 /// A file under way.
-struct Table<'a> {
+struct ChannelTable<'a> {
     to: &'a Path,
     out: BufWriter<File>,
     staged: AtomicFile,
@@ -109,15 +109,15 @@ struct Table<'a> {
     rows: u64,
 }
 
-impl<'a> Table<'a> {
-    fn begin(to: &'a Path, fields: Vec<Field>, array: bool, shown: usize) -> Result<Table<'a>, FileError> {
+impl<'a> ChannelTable<'a> {
+    fn begin(to: &'a Path, fields: Vec<Field>, array: bool, shown: usize) -> Result<ChannelTable<'a>, FileError> {
         if array && !fields.iter().all(Field::is_fixed) {
             let e = FileError::unsupported("its messages differ in length, so they are no array").file(to.display());
             return Err(e.fix("use `.csv`"));
         }
         let staged = AtomicFile::create(to)?;
         let out = BufWriter::new(staged.handle()?);
-        let mut t = Table { to, out, staged, fields, array, shown, rows: 0 };
+        let mut t = ChannelTable { to, out, staged, fields, array, shown, rows: 0 };
         let head = if array { t.header() } else { t.names().into_bytes() };
         t.write(&head)?;
         Ok(t)

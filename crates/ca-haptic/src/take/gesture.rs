@@ -65,7 +65,7 @@ pub fn gesture(path: impl AsRef<Path>, catalog: &Catalog) -> Result<Gesture, Fil
             };
             let last = points[points.len() - 1].1;
             if let Some(new) = new.filter(|v| *v != last) {
-                let t = tick as f64 * scene.te;
+                let t = tick as f64 * scene.sample_dt;
                 points.extend([(t, last), (t, new)]);
             }
         }

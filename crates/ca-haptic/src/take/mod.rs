@@ -30,7 +30,7 @@ pub use gesture::gesture;
 pub use header::{FORMAT, Header, META};
 pub use read::{Event, Events, Take};
 pub use recover::{Recovered, recover};
-pub use replay::{Difference, Replay, Verdict};
+pub use replay::{Difference, Replay, ReplayVerdict};
 pub use source::End;
 pub use summary::{Fault, Summary, Topic};
 pub use views::Level;

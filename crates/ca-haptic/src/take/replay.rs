@@ -42,7 +42,7 @@ impl fmt::Display for Difference {
 
 /// What a replay found.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Verdict {
+pub struct ReplayVerdict {
     /// gesture frames computed again
     pub frames: u64,
     /// device frames given to the engine
@@ -65,7 +65,7 @@ pub struct Verdict {
     pub damaged: bool,
 }
 
-impl Verdict {
+impl ReplayVerdict {
     /// True where everything compared is as it was, and nothing is missing up to the end of the file.
     pub fn is_identical(&self) -> bool {
         self.difference.is_none() && self.hole.is_none()
@@ -81,7 +81,7 @@ pub struct Replay {
     rate: f64,
     channels: usize,
     /// what was found so far
-    pub verdict: Verdict,
+    pub verdict: ReplayVerdict,
     /// force frames made and not compared yet, of each device
     made: Vec<VecDeque<ForceFrame>>,
     /// sound made and not compared yet, and the tick of its first sample
@@ -99,7 +99,7 @@ impl Replay {
             setups: take.header.setups.clone(),
             rate: engine.scene.rate,
             channels: engine.scene.channels,
-            verdict: Verdict::default(),
+            verdict: ReplayVerdict::default(),
             made: engine.ports.iter().map(|_| VecDeque::new()).collect(),
             sound: VecDeque::new(),
             sound_tick: 0,
@@ -115,7 +115,7 @@ impl Replay {
         take: &Take,
         each: &mut dyn FnMut(&Engine),
         sound: &mut dyn FnMut(&[f64]) -> Result<(), FileError>,
-    ) -> Result<Verdict, FileError> {
+    ) -> Result<ReplayVerdict, FileError> {
         let mut events = take.events()?;
         for event in events.by_ref() {
             self.step(event?, each, sound)?;

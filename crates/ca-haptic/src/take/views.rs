@@ -6,7 +6,7 @@
 
 use ca_core::Scene;
 use ca_core::layout::Layout;
-use ca_core::scene::{InputRole, Stands};
+use ca_core::scene::{InputRole, Location};
 use foxglove::Encode;
 use foxglove::messages::{
     Color, JointState, JointStates, LinePrimitive, Log, PackedElementField, Point3, PointCloud, RawAudio, SceneEntity,
@@ -44,7 +44,7 @@ impl Picture {
         let mut mats: Vec<(usize, bool)> = scene
             .symbols
             .iter()
-            .filter_map(|s| if let Stands::Mat(at) = s.place { Some((at as usize, s.axes > 1)) } else { None })
+            .filter_map(|s| if let Location::Mat(at) = s.location { Some((at as usize, s.axes > 1)) } else { None })
             .collect();
         mats.sort_unstable();
         mats.dedup();

@@ -3,11 +3,11 @@
 //! Decides to compare what the outputs listen to, not what they give: gains, high and low passes are the same for all
 //! ways, and those that hang on the rate would be counted as errors of the scheme.
 
+mod methods;
 mod play;
+mod reference;
 mod score;
 mod single;
-mod truth;
-mod ways;
 
 use crate::Failure;
 use crate::load::{self, Loaded};
@@ -18,12 +18,12 @@ use ca_core::energy::Balance;
 use ca_model::Model;
 use ca_model::Value;
 use ca_report::{Axis, Block, Plot, Point, Section, Table};
+use methods::{AS_WRITTEN, Candidate, candidates};
+pub use reference::Origin;
+use reference::Reference;
 use score::Score;
-pub use truth::Origin;
-use truth::Truth;
-use ways::{AS_WRITTEN, Way, ways};
 
-/// Ways are timed in turn, so often, and each time as long as this \[ns\] or once; the quickest of a way counts: the
+/// Candidates are timed in turn, so often, and each time as long as this \[ns\] or once; the quickest time of each counts: the
 /// others were disturbed.
 const ROUNDS: usize = 4;
 const TURN: f64 = 1e7;
@@ -31,7 +31,7 @@ const TURN: f64 = 1e7;
 /// The highest rate that a model is compiled for \[Hz\].
 const HIGHEST: f64 = 1e7;
 
-/// Samples that are kept of each way, of all probes together; beyond it a model is played less long.
+/// Samples that are kept of each candidate, of all probes together; beyond it a model is played less long.
 const MOST: f64 = 5e7;
 
 /// What a section of a page is called.
@@ -40,8 +40,8 @@ pub const TITLE: &str = "Error against run time";
 /// As long as a model is played if nothing is said \[s\].
 const LONGEST: f64 = 1.0;
 
-/// A way, measured.
-pub struct Row {
+/// A candidate, measured.
+pub struct MethodRow {
     /// its name
     pub method: &'static str,
     /// multiple of the rate
@@ -58,14 +58,14 @@ pub struct Row {
     pub front: bool,
 }
 
-impl Row {
+impl MethodRow {
     /// As people call it.
     pub fn name(&self) -> String {
         if self.times == 1 { self.method.into() } else { format!("{} x{}", self.method, self.times) }
     }
 
     /// Energy that the scheme makes, relative to what there was.
-    pub fn made(&self) -> Option<f64> {
+    pub fn energy_error(&self) -> Option<f64> {
         self.balance.filter(|b| b.peak > 0.0).map(|b| (b.source.abs() + b.residual.abs()) / b.peak)
     }
 }
@@ -90,10 +90,10 @@ pub struct Ask<'a> {
 
 /// All that was measured.
 pub struct Measured {
-    /// a way each
-    pub rows: Vec<Row>,
+    /// a candidate each
+    pub rows: Vec<MethodRow>,
     /// what they are held against
-    pub truth: Truth,
+    pub reference: Reference,
     /// the sound rate \[Hz\]
     pub rate: f64,
     /// samples that were played
@@ -130,28 +130,28 @@ pub fn measured(loaded: &Loaded, ask: &mut Ask) -> Result<Measured, Failure> {
     let mut times = ask.times.to_vec();
     times.sort_unstable();
     times.dedup();
-    let ways = ways(loaded, &probes, rate, &times);
-    let mut steps = Steps { done: 0, of: (ways.all.len() * ROUNDS + 1) as u64, tell: &mut *ask.progress };
+    let candidates = candidates(loaded, &probes, rate, &times);
+    let mut steps = Steps { done: 0, of: (candidates.all.len() * ROUNDS + 1) as u64, tell: &mut *ask.progress };
     steps.look()?;
-    let truth = truth::truth(loaded, &probes, &scene, (frames, ask.reference), &mut steps)?;
+    let reference = reference::reference(loaded, &probes, &scene, (frames, ask.reference), &mut steps)?;
     steps.step()?;
-    if truth.columns.iter().flatten().all(|v| *v == 0.0) {
+    if reference.columns.iter().flatten().all(|v| *v == 0.0) {
         let what = format!("nothing of {} moves in {seconds} s", load::ticked(probes.iter().map(String::as_str)));
         return Err(Failure::Failed(format!("{what}; {}", ask.remedy)));
     }
-    let mut rows = Vec::with_capacity(ways.all.len());
-    for way in &ways.all {
-        rows.push(row(way, &truth, frames, rate, &mut steps)?);
+    let mut rows = Vec::with_capacity(candidates.all.len());
+    for candidate in &candidates.all {
+        rows.push(row(candidate, &reference, frames, rate, &mut steps)?);
         steps.step()?;
     }
     for _ in 1..ROUNDS {
-        for (way, row) in ways.all.iter().zip(&mut rows) {
-            row.ns = row.ns.min(turn(way, frames, &mut steps)?);
+        for (candidate, row) in candidates.all.iter().zip(&mut rows) {
+            row.ns = row.ns.min(turn(candidate, frames, &mut steps)?);
             steps.step()?;
         }
     }
     mark(&mut rows);
-    Ok(Measured { rows, truth, rate, frames, refused: ways.refused, warned: ways.warned })
+    Ok(Measured { rows, reference, rate, frames, refused: candidates.refused, warned: candidates.warned })
 }
 
 /// The outputs of a model by name, one for each thing that is heard: as a probe, the name of an output is what it hears
@@ -207,33 +207,39 @@ impl Steps<'_> {
     }
 }
 
-/// Plays a way and scores it.
-fn row(way: &Way, truth: &Truth, frames: usize, rate: f64, steps: &mut Steps) -> Result<Row, Failure> {
-    let (columns, ns) = way.play(frames, steps)?;
-    let balance = way.audited.as_ref().and_then(|s| play::ledger(s, frames as u64 * u64::from(way.times)));
-    Ok(Row {
-        method: way.method,
-        times: way.times,
-        score: score::score(&columns, &truth.columns, &truth.of, rate),
+/// Plays a candidate and scores it.
+fn row(
+    candidate: &Candidate,
+    reference: &Reference,
+    frames: usize,
+    rate: f64,
+    steps: &mut Steps,
+) -> Result<MethodRow, Failure> {
+    let (columns, ns) = candidate.play(frames, steps)?;
+    let balance = candidate.audited.as_ref().and_then(|s| play::ledger(s, frames as u64 * u64::from(candidate.times)));
+    Ok(MethodRow {
+        method: candidate.method,
+        times: candidate.times,
+        score: score::score(&columns, &reference.columns, &reference.of, rate),
         ns,
-        level: way.scene.certificate.level,
+        level: candidate.scene.certificate.level,
         balance,
         front: false,
     })
 }
 
 /// The quickest time of a sample in one turn of a way \[ns\].
-fn turn(way: &Way, frames: usize, steps: &mut Steps) -> Result<f64, Failure> {
+fn turn(candidate: &Candidate, frames: usize, steps: &mut Steps) -> Result<f64, Failure> {
     let (mut best, mut whole) = (f64::INFINITY, 0.0);
     while whole < TURN {
-        let ns = way.play(frames, steps)?.1;
+        let ns = candidate.play(frames, steps)?.1;
         (best, whole) = (best.min(ns), whole + ns * frames as f64);
     }
     Ok(best)
 }
 
 /// Marks what nothing beats in both error and time.
-fn mark(rows: &mut [Row]) {
+fn mark(rows: &mut [MethodRow]) {
     for i in 0..rows.len() {
         let (e, t) = (rows[i].score.error, rows[i].ns);
         let beaten = rows
@@ -250,21 +256,21 @@ fn small(v: f64) -> String {
 }
 
 impl Measured {
-    /// The cheapest way with at most this error; among those that are not known to be unstable. None where the reference
+    /// The cheapest candidate with at most this error; among those that are not known to be unstable. None where the reference
     /// is not known as well as that: errors below it are not distinguished.
-    pub fn cheapest(&self, error: f64) -> Option<&Row> {
-        if self.truth.known > error {
+    pub fn cheapest(&self, error: f64) -> Option<&MethodRow> {
+        if self.reference.known > error {
             return None;
         }
         let good = self.rows.iter().filter(|r| r.score.error <= error && r.level != Level::Unstable);
         good.min_by(|a, b| a.ns.total_cmp(&b.ns))
     }
 
-    /// In words, what all ways are held against.
+    /// In words, what all methods are compared with.
     pub fn origin(&self) -> String {
-        let (known, method) = (self.truth.known, self.truth.method);
+        let (known, method) = (self.reference.known, self.reference.method);
         let by = if method == AS_WRITTEN { String::new() } else { format!(" by {method}") };
-        match self.truth.origin {
+        match self.reference.origin {
             Origin::Modes => format!("the closed form of its modes, known to {known:.0e}"),
             Origin::Rate(n, p) => {
                 format!("the model{by} at {n} times the rate, converging with order {p:.1}, known to {known:.0e}")
@@ -281,15 +287,15 @@ impl Measured {
     }
 
     /// A row of the table.
-    pub fn cells(&self, r: &Row) -> Vec<String> {
-        let under = r.score.error < self.truth.known;
+    pub fn cells(&self, r: &MethodRow) -> Vec<String> {
+        let under = r.score.error < self.reference.known;
         vec![
             if r.front { format!("{} *", r.name()) } else { r.name() },
-            if under { format!("<{}", small(self.truth.known)) } else { small(r.score.error) },
+            if under { format!("<{}", small(self.reference.known)) } else { small(r.score.error) },
             small(r.score.spectrum),
             r.score.cents.filter(|c| c.is_finite()).map_or("-".into(), |c| format!("{c:+.3}")),
             if r.score.error.is_finite() { format!("{:+.3}", r.score.decay) } else { "-".into() },
-            r.made().map_or("-".into(), small),
+            r.energy_error().map_or("-".into(), small),
             format!("{:.0}", r.ns),
             format!("{:.2}", 1e9 / (r.ns * self.rate)),
             r.level.to_string(),
@@ -298,14 +304,14 @@ impl Measured {
 
     /// What a row says.
     pub const HEAD: [&'static str; 9] =
-        ["method", "error", "spectrum", "cents", "decay dB", "made", "ns/sample", "x real time", "stability"];
+        ["method", "error", "spectrum", "cents", "decay dB", "energy", "ns/sample", "x real time", "stability"];
 
     /// The plot, the table, and what is to be said of methods.
     pub fn section(&self) -> Section {
         let points = self.rows.iter().map(|r| Point {
             name: r.name(),
             x: r.ns,
-            y: r.score.error.max(self.truth.known),
+            y: r.score.error.max(self.reference.known),
             front: r.front,
         });
         let (x, y) = (Axis::log("time of a sample", "ns"), Axis::log("error", ""));

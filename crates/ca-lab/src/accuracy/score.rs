@@ -44,7 +44,7 @@ fn probes(of: &[usize]) -> impl Iterator<Item = std::ops::Range<usize>> + '_ {
 }
 
 /// Compares a run with what it should be.
-pub fn score(run: &Columns, truth: &Columns, of: &[usize], rate: f64) -> Score {
+pub fn score(run: &Columns, reference: &Columns, of: &[usize], rate: f64) -> Score {
     let energy = |columns: &[Vec<f64>], half: usize| -> f64 {
         let part = |c: &Vec<f64>| {
             let (first, last) = c.split_at(c.len() / 2);
@@ -56,7 +56,7 @@ pub fn score(run: &Columns, truth: &Columns, of: &[usize], rate: f64) -> Score {
     let level = |s: &Spectrum| s.power[0].iter().map(|p| p.sqrt()).collect::<Vec<f64>>();
     let (mut far, mut cents, mut decay): (f64, Option<f64>, f64) = (0.0, None, 0.0);
     for probe in probes(of) {
-        let (a, b) = (&run[probe.clone()], &truth[probe]);
+        let (a, b) = (&run[probe.clone()], &reference[probe]);
         let of = |c: &[Vec<f64>]| c.iter().map(|c| spectrum(c, rate)).collect::<Option<Vec<Spectrum>>>();
         if let (Some(x), Some(y)) = (of(a), of(b)) {
             let levels = |all: &[Spectrum]| all.iter().map(level).collect::<Columns>();
@@ -74,5 +74,5 @@ pub fn score(run: &Columns, truth: &Columns, of: &[usize], rate: f64) -> Score {
             decay = d;
         }
     }
-    Score { error: apart(run, truth, of), spectrum: far, cents, decay }
+    Score { error: apart(run, reference, of), spectrum: far, cents, decay }
 }

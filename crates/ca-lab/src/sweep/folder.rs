@@ -12,7 +12,7 @@
 //! what one of them left half done does not count, and what is there need not be done again. Times are kept apart from
 //! the manifest, which so is the same file to the byte whoever wrote it.
 
-use super::{Audio, Sweep, TIMES, Table, shown};
+use super::{Audio, RunTable, Sweep, TIMES, shown};
 use crate::Failure;
 use crate::load::reason;
 use crate::sweep::axis::Space;
@@ -233,7 +233,7 @@ impl Folder {
         let mut table = sweep.table(&rows);
         if self.audio != Audio::None {
             let home = format!("runs-{}", self.digits(first));
-            let file = |r: &super::Row| {
+            let file = |r: &super::RunRow| {
                 (r.frames > 0).then(|| format!("{home}/{}.{}", self.digits(r.index), self.audio.name()))
             };
             table.columns.push(("file".into(), super::Column::Text(rows.iter().map(file).collect())));
@@ -245,13 +245,13 @@ impl Folder {
     ///
     /// # Errors
     /// [`Failure::Failed`] where a chunk cannot be read or the folder not be written.
-    pub fn gather(&self, sweep: &Sweep) -> Result<Option<Table>, Failure> {
-        let mut all = Table::default();
+    pub fn gather(&self, sweep: &Sweep) -> Result<Option<RunTable>, Failure> {
+        let mut all = RunTable::default();
         for chunk in 0..self.chunks() {
             if !self.has(chunk) {
                 return Ok(None);
             }
-            all.append(Table::read(&self.home(chunk).join(ROWS))?)?;
+            all.append(RunTable::read(&self.home(chunk).join(ROWS))?)?;
         }
         // a folder that is done may be one that nobody can write
         if [MANIFEST, TIME].iter().all(|name| self.path.join(name).exists()) {

@@ -13,7 +13,7 @@ mod table;
 
 pub use audio::Audio;
 pub use axis::{Axis, Space};
-pub use table::{Column, Table};
+pub use table::{Column, RunTable};
 
 use crate::load::{self, Loaded, compiled};
 use crate::play::{self, BLOCK, Broke};
@@ -77,7 +77,7 @@ pub struct Sweep {
 
 /// What became of a run.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Row {
+pub struct RunRow {
     /// its number
     pub index: u64,
     /// its seed
@@ -88,7 +88,7 @@ pub struct Row {
     pub status: &'static str,
     /// what went wrong; empty where nothing did
     pub message: String,
-    /// when it blew up \[s\]
+    /// when it diverged \[s\]
     pub failed: Option<f64>,
     /// the module to blame
     pub module: Option<String>,
@@ -192,8 +192,8 @@ impl Sweep {
     ///
     /// # Errors
     /// [`Failure::Stopped`] where `goes_on` says no.
-    pub fn run(&self, index: u64, goes_on: &mut dyn FnMut() -> bool) -> Result<(Row, Vec<f32>), Failure> {
-        let mut row = Row {
+    pub fn run(&self, index: u64, goes_on: &mut dyn FnMut() -> bool) -> Result<(RunRow, Vec<f32>), Failure> {
+        let mut row = RunRow {
             index,
             seed: axis::seed(&self.hash, self.ask.seed, index),
             values: self.point(index),
@@ -221,7 +221,7 @@ impl Sweep {
         }
     }
 
-    fn play(&self, row: &mut Row, goes_on: &mut dyn FnMut() -> bool) -> Result<Vec<f32>, Failure> {
+    fn play(&self, row: &mut RunRow, goes_on: &mut dyn FnMut() -> bool) -> Result<Vec<f32>, Failure> {
         let mut loaded = self.loaded.clone();
         for (axis, value) in self.ask.axes.iter().zip(&row.values) {
             load::set(&mut loaded, &axis.name, value.clone())?;
@@ -255,7 +255,7 @@ impl Sweep {
         row.rtf = row.run_time * scene.rate / frames as f64;
         row.peak = level.peak.iter().copied().fold(0.0, f64::max);
         row.rms = measure::rms(&sound);
-        // what blew up has no pitch
+        // what diverged has no pitch
         if self.ask.measure && channels > 0 && played.broke.is_none() {
             let found = measure::measures(&sound, channels, scene.rate);
             (row.partial, row.t60) = (found.partial, found.t60);
@@ -284,11 +284,11 @@ impl Sweep {
     }
 
     /// Rows as columns.
-    pub fn table(&self, rows: &[Row]) -> Table {
+    pub fn table(&self, rows: &[RunRow]) -> RunTable {
         let mut columns: Vec<(String, Column)> = Vec::new();
         let mut add = |name: &str, column: Column| columns.push((name.into(), column));
-        let number = |f: &dyn Fn(&Row) -> Option<f64>| Column::Number(rows.iter().map(f).collect());
-        let text = |f: &dyn Fn(&Row) -> Option<String>| Column::Text(rows.iter().map(f).collect());
+        let number = |f: &dyn Fn(&RunRow) -> Option<f64>| Column::Number(rows.iter().map(f).collect());
+        let text = |f: &dyn Fn(&RunRow) -> Option<String>| Column::Text(rows.iter().map(f).collect());
         add("index", Column::Whole(rows.iter().map(|r| r.index as i64).collect()));
         for (k, a) in self.ask.axes.iter().enumerate() {
             add(
@@ -318,7 +318,7 @@ impl Sweep {
         add("scene", text(&|r| Some(r.hash.clone())));
         add(TIMES[0], number(&|r| Some(r.run_time)));
         add(TIMES[1], number(&|r| Some(r.rtf)));
-        Table { columns }
+        RunTable { columns }
     }
 }
 

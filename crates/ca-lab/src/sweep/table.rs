@@ -30,7 +30,7 @@ pub enum Column {
 
 /// Named columns of one length.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Table {
+pub struct RunTable {
     /// in order
     pub columns: Vec<(String, Column)>,
 }
@@ -51,7 +51,7 @@ fn levels<T>(values: &[Option<T>]) -> Vec<i16> {
     values.iter().map(|v| i16::from(v.is_some())).collect()
 }
 
-impl Table {
+impl RunTable {
     /// The column of this name.
     pub fn column(&self, name: &str) -> Option<&Column> {
         self.columns.iter().find(|c| c.0 == name).map(|c| &c.1)
@@ -61,12 +61,12 @@ impl Table {
     ///
     /// # Errors
     /// [`Failure::Failed`] where its columns are others.
-    pub fn append(&mut self, other: Table) -> Result<(), Failure> {
+    pub fn append(&mut self, other: RunTable) -> Result<(), Failure> {
         if self.columns.is_empty() {
             *self = other;
             return Ok(());
         }
-        let names = |t: &Table| t.columns.iter().map(|c| c.0.clone()).collect::<Vec<_>>();
+        let names = |t: &RunTable| t.columns.iter().map(|c| c.0.clone()).collect::<Vec<_>>();
         let same = names(self) == names(&other);
         if !same || !self.columns.iter_mut().zip(other.columns).all(|(a, b)| a.1.extend(b.1)) {
             return Err(Failure::Failed("tables of different columns".into()));
@@ -75,9 +75,9 @@ impl Table {
     }
 
     /// These columns in one table, all others in the other one.
-    pub fn split(self, names: &[&str]) -> (Table, Table) {
+    pub fn split(self, names: &[&str]) -> (RunTable, RunTable) {
         let (with, without) = self.columns.into_iter().partition(|c| names.contains(&c.0.as_str()));
-        (Table { columns: with }, Table { columns: without })
+        (RunTable { columns: with }, RunTable { columns: without })
     }
 
     /// Writes it into a file, with what is said of it in its metadata.
@@ -126,17 +126,17 @@ impl Table {
         file.into_inner()
     }
 
-    /// Reads what [`Table::write`] wrote.
+    /// Reads what [`RunTable::write`] wrote.
     ///
     /// # Errors
     /// [`Failure::Failed`] where there is no such file, or it is damaged.
-    pub fn read(path: &Path) -> Result<Table, Failure> {
+    pub fn read(path: &Path) -> Result<RunTable, Failure> {
         let fail = |e: String| Failure::Failed(format!("`{}`: it cannot be read: {e}", path.display()));
         let file = std::fs::File::open(path).map_err(|e| fail(crate::load::reason(&e)))?;
-        Table::of(file).map_err(|e| fail(e.to_string()))
+        RunTable::of(file).map_err(|e| fail(e.to_string()))
     }
 
-    fn of(file: std::fs::File) -> Result<Table, ParquetError> {
+    fn of(file: std::fs::File) -> Result<RunTable, ParquetError> {
         let reader = SerializedFileReader::new(file)?;
         let about = reader.metadata();
         let n = usize::try_from(about.file_metadata().num_rows()).unwrap_or(0);
@@ -167,7 +167,7 @@ impl Table {
             };
             columns.push((field.name().to_owned(), column));
         }
-        Ok(Table { columns })
+        Ok(RunTable { columns })
     }
 }
 
@@ -175,10 +175,10 @@ impl Table {
 mod tests {
     use super::*;
 
-    fn table(n: i64) -> Table {
+    fn table(n: i64) -> RunTable {
         let number = |k: i64| (k % 3 != 0).then_some(k as f64 / 7.0);
         let text = |k: i64| (k % 2 == 0).then(|| format!("run {k} å"));
-        Table {
+        RunTable {
             columns: vec![
                 ("index".into(), Column::Whole((0..n).collect())),
                 ("string.k".into(), Column::Number((0..n).map(number).collect())),
@@ -195,7 +195,7 @@ mod tests {
         for n in [0, 1, 5000] {
             table(n).write(&path, &[("version", "1".into())]).unwrap();
             let first = std::fs::read(&path).unwrap();
-            assert_eq!(Table::read(&path).unwrap(), table(n));
+            assert_eq!(RunTable::read(&path).unwrap(), table(n));
             table(n).write(&path, &[("version", "1".into())]).unwrap();
             assert_eq!(std::fs::read(&path).unwrap(), first, "the same bytes");
         }
@@ -215,12 +215,12 @@ mod tests {
     fn what_is_no_table_is_an_error() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("t.parquet");
-        assert!(matches!(Table::read(&path), Err(Failure::Failed(e)) if e.contains("t.parquet")));
+        assert!(matches!(RunTable::read(&path), Err(Failure::Failed(e)) if e.contains("t.parquet")));
         std::fs::write(&path, b"PAR1 nothing of the kind PAR1").unwrap();
-        assert!(matches!(Table::read(&path), Err(Failure::Failed(_))));
+        assert!(matches!(RunTable::read(&path), Err(Failure::Failed(_))));
         table(100).write(&path, &[]).unwrap();
         let whole = std::fs::read(&path).unwrap();
         std::fs::write(&path, &whole[..whole.len() / 2]).unwrap();
-        assert!(Table::read(&path).is_err());
+        assert!(RunTable::read(&path).is_err());
     }
 }

@@ -4,9 +4,9 @@
 
 use alloc::format;
 use alloc::vec::Vec;
+use ca_core::builder::{Args, Builder, Generator, Problem};
 use ca_core::kind::{ABOVE_ZERO, Kind, Need, Param, Role, Type, Unit};
 use ca_core::mat::X;
-use ca_core::sketch::{Args, Generator, Problem, Sketch};
 
 const fn numbers(unit: Unit) -> Type {
     Type::Numbers { unit, min: ABOVE_ZERO.0, max: ABOVE_ZERO.1 }
@@ -52,18 +52,18 @@ fn derive(a: &Args<'_>, slots: &mut Vec<Option<f64>>) -> Result<(), Problem> {
             });
         }
     }
-    if let Some(high) = (0..n).filter_map(|i| a.nth("f", i)).find(|f| f * a.te >= 0.5) {
+    if let Some(high) = (0..n).filter_map(|i| a.nth("f", i)).find(|f| f * a.tick_dt >= 0.5) {
         return Err(Problem {
             title: format!("{high} Hz is not below half the sound rate"),
             param: "f",
-            help: format!("stay below {} Hz, or raise `rate.sound`", 0.5 / a.te),
+            help: format!("stay below {} Hz, or raise `rate.sound`", 0.5 / a.tick_dt),
         });
     }
     slots.extend((0..n).flat_map(|i| ["m", "f", "t60"].map(|name| a.nth(name, i))));
     Ok(())
 }
 
-fn build(a: &Args<'_>, b: &mut Sketch<'_>) -> Result<(), Problem> {
+fn build(a: &Args<'_>, b: &mut Builder<'_>) -> Result<(), Problem> {
     for i in 0..a.len("f").unwrap_or(1) {
         let s = 3 * i as u32;
         b.cell(format!("{i}"), s, s + 1, s + 2);

@@ -10,10 +10,10 @@ use super::tetra::Z;
 use alloc::borrow::Cow;
 use alloc::format;
 use alloc::vec::Vec;
+use ca_core::builder::{Args, Builder, Generator, Problem};
 use ca_core::cloud::Cloud;
 use ca_core::kind::{ABOVE_ZERO, Kind, Need, OneOf, Param, Role, Type, Unit};
 use ca_core::mat::X;
-use ca_core::sketch::{Args, Generator, Problem, Sketch};
 
 /// CLOUD in the catalog.
 pub static KIND: Kind = Kind {
@@ -27,7 +27,7 @@ pub static KIND: Kind = Kind {
     source: &["CMJ 1993"],
     params: &[
         Param::new("file", Type::File, Need::Optional, "a .ply, .obj or .csv file, from the folder of the model"),
-        Param::new("points", Type::Places { unit: Unit::METRE }, Need::Optional, "the points themselves"),
+        Param::new("points", Type::Positions { unit: Unit::METRE }, Need::Optional, "the points themselves"),
         Param::number("scale", Unit::NONE, ABOVE_ZERO, Need::Default(1.0), "metres per unit of the file or list")
             .for_good(),
         M,
@@ -103,7 +103,7 @@ fn derive(a: &Args<'_>, slots: &mut Vec<Option<f64>>) -> Result<(), Problem> {
     Ok(())
 }
 
-fn build(a: &Args<'_>, b: &mut Sketch<'_>) -> Result<(), Problem> {
+fn build(a: &Args<'_>, b: &mut Builder<'_>) -> Result<(), Problem> {
     let (cloud, pose, scale) = (cloud(a), Pose::new(a), a.or0("scale"));
     for (i, p) in cloud.points.iter().enumerate() {
         b.mass(format!("{i}"), 0, u32::MAX);

@@ -8,9 +8,9 @@ use super::pose::{Pose, V};
 use super::string::{M, M_TOTAL, MASSES, mass};
 use alloc::format;
 use alloc::vec::Vec;
+use ca_core::builder::{Args, Builder, Generator, Problem};
 use ca_core::kind::{ABOVE_ZERO, Kind, Need, Param, Role, Type, Unit};
 use ca_core::mat::X;
-use ca_core::sketch::{Args, Generator, Problem, Sketch};
 
 /// GRAINS in the catalog.
 pub static KIND: Kind = Kind {
@@ -69,7 +69,7 @@ fn lattice(n: usize, dim: u8) -> Vec<[i32; 3]> {
     all
 }
 
-fn build(a: &Args<'_>, b: &mut Sketch<'_>) -> Result<(), Problem> {
+fn build(a: &Args<'_>, b: &mut Builder<'_>) -> Result<(), Problem> {
     let (pose, gap) = (Pose::new(a), a.or0("gap"));
     for (i, p) in lattice(a.count("n"), a.dim).into_iter().enumerate() {
         b.mass(format!("{i}"), 0, u32::MAX);

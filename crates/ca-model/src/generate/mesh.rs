@@ -15,11 +15,23 @@ use super::string::{DECAY, F, K, M, M_TOTAL, MASSES, T60, TUNING, Z, ZO, ground,
 use crate::quantity::Plain;
 use alloc::format;
 use alloc::vec::Vec;
+use ca_core::builder::{Args, Builder, Generator, Problem};
 use ca_core::kind::{ABOVE_ZERO, Kind, Need, POSITIVE, Param, Role, Type, Unit};
 use ca_core::mat::X;
-use ca_core::sketch::{Args, Generator, Problem, Sketch};
 
 const SIDE: Type = Type::Count { min: 2, max: 4096 };
+
+ca_core::choice! {
+    /// What holds the border.
+    enum Edges {
+        /// nothing
+        Open = "open",
+        /// fixed points all around
+        Closed = "closed",
+        /// fixed points at its four corners
+        Corner = "corner",
+    }
+}
 
 /// MESH in the catalog.
 pub static KIND: Kind = Kind {
@@ -41,7 +53,7 @@ pub static KIND: Kind = Kind {
         Z,
         ZO,
         T60,
-        Param::new("edges", Type::Choice(&["open", "closed", "corner"]), Need::Default(0.0), "what holds the border"),
+        Param::new("edges", Type::Choice(Edges::WORDS), Need::Default(0.0), "what holds the border"),
         Param::new("fixed", Type::Nodes, Need::Optional, "nodes that are held besides, e.g. [[0, 0], [-1, -1]]"),
         X,
         Param::number("dx", Unit::METRE, ABOVE_ZERO, Need::Optional, "spacing of the nodes; needed in space")
@@ -80,7 +92,7 @@ out = { from = "skin[2,2]", gain = 200 }
 /// What makes no sense in the space the mesh is in.
 fn fits(a: &Args<'_>) -> Result<(), Problem> {
     let no = |title: &str, param, help: &str| Err(Problem { title: title.into(), param, help: help.into() });
-    let closed = a.count("edges") == 1;
+    let closed = Edges::of(a.num("edges")) == Edges::Closed;
     if a.dim == 1 {
         return match ["dx", "stretch", "shear", "turn"].into_iter().find(|p| a.is_written(p)) {
             Some(p) => {
@@ -125,17 +137,17 @@ fn derive(a: &Args<'_>, slots: &mut Vec<Option<f64>>) -> Result<(), Problem> {
                 let s = libm::sin(core::f64::consts::FRAC_PI_2 / n as f64);
                 s * s
             };
-            let shape = match a.count("edges") {
-                0 => sin2(nx.max(ny)),
-                1 if nx > 2 && ny > 2 => sin2(nx - 1) + sin2(ny - 1),
-                1 => {
+            let shape = match Edges::of(a.num("edges")) {
+                Edges::Open => sin2(nx.max(ny)),
+                Edges::Closed if nx > 2 && ny > 2 => sin2(nx - 1) + sin2(ny - 1),
+                Edges::Closed => {
                     return Err(Problem {
                         title: "a closed mesh of this size has nothing that moves".into(),
                         param: "nx",
                         help: "use at least 3 nodes each way".into(),
                     });
                 }
-                _ => {
+                Edges::Corner => {
                     return Err(Problem {
                         title: "the pitch of a mesh hung at its corners has no closed form".into(),
                         param: "f",
@@ -157,7 +169,7 @@ fn derive(a: &Args<'_>, slots: &mut Vec<Option<f64>>) -> Result<(), Problem> {
                 );
                 return Err(p);
             }
-            along * m / (a.te * a.te)
+            along * m / (a.tick_dt * a.tick_dt)
         }
     };
     slots.extend([Some(m), Some(k), a.num("z"), Some(zo), a.num("shear")]);
@@ -184,8 +196,8 @@ fn held(a: &Args<'_>, nx: usize, ny: usize) -> Result<Vec<[usize; 2]>, Problem> 
     flat.chunks_exact(2).map(node).collect()
 }
 
-fn build(a: &Args<'_>, b: &mut Sketch<'_>) -> Result<(), Problem> {
-    let (nx, ny, edges) = (a.count("nx"), a.count("ny"), a.count("edges"));
+fn build(a: &Args<'_>, b: &mut Builder<'_>) -> Result<(), Problem> {
+    let (nx, ny, edges) = (a.count("nx"), a.count("ny"), Edges::of(a.num("edges")));
     let (dx, pose) = (a.num("dx"), Pose::new(a));
     let mut grid = Vec::with_capacity(nx * ny);
     let fixed = held(a, nx, ny)?;
@@ -194,12 +206,12 @@ fn build(a: &Args<'_>, b: &mut Sketch<'_>) -> Result<(), Problem> {
             let (rim_x, rim_y) = (i == 0 || i == nx - 1, j == 0 || j == ny - 1);
             let held = fixed.contains(&[i, j])
                 || match edges {
-                    1 => rim_x || rim_y,
-                    2 => rim_x && rim_y,
-                    _ => false,
+                    Edges::Open => false,
+                    Edges::Closed => rim_x || rim_y,
+                    Edges::Corner => rim_x && rim_y,
                 };
             let index = format!("{i},{j}");
-            grid.push(if held { b.held(index) } else { b.mass(index, 0, 3) });
+            grid.push(if held { b.fixed(index) } else { b.mass(index, 0, 3) });
             if let Some(dx) = dx {
                 b.places.push(pose.place([i as f64 * dx, j as f64 * dx, 0.0]));
             }
@@ -226,6 +238,6 @@ fn build(a: &Args<'_>, b: &mut Sketch<'_>) -> Result<(), Problem> {
             b.link(at(i, j - 1), at(i - 1, j), 4, u32::MAX);
         }
     }
-    b.walkable(grid, [nx as u32, ny as u32]);
+    b.set_path(grid, [nx as u32, ny as u32]);
     Ok(())
 }

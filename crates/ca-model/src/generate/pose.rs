@@ -4,25 +4,25 @@
 //! `"25 %"`, no unit of angle is needed, and whole quarters are exact. Euler angles were the alternative; nobody agrees
 //! on their order. A spin is such a vector per second, in Hz. A body turns and spins about its own origin.
 
+use ca_core::builder::Args;
 use ca_core::kind::{Need, Param, Type, Unit};
-use ca_core::sketch::Args;
 use core::f64::consts::TAU;
 use nalgebra::Vector3;
 
 /// Orientation.
 pub(super) const TURN: Param = Param::new(
     "turn",
-    Type::Place { unit: Unit::NONE },
+    Type::Position { unit: Unit::NONE },
     Need::Optional,
     "orientation: turns about x, y and z as one rotation vector, e.g. [0, 0, \"25 %\"] for a quarter turn about z",
 );
 /// Initial velocity of the whole.
 pub(super) const V: Param =
-    Param::new("v", Type::Place { unit: Unit::SPEED }, Need::Optional, "initial velocity of the whole");
+    Param::new("v", Type::Position { unit: Unit::SPEED }, Need::Optional, "initial velocity of the whole");
 /// Initial angular velocity.
 pub(super) const SPIN: Param = Param::new(
     "spin",
-    Type::Place { unit: Unit::HERTZ },
+    Type::Position { unit: Unit::HERTZ },
     Need::Optional,
     "initial spin: turns per second about x, y and z, e.g. [0, 0, \"2 Hz\"]",
 );

@@ -12,9 +12,9 @@
 use super::string::{DECAY, F, K, M, M_TOTAL, MANY, MASSES, T60, TUNING, Z, ZO, ground, mass, target, too_stiff};
 use alloc::format;
 use alloc::vec::Vec;
+use ca_core::builder::{Args, Builder, Generator, Problem};
 use ca_core::kind::{Kind, Need, Param, Role, Type};
 use ca_core::mat::X;
-use ca_core::sketch::{Args, Generator, Problem, Sketch};
 use ca_core::tuning::Scheme;
 
 /// RING in the catalog.
@@ -70,21 +70,21 @@ fn derive(a: &Args<'_>, slots: &mut Vec<Option<f64>>) -> Result<(), Problem> {
         None => a.or0("k"),
         Some(f) => {
             let lambda = target(a, f, zo, m)?;
-            let drag = if a.scheme == Scheme::Explicit { 2.0 * zo * a.te / m } else { 0.0 };
+            let drag = if a.scheme == Scheme::Explicit { 2.0 * zo * a.tick_dt / m } else { 0.0 };
             // below the limit by more than rounding: a ring at the limit grows
             let limit = 4.0 * a.scheme.room() * (1.0 - 1e-9);
             let fits = |n: usize| lambda * sin2(n / 2, n) / sin2(1, n) + drag < limit;
             if !fits(n) {
                 return Err(too_stiff(f, n, (3..n).rev().find(|n| fits(*n)).unwrap_or(0)));
             }
-            lambda / (4.0 * sin2(1, n)) * m / (a.te * a.te)
+            lambda / (4.0 * sin2(1, n)) * m / (a.tick_dt * a.tick_dt)
         }
     };
     slots.extend([Some(m), Some(k), a.num("z"), Some(zo)]);
     Ok(())
 }
 
-fn build(a: &Args<'_>, b: &mut Sketch<'_>) -> Result<(), Problem> {
+fn build(a: &Args<'_>, b: &mut Builder<'_>) -> Result<(), Problem> {
     let n = a.count("n");
     let mut circle = Vec::with_capacity(n + 1);
     for i in 0..n {
@@ -95,6 +95,6 @@ fn build(a: &Args<'_>, b: &mut Sketch<'_>) -> Result<(), Problem> {
         b.link(pair[0], pair[1], 1, 2);
     }
     let len = circle.len() as u32;
-    b.walkable(circle, [len, 1]);
+    b.set_path(circle, [len, 1]);
     Ok(())
 }

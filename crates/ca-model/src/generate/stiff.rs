@@ -9,9 +9,21 @@
 use super::string::{DECAY, F, K, M, M_TOTAL, MANY, MASSES, T60, TUNING, Z, ZO, ground, mass, target, too_stiff};
 use alloc::format;
 use alloc::vec::Vec;
+use ca_core::builder::{Args, Builder, Generator, Problem};
 use ca_core::kind::{Kind, Need, OneOf, POSITIVE, Param, Role, Type, Unit};
 use ca_core::mat::X;
-use ca_core::sketch::{Args, Generator, Problem, Sketch};
+
+ca_core::choice! {
+    /// What holds the ends.
+    enum Ends {
+        /// a fixed point about which the string turns
+        Hinged = "hinged",
+        /// a fixed point in which it is clamped
+        Fixed = "fixed",
+        /// nothing
+        Free = "free",
+    }
+}
 
 /// STIFFSTRING in the catalog.
 pub static KIND: Kind = Kind {
@@ -40,7 +52,7 @@ pub static KIND: Kind = Kind {
         T60,
         Param::new(
             "ends",
-            Type::Choice(&["hinged", "fixed", "free"]),
+            Type::Choice(Ends::WORDS),
             Need::Default(0.0),
             "hinged: held, free to turn; fixed: held and clamped; free",
         ),
@@ -68,7 +80,7 @@ fn derive(a: &Args<'_>, slots: &mut Vec<Option<f64>>) -> Result<(), Problem> {
     let (k, bend) = match a.num("f") {
         None => (a.or0("k"), a.or0("kb")),
         Some(f) => {
-            if a.or0("ends") != 0.0 {
+            if Ends::of(a.num("ends")) != Ends::Hinged {
                 return Err(Problem {
                     title: "`f` tunes a stiff string exactly only with hinged ends".into(),
                     param: "ends",
@@ -91,7 +103,7 @@ fn derive(a: &Args<'_>, slots: &mut Vec<Option<f64>>) -> Result<(), Problem> {
                 return Err(too_stiff(f, n, (3..n).rev().find(|n| fits(*n)).unwrap_or(0)));
             }
             let (k, b) = solve(n);
-            let unit = m / (a.te * a.te);
+            let unit = m / (a.tick_dt * a.tick_dt);
             (k * unit, b * unit)
         }
     };
@@ -100,24 +112,24 @@ fn derive(a: &Args<'_>, slots: &mut Vec<Option<f64>>) -> Result<(), Problem> {
     Ok(())
 }
 
-fn build(a: &Args<'_>, b: &mut Sketch<'_>) -> Result<(), Problem> {
+fn build(a: &Args<'_>, b: &mut Builder<'_>) -> Result<(), Problem> {
     let n = a.count("n");
-    let ends = a.count("ends");
+    let ends = Ends::of(a.num("ends"));
     let mut row = Vec::with_capacity(n + 2);
-    if ends != 2 {
-        row.push(b.tip());
+    if ends != Ends::Free {
+        row.push(b.anchor());
     }
     for i in 0..n {
         row.push(b.mass(format!("{i}"), 0, 2));
     }
-    if ends != 2 {
-        row.push(b.tip());
+    if ends != Ends::Free {
+        row.push(b.anchor());
     }
     let last = row.len() - 2;
     for (i, pair) in row.windows(2).enumerate() {
         // every inner node beside the link gives 2 shares; a clamp, whose node beyond is at rest too, gives 2 − 1
         let inner = u32::from(i > 0) * 2 + u32::from(i < last) * 2;
-        let clamp = u32::from(ends == 1) * (u32::from(i == 0) + u32::from(i == last));
+        let clamp = u32::from(ends == Ends::Fixed) * (u32::from(i == 0) + u32::from(i == last));
         b.link(pair[0], pair[1], 4 + inner + clamp, 1);
     }
     if !b.nothing(3) {
@@ -126,7 +138,7 @@ fn build(a: &Args<'_>, b: &mut Sketch<'_>) -> Result<(), Problem> {
         }
     }
     let len = row.len() as u32;
-    b.walkable(row, [len, 1]);
+    b.set_path(row, [len, 1]);
     Ok(())
 }
 

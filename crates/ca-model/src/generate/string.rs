@@ -11,7 +11,7 @@ use ca_core::mat::X;
 use crate::quantity::Plain;
 use alloc::format;
 use alloc::vec::Vec;
-use ca_core::sketch::{Args, Generator, Problem, Sketch};
+use ca_core::builder::{Args, Builder, Generator, Problem};
 use ca_core::tuning::Scheme;
 
 /// How many masses a generator may make.
@@ -42,6 +42,18 @@ pub(super) const MASSES: OneOf = OneOf { sets: &[&["m"], &["m_total"]], required
 pub(super) const TUNING: OneOf = OneOf { sets: &[&["k"], &["f"]], required: true };
 pub(super) const DECAY: OneOf = OneOf { sets: &[&["zo"], &["t60"]], required: false };
 
+ca_core::choice! {
+    /// What holds the ends.
+    enum Ends {
+        /// a fixed point at each
+        Fixed = "fixed",
+        /// nothing
+        Free = "free",
+        /// the same as fixed: without bending there is nothing to clamp
+        Hinged = "hinged",
+    }
+}
+
 /// STRING in the catalog.
 pub static STRING: Kind = Kind {
     code: "STRING",
@@ -60,7 +72,7 @@ pub static STRING: Kind = Kind {
         Z,
         ZO,
         T60,
-        Param::new("ends", Type::Choice(&["fixed", "free", "hinged"]), Need::Default(0.0), "what holds the ends"),
+        Param::new("ends", Type::Choice(Ends::WORDS), Need::Default(0.0), "what holds the ends"),
         X,
     ],
     one_of: &[MASSES, TUNING, DECAY],
@@ -123,8 +135,8 @@ pub(super) fn ground(a: &Args<'_>, m: f64) -> f64 {
     match a.num("t60") {
         // the tuned one knows the fundamental, by which a share of the force from the time to come slows the decay
         Some(t60) => match (a.scheme, a.num("f")) {
-            (Scheme::Implicit(_), Some(f)) => a.scheme.tuned(f, t60, a.te).map_or(0.0, |(_, b)| b) * m / a.te,
-            (scheme, _) => scheme.damped(t60, a.te) * m / a.te,
+            (Scheme::Implicit(_), Some(f)) => a.scheme.tuned(f, t60, a.tick_dt).map_or(0.0, |(_, b)| b) * m / a.tick_dt,
+            (scheme, _) => scheme.damped(t60, a.tick_dt) * m / a.tick_dt,
         },
         None => a.or0("zo"),
     }
@@ -132,14 +144,14 @@ pub(super) fn ground(a: &Args<'_>, m: f64) -> f64 {
 
 /// The λ = T²ω²-like number a mode must have to be heard at `f` with viscosity to ground `zo`.
 pub(super) fn target(a: &Args<'_>, f: f64, zo: f64, m: f64) -> Result<f64, Problem> {
-    if f * a.te >= 0.5 {
+    if f * a.tick_dt >= 0.5 {
         return Err(Problem {
             title: format!("{} Hz is not below half the sound rate", Plain(f)),
             param: "f",
-            help: format!("stay below {} Hz, or raise `rate.sound`", Plain(0.5 / a.te)),
+            help: format!("stay below {} Hz, or raise `rate.sound`", Plain(0.5 / a.tick_dt)),
         });
     }
-    a.scheme.stiffness(f, zo * a.te / m, a.te).ok_or_else(|| Problem {
+    a.scheme.stiffness(f, zo * a.tick_dt / m, a.tick_dt).ok_or_else(|| Problem {
         title: format!("no stiffness sounds {} Hz by this `theta` at this sound rate", Plain(f)),
         param: "f",
         help: "use `theta = 0.25`, ask for a lower pitch, or raise `rate.sound`".into(),
@@ -164,7 +176,7 @@ fn derive(a: &Args<'_>, slots: &mut Vec<Option<f64>>) -> Result<(), Problem> {
     let n = a.count("n");
     let m = mass(a, n);
     let zo = ground(a, m);
-    let free = a.code == "CHAIN" || a.num("ends") == Some(1.0);
+    let free = a.code == "CHAIN" || Ends::of(a.num("ends")) == Ends::Free;
     let k = match a.num("f") {
         None => a.or0("k"),
         Some(f) => {
@@ -179,30 +191,30 @@ fn derive(a: &Args<'_>, slots: &mut Vec<Option<f64>>) -> Result<(), Problem> {
                 let fewer = (1..n).rev().find(|n| stiffness(*n) <= a.scheme.room()).unwrap_or(0);
                 return Err(too_stiff(f, n, fewer));
             }
-            stiffness(n) * m / (a.te * a.te)
+            stiffness(n) * m / (a.tick_dt * a.tick_dt)
         }
     };
     slots.extend([Some(m), Some(k), a.num("z"), Some(zo)]);
     Ok(())
 }
 
-fn build(a: &Args<'_>, b: &mut Sketch<'_>) -> Result<(), Problem> {
+fn build(a: &Args<'_>, b: &mut Builder<'_>) -> Result<(), Problem> {
     let n = a.count("n");
-    let free = a.code == "CHAIN" || a.num("ends") == Some(1.0);
+    let free = a.code == "CHAIN" || Ends::of(a.num("ends")) == Ends::Free;
     let mut row = Vec::with_capacity(n + 2);
     if !free {
-        row.push(b.tip());
+        row.push(b.anchor());
     }
     for i in 0..n {
         row.push(b.mass(format!("{i}"), 0, 3));
     }
     if !free {
-        row.push(b.tip());
+        row.push(b.anchor());
     }
     for pair in row.windows(2) {
         b.link(pair[0], pair[1], 1, 2);
     }
     let len = row.len() as u32;
-    b.walkable(row, [len, 1]);
+    b.set_path(row, [len, 1]);
     Ok(())
 }

@@ -10,9 +10,9 @@ use super::pose::{Pose, SPIN, TURN, V};
 use super::string::{K, M, M_TOTAL, MASSES, mass};
 use alloc::format;
 use alloc::vec::Vec;
+use ca_core::builder::{Args, Builder, Generator, Problem};
 use ca_core::kind::{ABOVE_ZERO, Kind, Need, POSITIVE, Param, Role, Unit};
 use ca_core::mat::X;
-use ca_core::sketch::{Args, Generator, Problem, Sketch};
 
 pub(super) const Z: Param = Param::number("z", Unit::VISCOSITY, POSITIVE, Need::Optional, "viscosity of each link");
 
@@ -69,7 +69,7 @@ fn derive(a: &Args<'_>, slots: &mut Vec<Option<f64>>) -> Result<(), Problem> {
     Ok(())
 }
 
-fn build(a: &Args<'_>, b: &mut Sketch<'_>) -> Result<(), Problem> {
+fn build(a: &Args<'_>, b: &mut Builder<'_>) -> Result<(), Problem> {
     let (pose, s) = (Pose::new(a), a.or0("edge") / libm::sqrt(8.0));
     for (i, corner) in [[s, s, s], [s, -s, -s], [-s, s, -s], [-s, -s, s]].into_iter().enumerate() {
         b.mass(format!("{i}"), 0, NONE);

@@ -10,9 +10,9 @@
 use crate::quantity::Plain;
 use alloc::format;
 use alloc::vec::Vec;
+use ca_core::builder::{Args, Builder, Generator, Problem};
 use ca_core::kind::{ABOVE_ZERO, Kind, Need, OneOf, Param, Role, Type, Unit};
 use ca_core::mat::X;
-use ca_core::sketch::{Args, Generator, Problem, Sketch};
 use ca_core::wave::{Asked, tune};
 
 const fn number(name: &'static str, unit: Unit, need: Need, doc: &'static str) -> Param {
@@ -79,9 +79,13 @@ fn asked(a: &Args<'_>) -> Result<Asked, Problem> {
                 "high partials decay as fast as low ones or faster",
             );
         }
-        (_, Some(_)) if !(f < top && top * a.te < 0.5) => {
+        (_, Some(_)) if !(f < top && top * a.tick_dt < 0.5) => {
             let title = format!("`f_high`, {} Hz, is not between `f` and half the sound rate", Plain(top));
-            return problem("f_high", title, &format!("choose one between {} and {} Hz", Plain(f), Plain(0.5 / a.te)));
+            return problem(
+                "f_high",
+                title,
+                &format!("choose one between {} and {} Hz", Plain(f), Plain(0.5 / a.tick_dt)),
+            );
         }
         _ => {}
     }
@@ -93,14 +97,14 @@ fn asked(a: &Args<'_>) -> Result<Asked, Problem> {
 /// Slots: the damper that both sides are to a junction, then for each junction what it is as a CEL.
 fn derive(a: &Args<'_>, slots: &mut Vec<Option<f64>>) -> Result<(), Problem> {
     let asked = asked(a)?;
-    let masses = alloc::vec![asked.mass(0.0, a.te); asked.at.len()];
-    tune(&asked, &masses, a.te)?;
+    let masses = alloc::vec![asked.mass(0.0, a.tick_dt); asked.at.len()];
+    tune(&asked, &masses, a.tick_dt)?;
     slots.push(Some(2.0 * asked.z));
-    slots.extend(masses.iter().map(|m| Some(asked.cell(*m, a.te))));
+    slots.extend(masses.iter().map(|m| Some(asked.cell(*m, a.tick_dt))));
     Ok(())
 }
 
-fn build(a: &Args<'_>, b: &mut Sketch<'_>) -> Result<(), Problem> {
+fn build(a: &Args<'_>, b: &mut Builder<'_>) -> Result<(), Problem> {
     let asked = asked(a)?;
     for i in 0..asked.at.len() {
         b.mass(format!("{i}"), 1 + i as u32, 0);

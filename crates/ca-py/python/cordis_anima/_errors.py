@@ -145,7 +145,7 @@ class ModelError(CaError, ValueError):
 
 
 class UnstableError(CaError, ArithmeticError):
-    """A model blew up and ``on_unstable="raise"`` was asked for.
+    """A model diverged and ``on_unstable="raise"`` was asked for.
 
     Attributes:
         time: when [s].

@@ -40,11 +40,11 @@ class Render:
     units: Mapping[str, str]
     #: the energy ledger, where `energy=True` asked for it
     energy: Energy | None
-    #: ``ok``; ``unstable``, it blew up; ``clipped``, louder than full scale; ``refused``, an input had no value
+    #: ``ok``; ``unstable``, it diverged; ``clipped``, louder than full scale; ``refused``, an input had no value
     status: Status
     #: what is wrong and what to do; empty where nothing is
     message: str
-    #: when it blew up [s], and the module to blame
+    #: when it diverged [s], and the module to blame
     failed: tuple[float, str] | None
     #: greatest |sample| of each channel before the ceiling
     peak: Floats

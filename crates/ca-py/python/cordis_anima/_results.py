@@ -95,7 +95,7 @@ class Energy(NamedTuple):
     residual: float
     #: the scale of the residual
     peak: float
-    #: how much time the ledger covers [s]; less than the render where it blew up
+    #: how much time the ledger covers [s]; less than the render where it diverged
     seconds: float
     #: heat of each link
     lost_by: Mapping[str, float]

@@ -209,7 +209,7 @@ class Scene:
             UsageError: nothing is driven by such a name, values that are none, a length or an option that makes no sense.
             FileError: a file of a gesture cannot be read.
             ModelError: a probe that chooses nothing.
-            UnstableError: it blew up, where that was asked for.
+            UnstableError: it diverged, where that was asked for.
 
         >>> import cordis_anima as ca
         >>> key = ca.load("hammered_string")

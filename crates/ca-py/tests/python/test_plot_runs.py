@@ -47,7 +47,7 @@ def test_a_sweep_is_dots_and_what_went_wrong_is_crosses() -> None:
     dots = offsets(ax)
     assert dots == {name: rows(s, "b.k", "partial", (status == name) & placed) for name in ("ok", "clipped")}
     assert all(dots.values()) and (ax.get_xlabel(), ax.get_ylabel()) == ("b.k", "partial [Hz]")
-    # what blew up was never heard, however loud a number it has; it stands at the edge, over its parameter
+    # what diverged was never heard, however loud a number it has; it stands at the edge, over its parameter
     crosses = {str(line.get_label()): line for line in ax.lines}
     assert set(crosses) == {"invalid", "unstable"}
     for name, line in crosses.items():

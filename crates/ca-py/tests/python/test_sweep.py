@@ -83,7 +83,7 @@ def test_a_bad_run_is_a_row():
     s = ca.sweep(string(), {"low.k": [1e3, -1.0, 1e9, "a lot"]}, seconds=0.1)
     assert s["status"].tolist() == ["ok", "invalid", "unstable", "invalid"]
     assert s.counts == {"invalid": 2, "ok": 1, "unstable": 1} and s.ok.tolist() == [True, False, False, False]
-    assert s["failed"][2] < 0.1 and "low" in s["module"][2] and "blew up" in s["message"][2]
+    assert s["failed"][2] < 0.1 and "low" in s["module"][2] and "diverged" in s["message"][2]
     assert s["message"][1].startswith("E") and np.isnan(s["failed"][0]) and s["module"][0] is None
     # what is no number makes a column of texts
     assert s["low.k"].tolist() == ["1000", "-1", "1000000000", "a lot"]

@@ -28,7 +28,7 @@ use std::io::Write;
 const STEPS: usize = 2000;
 
 /// A key against the device, in the units of the hand.
-struct Row<'a> {
+struct LimitRow<'a> {
     name: &'a str,
     dof: u32,
     gains: Gains,
@@ -48,7 +48,7 @@ struct Row<'a> {
     asks: [f64; 2],
 }
 
-impl Row<'_> {
+impl LimitRow<'_> {
     fn k(&self) -> f64 {
         self.certified.max(self.steepest)
     }
@@ -57,7 +57,7 @@ impl Row<'_> {
 /// All that is asked.
 pub(super) struct Asked<'a> {
     profile: &'a Profile,
-    rows: Vec<Row<'a>>,
+    rows: Vec<LimitRow<'a>>,
     /// the stiffest sum of springs on which it stays passive \[N/m\]
     passive: f64,
     /// ... were forces taken at once
@@ -98,7 +98,7 @@ impl<'a> Asked<'a> {
         }
     }
 
-    fn missing(&self) -> Vec<&Row<'a>> {
+    fn missing(&self) -> Vec<&LimitRow<'a>> {
         self.rows.iter().filter(|r| !r.there).collect()
     }
 
@@ -107,7 +107,7 @@ impl<'a> Asked<'a> {
     }
 
     /// Keys the device cannot render, and which limit they pass.
-    fn beyond(&self, r: &Row) -> [bool; 2] {
+    fn beyond(&self, r: &LimitRow) -> [bool; 2] {
         let felt = self.feedback;
         [
             felt && self.profile.stiffness.is_some_and(|k| r.k() > k * (1.0 + 1e-9)),
@@ -116,7 +116,7 @@ impl<'a> Asked<'a> {
     }
 
     /// Whether a key is to be where the device cannot bring it.
-    fn outside(&self, r: &Row) -> bool {
+    fn outside(&self, r: &LimitRow) -> bool {
         let [low, high] = self.profile.range;
         let slack = 1e-6 * (high - low);
         r.asks[0] < low - slack || r.asks[1] > high + slack
@@ -236,7 +236,7 @@ impl<'a> Asked<'a> {
         Ok(())
     }
 
-    fn verdict(&self, r: &Row) -> String {
+    fn verdict(&self, r: &LimitRow) -> String {
         if !r.there {
             return "not on this device".into();
         }
@@ -283,7 +283,7 @@ impl<'a> Asked<'a> {
 }
 
 /// Device port number `t` of the scene.
-fn row<'a>(scene: &'a Scene, t: usize, profile: &Profile, devices: &[&str]) -> Option<Row<'a>> {
+fn row<'a>(scene: &'a Scene, t: usize, profile: &Profile, devices: &[&str]) -> Option<LimitRow<'a>> {
     let port = scene.tgr[t];
     let input = &scene.inputs[port.input as usize];
     let (device, dof) = input.device.as_ref()?;
@@ -312,7 +312,7 @@ fn row<'a>(scene: &'a Scene, t: usize, profile: &Profile, devices: &[&str]) -> O
     let own = scene.gestures.iter().filter(|g| g.0 == input.name).flat_map(|g| &g.1);
     let asks = own.map(|p| p[1] / gains.alpha).fold([rest; 2], |[a, b], x| [a.min(x), b.max(x)]);
     let beyond = places.iter().zip(&forces).filter(|(_, f)| f.abs() > profile.force).map(|(x, _)| (x - rest).abs());
-    Some(Row {
+    Some(LimitRow {
         name: &input.name,
         dof: *dof,
         gains,

@@ -7,7 +7,7 @@
 
 use crate::Failure;
 use crate::term::short;
-use ca_core::op::{Gauge, Op};
+use ca_core::op::{MeasureKind, Op};
 use ca_core::{Scene, State, tick};
 use ca_io::perform::Performance;
 use serde_json::{Value as Json, json};
@@ -23,7 +23,7 @@ const BATCHES: u32 = 9;
 const WARM: f64 = 0.2;
 
 /// One pass.
-pub(super) struct Row {
+pub(super) struct PassRow {
     stage: &'static str,
     op: Op,
     /// per tick
@@ -32,7 +32,7 @@ pub(super) struct Row {
 
 /// All passes, and the whole tick.
 pub(super) struct Measured {
-    rows: Vec<Row>,
+    rows: Vec<PassRow>,
     tick: f64,
 }
 
@@ -52,7 +52,7 @@ pub(super) fn measure(scene: &Scene) -> Measured {
     let rows = stages
         .into_iter()
         .flat_map(|(stage, ops)| ops.iter().map(move |op| (stage, *op)))
-        .map(|(stage, op)| Row { stage, op, ns: cost(&state, |s| one(&op, scene, s, state.tick)) })
+        .map(|(stage, op)| PassRow { stage, op, ns: cost(&state, |s| one(&op, scene, s, state.tick)) })
         .collect();
     Measured { rows, tick: cost(&state, |s| tick(scene, s)) }
 }
@@ -87,22 +87,22 @@ fn form(op: &Op) -> String {
     if op.law.is_none() {
         return String::new();
     }
-    let gauge = |g: Gauge| match g {
-        Gauge::Line => "line",
-        Gauge::Along => "direction",
-        Gauge::Radial => "distance",
+    let measure = |g: MeasureKind| match g {
+        MeasureKind::Line => "line",
+        MeasureKind::Along => "direction",
+        MeasureKind::Radial => "distance",
     };
     if op.form.set {
         return if op.form.tap { "all pairs, neighbour list + tap".into() } else { "all pairs, neighbour list".into() };
     }
-    let mut words = vec![match (op.form.gauge, op.form.onto, op.form.stride) {
-        (a, Some(b), _) => format!("{} onto {}", gauge(a), gauge(b)),
-        (Gauge::Line, None, 0) => "gather".to_string(),
-        (Gauge::Line, None, 1) => "run".to_string(),
-        (Gauge::Line, None, n) => format!("run, stride {n}"),
-        (g, None, _) => gauge(g).to_string(),
+    let mut words = vec![match (op.form.measure, op.form.onto, op.form.stride) {
+        (a, Some(b), _) => format!("{} onto {}", measure(a), measure(b)),
+        (MeasureKind::Line, None, 0) => "gather".to_string(),
+        (MeasureKind::Line, None, 1) => "run".to_string(),
+        (MeasureKind::Line, None, n) => format!("run, stride {n}"),
+        (g, None, _) => measure(g).to_string(),
     }];
-    let offset = op.form.offset && op.form.gauge == Gauge::Line;
+    let offset = op.form.offset && op.form.measure == MeasureKind::Line;
     words.extend(offset.then(|| "offset".to_string()));
     words.extend(op.form.tap.then(|| "tap".to_string()));
     words.join(" + ")
@@ -161,7 +161,7 @@ pub(super) fn text(scene: &Scene, m: &Measured) -> Result<(), Failure> {
         let name = pairs(scene, &r.op).map_or(name.to_string(), |p| format!("{name} ({p} pairs)"));
         writeln!(out, "  {stage:<7} {name:<15} {n:>8}  {form:<wide$} {:>10.1} {each:>10.2}", r.ns)?;
     }
-    let budget = 1e9 * scene.te;
+    let budget = 1e9 * scene.sample_dt;
     writeln!(
         out,
         "  whole tick {:.1} ns of {budget:.0} ns: {} times real time on one core",
@@ -191,7 +191,7 @@ pub(super) fn json(scene: &Scene, m: &Measured) -> Json {
         })
         .collect();
     json!({
-        "passes": rows, "ns_per_tick": m.tick, "budget_ns": 1e9 * scene.te, "measured": "here",
+        "passes": rows, "ns_per_tick": m.tick, "budget_ns": 1e9 * scene.sample_dt, "measured": "here",
         "left_out": scene.left_out, "absent": absent(scene),
     })
 }

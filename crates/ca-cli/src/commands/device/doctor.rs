@@ -34,22 +34,22 @@ enum State {
 }
 
 /// One thing that was looked at.
-struct Row {
+struct CheckRow {
     state: State,
     what: &'static str,
     found: String,
     fix: String,
 }
 
-impl Row {
-    fn good(what: &'static str, found: impl Into<String>) -> Row {
-        Row { state: State::Good, what, found: found.into(), fix: String::new() }
+impl CheckRow {
+    fn good(what: &'static str, found: impl Into<String>) -> CheckRow {
+        CheckRow { state: State::Good, what, found: found.into(), fix: String::new() }
     }
-    fn poor(what: &'static str, found: impl Into<String>, fix: impl Into<String>) -> Row {
-        Row { state: State::Poor, what, found: found.into(), fix: fix.into() }
+    fn poor(what: &'static str, found: impl Into<String>, fix: impl Into<String>) -> CheckRow {
+        CheckRow { state: State::Poor, what, found: found.into(), fix: fix.into() }
     }
-    fn bad(what: &'static str, e: &HostError) -> Row {
-        Row { state: State::Bad, what, found: e.what.clone(), fix: e.fix.clone() }
+    fn bad(what: &'static str, e: &HostError) -> CheckRow {
+        CheckRow { state: State::Bad, what, found: e.what.clone(), fix: e.fix.clone() }
     }
 }
 
@@ -58,15 +58,15 @@ pub fn run(asked: bool) -> Outcome {
     let mut rows = Vec::new();
     match Site::of_user() {
         Ok(site) => {
-            rows.push(Row::good("place", format!("{}, yours alone", site.root().display())));
+            rows.push(CheckRow::good("place", format!("{}, yours alone", site.root().display())));
             rows.push(left_over(&site));
             rows.push(match round(&site) {
-                Ok(t) => Row::good("memory", format!("{ROUNDS} frames there and back, p50 {:.1} us", t.p50)),
-                Err(e) => Row::bad("memory", &e),
+                Ok(t) => CheckRow::good("memory", format!("{ROUNDS} frames there and back, p50 {:.1} us", t.p50)),
+                Err(e) => CheckRow::bad("memory", &e),
             });
             rows.extend(others(&site));
         }
-        Err(e) => rows.push(Row::bad("place", &e)),
+        Err(e) => rows.push(CheckRow::bad("place", &e)),
     }
     rows.extend(limits());
     let second = std::thread::Builder::new()
@@ -75,16 +75,20 @@ pub fn run(asked: bool) -> Outcome {
         .map_err(|e| Failure::Failed(format!("no thread: {e}")))?;
     let (granted, late, over) = second.join().map_err(|_| Failure::Failed("the timer thread ended".into()))?;
     rows.push(if granted.refused.is_empty() {
-        Row::good("real time", granted.to_string())
+        CheckRow::good("real time", granted.to_string())
     } else {
         let fix = "give your user `rtprio 95`, `memlock unlimited` and `nice -11` in /etc/security/limits.conf, and log in again";
-        Row::poor("real time", granted.to_string(), fix)
+        CheckRow::poor("real time", granted.to_string(), fix)
     });
     let reported = format!("{FRAMES} wake-ups, late by {}; {over} by more than a frame", times(&late));
     rows.push(if over <= FRAMES / 100 {
-        Row::good("timer", reported)
+        CheckRow::good("timer", reported)
     } else {
-        Row::poor("timer", reported, "end what keeps the cores busy, or give the engine a core: `ca serve --cpu N`")
+        CheckRow::poor(
+            "timer",
+            reported,
+            "end what keeps the cores busy, or give the engine a core: `ca serve --cpu N`",
+        )
     });
 
     let mut out = std::io::stdout().lock();
@@ -124,7 +128,7 @@ fn times(t: &Percentiles) -> String {
 }
 
 /// What others left behind.
-fn left_over(site: &Site) -> Row {
+fn left_over(site: &Site) -> CheckRow {
     let groups = stale_shm::list(site);
     let dead: Vec<String> = groups
         .iter()
@@ -134,12 +138,12 @@ fn left_over(site: &Site) -> Row {
     let swept = site.sweep();
     if swept.left > 0 {
         let found = format!("{} processes ended without leaving, and cannot be swept", swept.left);
-        return Row::poor("stale shared memory", found, "`ca shm clean`");
+        return CheckRow::poor("stale shared memory", found, "`ca shm clean`");
     }
     if dead.is_empty() {
-        Row::good("stale shared memory", "none")
+        CheckRow::good("stale shared memory", "none")
     } else {
-        Row::poor("stale shared memory", dead.join(", "), "`ca shm clean`")
+        CheckRow::poor("stale shared memory", dead.join(", "), "`ca shm clean`")
     }
 }
 
@@ -177,31 +181,31 @@ fn round(site: &Site) -> Result<Percentiles, HostError> {
 }
 
 /// Who is here.
-fn others(site: &Site) -> Vec<Row> {
+fn others(site: &Site) -> Vec<CheckRow> {
     let server = match ask(site, &Request::Status, Duration::from_millis(500)) {
-        Ok(r) => Row::good("server", format!("runs: {}", r.text.lines().next().unwrap_or_default())),
-        Err(e) if e.kind == HostErrorKind::Absent => Row::good("server", "none runs; `ca serve MODEL` is one"),
-        Err(e) => Row::poor("server", e.what, e.fix),
+        Ok(r) => CheckRow::good("server", format!("runs: {}", r.text.lines().next().unwrap_or_default())),
+        Err(e) if e.kind == HostErrorKind::Absent => CheckRow::good("server", "none runs; `ca serve MODEL` is one"),
+        Err(e) => CheckRow::poor("server", e.what, e.fix),
     };
     let devices = match list_devices(site, Duration::from_millis(1500)) {
-        Ok(list) if list.is_empty() => Row::good("devices", "none speaks"),
+        Ok(list) if list.is_empty() => CheckRow::good("devices", "none speaks"),
         Ok(list) => {
             let names: Vec<_> = list.iter().map(|a| ca_haptic::frame::text(&a.device)).collect();
-            Row::good("devices", names.join(", "))
+            CheckRow::good("devices", names.join(", "))
         }
-        Err(e) => Row::poor("devices", e.what, e.fix),
+        Err(e) => CheckRow::poor("devices", e.what, e.fix),
     };
     vec![server, devices]
 }
 
 /// What the system says of itself.
-fn limits() -> Vec<Row> {
+fn limits() -> Vec<CheckRow> {
     let mut rows = Vec::new();
     let cores = std::thread::available_parallelism().map_or(0, std::num::NonZero::get);
     rows.push(if cores >= 2 {
-        Row::good("cores", cores.to_string())
+        CheckRow::good("cores", cores.to_string())
     } else {
-        Row::poor("cores", cores.to_string(), "engine and gateway want a core each: expect frames that begin late")
+        CheckRow::poor("cores", cores.to_string(), "engine and gateway want a core each: expect frames that begin late")
     });
     let read = |path: &str| fs::read_to_string(path).ok().map(|t| t.trim().to_string());
     if let Some(limits) = read("/proc/self/limits") {
@@ -214,15 +218,15 @@ fn limits() -> Vec<Row> {
         // the system counts from the other end
         let nice = nice.parse::<i32>().map_or(nice, |n| (20 - n).to_string());
         let found = format!("memlock {lock} bytes, rtprio {priority}, nice {nice} (root needs none of them)");
-        rows.push(Row::good("limits", found));
+        rows.push(CheckRow::good("limits", found));
     }
     let governor = read("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor");
     if let Some(governor) = governor.filter(|g| g != "performance") {
         let fix = "`cpupower frequency-set -g performance` while you play";
-        rows.push(Row::poor("frequency", format!("governor `{governor}`: cores sleep and wake slowly"), fix));
+        rows.push(CheckRow::poor("frequency", format!("governor `{governor}`: cores sleep and wake slowly"), fix));
     }
     if let Some(us) = read("/proc/sys/kernel/sched_rt_runtime_us") {
-        rows.push(Row::good(
+        rows.push(CheckRow::good(
             "throttle",
             format!("real-time threads get {us} us of each second; ours sleep, and stay below"),
         ));

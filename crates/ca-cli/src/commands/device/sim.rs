@@ -57,7 +57,7 @@ pub fn run(args: &SimArgs) -> Outcome {
     let mut sim = Sim {
         frame: DeviceFrame::new(&name, profile.dof as usize),
         n: profile.dof as usize,
-        te: 1.0 / profile.rate,
+        frame_dt: 1.0 / profile.rate,
         delay: usize::from(args.delay),
         strict: args.lockstep,
         waits: args.wait,
@@ -133,7 +133,7 @@ struct Sim {
     client: DeviceClient,
     frame: DeviceFrame,
     n: usize,
-    te: f64,
+    frame_dt: f64,
     delay: usize,
     /// forces are used as they come
     strict: bool,
@@ -151,12 +151,12 @@ struct Sim {
 impl Sim {
     /// At its own rate, for so many periods.
     fn free(&mut self, periods: Option<u64>) -> Result<(), Failure> {
-        let (start, period, mut waits) = (now_ns(), self.te * 1e9, Waits::default());
+        let (start, period, mut waits) = (now_ns(), self.frame_dt * 1e9, Waits::default());
         let mut force = [0.0; DOF];
         let mut n = 0_u64;
         while !STOP.load(Relaxed) && periods.is_none_or(|all| n < all) {
             if n > 0 {
-                self.device.step(&force[..self.n], self.te);
+                self.device.step(&force[..self.n], self.frame_dt);
             }
             self.send()?;
             force = self.client.safe_force();
@@ -180,7 +180,7 @@ impl Sim {
         while !STOP.load(Relaxed) && frames.is_none_or(|all| n < all) {
             let mut at = self.send()?;
             // as long as it was to last in all, and nobody answered: no server is there any more, or never was
-            let patience = frames.map(|all| (all as f64 * self.te * 1e9).max(PATIENCE) as u64);
+            let patience = frames.map(|all| (all as f64 * self.frame_dt * 1e9).max(PATIENCE) as u64);
             let asked = at;
             let answer = loop {
                 if STOP.load(Relaxed) {
@@ -213,7 +213,7 @@ impl Sim {
             for (to, f) in force.iter_mut().zip(&answer.force[..self.n]) {
                 *to = f64::from(*f);
             }
-            self.device.step(&force[..self.n], self.te);
+            self.device.step(&force[..self.n], self.frame_dt);
             n += 1;
         }
         Ok(())

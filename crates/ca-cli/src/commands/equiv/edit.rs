@@ -6,7 +6,7 @@
 
 use crate::Failure;
 use crate::args::EquivArgs;
-use ca_core::equivalence::{Class, Equivalence, Gains, ROWS, Row, anchor_for, row};
+use ca_core::equivalence::{Class, Equivalence, Gains, Quantity, ROWS, anchor_for, row};
 use ca_model::Model;
 use ca_model::quantity::{self, show};
 use ca_model::suggest::nearest;
@@ -42,12 +42,12 @@ fn class(word: &str) -> Result<Class, Failure> {
     })
 }
 
-fn settable() -> impl Iterator<Item = &'static Row> + Clone {
+fn settable() -> impl Iterator<Item = &'static Quantity> + Clone {
     ROWS.iter().filter(|r| r.class() != Class::Time)
 }
 
 /// A row to set, and its value as it will stand in the file.
-fn asked(text: &(String, String)) -> Result<(&'static Row, Array), Failure> {
+fn asked(text: &(String, String)) -> Result<(&'static Quantity, Array), Failure> {
     let (name, pair) = text;
     let bad = |what: String| Failure::Usage(format!("--set {name}={pair}: {what}"));
     let Some(row) = row(name).filter(|r| r.class() != Class::Time) else {
@@ -86,7 +86,7 @@ fn rows(
     let sets = args.set.iter().map(asked).collect::<Result<Vec<_>, _>>()?;
     // what stays
     let held = match sets.as_slice() {
-        [] => written(section).map(Row::class).or(now.anchor),
+        [] => written(section).map(Quantity::class).or(now.anchor),
         [(row, _)] => {
             let class = row.class();
             let held = anchor.or(now.anchor.filter(|a| *a != class)).unwrap_or(anchor_for(class));
@@ -105,7 +105,7 @@ fn rows(
     };
     if sets.is_empty() {
         // only the padlock moves: the table stays, so what followed from the old anchor is written down
-        let others: Vec<Class> = settable().filter(|r| section.contains_key(r.name)).map(Row::class).collect();
+        let others: Vec<Class> = settable().filter(|r| section.contains_key(r.name)).map(Quantity::class).collect();
         if let [one] = others.as_slice() {
             pin(section, now.anchor.unwrap_or(anchor_for(*one)), now);
         }
@@ -120,8 +120,8 @@ fn rows(
             section.insert(row.name, value(pair.clone()));
         }
         if let ([(row, _)], Some(held)) = (sets.as_slice(), held) {
-            let standard = held.row().factor(Gains::default(), now.te);
-            let stays = held.row().factor(now.gains, now.te) == standard;
+            let standard = held.row().factor(Gains::default(), now.time_unit);
+            let stays = held.row().factor(now.gains, now.time_unit) == standard;
             let nobody_else = settable().all(|r| r.class() != held || !section.contains_key(r.name));
             if nobody_else && !(stays && (held == anchor_for(row.class()) || anchor.or(now.anchor) == Some(held))) {
                 pin(section, held, now);
@@ -141,7 +141,7 @@ fn rows(
 }
 
 /// A row that is written.
-fn written(section: &dyn TableLike) -> Option<&'static Row> {
+fn written(section: &dyn TableLike) -> Option<&'static Quantity> {
     settable().find(|r| section.contains_key(r.name))
 }
 
@@ -159,7 +159,7 @@ fn number(v: f64) -> toml_edit::Value {
 fn pin(section: &mut dyn TableLike, class: Class, now: &Equivalence) {
     let row = class.row();
     let mut pair = Array::new();
-    pair.push(show(row.factor(now.gains, now.te), row.unit));
+    pair.push(show(row.factor(now.gains, now.time_unit), row.unit));
     pair.push(1.0);
     section.insert(row.name, value(pair));
 }

@@ -38,7 +38,7 @@ pub fn run(args: &EquivArgs) -> Outcome {
     } else if let Some(path) = &args.to.write {
         super::new::write(path, &text, args.to.force)?;
     }
-    let all = table::Table::new(&loaded, &scene);
+    let all = table::EquivalenceTable::new(&loaded, &scene);
     if args.json {
         writeln!(std::io::stdout().lock(), "{:#}", all.json())?;
     } else {

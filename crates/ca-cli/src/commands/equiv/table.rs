@@ -4,21 +4,21 @@ use crate::Failure;
 use crate::commands::border::scale_of;
 use crate::load::Loaded;
 use ca_core::Scene;
-use ca_core::equivalence::{Class, Equivalence, Gains, ROWS, Row, Scale};
+use ca_core::equivalence::{Class, Equivalence, Gains, Quantity, ROWS, Scale};
 use ca_core::kind::Unit;
 use ca_model::quantity::{show, six};
 use serde_json::{Value as Json, json};
 use std::io::Write;
 
 /// What there is to show.
-pub(super) struct Table<'a> {
+pub(super) struct EquivalenceTable<'a> {
     name: &'a str,
     scene: &'a Scene,
 }
 
-impl<'a> Table<'a> {
-    pub(super) fn new(loaded: &'a Loaded, scene: &'a Scene) -> Table<'a> {
-        Table { name: if scene.title.is_empty() { &loaded.name } else { &scene.title }, scene }
+impl<'a> EquivalenceTable<'a> {
+    pub(super) fn new(loaded: &'a Loaded, scene: &'a Scene) -> EquivalenceTable<'a> {
+        EquivalenceTable { name: if scene.title.is_empty() { &loaded.name } else { &scene.title }, scene }
     }
 
     fn e(&self) -> &Equivalence {
@@ -26,16 +26,16 @@ impl<'a> Table<'a> {
     }
 
     fn alg(&self) -> bool {
-        self.e().te != 1.0
+        self.e().time_unit != 1.0
     }
 
     /// 1 of the model, in the hand.
-    fn real(&self, row: &Row, g: Gains) -> String {
-        digits(row.factor(g, self.e().te), row.unit)
+    fn real(&self, row: &Quantity, g: Gains) -> String {
+        digits(row.factor(g, self.e().time_unit), row.unit)
     }
 
     /// A unit as the model has it.
-    fn one(&self, row: &Row) -> String {
+    fn one(&self, row: &Quantity) -> String {
         if self.alg() { "1".into() } else { format!("1 {}", row.unit.symbol) }
     }
 
@@ -44,7 +44,7 @@ impl<'a> Table<'a> {
         let e = self.e();
         writeln!(out, "{}", self.name)?;
         if self.alg() {
-            let rate = digits(1.0 / e.te, Unit::HERTZ);
+            let rate = digits(1.0 / e.time_unit, Unit::HERTZ);
             writeln!(out, "  the model's numbers are per sample of {rate}: real = factor × simulated")?;
         } else {
             writeln!(out, "  the model's numbers are in SI: real = factor × simulated")?;
@@ -83,11 +83,11 @@ impl<'a> Table<'a> {
     pub(super) fn json(&self) -> Json {
         let e = self.e();
         let factors = |g: Gains| -> serde_json::Map<String, Json> {
-            ROWS.iter().map(|r| (r.name.to_string(), json!(r.factor(g, e.te)))).collect()
+            ROWS.iter().map(|r| (r.name.to_string(), json!(r.factor(g, e.time_unit)))).collect()
         };
         let rows: Vec<Json> = ROWS
             .iter()
-            .map(|r| json!({"name": r.name, "unit": r.unit.symbol, "class": r.class().name(), "factor": r.factor(e.gains, e.te)}))
+            .map(|r| json!({"name": r.name, "unit": r.unit.symbol, "class": r.class().name(), "factor": r.factor(e.gains, e.time_unit)}))
             .collect();
         let keys: Vec<Json> = e
             .keys
@@ -101,7 +101,7 @@ impl<'a> Table<'a> {
             })
             .collect();
         json!({
-            "title": self.name, "units": if self.alg() { "alg" } else { "si" }, "te": e.te,
+            "title": self.name, "units": if self.alg() { "alg" } else { "si" }, "te": e.time_unit,
             "anchor": e.anchor.map(Class::name), "rows": rows, "keys": keys, "alpha": e.gains.alpha, "beta": e.gains.beta,
         })
     }

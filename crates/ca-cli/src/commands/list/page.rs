@@ -18,7 +18,7 @@ fn accepts(p: &Param) -> String {
         Type::Choice(words) => words.join(" | "),
         Type::Flag => "true | false".into(),
         Type::Numbers { unit, min, max } => format!("{}, one or a list", number(unit, min, max)),
-        Type::Place { unit } => format!("[{}], a number per axis", symbol(unit)),
+        Type::Position { unit } => format!("[{}], a number per axis", symbol(unit)),
         Type::Direction => "x | y | z | [x, y, z]".into(),
         Type::Counts { min, max } => format!("whole, {min} to {max}, one or a list"),
         Type::Nodes => "list of [i, j]".into(),
@@ -26,7 +26,7 @@ fn accepts(p: &Param) -> String {
         Type::Between => "two modules, or two lists".into(),
         Type::Module => "a module".into(),
         Type::File => "a file".into(),
-        Type::Places { unit } => format!("list of [x, y, z] in [{}]", symbol(unit)),
+        Type::Positions { unit } => format!("list of [x, y, z] in [{}]", symbol(unit)),
         Type::Text => "text".into(),
         Type::Midi => "table".into(),
     }
@@ -61,7 +61,9 @@ fn default(p: &Param) -> String {
         Need::Default(v) => match p.ty {
             Type::Choice(words) => words.get(v as usize).copied().unwrap_or("?").into(),
             Type::Flag => (v != 0.0).to_string(),
-            Type::Number { unit, .. } | Type::Numbers { unit, .. } | Type::Place { unit } => show(v, unit_for(v, unit)),
+            Type::Number { unit, .. } | Type::Numbers { unit, .. } | Type::Position { unit } => {
+                show(v, unit_for(v, unit))
+            }
             _ => v.to_string(),
         },
     }
@@ -130,7 +132,7 @@ pub(super) fn json(k: &Kind) -> Json {
         .map(|p| {
             let (unit, min, max) = match p.ty {
                 Type::Number { unit, min, max } | Type::Numbers { unit, min, max } => (Some(unit), min, max),
-                Type::Place { unit } => (Some(unit), f64::MIN, f64::MAX),
+                Type::Position { unit } => (Some(unit), f64::MIN, f64::MAX),
                 Type::Count { min, max } | Type::Counts { min, max } => (None, f64::from(min), f64::from(max)),
                 Type::PowerStiffness { .. } => (None, 0.0, f64::MAX),
                 _ => (None, f64::MIN, f64::MAX),

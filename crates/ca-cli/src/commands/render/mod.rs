@@ -1,7 +1,7 @@
 //! `ca render`: a model into a WAV file.
 //!
 //! Decides that everything that can be refused is refused before the first tick, so that a long render never ends in a
-//! spelling mistake; and that sound which is not what the model meant (cut off, blown up) is still written, finite and
+//! spelling mistake; and that sound which is not what the model meant (cut off, diverged) is still written, finite and
 //! within full scale, but never called a success.
 
 mod play;

@@ -112,7 +112,7 @@ pub(crate) struct Audit {
 /// less, and the summary says for how long.
 const AUDITED: u64 = 100_000_000;
 
-/// Plays the first second once more with the ledger kept, up to the last tick before any blow-up.
+/// Plays the first second once more with the ledger kept, up to the last tick before any divergence.
 pub(crate) fn audit(twin: &Scene, gesture: Option<&Gesture>, frames: u64) -> Option<Audit> {
     let afford = AUDITED / (twin.n_mat + twin.n_lia).max(1) as u64;
     let ticks = frames.min(twin.rate as u64).min(afford).max(1);

@@ -7,8 +7,8 @@ use crate::commands::border;
 use crate::load::ticked;
 use crate::term::short;
 use crate::{Failure, term};
-use ca_compile::certify::{Certificate, Level};
 use ca_core::Scene;
+use ca_core::certificate::{Certificate, Level};
 use ca_core::energy::Ledger;
 use ca_core::kind::Unit;
 use ca_io::sound::Written;
@@ -100,7 +100,7 @@ impl Summary<'_> {
             term::warning(&format!("{} samples had no value and became silence", self.written.level.non_finite));
         }
         if self.written.level.clipped > 0 {
-            // after a blow-up the peak says nothing about loudness
+            // after a divergence the peak says nothing about loudness
             let help = if self.broke.is_some() {
                 String::new()
             } else if self.warnings > 0 && self.loudest() > FAR {
@@ -180,9 +180,9 @@ impl Summary<'_> {
 
     fn energy(&self, out: &mut impl std::io::Write, a: &Audit) -> Result<(), Failure> {
         let b = a.ledger.balance();
-        let time = a.ticks as f64 * self.scene.te;
+        let time = a.ticks as f64 * self.scene.sample_dt;
         if let Some(broke) = self.broke {
-            // how large all was at the last tick in range measures the blow-up and nothing else
+            // how large all was at the last tick in range measures the divergence and nothing else
             let grows = grows(self.scene, &a.ledger);
             writeln!(out, "  energy     diverged at {time:.4} s, found at {:.4} s{grows}", broke.time)?;
             if a.whole {
@@ -208,17 +208,17 @@ impl Summary<'_> {
         writeln!(out, "    at load  {}", joule(b.h0))?;
         writeln!(out, "    received {} from ports, {} by changes", joule(b.work), joule(b.changed))?;
         writeln!(out, "    lost     {}", joule(b.lost))?;
-        writeln!(out, "    made     {} by the scheme", joule(b.source))?;
-        writeln!(out, "    held     {}", joule(b.h))?;
+        writeln!(out, "    error    {} of the scheme", joule(b.source))?;
+        writeln!(out, "    stored   {}", joule(b.h))?;
         for (name, received, given) in border::exchanged(self.scene, &a.ledger) {
             let (leak, received, given) = (joule(received - given), joule(received), joule(given));
-            writeln!(out, "    border   {received} through `{name}`, {given} given by its hand: {leak} made")?;
+            writeln!(out, "    border   {received} through `{name}`, {given} given by its hand: {leak} by the delay")?;
             if let Some(scale) = self.scene.equivalence.keys.iter().find(|k| k.key == name) {
                 writeln!(out, "             `{name}` is {}", border::scale_of(scale))?;
             }
         }
-        for (name, made) in makers(self.scene, &a.ledger).iter().take(5) {
-            writeln!(out, "      {} made by `{name}`", joule(*made))?;
+        for (name, error) in makers(self.scene, &a.ledger).iter().take(5) {
+            writeln!(out, "      {} of it by `{name}`", joule(*error))?;
         }
         Ok(())
     }
@@ -241,7 +241,7 @@ impl Summary<'_> {
                 .map(|(name, r, g)| json!({"name": name, "received": r, "given": g, "leak": r - g}))
                 .collect();
             json!({
-                "seconds": a.ticks as f64 * self.scene.te, "whole": a.whole, "residual": b.residual,
+                "seconds": a.ticks as f64 * self.scene.sample_dt, "whole": a.whole, "residual": b.residual,
                 "relative_residual": relative(&b), "peak": b.peak, "at_load": b.h0, "received": b.work,
                 "changed": b.changed, "lost": b.lost, "made": b.source, "held": b.h, "makers": makers,
                 "hands": hands,
@@ -249,7 +249,7 @@ impl Summary<'_> {
         });
         let broke = self.broke.map(|b| json!({"seconds": b.time, "module": b.module, "why": b.why, "fix": b.fix}));
         let clipped = (w.level.clipped > 0).then(|| {
-            // after a blow-up the peak says nothing about loudness
+            // after a divergence the peak says nothing about loudness
             let gain = self.broke.is_none().then(|| gain(self.loudest()));
             json!({"samples": w.level.clipped, "gain": gain})
         });

@@ -9,7 +9,7 @@ use crate::args::ReplayArgs;
 use crate::load::has_extension;
 use crate::{Ended, Failure, Outcome, catalog, term};
 use account::Account;
-use ca_haptic::take::{Replay, Take, Verdict};
+use ca_haptic::take::{Replay, ReplayVerdict, Take};
 use ca_io::sound::{Format, WavOut};
 use serde_json::json;
 use std::io::Write as _;
@@ -43,7 +43,7 @@ pub fn run(args: &ReplayArgs) -> Outcome {
     if args.verify { Err(Failure::Reported) } else { Ok(Ended::Degraded) }
 }
 
-fn text(take: &Take, v: &Verdict, account: Option<&Account>) -> Result<(), Failure> {
+fn text(take: &Take, v: &ReplayVerdict, account: Option<&Account>) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
     writeln!(out, "{}: {:.3} s of `{}`", take.path.display(), v.seconds, take.header.title)?;
     writeln!(
@@ -70,7 +70,7 @@ fn text(take: &Take, v: &Verdict, account: Option<&Account>) -> Result<(), Failu
     Ok(())
 }
 
-fn json_of(take: &Take, v: &Verdict, account: Option<&Account>) -> Result<(), Failure> {
+fn json_of(take: &Take, v: &ReplayVerdict, account: Option<&Account>) -> Result<(), Failure> {
     let difference = v
         .difference
         .as_ref()

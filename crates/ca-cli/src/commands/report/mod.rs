@@ -1,7 +1,7 @@
 //! `ca report`: a page about a model or a take.
 //!
 //! Decides what is on the page and in which order: first what is wrong, then what is heard, then what explains it, then
-//! the model. Everything that a page can be made of is made into one, also silence, a blow-up or a take that was cut
+//! the model. Everything that a page can be made of is made into one, also silence, a divergence or a take that was cut
 //! off; the exit code says what the note on the page says. How the page looks is `ca-report`'s.
 
 mod model;

@@ -58,7 +58,7 @@ pub(super) fn report(args: &ReportArgs) -> Result<(String, Report), Failure> {
             motion.push(&row[scene.channels..]);
         }
         if !p.diverged && p.state.is_sound(ca_io::perform::DIVERGED) {
-            ledger.look(p.state.tick as f64 * scene.te, p.state.ledger.as_ref());
+            ledger.look(p.state.tick as f64 * scene.sample_dt, p.state.ledger.as_ref());
         }
         Ok(())
     })?;
@@ -82,7 +82,7 @@ pub(super) fn report(args: &ReportArgs) -> Result<(String, Report), Failure> {
     }
     let mut facts = Facts::of(&scene);
     facts.add("length", format!("{seconds} s"));
-    let factor = played.wall.as_secs_f64() / (frames as f64 * scene.te);
+    let factor = played.wall.as_secs_f64() / (frames as f64 * scene.sample_dt);
     let ledger_kept = if composed { "" } else { " with the energy ledger" };
     facts.add("real-time factor", format!("{}{ledger_kept}, on this machine", short(factor)));
     for (name, value) in args.source.changes() {
@@ -158,7 +158,8 @@ fn of_output<'a>(items: &'a [Item], probe: &str) -> Option<&'a str> {
 fn moved(loaded: &Loaded, scene: &Scene, motion: &Envelope, probes: &[String]) -> Option<Section> {
     let items = &loaded.model.items;
     let is_force = |name: &str| {
-        let link = scene.symbols.iter().any(|s| s.name == name && matches!(s.place, ca_core::scene::Stands::Lia(..)));
+        let link =
+            scene.symbols.iter().any(|s| s.name == name && matches!(s.location, ca_core::scene::Location::Lia(..)));
         link || items.iter().any(|i| i.name == name && i.kind == "SOF")
     };
     let (mut places, mut forces): (Vec<Curve>, Vec<Curve>) = (Vec::new(), Vec::new());

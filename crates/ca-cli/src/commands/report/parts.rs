@@ -11,8 +11,8 @@ use crate::term::short;
 use ca_compile::Compiled;
 use ca_compile::Options;
 use ca_compile::analysis::{Mode, Modes, Network, modes};
-use ca_compile::certify::Level;
 use ca_core::Scene;
+use ca_core::certificate::Level;
 use ca_model::Model;
 use ca_model::diag::Severity;
 use ca_model::quantity::Plain;
@@ -103,7 +103,7 @@ pub(super) fn modes(model: &Model, options: &Options) -> Sung {
     let Ok(network) = ca_compile::linear(model, &catalog(), options) else {
         return Sung(Err("The model has no linear part that could be looked at by itself.".into()));
     };
-    let n = network.linear.places.len();
+    let n = network.linear.dofs.len();
     Sung(match n {
         0 => Err("Nothing in this model moves by itself.".into()),
         _ if n > PLACES => Err(format!("{n} places move; `ca modes` tells of up to {}.", modes::LARGEST)),

@@ -1,16 +1,16 @@
 //! The energy ledger over the time of a performance, looked at now and then.
 //!
 //! Decides to show the residual by itself, as a part of the largest energy so far: it is ten orders of magnitude below
-//! the rest, and the one curve that tests the engine. Of a model that blew up the ledger is shown as long as its energy
-//! is of the size of what the model was given: what comes then measures the blow-up.
+//! the rest, and the one curve that tests the engine. Of a model that diverged the ledger is shown as long as its energy
+//! is of the size of what the model was given: what comes then measures the divergence.
 
 use crate::commands::render::{grows, joule, makers, relative};
 use ca_core::Scene;
 use ca_core::energy::{Balance, Ledger};
 use ca_report::{Axis, Block, Curve, Grid, Plot, Section, Table};
 
-/// Energy so many times what a model was given is that of its blow-up.
-const BLOW_UP: f64 = 1e6;
+/// Energy so many times what a model was given is that of its divergence.
+const DIVERGED: f64 = 1e6;
 
 /// The ledger at several times.
 #[derive(Default)]
@@ -21,7 +21,7 @@ pub(super) struct EnergyOverTime {
     sums: Vec<(Balance, f64)>,
     /// the ledger at the end
     pub end: Option<Ledger>,
-    /// when the model blew up \[s\]
+    /// when the model diverged \[s\]
     pub broke: Option<f64>,
 }
 
@@ -39,9 +39,9 @@ impl EnergyOverTime {
         let end = self.end.as_ref()?;
         let tame = |(b, motion): &&(Balance, f64)| {
             let given = b.h0.abs().max(b.work.abs()).max(b.changed.abs());
-            self.broke.is_none() || b.peak.max(motion.abs()) <= BLOW_UP * given
+            self.broke.is_none() || b.peak.max(motion.abs()) <= DIVERGED * given
         };
-        let blown = format!("The model blew up at {:.4} s{}", self.broke.unwrap_or_default(), grows(scene, end));
+        let blown = format!("The model diverged at {:.4} s{}", self.broke.unwrap_or_default(), grows(scene, end));
         let sums: Vec<&(Balance, f64)> = self.sums.iter().take_while(tame).collect();
         let Some((b, last)) = (match self.broke {
             None => Some((end.balance(), f64::INFINITY)),
@@ -57,12 +57,12 @@ impl EnergyOverTime {
             y.iter().any(|v| *v != 0.0).then(|| Curve::line(name, y))
         };
         let accounts = [
-            curve("held", |s| s.0.h),
+            curve("stored", |s| s.0.h),
             curve("of it in motion", |s| s.1),
             curve("lost", |s| s.0.lost),
             curve("received from ports", |s| s.0.work),
             curve("received by changes", |s| s.0.changed),
-            curve("made by the scheme", |s| s.0.source),
+            curve("error of the scheme", |s| s.0.source),
         ];
         let curves: Vec<Curve> = accounts.into_iter().flatten().collect();
         let rest = vec![Curve::line("residual", sums.iter().map(|s| relative(&s.0)).collect())];
@@ -81,8 +81,8 @@ impl EnergyOverTime {
             ("received from ports", joule(scale * b.work)),
             ("received by changes", joule(scale * b.changed)),
             ("lost", joule(scale * b.lost)),
-            ("made by the scheme", joule(scale * b.source)),
-            ("held", joule(scale * b.h)),
+            ("error of the scheme", joule(scale * b.source)),
+            ("stored", joule(scale * b.h)),
             ("residual", format!("{:.1e} J", scale * b.residual)),
         ];
         // the ledger of each link is that of the end

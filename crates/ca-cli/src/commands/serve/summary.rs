@@ -31,8 +31,8 @@ pub(super) fn text(s: &Summary, name: &str, files: &Files, traffic: Option<Traff
         let loops = if d.loop_us.n == 0 { "no loop was closed".into() } else { times(&d.loop_us) };
         writeln!(out, "  {:<15}{} frames, {} dropped; loop {loops}", d.device, d.frames, d.dropped)?;
     }
-    for d in s.devices.iter().filter(|d| !d.felt || d.waits.is_some()) {
-        let before = if d.felt { "off at the end, on before" } else { "off to the end" };
+    for d in s.devices.iter().filter(|d| !d.forces_on || d.waits.is_some()) {
+        let before = if d.forces_on { "off at the end, on before" } else { "off to the end" };
         let why = d.waits.as_ref().map_or_else(String::new, |w| format!("; armed, but {w}"));
         writeln!(out, "  {:<15}{}: {before}{why}", "forces", d.device)?;
     }

@@ -303,8 +303,8 @@ fn is_of(place: &str, name: &str, knob: &Knob) -> bool {
 
 /// How much of a mode's kinetic energy is in these places.
 fn share(network: &Network, m: &Mode, places: &[usize]) -> f64 {
-    let te = network.te;
-    places.iter().map(|i| m.shape[*i] * m.shape[*i] * te * te / network.linear.places[*i].c).sum()
+    let tick_dt = network.tick_dt;
+    places.iter().map(|i| m.shape[*i] * m.shape[*i] * tick_dt * tick_dt / network.linear.dofs[*i].c).sum()
 }
 
 fn print(loaded: &Loaded, done: &[Tuned], as_json: bool) -> Result<(), Failure> {

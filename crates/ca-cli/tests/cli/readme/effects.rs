@@ -241,7 +241,7 @@ fn rendered(desk: &Desk, line: &Line, before: &Files, ran: &Ran) {
         assert!(peak(&values) > 0.0 && values.iter().all(|v| v.is_finite()), "`{}`: {file}", line.text);
     }
     if line.has("--energy") {
-        for word in ["energy     balances", "lost", "made", "held"] {
+        for word in ["energy     balances", "lost", "error", "stored"] {
             assert!(ran.out.contains(word), "`{}`: no `{word}` in\n{}", line.text, ran.out);
         }
     }

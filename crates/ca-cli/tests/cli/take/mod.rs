@@ -6,11 +6,11 @@ mod kill;
 pub mod performer;
 mod python;
 
-use ca_haptic::take::{Event, Replay, Take, Verdict};
+use ca_haptic::take::{Event, Replay, ReplayVerdict, Take};
 use performer::{DUO, Performer, catalog};
 use std::path::Path;
 
-fn replay(path: &Path) -> Verdict {
+fn replay(path: &Path) -> ReplayVerdict {
     let take = Take::open(path).unwrap();
     Replay::new(&take, &catalog()).unwrap().run(&take, &mut |_| (), &mut |_| Ok(())).unwrap()
 }

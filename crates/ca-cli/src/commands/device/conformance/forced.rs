@@ -3,7 +3,7 @@
 
 use super::bench::{Bench, LOOK, PATIENCE, Player, REST, TRIES};
 use super::quiet::{gives, late};
-use super::table::Table;
+use super::table::CheckTable;
 use crate::Failure;
 use crate::term::short;
 use ca_haptic::frame::{About, Cause, DOF, DeviceFrame, ForceFrame, Mode};
@@ -62,7 +62,7 @@ pub(super) fn forces(
     p: &mut Player,
     profile: &mut Profile,
     force: f64,
-    t: &mut Table,
+    t: &mut CheckTable,
 ) -> Result<bool, Failure> {
     for attempt in 1..=TRIES {
         if !on(b, p, profile)? {
@@ -108,7 +108,7 @@ pub(super) fn felt(
     p: &mut Player,
     profile: &mut Profile,
     force: f64,
-    t: &mut Table,
+    t: &mut CheckTable,
 ) -> Result<(), Failure> {
     for attempt in 1..=TRIES {
         // from where it is now, which pulls before may have changed
@@ -175,7 +175,7 @@ pub(super) fn measured(b: &Bench) -> Option<(Vec<f64>, Vec<f64>)> {
 }
 
 /// The engine dies.
-pub(super) fn silence(b: &mut Bench, a: &About, t: &mut Table) {
+pub(super) fn silence(b: &mut Bench, a: &About, t: &mut CheckTable) {
     let Some(last) = b.sent.last().copied() else { return };
     b.forget();
     let quarter = a.rate as usize / 4;
@@ -195,7 +195,7 @@ pub(super) fn silence(b: &mut Bench, a: &About, t: &mut Table) {
 }
 
 /// Another engine.
-pub(super) fn another(b: &mut Bench, profile: &mut Profile, force: f64, t: &mut Table) -> Result<(), Failure> {
+pub(super) fn another(b: &mut Bench, profile: &mut Profile, force: f64, t: &mut CheckTable) -> Result<(), Failure> {
     let mut p = b.player(profile)?;
     b.forget();
     b.play(&mut p, REST);

@@ -16,7 +16,7 @@ use crate::{Failure, Outcome, store, term};
 use bench::Bench;
 use ca_haptic::host::Site;
 use ca_haptic::rt::{self, Wish};
-use table::Table;
+use table::CheckTable;
 
 /// Runs the command.
 pub fn run(args: &ConformanceArgs) -> Outcome {
@@ -26,7 +26,7 @@ pub fn run(args: &ConformanceArgs) -> Outcome {
     let calibration = store::calibration_of(&args.name, &[])?;
     let mut bench = Bench::open(&Site::of_user()?, &args.name, calibration)?;
     rt::ask(Wish { priority: Some(70), ..Wish::default() });
-    let mut table = Table::default();
+    let mut table = CheckTable::default();
     if let Some(about) = quiet::presented(&mut bench, &mut table)? {
         let mut profile = quiet::profile(&about);
         let force = args.force.min(0.05 * profile.force) / f64::from(profile.axes);

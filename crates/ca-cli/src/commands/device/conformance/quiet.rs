@@ -2,7 +2,7 @@
 //! that are not for it.
 
 use super::bench::{Bench, LOOK, PATIENCE, Player, REST, TRIES};
-use super::table::Table;
+use super::table::CheckTable;
 use crate::{Failure, store};
 use ca_haptic::frame::{About, Cause, DOF, DeviceFrame, ForceFrame, Mode, status, text};
 use ca_haptic::guard::Order;
@@ -16,7 +16,7 @@ type Wrong = (&'static str, fn(&mut ForceFrame));
 const FAR: u64 = 1_000_000;
 
 /// Who it is. `None` where nothing more can be asked.
-pub(super) fn presented(b: &mut Bench, t: &mut Table) -> Result<Option<About>, Failure> {
+pub(super) fn presented(b: &mut Bench, t: &mut CheckTable) -> Result<Option<About>, Failure> {
     b.forget();
     b.listen(1, PATIENCE);
     if b.frames.is_empty() {
@@ -63,7 +63,7 @@ pub(super) fn profile(a: &About) -> Profile {
 }
 
 /// What it sends, unasked.
-pub(super) fn alive(b: &mut Bench, a: &About, t: &mut Table) {
+pub(super) fn alive(b: &mut Bench, a: &About, t: &mut CheckTable) {
     b.forget();
     b.listen((a.rate as usize / 2).max(LOOK), PATIENCE);
     let (frames, n) = (&b.frames, a.n as usize);
@@ -106,7 +106,7 @@ pub(super) fn alive(b: &mut Bench, a: &About, t: &mut Table) {
 }
 
 /// Whether `ca serve` would use its frames, with the profile it would take, and give it forces.
-pub(super) fn served(b: &mut Bench, name: &str, a: &About, t: &mut Table) -> Result<(), Failure> {
+pub(super) fn served(b: &mut Bench, name: &str, a: &About, t: &mut CheckTable) -> Result<(), Failure> {
     let own = store::profile_of(name, &[])?;
     let profile = if own.is_unknown() {
         match own.described(a) {
@@ -164,7 +164,7 @@ pub(super) fn late(b: &Bench) -> &[DeviceFrame] {
 }
 
 /// An engine at rest.
-pub(super) fn rest(b: &mut Bench, p: &mut Player, t: &mut Table) {
+pub(super) fn rest(b: &mut Bench, p: &mut Player, t: &mut CheckTable) {
     b.forget();
     b.play(p, REST);
     let (sent, frames) = (b.sent.last().map_or(0, |f| f.seq), late(b));
@@ -177,7 +177,7 @@ pub(super) fn rest(b: &mut Bench, p: &mut Player, t: &mut Table) {
 
 /// What must not be used: an engine that was never at rest, frames of another layout, of another device, of the past.
 /// All of them ask for no force.
-pub(super) fn strangers(b: &mut Bench, t: &mut Table) {
+pub(super) fn strangers(b: &mut Bench, t: &mut CheckTable) {
     let n = b.frames.last().map_or(1, |f| f.n as usize);
     let name = b.frames.last().map(|f| text(&f.device)).unwrap_or_default();
     let mut frame = ForceFrame::new(&name, n);

@@ -6,7 +6,7 @@ use serde_json::json;
 use std::io::Write as _;
 
 /// One thing that is asked of a device.
-struct Row {
+struct CheckRow {
     name: &'static str,
     pass: bool,
     found: String,
@@ -14,11 +14,11 @@ struct Row {
 
 /// The table.
 #[derive(Default)]
-pub(super) struct Table(Vec<Row>);
+pub(super) struct CheckTable(Vec<CheckRow>);
 
-impl Table {
+impl CheckTable {
     pub(super) fn row(&mut self, name: &'static str, pass: bool, found: impl Into<String>) {
-        self.0.push(Row { name, pass, found: found.into() });
+        self.0.push(CheckRow { name, pass, found: found.into() });
     }
 
     /// Prints the table; an error where something in it failed.

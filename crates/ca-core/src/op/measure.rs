@@ -1,6 +1,6 @@
-//! Gauge: what a port measures of its two ends, and how a force goes back to them.
+//! MeasureKind: what a port measures of its two ends, and how a force goes back to them.
 //!
-//! Decides that a law never sees positions: a gauge turns the two ends into an elongation and its change per tick, and
+//! Decides that a law never sees positions: a measure turns the two ends into an elongation and its change per tick, and
 //! the scalar force of the law back into forces on the ends, along the gradient of that elongation, so power in equals
 //! power out whatever the law. On a line that is a difference; along a direction the projected difference; in space
 //! the distance of two points. The kernels in space, the quadripoles of other crates, the energy ledger and the start
@@ -11,13 +11,13 @@
 //! length and without its cancellation. At zero length the direction is undefined and the force is zero
 //! (docs/numerics.md §4.4); with a softening length δ the distance is `sqrt(D² + δ²)`, smooth everywhere.
 
-use crate::layout::{Gauge, Layout, Ports};
+use crate::layout::{Layout, MeasureKind, Ports};
 use crate::real::{Real, sqrt};
 use nalgebra::Vector3;
 
 /// What a port measured.
 #[derive(Clone, Copy, Debug)]
-pub struct Felt {
+pub struct Elongation {
     /// its part of the elongation \[m\]
     pub e: Real,
     /// the change of that in this tick \[m/tick\]
@@ -32,7 +32,7 @@ pub trait Measure {
     const SPACE: bool;
 
     /// Measures between the places `a` and `b`.
-    fn measure(x: &[Real], d: &[Real], ends: [usize; 2], reach: &[Real; 4]) -> Felt;
+    fn measure(x: &[Real], d: &[Real], ends: [usize; 2], reach: &[Real; 4]) -> Elongation;
 
     /// The square of the elongation, and zero where that says nothing of its sign: cheaper, for contacts that are idle.
     fn square(_x: &[Real], _ends: [usize; 2], _reach: &[Real; 4]) -> Option<Real> {
@@ -72,8 +72,8 @@ fn pull3(f: &mut [Real], [a, b]: [usize; 2], u: &Vector3<Real>, force: Real) {
 impl Measure for Line {
     const SPACE: bool = false;
     #[inline(always)]
-    fn measure(x: &[Real], d: &[Real], [a, b]: [usize; 2], _: &[Real; 4]) -> Felt {
-        Felt { e: x[b] - x[a], w: d[b] - d[a], u: Vector3::new(1.0, 0.0, 0.0) }
+    fn measure(x: &[Real], d: &[Real], [a, b]: [usize; 2], _: &[Real; 4]) -> Elongation {
+        Elongation { e: x[b] - x[a], w: d[b] - d[a], u: Vector3::new(1.0, 0.0, 0.0) }
     }
     #[inline(always)]
     fn pull(f: &mut [Real], [a, b]: [usize; 2], _: &Vector3<Real>, force: Real) {
@@ -85,9 +85,9 @@ impl Measure for Line {
 impl Measure for Along {
     const SPACE: bool = true;
     #[inline(always)]
-    fn measure(x: &[Real], d: &[Real], [a, b]: [usize; 2], reach: &[Real; 4]) -> Felt {
+    fn measure(x: &[Real], d: &[Real], [a, b]: [usize; 2], reach: &[Real; 4]) -> Elongation {
         let n = vector(reach);
-        Felt { e: n.dot(&(at(x, b) - at(x, a))), w: n.dot(&(at(d, b) - at(d, a))), u: n }
+        Elongation { e: n.dot(&(at(x, b) - at(x, a))), w: n.dot(&(at(d, b) - at(d, a))), u: n }
     }
     #[inline(always)]
     fn pull(f: &mut [Real], ends: [usize; 2], u: &Vector3<Real>, force: Real) {
@@ -98,14 +98,14 @@ impl Measure for Along {
 impl Measure for Radial {
     const SPACE: bool = true;
     #[inline(always)]
-    fn measure(x: &[Real], d: &[Real], [a, b]: [usize; 2], reach: &[Real; 4]) -> Felt {
+    fn measure(x: &[Real], d: &[Real], [a, b]: [usize; 2], reach: &[Real; 4]) -> Elongation {
         let now = vector(reach) + (at(x, b) - at(x, a));
         let moved = at(d, b) - at(d, a);
         let before = now - moved;
         let l = sqrt(now.dot(&now) + reach[3]);
         let l0 = sqrt(before.dot(&before) + reach[3]);
         let w = (now + before).dot(&moved) / (l + l0).max(Real::MIN_POSITIVE);
-        Felt { e: l, w, u: now / l.max(Real::MIN_POSITIVE) }
+        Elongation { e: l, w, u: now / l.max(Real::MIN_POSITIVE) }
     }
     #[inline(always)]
     fn square(x: &[Real], [a, b]: [usize; 2], reach: &[Real; 4]) -> Option<Real> {
@@ -118,20 +118,20 @@ impl Measure for Radial {
     }
 }
 
-/// Measures by a gauge known only at run time, for what is not a kernel.
-pub fn measure(gauge: Gauge, x: &[Real], d: &[Real], ends: [u32; 2], reach: &[Real; 4]) -> Felt {
+/// Measures by a measure known only at run time, for what is not a kernel.
+pub fn measure(measure: MeasureKind, x: &[Real], d: &[Real], ends: [u32; 2], reach: &[Real; 4]) -> Elongation {
     let ends = ends.map(|m| m as usize);
-    match gauge {
-        Gauge::Line => Line::measure(x, d, ends, reach),
-        Gauge::Along => Along::measure(x, d, ends, reach),
-        Gauge::Radial => Radial::measure(x, d, ends, reach),
+    match measure {
+        MeasureKind::Line => Line::measure(x, d, ends, reach),
+        MeasureKind::Along => Along::measure(x, d, ends, reach),
+        MeasureKind::Radial => Radial::measure(x, d, ends, reach),
     }
 }
 
 /// A port around a tick, seen from after it: `d` the motion of that tick, `d0` the motion into it. Its parts of the
 /// elongation before, at and after, and how far its ends moved, over both, along the direction at the tick.
 pub fn around(
-    gauge: Gauge,
+    measure: MeasureKind,
     x: &[Real],
     d: &[Real],
     d0: &[Real],
@@ -139,7 +139,7 @@ pub fn around(
     reach: &[Real; 4],
 ) -> ([Real; 3], Real) {
     let [a, b] = ends.map(|m| m as usize);
-    if gauge == Gauge::Line {
+    if measure == MeasureKind::Line {
         let after = x[b] - x[a];
         let at = after - (d[b] - d[a]);
         let before = at - (d0[b] - d0[a]);
@@ -148,7 +148,7 @@ pub fn around(
     let (out, into) = (at(d, b) - at(d, a), at(d0, b) - at(d0, a));
     let after = at(x, b) - at(x, a);
     let v = vector(reach);
-    if gauge == Gauge::Along {
+    if measure == MeasureKind::Along {
         let (after, out, into) = (v.dot(&after), v.dot(&out), v.dot(&into));
         return ([after - out - into, after - out, after], out + into);
     }
@@ -158,15 +158,15 @@ pub fn around(
     ([length(now - into), l, length(now + out)], now.dot(&(out + into)) / l.max(Real::MIN_POSITIVE))
 }
 
-/// The ports of link `i` of a batch whose first link is `first`: gauge, ends and reach of each.
+/// The ports of link `i` of a batch whose first link is `first`: measure, ends and reach of each.
 pub fn ports(
     layout: &Layout,
     ports: &Ports,
     first: usize,
     i: usize,
-) -> impl Iterator<Item = (Gauge, [u32; 2], [Real; 4])> {
-    let reach = |g: Gauge, at: usize| if g == Gauge::Line { [0.0; 4] } else { layout.reach[at + i] };
-    let one = (ports.gauge, layout.ends[first + i], reach(ports.gauge, ports.reach));
+) -> impl Iterator<Item = (MeasureKind, [u32; 2], [Real; 4])> {
+    let reach = |g: MeasureKind, at: usize| if g == MeasureKind::Line { [0.0; 4] } else { layout.reach[at + i] };
+    let one = (ports.measure, layout.ends[first + i], reach(ports.measure, ports.reach));
     let two = ports.onto.map(|(g, ends, at)| (g, layout.onto[ends + i], reach(g, at)));
     core::iter::once(one).chain(two)
 }

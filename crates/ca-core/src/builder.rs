@@ -1,7 +1,7 @@
-//! Sketch: what a generator draws before the compiler gives it names and kinds.
+//! Builder: what a generator makes before the compiler gives it names and kinds.
 //!
-//! Decides that a generator knows neither the network nor the kinds of its modules: it draws masses, fixed points and
-//! links that point at derived numbers, and the compiler expands the drawing. `derive` is the function a live change
+//! Decides that a generator knows neither the network nor the kinds of its modules: it adds masses, fixed points and
+//! links that point at derived numbers, and the compiler expands what was built. `derive` is the function a live change
 //! calls too, so a string retuned while playing is exactly the string that would have been compiled.
 
 use crate::cloud::Cloud;
@@ -46,7 +46,7 @@ pub struct Args<'a> {
     /// in the same order
     pub values: &'a [Arg],
     /// the tick \[s\]
-    pub te: f64,
+    pub tick_dt: f64,
     /// axes along which its MATs move
     pub dim: u8,
     /// how what is linear in it is computed
@@ -104,14 +104,14 @@ impl Args<'_> {
 /// A kind that expands.
 #[derive(Clone, Copy)]
 pub struct Generator {
-    /// in how many dimensions it can be drawn, e.g. `&[1]` for what lives on a line
+    /// in how many dimensions it can be built, e.g. `&[1]` for what lives on a line
     pub dims: &'static [u8],
     /// the numbers its modules use, from its parameters, behind those of a list; called at load and at live changes,
     /// which reuse the list
     pub derive: fn(&Args<'_>, &mut Vec<Option<f64>>) -> Result<(), Problem>,
     /// names and connects the modules, or says why they cannot be; called once, so whatever no live change can alter is
     /// refused here
-    pub build: fn(&Args<'_>, &mut Sketch<'_>) -> Result<(), Problem>,
+    pub build: fn(&Args<'_>, &mut Builder<'_>) -> Result<(), Problem>,
 }
 
 impl Generator {
@@ -126,23 +126,23 @@ impl Generator {
     }
 }
 
-/// What a drawn MAT is; numbers are slots of the derived list.
+/// What a MAT is; numbers are slots of the derived list.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Drawn {
+pub enum Built {
     /// a mass of slot 0, damped to ground by slot 1 where that holds something
     Mass(u32, u32),
     /// a cell of mass, frequency and decay slots
     Cell(u32, u32, u32),
     /// a fixed point in the place of a mass
-    Held,
-    /// a fixed point beyond the end
-    Tip,
+    Fixed,
+    /// a fixed point beyond the end, `name.end[i]`
+    Anchor,
 }
 
-/// A drawn link: ends, stiffness slot, viscosity slot.
+/// A link: ends, stiffness slot, viscosity slot.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DrawnLink {
-    /// first and second end, by number of the drawn MAT
+pub struct LinkSpec {
+    /// first and second end, by number of the MAT
     pub ends: [u32; 2],
     /// slot of the stiffness
     pub k: u32,
@@ -152,30 +152,30 @@ pub struct DrawnLink {
     pub l0: Option<f64>,
 }
 
-/// A drawing.
-pub struct Sketch<'a> {
+/// What a generator makes, before it has names and kinds.
+pub struct Builder<'a> {
     slots: &'a [Option<f64>],
     live: bool,
     /// MATs with the index they are called by, in order
-    pub mats: Vec<(Drawn, String)>,
+    pub mats: Vec<(Built, String)>,
     /// links, in order
-    pub links: Vec<DrawnLink>,
-    /// rest positions of the MATs drawn, from that of the item \[m\]; none on a line
+    pub links: Vec<LinkSpec>,
+    /// rest positions of the MATs, from that of the item \[m\]; none on a line
     pub places: Vec<[f64; 3]>,
-    /// initial velocities of the MATs drawn \[m/s\]; none where all are at rest
+    /// initial velocities of the MATs \[m/s\]; none where all are at rest
     pub speeds: Vec<[f64; 3]>,
     /// nodes a moving point may stand between
     pub nodes: Vec<u32>,
     /// their arrangement, `[n, 1]` in a row
     pub size: [u32; 2],
-    /// the string whose junctions the MATs drawn are, if they are
+    /// the string of waves whose junctions the MATs are, if they are
     pub line: Option<Asked>,
 }
 
-impl<'a> Sketch<'a> {
-    /// An empty drawing over the derived numbers; `live` where they may change while playing.
-    pub fn new(slots: &'a [Option<f64>], live: bool) -> Sketch<'a> {
-        Sketch {
+impl<'a> Builder<'a> {
+    /// Nothing yet, over the derived numbers; `live` where they may change while playing.
+    pub fn new(slots: &'a [Option<f64>], live: bool) -> Builder<'a> {
+        Builder {
             slots,
             live,
             mats: Vec::new(),
@@ -193,43 +193,43 @@ impl<'a> Sketch<'a> {
         self.slots.get(i as usize).is_none_or(|v| !self.live && v.unwrap_or(0.0) == 0.0)
     }
 
-    fn mat(&mut self, what: Drawn, index: String) -> u32 {
+    fn mat(&mut self, what: Built, index: String) -> u32 {
         self.mats.push((what, index));
         self.mats.len() as u32 - 1
     }
 
     /// Adds a mass `name[index]` of mass slot `m`, damped to ground by slot `z`.
     pub fn mass(&mut self, index: String, m: u32, z: u32) -> u32 {
-        self.mat(Drawn::Mass(m, z), index)
+        self.mat(Built::Mass(m, z), index)
     }
 
     /// Adds a cell `name[index]` of mass slot `m`, frequency slot `f`, decay slot `t60`.
     pub fn cell(&mut self, index: String, m: u32, f: u32, t60: u32) -> u32 {
-        self.mat(Drawn::Cell(m, f, t60), index)
+        self.mat(Built::Cell(m, f, t60), index)
     }
 
     /// Adds a fixed point `name[index]` where a mass would be.
-    pub fn held(&mut self, index: String) -> u32 {
-        self.mat(Drawn::Held, index)
+    pub fn fixed(&mut self, index: String) -> u32 {
+        self.mat(Built::Fixed, index)
     }
 
     /// Adds a fixed point `name.end[i]`.
-    pub fn tip(&mut self) -> u32 {
-        self.mat(Drawn::Tip, String::new())
+    pub fn anchor(&mut self) -> u32 {
+        self.mat(Built::Anchor, String::new())
     }
 
     /// Adds a link `name.link[i]` of stiffness slot `k` and viscosity slot `z`.
     pub fn link(&mut self, a: u32, b: u32, k: u32, z: u32) {
-        self.links.push(DrawnLink { ends: [a, b], k, z, l0: None });
+        self.links.push(LinkSpec { ends: [a, b], k, z, l0: None });
     }
 
     /// Adds a link of rest length `l0` \[m\].
     pub fn stretched(&mut self, a: u32, b: u32, k: u32, z: u32, l0: f64) {
-        self.links.push(DrawnLink { ends: [a, b], k, z, l0: Some(l0) });
+        self.links.push(LinkSpec { ends: [a, b], k, z, l0: Some(l0) });
     }
 
     /// Declares the points a moving point `name@s` may stand between, as `size[0] × size[1]` nodes.
-    pub fn walkable(&mut self, nodes: Vec<u32>, size: [u32; 2]) {
+    pub fn set_path(&mut self, nodes: Vec<u32>, size: [u32; 2]) {
         self.nodes = nodes;
         self.size = size;
     }

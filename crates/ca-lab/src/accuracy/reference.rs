@@ -1,6 +1,6 @@
 //! What a model should do: by the closed form of its modes, or by itself at a far higher rate.
 //!
-//! Decides for the closed form only where it is the whole truth: everything linear on lines, damping that ties no modes,
+//! Decides for the closed form only where it is all there is: everything linear on lines, damping that ties no modes,
 //! nothing that drives or weighs. Elsewhere three rates, each twice the last, tell the order p at which the model
 //! converges; if it does so as a scheme should, the last two are carried on to rate infinity by (A − B)/(2^p − 1), and that
 //! step is also how well the reference is known. A model that does not converge (chaos, a jump at every tick) is reported: its
@@ -8,9 +8,9 @@
 //! model as written where, at an eighth of that rate, it is known better and the two agree within what they are known to.
 
 use super::Steps;
+use super::methods::{AS_WRITTEN, twin};
 use super::play::{Columns, columns};
 use super::score::apart;
-use super::ways::{AS_WRITTEN, twin};
 use crate::Failure;
 use crate::catalog;
 use crate::load::{self, Loaded};
@@ -31,7 +31,7 @@ pub enum Origin {
 }
 
 /// A reference.
-pub struct Truth {
+pub struct Reference {
     /// what the probes should read, at the samples of the model's own rate
     pub columns: Columns,
     /// of which probe each of them is
@@ -51,21 +51,21 @@ const TIED: f64 = 1e-9;
 const FINE: [&str; 3] = ["newton", "centred", "pefrl"];
 
 /// The best there is for so many samples.
-pub fn truth(
+pub fn reference(
     loaded: &Loaded,
     probes: &[String],
     plain: &Scene,
-    (frames, reference): (usize, u32),
+    (frames, times): (usize, u32),
     steps: &mut Steps,
-) -> Result<Truth, Failure> {
+) -> Result<Reference, Failure> {
     let of = &super::bodies(plain)[..];
     if let Some(columns) = closed(loaded, probes, plain, frames) {
-        return Ok(Truth { columns, of: of.to_vec(), origin: Origin::Modes, method: AS_WRITTEN, known: 1e-12 });
+        return Ok(Reference { columns, of: of.to_vec(), origin: Origin::Modes, method: AS_WRITTEN, known: 1e-12 });
     }
     let mut by = |loaded: &Loaded, method, times| {
         carried(loaded, method, (probes, of), plain.rate, (frames, times), &mut *steps)
     };
-    let few = reference / 8;
+    let few = times / 8;
     let mut best: Option<(Loaded, &'static str, f64)> = None;
     if few >= 4 {
         let pilot = by(loaded, AS_WRITTEN, few)?;
@@ -83,7 +83,7 @@ pub fn truth(
         }
     }
     let (model, method) = best.as_ref().map_or((loaded, AS_WRITTEN), |(twin, method, _)| (twin, method));
-    by(model, method, reference)
+    by(model, method, times)
 }
 
 /// A model at `times` its rate, carried on from there to rate infinity where it converges as a scheme should.
@@ -94,7 +94,7 @@ fn carried(
     rate: f64,
     (frames, times): (usize, u32),
     steps: &mut Steps,
-) -> Result<Truth, Failure> {
+) -> Result<Reference, Failure> {
     let mut at = |times: u32| -> Result<Columns, Failure> {
         let rate = Some(rate * f64::from(times));
         let options = Options { rate, probes: probes.to_vec(), ..Options::default() };
@@ -104,12 +104,12 @@ fn carried(
     let (first, last) = (apart(&coarse, &middle, of), apart(&middle, &fine, of));
     let order = (first / last).log2();
     if !(0.7..=6.0).contains(&order) {
-        return Ok(Truth { columns: fine, of: of.to_vec(), origin: Origin::Open(times), method, known: last });
+        return Ok(Reference { columns: fine, of: of.to_vec(), origin: Origin::Open(times), method, known: last });
     }
     let step = 1.0 / (order.exp2() - 1.0);
     let carry = |(f, m): (&Vec<f64>, &Vec<f64>)| f.iter().zip(m).map(|(f, m)| f + (f - m) * step).collect();
     let columns = fine.iter().zip(&middle).map(carry).collect();
-    Ok(Truth { columns, of: of.to_vec(), origin: Origin::Rate(times, order), method, known: last * step })
+    Ok(Reference { columns, of: of.to_vec(), origin: Origin::Rate(times, order), method, known: last * step })
 }
 
 /// The motion of the modes at the probes; `None` where they are not all there is.
@@ -156,10 +156,10 @@ fn closed(loaded: &Loaded, probes: &[String], scene: &Scene, frames: usize) -> O
 
 /// Displacement and motion per tick of each mode at load.
 fn start(network: &Network, found: &Modes) -> Vec<(f64, f64)> {
-    let te = network.te;
+    let tick_dt = network.tick_dt;
     let along = |of: &[f64], shape: &[f64]| -> f64 {
-        let places = network.linear.places.iter();
-        places.zip(shape).zip(of).map(|((p, u), x)| u * te * te / p.c * x).sum()
+        let places = network.linear.dofs.iter();
+        places.zip(shape).zip(of).map(|((p, u), x)| u * tick_dt * tick_dt / p.c * x).sum()
     };
-    found.list.iter().map(|m| (along(&network.x, &m.shape), te * along(&network.v, &m.shape))).collect()
+    found.list.iter().map(|m| (along(&network.x, &m.shape), tick_dt * along(&network.v, &m.shape))).collect()
 }

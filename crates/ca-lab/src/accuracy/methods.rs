@@ -1,4 +1,4 @@
-//! The ways to compute a model: methods its modules know, and single precision, at multiples of its rate.
+//! The candidates, ways to compute a model: methods its modules know, and single precision, at multiples of its rate.
 //!
 //! Decides that a method is asked for as an author would, by a word in the model: what the compiler refuses is no way, and
 //! what it would do anyway is no second one.
@@ -41,8 +41,8 @@ const METHODS: [Method; 10] = [
     Method { name: "newton", linear: None, word: Some("newton") },
 ];
 
-/// A way.
-pub struct Way {
+/// A way to compute a model.
+pub struct Candidate {
     /// its name
     pub method: &'static str,
     /// multiple of the rate
@@ -55,7 +55,7 @@ pub struct Way {
     pub single: Option<ca_core_single::Scene>,
 }
 
-impl Way {
+impl Candidate {
     /// Plays it: what its probes read, and the nanoseconds of a sample.
     pub fn play(&self, frames: usize, steps: &mut Steps) -> Result<(Columns, f64), Failure> {
         match &self.single {
@@ -92,11 +92,11 @@ pub fn twin(loaded: &Loaded, name: &str) -> Option<Loaded> {
     Some(Loaded { model, diags: loaded.diags.clone(), name: loaded.name.clone(), clouds: loaded.clouds.clone() })
 }
 
-/// All ways to go.
+/// All there are.
 #[derive(Default)]
-pub struct Ways {
+pub struct Candidates {
     /// those that compile
-    pub all: Vec<Way>,
+    pub all: Vec<Candidate>,
     /// methods that the model cannot take, and why
     pub refused: Vec<(&'static str, String)>,
     /// what the compiler warns of with a method, and not without it
@@ -104,8 +104,8 @@ pub struct Ways {
 }
 
 /// All methods at all multiples of the rate.
-pub fn ways(loaded: &Loaded, probes: &[String], rate: f64, times: &[u32]) -> Ways {
-    let Ways { mut all, mut refused, mut warned } = Ways::default();
+pub fn candidates(loaded: &Loaded, probes: &[String], rate: f64, times: &[u32]) -> Candidates {
+    let Candidates { mut all, mut refused, mut warned } = Candidates::default();
     let mut known: Vec<&'static str> = Vec::new();
     for method in &METHODS {
         let Some(twin) = twin(loaded, method.name) else { continue };
@@ -118,7 +118,7 @@ pub fn ways(loaded: &Loaded, probes: &[String], rate: f64, times: &[u32]) -> Way
                 refused.push((method.name, first.map(|d| d.title.clone()).unwrap_or_default()));
                 break;
             };
-            if all.iter().any(|w: &Way| w.times == *times && same(&w.scene, &scene)) {
+            if all.iter().any(|w: &Candidate| w.times == *times && same(&w.scene, &scene)) {
                 break;
             }
             for d in diags.list.iter().filter(|d| d.severity == Severity::Warning) {
@@ -129,14 +129,20 @@ pub fn ways(loaded: &Loaded, probes: &[String], rate: f64, times: &[u32]) -> Way
                 }
             }
             let audited = load::compiled(&twin, &Options { energy: true, ..options }).0;
-            all.push(Way { method: method.name, times: *times, scene, audited, single: None });
+            all.push(Candidate { method: method.name, times: *times, scene, audited, single: None });
         }
     }
     for times in times {
         let options = Options { rate: Some(rate * f64::from(*times)), probes: probes.to_vec(), ..Options::default() };
         match (single::compiled(loaded, &options), load::compiled(loaded, &options).0) {
             (Ok(scene), Some(double)) => {
-                all.push(Way { method: SINGLE, times: *times, scene: double, audited: None, single: Some(scene) });
+                all.push(Candidate {
+                    method: SINGLE,
+                    times: *times,
+                    scene: double,
+                    audited: None,
+                    single: Some(scene),
+                });
             }
             (Err(why), _) => {
                 refused.push((SINGLE, why));
@@ -145,7 +151,7 @@ pub fn ways(loaded: &Loaded, probes: &[String], rate: f64, times: &[u32]) -> Way
             _ => break,
         }
     }
-    Ways { all, refused, warned }
+    Candidates { all, refused, warned }
 }
 
 /// True where two scenes run the same passes on the same numbers.

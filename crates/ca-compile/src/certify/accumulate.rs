@@ -1,0 +1,99 @@
+//! Accumulate: what pulls at each mass, added up.
+//!
+//! Decides that a method with another limit than 4 is judged as heavier masses would be by the explicit one
+//! ([`crate::net::Resolved::ease`]): `pull` is T²/m times that, and everything compared with 4 goes by it, while rules about
+//! one contact go by T²/m itself.
+
+use crate::certify::negative::Negative;
+use crate::net::worst::{WorstMat, worst_bounds, worst_mats};
+use crate::net::{End, LiaNode, Pruned};
+use alloc::vec::Vec;
+use ca_core::law::Bound;
+
+/// The sums at one MAT, each of h = T²k + 2Tz over T² \[N/m\].
+#[derive(Clone, Copy, Default)]
+pub struct Sums {
+    /// of all links that are certainly there, as steep as that
+    pub certain: f64,
+    /// of all links that may be
+    pub all: f64,
+    /// the same with links between masses counted twice, as in the disc of Gershgorin
+    pub disc: f64,
+    /// of the stiffest that is certainly there
+    pub most: f64,
+    /// of those below 0
+    pub negative: f64,
+    /// true where some of them are radial, so that they act in different directions
+    pub radial: bool,
+    /// T²/m \[m/N\]; 0 of what does not move
+    pub c: f64,
+    /// T²/m by which a sum is compared with the limit 4 \[m/N\]
+    pub pull: f64,
+    /// stiffness of its own \[N/m\]
+    #[cfg_attr(not(feature = "analysis"), allow(dead_code))]
+    pub k: f64,
+    /// viscosity of its own and of its medium \[N per m/tick\]
+    pub z: f64,
+}
+
+impl Sums {
+    fn new(m: WorstMat, ease: f64) -> Sums {
+        let own = m.k + 2.0 * m.z;
+        Sums { certain: own, all: own, disc: own, c: m.c, pull: m.c * ease, k: m.k, z: m.z, ..Sums::default() }
+    }
+}
+
+/// The network as sums.
+pub struct Accumulated {
+    /// of each MAT
+    pub mats: Vec<Sums>,
+    /// of each LIA, at the worst corner of what may change
+    pub links: Vec<Bound>,
+    /// springs between pairs of masses, by sign
+    pub springs: Negative,
+}
+
+/// Adds up.
+pub fn accumulate(net: &Pruned) -> Accumulated {
+    let ease = net.ease();
+    // what is left out does not move
+    let sums = |(m, alive): (WorstMat, &bool)| if *alive { Sums::new(m, ease) } else { Sums::default() };
+    let mut mats: Vec<Sums> = worst_mats(net).into_iter().zip(&net.alive).map(sums).collect();
+    let links = worst_bounds(net);
+    let mut springs = Negative::default();
+    for (l, b) in net.lias.iter().zip(&links) {
+        link(net, l, b, &mut mats);
+        // what is not always there covers nothing
+        if let ([End::Mat(i), End::Mat(j)], false) = (l.ends, b.contact) {
+            springs.add(i, j, b.k);
+        }
+    }
+    Accumulated { mats, links, springs }
+}
+
+fn link(net: &Pruned, l: &LiaNode, b: &Bound, mats: &mut [Sums]) {
+    // an implicit contact is passive whatever it holds, and no part of the linear network; others are judged by rule
+    if l.law.is_late() || (b.contact && !b.linear) {
+        return;
+    }
+    let h = b.h();
+    // of a curve of friction the slope is one that it has somewhere
+    let sure = if b.curve { b.k } else { h };
+    // ends that move: the row of the link at each of them holds so many entries
+    let moving = |ids: &[u32]| ids.iter().any(|m| mats[*m as usize].c > 0.0);
+    let sides: Vec<(End, Vec<u32>)> = l.all_ends().map(|e| (e, net.under(e))).collect();
+    let entries: f64 = sides.iter().map(|(e, under)| if moving(under) { net.reach(*e) } else { 0.0 }).sum();
+    let others = (entries - 1.0).max(0.0);
+    for (end, m) in sides.iter().flat_map(|(end, under)| under.iter().map(move |m| (end, m))) {
+        let s = &mut mats[*m as usize];
+        // what eases the limit is left out of what no mass may pass
+        s.all += if b.lift > 0.0 { h.max(0.0) } else { h };
+        s.disc += h + others * h.abs();
+        if matches!(end, End::Mat(_)) {
+            s.certain += sure;
+            s.most = s.most.max(sure);
+            s.negative += sure.min(0.0);
+            s.radial |= l.is_radial();
+        }
+    }
+}

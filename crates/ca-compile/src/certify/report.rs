@@ -1,0 +1,79 @@
+//! Report: the certificate, and findings that name the module and what would mend it.
+
+use crate::certify::accumulate::Accumulated;
+use crate::certify::blame::{span, unstable};
+use crate::certify::bound::Bounds;
+use crate::certify::decide::Decision;
+use crate::certify::rules::{contacts, devices, frictions};
+use crate::certify::{keys, rigid, ripple};
+use crate::net::{LiaNode, Pruned};
+use alloc::collections::BTreeSet;
+use alloc::format;
+use alloc::string::String;
+use alloc::vec::Vec;
+use ca_core::certificate::{Certificate, FactorVerdict, Level};
+use ca_core::law::Bound;
+use ca_model::Model;
+use ca_model::diag::{Diag, Diags};
+use ca_model::quantity::Plain;
+
+/// Writes down what was decided; `asked` where the largest eigenvalue is wanted.
+pub fn report(
+    model: &Model,
+    net: &Pruned,
+    sums: &Accumulated,
+    bounds: &Bounds,
+    decided: &Decision,
+    asked: bool,
+    diags: &mut Diags,
+) -> Certificate {
+    let exact = decided.exact.as_ref();
+    let mut cert = Certificate {
+        level: decided.level,
+        bound: bounds.upper,
+        lower: bounds.lower,
+        exact: decided.verdict != FactorVerdict::Open,
+        worst: bounds.worst.map(|i| net.mats[i].name.clone()).unwrap_or_default(),
+        not_judged: not_judged(net),
+        ..Certificate::default()
+    };
+    cert.largest = exact.filter(|_| asked).and_then(|e| e.largest(&cert, true));
+    // of what is unstable by itself, that; what is nearest to the limit may owe it to what is not certainly there
+    let blamed = bounds.cause.filter(|_| bounds.lower >= 4.0).or(bounds.worst);
+    match (cert.level, blamed) {
+        (Level::Unstable, Some(i)) => diags.push(match exact {
+            Some(e) if decided.verdict == FactorVerdict::Unstable => e.blame(model, net, &sums.links, i, &cert),
+            _ => unstable(model, net, sums, i),
+        }),
+        (Level::NotProven, _) => diags.push(not_proven(model, net, bounds, &cert)),
+        _ => {}
+    }
+    cert.ripple = ripple::ripple(net, exact, &cert);
+    rigid::rigid(model, net, diags);
+    let held = |l: &LiaNode, b: &Bound| exact.filter(|_| decided.few)?.mobility(net, l, b);
+    contacts(model, net, sums, held, &mut cert, diags);
+    frictions(model, net, sums, held, &mut cert, diags);
+    devices(model, net, &sums.links, diags);
+    cert.keys = keys::keys(net, &sums.links);
+    cert
+}
+
+fn not_proven(model: &Model, net: &Pruned, bounds: &Bounds, cert: &Certificate) -> Diag {
+    let why = if bounds.covered {
+        format!("the bounds allow up to {:.3}, the limit is 4", Plain(bounds.upper))
+    } else {
+        "some spring is negative and not covered by those beside it".into()
+    };
+    let mut d = Diag::warning("W107", format!("stability is not proven: {why}"));
+    if let Some(i) = bounds.worst {
+        d = d.at(span(model, net, net.mats[i].item), "nearest to the limit");
+    }
+    let help = "it may well be stable; to be sure, lower the stiffness and viscosity at";
+    d.help(format!("{help} `{}`, make it heavier, or raise the sound rate", cert.worst))
+}
+
+/// Items of which some mass is left out, since nothing hears it. Masses whose modes stand for them are heard.
+fn not_judged(net: &Pruned) -> Vec<String> {
+    let items: BTreeSet<u32> = net.unheard.iter().map(|m| net.mats[*m as usize].item).collect();
+    items.into_iter().map(|i| net.items[i as usize].name.clone()).collect()
+}

@@ -1,0 +1,162 @@
+//! What every law promises, tested by its traits and not by its name: force and energy agree, dampers only resist, a
+//! contact is silent where it says so, and a cheaper law is the same law.
+
+use crate::numbers;
+use ca_core::kind::{Kind, Need, Role, Type};
+use ca_core::op::law::{Fixed, Law};
+use ca_core::table::Table;
+
+const DT: f64 = 1.0 / 48_000.0;
+
+/// A table that only returns, as stiffness, and only resists, as friction.
+fn tables(law: &Law) -> Vec<Table> {
+    let points: Vec<[f64; 2]> = (-20..=20).map(|i| [0.05 * f64::from(i), 3.0 * f64::from(i)]).collect();
+    let mut all = vec![Table::new(&points).unwrap()];
+    all.extend(law.table.map(|make| make()));
+    all
+}
+
+/// Parameters of a kind as somebody might write them, drawn for what is a plain number.
+fn drawn(kind: &Kind, next: &mut impl FnMut() -> f64) -> Vec<Option<f64>> {
+    let one = |p: &ca_core::kind::Param, v: f64| match p.ty {
+        Type::Number { min, max, .. } => Some((0.1 + v).clamp(min, max.min(1e3))),
+        Type::PowerStiffness { .. } => Some(10.0 + 100.0 * v),
+        Type::Points { .. } => Some(0.0),
+        Type::Choice(_) | Type::Flag | Type::Count { .. } => match p.need {
+            Need::Default(d) => Some(d),
+            _ => None,
+        },
+        _ => None,
+    };
+    kind.params
+        .iter()
+        .map(|p| match p.name {
+            // a multiple of a quarter
+            "p" => Some(1.5),
+            // a damper and a threshold small enough that both sides of a contact are met
+            "z" | "d" => one(p, 0.0).map(|v| 0.1 * v),
+            "rho" => Some(0.5),
+            _ => one(p, next()),
+        })
+        .collect()
+}
+
+/// Every law of the catalog with drawn parameters: its coefficients, and the tables it reads.
+fn each(mut visit: impl FnMut(&Kind, &'static Law, &[Option<f64>], &[f64], &[Table])) {
+    let mut next = numbers(7);
+    let mut met = 0;
+    for kind in ca_core::phi::KINDS {
+        let Role::Lia(law) = kind.role else { continue };
+        let tables = tables(law);
+        for _ in 0..20 {
+            let mut values = drawn(kind, &mut next);
+            // a table of the law's own is handed over after the last parameter
+            values.extend(law.table.map(|_| Some(1.0)));
+            let c = law.loaded(&values, DT);
+            assert!(c.iter().all(|c| c.is_finite() || c.is_nan()), "{}: {c:?}", kind.code);
+            visit(kind, law, &values, &c, &tables);
+        }
+        met += 1;
+    }
+    assert!(met >= 10, "{met} laws");
+}
+
+#[test]
+fn force_is_the_slope_of_the_stored_energy() {
+    let mut checked = 0;
+    each(|kind, law, _, c, tables| {
+        // what remembers has no potential that is known from the elongation alone
+        if law.mem > 0 {
+            return;
+        }
+        let h = 1e-6;
+        for i in -40..40 {
+            let e = 0.011 * f64::from(i) + 0.0037;
+            let stored = |e: f64| (law.stored)(c, &[], tables, e, e);
+            let slope = (stored(e + h) - stored(e - h)) / (2.0 * h);
+            let force = (law.force)(c, &mut [], tables, e, 0.0);
+            let scale = force.abs().max(slope.abs()).max(1.0);
+            assert!((force - slope).abs() < 1e-4 * scale, "{} at {e}: force {force}, slope {slope}", kind.code);
+            checked += 1;
+        }
+    });
+    assert!(checked > 8_000, "{checked}");
+}
+
+#[test]
+fn what_hangs_on_motion_only_resists() {
+    each(|kind, law, _, c, tables| {
+        for (i, w) in (-20..20).flat_map(|i| [-1e-4, -1e-6, 1e-6, 1e-4].map(|w| (i, w))) {
+            let e = 0.021 * f64::from(i) + 0.0037;
+            let mut mem = law.started(c, e);
+            let still = (law.force)(c, &mut mem.clone(), tables, e, 0.0);
+            let moving = (law.force)(c, &mut mem, tables, e, w);
+            // F > 0 pulls together, and w > 0 goes apart
+            assert!((moving - still) * w >= 0.0, "{} at {e}, {w}: {still} to {moving}", kind.code);
+        }
+    });
+}
+
+#[test]
+fn a_contact_is_silent_where_it_says_so() {
+    let mut contacts = 0;
+    each(|kind, law, _, c, tables| {
+        let (from, to) = (law.idle)(c);
+        if !law.contact {
+            assert!(from > to, "{} is no contact and idles from {from} to {to}", kind.code);
+            return;
+        }
+        contacts += 1;
+        for i in -50..50 {
+            let e = 0.01 * f64::from(i) + 0.0013;
+            let force = (law.force)(c, &mut [], tables, e, 1e-5);
+            assert_eq!(force != 0.0, !(from..=to).contains(&e), "{} at {e}: {force} N", kind.code);
+        }
+    });
+    assert!(contacts >= 40, "{contacts}");
+}
+
+#[test]
+fn slopes_are_within_the_bound() {
+    each(|kind, law, _, c, tables| {
+        let b = (law.bound)(c, tables);
+        if b.hardens || law.mem > 0 {
+            return;
+        }
+        let h = 1e-7;
+        for i in -40..40 {
+            let e = 0.011 * f64::from(i) + 0.0037;
+            let at = |e: f64, w: f64| (law.force)(c, &mut [], tables, e, w);
+            let (k, z) = ((at(e + h, 0.0) - at(e - h, 0.0)) / (2.0 * h), at(e, h) / h - at(e, 0.0) / h);
+            let room = 1e-4 * (1.0 + b.k.abs() + b.z.abs());
+            assert!(k <= b.k + room, "{} at {e}: k {k} above {}", kind.code, b.k);
+            assert!(z <= b.z + room || !b.linear, "{} at {e}: z {z} above {}", kind.code, b.z);
+        }
+    });
+}
+
+#[test]
+fn a_cheaper_law_is_the_same_law() {
+    let mut cheaper = 0;
+    each(|kind, law, values, _, tables| {
+        // with each number in turn at nothing
+        for k in 0..kind.params.len() {
+            if !matches!(kind.params[k].ty, Type::Number { .. }) {
+                continue;
+            }
+            let mut values = values.to_vec();
+            values[k] = Some(0.0);
+            let fixed: Vec<Fixed> = values.iter().map(|v| v.map_or(Fixed::Absent, Fixed::At)).collect();
+            let Some(simple) = (law.simpler)(&fixed) else { continue };
+            let (c, s) = (law.loaded(&values, DT), simple.loaded(&values, DT));
+            for i in -10..10 {
+                let (e, w) = (0.02 * f64::from(i) + 0.003, 1e-5 * f64::from(i % 3));
+                let was = (law.force)(&c, &mut law.started(&c, e), tables, e, w);
+                let is = (simple.force)(&s, &mut simple.started(&s, e), tables, e, w);
+                assert!((was - is).abs() <= 1e-12 * was.abs(), "{} as {}: {was} and {is}", kind.code, simple.code);
+            }
+            cheaper += 1;
+        }
+    });
+    assert!(cheaper >= 20, "{cheaper}");
+}
