@@ -73,6 +73,9 @@ out = { from = "key" }
 "#;
 
 /// One key of the TGR, with whatever a test changes.
+///
+/// # Panics
+/// Where the profile is not shipped any more.
 pub fn profile(change: impl FnOnce(&mut Profile)) -> Profile {
     let mut profile = Profile::shipped("tgr12").unwrap_or_else(|| panic!("no profile `tgr12`"));
     profile.dof = 1;

@@ -88,6 +88,9 @@ fn network(model: &Model, catalog: &Catalog, options: &Options) -> Result<(Prune
 
 /// A number that stands in another text than a model, such as the plan of a sweep: in SI, read and judged as one of a
 /// model that has no parameters; `what` names it in what is said.
+///
+/// # Errors
+/// With one finding, where it is no such number or out of range.
 pub fn measured(e: &Entry, unit: Unit, range: (f64, f64), what: &str) -> Result<f64, Diags> {
     let mut diags = Diags::new();
     let v = values::Values::new(None, &mut diags).constant(e, unit, range, what);
@@ -95,6 +98,9 @@ pub fn measured(e: &Entry, unit: Unit, range: (f64, f64), what: &str) -> Result<
 }
 
 /// The linear part of a model at load, for its modes.
+///
+/// # Errors
+/// All findings, sorted, with an error among them; also where the numbers are beyond computing.
 #[cfg(feature = "analysis")]
 pub fn linear(model: &Model, catalog: &Catalog, options: &Options) -> Result<crate::analysis::Network, Diags> {
     let (net, mut diags) = network(model, catalog, options)?;

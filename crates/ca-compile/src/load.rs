@@ -33,6 +33,9 @@ pub fn load(text: &str, file: &str, catalog: &Catalog, options: &Options) -> (Mo
 }
 
 /// Compiles a model that was read, perhaps changed by [`Model::set`], with what the reader found.
+///
+/// # Errors
+/// All findings, sorted, with an error among them.
 pub fn finish(model: &Model, found: Diags, catalog: &Catalog, options: &Options) -> Result<Compiled, Diags> {
     if found.is_full() {
         return Err(found);

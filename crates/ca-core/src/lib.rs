@@ -9,10 +9,16 @@
 //! lock, no call of the system, the same bits on every processor. The halves of a tick are public ([`compute_forces`] and
 //! [`integrate`]): a device gets the force of this tick before any mass moves, so the one-sample delay stays one sample.
 //!
-//! What is here: the elements ([`mat`], [`phi`], [`io`]) with the [records](kind) that describe them, the passes ([`op`]),
-//! the integration [`method`]s, the [rate boundary](border), the energy [`ledger`], and [live changes](live). What is not:
-//! nothing reads a file or a text, and nothing here makes a scene. Models are read by `ca-model` and compiled by
-//! `ca-compile`; a program adds `cordis-anima`, which is both with files and sound.
+//! Where to go:
+//! - to play: [`Scene`], [`State`], [`mod@tick`]; parameters that change meanwhile, [`live`]; what was stored, lost and
+//!   received, [`ledger`]; how stable it is, [`certificate`]; a model in the hand, [`equivalence`];
+//! - to add a kind: its record, [`kind`]; a law, [`law`] and [`phi`]; a MAT, [`mat`]; a port, [`io`]; what makes many
+//!   modules, [`builder`] and [`choice!`](crate::choice);
+//! - to compile: the arrays, [`layout`]; the passes, [`op`]; how they are solved, [`method`], [`ldl`], [`verlet`]; the rate
+//!   boundary, [`border`]; the first tick, [`start`].
+//!
+//! What is not here: nothing reads a file or a text, and nothing makes a scene. Models are read by `ca-model` and compiled
+//! by `ca-compile`; a program adds `cordis-anima`, which is both with files and sound.
 //!
 //! A tick computes with [`real::Real`]: `f64` in `ca-core`, and `f32` in `ca-core-single`, which is these files under
 //! another name. Features: `std` (default) finds the widest instructions of the machine at run time.
@@ -41,10 +47,10 @@ pub mod live;
 pub mod mat;
 pub mod method;
 pub mod op;
-pub mod param;
+mod param;
 pub mod phi;
 pub mod plain;
-pub mod problem;
+mod problem;
 pub mod real;
 pub mod scene;
 pub mod start;

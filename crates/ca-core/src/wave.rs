@@ -95,6 +95,9 @@ fn problem<T>(param: &'static str, title: impl Into<alloc::string::String>, help
 }
 
 /// Brings a string into tune, with junctions of these `masses` \[kg\], at a tick of `tick_dt` \[s\].
+///
+/// # Errors
+/// Where no delay line has this pitch and decay, with the parameter to change.
 pub fn tune(asked: &Asked, masses: &[f64], tick_dt: f64) -> Result<Tuned, Problem> {
     let dies = || problem("t60", "it dies out before it has swung once", "use a longer `t60`");
     if asked.f * asked.t60 < 0.25 {

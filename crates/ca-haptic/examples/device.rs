@@ -15,6 +15,9 @@ const Z: f64 = 2.0;
 const DT: f64 = 0.001;
 
 /// Runs a finger for some frames. Returns the line it prints.
+///
+/// # Errors
+/// Where the name is taken, or the shared memory cannot be made.
 pub fn run(name: &str, frames: u64) -> Result<String, HostError> {
     let mut about = About {
         low: [-0.02; DOF],

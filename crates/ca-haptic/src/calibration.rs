@@ -46,6 +46,9 @@ pub struct Calibration {
 
 impl Calibration {
     /// Reads a calibration. `file` is named in errors.
+    ///
+    /// # Errors
+    /// With the line, where the text is no calibration or a number is out of bounds.
     pub fn read(text: &str, file: &str) -> Result<Calibration, FileError> {
         let bad = |what: String| FileError::new(FileErrorKind::Content, format!("{file}: {what}"));
         let c: Calibration = toml::from_str(text).map_err(|e| bad(e.to_string().trim_end().into()))?;

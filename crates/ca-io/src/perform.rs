@@ -66,6 +66,9 @@ pub struct Performance<'a> {
 impl<'a> Performance<'a> {
     /// Plays `scene` by its built-in gesture; tracks of `gesture` take the place of built-in ones of the same name.
     /// A track that drives neither a port nor a live parameter is an error that names what could be driven.
+    ///
+    /// # Errors
+    /// Where the gesture moves what the scene does not have, or beyond its bounds.
     pub fn new(scene: &'a Scene, gesture: Option<&Gesture>) -> Result<Performance<'a>, FileError> {
         let mut p = Performance {
             scene,

@@ -35,6 +35,9 @@ pub struct ProbeOut {
 
 impl ProbeOut {
     /// Begins a `.npy` or `.csv` file of these quantities, `rate` \[Hz\] frames a second from time 0.
+    ///
+    /// # Errors
+    /// Where the file cannot be written.
     pub fn create(path: impl AsRef<Path>, names: &[&str], rate: f64) -> Result<ProbeOut, FileError> {
         let path = path.as_ref();
         let ext = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
@@ -62,6 +65,9 @@ impl ProbeOut {
     }
 
     /// Appends whole frames, one value of each quantity per frame.
+    ///
+    /// # Errors
+    /// Where the disk takes no more.
     pub fn write(&mut self, frames: &[f64]) -> Result<(), FileError> {
         if !frames.len().is_multiple_of(self.columns) {
             let what = format!("{} values are no whole frames of {}", frames.len(), self.columns);
@@ -79,6 +85,9 @@ impl ProbeOut {
     }
 
     /// Completes the file, puts it in its place and says how many frames it has.
+    ///
+    /// # Errors
+    /// Where the disk takes no more; the file is then removed.
     pub fn finish(mut self) -> Result<u64, FileError> {
         let mut done = self.out.flush();
         if matches!(self.kind, Kind::Npy) && self.staged.is_plain() {

@@ -115,6 +115,9 @@ pub struct WavOut {
 
 impl WavOut {
     /// Begins the file at `path`: `rate` \[Hz\], a whole number; 1 to [`MAX_CHANNELS`] channels.
+    ///
+    /// # Errors
+    /// Where the file cannot be made, or a WAV cannot have this rate or so many channels.
     pub fn create(path: impl AsRef<Path>, rate: f64, channels: usize, format: Format) -> Result<WavOut, FileError> {
         let path = path.as_ref();
         if !(1.0..=1e6).contains(&rate) || rate.fract() != 0.0 {
@@ -147,6 +150,9 @@ impl WavOut {
     }
 
     /// Appends whole frames of interleaved samples.
+    ///
+    /// # Errors
+    /// Where the disk takes no more, or the file would be larger than a WAV can be.
     pub fn write(&mut self, frames: &[f64]) -> Result<(), FileError> {
         let n = self.written.level.peak.len();
         if !frames.len().is_multiple_of(n) {
@@ -179,6 +185,9 @@ impl WavOut {
     }
 
     /// Completes the file and puts it in its place.
+    ///
+    /// # Errors
+    /// Where the disk takes no more; the file is then removed.
     pub fn finish(self) -> Result<Written, FileError> {
         let WavOut { writer, staged, written, .. } = self;
         writer.finalize().map_err(|e| failed(&written.path, &e))?;

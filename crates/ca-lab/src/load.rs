@@ -23,11 +23,17 @@ pub fn bundled(name: &str) -> Option<&'static str> {
 }
 
 /// The text of a MIMS file, in whatever way it was saved.
+///
+/// # Errors
+/// Where the file cannot be read.
 pub fn mims_text(path: &Path) -> Result<String, Failure> {
     Ok(loaded::mims_text(path)?)
 }
 
 /// The text of a file of ours, or why not.
+///
+/// # Errors
+/// Where the file cannot be read, is too large or no text.
 pub fn text(path: &Path) -> Result<String, Failure> {
     Ok(loaded::text(path)?)
 }

@@ -107,6 +107,9 @@ pub fn is_name(text: &str) -> bool {
 /// assert_eq!((s.name.as_str(), s.part, s.index), ("low", Part::Link, Index::One(-1)));
 /// assert_eq!(s.to_string(), "low.link[-1]");
 /// ```
+///
+/// # Errors
+/// Where the text is no selector, with the character at fault.
 pub fn parse(text: &str) -> Result<Selector, SelectError> {
     let lead = text.len() - text.trim_start().len();
     let whole = text.trim();

@@ -43,6 +43,9 @@ pub struct DeviceClient {
 
 impl DeviceClient {
     /// Opens the lines of the device that `about` names ([`About::device`]); session and header are filled in here.
+    ///
+    /// # Errors
+    /// Where the name is none or is taken, the shared memory is not ours or too small, or iceoryx2 refuses.
     pub fn open(site: &Site, about: About) -> Result<DeviceClient, HostError> {
         let name = text(&about.device);
         check_name(&name)?;
@@ -99,6 +102,9 @@ impl DeviceClient {
     /// ([`DeviceClient::safe_force`], [`DeviceClient::force`]), the time and, where 0, the period; on the wire also why
     /// there is no force, where the frame gives no reason of its own. Returns how many read it; 0 is no error, the engine
     /// may come later.
+    ///
+    /// # Errors
+    /// Where iceoryx2 refuses; a frame that nobody reads is no error.
     pub fn send(&mut self, frame: &mut DeviceFrame) -> Result<usize, HostError> {
         let now = now_ns();
         if now.saturating_sub(self.reported) >= EVERY_NS {

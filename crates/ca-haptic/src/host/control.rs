@@ -111,6 +111,9 @@ pub struct ControlServer {
 
 impl ControlServer {
     /// Opens it. Another server at this place is an error; one that was killed is not.
+    ///
+    /// # Errors
+    /// Where another server has the place, or the shared memory cannot be made.
     pub fn open(site: &Site) -> Result<ControlServer, HostError> {
         super::stale_shm::strangers(site)?;
         within(site, room::CONTROL, LIMIT, ControlServer::made)
@@ -189,6 +192,9 @@ fn fits(length: usize) -> bool {
 }
 
 /// Asks the server of this place, and waits for its answer at most this long.
+///
+/// # Errors
+/// Where nobody answers within `patience`, or more than one server is there.
 pub fn ask(site: &Site, request: &Request, patience: Duration) -> Result<Reply, HostError> {
     super::stale_shm::strangers(site)?;
     let text = serde_json::to_vec(request).map_err(|e| HostError::system("a request cannot be written", e))?;

@@ -100,6 +100,9 @@ pub struct Gateway {
 
 impl Gateway {
     /// Opens the lines of these devices. Another server that has one of them is an error; one that was killed is not.
+    ///
+    /// # Errors
+    /// Where a name is none or is taken, or the shared memory cannot be made.
     pub fn open<S: AsRef<str>>(site: &Site, names: &[S]) -> Result<Gateway, HostError> {
         super::stale_shm::strangers(site)?;
         let names: Vec<String> = names.iter().map(|n| n.as_ref().into()).collect();
@@ -235,6 +238,9 @@ impl Gateway {
 
     /// Opens the lines in a thread of their own, where they stay, and runs there.
     /// Asks the system for `wish`; what it granted is in [`Running::granted`].
+    ///
+    /// # Errors
+    /// As [`Gateway::open`], or where no thread can be started.
     pub fn start<S: AsRef<str>>(site: &Site, names: &[S], mut rings: Rings, wish: Wish) -> Result<Running, HostError> {
         let (site, names): (Site, Vec<String>) = (site.clone(), names.iter().map(|n| n.as_ref().into()).collect());
         let stop = Arc::new(AtomicBool::new(false));
@@ -296,6 +302,9 @@ impl Drop for Running {
 
 /// Every device that speaks at this place, within this time: most answer within a few milliseconds, a device that sends
 /// seldom within a second.
+///
+/// # Errors
+/// Where the shared memory cannot be opened.
 pub fn list_devices(site: &Site, patience: Duration) -> Result<Vec<About>, HostError> {
     within(site, room::LOOK, LIMIT + patience, move |site| said(site, patience))
 }

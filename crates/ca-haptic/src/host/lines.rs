@@ -56,6 +56,9 @@ impl Line {
 }
 
 /// Whether a device can have this name: 1 to 16 letters, digits, `_`, `-`, `.`
+///
+/// # Errors
+/// Where it is another one.
 pub fn check_name(name: &str) -> Result<(), HostError> {
     let plain = name.bytes().all(|b| b.is_ascii_alphanumeric() || matches!(b, b'_' | b'-' | b'.'));
     if (1..=16).contains(&name.len()) && plain {

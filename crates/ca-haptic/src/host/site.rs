@@ -59,6 +59,9 @@ pub struct Swept {
 
 impl Site {
     /// The place of this user: `CA_SHM_ROOT`, or `/tmp/ca-<uid>`.
+    ///
+    /// # Errors
+    /// Where the folder is of somebody else, a symbolic link, or cannot be made.
     pub fn of_user() -> Result<Site, HostError> {
         match std::env::var_os("CA_SHM_ROOT") {
             Some(root) if !root.is_empty() => Site::at(Path::new(&root)),
@@ -67,6 +70,9 @@ impl Site {
     }
 
     /// A place of one's own, made if it is not there.
+    ///
+    /// # Errors
+    /// As [`Site::of_user`], or where the path is too long.
     pub fn at(root: &Path) -> Result<Site, HostError> {
         let bad =
             |what: &str, fix: &str| HostError::new(HostErrorKind::Site, format!("`{}` {what}", root.display()), fix);

@@ -198,6 +198,9 @@ shipped!(
 
 impl Profile {
     /// Reads a profile. `file` is named in errors.
+    ///
+    /// # Errors
+    /// With the line and its bounds, for the first entry that is none.
     pub fn read(text: &str, file: &str) -> Result<Profile, FileError> {
         let bad = |what: String| FileError::new(FileErrorKind::Content, format!("{file}: {what}"));
         let p: Profile = toml::from_str(text).map_err(|e| bad(e.to_string().trim_end().into()))?;

@@ -148,6 +148,9 @@ impl<T> Drop for AsyncSink<T> {
 
 impl<T: Sink + Send + 'static> AsyncSink<T> {
     /// Moves a sink to a thread of this name, which asks the system for `wish`.
+    ///
+    /// # Errors
+    /// Where no thread can be started.
     pub fn start(name: &str, mut sink: T, room: Room, wish: Wish) -> Result<(SinkHandle, AsyncSink<T>), FileError> {
         let (to, from) = channel();
         let (tell, granted) = channel();
@@ -196,6 +199,9 @@ impl<T: Sink + Send + 'static> AsyncSink<T> {
     }
 
     /// The sink, once everything handed over is written; none where it failed and the recorder has reported it.
+    ///
+    /// # Errors
+    /// Why the sink failed, if nobody has been told.
     pub fn end(mut self) -> Result<Option<T>, FileError> {
         // where it failed nobody listens any more
         let _ = self.to.send(Message::End);

@@ -332,6 +332,9 @@ impl Recorder {
     }
 
     /// Sets several live parameters \[SI\] in one tick. Nothing changes where one of them is refused.
+    ///
+    /// # Errors
+    /// In words, for the first parameter that is none or out of range; nothing has changed then.
     pub fn set(&mut self, values: &[(String, f64)]) -> Result<(), String> {
         let mut controls = self.controls.clone();
         let mut change = Change::default();
@@ -352,6 +355,9 @@ impl Recorder {
     }
 
     /// Arms or disarms a device, or all. A model that diverged is loaded again first.
+    ///
+    /// # Errors
+    /// In words, where there is no such device or the engine takes no order.
     pub fn order(&mut self, device: Option<&str>, order: Order) -> Result<(), String> {
         let which = match device {
             None => None,
@@ -376,11 +382,17 @@ impl Recorder {
     }
 
     /// Device number `which` is what `setup` says from the next gesture frame on.
+    ///
+    /// # Errors
+    /// In words, where the engine takes no order.
     pub fn refit(&mut self, which: u32, setup: Setup) -> Result<(), String> {
         self.command(EngineCommand::Refit(Box::new(Refit::new(&self.scene, which, setup))))
     }
 
     /// The scene as at load, with all parameters as at load, and forces off.
+    ///
+    /// # Errors
+    /// In words, where the engine takes no order.
     pub fn reload(&mut self) -> Result<(), String> {
         self.command(EngineCommand::Reload(Box::new(self.scene.state())))?;
         self.controls = self.scene.controls();

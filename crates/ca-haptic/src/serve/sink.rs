@@ -19,26 +19,41 @@ pub trait Sink {
         None
     }
     /// Something happened.
+    ///
+    /// # Errors
+    /// Where it cannot be written any more; the sink is then left out.
     fn record(&mut self, record: &Record) -> Result<(), FileError> {
         let _ = record;
         Ok(())
     }
     /// Sound, interleaved, the first of it at `tick`. It never comes before the records of what made it.
+    ///
+    /// # Errors
+    /// Where it cannot be written any more; the sink is then left out.
     fn sound(&mut self, tick: u64, frames: &[f64]) -> Result<(), FileError> {
         let _ = (tick, frames);
         Ok(())
     }
     /// A picture: displacement \[m\] of every place of the state, as it was before `tick`.
+    ///
+    /// # Errors
+    /// Where it cannot be written any more; the sink is then left out.
     fn view(&mut self, tick: u64, x: &[f64]) -> Result<(), FileError> {
         let _ = (tick, x);
         Ok(())
     }
     /// Once a second.
+    ///
+    /// # Errors
+    /// Where it cannot be written any more; the sink is then left out.
     fn snapshot(&mut self, snapshot: &StatsSnapshot) -> Result<(), FileError> {
         let _ = snapshot;
         Ok(())
     }
     /// Something people should know.
+    ///
+    /// # Errors
+    /// Where it cannot be written any more; the sink is then left out.
     fn said(&mut self, happened: &Happened) -> Result<(), FileError> {
         let _ = happened;
         Ok(())

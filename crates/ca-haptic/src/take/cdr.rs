@@ -234,6 +234,9 @@ pub fn fields(schema: &str) -> Vec<Field> {
 }
 
 /// Values of a field, as text for people; exact.
+///
+/// # Errors
+/// Where the bytes end before the field does.
 pub fn show(field: &Field, r: &mut In) -> Result<Vec<String>, FileError> {
     let read = |r: &mut In| -> Option<Vec<String>> {
         if field.kind == Kind::Text {

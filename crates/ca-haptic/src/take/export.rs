@@ -20,6 +20,9 @@ use std::path::Path;
 const HEADER: usize = 1024;
 
 /// Writes the sound of a take to a WAV file of 32-bit floats; stretches that are missing are silent.
+///
+/// # Errors
+/// Where the take holds no sound, or the file cannot be written.
 pub fn sound(take: &Take, to: impl AsRef<Path>) -> Result<Written, FileError> {
     let channels = take.header.channels.len();
     let mut out = WavOut::create(to, take.header.rate, channels, Format::F32)?;
@@ -34,6 +37,9 @@ pub fn sound(take: &Take, to: impl AsRef<Path>) -> Result<Written, FileError> {
 }
 
 /// Writes an attachment of a take, by its name, to a file. Returns its size.
+///
+/// # Errors
+/// Where there is no such attachment, or the file cannot be written.
 pub fn attachment(take: &Take, name: &str, to: impl AsRef<Path>) -> Result<u64, FileError> {
     let to = to.as_ref();
     for item in Source::open(&take.path)? {
@@ -53,6 +59,9 @@ pub fn attachment(take: &Take, name: &str, to: impl AsRef<Path>) -> Result<u64, 
 }
 
 /// Writes a topic of ours to a `.csv` or `.npy` file. Returns the number of messages.
+///
+/// # Errors
+/// Where there is no such topic, a message is not of its schema, or the file cannot be written.
 pub fn messages(take: &Take, topic: &str, to: impl AsRef<Path>) -> Result<u64, FileError> {
     let to = to.as_ref();
     let ext = to.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);

@@ -14,6 +14,9 @@ use ca_io::gesture::{Gesture, Track};
 use std::path::Path;
 
 /// The gesture in the take at `path`.
+///
+/// # Errors
+/// Where the file is no take, or has no positions of devices.
 pub fn gesture(path: impl AsRef<Path>, catalog: &Catalog) -> Result<Gesture, FileError> {
     let path = path.as_ref();
     let take = Take::open(path)?;

@@ -118,6 +118,9 @@ impl Header {
     }
 
     /// The model that was played, changes applied, with what its reader found.
+    ///
+    /// # Errors
+    /// Where a file of the model is missing in the take.
     pub fn model(&self, catalog: &Catalog) -> Result<(Model, Diags), FileError> {
         let mdl = self.file.to_ascii_lowercase().ends_with(".mdl");
         let (mut model, found) =
@@ -131,6 +134,9 @@ impl Header {
     }
 
     /// The scene that was played, compiled again.
+    ///
+    /// # Errors
+    /// Where the model does not compile.
     pub fn scene(&self, catalog: &Catalog) -> Result<Compiled, FileError> {
         let (model, found) = self.model(catalog)?;
         let compiled = ca_compile::load::finish(&model, found, catalog, &self.options).map_err(|d| {
@@ -145,6 +151,9 @@ impl Header {
     }
 
     /// The engine that played it, at rest.
+    ///
+    /// # Errors
+    /// Where the model does not compile, or has other devices than the take.
     pub fn engine(&self, catalog: &Catalog) -> Result<Engine, FileError> {
         let scene = Arc::new(self.scene(catalog)?.scene);
         let ports = self.setups.iter().map(|s| Port::new(&scene, s.clone())).collect();

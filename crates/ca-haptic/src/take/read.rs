@@ -56,6 +56,9 @@ pub struct Take {
 
 impl Take {
     /// Opens the take at `path`, finished or not.
+    ///
+    /// # Errors
+    /// Where the file cannot be read or is no take; one that was cut is read as far as it goes.
     pub fn open(path: impl AsRef<Path>) -> Result<Take, FileError> {
         let path = path.as_ref();
         let name = |e: FileError| e.file(path.display());
@@ -84,6 +87,9 @@ impl Take {
     }
 
     /// What happened, in order.
+    ///
+    /// # Errors
+    /// Where the file cannot be read again.
     pub fn events(&self) -> Result<Events, FileError> {
         let mut ports = HashMap::new();
         for (k, s) in self.header.setups.iter().enumerate() {

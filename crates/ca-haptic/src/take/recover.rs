@@ -29,6 +29,9 @@ pub struct Recovered {
 }
 
 /// Copies what is whole of the file `from` to `to`.
+///
+/// # Errors
+/// Where nothing of it can be read, or the new file cannot be written.
 pub fn recover(from: impl AsRef<Path>, to: impl AsRef<Path>) -> Result<Recovered, FileError> {
     let (from, to) = (from.as_ref(), to.as_ref());
     let mut source = Source::open(from)?;

@@ -93,6 +93,9 @@ pub struct Replay {
 
 impl Replay {
     /// The engine of a take, at rest.
+    ///
+    /// # Errors
+    /// As [`Header::engine`](super::Header::engine).
     pub fn new(take: &Take, catalog: &Catalog) -> Result<Replay, FileError> {
         let engine = take.header.engine(catalog).map_err(|e| e.file(take.path.display()))?;
         Ok(Replay {
@@ -110,6 +113,9 @@ impl Replay {
 
     /// Replays all of `take`. `each` sees every gesture frame: the engine at its end, before the masses of the last
     /// tick move, and then the sound of the frame. The engine stays as it ended.
+    ///
+    /// # Errors
+    /// Where the take cannot be read, or what `each` returns.
     pub fn run(
         &mut self,
         take: &Take,

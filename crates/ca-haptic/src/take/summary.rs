@@ -62,6 +62,9 @@ pub struct Summary {
 
 impl Take {
     /// Goes through all of it.
+    ///
+    /// # Errors
+    /// Where the file cannot be read again.
     pub fn summary(&self) -> Result<Summary, FileError> {
         let mut source = Source::open(&self.path)?;
         let mut topics: BTreeMap<String, Topic> = BTreeMap::new();

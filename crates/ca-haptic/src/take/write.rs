@@ -104,6 +104,9 @@ pub struct TakeWriter {
 
 impl TakeWriter {
     /// Begins the file at `path` with all a replay needs. A file that exists is left alone.
+    ///
+    /// # Errors
+    /// Where the file cannot be written.
     pub fn create(path: impl AsRef<Path>, header: &Header, scene: &Scene) -> Result<TakeWriter, FileError> {
         let path = path.as_ref().to_owned();
         let file = File::options().write(true).create_new(true).open(&path).map_err(|e| {
@@ -169,6 +172,9 @@ impl TakeWriter {
     }
 
     /// Writes one thing that happened.
+    ///
+    /// # Errors
+    /// Where the disk takes no more.
     pub fn record(&mut self, record: &Record) -> Result<(), FileError> {
         match *record {
             Record::Device { port, ref frame } => self.device(port as usize, frame),
@@ -270,6 +276,9 @@ impl TakeWriter {
     }
 
     /// Writes sound, interleaved, the first of it at `tick`. What is missing before it is counted.
+    ///
+    /// # Errors
+    /// Where the disk takes no more.
     pub fn sound(&mut self, tick: u64, samples: &[f64]) -> Result<(), FileError> {
         let channels = self.header.channels.len();
         if channels == 0 {
@@ -306,6 +315,9 @@ impl TakeWriter {
     }
 
     /// Draws the scene, given the displacements of its state.
+    ///
+    /// # Errors
+    /// Where the disk takes no more.
     pub fn view(&mut self, tick: u64, x: &[f64]) -> Result<(), FileError> {
         let (masses, scene) = self.picture.draw(self.header.time(tick), x);
         views::bytes(&mut self.data, &masses);
@@ -315,12 +327,18 @@ impl TakeWriter {
     }
 
     /// Writes how the real-time thread does.
+    ///
+    /// # Errors
+    /// Where the disk takes no more.
     pub fn stats(&mut self, rt: &Rt) -> Result<(), FileError> {
         cdr::body(&mut self.data, rt);
         self.put(self.ids.rt, rt.tick)
     }
 
     /// Writes words about `name`.
+    ///
+    /// # Errors
+    /// Where the disk takes no more.
     pub fn log(&mut self, tick: u64, level: Level, name: &str, message: &str) -> Result<(), FileError> {
         let message = views::words(self.header.time(tick), level, name, message);
         views::bytes(&mut self.data, &message);
@@ -343,6 +361,9 @@ impl TakeWriter {
 
     /// Completes the file: its index, and everything on the disk. Of the records, sound samples and views that found no
     /// room in all, those that were not reported where they are missing are reported at the end.
+    ///
+    /// # Errors
+    /// Where the disk takes no more; what was written stays readable.
     pub fn finish(mut self, lost: [u64; 3]) -> Result<Finished, FileError> {
         self.sound_block()?;
         let [records, samples, views] = std::array::from_fn(|k| lost[k].saturating_sub(self.lost[k]));

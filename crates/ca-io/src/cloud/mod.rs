@@ -32,6 +32,9 @@ struct Drawing {
 }
 
 /// Reads a `.ply`, `.obj` or `.csv` file.
+///
+/// # Errors
+/// Where the file cannot be read, has another extension, or is not of the format its extension says.
 pub fn open(path: impl AsRef<Path>) -> Result<Cloud, FileError> {
     let path = path.as_ref();
     let ext = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
@@ -79,6 +82,9 @@ pub fn write_obj(cloud: &Cloud) -> String {
 }
 
 /// Reads a cloud from the text of an OBJ file.
+///
+/// # Errors
+/// With the line, where the text is no OBJ.
 pub fn read_obj(text: &[u8]) -> Result<Cloud, FileError> {
     obj::read(text).and_then(|d| cloud(&d))
 }

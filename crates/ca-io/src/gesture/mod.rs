@@ -72,6 +72,9 @@ pub struct Gesture {
 
 impl Gesture {
     /// A gesture of these tracks, whose names must differ.
+    ///
+    /// # Errors
+    /// Where a track has no name, or two have the same.
     pub fn new(tracks: Vec<Track>) -> Result<Gesture, FileError> {
         for (i, t) in tracks.iter().enumerate() {
             if t.name().is_empty() {
@@ -89,6 +92,9 @@ impl Gesture {
     ///
     /// `ports` says how MIDI moves the model (unused by other formats); `rate` \[Hz\] is for arrays without a `time` of
     /// their own.
+    ///
+    /// # Errors
+    /// Where the file cannot be read or is larger than a gesture may be, or as [`Gesture::read`].
     pub fn open(path: impl AsRef<Path>, ports: &[PortMap], rate: Option<f64>) -> Result<Gesture, FileError> {
         let path = path.as_ref();
         let format = GestureFormat::of(path).ok_or_else(|| {
@@ -102,6 +108,9 @@ impl Gesture {
     }
 
     /// Reads a gesture from memory; errors name no file.
+    ///
+    /// # Errors
+    /// Where the bytes are not of the format, with the line or field, or `rate` is given for a format that has its own.
     pub fn read(
         format: GestureFormat,
         bytes: &[u8],

@@ -31,6 +31,9 @@ pub struct Track {
 
 impl Track {
     /// A track through breakpoints (time \[s\], value). Times may repeat (a jump) but not run backwards.
+    ///
+    /// # Errors
+    /// Where there is no point, time runs backwards, or a number is not finite.
     pub fn points(name: impl Into<String>, points: Vec<(f64, f64)>) -> Result<Track, FileError> {
         let name = name.into();
         let err = |i: usize, what: String| Err(FileError::content(what).at(format!("track `{name}`, point {i}")));
@@ -52,6 +55,9 @@ impl Track {
     }
 
     /// A track of samples, the first at time 0, at `rate` \[Hz\].
+    ///
+    /// # Errors
+    /// Where the rate is no rate, there is no sample, or one is not finite.
     pub fn sampled(name: impl Into<String>, rate: f64, samples: Vec<f64>) -> Result<Track, FileError> {
         let name = name.into();
         check_rate(rate)?;

@@ -24,6 +24,9 @@ pub fn is_quantity(text: &str) -> bool {
 /// assert_eq!(parse("20 g").unwrap().value, 0.02);
 /// assert_eq!(parse("20 gr").unwrap_err().hint.as_deref(), Some("g"));
 /// ```
+///
+/// # Errors
+/// Where the text is no number with a unit, with the characters at fault.
 pub fn parse(text: &str) -> Result<Quantity, QuantityError> {
     let mut s = Scan { text, at: 0 };
     s.blanks();
