@@ -75,7 +75,7 @@ fn a_model_is_reported_whole() {
     // what the outputs hear, in the words of the model, and the key
     let motion = names(page.plot("displacement"));
     assert!(motion.contains(&"key") && motion.len() == 3, "{motion:?}");
-    assert!(names(page.plot("energy")).starts_with(&["held", "of it in motion", "lost"]));
+    assert!(names(page.plot("energy")).starts_with(&["stored", "of it in motion", "lost"]));
     assert!(page.weight() < 300_000, "{} bytes beside the sound", page.weight());
     // the first modes are marked where they are heard
     let j = desk.ca(&["modes", "struck.ca.toml", "--json"]).is(0).json();

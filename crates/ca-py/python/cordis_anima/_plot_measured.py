@@ -37,7 +37,7 @@ def energy(ledger: Render | Energy, ax: Axes | None = None) -> Axes:
     >>> from cordis_anima import plot
     >>> ax = plot.energy(ca.load("hammered_string").render(1.0, energy=True))
     >>> [text.get_text() for text in ax.get_yticklabels()]
-    ['start', 'work of ports', 'heat', 'made by the scheme', 'changed parameters', 'residual', 'stored at the end']
+    ['start', 'work of ports', 'heat', 'error of the scheme', 'changed parameters', 'residual', 'stored at the end']
     """
     e = ledger.energy if isinstance(ledger, Render) else ledger
     if e is None:
@@ -47,7 +47,7 @@ def energy(ledger: Render | Energy, ax: Axes | None = None) -> Axes:
         ("start", 0.0, e.start, STOCK),
         ("work of ports", e.start, e.work, ""),
         ("heat", e.start + e.work, -e.lost, ""),
-        ("made by the scheme", e.start + e.work - e.lost, e.made, ""),
+        ("error of the scheme", e.start + e.work - e.lost, e.made, ""),
         ("changed parameters", e.start + e.work - e.lost + e.made, e.changed, ""),
         ("residual", e.stored - e.residual, e.residual, DUST),
         ("stored at the end", 0.0, e.stored, STOCK),

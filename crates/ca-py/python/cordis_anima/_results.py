@@ -85,7 +85,7 @@ class Energy(NamedTuple):
     kinetic: float
     #: heat
     lost: float
-    #: made by the scheme in non-linear links; 0 where all is linear
+    #: error of the scheme in non-linear links; 0 where all is linear
     made: float
     #: received from ports
     work: float
@@ -99,7 +99,7 @@ class Energy(NamedTuple):
     seconds: float
     #: heat of each link
     lost_by: Mapping[str, float]
-    #: energy made by each link
+    #: error of the scheme at each link
     made_by: Mapping[str, float]
     #: work received from each port
     work_by: Mapping[str, float]
