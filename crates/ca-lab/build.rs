@@ -1,4 +1,5 @@
-//! Lists the models of the folder `models/`, which are built in.
+//! Lists the models of the folder `models/`, a link to that of the workspace so that a source archive holds them; they are
+//! built in.
 //!
 //! Decides for twenty lines here instead of a crate that embeds folders: a model is known by its name without
 //! `.ca.toml`, in alphabetical order, and a new file needs no other line anywhere.
@@ -9,7 +10,7 @@ use std::path::Path;
 use std::{env, fs};
 
 fn main() {
-    let folder = Path::new(&env::var("CARGO_MANIFEST_DIR").unwrap_or_default()).join("../../models");
+    let folder = Path::new(&env::var("CARGO_MANIFEST_DIR").unwrap_or_default()).join("models");
     println!("cargo:rerun-if-changed={}", folder.display());
     let mut files: Vec<(String, String)> = fs::read_dir(&folder)
         .into_iter()
@@ -20,6 +21,7 @@ fn main() {
             Some((name, fs::canonicalize(f.path()).ok()?.to_str()?.to_owned()))
         })
         .collect();
+    assert!(!files.is_empty(), "no models in {}", folder.display());
     files.sort();
     let mut list =
         String::from("/// The bundled models: name and text, by name.\npub static BUNDLED: &[(&str, &str)] = &[\n");

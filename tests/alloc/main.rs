@@ -5,6 +5,7 @@
 #![allow(unsafe_code)]
 
 mod audio;
+mod callback;
 mod engine;
 mod large;
 mod live;

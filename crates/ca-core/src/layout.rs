@@ -130,7 +130,7 @@ pub enum Heard {
     Position(u32),
     /// summed force on a MAT
     ForceOn(u32),
-    /// force of a LIA, at this index into [`State::tap`]
+    /// force of a LIA, at this index of [`State::tap`]
     ForceOf(u32),
 }
 

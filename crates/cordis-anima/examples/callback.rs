@@ -1,6 +1,9 @@
 //! A scene inside the callback of an audio interface, of whatever library: it fills a block of floats, allocates nothing,
 //! and takes changes of live parameters from another thread through a channel of fixed size.
 
+// what fails here is a defect of the example
+#![allow(clippy::missing_panics_doc)]
+
 use cordis_anima::ca_core::live::{Controls, Patch};
 use cordis_anima::{Loaded, Options, Scene, State, tick};
 use std::sync::Arc;
@@ -16,7 +19,7 @@ out = { from = "bar", gain = 500 }
 "#;
 
 /// What the callback owns.
-struct Voice {
+pub struct Voice {
     scene: Arc<Scene>,
     state: State,
     changes: Receiver<Patch>,
@@ -26,7 +29,7 @@ struct Voice {
 
 impl Voice {
     /// The callback: mono, any length.
-    fn fill(&mut self, block: &mut [f32]) {
+    pub fn fill(&mut self, block: &mut [f32]) {
         while let Ok(patch) = self.changes.try_recv() {
             // over 64 samples, so that nothing clicks
             self.state.apply(&patch, 64);
@@ -39,23 +42,42 @@ impl Voice {
     }
 }
 
+/// What the rest of the program keeps.
+pub struct Panel {
+    controls: Controls,
+    to_voice: SyncSender<Patch>,
+    from_voice: Receiver<Patch>,
+}
+
+impl Panel {
+    /// Moves the pitch, and frees what the callback has done with.
+    pub fn pitch(&mut self, hertz: f64) {
+        let patch = self.controls.set("pitch", hertz).expect("a live parameter");
+        self.to_voice.send(patch).expect("the voice is there");
+        while self.from_voice.try_recv().is_ok() {}
+    }
+}
+
+/// A voice for the callback, and the panel that plays it.
+pub fn voice() -> (Voice, Panel) {
+    let compiled = Loaded::read(BAR, "bar.ca.toml").compile(&Options::default()).expect("it compiles");
+    let scene = Arc::new(compiled.scene);
+    let ((to_voice, changes), (used, from_voice)) = (sync_channel(16), sync_channel(16));
+    let panel = Panel { controls: scene.controls(), to_voice, from_voice };
+    (Voice { state: scene.state(), scene, changes, used }, panel)
+}
+
 /// Plays a second in blocks of 128, as an audio interface would ask for them; half-way the pitch goes up a fifth.
 /// Returns the sound.
 fn play() -> Vec<f32> {
-    let compiled = Loaded::read(BAR, "bar.ca.toml").compile(&Options::default()).expect("it compiles");
-    let scene = Arc::new(compiled.scene);
-    let mut controls: Controls = scene.controls();
-    let ((to_voice, changes), (used, from_voice)) = (sync_channel(16), sync_channel(16));
-    let mut voice = Voice { state: scene.state(), scene: scene.clone(), changes, used };
+    let (mut voice, mut panel) = voice();
     let (mut sound, mut block) = (Vec::new(), [0.0; 128]);
     for n in 0..375 {
         if n == 187 {
-            let patch = controls.set("pitch", 330.0).expect("a live parameter");
-            to_voice.send(patch).expect("the voice is there");
+            panel.pitch(330.0);
         }
         voice.fill(&mut block);
         sound.extend_from_slice(&block);
-        while from_voice.try_recv().is_ok() {}
     }
     sound
 }

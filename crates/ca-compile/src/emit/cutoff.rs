@@ -27,10 +27,11 @@ fn cutoff(net: &Pruned, o: &OutNode) -> Option<f64> {
     written.or_else(own).filter(|f| *f > 0.0)
 }
 
-/// Outputs without a high pass, then those with one.
+/// Outputs without a high pass, by channel and in each in their order, then those with one.
 pub fn plain_first(net: &Pruned) -> impl Iterator<Item = &OutNode> {
-    let with = |yes: bool| net.outs.iter().filter(move |o| cutoff(net, o).is_some() == yes);
-    with(false).chain(with(true))
+    let (mut plain, passed): (Vec<&OutNode>, Vec<_>) = net.outs.iter().partition(|o| cutoff(net, o).is_none());
+    plain.sort_by_key(|o| o.channel);
+    plain.into_iter().chain(passed)
 }
 
 /// The high passes, in that order: bilinear, so −3 dB exactly at the cut-off.

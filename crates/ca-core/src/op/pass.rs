@@ -141,11 +141,18 @@ pub fn share(op: &Op, layout: &Layout, s: &mut State) {
     }
 }
 
-/// Outputs of this tick.
+/// Outputs of this tick, channel by channel as the compiler sorts them: a sum in a register waits for itself alone, one in
+/// memory for what was written there.
 pub fn outputs(op: &Op, layout: &Layout, s: &mut State) {
     s.output.fill(0.0);
-    for (k, o) in layout.outputs[..op.n].iter().enumerate() {
-        s.output[o.channel as usize] += wide(s.coef[op.coef + k] * heard(o, s));
+    let mut gains = op.coef..op.coef + op.n;
+    for of_channel in layout.outputs[..op.n].chunk_by(|a, b| a.channel == b.channel) {
+        let channel = of_channel[0].channel as usize;
+        let mut sum = s.output[channel];
+        for (o, gain) in of_channel.iter().zip(&mut gains) {
+            sum += wide(s.coef[gain] * heard(o, s));
+        }
+        s.output[channel] = sum;
     }
 }
 

@@ -37,7 +37,7 @@ pub use views::Level;
 pub use write::{Finished, TakeWriter};
 
 /// The layout that goes with every take, for Foxglove and Lichtblick.
-const LAYOUT: &str = include_str!("../../../../layouts/ca-foxglove.json");
+const LAYOUT: &str = include_str!("../../layouts/ca-foxglove.json");
 
 /// Names of topics.
 pub mod topic {

@@ -124,7 +124,7 @@ fn the_layouts_name_what_there_is() {
         (schema.encoding.clone(), String::from_utf8_lossy(&schema.data).into_owned())
     };
     let read = |name: &str| std::fs::read_to_string(crate::desk::from_root(name)).unwrap();
-    let json: serde_json::Value = serde_json::from_str(&read("layouts/ca-foxglove.json")).unwrap();
+    let json: serde_json::Value = serde_json::from_str(&read("crates/ca-haptic/layouts/ca-foxglove.json")).unwrap();
     let mut named: Vec<(String, String)> = Vec::new();
     for (id, panel) in json["configById"].as_object().unwrap() {
         assert!(json["layout"].to_string().contains(id.as_str()), "{id} is nowhere");
@@ -134,7 +134,7 @@ fn the_layouts_name_what_there_is() {
         }
         named.extend(panel["topics"].as_object().into_iter().flatten().map(|t| (t.0.clone(), String::new())));
     }
-    let xml = read("layouts/ca-plotjuggler.xml");
+    let xml = read("crates/ca-haptic/layouts/ca-plotjuggler.xml");
     for curve in xml.split("<curve name=\"").skip(1) {
         let curve = curve.split('"').next().unwrap();
         let (topic, field) = curve.rsplit_once('/').unwrap();

@@ -1,0 +1,21 @@
+//! The callback of the example allocates nothing, as its header says.
+
+#[allow(dead_code)]
+#[path = "../../crates/cordis-anima/examples/callback.rs"]
+mod example;
+
+use crate::CALLS;
+
+#[test]
+fn the_callback_of_the_example_allocates_nothing() {
+    let (mut voice, mut panel) = example::voice();
+    let mut block = [0.0; 128];
+    for n in 0..100 {
+        // the panel may allocate, the callback may not: changes come in between
+        panel.pitch(200.0 + f64::from(n));
+        let before = CALLS.get();
+        voice.fill(&mut block);
+        assert_eq!(CALLS.get(), before, "block {n}");
+    }
+    assert!(block.iter().any(|s| s.abs() > 1e-3), "it is heard");
+}
