@@ -200,6 +200,12 @@ fn what_grows_slowly_grows() {
     assert_eq!(agrees(10_563_041_860_083_404_182).map(|(level, _)| level), Some(Level::Unstable));
 }
 
+/// A free mass beside implicit links, whose explicit part holds nothing: the largest eigenvalue is 0, and not a number near it.
+#[test]
+fn where_nothing_pulls_it_is_nothing() {
+    assert_eq!(agrees(9_302_555_187_871_637_248).map(|(level, _)| level), Some(Level::Proven));
+}
+
 #[test]
 fn the_drawn_networks_are_of_every_kind() {
     let seen: Vec<(Level, bool)> = (1..200u64).filter_map(|i| agrees(i.wrapping_mul(0x2545_f491_4f6c_dd1d))).collect();

@@ -71,7 +71,8 @@ impl Pencil {
         Some(Factor { llt, roots: self.roots.clone() })
     }
 
-    /// Bounds of the largest eigenvalue, `digits` apart or nearer, from bounds that are known.
+    /// Bounds of the largest eigenvalue, `digits` apart or nearer, from bounds that are known; 0 and 0 where nothing pulls but
+    /// what eases.
     pub fn largest(&self, lower: f64, upper: f64, digits: f64) -> (f64, f64) {
         let (mut low, mut high) = (lower.max(0.0), upper.max(lower));
         // what was taken for a bound may be one of other dofs than those looked at
@@ -80,6 +81,10 @@ impl Pencil {
         }
         while high < 1e300 && self.below(high).is_none() {
             (low, high) = (high, (2.0 * high).max(1e-300));
+        }
+        // masses that are free, beside links whose explicit part is negative
+        if low == 0.0 && self.below(f64::MIN_POSITIVE).is_some() {
+            return (0.0, 0.0);
         }
         while high - low > digits * high {
             // halves of the exponent while they are decades apart
