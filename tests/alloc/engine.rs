@@ -78,7 +78,7 @@ fn an_engine_allocates_nothing() {
                     let why = CAUSES[(n / 500) as usize % CAUSES.len()];
                     e.command(EngineCommand::Order(Some(0), if t < 500 { Order::Disarm } else { Order::Trip(why) }));
                 }
-                // the model blows up, and is loaded again
+                // the model diverges, and is loaded again
                 if t == 2800 {
                     let last = e.state.x.len() - 1;
                     e.state.x[last] = if n < 6000 { 1e9 } else { f64::NAN };

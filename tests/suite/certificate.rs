@@ -375,7 +375,7 @@ fn tension_holds_sideways() {
     }
 }
 
-/// A bow that is steep chatters and does not blow up: nobody says it would.
+/// A bow that is steep chatters and does not diverge: nobody says it would.
 #[test]
 fn a_steep_bow_is_reported_and_not_called_unstable() {
     let s = scene(

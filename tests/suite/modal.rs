@@ -85,7 +85,7 @@ fn a_string_is_exact() {
             scene.left_out
         );
     }
-    // the explicit scheme is far off, and blows up where modes do not
+    // the explicit scheme is far off, and diverges where modes do not
     let off = rel_l2(&play(&scene(&string("ca", 0.25, 0.0, "")), 4800)[0], &exact(0.25, 0.0, 12, 4800));
     assert!(off > 1e-2, "{off}");
     assert_eq!(scene(&string("ca", 25.0, 1e-4, "")).certificate.level, Level::Unstable);

@@ -1,6 +1,6 @@
 //! Contacts: a ball that meets a wall once, at any phase of a tick.
 //!
-//! Decides on energy over one bounce rather than on growth over many: the explicit contact does not blow up by a linear
+//! Decides on energy over one bounce rather than on growth over many: the explicit contact does not diverge by a linear
 //! instability, it makes energy or takes it, and how much depends on the phase (docs/numerics.md §3.2). Undamped, the
 //! bounce is known in closed form; damped, there is a rule on one side and a proof on the other, and between them
 //! nothing is said.

@@ -139,7 +139,7 @@ impl Played {
                     _ => {}
                 }
             }
-            assert!(state.is_sound(DIVERGED), "it blows up");
+            assert!(state.is_sound(DIVERGED), "it diverges");
         })
     }
 }

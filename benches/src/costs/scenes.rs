@@ -1,4 +1,4 @@
-//! What is priced in the tick: the energy ledger, checks, filters, live parameters, gauges, contacts, methods, LPR, waves
+//! What is priced in the tick: the energy ledger, checks, filters, live parameters, measures, contacts, methods, LPR, waves
 //! and ports, each in a scene of many of them.
 
 use super::{Also, CostRow, Played, Run, Without};

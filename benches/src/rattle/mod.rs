@@ -79,7 +79,7 @@ pub struct Fared {
     pub seconds: f64,
 }
 
-/// Plays the rattle for `seconds`, or until it blows up, with the energy ledger kept.
+/// Plays the rattle for `seconds`, or until it diverges, with the energy ledger kept.
 pub fn fares(a: f64, method: &str, seed: u64, seconds: f64) -> Fared {
     let scene = built(a, method, seed, true);
     let mut s = scene.state();

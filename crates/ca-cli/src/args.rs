@@ -179,7 +179,7 @@ pub enum Border {
 /// The model is played by its built-in gesture, or by files: CSV, NPY, WAV or MIDI, whose tracks are named like the
 /// ports and live parameters they drive. The same model, gesture and options give the same bits on every machine. The
 /// length is `--seconds`, else `seconds` of the model, else the gesture and 2 s more, at least 3 s. Samples beyond
-/// full scale are cut off and counted; a model that blows up is silenced, and the guilty module named: both finish
+/// full scale are cut off and counted; a model that diverges is silenced, and the guilty module named: both finish
 /// with exit code 3.
 #[derive(Args)]
 #[command(after_long_help = "Examples:

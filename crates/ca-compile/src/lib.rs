@@ -1,9 +1,9 @@
 //! The scene compiler: from what the author wrote to what runs, leaving out what the scene does not need.
 //!
 //! ```text
-//!          lower              connect            passes                 certify          emit
-//! Model ─ units, ranges, ─ Pruned: ends of links, ─ methods, cheaper laws, ─ a bound on ─ order, arrays, ─ Scene
-//!         parameters           taps of outputs    what nobody hears        stability     passes
+//! Model ─ lower ─ Resolved ─ connect ─ Wired ─ passes ─ Pruned ─ certify ─ emit ─ Scene
+//!         units, ranges,     ends of links,    methods,          bounds on stability;
+//!         parameters         taps of outputs   cheaper laws      order, arrays, passes
 //! ```
 //! Decides on one network of plain records between model and scene: every pass reads and rewrites that, and all of them
 //! push findings into one list, so an author sees everything at once. The folders are in the order of work, and each

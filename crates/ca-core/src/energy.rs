@@ -1,4 +1,4 @@
-//! The energy ledger: what is stored, lost, received and made, per module, every tick.
+//! The energy ledger: what is stored, lost and received, and the error of the scheme, per module, every tick.
 //!
 //! Decides to keep the exact discrete identity of the scheme (docs/numerics.md §2) rather than an estimate: for linear
 //! modules the ledgers balance to rounding, so the residual is a test of the engine; for any other link the difference

@@ -82,7 +82,7 @@ pub trait Phi<const C: usize, const M: usize> {
         0.0
     }
 
-    /// Energy held between two ticks \[J\] (docs/numerics.md §2.2); linear laws override it with the exact product
+    /// Energy stored between two ticks \[J\] (docs/numerics.md §2.2); linear laws override it with the exact product
     /// form.
     fn stored(c: &[Real; C], mem: &[Real; M], tables: &[Table], e0: Real, e1: Real) -> Real {
         0.5 * (Self::potential(c, mem, tables, e0) + Self::potential(c, mem, tables, e1))
@@ -99,7 +99,7 @@ pub trait Phi<const C: usize, const M: usize> {
 
 /// The force of a link: coefficients, memory, tables, elongation, change of elongation per tick.
 pub type Force = fn(&[Real], &mut [Real], &[Table], Real, Real) -> Real;
-/// Energy held by a link: coefficients, memory, tables, elongations before and after.
+/// Energy stored by a link: coefficients, memory, tables, elongations before and after.
 pub type Stored = fn(&[Real], &[Real], &[Table], Real, Real) -> Real;
 /// Heat of a link: coefficients, memory, tables, the elongations before, at and after the tick.
 pub type Lost = fn(&[Real], &[Real], &[Table], [Real; 3]) -> Real;

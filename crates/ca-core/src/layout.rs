@@ -299,9 +299,9 @@ pub struct LinkForce {
     pub coef: [u32; 3],
     /// index into [`State::tap`]
     pub tap: Option<u32>,
-    /// what its elongation is of the indices into [`ImplicitLinks::places`]: number and weight
+    /// entries of its elongation: index into [`ImplicitLinks::places`], and weight
     pub moving: Vec<(u32, Real)>,
-    /// the same of slots in the state that no force moves
+    /// the same for slots in the state that no force moves
     pub fixed: Vec<(u32, Real)>,
 }
 

@@ -12,8 +12,8 @@
 //! Where to go:
 //! - to play: [`Scene`], [`State`], [`mod@tick`]; parameters that change meanwhile, [`live`]; what was stored, lost and
 //!   received, [`ledger`]; how stable it is, [`certificate`]; a model in the hand, [`equivalence`];
-//! - to add a kind: its record, [`kind`]; a law, [`law`] and [`phi`]; a MAT, [`mat`]; a port, [`io`]; what makes many
-//!   modules, [`builder`] and [`choice!`](crate::choice);
+//! - to add a kind: its record, [`kind`]; a law, [`law`] and [`phi`]; a MAT, [`mat`]; a port, [`io`]; a generator,
+//!   [`builder`]; a parameter that is one of several words, [`choice!`](crate::choice);
 //! - to compile: the arrays, [`layout`]; the passes, [`op`]; how they are solved, [`method`], [`ldl`], [`verlet`]; the rate
 //!   boundary, [`border`]; the first tick, [`start`].
 //!

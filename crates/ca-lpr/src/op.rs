@@ -1,6 +1,6 @@
 //! The op of an LPR: two ports measured, one law, one force pulled at both.
 //!
-//! Decides for the sum of two gauges rather than a law of four positions: the law sees an elongation and its change as
+//! Decides for the sum of two elongations rather than a law of four positions: the law sees an elongation and its change as
 //! everywhere, so energy and stability need nothing of their own, and a port that is held leaves the plain link. The
 //! kernel is made once for each law and each pair of worlds: space and a line, space and space, a line and a line.
 //! Contacts are not looked at before they are measured, as those of two ends in space are: the sign of a sum is known

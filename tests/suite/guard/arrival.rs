@@ -9,7 +9,7 @@ use ca_haptic::guard::input::FrameVerdict;
 /// Frames until the scene has a device that stands 8 mm away: the travel of 20 mm takes a second.
 const WAY: u32 = 1200;
 
-/// Location still at 8 mm while the scene goes there: no faster than it should, no force before.
+/// Stands still at 8 mm while the scene goes there: no faster than it should, no force before.
 fn met(rig: &mut Rig, x: f64) {
     let most = 0.02 * TE;
     let mut last = rig.engine.state.input[0];

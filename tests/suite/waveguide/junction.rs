@@ -27,7 +27,7 @@ fn g02_any_spring_is_passive() {
             assert_eq!(s.certificate.level, Level::Proven, "{r} {m}");
             within("G02 radius", (radius(&poles(&s)) - 1.0).abs(), tolerance);
         }
-        // below, nothing is promised; and where not even what the waves give back could hold it, that it blows up
+        // below, nothing is promised; and where not even what the waves give back could hold it, that it diverges
         let s = scene(&sprung(k, &format!(", m = {:e}", 0.99 * least)));
         assert_eq!(s.certificate.level, Level::NotProven, "{r}");
         let s = scene(&sprung(k, &format!(", m = {:e}", 0.5 * least)));

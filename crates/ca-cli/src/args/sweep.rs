@@ -7,7 +7,7 @@ use std::path::PathBuf;
 ///
 /// A plan names a model, what is varied and between which values, and how many runs are drawn; without a number, every
 /// combination is played. Each run has a row: its values, whether it was well, how loud it was, its strongest partial, its
-/// decay, the time it took; a run that blows up or makes no sense is a row too, and says why. Sounds and rows go into a
+/// decay, the time it took; a run that diverges or makes no sense is a row too, and says why. Sounds and rows go into a
 /// folder, in chunks that appear whole or not at all; what is there already is not done again, so the same command goes on
 /// where it was stopped. A run depends on the model, the seed and its number only: any number of threads, machines or parts
 /// gives the same `manifest.parquet`, to the byte.

@@ -88,7 +88,7 @@ fn another_model_is_its_own_reference() {
     assert!(good.clone().all(|r| ns(r) >= ns(best)) && good.count() > 1, "{found:#}");
 }
 
-/// A model that blows up as it is has its row all the same, and is never recommended; methods that it cannot take are
+/// A model that diverges as it is has its row all the same, and is never recommended; methods that it cannot take are
 /// named with the reason.
 #[test]
 fn what_blows_up_is_reported() {

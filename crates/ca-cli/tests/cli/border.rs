@@ -35,7 +35,7 @@ fn check_tells_delays_and_what_a_key_asks_of_a_device() {
     desk.ca(&one).is(0).says(&["the force of the tick", "0.0208 N s/m"]);
 }
 
-/// Substeps ticks: what is reported, and that a render is the plain one, late by the filter, but for what the scheme bends.
+/// Oversampling: what is reported, and that a render is the plain one, late by the filter, but for what the scheme bends.
 #[test]
 fn finer_ticks_are_reported_and_heard() {
     let desk = Desk::new();

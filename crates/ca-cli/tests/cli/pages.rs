@@ -62,7 +62,7 @@ fn bundled_models_have_a_title_and_no_errors() {
         let (name, title) = (model["name"].as_str().unwrap(), model["title"].as_str().unwrap());
         assert!(!title.is_empty());
         desk.ca(&["list", name]).is(0).says(&[title, "ca render"]);
-        // some are there to show what blows up
+        // some are there to show what diverges
         let r = desk.ca(&["check", name, "--json"]);
         assert!(r.code == 0 || r.code == 3, "{name}: {}", r.out);
     }

@@ -132,7 +132,7 @@ fn what_cannot_be_tuned_is_reported() {
     desk.ca(&["tune", "two.ca.toml", "mid=100", "top=300"]).is(1).says(&["`mid`", "one parameter"]);
     no(&["low=A2", "--mode", "40"], 1, &["20 modes"]);
     no(&["low=30 kHz"], 1, &["`low`"]);
-    // what the file says of its parameter holds, and what would blow up is not written
+    // what the file says of its parameter holds, and what would diverge is not written
     no(&["top=5 kHz", "--in-place"], 1, &["`tension`"]);
     no(&["mid=23.9 kHz", "--mode", "19", "--in-place"], 1, &["mid"]);
     desk.ca(&["tune", "hammered_string", "low=A2", "--in-place"]).is(2).says(&["a bundled model is not yours"]);

@@ -81,7 +81,7 @@ fn h15_h16_a_model_that_explodes_leaves_hand_and_ear() {
     let _device = stage.key(&["--script", "hold"]);
     let server = stage.serve("bang.ca.toml", &["--json", "-o", "bang.wav"]);
     // where the machine stood still it diverged before; arming loads it again
-    stage.armed("it blows up with forces on", |mode, cause| {
+    stage.armed("it diverges with forces on", |mode, cause| {
         mode == "fault" && cause == "MODEL_UNSTABLE" && watch.so_far().of(Mode::Ramp).next().is_some()
     });
     let count = watch.count();

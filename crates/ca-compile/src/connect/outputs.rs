@@ -1,4 +1,4 @@
-//! Ears: what outputs and probes hear, and along which axis of what is in space.
+//! Outputs: what outputs and probes hear, and along which axis of what is in space.
 
 use crate::connect::select::{Meaning, Written};
 use crate::connect::wiring::Wiring;

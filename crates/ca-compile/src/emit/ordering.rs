@@ -1,4 +1,4 @@
-//! Number: the order of the MATs in the state. A module's document number and its storage place are different things,
+//! Ordering: the order of the MATs in the state. A module's document number and its storage place are different things,
 //! tied by one permutation.
 //!
 //! Decides to walk along links from each MAT to its next, so that chains stand in a row whatever order they were

@@ -1,4 +1,4 @@
-//! Passes: the lists of what a tick runs, in order. What the scene does not have makes no entry.
+//! Pass list: the lists of what a tick runs, in order. What the scene does not have makes no entry.
 
 use crate::emit::plan::Plan;
 use crate::net::MatRole;

@@ -1,4 +1,4 @@
-//! Pressed: a contact that is pressed together before anything has moved. Of a set, the first of its pairs is reported.
+//! Penetration: a contact that is pressed together before anything has moved. Of a set, the first of its pairs is reported.
 
 use crate::net::{End, LiaNode, Measure, Pruned};
 use alloc::format;

@@ -1,5 +1,5 @@
-//! The network between model and scene, in the three states it goes through. A field can only be read where it is filled:
-//! each state holds the one before and reads as it.
+//! The network between model and scene, in the three states it goes through. What a state adds is not there before it:
+//! each state holds the one before and reads as it. Links of generators are made with their MATs; `connect` adds the others.
 //!
 //! ```text
 //! lower ─ Resolved ─ connect ─ Wired ─ passes: prune ─ Pruned ─ certify, emit

@@ -1,4 +1,4 @@
-//! Turns: which of the implicit links may be solved by themselves, and which are computed together.
+//! Solve order: which of the implicit links may be solved by themselves, and which are computed together.
 //!
 //! A link that counts on the motion all other forces would cause is right only if no other link of its kind changes
 //! that motion. Decides by counting at every place that moves, so a row of contacts between separate pairs stays a row

@@ -1,4 +1,5 @@
-//! MeasureKind: what a port measures of its two ends, and how a force goes back to them.
+//! Measure: what a port measures of its two ends, and how a force goes back to them. Which one a port has is
+//! [`MeasureKind`].
 //!
 //! Decides that a law never sees positions: a measure turns the two ends into an elongation and its change per tick, and
 //! the scalar force of the law back into forces on the ends, along the gradient of that elongation, so power in equals

@@ -62,7 +62,7 @@ class Diagnostic:
     """One finding about a model.
 
     Attributes:
-        code: e.g. ``E013``; ``docs/diagnostics`` has them all.
+        code: e.g. ``E013``; ``ca explain`` prints its page.
         severity: ``error``, ``warning`` or ``note``.
         message: one line that stands by itself.
         file: the name of the model's file.

@@ -134,7 +134,7 @@ def accuracy(accuracy: Accuracy, ax: Axes | None = None) -> Axes:
     """Error against the time of one sample [ns]: a line for each method, through the multiples of the sound rate.
 
     Full dots are beaten by nothing in both, and have names as far as there is room. Errors less than the reference is
-    known by stand where it is known; what blows up is named in the legend.
+    known by stand where it is known; what diverges is named in the legend.
 
     >>> import cordis_anima as ca
     >>> from cordis_anima import plot
@@ -151,7 +151,7 @@ def accuracy(accuracy: Accuracy, ax: Axes | None = None) -> Axes:
         of = np.array([m == method for m in accuracy.method])
         at = np.flatnonzero(of & finite)
         lost = ", ".join(f"×{t}" for t in accuracy.times[of & ~finite])
-        name = f"{method} ({lost} blows up)" if lost else method
+        name = f"{method} ({lost} diverges)" if lost else method
         ax.plot(accuracy.ns[at], error[at], "-o", lw=0.8, ms=6, color=colour, mfc="white", label=name)
     best = np.flatnonzero(accuracy.front & finite)
     for i in best:

@@ -202,7 +202,7 @@ class Scene:
                 their rate, or files; or a file (CSV, NPY, WAV, MIDI, a take) whose tracks are called by them.
             probes: selectors to listen to besides: ``"low[3]"``, ``"strike"``, ``"low[*]"``.
             energy: keep the energy ledger; a little slower.
-            on_unstable: ``"raise"`` for an `UnstableError` where it blows up; else silence from there on.
+            on_unstable: ``"raise"`` for an `UnstableError` where it diverges; else silence from there on.
             progress: called now and then with how many frames of how many are done.
 
         Raises:

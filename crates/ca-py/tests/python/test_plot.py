@@ -225,7 +225,7 @@ def test_accuracy_is_error_over_time() -> None:
         at = [k for k in range(len(a)) if a.method[k] == method and np.isfinite(a.error[k])]
         assert np.array_equal(x, a.ns[at]) and np.array_equal(y, np.maximum(a.error[at], a.known))
         blows_up = len(at) < 2
-        assert line.get_label() == (f"{method} (×1 blows up)" if blows_up else method)
+        assert line.get_label() == (f"{method} (×1 diverges)" if blows_up else method)
     full = ax.lines[len(methods) :]
     assert {line.get_xdata()[0] for line in full} == set(a.ns[a.front]) and len(full) == a.front.sum() > 0
     names = {f"{a.method[k]} ×{a.times[k]}" for k in np.flatnonzero(a.front)}

@@ -43,7 +43,7 @@ impl Account {
         ];
         let mut sinks: Vec<(String, f64)> = lost(scene, ledger).into_iter().map(|(n, j)| (n, scale * j)).collect();
         sinks.push(("lost in masses".into(), scale * ledger.lost_mats));
-        sinks.push(("held, more than at load".into(), scale * (b.h - b.h0)));
+        sinks.push(("stored, more than at load".into(), scale * (b.h - b.h0)));
         sinks.push(("swallowed by the scheme".into(), -scale * b.source));
         Some(Account { sources, sinks, peak: scale * b.peak })
     }

@@ -94,7 +94,7 @@ pub fn run(args: &TuneArgs) -> Outcome {
     let scene = load::scene(&loaded, &Options::default())?;
     if scene.certificate.level == Level::Unstable {
         term::findings(&scene.findings, &loaded.model);
-        return Err(Failure::Failed("so tuned, the model would blow up: a lower pitch, or a higher sound rate".into()));
+        return Err(Failure::Failed("so tuned, the model would diverge: a lower pitch, or a higher sound rate".into()));
     }
     let text = doc.to_string();
     if args.to.in_place {
