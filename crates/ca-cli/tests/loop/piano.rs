@@ -161,7 +161,7 @@ fn page(all: &[Played]) -> String {
         ("lost in the felt", &["lost in `strike"]),
         ("lost in the bed", &["lost in `stop"]),
         ("lost in strings and bridge", &["lost in masses", "lost in `board"]),
-        ("still held", &["held"]),
+        ("still held", &["stored"]),
         ("error of the scheme", &["swallowed"]),
     ];
     for (what, names) in rows {
