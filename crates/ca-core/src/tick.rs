@@ -11,6 +11,7 @@ use crate::state::State;
 ///
 /// # Panics
 /// Where the state is not of this scene (nothing has changed then), or the length of one of its arrays was changed.
+#[inline]
 pub fn tick(scene: &Scene, s: &mut State) {
     own(scene, s);
     forces(scene, s);
@@ -22,6 +23,7 @@ pub fn tick(scene: &Scene, s: &mut State) {
 ///
 /// # Panics
 /// As [`tick`].
+#[inline]
 pub fn compute_forces(scene: &Scene, s: &mut State) {
     own(scene, s);
     forces(scene, s);
@@ -31,6 +33,7 @@ pub fn compute_forces(scene: &Scene, s: &mut State) {
 ///
 /// # Panics
 /// As [`tick`].
+#[inline]
 pub fn integrate(scene: &Scene, s: &mut State) {
     own(scene, s);
     motion(scene, s);

@@ -58,8 +58,8 @@ impl Running {
         }
     }
 
-    fn force(&self, ports: PortForce) -> f64 {
-        let force = match ports {
+    fn force(&self, port: PortForce) -> f64 {
+        let force = match port {
             PortForce::Mat(m) => self.state.f[m],
             PortForce::Border(k) => self.state.border[k].force,
         };

@@ -7,7 +7,6 @@ use alloc::vec::Vec;
 use ca_core::layout::Layout;
 use ca_core::method::implicit;
 use ca_core::op::law::SolveStage;
-use ca_core::op::wide::wide;
 use ca_core::op::{Kernel, Op, blocker, lowpass, pass, wave};
 use ca_core::{border, energy};
 
@@ -143,9 +142,9 @@ impl Plan<'_> {
             at += stretch.len();
             let (name, kernel): (_, Kernel) = match stretch[0] {
                 Some(Class::Held) => continue,
-                Some(Class::Full) => ("integrate CEL", wide::<pass::IntegrateFull>),
+                Some(Class::Full) => ("integrate CEL", pass::integrate_full),
                 // a fixed point that stands alone does not move, but the force on it starts from nothing each tick
-                Some(Class::Free) | None => ("integrate MAS", wide::<pass::IntegrateFree>),
+                Some(Class::Free) | None => ("integrate MAS", pass::integrate_free),
             };
             ops.push(Op { mat: first, ..Op::pass(name, kernel, stretch.len()) });
         }

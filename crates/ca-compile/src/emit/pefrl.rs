@@ -2,8 +2,7 @@
 
 use alloc::vec::Vec;
 use ca_core::layout::Layout;
-use ca_core::method::pefrl::{DRIFTS, Drift, KICKS, Kick};
-use ca_core::op::wide::wide;
+use ca_core::method::pefrl::{DRIFTS, KICKS, drift, kick, kick_own};
 use ca_core::op::{Kernel, Op, pass};
 
 /// What moves masses: drifts, and between them the `forces` again and a kick. `own`: there are springs of cells.
@@ -12,12 +11,12 @@ pub fn moves(layout: &Layout, forces: &[Op], own: bool) -> Vec<Op> {
     if n == 0 {
         return Vec::new();
     }
-    let kick: Kernel = if own { wide::<Kick<true>> } else { wide::<Kick<false>> };
+    let kick: Kernel = if own { kick_own } else { kick };
     // what a port refuses was counted at the beginning of the tick
     let again = |op: &Op| if op.name == "ENF" { Op { kernel: pass::enf::<false>, ..*op } } else { *op };
     let mut list = Vec::new();
     for first in 0..DRIFTS.len() {
-        list.push(Op { first, ..Op::pass("drift", wide::<Drift>, n) });
+        list.push(Op { first, ..Op::pass("drift", drift, n) });
         if first < KICKS.len() {
             list.extend((points > 0).then(|| Op::pass("points", pass::project, points)));
             list.extend(forces.iter().map(again));

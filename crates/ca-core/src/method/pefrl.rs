@@ -11,7 +11,7 @@
 
 use crate::layout::Layout;
 use crate::op::Op;
-use crate::op::wide::Body;
+use crate::op::wide::{Body, wide};
 use crate::real::{Real, real};
 use crate::state::State;
 
@@ -34,7 +34,11 @@ pub fn explicit(a: f64) -> f64 {
 }
 
 /// Moves all places by the share [`DRIFTS`]`[op.first]` of their motion; forces there start from nothing.
-pub struct Drift;
+pub fn drift(op: &Op, layout: &Layout, s: &mut State) {
+    wide::<Drift>(op, layout, s);
+}
+
+struct Drift;
 
 impl Body for Drift {
     #[inline(always)]
@@ -47,9 +51,17 @@ impl Body for Drift {
     }
 }
 
-/// Changes the motion of all places by the share [`KICKS`]`[op.first]` of a tick of their force; with `OWN`, springs of
-/// cells too.
-pub struct Kick<const OWN: bool>;
+/// Changes the motion of all places by the share [`KICKS`]`[op.first]` of a tick of their force.
+pub fn kick(op: &Op, layout: &Layout, s: &mut State) {
+    wide::<Kick<false>>(op, layout, s);
+}
+
+/// The same with the springs of cells.
+pub fn kick_own(op: &Op, layout: &Layout, s: &mut State) {
+    wide::<Kick<true>>(op, layout, s);
+}
+
+struct Kick<const OWN: bool>;
 
 impl<const OWN: bool> Body for Kick<OWN> {
     #[inline(always)]

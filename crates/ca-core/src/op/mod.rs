@@ -24,7 +24,7 @@ mod run;
 mod space;
 pub mod substep;
 pub mod wave;
-pub mod wide;
+pub(crate) mod wide;
 
 /// One pass, run once per tick.
 pub type Kernel = fn(&Op, &Layout, &mut State);

@@ -2,7 +2,7 @@
 //! modules.
 
 use super::Op;
-use super::wide::Body;
+use super::wide::{self, Body};
 use crate::layout::{CoordinateSource, Heard, Layout, Output, Proxy};
 use crate::real::{Real, TINY, real, wide};
 use crate::state::{Cell, State};
@@ -166,7 +166,11 @@ pub(super) fn heard(o: &Output, s: &State) -> Real {
 }
 
 /// Moves MATs `op.mat ..` that only have inertia: d ← d + C·f, x ← x + d.
-pub struct IntegrateFree;
+pub fn integrate_free(op: &Op, layout: &Layout, s: &mut State) {
+    wide::wide::<IntegrateFree>(op, layout, s);
+}
+
+struct IntegrateFree;
 
 impl Body for IntegrateFree {
     #[inline(always)]
@@ -183,7 +187,11 @@ impl Body for IntegrateFree {
 }
 
 /// Moves MATs `op.mat ..` with spring and damper of their own: d ← P·d + Q·x + C·f, x ← x + d.
-pub struct IntegrateFull;
+pub fn integrate_full(op: &Op, layout: &Layout, s: &mut State) {
+    wide::wide::<IntegrateFull>(op, layout, s);
+}
+
+struct IntegrateFull;
 
 impl Body for IntegrateFull {
     #[inline(always)]

@@ -7,7 +7,6 @@ use ca_core::kind::Role;
 use ca_core::layout::{Enf, Enx, Heard, Layout, Output};
 use ca_core::live::LivePlan;
 use ca_core::op::law::Law;
-use ca_core::op::wide::wide;
 use ca_core::op::{Form, Op, pass};
 use ca_core::scene::{Input, InputRole};
 use ca_core::{Scene, State, integrate, process, tick};
@@ -32,7 +31,7 @@ impl Row {
             Layout { sample_dt: 1.0 / RATE, ratio: 1, frame: 1, n_mat: n, rest: vec![0.0; n], ..Layout::default() };
         let coef = (0..3).flat_map(|k| mats.iter().map(move |m| m[k])).collect();
         let state = State { x: vec![0.0; n], d: vec![0.0; n], f: vec![0.0; n], coef, ..State::default() };
-        let own = Op::pass("integrate CEL", wide::<pass::IntegrateFull>, n);
+        let own = Op::pass("integrate CEL", pass::integrate_full, n);
         let moves = vec![own, Op::pass("flush", pass::flush, n)];
         Row { layout, state, reads: Vec::new(), forces: Vec::new(), moves, inputs: Vec::new() }
     }
@@ -179,7 +178,7 @@ fn inputs_that_are_not_finite_are_refused() {
     row.state.input = vec![0.0; 2];
     row.reads = vec![Op::pass("enx", pass::enx, 1), Op::pass("enf", pass::enf::<true>, 1)];
     // a port is moved by what it is given alone
-    row.moves = vec![Op { mat: 1, ..Op::pass("integrate MAS", wide::<pass::IntegrateFree>, 1) }];
+    row.moves = vec![Op { mat: 1, ..Op::pass("integrate MAS", pass::integrate_free, 1) }];
     let (scene, mut s) = row.hear(1);
     s.input = vec![0.25, 2.0];
     tick(&scene, &mut s);

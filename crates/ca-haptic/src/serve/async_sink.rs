@@ -201,7 +201,7 @@ impl<T: Sink + Send + 'static> AsyncSink<T> {
     /// The sink, once everything handed over is written; none where it failed and the recorder has reported it.
     ///
     /// # Errors
-    /// Why the sink failed, if nobody has been told.
+    /// Why the sink failed, where the recorder has not reported it.
     pub fn end(mut self) -> Result<Option<T>, FileError> {
         // where it failed nobody listens any more
         let _ = self.to.send(Message::End);

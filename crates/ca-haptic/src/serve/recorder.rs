@@ -1,50 +1,24 @@
 //! The recorder: takes what the engine leaves behind to those who want it, and what people ask to the engine.
 
+mod seen;
+
 use super::async_sink::missing;
 use super::audio::Watch;
-use super::loops::Loops;
 use super::sink::{Happened, Sink};
-use super::summary::{DeviceSummary, Fault, StatsSnapshot, Summary};
+use super::summary::{Fault, StatsSnapshot, Summary};
 use super::{FrameTiming, RecorderEnds, Shared};
 use crate::blocks::take;
 use crate::engine::{Change, Engine, EngineCommand, Port, Refit, Setup};
-use crate::frame::{Cause, Mode, flag};
+use crate::frame::{Cause, Mode};
 use crate::guard::Order;
-use crate::guard::wait::Wait;
 use crate::record::Record;
 use crate::stats::Times;
 use ca_core::Scene;
 use ca_core::live::Controls;
-use ca_core::scene::InputRole;
 use ca_io::FileError;
+use seen::Seen;
 use std::sync::Arc;
 use std::sync::atomic::Ordering::{Relaxed, Release};
-
-/// Between two words on a device that is armed and waits \[s\].
-const REPEAT: f64 = 2.0;
-/// Looks at a device that waits before that is reported: a model goes to its device within a second, which is no news.
-const LOOKS: u32 = 5;
-
-/// One device as the recorder sees it.
-struct Seen {
-    name: String,
-    profile: String,
-    mode: Mode,
-    cause: Cause,
-    /// forces were on
-    forces_on: bool,
-    /// its passivity stage adds nothing for a while
-    undamped: bool,
-    /// what it waited for when last looked at, how often that was the case, and when it was last reported
-    wait: Option<String>,
-    looks: u32,
-    reported: u64,
-    /// when it was disarmed or tripped, since when it waits for nothing
-    ended: Option<u64>,
-    frames: u64,
-    loops: Loops,
-    times: Times,
-}
 
 /// What was measured since the last snapshot.
 #[derive(Default)]
@@ -90,27 +64,12 @@ impl Recorder {
         ports: &[Port],
         sinks: Vec<Box<dyn Sink>>,
     ) -> Recorder {
-        let seen = |p: &Port| Seen {
-            name: p.name.clone(),
-            profile: p.profile.name.clone(),
-            mode: Mode::Off,
-            cause: Cause::Disarmed,
-            forces_on: false,
-            undamped: false,
-            wait: None,
-            looks: 0,
-            reported: 0,
-            ended: None,
-            frames: 0,
-            loops: Loops::new(),
-            times: Times::new(),
-        };
         Recorder {
             ends,
             shared,
             controls: scene.controls(),
             sinks,
-            seen: ports.iter().map(seen).collect(),
+            seen: ports.iter().map(Seen::new).collect(),
             frame_times: Times::new(),
             late_times: Times::new(),
             second: Second::default(),
@@ -247,80 +206,26 @@ impl Recorder {
         match record {
             Record::Device { port, frame } => {
                 let Some(seen) = self.seen.get_mut(*port as usize) else { return };
-                seen.frames += 1;
-                if let Some(ns) = seen.loops.device(frame, crate::rt::now_ns()) {
-                    seen.times.add(ns);
+                if let Some(ns) = seen.sent(frame) {
                     self.second.loops.add(ns);
                 }
             }
             Record::Force { port, frame } => {
                 self.tick = frame.tick;
                 let Some(seen) = self.seen.get_mut(*port as usize) else { return };
-                seen.loops.force(frame);
-                let undamped = frame.flags & flag::PASSIVITY_OFF != 0;
-                if undamped && !seen.undamped {
-                    let text = format!("{}: damping for passivity gave energy to the hand; off for a while", seen.name);
-                    self.happened.push(Happened { tick: frame.tick, device: Some(seen.name.clone()), bad: true, text });
-                }
-                seen.undamped = undamped;
-                let now = (Mode::read(frame.mode), Cause::read(frame.cause));
-                if now == (seen.mode, seen.cause) {
-                    return;
-                }
-                (seen.mode, seen.cause) = now;
-                seen.forces_on |= matches!(now.0, Mode::Ramp | Mode::On);
-                if now.0 != Mode::Off {
-                    (seen.wait, seen.looks, seen.reported) = (None, 0, 0);
-                }
-                let bad = matches!(now.0, Mode::Fault | Mode::Damp);
-                let text = match now {
-                    (Mode::Fault, cause) => format!("{}: forces off, {}", seen.name, cause.name()),
-                    (Mode::Damp, cause) => format!("{}: braking, {}", seen.name, cause.name()),
-                    (Mode::Off, Cause::None) => format!("{}: armed; waiting until nothing pushes", seen.name),
-                    (Mode::Off, _) => format!("{}: forces off", seen.name),
-                    (Mode::Ramp, _) => format!("{}: forces fade in", seen.name),
-                    (Mode::On, _) => format!("{}: forces on", seen.name),
-                };
-                let device = Some(seen.name.clone());
-                self.happened.push(Happened { tick: frame.tick, device, bad, text });
-                if now.0 == Mode::Fault {
-                    self.faults.push(Fault { device: seen.name.clone(), cause: now.1, tick: frame.tick });
-                }
+                self.faults.extend(seen.force(frame, &mut self.happened));
             }
             Record::Order { tick, port, order } => {
                 let meant = |k: usize| port.is_none_or(|p| p as usize == k);
-                for (_, seen) in self.seen.iter_mut().enumerate().filter(|(k, _)| meant(*k)) {
-                    if *order == Order::Arm {
-                        (seen.wait, seen.looks, seen.reported, seen.ended) = (None, 0, 0, None);
-                    } else {
-                        seen.ended = Some(*tick);
-                    }
-                }
+                let all = self.seen.iter_mut().enumerate();
+                all.filter(|(k, _)| meant(*k)).for_each(|(_, seen)| seen.order(*tick, *order));
             }
-            Record::Waiting { tick, port, wait } => self.waits(*tick, *port, wait),
+            Record::Waiting { tick, port, wait } => {
+                let Some(seen) = self.seen.get_mut(*port as usize) else { return };
+                self.happened.extend(seen.waits(*tick, wait, &self.scene));
+            }
             _ => {}
         }
-    }
-
-    /// An armed device has no force: reported once that is no matter of a moment, and again and again.
-    fn waits(&mut self, tick: u64, port: u32, wait: &Wait) {
-        let every = (REPEAT * self.scene.rate) as u64;
-        let Some(seen) = self.seen.get_mut(port as usize) else { return };
-        let inputs = &self.scene.inputs;
-        let name = |dof: u32| {
-            let this = |d: &(String, u32)| d.0 == seen.name && d.1 == dof;
-            let found = inputs.iter().find(|i| i.role == InputRole::Device && i.device.as_ref().is_some_and(this));
-            found.map_or_else(|| format!("degree of freedom {dof}"), |i| format!("`{}`", i.name))
-        };
-        let text = wait.said(&name);
-        seen.looks += 1;
-        if seen.looks >= LOOKS && (seen.reported == 0 || tick >= seen.reported + every) {
-            seen.reported = tick.max(1);
-            let device = Some(seen.name.clone());
-            let text = format!("{}: armed, forces still off: {text}", seen.name);
-            self.happened.push(Happened { tick, device, bad: true, text });
-        }
-        (seen.wait, seen.ended) = (Some(text), None);
     }
 
     fn command(&mut self, act: EngineCommand) -> Result<(), String> {
@@ -406,8 +311,7 @@ impl Recorder {
 
     /// What armed devices wait for, by name, in words.
     pub fn waiting(&self) -> impl Iterator<Item = (&str, &str)> {
-        let waits = |s: &&Seen| s.ended.is_none();
-        self.seen.iter().filter(waits).filter_map(|s| Some((s.name.as_str(), s.wait.as_deref()?)))
+        self.seen.iter().filter_map(|s| Some((s.name.as_str(), s.waiting()?)))
     }
 
     /// Gesture frames so far, and the sound sample they came to.
@@ -436,21 +340,7 @@ impl Recorder {
             clipped: engine.counts.clipped,
             refused: engine.counts.refused,
             unstable: engine.has_diverged(),
-            devices: self
-                .seen
-                .iter()
-                .zip(&engine.ports)
-                .map(|(s, p)| DeviceSummary {
-                    device: s.name.clone(),
-                    profile: s.profile.clone(),
-                    frames: s.frames,
-                    dropped: p.dropped(),
-                    loop_us: s.times.percentiles(),
-                    forces_on: s.forces_on,
-                    // the last order of an engine is its own: what waited then has waited to the end
-                    waits: s.wait.clone().filter(|_| s.ended.is_none_or(|t| t + 2 * ratio >= engine.state.tick)),
-                })
-                .collect(),
+            devices: self.seen.iter().zip(&engine.ports).map(|(s, p)| s.summary(p, engine.state.tick, ratio)).collect(),
             faults: std::mem::take(&mut self.faults),
             broken: self.broken.iter().map(ToString::to_string).collect(),
             granted,

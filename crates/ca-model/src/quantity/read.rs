@@ -26,7 +26,7 @@ pub fn is_quantity(text: &str) -> bool {
 /// ```
 ///
 /// # Errors
-/// Where the text is no number with a unit, with the characters at fault.
+/// Where the text is not a number with a unit, with the characters at fault.
 pub fn parse(text: &str) -> Result<Quantity, QuantityError> {
     let mut s = Scan { text, at: 0 };
     s.blanks();

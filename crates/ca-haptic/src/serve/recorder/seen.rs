@@ -1,0 +1,152 @@
+//! One device as the recorder sees it: its mode, its latency, what it waits for, and what of that is worth a word.
+
+use crate::engine::Port;
+use crate::frame::{Cause, DeviceFrame, ForceFrame, Mode, flag};
+use crate::guard::Order;
+use crate::guard::wait::Wait;
+use crate::serve::loops::Loops;
+use crate::serve::sink::Happened;
+use crate::serve::summary::{DeviceSummary, Fault};
+use crate::stats::Times;
+use ca_core::Scene;
+use ca_core::scene::InputRole;
+
+/// Between two words on a device that is armed and waits \[s\].
+const REPEAT: f64 = 2.0;
+/// Looks at a device that waits before that is reported: a model goes to its device within a second, which is no news.
+const LOOKS: u32 = 5;
+
+/// A device.
+pub(super) struct Seen {
+    pub name: String,
+    profile: String,
+    pub mode: Mode,
+    pub cause: Cause,
+    pub frames: u64,
+    /// forces were on
+    forces_on: bool,
+    /// its passivity stage adds nothing for a while
+    undamped: bool,
+    /// what it waited for when last looked at, how often that was the case, and when it was last reported
+    wait: Option<String>,
+    looks: u32,
+    reported: u64,
+    /// when it was disarmed or tripped, since when it waits for nothing
+    ended: Option<u64>,
+    loops: Loops,
+    times: Times,
+}
+
+impl Seen {
+    /// The device at a port, of which nothing is known yet.
+    pub fn new(p: &Port) -> Seen {
+        Seen {
+            name: p.name.clone(),
+            profile: p.profile.name.clone(),
+            mode: Mode::Off,
+            cause: Cause::Disarmed,
+            frames: 0,
+            forces_on: false,
+            undamped: false,
+            wait: None,
+            looks: 0,
+            reported: 0,
+            ended: None,
+            loops: Loops::new(),
+            times: Times::new(),
+        }
+    }
+
+    /// A frame of it; the latency of the loop that it ends \[ns\], if it ends one.
+    pub fn sent(&mut self, frame: &DeviceFrame) -> Option<u64> {
+        self.frames += 1;
+        let ns = self.loops.device(frame, crate::rt::now_ns())?;
+        self.times.add(ns);
+        Some(ns)
+    }
+
+    /// A force to it: what happened with it, and the fault, if it is one.
+    pub fn force(&mut self, frame: &ForceFrame, happened: &mut Vec<Happened>) -> Option<Fault> {
+        self.loops.force(frame);
+        let undamped = frame.flags & flag::PASSIVITY_OFF != 0;
+        if undamped && !self.undamped {
+            happened.push(self.said(
+                frame.tick,
+                true,
+                "damping for passivity gave energy to the hand; off for a while",
+            ));
+        }
+        self.undamped = undamped;
+        let now = (Mode::read(frame.mode), Cause::read(frame.cause));
+        if now == (self.mode, self.cause) {
+            return None;
+        }
+        (self.mode, self.cause) = now;
+        self.forces_on |= matches!(now.0, Mode::Ramp | Mode::On);
+        if now.0 != Mode::Off {
+            (self.wait, self.looks, self.reported) = (None, 0, 0);
+        }
+        let text = match now {
+            (Mode::Fault, cause) => format!("forces off, {}", cause.name()),
+            (Mode::Damp, cause) => format!("braking, {}", cause.name()),
+            (Mode::Off, Cause::None) => "armed; waiting until nothing pushes".into(),
+            (Mode::Off, _) => "forces off".into(),
+            (Mode::Ramp, _) => "forces fade in".into(),
+            (Mode::On, _) => "forces on".into(),
+        };
+        happened.push(self.said(frame.tick, matches!(now.0, Mode::Fault | Mode::Damp), &text));
+        (now.0 == Mode::Fault).then(|| Fault { device: self.name.clone(), cause: now.1, tick: frame.tick })
+    }
+
+    /// An order to it.
+    pub fn order(&mut self, tick: u64, order: Order) {
+        if order == Order::Arm {
+            (self.wait, self.looks, self.reported, self.ended) = (None, 0, 0, None);
+        } else {
+            self.ended = Some(tick);
+        }
+    }
+
+    /// It is armed and has no force: reported once that is no matter of a moment, and again and again.
+    pub fn waits(&mut self, tick: u64, wait: &Wait, scene: &Scene) -> Option<Happened> {
+        let name = |dof: u32| {
+            let this = |d: &(String, u32)| d.0 == self.name && d.1 == dof;
+            let found =
+                scene.inputs.iter().find(|i| i.role == InputRole::Device && i.device.as_ref().is_some_and(this));
+            found.map_or_else(|| format!("degree of freedom {dof}"), |i| format!("`{}`", i.name))
+        };
+        let text = wait.said(&name);
+        self.looks += 1;
+        let due = self.reported == 0 || tick >= self.reported + (REPEAT * scene.rate) as u64;
+        let said =
+            (self.looks >= LOOKS && due).then(|| self.said(tick, true, &format!("armed, forces still off: {text}")));
+        if said.is_some() {
+            self.reported = tick.max(1);
+        }
+        (self.wait, self.ended) = (Some(text), None);
+        said
+    }
+
+    /// What it waits for, in words.
+    pub fn waiting(&self) -> Option<&str> {
+        self.wait.as_deref().filter(|_| self.ended.is_none())
+    }
+
+    /// The account, at the last `tick` of an engine with so many samples in a frame.
+    pub fn summary(&self, port: &Port, tick: u64, ratio: u64) -> DeviceSummary {
+        DeviceSummary {
+            device: self.name.clone(),
+            profile: self.profile.clone(),
+            frames: self.frames,
+            dropped: port.dropped(),
+            loop_us: self.times.percentiles(),
+            forces_on: self.forces_on,
+            // the last order of an engine is its own: what waited then has waited to the end
+            waits: self.wait.clone().filter(|_| self.ended.is_none_or(|t| t + 2 * ratio >= tick)),
+        }
+    }
+
+    fn said(&self, tick: u64, bad: bool, what: &str) -> Happened {
+        Happened { tick, device: Some(self.name.clone()), bad, text: format!("{}: {what}", self.name) }
+    }
+}
