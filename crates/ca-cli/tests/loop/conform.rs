@@ -3,6 +3,10 @@
 use super::liar::{Liar, Lie};
 use super::stage::{Ran, Stage};
 use serde_json::Value;
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+
+/// Conformance tests at a time: each takes about a fifth of a core.
+const AT_ONCE: usize = 6;
 
 fn row(v: &Value, name: &str) -> (bool, String) {
     let rows = v["rows"].as_array().unwrap();
@@ -31,8 +35,8 @@ fn passes(stage: &Stage, name: &str) -> Value {
 
 #[test]
 fn simulated_devices_pass() {
-    let stage = Stage::new();
-    for name in ["falcon", "key"] {
+    let each = |name: &str| {
+        let stage = Stage::beside();
         let device = stage.spawn(&["device", "sim", "--profile", name, "--script", "hold"]);
         let v = passes(&stage, name);
         assert!(v["rows"].as_array().unwrap().len() >= 20, "{v:#}");
@@ -45,12 +49,16 @@ fn simulated_devices_pass() {
         assert!(row(&v, "spring").1.contains("N of the spring"), "{v:#}");
         let seen = device.stop().is(0);
         assert!(seen.says(&["WATCHDOG_OUT", "another engine"]).out.contains(name));
-    }
+    };
+    std::thread::scope(|scope| {
+        scope.spawn(|| each("falcon"));
+        scope.spawn(|| each("key"));
+    });
 }
 
 #[test]
 fn a_device_without_our_client_passes() {
-    let stage = Stage::new();
+    let stage = Stage::beside();
     let _device = Liar::new(&stage.site, "key", Lie::None);
     passes(&stage, "key");
 }
@@ -67,7 +75,7 @@ fn a_device_that_cannot_be_had_is_an_error() {
 
 /// The row that finds a lie; it comes after others, at which a device that is stopped by a busy machine is left.
 fn found(lie: Lie, name: &str) {
-    let stage = Stage::new();
+    let stage = Stage::beside();
     let _device = Liar::new(&stage.site, "key", lie);
     let mut last = Value::Null;
     for _ in 0..30 {
@@ -85,26 +93,31 @@ fn found(lie: Lie, name: &str) {
     assert!(!row(&last, name).0, "{lie:?}: {last:#}");
 }
 
+/// Every lie, a few at a time: a conformance test waits most of its time.
 #[test]
-fn lies_of_frames_are_found() {
-    found(Lie::Numbers, "numbers");
-    found(Lie::Rate, "rate");
-    found(Lie::Positions, "positions");
-    found(Lie::Session, "session");
-}
-
-#[test]
-fn lies_of_forces_are_found() {
-    found(Lie::Ack, "ack");
-    found(Lie::Measured, "measured");
-    found(Lie::Layout, "layout");
-    found(Lie::Sign, "spring");
-}
-
-#[test]
-fn lies_of_engines_are_found() {
-    found(Lie::Watchdog, "watchdog");
-    found(Lie::GoesOn, "goes on");
-    found(Lie::Restart, "restart");
-    found(Lie::Unrested, "unrested");
+fn lies_are_found() {
+    let lies = [
+        (Lie::Numbers, "numbers"),
+        (Lie::Rate, "rate"),
+        (Lie::Positions, "positions"),
+        (Lie::Session, "session"),
+        (Lie::Ack, "ack"),
+        (Lie::Measured, "measured"),
+        (Lie::Layout, "layout"),
+        (Lie::Sign, "spring"),
+        (Lie::Watchdog, "watchdog"),
+        (Lie::GoesOn, "goes on"),
+        (Lie::Restart, "restart"),
+        (Lie::Unrested, "unrested"),
+    ];
+    let next = AtomicUsize::new(0);
+    std::thread::scope(|scope| {
+        for _ in 0..AT_ONCE {
+            scope.spawn(|| {
+                while let Some((lie, name)) = lies.get(next.fetch_add(1, Relaxed)) {
+                    found(*lie, name);
+                }
+            });
+        }
+    });
 }

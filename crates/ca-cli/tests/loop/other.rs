@@ -44,7 +44,7 @@ fn run(stage: &Stage, args: &[&str]) -> Ran {
 
 #[test]
 fn nothing_of_ours_can_be_opened_or_cut_by_another_user() {
-    let stage = Stage::new();
+    let stage = Stage::beside();
     let server = stage.serve("key.ca.toml", &["--quiet"]);
     let device = stage.key(&[]);
     stage.on();
@@ -81,7 +81,7 @@ fn nothing_of_ours_can_be_opened_or_cut_by_another_user() {
 
 #[test]
 fn a_file_of_another_user_under_our_name_is_an_error_of_every_command() {
-    let stage = Stage::new();
+    let stage = Stage::beside();
     // what iceoryx2 opens first (empty: it would wait for ever), a line not yet open, and anything else
     let counter = "9204dd183d1c4d8e1ff592a30766ffa6765aa8b5_node.0_10_0.global_mgmt";
     for (name, make) in [
@@ -113,7 +113,7 @@ fn a_file_of_another_user_under_our_name_is_an_error_of_every_command() {
 /// A process that is killed while it makes a service leaves one that nobody may open.
 #[test]
 fn what_a_killed_process_had_begun_is_no_obstacle() {
-    let stage = Stage::new();
+    let stage = Stage::beside();
     // the name of a service is the hash of what it is called: as one of a server that was whole
     run(&stage, &["serve", "key.ca.toml", "--seconds", "0.1"]).is(0);
     let server = stage.serve("key.ca.toml", &["--quiet"]);
@@ -133,7 +133,7 @@ fn what_a_killed_process_had_begun_is_no_obstacle() {
 
 #[test]
 fn a_file_of_ours_that_was_cut_is_made_anew() {
-    let stage = Stage::new();
+    let stage = Stage::beside();
     run(&stage, &["device", "list"]).is(0);
     for name in ["9204dd183d1c4d8e1ff592a30766ffa6765aa8b5_node.0_10_0.global_mgmt", "1_1.dynamic"] {
         let path = format!("/dev/shm/{}{name}", stage.site.prefix());
@@ -156,7 +156,7 @@ fn a_file_of_ours_that_was_cut_is_made_anew() {
 
 #[test]
 fn a_folder_by_way_of_another_users_link_is_refused() {
-    let stage = Stage::new();
+    let stage = Stage::beside();
     let mine = stage.path("mine");
     fs::create_dir(&mine).unwrap();
     fs::set_permissions(&mine, fs::Permissions::from_mode(0o700)).unwrap();
@@ -195,7 +195,7 @@ fn a_folder_by_way_of_another_users_link_is_refused() {
 
 #[test]
 fn a_small_dev_shm_is_an_error_and_no_signal() {
-    let stage = Stage::new();
+    let stage = Stage::beside();
     for kb in [16, 64, 256, 448, 704, 1024, 4096] {
         // both sides in one room; the codes of what ends by a signal are 128 and more
         let line = format!(

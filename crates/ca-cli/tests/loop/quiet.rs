@@ -27,7 +27,7 @@ fn has_no_shared_memory(stage: &Stage, p: &Proc) {
 
 #[test]
 fn rendering_starts_no_thread_and_opens_no_shared_memory() {
-    let stage = Stage::new();
+    let stage = Stage::beside();
     stage.put("bar.ca.toml", BAR).put("dev.ca.toml", super::stage::KEY);
     // rendering never has a device, even where the model names one
     for model in ["bar.ca.toml", "dev.ca.toml"] {
@@ -45,7 +45,7 @@ fn rendering_starts_no_thread_and_opens_no_shared_memory() {
 
 #[test]
 fn serving_a_model_without_devices_opens_no_shared_memory() {
-    let stage = Stage::new();
+    let stage = Stage::beside();
     stage.put("bar.ca.toml", BAR);
     let p = stage.spawn(&["serve", "bar.ca.toml", "--seconds", "60", "--priority", "0", "--no-lock"]);
     until("it plays", || threads(&p).iter().any(|n| n == "ca engine"));

@@ -6,7 +6,7 @@ use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
 use std::time::{Duration, Instant};
 
 /// A spring that pushes a little: 0.45 N where the key rests, which counts as nothing.
@@ -49,11 +49,17 @@ pub struct Stage {
     dir: tempfile::TempDir,
     pub site: Site,
     runs: AtomicU32,
-    _alone: MutexGuard<'static, ()>,
+    _turn: Turn,
 }
 
-/// One stage at a time: each has threads of real time, and this machine has few cores.
-static ONE: Mutex<()> = Mutex::new(());
+/// One stage at a time: each has threads of real time, and this machine has few cores. Those that wait most of their
+/// time, and try again where the machine was busy, share a turn.
+static ONE: RwLock<()> = RwLock::new(());
+
+enum Turn {
+    Alone(#[expect(dead_code, reason = "held until the stage ends")] RwLockWriteGuard<'static, ()>),
+    Shared(#[expect(dead_code, reason = "held until the stage ends")] RwLockReadGuard<'static, ()>),
+}
 
 /// A process of ours. Ends with its value.
 pub struct Proc {
@@ -81,12 +87,18 @@ pub fn until(what: &str, mut is: impl FnMut() -> bool) {
 
 impl Stage {
     pub fn new() -> Stage {
+        Stage::of(Turn::Alone(ONE.write().unwrap_or_else(PoisonError::into_inner)))
+    }
+    /// A stage beside others that share a turn.
+    pub fn beside() -> Stage {
+        Stage::of(Turn::Shared(ONE.read().unwrap_or_else(PoisonError::into_inner)))
+    }
+    fn of(turn: Turn) -> Stage {
         // the path must be short, wherever the system would have it
         let dir = tempfile::Builder::new().prefix("cal").tempdir_in("/tmp").unwrap();
         let site = Site::at(&dir.path().join("s")).unwrap();
         fs::create_dir_all(dir.path().join("c/profiles")).unwrap();
-        let alone = ONE.lock().unwrap_or_else(PoisonError::into_inner);
-        let stage = Stage { dir, site, runs: AtomicU32::new(0), _alone: alone };
+        let stage = Stage { dir, site, runs: AtomicU32::new(0), _turn: turn };
         stage.put("c/profiles/key.toml", PROFILE).put("key.ca.toml", KEY);
         stage
     }

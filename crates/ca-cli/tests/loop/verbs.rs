@@ -6,7 +6,7 @@ use ca_haptic::host::Site;
 
 #[test]
 fn list_shows_who_speaks_and_what_there_is() {
-    let stage = Stage::new();
+    let stage = Stage::beside();
     stage.ca(&["device", "list"]).is(0).says(&["no device speaks", "falcon", "one key (yours)"]);
     let device = stage.key(&["--script", "hold", "--name", "left"]);
     until("it is listed", || stage.ca(&["device", "list"]).is(0).out.starts_with("left: one key"));
@@ -23,7 +23,7 @@ fn list_shows_who_speaks_and_what_there_is() {
 
 #[test]
 fn the_doctor_tries_shared_memory_and_finds_who_is_there() {
-    let stage = Stage::new();
+    let stage = Stage::beside();
     let v = stage.ca(&["device", "doctor", "--json"]).is(0).json();
     let row = |v: &serde_json::Value, name: &str| {
         let rows = v["rows"].as_array().unwrap();
@@ -54,14 +54,14 @@ fn the_doctor_tries_shared_memory_and_finds_who_is_there() {
 
 #[test]
 fn a_device_in_lock_step_ends_without_a_server() {
-    let stage = Stage::new();
+    let stage = Stage::beside();
     let r = stage.ca(&["device", "sim", "--profile", "key", "--lockstep", "--seconds", "0.1"]);
     r.is(0).says(&["no server answered frame "]);
 }
 
 #[test]
 fn calibrate_writes_what_serve_reads() {
-    let stage = Stage::new();
+    let stage = Stage::beside();
     stage.ca(&["device", "calibrate", "key", "--low", "100", "--high", "4100"]).is(0).says(&["c/calibration/key.toml"]);
     let c = Calibration::read(&stage.read("c/calibration/key.toml"), "key").unwrap();
     // positions and forces of another device would be wrong by its factors
@@ -99,7 +99,7 @@ fn calibrate_writes_what_serve_reads() {
 
 #[test]
 fn what_makes_no_sense_is_refused() {
-    let stage = Stage::new();
+    let stage = Stage::beside();
     for (args, word) in [
         (&["--profile", "falcn"][..], "did you mean `falcon`?"),
         (&["--script", "file"], "--gesture"),
@@ -115,7 +115,7 @@ fn what_makes_no_sense_is_refused() {
 
 #[test]
 fn examples_of_the_help_run() {
-    let stage = Stage::new();
+    let stage = Stage::beside();
     let mut ran = 0;
     let help = stage.ca(&["device", "--help"]).is(0).out;
     let general = stage.ca(&["--help"]).is(0).out;
