@@ -19,7 +19,7 @@ fn pass(scene: &Scene, s: &mut State, ticks: u64) -> Duration {
     let hits = scene.forces.iter().rposition(|op| op.law.is_some()).expect("the contact of the grains");
     let mut retired = Duration::ZERO;
     for _ in 0..ticks {
-        for (i, op) in scene.reads.iter().chain(&scene.forces).enumerate() {
+        for (i, op) in scene.reads.iter().chain(scene.summed()).enumerate() {
             let begin = (i == hits + scene.reads.len()).then(Instant::now);
             (op.kernel)(op, scene, s);
             retired += begin.map_or(Duration::ZERO, |b| b.elapsed());

@@ -36,7 +36,7 @@ fn every_scene_is_on_the_page() {
         let scene = crate::play::scene(&(case.text)());
         let mut s = scene.state();
         (0..100).for_each(|_| tick(&scene, &mut s));
-        assert!(s.is_sound(1.0), "{}", case.title);
+        assert!(s.is_bounded(1.0), "{}", case.title);
     }
     assert_eq!(rows(PAGE, "Links beyond the limit").len(), STIFF.len());
 }

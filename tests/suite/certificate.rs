@@ -4,7 +4,7 @@
 //! The brute force knows nothing of matrices K and C: it moves each number of the state a little either way, lets the
 //! engine tick, and takes the spectral radius of what came out.
 
-use crate::play::{Dice, off, scene, with, within};
+use crate::play::{Random, off, scene, with, within};
 use ca_compile::Compiled;
 use ca_compile::{Options, compile};
 use ca_core::certificate::Level;
@@ -26,7 +26,7 @@ fn method(roll: f64) -> String {
 /// A network of masses, cells, a string with a point on it, and a body in space that leans on them; T = 1 and all
 /// stiffness and viscosity times `scale`.
 fn drawn(seed: u64, scale: f64) -> String {
-    let mut dice = Dice(seed);
+    let mut dice = Random(seed);
     let mut roll = || 0.5 * (dice.roll() + 1.0);
     let mut text = String::from("[rate]\nsound = 1\ngesture = 1\n[SOL]\nwall = {}\n");
     let n = 2 + (roll() * 6.0) as usize;
@@ -103,7 +103,7 @@ fn compiled(text: &str) -> Option<Compiled> {
 /// A drawn network, scaled so that its limit is near.
 fn near_the_limit(seed: u64) -> Option<(String, Compiled)> {
     let bound = compiled(&drawn(seed, 1.0))?.certificate.bound;
-    let mut dice = Dice(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15).max(1));
+    let mut dice = Random(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15).max(1));
     let text = drawn(seed, (4.4 + 1.8 * dice.roll()) / bound);
     let scene = compiled(&text)?;
     Some((text, scene))
@@ -145,7 +145,7 @@ fn radius(scene: &Scene) -> f64 {
 fn grows(scene: &Scene) -> bool {
     let mut s = scene.state();
     let moving: Vec<usize> = (0..scene.n_mat).filter(|i| s.coef[2 * scene.n_mat + i] > 0.0).collect();
-    let mut dice = Dice(7);
+    let mut dice = Random(7);
     for i in &moving {
         s.d[*i] += 1e-9 * dice.roll();
     }
@@ -386,7 +386,7 @@ fn a_steep_bow_is_reported_and_not_called_unstable() {
     assert!(s.findings.list.iter().any(|d| d.code == "W113"));
     let mut state = s.state();
     (0..20_000).for_each(|_| tick(&s, &mut state));
-    assert!(state.is_sound(1.0));
+    assert!(state.is_bounded(1.0));
 }
 
 /// A point that wanders is judged wherever it may stand.

@@ -1,7 +1,7 @@
 //! Networks and texts drawn at random: a diagnostic or a scene, never a panic; and what the certificate calls proven
 //! stays finite.
 
-use crate::play::Dice;
+use crate::play::Random;
 use ca_compile::{KernelClass, Options, compile};
 use ca_core::certificate::Level;
 use ca_core::tick;
@@ -11,7 +11,7 @@ use proptest::prelude::*;
 
 /// Masses, cells and fixed points, joined at random; linear links only, unless `any`.
 fn network(seed: u64, any: bool) -> Model {
-    let mut dice = Dice(seed);
+    let mut dice = Random(seed);
     let mut pick = |n: usize| (((dice.roll() + 1.0) * 0.5 * n as f64) as usize).min(n - 1);
     let n = 2 + pick(10);
     let mut m = Model::default();
@@ -98,7 +98,7 @@ proptest! {
                 }
                 if scene.certificate.level == Level::Proven {
                     let b = s.ledger.as_ref().expect("a ledger").balance();
-                    prop_assert!(s.is_sound(10.0), "{:?}", scene.certificate);
+                    prop_assert!(s.is_bounded(10.0), "{:?}", scene.certificate);
                     // stable is the same as: the energy is never negative and only falls
                     prop_assert!(least >= -1e-12 && b.h <= b.h0 * (1.0 + 1e-9) + 1e-300, "{b:?}");
                     prop_assert!(b.residual.abs() <= 1e-11 * b.peak, "{b:?}");
@@ -164,7 +164,7 @@ proptest! {
         if let Ok(scene) = compile(&m, &catalog(), &Options::default()) {
             let mut s = scene.state();
             (0..200).for_each(|_| tick(&scene, &mut s));
-            let contacts = scene.forces.iter().any(|o| o.law.is_some_and(|l| !l.linear && !l.is_late()));
+            let contacts = scene.forces.iter().any(|o| o.law.is_some_and(|l| !l.linear && !l.is_staged()));
             prop_assert!(!contacts || scene.certificate.level != Level::Proven);
         }
     }
@@ -182,7 +182,7 @@ proptest! {
         // not the large ones: a mutated count may make them larger
         let texts: Vec<_> = texts().into_iter().filter(|t| t.1.len() < 6000).collect();
         let mut text = which.get(&texts).1.clone();
-        let mut dice = Dice(seed);
+        let mut dice = Random(seed);
         let mut pick = |n: usize| (((dice.roll() + 1.0) * 0.5 * n as f64) as usize).min(n - 1);
         for _ in 0..edits {
             let cuts: Vec<usize> = text.char_indices().map(|c| c.0).collect();

@@ -1,6 +1,6 @@
 //! Power-law contacts by the methods that keep energy: B04, blows of any size, shared masses, space, a hand.
 
-use crate::play::{Dice, audited, case, mat, num, off, scene, within};
+use crate::play::{Random, audited, case, mat, num, off, scene, within};
 use crate::stable::{bounce, heat, made, only_falls, ran};
 use ca_core::certificate::Level;
 use ca_core::{State, tick};
@@ -121,7 +121,7 @@ fn masses_that_share_a_blow_keep_their_energy() {
         for (h, tolerance) in [(0.0, 1e-9), (0.3, f64::INFINITY)] {
             let k = a * 1e-3 * 48e3 * 48e3 / (3.0f64 / 48e3).sqrt();
             let mut text = String::from("[SOL]\nleft = { x = -0.01 }\nright = { x = 0.07 }\n[MAS]\n");
-            let mut dice = Dice(7);
+            let mut dice = Random(7);
             for i in 0..7 {
                 let m = 1e-3 * (1.0 + 0.5 * dice.roll());
                 let _ = writeln!(
@@ -218,7 +218,7 @@ fn pressed_at_load_turned_while_pressed_and_a_hand() {
         let (s, out) = play(None);
         within(&format!("all of what was pressed, {method}"), off(out, held), 0.05);
         within("made", made(&s), 1e-12);
-        // harder or softer while pressed: the turn is booked as such, and nothing is made
+        // harder or softer while pressed: the turn is entered as such, and nothing is made
         for k in [1e5, 1e9] {
             let (s, out) = play(Some(k));
             let b = s.ledger.as_ref().expect("a ledger").balance();

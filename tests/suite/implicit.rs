@@ -1,6 +1,6 @@
 //! Linear links and cells by the methods `centred` and `implicit`: A14, A15, H04, orders, ledgers, and what is heard.
 
-use crate::play::{Dice, apart, audited, case, list, mat, mats, num, off, reference, scene, with, within};
+use crate::play::{Random, apart, audited, case, list, mat, mats, num, off, reference, scene, with, within};
 use ca_core::certificate::Level;
 use ca_core::ldl::Pattern;
 use ca_core::{Scene, State, tick};
@@ -209,7 +209,7 @@ fn ledgers_balance_and_forces_are_whole() {
     for scene in [&fast, &plain] {
         let mut s = scene.state();
         let mut controls = scene.controls();
-        let (mut dice, free) = (Dice(11), mat(scene, "free"));
+        let (mut dice, free) = (Random(11), mat(scene, "free"));
         let [hand, push] = ["hand", "push"].map(|n| scene.input(n).expect("a port"));
         for n in 0..4000u32 {
             s.input[push] = if n < 2000 { dice.roll() } else { 0.0 };

@@ -5,7 +5,7 @@
 //! them in its first sample is in `peers.rs`, `first_samples`.
 
 use crate::peers::{Heard, Played, SECOND, agree, by_faust};
-use crate::play::{Dice, scene};
+use crate::play::{Random, scene};
 use ca_core::{Scene, tick};
 use ca_import::mims::import;
 use ca_model::write::write;
@@ -184,7 +184,7 @@ fn inputs_act_in_the_same_sample() {
 
 /// A network of a dozen masses with drawn speeds, places, laws and numbers, tied to two grounds.
 fn drawn(seed: u64) -> String {
-    let mut dice = Dice(seed);
+    let mut dice = Random(seed);
     // three digits, so that both read the same number
     let mut roll = |from: f64, to: f64| format!("{:.3e}", from + (to - from) * 0.5 * (dice.roll() + 1.0));
     let mut text = format!("@g0 ground {}\n@g1 ground {}\n", roll(-0.5, 0.5), roll(-0.5, 0.5));

@@ -14,6 +14,7 @@ mod diagnostics;
 mod equivalence;
 mod files;
 mod friction;
+mod fused;
 mod generate_space;
 mod guard;
 mod hertz;

@@ -103,9 +103,9 @@ pub fn rel_l2(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// A small deterministic generator (xorshift), for numbers in −1 … 1.
-pub struct Dice(pub u64);
+pub struct Random(pub u64);
 
-impl Dice {
+impl Random {
     pub fn roll(&mut self) -> f64 {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;

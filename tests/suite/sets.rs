@@ -1,7 +1,7 @@
 //! All pairs of two sets as one module: the same bits as the pairs themselves, whichever way the pairs that touch are
 //! found, and what holds of any contact: momentum, energy, findings at load.
 
-use crate::play::{Dice, audited, mat, model, reference, scene, with, within};
+use crate::play::{Random, audited, mat, model, reference, scene, with, within};
 use ca_compile::{Options, compile};
 use ca_core::{Scene, State, tick};
 use std::fmt::Write as _;
@@ -9,7 +9,7 @@ use std::fmt::Write as _;
 const D: f64 = 5e-3;
 
 /// `n` grains of 0.2 g and `d` across, drawn within `radius` of the origin, at speeds up to `v` along each axis.
-fn grains(n: usize, radius: f64, v: f64, dice: &mut Dice) -> String {
+fn grains(n: usize, radius: f64, v: f64, dice: &mut Random) -> String {
     let mut t = String::from("[room]\ndim = 3\n[room.SOL]\nmiddle = {}\n[room.MAS]\n");
     let mut at: Vec<[f64; 3]> = Vec::new();
     while at.len() < n {
@@ -36,7 +36,7 @@ fn heard(text: &str) -> String {
 
 /// Forty grains in a shell, all pairs of which may touch.
 fn shaken(contact: &str) -> String {
-    let (all, body) = (names(0, 40), grains(40, 0.012, 1.0, &mut Dice(7)));
+    let (all, body) = (names(0, 40), grains(40, 0.012, 1.0, &mut Random(7)));
     let shell =
         format!("[BUT]\nshell = {{ between = [\"room.middle\", {all}], k = 2000, d = 0.012, sense = \"inside\" }}");
     heard(&format!("{body}{shell}\n{contact}"))
@@ -54,7 +54,7 @@ fn bits(scene: &Scene, s: &State) -> Vec<u64> {
 }
 
 /// Throws some grains about: a jump of a metre and back, and speeds from a crawl to many diameters a tick.
-fn shake(scene: &Scene, s: &mut State, n: u64, dice: &mut Dice) {
+fn shake(scene: &Scene, s: &mut State, n: u64, dice: &mut Random) {
     let who = mat(scene, &format!("room.g{}", (dice.0 % 40)));
     match n % 4000 {
         500 => s.d[who] = 0.2 * dice.roll() * D,
@@ -90,7 +90,7 @@ fn every_bit_is_that_of_the_pairs() {
         let mut touched = 0;
         for n in 0..16_000 {
             for (scene, s) in scenes.iter().zip(&mut states) {
-                shake(scene, s, n, &mut Dice(n * 977 + 5));
+                shake(scene, s, n, &mut Random(n * 977 + 5));
                 tick(scene, s);
             }
             if n % 50 == 0 {
@@ -218,7 +218,7 @@ fn a_distance_that_moves_keeps_every_pair() {
 #[test]
 fn momentum_is_kept() {
     let all = names(0, 60);
-    let body = grains(60, 0.013, 1.0, &mut Dice(11));
+    let body = grains(60, 0.013, 1.0, &mut Random(11));
     let scene = scene(&heard(&format!("{body}[BUT]\nhits = {{ between = [{all}, {all}], k = 5000, d = 0.006 }}")));
     let mut s = scene.state();
     let sum = |s: &State, k: usize| s.d.chunks(3).map(|d| d[k]).sum::<f64>();

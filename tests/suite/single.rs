@@ -165,7 +165,7 @@ fn a_slow_string_neither_drifts_nor_freezes() {
 /// The ledger balances as far as single precision reaches: docs/numerics.md §2.3 says 1e-7 in a tick, 5e-5 in ten
 /// seconds.
 #[test]
-fn the_book() {
+fn the_ledger() {
     let struck = "[STRING]\ns = { n = 40, f = \"110 Hz\", t60 = \"4 s\", m = \"1 g\" }\n[MAS]\nh = { m = \"20 g\", x = \"-5.01 mm\", v = \"1 m/s\" }\n[BUT]\nb = { between = [\"h\", \"s[8]\"], k = \"8 kN/m\", z = 0.2 }\n[SOX]\no = { from = \"s[3]\" }\n";
     let scene = with(struck, &Options { energy: true, ..Options::default() }).expect("it compiles");
     let mut s = scene.state();

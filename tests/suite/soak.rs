@@ -4,7 +4,7 @@
 //! Decides on models drawn part by part, and not by the seed of a generator as those of the certificate are: one that
 //! fails shrinks to the few parts that it takes, and is printed as text.
 
-use crate::play::{Dice, scene, with, within};
+use crate::play::{Random, scene, with, within};
 use ca_compile::Options;
 use ca_core::certificate::Level;
 use ca_core::{Scene, State, tick};
@@ -164,7 +164,7 @@ fn makes_nothing(line: &Line, ticks: u64) {
 }
 
 fn ledgers_balance(text: &str, scene: &Scene, ticks: u64) {
-    let (mut s, mut dice) = (scene.state(), Dice(0x2545_f491_4f6c_dd1d));
+    let (mut s, mut dice) = (scene.state(), Random(0x2545_f491_4f6c_dd1d));
     let mut released = f64::INFINITY;
     let (mut far, mut pull): (f64, f64) = (1.0, 0.0);
     for n in 0..ticks {
@@ -179,7 +179,7 @@ fn ledgers_balance(text: &str, scene: &Scene, ticks: u64) {
         pull = s.tap.iter().fold(pull, |m, f| m.max(f.abs()));
         let room = ROOM * b.peak + n as f64 * f64::EPSILON * far * pull * scene.n_lia as f64;
         assert!(b.h >= -room && b.h <= b.h0 + b.work + room && b.residual.abs() <= room, "{n}: {b:?}\n{text}");
-        // the push of the last tick is booked with the next
+        // the push of the last tick is entered with the next
         if n > ticks / 4 * 3 + 1 {
             assert!(b.h <= released + room, "{n}: {b:?}\n{text}");
             released = b.h;
@@ -192,7 +192,7 @@ const ROOM: f64 = 1e-9;
 
 /// Two masses that nothing holds, pushed about for so long that the last digit of where they stand counts.
 #[test]
-fn what_drifts_far_away_is_booked_to_its_last_digit() {
+fn what_drifts_far_away_is_entered_to_its_last_digit() {
     let text = "[rate]\nsound = 1\ngesture = 1\n[MAS]\na = { m = 1 }\nb = { m = 1 }\n[REF]\nt = { between = [\"a\", \"b\"], k = 0.2 }\n\
                 [SOX]\no = { from = \"a\" }\n[ENF]\nhand = { to = \"a\" }\n";
     let scene = with(text, &Options { energy: true, ..Options::default() });
@@ -337,7 +337,7 @@ fn what_is_linearised_keeps_to_its_ripple() {
     soak(space, |d, ticks| {
         let (text, scene) = d.linearised();
         let stated = scene.certificate.ripple.expect("stated");
-        let mut dice = Dice(d.seed);
+        let mut dice = Random(d.seed);
         let rose = rises(&scene, || SMALL * dice.roll(), ticks);
         // lengths tie modes to each other by the square of what they move
         assert!(rose <= stated + SMALL, "{rose} is above {stated}\n{text}");

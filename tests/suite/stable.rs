@@ -1,6 +1,6 @@
 //! Contacts by the methods that keep energy: C04, C05, C06, the linear bounce, dampers, shared masses, ports.
 
-use crate::play::{Dice, audited, case, list, mat, num, off, reference, scene, with, within};
+use crate::play::{Random, audited, case, list, mat, num, off, reference, scene, with, within};
 use ca_benches::rattle::{fares, page};
 use ca_compile::Options;
 use ca_core::certificate::Level;
@@ -196,7 +196,7 @@ fn masses_that_share_a_blow_keep_their_energy() {
     for a in [0.1, 1.0, 30.0, 1e4, 1e8, 1e12] {
         let k = a * 1e-3 * 48e3 * 48e3;
         let mut text = String::from("[SOL]\nleft = { x = -0.01 }\nright = { x = 0.07 }\n[MAS]\n");
-        let mut dice = Dice(7);
+        let mut dice = Random(7);
         for i in 0..7 {
             let m = 1e-3 * (1.0 + 0.5 * dice.roll());
             let _ =
@@ -265,7 +265,7 @@ fn held_from_more_sides_than_it_has_axes() {
         if n > 0 {
             worst = worst.max(off(ledger.h, ledger.h0));
         }
-        assert!(s.is_sound(0.01));
+        assert!(s.is_bounded(0.01));
     }
     assert!(touched > 100);
     within("a cage", worst, 1e-10);

@@ -114,7 +114,7 @@ fn run(text: impl Into<String>) -> Run {
     Run::Scene(Played::new(text))
 }
 
-fn booked(text: impl Into<String>) -> Run {
+fn audited(text: impl Into<String>) -> Run {
     Run::Scene(Played { energy: true, ..Played::new(text) })
 }
 
@@ -141,8 +141,8 @@ fn beside(
 
 /// A row of the energy ledger of a model.
 fn ledger(with: &'static str, modules: usize, text: String) -> CostRow {
-    let kept = Without::Absent(&["ledger", "ledger keeps"], |s| usize::from(s.ledger.is_some()));
-    row("energy ledger", with, modules, [run(text.clone()), booked(text)], kept)
+    let kept = Without::Absent(&["ledger", "ledger of forces"], |s| usize::from(s.ledger.is_some()));
+    row("energy ledger", with, modules, [run(text.clone()), audited(text)], kept)
 }
 
 const PRESSED: &str = "k = 100, d = \"1 mm\"";

@@ -91,7 +91,7 @@ pub enum Command {
     /// sound and take; `ca arm` turns forces on again. It does not replace a switch that cuts the power of the motors
     /// (docs/safety.md).
     Disarm(ArmArgs),
-    /// Asks a running `ca serve` how it goes
+    /// Shows the state of a running `ca serve`
     ///
     /// Says how many gesture frames and samples it has played, the mode and the cause of each device, what an armed one
     /// waits for, and how much was lost; with `--json` also the live parameters.

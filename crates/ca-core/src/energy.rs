@@ -2,7 +2,7 @@
 //!
 //! Decides to keep the exact discrete identity of the scheme (docs/numerics.md §2) rather than an estimate: for linear
 //! modules the ledgers balance to rounding, so the residual is a test of the engine; for any other link the difference
-//! is its own account, which names the module that makes energy. Sample n is booked when x_{n+1} is known of ports too,
+//! is its own account, which names the module that makes energy. Sample n is entered when x_{n+1} is known of ports too,
 //! that is at the beginning of tick n+1, before changes. A scene that does not ask has no pass, array or test of this.
 
 use crate::layout::{Account, Layout, MeasureKind};
@@ -12,7 +12,7 @@ use crate::real::{Real, wide};
 use crate::state::State;
 use crate::verlet::VerletList;
 
-/// Link `i` of a batch around the tick being booked, where `d0` is the motion into that tick: its elongations before,
+/// Link `i` of a batch around the tick being entered, where `d0` is the motion into that tick: its elongations before,
 /// at and after, and how far its ends moved along its force in the two ticks together.
 fn elongations(layout: &Layout, s: &State, d0: &[Real], a: &Account, i: usize) -> ([Real; 3], Real) {
     if a.ports.measure == MeasureKind::Line && a.ports.onto.is_none() {
@@ -62,7 +62,7 @@ fn mats(layout: &Layout, s: &State, d0: &[Real]) -> (f64, f64, f64) {
     (kinetic, stored, lost)
 }
 
-/// What a link holds after the tick being booked, its heat in that tick, and the work of its force on its ends.
+/// What a link holds after the tick being entered, its heat in that tick, and the work of its force on its ends.
 struct Entry {
     stored: f64,
     heat: f64,
@@ -79,7 +79,7 @@ fn links(
     mut visit: impl FnMut(&Account, usize, Entry),
 ) {
     for a in layout.ledger.iter().flat_map(|p| &p.accounts) {
-        if let Some(at) = a.ports.crowd {
+        if let Some(at) = a.ports.pair_set {
             visit(a, a.first, set(layout, s, &mut near[at], coefs(s, room, a, 0), d0, a, at));
             continue;
         }
@@ -109,7 +109,7 @@ fn set(layout: &Layout, s: &State, near: &mut VerletList, c: &[Real], d0: &[Real
 }
 
 /// Recomputes what everything holds with the present coefficients; returns the total.
-fn hold(layout: &Layout, s: &State, near: &mut [VerletList], l: &mut Ledger) -> f64 {
+fn store(layout: &Layout, s: &State, near: &mut [VerletList], l: &mut Ledger) -> f64 {
     let (kinetic, mut h, _) = mats(layout, s, &s.d);
     l.kinetic = kinetic;
     h += kinetic + wave::energy(layout, s, &s.d).0;
@@ -125,7 +125,7 @@ pub fn ledger(_op: &Op, layout: &Layout, s: &mut State) {
     let Some(mut l) = s.ledger.take() else { return };
     let mut near = core::mem::take(&mut s.near);
     if s.tick == 0 {
-        l.h0 = hold(layout, s, &mut near, &mut l);
+        l.h0 = store(layout, s, &mut near, &mut l);
         s.near = near;
         l.h = l.h0;
         l.peak = l.h0.abs();
@@ -176,10 +176,10 @@ pub fn ledger(_op: &Op, layout: &Layout, s: &mut State) {
 }
 
 /// After changes of parameters or of moving points: what they brought in.
-pub fn rebook(_op: &Op, layout: &Layout, s: &mut State) {
+pub fn ledger_changes(_op: &Op, layout: &Layout, s: &mut State) {
     let Some(mut l) = s.ledger.take() else { return };
     let mut near = core::mem::take(&mut s.near);
-    let h = hold(layout, s, &mut near, &mut l);
+    let h = store(layout, s, &mut near, &mut l);
     s.near = near;
     l.changed += h - l.h;
     l.h = h;

@@ -36,7 +36,7 @@ pub struct Ports {
     /// [`Layout::reach`]
     pub onto: Option<(MeasureKind, usize, usize)>,
     /// where all pairs of two sets are one module, its index in [`Layout::pair_sets`]
-    pub crowd: Option<usize>,
+    pub pair_set: Option<usize>,
 }
 
 /// Two sets of points in space of which every pair is joined, or all pairs of one.

@@ -18,7 +18,7 @@ pub struct Ledger {
     pub lost_mats: f64,
     /// heat of each link (n_lia)
     pub lost: Vec<f64>,
-    /// energy made (+) or swallowed (−) by the scheme in each link (n_lia); 0 for linear ones
+    /// energy made (+) or taken (−) by the scheme in each link (n_lia); 0 for linear ones
     pub source: Vec<f64>,
     /// work received from each port: position ports, device ports, force ports
     pub work: Vec<f64>,
@@ -61,7 +61,7 @@ pub struct Exchange {
 }
 
 impl Exchange {
-    /// Energy the border made (+) or swallowed (−), by answering late or not at all.
+    /// Energy the border made (+) or taken (−), by answering late or not at all.
     pub fn leak(&self) -> f64 {
         self.received - self.given
     }
@@ -114,7 +114,7 @@ impl Ledger {
     }
 
     /// The link that made the most energy, with its account; `None` where none made any.
-    pub fn culprit(&self) -> Option<(usize, f64)> {
+    pub fn largest_error(&self) -> Option<(usize, f64)> {
         let (i, s) = self.source.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1))?;
         (*s > 0.0).then_some((i, *s))
     }

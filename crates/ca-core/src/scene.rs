@@ -73,8 +73,10 @@ pub struct Scene {
     pub layout: Layout,
     /// passes before the forces: ports, ledger, changes, moving points
     pub reads: Vec<Op>,
-    /// passes that sum forces at the present positions
+    /// passes that sum forces at the present positions, then the rows that `moves` sum (see [`Scene::fused`])
     pub forces: Vec<Op>,
+    /// how many of the last of `forces` no tick runs by themselves, since a pass of `moves` sums them and integrates
+    pub fused: usize,
     /// passes that write outputs
     pub writes: Vec<Op>,
     /// passes that move the MATs
@@ -139,6 +141,11 @@ impl Scene {
         let mut s = start(&self.layout, &self.forces, *order, s);
         s.scene = self.initial.scene;
         s
+    }
+
+    /// The passes of [`Scene::forces`] that a tick runs by themselves.
+    pub fn summed(&self) -> &[Op] {
+        &self.forces[..self.forces.len() - self.fused]
     }
 
     /// MATs by number, whatever their axes.

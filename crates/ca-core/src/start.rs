@@ -44,7 +44,7 @@ pub fn start(layout: &Layout, forces: &[Op], order: Order, mut s: State) -> Stat
     let project = Op::pass("points", pass::project, layout.proxies.len());
     pass::project(&project, layout, &mut s);
     memory(&mut s);
-    let counts = |op: &&Op| !exact && !matches!(op.name, "TGR out" | "border booked" | "TGR mute" | "ENF");
+    let counts = |op: &&Op| !exact && !matches!(op.name, "TGR out" | "ledger of the border" | "TGR mute" | "ENF");
     // the change of motion that a tick makes of a state
     let change = |s: &State| -> Vec<Real> {
         let mut trial = s.clone();

@@ -85,7 +85,7 @@ pub struct State {
     pub x: Vec<Real>,
     /// x_n − x_{n−1} \[m/tick\] (n_mat); written with `x`
     pub d: Vec<Real>,
-    /// summed force \[N\] (n_mat); written by `forces`, cleared by `moves`
+    /// summed force \[N\] (n_mat), without that of rows that `moves` sum; written by `forces`, cleared by `moves`
     pub f: Vec<Real>,
     /// coefficients (n_coef): P, Q and C of the MATs, then those of weights, links, points and outputs;
     /// written at load and by changes
@@ -151,7 +151,7 @@ impl State {
     }
 
     /// True while every position and motion is finite and below `limit` \[m\].
-    pub fn is_sound(&self, limit: f64) -> bool {
+    pub fn is_bounded(&self, limit: f64) -> bool {
         self.x.iter().chain(&self.d).all(|v| wide(v.abs()) < limit)
     }
 

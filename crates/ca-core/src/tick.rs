@@ -77,7 +77,7 @@ fn foreign(scene: &Scene) -> ! {
 
 #[inline]
 fn forces(scene: &Scene, s: &mut State) {
-    for op in scene.reads.iter().chain(&scene.forces).chain(&scene.writes) {
+    for op in scene.reads.iter().chain(scene.summed()).chain(&scene.writes) {
         (op.kernel)(op, &scene.layout, s);
     }
 }

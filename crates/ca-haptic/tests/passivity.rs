@@ -79,9 +79,9 @@ impl Rig {
 }
 
 /// xorshift.
-struct Dice(u64);
+struct Random(u64);
 
-impl Dice {
+impl Random {
     fn even(&mut self) -> f64 {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;
@@ -161,7 +161,7 @@ fn play(case: &Case, seconds: f64) -> Seen {
     real.range = [low - middle, high - middle];
     let mut device = Device::new(&real, Hand::NONE, Script::Push { force: 0.0 }, 0, 5);
     let mut rig = Rig::new(&scene, "key", p.clone());
-    let mut dice = Dice(77);
+    let mut dice = Random(77);
     let (mut x, mut measured) = ([middle; 3], [middle; 3]);
     let (mut at, mut mode) = ([middle; 3], Mode::Off);
     // forces by the number of their frame, sent and injected

@@ -195,7 +195,7 @@ impl<'a> Performance<'a> {
             }
         }
         tick(scene, s);
-        if s.tick.is_multiple_of(64) && !s.is_sound(DIVERGED) {
+        if s.tick.is_multiple_of(64) && !s.is_bounded(DIVERGED) {
             self.diverged = true;
         }
     }
@@ -211,11 +211,12 @@ impl<'a> Performance<'a> {
         }
         if let Some(scene) = audited {
             if let Ok(mut twin) = Performance::new(scene, gesture) {
-                // up to the first tick out of range: what is booked after that says nothing of the cause
-                while twin.state.is_sound(DIVERGED) && twin.state.tick < self.state.tick + 64 {
+                // up to the first tick out of range: what is entered after that says nothing of the cause
+                while twin.state.is_bounded(DIVERGED) && twin.state.tick < self.state.tick + 64 {
                     twin.tick();
                 }
-                if let Some((link, made)) = twin.state.ledger.as_ref().and_then(ca_core::energy::Ledger::culprit) {
+                if let Some((link, made)) = twin.state.ledger.as_ref().and_then(ca_core::energy::Ledger::largest_error)
+                {
                     if let Some(name) = scene.audited_name(link) {
                         return (name.into(), format!("it made {made:.3e} J"));
                     }

@@ -45,7 +45,7 @@ pub fn play<'a, E>(mut p: Performance<'a>, frames: u64, block: u64, heard: &mut 
         let block = block.min(frames - done);
         rows.clear();
         for _ in 0..block {
-            keep_book(&p, &mut last_good);
+            keep_ledger(&p, &mut last_good);
             p.tick();
             rows.extend_from_slice(&p.state.output[..n_out]);
         }
@@ -54,28 +54,28 @@ pub fn play<'a, E>(mut p: Performance<'a>, frames: u64, block: u64, heard: &mut 
     }
     let wall = begin.elapsed();
     // what diverged between two looks at the state is found here at the latest
-    p.diverged |= !p.state.is_sound(DIVERGED);
+    p.diverged |= !p.state.is_bounded(DIVERGED);
     let broke = p.diverged.then_some(p.state.tick);
     let (energy, energy_ticks) = match last_good {
         Some((ledger, tick)) => (Some(ledger), tick),
         None => (p.state.ledger.clone(), p.state.tick),
     };
-    // a tick is booked when the next one begins
+    // a tick is entered when the next one begins
     let energy_ticks = energy_ticks.saturating_sub(1);
     Ok(Played { performance: p, wall, broke, energy, energy_ticks })
 }
 
 /// Where a ledger is kept and the positions have just left every range: the ledger as it was.
-fn keep_book(p: &Performance, last_good: &mut Option<(Ledger, u64)>) {
+fn keep_ledger(p: &Performance, last_good: &mut Option<(Ledger, u64)>) {
     if let (Some(ledger), None, false) = (&p.state.ledger, &*last_good, p.diverged) {
-        if !p.state.is_sound(DIVERGED) {
+        if !p.state.is_bounded(DIVERGED) {
             *last_good = Some((ledger.clone(), p.state.tick));
         }
     }
 }
 
 /// Why a scene left every range.
-pub struct Broke {
+pub struct Divergence {
     /// \[s\]
     pub time: f64,
     /// to blame
@@ -86,19 +86,19 @@ pub struct Broke {
     pub fix: Option<String>,
 }
 
-impl Broke {
+impl Divergence {
     /// What is to blame, where `played` diverged; `audited` is its scene, with the ledger kept if there is one,
     /// `findings` those of the compiler.
-    pub fn of(played: &Played, audited: &Scene, findings: &Diags, gesture: Option<&Gesture>) -> Option<Broke> {
+    pub fn of(played: &Played, audited: &Scene, findings: &Diags, gesture: Option<&Gesture>) -> Option<Divergence> {
         let time = played.broke? as f64 * audited.sample_dt;
         let (module, why) = played.performance.blame(Some(audited), gesture);
-        Some(Broke { time, fix: fix(findings, &module), module, why })
+        Some(Divergence { time, fix: fix(findings, &module), module, why })
     }
 }
 
-impl std::fmt::Display for Broke {
+impl std::fmt::Display for Divergence {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Broke { module, why, time, fix } = self;
+        let Divergence { module, why, time, fix } = self;
         let fix = fix.as_ref().map(|f| format!("; {f}")).unwrap_or_default();
         write!(f, "the model diverged at {time:.4} s, silence after that: `{module}`: {why}{fix}")
     }

@@ -12,9 +12,9 @@ use ca_core::phi;
 pub const KINDS: &[&Kind] = &{
     const OWN: [&Kind; 10] =
         [&LPR, &LPR_RES, &LPR_FRO, &LPR_BUT, &LPR_CUB, &LPR_HRZ, &LPR_LNL, &LPR_PLK, &LPR_ATT, &LPR_BOW];
-    let (mut all, mut i) = ([OWN[0]; OWN.len() + TWINS.len()], 0);
+    let (mut all, mut i) = ([OWN[0]; OWN.len() + QUADRIPOLES.len()], 0);
     while i < all.len() {
-        all[i] = if i < OWN.len() { OWN[i] } else { TWINS[i - OWN.len()] };
+        all[i] = if i < OWN.len() { OWN[i] } else { QUADRIPOLES[i - OWN.len()] };
         i += 1;
     }
     all

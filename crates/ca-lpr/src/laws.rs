@@ -19,7 +19,7 @@ macro_rules! laws {
                 ..$of
             };
         )*
-        static TWINS: &[(&Law, &Law)] = &[$((&$of, &$name)),*];
+        static QUADRIPOLES: &[(&Law, &Law)] = &[$((&$of, &$name)),*];
     };
 }
 
@@ -44,5 +44,5 @@ laws! {
 
 /// The law of this crate that is the form of `law`.
 pub fn twin(law: &'static Law) -> Option<&'static Law> {
-    TWINS.iter().find(|(of, _)| core::ptr::eq(*of, law)).map(|(_, own)| *own)
+    QUADRIPOLES.iter().find(|(of, _)| core::ptr::eq(*of, law)).map(|(_, own)| *own)
 }

@@ -81,7 +81,7 @@ macro_rules! text {
     }};
 }
 
-/// The quadripoles of laws, a line each: `file: Phi;`. Makes `TWINS`, the list of their kinds.
+/// The quadripoles of laws, a line each: `file: Phi;`. Makes `QUADRIPOLES`, the list of their kinds.
 macro_rules! twins {
     ($($file:ident: $phi:ident;)*) => {
         $(
@@ -119,6 +119,6 @@ macro_rules! twins {
                 };
             }
         )*
-        const TWINS: &[&Kind] = &[$(&$file::KIND),*];
+        const QUADRIPOLES: &[&Kind] = &[$(&$file::KIND),*];
     };
 }

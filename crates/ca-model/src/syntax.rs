@@ -38,7 +38,7 @@ impl<'s> Source<'s> {
     /// The text itself where brackets and quotes pair, else a mended copy; what was mended is reported.
     pub(super) fn mend(text: &'s str, catalog: &Catalog, diags: &mut Diags) -> Source<'s> {
         let mut mender =
-            Mender { text, catalog, at: 0, open: Vec::new(), edits: Vec::new(), solid: 0, cutter: Cutter::default() };
+            Brackets { text, catalog, at: 0, open: Vec::new(), edits: Vec::new(), solid: 0, cutter: Cutter::default() };
         let plain = |text, cuts| Source { text: Cow::Borrowed(text), inserted: Vec::new(), pieces: Vec::new(), cuts };
         if !mender.run(diags) || diags.is_full() {
             return plain("", Vec::new());
@@ -202,7 +202,7 @@ fn last_key_before(source: &Source, table: &DeTable, name: &str, before: Span, b
 }
 
 /// One pass over the text with a stack of open brackets.
-struct Mender<'s> {
+struct Brackets<'s> {
     text: &'s str,
     catalog: &'s Catalog,
     at: usize,
@@ -214,7 +214,7 @@ struct Mender<'s> {
     cutter: Cutter,
 }
 
-impl<'s> Mender<'s> {
+impl<'s> Brackets<'s> {
     /// Finds the characters to insert; false where the text is nested too deep or holds too many modules.
     fn run(&mut self, diags: &mut Diags) -> bool {
         // the byte before `solid`, and whether the line is blank so far

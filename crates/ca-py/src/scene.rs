@@ -11,7 +11,7 @@ use ca_io::gesture::PortMap;
 use ca_io::perform::Performance;
 use ca_io::sound::Level;
 use ca_lab::load::{self, Loaded};
-use ca_lab::play::{self, BLOCK, Broke};
+use ca_lab::play::{self, BLOCK, Divergence};
 use ca_lab::{Failure, bytes};
 use ca_model::diag::Diags;
 use numpy::IntoPyArray as _;
@@ -61,7 +61,7 @@ impl Scene {
         d.set_item("n_mat", s.mats())?;
         d.set_item("n_lia", s.n_lia)?;
         d.set_item("left_out", s.left_out.clone())?;
-        let passes = s.reads.iter().chain(&s.forces).chain(&s.writes).chain(&s.moves);
+        let passes = s.reads.iter().chain(s.summed()).chain(&s.writes).chain(&s.moves);
         d.set_item("passes", passes.map(|o| (o.name, o.n)).collect::<Vec<_>>())?;
         Ok(d)
     }
@@ -154,7 +154,7 @@ impl Scene {
             played.broke?;
             let options = Options { energy: true, probes: Vec::new(), ..self.options.clone() };
             let twin = load::compiled(&self.loaded, &options).0;
-            Broke::of(&played, twin.as_ref().unwrap_or(scene), &self.found, gesture)
+            Divergence::of(&played, twin.as_ref().unwrap_or(scene), &self.found, gesture)
         });
         let d = PyDict::new(py);
         d.set_item("audio", table(py, heard.audio, frames as usize, channels)?)?;

@@ -69,7 +69,7 @@ impl Running {
     fn advance(&mut self, scene: &ca_core::Scene) {
         if !self.diverged {
             integrate(scene, &mut self.state);
-            self.diverged = self.state.tick.is_multiple_of(64) && !self.state.is_sound(DIVERGED);
+            self.diverged = self.state.tick.is_multiple_of(64) && !self.state.is_bounded(DIVERGED);
         }
     }
 }

@@ -105,7 +105,7 @@ fn without_feedback_the_hand_feels_nothing_and_the_sound_is_the_same() {
 
 /// A take is played without a ledger, and its hashes are compared by a replay that keeps one.
 #[test]
-fn a_book_changes_no_bit_of_the_state() {
+fn a_ledger_changes_no_bit_of_the_state() {
     let x = strokes(300);
     for rate in ["", "border = \"hold\"", "sound = 3000\ngesture = 3000", "latency = 2"] {
         for feedback in [true, false] {
@@ -152,7 +152,7 @@ fn ledgers(rate: &str, late: usize, felt: bool) -> [f64; 4] {
 }
 
 #[test]
-fn the_book_of_the_border() {
+fn the_ledger_of_the_border() {
     for (rate, late, felt) in [
         ("", 0, true),
         ("border = \"hold\"", 0, true),

@@ -5,7 +5,7 @@ mod images;
 mod looped;
 mod space;
 
-use crate::play::{Dice, TURN, audited, case, mat, num, within};
+use crate::play::{Random, TURN, audited, case, mat, num, within};
 use ca_core::border::frame_due;
 use ca_core::{Scene, compute_forces, integrate};
 
@@ -42,7 +42,7 @@ fn held_by(border: &str, sound: u32, gesture: u32, link: &str) -> Scene {
 
 /// The hand of E01, still at the end so that the last frame is whole.
 fn hand(frames: usize, rate: f64) -> Vec<f64> {
-    let mut dice = Dice(43);
+    let mut dice = Random(43);
     let mut walk = 0.0;
     let mut x: Vec<f64> = (0..frames)
         .map(|n| {
@@ -63,7 +63,7 @@ struct Played {
     /// Σ f_j (X_{j+1} − X_{j−1})/2 over ticks
     ticks: f64,
     /// the same by the ledger of the port
-    booked: f64,
+    ledger: f64,
     /// the same by the ledger of the border, frame by frame
     received: f64,
     /// Σ|P|
@@ -102,7 +102,7 @@ fn play(scene: &Scene, x: &[f64]) -> Played {
     Played {
         frames,
         ticks: power.iter().sum(),
-        booked: ledger.work[0],
+        ledger: ledger.work[0],
         received: ledger.hands[0].received,
         scale: power.iter().map(|p| p.abs()).sum(),
         residual: b.residual.abs() / b.peak,
@@ -121,7 +121,7 @@ fn e01_the_border_makes_nothing() {
                 let p = play(&scene, &x);
                 let what = format!("E01 {name}, {border}, R = {}", scene.ratio);
                 assert!(p.scale > 1e-3);
-                within(&format!("{what}, by the ledger"), (p.ticks - p.booked).abs() / p.scale, EXACT);
+                within(&format!("{what}, by the ledger"), (p.ticks - p.ledger).abs() / p.scale, EXACT);
                 within(&format!("{what}, by the ledger"), (p.received - p.ticks).abs() / p.scale, EXACT);
                 within(&format!("{what}, residual"), p.residual, 1e-12);
                 if scene.ratio > 1 {
@@ -141,7 +141,7 @@ fn e01_with_an_instrument_behind_the_key() {
         let text = format!("[rate]\nborder = \"{border}\"\n{INSTRUMENT}");
         let p = play(&audited(&text), &hand(3000, 3000.0));
         let what = format!("E01 an instrument, {border}");
-        within(&what, (p.frames - p.booked).abs() / p.scale, EXACT);
+        within(&what, (p.frames - p.ledger).abs() / p.scale, EXACT);
         within(&format!("{what}, by ticks"), (p.frames - p.ticks).abs() / p.scale, EXACT);
         within(&format!("{what}, by the ledger"), (p.received - p.ticks).abs() / p.scale, EXACT);
         within(&format!("{what}, residual"), p.residual, 1e-12);

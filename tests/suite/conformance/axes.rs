@@ -2,7 +2,7 @@
 //! bit but those of the square root.
 
 use super::drawn::{args, built, held, laws};
-use crate::play::{Dice, mat, model, within};
+use crate::play::{Random, mat, model, within};
 use ca_compile::Options;
 use ca_core::kind::Kind;
 use ca_core::{State, tick};
@@ -54,7 +54,7 @@ const AXES: [[f64; 3]; 4] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0],
 fn along_a_direction_every_law_is_that_of_the_line() {
     for (kind, _) in laws() {
         for seed in 1..8 {
-            let list = args(kind, &mut Dice(seed * 7919));
+            let list = args(kind, &mut Random(seed * 7919));
             let line = run(&pair(kind, &list, None, None), None, 600);
             assert!(line.iter().flatten().all(|x| x.is_finite()), "{}", kind.code);
             // the distance of two points has no sign: compared while the second stays above the first
@@ -118,10 +118,10 @@ fn a_plane_is_space_with_a_frozen_axis() {
 }
 
 #[test]
-fn the_books_close_in_space() {
+fn the_ledger_balances_in_space() {
     for (kind, _) in laws() {
         for seed in 1..4 {
-            let list = args(kind, &mut Dice(seed * 31));
+            let list = args(kind, &mut Random(seed * 31));
             let m = pair(kind, &list, Some(AXES[3]), None);
             let scene = built(&m, &Options { energy: true, ..Options::default() });
             let mut s = scene.state();

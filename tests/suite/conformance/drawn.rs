@@ -1,7 +1,7 @@
 //! Kinds with drawn parameters, compiled: what the other files hold to their promises.
 
 use super::felt;
-use crate::play::{Dice, model};
+use crate::play::{Random, model};
 use ca_compile::Compiled;
 use ca_compile::{Options, compile};
 use ca_core::kind::{Kind, Need, Role, Type, Unit};
@@ -55,7 +55,7 @@ fn by(way: &str, args: &mut Vec<Entry>) {
 }
 
 /// A value for a parameter of a link, as it would be written, of the size it has in an instrument.
-pub fn written(unit: Unit, (min, max): (f64, f64), dice: &mut Dice) -> f64 {
+pub fn written(unit: Unit, (min, max): (f64, f64), dice: &mut Random) -> f64 {
     let u = 0.5 * (dice.roll() + 1.0);
     let size = |lo: i32, hi: i32| 10f64.powf(f64::from(lo) + u * f64::from(hi - lo));
     let v = match unit.symbol {
@@ -70,7 +70,7 @@ pub fn written(unit: Unit, (min, max): (f64, f64), dice: &mut Dice) -> f64 {
 }
 
 /// Parameters of a link, drawn within their ranges; tables rise, so that they resist.
-pub fn args(kind: &Kind, dice: &mut Dice) -> Vec<Entry> {
+pub fn args(kind: &Kind, dice: &mut Random) -> Vec<Entry> {
     let mut out = Vec::new();
     let chosen = |set: &'static [&'static [&'static str]], roll: f64| set[usize::from(roll > 0.0) % set.len()];
     let sets: Vec<_> = kind.one_of.iter().map(|o| (o.sets, chosen(o.sets, dice.roll()))).collect();
@@ -135,7 +135,7 @@ pub fn held(kind: &Kind, m: &mut Model, args: &mut Vec<Entry>) {
 }
 
 /// `low` and `high` joined by one link of this kind.
-pub fn pair(kind: &Kind, way: &str, dice: &mut Dice) -> Model {
+pub fn pair(kind: &Kind, way: &str, dice: &mut Random) -> Model {
     let mut m = model("[MAS]\nlow = { m = 1 }\nhigh = { m = 2 }\n[SOX]\nout = { from = \"low\" }\n");
     let mut list = args(kind, dice);
     by(way, &mut list);
@@ -159,7 +159,7 @@ pub struct Loaded {
 }
 
 impl Loaded {
-    pub fn new(kind: &Kind, dice: &mut Dice) -> Loaded {
+    pub fn new(kind: &Kind, dice: &mut Random) -> Loaded {
         let m = pair(kind, "ca", dice);
         let mut l = Loaded::first(&built(&m, &Options::default()));
         l.named = ca_model::write::write(&m);
@@ -190,7 +190,7 @@ impl Loaded {
 /// True where the first link holds nothing wherever its ends are, and its force is known before they move.
 pub fn only_resists(scene: &Scene) -> bool {
     let mut l = Loaded::first(scene);
-    let late = l.law.is_late();
+    let late = l.law.is_staged();
     let holds = |e: f64| {
         l.start(e);
         l.stored(e) != 0.0
@@ -203,7 +203,7 @@ pub const MASSES: u32 = 12;
 
 /// A row of masses joined by one law each, long enough for a run, and a link across, so that batches hold a run and a
 /// loose link.
-pub fn row(kind: &Kind, way: &str, apart: bool, dice: &mut Dice) -> Model {
+pub fn row(kind: &Kind, way: &str, apart: bool, dice: &mut Random) -> Model {
     let mut m = model("[SOX]\nout = { from = \"m3\" }\n");
     for i in 0..MASSES {
         let x = if apart { 1e-4 * f64::from(i) } else { 0.0 };

@@ -1,7 +1,7 @@
 //! Forces of every law: action and reaction, bounds, passivity, and the energy of each.
 
 use super::drawn::{Loaded, built, laws, only_resists, pair, ways};
-use crate::play::{Dice, mat};
+use crate::play::{Random, mat};
 use ca_compile::Options;
 use ca_core::tick;
 use ca_model::{Entry, Value};
@@ -13,7 +13,7 @@ proptest! {
     #[test]
     fn action_is_reaction(seed in 1u64.., x in -2e-3..2e-3f64, y in -2e-3..2e-3f64, v in -1e-5..1e-5f64) {
         for (kind, way) in ways() {
-            let scene = built(&pair(kind, way, &mut Dice(seed)), &Options::default());
+            let scene = built(&pair(kind, way, &mut Random(seed)), &Options::default());
             let (a, b) = (mat(&scene, "low"), mat(&scene, "high"));
             let mut s = scene.state();
             (s.x[a], s.x[b], s.d[a]) = (x, y, v);
@@ -31,7 +31,7 @@ proptest! {
     #[test]
     fn work_is_held_or_heat(seed in 1u64.., from in -1e-3..1e-3f64, way in -2e-3..2e-3f64) {
         for (kind, _) in laws() {
-            let mut l = Loaded::new(kind, &mut Dice(seed));
+            let mut l = Loaded::new(kind, &mut Random(seed));
             let n = 20_000;
             // it stands at either end
             let path = |i: i32| from + way * f64::from(i.clamp(0, n)) / f64::from(n);
@@ -62,7 +62,7 @@ proptest! {
     #[test]
     fn a_cycle_gains_nothing(seed in 1u64.., middle in -5e-4..5e-4f64, swing in 1e-4..2e-3f64) {
         for (kind, _) in laws() {
-            let mut l = Loaded::new(kind, &mut Dice(seed));
+            let mut l = Loaded::new(kind, &mut Random(seed));
             let n = 20_000;
             let path = |i: i32| middle + swing * (f64::from(i) * std::f64::consts::TAU / f64::from(n)).sin();
             // once round to forget where it began
@@ -86,7 +86,7 @@ proptest! {
     #[test]
     fn bounds_bound(seed in 1u64.., e in -2e-3..2e-3f64, step in 1e-7..1e-4f64, w in -1e-5..1e-5f64) {
         for (kind, _) in laws() {
-            let mut l = Loaded::new(kind, &mut Dice(seed));
+            let mut l = Loaded::new(kind, &mut Random(seed));
             let bound = (l.law.bound)(&l.c, &l.tables);
             let (from, to) = (l.law.idle)(&l.c);
             let rest = if !l.law.contact { 0.0 } else if from.is_finite() { from } else { to };
@@ -125,7 +125,7 @@ proptest! {
     #[test]
     fn ledgers_balance(seed in 1u64.., x in -1e-3..1e-3f64, v in -0.2..0.2f64) {
         for (kind, way) in ways() {
-            let mut m = pair(kind, way, &mut Dice(seed));
+            let mut m = pair(kind, way, &mut Random(seed));
             m.add("SOL", "ground", []);
             m.add("RES", "tie", [Entry::new("between", Value::from(vec!["ground", "low"])), Entry::new("k", 1e4)]);
             let scene = built(&m, &Options { energy: true, ..Options::default() });

@@ -79,7 +79,7 @@ fn accounts(profile: Profile, rate: &str, exact: bool) -> [f64; 4] {
 }
 
 #[test]
-fn the_books_agree_to_rounding() {
+fn the_ledgers_agree_to_rounding() {
     for rate in ["", "[rate]\nborder = \"hold\"", "[rate]\nlatency = 3", "[rate]\nsound = 3000\ngesture = 3000"] {
         let [received, asked, given, removed] = accounts(bare(), rate, true);
         // what is removed without limits: two frames of fading in, at rest, and the rounding of the wire

@@ -4,7 +4,7 @@
 
 use super::requirements::{STYLUS, angle};
 use super::{Rig, TE, mode, profile};
-use crate::play::Dice;
+use crate::play::Random;
 use ca_haptic::frame::{Cause, DOF, DeviceFrame, ForceFrame, Mode, flag, status};
 use ca_haptic::guard::{Chain, GuardFrame, Order};
 use ca_haptic::profile::Profile;
@@ -68,11 +68,11 @@ fn eager(axes: u32, continuous: f64) -> Profile {
 const ODD: [f64; 10] =
     [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e308, -1e308, f64::MAX, 5e-324, -0.0, 1e160, -1e154];
 
-fn odd(dice: &mut Dice) -> f64 {
+fn odd(dice: &mut Random) -> f64 {
     ODD[((dice.roll() + 1.0) * 0.5 * ODD.len() as f64) as usize % ODD.len()]
 }
 
-fn chance(dice: &mut Dice, one_in: f64) -> bool {
+fn chance(dice: &mut Random, one_in: f64) -> bool {
     (dice.roll() + 1.0) * 0.5 * one_in < 1.0
 }
 
@@ -87,7 +87,7 @@ fn any_force_of_a_model() {
         let (mut chain, mut hand) = (Chain::new(&p, TE), GuardFrame::new(3, TE));
         (hand.calibrated, hand.met, hand.age) = (true, u32::MAX, 0);
         let mut w = Watcher::new(&p);
-        let mut dice = Dice(99 + u64::from(axes));
+        let mut dice = Random(99 + u64::from(axes));
         let (mut size, mut turned) = (0.0, 0);
         for n in 0..frames() / 3 {
             if n % 60 == 0 {
@@ -137,7 +137,7 @@ fn any_force_of_a_model() {
 }
 
 /// A frame that may be anything.
-fn spoil(f: &mut DeviceFrame, dice: &mut Dice) {
+fn spoil(f: &mut DeviceFrame, dice: &mut Random) {
     let k = ((dice.roll() + 1.0) * 8.0) as u32;
     let bits = dice.0;
     match k {
@@ -166,7 +166,7 @@ fn any_frame_of_a_device() {
         let p = eager(axes, 5.0);
         let mut rig = Rig::new(&text, p.clone());
         let mut w = Watcher::new(&p);
-        let mut dice = Dice(31 + u64::from(axes));
+        let mut dice = Random(31 + u64::from(axes));
         let (mut x, mut v) = ([0.0f64; 3], [0.0f64; 3]);
         let mut gap = 0;
         for n in 0..frames() / 2 {

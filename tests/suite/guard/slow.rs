@@ -4,7 +4,7 @@
 //! and a key at 3 kHz; frames come a frame of the engine early or late.
 
 use super::{KEY, Rig, TE, cause, mode};
-use crate::play::Dice;
+use crate::play::Random;
 use ca_haptic::frame::{Cause, Mode, flag};
 use ca_haptic::guard::Order;
 use ca_haptic::profile::Profile;
@@ -42,7 +42,7 @@ fn sweep(name: &str, speed: f64) -> Swept {
     let mut rig = Rig::new(&text.replace("wall = {}", &format!("wall = {{ x = {middle} }}")), p.clone());
     let ratio = (1.0 / (p.rate * TE)).round() as u32;
     let period = f64::from(ratio) * TE;
-    let mut dice = Dice(5);
+    let mut dice = Random(5);
     let (mut due, mut stale, mut fastest) = (0, 0, 0.0f64);
     let mut force = [0.0; 32];
     let mut why = Cause::None;

@@ -2,7 +2,7 @@
 
 mod plain;
 
-use crate::play::{Dice, audited, case, list, mat, num, off, scene, within};
+use crate::play::{Random, audited, case, list, mat, num, off, scene, within};
 use ca_core::certificate::Level;
 use ca_core::{Scene, State, compute_forces, tick};
 use std::fmt::Write as _;
@@ -40,7 +40,7 @@ fn corners(scene: &Scene) -> [usize; 4] {
     [0, 1, 2, 3].map(|i| mat(scene, &format!("air.v{i}")))
 }
 
-fn kick(scene: &Scene, s: &mut State, speed: f64, dice: &mut Dice) {
+fn kick(scene: &Scene, s: &mut State, speed: f64, dice: &mut Random) {
     for at in corners(scene) {
         (0..3).for_each(|k| s.d[at + k] = speed * dice.roll() / FS);
     }
@@ -69,7 +69,7 @@ fn d01_energy_is_bounded() {
     for a in list(c, "setup/a") {
         let scene = audited(&on_chain(l, m, a * m * FS * FS));
         let mut s = scene.state();
-        kick(&scene, &mut s, 1e-3, &mut Dice(5));
+        kick(&scene, &mut s, 1e-3, &mut Random(5));
         let [first, low, high] = energies(&scene, &mut s, num(c, "setup/steps") as usize);
         within(&format!("D01 a = {a}"), (high - low) / first, num(c, "tolerance/CA"));
         let b = s.ledger.as_ref().expect("a ledger").balance();
@@ -182,9 +182,9 @@ fn the_bound_of_four_ends_is_a_bound() {
         let said = if stable { Level::Linearised } else { Level::Unstable };
         assert_eq!((cert.level, cert.exact), (said, cert.bound >= 4.0), "a = {a}: {cert:?}");
         let mut s = scene.state();
-        kick(&scene, &mut s, 1e-3, &mut Dice(3));
+        kick(&scene, &mut s, 1e-3, &mut Random(3));
         (0..20_000).for_each(|_| tick(&scene, &mut s));
-        assert_eq!(s.is_sound(1.0), stable, "a = {a}");
+        assert_eq!(s.is_bounded(1.0), stable, "a = {a}");
     }
 }
 

@@ -3,7 +3,7 @@
 
 use super::FS;
 use crate::conformance::drawn::{args, built, laws};
-use crate::play::{Dice, apart, mat, model, scene, with, within};
+use crate::play::{Random, apart, mat, model, scene, with, within};
 use ca_compile::Options;
 use ca_core::{compute_forces, integrate, tick};
 use ca_model::{Entry, Model, Value};
@@ -48,7 +48,7 @@ fn with_a_port_held_it_is_the_plain_link() {
             plain.code
         );
         for seed in 1..9 {
-            let mut list = args(plain, &mut Dice(seed * 7919));
+            let mut list = args(plain, &mut Random(seed * 7919));
             list.retain(|e| e.key != "l0");
             for (space, onto) in [(false, false), (false, true), (true, false), (true, true)] {
                 // a contact counts from position at its first port; the second is slack at rest
@@ -109,7 +109,7 @@ fn cheaper_laws_are_quadripoles_too() {
 
 /// Space to space, and line to line: what one loses the other has.
 #[test]
-fn between_worlds_of_one_kind_the_books_close() {
+fn between_worlds_of_one_kind_the_ledger_balances() {
     let text = |dim: u8| {
         let at = |x: f64| if dim == 3 { format!("[{}, {}, 0]", 0.6 * x, 0.8 * x) } else { format!("{x}") };
         let mut t = format!("[a]\ndim = {dim}\n[b]\ndim = {dim}\n");

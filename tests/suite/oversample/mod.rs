@@ -101,7 +101,7 @@ fn hand(sample: f64) -> f64 {
 }
 
 /// With the ledger, and what the first output listens to as a probe.
-fn booked(probe: &str) -> Options {
+fn audited(probe: &str) -> Options {
     Options { energy: true, probes: vec![probe.into()], ..Options::default() }
 }
 
@@ -127,13 +127,13 @@ fn it_is_the_scene_at_the_higher_rate() {
         ("a push and a moving point", PUSHED, "s[7]"),
     ] {
         for times in [2, 3, 16] {
-            let most = same_bits(what, &twins(text, "gesture = 3000", times, &booked(probe)), 700, hand);
+            let most = same_bits(what, &twins(text, "gesture = 3000", times, &audited(probe)), 700, hand);
             assert!(most > 1e-6, "{what}: {most}");
         }
     }
     // of which no ledger is kept
     let text = STRUCK.replace(", z = 0.1, zo = 0.01", "").replace(", z = 0.2", "");
-    let options = Options { energy: false, ..booked("s[7]") };
+    let options = Options { energy: false, ..audited("s[7]") };
     let text = format!("[model]\nmethod = \"pefrl\"\n{text}");
     assert!(same_bits("pefrl", &twins(&text, "gesture = 3000", 3, &options), 700, hand) > 1e-6);
 }
@@ -144,7 +144,7 @@ fn a_hand_is_led_through_all_ticks() {
     for more in ["", "border = \"hold\"", "latency = 2", "feedback = false"] {
         for gesture in [3000, 48_000] {
             let more = format!("gesture = {gesture}\n{more}");
-            let scenes = twins(KEYED, &more, 4, &booked("h"));
+            let scenes = twins(KEYED, &more, 4, &audited("h"));
             assert_eq!((scenes[0].ratio, scenes[0].frame), (48_000 / gesture, 4 * 48_000 / gesture));
             assert_eq!(scenes[1].ratio, scenes[0].frame);
             let most = same_bits(&more, &scenes, 2000, |n| 1e-3 * (0.01 * n).sin());
@@ -174,7 +174,7 @@ fn a_live_parameter_is_ramped_over_the_frame() {
         "[param]\nstiff = {{ value = 20000, unit = \"N/m\", live = true, min = 0, max = 30000 }}\n{}",
         STRUCK.replace("k = \"20 kN/m\"", "k = \"stiff\"")
     );
-    let [coarse, fine] = twins(&text, "gesture = 3000", 4, &booked("s[7]"));
+    let [coarse, fine] = twins(&text, "gesture = 3000", 4, &audited("s[7]"));
     let (mut a, mut b) = (coarse.state(), fine.state());
     let run = |a: &mut State, b: &mut State, samples: u32| {
         (0..samples).for_each(|_| tick(&coarse, a));
@@ -194,7 +194,7 @@ fn a_live_parameter_is_ramped_over_the_frame() {
     assert!(!a.ramps.is_moving() && !b.ramps.is_moving());
     run(&mut a, &mut b, 500);
     assert_eq!((&a.x, &a.coef, &a.ledger), (&b.x, &b.coef, &b.ledger));
-    let still = with(&format!("{text}[rate]\noversample = 4\n"), &booked("s[7]"));
+    let still = with(&format!("{text}[rate]\noversample = 4\n"), &audited("s[7]"));
     let mut s = still.state();
     (0..549).for_each(|_| tick(&still, &mut s));
     assert!(apart(&s.x, &a.x) > 1e-9, "the change is felt");
@@ -254,7 +254,7 @@ fn the_error_falls_with_the_square_of_the_ticks() {
 /// What is not finite counts once a sample: a position stays, a force is none.
 #[test]
 fn what_is_no_number_is_refused_once_a_sample() {
-    let [scene, _] = twins(PUSHED, "gesture = 3000", 8, &booked("s[7]"));
+    let [scene, _] = twins(PUSHED, "gesture = 3000", 8, &audited("s[7]"));
     let (mut s, mut zero) = (scene.state(), scene.state());
     for n in 0..400 {
         for (i, of) in scene.inputs.iter().enumerate() {
@@ -307,7 +307,7 @@ fn it_is_part_of_the_state() {
 }
 
 fn passes(scene: &Scene) -> Vec<&'static str> {
-    let all: [&Vec<Op>; 4] = [&scene.reads, &scene.forces, &scene.writes, &scene.moves];
+    let all: [&[Op]; 4] = [&scene.reads, scene.summed(), &scene.writes, &scene.moves];
     all.into_iter().flatten().map(|o| o.name).collect()
 }
 

@@ -7,7 +7,7 @@ use ca_core::tick;
 /// Struck by a hammer, damped by a felt, with three junctions: every tick closes, the far end only takes, and in the
 /// end all is heat.
 #[test]
-fn the_books_close_and_the_far_end_only_takes() {
+fn the_ledger_balances_and_the_far_end_only_takes() {
     for loss in ["t60 = 0.3", "t60 = 0.3, t60_high = 0.02", "t60 = 0.05, t60_high = 0.01, f_high = 2000"] {
         let scene = audited(&string(
             &format!("f = 330, {loss}, z = 0.8, at = [0.1, 0.5, 0.8]"),

@@ -78,7 +78,7 @@ pub struct SimArgs {
     /// Frames a second, if not those of its profile
     #[arg(long, value_name = "HZ", value_parser = hertz)]
     pub rate: Option<f64>,
-    /// Of its noise
+    /// Seed of the random noise on its measured positions; the same seed gives the same noise
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
     /// Frames that a force is under way before the motors have it

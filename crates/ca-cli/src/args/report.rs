@@ -33,8 +33,8 @@ pub struct ReportArgs {
     /// hear and the device keys if left out
     #[arg(long, value_name = "NAME")]
     pub probe: Vec<String>,
-    /// As long as other methods and rates are tried, for error against run time as of `ca accuracy`; 0 leaves it out,
-    /// 0.2 s if nothing is said
+    /// Seconds of sound for which other methods and rates are compared, as by `ca accuracy`; 0 leaves the comparison out;
+    /// 0.2 unless given
     #[arg(long, value_name = "S", value_parser = tried)]
     pub accuracy: Option<f64>,
     /// Prints nothing but warnings and errors

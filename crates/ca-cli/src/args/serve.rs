@@ -115,7 +115,7 @@ pub struct ArmArgs {
     pub json: bool,
 }
 
-/// Asks a running `ca serve` how it goes, or to end
+/// Shows the state of a running `ca serve`, or ends it
 #[derive(Args)]
 #[command(after_long_help = "Examples:
   ca status

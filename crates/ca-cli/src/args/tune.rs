@@ -7,9 +7,10 @@ use clap::{Args, ValueEnum};
 
 /// Tunes strings, meshes, cells and banks
 ///
-/// A part is named with its pitch: in hertz, or as a note with octave and cents (A3, C#4, Bb2+14.5). Its `f`, or its
-/// stiffness `k` where it has none, is changed until the mode that is most of it sounds so in the whole model, warping and
-/// everything that hangs on it included; a `[param]` it follows is changed in its place. With `--scale`, the parts (or the
+/// A part is named with its pitch: in hertz, or as a note with octave and cents (A3, C#4, Bb2+14.5). The command changes
+/// its `f`, or its stiffness `k` where it has no `f`, until the mode in which the part moves most has that pitch in the whole
+/// model: frequency warping and all modules that are connected to it are counted. Where the part follows a `[param]`, that
+/// is changed. With `--scale`, the parts (or the
 /// cells of a bank) take the degrees of a scale from `--root` on. Nothing is written unless `--write` or `--in-place`
 /// says where; the rest of the file, its comments too, stays as it is.
 #[derive(Args)]

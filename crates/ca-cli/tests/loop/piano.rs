@@ -161,8 +161,8 @@ fn page(all: &[Played]) -> String {
         ("lost in the felt", &["lost in `strike"]),
         ("lost in the bed", &["lost in `stop"]),
         ("lost in strings and bridge", &["lost in masses", "lost in `board"]),
-        ("still held", &["stored"]),
-        ("error of the scheme", &["swallowed"]),
+        ("stored", &["stored"]),
+        ("error of the scheme", &["error of the scheme"]),
     ];
     for (what, names) in rows {
         let _ = write!(out, "\n| {what} |");

@@ -49,14 +49,14 @@ pub struct Stage {
     dir: tempfile::TempDir,
     pub site: Site,
     runs: AtomicU32,
-    _turn: Turn,
+    _held: Held,
 }
 
 /// One stage at a time: each has threads of real time, and this machine has few cores. Those that wait most of their
 /// time, and try again where the machine was busy, share a turn.
 static ONE: RwLock<()> = RwLock::new(());
 
-enum Turn {
+enum Held {
     Alone(#[expect(dead_code, reason = "held until the stage ends")] RwLockWriteGuard<'static, ()>),
     Shared(#[expect(dead_code, reason = "held until the stage ends")] RwLockReadGuard<'static, ()>),
 }
@@ -87,18 +87,18 @@ pub fn until(what: &str, mut is: impl FnMut() -> bool) {
 
 impl Stage {
     pub fn new() -> Stage {
-        Stage::of(Turn::Alone(ONE.write().unwrap_or_else(PoisonError::into_inner)))
+        Stage::of(Held::Alone(ONE.write().unwrap_or_else(PoisonError::into_inner)))
     }
     /// A stage beside others that share a turn.
     pub fn beside() -> Stage {
-        Stage::of(Turn::Shared(ONE.read().unwrap_or_else(PoisonError::into_inner)))
+        Stage::of(Held::Shared(ONE.read().unwrap_or_else(PoisonError::into_inner)))
     }
-    fn of(turn: Turn) -> Stage {
+    fn of(held: Held) -> Stage {
         // the path must be short, wherever the system would have it
         let dir = tempfile::Builder::new().prefix("cal").tempdir_in("/tmp").unwrap();
         let site = Site::at(&dir.path().join("s")).unwrap();
         fs::create_dir_all(dir.path().join("c/profiles")).unwrap();
-        let stage = Stage { dir, site, runs: AtomicU32::new(0), _turn: turn };
+        let stage = Stage { dir, site, runs: AtomicU32::new(0), _held: held };
         stage.put("c/profiles/key.toml", PROFILE).put("key.ca.toml", KEY);
         stage
     }

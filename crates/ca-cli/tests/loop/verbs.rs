@@ -114,7 +114,7 @@ fn what_makes_no_sense_is_refused() {
 }
 
 #[test]
-fn examples_of_the_help_run() {
+fn examples_of_device_helps_run() {
     let stage = Stage::beside();
     let mut ran = 0;
     let help = stage.ca(&["device", "--help"]).is(0).out;

@@ -41,7 +41,7 @@ pub struct LinkRow {
 
 /// A link at a point that may stand anywhere on a string or a mesh: one list of entries for each node under it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Loose {
+pub struct MovingLink {
     /// stiffness \[N/m\]
     pub k: f64,
     /// viscosity \[N per m/tick\]
@@ -58,7 +58,7 @@ pub struct Linear {
     /// links between them, or to what is fixed
     pub rows: Vec<LinkRow>,
     /// links at points that wander
-    pub loose: Vec<Loose>,
+    pub loose: Vec<MovingLink>,
     entries: Vec<(u32, f64)>,
 }
 

@@ -73,7 +73,7 @@ pub fn accumulate(net: &Pruned) -> Accumulated {
 
 fn link(net: &Pruned, l: &LiaNode, b: &Bound, mats: &mut [Sums]) {
     // an implicit contact is passive whatever it holds, and no part of the linear network; others are judged by rule
-    if l.law.is_late() || (b.contact && !b.linear) {
+    if l.law.is_staged() || (b.contact && !b.linear) {
         return;
     }
     let h = b.h();

@@ -45,7 +45,7 @@ fn pairs(net: &Pruned, sums: &Accumulated) -> f64 {
     let one = |m: &u32| sums.mats[*m as usize].all * sums.mats[*m as usize].pull;
     let alone = sums.mats.iter().map(|s| s.all * s.pull).fold(0.0, f64::max);
     // the contacts of a set are judged by rule, and no two of its members are tied
-    let tied = net.lias.iter().filter(|l| l.sets.is_none() && !l.law.is_late());
+    let tied = net.lias.iter().filter(|l| l.sets.is_none() && !l.law.is_staged());
     let end = |e: End| net.reach(e).max(1.0) * net.under(e).iter().map(one).fold(0.0, f64::max);
     tied.map(|l| l.all_ends().map(end).sum()).fold(alone, f64::max)
 }

@@ -42,7 +42,7 @@ fn level(net: &Pruned, sums: &Accumulated, bounds: &Bounds, verdict: FactorVerdi
     if !(bounds.upper < 4.0 || verdict == FactorVerdict::Stable) || !bounds.covered {
         return Level::NotProven;
     }
-    let mut explicit = net.lias.iter().zip(&sums.links).filter(|(l, _)| !l.law.is_late());
+    let mut explicit = net.lias.iter().zip(&sums.links).filter(|(l, _)| !l.law.is_staged());
     if !explicit.clone().all(|(_, b)| b.linear) {
         Level::RuleOfThumb
     } else if explicit.any(|(l, _)| l.is_radial()) {
@@ -55,5 +55,5 @@ fn level(net: &Pruned, sums: &Accumulated, bounds: &Bounds, verdict: FactorVerdi
 /// A contact or a friction along a curve that holds something held elsewhere too.
 fn by_rule(net: &Pruned, sums: &Accumulated, l: &LiaNode, b: &Bound) -> bool {
     let held = || l.all_ends().flat_map(|e| net.under(e)).any(|m| sums.mats[m as usize].all > 0.0);
-    ((b.contact && b.k > 0.0) || rubs(b)) && l.sets.is_none() && !l.law.is_late() && held()
+    ((b.contact && b.k > 0.0) || rubs(b)) && l.sets.is_none() && !l.law.is_staged() && held()
 }

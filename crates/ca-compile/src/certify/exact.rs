@@ -4,7 +4,7 @@
 //! load; a link at a moving point counts at every node under it. Where that is not enough, the linear links alone, with
 //! the points where they are at load, say whether the scene is certainly unstable.
 
-use crate::analysis::{Factor, Linear, Loose, Pencil};
+use crate::analysis::{Factor, InertiaBound, Linear, MovingLink};
 use crate::certify::accumulate::Sums;
 use crate::certify::blame::{any, faster, span};
 use crate::findings::round_down;
@@ -31,7 +31,7 @@ const ASKED: f64 = 1e-13;
 pub struct Exact {
     linear: Linear,
     numbers: Numbers,
-    pencil: Pencil,
+    bound_of_inertia: InertiaBound,
     factor: Option<Factor>,
     whole: bool,
 }
@@ -44,11 +44,11 @@ impl Exact {
         let own: Vec<Own> = sums.iter().map(|s| Own { c: s.pull, k: s.k, z: s.z, implicit: 0.0 }).collect();
         let (mut linear, numbers) = dofs(net, &own);
         let whole = links(net, bounds, &numbers, Points::Anywhere, &mut linear, |l, b| {
-            !l.law.is_late() && (b.linear || !b.contact)
+            !l.law.is_staged() && (b.linear || !b.contact)
         });
-        let pencil = Pencil::new(&linear, |_| 1.0)?;
-        let factor = pencil.below(4.0 * (1.0 - ROUNDING));
-        Some(Exact { linear, numbers, pencil, factor, whole })
+        let bound_of_inertia = InertiaBound::new(&linear, |_| 1.0)?;
+        let factor = bound_of_inertia.below(4.0 * (1.0 - ROUNDING));
+        Some(Exact { linear, numbers, bound_of_inertia, factor, whole })
     }
 
     /// Whether the scene is stable: surely wherever points stand and whatever is the steepest, or surely not with the
@@ -57,8 +57,8 @@ impl Exact {
         if self.is_stable() {
             return FactorVerdict::Stable;
         }
-        let above = |p: Pencil| p.below(4.0 * (1.0 + ROUNDING)).is_none();
-        if Pencil::new(&self.certain(net, bounds), |_| 1.0).is_some_and(above) {
+        let above = |p: InertiaBound| p.below(4.0 * (1.0 + ROUNDING)).is_none();
+        if InertiaBound::new(&self.certain(net, bounds), |_| 1.0).is_some_and(above) {
             FactorVerdict::Unstable
         } else {
             FactorVerdict::Open
@@ -72,7 +72,7 @@ impl Exact {
             return false;
         }
         // 4 − H − Σ h b bᵀ is definite where Σ h bᵀ(4 − H)⁻¹b is below 1
-        let most = |l: &Loose| l.at.iter().map(|b| factor.gives(b)).fold(0.0, f64::max);
+        let most = |l: &MovingLink| l.at.iter().map(|b| factor.gives(b)).fold(0.0, f64::max);
         let used: f64 = self.linear.loose.iter().map(|l| (l.k + 2.0 * l.z) * most(l)).sum();
         used < 1.0 - ROUNDING
     }
@@ -81,7 +81,7 @@ impl Exact {
     fn certain(&self, net: &Pruned, bounds: &[Bound]) -> Linear {
         let mut linear = Linear::default();
         linear.dofs.clone_from(&self.linear.dofs);
-        let counts = |l: &LiaNode, b: &Bound| b.linear && !l.law.is_late();
+        let counts = |l: &LiaNode, b: &Bound| b.linear && !l.law.is_staged();
         let bounds: Vec<Bound> = bounds.iter().map(Bound::explicit).collect();
         links(net, &bounds, &self.numbers, Points::AtLoad, &mut linear, counts);
         linear
@@ -109,14 +109,14 @@ impl Exact {
     /// Bounds of the largest eigenvalue; `None` where points wander or sets are tied, so that it depends.
     pub fn largest(&self, cert: &Certificate, asked: bool) -> Option<(f64, f64)> {
         let fixed = self.whole && self.linear.loose.is_empty();
-        fixed.then(|| self.pencil.largest(cert.lower, cert.bound, if asked { ASKED } else { TOLD }))
+        fixed.then(|| self.bound_of_inertia.largest(cert.lower, cert.bound, if asked { ASKED } else { TOLD }))
     }
 
     /// What makes the whole unstable though no module is by itself, and the numbers that would mend it.
     pub fn blame(&self, model: &Model, net: &Pruned, bounds: &[Bound], mat: usize, cert: &Certificate) -> Diag {
         let m = &net.mats[mat];
         let linear = self.certain(net, bounds);
-        let largest = Pencil::new(&linear, |_| 1.0).map_or(4.0, |p| p.largest(cert.lower, cert.bound, TOLD).1);
+        let largest = InertiaBound::new(&linear, |_| 1.0).map_or(4.0, |p| p.largest(cert.lower, cert.bound, TOLD).1);
         let title = format!(
             "too stiff for the masses at this sound rate, all together: {:.4}, the limit is 4",
             quantity::Plain(largest)
@@ -151,7 +151,7 @@ impl Exact {
 fn share(net: &Pruned, linear: &Linear, item: u32) -> Option<f64> {
     let stable = |s: f64| {
         let weigh = |lia: u32| if net.lias[lia as usize].item == item { s } else { 1.0 };
-        Pencil::new(linear, |r| weigh(r.lia)).is_some_and(|p| p.below(4.0).is_some())
+        InertiaBound::new(linear, |r| weigh(r.lia)).is_some_and(|p| p.below(4.0).is_some())
     };
     let (mut low, mut high) = (0.0, 1.0);
     for _ in 0..14 {

@@ -28,7 +28,7 @@ pub fn contacts(
             let d = Diag::warning("W110", format!("`{}` may feed energy in: its table does not only resist", l.name));
             diags.push(d.at(span(model, net, l.item), "active").help("a force of the sign of its speed only resists, and a spring that never falls only returns; if it is meant to drive, mind the level"));
         }
-        if !b.contact || b.k == 0.0 || l.law.is_late() {
+        if !b.contact || b.k == 0.0 || l.law.is_staged() {
             continue;
         }
         let c = held(l, b).unwrap_or_else(|| mobility(net, l, &sums.mats));
@@ -68,7 +68,7 @@ pub fn frictions(
     diags: &mut Diags,
 ) {
     let mut reported = BTreeSet::new();
-    for (l, b) in net.lias.iter().zip(&sums.links).filter(|(l, b)| rubs(b) && !l.law.is_late()) {
+    for (l, b) in net.lias.iter().zip(&sums.links).filter(|(l, b)| rubs(b) && !l.law.is_staged()) {
         let c = held(l, b).unwrap_or_else(|| mobility(net, l, &sums.mats));
         let steep = b.z * c;
         cert.friction = cert.friction.max(steep);

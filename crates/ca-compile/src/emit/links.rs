@@ -86,7 +86,7 @@ impl Plan<'_> {
         let mut out = Vec::new();
         for group in by_law {
             let at = shape(group[0]);
-            if at.measure != MeasureKind::Line || at.onto.is_some() || laws[group[0] as usize].is_late() {
+            if at.measure != MeasureKind::Line || at.onto.is_some() || laws[group[0] as usize].is_staged() {
                 out.push((group, 0));
                 continue;
             }
@@ -220,11 +220,11 @@ impl Plan<'_> {
         let laws = self.laws(options.kernel);
         let law = |l: u32| laws[l as usize];
         let mut batches = self.batches(options.kernel, &laws);
-        batches.sort_by_key(|b| law(b.0[0]).is_late());
+        batches.sort_by_key(|b| law(b.0[0]).is_staged());
         let scratch = batches.iter().filter(|b| b.1 > 0).map(|b| b.0.len()).max().unwrap_or(0);
         let mut k = Links {
             forces: Vec::new(),
-            late: batches.iter().filter(|b| !law(b.0[0]).is_late()).count(),
+            late: batches.iter().filter(|b| !law(b.0[0]).is_staged()).count(),
             touch: 0,
             ends: Vec::with_capacity(net.lias.len()),
             onto: Vec::new(),
@@ -241,7 +241,7 @@ impl Plan<'_> {
             let n = batch.len();
             let (first, coef) = (k.ends.len(), self.coef.len());
             let shape = self.shape(batch[0], law);
-            let mut ports = Ports { measure: shape.measure, reach: k.reach.len(), onto: None, crowd: None };
+            let mut ports = Ports { measure: shape.measure, reach: k.reach.len(), onto: None, pair_set: None };
             let nodes = || batch.iter().map(|id| &net.lias[*id as usize]);
             k.reach.extend(nodes().filter_map(|l| self.reach(l.ends, l.measure, l.soften)));
             if let Some(g) = shape.onto {
@@ -255,7 +255,7 @@ impl Plan<'_> {
             let sets = net.lias[batch[0] as usize].sets.as_ref();
             if let Some(sets) = sets {
                 let places = |set: &[u32]| set.iter().map(|m| self.slot[*m as usize]).collect::<Vec<u32>>();
-                ports.crowd = Some(k.pair_sets.len());
+                ports.pair_set = Some(k.pair_sets.len());
                 k.pair_sets.push(PairSet::new([&places(&sets[0]), &places(&sets[1])]));
             }
             self.coef.resize(coef + n * law.coefs, 0.0);
@@ -288,7 +288,7 @@ impl Plan<'_> {
             if tap {
                 op.tap = k.tap;
                 // of a set, the force on each axis of each member
-                k.tap += ports.crowd.map_or(n, |c| 3 * k.pair_sets[c].members.len());
+                k.tap += ports.pair_set.map_or(n, |c| 3 * k.pair_sets[c].members.len());
             }
             k.mem += n * law.mem;
             k.touch += if matches!(law.stage, SolveStage::Coupled(_)) { n } else { 0 };

@@ -27,7 +27,7 @@ pub fn check(model: &Model, net: &Pruned, layout: &Layout, forces: &[Op], diags:
     let Some(e) = model.meta("start").filter(|_| net.as_milib) else { return };
     let what = if net.is_composed()
         || layout.implicit.is_some()
-        || forces.iter().any(|op| op.law.is_some_and(|l| l.implicit || l.is_late()))
+        || forces.iter().any(|op| op.law.is_some_and(|l| l.implicit || l.is_staged()))
     {
         "another method than `ca`"
     } else if net.oversample > 1 {

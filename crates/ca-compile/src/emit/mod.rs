@@ -1,6 +1,7 @@
 //! Last: from the network to the arrays and passes of a [`Scene`](ca_core::Scene).
 
 pub mod cutoff;
+pub mod fuse;
 pub mod implicit;
 pub mod links;
 pub mod milib;

@@ -26,7 +26,7 @@ pub fn reads(layout: &Layout, live: usize, aimed: bool) -> Vec<Op> {
         (live > 0, "changes", pass::ramp, live),
         (aimed, "aim", pass::aim, points),
         (points > 0 && (!kept || aimed), "points", pass::project, points),
-        (kept && (live > 0 || aimed), "changes booked", energy::rebook, modules),
+        (kept && (live > 0 || aimed), "ledger of changes", energy::ledger_changes, modules),
     ];
     list.into_iter().filter(|p| p.0).map(|(_, name, kernel, n)| Op::pass(name, kernel, n)).collect()
 }
@@ -76,13 +76,13 @@ pub fn forces(layout: &Layout, mut links: Vec<Op>, late: usize, weight: usize) -
         list.push(Op::pass("TGR out", border::collect(layout), keys));
     }
     if keys > 0 && kept {
-        list.push(Op::pass("border booked", border::ledger(layout), keys));
+        list.push(Op::pass("ledger of the border", border::ledger(layout), keys));
     }
     if aside {
         list.push(Op::pass("TGR mute", border::mute, keys));
     }
     if layout.ledger.is_some() {
-        list.push(Op::pass("ledger keeps", energy::keep, layout.n_mat));
+        list.push(Op::pass("ledger of forces", energy::keep, layout.n_mat));
     }
     list
 }

@@ -73,9 +73,9 @@ fn of_set(net: &Pruned, l: &LiaNode) -> Option<Pressed> {
     let rest: Vec<Real> = members().flat_map(|m| m.rest.map(real)).collect();
     let x: Vec<Real> = members().flat_map(|m| m.dx0.map(real)).collect();
     let places = [0..sets[0].len(), sets[0].len()..rest.len() / 3].map(|r| r.map(|k| 3 * k as u32).collect::<Vec<_>>());
-    let crowd = PairSet::new([&places[0], &places[1]]);
+    let set = PairSet::new([&places[0], &places[1]]);
     let c = coefs(net, l);
-    let (i, j, e, f) = pair_set::pressed(&crowd, &rest, &x, (l.law.idle)(&c), |e| force(net, l, &c, e))?;
+    let (i, j, e, f) = pair_set::pressed(&set, &rest, &x, (l.law.idle)(&c), |e| force(net, l, &c, e))?;
     let name = |k: usize| sets.iter().flatten().nth(k).map(|m| End::Mat(*m));
     Some(([name(i)?, name(j)?], wide(e), wide(f)))
 }

@@ -1,6 +1,7 @@
 //! Schedule: flat arrays and the list of passes. What a scene does not have makes no entry here.
 
 use crate::emit::cutoff::{blockers, plain_first};
+use crate::emit::fuse::{Passes, fuse};
 use crate::emit::links::{Links, own_tables};
 use crate::emit::milib;
 use crate::emit::oversample::oversample;
@@ -62,7 +63,7 @@ pub fn schedule(
     let ported: BTreeSet<u32> = enx.iter().chain(&tgr).map(|p| p.mat).collect();
     let ledger =
         options.energy.then(|| LedgerPlan { accounts: accounts(&links, |p| ported.contains(&p), place), weight });
-    let symbols = symbols(&plan, &links, place);
+    let mut symbols = symbols(&plan, &links, place);
     let (moves, own) = plan.moves(order, n_mat, waves.delays.len());
     let mut live = plan.live_plan(implicit.as_ref());
     let whole = live.implicit.as_ref().map_or(u32::MAX, |a| a.first);
@@ -104,11 +105,16 @@ pub fn schedule(
         substeps: None,
     };
     let mut reads = pass_list::reads(&layout, live_places.len(), aimed);
-    let forces = pass_list::forces(&layout, links.forces, links.late, weight);
+    let mut forces = pass_list::forces(&layout, links.forces, links.late, weight);
     let mut writes = pass_list::writes(&layout, gains);
     let mut moves = if net.is_composed() { pefrl::moves(&layout, &forces, own) } else { moves };
-    oversample(net, &mut layout, &mut reads, &forces, &mut writes, &mut moves);
-    milib::check(model, net, &layout, &forces, diags);
+    // the start sums forces in the order of the list
+    let listed = forces.clone();
+    let mut passes = Passes { forces: &mut forces, moves: &mut moves, symbols: &mut symbols };
+    let fused = fuse(net, options, &layout, &mut passes);
+    let summed = &forces[..forces.len() - fused];
+    oversample(net, &mut layout, &mut reads, summed, &mut writes, &mut moves);
+    milib::check(model, net, &layout, &listed, diags);
     let begin = match () {
         () if net.is_composed() => Order::Exact,
         () if implicit::is_fourth(net) => Order::Fourth,
@@ -119,7 +125,7 @@ pub fn schedule(
     let ahead = !as_milib && net.oversample == 1 && layout.enx.iter().any(|p| p.implicit);
     let before = ahead.then(|| (begin, loaded.clone()));
     let mut initial =
-        if as_milib { milib::first(&layout, &forces, loaded) } else { start(&layout, &forces, begin, loaded) };
+        if as_milib { milib::first(&layout, &listed, loaded) } else { start(&layout, &listed, begin, loaded) };
     initial.scene = Identity::of(&layout, [&reads, &forces, &writes, &moves], &initial);
     live.scene = initial.scene;
     let (probe_names, probe_of) = probes(net);
@@ -128,6 +134,7 @@ pub fn schedule(
         layout,
         reads,
         forces,
+        fused,
         writes,
         moves,
         inputs: net.inputs.clone(),
@@ -211,7 +218,7 @@ fn masses(plan: &mut Plan) -> Masses {
 fn ports(plan: &Plan, role: PortRole) -> Vec<Enx> {
     let mut all = Vec::new();
     // links by the motion to come, and what they hold
-    let late = plan.net.lias.iter().filter(|l| l.law.implicit || l.law.is_late());
+    let late = plan.net.lias.iter().filter(|l| l.law.implicit || l.law.is_staged());
     let held = late.flat_map(LiaNode::all_ends).filter_map(|e| if let End::Mat(m) = e { Some(m) } else { None });
     let held: BTreeSet<u32> = held.map(|m| plan.slot[m as usize]).collect();
     let implicit = |at: &u32| held.contains(at);

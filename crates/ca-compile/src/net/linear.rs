@@ -3,7 +3,7 @@
 //! Decides that a link at a moving point is as many links as there are nodes under it: its row is a mean of theirs, so
 //! whatever holds for each of them holds wherever the point stands.
 
-use crate::analysis::{Dof, Linear, Loose, Network, Port};
+use crate::analysis::{Dof, Linear, MovingLink, Network, Port};
 use crate::net::linearisation;
 use crate::net::linearisation::Own;
 use crate::net::lines::LineNode;
@@ -72,7 +72,7 @@ pub fn links(
                     let implicit = 0.25 * b.lift * k + if b.centred { 0.5 * b.z * z } else { 0.0 };
                     linear.link(i as u32, [b.k * k, b.z * z, implicit], &entries);
                 }
-                Pull::Anywhere(at) => linear.loose.push(Loose { k: b.k, z: b.z, at }),
+                Pull::Anywhere(at) => linear.loose.push(MovingLink { k: b.k, z: b.z, at }),
             }
         }
     }
@@ -91,7 +91,7 @@ pub fn network(net: &Pruned) -> Network {
     net.lines.iter().flat_map(LineNode::junctions).for_each(|m| own[m as usize] = Own::default());
     let slopes: Vec<Bound> = net.lias.iter().map(|l| linearisation::slopes(net, l)).collect();
     let (mut linear, numbers) = dofs(net, &own);
-    let counts = |l: &LiaNode, b: &Bound| b.linear && !l.law.is_late();
+    let counts = |l: &LiaNode, b: &Bound| b.linear && !l.law.is_staged();
     let whole = links(net, &slopes, &numbers, Points::AtLoad, &mut linear, counts);
     debug_assert!(whole, "the laws of sets are not linear");
     let (mut ports, mut deaf): (Vec<Port>, Vec<_>) = (Vec::new(), Vec::new());

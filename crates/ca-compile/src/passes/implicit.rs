@@ -87,7 +87,7 @@ pub fn is_fourth(net: &Wired) -> bool {
 pub fn check(model: &Model, net: &Wired, diags: &mut Diags) {
     let mut reported = BTreeSet::new();
     let mut late: BTreeMap<u32, &LiaNode> = BTreeMap::new();
-    for l in net.lias.iter().filter(|l| l.law.is_late()) {
+    for l in net.lias.iter().filter(|l| l.law.is_staged()) {
         late.extend(l.all_ends().filter_map(|e| if let End::Mat(m) = e { Some((m, l)) } else { None }));
     }
     for l in net.lias.iter().filter(|l| l.law.implicit) {

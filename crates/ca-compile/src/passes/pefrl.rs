@@ -51,7 +51,7 @@ pub fn check(model: &Model, net: &Pruned, options: &Options, diags: &mut Diags) 
     });
     let bounds = crate::net::worst::worst_bounds(net);
     let of_links = net.lias.iter().zip(&bounds).filter_map(|(l, b)| {
-        let why = if l.law.is_late() || l.law.implicit {
+        let why = if l.law.is_staged() || l.law.implicit {
             (format!("`{}` is implicit", l.name), "leave out its `method`")
         } else if b.z != 0.0 || loses(net, l) {
             (format!("the force of `{}` hangs on motion", l.name), "keep springs and contacts without viscosity")

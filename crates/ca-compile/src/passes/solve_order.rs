@@ -18,7 +18,7 @@ use ca_model::diag::Diags;
 pub fn choose(model: &Model, net: &mut Pruned, diags: &mut Diags) {
     let mut count: Vec<[u32; 3]> = alloc::vec![[0; 3]; net.mats.len()];
     let mut reported = BTreeSet::new();
-    for l in net.lias.iter().filter(|l| l.law.is_late()) {
+    for l in net.lias.iter().filter(|l| l.law.is_staged()) {
         if let Some(point) = l.ends.into_iter().find(|e| matches!(e, End::Point(_))) {
             if reported.insert(l.item) {
                 let title =

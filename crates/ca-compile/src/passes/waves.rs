@@ -76,7 +76,7 @@ pub fn settle(model: &Model, net: &mut Pruned, diags: &mut Diags) {
 /// What the links of each MAT need of its mass, if it is a junction \[kg\].
 fn needs(net: &Pruned) -> Vec<f64> {
     let mut needs = alloc::vec![0.0; net.mats.len()];
-    for (l, b) in net.lias.iter().zip(worst_bounds(net)).filter(|(l, _)| !l.law.is_late()) {
+    for (l, b) in net.lias.iter().zip(worst_bounds(net)).filter(|(l, _)| !l.law.is_staged()) {
         let moving = l.all_ends().filter(|e| net.under(*e).iter().any(|m| !net.mats[*m as usize].is_fixed())).count();
         let share = if b.contact { 2.0 } else { 0.5 * moving as f64 };
         for e in l.all_ends() {

@@ -17,7 +17,7 @@
 
 use super::newton::root;
 use super::quadratised::{self, join, reach};
-use super::{goes, mobility};
+use super::{free_motion, mobility};
 use crate::active_contacts::ActiveContact;
 use crate::law::{Bound, Phi};
 use crate::layout::{Layout, MeasureKind};
@@ -95,7 +95,7 @@ fn rub<P: Curve<C>, const C: usize, const NEWTON: bool>(op: &Op, layout: &Layout
         let coef = core::array::from_fn(|k| s.coef[op.coef + k * op.n + i]);
         let [p, q] = layout.ends[op.first + i].map(|m| m as usize);
         let w = s.d[q] - s.d[p];
-        let r = 0.5 * (w + (goes(layout, s, q) - goes(layout, s, p)));
+        let r = 0.5 * (w + (free_motion(layout, s, q) - free_motion(layout, s, p)));
         let c = 0.5 * (mobility(layout, s, p) + mobility(layout, s, q));
         let mut steep = P::chord(&coef, tables, w).max(0.0);
         if NEWTON && 2.0 * c * real(P::bound(&coef.map(wide), tables).z) < STEEPEST {

@@ -17,7 +17,7 @@
 //! `sticky = false` a pull is left out; then s = η*, and U(a) − U(s), half of it, is lost.
 
 use super::spring::{Contact, Spring};
-use super::{goes, mobility};
+use super::{free_motion, mobility};
 use crate::layout::Layout;
 use crate::op::Op;
 use crate::op::law::{Law, SolveStage};
@@ -59,7 +59,7 @@ fn push<S: Spring>(op: &Op, layout: &Layout, s: &mut State) {
         let e = s.x[q] - s.x[p] + layout.e0[op.first + i];
         let now = contact.penetration(e);
         let a = now + contact.side * (s.d[q] - s.d[p]);
-        let free = contact.penetration(e + (goes(layout, s, q) - goes(layout, s, p)));
+        let free = contact.penetration(e + (free_motion(layout, s, q) - free_motion(layout, s, p)));
         let z = if now > 0.0 { contact.spring.viscosity(contact.k, now) } else { 0.0 };
         let (mut force, mut heat) = (0.0, 0.0);
         if free > 0.0 || a > 0.0 || z > 0.0 {

@@ -26,7 +26,7 @@ use crate::state::State;
 
 /// The change of position \[m/tick\] that all forces so far give to a slot in this tick. A port goes on as it went:
 /// where it will be is not known yet.
-fn goes(layout: &Layout, s: &State, slot: usize) -> Real {
+fn free_motion(layout: &Layout, s: &State, slot: usize) -> Real {
     let n = layout.n_mat;
     s.coef[slot] * s.d[slot] + s.coef[n + slot] * s.x[slot] + s.coef[2 * n + slot] * s.f[slot]
 }

@@ -29,7 +29,7 @@
 //! follows the motion as far as that loses energy.
 
 use super::spring::{Contact, Spring};
-use super::{goes, mobility};
+use super::{free_motion, mobility};
 use crate::active_contacts::{ActiveContact, ActiveContacts};
 use crate::layout::{Layout, MeasureKind};
 use crate::op::law::{Law, SolveStage};
@@ -122,7 +122,7 @@ pub(super) fn reach<G: Measure>(
     let (mut free, mut w) = (0.0, 0.0);
     for (k, g) in g[..axes].iter().enumerate() {
         let [a, b] = ends.map(|m| m as usize + k);
-        free += g * (goes(layout, s, b) + s.d[b] - goes(layout, s, a) - s.d[a]);
+        free += g * (free_motion(layout, s, b) + s.d[b] - free_motion(layout, s, a) - s.d[a]);
         w += g * g * (mobility(layout, s, a) + mobility(layout, s, b));
     }
     let tap = op.form.tap.then_some(op.tap + i);

@@ -55,7 +55,7 @@ impl Law {
     }
 
     /// True where the force depends on the motion that others would cause.
-    pub const fn is_late(&self) -> bool {
+    pub const fn is_staged(&self) -> bool {
         !matches!(self.stage, SolveStage::Explicit)
     }
 

@@ -14,6 +14,7 @@ use crate::table::Table;
 
 pub mod blocker;
 mod choose;
+pub mod fused;
 mod gather;
 pub mod law;
 pub mod lowpass;

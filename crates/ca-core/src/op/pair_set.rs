@@ -29,8 +29,8 @@ fn square([x, y, z]: [Real; 3]) -> Real {
 
 /// The ends of a pair, and what a radial port needs beside them.
 #[inline(always)]
-fn pair(crowd: &PairSet, rest: &[Real], i: usize, j: usize) -> ([usize; 2], [Real; 4]) {
-    let (a, b) = (crowd.members[i], crowd.members[j]);
+fn pair(set: &PairSet, rest: &[Real], i: usize, j: usize) -> ([usize; 2], [Real; 4]) {
+    let (a, b) = (set.members[i], set.members[j]);
     let (p, q) = (three(rest, a), three(rest, b));
     ([a as usize, b as usize], [q[0] - p[0], q[1] - p[1], q[2] - p[2], 0.0])
 }
@@ -43,8 +43,8 @@ fn radius((from, to): (Real, Real)) -> Real {
 
 /// Puts the members where they are.
 #[inline(always)]
-fn place(near: &mut VerletList, crowd: &PairSet, rest: &[Real], x: &[Real]) {
-    let members = &crowd.members;
+fn place(near: &mut VerletList, set: &PairSet, rest: &[Real], x: &[Real]) {
+    let members = &set.members;
     near.place(|k| [three(rest, members[k]), three(x, members[k])]);
 }
 
@@ -54,11 +54,11 @@ pub struct All<P, const C: usize, const M: usize, const TAP: bool>(PhantomData<P
 impl<P: Phi<C, M>, const C: usize, const M: usize, const TAP: bool> Body for All<P, C, M, TAP> {
     #[inline(always)]
     fn run(op: &Op, layout: &Layout, s: &mut State) {
-        let Some(at) = op.ports.crowd else { return };
-        let (crowd, near) = (&layout.pair_sets[at], &mut s.near[at]);
+        let Some(at) = op.ports.pair_set else { return };
+        let (set, near) = (&layout.pair_sets[at], &mut s.near[at]);
         let Some(c) = s.coef[op.coef..].first_chunk::<C>() else { return };
         let (x, d, f, rest) = (&s.x, &s.d, &mut s.f, &layout.rest);
-        let tap = if TAP { &mut s.tap[op.tap..][..3 * crowd.members.len()] } else { &mut [] };
+        let tap = if TAP { &mut s.tap[op.tap..][..3 * set.members.len()] } else { &mut [] };
         tap.fill(0.0);
         let (from, to) = P::idle(c);
         let radius = radius((from, to));
@@ -67,10 +67,10 @@ impl<P: Phi<C, M>, const C: usize, const M: usize, const TAP: bool> Body for All
         }
         let (from, to) = (from.max(0.0), to.max(0.0));
         let mut none = [0.0; M];
-        place(near, crowd, rest, x);
-        near.renew(radius, |k| square(three(d, crowd.members[k])));
+        place(near, set, rest, x);
+        near.renew(radius, |k| square(three(d, set.members[k])));
         near.each(radius, |i, j| {
-            let (ends, reach) = pair(crowd, rest, i, j);
+            let (ends, reach) = pair(set, rest, i, j);
             if Radial::square(x, ends, &reach).is_some_and(|l| l >= from * from && l <= to * to) {
                 return;
             }
@@ -86,19 +86,19 @@ impl<P: Phi<C, M>, const C: usize, const M: usize, const TAP: bool> Body for All
 
 /// The first pair that presses while nothing moves: its members and its force \[N\], by `force` of the elongation.
 pub fn pressed(
-    crowd: &PairSet,
+    set: &PairSet,
     rest: &[Real],
     x: &[Real],
     idle: (Real, Real),
     force: impl Fn(Real) -> Real,
 ) -> Option<Pressed> {
-    let mut near = VerletList::new(crowd.members.len(), crowd.rows, crowd.columns);
-    place(&mut near, crowd, rest, x);
+    let mut near = VerletList::new(set.members.len(), set.rows, set.columns);
+    place(&mut near, set, rest, x);
     near.renew(radius(idle), |_| 0.0);
     let mut found: Option<Pressed> = None;
     near.each(radius(idle), |i, j| {
         if found.is_none() {
-            let (ends, reach) = pair(crowd, rest, i, j);
+            let (ends, reach) = pair(set, rest, i, j);
             let e = Radial::square(x, ends, &reach).map_or(0.0, sqrt);
             found = Some((i, j, e, force(e))).filter(|p| p.3 != 0.0);
         }
@@ -120,12 +120,12 @@ pub fn touched(
     idle: (Real, Real),
     mut visit: impl FnMut([Real; 3]),
 ) {
-    let (crowd, x, d) = (&layout.pair_sets[at], &s.x, &s.d);
-    place(near, crowd, &layout.rest, x);
-    let fastest = |d: &[Real]| sqrt(crowd.members.iter().map(|m| square(three(d, *m))).fold(0.0, Real::max));
+    let (set, x, d) = (&layout.pair_sets[at], &s.x, &s.d);
+    place(near, set, &layout.rest, x);
+    let fastest = |d: &[Real]| sqrt(set.members.iter().map(|m| square(three(d, *m))).fold(0.0, Real::max));
     let moved = 2.0 * (fastest(d) + fastest(d0));
     near.each(radius(idle) + moved, |i, j| {
-        let (ends, reach) = pair(crowd, &layout.rest, i, j);
+        let (ends, reach) = pair(set, &layout.rest, i, j);
         visit(super::measure::around(crate::layout::MeasureKind::Radial, x, d, d0, ends.map(|e| e as u32), &reach).0);
     });
 }

@@ -2,7 +2,7 @@
 //!
 //! Equation: engaged, F = k e + (z/T) w; lets go when |e| ≥ d; takes hold again when e changes sign. Parameters:
 //! k \[N/m\], z \[N s/m\], d \[m\] > 0. Source: HSP v2 (contact-pluck), docs/numerics.md §2.2 for the energy: what is
-//! stored at release is booked as lost. Stability: as REF while engaged. Test: `tests/suite/pluck.rs`.
+//! stored at release is entered as lost. Stability: as REF while engaged. Test: `tests/suite/pluck.rs`.
 
 use super::{ALONG, BETWEEN, Bound, Law, PAIRS, Phi, linear_lost, linear_stored};
 use crate::kind::{ABOVE_ZERO, Kind, Need, POSITIVE, Param, Role, Unit};

@@ -66,6 +66,7 @@ impl Row {
             layout: self.layout,
             reads: self.reads,
             forces: self.forces,
+            fused: 0,
             writes: vec![op],
             moves: self.moves,
             inputs: self.inputs,

@@ -22,7 +22,7 @@ use crate::guard::Order;
 use crate::guard::input::FrameVerdict;
 use ca_core::live::Patch;
 use ca_core::{Scene, State, compute_forces, integrate};
-use sound::Ceiling;
+use sound::PeakLimit;
 use std::sync::Arc;
 
 /// Several parameters that change in one tick, made ready outside the engine.
@@ -86,7 +86,7 @@ pub struct Counts {
     pub stale: u64,
     /// faults that latched
     pub faults: u64,
-    /// sound samples that hit the ceiling or were not finite (H16)
+    /// sound samples that hit the peak_limit or were not finite (H16)
     pub clipped: u64,
     /// commands that did not fit the scene
     pub refused: u64,
@@ -106,7 +106,7 @@ pub struct Engine {
     /// sound of this frame, interleaved (R × channels)
     sound: Vec<f64>,
     filled: usize,
-    ceiling: Ceiling,
+    peak_limit: PeakLimit,
     diverged: bool,
     /// the scene is at the force of the frame
     prepared: bool,
@@ -120,7 +120,7 @@ impl Engine {
         let state = scene.state();
         let channels = scene.channels;
         let sound = vec![0.0; scene.ratio as usize * channels];
-        let ceiling = Ceiling::new(channels, scene.rate);
+        let peak_limit = PeakLimit::new(channels, scene.rate);
         let mut engine = Engine {
             scene,
             state,
@@ -129,7 +129,7 @@ impl Engine {
             options,
             sound,
             filled: 0,
-            ceiling,
+            peak_limit,
             diverged: false,
             prepared: false,
             past_faults: 0,
@@ -185,7 +185,7 @@ impl Engine {
                     state.tick = self.state.tick;
                     core::mem::swap(&mut self.state, &mut state);
                     self.diverged = false;
-                    self.ceiling.reset();
+                    self.peak_limit.reset();
                     for p in &mut self.ports {
                         p.chain.order(Order::Disarm);
                         p.reach_again(&self.state);
@@ -217,7 +217,7 @@ impl Engine {
         let first = self.state.tick == 0;
         for p in &mut self.ports {
             p.place(&mut self.state);
-            self.counts.stale += u64::from(p.is_late());
+            self.counts.stale += u64::from(p.is_staged());
         }
         self.filled = 0;
         let ticks = if first { 1 } else { self.scene.ratio };
@@ -267,13 +267,13 @@ impl Engine {
         }
         let to = &mut self.sound[self.filled..self.filled + n];
         to.copy_from_slice(&self.state.output[..n]);
-        self.counts.clipped += self.ceiling.pass(to, self.diverged);
+        self.counts.clipped += self.peak_limit.pass(to, self.diverged);
         self.filled += n;
     }
 
     /// H15: whether positions are still those of an instrument.
     fn watch(&mut self) {
-        if !self.diverged && !self.state.is_sound(self.options.diverged) {
+        if !self.diverged && !self.state.is_bounded(self.options.diverged) {
             self.diverged = true;
         }
     }

@@ -1,7 +1,7 @@
 //! H16 and the audible half of H15: nothing louder than full scale, nothing sudden when an instrument is loaded or dies.
 
 /// The last thing a sample passes.
-pub(super) struct Ceiling {
+pub(super) struct PeakLimit {
     last: Vec<f64>,
     rise: f64,
     gain: f64,
@@ -14,9 +14,9 @@ const RISE: f64 = 0.05;
 /// Fade-out after a divergence \[s\]: with the frame in which it is noticed, less than the 5 ms of H15.
 const FALL: f64 = 0.004;
 
-impl Ceiling {
-    pub(super) fn new(channels: usize, rate: f64) -> Ceiling {
-        Ceiling {
+impl PeakLimit {
+    pub(super) fn new(channels: usize, rate: f64) -> PeakLimit {
+        PeakLimit {
             last: vec![0.0; channels],
             rise: 1.0 / (RISE * rate),
             gain: 0.0,

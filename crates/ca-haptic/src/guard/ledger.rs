@@ -36,7 +36,7 @@ impl HandLedger {
         }
     }
 
-    /// Energy the border made by answering late (+) or swallowed (−), before the guard \[J\].
+    /// Energy the border made by answering late (+) or taken (−), before the guard \[J\].
     pub fn leak(&self, k: usize) -> f64 {
         self.received[k] - self.asked[k]
     }

@@ -6,7 +6,7 @@
 //! and come back with the next engine.
 
 use super::error::HostError;
-use super::lines::{Bell, Frames, Line, check_name};
+use super::lines::{Frames, Line, Wakeup, check_name};
 use super::room;
 use super::session::session;
 use super::site::{Ipc, Site};
@@ -61,7 +61,7 @@ impl DeviceClient {
         let frames = Frames::open(&node, name, Line::In, 0)?.publisher(site)?;
         let forces = Frames::open(&node, name, Line::Out, 0)?.subscriber(site, 0)?;
         let says = Frames::open(&node, name, Line::About, 1)?.publisher(site)?;
-        let bell = Bell::open(&node, name)?.listener(site)?;
+        let bell = Wakeup::open(&node, name)?.listener(site)?;
         let watch = Watch::new(about.device);
         let mut client = DeviceClient {
             about,

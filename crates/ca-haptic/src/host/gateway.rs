@@ -6,7 +6,7 @@
 //! from its first frame and gone after a quarter of a second of silence, whatever its process does.
 
 use super::error::{HostError, HostErrorKind};
-use super::lines::{Bell, Frames, Line, check_name};
+use super::lines::{Frames, Line, Wakeup, check_name};
 use super::room;
 use super::site::{Ipc, Site};
 use super::within::{LIMIT, within};
@@ -126,7 +126,7 @@ impl Gateway {
                 forces: Frames::open(&node, name, Line::Out, 0)?.publisher(site)?,
                 frames: Frames::open(&node, name, Line::In, 0)?.subscriber(site, 0)?,
                 says: Frames::open(&node, name, Line::About, 1)?.subscriber(site, 1)?,
-                bell: Bell::open(&node, name)?.notifier(site)?,
+                bell: Wakeup::open(&node, name)?.notifier(site)?,
                 name: name.clone(),
                 uid: uid(name),
                 session: 0,

@@ -237,15 +237,15 @@ pub(super) fn devices(site: &Site) -> Result<Vec<String>, HostError> {
     Ok(names)
 }
 
-/// The bell of a device.
-pub(super) struct Bell {
+/// What wakes a device.
+pub(super) struct Wakeup {
     factory: iceoryx2::service::port_factory::event::PortFactory<Ipc>,
     name: String,
 }
 
-impl Bell {
+impl Wakeup {
     /// Opens or makes it.
-    pub fn open(node: &Node<Ipc>, device: &str) -> Result<Bell, HostError> {
+    pub fn open(node: &Node<Ipc>, device: &str) -> Result<Wakeup, HostError> {
         let name = Line::Wake.of(device);
         let service = service_name(&name)?;
         let end = Instant::now() + PATIENCE;
@@ -259,7 +259,7 @@ impl Bell {
                 .max_nodes(4 * READERS)
                 .open_or_create();
             match made {
-                Ok(factory) => return Ok(Bell { factory, name }),
+                Ok(factory) => return Ok(Wakeup { factory, name }),
                 // every refusal of a bell passes, or stays for the text
                 Err(_) if Instant::now() < end => sleep(Duration::from_millis(5)),
                 Err(e) => return Err(HostError::system(format!("`{name}` cannot be opened"), e)),

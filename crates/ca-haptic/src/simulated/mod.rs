@@ -49,7 +49,7 @@ pub struct Device {
     noise: f64,
     force_step: f64,
     most: f64,
-    dice: Dice,
+    dice: Random,
     /// position \[m\] and speed \[m/s\] of each DOF
     state: [[f64; 2]; DOF],
     measured: [f64; DOF],
@@ -85,7 +85,7 @@ impl Device {
             noise: b.noise,
             force_step: b.force_step,
             most: profile.force,
-            dice: Dice(seed | 1),
+            dice: Random(seed | 1),
             state,
             measured: [0.0; DOF],
             held: [0.0; DOF],
@@ -189,9 +189,9 @@ impl Device {
 }
 
 /// A small deterministic generator: xorshift, and two of its numbers for a normal one.
-struct Dice(u64);
+struct Random(u64);
 
-impl Dice {
+impl Random {
     /// Even in 0 … 1, neither included.
     fn even(&mut self) -> f64 {
         self.0 ^= self.0 << 13;

@@ -28,7 +28,7 @@ pub(super) fn read(bytes: &[u8], ports: &[PortMap]) -> Result<Gesture, FileError
     }
     ports.iter().try_for_each(check)?;
     let events = smf::events(bytes)?;
-    let mut fingers: Vec<Finger> = ports.iter().map(|p| Finger::new(&p.map)).collect();
+    let mut fingers: Vec<PortTrack> = ports.iter().map(|p| PortTrack::new(&p.map)).collect();
     for e in &events {
         for f in &mut fingers {
             f.event(e);
@@ -57,7 +57,7 @@ fn check(p: &PortMap) -> Result<(), FileError> {
 }
 
 /// One port while the events go by.
-struct Finger<'a> {
+struct PortTrack<'a> {
     map: &'a MidiMap,
     points: Vec<(f64, f64)>,
     /// the glide under way: start and end
@@ -69,10 +69,10 @@ struct Finger<'a> {
     touched: bool,
 }
 
-impl<'a> Finger<'a> {
-    fn new(map: &'a MidiMap) -> Finger<'a> {
+impl<'a> PortTrack<'a> {
+    fn new(map: &'a MidiMap) -> PortTrack<'a> {
         let rest = if map.source == MidiSource::PitchBend { way(map, 0.5) } else { map.from };
-        Finger { map, points: Vec::new(), glide: None, rest, held: Vec::new(), touched: false }
+        PortTrack { map, points: Vec::new(), glide: None, rest, held: Vec::new(), touched: false }
     }
 
     fn event(&mut self, e: &Event) {

@@ -36,7 +36,7 @@ pub fn columns(scene: &Scene, frames: usize, times: u32, steps: &mut Steps) -> R
 /// The energy ledger after so many ticks, or as long as it stays within range.
 pub fn ledger(scene: &Scene, ticks: u64) -> Option<Balance> {
     let mut p = Performance::new(scene, None).ok()?;
-    while p.state.tick < ticks && p.state.is_sound(DIVERGED) {
+    while p.state.tick < ticks && p.state.is_bounded(DIVERGED) {
         p.tick();
     }
     p.state.ledger.map(|l| l.balance())

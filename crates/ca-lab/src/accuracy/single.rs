@@ -68,7 +68,7 @@ pub fn columns(
         if !diverged {
             s.input.copy_from_slice(&given[tick * n..][..n]);
             single::tick(scene, &mut s);
-            diverged = s.tick.is_multiple_of(64) && !s.is_sound(DIVERGED);
+            diverged = s.tick.is_multiple_of(64) && !s.is_bounded(DIVERGED);
         }
         if tick.is_multiple_of(times as usize) {
             for (column, v) in all.iter_mut().zip(&s.output[scene.channels..]) {

@@ -16,7 +16,7 @@ pub use axis::{Axis, Space};
 pub use table::{Column, RunTable};
 
 use crate::load::{self, Loaded, compiled};
-use crate::play::{self, BLOCK, Broke};
+use crate::play::{self, BLOCK, Divergence};
 use crate::{Failure, bytes};
 use ca_compile::Options;
 use ca_io::gesture::Gesture;
@@ -265,7 +265,7 @@ impl Sweep {
         let twin = || compiled(&loaded, &Options { energy: true, ..options.clone() }).0;
         let audited = if played.broke.is_some() { twin() } else { None };
         if let Some(broke) =
-            Broke::of(&played, audited.as_ref().unwrap_or(&scene), &scene.findings, self.gesture.as_ref())
+            Divergence::of(&played, audited.as_ref().unwrap_or(&scene), &scene.findings, self.gesture.as_ref())
         {
             row.status = "unstable";
             row.message = broke.to_string();

@@ -70,7 +70,7 @@ pub(crate) fn codes(scene: &Scene) -> Vec<(&'static str, usize)> {
 }
 
 fn ops(scene: &Scene) -> usize {
-    scene.reads.len() + scene.forces.len() + scene.writes.len() + scene.moves.len()
+    scene.reads.len() + scene.summed().len() + scene.writes.len() + scene.moves.len()
 }
 
 fn summary(loaded: &Loaded, scene: &Scene, exact: bool) -> Result<(), Failure> {
@@ -80,8 +80,8 @@ fn summary(loaded: &Loaded, scene: &Scene, exact: bool) -> Result<(), Failure> {
     let by_code: Vec<String> = codes(scene).iter().map(|(c, n)| format!("{n} {c}")).collect();
     writeln!(out, "  modules    {} MAT, {} LIA: {}", scene.mats(), scene.n_lia, by_code.join(", "))?;
     for (op, name) in scene.forces.iter().enumerate().map(|(i, op)| (op, scene.lia_name(i, 0))) {
-        if let Some(crowd) = op.ports.crowd {
-            writeln!(out, "             `{name}` joins all {} pairs", scene.pair_sets[crowd].pairs())?;
+        if let Some(set) = op.ports.pair_set {
+            writeln!(out, "             `{name}` joins all {} pairs", scene.pair_sets[set].pairs())?;
         }
     }
     writeln!(out, "  passes     {} in a tick", ops(scene))?;

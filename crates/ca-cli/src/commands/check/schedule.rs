@@ -48,7 +48,7 @@ pub(super) fn measure(scene: &Scene) -> Measured {
         }
     }
     let stages =
-        [("reads", &scene.reads), ("forces", &scene.forces), ("writes", &scene.writes), ("moves", &scene.moves)];
+        [("reads", &scene.reads[..]), ("forces", scene.summed()), ("writes", &scene.writes), ("moves", &scene.moves)];
     let rows = stages
         .into_iter()
         .flat_map(|(stage, ops)| ops.iter().map(move |op| (stage, *op)))
@@ -110,7 +110,7 @@ fn form(op: &Op) -> String {
 
 /// How many pairs a pass joins as one module, if it does.
 fn pairs(scene: &Scene, op: &Op) -> Option<u64> {
-    op.ports.crowd.map(|c| scene.pair_sets[c].pairs())
+    op.ports.pair_set.map(|c| scene.pair_sets[c].pairs())
 }
 
 /// What a scene could have and this one has not.

@@ -9,7 +9,7 @@ mod summary;
 
 pub(crate) use play::{listen, play, stopped};
 pub(crate) use summary::{
-    Broke, decibel, fitting, grows, joule, level, makers, relative, rippling, stability, stability_json, tenths,
+    Divergence, decibel, fitting, grows, joule, level, makers, relative, rippling, stability, stability_json, tenths,
     too_loud,
 };
 
@@ -84,7 +84,7 @@ pub fn run(args: &RenderArgs) -> Outcome {
         None => audited().and_then(|twin| play::audit(&twin, gesture.as_ref(), frames)),
     };
     let twin = if played.broke.is_some() && !args.energy { audited() } else { None };
-    let broke = Broke::of(&played, twin.as_ref().unwrap_or(&scene), &scene.findings, gesture.as_ref());
+    let broke = Divergence::of(&played, twin.as_ref().unwrap_or(&scene), &scene.findings, gesture.as_ref());
     let summary = summary::Summary {
         args,
         scene: &scene,
@@ -114,7 +114,7 @@ pub fn run(args: &RenderArgs) -> Outcome {
 /// Where the sound goes.
 fn output(args: &RenderArgs, loaded: &Loaded) -> Result<PathBuf, Failure> {
     let Some(path) = args.output.clone() else { return Ok(PathBuf::from(format!("{}.wav", loaded.name))) };
-    load::is_sound(&path)?;
+    load::is_bounded(&path)?;
     Ok(path)
 }
 

@@ -117,9 +117,9 @@ pub(crate) fn audit(twin: &Scene, gesture: Option<&Gesture>, frames: u64) -> Opt
     let afford = AUDITED / (twin.n_mat + twin.n_lia).max(1) as u64;
     let ticks = frames.min(twin.rate as u64).min(afford).max(1);
     let mut p = Performance::new(twin, gesture).ok()?;
-    while p.state.tick < ticks + 1 && p.state.is_sound(DIVERGED) {
+    while p.state.tick < ticks + 1 && p.state.is_bounded(DIVERGED) {
         p.tick();
     }
-    let booked = p.state.tick.saturating_sub(1);
-    p.state.ledger.map(|ledger| Audit { ledger, ticks: booked, whole: false })
+    let entered = p.state.tick.saturating_sub(1);
+    p.state.ledger.map(|ledger| Audit { ledger, ticks: entered, whole: false })
 }

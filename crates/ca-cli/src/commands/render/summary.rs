@@ -13,7 +13,7 @@ use ca_core::energy::Ledger;
 use ca_core::kind::Unit;
 use ca_io::sound::Written;
 use ca_lab::play::gain;
-pub(crate) use ca_lab::play::{Broke, relative};
+pub(crate) use ca_lab::play::{Divergence, relative};
 use ca_model::quantity::{show, six};
 use serde_json::{Value as Json, json};
 use std::io::Write as _;
@@ -35,7 +35,7 @@ pub(crate) struct Summary<'a> {
     pub written: &'a Written,
     pub wall: Duration,
     pub energy: Option<&'a Audit>,
-    pub broke: Option<&'a Broke>,
+    pub broke: Option<&'a Divergence>,
     pub refused: u64,
     pub warnings: usize,
     pub probes: &'a [Probe],

@@ -4,7 +4,7 @@ use super::parts::{self, Facts, finished};
 use super::played::EnergyOverTime;
 use crate::Failure;
 use crate::args::ReportArgs;
-use crate::commands::render::{self, Broke};
+use crate::commands::render::{self, Divergence};
 use crate::load::{self, Loaded};
 use crate::term::{self, short};
 use ca_compile::Options;
@@ -57,14 +57,14 @@ pub(super) fn report(args: &ReportArgs) -> Result<(String, Report), Failure> {
             sound.push(&row[..scene.channels]);
             motion.push(&row[scene.channels..]);
         }
-        if !p.diverged && p.state.is_sound(ca_io::perform::DIVERGED) {
+        if !p.diverged && p.state.is_bounded(ca_io::perform::DIVERGED) {
             ledger.look(p.state.tick as f64 * scene.sample_dt, p.state.ledger.as_ref());
         }
         Ok(())
     })?;
     ledger.end = played.energy.clone();
 
-    let broke = Broke::of(&played, &scene, &scene.findings, gesture.as_ref());
+    let broke = Divergence::of(&played, &scene, &scene.findings, gesture.as_ref());
     ledger.broke = broke.as_ref().map(|b| b.time);
     let title = if scene.title.is_empty() { &loaded.name } else { &scene.title };
     let mut report = Report::new(title, &format!("`{}`, {}", source_name(&loaded), finished()));

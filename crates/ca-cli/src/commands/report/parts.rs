@@ -96,22 +96,22 @@ pub(super) fn sound(sound: Sound, marks: Vec<Mark>, diverged: bool) -> Option<Se
 }
 
 /// The modes of the linear part, or why there are none.
-pub(super) struct Sung(Result<(Network, Modes), String>);
+pub(super) struct ModesPart(Result<(Network, Modes), String>);
 
 /// The modes of a model as it is compiled with `options`.
-pub(super) fn modes(model: &Model, options: &Options) -> Sung {
+pub(super) fn modes(model: &Model, options: &Options) -> ModesPart {
     let Ok(network) = ca_compile::linear(model, &catalog(), options) else {
-        return Sung(Err("The model has no linear part that could be looked at by itself.".into()));
+        return ModesPart(Err("The model has no linear part that could be looked at by itself.".into()));
     };
     let n = network.linear.dofs.len();
-    Sung(match n {
+    ModesPart(match n {
         0 => Err("Nothing in this model moves by itself.".into()),
         _ if n > PLACES => Err(format!("{n} places move; `ca modes` tells of up to {}.", modes::LARGEST)),
         _ => modes::modes(&network).map(|m| (network, m)).ok_or_else(|| "Its numbers are beyond computing.".into()),
     })
 }
 
-impl Sung {
+impl ModesPart {
     /// Modes that swing, each with its number and its level at the output that hears it best \[dB\]; lowest first.
     fn swinging(&self) -> Vec<(usize, &Mode, f64)> {
         let Ok((network, found)) = &self.0 else { return Vec::new() };

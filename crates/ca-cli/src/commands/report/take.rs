@@ -86,7 +86,7 @@ pub(super) fn report(args: &ReportArgs, file: &Path) -> Result<(String, Report),
     }
     report.sections.push(facts.section());
     let modes = h.model(&catalog()).ok().map(|(model, _)| parts::modes(&model, &h.options));
-    let marks = modes.as_ref().map(parts::Sung::marks).unwrap_or_default();
+    let marks = modes.as_ref().map(parts::ModesPart::marks).unwrap_or_default();
     let Recorded { sound, hands, events, loops, .. } = recorded;
     report.sections.extend(parts::sound(sound, marks, false));
     let faults = |device: &str| {

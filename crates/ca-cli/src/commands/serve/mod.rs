@@ -78,7 +78,7 @@ pub fn run(args: &ServeArgs) -> Outcome {
     };
     let wav = match &args.output {
         Some(path) if scene.channels > 0 => {
-            load::is_sound(path)?;
+            load::is_bounded(path)?;
             let out = WavOut::create(path, scene.rate, scene.channels, Format::F32)?;
             Some(aside(&mut sinks, "ca sound", wav::Wav::new(out, scene.channels), room, busy)?)
         }

@@ -31,7 +31,7 @@ const SWEEPS: usize = 2;
 const STEPS: usize = 16;
 
 /// What of the text is changed for a part, and by what it is measured.
-struct Knob {
+struct Variable {
     /// the part
     part: String,
     /// of a bank, the cell
@@ -71,21 +71,21 @@ pub fn run(args: &TuneArgs) -> Outcome {
     })?;
     let mut wishes = Vec::new();
     for (part, cell, wanted) in self::wishes(args, &loaded.model)? {
-        wishes.push((knob(&loaded.model, &part, cell)?, wanted));
+        wishes.push((variable(&loaded.model, &part, cell)?, wanted));
     }
     let mut done: Vec<Tuned> = Vec::new();
-    for (knob, wanted) in &wishes {
-        done.push(tune(&mut loaded, &mut doc, knob, *wanted, args.mode)?);
+    for (variable, wanted) in &wishes {
+        done.push(tune(&mut loaded, &mut doc, variable, *wanted, args.mode)?);
     }
     // what hangs together moves each other
     for _ in 0..if wishes.len() > 1 { SWEEPS } else { 0 } {
-        for (t, (knob, wanted)) in done.iter_mut().zip(&wishes) {
+        for (t, (variable, wanted)) in done.iter_mut().zip(&wishes) {
             let before = t.before;
-            *t = Tuned { before, ..tune(&mut loaded, &mut doc, knob, *wanted, args.mode)? };
+            *t = Tuned { before, ..tune(&mut loaded, &mut doc, variable, *wanted, args.mode)? };
         }
     }
-    for (t, (knob, _)) in done.iter_mut().zip(&wishes) {
-        t.heard = heard(&loaded, &t.part, knob, args.mode)?;
+    for (t, (variable, _)) in done.iter_mut().zip(&wishes) {
+        t.heard = heard(&loaded, &t.part, variable, args.mode)?;
         if t.off().abs() > NEAR {
             let what = format!("`{}` cannot be {} Hz beside the others: it is {} Hz", t.part, t.wanted, t.heard);
             return Err(Failure::Failed(format!("{what}; do they follow one parameter?")));
@@ -141,7 +141,7 @@ fn wishes(args: &TuneArgs, model: &Model) -> Result<Vec<(String, Option<usize>, 
 }
 
 /// Which number of the text tunes a part.
-fn knob(model: &Model, part: &str, cell: Option<usize>) -> Result<Knob, Failure> {
+fn variable(model: &Model, part: &str, cell: Option<usize>) -> Result<Variable, Failure> {
     let Some(item) = model.items.iter().find(|i| i.name == part) else {
         let names = || model.items.iter().map(|i| i.name.as_str());
         let near = ca_model::suggest::nearest(part, names());
@@ -174,16 +174,16 @@ fn knob(model: &Model, part: &str, cell: Option<usize>) -> Result<Knob, Failure>
             path.extend(matches!(p.value, Value::Table(_)).then(|| "value".to_owned()));
         }
     }
-    Ok(Knob { part: part.into(), cell, path, unit, slope })
+    Ok(Variable { part: part.into(), cell, path, unit, slope })
 }
 
-/// The number a knob stands at, in SI or in the model's own.
-fn number(doc: &DocumentMut, knob: &Knob) -> Option<(f64, bool)> {
+/// The number a variable stands at, in SI or in the model's own.
+fn number(doc: &DocumentMut, variable: &Variable) -> Option<(f64, bool)> {
     let mut at = doc.as_item();
-    for key in &knob.path {
+    for key in &variable.path {
         at = at.get(key.as_str())?;
     }
-    let value = match knob.cell {
+    let value = match variable.cell {
         Some(k) => at.as_array()?.get(k)?,
         None => at.as_value()?,
     };
@@ -194,16 +194,16 @@ fn number(doc: &DocumentMut, knob: &Knob) -> Option<(f64, bool)> {
     value.as_float().or(value.as_integer().map(|i| i as f64)).map(|v| (v, false))
 }
 
-/// Turns a knob in the text.
-fn turn(doc: &mut DocumentMut, knob: &Knob, v: f64, units: bool) -> Option<String> {
+/// Turns a variable in the text.
+fn turn(doc: &mut DocumentMut, variable: &Variable, v: f64, units: bool) -> Option<String> {
     // more would be nothing but the rounding of the search, and less could be heard by an instrument
     let v = quantity::rounded(v, DIGITS);
-    let written = if units { format!("\"{v:?} {}\"", knob.unit) } else { format!("{v:?}") };
+    let written = if units { format!("\"{v:?} {}\"", variable.unit) } else { format!("{v:?}") };
     let mut at: &mut Item = doc.as_item_mut();
-    for key in &knob.path {
+    for key in &variable.path {
         at = at.get_mut(key.as_str())?;
     }
-    let place = match knob.cell {
+    let place = match variable.cell {
         Some(k) => at.as_array_mut()?.get_mut(k)?,
         None => at.as_value_mut()?,
     };
@@ -214,34 +214,43 @@ fn turn(doc: &mut DocumentMut, knob: &Knob, v: f64, units: bool) -> Option<Strin
 }
 
 /// Brings a part to its pitch.
-fn tune(loaded: &mut Loaded, doc: &mut DocumentMut, knob: &Knob, wanted: f64, mode: u32) -> Result<Tuned, Failure> {
-    let name = knob.cell.map_or(knob.part.clone(), |k| format!("{}[{k}]", knob.part));
-    let Some((mut v, units)) = number(doc, knob) else {
-        return Err(Failure::Failed(format!("`{name}`: `{}` is no number that could be tuned", knob.path.join("."))));
+fn tune(
+    loaded: &mut Loaded,
+    doc: &mut DocumentMut,
+    variable: &Variable,
+    wanted: f64,
+    mode: u32,
+) -> Result<Tuned, Failure> {
+    let name = variable.cell.map_or(variable.part.clone(), |k| format!("{}[{k}]", variable.part));
+    let Some((mut v, units)) = number(doc, variable) else {
+        return Err(Failure::Failed(format!(
+            "`{name}`: `{}` is no number that could be tuned",
+            variable.path.join(".")
+        )));
     };
-    let before = heard(loaded, &name, knob, mode)?;
-    let (mut slope, mut now, mut written) = (knob.slope, before, format!("{v:?}"));
+    let before = heard(loaded, &name, variable, mode)?;
+    let (mut slope, mut now, mut written) = (variable.slope, before, format!("{v:?}"));
     for step in 0..STEPS {
         let off = (wanted / now).log2();
         if off.abs() * 1200.0 < MET {
             break;
         }
         // a number that is the pitch itself is right at once, whatever it was before
-        let next = if step == 0 && knob.slope == 1.0 && units { wanted } else { v * (off / slope).exp2() };
+        let next = if step == 0 && variable.slope == 1.0 && units { wanted } else { v * (off / slope).exp2() };
         let outside = || {
             Failure::Failed(format!(
                 "`{name}` cannot sound at {wanted} Hz: `{}` would leave its range",
-                knob.path.join(".")
+                variable.path.join(".")
             ))
         };
         if !(next.is_finite() && next > 0.0) {
             return Err(outside());
         }
-        written = turn(doc, knob, next, units).ok_or_else(outside)?;
+        written = turn(doc, variable, next, units).ok_or_else(outside)?;
         let (model, diags) = read::read(&doc.to_string(), &loaded.model.file, &catalog());
         *loaded =
             Loaded { model, diags, name: std::mem::take(&mut loaded.name), clouds: std::mem::take(&mut loaded.clouds) };
-        let f = heard(loaded, &name, knob, mode)?;
+        let f = heard(loaded, &name, variable, mode)?;
         let (moved, turned) = ((f / now).log2(), (next / v).log2());
         if turned.abs() > 1e-9 && (0.05..5.0).contains(&(moved / turned)) {
             slope = moved / turned;
@@ -259,7 +268,7 @@ fn tune(loaded: &mut Loaded, doc: &mut DocumentMut, knob: &Knob, wanted: f64, mo
 }
 
 /// The pitch of a part: of the modes that are mostly it, number `mode` from below.
-fn heard(loaded: &Loaded, name: &str, knob: &Knob, mode: u32) -> Result<f64, Failure> {
+fn heard(loaded: &Loaded, name: &str, variable: &Variable, mode: u32) -> Result<f64, Failure> {
     let options = Options { clouds: loaded.clouds.clone(), ..Options::default() };
     let network = ca_compile::linear(&loaded.model, &catalog(), &options).map_err(|diags| {
         term::findings(&diags, &loaded.model);
@@ -277,9 +286,9 @@ fn heard(loaded: &Loaded, name: &str, knob: &Knob, mode: u32) -> Result<f64, Fai
             modes::LARGEST
         )));
     };
-    let own: Vec<usize> = (0..network.names.len()).filter(|i| is_of(&network.names[*i], name, knob)).collect();
-    if own.is_empty() && network.unheard.iter().any(|u| u == name || (*u == knob.part && knob.cell.is_some())) {
-        let from = if knob.cell.is_some() { format!("{}[*]", knob.part) } else { name.into() };
+    let own: Vec<usize> = (0..network.names.len()).filter(|i| is_of(&network.names[*i], name, variable)).collect();
+    if own.is_empty() && network.unheard.iter().any(|u| u == name || (*u == variable.part && variable.cell.is_some())) {
+        let from = if variable.cell.is_some() { format!("{}[*]", variable.part) } else { name.into() };
         return Err(Failure::Failed(format!(
             "nothing hears `{name}`, so it is left out of the scene; hear it with an output, such as `[SOX]` with \
              `from = \"{from}\"`"
@@ -296,9 +305,9 @@ fn heard(loaded: &Loaded, name: &str, knob: &Knob, mode: u32) -> Result<f64, Fai
 }
 
 /// Whether a place belongs to a part.
-fn is_of(place: &str, name: &str, knob: &Knob) -> bool {
+fn is_of(place: &str, name: &str, variable: &Variable) -> bool {
     let rest = place.strip_prefix(name);
-    rest.is_some_and(|r| r.is_empty() || r.starts_with('.') || (knob.cell.is_none() && r.starts_with('[')))
+    rest.is_some_and(|r| r.is_empty() || r.starts_with('.') || (variable.cell.is_none() && r.starts_with('[')))
 }
 
 /// How much of a mode's kinetic energy is in these places.

@@ -30,7 +30,7 @@ fn a_replay_tells_and_sounds() {
 
 /// A ledger that is kept only by the replay changes nothing, and closes, whether or not a force goes to the hands.
 #[test]
-fn a_replay_keeps_the_book_that_the_performance_did_not() {
+fn a_replay_keeps_the_ledger_that_the_performance_did_not() {
     let mut takes = Vec::new();
     for more in [&[][..], &[("rate.border", "hold")], &[("rate.gesture", "48 kHz")], &[("rate.latency", "3")]] {
         for mute in [&[][..], &[("rate.feedback", "false")]] {
