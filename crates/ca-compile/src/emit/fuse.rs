@@ -45,7 +45,10 @@ pub fn fuse(net: &Pruned, options: &Options, layout: &Layout, passes: &mut Passe
             let Some(law) = op.law.filter(|_| inside && row) else { continue };
             let alone = touched[op.mat..=op.mat + op.n].iter().all(|t| t.lets(i));
             let Some((name, kernel)) = fused::kernel(law, own).filter(|_| alone) else { continue };
-            rows.push((i, Op { mat: op.mat, coef: op.coef, first: op.first, ..Op::pass(name, kernel, op.n) }));
+            rows.push((
+                i,
+                Op { form: op.form, mat: op.mat, coef: op.coef, first: op.first, ..Op::pass(name, kernel, op.n) },
+            ));
         }
         rows.sort_by_key(|(_, row)| row.mat);
         let mut at = masses.start;

@@ -146,7 +146,7 @@ def test_silence_is_shown_as_such() -> None:
     assert plot.spectrum(r).get_ylim() == (-120, 6)
 
 
-def test_an_energy_book_is_an_account(key: ca.Scene) -> None:
+def test_an_energy_ledger_is_an_account(key: ca.Scene) -> None:
     gesture = {"key": [(0, -0.006), (0.02, 0.002), (0.1, -0.006)], "grip": [(0, 2000), (0.03, 9000)]}
     r = key.render(0.2, gesture=gesture, energy=True)
     e = r.energy

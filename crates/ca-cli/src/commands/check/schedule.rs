@@ -84,7 +84,7 @@ fn cost(state: &State, mut run: impl FnMut(&mut State)) -> f64 {
 
 /// How the links of a pass are laid out.
 fn form(op: &Op) -> String {
-    if op.law.is_none() {
+    if op.law.is_none() && op.form.stride == 0 {
         return String::new();
     }
     let measure = |g: MeasureKind| match g {
@@ -182,7 +182,7 @@ pub(super) fn json(scene: &Scene, m: &Measured) -> Json {
         .rows
         .iter()
         .map(|r| {
-            let of_links = r.op.law.is_some();
+            let of_links = r.op.law.is_some() || r.op.form.stride > 0;
             json!({
                 "stage": r.stage, "pass": r.op.name, "modules": r.op.n, "stride": of_links.then_some(r.op.form.stride),
                 "offset": of_links.then_some(r.op.form.offset), "tap": of_links.then_some(r.op.form.tap),
