@@ -70,7 +70,7 @@ fn a_row_is_fused_where_one_number_comes_behind_it() {
         "[SOL]\ng = {}\n[CUB]\nc = { between = [\"g\", \"s[4]\"], k = 1e4, k3 = 1e9 }\n",
         "[ENF]\npush = { to = \"s[2]\" }\n",
         "[SOF]\nforce = { from = \"s[3]\" }\n",
-        "[SOL]\ng = {}\n[BUT]\nc = { between = [\"g\", \"s[9]\"], k = 1e4, method = \"stable\" }\n",
+        "[SOL]\ng = {}\n[BOW]\nc = { between = [\"s[9]\", \"g\"], f = 0.3, v0 = \"50 mm/s\", method = \"newton\" }\n",
         "[model]\ngravity = 9.81\n",
     ] {
         assert_eq!(same(&format!("{string}{more}"), 1500), [""; 0], "{more}");
