@@ -4,8 +4,8 @@ use super::calls;
 use ca_compile::{Options as Compile, compile};
 use ca_haptic::engine::{Engine, Options};
 use ca_haptic::rt::now_ns;
-use ca_haptic::serve::audio::{Who, link};
-use ca_haptic::serve::{Clock, Every, Live, Shared, rings};
+use ca_haptic::serve::audio::{PlaybackDevice, link};
+use ca_haptic::serve::{Clock, Live, RecordIntervals, Shared, rings};
 use ca_model::read;
 use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
@@ -20,7 +20,7 @@ fn run(frames: u64) -> (u64, u64) {
     let scene = Arc::new(compile(&model, &catalog, &Compile::default()).expect("it compiles").scene);
     let engine = Engine::new(scene.clone(), vec![], Options::default());
     let (mut ends, _gateway, _recorder) = rings(&scene, 0, 0);
-    let who = Who { rate: 48_000, channels: 2, ..Who::default() };
+    let who = PlaybackDevice { rate: 48_000, channels: 2, ..PlaybackDevice::default() };
     let (follow, mut player, watch) = link(scene.channels, scene.ratio, who, 64);
     ends.audio = Some(follow);
     let counts = watch.counts.clone();
@@ -39,7 +39,7 @@ fn run(frames: u64) -> (u64, u64) {
         }
         n
     });
-    let live = Live::new(engine, ends, Arc::new(Shared::default()), Clock::Audio, Every::default());
+    let live = Live::new(engine, ends, Arc::new(Shared::default()), Clock::Audio, RecordIntervals::default());
     let n = calls(|| assert_eq!(live.run(Some(frames)).counts.frames, frames + 1));
     (n, device.join().expect("no panic"))
 }

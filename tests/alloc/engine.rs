@@ -60,7 +60,7 @@ fn an_engine_allocates_nothing() {
         let mut retired: Vec<Retired> = Vec::with_capacity(16);
         let mut next = DeviceFrame::new("hand", 2);
         next.session = 1;
-        let mut dice = 0x9e37_79b9_7f4a_7c15_u64;
+        let mut rng = 0x9e37_79b9_7f4a_7c15_u64;
         let mut modes = [0; 5];
         let mut diverged = 0;
         let n = calls(|| {
@@ -88,9 +88,9 @@ fn an_engine_allocates_nothing() {
                         retired.extend(e.command(EngineCommand::Reload(s)));
                     }
                 }
-                dice ^= dice << 13;
-                dice ^= dice >> 7;
-                dice ^= dice << 17;
+                rng ^= rng << 13;
+                rng ^= rng >> 7;
+                rng ^= rng << 17;
                 next.seq += 1;
                 next.t_device_ns += 333_333;
                 // pressed, thrown, gone
@@ -101,18 +101,18 @@ fn an_engine_allocates_nothing() {
                     let mut f = next;
                     e.take(0, &mut f);
                 }
-                if dice.is_multiple_of(100) {
+                if rng.is_multiple_of(100) {
                     let mut f = next;
-                    match dice % 7 {
+                    match rng % 7 {
                         0 => f.pos[0] = f64::NAN,
-                        1 => f.layout = dice,
+                        1 => f.layout = rng,
                         2 => f.seq = 0,
-                        3 => f.n = dice as u16,
-                        4 => f.status = dice as u32,
-                        5 => f.cause = dice as u16,
+                        3 => f.n = rng as u16,
+                        4 => f.status = rng as u32,
+                        5 => f.cause = rng as u16,
                         _ => f.pos[1] = f64::INFINITY,
                     }
-                    f.seq = f.seq.saturating_add(dice % 2);
+                    f.seq = f.seq.saturating_add(rng % 2);
                     e.take(0, &mut f);
                 }
                 for out in e.answer() {

@@ -9,7 +9,7 @@ use ca_haptic::frame::{CAUSES, DeviceFrame, Mode};
 use ca_haptic::guard::Order;
 use ca_haptic::record::Record;
 use ca_haptic::rt::{now_ns, wait_until};
-use ca_haptic::serve::{Clock, Every, GatewayEnds, Live, Shared, rings};
+use ca_haptic::serve::{Clock, GatewayEnds, Live, RecordIntervals, Shared, rings};
 use rtrb::Consumer;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
@@ -113,7 +113,8 @@ fn nor_does_the_loop_while_both_cores_are_busy() {
     let scene = engine.scene.clone();
     let (ends, gateway, mut recorder) = rings(&scene, 1, 0);
     let shared = Arc::new(Shared::default());
-    let live = Live::new(engine, ends, shared.clone(), Clock::Monotonic, Every { energy: 30, view: 0, hash: 3000 });
+    let live =
+        Live::new(engine, ends, shared.clone(), Clock::Monotonic, RecordIntervals { energy: 30, view: 0, hash: 3000 });
     let (over, ended) = (AtomicBool::new(false), AtomicBool::new(false));
     let mut found = Found::default();
     let (n, engine, device) = std::thread::scope(|s| {

@@ -4,7 +4,7 @@ use super::calls;
 use super::engine::engine;
 use ca_haptic::engine::{Change, EngineCommand};
 use ca_haptic::frame::DeviceFrame;
-use ca_haptic::serve::{Clock, Every, Live, Shared, rings};
+use ca_haptic::serve::{Clock, Live, RecordIntervals, Shared, rings};
 use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
 
@@ -13,7 +13,7 @@ fn handing_over_allocates_nothing() {
     let (engine, ..) = engine(true, false);
     let (ends, mut gateway, mut recorder) = rings(&engine.scene, 1, 60);
     let shared = Arc::new(Shared::default());
-    let every = Every { energy: 30, view: 50, hash: 3000 };
+    let every = RecordIntervals { energy: 30, view: 50, hash: 3000 };
     let mut live = Live::new(engine, ends, shared.clone(), Clock::Device { patience: 0 }, every);
     let mut frame = DeviceFrame::new("hand", 2);
     frame.session = 1;

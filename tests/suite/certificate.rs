@@ -23,11 +23,11 @@ fn method(roll: f64) -> String {
     }
 }
 
-/// A network of masses, cells, a string with a point on it, and a body in space that leans on them; T = 1 and all
+/// A network of masses, cells, a string with a point on it, and a body in space that they support; T = 1 and all
 /// stiffness and viscosity times `scale`.
 fn drawn(seed: u64, scale: f64) -> String {
-    let mut dice = Random(seed);
-    let mut roll = || 0.5 * (dice.roll() + 1.0);
+    let mut rng = Random(seed);
+    let mut roll = || 0.5 * (rng.uniform() + 1.0);
     let mut text = String::from("[rate]\nsound = 1\ngesture = 1\n[SOL]\nwall = {}\n");
     let n = 2 + (roll() * 6.0) as usize;
     let decades = |r: f64| 10f64.powf(6.0 * r - 3.0);
@@ -103,8 +103,8 @@ fn compiled(text: &str) -> Option<Compiled> {
 /// A drawn network, scaled so that its limit is near.
 fn near_the_limit(seed: u64) -> Option<(String, Compiled)> {
     let bound = compiled(&drawn(seed, 1.0))?.certificate.bound;
-    let mut dice = Random(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15).max(1));
-    let text = drawn(seed, (4.4 + 1.8 * dice.roll()) / bound);
+    let mut rng = Random(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15).max(1));
+    let text = drawn(seed, (4.4 + 1.8 * rng.uniform()) / bound);
     let scene = compiled(&text)?;
     Some((text, scene))
 }
@@ -145,9 +145,9 @@ fn radius(scene: &Scene) -> f64 {
 fn grows(scene: &Scene) -> bool {
     let mut s = scene.state();
     let moving: Vec<usize> = (0..scene.n_mat).filter(|i| s.coef[2 * scene.n_mat + i] > 0.0).collect();
-    let mut dice = Random(7);
+    let mut rng = Random(7);
     for i in &moving {
-        s.d[*i] += 1e-9 * dice.roll();
+        s.d[*i] += 1e-9 * rng.uniform();
     }
     let fastest = |s: &State| moving.iter().fold(0.0, |most: f64, i| most.max(s.d[*i].abs()));
     let enough = 1e3 * fastest(&s);

@@ -11,8 +11,8 @@ use proptest::prelude::*;
 
 /// Masses, cells and fixed points, joined at random; linear links only, unless `any`.
 fn network(seed: u64, any: bool) -> Model {
-    let mut dice = Random(seed);
-    let mut pick = |n: usize| (((dice.roll() + 1.0) * 0.5 * n as f64) as usize).min(n - 1);
+    let mut rng = Random(seed);
+    let mut pick = |n: usize| (((rng.uniform() + 1.0) * 0.5 * n as f64) as usize).min(n - 1);
     let n = 2 + pick(10);
     let mut m = Model::default();
     // stiffness over mass from far below to above what the rate bears
@@ -182,8 +182,8 @@ proptest! {
         // not the large ones: a mutated count may make them larger
         let texts: Vec<_> = texts().into_iter().filter(|t| t.1.len() < 6000).collect();
         let mut text = which.get(&texts).1.clone();
-        let mut dice = Random(seed);
-        let mut pick = |n: usize| (((dice.roll() + 1.0) * 0.5 * n as f64) as usize).min(n - 1);
+        let mut rng = Random(seed);
+        let mut pick = |n: usize| (((rng.uniform() + 1.0) * 0.5 * n as f64) as usize).min(n - 1);
         for _ in 0..edits {
             let cuts: Vec<usize> = text.char_indices().map(|c| c.0).collect();
             if cuts.is_empty() { break; }

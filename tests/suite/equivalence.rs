@@ -9,7 +9,7 @@ use ca_haptic::equivalence::gains;
 use ca_tests::catalog;
 use proptest::prelude::*;
 
-const TE: f64 = 1.0 / 44_100.0;
+const TIME_UNIT: f64 = 1.0 / 44_100.0;
 
 fn near(what: &str, is: f64, want: f64, within: f64) {
     assert!((is / want - 1.0).abs() <= within, "{what}: {is} is not {want}");
@@ -56,7 +56,7 @@ fn the_table_of_the_paper() {
         ("compliance", 1.0 / 38_896_200.0, [-1, -1, 0]),
         ("energy", 15_558.48, [-1, 1, 0]),
         ("power", 15_558.48 * 44_100.0, [-1, 1, -1]),
-        ("time", TE, [0, 0, 1]),
+        ("time", TIME_UNIT, [0, 0, 1]),
     ];
     assert_eq!(table.map(|t| t.0).to_vec(), ROWS.iter().map(|r| r.name).collect::<Vec<_>>());
     for (name, factor, exponents) in table {
@@ -136,7 +136,7 @@ fn a_device_on_a_spring_swings_as_the_table_says() {
     let g = gains(&s, "hand")[0];
     let k = s.certificate.keys[0].k * g.stiffness();
     near("stiffness", k, 7779.24, 1e-14);
-    let (m, te) = (0.1, s.sample_dt);
+    let (m, dt) = (0.1, s.sample_dt);
     let (mut x, mut v) = (0.001, 0.0);
     let mut state = s.state();
     let mut crossings = Vec::new();
@@ -147,14 +147,14 @@ fn a_device_on_a_spring_swings_as_the_table_says() {
         let force = g.beta * state.border[0].force;
         integrate(&s, &mut state);
         let before = x;
-        v += force / m * te;
-        x += v * te;
+        v += force / m * dt;
+        x += v * dt;
         if before < 0.0 && x >= 0.0 {
             crossings.push(f64::from(n) + before / (before - x));
         }
     }
     let periods = crossings.len() as f64 - 1.0;
-    let f = periods / ((crossings[crossings.len() - 1] - crossings[0]) * te);
+    let f = periods / ((crossings[crossings.len() - 1] - crossings[0]) * dt);
     println!("a device of 0.1 kg swings at {f:.6} Hz");
     near("frequency", f, 44.390_4, 2e-6);
 }
@@ -229,11 +229,11 @@ proptest! {
     /// Any two rows of different classes settle the table, and both are then true; of one class, none does.
     #[test]
     fn two_rows_settle_all(i in 0..11_usize, j in 0..11_usize, a in -9.0..9.0, b in -9.0..9.0, alg: bool) {
-        let (rows, te) = (settable(), if alg { TE } else { 1.0 });
+        let (rows, time_unit) = (settable(), if alg { TIME_UNIT } else { 1.0 });
         // as such a model would say it, so that nothing is beyond all scales
         let wild = Gains { alpha: 10f64.powf(a), beta: 10f64.powf(b) };
-        let pairs = [rows[i], rows[j]].map(|row| Pair { row, ratio: row.factor(wild, te) });
-        let found = solve(pairs, te);
+        let pairs = [rows[i], rows[j]].map(|row| Pair { row, ratio: row.factor(wild, time_unit) });
+        let found = solve(pairs, time_unit);
         prop_assert_eq!(found.is_some(), rows[i].class() != rows[j].class());
         if let Some(g) = found {
             prop_assert!((g.alpha / wild.alpha - 1.0).abs() < 1e-13 && (g.beta / wild.beta - 1.0).abs() < 1e-13);
@@ -245,17 +245,17 @@ proptest! {
     fn the_anchor_stays(i in 0..11_usize, a in -3.0..3.0, b in -3.0..3.0, ratio in 0.01..100.0) {
         let row = settable()[i];
         let held = Gains { alpha: 10f64.powf(a), beta: 10f64.powf(b) };
-        let pair = Pair { row, ratio: ratio * row.factor(held, TE) };
+        let pair = Pair { row, ratio: ratio * row.factor(held, TIME_UNIT) };
         for anchor in [Class::Position, Class::Force, Class::Impedance, Class::Energy] {
-            let Some(g) = keep(pair, anchor, held, TE) else {
+            let Some(g) = keep(pair, anchor, held, TIME_UNIT) else {
                 prop_assert_eq!(anchor, row.class());
                 continue;
             };
-            prop_assert!((row.factor(g, TE) / pair.ratio - 1.0).abs() < 1e-13);
+            prop_assert!((row.factor(g, TIME_UNIT) / pair.ratio - 1.0).abs() < 1e-13);
             for r in anchor.rows() {
-                prop_assert!((r.factor(g, TE) / r.factor(held, TE) - 1.0).abs() < 1e-13);
+                prop_assert!((r.factor(g, TIME_UNIT) / r.factor(held, TIME_UNIT) - 1.0).abs() < 1e-13);
             }
         }
-        prop_assert!(keep(pair, anchor_for(row.class()), held, TE).is_some());
+        prop_assert!(keep(pair, anchor_for(row.class()), held, TIME_UNIT).is_some());
     }
 }

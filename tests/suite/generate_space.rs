@@ -303,8 +303,8 @@ fn a_cloud_becomes_masses_and_springs() {
 
 #[test]
 fn neighbours_are_all_pairs_that_are_near() {
-    let mut dice = crate::play::Random(5);
-    let points: Vec<[f64; 3]> = (0..200).map(|_| [0; 3].map(|_| dice.roll())).collect();
+    let mut rng = crate::play::Random(5);
+    let points: Vec<[f64; 3]> = (0..200).map(|_| [0; 3].map(|_| rng.uniform())).collect();
     let cloud = Cloud { points: points.clone(), ..Cloud::default() };
     let pairs = (0..200u32).flat_map(|i| (i + 1..200).map(move |j| [i, j]));
     let near: Vec<[u32; 2]> =

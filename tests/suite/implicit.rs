@@ -209,13 +209,13 @@ fn ledgers_balance_and_forces_are_whole() {
     for scene in [&fast, &plain] {
         let mut s = scene.state();
         let mut controls = scene.controls();
-        let (mut dice, free) = (Random(11), mat(scene, "free"));
+        let (mut rng, free) = (Random(11), mat(scene, "free"));
         let [hand, push] = ["hand", "push"].map(|n| scene.input(n).expect("a port"));
         for n in 0..4000u32 {
-            s.input[push] = if n < 2000 { dice.roll() } else { 0.0 };
+            s.input[push] = if n < 2000 { rng.uniform() } else { 0.0 };
             s.input[hand] = 0.1 * (0.01 * f64::from(n)).sin();
             if n % 500 == 250 {
-                let to = 10f64.powf(4.0 + 3.0 * dice.roll());
+                let to = 10f64.powf(4.0 + 3.0 * rng.uniform());
                 let patch = controls.set("kk", to).expect("in range");
                 assert!(s.apply(&patch, 100));
             }
@@ -231,7 +231,7 @@ fn ledgers_balance_and_forces_are_whole() {
         let b = ledger.balance();
         within("not explained", b.residual.abs() / b.peak, 1e-11);
         // only at the port, which goes another way than it went, is something made
-        for (name, made) in (0..scene.n_lia).map(|l| (scene.audited_name(l).unwrap_or("?"), ledger.source[l])) {
+        for (name, made) in (0..scene.n_lia).map(|l| (scene.audited_name(l).unwrap_or("?"), ledger.scheme_error[l])) {
             within(&format!("made by {name}"), made.abs() / b.peak, if name == "grip" { 1e-2 } else { 1e-11 });
         }
         ends.push(s);

@@ -184,9 +184,9 @@ fn inputs_act_in_the_same_sample() {
 
 /// A network of a dozen masses with drawn speeds, places, laws and numbers, tied to two grounds.
 fn drawn(seed: u64) -> String {
-    let mut dice = Random(seed);
+    let mut rng = Random(seed);
     // three digits, so that both read the same number
-    let mut roll = |from: f64, to: f64| format!("{:.3e}", from + (to - from) * 0.5 * (dice.roll() + 1.0));
+    let mut roll = |from: f64, to: f64| format!("{:.3e}", from + (to - from) * 0.5 * (rng.uniform() + 1.0));
     let mut text = format!("@g0 ground {}\n@g1 ground {}\n", roll(-0.5, 0.5), roll(-0.5, 0.5));
     let mats = 12;
     for i in 0..mats {

@@ -194,7 +194,7 @@ fn the_model_asks_for_all_its_groups() {
     );
 }
 
-/// What cannot go by modes is refused with a word; damping that ties modes is reported.
+/// What cannot go by modes is refused with a word; damping that couples modes is reported.
 #[test]
 fn what_cannot_be() {
     let refused = |text: &str, code: &str, word: &str| {

@@ -106,7 +106,7 @@ pub fn rel_l2(a: &[f64], b: &[f64]) -> f64 {
 pub struct Random(pub u64);
 
 impl Random {
-    pub fn roll(&mut self) -> f64 {
+    pub fn uniform(&mut self) -> f64 {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;
         self.0 ^= self.0 << 17;

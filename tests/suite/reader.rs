@@ -140,7 +140,7 @@ sound = 3
 }
 
 #[test]
-fn a_missing_bracket_does_not_swallow_the_file() {
+fn a_missing_bracket_does_not_hide_the_rest_of_the_file() {
     let text = "[MAS]\na = { m = \"20 g }\nb = { m = 1\n[SOL\nc = {}\n[CEL]\nd = { m = [1, 2 }\ne = { q = 1 }\n";
     let (model, diags) = read(text);
     let names: Vec<_> = model.items.iter().map(|i| (i.kind.as_str(), i.name.as_str())).collect();

@@ -164,11 +164,11 @@ fn makes_nothing(line: &Line, ticks: u64) {
 }
 
 fn ledgers_balance(text: &str, scene: &Scene, ticks: u64) {
-    let (mut s, mut dice) = (scene.state(), Random(0x2545_f491_4f6c_dd1d));
+    let (mut s, mut rng) = (scene.state(), Random(0x2545_f491_4f6c_dd1d));
     let mut released = f64::INFINITY;
     let (mut far, mut pull): (f64, f64) = (1.0, 0.0);
     for n in 0..ticks {
-        s.input[0] = if n < ticks / 4 * 3 { dice.roll() } else { 0.0 };
+        s.input[0] = if n < ticks / 4 * 3 { rng.uniform() } else { 0.0 };
         tick(scene, &mut s);
         if n % 64 != 0 && n + 1 != ticks {
             continue;
@@ -337,8 +337,8 @@ fn what_is_linearised_keeps_to_its_ripple() {
     soak(space, |d, ticks| {
         let (text, scene) = d.linearised();
         let stated = scene.certificate.ripple.expect("stated");
-        let mut dice = Random(d.seed);
-        let rose = rises(&scene, || SMALL * dice.roll(), ticks);
+        let mut rng = Random(d.seed);
+        let rose = rises(&scene, || SMALL * rng.uniform(), ticks);
         // lengths tie modes to each other by the square of what they move
         assert!(rose <= stated + SMALL, "{rose} is above {stated}\n{text}");
     });

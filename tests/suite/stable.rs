@@ -15,7 +15,7 @@ pub fn heat(scene: &Scene, s: &State) -> f64 {
 /// Largest |energy made| by a link, over the scale of the ledger.
 pub fn made(s: &State) -> f64 {
     let ledger = s.ledger.as_ref().expect("a ledger");
-    ledger.source.iter().fold(0.0f64, |m, v| m.max(v.abs())) / ledger.peak
+    ledger.scheme_error.iter().fold(0.0f64, |m, v| m.max(v.abs())) / ledger.peak
 }
 
 /// Plays `ticks` of an audited scene that is left alone: its energy only falls, but for `room` of its peak, and the ledger
@@ -196,11 +196,11 @@ fn masses_that_share_a_blow_keep_their_energy() {
     for a in [0.1, 1.0, 30.0, 1e4, 1e8, 1e12] {
         let k = a * 1e-3 * 48e3 * 48e3;
         let mut text = String::from("[SOL]\nleft = { x = -0.01 }\nright = { x = 0.07 }\n[MAS]\n");
-        let mut dice = Random(7);
+        let mut rng = Random(7);
         for i in 0..7 {
-            let m = 1e-3 * (1.0 + 0.5 * dice.roll());
+            let m = 1e-3 * (1.0 + 0.5 * rng.uniform());
             let _ =
-                writeln!(text, "b{i} = {{ m = {m:?}, x = {:?}, v = {:?} }}", 0.01 * f64::from(i), 3.0 * dice.roll());
+                writeln!(text, "b{i} = {{ m = {m:?}, x = {:?}, v = {:?} }}", 0.01 * f64::from(i), 3.0 * rng.uniform());
         }
         let how = format!("k = {k:?}, method = \"stable\", d = 0.001");
         let _ = write!(

@@ -57,7 +57,7 @@ fn held(a: f64) -> String {
     )
 }
 
-/// A body whose one edge leans on a spring of 100 N/m.
+/// A body whose one edge is supported by a spring of 100 N/m.
 fn lpr(k: f64) -> String {
     format!(
         "[room]\ndim = 3\n[room.MAS]\na = {{ m = 1 }}\nb = {{ m = 1, x = [1, 0, 0] }}\n[SOL]\nwall = {{}}\n[MAS]\nbob = {{ m = 1 \
@@ -85,7 +85,7 @@ fn limits() -> Vec<Limit> {
         ("W104", "makes energy at every blow", 2.0, |a| link("BUT", &format!("k = {:?}", k(a)))),
         // a chain of 0.9 with b more at one mass has the largest eigenvalue 1.8 + sqrt(1.8² + b²)
         ("W107", "the limit is 4", 1.264_911, held),
-        ("W112", "leans on less than itself", 100.0, lpr),
+        ("W112", "has a support softer than itself", 100.0, lpr),
         // slope·T/m is f/(v0 m) T
         ("W113", "stay below 1.5", 1.5, |a| {
             link("BOW", &format!("curve = \"coulomb\", f = {:?}, v0 = \"1 m/s\"", z(a)))
@@ -103,7 +103,7 @@ fn limits() -> Vec<Limit> {
             waveguide(&format!("f = 110, z = 0.8, at = 0.3, m = {m:?}"))
         }),
         // modes of 1 and 3 times a stiffness; half of the damping of one mass ties them, by 1e-9 of their distance
-        ("W115", "damping ties the modes", 2e-9 * 0.02, tied),
+        ("W115", "damping couples the modes", 2e-9 * 0.02, tied),
         // what generators cannot do
         ("E023", "is not below half the sound rate", 24_000.0, |f| {
             generator("STRING", &format!("n = 3, m = 1, f = {f:?}"))

@@ -21,7 +21,7 @@ fn pole(x: &[f64], l: usize) -> (f64, f64) {
 }
 
 /// What the first mode of outputs `o0`, `o1`, … does once a push of one sample is over, by the shape of that mode.
-fn sung(text: &str, rate: f64, f: f64, shape: &[f64]) -> (f64, f64) {
+fn played_pitch(text: &str, rate: f64, f: f64, shape: &[f64]) -> (f64, f64) {
     let scene = scene(text);
     let mut s = scene.state();
     let mut x = Vec::new();
@@ -97,7 +97,7 @@ fn what_is_tuned_sounds_as_asked_by_every_method() {
     for method in methods {
         for (f, t60, rate) in [(440.0, 0.5, 48_000.0), (1000.0, 0.2, 22_050.0), (110.0, 2.0, 96_000.0)] {
             for (parts, names, shape) in tuned(f, t60) {
-                let (is, falls) = sung(&whole(method, rate, &parts, &names), rate, f, &shape);
+                let (is, falls) = played_pitch(&whole(method, rate, &parts, &names), rate, f, &shape);
                 let what = format!("{method:?}, {f} Hz at {rate} Hz, {parts:?}");
                 within(&format!("{what}: pitch {is}"), (is / f - 1.0).abs(), 1e-9);
                 // a cell by a share of 1/2 has the decay of its own formula; of a network, that of its fundamental

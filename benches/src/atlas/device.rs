@@ -19,7 +19,7 @@ use ca_haptic::simulated::{Device, Hand, Script};
 use std::sync::Arc;
 
 /// A gesture period \[s\].
-const TE: f64 = 1.0 / 3000.0;
+const FRAME_DT: f64 = 1.0 / 3000.0;
 /// Friction of the device \[N s/m\].
 const B: f64 = 2.0;
 /// Frames of a run.
@@ -31,17 +31,17 @@ const KICK: f64 = 1e-6;
 pub(super) fn device(beta: f64) -> Profile {
     let mut p = Profile::shipped("tgr12").expect("shipped");
     (p.dof, p.force, p.range) = (1, 1e9, [-1e3, 1e3]);
-    p.body.mass = B * TE / beta;
+    p.body.mass = B * FRAME_DT / beta;
     (p.body.friction, p.body.dry, p.body.step, p.body.noise, p.body.force_step) = (B, 0.0, 0.0, 0.0, 0.0);
     let l = &mut p.guard;
     (l.speed, l.slew, l.edge, l.passivity, l.oscillation) = (1e4, Some(1e15), 0.0, false, false);
-    (l.clear_time, l.ramp) = (TE, TE);
+    (l.clear_time, l.ramp) = (FRAME_DT, FRAME_DT);
     p
 }
 
 /// A key on a spring of `kt` = K T/b.
 pub(super) fn key(rate: &str, kt: f64) -> Scene {
-    let k = kt * B / TE;
+    let k = kt * B / FRAME_DT;
     let text = format!(
         "[rate]\n{rate}\n[TGR]\nkey = {{ device = \"key\", dof = 0 }}\n[SOL]\nwall = {{}}\n[RES]\n\
          spring = {{ between = [\"key\", \"wall\"], k = {k:?} }}\n[SOX]\nout = {{ from = \"key\" }}\n"
@@ -74,7 +74,7 @@ impl Rig {
     /// A frame that answers the force of `delay` frames ago, with what `change` does to it, and its answer.
     pub(super) fn go(&mut self, delay: u64, change: impl FnOnce(&mut DeviceFrame)) -> ForceFrame {
         self.frame.seq += 1;
-        self.frame.t_device_ns += (TE * 1e9) as u64;
+        self.frame.t_device_ns += (FRAME_DT * 1e9) as u64;
         self.frame.ack = self.engine.ports[0].out.seq.saturating_sub(delay);
         let mut sent = self.frame;
         change(&mut sent);
@@ -87,7 +87,7 @@ impl Rig {
 
 /// What a kick of [`KICK`] moves the device in the frame after it \[m\].
 fn unit(beta: f64) -> f64 {
-    KICK / B * TE * beta.min(1.0)
+    KICK / B * FRAME_DT * beta.min(1.0)
 }
 
 /// The border and a device beside it.
@@ -99,7 +99,7 @@ fn border_grows(rate: &str, kt: f64, beta: f64) -> bool {
     tick(&scene, &mut s);
     let mut force = KICK;
     let step = || {
-        let x = device.step(&[force], TE)[0];
+        let x = device.step(&[force], FRAME_DT)[0];
         s.input[0] = x;
         (0..scene.ratio).for_each(|_| tick(&scene, &mut s));
         force = s.border[0].force;
@@ -115,7 +115,7 @@ fn loop_grows(rate: &str, delay: usize, kt: f64, beta: f64) -> bool {
     let mut rig = Rig::new(key(rate, kt), profile);
     let mut force = KICK;
     let step = || {
-        let x = device.step(&[force], TE)[0];
+        let x = device.step(&[force], FRAME_DT)[0];
         force = f64::from(rig.go(delay as u64, |f| f.pos[0] = x).force[0]);
         x.abs() / unit(beta)
     };

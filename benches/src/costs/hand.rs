@@ -12,14 +12,14 @@ use ca_haptic::guard::input::InputValidator;
 use ca_haptic::guard::{Chain, GuardFrame, Order, Stage};
 use ca_haptic::guard::{finite, gate, oscillation, passivity, saturation, slew, thermal, workspace};
 use ca_haptic::profile::Profile;
-use ca_haptic::serve::{Clock, Every, GatewayEnds, Live, Shared, rings};
+use ca_haptic::serve::{Clock, GatewayEnds, Live, RecordIntervals, Shared, rings};
 use std::fmt::Write as _;
 use std::hint::black_box;
 use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
 
 /// A gesture frame \[s\].
-const TE: f64 = 1.0 / 3000.0;
+const FRAME_DT: f64 = 1.0 / 3000.0;
 /// Degrees of freedom of the device.
 const KEYS: usize = 12;
 
@@ -53,7 +53,7 @@ fn profile() -> Profile {
     let mut p = Profile::shipped("tgr12").expect("shipped");
     p.continuous = Some(3.0);
     // forces on at once
-    (p.guard.clear_time, p.guard.ramp, p.guard.approach) = (TE, TE, TE);
+    (p.guard.clear_time, p.guard.ramp, p.guard.approach) = (FRAME_DT, FRAME_DT, FRAME_DT);
     p
 }
 
@@ -87,17 +87,17 @@ fn stage(name: &str) -> Box<dyn Stage> {
         s.map(|s| Box::new(s) as Box<dyn Stage>)
     }
     let p = profile();
-    let mut gate = gate::Gate::new(&p, TE);
+    let mut gate = gate::Gate::new(&p, FRAME_DT);
     gate.order(Order::Arm);
     let all = [
         boxed(Some(finite::Finite)),
         boxed(workspace::Workspace::new(&p)),
         boxed(Some(saturation::Saturation::new(&p))),
-        boxed(passivity::Passivity::new(&p, TE)),
-        boxed(oscillation::Oscillation::new(&p, TE)),
-        boxed(thermal::Thermal::new(&p, TE)),
+        boxed(passivity::Passivity::new(&p, FRAME_DT)),
+        boxed(oscillation::Oscillation::new(&p, FRAME_DT)),
+        boxed(thermal::Thermal::new(&p, FRAME_DT)),
         boxed(Some(gate)),
-        boxed(Some(slew::Slew::new(&p, TE))),
+        boxed(Some(slew::Slew::new(&p, FRAME_DT))),
     ];
     all.into_iter().flatten().find(|s| s.name() == name).unwrap_or_else(|| panic!("no stage `{name}`"))
 }
@@ -124,7 +124,7 @@ impl Frames {
 
 /// A hand as it is while forces are on.
 fn moving() -> GuardFrame {
-    let mut hand = GuardFrame::new(KEYS, TE);
+    let mut hand = GuardFrame::new(KEYS, FRAME_DT);
     (hand.fresh, hand.age, hand.calibrated, hand.met, hand.mode) = (true, 0, true, u32::MAX, Mode::On);
     hand.moved[..KEYS].fill(1e-5);
     hand.v[..KEYS].fill(0.03);
@@ -139,9 +139,9 @@ impl Rig {
             Rig::Frame => looked_at(None),
             Rig::Stage(name) => looked_at(Some(stage(name))),
             Rig::Silent => said(None),
-            Rig::InputValidator => said(Some(InputValidator::new(&profile(), TE))),
+            Rig::InputValidator => said(Some(InputValidator::new(&profile(), FRAME_DT))),
             Rig::Chain => {
-                let mut chain = Chain::new(&profile(), TE);
+                let mut chain = Chain::new(&profile(), FRAME_DT);
                 chain.order(Order::Arm);
                 let mut hand = moving();
                 Box::new(move |n| {
@@ -243,7 +243,7 @@ fn live() -> Player {
     let (engine, mut frames) = armed();
     let (ends, GatewayEnds { frames: mut said, forces: mut given }, mut desk) = rings(&engine.scene, 1, 0);
     let shared = Arc::new(Shared::default());
-    let mut live = Live::new(engine, ends, shared.clone(), Clock::Device { patience: 0 }, Every::default());
+    let mut live = Live::new(engine, ends, shared.clone(), Clock::Device { patience: 0 }, RecordIntervals::default());
     let mut player: Player = Box::new(move |n| {
         for _ in 0..n {
             assert!(said.push((0, frames.next())).is_ok(), "no room");

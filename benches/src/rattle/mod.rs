@@ -21,12 +21,12 @@ const BLOWN: f64 = 1e7;
 /// The model: contacts of stiffness kT²/m = `a` by `method`, velocities drawn with `seed`. Corners of different pyramids
 /// keep 4 mm apart.
 pub fn text(a: f64, method: &str, seed: u64) -> String {
-    let mut dice = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1;
+    let mut rng = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1;
     let mut roll = || {
-        dice ^= dice << 13;
-        dice ^= dice >> 7;
-        dice ^= dice << 17;
-        (dice >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+        rng ^= rng << 13;
+        rng ^= rng >> 7;
+        rng ^= rng << 17;
+        (rng >> 11) as f64 / (1u64 << 52) as f64 - 1.0
     };
     let unit = CORNER * RATE * RATE;
     let (k, contact) = (0.1 * unit, a * unit);
@@ -100,7 +100,7 @@ pub fn fares(a: f64, method: &str, seed: u64, seconds: f64) -> Fared {
     }
     if let Some(ledger) = s.ledger.as_ref() {
         f.residual = ledger.balance().residual.abs() / h0;
-        f.made = contacts.iter().map(|i| ledger.source[*i].abs()).fold(0.0, f64::max) / h0;
+        f.made = contacts.iter().map(|i| ledger.scheme_error[*i].abs()).fold(0.0, f64::max) / h0;
     }
     f
 }

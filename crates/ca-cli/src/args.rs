@@ -93,8 +93,8 @@ pub enum Command {
     Disarm(ArmArgs),
     /// Shows the state of a running `ca serve`
     ///
-    /// Says how many gesture frames and samples it has played, the mode and the cause of each device, what an armed one
-    /// waits for, and how much was lost; with `--json` also the live parameters.
+    /// Prints the gesture frames and sound samples played since the start, the mode of each device and why its forces are
+    /// off, what an armed device waits for, and the records lost; with `--json` also the live parameters in SI units.
     Status(StatusArgs),
     /// Ends a running `ca serve`
     ///

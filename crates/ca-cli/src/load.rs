@@ -10,7 +10,7 @@ use ca_model::diag::Severity;
 use std::path::Path;
 
 /// Refuses to write sound to a file that is not called `.wav`.
-pub fn is_bounded(path: &Path) -> Result<(), Failure> {
+pub fn check_wav_path(path: &Path) -> Result<(), Failure> {
     // a device such as /dev/null has no extension, and need not
     let plain = !path.exists() || path.is_file();
     if plain && !has_extension(path, "wav") {

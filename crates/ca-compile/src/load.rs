@@ -1,4 +1,4 @@
-//! From text to scene in one call, with one list of findings: what every face does first.
+//! From text to scene in one call, with one list of findings: what every front end does first.
 //!
 //! Decides that the compiler also looks at a model the reader found errors in, so that all errors of a file come in one
 //! run. What the compiler says then is believed only where the reader has not been: one mistake is one finding, and

@@ -28,7 +28,7 @@ pub(crate) struct ActiveContact {
     pub open: bool,
     /// change of ψ per change of penetration \[√(N/m)\]
     pub gamma: Real,
-    /// ψ before the tick \[√J\]; the energy held is ψ²/2
+    /// ψ before the tick \[√J\]; the energy stored is ψ²/2
     pub psi: Real,
     /// viscosity \[N per m/tick\]
     pub z: Real,

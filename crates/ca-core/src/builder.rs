@@ -8,7 +8,7 @@ use crate::cloud::Cloud;
 use crate::param::Param;
 pub use crate::problem::Problem;
 use crate::tuning::Scheme;
-use crate::wave::Asked;
+use crate::wave::WaveguideSpec;
 use alloc::string::String;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
@@ -169,7 +169,7 @@ pub struct Builder<'a> {
     /// their arrangement, `[n, 1]` in a row
     pub size: [u32; 2],
     /// the string of waves whose junctions the MATs are, if they are
-    pub line: Option<Asked>,
+    pub line: Option<WaveguideSpec>,
 }
 
 impl<'a> Builder<'a> {

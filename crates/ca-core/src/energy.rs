@@ -133,7 +133,7 @@ pub fn ledger(_op: &Op, layout: &Layout, s: &mut State) {
         return;
     }
     let before = l.h;
-    let (mut work, mut lost, mut source) = (0.0, 0.0, 0.0);
+    let (mut work, mut lost, mut scheme_error) = (0.0, 0.0, 0.0);
     let moved = |m: u32, d0: &[Real]| 0.5 * wide(s.d[m as usize] + d0[m as usize]);
     for (k, p) in layout.enx.iter().chain(&layout.tgr).enumerate() {
         let w = -l.port[k] * moved(p.mat, &l.d0);
@@ -159,8 +159,8 @@ pub fn ledger(_op: &Op, layout: &Layout, s: &mut State) {
     links(layout, s, &mut near, &mut l.room, &l.d0, |a, k, Entry { stored, heat, work }| {
         if !a.linear {
             let error = stored - l.stored[k] + work + heat;
-            l.source[k] += error;
-            source += error;
+            l.scheme_error[k] += error;
+            scheme_error += error;
         }
         l.stored[k] = stored;
         l.lost[k] += heat;
@@ -168,7 +168,7 @@ pub fn ledger(_op: &Op, layout: &Layout, s: &mut State) {
         h += stored;
     });
     l.h = h;
-    l.worst = l.worst.max((h - before - work + lost - source).abs());
+    l.worst = l.worst.max((h - before - work + lost - scheme_error).abs());
     l.heat += lost.abs();
     l.peak = l.peak.max(h.abs() + l.heat);
     s.near = near;

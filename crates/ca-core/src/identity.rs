@@ -91,7 +91,7 @@ impl Words {
             e0,
             rest,
             nodes,
-            proxies,
+            moving_points,
             modal,
             shares,
             tables,
@@ -117,7 +117,7 @@ impl Words {
         self.places(nodes.iter());
         self.numbers(shares.iter());
         self.places(weighed.iter());
-        self.debug(&(pair_sets, proxies, modal, tables));
+        self.debug(&(pair_sets, moving_points, modal, tables));
         self.debug(&(enx, enf, tgr, crossing, waves));
         self.debug(&(outputs, blockers, lowpass, implicit));
         let accounts = ledger.iter().flat_map(|l| &l.accounts);

@@ -99,7 +99,7 @@ pub enum CoordinateSource {
 
 /// A moving point: a MAT without mass that stands between nodes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Proxy {
+pub struct MovingPoint {
     /// its own place among the MATs
     pub mat: u32,
     /// first node in [`Layout::nodes`]
@@ -125,7 +125,7 @@ pub struct Modal {
 
 /// What an output hears.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Heard {
+pub enum Tap {
     /// displacement of a MAT from its rest position
     Position(u32),
     /// summed force on a MAT
@@ -140,7 +140,7 @@ pub struct Output {
     /// index into [`State::output`](crate::state::State)
     pub channel: u32,
     /// what it hears
-    pub heard: Heard,
+    pub tap: Tap,
 }
 
 /// How the position of a device comes in and its force goes out where a frame has several ticks.
@@ -190,9 +190,9 @@ pub struct Junction {
     pub memory: usize,
 }
 
-/// What a wave comes through at the end of its way.
+/// What a wave meets at the end of its way.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Through {
+pub enum Termination {
     /// nothing: on to the next junction
     Open,
     /// a rigid end
@@ -219,8 +219,8 @@ pub struct Delay {
     pub first: usize,
     /// its length: the ticks a wave takes, and three more where a loss follows
     pub len: usize,
-    /// what they come through
-    pub through: Through,
+    /// what they meet at its end
+    pub end: Termination,
 }
 
 /// The waveguides of a scene.
@@ -259,7 +259,7 @@ pub struct Account {
     pub mems: usize,
     /// true where the identity holds exactly, so that nothing can be made
     pub linear: bool,
-    /// energy held between two ticks
+    /// energy stored between two ticks
     pub stored: Stored,
     /// energy turned to heat in a tick
     pub lost: Lost,
@@ -315,7 +315,7 @@ pub struct LedgerPlan {
 }
 
 /// What runs between two samples.
-pub type Between = Arc<dyn Fn(&Layout, &mut State) + Send + Sync>;
+pub type SubstepFn = Arc<dyn Fn(&Layout, &mut State) + Send + Sync>;
 
 /// A sample of several ticks.
 #[derive(Clone)]
@@ -323,7 +323,7 @@ pub struct Substeps {
     /// ticks in a sample, R
     pub times: u32,
     /// one tick between two samples; a function, since what a pass is lies above what it reads
-    pub tick: Between,
+    pub tick: SubstepFn,
     /// indices into [`State::input`] that are given once a sample (any)
     pub inputs: Vec<u32>,
 }
@@ -369,7 +369,7 @@ pub struct Layout {
     /// nodes under moving points (any)
     pub nodes: Vec<u32>,
     /// moving points (any)
-    pub proxies: Vec<Proxy>,
+    pub moving_points: Vec<MovingPoint>,
     /// masses in groups that go by their modes (any)
     pub modal: Vec<Modal>,
     /// their shares in the modes (any)

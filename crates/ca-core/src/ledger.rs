@@ -3,7 +3,7 @@
 use crate::real::Real;
 use alloc::vec::Vec;
 
-/// The accounts \[J\]. `h = h0 + work − lost + source + changed + residual`.
+/// The accounts \[J\]. `h = h0 + work − lost + scheme_error + changed + residual`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Ledger {
     /// energy at load
@@ -19,7 +19,7 @@ pub struct Ledger {
     /// heat of each link (n_lia)
     pub lost: Vec<f64>,
     /// energy made (+) or taken (−) by the scheme in each link (n_lia); 0 for linear ones
-    pub source: Vec<f64>,
+    pub scheme_error: Vec<f64>,
     /// work received from each port: position ports, device ports, force ports
     pub work: Vec<f64>,
     /// what crossed each device port (tgr), counted by frames
@@ -77,7 +77,7 @@ pub struct Balance {
     /// heat \[J\]
     pub lost: f64,
     /// error of the scheme: what non-linear links gave that nothing gave them \[J\]
-    pub source: f64,
+    pub scheme_error: f64,
     /// received from ports \[J\]
     pub work: f64,
     /// received by changes \[J\]
@@ -94,7 +94,7 @@ impl Ledger {
     pub fn new(n_mat: usize, n_lia: usize, coefs: usize, ports: usize, tgr: usize) -> Ledger {
         Ledger {
             lost: alloc::vec![0.0; n_lia],
-            source: alloc::vec![0.0; n_lia],
+            scheme_error: alloc::vec![0.0; n_lia],
             stored: alloc::vec![0.0; n_lia],
             d0: alloc::vec![0.0; n_mat],
             port: alloc::vec![0.0; ports],
@@ -107,15 +107,16 @@ impl Ledger {
 
     /// The sums.
     pub fn balance(&self) -> Balance {
-        let (lost, source) = (self.lost_mats + self.lost.iter().sum::<f64>(), self.source.iter().sum::<f64>());
+        let (lost, scheme_error) =
+            (self.lost_mats + self.lost.iter().sum::<f64>(), self.scheme_error.iter().sum::<f64>());
         let work = self.work.iter().sum::<f64>();
-        let residual = self.h - self.h0 - work + lost - source - self.changed;
-        Balance { h0: self.h0, h: self.h, lost, source, work, changed: self.changed, residual, peak: self.peak }
+        let residual = self.h - self.h0 - work + lost - scheme_error - self.changed;
+        Balance { h0: self.h0, h: self.h, lost, scheme_error, work, changed: self.changed, residual, peak: self.peak }
     }
 
     /// The link that made the most energy, with its account; `None` where none made any.
     pub fn largest_error(&self) -> Option<(usize, f64)> {
-        let (i, s) = self.source.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1))?;
+        let (i, s) = self.scheme_error.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1))?;
         (*s > 0.0).then_some((i, *s))
     }
 }

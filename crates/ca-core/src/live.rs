@@ -115,7 +115,7 @@ pub struct LiveImplicit {
 
 impl LiveImplicit {
     /// Adds the factor to a patch that changes what it is made of; false where there is none.
-    fn follow(&mut self, coefs: &[u32], room: &mut Room, patch: &mut Patch) -> bool {
+    fn follow(&mut self, coefs: &[u32], room: &mut Scratch, patch: &mut Patch) -> bool {
         let mut changed = false;
         for (i, v) in &patch.set {
             let place = coefs.get(*i as usize).copied().unwrap_or(u32::MAX);
@@ -172,12 +172,12 @@ impl core::error::Error for Refused {}
 pub struct Controls {
     plan: LivePlan,
     tick_dt: f64,
-    room: Room,
+    room: Scratch,
 }
 
 /// What a change needs in passing; kept, so that a gesture that moves a parameter at every frame allocates nothing.
 #[derive(Clone, Default)]
-struct Room {
+struct Scratch {
     /// numbers of a generator
     slots: Vec<Option<f64>>,
     /// numbers of a module
@@ -195,7 +195,7 @@ struct Room {
 impl Controls {
     /// The parameters at their values at load; `tick_dt` is that of a tick \[s\].
     pub fn new(plan: &LivePlan, tick_dt: f64) -> Controls {
-        Controls { plan: plan.clone(), tick_dt, room: Room::default() }
+        Controls { plan: plan.clone(), tick_dt, room: Scratch::default() }
     }
 
     /// The parameters, with their present values.
@@ -228,7 +228,7 @@ impl Controls {
         if !(value >= param.min && value <= param.max) {
             return Err(Refused::Range(param.name.clone(), param.min, param.max));
         }
-        let Room { known, before, .. } = &mut self.room;
+        let Scratch { known, before, .. } = &mut self.room;
         before.clear();
         known.clear();
         known.extend(self.plan.implicit.iter().flat_map(|a| &a.known).map(|k| k.1));
@@ -270,7 +270,7 @@ impl Controls {
 
 impl LiveItem {
     /// Adds what its modules become to a patch.
-    fn patch(&self, tick_dt: f64, room: &mut Room, patch: &mut Patch) -> Result<(), Refused> {
+    fn patch(&self, tick_dt: f64, room: &mut Scratch, patch: &mut Patch) -> Result<(), Refused> {
         // numbers derived from the item's parameters: those of a generator, or the parameters themselves
         room.slots.clear();
         match self.generator {

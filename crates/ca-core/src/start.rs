@@ -37,11 +37,11 @@ pub fn start(layout: &Layout, forces: &[Op], order: Order, mut s: State) -> Stat
             }
         }
     };
-    for (k, p) in layout.proxies.iter().enumerate() {
+    for (k, p) in layout.moving_points.iter().enumerate() {
         s.cells[k] = pass::cell(layout, &s, p);
     }
     pass::sum(&Op::pass("modal ports", pass::sum, layout.modal.len()), layout, &mut s);
-    let project = Op::pass("points", pass::project, layout.proxies.len());
+    let project = Op::pass("points", pass::project, layout.moving_points.len());
     pass::project(&project, layout, &mut s);
     memory(&mut s);
     let counts = |op: &&Op| !exact && !matches!(op.name, "TGR out" | "ledger of the border" | "TGR mute" | "ENF");

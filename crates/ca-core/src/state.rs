@@ -100,7 +100,7 @@ pub struct State {
     pub last_input: Vec<f64>,
     /// what is heard (n_out); written by `writes`
     pub output: Vec<f64>,
-    /// moving points (proxies); written by `aim`
+    /// cells of the moving points (moving_points); written by `aim`
     pub cells: Vec<Cell>,
     /// which members of sets are near (pair sets); written by `forces`, and no part of what decides the future
     pub near: Vec<VerletList>,
@@ -162,7 +162,7 @@ impl State {
     }
 
     /// The value of a position input; one that is not finite is replaced by the last good one, and counted.
-    pub(crate) fn heard(&mut self, input: u32) -> f64 {
+    pub(crate) fn valid_input(&mut self, input: u32) -> f64 {
         let i = input as usize;
         let v = self.input[i];
         if v.is_finite() {

@@ -30,7 +30,7 @@ const STEPS: u32 = 40;
 
 /// A string as it was asked for, in SI.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Asked {
+pub struct WaveguideSpec {
     /// fundamental \[Hz\]
     pub f: f64,
     /// its time to decay by 60 dB \[s\]; infinite for none
@@ -45,7 +45,7 @@ pub struct Asked {
     pub m: Option<f64>,
 }
 
-impl Asked {
+impl WaveguideSpec {
     /// Mass of a junction \[kg\]: as written, or what its links `need`, and no less than a 16th of what the string has
     /// in a sample, so that what it rings with by itself, at half the sound rate, dies within a millisecond or so.
     pub fn mass(&self, need: f64, tick_dt: f64) -> f64 {
@@ -98,7 +98,7 @@ fn problem<T>(param: &'static str, title: impl Into<alloc::string::String>, help
 ///
 /// # Errors
 /// Where no delay line has this pitch and decay, with the parameter to change.
-pub fn tune(asked: &Asked, masses: &[f64], tick_dt: f64) -> Result<Tuned, Problem> {
+pub fn tune(asked: &WaveguideSpec, masses: &[f64], tick_dt: f64) -> Result<Tuned, Problem> {
     let dies = || problem("t60", "it dies out before it has swung once", "use a longer `t60`");
     if asked.f * asked.t60 < 0.25 {
         return dies();
@@ -159,7 +159,7 @@ pub fn tune(asked: &Asked, masses: &[f64], tick_dt: f64) -> Result<Tuned, Proble
 }
 
 /// Whole delays up to the last junction; the place of a junction is met to half a sample.
-fn places(asked: &Asked, tick_dt: f64) -> Result<Vec<usize>, Problem> {
+fn places(asked: &WaveguideSpec, tick_dt: f64) -> Result<Vec<usize>, Problem> {
     let whole = 1.0 / (asked.f * tick_dt);
     if whole > LONGEST {
         return problem(
@@ -195,12 +195,12 @@ fn places(asked: &Asked, tick_dt: f64) -> Result<Vec<usize>, Problem> {
 }
 
 /// Gain of a round trip that decays by 60 dB in `t60`.
-fn turn(asked: &Asked, t60: f64) -> f64 {
+fn turn(asked: &WaveguideSpec, t60: f64) -> f64 {
     libm::exp(-3.0 * LN_10 / (t60 * asked.f))
 }
 
 /// The taps of the near end: half of the loss between the two frequencies, no more than half of that at the first.
-fn near(asked: &Asked, tick_dt: f64) -> Option<Loss> {
+fn near(asked: &WaveguideSpec, tick_dt: f64) -> Option<Loss> {
     let [f, t60] = asked.high?;
     let [low, high] = [asked.f, f].map(|f| 1.0 - libm::cos(TAU * f * tick_dt));
     let g0 = turn(asked, asked.t60);
@@ -211,7 +211,7 @@ fn near(asked: &Asked, tick_dt: f64) -> Option<Loss> {
 
 /// The taps of the far end with gain `g0` at the pole, and such a gain at the second frequency that its decay is as
 /// asked for; or as near to that as no energy is made, with the decay time that is reached.
-fn far(asked: &Asked, near: Option<&Loss>, wave: Complex<f64>, g0: f64, tick_dt: f64) -> (Loss, Option<f64>) {
+fn far(asked: &WaveguideSpec, near: Option<&Loss>, wave: Complex<f64>, g0: f64, tick_dt: f64) -> (Loss, Option<f64>) {
     let Some([f, t60]) = asked.high else { return (Loss { a: g0, b: 0.0, c: 0.0 }, None) };
     let (low, high) = (wave.re, libm::cos(TAU * f * tick_dt));
     let before = near.map_or(1.0, |l| l.gain(Complex::from(high)).re);

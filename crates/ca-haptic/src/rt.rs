@@ -13,7 +13,7 @@ use std::fmt;
 
 /// What is asked for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Wish {
+pub struct RtRequest {
     /// priority of `SCHED_FIFO`, 1 to 99
     pub priority: Option<u8>,
     /// the core to stay on
@@ -169,7 +169,7 @@ pub use system::{ask, fine_sleep, now_ns};
 
 #[cfg(target_os = "linux")]
 mod system {
-    use super::{Granted, Wish};
+    use super::{Granted, RtRequest};
 
     /// `CLOCK_MONOTONIC` \[ns\]; no call into the kernel.
     pub fn now_ns() -> u64 {
@@ -199,10 +199,10 @@ mod system {
     }
 
     /// Asks for what the calling thread needs, and reads back what it has.
-    pub fn ask(wish: Wish) -> Granted {
+    pub fn ask(request: RtRequest) -> Granted {
         let mut refused = Vec::new();
         fine_sleep();
-        if wish.lock {
+        if request.lock {
             // pages mapped later are locked too only where that cannot make allocations fail
             let mut limit = libc::rlimit { rlim_cur: 0, rlim_max: 0 };
             // SAFETY: `limit` is a valid place for the result; the others take no pointers.
@@ -215,7 +215,7 @@ mod system {
                 refused.push(format!("memory lock ({}): raise `memlock` in limits.conf", error()));
             }
         }
-        if let Some(cpu) = wish.cpu {
+        if let Some(cpu) = request.cpu {
             // SAFETY: an empty set is all zeros; `CPU_SET` writes within it since `cpu` is checked.
             let failed = unsafe {
                 let mut set: libc::cpu_set_t = std::mem::zeroed();
@@ -228,7 +228,7 @@ mod system {
                 refused.push(format!("core {cpu} ({})", error()));
             }
         }
-        if let Some(priority) = wish.priority {
+        if let Some(priority) = request.priority {
             let p = libc::sched_param { sched_priority: i32::from(priority) };
             // SAFETY: `p` is valid.
             let failed = unsafe { libc::pthread_setschedparam(libc::pthread_self(), libc::SCHED_FIFO, &raw const p) };
@@ -237,7 +237,7 @@ mod system {
                 refused.push(format!("priority {priority} ({why}): raise `rtprio` in limits.conf"));
             }
         }
-        if let Some(nice) = wish.nice {
+        if let Some(nice) = request.nice {
             // SAFETY: takes no pointers; on Linux 0 is the calling thread, not the process.
             if unsafe { libc::setpriority(libc::PRIO_PROCESS, 0, i32::from(nice)) } != 0 {
                 refused.push(format!("nice {nice} ({}): lower `nice` in limits.conf", error()));
@@ -277,7 +277,7 @@ mod system {
 
 #[cfg(not(target_os = "linux"))]
 mod system {
-    use super::{Granted, Wish};
+    use super::{Granted, RtRequest};
     use std::sync::OnceLock;
     use std::time::{Duration, Instant};
 
@@ -296,8 +296,8 @@ mod system {
     pub fn fine_sleep() {}
 
     /// Grants nothing.
-    pub fn ask(wish: Wish) -> Granted {
-        let asked = wish.lock || wish.cpu.is_some() || wish.priority.is_some() || wish.nice.is_some();
+    pub fn ask(request: RtRequest) -> Granted {
+        let asked = request.lock || request.cpu.is_some() || request.priority.is_some() || request.nice.is_some();
         let refused = if asked { vec!["real time is asked for on Linux only".into()] } else { Vec::new() };
         Granted { policy: "OTHER".into(), refused, ..Granted::default() }
     }
@@ -368,14 +368,14 @@ mod tests {
     #[test]
     fn what_is_granted_is_read_back() {
         std::thread::spawn(|| {
-            let cpu = ask(Wish::default()).cpus.first().copied();
-            let g = ask(Wish { priority: Some(1), cpu, ..Wish::default() });
+            let cpu = ask(RtRequest::default()).cpus.first().copied();
+            let g = ask(RtRequest { priority: Some(1), cpu, ..RtRequest::default() });
             assert_eq!(g.policy == "FIFO", g.refused.iter().all(|r| !r.starts_with("priority")), "{g}");
             assert_eq!(g.cpus.len(), 1, "{g}");
             // everybody may have less
-            let g = ask(Wish { nice: Some(7), ..Wish::default() });
+            let g = ask(RtRequest { nice: Some(7), ..RtRequest::default() });
             assert!(g.nice == 7 && g.refused.is_empty() && g.to_string().contains("nice 7"), "{g}");
-            let none = ask(Wish { cpu: Some(100_000), ..Wish::default() });
+            let none = ask(RtRequest { cpu: Some(100_000), ..RtRequest::default() });
             assert_eq!(none.refused.len(), 1, "{none}");
             assert!(none.to_string().contains("not granted: core 100000"), "{none}");
         })

@@ -19,7 +19,7 @@ use std::fmt::Write as _;
 use std::sync::Arc;
 
 /// Seconds a gesture frame.
-const TE: f64 = 1.0 / 3000.0;
+const FRAME_DT: f64 = 1.0 / 3000.0;
 
 fn scene(text: &str) -> Arc<Scene> {
     let catalog = ca_model::catalog();
@@ -161,14 +161,14 @@ fn play(case: &Case, seconds: f64) -> Seen {
     real.range = [low - middle, high - middle];
     let mut device = Device::new(&real, Hand::NONE, Script::Push { force: 0.0 }, 0, 5);
     let mut rig = Rig::new(&scene, "key", p.clone());
-    let mut dice = Random(77);
+    let mut rng = Random(77);
     let (mut x, mut measured) = ([middle; 3], [middle; 3]);
     let (mut at, mut mode) = ([middle; 3], Mode::Off);
     // forces by the number of their frame, sent and injected
     let mut sent = vec![[[0.0; 3]; 2]];
     let (mut begun, mut seen) = (None, Seen { rms: 0.0, most: 0.0, paid: 0.0, flags: 0, share });
     let mut work = 0.0f64;
-    let frames = (seconds / TE) as u64;
+    let frames = (seconds / FRAME_DT) as u64;
     for frame in 0..(frames + 9000) {
         let now = begun.map_or(0, |b| frame - b);
         if now >= frames {
@@ -179,7 +179,7 @@ fn play(case: &Case, seconds: f64) -> Seen {
         let ack = (sent.len() as u64 - 1).saturating_sub((case.delay - 1) * every);
         if comes {
             let held = sent[ack as usize];
-            let t = now as f64 * TE;
+            let t = now as f64 * FRAME_DT;
             if case.motion == Move::Lean {
                 if begun.is_some() {
                     let force = held[0];
@@ -187,7 +187,7 @@ fn play(case: &Case, seconds: f64) -> Seen {
                     if now == 0 {
                         all = [0.0; 3];
                     }
-                    device.step(&all[..n], every as f64 * TE);
+                    device.step(&all[..n], every as f64 * FRAME_DT);
                 }
                 for (k, x) in x.iter_mut().enumerate().take(n) {
                     *x = device.truth(k)[0] + middle;
@@ -200,7 +200,7 @@ fn play(case: &Case, seconds: f64) -> Seen {
                     - match case.motion {
                         Move::Tremble => {
                             0.5e-3 * begin
-                                + 20e-6 * dice.even() * if (frame / every).is_multiple_of(2) { 1.0 } else { -1.0 }
+                                + 20e-6 * rng.even() * if (frame / every).is_multiple_of(2) { 1.0 } else { -1.0 }
                         }
                         Move::Release => {
                             let phase = t.fract();
@@ -215,7 +215,7 @@ fn play(case: &Case, seconds: f64) -> Seen {
                     work += held[1][k] * (x[k] - at[k]);
                 }
                 at[k] = x[k];
-                let noisy = x[k] - middle + case.noise * dice.normal();
+                let noisy = x[k] - middle + case.noise * rng.normal();
                 measured[k] = middle + if case.step > 0.0 { (noisy / case.step).round() * case.step } else { noisy };
             }
             seen.paid = seen.paid.max(work);
@@ -285,7 +285,7 @@ fn e02(passivity: bool) -> Profile {
     (p.body.step, p.body.noise) = (0.0, 0.0);
     let l = &mut p.guard;
     (l.speed, l.slew, l.edge, l.passivity, l.oscillation) = (1e4, Some(1e15), 0.0, passivity, false);
-    (l.clear_time, l.ramp) = (TE, TE);
+    (l.clear_time, l.ramp) = (FRAME_DT, FRAME_DT);
     p
 }
 
@@ -308,7 +308,7 @@ impl Loop {
     /// A frame in which somebody pushes with `push` newtons: where the device is \[m\], and what is sent.
     fn step(&mut self, push: f64) -> (f64, ForceFrame) {
         let ack = self.sent.len() - self.delay;
-        self.device.step(&[self.sent[ack] + push], TE);
+        self.device.step(&[self.sent[ack] + push], FRAME_DT);
         let f = self.rig.go(Some(&[self.device.measured()[0]]), ack as u64);
         self.sent.push(f64::from(f.force[0]));
         (self.device.truth(0)[0], f)
@@ -389,7 +389,7 @@ fn h13_a_growing_oscillation_of_400_hz_ends_within_a_fifth_of_a_second() {
         let most = |v: &[f64]| v.iter().fold(0.0, |m: f64, f| m.max(f.abs()));
         assert!(most(&force[begun..begun + 150]) > 9.9, "up to the largest force");
         let turns = force[begun..begun + 150].windows(2).filter(|w| w[0] * w[1] < 0.0).count();
-        let hertz = turns as f64 / (2.0 * 150.0 * TE);
+        let hertz = turns as f64 / (2.0 * 150.0 * FRAME_DT);
         assert!((hertz - 400.0).abs() < 60.0, "{hertz} Hz");
         let after = begun + 600;
         let (f, x) = (most(&force[after..after + 600]), most(&moved[after..after + 600]));
@@ -402,7 +402,7 @@ fn h12_twelve_keys_under_noise_are_left_alone() {
     let text = include_str!("../../../models/hammer_piano.ca.toml");
     let scene = scene(text);
     let p = Profile::shipped("tgr12").expect("shipped");
-    // one finger leans on its key, inside the bed; eleven are not touched
+    // one finger presses its key, inside the bed; eleven are not touched
     let track = |k: usize| {
         let to = if k == 0 { -0.2e-3 } else { -8e-3 };
         Track::points(format!("key {k}"), vec![(0.0, -8e-3), (1.5, -8e-3), (1.7, to)]).expect("a track")
@@ -414,7 +414,7 @@ fn h12_twelve_keys_under_noise_are_left_alone() {
     let (mut sum, mut felt, mut worst, mut on) = ([0.0; 12], [0.0f64; 12], [0.0f64; 12], 0);
     for _ in 0..21_000 {
         let ack = sent.len().saturating_sub(2);
-        let x: [f64; 12] = device.step(&sent[ack], TE).try_into().expect("twelve keys");
+        let x: [f64; 12] = device.step(&sent[ack], FRAME_DT).try_into().expect("twelve keys");
         let f = rig.go(Some(&x), ack as u64);
         sent.push(core::array::from_fn(|k| f64::from(f.force[k])));
         if Mode::read(f.mode) == Mode::On && device.time() > 2.0 {

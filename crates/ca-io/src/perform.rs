@@ -210,12 +210,13 @@ impl<'a> Performance<'a> {
             return (cert.worst.clone(), why);
         }
         if let Some(scene) = audited {
-            if let Ok(mut twin) = Performance::new(scene, gesture) {
+            if let Ok(mut audited) = Performance::new(scene, gesture) {
                 // up to the first tick out of range: what is entered after that says nothing of the cause
-                while twin.state.is_bounded(DIVERGED) && twin.state.tick < self.state.tick + 64 {
-                    twin.tick();
+                while audited.state.is_bounded(DIVERGED) && audited.state.tick < self.state.tick + 64 {
+                    audited.tick();
                 }
-                if let Some((link, made)) = twin.state.ledger.as_ref().and_then(ca_core::energy::Ledger::largest_error)
+                if let Some((link, made)) =
+                    audited.state.ledger.as_ref().and_then(ca_core::energy::Ledger::largest_error)
                 {
                     if let Some(name) = scene.audited_name(link) {
                         return (name.into(), format!("it made {made:.3e} J"));

@@ -1,7 +1,7 @@
 //! What the command and Python both do with a model: find it, play it, measure it, sweep it.
 //!
-//! Decides that the faces share more than the engine: which word means which model, how long it is played, when it has
-//! diverged and what every method makes of it. A face adds how it is asked and how it tells.
+//! Decides that the front ends share more than the engine: which word means which model, how long it is played, when it has
+//! diverged and what every method makes of it. A front end adds its arguments and its output.
 #![forbid(unsafe_code)]
 
 pub mod accuracy;

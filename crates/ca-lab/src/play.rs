@@ -21,7 +21,7 @@ pub struct Played<'a> {
     /// time spent
     pub wall: Duration,
     /// the tick at which it was found to have diverged
-    pub broke: Option<u64>,
+    pub diverged_at: Option<u64>,
     /// the ledger at the end, or before anything left its range
     pub energy: Option<Ledger>,
     /// ticks in the ledger
@@ -55,14 +55,14 @@ pub fn play<'a, E>(mut p: Performance<'a>, frames: u64, block: u64, heard: &mut 
     let wall = begin.elapsed();
     // what diverged between two looks at the state is found here at the latest
     p.diverged |= !p.state.is_bounded(DIVERGED);
-    let broke = p.diverged.then_some(p.state.tick);
+    let diverged_at = p.diverged.then_some(p.state.tick);
     let (energy, energy_ticks) = match last_good {
         Some((ledger, tick)) => (Some(ledger), tick),
         None => (p.state.ledger.clone(), p.state.tick),
     };
     // a tick is entered when the next one begins
     let energy_ticks = energy_ticks.saturating_sub(1);
-    Ok(Played { performance: p, wall, broke, energy, energy_ticks })
+    Ok(Played { performance: p, wall, diverged_at, energy, energy_ticks })
 }
 
 /// Where a ledger is kept and the positions have just left every range: the ledger as it was.
@@ -90,7 +90,7 @@ impl Divergence {
     /// What is to blame, where `played` diverged; `audited` is its scene, with the ledger kept if there is one,
     /// `findings` those of the compiler.
     pub fn of(played: &Played, audited: &Scene, findings: &Diags, gesture: Option<&Gesture>) -> Option<Divergence> {
-        let time = played.broke? as f64 * audited.sample_dt;
+        let time = played.diverged_at? as f64 * audited.sample_dt;
         let (module, why) = played.performance.blame(Some(audited), gesture);
         Some(Divergence { time, fix: fix(findings, &module), module, why })
     }

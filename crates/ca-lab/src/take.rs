@@ -29,7 +29,7 @@ const VIEWS: f64 = 60.0;
 
 /// How it is played.
 #[derive(Clone, Debug, Default)]
-pub struct Ask {
+pub struct RecordOptions {
     /// how long \[s\]; without, as of any play
     pub seconds: Option<f64>,
     /// sound rate \[Hz\]; that of the model if none
@@ -59,7 +59,7 @@ struct Stage<'a> {
 pub fn record(
     loaded: &Loaded,
     gesture: Option<&Gesture>,
-    ask: &Ask,
+    ask: &RecordOptions,
     path: &Path,
     goes_on: &mut dyn FnMut(u64, u64) -> bool,
 ) -> Result<Finished, Failure> {

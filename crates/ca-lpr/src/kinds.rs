@@ -21,7 +21,7 @@ pub const KINDS: &[&Kind] = &{
 };
 
 // To give a law of the core its LPR: one line here, `file: Phi;`. Those below have pages of their own.
-twins! {
+quadripoles! {
     pow: Pow;
 }
 

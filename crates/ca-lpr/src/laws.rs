@@ -1,8 +1,9 @@
 //! The laws of the core with the kernels of quadripoles: law list × op.
 //!
 //! Decides that a record is that of the core, bounds, energy, table and all, with another kernel, so that no law is
-//! written twice. Here are those of `kind!`; the others are made by [`crate::twins`]. Where the core knows a cheaper law for some parameters, its twin here takes the place; one that had
-//! no twin would not be taken, and the general law would run.
+//! written twice. Here are those of `kind!`; the others are made by [`crate::quadripoles`]. Where the core knows
+//! a cheaper law for some parameters, its quadripole here takes the place; one that had no quadripole would not be
+//! taken, and the general law would run.
 
 use crate::op::kernel;
 use ca_core::op::law::Law;
@@ -15,7 +16,7 @@ macro_rules! laws {
             pub static $name: Law = Law {
                 code: $code,
                 kernel: kernel::<$phi, _, _>,
-                simpler: |p| twin(($of.simpler)(p)?),
+                simpler: |p| quadripole(($of.simpler)(p)?),
                 ..$of
             };
         )*
@@ -43,6 +44,6 @@ laws! {
 }
 
 /// The law of this crate that is the form of `law`.
-pub fn twin(law: &'static Law) -> Option<&'static Law> {
+pub fn quadripole(law: &'static Law) -> Option<&'static Law> {
     QUADRIPOLES.iter().find(|(of, _)| core::ptr::eq(*of, law)).map(|(_, own)| *own)
 }

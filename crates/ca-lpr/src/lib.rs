@@ -31,7 +31,7 @@
 #![forbid(unsafe_code)]
 
 #[macro_use]
-mod twins;
+mod quadripoles;
 mod kinds;
 mod laws;
 pub mod op;

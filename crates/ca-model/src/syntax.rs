@@ -1,7 +1,7 @@
 //! Where the text is not TOML: say so, mend the usual slips, go on.
 //!
 //! Decides that a missing `"`, `}`, `]` is mended before the parser sees the text. Inline tables may run over lines
-//! since TOML 1.1, so to the parser one missing `}` swallows the whole rest of the file, and every link to a module
+//! since TOML 1.1, so to the parser one missing `}` takes in the whole rest of the file, and every link to a module
 //! below would then be "unknown". A model has one module a line: a new `name =` or `[SECTION]` after a line that does
 //! not end in a comma tells where the table should have ended. What was inserted is taken out of the spans again, so
 //! reports point into the text as written. What is TOML passes unchanged.
@@ -37,13 +37,13 @@ pub(super) struct Source<'s> {
 impl<'s> Source<'s> {
     /// The text itself where brackets and quotes pair, else a mended copy; what was mended is reported.
     pub(super) fn mend(text: &'s str, catalog: &Catalog, diags: &mut Diags) -> Source<'s> {
-        let mut mender =
+        let mut brackets =
             Brackets { text, catalog, at: 0, open: Vec::new(), edits: Vec::new(), solid: 0, cutter: Cutter::default() };
         let plain = |text, cuts| Source { text: Cow::Borrowed(text), inserted: Vec::new(), pieces: Vec::new(), cuts };
-        if !mender.run(diags) || diags.is_full() {
+        if !brackets.run(diags) || diags.is_full() {
             return plain("", Vec::new());
         }
-        let (mut edits, mut cuts) = (mender.edits, mender.cutter.cuts);
+        let (mut edits, mut cuts) = (brackets.edits, brackets.cutter.cuts);
         if edits.is_empty() {
             return plain(text, cuts);
         }

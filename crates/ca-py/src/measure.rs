@@ -6,7 +6,7 @@ use ca_compile::Options;
 use ca_compile::analysis::modes;
 use ca_core::energy::Ledger;
 use ca_core::kind::Type;
-use ca_lab::accuracy::{self, Ask};
+use ca_lab::accuracy::{self, AccuracyOptions};
 use ca_lab::load::Loaded;
 use ca_lab::{Failure, Found, catalog};
 use ca_model::quantity::{Quantity, QuantityError, parse};
@@ -70,7 +70,7 @@ pub fn modes<'py>(py: Python<'py>, loaded: &Loaded, rate: Option<f64>) -> PyResu
 }
 
 /// What is asked of a measurement of accuracy.
-pub struct Asked {
+pub struct AccuracyArgs {
     /// sound rate \[Hz\]
     pub rate: Option<f64>,
     /// how long \[s\]
@@ -87,7 +87,7 @@ pub struct Asked {
 pub fn accuracy<'py>(
     py: Python<'py>,
     loaded: &Loaded,
-    asked: &Asked,
+    asked: &AccuracyArgs,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let probes = if asked.probes.is_empty() { accuracy::heard(&loaded.model) } else { asked.probes.clone() };
@@ -96,7 +96,7 @@ pub fn accuracy<'py>(
     }
     let mut wait = Wait::new(progress);
     let found = py.detach(|| {
-        let mut ask = Ask {
+        let mut ask = AccuracyOptions {
             rate: asked.rate,
             probes: &probes,
             seconds: asked.seconds,
@@ -158,7 +158,7 @@ pub fn energy<'py>(
         ("stored", b.h),
         ("kinetic", ledger.kinetic),
         ("lost", b.lost),
-        ("made", b.source),
+        ("made", b.scheme_error),
         ("work", b.work),
         ("changed", b.changed),
         ("residual", b.residual),
@@ -172,7 +172,7 @@ pub fn energy<'py>(
         all.iter().enumerate().filter(|(_, v)| **v != 0.0).map(|(l, v)| (name(l), *v)).collect()
     };
     d.set_item("lost_by", by_link(&ledger.lost))?;
-    d.set_item("made_by", by_link(&ledger.source))?;
+    d.set_item("made_by", by_link(&ledger.scheme_error))?;
     let ports = scene.enx.iter().chain(&scene.tgr).map(|p| p.input).chain(scene.enf.iter().map(|p| p.input));
     let work: Vec<(String, f64)> =
         ports.zip(&ledger.work).map(|(i, w)| (scene.inputs[i as usize].name.clone(), *w)).collect();

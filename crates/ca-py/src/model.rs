@@ -321,7 +321,7 @@ impl Model {
         forces: bool,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<()> {
-        let ask = take::Ask { seconds, rate, energy, forces };
+        let ask = take::RecordOptions { seconds, rate, energy, forces };
         let (loaded, gesture) = (self.whole(), gesture.map(|g| &g.gesture));
         let mut wait = Wait::new(progress);
         let done = py.detach(|| take::record(&loaded, gesture, &ask, &path, &mut |done, of| wait.goes_on(done, of)));
@@ -348,7 +348,7 @@ impl Model {
         reference: u32,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let asked = measure::Asked { rate, seconds, probes, times, reference };
+        let asked = measure::AccuracyArgs { rate, seconds, probes, times, reference };
         measure::accuracy(py, &self.whole(), &asked, progress)
     }
 }

@@ -150,11 +150,11 @@ impl Scene {
             (Some(e), _) => return Err(e),
             (None, played) => played.map_err(|e| failure(py, e))?,
         };
-        let broke = py.detach(|| {
-            played.broke?;
+        let divergence = py.detach(|| {
+            played.diverged_at?;
             let options = Options { energy: true, probes: Vec::new(), ..self.options.clone() };
-            let twin = load::compiled(&self.loaded, &options).0;
-            Divergence::of(&played, twin.as_ref().unwrap_or(scene), &self.found, gesture)
+            let audited = load::compiled(&self.loaded, &options).0;
+            Divergence::of(&played, audited.as_ref().unwrap_or(scene), &self.found, gesture)
         });
         let d = PyDict::new(py);
         d.set_item("audio", table(py, heard.audio, frames as usize, channels)?)?;
@@ -168,7 +168,7 @@ impl Scene {
         d.set_item("non_finite", heard.level.non_finite)?;
         d.set_item("refused", played.performance.state.refused)?;
         d.set_item("run_time", played.wall.as_secs_f64())?;
-        d.set_item("broke", broke.map(|b| (b.time, b.module.clone(), b.to_string())))?;
+        d.set_item("broke", divergence.map(|b| (b.time, b.module.clone(), b.to_string())))?;
         if let Some(ledger) = &played.energy {
             d.set_item("energy", energy(py, scene, ledger, played.energy_ticks)?)?;
         }

@@ -7,7 +7,7 @@ use crate::model::{Given, Model};
 use crate::wait::Wait;
 use ca_lab::Failure;
 use ca_lab::sweep::folder::{self, Folder};
-use ca_lab::sweep::{self, Ask, Audio, Axis, Column};
+use ca_lab::sweep::{self, Audio, Axis, Column, SweepSpec};
 use numpy::{IntoPyArray as _, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -59,7 +59,7 @@ impl Sweep {
     ) -> PyResult<Sweep> {
         let axes = vary.into_iter().map(|(name, space)| space.axis(&name)).collect::<Result<Vec<_>, _>>();
         let made = axes.and_then(|axes| {
-            let ask = Ask { axes, runs, seed, seconds, rate, energy, measure };
+            let ask = SweepSpec { axes, runs, seed, seconds, rate, energy, measure };
             sweep::Sweep::new(model.whole(), ask, gesture.map(|g| g.gesture.clone()))
         });
         Ok(Sweep { sweep: made.map_err(|e| failure(py, e))?, stop: AtomicBool::new(false) })

@@ -149,7 +149,7 @@ mod tests {
                 let s = Spectrum::of(&sine(seconds, f, level)).unwrap();
                 let bin = (0..s.power[0].len()).max_by(|a, b| s.power[0][*a].total_cmp(&s.power[0][*b])).unwrap();
                 let off = bin as f64 * s.step - f;
-                // the neighbour at negative frequency leans on a low sine in a short window
+                // the neighbour at negative frequency biases a low sine in a short window
                 let wide = if seconds * f < 20.0 { 2.0 } else { 0.51 };
                 assert!(off.abs() <= wide * s.step, "{f} Hz in {seconds} s stands {off} Hz away, bins {}", s.step);
                 let (is, want) = (decibel(s.power[0][bin]), 20.0 * level.log10());

@@ -42,12 +42,12 @@ fn held_by(border: &str, sound: u32, gesture: u32, link: &str) -> Scene {
 
 /// The hand of E01, still at the end so that the last frame is whole.
 fn hand(frames: usize, rate: f64) -> Vec<f64> {
-    let mut dice = Random(43);
+    let mut rng = Random(43);
     let mut walk = 0.0;
     let mut x: Vec<f64> = (0..frames)
         .map(|n| {
             let t = n as f64 / rate;
-            walk += 1e-5 * dice.roll();
+            walk += 1e-5 * rng.uniform();
             3e-3 * (TURN * 7.0 * t).sin() + 1e-3 * (TURN * 43.0 * t + 1.0).sin() + walk
         })
         .collect();

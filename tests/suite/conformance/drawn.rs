@@ -55,8 +55,8 @@ fn by(way: &str, args: &mut Vec<Entry>) {
 }
 
 /// A value for a parameter of a link, as it would be written, of the size it has in an instrument.
-pub fn written(unit: Unit, (min, max): (f64, f64), dice: &mut Random) -> f64 {
-    let u = 0.5 * (dice.roll() + 1.0);
+pub fn written(unit: Unit, (min, max): (f64, f64), rng: &mut Random) -> f64 {
+    let u = 0.5 * (rng.uniform() + 1.0);
     let size = |lo: i32, hi: i32| 10f64.powf(f64::from(lo) + u * f64::from(hi - lo));
     let v = match unit.symbol {
         "N/m" => size(0, 4),
@@ -70,10 +70,10 @@ pub fn written(unit: Unit, (min, max): (f64, f64), dice: &mut Random) -> f64 {
 }
 
 /// Parameters of a link, drawn within their ranges; tables rise, so that they resist.
-pub fn args(kind: &Kind, dice: &mut Random) -> Vec<Entry> {
+pub fn args(kind: &Kind, rng: &mut Random) -> Vec<Entry> {
     let mut out = Vec::new();
     let chosen = |set: &'static [&'static [&'static str]], roll: f64| set[usize::from(roll > 0.0) % set.len()];
-    let sets: Vec<_> = kind.one_of.iter().map(|o| (o.sets, chosen(o.sets, dice.roll()))).collect();
+    let sets: Vec<_> = kind.one_of.iter().map(|o| (o.sets, chosen(o.sets, rng.uniform()))).collect();
     for p in kind.params {
         let mentioned = sets.iter().find(|(all, _)| all.iter().any(|s| s.contains(&p.name)));
         if mentioned.is_some_and(|(_, set)| !set.contains(&p.name)) {
@@ -88,25 +88,25 @@ pub fn args(kind: &Kind, dice: &mut Random) -> Vec<Entry> {
         let only = table(&p.ty)
             && kind.params.iter().rfind(|q| table(&q.ty)).is_some_and(|q| q.name == p.name)
             && !out.iter().any(|e: &Entry| matches!(e.value, Value::List(_)));
-        if mentioned.is_none() && p.need == Need::Optional && p.name != "l0" && !only && dice.roll() > 0.6 {
+        if mentioned.is_none() && p.need == Need::Optional && p.name != "l0" && !only && rng.uniform() > 0.6 {
             continue;
         }
         let value: Value = match p.ty {
-            Type::Number { .. } if p.name == "p" => (0.25 * (4.0 + (4.0 * (dice.roll() + 1.0)).floor())).into(),
+            Type::Number { .. } if p.name == "p" => (0.25 * (4.0 + (4.0 * (rng.uniform() + 1.0)).floor())).into(),
             // a rest length would only move the elongation, which is drawn anyway
             Type::Number { .. } if p.name == "l0" => 0.0.into(),
-            Type::Number { unit, min, max } => written(unit, (min, max), dice).into(),
-            Type::PowerStiffness { .. } => written(Unit::STIFFNESS, (0.0, f64::MAX), dice).into(),
+            Type::Number { unit, min, max } => written(unit, (min, max), rng).into(),
+            Type::PowerStiffness { .. } => written(Unit::STIFFNESS, (0.0, f64::MAX), rng).into(),
             Type::Choice(words) if p.name == "curve" => {
                 // the curve follows the set that was chosen
                 let table = sets.iter().any(|(_, s)| s.contains(&"points"));
-                let i = ((dice.roll() + 1.0) * 1.5) as usize;
+                let i = ((rng.uniform() + 1.0) * 1.5) as usize;
                 words[if table { words.len() - 1 } else { i.min(words.len() - 2) }].into()
             }
-            Type::Choice(words) => words[usize::from(dice.roll() > 0.0) % words.len()].into(),
-            Type::Flag => (dice.roll() > 0.0).into(),
+            Type::Choice(words) => words[usize::from(rng.uniform() > 0.0) % words.len()].into(),
+            Type::Flag => (rng.uniform() > 0.0).into(),
             Type::Points { .. } => {
-                let (x, y) = (1e-3 * (2.0 + dice.roll()), 2.0 + dice.roll());
+                let (x, y) = (1e-3 * (2.0 + rng.uniform()), 2.0 + rng.uniform());
                 let row = |a: f64, b: f64| Value::from(vec![a, b]);
                 vec![row(-2.0 * x, -3.0 * y), row(-x, -y), row(0.0, 0.0), row(1.5 * x, 0.5 * y), row(4.0 * x, 2.0 * y)]
                     .into()
@@ -135,9 +135,9 @@ pub fn held(kind: &Kind, m: &mut Model, args: &mut Vec<Entry>) {
 }
 
 /// `low` and `high` joined by one link of this kind.
-pub fn pair(kind: &Kind, way: &str, dice: &mut Random) -> Model {
+pub fn pair(kind: &Kind, way: &str, rng: &mut Random) -> Model {
     let mut m = model("[MAS]\nlow = { m = 1 }\nhigh = { m = 2 }\n[SOX]\nout = { from = \"low\" }\n");
-    let mut list = args(kind, dice);
+    let mut list = args(kind, rng);
     by(way, &mut list);
     held(kind, &mut m, &mut list);
     list.push(Entry::new("between", Value::from(vec!["low", "high"])));
@@ -159,8 +159,8 @@ pub struct Loaded {
 }
 
 impl Loaded {
-    pub fn new(kind: &Kind, dice: &mut Random) -> Loaded {
-        let m = pair(kind, "ca", dice);
+    pub fn new(kind: &Kind, rng: &mut Random) -> Loaded {
+        let m = pair(kind, "ca", rng);
         let mut l = Loaded::first(&built(&m, &Options::default()));
         l.named = ca_model::write::write(&m);
         l
@@ -203,19 +203,19 @@ pub const MASSES: u32 = 12;
 
 /// A row of masses joined by one law each, long enough for a run, and a link across, so that batches hold a run and a
 /// loose link.
-pub fn row(kind: &Kind, way: &str, apart: bool, dice: &mut Random) -> Model {
+pub fn row(kind: &Kind, way: &str, apart: bool, rng: &mut Random) -> Model {
     let mut m = model("[SOX]\nout = { from = \"m3\" }\n");
     for i in 0..MASSES {
         let x = if apart { 1e-4 * f64::from(i) } else { 0.0 };
         let own = [
             Entry::new("m", 0.5 + 0.1 * f64::from(i)),
             Entry::new("x", x),
-            Entry::new("dx0", 1e-3 * dice.roll()),
-            Entry::new("v", 0.1 * dice.roll()),
+            Entry::new("dx0", 1e-3 * rng.uniform()),
+            Entry::new("v", 0.1 * rng.uniform()),
         ];
         m.add("MAS", &format!("m{i}"), own);
     }
-    let mut list = args(kind, dice);
+    let mut list = args(kind, rng);
     by(way, &mut list);
     held(kind, &mut m, &mut list);
     for (k, (a, b)) in (1..MASSES).map(|i| (i - 1, i)).chain([(0, 3)]).enumerate() {

@@ -79,11 +79,11 @@ impl Phi<9, 2> for Felt {
     fn idle(&[_, _, _, _, _, _, d, side, _]: &[Real; 9]) -> (Real, Real) {
         if side > 0.0 { (d, Real::INFINITY) } else { (Real::NEG_INFINITY, d) }
     }
-    fn coefs(p: &[Option<f64>], te: f64) -> [f64; 9] {
+    fn coefs(p: &[Option<f64>], tick_dt: f64) -> [f64; 9] {
         let at = |i: usize| p[i].unwrap_or(0.0);
         let side = if p[8] == Some(1.0) { -1.0 } else { 1.0 };
         let clip = if p[9] == Some(0.0) { 1.0 } else { 0.0 };
-        [at(1), at(2), at(3), at(4), at(5) / te, at(6) / te, at(7), side, clip]
+        [at(1), at(2), at(3), at(4), at(5) / tick_dt, at(6) / tick_dt, at(7), side, clip]
     }
     fn start(c: &[Real; 9], e: Real) -> [Real; 2] {
         [depth(c, e), 0.0]

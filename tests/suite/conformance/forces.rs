@@ -29,7 +29,7 @@ proptest! {
 
     /// What the ends do at a link along a way is held by it or turned to heat, up to the step of the force in one step.
     #[test]
-    fn work_is_held_or_heat(seed in 1u64.., from in -1e-3..1e-3f64, way in -2e-3..2e-3f64) {
+    fn work_is_stored_or_heat(seed in 1u64.., from in -1e-3..1e-3f64, way in -2e-3..2e-3f64) {
         for (kind, _) in laws() {
             let mut l = Loaded::new(kind, &mut Random(seed));
             let n = 20_000;
@@ -142,7 +142,7 @@ proptest! {
                 let ledger = s.ledger.as_ref().expect("a ledger");
                 prop_assert!(ledger.lost.iter().all(|l| *l >= 0.0), "{}", kind.code);
                 if n > 0 && resists {
-                    prop_assert!(ledger.h <= before + ledger.source.iter().sum::<f64>().abs() + 1e-12 * ledger.peak);
+                    prop_assert!(ledger.h <= before + ledger.scheme_error.iter().sum::<f64>().abs() + 1e-12 * ledger.peak);
                 }
                 before = ledger.h;
             }
@@ -150,8 +150,8 @@ proptest! {
             // and where a force acts far from rest on what holds little, each place is rounded: a walk of 2000 steps
             let places = (2000.0f64 / 12.0).sqrt() * f64::EPSILON * force * far;
             prop_assert!(b.residual.abs() <= 1e-12 * b.peak + places, "{} {way}: {b:?}", kind.code);
-            prop_assert!(way == "ca" || b.source <= 1e-12 * b.peak + places, "{} {way}: {b:?}", kind.code);
-            prop_assert!(b.source == 0.0 || scene.forces.iter().any(|o| o.law.is_some_and(|l| !l.linear)));
+            prop_assert!(way == "ca" || b.scheme_error <= 1e-12 * b.peak + places, "{} {way}: {b:?}", kind.code);
+            prop_assert!(b.scheme_error == 0.0 || scene.forces.iter().any(|o| o.law.is_some_and(|l| !l.linear)));
         }
     }
 }

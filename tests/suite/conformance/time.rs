@@ -115,13 +115,13 @@ fn a_snapshot_goes_on_as_if_nothing_had_happened() {
             }
         };
         run(&mut s, 700);
-        let mut twin = s.clone();
-        assert_eq!(twin.bits(), s.bits());
+        let mut copy = s.clone();
+        assert_eq!(copy.bits(), s.bits());
         run(&mut s, 700);
-        assert!(scene.n_mat == 0 || twin.bits() != s.bits(), "{name}: the hash does not see time");
-        run(&mut twin, 700);
-        assert_eq!(twin.bits(), s.bits(), "{name}");
-        assert!(twin == s, "{name}");
+        assert!(scene.n_mat == 0 || copy.bits() != s.bits(), "{name}: the hash does not see time");
+        run(&mut copy, 700);
+        assert_eq!(copy.bits(), s.bits(), "{name}");
+        assert!(copy == s, "{name}");
     }
 }
 

@@ -1,6 +1,6 @@
 //! A device that appears, or comes back, anywhere: it is met gently, and whatever number it says it has a way back.
 
-use super::{KEY, Rig, TE, cause, force, is_off, mode, profile};
+use super::{FRAME_DT, KEY, Rig, cause, force, is_off, mode, profile};
 use crate::play::within;
 use ca_haptic::frame::{Cause, Mode, flag, status};
 use ca_haptic::guard::Order;
@@ -11,7 +11,7 @@ const WAY: u32 = 1200;
 
 /// Stands still at 8 mm while the scene goes there: no faster than it should, no force before.
 fn met(rig: &mut Rig, x: f64) {
-    let most = 0.02 * TE;
+    let most = 0.02 * FRAME_DT;
     let mut last = rig.engine.state.input[0];
     let mut frames = 0_u32;
     while rig.engine.state.input[0] != x {
@@ -54,7 +54,7 @@ fn keys_that_move_all_the_time_are_met_one_by_one() {
     let mut rig = Rig::new(&two, profile(|p| p.dof = 2));
     rig.order(Order::Arm);
     // 8 mm each way, ten times as fast as the scene may go to them, never both where it has them
-    let at = |n: u32| [0.0, 1.0].map(|late| 8e-3 * (25.0 * (f64::from(n) * TE - late)).sin());
+    let at = |n: u32| [0.0, 1.0].map(|late| 8e-3 * (25.0 * (f64::from(n) * FRAME_DT - late)).sin());
     let met = (1..6000).find(|n| mode(&rig.go(&at(*n))) == Mode::Ramp).expect("a ramp");
     assert!(met < 3000, "{met}");
     for n in met + 1..met + 300 {

@@ -1,7 +1,7 @@
 //! Three accounts of the same energy: the ledger of the scene, the ledger of the guard, and what a watcher adds up from the
 //! frames on the wire.
 
-use super::{Rig, TE, bare, cause, mode, profile};
+use super::{FRAME_DT, Rig, bare, cause, mode, profile};
 use crate::play::within;
 use ca_haptic::equivalence::Gains;
 use ca_haptic::frame::Mode;
@@ -47,7 +47,7 @@ fn accounts(profile: Profile, rate: &str, exact: bool) -> [f64; 4] {
     let mut last = [0.0; 2];
     let (mut given, mut scale) = ([0.0; 2], [0.0; 2]);
     for n in 0..15_000 {
-        let x = if n == 0 { [0.0; 2] } else { device.step(&force, TE).try_into().expect("two keys") };
+        let x = if n == 0 { [0.0; 2] } else { device.step(&force, FRAME_DT).try_into().expect("two keys") };
         let f = rig.go(&x);
         assert!(mode(&f) != Mode::Fault, "frame {n}: {}", cause(&f).name());
         for k in 0..2 {

@@ -3,7 +3,7 @@
 //! A million frames in all in the core suite, twenty with `CA_LONG=1`.
 
 use super::requirements::{STYLUS, angle};
-use super::{Rig, TE, mode, profile};
+use super::{FRAME_DT, Rig, mode, profile};
 use crate::play::Random;
 use ca_haptic::frame::{Cause, DOF, DeviceFrame, ForceFrame, Mode, flag, status};
 use ca_haptic::guard::{Chain, GuardFrame, Order};
@@ -30,7 +30,7 @@ impl Watcher {
     fn see(&mut self, mode: Mode, flags: u32, force: &[f64], n: u32) {
         let axes = self.p.axes as usize;
         let off = matches!(mode, Mode::Off | Mode::Fault);
-        let most = self.p.slew() * TE;
+        let most = self.p.slew() * FRAME_DT;
         for (at, v) in force.chunks(axes).enumerate() {
             assert!(v.iter().all(|f| f.is_finite()), "frame {n}: {v:?}");
             let norm = |v: &mut dyn Iterator<Item = f64>| v.map(|f| f * f).sum::<f64>().sqrt();
@@ -68,12 +68,12 @@ fn eager(axes: u32, continuous: f64) -> Profile {
 const ODD: [f64; 10] =
     [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e308, -1e308, f64::MAX, 5e-324, -0.0, 1e160, -1e154];
 
-fn odd(dice: &mut Random) -> f64 {
-    ODD[((dice.roll() + 1.0) * 0.5 * ODD.len() as f64) as usize % ODD.len()]
+fn odd(rng: &mut Random) -> f64 {
+    ODD[((rng.uniform() + 1.0) * 0.5 * ODD.len() as f64) as usize % ODD.len()]
 }
 
-fn chance(dice: &mut Random, one_in: f64) -> bool {
-    (dice.roll() + 1.0) * 0.5 * one_in < 1.0
+fn chance(rng: &mut Random, one_in: f64) -> bool {
+    (rng.uniform() + 1.0) * 0.5 * one_in < 1.0
 }
 
 #[test]
@@ -84,10 +84,10 @@ fn any_force_of_a_model() {
             // nothing that turns a vector
             (p.guard.slew, p.guard.passivity, p.guard.edge) = (Some(1e9), false, 0.0);
         }
-        let (mut chain, mut hand) = (Chain::new(&p, TE), GuardFrame::new(3, TE));
+        let (mut chain, mut hand) = (Chain::new(&p, FRAME_DT), GuardFrame::new(3, FRAME_DT));
         (hand.calibrated, hand.met, hand.age) = (true, u32::MAX, 0);
         let mut w = Watcher::new(&p);
-        let mut dice = Random(99 + u64::from(axes));
+        let mut rng = Random(99 + u64::from(axes));
         let (mut size, mut turned) = (0.0, 0);
         for n in 0..frames() / 3 {
             if n % 60 == 0 {
@@ -95,22 +95,22 @@ fn any_force_of_a_model() {
                 size = [0.0, 0.2, 3.0, 30.0, 1e5, 1e300][(n / 60 % 6) as usize];
                 chain.order(Order::Arm);
             }
-            if chance(&mut dice, 500.0) {
+            if chance(&mut rng, 500.0) {
                 chain.order([Order::Disarm, Order::Trip(Cause::Software), Order::Arm][(n % 3) as usize]);
             }
             hand.frame = u64::from(n);
-            hand.fresh = chance(&mut dice, 1.3);
-            hand.age = if chance(&mut dice, 300.0) { 40 } else { u32::from(!hand.fresh) };
+            hand.fresh = chance(&mut rng, 1.3);
+            hand.age = if chance(&mut rng, 300.0) { 40 } else { u32::from(!hand.fresh) };
             for k in 0..3 {
                 // slowly through all of the travel
                 let to = 0.0099 * (f64::from(n) * 1e-3 + k as f64).sin();
                 hand.moved[k] = if hand.fresh { to - hand.x[k] } else { 0.0 };
                 hand.x[k] += hand.moved[k];
-                hand.ack = if chance(&mut dice, 3.0) { (dice.0 % 64 + u64::from(n)).saturating_sub(32) } else { 0 };
-                hand.v[k] = if chance(&mut dice, 2000.0) { 3.0 } else { hand.moved[k] / TE };
+                hand.ack = if chance(&mut rng, 3.0) { (rng.0 % 64 + u64::from(n)).saturating_sub(32) } else { 0 };
+                hand.v[k] = if chance(&mut rng, 2000.0) { 3.0 } else { hand.moved[k] / FRAME_DT };
                 hand.force[k] =
-                    if size > 1e4 && chance(&mut dice, 400.0) { odd(&mut dice) } else { size * dice.roll() };
-                hand.received[k] = if chance(&mut dice, 400.0) { odd(&mut dice) } else { 1e-4 * dice.roll() };
+                    if size > 1e4 && chance(&mut rng, 400.0) { odd(&mut rng) } else { size * rng.uniform() };
+                hand.received[k] = if chance(&mut rng, 400.0) { odd(&mut rng) } else { 1e-4 * rng.uniform() };
             }
             let asked = hand.force;
             (hand.flags, hand.inject, hand.tripped) = (0, 0.0, Cause::None);
@@ -137,13 +137,13 @@ fn any_force_of_a_model() {
 }
 
 /// A frame that may be anything.
-fn spoil(f: &mut DeviceFrame, dice: &mut Random) {
-    let k = ((dice.roll() + 1.0) * 8.0) as u32;
-    let bits = dice.0;
+fn spoil(f: &mut DeviceFrame, rng: &mut Random) {
+    let k = ((rng.uniform() + 1.0) * 8.0) as u32;
+    let bits = rng.0;
     match k {
-        0 => f.pos[0] = odd(dice),
-        1 => f.pos[2] = odd(dice),
-        2 => f.pos[1] += 0.1 * dice.roll(),
+        0 => f.pos[0] = odd(rng),
+        1 => f.pos[2] = odd(rng),
+        2 => f.pos[1] += 0.1 * rng.uniform(),
         3 => f.seq = bits % 1000,
         4 => f.session = bits % 3,
         5 => f.magic ^= bits as u32,
@@ -154,7 +154,7 @@ fn spoil(f: &mut DeviceFrame, dice: &mut Random) {
         10 => f.t_device_ns = bits,
         11 => f.version = bits as u32,
         12 => f.status &= !status::CALIBRATED,
-        13 => f.vel[0] = odd(dice),
+        13 => f.vel[0] = odd(rng),
         _ => f.period_ns = bits as u32,
     }
 }
@@ -166,7 +166,7 @@ fn any_frame_of_a_device() {
         let p = eager(axes, 5.0);
         let mut rig = Rig::new(&text, p.clone());
         let mut w = Watcher::new(&p);
-        let mut dice = Random(31 + u64::from(axes));
+        let mut rng = Random(31 + u64::from(axes));
         let (mut x, mut v) = ([0.0f64; 3], [0.0f64; 3]);
         let mut gap = 0;
         for n in 0..frames() / 2 {
@@ -176,25 +176,25 @@ fn any_frame_of_a_device() {
             // a hand that comes to rest, then one that wanders, at times faster than it may
             let wild = [0.0, 0.0, 0.0, 0.01, 0.03, 0.3][(n / 150 % 6) as usize];
             for k in 0..3 {
-                v[k] = if wild == 0.0 { -80.0 * x[k] } else { 0.99 * v[k] + wild * dice.roll() };
-                x[k] = (x[k] + v[k] * TE).clamp(-0.011, 0.011);
+                v[k] = if wild == 0.0 { -80.0 * x[k] } else { 0.99 * v[k] + wild * rng.uniform() };
+                x[k] = (x[k] + v[k] * FRAME_DT).clamp(-0.011, 0.011);
             }
             // frames stay away, come twice, come wrong
             gap = if gap > 0 {
                 gap - 1
-            } else if chance(&mut dice, 1000.0) {
+            } else if chance(&mut rng, 1000.0) {
                 50
             } else {
                 0
             };
             if gap == 0 {
                 rig.send(&x);
-                if chance(&mut dice, 300.0) {
+                if chance(&mut rng, 300.0) {
                     let mut f = rig.next;
-                    spoil(&mut f, &mut dice);
+                    spoil(&mut f, &mut rng);
                     rig.engine.take(0, &mut f);
                 }
-                if chance(&mut dice, 3000.0) {
+                if chance(&mut rng, 3000.0) {
                     (rig.next.session, rig.next.seq) = (rig.next.session + 1, 0);
                 }
             }

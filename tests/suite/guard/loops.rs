@@ -5,12 +5,12 @@
 //! of its mean and of the held force, κ = 1 (1/2 at one rate). One frame of delay at the device is a reply over shared
 //! memory, used at its next tick: κ = 2.
 
-use super::{KEY, Rig, TE, bare, force, mode};
+use super::{FRAME_DT, KEY, Rig, bare, force, mode};
 use crate::play::{case, off, rows, within};
 use ca_haptic::frame::{Mode, flag};
 use ca_haptic::guard::Order;
 use ca_haptic::profile::Profile;
-use ca_haptic::simulated::{Device, Hand, Script, Wish};
+use ca_haptic::simulated::{Device, Hand, Script, ScriptOptions};
 
 /// The device of E02: 0.2 kg, 2 N s/m.
 fn e02() -> Profile {
@@ -38,7 +38,7 @@ impl Loop {
 
     /// A frame; `kick` is a force of somebody else. Position and force.
     fn step(&mut self, kick: f64) -> (f64, f64, u32) {
-        let x = self.device.step(&[self.force + kick], TE)[0];
+        let x = self.device.step(&[self.force + kick], FRAME_DT)[0];
         // the force the motors had: that of the frame before, or earlier
         self.rig.next.ack = self.rig.engine.ports[0].out.seq - self.delay;
         let f = self.rig.go(&[x]);
@@ -116,7 +116,7 @@ fn a_pressed_wall_shakes_as_theory_says() {
     // K = 5500 is below: ringing that dies at (b - K T)/2m, through the 602 um that are noted there within a second
     let (swing, _) = pressed(5500.0);
     assert!(swing[0] > 602e-6 && swing[1] < 602e-6, "{swing:?}");
-    let rate = (2.0 - 5500.0 * TE) / 0.4;
+    let rate = (2.0 - 5500.0 * FRAME_DT) / 0.4;
     // four seconds of it; a swing is seen twice a period of 38 ms, which is half a percent of them, and the rate is of
     // first order in ωT = 0.055
     within("its decay", off((swing[1] / swing[9]).ln() / 4.0, rate), 0.02);
@@ -153,7 +153,7 @@ fn every_script_can_be_played_on_every_device() {
         for script in ca_haptic::simulated::SCRIPTS {
             let middle = 0.5 * (p.range[0] + p.range[1]);
             let hand = if script == "push" { Hand::NONE } else { Hand::finger(p.force, &p) };
-            let s = Script::named(script, &p, Wish::default()).expect("a script");
+            let s = Script::named(script, &p, ScriptOptions::default()).expect("a script");
             let mut device = Device::new(&p, hand, s, 0, 1);
             let text = KEY.replace("500", "2").replace("dof = 0", &format!("dof = 0, x = {middle}"));
             let mut rig = Rig::new(&text.replace("wall = {}", &format!("wall = {{ x = {middle} }}")), p.clone());
@@ -162,7 +162,7 @@ fn every_script_can_be_played_on_every_device() {
             let (mut force, mut on) = ([0.0; 3], false);
             for n in 0..9000 {
                 if n % ratio == 0 {
-                    device.step(&force[..p.dof.min(3) as usize], f64::from(ratio) * TE);
+                    device.step(&force[..p.dof.min(3) as usize], f64::from(ratio) * FRAME_DT);
                     device.frame(&mut rig.next);
                     let mut f = rig.next;
                     rig.engine.take(0, &mut f);

@@ -21,7 +21,7 @@ pub use ca_tests::{KEY, profile};
 use std::sync::Arc;
 
 /// Gesture frames of the default rates \[s\].
-pub const TE: f64 = 1.0 / 3000.0;
+pub const FRAME_DT: f64 = 1.0 / 3000.0;
 
 /// A device that limits nothing, arms within two frames and renders what the model says.
 pub fn bare() -> Profile {
@@ -30,7 +30,7 @@ pub fn bare() -> Profile {
         (p.body.step, p.body.noise) = (0.0, 0.0);
         let l = &mut p.guard;
         (l.speed, l.slew, l.edge, l.passivity, l.oscillation) = (1e4, Some(1e15), 0.0, false, false);
-        (l.clear_time, l.ramp) = (TE, TE);
+        (l.clear_time, l.ramp) = (FRAME_DT, FRAME_DT);
     })
 }
 
@@ -64,7 +64,7 @@ impl Rig {
     /// A good frame at these positions.
     pub fn send(&mut self, x: &[f64]) -> FrameVerdict {
         self.next.seq += 1;
-        self.next.t_device_ns += (TE * 1e9) as u64;
+        self.next.t_device_ns += (FRAME_DT * 1e9) as u64;
         self.next.pos[..x.len()].copy_from_slice(x);
         let mut f = self.next;
         self.engine.take(0, &mut f)

@@ -1,6 +1,6 @@
 //! H1 to H11, H15 and H16, one by one. H12 and H13 are loops, in `loops.rs`; H14 is `causes.rs`.
 
-use super::{KEY, Rig, TE, bare, cause, force, is_off, mode, profile};
+use super::{FRAME_DT, KEY, Rig, bare, cause, force, is_off, mode, profile};
 use crate::play::within;
 use ca_haptic::engine::{EngineCommand, Retired};
 use ca_haptic::equivalence::Gains;
@@ -80,7 +80,7 @@ fn h3_force_does_not_jump() {
     for n in 0..300 {
         let f = rig.go(&[if n / 20 % 2 == 0 { 1e-4 } else { -1e-4 }]);
         assert_eq!(mode(&f), Mode::On);
-        within("a frame", (force(&f) - last).abs(), 20_000.0 * TE * (1.0 + 1e-6));
+        within("a frame", (force(&f) - last).abs(), 20_000.0 * FRAME_DT * (1.0 + 1e-6));
         slowed += u32::from(f.flags & flag::SLEWED != 0);
         last = force(&f);
     }
@@ -90,8 +90,8 @@ fn h3_force_does_not_jump() {
 #[test]
 fn h4_motors_stay_within_their_rating() {
     let p = profile(|p| p.continuous = Some(3.0));
-    let mut chain = Chain::new(&p, TE);
-    let mut hand = GuardFrame::new(1, TE);
+    let mut chain = Chain::new(&p, FRAME_DT);
+    let mut hand = GuardFrame::new(1, FRAME_DT);
     (hand.calibrated, hand.met, hand.age) = (true, u32::MAX, 0);
     chain.order(Order::Arm);
     let (mut heat, mut worst, mut peak, mut last) = (0.0, 0.0f64, 0, 0.0);
@@ -99,7 +99,7 @@ fn h4_motors_stay_within_their_rating() {
         (hand.force[0], hand.flags) = (if n < 3400 { 0.0 } else { 10.0 }, 0);
         chain.pass(&mut hand);
         // an independent account: exponential over one second
-        heat += (1.0 - (-TE).exp()) * (hand.force[0] * hand.force[0] - heat);
+        heat += (1.0 - (-FRAME_DT).exp()) * (hand.force[0] * hand.force[0] - heat);
         worst = worst.max(heat);
         peak += u32::from(hand.force[0] > 9.99);
         last = hand.force[0];
@@ -203,7 +203,7 @@ fn h9_a_throw_is_braked_then_off() {
     let mut x = 0.0;
     let mut damped = 0;
     for n in 0..900 {
-        x += 0.75 * TE;
+        x += 0.75 * FRAME_DT;
         let f = rig.go(&[x]);
         match mode(&f) {
             Mode::On => assert!(n < 4, "frame {n} at 0.75 m/s"),

@@ -3,7 +3,7 @@
 //! A simulated hand sweeps the travel at most of the speed that trips, on an 8-bit fader at 500 Hz, a stylus at 1 kHz
 //! and a key at 3 kHz; frames come a frame of the engine early or late.
 
-use super::{KEY, Rig, TE, cause, mode};
+use super::{FRAME_DT, KEY, Rig, cause, mode};
 use crate::play::Random;
 use ca_haptic::frame::{Cause, Mode, flag};
 use ca_haptic::guard::Order;
@@ -40,9 +40,9 @@ fn sweep(name: &str, speed: f64) -> Swept {
     let mut device = Device::new(&p, hand, script, 0, 11);
     let text = KEY.replace("500", "0.1").replace("dof = 0", &format!("dof = 0, x = {middle}"));
     let mut rig = Rig::new(&text.replace("wall = {}", &format!("wall = {{ x = {middle} }}")), p.clone());
-    let ratio = (1.0 / (p.rate * TE)).round() as u32;
-    let period = f64::from(ratio) * TE;
-    let mut dice = Random(5);
+    let ratio = (1.0 / (p.rate * FRAME_DT)).round() as u32;
+    let period = f64::from(ratio) * FRAME_DT;
+    let mut rng = Random(5);
     let (mut due, mut stale, mut fastest) = (0, 0, 0.0f64);
     let mut force = [0.0; 32];
     let mut why = Cause::None;
@@ -57,7 +57,7 @@ fn sweep(name: &str, speed: f64) -> Swept {
             let mut f = rig.next;
             rig.engine.take(0, &mut f);
             let wait = (n / ratio + 1) * ratio;
-            due = if ratio > 1 { (wait + u32::from(dice.roll() > 0.0)).max(n + 1) } else { n + 1 };
+            due = if ratio > 1 { (wait + u32::from(rng.uniform() > 0.0)).max(n + 1) } else { n + 1 };
             fastest = fastest.max(device.truth(0)[1].abs());
         }
         let out = rig.frame();

@@ -3,7 +3,7 @@
 use ca_haptic::engine::{Engine, Options, Port};
 use ca_haptic::frame::{DeviceFrame, Mode};
 use ca_haptic::guard::Order;
-use ca_haptic::serve::{Clock, Every, GatewayEnds, Live, Recorder, Shared, rings};
+use ca_haptic::serve::{Clock, GatewayEnds, Live, RecordIntervals, Recorder, Shared, rings};
 use ca_tests::{KEY, profile, setup};
 use std::sync::Arc;
 
@@ -23,7 +23,7 @@ impl Played {
         let (ends, gateway, recorder_ends) = rings(&scene, 1, 0);
         let shared = Arc::new(Shared::default());
         let recorder = Recorder::new(recorder_ends, shared.clone(), scene, &engine.ports, vec![]);
-        let live = Live::new(engine, ends, shared, Clock::Device { patience: 0 }, Every::default());
+        let live = Live::new(engine, ends, shared, Clock::Device { patience: 0 }, RecordIntervals::default());
         let mut frame = DeviceFrame::new("key", 1);
         frame.session = 1;
         Played { recorder, live, gateway, frame }

@@ -9,7 +9,7 @@ use ca_haptic::frame::{Cause, DeviceFrame, ForceFrame, Mode};
 use ca_haptic::guard::Order;
 use ca_haptic::profile::Profile;
 use ca_haptic::record::Record;
-use ca_haptic::serve::{Clock, Every, GatewayEnds, Live, Recorder, Shared, Sink, rings};
+use ca_haptic::serve::{Clock, GatewayEnds, Live, RecordIntervals, Recorder, Shared, Sink, rings};
 use ca_tests::profile;
 use std::sync::atomic::Ordering::Relaxed;
 use std::sync::{Arc, Mutex};
@@ -84,7 +84,7 @@ fn start(scene: &Arc<Scene>, clock: Clock, profile: Profile) -> Running {
     let (shared, heard) = (Arc::new(Shared::default()), Heard::default());
     let sinks: Vec<Box<dyn Sink>> = vec![Box::new(heard.clone())];
     let recorder = Recorder::new(recorder_ends, shared.clone(), scene.clone(), &engine.ports, sinks);
-    let every = Every { energy: 30, view: 50, hash: 3000 };
+    let every = RecordIntervals { energy: 30, view: 50, hash: 3000 };
     let live = Live::new(engine, ends, shared.clone(), clock, every);
     Running { thread: std::thread::spawn(move || live.run(None)), gateway, recorder, shared, heard }
 }

@@ -40,9 +40,9 @@ fn corners(scene: &Scene) -> [usize; 4] {
     [0, 1, 2, 3].map(|i| mat(scene, &format!("air.v{i}")))
 }
 
-fn kick(scene: &Scene, s: &mut State, speed: f64, dice: &mut Random) {
+fn kick(scene: &Scene, s: &mut State, speed: f64, rng: &mut Random) {
     for at in corners(scene) {
-        (0..3).for_each(|k| s.d[at + k] = speed * dice.roll() / FS);
+        (0..3).for_each(|k| s.d[at + k] = speed * rng.uniform() / FS);
     }
 }
 
@@ -78,7 +78,7 @@ fn d01_energy_is_bounded() {
 }
 
 #[test]
-fn d02_an_edge_is_as_stiff_as_what_it_leans_on() {
+fn d02_an_edge_is_as_stiff_as_its_support() {
     let c = case("D02");
     let (k, f) = (num(c, "setup/k"), num(c, "setup/F"));
     let scene = scene(&format!(

@@ -10,7 +10,7 @@ use ca_model::{Entry, Model, Value};
 use std::fmt::Write as _;
 
 /// Two masses joined by a link or by an LPR of the same law, one port of which is held, on a line or in space.
-fn twins(code: &str, list: &[Entry], space: bool, onto: bool) -> Model {
+fn plain_and_quadripole(code: &str, list: &[Entry], space: bool, onto: bool) -> Model {
     let at = |x: f64| if space { Value::from(vec![0.6 * x, 0.8 * x, 0.0]) } else { Value::from(x) };
     let mut m = model(if space { "[room]\ndim = 3\n[room.SOL]\nnorth = {}\nsouth = {}\n" } else { "" });
     let group = space.then_some(0);
@@ -44,7 +44,7 @@ fn with_a_port_held_it_is_the_plain_link() {
         let code = if plain.code == "REF" { "LPR".to_string() } else { format!("LPR_{}", plain.code) };
         assert!(
             ca_tests::catalog().get(&code).is_some(),
-            "{} has no {code}: add its line to `twins!` of crates/ca-lpr/src/kinds.rs",
+            "{} has no {code}: add its line to `quadripoles!` of crates/ca-lpr/src/kinds.rs",
             plain.code
         );
         for seed in 1..9 {
@@ -56,8 +56,10 @@ fn with_a_port_held_it_is_the_plain_link() {
                     continue;
                 }
                 let play = |code: &str| {
-                    let scene =
-                        built(&twins(code, &list, space, onto), &Options { energy: true, ..Options::default() });
+                    let scene = built(
+                        &plain_and_quadripole(code, &list, space, onto),
+                        &Options { energy: true, ..Options::default() },
+                    );
                     let mut s = scene.state();
                     (0..4000).for_each(|_| tick(&scene, &mut s));
                     let b = s.ledger.as_ref().expect("a ledger").balance();
@@ -140,7 +142,7 @@ fn between_worlds_of_one_kind_the_ledger_balances() {
         let b = s.ledger.as_ref().expect("a ledger").balance();
         within(&format!("closure, {dim} axes"), b.residual.abs() / b.peak, 1e-12);
         assert!(most > 0.1 * b.h0, "little of {} J arrived: {most}", b.h0);
-        assert!(b.source.abs() <= 1e-6 * b.h0 && b.lost > 0.1 * b.h0, "{b:?}");
+        assert!(b.scheme_error.abs() <= 1e-6 * b.h0 && b.lost > 0.1 * b.h0, "{b:?}");
     }
 }
 

@@ -43,7 +43,7 @@ pub fn glass() {
         assert!(peak(h.probed(i, 0.0, t)) < 1e-9, "rim {i} sounds before its time");
         let held = h.probed(i, 3.9, 4.4);
         let (note, size) = partial(held, h.rate, f, 15.0);
-        assert!(cents(note, f).abs() < 12.0, "rim {i} sings {note:.2} Hz, not {f:.2} Hz");
+        assert!(cents(note, f).abs() < 12.0, "rim {i} is at {note:.2} Hz, not {f:.2} Hz");
         assert!(size > 5.0 * partial(held, h.rate, 2.0 * f, 15.0).1, "rim {i} is not pure");
         let steady = envelope(held, 4800);
         assert!(steady.iter().all(|v| (v / steady[0] - 1.0).abs() < 0.05), "rim {i}: {steady:?}");

@@ -75,7 +75,7 @@ pub fn perform(model: Model, scene: &Scene, gesture: Option<&Gesture>, seconds: 
     assert!(!p.diverged && out.iter().flatten().all(|v| v.is_finite()), "{}: diverged", scene.title);
     // the ledgers balance, and contacts and hard springs are soft enough for the scheme to make next to no energy
     let ledger = p.state.ledger.as_ref().unwrap().balance();
-    let (open, made) = (ledger.residual.abs() / ledger.peak, ledger.source.abs() / ledger.peak);
+    let (open, made) = (ledger.residual.abs() / ledger.peak, ledger.scheme_error.abs() / ledger.peak);
     assert!(ledger.peak == 0.0 || (open < 1e-9 && made < 0.02), "{}: open {open:e}, made {made:e}", scene.title);
     let probe = out.split_off(scene.channels);
     Heard { model, rate: scene.rate, sound: out, probe }

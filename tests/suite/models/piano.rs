@@ -251,7 +251,7 @@ fn account(f: &Finger) -> [f64; 10] {
     let all: f64 = ledger.lost.iter().sum();
     assert!((links.iter().sum::<f64>() - all).abs() <= 1e-15 * all, "heat in a link that is not in the table");
     let [calm, strike, stop, board] = links;
-    let made = -ledger.source.iter().sum::<f64>();
+    let made = -ledger.scheme_error.iter().sum::<f64>();
     [given, received - given, received, calm, strike, stop, ledger.lost_mats, board, ledger.h - ledger.h0, made]
 }
 

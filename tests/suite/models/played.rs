@@ -14,13 +14,13 @@ pub fn wind() {
         let beat = period(&v[..24_000], h.rate, 0.002, 0.02).1;
         assert!(beat < 0.5, "it repeats itself: {beat:.2}");
     }
-    // four oscillators sing in it, a little sharp as they harden
+    // four oscillators sound in it, a little sharp as they harden
     for (i, name) in ["whistle1", "whistle2", "whistle3", "whistle4"].iter().enumerate() {
         let f = h.number(name, "f");
         let (d, bin) = density(h.probed(2 + i, 1.0, 5.0), h.rate, 9600);
         let band = |lo: f64, hi: f64| d[(lo / bin) as usize..(hi / bin) as usize].iter().sum::<f64>() / (hi - lo);
         let top = (50..(3000.0 / bin) as usize).max_by(|a, b| d[*a].total_cmp(&d[*b])).unwrap() as f64 * bin;
-        assert!((0.97..1.12).contains(&(top / f)), "{name} sings at {top:.0} Hz, not {f:.0} Hz");
+        assert!((0.97..1.12).contains(&(top / f)), "{name} is at {top:.0} Hz, not {f:.0} Hz");
         let over = 10.0 * (band(0.95 * f, 1.1 * f) / band(1.5 * f, 2.0 * f)).log10();
         assert!(over > 10.0, "{name} stands out by {over:.1} dB");
         // noise has no steady amplitude

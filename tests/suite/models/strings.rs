@@ -53,8 +53,8 @@ pub fn natural_harmonic() {
     }
     h.stands(0, [1.5, 2.3], [3, 6].map(|j| h.string("low", j).0), 15.0, 1.0);
     // a fifth above the octave
-    let sung = partial(h.at(0, 1.5, 2.3), h.rate, 330.0, 30.0).0;
-    assert!(cents(sung, 3.0 * h.number("low", "f")).abs() < 2.0);
+    let pitch_is = partial(h.at(0, 1.5, 2.3), h.rate, 330.0, 30.0).0;
+    assert!(cents(pitch_is, 3.0 * h.number("low", "f")).abs() < 2.0);
 }
 
 pub fn pinched_string() {

@@ -13,7 +13,7 @@ use ca_core::{Scene, State, compute_forces, integrate, tick};
 use ca_io::perform::Performance;
 
 /// A model whose samples have `times` ticks, and the same with so many samples.
-fn twins(text: &str, more: &str, times: u32, options: &Options) -> [Scene; 2] {
+fn coarse_and_fine(text: &str, more: &str, times: u32, options: &Options) -> [Scene; 2] {
     let rate = |sound: u32, own: &str| format!("{text}\n[rate]\nsound = {sound}\n{own}\n{more}\n");
     [rate(48_000, &format!("oversample = {times}")), rate(48_000 * times, "")].map(|t| with(&t, options).scene)
 }
@@ -21,7 +21,7 @@ fn twins(text: &str, more: &str, times: u32, options: &Options) -> [Scene; 2] {
 /// A gesture, by samples of 48 kHz.
 type Hand = fn(f64) -> f64;
 
-/// Runs the finer twin by one tick. Inputs go in a straight line through a sample of `times` of its ticks.
+/// Runs the finer scene by one tick. Inputs go in a straight line through a sample of `times` of its ticks.
 fn finer(scene: &Scene, s: &mut State, times: u32, hand: Hand) {
     let sample = s.tick.div_ceil(u64::from(times));
     let j = times - (sample * u64::from(times) - s.tick) as u32;
@@ -127,7 +127,7 @@ fn it_is_the_scene_at_the_higher_rate() {
         ("a push and a moving point", PUSHED, "s[7]"),
     ] {
         for times in [2, 3, 16] {
-            let most = same_bits(what, &twins(text, "gesture = 3000", times, &audited(probe)), 700, hand);
+            let most = same_bits(what, &coarse_and_fine(text, "gesture = 3000", times, &audited(probe)), 700, hand);
             assert!(most > 1e-6, "{what}: {most}");
         }
     }
@@ -135,7 +135,7 @@ fn it_is_the_scene_at_the_higher_rate() {
     let text = STRUCK.replace(", z = 0.1, zo = 0.01", "").replace(", z = 0.2", "");
     let options = Options { energy: false, ..audited("s[7]") };
     let text = format!("[model]\nmethod = \"pefrl\"\n{text}");
-    assert!(same_bits("pefrl", &twins(&text, "gesture = 3000", 3, &options), 700, hand) > 1e-6);
+    assert!(same_bits("pefrl", &coarse_and_fine(&text, "gesture = 3000", 3, &options), 700, hand) > 1e-6);
 }
 
 /// A hand at 3 kHz meets the border of so many more ticks, whatever its shape; and one as quick as the samples.
@@ -144,7 +144,7 @@ fn a_hand_is_led_through_all_ticks() {
     for more in ["", "border = \"hold\"", "latency = 2", "feedback = false"] {
         for gesture in [3000, 48_000] {
             let more = format!("gesture = {gesture}\n{more}");
-            let scenes = twins(KEYED, &more, 4, &audited("h"));
+            let scenes = coarse_and_fine(KEYED, &more, 4, &audited("h"));
             assert_eq!((scenes[0].ratio, scenes[0].frame), (48_000 / gesture, 4 * 48_000 / gesture));
             assert_eq!(scenes[1].ratio, scenes[0].frame);
             let most = same_bits(&more, &scenes, 2000, |n| 1e-3 * (0.01 * n).sin());
@@ -152,7 +152,7 @@ fn a_hand_is_led_through_all_ticks() {
         }
     }
     // the force of a sample is there in the first half of its tick
-    let [scene, _] = twins(KEYED, "gesture = 3000", 4, &Options::default());
+    let [scene, _] = coarse_and_fine(KEYED, "gesture = 3000", 4, &Options::default());
     let (mut halves, mut whole) = (scene.state(), scene.state());
     for n in 0..200 {
         halves.input[0] = hand(f64::from(n));
@@ -174,7 +174,7 @@ fn a_live_parameter_is_ramped_over_the_frame() {
         "[param]\nstiff = {{ value = 20000, unit = \"N/m\", live = true, min = 0, max = 30000 }}\n{}",
         STRUCK.replace("k = \"20 kN/m\"", "k = \"stiff\"")
     );
-    let [coarse, fine] = twins(&text, "gesture = 3000", 4, &audited("s[7]"));
+    let [coarse, fine] = coarse_and_fine(&text, "gesture = 3000", 4, &audited("s[7]"));
     let (mut a, mut b) = (coarse.state(), fine.state());
     let run = |a: &mut State, b: &mut State, samples: u32| {
         (0..samples).for_each(|_| tick(&coarse, a));
@@ -208,7 +208,8 @@ fn gestures_are_the_same() {
          [0.01, 2e-3], [0.02, 0]]\nbow = [[0, 0], [0.005, 1e-3], [0.02, -1e-3]]\nfelt = [[0, 0], [0.02, 0.1]]\n",
         "[param]\nfelt = { value = 0, unit = \"N s/m\", live = true, min = 0, max = 1 }\n"
     );
-    let scenes = twins(&text, "gesture = 3000", 4, &Options { probes: vec!["bar".into()], ..Options::default() });
+    let scenes =
+        coarse_and_fine(&text, "gesture = 3000", 4, &Options { probes: vec!["bar".into()], ..Options::default() });
     let [a, b] = scenes.each_ref().map(|scene| {
         let mut p = Performance::new(scene, None).expect("it plays");
         let mut heard = Vec::new();
@@ -254,7 +255,7 @@ fn the_error_falls_with_the_square_of_the_ticks() {
 /// What is not finite counts once a sample: a position stays, a force is none.
 #[test]
 fn what_is_no_number_is_refused_once_a_sample() {
-    let [scene, _] = twins(PUSHED, "gesture = 3000", 8, &audited("s[7]"));
+    let [scene, _] = coarse_and_fine(PUSHED, "gesture = 3000", 8, &audited("s[7]"));
     let (mut s, mut zero) = (scene.state(), scene.state());
     for n in 0..400 {
         for (i, of) in scene.inputs.iter().enumerate() {
@@ -289,7 +290,7 @@ fn units_are_of_the_sample() {
 /// A clone in the middle goes on as the original does, and its hash knows what is under way.
 #[test]
 fn it_is_part_of_the_state() {
-    let [scene, _] = twins(BOWED, "gesture = 3000", 4, &Options::default());
+    let [scene, _] = coarse_and_fine(BOWED, "gesture = 3000", 4, &Options::default());
     let mut s = scene.state();
     let play = |s: &mut State, from: u32| {
         for n in from..from + 50 {
@@ -298,12 +299,12 @@ fn it_is_part_of_the_state() {
         }
     };
     play(&mut s, 1);
-    let mut twin = s.clone();
+    let mut copy = s.clone();
     play(&mut s, 51);
-    play(&mut twin, 51);
-    assert!(s == twin && s.bits() == twin.bits());
-    twin.glide[0][1] += 1e-12;
-    assert!(s.bits() != twin.bits());
+    play(&mut copy, 51);
+    assert!(s == copy && s.bits() == copy.bits());
+    copy.glide[0][1] += 1e-12;
+    assert!(s.bits() != copy.bits());
 }
 
 fn passes(scene: &Scene) -> Vec<&'static str> {

@@ -49,7 +49,7 @@ fn a10_the_ledger_balances_with_dampers_and_a_force() {
     }
     let ledger = s.ledger.as_ref().expect("a ledger");
     let b = ledger.balance();
-    assert!(b.work > 0.0 && b.lost > 0.99 * b.work && b.source == 0.0, "{b:?}");
+    assert!(b.work > 0.0 && b.lost > 0.99 * b.work && b.scheme_error == 0.0, "{b:?}");
     within("A10 one sample", ledger.worst / b.peak, num(c, "tolerance/residual_rel"));
     within("A10 cumulative", b.residual.abs() / b.peak, num(c, "tolerance/cumulative_rel"));
 }
@@ -90,11 +90,15 @@ fn a17_the_ledger_names_who_makes_energy() {
     let b = ledger.balance();
     let tolerance = num(c, "tolerance/closure_abs");
     within("A17 closure", b.residual.abs(), tolerance);
-    within("A17 change is what the links made", (b.h - first.h - (b.source - first.source)).abs(), tolerance);
+    within(
+        "A17 change is what the links made",
+        (b.h - first.h - (b.scheme_error - first.scheme_error)).abs(),
+        tolerance,
+    );
     let (largest_error, made) = ledger.largest_error().expect("someone makes energy");
     assert_eq!(scene.audited_name(largest_error), Some("contact"));
-    assert!(made > 0.5 * b.source && b.source > 0.1, "{b:?}");
+    assert!(made > 0.5 * b.scheme_error && b.scheme_error > 0.1, "{b:?}");
     // the linear spring keeps its ledgers by theorem
     let spring = (0..scene.n_lia).find(|i| scene.audited_name(*i) == Some("spring")).expect("the spring");
-    assert_eq!(ledger.source[spring], num(c, "values/spring"));
+    assert_eq!(ledger.scheme_error[spring], num(c, "values/spring"));
 }

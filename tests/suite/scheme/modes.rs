@@ -41,8 +41,8 @@ fn a08_at_the_limit_a_string_is_exactly_harmonic() {
     let tolerance = num(c, "tolerance/period_rel");
     let scene = scene(&string(n, 1e-3, 1e-3 * FS * FS, 0.0));
     let masses = mats(&scene, "s");
-    let mut dice = Random(8);
-    let start: Vec<f64> = (0..n).map(|_| dice.roll()).collect();
+    let mut rng = Random(8);
+    let start: Vec<f64> = (0..n).map(|_| rng.uniform()).collect();
     let mut s = scene.state();
     let side = |i: usize, k: i64| usize::try_from(i as i64 + k).ok().and_then(|i| start.get(i)).copied().unwrap_or(0.0);
     for (i, p) in masses.iter().enumerate() {

@@ -144,19 +144,19 @@ fn a05_a_cell_sounds_as_asked() {
     let tolerance = num(c, "tolerance/rel");
     for row in rows(c, "values/rows") {
         let [f, t60, m, fs, k, z] = row[..] else { panic!("six columns") };
-        let te = 1.0 / fs;
-        let (a, b) = retune(f, t60, te);
-        within(&format!("A05 k at {f} Hz"), off(a * m / (te * te), k), tolerance);
-        within(&format!("A05 z at {f} Hz"), off(b * m / te, z), tolerance);
+        let tick_dt = 1.0 / fs;
+        let (a, b) = retune(f, t60, tick_dt);
+        within(&format!("A05 k at {f} Hz"), off(a * m / (tick_dt * tick_dt), k), tolerance);
+        within(&format!("A05 z at {f} Hz"), off(b * m / tick_dt, z), tolerance);
         let scene = scene(&format!(
             "[rate]\nsound = {fs:?}\n[CEL]\nbar = {{ m = {m:?}, f = {f:?}, t60 = {t60:?} }}\n[SOX]\nout = {{ from = \"bar\" }}\n"
         ));
         let s = scene.state();
         let [p, q, mobility] = [0, 1, 2].map(|i| s.coef[i * scene.n_mat + mat(&scene, "bar")]);
-        within(&format!("A05 compiled m at {f} Hz"), off(te * te / mobility, m), tolerance);
+        within(&format!("A05 compiled m at {f} Hz"), off(tick_dt * tick_dt / mobility, m), tolerance);
         within(&format!("A05 compiled k at {f} Hz"), off(-q / mobility, k), tolerance);
         // P holds 1 − b: b is there to half a unit of the last place of 1, and not better
-        within(&format!("A05 compiled z at {f} Hz"), ((1.0 - p) - z * te / m).abs(), 0.5 * f64::EPSILON);
+        within(&format!("A05 compiled z at {f} Hz"), ((1.0 - p) - z * tick_dt / m).abs(), 0.5 * f64::EPSILON);
         assert_eq!(p, 1.0 - b);
     }
 }

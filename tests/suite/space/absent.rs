@@ -17,7 +17,7 @@ fn arrays(s: &Scene) -> [usize; 17] {
         few.onto.len(),
         few.reach.len(),
         few.pair_sets.len(),
-        few.proxies.len(),
+        few.moving_points.len(),
         few.enx.len(),
         few.enf.len(),
         few.tgr.len(),
@@ -35,7 +35,7 @@ fn arrays(s: &Scene) -> [usize; 17] {
 }
 
 const STRING: &str = "[STRING]\ns = { n = 30, m = 1e-3, k = 1e5, z = 1e-3 }\n[SOX]\nout = { from = \"s[3]\" }\n";
-/// A body in space, a sheet it pulls at and a crowd, which nothing hears.
+/// A body in space, a sheet it pulls at and a pair set, which nothing hears.
 const SILENT: &str = "[room]\ndim = 3\n[room.TETRA]\np = { edge = 0.02, m = 1e-3 }\n[room.GRAINS]\n\
                       g = { n = 60, gap = 0.01, m = 1e-4 }\n[CEL]\nc = { m = 1e-3, k = 1e5 }\n[SOL]\nrim = {}\n[LPR]\n\
                       edges = { between = [\"room.p[*]\", \"room.p[*]\"], onto = [\"rim\", \"c\"], k = 2e4 }\n[BUT]\n\
@@ -64,6 +64,6 @@ fn what_nobody_hears_leaves_nothing_behind() {
     );
     let (names, [onto, reach, pair_sets, ..]) = (passes(&heard), arrays(&heard));
     assert!(["LPR_RES", "BUT"].iter().all(|n| names.contains(n)), "{names:?}");
-    // six LPR, and the crowd
+    // six LPR, and the pair set
     assert_eq!((onto, reach, pair_sets), (6, 7, 1));
 }

@@ -28,7 +28,7 @@ fn the_ledger_balances_and_the_far_end_only_takes() {
         let ledger = l.balance();
         within("residual", ledger.residual.abs() / ledger.peak, 1e-12);
         within("of one tick", l.worst / ledger.peak, 1e-14);
-        assert!(ledger.h0 > 1e-4 && ledger.source == 0.0);
+        assert!(ledger.h0 > 1e-4 && ledger.scheme_error == 0.0);
         within("what is not heat in the end", (1.0 - ledger.lost / ledger.h0).abs(), 2e-3);
     }
 }

@@ -7,7 +7,7 @@ mod played;
 mod tuning;
 
 use crate::play::TURN;
-use ca_core::layout::Through;
+use ca_core::layout::Termination;
 use ca_core::{Scene, tick};
 
 /// A string of these parameters at 48 kHz, heard at its first junction, and whatever else is in the model.
@@ -21,8 +21,8 @@ fn poles(scene: &Scene) -> Vec<[f64; 2]> {
     let start = scene.state();
     let places: Vec<usize> = (0..scene.n_mat).filter(|i| start.coef[2 * scene.n_mat + i] > 0.0).collect();
     let waves = &scene.waves;
-    let memories = waves.delays.iter().filter_map(|d| match d.through {
-        Through::Lossy { memory, .. } => Some(memory),
+    let memories = waves.delays.iter().filter_map(|d| match d.end {
+        Termination::Lossy { memory, .. } => Some(memory),
         _ => None,
     });
     let mem = |tick: usize| -> Vec<usize> {

@@ -21,7 +21,7 @@ fn played(more: &str) -> (f64, f64) {
     }
     let ledger = s.ledger.as_ref().expect("a ledger").balance();
     within("residual", ledger.residual.abs() / ledger.peak, 1e-11);
-    (most, ledger.source / ledger.peak)
+    (most, ledger.scheme_error / ledger.peak)
 }
 
 #[test]
@@ -58,7 +58,7 @@ fn bowed() {
     assert!(moved > 1e-4, "{moved}");
 }
 
-/// A body in space leans on two junctions, and the string holds them.
+/// Two junctions support a body in space, and the string holds them.
 #[test]
 fn an_edge_of_a_body() {
     let (moved, _) = played(

@@ -4,7 +4,7 @@ use super::{pole, poles, string};
 use crate::acoustics::cents;
 use crate::play::{TURN, case, num, off, rows, scene, within};
 use ca_core::Scene;
-use ca_core::layout::Through;
+use ca_core::layout::Termination;
 use ca_core::wave::Loss;
 
 /// The filters of a scene's only string, from its near end to the far one, and its whole delays together.
@@ -12,7 +12,7 @@ fn loop_of(scene: &Scene) -> (Vec<Loss>, usize) {
     let mut all = (Vec::new(), 0);
     for d in &scene.waves.delays {
         all.1 += d.len;
-        if let Through::Lossy { loss, .. } = d.through {
+        if let Termination::Lossy { loss, .. } = d.end {
             all.0.push(loss);
             all.1 -= 3;
         }

@@ -1,4 +1,4 @@
-//! How wrong a model is, and what it costs to be less wrong.
+//! Error of a model, and the run time of less error.
 
 use super::{Source, seconds};
 use clap::Args;
@@ -7,11 +7,11 @@ use std::path::PathBuf;
 /// Measures the error of a model against its run time, over methods and rates
 ///
 /// Plays the model as it is, by every other method its modules know, in single precision, and at multiples of its rate, and
-/// compares what its outputs hear (before gains and filters) with the best reference there is: the closed form of its modes
-/// where all of it is linear and nothing drives it, else the same model at a far higher rate, carried on by Richardson; how
-/// well that is known is said. Each way has its error, the pitch, the decay, the energy that the scheme makes, and its time
-/// per sample, measured here. Those that nothing beats in both error and time are marked, and with `--error` the cheapest
-/// that is good enough is named.
+/// compares the signals at its outputs (before gains and filters) with a reference: the closed form of its modes where the
+/// model is linear and nothing drives it, else the same model at a far higher rate, by Richardson extrapolation. The
+/// uncertainty of the reference is printed. A row gives the relative RMS error of the signal and of its spectrum, the error
+/// of pitch in cents and of decay in dB, the relative error of energy, and the run time in ns per sample on this machine.
+/// Rows on the Pareto front of error and time are marked; with `--error` the fastest row within that error is named.
 #[derive(Args)]
 #[command(after_long_help = "Examples:
   ca accuracy plucked_string --seconds 0.3 --times 1,2 --reference 8
@@ -22,19 +22,19 @@ pub struct AccuracyArgs {
     /// the model
     #[command(flatten)]
     pub source: Source,
-    /// How long it is played; `seconds` of the model, but no more than one, if left out
+    /// Seconds to play; `seconds` of the model, but at most 1 s, if left out
     #[arg(long, value_name = "S", value_parser = seconds)]
     pub seconds: Option<f64>,
     /// Multiples of the sound rate to try
     #[arg(long, value_name = "N,…", value_delimiter = ',', default_value = "1,2,4,8", value_parser = clap::value_parser!(u32).range(1..=1024))]
     pub times: Vec<u32>,
-    /// The multiple of the rate of the reference, where there is no closed form
+    /// Multiple of the sound rate at which the reference is computed, where there is no closed form
     #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(4..=4096))]
     pub reference: u32,
     /// Listens to these instead of the outputs: `low[3]`, `strike`; repeatable
     #[arg(long, value_name = "NAME")]
     pub probe: Vec<String>,
-    /// Names the cheapest way with at most this error, relative
+    /// Names the fastest row with at most this relative RMS error, e.g. 1e-3
     #[arg(long, value_name = "E", value_parser = share)]
     pub error: Option<f64>,
     /// Writes a page with the plot and the table

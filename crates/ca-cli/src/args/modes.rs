@@ -1,10 +1,10 @@
-//! How a model sings.
+//! Modes of a model.
 
 use super::{Source, count};
 use clap::Args;
 use std::path::PathBuf;
 
-/// Says how the linear part of a model sings
+/// Computes the modes of the linear part of a model
 ///
 /// For each mode: its frequency without the scheme and as the scheme plays it at this sound rate, the difference in cents,
 /// the time to fall by 60 dB, and how strongly each output hears it, each input pushes it, and each link that is not

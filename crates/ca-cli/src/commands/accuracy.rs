@@ -3,7 +3,7 @@
 use crate::args::AccuracyArgs;
 use crate::load::{self, Loaded};
 use crate::{Ended, Failure, Outcome, page, term};
-use ca_lab::accuracy::{self, Ask, Measured, MethodRow, Origin};
+use ca_lab::accuracy::{self, AccuracyOptions, Measured, MethodRow, Origin};
 use ca_report::{Block, Report, Section};
 use serde_json::{Value as Json, json};
 use std::io::Write as _;
@@ -23,7 +23,7 @@ pub fn run(args: &AccuracyArgs) -> Outcome {
         bar.get_or_insert_with(|| term::progress(of)).set_position(done);
         true
     };
-    let mut ask = Ask {
+    let mut ask = AccuracyOptions {
         rate,
         probes: &probes,
         seconds,

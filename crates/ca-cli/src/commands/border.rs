@@ -76,8 +76,8 @@ pub(crate) fn crossing(out: &mut impl Write, scene: &Scene) -> Result<(), Failur
     Ok(())
 }
 
-/// Keys that a hand feels, stiffest first.
-fn felt(scene: &Scene) -> Vec<&Key> {
+/// Keys whose force reaches the hand, stiffest first.
+fn rendered_keys(scene: &Scene) -> Vec<&Key> {
     let mut keys: Vec<&Key> = scene.certificate.keys.iter().filter(|_| scene.crossing.feedback).collect();
     keys.sort_by(|a, b| felt_as(scene, b).total_cmp(&felt_as(scene, a)));
     keys
@@ -85,7 +85,7 @@ fn felt(scene: &Scene) -> Vec<&Key> {
 
 /// What the keys ask of a device, stiffest first: name, stiffness in the hand \[N/m\], friction it needs \[N s/m\].
 pub(crate) fn asked(scene: &Scene) -> Vec<(&str, f64, f64)> {
-    let (d, keys) = (delays(scene), felt(scene));
+    let (d, keys) = (delays(scene), rendered_keys(scene));
     keys.into_iter().map(|k| (k.name.as_str(), felt_as(scene, k), d.friction(felt_as(scene, k)))).collect()
 }
 

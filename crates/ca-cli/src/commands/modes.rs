@@ -1,4 +1,4 @@
-//! `ca modes`: how the linear part of a model sings.
+//! `ca modes`: modes of the linear part of a model.
 //!
 //! Decides to show each port as a column in dB below the mode that is strongest there: what a player asks is which modes
 //! a blow or a pickup favours, not how many roots of a kilogram they weigh. The raw numbers are in the JSON.
@@ -113,18 +113,18 @@ fn text(name: &str, network: &Network, found: &Modes, most: usize) -> Result<(),
     if network.ports.len() > COLUMNS {
         writeln!(out, "  {} more ports are in `--json`", network.ports.len() - COLUMNS)?;
     }
-    if !network.deaf.is_empty() {
+    if !network.force_outputs.is_empty() {
         writeln!(
             out,
             "  these hear forces, which are no displacements: {}",
-            load::ticked(network.deaf.iter().map(String::as_str))
+            load::ticked(network.force_outputs.iter().map(String::as_str))
         )?;
     }
     if found.list.iter().any(|m| m.grows) {
         writeln!(out, "  a mode grows: the scene is unstable at this sound rate, see `ca check`")?;
     }
     if found.approximate {
-        writeln!(out, "  damping ties modes to each other; T60 is that of each mode by itself")?;
+        writeln!(out, "  damping couples the modes; T60 is that of each mode by itself")?;
     }
     Ok(())
 }
@@ -165,7 +165,7 @@ fn value(name: &str, network: &Network, found: &Modes) -> Json {
     json!({
         "name": name, "rate": rate(network), "oversample": network.oversample, "places": network.names, "ports": ports,
         "left_out": left_out, "unheard": network.unheard,
-        "approximate": found.approximate, "force_outputs": network.deaf, "modes": list,
+        "approximate": found.approximate, "force_outputs": network.force_outputs, "modes": list,
     })
 }
 

@@ -150,7 +150,7 @@ fn what_is_set_is_told_from_what_is_written() {
 
 #[cfg(unix)]
 #[test]
-fn examples_of_the_help_run() {
+fn examples_of_command_help_run() {
     let mut ran = 0;
     for command in [
         "render", "check", "accuracy", "report", "equiv", "modes", "tune", "sweep", "list", "explain", "new", "import",

@@ -1,4 +1,4 @@
-//! `ca modes` and `ca tune`: what a model sings, and what it sings when it was tuned.
+//! `ca modes` and `ca tune`: modes of a model, before and after it is tuned.
 
 use crate::desk::Desk;
 use std::fs;

@@ -23,11 +23,11 @@ out = { from = "key" }
 "#;
 
 /// A device of our own client that is where it is told to be, and remembers the forces it was given.
-struct Finger {
+struct TestDevice {
     stop: Arc<AtomicBool>,
     goes: Arc<AtomicBool>,
     /// largest force so far, and that now \[uN\]
-    felt: Arc<[AtomicU64; 2]>,
+    forces: Arc<[AtomicU64; 2]>,
     thread: Option<JoinHandle<()>>,
 }
 
@@ -35,11 +35,11 @@ struct Finger {
 const DEPTH: f64 = 1.5e-3;
 const TIME: f64 = 0.5;
 
-impl Finger {
-    fn new(site: &Site, n: usize, axes: u16) -> Finger {
+impl TestDevice {
+    fn new(site: &Site, n: usize, axes: u16) -> TestDevice {
         let (stop, goes) = (Arc::new(AtomicBool::new(false)), Arc::new(AtomicBool::new(false)));
-        let felt = Arc::new([AtomicU64::new(0), AtomicU64::new(0)]);
-        let (site, end, go, to) = (site.clone(), stop.clone(), goes.clone(), felt.clone());
+        let forces = Arc::new([AtomicU64::new(0), AtomicU64::new(0)]);
+        let (site, end, go, to) = (site.clone(), stop.clone(), goes.clone(), forces.clone());
         let thread = std::thread::spawn(move || {
             let about = About {
                 axes,
@@ -68,16 +68,16 @@ impl Finger {
                 std::thread::sleep(due.saturating_duration_since(Instant::now()));
             }
         });
-        Finger { stop, goes, felt, thread: Some(thread) }
+        TestDevice { stop, goes, forces, thread: Some(thread) }
     }
 
     /// Largest force so far, and that now \[N\].
-    fn felt(&self) -> [f64; 2] {
-        [0, 1].map(|k| self.felt[k].load(Relaxed) as f64 * 1e-6)
+    fn forces(&self) -> [f64; 2] {
+        [0, 1].map(|k| self.forces[k].load(Relaxed) as f64 * 1e-6)
     }
 }
 
-impl Drop for Finger {
+impl Drop for TestDevice {
     fn drop(&mut self) {
         self.stop.store(true, Relaxed);
         if let Some(thread) = self.thread.take() {
@@ -100,16 +100,16 @@ fn stage() -> Stage {
 fn a_key_without_a_profile_is_felt_whoever_comes_first() {
     for server_first in [true, false] {
         let stage = stage();
-        let mut finger = (!server_first).then(|| Finger::new(&stage.site, 1, 1));
+        let mut finger = (!server_first).then(|| TestDevice::new(&stage.site, 1, 1));
         let server = stage.serve("finger.ca.toml", &["--json", "--log", "take.mcap"]);
-        let finger = finger.get_or_insert_with(|| Finger::new(&stage.site, 1, 1));
+        let finger = finger.get_or_insert_with(|| TestDevice::new(&stage.site, 1, 1));
         stage.on();
         finger.goes.store(true, Relaxed);
         until("it is held", || {
             stage.on();
-            (finger.felt()[1] - 500.0 * DEPTH).abs() < 1e-3
+            (finger.forces()[1] - 500.0 * DEPTH).abs() < 1e-3
         });
-        let most = finger.felt()[0];
+        let most = finger.forces()[0];
         assert!(most < 1.1 * 500.0 * DEPTH, "{most} N where the spring gives {} N", 500.0 * DEPTH);
         let ran = server.stop();
         let reported = ran.json();
@@ -133,14 +133,14 @@ fn three_axes_of_a_device_without_a_profile_are_one_force() {
     model += "[SOL]\nfar = { x = \"1 m\" }\n[RES]\ns = { between = [[\"p0\", \"p1\", \"p2\"], \"far\"], k = \"k\", l0 = 0 }\n";
     stage.put("stylus.ca.toml", &model);
     let _server = stage.serve("stylus.ca.toml", &["--quiet"]);
-    let finger = Finger::new(&stage.site, 3, 3);
+    let finger = TestDevice::new(&stage.site, 3, 3);
     stage.on();
     stage.ca(&["set", "k=4 N/m"]).is(0);
     until("all it gives", || {
         stage.on();
-        finger.felt()[1] > 1.99
+        finger.forces()[1] > 1.99
     });
-    assert!(finger.felt()[0] <= 2.0 + 1e-6, "{} N of a vector", finger.felt()[0]);
+    assert!(finger.forces()[0] <= 2.0 + 1e-6, "{} N of a vector", finger.forces()[0]);
 }
 
 #[test]
@@ -148,14 +148,14 @@ fn a_device_with_too_little_is_reported_of_and_gives_nothing() {
     let stage = stage();
     stage.put("two.ca.toml", &FINGER.replace("dof = 0", "dof = 1"));
     let server = stage.serve("two.ca.toml", &["--arm", "--seconds", "2"]);
-    let finger = Finger::new(&stage.site, 1, 1);
+    let finger = TestDevice::new(&stage.site, 1, 1);
     let ran = server.end();
     ran.says(&["finger: the model uses 2 of its degrees of freedom and it has 1: it is not played"]);
-    assert_eq!(finger.felt()[0], 0.0);
+    assert_eq!(finger.forces()[0], 0.0);
     drop(finger);
     // the same where somebody has described it
     let server = stage.serve("two.ca.toml", &["--profile", "finger=falcon", "--arm", "--seconds", "2"]);
-    let _finger = Finger::new(&stage.site, 1, 1);
+    let _finger = TestDevice::new(&stage.site, 1, 1);
     server.end().says(&["its profile `falcon` 3: its frames are not used", "`dof = 1`"]);
 }
 

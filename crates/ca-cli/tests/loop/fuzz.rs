@@ -37,7 +37,7 @@ impl Fuzz {
 }
 
 /// xorshift
-fn dice(seed: &mut u64) -> u64 {
+fn rng(seed: &mut u64) -> u64 {
     *seed ^= *seed << 13;
     *seed ^= *seed >> 7;
     *seed ^= *seed << 17;
@@ -47,8 +47,8 @@ fn dice(seed: &mut u64) -> u64 {
 /// A frame that is wrong in one or several ways, or in none.
 fn spoiled(good: &DeviceFrame, seed: &mut u64) -> DeviceFrame {
     let mut f = *good;
-    for _ in 0..dice(seed) % 4 {
-        let (what, with) = (dice(seed) % 16, dice(seed));
+    for _ in 0..rng(seed) % 4 {
+        let (what, with) = (rng(seed) % 16, rng(seed));
         let any = f64::from_bits(with);
         match what {
             0 => f.magic ^= with as u32,

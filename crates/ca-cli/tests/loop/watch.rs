@@ -8,7 +8,7 @@ use super::role::{Job, Role};
 use ca_haptic::frame::{Cause, ForceFrame, Mode};
 use ca_haptic::host::Site;
 use ca_haptic::profile::Profile;
-use ca_haptic::rt::{Wish, ask};
+use ca_haptic::rt::{RtRequest, ask};
 use std::io::Write as _;
 use std::time::Duration;
 use zerocopy::{FromBytes as _, IntoBytes as _};
@@ -71,7 +71,7 @@ fn every_force() {
     let (heap, heaps) = std::sync::mpsc::channel::<Vec<u8>>();
     // a file can take its time
     let writer = std::thread::spawn(move || heaps.iter().for_each(|h| record.write_all(&h).unwrap()));
-    ask(Wish { priority: Some(50), ..Wish::default() });
+    ask(RtRequest { priority: Some(50), ..RtRequest::default() });
     loop {
         // what came before the end is still taken
         let over = job.is_over();

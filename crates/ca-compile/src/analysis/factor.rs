@@ -71,8 +71,8 @@ impl InertiaBound {
         Some(Factor { llt, roots: self.roots.clone() })
     }
 
-    /// Bounds of the largest eigenvalue, `digits` apart or nearer, from bounds that are known; 0 and 0 where nothing pulls but
-    /// what eases.
+    /// Bounds of the largest eigenvalue, `digits` apart or nearer, from bounds that are known; 0 and 0 where no
+    /// eigenvalue is positive.
     pub fn largest(&self, lower: f64, upper: f64, digits: f64) -> (f64, f64) {
         let (mut low, mut high) = (lower.max(0.0), upper.max(lower));
         // what was taken for a bound may be one of other dofs than those looked at
@@ -101,7 +101,7 @@ impl InertiaBound {
 
 impl Factor {
     /// bᵀ (limit − H)⁻¹ b, with b scaled as H is.
-    pub fn gives(&self, b: &[(u32, f64)]) -> f64 {
+    pub fn quadratic_form(&self, b: &[(u32, f64)]) -> f64 {
         let mut x = Mat::<f64>::zeros(self.roots.len(), 1);
         for (i, a) in b {
             x[(*i as usize, 0)] += a * self.roots[*i as usize];

@@ -57,8 +57,8 @@ pub struct Linear {
     pub dofs: Vec<Dof>,
     /// links between them, or to what is fixed
     pub rows: Vec<LinkRow>,
-    /// links at points that wander
-    pub loose: Vec<MovingLink>,
+    /// links at moving points
+    pub moving_links: Vec<MovingLink>,
     entries: Vec<(u32, f64)>,
 }
 
@@ -112,7 +112,7 @@ pub struct Network {
     /// where it is driven and heard
     pub ports: Vec<Port>,
     /// outputs that hear a force, which is no displacement
-    pub deaf: Vec<String>,
+    pub force_outputs: Vec<String>,
     /// links that are not linear, and so not in it: name and law
     pub left_out: Vec<(String, &'static str)>,
     /// what nothing hears, and so is not in it: modules, or of one that is heard in part its members

@@ -1,4 +1,4 @@
-//! What can be computed of a scene before it sounds: whether it is stable, and how its linear part sings.
+//! What can be computed of a scene before it sounds: whether it is stable, and the modes of its linear part.
 //!
 //! Decides for faer: sparse Cholesky with a fill-reducing order and eigenvalues, in Rust, without a system library. All
 //! of it stands behind the feature `analysis`; a build without it proves by the cheap bounds alone and says so.

@@ -1,8 +1,8 @@
-//! The modes of a linear network: what it sings without the scheme, what the scheme makes of it, how long, and where.
+//! The modes of a linear network: frequencies without the scheme and by the scheme, decay, and shapes.
 //!
 //! With a = ω²T² and b = zT/m of a mode, the scheme's poles are the roots of w² − (2 − a − b) w + (1 − b): its pitch is
 //! (fs/2π) arg w, and it dies by |w| = √(1 − b) a sample (docs/numerics.md §1.2, §1.4). Without the scheme the same
-//! mode sings √(ω² − s²) and dies by e^(−st), s = b/2T.
+//! mode has the frequency √(ω² − s²) and dies by e^(−st), s = b/2T.
 //!
 //! Decides for one symmetric eigenproblem, of T² M^-½ K M^-½: modes are orthogonal and every one is found. Damping that
 //! is not proportional couples them; how much is reported for each mode ([`Mode::coupled`]), and up to [`EXACT`] dofs the
@@ -38,7 +38,7 @@ pub struct Mode {
     pub t60_free: f64,
     /// true where the scheme makes it grow: the scene is unstable
     pub grows: bool,
-    /// how much damping ties it to its neighbours: share of its own damping, over their distance; 0 where not at all
+    /// how much damping couples it to its neighbours: share of its own damping, over their distance; 0 where not at all
     pub coupled: f64,
     /// displacement of each place \[1/√kg\], for a modal mass of 1 kg
     pub shape: Vec<f64>,
@@ -180,8 +180,8 @@ pub fn modes(network: &Network) -> Option<Modes> {
         }
         list.push(mode);
     }
-    let ties = !network.modal && (implicit.is_some() || list.iter().any(|m| m.coupled > COUPLED));
-    if ties && n <= EXACT {
+    let coupled = !network.modal && (implicit.is_some() || list.iter().any(|m| m.coupled > COUPLED));
+    if coupled && n <= EXACT {
         if let Some(mut a) = implicit {
             (0..n).for_each(|i| a[(i, i)] += 1.0);
             let a = a.partial_piv_lu();
@@ -189,7 +189,7 @@ pub fn modes(network: &Network) -> Option<Modes> {
         }
         poles(&k, &z, u, tick_dt, &mut list)?;
     }
-    Some(Modes { list, approximate: ties && n > EXACT })
+    Some(Modes { list, approximate: coupled && n > EXACT })
 }
 
 const TURN: f64 = core::f64::consts::TAU;

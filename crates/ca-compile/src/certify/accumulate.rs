@@ -1,8 +1,8 @@
 //! Accumulate: what pulls at each mass, added up.
 //!
 //! Decides that a method with another limit than 4 is judged as heavier masses would be by the explicit one
-//! ([`crate::net::Resolved::ease`]): `pull` is T²/m times that, and everything compared with 4 goes by it, while rules about
-//! one contact go by T²/m itself.
+//! ([`crate::net::Resolved::limit_ratio`]): `scaled_mobility` is T²/m times that, and everything compared with
+//! 4 goes by it, while rules about one contact go by T²/m itself.
 
 use crate::certify::negative::Negative;
 use crate::net::worst::{WorstMat, worst_bounds, worst_mats};
@@ -28,7 +28,7 @@ pub struct Sums {
     /// T²/m \[m/N\]; 0 of what does not move
     pub c: f64,
     /// T²/m by which a sum is compared with the limit 4 \[m/N\]
-    pub pull: f64,
+    pub scaled_mobility: f64,
     /// stiffness of its own \[N/m\]
     #[cfg_attr(not(feature = "analysis"), allow(dead_code))]
     pub k: f64,
@@ -37,9 +37,18 @@ pub struct Sums {
 }
 
 impl Sums {
-    fn new(m: WorstMat, ease: f64) -> Sums {
+    fn new(m: WorstMat, limit_ratio: f64) -> Sums {
         let own = m.k + 2.0 * m.z;
-        Sums { certain: own, all: own, disc: own, c: m.c, pull: m.c * ease, k: m.k, z: m.z, ..Sums::default() }
+        Sums {
+            certain: own,
+            all: own,
+            disc: own,
+            c: m.c,
+            scaled_mobility: m.c * limit_ratio,
+            k: m.k,
+            z: m.z,
+            ..Sums::default()
+        }
     }
 }
 
@@ -55,9 +64,9 @@ pub struct Accumulated {
 
 /// Adds up.
 pub fn accumulate(net: &Pruned) -> Accumulated {
-    let ease = net.ease();
+    let limit_ratio = net.limit_ratio();
     // what is left out does not move
-    let sums = |(m, alive): (WorstMat, &bool)| if *alive { Sums::new(m, ease) } else { Sums::default() };
+    let sums = |(m, alive): (WorstMat, &bool)| if *alive { Sums::new(m, limit_ratio) } else { Sums::default() };
     let mut mats: Vec<Sums> = worst_mats(net).into_iter().zip(&net.alive).map(sums).collect();
     let links = worst_bounds(net);
     let mut springs = Negative::default();
@@ -86,7 +95,7 @@ fn link(net: &Pruned, l: &LiaNode, b: &Bound, mats: &mut [Sums]) {
     let others = (entries - 1.0).max(0.0);
     for (end, m) in sides.iter().flat_map(|(end, under)| under.iter().map(move |m| (end, m))) {
         let s = &mut mats[*m as usize];
-        // what eases the limit is left out of what no mass may pass
+        // what raises the limit is left out of what no mass may pass
         s.all += if b.lift > 0.0 { h.max(0.0) } else { h };
         s.disc += h + others * h.abs();
         if matches!(end, End::Mat(_)) {

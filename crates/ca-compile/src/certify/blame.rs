@@ -15,7 +15,7 @@ use ca_model::{Model, Span, quantity};
 
 /// Numbers so large or so small that the coefficients are not numbers any more. Said for each item, and an error.
 pub fn overflow(model: &Model, net: &Pruned, sums: &Accumulated, diags: &mut Diags) -> bool {
-    let good = |s: &Sums| s.pull.is_finite() && (s.all * s.pull).is_finite();
+    let good = |s: &Sums| s.scaled_mobility.is_finite() && (s.all * s.scaled_mobility).is_finite();
     let mats = net.mats.iter().zip(&sums.mats).filter(|(_, s)| !good(s)).map(|(m, _)| m.item);
     let links =
         net.lias.iter().zip(&sums.links).filter(|(_, b)| !(b.k.is_finite() && b.z.is_finite())).map(|(l, _)| l.item);
@@ -39,7 +39,7 @@ pub fn span(model: &Model, net: &Pruned, item: u32) -> Span {
 pub fn unstable(model: &Model, net: &Pruned, sums: &Accumulated, i: usize) -> Diag {
     let m = &net.mats[i];
     let s = &sums.mats[i];
-    let at = s.certain * s.pull;
+    let at = s.certain * s.scaled_mobility;
     let title = format!(
         "`{}` is too stiff for its mass at this sound rate: {:.3}, the limit is 4",
         m.name,
@@ -60,7 +60,7 @@ pub fn unstable(model: &Model, net: &Pruned, sums: &Accumulated, i: usize) -> Di
     let rate = faster(net, at, viscous);
     match most {
         Some((l, b)) => {
-            let (room, counted) = (4.0 / s.pull - (s.certain - b.h()), b.explicit());
+            let (room, counted) = (4.0 / s.scaled_mobility - (s.certain - b.h()), b.explicit());
             // what one number leaves to the other; below 0 no value of it would do
             let (k, z) = (room - 2.0 * counted.z, 0.5 * (room - counted.k));
             let fix = if b.lift > 0.0 {

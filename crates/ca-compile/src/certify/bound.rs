@@ -23,14 +23,14 @@ pub fn bound(net: &Pruned, sums: &Accumulated) -> Bounds {
     for (i, s) in sums.mats.iter().enumerate() {
         // waves that come back may hold a junction against its own damper, which is where they leave
         let leaves = if net.lines.iter().any(|l| l.junctions().contains(&(i as u32))) { 2.0 * s.z } else { 0.0 };
-        if (certain(s) - leaves) * s.pull > lower {
-            (lower, cause) = ((certain(s) - leaves) * s.pull, Some(i));
+        if (certain(s) - leaves) * s.scaled_mobility > lower {
+            (lower, cause) = ((certain(s) - leaves) * s.scaled_mobility, Some(i));
         }
     }
     let negative = sums.links.iter().any(|b| b.k < 0.0);
-    let discs = sums.mats.iter().map(|s| s.disc * s.pull).fold(0.0, f64::max);
+    let discs = sums.mats.iter().map(|s| s.disc * s.scaled_mobility).fold(0.0, f64::max);
     let upper = if negative { discs } else { pairs(net, sums).min(discs) };
-    let all = |i: &usize| sums.mats[*i].all * sums.mats[*i].pull;
+    let all = |i: &usize| sums.mats[*i].all * sums.mats[*i].scaled_mobility;
     let worst = (0..sums.mats.len()).max_by(|a, b| all(a).total_cmp(&all(b)));
     Bounds { lower, cause, upper, worst, covered: !negative || sums.springs.covered() }
 }
@@ -42,8 +42,8 @@ fn certain(s: &Sums) -> f64 {
 
 /// The largest sum over the ends of one link; a mass with a spring of its own is a link to the ground.
 fn pairs(net: &Pruned, sums: &Accumulated) -> f64 {
-    let one = |m: &u32| sums.mats[*m as usize].all * sums.mats[*m as usize].pull;
-    let alone = sums.mats.iter().map(|s| s.all * s.pull).fold(0.0, f64::max);
+    let one = |m: &u32| sums.mats[*m as usize].all * sums.mats[*m as usize].scaled_mobility;
+    let alone = sums.mats.iter().map(|s| s.all * s.scaled_mobility).fold(0.0, f64::max);
     // the contacts of a set are judged by rule, and no two of its members are tied
     let tied = net.lias.iter().filter(|l| l.sets.is_none() && !l.law.is_staged());
     let end = |e: End| net.reach(e).max(1.0) * net.under(e).iter().map(one).fold(0.0, f64::max);

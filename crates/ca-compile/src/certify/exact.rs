@@ -41,7 +41,7 @@ impl Exact {
     pub fn new(net: &Pruned, sums: &[Sums], bounds: &[Bound]) -> Option<Exact> {
         let bounds: Vec<Bound> = bounds.iter().map(Bound::explicit).collect();
         let bounds = &bounds[..];
-        let own: Vec<Own> = sums.iter().map(|s| Own { c: s.pull, k: s.k, z: s.z, implicit: 0.0 }).collect();
+        let own: Vec<Own> = sums.iter().map(|s| Own { c: s.scaled_mobility, k: s.k, z: s.z, implicit: 0.0 }).collect();
         let (mut linear, numbers) = dofs(net, &own);
         let whole = links(net, bounds, &numbers, Points::Anywhere, &mut linear, |l, b| {
             !l.law.is_staged() && (b.linear || !b.contact)
@@ -67,13 +67,13 @@ impl Exact {
 
     fn is_stable(&self) -> bool {
         let Some(factor) = self.factor.as_ref().filter(|_| self.whole) else { return false };
-        let solves: usize = self.linear.loose.iter().map(|l| l.at.len()).sum();
+        let solves: usize = self.linear.moving_links.iter().map(|l| l.at.len()).sum();
         if solves.saturating_mul(self.linear.dofs.len()) > WORK {
             return false;
         }
         // 4 − H − Σ h b bᵀ is definite where Σ h bᵀ(4 − H)⁻¹b is below 1
-        let most = |l: &MovingLink| l.at.iter().map(|b| factor.gives(b)).fold(0.0, f64::max);
-        let used: f64 = self.linear.loose.iter().map(|l| (l.k + 2.0 * l.z) * most(l)).sum();
+        let most = |l: &MovingLink| l.at.iter().map(|b| factor.quadratic_form(b)).fold(0.0, f64::max);
+        let used: f64 = self.linear.moving_links.iter().map(|l| (l.k + 2.0 * l.z) * most(l)).sum();
         used < 1.0 - ROUNDING
     }
 
@@ -94,21 +94,23 @@ impl Exact {
         // what is always there is in the matrix itself, and taken out of it again
         let h = if own.contact { 0.0 } else { own.h() };
         let of = |b: &[(u32, f64)]| {
-            let g = factor.gives(b);
-            4.0 * g / (1.0 + h * g) / net.ease()
+            let g = factor.quadratic_form(b);
+            4.0 * g / (1.0 + h * g) / net.limit_ratio()
         };
         rows(net, l, &Bound::default(), &self.numbers, Points::Anywhere)
             .iter()
             .map(|row| match row {
                 Pull::At(_, _, b) => of(b),
-                Pull::Anywhere(at) => at.iter().map(|b| 4.0 * factor.gives(b) / net.ease()).fold(0.0, f64::max),
+                Pull::Anywhere(at) => {
+                    at.iter().map(|b| 4.0 * factor.quadratic_form(b) / net.limit_ratio()).fold(0.0, f64::max)
+                }
             })
             .reduce(f64::max)
     }
 
     /// Bounds of the largest eigenvalue; `None` where points wander or sets are tied, so that it depends.
     pub fn largest(&self, cert: &Certificate, asked: bool) -> Option<(f64, f64)> {
-        let fixed = self.whole && self.linear.loose.is_empty();
+        let fixed = self.whole && self.linear.moving_links.is_empty();
         fixed.then(|| self.bound_of_inertia.largest(cert.lower, cert.bound, if asked { ASKED } else { TOLD }))
     }
 

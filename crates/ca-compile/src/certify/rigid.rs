@@ -1,11 +1,11 @@
-//! What an LPR leans on: whether the world of its line port holds the two ends together, and how softly.
+//! The support of an LPR: whether the world of its line port holds the two ends together, and how softly.
 //!
 //! An LPR is two springs end to end, itself and that world: the extension under a force F is F (1/k + χ), with χ the
 //! static compliance between the two ends (docs/numerics.md §4.3). Where nothing joins them χ is infinite and the body
 //! in space falls apart (W111); where χ is above 1/k, most of the stiffness that was written is not there (W112). Of
-//! two ports on lines it is enough that one leans on something.
+//! two ports on lines it is enough that one has a support.
 //!
-//! Decides for one factorisation of each part of the network that LPRs lean on, in document order within its envelope,
+//! Decides for one factorisation of each part of the network that supports LPRs, in document order within its envelope,
 //! which for strings and meshes is a narrow band; parts whose envelope is too wide are only looked at for connection.
 //! Springs that push (bending) count in the compliance and not in the connection.
 
@@ -113,8 +113,8 @@ impl Part {
         Part { nodes, grounded, rows }
     }
 
-    /// How far the part gives, per newton, where `pulls` act on nodes of it: the sum of pull times displacement.
-    fn gives(&self, pulls: &[(Node, f64)]) -> Option<f64> {
+    /// Compliance \[m/N\] of the part where `pulls` act on nodes of it: the sum of pull times displacement.
+    fn compliance(&self, pulls: &[(Node, f64)]) -> Option<f64> {
         let rows = self.rows.as_ref()?;
         let mut y = alloc::vec![0.0; rows.len()];
         for (node, pull) in pulls {
@@ -194,14 +194,14 @@ fn hold(net: &Pruned, s: &Springs, parts: &mut Vec<Part>, ends: [End; 2], axes: 
     let part = at.map(|n| n.map(&mut find));
     if let ([Some(a), Some(b)], [Some(p), Some(q)]) = (at, part) {
         if p == q {
-            return Hold::Gives(parts[p].gives(&[(a, -1.0), (b, 1.0)]));
+            return Hold::Gives(parts[p].compliance(&[(a, -1.0), (b, 1.0)]));
         }
     }
     if part.iter().flatten().any(|p| !parts[*p].grounded) {
         return Hold::Nothing;
     }
     let gives = at.into_iter().zip(part).map(|(n, p)| match (n, p) {
-        (Some(n), Some(p)) => parts[p].gives(&[(n, 1.0)]),
+        (Some(n), Some(p)) => parts[p].compliance(&[(n, 1.0)]),
         _ => Some(0.0),
     });
     Hold::Gives(gives.sum())
@@ -245,13 +245,14 @@ pub fn rigid(model: &Model, net: &Pruned, diags: &mut Diags) {
 }
 
 fn nothing(name: &str, [p, q]: [&str; 2]) -> Diag {
-    let title = format!("`{name}` leans on nothing: no spring holds `{p}` and `{q}` together");
+    let title = format!("`{name}` has no support: no spring holds `{p}` and `{q}` together");
     Diag::warning("W111", title).help("join them by `[RES]` or `[REF]`, tie each to a `[SOL]`, or make each a `[CEL]`")
 }
 
 fn softer(name: &str, [p, q]: [&str; 2], k: f64, soft: f64) -> Diag {
     let newtons = |k: f64| quantity::show(round_down(k), Unit::STIFFNESS);
-    let title = format!("`{name}` leans on less than itself: between `{p}` and `{q}` are {}", newtons(1.0 / soft));
+    let title =
+        format!("`{name}` has a support softer than itself: between `{p}` and `{q}` are {}", newtons(1.0 / soft));
     let whole = newtons(k / (1.0 + k * soft));
     let help = format!("together they are {whole}: use stiffer springs at `{p}` and `{q}`, or a smaller `k` here");
     Diag::warning("W112", title).help(help)

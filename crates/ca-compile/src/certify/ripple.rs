@@ -2,7 +2,7 @@
 //!
 //! Without viscosity the scheme is symplectic, so beside the energy H of the ledger it keeps another one for as long as
 //! anyone plays, and does not drift; what is left to bound is the difference of the two. With λ = ω²T² of a mode:
-//! - What it keeps is Σ ρ Hᵢ over the modes, ρ = θ/sin θ with 2 sin(θ/2) = √λ. Lengths tie the modes to each other, and
+//! - What it keeps is Σ ρ Hᵢ over the modes, ρ = θ/sin θ with 2 sin(θ/2) = √λ. Lengths couple the modes, and
 //!   energy that goes from a mode of λ to one without stiffness is ρ times as large in the ledger.
 //! - A spring under tension holds sideways, with its energy before and after a tick in the mean and not in the product:
 //!   ¼ dᵀKd above what the mode keeps, up to λ/2 of its energy in motion, which is at most 1/(1 − λ/4) of all of it.

@@ -8,7 +8,7 @@
 use crate::net::Pruned;
 use crate::options::{KernelClass, Options};
 use alloc::vec::Vec;
-use ca_core::layout::{Heard, Layout, MeasureKind};
+use ca_core::layout::{Layout, MeasureKind, Tap};
 use ca_core::op::{Op, fused, pass};
 use ca_core::scene::{Location, Symbol};
 
@@ -137,7 +137,7 @@ fn touched(layout: &Layout, forces: &[Op]) -> Vec<Touched> {
             "ENF" => layout.enf.iter().for_each(|p| all[p.mat as usize].add(i)),
             "weight" => layout.weighed.iter().for_each(|m| all[*m as usize].add(i)),
             "points back" => {
-                for p in &layout.proxies {
+                for p in &layout.moving_points {
                     let nodes = &layout.nodes[p.first as usize..][..(p.size[0] * p.size[1]) as usize];
                     for m in nodes {
                         all[*m as usize].add(i);
@@ -156,7 +156,7 @@ fn touched(layout: &Layout, forces: &[Op]) -> Vec<Touched> {
         read(&mut all, m.first as usize..(m.first + m.n) as usize);
     }
     let ports = layout.enx.iter().chain(&layout.tgr).map(|p| p.mat);
-    let heard = layout.outputs.iter().filter_map(|o| if let Heard::ForceOn(m) = o.heard { Some(m) } else { None });
+    let heard = layout.outputs.iter().filter_map(|o| if let Tap::ForceOn(m) = o.tap { Some(m) } else { None });
     ports.chain(heard).for_each(|m| all[m as usize].read = true);
     all
 }

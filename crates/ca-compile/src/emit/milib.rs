@@ -61,7 +61,7 @@ pub fn first(layout: &Layout, forces: &[Op], written: State) -> State {
         s.f[i] = 0.0;
     }
     let mut s = start(layout, forces, Order::Exact, s);
-    let felt = |speed: &dyn Fn(usize) -> Real| {
+    let forces_at = |speed: &dyn Fn(usize) -> Real| {
         let mut trial = s.clone();
         for i in 0..n {
             trial.d[i] = speed(i);
@@ -71,7 +71,7 @@ pub fn first(layout: &Layout, forces: &[Op], written: State) -> State {
         }
         trial.f
     };
-    let (right, theirs) = (felt(&|i| s.d[i]), felt(&|i| layout.rest[i] + s.x[i] + delayed[i]));
+    let (right, theirs) = (forces_at(&|i| s.d[i]), forces_at(&|i| layout.rest[i] + s.x[i] + delayed[i]));
     for i in (0..n).filter(|i| s.coef[2 * n + i] != 0.0) {
         s.f[i] = theirs[i] - right[i];
     }

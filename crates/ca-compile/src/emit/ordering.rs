@@ -14,7 +14,7 @@ pub fn document(net: &Pruned) -> Vec<u32> {
 }
 
 /// As `document`, with chains in a row.
-pub fn number(net: &Pruned) -> Vec<u32> {
+pub fn storage(net: &Pruned) -> Vec<u32> {
     // neighbours in document order of the links, as (start, list)
     let n = net.mats.len();
     let pairs = || {

@@ -13,7 +13,7 @@ use ca_core::{border, energy};
 /// Before the forces: ports, the ledger of the tick before, changes, moving points.
 pub fn reads(layout: &Layout, live: usize, aimed: bool) -> Vec<Op> {
     let kept = layout.ledger.is_some();
-    let points = layout.proxies.len();
+    let points = layout.moving_points.len();
     let modules = layout.n_mat + layout.n_lia;
     let modal = layout.modal.len();
     let list: [(bool, &'static str, Kernel, usize); 9] = [
@@ -46,8 +46,8 @@ pub fn forces(layout: &Layout, mut links: Vec<Op>, late: usize, weight: usize) -
     }
     let late = links.split_off(late);
     list.extend(links);
-    if !layout.proxies.is_empty() {
-        list.push(Op::pass("points back", pass::spread, layout.proxies.len()));
+    if !layout.moving_points.is_empty() {
+        list.push(Op::pass("points back", pass::spread, layout.moving_points.len()));
     }
     if !layout.modal.is_empty() {
         list.push(Op::pass("modes", pass::share, layout.modal.len()));
@@ -67,12 +67,12 @@ pub fn forces(layout: &Layout, mut links: Vec<Op>, late: usize, weight: usize) -
         .find_map(|o| if let Some(SolveStage::Coupled(f)) = o.law.map(|l| l.stage) { Some(f) } else { None });
     list.extend(late);
     list.extend(together.map(|solve| Op::pass("contacts", solve, layout.n_touch)));
-    let (keys, kept, felt) = (layout.tgr.len(), layout.ledger.is_some(), layout.crossing.feedback);
-    let aside = keys > 0 && kept && !felt;
+    let (keys, kept, feedback) = (layout.tgr.len(), layout.ledger.is_some(), layout.crossing.feedback);
+    let aside = keys > 0 && kept && !feedback;
     if aside {
         list.push(Op::pass("TGR mute", border::mute, keys));
     }
-    if keys > 0 && (felt || kept) {
+    if keys > 0 && (feedback || kept) {
         list.push(Op::pass("TGR out", border::collect(layout), keys));
     }
     if keys > 0 && kept {

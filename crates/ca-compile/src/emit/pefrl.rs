@@ -7,7 +7,7 @@ use ca_core::op::{Kernel, Op, pass};
 
 /// What moves masses: drifts, and between them the `forces` again and a kick. `own`: there are springs of cells.
 pub fn moves(layout: &Layout, forces: &[Op], own: bool) -> Vec<Op> {
-    let (n, points) = (layout.n_mat, layout.proxies.len());
+    let (n, points) = (layout.n_mat, layout.moving_points.len());
     if n == 0 {
         return Vec::new();
     }

@@ -51,7 +51,7 @@ fn force(net: &Pruned, l: &LiaNode, c: &[Real], e: Real) -> Real {
 }
 
 fn of_pair(net: &Pruned, l: &LiaNode, e0: f64, reach: &[[f64; 4]; 2]) -> Option<Pressed> {
-    let felt = |ends: [End; 2], m: Measure, reach: &[f64; 4]| {
+    let elongation = |ends: [End; 2], m: Measure, reach: &[f64; 4]| {
         let at = ends.map(|e| if let End::Mat(m) = e { net.mats[m as usize].dx0 } else { [0.0; 3] });
         let places = match m {
             Measure::Line([a, b]) => [at[0][a as usize], 0.0, 0.0, at[1][b as usize], 0.0, 0.0],
@@ -59,8 +59,8 @@ fn of_pair(net: &Pruned, l: &LiaNode, e0: f64, reach: &[[f64; 4]; 2]) -> Option<
         };
         wide(measure(m.measure(), &places.map(real), &[0.0; 6], [0, 3], &reach.map(real)).e)
     };
-    let second = l.onto.map_or(0.0, |o| felt(o.ends, o.measure, &reach[1]));
-    let e = e0 + felt(l.ends, l.measure, &reach[0]) + second;
+    let second = l.onto.map_or(0.0, |o| elongation(o.ends, o.measure, &reach[1]));
+    let e = e0 + elongation(l.ends, l.measure, &reach[0]) + second;
     let c = coefs(net, l);
     let f = wide(force(net, l, &c, real(e)));
     (f != 0.0).then_some((l.ends, e, f))

@@ -18,7 +18,7 @@ use ca_core::active_contacts::ActiveContacts;
 use ca_core::certificate::Certificate;
 use ca_core::kind::PortRole;
 use ca_core::layout::{
-    Account, CoordinateSource, Enf, Enx, Heard, Layout, LedgerPlan, MeasureKind, Modal, Output, Proxy,
+    Account, CoordinateSource, Enf, Enx, Layout, LedgerPlan, MeasureKind, Modal, MovingPoint, Output, Tap,
 };
 use ca_core::ledger::Ledger;
 use ca_core::live::Loader;
@@ -50,7 +50,7 @@ pub fn schedule(
     // in this order, coefficients stand one behind the other
     let (weight, weighed) = weigh(&mut plan);
     let links = plan.links(options, diags, model);
-    let Points { nodes, proxies, modal, shares, aimed } = points(&mut plan);
+    let Points { nodes, moving: moving_points, modal, shares, aimed } = points(&mut plan);
     let (gains, outputs) = outputs(&mut plan, &links)?;
     let implicit = plan.implicit(n_mat, &links, model, diags);
     // what stands before the links in the list of forces moves them back; moving points and what is implicit only those
@@ -58,7 +58,7 @@ pub fn schedule(
     let waves = plan.waves(links.mem);
     let lead = [enf.is_empty(), weighed.is_empty(), waves.delays.is_empty()].iter().filter(|none| !**none).count();
     let solved = implicit.as_ref().map_or([false; 2], |(a, _)| [!a.places.is_empty(), !a.pairs.is_empty()]);
-    let back = [!proxies.is_empty(), !modal.is_empty(), solved[0], solved[1]].into_iter().filter(|b| *b).count();
+    let back = [!moving_points.is_empty(), !modal.is_empty(), solved[0], solved[1]].into_iter().filter(|b| *b).count();
     let place = |op: usize| op + lead + if op >= links.late { back } else { 0 };
     let ported: BTreeSet<u32> = enx.iter().chain(&tgr).map(|p| p.mat).collect();
     let ledger =
@@ -87,7 +87,7 @@ pub fn schedule(
         e0: reals(links.e0),
         rest: reals(rest),
         nodes,
-        proxies,
+        moving_points,
         modal,
         shares: reals(shares),
         tables: net.tables.iter().cloned().chain(own_tables(net).into_iter().map(|(_, t)| t)).collect(),
@@ -255,7 +255,7 @@ fn weigh(plan: &mut Plan) -> (usize, Vec<u32>) {
 struct Points {
     /// the MATs under them
     nodes: Vec<u32>,
-    proxies: Vec<Proxy>,
+    moving: Vec<MovingPoint>,
     /// masses that go by modes, and their shares
     modal: Vec<Modal>,
     shares: Vec<f64>,
@@ -291,7 +291,7 @@ fn points(plan: &mut Plan) -> Points {
             };
             all.aimed |= !matches!(c, Coordinate::At(_));
         }
-        all.proxies.push(Proxy { mat, first, size: family.size, at });
+        all.moving.push(MovingPoint { mat, first, size: family.size, at });
     }
     all
 }
@@ -301,15 +301,15 @@ fn outputs(plan: &mut Plan, links: &Links) -> Option<(usize, Vec<Output>)> {
     let first = plan.coef.len();
     let mut all = Vec::new();
     for o in plain_first(plan.net) {
-        let heard = match o.tap {
-            OutputTap::Position(e) => Heard::Position(plan.alive(e, o.axis)?),
-            OutputTap::ForceOn(e) => Heard::ForceOn(plan.alive(e, o.axis)?),
+        let tap = match o.tap {
+            OutputTap::Position(e) => Tap::Position(plan.alive(e, o.axis)?),
+            OutputTap::ForceOn(e) => Tap::ForceOn(plan.alive(e, o.axis)?),
             OutputTap::ForceOf(l) => {
                 let (op, k) = links.where_is[l as usize];
-                Heard::ForceOf((links.forces[op as usize].tap + k as usize) as u32)
+                Tap::ForceOf((links.forces[op as usize].tap + k as usize) as u32)
             }
         };
-        all.push(Output { channel: o.channel, heard });
+        all.push(Output { channel: o.channel, tap });
         plan.coef.push(0.0);
         let to = plan.coef.len() - 1;
         match (o.item, o.gain) {
@@ -378,7 +378,7 @@ fn loaded(
         last_input: input.clone(),
         output: alloc::vec![0.0; layout.n_out],
         near: layout.pair_sets.iter().map(|c| VerletList::new(c.members.len(), c.rows, c.columns)).collect(),
-        cells: alloc::vec![Cell::default(); layout.proxies.len()],
+        cells: alloc::vec![Cell::default(); layout.moving_points.len()],
         border: alloc::vec![Border::default(); layout.tgr.len()],
         late: alloc::vec![0.0; layout.tgr.len() * layout.crossing.latency as usize],
         blocked: alloc::vec![[0.0; 2]; layout.blockers.len()],

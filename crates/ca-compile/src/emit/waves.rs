@@ -2,7 +2,7 @@
 
 use crate::emit::plan::Plan;
 use alloc::vec::Vec;
-use ca_core::layout::{Delay, Junction, Through, Waves};
+use ca_core::layout::{Delay, Junction, Termination, Waves};
 
 impl Plan<'_> {
     /// Lays out the strings; their memory begins at `memory`.
@@ -25,19 +25,21 @@ impl Plan<'_> {
                 // before the first junction and behind the last a wave comes back to where it was
                 let sides = [(i > 0).then(|| (base + i - 1, 1)), (i < last).then_some((base + i, 0))];
                 let [left, right] = sides;
-                let mut lossy = |loss| Through::Lossy { loss, memory: take(1) };
+                let mut lossy = |loss| Termination::Lossy { loss, memory: take(1) };
                 // taps and allpass of the near end take two samples of its delay; every ring of taps has three more
                 let ways = match (left, right, tuned.near) {
-                    (Some(a), Some(b), _) => alloc::vec![(a, b, Through::Open, len), (b, a, Through::Open, len)],
+                    (Some(a), Some(b), _) => {
+                        alloc::vec![(a, b, Termination::Open, len), (b, a, Termination::Open, len)]
+                    }
                     (Some(a), None, _) => alloc::vec![(a, a, lossy(tuned.loss), len + 3)],
                     (None, Some(b), Some(near)) => alloc::vec![(b, b, lossy(near), len + 1)],
-                    (None, Some(b), None) => alloc::vec![(b, b, Through::Rigid, len)],
+                    (None, Some(b), None) => alloc::vec![(b, b, Termination::Rigid, len)],
                     (None, None, _) => Vec::new(),
                 };
-                for ((junction, side), (other, there), through, len) in ways {
+                for ((junction, side), (other, there), end, len) in ways {
                     let from = all.junctions[junction].memory + side;
                     let to = all.junctions[other].memory + there;
-                    all.delays.push(Delay { junction, from, to, first: take(len), len, through });
+                    all.delays.push(Delay { junction, from, to, first: take(len), len, end });
                 }
             }
         }

@@ -72,7 +72,7 @@ pub fn links(
                     let implicit = 0.25 * b.lift * k + if b.centred { 0.5 * b.z * z } else { 0.0 };
                     linear.link(i as u32, [b.k * k, b.z * z, implicit], &entries);
                 }
-                Pull::Anywhere(at) => linear.loose.push(MovingLink { k: b.k, z: b.z, at }),
+                Pull::Anywhere(at) => linear.moving_links.push(MovingLink { k: b.k, z: b.z, at }),
             }
         }
     }
@@ -94,12 +94,12 @@ pub fn network(net: &Pruned) -> Network {
     let counts = |l: &LiaNode, b: &Bound| b.linear && !l.law.is_staged();
     let whole = links(net, &slopes, &numbers, Points::AtLoad, &mut linear, counts);
     debug_assert!(whole, "the laws of sets are not linear");
-    let (mut ports, mut deaf): (Vec<Port>, Vec<_>) = (Vec::new(), Vec::new());
+    let (mut ports, mut force_outputs): (Vec<Port>, Vec<_>) = (Vec::new(), Vec::new());
     // the last port and its channel: a probe may have the name of an output
     let mut last: Option<(&str, u32)> = None;
     for (name, tap, axis, share, channel) in net.outs.iter().map(|o| (&o.name, o.tap, o.axis, o.share, o.channel)) {
         let OutputTap::Position(end) = tap else {
-            deaf.push(name.clone());
+            force_outputs.push(name.clone());
             continue;
         };
         let here = at_end(net, end, &numbers, Points::AtLoad, |first, _| alloc::vec![(first + u32::from(axis), share)]);
@@ -152,7 +152,7 @@ pub fn network(net: &Pruned) -> Network {
         v: linear.dofs.iter().map(|p| at(p, |m| m.v)).collect(),
         names: names.collect(),
         ports,
-        deaf,
+        force_outputs,
         left_out: left_out.into_iter().map(|(i, code)| (net.items[i as usize].name.clone(), code)).collect(),
         unheard: unheard(net),
         linear,

@@ -1,6 +1,6 @@
 //! Lines: the strings of waves in the network, as records; the pass `waves` tunes them.
 
-use ca_core::wave::{Asked, Tuned};
+use ca_core::wave::{Tuned, WaveguideSpec};
 
 /// A string of waves.
 #[derive(Clone, Debug)]
@@ -10,7 +10,7 @@ pub struct LineNode {
     /// its first junction, by document number; the others follow
     pub first: u32,
     /// what was asked for
-    pub asked: Asked,
+    pub asked: WaveguideSpec,
     /// what that is in samples; `None` before it is settled, or where it cannot be
     pub tuned: Option<Tuned>,
 }

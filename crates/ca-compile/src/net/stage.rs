@@ -161,7 +161,7 @@ impl Resolved {
     }
 
     /// The limit of the explicit scheme as a share of that of the method: what the certificate counts stiffness by.
-    pub fn ease(&self) -> f64 {
+    pub fn limit_ratio(&self) -> f64 {
         if self.is_composed() { 4.0 / LIMIT } else { 1.0 }
     }
 }

@@ -37,8 +37,8 @@ static MODE: MatSpec = MatSpec {
     fixed: false,
 };
 
-/// From where on damping ties modes more than rounding does.
-const TIED: f64 = 1e-9;
+/// From where on damping couples modes more than rounding does.
+const COUPLED: f64 = 1e-9;
 
 /// Replaces the linear part of each group that asks for it.
 pub fn modal(model: &Model, net: &mut Pruned, diags: &mut Diags) {
@@ -195,12 +195,12 @@ fn obstacle(model: &Model, net: &Pruned, within: &[bool], name: &str, item: u32,
     refuse(item, "E028", title, "use a mass such as `low[8]`, or `method = \"ca\"`")
 }
 
-/// Says where damping would tie modes that are now apart.
+/// Says where damping would couple modes that are now apart.
 fn warn(model: &Model, net: &Pruned, item: u32, list: &[Mode], name: &str, diags: &mut Diags) {
     let most = list.iter().map(|m| m.coupled).fold(0.0, f64::max);
-    if most > TIED {
+    if most > COUPLED {
         let span = model.items[net.items[item as usize].model].name_span;
-        let title = format!("damping ties the modes of {name} to each other, which is left out");
+        let title = format!("damping couples the modes of {name}, which is left out");
         let d = Diag::warning("W115", title).at(span, format!("by up to {most:.1e} of their distance"));
         diags.push(d.help("damp all masses alike (for their weight), or keep `method = \"ca\"` where it matters"));
     }

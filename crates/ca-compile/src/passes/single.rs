@@ -2,7 +2,8 @@
 //!
 //! Decides by what was measured against double precision (tests/suite/single.rs). Strings, meshes, cells, modes,
 //! friction and contacts by any method keep 1e-3 and better over a second, so nothing is said of them. Three do not:
-//! - a **distance in space** is known to 1e-7 of where its ends are, and what a body sings by is that small;
+//! - a **distance in space** is known to 1e-7 of where its ends are, and the deformation by which a
+//!   body sounds is that small;
 //! - an **implicit** link with much more than the inertia of its ends multiplies rounding by as much;
 //! - a **number** of a module may be too large or too small, or so near to 1 that a long decay is lost in it.
 

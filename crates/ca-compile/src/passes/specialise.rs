@@ -5,7 +5,7 @@ use crate::net::Wired;
 use alloc::format;
 use alloc::vec::Vec;
 use ca_core::live::Source;
-use ca_core::op::law::Fixed;
+use ca_core::op::law::ParamBinding;
 use ca_model::Model;
 use ca_model::diag::{Diag, Diags};
 
@@ -29,21 +29,21 @@ pub fn specialise(model: &Model, net: &mut Wired, diags: &mut Diags) {
         let item = &net.items[l.item as usize];
         // which of its values may move: for a generator any, since one slot may depend on every argument
         let generated = matches!(item.kind.role, ca_core::kind::Role::Generator(_));
-        let fixed: Vec<Fixed> = l
+        let fixed: Vec<ParamBinding> = l
             .values
             .iter()
             .map(|s| match (s, s.get(&item.slots)) {
                 (Source::Slot(i), Some(_)) if item.follows.iter().any(|f| generated || f.0 == *i as usize) => {
-                    Fixed::Live
+                    ParamBinding::Live
                 }
-                (_, Some(v)) => Fixed::At(v),
-                (_, None) => Fixed::Absent,
+                (_, Some(v)) => ParamBinding::At(v),
+                (_, None) => ParamBinding::Absent,
             })
             .collect();
         while let Some(simpler) = (l.law.simpler)(&fixed) {
             l.law = simpler;
         }
-        let live = fixed.contains(&Fixed::Live);
+        let live = fixed.contains(&ParamBinding::Live);
         let values: Vec<Option<f64>> = l.values.iter().map(|s| s.get(&item.slots)).collect();
         let nothing = !live && l.law.linear && l.law.loaded(&values, net.tick_dt).iter().all(|c| *c == 0.0);
         if nothing {

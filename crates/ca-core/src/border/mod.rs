@@ -74,7 +74,7 @@ pub fn mute(op: &Op, _layout: &Layout, s: &mut State) {
 /// The device position that reaches the scene with this frame \[m\], absolute: the one just read, or that of
 /// `latency` frames ago. The very first stands for all before it.
 fn arrive<const LATE: bool>(layout: &Layout, s: &mut State, k: usize, p: &Enx) -> f64 {
-    let x = s.heard(p.input);
+    let x = s.valid_input(p.input);
     if !LATE {
         return x;
     }

@@ -2,7 +2,7 @@
 //! ([`pefrl`], §3.1), one-sided springs that keep energy exact whatever their stiffness (§3.3, §3.4), and friction that
 //! only resists however steep it is (§3.5). The rest of this page speaks of the last two.
 //!
-//! The explicit contact makes or swallows energy at every blow (docs/numerics.md §3.2), because its force is that at
+//! The explicit contact makes or loses energy at every blow (docs/numerics.md §3.2), because its force is that at
 //! the beginning of a tick. The methods here choose the force so that its work over the tick is what the spring takes
 //! up, which needs the motion that all *other* forces would cause: their passes come last among the forces (see
 //! [`SolveStage`](crate::op::law::SolveStage)). Decides against sub-steps and against iterating the whole scene: both cost in

@@ -27,8 +27,8 @@ pub const KICKS: [Real; 4] = [real(0.5 - LAMBDA), real(LAMBDA), real(LAMBDA), re
 /// The stiffness T²k/m from which on an oscillator grows: where [`explicit`] reaches 4, the limit of that scheme.
 pub const LIMIT: f64 = 8.936_808_587_521_949;
 
-/// The stiffness kT²/m with which the explicit scheme would sing as this does with `a`: 2 less the trace of a tick. To
-/// a²/12 it is 2 − 2 cos √a, the pitch without any scheme.
+/// The stiffness kT²/m with which the explicit scheme would have the frequency that this has with `a`: 2 less the trace
+/// of a tick. To a²/12 it is 2 − 2 cos √a, the pitch without any scheme.
 pub fn explicit(a: f64) -> f64 {
     a * (1.0 + a * (-1.0 / 12.0 + a * (2.656_695_865_675_389e-3 + a * -2.782_479_566_657_611_6e-5)))
 }

@@ -1,7 +1,7 @@
 //! A law as data: what the compiler, the ledger and the certificate call without knowing which law it is.
 
 use super::choose::kernel;
-pub use super::{Fixed, Law, SolveStage};
+pub use super::{Law, ParamBinding, SolveStage};
 use crate::law::Phi;
 use crate::real::Real;
 use crate::table::Table;
@@ -61,7 +61,7 @@ impl Law {
 
     /// The same law with a rule that picks a cheaper one.
     #[must_use]
-    pub const fn or(mut self, simpler: fn(&[Fixed]) -> Option<&'static Law>) -> Law {
+    pub const fn or(mut self, simpler: fn(&[ParamBinding]) -> Option<&'static Law>) -> Law {
         self.simpler = simpler;
         self
     }

@@ -116,7 +116,7 @@ pub struct Law {
     /// the pass for one form of the law
     pub kernel: fn(Form) -> Kernel,
     /// a cheaper law for these parameters (`None` marks one that may change while playing), if there is one
-    pub simpler: fn(p: &[Fixed]) -> Option<&'static Law>,
+    pub simpler: fn(p: &[ParamBinding]) -> Option<&'static Law>,
     /// a table the law needs whatever its parameters; its number is handed over after the last parameter
     pub table: Option<fn() -> Table>,
 }
@@ -135,7 +135,7 @@ pub enum SolveStage {
 
 /// What is known of a parameter when a law is specialised.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Fixed {
+pub enum ParamBinding {
     /// not written
     Absent,
     /// this value, for good
@@ -144,14 +144,14 @@ pub enum Fixed {
     Live,
 }
 
-impl Fixed {
+impl ParamBinding {
     /// True where the parameter is nothing and stays so.
     pub fn is_zero(self) -> bool {
-        matches!(self, Fixed::Absent | Fixed::At(0.0))
+        matches!(self, ParamBinding::Absent | ParamBinding::At(0.0))
     }
 
     /// The value, if it is one for good.
     pub fn number(self) -> Option<f64> {
-        if let Fixed::At(v) = self { Some(v) } else { None }
+        if let ParamBinding::At(v) = self { Some(v) } else { None }
     }
 }

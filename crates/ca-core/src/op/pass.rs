@@ -3,7 +3,7 @@
 
 use super::Op;
 use super::wide::{self, Body};
-use crate::layout::{CoordinateSource, Heard, Layout, Output, Proxy};
+use crate::layout::{CoordinateSource, Layout, MovingPoint, Output, Tap};
 use crate::real::{Real, TINY, real, wide};
 use crate::state::{Cell, State};
 
@@ -11,7 +11,7 @@ use crate::state::{Cell, State};
 /// those whose motion is part of the start.
 pub fn enx(op: &Op, layout: &Layout, s: &mut State) {
     for p in &layout.enx[..op.n] {
-        let x = real(s.heard(p.input) - p.rest);
+        let x = real(s.valid_input(p.input) - p.rest);
         let m = p.mat as usize;
         if s.tick > 0 {
             s.d[m] = x - s.x[m];
@@ -44,7 +44,7 @@ pub fn weight(op: &Op, layout: &Layout, s: &mut State) {
 
 /// Finds the cell under each moving point.
 pub fn aim(op: &Op, layout: &Layout, s: &mut State) {
-    for (k, p) in layout.proxies[..op.n].iter().enumerate() {
+    for (k, p) in layout.moving_points[..op.n].iter().enumerate() {
         s.cells[k] = cell(layout, s, p);
     }
 }
@@ -66,7 +66,7 @@ pub fn step(u: f64, n: u32) -> (u32, f64) {
 }
 
 /// The cell of one moving point at its present coordinates.
-pub fn cell(layout: &Layout, s: &State, p: &Proxy) -> Cell {
+pub fn cell(layout: &Layout, s: &State, p: &MovingPoint) -> Cell {
     let (i, a) = step(coordinate(layout, s, p.at[0]), p.size[0]);
     let node = |i: u32, j: u32| layout.nodes[(p.first + i * p.size[1] + j) as usize];
     if p.size[1] == 1 {
@@ -82,7 +82,7 @@ pub fn cell(layout: &Layout, s: &State, p: &Proxy) -> Cell {
 
 /// Positions of moving points from their cells.
 pub fn project(op: &Op, layout: &Layout, s: &mut State) {
-    for (k, p) in layout.proxies[..op.n].iter().enumerate() {
+    for (k, p) in layout.moving_points[..op.n].iter().enumerate() {
         let c = s.cells[k];
         let (mut x, mut d) = (0.0, 0.0);
         for q in 0..c.n {
@@ -98,7 +98,7 @@ pub fn project(op: &Op, layout: &Layout, s: &mut State) {
 
 /// Force on moving points back to their cells, with the weights of the position: no energy is made.
 pub fn spread(op: &Op, layout: &Layout, s: &mut State) {
-    for (k, p) in layout.proxies[..op.n].iter().enumerate() {
+    for (k, p) in layout.moving_points[..op.n].iter().enumerate() {
         let c = s.cells[k];
         let f = s.f[p.mat as usize];
         for q in 0..c.n {
@@ -150,18 +150,18 @@ pub fn outputs(op: &Op, layout: &Layout, s: &mut State) {
         let channel = of_channel[0].channel as usize;
         let mut sum = s.output[channel];
         for (o, gain) in of_channel.iter().zip(&mut gains) {
-            sum += wide(s.coef[gain] * heard(o, s));
+            sum += wide(s.coef[gain] * tapped(o, s));
         }
         s.output[channel] = sum;
     }
 }
 
 /// What an output hears at this tick.
-pub(super) fn heard(o: &Output, s: &State) -> Real {
-    match o.heard {
-        Heard::Position(m) => s.x[m as usize],
-        Heard::ForceOn(m) => s.f[m as usize],
-        Heard::ForceOf(t) => s.tap[t as usize],
+pub(super) fn tapped(o: &Output, s: &State) -> Real {
+    match o.tap {
+        Tap::Position(m) => s.x[m as usize],
+        Tap::ForceOn(m) => s.f[m as usize],
+        Tap::ForceOf(t) => s.tap[t as usize],
     }
 }
 

@@ -6,7 +6,7 @@
 //! wave is ever moved.
 
 use super::Op;
-use crate::layout::{Delay, Layout, Through};
+use crate::layout::{Delay, Layout, Termination};
 use crate::real::{Real, real, wide};
 use crate::state::State;
 
@@ -22,10 +22,10 @@ impl Delay {
 pub fn arrive(_op: &Op, layout: &Layout, s: &mut State) {
     let w = &layout.waves;
     for d in &w.delays {
-        let wave = match d.through {
-            Through::Open => s.mem[d.at(s.tick, d.len)],
-            Through::Rigid => -s.mem[d.at(s.tick, d.len)],
-            Through::Lossy { loss, memory } => {
+        let wave = match d.end {
+            Termination::Open => s.mem[d.at(s.tick, d.len)],
+            Termination::Rigid => -s.mem[d.at(s.tick, d.len)],
+            Termination::Lossy { loss, memory } => {
                 // a ring three longer than the delay keeps what the taps still hear
                 let [u0, u1, u2] = [3, 2, 1].map(|less| s.mem[d.at(s.tick, d.len - less)]);
                 let [a, b, c] = [loss.a, loss.b, loss.c].map(real);
@@ -65,7 +65,7 @@ pub fn energy(layout: &Layout, s: &State, d0: &[Real]) -> (f64, f64) {
         let wave = |back: usize| wide(s.mem[d.at(s.tick, back)]);
         let energy = |v: f64| v * v;
         let mut sum = 0.0;
-        let way = if let Through::Lossy { loss, memory } = d.through {
+        let way = if let Termination::Lossy { loss, memory } = d.end {
             let way = d.len - 3;
             let [u0, u1, u2] = [1, 2, 3].map(|more| wave(way + more));
             let gain = loss.a + 2.0 * loss.b;

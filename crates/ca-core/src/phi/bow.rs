@@ -10,7 +10,7 @@
 //! (docs/numerics.md §3.5), and passive where the curve resists, i.e. always but for a table that does not. "secant"
 //! and "newton" are passive at any slope ([`crate::method::friction`]). Test: B07.
 
-use super::{ALONG, BETWEEN, Bound, Fixed, Law, PAIRS, Phi, lnl};
+use super::{ALONG, BETWEEN, Bound, Law, PAIRS, ParamBinding, Phi, lnl};
 use crate::kind::{ABOVE_ZERO, Kind, Need, POSITIVE, Param, Role, Type, Unit};
 use crate::method::friction::{self, Curve};
 use crate::real::{NONE, Real};
@@ -87,7 +87,7 @@ bow = [[0, 0], [1, "0.2 m"]]
 
 /// The law of BOW, and what it becomes with another curve or method.
 pub static SMOOTH: Law = Law::of::<Smooth, 3, 0>("BOW smooth").with_table(bell).or(|p| {
-    let number = |i: usize| p.get(i).and_then(|p: &Fixed| p.number());
+    let number = |i: usize| p.get(i).and_then(|p: &ParamBinding| p.number());
     let law = LAWS[CurveShape::of(number(1)?) as usize][FrictionMethod::of(number(9)) as usize];
     (!core::ptr::eq(law, &raw const SMOOTH)).then_some(law)
 });

@@ -5,7 +5,7 @@
 //! Stability: rule of thumb on the steepest segment; a friction table is passive where F has the sign of the speed.
 //! The law that runs reads only the tables that are there. Test: conformance suite, table tests.
 
-use super::{ALONG, BETWEEN, Bound, Fixed, L0, Law, PAIRS, Phi, SOFTEN};
+use super::{ALONG, BETWEEN, Bound, L0, Law, PAIRS, ParamBinding, Phi, SOFTEN};
 use crate::kind::{Kind, Need, Param, Role, Type, Unit};
 use crate::method::friction::Curve;
 use crate::real::{NONE, Real};
@@ -56,8 +56,8 @@ out = { from = "bob", gain = 500 }
 
 /// The law of LNL; with one table only it becomes one of the next two.
 pub static LAW: Law = Law::of::<Lnl, 3, 0>("LNL").or(|p| match (p[1], p[2]) {
-    (_, Fixed::Absent) => Some(&SPRING),
-    (Fixed::Absent, _) => Some(&FRICTION),
+    (_, ParamBinding::Absent) => Some(&SPRING),
+    (ParamBinding::Absent, _) => Some(&FRICTION),
     _ => None,
 });
 /// A spring table alone.

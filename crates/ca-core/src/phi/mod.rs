@@ -3,7 +3,7 @@
 
 use crate::kind::{ANY, Kind, Need, POSITIVE, Param, Type, Unit};
 pub use crate::law::{Bound, Phi};
-pub use crate::op::law::{Fixed, Law};
+pub use crate::op::law::{Law, ParamBinding};
 use crate::real::Real;
 
 pub mod att;

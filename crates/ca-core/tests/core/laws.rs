@@ -3,7 +3,7 @@
 
 use crate::numbers;
 use ca_core::kind::{Kind, Need, Role, Type};
-use ca_core::op::law::{Fixed, Law};
+use ca_core::op::law::{Law, ParamBinding};
 use ca_core::table::Table;
 
 const DT: f64 = 1.0 / 48_000.0;
@@ -146,7 +146,8 @@ fn a_cheaper_law_is_the_same_law() {
             }
             let mut values = values.to_vec();
             values[k] = Some(0.0);
-            let fixed: Vec<Fixed> = values.iter().map(|v| v.map_or(Fixed::Absent, Fixed::At)).collect();
+            let fixed: Vec<ParamBinding> =
+                values.iter().map(|v| v.map_or(ParamBinding::Absent, ParamBinding::At)).collect();
             let Some(simple) = (law.simpler)(&fixed) else { continue };
             let (c, s) = (law.loaded(&values, DT), simple.loaded(&values, DT));
             for i in -10..10 {

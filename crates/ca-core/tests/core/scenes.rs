@@ -4,7 +4,7 @@ use crate::numbers;
 use ca_core::certificate::Certificate;
 use ca_core::equivalence::{Equivalence, Gains};
 use ca_core::kind::Role;
-use ca_core::layout::{Enf, Enx, Heard, Layout, Output};
+use ca_core::layout::{Enf, Enx, Layout, Output, Tap};
 use ca_core::live::LivePlan;
 use ca_core::op::law::Law;
 use ca_core::op::{Form, Op, pass};
@@ -54,7 +54,7 @@ impl Row {
     /// Hears the position of a MAT.
     fn hear(mut self, mat: u32) -> (Scene, State) {
         let channel = self.layout.outputs.len() as u32;
-        self.layout.outputs.push(Output { heard: Heard::Position(mat), channel });
+        self.layout.outputs.push(Output { tap: Tap::Position(mat), channel });
         (self.layout.channels, self.layout.n_out) = (1, 1);
         let op = Op { coef: self.state.coef.len(), ..Op::pass("outputs", pass::outputs, 1) };
         self.state.coef.push(1.0);

@@ -86,7 +86,7 @@ pub struct Counts {
     pub stale: u64,
     /// faults that latched
     pub faults: u64,
-    /// sound samples that hit the peak_limit or were not finite (H16)
+    /// sound samples that were clipped or not finite (H16)
     pub clipped: u64,
     /// commands that did not fit the scene
     pub refused: u64,
@@ -217,7 +217,7 @@ impl Engine {
         let first = self.state.tick == 0;
         for p in &mut self.ports {
             p.place(&mut self.state);
-            self.counts.stale += u64::from(p.is_staged());
+            self.counts.stale += u64::from(p.is_stale());
         }
         self.filled = 0;
         let ticks = if first { 1 } else { self.scene.ratio };

@@ -147,7 +147,7 @@ impl Port {
     }
 
     /// True where the device is there and its next frame did not come when it was due.
-    pub(super) fn is_staged(&self) -> bool {
+    pub(super) fn is_stale(&self) -> bool {
         self.hand.age != u32::MAX && self.hand.age >= self.pace
     }
 

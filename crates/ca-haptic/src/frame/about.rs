@@ -1,6 +1,6 @@
 //! What a device says of itself, once a second: a process that comes later learns it without asking.
 
-use super::{DOF, Strange, VERSION, fnv};
+use super::{DOF, FrameMismatch, VERSION, fnv};
 #[cfg(feature = "iceoryx")]
 use iceoryx2::prelude::ZeroCopySend;
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
@@ -105,8 +105,8 @@ float32[32] damping
     }
 
     /// What is wrong with its head.
-    fn wrong(&self) -> Option<Strange> {
-        Strange::find([self.magic, Self::MAGIC], [self.layout, Self::LAYOUT], self.version, self.n)
+    fn wrong(&self) -> Option<FrameMismatch> {
+        FrameMismatch::find([self.magic, Self::MAGIC], [self.layout, Self::LAYOUT], self.version, self.n)
     }
 }
 

@@ -1,6 +1,6 @@
 //! What a device says: where the hand is.
 
-use super::{DOF, Strange, VERSION, fnv};
+use super::{DOF, FrameMismatch, VERSION, fnv};
 #[cfg(feature = "iceoryx")]
 use iceoryx2::prelude::ZeroCopySend;
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
@@ -156,12 +156,12 @@ uint32 reserved
     }
 
     /// Why it is none of this build, or not of the device with this uid.
-    pub fn strange(&self, device: [u8; 16]) -> Option<Strange> {
-        self.wrong().or_else(|| Strange::other(self.device, device))
+    pub fn mismatch(&self, device: [u8; 16]) -> Option<FrameMismatch> {
+        self.wrong().or_else(|| FrameMismatch::other(self.device, device))
     }
 
     /// What is wrong with its head.
-    fn wrong(&self) -> Option<Strange> {
-        Strange::find([self.magic, Self::MAGIC], [self.layout, Self::LAYOUT], self.version, self.n)
+    fn wrong(&self) -> Option<FrameMismatch> {
+        FrameMismatch::find([self.magic, Self::MAGIC], [self.layout, Self::LAYOUT], self.version, self.n)
     }
 }

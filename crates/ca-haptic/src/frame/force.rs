@@ -1,6 +1,6 @@
 //! What the engine says: the force on the hand.
 
-use super::{Cause, DOF, Mode, Strange, VERSION, fnv};
+use super::{Cause, DOF, FrameMismatch, Mode, VERSION, fnv};
 #[cfg(feature = "iceoryx")]
 use iceoryx2::prelude::ZeroCopySend;
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
@@ -131,7 +131,7 @@ float32[32] force
     }
 
     /// What is wrong with its head.
-    fn wrong(&self) -> Option<Strange> {
-        Strange::find([self.magic, Self::MAGIC], [self.layout, Self::LAYOUT], self.version, self.n)
+    fn wrong(&self) -> Option<FrameMismatch> {
+        FrameMismatch::find([self.magic, Self::MAGIC], [self.layout, Self::LAYOUT], self.version, self.n)
     }
 }

@@ -10,13 +10,13 @@ mod about;
 mod cause;
 mod device;
 mod force;
-mod strange;
+mod mismatch;
 
 pub use about::{About, text};
 pub use cause::{CAUSES, Cause, Mode};
 pub use device::{DeviceFrame, status};
 pub use force::{ForceFrame, flag};
-pub use strange::Strange;
+pub use mismatch::FrameMismatch;
 
 /// Degrees of freedom of the largest device: 24 keys, and room.
 pub const DOF: usize = 32;

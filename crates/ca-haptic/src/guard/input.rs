@@ -287,20 +287,20 @@ fn device_says(f: &DeviceFrame, hand: &mut GuardFrame) {
 mod tests {
     use super::*;
 
-    const TE: f64 = 1.0 / 3000.0;
+    const FRAME_DT: f64 = 1.0 / 3000.0;
 
     /// The largest speed seen while a device of `rate` frames a second moves at `speed`, with a clock of its own and one
     /// frame at `spike` metres from the truth.
     fn fastest(rate: u32, speed: f64, clock: impl Fn(f64) -> u64, spike: f64) -> (f64, f64, u64) {
         let mut p = Profile::shipped("tgr12").expect("shipped");
         (p.dof, p.rate, p.guard.speed) = (1, f64::from(rate), 1.0);
-        let (mut validator, mut hand) = (InputValidator::new(&p, TE), GuardFrame::new(1, TE));
+        let (mut validator, mut hand) = (InputValidator::new(&p, FRAME_DT), GuardFrame::new(1, FRAME_DT));
         let mut f = DeviceFrame::new("key", 1);
         let (mut most, mut last) = (0.0f64, 0.0);
         let every = 3000 / rate;
         for n in 0..3000_u32 {
             if n.is_multiple_of(every) {
-                let t = f64::from(n) * TE;
+                let t = f64::from(n) * FRAME_DT;
                 f.seq += 1;
                 f.t_device_ns = clock(t);
                 f.pos[0] = speed * t + if n == 1500 { spike } else { 0.0 };
@@ -339,7 +339,7 @@ mod tests {
             let frame = 1.0 / f64::from(rate);
             let clock = |t: f64| (t * 1e9) as u64;
             // as far as H10 lets pass, from a hand at rest; farther is dropped
-            let (most, _, dropped) = fastest(rate, 0.0, clock, 1.99 * (frame + TE));
+            let (most, _, dropped) = fastest(rate, 0.0, clock, 1.99 * (frame + FRAME_DT));
             assert!(dropped == 0 && most > 0.5 && most < 1.0, "{rate} Hz: {most} m/s, {dropped} dropped");
             let (most, _, dropped) = fastest(rate, 0.0, clock, 5.0 * frame);
             assert!(dropped == 1 && most == 0.0, "{rate} Hz: {most} m/s, {dropped} dropped");
@@ -351,8 +351,8 @@ mod tests {
     fn ended(rate: u32, wrong: impl Fn(u32, &mut DeviceFrame) -> bool) -> Cause {
         let mut p = Profile::shipped("tgr12").expect("shipped");
         (p.dof, p.rate, p.guard.speed) = (2, f64::from(rate), 1.0);
-        let (mut validator, mut hand) = (InputValidator::new(&p, TE), GuardFrame::new(2, TE));
-        let mut chain = crate::guard::Chain::new(&p, TE);
+        let (mut validator, mut hand) = (InputValidator::new(&p, FRAME_DT), GuardFrame::new(2, FRAME_DT));
+        let mut chain = crate::guard::Chain::new(&p, FRAME_DT);
         chain.order(crate::guard::Order::Arm);
         hand.met = u32::MAX;
         let every = 3000 / rate;
@@ -409,7 +409,7 @@ mod tests {
     fn a_position_that_is_not_valid_moves_nothing() {
         let mut p = Profile::shipped("tgr12").expect("shipped");
         p.dof = 2;
-        let (mut validator, mut hand) = (InputValidator::new(&p, TE), GuardFrame::new(2, TE));
+        let (mut validator, mut hand) = (InputValidator::new(&p, FRAME_DT), GuardFrame::new(2, FRAME_DT));
         let mut f = DeviceFrame::new("key", 3);
         for (seq, mask, verdict) in [
             (1, 0, FrameVerdict::Masked),

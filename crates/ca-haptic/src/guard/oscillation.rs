@@ -170,16 +170,16 @@ impl Stage for Oscillation {
 mod tests {
     use super::*;
 
-    const TE: f64 = 1.0 / 3000.0;
+    const FRAME_DT: f64 = 1.0 / 3000.0;
 
     /// Frame in which a sine of `f` hertz and `size` times the largest force is first weakened, of `n`.
     fn weakened(f: f64, size: f64, n: usize) -> Option<usize> {
         let p = Profile::shipped("tgr12").expect("shipped");
-        let mut stage = Oscillation::new(&p, TE).expect("it is on");
-        let mut hand = GuardFrame::new(1, TE);
+        let mut stage = Oscillation::new(&p, FRAME_DT).expect("it is on");
+        let mut hand = GuardFrame::new(1, FRAME_DT);
         hand.mode = Mode::On;
         (0..n).find(|i| {
-            hand.force[0] = size * p.force * (std::f64::consts::TAU * f * *i as f64 * TE).sin();
+            hand.force[0] = size * p.force * (std::f64::consts::TAU * f * *i as f64 * FRAME_DT).sin();
             (hand.flags, hand.inject) = (0, 0.0);
             stage.pass(&mut hand);
             hand.flags & flag::OSCILLATION != 0
@@ -204,12 +204,12 @@ mod tests {
     fn hears_bounces_whose_level_falls_between_them() {
         let p = Profile::shipped("tgr12").expect("shipped");
         for f in [32.0, 45.0, 64.0] {
-            let mut stage = Oscillation::new(&p, TE).expect("it is on");
-            let mut hand = GuardFrame::new(1, TE);
+            let mut stage = Oscillation::new(&p, FRAME_DT).expect("it is on");
+            let mut hand = GuardFrame::new(1, FRAME_DT);
             hand.mode = Mode::On;
             // the largest force for a quarter of each period; r.m.s. of the whole 0.43 of it, at times 0.2
             let at = (0..3000).find(|i| {
-                let phase = (f64::from(*i) * TE * f).fract();
+                let phase = (f64::from(*i) * FRAME_DT * f).fract();
                 hand.force[0] = if phase < 0.25 { p.force } else { 0.0 };
                 (hand.flags, hand.inject) = (0, 0.0);
                 stage.pass(&mut hand);
@@ -218,8 +218,8 @@ mod tests {
             assert!(at.is_some_and(|n| n < 900), "{f} Hz: {at:?}");
         }
         // a single blow as long as that is none
-        let mut stage = Oscillation::new(&p, TE).expect("it is on");
-        let mut hand = GuardFrame::new(1, TE);
+        let mut stage = Oscillation::new(&p, FRAME_DT).expect("it is on");
+        let mut hand = GuardFrame::new(1, FRAME_DT);
         hand.mode = Mode::On;
         for i in 0..6000 {
             hand.force[0] = if i % 1000 < 60 { p.force } else { 0.0 };
@@ -234,12 +234,12 @@ mod tests {
         let p = Profile::shipped("tgr12").expect("shipped");
         // of a loop, in proportion to the gain; of the model, whatever the gain
         for (of_loop, want) in [(true, 0.3_f64.powi(4)), (false, 0.3)] {
-            let mut stage = Oscillation::new(&p, TE).expect("it is on");
-            let mut hand = GuardFrame::new(1, TE);
+            let mut stage = Oscillation::new(&p, FRAME_DT).expect("it is on");
+            let mut hand = GuardFrame::new(1, FRAME_DT);
             hand.mode = Mode::On;
             let mut gain = 1.0;
             for i in 0..900 {
-                let shake = 9.0 * (std::f64::consts::TAU * 100.0 * f64::from(i) * TE).sin();
+                let shake = 9.0 * (std::f64::consts::TAU * 100.0 * f64::from(i) * FRAME_DT).sin();
                 hand.force[0] = if of_loop { gain * shake } else { shake };
                 let asked = hand.force[0];
                 stage.pass(&mut hand);
@@ -252,12 +252,13 @@ mod tests {
     #[test]
     fn comes_back_when_it_is_quiet() {
         let p = Profile::shipped("tgr12").expect("shipped");
-        let mut stage = Oscillation::new(&p, TE).expect("it is on");
-        let mut hand = GuardFrame::new(1, TE);
+        let mut stage = Oscillation::new(&p, FRAME_DT).expect("it is on");
+        let mut hand = GuardFrame::new(1, FRAME_DT);
         hand.mode = Mode::On;
         let mut gains = Vec::new();
         for i in 0..12_000 {
-            let shake = if i < 600 { 9.0 * (std::f64::consts::TAU * 100.0 * f64::from(i) * TE).sin() } else { 1.0 };
+            let shake =
+                if i < 600 { 9.0 * (std::f64::consts::TAU * 100.0 * f64::from(i) * FRAME_DT).sin() } else { 1.0 };
             hand.force[0] = shake;
             stage.pass(&mut hand);
             gains.push(if shake == 0.0 { 1.0 } else { hand.force[0] / shake });

@@ -10,8 +10,8 @@ use super::lines::{Frames, Line, Wakeup, check_name};
 use super::room;
 use super::site::{Ipc, Site};
 use super::within::{LIMIT, within};
-use crate::frame::{About, DeviceFrame, ForceFrame, Strange, uid};
-use crate::rt::{Granted, Wish, now_ns};
+use crate::frame::{About, DeviceFrame, ForceFrame, FrameMismatch, uid};
+use crate::rt::{Granted, RtRequest, now_ns};
 use iceoryx2::port::notifier::Notifier;
 use iceoryx2::port::publisher::Publisher;
 use iceoryx2::port::subscriber::Subscriber;
@@ -51,7 +51,7 @@ pub enum Event {
     /// nothing came for a quarter of a second
     Gone,
     /// frames came that are not used, and why; reported once a session of silence
-    Foreign(Strange),
+    Foreign(FrameMismatch),
 }
 
 /// What was counted, for all devices together.
@@ -147,7 +147,7 @@ impl Gateway {
             for _ in 0..BURST {
                 let Ok(Some(frame)) = p.frames.receive() else { break };
                 self.traffic.received.fetch_add(1, Relaxed);
-                if let Some(why) = frame.strange(p.uid) {
+                if let Some(why) = frame.mismatch(p.uid) {
                     self.traffic.foreign.fetch_add(1, Relaxed);
                     if !p.complained {
                         p.complained = true;
@@ -237,11 +237,16 @@ impl Gateway {
     }
 
     /// Opens the lines in a thread of their own, where they stay, and runs there.
-    /// Asks the system for `wish`; what it granted is in [`Running::granted`].
+    /// Asks the system for `request`; what it granted is in [`Running::granted`].
     ///
     /// # Errors
     /// As [`Gateway::open`], or where no thread can be started.
-    pub fn start<S: AsRef<str>>(site: &Site, names: &[S], mut rings: Rings, wish: Wish) -> Result<Running, HostError> {
+    pub fn start<S: AsRef<str>>(
+        site: &Site,
+        names: &[S],
+        mut rings: Rings,
+        request: RtRequest,
+    ) -> Result<Running, HostError> {
         let (site, names): (Site, Vec<String>) = (site.clone(), names.iter().map(|n| n.as_ref().into()).collect());
         let stop = Arc::new(AtomicBool::new(false));
         let (tell, reported) = mpsc::channel();
@@ -250,7 +255,7 @@ impl Gateway {
             .name("ca gateway".into())
             .spawn(move || match Gateway::open(&site, &names) {
                 Ok(gateway) => {
-                    let _ = tell.send(Ok((gateway.traffic(), crate::rt::ask(wish))));
+                    let _ = tell.send(Ok((gateway.traffic(), crate::rt::ask(request))));
                     drop(gateway.run(&mut rings, &end));
                 }
                 Err(e) => {

@@ -2,7 +2,7 @@
 //!
 //! Decides that no disk stands between a person and `ca disarm`, and none between the rings of the engine and another
 //! file: the recorder hands over and goes on, whatever a sink does. What waits for it is bounded by seconds of the
-//! performance and by memory ([`Room`]); beyond that, frames, sound and pictures are left out of this file alone,
+//! performance and by memory ([`BufferLimits`]); beyond that, frames, sound and pictures are left out of this file alone,
 //! counted, and reported where they are missing. What decides the future of an engine (changes, orders, reloads) is rare,
 //! and always handed over. Once there is no room, half of it must be free before the next is taken: one long hole says
 //! more than a thousand short ones. A hand-over that waits in the rings instead was tried: one slow file then made holes
@@ -11,10 +11,10 @@
 //! The thread asks for a larger share of the cores rather than for real time: a writer that has much to catch up with
 //! would keep a core from everything else, and bring the kernel's guard upon the engine.
 
-use super::sink::{Happened, Sink, Wants};
+use super::sink::{Notice, Sink, SinkStreams};
 use super::summary::StatsSnapshot;
 use crate::record::Record;
-use crate::rt::{self, Granted, Wish};
+use crate::rt::{self, Granted, RtRequest};
 use ca_core::Scene;
 use ca_io::error::FileError;
 use std::fmt::Write as _;
@@ -25,7 +25,7 @@ use std::thread::{Builder, JoinHandle};
 
 /// How much may wait for a sink.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Room {
+pub struct BufferLimits {
     /// sound samples a second, by which ticks are seconds
     pub rate: f64,
     /// how late it may be written \[s\]
@@ -34,10 +34,10 @@ pub struct Room {
     pub bytes: usize,
 }
 
-impl Room {
+impl BufferLimits {
     /// Half a minute of a performance, or a quarter of a gigabyte where that is less: what one device and its sound need.
-    pub fn of(scene: &Scene) -> Room {
-        Room { rate: scene.rate, seconds: 30.0, bytes: 1 << 28 }
+    pub fn of(scene: &Scene) -> BufferLimits {
+        BufferLimits { rate: scene.rate, seconds: 30.0, bytes: 1 << 28 }
     }
 }
 
@@ -50,7 +50,7 @@ enum Message {
     Sound(u64, Vec<f64>),
     View(u64, Vec<f64>),
     StatsSnapshot(StatsSnapshot),
-    Said(Happened),
+    Said(Notice),
     End,
 }
 
@@ -113,8 +113,8 @@ pub struct SinkHandle {
     name: String,
     to: Sender<Message>,
     shared: Arc<Shared>,
-    wants: Wants,
-    room: Room,
+    streams: SinkStreams,
+    room: BufferLimits,
     /// the latest tick handed over
     newest: u64,
     /// there was no room, and not half of it is free again
@@ -147,22 +147,27 @@ impl<T> Drop for AsyncSink<T> {
 }
 
 impl<T: Sink + Send + 'static> AsyncSink<T> {
-    /// Moves a sink to a thread of this name, which asks the system for `wish`.
+    /// Moves a sink to a thread of this name, which asks the system for `request`.
     ///
     /// # Errors
     /// Where no thread can be started.
-    pub fn start(name: &str, mut sink: T, room: Room, wish: Wish) -> Result<(SinkHandle, AsyncSink<T>), FileError> {
+    pub fn start(
+        name: &str,
+        mut sink: T,
+        room: BufferLimits,
+        request: RtRequest,
+    ) -> Result<(SinkHandle, AsyncSink<T>), FileError> {
         let (to, from) = channel();
         let (tell, granted) = channel();
         let shared = Arc::new(Shared::default());
-        let (of, wants) = (shared.clone(), sink.wants());
+        let (of, streams) = (shared.clone(), sink.streams());
         let thread = Builder::new()
             .name(name.into())
             .spawn(move || {
                 let _over = Over(&of);
                 // gone before it is said to be over: what is sent then is not taken in silence
                 let from = from;
-                let _ = tell.send(rt::ask(wish));
+                let _ = tell.send(rt::ask(request));
                 match work(&mut sink, &from, &of) {
                     Ok(()) => Some(sink),
                     Err(e) => {
@@ -176,7 +181,7 @@ impl<T: Sink + Send + 'static> AsyncSink<T> {
             name: name.strip_prefix("ca ").unwrap_or(name).into(),
             to: to.clone(),
             shared: shared.clone(),
-            wants,
+            streams,
             room,
             newest: 0,
             full: false,
@@ -265,8 +270,8 @@ impl SinkHandle {
 }
 
 impl Sink for SinkHandle {
-    fn wants(&self) -> Wants {
-        self.wants
+    fn streams(&self) -> SinkStreams {
+        self.streams
     }
 
     fn lost(&self) -> [u64; 3] {
@@ -299,7 +304,7 @@ impl Sink for SinkHandle {
     }
 
     fn record(&mut self, record: &Record) -> Result<(), FileError> {
-        if !self.wants.records {
+        if !self.streams.records {
             return Ok(());
         }
         let tick = record.tick();
@@ -316,27 +321,27 @@ impl Sink for SinkHandle {
     }
 
     fn sound(&mut self, tick: u64, frames: &[f64]) -> Result<(), FileError> {
-        if self.wants.sound && self.has_room(tick, 1, frames.len() as u64) {
+        if self.streams.sound && self.has_room(tick, 1, frames.len() as u64) {
             self.put(Message::Sound(tick, frames.to_vec()))?;
         }
         Ok(())
     }
 
     fn view(&mut self, tick: u64, x: &[f64]) -> Result<(), FileError> {
-        if self.wants.views && self.has_room(tick, 2, 1) {
+        if self.streams.views && self.has_room(tick, 2, 1) {
             self.put(Message::View(tick, x.to_vec()))?;
         }
         Ok(())
     }
 
     fn snapshot(&mut self, snapshot: &StatsSnapshot) -> Result<(), FileError> {
-        if self.wants.pulses { self.put(Message::StatsSnapshot(*snapshot)) } else { Ok(()) }
+        if self.streams.stats { self.put(Message::StatsSnapshot(*snapshot)) } else { Ok(()) }
     }
 
-    fn said(&mut self, happened: &Happened) -> Result<(), FileError> {
+    fn said(&mut self, notice: &Notice) -> Result<(), FileError> {
         // one a second, or what a person did: a terminal that stands still is no reason to fill the memory
         let full = self.shared.bytes.load(Relaxed) >= 2 * self.room.bytes && !self.shared.over.load(Relaxed);
-        if full { Ok(()) } else { self.put(Message::Said(happened.clone())) }
+        if full { Ok(()) } else { self.put(Message::Said(notice.clone())) }
     }
 }
 

@@ -90,7 +90,7 @@ pub struct Live {
     shared: Arc<Shared>,
     clock: Clock,
     /// frames between two records of energy, pictures and hashes; 0 for none
-    every: Every,
+    every: RecordIntervals,
     /// a record that found no room and must not be freed here
     waiting: Option<Record>,
     /// records lost since the last one that found room
@@ -107,7 +107,7 @@ const KEPT: usize = 64;
 
 /// How often things are recorded, in gesture frames; 0 for never.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Every {
+pub struct RecordIntervals {
     /// the energy ledger, where the scene keeps one
     pub energy: u64,
     /// pictures
@@ -118,7 +118,7 @@ pub struct Every {
 
 impl Live {
     /// Ready to run.
-    pub fn new(engine: Engine, rings: Rings, shared: Arc<Shared>, clock: Clock, every: Every) -> Live {
+    pub fn new(engine: Engine, rings: Rings, shared: Arc<Shared>, clock: Clock, every: RecordIntervals) -> Live {
         let waits = (WAITS * engine.scene.rate / f64::from(engine.scene.ratio)).max(1.0) as u64;
         Live { engine, rings, shared, clock, every, waiting: None, missing: 0, waits }
     }

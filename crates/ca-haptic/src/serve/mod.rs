@@ -21,11 +21,11 @@ mod summary;
 #[cfg(feature = "mcap")]
 mod taken;
 
-pub use async_sink::{AsyncSink, Room, SinkHandle};
+pub use async_sink::{AsyncSink, BufferLimits, SinkHandle};
 pub use clock::{Clock, Start};
-pub use live::{Every, FrameTiming, Live, Rings, Shared};
+pub use live::{FrameTiming, Live, RecordIntervals, Rings, Shared};
 pub use recorder::Recorder;
-pub use sink::{Happened, Sink, Wants};
+pub use sink::{Notice, Sink, SinkStreams};
 pub use summary::{DeviceSummary, Fault, StatsSnapshot, Summary};
 
 use crate::engine::EngineCommand;

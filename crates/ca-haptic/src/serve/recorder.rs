@@ -4,7 +4,7 @@ mod seen;
 
 use super::async_sink::missing;
 use super::audio::Watch;
-use super::sink::{Happened, Sink};
+use super::sink::{Notice, Sink};
 use super::summary::{Fault, StatsSnapshot, Summary};
 use super::{FrameTiming, RecorderEnds, Shared};
 use crate::blocks::take;
@@ -47,7 +47,7 @@ pub struct Recorder {
     /// gesture frames a second, rounded
     rate: u64,
     faults: Vec<Fault>,
-    happened: Vec<Happened>,
+    notices: Vec<Notice>,
     block: Vec<f64>,
     broken: Vec<FileError>,
     audio: Option<Watch>,
@@ -77,7 +77,7 @@ impl Recorder {
             tick: 0,
             rate: ((scene.rate / f64::from(scene.ratio)).round() as u64).max(1),
             faults: Vec::new(),
-            happened: Vec::new(),
+            notices: Vec::new(),
             block: Vec::new(),
             broken: Vec::new(),
             audio: None,
@@ -88,14 +88,14 @@ impl Recorder {
 
     /// Sound goes to a device, too.
     pub fn hears(&mut self, audio: Watch) {
-        let who = &audio.who;
-        self.say(false, format!("sound: {} ({}), {} Hz", who.device, who.host, who.rate));
+        let playback = &audio.playback;
+        self.say(false, format!("sound: {} ({}), {} Hz", playback.device, playback.host, playback.rate));
         self.audio = Some(audio);
     }
 
     /// Something people should know, and a take: reported at the next turn.
     pub fn say(&mut self, bad: bool, text: String) {
-        self.happened.push(Happened { tick: self.tick, device: None, bad, text });
+        self.notices.push(Notice { tick: self.tick, device: None, bad, text });
     }
 
     /// Takes everything that lies in the rings; to be called every few milliseconds, and once the engine has ended.
@@ -127,8 +127,8 @@ impl Recorder {
             self.say(true, text);
         }
         // a sink that fails meanwhile is news for those left
-        while !self.happened.is_empty() {
-            for h in std::mem::take(&mut self.happened) {
+        while !self.notices.is_empty() {
+            for h in std::mem::take(&mut self.notices) {
                 self.tell(|s| s.said(&h));
             }
         }
@@ -213,7 +213,7 @@ impl Recorder {
             Record::Force { port, frame } => {
                 self.tick = frame.tick;
                 let Some(seen) = self.seen.get_mut(*port as usize) else { return };
-                self.faults.extend(seen.force(frame, &mut self.happened));
+                self.faults.extend(seen.force(frame, &mut self.notices));
             }
             Record::Order { tick, port, order } => {
                 let meant = |k: usize| port.is_none_or(|p| p as usize == k);
@@ -222,7 +222,7 @@ impl Recorder {
             }
             Record::Waiting { tick, port, wait } => {
                 let Some(seen) = self.seen.get_mut(*port as usize) else { return };
-                self.happened.extend(seen.waits(*tick, wait, &self.scene));
+                self.notices.extend(seen.waits(*tick, wait, &self.scene));
             }
             _ => {}
         }

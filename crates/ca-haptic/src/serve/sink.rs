@@ -7,8 +7,8 @@ use ca_io::FileError;
 /// Where records end: a sound file, a take, a terminal.
 pub trait Sink {
     /// What it is to be given, from the beginning to the end.
-    fn wants(&self) -> Wants {
-        Wants::ALL
+    fn streams(&self) -> SinkStreams {
+        SinkStreams::ALL
     }
     /// Records, sound samples and pictures that it had to leave out so far.
     fn lost(&self) -> [u64; 3] {
@@ -54,8 +54,8 @@ pub trait Sink {
     ///
     /// # Errors
     /// Where it cannot be written any more; the sink is then left out.
-    fn said(&mut self, happened: &Happened) -> Result<(), FileError> {
-        let _ = happened;
+    fn said(&mut self, notice: &Notice) -> Result<(), FileError> {
+        let _ = notice;
         Ok(())
     }
 }
@@ -63,27 +63,27 @@ pub trait Sink {
 /// What a sink is given; words it gets in any case.
 #[allow(clippy::struct_excessive_bools, reason = "each is a stream of its own, wanted or not")]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Wants {
+pub struct SinkStreams {
     /// what happened
     pub records: bool,
     /// sound
     pub sound: bool,
     /// pictures
     pub views: bool,
-    /// how it goes, once a second
-    pub pulses: bool,
+    /// statistics of the engine, once a second
+    pub stats: bool,
 }
 
-impl Wants {
+impl SinkStreams {
     /// Everything.
-    pub const ALL: Wants = Wants { records: true, sound: true, views: true, pulses: true };
+    pub const ALL: SinkStreams = SinkStreams { records: true, sound: true, views: true, stats: true };
     /// Nothing but words.
-    pub const WORDS: Wants = Wants { records: false, sound: false, views: false, pulses: false };
+    pub const WORDS: SinkStreams = SinkStreams { records: false, sound: false, views: false, stats: false };
 }
 
 /// Something people should know.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Happened {
+pub struct Notice {
     /// sound sample
     pub tick: u64,
     /// the device it is about, if it is about one

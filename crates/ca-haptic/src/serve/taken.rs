@@ -1,6 +1,6 @@
 //! The take as a sink.
 
-use super::sink::{Happened, Sink};
+use super::sink::{Notice, Sink};
 use super::summary::StatsSnapshot;
 use crate::record::Record;
 use crate::take::{Level, Rt, TakeWriter};
@@ -37,7 +37,7 @@ impl Sink for TakeWriter {
         })
     }
 
-    fn said(&mut self, h: &Happened) -> Result<(), FileError> {
+    fn said(&mut self, h: &Notice) -> Result<(), FileError> {
         // modes and causes of devices are reported by the frames themselves
         if h.device.is_some() {
             return Ok(());
@@ -52,8 +52,8 @@ mod tests {
     use crate::engine::tests::{KEY, setup};
     use crate::engine::{Engine, Options};
     use crate::frame::DeviceFrame;
-    use crate::rt::Wish;
-    use crate::serve::{AsyncSink, Clock, Every, Live, Recorder, Room, Shared, rings};
+    use crate::rt::RtRequest;
+    use crate::serve::{AsyncSink, BufferLimits, Clock, Live, RecordIntervals, Recorder, Shared, rings};
     use crate::take::{Event, Header, Replay, Take};
     use ca_compile::compile;
     use ca_core::Scene;
@@ -78,9 +78,10 @@ mod tests {
         let (ends, mut gateway, recorder_ends) = rings(&scene, 1, 60);
         let shared = Arc::new(Shared::default());
         let take = TakeWriter::create(&path, &header, &scene).expect("a file");
-        let (line, take) = AsyncSink::start("take", take, Room::of(&scene), Wish::default()).expect("a thread");
+        let (line, take) =
+            AsyncSink::start("take", take, BufferLimits::of(&scene), RtRequest::default()).expect("a thread");
         let mut recorder = Recorder::new(recorder_ends, shared.clone(), scene, &engine.ports, vec![Box::new(line)]);
-        let every = Every { energy: 0, view: 50, hash: 3000 };
+        let every = RecordIntervals { energy: 0, view: 50, hash: 3000 };
         let mut live = Live::new(engine, ends, shared, Clock::Device { patience: 0 }, every);
         let mut play = |live: &mut Live, frames: std::ops::Range<u64>| {
             for n in frames {
@@ -147,10 +148,10 @@ mod tests {
         let shared = Arc::new(Shared::default());
         let still = Arc::new(Mutex::new(()));
         let slow = Slow(TakeWriter::create(&path, &header, &scene).expect("a file"), still.clone());
-        let room = Room { seconds: 1.0, ..Room::of(&scene) };
-        let (line, take) = AsyncSink::start("take", slow, room, Wish::default()).expect("a thread");
+        let room = BufferLimits { seconds: 1.0, ..BufferLimits::of(&scene) };
+        let (line, take) = AsyncSink::start("take", slow, room, RtRequest::default()).expect("a thread");
         let mut recorder = Recorder::new(recorder_ends, shared.clone(), scene, &engine.ports, vec![Box::new(line)]);
-        let mut live = Live::new(engine, ends, shared, Clock::Device { patience: 0 }, Every::default());
+        let mut live = Live::new(engine, ends, shared, Clock::Device { patience: 0 }, RecordIntervals::default());
         // three seconds, of which one may wait
         let held = still.lock().expect("nobody panics");
         for _ in 0..9000 {

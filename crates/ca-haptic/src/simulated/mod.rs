@@ -9,7 +9,7 @@
 mod body;
 mod script;
 
-pub use script::{Intention, SCRIPTS, Script, Wish};
+pub use script::{Intention, SCRIPTS, Script, ScriptOptions};
 
 use crate::frame::{DOF, DeviceFrame, status, uid};
 use crate::profile::Profile;
@@ -49,7 +49,7 @@ pub struct Device {
     noise: f64,
     force_step: f64,
     most: f64,
-    dice: Random,
+    rng: Random,
     /// position \[m\] and speed \[m/s\] of each DOF
     state: [[f64; 2]; DOF],
     measured: [f64; DOF],
@@ -85,7 +85,7 @@ impl Device {
             noise: b.noise,
             force_step: b.force_step,
             most: profile.force,
-            dice: Random(seed | 1),
+            rng: Random(seed | 1),
             state,
             measured: [0.0; DOF],
             held: [0.0; DOF],
@@ -140,7 +140,7 @@ impl Device {
 
     fn measure(&mut self) {
         for k in 0..self.n {
-            let noise = if self.noise > 0.0 { self.noise * self.dice.normal() } else { 0.0 };
+            let noise = if self.noise > 0.0 { self.noise * self.rng.normal() } else { 0.0 };
             let x = self.state[k][0] + noise;
             self.measured[k] = if self.step > 0.0 { (x / self.step).round() * self.step } else { x };
         }
@@ -221,7 +221,7 @@ mod tests {
     fn the_same_seed_gives_the_same_bits() {
         let p = Profile::shipped("firefader").expect("shipped");
         let run = |seed| {
-            let script = Script::named("bow", &p, Wish::default()).expect("a script");
+            let script = Script::named("bow", &p, ScriptOptions::default()).expect("a script");
             let mut noisy = p.clone();
             noisy.body.noise = 1e-4;
             let mut d = Device::new(&noisy, Hand::finger(1.0, &noisy), script, 1, seed);
@@ -235,7 +235,7 @@ mod tests {
     fn a_script_that_begins_later_is_the_same_later() {
         let p = plain();
         let run = |wait: u32| {
-            let script = Script::named("strike", &p, Wish::default()).expect("a script");
+            let script = Script::named("strike", &p, ScriptOptions::default()).expect("a script");
             let mut d = Device::new(&p, Hand::finger(10.0, &p), script, 0, 1);
             for _ in 0..wait {
                 assert_eq!(d.step(&[], 1.0 / 1024.0)[0], 0.0, "it waits where it rests");

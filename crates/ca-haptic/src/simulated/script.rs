@@ -72,9 +72,9 @@ const LATER: f64 = 0.05;
 /// Time before the first motion \[s\]: forces need two to be on (H5: 0.1 s clear, 1 s of ramp).
 const BEGIN: f64 = 1.5;
 
-/// What somebody wishes of a script; what is left out suits the device.
+/// Options of a script; what is left out suits the device.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Wish {
+pub struct ScriptOptions {
     /// where it rests \[m\]; in the middle of the travel
     pub rest: Option<f64>,
     /// how far it goes from there \[m\], down where negative
@@ -84,13 +84,13 @@ pub struct Wish {
 }
 
 impl Script {
-    /// The script of that name, as the profile of a device and what somebody wishes make it; `None` where there is none.
-    pub fn named(name: &str, profile: &Profile, wish: Wish) -> Option<Script> {
+    /// The script of that name, as the profile of a device and the options make it; `None` where there is none.
+    pub fn named(name: &str, profile: &Profile, options: ScriptOptions) -> Option<Script> {
         let [low, high] = profile.range;
-        let (rest, travel) = (wish.rest.unwrap_or(0.5 * (low + high)), high - low);
-        let deep = |part: f64| wish.depth.unwrap_or(part * travel);
+        let (rest, travel) = (options.rest.unwrap_or(0.5 * (low + high)), high - low);
+        let deep = |part: f64| options.depth.unwrap_or(part * travel);
         // unasked no faster than half of what trips the guard
-        let fast = |suits: f64| wish.speed.unwrap_or(suits.min(0.5 * profile.guard.speed));
+        let fast = |suits: f64| options.speed.unwrap_or(suits.min(0.5 * profile.guard.speed));
         Some(match name {
             "strike" => {
                 let depth = deep(-0.35);
@@ -148,7 +148,7 @@ mod tests {
         for (name, _) in SHIPPED {
             let p = Profile::shipped(name).expect("shipped");
             for script in SCRIPTS {
-                let s = Script::named(script, &p, Wish::default()).expect("a script");
+                let s = Script::named(script, &p, ScriptOptions::default()).expect("a script");
                 let (mut last, mut moved) = (s.at(0, 0.0), false);
                 for n in 0..20_000 {
                     let now = s.at(0, f64::from(n) / 2000.0);
@@ -163,7 +163,7 @@ mod tests {
                 assert!(last.force.abs() <= p.force);
             }
         }
-        assert_eq!(Script::named("wave", &Profile::shipped("tgr12").expect("shipped"), Wish::default()), None);
+        assert_eq!(Script::named("wave", &Profile::shipped("tgr12").expect("shipped"), ScriptOptions::default()), None);
     }
 
     #[test]
@@ -171,8 +171,8 @@ mod tests {
         let p = Profile::shipped("tgr12").expect("shipped");
         for (script, low, high) in [("strike", -0.008, -6e-4), ("bow", -0.0154, -6e-4), ("shake", -0.0154, -6e-4)] {
             for speed in [None, Some(0.4)] {
-                let wish = Wish { rest: Some(-0.008), depth: Some(0.0074), speed };
-                let s = Script::named(script, &p, wish).expect("a script");
+                let options = ScriptOptions { rest: Some(-0.008), depth: Some(0.0074), speed };
+                let s = Script::named(script, &p, options).expect("a script");
                 let way: Vec<f64> = (0..40_000).map(|n| s.at(0, f64::from(n) / 4000.0).position).collect();
                 let (least, most) = way.iter().fold((0.0f64, -1.0f64), |m, x| (m.0.min(*x), m.1.max(*x)));
                 // a bow is the beginning of a triangle

@@ -92,7 +92,7 @@ flat! {
         h: f64,
         /// heat \[J\]
         lost: f64,
-        /// made by non-linear links \[J\]
+        /// error of the scheme in non-linear links \[J\]
         source: f64,
         /// received from ports \[J\]
         work: f64,
@@ -108,8 +108,8 @@ flat! {
 impl Energy {
     /// The ledger at a tick.
     pub fn new(tick: u64, b: &Balance) -> Energy {
-        let Balance { h0, h, lost, source, work, changed, residual, peak } = *b;
-        Energy { tick, h0, h, lost, source, work, changed, residual, peak }
+        let Balance { h0, h, lost, scheme_error, work, changed, residual, peak } = *b;
+        Energy { tick, h0, h, lost, source: scheme_error, work, changed, residual, peak }
     }
 }
 

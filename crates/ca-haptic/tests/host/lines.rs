@@ -1,7 +1,7 @@
 //! Both sides in one process: what goes through, who may be where, what is said when it may not.
 
 use crate::desk::{Server, about, place, spring, until};
-use ca_haptic::frame::{Cause, DOF, DeviceFrame, ForceFrame, Strange, text};
+use ca_haptic::frame::{Cause, DOF, DeviceFrame, ForceFrame, FrameMismatch, text};
 use ca_haptic::host::gateway::list_devices;
 use ca_haptic::host::{DeviceClient, Event, Gateway, HostErrorKind, Rings, Site};
 use std::path::Path;
@@ -151,7 +151,7 @@ fn five_devices_and_twenty_four_keys_through_the_rings() {
     let (mut to, outgoing) = rtrb::RingBuffer::new(64);
     let (events, happened) = std::sync::mpsc::channel();
     let running =
-        Gateway::start(&place.site, &names, Rings { incoming, outgoing, events }, ca_haptic::rt::Wish::default())
+        Gateway::start(&place.site, &names, Rings { incoming, outgoing, events }, ca_haptic::rt::RtRequest::default())
             .unwrap();
     let mut devices: Vec<_> = names.iter().map(|n| DeviceClient::open(&place.site, about(n, 24)).unwrap()).collect();
     let mut frames = names.map(|n| DeviceFrame::new(n, 24));
@@ -209,9 +209,13 @@ fn a_ring_that_is_full_is_counted_and_nobody_waits() {
     let (incoming, from) = rtrb::RingBuffer::new(2);
     let (_to, outgoing) = rtrb::RingBuffer::new(2);
     let (events, _) = std::sync::mpsc::channel();
-    let running =
-        Gateway::start(&place.site, &["key"], Rings { incoming, outgoing, events }, ca_haptic::rt::Wish::default())
-            .unwrap();
+    let running = Gateway::start(
+        &place.site,
+        &["key"],
+        Rings { incoming, outgoing, events },
+        ca_haptic::rt::RtRequest::default(),
+    )
+    .unwrap();
     let mut device = DeviceClient::open(&place.site, about("key", 1)).unwrap();
     let mut frame = DeviceFrame::new("key", 1);
     let load = std::sync::atomic::Ordering::Relaxed;
@@ -233,9 +237,13 @@ fn every_ping_comes_back_with_its_number() {
     let (incoming, mut from) = rtrb::RingBuffer::new(64);
     let (mut to, outgoing) = rtrb::RingBuffer::new(64);
     let (events, _told) = std::sync::mpsc::channel();
-    let running =
-        Gateway::start(&place.site, &["key"], Rings { incoming, outgoing, events }, ca_haptic::rt::Wish::default())
-            .unwrap();
+    let running = Gateway::start(
+        &place.site,
+        &["key"],
+        Rings { incoming, outgoing, events },
+        ca_haptic::rt::RtRequest::default(),
+    )
+    .unwrap();
     let over = std::sync::atomic::AtomicBool::new(false);
     let mut times = std::thread::scope(|threads| {
         // an engine that answers as soon as it looks
@@ -305,7 +313,7 @@ fn frames_without_a_degree_of_freedom_are_named() {
         device.send(&mut frame).unwrap();
         server.serve();
         events.extend(std::iter::from_fn(|| server.gateway.event()));
-        events.iter().any(|(_, e)| *e == Event::Foreign(Strange::Size(0)))
+        events.iter().any(|(_, e)| *e == Event::Foreign(FrameMismatch::Size(0)))
     });
     assert_eq!(server.got[0], 0, "none of them is used");
 }

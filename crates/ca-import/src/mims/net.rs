@@ -1,4 +1,4 @@
-//! Typed lines → parts: every module with its kind, its arguments and what it holds on to, by index.
+//! Typed lines → parts: the meaning of each argument of a line.
 //!
 //! Decides that the meaning of a number is given once, here and in [`super::links`], and that a named parameter stays
 //! a name wherever its value is used as it is. Where a law needs a product of two of them, the product is

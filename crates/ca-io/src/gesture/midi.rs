@@ -1,6 +1,6 @@
 //! Standard MIDI Files as gestures: events become breakpoints of position or force, port by port.
 //!
-//! Decides that a port is one finger. Of overlapping notes the newest wins, and its release falls back to the newest
+//! Decides that a port is monophonic. Of overlapping notes the newest wins, and its release falls back to the newest
 //! still held; a key that is struck again while down is one key. A glide starts from wherever the port is at that
 //! moment, so nothing ever jumps unless `attack` or `release` is 0. The sustain pedal is a controller like others.
 //! Polyphony is many ports with a note each, which is how an instrument of strings is built anyway.
@@ -28,18 +28,18 @@ pub(super) fn read(bytes: &[u8], ports: &[PortMap]) -> Result<Gesture, FileError
     }
     ports.iter().try_for_each(check)?;
     let events = smf::events(bytes)?;
-    let mut fingers: Vec<PortTrack> = ports.iter().map(|p| PortTrack::new(&p.map)).collect();
+    let mut port_tracks: Vec<PortTrack> = ports.iter().map(|p| PortTrack::new(&p.map)).collect();
     for e in &events {
-        for f in &mut fingers {
+        for f in &mut port_tracks {
             f.event(e);
         }
     }
-    if !fingers.iter().any(|f| f.touched) {
+    if !port_tracks.iter().any(|f| f.touched) {
         let wanted: Vec<String> = ports.iter().map(|p| format!("`{}` ({})", p.port, wants(&p.map))).collect();
         let e = FileError::content(format!("nothing in it moves {}: it has {}", list(&wanted), inventory(&events)));
         return Err(e.fix("change `midi` of a port to what the file has"));
     }
-    let tracks = ports.iter().zip(fingers).map(|(p, f)| Track::points(&p.port, f.finish()));
+    let tracks = ports.iter().zip(port_tracks).map(|(p, f)| Track::points(&p.port, f.finish()));
     Gesture::new(tracks.collect::<Result<_, _>>()?)
 }
 

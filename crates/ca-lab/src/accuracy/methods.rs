@@ -66,7 +66,7 @@ impl Candidate {
 }
 
 /// The model by the method of this name; `None` where no module knows its word.
-pub fn twin(loaded: &Loaded, name: &str) -> Option<Loaded> {
+pub fn with_method(loaded: &Loaded, name: &str) -> Option<Loaded> {
     let method = METHODS.iter().find(|m| m.name == name)?;
     let mut model = loaded.model.clone();
     if let Some((name, theta)) = method.linear {
@@ -108,11 +108,11 @@ pub fn candidates(loaded: &Loaded, probes: &[String], rate: f64, times: &[u32]) 
     let Candidates { mut all, mut refused, mut warned } = Candidates::default();
     let mut known: Vec<&'static str> = Vec::new();
     for method in &METHODS {
-        let Some(twin) = twin(loaded, method.name) else { continue };
+        let Some(variant) = with_method(loaded, method.name) else { continue };
         for times in times {
             let options =
                 Options { rate: Some(rate * f64::from(*times)), probes: probes.to_vec(), ..Options::default() };
-            let (scene, diags) = load::compiled(&twin, &options);
+            let (scene, diags) = load::compiled(&variant, &options);
             let Some(scene) = scene else {
                 let first = diags.list.iter().find(|d| d.severity == Severity::Error);
                 refused.push((method.name, first.map(|d| d.title.clone()).unwrap_or_default()));
@@ -128,7 +128,7 @@ pub fn candidates(loaded: &Loaded, probes: &[String], rate: f64, times: &[u32]) 
                     warned.push((method.name, d.title.clone()));
                 }
             }
-            let audited = load::compiled(&twin, &Options { energy: true, ..options }).0;
+            let audited = load::compiled(&variant, &Options { energy: true, ..options }).0;
             all.push(Candidate { method: method.name, times: *times, scene, audited, single: None });
         }
     }

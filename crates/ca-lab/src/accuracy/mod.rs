@@ -66,12 +66,12 @@ impl MethodRow {
 
     /// Energy that the scheme makes, relative to what there was.
     pub fn energy_error(&self) -> Option<f64> {
-        self.balance.filter(|b| b.peak > 0.0).map(|b| (b.source.abs() + b.residual.abs()) / b.peak)
+        self.balance.filter(|b| b.peak > 0.0).map(|b| (b.scheme_error.abs() + b.residual.abs()) / b.peak)
     }
 }
 
 /// What is to be measured.
-pub struct Ask<'a> {
+pub struct AccuracyOptions<'a> {
     /// the sound rate \[Hz\]; that of the model if none
     pub rate: Option<f64>,
     /// what is listened to
@@ -108,7 +108,7 @@ pub struct Measured {
 ///
 /// # Errors
 /// Where it does not compile, where nothing moves, and where no more is wanted.
-pub fn measured(loaded: &Loaded, ask: &mut Ask) -> Result<Measured, Failure> {
+pub fn measured(loaded: &Loaded, ask: &mut AccuracyOptions) -> Result<Measured, Failure> {
     let probes = ask.probes.to_vec();
     let scene = load::scene(loaded, &Options { rate: ask.rate, probes: probes.clone(), ..Options::default() })?;
     let rate = scene.rate;

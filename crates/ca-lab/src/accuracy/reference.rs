@@ -1,6 +1,6 @@
 //! What a model should do: by the closed form of its modes, or by itself at a far higher rate.
 //!
-//! Decides for the closed form only where it is all there is: everything linear on lines, damping that ties no modes,
+//! Decides for the closed form only where it is all there is: everything linear on lines, damping that couples no modes,
 //! nothing that drives or weighs. Elsewhere three rates, each twice the last, tell the order p at which the model
 //! converges; if it does so as a scheme should, the last two are carried on to rate infinity by (A − B)/(2^p − 1), and that
 //! step is also how well the reference is known. A model that does not converge (chaos, a jump at every tick) is reported: its
@@ -8,7 +8,7 @@
 //! model as written where, at an eighth of that rate, it is known better and the two agree within what they are known to.
 
 use super::Steps;
-use super::methods::{AS_WRITTEN, twin};
+use super::methods::{AS_WRITTEN, with_method};
 use super::play::{Columns, columns};
 use super::score::apart;
 use crate::Failure;
@@ -44,8 +44,8 @@ pub struct Reference {
     pub known: f64,
 }
 
-/// Damping below this ties no modes.
-const TIED: f64 = 1e-9;
+/// Damping below this couples no modes.
+const COUPLED: f64 = 1e-9;
 
 /// Methods that leave nothing out and converge faster than others do.
 const FINE: [&str; 3] = ["newton", "centred", "pefrl"];
@@ -70,19 +70,19 @@ pub fn reference(
     if few >= 4 {
         let pilot = by(loaded, AS_WRITTEN, few)?;
         for method in FINE {
-            let Some(twin) = twin(loaded, method) else { continue };
+            let Some(variant) = with_method(loaded, method) else { continue };
             let options = Options { rate: Some(plain.rate), probes: probes.to_vec(), ..Options::default() };
-            if load::compiled(&twin, &options).0.is_none() {
+            if load::compiled(&variant, &options).0.is_none() {
                 continue;
             }
-            let found = by(&twin, method, few)?;
+            let found = by(&variant, method, few)?;
             let agree = apart(&found.columns, &pilot.columns, of) <= 2.0 * (found.known + pilot.known);
             if agree && found.known < 0.5 * best.as_ref().map_or(pilot.known, |b| b.2) {
-                best = Some((twin, method, found.known));
+                best = Some((variant, method, found.known));
             }
         }
     }
-    let (model, method) = best.as_ref().map_or((loaded, AS_WRITTEN), |(twin, method, _)| (twin, method));
+    let (model, method) = best.as_ref().map_or((loaded, AS_WRITTEN), |(variant, method, _)| (variant, method));
     by(model, method, times)
 }
 
@@ -133,12 +133,13 @@ fn closed(loaded: &Loaded, probes: &[String], scene: &Scene, frames: usize) -> O
         props.retain(|e| e.key != "theta" && (e.key != "method" || e.value == Value::Text("modal".into())));
     }
     let network = ca_compile::linear(&model, &catalog(), &options).ok()?;
-    let whole = network.left_out.is_empty() && network.deaf.is_empty() && network.linear.loose.is_empty();
+    let whole =
+        network.left_out.is_empty() && network.force_outputs.is_empty() && network.linear.moving_links.is_empty();
     if !whole || network.ports.len() < n {
         return None;
     }
     let found = modes::modes(&network)?;
-    if found.list.iter().any(|m| m.coupled > TIED) {
+    if found.list.iter().any(|m| m.coupled > COUPLED) {
         return None;
     }
     let ports = &network.ports[network.ports.len() - n..];

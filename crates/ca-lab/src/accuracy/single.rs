@@ -41,7 +41,8 @@ pub fn compiled(loaded: &Loaded, options: &Options) -> Result<single::Scene, Str
     }
 }
 
-/// As [`columns`](super::play::columns), of a scene whose twin in double precision knows what its ports are given.
+/// As [`columns`](super::play::columns), of a scene in single precision; `double`, the same in double precision,
+/// knows what its ports are given.
 pub fn columns(
     scene: &single::Scene,
     double: &Scene,

@@ -45,7 +45,7 @@ pub fn column(axis: &Axis) -> String {
 
 /// What is asked of a sweep.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Ask {
+pub struct SweepSpec {
     /// what is varied
     pub axes: Vec<Axis>,
     /// how many runs are drawn; without, every combination of values is played, the last axis first
@@ -65,7 +65,7 @@ pub struct Ask {
 /// A sweep, ready for any of its runs.
 pub struct Sweep {
     loaded: Loaded,
-    ask: Ask,
+    ask: SweepSpec,
     gesture: Option<Gesture>,
     hash: blake3::Hash,
     /// hash of the gesture, if there is one
@@ -117,7 +117,7 @@ impl Sweep {
     ///
     /// # Errors
     /// [`Failure::Usage`] where the axes make no sense, [`Failure::Found`] where the model has errors as it is.
-    pub fn new(loaded: Loaded, ask: Ask, gesture: Option<Gesture>) -> Result<Sweep, Failure> {
+    pub fn new(loaded: Loaded, ask: SweepSpec, gesture: Option<Gesture>) -> Result<Sweep, Failure> {
         for (k, axis) in ask.axes.iter().enumerate() {
             if ask.axes[..k].iter().any(|a| a.name == axis.name) {
                 return Err(Failure::Usage(format!("`{}` is varied twice", axis.name)));
@@ -159,7 +159,7 @@ impl Sweep {
     }
 
     /// What was asked.
-    pub fn ask(&self) -> &Ask {
+    pub fn ask(&self) -> &SweepSpec {
         &self.ask
     }
 
@@ -256,20 +256,20 @@ impl Sweep {
         row.peak = level.peak.iter().copied().fold(0.0, f64::max);
         row.rms = measure::rms(&sound);
         // what diverged has no pitch
-        if self.ask.measure && channels > 0 && played.broke.is_none() {
+        if self.ask.measure && channels > 0 && played.diverged_at.is_none() {
             let found = measure::measures(&sound, channels, scene.rate);
             (row.partial, row.t60) = (found.partial, found.t60);
         }
         row.residual = played.energy.as_ref().filter(|_| self.ask.energy).map(|b| play::relative(&b.balance()));
         let refused = played.performance.state.refused;
-        let twin = || compiled(&loaded, &Options { energy: true, ..options.clone() }).0;
-        let audited = if played.broke.is_some() { twin() } else { None };
-        if let Some(broke) =
+        let audited_scene = || compiled(&loaded, &Options { energy: true, ..options.clone() }).0;
+        let audited = if played.diverged_at.is_some() { audited_scene() } else { None };
+        if let Some(divergence) =
             Divergence::of(&played, audited.as_ref().unwrap_or(&scene), &scene.findings, self.gesture.as_ref())
         {
             row.status = "unstable";
-            row.message = broke.to_string();
-            (row.failed, row.module) = (Some(broke.time), Some(broke.module));
+            row.message = divergence.to_string();
+            (row.failed, row.module) = (Some(divergence.time), Some(divergence.module));
         } else if level.clipped + level.non_finite > 0 {
             row.status = "clipped";
             let (clipped, none) = (level.clipped, level.non_finite);

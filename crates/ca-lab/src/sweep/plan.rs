@@ -17,7 +17,7 @@
 //!
 //! Decides that what it names is looked for beside it, and that whatever it says wrongly is reported with its line.
 
-use super::{Ask, Audio, Axis, MOST, Sweep, counted, folder, measured_so, varied};
+use super::{Audio, Axis, MOST, Sweep, SweepSpec, counted, folder, measured_so, varied};
 use crate::load::{self, stem};
 use crate::{Failure, Found, gesture};
 use ca_compile::Options;
@@ -230,7 +230,7 @@ pub fn read(path: &Path) -> Result<Plan, Failure> {
         axes.push(axis);
     }
     let yes = |key: &str, or: bool| t.one(top, key, "`true` or `false`", Item::as_bool).map(|v| v.unwrap_or(or));
-    let ask = Ask {
+    let ask = SweepSpec {
         axes,
         runs,
         seed: t.one(top, "seed", "a whole number from 0 on", whole)?.unwrap_or(0),

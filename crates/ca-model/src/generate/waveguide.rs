@@ -13,7 +13,7 @@ use alloc::vec::Vec;
 use ca_core::builder::{Args, Builder, Generator, Problem};
 use ca_core::kind::{ABOVE_ZERO, Kind, Need, OneOf, Param, Role, Type, Unit};
 use ca_core::mat::X;
-use ca_core::wave::{Asked, tune};
+use ca_core::wave::{WaveguideSpec, tune};
 
 const fn number(name: &'static str, unit: Unit, need: Need, doc: &'static str) -> Param {
     Param::number(name, unit, ABOVE_ZERO, need, doc).for_good()
@@ -61,7 +61,7 @@ out = { from = "low[1]", gain = 200 }
 };
 
 /// What is asked for, in SI.
-fn asked(a: &Args<'_>) -> Result<Asked, Problem> {
+fn asked(a: &Args<'_>) -> Result<WaveguideSpec, Problem> {
     let problem = |param, title, help: &str| Err(Problem { title, param, help: help.into() });
     let (f, t60, high) = (a.or0("f"), a.num("t60"), a.num("t60_high"));
     let z = match (a.num("z"), a.num("tension"), a.num("mu")) {
@@ -91,7 +91,7 @@ fn asked(a: &Args<'_>) -> Result<Asked, Problem> {
     }
     let at: Vec<f64> = a.list("at", a.len("at").unwrap_or(1)).into_iter().flatten().collect();
     let t60 = t60.unwrap_or(f64::INFINITY);
-    Ok(Asked { f, t60, high: high.map(|t60| [top, t60]), z, at, m: a.num("m") })
+    Ok(WaveguideSpec { f, t60, high: high.map(|t60| [top, t60]), z, at, m: a.num("m") })
 }
 
 /// Slots: the damper that both sides are to a junction, then for each junction what it is as a CEL.

@@ -113,7 +113,7 @@ def energy(raw: Mapping[str, Any]) -> Energy:
 
 @dataclass(frozen=True, eq=False)
 class Modes:
-    """How the linear part of a scene sings; arrays over modes, lowest first."""
+    """Modes of the linear part of a scene; arrays over modes, lowest first."""
 
     #: frequency without the scheme [Hz]; 0 where it does not swing
     f: Floats
@@ -135,7 +135,7 @@ class Modes:
     places: tuple[str, ...]
     #: links that are not linear, and so not part of it
     left_out: tuple[str, ...]
-    #: whether damping that ties modes to each other was left out
+    #: whether damping that couples modes was left out
     approximate: bool
 
     def __len__(self) -> int:

@@ -314,7 +314,7 @@ class Scene:
     # what is known of it
 
     def modes(self) -> Modes:
-        """How its linear part sings: frequencies with and without the scheme, decay, shapes, and levels at ports.
+        """Modes of its linear part: frequencies with and without the scheme, decay, shapes, and levels at ports.
 
         >>> import cordis_anima as ca
         >>> m = ca.load("harmonic_chain").modes()

@@ -142,7 +142,7 @@ def test_what_a_block_cannot_be(key: ca.Scene) -> None:
     assert sim.time == 0 and sim.status == "ok"
 
 
-def test_blocks_without_end_and_books(key: ca.Scene) -> None:
+def test_blocks_without_end_and_ledgers(key: ca.Scene) -> None:
     sim = key.open(block=160, energy=True)
     sim.step({"hand": 0.001})
     for k, block in enumerate(sim):

@@ -55,7 +55,7 @@ impl LimitRow<'_> {
 }
 
 /// All that is asked.
-pub(super) struct Asked<'a> {
+pub(super) struct DeviceDemands<'a> {
     profile: &'a Profile,
     rows: Vec<LimitRow<'a>>,
     /// the stiffest sum of springs on which it stays passive \[N/m\]
@@ -69,9 +69,9 @@ pub(super) struct Asked<'a> {
     feedback: bool,
 }
 
-impl<'a> Asked<'a> {
+impl<'a> DeviceDemands<'a> {
     /// Compares. The devices of the model that bear the profile's name are meant, or all where none does.
-    pub(super) fn new(scene: &'a Scene, profile: &'a Profile) -> Asked<'a> {
+    pub(super) fn new(scene: &'a Scene, profile: &'a Profile) -> DeviceDemands<'a> {
         let mut devices: Vec<&str> =
             scene.inputs.iter().filter_map(|i| i.device.as_ref()).map(|d| d.0.as_str()).collect();
         devices.sort_unstable();
@@ -87,7 +87,7 @@ impl<'a> Asked<'a> {
         let b = profile.body.friction;
         let later = Delays { spring: d.spring + d.frame, ..d };
         let rows = (0..scene.tgr.len()).filter_map(|t| row(scene, t, profile, &devices)).collect();
-        Asked {
+        DeviceDemands {
             profile,
             rows,
             passive: later.stiffest(b),
@@ -108,10 +108,10 @@ impl<'a> Asked<'a> {
 
     /// Keys the device cannot render, and which limit they pass.
     fn beyond(&self, r: &LimitRow) -> [bool; 2] {
-        let felt = self.feedback;
+        let feedback = self.feedback;
         [
-            felt && self.profile.stiffness.is_some_and(|k| r.k() > k * (1.0 + 1e-9)),
-            felt && r.k() > self.passive * (1.0 + 1e-9),
+            feedback && self.profile.stiffness.is_some_and(|k| r.k() > k * (1.0 + 1e-9)),
+            feedback && r.k() > self.passive * (1.0 + 1e-9),
         ]
     }
 

@@ -27,13 +27,13 @@ pub fn run(args: &CheckArgs) -> Outcome {
     let options = Options { rate: args.source.rate, exact: args.exact, ..Options::default() };
     let (scene, diags) = load::compiled(&loaded, &options);
     let rows = scene.as_ref().filter(|_| args.schedule).map(schedule::measure);
-    let asked = scene.as_ref().zip(profile.as_ref()).map(|(s, p)| device::Asked::new(s, p));
+    let asked = scene.as_ref().zip(profile.as_ref()).map(|(s, p)| device::DeviceDemands::new(s, p));
     if args.json {
         let all = json!({
             "diagnostics": render::json(&diags, &loaded.model),
             "summary": scene.as_ref().map(|s| summary_json(&loaded, s)),
             "schedule": scene.as_ref().zip(rows.as_ref()).map(|(s, r)| schedule::json(s, r)),
-            "device": asked.as_ref().map(device::Asked::json),
+            "device": asked.as_ref().map(device::DeviceDemands::json),
         });
         writeln!(std::io::stdout().lock(), "{all:#}")?;
     } else {

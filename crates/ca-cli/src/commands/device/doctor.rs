@@ -11,7 +11,7 @@ use ca_haptic::host::control::{Request, ask};
 use ca_haptic::host::gateway::list_devices;
 use ca_haptic::host::{DeviceClient, Gateway, HostError, HostErrorKind, Site, stale_shm};
 use ca_haptic::profile::Profile;
-use ca_haptic::rt::{self, Waits, Wish, now_ns};
+use ca_haptic::rt::{self, RtRequest, Waits, now_ns};
 use ca_haptic::stats::{Percentiles, Times};
 use serde_json::json;
 use std::fs;
@@ -236,7 +236,7 @@ fn limits() -> Vec<CheckRow> {
 
 /// A second of gesture frames as the engine waits for them: what was granted, lateness, and how many were a frame late.
 fn second() -> (rt::Granted, Percentiles, u64) {
-    let granted = rt::ask(Wish { priority: Some(70), lock: true, ..Wish::default() });
+    let granted = rt::ask(RtRequest { priority: Some(70), lock: true, ..RtRequest::default() });
     let (mut late, mut over, mut waits) = (Times::new(), 0, Waits::default());
     let start = now_ns();
     for n in 1..=FRAMES {

@@ -13,7 +13,7 @@ use ca_haptic::frame::{Cause, DOF, DeviceFrame, ForceFrame, Mode};
 use ca_haptic::host::{DeviceClient, HostError, Site};
 use ca_haptic::profile::Profile;
 use ca_haptic::rt::{self, Waits, now_ns};
-use ca_haptic::simulated::{Device, Hand, Script, Wish};
+use ca_haptic::simulated::{Device, Hand, Script, ScriptOptions};
 use ca_haptic::stats::Times;
 use ca_io::gesture::Gesture;
 use serde_json::json;
@@ -52,7 +52,8 @@ pub fn run(args: &SimArgs) -> Outcome {
     let client = DeviceClient::open(&Site::of_user()?, about(&name, &profile))?;
     // a handler can be set once in a process; where that fails, Ctrl-C ends the process as it would anyway
     let _ = ctrlc::set_handler(|| STOP.store(true, Relaxed));
-    let granted = rt::ask(rt::Wish { priority: (args.priority > 0).then_some(args.priority), ..rt::Wish::default() });
+    let granted =
+        rt::ask(rt::RtRequest { priority: (args.priority > 0).then_some(args.priority), ..rt::RtRequest::default() });
     term::note(&format!("`{name}`: {}, simulated, {} frames a second; {granted}", profile.title, profile.rate));
     let mut sim = Sim {
         frame: DeviceFrame::new(&name, profile.dof as usize),
@@ -84,8 +85,8 @@ fn script(args: &SimArgs, profile: &Profile) -> Result<Script, Failure> {
     if args.push.is_some() && args.script != ScriptKind::Push {
         return Err(Failure::Usage("--push is the force of `--script push`".into()));
     }
-    let wish = Wish { rest: args.rest, depth: args.depth, speed: args.speed };
-    if wish != Wish::default() && matches!(args.script, ScriptKind::Push | ScriptKind::File) {
+    let options = ScriptOptions { rest: args.rest, depth: args.depth, speed: args.speed };
+    if options != ScriptOptions::default() && matches!(args.script, ScriptKind::Push | ScriptKind::File) {
         return Err(Failure::Usage(
             "--rest, --depth and --speed are of scripts that go somewhere by themselves".into(),
         ));
@@ -124,7 +125,7 @@ fn script(args: &SimArgs, profile: &Profile) -> Result<Script, Failure> {
         return Err(Failure::Usage("--depth 0 is `--script hold`".into()));
     }
     // every name above is one of a script
-    Script::named(name, profile, wish).ok_or_else(|| Failure::Usage(format!("no script `{name}`")))
+    Script::named(name, profile, options).ok_or_else(|| Failure::Usage(format!("no script `{name}`")))
 }
 
 /// A device under way.

@@ -81,17 +81,17 @@ pub fn run(args: &RenderArgs) -> Outcome {
     let written = files.finish()?;
     let energy = match &played.energy {
         Some(ledger) => Some(play::Audit { ledger: ledger.clone(), ticks: played.energy_ticks, whole: true }),
-        None => audited().and_then(|twin| play::audit(&twin, gesture.as_ref(), frames)),
+        None => audited().and_then(|scene| play::audit(&scene, gesture.as_ref(), frames)),
     };
-    let twin = if played.broke.is_some() && !args.energy { audited() } else { None };
-    let broke = Divergence::of(&played, twin.as_ref().unwrap_or(&scene), &scene.findings, gesture.as_ref());
+    let audited = if played.diverged_at.is_some() && !args.energy { audited() } else { None };
+    let divergence = Divergence::of(&played, audited.as_ref().unwrap_or(&scene), &scene.findings, gesture.as_ref());
     let summary = summary::Summary {
         args,
         scene: &scene,
         written: &written,
         wall: played.wall,
         energy: energy.as_ref(),
-        broke: broke.as_ref(),
+        divergence: divergence.as_ref(),
         refused: played.performance.state.refused,
         warnings: load::warnings(&scene.findings),
         probes: &probes,
@@ -114,7 +114,7 @@ pub fn run(args: &RenderArgs) -> Outcome {
 /// Where the sound goes.
 fn output(args: &RenderArgs, loaded: &Loaded) -> Result<PathBuf, Failure> {
     let Some(path) = args.output.clone() else { return Ok(PathBuf::from(format!("{}.wav", loaded.name))) };
-    load::is_bounded(&path)?;
+    load::check_wav_path(&path)?;
     Ok(path)
 }
 

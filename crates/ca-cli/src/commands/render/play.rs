@@ -1,4 +1,4 @@
-//! The loop that plays, and the twin that is audited.
+//! The loop that plays, and the scene that is audited beside.
 
 use crate::{Failure, term};
 use ca_core::Scene;
@@ -108,15 +108,15 @@ pub(crate) struct Audit {
     pub whole: bool,
 }
 
-/// Modules times ticks the audited twin may take: a second of a thousand-mass string. Larger scenes are audited for
+/// Modules times ticks the audited scene may take: a second of a thousand-mass string. Larger scenes are audited for
 /// less, and the summary says for how long.
 const AUDITED: u64 = 100_000_000;
 
 /// Plays the first second once more with the ledger kept, up to the last tick before any divergence.
-pub(crate) fn audit(twin: &Scene, gesture: Option<&Gesture>, frames: u64) -> Option<Audit> {
-    let afford = AUDITED / (twin.n_mat + twin.n_lia).max(1) as u64;
-    let ticks = frames.min(twin.rate as u64).min(afford).max(1);
-    let mut p = Performance::new(twin, gesture).ok()?;
+pub(crate) fn audit(audited: &Scene, gesture: Option<&Gesture>, frames: u64) -> Option<Audit> {
+    let afford = AUDITED / (audited.n_mat + audited.n_lia).max(1) as u64;
+    let ticks = frames.min(audited.rate as u64).min(afford).max(1);
+    let mut p = Performance::new(audited, gesture).ok()?;
     while p.state.tick < ticks + 1 && p.state.is_bounded(DIVERGED) {
         p.tick();
     }

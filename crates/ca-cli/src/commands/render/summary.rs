@@ -35,7 +35,7 @@ pub(crate) struct Summary<'a> {
     pub written: &'a Written,
     pub wall: Duration,
     pub energy: Option<&'a Audit>,
-    pub broke: Option<&'a Divergence>,
+    pub divergence: Option<&'a Divergence>,
     pub refused: u64,
     pub warnings: usize,
     pub probes: &'a [Probe],
@@ -85,7 +85,7 @@ pub(crate) fn joule(v: f64) -> String {
 impl Summary<'_> {
     /// Whether something is not as meant.
     pub fn degraded(&self) -> bool {
-        self.broke.is_some() || !self.written.is_faithful() || self.refused > 0
+        self.divergence.is_some() || !self.written.is_faithful() || self.refused > 0
     }
 
     fn loudest(&self) -> f64 {
@@ -94,14 +94,14 @@ impl Summary<'_> {
 
     /// What went wrong, on stderr.
     pub fn warn(&self) {
-        if let Some(b) = self.broke {
+        if let Some(b) = self.divergence {
             term::warning(&b.to_string());
         } else if self.written.level.non_finite > 0 {
             term::warning(&format!("{} samples had no value and became silence", self.written.level.non_finite));
         }
         if self.written.level.clipped > 0 {
             // after a divergence the peak says nothing about loudness
-            let help = if self.broke.is_some() {
+            let help = if self.divergence.is_some() {
                 String::new()
             } else if self.warnings > 0 && self.loudest() > FAR {
                 format!("; a gain is not what is wrong, see `{}`", self.check())
@@ -160,7 +160,7 @@ impl Summary<'_> {
         writeln!(out, "  speed      {} times real time{how} (real-time factor {})", short(1.0 / rtf), short(rtf))?;
         let name = |i: usize| self.scene.channel_names.get(i).map_or("?", String::as_str);
         let peaks: Vec<String> = (0..w.level.peak.len())
-            .map(|i| format!("{} {}", name(i), level(w.level.peak[i], self.broke.is_some())))
+            .map(|i| format!("{} {}", name(i), level(w.level.peak[i], self.divergence.is_some())))
             .collect();
         writeln!(out, "  peak       {}", peaks.join(", "))?;
         border::text(&mut out, self.scene)?;
@@ -181,10 +181,10 @@ impl Summary<'_> {
     fn energy(&self, out: &mut impl std::io::Write, a: &Audit) -> Result<(), Failure> {
         let b = a.ledger.balance();
         let time = a.ticks as f64 * self.scene.sample_dt;
-        if let Some(broke) = self.broke {
+        if let Some(divergence) = self.divergence {
             // how large all was at the last tick in range measures the divergence and nothing else
             let grows = grows(self.scene, &a.ledger);
-            writeln!(out, "  energy     diverged at {time:.4} s, found at {:.4} s{grows}", broke.time)?;
+            writeln!(out, "  energy     diverged at {time:.4} s, found at {:.4} s{grows}", divergence.time)?;
             if a.whole {
                 writeln!(out, "    at load  {}", joule(b.h0))?;
                 for (name, made) in makers(self.scene, &a.ledger).iter().take(5) {
@@ -208,7 +208,7 @@ impl Summary<'_> {
         writeln!(out, "    at load  {}", joule(b.h0))?;
         writeln!(out, "    received {} from ports, {} by changes", joule(b.work), joule(b.changed))?;
         writeln!(out, "    lost     {}", joule(b.lost))?;
-        writeln!(out, "    error    {} of the scheme", joule(b.source))?;
+        writeln!(out, "    error    {} of the scheme", joule(b.scheme_error))?;
         writeln!(out, "    stored   {}", joule(b.h))?;
         for (name, received, given) in border::exchanged(self.scene, &a.ledger) {
             let (leak, received, given) = (joule(received - given), joule(received), joule(given));
@@ -243,14 +243,15 @@ impl Summary<'_> {
             json!({
                 "seconds": a.ticks as f64 * self.scene.sample_dt, "whole": a.whole, "residual": b.residual,
                 "relative_residual": relative(&b), "peak": b.peak, "at_load": b.h0, "received": b.work,
-                "changed": b.changed, "lost": b.lost, "made": b.source, "held": b.h, "makers": makers,
+                "changed": b.changed, "lost": b.lost, "made": b.scheme_error, "held": b.h, "makers": makers,
                 "hands": hands,
             })
         });
-        let broke = self.broke.map(|b| json!({"seconds": b.time, "module": b.module, "why": b.why, "fix": b.fix}));
+        let divergence =
+            self.divergence.map(|b| json!({"seconds": b.time, "module": b.module, "why": b.why, "fix": b.fix}));
         let clipped = (w.level.clipped > 0).then(|| {
             // after a divergence the peak says nothing about loudness
-            let gain = self.broke.is_none().then(|| gain(self.loudest()));
+            let gain = self.divergence.is_none().then(|| gain(self.loudest()));
             json!({"samples": w.level.clipped, "gain": gain})
         });
         let probes: Vec<Json> = self.probes.iter().map(|p| json!({"name": p.name, "file": p.file})).collect();
@@ -258,7 +259,7 @@ impl Summary<'_> {
             "file": w.path, "seconds": w.duration(), "frames": w.frames, "rate": w.rate, "format": self.format(),
             "channels": channels, "latency": border::json(self.scene), "real_time_factor": self.real_time_factor(), "energy": energy,
             "stability": stability_json(&self.scene.certificate), "warnings": self.warnings, "probes": probes,
-            "clipped": clipped, "without_value": w.level.non_finite, "refused_inputs": self.refused, "blown_up": broke,
+            "clipped": clipped, "without_value": w.level.non_finite, "refused_inputs": self.refused, "blown_up": divergence,
             "degraded": self.degraded(),
         });
         writeln!(std::io::stdout().lock(), "{all:#}")?;
@@ -269,7 +270,7 @@ impl Summary<'_> {
 /// How a model could grow though its links made no energy to speak of, as the end of a sentence.
 pub(crate) fn grows(scene: &Scene, ledger: &Ledger) -> &'static str {
     let b = ledger.balance();
-    let kept = b.source.abs() <= 1e-6 * b.peak;
+    let kept = b.scheme_error.abs() <= 1e-6 * b.peak;
     if kept && scene.certificate.level == Level::Unstable {
         ": above the limit of stability motion grows though no energy is made"
     } else {
@@ -279,7 +280,7 @@ pub(crate) fn grows(scene: &Scene, ledger: &Ledger) -> &'static str {
 
 /// Links that made energy, most first.
 pub(crate) fn makers(scene: &Scene, ledger: &Ledger) -> Vec<(String, f64)> {
-    let made = ledger.source.iter().enumerate().filter(|(_, v)| **v > 0.0);
+    let made = ledger.scheme_error.iter().enumerate().filter(|(_, v)| **v > 0.0);
     let mut list: Vec<(String, f64)> =
         made.filter_map(|(i, v)| Some((scene.audited_name(i)?.to_owned(), *v))).collect();
     list.sort_by(|a, b| b.1.total_cmp(&a.1));

@@ -10,7 +10,7 @@ use crate::term::{self, short};
 use ca_compile::Options;
 use ca_core::Scene;
 use ca_io::perform::Performance;
-use ca_lab::accuracy::{self, Ask};
+use ca_lab::accuracy::{self, AccuracyOptions};
 use ca_model::{Item, Value};
 use ca_report::{Axis, Block, Curve, Envelope, Plot, Report, Section, Sound, Weight};
 use std::path::Path;
@@ -64,13 +64,13 @@ pub(super) fn report(args: &ReportArgs) -> Result<(String, Report), Failure> {
     })?;
     ledger.end = played.energy.clone();
 
-    let broke = Divergence::of(&played, &scene, &scene.findings, gesture.as_ref());
-    ledger.broke = broke.as_ref().map(|b| b.time);
+    let divergence = Divergence::of(&played, &scene, &scene.findings, gesture.as_ref());
+    ledger.diverged_at = divergence.as_ref().map(|b| b.time);
     let title = if scene.title.is_empty() { &loaded.name } else { &scene.title };
     let mut report = Report::new(title, &format!("`{}`, {}", source_name(&loaded), finished()));
-    report.notes = parts::notes(&sound, broke.is_some());
-    if let Some(broke) = &broke {
-        report.notes.insert(0, (Weight::Warning, broke.to_string()));
+    report.notes = parts::notes(&sound, divergence.is_some());
+    if let Some(divergence) = &divergence {
+        report.notes.insert(0, (Weight::Warning, divergence.to_string()));
     }
     let refused = played.performance.state.refused;
     if refused > 0 {
@@ -90,7 +90,7 @@ pub(super) fn report(args: &ReportArgs) -> Result<(String, Report), Failure> {
     }
     report.sections.push(facts.section());
     let modes = parts::modes(&loaded.model, &with(Vec::new()));
-    report.sections.extend(parts::sound(sound, modes.marks(), broke.is_some()));
+    report.sections.extend(parts::sound(sound, modes.marks(), divergence.is_some()));
     report.sections.extend(moved(&loaded, &scene, &motion, &probes));
     report.sections.extend(ledger.section(&scene, 1.0));
     report.sections.push(modes.section());
@@ -115,7 +115,7 @@ fn accuracy(args: &ReportArgs, loaded: &Loaded) -> Result<Option<Section>, Failu
         }
         !render::stopped()
     };
-    let mut ask = Ask {
+    let mut ask = AccuracyOptions {
         rate: args.source.rate,
         probes: &probes,
         seconds: Some(seconds),

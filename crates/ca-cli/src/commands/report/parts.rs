@@ -31,7 +31,7 @@ pub(super) fn finished() -> String {
 }
 
 /// What is wrong with a sound.
-pub(super) fn notes(sound: &Sound, broke: bool) -> Vec<(Weight, String)> {
+pub(super) fn notes(sound: &Sound, diverged: bool) -> Vec<(Weight, String)> {
     let peak = sound.peak().iter().copied().fold(0.0, f64::max);
     let mut list = Vec::new();
     if sound.names().is_empty() {
@@ -39,11 +39,11 @@ pub(super) fn notes(sound: &Sound, broke: bool) -> Vec<(Weight, String)> {
     } else if peak == 0.0 {
         list.push((Weight::Note, "nothing sounds".into()));
     }
-    if sound.broken() > 0 && !broke {
+    if sound.broken() > 0 && !diverged {
         list.push((Weight::Warning, format!("{} samples had no value and became silence", sound.broken())));
     }
     if sound.clipped() > 0 {
-        let help = if broke { String::new() } else { fitting(peak) };
+        let help = if diverged { String::new() } else { fitting(peak) };
         list.push((Weight::Warning, format!("{}{help}", too_loud(sound.clipped()))));
     }
     list
@@ -128,7 +128,7 @@ impl ModesPart {
 
     /// Outputs that hear forces, of which the modes tell nothing.
     fn by_force(&self) -> &[String] {
-        self.0.as_ref().map_or(&[], |(network, _)| &network.deaf)
+        self.0.as_ref().map_or(&[], |(network, _)| &network.force_outputs)
     }
 
     /// Marks at the frequencies of those that are heard; of all that may be.
@@ -157,7 +157,7 @@ impl ModesPart {
             blocks.push(Block::Text("A mode grows: the model is unstable at this sound rate.".into()));
         }
         if found.approximate {
-            blocks.push(Block::Text("Damping ties modes to each other; T60 is that of each by itself.".into()));
+            blocks.push(Block::Text("Damping couples the modes; T60 is that of each by itself.".into()));
         }
         let forces = self.by_force();
         let places = network.ports.iter().any(|p| p.role == "hears");

@@ -22,7 +22,7 @@ pub(super) struct EnergyOverTime {
     /// the ledger at the end
     pub end: Option<Ledger>,
     /// when the model diverged \[s\]
-    pub broke: Option<f64>,
+    pub diverged_at: Option<f64>,
 }
 
 impl EnergyOverTime {
@@ -39,11 +39,11 @@ impl EnergyOverTime {
         let end = self.end.as_ref()?;
         let tame = |(b, motion): &&(Balance, f64)| {
             let given = b.h0.abs().max(b.work.abs()).max(b.changed.abs());
-            self.broke.is_none() || b.peak.max(motion.abs()) <= DIVERGED * given
+            self.diverged_at.is_none() || b.peak.max(motion.abs()) <= DIVERGED * given
         };
-        let blown = format!("The model diverged at {:.4} s{}", self.broke.unwrap_or_default(), grows(scene, end));
+        let blown = format!("The model diverged at {:.4} s{}", self.diverged_at.unwrap_or_default(), grows(scene, end));
         let sums: Vec<&(Balance, f64)> = self.sums.iter().take_while(tame).collect();
-        let Some((b, last)) = (match self.broke {
+        let Some((b, last)) = (match self.diverged_at {
             None => Some((end.balance(), f64::INFINITY)),
             Some(_) => sums.last().map(|s| (s.0, self.times[sums.len() - 1])),
         }) else {
@@ -62,12 +62,12 @@ impl EnergyOverTime {
             curve("lost", |s| s.0.lost),
             curve("received from ports", |s| s.0.work),
             curve("received by changes", |s| s.0.changed),
-            curve("error of the scheme", |s| s.0.source),
+            curve("error of the scheme", |s| s.0.scheme_error),
         ];
         let curves: Vec<Curve> = accounts.into_iter().flatten().collect();
         let rest = vec![Curve::line("residual", sums.iter().map(|s| relative(&s.0)).collect())];
         let balance = match relative(&b) {
-            _ if self.broke.is_some() => {
+            _ if self.diverged_at.is_some() => {
                 format!(
                     "{blown}. The ledger is that up to {last:.4} s, while there was energy of the size of what it was given."
                 )
@@ -81,12 +81,12 @@ impl EnergyOverTime {
             ("received from ports", joule(scale * b.work)),
             ("received by changes", joule(scale * b.changed)),
             ("lost", joule(scale * b.lost)),
-            ("error of the scheme", joule(scale * b.source)),
+            ("error of the scheme", joule(scale * b.scheme_error)),
             ("stored", joule(scale * b.h)),
             ("residual", format!("{:.1e} J", scale * b.residual)),
         ];
         // the ledger of each link is that of the end
-        let makers = if self.broke.is_none() { makers(scene, end) } else { Vec::new() };
+        let makers = if self.diverged_at.is_none() { makers(scene, end) } else { Vec::new() };
         rows.extend(
             makers.iter().take(5).map(|(name, made)| ("most of it by", format!("`{name}`: {}", joule(scale * made)))),
         );

@@ -9,7 +9,7 @@ use crate::{Failure, load};
 use ca_core::Scene;
 use ca_haptic::rt::now_ns;
 use ca_haptic::serve::Recorder;
-use ca_haptic::serve::audio::{Counts, Follow, Who, link};
+use ca_haptic::serve::audio::{Counts, Follow, PlaybackDevice, link};
 use cpal::traits::{DeviceTrait as _, HostTrait as _, StreamTrait as _};
 use cpal::{
     BufferSize, Device, ErrorKind, HostId, SampleFormat, StreamConfig, SupportedBufferSize, SupportedStreamConfigRange,
@@ -45,8 +45,12 @@ pub(super) fn open(
     let name = device.to_string();
     let (config, buffer) = fit(&device, scene, args.audio_buffer)?;
     let wide = config.channels as usize;
-    let who =
-        Who { host: host.name().into(), device: name.clone(), rate: config.sample_rate, channels: config.channels };
+    let who = PlaybackDevice {
+        host: host.name().into(),
+        device: name.clone(),
+        rate: config.sample_rate,
+        channels: config.channels,
+    };
     let (follow, mut player, watch) = link(scene.channels, scene.ratio, who, buffer);
     let (tell, words) = channel();
     let (counts, called, xruns) = (watch.counts.clone(), watch.counts.clone(), watch.counts.clone());

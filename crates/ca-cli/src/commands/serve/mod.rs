@@ -19,8 +19,10 @@ use crate::{Ended, Failure, Outcome, term};
 use ca_compile::Options;
 use ca_haptic::engine::Engine;
 use ca_haptic::guard::Order;
-use ca_haptic::rt::{self, Wish};
-use ca_haptic::serve::{AsyncSink, Clock, Every, Happened, Live, Recorder, Room, Shared, Sink, Wants, rings};
+use ca_haptic::rt::{self, RtRequest};
+use ca_haptic::serve::{
+    AsyncSink, BufferLimits, Clock, Live, Notice, RecordIntervals, Recorder, Shared, Sink, SinkStreams, rings,
+};
 use ca_haptic::take::{Header, TakeWriter};
 use ca_io::FileError;
 use ca_io::sound::{Format, WavOut};
@@ -65,20 +67,20 @@ pub fn run(args: &ServeArgs) -> Outcome {
     let engine = setup::engine(scene.clone(), &setups, session);
 
     // on a busy machine the rings must be fetched from, and people heard, all the same; threads inherit it
-    let busy = Wish { nice: (args.priority > 0).then_some(NICE), ..Wish::default() };
+    let busy = RtRequest { nice: (args.priority > 0).then_some(NICE), ..RtRequest::default() };
     rt::ask(busy);
-    let room = Room::of(&scene);
+    let room = BufferLimits::of(&scene);
     let mut sinks: Vec<Box<dyn Sink>> = Vec::new();
     let words = Words { quiet: args.quiet };
     let words = if names.is_empty() {
         sinks.push(Box::new(words));
         None
     } else {
-        Some(aside(&mut sinks, "ca words", words, room, Wish::default())?)
+        Some(aside(&mut sinks, "ca words", words, room, RtRequest::default())?)
     };
     let wav = match &args.output {
         Some(path) if scene.channels > 0 => {
-            load::is_bounded(path)?;
+            load::check_wav_path(path)?;
             let out = WavOut::create(path, scene.rate, scene.channels, Format::F32)?;
             Some(aside(&mut sinks, "ca sound", wav::Wav::new(out, scene.channels), room, busy)?)
         }
@@ -107,7 +109,7 @@ pub fn run(args: &ServeArgs) -> Outcome {
     let mut recorder = Recorder::new(recorder_ends, shared.clone(), scene.clone(), &engine.ports, sinks);
     let (playing, follow) = audio::open(args, &scene, &mut recorder)?.unzip();
     ends.audio = follow;
-    let mut talk = talk::Talk::open(&setups, unknown, &scene, gateway_ends, wish(args, -5))?;
+    let mut talk = talk::Talk::open(&setups, unknown, &scene, gateway_ends, rt_request(args, -5))?;
     if args.arm {
         recorder.order(None, Order::Arm).map_err(Failure::Failed)?;
     }
@@ -120,7 +122,7 @@ pub fn run(args: &ServeArgs) -> Outcome {
     };
     let frame_rate = scene.rate / f64::from(scene.ratio);
     let each = |a_second: f64, wanted: bool| if wanted { (frame_rate / a_second).max(1.0) as u64 } else { 0 };
-    let every = Every {
+    let every = RecordIntervals {
         energy: each(100.0, args.energy),
         view: each(f64::from(PICTURES), take.is_some()),
         // of a large state it would take longer than a frame has
@@ -129,7 +131,7 @@ pub fn run(args: &ServeArgs) -> Outcome {
     let frames = args.seconds.map(|s| (s * frame_rate).round().max(1.0) as u64);
     let live = Live::new(engine, ends, shared.clone(), clock, every);
     playing.as_ref().map_or(Ok(()), audio::Playing::start)?;
-    let (thread, granted) = engine_thread(live, wish(args, 0), frames)?;
+    let (thread, granted) = engine_thread(live, rt_request(args, 0), frames)?;
     unplayed.0 = None;
     let mut threads = vec![("engine".to_string(), granted)];
     threads.extend(talk.granted().map(|g| ("gateway".to_string(), g)));
@@ -195,27 +197,27 @@ fn aside<T: Sink + Send + 'static>(
     sinks: &mut Vec<Box<dyn Sink>>,
     name: &str,
     sink: T,
-    room: Room,
-    wish: Wish,
+    room: BufferLimits,
+    request: RtRequest,
 ) -> Result<AsyncSink<T>, Failure> {
-    let (line, aside) = AsyncSink::start(name, sink, room, wish)?;
+    let (line, aside) = AsyncSink::start(name, sink, room, request)?;
     sinks.push(Box::new(line));
     Ok(aside)
 }
 
 /// What a thread asks for; `lower` than the engine.
-fn wish(args: &ServeArgs, lower: i32) -> Wish {
+fn rt_request(args: &ServeArgs, lower: i32) -> RtRequest {
     let priority = (args.priority > 0).then(|| (i32::from(args.priority) + lower).clamp(1, 99) as u8);
-    Wish { priority, cpu: args.cpu.filter(|_| lower == 0), lock: !args.no_lock && lower == 0, nice: None }
+    RtRequest { priority, cpu: args.cpu.filter(|_| lower == 0), lock: !args.no_lock && lower == 0, nice: None }
 }
 
 /// Starts the engine on its thread; what the system granted is known before the first frame.
-fn engine_thread(live: Live, wish: Wish, frames: Option<u64>) -> Result<(JoinHandle<Engine>, String), Failure> {
+fn engine_thread(live: Live, request: RtRequest, frames: Option<u64>) -> Result<(JoinHandle<Engine>, String), Failure> {
     let (tell, reported) = std::sync::mpsc::channel();
     let thread = std::thread::Builder::new()
         .name("ca engine".into())
         .spawn(move || {
-            let _ = tell.send(rt::ask(wish).to_string());
+            let _ = tell.send(rt::ask(request).to_string());
             live.run(frames)
         })
         .map_err(|e| Failure::Failed(format!("no thread for the engine: {e}")))?;
@@ -255,11 +257,11 @@ struct Words {
 }
 
 impl Sink for Words {
-    fn wants(&self) -> Wants {
-        Wants::WORDS
+    fn streams(&self) -> SinkStreams {
+        SinkStreams::WORDS
     }
 
-    fn said(&mut self, h: &Happened) -> Result<(), FileError> {
+    fn said(&mut self, h: &Notice) -> Result<(), FileError> {
         if h.bad {
             term::warning(&h.text);
         } else if !self.quiet {

@@ -62,8 +62,8 @@ pub(super) fn text(s: &Summary, name: &str, files: &Files, traffic: Option<Traff
         writeln!(out, "  {:<15}{} samples at full scale", "clipped", s.clipped)?;
     }
     if let Some(a) = &s.audio {
-        let (rate, buffer, ms, ppm) = (a.who.rate, a.buffer, short(a.latency_ms), a.ppm);
-        let who = format!("{} ({})", a.who.device, a.who.host);
+        let (rate, buffer, ms, ppm) = (a.playback.rate, a.buffer, short(a.latency_ms), a.ppm);
+        let who = format!("{} ({})", a.playback.device, a.playback.host);
         writeln!(out, "  {:<15}{who}, {rate} Hz {ppm:+.1} ppm, {buffer} frames, heard after {ms} ms", "played by")?;
         let lost = [
             (a.underruns, "times nothing to play"),

@@ -8,7 +8,7 @@ use ca_haptic::frame::About;
 use ca_haptic::host::control::ControlServer;
 use ca_haptic::host::{Event, Gateway, Rings, Running, Site};
 use ca_haptic::profile::Profile;
-use ca_haptic::rt::Wish;
+use ca_haptic::rt::RtRequest;
 use ca_haptic::serve::{GatewayEnds, Recorder};
 use ca_lab::take::dofs;
 use std::sync::atomic::Ordering::Relaxed;
@@ -34,7 +34,7 @@ impl Talk {
         unknown: Vec<Option<Profile>>,
         scene: &Scene,
         ends: GatewayEnds,
-        wish: Wish,
+        request: RtRequest,
     ) -> Result<Talk, Failure> {
         let (tell, events) = channel();
         let names: Vec<String> = setups.iter().map(|s| s.device.clone()).collect();
@@ -58,7 +58,7 @@ impl Talk {
         site.sweep();
         if !names.is_empty() {
             let rings = Rings { incoming: ends.frames, outgoing: ends.forces, events: tell };
-            talk.gateway = Some(Gateway::start(&site, &names, rings, wish)?);
+            talk.gateway = Some(Gateway::start(&site, &names, rings, request)?);
         }
         talk.control = Some(ControlServer::open(&site)?);
         talk.site = Some(site);

@@ -1,6 +1,6 @@
 //! The sound file a performance is kept in.
 
-use ca_haptic::serve::{Sink, Wants};
+use ca_haptic::serve::{Sink, SinkStreams};
 use ca_io::FileError;
 use ca_io::sound::{WavOut, Written};
 
@@ -22,8 +22,8 @@ impl Wav {
 }
 
 impl Sink for Wav {
-    fn wants(&self) -> Wants {
-        Wants { sound: true, ..Wants::WORDS }
+    fn streams(&self) -> SinkStreams {
+        SinkStreams { sound: true, ..SinkStreams::WORDS }
     }
 
     fn sound(&mut self, tick: u64, frames: &[f64]) -> Result<(), FileError> {

@@ -4,7 +4,7 @@ use super::*;
 use crate::engine::tests::setup;
 use crate::engine::{Engine, Options, Port};
 use crate::guard::Order;
-use crate::serve::{Clock, Every, Live, Recorder, rings};
+use crate::serve::{Clock, Live, RecordIntervals, Recorder, rings};
 use ca_compile::compile;
 use ca_model::read;
 
@@ -33,21 +33,21 @@ impl Sink for Disk {
     }
 }
 
-fn disk(room: Room, blocks: usize) -> (SinkHandle, AsyncSink<Disk>, Arc<Mutex<()>>) {
+fn disk(room: BufferLimits, blocks: usize) -> (SinkHandle, AsyncSink<Disk>, Arc<Mutex<()>>) {
     let still = Arc::new(Mutex::new(()));
     let disk = Disk { still: still.clone(), ticks: vec![], records: vec![], blocks };
-    let (line, aside) = AsyncSink::start("ca disk", disk, room, Wish::default()).expect("a thread");
+    let (line, aside) = AsyncSink::start("ca disk", disk, room, RtRequest::default()).expect("a thread");
     (line, aside, still)
 }
 
-fn room(seconds: f64) -> Room {
-    Room { rate: RATE, seconds, bytes: 1 << 28 }
+fn room(seconds: f64) -> BufferLimits {
+    BufferLimits { rate: RATE, seconds, bytes: 1 << 28 }
 }
 
 #[test]
 fn what_waits_is_bounded_by_seconds_and_by_memory_and_the_rest_is_counted() {
     let each = size_of::<Message>() + size_of_val(&FRAME);
-    let by_bytes = Room { bytes: 700 * each, ..room(1e9) };
+    let by_bytes = BufferLimits { bytes: 700 * each, ..room(1e9) };
     // ten seconds of sound for a disk that stands still
     for (room, fits) in [(room(2.0), 6000), (room(0.5), 1500), (by_bytes, 700), (room(20.0), 30_000)] {
         let (mut line, aside, still) = disk(room, usize::MAX);
@@ -118,7 +118,7 @@ impl Sink for Ear {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).0.push(tick);
         Ok(())
     }
-    fn said(&mut self, h: &Happened) -> Result<(), FileError> {
+    fn said(&mut self, h: &Notice) -> Result<(), FileError> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).2.push(h.text.clone());
         Ok(())
     }
@@ -135,7 +135,7 @@ struct Played {
 
 /// So many gesture frames for a disk that may stand still all the while, and for somebody who hears everything. In
 /// the last one somebody arms.
-fn play(room: Room, blocks: usize, frames: u64, hold: bool) -> Played {
+fn play(room: BufferLimits, blocks: usize, frames: u64, hold: bool) -> Played {
     let (model, _) = read::read(crate::engine::tests::KEY, "key.ca.toml", &ca_model::catalog());
     let scene =
         Arc::new(compile(&model, &ca_model::catalog(), &ca_compile::Options::default()).expect("it compiles").scene);
@@ -147,7 +147,7 @@ fn play(room: Room, blocks: usize, frames: u64, hold: bool) -> Played {
     let ear = Ear::default();
     let sinks: Vec<Box<dyn Sink>> = vec![Box::new(line), Box::new(ear.clone())];
     let mut recorder = Recorder::new(recorder_ends, shared.clone(), scene, &engine.ports, sinks);
-    let mut live = Live::new(engine, ends, shared, Clock::Device { patience: 0 }, Every::default());
+    let mut live = Live::new(engine, ends, shared, Clock::Device { patience: 0 }, RecordIntervals::default());
     for n in 0..frames {
         if n == frames - 1 {
             recorder.order(None, Order::Arm).expect("asked");
@@ -194,7 +194,8 @@ impl Drop for Slow {
 #[test]
 fn a_sink_that_nobody_ends_is_gone_with_its_owner() {
     let gone = Arc::new(AtomicBool::new(false));
-    let (mut line, aside) = AsyncSink::start("slow", Slow(gone.clone()), room(1.0), Wish::default()).expect("a thread");
+    let (mut line, aside) =
+        AsyncSink::start("slow", Slow(gone.clone()), room(1.0), RtRequest::default()).expect("a thread");
     line.sound(0, &[0.0]).expect("handed over");
     drop(aside);
     assert!(gone.load(Relaxed), "what it half wrote would stay");

@@ -66,9 +66,9 @@ pub struct Counts {
     pub delay: AtomicU64,
 }
 
-/// Who plays.
+/// The sound device that plays.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
-pub struct Who {
+pub struct PlaybackDevice {
     /// the system that leads to it: `JACK`, `ALSA` …
     pub host: String,
     /// its name
@@ -82,9 +82,9 @@ pub struct Who {
 /// How it went.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct AudioSummary {
-    /// who played
+    /// the device that played
     #[serde(flatten)]
-    pub who: Who,
+    pub playback: PlaybackDevice,
     /// frames it asks for at once
     pub buffer: u64,
     /// from when a gesture frame is due until its first sample is asked for \[samples\]
@@ -118,8 +118,8 @@ impl AudioSummary {
 
 /// The recorder's end.
 pub struct Watch {
-    /// who plays
-    pub who: Who,
+    /// the device that plays
+    pub playback: PlaybackDevice,
     /// what both sides count
     pub counts: Arc<Counts>,
     gaps: Consumer<u64>,
@@ -142,8 +142,8 @@ impl Watch {
             }
             // once a second is enough, the summary has all of them
             if at >= self.quiet {
-                self.quiet = at + u64::from(self.who.rate);
-                news.push(format!("{}: nothing to play at sample {at}", self.who.device));
+                self.quiet = at + u64::from(self.playback.rate);
+                news.push(format!("{}: nothing to play at sample {at}", self.playback.device));
             }
         }
         let alive = self.counts.alive.load(Relaxed);
@@ -152,7 +152,7 @@ impl Watch {
                 if alive { "asks for sound" } else { "no longer asks for sound; the engine goes on at its last rate" };
             // that it begins is what everybody expects
             if !alive || self.counts.stops.load(Relaxed) > 0 {
-                news.push(format!("{}: {what}", self.who.device));
+                news.push(format!("{}: {what}", self.playback.device));
             }
             self.was_alive = alive;
         }
@@ -163,10 +163,10 @@ impl Watch {
     pub fn summary(&self) -> AudioSummary {
         let c = &self.counts;
         let n = |of: &AtomicU64| of.load(Relaxed);
-        let rate = f64::from(self.who.rate);
+        let rate = f64::from(self.playback.rate);
         let heard = (n(&c.delay) as f64 * 1e-9).max(n(&c.buffer) as f64 / rate);
         AudioSummary {
-            who: self.who.clone(),
+            playback: self.playback.clone(),
             buffer: n(&c.buffer),
             lead: n(&c.lead),
             latency_ms: 1e3 * (n(&c.lead) as f64 / rate + heard),
@@ -187,9 +187,9 @@ const HELD: f64 = 0.1;
 
 /// Both sides, and the recorder's: of a scene of so many channels and so many samples a gesture frame, for a device that asks
 /// for `buffer` samples at once.
-pub fn link(channels: usize, frame: u32, who: Who, buffer: u32) -> (Follow, Player, Watch) {
+pub fn link(channels: usize, frame: u32, playback: PlaybackDevice, buffer: u32) -> (Follow, Player, Watch) {
     let counts = Arc::new(Counts::default());
-    let rate = f64::from(who.rate);
+    let rate = f64::from(playback.rate);
     let lead = follow::lead(buffer, frame, rate);
     let held = (HELD * rate) as usize;
     let places = 2 * (lead as usize + held) * channels;
@@ -200,5 +200,5 @@ pub fn link(channels: usize, frame: u32, who: Who, buffer: u32) -> (Follow, Play
     counts.lead.store(lead, Relaxed);
     let player = Player::new(channels, rate, held as u64, samples, calls, gaps, counts.clone());
     let follow = Follow::new(channels, frame, rate, buffer, samples_in, calls_out, counts.clone());
-    (follow, player, Watch { who, counts, gaps: gaps_out, reported: Vec::new(), quiet: 0, was_alive: false })
+    (follow, player, Watch { playback, counts, gaps: gaps_out, reported: Vec::new(), quiet: 0, was_alive: false })
 }

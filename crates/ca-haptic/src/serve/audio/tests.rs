@@ -48,7 +48,7 @@ fn sound(n: u64) -> f64 {
 
 impl Hall {
     fn new(call: u32, ppm: f64) -> Hall {
-        let who = Who { host: "paper".into(), device: "paper".into(), rate: RATE as u32, channels: 2 };
+        let who = PlaybackDevice { host: "paper".into(), device: "paper".into(), rate: RATE as u32, channels: 2 };
         let (follow, player, watch) = link(1, R as u32, who, call);
         Hall {
             follow,
@@ -222,7 +222,8 @@ fn channels_go_where_they_belong() {
     for (channels, wide, want) in
         [(1, 1, vec![1.0]), (1, 4, vec![1.0, 1.0, 0.0, 0.0]), (2, 2, vec![1.0, 2.0]), (3, 4, vec![1.0, 2.0, 3.0, 0.0])]
     {
-        let (mut follow, mut player, _) = link(channels, R as u32, Who { rate: 48_000, ..Who::default() }, 8);
+        let (mut follow, mut player, _) =
+            link(channels, R as u32, PlaybackDevice { rate: 48_000, ..PlaybackDevice::default() }, 8);
         let frame: Vec<f64> = (1..=channels).map(|c| c as f64).collect();
         follow.put(&frame.repeat(500));
         let mut out = vec![9.0; 8 * wide];

@@ -5,7 +5,7 @@ use crate::frame::{Cause, DeviceFrame, ForceFrame, Mode, flag};
 use crate::guard::Order;
 use crate::guard::wait::Wait;
 use crate::serve::loops::Loops;
-use crate::serve::sink::Happened;
+use crate::serve::sink::Notice;
 use crate::serve::summary::{DeviceSummary, Fault};
 use crate::stats::Times;
 use ca_core::Scene;
@@ -66,15 +66,11 @@ impl Seen {
     }
 
     /// A force to it: what happened with it, and the fault, if it is one.
-    pub fn force(&mut self, frame: &ForceFrame, happened: &mut Vec<Happened>) -> Option<Fault> {
+    pub fn force(&mut self, frame: &ForceFrame, notices: &mut Vec<Notice>) -> Option<Fault> {
         self.loops.force(frame);
         let undamped = frame.flags & flag::PASSIVITY_OFF != 0;
         if undamped && !self.undamped {
-            happened.push(self.said(
-                frame.tick,
-                true,
-                "damping for passivity gave energy to the hand; off for a while",
-            ));
+            notices.push(self.said(frame.tick, true, "damping for passivity gave energy to the hand; off for a while"));
         }
         self.undamped = undamped;
         let now = (Mode::read(frame.mode), Cause::read(frame.cause));
@@ -94,7 +90,7 @@ impl Seen {
             (Mode::Ramp, _) => "forces fade in".into(),
             (Mode::On, _) => "forces on".into(),
         };
-        happened.push(self.said(frame.tick, matches!(now.0, Mode::Fault | Mode::Damp), &text));
+        notices.push(self.said(frame.tick, matches!(now.0, Mode::Fault | Mode::Damp), &text));
         (now.0 == Mode::Fault).then(|| Fault { device: self.name.clone(), cause: now.1, tick: frame.tick })
     }
 
@@ -108,7 +104,7 @@ impl Seen {
     }
 
     /// It is armed and has no force: reported once that is no matter of a moment, and again and again.
-    pub fn waits(&mut self, tick: u64, wait: &Wait, scene: &Scene) -> Option<Happened> {
+    pub fn waits(&mut self, tick: u64, wait: &Wait, scene: &Scene) -> Option<Notice> {
         let name = |dof: u32| {
             let this = |d: &(String, u32)| d.0 == self.name && d.1 == dof;
             let found =
@@ -146,7 +142,7 @@ impl Seen {
         }
     }
 
-    fn said(&self, tick: u64, bad: bool, what: &str) -> Happened {
-        Happened { tick, device: Some(self.name.clone()), bad, text: format!("{}: {what}", self.name) }
+    fn said(&self, tick: u64, bad: bool, what: &str) -> Notice {
+        Notice { tick, device: Some(self.name.clone()), bad, text: format!("{}: {what}", self.name) }
     }
 }

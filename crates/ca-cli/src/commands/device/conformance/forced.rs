@@ -2,7 +2,7 @@
 //! the engine, under another one and once disarmed.
 
 use super::bench::{Bench, LOOK, PATIENCE, Player, REST, TRIES};
-use super::quiet::{gives, late};
+use super::quiet::{late, unexpected_forces};
 use super::table::CheckTable;
 use crate::Failure;
 use crate::term::short;
@@ -103,7 +103,7 @@ pub(super) fn forces(
 
 /// A known spring to either side of where the device is: forces are those of the spring at the positions they answer, and
 /// none is much larger than where it began.
-pub(super) fn felt(
+pub(super) fn spring(
     b: &mut Bench,
     p: &mut Player,
     profile: &mut Profile,
@@ -186,7 +186,7 @@ pub(super) fn silence(b: &mut Bench, a: &About, t: &mut CheckTable) {
     expired.drain(..expired.len().min(2));
     let goes_on = expired.len() * 2 > LOOK;
     t.row("goes on", goes_on, format!("{} frames after the engine fell silent", expired.len()));
-    let bad = gives(&expired);
+    let bad = unexpected_forces(&expired);
     let found = bad.clone().unwrap_or_else(|| {
         let cause = expired.last().map_or(Cause::None, |f| Cause::read(f.cause));
         format!("no force {} ms after the last frame, {}", last.ttl_us / 1000, cause.name())
@@ -203,7 +203,7 @@ pub(super) fn another(b: &mut Bench, profile: &mut Profile, force: f64, t: &mut 
     let ack = late(b).iter().all(|f| (1..=sent).contains(&f.ack)) && !late(b).is_empty();
     let found = late(b).last().map_or(0, |f| f.ack);
     t.row("restart", ack, format!("number {found} of {sent} of the new engine is used"));
-    let bad = gives(late(b));
+    let bad = unexpected_forces(late(b));
     t.row("at rest", bad.is_none(), bad.unwrap_or_else(|| "the new engine is at rest, and so is the device".into()));
     if !on(b, &mut p, profile)? {
         let (mode, cause) = b.mode();
@@ -215,7 +215,7 @@ pub(super) fn another(b: &mut Bench, profile: &mut Profile, force: f64, t: &mut 
     p.order(Order::Disarm);
     b.forget();
     b.play(&mut p, REST);
-    let bad = gives(late(b));
+    let bad = unexpected_forces(late(b));
     t.row("disarm", bad.is_none(), bad.unwrap_or_else(|| "no force once disarmed".into()));
     Ok(())
 }

@@ -15,7 +15,7 @@ use crate::term::short;
 use crate::{Failure, Outcome, store, term};
 use bench::Bench;
 use ca_haptic::host::Site;
-use ca_haptic::rt::{self, Wish};
+use ca_haptic::rt::{self, RtRequest};
 use table::CheckTable;
 
 /// Runs the command.
@@ -25,7 +25,7 @@ pub fn run(args: &ConformanceArgs) -> Outcome {
     }
     let calibration = store::calibration_of(&args.name, &[])?;
     let mut bench = Bench::open(&Site::of_user()?, &args.name, calibration)?;
-    rt::ask(Wish { priority: Some(70), ..Wish::default() });
+    rt::ask(RtRequest { priority: Some(70), ..RtRequest::default() });
     let mut table = CheckTable::default();
     if let Some(about) = quiet::presented(&mut bench, &mut table)? {
         let mut profile = quiet::profile(&about);
@@ -42,7 +42,7 @@ pub fn run(args: &ConformanceArgs) -> Outcome {
         quiet::rest(&mut bench, &mut player, &mut table);
         let on = forced::forces(&mut bench, &mut player, &mut profile, force, &mut table)?;
         if on {
-            forced::felt(&mut bench, &mut player, &mut profile, force, &mut table)?;
+            forced::spring(&mut bench, &mut player, &mut profile, force, &mut table)?;
             forced::silence(&mut bench, &about, &mut table);
         }
         forced::another(&mut bench, &mut profile, force, &mut table)?;

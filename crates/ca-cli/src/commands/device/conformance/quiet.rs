@@ -149,8 +149,8 @@ pub(super) fn served(b: &mut Bench, name: &str, a: &About, t: &mut CheckTable) -
     Ok(())
 }
 
-/// What went wrong with frames that should have no force.
-pub(super) fn gives(frames: &[DeviceFrame]) -> Option<String> {
+/// Frames that should have no force, and have one or give no reason; none where all is well.
+pub(super) fn unexpected_forces(frames: &[DeviceFrame]) -> Option<String> {
     let none = |f: &&DeviceFrame| Cause::read(f.cause) == Cause::None;
     let pushes = |f: &DeviceFrame| f.force_measured[..(f.n as usize).min(DOF)].iter().any(|x| *x != 0.0);
     let (silent, pushing) = (frames.iter().filter(none).count(), frames.iter().filter(|f| pushes(f)).count());
@@ -171,7 +171,7 @@ pub(super) fn rest(b: &mut Bench, p: &mut Player, t: &mut CheckTable) {
     let (first, last) = (frames.first().map_or(0, |f| f.ack), frames.last().map_or(0, |f| f.ack));
     let follows = last > first && last <= sent && frames.windows(2).all(|w| w[1].ack >= w[0].ack);
     t.row("ack", follows, format!("{sent} forces were sent, it says it used number {last}"));
-    let bad = gives(frames);
+    let bad = unexpected_forces(frames);
     t.row("rest", !frames.is_empty() && bad.is_none(), bad.unwrap_or_else(|| "no force from an engine at rest".into()));
 }
 
@@ -194,7 +194,7 @@ pub(super) fn strangers(b: &mut Bench, t: &mut CheckTable) {
         frame.seq
     };
     send(b, &|_| {});
-    let bad = gives(late(b));
+    let bad = unexpected_forces(late(b));
     t.row("unrested", bad.is_none(), bad.unwrap_or_else(|| "no force from an engine that was not seen at rest".into()));
     let wrong: [Wrong; 4] = [
         ("layout", |f| (f.layout, f.seq) = (f.layout ^ 1, f.seq + FAR)),

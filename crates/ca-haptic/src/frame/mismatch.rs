@@ -9,7 +9,7 @@ use std::fmt;
 /// What is wrong with the head of a frame.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
-pub enum Strange {
+pub enum FrameMismatch {
     /// it does not begin as such a frame does
     Magic(u32),
     /// it is of this version, and not of ours
@@ -22,49 +22,49 @@ pub enum Strange {
     Device(String),
 }
 
-impl Strange {
+impl FrameMismatch {
     /// The first thing wrong with a head: magic and layout as they are and as they should be, version, number of DOF.
-    pub(super) fn find(magic: [u32; 2], layout: [u64; 2], version: u32, n: u16) -> Option<Strange> {
+    pub(super) fn find(magic: [u32; 2], layout: [u64; 2], version: u32, n: u16) -> Option<FrameMismatch> {
         if magic[0] != magic[1] {
-            Some(Strange::Magic(magic[0]))
+            Some(FrameMismatch::Magic(magic[0]))
         } else if version != VERSION {
-            Some(Strange::Version(version))
+            Some(FrameMismatch::Version(version))
         } else if layout[0] != layout[1] {
-            Some(Strange::Layout(layout[0]))
+            Some(FrameMismatch::Layout(layout[0]))
         } else if n == 0 || usize::from(n) > DOF {
-            Some(Strange::Size(n))
+            Some(FrameMismatch::Size(n))
         } else {
             None
         }
     }
 
     /// Another device than `wanted`.
-    pub(super) fn other(device: [u8; 16], wanted: [u8; 16]) -> Option<Strange> {
-        (device != wanted).then(|| Strange::Device(text(&device)))
+    pub(super) fn other(device: [u8; 16], wanted: [u8; 16]) -> Option<FrameMismatch> {
+        (device != wanted).then(|| FrameMismatch::Device(text(&device)))
     }
 }
 
-impl Strange {
+impl FrameMismatch {
     /// What to do about it.
     pub fn fix(&self) -> &'static str {
         match self {
-            Strange::Magic(_) | Strange::Version(_) | Strange::Layout(_) => {
+            FrameMismatch::Magic(_) | FrameMismatch::Version(_) | FrameMismatch::Layout(_) => {
                 "build the device process with this release of ca"
             }
-            Strange::Size(_) => "set `n` of its frames",
-            Strange::Device(_) => "write the name of the line into its frames",
+            FrameMismatch::Size(_) => "set `n` of its frames",
+            FrameMismatch::Device(_) => "write the name of the line into its frames",
         }
     }
 }
 
-impl fmt::Display for Strange {
+impl fmt::Display for FrameMismatch {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Strange::Magic(m) => write!(f, "begin with {m:08x}, which no frame does"),
-            Strange::Version(v) => write!(f, "are of version {v}, and this is version {VERSION}"),
-            Strange::Layout(l) => write!(f, "are of version {VERSION} but of another layout ({l:016x})"),
-            Strange::Size(n) => write!(f, "have {n} degrees of freedom; a frame has 1 to {DOF}"),
-            Strange::Device(d) => write!(f, "are for `{d}`"),
+            FrameMismatch::Magic(m) => write!(f, "begin with {m:08x}, which no frame does"),
+            FrameMismatch::Version(v) => write!(f, "are of version {v}, and this is version {VERSION}"),
+            FrameMismatch::Layout(l) => write!(f, "are of version {VERSION} but of another layout ({l:016x})"),
+            FrameMismatch::Size(n) => write!(f, "have {n} degrees of freedom; a frame has 1 to {DOF}"),
+            FrameMismatch::Device(d) => write!(f, "are for `{d}`"),
         }
     }
 }
@@ -87,13 +87,13 @@ mod tests {
             ("have 33 degrees", |f| f.n = 33),
             ("are for `keys`", |f| f.device = uid("keys")),
         ];
-        assert_eq!(good.strange(uid("key")), None);
+        assert_eq!(good.mismatch(uid("key")), None);
         for (want, wrong) in cases {
             let mut f = good;
             wrong(&mut f);
-            let why = f.strange(uid("key")).expect(want);
+            let why = f.mismatch(uid("key")).expect(want);
             assert!(why.to_string().contains(want) && !why.fix().is_empty(), "{why}");
-            assert_eq!(f.is_ours(), matches!(why, Strange::Device(_)));
+            assert_eq!(f.is_ours(), matches!(why, FrameMismatch::Device(_)));
         }
         // neither a force nor what a device says of itself can be of no degree of freedom
         assert!(!ForceFrame::new("key", 0).is_ours() && ForceFrame::new("key", 1).is_ours());

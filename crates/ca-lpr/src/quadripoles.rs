@@ -1,6 +1,6 @@
 //! The LPR of a law that needs no words of its own: code, title, page and example made from the record of the law.
 //!
-//! Decides that a law of the core gets its quadripole by one line of [`twins!`]: what differs from law to law is its
+//! Decides that a law of the core gets its quadripole by one line of [`quadripoles!`]: what differs from law to law is its
 //! [`Phi`](ca_core::law::Phi), since a kernel is made for a type, and a function pointer of the record would cost a call
 //! for each link and tick. All else is text that is put together at compile time. The example is a ball that meets two
 //! cells on a line, by the numbers that the law's own example has; where it does not sound, or a law deserves a better
@@ -73,7 +73,7 @@ pub const fn numbers(example: &'static str, code: &str) -> &'static str {
 macro_rules! text {
     ($($part:expr),* $(,)?) => {{
         const PARTS: &[&str] = &[$($part),*];
-        const BYTES: [u8; $crate::twins::length(PARTS)] = $crate::twins::joined(PARTS);
+        const BYTES: [u8; $crate::quadripoles::length(PARTS)] = $crate::quadripoles::joined(PARTS);
         match core::str::from_utf8(&BYTES) {
             Ok(text) => text,
             Err(_) => "",
@@ -82,7 +82,7 @@ macro_rules! text {
 }
 
 /// The quadripoles of laws, a line each: `file: Phi;`. Makes `QUADRIPOLES`, the list of their kinds.
-macro_rules! twins {
+macro_rules! quadripoles {
     ($($file:ident: $phi:ident;)*) => {
         $(
             mod $file {
@@ -93,7 +93,7 @@ macro_rules! twins {
                 static LAW: Law = Law {
                     code: text!("LPR_", law::KIND.code),
                     kernel: $crate::op::kernel::<law::$phi, _, _>,
-                    simpler: |p| $crate::laws::twin((law::LAW.simpler)(p)?),
+                    simpler: |p| $crate::laws::quadripole((law::LAW.simpler)(p)?),
                     ..law::LAW
                 };
 
@@ -111,7 +111,7 @@ macro_rules! twins {
                          \"1 s\" }\n[MAS]\nball = { m = \"5 g\", x = \"-1 mm\", v = \"0.8 m/s\" }\n[SOL]\nwall = {}\n[LPR_",
                         law::KIND.code,
                         "]\nlink = { between = [\"ball\", \"reed\"], onto = [\"wall\", \"bar\"], ",
-                        $crate::twins::numbers(law::KIND.example, law::KIND.code),
+                        $crate::quadripoles::numbers(law::KIND.example, law::KIND.code),
                         " }\n[SOX]\nout = { from = \"bar\", gain = 300 }\n",
                     ),
                     role: Role::Lia(&LAW),
