@@ -2,17 +2,21 @@
 //! tell. A scene with the energy ledger has the list.
 
 use crate::play::{audited, mat, scene};
+use ca_core::op::Integrate;
 use ca_core::{Scene, tick};
 use proptest::prelude::*;
+use std::fmt::Write as _;
 
-fn fused(s: &Scene) -> Vec<&'static str> {
-    s.moves.iter().map(|op| op.name).filter(|n| n.contains(", ")).collect()
+/// The fused rows: law, and what masses they integrate.
+fn fused(s: &Scene) -> Vec<(&'static str, Integrate)> {
+    let rows = s.moves.iter().filter(|op| op.form.integrate != Integrate::No);
+    rows.map(|op| (op.name, op.form.integrate)).collect()
 }
 
 /// Plays `text` by both, and compares every bit of place and motion.
-fn same(text: &str, ticks: usize) -> Vec<&'static str> {
+fn same(text: &str, ticks: usize) -> Vec<(&'static str, Integrate)> {
     let (fast, listed) = (scene(text), audited(text));
-    assert_eq!(fused(&listed), [""; 0], "{text}");
+    assert_eq!(fused(&listed), [], "{text}");
     let (mut a, mut b) = (fast.state(), listed.state());
     let mut heard = 0.0f64;
     for n in 0..ticks {
@@ -21,7 +25,8 @@ fn same(text: &str, ticks: usize) -> Vec<&'static str> {
         }
         tick(&fast, &mut a);
         tick(&listed, &mut b);
-        let equal = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| a.to_bits() == b.to_bits());
+        let equal =
+            |a: &[f64], b: &[f64]| a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.to_bits() == b.to_bits());
         assert!(equal(&a.x, &b.x) && equal(&a.d, &b.d) && equal(&a.output, &b.output), "{text}\ntick {n}");
         heard = heard.max(a.output[0].abs());
     }
@@ -62,9 +67,9 @@ proptest! {
 #[test]
 fn a_row_is_fused_where_one_number_comes_behind_it() {
     let string = struck(24, "k = \"40 kN/m\", z = 0.1");
-    assert_eq!(same(&string, 3000), ["REF, integrate MAS"]);
-    assert_eq!(same(&struck(24, "k = \"40 kN/m\""), 3000), ["RES, integrate MAS"]);
-    assert_eq!(same(&struck(24, "k = \"40 kN/m\", z = 0.1, zo = 0.01"), 3000), ["REF, integrate CEL"]);
+    assert_eq!(same(&string, 3000), [("REF", Integrate::Mas)]);
+    assert_eq!(same(&struck(24, "k = \"40 kN/m\""), 3000), [("RES", Integrate::Mas)]);
+    assert_eq!(same(&struck(24, "k = \"40 kN/m\", z = 0.1, zo = 0.01"), 3000), [("REF", Integrate::Cel)]);
     // two numbers on one mass, one before the row, one that somebody reads, one that others are solved from
     for more in [
         "[SOL]\ng = {}\n[CUB]\nc = { between = [\"g\", \"s[4]\"], k = 1e4, k3 = 1e9 }\n",
@@ -73,8 +78,30 @@ fn a_row_is_fused_where_one_number_comes_behind_it() {
         "[SOL]\ng = {}\n[BOW]\nc = { between = [\"s[9]\", \"g\"], f = 0.3, v0 = \"50 mm/s\", method = \"newton\" }\n",
         "[model]\ngravity = 9.81\n",
     ] {
-        assert_eq!(same(&format!("{string}{more}"), 1500), [""; 0], "{more}");
+        assert_eq!(same(&format!("{string}{more}"), 1500), [], "{more}");
     }
+}
+
+/// Links with a length of their own, in a row that is written by hand.
+#[test]
+fn a_row_under_tension_has_the_bits_of_its_list() {
+    let mut text = String::from("[SOL]\nl = {}\nr = { x = \"2.4 cm\" }\n[MAS]\n");
+    for i in 1..24 {
+        let v = if i == 5 { ", v = 0.1" } else { "" };
+        let _ = writeln!(text, "m{i} = {{ m = \"2 g\", x = \"{i} mm\"{v} }}");
+    }
+    text += "[REF]\n";
+    for i in 0..24 {
+        let [a, b] = [i, i + 1].map(|i| match i {
+            0 => "l".into(),
+            24 => "r".into(),
+            _ => format!("m{i}"),
+        });
+        let _ = writeln!(text, "r{i} = {{ between = [\"{a}\", \"{b}\"], k = 4e4, z = 0.1, l0 = \"0.9 mm\" }}");
+    }
+    text += "[SOX]\nout = { from = \"m7\" }\n";
+    assert_eq!(same(&text, 3000), [("REF", Integrate::Mas)]);
+    assert!(scene(&text).moves.iter().any(|op| op.form.offset));
 }
 
 /// The sum that a pass of forces left out is in the list for whoever asks, and links keep their names.

@@ -190,7 +190,7 @@ pub const CODES: &[(&str, &str)] = &[
     ("E025", "not live"),
     ("E026", "MIDI mapping"),
     ("E027", "too large"),
-    ("E028", "not possible with this method or precision"),
+    ("E028", "not supported"),
     ("E029", "does not fit the space it is in"),
     ("E030", "not a MIMS model"),
     ("E031", "file that cannot be read"),

@@ -44,7 +44,7 @@ const SILENT: &str = "[room]\ndim = 3\n[room.TETRA]\np = { edge = 0.02, m = 1e-3
 #[test]
 fn a_string_has_the_passes_of_a_string() {
     let plain = scene(STRING);
-    assert_eq!(passes(&plain), ["outputs", "REF, integrate MAS", "flush"]);
+    assert_eq!(passes(&plain), ["outputs", "REF", "flush"]);
     assert_eq!(arrays(&plain), [0; 17]);
 }
 

@@ -162,7 +162,7 @@ fn page(all: &[Played]) -> String {
         ("lost in the bed", &["lost in `stop"]),
         ("lost in strings and bridge", &["lost in masses", "lost in `board"]),
         ("stored", &["stored"]),
-        ("error of the scheme", &["error of the scheme"]),
+        ("taken by the scheme", &["taken by the scheme"]),
     ];
     for (what, names) in rows {
         let _ = write!(out, "\n| {what} |");

@@ -13,7 +13,7 @@ use faer::sparse::{SparseColMat, Triplet};
 use faer::{Mat, Side};
 
 /// H of a network, ready to be tested against limits.
-pub struct InertiaBound {
+pub struct StabilityMatrix {
     /// lower half of H, its diagonal without gaps
     h: SparseColMat<u32, f64>,
     /// where the diagonal stands among the values
@@ -29,10 +29,10 @@ pub struct Factor {
     roots: Vec<f64>,
 }
 
-impl InertiaBound {
+impl StabilityMatrix {
     /// The matrix of a network, each link as heavy as `weigh` says (1: as it is). `None` where nothing moves, or where
     /// there is no memory for it.
-    pub fn new(linear: &Linear, weigh: impl Fn(&LinkRow) -> f64) -> Option<InertiaBound> {
+    pub fn new(linear: &Linear, weigh: impl Fn(&LinkRow) -> f64) -> Option<StabilityMatrix> {
         let n = linear.dofs.len();
         let roots: Vec<f64> = linear.dofs.iter().map(|p| libm::sqrt(p.c)).collect();
         let mut all = Vec::with_capacity(n + 3 * linear.rows.len());
@@ -55,7 +55,7 @@ impl InertiaBound {
         let symbolic = SymbolicLlt::try_new(h.symbolic(), Side::Lower).ok()?;
         let column = |j: usize| h.symbolic().col_range(j).find(|at| h.symbolic().row_idx()[*at] as usize == j);
         let diagonal: Option<Vec<usize>> = (0..n).map(column).collect();
-        Some(InertiaBound { diagonal: diagonal?, symbolic, roots, h })
+        Some(StabilityMatrix { diagonal: diagonal?, symbolic, roots, h })
     }
 
     /// The factorisation of `limit − H`: there is one exactly where all eigenvalues are below the limit.

@@ -7,6 +7,6 @@ pub mod factor;
 pub mod linear;
 pub mod modes;
 
-pub use factor::{Factor, InertiaBound};
+pub use factor::{Factor, StabilityMatrix};
 pub use linear::{Dof, Linear, LinkRow, MovingLink, Network, Port};
 pub use modes::{Mode, Modes};

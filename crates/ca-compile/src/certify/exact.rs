@@ -4,7 +4,7 @@
 //! load; a link at a moving point counts at every node under it. Where that is not enough, the linear links alone, with
 //! the points where they are at load, say whether the scene is certainly unstable.
 
-use crate::analysis::{Factor, InertiaBound, Linear, MovingLink};
+use crate::analysis::{Factor, Linear, MovingLink, StabilityMatrix};
 use crate::certify::accumulate::Sums;
 use crate::certify::blame::{any, faster, span};
 use crate::findings::round_down;
@@ -24,14 +24,14 @@ const ROUNDING: f64 = 1e-12;
 /// Products that looking for the worst place of a moving point, or at many contacts, may take.
 pub const WORK: usize = 2_000_000;
 /// How far the largest eigenvalue is narrowed for a message, and where it was asked for.
-const TOLD: f64 = 1e-5;
-const ASKED: f64 = 1e-13;
+const MESSAGE_TOLERANCE: f64 = 1e-5;
+const TOLERANCE: f64 = 1e-13;
 
 /// The network as a matrix, and its factorisation.
 pub struct Exact {
     linear: Linear,
     numbers: Numbers,
-    bound_of_inertia: InertiaBound,
+    matrix: StabilityMatrix,
     factor: Option<Factor>,
     whole: bool,
 }
@@ -46,9 +46,9 @@ impl Exact {
         let whole = links(net, bounds, &numbers, Points::Anywhere, &mut linear, |l, b| {
             !l.law.is_staged() && (b.linear || !b.contact)
         });
-        let bound_of_inertia = InertiaBound::new(&linear, |_| 1.0)?;
-        let factor = bound_of_inertia.below(4.0 * (1.0 - ROUNDING));
-        Some(Exact { linear, numbers, bound_of_inertia, factor, whole })
+        let matrix = StabilityMatrix::new(&linear, |_| 1.0)?;
+        let factor = matrix.below(4.0 * (1.0 - ROUNDING));
+        Some(Exact { linear, numbers, matrix, factor, whole })
     }
 
     /// Whether the scene is stable: surely wherever points stand and whatever is the steepest, or surely not with the
@@ -57,8 +57,8 @@ impl Exact {
         if self.is_stable() {
             return FactorVerdict::Stable;
         }
-        let above = |p: InertiaBound| p.below(4.0 * (1.0 + ROUNDING)).is_none();
-        if InertiaBound::new(&self.certain(net, bounds), |_| 1.0).is_some_and(above) {
+        let above = |p: StabilityMatrix| p.below(4.0 * (1.0 + ROUNDING)).is_none();
+        if StabilityMatrix::new(&self.certain(net, bounds), |_| 1.0).is_some_and(above) {
             FactorVerdict::Unstable
         } else {
             FactorVerdict::Open
@@ -111,14 +111,15 @@ impl Exact {
     /// Bounds of the largest eigenvalue; `None` where points wander or sets are tied, so that it depends.
     pub fn largest(&self, cert: &Certificate, asked: bool) -> Option<(f64, f64)> {
         let fixed = self.whole && self.linear.moving_links.is_empty();
-        fixed.then(|| self.bound_of_inertia.largest(cert.lower, cert.bound, if asked { ASKED } else { TOLD }))
+        fixed.then(|| self.matrix.largest(cert.lower, cert.bound, if asked { TOLERANCE } else { MESSAGE_TOLERANCE }))
     }
 
     /// What makes the whole unstable though no module is by itself, and the numbers that would mend it.
     pub fn blame(&self, model: &Model, net: &Pruned, bounds: &[Bound], mat: usize, cert: &Certificate) -> Diag {
         let m = &net.mats[mat];
         let linear = self.certain(net, bounds);
-        let largest = InertiaBound::new(&linear, |_| 1.0).map_or(4.0, |p| p.largest(cert.lower, cert.bound, TOLD).1);
+        let largest = StabilityMatrix::new(&linear, |_| 1.0)
+            .map_or(4.0, |p| p.largest(cert.lower, cert.bound, MESSAGE_TOLERANCE).1);
         let title = format!(
             "too stiff for the masses at this sound rate, all together: {:.4}, the limit is 4",
             quantity::Plain(largest)
@@ -153,7 +154,7 @@ impl Exact {
 fn share(net: &Pruned, linear: &Linear, item: u32) -> Option<f64> {
     let stable = |s: f64| {
         let weigh = |lia: u32| if net.lias[lia as usize].item == item { s } else { 1.0 };
-        InertiaBound::new(linear, |r| weigh(r.lia)).is_some_and(|p| p.below(4.0).is_some())
+        StabilityMatrix::new(linear, |r| weigh(r.lia)).is_some_and(|p| p.below(4.0).is_some())
     };
     let (mut low, mut high) = (0.0, 1.0);
     for _ in 0..14 {

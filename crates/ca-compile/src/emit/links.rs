@@ -221,7 +221,8 @@ impl Plan<'_> {
         let law = |l: u32| laws[l as usize];
         let mut batches = self.batches(options.kernel, &laws);
         batches.sort_by_key(|b| law(b.0[0]).is_staged());
-        let scratch = batches.iter().filter(|b| b.1 > 0).map(|b| b.0.len()).max().unwrap_or(0);
+        // with a 0 on either side, for rows that integrate
+        let scratch = batches.iter().filter(|b| b.1 > 0).map(|b| b.0.len() + 2).max().unwrap_or(0);
         let mut k = Links {
             forces: Vec::new(),
             late: batches.iter().filter(|b| !law(b.0[0]).is_staged()).count(),
@@ -282,7 +283,8 @@ impl Plan<'_> {
             }
             let tap = options.energy || batch.iter().any(|l| heard.contains(l));
             let offset = k.e0[first..].iter().any(|e| *e != 0.0);
-            let form = Form { stride, offset, tap, measure: shape.measure, onto: shape.onto, set: sets.is_some() };
+            let (measure, onto, set) = (shape.measure, shape.onto, sets.is_some());
+            let form = Form { stride, offset, tap, measure, onto, set, ..Form::default() };
             let mut op = Op::pass(law.code, (law.kernel)(form), n);
             op = Op { law: Some(law), form, ports, first, coef, mem: k.mem, mat: k.ends[first][0] as usize, ..op };
             if tap {

@@ -1,6 +1,6 @@
 //! Which kernel runs a law: one for each form of a batch of links, chosen at load.
 
-use super::{Form, Kernel, MeasureKind, gather, measure, pair_set, run, space, wide};
+use super::{Form, Integrate, Kernel, MeasureKind, fused, gather, measure, pair_set, run, space, wide};
 use crate::law::Phi;
 
 /// The kernel of a law for one form of a dipole.
@@ -11,6 +11,16 @@ pub(crate) fn kernel<P: Phi<C, M> + 'static, const C: usize, const M: usize>(for
         } else {
             wide::wide::<pair_set::All<P, C, M, false>>
         };
+    }
+    // others are never asked for, so that their passes are not made
+    if P::LINEAR && M == 0 {
+        match (form.integrate, form.offset) {
+            (Integrate::No, _) => {}
+            (Integrate::Mas, false) => return wide::wide::<fused::Fused<P, C, M, false, false>>,
+            (Integrate::Mas, true) => return wide::wide::<fused::Fused<P, C, M, true, false>>,
+            (Integrate::Cel, false) => return wide::wide::<fused::Fused<P, C, M, false, true>>,
+            (Integrate::Cel, true) => return wide::wide::<fused::Fused<P, C, M, true, true>>,
+        }
     }
     match (form.measure, form.stride > 0, form.offset, form.tap) {
         (MeasureKind::Line, false, false, false) => gather::gather::<P, C, M, false, false>,

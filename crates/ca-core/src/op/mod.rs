@@ -14,7 +14,7 @@ use crate::table::Table;
 
 pub mod blocker;
 mod choose;
-pub mod fused;
+mod fused;
 mod gather;
 pub mod law;
 pub mod lowpass;
@@ -29,6 +29,18 @@ pub(crate) mod wide;
 
 /// One pass, run once per tick.
 pub type Kernel = fn(&Op, &Layout, &mut State);
+
+/// Whether a run of links integrates the masses of its row too.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Integrate {
+    /// it adds to their forces
+    #[default]
+    No,
+    /// masses that only have inertia
+    Mas,
+    /// masses with springs and dampers of their own
+    Cel,
+}
 
 /// How a batch of links is laid out; chooses the kernel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -45,6 +57,8 @@ pub struct Form {
     pub onto: Option<MeasureKind>,
     /// all pairs of two sets are one module; only for contacts without memory
     pub set: bool,
+    /// only for runs of linear laws without memory
+    pub integrate: Integrate,
 }
 
 /// A pass and where its modules stand.

@@ -10,36 +10,48 @@ use crate::real::Real;
 use crate::state::State;
 use core::marker::PhantomData;
 
-/// Applies the law of `op` to its row; forces are left in [`State::tap`] from `op.tap` on.
+/// The forces of a row, left in [`State::tap`] from `op.tap` on.
+#[inline(always)]
+pub fn links<P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bool>(
+    op: &Op,
+    layout: &Layout,
+    s: &mut State,
+) {
+    let n = op.n;
+    let e0 = if OFFSET { &layout.e0[op.first..][..n] } else { &[] };
+    let columns: [&[Real]; C] = core::array::from_fn(|k| &s.coef[op.coef + k * n..][..n]);
+    let (a, b) = (op.mat, op.mat + op.form.stride);
+    let (xa, xb) = (&s.x[a..][..n], &s.x[b..][..n]);
+    let (da, db) = (&s.d[a..][..n], &s.d[b..][..n]);
+    let mem = &mut s.mem[op.mem..][..n * M];
+    let force = &mut s.tap[op.tap..][..n];
+    for i in 0..n {
+        let mut e = xb[i] - xa[i];
+        if OFFSET {
+            e += e0[i];
+        }
+        let w = db[i] - da[i];
+        let c = core::array::from_fn(|k| columns[k][i]);
+        // laws without memory must not carry a bounds check that keeps the loop from being vectorised
+        let mut none = [0.0; M];
+        let m = if M == 0 { &mut none } else { mem[i * M..].first_chunk_mut::<M>().unwrap_or(&mut none) };
+        force[i] = P::force(&c, m, &layout.tables, e, w);
+    }
+}
+
+/// Applies the law of `op` to its row.
 pub struct Run<P, const C: usize, const M: usize, const OFFSET: bool>(PhantomData<P>);
 
 impl<P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bool> Body for Run<P, C, M, OFFSET> {
     #[inline(always)]
     fn run(op: &Op, layout: &Layout, s: &mut State) {
-        let n = op.n;
-        let e0 = if OFFSET { &layout.e0[op.first..][..n] } else { &[] };
-        let columns: [&[Real]; C] = core::array::from_fn(|k| &s.coef[op.coef + k * n..][..n]);
-        let (a, b) = (op.mat, op.mat + op.form.stride);
-        let (xa, xb) = (&s.x[a..][..n], &s.x[b..][..n]);
-        let (da, db) = (&s.d[a..][..n], &s.d[b..][..n]);
-        let mem = &mut s.mem[op.mem..][..n * M];
-        let force = &mut s.tap[op.tap..][..n];
-        for i in 0..n {
-            let mut e = xb[i] - xa[i];
-            if OFFSET {
-                e += e0[i];
-            }
-            let w = db[i] - da[i];
-            let c = core::array::from_fn(|k| columns[k][i]);
-            // laws without memory must not carry a bounds check that keeps the loop from being vectorised
-            let mut none = [0.0; M];
-            let m = if M == 0 { &mut none } else { mem[i * M..].first_chunk_mut::<M>().unwrap_or(&mut none) };
-            force[i] = P::force(&c, m, &layout.tables, e, w);
-        }
-        for (f, force) in s.f[b..][..n].iter_mut().zip(&*force) {
+        links::<P, C, M, OFFSET>(op, layout, s);
+        let (n, a, b) = (op.n, op.mat, op.mat + op.form.stride);
+        let force = &s.tap[op.tap..][..n];
+        for (f, force) in s.f[b..][..n].iter_mut().zip(force) {
             *f -= force;
         }
-        for (f, force) in s.f[a..][..n].iter_mut().zip(&*force) {
+        for (f, force) in s.f[a..][..n].iter_mut().zip(force) {
             *f += force;
         }
     }

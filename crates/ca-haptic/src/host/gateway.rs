@@ -32,7 +32,7 @@ const LEAVE: Duration = Duration::from_secs(5);
 const SILENCE_NS: u64 = 250_000_000;
 
 /// Between two words on a device that is another all the time \[ns\].
-const TOLD_NS: u64 = 10_000_000;
+const REPORT_NS: u64 = 10_000_000;
 /// Frames of a device in one look: one that sends without end is no reason for the others to wait.
 const BURST: usize = 16;
 /// Frames in a row that nobody misses without being gone.
@@ -157,7 +157,7 @@ impl Gateway {
                 }
                 if p.heard == 0 || p.session != frame.session {
                     // one that changes all the time is reported now and then
-                    if now.saturating_sub(p.reported) > TOLD_NS {
+                    if now.saturating_sub(p.reported) > REPORT_NS {
                         self.events.push_back((k, Event::Here { session: frame.session }));
                         (p.reported, p.complained) = (now, false);
                     }

@@ -70,7 +70,7 @@ pub struct Shared {
     pub dropped: AtomicU64,
     /// gesture frames without news of a device that was there
     pub stale: AtomicU64,
-    /// sound samples at the ceiling
+    /// sound samples at the peak limit
     pub clipped: AtomicU64,
     /// the model has diverged
     pub diverged: AtomicBool,

@@ -26,7 +26,7 @@ pub struct StatsSnapshot {
     pub stale: u64,
     /// faults that latched so far
     pub faults: u64,
-    /// sound samples at the ceiling so far
+    /// sound samples at the peak limit so far
     pub clipped: u64,
     /// records, sounds and forces lost so far
     pub lost: u64,

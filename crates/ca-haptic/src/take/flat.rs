@@ -142,7 +142,7 @@ flat! {
         dropped: u64,
         /// faults that latched
         faults: u64,
-        /// sound samples that hit the ceiling
+        /// sound samples that hit the peak limit
         clipped: u64,
         /// time from when a frame was due to when it began, median of the last second \[µs\]
         late_p50: f64,

@@ -7,7 +7,7 @@
 
 use crate::Failure;
 use crate::term::short;
-use ca_core::op::{MeasureKind, Op};
+use ca_core::op::{Integrate, MeasureKind, Op};
 use ca_core::{Scene, State, tick};
 use ca_io::perform::Performance;
 use serde_json::{Value as Json, json};
@@ -84,7 +84,7 @@ fn cost(state: &State, mut run: impl FnMut(&mut State)) -> f64 {
 
 /// How the links of a pass are laid out.
 fn form(op: &Op) -> String {
-    if op.law.is_none() && op.form.stride == 0 {
+    if op.law.is_none() {
         return String::new();
     }
     let measure = |g: MeasureKind| match g {
@@ -105,6 +105,7 @@ fn form(op: &Op) -> String {
     let offset = op.form.offset && op.form.measure == MeasureKind::Line;
     words.extend(offset.then(|| "offset".to_string()));
     words.extend(op.form.tap.then(|| "tap".to_string()));
+    words.extend((op.form.integrate != Integrate::No).then(|| "integration".to_string()));
     words.join(" + ")
 }
 
@@ -182,7 +183,7 @@ pub(super) fn json(scene: &Scene, m: &Measured) -> Json {
         .rows
         .iter()
         .map(|r| {
-            let of_links = r.op.law.is_some() || r.op.form.stride > 0;
+            let of_links = r.op.law.is_some();
             json!({
                 "stage": r.stage, "pass": r.op.name, "modules": r.op.n, "stride": of_links.then_some(r.op.form.stride),
                 "offset": of_links.then_some(r.op.form.offset), "tap": of_links.then_some(r.op.form.tap),

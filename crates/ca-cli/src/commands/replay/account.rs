@@ -15,7 +15,7 @@ use std::io::Write;
 pub(super) struct Account {
     /// what came in: given by the hands, added by guard and device, made by the border, from other ports, by changes
     sources: Vec<(String, f64)>,
-    /// where it is: lost in links and masses, held, error of the scheme
+    /// where it is: lost in links and masses, stored, taken by the scheme
     sinks: Vec<(String, f64)>,
     /// largest energy stored and lost so far
     peak: f64,
@@ -44,7 +44,7 @@ impl Account {
         let mut sinks: Vec<(String, f64)> = lost(scene, ledger).into_iter().map(|(n, j)| (n, scale * j)).collect();
         sinks.push(("lost in masses".into(), scale * ledger.lost_mats));
         sinks.push(("stored, more than at load".into(), scale * (b.h - b.h0)));
-        sinks.push(("error of the scheme".into(), -scale * b.scheme_error));
+        sinks.push(("taken by the scheme".into(), -scale * b.scheme_error));
         Some(Account { sources, sinks, peak: scale * b.peak })
     }
 

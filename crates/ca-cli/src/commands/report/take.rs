@@ -222,7 +222,7 @@ impl Loops {
                 ("without news of a device", last.stale.to_string()),
                 ("device frames refused", last.dropped.to_string()),
                 ("faults", last.faults.to_string()),
-                ("sound samples at the ceiling", last.clipped.to_string()),
+                ("sound samples at the peak limit", last.clipped.to_string()),
                 ("underruns of the sound device", last.underruns.to_string()),
                 ("busy, in the last second", format!("{:.1} %", 100.0 * last.busy)),
             ])));

@@ -177,7 +177,7 @@ fn variable(model: &Model, part: &str, cell: Option<usize>) -> Result<Variable, 
     Ok(Variable { part: part.into(), cell, path, unit, slope })
 }
 
-/// The number a variable stands at, in SI or in the model's own.
+/// The value of a variable, in SI or in the model's own.
 fn number(doc: &DocumentMut, variable: &Variable) -> Option<(f64, bool)> {
     let mut at = doc.as_item();
     for key in &variable.path {
@@ -194,7 +194,7 @@ fn number(doc: &DocumentMut, variable: &Variable) -> Option<(f64, bool)> {
     value.as_float().or(value.as_integer().map(|i| i as f64)).map(|v| (v, false))
 }
 
-/// Turns a variable in the text.
+/// Writes the value of a variable into the text.
 fn turn(doc: &mut DocumentMut, variable: &Variable, v: f64, units: bool) -> Option<String> {
     // more would be nothing but the rounding of the search, and less could be heard by an instrument
     let v = quantity::rounded(v, DIGITS);
@@ -224,7 +224,7 @@ fn tune(
     let name = variable.cell.map_or(variable.part.clone(), |k| format!("{}[{k}]", variable.part));
     let Some((mut v, units)) = number(doc, variable) else {
         return Err(Failure::Failed(format!(
-            "`{name}`: `{}` is no number that could be tuned",
+            "`{name}`: `{}` is not a number that can be tuned",
             variable.path.join(".")
         )));
     };
