@@ -8,6 +8,12 @@
 
 use crate::real::Real;
 use crate::table::Table;
+use core::ops::{Add, Mul, Sub};
+
+/// What a linear law is computed in: a number, or a vector of them with a link in each lane.
+pub trait Number: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> {}
+
+impl<T: Copy + Add<Output = T> + Sub<Output = T> + Mul<Output = T>> Number for T {}
 
 /// Linear bound of a law: its largest slopes, `k` \[N/m\] against elongation and `z` \[N/(m/tick)\] against change of
 /// elongation. Exact for linear laws and for contacts of constant stiffness; of laws that stiffen without end
@@ -57,6 +63,16 @@ impl Bound {
 pub trait Phi<const C: usize, const M: usize> {
     /// True where force is linear in `e` and `w`: the ledger identity then holds exactly.
     const LINEAR: bool = false;
+
+    /// True where [`Phi::linear`] is the law in vectors; only of linear laws without memory. Long rows then run folded.
+    const WIDE: bool = false;
+
+    /// The force \[N\] as [`Phi::force`] has it, in the same order of operations, for laws that are [`Phi::WIDE`]; others are
+    /// never asked.
+    #[inline(always)]
+    fn linear<N: Number>(_c: &[N; C], e: N, _w: N) -> N {
+        e
+    }
 
     /// True where the law does nothing, and remembers nothing, on one side of a threshold (see [`Phi::idle`]).
     const CONTACT: bool = false;

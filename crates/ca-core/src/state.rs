@@ -8,6 +8,7 @@ use crate::active_contacts::ActiveContacts;
 use crate::ledger::Ledger;
 use crate::real::{Real, wide};
 use crate::verlet::VerletList;
+use alloc::sync::Arc;
 use alloc::vec::Vec;
 use core::hash::Hasher;
 
@@ -71,6 +72,27 @@ impl Ramps {
     }
 }
 
+/// Eight stretches of an array side by side: number i of 8 `rows` stands at [`Fold::at`]. The order of long rows of links and
+/// of their masses (docs/architecture.md, "a tick").
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Fold {
+    /// index of the first number
+    pub first: u32,
+    /// numbers of a stretch
+    pub rows: u32,
+}
+
+impl Fold {
+    /// Stretches.
+    pub const LANES: usize = 8;
+
+    /// Index of number `i`.
+    pub fn at(self, i: usize) -> usize {
+        let rows = self.rows as usize;
+        self.first as usize + i % rows * Fold::LANES + i / rows
+    }
+}
+
 /// Which scene a state or a patch belongs to; the default is that of no scene. How it comes about: `identity.rs`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Identity(pub(crate) u64);
@@ -122,6 +144,9 @@ pub struct State {
     pub touches: ActiveContacts,
     /// coefficients on their way to a new value
     pub ramps: Ramps,
+    /// indices into `x` and `d`, and into `coef`, in the order of the document, where rows stand otherwise; else empty;
+    /// written at load
+    pub written: [Arc<[u32]>; 2],
     /// energy ledger, where the scene keeps one
     pub ledger: Option<Ledger>,
     /// samples done, which are ticks where a sample has one; while passes run, ticks in any case
@@ -132,10 +157,20 @@ pub struct State {
 
 impl State {
     /// A hash of everything that decides the future: FNV-1a over the bits of positions, motions, coefficients, memory,
-    /// border, inputs under way, filters of the outputs and tick. Equal states have equal hashes on every machine.
+    /// border, inputs under way, filters of the outputs and tick. Equal states have equal hashes on every machine, wherever
+    /// rows stand.
     pub fn bits(&self) -> u64 {
         let mut h = fnv::FnvHasher::default();
-        let flat = [&self.x, &self.d, &self.coef, &self.mem].into_iter().flatten().map(|v| wide(*v));
+        let [slots, coefs] = &self.written;
+        for (all, order) in [(&self.x, slots), (&self.d, slots), (&self.coef, coefs)] {
+            let mut each = |v: &Real| h.write(&wide(*v).to_bits().to_le_bytes());
+            if order.is_empty() {
+                all.iter().for_each(&mut each);
+            } else {
+                order.iter().for_each(|i| each(&all[*i as usize]));
+            }
+        }
+        let flat = self.mem.iter().map(|v| wide(*v));
         let filters = self.lowpass.iter().chain(self.blocked.iter().flatten()).map(|v| wide(*v));
         for v in flat.chain(self.late.iter().copied()).chain(filters).chain(self.glide.iter().flatten().copied()) {
             h.write(&v.to_bits().to_le_bytes());

@@ -5,12 +5,49 @@
 //! number is added behind it, since then both sums are the same. And only where nobody reads the whole force on one of its
 //! masses, which is then known nowhere: the ledger, an output of force, a link that is solved behind the others.
 
-use crate::net::Pruned;
+use crate::emit::batches::Batch;
+use crate::emit::pass_list::Class;
+use crate::emit::plan::Plan;
+use crate::net::lines::LineNode;
+use crate::net::{End, MatRole, OutputTap};
 use crate::options::{KernelClass, Options};
 use alloc::vec::Vec;
-use ca_core::layout::{Layout, MeasureKind, Tap};
-use ca_core::op::{Form, Integrate, Kernel, Op, pass};
+use ca_core::op::{Form, Integrate, MeasureKind, Op};
 use ca_core::scene::{Location, Symbol};
+
+/// Marks the rows that integrate their masses, which are of these `classes` slot by slot; what does not move among them
+/// gets theirs.
+pub fn mark(plan: &Plan, options: &Options, classes: &mut [Option<Class>], batches: &mut [Batch]) {
+    let net = plan.net;
+    let staged = batches.iter().any(|b| b.law.implicit || b.law.is_staged());
+    if options.kernel != KernelClass::Fast || options.energy || staged || net.as_milib || net.is_composed() {
+        return;
+    }
+    let heard: Vec<u32> =
+        net.outs.iter().filter_map(|o| if let OutputTap::ForceOf(l) = o.tap { Some(l) } else { None }).collect();
+    let added = added(plan, batches);
+    for (i, row) in batches.iter_mut().enumerate() {
+        let slot = plan.ends(row.links[0])[0] as usize;
+        let fits = row.stride == 1 && row.law.linear && row.law.mem == 0;
+        if !fits || !added[slot..=slot + row.links.len()].iter().all(|a| a.lets(i)) {
+            continue;
+        }
+        if row.links.iter().any(|l| heard.contains(l)) {
+            continue;
+        }
+        let classes = &mut classes[slot..=slot + row.links.len()];
+        let class = classes.iter().flatten().next().copied().unwrap_or(Class::Free);
+        if classes.iter().flatten().any(|c| *c != class) {
+            continue;
+        }
+        row.integrate = match class {
+            Class::Held => continue,
+            Class::Full => Integrate::Cel,
+            Class::Free => Integrate::Mas,
+        };
+        classes.fill(Some(class));
+    }
+}
 
 /// What is changed: the list of forces, that of integration, and where links stand in the first.
 pub struct Passes<'a> {
@@ -22,46 +59,31 @@ pub struct Passes<'a> {
     pub symbols: &'a mut [Symbol],
 }
 
-/// Fuses what can be; returns how many of the last forces no tick runs by themselves.
-pub fn fuse(net: &Pruned, options: &Options, layout: &Layout, passes: &mut Passes) -> usize {
-    let staged = passes.forces.iter().any(|op| op.law.is_some_and(|l| l.implicit || l.is_staged()));
-    let whole = layout.ledger.is_some() || staged || net.as_milib || net.is_composed();
-    if options.kernel != KernelClass::Fast || whole {
-        return 0;
-    }
-    let added = added(layout, passes.forces);
-    let fits = |(i, op): &(usize, Op)| {
-        let row = op.form.stride == 1 && !op.form.tap && op.law.is_some_and(|l| l.linear && l.mem == 0);
-        row && added[op.mat..=op.mat + op.n].iter().all(|a| a.lets(*i))
-    };
-    let mut rows: Vec<(usize, Op)> = passes.forces.iter().copied().enumerate().filter(fits).collect();
-    rows.sort_by_key(|(_, op)| op.mat);
+/// Fuses what is marked; returns how many of the last forces no tick runs by themselves.
+pub fn fuse(passes: &mut Passes) -> usize {
+    let fused: Vec<bool> = passes.forces.iter().map(|op| op.form.integrate != Integrate::No).collect();
+    let mut rows: Vec<Op> = passes.forces.iter().filter(|op| op.form.integrate != Integrate::No).copied().collect();
+    rows.sort_by_key(|op| op.mat);
     let mut rows = rows.into_iter().peekable();
-    let mut fused = alloc::vec![false; passes.forces.len()];
     let mut moves = Vec::with_capacity(passes.moves.len());
     // both stand in the order of their masses
     for stretch in passes.moves.drain(..) {
-        let integrate = integrate(stretch.kernel);
         let (mut at, end) = (stretch.mat, stretch.mat + stretch.n);
         let part = |from: usize, to: usize| (to > from).then(|| Op { mat: from, n: to - from, ..stretch });
-        if integrate == Integrate::No {
-            moves.push(stretch);
-            continue;
-        }
-        while let Some((i, op)) = rows.next_if(|(_, op)| op.mat < end) {
-            let Some(law) = op.law.filter(|_| op.mat >= at && op.mat + op.n < end) else { continue };
-            let form = Form { integrate, ..op.form };
+        while let Some(op) = rows.next_if(|op| op.mat < end) {
+            let Some(law) = op.law else { continue };
+            let form = Form { stride: 1, ..op.form };
             moves.extend(part(at, op.mat));
             moves.push(Op { kernel: (law.kernel)(form), form, tap: 1, ..op });
             at = op.mat + op.n + 1;
-            fused[i] = true;
         }
         moves.extend(part(at, end));
     }
     *passes.moves = moves;
     let mut order: Vec<usize> = (0..fused.len()).collect();
     order.sort_by_key(|i| fused[*i]);
-    *passes.forces = order.iter().map(|i| passes.forces[*i]).collect();
+    let as_listed = |op: Op| Op { form: Form { integrate: Integrate::No, folded: false, ..op.form }, ..op };
+    *passes.forces = order.iter().map(|i| as_listed(passes.forces[*i])).collect();
     let mut place = alloc::vec![0; order.len()];
     for (now, was) in order.iter().enumerate() {
         place[*was] = now as u32;
@@ -74,20 +96,10 @@ pub fn fuse(net: &Pruned, options: &Options, layout: &Layout, passes: &mut Passe
     fused.iter().filter(|f| **f).count()
 }
 
-/// What masses a pass integrates.
-fn integrate(kernel: Kernel) -> Integrate {
-    let is = |k: Kernel| core::ptr::fn_addr_eq(kernel, k);
-    match () {
-        () if is(pass::integrate_free) => Integrate::Mas,
-        () if is(pass::integrate_full) => Integrate::Cel,
-        () => Integrate::No,
-    }
-}
-
 /// What is added to the force on a slot.
 #[derive(Clone, Copy, Default)]
 struct Added {
-    /// the pass of links that adds first
+    /// the batch of links that adds first
     first: Option<usize>,
     /// numbers that others add behind it
     behind: usize,
@@ -96,48 +108,62 @@ struct Added {
 }
 
 impl Added {
-    /// One number more, by pass `op`.
-    fn add(&mut self, op: usize) {
-        self.behind += usize::from(*self.first.get_or_insert(op) != op);
+    /// One number more, by batch `of`.
+    fn add(&mut self, of: usize) {
+        self.behind += usize::from(*self.first.get_or_insert(of) != of);
     }
 
-    /// True where pass `op` sums first, and at most one number comes behind it.
-    fn lets(&self, op: usize) -> bool {
-        !self.whole && self.first == Some(op) && self.behind <= 1
+    /// True where batch `of` sums first, and at most one number comes behind it.
+    fn lets(&self, of: usize) -> bool {
+        !self.whole && self.first == Some(of) && self.behind <= 1
     }
 }
 
 /// The same for each slot.
-fn added(layout: &Layout, forces: &[Op]) -> Vec<Added> {
-    let mut all = alloc::vec![Added::default(); layout.n_mat];
-    for (i, op) in forces.iter().enumerate().filter(|(_, op)| op.law.is_some()) {
-        let line = op.form.measure == MeasureKind::Line && op.form.onto.is_none() && !op.form.set;
-        for end in layout.ends[op.first..][..op.n].iter().flatten().map(|m| *m as usize) {
-            if line {
-                all[end].add(i);
+fn added(plan: &Plan, batches: &[Batch]) -> Vec<Added> {
+    let net = plan.net;
+    let mut all = alloc::vec![Added::default(); plan.coef_slots()];
+    let whole = |all: &mut Vec<Added>, slot: u32, axes: usize| {
+        all.iter_mut().skip(slot as usize).take(axes).for_each(|a| a.whole = true);
+    };
+    for (i, batch) in batches.iter().enumerate() {
+        let shape = plan.shape(batch.links[0], batch.law);
+        for l in &batch.links {
+            let node = &net.lias[*l as usize];
+            if shape.measure == MeasureKind::Line && shape.onto.is_none() && node.sets.is_none() {
+                plan.ends(*l).into_iter().for_each(|slot| all[slot as usize].add(i));
             } else {
-                // along up to three axes
-                all.iter_mut().skip(end).take(3).for_each(|a| a.whole = true);
+                node.all_ends().for_each(|end| whole(&mut all, plan.at(end), 3));
             }
         }
     }
-    for p in &layout.moving_points {
+    for (p, slot) in net.points.iter().zip(&plan.point).filter(|(_, slot)| **slot != u32::MAX) {
+        let family = &net.families[&p.family];
         // where nothing touches the point it gives nothing
-        let touched = all[p.mat as usize].first.is_some() || all[p.mat as usize].whole;
-        for m in &layout.nodes[p.first as usize..][..(p.size[0] * p.size[1]) as usize] {
-            all[*m as usize].behind += usize::from(touched);
+        let touched = all[*slot as usize].first.is_some() || all[*slot as usize].whole;
+        for m in &family.nodes {
+            let node = &mut all[plan.slot[*m as usize] as usize];
+            node.whole |= p.shape.is_some();
+            node.behind += usize::from(touched);
         }
     }
-    let in_space = layout.onto.iter().flatten().chain(layout.pair_sets.iter().flat_map(|set| &set.members));
-    let in_space = in_space.flat_map(|m| *m..*m + 3);
-    let modes = layout.modal.iter().flat_map(|m| m.first..m.first + m.n);
-    let ports = layout.enx.iter().chain(&layout.tgr).map(|p| p.mat).chain(layout.enf.iter().map(|p| p.mat));
-    let junctions = layout.waves.junctions.iter().map(|j| j.mat);
-    let read = layout.outputs.iter().filter_map(|o| if let Tap::ForceOn(m) = o.tap { Some(m) } else { None });
-    for m in in_space.chain(modes).chain(ports).chain(junctions).chain(read).chain(layout.weighed.iter().copied()) {
-        if let Some(a) = all.get_mut(m as usize) {
-            a.whole = true;
+    let mats = net.mats.iter().zip(&plan.slot).filter(|(_, slot)| **slot != u32::MAX);
+    for (m, slot) in mats {
+        let weighed = !m.is_fixed() && net.medium(m).gravity.iter().any(|g| *g != 0.0);
+        if weighed || matches!(m.role, MatRole::Port(..)) {
+            whole(&mut all, *slot, 3.min(m.slots() as usize));
         }
+    }
+    let read = net.outs.iter().filter_map(|o| match o.tap {
+        OutputTap::ForceOn(e) => plan.alive(e, o.axis),
+        _ => None,
+    });
+    let pushed = net.pushes.iter().filter_map(|p| plan.alive(p.end, p.axis));
+    let junctions = net.lines.iter().filter(|l| l.tuned.is_some()).flat_map(LineNode::junctions);
+    let junctions = junctions.filter_map(|m| plan.alive(End::Mat(m), 0));
+    let singles: Vec<u32> = read.chain(pushed).chain(junctions).collect();
+    for slot in singles {
+        whole(&mut all, slot, 1);
     }
     all
 }

@@ -1,22 +1,18 @@
 //! Links: batches of one law, rows as runs, and where each link ends up.
 
+use crate::emit::batches::{Batch, JOINT};
 use crate::emit::penetration;
 use crate::emit::plan::Plan;
 use crate::net::{End, LiaNode, Measure, OutputTap, Pruned};
-use crate::options::{KernelClass, Options};
+use crate::options::Options;
 use alloc::vec::Vec;
 use ca_core::kind::Role;
 use ca_core::layout::PairSet;
 use ca_core::live::{Loader, Source};
 use ca_core::op::law::{Law, SolveStage};
-use ca_core::op::{Form, MeasureKind, Op, Ports};
-use ca_core::phi::{implicit, res};
+use ca_core::op::{Form, Op, Ports};
 use ca_model::Model;
 use ca_model::diag::Diags;
-
-/// Rows shorter than this are gathered: a run has three loops to set up, and waits for what it has just written. Measured
-/// for RES: 4 links 15 ns as a run and 8 gathered, 7 links 16 and 12, 11 links 18 and 22.
-const SHORTEST_RUN: usize = 10;
 
 /// The links, laid out.
 pub struct Links {
@@ -57,100 +53,9 @@ pub fn own_tables(net: &Pruned) -> Vec<(&'static Law, ca_core::table::Table)> {
     own
 }
 
-/// What links of one batch have in common.
-#[derive(Clone, Copy, PartialEq)]
-struct Shape {
-    law: *const Law,
-    measure: MeasureKind,
-    onto: Option<MeasureKind>,
-    /// for sets, which: each is a batch of its own
-    set: Option<u32>,
-}
-
 impl Plan<'_> {
-    /// Batches of links: in document order, or by law with rows as runs; each with its stride, 0 where there is none.
-    fn batches(&self, class: KernelClass, laws: &[&'static Law]) -> Vec<(Vec<u32>, usize)> {
-        let shape = |l: u32| self.shape(l, laws[l as usize]);
-        let same = |a: u32, b: u32| shape(a) == shape(b);
-        let all: Vec<u32> = (0..self.net.lias.len() as u32).collect();
-        if class == KernelClass::Reference {
-            return all.chunk_by(|a, b| same(*a, *b)).map(|c| (c.to_vec(), 0)).collect();
-        }
-        let mut by_law: Vec<Vec<u32>> = Vec::new();
-        for l in all {
-            match by_law.iter_mut().find(|g| same(g[0], l)) {
-                Some(g) => g.push(l),
-                None => by_law.push(alloc::vec![l]),
-            }
-        }
-        let mut out = Vec::new();
-        for group in by_law {
-            let at = shape(group[0]);
-            if at.measure != MeasureKind::Line || at.onto.is_some() || laws[group[0] as usize].is_staged() {
-                out.push((group, 0));
-                continue;
-            }
-            let mut loose = Vec::new();
-            for row in group.chunk_by(|a, b| self.follows(*a, *b)) {
-                if let Some(stride) = self.stride(row) {
-                    out.push((row.to_vec(), stride));
-                } else {
-                    loose.extend_from_slice(row);
-                }
-            }
-            if !loose.is_empty() {
-                out.push((loose, 0));
-            }
-        }
-        out
-    }
-
-    /// The law each link runs by: its own, but springs in a row with implicit links run by the law of these, θ = 0
-    /// and without viscosity, which is the same force. One row of springs costs less than what such links leave of it.
-    fn laws(&self, class: KernelClass) -> Vec<&'static Law> {
-        let net = self.net;
-        let mut laws: Vec<_> = net.lias.iter().map(|l| l.law).collect();
-        let ids: Vec<u32> = (0..laws.len() as u32).collect();
-        if class == KernelClass::Reference || !laws.iter().any(|l| l.implicit) {
-            return laws;
-        }
-        let spring: &'static Law = &res::LAW;
-        let fits = |l: u32| {
-            let l = &net.lias[l as usize];
-            (l.law.implicit || core::ptr::eq(l.law, spring))
-                && l.measure.measure() == MeasureKind::Line
-                && l.onto.is_none()
-        };
-        for row in ids.chunk_by(|a, b| fits(*a) && fits(*b) && self.follows(*a, *b)) {
-            if fits(row[0]) && self.stride(row).is_some() && row.iter().any(|l| laws[*l as usize].implicit) {
-                for l in row {
-                    laws[*l as usize] = &implicit::LAW;
-                }
-            }
-        }
-        laws
-    }
-
-    /// True where link `b` stands behind `a` in a row.
-    fn follows(&self, a: u32, b: u32) -> bool {
-        let ([a0, a1], [b0, b1]) = (self.ends(a), self.ends(b));
-        a1.wrapping_sub(a0) == b1.wrapping_sub(b0) && b0 == a0.wrapping_add(1)
-    }
-
-    /// The stride of a row that is worth a run.
-    fn stride(&self, row: &[u32]) -> Option<usize> {
-        let [a, b] = self.ends(row[0]);
-        let stride = b.wrapping_sub(a);
-        (row.len() >= SHORTEST_RUN && stride < u32::MAX / 2).then_some(stride as usize)
-    }
-
-    fn shape(&self, l: u32, law: &'static Law) -> Shape {
-        let node = &self.net.lias[l as usize];
-        let set = node.sets.as_ref().map(|_| l);
-        Shape { law, measure: node.measure.measure(), onto: node.onto.map(|o| o.measure.measure()), set }
-    }
-
-    fn ends(&self, l: u32) -> [u32; 2] {
+    /// First places of the ends of a link.
+    pub fn ends(&self, l: u32) -> [u32; 2] {
         let l = &self.net.lias[l as usize];
         self.port(l.ends, l.measure)
     }
@@ -212,20 +117,16 @@ impl Plan<'_> {
     }
 
     /// Lays out all links.
-    pub fn links(&mut self, options: &Options, diags: &mut Diags, model: &Model) -> Links {
+    pub fn links(&mut self, batches: Vec<Batch>, options: &Options, diags: &mut Diags, model: &Model) -> Links {
         let net = self.net;
         let own = own_tables(net);
         let heard: Vec<u32> =
             net.outs.iter().filter_map(|o| if let OutputTap::ForceOf(l) = o.tap { Some(l) } else { None }).collect();
-        let laws = self.laws(options.kernel);
-        let law = |l: u32| laws[l as usize];
-        let mut batches = self.batches(options.kernel, &laws);
-        batches.sort_by_key(|b| law(b.0[0]).is_staged());
         // with a 0 on either side, for rows that integrate
-        let scratch = batches.iter().filter(|b| b.1 > 0).map(|b| b.0.len() + 2).max().unwrap_or(0);
+        let scratch = batches.iter().filter(|b| b.stride > 0).map(|b| b.links.len() + 2).max().unwrap_or(0);
         let mut k = Links {
             forces: Vec::new(),
-            late: batches.iter().filter(|b| !law(b.0[0]).is_staged()).count(),
+            late: batches.iter().filter(|b| !b.law.is_staged()).count(),
             touch: 0,
             ends: Vec::with_capacity(net.lias.len()),
             onto: Vec::new(),
@@ -237,13 +138,12 @@ impl Plan<'_> {
             where_is: alloc::vec![(0, 0); net.lias.len()],
         };
         let mut to = Vec::new();
-        for (batch, stride) in batches {
-            let law = law(batch[0]);
+        for Batch { links: batch, law, stride, integrate, folded } in batches {
             let n = batch.len();
             let (first, coef) = (k.ends.len(), self.coef.len());
             let shape = self.shape(batch[0], law);
             let mut ports = Ports { measure: shape.measure, reach: k.reach.len(), onto: None, pair_set: None };
-            let nodes = || batch.iter().map(|id| &net.lias[*id as usize]);
+            let nodes = || batch.iter().filter(|id| **id != JOINT).map(|id| &net.lias[*id as usize]);
             k.reach.extend(nodes().filter_map(|l| self.reach(l.ends, l.measure, l.soften)));
             if let Some(g) = shape.onto {
                 ports.onto = Some((g, k.onto.len(), k.reach.len()));
@@ -261,6 +161,11 @@ impl Plan<'_> {
             }
             self.coef.resize(coef + n * law.coefs, 0.0);
             for (i, id) in batch.iter().enumerate() {
+                if *id == JOINT {
+                    k.ends.push([k.ends[first][0]; 2]);
+                    k.e0.push(0.0);
+                    continue;
+                }
                 let l = &net.lias[*id as usize];
                 k.ends.push(self.ends(*id));
                 k.e0.push(self.offset(l));
@@ -285,7 +190,10 @@ impl Plan<'_> {
             let offset = k.e0[first..].iter().any(|e| *e != 0.0);
             let (measure, onto, set) = (shape.measure, shape.onto, sets.is_some());
             let form = Form { stride, offset, tap, measure, onto, set, ..Form::default() };
-            let mut op = Op::pass(law.code, (law.kernel)(form), n);
+            let kernel = (law.kernel)(form);
+            // what is folded stands in a row to the pass that integrates, to no other
+            let mut op = Op::pass(law.code, kernel, n);
+            let form = Form { integrate, folded, ..form };
             op = Op { law: Some(law), form, ports, first, coef, mem: k.mem, mat: k.ends[first][0] as usize, ..op };
             if tap {
                 op.tap = k.tap;

@@ -1,6 +1,8 @@
 //! Last: from the network to the arrays and passes of a [`Scene`](ca_core::Scene).
 
+pub mod batches;
 pub mod cutoff;
+pub mod fold;
 pub mod fuse;
 pub mod implicit;
 pub mod links;
@@ -13,3 +15,4 @@ pub mod penetration;
 pub mod plan;
 pub mod schedule;
 pub mod waves;
+pub mod written;

@@ -101,18 +101,21 @@ pub fn writes(layout: &Layout, gains: usize) -> Vec<Op> {
     list.into_iter().filter(|p| p.0).map(op).collect()
 }
 
+/// How the number on a slot is integrated.
+#[derive(PartialEq, Clone, Copy)]
+pub enum Class {
+    /// by forces alone
+    Free,
+    /// by a spring and a damper of its own too
+    Full,
+    /// a port says
+    Held,
+}
+
 impl Plan<'_> {
-    /// Integration: stretches of MATs with and without coefficients of their own, nothing for what is fixed; then what
-    /// leaves on the `ways` of waves. And whether some MAT has coefficients of its own.
-    pub fn moves(&self, order: &[u32], n_mat: usize, ways: usize) -> (Vec<Op>, bool) {
-        #[derive(PartialEq, Clone, Copy)]
-        enum Class {
-            Free,
-            Full,
-            Held,
-        }
+    /// How the number on each slot of a MAT is integrated, MATs being in this order; `None` for what does not move.
+    pub fn classes(&self, order: &[u32], n_mat: usize) -> Vec<Option<Class>> {
         let live: BTreeSet<u32> = self.live.iter().copied().collect();
-        // what a fixed point has no use for costs less than two stretches, so it goes with its neighbour
         let mut classes: Vec<Option<Class>> = Vec::new();
         for m in order {
             let m = &self.net.mats[*m as usize];
@@ -129,31 +132,67 @@ impl Plan<'_> {
                 });
             }
         }
-        for i in 1..classes.len() {
-            classes[i] = classes[i].or(classes[i - 1].filter(|c| *c != Class::Held));
-        }
-        for i in (1..classes.len()).rev() {
-            classes[i - 1] = classes[i - 1].or(classes[i].filter(|c| *c != Class::Held));
-        }
-        let mut ops = Vec::new();
-        let mut at = 0;
-        for stretch in classes.chunk_by(|a, b| a == b) {
-            let first = at;
-            at += stretch.len();
-            let (name, kernel): (_, Kernel) = match stretch[0] {
-                Some(Class::Held) => continue,
-                Some(Class::Full) => ("integrate CEL", pass::integrate_full),
-                // a fixed point that stands alone does not move, but the force on it starts from nothing each tick
-                Some(Class::Free) | None => ("integrate MAS", pass::integrate_free),
-            };
-            ops.push(Op { mat: first, ..Op::pass(name, kernel, stretch.len()) });
-        }
-        if ways > 0 {
-            ops.push(Op::pass("waves out", wave::depart, ways));
-        }
-        if !order.is_empty() {
-            ops.push(Op::pass("flush", pass::flush, n_mat));
-        }
-        (ops, classes.contains(&Some(Class::Full)))
+        classes
     }
+}
+
+/// A stretch of MAS up to this long goes with the CELs beside it: measured, a pass costs some 8 ns, and P and Q for a mass
+/// that has no use for them 0.2.
+const SHORT: usize = 32;
+
+/// Integration with short stretches of MAS in the pass of their neighbours: P is 1 for them and Q is 0, which changes no bit.
+pub fn merged(moves: Vec<Op>) -> Vec<Op> {
+    let is = |op: &Op, kernel: Kernel| core::ptr::fn_addr_eq(op.kernel, kernel);
+    let full = |op: &Op| is(op, pass::integrate_full);
+    let short = |op: &Op| is(op, pass::integrate_free) && op.n <= SHORT;
+    let mut all: Vec<Op> = Vec::with_capacity(moves.len());
+    for op in moves {
+        match all.last_mut() {
+            Some(before) if before.mat + before.n == op.mat => {
+                let both = [&*before, &op];
+                if both.iter().all(|o| full(o) || short(o)) && both.iter().any(|o| full(o)) {
+                    *before = Op { mat: before.mat, n: before.n + op.n, ..if full(before) { *before } else { op } };
+                } else {
+                    all.push(op);
+                }
+            }
+            _ => all.push(op),
+        }
+    }
+    all
+}
+
+/// Gives what does not move the class of its neighbour: what it has no use for costs less than two stretches.
+pub fn spread(classes: &mut [Option<Class>]) {
+    for i in 1..classes.len() {
+        classes[i] = classes[i].or(classes[i - 1].filter(|c| *c != Class::Held));
+    }
+    for i in (1..classes.len()).rev() {
+        classes[i - 1] = classes[i - 1].or(classes[i].filter(|c| *c != Class::Held));
+    }
+}
+
+/// Integration: stretches of MATs of one class, nothing for what is fixed; then what leaves on the `ways` of waves. And
+/// whether some MAT has coefficients of its own.
+pub fn moves(classes: &[Option<Class>], n_mat: usize, ways: usize) -> (Vec<Op>, bool) {
+    let mut ops = Vec::new();
+    let mut at = 0;
+    for stretch in classes.chunk_by(|a, b| a == b) {
+        let first = at;
+        at += stretch.len();
+        let (name, kernel): (_, Kernel) = match stretch[0] {
+            Some(Class::Held) => continue,
+            Some(Class::Full) => ("integrate CEL", pass::integrate_full),
+            // a fixed point that stands alone does not move, but the force on it starts from nothing each tick
+            Some(Class::Free) | None => ("integrate MAS", pass::integrate_free),
+        };
+        ops.push(Op { mat: first, ..Op::pass(name, kernel, stretch.len()) });
+    }
+    if ways > 0 {
+        ops.push(Op::pass("waves out", wave::depart, ways));
+    }
+    if !classes.is_empty() {
+        ops.push(Op::pass("flush", pass::flush, n_mat));
+    }
+    (ops, classes.contains(&Some(Class::Full)))
 }

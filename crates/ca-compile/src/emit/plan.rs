@@ -31,6 +31,11 @@ pub struct Plan<'a> {
 }
 
 impl Plan<'_> {
+    /// Slots of MATs and moving points, while their coefficients are all there are.
+    pub fn coef_slots(&self) -> usize {
+        self.coef.len() / 3
+    }
+
     /// Place of an end in the state; `u32::MAX` where it was left out.
     pub fn at(&self, e: End) -> u32 {
         match e {

@@ -1,15 +1,17 @@
 //! Schedule: flat arrays and the list of passes. What a scene does not have makes no entry here.
 
 use crate::emit::cutoff::{blockers, plain_first};
-use crate::emit::fuse::{Passes, fuse};
+use crate::emit::fold::fold;
+use crate::emit::fuse::{self, Passes};
 use crate::emit::links::{Links, own_tables};
 use crate::emit::milib;
 use crate::emit::oversample::oversample;
 use crate::emit::pass_list;
 use crate::emit::pefrl;
 use crate::emit::plan::Plan;
+use crate::emit::written::Written;
 use crate::net::{Coordinate, End, LiaNode, MatRole, OutNode, OutputTap, Pruned};
-use crate::options::Options;
+use crate::options::{KernelClass, Options};
 use crate::passes::implicit;
 use alloc::collections::{BTreeMap, BTreeSet};
 use alloc::string::{String, ToString};
@@ -42,14 +44,25 @@ pub fn schedule(
     diags: &mut Diags,
 ) -> Option<Scene> {
     let mut plan = slots(net, order);
-    let Masses { x, v, rest } = masses(&mut plan);
-    let n_mat = x.len();
+    let mut masses = masses(&mut plan);
+    let n_mat = masses.x.len();
+    let mut classes = plan.classes(order, n_mat);
+    let mut batches = plan.batches(options.kernel);
+    let mut written = Written::new(&batches);
+    fuse::mark(&plan, options, &mut classes, &mut batches);
+    pass_list::spread(&mut classes);
+    let mut batches = plan.joined(options, batches);
+    // from here on a slot stays what it is
+    written.slots = fold(&mut plan, &mut masses, &mut batches);
+    let Masses { x, v, rest } = masses;
     let (enx, tgr) = (ports(&plan, PortRole::Enx), ports(&plan, PortRole::Tgr));
     let enf: Vec<Enf> =
         net.pushes.iter().filter_map(|p| Some(Enf { input: p.input, mat: plan.alive(p.end, p.axis)? })).collect();
     // in this order, coefficients stand one behind the other
     let (weight, weighed) = weigh(&mut plan);
-    let links = plan.links(options, diags, model);
+    let first_of_links = plan.coef.len();
+    let links = plan.links(batches, options, diags, model);
+    written.coefs(n_mat, first_of_links..plan.coef.len(), &links);
     let Points { nodes, moving: moving_points, modal, shares, aimed } = points(&mut plan);
     let (gains, outputs) = outputs(&mut plan, &links)?;
     let implicit = plan.implicit(n_mat, &links, model, diags);
@@ -64,7 +77,7 @@ pub fn schedule(
     let ledger =
         options.energy.then(|| LedgerPlan { accounts: accounts(&links, |p| ported.contains(&p), place), weight });
     let mut symbols = symbols(&plan, &links, place);
-    let (moves, own) = plan.moves(order, n_mat, waves.delays.len());
+    let (moves, own) = pass_list::moves(&classes, n_mat, waves.delays.len());
     let mut live = plan.live_plan(implicit.as_ref());
     let whole = live.implicit.as_ref().map_or(u32::MAX, |a| a.first);
     let (coef, live_places) = (plan.coef, plan.live);
@@ -111,7 +124,10 @@ pub fn schedule(
     // the start sums forces in the order of the list
     let listed = forces.clone();
     let mut passes = Passes { forces: &mut forces, moves: &mut moves, symbols: &mut symbols };
-    let fused = fuse(net, options, &layout, &mut passes);
+    let fused = fuse::fuse(&mut passes);
+    if options.kernel == KernelClass::Fast {
+        moves = pass_list::merged(moves);
+    }
     let summed = &forces[..forces.len() - fused];
     oversample(net, &mut layout, &mut reads, summed, &mut writes, &mut moves);
     milib::check(model, net, &layout, &listed, diags);
@@ -120,7 +136,8 @@ pub fn schedule(
         () if implicit::is_fourth(net) => Order::Fourth,
         () => Order::Second,
     };
-    let loaded = loaded(net, &layout, x, &v, coef, (live_places, whole));
+    let mut loaded = loaded(net, &layout, x, &v, coef, (live_places, whole));
+    loaded.written = written.orders(loaded.coef.len());
     let as_milib = net.as_milib && !diags.has_errors();
     let ahead = !as_milib && net.oversample == 1 && layout.enx.iter().any(|p| p.implicit);
     let before = ahead.then(|| (begin, loaded.clone()));
@@ -173,11 +190,14 @@ fn slots<'n>(net: &'n Pruned, order: &[u32]) -> Plan<'n> {
     Plan { net, slot, point, coef, live: Vec::new(), loaded: Vec::new(), modules: BTreeMap::new() }
 }
 
-/// Where MATs and moving points start, how fast, and where they rest.
-struct Masses {
-    x: Vec<f64>,
-    v: Vec<f64>,
-    rest: Vec<f64>,
+/// Where MATs and moving points start, how fast, and where they rest, slot by slot.
+pub struct Masses {
+    /// displacement from rest \[m\]
+    pub x: Vec<f64>,
+    /// speed \[m/s\]
+    pub v: Vec<f64>,
+    /// rest \[m\]
+    pub rest: Vec<f64>,
 }
 
 /// Positions and coefficients of MATs, rest positions of moving points too.
@@ -385,6 +405,7 @@ fn loaded(
         glide: layout.substeps.iter().flat_map(|f| &f.inputs).map(|i| [input[*i as usize]; 2]).collect(),
         lowpass: alloc::vec![0.0; layout.channels * 2 * (2 * layout.lowpass.len()).saturating_sub(1)],
         ramps: Ramps::new(live, whole),
+        written: Default::default(),
         implicit: alloc::vec![0.0; layout.implicit.as_ref().map_or(0, |a| 2 * a.places.len())],
         touches: ActiveContacts::new(layout.n_touch, layout.n_mat),
         ledger: layout.ledger.as_ref().map(|p| {

@@ -11,7 +11,7 @@
 
 use crate::layout::Layout;
 use crate::op::Op;
-use crate::op::wide::{Body, wide};
+use crate::op::wide::{Body, Simd, wide};
 use crate::real::{Real, real};
 use crate::state::State;
 
@@ -42,7 +42,7 @@ struct Drift;
 
 impl Body for Drift {
     #[inline(always)]
-    fn run(op: &Op, _: &Layout, s: &mut State) {
+    fn run<S: Simd>(_: S, op: &Op, _: &Layout, s: &mut State) {
         let (n, share) = (op.n, DRIFTS[op.first]);
         for ((x, d), f) in s.x[..n].iter_mut().zip(&s.d[..n]).zip(&mut s.f[..n]) {
             *x += share * d;
@@ -65,7 +65,7 @@ struct Kick<const OWN: bool>;
 
 impl<const OWN: bool> Body for Kick<OWN> {
     #[inline(always)]
-    fn run(op: &Op, layout: &Layout, s: &mut State) {
+    fn run<S: Simd>(_: S, op: &Op, layout: &Layout, s: &mut State) {
         let (n, share) = (op.n, KICKS[op.first]);
         let c = &s.coef[2 * layout.n_mat..][..n];
         for ((d, f), c) in s.d[..n].iter_mut().zip(&s.f[..n]).zip(c) {

@@ -1,6 +1,9 @@
 //! Which kernel runs a law: one for each form of a batch of links, chosen at load.
 
-use super::{Form, Integrate, Kernel, MeasureKind, fused, gather, measure, pair_set, run, space, wide};
+#[cfg(not(single))]
+use super::folded::Folded;
+use super::fused::Fused;
+use super::{Form, Integrate, Kernel, MeasureKind, gather, measure, pair_set, run, space, wide};
 use crate::law::Phi;
 
 /// The kernel of a law for one form of a dipole.
@@ -13,13 +16,23 @@ pub(crate) fn kernel<P: Phi<C, M> + 'static, const C: usize, const M: usize>(for
         };
     }
     // others are never asked for, so that their passes are not made
+    #[cfg(not(single))]
+    if P::WIDE && form.folded {
+        match (form.integrate, form.offset) {
+            (Integrate::No, _) => {}
+            (Integrate::Mas, false) => return wide::wide::<Folded<P, C, M, false, false>>,
+            (Integrate::Mas, true) => return wide::wide::<Folded<P, C, M, true, false>>,
+            (Integrate::Cel, false) => return wide::wide::<Folded<P, C, M, false, true>>,
+            (Integrate::Cel, true) => return wide::wide::<Folded<P, C, M, true, true>>,
+        }
+    }
     if P::LINEAR && M == 0 {
         match (form.integrate, form.offset) {
             (Integrate::No, _) => {}
-            (Integrate::Mas, false) => return wide::wide::<fused::Fused<P, C, M, false, false>>,
-            (Integrate::Mas, true) => return wide::wide::<fused::Fused<P, C, M, true, false>>,
-            (Integrate::Cel, false) => return wide::wide::<fused::Fused<P, C, M, false, true>>,
-            (Integrate::Cel, true) => return wide::wide::<fused::Fused<P, C, M, true, true>>,
+            (Integrate::Mas, false) => return wide::wide::<Fused<P, C, M, false, false>>,
+            (Integrate::Mas, true) => return wide::wide::<Fused<P, C, M, true, false>>,
+            (Integrate::Cel, false) => return wide::wide::<Fused<P, C, M, false, true>>,
+            (Integrate::Cel, true) => return wide::wide::<Fused<P, C, M, true, true>>,
         }
     }
     match (form.measure, form.stride > 0, form.offset, form.tap) {

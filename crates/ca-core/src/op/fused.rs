@@ -6,7 +6,7 @@
 //! more. Forces stand in [`State::tap`] between two loops, with a 0 on either side, so that each is a plain loop that
 //! vectorises; one loop would have to shift vectors by a lane, which takes longer with the portable ones than the second.
 
-use super::wide::Body;
+use super::wide::{Body, Simd};
 use super::{Op, run};
 use crate::law::Phi;
 use crate::layout::Layout;
@@ -22,7 +22,7 @@ impl<P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bool, const OWN
     for Fused<P, C, M, OFFSET, OWN>
 {
     #[inline(always)]
-    fn run(op: &Op, layout: &Layout, s: &mut State) {
+    fn run<S: Simd>(_: S, op: &Op, layout: &Layout, s: &mut State) {
         run::links::<P, C, M, OFFSET>(op, layout, s);
         let (n, masses, first) = (layout.n_mat, op.n + 1, op.tap - 1);
         (s.tap[first], s.tap[first + masses]) = (0.0, 0.0);

@@ -33,6 +33,7 @@ impl Law {
             coefs: C,
             mem: M,
             linear: P::LINEAR,
+            wide: P::WIDE,
             contact: P::CONTACT,
             stage: SolveStage::Explicit,
             implicit: false,

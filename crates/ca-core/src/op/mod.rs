@@ -14,6 +14,8 @@ use crate::table::Table;
 
 pub mod blocker;
 mod choose;
+#[cfg(not(single))]
+mod folded;
 mod fused;
 mod gather;
 pub mod law;
@@ -43,6 +45,8 @@ pub enum Integrate {
 }
 
 /// How a batch of links is laid out; chooses the kernel.
+// answers to as many questions, any of which may be yes
+#[allow(clippy::struct_excessive_bools)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Form {
     /// 0: any MATs; else link i joins `mat + i` and `mat + i + stride`
@@ -59,6 +63,8 @@ pub struct Form {
     pub set: bool,
     /// only for runs of linear laws without memory
     pub integrate: Integrate,
+    /// only for runs that integrate, of laws in vectors: masses and links stand in the order of [`Fold`](crate::state::Fold)
+    pub folded: bool,
 }
 
 /// A pass and where its modules stand.
@@ -97,6 +103,8 @@ impl Op {
 }
 
 /// A law as data: the functions of a [`Phi`](crate::law::Phi) over slices, and its kernels.
+// answers to as many questions, any of which may be yes
+#[allow(clippy::struct_excessive_bools)]
 #[derive(Clone, Copy)]
 pub struct Law {
     /// code of the law that runs, e.g. `RES` for a REF without viscosity
@@ -107,6 +115,8 @@ pub struct Law {
     pub mem: usize,
     /// see [`Phi::LINEAR`](crate::law::Phi::LINEAR)
     pub linear: bool,
+    /// see [`Phi::WIDE`](crate::law::Phi::WIDE)
+    pub wide: bool,
     /// see [`Phi::CONTACT`](crate::law::Phi::CONTACT)
     pub contact: bool,
     /// when its force is computed

@@ -7,7 +7,7 @@
 
 use super::Op;
 use super::measure::{Measure, Radial};
-use super::wide::Body;
+use super::wide::{Body, Simd};
 use crate::law::Phi;
 use crate::layout::{Layout, PairSet};
 use crate::real::{Real, sqrt};
@@ -53,7 +53,7 @@ pub struct All<P, const C: usize, const M: usize, const TAP: bool>(PhantomData<P
 
 impl<P: Phi<C, M>, const C: usize, const M: usize, const TAP: bool> Body for All<P, C, M, TAP> {
     #[inline(always)]
-    fn run(op: &Op, layout: &Layout, s: &mut State) {
+    fn run<S: Simd>(_: S, op: &Op, layout: &Layout, s: &mut State) {
         let Some(at) = op.ports.pair_set else { return };
         let (set, near) = (&layout.pair_sets[at], &mut s.near[at]);
         let Some(c) = s.coef[op.coef..].first_chunk::<C>() else { return };

@@ -2,7 +2,7 @@
 //! modules.
 
 use super::Op;
-use super::wide::{self, Body};
+use super::wide::{self, Body, Simd};
 use crate::layout::{CoordinateSource, Layout, MovingPoint, Output, Tap};
 use crate::real::{Real, TINY, real, wide};
 use crate::state::{Cell, State};
@@ -174,7 +174,7 @@ struct IntegrateFree;
 
 impl Body for IntegrateFree {
     #[inline(always)]
-    fn run(op: &Op, layout: &Layout, s: &mut State) {
+    fn run<S: Simd>(_: S, op: &Op, layout: &Layout, s: &mut State) {
         let r = op.mat..op.mat + op.n;
         let c = &s.coef[2 * layout.n_mat..][r.clone()];
         let (x, d, f) = (&mut s.x[r.clone()], &mut s.d[r.clone()], &mut s.f[r]);
@@ -195,7 +195,7 @@ struct IntegrateFull;
 
 impl Body for IntegrateFull {
     #[inline(always)]
-    fn run(op: &Op, layout: &Layout, s: &mut State) {
+    fn run<S: Simd>(_: S, op: &Op, layout: &Layout, s: &mut State) {
         let (n, r) = (layout.n_mat, op.mat..op.mat + op.n);
         let (p, q, c) = (&s.coef[..n][r.clone()], &s.coef[n..2 * n][r.clone()], &s.coef[2 * n..][r.clone()]);
         let (x, d, f) = (&mut s.x[r.clone()], &mut s.d[r.clone()], &mut s.f[r]);

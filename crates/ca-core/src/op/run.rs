@@ -3,7 +3,7 @@
 //! of the link after it, which is the order of the gather kernel, so the bits are the same.
 
 use super::Op;
-use super::wide::Body;
+use super::wide::{Body, Simd};
 use crate::law::Phi;
 use crate::layout::Layout;
 use crate::real::Real;
@@ -44,7 +44,7 @@ pub struct Run<P, const C: usize, const M: usize, const OFFSET: bool>(PhantomDat
 
 impl<P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bool> Body for Run<P, C, M, OFFSET> {
     #[inline(always)]
-    fn run(op: &Op, layout: &Layout, s: &mut State) {
+    fn run<S: Simd>(_: S, op: &Op, layout: &Layout, s: &mut State) {
         links::<P, C, M, OFFSET>(op, layout, s);
         let (n, a, b) = (op.n, op.mat, op.mat + op.form.stride);
         let force = &s.tap[op.tap..][..n];

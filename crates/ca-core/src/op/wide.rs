@@ -8,11 +8,12 @@ use super::Op;
 use crate::layout::Layout;
 use crate::state::State;
 use core::marker::PhantomData;
+pub use pulp::Simd;
 
 /// The loops of a pass. Everything `run` calls must be inlined into it, or it stays narrow.
 pub trait Body {
-    /// Runs the pass.
-    fn run(op: &Op, layout: &Layout, s: &mut State);
+    /// Runs the pass; what is not a plain loop takes its vectors from `simd`.
+    fn run<S: Simd>(simd: S, op: &Op, layout: &Layout, s: &mut State);
 }
 
 struct Call<'a, B> {
@@ -25,8 +26,8 @@ struct Call<'a, B> {
 impl<B: Body> pulp::WithSimd for Call<'_, B> {
     type Output = ();
     #[inline(always)]
-    fn with_simd<S: pulp::Simd>(self, _: S) {
-        B::run(self.op, self.layout, self.s);
+    fn with_simd<S: Simd>(self, simd: S) {
+        B::run(simd, self.op, self.layout, self.s);
     }
 }
 

@@ -6,6 +6,7 @@
 use super::implicit::{METHOD, THETA};
 use super::{ALONG, BETWEEN, Bound, L0, Law, PAIRS, Phi, SOFTEN, linear_lost, linear_stored};
 use crate::kind::{Kind, Need, POSITIVE, Param, Role, Unit};
+use crate::law::Number;
 use crate::real::Real;
 use crate::table::Table;
 
@@ -48,12 +49,17 @@ pub struct Fro;
 
 impl Phi<1, 0> for Fro {
     const LINEAR: bool = true;
+    const WIDE: bool = true;
     fn coefs(p: &[Option<f64>], tick_dt: f64) -> [f64; 1] {
         [p[1].unwrap_or(0.0) / tick_dt]
     }
     #[inline(always)]
-    fn force(&[z]: &[Real; 1], _: &mut [Real; 0], _: &[Table], _e: Real, w: Real) -> Real {
+    fn linear<N: Number>(&[z]: &[N; 1], _e: N, w: N) -> N {
         z * w
+    }
+    #[inline(always)]
+    fn force(c: &[Real; 1], _: &mut [Real; 0], _: &[Table], e: Real, w: Real) -> Real {
+        Self::linear(c, e, w)
     }
     fn stored(&[z]: &[Real; 1], _: &[Real; 0], _: &[Table], e0: Real, e1: Real) -> Real {
         linear_stored(0.0, z, e0, e1)

@@ -7,6 +7,7 @@
 use super::implicit::{METHOD, THETA};
 use super::{ALONG, BETWEEN, Bound, L0, Law, PAIRS, Phi, SOFTEN, fro, linear_lost, linear_stored, res};
 use crate::kind::{Kind, Need, POSITIVE, Param, Role, Unit};
+use crate::law::Number;
 use crate::real::Real;
 use crate::table::Table;
 
@@ -58,12 +59,17 @@ pub struct Ref;
 
 impl Phi<2, 0> for Ref {
     const LINEAR: bool = true;
+    const WIDE: bool = true;
     fn coefs(p: &[Option<f64>], tick_dt: f64) -> [f64; 2] {
         [p[1].unwrap_or(0.0), p[2].unwrap_or(0.0) / tick_dt]
     }
     #[inline(always)]
-    fn force(&[k, z]: &[Real; 2], _: &mut [Real; 0], _: &[Table], e: Real, w: Real) -> Real {
+    fn linear<N: Number>(&[k, z]: &[N; 2], e: N, w: N) -> N {
         k * e + z * w
+    }
+    #[inline(always)]
+    fn force(c: &[Real; 2], _: &mut [Real; 0], _: &[Table], e: Real, w: Real) -> Real {
+        Self::linear(c, e, w)
     }
     fn stored(&[k, z]: &[Real; 2], _: &[Real; 0], _: &[Table], e0: Real, e1: Real) -> Real {
         linear_stored(k, z, e0, e1)

@@ -6,6 +6,7 @@
 use super::implicit::{METHOD, THETA};
 use super::{ALONG, BETWEEN, Bound, L0, Law, PAIRS, Phi, SOFTEN, linear_stored};
 use crate::kind::{Kind, Need, POSITIVE, Param, Role, Unit};
+use crate::law::Number;
 use crate::real::Real;
 use crate::table::Table;
 
@@ -50,12 +51,17 @@ pub struct Res;
 
 impl Phi<1, 0> for Res {
     const LINEAR: bool = true;
+    const WIDE: bool = true;
     fn coefs(p: &[Option<f64>], _te: f64) -> [f64; 1] {
         [p[1].unwrap_or(0.0)]
     }
     #[inline(always)]
-    fn force(&[k]: &[Real; 1], _: &mut [Real; 0], _: &[Table], e: Real, _w: Real) -> Real {
+    fn linear<N: Number>(&[k]: &[N; 1], e: N, _w: N) -> N {
         k * e
+    }
+    #[inline(always)]
+    fn force(c: &[Real; 1], _: &mut [Real; 0], _: &[Table], e: Real, w: Real) -> Real {
+        Self::linear(c, e, w)
     }
     fn stored(&[k]: &[Real; 1], _: &[Real; 0], _: &[Table], e0: Real, e1: Real) -> Real {
         linear_stored(k, 0.0, e0, e1)

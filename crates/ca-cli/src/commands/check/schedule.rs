@@ -105,6 +105,7 @@ fn form(op: &Op) -> String {
     let offset = op.form.offset && op.form.measure == MeasureKind::Line;
     words.extend(offset.then(|| "offset".to_string()));
     words.extend(op.form.tap.then(|| "tap".to_string()));
+    words.extend(op.form.folded.then(|| "folded".to_string()));
     words.extend((op.form.integrate != Integrate::No).then(|| "integration".to_string()));
     words.join(" + ")
 }

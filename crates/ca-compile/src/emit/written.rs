@@ -1,0 +1,61 @@
+//! Written: the order numbers of the state would stand in if no row had been joined or folded.
+//!
+//! Decides that the hash of a state goes by that order, which depends on the document alone: a take names the bits of
+//! its states, and where the compiler puts them may change from one version to the next.
+
+use crate::emit::batches::Batch;
+use crate::emit::links::Links;
+use alloc::sync::Arc;
+use alloc::vec::Vec;
+use core::ops::Range;
+
+/// What stands where.
+#[derive(Default)]
+pub struct Written {
+    /// links of each batch, before any row was joined
+    batches: Vec<Vec<u32>>,
+    /// slots in the order they had before any row was folded; empty where none is
+    pub slots: Vec<u32>,
+    /// the same of coefficients of MATs and links
+    coefs: Vec<u32>,
+    /// the first coefficient behind those
+    end: usize,
+}
+
+impl Written {
+    /// Remembers the batches as they are.
+    pub fn new(batches: &[Batch]) -> Written {
+        Written { batches: batches.iter().map(|b| b.links.clone()).collect(), ..Written::default() }
+    }
+
+    /// Notes where the coefficients of `n_mat` slots and those of `links` came to stand.
+    pub fn coefs(&mut self, n_mat: usize, of_links: Range<usize>, links: &Links) {
+        let slots = &self.slots;
+        let slot = |i: usize| slots.get(i).map_or(i, |s| *s as usize);
+        let of_mats = (0..3).flat_map(|k| (0..n_mat).map(move |i| (k * n_mat + slot(i)) as u32));
+        self.coefs = of_mats.chain((3 * n_mat) as u32..of_links.start as u32).collect();
+        for batch in &self.batches {
+            let columns = links.forces[links.where_is[batch[0] as usize].0 as usize].law.map_or(0, |law| law.coefs);
+            for k in 0..columns {
+                self.coefs.extend(batch.iter().map(|l| {
+                    let (op, i) = links.where_is[*l as usize];
+                    let op = &links.forces[op as usize];
+                    (op.coef + k * op.n) as u32 + i
+                }));
+            }
+        }
+        self.end = of_links.end;
+    }
+
+    /// Indices of slots and of coefficients, of which there are `n_coef`, in the order of the document.
+    pub fn orders(self, n_coef: usize) -> [Arc<[u32]>; 2] {
+        let mut coefs = self.coefs;
+        if !coefs.is_empty() {
+            coefs.extend(self.end as u32..n_coef as u32);
+        }
+        if coefs.len() == n_coef && coefs.iter().enumerate().all(|(i, c)| i as u32 == *c) {
+            coefs.clear();
+        }
+        [self.slots.into(), coefs.into()]
+    }
+}
