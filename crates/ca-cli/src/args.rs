@@ -8,6 +8,7 @@ use std::any::TypeId;
 use std::path::PathBuf;
 
 mod accuracy;
+mod bench;
 mod device;
 mod equiv;
 mod explain;
@@ -19,6 +20,7 @@ mod take;
 mod tune;
 
 pub use accuracy::AccuracyArgs;
+pub use bench::BenchArgs;
 pub use device::{CalibrateArgs, ConformanceArgs, DeviceArgs, DeviceCommand, ScriptKind, SimArgs};
 pub use equiv::EquivArgs;
 pub use explain::ExplainArgs;
@@ -70,6 +72,7 @@ pub enum Command {
     Check(CheckArgs),
     Modes(ModesArgs),
     Accuracy(AccuracyArgs),
+    Bench(BenchArgs),
     Sweep(SweepArgs),
     Tune(TuneArgs),
     Report(ReportArgs),

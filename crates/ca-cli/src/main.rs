@@ -102,6 +102,7 @@ fn main() -> ExitCode {
         Command::Check(a) => commands::check::run(a),
         Command::Modes(a) => commands::modes::run(a),
         Command::Accuracy(a) => commands::accuracy::run(a),
+        Command::Bench(a) => commands::bench::run(a),
         Command::Sweep(a) => commands::sweep::run(a),
         Command::Tune(a) => commands::tune::run(a),
         Command::Report(a) => commands::report::run(a),

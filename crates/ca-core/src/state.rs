@@ -73,7 +73,7 @@ impl Ramps {
 }
 
 /// Eight stretches of an array side by side: number i of 8 `rows` stands at [`Fold::at`]. The order of long rows of links and
-/// of their masses (docs/architecture.md, "a tick").
+/// of their masses (`op/folded.rs`).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Fold {
     /// index of the first number

@@ -5,6 +5,7 @@
 #![forbid(unsafe_code)]
 
 pub mod accuracy;
+pub mod bench;
 pub mod bytes;
 pub mod gesture;
 pub mod load;
@@ -12,6 +13,7 @@ mod pitch;
 pub mod play;
 pub mod sweep;
 pub mod take;
+pub mod timing;
 
 pub use cordis_anima::{Found, Loaded, catalog};
 

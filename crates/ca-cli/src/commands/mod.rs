@@ -1,6 +1,7 @@
 //! The commands, one file each; `border.rs` holds words that two of them share.
 
 pub mod accuracy;
+pub mod bench;
 mod border;
 pub mod check;
 pub mod control;

@@ -2,6 +2,7 @@
 
 mod accuracy;
 mod against;
+mod bench;
 mod border;
 mod desk;
 mod docs;

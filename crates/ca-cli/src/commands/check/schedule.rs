@@ -10,15 +10,10 @@ use crate::term::short;
 use ca_core::op::{Integrate, MeasureKind, Op};
 use ca_core::{Scene, State, tick};
 use ca_io::perform::Performance;
+use ca_lab::timing::Timing;
 use serde_json::{Value as Json, json};
-use std::hint::black_box;
 use std::io::Write as _;
-use std::time::{Duration, Instant};
 
-/// A batch lasts at least this long.
-const BATCH: Duration = Duration::from_micros(200);
-/// Batches per pass.
-const BATCHES: u32 = 9;
 /// Playing so long brings the state into motion \[s\].
 const WARM: f64 = 0.2;
 
@@ -64,22 +59,8 @@ fn one(op: &Op, scene: &Scene, s: &mut State, tick: u64) {
 }
 
 /// Fastest time of one call \[ns\].
-fn cost(state: &State, mut run: impl FnMut(&mut State)) -> f64 {
-    let mut copy = state.clone();
-    let mut batch = |n: u32| {
-        copy.clone_from(state);
-        let begin = Instant::now();
-        for _ in 0..n {
-            run(black_box(&mut copy));
-        }
-        begin.elapsed()
-    };
-    let mut n = 1;
-    while batch(n) < BATCH && n < 1 << 20 {
-        n *= 2;
-    }
-    let best = (0..BATCHES).map(|_| batch(n)).min().unwrap_or_default();
-    best.as_secs_f64() * 1e9 / f64::from(n)
+fn cost(state: &State, run: impl FnMut(&mut State)) -> f64 {
+    Timing::default().fastest(&mut state.clone(), |s| s.clone_from(state), run)
 }
 
 /// How the links of a pass are laid out.

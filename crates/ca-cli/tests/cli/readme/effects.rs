@@ -95,6 +95,7 @@ pub fn check(desk: &Desk, line: &Line, before: &Files, ran: &Ran) {
                 says(&["One tick, measured here:", "Left out:"]);
             }
         }
+        "bench" => says(&["44.1 kHz", "ns/module", line.of("--only").unwrap()]),
         "modes" => says(&["heard [Hz]", &format!("{:.4}", lowest(desk, line.about()))]),
         "tune" => tuned(desk, line, before),
         "render" => rendered(desk, line, before, ran),

@@ -1,0 +1,127 @@
+//! `ca bench`: how many modules of each kind play in real time on this machine.
+//!
+//! Decides to print what was measured here beside what the first paper measured on its DSP, and nothing of other machines:
+//! a table of those would be believed for this one. What is measured, and how, is in `ca-lab`.
+
+mod page;
+
+use crate::args::BenchArgs;
+use crate::{Ended, Failure, Outcome, page as pages, term};
+use ca_lab::bench::{self, Fits, Instrument, NETWORKS, Network, PAPER, RATES, SIZES, Size};
+use ca_model::suggest::nearest;
+use serde_json::{Value as Json, json};
+use std::io::Write as _;
+
+/// All that was measured.
+struct Measured {
+    fits: Vec<Fits>,
+    instruments: Vec<Instrument>,
+    curve: Vec<Size>,
+}
+
+/// Runs the command.
+pub fn run(args: &BenchArgs) -> Outcome {
+    if let Some(page) = &args.page {
+        pages::is_page(page)?;
+    }
+    let wanted = wanted(&args.only)?;
+    let models: &[(&str, &str)] = if args.only.is_empty() { ca_lab::load::BUNDLED } else { &[] };
+    let sizes: &[usize] = if args.curve { &SIZES } else { &[] };
+    let bar = term::progress((wanted.len() + models.len() + sizes.len()) as u64);
+    let mut m = Measured { fits: Vec::new(), instruments: Vec::new(), curve: Vec::new() };
+    for network in wanted {
+        m.fits.push(bench::fits(network, || Ok(()))?);
+        bar.inc(1);
+    }
+    for (name, text) in models {
+        m.instruments.push(bench::instrument(name, text)?);
+        bar.inc(1);
+    }
+    for modules in sizes {
+        // a mass and a link are two modules
+        m.curve.push(bench::measure(&NETWORKS[0], modules / 2)?);
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    if let Some(path) = &args.page {
+        pages::write(path, &page::page(&m).html())?;
+        term::note(&format!("page written to `{}`", path.display()));
+    }
+    if args.json {
+        writeln!(std::io::stdout().lock(), "{:#}", value(&m))?;
+    } else {
+        text(&m)?;
+    }
+    Ok(Ended::Well)
+}
+
+/// The networks of these names; all of them where there are none.
+fn wanted(only: &[String]) -> Result<Vec<&'static Network>, Failure> {
+    let find = |name: &String| {
+        let known = || NETWORKS.iter().map(|n| n.name);
+        NETWORKS.iter().find(|n| n.name == name.trim()).ok_or_else(|| {
+            let all = known().collect::<Vec<_>>().join(", ");
+            let help =
+                nearest(name, known()).map_or(format!("there are {all}"), |near| format!("did you mean `{near}`?"));
+            Failure::Usage(format!("no network is called `{name}`; {help}"))
+        })
+    };
+    if only.is_empty() { Ok(NETWORKS.iter().collect()) } else { only.iter().map(find).collect() }
+}
+
+/// As cells: name, modules at each rate, time of a module.
+fn row(f: &Fits) -> [String; 4] {
+    let [a, b] = f.at;
+    [f.name.into(), a.modules.to_string(), b.modules.to_string(), term::short(a.ns / a.modules.max(1) as f64)]
+}
+
+fn text(m: &Measured) -> Result<(), Failure> {
+    let mut out = std::io::stdout().lock();
+    let [a, b] = RATES.map(|r| format!("{} kHz", r / 1e3));
+    writeln!(out, "Modules in real time on one core of {}:\n", ca_lab::timing::machine())?;
+    writeln!(out, "  {:<12} {a:>10} {b:>10} {:>12}   made of", "network", "ns/module")?;
+    for f in &m.fits {
+        let [name, a, b, ns] = row(f);
+        writeln!(out, "  {name:<12} {a:>10} {b:>10} {ns:>12}   {}", f.about)?;
+    }
+    writeln!(out, "\nOn the DSP of the first paper (ICMC 2013, Table 1), at 44.1 kHz:\n")?;
+    for (engine, modules) in PAPER {
+        writeln!(out, "  {modules:>10}   {engine}")?;
+    }
+    if !m.instruments.is_empty() {
+        writeln!(out, "\n  {:<20} {:>8} {:>12} {:>10}", "instrument", "modules", "ns/sample", "at once")?;
+    }
+    for i in &m.instruments {
+        writeln!(out, "  {:<20} {:>8} {:>12} {:>10}", i.name, i.size.modules, term::short(i.size.ns), i.at_once)?;
+    }
+    if !m.curve.is_empty() {
+        writeln!(out, "\n  {:>10} {:>12} {:>12}   a string", "modules", "ns/tick", "ns/module")?;
+    }
+    for s in &m.curve {
+        let each = term::short(s.ns / s.modules.max(1) as f64);
+        writeln!(out, "  {:>10} {:>12} {each:>12}", s.modules, term::short(s.ns))?;
+    }
+    Ok(())
+}
+
+fn value(m: &Measured) -> Json {
+    let size = |s: &Size| json!({"modules": s.modules, "ns_per_tick": s.ns});
+    let fits = m.fits.iter().map(|f| {
+        let at: Vec<Json> =
+            f.at.iter()
+                .zip(RATES)
+                .map(|(s, r)| json!({"rate": r, "modules": s.modules, "ns_per_tick": s.ns}))
+                .collect();
+        json!({"network": f.name, "about": f.about, "in_real_time": at})
+    });
+    let instruments = m.instruments.iter().map(|i| {
+        json!({"instrument": i.name, "rate": i.rate, "modules": i.size.modules, "ns_per_sample": i.size.ns, "at_once": i.at_once})
+    });
+    json!({
+        "machine": ca_lab::timing::machine(),
+        "networks": fits.collect::<Vec<_>>(),
+        "paper": PAPER.map(|(engine, modules)| json!({"engine": engine, "rate": 44_100.0, "modules": modules})),
+        "instruments": instruments.collect::<Vec<_>>(),
+        "curve": m.curve.iter().map(size).collect::<Vec<_>>(),
+    })
+}

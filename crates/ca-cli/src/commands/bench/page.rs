@@ -1,0 +1,60 @@
+//! The page of a bench: the tables, and the curve of cost against size.
+
+use super::{Measured, row};
+use ca_lab::bench::{PAPER, RATES};
+use ca_report::{Axis, Block, Curve, Grid, Mark, Plot, Report, Section, Table};
+
+/// Bytes of a MAT and a LIA of a string that a tick reads or writes: x, d, f and three coefficients of one, two coefficients,
+/// two ends and a force of the other.
+const BYTES: f64 = 8.0 * (6.0 + 2.0 + 1.0 + 1.0) / 2.0;
+
+/// Makes it.
+pub(super) fn page(m: &Measured) -> Report {
+    let mut report = Report::new("Modules in real time", &ca_lab::timing::machine());
+    let [a, b] = RATES.map(|r| format!("at {} kHz", r / 1e3));
+    if !m.fits.is_empty() {
+        let rows = m.fits.iter().map(|f| {
+            let [name, a, b, ns] = row(f);
+            vec![name, f.about.into(), a, b, ns]
+        });
+        let table = Table::new(&["network", "made of", &a, &b, "ns/module"], rows.collect());
+        let paper = PAPER.map(|(engine, modules)| vec![engine.to_string(), modules.to_string()]);
+        let words = "A module is a MAT or a LIA. On the DSP of the first paper (ICMC 2013, Table 1), at 44.1 kHz:";
+        let blocks = vec![
+            Block::Table(table),
+            Block::Text(words.into()),
+            Block::Table(Table::new(&["engine", "modules"], paper.into())),
+        ];
+        report.sections.push(Section::new("Networks", blocks));
+    }
+    if !m.instruments.is_empty() {
+        let rows = m.instruments.iter().map(|i| {
+            let ns = crate::term::short(i.size.ns);
+            vec![i.name.into(), i.size.modules.to_string(), ns, i.at_once.to_string()]
+        });
+        let table = Table::new(&["instrument", "modules", "ns/sample", "at once in real time"], rows.collect());
+        report.sections.push(Section::new("Instruments", vec![Block::Table(table)]));
+    }
+    if !m.curve.is_empty() {
+        report.sections.push(Section::new("Cost against size", vec![Block::Plot(curve(m))]));
+    }
+    report
+}
+
+/// The time of a module of a string over how many there are, with the sizes of the caches.
+fn curve(m: &Measured) -> Plot {
+    let x: Vec<f64> = m.curve.iter().map(|s| s.modules as f64).collect();
+    let y = m.curve.iter().map(|s| s.ns / s.modules.max(1) as f64).collect();
+    let (least, most) = (x.first().copied().unwrap_or(1.0), x.last().copied().unwrap_or(1.0));
+    let marks = ca_lab::timing::caches().into_iter().map(|(name, bytes)| (name, bytes as f64 / BYTES));
+    let marks = marks.filter(|(_, modules)| (least..=most).contains(modules));
+    Plot {
+        title: "A string".into(),
+        x: Axis::log("modules", ""),
+        y: Axis::linear("ns per module", ""),
+        grid: Grid::Points(x),
+        curves: vec![Curve::line("a tick, over its modules", y)],
+        marks: marks.map(|(text, x)| Mark { x, y: None, text }).collect(),
+        image: None,
+    }
+}

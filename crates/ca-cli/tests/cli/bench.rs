@@ -1,0 +1,43 @@
+//! `ca bench`: its tables, its page, and what it says of a name it does not know. How fast this machine is, no test asks.
+
+use crate::desk::Desk;
+use std::fs;
+
+#[test]
+fn what_fits_was_measured_to_be_in_time() {
+    let desk = Desk::new();
+    let j = desk.ca(&["bench", "--only", "string,cells", "--json"]).is(0).json();
+    let names: Vec<&str> = j["networks"].as_array().unwrap().iter().map(|n| n["network"].as_str().unwrap()).collect();
+    assert_eq!(names, ["string", "cells"]);
+    for network in j["networks"].as_array().unwrap() {
+        for at in network["in_real_time"].as_array().unwrap() {
+            let of = |key: &str| at[key].as_f64().unwrap();
+            assert!(of("modules") >= 30.0 && of("ns_per_tick") > 0.0, "{network}");
+            assert!(of("ns_per_tick") <= 1e9 / of("rate"), "{network}");
+        }
+    }
+    let paper: Vec<u64> = j["paper"].as_array().unwrap().iter().map(|p| p["modules"].as_u64().unwrap()).collect();
+    assert_eq!(paper, [20, 140, 200], "Leonard, Castagné and Cadoz 2013, Table 1");
+    assert!(!j["machine"].as_str().unwrap().is_empty());
+}
+
+#[test]
+fn a_page_has_what_was_printed() {
+    let desk = Desk::new();
+    let shown =
+        desk.ca(&["bench", "--only", "BUT", "--page", "bench.html"]).is(0).says(&["BUT", "44.1 kHz", "48 kHz", "140"]);
+    let page = fs::read_to_string(desk.path("bench.html")).unwrap();
+    let row = shown.out.lines().find(|l| l.trim_start().starts_with("BUT ")).unwrap();
+    for number in row.split_whitespace().skip(1).take(3) {
+        assert!(page.contains(number), "{number} of `{row}` is not on the page");
+    }
+    desk.ca(&["bench", "--only", "string", "--page", "bench.txt"]).is(2);
+    assert_eq!(desk.files(), ["bench.html"]);
+}
+
+#[test]
+fn a_name_that_is_misspelt_gets_an_answer() {
+    let desk = Desk::new();
+    desk.ca(&["bench", "--only", "strnig"]).is(2).says(&["did you mean `string`?"]);
+    desk.ca(&["bench", "--only", "mesh,zzzzzz"]).is(2).says(&["no network is called `zzzzzz`", "string, cells, mesh"]);
+}

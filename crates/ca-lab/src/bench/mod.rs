@@ -1,0 +1,143 @@
+//! Bench: how many modules of each kind fit into real time on one core of this machine, as in the first paper's Table 1.
+//!
+//! Decides that a module is a MAT or a LIA, as there, and that parameters differ from module to module: an engine that is
+//! fast only where all are alike is another row of that table. A network is made larger or smaller until its tick takes
+//! nearly as long as a sample lasts; what is said to be in time was measured to be.
+
+mod networks;
+
+use crate::Failure;
+use crate::timing::Timing;
+use ca_compile::Options;
+use ca_core::{Scene, tick};
+use ca_io::perform::Performance;
+pub use networks::{NETWORKS, Network};
+use std::collections::BTreeMap;
+
+/// What the first paper measured on a DSP chip, 2013: engine, and modules at 44.1 kHz.
+pub const PAPER: [(&str, u32); 3] = [
+    ("GENESIS engine, modular", 20),
+    ("new engine of that paper, any topology and parameters", 140),
+    ("ERGON_X engine, written by hand for one topology and the same parameters", 200),
+];
+/// Sound rates of the table \[Hz\].
+pub const RATES: [f64; 2] = [44_100.0, 48_000.0];
+/// Sizes of the curve of cost against size, in modules.
+pub const SIZES: [usize; 13] =
+    [100, 200, 500, 1_000, 2_000, 5_000, 10_000, 20_000, 50_000, 100_000, 200_000, 500_000, 1_000_000];
+/// The smallest network that is measured, in masses.
+const SMALLEST: usize = 32;
+/// Sizes that are tried at each rate.
+const TRIES: usize = 9;
+/// Playing so long brings a network into motion \[ticks\].
+const WARM: u32 = 200;
+
+/// A network at one size.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Size {
+    /// MATs and LIAs that are computed
+    pub modules: usize,
+    /// time of a tick \[ns\]
+    pub ns: f64,
+}
+
+/// A row of the table.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fits {
+    /// name of the network
+    pub name: &'static str,
+    /// what it is made of
+    pub about: &'static str,
+    /// the largest that was in time, at each of [`RATES`]
+    pub at: [Size; 2],
+}
+
+/// An instrument of those that are built in.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Instrument {
+    /// its name
+    pub name: &'static str,
+    /// its size and time
+    pub size: Size,
+    /// how many of it play at once in real time, at its own rate \[Hz\]
+    pub at_once: usize,
+    /// that rate
+    pub rate: f64,
+}
+
+/// The time of a tick in motion.
+pub fn cost(scene: &Scene) -> f64 {
+    let mut state = scene.state();
+    for _ in 0..WARM {
+        tick(scene, &mut state);
+    }
+    let (begin, mut state) = (state.clone(), state);
+    Timing::default().fastest(&mut state, |s| s.clone_from(&begin), |s| tick(scene, s))
+}
+
+/// A network with so many masses.
+///
+/// # Errors
+/// Where it does not compile: a defect of the bench.
+pub fn measure(network: &Network, masses: usize) -> Result<Size, Failure> {
+    let loaded = crate::Loaded::read(&(network.text)(masses), network.name);
+    let scene = loaded.compile(&Options::default()).map_err(Failure::Found)?.scene;
+    Ok(Size { modules: scene.symbols.len(), ns: cost(&scene) })
+}
+
+/// How much of a network is in time at each of [`RATES`]; `look` is asked in between whether to go on.
+///
+/// # Errors
+/// As [`measure`], and what `look` returns.
+pub fn fits(network: &Network, mut look: impl FnMut() -> Result<(), Failure>) -> Result<Fits, Failure> {
+    let mut known: BTreeMap<usize, Size> = BTreeMap::new();
+    let mut at = |masses: usize| -> Result<Size, Failure> {
+        look()?;
+        if let Some(size) = known.get(&masses) {
+            return Ok(*size);
+        }
+        let size = measure(network, masses)?;
+        known.insert(masses, size);
+        Ok(size)
+    };
+    let mut found = [Size { modules: 0, ns: 0.0 }; 2];
+    for (found, rate) in found.iter_mut().zip(RATES) {
+        let budget = 1e9 / rate;
+        // in time with `low` masses, too late with `high`
+        let (mut low, mut high, mut masses) = (0, network.most + 1, SMALLEST);
+        for _ in 0..TRIES {
+            let size = at(masses)?;
+            if size.ns <= budget {
+                (low, *found) = (masses, size);
+            } else {
+                high = masses;
+            }
+            let left = budget / size.ns;
+            if high - low < 2 || (1.0..1.02).contains(&left) {
+                break;
+            }
+            // as if every mass took as long as the mean of these
+            let next = (0.99 * left * masses as f64) as usize;
+            masses = if low < next && next < high { next } else { usize::midpoint(low, high).max(1) };
+        }
+    }
+    Ok(Fits { name: network.name, about: network.about, at: found })
+}
+
+/// A bundled instrument, played by its own gesture for a moment.
+///
+/// # Errors
+/// Where it does not compile: a defect.
+pub fn instrument(name: &'static str, text: &str) -> Result<Instrument, Failure> {
+    let loaded = crate::Loaded::read(text, name);
+    let scene = loaded.compile(&Options::default()).map_err(Failure::Found)?.scene;
+    let mut p = Performance::new(&scene, None)?;
+    for _ in 0..(0.2 * scene.rate) as u64 {
+        p.tick();
+    }
+    let begin = p.state.clone();
+    let mut state = begin.clone();
+    let ns = Timing::default().fastest(&mut state, |s| s.clone_from(&begin), |s| tick(&scene, s));
+    let size = Size { modules: scene.symbols.len(), ns };
+    Ok(Instrument { name, size, at_once: (1e9 / scene.rate / ns) as usize, rate: scene.rate })
+}

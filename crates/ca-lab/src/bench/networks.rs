@@ -1,0 +1,285 @@
+//! The networks of the bench, as model texts of any size.
+//!
+//! Decides for texts rather than scenes made by hand: what is measured is what an author gets. Every number differs from
+//! module to module, by a generator of numbers that is the same everywhere.
+
+use std::fmt::Write as _;
+
+/// A network of any size.
+pub struct Network {
+    /// its name, as `ca bench --only` takes it
+    pub name: &'static str,
+    /// what it is made of
+    pub about: &'static str,
+    /// its text with so many masses
+    pub text: fn(usize) -> String,
+    /// the most masses it is asked for
+    pub most: usize,
+}
+
+const MOST: usize = 400_000;
+
+/// All of them: the elements, then what is made of them, then space.
+pub const NETWORKS: &[Network] = &[
+    Network { name: "string", about: "MAS in a row, REF between them", text: |n| row(n, "REF", spring), most: MOST },
+    Network { name: "cells", about: "CEL, each heard by a SOX", text: cells, most: MOST },
+    Network { name: "mesh", about: "MAS on a grid, REF to four neighbours", text: mesh, most: MOST },
+    Network { name: "random", about: "MAS, each with two REF to any other", text: random, most: MOST },
+    Network { name: "RES", about: "MAS in a row, RES between them", text: |n| row(n, "RES", stiffness), most: MOST },
+    Network { name: "CUB", about: "CEL in a row, CUB between them", text: |n| row(n, "CUB", cubic), most: MOST },
+    Network { name: "LNL", about: "CEL in a row, LNL between them", text: |n| row(n, "LNL", table), most: MOST },
+    Network {
+        name: "BUT",
+        about: "CEL in a row, BUT between them, half of them closed",
+        text: |n| row(n, "BUT", contact),
+        most: MOST,
+    },
+    Network {
+        name: "HRZ",
+        about: "CEL in a row, HRZ between them, half of them closed",
+        text: |n| row(n, "HRZ", hertz),
+        most: MOST,
+    },
+    Network { name: "BOW", about: "CEL in a row, BOW between them", text: |n| row(n, "BOW", bow), most: MOST },
+    Network { name: "cloth", about: "MAS on a grid in space, REF to four neighbours", text: cloth, most: MOST },
+    Network {
+        name: "random 3-D",
+        about: "MAS in space, each with two REF to any other",
+        text: random_space,
+        most: MOST,
+    },
+    Network { name: "LPR", about: "springs in space, each onto a CEL of its own", text: lpr, most: MOST },
+];
+
+/// Numbers in 0 … 1, the same on every machine: Knuth's linear congruence.
+struct Numbers(u64);
+
+impl Numbers {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    /// Within 20 % of `v`.
+    fn near(&mut self, v: f64) -> f64 {
+        v * (0.8 + 0.4 * self.next())
+    }
+
+    fn below(&mut self, n: usize) -> usize {
+        ((self.next() * n as f64) as usize).min(n - 1)
+    }
+}
+
+fn spring(r: &mut Numbers) -> String {
+    format!("k = {:.0}, z = {:.5}", r.near(2e5), r.near(2e-2))
+}
+fn stiffness(r: &mut Numbers) -> String {
+    format!("k = {:.0}", r.near(2e5))
+}
+fn cubic(r: &mut Numbers) -> String {
+    format!("k = {:.0}, k3 = {:.0}, z = {:.5}", r.near(1e4), r.near(1e8), r.near(1e-3))
+}
+fn table(r: &mut Numbers) -> String {
+    let k = r.near(1e4);
+    format!(
+        "spring = [[-0.01, {:.3}], [-0.001, {:.3}], [0.001, {:.3}], [0.01, {:.3}]]",
+        -0.02 * k,
+        -1e-3 * k,
+        1e-3 * k,
+        0.02 * k
+    )
+}
+fn contact(r: &mut Numbers) -> String {
+    format!("k = {:.0}, z = {:.5}, d = {:.6}", r.near(1e4), r.near(1e-3), 1e-4 * (r.next() - 0.5))
+}
+fn hertz(r: &mut Numbers) -> String {
+    format!("k = \"{:.0} N/m^1.5\", d = {:.6}", r.near(1e5), 1e-4 * (r.next() - 0.5))
+}
+fn bow(r: &mut Numbers) -> String {
+    format!("curve = \"smooth\", f = {:.4}, v0 = {:.3}", r.near(0.01), r.near(0.5))
+}
+
+/// Masses in a row with links of one kind between neighbours. What stiffens or lets go is between cells, so that the row
+/// stays where it is.
+fn row(n: usize, kind: &str, link: fn(&mut Numbers) -> String) -> String {
+    let (mut r, n) = (Numbers(1), n.max(2));
+    let mut t = String::from("[SOX]\nout = { from = \"m0\" }\n");
+    if matches!(kind, "REF" | "RES") {
+        t += "[MAS]\n";
+        for i in 0..n {
+            let _ = writeln!(t, "m{i} = {{ m = {:.7}, dx0 = {:.7} }}", r.near(1e-3), 1e-4 * (r.next() - 0.5));
+        }
+    } else {
+        t += "[CEL]\n";
+        for i in 0..n {
+            let (m, dx0) = (r.near(1e-3), 1e-4 * (r.next() - 0.5));
+            let _ = writeln!(t, "m{i} = {{ m = {m:.7}, k = {:.0}, z = 1e-4, dx0 = {dx0:.7} }}", r.near(2e4));
+        }
+    }
+    let _ = writeln!(t, "[{kind}]");
+    for i in 1..n {
+        let _ = writeln!(t, "l{i} = {{ between = [\"m{}\", \"m{i}\"], {} }}", i - 1, link(&mut r));
+    }
+    t
+}
+
+fn cells(n: usize) -> String {
+    let mut r = Numbers(2);
+    let mut t = String::from("[CEL]\n");
+    for i in 0..n {
+        let _ = writeln!(
+            t,
+            "m{i} = {{ m = {:.7}, f = {:.2}, t60 = {:.3}, dx0 = 1e-4 }}",
+            r.near(1e-3),
+            r.near(800.0),
+            r.near(1.0)
+        );
+    }
+    t += "[SOX]\n";
+    for i in 0..n {
+        let _ = writeln!(t, "o{i} = {{ from = \"m{i}\", channel = 0, gain = {:.3} }}", r.near(1.0));
+    }
+    t
+}
+
+/// The links of a grid of w × h, by rows.
+fn grid(w: usize, h: usize) -> impl Iterator<Item = (usize, usize)> {
+    let along = (0..h).flat_map(move |j| (1..w).map(move |i| (j * w + i - 1, j * w + i)));
+    let across = (1..h).flat_map(move |j| (0..w).map(move |i| ((j - 1) * w + i, j * w + i)));
+    along.chain(across)
+}
+
+fn side(n: usize) -> usize {
+    ((n as f64).sqrt().round() as usize).max(2)
+}
+
+fn net(n: usize, seed: u64, links: impl Iterator<Item = (usize, usize)>) -> String {
+    let mut r = Numbers(seed);
+    let mut t = String::from("[SOX]\nout = { from = \"m0\" }\n[MAS]\n");
+    for i in 0..n {
+        let _ = writeln!(t, "m{i} = {{ m = {:.7}, dx0 = {:.7} }}", r.near(1e-3), 1e-4 * (r.next() - 0.5));
+    }
+    t += "[REF]\n";
+    for (i, (a, b)) in links.enumerate() {
+        let _ =
+            writeln!(t, "l{i} = {{ between = [\"m{a}\", \"m{b}\"], k = {:.0}, z = {:.5} }}", r.near(8e4), r.near(5e-3));
+    }
+    t
+}
+
+fn mesh(n: usize) -> String {
+    let s = side(n);
+    net(s * s, 3, grid(s, s))
+}
+
+/// Two links from each mass to any other: the tree that makes it one network, and one more.
+fn pairs(n: usize) -> Vec<(usize, usize)> {
+    let mut r = Numbers(4);
+    let tree: Vec<_> = (1..n).map(|i| (r.below(i), i)).collect();
+    let more = (0..n).map(|i| (i, (i + 1 + r.below(n - 1)) % n));
+    let more: Vec<_> = more.collect();
+    tree.into_iter().chain(more).collect()
+}
+
+fn random(n: usize) -> String {
+    let n = n.max(3);
+    // a mass of a tree may have many links, so all of them are softer
+    net(n, 5, pairs(n).into_iter())
+}
+
+/// Masses in space with these places and links.
+fn space(places: &[[f64; 3]], links: impl Iterator<Item = (usize, usize)>) -> String {
+    let mut r = Numbers(6);
+    let mut t = String::from("[air]\ndim = 3\n[SOX]\nout = { from = \"air.m0\", along = \"z\" }\n[air.MAS]\n");
+    for (i, p) in places.iter().enumerate() {
+        let v = [(); 3].map(|()| 0.1 * (r.next() - 0.5));
+        let _ = writeln!(t, "m{i} = {{ m = {:.7}, x = {p:?}, v = {v:?} }}", r.near(1e-3));
+    }
+    t += "[REF]\n";
+    for (i, (a, b)) in links.enumerate() {
+        let _ = writeln!(
+            t,
+            "l{i} = {{ between = [\"air.m{a}\", \"air.m{b}\"], k = {:.0}, z = {:.5} }}",
+            r.near(2e4),
+            r.near(2e-3)
+        );
+    }
+    t
+}
+
+fn cloth(n: usize) -> String {
+    let s = side(n);
+    let places: Vec<[f64; 3]> = (0..s * s).map(|k| [0.01 * (k % s) as f64, 0.01 * (k / s) as f64, 0.0]).collect();
+    space(&places, grid(s, s))
+}
+
+fn random_space(n: usize) -> String {
+    let (mut r, n) = (Numbers(7), n.max(3));
+    let places: Vec<[f64; 3]> = (0..n).map(|_| [(); 3].map(|()| 0.1 * r.next())).collect();
+    space(&places, pairs(n).into_iter())
+}
+
+fn lpr(n: usize) -> String {
+    let (mut r, n) = (Numbers(8), (n / 3).max(2));
+    let mut t = String::from("[air]\ndim = 3\n[SOX]\nout = { from = \"c1\" }\n[SOL]\nwall = {}\n[air.MAS]\n");
+    for i in 0..n {
+        let v = [(); 3].map(|()| 0.1 * (r.next() - 0.5));
+        let x = [0.01 * (i % 100) as f64, 0.01 * (i / 100) as f64, 0.01 * (i % 2) as f64];
+        let _ = writeln!(t, "b{i} = {{ m = {:.7}, x = {x:?}, v = {v:?} }}", r.near(1e-3));
+    }
+    t += "[CEL]\n";
+    for i in 1..n {
+        let _ = writeln!(t, "c{i} = {{ m = {:.7}, f = {:.2}, t60 = 1 }}", r.near(1e-3), r.near(800.0));
+    }
+    t += "[LPR]\n";
+    for i in 1..n {
+        let _ = writeln!(
+            t,
+            "l{i} = {{ between = [\"air.b{}\", \"air.b{i}\"], onto = [\"wall\", \"c{i}\"], k = {:.0}, z = {:.5} }}",
+            i - 1,
+            r.near(2e4),
+            r.near(2e-3)
+        );
+    }
+    t
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ca_compile::Options;
+    use ca_core::tick;
+
+    /// What is measured moves and stays where it is: numbers that fade out or grow take another time.
+    #[test]
+    fn every_network_compiles_moves_and_stays_bounded() {
+        for network in NETWORKS {
+            for masses in [32, 200] {
+                let text = (network.text)(masses);
+                let loaded = crate::Loaded::read(&text, network.name);
+                let scene = loaded.compile(&Options::default()).unwrap_or_else(|_| panic!("{}", network.name)).scene;
+                let modules = scene.symbols.len();
+                assert!(4 * modules > 3 * masses, "{}: {modules} modules of {masses} masses", network.name);
+                let mut state = scene.state();
+                for _ in 0..5000 {
+                    tick(&scene, &mut state);
+                }
+                assert!(state.is_bounded(10.0), "{} of {masses} masses", network.name);
+                assert!(state.d.iter().any(|d| d.abs() > 1e-12), "{} of {masses} masses rests", network.name);
+                assert!(state.output[0].is_finite());
+            }
+        }
+    }
+
+    #[test]
+    fn sizes_are_what_is_asked_for() {
+        for network in NETWORKS {
+            let count = |n: usize| {
+                let loaded = crate::Loaded::read(&(network.text)(n), network.name);
+                loaded.compile(&Options::default()).unwrap_or_else(|_| panic!("{}", network.name)).scene.symbols.len()
+            };
+            let ratio = count(900) as f64 / count(90) as f64;
+            assert!((8.0..=12.5).contains(&ratio), "{}: {ratio}", network.name);
+        }
+    }
+}
