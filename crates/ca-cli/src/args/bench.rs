@@ -19,7 +19,7 @@ pub struct BenchArgs {
     /// Only these networks, by name
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     pub only: Vec<String>,
-    /// Also the cost of a string of 100 to 1 000 000 modules
+    /// Also the cost of a string of 100 to 1 000 000 modules (half a minute, 2 GB)
     #[arg(long)]
     pub curve: bool,
     /// Also a page with tables and curve

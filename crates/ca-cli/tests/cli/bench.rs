@@ -32,6 +32,7 @@ fn a_page_has_what_was_printed() {
         assert!(page.contains(number), "{number} of `{row}` is not on the page");
     }
     desk.ca(&["bench", "--only", "string", "--page", "bench.txt"]).is(2);
+    desk.ca(&["bench", "--page", "nowhere/bench.html"]).is(1).says(&["nowhere/bench.html", "make the directory first"]);
     assert_eq!(desk.files(), ["bench.html"]);
 }
 

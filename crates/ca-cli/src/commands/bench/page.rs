@@ -4,9 +4,8 @@ use super::{Measured, row};
 use ca_lab::bench::{PAPER, RATES};
 use ca_report::{Axis, Block, Curve, Grid, Mark, Plot, Report, Section, Table};
 
-/// Bytes of a MAT and a LIA of a string that a tick reads or writes: x, d, f and three coefficients of one, two coefficients,
-/// two ends and a force of the other.
-const BYTES: f64 = 8.0 * (6.0 + 2.0 + 1.0 + 1.0) / 2.0;
+/// Bytes that a tick of a string reads or writes, for each module: x, d, f and 1/m of a MAT, k and z of a LIA.
+const BYTES: f64 = 8.0 * (4.0 + 2.0) / 2.0;
 
 /// Makes it.
 pub(super) fn page(m: &Measured) -> Report {
