@@ -246,6 +246,7 @@ pub fn claims(pluck: &Found, long: &Found, stiff: &[Found; 3]) -> Vec<Claim> {
         claim("error of `pefrl` over that of `ca` at 32 times the rate", 1.25, fourth / fine),
         claim("time of `pefrl` over that of `ca` at 32 times the rate", 0.25, fourth_ns / fine_ns),
         claim("time with one link 10⁶ beyond the limit over that without", 2.0, one / none),
-        claim("time with eight of 65 links 10⁶ beyond the limit over that without", 2.0, eight / none),
+        // a row without such links stands folded, which took a quarter of its time; the others do not
+        claim("time with eight of 65 links 10⁶ beyond the limit over that without", 2.5, eight / none),
     ]
 }
