@@ -59,9 +59,9 @@ fn processor() -> Duration {
 
 /// Whose times these are.
 pub fn machine() -> String {
-    let told = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-    let name = told.lines().find_map(|l| l.strip_prefix("model name")).and_then(|l| l.split_once(": "));
-    let virtual_one = if told.contains("hypervisor") { ", a virtual one" } else { "" };
+    let cpuinfo = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let name = cpuinfo.lines().find_map(|l| l.strip_prefix("model name")).and_then(|l| l.split_once(": "));
+    let virtual_one = if cpuinfo.contains("hypervisor") { ", a virtual one" } else { "" };
     format!("{}{virtual_one}", name.map_or("a processor that does not say its name", |(_, name)| name.trim()))
 }
 

@@ -11,7 +11,8 @@ use ca_core::phi::{implicit, res};
 /// for RES: 4 links 15 ns as a run and 8 gathered, 7 links 16 and 12, 11 links 18 and 22.
 const SHORTEST_RUN: usize = 10;
 
-/// Rows further apart are not joined: a joint costs as much as a link, a pass as much as some 20.
+/// Rows further apart are not joined. A joint costs as much as a link, some 0.4 ns; of a mesh of 20 x 20, 19 passes less
+/// saved 320 ns.
 const LONGEST_GAP: usize = 8;
 
 /// In place of a link between two rows that run as one: it has no force.

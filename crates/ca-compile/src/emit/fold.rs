@@ -12,7 +12,8 @@ use ca_core::op::Integrate;
 use ca_core::real::Real;
 use ca_core::state::Fold;
 
-/// Rows of fewer links run as they stand: what crosses lanes then costs more than the rest.
+/// Rows of fewer links run as they stand. Folded, a string of 24 masses takes 31 ns where it took 47; shorter ones were not
+/// measured, and what crosses lanes is a larger part of them.
 const SHORTEST: usize = 16;
 
 /// Folds the rows that are worth it; returns where each slot went, nothing where none is folded.
@@ -26,8 +27,8 @@ pub fn fold(plan: &mut Plan, masses: &mut Masses, batches: &mut [Batch]) -> Vec<
         if row.integrate == Integrate::No || !row.law.wide || n < SHORTEST {
             continue;
         }
-        folds.push(Fold { first: plan.ends(row.links[0])[0], rows: (n / Fold::LANES) as u32 });
         let within = Fold { first: 0, rows: (n / Fold::LANES) as u32 };
+        folds.push(Fold { first: plan.ends(row.links[0])[0], ..within });
         let written = row.links.clone();
         for (i, l) in written[..n / Fold::LANES * Fold::LANES].iter().enumerate() {
             row.links[within.at(i)] = *l;

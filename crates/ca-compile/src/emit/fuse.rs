@@ -23,8 +23,7 @@ pub fn mark(plan: &Plan, options: &Options, classes: &mut [Option<Class>], batch
     if options.kernel != KernelClass::Fast || options.energy || staged || net.as_milib || net.is_composed() {
         return;
     }
-    let heard: Vec<u32> =
-        net.outs.iter().filter_map(|o| if let OutputTap::ForceOf(l) = o.tap { Some(l) } else { None }).collect();
+    let heard = plan.heard();
     let added = added(plan, batches);
     for (i, row) in batches.iter_mut().enumerate() {
         let slot = plan.ends(row.links[0])[0] as usize;
@@ -151,7 +150,7 @@ fn added(plan: &Plan, batches: &[Batch]) -> Vec<Added> {
     for (m, slot) in mats {
         let weighed = !m.is_fixed() && net.medium(m).gravity.iter().any(|g| *g != 0.0);
         if weighed || matches!(m.role, MatRole::Port(..)) {
-            whole(&mut all, *slot, 3.min(m.slots() as usize));
+            whole(&mut all, *slot, m.slots() as usize);
         }
     }
     let read = net.outs.iter().filter_map(|o| match o.tap {

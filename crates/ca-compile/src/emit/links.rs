@@ -3,7 +3,7 @@
 use crate::emit::batches::{Batch, JOINT};
 use crate::emit::penetration;
 use crate::emit::plan::Plan;
-use crate::net::{End, LiaNode, Measure, OutputTap, Pruned};
+use crate::net::{End, LiaNode, Measure, Pruned};
 use crate::options::Options;
 use alloc::vec::Vec;
 use ca_core::kind::Role;
@@ -120,8 +120,7 @@ impl Plan<'_> {
     pub fn links(&mut self, batches: Vec<Batch>, options: &Options, diags: &mut Diags, model: &Model) -> Links {
         let net = self.net;
         let own = own_tables(net);
-        let heard: Vec<u32> =
-            net.outs.iter().filter_map(|o| if let OutputTap::ForceOf(l) = o.tap { Some(l) } else { None }).collect();
+        let heard = self.heard();
         // with a 0 on either side, for rows that integrate
         let scratch = batches.iter().filter(|b| b.stride > 0).map(|b| b.links.len() + 2).max().unwrap_or(0);
         let mut k = Links {

@@ -1,6 +1,6 @@
 //! Plan: where modules and their coefficients stand, and how live ones are computed again.
 
-use crate::net::{End, Pruned};
+use crate::net::{End, OutputTap, Pruned};
 use alloc::collections::{BTreeMap, BTreeSet};
 use alloc::sync::Arc;
 use alloc::vec::Vec;
@@ -31,6 +31,12 @@ pub struct Plan<'a> {
 }
 
 impl Plan<'_> {
+    /// The links whose force an output hears.
+    pub fn heard(&self) -> BTreeSet<u32> {
+        let force = |tap: &OutputTap| if let OutputTap::ForceOf(l) = tap { Some(*l) } else { None };
+        self.net.outs.iter().filter_map(|o| force(&o.tap)).collect()
+    }
+
     /// Slots of MATs and moving points, while their coefficients are all there are.
     pub fn coef_slots(&self) -> usize {
         self.coef.len() / 3
