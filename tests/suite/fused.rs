@@ -2,7 +2,7 @@
 //! tell. A scene with the energy ledger has the list.
 
 use crate::play::{audited, mat, scene};
-use ca_core::op::Integrate;
+use ca_core::op::{Band, Integrate, Vectors};
 use ca_core::scene::Location;
 use ca_core::{Scene, tick};
 use proptest::prelude::*;
@@ -46,7 +46,22 @@ fn same(text: &str, ticks: usize) -> Vec<(&'static str, Integrate)> {
     }
     assert!(heard > 0.0 && heard < 1e6, "{heard} in\n{text}");
     assert_eq!(a.bits(), b.bits(), "the hash sees what is folded: {text}");
+    assert_eq!(a.shape(), b.shape(), "a take sees what is folded: {text}");
+    assert_eq!((fast.mats(), fast.lias()), (listed.mats(), listed.lias()), "what fills up a row is counted: {text}");
+    same_by_all_vectors(text);
     fused(&fast)
+}
+
+/// Plays a scene by all vectors that this processor has.
+fn same_by_all_vectors(text: &str) {
+    let [portable, others @ ..] = Vectors::all().map(|vectors| {
+        let mut scene = scene(text).scene;
+        scene.layout.vectors = vectors;
+        let mut state = scene.state();
+        (0..300).for_each(|_| tick(&scene, &mut state));
+        state.bits()
+    });
+    assert_eq!(others, [portable; 2], "{text}");
 }
 
 /// A string of `n` masses, struck by a hammer.
@@ -137,13 +152,13 @@ fn rows_that_are_joined_have_the_bits_of_their_list() {
                 other = { between = [\"s[20]\", \"v[20]\"], k = \"1 kN/m\", z = 0.1 }\n\
                 [SOX]\nout = { from = \"s[7]\" }\nskin = { from = \"mesh[6,6]\", channel = 1 }\nlong = { from = \"u[9]\" }\n";
     let text = format!("{dial}{strings}{more}");
-    let rows = [("REF", Integrate::Mas), ("RES", Integrate::Mas), ("REF", Integrate::Cel)];
+    let rows = [("REF", Integrate::Mas), ("RES", Integrate::Mas), ("REF", Integrate::Cel), ("REF", Integrate::Cel)];
     assert_eq!(same(&text, 3000), rows);
     let s = scene(&text);
     let rows: Vec<usize> = s.moves.iter().filter(|op| op.form.folded).map(|op| op.n).collect();
-    assert_eq!(rows, [25 + 1 + 41, 91, 31], "s and t are one row, with a joint");
-    let mesh: Vec<usize> = s.summed().iter().filter(|op| op.form.stride == 1).map(|op| op.n).collect();
-    assert_eq!(mesh.len(), 1, "the rows of the mesh are one: {mesh:?}");
+    // of the mesh, all but what its border lacks behind the last mass
+    let filled = [26 + 42, 92, 32, 13 * 14].map(|masses: usize| masses.next_multiple_of(8));
+    assert_eq!(rows, filled, "s and t are one row, with a joint");
     let changed = |scene: &Scene| {
         let mut state = scene.state();
         assert!(state.apply(&scene.controls().set("dial", 0.15).expect("in range"), 1));
@@ -153,6 +168,95 @@ fn rows_that_are_joined_have_the_bits_of_their_list() {
     let ((a, b), listed) = (changed(&s), changed(&audited(&text)));
     assert_eq!((a, b), listed);
     assert_ne!(a, b, "the hash sees a changed coefficient");
+}
+
+proptest! {
+    /// Meshes of every width and height around those of vectors: links along and across, their masses and what strikes them
+    /// in one pass; forces of links are heard where no pass keeps them, a moving point rides on it, a dial turns.
+    #[test]
+    fn a_mesh_has_the_bits_of_its_list(
+        nx in 12u32..40, ny in 11u32..22, viscous: bool, own: bool, point: bool, times in 1..3, heard: bool,
+        edges in prop::sample::select(vec!["open", "corner", "closed"])
+    ) {
+        let of = if viscous { "k = \"10 kN/m\", z = \"dial\"" } else { "k = \"10 kN/m\"" };
+        let own = if own { ", zo = 0.01" } else { "" };
+        let more = if heard { "[SOF]\nstress = { from = \"m.link[40]\", channel = 1 }\nrow = { from = \"m.link[2]\" }\n" } else { "" };
+        let (point, at) = if point { ("[ENX]\nspot = {}\n", "m@spot,0.4") } else { ("", "m[4,5]") };
+        let text = format!(
+            "[param]\ndial = {{ value = 0.1, unit = \"N s/m\", live = true, min = 0.05, max = 0.2 }}\n[MESH]\nm = {{ nx = {nx}, ny = \
+             {ny}, m = \"2 g\", {of}{own}, edges = \"{edges}\" }}\n[MAS]\nh = {{ m = \"5 g\", x = \"-0.1 mm\", v = 1 }}\n[BUT]\nb = {{ \
+             between = [\"h\", \"{at}\"], k = \"20 kN/m\", z = 0.2 }}\n[SOX]\nout = {{ from = \"m[7,2]\" }}\n{more}{point}[rate]\noversample = {times}\n"
+        );
+        // the dial may turn any number of the mesh
+        let class = if own.is_empty() && !viscous { Integrate::Mas } else { Integrate::Cel };
+        let rows = same(&text, 600);
+        if edges != "open" {
+            return Ok(());
+        }
+        prop_assert_eq!(rows, [(if viscous { "REF" } else { "RES" }, class)]);
+        let s = scene(&text);
+        prop_assert!(s.moves.iter().any(|op| matches!(op.form.band, Band::Along(_))), "{}", text);
+        prop_assert!(s.summed().iter().all(|op| op.form.stride == 0), "{}", text);
+    }
+}
+
+/// A mesh whose rows are too few for its width, one whose rows are summed in another order, one that is not all of one kind:
+/// each has the bits of its list, whatever it runs as.
+#[test]
+fn a_mesh_that_does_not_fold_has_the_bits_of_its_list() {
+    let mesh = |of: &str| {
+        format!(
+            "[MESH]\nm = {{ {of}, m = \"2 g\", k = \"10 kN/m\", z = 0.1 }}\n[MAS]\nh = {{ m = \"5 g\", x = \"-0.1 mm\", v = 1 }}\n[BUT]\nb = {{ between = \
+             [\"h\", \"m[2,2]\"], k = \"20 kN/m\", z = 0.2 }}\n[SOX]\nout = {{ from = \"m[3,2]\" }}\n"
+        )
+    };
+    for of in [
+        "nx = 5, ny = 40",
+        "nx = 40, ny = 5",
+        "nx = 13, ny = 14, edges = \"closed\"",
+        "nx = 13, ny = 14, edges = \"corner\"",
+        "nx = 13, ny = 14, fixed = [[0, 0], [4, 4]]",
+    ] {
+        same(&mesh(of), 1500);
+    }
+    // a row of links beside one of the mesh, along and across
+    let again = |name: &str, step: [usize; 2]| {
+        let mut text = mesh("nx = 16, ny = 14") + "[REF]\n";
+        for i in 1..12 {
+            let [a, b] = if step[0] == 1 { [[i, 5], [i + 1, 5]] } else { [[5, i], [5, i + 1]] };
+            let [[ax, ay], [bx, by]] = [a, b];
+            let _ =
+                writeln!(text, "{name}{i} = {{ between = [\"m[{ax},{ay}]\", \"m[{bx},{by}]\"], k = 5e3, z = 0.02 }}");
+        }
+        text
+    };
+    same(&again("along", [1, 0]), 1500);
+    same(&again("across", [0, 1]), 1500);
+    // two forces more on one mass, and one that somebody reads
+    for more in [
+        "[SOL]\ng = {}\n[CUB]\nc = { between = [\"g\", \"m[2,2]\"], k = 1e4, k3 = 1e9 }\n",
+        "[SOF]\nforce = { from = \"m[5,5]\" }\n",
+    ] {
+        let banded = |text: &str| scene(text).moves.iter().any(|op| op.form.band != Band::None);
+        let text = mesh("nx = 16, ny = 12");
+        assert!(banded(&text) && !banded(&format!("{text}{more}")), "{more}");
+        same(&format!("{text}{more}"), 1500);
+    }
+}
+
+/// Strings side by side, coupled mass by mass: a row of links over the masses of two rows.
+#[test]
+fn rows_under_another_row_have_the_bits_of_their_list() {
+    let strings = "[STRING]\ns = { n = 24, m = \"2 g\", k = \"40 kN/m\", z = 0.1 }\n\
+                   t = { n = 24, m = \"2 g\", k = \"30 kN/m\", z = 0.1 }\n[MAS]\nh = { m = \"5 g\", x = \"-0.1 mm\", v = 1 }\n\
+                   [BUT]\nb = { between = [\"h\", \"s[4]\"], k = \"20 kN/m\", z = 0.2 }\n[SOX]\nout = { from = \"t[7]\" }\n";
+    for (law, k) in [("RES", "k = \"100 N/m\""), ("CUB", "k = \"100 N/m\", k3 = 1e9")] {
+        let mut text = format!("{strings}[{law}]\n");
+        for i in 6..22 {
+            let _ = writeln!(text, "c{i} = {{ between = [\"s[{i}]\", \"t[{i}]\"], {k} }}");
+        }
+        same(&text, 1500);
+    }
 }
 
 /// The sum that a pass of forces left out is in the list for whoever asks, and links keep their names.

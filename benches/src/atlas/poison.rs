@@ -87,7 +87,7 @@ pub fn ports() -> Door {
                 for n in 0..200 {
                     s.input[port] = if n < 100 { bad } else { 1e-3 };
                     tick(&scene, &mut s);
-                    let all = [&s.x, &s.d, &s.f, &s.output, &s.tap, &s.mem];
+                    let all: [&[f64]; 6] = [&s.x, &s.d, &s.f, &s.output, &s.tap, &s.mem];
                     finite &= all.iter().all(|v| v.iter().all(|v| v.is_finite()));
                 }
                 door.tries(finite && s.refused > 0, || format!("{bad} at {} of {code}", input.name));

@@ -101,12 +101,14 @@ impl Words {
             crossing,
             waves,
             weighed,
+            heard,
             outputs,
             blockers,
             lowpass,
             implicit,
             ledger,
             substeps,
+            vectors: _,
         } = layout;
         self.debug(&(sample_dt, ratio, frame, n_mat, n_lia, n_coef, n_mem, n_touch, n_tap, channels, n_out));
         self.places(ends.as_flattened().iter());
@@ -117,6 +119,7 @@ impl Words {
         self.places(nodes.iter());
         self.numbers(shares.iter());
         self.places(weighed.iter());
+        self.all(heard.iter().map(|h| (h.ends, h.e0, h.coef, h.step, h.coefs, h.tap)));
         self.debug(&(pair_sets, moving_points, modal, tables));
         self.debug(&(enx, enf, tgr, crossing, waves));
         self.debug(&(outputs, blockers, lowpass, implicit));

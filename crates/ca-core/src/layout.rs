@@ -4,8 +4,9 @@
 //! of those between two samples, so that what the tick depends on is visible in one place. All of it is written
 //! once, by the compiler.
 
-use crate::law::{Idle, Lost, Stored};
+use crate::law::{Force, Idle, Lost, Stored};
 use crate::ldl::Pattern;
+use crate::op::Vectors;
 use crate::real::Real;
 use crate::state::State;
 use crate::table::Table;
@@ -132,6 +133,25 @@ pub enum Tap {
     ForceOn(u32),
     /// force of a LIA, at this index of [`State::tap`]
     ForceOf(u32),
+}
+
+/// A linear link of a fused pass whose force is heard.
+#[derive(Clone, Copy, Debug)]
+pub struct HeardLink {
+    /// its law
+    pub force: Force,
+    /// slots of its ends
+    pub ends: [u32; 2],
+    /// constant part of its elongation \[m\]
+    pub e0: Real,
+    /// index of its first coefficient, and from one to the next
+    pub coef: u32,
+    /// see `coef`
+    pub step: u32,
+    /// how many it has
+    pub coefs: u32,
+    /// index into [`State::tap`], where its force is left
+    pub tap: u32,
 }
 
 /// An output or a probe.
@@ -339,7 +359,7 @@ pub struct Layout {
     pub frame: u32,
     /// slots of MATs, moving points included: one for a MAT on a line, three in a row for one in space
     pub n_mat: usize,
-    /// links
+    /// links, and places in a row that no link takes
     pub n_lia: usize,
     /// coefficients
     pub n_coef: usize,
@@ -388,6 +408,8 @@ pub struct Layout {
     pub waves: Waves,
     /// MATs with weight (any)
     pub weighed: Vec<u32>,
+    /// links of fused passes whose forces are heard (any)
+    pub heard: Vec<HeardLink>,
     /// what is heard (any): as it is first, then what goes through a high pass
     pub outputs: Vec<Output>,
     /// the high passes of the last of them (any)
@@ -400,6 +422,8 @@ pub struct Layout {
     pub ledger: Option<LedgerPlan>,
     /// where a sample has several ticks
     pub substeps: Option<Substeps>,
+    /// the vectors its passes use; the bits are the same with all
+    pub vectors: Vectors,
 }
 
 impl Layout {

@@ -28,6 +28,7 @@
 extern crate alloc;
 
 pub mod active_contacts;
+pub mod aligned;
 pub mod border;
 pub mod builder;
 pub mod catalog;

@@ -153,6 +153,11 @@ impl Scene {
         self.symbols.iter().filter(|s| matches!(s.location, Location::Mat(_))).count()
     }
 
+    /// LIAs by number; [`Layout::n_lia`] also counts places in a row that no link takes.
+    pub fn lias(&self) -> usize {
+        self.symbols.iter().filter(|s| matches!(s.location, Location::Lia(..))).count()
+    }
+
     /// The index into [`State::input`] of the port `name`.
     pub fn input(&self, name: &str) -> Option<usize> {
         self.inputs.iter().position(|i| i.name == name)
@@ -195,6 +200,6 @@ impl core::ops::Deref for Scene {
 
 impl core::fmt::Debug for Scene {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        write!(f, "Scene({} MAT, {} LIA, {} ops at {} Hz)", self.mats(), self.n_lia, self.forces.len(), self.rate)
+        write!(f, "Scene({} MAT, {} LIA, {} ops at {} Hz)", self.mats(), self.lias(), self.forces.len(), self.rate)
     }
 }

@@ -5,6 +5,7 @@
 //! absolute positions (docs/numerics.md §1.6).
 
 use crate::active_contacts::ActiveContacts;
+use crate::aligned::Aligned;
 use crate::ledger::Ledger;
 use crate::real::{Real, wide};
 use crate::verlet::VerletList;
@@ -104,18 +105,18 @@ pub struct State {
     /// the scene it belongs to; written at load
     pub scene: Identity,
     /// displacement from rest \[m\] (n_mat); written by `moves`, ports by `reads`
-    pub x: Vec<Real>,
+    pub x: Aligned,
     /// x_n − x_{n−1} \[m/tick\] (n_mat); written with `x`
-    pub d: Vec<Real>,
+    pub d: Aligned,
     /// summed force \[N\] (n_mat), without that of rows that `moves` sum; written by `forces`, cleared by `moves`
-    pub f: Vec<Real>,
+    pub f: Aligned,
     /// coefficients (n_coef): P, Q and C of the MATs, then those of weights, links, points and outputs;
     /// written at load and by changes
-    pub coef: Vec<Real>,
+    pub coef: Aligned,
     /// memory of laws, then of waves (n_mem); written by `forces`, waves that leave by `moves`
     pub mem: Vec<Real>,
     /// forces of links that are heard, audited or in passing \[N\] (n_tap); written by `forces`
-    pub tap: Vec<Real>,
+    pub tap: Aligned,
     /// what the ports are given, absolute \[m\] or \[N\]; written by the caller before a tick (devices: before a frame)
     pub input: Vec<f64>,
     /// the last good value of each input (inputs); written by `reads`
@@ -156,6 +157,13 @@ pub struct State {
 }
 
 impl State {
+    /// How many numbers say where masses are, and how many are coefficients: those of the document, wherever rows stand.
+    pub fn shape(&self) -> [usize; 2] {
+        let [slots, coefs] = &self.written;
+        [(slots, &self.x), (coefs, &self.coef)]
+            .map(|(order, all)| if order.is_empty() { all.len() } else { order.len() })
+    }
+
     /// A hash of everything that decides the future: FNV-1a over the bits of positions, motions, coefficients, memory,
     /// border, inputs under way, filters of the outputs and tick. Equal states have equal hashes on every machine, wherever
     /// rows stand.

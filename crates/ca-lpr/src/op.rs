@@ -27,7 +27,7 @@ pub fn lpr<P: Phi<C, M>, A: Measure, B: Measure, const C: usize, const M: usize,
     let (near, far) = (reach::<A>(layout, op.ports.reach, n), reach::<B>(layout, far, n));
     let e0 = &layout.e0[op.first..][..n];
     let columns: [&[f64]; C] = core::array::from_fn(|k| &s.coef[op.coef + k * n..][..n]);
-    let (x, d, f) = (&s.x, &s.d, &mut s.f);
+    let (x, d, f) = (&s.x[..], &s.d[..], &mut s.f[..]);
     let mem = &mut s.mem[op.mem..][..n * M];
     for i in 0..n {
         let (first, second) = (between[i].map(|m| m as usize), onto[i].map(|m| m as usize));

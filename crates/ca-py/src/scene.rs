@@ -59,7 +59,7 @@ impl Scene {
         d.set_item("channels", s.channel_names.clone())?;
         d.set_item("seconds", s.seconds)?;
         d.set_item("n_mat", s.mats())?;
-        d.set_item("n_lia", s.n_lia)?;
+        d.set_item("n_lia", s.lias())?;
         d.set_item("left_out", s.left_out.clone())?;
         let passes = s.reads.iter().chain(s.summed()).chain(&s.writes).chain(&s.moves);
         d.set_item("passes", passes.map(|o| (o.name, o.n)).collect::<Vec<_>>())?;

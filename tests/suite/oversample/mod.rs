@@ -57,7 +57,8 @@ fn same_bits(what: &str, [coarse, fine]: &[Scene; 2], samples: u32, hand: Hand) 
         let bits = |v: &[f64]| v.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
         let probes = |scene: &Scene, s: &State| bits(&s.output[scene.channels..]);
         assert_eq!(probes(coarse, &a), probes(fine, &b), "{what}, {times} ticks, sample {n}: probes");
-        for (name, a, b) in [("x", &a.x, &b.x), ("d", &a.d, &b.d), ("coef", &a.coef, &b.coef), ("mem", &a.mem, &b.mem)]
+        for (name, a, b) in
+            [("x", &a.x[..], &b.x[..]), ("d", &a.d, &b.d), ("coef", &a.coef, &b.coef), ("mem", &a.mem, &b.mem)]
         {
             assert_eq!(bits(a), bits(b), "{what}, {times} ticks, sample {n}: {name}");
         }

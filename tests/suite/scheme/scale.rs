@@ -70,7 +70,7 @@ point = { from = "low@finger" }
                 }
                 let (kept, refused) = (s.last_input[*port], s.refused);
                 tick(&scene, &mut s);
-                let all = [&s.x, &s.d, &s.f, &s.output, &s.tap];
+                let all: [&[f64]; 5] = [&s.x, &s.d, &s.f, &s.output, &s.tap];
                 assert!(all.iter().all(|v| v.iter().all(|v| v.is_finite())), "{bad} at tick {n}");
                 let due =
                     scene.inputs[*port].device.is_none() && *port != inputs[1] || ca_core::border::frame_due(&scene, n);

@@ -33,7 +33,7 @@ pub fn run(args: &ImportArgs) -> Outcome {
     let (scene, diags) = load::compiled(&loaded, &Options::default());
     term::findings(&diags, &loaded.model);
     let Some(scene) = scene else { return Err(Failure::Reported) };
-    writeln!(out, "it compiles: {} MAT, {} LIA, stability {}", scene.mats(), scene.n_lia, scene.certificate.level)?;
+    writeln!(out, "it compiles: {} MAT, {} LIA, stability {}", scene.mats(), scene.lias(), scene.certificate.level)?;
     writeln!(out, "hear it with\n\n  ca render {shown}\n")?;
     Ok(if scene.certificate.level == Level::Unstable { Ended::Degraded } else { Ended::Well })
 }

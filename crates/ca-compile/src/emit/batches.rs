@@ -1,10 +1,11 @@
 //! Batches: which links one pass computes: links of one law, and rows of them as runs without indices.
 
+use crate::emit::bands::{self, Mesh};
 use crate::emit::plan::Plan;
 use crate::options::{KernelClass, Options};
 use alloc::vec::Vec;
 use ca_core::op::law::Law;
-use ca_core::op::{Integrate, MeasureKind};
+use ca_core::op::{Band, Integrate, MeasureKind};
 use ca_core::phi::{implicit, res};
 
 /// Rows shorter than this are gathered: a run has three loops to set up, and waits for what it has just written. Measured
@@ -20,7 +21,7 @@ pub const JOINT: u32 = u32::MAX;
 
 /// Links of one pass.
 pub struct Batch {
-    /// the links, in the order they are computed in, [`JOINT`]s among them; the first is none
+    /// the links, in the order they are computed in, [`JOINT`]s among them; the first is none, but of a mesh
     pub links: Vec<u32>,
     /// the law they run by
     pub law: &'static Law,
@@ -30,6 +31,27 @@ pub struct Batch {
     pub integrate: Integrate,
     /// true where the row stands in the order of [`Fold`](ca_core::state::Fold)
     pub folded: bool,
+    /// the mesh it is part of, where that runs as one
+    pub mesh: Option<Mesh>,
+    /// which part
+    pub band: Band,
+}
+
+impl Batch {
+    /// A link of it.
+    pub fn some(&self) -> u32 {
+        self.links.iter().copied().find(|l| *l != JOINT).unwrap_or(self.links[0])
+    }
+
+    /// How many masses a row has.
+    pub fn masses(&self) -> usize {
+        self.mesh.map_or(self.links.len() + 1, |mesh| mesh.slots as usize)
+    }
+
+    /// The first slot of its masses, for a row.
+    pub fn slot(&self, plan: &Plan) -> u32 {
+        self.mesh.map_or_else(|| plan.ends(self.links[0])[0], |m| m.first)
+    }
 }
 
 /// What links of one batch have in common.
@@ -50,7 +72,7 @@ impl Plan<'_> {
         let laws = self.laws(class);
         let batch = |(links, stride): (Vec<u32>, usize)| {
             let law = laws[links[0] as usize];
-            Batch { links, law, stride, integrate: Integrate::No, folded: false }
+            Batch { links, law, stride, integrate: Integrate::No, folded: false, mesh: None, band: Band::None }
         };
         let mut all: Vec<Batch> = self.grouped(class, &laws).into_iter().map(batch).collect();
         all.sort_by_key(|b| b.law.is_staged());
@@ -103,11 +125,26 @@ impl Plan<'_> {
         }
         let (mut rows, others): (Vec<Batch>, Vec<Batch>) =
             batches.into_iter().partition(|b| b.integrate != Integrate::No);
-        rows.sort_by_key(|b| self.ends(b.links[0])[0]);
+        let mut meshes: Vec<Mesh> = Vec::new();
+        rows.iter().filter_map(|b| b.mesh).for_each(|m| {
+            if !meshes.contains(&m) {
+                meshes.push(m);
+            }
+        });
+        for mesh in meshes {
+            let (of, more): (Vec<Batch>, Vec<Batch>) = rows.into_iter().partition(|b| b.mesh == Some(mesh));
+            rows = more;
+            rows.extend(bands::joined(self, mesh, &of));
+        }
+        // links across a mesh stay behind those along
+        rows.sort_by_key(|b| b.slot(self));
         let mut all: Vec<Batch> = Vec::with_capacity(rows.len() + others.len());
         for b in rows.into_iter().chain(others) {
             // links that would stand between the two
             let between = |a: &Batch| {
+                if a.mesh.is_some() || b.mesh.is_some() {
+                    return None;
+                }
                 let alike = core::ptr::eq(a.law, b.law) && (a.integrate, a.stride) == (b.integrate, b.stride);
                 let [last, next] = [a.links[a.links.len() - 1], b.links[0]].map(|l| self.ends(l)[0]);
                 let gap = next.checked_sub(last + 1).filter(|_| alike && b.stride > 0 && b.law.wide)? as usize;

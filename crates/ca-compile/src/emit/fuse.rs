@@ -5,14 +5,16 @@
 //! number is added behind it, since then both sums are the same. And only where nobody reads the whole force on one of its
 //! masses, which is then known nowhere: the ledger, an output of force, a link that is solved behind the others.
 
+use crate::emit::added::Added;
+use crate::emit::bands;
 use crate::emit::batches::Batch;
+use crate::emit::fold::can_fold;
 use crate::emit::pass_list::Class;
 use crate::emit::plan::Plan;
-use crate::net::lines::LineNode;
-use crate::net::{End, MatRole, OutputTap};
 use crate::options::{KernelClass, Options};
 use alloc::vec::Vec;
-use ca_core::op::{Form, Integrate, MeasureKind, Op};
+use ca_core::op::heard::COEFS;
+use ca_core::op::{Band, Form, Integrate, Op};
 use ca_core::scene::{Location, Symbol};
 
 /// Marks the rows that integrate their masses, which are of these `classes` slot by slot; what does not move among them
@@ -23,28 +25,45 @@ pub fn mark(plan: &Plan, options: &Options, classes: &mut [Option<Class>], batch
     if options.kernel != KernelClass::Fast || options.energy || staged || net.as_milib || net.is_composed() {
         return;
     }
-    let heard = plan.heard();
-    let added = added(plan, batches);
+    let added = Added::new(plan, batches);
+    let fits = |b: &Batch| b.stride > 0 && b.law.linear && b.law.mem == 0 && b.law.coefs <= COEFS;
+    // a mesh is folded, which not all laws are
+    let folds = |b: &Batch| b.law.wide && can_fold() && fits(b);
+    let found = bands::meshes(plan, batches, &added, folds, |range| class_of(&classes[range]).is_some());
+    for (mesh, of) in found {
+        let classes = &mut classes[mesh.first as usize..][..mesh.slots as usize];
+        let integrate = integrate(classes);
+        for k in of {
+            (batches[k].integrate, batches[k].mesh) = (integrate, Some(mesh));
+        }
+    }
     for (i, row) in batches.iter_mut().enumerate() {
         let slot = plan.ends(row.links[0])[0] as usize;
-        let fits = row.stride == 1 && row.law.linear && row.law.mem == 0;
-        if !fits || !added[slot..=slot + row.links.len()].iter().all(|a| a.lets(i)) {
+        let range = slot..slot + row.links.len() + 1;
+        let begins = |slot: usize| added.begins(slot, |k| (k == i).then_some(0));
+        if row.mesh.is_some() || row.stride != 1 || !fits(row) || !range.clone().all(begins) {
             continue;
         }
-        if row.links.iter().any(|l| heard.contains(l)) {
-            continue;
+        if class_of(&classes[range.clone()]).is_some() {
+            row.integrate = integrate(&mut classes[range]);
         }
-        let classes = &mut classes[slot..=slot + row.links.len()];
-        let class = classes.iter().flatten().next().copied().unwrap_or(Class::Free);
-        if classes.iter().flatten().any(|c| *c != class) {
-            continue;
-        }
-        row.integrate = match class {
-            Class::Held => continue,
-            Class::Full => Integrate::Cel,
-            Class::Free => Integrate::Mas,
-        };
-        classes.fill(Some(class));
+    }
+}
+
+/// How all of these masses are integrated, if it is one way; what does not move goes with the others.
+fn class_of(classes: &[Option<Class>]) -> Option<Class> {
+    let class = classes.iter().flatten().next().copied().unwrap_or(Class::Free);
+    (class != Class::Held && classes.iter().flatten().all(|c| *c == class)).then_some(class)
+}
+
+/// Says of masses that are integrated in one way that they all are, and how.
+fn integrate(classes: &mut [Option<Class>]) -> Integrate {
+    let class = class_of(classes);
+    classes.fill(class);
+    match class {
+        Some(Class::Full) => Integrate::Cel,
+        Some(Class::Free) => Integrate::Mas,
+        Some(Class::Held) | None => Integrate::No,
     }
 }
 
@@ -61,7 +80,14 @@ pub struct Passes<'a> {
 /// Fuses what is marked; returns how many of the last forces no tick runs by themselves.
 pub fn fuse(passes: &mut Passes) -> usize {
     let fused: Vec<bool> = passes.forces.iter().map(|op| op.form.integrate != Integrate::No).collect();
-    let mut rows: Vec<Op> = passes.forces.iter().filter(|op| op.form.integrate != Integrate::No).copied().collect();
+    let mut rows: Vec<Op> = Vec::new();
+    for op in passes.forces.iter().filter(|op| op.form.integrate != Integrate::No) {
+        match rows.last_mut() {
+            // links across run in the pass of those along
+            Some(along) if op.form.band == Band::Across => along.form.offset |= op.form.offset,
+            _ => rows.push(*op),
+        }
+    }
     rows.sort_by_key(|op| op.mat);
     let mut rows = rows.into_iter().peekable();
     let mut moves = Vec::with_capacity(passes.moves.len());
@@ -74,14 +100,16 @@ pub fn fuse(passes: &mut Passes) -> usize {
             let form = Form { stride: 1, ..op.form };
             moves.extend(part(at, op.mat));
             moves.push(Op { kernel: (law.kernel)(form), form, tap: 1, ..op });
-            at = op.mat + op.n + 1;
+            // a folded row has as many links as masses
+            at = op.mat + op.n + usize::from(!form.folded);
         }
         moves.extend(part(at, end));
     }
     *passes.moves = moves;
     let mut order: Vec<usize> = (0..fused.len()).collect();
     order.sort_by_key(|i| fused[*i]);
-    let as_listed = |op: Op| Op { form: Form { integrate: Integrate::No, folded: false, ..op.form }, ..op };
+    let as_listed =
+        |op: Op| Op { form: Form { integrate: Integrate::No, folded: false, band: Band::None, ..op.form }, ..op };
     *passes.forces = order.iter().map(|i| as_listed(passes.forces[*i])).collect();
     let mut place = alloc::vec![0; order.len()];
     for (now, was) in order.iter().enumerate() {
@@ -93,76 +121,4 @@ pub fn fuse(passes: &mut Passes) -> usize {
         }
     }
     fused.iter().filter(|f| **f).count()
-}
-
-/// What is added to the force on a slot.
-#[derive(Clone, Copy, Default)]
-struct Added {
-    /// the batch of links that adds first
-    first: Option<usize>,
-    /// numbers that others add behind it
-    behind: usize,
-    /// somebody reads the sum, or adds before links or in a way of its own
-    whole: bool,
-}
-
-impl Added {
-    /// One number more, by batch `of`.
-    fn add(&mut self, of: usize) {
-        self.behind += usize::from(*self.first.get_or_insert(of) != of);
-    }
-
-    /// True where batch `of` sums first, and at most one number comes behind it.
-    fn lets(&self, of: usize) -> bool {
-        !self.whole && self.first == Some(of) && self.behind <= 1
-    }
-}
-
-/// The same for each slot.
-fn added(plan: &Plan, batches: &[Batch]) -> Vec<Added> {
-    let net = plan.net;
-    let mut all = alloc::vec![Added::default(); plan.coef_slots()];
-    let whole = |all: &mut Vec<Added>, slot: u32, axes: usize| {
-        all.iter_mut().skip(slot as usize).take(axes).for_each(|a| a.whole = true);
-    };
-    for (i, batch) in batches.iter().enumerate() {
-        let shape = plan.shape(batch.links[0], batch.law);
-        for l in &batch.links {
-            let node = &net.lias[*l as usize];
-            if shape.measure == MeasureKind::Line && shape.onto.is_none() && node.sets.is_none() {
-                plan.ends(*l).into_iter().for_each(|slot| all[slot as usize].add(i));
-            } else {
-                node.all_ends().for_each(|end| whole(&mut all, plan.at(end), 3));
-            }
-        }
-    }
-    for (p, slot) in net.points.iter().zip(&plan.point).filter(|(_, slot)| **slot != u32::MAX) {
-        let family = &net.families[&p.family];
-        // where nothing touches the point it gives nothing
-        let touched = all[*slot as usize].first.is_some() || all[*slot as usize].whole;
-        for m in &family.nodes {
-            let node = &mut all[plan.slot[*m as usize] as usize];
-            node.whole |= p.shape.is_some();
-            node.behind += usize::from(touched);
-        }
-    }
-    let mats = net.mats.iter().zip(&plan.slot).filter(|(_, slot)| **slot != u32::MAX);
-    for (m, slot) in mats {
-        let weighed = !m.is_fixed() && net.medium(m).gravity.iter().any(|g| *g != 0.0);
-        if weighed || matches!(m.role, MatRole::Port(..)) {
-            whole(&mut all, *slot, m.slots() as usize);
-        }
-    }
-    let read = net.outs.iter().filter_map(|o| match o.tap {
-        OutputTap::ForceOn(e) => plan.alive(e, o.axis),
-        _ => None,
-    });
-    let pushed = net.pushes.iter().filter_map(|p| plan.alive(p.end, p.axis));
-    let junctions = net.lines.iter().filter(|l| l.tuned.is_some()).flat_map(LineNode::junctions);
-    let junctions = junctions.filter_map(|m| plan.alive(End::Mat(m), 0));
-    let singles: Vec<u32> = read.chain(pushed).chain(junctions).collect();
-    for slot in singles {
-        whole(&mut all, slot, 1);
-    }
-    all
 }

@@ -7,10 +7,12 @@ use crate::net::{End, LiaNode, Measure, Pruned};
 use crate::options::Options;
 use alloc::vec::Vec;
 use ca_core::kind::Role;
-use ca_core::layout::PairSet;
+use ca_core::layout::{HeardLink, PairSet};
 use ca_core::live::{Loader, Source};
 use ca_core::op::law::{Law, SolveStage};
-use ca_core::op::{Form, Op, Ports};
+use ca_core::op::{Band, Form, Integrate, Op, Ports};
+use ca_core::real::real;
+use ca_core::state::Fold;
 use ca_model::Model;
 use ca_model::diag::Diags;
 
@@ -36,6 +38,8 @@ pub struct Links {
     pub mem: usize,
     /// places for forces
     pub tap: usize,
+    /// links of fused rows whose force is heard, each with its number in the net
+    pub heard: Vec<(u32, HeardLink)>,
     /// for each link of the net, its op and position in it
     pub where_is: Vec<(u32, u32)>,
 }
@@ -122,7 +126,8 @@ impl Plan<'_> {
         let own = own_tables(net);
         let heard = self.heard();
         // with a 0 on either side, for rows that integrate
-        let scratch = batches.iter().filter(|b| b.stride > 0).map(|b| b.links.len() + 2).max().unwrap_or(0);
+        let passing = |b: &&Batch| b.stride > 0 || b.band == Band::Across;
+        let scratch = batches.iter().filter(passing).map(|b| b.links.len() + 2).max().unwrap_or(0);
         let mut k = Links {
             forces: Vec::new(),
             late: batches.iter().filter(|b| !b.law.is_staged()).count(),
@@ -134,13 +139,18 @@ impl Plan<'_> {
             e0: Vec::with_capacity(net.lias.len()),
             mem: 0,
             tap: scratch,
+            heard: Vec::new(),
             where_is: alloc::vec![(0, 0); net.lias.len()],
         };
         let mut to = Vec::new();
-        for Batch { links: batch, law, stride, integrate, folded } in batches {
-            let n = batch.len();
+        for row in batches {
+            let (n, any, mat) = (row.links.len(), row.some(), row.slot(self));
+            let Batch { links: batch, law, stride, integrate, folded, band, .. } = row;
+            if folded {
+                self.coef.resize(self.coef.len().next_multiple_of(Fold::LANES), 0.0);
+            }
             let (first, coef) = (k.ends.len(), self.coef.len());
-            let shape = self.shape(batch[0], law);
+            let shape = self.shape(any, law);
             let mut ports = Ports { measure: shape.measure, reach: k.reach.len(), onto: None, pair_set: None };
             let nodes = || batch.iter().filter(|id| **id != JOINT).map(|id| &net.lias[*id as usize]);
             k.reach.extend(nodes().filter_map(|l| self.reach(l.ends, l.measure, l.soften)));
@@ -152,7 +162,7 @@ impl Plan<'_> {
                     self.reach(o.ends, o.measure, l.soften)
                 }));
             }
-            let sets = net.lias[batch[0] as usize].sets.as_ref();
+            let sets = net.lias[any as usize].sets.as_ref();
             if let Some(sets) = sets {
                 let places = |set: &[u32]| set.iter().map(|m| self.slot[*m as usize]).collect::<Vec<u32>>();
                 ports.pair_set = Some(k.pair_sets.len());
@@ -161,7 +171,7 @@ impl Plan<'_> {
             self.coef.resize(coef + n * law.coefs, 0.0);
             for (i, id) in batch.iter().enumerate() {
                 if *id == JOINT {
-                    k.ends.push([k.ends[first][0]; 2]);
+                    k.ends.push([self.ends(any)[0]; 2]);
                     k.e0.push(0.0);
                     continue;
                 }
@@ -185,15 +195,24 @@ impl Plan<'_> {
                     penetration::warn(net, l, k.e0[first + i], &reach, model, diags);
                 }
             }
-            let tap = options.energy || batch.iter().any(|l| heard.contains(l));
+            let some_heard = batch.iter().any(|l| heard.contains(l));
+            let tap = options.energy || some_heard && integrate == Integrate::No;
+            if some_heard && !tap {
+                let coefs = law.coefs as u32;
+                for (i, l) in batch.iter().enumerate().filter(|(_, l)| heard.contains(l)) {
+                    let (ends, e0, coef, tap) = (self.ends(*l), real(k.e0[first + i]), (coef + i) as u32, k.tap as u32);
+                    k.heard.push((*l, HeardLink { force: law.force, ends, e0, coef, step: n as u32, coefs, tap }));
+                    k.tap += 1;
+                }
+            }
             let offset = k.e0[first..].iter().any(|e| *e != 0.0);
             let (measure, onto, set) = (shape.measure, shape.onto, sets.is_some());
             let form = Form { stride, offset, tap, measure, onto, set, ..Form::default() };
             let kernel = (law.kernel)(form);
             // what is folded stands in a row to the pass that integrates, to no other
             let mut op = Op::pass(law.code, kernel, n);
-            let form = Form { integrate, folded, ..form };
-            op = Op { law: Some(law), form, ports, first, coef, mem: k.mem, mat: k.ends[first][0] as usize, ..op };
+            let form = Form { integrate, folded, band, ..form };
+            op = Op { law: Some(law), form, ports, first, coef, mem: k.mem, mat: mat as usize, ..op };
             if tap {
                 op.tap = k.tap;
                 // of a set, the force on each axis of each member

@@ -76,7 +76,7 @@ pub fn first(layout: &Layout, forces: &[Op], written: State) -> State {
         s.f[i] = theirs[i] - right[i];
     }
     if let Some(l) = &mut s.ledger {
-        l.kick.clone_from(&s.f);
+        l.kick = s.f.to_vec();
     }
     s
 }

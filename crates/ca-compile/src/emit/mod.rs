@@ -1,5 +1,7 @@
 //! Last: from the network to the arrays and passes of a [`Scene`](ca_core::Scene).
 
+pub mod added;
+pub mod bands;
 pub mod batches;
 pub mod cutoff;
 pub mod fold;

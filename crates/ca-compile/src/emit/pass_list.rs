@@ -7,7 +7,7 @@ use alloc::vec::Vec;
 use ca_core::layout::Layout;
 use ca_core::method::implicit;
 use ca_core::op::law::SolveStage;
-use ca_core::op::{Kernel, Op, blocker, lowpass, pass, wave};
+use ca_core::op::{Kernel, Op, blocker, heard, lowpass, pass, wave};
 use ca_core::{border, energy};
 
 /// Before the forces: ports, the ledger of the tick before, changes, moving points.
@@ -91,9 +91,11 @@ pub fn forces(layout: &Layout, mut links: Vec<Op>, late: usize, weight: usize) -
 pub fn writes(layout: &Layout, gains: usize) -> Vec<Op> {
     let high = layout.blockers.len();
     let plain = layout.outputs.len() - high;
+    let again = layout.heard.len();
     let list = [
+        (again > 0, "heard links", heard::heard as Kernel, again, 0),
         // it clears what the others add to
-        (plain + high > 0, "outputs", pass::outputs as Kernel, plain, 0),
+        (plain + high > 0, "outputs", pass::outputs, plain, 0),
         (high > 0, "high pass", blocker::blocker, high, plain),
         (!layout.lowpass.is_empty(), "low pass", lowpass::lowpass, layout.channels, 0),
     ];

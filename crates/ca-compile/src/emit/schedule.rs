@@ -17,6 +17,7 @@ use alloc::collections::{BTreeMap, BTreeSet};
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 use ca_core::active_contacts::ActiveContacts;
+use ca_core::aligned::Aligned;
 use ca_core::certificate::Certificate;
 use ca_core::kind::PortRole;
 use ca_core::layout::{
@@ -24,7 +25,7 @@ use ca_core::layout::{
 };
 use ca_core::ledger::Ledger;
 use ca_core::live::Loader;
-use ca_core::op::Op;
+use ca_core::op::{Op, Vectors};
 use ca_core::real::{Real, real};
 use ca_core::scene::{InputRole, Location, Scene, Symbol};
 use ca_core::start::{Order, start};
@@ -53,8 +54,9 @@ pub fn schedule(
     pass_list::spread(&mut classes);
     let mut batches = plan.joined(options, batches);
     // from here on a slot stays what it is
-    written.slots = fold(&mut plan, &mut masses, &mut batches);
+    written.slots = fold(&mut plan, &mut masses, &mut classes, &mut batches);
     let Masses { x, v, rest } = masses;
+    let n_mat = x.len();
     let (enx, tgr) = (ports(&plan, PortRole::Enx), ports(&plan, PortRole::Tgr));
     let enf: Vec<Enf> =
         net.pushes.iter().filter_map(|p| Some(Enf { input: p.input, mat: plan.alive(p.end, p.axis)? })).collect();
@@ -110,12 +112,14 @@ pub fn schedule(
         crossing: net.crossing,
         waves,
         weighed,
+        heard: links.heard.into_iter().map(|(_, h)| h).collect(),
         outputs,
         blockers: blockers(model, net, diags),
         lowpass: if net.channels.is_empty() { Vec::new() } else { reals(net.lowpass.clone()) },
         implicit: implicit.map(|a| a.0),
         ledger,
         substeps: None,
+        vectors: Vectors::detect(),
     };
     let mut reads = pass_list::reads(&layout, live_places.len(), aimed);
     let mut forces = pass_list::forces(&layout, links.forces, links.late, weight);
@@ -326,7 +330,9 @@ fn outputs(plan: &mut Plan, links: &Links) -> Option<(usize, Vec<Output>)> {
             OutputTap::ForceOn(e) => Tap::ForceOn(plan.alive(e, o.axis)?),
             OutputTap::ForceOf(l) => {
                 let (op, k) = links.where_is[l as usize];
-                Tap::ForceOf((links.forces[op as usize].tap + k as usize) as u32)
+                let again = links.heard.iter().find(|(of, _)| *of == l);
+                let kept = || (links.forces[op as usize].tap + k as usize) as u32;
+                Tap::ForceOf(again.map_or_else(kept, |(_, h)| h.tap))
             }
         };
         all.push(Output { channel: o.channel, tap });
@@ -373,7 +379,7 @@ fn symbols(plan: &Plan, links: &Links, index: impl Fn(usize) -> usize) -> Vec<Sy
 }
 
 /// Numbers as a tick has them.
-fn reals(all: Vec<f64>) -> Vec<Real> {
+fn reals<All: FromIterator<Real>>(all: Vec<f64>) -> All {
     all.into_iter().map(real).collect()
 }
 
@@ -392,9 +398,9 @@ fn loaded(
         scene: Identity::default(),
         x: reals(x),
         d: v.iter().map(|v| real(v * net.tick_dt)).collect(),
-        f: alloc::vec![0.0; layout.n_mat],
+        f: Aligned::zeros(layout.n_mat),
         mem: alloc::vec![0.0; layout.n_mem],
-        tap: alloc::vec![0.0; layout.n_tap],
+        tap: Aligned::zeros(layout.n_tap),
         last_input: input.clone(),
         output: alloc::vec![0.0; layout.n_out],
         near: layout.pair_sets.iter().map(|c| VerletList::new(c.members.len(), c.rows, c.columns)).collect(),

@@ -32,7 +32,8 @@ impl Written {
     pub fn coefs(&mut self, n_mat: usize, of_links: Range<usize>, links: &Links) {
         let slots = &self.slots;
         let slot = |i: usize| slots.get(i).map_or(i, |s| *s as usize);
-        let of_mats = (0..3).flat_map(|k| (0..n_mat).map(move |i| (k * n_mat + slot(i)) as u32));
+        let listed = if slots.is_empty() { n_mat } else { slots.len() };
+        let of_mats = (0..3).flat_map(|k| (0..listed).map(move |i| (k * n_mat + slot(i)) as u32));
         self.coefs = of_mats.chain((3 * n_mat) as u32..of_links.start as u32).collect();
         for batch in &self.batches {
             let columns = links.forces[links.where_is[batch[0] as usize].0 as usize].law.map_or(0, |law| law.coefs);

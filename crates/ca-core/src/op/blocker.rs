@@ -5,7 +5,7 @@
 //! has always been there, so that a spring under tension makes no thump.
 
 use super::Op;
-use super::pass::tapped;
+use super::pass::Heard;
 use crate::layout::Layout;
 use crate::real::{TINY, wide};
 use crate::state::State;
@@ -13,7 +13,7 @@ use crate::state::State;
 /// Adds the outputs from `op.first` on, each through its high pass.
 pub fn blocker(op: &Op, layout: &Layout, s: &mut State) {
     for (k, (o, c)) in layout.outputs[op.first..].iter().zip(&layout.blockers[..op.n]).enumerate() {
-        let v = s.coef[op.coef + k] * tapped(o, s);
+        let v = s.coef[op.coef + k] * Heard::of(s).by(o);
         let [before, y] = if s.tick == 0 { [v, 0.0] } else { s.blocked[k] };
         let y = c.r * y + c.g * (v - before);
         let y = if y.abs() < TINY { 0.0 } else { y };

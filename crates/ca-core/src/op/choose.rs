@@ -1,6 +1,10 @@
 //! Which kernel runs a law: one for each form of a batch of links, chosen at load.
 
 #[cfg(not(single))]
+use super::Band;
+#[cfg(not(single))]
+use super::band::Banded;
+#[cfg(not(single))]
 use super::folded::Folded;
 use super::fused::Fused;
 use super::{Form, Integrate, Kernel, MeasureKind, gather, measure, pair_set, run, space, wide};
@@ -18,12 +22,17 @@ pub(crate) fn kernel<P: Phi<C, M> + 'static, const C: usize, const M: usize>(for
     // others are never asked for, so that their passes are not made
     #[cfg(not(single))]
     if P::WIDE && form.folded {
+        let alone = form.band == Band::None;
         match (form.integrate, form.offset) {
             (Integrate::No, _) => {}
-            (Integrate::Mas, false) => return wide::wide::<Folded<P, C, M, false, false>>,
-            (Integrate::Mas, true) => return wide::wide::<Folded<P, C, M, true, false>>,
-            (Integrate::Cel, false) => return wide::wide::<Folded<P, C, M, false, true>>,
-            (Integrate::Cel, true) => return wide::wide::<Folded<P, C, M, true, true>>,
+            (Integrate::Mas, false) if !alone => return wide::widest::<Banded<P, C, M, false, false>>,
+            (Integrate::Mas, true) if !alone => return wide::widest::<Banded<P, C, M, true, false>>,
+            (Integrate::Cel, false) if !alone => return wide::widest::<Banded<P, C, M, false, true>>,
+            (Integrate::Cel, true) if !alone => return wide::widest::<Banded<P, C, M, true, true>>,
+            (Integrate::Mas, false) => return wide::widest::<Folded<P, C, M, false, false>>,
+            (Integrate::Mas, true) => return wide::widest::<Folded<P, C, M, true, false>>,
+            (Integrate::Cel, false) => return wide::widest::<Folded<P, C, M, false, true>>,
+            (Integrate::Cel, true) => return wide::widest::<Folded<P, C, M, true, true>>,
         }
     }
     if P::LINEAR && M == 0 {

@@ -5,7 +5,8 @@
 //! and without what is left over at the end of a vector. Only the force between the end of one stretch and the beginning
 //! of the next crosses lanes, once a tick. Decides for eight lanes on every processor, as one vector of eight, two of
 //! four, four of two or eight numbers: where masses stand does not depend on the machine, and no bit of the result does.
-//! What is left of the row, up to eight masses, stands behind it in order.
+//! And for rows that are filled up to whole vectors, by masses that no force moves and links without force: cheaper than a
+//! second loop for what would be left, and every vector then stands on a cache line of its own.
 //!
 //! The sum is that of [`Fused`](super::fused::Fused), (Fᵢ − Fᵢ₋₁) + f.
 
@@ -19,8 +20,8 @@ use core::ops::{Add, Mul, Sub};
 
 const LANES: usize = Fold::LANES;
 
-/// The pass of `op.n` ≥ 8 links and of `op.n + 1` masses from `op.mat` on, which have springs and dampers of their own where
-/// `OWN`.
+/// The pass of as many links as masses, `op.n` ≥ 16, a multiple of 8, the last link being without force. Masses stand from
+/// `op.mat` on, and have springs and dampers of their own where `OWN`.
 pub struct Folded<P, const C: usize, const M: usize, const OFFSET: bool, const OWN: bool>(PhantomData<P>);
 
 impl<P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bool, const OWN: bool> Body
@@ -39,7 +40,7 @@ impl<P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bool, const OWN
 
 /// A vector with the operations of numbers.
 #[derive(Clone, Copy)]
-struct Lanes<S: Simd>(S, S::f64s);
+pub(super) struct Lanes<S: Simd>(pub(super) S, pub(super) S::f64s);
 
 impl<S: Simd> Add for Lanes<S> {
     type Output = Self;
@@ -67,20 +68,30 @@ impl<S: Simd> Mul for Lanes<S> {
 
 /// Numbers eight by eight, in `U` vectors each.
 #[inline(always)]
-fn eights<S: Simd, const U: usize>(all: &[f64]) -> &[[S::f64s; U]] {
+pub(super) fn eights<S: Simd, const U: usize>(all: &[f64]) -> &[[S::f64s; U]] {
     S::as_simd_f64s(all).0.as_chunks::<U>().0
 }
 
 /// The same, to be changed.
 #[inline(always)]
-fn eights_mut<S: Simd, const U: usize>(all: &mut [f64]) -> &mut [[S::f64s; U]] {
+pub(super) fn eights_mut<S: Simd, const U: usize>(all: &mut [f64]) -> &mut [[S::f64s; U]] {
     S::as_mut_simd_f64s(all).0.as_chunks_mut::<U>().0
+}
+
+/// The coefficients of `n` links, a column each, at the beginning of `all`.
+#[inline(always)]
+pub(super) fn coefs<S: Simd, const C: usize, const U: usize>(all: &[f64], n: usize) -> [&[[S::f64s; U]]; C] {
+    let mut columns: [&[[S::f64s; U]]; C] = [&[]; C];
+    for k in 0..C {
+        columns[k] = &eights::<S, U>(&all[k * n..][..n])[..n / LANES];
+    }
+    columns
 }
 
 /// The forces of links whose ends are `x` and `x_next` apart, by coefficients `c`. Loops rather than closures: what is not
 /// inlined here stays narrow.
 #[inline(always)]
-fn force<S: Simd, P: Phi<C, M>, const C: usize, const M: usize, const U: usize>(
+pub(super) fn force<S: Simd, P: Phi<C, M>, const C: usize, const M: usize, const U: usize>(
     simd: S,
     columns: &[&[[S::f64s; U]]; C],
     e0: Option<&[S::f64s; U]>,
@@ -103,6 +114,18 @@ fn force<S: Simd, P: Phi<C, M>, const C: usize, const M: usize, const U: usize>(
     all
 }
 
+/// Lanes moved up by one over all eight, the last coming round to the first.
+#[inline(always)]
+pub(super) fn rotated<S: Simd, const U: usize>(simd: S, all: &[S::f64s; U]) -> [S::f64s; U] {
+    let first = simd.mask_between_m64s(0, 1).mask();
+    let mut to = *all;
+    for u in 0..U {
+        let (from, before) = (all[u], all[(u + U - 1) % U]);
+        to[u] = simd.select_f64s(first, simd.rotate_right_f64s(before, 1), simd.rotate_right_f64s(from, 1));
+    }
+    to
+}
+
 #[inline(always)]
 fn row<S: Simd, P: Phi<C, M>, const C: usize, const M: usize, const U: usize, const OFFSET: bool, const OWN: bool>(
     simd: S,
@@ -111,78 +134,43 @@ fn row<S: Simd, P: Phi<C, M>, const C: usize, const M: usize, const U: usize, co
     s: &mut State,
 ) {
     let (n, steps) = (op.n, op.n / LANES);
-    let (folded, last) = (LANES * steps, steps - 1);
-    let e0: &[f64] = if OFFSET { &layout.e0[op.first..][..n] } else { &[] };
-    let columns = &s.coef[op.coef..][..C * n];
-    let [p, q, c] = [0, 1, 2].map(|k| &s.coef[k * layout.n_mat + op.mat..][..n + 1]);
-    let (x, x_left) = s.x[op.mat..][..n + 1].split_at_mut(folded);
-    let (d, d_left) = s.d[op.mat..][..n + 1].split_at_mut(folded);
-    let (f, f_left) = s.f[op.mat..][..n + 1].split_at_mut(folded);
-    // what follows the last mass of each stretch: the first of the next, and what is left
-    let (mut x_next, mut d_next) = ([0.0; LANES], [0.0; LANES]);
-    x_next[..LANES - 1].copy_from_slice(&x[1..LANES]);
-    d_next[..LANES - 1].copy_from_slice(&d[1..LANES]);
-    (x_next[LANES - 1], d_next[LANES - 1]) = (x_left[0], d_left[0]);
-    // the force behind the last mass of each stretch, and therefore before the first of the next
-    let mut behind = [0.0; LANES + 1];
-    {
-        let mut k8: [&[[S::f64s; U]]; C] = [&[]; C];
-        for k in 0..C {
-            k8[k] = &eights::<S, U>(&columns[k * n..][..folded])[..steps];
-        }
-        let e8 = if OFFSET { &eights::<S, U>(&e0[..folded])[..steps] } else { &[] };
-        let [p, q, c] = [&p[..folded], &q[..folded], &c[..folded]];
-        let (p, q, c) = (&eights::<S, U>(p)[..steps], &eights::<S, U>(q)[..steps], &eights::<S, U>(c)[..steps]);
-        let (x, d, f) = (eights_mut::<S, U>(x), eights_mut::<S, U>(d), eights_mut::<S, U>(f));
-        let (x, d, f) = (&mut x[..steps], &mut d[..steps], &mut f[..steps]);
-        let (x_next, d_next) = (&eights::<S, U>(&x_next)[0], &eights::<S, U>(&d_next)[0]);
-        let e = if OFFSET { Some(&e8[last]) } else { None };
-        let ends = force::<S, P, C, M, U>(simd, &k8, e, last, [&x[last], x_next, &d[last], d_next]);
-        eights_mut::<S, U>(&mut behind[1..])[0] = ends;
-        let mut before = eights::<S, U>(&behind[..LANES])[0];
-        let (mut x_now, mut d_now) = (x[0], d[0]);
-        for i in 0..steps {
-            let (x_next, d_next, behind) = if i < last {
-                let (x_next, d_next) = (x[i + 1], d[i + 1]);
-                let e = if OFFSET { Some(&e8[i]) } else { None };
-                (x_next, d_next, force::<S, P, C, M, U>(simd, &k8, e, i, [&x_now, &x_next, &d_now, &d_next]))
-            } else {
-                (x_now, d_now, ends)
-            };
-            for u in 0..U {
-                let v = |v| Lanes(simd, v);
-                let sum = (v(behind[u]) - v(before[u])) + v(f[i][u]);
-                let moved = if OWN {
-                    v(p[i][u]) * v(d_now[u]) + v(q[i][u]) * v(x_now[u]) + v(c[i][u]) * sum
-                } else {
-                    v(d_now[u]) + v(c[i][u]) * sum
-                };
-                d[i][u] = moved.1;
-                x[i][u] = (v(x_now[u]) + moved).1;
-                f[i][u] = simd.splat_f64s(0.0);
-            }
-            (x_now, d_now, before) = (x_next, d_next, behind);
-        }
-    }
-    let mut before = behind[LANES];
-    for i in 0..x_left.len() {
-        let at = folded + i;
-        let behind = if at < n {
-            let e = x_left[i + 1] - x_left[i];
-            let e = if OFFSET { e + e0[at] } else { e };
-            let mut c = [0.0; C];
-            for k in 0..C {
-                c[k] = columns[k * n + at];
-            }
-            P::linear(&c, e, d_left[i + 1] - d_left[i])
+    let last = steps - 1;
+    let k8 = coefs::<S, C, U>(&s.coef[op.coef..], n);
+    let e8 = if OFFSET { &eights::<S, U>(&layout.e0[op.first..][..n])[..steps] } else { &[] };
+    let [p, q, c] = [0, 1, 2].map(|k| &s.coef[k * layout.n_mat + op.mat..][..n]);
+    let (p, q, c) = (&eights::<S, U>(p)[..steps], &eights::<S, U>(q)[..steps], &eights::<S, U>(c)[..steps]);
+    let (x, d, f) = (&mut s.x[op.mat..][..n], &mut s.d[op.mat..][..n], &mut s.f[op.mat..][..n]);
+    // what follows the last mass of each stretch is the first of the next, one number further; behind the last there is no
+    // force, whatever stands there
+    let (x_next, d_next) = (eights::<S, U>(&x[1..=LANES])[0], eights::<S, U>(&d[1..=LANES])[0]);
+    let (x, d, f) = (eights_mut::<S, U>(x), eights_mut::<S, U>(d), eights_mut::<S, U>(f));
+    let (x, d, f) = (&mut x[..steps], &mut d[..steps], &mut f[..steps]);
+    let e = if OFFSET { Some(&e8[last]) } else { None };
+    // the force behind the last mass of each stretch, and therefore before the first of the next; that behind the very last
+    // comes round to the very first, and is none
+    let ends = force::<S, P, C, M, U>(simd, &k8, e, last, [&x[last], &x_next, &d[last], &d_next]);
+    let mut before = rotated::<S, U>(simd, &ends);
+    let (mut x_now, mut d_now) = (x[0], d[0]);
+    for i in 0..steps {
+        let (x_next, d_next, behind) = if i < last {
+            let (x_next, d_next) = (x[i + 1], d[i + 1]);
+            let e = if OFFSET { Some(&e8[i]) } else { None };
+            (x_next, d_next, force::<S, P, C, M, U>(simd, &k8, e, i, [&x_now, &x_next, &d_now, &d_next]))
         } else {
-            0.0
+            (x_now, d_now, ends)
         };
-        let sum = (behind - before) + f_left[i];
-        let d = &mut d_left[i];
-        *d = if OWN { p[at] * *d + q[at] * x_left[i] + c[at] * sum } else { *d + c[at] * sum };
-        x_left[i] += *d;
-        f_left[i] = 0.0;
-        before = behind;
+        for u in 0..U {
+            let v = |v| Lanes(simd, v);
+            let sum = (v(behind[u]) - v(before[u])) + v(f[i][u]);
+            let moved = if OWN {
+                v(p[i][u]) * v(d_now[u]) + v(q[i][u]) * v(x_now[u]) + v(c[i][u]) * sum
+            } else {
+                v(d_now[u]) + v(c[i][u]) * sum
+            };
+            d[i][u] = moved.1;
+            x[i][u] = (v(x_now[u]) + moved).1;
+            f[i][u] = simd.splat_f64s(0.0);
+        }
+        (x_now, d_now, before) = (x_next, d_next, behind);
     }
 }

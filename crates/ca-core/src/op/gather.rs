@@ -17,7 +17,7 @@ pub fn gather<P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bool, 
     let ends = &layout.ends[op.first..][..n];
     let e0 = if OFFSET { &layout.e0[op.first..][..n] } else { &[] };
     let columns: [&[Real]; C] = core::array::from_fn(|k| &s.coef[op.coef + k * n..][..n]);
-    let (x, d, f) = (&s.x, &s.d, &mut s.f);
+    let (x, d, f) = (&s.x[..], &s.d[..], &mut s.f[..]);
     let mem = &mut s.mem[op.mem..][..n * M];
     for i in 0..n {
         let [a, b] = [ends[i][0] as usize, ends[i][1] as usize];

@@ -12,12 +12,15 @@ use crate::real::Real;
 use crate::state::State;
 use crate::table::Table;
 
+#[cfg(not(single))]
+mod band;
 pub mod blocker;
 mod choose;
 #[cfg(not(single))]
 mod folded;
 mod fused;
 mod gather;
+pub mod heard;
 pub mod law;
 pub mod lowpass;
 pub mod measure;
@@ -28,6 +31,8 @@ mod space;
 pub mod substep;
 pub mod wave;
 pub(crate) mod wide;
+
+pub use wide::Vectors;
 
 /// One pass, run once per tick.
 pub type Kernel = fn(&Op, &Layout, &mut State);
@@ -42,6 +47,18 @@ pub enum Integrate {
     Mas,
     /// masses with springs and dampers of their own
     Cel,
+}
+
+/// What a folded row does with the links across it: those of a mesh, between a mass and that as many places further.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Band {
+    /// there are none
+    #[default]
+    None,
+    /// so many places further; those links are the batch that follows, and run in this pass
+    Along(usize),
+    /// it is those links, and runs in the pass of the batch before
+    Across,
 }
 
 /// How a batch of links is laid out; chooses the kernel.
@@ -65,6 +82,8 @@ pub struct Form {
     pub integrate: Integrate,
     /// only for runs that integrate, of laws in vectors: masses and links stand in the order of [`Fold`](crate::state::Fold)
     pub folded: bool,
+    /// only for those: what links across the row do
+    pub band: Band,
 }
 
 /// A pass and where its modules stand.

@@ -57,7 +57,7 @@ impl<P: Phi<C, M>, const C: usize, const M: usize, const TAP: bool> Body for All
         let Some(at) = op.ports.pair_set else { return };
         let (set, near) = (&layout.pair_sets[at], &mut s.near[at]);
         let Some(c) = s.coef[op.coef..].first_chunk::<C>() else { return };
-        let (x, d, f, rest) = (&s.x, &s.d, &mut s.f, &layout.rest);
+        let (x, d, f, rest) = (&s.x[..], &s.d[..], &mut s.f[..], &layout.rest);
         let tap = if TAP { &mut s.tap[op.tap..][..3 * set.members.len()] } else { &mut [] };
         tap.fill(0.0);
         let (from, to) = P::idle(c);
@@ -120,7 +120,7 @@ pub fn touched(
     idle: (Real, Real),
     mut visit: impl FnMut([Real; 3]),
 ) {
-    let (set, x, d) = (&layout.pair_sets[at], &s.x, &s.d);
+    let (set, x, d) = (&layout.pair_sets[at], &s.x[..], &s.d[..]);
     place(near, set, &layout.rest, x);
     let fastest = |d: &[Real]| sqrt(set.members.iter().map(|m| square(three(d, *m))).fold(0.0, Real::max));
     let moved = 2.0 * (fastest(d) + fastest(d0));

@@ -144,24 +144,41 @@ pub fn share(op: &Op, layout: &Layout, s: &mut State) {
 /// Outputs of this tick, channel by channel as the compiler sorts them: a sum in a register waits for itself alone, one in
 /// memory for what was written there.
 pub fn outputs(op: &Op, layout: &Layout, s: &mut State) {
-    s.output.fill(0.0);
-    let mut gains = op.coef..op.coef + op.n;
+    let State { x, f, tap, coef, output, .. } = s;
+    let (heard, mut gains) = (Heard { x, f, tap }, coef[op.coef..][..op.n].iter());
+    output.fill(0.0);
     for of_channel in layout.outputs[..op.n].chunk_by(|a, b| a.channel == b.channel) {
         let channel = of_channel[0].channel as usize;
-        let mut sum = s.output[channel];
+        let mut sum = output[channel];
         for (o, gain) in of_channel.iter().zip(&mut gains) {
-            sum += wide(s.coef[gain] * tapped(o, s));
+            sum += wide(gain * heard.by(o));
         }
-        s.output[channel] = sum;
+        output[channel] = sum;
     }
 }
 
-/// What an output hears at this tick.
-pub(super) fn tapped(o: &Output, s: &State) -> Real {
-    match o.tap {
-        Tap::Position(m) => s.x[m as usize],
-        Tap::ForceOn(m) => s.f[m as usize],
-        Tap::ForceOf(t) => s.tap[t as usize],
+/// What outputs hear at this tick: positions, forces on MATs, forces of links.
+pub(super) struct Heard<'a> {
+    x: &'a [Real],
+    f: &'a [Real],
+    tap: &'a [Real],
+}
+
+impl<'a> Heard<'a> {
+    /// Those of a state.
+    #[inline(always)]
+    pub(super) fn of(s: &'a State) -> Heard<'a> {
+        Heard { x: &s.x, f: &s.f, tap: &s.tap }
+    }
+
+    /// What an output hears.
+    #[inline(always)]
+    pub(super) fn by(&self, o: &Output) -> Real {
+        match o.tap {
+            Tap::Position(m) => self.x[m as usize],
+            Tap::ForceOn(m) => self.f[m as usize],
+            Tap::ForceOf(t) => self.tap[t as usize],
+        }
     }
 }
 

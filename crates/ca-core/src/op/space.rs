@@ -19,7 +19,7 @@ pub fn space<P: Phi<C, M>, G: Measure, const C: usize, const M: usize, const TAP
     let e0 = &layout.e0[op.first..][..n];
     let reach = &layout.reach[op.ports.reach..][..n];
     let columns: [&[Real]; C] = core::array::from_fn(|k| &s.coef[op.coef + k * n..][..n]);
-    let (x, d, f) = (&s.x, &s.d, &mut s.f);
+    let (x, d, f) = (&s.x[..], &s.d[..], &mut s.f[..]);
     let mem = &mut s.mem[op.mem..][..n * M];
     for i in 0..n {
         let at = ends[i].map(|m| m as usize);

@@ -1,14 +1,54 @@
 //! Wide: runs the body of a pass compiled for the widest vectors the processor has.
 //!
-//! Decides that a body is written once, in plain Rust over slices, and instantiated twice, portable and AVX2, with the
-//! choice made at run time by `pulp` (no unsafe of ours). The operations and their order are the same in both, and no
-//! product is fused with a sum, so the bits do not depend on the processor.
+//! Decides that a body is written once, in plain Rust over slices, and instantiated for each width, portable and AVX2, and
+//! AVX-512 where vectors stand on cache lines ([`widest`]): elsewhere it gains nothing and takes as long to build. The choice
+//! is made by `pulp` (no unsafe of ours), once, at load ([`Vectors`]): to ask the processor in each pass is to test a dozen of its
+//! features in each pass. The operations and their order are the same in all, and no product is fused with a sum, so the bits
+//! do not depend on the processor.
 
 use super::Op;
 use crate::layout::Layout;
 use crate::state::State;
 use core::marker::PhantomData;
+use pulp::Arch;
 pub use pulp::Simd;
+
+/// The vectors that passes use.
+#[derive(Clone, Copy, Debug)]
+pub struct Vectors {
+    /// passes over arrays as they stand
+    plain: Arch,
+    /// passes whose vectors stand on cache lines
+    // none of single precision do
+    #[cfg_attr(single, expect(dead_code))]
+    widest: Arch,
+}
+
+impl Vectors {
+    /// What every processor has.
+    pub const PORTABLE: Vectors = Vectors { plain: Arch::Scalar, widest: Arch::Scalar };
+
+    /// The widest of this processor; without the feature `std`, the widest this was compiled for.
+    pub fn detect() -> Vectors {
+        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+        let plain = pulp::x86::V3::try_new().map_or(Arch::Scalar, Arch::V3);
+        #[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
+        let plain = Arch::new();
+        Vectors { plain, widest: Arch::new() }
+    }
+
+    /// All that this processor has, narrowest first: a scene plays the same bits with each.
+    pub fn all() -> [Vectors; 3] {
+        let own = Vectors::detect();
+        [Vectors::PORTABLE, Vectors { widest: own.plain, ..own }, own]
+    }
+}
+
+impl Default for Vectors {
+    fn default() -> Vectors {
+        Vectors::PORTABLE
+    }
+}
 
 /// The loops of a pass. Everything `run` calls must be inlined into it, or it stays narrow.
 pub trait Body {
@@ -33,5 +73,20 @@ impl<B: Body> pulp::WithSimd for Call<'_, B> {
 
 /// A pass whose body is `B`.
 pub fn wide<B: Body>(op: &Op, layout: &Layout, s: &mut State) {
-    pulp::Arch::new().dispatch(Call { op, layout, s, body: PhantomData::<B> });
+    let call = Call { op, layout, s, body: PhantomData::<B> };
+    // no third width is made of a body that would not gain by it
+    match layout.vectors.plain {
+        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+        Arch::V3(simd) => Simd::vectorize(simd, call),
+        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+        _ => Simd::vectorize(pulp::Scalar::new(), call),
+        #[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
+        other => other.dispatch(call),
+    }
+}
+
+/// A pass whose body is `B`, over vectors that stand on cache lines.
+#[cfg(not(single))]
+pub fn widest<B: Body>(op: &Op, layout: &Layout, s: &mut State) {
+    layout.vectors.widest.dispatch(Call { op, layout, s, body: PhantomData::<B> });
 }

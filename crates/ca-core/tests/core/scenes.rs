@@ -1,6 +1,7 @@
 //! Scenes laid out by hand, without a compiler: the tick against closed forms and against a plain loop.
 
 use crate::numbers;
+use ca_core::aligned::Aligned;
 use ca_core::certificate::Certificate;
 use ca_core::equivalence::{Equivalence, Gains};
 use ca_core::kind::Role;
@@ -30,7 +31,8 @@ impl Row {
         let layout =
             Layout { sample_dt: 1.0 / RATE, ratio: 1, frame: 1, n_mat: n, rest: vec![0.0; n], ..Layout::default() };
         let coef = (0..3).flat_map(|k| mats.iter().map(move |m| m[k])).collect();
-        let state = State { x: vec![0.0; n], d: vec![0.0; n], f: vec![0.0; n], coef, ..State::default() };
+        let zeros = || Aligned::zeros(n);
+        let state = State { x: zeros(), d: zeros(), f: zeros(), coef, ..State::default() };
         let own = Op::pass("integrate CEL", pass::integrate_full, n);
         let moves = vec![own, Op::pass("flush", pass::flush, n)];
         Row { layout, state, reads: Vec::new(), forces: Vec::new(), moves, inputs: Vec::new() }
@@ -45,10 +47,15 @@ impl Row {
         op.first = l.ends.len();
         l.ends.extend((0..n as u32).map(|i| [i, i + 1]));
         l.n_lia += n;
-        self.state.coef.extend((0..law.coefs).flat_map(|k| coefs.iter().map(move |c| c[k])));
-        self.state.tap.resize(n, 0.0);
+        self.more((0..law.coefs).flat_map(|k| coefs.iter().map(move |c| c[k])));
+        self.state.tap = Aligned::zeros(n);
         self.forces.push(op);
         self
+    }
+
+    /// Adds coefficients.
+    fn more(&mut self, coefs: impl IntoIterator<Item = f64>) {
+        self.state.coef = self.state.coef.iter().copied().chain(coefs).collect();
     }
 
     /// Hears the position of a MAT.
@@ -57,7 +64,7 @@ impl Row {
         self.layout.outputs.push(Output { tap: Tap::Position(mat), channel });
         (self.layout.channels, self.layout.n_out) = (1, 1);
         let op = Op { coef: self.state.coef.len(), ..Op::pass("outputs", pass::outputs, 1) };
-        self.state.coef.push(1.0);
+        self.more([1.0]);
         self.state.output.push(0.0);
         self.layout.n_coef = self.state.coef.len();
         self.state.last_input.clone_from(&self.state.input);
@@ -142,8 +149,8 @@ fn a_row_is_its_links_one_by_one() {
         }
     }
     assert!(x.iter().any(|x| x.abs() > 1e-9), "it is still in motion");
-    assert_eq!((&one.x, &one.d), (&x, &d), "one by one");
-    assert_eq!((&all.x, &all.d), (&x, &d), "as a row");
+    assert_eq!((&one.x[..], &one.d[..]), (&x[..], &d[..]), "one by one");
+    assert_eq!((&all.x[..], &all.d[..]), (&x[..], &d[..]), "as a row");
     assert_eq!(one.bits(), all.bits());
 }
 

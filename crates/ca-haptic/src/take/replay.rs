@@ -188,8 +188,8 @@ impl Replay {
                 None
             }
             Event::Reload(r) => {
-                let mine = (self.engine.state.x.len() as u32, self.engine.state.coef.len() as u32);
-                if mine == (r.places, r.coefs) {
+                let mine = self.engine.state.shape().map(|n| n as u32);
+                if mine == [r.places, r.coefs] {
                     let fresh = Box::new(self.engine.scene.state());
                     match self.engine.command(EngineCommand::Reload(fresh)) {
                         Some(Retired::State(old)) if old.bits() != r.bits => {

@@ -78,7 +78,7 @@ fn summary(loaded: &Loaded, scene: &Scene, exact: bool) -> Result<(), Failure> {
     let title = if scene.title.is_empty() { &loaded.name } else { &scene.title };
     writeln!(out, "{title}")?;
     let by_code: Vec<String> = codes(scene).iter().map(|(c, n)| format!("{n} {c}")).collect();
-    writeln!(out, "  modules    {} MAT, {} LIA: {}", scene.mats(), scene.n_lia, by_code.join(", "))?;
+    writeln!(out, "  modules    {} MAT, {} LIA: {}", scene.mats(), scene.lias(), by_code.join(", "))?;
     for (op, name) in scene.forces.iter().enumerate().map(|(i, op)| (op, scene.lia_name(i, 0))) {
         if let Some(set) = op.ports.pair_set {
             writeln!(out, "             `{name}` joins all {} pairs", scene.pair_sets[set].pairs())?;
@@ -137,7 +137,7 @@ fn summary_json(loaded: &Loaded, scene: &Scene) -> Json {
     let inputs: Vec<&str> = scene.inputs.iter().map(|i| i.name.as_str()).collect();
     let live: Vec<&str> = scene.live.params.iter().map(|p| p.name.as_str()).collect();
     json!({
-        "name": loaded.name, "title": scene.title, "n_mat": scene.mats(), "n_lia": scene.n_lia, "modules": codes,
+        "name": loaded.name, "title": scene.title, "n_mat": scene.mats(), "n_lia": scene.lias(), "modules": codes,
         "passes": ops(scene), "rate": scene.rate, "gesture_rate": scene.rate / f64::from(scene.ratio),
         "ratio": scene.ratio, "oversample": scene.oversample(), "latency": border::json(scene),
         "outputs": scene.channel_names, "inputs": inputs,

@@ -7,7 +7,7 @@
 
 use crate::Failure;
 use crate::term::short;
-use ca_core::op::{Integrate, MeasureKind, Op};
+use ca_core::op::{Band, Integrate, MeasureKind, Op};
 use ca_core::{Scene, State, tick};
 use ca_io::perform::Performance;
 use ca_lab::timing::Timing;
@@ -87,6 +87,9 @@ fn form(op: &Op) -> String {
     words.extend(offset.then(|| "offset".to_string()));
     words.extend(op.form.tap.then(|| "tap".to_string()));
     words.extend(op.form.folded.then(|| "folded".to_string()));
+    if let Band::Along(width) = op.form.band {
+        words.push(format!("as many across, {width} apart"));
+    }
     words.extend((op.form.integrate != Integrate::No).then(|| "integration".to_string()));
     words.join(" + ")
 }

@@ -58,7 +58,7 @@ impl Facts {
     pub fn of(scene: &Scene) -> Facts {
         let by_code: Vec<String> = codes(scene).iter().map(|(c, n)| format!("{n} {c}")).collect();
         let mut facts = vec![
-            ("modules", format!("{} MAT, {} LIA: {}", scene.mats(), scene.n_lia, by_code.join(", "))),
+            ("modules", format!("{} MAT, {} LIA: {}", scene.mats(), scene.lias(), by_code.join(", "))),
             ("rates", border::rates(scene)),
             ("stability", verdict(&scene.certificate)),
         ];

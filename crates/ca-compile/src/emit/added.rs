@@ -1,0 +1,106 @@
+//! Added: which batches of links add to the force on each slot, in which order, and what others add.
+//!
+//! Decides what may be summed in another way: a sum of numbers of a processor depends on its order, and a scene must not.
+
+use crate::emit::batches::Batch;
+use crate::emit::plan::Plan;
+use crate::net::lines::LineNode;
+use crate::net::{End, MatRole, OutputTap};
+use alloc::vec::Vec;
+use ca_core::layout::MeasureKind;
+
+/// What is added to the forces on all slots.
+pub struct Added {
+    /// first entry of each slot in `by`, and the end of the last
+    start: Vec<u32>,
+    /// batches by their number, one entry for each force they add, in the order of the list
+    by: Vec<u32>,
+    /// numbers that others add behind them
+    behind: Vec<u8>,
+    /// slots whose sum somebody reads, or to which somebody adds before links or in a way of its own
+    whole: Vec<bool>,
+}
+
+impl Added {
+    /// The same for the links of `batches`.
+    pub fn new(plan: &Plan, batches: &[Batch]) -> Added {
+        let n = plan.coef_slots();
+        let (behind, mut whole) = (alloc::vec![0u8; n], alloc::vec![false; n]);
+        let plain = |batch: &Batch| {
+            let shape = plan.shape(batch.links[0], batch.law);
+            let sets = plan.net.lias[batch.links[0] as usize].sets.is_some();
+            shape.measure == MeasureKind::Line && shape.onto.is_none() && !sets
+        };
+        let lined: Vec<bool> = batches.iter().map(plain).collect();
+        let forces = || {
+            let lined = batches.iter().zip(&lined).enumerate().filter(|(_, (_, lined))| **lined);
+            lined.flat_map(|(i, (b, _))| b.links.iter().flat_map(move |l| plan.ends(*l).map(|slot| (slot as usize, i))))
+        };
+        let mut start = alloc::vec![0u32; n + 1];
+        forces().for_each(|(slot, _)| start[slot + 1] += 1);
+        (0..n).for_each(|i| start[i + 1] += start[i]);
+        let (mut next, mut by) = (start.clone(), alloc::vec![0u32; start[n] as usize]);
+        for (slot, i) in forces() {
+            by[next[slot] as usize] = i as u32;
+            next[slot] += 1;
+        }
+        for (batch, _) in batches.iter().zip(&lined).filter(|(_, lined)| !**lined) {
+            let ends = batch.links.iter().flat_map(|l| plan.net.lias[*l as usize].all_ends());
+            ends.for_each(|end| mark(&mut whole, plan.at(end), 3));
+        }
+        let mut all = Added { start, by, behind, whole };
+        all.others(plan);
+        all
+    }
+
+    /// Moving points, weight, ports, and who reads a sum.
+    fn others(&mut self, plan: &Plan) {
+        let net = plan.net;
+        for (p, slot) in net.points.iter().zip(&plan.point).filter(|(_, slot)| **slot != u32::MAX) {
+            let slot = *slot as usize;
+            // where nothing touches the point it gives nothing
+            let touched = self.whole[slot] || !self.of(slot).is_empty();
+            for m in &net.families[&p.family].nodes {
+                let node = plan.slot[*m as usize] as usize;
+                self.whole[node] |= p.shape.is_some();
+                self.behind[node] = self.behind[node].saturating_add(u8::from(touched));
+            }
+        }
+        for (m, slot) in net.mats.iter().zip(&plan.slot).filter(|(_, slot)| **slot != u32::MAX) {
+            let weighed = !m.is_fixed() && net.medium(m).gravity.iter().any(|g| *g != 0.0);
+            if weighed || matches!(m.role, MatRole::Port(..)) {
+                mark(&mut self.whole, *slot, m.slots() as usize);
+            }
+        }
+        let read = net.outs.iter().filter_map(|o| match o.tap {
+            OutputTap::ForceOn(e) => plan.alive(e, o.axis),
+            _ => None,
+        });
+        let pushed = net.pushes.iter().filter_map(|p| plan.alive(p.end, p.axis));
+        let junctions = net.lines.iter().filter(|l| l.tuned.is_some()).flat_map(LineNode::junctions);
+        let junctions = junctions.filter_map(|m| plan.alive(End::Mat(m), 0));
+        read.chain(pushed).chain(junctions).for_each(|slot| mark(&mut self.whole, slot, 1));
+    }
+
+    /// The batches that add to a slot, one entry for each force.
+    pub fn of(&self, slot: usize) -> &[u32] {
+        &self.by[self.start[slot] as usize..self.start[slot + 1] as usize]
+    }
+
+    /// True where the sum on a slot begins with all forces of batches that have a stage, in the order of their stages, and
+    /// at most one number comes behind them.
+    pub fn begins(&self, slot: usize, stage: impl Fn(usize) -> Option<u8>) -> bool {
+        let stages = self.of(slot).iter().map(|i| stage(*i as usize));
+        let first = stages.clone().take_while(Option::is_some);
+        let n = first.clone().count();
+        let behind = stages.clone().skip(n);
+        !self.whole[slot]
+            && first.is_sorted()
+            && behind.clone().all(|s| s.is_none())
+            && behind.count() + usize::from(self.behind[slot]) <= 1
+    }
+}
+
+fn mark(whole: &mut [bool], slot: u32, axes: usize) {
+    whole.iter_mut().skip(slot as usize).take(axes).for_each(|w| *w = true);
+}

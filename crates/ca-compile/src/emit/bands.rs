@@ -1,0 +1,160 @@
+//! Bands: meshes whose links along the rows and across them run in the pass that integrates their masses.
+//!
+//! Decides by the slots alone, whatever made the mesh: links of one law of which some join neighbours and others places
+//! that are a constant width apart. As a row is fused, so is a mesh: only where the list of passes sums in that order too
+//! ([`Added`]), along first.
+
+use crate::emit::added::Added;
+use crate::emit::batches::{Batch, JOINT};
+use crate::emit::fold::FEW;
+use crate::emit::plan::Plan;
+use alloc::vec::Vec;
+use ca_core::op::Band;
+use ca_core::state::Fold;
+use core::ops::Range;
+
+/// Where a mesh stands: its slots in the order of its rows. A first and a last row may lack nodes at their ends, as where the
+/// border is held and its corners are joined to nothing.
+#[derive(Clone, Copy, PartialEq)]
+pub struct Mesh {
+    /// its first slot
+    pub first: u32,
+    /// its slots
+    pub slots: u32,
+    /// nodes from one row to the next
+    pub width: u32,
+    /// slots of a first row that lacks nodes, and how many it lacks before them
+    pub head: [u32; 2],
+    /// the same of a last row
+    pub tail: [u32; 2],
+}
+
+impl Mesh {
+    /// Which node slot `i` is, counted from the first of a first row that lacks none.
+    pub fn node(&self, i: usize) -> usize {
+        let [slots, head, tail] = [self.slots, self.head[0], self.tail[0]].map(|n| n as usize);
+        let [before, behind] = [self.head[1], self.tail[1]].map(|n| n as usize);
+        let body = if head > 0 { self.width as usize } else { 0 };
+        match i {
+            i if i < head => before + i,
+            i if i < slots - tail => body + i - head,
+            i => body + i - head + behind,
+        }
+    }
+
+    /// Nodes, those that are lacking before the last among them.
+    pub fn nodes(&self) -> usize {
+        self.node(self.slots as usize - 1) + 1
+    }
+}
+
+/// The slots of a batch that is a row.
+fn slots(plan: &Plan, b: &Batch) -> Range<u32> {
+    let [first, second] = plan.ends(b.links[0]);
+    first..second + b.links.len() as u32
+}
+
+/// The first slots of the two ends of a row, and its links.
+fn ends(plan: &Plan, b: &Batch) -> ([u32; 2], u32) {
+    (plan.ends(b.links[0]), b.links.len() as u32)
+}
+
+/// The meshes among `batches` whose masses all are of one class, as `alike` says of their slots, each with the batches it is
+/// made of, in the order of their slots.
+pub fn meshes(
+    plan: &Plan,
+    batches: &[Batch],
+    added: &Added,
+    fits: impl Fn(&Batch) -> bool,
+    alike: impl Fn(Range<usize>) -> bool,
+) -> Vec<(Mesh, Vec<usize>)> {
+    let mut all: Vec<(Mesh, Vec<usize>)> = Vec::new();
+    let mut tried = alloc::vec![false; batches.len()];
+    for (i, across) in batches.iter().enumerate() {
+        let width = across.stride;
+        if width < 2 || tried[i] || !fits(across) {
+            continue;
+        }
+        let mut range = slots(plan, across);
+        let mut stages: Vec<Option<u8>> = alloc::vec![None; batches.len()];
+        // rows of the same law that share masses with what has been found so far
+        loop {
+            let found = range.clone();
+            for (k, b) in batches.iter().enumerate().filter(|(_, b)| b.stride == 1 || b.stride == width) {
+                let same = stages[k].is_none() && core::ptr::eq(b.law, across.law) && fits(b);
+                let r = if same { slots(plan, b) } else { 0..0 };
+                if r.start < range.end && range.start < r.end {
+                    range = range.start.min(r.start)..range.end.max(r.end);
+                    stages[k] = Some(u8::from(b.stride == width));
+                }
+            }
+            if found == range {
+                break;
+            }
+        }
+        let mut mesh = Mesh {
+            first: range.start,
+            slots: range.end - range.start,
+            width: width as u32,
+            head: [0; 2],
+            tail: [0; 2],
+        };
+        let body = mesh;
+        // a row before and a row behind that lack nodes: their links across reach another number of places further
+        for (k, b) in batches.iter().enumerate() {
+            if b.stride < 2 || b.stride == width || !core::ptr::eq(b.law, across.law) || !fits(b) {
+                continue;
+            }
+            let ([first, second], n) = ends(plan, b);
+            let [above, below] = [second.wrapping_sub(range.start), first.wrapping_sub(range.start)];
+            if first + n == range.start && above + n <= mesh.width && mesh.head[0] == 0 {
+                mesh = Mesh { first, slots: mesh.slots + n, head: [n, above], ..mesh };
+            } else if second == range.end
+                && below + n <= body.slots
+                && below + mesh.width >= body.slots
+                && mesh.tail[0] == 0
+            {
+                mesh = Mesh { slots: mesh.slots + n, tail: [n, below + mesh.width - body.slots], ..mesh };
+            } else {
+                continue;
+            }
+            stages[k] = Some(1);
+        }
+        let mut of: Vec<usize> = (0..batches.len()).filter(|k| stages[*k].is_some()).collect();
+        of.iter().filter(|k| batches[**k].stride > 1).for_each(|k| tried[*k] = true);
+        of.sort_by_key(|k| (stages[*k], slots(plan, &batches[*k]).start));
+        // where two rows of a direction meet at a mass, that before it must add first; two links of a direction between the
+        // same two masses are no mesh
+        let behind = |a: &usize, b: &usize| {
+            let (([a_first, _], n), ([b_first, _], _)) = (ends(plan, &batches[*a]), ends(plan, &batches[*b]));
+            stages[*a] != stages[*b] || (a < b && a_first + n <= b_first)
+        };
+        let ordered = of.is_sorted_by(behind);
+        let wide = mesh.nodes().div_ceil(Fold::LANES) > width;
+        let mut places = mesh.first as usize..(mesh.first + mesh.slots) as usize;
+        let by_others = |slot: usize| added.of(slot).iter().filter(|i| stages[**i as usize].is_none());
+        let rows_over = places.clone().flat_map(by_others).filter(|i| batches[**i as usize].stride > 0).count();
+        if wide
+            && of.iter().any(|k| batches[*k].stride == 1)
+            && ordered
+            && rows_over <= mesh.slots as usize / FEW
+            && alike(places.clone())
+            && places.all(|slot| added.begins(slot, |k| stages[k]))
+        {
+            all.push((mesh, of));
+        }
+    }
+    all
+}
+
+/// The batches of a mesh as two, links along its rows and links across them, with joints where there are none.
+pub fn joined(plan: &Plan, mesh: Mesh, of: &[Batch]) -> [Batch; 2] {
+    let width = mesh.width as usize;
+    [(1, Band::Along(width)), (width, Band::Across)].map(|(stride, band)| {
+        let mut links = alloc::vec![JOINT; mesh.nodes()];
+        for l in of.iter().filter(|b| (b.stride == 1) == (stride == 1)).flat_map(|b| &b.links) {
+            links[mesh.node((plan.ends(*l)[0] - mesh.first) as usize)] = *l;
+        }
+        Batch { links, stride, band, mesh: Some(mesh), ..of[0] }
+    })
+}
