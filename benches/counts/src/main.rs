@@ -1,0 +1,69 @@
+//! Plays networks and bundled models, for `benches/counts/run` to count the instructions of their ticks.
+//!
+//! Decides to count instead of to time: a count is the same on every run, so that one in thirty is seen, also where other
+//! programs run. What waits for memory or for a number before it is not seen; that is what the benches are for. The
+//! networks are those of `ca bench`, taken as a file: their crate has all of the command below it.
+
+use ca_compile::{Options, compile};
+use ca_core::{Scene, State, tick};
+use std::hint::black_box;
+use std::io::Write as _;
+
+#[path = "../../../crates/ca-lab/src/bench/networks.rs"]
+#[allow(dead_code, reason = "a bench asks for more of a network than its text")]
+mod networks;
+
+/// Masses of a network, for those that run in vectors: more than a processor has lanes, less than its first cache.
+const MASSES: usize = 120;
+
+/// Ticks that are counted: enough that hammers have struck and grains have met.
+const TICKS: usize = 2000;
+
+/// One of each way a scene is played by; what is left out has its kernels in the networks.
+const MODELS: &[&str] = &[
+    "hammered_string",
+    "hammer_piano",
+    "membrane",
+    "plate",
+    "gong",
+    "marimba",
+    "bowed_string",
+    "pinched_string",
+    "wave_guitar",
+    "slide_guitar",
+    "rattle",
+    "rain_stick",
+    "jack",
+    "wind",
+];
+
+/// What is counted, by its name.
+#[inline(never)]
+fn counted(scene: &Scene, state: &mut State) {
+    for _ in 0..TICKS {
+        tick(scene, state);
+    }
+}
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let networks = networks::NETWORKS.iter().map(|n| (n.name, Ok((n.text)(MASSES))));
+    let path = |name: &str| format!("{}/../../models/{name}.ca.toml", env!("CARGO_MANIFEST_DIR"));
+    let models = MODELS.iter().map(|name| (*name, std::fs::read_to_string(path(name))));
+    let catalog = ca_model::catalog().with(ca_lpr::KINDS);
+    let mut out = std::io::stdout().lock();
+    for (name, text) in networks.chain(models) {
+        let (model, findings) = ca_model::read::read(&text?, name, &catalog);
+        if findings.has_errors() {
+            return Err(findings.to_string().into());
+        }
+        let scene = compile(&model, &catalog, &Options::default()).map_err(|found| found.to_string())?.scene;
+        let mut state = scene.state();
+        counted(black_box(&scene), black_box(&mut state));
+        if !state.is_bounded(10.0) {
+            return Err(format!("`{name}` diverged").into());
+        }
+        // one line for each call, in the same order
+        writeln!(out, "{TICKS} {name}")?;
+    }
+    Ok(())
+}
