@@ -106,17 +106,20 @@ pub fn meshes(
                 continue;
             }
             let ([first, second], n) = ends(plan, b);
-            let [above, below] = [second.wrapping_sub(range.start), first.wrapping_sub(range.start)];
-            if first + n == range.start && above + n <= mesh.width && mesh.head[0] == 0 {
-                mesh = Mesh { first, slots: mesh.slots + n, head: [n, above], ..mesh };
-            } else if second == range.end
-                && below + n <= body.slots
-                && below + mesh.width >= body.slots
-                && mesh.tail[0] == 0
-            {
-                mesh = Mesh { slots: mesh.slots + n, tail: [n, below + mesh.width - body.slots], ..mesh };
-            } else {
-                continue;
+            // places from the first node of the body to the first of the lower ends, or of the upper ones; none lies before it
+            let above = second.checked_sub(range.start).filter(|above| above + n <= width as u32);
+            let below = first.checked_sub(range.start).filter(|below| {
+                let reaches = below + n <= body.slots && below + width as u32 >= body.slots;
+                reaches && second == range.end
+            });
+            match (above, below) {
+                (Some(above), _) if first + n == range.start && mesh.head[0] == 0 => {
+                    mesh = Mesh { first, slots: mesh.slots + n, head: [n, above], ..mesh };
+                }
+                (_, Some(below)) if mesh.tail[0] == 0 => {
+                    mesh = Mesh { slots: mesh.slots + n, tail: [n, below + mesh.width - body.slots], ..mesh };
+                }
+                _ => continue,
             }
             stages[k] = Some(1);
         }

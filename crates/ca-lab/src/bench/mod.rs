@@ -141,3 +141,43 @@ pub fn instrument(name: &'static str, text: &str) -> Result<Instrument, Failure>
     let size = Size { modules: scene.symbols.len(), ns };
     Ok(Instrument { name, size, at_once: (1e9 / scene.rate / ns) as usize, rate: scene.rate })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ca_compile::Options;
+    use ca_core::tick;
+
+    /// What is measured moves and stays where it is: numbers that fade out or grow take another time.
+    #[test]
+    fn every_network_compiles_moves_and_stays_bounded() {
+        for network in NETWORKS {
+            for masses in [32, 200] {
+                let text = (network.text)(masses);
+                let loaded = crate::Loaded::read(&text, network.name);
+                let scene = loaded.compile(&Options::default()).unwrap_or_else(|_| panic!("{}", network.name)).scene;
+                let modules = scene.symbols.len();
+                assert!(4 * modules > 3 * masses, "{}: {modules} modules of {masses} masses", network.name);
+                let mut state = scene.state();
+                for _ in 0..5000 {
+                    tick(&scene, &mut state);
+                }
+                assert!(state.is_bounded(10.0), "{} of {masses} masses", network.name);
+                assert!(state.d.iter().any(|d| d.abs() > 1e-12), "{} of {masses} masses rests", network.name);
+                assert!(state.output[0].is_finite());
+            }
+        }
+    }
+
+    #[test]
+    fn sizes_are_what_is_asked_for() {
+        for network in NETWORKS {
+            let count = |n: usize| {
+                let loaded = crate::Loaded::read(&(network.text)(n), network.name);
+                loaded.compile(&Options::default()).unwrap_or_else(|_| panic!("{}", network.name)).scene.symbols.len()
+            };
+            let ratio = count(900) as f64 / count(90) as f64;
+            assert!((8.0..=12.5).contains(&ratio), "{}: {ratio}", network.name);
+        }
+    }
+}
