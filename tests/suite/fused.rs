@@ -259,6 +259,54 @@ fn rows_under_another_row_have_the_bits_of_their_list() {
     }
 }
 
+/// A row of links: its law, where it begins as row and place in that row, how far its links reach, how many they are.
+fn any_row(width: usize) -> impl Strategy<Value = (bool, usize, usize, usize)> {
+    let reach =
+        prop_oneof![3 => Just(1), 3 => Just(width), 1 => Just(width - 1), 1 => Just(width + 1), 2 => 1..4 * width];
+    let long = prop_oneof![2 => Just(width), 2 => Just(width - 1), 3 => 1..6 * width];
+    (any::<bool>(), (0usize..12, prop_oneof![Just(0), 0..width]), reach, long)
+        .prop_map(move |(viscous, (row, at), reach, long)| (viscous, row * width + at, reach, long))
+}
+
+proptest! {
+    /// Rows of any reach over each other, in any order, that nobody meant as a string or a mesh.
+    #[test]
+    fn any_rows_have_the_bits_of_their_list(
+        (rows, held) in (10usize..20).prop_flat_map(|w| {
+            (prop::collection::vec(any_row(w), 1..12), prop::collection::vec(0usize..12 * w, 0..3))
+        }),
+        mesh in prop::option::of((10usize..20, 8usize..14)), own: bool
+    ) {
+        let mut rows = rows;
+        if let Some((width, high)) = mesh {
+            rows.extend((0..high).map(|j| (true, j * width, 1, width - 1)));
+            rows.push((true, 0, width, (high - 1) * width));
+        }
+        let last = rows.iter().map(|(_, at, reach, long)| at + reach + long).max().unwrap_or(0);
+        let mut sections = std::collections::BTreeMap::<&str, String>::new();
+        sections.insert("MAS", "clock = { m = 1, v = 1 }\n".into());
+        for i in 0..last {
+            let v = if i % 7 == 3 { ", v = 0.1" } else { "" };
+            let (section, of) = match (held.contains(&i), own && i % 5 == 0) {
+                (true, _) => ("SOL", String::new()),
+                (_, true) => ("CEL", format!("m = \"2 g\", k = 10, z = 0.01{v}")),
+                _ => ("MAS", format!("m = \"2 g\"{v}")),
+            };
+            let _ = writeln!(sections.entry(section).or_default(), "m{i} = {{ {of} }}");
+        }
+        for (r, (viscous, at, reach, long)) in rows.iter().enumerate() {
+            let (law, z) = if *viscous { ("REF", ", z = 0.01") } else { ("RES", "") };
+            let links = sections.entry(law).or_default();
+            for i in *at..at + long {
+                let _ = writeln!(links, "r{r}_{i} = {{ between = [\"m{i}\", \"m{}\"], k = 2e3{z} }}", i + reach);
+            }
+        }
+        let mut text: String = sections.iter().map(|(name, modules)| format!("[{name}]\n{modules}")).collect();
+        let _ = writeln!(text, "[SOX]\nout = {{ from = \"clock\" }}\nrow = {{ from = \"m{}\", channel = 1 }}", rows[0].1);
+        same(&text, 200);
+    }
+}
+
 /// The sum that a pass of forces left out is in the list for whoever asks, and links keep their names.
 #[test]
 fn fused_links_keep_their_place() {
