@@ -301,7 +301,10 @@ proptest! {
                 let _ = writeln!(links, "r{r}_{i} = {{ between = [\"m{i}\", \"m{}\"], k = 2e3{z} }}", i + reach);
             }
         }
-        let mut text: String = sections.iter().map(|(name, modules)| format!("[{name}]\n{modules}")).collect();
+        let mut text = String::new();
+        for (name, modules) in &sections {
+            let _ = writeln!(text, "[{name}]\n{modules}");
+        }
         let _ = writeln!(text, "[SOX]\nout = {{ from = \"clock\" }}\nrow = {{ from = \"m{}\", channel = 1 }}", rows[0].1);
         same(&text, 200);
     }
