@@ -17,6 +17,14 @@ fn check_tells_what_it_knows() {
     let passes = j["schedule"]["passes"].as_array().unwrap();
     assert!(passes.iter().any(|p| p["pass"] == "REF" && p["stride"] == 1 && p["modules"] == 21));
     assert!(passes.iter().all(|p| p["ns_per_tick"].as_f64().is_some()));
+    // a mesh is one pass, of all its links
+    let mesh = "[MESH]\nm = { nx = 20, ny = 20, m = 1e-3, k = 1e3 }\n[MAS]\nh = { m = 1e-3, v = 1 }\n[BUT]\nb = { between = \
+                [\"h\", \"m[3,3]\"], k = 1e3 }\n[SOX]\no = { from = \"m[7,7]\" }\n";
+    desk.put("mesh.ca.toml", mesh);
+    let j = desk.ca(&["check", "mesh.ca.toml", "--schedule", "--json"]).is(0).json();
+    let links: Vec<_> = j["schedule"]["passes"].as_array().unwrap().iter().filter(|p| !p["stride"].is_null()).collect();
+    let [contact, mesh] = links[..] else { panic!("{links:?}") };
+    assert_eq!((&contact["modules"], &mesh["modules"]), (&1.into(), &j["summary"]["modules"]["RES"]));
     // an implicit contact comes after all explicit forces
     let r = desk.ca(&["check", "struck.ca.toml", "--schedule", "--set", "strike.method=stable"]).is(0);
     let place = |w: &str| r.out.rfind(w).unwrap_or_else(|| panic!("no {w}"));

@@ -8,6 +8,7 @@
 use crate::Failure;
 use crate::term::short;
 use ca_core::op::{Band, Integrate, MeasureKind, Op};
+use ca_core::scene::Location;
 use ca_core::{Scene, State, tick};
 use ca_io::perform::Performance;
 use ca_lab::timing::Timing;
@@ -88,7 +89,7 @@ fn form(op: &Op) -> String {
     words.extend(op.form.tap.then(|| "tap".to_string()));
     words.extend(op.form.folded.then(|| "folded".to_string()));
     if let Band::Along(width) = op.form.band {
-        words.push(format!("as many across, {width} apart"));
+        words.push(format!("across, {width} apart"));
     }
     words.extend((op.form.integrate != Integrate::No).then(|| "integration".to_string()));
     words.join(" + ")
@@ -97,6 +98,17 @@ fn form(op: &Op) -> String {
 /// How many pairs a pass joins as one module, if it does.
 fn pairs(scene: &Scene, op: &Op) -> Option<u64> {
     op.ports.pair_set.map(|c| scene.pair_sets[c].pairs())
+}
+
+/// Modules of a pass. Rows that it integrates may have places that no link takes, and those of a mesh links across too.
+fn modules(scene: &Scene, op: &Op) -> usize {
+    if op.law.is_none() || op.form.integrate == Integrate::No {
+        return op.n;
+    }
+    let first = scene.summed().len();
+    let of =
+        |l: Location| matches!(l, Location::Lia(i, _) if i as usize >= first && scene.forces[i as usize].mat == op.mat);
+    scene.symbols.iter().filter(|s| of(s.location)).count()
 }
 
 /// What a scene could have and this one has not.
@@ -142,8 +154,8 @@ pub(super) fn text(scene: &Scene, m: &Measured) -> Result<(), Failure> {
     for (r, form) in m.rows.iter().zip(forms) {
         let stage = if r.stage == last { "" } else { r.stage };
         last = r.stage;
-        let each = r.ns / r.op.n.max(1) as f64;
-        let (n, name) = (r.op.n, r.op.name);
+        let (n, name) = (modules(scene, &r.op), r.op.name);
+        let each = r.ns / n.max(1) as f64;
         let name = pairs(scene, &r.op).map_or(name.to_string(), |p| format!("{name} ({p} pairs)"));
         writeln!(out, "  {stage:<7} {name:<15} {n:>8}  {form:<wide$} {:>10.1} {each:>10.2}", r.ns)?;
     }
@@ -169,10 +181,11 @@ pub(super) fn json(scene: &Scene, m: &Measured) -> Json {
         .iter()
         .map(|r| {
             let of_links = r.op.law.is_some();
+            let n = modules(scene, &r.op);
             json!({
-                "stage": r.stage, "pass": r.op.name, "modules": r.op.n, "stride": of_links.then_some(r.op.form.stride),
+                "stage": r.stage, "pass": r.op.name, "modules": n, "stride": of_links.then_some(r.op.form.stride),
                 "offset": of_links.then_some(r.op.form.offset), "tap": of_links.then_some(r.op.form.tap),
-                "pairs": pairs(scene, &r.op), "ns_per_tick": r.ns, "ns_per_module": r.ns / r.op.n.max(1) as f64,
+                "pairs": pairs(scene, &r.op), "ns_per_tick": r.ns, "ns_per_module": r.ns / n.max(1) as f64,
             })
         })
         .collect();
