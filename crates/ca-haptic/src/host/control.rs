@@ -9,6 +9,7 @@ use super::room;
 use super::site::{Ipc, Site};
 use super::within::{LIMIT, within};
 use crate::frame::VERSION;
+use iceoryx2::active_request::ActiveRequest;
 use iceoryx2::port::server::Server;
 use iceoryx2::prelude::{
     AllocationStrategy, BackpressureStrategy, CallbackProgression, Node, PortFactory as _, ServiceName,
@@ -103,8 +104,13 @@ fn service(node: &Node<Ipc>) -> Result<(String, Service), HostError> {
     Ok((name, builder))
 }
 
+/// Time for the last who asked to read their answer before its memory goes with the server.
+const READ: Duration = Duration::from_secs(1);
+
 /// The server's end.
 pub struct ControlServer {
+    /// Answered by the last [`ControlServer::poll`]: an answer is lost where its memory goes before it is mapped.
+    answered: Vec<ActiveRequest<Ipc, [u8], (), [u8], ()>>,
     server: Server<Ipc, [u8], (), [u8], ()>,
     _node: Node<Ipc>,
 }
@@ -139,7 +145,7 @@ impl ControlServer {
                 .backpressure_strategy(BackpressureStrategy::DiscardData)
                 .create();
             match made {
-                Ok(server) => return Ok(ControlServer { server, _node: node }),
+                Ok(server) => return Ok(ControlServer { answered: Vec::new(), server, _node: node }),
                 Err(ServerCreateError::ExceedsMaxSupportedServers) => {
                     let mut id = None;
                     factory.dynamic_config().list_servers(|s| {
@@ -164,6 +170,7 @@ impl ControlServer {
 
     /// Answers what was asked. What cannot be read is answered here.
     pub fn poll(&mut self, answer: &mut dyn FnMut(Request) -> Reply) {
+        self.answered.clear();
         while let Ok(Some(call)) = self.server.receive() {
             let reply = match serde_json::from_slice(call.payload()) {
                 Ok(request) => answer(request),
@@ -176,7 +183,19 @@ impl ControlServer {
             }
             if let Ok(room) = call.loan_slice_uninit(text.len()) {
                 let _ = room.write_from_slice(&text).send();
+                self.answered.retain(ActiveRequest::is_connected);
+                self.answered.push(call);
             }
+        }
+    }
+}
+
+impl Drop for ControlServer {
+    /// Waits until the last answers were read: one of them may be the answer to [`Request::Stop`].
+    fn drop(&mut self) {
+        let end = Instant::now() + READ;
+        while self.answered.iter().any(ActiveRequest::is_connected) && Instant::now() < end {
+            sleep(Duration::from_millis(1));
         }
     }
 }
@@ -264,6 +283,26 @@ mod tests {
         for bad in [r#"{"do":"fly"}"#, r#"{"do":"arm","devices":"x"}"#, "", "[]", r#"{"do":"set","values":{"a":[1]}}"#]
         {
             assert!(serde_json::from_str::<Request>(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn a_server_that_answers_and_ends_is_heard() {
+        let dir = tempfile::Builder::new().prefix("cac").tempdir_in("/tmp").expect("a folder");
+        let site = Site::at(dir.path()).expect("a place");
+        for _ in 0..20 {
+            let mut server = ControlServer::open(&site).expect("a control");
+            let here = site.clone();
+            let asking = std::thread::spawn(move || ask(&here, &Request::Stop, Duration::from_secs(30)));
+            let mut leave = false;
+            while !leave && !asking.is_finished() {
+                server.poll(&mut |_| {
+                    leave = true;
+                    Reply::done("ends")
+                });
+            }
+            drop(server);
+            assert_eq!(asking.join().expect("no panic").map_err(|e| e.to_string()), Ok(Reply::done("ends")));
         }
     }
 }
