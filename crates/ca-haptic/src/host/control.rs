@@ -89,6 +89,7 @@ impl Reply {
 }
 
 type Service = Builder<[u8], (), [u8], (), Ipc>;
+type Call = ActiveRequest<Ipc, [u8], (), [u8], ()>;
 
 fn service(node: &Node<Ipc>) -> Result<(String, Service), HostError> {
     let name = format!("ca/v{VERSION}/control");
@@ -110,7 +111,7 @@ const READ: Duration = Duration::from_secs(1);
 /// The server's end.
 pub struct ControlServer {
     /// Answered by the last [`ControlServer::poll`]: an answer is lost where its memory goes before it is mapped.
-    answered: Vec<ActiveRequest<Ipc, [u8], (), [u8], ()>>,
+    answered: Vec<Call>,
     server: Server<Ipc, [u8], (), [u8], ()>,
     _node: Node<Ipc>,
 }
@@ -183,7 +184,7 @@ impl ControlServer {
             }
             if let Ok(room) = call.loan_slice_uninit(text.len()) {
                 let _ = room.write_from_slice(&text).send();
-                self.answered.retain(ActiveRequest::is_connected);
+                self.answered.retain(Call::is_connected);
                 self.answered.push(call);
             }
         }
@@ -194,7 +195,7 @@ impl Drop for ControlServer {
     /// Waits until the last answers were read: one of them may be the answer to [`Request::Stop`].
     fn drop(&mut self) {
         let end = Instant::now() + READ;
-        while self.answered.iter().any(ActiveRequest::is_connected) && Instant::now() < end {
+        while self.answered.iter().any(Call::is_connected) && Instant::now() < end {
             sleep(Duration::from_millis(1));
         }
     }
