@@ -111,19 +111,19 @@ fn setup_says_what_it_installs_and_what_it_could_not() {
     let at = |words: &str| said.find(words).unwrap_or_else(|| panic!("no `{words}` in\n{said}"));
     // what for, then what, then what came of it
     assert!(
-        at("faust is not here; with it is tested: networks") < at("installing by apt-get: faust chromium"),
+        at("faust is not here; with it is tested: networks") < at("installing by apt-get: faust chromium valgrind"),
         "{said}"
     );
     assert!(at("installing by apt-get") < at("faust is installed"));
     assert!(at("installing by apt-get") < at("chromium could not be installed: E: no such package"));
     assert!(!said.contains("jackd") && !said.contains("g++"), "{said}");
     let lines: Vec<&str> = asked.lines().collect();
-    assert!(lines.len() == 3 && lines[0].starts_with("update") && lines[1].ends_with(" faust"), "{asked}");
+    assert!(lines.len() == 4 && lines[0].starts_with("update") && lines[1].ends_with(" faust"), "{asked}");
 }
 
 #[test]
 fn setup_installs_nothing_without_need_or_right() {
-    let all = machine("0", &["jackd", "pkg-config", "faust", "c++", "chromium"]);
+    let all = machine("0", &["jackd", "pkg-config", "faust", "c++", "chromium", "valgrind"]);
     let (said, asked) = set_up(all.path());
     assert_eq!((said.lines().count(), asked.as_str()), (1, ""), "{said}");
     let (said, asked) = set_up(machine("1000", &["faust", "c++"]).path());
