@@ -7,7 +7,7 @@ use crate::equivalence::{Equivalence, Gains};
 use crate::io::midi::MidiMap;
 use crate::layout::{Account, Layout};
 use crate::live::{Controls, LivePlan};
-use crate::op::Op;
+use crate::op::{Integrate, Op};
 use crate::real::real;
 use crate::start::{Order, start};
 use crate::state::Identity;
@@ -156,6 +156,25 @@ impl Scene {
     /// LIAs by number; [`Layout::n_lia`] also counts places in a row that no link takes.
     pub fn lias(&self) -> usize {
         self.symbols.iter().filter(|s| matches!(s.location, Location::Lia(..))).count()
+    }
+
+    /// Modules of one of its passes. [`Op::n`] also counts places in a row that no link takes, and of a mesh only one of its
+    /// two directions.
+    pub fn modules(&self, op: &Op) -> usize {
+        if op.law.is_none() || op.form.stride == 0 {
+            return op.n;
+        }
+        // the links of a pass that integrates are listed behind those of the others, both directions of a mesh from one mass on
+        let fused = self.summed().len();
+        let runs = |i: usize| {
+            let listed = &self.forces[i];
+            if i < fused {
+                listed.first == op.first
+            } else {
+                listed.mat == op.mat && op.form.integrate != Integrate::No
+            }
+        };
+        self.symbols.iter().filter(|s| matches!(s.location, Location::Lia(i, _) if runs(i as usize))).count()
     }
 
     /// The index into [`State::input`] of the port `name`.

@@ -62,7 +62,7 @@ impl Scene {
         d.set_item("n_lia", s.lias())?;
         d.set_item("left_out", s.left_out.clone())?;
         let passes = s.reads.iter().chain(s.summed()).chain(&s.writes).chain(&s.moves);
-        d.set_item("passes", passes.map(|o| (o.name, o.n)).collect::<Vec<_>>())?;
+        d.set_item("passes", passes.map(|o| (o.name, s.modules(o))).collect::<Vec<_>>())?;
         Ok(d)
     }
 

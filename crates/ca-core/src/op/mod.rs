@@ -99,7 +99,7 @@ pub struct Op {
     pub form: Form,
     /// where the numbers of its ports stand
     pub ports: Ports,
-    /// number of modules
+    /// number of modules, and of places in a row that no link takes
     pub n: usize,
     /// first link in [`Layout::ends`], or first entry of whatever list the pass reads
     pub first: usize,

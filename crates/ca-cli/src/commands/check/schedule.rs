@@ -8,7 +8,6 @@
 use crate::Failure;
 use crate::term::short;
 use ca_core::op::{Band, Integrate, MeasureKind, Op};
-use ca_core::scene::Location;
 use ca_core::{Scene, State, tick};
 use ca_io::perform::Performance;
 use ca_lab::timing::Timing;
@@ -22,6 +21,7 @@ const WARM: f64 = 0.2;
 pub(super) struct PassRow {
     stage: &'static str,
     op: Op,
+    modules: usize,
     /// per tick
     ns: f64,
 }
@@ -48,7 +48,10 @@ pub(super) fn measure(scene: &Scene) -> Measured {
     let rows = stages
         .into_iter()
         .flat_map(|(stage, ops)| ops.iter().map(move |op| (stage, *op)))
-        .map(|(stage, op)| PassRow { stage, op, ns: cost(&state, |s| one(&op, scene, s, state.tick)) })
+        .map(|(stage, op)| {
+            let ns = cost(&state, |s| one(&op, scene, s, state.tick));
+            PassRow { stage, op, modules: scene.modules(&op), ns }
+        })
         .collect();
     Measured { rows, tick: cost(&state, |s| tick(scene, s)) }
 }
@@ -100,17 +103,6 @@ fn pairs(scene: &Scene, op: &Op) -> Option<u64> {
     op.ports.pair_set.map(|c| scene.pair_sets[c].pairs())
 }
 
-/// Modules of a pass. Rows that it integrates may have places that no link takes, and those of a mesh links across too.
-fn modules(scene: &Scene, op: &Op) -> usize {
-    if op.law.is_none() || op.form.integrate == Integrate::No {
-        return op.n;
-    }
-    let first = scene.summed().len();
-    let of =
-        |l: Location| matches!(l, Location::Lia(i, _) if i as usize >= first && scene.forces[i as usize].mat == op.mat);
-    scene.symbols.iter().filter(|s| of(s.location)).count()
-}
-
 /// What a scene could have and this one has not.
 fn absent(scene: &Scene) -> Vec<&'static str> {
     let any = |name: &str| {
@@ -154,7 +146,7 @@ pub(super) fn text(scene: &Scene, m: &Measured) -> Result<(), Failure> {
     for (r, form) in m.rows.iter().zip(forms) {
         let stage = if r.stage == last { "" } else { r.stage };
         last = r.stage;
-        let (n, name) = (modules(scene, &r.op), r.op.name);
+        let (n, name) = (r.modules, r.op.name);
         let each = r.ns / n.max(1) as f64;
         let name = pairs(scene, &r.op).map_or(name.to_string(), |p| format!("{name} ({p} pairs)"));
         writeln!(out, "  {stage:<7} {name:<15} {n:>8}  {form:<wide$} {:>10.1} {each:>10.2}", r.ns)?;
@@ -181,7 +173,7 @@ pub(super) fn json(scene: &Scene, m: &Measured) -> Json {
         .iter()
         .map(|r| {
             let of_links = r.op.law.is_some();
-            let n = modules(scene, &r.op);
+            let n = r.modules;
             json!({
                 "stage": r.stage, "pass": r.op.name, "modules": n, "stride": of_links.then_some(r.op.form.stride),
                 "offset": of_links.then_some(r.op.form.offset), "tap": of_links.then_some(r.op.form.tap),
