@@ -3,7 +3,7 @@
 
 use crate::play::Random;
 use ca_compile::{KernelClass, Options, compile};
-use ca_core::certificate::Level;
+use ca_core::scene::certificate::Level;
 use ca_core::tick;
 use ca_model::{Entry, Model, Value, read, render};
 use ca_tests::{catalog, texts};

@@ -3,7 +3,7 @@
 
 use crate::play::{audited, mat, off, rel_l2, scene, within};
 use crate::stable::{heat, made, only_falls, ran};
-use ca_core::certificate::Level;
+use ca_core::scene::certificate::Level;
 use ca_core::tick;
 use proptest::prelude::*;
 use std::fmt::Write as _;

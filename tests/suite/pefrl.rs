@@ -4,8 +4,8 @@ use crate::play::{TURN, apart, mat, model, off, scene, within};
 use crate::references::{duffing, pluck};
 use ca_compile::analysis::modes::modes;
 use ca_compile::{Options, compile};
-use ca_core::certificate::Level;
 use ca_core::method::pefrl::{LIMIT, explicit};
+use ca_core::scene::certificate::Level;
 use ca_core::{Scene, State, tick};
 use ca_tests::catalog;
 

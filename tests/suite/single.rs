@@ -265,7 +265,7 @@ fn no_number_of_the_tick_is_double() {
     let s = scene(STRING).state();
     let single: [&[f32]; 7] = [&s.x, &s.d, &s.f, &s.coef, &s.mem, &s.tap, &s.lowpass];
     assert!(single[..4].iter().all(|v| v.len() >= 40));
-    assert_eq!(size_of::<single::real::Real>(), 4);
+    assert_eq!(size_of::<single::numeric::Real>(), 4);
 }
 
 /// What it does not keep is refused and named, and double precision takes it.

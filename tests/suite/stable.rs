@@ -3,7 +3,7 @@
 use crate::play::{Random, audited, case, list, mat, num, off, reference, scene, with, within};
 use ca_benches::rattle::{fares, page};
 use ca_compile::Options;
-use ca_core::certificate::Level;
+use ca_core::scene::certificate::Level;
 use ca_core::{Scene, State, tick};
 use std::fmt::Write as _;
 

@@ -33,9 +33,9 @@ mod passes;
 pub use load::load;
 pub use options::{KernelClass, Options};
 
-use ca_core::catalog::Catalog;
+use ca_core::Catalog;
 use ca_core::kind::Unit;
-use ca_core::real::SINGLE;
+use ca_core::numeric::SINGLE;
 use ca_core::scene::Scene;
 use ca_model::diag::Diags;
 use ca_model::{Entry, Model};

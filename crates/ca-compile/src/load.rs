@@ -6,7 +6,7 @@
 
 use crate::Compiled;
 use crate::{Options, compile};
-use ca_core::catalog::Catalog;
+use ca_core::Catalog;
 use ca_model::diag::{Diag, Diags, Severity};
 use ca_model::{Model, Span, read};
 

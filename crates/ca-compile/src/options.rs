@@ -2,7 +2,7 @@
 
 use alloc::string::String;
 use alloc::vec::Vec;
-use ca_core::cloud::Clouds;
+use ca_core::kind::cloud::Clouds;
 
 /// Which passes run the links.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -6,8 +6,7 @@
 //! cannot depend on a dimension. Coefficients are an array of fixed size, read column-wise by the kernels, so that a
 //! homogeneous pass vectorises.
 
-use crate::real::Real;
-use crate::table::Table;
+use crate::numeric::{Real, Table};
 use core::ops::{Add, Mul, Sub};
 
 /// What a linear law is computed in: a number, or a vector of them with a link in each lane.

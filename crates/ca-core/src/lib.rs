@@ -9,60 +9,43 @@
 //! lock, no call of the system, the same bits on every processor. The halves of a tick are public ([`compute_forces`] and
 //! [`integrate`]): a device gets the force of this tick before any mass moves, so the one-sample delay stays one sample.
 //!
-//! Where to go:
-//! - to play: [`Scene`], [`State`], [`mod@tick`]; parameters that change meanwhile, [`live`]; what was stored, lost and
-//!   received, [`ledger`]; how stable it is, [`certificate`]; a model in the hand, [`equivalence`];
-//! - to add a kind: its record, [`kind`]; a law, [`law`] and [`phi`]; a MAT, [`mat`]; a port, [`io`]; a generator,
-//!   [`builder`]; a parameter that is one of several words, [`choice!`](crate::choice);
-//! - to compile: the arrays, [`layout`]; the passes, [`op`]; how they are solved, [`method`], [`ldl`], [`verlet`]; the rate
-//!   boundary, [`border`]; the first tick, [`start`].
+//! Where to go, each module knowing only those below it:
+//! - to play: [`Scene`], [`State`], [`tick()`]; what a compiled model is and what was proven of it, [`scene`]; parameters
+//!   that change meanwhile, [`live`]; a model in the hand, [`equivalence`];
+//! - to add a kind: a MAT, [`mat`]; a port, [`io`]; a law, [`phi`] over the functions of [`law`]; its record, the builder
+//!   of a generator and a parameter that is one of several words ([`choice!`]), [`kind`]; what sounds at a pitch,
+//!   [`tuning`]; all of them, [`Catalog`];
+//! - to compile: how stiff links are solved, [`method`]; the rate boundary, [`border`]; the passes and the arrays they
+//!   read, [`op`]; what they write, with the ledger of energy, [`state`]; numbers, tables and solvers, [`numeric`].
 //!
 //! What is not here: nothing reads a file or a text, and nothing makes a scene. Models are read by `ca-model` and compiled
 //! by `ca-compile`; a program adds `cordis-anima`, which is both with files and sound.
 //!
-//! A tick computes with [`real::Real`]: `f64` in `ca-core`, and `f32` in `ca-core-single`, which is these files under
+//! A tick computes with [`numeric::Real`]: `f64` in `ca-core`, and `f32` in `ca-core-single`, which is these files under
 //! another name. Features: `std` (default) finds the widest instructions of the machine at run time.
 #![no_std]
 #![forbid(unsafe_code)]
 
 extern crate alloc;
 
-pub mod active_contacts;
-pub mod aligned;
 pub mod border;
-pub mod builder;
-pub mod catalog;
-pub mod certificate;
-mod choice;
-pub mod cloud;
-pub mod energy;
+mod catalog;
 pub mod equivalence;
-mod identity;
 pub mod io;
 pub mod kind;
 pub mod law;
-pub mod layout;
-pub mod ldl;
-pub mod ledger;
 pub mod live;
 pub mod mat;
 pub mod method;
+pub mod numeric;
 pub mod op;
-mod param;
 pub mod phi;
-pub mod plain;
-mod problem;
-pub mod real;
 pub mod scene;
-pub mod start;
 pub mod state;
-pub mod table;
-pub mod tick;
+mod tick;
 pub mod tuning;
-pub mod verlet;
-pub mod wave;
 
-pub use catalog::Catalog;
+pub use catalog::{Catalog, SOURCES};
 pub use scene::Scene;
 pub use state::State;
 pub use tick::{compute_forces, integrate, process, tick};

@@ -5,14 +5,12 @@
 //! parameters such as f and t60 move all their coefficients together; [`State::apply`] starts the ramps without
 //! allocating. Only what the model declares `live` has a place here (or everything, if the compiler was asked).
 
-use crate::builder::{Arg, Args, Generator};
+use crate::kind::builder::{Arg, Args, Generator};
 use crate::kind::{Kind, MatSpec, Unit};
 use crate::method::implicit::Inertia;
-use crate::op::law::Law;
-use crate::plain::Plain;
-use crate::real::{real, wide};
-use crate::state::Identity;
-use crate::state::State;
+use crate::numeric::{Plain, real, wide};
+use crate::op::Law;
+use crate::state::{Identity, State};
 use crate::tuning::Scheme;
 use alloc::format;
 use alloc::string::String;

@@ -1,9 +1,8 @@
 //! The loop that plays without a clock, and how long a model is played.
 
 use ca_core::Scene;
-use ca_core::energy::Ledger;
-use ca_core::ledger::Balance;
 use ca_core::live::LiveParam;
+use ca_core::state::{Balance, Ledger};
 use ca_io::gesture::Gesture;
 use ca_io::perform::{DIVERGED, Performance};
 pub use ca_io::perform::{frames, seconds};

@@ -6,7 +6,7 @@
 //! taken, and the general law would run.
 
 use crate::op::kernel;
-use ca_core::op::law::Law;
+use ca_core::op::Law;
 use ca_core::phi;
 
 /// Records `name`, `code`, law of the core, its [`Phi`](ca_core::law::Phi); and the list of pairs.

@@ -11,7 +11,7 @@
 
 use ca_core::State;
 use ca_core::law::Phi;
-use ca_core::layout::Layout;
+use ca_core::op::layout::Layout;
 use ca_core::op::measure::{Line, Measure, Radial};
 use ca_core::op::{Form, Kernel, MeasureKind, Op};
 

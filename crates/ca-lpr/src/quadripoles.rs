@@ -87,7 +87,7 @@ macro_rules! quadripoles {
         $(
             mod $file {
                 use ca_core::kind::{Kind, Param, Role};
-                use ca_core::op::law::Law;
+                use ca_core::op::Law;
                 use ca_core::phi::$file as law;
 
                 static LAW: Law = Law {

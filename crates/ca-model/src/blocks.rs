@@ -9,7 +9,7 @@
 
 use super::select::is_word;
 use alloc::vec::Vec;
-use ca_core::catalog::Catalog;
+use ca_core::Catalog;
 use ca_core::kind::Role;
 use core::ops::Range;
 

@@ -18,7 +18,7 @@ use alloc::collections::BTreeMap;
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
-use ca_core::catalog::Catalog;
+use ca_core::Catalog;
 use toml::de::{DeTable, DeValue};
 
 /// Reads the text of a model. `file` is its name in reports.
@@ -28,7 +28,7 @@ use toml::de::{DeTable, DeValue};
 /// name kept in [`Model::lost`].
 ///
 /// ```
-/// use ca_core::catalog::Catalog;
+/// use ca_core::Catalog;
 /// use ca_model::read::read;
 /// let (model, diags) = read("[MAS]\nbob = { m = '20 g', mm = 3 }", "bob.ca.toml", &ca_model::catalog());
 /// assert_eq!(model.items[0].name, "bob");

@@ -10,7 +10,7 @@ use super::{Entry, Model, Span};
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
-use ca_core::catalog::Catalog;
+use ca_core::Catalog;
 use toml::Spanned;
 use toml::de::DeTable;
 

@@ -10,7 +10,7 @@ use super::sections::{GROUP, META, RATES};
 use alloc::format;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
-use ca_core::catalog::Catalog;
+use ca_core::Catalog;
 use ca_core::equivalence::{Class, Quantity, ROWS};
 use ca_core::kind::{Dim, Kind, Need, Param, Type, Unit};
 use ca_core::phi::implicit::{OF_GROUP, OF_MODEL, THETA};

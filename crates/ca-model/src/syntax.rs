@@ -19,7 +19,7 @@ use alloc::collections::BTreeSet;
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
-use ca_core::catalog::Catalog;
+use ca_core::Catalog;
 use core::ops::Range;
 use toml::de::{DeTable, DeValue, Error};
 

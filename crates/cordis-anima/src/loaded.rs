@@ -6,7 +6,7 @@ use crate::{Error, Found};
 use ca_compile::load::finish;
 use ca_compile::{Compiled, Options};
 use ca_core::Catalog;
-use ca_core::cloud::Clouds;
+use ca_core::kind::cloud::Clouds;
 use ca_import::mims;
 use ca_io::error::FileErrorKind;
 use ca_io::{FileError, reading};

@@ -11,9 +11,8 @@ use super::drawn::{built, read};
 use crate::play::{apart, mat, within};
 use ca_compile::Options;
 use ca_core::kind::{ANY, Kind, Need, POSITIVE, Param, Role, Type, Unit};
+use ca_core::numeric::{Real, Table};
 use ca_core::phi::{ALONG, BETWEEN, Bound, Law, PAIRS, Phi};
-use ca_core::real::Real;
-use ca_core::table::Table;
 use ca_core::tick;
 use ca_model::Model;
 

@@ -2,7 +2,7 @@
 
 use super::drawn::{built, catalog, read as model, texts};
 use ca_compile::Options;
-use ca_core::catalog::SOURCES;
+use ca_core::SOURCES;
 use ca_core::kind::{Need, Type};
 use ca_core::scene::Location;
 use ca_core::tick;

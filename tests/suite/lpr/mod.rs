@@ -3,7 +3,7 @@
 mod plain;
 
 use crate::play::{Random, audited, case, list, mat, num, off, scene, within};
-use ca_core::certificate::Level;
+use ca_core::scene::certificate::Level;
 use ca_core::{Scene, State, compute_forces, tick};
 use std::fmt::Write as _;
 

@@ -8,9 +8,9 @@
 use super::expand::{Family, fixed, mat};
 use super::network::{Law, Link, MeasureKind, Network};
 use super::numbers::{Numbers, entry, list};
-use ca_core::builder::{Arg, Args, Builder, Built, Generator};
+use ca_core::kind::builder::{Arg, Args, Builder, Built, Generator};
 use ca_core::kind::{Kind, Need, Role, Type};
-use ca_core::table::Table;
+use ca_core::numeric::Table;
 use ca_core::tuning::Scheme;
 use ca_model::{Item, Value};
 

@@ -2,7 +2,7 @@
 
 use crate::play::{PI, TURN, mat, model, off, scene, within};
 use ca_compile::{Options, compile};
-use ca_core::certificate::Level;
+use ca_core::scene::certificate::Level;
 use ca_core::tick;
 use ca_tests::catalog;
 

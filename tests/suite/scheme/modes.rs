@@ -2,7 +2,7 @@
 
 use super::bench::{FS, heard, mode, string};
 use crate::play::{PI, Random, TURN, apart, case, list, mat, mats, num, off, scene, within};
-use ca_core::certificate::Level;
+use ca_core::scene::certificate::Level;
 use ca_core::{State, tick};
 
 #[test]

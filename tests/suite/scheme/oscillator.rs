@@ -2,8 +2,8 @@
 
 use super::bench::{FS, at, bob, heard, mode};
 use crate::play::{PI, TURN, case, list, mat, num, off, rows, scene, within};
-use ca_core::certificate::Level;
 use ca_core::mat::retune;
+use ca_core::scene::certificate::Level;
 use ca_core::tick;
 
 #[test]

@@ -2,7 +2,7 @@
 
 use super::{poles, radius, string};
 use crate::play::{audited, case, list, mat, num, off, scene, within};
-use ca_core::certificate::Level;
+use ca_core::scene::certificate::Level;
 use ca_core::tick;
 
 const FS: f64 = 48e3;

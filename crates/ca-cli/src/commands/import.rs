@@ -6,7 +6,7 @@ use crate::args::ImportArgs;
 use crate::load::{self, Loaded};
 use crate::{Ended, Failure, Outcome, term};
 use ca_compile::Options;
-use ca_core::certificate::Level;
+use ca_core::scene::certificate::Level;
 use ca_model::{Model, write};
 use std::io::Write as _;
 use std::path::PathBuf;

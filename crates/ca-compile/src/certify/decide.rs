@@ -5,8 +5,8 @@ use crate::certify::bound::Bounds;
 use crate::certify::exact::{self, Exact};
 use crate::certify::rules::rubs;
 use crate::net::{LiaNode, Pruned};
-use ca_core::certificate::{FactorVerdict, Level};
 use ca_core::law::Bound;
+use ca_core::scene::certificate::{FactorVerdict, Level};
 
 /// What is known.
 pub struct Decision {

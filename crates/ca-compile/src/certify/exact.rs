@@ -13,9 +13,9 @@ use crate::net::linearisation::Own;
 use crate::net::{LiaNode, Pruned};
 use alloc::format;
 use alloc::vec::Vec;
-use ca_core::certificate::{Certificate, FactorVerdict};
 use ca_core::kind::{Role, Unit};
 use ca_core::law::Bound;
+use ca_core::scene::certificate::{Certificate, FactorVerdict};
 use ca_model::diag::Diag;
 use ca_model::{Model, quantity};
 

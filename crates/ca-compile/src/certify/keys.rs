@@ -5,9 +5,9 @@
 
 use crate::net::{End, MatRole, Pruned};
 use alloc::vec::Vec;
-use ca_core::certificate::Key;
 use ca_core::kind::PortRole;
 use ca_core::law::Bound;
+use ca_core::scene::certificate::Key;
 
 /// A row for each key that something stiff holds, in the order of the document.
 pub fn keys(net: &Pruned, bounds: &[Bound]) -> Vec<Key> {

@@ -24,7 +24,7 @@ mod rules;
 
 use crate::net::Pruned;
 use blame::overflow;
-use ca_core::certificate::Certificate;
+use ca_core::scene::certificate::Certificate;
 use ca_model::Model;
 use ca_model::diag::Diags;
 

@@ -13,7 +13,7 @@
 
 use crate::certify::exact::Exact;
 use crate::net::Pruned;
-use ca_core::certificate::{Certificate, Level};
+use ca_core::scene::certificate::{Certificate, Level};
 
 /// The share by which the energy of small motions may rise above what it was at any time before. `None` where nothing
 /// is known of it: an implicit contact keeps the energy of the ledger, and so moves the one that the rest keeps.

@@ -6,9 +6,9 @@ use crate::findings::{round_down, round_up};
 use crate::net::{End, LiaNode, Pruned};
 use alloc::collections::BTreeSet;
 use alloc::format;
-use ca_core::certificate::Certificate;
 use ca_core::kind::Unit;
 use ca_core::law::Bound;
+use ca_core::scene::certificate::Certificate;
 use ca_model::diag::{Diag, Diags};
 use ca_model::{Model, quantity};
 

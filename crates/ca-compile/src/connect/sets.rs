@@ -12,7 +12,7 @@ use alloc::string::String;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 use ca_core::live::Source;
-use ca_core::op::law::Law;
+use ca_core::op::Law;
 use ca_model::select::parse;
 use ca_model::{Model, Value};
 

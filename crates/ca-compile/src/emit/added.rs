@@ -7,7 +7,7 @@ use crate::emit::plan::Plan;
 use crate::net::lines::LineNode;
 use crate::net::{End, MatRole, OutputTap};
 use alloc::vec::Vec;
-use ca_core::layout::MeasureKind;
+use ca_core::op::layout::MeasureKind;
 
 /// What is added to the forces on all slots.
 pub struct Added {

@@ -4,8 +4,7 @@ use crate::emit::bands::{self, Mesh};
 use crate::emit::plan::Plan;
 use crate::options::{KernelClass, Options};
 use alloc::vec::Vec;
-use ca_core::op::law::Law;
-use ca_core::op::{Band, Integrate, MeasureKind};
+use ca_core::op::{Band, Integrate, Law, MeasureKind};
 use ca_core::phi::{implicit, res};
 
 /// Rows shorter than this are gathered: a run has three loops to set up, and waits for what it has just written. Measured

@@ -13,8 +13,8 @@ use crate::emit::plan::Plan;
 use crate::emit::schedule::Masses;
 use alloc::collections::BTreeMap;
 use alloc::vec::Vec;
+use ca_core::numeric::Real;
 use ca_core::op::{Band, Integrate};
-use ca_core::real::Real;
 use ca_core::state::Fold;
 
 /// Rows of fewer links run as they stand. Folded, a string of 24 masses takes 21 ns where it took 47; shorter ones were not

@@ -7,11 +7,10 @@ use crate::net::{End, LiaNode, Measure, Pruned};
 use crate::options::Options;
 use alloc::vec::Vec;
 use ca_core::kind::Role;
-use ca_core::layout::{HeardLink, PairSet};
 use ca_core::live::{Loader, Source};
-use ca_core::op::law::{Law, SolveStage};
-use ca_core::op::{Band, Form, Integrate, Op, Ports};
-use ca_core::real::real;
+use ca_core::numeric::real;
+use ca_core::op::layout::{HeardLink, PairSet};
+use ca_core::op::{Band, Form, Integrate, Law, Op, Ports, SolveStage};
 use ca_core::state::Fold;
 use ca_model::Model;
 use ca_model::diag::Diags;
@@ -45,8 +44,8 @@ pub struct Links {
 }
 
 /// Tables that laws bring with them, in order of first use, after those of the model.
-pub fn own_tables(net: &Pruned) -> Vec<(&'static Law, ca_core::table::Table)> {
-    let mut own: Vec<(&'static Law, ca_core::table::Table)> = Vec::new();
+pub fn own_tables(net: &Pruned) -> Vec<(&'static Law, ca_core::numeric::Table)> {
+    let mut own: Vec<(&'static Law, ca_core::numeric::Table)> = Vec::new();
     for l in &net.lias {
         if let Some(table) = l.law.table {
             if !own.iter().any(|(law, _)| core::ptr::eq(*law, l.law)) {

@@ -14,10 +14,10 @@
 
 use crate::net::Pruned;
 use alloc::vec::Vec;
-use ca_core::layout::Layout;
+use ca_core::numeric::Real;
 use ca_core::op::Op;
-use ca_core::real::Real;
-use ca_core::start::{Order, start};
+use ca_core::op::layout::Layout;
+use ca_core::scene::{Order, start};
 use ca_core::state::State;
 use ca_model::Model;
 use ca_model::diag::{Diag, Diags};

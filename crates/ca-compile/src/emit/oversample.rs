@@ -8,7 +8,7 @@
 use crate::net::Pruned;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
-use ca_core::layout::{Layout, Substeps};
+use ca_core::op::layout::{Layout, Substeps};
 use ca_core::op::{Op, lowpass, substep};
 use ca_core::scene::InputRole;
 use ca_core::state::State;

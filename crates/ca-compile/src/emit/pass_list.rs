@@ -4,11 +4,10 @@ use crate::emit::plan::Plan;
 use crate::net::MatRole;
 use alloc::collections::BTreeSet;
 use alloc::vec::Vec;
-use ca_core::layout::Layout;
+use ca_core::border;
 use ca_core::method::implicit;
-use ca_core::op::law::SolveStage;
-use ca_core::op::{Kernel, Op, blocker, heard, lowpass, pass, wave};
-use ca_core::{border, energy};
+use ca_core::op::layout::Layout;
+use ca_core::op::{Kernel, Op, SolveStage, blocker, energy, heard, lowpass, pass, wave};
 
 /// Before the forces: ports, the ledger of the tick before, changes, moving points.
 pub fn reads(layout: &Layout, live: usize, aimed: bool) -> Vec<Op> {

@@ -1,8 +1,8 @@
 //! PEFRL: what its tick runs ([`ca_core::method::pefrl`]).
 
 use alloc::vec::Vec;
-use ca_core::layout::Layout;
 use ca_core::method::pefrl::{DRIFTS, KICKS, drift, kick, kick_own};
+use ca_core::op::layout::Layout;
 use ca_core::op::{Kernel, Op, pass};
 
 /// What moves masses: drifts, and between them the `forces` again and a kick. `own`: there are springs of cells.

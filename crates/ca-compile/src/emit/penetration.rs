@@ -4,10 +4,10 @@ use crate::net::{End, LiaNode, Measure, Pruned};
 use alloc::format;
 use alloc::vec::Vec;
 use ca_core::kind::Unit;
-use ca_core::layout::PairSet;
+use ca_core::numeric::{Real, real, wide};
+use ca_core::op::layout::PairSet;
 use ca_core::op::measure::measure;
 use ca_core::op::pair_set;
-use ca_core::real::{Real, real, wide};
 use ca_model::diag::{Diag, Diags};
 use ca_model::{Model, quantity};
 

@@ -4,11 +4,11 @@ use crate::net::{End, OutputTap, Pruned};
 use alloc::collections::{BTreeMap, BTreeSet};
 use alloc::sync::Arc;
 use alloc::vec::Vec;
-use ca_core::builder::Arg;
 use ca_core::kind::Role;
-use ca_core::layout::{CoordinateSource, ImplicitLinks};
+use ca_core::kind::builder::Arg;
 use ca_core::live::{LiveImplicit, LiveItem, LiveModule, LivePlan, Loader, Source};
 use ca_core::method::implicit::Inertia;
+use ca_core::op::layout::{CoordinateSource, ImplicitLinks};
 use ca_core::state::Identity;
 use ca_core::tuning::Scheme;
 

@@ -16,22 +16,16 @@ use crate::passes::implicit;
 use alloc::collections::{BTreeMap, BTreeSet};
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
-use ca_core::active_contacts::ActiveContacts;
-use ca_core::aligned::Aligned;
-use ca_core::certificate::Certificate;
 use ca_core::kind::PortRole;
-use ca_core::layout::{
+use ca_core::live::Loader;
+use ca_core::numeric::{Aligned, Real, VerletList, real};
+use ca_core::op::layout::{
     Account, CoordinateSource, Enf, Enx, Layout, LedgerPlan, MeasureKind, Modal, MovingPoint, Output, Tap,
 };
-use ca_core::ledger::Ledger;
-use ca_core::live::Loader;
 use ca_core::op::{Op, Vectors};
-use ca_core::real::{Real, real};
-use ca_core::scene::{InputRole, Location, Scene, Symbol};
-use ca_core::start::{Order, start};
-use ca_core::state::Identity;
-use ca_core::state::{Border, Cell, Ramps, State};
-use ca_core::verlet::VerletList;
+use ca_core::scene::certificate::Certificate;
+use ca_core::scene::{InputRole, Location, Order, Scene, Symbol, start};
+use ca_core::state::{ActiveContacts, Border, Cell, Identity, Ledger, Ramps, State};
 use ca_model::Model;
 use ca_model::diag::Diags;
 

@@ -2,7 +2,7 @@
 
 use crate::emit::plan::Plan;
 use alloc::vec::Vec;
-use ca_core::layout::{Delay, Junction, Termination, Waves};
+use ca_core::op::layout::{Delay, Junction, Termination, Waves};
 
 impl Plan<'_> {
     /// Lays out the strings; their memory begins at `memory`.

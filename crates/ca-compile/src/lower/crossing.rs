@@ -5,7 +5,7 @@ use crate::lower::values::Values;
 use crate::net::Resolved;
 use ca_core::io::TGR;
 use ca_core::kind::{Need, Param, Type, Unit};
-use ca_core::layout::{Crossing, Shape};
+use ca_core::op::layout::{Crossing, Shape};
 use ca_model::Model;
 use ca_model::diag::Diags;
 

@@ -5,7 +5,7 @@ use crate::net::{End, Family, LiaNode, MatNode, MatRole, Measure, Resolved};
 use alloc::format;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
-use ca_core::builder::{Builder, Built};
+use ca_core::kind::builder::{Builder, Built};
 use ca_core::kind::{Kind, Role};
 use ca_core::live::Source;
 

@@ -1,7 +1,7 @@
 //! What the parameter tables of the kinds cannot say: parameters that need each other, and how much a generator makes.
 
 use alloc::format;
-use ca_core::builder::{Arg, Args};
+use ca_core::kind::builder::{Arg, Args};
 use ca_core::kind::{Kind, Type};
 use ca_core::phi::bow::CurveShape;
 use ca_model::Item;

@@ -7,10 +7,10 @@ use crate::findings::{bad_quantity, instead, quoted, range_help, type_name, unit
 use crate::lower::named::{Named, Raw};
 use alloc::format;
 use alloc::vec::Vec;
-use ca_core::builder::Arg;
-use ca_core::cloud::Clouds;
+use ca_core::kind::builder::Arg;
+use ca_core::kind::cloud::Clouds;
 use ca_core::kind::{Dim, Kind, Need, Param, Type, Unit};
-use ca_core::table::Table;
+use ca_core::numeric::Table;
 use ca_model::diag::{Diag, Diags};
 use ca_model::quantity;
 use ca_model::quantity::Plain;

@@ -12,13 +12,11 @@ pub use stage::{Pruned, Resolved, Wired};
 use alloc::string::String;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
-use ca_core::builder::Arg;
-use ca_core::kind::Kind;
-use ca_core::kind::MatSpec;
-use ca_core::kind::PortRole;
-use ca_core::layout::MeasureKind;
+use ca_core::kind::builder::Arg;
+use ca_core::kind::{Kind, MatSpec, PortRole};
 use ca_core::live::Source;
-use ca_core::op::law::Law;
+use ca_core::op::Law;
+use ca_core::op::layout::MeasureKind;
 use ca_core::tuning::Method;
 
 /// An item of the model, resolved.

@@ -4,8 +4,8 @@
 use crate::net::{MatNode, MatRole, Resolved};
 use alloc::sync::Arc;
 use alloc::vec::Vec;
-use ca_core::builder::{Arg, Args};
 use ca_core::kind::Role;
+use ca_core::kind::builder::{Arg, Args};
 use ca_core::law::Bound;
 use ca_core::live::{Loader, Source};
 

@@ -10,7 +10,7 @@ use crate::net::{LiaNode, MatRole, Pruned};
 use crate::options::Options;
 use alloc::collections::BTreeSet;
 use alloc::format;
-use ca_core::builder::Arg;
+use ca_core::kind::builder::Arg;
 use ca_core::live::Source;
 use ca_core::tuning::Method;
 use ca_model::diag::{Diag, Diags};

@@ -4,8 +4,7 @@
 use crate::net::{End, MatRole, OutputTap, Pruned, Wired};
 use alloc::format;
 use alloc::vec::Vec;
-use ca_core::kind::PortRole;
-use ca_core::kind::Role;
+use ca_core::kind::{PortRole, Role};
 use ca_model::Model;
 use ca_model::diag::{Diag, Diags};
 

@@ -12,8 +12,8 @@ use alloc::collections::BTreeSet;
 use alloc::format;
 use alloc::vec::Vec;
 use ca_core::live::{Loader, Source};
-use ca_core::phi::implicit::inertia;
-use ca_core::real::{Real, TINY, real, wide};
+use ca_core::method::implicit::inertia;
+use ca_core::numeric::{Real, TINY, real, wide};
 use ca_model::Model;
 use ca_model::diag::{Diag, Diags};
 

@@ -9,7 +9,7 @@ use crate::net::{End, LiaNode, Measure, Pruned};
 use alloc::collections::BTreeSet;
 use alloc::format;
 use alloc::vec::Vec;
-use ca_core::op::law::SolveStage;
+use ca_core::op::SolveStage;
 use ca_model::Model;
 use ca_model::diag::Diags;
 

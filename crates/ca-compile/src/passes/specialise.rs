@@ -5,14 +5,14 @@ use crate::net::Wired;
 use alloc::format;
 use alloc::vec::Vec;
 use ca_core::live::Source;
-use ca_core::op::law::ParamBinding;
+use ca_core::op::ParamBinding;
 use ca_model::Model;
 use ca_model::diag::{Diag, Diags};
 
 /// Rewrites the laws of the links and drops those that are nothing.
 pub fn specialise(model: &Model, net: &mut Wired, diags: &mut Diags) {
     // generators make thousands of links with the same values: the answer of the last one serves
-    let mut last: Option<(u32, alloc::sync::Arc<[Source]>, &'static ca_core::op::law::Law, bool)> = None;
+    let mut last: Option<(u32, alloc::sync::Arc<[Source]>, &'static ca_core::op::Law, bool)> = None;
     let mut lias = core::mem::take(&mut net.lias);
     let mut reported = None;
     let mut zero = 0;

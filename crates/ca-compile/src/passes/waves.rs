@@ -11,7 +11,7 @@ use crate::net::{End, Pruned};
 use alloc::format;
 use alloc::vec::Vec;
 use ca_core::kind::Unit;
-use ca_core::wave::tune;
+use ca_core::tuning::wave::tune;
 use ca_model::Model;
 use ca_model::diag::{Diag, Diags};
 use ca_model::quantity::{self, Plain};

@@ -5,7 +5,7 @@
 //! of the rattle); a spring on a key is felt with the delay κ·T of its mean force, held by the device
 //! (docs/numerics.md §5.2), and that is what limits its stiffness.
 
-use crate::layout::Layout;
+use crate::op::layout::Layout;
 
 /// Delays of a scene, all in seconds.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -5,9 +5,9 @@
 //! frame sooner and make energy, 3 % of what crosses (docs/numerics.md §5.1).
 
 use super::{begin, phase, place};
-use crate::layout::Layout;
+use crate::numeric::wide;
 use crate::op::Op;
-use crate::real::wide;
+use crate::op::layout::Layout;
 use crate::state::State;
 
 /// Position of device ports at this tick: that of the frame.
@@ -21,7 +21,7 @@ pub(super) fn position<const LATE: bool>(op: &Op, layout: &Layout, s: &mut State
     }
 }
 
-/// The mean of the last force before the jump and the first after it. [`Border::sum`](super::Border::sum) holds the
+/// The mean of the last force before the jump and the first after it. [`Border::sum`](crate::state::Border::sum) holds the
 /// last force of the frame before, then this mean until the frame ends.
 pub(super) fn collect(op: &Op, layout: &Layout, s: &mut State) {
     let j = phase(layout.frame, s.tick);

@@ -5,12 +5,12 @@
 //! hand gives during frame n is u_{n−1} times the motion of the hand, and what the scene receives is the mean force of
 //! frame n times the motion of its port. Without delay the two motions are the same and the difference is the price of
 //! sending forces late; with `latency` the port moves as the hand did before, and without `feedback` the hand meets no
-//! force and gives nothing. Signs are those of [`Border::force`](super::Border::force), the force *on* the hand.
+//! force and gives nothing. Signs are those of [`Border::force`](crate::state::Border::force), the force *on* the hand.
 
 use super::phase;
-use crate::layout::Layout;
+use crate::numeric::wide;
 use crate::op::Op;
-use crate::real::wide;
+use crate::op::layout::Layout;
 use crate::state::State;
 
 /// At the end of a frame, once its force is known. With `SYNC`, where the hand is sent the force of the tick, the mean

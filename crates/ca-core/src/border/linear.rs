@@ -1,9 +1,9 @@
 //! Linear position, trapezoid mean force: the default border.
 
 use super::{begin, phase, place};
-use crate::layout::Layout;
+use crate::numeric::wide;
 use crate::op::Op;
-use crate::real::wide;
+use crate::op::layout::Layout;
 use crate::state::State;
 
 /// Position of device ports at this tick, on the straight line through the frame.

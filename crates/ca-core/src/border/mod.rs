@@ -8,13 +8,13 @@
 //! kernel of its own.
 //!
 //! Frame n covers the ticks (n−1)R+1 … nR. The caller writes X_n to [`State::input`] before tick (n−1)R+1; after the
-//! forces of tick nR, before the masses move, [`Border::force`] is the force of the frame, to be held by the device
-//! until the next.
+//! forces of tick nR, before the masses move, [`Border::force`](crate::state::Border::force) is the force of the frame, to be
+//! held by the device until the next.
 
-use crate::layout::{Enx, Layout, Shape};
+use crate::numeric::real;
+use crate::op::layout::{Enx, Layout, Shape};
+use crate::op::substep::phase;
 use crate::op::{Kernel, Op};
-use crate::real::real;
-pub use crate::state::Border;
 use crate::state::State;
 
 mod delays;
@@ -24,11 +24,6 @@ mod linear;
 mod synchronous;
 
 pub use delays::{Delays, delays};
-
-/// Tick within a frame of `n`, 1 … n; 0 at the very first tick, which only places what is moved from outside.
-pub(crate) fn phase(n: u32, tick: u64) -> u32 {
-    if tick == 0 { 0 } else { ((tick - 1) % u64::from(n)) as u32 + 1 }
-}
 
 /// True where the next sample, number `sample`, begins a gesture frame, so that new device positions are due.
 pub fn frame_due(layout: &Layout, sample: u64) -> bool {

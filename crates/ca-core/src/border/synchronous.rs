@@ -4,9 +4,9 @@
 //! rate there is nothing to resample, and this is the delay the papers take for granted.
 
 use super::{begin, place};
-use crate::layout::Layout;
+use crate::numeric::wide;
 use crate::op::Op;
-use crate::real::wide;
+use crate::op::layout::Layout;
 use crate::state::State;
 
 /// Position of device ports at this tick.

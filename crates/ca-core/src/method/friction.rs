@@ -18,15 +18,13 @@
 use super::newton::root;
 use super::quadratised::{self, join, reach};
 use super::{free_motion, mobility};
-use crate::active_contacts::ActiveContact;
 use crate::law::{Bound, Phi};
-use crate::layout::{Layout, MeasureKind};
-use crate::op::law::{Law, SolveStage};
+use crate::numeric::{Real, Table, real, wide};
+use crate::op::layout::{Layout, MeasureKind};
 use crate::op::measure::{Along, Line, Measure, Radial};
-use crate::op::{Form, Kernel, Op};
-use crate::real::{Real, real, wide};
+use crate::op::{Form, Kernel, Law, Op, SolveStage};
 use crate::state::State;
-use crate::table::Table;
+use crate::state::active_contacts::ActiveContact;
 
 /// Newton while the steepest slope times T²/m of both ends is below this; the root of the bell curve is the only one up
 /// to 4.48 (docs/numerics.md §3.5).

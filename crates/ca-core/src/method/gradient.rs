@@ -18,10 +18,9 @@
 
 use super::spring::{Contact, Spring};
 use super::{free_motion, mobility};
-use crate::layout::Layout;
-use crate::op::Op;
-use crate::op::law::{Law, SolveStage};
-use crate::real::{Real, sqrt};
+use crate::numeric::{Real, sqrt};
+use crate::op::layout::Layout;
+use crate::op::{Law, Op, SolveStage};
 use crate::state::State;
 
 /// A one-sided spring by this method; where it may not act alone, `other` runs. Memory: heat of the tick \[J\].

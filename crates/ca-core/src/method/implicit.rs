@@ -11,18 +11,22 @@
 //! shares no mass with another such needs no matrix: with w the change of its elongation by all that is explicit, γ = θk +
 //! z/2T and c the mobility of its ends, it changes by w/(1 + γc). The energy of the links is ½k e e₊ + ½θk(e₊ − e)², their heat that of a centred damper, and the ledgers balance to rounding.
 //!
-//! Decides for one sparse factorisation for the whole scene ([`crate::ldl`]), made where coefficients are made: at load,
+//! Decides for one sparse factorisation for the whole scene ([`crate::numeric::ldl`]), made where coefficients are made: at load,
 //! and by [`Controls`](crate::live::Controls) off the tick when a parameter changes; with it all coefficients of the
 //! change step together in one tick, since half-way between two factors is the factor of neither. Between whom a port
 //! goes is not known yet: it goes on as it went.
 
-use crate::layout::{ImplicitLinks, Layout};
-use crate::ldl::Pattern;
+use crate::numeric::ldl::Pattern;
+use crate::numeric::{Real, real, wide};
 use crate::op::Op;
-use crate::phi::implicit::inertia;
-use crate::real::{Real, real, wide};
+use crate::op::layout::{ImplicitLinks, Layout};
 use crate::state::State;
 use alloc::vec::Vec;
+
+/// What a link of these coefficients adds to inertia \[N per m/tick²\].
+pub fn inertia(&[k, z, theta]: &[f64; 3]) -> f64 {
+    theta * k + 0.5 * z
+}
 
 /// Replaces forces by those that the matrix of inertia lets act.
 pub fn solve(_op: &Op, layout: &Layout, s: &mut State) {

@@ -5,7 +5,7 @@
 //! The explicit contact makes or loses energy at every blow (docs/numerics.md §3.2), because its force is that at
 //! the beginning of a tick. The methods here choose the force so that its work over the tick is what the spring takes
 //! up, which needs the motion that all *other* forces would cause: their passes come last among the forces (see
-//! [`SolveStage`](crate::op::law::SolveStage)). Decides against sub-steps and against iterating the whole scene: both cost in
+//! [`SolveStage`](crate::op::SolveStage)). Decides against sub-steps and against iterating the whole scene: both cost in
 //! every tick, these only while something touches.
 //!
 //! Common to the springs: the penetration η is `side·(d − e)`, positive while pressed together; the push N ≥ 0 acts
@@ -20,8 +20,8 @@ pub mod pefrl;
 pub mod quadratised;
 pub mod spring;
 
-use crate::layout::Layout;
-use crate::real::Real;
+use crate::numeric::Real;
+use crate::op::layout::Layout;
 use crate::state::State;
 
 /// The change of position \[m/tick\] that all forces so far give to a slot in this tick. A port goes on as it went:

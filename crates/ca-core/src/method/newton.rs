@@ -3,7 +3,7 @@
 //! Decides for Newton's step where it stays between the bounds and halving where it does not, so that a kink or a flat
 //! place costs a step and never the root; what is returned lies between the bounds whatever the function is.
 
-use crate::real::Real;
+use crate::numeric::Real;
 
 /// More is never taken: halving alone leaves nothing of a double's 53 bits.
 const STEPS: usize = 64;

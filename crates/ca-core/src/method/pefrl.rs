@@ -9,10 +9,10 @@
 //! on positions alone will do. It is symplectic and reversible, so energy ripples and does not drift. A force that
 //! hangs on motion, or remembers, has no place in it, and is refused by the compiler.
 
-use crate::layout::Layout;
+use crate::numeric::{Real, real};
 use crate::op::Op;
+use crate::op::layout::Layout;
 use crate::op::wide::{Body, Simd, wide};
-use crate::real::{Real, real};
 use crate::state::State;
 
 const XI: f64 = 0.178_617_895_844_809_1;

@@ -30,13 +30,12 @@
 
 use super::spring::{Contact, Spring};
 use super::{free_motion, mobility};
-use crate::active_contacts::{ActiveContact, ActiveContacts};
-use crate::layout::{Layout, MeasureKind};
-use crate::op::law::{Law, SolveStage};
+use crate::numeric::{Real, SINGLE, sqrt};
+use crate::op::layout::{Layout, MeasureKind};
 use crate::op::measure::{Along, Line, Measure, Radial};
-use crate::op::{Form, Kernel, Op};
-use crate::real::{Real, SINGLE, sqrt};
+use crate::op::{Form, Kernel, Law, Op, SolveStage};
 use crate::state::State;
+use crate::state::active_contacts::{ActiveContact, ActiveContacts};
 use nalgebra::Vector3;
 
 /// The residual is brought below this part of what it was, squared.

@@ -5,8 +5,7 @@
 //! power law F = q η^p is then 2q/(p + 1).
 
 use super::newton::root;
-use crate::phi::pow::{quarter_mean, quarter_power, quarter_root};
-use crate::real::{Real, sqrt};
+use crate::numeric::{Real, quarter_mean, quarter_power, quarter_root, sqrt};
 use crate::state::State;
 
 /// The elastic part of a law and its losses.

@@ -12,7 +12,7 @@ use super::folded::{Lanes, coefs, eights, eights_mut, force, rotated};
 use super::wide::{Body, Simd};
 use super::{Band, Op};
 use crate::law::Phi;
-use crate::layout::Layout;
+use crate::op::layout::Layout;
 use crate::state::{Fold, State};
 use core::marker::PhantomData;
 

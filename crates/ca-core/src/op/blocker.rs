@@ -6,8 +6,8 @@
 
 use super::Op;
 use super::pass::Heard;
-use crate::layout::Layout;
-use crate::real::{TINY, wide};
+use crate::numeric::{TINY, wide};
+use crate::op::layout::Layout;
 use crate::state::State;
 
 /// Adds the outputs from `op.first` on, each through its high pass.

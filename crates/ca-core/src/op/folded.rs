@@ -13,7 +13,7 @@
 use super::Op;
 use super::wide::{Body, Simd};
 use crate::law::Phi;
-use crate::layout::Layout;
+use crate::op::layout::Layout;
 use crate::state::{Fold, State};
 use core::marker::PhantomData;
 use core::ops::{Add, Mul, Sub};

@@ -9,8 +9,8 @@
 use super::wide::{Body, Simd};
 use super::{Op, run};
 use crate::law::Phi;
-use crate::layout::Layout;
-use crate::real::Real;
+use crate::numeric::Real;
+use crate::op::layout::Layout;
 use crate::state::State;
 use core::marker::PhantomData;
 

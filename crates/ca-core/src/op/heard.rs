@@ -4,8 +4,8 @@
 //! these do. The bits are those of the pass, which has not moved anything yet.
 
 use super::Op;
-use crate::layout::Layout;
-use crate::real::Real;
+use crate::numeric::Real;
+use crate::op::layout::Layout;
 use crate::state::State;
 
 /// Most coefficients of a link that may be fused.

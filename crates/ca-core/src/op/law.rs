@@ -1,10 +1,9 @@
 //! A law as data: what the compiler, the ledger and the certificate call without knowing which law it is.
 
 use super::choose::kernel;
-pub use super::{Law, ParamBinding, SolveStage};
+use super::{Law, ParamBinding, SolveStage};
 use crate::law::Phi;
-use crate::real::Real;
-use crate::table::Table;
+use crate::numeric::{Real, Table};
 use alloc::vec::Vec;
 
 fn arr<T: Copy + Default, const N: usize>(s: &[T]) -> [T; N] {

@@ -5,8 +5,8 @@
 //! frequency; probes are not filtered. Ticks between samples only leave their mark in the past.
 
 use super::Op;
-use crate::layout::Layout;
-use crate::real::{Real, real, wide};
+use crate::numeric::{Real, real, wide};
+use crate::op::layout::Layout;
 use crate::state::State;
 
 /// Filters every sound channel. `layout.lowpass` holds the first half of the n coefficients up to the middle one.

@@ -12,8 +12,8 @@
 //! length and without its cancellation. At zero length the direction is undefined and the force is zero
 //! (docs/numerics.md §4.4); with a softening length δ the distance is `sqrt(D² + δ²)`, smooth everywhere.
 
-use crate::layout::{Layout, MeasureKind, Ports};
-use crate::real::{Real, sqrt};
+use crate::numeric::{Real, sqrt};
+use crate::op::layout::{Layout, MeasureKind, Ports};
 use nalgebra::Vector3;
 
 /// What a port measured.

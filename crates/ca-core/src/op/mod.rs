@@ -6,22 +6,21 @@
 //! data that `ca check --schedule` can print.
 
 use crate::law::{Bound, Force, Idle, Lost, Stored};
-use crate::layout::Layout;
-pub use crate::layout::{MeasureKind, Ports};
-use crate::real::Real;
+use crate::numeric::{Real, Table};
 use crate::state::State;
-use crate::table::Table;
 
 #[cfg(not(single))]
 mod band;
 pub mod blocker;
 mod choose;
+pub mod energy;
 #[cfg(not(single))]
 mod folded;
 mod fused;
 mod gather;
 pub mod heard;
-pub mod law;
+mod law;
+pub mod layout;
 pub mod lowpass;
 pub mod measure;
 pub mod pair_set;
@@ -32,6 +31,8 @@ pub mod substep;
 pub mod wave;
 pub(crate) mod wide;
 
+use layout::Layout;
+pub use layout::{MeasureKind, Ports};
 pub use wide::Vectors;
 
 /// One pass, run once per tick.

@@ -2,17 +2,16 @@
 //! pairs that touch are computed.
 //!
 //! Decides that the pairs that touch are computed exactly as single links are, by the same functions and in the order
-//! of the pairs, so a set and its pairs written out agree in every bit; how they are found is for [`crate::verlet`]. What
+//! of the pairs, so a set and its pairs written out agree in every bit; how they are found is for [`VerletList`]. What
 //! contains (`sense = "inside"`) acts on those that are far apart: then all are measured.
 
 use super::Op;
 use super::measure::{Measure, Radial};
 use super::wide::{Body, Simd};
 use crate::law::Phi;
-use crate::layout::{Layout, PairSet};
-use crate::real::{Real, sqrt};
+use crate::numeric::{Real, VerletList, sqrt};
+use crate::op::layout::{Layout, PairSet};
 use crate::state::State;
-use crate::verlet::VerletList;
 use core::marker::PhantomData;
 
 /// Three numbers from `i` on.
@@ -126,6 +125,8 @@ pub fn touched(
     let moved = 2.0 * (fastest(d) + fastest(d0));
     near.each(radius(idle) + moved, |i, j| {
         let (ends, reach) = pair(set, &layout.rest, i, j);
-        visit(super::measure::around(crate::layout::MeasureKind::Radial, x, d, d0, ends.map(|e| e as u32), &reach).0);
+        visit(
+            super::measure::around(crate::op::layout::MeasureKind::Radial, x, d, d0, ends.map(|e| e as u32), &reach).0,
+        );
     });
 }

@@ -3,8 +3,8 @@
 
 use super::Op;
 use super::wide::{self, Body, Simd};
-use crate::layout::{CoordinateSource, Layout, MovingPoint, Output, Tap};
-use crate::real::{Real, TINY, real, wide};
+use crate::numeric::{Real, TINY, real, wide};
+use crate::op::layout::{CoordinateSource, Layout, MovingPoint, Output, Tap};
 use crate::state::{Cell, State};
 
 /// Position ports: `d` is the change of position, so that dampers feel the hand. The first tick only places them, but for

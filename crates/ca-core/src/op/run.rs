@@ -5,8 +5,8 @@
 use super::Op;
 use super::wide::{Body, Simd};
 use crate::law::Phi;
-use crate::layout::Layout;
-use crate::real::Real;
+use crate::numeric::Real;
+use crate::op::layout::Layout;
 use crate::state::State;
 use core::marker::PhantomData;
 

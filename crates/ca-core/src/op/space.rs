@@ -4,8 +4,8 @@
 use super::Op;
 use super::measure::Measure;
 use crate::law::Phi;
-use crate::layout::Layout;
-use crate::real::Real;
+use crate::numeric::Real;
+use crate::op::layout::Layout;
 use crate::state::State;
 
 /// Applies the law of `op` to each of its links.

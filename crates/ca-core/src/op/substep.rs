@@ -6,9 +6,13 @@
 //! a port is a blow.
 
 use super::Op;
-use crate::border::phase;
-use crate::layout::Layout;
+use crate::op::layout::Layout;
 use crate::state::State;
+
+/// Tick within a frame of `n`, 1 … n; 0 at the very first tick, which only places what is moved from outside.
+pub(crate) fn phase(n: u32, tick: u64) -> u32 {
+    if tick == 0 { 0 } else { ((tick - 1) % u64::from(n)) as u32 + 1 }
+}
 
 /// Runs the ticks between the sample before and this one, and counts ticks from there on. The first sample has none.
 pub fn between(_op: &Op, layout: &Layout, s: &mut State) {

@@ -6,8 +6,8 @@
 //! wave is ever moved.
 
 use super::Op;
-use crate::layout::{Delay, Layout, Termination};
-use crate::real::{Real, real, wide};
+use crate::numeric::{Real, real, wide};
+use crate::op::layout::{Delay, Layout, Termination};
 use crate::state::State;
 
 impl Delay {

@@ -7,7 +7,7 @@
 //! do not depend on the processor.
 
 use super::Op;
-use crate::layout::Layout;
+use crate::op::layout::Layout;
 use crate::state::State;
 use core::marker::PhantomData;
 use pulp::Arch;

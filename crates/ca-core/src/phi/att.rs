@@ -6,8 +6,7 @@
 
 use super::{ALONG, BETWEEN, Bound, Law, PAIRS, Phi};
 use crate::kind::{ABOVE_ZERO, Kind, Need, POSITIVE, Param, Role, Unit};
-use crate::real::Real;
-use crate::table::Table;
+use crate::numeric::{Real, Table};
 
 /// ATT in the catalog.
 pub static KIND: Kind = Kind {

@@ -13,8 +13,7 @@
 use super::{ALONG, BETWEEN, Bound, Law, PAIRS, ParamBinding, Phi, lnl};
 use crate::kind::{ABOVE_ZERO, Kind, Need, POSITIVE, Param, Role, Type, Unit};
 use crate::method::friction::{self, Curve};
-use crate::real::{NONE, Real};
-use crate::table::Table;
+use crate::numeric::{NONE, Real, Table};
 use alloc::vec::Vec;
 
 crate::choice! {

@@ -11,8 +11,7 @@ use super::{ALONG, BETWEEN, Bound, ContactMethod, Law, METHOD, PAIRS, Phi, Sense
 use crate::kind::{ANY, Kind, Need, POSITIVE, Param, Role, Type, Unit};
 use crate::method::spring::Linear;
 use crate::method::{gradient, quadratised};
-use crate::real::Real;
-use crate::table::Table;
+use crate::numeric::{Real, Table};
 
 /// BUT in the catalog.
 pub static KIND: Kind = Kind {

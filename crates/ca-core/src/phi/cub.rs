@@ -5,8 +5,7 @@
 
 use super::{ALONG, BETWEEN, Bound, L0, Law, PAIRS, Phi, SOFTEN, linear_lost, linear_stored};
 use crate::kind::{Kind, Need, POSITIVE, Param, Role, Unit};
-use crate::real::Real;
-use crate::table::Table;
+use crate::numeric::{Real, Table};
 
 /// CUB in the catalog.
 pub static KIND: Kind = Kind {

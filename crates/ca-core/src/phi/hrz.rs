@@ -5,13 +5,12 @@
 //! Stability: method "ca" by rule of thumb T²k p η^(p−1)/m ≤ 1 at the deepest point. "stable" and "stable3d" are passive
 //! at any stiffness ([`crate::method`]). It never pulls. Test: B04.
 
-use super::pow::{P, quarter_power};
+use super::pow::P;
 use super::{ALONG, BETWEEN, Bound, ContactMethod, Law, METHOD, PAIRS, Phi, Sense};
 use crate::kind::{ANY, Dim, Kind, Need, POSITIVE, Param, Role, Type, Unit};
 use crate::method::spring::Power;
 use crate::method::{gradient, quadratised};
-use crate::real::Real;
-use crate::table::Table;
+use crate::numeric::{Real, Table, quarter_power};
 
 /// HRZ in the catalog.
 pub static KIND: Kind = Kind {

@@ -11,8 +11,7 @@
 
 use super::{Bound, Law, Phi, linear_lost, linear_stored};
 use crate::kind::{Need, Param, Type, Unit};
-use crate::real::Real;
-use crate::table::Table;
+use crate::numeric::{Real, Table};
 use crate::tuning::Method;
 
 /// The methods of linear links, by name.
@@ -49,11 +48,6 @@ pub static LAW: Law = Law { implicit: true, ..Law::of::<Implicit, 3, 0>("REF imp
 
 /// Coefficients k, z/T, θ.
 pub struct Implicit;
-
-/// What a link of these coefficients adds to inertia \[N per m/tick²\].
-pub fn inertia(&[k, z, theta]: &[f64; 3]) -> f64 {
-    theta * k + 0.5 * z
-}
 
 impl Phi<3, 0> for Implicit {
     const LINEAR: bool = true;

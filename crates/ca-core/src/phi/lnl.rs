@@ -8,8 +8,7 @@
 use super::{ALONG, BETWEEN, Bound, L0, Law, PAIRS, ParamBinding, Phi, SOFTEN};
 use crate::kind::{Kind, Need, Param, Role, Type, Unit};
 use crate::method::friction::Curve;
-use crate::real::{NONE, Real};
-use crate::table::Table;
+use crate::numeric::{NONE, Real, Table};
 
 /// LNL in the catalog.
 pub static KIND: Kind = Kind {

@@ -3,8 +3,8 @@
 
 use crate::kind::{ANY, Kind, Need, POSITIVE, Param, Type, Unit};
 pub use crate::law::{Bound, Phi};
-pub use crate::op::law::{Law, ParamBinding};
-use crate::real::Real;
+use crate::numeric::Real;
+pub use crate::op::{Law, ParamBinding};
 
 pub mod att;
 pub mod bow;

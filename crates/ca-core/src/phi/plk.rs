@@ -6,8 +6,7 @@
 
 use super::{ALONG, BETWEEN, Bound, Law, PAIRS, Phi, linear_lost, linear_stored};
 use crate::kind::{ABOVE_ZERO, Kind, Need, POSITIVE, Param, Role, Unit};
-use crate::real::{NONE, Real};
-use crate::table::Table;
+use crate::numeric::{NONE, Real, Table};
 
 /// PLK in the catalog.
 pub static KIND: Kind = Kind {

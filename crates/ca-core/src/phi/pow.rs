@@ -6,8 +6,7 @@
 
 use super::{ALONG, BETWEEN, Bound, L0, Law, PAIRS, Phi, SOFTEN, linear_lost, linear_stored};
 use crate::kind::{Kind, Need, POSITIVE, Param, Role, Type, Unit};
-use crate::real::{Real, real, sqrt, wide};
-use crate::table::Table;
+use crate::numeric::{Real, Table, quarter_power};
 
 /// The exponent of a power law.
 pub const P: Param = Param::number("p", Unit::NONE, (1.0, 5.0), Need::Default(1.5), "exponent, a multiple of 1/4");
@@ -46,46 +45,6 @@ out = { from = "bob", gain = 500 }
 
 /// The law of POW.
 pub static LAW: Law = Law::of::<Pow, 4, 0>("POW");
-
-/// x^(n/4) for x ≥ 0 by products and square roots only, so that every IEEE machine gives the same bits.
-#[inline(always)]
-pub fn quarter_power(x: Real, n: Real) -> Real {
-    let n = n as u32;
-    let mut y = 1.0;
-    for _ in 0..n / 4 {
-        y *= x;
-    }
-    if n & 3 != 0 {
-        let r = sqrt(x);
-        if n & 2 != 0 {
-            y *= r;
-        }
-        if n & 1 != 0 {
-            y *= sqrt(r);
-        }
-    }
-    y
-}
-
-/// (s^(n/4) − a^(n/4)) / (s − a) for s > 0 and a > 0: with the fourth roots of both (or the square roots, or themselves,
-/// as n allows) it is the quotient of two sums without a difference.
-pub fn quarter_mean(s: Real, a: Real, n: Real) -> Real {
-    let (mut n, mut parts, mut u, mut v) = (n as u32, 1, s, a);
-    while n % (4 / parts) != 0 {
-        (parts, u, v) = (2 * parts, sqrt(u), sqrt(v));
-    }
-    n /= 4 / parts;
-    // Σ uⁱ vʲ with i + j = n − 1
-    let sum = |n: u32| (0..n).fold((0.0, 1.0), |(sum, w), _| (sum * u + w, w * v)).0;
-    sum(n) / sum(parts)
-}
-
-/// x^(4/n) for x ≥ 0 to within an eighth, where an iteration is to begin: the bits of a number are nearly its
-/// logarithm, so this is the same on every IEEE machine.
-pub fn quarter_root(x: Real, n: Real) -> Real {
-    let one = 1f64.to_bits() as i64;
-    real(f64::from_bits((one + (wide(x).to_bits() as i64 - one) / n as i64 * 4) as u64))
-}
 
 /// F = k e + q sgn(e)|e|^(n/4) + (z/T) w; coefficients k, q, n, z/T.
 pub struct Pow;

@@ -8,8 +8,7 @@ use super::implicit::{METHOD, THETA};
 use super::{ALONG, BETWEEN, Bound, L0, Law, PAIRS, Phi, SOFTEN, fro, linear_lost, linear_stored, res};
 use crate::kind::{Kind, Need, POSITIVE, Param, Role, Unit};
 use crate::law::Number;
-use crate::real::Real;
-use crate::table::Table;
+use crate::numeric::{Real, Table};
 
 /// REF in the catalog.
 pub static KIND: Kind = Kind {

@@ -7,8 +7,7 @@ use super::implicit::{METHOD, THETA};
 use super::{ALONG, BETWEEN, Bound, L0, Law, PAIRS, Phi, SOFTEN, linear_stored};
 use crate::kind::{Kind, Need, POSITIVE, Param, Role, Unit};
 use crate::law::Number;
-use crate::real::Real;
-use crate::table::Table;
+use crate::numeric::{Real, Table};
 
 /// RES in the catalog.
 pub static KIND: Kind = Kind {

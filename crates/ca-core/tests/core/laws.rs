@@ -3,8 +3,8 @@
 
 use crate::numbers;
 use ca_core::kind::{Kind, Need, Role, Type};
-use ca_core::op::law::{Law, ParamBinding};
-use ca_core::table::Table;
+use ca_core::numeric::Table;
+use ca_core::op::{Law, ParamBinding};
 
 const DT: f64 = 1.0 / 48_000.0;
 

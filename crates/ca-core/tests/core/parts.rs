@@ -1,10 +1,9 @@
 //! Parts that stand alone: the factor of implicit links, the Verlet list, tables, tuning.
 
 use crate::numbers;
-use ca_core::ldl::Pattern;
-use ca_core::table::Table;
+use ca_core::numeric::ldl::Pattern;
+use ca_core::numeric::{Table, VerletList};
 use ca_core::tuning::{Method, Scheme, retune};
-use ca_core::verlet::VerletList;
 use std::collections::BTreeSet;
 
 #[test]

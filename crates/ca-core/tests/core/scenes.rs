@@ -1,14 +1,13 @@
 //! Scenes laid out by hand, without a compiler: the tick against closed forms and against a plain loop.
 
 use crate::numbers;
-use ca_core::aligned::Aligned;
-use ca_core::certificate::Certificate;
 use ca_core::equivalence::{Equivalence, Gains};
 use ca_core::kind::Role;
-use ca_core::layout::{Enf, Enx, Layout, Output, Tap};
 use ca_core::live::LivePlan;
-use ca_core::op::law::Law;
-use ca_core::op::{Form, Op, pass};
+use ca_core::numeric::Aligned;
+use ca_core::op::layout::{Enf, Enx, Layout, Output, Tap};
+use ca_core::op::{Form, Law, Op, pass};
+use ca_core::scene::certificate::Certificate;
 use ca_core::scene::{Input, InputRole};
 use ca_core::{Scene, State, integrate, process, tick};
 

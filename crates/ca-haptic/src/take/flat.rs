@@ -4,7 +4,7 @@
 //! it, so that bytes in the file, row in NumPy and structure in memory are one. A macro writes both from one list of
 //! fields and types, so they cannot differ; a structure with padding does not compile.
 
-use ca_core::ledger::Balance;
+use ca_core::state::Balance;
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
 
 /// The word of ROS 2 for a type.

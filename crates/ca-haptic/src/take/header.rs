@@ -12,7 +12,7 @@ use crate::engine::{self, Engine, Port, Setup};
 use crate::equivalence::Gains;
 use crate::profile::Profile;
 use ca_compile::{Compiled, KernelClass, Options};
-use ca_core::cloud::Clouds;
+use ca_core::kind::cloud::Clouds;
 use ca_core::{Catalog, Scene};
 use ca_import::mims;
 use ca_io::cloud;
@@ -306,7 +306,7 @@ mod tests {
     use super::*;
     use crate::calibration::Axis;
     use crate::profile::SHIPPED;
-    use ca_core::cloud::Cloud;
+    use ca_core::kind::cloud::Cloud;
 
     #[test]
     fn everything_comes_back_to_the_bit() {

@@ -5,7 +5,7 @@
 //! row, one module a centimetre, with its position upwards.
 
 use ca_core::Scene;
-use ca_core::layout::Layout;
+use ca_core::op::layout::Layout;
 use ca_core::scene::{InputRole, Location};
 use foxglove::Encode;
 use foxglove::messages::{

@@ -3,7 +3,7 @@
 use super::Steps;
 use crate::Failure;
 use ca_core::Scene;
-use ca_core::energy::Balance;
+use ca_core::state::Balance;
 use ca_io::perform::{DIVERGED, Performance};
 use std::time::Instant;
 

@@ -10,8 +10,8 @@ use super::tetra::Z;
 use alloc::borrow::Cow;
 use alloc::format;
 use alloc::vec::Vec;
-use ca_core::builder::{Args, Builder, Generator, Problem};
-use ca_core::cloud::Cloud;
+use ca_core::kind::builder::{Args, Builder, Generator, Problem};
+use ca_core::kind::cloud::Cloud;
 use ca_core::kind::{ABOVE_ZERO, Kind, Need, OneOf, Param, Role, Type, Unit};
 use ca_core::mat::X;
 

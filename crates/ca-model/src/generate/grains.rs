@@ -8,7 +8,7 @@ use super::pose::{Pose, V};
 use super::string::{M, M_TOTAL, MASSES, mass};
 use alloc::format;
 use alloc::vec::Vec;
-use ca_core::builder::{Args, Builder, Generator, Problem};
+use ca_core::kind::builder::{Args, Builder, Generator, Problem};
 use ca_core::kind::{ABOVE_ZERO, Kind, Need, Param, Role, Type, Unit};
 use ca_core::mat::X;
 

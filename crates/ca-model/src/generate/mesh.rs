@@ -15,7 +15,7 @@ use super::string::{DECAY, F, K, M, M_TOTAL, MASSES, T60, TUNING, Z, ZO, ground,
 use crate::quantity::Plain;
 use alloc::format;
 use alloc::vec::Vec;
-use ca_core::builder::{Args, Builder, Generator, Problem};
+use ca_core::kind::builder::{Args, Builder, Generator, Problem};
 use ca_core::kind::{ABOVE_ZERO, Kind, Need, POSITIVE, Param, Role, Type, Unit};
 use ca_core::mat::X;
 

@@ -12,7 +12,7 @@
 use super::string::{DECAY, F, K, M, M_TOTAL, MANY, MASSES, T60, TUNING, Z, ZO, ground, mass, target, too_stiff};
 use alloc::format;
 use alloc::vec::Vec;
-use ca_core::builder::{Args, Builder, Generator, Problem};
+use ca_core::kind::builder::{Args, Builder, Generator, Problem};
 use ca_core::kind::{Kind, Need, Param, Role, Type};
 use ca_core::mat::X;
 use ca_core::tuning::Scheme;

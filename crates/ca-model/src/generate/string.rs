@@ -11,7 +11,7 @@ use ca_core::mat::X;
 use crate::quantity::Plain;
 use alloc::format;
 use alloc::vec::Vec;
-use ca_core::builder::{Args, Builder, Generator, Problem};
+use ca_core::kind::builder::{Args, Builder, Generator, Problem};
 use ca_core::tuning::Scheme;
 
 /// How many masses a generator may make.

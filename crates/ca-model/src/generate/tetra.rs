@@ -10,7 +10,7 @@ use super::pose::{Pose, SPIN, TURN, V};
 use super::string::{K, M, M_TOTAL, MASSES, mass};
 use alloc::format;
 use alloc::vec::Vec;
-use ca_core::builder::{Args, Builder, Generator, Problem};
+use ca_core::kind::builder::{Args, Builder, Generator, Problem};
 use ca_core::kind::{ABOVE_ZERO, Kind, Need, POSITIVE, Param, Role, Unit};
 use ca_core::mat::X;
 

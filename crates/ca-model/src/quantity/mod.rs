@@ -11,7 +11,7 @@ mod show;
 mod units;
 mod value;
 
-pub use ca_core::plain::Plain;
+pub use ca_core::numeric::Plain;
 pub use read::{is_quantity, parse};
 pub use show::{rounded, show, six, unit_of};
 pub use value::{Quantity, QuantityError};

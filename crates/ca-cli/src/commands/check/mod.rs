@@ -14,7 +14,7 @@ use crate::term::short;
 use crate::{Ended, Failure, Outcome, term};
 use ca_compile::Options;
 use ca_core::Scene;
-use ca_core::certificate::Level;
+use ca_core::scene::certificate::Level;
 use ca_model::quantity::Plain;
 use ca_model::render;
 use serde_json::{Value as Json, json};

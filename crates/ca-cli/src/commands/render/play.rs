@@ -2,7 +2,7 @@
 
 use crate::{Failure, term};
 use ca_core::Scene;
-use ca_core::energy::Ledger;
+use ca_core::state::Ledger;
 use ca_io::gesture::Gesture;
 use ca_io::perform::{DIVERGED, Performance};
 use ca_io::probe::ProbeOut;

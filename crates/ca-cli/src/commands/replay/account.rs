@@ -5,7 +5,7 @@
 //! summed by their name in the file, since twelve keys have twelve of each. What no row explains is the residual.
 
 use crate::term::short;
-use ca_core::ledger::Ledger;
+use ca_core::state::Ledger;
 use ca_core::{Scene, equivalence::Gains};
 use ca_haptic::engine::{Engine, Port};
 use serde_json::{Value, json};

@@ -12,7 +12,7 @@ use ca_compile::Compiled;
 use ca_compile::Options;
 use ca_compile::analysis::{Mode, Modes, Network, modes};
 use ca_core::Scene;
-use ca_core::certificate::Level;
+use ca_core::scene::certificate::Level;
 use ca_model::Model;
 use ca_model::diag::Severity;
 use ca_model::quantity::Plain;

@@ -6,7 +6,7 @@
 
 use crate::commands::render::{grows, joule, makers, relative};
 use ca_core::Scene;
-use ca_core::energy::{Balance, Ledger};
+use ca_core::state::{Balance, Ledger};
 use ca_report::{Axis, Block, Curve, Grid, Plot, Section, Table};
 
 /// Energy so many times what a model was given is that of its divergence.

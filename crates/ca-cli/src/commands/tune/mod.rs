@@ -11,7 +11,7 @@ use crate::load::{self, Loaded};
 use crate::{Ended, Failure, Outcome, catalog, term};
 use ca_compile::Options;
 use ca_compile::analysis::{Mode, Network, modes};
-use ca_core::certificate::Level;
+use ca_core::scene::certificate::Level;
 use ca_model::{Model, Value, quantity, read};
 use pitch::pitch;
 use serde_json::{Value as Json, json};

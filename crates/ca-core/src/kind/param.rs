@@ -197,7 +197,7 @@ pub enum Type {
     Between,
     /// a selector of modules, e.g. `low[3]`
     Module,
-    /// a file of points, see [`crate::cloud`]
+    /// a file of points, see [`crate::kind::cloud`]
     File,
     /// a list of places
     Positions {

@@ -5,7 +5,7 @@
 //! everywhere. Positive definite matrices need no pivots, so the order of elimination is chosen once, from the pattern:
 //! always the column with the fewest neighbours left, which for strings leaves nothing new and for meshes little.
 
-use crate::real::Real;
+use crate::numeric::Real;
 use alloc::collections::BTreeSet;
 use alloc::vec::Vec;
 

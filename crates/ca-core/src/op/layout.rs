@@ -4,13 +4,12 @@
 //! of those between two samples, so that what the tick depends on is visible in one place. All of it is written
 //! once, by the compiler.
 
+use super::Vectors;
 use crate::law::{Force, Idle, Lost, Stored};
-use crate::ldl::Pattern;
-use crate::op::Vectors;
-use crate::real::Real;
+use crate::numeric::ldl::Pattern;
+use crate::numeric::{Real, Table};
 use crate::state::State;
-use crate::table::Table;
-use crate::wave::Loss;
+use crate::tuning::wave::Loss;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 

@@ -6,9 +6,9 @@
 //! are not part of it, since no tick reads them. It is computed once, at load; [`tick`](crate::tick()) compares it,
 //! [`State::apply`](crate::State::apply) too. It tells mistakes apart, not attackers.
 
-use crate::layout::Layout;
+use crate::numeric::{Real, wide};
 use crate::op::Op;
-use crate::real::{Real, wide};
+use crate::op::layout::Layout;
 use crate::state::{Identity, State};
 use core::fmt::{self, Write as _};
 use core::hash::Hasher as _;

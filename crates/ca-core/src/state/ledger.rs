@@ -1,6 +1,6 @@
-//! The accounts of energy, as data; [`crate::energy`] writes them.
+//! The accounts of energy, as data; [`crate::op::energy`] writes them.
 
-use crate::real::Real;
+use crate::numeric::Real;
 use alloc::vec::Vec;
 
 /// The accounts \[J\]. `h = h0 + work − lost + scheme_error + changed + residual`.

@@ -4,11 +4,11 @@
 //! links that point at derived numbers, and the compiler expands what was built. `derive` is the function a live change
 //! calls too, so a string retuned while playing is exactly the string that would have been compiled.
 
-use crate::cloud::Cloud;
-use crate::param::Param;
-pub use crate::problem::Problem;
+use crate::kind::Param;
+use crate::kind::cloud::Cloud;
 use crate::tuning::Scheme;
-use crate::wave::WaveguideSpec;
+pub use crate::tuning::problem::Problem;
+use crate::tuning::wave::WaveguideSpec;
 use alloc::string::String;
 use alloc::sync::Arc;
 use alloc::vec::Vec;

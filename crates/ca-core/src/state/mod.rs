@@ -4,14 +4,15 @@
 //! number. Positions are relative to rest and motion is the change per tick, which drifts far less than keeping two
 //! absolute positions (docs/numerics.md §1.6).
 
-use crate::active_contacts::ActiveContacts;
-use crate::aligned::Aligned;
-use crate::ledger::Ledger;
-use crate::real::{Real, wide};
-use crate::verlet::VerletList;
+pub(crate) mod active_contacts;
+mod ledger;
+
+use crate::numeric::{Aligned, Real, VerletList, wide};
+pub use active_contacts::ActiveContacts;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 use core::hash::Hasher;
+pub use ledger::{Balance, Exchange, Ledger};
 
 /// Nodes and weights under a moving point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -94,7 +95,7 @@ impl Fold {
     }
 }
 
-/// Which scene a state or a patch belongs to; the default is that of no scene. How it comes about: `identity.rs`.
+/// Which scene a state or a patch belongs to; the default is that of no scene. How it comes about: `scene/identity.rs`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Identity(pub(crate) u64);
 

@@ -27,7 +27,7 @@
 //! the future of a scene, so the hash of a state leaves it out; a restored state is right, because displacements are
 //! taken from where the points stood when the list was made.
 
-use crate::real::{Real, sqrt};
+use crate::numeric::{Real, sqrt};
 use alloc::vec::Vec;
 
 /// The skin at load, in parts of the distance asked for.

@@ -5,12 +5,10 @@
 //! is its own account, which names the module that makes energy. Sample n is entered when x_{n+1} is known of ports too,
 //! that is at the beginning of tick n+1, before changes. A scene that does not ask has no pass, array or test of this.
 
-use crate::layout::{Account, Layout, MeasureKind};
-pub use crate::ledger::{Balance, Exchange, Ledger};
-use crate::op::{Op, measure, pair_set, wave};
-use crate::real::{Real, wide};
-use crate::state::State;
-use crate::verlet::VerletList;
+use super::layout::{Account, Layout, MeasureKind};
+use super::{Op, measure, pair_set, wave};
+use crate::numeric::{Real, VerletList, wide};
+use crate::state::{Ledger, State};
 
 /// Link `i` of a batch around the tick being entered, where `d0` is the motion into that tick: its elongations before,
 /// at and after, and how far its ends moved along its force in the two ticks together.

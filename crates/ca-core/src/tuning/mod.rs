@@ -11,6 +11,9 @@
 //! of tune. The alternative, stiffness by the explicit scheme and whatever pitch another one makes of it, is 15 cents off
 //! at 440 Hz and 48 kHz.
 
+pub(crate) mod problem;
+pub mod wave;
+
 use core::f64::consts::{LN_10, PI};
 
 crate::choice! {

@@ -16,8 +16,8 @@
 //! lowest, or they would be caught between it and a heavy junction, and nothing at 0 Hz: so it holds the string to its
 //! place, where a loss would let it slip under a steady pull. All else is lost at the far end.
 
-use crate::plain::Plain;
-use crate::problem::Problem;
+use super::problem::Problem;
+use crate::numeric::Plain;
 use alloc::format;
 use alloc::vec::Vec;
 use core::f64::consts::{LN_10, TAU};

@@ -2,18 +2,21 @@
 //!
 //! Counts first, then arrays with their shape. All of it is written once, by the compiler (`ca-compile`), whose findings are not part of it.
 
-use crate::certificate::Certificate;
+pub mod certificate;
+mod identity;
+mod start;
+
 use crate::equivalence::{Equivalence, Gains};
 use crate::io::midi::MidiMap;
-use crate::layout::{Account, Layout};
 use crate::live::{Controls, LivePlan};
+use crate::numeric::real;
+use crate::op::layout::{Account, Layout};
 use crate::op::{Integrate, Op};
-use crate::real::real;
-use crate::start::{Order, start};
-use crate::state::Identity;
-use crate::state::State;
+use crate::state::{Identity, State};
 use alloc::string::String;
 use alloc::vec::Vec;
+use certificate::Certificate;
+pub use start::{Order, start};
 
 /// What stands in a place of [`State::input`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -127,7 +130,7 @@ impl Scene {
     /// A state at load under hands that are at a place and under way: `hand` gives, for an index into [`State::input`], the
     /// absolute position \[m\] and its change per tick \[m\] at the first tick, or `None` where it stands still at rest.
     ///
-    /// Only position ports that some link feels by the motion to come are asked for ([`crate::layout::Enx::implicit`]): those
+    /// Only position ports that some link feels by the motion to come are asked for ([`crate::op::layout::Enx::implicit`]): those
     /// links are of second order or more from the first tick on. All others begin as by [`Scene::state`], from a hand
     /// that stands where it is.
     pub fn state_from(&self, hand: impl Fn(usize) -> Option<[f64; 2]>) -> State {

@@ -1,8 +1,8 @@
 //! Start: the state at load.
 
-use crate::layout::Layout;
+use crate::numeric::Real;
+use crate::op::layout::Layout;
 use crate::op::{Op, measure, pass};
-use crate::real::Real;
 use crate::state::State;
 use alloc::vec::Vec;
 

@@ -2,12 +2,17 @@
 //!
 //! Decides that everything a build knows about a module stands in one [`Kind`] record. Syntax, unit checks,
 //! did-you-mean, `ca list`, the JSON Schema, live slots and the conformance suite all walk these records, so adding a
-//! module is one file and one line in [`crate::catalog`]. The alternative, an enum with a match in every layer, spreads
+//! module is one file and one line in the list of its folder. The alternative, an enum with a match in every layer, spreads
 //! one idea over ten files.
 
-use crate::builder::Generator;
-use crate::op::law::Law;
-pub use crate::param::{ABOVE_ZERO, ANY, Dim, Need, OneOf, POSITIVE, Param, Type, Unit};
+pub mod builder;
+mod choice;
+pub mod cloud;
+mod param;
+
+use crate::op::Law;
+use builder::Generator;
+pub use param::{ABOVE_ZERO, ANY, Dim, Need, OneOf, POSITIVE, Param, Type, Unit};
 
 /// The three coefficients of a MAT for one tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -68,7 +73,7 @@ pub struct Kind {
     pub equation: &'static str,
     /// a paragraph for people
     pub doc: &'static str,
-    /// keys into [`crate::catalog::SOURCES`]
+    /// keys into [`crate::SOURCES`]
     pub source: &'static [&'static str],
     /// parameters, in the order the documentation shows them
     pub params: &'static [Param],

@@ -3,7 +3,7 @@
 //! Decides on linear interpolation with the end values held outside, as the field does (pmpd, GENESIS). The integral
 //! is kept beside the values, so that a table spring has an exact potential and the ledger stays exact about it.
 
-use crate::real::{Real, real, wide};
+use crate::numeric::{Real, real, wide};
 use alloc::vec::Vec;
 
 /// A piecewise-linear function y(x).

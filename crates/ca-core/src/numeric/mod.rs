@@ -1,0 +1,18 @@
+//! Numeric: the number of a tick, and what is made of numbers alone: vectors of them, tables, a solver, a list of near points.
+//!
+//! Decides that what stands here knows nothing of scenes, kinds or laws, so that all the rest can stand on it.
+
+mod aligned;
+pub mod ldl;
+mod plain;
+mod quarter;
+mod real;
+mod table;
+mod verlet;
+
+pub use aligned::Aligned;
+pub use plain::Plain;
+pub use quarter::{quarter_mean, quarter_power, quarter_root};
+pub use real::{NONE, Real, SINGLE, TINY, real, sqrt, wide};
+pub use table::Table;
+pub use verlet::VerletList;
