@@ -6,7 +6,7 @@ use ca_compile::Compiled;
 use ca_compile::{Options, compile};
 use ca_core::kind::{Kind, Need, Role, Type, Unit};
 use ca_core::numeric::Table;
-use ca_core::phi::Law;
+use ca_core::op::Law;
 use ca_core::{Catalog, Scene};
 use ca_model::{Entry, Model, Value, read, render};
 

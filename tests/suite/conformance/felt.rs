@@ -11,8 +11,10 @@ use super::drawn::{built, read};
 use crate::play::{apart, mat, within};
 use ca_compile::Options;
 use ca_core::kind::{ANY, Kind, Need, POSITIVE, Param, Role, Type, Unit};
+use ca_core::law::{Bound, Phi};
 use ca_core::numeric::{Real, Table};
-use ca_core::phi::{ALONG, BETWEEN, Bound, Law, PAIRS, Phi};
+use ca_core::op::Law;
+use ca_core::phi::{ALONG, BETWEEN, PAIRS};
 use ca_core::tick;
 use ca_model::Model;
 

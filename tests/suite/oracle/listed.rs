@@ -16,7 +16,7 @@ use ca_model::{Item, Value};
 
 /// A law by its record, with its coefficients, memory and tables.
 pub struct Listed {
-    law: &'static ca_core::phi::Law,
+    law: &'static ca_core::op::Law,
     c: Vec<f64>,
     /// from the first elongation on
     mem: Option<Vec<f64>>,

@@ -4,8 +4,7 @@
 //! force added to a MAT, so that links need to know nothing of ports. What is heard are displacements from rest and
 //! forces, never absolute positions: a resting instrument is silent wherever it stands.
 
-pub use crate::kind::PortRole;
-use crate::kind::{ANY, Kind, Need, POSITIVE, Param, Role, Type, Unit};
+use crate::kind::{ANY, Kind, Need, POSITIVE, Param, PortRole, Role, Type, Unit};
 
 pub mod midi;
 

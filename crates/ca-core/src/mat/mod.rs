@@ -4,8 +4,7 @@
 //! (seen in mi.lib, style of the field). `x` is relative to the rest position and `d = x_n − x_{n−1}`: this delta form
 //! drifts far less than keeping two positions, and keeps single precision alive.
 
-pub use crate::kind::{Coefs, MatSpec};
-use crate::kind::{Kind, Need, Param, Type, Unit};
+use crate::kind::{Coefs, Kind, MatSpec, Need, Param, Type, Unit};
 
 mod cel;
 mod mas;
@@ -25,7 +24,6 @@ pub const V: Param = Param::new("v", Type::Position { unit: Unit::SPEED }, Need:
 
 /// All MAT kinds, in the order of the documentation.
 pub const KINDS: &[&Kind] = &[&mas::KIND, &sol::KIND, &cel::KIND];
-pub use crate::tuning::retune;
 pub use cel::KIND as CEL;
 pub use mas::KIND as MAS;
 pub use sol::KIND as SOL;

@@ -12,13 +12,13 @@
 //! against it, and as a tension of the link it is F = −side·N. A push N kept over a tick takes the work N·s/2 from the
 //! masses, where s = η₊ − η₋ is the change of penetration over two ticks (docs/numerics.md §2.2).
 
-pub mod friction;
-pub mod gradient;
+pub(crate) mod friction;
+pub(crate) mod gradient;
 pub mod implicit;
 mod newton;
 pub mod pefrl;
-pub mod quadratised;
-pub mod spring;
+pub(crate) mod quadratised;
+pub(crate) mod spring;
 
 use crate::numeric::Real;
 use crate::op::layout::Layout;

@@ -2,9 +2,9 @@
 //! other crates bring other forms of the same laws (LPR).
 
 use crate::kind::{ANY, Kind, Need, POSITIVE, Param, Type, Unit};
-pub use crate::law::{Bound, Phi};
+use crate::law::{Bound, Phi};
 use crate::numeric::Real;
-pub use crate::op::{Law, ParamBinding};
+use crate::op::{Law, ParamBinding};
 
 pub mod att;
 pub mod bow;

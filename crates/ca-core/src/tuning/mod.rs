@@ -34,7 +34,7 @@ crate::choice! {
 
 impl Method {
     /// Of a link or a cell.
-    pub const OF_LINK: &'static [&'static str] = Method::WORDS.split_at(3).0;
+    pub(crate) const OF_LINK: &'static [&'static str] = Method::WORDS.split_at(3).0;
     /// Of a group.
     pub const OF_GROUP: &'static [&'static str] = Method::WORDS.split_at(4).0;
 
