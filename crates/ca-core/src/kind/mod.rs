@@ -90,6 +90,42 @@ impl Kind {
     pub fn param(&self, name: &str) -> Option<usize> {
         self.params.iter().position(|p| p.name == name)
     }
+
+    /// Position of the parameter `name`, for [`positions!`](crate::positions): known when the crate is built.
+    ///
+    /// # Panics
+    /// While building, where there is no such parameter.
+    pub const fn position(&self, name: &str) -> usize {
+        let mut i = 0;
+        while i < self.params.len() {
+            if same(self.params[i].name.as_bytes(), name.as_bytes()) {
+                return i;
+            }
+            i += 1;
+        }
+        panic!("no parameter of this name in the record")
+    }
+}
+
+const fn same(a: &[u8], b: &[u8]) -> bool {
+    let mut i = 0;
+    while i < a.len() && i < b.len() && a[i] == b[i] {
+        i += 1;
+    }
+    i == a.len() && i == b.len()
+}
+
+/// A module `at` with the position of each named parameter of a record, as `p[at::K]` for the parameter `k`: a law reads its
+/// parameters by their names, and a name that the record lacks does not build.
+#[macro_export]
+macro_rules! positions {
+    ($kind:ident: $($name:ident = $text:literal),+ $(,)?) => {
+        /// Positions of the parameters.
+        mod at {
+            use super::$kind;
+            $(pub const $name: usize = $kind.position($text);)+
+        }
+    };
 }
 
 impl core::fmt::Debug for Kind {

@@ -40,15 +40,17 @@ out = { from = "bar", gain = 1000 }
     role: Role::Mat(&MatSpec { coefs, fixed: false }),
 };
 
+crate::positions!(KIND: M = "m", K = "k", Z = "z", F = "f", T60 = "t60", METHOD = "method", THETA = "theta");
+
 fn coefs(p: &[Option<f64>], tick_dt: f64) -> Coefs {
-    let m = p[0].unwrap_or(1.0);
+    let m = p[at::M].unwrap_or(1.0);
     let c = tick_dt * tick_dt / m;
-    if let Some(f) = p[3] {
-        let (a, b) = retune(f, p[4].unwrap_or(f64::INFINITY), tick_dt);
+    if let Some(f) = p[at::F] {
+        let (a, b) = retune(f, p[at::T60].unwrap_or(f64::INFINITY), tick_dt);
         return Coefs { p: 1.0 - b, q: -a, c };
     }
-    let (k, z) = (p[1].unwrap_or(0.0), p[2].unwrap_or(0.0));
-    if let Some(theta) = Method::of(p[8]).theta(p[9]) {
+    let (k, z) = (p[at::K].unwrap_or(0.0), p[at::Z].unwrap_or(0.0));
+    if let Some(theta) = Method::of(p[at::METHOD]).theta(p[at::THETA]) {
         // what is implicit is inertia (docs/numerics.md §1.3, eq. 1′): a cell of this mass, explicit, is the same
         // scheme
         let c = 1.0 / (m / (tick_dt * tick_dt) + theta * k + 0.5 * z / tick_dt);

@@ -29,7 +29,9 @@ out = { from = "bob", gain = 1000 }
     role: Role::Mat(&MatSpec { coefs, fixed: false }),
 };
 
+crate::positions!(KIND: M = "m");
+
 fn coefs(p: &[Option<f64>], tick_dt: f64) -> Coefs {
-    let m = p[0].unwrap_or(1.0);
+    let m = p[at::M].unwrap_or(1.0);
     Coefs { p: 1.0, q: 0.0, c: tick_dt * tick_dt / m }
 }

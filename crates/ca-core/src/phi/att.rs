@@ -47,6 +47,8 @@ finger = [[0, 0], [0.3, "8 mm"]]
     role: Role::Lia(&LAW),
 };
 
+crate::positions!(KIND: K = "k", D = "d", RHO = "rho", Z = "z");
+
 /// The law of ATT.
 pub static LAW: Law = Law::of::<Att, 5, 0>("ATT");
 
@@ -55,8 +57,8 @@ pub struct Att;
 
 impl Phi<5, 0> for Att {
     fn coefs(p: &[Option<f64>], tick_dt: f64) -> [f64; 5] {
-        let (k, d, rho) = (p[1].unwrap_or(0.0), p[2].unwrap_or(1.0), p[3].unwrap_or(0.5));
-        [k, rho * d, d, k * rho / (1.0 - rho), p[4].unwrap_or(0.0) / tick_dt]
+        let (k, d, rho) = (p[at::K].unwrap_or(0.0), p[at::D].unwrap_or(1.0), p[at::RHO].unwrap_or(0.5));
+        [k, rho * d, d, k * rho / (1.0 - rho), p[at::Z].unwrap_or(0.0) / tick_dt]
     }
     #[inline(always)]
     fn force(&[k, tip, d, fall, z]: &[Real; 5], _: &mut [Real; 0], _: &[Table], e: Real, w: Real) -> Real {

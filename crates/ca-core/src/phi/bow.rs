@@ -84,10 +84,12 @@ bow = [[0, 0], [1, "0.2 m"]]
     role: Role::Lia(&SMOOTH),
 };
 
+crate::positions!(KIND: CURVE = "curve", F = "f", V0 = "v0", V1 = "v1", FD = "fd", POINTS = "points", METHOD = "method");
+
 /// The law of BOW, and what it becomes with another curve or method.
 pub static SMOOTH: Law = Law::of::<Smooth, 3, 0>("BOW smooth").with_table(bell).or(|p| {
     let number = |i: usize| p.get(i).and_then(|p: &ParamBinding| p.number());
-    let law = LAWS[CurveShape::of(number(1)?) as usize][FrictionMethod::of(number(9)) as usize];
+    let law = LAWS[CurveShape::of(number(at::CURVE)?) as usize][FrictionMethod::of(number(at::METHOD)) as usize];
     (!core::ptr::eq(law, &raw const SMOOTH)).then_some(law)
 });
 /// With `curve = "piecewise"`.
@@ -96,7 +98,7 @@ pub static PIECEWISE: Law = Law::of::<Piecewise, 5, 0>("BOW piecewise");
 pub static COULOMB: Law = Law::of::<Coulomb, 2, 0>("BOW coulomb");
 /// With `curve = "table"`.
 pub static TABLE: Law = Law {
-    load: |p, tick_dt, out| out.copy_from_slice(&[p[6].unwrap_or(NONE), 1.0 / tick_dt]),
+    load: |p, tick_dt, out| out.copy_from_slice(&[p[at::POINTS].unwrap_or(NONE), 1.0 / tick_dt]),
     ..Law::of::<lnl::TableFriction, 2, 0>("BOW table")
 };
 
@@ -144,7 +146,7 @@ pub struct Smooth;
 impl Phi<3, 0> for Smooth {
     fn coefs(p: &[Option<f64>], tick_dt: f64) -> [f64; 3] {
         let bell = p.last().copied().flatten().unwrap_or(NONE);
-        [p[2].unwrap_or(0.0), 1.0 / (p[3].unwrap_or(1.0) * tick_dt), bell]
+        [p[at::F].unwrap_or(0.0), 1.0 / (p[at::V0].unwrap_or(1.0) * tick_dt), bell]
     }
     #[inline(always)]
     fn force(&[f, per, bell]: &[Real; 3], _: &mut [Real; 0], tables: &[Table], _e: Real, w: Real) -> Real {
@@ -174,9 +176,9 @@ pub struct Piecewise;
 
 impl Phi<5, 0> for Piecewise {
     fn coefs(p: &[Option<f64>], tick_dt: f64) -> [f64; 5] {
-        let (f, v0) = (p[2].unwrap_or(0.0), p[3].unwrap_or(1.0) * tick_dt);
-        let v1 = p[4].map_or(3.0 * v0, |v| (v * tick_dt).max(v0 * (1.0 + 1e-9)));
-        let fd = p[5].unwrap_or(0.0).min(f);
+        let (f, v0) = (p[at::F].unwrap_or(0.0), p[at::V0].unwrap_or(1.0) * tick_dt);
+        let v1 = p[at::V1].map_or(3.0 * v0, |v| (v * tick_dt).max(v0 * (1.0 + 1e-9)));
+        let fd = p[at::FD].unwrap_or(0.0).min(f);
         [f / v0, v0, fd, (f - fd) / (v1 - v0), v1]
     }
     #[inline(always)]
@@ -220,8 +222,8 @@ pub struct Coulomb;
 
 impl Phi<2, 0> for Coulomb {
     fn coefs(p: &[Option<f64>], tick_dt: f64) -> [f64; 2] {
-        let f = p[2].unwrap_or(0.0);
-        [f / (p[3].unwrap_or(1.0) * tick_dt), f]
+        let f = p[at::F].unwrap_or(0.0);
+        [f / (p[at::V0].unwrap_or(1.0) * tick_dt), f]
     }
     #[inline(always)]
     fn force(&[rise, f]: &[Real; 2], _: &mut [Real; 0], _: &[Table], _e: Real, w: Real) -> Real {

@@ -49,8 +49,10 @@ out = { from = "bar", gain = 1000 }
     role: Role::Lia(&LAW),
 };
 
+crate::positions!(KIND: K = "k", Z = "z", D = "d", SENSE = "sense", STICKY = "sticky", METHOD = "method");
+
 /// The law of BUT.
-pub static LAW: Law = Law::of::<But, 5, 0>("BUT").or(|p| match ContactMethod::of(p.get(8)?.number()?) {
+pub static LAW: Law = Law::of::<But, 5, 0>("BUT").or(|p| match ContactMethod::of(p.get(at::METHOD)?.number()?) {
     ContactMethod::Ca => None,
     ContactMethod::Stable => Some(&STABLE),
     ContactMethod::Stable3d => Some(&STABLE3D),
@@ -69,11 +71,11 @@ impl Phi<5, 0> for But {
     }
     fn coefs(p: &[Option<f64>], tick_dt: f64) -> [f64; 5] {
         [
-            p[1].unwrap_or(0.0),
-            p[2].unwrap_or(0.0) / tick_dt,
-            p[3].unwrap_or(0.0),
-            Sense::of(p[4]).sign(),
-            if p[5] == Some(0.0) { 1.0 } else { 0.0 },
+            p[at::K].unwrap_or(0.0),
+            p[at::Z].unwrap_or(0.0) / tick_dt,
+            p[at::D].unwrap_or(0.0),
+            Sense::of(p[at::SENSE]).sign(),
+            if p[at::STICKY] == Some(0.0) { 1.0 } else { 0.0 },
         ]
     }
     #[inline(always)]

@@ -39,6 +39,8 @@ out = { from = "bob", gain = 500 }
     role: Role::Lia(&LAW),
 };
 
+crate::positions!(KIND: K = "k", K3 = "k3", Z = "z");
+
 /// The law of CUB.
 pub static LAW: Law = Law::of::<Cub, 3, 0>("CUB");
 
@@ -47,7 +49,7 @@ pub struct Cub;
 
 impl Phi<3, 0> for Cub {
     fn coefs(p: &[Option<f64>], tick_dt: f64) -> [f64; 3] {
-        [p[1].unwrap_or(0.0), p[2].unwrap_or(0.0), p[3].unwrap_or(0.0) / tick_dt]
+        [p[at::K].unwrap_or(0.0), p[at::K3].unwrap_or(0.0), p[at::Z].unwrap_or(0.0) / tick_dt]
     }
     #[inline(always)]
     fn force(&[k, k3, z]: &[Real; 3], _: &mut [Real; 0], _: &[Table], e: Real, w: Real) -> Real {

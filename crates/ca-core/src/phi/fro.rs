@@ -40,6 +40,8 @@ out = { from = "bar", gain = 1000 }
     role: Role::Lia(&LAW),
 };
 
+crate::positions!(KIND: Z = "z");
+
 /// The law of FRO; REF without stiffness becomes this.
 pub static LAW: Law = Law::of::<Fro, 1, 0>("FRO");
 
@@ -50,7 +52,7 @@ impl Phi<1, 0> for Fro {
     const LINEAR: bool = true;
     const WIDE: bool = true;
     fn coefs(p: &[Option<f64>], tick_dt: f64) -> [f64; 1] {
-        [p[1].unwrap_or(0.0) / tick_dt]
+        [p[at::Z].unwrap_or(0.0) / tick_dt]
     }
     #[inline(always)]
     fn linear<N: Number>(&[z]: &[N; 1], _e: N, w: N) -> N {

@@ -52,8 +52,10 @@ out = { from = "bar", gain = 1000 }
     role: Role::Lia(&LAW),
 };
 
+crate::positions!(KIND: K = "k", P = "p", H = "h", D = "d", SENSE = "sense", METHOD = "method");
+
 /// The law of HRZ.
-pub static LAW: Law = Law::of::<Hrz, 5, 0>("HRZ").or(|p| match ContactMethod::of(p.get(8)?.number()?) {
+pub static LAW: Law = Law::of::<Hrz, 5, 0>("HRZ").or(|p| match ContactMethod::of(p.get(at::METHOD)?.number()?) {
     ContactMethod::Ca => None,
     ContactMethod::Stable => Some(&STABLE),
     ContactMethod::Stable3d => Some(&STABLE3D),
@@ -71,8 +73,8 @@ impl Phi<5, 0> for Hrz {
         if side > 0.0 { (d, Real::INFINITY) } else { (Real::NEG_INFINITY, d) }
     }
     fn coefs(p: &[Option<f64>], tick_dt: f64) -> [f64; 5] {
-        let n = libm::round(4.0 * p[2].unwrap_or(1.5));
-        [p[1].unwrap_or(0.0), n, p[3].unwrap_or(0.0) / tick_dt, p[4].unwrap_or(0.0), Sense::of(p[5]).sign()]
+        let n = libm::round(4.0 * p[at::P].unwrap_or(1.5));
+        [p[at::K].unwrap_or(0.0), n, p[at::H].unwrap_or(0.0) / tick_dt, p[at::D].unwrap_or(0.0), Sense::of(p[at::SENSE]).sign()]
     }
     #[inline(always)]
     fn force(&[k, n, h, d, side]: &[Real; 5], _: &mut [Real; 0], _: &[Table], e: Real, w: Real) -> Real {

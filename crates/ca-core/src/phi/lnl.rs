@@ -53,8 +53,10 @@ out = { from = "bob", gain = 500 }
     role: Role::Lia(&LAW),
 };
 
+crate::positions!(KIND: SPRING = "spring", FRICTION = "friction");
+
 /// The law of LNL; with one table only it becomes one of the next two.
-pub static LAW: Law = Law::of::<Lnl, 3, 0>("LNL").or(|p| match (p[1], p[2]) {
+pub static LAW: Law = Law::of::<Lnl, 3, 0>("LNL").or(|p| match (p[at::SPRING], p[at::FRICTION]) {
     (_, ParamBinding::Absent) => Some(&SPRING),
     (ParamBinding::Absent, _) => Some(&FRICTION),
     _ => None,
@@ -69,7 +71,7 @@ pub struct TableSpring;
 
 impl Phi<1, 0> for TableSpring {
     fn coefs(p: &[Option<f64>], _te: f64) -> [f64; 1] {
-        [p[1].unwrap_or(NONE)]
+        [p[at::SPRING].unwrap_or(NONE)]
     }
     #[inline(always)]
     fn force(&[n]: &[Real; 1], _: &mut [Real; 0], tables: &[Table], e: Real, _w: Real) -> Real {
@@ -89,7 +91,7 @@ pub struct TableFriction;
 
 impl Phi<2, 0> for TableFriction {
     fn coefs(p: &[Option<f64>], tick_dt: f64) -> [f64; 2] {
-        [p[2].unwrap_or(NONE), 1.0 / tick_dt]
+        [p[at::FRICTION].unwrap_or(NONE), 1.0 / tick_dt]
     }
     #[inline(always)]
     fn force(&[n, fs]: &[Real; 2], _: &mut [Real; 0], tables: &[Table], _e: Real, w: Real) -> Real {
@@ -120,7 +122,7 @@ pub struct Lnl;
 
 impl Phi<3, 0> for Lnl {
     fn coefs(p: &[Option<f64>], tick_dt: f64) -> [f64; 3] {
-        [p[1].unwrap_or(NONE), p[2].unwrap_or(NONE), 1.0 / tick_dt]
+        [p[at::SPRING].unwrap_or(NONE), p[at::FRICTION].unwrap_or(NONE), 1.0 / tick_dt]
     }
     #[inline(always)]
     fn force(&[a, b, fs]: &[Real; 3], m: &mut [Real; 0], tables: &[Table], e: Real, w: Real) -> Real {

@@ -40,6 +40,8 @@ plectrum = [[0, 0], [0.3, "3 mm"], [0.6, "3 mm"], [1, "-3 mm"]]
     role: Role::Lia(&LAW),
 };
 
+crate::positions!(KIND: K = "k", Z = "z", D = "d");
+
 /// The law of PLK.
 pub static LAW: Law = Law::of::<Plk, 3, 3>("PLK");
 
@@ -48,7 +50,7 @@ pub struct Plk;
 
 impl Phi<3, 3> for Plk {
     fn coefs(p: &[Option<f64>], tick_dt: f64) -> [f64; 3] {
-        [p[1].unwrap_or(0.0), p[2].unwrap_or(0.0) / tick_dt, p[3].unwrap_or(NONE)]
+        [p[at::K].unwrap_or(0.0), p[at::Z].unwrap_or(0.0) / tick_dt, p[at::D].unwrap_or(NONE)]
     }
     fn start(&[_, _, d]: &[Real; 3], e: Real) -> [Real; 3] {
         [if e.abs() < d { 1.0 } else { 0.0 }, e, 0.0]

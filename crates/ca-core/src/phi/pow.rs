@@ -43,6 +43,8 @@ out = { from = "bob", gain = 500 }
     role: Role::Lia(&LAW),
 };
 
+crate::positions!(KIND: K = "k", Q = "q", P = "p", Z = "z");
+
 /// The law of POW.
 pub static LAW: Law = Law::of::<Pow, 4, 0>("POW");
 
@@ -51,8 +53,8 @@ pub struct Pow;
 
 impl Phi<4, 0> for Pow {
     fn coefs(p: &[Option<f64>], tick_dt: f64) -> [f64; 4] {
-        let n = libm::round(4.0 * p[3].unwrap_or(1.5));
-        [p[1].unwrap_or(0.0), p[2].unwrap_or(0.0), n, p[4].unwrap_or(0.0) / tick_dt]
+        let n = libm::round(4.0 * p[at::P].unwrap_or(1.5));
+        [p[at::K].unwrap_or(0.0), p[at::Q].unwrap_or(0.0), n, p[at::Z].unwrap_or(0.0) / tick_dt]
     }
     #[inline(always)]
     fn force(&[k, q, n, z]: &[Real; 4], _: &mut [Real; 0], _: &[Table], e: Real, w: Real) -> Real {

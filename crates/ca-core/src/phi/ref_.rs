@@ -42,8 +42,10 @@ out = { from = "bob", gain = 1000 }
     role: Role::Lia(&LAW),
 };
 
+crate::positions!(KIND: K = "k", Z = "z");
+
 /// The law of REF.
-pub static LAW: Law = Law::of::<Ref, 2, 0>("REF").or(|p| match (p[1].is_zero(), p[2].is_zero()) {
+pub static LAW: Law = Law::of::<Ref, 2, 0>("REF").or(|p| match (p[at::K].is_zero(), p[at::Z].is_zero()) {
     (_, true) => Some(&res::LAW),
     (true, false) => Some(&ZONLY),
     _ => None,
@@ -51,7 +53,7 @@ pub static LAW: Law = Law::of::<Ref, 2, 0>("REF").or(|p| match (p[1].is_zero(), 
 
 /// FRO with the parameters of REF in their places.
 pub static ZONLY: Law =
-    Law { load: |p, tick_dt, out| out[0] = p[2].unwrap_or(0.0) / tick_dt, ..Law::of::<fro::Fro, 1, 0>("FRO") };
+    Law { load: |p, tick_dt, out| out[0] = p[at::Z].unwrap_or(0.0) / tick_dt, ..Law::of::<fro::Fro, 1, 0>("FRO") };
 
 /// F = k e + (z/T) w
 pub struct Ref;
@@ -60,7 +62,7 @@ impl Phi<2, 0> for Ref {
     const LINEAR: bool = true;
     const WIDE: bool = true;
     fn coefs(p: &[Option<f64>], tick_dt: f64) -> [f64; 2] {
-        [p[1].unwrap_or(0.0), p[2].unwrap_or(0.0) / tick_dt]
+        [p[at::K].unwrap_or(0.0), p[at::Z].unwrap_or(0.0) / tick_dt]
     }
     #[inline(always)]
     fn linear<N: Number>(&[k, z]: &[N; 2], e: N, w: N) -> N {

@@ -42,6 +42,8 @@ out = { from = "bob", gain = 1000 }
     role: Role::Lia(&LAW),
 };
 
+crate::positions!(KIND: K = "k");
+
 /// The law of RES; REF without viscosity becomes this.
 pub static LAW: Law = Law::of::<Res, 1, 0>("RES");
 
@@ -52,7 +54,7 @@ impl Phi<1, 0> for Res {
     const LINEAR: bool = true;
     const WIDE: bool = true;
     fn coefs(p: &[Option<f64>], _te: f64) -> [f64; 1] {
-        [p[1].unwrap_or(0.0)]
+        [p[at::K].unwrap_or(0.0)]
     }
     #[inline(always)]
     fn linear<N: Number>(&[k]: &[N; 1], e: N, _w: N) -> N {
