@@ -74,7 +74,13 @@ impl Phi<5, 0> for Hrz {
     }
     fn coefs(p: &[Option<f64>], tick_dt: f64) -> [f64; 5] {
         let n = libm::round(4.0 * p[at::P].unwrap_or(1.5));
-        [p[at::K].unwrap_or(0.0), n, p[at::H].unwrap_or(0.0) / tick_dt, p[at::D].unwrap_or(0.0), Sense::of(p[at::SENSE]).sign()]
+        [
+            p[at::K].unwrap_or(0.0),
+            n,
+            p[at::H].unwrap_or(0.0) / tick_dt,
+            p[at::D].unwrap_or(0.0),
+            Sense::of(p[at::SENSE]).sign(),
+        ]
     }
     #[inline(always)]
     fn force(&[k, n, h, d, side]: &[Real; 5], _: &mut [Real; 0], _: &[Table], e: Real, w: Real) -> Real {
