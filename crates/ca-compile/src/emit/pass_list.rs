@@ -6,7 +6,7 @@ use alloc::collections::BTreeSet;
 use alloc::vec::Vec;
 use ca_core::border;
 use ca_core::method::implicit;
-use ca_core::op::layout::Layout;
+use ca_core::op::layout::{Layout, Output, Tap};
 use ca_core::op::{Kernel, Op, SolveStage, blocker, energy, heard, lowpass, pass, wave};
 
 /// Before the forces: ports, the ledger of the tick before, changes, moving points.
@@ -91,10 +91,13 @@ pub fn writes(layout: &Layout, gains: usize) -> Vec<Op> {
     let high = layout.blockers.len();
     let plain = layout.outputs.len() - high;
     let again = layout.heard.len();
+    let position = |(i, o): (usize, &Output)| o.channel as usize == i && matches!(o.tap, Tap::Position(_));
+    let each = layout.outputs.len() == layout.n_out && layout.outputs.iter().enumerate().all(position);
+    let outputs = if each && high == 0 { pass::positions } else { pass::outputs };
     let list = [
         (again > 0, "heard links", heard::heard as Kernel, again, 0),
         // it clears what the others add to
-        (plain + high > 0, "outputs", pass::outputs, plain, 0),
+        (plain + high > 0, "outputs", outputs, plain, 0),
         (high > 0, "high pass", blocker::blocker, high, plain),
         (!layout.lowpass.is_empty(), "low pass", lowpass::lowpass, layout.channels, 0),
     ];

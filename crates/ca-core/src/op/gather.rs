@@ -17,7 +17,9 @@ pub fn gather<P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bool, 
     let ends = &layout.ends[op.first..][..n];
     let e0 = if OFFSET { &layout.e0[op.first..][..n] } else { &[] };
     let columns: [&[Real]; C] = core::array::from_fn(|k| &s.coef[op.coef + k * n..][..n]);
-    let (x, d, f) = (&s.x[..], &s.d[..], &mut s.f[..]);
+    // of one length, so that an end is looked up once in each and compared with it once
+    let x = &s.x[..];
+    let (d, f) = (&s.d[..x.len()], &mut s.f[..x.len()]);
     let mem = &mut s.mem[op.mem..][..n * M];
     for i in 0..n {
         let [a, b] = [ends[i][0] as usize, ends[i][1] as usize];
@@ -27,7 +29,9 @@ pub fn gather<P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bool, 
         }
         let w = d[b] - d[a];
         let c = core::array::from_fn(|k| columns[k][i]);
-        let Some(m) = mem[i * M..].first_chunk_mut::<M>() else { continue };
+        // laws without memory must not carry a bounds check
+        let mut none = [0.0; M];
+        let m = if M == 0 { &mut none } else { mem[i * M..].first_chunk_mut::<M>().unwrap_or(&mut none) };
         let force = P::force(&c, m, &layout.tables, e, w);
         f[a] += force;
         f[b] -= force;

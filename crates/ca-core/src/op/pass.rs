@@ -145,15 +145,30 @@ pub fn share(op: &Op, layout: &Layout, s: &mut State) {
 /// memory for what was written there.
 pub fn outputs(op: &Op, layout: &Layout, s: &mut State) {
     let State { x, f, tap, coef, output, .. } = s;
-    let (heard, mut gains) = (Heard { x, f, tap }, coef[op.coef..][..op.n].iter());
+    let heard = Heard { x, f, tap };
+    let (outputs, gains) = (&layout.outputs[..op.n], &coef[op.coef..][..op.n]);
     output.fill(0.0);
-    for of_channel in layout.outputs[..op.n].chunk_by(|a, b| a.channel == b.channel) {
-        let channel = of_channel[0].channel as usize;
-        let mut sum = output[channel];
-        for (o, gain) in of_channel.iter().zip(&mut gains) {
-            sum += wide(gain * heard.by(o));
+    let (mut channel, mut sum) = (outputs.first().map_or(0, |o| o.channel), 0.0);
+    for (o, gain) in outputs.iter().zip(gains) {
+        if o.channel != channel {
+            output[channel as usize] = sum;
+            (channel, sum) = (o.channel, 0.0);
         }
-        output[channel] = sum;
+        sum += wide(gain * heard.by(o));
+    }
+    if !outputs.is_empty() {
+        output[channel as usize] = sum;
+    }
+}
+
+/// The same where each channel hears one position, the channels in their order: there is no sum, and nothing to clear.
+pub fn positions(op: &Op, layout: &Layout, s: &mut State) {
+    let (x, gains) = (&s.x[..], &s.coef[op.coef..]);
+    for ((v, o), gain) in s.output.iter_mut().zip(&layout.outputs).zip(gains) {
+        if let Tap::Position(m) = o.tap {
+            // as a sum gives it, which is never -0
+            *v = 0.0 + wide(gain * x[m as usize]);
+        }
     }
 }
 

@@ -6,6 +6,7 @@ use super::Op;
 use super::wide::{Body, Simd};
 use crate::law::Phi;
 use crate::numeric::Real;
+use crate::numeric::Table;
 use crate::op::layout::Layout;
 use crate::state::State;
 use core::marker::PhantomData;
@@ -23,9 +24,21 @@ pub fn links<P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bool>(
     let (a, b) = (op.mat, op.mat + op.form.stride);
     let (xa, xb) = (&s.x[a..][..n], &s.x[b..][..n]);
     let (da, db) = (&s.d[a..][..n], &s.d[b..][..n]);
-    let mem = &mut s.mem[op.mem..][..n * M];
-    let force = &mut s.tap[op.tap..][..n];
-    for i in 0..n {
+    let (mem, force) = (&mut s.mem[op.mem..][..n * M], &mut s.tap[op.tap..][..n]);
+    each::<P, C, M, OFFSET>([xa, xb, da, db], e0, &columns, &layout.tables, mem, force);
+}
+
+/// The loop over a row; a function of its own, so that the compiler knows that what is written is none of what is read.
+#[inline(always)]
+fn each<P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bool>(
+    [xa, xb, da, db]: [&[Real]; 4],
+    e0: &[Real],
+    columns: &[&[Real]; C],
+    tables: &[Table],
+    mem: &mut [Real],
+    force: &mut [Real],
+) {
+    for i in 0..force.len() {
         let mut e = xb[i] - xa[i];
         if OFFSET {
             e += e0[i];
@@ -35,7 +48,7 @@ pub fn links<P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bool>(
         // laws without memory must not carry a bounds check that keeps the loop from being vectorised
         let mut none = [0.0; M];
         let m = if M == 0 { &mut none } else { mem[i * M..].first_chunk_mut::<M>().unwrap_or(&mut none) };
-        force[i] = P::force(&c, m, &layout.tables, e, w);
+        force[i] = P::force(&c, m, tables, e, w);
     }
 }
 
