@@ -12,7 +12,7 @@
 use ca_core::State;
 use ca_core::law::Phi;
 use ca_core::op::layout::Layout;
-use ca_core::op::measure::{Line, Measure, Radial};
+use ca_core::op::links::measure::{Line, Measure, Radial};
 use ca_core::op::{Form, Kernel, MeasureKind, Op};
 
 /// Applies the law of `op` to each of its quadripoles, whose ports measure by `A` and `B`.

@@ -3,8 +3,8 @@
 //! Decides on one factorisation for all links that share masses, and on a closed form for a link that shares none. A
 //! pattern that would fill up is refused, since it is solved in every tick.
 
-use crate::emit::links::Links;
 use crate::emit::plan::Plan;
+use crate::emit::rows::links::Links;
 use crate::net::{End, LiaNode, MatRole, Measure, OutputTap};
 use alloc::collections::{BTreeMap, BTreeSet};
 use alloc::format;

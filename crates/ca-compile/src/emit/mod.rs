@@ -1,13 +1,8 @@
 //! Last: from the network to the arrays and passes of a [`Scene`](ca_core::Scene).
 
-pub mod added;
-pub mod bands;
-pub mod batches;
 pub mod cutoff;
-pub mod fold;
-pub mod fuse;
 pub mod implicit;
-pub mod links;
+pub mod masses;
 pub mod milib;
 pub mod ordering;
 pub mod oversample;
@@ -15,6 +10,6 @@ pub mod pass_list;
 pub mod pefrl;
 pub mod penetration;
 pub mod plan;
+pub mod rows;
 pub mod schedule;
 pub mod waves;
-pub mod written;

@@ -6,8 +6,8 @@ use alloc::vec::Vec;
 use ca_core::kind::Unit;
 use ca_core::numeric::{Real, real, wide};
 use ca_core::op::layout::PairSet;
-use ca_core::op::measure::measure;
-use ca_core::op::pair_set;
+use ca_core::op::links::measure::measure;
+use ca_core::op::links::pair_set;
 use ca_model::diag::{Diag, Diags};
 use ca_model::{Model, quantity};
 

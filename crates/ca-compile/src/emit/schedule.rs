@@ -1,15 +1,16 @@
 //! Schedule: flat arrays and the list of passes. What a scene does not have makes no entry here.
 
 use crate::emit::cutoff::{blockers, plain_first};
-use crate::emit::fold::fold;
-use crate::emit::fuse::{self, Passes};
-use crate::emit::links::{Links, own_tables};
+use crate::emit::masses::{Masses, masses, weigh};
 use crate::emit::milib;
 use crate::emit::oversample::oversample;
 use crate::emit::pass_list;
 use crate::emit::pefrl;
 use crate::emit::plan::Plan;
-use crate::emit::written::Written;
+use crate::emit::rows::fold::fold;
+use crate::emit::rows::fuse::{self, Passes};
+use crate::emit::rows::links::{Links, own_tables};
+use crate::emit::rows::written::Written;
 use crate::net::{Coordinate, End, LiaNode, MatRole, OutNode, OutputTap, Pruned};
 use crate::options::{KernelClass, Options};
 use crate::passes::implicit;
@@ -188,50 +189,6 @@ fn slots<'n>(net: &'n Pruned, order: &[u32]) -> Plan<'n> {
     Plan { net, slot, point, coef, live: Vec::new(), loaded: Vec::new(), modules: BTreeMap::new() }
 }
 
-/// Where MATs and moving points start, how fast, and where they rest, slot by slot.
-pub struct Masses {
-    /// displacement from rest \[m\]
-    pub x: Vec<f64>,
-    /// speed \[m/s\]
-    pub v: Vec<f64>,
-    /// rest \[m\]
-    pub rest: Vec<f64>,
-}
-
-/// Positions and coefficients of MATs, rest positions of moving points too.
-fn masses(plan: &mut Plan) -> Masses {
-    let net = plan.net;
-    let n_mat = plan.coef.len() / 3;
-    let zero = alloc::vec![0.0; n_mat];
-    let mut all = Masses { x: zero.clone(), v: zero.clone(), rest: zero };
-    for (i, m) in net.mats.iter().enumerate() {
-        let at = plan.slot[i] as usize;
-        if at == u32::MAX as usize {
-            continue;
-        }
-        for k in 0..m.slots() as usize {
-            (all.x[at + k], all.v[at + k], all.rest[at + k]) = (m.dx0[k], m.v[k], m.rest[k]);
-        }
-        if let MatRole::Port(_, inputs) = m.role {
-            // as far as anyone can tell, it goes on as it went
-            (0..3).filter(|k| inputs[*k].is_some()).for_each(|k| plan.coef[at + k] = 1.0);
-        }
-        if let MatRole::Mat(spec) = m.role {
-            let loader = Loader::Mat(spec, if spec.fixed { 0.0 } else { net.medium(m).friction });
-            // a frozen axis keeps the coefficients 0, 0, 0 of a fixed point
-            for at in at..at + m.axes as usize {
-                plan.load(loader, m.item, &m.values, &[at, n_mat + at, 2 * n_mat + at]);
-            }
-        }
-    }
-    for (p, at) in plan.point.iter().enumerate() {
-        if *at != u32::MAX {
-            all.rest[*at as usize] = net.rest(End::Point(p as u32))[0];
-        }
-    }
-    all
-}
-
 /// The ports of one role that move a MAT, axis by axis.
 fn ports(plan: &Plan, role: PortRole) -> Vec<Enx> {
     let mut all = Vec::new();
@@ -247,25 +204,6 @@ fn ports(plan: &Plan, role: PortRole) -> Vec<Enx> {
         }
     }
     all
-}
-
-/// MATs under gravity, behind the place of their first coefficient.
-fn weigh(plan: &mut Plan) -> (usize, Vec<u32>) {
-    let net = plan.net;
-    let first = plan.coef.len();
-    let mut weighed = Vec::new();
-    for (i, m) in net.mats.iter().enumerate() {
-        if m.is_fixed() || plan.slot[i] == u32::MAX {
-            continue;
-        }
-        for (k, g) in net.medium(m).gravity[..m.axes as usize].iter().enumerate().filter(|(_, g)| **g != 0.0) {
-            weighed.push(plan.slot[i] + k as u32);
-            plan.coef.push(0.0);
-            let to = plan.coef.len() - 1;
-            plan.load(Loader::Times(*g), m.item, &m.values, &[to]);
-        }
-    }
-    (first, weighed)
 }
 
 /// Moving points and masses that go by modes, laid out.

@@ -97,13 +97,11 @@ impl Kind {
     /// While building, where there is no such parameter.
     pub const fn position(&self, name: &str) -> usize {
         let mut i = 0;
-        while i < self.params.len() {
-            if same(self.params[i].name.as_bytes(), name.as_bytes()) {
-                return i;
-            }
+        while i < self.params.len() && !same(self.params[i].name.as_bytes(), name.as_bytes()) {
             i += 1;
         }
-        panic!("no parameter of this name in the record")
+        assert!(i < self.params.len(), "no parameter of this name in the record");
+        i
     }
 }
 

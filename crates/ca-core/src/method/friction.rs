@@ -21,7 +21,7 @@ use super::{free_motion, mobility};
 use crate::law::{Bound, Phi};
 use crate::numeric::{Real, Table, real, wide};
 use crate::op::layout::{Layout, MeasureKind};
-use crate::op::measure::{Along, Line, Measure, Radial};
+use crate::op::links::measure::{Along, Line, Measure, Radial};
 use crate::op::{Form, Kernel, Law, Op, SolveStage};
 use crate::state::State;
 use crate::state::active_contacts::ActiveContact;

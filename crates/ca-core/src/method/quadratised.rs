@@ -32,7 +32,7 @@ use super::spring::{Contact, Spring};
 use super::{free_motion, mobility};
 use crate::numeric::{Real, SINGLE, sqrt};
 use crate::op::layout::{Layout, MeasureKind};
-use crate::op::measure::{Along, Line, Measure, Radial};
+use crate::op::links::measure::{Along, Line, Measure, Radial};
 use crate::op::{Form, Kernel, Law, Op, SolveStage};
 use crate::state::State;
 use crate::state::active_contacts::{ActiveContact, ActiveContacts};

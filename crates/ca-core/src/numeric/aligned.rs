@@ -1,6 +1,6 @@
 //! Aligned: an array of numbers that begins at a cache line.
 //!
-//! A vector of eight that crosses from one line to the next is read twice: a long folded row (`op/folded.rs`) then takes
+//! A vector of eight that crosses from one line to the next is read twice: a long folded row (`op/links/folded.rs`) then takes
 //! half as long again. Decides for a `Vec` with room for the way to the next line, in safe code: a type of its own alignment
 //! could not be seen as plain numbers without unsafe code, and a crate that does so brings more than this file. What a tick
 //! computes does not depend on where an array begins.

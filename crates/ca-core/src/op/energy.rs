@@ -6,7 +6,8 @@
 //! that is at the beginning of tick n+1, before changes. A scene that does not ask has no pass, array or test of this.
 
 use super::layout::{Account, Layout, MeasureKind};
-use super::{Op, measure, pair_set, wave};
+use super::links::{measure, pair_set};
+use super::{Op, wave};
 use crate::numeric::{Real, VerletList, wide};
 use crate::state::{Ledger, State};
 

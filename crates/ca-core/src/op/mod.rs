@@ -9,24 +9,13 @@ use crate::law::{Bound, Force, Idle, Lost, Stored};
 use crate::numeric::{Real, Table};
 use crate::state::State;
 
-#[cfg(not(single))]
-mod band;
 pub mod blocker;
-mod choose;
 pub mod energy;
-#[cfg(not(single))]
-mod folded;
-mod fused;
-mod gather;
 pub mod heard;
-mod law;
 pub mod layout;
+pub mod links;
 pub mod lowpass;
-pub mod measure;
-pub mod pair_set;
 pub mod pass;
-mod run;
-mod space;
 pub mod substep;
 pub mod wave;
 pub(crate) mod wide;

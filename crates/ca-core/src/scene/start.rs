@@ -2,7 +2,8 @@
 
 use crate::numeric::Real;
 use crate::op::layout::Layout;
-use crate::op::{Op, measure, pass};
+use crate::op::links::measure;
+use crate::op::{Op, pass};
 use crate::state::State;
 use alloc::vec::Vec;
 

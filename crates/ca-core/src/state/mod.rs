@@ -75,7 +75,7 @@ impl Ramps {
 }
 
 /// Eight stretches of an array side by side: number i of 8 `rows` stands at [`Fold::at`]. The order of long rows of links and
-/// of their masses (`op/folded.rs`).
+/// of their masses (`op/links/folded.rs`).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Fold {
     /// index of the first number

@@ -4,49 +4,13 @@
 //! that are a constant width apart. As a row is fused, so is a mesh: only where the list of passes sums in that order too
 //! ([`Added`]), along first.
 
-use crate::emit::added::Added;
-use crate::emit::batches::{Batch, JOINT};
-use crate::emit::fold::FEW;
 use crate::emit::plan::Plan;
+use crate::emit::rows::added::Added;
+use crate::emit::rows::batch::{Batch, FEW, JOINT, Mesh};
 use alloc::vec::Vec;
 use ca_core::op::Band;
 use ca_core::state::Fold;
 use core::ops::Range;
-
-/// Where a mesh stands: its slots in the order of its rows. A first and a last row may lack nodes at their ends, as where the
-/// border is held and its corners are joined to nothing.
-#[derive(Clone, Copy, PartialEq)]
-pub struct Mesh {
-    /// its first slot
-    pub first: u32,
-    /// its slots
-    pub slots: u32,
-    /// nodes from one row to the next
-    pub width: u32,
-    /// slots of a first row that lacks nodes, and how many it lacks before them
-    pub head: [u32; 2],
-    /// the same of a last row
-    pub tail: [u32; 2],
-}
-
-impl Mesh {
-    /// Which node slot `i` is, counted from the first of a first row that lacks none.
-    pub fn node(&self, i: usize) -> usize {
-        let [slots, head, tail] = [self.slots, self.head[0], self.tail[0]].map(|n| n as usize);
-        let [before, behind] = [self.head[1], self.tail[1]].map(|n| n as usize);
-        let body = if head > 0 { self.width as usize } else { 0 };
-        match i {
-            i if i < head => before + i,
-            i if i < slots - tail => body + i - head,
-            i => body + i - head + behind,
-        }
-    }
-
-    /// Nodes, those that are lacking before the last among them.
-    pub fn nodes(&self) -> usize {
-        self.node(self.slots as usize - 1) + 1
-    }
-}
 
 /// The slots of a batch that is a row.
 fn slots(plan: &Plan, b: &Batch) -> Range<u32> {

@@ -1,8 +1,8 @@
 //! Links: batches of one law, rows as runs, and where each link ends up.
 
-use crate::emit::batches::{Batch, JOINT};
 use crate::emit::penetration;
 use crate::emit::plan::Plan;
+use crate::emit::rows::batch::{Batch, JOINT};
 use crate::net::{End, LiaNode, Measure, Pruned};
 use crate::options::Options;
 use alloc::vec::Vec;

@@ -1,9 +1,9 @@
 //! Gather: links between any two MATs, one by one, in order. The reference kernel: forces are summed in the order of
 //! the links, so the bits are those of a plain loop over modules.
 
-use super::Op;
 use crate::law::Phi;
 use crate::numeric::Real;
+use crate::op::Op;
 use crate::op::layout::Layout;
 use crate::state::State;
 

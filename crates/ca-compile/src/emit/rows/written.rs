@@ -3,8 +3,8 @@
 //! Decides that the hash of a state goes by that order, which depends on the document alone: a take names the bits of
 //! its states, and where the compiler puts them may change from one version to the next.
 
-use crate::emit::batches::Batch;
-use crate::emit::links::Links;
+use crate::emit::rows::batch::Batch;
+use crate::emit::rows::links::Links;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 use core::ops::Range;

@@ -1,9 +1,9 @@
 //! A law as data: what the compiler, the ledger and the certificate call without knowing which law it is.
 
 use super::choose::kernel;
-use super::{Law, ParamBinding, SolveStage};
 use crate::law::Phi;
 use crate::numeric::{Real, Table};
+use crate::op::{Law, ParamBinding, SolveStage};
 use alloc::vec::Vec;
 
 fn arr<T: Copy + Default, const N: usize>(s: &[T]) -> [T; N] {

@@ -2,12 +2,12 @@
 //! width). No indices are read, so the loops vectorise. Each MAT receives the force of the link before it and then that
 //! of the link after it, which is the order of the gather kernel, so the bits are the same.
 
-use super::Op;
-use super::wide::{Body, Simd};
 use crate::law::Phi;
 use crate::numeric::Real;
 use crate::numeric::Table;
+use crate::op::Op;
 use crate::op::layout::Layout;
+use crate::op::wide::{Body, Simd};
 use crate::state::State;
 use core::marker::PhantomData;
 

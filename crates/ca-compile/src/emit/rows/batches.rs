@@ -1,8 +1,8 @@
 //! Batches: which links one pass computes: links of one law, and rows of them as runs without indices.
 
-use crate::emit::bands::{self, Mesh};
 use crate::emit::plan::Plan;
-use crate::options::{KernelClass, Options};
+use crate::emit::rows::batch::Batch;
+use crate::options::KernelClass;
 use alloc::vec::Vec;
 use ca_core::op::{Band, Integrate, Law, MeasureKind};
 use ca_core::phi::{implicit, res};
@@ -10,48 +10,6 @@ use ca_core::phi::{implicit, res};
 /// Rows shorter than this are gathered: a run has three loops to set up, and waits for what it has just written. Measured
 /// for RES: 4 links 15 ns as a run and 8 gathered, 7 links 16 and 12, 11 links 18 and 22.
 const SHORTEST_RUN: usize = 10;
-
-/// Rows further apart are not joined. A joint costs as much as a link, some 0.4 ns; of a mesh of 20 x 20, 19 passes less
-/// saved 320 ns.
-const LONGEST_GAP: usize = 8;
-
-/// In place of a link between two rows that run as one: it has no force.
-pub const JOINT: u32 = u32::MAX;
-
-/// Links of one pass.
-pub struct Batch {
-    /// the links, in the order they are computed in, [`JOINT`]s among them; the first is none, but of a mesh
-    pub links: Vec<u32>,
-    /// the law they run by
-    pub law: &'static Law,
-    /// of a row, between the slots of two ends; 0 where slots are looked up
-    pub stride: usize,
-    /// what the pass integrates too
-    pub integrate: Integrate,
-    /// true where the row stands in the order of [`Fold`](ca_core::state::Fold)
-    pub folded: bool,
-    /// the mesh it is part of, where that runs as one
-    pub mesh: Option<Mesh>,
-    /// which part
-    pub band: Band,
-}
-
-impl Batch {
-    /// A link of it.
-    pub fn some(&self) -> u32 {
-        self.links.iter().copied().find(|l| *l != JOINT).unwrap_or(self.links[0])
-    }
-
-    /// How many masses a row has.
-    pub fn masses(&self) -> usize {
-        self.mesh.map_or(self.links.len() + 1, |mesh| mesh.slots as usize)
-    }
-
-    /// The first slot of its masses, for a row.
-    pub fn slot(&self, plan: &Plan) -> u32 {
-        self.mesh.map_or_else(|| plan.ends(self.links[0])[0], |m| m.first)
-    }
-}
 
 /// What links of one batch have in common.
 #[derive(Clone, Copy, PartialEq)]
@@ -113,52 +71,6 @@ impl Plan<'_> {
             }
         }
         out
-    }
-
-    /// Rows joined to longer ones where the next begins soon behind the one before: a pass for each row of a mesh waits
-    /// more than it computes. What integrates comes first, in the order of its slots; other rows only where one follows
-    /// the other in the list, so that every mass is given its forces in the same order.
-    pub fn joined(&self, options: &Options, batches: Vec<Batch>) -> Vec<Batch> {
-        if options.kernel != KernelClass::Fast || options.energy {
-            return batches;
-        }
-        let (mut rows, others): (Vec<Batch>, Vec<Batch>) =
-            batches.into_iter().partition(|b| b.integrate != Integrate::No);
-        let mut meshes: Vec<Mesh> = Vec::new();
-        rows.iter().filter_map(|b| b.mesh).for_each(|m| {
-            if !meshes.contains(&m) {
-                meshes.push(m);
-            }
-        });
-        for mesh in meshes {
-            let (of, more): (Vec<Batch>, Vec<Batch>) = rows.into_iter().partition(|b| b.mesh == Some(mesh));
-            rows = more;
-            rows.extend(bands::joined(self, mesh, &of));
-        }
-        // links across a mesh stay behind those along
-        rows.sort_by_key(|b| b.slot(self));
-        let mut all: Vec<Batch> = Vec::with_capacity(rows.len() + others.len());
-        for b in rows.into_iter().chain(others) {
-            // links that would stand between the two
-            let between = |a: &Batch| {
-                if a.mesh.is_some() || b.mesh.is_some() {
-                    return None;
-                }
-                let alike = core::ptr::eq(a.law, b.law) && (a.integrate, a.stride) == (b.integrate, b.stride);
-                let [last, next] = [a.links[a.links.len() - 1], b.links[0]].map(|l| self.ends(l)[0]);
-                let gap = next.checked_sub(last + 1).filter(|_| alike && b.stride > 0 && b.law.wide)? as usize;
-                (gap <= if b.integrate == Integrate::No { LONGEST_GAP } else { 1 }).then_some(gap)
-            };
-            let joints = all.last().and_then(between);
-            match (all.last_mut(), joints) {
-                (Some(a), Some(joints)) => {
-                    a.links.extend(core::iter::repeat_n(JOINT, joints));
-                    a.links.extend(b.links);
-                }
-                _ => all.push(b),
-            }
-        }
-        all
     }
 
     /// The law each link runs by: its own, but springs in a row with implicit links run by the law of these, θ = 0

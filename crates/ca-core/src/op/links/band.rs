@@ -9,10 +9,10 @@
 //! what others gave.
 
 use super::folded::{Lanes, coefs, eights, eights_mut, force, rotated};
-use super::wide::{Body, Simd};
-use super::{Band, Op};
 use crate::law::Phi;
 use crate::op::layout::Layout;
+use crate::op::wide::{Body, Simd};
+use crate::op::{Band, Op};
 use crate::state::{Fold, State};
 use core::marker::PhantomData;
 

@@ -1,14 +1,15 @@
 //! Which kernel runs a law: one for each form of a batch of links, chosen at load.
 
 #[cfg(not(single))]
-use super::Band;
-#[cfg(not(single))]
 use super::band::Banded;
 #[cfg(not(single))]
 use super::folded::Folded;
 use super::fused::Fused;
-use super::{Form, Integrate, Kernel, MeasureKind, gather, measure, pair_set, run, space, wide};
+use super::{gather, measure, pair_set, run, space};
 use crate::law::Phi;
+#[cfg(not(single))]
+use crate::op::Band;
+use crate::op::{Form, Integrate, Kernel, MeasureKind, wide};
 
 /// The kernel of a law for one form of a dipole.
 pub(crate) fn kernel<P: Phi<C, M> + 'static, const C: usize, const M: usize>(form: Form) -> Kernel {

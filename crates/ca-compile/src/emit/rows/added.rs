@@ -2,8 +2,8 @@
 //!
 //! Decides what may be summed in another way: a sum of numbers of a processor depends on its order, and a scene must not.
 
-use crate::emit::batches::Batch;
 use crate::emit::plan::Plan;
+use crate::emit::rows::batch::Batch;
 use crate::net::lines::LineNode;
 use crate::net::{End, MatRole, OutputTap};
 use alloc::vec::Vec;

@@ -10,10 +10,10 @@
 //!
 //! The sum is that of [`Fused`](super::fused::Fused), (Fᵢ − Fᵢ₋₁) + f.
 
-use super::Op;
-use super::wide::{Body, Simd};
 use crate::law::Phi;
+use crate::op::Op;
 use crate::op::layout::Layout;
+use crate::op::wide::{Body, Simd};
 use crate::state::{Fold, State};
 use core::marker::PhantomData;
 use core::ops::{Add, Mul, Sub};

@@ -1,10 +1,10 @@
 //! Space: links between points in space, one by one, in order. The force of the law pulls along what the measure
 //! measured; contacts that are idle cost a squared distance and no square root.
 
-use super::Op;
 use super::measure::Measure;
 use crate::law::Phi;
 use crate::numeric::Real;
+use crate::op::Op;
 use crate::op::layout::Layout;
 use crate::state::State;
 

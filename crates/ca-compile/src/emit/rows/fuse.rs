@@ -5,12 +5,12 @@
 //! number is added behind it, since then both sums are the same. And only where nobody reads the whole force on one of its
 //! masses, which is then known nowhere: the ledger, an output of force, a link that is solved behind the others.
 
-use crate::emit::added::Added;
-use crate::emit::bands;
-use crate::emit::batches::Batch;
-use crate::emit::fold::can_fold;
 use crate::emit::pass_list::Class;
 use crate::emit::plan::Plan;
+use crate::emit::rows::added::Added;
+use crate::emit::rows::bands;
+use crate::emit::rows::batch::Batch;
+use crate::emit::rows::batch::can_fold;
 use crate::options::{KernelClass, Options};
 use alloc::vec::Vec;
 use ca_core::op::heard::COEFS;

@@ -6,11 +6,12 @@
 //! more. Forces stand in [`State::tap`] between two loops, with a 0 on either side, so that each is a plain loop that
 //! vectorises; one loop would have to shift vectors by a lane, which takes longer with the portable ones than the second.
 
-use super::wide::{Body, Simd};
-use super::{Op, run};
+use super::run;
 use crate::law::Phi;
 use crate::numeric::Real;
+use crate::op::Op;
 use crate::op::layout::Layout;
+use crate::op::wide::{Body, Simd};
 use crate::state::State;
 use core::marker::PhantomData;
 

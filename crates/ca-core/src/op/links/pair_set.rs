@@ -5,12 +5,12 @@
 //! of the pairs, so a set and its pairs written out agree in every bit; how they are found is for [`VerletList`]. What
 //! contains (`sense = "inside"`) acts on those that are far apart: then all are measured.
 
-use super::Op;
 use super::measure::{Measure, Radial};
-use super::wide::{Body, Simd};
 use crate::law::Phi;
 use crate::numeric::{Real, VerletList, sqrt};
+use crate::op::Op;
 use crate::op::layout::{Layout, PairSet};
+use crate::op::wide::{Body, Simd};
 use crate::state::State;
 use core::marker::PhantomData;
 

@@ -6,29 +6,18 @@
 //! cache lines: on a processor with vectors of eight that is a third of the time. Only where a vector of eight is wide in
 //! numbers of the tick: in single precision rows run as they stand.
 
-use crate::emit::bands::Mesh;
-use crate::emit::batches::{Batch, JOINT};
+use crate::emit::masses::Masses;
 use crate::emit::pass_list::{self, Class};
 use crate::emit::plan::Plan;
-use crate::emit::schedule::Masses;
+use crate::emit::rows::batch::{Batch, FEW, JOINT, Mesh, can_fold};
 use alloc::collections::BTreeMap;
 use alloc::vec::Vec;
-use ca_core::numeric::Real;
 use ca_core::op::{Band, Integrate};
 use ca_core::state::Fold;
 
 /// Rows of fewer links run as they stand. Folded, a string of 24 masses takes 21 ns where it took 47; shorter ones were not
 /// measured, and what crosses lanes is a larger part of them.
 const SHORTEST: usize = 16;
-
-/// Ends of links of other rows that are looked up one by one, at most one to so many masses of a folded row. A mesh of 20 × 20
-/// whose author turned at its corners takes 272 ns with 37 links looked up, and 546 not folded.
-pub const FEW: usize = 4;
-
-/// True where numbers of the tick are as wide as vectors of eight are made for.
-pub fn can_fold() -> bool {
-    size_of::<Real>() == size_of::<f64>()
-}
 
 /// Which batches are rows that are worth it. Other rows over their masses go by places in a row no more: they are looked up
 /// one by one, which is worth it where they are few.

@@ -1,0 +1,69 @@
+//! Masses: where MATs and moving points start, their coefficients, and which of them have weight, slot by slot.
+
+use crate::emit::plan::Plan;
+use crate::net::{End, MatRole};
+use alloc::vec::Vec;
+use ca_core::live::Loader;
+
+/// Where MATs and moving points start, how fast, and where they rest, slot by slot.
+pub struct Masses {
+    /// displacement from rest \[m\]
+    pub x: Vec<f64>,
+    /// speed \[m/s\]
+    pub v: Vec<f64>,
+    /// rest \[m\]
+    pub rest: Vec<f64>,
+}
+
+/// Positions and coefficients of MATs, rest positions of moving points too.
+pub fn masses(plan: &mut Plan) -> Masses {
+    let net = plan.net;
+    let n_mat = plan.coef.len() / 3;
+    let zero = alloc::vec![0.0; n_mat];
+    let mut all = Masses { x: zero.clone(), v: zero.clone(), rest: zero };
+    for (i, m) in net.mats.iter().enumerate() {
+        let at = plan.slot[i] as usize;
+        if at == u32::MAX as usize {
+            continue;
+        }
+        for k in 0..m.slots() as usize {
+            (all.x[at + k], all.v[at + k], all.rest[at + k]) = (m.dx0[k], m.v[k], m.rest[k]);
+        }
+        if let MatRole::Port(_, inputs) = m.role {
+            // as far as anyone can tell, it goes on as it went
+            (0..3).filter(|k| inputs[*k].is_some()).for_each(|k| plan.coef[at + k] = 1.0);
+        }
+        if let MatRole::Mat(spec) = m.role {
+            let loader = Loader::Mat(spec, if spec.fixed { 0.0 } else { net.medium(m).friction });
+            // a frozen axis keeps the coefficients 0, 0, 0 of a fixed point
+            for at in at..at + m.axes as usize {
+                plan.load(loader, m.item, &m.values, &[at, n_mat + at, 2 * n_mat + at]);
+            }
+        }
+    }
+    for (p, at) in plan.point.iter().enumerate() {
+        if *at != u32::MAX {
+            all.rest[*at as usize] = net.rest(End::Point(p as u32))[0];
+        }
+    }
+    all
+}
+
+/// MATs under gravity, behind the place of their first coefficient.
+pub fn weigh(plan: &mut Plan) -> (usize, Vec<u32>) {
+    let net = plan.net;
+    let first = plan.coef.len();
+    let mut weighed = Vec::new();
+    for (i, m) in net.mats.iter().enumerate() {
+        if m.is_fixed() || plan.slot[i] == u32::MAX {
+            continue;
+        }
+        for (k, g) in net.medium(m).gravity[..m.axes as usize].iter().enumerate().filter(|(_, g)| **g != 0.0) {
+            weighed.push(plan.slot[i] + k as u32);
+            plan.coef.push(0.0);
+            let to = plan.coef.len() - 1;
+            plan.load(Loader::Times(*g), m.item, &m.values, &[to]);
+        }
+    }
+    (first, weighed)
+}

@@ -1,0 +1,13 @@
+//! Links as passes, in the order of work: batches of links of one law ([`batches`]), what is integrated with them ([`fuse`]
+//! by [`added`], meshes by [`bands`]), rows that run as one ([`join`]), rows in eight lanes ([`fold`]), their arrays
+//! ([`links`]), and the order of the document in which a state is hashed ([`written`]).
+
+pub mod added;
+pub mod bands;
+pub mod batch;
+pub mod batches;
+pub mod fold;
+pub mod fuse;
+pub mod join;
+pub mod links;
+pub mod written;

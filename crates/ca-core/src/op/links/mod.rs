@@ -1,0 +1,16 @@
+//! Passes over links, one kernel for each way they stand: anywhere ([`gather`]), in a row ([`run`]), in a row whose masses are
+//! integrated too ([`fused`], in eight lanes [`folded`], a mesh [`band`]), in space ([`space`] by a [`measure`]), and all
+//! pairs of two sets ([`pair_set`]). [`choose`] takes one for each form of a law.
+
+#[cfg(not(single))]
+mod band;
+mod choose;
+#[cfg(not(single))]
+mod folded;
+mod fused;
+mod gather;
+pub(super) mod law;
+pub mod measure;
+pub mod pair_set;
+mod run;
+mod space;
