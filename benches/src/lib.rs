@@ -6,6 +6,7 @@ pub mod accuracy;
 pub mod atlas;
 pub mod costs;
 pub mod latency;
+pub mod peers;
 pub mod rattle;
 
 use ca_compile::{KernelClass, Options, compile};

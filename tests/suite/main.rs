@@ -4,6 +4,7 @@ mod accuracy;
 mod acoustics;
 mod atlas;
 mod begin;
+mod beside;
 mod border;
 mod certificate;
 mod chance;

@@ -1,0 +1,165 @@
+//! The page `docs/measured/peers.md`: the table of times, that of ratios beside what is expected, and how rows are written.
+
+use super::build::Without;
+use super::{Case, Target};
+use std::fmt::Write as _;
+
+/// Who plays, in the order of the columns.
+pub const PEERS: [&str; 9] = [
+    "Faust, clang",
+    "Faust, g++",
+    "flat C, clang",
+    "flat C, gcc",
+    "boxed C++, clang",
+    "boxed C++, g++",
+    "numba",
+    "stencil, damped",
+    "stencil, undamped",
+];
+
+/// The columns that are of Faust, of flat C, and the damped stencil.
+const FAUST: [usize; 2] = [0, 1];
+const FLAT: [usize; 2] = [2, 3];
+const STENCIL: usize = 7;
+
+/// The time of a tick \[ns\], or why there is none.
+pub type Time = Result<f64, Without>;
+
+/// What was measured of a network.
+pub struct Row {
+    /// its name
+    pub name: String,
+    /// its MATs and LIAs, of grains each pair that may touch
+    pub modules: usize,
+    /// a tick of the engine \[ns\]
+    pub engine: f64,
+    /// those of [`PEERS`], `None` where one does not play such a network
+    pub peers: [Option<Time>; PEERS.len()],
+    /// what is expected
+    pub target: Target,
+}
+
+/// A figure beside what is expected of it, and whether it is so.
+pub struct Claim {
+    /// what is counted
+    pub what: &'static str,
+    /// what was measured
+    pub is: f64,
+    /// what is expected, `true` for at least
+    pub target: Option<(f64, bool)>,
+}
+
+impl Claim {
+    /// Whether it is as expected; `None` where nothing is.
+    pub fn holds(&self) -> Option<bool> {
+        self.target.map(|(target, least)| if least { self.is >= target } else { self.is <= target })
+    }
+}
+
+impl Row {
+    /// Without times yet.
+    pub fn new(case: &Case) -> Row {
+        let (name, modules, target) = (case.net.name.clone(), case.net.modules(), case.target);
+        Row { name, modules, engine: f64::INFINITY, peers: [const { None }; PEERS.len()], target }
+    }
+
+    fn best(&self, of: &[usize]) -> Option<f64> {
+        let times = of.iter().filter_map(|i| self.peers[*i].as_ref()?.as_ref().ok());
+        times.copied().min_by(f64::total_cmp)
+    }
+
+    /// The figures of the second table, in its order; `None` where there is nothing to compare with.
+    pub fn claims(&self, wide: bool) -> [Option<Claim>; 4] {
+        let t = &self.target;
+        let faust = t.faust_avx2.filter(|_| !wide).or(t.faust);
+        let least = |v: Option<f64>| v.map(|v| (v, true));
+        let most = |v: Option<f64>| v.map(|v| (v, false));
+        let times = |what, of: &[usize], target| self.best(of).map(|b| Claim { what, is: b / self.engine, target });
+        [
+            Some(Claim { what: "ns a module", is: self.engine / self.modules as f64, target: most(t.module) }),
+            times("times as fast as Faust", &FAUST, least(faust)),
+            times("times as fast as flat C", &FLAT, least(t.flat)),
+            self.best(&[STENCIL]).map(|b| Claim {
+                what: "time over that of the damped stencil",
+                is: self.engine / b,
+                target: most(t.stencil),
+            }),
+        ]
+    }
+}
+
+/// The text above the tables.
+pub const HEAD: &str = "# Beside other ways to play the same
+
+Made by `UPDATE=1 cargo bench -p ca-benches --bench peers`: do not edit.
+
+The same networks by the engine and by programs of ours: Faust (`-double`, modules of mi.lib, one program a network), flat
+C, C++ with an object a module, loops compiled by numba, and stencils by hand. All that is compiled has `-O3
+-march=native -ffast-math`. Parameters differ from module to module, but in the stencils, which have one set and fixed
+ends or edges. The engine loads a model and plays it, blocks of 64 ticks, as any program that has it as a library.
+
+Before anything is timed, what each peer plays is compared with the engine, and the bench fails where they differ: over 4096
+ticks to 1e-9 of the largest value heard, or 1e-7 in the mixture, whose bow is a table in the engine; in space, where
+motion is chaotic, over 1024 ticks to 1e-6. Stencils are compared in a network that is as uniform as they are.
+
+Times are processor time of one thread. All players of a network take turns, each as a process that plays 1024 ticks
+from the start and then times those that follow; the quickest of all rounds counts. Ratios are between numbers of one run
+and last; ns are of one machine. A module is a MAT or a LIA; of
+grains each pair that may touch is one, though only those that are near are computed by the engine.
+";
+
+fn number(v: f64) -> String {
+    if v < 10.0 { format!("{v:.2}") } else { format!("{v:.0}") }
+}
+
+fn cell(time: Option<&Time>) -> String {
+    match time {
+        None => "–".into(),
+        Some(Ok(ns)) => number(*ns),
+        Some(Err(Without::Missing(_))) => "not here".into(),
+        Some(Err(Without::Late(s))) => format!("> {s} s"),
+        Some(Err(Without::Failed(_))) => "fails".into(),
+    }
+}
+
+fn claim(claim: Option<&Claim>) -> String {
+    let Some(c) = claim else { return "–".into() };
+    let is = number(c.is);
+    match (c.target, c.holds()) {
+        (Some((target, least)), Some(holds)) => {
+            let (sign, holds) = (if least { "≥" } else { "≤" }, if holds { "holds" } else { "**not so**" });
+            format!("{is} ({sign} {target}: {holds})")
+        }
+        _ => is,
+    }
+}
+
+/// The whole page; `machine` says whose times these are and by which compilers, `wide` whether it has AVX-512.
+pub fn page(rows: &[Row], machine: &str, wide: bool) -> String {
+    let mut t = format!("{HEAD}\n{machine}\n\n## Time of a tick [ns]\n\n| network | modules | ca |");
+    for peer in PEERS {
+        let _ = write!(t, " {peer} |");
+    }
+    let _ = write!(t, "\n|{}\n", "---|".repeat(3 + PEERS.len()));
+    for row in rows {
+        let _ = write!(t, "| {} | {} | {} |", row.name, row.modules, number(row.engine));
+        for time in &row.peers {
+            let _ = write!(t, " {} |", cell(time.as_ref()));
+        }
+        t += "\n";
+    }
+    t += "\nA cell `> 120 s` is a compiler run, of Faust or of what it made, that was ended after so long; `not here` is a\n\
+          compiler that this machine does not have; – is a network that a peer does not play.\n\
+          \n## Beside what is expected\n\n\
+          Against the better of the two compilers. In brackets what is expected, and whether it holds.\n\n\
+          | network | ns a module | times as fast as Faust | times as fast as flat C | time over that of the damped stencil |\n\
+          |---|---|---|---|---|\n";
+    for row in rows {
+        let _ = write!(t, "| {} |", row.name);
+        for c in &row.claims(wide) {
+            let _ = write!(t, " {} |", claim(c.as_ref()));
+        }
+        t += "\n";
+    }
+    t
+}

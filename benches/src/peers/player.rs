@@ -1,0 +1,172 @@
+//! Who plays a network: the engine in this process, or a peer that is asked by lines.
+
+use super::net::Net;
+use super::write;
+use cordis_anima::ca_core::scene::Location;
+use cordis_anima::{Loaded, Options, Scene, State, process};
+use rustix::time::{ClockId, clock_gettime};
+use std::io::{BufRead as _, BufReader, Error, Write as _};
+use std::path::Path;
+use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+
+/// Ticks before the clock starts, and ticks of a call: those of `benches/peers/player.h`.
+pub const WARM: usize = 1024;
+/// Ticks of a call.
+pub const BLOCK: usize = 64;
+
+/// Plays one network.
+pub trait Player {
+    /// What is heard in the first ticks.
+    ///
+    /// # Errors
+    /// Where a process has ended.
+    fn hear(&mut self, ticks: usize) -> Result<Vec<f64>, Error>;
+
+    /// Processor time of so many ticks \[ns\], after [`WARM`] of them from the start.
+    ///
+    /// # Errors
+    /// Where a process has ended.
+    fn time(&mut self, ticks: usize) -> Result<f64, Error>;
+}
+
+/// The engine: a model loaded, compiled and played as by any program that has it as a library.
+///
+/// Decides for one state that is set back, not for a new one each round: a peer has its memory where it was given it once, and
+/// the quickest of many places would be another measure.
+pub struct Engine {
+    scene: Scene,
+    state: State,
+}
+
+impl Engine {
+    /// From the model of a network; a finding is a defect of the bench.
+    pub fn new(net: &Net) -> Engine {
+        let loaded = Loaded::read(&write::model(net), "peer.ca.toml");
+        let compiled = loaded.compile(&Options::default());
+        let scene = compiled.unwrap_or_else(|e| panic!("{}: {}", net.name, e.diags)).scene;
+        Engine { state: scene.state(), scene }
+    }
+
+    /// The same network with every MAT at its place in the first sample and with the step that leads there: peers begin as
+    /// the engine does, which takes half the force of the first tick off the step at load.
+    pub fn started(&self, net: &Net) -> Net {
+        let (mut started, state) = (net.clone(), &self.scene.initial);
+        for symbol in &self.scene.symbols {
+            let number = symbol.name.rsplit('.').next().and_then(|name| name.strip_prefix('m'));
+            let (Some(i), Location::Mat(at)) = (number.and_then(|n| n.parse::<usize>().ok()), symbol.location) else {
+                continue;
+            };
+            for e in 0..symbol.axes as usize {
+                let at = at as usize + e;
+                started.mats[i].x[e] = self.scene.layout.rest[at] + state.x[at];
+                started.mats[i].v[e] = state.d[at];
+            }
+        }
+        started
+    }
+
+    /// Modules that are computed, all pairs of a line as one.
+    pub fn modules(&self) -> usize {
+        self.scene.symbols.len()
+    }
+
+    fn begin(&mut self) {
+        self.state.clone_from(&self.scene.initial);
+    }
+
+    fn blocks(&mut self, ticks: usize, mut heard: impl FnMut(&[f64])) {
+        let mut out = [0.0; BLOCK];
+        for _ in 0..ticks / BLOCK {
+            assert!(process(&self.scene, &mut self.state, &mut out), "a state of this scene");
+            heard(&out);
+        }
+    }
+}
+
+/// Processor time of this thread \[ns\].
+fn processor() -> f64 {
+    let now = clock_gettime(ClockId::ThreadCPUTime);
+    1e9 * now.tv_sec as f64 + now.tv_nsec as f64
+}
+
+impl Player for Engine {
+    fn hear(&mut self, ticks: usize) -> Result<Vec<f64>, Error> {
+        let mut all = Vec::with_capacity(ticks);
+        self.begin();
+        self.blocks(ticks, |out| all.extend_from_slice(out));
+        Ok(all)
+    }
+
+    fn time(&mut self, ticks: usize) -> Result<f64, Error> {
+        self.begin();
+        self.blocks(WARM, |_| ());
+        let begin = processor();
+        self.blocks(ticks, |out| {
+            std::hint::black_box(out);
+        });
+        Ok(processor() - begin)
+    }
+}
+
+/// A peer; it ends with its input.
+pub struct Peer {
+    child: Child,
+    asked: Option<ChildStdin>,
+    answers: BufReader<ChildStdout>,
+}
+
+impl Peer {
+    /// Starts a program with what it is to play.
+    ///
+    /// # Errors
+    /// Where it does not start.
+    pub fn start(command: &[&Path], what: &Path) -> Result<Peer, Error> {
+        let [program, args @ ..] = command else { return Err(Error::other("no program")) };
+        let mut child =
+            Command::new(program).args(args).arg(what).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn()?;
+        let (Some(asked), Some(answers)) = (child.stdin.take(), child.stdout.take()) else {
+            return Err(Error::other("no pipes"));
+        };
+        Ok(Peer { child, asked: Some(asked), answers: BufReader::new(answers) })
+    }
+
+    fn ask(&mut self, what: &str, ticks: usize) -> Result<(), Error> {
+        let asked = self.asked.as_mut().ok_or_else(|| Error::other("it has ended"))?;
+        writeln!(asked, "{what} {ticks}")?;
+        asked.flush()
+    }
+
+    fn number(&mut self) -> Result<f64, Error> {
+        let mut line = String::new();
+        self.answers.read_line(&mut line)?;
+        line.trim().parse().map_err(|_| Error::other(format!("no number but `{}`", line.trim())))
+    }
+}
+
+impl Player for Peer {
+    fn hear(&mut self, ticks: usize) -> Result<Vec<f64>, Error> {
+        self.ask("hear", ticks)?;
+        (0..ticks).map(|_| self.number()).collect()
+    }
+
+    fn time(&mut self, ticks: usize) -> Result<f64, Error> {
+        self.ask("time", ticks)?;
+        self.number()
+    }
+}
+
+impl Drop for Peer {
+    fn drop(&mut self) {
+        drop(self.asked.take());
+        let _ = self.child.wait();
+    }
+}
+
+/// How far two sounds are from each other, of the largest value of the first; not a number where one of them has one.
+pub fn apart(a: &[f64], b: &[f64]) -> f64 {
+    assert_eq!(a.len(), b.len());
+    let top = a.iter().fold(0.0, |top: f64, v| top.max(v.abs()));
+    // `max` would pass over what is not a number
+    let most = a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, |most: f64, d| if d <= most { most } else { d });
+    most / top
+}
