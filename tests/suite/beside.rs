@@ -21,7 +21,7 @@ fn flat_c_plays_what_the_engine_plays() {
         let case = all.iter().find(|c| c.net.name == name).expect(name);
         let mut engine = Engine::new(&case.net);
         let heard = engine.hear(case.compared).unwrap();
-        let mut peer = |net| {
+        let peer = |net| {
             let mut peer = Peer::start(&[&flat], &builder.table(net).unwrap()).unwrap();
             assert!(peer.time(BLOCK).unwrap() > 0.0);
             peer.hear(case.compared).unwrap().into_iter().map(|x| x - case.net.rest()).collect::<Vec<_>>()

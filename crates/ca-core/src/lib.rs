@@ -46,6 +46,6 @@ mod tick;
 pub mod tuning;
 
 pub use catalog::{Catalog, SOURCES};
-pub use scene::Scene;
+pub use scene::{ARITHMETIC, Scene};
 pub use state::State;
 pub use tick::{compute_forces, integrate, process, tick};

@@ -24,6 +24,7 @@ pub fn lpr<P: Phi<C, M>, A: Measure, B: Measure, const C: usize, const M: usize,
     let n = op.n;
     let Some((_, onto, far)) = op.ports.onto else { return };
     let (between, onto) = (&layout.ends[op.first..][..n], &layout.onto[onto..][..n]);
+    let (near_length, far_length, lengths) = (op.ports.reach, far, &mut s.lengths[..]);
     let (near, far) = (reach::<A>(layout, op.ports.reach, n), reach::<B>(layout, far, n));
     let e0 = &layout.e0[op.first..][..n];
     let columns: [&[f64]; C] = core::array::from_fn(|k| &s.coef[op.coef + k * n..][..n]);
@@ -31,13 +32,17 @@ pub fn lpr<P: Phi<C, M>, A: Measure, B: Measure, const C: usize, const M: usize,
     let mem = &mut s.mem[op.mem..][..n * M];
     for i in 0..n {
         let (first, second) = (between[i].map(|m| m as usize), onto[i].map(|m| m as usize));
-        let a = A::measure(x, d, first, if A::SPACE { &near[i] } else { &[0.0; 4] });
-        let b = B::measure(x, d, second, if B::SPACE { &far[i] } else { &[0.0; 4] });
+        // a port on a line keeps no length
+        let mut none = 0.0;
+        let last = if A::SPACE { &mut lengths[near_length + i] } else { &mut none };
+        let a = A::follow(x, d, first, if A::SPACE { &near[i] } else { &[0.0; 4] }, last);
+        let last = if B::SPACE { &mut lengths[far_length + i] } else { &mut none };
+        let b = B::follow(x, d, second, if B::SPACE { &far[i] } else { &[0.0; 4] }, last);
         let c = core::array::from_fn(|k| columns[k][i]);
         let Some(m) = mem[i * M..].first_chunk_mut::<M>() else { continue };
         let force = P::force(&c, m, &layout.tables, a.e + b.e + e0[i], a.w + b.w);
-        A::pull(f, first, &a.u, force);
-        B::pull(f, second, &b.u, force);
+        A::pull(f, first, &a, force);
+        B::pull(f, second, &b, force);
         if TAP {
             s.tap[op.tap + i] = force;
         }

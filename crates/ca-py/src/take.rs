@@ -214,6 +214,7 @@ impl Take {
         let v: ReplayVerdict = py.detach(run).map_err(|e| failure(py, e.into()))?;
         let d = PyDict::new(py);
         d.set_item("identical", v.is_identical())?;
+        d.set_item("tolerance", v.tolerance)?;
         d.set_item("forces", v.forces)?;
         d.set_item("samples", v.samples)?;
         d.set_item("hashes", v.hashes)?;

@@ -2,7 +2,7 @@
 //! joins them.
 
 use super::expand::{Family, mat};
-use super::network::{Law, Link, MeasureKind, Network};
+use super::network::{Law, Link, MeasureKind, Network, Past};
 use super::numbers::{Numbers, entry, list};
 use ca_model::Item;
 use std::f64::consts::TAU;
@@ -76,7 +76,7 @@ pub fn body(numbers: &Numbers, net: &mut Network, i: &Item) -> Family {
             let length = dot(apart, apart).sqrt();
             if length <= reach {
                 family.links.push(net.links.len());
-                let ports = vec![(ends, MeasureKind::Radial(apart, 0.0))];
+                let ports = vec![(ends, MeasureKind::Radial(apart, 0.0, Past::Kept(None)))];
                 net.links.push(Link { ports, e0: -length, law: Law::Linear { k, z }, f: 0.0 });
             }
         }

@@ -3,7 +3,7 @@
 use super::bodies::body;
 use super::expand::{Family, bank, fixed, mat, mesh, row};
 use super::listed::{Listed, drawn, kind};
-use super::network::{Heard, Law, Link, Mat, MeasureKind, Network, Point, Port};
+use super::network::{Heard, Law, Link, Mat, MeasureKind, Network, Past, Point, Port};
 use super::numbers::{Numbers, entry, list, word};
 use super::waves::string;
 use ca_core::kind::Role;
@@ -180,7 +180,8 @@ impl Builder<'_> {
             }
             (.., None) => {
                 let soft = self.num(i, "soften");
-                (MeasureKind::Radial(apart, soft * soft), 0.0, apart.iter().map(|v| v * v).sum::<f64>().sqrt())
+                let distance = apart.iter().map(|v| v * v).sum::<f64>().sqrt();
+                (MeasureKind::Radial(apart, soft * soft, Past::Kept(None)), 0.0, distance)
             }
         }
     }
@@ -188,7 +189,7 @@ impl Builder<'_> {
     fn tie(&mut self, i: &Item, ends: [usize; 2], onto: Option<[usize; 2]>) {
         let (measure, e0, distance) = self.port(i, ends, self.numbers.along(i));
         let soft = |l: f64, g: &MeasureKind| match g {
-            MeasureKind::Radial(_, soft) if *soft != 0.0 => (l * l + soft).sqrt(),
+            MeasureKind::Radial(_, soft, _) if *soft != 0.0 => (l * l + soft).sqrt(),
             _ => l,
         };
         let length = if kind(i).param("l0").is_some() { self.numbers.maybe(i, "l0").unwrap_or(distance) } else { 0.0 };
@@ -206,13 +207,15 @@ impl Builder<'_> {
             }
             return;
         }
-        let mut ports = vec![(ends, measure)];
+        let (law, mut ports) = (self.law(i), vec![(ends, measure)]);
         if let Some(ends) = onto {
             let (measure, constant, distance) = self.port(i, ends, None);
             e0 += constant - soft(distance, &measure);
             ports.push((ends, measure));
+        } else if let (MeasureKind::Radial(.., past), true) = (&mut ports[0].1, law.passes()) {
+            *past = Past::Motion;
         }
-        self.net.links.push(Link { ports, e0, law: self.law(i), f: 0.0 });
+        self.net.links.push(Link { ports, e0, law, f: 0.0 });
     }
 
     fn law(&self, i: &Item) -> Law {

@@ -2,7 +2,7 @@
 //! they are written in books, and shares nothing with the compiler. To give the same bits it sums in the same order:
 //! the links as the document has them.
 
-use super::network::{Heard, Law, MeasureKind, Network, Point};
+use super::network::{Heard, Law, Link, Network, Point};
 use ca_tests::follow;
 
 /// x to the power of quarters/4, by products and roots.
@@ -73,14 +73,14 @@ impl Network {
         self.mats.iter_mut().for_each(|m| (0..3).for_each(|k| m.f[k] += m.weight[k]));
         self.lines.iter_mut().for_each(|l| l.arrive(&mut self.mats));
         for link in &mut self.links {
-            let felt: Vec<_> = link.ports.iter().map(|([a, b], g)| g.feel(&self.mats[*a], &self.mats[*b])).collect();
-            let sum = |of: fn(&(f64, f64, [f64; 3])) -> f64| felt.iter().map(of).reduce(|a, b| a + b).unwrap_or(0.0);
-            link.f = link.law.force(sum(|p| p.0) + link.e0, sum(|p| p.1));
-            for (([a, b], measure), (_, _, u)) in link.ports.iter().zip(&felt) {
-                let axes = if let MeasureKind::Line(of) = measure { vec![*of] } else { vec![[0, 0], [1, 1], [2, 2]] };
-                for [i, j] in axes {
-                    self.mats[*a].f[i] += u[i] * link.f;
-                    self.mats[*b].f[j] -= u[j] * link.f;
+            let felt = link.feel(&self.mats);
+            let sum = |of: fn(&super::measure::Felt) -> f64| felt.iter().map(of).reduce(|a, b| a + b).unwrap_or(0.0);
+            link.f = link.law.force(sum(|p| p.e) + link.e0, sum(|p| p.w));
+            for (([a, b], measure), felt) in link.ports.iter().zip(&felt) {
+                let g = felt.pull(link.f);
+                for [i, j] in measure.axes() {
+                    self.mats[*a].f[i] += g[i];
+                    self.mats[*b].f[j] -= g[j];
                 }
             }
         }
@@ -94,6 +94,7 @@ impl Network {
     /// From speeds v at the start, written as d = vT, back half a tick to the ways the scheme starts from.
     pub fn start(&mut self) {
         self.forces();
+        self.links.iter_mut().for_each(Link::forget);
         for m in &mut self.mats {
             let [p, q, c] = m.pqc;
             for k in 0..m.axes {

@@ -6,7 +6,7 @@
 //! make every new kind an edit in three files of the oracle. The kinds it knows keep their second definition.
 
 use super::expand::{Family, fixed, mat};
-use super::network::{Law, Link, MeasureKind, Network};
+use super::network::{Law, Link, MeasureKind, Network, Past};
 use super::numbers::{Numbers, entry, list};
 use ca_core::kind::builder::{Arg, Args, Builder, Built, Generator};
 use ca_core::kind::{Kind, Need, Role, Type};
@@ -56,6 +56,11 @@ impl Listed {
             tables.push(own());
         }
         Listed { law, c: law.loaded(&p, numbers.tick_dt), mem: None, tables }
+    }
+
+    /// Whether it is not looked at while nothing touches.
+    pub fn passes(&self) -> bool {
+        self.law.contact && self.law.mem == 0
     }
 
     /// Force on the first end, of stretch e [m] and its change w in the last tick [m].
@@ -109,7 +114,7 @@ pub fn drawn(numbers: &Numbers, net: &mut Network, i: &Item, generator: &Generat
         let (measure, e0) = if dim == 1 {
             (MeasureKind::Line([0, 0]), 0.0)
         } else {
-            (MeasureKind::Radial(apart, 0.0), -l.l0.unwrap_or(length))
+            (MeasureKind::Radial(apart, 0.0, Past::Kept(None)), -l.l0.unwrap_or(length))
         };
         family.links.push(net.links.len());
         net.links.push(Link { ports: vec![(ends, measure)], e0, law: Law::Linear { k, z }, f: 0.0 });

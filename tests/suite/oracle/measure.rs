@@ -1,6 +1,6 @@
 //! What a link in space measures, by the ledger.
 
-use super::network::{Mat, MeasureKind};
+use super::network::{Link, Mat, MeasureKind, Past};
 
 /// One after the other, as sums are written.
 fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
@@ -11,19 +11,67 @@ fn difference(b: [f64; 3], a: [f64; 3]) -> [f64; 3] {
     [b[0] - a[0], b[1] - a[1], b[2] - a[2]]
 }
 
+/// The length of a vector, softened.
+fn length(v: [f64; 3], soft: f64) -> f64 {
+    (dot(v, v) + soft).sqrt()
+}
+
+/// What a port feels: elongation, its change, the vector from the first end to the second and the length of that.
+pub struct Felt {
+    pub e: f64,
+    pub w: f64,
+    v: [f64; 3],
+    l: f64,
+}
+
+impl Felt {
+    /// The force on the first end, on each axis, of a pull.
+    pub fn pull(&self, force: f64) -> [f64; 3] {
+        let part = if self.l == 0.0 { 0.0 } else { force / self.l };
+        self.v.map(|v| v * part)
+    }
+}
+
 impl MeasureKind {
-    /// Elongation, its change, and the forces on the second end of a push of 1, from places and ways of both ends.
-    pub fn feel(&self, a: &Mat, b: &Mat) -> (f64, f64, [f64; 3]) {
+    /// What is felt between two ends, from their places and ways; a distance is kept for the next tick.
+    pub fn feel(&mut self, a: &Mat, b: &Mat) -> Felt {
         let (x, d) = (difference(b.x, a.x), difference(b.d, a.d));
-        match *self {
-            MeasureKind::Line([i, j]) => (b.x[j] - a.x[i], b.d[j] - a.d[i], [1.0; 3]),
-            MeasureKind::Along(n) => (dot(n, x), dot(n, d), n),
-            MeasureKind::Radial(rest, soft) => {
+        match self {
+            MeasureKind::Line([i, j]) => Felt { e: b.x[*j] - a.x[*i], w: b.d[*j] - a.d[*i], v: [1.0; 3], l: 1.0 },
+            MeasureKind::Along(n) => Felt { e: dot(*n, x), w: dot(*n, d), v: *n, l: 1.0 },
+            MeasureKind::Radial(rest, soft, past) => {
                 let now = [0, 1, 2].map(|k| rest[k] + x[k]);
                 let before = difference(now, d);
-                let both = [0, 1, 2].map(|k| now[k] + before[k]);
-                let (l, l0) = ((dot(now, now) + soft).sqrt(), (dot(before, before) + soft).sqrt());
-                (l, dot(both, d) / (l + l0).max(f64::MIN_POSITIVE), now.map(|v| v / l.max(f64::MIN_POSITIVE)))
+                let l = length(now, *soft);
+                let w = match past {
+                    Past::Motion => {
+                        let both = [0, 1, 2].map(|k| now[k] + before[k]);
+                        dot(both, d) / (l + length(before, *soft)).max(f64::MIN_POSITIVE)
+                    }
+                    Past::Kept(last) => l - last.replace(l).unwrap_or_else(|| length(before, *soft)),
+                };
+                Felt { e: l, w, v: now, l }
+            }
+        }
+    }
+
+    /// The axes of either end that it moves.
+    pub fn axes(&self) -> Vec<[usize; 2]> {
+        if let MeasureKind::Line(of) = self { vec![*of] } else { vec![[0, 0], [1, 1], [2, 2]] }
+    }
+}
+
+impl Link {
+    /// What its ports feel.
+    pub fn feel(&mut self, mats: &[Mat]) -> Vec<Felt> {
+        self.ports.iter_mut().map(|([a, b], measure)| measure.feel(&mats[*a], &mats[*b])).collect()
+    }
+
+    /// Distances that were kept are forgotten.
+    pub fn forget(&mut self) {
+        for (_, measure) in &mut self.ports {
+            if let MeasureKind::Radial(_, _, Past::Kept(last)) = measure {
+                *last = None;
             }
         }
     }

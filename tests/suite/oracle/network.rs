@@ -36,12 +36,30 @@ pub enum Law {
     Listed(Listed),
 }
 
+impl Law {
+    /// Whether a link of two ends is not measured while nothing touches.
+    pub fn passes(&self) -> bool {
+        match self {
+            Law::Buffer { .. } | Law::Hertz { .. } => true,
+            Law::Listed(law) => law.passes(),
+            _ => false,
+        }
+    }
+}
+
 /// How two ends are measured: these axes of them, their difference along a direction, or their distance, of which the
-/// vector at rest and the square of the softening length are given.
+/// vector at rest and the square of the softening length are given, and how it knows what it was.
 pub enum MeasureKind {
     Line([usize; 2]),
     Along([f64; 3]),
-    Radial([f64; 3], f64),
+    Radial([f64; 3], f64, Past),
+}
+
+/// The distance one tick before: from motion, for contacts, which are not measured while nothing touches, or as it was
+/// measured then, if it was.
+pub enum Past {
+    Motion,
+    Kept(Option<f64>),
 }
 
 /// Sees the sum of what its ports measure, and e₀, and the change of that; its force pulls the first end of each port

@@ -1,4 +1,5 @@
 //! Scenes in three dimensions.
 
 mod absent;
+mod kept;
 mod reference;

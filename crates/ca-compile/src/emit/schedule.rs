@@ -26,7 +26,7 @@ use ca_core::op::layout::{
 use ca_core::op::{Op, Vectors};
 use ca_core::scene::certificate::Certificate;
 use ca_core::scene::{InputRole, Location, Order, Scene, Symbol, start};
-use ca_core::state::{ActiveContacts, Border, Cell, Identity, Ledger, Ramps, State};
+use ca_core::state::{ActiveContacts, Border, Cell, Identity, Ledger, Ramps, State, UNKNOWN};
 use ca_model::Model;
 use ca_model::diag::Diags;
 
@@ -332,6 +332,7 @@ fn loaded(
         d: v.iter().map(|v| real(v * net.tick_dt)).collect(),
         f: Aligned::zeros(layout.n_mat),
         mem: alloc::vec![0.0; layout.n_mem],
+        lengths: layout.reach.iter().map(|_| UNKNOWN).collect(),
         tap: Aligned::zeros(layout.n_tap),
         last_input: input.clone(),
         output: alloc::vec![0.0; layout.n_out],

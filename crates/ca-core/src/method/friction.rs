@@ -122,7 +122,7 @@ fn gather<P: Curve<C>, G: Measure, const C: usize>(op: &Op, layout: &Layout, s: 
         let at = if G::SPACE { layout.reach[op.ports.reach + i] } else { [0.0; 4] };
         let measured = G::measure(&s.x, &s.d, ends, &at);
         let z = P::chord(&coef, &layout.tables, measured.w).max(0.0);
-        let link = reach::<G>(op, layout, s, i, 1.0, measured.u);
+        let link = reach::<G>(op, layout, s, i, 1.0, measured.gradient());
         join(s, ActiveContact { z, ..link });
     }
 }

@@ -92,7 +92,7 @@ fn gather<S: Spring, G: Measure>(op: &Op, layout: &Layout, s: &mut State) {
         if eta < 0.0 && psi == 0.0 {
             continue;
         }
-        let link = reach::<G>(op, layout, s, i, contact.side, measured.u);
+        let link = reach::<G>(op, layout, s, i, contact.side, measured.gradient());
         let (free, w) = (link.free, link.diag);
         let (gamma, z) = match (eta >= 0.0, free < 0.0) {
             (true, opening) => {

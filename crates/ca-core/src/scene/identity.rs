@@ -8,10 +8,26 @@
 
 use crate::numeric::{Real, wide};
 use crate::op::Op;
-use crate::op::layout::Layout;
+use crate::op::layout::{Layout, MeasureKind};
+use crate::scene::Scene;
 use crate::state::{Identity, State};
 use core::fmt::{self, Write as _};
 use core::hash::Hasher as _;
+
+/// The arithmetic of a tick, by number: what was played by another may differ in last bits, in the scenes that
+/// [`Scene::same_since`] names. 0: the distances of the tick before were had from motion; 1: they are kept.
+pub const ARITHMETIC: u32 = 1;
+
+impl Scene {
+    /// The oldest arithmetic that plays this scene to the same bits as [`ARITHMETIC`].
+    pub fn same_since(&self) -> u32 {
+        let measures = |op: &Op| {
+            let second = op.ports.onto.map(|onto| onto.0);
+            op.law.is_some() && (op.ports.measure == MeasureKind::Radial || second == Some(MeasureKind::Radial))
+        };
+        u32::from(self.forces.iter().any(measures))
+    }
+}
 
 impl Identity {
     /// That of the scene with these arrays, passes and state at load.

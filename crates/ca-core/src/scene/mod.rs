@@ -16,6 +16,7 @@ use crate::state::{Identity, State};
 use alloc::string::String;
 use alloc::vec::Vec;
 use certificate::Certificate;
+pub use identity::ARITHMETIC;
 pub use start::{Order, start};
 
 /// What stands in a place of [`State::input`].

@@ -99,8 +99,12 @@ impl Fold {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Identity(pub(crate) u64);
 
+/// A length that nobody keeps yet, in [`State::lengths`].
+pub const UNKNOWN: Real = -1.0;
+
 /// All that changes, as [`Scene::state`](crate::Scene::state) makes it. Shapes in brackets; the writer of each array is
-/// named. Values may be written from outside, lengths may not: a tick relies on them.
+/// named. Values may be written from outside, lengths of arrays may not: a tick relies on them. Who writes places or motion of
+/// points in space while a state plays calls [`State::placed`].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct State {
     /// the scene it belongs to; written at load
@@ -116,6 +120,9 @@ pub struct State {
     pub coef: Aligned,
     /// memory of laws, then of waves (n_mem); written by `forces`, waves that leave by `moves`
     pub mem: Vec<Real>,
+    /// distances of points in space one tick before, of ports that are measured in every tick \[m\], as
+    /// [`Layout::reach`](crate::layout::Layout::reach); −1 where none is known, and motion has to say it; written by `forces`
+    pub lengths: Aligned,
     /// forces of links that are heard, audited or in passing \[N\] (n_tap); written by `forces`
     pub tap: Aligned,
     /// what the ports are given, absolute \[m\] or \[N\]; written by the caller before a tick (devices: before a frame)
@@ -181,7 +188,14 @@ impl State {
         }
         let flat = self.mem.iter().map(|v| wide(*v));
         let filters = self.lowpass.iter().chain(self.blocked.iter().flatten()).map(|v| wide(*v));
-        for v in flat.chain(self.late.iter().copied()).chain(filters).chain(self.glide.iter().flatten().copied()) {
+        // those that are not known decide nothing
+        let lengths = self.lengths.iter().filter(|l| **l != UNKNOWN).map(|l| wide(*l));
+        for v in flat
+            .chain(self.late.iter().copied())
+            .chain(filters)
+            .chain(self.glide.iter().flatten().copied())
+            .chain(lengths)
+        {
             h.write(&v.to_bits().to_le_bytes());
         }
 
@@ -192,6 +206,12 @@ impl State {
         }
         h.write(&self.tick.to_le_bytes());
         h.finish()
+    }
+
+    /// Places or motion were written from outside: what distances were one tick before follows from these again, and not from
+    /// where points were then, which would be a blow.
+    pub fn placed(&mut self) {
+        self.lengths.fill(UNKNOWN);
     }
 
     /// True while every position and motion is finite and below `limit` \[m\].

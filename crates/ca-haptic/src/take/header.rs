@@ -5,7 +5,9 @@
 //! of sums, so other bits. (The resolved text goes along for people to read.) Bodies from files travel as OBJ, profiles
 //! and calibrations as the files they are, so that nothing outside a take is needed and any program can look inside. A
 //! take begins with the engine, at tick 0, so its snapshot is the state at load; a hash of it stands in the header, and
-//! who compiles the model to other numbers is reported at once.
+//! who compiles the model to other numbers is reported at once. So does the number of the arithmetic: where another one
+//! rounds a scene otherwise, the hash says nothing, and a replay compares to a tolerance. A take without it is older than
+//! the number, which is arithmetic 0.
 
 use crate::calibration::Calibration;
 use crate::engine::{self, Engine, Port, Setup};
@@ -13,7 +15,7 @@ use crate::equivalence::Gains;
 use crate::profile::Profile;
 use ca_compile::{Compiled, KernelClass, Options};
 use ca_core::kind::cloud::Clouds;
-use ca_core::{Catalog, Scene};
+use ca_core::{ARITHMETIC, Catalog, Scene};
 use ca_import::mims;
 use ca_io::cloud;
 use ca_io::error::FileError;
@@ -54,6 +56,8 @@ pub struct Header {
     pub channels: Vec<String>,
     /// [`ca_core::State::bits`] at load
     pub start: u64,
+    /// [`ca_core::ARITHMETIC`] of who played it
+    pub arithmetic: u32,
     /// when it began, since 1970 \[ns\]
     pub began_ns: u64,
     /// what wrote it, and where: `ca`, `mcap`, `os`, `arch`, `cpus`
@@ -107,6 +111,7 @@ impl Header {
             ratio: scene.ratio,
             channels: scene.channel_names.clone(),
             start: scene.state().bits(),
+            arithmetic: ARITHMETIC,
             began_ns: since.as_nanos() as u64,
             host: host.into_iter().map(|(k, v)| (k.to_owned(), v)).collect(),
         }
@@ -144,10 +149,16 @@ impl Header {
             FileError::content(format!("its model does not compile: {first}")).fix(self.other())
         })?;
         let scene = &compiled.scene;
-        if (scene.rate, scene.ratio) != (self.rate, self.ratio) || scene.state().bits() != self.start {
+        let others = self.is_exact(scene) && scene.state().bits() != self.start;
+        if (scene.rate, scene.ratio) != (self.rate, self.ratio) || others {
             return Err(FileError::content("its model compiles to other numbers here").fix(self.other()));
         }
         Ok(compiled)
+    }
+
+    /// True where `scene`, compiled from it, plays the same bits here: its arithmetic is this one, or rounds it alike.
+    pub fn is_exact(&self, scene: &Scene) -> bool {
+        (scene.same_since()..=ARITHMETIC).contains(&self.arithmetic)
     }
 
     /// The engine that played it, at rest.
@@ -200,6 +211,7 @@ impl Header {
             ("sound.channels", json(&self.channels)),
             ("gesture.ratio", self.ratio.to_string()),
             ("start.bits", format!("{:016x}", self.start)),
+            ("arithmetic", self.arithmetic.to_string()),
             ("began_ns", self.began_ns.to_string()),
         ]
         .into_iter()
@@ -275,6 +287,7 @@ impl Header {
             rate: number("sound.rate")?,
             ratio: u32::try_from(whole("gesture.ratio")?).map_err(|_| bad("gesture.ratio"))?,
             channels: list("sound.channels")?,
+            arithmetic: meta.get("arithmetic").map_or(Ok(0), |_| whole("arithmetic"))? as u32,
             start: u64::from_str_radix(&text("start.bits")?, 16).map_err(|_| bad("start.bits"))?,
             began_ns: whole("began_ns")?,
             host: host.collect(),
@@ -333,7 +346,7 @@ mod tests {
             let (files, meta) = h.write();
             let files: Vec<(String, String)> = files.into_iter().map(|f| (f.name, f.data)).collect();
             let back = Header::read(&files, &meta).unwrap_or_else(|e| panic!("{name}: {e}"));
-            assert_eq!(back.setups, h.setups);
+            assert_eq!((back.arithmetic, &back.setups), (ARITHMETIC, &h.setups));
             assert_eq!((back.engine, back.rate, back.start, back.began_ns), (h.engine, h.rate, h.start, h.began_ns));
             assert_eq!(back.options.clouds["a/b c.ply"], Ok(Arc::new(cloud.clone())));
             assert_eq!((back.file.as_str(), back.text.as_str()), ("key.ca.toml", text));
@@ -343,7 +356,10 @@ mod tests {
             for key in meta.keys().filter(|k| !k.starts_with("host.")) {
                 let mut less = meta.clone();
                 less.remove(key);
-                assert!(Header::read(&files, &less).is_err(), "without `{key}`");
+                let read = Header::read(&files, &less);
+                // takes without it were written before there was one
+                let old = read.as_ref().is_ok_and(|h| key == "arithmetic" && h.arithmetic == 0);
+                assert!(read.is_err() || old, "without `{key}`");
             }
         }
     }

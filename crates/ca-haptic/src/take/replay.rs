@@ -4,6 +4,10 @@
 //! n the engine runs until n is due, and every force frame, stretch of sound and hash in the file is compared with what
 //! the engine makes, byte for byte. What is recorded of an engine is thereby checked, not only what it was asked. A
 //! hole in the take ends the comparison where it is: what came after it may have depended on what is missing.
+//!
+//! A take of another arithmetic ([`Header::is_exact`](super::Header::is_exact)) is not expected to the bit: forces and sound may
+//! differ by [`TOLERANCE`] of their peak, and hashes are not compared. That the peak is known at the end only is why such a
+//! replay goes on to the end.
 
 use super::read::{Event, Take};
 use super::source::End;
@@ -18,7 +22,11 @@ use zerocopy::IntoBytes;
 /// Force frames that wait to be compared, of each device.
 const MADE: usize = 65_536;
 
-/// The first thing that is not as it was.
+/// By how much of their peak forces and sound of another arithmetic may differ; forces by their own rounding besides, which
+/// is to 32 bits.
+pub const TOLERANCE: f64 = 1e-9;
+
+/// The first thing that is not as it was, or, to a tolerance, what is furthest from it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Difference {
     /// sound sample
@@ -55,6 +63,8 @@ pub struct ReplayVerdict {
     pub hashes: u64,
     /// length \[s\]
     pub seconds: f64,
+    /// how far forces and sound may be from what they were, as a part of their peak; 0 where to the bit
+    pub tolerance: f64,
     /// the first thing that is not as it was
     pub difference: Option<Difference>,
     /// where something is missing in the take, so that nothing after it was compared \[s\]
@@ -66,9 +76,40 @@ pub struct ReplayVerdict {
 }
 
 impl ReplayVerdict {
-    /// True where everything compared is as it was, and nothing is missing up to the end of the file.
+    /// True where everything compared is as it was, to the tolerance, and nothing is missing up to the end of the file.
     pub fn is_identical(&self) -> bool {
         self.difference.is_none() && self.hole.is_none()
+    }
+}
+
+/// Numbers of one kind, compared to a tolerance.
+#[derive(Default)]
+struct Apart {
+    peak: f64,
+    /// the largest difference so far, and where it is
+    worst: Option<(f64, Difference)>,
+}
+
+impl Apart {
+    fn see(&mut self, was: f64, is: f64, difference: impl FnOnce() -> Difference) {
+        self.peak = self.peak.max(was.abs());
+        let apart = (is - was).abs();
+        // what is no number only agrees with its like
+        let apart = if was.to_bits() == is.to_bits() {
+            0.0
+        } else if apart.is_nan() {
+            f64::INFINITY
+        } else {
+            apart
+        };
+        if apart > self.worst.as_ref().map_or(0.0, |w| w.0) {
+            self.worst = Some((apart, difference()));
+        }
+    }
+
+    /// What is further off than `part` of the peak.
+    fn beyond(self, part: f64) -> Option<Difference> {
+        self.worst.filter(|(apart, _)| *apart > part * self.peak).map(|(_, d)| d)
     }
 }
 
@@ -89,6 +130,8 @@ pub struct Replay {
     sound_tick: u64,
     /// whether the take holds sound
     heard: bool,
+    /// forces and sound so far, where not to the bit
+    loose: Option<[Apart; 2]>,
 }
 
 impl Replay {
@@ -98,11 +141,14 @@ impl Replay {
     /// As [`Header::engine`](super::Header::engine).
     pub fn new(take: &Take, catalog: &Catalog) -> Result<Replay, FileError> {
         let engine = take.header.engine(catalog).map_err(|e| e.file(take.path.display()))?;
+        let loose = if take.header.is_exact(&engine.scene) { None } else { Some(Default::default()) };
+        let tolerance = if loose.is_some() { TOLERANCE } else { 0.0 };
         Ok(Replay {
+            loose,
             setups: take.header.setups.clone(),
             rate: engine.scene.rate,
             channels: engine.scene.channels,
-            verdict: ReplayVerdict::default(),
+            verdict: ReplayVerdict { tolerance, ..ReplayVerdict::default() },
             made: engine.ports.iter().map(|_| VecDeque::new()).collect(),
             sound: VecDeque::new(),
             sound_tick: 0,
@@ -130,6 +176,10 @@ impl Replay {
             }
         }
         self.verdict.seconds = self.engine.due() as f64 / self.rate;
+        let beyond = self.loose.take().and_then(|[forces, sound]| {
+            forces.beyond(TOLERANCE + f64::from(f32::EPSILON)).or_else(|| sound.beyond(TOLERANCE))
+        });
+        self.verdict.difference = self.verdict.difference.take().or(beyond);
         self.verdict.cut = events.end().and_then(End::early).map(|(why, _)| why.to_owned());
         if let Some(End::Damaged(..)) = events.end() {
             // something stood there, unlike at the end of a file that was cut off
@@ -192,7 +242,7 @@ impl Replay {
                 if mine == [r.places, r.coefs] {
                     let fresh = Box::new(self.engine.scene.state());
                     match self.engine.command(EngineCommand::Reload(fresh)) {
-                        Some(Retired::State(old)) if old.bits() != r.bits => {
+                        Some(Retired::State(old)) if self.loose.is_none() && old.bits() != r.bits => {
                             let bits = |b: u64| format!("{b:016x}");
                             Some(("the state before a reload".into(), bits(r.bits), bits(old.bits())))
                         }
@@ -203,6 +253,8 @@ impl Replay {
                     None
                 }
             }
+            // says nothing of another arithmetic
+            Event::Hash(_) if self.loose.is_some() => None,
             Event::Hash(h) => {
                 self.verdict.hashes += 1;
                 let bits = self.engine.state.bits();
@@ -281,7 +333,20 @@ impl Replay {
             return Some((what, format!("number {}", was.seq), "none".into()));
         };
         // published after the engine was done with it
-        let is = ForceFrame { t_host_ns: was.t_host_ns, ..is };
+        let mut is = ForceFrame { t_host_ns: was.t_host_ns, ..is };
+        if let Some([forces, _]) = &mut self.loose {
+            for (k, (was_n, is_n)) in was.force.iter().zip(&is.force).enumerate() {
+                forces.see(f64::from(*was_n), f64::from(*is_n), || Difference {
+                    tick: was.tick,
+                    time: was.tick as f64 / self.rate,
+                    what: format!("the force of degree {k} of force frame {} of `{name}`", was.seq),
+                    was: format!("{was_n:e} N"),
+                    is: format!("{is_n:e} N"),
+                });
+            }
+            // what follows from forces rounds as they do
+            (is.force, is.inject) = (was.force, was.inject);
+        }
         if is.as_bytes() == was.as_bytes() {
             return None;
         }
@@ -302,9 +367,15 @@ impl Replay {
         for (i, was) in samples.iter().enumerate() {
             let Some(is) = self.sound.pop_front() else { break };
             self.verdict.samples += 1;
+            let what = || format!("sound of channel {}", i % channels);
+            if let Some([_, sound]) = &mut self.loose {
+                let tick = tick + (i / channels) as u64;
+                let (time, show) = (tick as f64 / self.rate, |v: f64| format!("{v:e}"));
+                sound.see(*was, is, || Difference { tick, time, what: what(), was: show(*was), is: show(is) });
+                continue;
+            }
             if is.to_bits() != was.to_bits() && self.verdict.difference.is_none() {
-                let what = format!("sound of channel {}", i % channels);
-                self.differs(tick + (i / channels) as u64, what, format!("{was:e}"), format!("{is:e}"));
+                self.differs(tick + (i / channels) as u64, what(), format!("{was:e}"), format!("{is:e}"));
             }
         }
         self.sound_tick = tick + (samples.len() / channels) as u64;

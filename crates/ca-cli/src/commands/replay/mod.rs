@@ -9,6 +9,7 @@ use crate::args::ReplayArgs;
 use crate::load::has_extension;
 use crate::{Ended, Failure, Outcome, catalog, term};
 use account::Account;
+use ca_core::ARITHMETIC;
 use ca_haptic::take::{Replay, ReplayVerdict, Take};
 use ca_io::sound::{Format, WavOut};
 use serde_json::json;
@@ -51,10 +52,18 @@ fn text(take: &Take, v: &ReplayVerdict, account: Option<&Account>) -> Result<(),
         "  compared   {} force frames, {} sound samples, {} hashes of the state",
         v.forces, v.samples, v.hashes
     )?;
+    let alike = alike(v);
     match (&v.difference, v.hole) {
-        (None, None) => writeln!(out, "  identical  to the bit")?,
+        (None, None) => writeln!(out, "  {alike}")?,
         (Some(d), _) => writeln!(out, "  differs    {d}")?,
-        (None, Some(t)) => writeln!(out, "  identical  to the bit, up to {t:.3} s: records are missing there")?,
+        (None, Some(t)) => writeln!(out, "  {alike}, up to {t:.3} s: records are missing there")?,
+    }
+    if v.tolerance > 0.0 {
+        let by = take.header.arithmetic;
+        writeln!(
+            out,
+            "  arithmetic {by}, here {ARITHMETIC}: distances in space round otherwise, so no bits are compared"
+        )?;
     }
     if let Some(account) = account {
         account.text(&mut out)?;
@@ -70,6 +79,15 @@ fn text(take: &Take, v: &ReplayVerdict, account: Option<&Account>) -> Result<(),
     Ok(())
 }
 
+/// What is said of a take that is as it was.
+fn alike(v: &ReplayVerdict) -> String {
+    if v.tolerance > 0.0 {
+        format!("agrees     to {:e} of the peak", v.tolerance)
+    } else {
+        "identical  to the bit".into()
+    }
+}
+
 fn json_of(take: &Take, v: &ReplayVerdict, account: Option<&Account>) -> Result<(), Failure> {
     let difference = v
         .difference
@@ -77,7 +95,7 @@ fn json_of(take: &Take, v: &ReplayVerdict, account: Option<&Account>) -> Result<
         .map(|d| json!({"tick": d.tick, "time": d.time, "what": d.what, "was": d.was, "is": d.is}));
     let all = json!({
         "file": take.path.display().to_string(), "title": take.header.title, "seconds": v.seconds,
-        "identical": v.is_identical(), "gesture_frames": v.frames, "device_frames": v.taken, "force_frames": v.forces,
+        "identical": v.is_identical(), "tolerance": v.tolerance, "gesture_frames": v.frames, "device_frames": v.taken, "force_frames": v.forces,
         "samples": v.samples, "hashes": v.hashes, "difference": difference, "hole": v.hole, "cut": v.cut,
         "damaged": v.damaged,
         "energy": account.map(Account::json),

@@ -130,10 +130,14 @@ fn again(take: &Take) -> Result<(String, EnergyOverTime), String> {
     match (&verdict.difference, verdict.hole) {
         (Some(d), _) => Err(format!("played again, it is not as it was: {d}")),
         (None, Some(t)) => Err(format!("it cannot be played again from {t:.3} s on: records are missing there")),
-        (None, None) => Ok((
-            format!("identical to the bit: {} force frames, {} sound samples", verdict.forces, verdict.samples),
-            ledger,
-        )),
+        (None, None) => {
+            let alike = if verdict.tolerance > 0.0 {
+                format!("of an older arithmetic, and alike to {:e} of the peak", verdict.tolerance)
+            } else {
+                "identical to the bit".into()
+            };
+            Ok((format!("{alike}: {} force frames, {} sound samples", verdict.forces, verdict.samples), ledger))
+        }
     }
 }
 

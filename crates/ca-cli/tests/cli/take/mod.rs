@@ -1,5 +1,6 @@
 //! Takes: what is written comes back, and a replay is the same to the bit.
 
+mod arithmetic;
 mod command;
 mod damage;
 mod kill;
@@ -10,7 +11,7 @@ use ca_haptic::take::{Event, Replay, ReplayVerdict, Take};
 use performer::{DUO, Performer, catalog};
 use std::path::Path;
 
-fn replay(path: &Path) -> ReplayVerdict {
+pub fn replay(path: &Path) -> ReplayVerdict {
     let take = Take::open(path).unwrap();
     Replay::new(&take, &catalog()).unwrap().run(&take, &mut |_| (), &mut |_| Ok(())).unwrap()
 }

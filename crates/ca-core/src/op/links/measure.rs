@@ -7,10 +7,11 @@
 //! the distance of two points. The kernels in space, the quadripoles of other crates, the energy ledger and the start
 //! all measure by these functions.
 //!
-//! The change of a distance is `(D + D')·(D − D') / (l + l')` with D' the vector one tick before: the difference of
-//! lengths (docs/numerics.md §1.1), exactly zero in translation and to rounding in rotation, without a remembered
-//! length and without its cancellation. At zero length the direction is undefined and the force is zero
-//! (docs/numerics.md §4.4); with a softening length δ the distance is `sqrt(D² + δ²)`, smooth everywhere.
+//! The change of a distance is that to the distance one tick before (docs/numerics.md §1.1). Links that are measured in every
+//! tick keep it ([`Measure::follow`], [`State::lengths`](crate::State::lengths)): one root a tick, and motion need not be
+//! read. Contacts are not, and those that touch have the change from motion ([`Measure::measure`]), as
+//! `(D + D')·(D − D') / (l + l')` with D' the vector one tick before. At zero length the direction is undefined and the
+//! force is zero (docs/numerics.md §4.4); with a softening length δ the distance is `sqrt(D² + δ²)`, smooth everywhere.
 
 use crate::numeric::{Real, sqrt};
 use crate::op::layout::{Layout, MeasureKind, Ports};
@@ -23,8 +24,24 @@ pub struct Elongation {
     pub e: Real,
     /// the change of that in this tick \[m/tick\]
     pub w: Real,
-    /// gradient of the elongation against the second end; −u against the first
-    pub u: Vector3<Real>,
+    /// the vector between the ends, or the direction
+    pub v: Vector3<Real>,
+    /// the length of that
+    pub l: Real,
+}
+
+impl Elongation {
+    /// Gradient of the elongation against the second end; its negative against the first.
+    pub fn gradient(&self) -> Vector3<Real> {
+        self.v / self.l.max(Real::MIN_POSITIVE)
+    }
+}
+
+/// Force per length along a vector of length `l`; nothing where it has none.
+#[inline(always)]
+pub fn density(force: Real, l: Real) -> Real {
+    // in this order, so that what is not a number stays so
+    if l == 0.0 { 0.0 } else { force / l }
 }
 
 /// A way of measuring, as a type, for kernels.
@@ -32,16 +49,23 @@ pub trait Measure {
     /// True where the ends are points in space, with an entry in [`Layout::reach`].
     const SPACE: bool;
 
-    /// Measures between the places `a` and `b`.
+    /// Measures between the places `a` and `b`, the change by their motion.
     fn measure(x: &[Real], d: &[Real], ends: [usize; 2], reach: &[Real; 4]) -> Elongation;
+
+    /// The same for what is measured in every tick: a distance is compared with the `last` one and takes its place. Where that
+    /// is [`UNKNOWN`](crate::state::UNKNOWN), it is had from motion.
+    #[inline(always)]
+    fn follow(x: &[Real], d: &[Real], ends: [usize; 2], reach: &[Real; 4], _last: &mut Real) -> Elongation {
+        Self::measure(x, d, ends, reach)
+    }
 
     /// The square of the elongation, and zero where that says nothing of its sign: cheaper, for contacts that are idle.
     fn square(_x: &[Real], _ends: [usize; 2], _reach: &[Real; 4]) -> Option<Real> {
         None
     }
 
-    /// Pulls the ends together with `force` \[N\] along the direction measured.
-    fn pull(f: &mut [Real], ends: [usize; 2], u: &Vector3<Real>, force: Real);
+    /// Pulls the ends together with `force` \[N\] along what was measured.
+    fn pull(f: &mut [Real], ends: [usize; 2], m: &Elongation, force: Real);
 }
 
 /// Two places on a line.
@@ -61,9 +85,21 @@ fn vector(reach: &[Real; 4]) -> Vector3<Real> {
     Vector3::new(reach[0], reach[1], reach[2])
 }
 
+/// The vector between two points.
 #[inline(always)]
-fn pull3(f: &mut [Real], [a, b]: [usize; 2], u: &Vector3<Real>, force: Real) {
-    let g = u * force;
+fn between(x: &[Real], [a, b]: [usize; 2], reach: &[Real; 4]) -> Vector3<Real> {
+    vector(reach) + (at(x, b) - at(x, a))
+}
+
+/// The length of a vector, softened.
+#[inline(always)]
+fn length(v: &Vector3<Real>, reach: &[Real; 4]) -> Real {
+    sqrt(v.dot(v) + reach[3])
+}
+
+#[inline(always)]
+fn pull3(f: &mut [Real], [a, b]: [usize; 2], v: &Vector3<Real>, force: Real) {
+    let g = v * force;
     for k in 0..3 {
         f[a + k] += g[k];
         f[b + k] -= g[k];
@@ -74,10 +110,10 @@ impl Measure for Line {
     const SPACE: bool = false;
     #[inline(always)]
     fn measure(x: &[Real], d: &[Real], [a, b]: [usize; 2], _: &[Real; 4]) -> Elongation {
-        Elongation { e: x[b] - x[a], w: d[b] - d[a], u: Vector3::new(1.0, 0.0, 0.0) }
+        Elongation { e: x[b] - x[a], w: d[b] - d[a], v: Vector3::new(1.0, 0.0, 0.0), l: 1.0 }
     }
     #[inline(always)]
-    fn pull(f: &mut [Real], [a, b]: [usize; 2], _: &Vector3<Real>, force: Real) {
+    fn pull(f: &mut [Real], [a, b]: [usize; 2], _: &Elongation, force: Real) {
         f[a] += force;
         f[b] -= force;
     }
@@ -88,11 +124,11 @@ impl Measure for Along {
     #[inline(always)]
     fn measure(x: &[Real], d: &[Real], [a, b]: [usize; 2], reach: &[Real; 4]) -> Elongation {
         let n = vector(reach);
-        Elongation { e: n.dot(&(at(x, b) - at(x, a))), w: n.dot(&(at(d, b) - at(d, a))), u: n }
+        Elongation { e: n.dot(&(at(x, b) - at(x, a))), w: n.dot(&(at(d, b) - at(d, a))), v: n, l: 1.0 }
     }
     #[inline(always)]
-    fn pull(f: &mut [Real], ends: [usize; 2], u: &Vector3<Real>, force: Real) {
-        pull3(f, ends, u, force);
+    fn pull(f: &mut [Real], ends: [usize; 2], m: &Elongation, force: Real) {
+        pull3(f, ends, &m.v, force);
     }
 }
 
@@ -100,22 +136,32 @@ impl Measure for Radial {
     const SPACE: bool = true;
     #[inline(always)]
     fn measure(x: &[Real], d: &[Real], [a, b]: [usize; 2], reach: &[Real; 4]) -> Elongation {
-        let now = vector(reach) + (at(x, b) - at(x, a));
+        let now = between(x, [a, b], reach);
         let moved = at(d, b) - at(d, a);
         let before = now - moved;
-        let l = sqrt(now.dot(&now) + reach[3]);
-        let l0 = sqrt(before.dot(&before) + reach[3]);
+        let (l, l0) = (length(&now, reach), length(&before, reach));
         let w = (now + before).dot(&moved) / (l + l0).max(Real::MIN_POSITIVE);
-        Elongation { e: l, w, u: now / l.max(Real::MIN_POSITIVE) }
+        Elongation { e: l, w, v: now, l }
     }
     #[inline(always)]
-    fn square(x: &[Real], [a, b]: [usize; 2], reach: &[Real; 4]) -> Option<Real> {
-        let now = vector(reach) + (at(x, b) - at(x, a));
+    fn follow(x: &[Real], d: &[Real], [a, b]: [usize; 2], reach: &[Real; 4], last: &mut Real) -> Elongation {
+        let now = between(x, [a, b], reach);
+        let l = length(&now, reach);
+        if *last < 0.0 {
+            *last = length(&(now - (at(d, b) - at(d, a))), reach);
+        }
+        let w = l - *last;
+        *last = l;
+        Elongation { e: l, w, v: now, l }
+    }
+    #[inline(always)]
+    fn square(x: &[Real], ends: [usize; 2], reach: &[Real; 4]) -> Option<Real> {
+        let now = between(x, ends, reach);
         Some(now.dot(&now) + reach[3])
     }
     #[inline(always)]
-    fn pull(f: &mut [Real], ends: [usize; 2], u: &Vector3<Real>, force: Real) {
-        pull3(f, ends, u, force);
+    fn pull(f: &mut [Real], ends: [usize; 2], m: &Elongation, force: Real) {
+        pull3(f, ends, &m.v, density(force, m.l));
     }
 }
 
@@ -154,9 +200,8 @@ pub fn around(
         return ([after - out - into, after - out, after], out + into);
     }
     let now = v + (after - out);
-    let length = |v: Vector3<Real>| sqrt(v.dot(&v) + reach[3]);
-    let l = length(now);
-    ([length(now - into), l, length(now + out)], now.dot(&(out + into)) / l.max(Real::MIN_POSITIVE))
+    let l = length(&now, reach);
+    ([length(&(now - into), reach), l, length(&(now + out), reach)], now.dot(&(out + into)) / l.max(Real::MIN_POSITIVE))
 }
 
 /// The ports of link `i` of a batch whose first link is `first`: measure, ends and reach of each.

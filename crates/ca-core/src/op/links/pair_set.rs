@@ -75,9 +75,9 @@ impl<P: Phi<C, M>, const C: usize, const M: usize, const TAP: bool> Body for All
             }
             let measured = Radial::measure(x, d, ends, &reach);
             let force = P::force(c, &mut none, &layout.tables, measured.e, measured.w);
-            Radial::pull(f, ends, &measured.u, force);
+            Radial::pull(f, ends, &measured, force);
             if TAP {
-                Radial::pull(tap, [3 * i, 3 * j], &measured.u, force);
+                Radial::pull(tap, [3 * i, 3 * j], &measured, force);
             }
         });
     }

@@ -18,6 +18,7 @@ pub fn space<P: Phi<C, M>, G: Measure, const C: usize, const M: usize, const TAP
     let ends = &layout.ends[op.first..][..n];
     let e0 = &layout.e0[op.first..][..n];
     let reach = &layout.reach[op.ports.reach..][..n];
+    let lengths = &mut s.lengths[op.ports.reach..][..n];
     let columns: [&[Real]; C] = core::array::from_fn(|k| &s.coef[op.coef + k * n..][..n]);
     let (x, d, f) = (&s.x[..], &s.d[..], &mut s.f[..]);
     let mem = &mut s.mem[op.mem..][..n * M];
@@ -25,7 +26,8 @@ pub fn space<P: Phi<C, M>, G: Measure, const C: usize, const M: usize, const TAP
         let at = ends[i].map(|m| m as usize);
         let c = core::array::from_fn(|k| columns[k][i]);
         // what remembers must see that it is let go
-        if P::CONTACT && M == 0 {
+        let passes = P::CONTACT && M == 0;
+        if passes {
             let (from, to) = P::idle(&c);
             let (from, to) = (from.max(0.0), to.max(0.0));
             if G::square(x, at, &reach[i]).is_some_and(|l| l >= from * from && l <= to * to) {
@@ -35,10 +37,11 @@ pub fn space<P: Phi<C, M>, G: Measure, const C: usize, const M: usize, const TAP
                 continue;
             }
         }
-        let measured = G::measure(x, d, at, &reach[i]);
+        let measured =
+            if passes { G::measure(x, d, at, &reach[i]) } else { G::follow(x, d, at, &reach[i], &mut lengths[i]) };
         let Some(m) = mem[i * M..].first_chunk_mut::<M>() else { continue };
         let force = P::force(&c, m, &layout.tables, measured.e + e0[i], measured.w);
-        G::pull(f, at, &measured.u, force);
+        G::pull(f, at, &measured, force);
         if TAP {
             s.tap[op.tap + i] = force;
         }
