@@ -15,6 +15,9 @@ use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+/// So often all players of a network are started anew, the engine too: where a process has its memory makes up to a fifth of
+/// its time, and more rounds of the same process do not show it.
+const STARTS: usize = 6;
 /// A round of a player lasts about so long \[ns\]: shorter than what a scheduler gives, longer than its clock errs.
 const ROUND: f64 = 3e5;
 
@@ -26,7 +29,7 @@ struct Asked {
 }
 
 fn asked() -> Result<Asked, String> {
-    let mut asked = Asked { only: None, rounds: 100, limit: 120, json: false };
+    let mut asked = Asked { only: None, rounds: 300, limit: 120, json: false };
     let mut args = std::env::args().skip(1);
     while let Some(arg) = args.next() {
         let mut value = || args.next().ok_or_else(|| format!("{arg} needs a value"));
@@ -86,7 +89,7 @@ fn measure(case: &Case, builder: &Builder, rounds: usize) -> Result<Row, String>
     }
     let heard = engine.hear(case.compared).map_err(|e| e.to_string())?;
     let net = engine.started(&case.net);
-    let mut players: Vec<(Option<usize>, Box<dyn Player>)> = vec![(None, Box::new(engine))];
+    let mut all = Vec::new();
     for (column, program, what) in plans(case, &net, builder).map_err(|e| e.to_string())? {
         let command = match program {
             Ok(command) => command,
@@ -99,8 +102,7 @@ fn measure(case: &Case, builder: &Builder, rounds: usize) -> Result<Row, String>
                 continue;
             }
         };
-        let command: Vec<&Path> = command.iter().map(PathBuf::as_path).collect();
-        let mut peer = Peer::start(&command, &what).map_err(|e| format!("{name}, {}: {e}", PEERS[column]))?;
+        let mut peer = start(&command, &what).map_err(|e| format!("{name}, {}: {e}", PEERS[column]))?;
         let theirs = peer.hear(case.compared).map_err(|e| format!("{name}, {}: {e}", PEERS[column]))?;
         let theirs: Vec<f64> = theirs.into_iter().map(|x| x - case.net.rest()).collect();
         let ours = match case.stencil.filter(|_| column >= 7) {
@@ -115,10 +117,21 @@ fn measure(case: &Case, builder: &Builder, rounds: usize) -> Result<Row, String>
             return Err(format!("{name}, {}: plays something else, {off:e} off", PEERS[column]));
         }
         row.peers[column] = Some(Ok(f64::INFINITY));
-        players.push((Some(column), Box::new(peer)));
+        all.push((column, command, what));
     }
-    time(&mut row, &mut players, rounds).map_err(|e| format!("{name}: {e}"))?;
+    for _ in 0..STARTS {
+        let mut players: Vec<(Option<usize>, Box<dyn Player>)> = vec![(None, Box::new(Engine::new(&case.net)))];
+        for (column, command, what) in &all {
+            players.push((Some(*column), Box::new(start(command, what).map_err(|e| format!("{name}: {e}"))?)));
+        }
+        time(&mut row, &mut players, rounds.div_ceil(STARTS)).map_err(|e| format!("{name}: {e}"))?;
+    }
     Ok(row)
+}
+
+fn start(command: &[PathBuf], what: &Path) -> Result<Peer, std::io::Error> {
+    let command: Vec<&Path> = command.iter().map(PathBuf::as_path).collect();
+    Peer::start(&command, what)
 }
 
 fn time(row: &mut Row, players: &mut [(Option<usize>, Box<dyn Player>)], rounds: usize) -> Result<(), std::io::Error> {

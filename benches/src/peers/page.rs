@@ -103,13 +103,18 @@ ticks to 1e-9 of the largest value heard, or 1e-7 in the mixture, whose bow is a
 motion is chaotic, over 1024 ticks to 1e-6. Stencils are compared in a network that is as uniform as they are.
 
 Times are processor time of one thread. All players of a network take turns, each as a process that plays 1024 ticks
-from the start and then times those that follow; the quickest of all rounds counts. Ratios are between numbers of one run
+from the start and then times those that follow; the quickest of all rounds counts. All are started six times, since where a
+process has its memory makes up to a fifth of its time. Ratios are between numbers of one run
 and last; ns are of one machine. A module is a MAT or a LIA; of
 grains each pair that may touch is one, though only those that are near are computed by the engine.
 ";
 
 fn number(v: f64) -> String {
-    if v < 10.0 { format!("{v:.2}") } else { format!("{v:.0}") }
+    match v {
+        ..1.0 => format!("{v:.3}"),
+        ..10.0 => format!("{v:.2}"),
+        _ => format!("{v:.0}"),
+    }
 }
 
 fn cell(time: Option<&Time>) -> String {

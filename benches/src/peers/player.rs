@@ -31,8 +31,8 @@ pub trait Player {
 
 /// The engine: a model loaded, compiled and played as by any program that has it as a library.
 ///
-/// Decides for one state that is set back, not for a new one each round: a peer has its memory where it was given it once, and
-/// the quickest of many places would be another measure.
+/// Decides for one state that is set back, not for a new one each round: a peer has its memory where it was given it at its
+/// start, and both are started equally often.
 pub struct Engine {
     scene: Scene,
     state: State,
@@ -166,7 +166,11 @@ impl Drop for Peer {
 pub fn apart(a: &[f64], b: &[f64]) -> f64 {
     assert_eq!(a.len(), b.len());
     let top = a.iter().fold(0.0, |top: f64, v| top.max(v.abs()));
-    // `max` would pass over what is not a number
-    let most = a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, |most: f64, d| if d <= most { most } else { d });
+    // `max` would pass over what is not a number, and any comparison forgets it at the next one
+    let most = a
+        .iter()
+        .zip(b)
+        .map(|(a, b)| (a - b).abs())
+        .fold(0.0, |most: f64, d| if most.is_nan() || d <= most { most } else { d });
     most / top
 }
