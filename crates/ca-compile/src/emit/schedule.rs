@@ -10,6 +10,7 @@ use crate::emit::plan::Plan;
 use crate::emit::rows::fold::fold;
 use crate::emit::rows::fuse::{self, Passes};
 use crate::emit::rows::links::{Links, own_tables};
+use crate::emit::rows::space::rows;
 use crate::emit::rows::written::Written;
 use crate::net::{Coordinate, End, LiaNode, MatRole, OutNode, OutputTap, Pruned};
 use crate::options::{KernelClass, Options};
@@ -93,6 +94,7 @@ pub fn schedule(
         ends: links.ends,
         onto: links.onto,
         reach: links.reach.iter().map(|r| r.map(real)).collect(),
+        rows: Vec::new(),
         pair_sets: links.pair_sets,
         e0: reals(links.e0),
         rest: reals(rest),
@@ -116,6 +118,7 @@ pub fn schedule(
         substeps: None,
         vectors: Vectors::detect(),
     };
+    layout.rows = rows(&links.forces, &layout.ends, &layout.reach, &layout.rest);
     let mut reads = pass_list::reads(&layout, live_places.len(), aimed);
     let mut forces = pass_list::forces(&layout, links.forces, links.late, weight);
     let mut writes = pass_list::writes(&layout, gains);

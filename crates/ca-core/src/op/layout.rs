@@ -379,6 +379,10 @@ pub struct Layout {
     /// what a port in space needs beside its ends: for [`MeasureKind::Radial`] the vector between the ends at rest \[m\] and
     /// the square of the softening length \[m²\], for [`MeasureKind::Along`] the direction and nothing (any x 4)
     pub reach: Vec<[Real; 4]>,
+    /// for each entry of `reach` how many links of its batch, from that one on, are a row: they join points that follow each
+    /// other on both sides, the second ends behind the first, as far apart at rest as `rest` says. Or, below 0, how many are
+    /// none (as `reach`)
+    pub rows: Vec<i32>,
     /// sets of which all pairs are joined (any)
     pub pair_sets: Vec<PairSet>,
     /// constant part of the elongation \[m\] (n_lia)

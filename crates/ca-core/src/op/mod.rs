@@ -66,6 +66,8 @@ pub struct Form {
     pub measure: MeasureKind,
     /// how the second port measures, for quadripoles
     pub onto: Option<MeasureKind>,
+    /// some link of a batch that measures distances has a softening length
+    pub soften: bool,
     /// all pairs of two sets are one module; only for contacts without memory
     pub set: bool,
     /// only for runs of linear laws without memory

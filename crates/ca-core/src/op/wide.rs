@@ -85,7 +85,7 @@ pub fn wide<B: Body>(op: &Op, layout: &Layout, s: &mut State) {
     }
 }
 
-/// A pass whose body is `B`, over vectors that stand on cache lines.
+/// A pass whose body is `B`, over vectors that stand on cache lines or wait for roots.
 #[cfg(not(single))]
 pub fn widest<B: Body>(op: &Op, layout: &Layout, s: &mut State) {
     layout.vectors.widest.dispatch(Call { op, layout, s, body: PhantomData::<B> });

@@ -124,6 +124,8 @@ impl Words {
             implicit,
             ledger,
             substeps,
+            // follows from ends, reach and rest
+            rows: _,
             vectors: _,
         } = layout;
         self.debug(&(sample_dt, ratio, frame, n_mat, n_lia, n_coef, n_mem, n_touch, n_tap, channels, n_out));

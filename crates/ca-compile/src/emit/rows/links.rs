@@ -10,7 +10,7 @@ use ca_core::kind::Role;
 use ca_core::live::{Loader, Source};
 use ca_core::numeric::real;
 use ca_core::op::layout::{HeardLink, PairSet};
-use ca_core::op::{Band, Form, Integrate, Law, Op, Ports, SolveStage};
+use ca_core::op::{Band, Form, Integrate, Law, MeasureKind, Op, Ports, SolveStage};
 use ca_core::state::Fold;
 use ca_model::Model;
 use ca_model::diag::Diags;
@@ -206,7 +206,8 @@ impl Plan<'_> {
             }
             let offset = k.e0[first..].iter().any(|e| *e != 0.0);
             let (measure, onto, set) = (shape.measure, shape.onto, sets.is_some());
-            let form = Form { stride, offset, tap, measure, onto, set, ..Form::default() };
+            let soften = measure == MeasureKind::Radial && k.reach[ports.reach..].iter().any(|r| r[3] != 0.0);
+            let form = Form { stride, offset, tap, measure, onto, set, soften, ..Form::default() };
             let kernel = (law.kernel)(form);
             // what is folded stands in a row to the pass that integrates, to no other
             let mut op = Op::pass(law.code, kernel, n);

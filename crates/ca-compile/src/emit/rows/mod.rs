@@ -1,6 +1,6 @@
 //! Links as passes, in the order of work: batches of links of one law ([`batches`]), what is integrated with them ([`fuse`]
 //! by [`added`], meshes by [`bands`]), rows that run as one ([`join`]), rows in eight lanes ([`fold`]), their arrays
-//! ([`links`]), and the order of the document in which a state is hashed ([`written`]).
+//! ([`links`]), rows of points in space ([`space`]), and the order of the document in which a state is hashed ([`written`]).
 
 pub mod added;
 pub mod bands;
@@ -10,4 +10,5 @@ pub mod fold;
 pub mod fuse;
 pub mod join;
 pub mod links;
+pub mod space;
 pub mod written;

@@ -5,6 +5,8 @@ use super::band::Banded;
 #[cfg(not(single))]
 use super::folded::Folded;
 use super::fused::Fused;
+#[cfg(not(single))]
+use super::radial::Blocks;
 use super::{gather, measure, pair_set, run, space};
 use crate::law::Phi;
 #[cfg(not(single))]
@@ -44,6 +46,10 @@ pub(crate) fn kernel<P: Phi<C, M> + 'static, const C: usize, const M: usize>(for
             (Integrate::Cel, false) => return wide::wide::<Fused<P, C, M, false, true>>,
             (Integrate::Cel, true) => return wide::wide::<Fused<P, C, M, true, true>>,
         }
+    }
+    #[cfg(not(single))]
+    if form.measure == MeasureKind::Radial && !(P::CONTACT && M == 0) {
+        return if form.tap { wide::widest::<Blocks<P, C, M, true>> } else { wide::widest::<Blocks<P, C, M, false>> };
     }
     match (form.measure, form.stride > 0, form.offset, form.tap) {
         (MeasureKind::Line, false, false, false) => gather::gather::<P, C, M, false, false>,

@@ -1,5 +1,5 @@
 //! Passes over links, one kernel for each way they stand: anywhere ([`gather`]), in a row ([`run`]), in a row whose masses are
-//! integrated too ([`fused`], in eight lanes [`folded`], a mesh [`band`]), in space ([`space`] by a [`measure`]), and all
+//! integrated too ([`fused`], in eight lanes [`folded`], a mesh [`band`]), in space ([`space`] by a [`measure`], in vectors [`radial`]), and all
 //! pairs of two sets ([`pair_set`]). [`choose`] takes one for each form of a law.
 
 #[cfg(not(single))]
@@ -12,5 +12,7 @@ mod gather;
 pub(super) mod law;
 pub mod measure;
 pub mod pair_set;
+#[cfg(not(single))]
+mod radial;
 mod run;
 mod space;

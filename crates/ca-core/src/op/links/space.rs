@@ -1,5 +1,6 @@
-//! Space: links between points in space, one by one, in order. The force of the law pulls along what the measure
-//! measured; contacts that are idle cost a squared distance and no square root.
+//! Space: links between points in space, one by one, in order: contacts, links along a direction, and what
+//! [`Blocks`](super::radial::Blocks) leaves over, which agrees with this in every bit. The force of the law pulls along what the
+//! measure measured; contacts that are idle cost a squared distance and no square root.
 
 use super::measure::Measure;
 use crate::law::Phi;
@@ -7,12 +8,24 @@ use crate::numeric::Real;
 use crate::op::Op;
 use crate::op::layout::Layout;
 use crate::state::State;
+use core::ops::Range;
 
 /// Applies the law of `op` to each of its links.
 pub fn space<P: Phi<C, M>, G: Measure, const C: usize, const M: usize, const TAP: bool>(
     op: &Op,
     layout: &Layout,
     s: &mut State,
+) {
+    links::<P, G, C, M, TAP>(op, layout, s, 0..op.n);
+}
+
+/// Applies it to some of them.
+#[inline(always)]
+pub fn links<P: Phi<C, M>, G: Measure, const C: usize, const M: usize, const TAP: bool>(
+    op: &Op,
+    layout: &Layout,
+    s: &mut State,
+    some: Range<usize>,
 ) {
     let n = op.n;
     let ends = &layout.ends[op.first..][..n];
@@ -22,7 +35,7 @@ pub fn space<P: Phi<C, M>, G: Measure, const C: usize, const M: usize, const TAP
     let columns: [&[Real]; C] = core::array::from_fn(|k| &s.coef[op.coef + k * n..][..n]);
     let (x, d, f) = (&s.x[..], &s.d[..], &mut s.f[..]);
     let mem = &mut s.mem[op.mem..][..n * M];
-    for i in 0..n {
+    for i in some {
         let at = ends[i].map(|m| m as usize);
         let c = core::array::from_fn(|k| columns[k][i]);
         // what remembers must see that it is let go

@@ -1,0 +1,46 @@
+//! Rows in space: where links of a batch join points that follow each other, as along and across a cloth.
+//!
+//! Decides to find them in the order the links have, which is that of the sums, and to leave them in their batch: a pass for
+//! each row of a cloth would have twenty beginnings and ends.
+
+use alloc::vec::Vec;
+use ca_core::numeric::Real;
+use ca_core::op::{MeasureKind, Op};
+
+/// Shorter rows are looked up as others are.
+const SHORTEST: i32 = 4;
+
+/// Places of a point.
+const POINT: u32 = 3;
+
+/// See [`Layout::rows`](ca_core::op::layout::Layout::rows), for the links of `forces`.
+pub fn rows(forces: &[Op], ends: &[[u32; 2]], reach: &[[Real; 4]], rest: &[Real]) -> Vec<i32> {
+    let mut rows = alloc::vec![-1; reach.len()];
+    for op in forces.iter().filter(|op| op.ports.measure == MeasureKind::Radial && op.ports.onto.is_none()) {
+        if op.ports.pair_set.is_some() {
+            continue;
+        }
+        let (ends, at) = (&ends[op.first..][..op.n], op.ports.reach);
+        let apart = |i: usize| {
+            let [a, b] = ends[i].map(|m| m as usize);
+            a < b && (0..3).all(|k| rest[b + k] - rest[a + k] == reach[at + i][k])
+        };
+        let follows = |i: usize| ends[i] == ends[i - 1].map(|m| m + POINT) && apart(i - 1) && apart(i);
+        let mut first = 0;
+        while first < op.n {
+            let next = (first + 1..op.n).find(|i| !follows(*i)).unwrap_or(op.n);
+            let links = (next - first) as i32;
+            for (k, row) in rows[at + first..at + next].iter_mut().enumerate() {
+                *row = if links < SHORTEST { -1 } else { links - k as i32 };
+            }
+            first = next;
+        }
+        // what is looked up goes in stretches
+        for i in (at..(at + op.n).saturating_sub(1)).rev() {
+            if rows[i] < 0 && rows[i + 1] < 0 {
+                rows[i] = rows[i + 1] - 1;
+            }
+        }
+    }
+    rows
+}

@@ -1,0 +1,286 @@
+//! Radial: links between points in space that are measured in every tick, many at a time.
+//!
+//! Links are taken in blocks, each in three loops: the vectors between its ends, laid side by side on the stack; from them
+//! lengths, forces and forces on the ends, a link in each lane, with one root and one division for all lanes; and the sums.
+//! Only the first and the last loop know which masses a link joins. They look ends up one by one, but of a row
+//! ([`Layout::rows`]), where ends follow each other, they take all numbers as they stand: a row of a cloth costs no indices.
+//!
+//! Forces are summed in the order of the links. In a row every mass is second end of an earlier link before it is first end of
+//! a later one, so all second ends come before all first ones, as in [`Run`](super::run::Run). What a block leaves over at the
+//! end of the batch, and what is too short, goes one by one, to the same bits. Decides for three numbers a point, as they
+//! are everywhere else: with a fourth one a point would be a vector, and every pass that moves masses a third longer.
+
+use super::folded::Lanes;
+use super::measure::Radial;
+use super::space::links;
+use crate::law::Phi;
+use crate::numeric::sqrt;
+use crate::op::Op;
+use crate::op::layout::Layout;
+use crate::op::wide::{Body, Simd};
+use crate::state::State;
+use core::marker::PhantomData;
+
+/// Links of a block.
+const BLOCK: usize = 64;
+/// Batches of fewer go one by one: there is room to be cleared first.
+const FEWEST: usize = 16;
+
+/// Applies the law of `op` to each of its links.
+pub struct Blocks<P, const C: usize, const M: usize, const TAP: bool>(PhantomData<P>);
+
+impl<P: Phi<C, M>, const C: usize, const M: usize, const TAP: bool> Body for Blocks<P, C, M, TAP> {
+    #[inline(always)]
+    fn run<S: Simd>(simd: S, op: &Op, layout: &Layout, s: &mut State) {
+        if op.n < FEWEST {
+            links::<P, Radial, C, M, TAP>(op, layout, s, 0..op.n);
+            return;
+        }
+        let whole = op.n - op.n % S::F64_LANES;
+        // and one number more, so that the last vector may be written as four
+        let mut room = [0.0; 3 * BLOCK + 1];
+        let mut first = 0;
+        while first < whole {
+            let n = BLOCK.min(whole - first);
+            vectors(simd, op, layout, s, first, &mut room[..=3 * n]);
+            let v = &mut room[..3 * n];
+            if s.lengths[op.ports.reach + first] < 0.0 {
+                recall(op, layout, s, first, v);
+            }
+            pulls::<S, P, C, M, TAP>(simd, op, layout, s, first, v);
+            sums(simd, op, layout, s, first, v);
+            first += n;
+        }
+        links::<P, Radial, C, M, TAP>(op, layout, s, whole..op.n);
+    }
+}
+
+/// Four numbers from `i` on, where there are so many.
+#[inline(always)]
+fn four(all: &[f64], i: u32) -> Option<&[f64; 4]> {
+    match all.get(i as usize..i as usize + 4) {
+        Some(four) => four.first_chunk(),
+        None => None,
+    }
+}
+
+/// Three numbers from `i` on.
+#[inline(always)]
+fn three(all: &[f64], i: u32) -> [f64; 3] {
+    match all.get(i as usize..i as usize + 3) {
+        Some(&[x, y, z]) => [x, y, z],
+        _ => [0.0; 3],
+    }
+}
+
+/// Link `i` is the first of how many that are a row, or are none.
+#[inline(always)]
+fn stretch(rows: &[i32], i: usize) -> (usize, bool) {
+    ((rows[i].unsigned_abs() as usize).clamp(1, rows.len() - i), rows[i] > 0)
+}
+
+/// The vectors between the ends of the links from `first` on, and one number that is none.
+#[inline(always)]
+fn vectors<S: Simd>(simd: S, op: &Op, layout: &Layout, s: &State, first: usize, v: &mut [f64]) {
+    let n = v.len() / 3;
+    let ends = &layout.ends[op.first + first..][..n];
+    let reach = &layout.reach[op.ports.reach + first..][..n];
+    let rows = &layout.rows[op.ports.reach + first..][..n];
+    let (x, rest) = (&s.x[..], &layout.rest[..]);
+    let mut i = 0;
+    while i < n {
+        let (links, row) = stretch(rows, i);
+        if row {
+            let [a, b] = ends[i].map(|m| m as usize);
+            let m = 3 * links;
+            let (v, v_left) = S::as_mut_simd_f64s(&mut v[3 * i..][..m]);
+            let ((xa, xa_left), (xb, xb_left)) = (S::as_simd_f64s(&x[a..][..m]), S::as_simd_f64s(&x[b..][..m]));
+            let ((ra, ra_left), (rb, rb_left)) = (S::as_simd_f64s(&rest[a..][..m]), S::as_simd_f64s(&rest[b..][..m]));
+            let steps = v.len();
+            let (xa, xb, ra, rb) = (&xa[..steps], &xb[..steps], &ra[..steps], &rb[..steps]);
+            for k in 0..steps {
+                v[k] = simd.add_f64s(simd.sub_f64s(rb[k], ra[k]), simd.sub_f64s(xb[k], xa[k]));
+            }
+            for k in 0..v_left.len() {
+                v_left[k] = (rb_left[k] - ra_left[k]) + (xb_left[k] - xa_left[k]);
+            }
+        } else {
+            let mut at = 3 * i as u32;
+            for ([a, b], r) in ends[i..][..links].iter().zip(&reach[i..]) {
+                let to = v.get_mut(at as usize..at as usize + 4).and_then(|to| to.first_chunk_mut::<4>());
+                // four at once, of which the last is written over by the next link
+                if let (Some(p), Some(q), Some(to)) = (four(x, *a), four(x, *b), to) {
+                    let d = [q[0] - p[0], q[1] - p[1], q[2] - p[2], q[3] - p[3]];
+                    let d = [r[0] + d[0], r[1] + d[1], r[2] + d[2], r[3] + d[3]];
+                    *to = d;
+                } else if let Some(to) = v.get_mut(at as usize..at as usize + 3) {
+                    let (p, q) = (three(x, *a), three(x, *b));
+                    for k in 0..3 {
+                        to[k] = r[k] + (q[k] - p[k]);
+                    }
+                }
+                at += 3;
+            }
+        }
+        i += links;
+    }
+}
+
+/// Lengths of the tick before, by motion, where none is known.
+#[cold]
+#[inline(never)]
+fn recall(op: &Op, layout: &Layout, s: &mut State, first: usize, v: &[f64]) {
+    for (i, now) in v.as_chunks::<3>().0.iter().enumerate() {
+        let [p, q] = layout.ends[op.first + first + i].map(|m| three(&s.d, m));
+        let before: [f64; 3] = core::array::from_fn(|k| now[k] - (q[k] - p[k]));
+        let at = op.ports.reach + first + i;
+        let square = before[0] * before[0] + before[1] * before[1] + before[2] * before[2];
+        s.lengths[at] = sqrt(square + layout.reach[at][3]);
+    }
+}
+
+/// The lengths of vectors, whose squares are longer by `soft`.
+#[inline(always)]
+fn length<S: Simd>(simd: S, v: [S::f64s; 3], soft: Option<S::f64s>) -> Lanes<S> {
+    let [x, y, z] = [Lanes(simd, v[0]), Lanes(simd, v[1]), Lanes(simd, v[2])];
+    let mut square = x * x + y * y + z * z;
+    if let Some(soft) = soft {
+        square = square + Lanes(simd, soft);
+    }
+    Lanes(simd, simd.sqrt_f64s(square.1))
+}
+
+/// Forces along vectors of lengths `l`, one vector after the other.
+#[inline(always)]
+fn along<S: Simd>(simd: S, v: [S::f64s; 3], force: S::f64s, l: S::f64s) -> [S::f64s; 3] {
+    let zero = simd.splat_f64s(0.0);
+    let density = simd.select_f64s(simd.equal_f64s(l, zero), zero, simd.div_f64s(force, l));
+    let g = [simd.mul_f64s(v[0], density), simd.mul_f64s(v[1], density), simd.mul_f64s(v[2], density)];
+    simd.interleave_shfl_f64s(g)
+}
+
+/// Vectors become the forces on the first ends of their links.
+#[inline(always)]
+fn pulls<S: Simd, P: Phi<C, M>, const C: usize, const M: usize, const TAP: bool>(
+    simd: S,
+    op: &Op,
+    layout: &Layout,
+    s: &mut State,
+    first: usize,
+    v: &mut [f64],
+) {
+    let n = v.len() / 3;
+    let steps = n / S::F64_LANES;
+    let mut columns: [&[f64]; C] = [&[]; C];
+    for k in 0..C {
+        columns[k] = &s.coef[op.coef + k * op.n + first..][..n];
+    }
+    let vectors = &mut S::as_mut_simd_f64s(v).0.as_chunks_mut::<3>().0[..steps];
+    let e0 = &S::as_simd_f64s(&layout.e0[op.first + first..][..n]).0[..steps];
+    let last = &mut S::as_mut_simd_f64s(&mut s.lengths[op.ports.reach + first..][..n]).0[..steps];
+    let tap = if TAP { &mut s.tap[op.tap + first..][..n] } else { &mut [] };
+    let mut room = [0.0; BLOCK];
+    let soft = if op.form.soften {
+        for (soft, reach) in room.iter_mut().zip(&layout.reach[op.ports.reach + first..]) {
+            *soft = reach[3];
+        }
+        Some(&S::as_simd_f64s(&room[..n]).0[..steps])
+    } else {
+        None
+    };
+    if P::WIDE && M == 0 {
+        let mut wide: [&[S::f64s]; C] = [&[]; C];
+        for k in 0..C {
+            wide[k] = &S::as_simd_f64s(columns[k]).0[..steps];
+        }
+        let tap = S::as_mut_simd_f64s(tap).0;
+        for i in 0..steps {
+            let v = simd.deinterleave_shfl_f64s(vectors[i]);
+            let l = length(simd, v, if let Some(soft) = soft { Some(soft[i]) } else { None });
+            let (e, w) = (l + Lanes(simd, e0[i]), l - Lanes(simd, last[i]));
+            last[i] = l.1;
+            let mut c = [e; C];
+            for k in 0..C {
+                c[k] = Lanes(simd, wide[k][i]);
+            }
+            let force = P::linear(&c, e, w).1;
+            if TAP {
+                tap[i] = force;
+            }
+            vectors[i] = along(simd, v, force, l.1);
+        }
+        return;
+    }
+    let (mut lengths, mut e, mut w) = ([0.0; BLOCK], [0.0; BLOCK], [0.0; BLOCK]);
+    let lengths = &mut S::as_mut_simd_f64s(&mut lengths[..n]).0[..steps];
+    {
+        let e = &mut S::as_mut_simd_f64s(&mut e[..n]).0[..steps];
+        let w = &mut S::as_mut_simd_f64s(&mut w[..n]).0[..steps];
+        for i in 0..steps {
+            let v = simd.deinterleave_shfl_f64s(vectors[i]);
+            let l = length(simd, v, if let Some(soft) = soft { Some(soft[i]) } else { None });
+            (lengths[i], e[i], w[i]) = (l.1, (l + Lanes(simd, e0[i])).1, (l - Lanes(simd, last[i])).1);
+            last[i] = l.1;
+        }
+    }
+    let mem = &mut s.mem[op.mem + first * M..][..n * M];
+    for i in 0..n {
+        let c = core::array::from_fn(|k| columns[k][i]);
+        let mut none = [0.0; M];
+        let m = if M == 0 { &mut none } else { mem[i * M..].first_chunk_mut::<M>().unwrap_or(&mut none) };
+        e[i] = P::force(&c, m, &layout.tables, e[i], w[i]);
+    }
+    if TAP {
+        tap.copy_from_slice(&e[..n]);
+    }
+    let force = &S::as_simd_f64s(&e[..n]).0[..steps];
+    for i in 0..steps {
+        vectors[i] = along(simd, simd.deinterleave_shfl_f64s(vectors[i]), force[i], lengths[i]);
+    }
+}
+
+/// Adds `g` to forces, or takes it from them. In two passes over a row: in one, what was just written would be read askew.
+#[inline(always)]
+fn added<S: Simd, const LESS: bool>(simd: S, f: &mut [f64], g: &[f64]) {
+    let ((f, f_left), (g, g_left)) = (S::as_mut_simd_f64s(f), S::as_simd_f64s(g));
+    for (f, g) in f.iter_mut().zip(g) {
+        *f = if LESS { simd.sub_f64s(*f, *g) } else { simd.add_f64s(*f, *g) };
+    }
+    for (f, g) in f_left.iter_mut().zip(g_left) {
+        *f = if LESS { *f - g } else { *f + g };
+    }
+}
+
+/// Adds the forces `g` to the ends of the links from `first` on.
+#[inline(always)]
+fn sums<S: Simd>(simd: S, op: &Op, layout: &Layout, s: &mut State, first: usize, g: &[f64]) {
+    let n = g.len() / 3;
+    let ends = &layout.ends[op.first + first..][..n];
+    let rows = &layout.rows[op.ports.reach + first..][..n];
+    let f = &mut s.f[..];
+    let mut i = 0;
+    while i < n {
+        let (links, row) = stretch(rows, i);
+        let g = &g[3 * i..][..3 * links];
+        if row {
+            let [a, b] = ends[i].map(|m| m as usize);
+            added::<S, true>(simd, &mut f[b..][..3 * links], g);
+            added::<S, false>(simd, &mut f[a..][..3 * links], g);
+        } else {
+            for ([a, b], g) in ends[i..][..links].iter().zip(g.as_chunks::<3>().0) {
+                let (a, b) = (*a as usize, *b as usize);
+                if let Some(f) = f.get_mut(a..a + 3) {
+                    for k in 0..3 {
+                        f[k] += g[k];
+                    }
+                }
+                if let Some(f) = f.get_mut(b..b + 3) {
+                    for k in 0..3 {
+                        f[k] -= g[k];
+                    }
+                }
+            }
+        }
+        i += links;
+    }
+}
