@@ -2,7 +2,8 @@
 //! refused costs no more than one that is right.
 
 use crate::{calls, most};
-use ca_compile::{Options, load};
+use ca_benches::string;
+use ca_compile::{Options, compile, load};
 use ca_model::diag::KEPT;
 use ca_model::read::read;
 use ca_tests::catalog;
@@ -62,4 +63,29 @@ fn reading_takes_memory_and_work_in_proportion_to_the_text() {
     };
     let (few, many) = (took(&small), took(&large));
     assert!(many.0 < 1.2 * few.0 && many.1 < 1.05 * few.1, "{few:?} {many:?}");
+}
+
+/// Bytes a module: most while it is compiled, of a state; calls of the allocator, freeing included.
+const BYTES: f64 = 510.0;
+const STATE: f64 = 33.0;
+const CALLS: f64 = 5.1;
+
+#[test]
+fn a_generated_model_takes_memory_and_work_in_proportion_to_its_modules() {
+    let took = |masses: usize| {
+        let (model, _) = read(&string(masses), "large.ca.toml", &catalog());
+        let (mut bytes, mut scene) = (0, None);
+        let work = calls(|| bytes = most(|| scene = compile(&model, &catalog(), &Options::default()).ok()));
+        let scene = scene.expect("it compiles").scene;
+        let modules = (scene.mats() + scene.lias()) as f64;
+        let held = most(|| drop(std::hint::black_box(scene.state())));
+        println!("{bytes} bytes at most, {held} of a state, {work} calls for {modules} modules");
+        [bytes as f64, held as f64, work as f64].map(|v| v / modules)
+    };
+    let (few, many) = (took(20_000), took(40_000));
+    for (few, many) in few.into_iter().zip(many) {
+        assert!(many < 1.05 * few, "{few} {many}");
+    }
+    // a bound that fails where a pass makes one more list for each module
+    assert!(many[0] < BYTES && many[1] < STATE && many[2] < CALLS, "{many:?}");
 }

@@ -163,6 +163,21 @@ fn makes_nothing(line: &Line, ticks: u64) {
     ledgers_balance(&text, &scene, ticks);
 }
 
+/// The largest force of a link on a line, as far as its law says.
+fn strongest(scene: &Scene, s: &State) -> f64 {
+    let laws = scene.forces.iter().filter_map(|op| Some((op, op.law?)));
+    let forces = laws.flat_map(|(op, law)| {
+        (0..op.n).map(move |i| {
+            let [a, b] = scene.ends[op.first + i].map(|m| m as usize);
+            let c: Vec<f64> = (0..law.coefs).map(|k| s.coef[op.coef + k * op.n + i]).collect();
+            let mut mem = s.mem[op.mem + i * law.mem..][..law.mem].to_vec();
+            let e = s.x[b] - s.x[a] + scene.e0[op.first + i];
+            (law.force)(&c, &mut mem, &scene.tables, e, s.d[b] - s.d[a]).abs()
+        })
+    });
+    forces.fold(0.0, f64::max)
+}
+
 fn ledgers_balance(text: &str, scene: &Scene, ticks: u64) {
     let (mut s, mut rng) = (scene.state(), Random(0x2545_f491_4f6c_dd1d));
     let mut released = f64::INFINITY;
@@ -176,7 +191,7 @@ fn ledgers_balance(text: &str, scene: &Scene, ticks: u64) {
         let b = s.ledger.as_ref().expect("a ledger").balance();
         // what nothing holds drifts away, and the last digit of where it stands is work of each force on it
         far = s.x.iter().fold(far, |m, x| m.max(x.abs()));
-        pull = s.tap.iter().fold(pull, |m, f| m.max(f.abs()));
+        pull = pull.max(strongest(scene, &s));
         let room = ROOM * b.peak + n as f64 * f64::EPSILON * far * pull * scene.n_lia as f64;
         assert!(b.h >= -room && b.h <= b.h0 + b.work + room && b.residual.abs() <= room, "{n}: {b:?}\n{text}");
         // the push of the last tick is entered with the next

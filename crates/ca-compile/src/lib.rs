@@ -128,7 +128,7 @@ pub fn compile(model: &Model, catalog: &Catalog, options: &Options) -> Result<Co
         return Err(diags);
     }
     let order = match options.kernel {
-        KernelClass::Fast => ordering::storage(&net),
+        KernelClass::Fast | KernelClass::Listed => ordering::storage(&net),
         KernelClass::Reference => ordering::document(&net),
     };
     let scene = schedule::schedule(model, &net, &order, options, certificate, &mut diags);

@@ -10,6 +10,8 @@ pub enum KernelClass {
     /// batches by law, chains as runs: fast
     #[default]
     Fast,
+    /// the same batches, each as a pass of its own: what `Fast` joins, folds and fuses must have the bits of these
+    Listed,
     /// links one by one in document order: the bits of a plain loop over modules
     Reference,
 }

@@ -93,17 +93,20 @@ pub trait Phi<const C: usize, const M: usize> {
     fn force(c: &[Real; C], mem: &mut [Real; M], tables: &[Table], e: Real, w: Real) -> Real;
 
     /// Potential energy \[J\] at elongation `e`.
+    #[inline(always)]
     fn potential(_c: &[Real; C], _mem: &[Real; M], _tables: &[Table], _e: Real) -> Real {
         0.0
     }
 
     /// Energy stored between two ticks \[J\] (docs/numerics.md §2.2); linear laws override it with the exact product
     /// form.
+    #[inline(always)]
     fn stored(c: &[Real; C], mem: &[Real; M], tables: &[Table], e0: Real, e1: Real) -> Real {
         0.5 * (Self::potential(c, mem, tables, e0) + Self::potential(c, mem, tables, e1))
     }
 
     /// Energy turned to heat during a tick \[J\], from the elongations at the tick before, at it, and after.
+    #[inline(always)]
     fn lost(_c: &[Real; C], _mem: &[Real; M], _tables: &[Table], _e: [Real; 3]) -> Real {
         0.0
     }

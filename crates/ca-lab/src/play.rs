@@ -73,6 +73,32 @@ fn keep_ledger(p: &Performance, last_good: &mut Option<(Ledger, u64)>) {
     }
 }
 
+/// An energy ledger, and how much time it covers.
+pub struct Audit {
+    /// at its end
+    pub ledger: Ledger,
+    /// ticks it covers
+    pub ticks: u64,
+    /// whether it was kept all the time
+    pub whole: bool,
+}
+
+/// Modules times ticks the audited scene may take: a second of a thousand-mass string. Larger scenes are audited for
+/// less, and the summary says for how long.
+const AUDITED: u64 = 100_000_000;
+
+/// Plays the first second once more with the ledger kept, up to the last tick before any divergence.
+pub fn audit(audited: &Scene, gesture: Option<&Gesture>, frames: u64) -> Option<Audit> {
+    let afford = AUDITED / (audited.n_mat + audited.n_lia).max(1) as u64;
+    let ticks = frames.min(audited.rate as u64).min(afford).max(1);
+    let mut p = Performance::new(audited, gesture).ok()?;
+    while p.state.tick < ticks + 1 && p.state.is_bounded(DIVERGED) {
+        p.tick();
+    }
+    let entered = p.state.tick.saturating_sub(1);
+    p.state.ledger.map(|ledger| Audit { ledger, ticks: entered, whole: false })
+}
+
 /// Why a scene left every range.
 pub struct Divergence {
     /// \[s\]

@@ -43,14 +43,14 @@ impl Timing {
 
 /// Processor time of this thread.
 #[cfg(unix)]
-fn processor() -> Duration {
+pub fn processor() -> Duration {
     let now = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
     Duration::new(now.tv_sec.unsigned_abs(), u32::try_from(now.tv_nsec).unwrap_or_default())
 }
 
 /// Time on the wall.
 #[cfg(not(unix))]
-fn processor() -> Duration {
+pub fn processor() -> Duration {
     use std::sync::LazyLock;
     use std::time::Instant;
     static BEGIN: LazyLock<Instant> = LazyLock::new(Instant::now);

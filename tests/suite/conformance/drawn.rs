@@ -183,7 +183,7 @@ impl Loaded {
         (self.law.force)(&self.c, &mut self.mem, &self.tables, e, w)
     }
     pub fn stored(&self, e: f64) -> f64 {
-        (self.law.stored)(&self.c, &self.mem, &self.tables, e, e)
+        (self.law.energies.stored)(&self.c, &self.mem, &self.tables, e, e)
     }
 }
 

@@ -44,7 +44,7 @@ proptest! {
                 let e = [path(i - 1), path(i), path(i + 1)];
                 let f = l.force(e[1], e[1] - e[0]);
                 work += f * 0.5 * (e[2] - e[0]);
-                heat += (l.law.lost)(&l.c, &l.mem, &l.tables, e);
+                heat += (l.law.energies.lost)(&l.c, &l.mem, &l.tables, e);
                 scale = scale.max((f * way).abs());
                 bend = bend.max((f - last.unwrap_or(f)).abs());
                 last = Some(f);
@@ -70,7 +70,7 @@ proptest! {
             for i in -n..n {
                 let e = [path(i - 1), path(i), path(i + 1)];
                 let f = l.force(e[1], e[1] - e[0]);
-                let heat = (l.law.lost)(&l.c, &l.mem, &l.tables, e);
+                let heat = (l.law.energies.lost)(&l.c, &l.mem, &l.tables, e);
                 prop_assert!(heat >= 0.0, "heat {heat} at {e:?}\n{}", l.named);
                 if i >= 0 {
                     let work = f * 0.5 * (e[2] - e[0]);

@@ -70,10 +70,12 @@ pub fn accumulate(net: &Pruned) -> Accumulated {
     let mut mats: Vec<Sums> = worst_mats(net).into_iter().zip(&net.alive).map(sums).collect();
     let links = worst_bounds(net);
     let mut springs = Negative::default();
+    // where none is negative, nobody asks what covers it
+    let negative = links.iter().any(|b| b.k < 0.0);
     for (l, b) in net.lias.iter().zip(&links) {
         link(net, l, b, &mut mats);
         // what is not always there covers nothing
-        if let ([End::Mat(i), End::Mat(j)], false) = (l.ends, b.contact) {
+        if let ([End::Mat(i), End::Mat(j)], true) = (l.ends, negative && !b.contact) {
             springs.add(i, j, b.k);
         }
     }
@@ -90,11 +92,10 @@ fn link(net: &Pruned, l: &LiaNode, b: &Bound, mats: &mut [Sums]) {
     let sure = if b.curve { b.k } else { h };
     // ends that move: the row of the link at each of them holds so many entries
     let moving = |ids: &[u32]| ids.iter().any(|m| mats[*m as usize].c > 0.0);
-    let sides: Vec<(End, Vec<u32>)> = l.all_ends().map(|e| (e, net.under(e))).collect();
-    let entries: f64 = sides.iter().map(|(e, under)| if moving(under) { net.reach(*e) } else { 0.0 }).sum();
+    let entries: f64 = l.all_ends().map(|e| if moving(&net.under(e)) { net.reach(e) } else { 0.0 }).sum();
     let others = (entries - 1.0).max(0.0);
-    for (end, m) in sides.iter().flat_map(|(end, under)| under.iter().map(move |m| (end, m))) {
-        let s = &mut mats[*m as usize];
+    for (end, m) in l.all_ends().flat_map(|end| net.under(end).into_iter().map(move |m| (end, m))) {
+        let s = &mut mats[m as usize];
         // what raises the limit is left out of what no mass may pass
         s.all += if b.lift > 0.0 { h.max(0.0) } else { h };
         s.disc += h + others * h.abs();

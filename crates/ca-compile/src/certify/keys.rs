@@ -11,6 +11,10 @@ use ca_core::scene::certificate::Key;
 
 /// A row for each key that something stiff holds, in the order of the document.
 pub fn keys(net: &Pruned, bounds: &[Bound]) -> Vec<Key> {
+    let key = |m: &crate::net::MatNode| matches!(m.role, MatRole::Port(PortRole::Tgr, _));
+    if !net.mats.iter().any(key) {
+        return Vec::new();
+    }
     let mut held: Vec<Vec<(u32, f64)>> = alloc::vec![Vec::new(); net.mats.len()];
     for (l, b) in net.lias.iter().zip(bounds) {
         for e in l.all_ends() {
@@ -25,7 +29,7 @@ pub fn keys(net: &Pruned, bounds: &[Bound]) -> Vec<Key> {
     let mut keys = Vec::new();
     for (m, links) in net.mats.iter().zip(held) {
         let k: f64 = links.iter().map(|l| l.1).sum();
-        if k > 0.0 && matches!(m.role, MatRole::Port(PortRole::Tgr, _)) {
+        if k > 0.0 && key(m) {
             let links = links.into_iter().map(|(item, k)| (net.items[item as usize].name.clone(), k)).collect();
             keys.push(Key { name: m.name.clone(), k, links });
         }

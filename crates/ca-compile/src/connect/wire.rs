@@ -131,7 +131,7 @@ impl Wiring<'_> {
         // a set with itself makes all pairs: one to one would join each to itself
         let all = Pairs::of(arg("pairs")) == Pairs::All || (a.len() > 1 && a == b);
         let (l0, soften) = (arg("l0"), arg("soften").unwrap_or(0.0));
-        if all && class == KernelClass::Fast && self.set(id, law, &a, &b) {
+        if all && class != KernelClass::Reference && self.set(id, law, &a, &b) {
             return;
         }
         let count = if all { a.len().saturating_mul(b.len()) } else { a.len().max(b.len()) };

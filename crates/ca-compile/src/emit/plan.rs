@@ -26,6 +26,8 @@ pub struct Plan<'a> {
     pub live: Vec<u32>,
     /// coefficients of the module that was loaded last
     pub loaded: Vec<f64>,
+    /// the numbers it was loaded from
+    pub numbers: Vec<Option<f64>>,
     /// modules with live coefficients, by item
     pub modules: BTreeMap<u32, Vec<LiveModule>>,
 }
@@ -57,7 +59,10 @@ impl Plan<'_> {
 
     /// Computes coefficients into `to`; remembers how, where they may change.
     pub fn load(&mut self, loader: Loader, item: u32, values: &[Source], to: &[usize]) {
-        loader.load(&self.net.values(item, values), self.net.tick_dt, &mut self.loaded);
+        let slots = &self.net.items[item as usize].slots;
+        self.numbers.clear();
+        self.numbers.extend(values.iter().map(|s| s.get(slots)));
+        loader.load(&self.numbers, self.net.tick_dt, &mut self.loaded);
         for (t, v) in to.iter().zip(&self.loaded) {
             self.coef[*t] = *v;
         }

@@ -22,7 +22,7 @@ use ca_core::kind::PortRole;
 use ca_core::live::Loader;
 use ca_core::numeric::{Aligned, Real, VerletList, real};
 use ca_core::op::layout::{
-    Account, CoordinateSource, Enf, Enx, Layout, LedgerPlan, MeasureKind, Modal, MovingPoint, Output, Tap,
+    Account, CoordinateSource, Enf, Enx, Layout, LedgerPlan, MeasureKind, Modal, MovingPoint, Output, Row, Tap,
 };
 use ca_core::op::{Op, Vectors};
 use ca_core::scene::certificate::Certificate;
@@ -30,6 +30,7 @@ use ca_core::scene::{InputRole, Location, Order, Scene, Symbol, start};
 use ca_core::state::{ActiveContacts, Border, Cell, Identity, Ledger, Ramps, State, UNKNOWN};
 use ca_model::Model;
 use ca_model::diag::Diags;
+use core::ops::Range;
 
 /// Builds the scene. `None` where the findings hold an error.
 pub fn schedule(
@@ -72,8 +73,25 @@ pub fn schedule(
     let back = [!moving_points.is_empty(), !modal.is_empty(), solved[0], solved[1]].into_iter().filter(|b| *b).count();
     let place = |op: usize| op + lead + if op >= links.late { back } else { 0 };
     let ported: BTreeSet<u32> = enx.iter().chain(&tgr).map(|p| p.mat).collect();
-    let ledger =
-        options.energy.then(|| LedgerPlan { accounts: accounts(&links, |p| ported.contains(&p), place), weight });
+    let ledger = options.energy.then(|| {
+        let mut live = plan.live.clone();
+        live.sort_unstable();
+        let turns = |coefs: Range<usize>| {
+            let next = live.get(live.partition_point(|c| (*c as usize) < coefs.start));
+            next.is_some_and(|c| coefs.contains(&(*c as usize)))
+        };
+        let moving: BTreeSet<u32> = moving_points.iter().filter(|_| aimed).map(|p| p.mat).collect();
+        let accounts = accounts(&links, n_mat, |p| ported.contains(&p), place);
+        let of_ends = |ends: &[[u32; 2]], first: usize, n: usize| {
+            !moving.is_empty() && ends[first..first + n].iter().flatten().any(|p| moving.contains(p))
+        };
+        let live = |a: &Account| {
+            let second = a.ports.onto.is_some_and(|o| of_ends(&links.onto, o.1, a.n));
+            turns(a.coef..a.coef + a.n * a.coefs) || of_ends(&links.ends, a.first, a.n) || second
+        };
+        let accounts = accounts.into_iter().map(|a| Account { live: live(&a), ..a }).collect();
+        LedgerPlan { accounts, weight, live: turns(0..3 * n_mat) || turns(weight..weight + weighed.len()) }
+    });
     let mut symbols = symbols(&plan, &links, place);
     let (moves, own) = pass_list::moves(&classes, n_mat, waves.delays.len());
     let mut live = plan.live_plan(implicit.as_ref());
@@ -125,7 +143,8 @@ pub fn schedule(
     let mut moves = if net.is_composed() { pefrl::moves(&layout, &forces, own) } else { moves };
     // the start sums forces in the order of the list
     let listed = forces.clone();
-    let mut passes = Passes { forces: &mut forces, moves: &mut moves, symbols: &mut symbols };
+    let accounts = layout.ledger.as_mut().map_or(&mut [][..], |l| &mut l.accounts);
+    let mut passes = Passes { forces: &mut forces, moves: &mut moves, symbols: &mut symbols, accounts };
     let fused = fuse::fuse(&mut passes);
     if options.kernel == KernelClass::Fast {
         moves = pass_list::merged(moves);
@@ -189,7 +208,7 @@ fn slots<'n>(net: &'n Pruned, order: &[u32]) -> Plan<'n> {
         }
     }
     let coef = alloc::vec![0.0; 3 * n_mat as usize];
-    Plan { net, slot, point, coef, live: Vec::new(), loaded: Vec::new(), modules: BTreeMap::new() }
+    Plan { net, slot, point, coef, live: Vec::new(), loaded: Vec::new(), numbers: Vec::new(), modules: BTreeMap::new() }
 }
 
 /// The ports of one role that move a MAT, axis by axis.
@@ -282,17 +301,34 @@ fn outputs(plan: &mut Plan, links: &Links) -> Option<(usize, Vec<Output>)> {
 }
 
 /// What the energy ledger reads of each pass of links, and its `index` among the forces; which places are `ported`.
-fn accounts(links: &Links, ported: impl Fn(u32) -> bool, index: impl Fn(usize) -> usize) -> Vec<Account> {
+fn accounts(links: &Links, n_mat: usize, ported: impl Fn(u32) -> bool, index: impl Fn(usize) -> usize) -> Vec<Account> {
     let account = |(i, op): (usize, &Op)| {
         let law = op.law?;
         let Op { n, ports, first, coef, mem, tap, .. } = *op;
-        let (coefs, mems, stored, lost, idle) = (law.coefs, law.mem, law.stored, law.lost, law.idle);
+        let (coefs, mems, energies, idle) = (law.coefs, law.mem, law.energies, law.idle);
+        let on_a_line = ports.measure == MeasureKind::Line && ports.onto.is_none() && ports.pair_set.is_none();
+        let rows = if on_a_line { Row::two(&links.ends[first..first + n], n_mat) } else { <[Row; 2]>::default() };
         // a distance is no linear function of places: the identity then holds only with what the link made
         let radial = ports.measure == MeasureKind::Radial || ports.onto.is_some_and(|o| o.0 == MeasureKind::Radial);
         // what is implicit to a port that then goes another way is not exact either
         let strays = law.implicit && links.ends[first..first + n].iter().flatten().any(|p| ported(*p));
         let linear = law.linear && !radial && !strays;
-        Some(Account { op: index(i), n, ports, first, coef, mem, tap, coefs, mems, linear, stored, lost, idle })
+        Some(Account {
+            op: index(i),
+            n,
+            ports,
+            first,
+            coef,
+            mem,
+            tap,
+            coefs,
+            mems,
+            linear,
+            live: false,
+            energies,
+            rows,
+            idle,
+        })
     };
     links.forces.iter().enumerate().filter_map(account).collect()
 }
@@ -328,7 +364,6 @@ fn loaded(
     (live, whole): (Vec<u32>, u32),
 ) -> State {
     let input: Vec<f64> = net.inputs.iter().map(|i| if i.role == InputRole::Force { 0.0 } else { i.rest }).collect();
-    let ports = layout.enx.len() + layout.tgr.len() + layout.enf.len();
     State {
         scene: Identity::default(),
         x: reals(x),
@@ -350,10 +385,7 @@ fn loaded(
         written: Default::default(),
         implicit: alloc::vec![0.0; layout.implicit.as_ref().map_or(0, |a| 2 * a.places.len())],
         touches: ActiveContacts::new(layout.n_touch, layout.n_mat),
-        ledger: layout.ledger.as_ref().map(|p| {
-            let most = p.accounts.iter().map(|a| a.coefs).max().unwrap_or(0);
-            Ledger::new(layout.n_mat, layout.n_lia, most, ports, layout.tgr.len())
-        }),
+        ledger: layout.ledger.as_ref().map(|_| Ledger::new(layout)),
         tick: 0,
         refused: 0,
         input,

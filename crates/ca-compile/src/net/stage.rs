@@ -101,6 +101,37 @@ pub struct Pruned {
     pub from_lpr: Vec<bool>,
 }
 
+/// The MATs an end can act on, as a list: that of every link is asked for in many passes, so that none is made.
+#[derive(Clone, Copy)]
+pub enum Under<'a> {
+    /// a MAT
+    One([u32; 1]),
+    /// what a moving point moves along
+    Along(&'a [u32]),
+}
+
+impl Deref for Under<'_> {
+    type Target = [u32];
+    fn deref(&self) -> &[u32] {
+        match self {
+            Under::One(m) => m,
+            Under::Along(all) => all,
+        }
+    }
+}
+
+impl<'a> IntoIterator for Under<'a> {
+    type Item = u32;
+    type IntoIter = core::iter::Chain<core::option::IntoIter<u32>, core::iter::Copied<core::slice::Iter<'a, u32>>>;
+    fn into_iter(self) -> Self::IntoIter {
+        let (one, all) = match self {
+            Under::One([m]) => (Some(m), &[][..]),
+            Under::Along(all) => (None, all),
+        };
+        one.into_iter().chain(all.iter().copied())
+    }
+}
+
 impl From<Resolved> for Wired {
     fn from(resolved: Resolved) -> Wired {
         Wired { resolved, ..Wired::default() }
@@ -195,10 +226,10 @@ impl Wired {
     }
 
     /// The MATs an end can act on.
-    pub fn under(&self, end: End) -> Vec<u32> {
+    pub fn under(&self, end: End) -> Under<'_> {
         match end {
-            End::Mat(m) => alloc::vec![m],
-            End::Point(p) => self.families[&self.points[p as usize].family].nodes.clone(),
+            End::Mat(m) => Under::One([m]),
+            End::Point(p) => Under::Along(&self.families[&self.points[p as usize].family].nodes),
         }
     }
 

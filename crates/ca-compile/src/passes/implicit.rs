@@ -30,8 +30,13 @@ pub fn choose(net: &mut Wired) {
     };
     // item, its values as written, and as the law takes them: most links of a generator share theirs
     let mut last: Option<(u32, [Arc<[Source]>; 2])> = None;
+    // the same of what has no such method, by far the most links
+    let mut explicit: Option<(u32, Arc<[Source]>)> = None;
     for i in 0..net.lias.len() {
         let l = &net.lias[i];
+        if explicit.as_ref().is_some_and(|(item, values)| *item == l.item && Arc::ptr_eq(values, &l.values)) {
+            continue;
+        }
         // the law before it is specialised; what has no method of this kind has no such parameters
         let (k, z) = match l.kind.code {
             "REF" => (Some(1), Some(2)),
@@ -39,7 +44,10 @@ pub fn choose(net: &mut Wired) {
             "FRO" => (None, Some(1)),
             _ => continue,
         };
-        let Some(theta) = asked(net, l.item, l.kind, &l.values) else { continue };
+        let Some(theta) = asked(net, l.item, l.kind, &l.values) else {
+            explicit = Some((l.item, l.values.clone()));
+            continue;
+        };
         // with neither viscosity nor θ there is nothing to be implicit for: it is the explicit link
         let z_of = z.and_then(|z| l.values.get(z)).copied().unwrap_or(Source::Absent);
         let live = matches!(z_of, Source::Slot(_)) && net.is_live(l.item);
@@ -64,7 +72,10 @@ pub fn choose(net: &mut Wired) {
     let junctions: BTreeSet<u32> = net.lines.iter().flat_map(LineNode::junctions).collect();
     for i in (0..net.mats.len()).filter(|i| !junctions.contains(&(*i as u32))) {
         let m = &net.mats[i];
-        let Some(share) = asked(net, m.item, cell, &m.values).filter(|_| m.code == cell.code) else { continue };
+        if m.code != cell.code {
+            continue;
+        }
+        let Some(share) = asked(net, m.item, cell, &m.values) else { continue };
         let mut values = m.values.to_vec();
         // θ = 0 by the method `implicit` is the method `centred`
         (values[method], values[theta]) = (Source::Const(2.0), Source::Const(share));

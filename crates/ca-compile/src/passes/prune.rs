@@ -82,7 +82,7 @@ pub fn prune(model: &Model, mut net: Wired, diags: &mut Diags) -> Pruned {
         })
         .collect();
     // fixed points and ports stay where something holds them
-    let hold = |alive: &mut Vec<bool>, e: End| net.under(e).into_iter().for_each(|m| alive[m as usize] = true);
+    let hold = |alive: &mut Vec<bool>, e: End| net.under(e).iter().for_each(|m| alive[*m as usize] = true);
     for (l, k) in net.lias.iter().zip(&keep) {
         if *k {
             l.all_ends().for_each(|e| hold(&mut alive, e));

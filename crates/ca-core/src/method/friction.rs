@@ -22,7 +22,7 @@ use crate::law::{Bound, Phi};
 use crate::numeric::{Real, Table, real, wide};
 use crate::op::layout::{Layout, MeasureKind};
 use crate::op::links::measure::{Along, Line, Measure, Radial};
-use crate::op::{Form, Kernel, Law, Op, SolveStage};
+use crate::op::{Energies, Form, Kernel, Law, Op, SolveStage};
 use crate::state::State;
 use crate::state::active_contacts::ActiveContact;
 
@@ -49,7 +49,7 @@ pub const fn alone<P: Curve<C> + 'static, const C: usize, const NEWTON: bool>(
         code,
         mem: 1,
         start: |_, _, mem| mem.fill(0.0),
-        lost: |_, mem, _, _| mem[0],
+        energies: Energies::kept(curve.energies.stored, |_, mem, _, _| mem[0]),
         bound: bound::<P, C>,
         kernel: |_| rub::<P, C, NEWTON>,
         stage: SolveStage::Single(together),
@@ -64,7 +64,7 @@ pub const fn together<P: Curve<C> + 'static, const C: usize>(code: &'static str,
         code,
         mem: 2,
         start: |_, _, mem| mem.fill(0.0),
-        lost: |_, mem, _, _| mem[1],
+        energies: Energies::kept(curve.energies.stored, |_, mem, _, _| mem[1]),
         bound: bound::<P, C>,
         kernel: kernel::<P, C>,
         stage: SolveStage::Coupled(quadratised::solve),

@@ -20,7 +20,7 @@ use super::spring::{Contact, Spring};
 use super::{free_motion, mobility};
 use crate::numeric::{Real, sqrt};
 use crate::op::layout::Layout;
-use crate::op::{Law, Op, SolveStage};
+use crate::op::{Energies, Law, Op, SolveStage};
 use crate::state::State;
 
 /// A one-sided spring by this method; where it may not act alone, `other` runs. Memory: heat of the tick \[J\].
@@ -28,7 +28,7 @@ pub const fn law<S: Spring>(spring: Law, other: &'static Law) -> Law {
     Law {
         mem: 1,
         start: |_, _, mem| mem.fill(0.0),
-        lost: |_, mem, _, _| mem[0],
+        energies: Energies::kept(spring.energies.stored, |_, mem, _, _| mem[0]),
         kernel: |_| push::<S>,
         stage: SolveStage::Single(other),
         ..spring

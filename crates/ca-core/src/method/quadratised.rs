@@ -33,7 +33,7 @@ use super::{free_motion, mobility};
 use crate::numeric::{Real, SINGLE, sqrt};
 use crate::op::layout::{Layout, MeasureKind};
 use crate::op::links::measure::{Along, Line, Measure, Radial};
-use crate::op::{Form, Kernel, Law, Op, SolveStage};
+use crate::op::{Energies, Form, Kernel, Law, Op, SolveStage};
 use crate::state::State;
 use crate::state::active_contacts::{ActiveContact, ActiveContacts};
 use nalgebra::Vector3;
@@ -52,8 +52,7 @@ pub const fn law<S: Spring>(spring: Law) -> Law {
             mem[0] = sqrt(2.0 * b.potential(b.penetration(e)));
             mem[1] = 0.0;
         },
-        stored: |_, mem, _, _, _| 0.5 * mem[0] * mem[0],
-        lost: |_, mem, _, _| mem[1],
+        energies: Energies::kept(|_, mem, _, _, _| 0.5 * mem[0] * mem[0], |_, mem, _, _| mem[1]),
         kernel: kernel::<S>,
         stage: SolveStage::Coupled(solve),
         ..spring

@@ -5,101 +5,157 @@
 //! is its own account, which names the module that makes energy. Sample n is entered when x_{n+1} is known of ports too,
 //! that is at the beginning of tick n+1, before changes. A scene that does not ask has no pass, array or test of this.
 
-use super::layout::{Account, Layout, MeasureKind};
-use super::links::{measure, pair_set};
+use super::account::{self, Book, Enter, Lanes, Sums};
+use super::layout::{Account, Layout, MovingPoint};
+use super::links::pair_set;
+use super::wide::plain as vectors;
 use super::{Op, wave};
 use crate::numeric::{Real, VerletList, wide};
-use crate::state::{Ledger, State};
+use crate::state::State;
+use crate::state::ledger::{BLOCK, Exchange, Ledger, Room};
+use pulp::{Simd, WithSimd};
 
-/// Link `i` of a batch around the tick being entered, where `d0` is the motion into that tick: its elongations before,
-/// at and after, and how far its ends moved along its force in the two ticks together.
-fn elongations(layout: &Layout, s: &State, d0: &[Real], a: &Account, i: usize) -> ([Real; 3], Real) {
-    if a.ports.measure == MeasureKind::Line && a.ports.onto.is_none() {
-        let [p, q] = layout.ends[a.first + i].map(|m| m as usize);
-        let after = s.x[q] - s.x[p] + layout.e0[a.first + i];
-        let at = after - (s.d[q] - s.d[p]);
-        let e = [at - (d0[q] - d0[p]), at, after];
-        return (e, e[2] - e[0]);
-    }
-    let (mut e, mut moved) = ([layout.e0[a.first + i]; 3], 0.0);
-    for (measure, ends, reach) in measure::ports(layout, &a.ports, a.first, i) {
-        let (part, along) = measure::around(measure, &s.x, &s.d, d0, ends, &reach);
-        (0..3).for_each(|k| e[k] += part[k]);
-        moved += along;
-    }
-    (e, moved)
-}
-
-/// Coefficients of link `i`, gathered from their columns into `room`.
-fn coefs<'r>(s: &State, room: &'r mut [Real], a: &Account, i: usize) -> &'r [Real] {
-    for (k, c) in room.iter_mut().enumerate().take(a.coefs) {
-        *c = s.coef[a.coef + k * a.n + i];
-    }
-    &room[..a.coefs]
-}
-
-/// Energy of the MATs and of weight between the last two ticks: (kinetic, stored, heat of that tick).
-fn mats(layout: &Layout, s: &State, d0: &[Real]) -> (f64, f64, f64) {
-    let n = layout.n_mat;
-    let (mut kinetic, mut stored, mut lost) = (0.0, 0.0, 0.0);
-    for (i, d0) in d0.iter().enumerate() {
-        let [p, q, c] = [i, n + i, 2 * n + i].map(|k| wide(s.coef[k]));
-        if c == 0.0 {
-            continue;
+impl Ledger {
+    /// An empty ledger for a layout.
+    pub fn new(layout: &Layout) -> Ledger {
+        let Layout { n_mat, n_lia, .. } = *layout;
+        let (points, tgr) = (layout.moving_points.len(), layout.tgr.len());
+        let ports = layout.enx.len() + tgr + layout.enf.len();
+        let accounts = layout.ledger.as_ref().map_or(0, |l| l.accounts.len());
+        Ledger {
+            lost: alloc::vec![0.0; n_lia],
+            scheme_error: alloc::vec![0.0; n_lia],
+            stored: alloc::vec![0.0; n_lia],
+            d0: alloc::vec![0.0; n_mat],
+            port: alloc::vec![0.0; ports],
+            work: alloc::vec![0.0; ports],
+            hands: alloc::vec![Exchange::default(); tgr],
+            points: alloc::vec![[0.0; 2]; points],
+            held: alloc::vec![0.0; accounts],
+            mass: alloc::vec![0.0; n_mat],
+            ..Ledger::default()
         }
-        let [x, d, d0] = [s.x[i], s.d[i], *d0].map(wide);
-        kinetic += 0.5 * d * d / c;
-        let z = (1.0 - p) / c;
-        stored += 0.5 * (-q / c) * x * (x - d) - 0.25 * z * d * d;
-        lost += 0.25 * z * (d + d0) * (d + d0);
     }
+}
+
+/// Energy of the MATs and of weight between the last two ticks \[J\].
+#[derive(Default)]
+struct Held {
+    kinetic: f64,
+    stored: f64,
+    /// heat of that tick
+    heat: f64,
+}
+
+/// MATs, a block of them at a time.
+struct Mats<'a> {
+    layout: &'a Layout,
+    s: &'a State,
+    d0: &'a [Real],
+    mass: &'a [f64],
+    room: &'a mut Room,
+}
+
+impl WithSimd for Mats<'_> {
+    type Output = Held;
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Held {
+        let Mats { layout, s, d0, mass, room } = self;
+        let n_mat = layout.n_mat;
+        let mut sums = [Lanes::default(); 3];
+        let [kinetic, stored, heat] = &mut room.mats;
+        for from in (0..n_mat).step_by(BLOCK) {
+            let n = BLOCK.min(n_mat - from);
+            let [p, q] = [0, 1].map(|k| &s.coef[k * n_mat + from..][..n]);
+            let (x, d, d0, m) = (&s.x[from..][..n], &s.d[from..][..n], &d0[from..][..n], &mass[from..][..n]);
+            let [kinetic, stored, heat] = [&mut *kinetic, &mut *stored, &mut *heat].map(|all| &mut all[..n]);
+            for i in 0..n {
+                let [x, d, d0, p, q] = [x[i], d[i], d0[i], p[i], q[i]].map(wide);
+                let (z, moved) = (0.25 * (1.0 - p), d + d0);
+                kinetic[i] = 0.5 * d * d * m[i];
+                stored[i] = (-0.5 * q * x * (x - d) - z * d * d) * m[i];
+                heat[i] = z * moved * moved * m[i];
+            }
+            account::add(&mut sums[0], kinetic);
+            account::add(&mut sums[1], stored);
+            account::add(&mut sums[2], heat);
+        }
+        let [kinetic, stored, heat] = sums.map(|all| all.iter().sum());
+        Held { kinetic, stored, heat }
+    }
+}
+
+/// Masses from the coefficients of the MATs.
+fn weigh(layout: &Layout, s: &State, mass: &mut [f64]) {
+    for (m, c) in mass.iter_mut().zip(&s.coef[2 * layout.n_mat..]) {
+        *m = if *c == 0.0 { 0.0 } else { 1.0 / wide(*c) };
+    }
+}
+
+/// Energy of the MATs, and of weight.
+fn mats(layout: &Layout, s: &State, d0: &[Real], (mass, room): (&[f64], &mut Room)) -> Held {
+    let mut all = vectors(layout, Mats { layout, s, d0, mass, room });
     let weight = layout.ledger.as_ref().map_or(0, |l| l.weight);
     for (k, m) in layout.weighed.iter().enumerate() {
         let (x, d) = (wide(s.x[*m as usize]), wide(s.d[*m as usize]));
-        stored -= wide(s.coef[weight + k]) * (x - 0.5 * d);
+        all.stored -= wide(s.coef[weight + k]) * (x - 0.5 * d);
     }
-    (kinetic, stored, lost)
+    all
 }
 
-/// What a link holds after the tick being entered, its heat in that tick, and the work of its force on its ends.
+/// Enters what the links of a batch hold; where a `tick` has passed, their heat and what they made too. `d0` is the motion
+/// into it.
+fn links(
+    layout: &Layout,
+    s: &State,
+    near: &mut [VerletList],
+    d0: &[Real],
+    l: &mut Ledger,
+    (account, tick): (&Account, bool),
+) -> Sums {
+    let range = account.first..account.first + account.n;
+    let [stored, lost, error] = [&mut l.stored, &mut l.lost, &mut l.scheme_error].map(|of| &mut of[range.clone()]);
+    let Some(at) = account.ports.pair_set else {
+        let (book, room) = (Book { stored, lost, error }, &mut *l.room);
+        return vectors(layout, Enter { layout, s, d0, account, tick, book, room });
+    };
+    // a set is one module
+    let Entry { stored: now, heat, work } = set(layout, s, &mut near[at], d0, account, at);
+    let [heat, made] = if tick { [heat, now - stored[0] + work + heat] } else { [0.0; 2] };
+    stored[0] = now;
+    lost[0] += heat;
+    error[0] += made;
+    Sums { stored: now, heat, error: made }
+}
+
+/// Enters all links.
+fn all_links(layout: &Layout, s: &State, near: &mut [VerletList], d0: &[Real], l: &mut Ledger, tick: bool) -> Sums {
+    let mut all = Sums::default();
+    for (k, account) in layout.ledger.iter().flat_map(|p| &p.accounts).enumerate() {
+        let sums = links(layout, s, near, d0, l, (account, tick));
+        l.held[k] = sums.stored;
+        all.stored += sums.stored;
+        all.heat += sums.heat;
+        all.error += sums.error;
+    }
+    all
+}
+
+/// What a set holds after the tick being entered, its heat in that tick, and the work of its force on its members.
 struct Entry {
     stored: f64,
     heat: f64,
     work: f64,
 }
 
-/// Visits every link: its batch, its number in the ledger and its energies.
-fn links(
-    layout: &Layout,
-    s: &State,
-    near: &mut [VerletList],
-    room: &mut [Real],
-    d0: &[Real],
-    mut visit: impl FnMut(&Account, usize, Entry),
-) {
-    for a in layout.ledger.iter().flat_map(|p| &p.accounts) {
-        if let Some(at) = a.ports.pair_set {
-            visit(a, a.first, set(layout, s, &mut near[at], coefs(s, room, a, 0), d0, a, at));
-            continue;
-        }
-        for i in 0..a.n {
-            let c = coefs(s, room, a, i);
-            let (e, moved) = elongations(layout, s, d0, a, i);
-            let mem = &s.mem[a.mem + i * a.mems..][..a.mems];
-            let stored = wide((a.stored)(c, mem, &layout.tables, e[1], e[2]));
-            let heat = wide((a.lost)(c, mem, &layout.tables, e));
-            let work = if a.linear { 0.0 } else { wide(-s.tap[a.tap + i] * 0.5 * moved) };
-            visit(a, a.first + i, Entry { stored, heat, work });
-        }
-    }
-}
-
 /// All pairs of a set together; its work is that of what it did to each of its members.
-fn set(layout: &Layout, s: &State, near: &mut VerletList, c: &[Real], d0: &[Real], a: &Account, at: usize) -> Entry {
+fn set(layout: &Layout, s: &State, near: &mut VerletList, d0: &[Real], a: &Account, at: usize) -> Entry {
     let (mut stored, mut heat) = (0.0, 0.0);
+    let c = &s.coef[a.coef..][..a.coefs];
+    let (of, tables) = (a.energies, &layout.tables);
     pair_set::touched(layout, s, near, d0, at, (a.idle)(c), |e| {
-        stored += wide((a.stored)(c, &[], &layout.tables, e[1], e[2]));
-        heat += wide((a.lost)(c, &[], &layout.tables, e));
+        stored += wide((of.stored)(c, &[], tables, e[1], e[2]));
+        heat += wide((of.lost)(c, &[], tables, e));
     });
     let pushed = layout.pair_sets[at].members.iter().zip(s.tap[a.tap..].chunks(3));
     let moved = |i: usize| 0.5 * (s.d[i] + d0[i]);
@@ -107,24 +163,42 @@ fn set(layout: &Layout, s: &State, near: &mut VerletList, c: &[Real], d0: &[Real
     Entry { stored, heat, work }
 }
 
-/// Recomputes what everything holds with the present coefficients; returns the total.
-fn store(layout: &Layout, s: &State, near: &mut [VerletList], l: &mut Ledger) -> f64 {
-    let (kinetic, mut h, _) = mats(layout, s, &s.d);
-    l.kinetic = kinetic;
-    h += kinetic + wave::energy(layout, s, &s.d).0;
-    links(layout, s, near, &mut l.room, &s.d, |_, k, entry| {
-        l.stored[k] = entry.stored;
-        h += entry.stored;
-    });
-    h
+/// What everything holds at load.
+fn load(layout: &Layout, s: &State, near: &mut [VerletList], l: &mut Ledger) -> f64 {
+    weigh(layout, s, &mut l.mass);
+    let Held { kinetic, stored, .. } = mats(layout, s, &s.d, (&l.mass, &mut l.room));
+    (l.kinetic, l.held_mats) = (kinetic, kinetic + stored);
+    l.held_mats + wave::energy(layout, s, &s.d).0 + all_links(layout, s, near, &s.d, l, false).stored
+}
+
+/// What changes brought in: only what may change is looked at again.
+fn changes(layout: &Layout, s: &State, near: &mut [VerletList], l: &mut Ledger) -> f64 {
+    let Some(plan) = &layout.ledger else { return 0.0 };
+    let mut came = 0.0;
+    if plan.live {
+        weigh(layout, s, &mut l.mass);
+        let Held { kinetic, stored, .. } = mats(layout, s, &s.d, (&l.mass, &mut l.room));
+        came += kinetic + stored - l.held_mats;
+        (l.kinetic, l.held_mats) = (kinetic, kinetic + stored);
+    }
+    for (k, account) in plan.accounts.iter().enumerate().filter(|a| a.1.live) {
+        let Sums { stored, .. } = links(layout, s, near, &s.d, l, (account, false));
+        came += stored - l.held[k];
+        l.held[k] = stored;
+    }
+    came
 }
 
 /// Records the tick that has just been completed by reading the inputs of the next.
 pub fn ledger(_op: &Op, layout: &Layout, s: &mut State) {
     let Some(mut l) = s.ledger.take() else { return };
     let mut near = core::mem::take(&mut s.near);
+    l.turning = s.ramps.is_moving();
+    for (at, p) in l.points.iter_mut().zip(&layout.moving_points) {
+        *at = [&s.x, &s.d].map(|v| v[p.mat as usize]);
+    }
     if s.tick == 0 {
-        l.h0 = store(layout, s, &mut near, &mut l);
+        l.h0 = load(layout, s, &mut near, &mut l);
         s.near = near;
         l.h = l.h0;
         l.peak = l.h0.abs();
@@ -132,7 +206,7 @@ pub fn ledger(_op: &Op, layout: &Layout, s: &mut State) {
         return;
     }
     let before = l.h;
-    let (mut work, mut lost, mut scheme_error) = (0.0, 0.0, 0.0);
+    let mut work = 0.0;
     let moved = |m: u32, d0: &[Real]| 0.5 * wide(s.d[m as usize] + d0[m as usize]);
     for (k, p) in layout.enx.iter().chain(&layout.tgr).enumerate() {
         let w = -l.port[k] * moved(p.mat, &l.d0);
@@ -149,39 +223,36 @@ pub fn ledger(_op: &Op, layout: &Layout, s: &mut State) {
         l.changed += given;
         work += given;
     }
-    let (kinetic, mut h, heat) = mats(layout, s, &l.d0);
+    let Held { kinetic, stored, heat } = mats(layout, s, &l.d0, (&l.mass, &mut l.room));
     let (waves, beside) = wave::energy(layout, s, &l.d0);
-    l.kinetic = kinetic;
+    (l.kinetic, l.held_mats) = (kinetic, kinetic + stored);
     l.lost_mats += heat + beside;
-    lost += heat + beside;
-    h += kinetic + waves;
-    links(layout, s, &mut near, &mut l.room, &l.d0, |a, k, Entry { stored, heat, work }| {
-        if !a.linear {
-            let error = stored - l.stored[k] + work + heat;
-            l.scheme_error[k] += error;
-            scheme_error += error;
-        }
-        l.stored[k] = stored;
-        l.lost[k] += heat;
-        lost += heat;
-        h += stored;
-    });
+    let d0 = core::mem::take(&mut l.d0);
+    let of_links = all_links(layout, s, &mut near, &d0, &mut l, true);
+    l.d0 = d0;
+    let lost = heat + beside + of_links.heat;
+    let h = l.held_mats + waves + of_links.stored;
     l.h = h;
-    l.worst = l.worst.max((h - before - work + lost - scheme_error).abs());
+    l.worst = l.worst.max((h - before - work + lost - of_links.error).abs());
     l.heat += lost.abs();
     l.peak = l.peak.max(h.abs() + l.heat);
     s.near = near;
     s.ledger = Some(l);
 }
 
-/// After changes of parameters or of moving points: what they brought in.
+/// After changes of parameters or of moving points: what they brought in. Where neither moved in this tick, nothing.
 pub fn ledger_changes(_op: &Op, layout: &Layout, s: &mut State) {
+    let at = |p: &MovingPoint| [&s.x, &s.d].map(|v| v[p.mat as usize]);
+    let moved = |l: &Ledger| l.turning || !layout.moving_points.iter().map(at).eq(l.points.iter().copied());
+    if !s.ledger.as_ref().is_some_and(moved) {
+        return;
+    }
     let Some(mut l) = s.ledger.take() else { return };
     let mut near = core::mem::take(&mut s.near);
-    let h = store(layout, s, &mut near, &mut l);
+    let came = changes(layout, s, &mut near, &mut l);
     s.near = near;
-    l.changed += h - l.h;
-    l.h = h;
+    l.changed += came;
+    l.h += came;
     s.ledger = Some(l);
 }
 

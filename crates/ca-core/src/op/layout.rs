@@ -4,8 +4,8 @@
 //! of those between two samples, so that what the tick depends on is visible in one place. All of it is written
 //! once, by the compiler.
 
-use super::Vectors;
-use crate::law::{Force, Idle, Lost, Stored};
+use super::{Energies, Vectors};
+use crate::law::{Force, Idle};
 use crate::numeric::ldl::Pattern;
 use crate::numeric::{Real, Table};
 use crate::state::State;
@@ -255,6 +255,37 @@ pub struct Waves {
     pub len: usize,
 }
 
+/// Links whose ends stand one behind the other: link i joins `ends[0] + i` and `ends[1] + i`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Row {
+    /// how many
+    pub len: usize,
+    /// ends of the first
+    pub ends: [usize; 2],
+}
+
+impl Row {
+    /// The first of some links with these ends, among `n_mat` MATs. A place that no link takes stands there as one from a
+    /// MAT to itself, whose coefficients are 0, so that it may as well join others.
+    pub fn of(ends: &[[u32; 2]], n_mat: usize) -> Row {
+        let some = ends.iter().enumerate().find(|(_, e)| e[0] != e[1]);
+        let Some([Some(p), Some(q)]) = some.map(|(k, e)| e.map(|m| (m as usize).checked_sub(k))) else {
+            return Row::default();
+        };
+        let fits = |(i, e): &(usize, &[u32; 2])| {
+            let here = [p + i, q + i];
+            e.map(|m| m as usize) == here || (e[0] == e[1] && here.iter().all(|m| *m < n_mat))
+        };
+        Row { len: ends.iter().enumerate().take_while(fits).count(), ends: [p, q] }
+    }
+
+    /// Two of them, the second behind the first: a folded row goes on in the next lane where one ends.
+    pub fn two(ends: &[[u32; 2]], n_mat: usize) -> [Row; 2] {
+        let first = Row::of(ends, n_mat);
+        [first, Row::of(&ends[first.len..], n_mat)]
+    }
+}
+
 /// A batch of links as the ledger sees it.
 #[derive(Clone, Copy)]
 pub struct Account {
@@ -278,10 +309,12 @@ pub struct Account {
     pub mems: usize,
     /// true where the identity holds exactly, so that nothing can be made
     pub linear: bool,
-    /// energy stored between two ticks
-    pub stored: Stored,
-    /// energy turned to heat in a tick
-    pub lost: Lost,
+    /// true where a coefficient may change while playing, or an end is a point that moves
+    pub live: bool,
+    /// what it stores between two ticks, and loses in one
+    pub energies: Energies,
+    /// the first of its links, as far as their ends stand in two rows; none where they measure otherwise than on a line
+    pub rows: [Row; 2],
     /// where there is no force, for contacts
     pub idle: Idle,
 }
@@ -331,6 +364,8 @@ pub struct LedgerPlan {
     pub accounts: Vec<Account>,
     /// coefficient of the first weighed MAT
     pub weight: usize,
+    /// true where a coefficient of a MAT, or its weight, may change while playing
+    pub live: bool,
 }
 
 /// What runs between two samples.

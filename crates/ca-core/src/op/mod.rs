@@ -5,10 +5,11 @@
 //! other crates bring passes of their own (LPR), and rather than a boxed trait object, because the record is then plain
 //! data that `ca check --schedule` can print.
 
-use crate::law::{Bound, Force, Idle, Lost, Stored};
+use crate::law::{Bound, Force, Idle};
 use crate::numeric::{Real, Table};
 use crate::state::State;
 
+pub mod account;
 pub mod blocker;
 pub mod energy;
 pub mod heard;
@@ -20,6 +21,7 @@ pub mod substep;
 pub mod wave;
 pub(crate) mod wide;
 
+pub use account::Energies;
 use layout::Layout;
 pub use layout::{MeasureKind, Ports};
 pub use wide::Vectors;
@@ -140,10 +142,8 @@ pub struct Law {
     pub start: fn(c: &[Real], e: Real, mem: &mut [Real]),
     /// see [`Phi::force`](crate::law::Phi::force)
     pub force: Force,
-    /// see [`Phi::stored`](crate::law::Phi::stored)
-    pub stored: Stored,
-    /// see [`Phi::lost`](crate::law::Phi::lost)
-    pub lost: Lost,
+    /// what it stores and loses
+    pub energies: Energies,
     /// see [`Phi::idle`](crate::law::Phi::idle)
     pub idle: Idle,
     /// see [`Phi::bound`](crate::law::Phi::bound)

@@ -16,6 +16,14 @@ impl Delay {
         let now = (tick % self.len as u64) as usize;
         self.first + if back > now { now + self.len - back } else { now - back }
     }
+
+    /// The last `way` waves that left before `tick`, in the one or two stretches of the ring they stand in.
+    fn under_way<'m>(&self, mem: &'m [Real], tick: u64, way: usize) -> [&'m [Real]; 2] {
+        let ring = &mem[self.first..][..self.len];
+        let first = self.at(tick, way) - self.first;
+        let whole = way.min(self.len - first);
+        [&ring[first..][..whole], &ring[..way - whole]]
+    }
 }
 
 /// Waves that arrive now, and their push on the junctions.
@@ -53,6 +61,18 @@ pub fn depart(_op: &Op, layout: &Layout, s: &mut State) {
     }
 }
 
+/// The sum of squares, eight sums side by side: one after the other they would wait for each other.
+fn squares(all: &[Real]) -> f64 {
+    let (whole, rest) = all.as_chunks::<8>();
+    let mut sums = [0.0; 8];
+    for eight in whole {
+        for (sum, v) in sums.iter_mut().zip(eight) {
+            *sum += wide(*v) * wide(*v);
+        }
+    }
+    sums.iter().sum::<f64>() + rest.iter().map(|v| wide(*v) * wide(*v)).sum::<f64>()
+}
+
 /// After a tick, of which `d0` is the motion into it: energy of the waves under way, and the heat of the ends in that
 /// tick less what the dampers of the junctions gave to the waves \[J\].
 ///
@@ -78,7 +98,8 @@ pub fn energy(layout: &Layout, s: &State, d0: &[Real]) -> (f64, f64) {
         } else {
             d.len
         };
-        sum += (1..=way).map(|back| energy(wave(back))).sum::<f64>();
+        let [older, newer] = d.under_way(&s.mem, s.tick, way);
+        sum += squares(older) + squares(newer);
         stored += w.junctions[d.junction].z * sum;
     }
     for j in &w.junctions {

@@ -73,7 +73,12 @@ impl<B: Body> pulp::WithSimd for Call<'_, B> {
 
 /// A pass whose body is `B`.
 pub fn wide<B: Body>(op: &Op, layout: &Layout, s: &mut State) {
-    let call = Call { op, layout, s, body: PhantomData::<B> };
+    plain(layout, Call { op, layout, s, body: PhantomData::<B> });
+}
+
+/// Runs `call` with the vectors for arrays as they stand.
+#[inline(always)]
+pub(crate) fn plain<W: pulp::WithSimd>(layout: &Layout, call: W) -> W::Output {
     // no third width is made of a body that would not gain by it
     match layout.vectors.plain {
         #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]

@@ -71,6 +71,7 @@ impl Phi<5, 0> for Att {
             0.0
         }
     }
+    #[inline(always)]
     fn potential(&[k, tip, d, fall, _]: &[Real; 5], _: &[Real; 0], _: &[Table], e: Real) -> Real {
         let r = e.abs();
         let rest = |r: Real| 0.5 * fall * (d - r) * (d - r);
@@ -82,6 +83,7 @@ impl Phi<5, 0> for Att {
             0.0
         }
     }
+    #[inline(always)]
     fn lost(&[_, _, d, _, z]: &[Real; 5], _: &[Real; 0], _: &[Table], e: [Real; 3]) -> Real {
         let w = e[1] - e[0];
         if e[1].abs() < d { z * w * w } else { 0.0 }

@@ -153,6 +153,7 @@ impl Phi<3, 0> for Smooth {
         let u = w * per;
         tables.get(bell as usize).map_or(0.0, |t| (f * t.at(u.abs())).copysign(u))
     }
+    #[inline(always)]
     fn lost(c: &[Real; 3], m: &[Real; 0], t: &[Table], e: [Real; 3]) -> Real {
         let w = e[1] - e[0];
         Self::force(c, &mut { *m }, t, e[1], w) * w
@@ -192,6 +193,7 @@ impl Phi<5, 0> for Piecewise {
             fd.copysign(w)
         }
     }
+    #[inline(always)]
     fn lost(c: &[Real; 5], m: &[Real; 0], t: &[Table], e: [Real; 3]) -> Real {
         let w = e[1] - e[0];
         Self::force(c, &mut { *m }, t, e[1], w) * w
@@ -229,6 +231,7 @@ impl Phi<2, 0> for Coulomb {
     fn force(&[rise, f]: &[Real; 2], _: &mut [Real; 0], _: &[Table], _e: Real, w: Real) -> Real {
         (rise * w).min(f).max(-f)
     }
+    #[inline(always)]
     fn lost(c: &[Real; 2], m: &[Real; 0], t: &[Table], e: [Real; 3]) -> Real {
         let w = e[1] - e[0];
         Self::force(c, &mut { *m }, t, e[1], w) * w

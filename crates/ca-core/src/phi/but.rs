@@ -84,10 +84,12 @@ impl Phi<5, 0> for But {
         let f = if side * g < 0.0 { k * g + z * w } else { 0.0 };
         if clip != 0.0 && side * f > 0.0 { 0.0 } else { f }
     }
+    #[inline(always)]
     fn potential(&[k, _, d, side, _]: &[Real; 5], _: &[Real; 0], _: &[Table], e: Real) -> Real {
         let g = e - d;
         if side * g < 0.0 { 0.5 * k * g * g } else { 0.0 }
     }
+    #[inline(always)]
     fn lost(c: &[Real; 5], m: &[Real; 0], t: &[Table], e: [Real; 3]) -> Real {
         let w = e[1] - e[0];
         let elastic = Self::force(&[c[0], 0.0, c[2], c[3], 0.0], &mut { *m }, t, e[1], w);

@@ -55,10 +55,12 @@ impl Phi<3, 0> for Cub {
     fn force(&[k, k3, z]: &[Real; 3], _: &mut [Real; 0], _: &[Table], e: Real, w: Real) -> Real {
         (k + k3 * e * e) * e + z * w
     }
+    #[inline(always)]
     fn stored(&[k, k3, z]: &[Real; 3], _: &[Real; 0], _: &[Table], e0: Real, e1: Real) -> Real {
         let quartic = |e: Real| 0.25 * k3 * e * e * e * e;
         linear_stored(k, z, e0, e1) + 0.5 * (quartic(e0) + quartic(e1))
     }
+    #[inline(always)]
     fn lost(&[_, _, z]: &[Real; 3], _: &[Real; 0], _: &[Table], e: [Real; 3]) -> Real {
         linear_lost(z, e)
     }

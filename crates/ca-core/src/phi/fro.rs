@@ -62,9 +62,11 @@ impl Phi<1, 0> for Fro {
     fn force(c: &[Real; 1], _: &mut [Real; 0], _: &[Table], e: Real, w: Real) -> Real {
         Self::linear(c, e, w)
     }
+    #[inline(always)]
     fn stored(&[z]: &[Real; 1], _: &[Real; 0], _: &[Table], e0: Real, e1: Real) -> Real {
         linear_stored(0.0, z, e0, e1)
     }
+    #[inline(always)]
     fn lost(&[z]: &[Real; 1], _: &[Real; 0], _: &[Table], e: [Real; 3]) -> Real {
         linear_lost(z, e)
     }

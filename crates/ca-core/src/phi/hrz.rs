@@ -92,10 +92,12 @@ impl Phi<5, 0> for Hrz {
             0.0
         }
     }
+    #[inline(always)]
     fn potential(&[k, n, _, d, side]: &[Real; 5], _: &[Real; 0], _: &[Table], e: Real) -> Real {
         let eta = side * (d - e);
         if eta > 0.0 { k * quarter_power(eta, n + 4.0) / (0.25 * n + 1.0) } else { 0.0 }
     }
+    #[inline(always)]
     fn lost(c: &[Real; 5], m: &[Real; 0], t: &[Table], e: [Real; 3]) -> Real {
         let w = e[1] - e[0];
         let elastic = Self::force(&[c[0], c[1], 0.0, c[3], c[4]], &mut { *m }, t, e[1], w);

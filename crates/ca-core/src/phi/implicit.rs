@@ -59,9 +59,11 @@ impl Phi<3, 0> for Implicit {
     fn force(&[k, z, _]: &[Real; 3], _: &mut [Real; 0], _: &[Table], e: Real, w: Real) -> Real {
         k * e + z * w
     }
+    #[inline(always)]
     fn stored(&[k, _, theta]: &[Real; 3], _: &[Real; 0], _: &[Table], e0: Real, e1: Real) -> Real {
         linear_stored(k, -2.0 * theta * k, e0, e1)
     }
+    #[inline(always)]
     fn lost(&[_, z, _]: &[Real; 3], _: &[Real; 0], _: &[Table], e: [Real; 3]) -> Real {
         linear_lost(z, e)
     }

@@ -77,6 +77,7 @@ impl Phi<1, 0> for TableSpring {
     fn force(&[n]: &[Real; 1], _: &mut [Real; 0], tables: &[Table], e: Real, _w: Real) -> Real {
         tables.get(n as usize).map_or(0.0, |t| t.at(e))
     }
+    #[inline(always)]
     fn potential(&[n]: &[Real; 1], _: &[Real; 0], tables: &[Table], e: Real) -> Real {
         tables.get(n as usize).map_or(0.0, |t| t.integral(e))
     }
@@ -97,6 +98,7 @@ impl Phi<2, 0> for TableFriction {
     fn force(&[n, fs]: &[Real; 2], _: &mut [Real; 0], tables: &[Table], _e: Real, w: Real) -> Real {
         tables.get(n as usize).map_or(0.0, |t| t.at(w * fs))
     }
+    #[inline(always)]
     fn lost(c: &[Real; 2], m: &[Real; 0], t: &[Table], e: [Real; 3]) -> Real {
         let w = e[1] - e[0];
         Self::force(c, &mut { *m }, t, e[1], w) * w
@@ -128,9 +130,11 @@ impl Phi<3, 0> for Lnl {
     fn force(&[a, b, fs]: &[Real; 3], m: &mut [Real; 0], tables: &[Table], e: Real, w: Real) -> Real {
         TableSpring::force(&[a], m, tables, e, w) + TableFriction::force(&[b, fs], m, tables, e, w)
     }
+    #[inline(always)]
     fn potential(&[a, ..]: &[Real; 3], m: &[Real; 0], tables: &[Table], e: Real) -> Real {
         TableSpring::potential(&[a], m, tables, e)
     }
+    #[inline(always)]
     fn lost(&[_, b, fs]: &[Real; 3], m: &[Real; 0], t: &[Table], e: [Real; 3]) -> Real {
         TableFriction::lost(&[b, fs], m, t, e)
     }

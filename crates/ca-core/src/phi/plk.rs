@@ -70,9 +70,11 @@ impl Phi<3, 3> for Plk {
         *last = e;
         if *engaged == 0.0 { 0.0 } else { k * e + z * w }
     }
+    #[inline(always)]
     fn stored(&[k, z, _]: &[Real; 3], mem: &[Real; 3], _: &[Table], e0: Real, e1: Real) -> Real {
         if mem[0] == 0.0 { 0.0 } else { linear_stored(k, z, e0, e1) }
     }
+    #[inline(always)]
     fn lost(&[_, z, _]: &[Real; 3], mem: &[Real; 3], _: &[Table], e: [Real; 3]) -> Real {
         if mem[0] == 0.0 { mem[2] } else { linear_lost(z, e) }
     }

@@ -60,10 +60,12 @@ impl Phi<4, 0> for Pow {
     fn force(&[k, q, n, z]: &[Real; 4], _: &mut [Real; 0], _: &[Table], e: Real, w: Real) -> Real {
         k * e + q * quarter_power(e.abs(), n).copysign(e) + z * w
     }
+    #[inline(always)]
     fn stored(&[k, q, n, z]: &[Real; 4], _: &[Real; 0], _: &[Table], e0: Real, e1: Real) -> Real {
         let u = |e: Real| q * quarter_power(e.abs(), n + 4.0) / (0.25 * n + 1.0);
         linear_stored(k, z, e0, e1) + 0.5 * (u(e0) + u(e1))
     }
+    #[inline(always)]
     fn lost(&[_, _, _, z]: &[Real; 4], _: &[Real; 0], _: &[Table], e: [Real; 3]) -> Real {
         linear_lost(z, e)
     }

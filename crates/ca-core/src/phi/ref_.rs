@@ -72,9 +72,11 @@ impl Phi<2, 0> for Ref {
     fn force(c: &[Real; 2], _: &mut [Real; 0], _: &[Table], e: Real, w: Real) -> Real {
         Self::linear(c, e, w)
     }
+    #[inline(always)]
     fn stored(&[k, z]: &[Real; 2], _: &[Real; 0], _: &[Table], e0: Real, e1: Real) -> Real {
         linear_stored(k, z, e0, e1)
     }
+    #[inline(always)]
     fn lost(&[_, z]: &[Real; 2], _: &[Real; 0], _: &[Table], e: [Real; 3]) -> Real {
         linear_lost(z, e)
     }

@@ -64,6 +64,7 @@ impl Phi<1, 0> for Res {
     fn force(c: &[Real; 1], _: &mut [Real; 0], _: &[Table], e: Real, w: Real) -> Real {
         Self::linear(c, e, w)
     }
+    #[inline(always)]
     fn stored(&[k]: &[Real; 1], _: &[Real; 0], _: &[Table], e0: Real, e1: Real) -> Real {
         linear_stored(k, 0.0, e0, e1)
     }

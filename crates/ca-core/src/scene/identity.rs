@@ -142,8 +142,10 @@ impl Words {
         self.debug(&(enx, enf, tgr, crossing, waves));
         self.debug(&(outputs, blockers, lowpass, implicit));
         let accounts = ledger.iter().flat_map(|l| &l.accounts);
-        self.debug(&ledger.as_ref().map(|l| l.weight));
-        self.all(accounts.map(|a| (a.op, a.n, a.ports, a.first, a.coef, a.mem, a.tap, a.coefs, a.mems, a.linear)));
+        self.debug(&ledger.as_ref().map(|l| (l.weight, l.live)));
+        self.all(
+            accounts.map(|a| (a.op, a.n, a.ports, a.first, a.coef, a.mem, a.tap, a.coefs, a.mems, (a.linear, a.live))),
+        );
         self.debug(&substeps.as_ref().map(|f| (f.times, &f.inputs)));
     }
 }

@@ -1,7 +1,32 @@
 //! The accounts of energy, as data; [`crate::op::energy`] writes them.
 
 use crate::numeric::Real;
+use alloc::boxed::Box;
 use alloc::vec::Vec;
+
+/// Links, or masses, that are computed together.
+pub const BLOCK: usize = 64;
+/// A number of each link of a block.
+pub type Block = [Real; BLOCK];
+
+/// Numbers in passing: a block of each, kept since to clear them takes as long as to enter a few links.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Room {
+    /// elongations before, at and after the tick
+    pub(crate) e: [Block; 3],
+    /// how far the ends moved along the force in the two ticks together
+    pub(crate) moved: Block,
+    /// stored, heat
+    pub(crate) out: [Block; 2],
+    /// of MATs: kinetic, stored, heat
+    pub(crate) mats: [[f64; BLOCK]; 3],
+}
+
+impl Default for Room {
+    fn default() -> Room {
+        Room { e: [[0.0; BLOCK]; 3], moved: [0.0; BLOCK], out: [[0.0; BLOCK]; 2], mats: [[0.0; BLOCK]; 3] }
+    }
+}
 
 /// The accounts \[J\]. `h = h0 + work − lost + scheme_error + changed + residual`.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -36,8 +61,18 @@ pub struct Ledger {
     pub(crate) port: Vec<f64>,
     /// energy stored by each link at the last tick of the ledger (n_lia)
     pub(crate) stored: Vec<f64>,
-    /// in passing, the coefficients of one link (those of the law that has most)
-    pub(crate) room: Vec<Real>,
+    /// where the moving points were when the last tick was entered, and their motion (moving points x 2)
+    pub(crate) points: Vec<[Real; 2]>,
+    /// energy stored by each batch of links then (accounts)
+    pub(crate) held: Vec<f64>,
+    /// energy stored by MATs and weight then, and that of motion
+    pub(crate) held_mats: f64,
+    /// mass of each MAT, as T²C⁻¹; 0 of what no force moves (n_mat)
+    pub(crate) mass: Vec<f64>,
+    /// whether coefficients were on their way then
+    pub(crate) turning: bool,
+    /// numbers in passing
+    pub(crate) room: Box<Room>,
     /// force \[N\] that only the first tick has, see the start of mi.lib (n_mat, or none)
     pub kick: Vec<Real>,
 }
@@ -89,22 +124,6 @@ pub struct Balance {
 }
 
 impl Ledger {
-    /// An empty ledger for `n_mat` MATs, `n_lia` links of at most `coefs` coefficients and `ports` ports, `tgr` of them of
-    /// devices.
-    pub fn new(n_mat: usize, n_lia: usize, coefs: usize, ports: usize, tgr: usize) -> Ledger {
-        Ledger {
-            lost: alloc::vec![0.0; n_lia],
-            scheme_error: alloc::vec![0.0; n_lia],
-            stored: alloc::vec![0.0; n_lia],
-            d0: alloc::vec![0.0; n_mat],
-            port: alloc::vec![0.0; ports],
-            work: alloc::vec![0.0; ports],
-            hands: alloc::vec![Exchange::default(); tgr],
-            room: alloc::vec![0.0; coefs],
-            ..Ledger::default()
-        }
-    }
-
     /// The sums.
     pub fn balance(&self) -> Balance {
         let (lost, scheme_error) =

@@ -72,7 +72,7 @@ fn force_is_the_slope_of_the_stored_energy() {
         let h = 1e-6;
         for i in -40..40 {
             let e = 0.011 * f64::from(i) + 0.0037;
-            let stored = |e: f64| (law.stored)(c, &[], tables, e, e);
+            let stored = |e: f64| (law.energies.stored)(c, &[], tables, e, e);
             let slope = (stored(e + h) - stored(e - h)) / (2.0 * h);
             let force = (law.force)(c, &mut [], tables, e, 0.0);
             let scale = force.abs().max(slope.abs()).max(1.0);

@@ -1,13 +1,10 @@
-//! The loop that plays, and the scene that is audited beside.
+//! The loop that plays.
 
 use crate::{Failure, term};
-use ca_core::Scene;
-use ca_core::state::Ledger;
-use ca_io::gesture::Gesture;
-use ca_io::perform::{DIVERGED, Performance};
+use ca_io::perform::Performance;
 use ca_io::probe::ProbeOut;
 use ca_io::sound::{WavOut, Written};
-pub(crate) use ca_lab::play::{BLOCK, Played};
+pub(crate) use ca_lab::play::{Audit, BLOCK, Played, audit};
 use indicatif::ProgressBar;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -98,28 +95,4 @@ impl Files {
         }
         Ok(written)
     }
-}
-
-/// An energy ledger, and how much time it covers.
-pub(crate) struct Audit {
-    pub ledger: Ledger,
-    pub ticks: u64,
-    /// whether it was kept all the time
-    pub whole: bool,
-}
-
-/// Modules times ticks the audited scene may take: a second of a thousand-mass string. Larger scenes are audited for
-/// less, and the summary says for how long.
-const AUDITED: u64 = 100_000_000;
-
-/// Plays the first second once more with the ledger kept, up to the last tick before any divergence.
-pub(crate) fn audit(audited: &Scene, gesture: Option<&Gesture>, frames: u64) -> Option<Audit> {
-    let afford = AUDITED / (audited.n_mat + audited.n_lia).max(1) as u64;
-    let ticks = frames.min(audited.rate as u64).min(afford).max(1);
-    let mut p = Performance::new(audited, gesture).ok()?;
-    while p.state.tick < ticks + 1 && p.state.is_bounded(DIVERGED) {
-        p.tick();
-    }
-    let entered = p.state.tick.saturating_sub(1);
-    p.state.ledger.map(|ledger| Audit { ledger, ticks: entered, whole: false })
 }

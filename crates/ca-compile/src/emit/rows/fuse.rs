@@ -3,7 +3,8 @@
 //! The fused pass sums (Fᵢ − Fᵢ₋₁) + f, where f is what others gave ([`Integrate`]). Decides that the bits of a scene are
 //! those of its list of passes: a row is fused only where no other pass adds to its masses before it, and at most one
 //! number is added behind it, since then both sums are the same. And only where nobody reads the whole force on one of its
-//! masses, which is then known nowhere: the ledger, an output of force, a link that is solved behind the others.
+//! masses, which is then known nowhere: an output of force, a link that is solved behind the others. (The ledger reads it at
+//! ports, which move by themselves.)
 
 use crate::emit::pass_list::Class;
 use crate::emit::plan::Plan;
@@ -14,6 +15,7 @@ use crate::emit::rows::batch::can_fold;
 use crate::options::{KernelClass, Options};
 use alloc::vec::Vec;
 use ca_core::op::heard::COEFS;
+use ca_core::op::layout::Account;
 use ca_core::op::{Band, Form, Integrate, Op};
 use ca_core::scene::{Location, Symbol};
 
@@ -22,7 +24,7 @@ use ca_core::scene::{Location, Symbol};
 pub fn mark(plan: &Plan, options: &Options, classes: &mut [Option<Class>], batches: &mut [Batch]) {
     let net = plan.net;
     let staged = batches.iter().any(|b| b.law.implicit || b.law.is_staged());
-    if options.kernel != KernelClass::Fast || options.energy || staged || net.as_milib || net.is_composed() {
+    if options.kernel != KernelClass::Fast || staged || net.as_milib || net.is_composed() {
         return;
     }
     let added = Added::new(plan, batches);
@@ -75,6 +77,8 @@ pub struct Passes<'a> {
     pub moves: &'a mut Vec<Op>,
     /// modules by name
     pub symbols: &'a mut [Symbol],
+    /// batches of links in the ledger, where there is one
+    pub accounts: &'a mut [Account],
 }
 
 /// Fuses what is marked; returns how many of the last forces no tick runs by themselves.
@@ -120,5 +124,6 @@ pub fn fuse(passes: &mut Passes) -> usize {
             *op = place[*op as usize];
         }
     }
+    passes.accounts.iter_mut().for_each(|a| a.op = place[a.op] as usize);
     fused.iter().filter(|f| **f).count()
 }

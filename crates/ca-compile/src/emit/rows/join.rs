@@ -19,7 +19,7 @@ impl Plan<'_> {
     /// more than it computes. What integrates comes first, in the order of its slots; other rows only where one follows
     /// the other in the list, so that every mass is given its forces in the same order.
     pub fn joined(&self, options: &Options, batches: Vec<Batch>) -> Vec<Batch> {
-        if options.kernel != KernelClass::Fast || options.energy {
+        if options.kernel != KernelClass::Fast {
             return batches;
         }
         let (mut rows, others): (Vec<Batch>, Vec<Batch>) =

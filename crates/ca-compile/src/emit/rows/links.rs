@@ -5,6 +5,7 @@ use crate::emit::plan::Plan;
 use crate::emit::rows::batch::{Batch, JOINT};
 use crate::net::{End, LiaNode, Measure, Pruned};
 use crate::options::Options;
+use alloc::borrow::Cow;
 use alloc::vec::Vec;
 use ca_core::kind::Role;
 use ca_core::live::{Loader, Source};
@@ -178,12 +179,12 @@ impl Plan<'_> {
                 k.ends.push(self.ends(*id));
                 k.e0.push(self.offset(l));
                 k.where_is[*id as usize] = (k.forces.len() as u32, i as u32);
-                let mut values = l.values.to_vec();
+                let mut values = Cow::Borrowed(&l.values[..]);
                 if law.implicit && !l.law.implicit {
-                    values = alloc::vec![values.get(1).copied().unwrap_or(Source::Absent)];
+                    values = alloc::vec![values.get(1).copied().unwrap_or(Source::Absent)].into();
                 }
                 if let Some(t) = own.iter().position(|(o, _)| core::ptr::eq(*o, law)) {
-                    values.push(Source::Const((net.tables.len() + t) as f64));
+                    values.to_mut().push(Source::Const((net.tables.len() + t) as f64));
                 }
                 to.clear();
                 to.extend((0..law.coefs).map(|s| coef + s * n + i));
@@ -195,7 +196,10 @@ impl Plan<'_> {
                 }
             }
             let some_heard = batch.iter().any(|l| heard.contains(l));
-            let tap = options.energy || some_heard && integrate == Integrate::No;
+            // the ledger asks for the work of a link where that is not what it stores and loses
+            let radial = [Some(shape.measure), shape.onto].contains(&Some(MeasureKind::Radial));
+            let audited = options.energy && (!law.linear || law.implicit || radial);
+            let tap = audited || some_heard && integrate == Integrate::No;
             if some_heard && !tap {
                 let coefs = law.coefs as u32;
                 for (i, l) in batch.iter().enumerate().filter(|(_, l)| heard.contains(l)) {

@@ -1,14 +1,10 @@
 //! A law as data: what the compiler, the ledger and the certificate call without knowing which law it is.
-
 use super::choose::kernel;
 use crate::law::Phi;
 use crate::numeric::{Real, Table};
+use crate::op::account::{Energies, numbers};
 use crate::op::{Law, ParamBinding, SolveStage};
 use alloc::vec::Vec;
-
-fn arr<T: Copy + Default, const N: usize>(s: &[T]) -> [T; N] {
-    s.first_chunk::<N>().copied().unwrap_or([T::default(); N])
-}
 
 impl Law {
     /// The coefficients of one link, from its parameters in SI and the tick, `tick_dt` \[s\].
@@ -37,17 +33,16 @@ impl Law {
             stage: SolveStage::Explicit,
             implicit: false,
             load: |p, tick_dt, out| out.copy_from_slice(&P::coefs(p, tick_dt)),
-            start: |c, e, mem| mem[..M].copy_from_slice(&P::start(&arr(c), e)),
+            start: |c, e, mem| mem[..M].copy_from_slice(&P::start(&numbers(c), e)),
             force: |c, mem, tables, e, w| {
-                let mut m = arr(mem);
-                let f = P::force(&arr(c), &mut m, tables, e, w);
+                let mut m = numbers(mem);
+                let f = P::force(&numbers(c), &mut m, tables, e, w);
                 mem[..M].copy_from_slice(&m);
                 f
             },
-            stored: |c, mem, tables, e0, e1| P::stored(&arr(c), &arr(mem), tables, e0, e1),
-            lost: |c, mem, tables, e| P::lost(&arr(c), &arr(mem), tables, e),
-            idle: |c| P::idle(&arr(c)),
-            bound: |c, tables| P::bound(&arr(c), tables),
+            energies: Energies::of::<P, C, M>(),
+            idle: |c| P::idle(&numbers(c)),
+            bound: |c, tables| P::bound(&numbers(c), tables),
             kernel: kernel::<P, C, M>,
             simpler: |_| None,
             table: None,

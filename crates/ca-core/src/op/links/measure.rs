@@ -177,6 +177,7 @@ pub fn measure(measure: MeasureKind, x: &[Real], d: &[Real], ends: [u32; 2], rea
 
 /// A port around a tick, seen from after it: `d` the motion of that tick, `d0` the motion into it. Its parts of the
 /// elongation before, at and after, and how far its ends moved, over both, along the direction at the tick.
+#[inline(always)]
 pub fn around(
     measure: MeasureKind,
     x: &[Real],
