@@ -3,59 +3,26 @@
 //!
 //! Decides to count bytes as they are asked of the allocator: what the system lends changes from run to run.
 #![allow(missing_docs)]
-#![allow(unsafe_code)]
 
 use ca_benches::{by_hand, catalog, string};
 use ca_compile::{Options, compile};
 use ca_lab::timing::processor;
 use ca_model::read::read;
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::sync::atomic::{AtomicUsize, Ordering};
+use counting::{Taken, taken};
 
-static LIVE: AtomicUsize = AtomicUsize::new(0);
-static PEAK: AtomicUsize = AtomicUsize::new(0);
-static CALLS: AtomicUsize = AtomicUsize::new(0);
+#[path = "../tests/alloc/counting.rs"]
+mod counting;
 
-struct Counting;
-
-fn took(bytes: usize) {
-    CALLS.fetch_add(1, Ordering::Relaxed);
-    let now = LIVE.fetch_add(bytes, Ordering::Relaxed) + bytes;
-    PEAK.fetch_max(now, Ordering::Relaxed);
-}
-
-// SAFETY: every call is passed on to the system's allocator as it came; counting touches numbers only.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        took(layout.size());
-        // SAFETY: the caller keeps the contract of `alloc`, which is that of `System`.
-        unsafe { System.alloc(layout) }
-    }
-    unsafe fn dealloc(&self, ptr: *mut u8, layout: Layout) {
-        LIVE.fetch_sub(layout.size(), Ordering::Relaxed);
-        // SAFETY: `ptr` came from `System` through `alloc` above, with this layout.
-        unsafe { System.dealloc(ptr, layout) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
-
-/// What a stage took: time, calls of the allocator, bytes at its peak and bytes kept, beside those there were.
+/// What a stage took: processor time, and of the allocator.
 struct Stage {
     ms: f64,
-    calls: usize,
-    peak: usize,
-    kept: usize,
+    taken: Taken,
 }
 
 fn stage<T>(f: impl FnOnce() -> T) -> (T, Stage) {
-    let (live, calls, begin) = (LIVE.load(Ordering::Relaxed), CALLS.load(Ordering::Relaxed), processor());
-    PEAK.store(live, Ordering::Relaxed);
-    let done = f();
-    let ms = (processor() - begin).as_secs_f64() * 1e3;
-    let more = |now: &AtomicUsize| now.load(Ordering::Relaxed).saturating_sub(live);
-    (done, Stage { ms, calls: CALLS.load(Ordering::Relaxed) - calls, peak: more(&PEAK), kept: more(&LIVE) })
+    let begin = processor();
+    let (done, taken) = taken(f);
+    (done, Stage { ms: (processor() - begin).as_secs_f64() * 1e3, taken })
 }
 
 fn main() {
@@ -85,15 +52,15 @@ fn main() {
         }
         let Some((stages, modules)) = best else { continue };
         for (what, s) in ["read", "compile"].into_iter().zip(stages) {
-            let per = |v: usize| v as f64 / modules as f64;
+            let per = |v: u64| v as f64 / modules as f64;
             println!(
                 "{:<30} {what:<8} {:>9.2} {:>10.0} {:>8.2} {:>8.0} {:>8.0}",
                 format!("{modules} modules, {name}"),
                 s.ms,
                 s.ms * 1e6 / modules as f64,
-                per(s.calls),
-                per(s.peak),
-                per(s.kept)
+                per(s.taken.calls),
+                per(s.taken.peak),
+                per(s.taken.kept)
             );
         }
     }

@@ -33,7 +33,7 @@ fn asked() -> Result<Asked, String> {
     let mut args = std::env::args().skip(1);
     while let Some(arg) = args.next() {
         let mut value = || args.next().ok_or_else(|| format!("{arg} needs a value"));
-        let whole = |v: String| v.parse::<u32>().map_err(|_| format!("`{v}` is no number"));
+        let whole = |v: String| v.parse::<u32>().map_err(|_| format!("`{v}` is not a number"));
         match arg.as_str() {
             "--bench" => {}
             "--json" => asked.json = true,

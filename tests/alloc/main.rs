@@ -6,6 +6,7 @@
 
 mod audio;
 mod callback;
+mod counting;
 mod engine;
 mod large;
 mod live;
@@ -17,63 +18,7 @@ use ca_core::{Scene, State, compute_forces, integrate, process, tick};
 use ca_io::perform::Performance;
 use ca_model::{Model, read};
 use ca_tests::{gesture, texts};
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
-
-thread_local! {
-    static CALLS: Cell<u64> = const { Cell::new(0) };
-    static LIVE: Cell<i64> = const { Cell::new(0) };
-    static PEAK: Cell<i64> = const { Cell::new(0) };
-}
-
-struct Counting;
-
-fn count(bytes: i64) {
-    // a thread that is ending has no counter any more
-    let _ = CALLS.try_with(|c| c.set(c.get() + 1));
-    let _ = LIVE.try_with(|live| {
-        live.set(live.get() + bytes);
-        let _ = PEAK.try_with(|peak| peak.set(peak.get().max(live.get())));
-    });
-}
-
-// SAFETY: every call is passed on to the system's allocator as it came; counting touches a `Cell` that is initialised
-// in a constant and has no destructor, so it allocates nothing itself.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        count(layout.size() as i64);
-        // SAFETY: the caller keeps the contract of `alloc`, which is that of `System`.
-        unsafe { System.alloc(layout) }
-    }
-    unsafe fn dealloc(&self, ptr: *mut u8, layout: Layout) {
-        count(-(layout.size() as i64));
-        // SAFETY: `ptr` came from `System` through `alloc` above, with this layout.
-        unsafe { System.dealloc(ptr, layout) }
-    }
-    unsafe fn realloc(&self, ptr: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        count(size as i64 - layout.size() as i64);
-        // SAFETY: `ptr` came from `System` through `alloc` above, with this layout.
-        unsafe { System.realloc(ptr, layout, size) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
-
-/// How often the allocator was called by `f`, freeing included.
-fn calls(f: impl FnOnce()) -> u64 {
-    let before = CALLS.with(Cell::get);
-    f();
-    CALLS.with(Cell::get) - before
-}
-
-/// The most that `f` has at one time \[bytes\], on this thread.
-fn most(f: impl FnOnce()) -> u64 {
-    let before = LIVE.with(Cell::get);
-    PEAK.with(|p| p.set(before));
-    f();
-    (PEAK.with(Cell::get) - before) as u64
-}
+use counting::{calls, most};
 
 /// The same with all that the border and the outputs can do.
 fn burdened(model: &Model, border: &str, feedback: &str) -> Model {

@@ -139,7 +139,7 @@ impl Peer {
     fn number(&mut self) -> Result<f64, Error> {
         let mut line = String::new();
         self.answers.read_line(&mut line)?;
-        line.trim().parse().map_err(|_| Error::other(format!("no number but `{}`", line.trim())))
+        line.trim().parse().map_err(|_| Error::other(format!("the player answered `{}`, not a number", line.trim())))
     }
 }
 

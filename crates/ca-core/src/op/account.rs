@@ -158,7 +158,7 @@ fn each<P: Phi<C, M>, const C: usize, const M: usize>(
 }
 
 /// What is written for each link of an account: what it stores, what it has lost, and what the scheme made in it \[J\].
-pub struct Book<'a> {
+pub struct Entries<'a> {
     /// stored at the last tick; of linear links nobody asks for it
     pub stored: &'a mut [f64],
     /// heat so far
@@ -192,7 +192,7 @@ pub struct Enter<'a> {
     /// whether heat and work are entered too
     pub tick: bool,
     /// where it is written
-    pub book: Book<'a>,
+    pub entries: Entries<'a>,
     /// numbers in passing
     pub room: &'a mut Room,
 }
@@ -201,10 +201,10 @@ impl WithSimd for Enter<'_> {
     type Output = Sums;
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> Sums {
-        let Enter { layout, s, d0, account, tick, book, room } = self;
+        let Enter { layout, s, d0, account, tick, entries, room } = self;
         let (mut sums, mut from) = (Sums::default(), 0);
         let Room { e, moved, out, .. } = room;
-        let (mut held, mut lost) = (Lanes::default(), Lanes::default());
+        let (mut stored_all, mut lost) = (Lanes::default(), Lanes::default());
         while from < account.n {
             let [first, second] = account.rows;
             let (row, end) = match from {
@@ -230,7 +230,7 @@ impl WithSimd for Enter<'_> {
             let range = from..from + n;
             let [stored, heat] = out.each_ref().map(|o| &o[..n]);
             if !account.linear {
-                let (error, before) = (&mut book.error[range.clone()], &mut book.stored[range.clone()]);
+                let (error, before) = (&mut entries.error[range.clone()], &mut entries.stored[range.clone()]);
                 for i in 0..n {
                     let now = widened(stored[i]);
                     if tick {
@@ -242,14 +242,14 @@ impl WithSimd for Enter<'_> {
                     before[i] = now;
                 }
             }
-            add(&mut held, stored);
+            add(&mut stored_all, stored);
             if tick {
-                book.lost[range].iter_mut().zip(heat).for_each(|(lost, heat)| *lost += widened(*heat));
+                entries.lost[range].iter_mut().zip(heat).for_each(|(lost, heat)| *lost += widened(*heat));
                 add(&mut lost, heat);
             }
             from += n;
         }
-        Sums { stored: held.iter().sum(), heat: lost.iter().sum(), ..sums }
+        Sums { stored: stored_all.iter().sum(), heat: lost.iter().sum(), ..sums }
     }
 }
 

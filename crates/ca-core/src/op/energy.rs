@@ -5,7 +5,7 @@
 //! is its own account, which names the module that makes energy. Sample n is entered when x_{n+1} is known of ports too,
 //! that is at the beginning of tick n+1, before changes. A scene that does not ask has no pass, array or test of this.
 
-use super::account::{self, Book, Enter, Lanes, Sums};
+use super::account::{self, Enter, Entries, Lanes, Sums};
 use super::layout::{Account, Layout, MovingPoint};
 use super::links::pair_set;
 use super::wide::plain as vectors;
@@ -31,7 +31,7 @@ impl Ledger {
             work: alloc::vec![0.0; ports],
             hands: alloc::vec![Exchange::default(); tgr],
             points: alloc::vec![[0.0; 2]; points],
-            held: alloc::vec![0.0; accounts],
+            stored_batches: alloc::vec![0.0; accounts],
             mass: alloc::vec![0.0; n_mat],
             ..Ledger::default()
         }
@@ -40,7 +40,7 @@ impl Ledger {
 
 /// Energy of the MATs and of weight between the last two ticks \[J\].
 #[derive(Default)]
-struct Held {
+struct MatEnergy {
     kinetic: f64,
     stored: f64,
     /// heat of that tick
@@ -57,9 +57,9 @@ struct Mats<'a> {
 }
 
 impl WithSimd for Mats<'_> {
-    type Output = Held;
+    type Output = MatEnergy;
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> Held {
+    fn with_simd<S: Simd>(self, _: S) -> MatEnergy {
         let Mats { layout, s, d0, mass, room } = self;
         let n_mat = layout.n_mat;
         let mut sums = [Lanes::default(); 3];
@@ -81,7 +81,7 @@ impl WithSimd for Mats<'_> {
             account::add(&mut sums[2], heat);
         }
         let [kinetic, stored, heat] = sums.map(|all| all.iter().sum());
-        Held { kinetic, stored, heat }
+        MatEnergy { kinetic, stored, heat }
     }
 }
 
@@ -93,7 +93,7 @@ fn weigh(layout: &Layout, s: &State, mass: &mut [f64]) {
 }
 
 /// Energy of the MATs, and of weight.
-fn mats(layout: &Layout, s: &State, d0: &[Real], (mass, room): (&[f64], &mut Room)) -> Held {
+fn mats(layout: &Layout, s: &State, d0: &[Real], (mass, room): (&[f64], &mut Room)) -> MatEnergy {
     let mut all = vectors(layout, Mats { layout, s, d0, mass, room });
     let weight = layout.ledger.as_ref().map_or(0, |l| l.weight);
     for (k, m) in layout.weighed.iter().enumerate() {
@@ -116,8 +116,8 @@ fn links(
     let range = account.first..account.first + account.n;
     let [stored, lost, error] = [&mut l.stored, &mut l.lost, &mut l.scheme_error].map(|of| &mut of[range.clone()]);
     let Some(at) = account.ports.pair_set else {
-        let (book, room) = (Book { stored, lost, error }, &mut *l.room);
-        return vectors(layout, Enter { layout, s, d0, account, tick, book, room });
+        let (entries, room) = (Entries { stored, lost, error }, &mut *l.room);
+        return vectors(layout, Enter { layout, s, d0, account, tick, entries, room });
     };
     // a set is one module
     let Entry { stored: now, heat, work } = set(layout, s, &mut near[at], d0, account, at);
@@ -133,7 +133,7 @@ fn all_links(layout: &Layout, s: &State, near: &mut [VerletList], d0: &[Real], l
     let mut all = Sums::default();
     for (k, account) in layout.ledger.iter().flat_map(|p| &p.accounts).enumerate() {
         let sums = links(layout, s, near, d0, l, (account, tick));
-        l.held[k] = sums.stored;
+        l.stored_batches[k] = sums.stored;
         all.stored += sums.stored;
         all.heat += sums.heat;
         all.error += sums.error;
@@ -166,9 +166,9 @@ fn set(layout: &Layout, s: &State, near: &mut VerletList, d0: &[Real], a: &Accou
 /// What everything holds at load.
 fn load(layout: &Layout, s: &State, near: &mut [VerletList], l: &mut Ledger) -> f64 {
     weigh(layout, s, &mut l.mass);
-    let Held { kinetic, stored, .. } = mats(layout, s, &s.d, (&l.mass, &mut l.room));
-    (l.kinetic, l.held_mats) = (kinetic, kinetic + stored);
-    l.held_mats + wave::energy(layout, s, &s.d).0 + all_links(layout, s, near, &s.d, l, false).stored
+    let MatEnergy { kinetic, stored, .. } = mats(layout, s, &s.d, (&l.mass, &mut l.room));
+    (l.kinetic, l.stored_mats) = (kinetic, kinetic + stored);
+    l.stored_mats + wave::energy(layout, s, &s.d).0 + all_links(layout, s, near, &s.d, l, false).stored
 }
 
 /// What changes brought in: only what may change is looked at again.
@@ -177,14 +177,14 @@ fn changes(layout: &Layout, s: &State, near: &mut [VerletList], l: &mut Ledger) 
     let mut came = 0.0;
     if plan.live {
         weigh(layout, s, &mut l.mass);
-        let Held { kinetic, stored, .. } = mats(layout, s, &s.d, (&l.mass, &mut l.room));
-        came += kinetic + stored - l.held_mats;
-        (l.kinetic, l.held_mats) = (kinetic, kinetic + stored);
+        let MatEnergy { kinetic, stored, .. } = mats(layout, s, &s.d, (&l.mass, &mut l.room));
+        came += kinetic + stored - l.stored_mats;
+        (l.kinetic, l.stored_mats) = (kinetic, kinetic + stored);
     }
     for (k, account) in plan.accounts.iter().enumerate().filter(|a| a.1.live) {
         let Sums { stored, .. } = links(layout, s, near, &s.d, l, (account, false));
-        came += stored - l.held[k];
-        l.held[k] = stored;
+        came += stored - l.stored_batches[k];
+        l.stored_batches[k] = stored;
     }
     came
 }
@@ -223,15 +223,15 @@ pub fn ledger(_op: &Op, layout: &Layout, s: &mut State) {
         l.changed += given;
         work += given;
     }
-    let Held { kinetic, stored, heat } = mats(layout, s, &l.d0, (&l.mass, &mut l.room));
+    let MatEnergy { kinetic, stored, heat } = mats(layout, s, &l.d0, (&l.mass, &mut l.room));
     let (waves, beside) = wave::energy(layout, s, &l.d0);
-    (l.kinetic, l.held_mats) = (kinetic, kinetic + stored);
+    (l.kinetic, l.stored_mats) = (kinetic, kinetic + stored);
     l.lost_mats += heat + beside;
     let d0 = core::mem::take(&mut l.d0);
     let of_links = all_links(layout, s, &mut near, &d0, &mut l, true);
     l.d0 = d0;
     let lost = heat + beside + of_links.heat;
-    let h = l.held_mats + waves + of_links.stored;
+    let h = l.stored_mats + waves + of_links.stored;
     l.h = h;
     l.worst = l.worst.max((h - before - work + lost - of_links.error).abs());
     l.heat += lost.abs();

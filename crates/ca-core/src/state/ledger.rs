@@ -64,9 +64,9 @@ pub struct Ledger {
     /// where the moving points were when the last tick was entered, and their motion (moving points x 2)
     pub(crate) points: Vec<[Real; 2]>,
     /// energy stored by each batch of links then (accounts)
-    pub(crate) held: Vec<f64>,
+    pub(crate) stored_batches: Vec<f64>,
     /// energy stored by MATs and weight then, and that of motion
-    pub(crate) held_mats: f64,
+    pub(crate) stored_mats: f64,
     /// mass of each MAT, as T²C⁻¹; 0 of what no force moves (n_mat)
     pub(crate) mass: Vec<f64>,
     /// whether coefficients were on their way then

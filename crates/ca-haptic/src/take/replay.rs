@@ -94,7 +94,7 @@ impl Apart {
     fn see(&mut self, was: f64, is: f64, difference: impl FnOnce() -> Difference) {
         self.peak = self.peak.max(was.abs());
         let apart = (is - was).abs();
-        // what is no number only agrees with its like
+        // NaN agrees with NaN only
         let apart = if was.to_bits() == is.to_bits() {
             0.0
         } else if apart.is_nan() {

@@ -1,4 +1,5 @@
 //! A law as data: what the compiler, the ledger and the certificate call without knowing which law it is.
+
 use super::choose::kernel;
 use crate::law::Phi;
 use crate::numeric::{Real, Table};
