@@ -141,11 +141,11 @@ fn recall(op: &Op, layout: &Layout, s: &mut State, first: usize, v: &[f64]) {
 
 /// The lengths of vectors, whose squares are longer by `soft`.
 #[inline(always)]
-fn length<S: Simd>(simd: S, v: [S::f64s; 3], soft: Option<S::f64s>) -> Lanes<S> {
+fn length<S: Simd>(simd: S, v: [S::f64s; 3], soft: Option<&S::f64s>) -> Lanes<S> {
     let [x, y, z] = [Lanes(simd, v[0]), Lanes(simd, v[1]), Lanes(simd, v[2])];
     let mut square = x * x + y * y + z * z;
     if let Some(soft) = soft {
-        square = square + Lanes(simd, soft);
+        square = square + Lanes(simd, *soft);
     }
     Lanes(simd, simd.sqrt_f64s(square.1))
 }
@@ -172,8 +172,8 @@ fn pulls<S: Simd, P: Phi<C, M>, const C: usize, const M: usize, const TAP: bool>
     let n = v.len() / 3;
     let steps = n / S::F64_LANES;
     let mut columns: [&[f64]; C] = [&[]; C];
-    for k in 0..C {
-        columns[k] = &s.coef[op.coef + k * op.n + first..][..n];
+    for (k, column) in columns.iter_mut().enumerate() {
+        *column = &s.coef[op.coef + k * op.n + first..][..n];
     }
     let vectors = &mut S::as_mut_simd_f64s(v).0.as_chunks_mut::<3>().0[..steps];
     let e0 = &S::as_simd_f64s(&layout.e0[op.first + first..][..n]).0[..steps];
@@ -196,7 +196,7 @@ fn pulls<S: Simd, P: Phi<C, M>, const C: usize, const M: usize, const TAP: bool>
         let tap = S::as_mut_simd_f64s(tap).0;
         for i in 0..steps {
             let v = simd.deinterleave_shfl_f64s(vectors[i]);
-            let l = length(simd, v, if let Some(soft) = soft { Some(soft[i]) } else { None });
+            let l = length(simd, v, soft.map(|soft| &soft[i]));
             let (e, w) = (l + Lanes(simd, e0[i]), l - Lanes(simd, last[i]));
             last[i] = l.1;
             let mut c = [e; C];
@@ -218,7 +218,7 @@ fn pulls<S: Simd, P: Phi<C, M>, const C: usize, const M: usize, const TAP: bool>
         let w = &mut S::as_mut_simd_f64s(&mut w[..n]).0[..steps];
         for i in 0..steps {
             let v = simd.deinterleave_shfl_f64s(vectors[i]);
-            let l = length(simd, v, if let Some(soft) = soft { Some(soft[i]) } else { None });
+            let l = length(simd, v, soft.map(|soft| &soft[i]));
             (lengths[i], e[i], w[i]) = (l.1, (l + Lanes(simd, e0[i])).1, (l - Lanes(simd, last[i])).1);
             last[i] = l.1;
         }
