@@ -22,7 +22,7 @@ struct Stage {
 fn stage<T>(f: impl FnOnce() -> T) -> (T, Stage) {
     let begin = processor();
     let (done, taken) = taken(f);
-    (done, Stage { ms: (processor() - begin).as_secs_f64() * 1e3, taken })
+    (done, Stage { ms: processor().saturating_sub(begin).as_secs_f64() * 1e3, taken })
 }
 
 fn main() {

@@ -21,29 +21,29 @@ const STARTS: usize = 6;
 /// A round of a player lasts about so long \[ns\]: shorter than what a scheduler gives, longer than its clock errs.
 const ROUND: f64 = 3e5;
 
-struct Asked {
+struct BenchOptions {
     only: Option<String>,
     rounds: usize,
     limit: u32,
     json: bool,
 }
 
-fn asked() -> Result<Asked, String> {
-    let mut asked = Asked { only: None, rounds: 300, limit: 120, json: false };
+fn bench_options() -> Result<BenchOptions, String> {
+    let mut options = BenchOptions { only: None, rounds: 300, limit: 120, json: false };
     let mut args = std::env::args().skip(1);
     while let Some(arg) = args.next() {
         let mut value = || args.next().ok_or_else(|| format!("{arg} needs a value"));
         let whole = |v: String| v.parse::<u32>().map_err(|_| format!("`{v}` is not a number"));
         match arg.as_str() {
             "--bench" => {}
-            "--json" => asked.json = true,
-            "--only" => asked.only = Some(value()?),
-            "--rounds" => asked.rounds = whole(value()?)?.max(1) as usize,
-            "--limit" => asked.limit = whole(value()?)?,
+            "--json" => options.json = true,
+            "--only" => options.only = Some(value()?),
+            "--rounds" => options.rounds = whole(value()?)?.max(1) as usize,
+            "--limit" => options.limit = whole(value()?)?,
             _ => return Err(format!("`{arg}` is not --only NAME, --rounds N, --limit SECONDS or --json")),
         }
     }
-    Ok(asked)
+    Ok(options)
 }
 
 /// Column, program with its arguments, what it is to play.
@@ -191,7 +191,7 @@ fn as_json(rows: &[Row], machine: &str, wide: bool) -> Value {
 }
 
 fn run() -> Result<(), String> {
-    let asked = asked()?;
+    let options = bench_options()?;
     // `cargo test --benches` asks whether it runs at all
     if !std::env::args().any(|a| a == "--bench") {
         for case in cases() {
@@ -199,10 +199,10 @@ fn run() -> Result<(), String> {
         }
         return Ok(());
     }
-    let builder = Builder::new(folder(), asked.limit).map_err(|e| e.to_string())?;
-    let chosen = |case: &Case| asked.only.as_ref().is_none_or(|only| case.net.name.contains(only.as_str()));
+    let builder = Builder::new(folder(), options.limit).map_err(|e| e.to_string())?;
+    let chosen = |case: &Case| options.only.as_ref().is_none_or(|only| case.net.name.contains(only.as_str()));
     let all = cases();
-    let rows = all.iter().filter(|c| chosen(c)).map(|c| measure(c, &builder, asked.rounds));
+    let rows = all.iter().filter(|c| chosen(c)).map(|c| measure(c, &builder, options.rounds));
     let rows = rows.collect::<Result<Vec<_>, _>>()?;
     if rows.is_empty() {
         let names: Vec<String> = cases().into_iter().map(|c| c.net.name).collect();
@@ -211,8 +211,8 @@ fn run() -> Result<(), String> {
     let machine = machine();
     let wide = machine.contains("avx512f");
     let text = page(&rows, &machine, wide);
-    println!("{}", if asked.json { format!("{:#}", as_json(&rows, &machine, wide)) } else { text.clone() });
-    if std::env::var_os("UPDATE").is_some() && asked.only.is_none() {
+    println!("{}", if options.json { format!("{:#}", as_json(&rows, &machine, wide)) } else { text.clone() });
+    if std::env::var_os("UPDATE").is_some() && options.only.is_none() {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/measured/peers.md");
         std::fs::write(path, text).map_err(|e| e.to_string())?;
     }

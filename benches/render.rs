@@ -16,7 +16,7 @@ use std::path::Path;
 fn cost<T>(f: impl FnOnce() -> T) -> (T, f64) {
     let begin = processor();
     let done = f();
-    (done, (processor() - begin).as_secs_f64() * 1e3)
+    (done, processor().saturating_sub(begin).as_secs_f64() * 1e3)
 }
 
 /// One round: all, the play in it, the audit in it \[ms\].
@@ -30,7 +30,7 @@ fn round(text: &str, name: &str, to: &Path, part: f64) -> [f64; 3] {
         let n = frames(&scene, seconds(&performance, None) * part);
         let mut wav = WavOut::create(to, scene.rate, scene.channels, Format::F32).expect("the file can be written");
         let (mut played, mut written) = (0.0, 0.0);
-        let (_, both) = cost(|| {
+        let ((), both) = cost(|| {
             let heard = &mut |_: &Performance, rows: &[f64], _| {
                 let (done, t) = cost(|| wav.write(rows));
                 written += t;

@@ -1,8 +1,9 @@
 //! The output stage: the high pass of an output and the low-pass of all channels, against their closed forms.
 
-use crate::play::{PI, TURN, apart, scene, within};
+use crate::play::{PI, TURN, apart, mat, reference, scene, with, within};
 use ca_core::border::delays;
-use ca_core::{Scene, tick};
+use ca_core::{ARITHMETIC, Scene, tick};
+use std::fmt::Write as _;
 
 /// A port that is heard, so that any signal can be sent through an output.
 fn wire(rate: &str, out: &str) -> Scene {
@@ -44,6 +45,62 @@ fn a_high_pass_is_the_one_it_says() {
             within(&format!("high pass {fc} Hz at {f} Hz"), (gain - 2.0 * t / t.hypot(c)).abs(), 1e-11);
             within(&format!("high pass {fc} Hz at {f} Hz, phase"), (phase - (c / t).atan()).abs(), 1e-9);
         }
+    }
+}
+
+/// Cells of which each is heard in channel 0, in this order, and one beside it in channel 1; the force of a spring too if asked.
+fn bank(order: impl Fn(usize) -> usize, force: bool) -> String {
+    let mut text = String::from("[CEL]\n");
+    for i in 0..N {
+        let (f, dx0) = (200 + 31 * i, 1e-3 / (i + 1) as f64);
+        let _ = writeln!(text, "c{i} = {{ m = {:.4}, f = {f}, t60 = 1, dx0 = {dx0:.6} }}", 1e-3 + 1e-4 * i as f64);
+    }
+    text += "[RES]\nspring = { between = [\"c0\", \"c1\"], k = 1000 }\n[SOX]\nfew = { from = \"c5\", channel = 1 }\n";
+    for i in 0..N {
+        let _ = writeln!(text, "o{i} = {{ from = \"c{}\", channel = 0, gain = {} }}", order(i), gain(i));
+    }
+    if force { text + "[SOF]\npull = { from = \"spring\", channel = 0 }\n" } else { text }
+}
+
+const N: usize = 21;
+
+fn gain(i: usize) -> f64 {
+    1.0 + 0.1 * i as f64
+}
+
+#[test]
+fn many_outputs_of_a_channel_are_summed_in_lanes() {
+    let orders: [fn(usize) -> usize; 2] = [|i| i, |i| 8 * i % N];
+    for order in orders {
+        let scene = scene(&bank(order, false)).scene;
+        let slots: Vec<usize> = (0..N).map(|i| mat(&scene, &format!("c{}", order(i)))).collect();
+        let mut s = scene.state();
+        for n in 0..1000 {
+            let values: Vec<f64> = slots.iter().enumerate().map(|(i, m)| gain(i) * s.x[*m]).collect();
+            tick(&scene, &mut s);
+            let lane = |k: usize| values.iter().skip(k).step_by(8).fold(0.0, |sum, v| sum + v);
+            let sum = ((lane(0) + lane(4)) + (lane(2) + lane(6))) + ((lane(1) + lane(5)) + (lane(3) + lane(7)));
+            assert_eq!(s.output[0].to_bits(), sum.to_bits(), "tick {n}");
+            let size: f64 = values.iter().map(|v| v.abs()).sum();
+            within("beside the sum one by one", (sum - values.iter().sum::<f64>()).abs(), 1e-15 * size);
+        }
+        assert_eq!(scene.same_since(), ARITHMETIC, "what was played one by one is compared to a tolerance");
+    }
+}
+
+#[test]
+fn a_channel_sounds_the_same_however_its_scene_is_laid_out() {
+    for (order, force) in [(1, false), (8, false), (1, true), (8, true)] {
+        let text = bank(|i| order * i % N, force);
+        let scenes = [scene(&text).scene, with(&text, &reference()).scene];
+        let mut states = scenes.each_ref().map(Scene::state);
+        let mut loudest: f64 = 0.0;
+        for _ in 0..1000 {
+            scenes.iter().zip(&mut states).for_each(|(scene, s)| tick(scene, s));
+            assert_eq!(states[0].output, states[1].output, "order {order}, force {force}");
+            loudest = loudest.max(states[0].output[0].abs());
+        }
+        assert!(loudest > 1e-3);
     }
 }
 

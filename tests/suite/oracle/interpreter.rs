@@ -2,7 +2,7 @@
 //! they are written in books, and shares nothing with the compiler. To give the same bits it sums in the same order:
 //! the links as the document has them.
 
-use super::network::{Heard, Law, Link, Network, Point};
+use super::network::{Law, Link, Network, Point};
 use ca_tests::follow;
 
 /// x to the power of quarters/4, by products and roots.
@@ -124,14 +124,7 @@ impl Network {
         }
         self.forces();
         out.fill(0.0);
-        for (channel, gain, heard) in &self.outputs {
-            out[*channel] += gain
-                * match heard {
-                    Heard::Position(m, k) => self.mats[*m].x[*k],
-                    Heard::ForceOn(m, k) => self.mats[*m].f[*k],
-                    Heard::ForceOf(link) => self.links[*link].f,
-                };
-        }
+        out.iter_mut().enumerate().for_each(|(channel, sum)| *sum = self.heard(channel));
         for m in &mut self.mats {
             for k in 0..if m.pqc[2] == 0.0 { 0 } else { m.axes } {
                 m.d[k] = m.pqc[0] * m.d[k] + m.pqc[1] * m.x[k] + m.pqc[2] * m.f[k];

@@ -1,5 +1,5 @@
 //! The compiled scene against the oracle, which plays the same text module by module: `build` reads it into the plain
-//! modules of `network`, with `numbers`, `expand`, `bodies` and `waves`; `interpreter` plays them, and measures by `measure`. A
+//! modules of `network`, with `numbers`, `expand`, `bodies` and `waves`; `interpreter` plays them, measures by `measure` and is heard by `outputs`. A
 //! kind it has no definition of its own for is `listed`: taken from its record.
 
 mod bodies;
@@ -10,6 +10,7 @@ mod listed;
 mod measure;
 mod network;
 mod numbers;
+mod outputs;
 mod waves;
 
 use self::build::build;

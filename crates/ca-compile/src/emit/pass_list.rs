@@ -86,6 +86,21 @@ pub fn forces(layout: &Layout, mut links: Vec<Op>, late: usize, weight: usize) -
     list
 }
 
+/// Where a channel has many outputs, see [`Layout::output_rows`].
+pub fn output_rows(layout: &Layout) -> Vec<Option<u32>> {
+    let plain = &layout.outputs[..layout.outputs.len() - layout.blockers.len()];
+    let channels = || plain.chunk_by(|a, b| a.channel == b.channel);
+    if channels().all(|of_channel| of_channel.len() < pass::MANY) {
+        return Vec::new();
+    }
+    let row = |of_channel: &[Output]| {
+        let Tap::Position(first) = of_channel[0].tap else { return None };
+        let follows = |(i, o): (usize, &Output)| o.tap == Tap::Position(first + i as u32);
+        (of_channel.len() >= pass::MANY && of_channel.iter().enumerate().all(follows)).then_some(first)
+    };
+    channels().map(row).collect()
+}
+
 /// Outputs; `gains` is the coefficient of the first.
 pub fn writes(layout: &Layout, gains: usize) -> Vec<Op> {
     let high = layout.blockers.len();
@@ -93,7 +108,11 @@ pub fn writes(layout: &Layout, gains: usize) -> Vec<Op> {
     let again = layout.heard.len();
     let position = |(i, o): (usize, &Output)| o.channel as usize == i && matches!(o.tap, Tap::Position(_));
     let each = layout.outputs.len() == layout.n_out && layout.outputs.iter().enumerate().all(position);
-    let outputs = if each && high == 0 { pass::positions } else { pass::outputs };
+    let outputs = match () {
+        () if each && high == 0 => pass::positions,
+        () if layout.output_rows.is_empty() => pass::outputs,
+        () => pass::many_outputs,
+    };
     let list = [
         (again > 0, "heard links", heard::heard as Kernel, again, 0),
         // it clears what the others add to

@@ -113,6 +113,7 @@ pub fn schedule(
         onto: links.onto,
         reach: links.reach.iter().map(|r| r.map(real)).collect(),
         rows: Vec::new(),
+        output_rows: Vec::new(),
         pair_sets: links.pair_sets,
         e0: reals(links.e0),
         rest: reals(rest),
@@ -139,6 +140,7 @@ pub fn schedule(
     layout.rows = rows(&links.forces, &layout.ends, &layout.reach, &layout.rest);
     let mut reads = pass_list::reads(&layout, live_places.len(), aimed);
     let mut forces = pass_list::forces(&layout, links.forces, links.late, weight);
+    layout.output_rows = pass_list::output_rows(&layout);
     let mut writes = pass_list::writes(&layout, gains);
     let mut moves = if net.is_composed() { pefrl::moves(&layout, &forces, own) } else { moves };
     // the start sums forces in the order of the list

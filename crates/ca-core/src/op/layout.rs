@@ -450,6 +450,9 @@ pub struct Layout {
     pub heard: Vec<HeardLink>,
     /// what is heard (any): as it is first, then what goes through a high pass
     pub outputs: Vec<Output>,
+    /// of each channel with outputs as they are, where one has so many that they are summed in lanes
+    /// ([`pass::MANY`](crate::op::pass::MANY)): the first slot of its positions if they follow each other (channels, or none)
+    pub output_rows: Vec<Option<u32>>,
     /// the high passes of the last of them (any)
     pub blockers: Vec<Blocker>,
     /// low-pass of the sound channels: the first half of its coefficients, up to the middle one (any)

@@ -161,7 +161,69 @@ pub fn outputs(op: &Op, layout: &Layout, s: &mut State) {
     }
 }
 
-/// The same where each channel hears one position, the channels in their order: there is no sum, and nothing to clear.
+/// From so many outputs on, those of a channel are summed in lanes: one by one, each would wait for the sum before it.
+pub const MANY: usize = 16;
+
+/// The outputs of this tick where a channel has [`MANY`], whose sum goes by the order of its outputs alone: eight side by side,
+/// output i in lane i mod 8, then the lanes in pairs. Positions that follow each other are read as they stand.
+pub fn many_outputs(op: &Op, layout: &Layout, s: &mut State) {
+    wide::wide::<ManyOutputs>(op, layout, s);
+}
+
+const LANES: usize = 8;
+
+struct ManyOutputs;
+
+impl Body for ManyOutputs {
+    #[inline(always)]
+    fn run<S: Simd>(_: S, op: &Op, layout: &Layout, s: &mut State) {
+        let State { x, f, tap, coef, output, .. } = s;
+        let heard = Heard { x, f, tap };
+        let (outputs, mut gains) = (&layout.outputs[..op.n], &coef[op.coef..][..op.n]);
+        output.fill(0.0);
+        let channels = outputs.chunk_by(|a, b| a.channel == b.channel).zip(&layout.output_rows);
+        for (of_channel, row) in channels {
+            let (own, others) = gains.split_at(of_channel.len());
+            gains = others;
+            output[of_channel[0].channel as usize] = match row {
+                Some(first) => dot(own, &heard.x[*first as usize..][..own.len()]),
+                None if own.len() < MANY => {
+                    of_channel.iter().zip(own).fold(0.0, |sum, (o, gain)| sum + wide(gain * heard.by(o)))
+                }
+                None => {
+                    let mut lanes = [0.0; LANES];
+                    for (i, (o, gain)) in of_channel.iter().zip(own).enumerate() {
+                        lanes[i % LANES] += wide(gain * heard.by(o));
+                    }
+                    in_pairs(lanes)
+                }
+            };
+        }
+    }
+}
+
+#[inline(always)]
+fn dot(gains: &[Real], x: &[Real]) -> f64 {
+    let mut lanes = [0.0; LANES];
+    let ((gains, last_gains), (x, last)) = (gains.as_chunks::<LANES>(), x.as_chunks::<LANES>());
+    for (gain, x) in gains.iter().zip(x) {
+        for k in 0..LANES {
+            lanes[k] += wide(gain[k] * x[k]);
+        }
+    }
+    for (k, (gain, x)) in last_gains.iter().zip(last).enumerate() {
+        lanes[k] += wide(gain * x);
+    }
+    in_pairs(lanes)
+}
+
+#[inline(always)]
+fn in_pairs([a, b, c, d, e, f, g, h]: [f64; LANES]) -> f64 {
+    ((a + e) + (c + g)) + ((b + f) + (d + h))
+}
+
+/// The outputs of this tick where each channel hears one position, the channels in their order: there is no sum, and nothing to
+/// clear.
 pub fn positions(op: &Op, layout: &Layout, s: &mut State) {
     let (x, gains) = (&s.x[..], &s.coef[op.coef..]);
     for ((v, o), gain) in s.output.iter_mut().zip(&layout.outputs).zip(gains) {

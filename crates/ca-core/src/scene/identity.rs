@@ -15,7 +15,8 @@ use core::fmt::{self, Write as _};
 use core::hash::Hasher as _;
 
 /// The arithmetic of a tick, by number: what was played by another may differ in last bits, in the scenes that
-/// [`Scene::same_since`] names. 0: the distances of the tick before were had from motion; 1: they are kept.
+/// [`Scene::same_since`] names. 0: the distances of the tick before were had from motion, and the outputs of a channel summed one
+/// by one; 1: distances are kept, and many outputs of a channel summed in lanes.
 pub const ARITHMETIC: u32 = 1;
 
 impl Scene {
@@ -25,7 +26,7 @@ impl Scene {
             let second = op.ports.onto.map(|onto| onto.0);
             op.law.is_some() && (op.ports.measure == MeasureKind::Radial || second == Some(MeasureKind::Radial))
         };
-        u32::from(self.forces.iter().any(measures))
+        u32::from(self.forces.iter().any(measures) || !self.layout.output_rows.is_empty())
     }
 }
 
@@ -126,6 +127,8 @@ impl Words {
             substeps,
             // follows from ends, reach and rest
             rows: _,
+            // follows from outputs
+            output_rows: _,
             vectors: _,
         } = layout;
         self.debug(&(sample_dt, ratio, frame, n_mat, n_lia, n_coef, n_mem, n_touch, n_tap, channels, n_out));

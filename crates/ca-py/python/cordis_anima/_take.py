@@ -47,6 +47,9 @@ class Verdict(NamedTuple):
     difference: str | None
     #: where something is missing [s], so that nothing after it was compared
     hole: float | None
+    #: how far sound and forces may be apart, as a part of their peak: 0, to the bit, unless the take was played by an older
+    #: arithmetic and its scene has something that rounds otherwise since
+    tolerance: float = 0.0
 
 
 @dataclass(frozen=True, repr=False, eq=False)

@@ -63,11 +63,16 @@ def test_it_replays_here_and_by_the_command(tmp_path: Path, command: Callable[..
     gesture = {**PRESS, "grip": [(0, 2e3), (0.5, 4e3)]}
     t = ca.record(keyed(), tmp_path / "t.mcap", 0.8, gesture=gesture)
     found = t.replay()
-    assert found.identical and found.difference is None and found.samples == 2 * len(t.audio) > 0
+    assert found.identical and found.difference is None and found.tolerance == 0 and found.samples == 2 * len(t.audio) > 0
     assert found.forces == len(t.hands["tgr12"].force_time) and found.hashes >= 1
     assert "identical" in command("replay", "t.mcap", "--verify")
     assert "0.8" in command("log", "info", "t.mcap")
     assert t.scene().n_mat == keyed().n_mat and t.scene().rate == t.rate
+
+
+def test_a_take_of_an_older_arithmetic_is_compared_to_a_tolerance() -> None:
+    found = ca.Take(Path(__file__).parents[4] / "tests/data/takes/arithmetic-0.mcap").replay()
+    assert found.identical and found.tolerance == 1e-9
 
 
 def test_a_take_is_a_gesture(tmp_path: Path) -> None:
