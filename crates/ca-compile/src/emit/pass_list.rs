@@ -6,7 +6,7 @@ use alloc::collections::BTreeSet;
 use alloc::vec::Vec;
 use ca_core::border;
 use ca_core::method::implicit;
-use ca_core::op::layout::{Layout, Output, Tap};
+use ca_core::op::layout::{Layout, Output, OutputRow, Tap};
 use ca_core::op::{Kernel, Op, SolveStage, blocker, energy, heard, lowpass, pass, wave};
 
 /// Before the forces: ports, the ledger of the tick before, changes, moving points.
@@ -87,7 +87,7 @@ pub fn forces(layout: &Layout, mut links: Vec<Op>, late: usize, weight: usize) -
 }
 
 /// Where a channel has many outputs, see [`Layout::output_rows`].
-pub fn output_rows(layout: &Layout) -> Vec<Option<u32>> {
+pub fn output_rows(layout: &Layout) -> Vec<OutputRow> {
     let plain = &layout.outputs[..layout.outputs.len() - layout.blockers.len()];
     let channels = || plain.chunk_by(|a, b| a.channel == b.channel);
     if channels().all(|of_channel| of_channel.len() < pass::MANY) {
@@ -98,7 +98,12 @@ pub fn output_rows(layout: &Layout) -> Vec<Option<u32>> {
         let follows = |(i, o): (usize, &Output)| o.tap == Tap::Position(first + i as u32);
         (of_channel.len() >= pass::MANY && of_channel.iter().enumerate().all(follows)).then_some(first)
     };
-    channels().map(row).collect()
+    let outputs = |of_channel: &[Output]| OutputRow {
+        channel: of_channel[0].channel,
+        n: of_channel.len() as u32,
+        first: row(of_channel),
+    };
+    channels().map(outputs).collect()
 }
 
 /// Outputs; `gains` is the coefficient of the first.

@@ -162,6 +162,17 @@ pub struct Output {
     pub tap: Tap,
 }
 
+/// The outputs of a channel, which follow each other in [`Layout::outputs`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OutputRow {
+    /// index into [`State::output`](crate::state::State)
+    pub channel: u32,
+    /// how many
+    pub n: u32,
+    /// the first slot of what they hear, where that is many positions that follow each other
+    pub first: Option<u32>,
+}
+
 /// How the position of a device comes in and its force goes out where a frame has several ticks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Shape {
@@ -450,9 +461,9 @@ pub struct Layout {
     pub heard: Vec<HeardLink>,
     /// what is heard (any): as it is first, then what goes through a high pass
     pub outputs: Vec<Output>,
-    /// of each channel with outputs as they are, where one has so many that they are summed in lanes
-    /// ([`pass::MANY`](crate::op::pass::MANY)): the first slot of its positions if they follow each other (channels, or none)
-    pub output_rows: Vec<Option<u32>>,
+    /// channels with outputs as they are, where one has so many that they are summed in lanes
+    /// ([`pass::MANY`](crate::op::pass::MANY)) (channels, or none)
+    pub output_rows: Vec<OutputRow>,
     /// the high passes of the last of them (any)
     pub blockers: Vec<Blocker>,
     /// low-pass of the sound channels: the first half of its coefficients, up to the middle one (any)

@@ -179,20 +179,19 @@ impl Body for ManyOutputs {
     fn run<S: Simd>(_: S, op: &Op, layout: &Layout, s: &mut State) {
         let State { x, f, tap, coef, output, .. } = s;
         let heard = Heard { x, f, tap };
-        let (outputs, mut gains) = (&layout.outputs[..op.n], &coef[op.coef..][..op.n]);
+        let (mut outputs, mut gains) = (&layout.outputs[..op.n], &coef[op.coef..][..op.n]);
         output.fill(0.0);
-        let channels = outputs.chunk_by(|a, b| a.channel == b.channel).zip(&layout.output_rows);
-        for (of_channel, row) in channels {
-            let (own, others) = gains.split_at(of_channel.len());
-            gains = others;
-            output[of_channel[0].channel as usize] = match row {
-                Some(first) => dot(own, &heard.x[*first as usize..][..own.len()]),
-                None if own.len() < MANY => {
-                    of_channel.iter().zip(own).fold(0.0, |sum, (o, gain)| sum + wide(gain * heard.by(o)))
-                }
+        for row in &layout.output_rows {
+            let (of_channel, other_outputs) = outputs.split_at(row.n as usize);
+            let (own, other_gains) = gains.split_at(row.n as usize);
+            (outputs, gains) = (other_outputs, other_gains);
+            let pairs = || of_channel.iter().zip(own);
+            output[row.channel as usize] = match row.first {
+                Some(first) => dot(own, &heard.x[first as usize..][..own.len()]),
+                None if own.len() < MANY => pairs().fold(0.0, |sum, (o, gain)| sum + wide(gain * heard.by(o))),
                 None => {
                     let mut lanes = [0.0; LANES];
-                    for (i, (o, gain)) in of_channel.iter().zip(own).enumerate() {
+                    for (i, (o, gain)) in pairs().enumerate() {
                         lanes[i % LANES] += wide(gain * heard.by(o));
                     }
                     in_pairs(lanes)
