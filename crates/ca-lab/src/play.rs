@@ -81,6 +81,8 @@ pub struct Audit {
     pub ticks: u64,
     /// whether it was kept all the time
     pub whole: bool,
+    /// whether the scene diverged at its end
+    pub diverged: bool,
 }
 
 /// Modules times ticks the audited scene may take: a second of a thousand-mass string. Larger scenes are audited for
@@ -96,7 +98,8 @@ pub fn audit(audited: &Scene, gesture: Option<&Gesture>, frames: u64) -> Option<
         p.tick();
     }
     let entered = p.state.tick.saturating_sub(1);
-    p.state.ledger.map(|ledger| Audit { ledger, ticks: entered, whole: false })
+    let diverged = !p.state.is_bounded(DIVERGED);
+    p.state.ledger.map(|ledger| Audit { ledger, ticks: entered, whole: false, diverged })
 }
 
 /// Why a scene left every range.

@@ -76,6 +76,21 @@ fn formats_hold_the_same_sound() {
     }
 }
 
+/// Its first second is audited, and at rest until a port moves it later.
+#[test]
+fn a_model_that_diverges_after_its_audit_is_not_told_a_time_that_nobody_saw() {
+    let desk = Desk::new();
+    desk.put(
+        "late.ca.toml",
+        "[ENX]\nhand = {}\n[MAS]\nbob = { m = \"1 g\" }\n[REF]\nspring = { between = [\"hand\", \"bob\"], k = \"10 MN/m\" }\n[SOX]\nout \
+         = { from = \"bob\" }\n[gesture]\nhand = [[0, 0], [1.5, 0], [1.6, \"1 mm\"]]\n",
+    );
+    let r = desk.ca(&["render", "late.ca.toml", "--seconds", "2"]).is(3);
+    assert!(r.out.contains("diverged after 1.0000 s") && r.out.contains("`--energy` says when"), "{}", r.out);
+    let r = desk.ca(&["render", "late.ca.toml", "--seconds", "2", "--energy"]).is(3);
+    assert!(r.out.contains("diverged at 1.5"), "{}", r.out);
+}
+
 #[test]
 fn an_unstable_model_is_named_and_silenced() {
     let desk = Desk::new();

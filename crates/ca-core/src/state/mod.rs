@@ -121,7 +121,7 @@ pub struct State {
     /// memory of laws, then of waves (n_mem); written by `forces`, waves that leave by `moves`
     pub mem: Vec<Real>,
     /// distances of points in space one tick before, of ports that are measured in every tick \[m\], as
-    /// [`Layout::reach`](crate::layout::Layout::reach); −1 where none is known, and motion has to say it; written by `forces`
+    /// [`Layout::reach`](crate::op::layout::Layout::reach); −1 where none is known, and motion has to say it; written by `forces`
     pub lengths: Aligned,
     /// forces of links that are heard, audited or in passing \[N\] (n_tap); written by `forces`
     pub tap: Aligned,

@@ -76,9 +76,11 @@ pub struct ReplayVerdict {
 }
 
 impl ReplayVerdict {
-    /// True where everything compared is as it was, to the tolerance, and nothing is missing up to the end of the file.
+    /// True where something was compared, all of it is as it was, to the tolerance, and nothing is missing up to the end of the
+    /// file.
     pub fn is_identical(&self) -> bool {
-        self.difference.is_none() && self.hole.is_none()
+        let compared = self.forces > 0 || self.samples > 0 || self.hashes > 0;
+        compared && self.difference.is_none() && self.hole.is_none()
     }
 }
 

@@ -80,7 +80,10 @@ pub fn run(args: &RenderArgs) -> Outcome {
     let played = play(performance, frames, play::BLOCK, show, &mut |_, rows| files.write(rows))?;
     let written = files.finish()?;
     let energy = match &played.energy {
-        Some(ledger) => Some(play::Audit { ledger: ledger.clone(), ticks: played.energy_ticks, whole: true }),
+        Some(ledger) => {
+            let diverged = played.diverged_at.is_some();
+            Some(play::Audit { ledger: ledger.clone(), ticks: played.energy_ticks, whole: true, diverged })
+        }
         None => audited().and_then(|scene| play::audit(&scene, gesture.as_ref(), frames)),
     };
     let audited = if played.diverged_at.is_some() && !args.energy { audited() } else { None };

@@ -184,7 +184,13 @@ impl Summary<'_> {
         if let Some(divergence) = self.divergence {
             // how large all was at the last tick in range measures the divergence and nothing else
             let grows = grows(self.scene, &a.ledger);
-            writeln!(out, "  energy     diverged at {time:.4} s, found at {:.4} s{grows}", divergence.time)?;
+            let found = divergence.time;
+            // an audit of the beginning that ended before does not know when
+            if a.diverged {
+                writeln!(out, "  energy     diverged at {time:.4} s, found at {found:.4} s{grows}")?;
+            } else {
+                writeln!(out, "  energy     diverged after {time:.4} s, found at {found:.4} s; `--energy` says when")?;
+            }
             if a.whole {
                 writeln!(out, "    at load  {}", joule(b.h0))?;
                 for (name, made) in makers(self.scene, &a.ledger).iter().take(5) {

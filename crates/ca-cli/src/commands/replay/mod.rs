@@ -54,6 +54,7 @@ fn text(take: &Take, v: &ReplayVerdict, account: Option<&Account>) -> Result<(),
     )?;
     let alike = alike(v);
     match (&v.difference, v.hole) {
+        (None, None) if !v.is_identical() => writeln!(out, "  nothing was compared: no force, sound or hash is in it")?,
         (None, None) => writeln!(out, "  {alike}")?,
         (Some(d), _) => writeln!(out, "  differs    {d}")?,
         (None, Some(t)) => writeln!(out, "  {alike}, up to {t:.3} s: records are missing there")?,

@@ -43,6 +43,23 @@ fn forge(from: &Path, to: &Path, topic: &str, nth: usize, change: impl Fn(&mut V
     out.finish().unwrap();
 }
 
+/// The beginning of a take, cut off before the first chunk of its frames is whole.
+#[test]
+fn a_take_with_nothing_to_compare_is_not_identical() {
+    let (dir, desk) = (tempfile::tempdir().unwrap(), Desk::new());
+    let good = dir.path().join("good.mcap");
+    duo(&good, 1600);
+    let bytes = fs::read(&good).unwrap();
+    let cut = dir.path().join("cut.mcap");
+    let nothing = (1..20).map(|k| bytes.len() * k / 20).find(|n| {
+        fs::write(&cut, &bytes[..*n]).unwrap();
+        Take::open(&cut).is_ok_and(|t| t.events().is_ok_and(|e| e.count() == 0))
+    });
+    assert!(nothing.is_some(), "no such beginning of {} bytes", bytes.len());
+    let r = desk.ca(&["replay", cut.to_str().unwrap(), "--verify"]).is(1);
+    assert!(r.out.contains("nothing was compared"), "{}\n{}", r.out, r.err);
+}
+
 #[test]
 fn the_first_difference_is_found_with_both_values() {
     let dir = tempfile::tempdir().unwrap();

@@ -1,6 +1,6 @@
-//! Passes over links, one kernel for each way they stand: anywhere ([`gather`]), in a row ([`run`]), in a row whose masses are
-//! integrated too ([`fused`], in eight lanes [`folded`], a mesh [`band`]), in space ([`space`] by a [`measure`], in vectors [`radial`]), and all
-//! pairs of two sets ([`pair_set`]). [`choose`] takes one for each form of a law.
+//! Passes over links, one kernel for each way they stand: anywhere (`gather`), in a row (`run`), in a row whose masses are
+//! integrated too (`fused`, in eight lanes `folded`, a mesh `band`), in space (`space` by a [`measure`], in vectors `radial`), and all
+//! pairs of two sets ([`pair_set`]). `choose` takes one for each form of a law.
 
 #[cfg(not(single))]
 mod band;
