@@ -212,7 +212,7 @@ pub struct RenderArgs {
     /// Keeps the energy ledger for the whole length (slower)
     #[arg(long)]
     pub energy: bool,
-    /// Which passes run the links; the same sound, `reference` slower and link by link
+    /// Which passes run the links; `reference` is slower, link by link, and may round otherwise
     #[arg(long, value_enum, default_value_t = Kernel::Fast)]
     pub kernel: Kernel,
     /// Prints nothing but warnings and errors

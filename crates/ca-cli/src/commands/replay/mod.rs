@@ -63,7 +63,7 @@ fn text(take: &Take, v: &ReplayVerdict, account: Option<&Account>) -> Result<(),
         let by = take.header.arithmetic;
         writeln!(
             out,
-            "  arithmetic {by}, here {ARITHMETIC}: distances in space round otherwise, so no bits are compared"
+            "  arithmetic {by}, here {ARITHMETIC}: its scene rounds otherwise since, so no bits are compared"
         )?;
     }
     if let Some(account) = account {
