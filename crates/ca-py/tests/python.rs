@@ -28,8 +28,9 @@ fn python() -> Option<PathBuf> {
     Some(PathBuf::from(String::from_utf8(made.stdout).expect("a path in UTF-8").trim()))
 }
 
+/// By its name `tests/run` tells it from all other tests.
 #[test]
-fn everything() {
+fn everything_in_python() {
     let Some(python) = python() else { return };
     let exe = std::env::current_exe().expect("this test");
     let deps = exe.parent().expect("its folder");

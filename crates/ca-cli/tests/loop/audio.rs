@@ -2,9 +2,9 @@
 //! its port, as a process of its own, since only a process can be told its server. What it hears is what the same run
 //! wrote to its file, to the bit, wherever nothing was counted as lost.
 
-use super::role::{Job, Role};
-use super::skipped::skipped;
-use super::stage::{Proc, Stage, until};
+use crate::role::{Job, Role};
+use crate::skipped::skipped;
+use crate::stage::{Proc, Stage, until};
 use ca_haptic::host::control::Request;
 use std::fs;
 use std::io::Write as _;
@@ -54,7 +54,7 @@ impl Jack {
 
     /// A process that writes what it hears to a file.
     fn listener(&self, stage: &Stage) -> Role {
-        Role::start(&stage.site, "audio::ears", &self.name, 0)
+        Role::start(&stage.site, "in_real_time::audio::ears", &self.name, 0)
     }
 }
 

@@ -1,7 +1,7 @@
 //! `ca device conformance`: what keeps the rules passes, and every lie is found by the row that is about it.
 
-use super::liar::{Liar, Lie};
-use super::stage::{Ran, Stage};
+use crate::liar::{Liar, Lie};
+use crate::stage::{Ran, Stage};
 use serde_json::Value;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 

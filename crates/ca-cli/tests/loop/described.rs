@@ -1,8 +1,8 @@
 //! A device that nobody has described is what it says of itself: one degree of freedom or three, before the server or
 //! after it; and a key that presses while somebody arms is named.
 
-use super::liar::{Liar, Lie};
-use super::stage::{Stage, until};
+use crate::liar::{Liar, Lie};
+use crate::stage::{Stage, until};
 use ca_haptic::frame::{About, DOF, DeviceFrame};
 use ca_haptic::host::{DeviceClient, Site};
 use std::sync::Arc;
@@ -184,7 +184,7 @@ fn conformance_asks_whether_it_would_be_served() {
 fn a_key_that_presses_while_somebody_arms_is_named_again_and_again() {
     let stage = Stage::new();
     // 1.5 N where the key rests; of 10 N, 0.5 N count as nothing
-    let model = super::stage::KEY.replace("0.9 mm", "3 mm");
+    let model = crate::stage::KEY.replace("0.9 mm", "3 mm");
     assert!(model.contains("3 mm"));
     stage.put("presses.ca.toml", &model);
     let device = stage.key(&["--script", "hold"]);

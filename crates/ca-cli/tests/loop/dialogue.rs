@@ -1,8 +1,8 @@
 //! `ca device calibrate` asked in a terminal: a person who brings a device to its stops, skips an axis, lets it move.
 
-use super::liar::Liar;
-use super::skipped::skipped;
-use super::stage::{Stage, until};
+use crate::liar::Liar;
+use crate::skipped::skipped;
+use crate::stage::{Stage, until};
 use std::fs::File;
 use std::io::Write as _;
 use std::path::Path;
@@ -58,7 +58,7 @@ fn a_person_is_asked_for_each_stop() {
         return;
     }
     let stage = Stage::new();
-    let profile = super::stage::PROFILE.replace("dof = 1", "dof = 2");
+    let profile = crate::stage::PROFILE.replace("dof = 1", "dof = 2");
     stage.put("c/profiles/key.toml", &profile);
     // what its sensor says, in counts; it shakes while that is negative
     let says = Arc::new(AtomicI64::new(100));

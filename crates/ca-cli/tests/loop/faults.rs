@@ -1,9 +1,9 @@
 //! Models and devices that go wrong, through shared memory: every force on the line is watched.
 
-use super::fuzz::Fuzz;
-use super::liar::Liar;
-use super::stage::{KEY, Stage, until};
-use super::watch::{Watch, key};
+use crate::fuzz::Fuzz;
+use crate::liar::Liar;
+use crate::stage::{KEY, Stage, until};
+use crate::watch::{Watch, key};
 use ca_haptic::frame::{Cause, Mode};
 use std::fmt::Write as _;
 use std::path::Path;
@@ -53,7 +53,7 @@ wall = {}
 [LNL]
 cliff = { between = ["wall", "key"], spring = [[-1, -1.4e308], [-0.13, 0], [0.13, 0], [1, 1.4e308]] }
 "#;
-    let long = super::stage::PROFILE.replace("0.01", "0.5");
+    let long = crate::stage::PROFILE.replace("0.01", "0.5");
     stage.put("wild.ca.toml", wild).put("c/profiles/key.toml", &long);
     let watch = Watch::of(&stage.site, "key");
     let _server = stage.serve("wild.ca.toml", &["--quiet"]);

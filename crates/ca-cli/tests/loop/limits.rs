@@ -1,9 +1,9 @@
 //! What the guard takes away, on the wire: H4, H11, H13, and each cause of H14 that a device can give, through shared
 //! memory. The positions are functions of their numbers, so that each force is held to a closed form by its `ack`.
 
-use super::liar::Liar;
-use super::stage::{PROFILE, Stage, until};
-use super::watch::{Seen, Watch};
+use crate::liar::Liar;
+use crate::stage::{PROFILE, Stage, until};
+use crate::watch::{Seen, Watch};
 use ca_haptic::frame::{Cause, DeviceFrame, Mode, flag, status};
 use ca_haptic::profile::Profile;
 use std::sync::Arc;
@@ -153,7 +153,7 @@ fn h14_what_a_device_says_of_itself_ends_forces_with_its_cause() {
         let (mode, now, _) = stage.state();
         assert_eq!((mode.as_str(), now.as_str()), ("fault", cause.name()));
     }
-    let seen = watch.end(&super::watch::key());
+    let seen = watch.end(&crate::watch::key());
     for (_, cause) in SAID {
         assert!(seen.faults().contains(&cause), "{cause:?}: {:?}", seen.faults());
     }

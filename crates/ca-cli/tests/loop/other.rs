@@ -1,8 +1,8 @@
 //! Another user of the same machine: it can neither write into what is ours, nor hold up a command by a file or a link of
 //! its own. These tests are run by root, who can be somebody else; where they are not, they are skipped.
 
-use super::skipped::skipped;
-use super::stage::{Ran, Stage, until};
+use crate::skipped::skipped;
+use crate::stage::{Ran, Stage, until};
 use std::fs;
 use std::os::unix::fs::{MetadataExt, PermissionsExt};
 use std::os::unix::process::CommandExt;

@@ -4,7 +4,7 @@
 //! Device and engine wait for each other, so that the page is the same every time, but for a last digit; `UPDATE=1`
 //! writes it anew.
 
-use super::stage::Stage;
+use crate::stage::Stage;
 use serde_json::Value;
 use std::fmt::Write as _;
 

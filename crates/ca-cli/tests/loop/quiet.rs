@@ -1,6 +1,6 @@
 //! A model without a device asks for nothing of what devices need: no thread of theirs, no shared memory, no folder.
 
-use super::stage::{Proc, Stage, until};
+use crate::stage::{Proc, Stage, until};
 use std::fs;
 
 const BAR: &str =
@@ -28,7 +28,7 @@ fn has_no_shared_memory(stage: &Stage, p: &Proc) {
 #[test]
 fn rendering_starts_no_thread_and_opens_no_shared_memory() {
     let stage = Stage::beside();
-    stage.put("bar.ca.toml", BAR).put("dev.ca.toml", super::stage::KEY);
+    stage.put("bar.ca.toml", BAR).put("dev.ca.toml", crate::stage::KEY);
     // rendering never has a device, even where the model names one
     for model in ["bar.ca.toml", "dev.ca.toml"] {
         let p = stage.spawn(&["render", model, "-o", "/dev/null", "--seconds", "3600", "--quiet"]);

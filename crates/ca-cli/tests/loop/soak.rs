@@ -2,9 +2,9 @@
 //! the engine's thread allocates nothing meanwhile is shown where allocations are counted, in `tests/alloc`; how late
 //! things are, by the bench `latency`.
 
-use super::role;
-use super::stage::{Stage, until};
-use super::watch::{Seen, Watch, key};
+use crate::role;
+use crate::stage::{Stage, until};
+use crate::watch::{Seen, Watch, key};
 use serde_json::Value;
 use std::fs;
 use std::time::{Duration, Instant};

@@ -1,7 +1,7 @@
 //! Processes that are suspended, killed and started again: H5 to H8 through shared memory, counted in frames.
 
-use super::stage::{KEY, Stage, until};
-use super::watch::{Watch, key};
+use crate::stage::{KEY, Stage, until};
+use crate::watch::{Watch, key};
 use ca_haptic::frame::{Cause, ForceFrame, Mode, flag};
 use ca_haptic::host::control::Request;
 
@@ -210,7 +210,7 @@ b = { between = ["key", "low"], k = "down", l0 = 0 }
 "#,
     );
     // a bare device without noise that nothing pushes stays where it is
-    let quiet = super::stage::PROFILE.replace("[guard]", "step = 0\nnoise = 0\n[guard]");
+    let quiet = crate::stage::PROFILE.replace("[guard]", "step = 0\nnoise = 0\n[guard]");
     stage.put("c/profiles/key.toml", &quiet);
     let watch = Watch::of(&stage.site, "key");
     let _server = stage.serve("two.ca.toml", &["--quiet"]);

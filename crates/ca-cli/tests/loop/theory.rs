@@ -2,7 +2,7 @@
 //! (docs/numerics.md §5.2, §5.3), through two processes, gateway, rings and frames. In lock-step, so it is the same
 //! loop every time.
 
-use super::stage::Stage;
+use crate::stage::Stage;
 
 /// What is seen of a run: position at each frame \[m\], and the same as text.
 struct Run {
@@ -68,7 +68,7 @@ fn is_whole(log: &str) -> bool {
 }
 
 fn spring(k: f64) -> String {
-    let key = super::stage::KEY.replace("0.9 mm", "0 mm").replace("k = 500", &format!("k = {k:e}"));
+    let key = crate::stage::KEY.replace("0.9 mm", "0 mm").replace("k = 500", &format!("k = {k:e}"));
     assert!(key.contains(&format!("{k:e}")));
     key
 }

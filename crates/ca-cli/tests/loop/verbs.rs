@@ -1,6 +1,6 @@
 //! `ca device list`, `doctor`, `calibrate`, and the examples of the help.
 
-use super::stage::{Stage, until};
+use crate::stage::{Stage, until};
 use ca_haptic::calibration::Calibration;
 use ca_haptic::host::Site;
 
@@ -75,10 +75,10 @@ fn calibrate_writes_what_serve_reads() {
     let a = c.axis[0];
     assert!((a.scale * 100.0 + a.offset + 0.01).abs() < 1e-15 && (a.scale * 4100.0 + a.offset - 0.01).abs() < 1e-15);
     // a device that says counts, and does not know of metres: 2600 is 2.5 mm
-    let watch = super::watch::Watch::of(&stage.site, "key");
-    stage.put("far.ca.toml", &super::stage::KEY.replace("0.9 mm", "3.2 mm"));
+    let watch = crate::watch::Watch::of(&stage.site, "key");
+    stage.put("far.ca.toml", &crate::stage::KEY.replace("0.9 mm", "3.2 mm"));
     let _server = stage.serve("far.ca.toml", &["--quiet"]);
-    let _device = super::liar::Liar::moving(&stage.site, "key", |_, f| {
+    let _device = crate::liar::Liar::moving(&stage.site, "key", |_, f| {
         f.pos[0] = 2600.0;
         f.status &= !ca_haptic::frame::status::CALIBRATED;
     });
