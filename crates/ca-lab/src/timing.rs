@@ -65,6 +65,14 @@ pub fn machine() -> String {
     format!("{}{virtual_one}", name.map_or("a processor that does not say its name", |(_, name)| name.trim()))
 }
 
+/// The time in which this machine copies so many bytes, half of which are read and half written \[ns\]: a tick that
+/// takes about as long for as many waits for memory, whatever it computes.
+pub fn copying(bytes: usize) -> f64 {
+    let from = vec![1.0_f64; bytes.div_ceil(16)];
+    let mut to = from.clone();
+    Timing::default().fastest(&mut to, |_| (), |to| to.copy_from_slice(std::hint::black_box(&from)))
+}
+
 /// The caches of data of the first processor, as far as the system says: name and bytes, smallest first.
 pub fn caches() -> Vec<(String, u64)> {
     let mut all = Vec::new();

@@ -25,6 +25,9 @@ pub const RATES: [f64; 2] = [44_100.0, 48_000.0];
 /// Sizes of the curve of cost against size, in modules.
 pub const SIZES: [usize; 13] =
     [100, 200, 500, 1_000, 2_000, 5_000, 10_000, 20_000, 50_000, 100_000, 200_000, 500_000, 1_000_000];
+/// Bytes of a string that a tick reads or writes, for each module: x, d, f and the three numbers a MAT moves by, k and z of a
+/// LIA.
+pub const BYTES: usize = 8 * (6 + 2) / 2;
 /// The smallest network that is measured, in masses.
 const SMALLEST: usize = 32;
 /// Sizes that are tried at each rate.
@@ -73,6 +76,16 @@ pub fn cost(scene: &Scene) -> f64 {
     }
     let (begin, mut state) = (state.clone(), state);
     Timing::default().fastest(&mut state, |s| s.clone_from(&begin), |s| tick(scene, s))
+}
+
+/// A string of so many modules, and the time in which this machine copies the bytes it stands in \[ns\].
+///
+/// # Errors
+/// As [`measure`].
+pub fn beside_copying(modules: usize) -> Result<(Size, f64), Failure> {
+    // a mass and a link are two modules
+    let size = measure(&NETWORKS[0], modules / 2)?;
+    Ok((size, crate::timing::copying(BYTES * size.modules)))
 }
 
 /// A network with so many masses.
@@ -167,6 +180,12 @@ mod tests {
                 assert!(state.output[0].is_finite());
             }
         }
+    }
+
+    #[test]
+    fn a_string_is_measured_beside_what_it_stands_in() {
+        let (size, copied) = beside_copying(1000).unwrap_or_else(|_| panic!("a string"));
+        assert!((990..=1010).contains(&size.modules) && size.ns > 0.0 && copied > 0.0);
     }
 
     #[test]

@@ -16,7 +16,8 @@ use std::io::Write as _;
 struct Measured {
     fits: Vec<Fits>,
     instruments: Vec<Instrument>,
-    curve: Vec<Size>,
+    /// a string, and the time of copying its bytes
+    curve: Vec<(Size, f64)>,
 }
 
 /// Runs the command.
@@ -38,8 +39,7 @@ pub fn run(args: &BenchArgs) -> Outcome {
         bar.inc(1);
     }
     for modules in sizes {
-        // a mass and a link are two modules
-        m.curve.push(bench::measure(&NETWORKS[0], modules / 2)?);
+        m.curve.push(bench::beside_copying(*modules)?);
         bar.inc(1);
     }
     bar.finish_and_clear();
@@ -95,17 +95,17 @@ fn text(m: &Measured) -> Result<(), Failure> {
         writeln!(out, "  {:<20} {:>8} {:>12} {:>10}", i.name, i.size.modules, term::short(i.size.ns), i.at_once)?;
     }
     if !m.curve.is_empty() {
-        writeln!(out, "\n  {:>10} {:>12} {:>12}   a string", "modules", "ns/tick", "ns/module")?;
+        writeln!(out, "\n  {:>10} {:>12} {:>12} {:>14}   a string", "modules", "ns/tick", "ns/module", "copied, ns")?;
     }
-    for s in &m.curve {
-        let each = term::short(s.ns / s.modules.max(1) as f64);
-        writeln!(out, "  {:>10} {:>12} {each:>12}", s.modules, term::short(s.ns))?;
+    for (s, copied) in &m.curve {
+        let [each, copied] = [s.ns, *copied].map(|ns| term::short(ns / s.modules.max(1) as f64));
+        writeln!(out, "  {:>10} {:>12} {each:>12} {copied:>14}", s.modules, term::short(s.ns))?;
     }
     Ok(())
 }
 
 fn value(m: &Measured) -> Json {
-    let size = |s: &Size| json!({"modules": s.modules, "ns_per_tick": s.ns});
+    let size = |(s, copied): &(Size, f64)| json!({"modules": s.modules, "ns_per_tick": s.ns, "ns_copied": copied});
     let fits = m.fits.iter().map(|f| {
         let at: Vec<Json> =
             f.at.iter()

@@ -1,11 +1,8 @@
 //! The page of a bench: the tables, and the curve of cost against size.
 
-use super::{Measured, row};
-use ca_lab::bench::{PAPER, RATES};
+use super::{Measured, Size, row};
+use ca_lab::bench::{BYTES, PAPER, RATES};
 use ca_report::{Axis, Block, Curve, Grid, Mark, Plot, Report, Section, Table};
-
-/// Bytes that a tick of a string reads or writes, for each module: x, d, f and 1/m of a MAT, k and z of a LIA.
-const BYTES: f64 = 8.0 * (4.0 + 2.0) / 2.0;
 
 /// Makes it.
 pub(super) fn page(m: &Measured) -> Report {
@@ -35,24 +32,32 @@ pub(super) fn page(m: &Measured) -> Report {
         report.sections.push(Section::new("Instruments", vec![Block::Table(table)]));
     }
     if !m.curve.is_empty() {
-        report.sections.push(Section::new("Cost against size", vec![Block::Plot(curve(m))]));
+        let words = format!(
+            "A tick of a string reads or writes {BYTES} bytes for each module. The other curve is the time in which this \
+             machine copies as many, half of them read and half written: where a tick takes about as long, memory is its \
+             limit. Marks are sizes at which all of them just fit into a cache."
+        );
+        let blocks = vec![Block::Plot(curve(m)), Block::Text(words)];
+        report.sections.push(Section::new("Cost against size", blocks));
     }
     report
 }
 
-/// The time of a module of a string over how many there are, with the sizes of the caches.
+/// The time of a module of a string over how many there are, that of copying its bytes, and the sizes of the caches.
 fn curve(m: &Measured) -> Plot {
-    let x: Vec<f64> = m.curve.iter().map(|s| s.modules as f64).collect();
-    let y = m.curve.iter().map(|s| s.ns / s.modules.max(1) as f64).collect();
+    let x: Vec<f64> = m.curve.iter().map(|(s, _)| s.modules as f64).collect();
+    let each = |ns: f64, s: &Size| ns / s.modules.max(1) as f64;
+    let tick = m.curve.iter().map(|(s, _)| each(s.ns, s)).collect();
+    let copied = m.curve.iter().map(|(s, copied)| each(*copied, s)).collect();
     let (least, most) = (x.first().copied().unwrap_or(1.0), x.last().copied().unwrap_or(1.0));
-    let marks = ca_lab::timing::caches().into_iter().map(|(name, bytes)| (name, bytes as f64 / BYTES));
+    let marks = ca_lab::timing::caches().into_iter().map(|(name, bytes)| (name, bytes as f64 / BYTES as f64));
     let marks = marks.filter(|(_, modules)| (least..=most).contains(modules));
     Plot {
         title: "A string".into(),
         x: Axis::log("modules", ""),
         y: Axis::linear("ns per module", ""),
         grid: Grid::Points(x),
-        curves: vec![Curve::line("a tick, over its modules", y)],
+        curves: vec![Curve::line("a tick, over its modules", tick), Curve::line("as many bytes copied", copied)],
         marks: marks.map(|(text, x)| Mark { x, y: None, text }).collect(),
         image: None,
     }
