@@ -37,6 +37,12 @@ impl Vectors {
         Vectors { plain, widest: Arch::new() }
     }
 
+    /// Runs `call` with the vectors for arrays that stand on cache lines.
+    #[cfg(not(single))]
+    pub(crate) fn widest<W: pulp::WithSimd>(self, call: W) -> W::Output {
+        self.widest.dispatch(call)
+    }
+
     /// All that this processor has, narrowest first: a scene plays the same bits with each.
     pub fn all() -> [Vectors; 3] {
         let own = Vectors::detect();

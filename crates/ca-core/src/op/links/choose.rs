@@ -6,7 +6,7 @@ use super::band::Banded;
 use super::folded::Folded;
 use super::fused::Fused;
 #[cfg(not(single))]
-use super::radial::Blocks;
+use super::radial::{Blocks, by_law};
 use super::{gather, measure, pair_set, run, space};
 use crate::law::Phi;
 #[cfg(not(single))]
@@ -49,7 +49,15 @@ pub(crate) fn kernel<P: Phi<C, M> + 'static, const C: usize, const M: usize>(for
     }
     #[cfg(not(single))]
     if form.measure == MeasureKind::Radial && !(P::CONTACT && M == 0) {
-        return if form.tap { wide::widest::<Blocks<P, C, M, true>> } else { wide::widest::<Blocks<P, C, M, false>> };
+        // known when this is compiled, so that only one of both is made for a law
+        if const { P::WIDE && M == 0 } {
+            return if form.tap {
+                wide::widest::<Blocks<P, C, M, true>>
+            } else {
+                wide::widest::<Blocks<P, C, M, false>>
+            };
+        }
+        return if form.tap { by_law::<P, C, M, true> } else { by_law::<P, C, M, false> };
     }
     match (form.measure, form.stride > 0, form.offset, form.tap) {
         (MeasureKind::Line, false, false, false) => gather::gather::<P, C, M, false, false>,

@@ -25,8 +25,10 @@ use core::marker::PhantomData;
 const BLOCK: usize = 64;
 /// Batches of fewer go one by one: there is room to be cleared first.
 const FEWEST: usize = 16;
+/// Numbers of the widest vector.
+const WIDEST: usize = 8;
 
-/// Applies the law of `op` to each of its links.
+/// Applies the law of `op`, whose force runs in vectors, to each of its links.
 pub struct Blocks<P, const C: usize, const M: usize, const TAP: bool>(PhantomData<P>);
 
 impl<P: Phi<C, M>, const C: usize, const M: usize, const TAP: bool> Body for Blocks<P, C, M, TAP> {
@@ -53,6 +55,95 @@ impl<P: Phi<C, M>, const C: usize, const M: usize, const TAP: bool> Body for Blo
         }
         links::<P, Radial, C, M, TAP>(op, layout, s, whole..op.n);
     }
+}
+
+/// The numbers of a block in passing, for laws that are asked link by link.
+struct Room {
+    /// vectors between ends, then forces, and one number more
+    v: [f64; 3 * BLOCK + 1],
+    /// lengths
+    l: [f64; BLOCK],
+    /// elongations, then forces of the law
+    e: [f64; BLOCK],
+    /// changes of length
+    w: [f64; BLOCK],
+}
+
+/// A block of links whose law is asked link by link: what stands before and after the law is the same for all laws, and is
+/// made once.
+struct Around<'a> {
+    op: &'a Op,
+    layout: &'a Layout,
+    s: &'a mut State,
+    first: usize,
+    n: usize,
+    room: &'a mut Room,
+    /// the forces of the law are known
+    after: bool,
+}
+
+impl pulp::WithSimd for Around<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Around { op, layout, s, first, n, room, after } = self;
+        let Room { v, l, e, w } = room;
+        let steps = n / S::F64_LANES;
+        let (l, e) = (&mut S::as_mut_simd_f64s(&mut l[..n]).0[..steps], &mut e[..n]);
+        if after {
+            let force = &S::as_simd_f64s(e).0[..steps];
+            let vectors = &mut S::as_mut_simd_f64s(&mut v[..3 * n]).0.as_chunks_mut::<3>().0[..steps];
+            for i in 0..steps {
+                vectors[i] = along(simd, simd.deinterleave_shfl_f64s(vectors[i]), force[i], l[i]);
+            }
+            sums(simd, op, layout, s, first, &v[..3 * n]);
+            return;
+        }
+        vectors(simd, op, layout, s, first, &mut v[..=3 * n]);
+        if s.lengths[op.ports.reach + first] < 0.0 {
+            recall(op, layout, s, first, &v[..3 * n]);
+        }
+        let mut soft = [0.0; BLOCK];
+        let soft = softened::<S>(op, layout, first, &mut soft[..n]);
+        let lengths = &mut s.lengths[op.ports.reach + first..][..n];
+        let (vectors, e0, last) = block::<S>(&mut v[..3 * n], &layout.e0[op.first + first..][..n], lengths);
+        let (e, w) = (&mut S::as_mut_simd_f64s(e).0[..steps], &mut S::as_mut_simd_f64s(&mut w[..n]).0[..steps]);
+        for i in 0..steps {
+            let now = length(simd, simd.deinterleave_shfl_f64s(vectors[i]), soft.map(|soft| &soft[i]));
+            (l[i], e[i], w[i]) = (now.1, (now + Lanes(simd, e0[i])).1, (now - Lanes(simd, last[i])).1);
+            last[i] = now.1;
+        }
+    }
+}
+
+/// Applies a law that is asked link by link to each link of `op`.
+pub fn by_law<P: Phi<C, M>, const C: usize, const M: usize, const TAP: bool>(op: &Op, layout: &Layout, s: &mut State) {
+    // blocks are whole for vectors of any width, so that the same links are taken one by one with each
+    let whole = if op.n < FEWEST { 0 } else { op.n - op.n % WIDEST };
+    let mut room = Room { v: [0.0; 3 * BLOCK + 1], l: [0.0; BLOCK], e: [0.0; BLOCK], w: [0.0; BLOCK] };
+    let mut first = 0;
+    while first < whole {
+        let n = BLOCK.min(whole - first);
+        layout.vectors.widest(Around { op, layout, s: &mut *s, first, n, room: &mut room, after: false });
+        let mut columns: [&[f64]; C] = [&[]; C];
+        for (k, column) in columns.iter_mut().enumerate() {
+            *column = &s.coef[op.coef + k * op.n + first..][..n];
+        }
+        let mem = &mut s.mem[op.mem + first * M..][..n * M];
+        let (e, w) = (&mut room.e[..n], &room.w[..n]);
+        for i in 0..n {
+            let c = core::array::from_fn(|k| columns[k][i]);
+            let mut none = [0.0; M];
+            let m = if M == 0 { &mut none } else { mem[i * M..].first_chunk_mut::<M>().unwrap_or(&mut none) };
+            e[i] = P::force(&c, m, &layout.tables, e[i], w[i]);
+        }
+        if TAP {
+            s.tap[op.tap + first..][..n].copy_from_slice(e);
+        }
+        layout.vectors.widest(Around { op, layout, s: &mut *s, first, n, room: &mut room, after: true });
+        first += n;
+    }
+    links::<P, Radial, C, M, TAP>(op, layout, s, whole..op.n);
 }
 
 /// Four numbers from `i` on, where there are so many.
@@ -159,7 +250,30 @@ fn along<S: Simd>(simd: S, v: [S::f64s; 3], force: S::f64s, l: S::f64s) -> [S::f
     simd.interleave_shfl_f64s(g)
 }
 
-/// Vectors become the forces on the first ends of their links.
+/// The numbers of a block as vectors: those between ends, elongations at rest, and lengths of the tick before.
+type Vectors<'a, S> = (&'a mut [[<S as Simd>::f64s; 3]], &'a [<S as Simd>::f64s], &'a mut [<S as Simd>::f64s]);
+
+/// Splits a block, of which `v` are the vectors.
+#[inline(always)]
+fn block<'a, S: Simd>(v: &'a mut [f64], e0: &'a [f64], last: &'a mut [f64]) -> Vectors<'a, S> {
+    let steps = e0.len() / S::F64_LANES;
+    let v = &mut S::as_mut_simd_f64s(v).0.as_chunks_mut::<3>().0[..steps];
+    (v, &S::as_simd_f64s(e0).0[..steps], &mut S::as_mut_simd_f64s(last).0[..steps])
+}
+
+/// What softens the links of a block, where they have any; `room` is for it.
+#[inline(always)]
+fn softened<'a, S: Simd>(op: &Op, layout: &Layout, first: usize, room: &'a mut [f64]) -> Option<&'a [S::f64s]> {
+    if !op.form.soften {
+        return None;
+    }
+    for (soft, reach) in room.iter_mut().zip(&layout.reach[op.ports.reach + first..]) {
+        *soft = reach[3];
+    }
+    Some(S::as_simd_f64s(room).0)
+}
+
+/// Vectors become the forces on the first ends of their links, by a law whose force runs in vectors.
 #[inline(always)]
 fn pulls<S: Simd, P: Phi<C, M>, const C: usize, const M: usize, const TAP: bool>(
     simd: S,
@@ -170,72 +284,29 @@ fn pulls<S: Simd, P: Phi<C, M>, const C: usize, const M: usize, const TAP: bool>
     v: &mut [f64],
 ) {
     let n = v.len() / 3;
-    let steps = n / S::F64_LANES;
-    let mut columns: [&[f64]; C] = [&[]; C];
+    let mut columns: [&[S::f64s]; C] = [&[]; C];
     for (k, column) in columns.iter_mut().enumerate() {
-        *column = &s.coef[op.coef + k * op.n + first..][..n];
+        *column = &S::as_simd_f64s(&s.coef[op.coef + k * op.n + first..][..n]).0[..n / S::F64_LANES];
     }
-    let vectors = &mut S::as_mut_simd_f64s(v).0.as_chunks_mut::<3>().0[..steps];
-    let e0 = &S::as_simd_f64s(&layout.e0[op.first + first..][..n]).0[..steps];
-    let last = &mut S::as_mut_simd_f64s(&mut s.lengths[op.ports.reach + first..][..n]).0[..steps];
-    let tap = if TAP { &mut s.tap[op.tap + first..][..n] } else { &mut [] };
+    let lengths = &mut s.lengths[op.ports.reach + first..][..n];
+    let (vectors, e0, last) = block::<S>(v, &layout.e0[op.first + first..][..n], lengths);
+    let tap = S::as_mut_simd_f64s(if TAP { &mut s.tap[op.tap + first..][..n] } else { &mut [] }).0;
     let mut room = [0.0; BLOCK];
-    let soft = if op.form.soften {
-        for (soft, reach) in room.iter_mut().zip(&layout.reach[op.ports.reach + first..]) {
-            *soft = reach[3];
-        }
-        Some(&S::as_simd_f64s(&room[..n]).0[..steps])
-    } else {
-        None
-    };
-    if P::WIDE && M == 0 {
-        let mut wide: [&[S::f64s]; C] = [&[]; C];
+    let soft = softened::<S>(op, layout, first, &mut room[..n]);
+    for i in 0..vectors.len() {
+        let v = simd.deinterleave_shfl_f64s(vectors[i]);
+        let l = length(simd, v, soft.map(|soft| &soft[i]));
+        let (e, w) = (l + Lanes(simd, e0[i]), l - Lanes(simd, last[i]));
+        last[i] = l.1;
+        let mut c = [e; C];
         for k in 0..C {
-            wide[k] = &S::as_simd_f64s(columns[k]).0[..steps];
+            c[k] = Lanes(simd, columns[k][i]);
         }
-        let tap = S::as_mut_simd_f64s(tap).0;
-        for i in 0..steps {
-            let v = simd.deinterleave_shfl_f64s(vectors[i]);
-            let l = length(simd, v, soft.map(|soft| &soft[i]));
-            let (e, w) = (l + Lanes(simd, e0[i]), l - Lanes(simd, last[i]));
-            last[i] = l.1;
-            let mut c = [e; C];
-            for k in 0..C {
-                c[k] = Lanes(simd, wide[k][i]);
-            }
-            let force = P::linear(&c, e, w).1;
-            if TAP {
-                tap[i] = force;
-            }
-            vectors[i] = along(simd, v, force, l.1);
+        let force = P::linear(&c, e, w).1;
+        if TAP {
+            tap[i] = force;
         }
-        return;
-    }
-    let (mut lengths, mut e, mut w) = ([0.0; BLOCK], [0.0; BLOCK], [0.0; BLOCK]);
-    let lengths = &mut S::as_mut_simd_f64s(&mut lengths[..n]).0[..steps];
-    {
-        let e = &mut S::as_mut_simd_f64s(&mut e[..n]).0[..steps];
-        let w = &mut S::as_mut_simd_f64s(&mut w[..n]).0[..steps];
-        for i in 0..steps {
-            let v = simd.deinterleave_shfl_f64s(vectors[i]);
-            let l = length(simd, v, soft.map(|soft| &soft[i]));
-            (lengths[i], e[i], w[i]) = (l.1, (l + Lanes(simd, e0[i])).1, (l - Lanes(simd, last[i])).1);
-            last[i] = l.1;
-        }
-    }
-    let mem = &mut s.mem[op.mem + first * M..][..n * M];
-    for i in 0..n {
-        let c = core::array::from_fn(|k| columns[k][i]);
-        let mut none = [0.0; M];
-        let m = if M == 0 { &mut none } else { mem[i * M..].first_chunk_mut::<M>().unwrap_or(&mut none) };
-        e[i] = P::force(&c, m, &layout.tables, e[i], w[i]);
-    }
-    if TAP {
-        tap.copy_from_slice(&e[..n]);
-    }
-    let force = &S::as_simd_f64s(&e[..n]).0[..steps];
-    for i in 0..steps {
-        vectors[i] = along(simd, simd.deinterleave_shfl_f64s(vectors[i]), force[i], lengths[i]);
+        vectors[i] = along(simd, v, force, l.1);
     }
 }
 
