@@ -231,7 +231,9 @@ fn ledgers_balance_and_forces_are_whole() {
         let b = ledger.balance();
         within("not explained", b.residual.abs() / b.peak, 1e-11);
         // only at the port, which goes another way than it went, is something made
-        for (name, made) in (0..scene.n_lia).map(|l| (scene.audited_name(l).unwrap_or("?"), ledger.scheme_error[l])) {
+        for (name, made) in
+            (0..scene.n_lia).map(|l| (scene.audited_name(l).unwrap_or("?".into()), ledger.scheme_error[l]))
+        {
             within(&format!("made by {name}"), made.abs() / b.peak, if name == "grip" { 1e-2 } else { 1e-11 });
         }
         ends.push(s);

@@ -253,7 +253,7 @@ fn the_energy_ledger_balances_and_agrees_with_that_of_the_pairs() {
         {
             within(what, (a - b).abs() / one.peak, 1e-12);
         }
-        let hits = (0..set.n_lia).filter(|k| set.audited_name(*k) == Some("hits")).count();
+        let hits = (0..set.n_lia).filter(|k| set.audited_name(*k).as_deref() == Some("hits")).count();
         assert_eq!(hits, 1, "the set is one entry");
     }
 }

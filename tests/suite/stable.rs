@@ -5,6 +5,7 @@ use ca_benches::rattle::{fares, page};
 use ca_compile::Options;
 use ca_core::scene::certificate::Level;
 use ca_core::{Scene, State, tick};
+use std::borrow::Cow;
 use std::fmt::Write as _;
 
 pub fn heat(scene: &Scene, s: &State) -> f64 {
@@ -334,7 +335,7 @@ fn the_method_follows_the_geometry() {
         let known: Vec<_> = (0..scene.n_lia).filter_map(|i| scene.audited_name(i)).collect();
         assert_eq!(known.len(), 5);
         for name in ["t", "u", "x", "y", "z"] {
-            assert!(known.contains(&name), "{known:?}");
+            assert!(known.contains(&Cow::Borrowed(name)), "{known:?}");
         }
     }
 }

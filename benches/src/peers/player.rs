@@ -52,7 +52,8 @@ impl Engine {
     pub fn started(&self, net: &Net) -> Net {
         let (mut started, state) = (net.clone(), &self.scene.initial);
         for symbol in &self.scene.symbols {
-            let number = symbol.name.rsplit('.').next().and_then(|name| name.strip_prefix('m'));
+            let name = symbol.name.to_string();
+            let number = name.rsplit('.').next().and_then(|name| name.strip_prefix('m'));
             let (Some(i), Location::Mat(at)) = (number.and_then(|n| n.parse::<usize>().ok()), symbol.location) else {
                 continue;
             };

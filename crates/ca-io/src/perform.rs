@@ -219,7 +219,7 @@ impl<'a> Performance<'a> {
                     audited.state.ledger.as_ref().and_then(ca_core::state::Ledger::largest_error)
                 {
                     if let Some(name) = scene.audited_name(link) {
-                        return (name.into(), format!("it made {made:.3e} J"));
+                        return (name.into_owned(), format!("it made {made:.3e} J"));
                     }
                 }
             }

@@ -13,6 +13,7 @@ use ca_model::quantity::{Quantity, QuantityError, parse};
 use numpy::{IntoPyArray as _, PyArray1, PyArray2, PyArrayMethods as _};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use std::borrow::Cow;
 
 /// The unit of a parameter; empty where it has none.
 pub fn symbol(ty: Type) -> String {
@@ -168,7 +169,7 @@ pub fn energy<'py>(
         d.set_item(name, value)?;
     }
     let by_link = |all: &[f64]| -> Vec<(String, f64)> {
-        let name = |l: usize| scene.audited_name(l).unwrap_or("?").to_owned();
+        let name = |l: usize| scene.audited_name(l).map_or_else(|| "?".into(), Cow::into_owned);
         all.iter().enumerate().filter(|(_, v)| **v != 0.0).map(|(l, v)| (name(l), *v)).collect()
     };
     d.set_item("lost_by", by_link(&ledger.lost))?;

@@ -4,6 +4,7 @@
 //! stiffest, and in space pulled in one direction. What hangs behind these links does not matter: it is passive by the rest of the certificate.
 
 use crate::net::{End, MatRole, Pruned};
+use alloc::string::ToString;
 use alloc::vec::Vec;
 use ca_core::kind::PortRole;
 use ca_core::law::Bound;
@@ -30,8 +31,8 @@ pub fn keys(net: &Pruned, bounds: &[Bound]) -> Vec<Key> {
     for (m, links) in net.mats.iter().zip(held) {
         let k: f64 = links.iter().map(|l| l.1).sum();
         if k > 0.0 && key(m) {
-            let links = links.into_iter().map(|(item, k)| (net.items[item as usize].name.clone(), k)).collect();
-            keys.push(Key { name: m.name.clone(), k, links });
+            let links = links.into_iter().map(|(item, k)| (net.items[item as usize].name.to_string(), k)).collect();
+            keys.push(Key { name: m.name.to_string(), k, links });
         }
     }
     keys

@@ -10,6 +10,7 @@ use crate::net::{LiaNode, Pruned};
 use alloc::collections::BTreeSet;
 use alloc::format;
 use alloc::string::String;
+use alloc::string::ToString;
 use alloc::vec::Vec;
 use ca_core::law::Bound;
 use ca_core::scene::certificate::{Certificate, FactorVerdict, Level};
@@ -33,7 +34,7 @@ pub fn report(
         bound: bounds.upper,
         lower: bounds.lower,
         exact: decided.verdict != FactorVerdict::Open,
-        worst: bounds.worst.map(|i| net.mats[i].name.clone()).unwrap_or_default(),
+        worst: bounds.worst.map(|i| net.mats[i].name.to_string()).unwrap_or_default(),
         not_judged: not_judged(net),
         ..Certificate::default()
     };
@@ -75,5 +76,5 @@ fn not_proven(model: &Model, net: &Pruned, bounds: &Bounds, cert: &Certificate) 
 /// Items of which some mass is left out, since nothing hears it. Masses whose modes stand for them are heard.
 fn not_judged(net: &Pruned) -> Vec<String> {
     let items: BTreeSet<u32> = net.unheard.iter().map(|m| net.mats[*m as usize].item).collect();
-    items.into_iter().map(|i| net.items[i as usize].name.clone()).collect()
+    items.into_iter().map(|i| net.items[i as usize].name.to_string()).collect()
 }

@@ -15,8 +15,10 @@ use crate::net::linearisation;
 use crate::net::{End, LiaNode, Measure, Pruned};
 use alloc::collections::BTreeSet;
 use alloc::format;
+use alloc::string::String;
 use alloc::vec::Vec;
 use ca_core::kind::Unit;
+use ca_core::kind::name::Name;
 use ca_model::diag::{Diag, Diags};
 use ca_model::{Model, quantity};
 
@@ -244,12 +246,12 @@ pub fn rigid(model: &Model, net: &Pruned, diags: &mut Diags) {
     }
 }
 
-fn nothing(name: &str, [p, q]: [&str; 2]) -> Diag {
+fn nothing(name: &Name, [p, q]: [String; 2]) -> Diag {
     let title = format!("`{name}` has no support: no spring holds `{p}` and `{q}` together");
     Diag::warning("W111", title).help("join them by `[RES]` or `[REF]`, tie each to a `[SOL]`, or make each a `[CEL]`")
 }
 
-fn softer(name: &str, [p, q]: [&str; 2], k: f64, soft: f64) -> Diag {
+fn softer(name: &Name, [p, q]: [String; 2], k: f64, soft: f64) -> Diag {
     let newtons = |k: f64| quantity::show(round_down(k), Unit::STIFFNESS);
     let title =
         format!("`{name}` has a support softer than itself: between `{p}` and `{q}` are {}", newtons(1.0 / soft));

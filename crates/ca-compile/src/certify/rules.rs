@@ -6,6 +6,7 @@ use crate::findings::{round_down, round_up};
 use crate::net::{End, LiaNode, Pruned};
 use alloc::collections::BTreeSet;
 use alloc::format;
+use alloc::string::ToString;
 use ca_core::kind::Unit;
 use ca_core::law::Bound;
 use ca_core::scene::certificate::Certificate;
@@ -35,7 +36,7 @@ pub fn contacts(
         let a = b.k * c;
         if a > cert.contact {
             cert.contact = a;
-            cert.stiffest.clone_from(&l.name);
+            cert.stiffest = l.name.to_string();
         }
         if a > 1.0 && reported.insert(l.item) {
             let safe = quantity::show(round_down(1.0 / c), Unit::STIFFNESS);

@@ -1,9 +1,8 @@
 //! Measure: by what a link measures its two ends, on a line, along a direction or as a distance in space.
 
-use crate::lower::space::AXES;
 use crate::net::{End, LiaNode, Measure, Wired};
-use alloc::format;
 use alloc::vec::Vec;
+use ca_core::kind::name::Name;
 
 /// The axis a direction runs along, if it is one and points forward.
 fn axis(n: [f64; 3]) -> Option<u8> {
@@ -43,7 +42,7 @@ pub fn vectorial(net: &Wired, l: LiaNode) -> Vec<LiaNode> {
     }
     let axes = l.ends.iter().map(|e| net.axes(*e)).max().unwrap_or(3);
     let along = |k: u8| {
-        let name = format!("{}.{}", l.name, AXES[k as usize]);
+        let name = Name { axis: Some(k), ..l.name.clone() };
         LiaNode { name, measure: Measure::Line([k, k]), ..l.clone() }
     };
     (0..axes).map(along).collect()

@@ -6,7 +6,7 @@ use crate::findings::type_name;
 use crate::lower::space;
 use crate::net::{End, OutNode, OutputTap};
 use alloc::format;
-use alloc::string::String;
+use alloc::string::ToString;
 use alloc::vec::Vec;
 use ca_core::live::Source;
 use ca_model::LARGEST;
@@ -67,7 +67,7 @@ impl Wiring<'_> {
         let taps = self.taps(&e, &name, force);
         let many = taps.len() > 1 && channel.is_none();
         for (i, tap) in taps.into_iter().enumerate() {
-            let own = if many { format!("{name}[{i}]") } else { name.clone() };
+            let own = if many { format!("{name}[{i}]") } else { name.to_string() };
             let channel = channel.map_or(self.net.channels.len() as u32, |c| c as u32);
             if channel > 255 {
                 // once, not for each output that follows
@@ -100,7 +100,7 @@ impl Wiring<'_> {
     pub(super) fn probe(&mut self, text: &str, asked: u32) {
         // an output's name means what it hears, along the direction it hears it; one that hears several on channels of
         // their own is a value for each
-        let of = |o: &OutNode| o.item.is_some_and(|i| o.name == text || self.net.items[i as usize].name == text);
+        let of = |o: &OutNode| o.item.is_some_and(|i| o.name == text || *self.net.items[i as usize].name == *text);
         let heard: Vec<OutNode> = self.net.outs.iter().filter(|o| of(o)).cloned().collect();
         let mut last = None;
         for o in &heard {
@@ -123,11 +123,10 @@ impl Wiring<'_> {
         for tap in taps {
             // one is called as it was asked for, several each by its own name
             let name = match tap {
-                _ if !many => text,
+                _ if !many => text.into(),
                 OutputTap::Position(end) | OutputTap::ForceOn(end) => self.net.end_name(end),
-                OutputTap::ForceOf(l) => &self.net.lias[l as usize].name,
+                OutputTap::ForceOf(l) => self.net.lias[l as usize].name.to_string(),
             };
-            let name = String::from(name);
             let axes = if let OutputTap::Position(e) = tap { self.net.axes(e) } else { 1 };
             // of a plane too: its frozen axis is a number like the others
             for axis in 0..if axes > 1 { 3 } else { 1 } {

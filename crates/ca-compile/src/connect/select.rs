@@ -126,7 +126,7 @@ impl Wiring<'_> {
         if self.is_reported(name) {
             return;
         }
-        let known = self.net.items.iter().find(|i| i.name == name).map(|i| (i.kind, i.model));
+        let known = self.net.items.iter().find(|i| *i.name == *name).map(|i| (i.kind, i.model));
         if let Some((kind, at)) = known {
             if let Role::Generator(_) = kind.role {
                 // it could not be built, and that has been said
@@ -276,7 +276,7 @@ impl Wiring<'_> {
         if self.is_reported(name) || self.model.params.iter().any(|p| p.key == name) {
             return None;
         }
-        let ports = self.net.mats.iter().filter(|m| matches!(m.role, MatRole::Port(..))).map(|m| m.name.as_str());
+        let ports = self.net.mats.iter().filter(|m| matches!(m.role, MatRole::Port(..))).map(|m| &*m.name.of);
         let params = self.model.params.iter().map(|p| p.key.as_str());
         let near = nearest(name, params.chain(ports));
         let from = w.text.find('@').map_or(0, |i| i + 1);

@@ -9,8 +9,10 @@ use crate::net::{End, LiaNode, Measure};
 use crate::options::Options;
 use alloc::collections::BTreeSet;
 use alloc::string::String;
+use alloc::string::ToString;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
+use ca_core::kind::name::Name;
 use ca_core::live::Source;
 use ca_core::op::Law;
 use ca_model::select::parse;
@@ -45,7 +47,10 @@ impl Wiring<'_> {
         let written = |key: &str| self.entry(id, key).is_some();
         // a method of its own keeps something for each pair; a module joined to itself is an error that pairs tell
         let plain = law.contact && law.mem == 0 && arg("method").is_none_or(|m| m == 0.0);
-        if !plain || !enough || self.heard.contains(&name) || ["along", "onto", "soften", "l0"].into_iter().any(written)
+        if !plain
+            || !enough
+            || self.heard.contains(&*name)
+            || ["along", "onto", "soften", "l0"].into_iter().any(written)
         {
             return false;
         }
@@ -57,9 +62,21 @@ impl Wiring<'_> {
         let ends = [a[0], if itself { a[1] } else { b[0] }];
         let sets = Some(Arc::new([first, if itself { Vec::new() } else { second }]));
         let values = (0..kind.params.len() as u32).map(Source::Slot).collect();
-        self.net.families.entry(name.clone()).or_default().links = alloc::vec![self.net.lias.len() as u32];
+        self.net.families.entry(name.to_string()).or_default().links = alloc::vec![self.net.lias.len() as u32];
         let (measure, onto, l0, soften) = (Measure::Radial, None, None, 0.0);
-        self.net.lias.push(LiaNode { name, kind, law, values, ends, measure, onto, sets, l0, soften, item: id });
+        self.net.lias.push(LiaNode {
+            name: Name::from(&name),
+            kind,
+            law,
+            values,
+            ends,
+            measure,
+            onto,
+            sets,
+            l0,
+            soften,
+            item: id,
+        });
         true
     }
 }

@@ -10,8 +10,10 @@ use crate::net::{End, LiaNode, Measure, Push, Resolved, SecondPort, Wired};
 use crate::options::{KernelClass, Options};
 use alloc::collections::{BTreeMap, BTreeSet};
 use alloc::format;
+use alloc::string::ToString;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
+use ca_core::kind::name::{Index, Name, Part};
 use ca_core::kind::{PortRole, Role};
 use ca_core::live::Source;
 use ca_core::phi::Pairs;
@@ -204,7 +206,8 @@ impl Wiring<'_> {
                 core::mem::swap(&mut ends, &mut o.ends);
                 core::mem::swap(&mut measure, &mut o.measure);
             }
-            let name = if many { format!("{name}[{i}]") } else { name.clone() };
+            let index = if many { i.into() } else { Index::None };
+            let name = Name::new(&name, Part::Own, index);
             let values = values.clone();
             let node = LiaNode { name, kind, law, values, ends, measure, onto, sets: None, l0, soften, item: id };
             if soften > 0.0 && !node.is_radial() {
@@ -218,7 +221,7 @@ impl Wiring<'_> {
                 self.net.lias.push(l);
             }
         }
-        self.net.families.entry(name).or_default().links = made;
+        self.net.families.entry(name.to_string()).or_default().links = made;
     }
 
     /// How the two ports of a quadripole measure; an error in words where the ends of one are in different worlds.
@@ -281,7 +284,7 @@ impl Wiring<'_> {
         let name = self.net.items[id as usize].name.clone();
         let Some(e) = self.entry(id, "to") else { return };
         let Some(ends) = self.side(&e, &name, "to", "a force pushes a MAT: a mass or a cell") else { return };
-        let Some(input) = self.net.inputs.iter().position(|i| i.name == name) else { return };
+        let Some(input) = self.net.inputs.iter().position(|i| *i.name == *name) else { return };
         let along = self.net.items[id as usize].args.get(2).and_then(space::direction);
         if self.net.pushes.len() + ends.len() > LARGEST {
             self.too_many(&name, "forces", e.span);

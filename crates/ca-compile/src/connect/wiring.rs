@@ -28,7 +28,7 @@ pub(super) fn broken<'a>(model: &'a Model, net: &Resolved) -> BTreeSet<&'a str> 
     let last = |name: &'a str| name.rsplit('.').next().unwrap_or(name);
     let mut all: BTreeSet<&str> = model.lost.iter().flat_map(|l| [l.as_str(), last(l)]).collect();
     if net.items.len() < model.items.len() {
-        let made: BTreeSet<&str> = net.items.iter().map(|i| i.name.as_str()).collect();
+        let made: BTreeSet<&str> = net.items.iter().map(|i| &*i.name).collect();
         all.extend(model.items.iter().map(|i| i.name.as_str()).filter(|n| !made.contains(n)));
     }
     all

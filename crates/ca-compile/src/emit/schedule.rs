@@ -26,7 +26,7 @@ use ca_core::op::layout::{
 };
 use ca_core::op::{Op, Vectors};
 use ca_core::scene::certificate::Certificate;
-use ca_core::scene::{InputRole, Location, Order, Scene, Symbol, start};
+use ca_core::scene::{InputRole, Location, Order, Scene, Symbols, start};
 use ca_core::state::{ActiveContacts, Border, Cell, Identity, Ledger, Ramps, State, UNKNOWN};
 use ca_model::Model;
 use ca_model::diag::Diags;
@@ -336,19 +336,15 @@ fn accounts(links: &Links, n_mat: usize, ported: impl Fn(u32) -> bool, index: im
 }
 
 /// The modules by name: MATs that stay, then links, whose passes have an `index` among the forces.
-fn symbols(plan: &Plan, links: &Links, index: impl Fn(usize) -> usize) -> Vec<Symbol> {
+fn symbols(plan: &Plan, links: &Links, index: impl Fn(usize) -> usize) -> Symbols {
     let net = plan.net;
     let mats = net.mats.iter().zip(&plan.slot).filter(|(_, at)| **at != u32::MAX);
-    let mats =
-        mats.map(|(m, at)| Symbol { name: m.name.clone(), code: m.code, axes: m.axes, location: Location::Mat(*at) });
-    let lias = net.lias.iter().zip(&links.where_is);
-    let lias = lias.map(|(l, (op, k))| Symbol {
-        name: l.name.clone(),
-        code: l.law.code,
-        axes: 1,
-        location: Location::Lia(index(*op as usize) as u32, *k),
-    });
-    mats.chain(lias).collect()
+    let mut all = Symbols::with_capacity(mats.clone().count(), net.lias.len());
+    mats.for_each(|(m, at)| all.push(&m.name, m.code, m.axes, Location::Mat(*at)));
+    for (l, (op, k)) in net.lias.iter().zip(&links.where_is) {
+        all.push(&l.name, l.law.code, 1, Location::Lia(index(*op as usize) as u32, *k));
+    }
+    all
 }
 
 /// Numbers as a tick has them.

@@ -9,6 +9,7 @@ use crate::lower::values::Values;
 use crate::net::{MatRole, Resolved};
 use alloc::format;
 use alloc::string::String;
+use alloc::string::ToString;
 use alloc::vec::Vec;
 use ca_core::equivalence::{Class, Equivalence, Gains, Pair, Quantity, ROWS, Scale, anchor_for, keep, row, solve};
 use ca_core::kind::{ABOVE_ZERO, PortRole, Unit};
@@ -27,7 +28,7 @@ pub fn equivalence(model: &Model, net: &mut Resolved, v: &mut Values<'_>) {
         .mats
         .iter()
         .filter_map(|m| match m.role {
-            MatRole::Port(PortRole::Tgr, inputs) => Some((m.name.clone(), inputs)),
+            MatRole::Port(PortRole::Tgr, inputs) => Some((m.name.to_string(), inputs)),
             _ => None,
         })
         .collect();

@@ -2,10 +2,11 @@
 
 use crate::net::lines::LineNode;
 use crate::net::{End, Family, LiaNode, MatNode, MatRole, Measure, Resolved};
-use alloc::string::String;
+use alloc::string::ToString;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 use ca_core::kind::builder::{Builder, Built};
+use ca_core::kind::name::{Name, Part};
 use ca_core::kind::{Kind, Role};
 use ca_core::live::Source;
 
@@ -25,23 +26,6 @@ impl Shared {
     }
 }
 
-/// `name` and `part` with an index. Written by hand, since a module is named in a tenth of the time that `format!` takes.
-fn indexed(name: &str, part: &str, index: usize) -> String {
-    let (mut digits, mut first, mut rest) = ([b'0'; 20], 20, index);
-    while first > 0 && (rest > 0 || first == 20) {
-        first -= 1;
-        digits[first] = b'0' + (rest % 10) as u8;
-        rest /= 10;
-    }
-    let mut text = String::with_capacity(name.len() + part.len() + 22 - first);
-    text.push_str(name);
-    text.push_str(part);
-    text.push('[');
-    text.extend(digits[first..].iter().map(|d| char::from(*d)));
-    text.push(']');
-    text
-}
-
 /// Adds what item `item` built to the net. The cheapest law that serves each link is chosen later, by the same
 /// pass that treats links written by hand.
 pub fn expand(net: &mut Resolved, item: u32, built: &Builder<'_>, (dim, rest): (u8, [f64; 3]), group: Option<u32>) {
@@ -59,10 +43,10 @@ pub fn expand(net: &mut Resolved, item: u32, built: &Builder<'_>, (dim, rest): (
         };
         let name = if *what == Built::Anchor {
             family.anchors.push(id);
-            indexed(&name, ".end", family.anchors.len() - 1)
+            Name::new(&name, Part::End, (family.anchors.len() - 1).into())
         } else {
             family.masses.push(id);
-            [&name, "[", index, "]"].concat()
+            Name::new(&name, Part::Own, *index)
         };
         let Role::Mat(spec) = kind.role else { continue };
         let mut values = alloc::vec![Source::Absent; kind.params.len()];
@@ -86,7 +70,7 @@ pub fn expand(net: &mut Resolved, item: u32, built: &Builder<'_>, (dim, rest): (
     for (i, l) in built.links.iter().enumerate() {
         family.links.push(net.lias.len() as u32);
         net.lias.push(LiaNode {
-            name: indexed(&name, ".link", i),
+            name: Name::new(&name, Part::Link, i.into()),
             kind: &ca_core::phi::REF,
             law,
             values: shared.list(&[Source::Absent, Source::Slot(l.k), Source::Slot(l.z), Source::Absent]),
@@ -101,5 +85,5 @@ pub fn expand(net: &mut Resolved, item: u32, built: &Builder<'_>, (dim, rest): (
     }
     net.lines.extend(built.line.clone().map(|asked| LineNode { item, first: base, asked, tuned: None }));
     family.nodes = built.nodes.iter().map(|n| base + n).collect();
-    net.families.insert(name, family);
+    net.families.insert(name.to_string(), family);
 }

@@ -85,7 +85,7 @@ fn drives_nothing(e: &Entry, model: &Model, net: &Resolved, named: &[Named], dia
         return;
     }
     if let Some(item) = model.items.iter().find(|i| i.name == e.key) {
-        if matches!(item.kind.as_str(), "ENX" | "ENF" | "TGR") || !net.items.iter().any(|i| i.name == e.key) {
+        if matches!(item.kind.as_str(), "ENX" | "ENF" | "TGR") || !net.items.iter().any(|i| *i.name == *e.key) {
             return; // broken, and reported where it stands
         }
         d = d.at(e.key_span, "not a port").at(item.name_span, format!("{} is not moved by a gesture", item.kind));

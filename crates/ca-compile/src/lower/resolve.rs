@@ -10,11 +10,13 @@ use crate::lower::{equivalence, gesture, params, rates, requirements, space};
 use crate::net::{Family, MatNode, MatRole, NetItem, Resolved};
 use alloc::collections::{BTreeMap, BTreeSet};
 use alloc::format;
-use alloc::string::String;
+use alloc::string::{String, ToString};
+use alloc::sync::Arc;
 use alloc::vec::Vec;
 use ca_core::Catalog;
 use ca_core::equivalence::Gains;
 use ca_core::kind::builder::{Arg, Args, Builder, Problem};
+use ca_core::kind::name::Name;
 use ca_core::kind::{Kind, Need, OneOf, Param, PortRole, Role, Type, Unit};
 use ca_core::live::Source;
 use ca_core::scene::{Input, InputRole};
@@ -164,7 +166,7 @@ fn item_args(kind: &'static Kind, item: &Item, model: usize, v: &mut Values<'_>)
     }
     good = good && requirements::parameters(kind, item, &args, v.diags);
     good.then(|| NetItem {
-        name: item.name.clone(),
+        name: Arc::from(item.name.as_str()),
         kind,
         model,
         group: item.group.map(|g| g as u32),
@@ -246,7 +248,7 @@ fn nodes(mut item: NetItem, source: &Item, net: &mut Resolved, v: &mut Values<'_
                 }
             }
             let node = MatNode {
-                name: item.name.clone(),
+                name: Name::from(&item.name),
                 code: kind.code,
                 role: MatRole::Mat(spec),
                 values: (0..kind.params.len() as u32).map(Source::Slot).collect(),
@@ -333,7 +335,7 @@ fn too_many(name: &str, kind: &Kind, source: &Item, will: usize, before: usize) 
 fn single(net: &mut Resolved, node: MatNode) {
     let id = net.mats.len() as u32;
     let family = Family { masses: alloc::vec![id], size: [1, 1], ..Family::default() };
-    net.families.insert(node.name.clone(), family);
+    net.families.insert(node.name.to_string(), family);
     net.mats.push(node);
 }
 
@@ -387,14 +389,14 @@ fn port(
     let mut inputs = [None; 3];
     for (k, dof) in dofs.iter().enumerate() {
         inputs[k] = Some(net.inputs.len() as u32);
-        let name = if dim == 1 { item.name.clone() } else { format!("{}.{}", item.name, space::AXES[k]) };
+        let name = if dim == 1 { item.name.to_string() } else { format!("{}.{}", item.name, space::AXES[k]) };
         let device = device.as_ref().map(|d| (d.clone(), *dof as u32));
         let rest = if role == PortRole::Enf { 0.0 } else { rest[k] };
         net.inputs.push(Input { name, role: input_role, rest, midi, device, gains: Gains::default() });
     }
     if role != PortRole::Enf {
         let node = MatNode {
-            name: item.name.clone(),
+            name: Name::from(&item.name),
             code: item.kind.code,
             role: MatRole::Port(role, inputs),
             values: [].into(),

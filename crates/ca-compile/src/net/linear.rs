@@ -9,6 +9,7 @@ use crate::net::linearisation::Own;
 use crate::net::lines::LineNode;
 use crate::net::{Coordinate, End, LiaNode, MatNode, Measure, OutputTap, Pruned, Wired};
 use alloc::string::String;
+use alloc::string::ToString;
 use alloc::vec::Vec;
 use ca_core::law::Bound;
 use ca_core::op::pass;
@@ -127,7 +128,7 @@ pub fn network(net: &Pruned) -> Network {
         if l.sets.is_none() {
             let row = rows(net, l, b, &numbers, Points::AtLoad).into_iter().next();
             if let Some(Pull::At(_, _, at)) = row {
-                ports.push(Port { name: l.name.clone(), role: "acts", at });
+                ports.push(Port { name: l.name.to_string(), role: "acts", at });
             }
         }
     }
@@ -136,7 +137,7 @@ pub fn network(net: &Pruned) -> Network {
         if m.in_space() {
             alloc::format!("{}.{}", m.name, ["x", "y", "z"][p.axis as usize % 3])
         } else {
-            m.name.clone()
+            m.name.to_string()
         }
     });
     let at = |p: &Dof, of: fn(&MatNode) -> [f64; 3]| of(&net.mats[p.mat as usize])[p.axis as usize];
@@ -153,7 +154,7 @@ pub fn network(net: &Pruned) -> Network {
         names: names.collect(),
         ports,
         force_outputs,
-        left_out: left_out.into_iter().map(|(i, code)| (net.items[i as usize].name.clone(), code)).collect(),
+        left_out: left_out.into_iter().map(|(i, code)| (net.items[i as usize].name.to_string(), code)).collect(),
         unheard: unheard(net),
         linear,
     }
@@ -167,9 +168,9 @@ fn unheard(net: &Pruned) -> Vec<String> {
     for of in net.unheard.chunk_by(|a, b| net.mats[*a as usize].item == net.mats[*b as usize].item) {
         let Some(item) = of.first().map(|m| net.mats[*m as usize].item) else { continue };
         if of.len() == all[item as usize] {
-            names.push(net.items[item as usize].name.clone());
+            names.push(net.items[item as usize].name.to_string());
         } else {
-            names.extend(of.iter().map(|m| net.mats[*m as usize].name.clone()));
+            names.extend(of.iter().map(|m| net.mats[*m as usize].name.to_string()));
         }
     }
     names

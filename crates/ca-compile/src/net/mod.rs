@@ -13,6 +13,7 @@ use alloc::string::String;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 use ca_core::kind::builder::Arg;
+use ca_core::kind::name::Name;
 use ca_core::kind::{Kind, MatSpec, PortRole};
 use ca_core::live::Source;
 use ca_core::op::Law;
@@ -23,7 +24,7 @@ use ca_core::tuning::Method;
 #[derive(Clone)]
 pub struct NetItem {
     /// its full name
-    pub name: String,
+    pub name: Arc<str>,
     /// its kind
     pub kind: &'static Kind,
     /// its index in [`ca_model::Model::items`]
@@ -53,7 +54,7 @@ pub enum MatRole {
 #[derive(Clone)]
 pub struct MatNode {
     /// full name
-    pub name: String,
+    pub name: Name,
     /// code of its kind
     pub code: &'static str,
     /// what it is
@@ -138,7 +139,7 @@ pub enum End {
 #[derive(Clone)]
 pub struct LiaNode {
     /// full name
-    pub name: String,
+    pub name: Name,
     /// its kind as written
     pub kind: &'static Kind,
     /// the law that runs

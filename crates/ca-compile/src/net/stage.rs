@@ -10,7 +10,7 @@
 use crate::net::lines::LineNode;
 use crate::net::{End, Family, LiaNode, MatNode, Medium, NetItem, OutNode, PointNode, Push};
 use alloc::collections::BTreeMap;
-use alloc::string::String;
+use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 use ca_core::equivalence::Equivalence;
 use ca_core::live::{LiveParam, Source};
@@ -247,10 +247,10 @@ impl Wired {
     }
 
     /// Name of an end, for reports.
-    pub fn end_name(&self, end: End) -> &str {
+    pub fn end_name(&self, end: End) -> String {
         match end {
-            End::Mat(m) => &self.mats[m as usize].name,
-            End::Point(p) => &self.points[p as usize].name,
+            End::Mat(m) => self.mats[m as usize].name.to_string(),
+            End::Point(p) => self.points[p as usize].name.clone(),
         }
     }
 }

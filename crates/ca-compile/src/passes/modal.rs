@@ -20,8 +20,10 @@ use crate::net::{End, Family, LiaNode, MatNode, MatRole, Measure, Medium, Output
 use alloc::collections::BTreeMap;
 use alloc::format;
 use alloc::string::String;
+use alloc::string::ToString;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
+use ca_core::kind::name::{Name, Part};
 use ca_core::kind::{Coefs, MatSpec, Role};
 use ca_core::live::Source;
 use ca_core::tuning::Method;
@@ -138,7 +140,7 @@ fn one(model: &Model, net: &mut Pruned, group: usize, diags: &mut Diags) {
             let weights = kept.iter().map(|k| k.shape[*i] * tick_dt / libm::sqrt(most)).collect();
             let mat = &mats[m as usize];
             let shape = Some((weights, mat.rest));
-            points.push(PointNode { name: mat.name.clone(), family: family.clone(), at: Vec::new(), shape });
+            points.push(PointNode { name: mat.name.to_string(), family: family.clone(), at: Vec::new(), shape });
             points.len() as u32 - 1
         });
         *end = End::Point(id);
@@ -164,7 +166,7 @@ fn one(model: &Model, net: &mut Pruned, group: usize, diags: &mut Diags) {
 fn obstacle(model: &Model, net: &Pruned, within: &[bool], name: &str, item: u32, group: usize) -> Option<Diag> {
     let refuse = |item, code, title, help| Some(refuse(model, net, item, code, title, help));
     let touches = |l: &LiaNode| l.all_ends().any(|e| net.under(e).iter().any(|m| within[*m as usize]));
-    let of = |i: u32| net.items[i as usize].name.as_str();
+    let of = |i: u32| &*net.items[i as usize].name;
     if net.media[group].gravity != [0.0; 3] {
         return refuse(
             item,
@@ -213,7 +215,7 @@ fn oscillators(net: &mut Pruned, linear: &Linear, kept: &[&Mode], most: f64, ite
     let medium = net.media.len() as u32 - 1;
     net.media.insert(medium as usize, Medium::default());
     let from_lpr = linear.dofs.iter().any(|p| net.from_lpr.get(p.mat as usize) == Some(&true));
-    let group = model_name(net, item);
+    let group = Arc::from(model_name(net, item));
     let mut numbers = Vec::with_capacity(kept.len());
     for (j, mode) in kept.iter().enumerate() {
         // mass-normalised: q = Σ φ m x
@@ -229,7 +231,7 @@ fn oscillators(net: &mut Pruned, linear: &Linear, kept: &[&Mode], most: f64, ite
         let d = if d.is_finite() { d } else { v * tick_dt };
         numbers.push(net.mats.len() as u32);
         net.mats.push(MatNode {
-            name: format!("{group}.mode[{j}]"),
+            name: Name::new(&group, Part::Mode, j.into()),
             code: "mode",
             role: MatRole::Mat(&MODE),
             values: Arc::from([Source::Const(1.0 - b), Source::Const(-a), Source::Const(most)]),
@@ -253,7 +255,7 @@ fn model_name(net: &Pruned, item: u32) -> String {
     let name = &net.items[item as usize].name;
     match (name.split_once('.'), net.items[item as usize].kind.role) {
         (Some((group, _)), _) => group.into(),
-        (None, Role::Generator(_)) => name.clone(),
+        (None, Role::Generator(_)) => name.to_string(),
         (None, _) => "model".into(),
     }
 }

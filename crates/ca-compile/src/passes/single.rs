@@ -41,7 +41,8 @@ pub fn check(model: &Model, net: &Pruned, diags: &mut Diags) {
         loader.load(&net.values(id, values), net.tick_dt, &mut out);
         out
     };
-    let beyond = |name: &str| Diag::error("E009", format!("a number of `{name}` is beyond single precision"));
+    let beyond =
+        |name: &dyn core::fmt::Display| Diag::error("E009", format!("a number of `{name}` is beyond single precision"));
     let (label, help) = ("not from 1e-38 to 3e38 in a tick", "use numbers nearer to 1, or double precision");
     let mut mobility: Vec<f64> = alloc::vec![0.0; net.mats.len()];
     for (i, m) in net.mats.iter().enumerate().filter(|(i, _)| net.alive[*i]) {

@@ -6,10 +6,10 @@
 
 use crate::kind::Param;
 use crate::kind::cloud::Cloud;
+use crate::kind::name::Index;
 use crate::tuning::Scheme;
 pub use crate::tuning::problem::Problem;
 use crate::tuning::wave::WaveguideSpec;
-use alloc::string::String;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
@@ -157,7 +157,7 @@ pub struct Builder<'a> {
     slots: &'a [Option<f64>],
     live: bool,
     /// MATs with the index they are called by, in order
-    pub mats: Vec<(Built, String)>,
+    pub mats: Vec<(Built, Index)>,
     /// links, in order
     pub links: Vec<LinkSpec>,
     /// rest positions of the MATs, from that of the item \[m\]; none on a line
@@ -193,29 +193,29 @@ impl<'a> Builder<'a> {
         self.slots.get(i as usize).is_none_or(|v| !self.live && v.unwrap_or(0.0) == 0.0)
     }
 
-    fn mat(&mut self, what: Built, index: String) -> u32 {
+    fn mat(&mut self, what: Built, index: Index) -> u32 {
         self.mats.push((what, index));
         self.mats.len() as u32 - 1
     }
 
     /// Adds a mass `name[index]` of mass slot `m`, damped to ground by slot `z`.
-    pub fn mass(&mut self, index: String, m: u32, z: u32) -> u32 {
-        self.mat(Built::Mass(m, z), index)
+    pub fn mass(&mut self, index: impl Into<Index>, m: u32, z: u32) -> u32 {
+        self.mat(Built::Mass(m, z), index.into())
     }
 
     /// Adds a cell `name[index]` of mass slot `m`, frequency slot `f`, decay slot `t60`.
-    pub fn cell(&mut self, index: String, m: u32, f: u32, t60: u32) -> u32 {
-        self.mat(Built::Cell(m, f, t60), index)
+    pub fn cell(&mut self, index: impl Into<Index>, m: u32, f: u32, t60: u32) -> u32 {
+        self.mat(Built::Cell(m, f, t60), index.into())
     }
 
     /// Adds a fixed point `name[index]` where a mass would be.
-    pub fn fixed(&mut self, index: String) -> u32 {
-        self.mat(Built::Fixed, index)
+    pub fn fixed(&mut self, index: impl Into<Index>) -> u32 {
+        self.mat(Built::Fixed, index.into())
     }
 
     /// Adds a fixed point `name.end[i]`.
     pub fn anchor(&mut self) -> u32 {
-        self.mat(Built::Anchor, String::new())
+        self.mat(Built::Anchor, Index::None)
     }
 
     /// Adds a link `name.link[i]` of stiffness slot `k` and viscosity slot `z`.

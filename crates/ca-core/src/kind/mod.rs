@@ -8,6 +8,7 @@
 pub mod builder;
 mod choice;
 pub mod cloud;
+pub mod name;
 mod param;
 
 use crate::op::Law;

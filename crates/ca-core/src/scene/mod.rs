@@ -5,6 +5,7 @@
 pub mod certificate;
 mod identity;
 mod start;
+mod symbols;
 
 use crate::equivalence::{Equivalence, Gains};
 use crate::io::midi::MidiMap;
@@ -13,11 +14,13 @@ use crate::numeric::real;
 use crate::op::layout::{Account, Layout};
 use crate::op::{Integrate, Op};
 use crate::state::{Identity, State};
-use alloc::string::String;
+use alloc::borrow::Cow;
+use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 use certificate::Certificate;
 pub use identity::ARITHMETIC;
 pub use start::{Order, start};
+pub use symbols::{Location, Symbol, Symbols};
 
 /// What stands in a place of [`State::input`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,28 +48,6 @@ pub struct Input {
     pub device: Option<(String, u32)>,
     /// between the hand and this place, for a device
     pub gains: Gains,
-}
-
-/// Name, kind and place of a module that was compiled.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Symbol {
-    /// e.g. `low[3]`
-    pub name: String,
-    /// code of what runs, e.g. `MAS`, `RES`
-    pub code: &'static str,
-    /// axes along which a MAT moves: 1 on a line, 2 in a plane, 3 in space; 1 for a LIA
-    pub axes: u8,
-    /// where it stands
-    pub location: Location,
-}
-
-/// Where a module stands in the state.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Location {
-    /// a MAT: index into [`State::x`], the first of three where it has more than one axis
-    Mat(u32),
-    /// a LIA: op number in [`Scene::forces`] and position in it
-    Lia(u32, u32),
 }
 
 /// A compiled model.
@@ -100,7 +81,7 @@ pub struct Scene {
     /// the built-in gesture of the model: what it drives and its points \[s, value\]
     pub gestures: Vec<(String, Vec<[f64; 2]>)>,
     /// name and place of every module, MATs first, in document order
-    pub symbols: Vec<Symbol>,
+    pub symbols: Symbols,
     /// stability as the compiler could prove it
     pub certificate: Certificate,
     /// how large and heavy the model is in the hand
@@ -154,12 +135,12 @@ impl Scene {
 
     /// MATs by number, whatever their axes.
     pub fn mats(&self) -> usize {
-        self.symbols.iter().filter(|s| matches!(s.location, Location::Mat(_))).count()
+        self.symbols.mats()
     }
 
     /// LIAs by number; [`Layout::n_lia`] also counts places in a row that no link takes.
     pub fn lias(&self) -> usize {
-        self.symbols.iter().filter(|s| matches!(s.location, Location::Lia(..))).count()
+        self.symbols.lias().len()
     }
 
     /// Modules of one of its passes. [`Op::n`] also counts places in a row that no link takes, and of a mesh only one of its
@@ -178,7 +159,7 @@ impl Scene {
                 listed.mat == op.mat && op.form.integrate != Integrate::No
             }
         };
-        self.symbols.iter().filter(|s| matches!(s.location, Location::Lia(i, _) if runs(i as usize))).count()
+        self.symbols.lias().iter().filter(|l| runs(l[0] as usize)).count()
     }
 
     /// The index into [`State::input`] of the port `name`.
@@ -187,16 +168,12 @@ impl Scene {
     }
 
     /// Name of the MAT at a place of the state; the three places of one in space have its name.
-    pub fn mat_name(&self, mat: usize) -> &str {
-        let here = |s: &&Symbol| match s.location {
-            Location::Mat(at) => (at as usize..at as usize + if s.axes > 1 { 3 } else { 1 }).contains(&mat),
-            Location::Lia(..) => false,
-        };
-        self.symbols.iter().find(here).map_or("a moving point", |s| &s.name)
+    pub fn mat_name(&self, mat: usize) -> Cow<'static, str> {
+        self.symbols.mat(mat).map_or("a moving point".into(), |n| n.to_string().into())
     }
 
     /// Name of the link with this number in the ledger.
-    pub fn audited_name(&self, link: usize) -> Option<&str> {
+    pub fn audited_name(&self, link: usize) -> Option<Cow<'static, str>> {
         let of = |a: &&Account| (a.first..a.first + a.n).contains(&link);
         let account = self.layout.ledger.as_ref()?.accounts.iter().find(of)?;
         Some(self.lia_name(account.op, link - account.first))
@@ -208,8 +185,8 @@ impl Scene {
     }
 
     /// Name of a link by op and position.
-    pub fn lia_name(&self, op: usize, i: usize) -> &str {
-        self.symbols.iter().find(|s| s.location == Location::Lia(op as u32, i as u32)).map_or("?", |s| &s.name)
+    pub fn lia_name(&self, op: usize, i: usize) -> Cow<'static, str> {
+        self.symbols.lia(op, i).map_or("?".into(), |n| n.to_string().into())
     }
 }
 

@@ -8,7 +8,7 @@ use ca_core::numeric::Aligned;
 use ca_core::op::layout::{Enf, Enx, Layout, Output, Tap};
 use ca_core::op::{Form, Law, Op, pass};
 use ca_core::scene::certificate::Certificate;
-use ca_core::scene::{Input, InputRole};
+use ca_core::scene::{Input, InputRole, Symbols};
 use ca_core::{Scene, State, integrate, process, tick};
 
 const RATE: f64 = 48_000.0;
@@ -81,7 +81,7 @@ impl Row {
             probe_of: Vec::new(),
             live: LivePlan::default(),
             gestures: Vec::new(),
-            symbols: Vec::new(),
+            symbols: Symbols::default(),
             certificate: Certificate::default(),
             equivalence: Equivalence::default(),
             left_out: Vec::new(),

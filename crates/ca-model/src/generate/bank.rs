@@ -66,7 +66,7 @@ fn derive(a: &Args<'_>, slots: &mut Vec<Option<f64>>) -> Result<(), Problem> {
 fn build(a: &Args<'_>, b: &mut Builder<'_>) -> Result<(), Problem> {
     for i in 0..a.len("f").unwrap_or(1) {
         let s = 3 * i as u32;
-        b.cell(format!("{i}"), s, s + 1, s + 2);
+        b.cell(i, s, s + 1, s + 2);
     }
     Ok(())
 }

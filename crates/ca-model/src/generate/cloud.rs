@@ -8,7 +8,6 @@ use super::pose::{Pose, SPIN, TURN, V};
 use super::string::{K, M, M_TOTAL, MANY, MASSES, mass};
 use super::tetra::Z;
 use alloc::borrow::Cow;
-use alloc::format;
 use alloc::vec::Vec;
 use ca_core::kind::builder::{Args, Builder, Generator, Problem};
 use ca_core::kind::cloud::Cloud;
@@ -106,7 +105,7 @@ fn derive(a: &Args<'_>, slots: &mut Vec<Option<f64>>) -> Result<(), Problem> {
 fn build(a: &Args<'_>, b: &mut Builder<'_>) -> Result<(), Problem> {
     let (cloud, pose, scale) = (cloud(a), Pose::new(a), a.or0("scale"));
     for (i, p) in cloud.points.iter().enumerate() {
-        b.mass(format!("{i}"), 0, u32::MAX);
+        b.mass(i, 0, u32::MAX);
         b.places.push(pose.place(p.map(|p| p * scale)));
         b.speeds.push(pose.speed(b.places[i]));
     }

@@ -6,7 +6,6 @@
 
 use super::pose::{Pose, V};
 use super::string::{M, M_TOTAL, MASSES, mass};
-use alloc::format;
 use alloc::vec::Vec;
 use ca_core::kind::builder::{Args, Builder, Generator, Problem};
 use ca_core::kind::{ABOVE_ZERO, Kind, Need, Param, Role, Type, Unit};
@@ -72,7 +71,7 @@ fn lattice(n: usize, dim: u8) -> Vec<[i32; 3]> {
 fn build(a: &Args<'_>, b: &mut Builder<'_>) -> Result<(), Problem> {
     let (pose, gap) = (Pose::new(a), a.or0("gap"));
     for (i, p) in lattice(a.count("n"), a.dim).into_iter().enumerate() {
-        b.mass(format!("{i}"), 0, u32::MAX);
+        b.mass(i, 0, u32::MAX);
         b.places.push(p.map(|v| f64::from(v) * gap));
         b.speeds.push(pose.speed(b.places[i]));
     }

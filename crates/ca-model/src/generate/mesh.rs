@@ -210,7 +210,7 @@ fn build(a: &Args<'_>, b: &mut Builder<'_>) -> Result<(), Problem> {
                     Edges::Closed => rim_x || rim_y,
                     Edges::Corner => rim_x && rim_y,
                 };
-            let index = format!("{i},{j}");
+            let index = [i, j];
             grid.push(if held { b.fixed(index) } else { b.mass(index, 0, 3) });
             if let Some(dx) = dx {
                 b.places.push(pose.place([i as f64 * dx, j as f64 * dx, 0.0]));

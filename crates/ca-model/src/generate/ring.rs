@@ -10,7 +10,6 @@
 //! below has to know of circles, but a point is led from 0 to 1 and cannot go round and round.
 
 use super::string::{DECAY, F, K, M, M_TOTAL, MANY, MASSES, T60, TUNING, Z, ZO, ground, mass, target, too_stiff};
-use alloc::format;
 use alloc::vec::Vec;
 use ca_core::kind::builder::{Args, Builder, Generator, Problem};
 use ca_core::kind::{Kind, Need, Param, Role, Type};
@@ -88,7 +87,7 @@ fn build(a: &Args<'_>, b: &mut Builder<'_>) -> Result<(), Problem> {
     let n = a.count("n");
     let mut circle = Vec::with_capacity(n + 1);
     for i in 0..n {
-        circle.push(b.mass(format!("{i}"), 0, 3));
+        circle.push(b.mass(i, 0, 3));
     }
     circle.extend(circle.first().copied());
     for pair in circle.windows(2) {

@@ -7,7 +7,6 @@
 //! λ_j = 4k s_j² + 16B s_j⁴, s_j = sin(jπ/(2(N+1))), heard as f_j ≈ j f √(1 + b j²). Source: Bilbao 2009.
 
 use super::string::{DECAY, F, K, M, M_TOTAL, MANY, MASSES, T60, TUNING, Z, ZO, ground, mass, target, too_stiff};
-use alloc::format;
 use alloc::vec::Vec;
 use ca_core::kind::builder::{Args, Builder, Generator, Problem};
 use ca_core::kind::{Kind, Need, OneOf, POSITIVE, Param, Role, Type, Unit};
@@ -120,7 +119,7 @@ fn build(a: &Args<'_>, b: &mut Builder<'_>) -> Result<(), Problem> {
         row.push(b.anchor());
     }
     for i in 0..n {
-        row.push(b.mass(format!("{i}"), 0, 2));
+        row.push(b.mass(i, 0, 2));
     }
     if ends != Ends::Free {
         row.push(b.anchor());

@@ -206,7 +206,7 @@ fn build(a: &Args<'_>, b: &mut Builder<'_>) -> Result<(), Problem> {
         row.push(b.anchor());
     }
     for i in 0..n {
-        row.push(b.mass(format!("{i}"), 0, 3));
+        row.push(b.mass(i, 0, 3));
     }
     if !free {
         row.push(b.anchor());

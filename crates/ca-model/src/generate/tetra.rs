@@ -8,7 +8,6 @@
 
 use super::pose::{Pose, SPIN, TURN, V};
 use super::string::{K, M, M_TOTAL, MASSES, mass};
-use alloc::format;
 use alloc::vec::Vec;
 use ca_core::kind::builder::{Args, Builder, Generator, Problem};
 use ca_core::kind::{ABOVE_ZERO, Kind, Need, POSITIVE, Param, Role, Unit};
@@ -72,7 +71,7 @@ fn derive(a: &Args<'_>, slots: &mut Vec<Option<f64>>) -> Result<(), Problem> {
 fn build(a: &Args<'_>, b: &mut Builder<'_>) -> Result<(), Problem> {
     let (pose, s) = (Pose::new(a), a.or0("edge") / libm::sqrt(8.0));
     for (i, corner) in [[s, s, s], [s, -s, -s], [-s, s, -s], [-s, -s, s]].into_iter().enumerate() {
-        b.mass(format!("{i}"), 0, NONE);
+        b.mass(i, 0, NONE);
         b.places.push(pose.place(corner));
         b.speeds.push(pose.speed(b.places[i]));
     }

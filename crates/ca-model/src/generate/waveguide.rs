@@ -107,7 +107,7 @@ fn derive(a: &Args<'_>, slots: &mut Vec<Option<f64>>) -> Result<(), Problem> {
 fn build(a: &Args<'_>, b: &mut Builder<'_>) -> Result<(), Problem> {
     let asked = asked(a)?;
     for i in 0..asked.at.len() {
-        b.mass(format!("{i}"), 1 + i as u32, 0);
+        b.mass(i, 1 + i as u32, 0);
     }
     b.line = Some(asked);
     Ok(())

@@ -288,7 +288,7 @@ pub(crate) fn grows(scene: &Scene, ledger: &Ledger) -> &'static str {
 pub(crate) fn makers(scene: &Scene, ledger: &Ledger) -> Vec<(String, f64)> {
     let made = ledger.scheme_error.iter().enumerate().filter(|(_, v)| **v > 0.0);
     let mut list: Vec<(String, f64)> =
-        made.filter_map(|(i, v)| Some((scene.audited_name(i)?.to_owned(), *v))).collect();
+        made.filter_map(|(i, v)| Some((scene.audited_name(i)?.into_owned(), *v))).collect();
     list.sort_by(|a, b| b.1.total_cmp(&a.1));
     list
 }

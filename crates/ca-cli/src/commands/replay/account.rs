@@ -96,7 +96,8 @@ fn at_hand(port: &Port, scale: f64, f: fn(&Port, usize) -> f64) -> f64 {
 fn lost(scene: &Scene, ledger: &Ledger) -> Vec<(String, f64)> {
     let mut list: Vec<(String, f64)> = Vec::new();
     for (i, j) in ledger.lost.iter().enumerate() {
-        let name = scene.audited_name(i).unwrap_or("?").split('[').next().unwrap_or("?");
+        let name = scene.audited_name(i).unwrap_or("?".into());
+        let name = name.split('[').next().unwrap_or("?");
         let name = format!("lost in `{name}`");
         match list.iter_mut().find(|r| r.0 == name) {
             Some(row) => row.1 += j,

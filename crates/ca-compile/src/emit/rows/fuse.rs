@@ -17,7 +17,7 @@ use alloc::vec::Vec;
 use ca_core::op::heard::COEFS;
 use ca_core::op::layout::Account;
 use ca_core::op::{Band, Form, Integrate, Op};
-use ca_core::scene::{Location, Symbol};
+use ca_core::scene::Symbols;
 
 /// Marks the rows that integrate their masses, which are of these `classes` slot by slot; what does not move among them
 /// gets theirs.
@@ -76,7 +76,7 @@ pub struct Passes<'a> {
     /// integration
     pub moves: &'a mut Vec<Op>,
     /// modules by name
-    pub symbols: &'a mut [Symbol],
+    pub symbols: &'a mut Symbols,
     /// batches of links in the ledger, where there is one
     pub accounts: &'a mut [Account],
 }
@@ -119,11 +119,7 @@ pub fn fuse(passes: &mut Passes) -> usize {
     for (now, was) in order.iter().enumerate() {
         place[*was] = now as u32;
     }
-    for s in passes.symbols.iter_mut() {
-        if let Location::Lia(op, _) = &mut s.location {
-            *op = place[*op as usize];
-        }
-    }
+    passes.symbols.renumber(&place);
     passes.accounts.iter_mut().for_each(|a| a.op = place[a.op] as usize);
     fused.iter().filter(|f| **f).count()
 }
