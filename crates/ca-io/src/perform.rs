@@ -216,7 +216,7 @@ impl<'a> Performance<'a> {
                     audited.tick();
                 }
                 if let Some((link, made)) =
-                    audited.state.ledger.as_ref().and_then(ca_core::state::Ledger::largest_error)
+                    audited.state.ledger.as_deref().and_then(ca_core::state::Ledger::largest_error)
                 {
                     if let Some(name) = scene.audited_name(link) {
                         return (name.into_owned(), format!("it made {made:.3e} J"));

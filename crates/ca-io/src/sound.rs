@@ -9,16 +9,19 @@
 //! and the noise of a render is then the model's. Its price is distortion where sound fades below −90 dB in 16 bits;
 //! 24 bits, the answer to that, cost half as much again.
 //!
+//! The header is hound's; samples go to the file as bytes, since sample by sample through its writer took longer than the
+//! sound of a short string.
+//!
 //! The file takes its place only when it is finished (`atomic_file.rs`). Beyond two channels the header assigns no
 //! loudspeakers: outputs of a model are not left, right, centre and subwoofer, and players that mix down would drop
 //! the fourth one.
 
 use crate::atomic_file::AtomicFile;
-use crate::error::{FileError, FileErrorKind, lower};
+use crate::error::{FileError, FileErrorKind};
 use ca_model::quantity::Plain;
-use hound::{SampleFormat, WavSpec, WavWriter};
+use hound::{SampleFormat, WavSpec};
 use std::fs::File;
-use std::io::{BufWriter, Seek, SeekFrom, Write};
+use std::io::{Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 /// Most channels of one file.
@@ -26,6 +29,9 @@ pub const MAX_CHANNELS: usize = 256;
 
 /// Longest data of a WAV file \[bytes\]: its lengths are 32 bits, and the header needs some of them.
 const MAX_DATA: u64 = u32::MAX as u64 - 100;
+
+/// Bytes that go to the file at once.
+const ROOM: usize = 1 << 16;
 
 /// How a sample is stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -106,9 +112,13 @@ impl Level {
 /// A WAV file under way.
 pub struct WavOut {
     // before `staged`, so that it is closed when the sibling is removed
-    writer: WavWriter<BufWriter<File>>,
+    file: File,
     staged: AtomicFile,
     format: Format,
+    /// bytes of the header; the last four are the length of what follows
+    header: u32,
+    /// bytes under way to the file
+    bytes: Vec<u8>,
     limit: u64,
     written: Written,
 }
@@ -136,14 +146,21 @@ impl WavOut {
             bits_per_sample: format.bits(),
             sample_format,
         };
+        let mut bytes = spec.into_header_for_infinite_file();
+        let header = bytes.len() as u32;
+        if channels > 2 {
+            // dwChannelMask of WAVEFORMATEXTENSIBLE
+            bytes[40..44].fill(0);
+        }
         let staged = AtomicFile::create(path)?;
-        let writer =
-            WavWriter::new(BufWriter::with_capacity(1 << 16, staged.handle()?), spec).map_err(|e| failed(path, &e))?;
+        let file = staged.handle()?;
         let written = Written { path: path.to_owned(), frames: 0, rate: rate as u32, level: Level::new(channels) };
         Ok(WavOut {
-            writer,
+            file,
             staged,
             format,
+            header,
+            bytes,
             limit: MAX_DATA / (channels as u64 * u64::from(format.bits() / 8)),
             written,
         })
@@ -164,19 +181,27 @@ impl WavOut {
             let e = e.file(self.written.path.display()).at(format!("{:.0} s", self.written.duration()));
             return Err(e.fix("render less time, fewer outputs or fewer bits"));
         }
-        for frame in frames.chunks_exact(n) {
-            for (channel, x) in frame.iter().enumerate() {
-                let x = self.written.level.keep(channel, *x);
-                match self.format {
-                    Format::F32 => self.writer.write_sample(x as f32),
-                    Format::I24 => self.writer.write_sample(integer(x, 8_388_608.0)),
-                    Format::I16 => self.writer.write_sample(integer(x, 32_768.0)),
-                }
-                .map_err(|e| failed(&self.written.path, &e))?;
-            }
-            self.written.frames += 1;
+        let from = self.bytes.len();
+        self.bytes.resize(from + frames.len() * usize::from(self.format.bits() / 8), 0);
+        let (level, to) = (&mut self.written.level, &mut self.bytes[from..]);
+        // one loop for each format: which it is is not asked for every sample
+        match self.format {
+            Format::F32 => each(frames, level, to, |x| (x as f32).to_le_bytes()),
+            Format::I24 => each(frames, level, to, |x| {
+                let [a, b, c, _] = integer(x, 8_388_608.0).to_le_bytes();
+                [a, b, c]
+            }),
+            Format::I16 => each(frames, level, to, |x| (integer(x, 32_768.0) as i16).to_le_bytes()),
         }
-        Ok(())
+        self.written.frames += (frames.len() / n) as u64;
+        if self.bytes.len() >= ROOM { self.flush() } else { Ok(()) }
+    }
+
+    /// Hands what is under way to the file.
+    fn flush(&mut self) -> Result<(), FileError> {
+        let done = self.file.write_all(&self.bytes);
+        self.bytes.clear();
+        done.map_err(|e| FileError::io(&self.written.path, "it cannot be written", &e))
     }
 
     /// What has been written so far; the numbers of [`WavOut::finish`], while it goes on.
@@ -188,16 +213,17 @@ impl WavOut {
     ///
     /// # Errors
     /// Where the disk takes no more; the file is then removed.
-    pub fn finish(self) -> Result<Written, FileError> {
-        let WavOut { writer, staged, written, .. } = self;
-        writer.finalize().map_err(|e| failed(&written.path, &e))?;
-        if written.level.peak.len() > 2 && staged.is_plain() {
-            // dwChannelMask of WAVEFORMATEXTENSIBLE, at this place in what hound writes
-            let mut file = staged.handle()?;
-            file.seek(SeekFrom::Start(40))
-                .and_then(|_| file.write_all(&[0; 4]))
-                .map_err(|e| FileError::io(&written.path, "it cannot be written", &e))?;
-        }
+    pub fn finish(mut self) -> Result<Written, FileError> {
+        self.flush()?;
+        let WavOut { mut file, staged, format, header, written, .. } = self;
+        let data = written.frames as u32 * written.level.peak.len() as u32 * u32::from(format.bits() / 8);
+        // what was not known at the beginning: the length of all behind the length, and of the samples
+        let mut put = |at: u32, length: u32| {
+            file.seek(SeekFrom::Start(at.into())).and_then(|_| file.write_all(&length.to_le_bytes()))
+        };
+        put(4, data + header - 8)
+            .and_then(|()| put(header - 4, data))
+            .map_err(|e| FileError::io(&written.path, "it cannot be written", &e))?;
         staged.commit()?;
         Ok(written)
     }
@@ -207,10 +233,14 @@ fn integer(x: f64, full: f64) -> i32 {
     (x * full).round_ties_even().min(full - 1.0) as i32
 }
 
-fn failed(path: &Path, e: &hound::Error) -> FileError {
-    match e {
-        hound::Error::IoError(e) => FileError::io(path, "it cannot be written", e),
-        e => FileError::new(FileErrorKind::Io, lower(&e.to_string())).file(path.display()),
+/// Every sample, kept within full scale, as bytes.
+#[inline]
+fn each<const N: usize>(frames: &[f64], level: &mut Level, to: &mut [u8], as_bytes: impl Fn(f64) -> [u8; N]) {
+    let n = level.peak.len();
+    for (frame, to) in frames.chunks_exact(n).zip(to.chunks_exact_mut(n * N)) {
+        for (channel, (x, to)) in frame.iter().zip(to.chunks_exact_mut(N)).enumerate() {
+            to.copy_from_slice(&as_bytes(level.keep(channel, *x)));
+        }
     }
 }
 
