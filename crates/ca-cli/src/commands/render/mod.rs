@@ -79,18 +79,20 @@ pub fn run(args: &RenderArgs) -> Outcome {
     let mut files = play::Files { wav, probes: outs, channels: scene.channels, waiting: Vec::new() };
     let played = play(performance, frames, play::BLOCK, show, &mut |_, rows| files.write(rows))?;
     let written = files.finish()?;
+    let second = if played.energy.is_none() { audited() } else { None };
+    let audited: &Scene = second.as_deref().unwrap_or(&scene);
     let energy = match &played.energy {
         Some(ledger) => {
             let diverged = played.diverged_at.is_some();
             Some(play::Audit { ledger: ledger.clone(), ticks: played.energy_ticks, whole: true, diverged })
         }
-        None => audited().and_then(|scene| play::audit(&scene, gesture.as_ref(), frames)),
+        None => play::audit(audited, gesture.as_ref(), frames),
     };
-    let audited = if played.diverged_at.is_some() && !args.energy { audited() } else { None };
-    let divergence = Divergence::of(&played, audited.as_ref().unwrap_or(&scene), &scene.findings, gesture.as_ref());
+    let divergence = Divergence::of(&played, audited, &scene.findings, gesture.as_ref());
     let summary = summary::Summary {
         args,
         scene: &scene,
+        audited,
         written: &written,
         wall: played.wall,
         energy: energy.as_ref(),

@@ -32,6 +32,8 @@ const NAMED: usize = 3;
 pub(crate) struct Summary<'a> {
     pub args: &'a RenderArgs,
     pub scene: &'a Scene,
+    /// the same with the energy ledger, which knows its links by name
+    pub audited: &'a Scene,
     pub written: &'a Written,
     pub wall: Duration,
     pub energy: Option<&'a Audit>,
@@ -193,7 +195,7 @@ impl Summary<'_> {
             }
             if a.whole {
                 writeln!(out, "    at load  {}", joule(b.h0))?;
-                for (name, made) in makers(self.scene, &a.ledger).iter().take(5) {
+                for (name, made) in &makers(self.audited, &a.ledger, 5) {
                     writeln!(out, "      {} made by `{name}` until then", joule(*made))?;
                 }
             }
@@ -215,6 +217,9 @@ impl Summary<'_> {
         writeln!(out, "    received {} from ports, {} by changes", joule(b.work), joule(b.changed))?;
         writeln!(out, "    lost     {}", joule(b.lost))?;
         writeln!(out, "    error    {} of the scheme", joule(b.scheme_error))?;
+        for (name, error) in &makers(self.audited, &a.ledger, 5) {
+            writeln!(out, "      {} of it by `{name}`", joule(*error))?;
+        }
         writeln!(out, "    stored   {}", joule(b.h))?;
         for (name, received, given) in border::exchanged(self.scene, &a.ledger) {
             let (leak, received, given) = (joule(received - given), joule(received), joule(given));
@@ -222,9 +227,6 @@ impl Summary<'_> {
             if let Some(scale) = self.scene.equivalence.keys.iter().find(|k| k.key == name) {
                 writeln!(out, "             `{name}` is {}", border::scale_of(scale))?;
             }
-        }
-        for (name, error) in makers(self.scene, &a.ledger).iter().take(5) {
-            writeln!(out, "      {} of it by `{name}`", joule(*error))?;
         }
         Ok(())
     }
@@ -241,7 +243,7 @@ impl Summary<'_> {
         let energy = self.energy.map(|a| {
             let b = a.ledger.balance();
             let makers: Vec<Json> =
-                makers(self.scene, &a.ledger).iter().take(5).map(|(n, v)| json!({"link": n, "made": v})).collect();
+                makers(self.audited, &a.ledger, 5).iter().map(|(n, v)| json!({"link": n, "made": v})).collect();
             let hands: Vec<Json> = border::exchanged(self.scene, &a.ledger)
                 .iter()
                 .map(|(name, r, g)| json!({"name": name, "received": r, "given": g, "leak": r - g}))
@@ -284,13 +286,12 @@ pub(crate) fn grows(scene: &Scene, ledger: &Ledger) -> &'static str {
     }
 }
 
-/// Links that made energy, most first.
-pub(crate) fn makers(scene: &Scene, ledger: &Ledger) -> Vec<(String, f64)> {
-    let made = ledger.scheme_error.iter().enumerate().filter(|(_, v)| **v > 0.0);
-    let mut list: Vec<(String, f64)> =
-        made.filter_map(|(i, v)| Some((scene.audited_name(i)?.into_owned(), *v))).collect();
-    list.sort_by(|a, b| b.1.total_cmp(&a.1));
-    list
+/// The links that made most energy, so many of them, most first.
+pub(crate) fn makers(scene: &Scene, ledger: &Ledger, most: usize) -> Vec<(String, f64)> {
+    let mut made: Vec<(usize, f64)> =
+        ledger.scheme_error.iter().copied().enumerate().filter(|(_, v)| *v > 0.0).collect();
+    made.sort_by(|a, b| b.1.total_cmp(&a.1));
+    made.into_iter().filter_map(|(i, v)| Some((scene.audited_name(i)?.into_owned(), v))).take(most).collect()
 }
 
 /// One line.

@@ -57,15 +57,23 @@ impl Account {
     /// For people. A row in which nothing happened is not there.
     pub(super) fn text(&self, out: &mut impl Write) -> std::io::Result<()> {
         let given = self.sources[0].1;
+        let names = self.sources.iter().chain(&self.sinks).map(|r| r.0.chars().count());
+        let wide = names.max().unwrap_or(0).max(28);
         for (i, (what, j)) in self.sources.iter().chain(&self.sinks).enumerate() {
             let lead = if i == 0 { "energy" } else { "" };
             // what rounding leaves is nothing
             if i == 0 || j.abs() > 1e-12 * self.peak {
-                let part = if given > 0.0 && i > 0 { format!("{:9.3} %", 100.0 * j / given) } else { String::new() };
-                writeln!(out, "  {lead:<10} {what:<28} {:>10} mJ{part}", short(1e3 * j))?;
+                let part = if given > 0.0 && i > 0 { format!(" {:>8.3} %", 100.0 * j / given) } else { String::new() };
+                writeln!(out, "  {lead:<10} {what:<wide$} {:>10} mJ{part}", short(1e3 * j))?;
             }
         }
-        writeln!(out, "  {:<10} {:<28} {:>10.1e} of its peak", "", "not explained", self.residual().abs() / self.peak)
+        writeln!(
+            out,
+            "  {:<10} {:<wide$} {:>10.1e} of its peak",
+            "",
+            "not explained",
+            self.residual().abs() / self.peak
+        )
     }
 
     /// For programs.
@@ -95,13 +103,14 @@ fn at_hand(port: &Port, scale: f64, f: fn(&Port, usize) -> f64) -> f64 {
 /// Heat of links, by their name in the file, most first.
 fn lost(scene: &Scene, ledger: &Ledger) -> Vec<(String, f64)> {
     let mut list: Vec<(String, f64)> = Vec::new();
-    for (i, j) in ledger.lost.iter().enumerate() {
-        let name = scene.audited_name(i).unwrap_or("?".into());
-        let name = name.split('[').next().unwrap_or("?");
-        let name = format!("lost in `{name}`");
+    let mut links: Vec<_> = scene.audited_links().collect();
+    links.sort_by_key(|(i, _)| *i);
+    for (i, name) in links {
+        let name = name.to_string();
+        let name = format!("lost in `{}`", name.split('[').next().unwrap_or("?"));
         match list.iter_mut().find(|r| r.0 == name) {
-            Some(row) => row.1 += j,
-            None => list.push((name, *j)),
+            Some(row) => row.1 += ledger.lost[i],
+            None => list.push((name, ledger.lost[i])),
         }
     }
     list.sort_by(|a, b| b.1.total_cmp(&a.1));

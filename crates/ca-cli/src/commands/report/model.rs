@@ -58,7 +58,7 @@ pub(super) fn report(args: &ReportArgs) -> Result<(String, Report), Failure> {
             motion.push(&row[scene.channels..]);
         }
         if !p.diverged && p.state.is_bounded(ca_io::perform::DIVERGED) {
-            ledger.look(p.state.tick as f64 * scene.sample_dt, p.state.ledger.as_ref());
+            ledger.look(p.state.tick as f64 * scene.sample_dt, p.state.ledger.as_deref());
         }
         Ok(())
     })?;

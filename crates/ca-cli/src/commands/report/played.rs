@@ -86,10 +86,8 @@ impl EnergyOverTime {
             ("residual", format!("{:.1e} J", scale * b.residual)),
         ];
         // the ledger of each link is that of the end
-        let makers = if self.diverged_at.is_none() { makers(scene, end) } else { Vec::new() };
-        rows.extend(
-            makers.iter().take(5).map(|(name, made)| ("most of it by", format!("`{name}`: {}", joule(scale * made)))),
-        );
+        let makers = if self.diverged_at.is_none() { makers(scene, end, 5) } else { Vec::new() };
+        rows.extend(makers.iter().map(|(name, made)| ("most of it by", format!("`{name}`: {}", joule(scale * made)))));
         let mut blocks = vec![Block::Text(balance)];
         if !curves.is_empty() {
             blocks.push(Block::Plot(Plot::over_time("Energy", Axis::linear("energy", "J"), grid(), curves)));

@@ -121,12 +121,12 @@ fn again(take: &Take) -> Result<(String, EnergyOverTime), String> {
     let (mut seen, every) = (0_u64, (take.header.rate / f64::from(take.header.ratio) / 50.0).max(1.0) as u64);
     let mut look = |engine: &ca_haptic::engine::Engine| {
         if seen.is_multiple_of(every) {
-            ledger.look(engine.state.tick as f64 / take.header.rate, engine.state.ledger.as_ref());
+            ledger.look(engine.state.tick as f64 / take.header.rate, engine.state.ledger.as_deref());
         }
         seen += 1;
     };
     let verdict = replay.run(take, &mut look, &mut |_| Ok(())).map_err(|e| e.to_string())?;
-    ledger.end.clone_from(&replay.engine.state.ledger);
+    ledger.end = replay.engine.state.ledger.as_deref().cloned();
     match (&verdict.difference, verdict.hole) {
         (Some(d), _) => Err(format!("played again, it is not as it was: {d}")),
         (None, Some(t)) => Err(format!("it cannot be played again from {t:.3} s on: records are missing there")),
