@@ -57,7 +57,7 @@ pub fn play<'a, E>(mut p: Performance<'a>, frames: u64, block: u64, heard: &mut 
     let diverged_at = p.diverged.then_some(p.state.tick);
     let (energy, energy_ticks) = match last_good {
         Some((ledger, tick)) => (Some(ledger), tick),
-        None => (p.state.ledger.clone(), p.state.tick),
+        None => (p.state.ledger.as_deref().cloned(), p.state.tick),
     };
     // a tick is entered when the next one begins
     let energy_ticks = energy_ticks.saturating_sub(1);
@@ -66,7 +66,7 @@ pub fn play<'a, E>(mut p: Performance<'a>, frames: u64, block: u64, heard: &mut 
 
 /// Where a ledger is kept and the positions have just left every range: the ledger as it was.
 fn keep_ledger(p: &Performance, last_good: &mut Option<(Ledger, u64)>) {
-    if let (Some(ledger), None, false) = (&p.state.ledger, &*last_good, p.diverged) {
+    if let (Some(ledger), None, false) = (p.state.ledger.as_deref(), &*last_good, p.diverged) {
         if !p.state.is_bounded(DIVERGED) {
             *last_good = Some((ledger.clone(), p.state.tick));
         }
@@ -89,17 +89,28 @@ pub struct Audit {
 /// less, and the summary says for how long.
 const AUDITED: u64 = 100_000_000;
 
+/// Ticks between two looks at whether an audited scene has left its range: at every tick a look takes as long as half of it.
+const LOOK: u64 = 64;
+
 /// Plays the first second once more with the ledger kept, up to the last tick before any divergence.
 pub fn audit(audited: &Scene, gesture: Option<&Gesture>, frames: u64) -> Option<Audit> {
     let afford = AUDITED / (audited.n_mat + audited.n_lia).max(1) as u64;
     let ticks = frames.min(audited.rate as u64).min(afford).max(1);
-    let mut p = Performance::new(audited, gesture).ok()?;
-    while p.state.tick < ticks + 1 && p.state.is_bounded(DIVERGED) {
-        p.tick();
+    let bounded = |look: u64| {
+        let mut p = Performance::new(audited, gesture).ok()?;
+        while p.state.tick < ticks + 1 && p.state.is_bounded(DIVERGED) {
+            (0..look.min(ticks + 1 - p.state.tick)).for_each(|_| p.tick());
+        }
+        Some(p)
+    };
+    let mut p = bounded(LOOK)?;
+    if !p.state.is_bounded(DIVERGED) {
+        // it left its range since the last look: the same up to the very tick
+        p = bounded(1)?;
     }
     let entered = p.state.tick.saturating_sub(1);
     let diverged = !p.state.is_bounded(DIVERGED);
-    p.state.ledger.map(|ledger| Audit { ledger, ticks: entered, whole: false, diverged })
+    p.state.ledger.map(|ledger| Audit { ledger: *ledger, ticks: entered, whole: false, diverged })
 }
 
 /// Why a scene left every range.

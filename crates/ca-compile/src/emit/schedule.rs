@@ -15,6 +15,7 @@ use crate::emit::rows::written::Written;
 use crate::net::{Coordinate, End, LiaNode, MatRole, OutNode, OutputTap, Pruned};
 use crate::options::{KernelClass, Options};
 use crate::passes::implicit;
+use alloc::boxed::Box;
 use alloc::collections::{BTreeMap, BTreeSet};
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
@@ -383,7 +384,7 @@ fn loaded(
         written: Default::default(),
         implicit: alloc::vec![0.0; layout.implicit.as_ref().map_or(0, |a| 2 * a.places.len())],
         touches: ActiveContacts::new(layout.n_touch, layout.n_mat),
-        ledger: layout.ledger.as_ref().map(|_| Ledger::new(layout)),
+        ledger: layout.ledger.as_ref().map(|_| Box::new(Ledger::new(layout))),
         tick: 0,
         refused: 0,
         input,

@@ -9,6 +9,7 @@ mod quarter;
 mod real;
 mod table;
 mod verlet;
+pub(crate) mod words;
 
 pub use aligned::Aligned;
 pub use plain::Plain;

@@ -322,20 +322,22 @@ fn port(
     let (ends, none) = (&ends[first + from..][..n], [[0.0; 4]; BLOCK]);
     let reach = if kind == MeasureKind::Line { &none[..n] } else { &layout.reach[reach + from..][..n] };
     let [before, at, after] = e.each_mut().map(|e| &mut e[..n]);
-    let mut each = |kind: MeasureKind| {
-        for i in 0..n {
-            let (part, along) = measure::around(kind, &s.x, &s.d, d0, ends[i], &reach[i]);
-            before[i] += part[0];
-            at[i] += part[1];
-            after[i] += part[2];
-            moved[i] += along;
-        }
-    };
-    // a loop for each, so that none asks which it is
+    // a loop for each, so that none asks which it is; a closure would not be compiled for the vectors of the machine
+    macro_rules! each {
+        ($kind:expr) => {
+            for i in 0..n {
+                let (part, along) = measure::around($kind, &s.x, &s.d, d0, ends[i], &reach[i]);
+                before[i] += part[0];
+                at[i] += part[1];
+                after[i] += part[2];
+                moved[i] += along;
+            }
+        };
+    }
     match kind {
-        MeasureKind::Line => each(MeasureKind::Line),
-        MeasureKind::Along => each(MeasureKind::Along),
-        MeasureKind::Radial => each(MeasureKind::Radial),
+        MeasureKind::Line => each!(MeasureKind::Line),
+        MeasureKind::Along => each!(MeasureKind::Along),
+        MeasureKind::Radial => each!(MeasureKind::Radial),
     }
 }
 

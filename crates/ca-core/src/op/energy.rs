@@ -244,7 +244,7 @@ pub fn ledger(_op: &Op, layout: &Layout, s: &mut State) {
 pub fn ledger_changes(_op: &Op, layout: &Layout, s: &mut State) {
     let at = |p: &MovingPoint| [&s.x, &s.d].map(|v| v[p.mat as usize]);
     let moved = |l: &Ledger| l.turning || !layout.moving_points.iter().map(at).eq(l.points.iter().copied());
-    if !s.ledger.as_ref().is_some_and(moved) {
+    if !s.ledger.as_deref().is_some_and(moved) {
         return;
     }
     let Some(mut l) = s.ledger.take() else { return };

@@ -6,6 +6,7 @@
 //! are not part of it, since no tick reads them. It is computed once, at load; [`tick`](crate::tick()) compares it,
 //! [`State::apply`](crate::State::apply) too. It tells mistakes apart, not attackers.
 
+use crate::numeric::words::word;
 use crate::numeric::{Real, wide};
 use crate::op::Op;
 use crate::op::layout::{Layout, MeasureKind};
@@ -62,7 +63,7 @@ impl fmt::Write for Words {
 
 impl Words {
     fn word(&mut self, v: u64) {
-        self.0.write(&v.to_le_bytes());
+        word(&mut self.0, v);
     }
 
     /// A list of numbers, behind its length.

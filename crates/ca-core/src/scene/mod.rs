@@ -9,6 +9,7 @@ mod symbols;
 
 use crate::equivalence::{Equivalence, Gains};
 use crate::io::midi::MidiMap;
+use crate::kind::name::Name;
 use crate::live::{Controls, LivePlan};
 use crate::numeric::real;
 use crate::op::layout::{Account, Layout};
@@ -177,6 +178,16 @@ impl Scene {
         let of = |a: &&Account| (a.first..a.first + a.n).contains(&link);
         let account = self.layout.ledger.as_ref()?.accounts.iter().find(of)?;
         Some(self.lia_name(account.op, link - account.first))
+    }
+
+    /// The links in the ledger, each with its number there: all at once, since one by one they are looked for anew.
+    pub fn audited_links(&self) -> impl Iterator<Item = (usize, Name)> + '_ {
+        let accounts = self.layout.ledger.as_ref().map_or(&[][..], |l| &l.accounts);
+        self.symbols.iter().skip(self.symbols.mats()).filter_map(|s| {
+            let Location::Lia(op, i) = s.location else { return None };
+            let of = accounts.iter().find(|a| a.op == op as usize)?;
+            Some((of.first + i as usize, s.name))
+        })
     }
 
     /// The live parameters, to be played.

@@ -7,8 +7,10 @@
 pub(crate) mod active_contacts;
 pub(crate) mod ledger;
 
+use crate::numeric::words::word;
 use crate::numeric::{Aligned, Real, VerletList, wide};
 pub use active_contacts::ActiveContacts;
+use alloc::boxed::Box;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 use core::hash::Hasher;
@@ -156,8 +158,8 @@ pub struct State {
     /// indices into `x` and `d`, and into `coef`, in the order of the document, where rows stand otherwise; else empty;
     /// written at load
     pub written: [Arc<[u32]>; 2],
-    /// energy ledger, where the scene keeps one
-    pub ledger: Option<Ledger>,
+    /// energy ledger, where the scene keeps one; boxed, since a pass takes it out for the time it writes it
+    pub ledger: Option<Box<Ledger>>,
     /// samples done, which are ticks where a sample has one; while passes run, ticks in any case
     pub tick: u64,
     /// inputs that were not finite and were held or zeroed instead
@@ -179,7 +181,7 @@ impl State {
         let mut h = fnv::FnvHasher::default();
         let [slots, coefs] = &self.written;
         for (all, order) in [(&self.x, slots), (&self.d, slots), (&self.coef, coefs)] {
-            let mut each = |v: &Real| h.write(&wide(*v).to_bits().to_le_bytes());
+            let mut each = |v: &Real| word(&mut h, wide(*v).to_bits());
             if order.is_empty() {
                 all.iter().for_each(&mut each);
             } else {
@@ -196,12 +198,12 @@ impl State {
             .chain(self.glide.iter().flatten().copied())
             .chain(lengths)
         {
-            h.write(&v.to_bits().to_le_bytes());
+            word(&mut h, v.to_bits());
         }
 
         for b in &self.border {
             for v in [b.from, b.to, b.sum] {
-                h.write(&v.to_bits().to_le_bytes());
+                word(&mut h, v.to_bits());
             }
         }
         h.write(&self.tick.to_le_bytes());

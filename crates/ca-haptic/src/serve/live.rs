@@ -281,7 +281,7 @@ impl Live {
         let (e, n) = (&self.engine, self.engine.counts.frames);
         let due = |every: u64| every > 0 && n.is_multiple_of(every);
         let tick = e.state.tick;
-        let energy = due(self.every.energy).then_some(e.state.ledger.as_ref()).flatten();
+        let energy = due(self.every.energy).then_some(e.state.ledger.as_deref()).flatten();
         let energy = energy.map(|l| Record::Energy { tick, balance: l.balance() });
         let hash = due(self.every.hash).then(|| Record::Hash { tick, bits: e.state.bits() });
         for record in [energy, hash].into_iter().flatten() {
