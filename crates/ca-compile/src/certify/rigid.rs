@@ -218,7 +218,7 @@ pub fn rigid(model: &Model, net: &Pruned, diags: &mut Diags) {
     let mut parts = Vec::new();
     let mut reported = BTreeSet::new();
     for l in &net.lias {
-        let Some(o) = l.onto else { continue };
+        let Some(o) = &l.onto else { continue };
         let k = stiffness(net, l);
         if k <= 0.0 || reported.contains(&l.item) {
             continue;

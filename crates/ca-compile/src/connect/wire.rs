@@ -8,6 +8,7 @@ use crate::findings::type_name;
 use crate::lower::space;
 use crate::net::{End, LiaNode, Measure, Push, Resolved, SecondPort, Wired};
 use crate::options::{KernelClass, Options};
+use alloc::boxed::Box;
 use alloc::collections::{BTreeMap, BTreeSet};
 use alloc::format;
 use alloc::string::ToString;
@@ -208,7 +209,7 @@ impl Wiring<'_> {
             }
             let index = if many { i.into() } else { Index::None };
             let name = Name::new(&name, Part::Own, index);
-            let values = values.clone();
+            let (values, onto) = (values.clone(), onto.map(Box::new));
             let node = LiaNode { name, kind, law, values, ends, measure, onto, sets: None, l0, soften, item: id };
             if soften > 0.0 && !node.is_radial() {
                 let at = self.entry(id, "soften").map_or(e.span, |e| e.span);

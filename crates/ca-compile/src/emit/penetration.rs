@@ -59,7 +59,7 @@ fn of_pair(net: &Pruned, l: &LiaNode, e0: f64, reach: &[[f64; 4]; 2]) -> Option<
         };
         wide(measure(m.measure(), &places.map(real), &[0.0; 6], [0, 3], &reach.map(real)).e)
     };
-    let second = l.onto.map_or(0.0, |o| elongation(o.ends, o.measure, &reach[1]));
+    let second = l.onto.as_ref().map_or(0.0, |o| elongation(o.ends, o.measure, &reach[1]));
     let e = e0 + elongation(l.ends, l.measure, &reach[0]) + second;
     let c = coefs(net, l);
     let f = wide(force(net, l, &c, real(e)));

@@ -33,6 +33,11 @@ pub fn expand(net: &mut Resolved, item: u32, built: &Builder<'_>, (dim, rest): (
     let base = net.mats.len() as u32;
     let mut shared = Shared::default();
     let mut family = Family { size: built.size, ..Family::default() };
+    net.mats.reserve(built.mats.len());
+    net.lias.reserve(built.links.len());
+    family.masses.reserve(built.mats.len());
+    // the values of the last one: most are as it is
+    let mut last: Option<(Built, Arc<[Source]>)> = None;
     for (i, (what, index)) in built.mats.iter().enumerate() {
         let id = base + i as u32;
         let (kind, slots): (&'static Kind, &[(usize, u32)]) = match what {
@@ -49,15 +54,22 @@ pub fn expand(net: &mut Resolved, item: u32, built: &Builder<'_>, (dim, rest): (
             Name::new(&name, Part::Own, *index)
         };
         let Role::Mat(spec) = kind.role else { continue };
-        let mut values = alloc::vec![Source::Absent; kind.params.len()];
-        for (param, slot) in slots {
-            values[*param] = Source::Slot(*slot);
-        }
+        let values = match &last {
+            Some((of, values)) if of == what => values.clone(),
+            _ => {
+                let mut values = alloc::vec![Source::Absent; kind.params.len()];
+                for (param, slot) in slots {
+                    values[*param] = Source::Slot(*slot);
+                }
+                shared.list(&values)
+            }
+        };
+        last = Some((*what, values.clone()));
         net.mats.push(MatNode {
             name,
             code: kind.code,
             role: MatRole::Mat(spec),
-            values: shared.list(&values),
+            values,
             axes: dim,
             rest: built.places.get(i).map_or(rest, |p| core::array::from_fn(|k| rest[k] + p[k])),
             dx0: [0.0; 3],
@@ -67,8 +79,9 @@ pub fn expand(net: &mut Resolved, item: u32, built: &Builder<'_>, (dim, rest): (
         });
     }
     let Role::Lia(law) = ca_core::phi::REF.role else { return };
+    let of_links = net.lias.len() as u32;
+    family.links = (of_links..of_links + built.links.len() as u32).collect();
     for (i, l) in built.links.iter().enumerate() {
-        family.links.push(net.lias.len() as u32);
         net.lias.push(LiaNode {
             name: Name::new(&name, Part::Link, i.into()),
             kind: &ca_core::phi::REF,

@@ -186,7 +186,8 @@ pub enum Pull {
 
 /// The rows of a link: its own, and for one under tension in space those across it.
 pub fn rows(net: &Wired, l: &LiaNode, b: &Bound, numbers: &Numbers, points: Points) -> Vec<Pull> {
-    let ports: Vec<_> = core::iter::once((l.ends, l.measure)).chain(l.onto.map(|o| (o.ends, o.measure))).collect();
+    let ports: Vec<_> =
+        core::iter::once((l.ends, l.measure)).chain(l.onto.iter().map(|o| (o.ends, o.measure))).collect();
     // of each port, its direction; of each end, the nodes it may be at
     let mut choices: Vec<Vec<(u32, f64)>> = alloc::vec![Vec::new()];
     for (ends, measure) in &ports {

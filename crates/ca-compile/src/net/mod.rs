@@ -9,6 +9,7 @@ pub mod worst;
 
 pub use stage::{Pruned, Resolved, Wired};
 
+use alloc::boxed::Box;
 use alloc::string::String;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
@@ -151,7 +152,7 @@ pub struct LiaNode {
     /// how it measures them
     pub measure: Measure,
     /// its other ends, if it is a quadripole
-    pub onto: Option<SecondPort>,
+    pub onto: Option<Box<SecondPort>>,
     /// the first and the second ends, where it joins every pair of two sets of MATs in space; without second ends,
     /// every pair of the first
     pub sets: Option<Arc<[Vec<u32>; 2]>>,
@@ -165,16 +166,43 @@ pub struct LiaNode {
 
 impl LiaNode {
     /// All its ends.
-    pub fn all_ends(&self) -> impl Iterator<Item = End> + '_ {
-        let sets = self.sets.iter().flat_map(|s| s.iter().flatten().map(|m| End::Mat(*m)));
+    pub fn all_ends(&self) -> AllEnds<'_> {
         // of a set, the ends are those of one pair
-        let own = self.ends.into_iter().chain(self.onto.into_iter().flat_map(|o| o.ends));
-        own.take(if self.sets.is_some() { 0 } else { 4 }).chain(sets)
+        if let Some(sets) = &self.sets {
+            let none = End::Mat(u32::MAX);
+            return AllEnds { own: [none; 4], at: 0, n: 0, sets: [&sets[0], &sets[1]] };
+        }
+        let ([a, b], [c, d]) = (self.ends, self.onto.as_ref().map_or(self.ends, |o| o.ends));
+        AllEnds { own: [a, b, c, d], at: 0, n: if self.onto.is_some() { 4 } else { 2 }, sets: [&[], &[]] }
     }
 
     /// True where it measures a distance in space.
     pub fn is_radial(&self) -> bool {
-        self.measure == Measure::Radial || self.onto.is_some_and(|o| o.measure == Measure::Radial)
+        self.measure == Measure::Radial || self.onto.as_ref().is_some_and(|o| o.measure == Measure::Radial)
+    }
+}
+
+/// The ends of a link. By hand, since many passes ask for those of every link.
+#[derive(Clone)]
+pub struct AllEnds<'a> {
+    own: [End; 4],
+    at: usize,
+    n: usize,
+    sets: [&'a [u32]; 2],
+}
+
+impl Iterator for AllEnds<'_> {
+    type Item = End;
+    #[inline]
+    fn next(&mut self) -> Option<End> {
+        if self.at < self.n {
+            self.at += 1;
+            return Some(self.own[self.at - 1]);
+        }
+        let set = self.sets.iter_mut().find(|s| !s.is_empty())?;
+        let (first, rest) = set.split_first()?;
+        *set = rest;
+        Some(End::Mat(*first))
     }
 }
 

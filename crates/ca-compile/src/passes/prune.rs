@@ -77,8 +77,8 @@ pub fn prune(model: &Model, mut net: Wired, diags: &mut Diags) -> Pruned {
         .enumerate()
         .map(|(i, l)| {
             let moving = l.all_ends().any(moves);
-            let is_read = l.all_ends().any(|e| tgr(e) || listened.contains(&e)) || taps.contains(&(i as u32));
-            if moving { l.all_ends().all(|e| !moves(e) || audible[place(e)]) } else { is_read }
+            let is_read = || l.all_ends().any(|e| tgr(e) || listened.contains(&e)) || taps.contains(&(i as u32));
+            if moving { l.all_ends().all(|e| !moves(e) || audible[place(e)]) } else { is_read() }
         })
         .collect();
     // fixed points and ports stay where something holds them

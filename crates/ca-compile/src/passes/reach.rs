@@ -10,7 +10,9 @@ use alloc::vec::Vec;
 /// Marks the MATs that hang on the line port of a quadripole whose other port is in space.
 pub fn mark(net: &mut Pruned) {
     let line = |m: Measure| matches!(m, Measure::Line(_));
-    let second = |l: &crate::net::LiaNode| l.onto.filter(|o| l.measure == Measure::Radial && line(o.measure));
+    let second = |l: &crate::net::LiaNode| {
+        l.onto.as_deref().copied().filter(|o| l.measure == Measure::Radial && line(o.measure))
+    };
     let seeds: Vec<End> = net.lias.iter().filter_map(second).flat_map(|o| o.ends).collect();
     if seeds.is_empty() {
         return;
@@ -24,7 +26,7 @@ pub fn mark(net: &mut Pruned) {
     };
     for l in &net.lias {
         let first = if line(l.measure) { moving(&l.ends) } else { Vec::new() };
-        let other = l.onto.filter(|o| line(o.measure)).map_or(Vec::new(), |o| moving(&o.ends));
+        let other = l.onto.as_ref().filter(|o| line(o.measure)).map_or(Vec::new(), |o| moving(&o.ends));
         let all: Vec<u32> = first.into_iter().chain(other).collect();
         for m in &all {
             at[*m as usize].push(joins.len() as u32);

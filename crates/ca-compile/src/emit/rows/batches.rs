@@ -116,6 +116,6 @@ impl Plan<'_> {
     pub fn shape(&self, l: u32, law: &'static Law) -> Shape {
         let node = &self.net.lias[l as usize];
         let set = node.sets.as_ref().map(|_| l);
-        Shape { law, measure: node.measure.measure(), onto: node.onto.map(|o| o.measure.measure()), set }
+        Shape { law, measure: node.measure.measure(), onto: node.onto.as_ref().map(|o| o.measure.measure()), set }
     }
 }

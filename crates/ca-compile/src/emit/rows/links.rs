@@ -111,7 +111,7 @@ impl Plan<'_> {
         } else {
             slack
         };
-        let second = l.onto.map_or(0.0, |o| {
+        let second = l.onto.as_ref().map_or(0.0, |o| {
             let (constant, distance) = self.at_rest(o.ends, o.measure);
             let soft = if o.measure == Measure::Radial { l.soften } else { 0.0 };
             let slack = if soft == 0.0 { distance } else { libm::sqrt(distance * distance + soft * soft) };
@@ -156,9 +156,9 @@ impl Plan<'_> {
             k.reach.extend(nodes().filter_map(|l| self.reach(l.ends, l.measure, l.soften)));
             if let Some(g) = shape.onto {
                 ports.onto = Some((g, k.onto.len(), k.reach.len()));
-                k.onto.extend(nodes().filter_map(|l| l.onto).map(|o| self.port(o.ends, o.measure)));
+                k.onto.extend(nodes().filter_map(|l| l.onto.as_ref()).map(|o| self.port(o.ends, o.measure)));
                 k.reach.extend(nodes().filter_map(|l| {
-                    let o = l.onto?;
+                    let o = l.onto.as_ref()?;
                     self.reach(o.ends, o.measure, l.soften)
                 }));
             }
@@ -189,7 +189,7 @@ impl Plan<'_> {
                 to.clear();
                 to.extend((0..law.coefs).map(|s| coef + s * n + i));
                 self.load(Loader::Lia(law), l.item, &values, &to);
-                let onto = l.onto.map(|o| self.reach(o.ends, o.measure, l.soften).unwrap_or_default());
+                let onto = l.onto.as_ref().map(|o| self.reach(o.ends, o.measure, l.soften).unwrap_or_default());
                 let reach = [self.reach(l.ends, l.measure, l.soften).unwrap_or_default(), onto.unwrap_or_default()];
                 if l.law.contact {
                     penetration::warn(net, l, k.e0[first + i], &reach, model, diags);
