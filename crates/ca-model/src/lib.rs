@@ -27,6 +27,7 @@ pub mod explain;
 pub mod generate;
 #[cfg(feature = "parse")]
 mod members;
+pub mod names;
 pub mod quantity;
 #[cfg(feature = "parse")]
 pub mod read;

@@ -8,6 +8,7 @@
 
 use super::diag::{Diag, Diags};
 use super::entry::{Key, Val, article, ordered};
+use super::names::all_differ;
 use super::reader::{Reader, is_code, ticked};
 pub use super::sections::{GROUP, META, RATES, SECTIONS};
 use super::select::is_word;
@@ -87,6 +88,11 @@ fn header(text: &str) -> String {
 /// Sorts modules by place and leaves out those whose name is taken.
 fn unique(model: &mut Model, diags: &mut Diags) {
     model.items.sort_by_key(|i| i.name_span);
+    model.items.shrink_to_fit();
+    let names = model.groups.iter().map(|g| g.name.as_str()).chain(model.items.iter().map(|i| i.name.as_str()));
+    if all_differ(names) {
+        return;
+    }
     let mut taken: BTreeMap<&str, Span> = model.groups.iter().map(|g| (g.name.as_str(), g.span)).collect();
     let mut kept = Vec::with_capacity(model.items.len());
     for item in &model.items {

@@ -64,7 +64,7 @@ impl Wiring<'_> {
         let channel = item.args[index("channel")].num();
         let along = kind.param("along").and_then(|i| space::direction(&item.args[i]));
         let Some(e) = self.entry(id, "from") else { return };
-        let taps = self.taps(&e, &name, force);
+        let taps = self.taps(e, &name, force);
         let many = taps.len() > 1 && channel.is_none();
         for (i, tap) in taps.into_iter().enumerate() {
             let own = if many { format!("{name}[{i}]") } else { name.to_string() };

@@ -5,7 +5,8 @@
 
 use crate::connect::wiring::Wiring;
 use crate::findings::inside;
-use crate::net::{Coordinate, End, Family, MatRole, PointNode};
+use crate::net::families::Members;
+use crate::net::{Coordinate, End, MatRole, PointNode};
 use alloc::format;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
@@ -72,10 +73,10 @@ impl Wiring<'_> {
         }
         let plain_link = family.masses.is_empty() && !family.links.is_empty();
         let (list, links) = match sel.part {
-            Part::Mass if plain_link => (&family.links, true),
-            Part::Mass => (&family.masses, false),
-            Part::Link => (&family.links, true),
-            Part::End => (&family.anchors, false),
+            Part::Mass if plain_link => (family.links, true),
+            Part::Mass => (family.masses, false),
+            Part::Link => (family.links, true),
+            Part::End => (family.anchors, false),
         };
         if let (true, Some(why)) = (links, wants_mat) {
             let d = Diag::error("E017", format!("`{}`: `{}` is a link, not a mass", w.owner, w.text.trim()));
@@ -144,14 +145,15 @@ impl Wiring<'_> {
         }
         let d = Diag::error("E013", format!("`{}`: no module `{name}`", w.owner)).at(w.name(name), "unknown");
         let group = self.model.groups.iter().any(|g| g.name == name);
-        let member = self.net.families.keys().find(|k| k.rsplit('.').next() == Some(name));
+        let known = self.net.families.names();
+        let member = known.iter().copied().find(|k| k.rsplit('.').next() == Some(name));
         // modules that are broken themselves are meant no less
-        let names = self.net.families.keys().map(String::as_str).chain(self.broken.iter().copied());
-        let near = member.map(String::as_str).or_else(|| nearest(name, names));
+        let names = known.iter().copied().chain(self.broken.iter().copied());
+        let near = member.or_else(|| nearest(name, names));
         let d = if self.model.params.iter().any(|p| p.key == name) {
             d.help("that is a parameter; the ends of links and outputs are modules")
         } else if group {
-            let first = self.net.families.keys().find(|k| k.starts_with(&format!("{name}.")));
+            let first = known.iter().find(|k| k.starts_with(&format!("{name}.")));
             let first = first.map_or_else(|| format!("{name}.…"), ToString::to_string);
             d.help(format!("that is a group; name one of its modules, e.g. `{first}`"))
         } else if let Some(near) = near {
@@ -171,7 +173,7 @@ impl Wiring<'_> {
         if let Some(p) = self.points.get(&text) {
             return Some(*p);
         }
-        let family = &self.net.families[&sel.name];
+        let family = self.net.families.of(&sel.name);
         let wants = if family.size[1] > 1 { 2 } else { 1 };
         let (owner, name, nodes) = (w.owner, &sel.name, family.nodes.len());
         if nodes < 2 || sel.part != Part::Mass || sel.index != Index::None {
@@ -351,7 +353,7 @@ fn pick(list: &[u32], index: Index, size: [u32; 2]) -> Result<Vec<u32>, Pick> {
     }
 }
 
-fn outside(w: Written<'_>, sel: &Selector, n: usize, family: &Family, why: &Pick) -> Diag {
+fn outside(w: Written<'_>, sel: &Selector, n: usize, family: Members<'_>, why: &Pick) -> Diag {
     let name = match sel.part {
         Part::Mass => sel.name.clone(),
         Part::Link => format!("{}.link", sel.name),

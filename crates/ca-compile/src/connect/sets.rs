@@ -9,11 +9,9 @@ use crate::net::{End, LiaNode, Measure};
 use crate::options::Options;
 use alloc::collections::BTreeSet;
 use alloc::string::String;
-use alloc::string::ToString;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 use ca_core::kind::name::Name;
-use ca_core::live::Source;
 use ca_core::op::Law;
 use ca_model::select::parse;
 use ca_model::{Model, Value};
@@ -61,8 +59,9 @@ impl Wiring<'_> {
         }
         let ends = [a[0], if itself { a[1] } else { b[0] }];
         let sets = Some(Arc::new([first, if itself { Vec::new() } else { second }]));
-        let values = (0..kind.params.len() as u32).map(Source::Slot).collect();
-        self.net.families.entry(name.to_string()).or_default().links = alloc::vec![self.net.lias.len() as u32];
+        let values = self.net.own_values(kind.params.len());
+        let number = self.net.lias.len() as u32;
+        self.net.families.insert_links(&name, alloc::vec![number]);
         let (measure, onto, l0, soften) = (Measure::Radial, None, None, 0.0);
         self.net.lias.push(LiaNode {
             name: Name::from(&name),

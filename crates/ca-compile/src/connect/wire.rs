@@ -11,12 +11,9 @@ use crate::options::{KernelClass, Options};
 use alloc::boxed::Box;
 use alloc::collections::{BTreeMap, BTreeSet};
 use alloc::format;
-use alloc::string::ToString;
-use alloc::sync::Arc;
 use alloc::vec::Vec;
 use ca_core::kind::name::{Index, Name, Part};
 use ca_core::kind::{PortRole, Role};
-use ca_core::live::Source;
 use ca_core::phi::Pairs;
 use ca_model::LARGEST;
 use ca_model::diag::{Diag, Diags};
@@ -28,9 +25,16 @@ const LINKED: &str = "a link joins MATs: masses, fixed points, cells, ports move
 pub fn wire(model: &Model, net: Resolved, options: &Options, diags: &mut Diags) -> Wired {
     let (heard, broken) = (heard(model, options), broken(model, &net));
     let mut w = Wiring { model, net: net.into(), diags, heard, points: BTreeMap::new(), broken, over: false, under: 0 };
+    let links = w.net.items.iter().filter(|i| matches!(i.kind.role, Role::Lia(_))).count();
+    w.net.lias.reserve_exact(links);
     for id in 0..w.net.items.len() {
         if let Role::Lia(_) = w.net.items[id].kind.role {
             w.link(id as u32, options.kernel);
+            // what does not follow a parameter is in its slots from here on
+            let item = &mut w.net.items[id];
+            if item.follows.is_empty() {
+                item.args = Vec::new();
+            }
         }
         if w.diags.is_full() {
             return w.net;
@@ -55,13 +59,13 @@ pub fn wire(model: &Model, net: Resolved, options: &Options, diags: &mut Diags) 
     w.net
 }
 
-impl Wiring<'_> {
-    fn item(&self, id: u32) -> &Item {
+impl<'a> Wiring<'a> {
+    fn item(&self, id: u32) -> &'a Item {
         &self.model.items[self.net.items[id as usize].model]
     }
 
-    pub(super) fn entry(&self, id: u32, key: &str) -> Option<Entry> {
-        self.item(id).args.iter().find(|e| e.key == key).cloned()
+    pub(super) fn entry(&self, id: u32, key: &str) -> Option<&'a Entry> {
+        self.item(id).args.iter().find(|e| e.key == key)
     }
 
     /// The ends on one side of `between`, or what a force pushes; `why` says what is wanted there.
@@ -174,7 +178,7 @@ impl Wiring<'_> {
             self.too_many(&name, "links to moving points on long strings", e.span);
             return;
         }
-        let values: Arc<[Source]> = (0..kind.params.len() as u32).map(Source::Slot).collect();
+        let values = self.net.own_values(kind.params.len());
         let many = pairs.len() > 1;
         let mut made = Vec::with_capacity(pairs.len());
         for (i, ends) in pairs.into_iter().enumerate() {
@@ -222,7 +226,7 @@ impl Wiring<'_> {
                 self.net.lias.push(l);
             }
         }
-        self.net.families.entry(name.to_string()).or_default().links = made;
+        self.net.families.insert_links(&name, made);
     }
 
     /// How the two ports of a quadripole measure; an error in words where the ends of one are in different worlds.
@@ -264,6 +268,9 @@ impl Wiring<'_> {
 
     /// References of modules that could not be resolved are looked up all the same, so that everything is said at once.
     fn broken_items(&mut self) {
+        if self.net.items.len() == self.model.items.len() {
+            return;
+        }
         let good: BTreeSet<usize> = self.net.items.iter().map(|i| i.model).collect();
         let model = self.model;
         for (_, item) in model.items.iter().enumerate().filter(|(i, _)| !good.contains(i)) {
@@ -284,7 +291,7 @@ impl Wiring<'_> {
     fn push(&mut self, id: u32) {
         let name = self.net.items[id as usize].name.clone();
         let Some(e) = self.entry(id, "to") else { return };
-        let Some(ends) = self.side(&e, &name, "to", "a force pushes a MAT: a mass or a cell") else { return };
+        let Some(ends) = self.side(e, &name, "to", "a force pushes a MAT: a mass or a cell") else { return };
         let Some(input) = self.net.inputs.iter().position(|i| *i.name == *name) else { return };
         let along = self.net.items[id as usize].args.get(2).and_then(space::direction);
         if self.net.pushes.len() + ends.len() > LARGEST {

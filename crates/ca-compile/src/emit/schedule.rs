@@ -252,7 +252,7 @@ fn points(plan: &mut Plan) -> Points {
         if mat == u32::MAX {
             continue;
         }
-        let family = &net.families[&p.family];
+        let family = net.families.of(&p.family);
         if let Some((weights, _)) = &p.shape {
             // modes are tied to nothing, so they stand as they were made: in a row
             let first = family.nodes.first().map_or(0, |mode| plan.slot[*mode as usize]);
@@ -345,6 +345,7 @@ fn symbols(plan: &Plan, links: &Links, index: impl Fn(usize) -> usize) -> Symbol
     for (l, (op, k)) in net.lias.iter().zip(&links.where_is) {
         all.push(&l.name, l.law.code, 1, Location::Lia(index(*op as usize) as u32, *k));
     }
+    all.shrink_to_fit();
     all
 }
 

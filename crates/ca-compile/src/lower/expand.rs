@@ -2,7 +2,6 @@
 
 use crate::net::lines::LineNode;
 use crate::net::{End, Family, LiaNode, MatNode, MatRole, Measure, Resolved};
-use alloc::string::ToString;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 use ca_core::kind::builder::{Builder, Built};
@@ -98,5 +97,5 @@ pub fn expand(net: &mut Resolved, item: u32, built: &Builder<'_>, (dim, rest): (
     }
     net.lines.extend(built.line.clone().map(|asked| LineNode { item, first: base, asked, tuned: None }));
     family.nodes = built.nodes.iter().map(|n| base + n).collect();
-    net.families.insert(name.to_string(), family);
+    net.families.insert(&name, family);
 }

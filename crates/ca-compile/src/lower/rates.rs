@@ -168,7 +168,7 @@ fn down_of(m: Medium) -> f64 {
 fn gravity(e: &Entry, dim: u8, what: &str, v: &mut Values<'_>) -> Option<[f64; 3]> {
     if let Value::List(_) = e.value {
         let list = v.position(e, Unit::ACCELERATION, what)?;
-        return crate::lower::space::position(Some(&list), dim, e.span, what, v.diags);
+        return crate::lower::space::position(Some(&list), dim, e.span, &what, v.diags);
     }
     v.constant(e, Unit::ACCELERATION, ANY, what).map(|g| down(dim, g))
 }

@@ -7,7 +7,7 @@ use crate::lower::crossing::crossing;
 use crate::lower::expand::expand;
 use crate::lower::values::Values;
 use crate::lower::{equivalence, gesture, params, rates, requirements, space};
-use crate::net::{Family, MatNode, MatRole, NetItem, Resolved};
+use crate::net::{MatNode, MatRole, NetItem, Resolved};
 use alloc::collections::{BTreeMap, BTreeSet};
 use alloc::format;
 use alloc::string::{String, ToString};
@@ -18,10 +18,10 @@ use ca_core::equivalence::Gains;
 use ca_core::kind::builder::{Arg, Args, Builder, Problem};
 use ca_core::kind::name::Name;
 use ca_core::kind::{Kind, Need, OneOf, Param, PortRole, Role, Type, Unit};
-use ca_core::live::Source;
 use ca_core::scene::{Input, InputRole};
 use ca_model::LARGEST;
 use ca_model::diag::{Diag, Diags};
+use ca_model::names::all_differ;
 use ca_model::quantity::Plain;
 use ca_model::suggest::nearest;
 use ca_model::{Item, Model, Span, Value};
@@ -56,17 +56,22 @@ pub fn resolve(model: &Model, catalog: &Catalog, options: &Options, diags: &mut 
     v.named = params::all(model, v.diags);
     rates::media(model, &mut net, &mut v);
     let mut unknown = BTreeSet::new();
+    // modules of one kind stand one behind the other
+    let mut last: Option<(&str, &'static Kind)> = None;
+    net.items.reserve_exact(model.items.len());
     for (i, item) in model.items.iter().enumerate() {
         if v.diags.is_full() {
             break;
         }
-        let Some(kind) = catalog.get(&item.kind) else {
+        let known = last.filter(|(code, _)| *code == item.kind).map(|(_, kind)| kind);
+        let Some(kind) = known.or_else(|| catalog.get(&item.kind)) else {
             // once for a section, however many modules stand in it
             if unknown.insert((item.kind_span, item.kind.as_str())) {
                 v.diags.push(unknown_kind(item, catalog));
             }
             continue;
         };
+        last = Some((&item.kind, kind));
         if let Some(resolved) = item_args(kind, item, i, &mut v) {
             nodes(resolved, item, &mut net, &mut v);
         }
@@ -82,6 +87,9 @@ pub fn resolve(model: &Model, catalog: &Catalog, options: &Options, diags: &mut 
     equivalence::equivalence(model, &mut net, &mut v);
     params::place(&mut v, &mut net);
     net.tables = v.tables;
+    // lists that grew hold room for as much again, which would stay until all is compiled
+    net.mats.shrink_to_fit();
+    net.lias.shrink_to_fit();
     gesture::gestures(model, &mut net, alg, &v.named, diags);
     net
 }
@@ -96,6 +104,10 @@ fn unknown_kind(item: &Item, catalog: &Catalog) -> Diag {
 
 /// Names are unique, also between modules and parameters: `ca set`, gestures and moving points take both.
 fn unique(model: &Model, diags: &mut Diags) {
+    let names = model.params.iter().map(|e| e.key.as_str()).chain(model.items.iter().map(|i| i.name.as_str()));
+    if all_differ(names) {
+        return;
+    }
     let params = model.params.iter().map(|e| (e.key.as_str(), e.key_span, "a parameter"));
     let items = model.items.iter().map(|i| (i.name.as_str(), i.name_span, "a module"));
     let mut taken: BTreeMap<&str, (Span, &str)> = BTreeMap::new();
@@ -223,16 +235,20 @@ fn nodes(mut item: NetItem, source: &Item, net: &mut Resolved, v: &mut Values<'_
     item.slots = item.args.iter().map(Arg::num).collect();
     let dim = net.medium_of(item.group).dim;
     item.dim = dim;
-    let mut places = BTreeMap::new();
+    let (mut places, mut good) = ([[0.0; 3]; 3], true);
     for (p, arg) in kind.params.iter().zip(&item.args).filter(|(p, _)| matches!(p.ty, Type::Position { .. })) {
         let span = source.args.iter().find(|e| e.key == p.name).map_or(Span::NONE, |e| e.span);
-        let what = format!("`{}` of `{}`", p.name, item.name);
-        places.insert(p.name, space::position(Some(arg), dim, span, &what, v.diags));
+        let what = format_args!("`{}` of `{}`", p.name, item.name);
+        let place = space::position(Some(arg), dim, span, &what, v.diags);
+        good &= place.is_some();
+        if let (Some(k), Some(at)) = (["x", "dx0", "v"].iter().position(|n| *n == p.name), place) {
+            places[k] = at;
+        }
     }
-    if places.values().any(Option::is_none) {
+    if !good {
         return;
     }
-    let [rest, dx0, speed] = ["x", "dx0", "v"].map(|name| places.get(name).copied().flatten().unwrap_or_default());
+    let [rest, dx0, speed] = places;
     match kind.role {
         Role::Mat(spec) => {
             if let (Some(f), "CEL") = (kind.param("f").and_then(|i| item.args[i].num()), kind.code) {
@@ -251,7 +267,7 @@ fn nodes(mut item: NetItem, source: &Item, net: &mut Resolved, v: &mut Values<'_
                 name: Name::from(&item.name),
                 code: kind.code,
                 role: MatRole::Mat(spec),
-                values: (0..kind.params.len() as u32).map(Source::Slot).collect(),
+                values: net.own_values(kind.params.len()),
                 axes: dim,
                 rest,
                 dx0,
@@ -260,6 +276,10 @@ fn nodes(mut item: NetItem, source: &Item, net: &mut Resolved, v: &mut Values<'_
                 item: id,
             };
             single(net, node);
+            if item.follows.is_empty() {
+                // they are in its slots
+                item.args = Vec::new();
+            }
             net.items.push(item);
         }
         Role::Port(role) => {
@@ -334,8 +354,7 @@ fn too_many(name: &str, kind: &Kind, source: &Item, will: usize, before: usize) 
 
 fn single(net: &mut Resolved, node: MatNode) {
     let id = net.mats.len() as u32;
-    let family = Family { masses: alloc::vec![id], size: [1, 1], ..Family::default() };
-    net.families.insert(node.name.to_string(), family);
+    net.families.insert_mat(&node.name.of, id);
     net.mats.push(node);
 }
 

@@ -12,7 +12,13 @@ use ca_model::diag::{Diag, Diags};
 pub const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// A place along `dim` axes: a number on a line, as many numbers as axes elsewhere. Nothing written is the origin.
-pub fn position(arg: Option<&Arg>, dim: u8, span: Span, what: &str, diags: &mut Diags) -> Option<[f64; 3]> {
+pub fn position(
+    arg: Option<&Arg>,
+    dim: u8,
+    span: Span,
+    what: &dyn core::fmt::Display,
+    diags: &mut Diags,
+) -> Option<[f64; 3]> {
     let wrong = |is: &str| {
         let (wants, help) = match dim {
             1 => ("one number, on a line", "write one number, or put it into a group with `dim = 3`"),

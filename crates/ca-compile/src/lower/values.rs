@@ -169,6 +169,22 @@ impl Values<'_> {
         self.arg(&ca_core::phi::REF, param, e, &[], owner)?.0.num()
     }
 
+    /// A plain number of the right dimension within its range; `None` for anything else, be it right or wrong.
+    fn plain(&self, kind: &Kind, param: &Param, e: &Entry) -> Option<f64> {
+        let Type::Number { unit, min, max } = param.ty else { return None };
+        let v = match &e.value {
+            Value::Num(v) => *v * self.bare(unit.dim),
+            Value::Text(t) if quantity::is_quantity(t) => match quantity::parse(t) {
+                Ok(q) if !q.has_unit => q.value * self.bare(unit.dim),
+                Ok(q) if q.dim.same(unit.dim) => q.value,
+                _ => return None,
+            },
+            _ => return None,
+        };
+        // more is asked of an exponent
+        (v >= min && v <= max && !is_exponent(kind, param)).then_some(v)
+    }
+
     /// The argument `param` of an item.
     pub fn arg(
         &mut self,
@@ -178,15 +194,15 @@ impl Values<'_> {
         siblings: &[Entry],
         owner: &str,
     ) -> Option<(Arg, Option<(usize, f64)>)> {
+        // most are numbers in range, of which nothing is said
+        if let Some(v) = self.plain(kind, param, e) {
+            return Some((Arg::Num(v), None));
+        }
         let what = format!("`{}` of `{owner}`", param.name);
         let plain = |v: f64| Some((Arg::Num(v), None));
         match param.ty {
             Type::Number { unit, min, max } => {
-                let exponent = kind
-                    .params
-                    .iter()
-                    .any(|p| matches!(p.ty, Type::PowerStiffness { exponent } if exponent == param.name));
-                if !exponent {
+                if !is_exponent(kind, param) {
                     if !param.live {
                         return plain(self.constant(e, unit, (min, max), &what)?);
                     }
@@ -293,6 +309,11 @@ impl Values<'_> {
         self.diags.push(Diag::error("E006", title).at(span, "wrong type").help(help));
         None
     }
+}
+
+/// Whether the unit of another parameter hangs on this one.
+fn is_exponent(kind: &Kind, param: &Param) -> bool {
+    kind.params.iter().any(|p| matches!(p.ty, Type::PowerStiffness { exponent } if exponent == param.name))
 }
 
 fn quarters(p: f64) -> bool {

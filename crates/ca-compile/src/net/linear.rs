@@ -273,7 +273,7 @@ fn at_end(
         return alloc::vec![on(m)];
     };
     let point = &net.points[p as usize];
-    let family = &net.families[&point.family];
+    let family = net.families.of(&point.family);
     if let Some((weights, _)) = &point.shape {
         let all = family.nodes.iter().zip(weights).flat_map(|(m, w)| on(*m).into_iter().map(move |(i, u)| (i, u * w)));
         return alloc::vec![all.collect()];

@@ -1,5 +1,6 @@
 //! The network between model and scene: its records, and the [states](stage) it goes through.
 
+pub mod families;
 #[cfg(feature = "analysis")]
 pub mod linear;
 pub mod linearisation;
@@ -7,6 +8,7 @@ pub mod lines;
 mod stage;
 pub mod worst;
 
+pub use families::Family;
 pub use stage::{Pruned, Resolved, Wired};
 
 use alloc::boxed::Box;
@@ -260,21 +262,6 @@ pub struct OutNode {
     pub item: Option<u32>,
     /// of a probe, its index in [`crate::Options::probes`]
     pub asked: u32,
-}
-
-/// The modules under one name.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Family {
-    /// MATs that `name[i]` means
-    pub masses: Vec<u32>,
-    /// LIAs that `name.link[i]` means
-    pub links: Vec<u32>,
-    /// fixed points that `name.end[i]` means
-    pub anchors: Vec<u32>,
-    /// nodes a moving point may stand between
-    pub nodes: Vec<u32>,
-    /// their arrangement; `[n, 1]` in a row
-    pub size: [u32; 2],
 }
 
 /// What surrounds the modules of a group.

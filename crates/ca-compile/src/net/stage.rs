@@ -7,10 +7,12 @@
 //!         rates, media         points, outputs         what nothing hears
 //! ```
 
+use crate::net::families::Families;
 use crate::net::lines::LineNode;
-use crate::net::{End, Family, LiaNode, MatNode, Medium, NetItem, OutNode, PointNode, Push};
+use crate::net::{End, LiaNode, MatNode, Medium, NetItem, OutNode, PointNode, Push};
 use alloc::collections::BTreeMap;
 use alloc::string::{String, ToString};
+use alloc::sync::Arc;
 use alloc::vec::Vec;
 use ca_core::equivalence::Equivalence;
 use ca_core::live::{LiveParam, Source};
@@ -48,7 +50,9 @@ pub struct Resolved {
     /// strings of waves
     pub lines: Vec<LineNode>,
     /// names
-    pub families: BTreeMap<String, Family>,
+    pub families: Families,
+    /// the values of a module whose numbers are those of its item, by how many there are: most share them
+    pub own_values: BTreeMap<usize, Arc<[Source]>>,
     /// ports that take something
     pub inputs: Vec<Input>,
     /// live parameters
@@ -159,6 +163,11 @@ reads_as!(Wired: Resolved, resolved);
 reads_as!(Pruned: Wired, wired);
 
 impl Resolved {
+    /// The values of a module whose `n` numbers are those of its item.
+    pub fn own_values(&mut self, n: usize) -> Arc<[Source]> {
+        self.own_values.entry(n).or_insert_with(|| (0..n as u32).map(Source::Slot).collect()).clone()
+    }
+
     /// Parameter values of a module, in SI.
     pub fn values(&self, item: u32, values: &[Source]) -> Vec<Option<f64>> {
         let slots = &self.items[item as usize].slots;
@@ -204,7 +213,7 @@ impl Wired {
             End::Mat(m) => self.mats[m as usize].rest,
             End::Point(p) => {
                 let point = &self.points[p as usize];
-                let first = || self.families[&point.family].nodes.first().copied();
+                let first = || self.families.of(&point.family).nodes.first().copied();
                 let rest = point.shape.as_ref().map(|s| s.1);
                 rest.or_else(|| first().map(|m| self.mats[m as usize].rest)).unwrap_or_default()
             }
@@ -229,7 +238,7 @@ impl Wired {
     pub fn under(&self, end: End) -> Under<'_> {
         match end {
             End::Mat(m) => Under::One([m]),
-            End::Point(p) => Under::Along(&self.families[&self.points[p as usize].family].nodes),
+            End::Point(p) => Under::Along(self.families.of(&self.points[p as usize].family).nodes),
         }
     }
 

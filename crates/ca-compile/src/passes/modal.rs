@@ -156,7 +156,7 @@ fn one(model: &Model, net: &mut Pruned, group: usize, diags: &mut Diags) {
     }
     wired.pushes.iter_mut().for_each(|p| port(&mut p.end));
     net.points = points;
-    net.families.insert(family, Family { nodes: modes, ..Family::default() });
+    net.families.insert(&Arc::from(family.as_str()), Family { nodes: modes, ..Family::default() });
     within.iter().zip(&mut net.alive).filter(|(w, _)| **w).for_each(|(_, alive)| *alive = false);
     let lias = core::mem::take(&mut net.lias);
     net.drop_links(lias, &keep);
@@ -192,7 +192,7 @@ fn obstacle(model: &Model, net: &Pruned, within: &[bool], name: &str, item: u32,
             return refuse(l.item, "E028", title, "use `method = \"ca\"` for one of them");
         }
     }
-    let points = net.points.iter().find(|p| net.families[&p.family].nodes.iter().any(|m| within[*m as usize]))?;
+    let points = net.points.iter().find(|p| net.families.of(&p.family).nodes.iter().any(|m| within[*m as usize]))?;
     let title = format!("{name} goes by its modes: nothing moves along it, as `{}` would", points.name);
     refuse(item, "E028", title, "use a mass such as `low[8]`, or `method = \"ca\"`")
 }

@@ -10,7 +10,6 @@ use crate::net::{LiaNode, MatRole, Pruned};
 use crate::options::Options;
 use alloc::collections::BTreeSet;
 use alloc::format;
-use ca_core::kind::builder::Arg;
 use ca_core::live::Source;
 use ca_core::tuning::Method;
 use ca_model::diag::{Diag, Diags};
@@ -35,7 +34,7 @@ pub fn check(model: &Model, net: &Pruned, options: &Options, diags: &mut Diags) 
     let mats = net.mats.iter().zip(&rows).zip(&net.alive).filter(|(_, alive)| **alive);
     let of_mats = mats.filter_map(|((m, row), _)| {
         let item = &net.items[m.item as usize];
-        let tuned = item.kind.param("f").and_then(|f| item.args.get(f)).is_some_and(|f| *f != Arg::Absent);
+        let tuned = item.kind.param("f").and_then(|f| item.slots.get(f)).is_some_and(Option::is_some);
         let why = if tuned {
             (format!("`{}` is tuned to the pitch of the explicit scheme", item.name), "write stiffness, not `f`")
         } else if let MatRole::Port(..) = m.role {

@@ -78,12 +78,7 @@ impl Wired {
             }
         }
         self.lias = lias.into_iter().zip(keep).filter(|(_, k)| **k).map(|(l, _)| l).collect();
-        for f in self.families.values_mut() {
-            f.links.retain_mut(|l| {
-                *l = renumber[*l as usize];
-                *l != u32::MAX
-            });
-        }
+        self.families.renumber(&renumber);
         for o in &mut self.outs {
             if let crate::net::OutputTap::ForceOf(l) = &mut o.tap {
                 *l = renumber[*l as usize];

@@ -71,6 +71,11 @@ impl Symbols {
         }
     }
 
+    /// Gives back the room that nothing takes.
+    pub fn shrink_to_fit(&mut self) {
+        self.runs.shrink_to_fit();
+    }
+
     /// How many there are.
     pub fn len(&self) -> usize {
         self.mats.len() + self.lias.len()

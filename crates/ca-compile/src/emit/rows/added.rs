@@ -60,7 +60,7 @@ impl Added {
             let slot = *slot as usize;
             // where nothing touches the point it gives nothing
             let touched = self.whole[slot] || !self.of(slot).is_empty();
-            for m in &net.families[&p.family].nodes {
+            for m in net.families.of(&p.family).nodes {
                 let node = plan.slot[*m as usize] as usize;
                 self.whole[node] |= p.shape.is_some();
                 self.behind[node] = self.behind[node].saturating_add(u8::from(touched));
