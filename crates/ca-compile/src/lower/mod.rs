@@ -10,6 +10,7 @@ pub mod lowpass;
 pub mod midi;
 pub mod named;
 pub mod params;
+pub mod port;
 pub mod rates;
 pub mod requirements;
 pub mod resolve;

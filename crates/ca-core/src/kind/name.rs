@@ -3,7 +3,6 @@
 //! Decides that a name is the one of its item and where in it the module stands: a generator makes a hundred thousand of
 //! them, of which few are ever read. The text of the item is shared by all its modules.
 
-use alloc::string::ToString;
 use alloc::sync::Arc;
 use core::fmt::{self, Write as _};
 
@@ -82,6 +81,7 @@ impl Name {
     }
 
     /// The name of the module `n` places behind it.
+    #[must_use]
     pub fn plus(&self, n: u32) -> Name {
         Name { index: self.index.plus(n), ..self.clone() }
     }
@@ -118,9 +118,20 @@ impl fmt::Display for Name {
     }
 }
 
+/// What is left of a text when a name has been taken off its beginning.
+struct Rest<'a>(&'a str);
+
+impl fmt::Write for Rest<'_> {
+    fn write_str(&mut self, part: &str) -> fmt::Result {
+        self.0 = self.0.strip_prefix(part).ok_or(fmt::Error)?;
+        Ok(())
+    }
+}
+
 impl PartialEq<str> for Name {
     fn eq(&self, other: &str) -> bool {
-        other.starts_with(&*self.of) && self.to_string() == other
+        let mut rest = Rest(other);
+        write!(rest, "{self}").is_ok() && rest.0.is_empty()
     }
 }
 
@@ -133,5 +144,25 @@ impl PartialEq<&str> for Name {
 impl PartialEq<alloc::string::String> for Name {
     fn eq(&self, other: &alloc::string::String) -> bool {
         *self == **other
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use alloc::string::ToString;
+
+    #[test]
+    fn a_name_is_written_and_compared_as_its_text() {
+        let of: Arc<str> = Arc::from("low");
+        let whole = Name::from(&of);
+        let link = Name { axis: Some(1), ..Name::new(&of, Part::Link, 12.into()) };
+        let node = Name::new(&of, Part::Own, [3, 40].into());
+        for (name, text) in [(&whole, "low"), (&link, "low.link[12].y"), (&node, "low[3,40]")] {
+            assert_eq!(name.to_string(), text);
+            assert!(*name == text && *name != *"low[3]" && *name != *"lo" && *name != *"low[3,40].z");
+        }
+        assert!(node.continues(2, &node.plus(2)) && !node.continues(1, &node.plus(2)));
+        assert!(!whole.continues(1, &whole) && !node.continues(1, &link));
     }
 }
