@@ -237,10 +237,21 @@ fn integer(x: f64, full: f64) -> i32 {
 #[inline]
 fn each<const N: usize>(frames: &[f64], level: &mut Level, to: &mut [u8], as_bytes: impl Fn(f64) -> [u8; N]) {
     let n = level.peak.len();
-    for (frame, to) in frames.chunks_exact(n).zip(to.chunks_exact_mut(n * N)) {
-        for (channel, (x, to)) in frame.iter().zip(to.chunks_exact_mut(N)).enumerate() {
-            to.copy_from_slice(&as_bytes(level.keep(channel, *x)));
+    let to = to.as_chunks_mut::<N>().0;
+    // most blocks are within it: loops without a question, which also go by vectors
+    if frames.iter().fold(true, |all, x| all & (x.abs() <= 1.0)) {
+        for (channel, peak) in level.peak.iter_mut().enumerate() {
+            *peak = frames
+                .iter()
+                .skip(channel)
+                .step_by(n)
+                .fold(*peak, |most, x| if x.abs() > most { x.abs() } else { most });
         }
+        frames.iter().zip(to).for_each(|(x, to)| *to = as_bytes(*x));
+        return;
+    }
+    for ((x, to), channel) in frames.iter().zip(to).zip((0..n).cycle()) {
+        *to = as_bytes(level.keep(channel, *x));
     }
 }
 
