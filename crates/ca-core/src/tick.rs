@@ -4,6 +4,7 @@
 //! another scene would play on in silence where the shapes agree, and read beyond an array where they do not. A type
 //! that binds one to the other would save this compare, and borrow the state from everybody who looks at it.
 
+use crate::op::Op;
 use crate::scene::Scene;
 use crate::state::State;
 
@@ -77,15 +78,21 @@ fn foreign(scene: &Scene) -> ! {
 
 #[inline]
 fn forces(scene: &Scene, s: &mut State) {
-    for op in scene.reads.iter().chain(scene.summed()).chain(&scene.writes) {
-        (op.kernel)(op, &scene.layout, s);
+    // list by list: one iterator over all asks at each pass which list it is in
+    for list in [&scene.reads[..], scene.summed(), &scene.writes] {
+        run(list, scene, s);
     }
 }
 
 #[inline]
 fn motion(scene: &Scene, s: &mut State) {
-    for op in &scene.moves {
+    run(&scene.moves, scene, s);
+    s.tick += 1;
+}
+
+#[inline]
+fn run(list: &[Op], scene: &Scene, s: &mut State) {
+    for op in list {
         (op.kernel)(op, &scene.layout, s);
     }
-    s.tick += 1;
 }

@@ -12,13 +12,11 @@ use crate::state::State;
 
 /// Position of device ports at this tick: that of the frame.
 pub(super) fn position<const LATE: bool>(op: &Op, layout: &Layout, s: &mut State) {
-    let j = phase(layout.frame, s.tick);
-    for (k, p) in layout.tgr[..op.n].iter().enumerate() {
-        if j <= 1 {
-            begin::<LATE>(layout, s, k, p);
-        }
-        place(s, p, s.border[k].to);
+    let ports = &layout.tgr[..op.n];
+    if phase(layout.frame, s.tick) <= 1 {
+        begin::<LATE>(layout, s, ports);
     }
+    place(s, ports, |b| b.to);
 }
 
 /// The mean of the last force before the jump and the first after it. [`Border::sum`](crate::state::Border::sum) holds the

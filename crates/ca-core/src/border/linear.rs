@@ -8,34 +8,31 @@ use crate::state::State;
 
 /// Position of device ports at this tick, on the straight line through the frame.
 pub(super) fn position<const LATE: bool>(op: &Op, layout: &Layout, s: &mut State) {
-    let j = phase(layout.frame, s.tick);
-    for (k, p) in layout.tgr[..op.n].iter().enumerate() {
-        if j <= 1 {
-            begin::<LATE>(layout, s, k, p);
-        }
-        let b = s.border[k];
-        let x = if j == layout.frame || j == 0 {
-            b.to
-        } else {
-            b.from + f64::from(j) / f64::from(layout.frame) * (b.to - b.from)
-        };
-        place(s, p, x);
+    let (j, ports) = (phase(layout.frame, s.tick), &layout.tgr[..op.n]);
+    if j <= 1 {
+        begin::<LATE>(layout, s, ports);
+    }
+    if j == layout.frame || j == 0 {
+        place(s, ports, |b| b.to);
+    } else {
+        let part = f64::from(j) / f64::from(layout.frame);
+        place(s, ports, |b| b.from + part * (b.to - b.from));
     }
 }
 
 /// The mean over the frame, its first and last force counted half.
 pub(super) fn collect(op: &Op, layout: &Layout, s: &mut State) {
     let j = phase(layout.frame, s.tick);
-    for (k, p) in layout.tgr[..op.n].iter().enumerate() {
-        let f = wide(s.f[p.mat as usize]);
-        let b = &mut s.border[k];
-        if j == layout.frame {
+    let f = &s.f[..];
+    let each = layout.tgr[..op.n].iter().map(|p| wide(f[p.mat as usize])).zip(&mut s.border);
+    if j == layout.frame {
+        for (f, b) in each {
             b.force = (b.sum + 0.5 * f) / f64::from(layout.frame);
             b.sum = 0.5 * f;
-        } else if j == 0 {
-            b.sum = 0.5 * f;
-        } else {
-            b.sum += f;
         }
+    } else if j == 0 {
+        each.for_each(|(f, b)| b.sum = 0.5 * f);
+    } else {
+        each.for_each(|(f, b)| b.sum += f);
     }
 }

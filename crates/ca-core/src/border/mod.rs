@@ -15,7 +15,7 @@ use crate::numeric::real;
 use crate::op::layout::{Enx, Layout, Shape};
 use crate::op::substep::phase;
 use crate::op::{Kernel, Op};
-use crate::state::State;
+use crate::state::{Border, State};
 
 mod delays;
 mod hold;
@@ -84,19 +84,27 @@ fn arrive<const LATE: bool>(layout: &Layout, s: &mut State, k: usize, p: &Enx) -
     core::mem::replace(&mut s.late[at], x)
 }
 
-/// Takes in the position of port `k` for the frame that begins.
-fn begin<const LATE: bool>(layout: &Layout, s: &mut State, k: usize, p: &Enx) {
-    let x = arrive::<LATE>(layout, s, k, p) - p.rest;
-    let b = &mut s.border[k];
-    b.from = if s.tick == 0 { x } else { b.to };
-    b.to = x;
+/// Takes in the positions of all ports for the frame that begins.
+fn begin<const LATE: bool>(layout: &Layout, s: &mut State, ports: &[Enx]) {
+    for (k, p) in ports.iter().enumerate() {
+        let x = arrive::<LATE>(layout, s, k, p) - p.rest;
+        let b = &mut s.border[k];
+        b.from = if s.tick == 0 { x } else { b.to };
+        b.to = x;
+    }
 }
 
-/// Puts a port at `x`, relative to its rest.
-fn place(s: &mut State, p: &Enx, x: f64) {
-    let m = p.mat as usize;
-    let x = real(x);
-    s.d[m] = if s.tick == 0 { 0.0 } else { x - s.x[m] };
-    s.x[m] = x;
-    s.f[m] = 0.0;
+/// Puts ports where their frame says, `at` of it from `from` to `to`, relative to their rest.
+#[inline(always)]
+fn place(s: &mut State, ports: &[Enx], at: impl Fn(&Border) -> f64) {
+    let first = s.tick == 0;
+    let x = &mut s.x[..];
+    // of one length, so that a port is looked up once in all
+    let (d, f) = (&mut s.d[..x.len()], &mut s.f[..x.len()]);
+    for (p, b) in ports.iter().zip(&s.border) {
+        let (m, to) = (p.mat as usize, real(at(b)));
+        d[m] = if first { 0.0 } else { to - x[m] };
+        x[m] = to;
+        f[m] = 0.0;
+    }
 }

@@ -11,10 +11,9 @@ use crate::state::State;
 
 /// Position of device ports at this tick.
 pub(super) fn position<const LATE: bool>(op: &Op, layout: &Layout, s: &mut State) {
-    for (k, p) in layout.tgr[..op.n].iter().enumerate() {
-        begin::<LATE>(layout, s, k, p);
-        place(s, p, s.border[k].to);
-    }
+    let ports = &layout.tgr[..op.n];
+    begin::<LATE>(layout, s, ports);
+    place(s, ports, |b| b.to);
 }
 
 /// The force of this tick; the first, which only places the device, gives none.
