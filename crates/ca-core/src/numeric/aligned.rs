@@ -18,19 +18,20 @@ const NUMBERS: usize = LINE / size_of::<Real>();
 /// Numbers that begin at a cache line; a slice in all else. Its length is that it was made with.
 #[derive(Default)]
 pub struct Aligned {
+    /// nothing stands behind the last, so that one compare finds them
     all: Vec<Real>,
     /// where the first number stands in `all`
     first: usize,
-    len: usize,
 }
 
 impl Aligned {
     /// `len` times 0.
     pub fn zeros(len: usize) -> Aligned {
-        let all = alloc::vec![0.0; len + NUMBERS - 1];
+        let mut all = alloc::vec![0.0; len + NUMBERS - 1];
         // where the address cannot be asked for, any is as good
         let first = all.as_ptr().align_offset(LINE).min(NUMBERS - 1);
-        Aligned { all, first, len }
+        all.truncate(first + len);
+        Aligned { all, first }
     }
 }
 
@@ -38,14 +39,14 @@ impl Deref for Aligned {
     type Target = [Real];
     #[inline(always)]
     fn deref(&self) -> &[Real] {
-        &self.all[self.first..][..self.len]
+        &self.all[self.first..]
     }
 }
 
 impl DerefMut for Aligned {
     #[inline(always)]
     fn deref_mut(&mut self) -> &mut [Real] {
-        &mut self.all[self.first..][..self.len]
+        &mut self.all[self.first..]
     }
 }
 
@@ -70,7 +71,7 @@ impl Clone for Aligned {
 
     /// Allocates nothing where the lengths agree.
     fn clone_from(&mut self, from: &Aligned) {
-        if self.len == from.len {
+        if self.len() == from.len() {
             self.copy_from_slice(from);
         } else {
             *self = from.clone();

@@ -263,19 +263,37 @@ pub fn integrate_free(op: &Op, layout: &Layout, s: &mut State) {
     wide::wide::<IntegrateFree>(op, layout, s);
 }
 
+/// Masses that are moved side by side. Loops over so many rather than over all: a stretch is often too short for the vectors a
+/// compiler makes of a loop, and most of it would be left over.
+const SIDE_BY_SIDE: usize = 4;
+
 struct IntegrateFree;
 
 impl Body for IntegrateFree {
     #[inline(always)]
     fn run<S: Simd>(_: S, op: &Op, layout: &Layout, s: &mut State) {
-        let r = op.mat..op.mat + op.n;
-        let c = &s.coef[2 * layout.n_mat..][r.clone()];
-        let (x, d, f) = (&mut s.x[r.clone()], &mut s.d[r.clone()], &mut s.f[r]);
-        for (((x, d), f), c) in x.iter_mut().zip(d).zip(f).zip(c) {
-            *d += c * *f;
-            *x += *d;
-            *f = 0.0;
+        let (n, at) = (op.n, op.mat);
+        let (x, d, f) = (&mut s.x[at..][..n], &mut s.d[at..][..n], &mut s.f[at..][..n]);
+        free(x, d, f, &s.coef[2 * layout.n_mat + at..][..n]);
+    }
+}
+
+/// All of the same length.
+#[inline(always)]
+fn free(x: &mut [Real], d: &mut [Real], f: &mut [Real], c: &[Real]) {
+    let ((xs, x), (ds, d)) = (x.as_chunks_mut::<SIDE_BY_SIDE>(), d.as_chunks_mut::<SIDE_BY_SIDE>());
+    let ((fs, f), (cs, c)) = (f.as_chunks_mut::<SIDE_BY_SIDE>(), c.as_chunks::<SIDE_BY_SIDE>());
+    for (((x, d), f), c) in xs.iter_mut().zip(ds).zip(fs).zip(cs) {
+        for k in 0..SIDE_BY_SIDE {
+            d[k] += c[k] * f[k];
+            x[k] += d[k];
+            f[k] = 0.0;
         }
+    }
+    for (((x, d), f), c) in x.iter_mut().zip(d).zip(f).zip(c) {
+        *d += c * *f;
+        *x += *d;
+        *f = 0.0;
     }
 }
 
@@ -289,14 +307,28 @@ struct IntegrateFull;
 impl Body for IntegrateFull {
     #[inline(always)]
     fn run<S: Simd>(_: S, op: &Op, layout: &Layout, s: &mut State) {
-        let (n, r) = (layout.n_mat, op.mat..op.mat + op.n);
-        let (p, q, c) = (&s.coef[..n][r.clone()], &s.coef[n..2 * n][r.clone()], &s.coef[2 * n..][r.clone()]);
-        let (x, d, f) = (&mut s.x[r.clone()], &mut s.d[r.clone()], &mut s.f[r]);
-        for ((((x, d), f), p), (q, c)) in x.iter_mut().zip(d).zip(f).zip(p).zip(q.iter().zip(c)) {
-            *d = p * *d + q * *x + c * *f;
-            *x += *d;
-            *f = 0.0;
-        }
+        let (n, at) = (op.n, op.mat);
+        let [p, q, c] = [0, 1, 2].map(|k| &s.coef[k * layout.n_mat + at..][..n]);
+        full(&mut s.x[at..][..n], &mut s.d[at..][..n], &mut s.f[at..][..n], [p, q, c]);
+    }
+}
+
+/// All of the same length.
+#[inline(always)]
+fn full(x: &mut [Real], d: &mut [Real], f: &mut [Real], pqc: [&[Real]; 3]) {
+    let [(ps, p), (qs, q), (cs, c)] = pqc.map(|all| all.as_chunks::<SIDE_BY_SIDE>());
+    let ((xs, x), (ds, d)) = (x.as_chunks_mut::<SIDE_BY_SIDE>(), d.as_chunks_mut::<SIDE_BY_SIDE>());
+    let (fs, f) = f.as_chunks_mut::<SIDE_BY_SIDE>();
+    for ((((x, d), f), p), (q, c)) in xs.iter_mut().zip(ds).zip(fs).zip(ps).zip(qs.iter().zip(cs)) {
+        // array by array: a loop over all three stays one of numbers
+        *d = core::array::from_fn(|k| p[k] * d[k] + q[k] * x[k] + c[k] * f[k]);
+        *x = core::array::from_fn(|k| x[k] + d[k]);
+        *f = [0.0; SIDE_BY_SIDE];
+    }
+    for ((((x, d), f), p), (q, c)) in x.iter_mut().zip(d).zip(f).zip(p).zip(q.iter().zip(c)) {
+        *d = p * *d + q * *x + c * *f;
+        *x += *d;
+        *f = 0.0;
     }
 }
 
