@@ -46,8 +46,9 @@ pub fn schedule(
     let mut masses = masses(&mut plan);
     let n_mat = masses.x.len();
     let mut classes = plan.classes(order, n_mat);
-    let mut batches = plan.batches(options.kernel);
+    let batches = plan.batches(options.kernel);
     let mut written = Written::new(&batches);
+    let mut batches = plan.chained(options, batches);
     fuse::mark(&plan, options, &mut classes, &mut batches);
     pass_list::spread(&mut classes);
     let mut batches = plan.joined(options, batches);

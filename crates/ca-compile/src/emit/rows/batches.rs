@@ -9,7 +9,7 @@ use ca_core::phi::{implicit, res};
 
 /// Rows shorter than this are gathered: a run has three loops to set up, and waits for what it has just written. Measured
 /// for RES: 4 links 15 ns as a run and 8 gathered, 7 links 16 and 12, 11 links 18 and 22.
-const SHORTEST_RUN: usize = 10;
+pub const SHORTEST_RUN: usize = 10;
 
 /// What links of one batch have in common.
 #[derive(Clone, Copy, PartialEq)]
@@ -100,7 +100,7 @@ impl Plan<'_> {
     }
 
     /// True where link `b` stands behind `a` in a row.
-    fn follows(&self, a: u32, b: u32) -> bool {
+    pub fn follows(&self, a: u32, b: u32) -> bool {
         let ([a0, a1], [b0, b1]) = (self.ends(a), self.ends(b));
         a1.wrapping_sub(a0) == b1.wrapping_sub(b0) && b0 == a0.wrapping_add(1)
     }
