@@ -42,18 +42,25 @@ pub fn schedule(
     certificate: Certificate,
     diags: &mut Diags,
 ) -> Option<Scene> {
-    let mut plan = slots(net, order);
-    let mut masses = masses(&mut plan);
-    let n_mat = masses.x.len();
-    let mut classes = plan.classes(order, n_mat);
+    let plan = slots(net, order);
     let batches = plan.batches(options.kernel);
     let mut written = Written::new(&batches);
     let mut batches = plan.chained(options, batches);
+    let settled = plan.settled(order, options, &batches);
+    let order = settled.as_deref().unwrap_or(order);
+    let (listed, mut plan) = (plan, slots(net, order));
+    let mut masses = masses(&mut plan);
+    let n_mat = masses.x.len();
+    let mut classes = plan.classes(order, n_mat);
     fuse::mark(&plan, options, &mut classes, &mut batches);
     pass_list::spread(&mut classes);
     let mut batches = plan.joined(options, batches);
     // from here on a slot stays what it is
-    written.slots = fold(&mut plan, &mut masses, &mut classes, &mut batches);
+    let moved = settled.is_some().then(|| listed.moved(&plan));
+    let folded = fold(&mut plan, &mut masses, &mut classes, &mut batches);
+    let last = |slot: u32| folded.get(slot as usize).copied().unwrap_or(slot);
+    written.slots = moved.map_or_else(|| folded.clone(), |moved| moved.into_iter().map(last).collect());
+    let batches = plan.fanned(options, batches);
     let Masses { x, v, rest } = masses;
     let n_mat = x.len();
     let (enx, tgr) = (ports(&plan, PortRole::Enx), ports(&plan, PortRole::Tgr));
@@ -197,7 +204,7 @@ pub fn schedule(
 }
 
 /// Slots: MATs in their order, moving points behind them; what nobody needs has none.
-fn slots<'n>(net: &'n Pruned, order: &[u32]) -> Plan<'n> {
+pub fn slots<'n>(net: &'n Pruned, order: &[u32]) -> Plan<'n> {
     let mut slot = alloc::vec![u32::MAX; net.mats.len()];
     let mut n_mat = 0;
     for m in order {

@@ -41,6 +41,18 @@ pub enum Integrate {
     Cel,
 }
 
+/// Whether one end of all links of a batch is the same place.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Hub {
+    /// it is not
+    #[default]
+    None,
+    /// the first
+    First,
+    /// the second
+    Second,
+}
+
 /// What a folded row does with the links across it: those of a mesh, between a mass and that as many places further.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Band {
@@ -60,6 +72,8 @@ pub enum Band {
 pub struct Form {
     /// 0: any MATs; else link i joins `mat + i` and `mat + i + stride`
     pub stride: usize,
+    /// only for laws in vectors: links join one place to places that follow each other
+    pub hub: Hub,
     /// some link of the batch has e₀ ≠ 0
     pub offset: bool,
     /// the force of each link is kept in [`State::tap`]

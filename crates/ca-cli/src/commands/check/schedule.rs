@@ -7,7 +7,7 @@
 
 use crate::Failure;
 use crate::term::short;
-use ca_core::op::{Band, Integrate, MeasureKind, Op};
+use ca_core::op::{Band, Hub, Integrate, MeasureKind, Op};
 use ca_core::{Scene, State, tick};
 use ca_io::perform::Performance;
 use ca_lab::timing::Timing;
@@ -82,6 +82,7 @@ fn form(op: &Op) -> String {
     }
     let mut words = vec![match (op.form.measure, op.form.onto, op.form.stride) {
         (a, Some(b), _) => format!("{} onto {}", measure(a), measure(b)),
+        (MeasureKind::Line, None, 0) if op.form.hub != Hub::None => "fan".to_string(),
         (MeasureKind::Line, None, 0) => "gather".to_string(),
         (MeasureKind::Line, None, 1) => "run".to_string(),
         (MeasureKind::Line, None, n) => format!("run, stride {n}"),

@@ -6,7 +6,7 @@
 use crate::emit::plan::Plan;
 use alloc::vec::Vec;
 use ca_core::numeric::Real;
-use ca_core::op::{Band, Integrate, Law};
+use ca_core::op::{Band, Hub, Integrate, Law, MeasureKind};
 
 /// In place of a link between two rows that run as one: it has no force.
 pub const JOINT: u32 = u32::MAX;
@@ -19,6 +19,8 @@ pub struct Batch {
     pub law: &'static Law,
     /// of a row, between the slots of two ends; 0 where slots are looked up
     pub stride: usize,
+    /// which end of all of them is the same, where the others follow each other
+    pub hub: Hub,
     /// what the pass integrates too
     pub integrate: Integrate,
     /// true where the row stands in the order of [`Fold`](ca_core::state::Fold)
@@ -33,6 +35,16 @@ impl Batch {
     /// A link of it.
     pub fn some(&self) -> u32 {
         self.links.iter().copied().find(|l| *l != JOINT).unwrap_or(self.links[0])
+    }
+
+    /// True for links on a line, of no later turn, that go by no row.
+    pub fn is_looked_up(&self, plan: &Plan) -> bool {
+        let in_a_row = self.stride > 0 || self.hub != Hub::None || self.folded || self.mesh.is_some();
+        if in_a_row || self.law.is_staged() || self.links.contains(&JOINT) {
+            return false;
+        }
+        let shape = plan.shape(self.links[0], self.law);
+        shape.measure == MeasureKind::Line && shape.onto.is_none()
     }
 
     /// How many masses a row has.

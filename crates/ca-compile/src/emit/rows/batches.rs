@@ -4,7 +4,7 @@ use crate::emit::plan::Plan;
 use crate::emit::rows::batch::Batch;
 use crate::options::KernelClass;
 use alloc::vec::Vec;
-use ca_core::op::{Band, Integrate, Law, MeasureKind};
+use ca_core::op::{Band, Hub, Integrate, Law, MeasureKind};
 use ca_core::phi::{implicit, res};
 
 /// Rows shorter than this are gathered: a run has three loops to set up, and waits for what it has just written. Measured
@@ -29,7 +29,8 @@ impl Plan<'_> {
         let laws = self.laws(class);
         let batch = |(links, stride): (Vec<u32>, usize)| {
             let law = laws[links[0] as usize];
-            Batch { links, law, stride, integrate: Integrate::No, folded: false, mesh: None, band: Band::None }
+            let (integrate, hub, band) = (Integrate::No, Hub::None, Band::None);
+            Batch { links, law, stride, hub, integrate, folded: false, mesh: None, band }
         };
         let mut all: Vec<Batch> = self.grouped(class, &laws).into_iter().map(batch).collect();
         all.sort_by_key(|b| b.law.is_staged());

@@ -11,7 +11,6 @@ use crate::emit::rows::batches::SHORTEST_RUN;
 use crate::options::{KernelClass, Options};
 use alloc::collections::BTreeSet;
 use alloc::vec::Vec;
-use ca_core::op::MeasureKind;
 
 /// Places between two rows of a chain, at most: that of the mass where the first ends.
 const GAP: u32 = 1;
@@ -22,9 +21,7 @@ impl Plan<'_> {
     pub fn chained(&self, options: &Options, batches: Vec<Batch>) -> Vec<Batch> {
         let mut all = Vec::with_capacity(batches.len());
         for batch in batches {
-            let shape = self.shape(batch.links[0], batch.law);
-            let plain = shape.measure == MeasureKind::Line && shape.onto.is_none() && !batch.law.is_staged();
-            if options.kernel != KernelClass::Fast || batch.stride > 0 || !batch.law.wide || !plain {
+            if options.kernel != KernelClass::Fast || !batch.is_looked_up(self) || !batch.law.wide {
                 all.push(batch);
                 continue;
             }

@@ -145,7 +145,7 @@ impl Plan<'_> {
         let mut to = Vec::new();
         for row in batches {
             let (n, any, mat) = (row.links.len(), row.some(), row.slot(self));
-            let Batch { links: batch, law, stride, integrate, folded, band, .. } = row;
+            let Batch { links: batch, law, stride, hub, integrate, folded, band, .. } = row;
             if folded {
                 self.coef.resize(self.coef.len().next_multiple_of(Fold::LANES), 0.0);
             }
@@ -211,7 +211,7 @@ impl Plan<'_> {
             let offset = k.e0[first..].iter().any(|e| *e != 0.0);
             let (measure, onto, set) = (shape.measure, shape.onto, sets.is_some());
             let soften = measure == MeasureKind::Radial && k.reach[ports.reach..].iter().any(|r| r[3] != 0.0);
-            let form = Form { stride, offset, tap, measure, onto, set, soften, ..Form::default() };
+            let form = Form { stride, hub, offset, tap, measure, onto, set, soften, ..Form::default() };
             let kernel = (law.kernel)(form);
             // what is folded stands in a row to the pass that integrates, to no other
             let mut op = Op::pass(law.code, kernel, n);

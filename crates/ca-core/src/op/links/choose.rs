@@ -7,11 +7,11 @@ use super::folded::Folded;
 use super::fused::Fused;
 #[cfg(not(single))]
 use super::radial::{Blocks, by_law};
-use super::{gather, measure, pair_set, run, space};
+use super::{fan, gather, measure, pair_set, run, space};
 use crate::law::Phi;
 #[cfg(not(single))]
 use crate::op::Band;
-use crate::op::{Form, Integrate, Kernel, MeasureKind, wide};
+use crate::op::{Form, Hub, Integrate, Kernel, MeasureKind, wide};
 
 /// The kernel of a law for one form of a dipole.
 pub(crate) fn kernel<P: Phi<C, M> + 'static, const C: usize, const M: usize>(form: Form) -> Kernel {
@@ -37,6 +37,13 @@ pub(crate) fn kernel<P: Phi<C, M> + 'static, const C: usize, const M: usize>(for
             (Integrate::Cel, false) => return wide::widest::<Folded<P, C, M, false, true>>,
             (Integrate::Cel, true) => return wide::widest::<Folded<P, C, M, true, true>>,
         }
+    }
+    if P::WIDE && form.hub != Hub::None {
+        return if form.offset {
+            wide::wide::<fan::Fan<P, C, M, true>>
+        } else {
+            wide::wide::<fan::Fan<P, C, M, false>>
+        };
     }
     if P::LINEAR && M == 0 {
         match (form.integrate, form.offset) {

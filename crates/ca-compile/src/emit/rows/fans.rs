@@ -1,0 +1,134 @@
+//! Fans: lists of links that go from one place to places that follow each other, or from places that follow each other to
+//! others that do, as those of twelve keys, hammers and notes that are written as lists.
+//!
+//! Decides by the slots alone, behind all else that moves these, and to cut batches only: links stay in their order, so every
+//! mass is given its forces as before. And for places in the order of the document ([`settled`](Plan::settled)) where that
+//! makes such lists: the storage order puts a note behind its hammer, which is of use to rows alone.
+
+use crate::emit::plan::Plan;
+use crate::emit::rows::batch::Batch;
+use crate::emit::schedule::slots;
+use crate::net::{End, MatNode};
+use crate::options::{KernelClass, Options};
+use alloc::collections::BTreeSet;
+use alloc::vec::Vec;
+use ca_core::op::Hub;
+
+/// Shorter lists stay among the links that are looked up: what is before and behind them there becomes a pass more.
+const SHORTEST: usize = 12;
+
+impl Plan<'_> {
+    /// The order of the MATs with those in the order of the document that are in none of the rows among `batches`, and on whose
+    /// place nothing else hangs; where that makes fans, otherwise `None`.
+    pub fn settled(&self, order: &[u32], options: &Options, batches: &[Batch]) -> Option<Vec<u32>> {
+        let net = self.net;
+        let staged = batches.iter().any(|b| b.law.implicit || b.law.is_staged());
+        if options.kernel != KernelClass::Fast || staged || net.as_milib || net.is_composed() {
+            return None;
+        }
+        let mut free = alloc::vec![true; self.coef_slots()];
+        for row in batches.iter().filter(|b| b.stride > 0) {
+            let slots = || row.links.iter().flat_map(|l| self.ends(*l));
+            let (Some(from), Some(to)) = (slots().min(), slots().max()) else { continue };
+            free[from as usize..=to as usize].fill(false);
+        }
+        let moves: BTreeSet<u32> =
+            net.points.iter().flat_map(|p| net.families[&p.family].nodes.iter().copied()).collect();
+        let looked_up = batches.iter().filter(|b| b.law.wide && b.is_looked_up(self));
+        let ends = looked_up.flat_map(|b| &b.links).flat_map(|l| net.lias[*l as usize].ends);
+        let ended: BTreeSet<u32> = ends.filter_map(|e| if let End::Mat(m) = e { Some(m) } else { None }).collect();
+        let is_free = |m: u32| {
+            let slots = net.mats[m as usize].slots();
+            slots == 1 && free[self.slot[m as usize] as usize] && ended.contains(&m) && !moves.contains(&m)
+        };
+        let places: Vec<usize> = (0..order.len()).filter(|i| is_free(order[*i])).collect();
+        let mut mats: Vec<u32> = places.iter().map(|i| order[*i]).collect();
+        if mats.is_sorted() {
+            return None;
+        }
+        mats.sort_unstable();
+        let mut now = order.to_vec();
+        places.iter().zip(&mats).for_each(|(i, m)| now[*i] = *m);
+        let settled = slots(net, &now);
+        let looked_up = batches.iter().filter(|b| b.law.wide && b.is_looked_up(&settled));
+        looked_up.flat_map(|b| settled.cut(&b.links)).any(|part| part.1 != Part::Loose).then_some(now)
+    }
+
+    /// Where each slot went, whose MATs `to` has in another order.
+    pub fn moved(&self, to: &Plan) -> Vec<u32> {
+        let mut all = alloc::vec![0; self.coef_slots()];
+        let mats = self.net.mats.iter().map(MatNode::slots).zip(self.slot.iter().zip(&to.slot));
+        let points = self.point.iter().zip(&to.point).map(|places| (1, places));
+        for (n, (from, to)) in mats.chain(points).filter(|(_, (from, _))| **from != u32::MAX) {
+            (0..n).for_each(|k| all[(from + k) as usize] = to + k);
+        }
+        all
+    }
+
+    /// The batches, those of laws in vectors cut where some of their links are such a list.
+    pub fn fanned(&self, options: &Options, batches: Vec<Batch>) -> Vec<Batch> {
+        let mut all = Vec::with_capacity(batches.len());
+        for batch in batches {
+            if options.kernel != KernelClass::Fast || !batch.law.wide || !batch.is_looked_up(self) {
+                all.push(batch);
+                continue;
+            }
+            for (links, part) in self.cut(&batch.links) {
+                let (stride, hub) = match part {
+                    Part::Loose => (0, Hub::None),
+                    Part::Run(stride) => (stride, Hub::None),
+                    Part::Fan(hub) => (0, hub),
+                };
+                all.push(Batch { links, stride, hub, ..batch });
+            }
+        }
+        all
+    }
+
+    /// Links in their order, cut into parts.
+    fn cut(&self, links: &[u32]) -> Vec<(Vec<u32>, Part)> {
+        let mut all: Vec<(Vec<u32>, Part)> = Vec::new();
+        let mut at = 0;
+        while at < links.len() {
+            let (n, part) = self.part(&links[at..]);
+            match all.last_mut() {
+                Some((loose, Part::Loose)) if part == Part::Loose => loose.extend(&links[at..at + n]),
+                _ => all.push((links[at..at + n].to_vec(), part)),
+            }
+            at += n;
+        }
+        all
+    }
+
+    /// The list that begins with the first of some links, or that link alone.
+    fn part(&self, links: &[u32]) -> (usize, Part) {
+        let [first, second] = self.ends(links[0]);
+        let along = |steps: [u32; 2]| {
+            let here = |(i, l): &(usize, &u32)| {
+                let i = *i as u32;
+                self.ends(**l) == [first + steps[0] * i, second + steps[1] * i]
+            };
+            links.iter().enumerate().take_while(here).count()
+        };
+        // the hub is none of its row
+        let apart = |hub: u32, row: u32, n: usize| hub < row || hub >= row + n as u32;
+        let (run, from_first, from_second) = (along([1, 1]), along([0, 1]), along([1, 0]));
+        match () {
+            () if run >= SHORTEST && second > first => (run, Part::Run((second - first) as usize)),
+            () if from_first >= SHORTEST && apart(first, second, from_first) => (from_first, Part::Fan(Hub::First)),
+            () if from_second >= SHORTEST && apart(second, first, from_second) => (from_second, Part::Fan(Hub::Second)),
+            () => (1, Part::Loose),
+        }
+    }
+}
+
+/// What links that follow each other are.
+#[derive(Clone, Copy, PartialEq)]
+enum Part {
+    /// looked up one by one
+    Loose,
+    /// a row of this stride
+    Run(usize),
+    /// from one place to a row
+    Fan(Hub),
+}
