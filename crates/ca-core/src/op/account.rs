@@ -19,7 +19,7 @@ use pulp::{Simd, WithSimd};
 const COEFS: usize = 8;
 
 /// Sums side by side.
-const LANES: usize = 8;
+pub(super) const LANES: usize = 8;
 /// Eight of them.
 pub type Lanes = [f64; LANES];
 

@@ -5,14 +5,14 @@
 //! is its own account, which names the module that makes energy. Sample n is entered when x_{n+1} is known of ports too,
 //! that is at the beginning of tick n+1, before changes. A scene that does not ask has no pass, array or test of this.
 
-use super::account::{self, Enter, Entries, Lanes, Sums};
+use super::account::{Enter, Entries, LANES, Lanes, Sums};
 use super::layout::{Account, Layout, MovingPoint};
 use super::links::pair_set;
 use super::wide::plain as vectors;
 use super::{Op, wave};
 use crate::numeric::{Real, VerletList, wide};
 use crate::state::State;
-use crate::state::ledger::{BLOCK, Exchange, Ledger, Room};
+use crate::state::ledger::{Exchange, Ledger};
 use pulp::{Simd, WithSimd};
 
 impl Ledger {
@@ -53,32 +53,37 @@ struct Mats<'a> {
     s: &'a State,
     d0: &'a [Real],
     mass: &'a [f64],
-    room: &'a mut Room,
 }
 
 impl WithSimd for Mats<'_> {
     type Output = MatEnergy;
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> MatEnergy {
-        let Mats { layout, s, d0, mass, room } = self;
-        let n_mat = layout.n_mat;
+        let Mats { layout, s, d0, mass } = self;
+        let n = layout.n_mat;
+        // eight sums of each side by side, as [`super::account::add`] has them, without writing what is summed
         let mut sums = [Lanes::default(); 3];
-        let [kinetic, stored, heat] = &mut room.mats;
-        for from in (0..n_mat).step_by(BLOCK) {
-            let n = BLOCK.min(n_mat - from);
-            let [p, q] = [0, 1].map(|k| &s.coef[k * n_mat + from..][..n]);
-            let (x, d, d0, m) = (&s.x[from..][..n], &s.d[from..][..n], &d0[from..][..n], &mass[from..][..n]);
-            let [kinetic, stored, heat] = [&mut *kinetic, &mut *stored, &mut *heat].map(|all| &mut all[..n]);
-            for i in 0..n {
-                let [x, d, d0, p, q] = [x[i], d[i], d0[i], p[i], q[i]].map(wide);
-                let (z, moved) = (0.25 * (1.0 - p), d + d0);
-                kinetic[i] = 0.5 * d * d * m[i];
-                stored[i] = (-0.5 * q * x * (x - d) - z * d * d) * m[i];
-                heat[i] = z * moved * moved * m[i];
+        let of = |x: Real, d: Real, d0: Real, p: Real, q: Real, m: f64| {
+            let [x, d, d0, p, q] = [x, d, d0, p, q].map(wide);
+            let (z, moved) = (0.25 * (1.0 - p), d + d0);
+            [0.5 * d * d * m, (-0.5 * q * x * (x - d) - z * d * d) * m, z * moved * moved * m]
+        };
+        let (p, q) = (s.coef[..n].as_chunks::<LANES>(), s.coef[n..][..n].as_chunks::<LANES>());
+        let (x, d) = (s.x[..n].as_chunks::<LANES>(), s.d[..n].as_chunks::<LANES>());
+        let (d0, m) = (d0[..n].as_chunks::<LANES>(), mass[..n].as_chunks::<LANES>());
+        let whole = x.0.iter().zip(d.0).zip(d0.0).zip(p.0).zip(q.0).zip(m.0);
+        for (((((x, d), d0), p), q), m) in whole {
+            for k in 0..LANES {
+                let [kinetic, stored, heat] = of(x[k], d[k], d0[k], p[k], q[k], m[k]);
+                sums[0][k] += kinetic;
+                sums[1][k] += stored;
+                sums[2][k] += heat;
             }
-            account::add(&mut sums[0], kinetic);
-            account::add(&mut sums[1], stored);
-            account::add(&mut sums[2], heat);
+        }
+        let rest = x.1.iter().zip(d.1).zip(d0.1).zip(p.1).zip(q.1).zip(m.1);
+        for ((((((x, d), d0), p), q), m), k) in rest.zip(0..LANES) {
+            let all = of(*x, *d, *d0, *p, *q, *m);
+            (0..3).for_each(|i| sums[i][k] += all[i]);
         }
         let [kinetic, stored, heat] = sums.map(|all| all.iter().sum());
         MatEnergy { kinetic, stored, heat }
@@ -93,8 +98,8 @@ fn weigh(layout: &Layout, s: &State, mass: &mut [f64]) {
 }
 
 /// Energy of the MATs, and of weight.
-fn mats(layout: &Layout, s: &State, d0: &[Real], (mass, room): (&[f64], &mut Room)) -> MatEnergy {
-    let mut all = vectors(layout, Mats { layout, s, d0, mass, room });
+fn mats(layout: &Layout, s: &State, d0: &[Real], mass: &[f64]) -> MatEnergy {
+    let mut all = vectors(layout, Mats { layout, s, d0, mass });
     let weight = layout.ledger.as_ref().map_or(0, |l| l.weight);
     for (k, m) in layout.weighed.iter().enumerate() {
         let (x, d) = (wide(s.x[*m as usize]), wide(s.d[*m as usize]));
@@ -166,7 +171,7 @@ fn set(layout: &Layout, s: &State, near: &mut VerletList, d0: &[Real], a: &Accou
 /// What everything holds at load.
 fn load(layout: &Layout, s: &State, near: &mut [VerletList], l: &mut Ledger) -> f64 {
     weigh(layout, s, &mut l.mass);
-    let MatEnergy { kinetic, stored, .. } = mats(layout, s, &s.d, (&l.mass, &mut l.room));
+    let MatEnergy { kinetic, stored, .. } = mats(layout, s, &s.d, &l.mass);
     (l.kinetic, l.stored_mats) = (kinetic, kinetic + stored);
     l.stored_mats + wave::energy(layout, s, &s.d).0 + all_links(layout, s, near, &s.d, l, false).stored
 }
@@ -177,7 +182,7 @@ fn changes(layout: &Layout, s: &State, near: &mut [VerletList], l: &mut Ledger) 
     let mut came = 0.0;
     if plan.live {
         weigh(layout, s, &mut l.mass);
-        let MatEnergy { kinetic, stored, .. } = mats(layout, s, &s.d, (&l.mass, &mut l.room));
+        let MatEnergy { kinetic, stored, .. } = mats(layout, s, &s.d, &l.mass);
         came += kinetic + stored - l.stored_mats;
         (l.kinetic, l.stored_mats) = (kinetic, kinetic + stored);
     }
@@ -223,7 +228,7 @@ pub fn ledger(_op: &Op, layout: &Layout, s: &mut State) {
         l.changed += given;
         work += given;
     }
-    let MatEnergy { kinetic, stored, heat } = mats(layout, s, &l.d0, (&l.mass, &mut l.room));
+    let MatEnergy { kinetic, stored, heat } = mats(layout, s, &l.d0, &l.mass);
     let (waves, beside) = wave::energy(layout, s, &l.d0);
     (l.kinetic, l.stored_mats) = (kinetic, kinetic + stored);
     l.lost_mats += heat + beside;

@@ -18,13 +18,11 @@ pub struct Room {
     pub(crate) moved: Block,
     /// stored, heat
     pub(crate) out: [Block; 2],
-    /// of MATs: kinetic, stored, heat
-    pub(crate) mats: [[f64; BLOCK]; 3],
 }
 
 impl Default for Room {
     fn default() -> Room {
-        Room { e: [[0.0; BLOCK]; 3], moved: [0.0; BLOCK], out: [[0.0; BLOCK]; 2], mats: [[0.0; BLOCK]; 3] }
+        Room { e: [[0.0; BLOCK]; 3], moved: [0.0; BLOCK], out: [[0.0; BLOCK]; 2] }
     }
 }
 
