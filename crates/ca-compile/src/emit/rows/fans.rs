@@ -33,7 +33,7 @@ impl Plan<'_> {
             free[from as usize..=to as usize].fill(false);
         }
         let moves: BTreeSet<u32> =
-            net.points.iter().flat_map(|p| net.families[&p.family].nodes.iter().copied()).collect();
+            net.points.iter().flat_map(|p| net.families.of(&p.family).nodes.iter().copied()).collect();
         let looked_up = batches.iter().filter(|b| b.law.wide && b.is_looked_up(self));
         let ends = looked_up.flat_map(|b| &b.links).flat_map(|l| net.lias[*l as usize].ends);
         let ended: BTreeSet<u32> = ends.filter_map(|e| if let End::Mat(m) = e { Some(m) } else { None }).collect();
