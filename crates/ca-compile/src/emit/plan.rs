@@ -1,6 +1,6 @@
 //! Plan: where modules and their coefficients stand, and how live ones are computed again.
 
-use crate::net::{End, OutputTap, Pruned};
+use crate::net::{End, LiaNode, OutputTap, Pruned};
 use alloc::collections::{BTreeMap, BTreeSet};
 use alloc::sync::Arc;
 use alloc::vec::Vec;
@@ -30,6 +30,27 @@ pub struct Plan<'a> {
     pub numbers: Vec<Option<f64>>,
     /// modules with live coefficients, by item
     pub modules: BTreeMap<u32, Vec<LiveModule>>,
+}
+
+impl<'n> Plan<'n> {
+    /// MATs in their order, moving points behind them; what nobody needs has no slot.
+    pub fn new(net: &'n Pruned, order: &[u32]) -> Plan<'n> {
+        let mut slot = alloc::vec![u32::MAX; net.mats.len()];
+        let mut n_mat = 0;
+        for m in order {
+            slot[*m as usize] = n_mat;
+            n_mat += net.mats[*m as usize].slots();
+        }
+        let mut point = alloc::vec![u32::MAX; net.points.len()];
+        for (p, used) in point.iter_mut().zip(used_points(net)) {
+            if used {
+                *p = n_mat;
+                n_mat += 1;
+            }
+        }
+        let coef = alloc::vec![0.0; 3 * n_mat as usize];
+        Plan { net, slot, point, coef, live: Vec::new(), loaded: Vec::new(), numbers: Vec::new(), modules: BTreeMap::new() }
+    }
 }
 
 impl Plan<'_> {
@@ -135,4 +156,19 @@ impl Plan<'_> {
         let scene = Identity::default();
         LivePlan { scene, params: self.net.params.clone(), coefs: self.live.clone(), items, implicit }
     }
+}
+
+fn used_points(net: &Pruned) -> Vec<bool> {
+    let mut used = alloc::vec![false; net.points.len()];
+    let ends = net.lias.iter().flat_map(LiaNode::all_ends);
+    let heard = net.outs.iter().filter_map(|o| match o.tap {
+        OutputTap::Position(e) | OutputTap::ForceOn(e) => Some(e),
+        OutputTap::ForceOf(_) => None,
+    });
+    for e in ends.chain(heard).chain(net.pushes.iter().map(|p| p.end)) {
+        if let End::Point(p) = e {
+            used[p as usize] = net.under(e).iter().all(|m| net.alive[*m as usize]);
+        }
+    }
+    used
 }

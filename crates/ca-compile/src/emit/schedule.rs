@@ -16,7 +16,7 @@ use crate::net::{Coordinate, End, LiaNode, MatRole, OutNode, OutputTap, Pruned};
 use crate::options::{KernelClass, Options};
 use crate::passes::implicit;
 use alloc::boxed::Box;
-use alloc::collections::{BTreeMap, BTreeSet};
+use alloc::collections::BTreeSet;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 use ca_core::kind::PortRole;
@@ -42,13 +42,13 @@ pub fn schedule(
     certificate: Certificate,
     diags: &mut Diags,
 ) -> Option<Scene> {
-    let plan = slots(net, order);
+    let plan = Plan::new(net, order);
     let batches = plan.batches(options.kernel);
     let mut written = Written::new(&batches);
     let mut batches = plan.chained(options, batches);
     let settled = plan.settled(order, options, &batches);
     let order = settled.as_deref().unwrap_or(order);
-    let (listed, mut plan) = (plan, slots(net, order));
+    let (listed, mut plan) = (plan, Plan::new(net, order));
     let mut masses = masses(&mut plan);
     let n_mat = masses.x.len();
     let mut classes = plan.classes(order, n_mat);
@@ -201,25 +201,6 @@ pub fn schedule(
         initial,
         before,
     })
-}
-
-/// Slots: MATs in their order, moving points behind them; what nobody needs has none.
-pub fn slots<'n>(net: &'n Pruned, order: &[u32]) -> Plan<'n> {
-    let mut slot = alloc::vec![u32::MAX; net.mats.len()];
-    let mut n_mat = 0;
-    for m in order {
-        slot[*m as usize] = n_mat;
-        n_mat += net.mats[*m as usize].slots();
-    }
-    let mut point = alloc::vec![u32::MAX; net.points.len()];
-    for (p, used) in point.iter_mut().zip(used_points(net)) {
-        if used {
-            *p = n_mat;
-            n_mat += 1;
-        }
-    }
-    let coef = alloc::vec![0.0; 3 * n_mat as usize];
-    Plan { net, slot, point, coef, live: Vec::new(), loaded: Vec::new(), numbers: Vec::new(), modules: BTreeMap::new() }
 }
 
 /// The ports of one role that move a MAT, axis by axis.
@@ -406,19 +387,4 @@ fn probes(net: &Pruned) -> (Vec<String>, Vec<u32>) {
     let mut all: Vec<&OutNode> = net.outs.iter().filter(|o| o.item.is_none()).collect();
     all.dedup_by_key(|o| o.channel);
     all.into_iter().map(|o| (o.name.clone(), o.asked)).unzip()
-}
-
-fn used_points(net: &Pruned) -> Vec<bool> {
-    let mut used = alloc::vec![false; net.points.len()];
-    let ends = net.lias.iter().flat_map(LiaNode::all_ends);
-    let heard = net.outs.iter().filter_map(|o| match o.tap {
-        OutputTap::Position(e) | OutputTap::ForceOn(e) => Some(e),
-        OutputTap::ForceOf(_) => None,
-    });
-    for e in ends.chain(heard).chain(net.pushes.iter().map(|p| p.end)) {
-        if let End::Point(p) = e {
-            used[p as usize] = net.under(e).iter().all(|m| net.alive[*m as usize]);
-        }
-    }
-    used
 }

@@ -1,7 +1,6 @@
 //! Port: a port becomes the places of the state that it takes and, where it moves something, a MAT.
 
 use crate::findings::type_name;
-use crate::lower::resolve::single;
 use crate::lower::space;
 use crate::lower::values::Values;
 use crate::net::{MatNode, MatRole, NetItem, Resolved};
@@ -84,6 +83,6 @@ pub(super) fn port(
             group: item.group,
             item: id,
         };
-        single(net, node);
+        net.add(node);
     }
 }

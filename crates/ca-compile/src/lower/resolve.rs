@@ -273,7 +273,7 @@ fn nodes(mut item: NetItem, source: &Item, net: &mut Resolved, v: &mut Values<'_
                 group: item.group,
                 item: id,
             };
-            single(net, node);
+            net.add(node);
             if item.follows.is_empty() {
                 // they are in its slots
                 item.args = Vec::new();
@@ -348,12 +348,6 @@ fn too_many(name: &str, kind: &Kind, source: &Item, will: usize, before: usize) 
     };
     let d = Diag::error("E027", title).at(count.map_or(source.name_span, |e| e.span), "too many");
     d.help(format!("a model holds up to {LARGEST} masses and links; a real-time one some thousands"))
-}
-
-pub(super) fn single(net: &mut Resolved, node: MatNode) {
-    let id = net.mats.len() as u32;
-    net.families.insert_mat(&node.name.of, id);
-    net.mats.push(node);
 }
 
 fn list<'a>(names: impl Iterator<Item = &'a str>) -> String {

@@ -77,6 +77,14 @@ pub struct Resolved {
     pub left_out: Vec<String>,
 }
 
+impl Resolved {
+    /// Adds a MAT, under its name.
+    pub fn add(&mut self, node: MatNode) {
+        self.families.insert_mat(&node.name.of, self.mats.len() as u32);
+        self.mats.push(node);
+    }
+}
+
 /// What modules refer to is found: links between ends, moving points, what is heard and pushed.
 #[derive(Default)]
 pub struct Wired {

@@ -7,7 +7,6 @@
 
 use crate::emit::plan::Plan;
 use crate::emit::rows::batch::Batch;
-use crate::emit::schedule::slots;
 use crate::net::{End, MatNode};
 use crate::options::{KernelClass, Options};
 use alloc::collections::BTreeSet;
@@ -49,7 +48,7 @@ impl Plan<'_> {
         mats.sort_unstable();
         let mut now = order.to_vec();
         places.iter().zip(&mats).for_each(|(i, m)| now[*i] = *m);
-        let settled = slots(net, &now);
+        let settled = Plan::new(net, &now);
         let looked_up = batches.iter().filter(|b| b.law.wide && b.is_looked_up(&settled));
         looked_up.flat_map(|b| settled.cut(&b.links)).any(|part| part.1 != Part::Loose).then_some(now)
     }
