@@ -184,17 +184,20 @@ proptest! {
     /// in one pass; forces of links are heard where no pass keeps them, a moving point rides on it, a dial turns.
     #[test]
     fn a_mesh_has_the_bits_of_its_list(
-        nx in 12u32..40, ny in 11u32..22, viscous: bool, own: bool, point: bool, times in 1..3, heard: bool,
+        nx in 12u32..40, ny in 11u32..22, viscous: bool, own: bool, point: bool, times in 1..3, heard: bool, behind: bool,
         edges in prop::sample::select(vec!["open", "corner", "closed"])
     ) {
         let of = if viscous { "k = \"10 kN/m\", z = \"dial\"" } else { "k = \"10 kN/m\"" };
         let own = if own { ", zo = 0.01" } else { "" };
         let more = if heard { "[SOF]\nstress = { from = \"m.link[40]\", channel = 1 }\nrow = { from = \"m.link[2]\" }\n" } else { "" };
         let (point, at) = if point { ("[ENX]\nspot = {}\n", "m@spot,0.4") } else { ("", "m[4,5]") };
+        let mesh = format!("[MESH]\nm = {{ nx = {nx}, ny = {ny}, m = \"2 g\", {of}{own}, edges = \"{edges}\" }}\n");
+        let mass = "[MAS]\nh = { m = \"5 g\", x = \"-0.1 mm\", v = 1 }\n".to_owned();
+        // masses of another class before it, or behind it
+        let mats = if behind { mass + &mesh } else { mesh + &mass };
         let text = format!(
-            "[param]\ndial = {{ value = 0.1, unit = \"N s/m\", live = true, min = 0.05, max = 0.2 }}\n[MESH]\nm = {{ nx = {nx}, ny = \
-             {ny}, m = \"2 g\", {of}{own}, edges = \"{edges}\" }}\n[MAS]\nh = {{ m = \"5 g\", x = \"-0.1 mm\", v = 1 }}\n[BUT]\nb = {{ \
-             between = [\"h\", \"{at}\"], k = \"20 kN/m\", z = 0.2 }}\n[SOX]\nout = {{ from = \"m[7,2]\" }}\n{more}{point}[rate]\noversample = {times}\n"
+            "[param]\ndial = {{ value = 0.1, unit = \"N s/m\", live = true, min = 0.05, max = 0.2 }}\n{mats}[BUT]\nb = {{ between = \
+             [\"h\", \"{at}\"], k = \"20 kN/m\", z = 0.2 }}\n[SOX]\nout = {{ from = \"m[7,2]\" }}\n{more}{point}[rate]\noversample = {times}\n"
         );
         // the dial may turn any number of the mesh
         let class = if own.is_empty() && !viscous { Integrate::Mas } else { Integrate::Cel };
@@ -265,6 +268,36 @@ fn rows_under_another_row_have_the_bits_of_their_list() {
             let _ = writeln!(text, "c{i} = {{ between = [\"s[{i}]\", \"t[{i}]\"], {k} }}");
         }
         same(&text, 1500);
+    }
+}
+
+/// Rows of masses before and behind a string that stands folded, coupled mass by mass: folded, the string takes more places,
+/// and what stands behind it is further away.
+#[test]
+fn rows_across_a_folded_one_have_the_bits_of_their_list() {
+    for (n, law, of) in [(41, "REF", "k = 300, z = 0.01"), (17, "BUT", "k = 300"), (30, "CUB", "k = 300, k3 = 1e6")] {
+        let names = |of: &str, range: std::ops::Range<u32>| {
+            range.map(|i| format!("\"{of}.m{i}\"")).collect::<Vec<_>>().join(", ")
+        };
+        let masses = |of: &str| {
+            let each = (0..12).map(|i| format!("m{i} = {{ m = \"1 g\", v = {} }}\n", 0.1 * f64::from(i % 3)));
+            format!("[{of}.MAS]\n{}", each.collect::<String>())
+        };
+        let row =
+            |of: &str| format!("r{of} = {{ between = [[{}], [{}]], k = 4000 }}\n", names(of, 0..11), names(of, 1..12));
+        let text = format!(
+            "{}[s.CHAIN]\nlow = {{ n = {n}, m = \"1 g\", k = 8000, zo = 0.001 }}\n{}[RES]\n\
+             u = {{ between = [\"a.m1\", \"s.low[3]\"], k = 100 }}\n{}{}\
+             [{law}]\nl = {{ between = [[{}], [{}]], {of} }}\n[SOX]\no = {{ from = \"b.m3\" }}\n",
+            masses("a"),
+            masses("b"),
+            row("a"),
+            row("b"),
+            names("a", 0..12),
+            names("b", 0..12)
+        );
+        same(&text, 800);
+        assert!(scene(&text).moves.iter().any(|op| op.form.folded), "{text}");
     }
 }
 

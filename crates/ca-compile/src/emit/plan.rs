@@ -49,7 +49,16 @@ impl<'n> Plan<'n> {
             }
         }
         let coef = alloc::vec![0.0; 3 * n_mat as usize];
-        Plan { net, slot, point, coef, live: Vec::new(), loaded: Vec::new(), numbers: Vec::new(), modules: BTreeMap::new() }
+        Plan {
+            net,
+            slot,
+            point,
+            coef,
+            live: Vec::new(),
+            loaded: Vec::new(),
+            numbers: Vec::new(),
+            modules: BTreeMap::new(),
+        }
     }
 }
 

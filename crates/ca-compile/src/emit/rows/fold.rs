@@ -119,6 +119,12 @@ pub fn fold(plan: &mut Plan, masses: &mut Masses, classes: &mut Vec<Option<Class
     let of_mats = of_mats.unwrap_or(at);
     let at_row: BTreeMap<u32, u32> = rows.iter().map(|r| (r.from as u32, r.fold.first)).collect();
     let slots = at.next_multiple_of(Fold::LANES);
+    // what stands in a row may stand further apart now
+    for b in batches.iter_mut().filter(|b| b.stride > 0) {
+        let [first, second] = [0, b.stride].map(|more| &to[b.slot(plan) as usize + more..][..b.links.len()]);
+        let in_a_row = [first, second].iter().all(|ends| ends.windows(2).all(|pair| pair[1] == pair[0] + 1));
+        b.stride = if in_a_row { (second[0] - first[0]) as usize } else { 0 };
+    }
     for slot in plan.slot.iter_mut().chain(&mut plan.point).filter(|s| **s != u32::MAX) {
         *slot = to[*slot as usize];
     }
@@ -141,6 +147,10 @@ pub fn fold(plan: &mut Plan, masses: &mut Masses, classes: &mut Vec<Option<Class
     }
     let mut now = alloc::vec![None; of_mats];
     classes.iter().zip(&to).for_each(|(class, to)| now[*to as usize] = *class);
+    // all of a row moves in one pass, also places in it where there is no mass, of which the first may be one
+    for row in &rows {
+        now[row.fold.first as usize..][..row.slots()].fill(classes[row.from]);
+    }
     pass_list::spread(&mut now);
     *classes = now;
     to
