@@ -228,7 +228,8 @@ pub struct RenderArgs {
 /// Reads, checks and compiles the model, shows every finding with its place and what to do, and sums up: modules,
 /// rates, how late force and sound answer a gesture, what the springs at each device key ask of a device, what is proven
 /// of stability and which module is nearest to the limit. With `--schedule`, the passes of one
-/// tick in order with their cost, measured here and now, and what the compiler left out. With `--device`, what of it that
+/// tick in order with their cost, measured here and now, and what the compiler left out; beside it the cost that a table
+/// of instructions predicts, at what an instruction takes here in a network of links that are looked up one by one. With `--device`, what of it that
 /// device can render: each key's stiffness against the device's own and against what stays passive, the force over the
 /// travel against the largest, degrees of freedom and rates. Exit code 1 with errors, 3 if the model is certainly unstable
 /// or asks more of the device than it can give.

@@ -29,6 +29,7 @@ mod net;
 mod options;
 mod passes;
 
+pub use emit::cost;
 #[cfg(feature = "parse")]
 pub use load::load;
 pub use options::{KernelClass, Options};

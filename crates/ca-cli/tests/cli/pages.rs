@@ -8,7 +8,17 @@ fn check_tells_what_it_knows() {
     let desk = Desk::new();
     desk.put("struck.ca.toml", STRUCK);
     let r = desk.ca(&["check", "struck.ca.toml", "--schedule"]).is(0);
-    let r = r.says(&["45 MAT", "key", "3 kHz", "rule of thumb", "ns/tick", "measured here", "no weight", "run"]);
+    let r = r.says(&[
+        "45 MAT",
+        "key",
+        "3 kHz",
+        "rule of thumb",
+        "ns/tick",
+        "predicted",
+        "measured here",
+        "no weight",
+        "run",
+    ]);
     let place = |w: &str| r.out.find(w).unwrap_or_else(|| panic!("no {w}"));
     assert!(place("  reads") < place("  forces"));
     assert!(place("  forces") < place("  writes") && place("  writes") < place("  moves"));
@@ -17,6 +27,14 @@ fn check_tells_what_it_knows() {
     let passes = j["schedule"]["passes"].as_array().unwrap();
     assert!(passes.iter().any(|p| p["pass"] == "REF" && p["stride"] == 1 && p["modules"] == 21));
     assert!(passes.iter().all(|p| p["ns_per_tick"].as_f64().is_some()));
+    // what is predicted is in ns and in instructions, for each pass and for the tick
+    let of = |j: &serde_json::Value, key: &str| j[key].as_f64().unwrap_or_else(|| panic!("no {key} in {j}"));
+    let each = of(&j["schedule"], "ns_per_instruction");
+    for p in passes.iter().chain([&j["schedule"]]) {
+        assert!((of(p, "ns_predicted") / of(p, "instructions_predicted") / each - 1.0).abs() < 1e-9, "{p}");
+    }
+    let sum: f64 = passes.iter().map(|p| of(p, "instructions_predicted")).sum();
+    assert!(of(&j["schedule"], "instructions_predicted") > sum);
     // a mesh is one pass, of all its links
     let mesh = "[MESH]\nm = { nx = 20, ny = 20, m = 1e-3, k = 1e3 }\n[MAS]\nh = { m = 1e-3, v = 1 }\n[BUT]\nb = { between = \
                 [\"h\", \"m[3,3]\"], k = 1e3 }\n[SOX]\no = { from = \"m[7,7]\" }\n";

@@ -1,5 +1,6 @@
 //! Last: from the network to the arrays and passes of a [`Scene`](ca_core::Scene).
 
+pub mod cost;
 pub mod cutoff;
 pub mod implicit;
 pub mod masses;

@@ -166,7 +166,7 @@ impl Plan<'_> {
 
 /// A stretch of MAS up to this long goes with the CELs beside it, though it has no use for P and Q: of the bundled
 /// `hammer_piano`, 23 passes less saved 90 ns of 304.
-const SHORT: usize = 32;
+pub const SHORT: usize = 32;
 
 /// Integration with short stretches of MAS in the pass of their neighbours: P is 1 for them and Q is 0, which changes no bit.
 pub fn merged(moves: Vec<Op>) -> Vec<Op> {

@@ -98,6 +98,23 @@ pub fn measure(network: &Network, masses: usize) -> Result<Size, Failure> {
     Ok(Size { modules: scene.symbols.len(), ns: cost(&scene) })
 }
 
+/// Masses of the reference of [`ns_per_instruction`]: all of it stays in the first cache.
+const REFERENCE: usize = 120;
+
+/// The time of an instruction that [`ca_compile::cost`] predicts, on this machine \[ns\]: that of a tick of the network
+/// `random`, whose links are looked up one by one, over its prediction. Its kernel has no vectors, so it is the same on every
+/// processor; where vectors are wider than those of AVX2, passes that use them take less than is predicted.
+///
+/// # Errors
+/// As [`measure`].
+pub fn ns_per_instruction() -> Result<f64, Failure> {
+    let found = NETWORKS.iter().find(|n| n.name == "random");
+    let network = found.unwrap_or(&NETWORKS[0]);
+    let loaded = crate::Loaded::read(&(network.text)(REFERENCE), network.name);
+    let scene = loaded.compile(&Options::default()).map_err(Failure::Found)?.scene;
+    Ok(cost(&scene) / ca_compile::cost::of_tick(&scene))
+}
+
 /// How much of a network is in time at each of [`RATES`]; `look` is asked in between whether to go on.
 ///
 /// # Errors

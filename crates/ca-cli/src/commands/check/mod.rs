@@ -26,7 +26,7 @@ pub fn run(args: &CheckArgs) -> Outcome {
     let loaded = load::load(&args.source)?;
     let options = Options { rate: args.source.rate, exact: args.exact, ..Options::default() };
     let (scene, diags) = load::compiled(&loaded, &options);
-    let rows = scene.as_ref().filter(|_| args.schedule).map(schedule::measure);
+    let rows = scene.as_ref().filter(|_| args.schedule).map(schedule::measure).transpose()?;
     let asked = scene.as_ref().zip(profile.as_ref()).map(|(s, p)| device::DeviceDemands::new(s, p));
     if args.json {
         let all = json!({

@@ -1,12 +1,14 @@
 //! The passes of one tick, and what each costs.
 //!
-//! Decides to measure instead of to estimate from a table: a table is of another machine. Each pass is run over and
+//! Decides to measure, and to show beside it what the table of `ca_compile::cost` predicts: instructions, times what one
+//! takes here. Where the two differ, a pass waits for something, or its vectors are wider than those of the table. Each pass is run over and
 //! over on a copy of a state that is in motion, the copy renewed before every batch so that nothing decays to zero or
 //! grows; the fastest batch counts, which is the one that nobody disturbed. What this leaves out is that passes warm
 //! the caches for each other, so the whole tick is measured too and the sum may differ from it.
 
 use crate::Failure;
 use crate::term::short;
+use ca_compile::cost;
 use ca_core::op::{Band, Hub, Integrate, MeasureKind, Op};
 use ca_core::{Scene, State, tick};
 use ca_io::perform::Performance;
@@ -24,16 +26,22 @@ pub(super) struct PassRow {
     modules: usize,
     /// per tick
     ns: f64,
+    /// instructions per tick, where the table of costs has the pass
+    instructions: Option<f64>,
 }
 
 /// All passes, and the whole tick.
 pub(super) struct Measured {
     rows: Vec<PassRow>,
     tick: f64,
+    /// instructions of a tick, without passes that the table of costs does not have
+    instructions: f64,
+    /// what an instruction takes here
+    ns_per_instruction: f64,
 }
 
-/// Measures every pass of a tick.
-pub(super) fn measure(scene: &Scene) -> Measured {
+/// Measures every pass of a tick, and what an instruction takes.
+pub(super) fn measure(scene: &Scene) -> Result<Measured, Failure> {
     let mut state = scene.state();
     if let Ok(mut p) = Performance::new(scene, None) {
         for _ in 0..(WARM * scene.rate) as u64 {
@@ -49,11 +57,13 @@ pub(super) fn measure(scene: &Scene) -> Measured {
         .into_iter()
         .flat_map(|(stage, ops)| ops.iter().map(move |op| (stage, *op)))
         .map(|(stage, op)| {
-            let ns = cost(&state, |s| one(&op, scene, s, state.tick));
-            PassRow { stage, op, modules: scene.modules(&op), ns }
+            let ns = fastest(&state, |s| one(&op, scene, s, state.tick));
+            PassRow { stage, op, modules: scene.modules(&op), ns, instructions: cost::of_pass(scene, &op) }
         })
         .collect();
-    Measured { rows, tick: cost(&state, |s| tick(scene, s)) }
+    let tick = fastest(&state, |s| tick(scene, s));
+    let ns_per_instruction = ca_lab::bench::ns_per_instruction()?;
+    Ok(Measured { rows, tick, instructions: cost::of_tick(scene), ns_per_instruction })
 }
 
 /// One pass, as if it were always the same tick: some count ticks.
@@ -63,7 +73,7 @@ fn one(op: &Op, scene: &Scene, s: &mut State, tick: u64) {
 }
 
 /// Fastest time of one call \[ns\].
-fn cost(state: &State, run: impl FnMut(&mut State)) -> f64 {
+fn fastest(state: &State, run: impl FnMut(&mut State)) -> f64 {
     Timing::default().fastest(&mut state.clone(), |s| s.clone_from(state), run)
 }
 
@@ -140,8 +150,8 @@ pub(super) fn text(scene: &Scene, m: &Measured) -> Result<(), Failure> {
     let wide = forms.iter().map(String::len).fold(20, usize::max);
     writeln!(
         out,
-        "  {:<7} {:<15} {:>8}  {:<wide$} {:>10} {:>10}",
-        "", "pass", "modules", "form", "ns/tick", "ns/module"
+        "  {:<7} {:<15} {:>8}  {:<wide$} {:>10} {:>10} {:>10}",
+        "", "pass", "modules", "form", "ns/tick", "predicted", "ns/module"
     )?;
     let mut last = "";
     for (r, form) in m.rows.iter().zip(forms) {
@@ -149,8 +159,9 @@ pub(super) fn text(scene: &Scene, m: &Measured) -> Result<(), Failure> {
         last = r.stage;
         let (n, name) = (r.modules, r.op.name);
         let each = r.ns / n.max(1) as f64;
+        let predicted = r.instructions.map_or("-".into(), |n| format!("{:.1}", n * m.ns_per_instruction));
         let name = pairs(scene, &r.op).map_or(name.to_string(), |p| format!("{name} ({p} pairs)"));
-        writeln!(out, "  {stage:<7} {name:<15} {n:>8}  {form:<wide$} {:>10.1} {each:>10.2}", r.ns)?;
+        writeln!(out, "  {stage:<7} {name:<15} {n:>8}  {form:<wide$} {:>10.1} {predicted:>10} {each:>10.2}", r.ns)?;
     }
     let budget = 1e9 * scene.sample_dt;
     writeln!(
@@ -158,6 +169,15 @@ pub(super) fn text(scene: &Scene, m: &Measured) -> Result<(), Failure> {
         "  whole tick {:.1} ns of {budget:.0} ns: {} times real time on one core",
         m.tick,
         short(budget / m.tick.max(1e-3))
+    )?;
+    let without = if m.rows.iter().all(|r| r.instructions.is_some()) { "" } else { " without those marked -" };
+    writeln!(
+        out,
+        "  predicted {:.1} ns{without}: {:.0} instructions of AVX2\n  by a table of costs, {:.4} ns each, measured here on \
+         links that are looked up one by one",
+        m.instructions * m.ns_per_instruction,
+        m.instructions,
+        m.ns_per_instruction
     )?;
     writeln!(out, "\nLeft out:")?;
     for what in &scene.left_out {
@@ -179,11 +199,15 @@ pub(super) fn json(scene: &Scene, m: &Measured) -> Json {
                 "stage": r.stage, "pass": r.op.name, "modules": n, "stride": of_links.then_some(r.op.form.stride),
                 "offset": of_links.then_some(r.op.form.offset), "tap": of_links.then_some(r.op.form.tap),
                 "pairs": pairs(scene, &r.op), "ns_per_tick": r.ns, "ns_per_module": r.ns / n.max(1) as f64,
+                "instructions_predicted": r.instructions,
+                "ns_predicted": r.instructions.map(|i| i * m.ns_per_instruction),
             })
         })
         .collect();
     json!({
         "passes": rows, "ns_per_tick": m.tick, "budget_ns": 1e9 * scene.sample_dt, "measured": "here",
+        "instructions_predicted": m.instructions, "ns_predicted": m.instructions * m.ns_per_instruction,
+        "ns_per_instruction": m.ns_per_instruction,
         "left_out": scene.left_out, "absent": absent(scene),
     })
 }

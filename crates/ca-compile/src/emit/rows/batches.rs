@@ -8,7 +8,8 @@ use ca_core::op::{Band, Hub, Integrate, Law, MeasureKind};
 use ca_core::phi::{implicit, res};
 
 /// Rows shorter than this are gathered: a run has three loops to set up, and waits for what it has just written. Measured
-/// for RES: 4 links 15 ns as a run and 8 gathered, 7 links 16 and 12, 11 links 18 and 22.
+/// for RES: 4 links 15 ns as a run and 8 gathered, 7 links 16 and 12, 11 links 18 and 22. In instructions, by
+/// `cost`, it would be 16.
 pub const SHORTEST_RUN: usize = 10;
 
 /// What links of one batch have in common.

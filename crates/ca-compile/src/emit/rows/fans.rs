@@ -14,7 +14,7 @@ use alloc::vec::Vec;
 use ca_core::op::Hub;
 
 /// Shorter lists stay among the links that are looked up: what is before and behind them there becomes a pass more.
-const SHORTEST: usize = 12;
+pub const SHORTEST: usize = 12;
 
 impl Plan<'_> {
     /// The order of the MATs with those in the order of the document that are in none of the rows among `batches`, and on whose

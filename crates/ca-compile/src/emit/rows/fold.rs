@@ -17,7 +17,7 @@ use ca_core::state::Fold;
 
 /// Rows of fewer links run as they stand. Folded, a string of 24 masses takes 21 ns where it took 47; shorter ones were not
 /// measured, and what crosses lanes is a larger part of them.
-const SHORTEST: usize = 16;
+pub const SHORTEST: usize = 16;
 
 /// Which batches are rows that are worth it. Other rows over their masses go by places in a row no more: they are looked up
 /// one by one, which is worth it where they are few.

@@ -1,0 +1,59 @@
+//! Pass by pass: what the table of `ca_compile::cost` is made from.
+
+use crate::TICKS;
+use ca_compile::cost;
+use ca_core::op::Op;
+use ca_core::{Scene, State};
+use std::hint::black_box;
+use std::io::Write as _;
+
+/// Sizes of the networks: what is fixed and what comes with each module is only told apart by several.
+pub const SIZES: [usize; 9] = [11, 14, 16, 20, 40, 64, 120, 250, 500];
+
+/// One pass.
+#[inline(never)]
+fn counted_pass(op: &Op, scene: &Scene, state: &mut State) {
+    (op.kernel)(op, &scene.layout, state);
+}
+
+/// Ends the count of a pass.
+#[inline(never)]
+fn counted_all(pass: usize) -> usize {
+    black_box(pass)
+}
+
+/// Counts each pass of a scene by itself, in ticks that are otherwise played as ever, and prints what it is.
+pub fn passes(name: &str, scene: &Scene) -> std::io::Result<()> {
+    let mut out = std::io::stdout().lock();
+    let all = || [&scene.reads[..], scene.summed(), &scene.writes, &scene.moves].into_iter().flatten();
+    for (i, op) in all().enumerate() {
+        let mut state = scene.state();
+        for _ in 0..TICKS {
+            for (k, op) in all().enumerate() {
+                if k == i {
+                    counted_pass(black_box(op), scene, &mut state);
+                } else {
+                    (op.kernel)(op, &scene.layout, &mut state);
+                }
+            }
+            state.tick += 1;
+        }
+        counted_all(i);
+        let predicted = cost::of_pass(scene, op).map_or(-1.0, f64::round);
+        let form = match (op.law.is_some(), op.form) {
+            (false, _) => String::new(),
+            (_, f) if f.set => "set".into(),
+            (_, f) => format!(
+                "{:?}, stride {}, hub {:?}, {:?}{}, {:?}",
+                f.measure,
+                f.stride,
+                f.hub,
+                f.integrate,
+                if f.folded { " folded" } else { "" },
+                f.band
+            ),
+        };
+        writeln!(out, "{TICKS} {predicted} 0 {name:<18} {:<15} n {:<5} {form}", op.name, op.n)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,228 @@
+//! Cost: how many instructions a pass takes, by its form and its number of modules.
+//!
+//! Decides for instructions of the kernels of AVX2, which callgrind counts and which are the same on every run: a table in ns
+//! is of one machine, and no test could hold it. A pass is a fixed part and so much for each module, a scene the sum of its
+//! passes. What the table leaves out: how many modules are left over from whole vectors, which of the contacts press, and what
+//! waits for memory. `benches/counts/run` holds the sums against what it counts, `PASSES=1 benches/counts/run` prints counted
+//! and predicted pass by pass: from that the table is made.
+//!
+//! Nothing is decided by it at load: which form runs is also decided by what waits for what, and some forms have another order
+//! of sums. The test below says which of those constants this table agrees with, and which not.
+
+use ca_core::op::{Band, Hub, Integrate, Kernel, MeasureKind, Op, pass};
+use ca_core::scene::Scene;
+
+/// A pass: `fixed` and for each module `each`; for links, `fixed_coef` and `each_coef` more for each coefficient of a law.
+#[derive(Clone, Copy)]
+struct Price {
+    fixed: f64,
+    each: f64,
+    fixed_coef: f64,
+    each_coef: f64,
+}
+
+impl Price {
+    /// Of links: the law comes on top.
+    const fn of_links([fixed, fixed_coef]: [f64; 2], [each, each_coef]: [f64; 2]) -> Price {
+        Price { fixed, each, fixed_coef, each_coef }
+    }
+
+    /// Of other modules.
+    const fn of(fixed: f64, each: f64) -> Price {
+        Price { fixed, each, fixed_coef: 0.0, each_coef: 0.0 }
+    }
+
+    /// A pass of `n` modules whose law has so many coefficients.
+    fn at(self, n: usize, coefs: usize) -> f64 {
+        let coefs = coefs as f64;
+        self.fixed + self.fixed_coef * coefs + n as f64 * (self.each + self.each_coef * coefs)
+    }
+}
+
+/// On a line, looked up one by one.
+const GATHER: Price = Price::of_links([63.0, 9.0], [14.0, 4.0]);
+/// From one place to places in a row.
+const FAN: Price = Price::of_links([70.0, 12.0], [7.0, 0.6]);
+/// A row.
+const RUN: Price = Price::of_links([240.0, 50.0], [3.6, 0.5]);
+/// A row that integrates its masses, as they stand.
+const FUSED: Price = Price::of_links([280.0, 0.0], [7.0, 8.0]);
+/// The same, in eight stretches side by side.
+const FOLDED: Price = Price::of_links([150.0, 20.0], [3.9, 1.0]);
+/// The same with the links across a mesh.
+const BAND: Price = Price::of_links([380.0, 60.0], [7.9, 2.0]);
+/// What a mass with a spring and a damper of its own takes more in the three above.
+const OWN: f64 = 0.9;
+/// By distance, one by one.
+const RADIAL: Price = Price::of_links([130.0, 9.0], [76.0, 4.0]);
+/// By distance, in blocks of vectors.
+const BLOCKS: Price = Price::of_links([580.0, 10.0], [65.0, 0.5]);
+/// In the rows of a cloth each takes so much less.
+const IN_ROWS: f64 = 23.0;
+/// From so many links on there are blocks.
+const FEWEST: usize = 16;
+/// A quadripole: measured by distance, pulling on a line.
+const ONTO: Price = Price::of_links([120.0, 10.0], [121.0, 4.0]);
+/// All pairs of a set: for each of its points.
+const PAIRS: Price = Price::of(140.0, 78.0);
+
+/// Laws that are no sum of products: what their force takes beside its coefficients, looked up one by one and in a row.
+/// A contact that is apart is done before its coefficients are read, so that it takes less.
+const LAWS: [(&str, f64, f64); 12] = [
+    ("ATT", 0.0, 0.0),
+    ("BOW coulomb", 0.0, 0.0),
+    ("BOW piecewise", -11.0, -11.0),
+    ("BOW smooth", 56.0, 99.0),
+    ("BOW table", 100.0, 100.0),
+    ("BUT", -7.0, 2.0),
+    ("CUB", 2.0, 0.0),
+    ("HRZ", -4.0, 25.0),
+    ("LNL friction", 124.0, 124.0),
+    ("LNL spring", 100.0, 99.0),
+    ("PLK", 41.0, 41.0),
+    ("POW", 25.0, 25.0),
+];
+
+/// Passes that are not links, by their names.
+const PASSES: [(&str, Price); 16] = [
+    ("ENF", Price::of(41.0, 25.0)),
+    ("ENX", Price::of(74.0, 31.0)),
+    ("TGR in", Price::of(154.0, 18.3)),
+    ("TGR out", Price::of(48.0, 10.2)),
+    ("aim", Price::of(20.0, 145.0)),
+    ("changes", Price::of(21.0, 0.0)),
+    ("flush", Price::of(14.0, 0.01)),
+    ("heard links", Price::of(60.0, 71.0)),
+    ("high pass", Price::of(89.0, 45.0)),
+    ("integrate CEL", Price::of(125.0, 3.75)),
+    ("integrate MAS", Price::of(118.0, 8.0)),
+    ("points", Price::of(40.0, 70.0)),
+    ("points back", Price::of(30.0, 45.0)),
+    ("waves in", Price::of(20.0, 61.0)),
+    ("waves out", Price::of(20.0, 40.0)),
+    ("weight", Price::of(32.0, 12.0)),
+];
+
+/// Stretches of so many masses are moved in vectors as a whole.
+const LONG: usize = 48;
+const INTEGRATE_LONG: Price = Price::of(215.0, 2.0);
+
+/// Outputs that each hear one position, those that are summed, and those that are summed in lanes.
+const POSITIONS: Price = Price::of(41.0, 14.0);
+const OUTPUTS: Price = Price::of(100.0, 17.0);
+const MANY_OUTPUTS: Price = Price::of(190.0, 1.9);
+
+/// Around the passes of a tick, and around each.
+const TICK: f64 = 25.0;
+const CALL: f64 = 5.0;
+
+/// All passes again, for each tick between two samples.
+const BETWEEN: &str = "ticks between";
+
+/// Instructions of one pass; `None` where the table does not have it.
+#[must_use]
+pub fn of_pass(scene: &Scene, op: &Op) -> Option<f64> {
+    if op.law.is_some() {
+        return links(scene, op);
+    }
+    if op.name == BETWEEN {
+        return Some(op.n as f64 * passes(scene, |op| op.name != BETWEEN));
+    }
+    let is = |kernel: Kernel| core::ptr::fn_addr_eq(op.kernel, kernel);
+    let price = match op.name {
+        "integrate MAS" if op.n >= LONG => INTEGRATE_LONG,
+        "outputs" if is(pass::positions) => POSITIONS,
+        "outputs" if is(pass::many_outputs) => MANY_OUTPUTS,
+        "outputs" => OUTPUTS,
+        name => PASSES.iter().find(|p| p.0 == name)?.1,
+    };
+    Some(price.at(op.n, 0))
+}
+
+/// Instructions of a tick, without the passes that the table does not have.
+#[must_use]
+pub fn of_tick(scene: &Scene) -> f64 {
+    TICK + passes(scene, |_| true)
+}
+
+/// Of those passes that are `asked` for.
+fn passes(scene: &Scene, asked: impl Fn(&Op) -> bool) -> f64 {
+    let lists = [&scene.reads[..], scene.summed(), &scene.writes, &scene.moves];
+    let asked = lists.into_iter().flatten().filter(|op| asked(op));
+    asked.filter_map(|op| Some(CALL + of_pass(scene, op)?)).sum()
+}
+
+fn links(scene: &Scene, op: &Op) -> Option<f64> {
+    let (law, form, n) = (op.law?, op.form, op.n);
+    let code = law.code.strip_prefix("LPR_").unwrap_or(law.code);
+    let (one_by_one, in_a_row) = match LAWS.iter().find(|l| l.0 == code) {
+        Some(l) => (l.1, l.2),
+        None if law.linear && !law.implicit => (0.0, 0.0),
+        None => return None,
+    };
+    if let Some(set) = op.ports.pair_set {
+        return Some(PAIRS.at(scene.pair_sets[set].members.len(), 0));
+    }
+    let own = if form.integrate == Integrate::Cel { OWN * n as f64 } else { 0.0 };
+    let blocks = form.measure == MeasureKind::Radial && form.onto.is_none() && n >= FEWEST && !law.contact;
+    let in_rows = || scene.rows[op.ports.reach..][..n].iter().filter(|row| **row > 0).count();
+    let less = if blocks { IN_ROWS * in_rows() as f64 } else { 0.0 };
+    let (price, extra) = match (form.measure, form.onto) {
+        (MeasureKind::Radial, Some(MeasureKind::Line)) => (ONTO, one_by_one),
+        (MeasureKind::Radial, None) if blocks => (BLOCKS, one_by_one),
+        (MeasureKind::Radial, None) => (RADIAL, one_by_one),
+        (MeasureKind::Line, None) if form.hub != Hub::None => (FAN, 0.0),
+        (MeasureKind::Line, None) if form.integrate == Integrate::No && form.stride == 0 => (GATHER, one_by_one),
+        (MeasureKind::Line, None) if form.integrate == Integrate::No => (RUN, in_a_row),
+        (MeasureKind::Line, None) if !form.folded => (FUSED, in_a_row),
+        (MeasureKind::Line, None) if form.band == Band::None => (FOLDED, 0.0),
+        (MeasureKind::Line, None) => (BAND, 0.0),
+        _ => return None,
+    };
+    Some(price.at(n, law.coefs) + n as f64 * extra + own - less)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::emit::pass_list::SHORT;
+    use crate::emit::rows::{batches, fans, fold, join};
+    use ca_core::op::pass::MANY;
+
+    /// Coefficients of RES and of REF.
+    const LINEAR: [usize; 2] = [1, 2];
+
+    fn pass_more(price: Price, coefs: usize) -> f64 {
+        CALL + price.at(0, coefs)
+    }
+
+    /// What a constant chooses takes fewer instructions where it begins to choose it.
+    #[test]
+    fn constants_that_choose_a_form_agree_with_the_table() {
+        for coefs in LINEAR {
+            // instead of as many links among others that are looked up, and without what these have for themselves
+            let links = |n: usize| GATHER.at(n, coefs) - GATHER.at(0, coefs);
+            let fan = |n: usize| CALL + FAN.at(n, coefs);
+            assert!(fan(fans::SHORTEST) < links(fans::SHORTEST));
+            assert!(fan(fans::SHORTEST / 2) > links(fans::SHORTEST / 2));
+            let masses: usize = fold::SHORTEST + 1;
+            assert!(FOLDED.at(masses.next_multiple_of(8), coefs) < FUSED.at(masses - 1, coefs));
+            let joints = RUN.at(join::LONGEST_GAP, coefs) - RUN.at(0, coefs);
+            assert!(joints < pass_more(RUN, coefs));
+        }
+        let of = |name: &str| PASSES.iter().find(|p| p.0 == name).map_or(Price::of(0.0, 0.0), |p| p.1);
+        let (full, free) = (of("integrate CEL"), of("integrate MAS"));
+        assert!(full.at(SHORT, 0) - full.at(0, 0) < CALL + free.at(SHORT, 0));
+        assert!(MANY_OUTPUTS.at(MANY, 0) < OUTPUTS.at(MANY, 0));
+    }
+
+    /// Instructions are not all: measured in ns, eleven links are faster as a run, which has more of them.
+    #[test]
+    fn a_run_has_fewer_instructions_only_from_some_links_on() {
+        let fewer = |coefs| (1..100).find(|n| RUN.at(*n, coefs) < GATHER.at(*n, coefs));
+        assert_eq!(LINEAR.map(fewer), [Some(16), Some(15)]);
+        for (coefs, n) in LINEAR.map(|coefs| (coefs, batches::SHORTEST_RUN)) {
+            assert!(RUN.at(n, coefs) > GATHER.at(n, coefs));
+        }
+    }
+}
