@@ -7,7 +7,7 @@ use ca_core::{Scene, State};
 use std::hint::black_box;
 use std::io::Write as _;
 
-/// Sizes of the networks: what is fixed and what comes with each module is only told apart by several.
+/// Sizes of the networks: only several distinguish what is fixed from what comes with each module.
 pub const SIZES: [usize; 9] = [11, 14, 16, 20, 40, 64, 120, 250, 500];
 
 /// One pass.

@@ -16,8 +16,7 @@ use alloc::vec::Vec;
 const GAP: u32 = 1;
 
 impl Plan<'_> {
-    /// The batches, with the chains of each before what is left of it. A mesh of 10 x 10 in a network of 686 modules made of
-    /// 254 ns a tick 211.
+    /// The batches, with the chains of each before what is left of it.
     pub fn chained(&self, options: &Options, batches: Vec<Batch>) -> Vec<Batch> {
         let mut all = Vec::with_capacity(batches.len());
         for batch in batches {

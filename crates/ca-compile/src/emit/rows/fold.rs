@@ -19,9 +19,9 @@ use ca_core::state::Fold;
 /// measured, and what crosses lanes is a larger part of them.
 pub const SHORTEST: usize = 16;
 
-/// Which batches are rows that are worth it. Other rows over their masses go by places in a row no more: they are looked up
+/// Which batches are rows that are worth it. Other rows over their masses will go by places in a row no more: they are looked up
 /// one by one, which is worth it where they are few.
-fn chosen(plan: &Plan, batches: &mut [Batch]) -> Vec<bool> {
+fn chosen(plan: &Plan, batches: &[Batch]) -> Vec<bool> {
     let wide = |b: &Batch| b.integrate != Integrate::No && b.law.wide && b.masses() > SHORTEST;
     let mut folds: Vec<bool> = batches.iter().map(|b| can_fold() && wide(b)).collect();
     let mut owner: Vec<u32> = alloc::vec![u32::MAX; plan.coef_slots()];
@@ -39,15 +39,6 @@ fn chosen(plan: &Plan, batches: &mut [Batch]) -> Vec<bool> {
     others().for_each(|b| touched(b, &mut |i| over[i] += 1));
     for (i, b) in batches.iter().enumerate() {
         folds[i] &= over[i] <= b.masses() / FEW;
-    }
-    let mut looked_up = Vec::new();
-    for (k, b) in batches.iter().enumerate().filter(|(_, b)| b.stride > 0 && b.integrate == Integrate::No) {
-        let mut any = false;
-        touched(b, &mut |i| any |= folds[i]);
-        looked_up.extend(any.then_some(k));
-    }
-    for k in looked_up {
-        batches[k].stride = 0;
     }
     folds
 }
@@ -119,7 +110,7 @@ pub fn fold(plan: &mut Plan, masses: &mut Masses, classes: &mut Vec<Option<Class
     let of_mats = of_mats.unwrap_or(at);
     let at_row: BTreeMap<u32, u32> = rows.iter().map(|r| (r.from as u32, r.fold.first)).collect();
     let slots = at.next_multiple_of(Fold::LANES);
-    // what stands in a row may stand further apart now
+    // what stands in a row may stand further apart now, or in a row no more
     for b in batches.iter_mut().filter(|b| b.stride > 0) {
         let [first, second] = [0, b.stride].map(|more| &to[b.slot(plan) as usize + more..][..b.links.len()]);
         let in_a_row = [first, second].iter().all(|ends| ends.windows(2).all(|pair| pair[1] == pair[0] + 1));

@@ -18,7 +18,7 @@ use crate::state::{Fold, State};
 use core::marker::PhantomData;
 use core::ops::{Add, Mul, Sub};
 
-const LANES: usize = Fold::LANES;
+pub(super) const LANES: usize = Fold::LANES;
 
 /// The pass of as many links as masses, `op.n` ≥ 16, a multiple of 8, the last link being without force. Masses stand from
 /// `op.mat` on, and have springs and dampers of their own where `OWN`.

@@ -10,7 +10,7 @@
 //! end of the batch, and what is too short, goes one by one, to the same bits. Decides for three numbers a point, as they
 //! are everywhere else: with a fourth one a point would be a vector, and every pass that moves masses a third longer.
 
-use super::folded::Lanes;
+use super::folded::{LANES, Lanes};
 use super::measure::Radial;
 use super::space::links;
 use crate::law::Phi;
@@ -25,8 +25,6 @@ use core::marker::PhantomData;
 const BLOCK: usize = 64;
 /// Batches of fewer go one by one: there is room to be cleared first.
 const FEWEST: usize = 16;
-/// Numbers of the widest vector.
-const WIDEST: usize = 8;
 
 /// Applies the law of `op`, whose force runs in vectors, to each of its links.
 pub struct Blocks<P, const C: usize, const M: usize, const TAP: bool>(PhantomData<P>);
@@ -69,7 +67,7 @@ struct Room {
     w: [f64; BLOCK],
 }
 
-/// A block of links whose law is asked link by link: what stands before and after the law is the same for all laws, and is
+/// A block of links whose law is asked link by link: what stands before and behind the law is the same for all laws, and is
 /// made once.
 struct Around<'a> {
     op: &'a Op,
@@ -78,27 +76,17 @@ struct Around<'a> {
     first: usize,
     n: usize,
     room: &'a mut Room,
-    /// the forces of the law are known
-    after: bool,
 }
 
-impl pulp::WithSimd for Around<'_> {
+/// Before the law: lengths, elongations and their changes.
+struct Before<'a>(Around<'a>);
+
+impl pulp::WithSimd for Before<'_> {
     type Output = ();
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Around { op, layout, s, first, n, room, after } = self;
+        let Around { op, layout, s, first, n, room } = self.0;
         let Room { v, l, e, w } = room;
-        let steps = n / S::F64_LANES;
-        let (l, e) = (&mut S::as_mut_simd_f64s(&mut l[..n]).0[..steps], &mut e[..n]);
-        if after {
-            let force = &S::as_simd_f64s(e).0[..steps];
-            let vectors = &mut S::as_mut_simd_f64s(&mut v[..3 * n]).0.as_chunks_mut::<3>().0[..steps];
-            for i in 0..steps {
-                vectors[i] = along(simd, simd.deinterleave_shfl_f64s(vectors[i]), force[i], l[i]);
-            }
-            sums(simd, op, layout, s, first, &v[..3 * n]);
-            return;
-        }
         vectors(simd, op, layout, s, first, &mut v[..=3 * n]);
         if s.lengths[op.ports.reach + first] < 0.0 {
             recall(op, layout, s, first, &v[..3 * n]);
@@ -107,7 +95,8 @@ impl pulp::WithSimd for Around<'_> {
         let soft = softened::<S>(op, layout, first, &mut soft[..n]);
         let lengths = &mut s.lengths[op.ports.reach + first..][..n];
         let (vectors, e0, last) = block::<S>(&mut v[..3 * n], &layout.e0[op.first + first..][..n], lengths);
-        let (e, w) = (&mut S::as_mut_simd_f64s(e).0[..steps], &mut S::as_mut_simd_f64s(&mut w[..n]).0[..steps]);
+        let steps = vectors.len();
+        let [l, e, w] = [l, e, w].map(|all| &mut S::as_mut_simd_f64s(&mut all[..n]).0[..steps]);
         for i in 0..steps {
             let now = length(simd, simd.deinterleave_shfl_f64s(vectors[i]), soft.map(|soft| &soft[i]));
             (l[i], e[i], w[i]) = (now.1, (now + Lanes(simd, e0[i])).1, (now - Lanes(simd, last[i])).1);
@@ -116,15 +105,34 @@ impl pulp::WithSimd for Around<'_> {
     }
 }
 
+/// Behind it: its forces pull along the vectors.
+struct Behind<'a>(Around<'a>);
+
+impl pulp::WithSimd for Behind<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Around { op, layout, s, first, n, room } = self.0;
+        let Room { v, l, e, .. } = room;
+        let vectors = S::as_mut_simd_f64s(&mut v[..3 * n]).0.as_chunks_mut::<3>().0;
+        let steps = vectors.len();
+        let [l, force] = [l, e].map(|all| &S::as_simd_f64s(&all[..n]).0[..steps]);
+        for i in 0..steps {
+            vectors[i] = along(simd, simd.deinterleave_shfl_f64s(vectors[i]), force[i], l[i]);
+        }
+        sums(simd, op, layout, s, first, &v[..3 * n]);
+    }
+}
+
 /// Applies a law that is asked link by link to each link of `op`.
 pub fn by_law<P: Phi<C, M>, const C: usize, const M: usize, const TAP: bool>(op: &Op, layout: &Layout, s: &mut State) {
     // blocks are whole for vectors of any width, so that the same links are taken one by one with each
-    let whole = if op.n < FEWEST { 0 } else { op.n - op.n % WIDEST };
+    let whole = if op.n < FEWEST { 0 } else { op.n - op.n % LANES };
     let mut room = Room { v: [0.0; 3 * BLOCK + 1], l: [0.0; BLOCK], e: [0.0; BLOCK], w: [0.0; BLOCK] };
     let mut first = 0;
     while first < whole {
         let n = BLOCK.min(whole - first);
-        layout.vectors.widest(Around { op, layout, s: &mut *s, first, n, room: &mut room, after: false });
+        layout.vectors.widest(Before(Around { op, layout, s: &mut *s, first, n, room: &mut room }));
         let mut columns: [&[f64]; C] = [&[]; C];
         for (k, column) in columns.iter_mut().enumerate() {
             *column = &s.coef[op.coef + k * op.n + first..][..n];
@@ -140,7 +148,7 @@ pub fn by_law<P: Phi<C, M>, const C: usize, const M: usize, const TAP: bool>(op:
         if TAP {
             s.tap[op.tap + first..][..n].copy_from_slice(e);
         }
-        layout.vectors.widest(Around { op, layout, s: &mut *s, first, n, room: &mut room, after: true });
+        layout.vectors.widest(Behind(Around { op, layout, s: &mut *s, first, n, room: &mut room }));
         first += n;
     }
     links::<P, Radial, C, M, TAP>(op, layout, s, whole..op.n);

@@ -4,12 +4,18 @@
 //! of those between two samples, so that what the tick depends on is visible in one place. All of it is written
 //! once, by the compiler.
 
-use super::{Energies, Vectors};
-use crate::law::{Force, Idle};
+mod ledger;
+mod outputs;
+mod waves;
+
+pub use ledger::{Account, LedgerPlan, Row};
+pub use outputs::{Blocker, HeardLink, Output, OutputRow, Tap};
+pub use waves::{Delay, Junction, Termination, Waves};
+
+use super::Vectors;
 use crate::numeric::ldl::Pattern;
 use crate::numeric::{Real, Table};
 use crate::state::State;
-use crate::tuning::wave::Loss;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
@@ -123,56 +129,6 @@ pub struct Modal {
     pub n: u32,
 }
 
-/// What an output hears.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Tap {
-    /// displacement of a MAT from its rest position
-    Position(u32),
-    /// summed force on a MAT
-    ForceOn(u32),
-    /// force of a LIA, at this index of [`State::tap`]
-    ForceOf(u32),
-}
-
-/// A linear link of a fused pass whose force is heard.
-#[derive(Clone, Copy, Debug)]
-pub struct HeardLink {
-    /// its law
-    pub force: Force,
-    /// slots of its ends
-    pub ends: [u32; 2],
-    /// constant part of its elongation \[m\]
-    pub e0: Real,
-    /// index of its first coefficient, and from one to the next
-    pub coef: u32,
-    /// see `coef`
-    pub step: u32,
-    /// how many it has
-    pub coefs: u32,
-    /// index into [`State::tap`], where its force is left
-    pub tap: u32,
-}
-
-/// An output or a probe.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Output {
-    /// index into [`State::output`](crate::state::State)
-    pub channel: u32,
-    /// what it hears
-    pub tap: Tap,
-}
-
-/// The outputs of a channel, which follow each other in [`Layout::outputs`].
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct OutputRow {
-    /// index into [`State::output`](crate::state::State)
-    pub channel: u32,
-    /// how many
-    pub n: u32,
-    /// the first slot of what they hear, where that is many positions that follow each other
-    pub first: Option<u32>,
-}
-
 /// How the position of a device comes in and its force goes out where a frame has several ticks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Shape {
@@ -198,136 +154,6 @@ impl Default for Crossing {
     fn default() -> Crossing {
         Crossing { shape: Shape::Linear, latency: 0, feedback: true }
     }
-}
-
-/// The high pass of an output, y ← r·y + g·(v − v′).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Blocker {
-    /// what stays of y each tick
-    pub r: Real,
-    /// gain
-    pub g: Real,
-}
-
-/// A place where a waveguide is touched.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Junction {
-    /// the MAT it is
-    pub mat: u32,
-    /// wave impedance of either side \[N per m/tick\]
-    pub z: f64,
-    /// its memory: the waves that arrive from either side, and its motion before the tick \[m/tick\]
-    pub memory: usize,
-}
-
-/// What a wave meets at the end of its way.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Termination {
-    /// nothing: on to the next junction
-    Open,
-    /// a rigid end
-    Rigid,
-    /// a rigid end with a loss and an allpass
-    Lossy {
-        /// their coefficients
-        loss: Loss,
-        /// memory of the allpass
-        memory: usize,
-    },
-}
-
-/// A way that waves take, from one side of a junction to a side of the same or of the next: a ring of waves.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Delay {
-    /// the junction they leave
-    pub junction: usize,
-    /// memory of the wave that arrives on the side they leave from
-    pub from: usize,
-    /// memory of the wave that arrives on the side they come to
-    pub to: usize,
-    /// first slot of the ring
-    pub first: usize,
-    /// its length: the ticks a wave takes, and three more where a loss follows
-    pub len: usize,
-    /// what they meet at its end
-    pub end: Termination,
-}
-
-/// The waveguides of a scene.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Waves {
-    /// where they are touched (any)
-    pub junctions: Vec<Junction>,
-    /// how waves travel (any)
-    pub delays: Vec<Delay>,
-    /// first slot of their memory in [`State::mem`](crate::state::State)
-    pub first: usize,
-    /// places of it
-    pub len: usize,
-}
-
-/// Links whose ends stand one behind the other: link i joins `ends[0] + i` and `ends[1] + i`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Row {
-    /// how many
-    pub len: usize,
-    /// ends of the first
-    pub ends: [usize; 2],
-}
-
-impl Row {
-    /// The first of some links with these ends, among `n_mat` MATs. A place that no link takes stands there as one from a
-    /// MAT to itself, whose coefficients are 0, so that it may as well join others.
-    pub fn of(ends: &[[u32; 2]], n_mat: usize) -> Row {
-        let some = ends.iter().enumerate().find(|(_, e)| e[0] != e[1]);
-        let Some([Some(p), Some(q)]) = some.map(|(k, e)| e.map(|m| (m as usize).checked_sub(k))) else {
-            return Row::default();
-        };
-        let fits = |(i, e): &(usize, &[u32; 2])| {
-            let here = [p + i, q + i];
-            e.map(|m| m as usize) == here || (e[0] == e[1] && here.iter().all(|m| *m < n_mat))
-        };
-        Row { len: ends.iter().enumerate().take_while(fits).count(), ends: [p, q] }
-    }
-
-    /// Two of them, the second behind the first: a folded row goes on in the next lane where one ends.
-    pub fn two(ends: &[[u32; 2]], n_mat: usize) -> [Row; 2] {
-        let first = Row::of(ends, n_mat);
-        [first, Row::of(&ends[first.len..], n_mat)]
-    }
-}
-
-/// A batch of links as the ledger sees it.
-#[derive(Clone, Copy)]
-pub struct Account {
-    /// its place in the list of passes that sum forces
-    pub op: usize,
-    /// number of links
-    pub n: usize,
-    /// how they measure
-    pub ports: Ports,
-    /// first of them in [`Layout::ends`], which is also their number in the ledger
-    pub first: usize,
-    /// first coefficient, as in a pass
-    pub coef: usize,
-    /// first number of memory, as in a pass
-    pub mem: usize,
-    /// first index into `State::tap`, as in a pass
-    pub tap: usize,
-    /// coefficients per link
-    pub coefs: usize,
-    /// numbers of memory per link
-    pub mems: usize,
-    /// true where the identity holds exactly, so that nothing can be made
-    pub linear: bool,
-    /// true where a coefficient may change while playing, or an end is a point that moves
-    pub live: bool,
-    /// what it stores between two ticks, and loses in one
-    pub energies: Energies,
-    /// the first of its links, as far as their ends stand in two rows; none where they measure otherwise than on a line
-    pub rows: [Row; 2],
-    /// where there is no force, for contacts
-    pub idle: Idle,
 }
 
 /// Links that take part of their force from the time to come: what they join is one matrix of inertia. Those that share
@@ -366,17 +192,6 @@ pub struct LinkForce {
     pub moving: Vec<(u32, Real)>,
     /// the same for slots in the state that no force moves
     pub fixed: Vec<(u32, Real)>,
-}
-
-/// What the ledger needs to find its way.
-#[derive(Clone, Default)]
-pub struct LedgerPlan {
-    /// batches of links, in the order of the passes
-    pub accounts: Vec<Account>,
-    /// coefficient of the first weighed MAT
-    pub weight: usize,
-    /// true where a coefficient of a MAT, or its weight, may change while playing
-    pub live: bool,
 }
 
 /// What runs between two samples.

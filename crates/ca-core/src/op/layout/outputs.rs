@@ -1,0 +1,63 @@
+//! Outputs: what they hear, channel by channel, and their high pass.
+
+use crate::law::Force;
+use crate::numeric::Real;
+
+/// What an output hears.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Tap {
+    /// displacement of a MAT from its rest position
+    Position(u32),
+    /// summed force on a MAT
+    ForceOn(u32),
+    /// force of a LIA, at this index of [`State::tap`](crate::state::State)
+    ForceOf(u32),
+}
+
+/// A linear link of a fused pass whose force is heard.
+#[derive(Clone, Copy, Debug)]
+pub struct HeardLink {
+    /// its law
+    pub force: Force,
+    /// slots of its ends
+    pub ends: [u32; 2],
+    /// constant part of its elongation \[m\]
+    pub e0: Real,
+    /// index of its first coefficient, and from one to the next
+    pub coef: u32,
+    /// see `coef`
+    pub step: u32,
+    /// how many it has
+    pub coefs: u32,
+    /// index into [`State::tap`](crate::state::State), where its force is left
+    pub tap: u32,
+}
+
+/// An output or a probe.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Output {
+    /// index into [`State::output`](crate::state::State)
+    pub channel: u32,
+    /// what it hears
+    pub tap: Tap,
+}
+
+/// The outputs of a channel, which follow each other in [`Layout::outputs`](super::Layout::outputs).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OutputRow {
+    /// index into [`State::output`](crate::state::State)
+    pub channel: u32,
+    /// how many
+    pub n: u32,
+    /// the first slot of what they hear, where that is many positions that follow each other
+    pub first: Option<u32>,
+}
+
+/// The high pass of an output, y ← r·y + g·(v − v′).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Blocker {
+    /// what stays of y each tick
+    pub r: Real,
+    /// gain
+    pub g: Real,
+}
