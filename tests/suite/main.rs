@@ -18,6 +18,7 @@ mod friction;
 mod fused;
 mod generate_space;
 mod guard;
+mod halves;
 mod hertz;
 mod identity;
 mod implicit;

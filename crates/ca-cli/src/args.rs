@@ -192,6 +192,7 @@ pub enum Border {
   ca render hammered_string --probe 'low[3]' --probe strike=blow.csv --seconds '500 ms'
   ca render hammered_string --energy --json
   ca render piano_key --latency 30 --no-feedback
+  ca render plate --threads 2
   ca render piano_key --border hold --set rate.filter='18 kHz'")]
 pub struct RenderArgs {
     /// the model
@@ -212,6 +213,10 @@ pub struct RenderArgs {
     /// Keeps the energy ledger for the whole length (slower)
     #[arg(long)]
     pub energy: bool,
+    /// Threads that play it: 2 for one big scene, in two halves that wait for each other in each tick. The samples are the
+    /// same to rounding, and to the bit with `--kernel reference`
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=2))]
+    pub threads: u8,
     /// Which passes run the links; `reference` is slower, link by link, and may round otherwise
     #[arg(long, value_enum, default_value_t = Kernel::Fast)]
     pub kernel: Kernel,

@@ -5,6 +5,8 @@
 //!         units, ranges,     ends of links,    methods,          bounds on stability;
 //!         parameters         taps of outputs   cheaper laws      order, arrays, passes
 //! ```
+//! On request ([`halves`]) the pruned network is cut in two before `emit`, for two threads.
+//!
 //! Decides on one network of plain records between model and scene: every pass reads and rewrites that, and all of them
 //! push findings into one list, so an author sees everything at once. The folders are in the order of work, and each
 //! knows those before it and the network, never those behind it.
@@ -28,16 +30,20 @@ mod lower;
 mod net;
 mod options;
 mod passes;
+mod split;
 
 pub use emit::cost;
 #[cfg(feature = "parse")]
 pub use load::load;
 pub use options::{KernelClass, Options};
 
+use alloc::collections::BTreeMap;
+use alloc::string::String;
+use alloc::vec::Vec;
 use ca_core::Catalog;
 use ca_core::kind::Unit;
 use ca_core::numeric::SINGLE;
-use ca_core::scene::Scene;
+use ca_core::scene::{Halves, Scene};
 use ca_model::diag::Diags;
 use ca_model::{Entry, Model};
 use connect::wire;
@@ -45,6 +51,7 @@ use emit::{ordering, schedule};
 use lower::{params, resolve, values};
 use net::Pruned;
 use passes::{implicit, modal, pefrl, prune, reach, single, solve_order, specialise, waves};
+use split::{cut, half};
 
 /// What a model became.
 #[derive(Debug)]
@@ -128,14 +135,59 @@ pub fn compile(model: &Model, catalog: &Catalog, options: &Options) -> Result<Co
         diags.sort();
         return Err(diags);
     }
-    let order = match options.kernel {
-        KernelClass::Fast | KernelClass::Listed => ordering::storage(&net),
-        KernelClass::Reference => ordering::document(&net),
-    };
+    let order = order(&net, options);
     let scene = schedule::schedule(model, &net, &order, options, certificate, &mut diags);
     diags.sort();
     match scene {
         Some(scene) if !diags.has_errors() => Ok(Compiled { scene, findings: diags }),
         _ => Err(diags),
     }
+}
+
+/// The order of the MATs in the state.
+fn order(net: &Pruned, options: &Options) -> Vec<u32> {
+    match options.kernel {
+        KernelClass::Fast | KernelClass::Listed => ordering::storage(net),
+        KernelClass::Reference => ordering::document(net),
+    }
+}
+
+/// Compiles a model once more, as two halves for two threads; `whole` is what [`compile`] made of it with the same options.
+///
+/// # Errors
+/// Why it is not cut, as the end of a sentence: for want of two parts of some size, or since something in it, or the
+/// energy ledger, needs all of it in each tick.
+pub fn halves(model: &Model, catalog: &Catalog, options: &Options, whole: &Scene) -> Result<Halves, String> {
+    if options.energy {
+        return Err("the energy ledger adds up all of it in each tick".into());
+    }
+    let pruned = || {
+        let (mut net, mut diags) = network(model, catalog, options).map_err(|_| "it has errors")?;
+        modal::modal(model, &mut net, &mut diags);
+        Ok::<Pruned, &str>(net)
+    };
+    let net = pruned()?;
+    if let Some(why) = cut::obstacle(&net) {
+        return Err(why.into());
+    }
+    let cut = cut::cut(&net, &order(&net, options)).ok_or("all of it is solved at once, or moves as one")?;
+    let across = half::across(&net, &cut);
+    let alive: Vec<u32> = (0..net.mats.len() as u32).filter(|m| net.alive[*m as usize]).collect();
+    let place: BTreeMap<u32, u32> = alive.into_iter().zip(whole.symbols.places().iter().copied()).collect();
+    drop(net);
+    let mut parts = Vec::with_capacity(2);
+    for second in [false, true] {
+        let mut net = pruned()?;
+        let kept = half::keep(&mut net, &cut, second);
+        let mut diags = Diags::new();
+        let certificate = whole.certificate.clone();
+        let order = order(&net, options);
+        let scene = schedule::schedule(model, &net, &order, options, certificate, &mut diags);
+        parts.push((net, kept, scene.ok_or("a half of it is no scene")?));
+    }
+    let (Some(b), Some(a)) = (parts.pop(), parts.pop()) else { return Err("it has no halves".into()) };
+    let ghosts = [a.1.ghosts.clone(), b.1.ghosts.clone()];
+    let [first, second] = [(a, &ghosts[1]), (b, &ghosts[0])]
+        .map(|((net, kept, scene), shared)| half::half(&net, &kept, scene, &place, shared));
+    Ok(Halves { halves: [first, second], share: cut.share, across })
 }

@@ -42,6 +42,7 @@ pub mod atomic_file;
 pub mod cloud;
 pub mod error;
 pub mod gesture;
+pub mod halves;
 pub mod perform;
 pub mod probe;
 pub mod reading;

@@ -2,7 +2,9 @@
 
 use ca_core::Scene;
 use ca_core::live::LiveParam;
+use ca_core::scene::Halves;
 use ca_core::state::{Balance, Ledger};
+use ca_io::FileError;
 use ca_io::gesture::Gesture;
 use ca_io::perform::{DIVERGED, Performance};
 pub use ca_io::perform::{frames, seconds};
@@ -62,6 +64,28 @@ pub fn play<'a, E>(mut p: Performance<'a>, frames: u64, block: u64, heard: &mut 
     // a tick is entered when the next one begins
     let energy_ticks = energy_ticks.saturating_sub(1);
     Ok(Played { performance: p, wall, diverged_at, energy, energy_ticks })
+}
+
+/// As [`play`], but by two threads, each of which plays one of the `halves` of the scene; without the energy ledger.
+///
+/// # Errors
+/// Those of `heard`, which end it; in the outer result, where the gesture does not fit.
+pub fn play_halves<'a, E>(
+    p: Performance<'a>,
+    halves: &'a Halves,
+    gesture: Option<&Gesture>,
+    (frames, block): (u64, u64),
+    heard: &mut dyn FnMut(&[f64], u64) -> Result<(), E>,
+) -> Result<Result<Played<'a>, E>, FileError> {
+    let begin = Instant::now();
+    let mut performance = match ca_io::halves::play(p, halves, gesture, (frames, block), heard)? {
+        Ok(p) => p,
+        Err(e) => return Ok(Err(e)),
+    };
+    let wall = begin.elapsed();
+    performance.diverged |= !performance.state.is_bounded(DIVERGED);
+    let diverged_at = performance.diverged.then_some(performance.state.tick);
+    Ok(Ok(Played { performance, wall, diverged_at, energy: None, energy_ticks: 0 }))
 }
 
 /// Where a ledger is kept and the positions have just left every range: the ledger as it was.
@@ -169,9 +193,42 @@ pub fn relative(b: &Balance) -> f64 {
     if b.peak > 0.0 { b.residual.abs() / b.peak } else { 0.0 }
 }
 
+/// A residual of the ledger beyond this part of what went through it is none of rounding, which leaves bundled models
+/// below 1e-12.
+const UNBALANCED: f64 = 1e-6;
+
+/// The residual of a ledger, where that is more than rounding makes of what went through it \[J\].
+pub fn unbalanced(b: &Balance) -> Option<f64> {
+    let through = [b.h0, b.h, b.work, b.lost, b.scheme_error, b.changed].map(f64::abs);
+    let scale = through.into_iter().fold(b.peak, f64::max);
+    // a residual that is not a number is none that rounding makes
+    let balances = b.residual.abs() <= UNBALANCED * scale;
+    (!balances).then_some(b.residual)
+}
+
 /// The gain that would just fit, three digits, towards zero.
 pub fn gain(peak: f64) -> f64 {
     let ten = (1.0 / peak).log10().floor() - 2.0;
     let n = (1.0 / peak / 10f64.powf(ten)).floor();
     format!("{n}e{ten}").parse().unwrap_or(n)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_ledger_balances_to_rounding_of_what_went_through_it() {
+        let b = Balance { h0: 2e-3, h: 1e-3, lost: 1e-3, peak: 2e-3, ..Balance::default() };
+        assert_eq!(unbalanced(&b), None);
+        assert_eq!(unbalanced(&Balance { residual: 1e-12, ..b }), None);
+        assert_eq!(unbalanced(&Balance { residual: -3e-4, ..b }), Some(-3e-4));
+        assert!(unbalanced(&Balance { residual: f64::NAN, ..b }).is_some_and(f64::is_nan));
+        // a scene that never had energy to speak of, through which much went
+        assert_eq!(
+            unbalanced(&Balance { residual: 1e-9, work: 5e-3, lost: 5e-3, peak: 1e-8, ..Balance::default() }),
+            None
+        );
+        assert_eq!(unbalanced(&Balance::default()), None);
+    }
 }

@@ -1,6 +1,7 @@
 //! Prune: what no output and no hand can hear is not computed. Motion does not pass through a fixed point or a port,
 //! so those do not join what hangs on them.
 
+use crate::net::disjoint::Sets;
 use crate::net::{End, MatRole, OutputTap, Pruned, Wired};
 use alloc::format;
 use alloc::vec::Vec;
@@ -149,27 +150,5 @@ fn report(model: &Model, net: &mut Wired, alive: &[bool], keep: &[bool], diags: 
             d = d.at(model.items[net.items[*i].model].name_span, "left out");
         }
         diags.push(d.help("connect it to something with an output, or remove it"));
-    }
-}
-
-/// Disjoint sets.
-struct Sets(Vec<u32>);
-
-impl Sets {
-    fn new(n: usize) -> Sets {
-        Sets((0..n as u32).collect())
-    }
-    fn root(&mut self, i: usize) -> usize {
-        let mut i = i as u32;
-        while self.0[i as usize] != i {
-            let up = self.0[self.0[i as usize] as usize];
-            self.0[i as usize] = up;
-            i = up;
-        }
-        i as usize
-    }
-    fn join(&mut self, a: usize, b: usize) {
-        let (a, b) = (self.root(a), self.root(b));
-        self.0[a.max(b)] = a.min(b) as u32;
     }
 }

@@ -68,7 +68,7 @@ pub fn specialise(model: &Model, net: &mut Wired, diags: &mut Diags) {
 
 impl Wired {
     /// Keeps the links marked, renumbering what refers to them.
-    pub(super) fn drop_links(&mut self, lias: Vec<crate::net::LiaNode>, keep: &[bool]) {
+    pub fn drop_links(&mut self, lias: Vec<crate::net::LiaNode>, keep: &[bool]) {
         let mut renumber = alloc::vec![u32::MAX; lias.len()];
         let mut n = 0;
         for (r, k) in renumber.iter_mut().zip(keep) {

@@ -3,6 +3,7 @@
 //! Counts first, then arrays with their shape. All of it is written once, by the compiler (`ca-compile`), whose findings are not part of it.
 
 pub mod certificate;
+mod halves;
 mod identity;
 mod start;
 mod symbols;
@@ -19,6 +20,7 @@ use alloc::borrow::Cow;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 use certificate::Certificate;
+pub use halves::{Half, Halves};
 pub use identity::ARITHMETIC;
 pub use start::{Order, start};
 pub use symbols::{Location, Symbol, Symbols};

@@ -91,6 +91,11 @@ impl Symbols {
         self.mats.len()
     }
 
+    /// Places of the MATs, in document order: indices into [`State::x`](crate::State::x), the first of each.
+    pub fn places(&self) -> &[u32] {
+        &self.mats
+    }
+
     /// Places of the LIAs: op number and position in it.
     pub fn lias(&self) -> &[[u32; 2]] {
         &self.lias

@@ -19,6 +19,7 @@ use crate::load::{self, Loaded};
 use crate::{Ended, Failure, Outcome, catalog, term};
 use ca_compile::{KernelClass, Options, compile};
 use ca_core::Scene;
+use ca_core::scene::Halves;
 use ca_io::gesture::Gesture;
 use ca_io::perform::Performance;
 use ca_io::probe::ProbeOut;
@@ -73,11 +74,15 @@ pub fn run(args: &RenderArgs) -> Outcome {
         let what = format!("{seconds} s of {} channels are more than the 4 GiB a WAV file holds", scene.channels);
         return Err(Failure::Usage(format!("{what}; render less with `--seconds`, or `--format 16`")));
     }
+    let halves = if args.threads > 1 { Some(halves(&loaded, &options, &scene)?) } else { None };
     let wav = WavOut::create(&output, scene.rate, scene.channels, format)?;
     let outs = open_probes(&probes, &scene)?;
     let show = !args.quiet && !args.json;
     let mut files = play::Files { wav, probes: outs, channels: scene.channels, waiting: Vec::new() };
-    let played = play(performance, frames, play::BLOCK, show, &mut |_, rows| files.write(rows))?;
+    let played = match &halves {
+        Some(h) => play::play_halves(performance, h, gesture.as_ref(), frames, show, &mut |rows| files.write(rows))?,
+        None => play(performance, frames, play::BLOCK, show, &mut |_, rows| files.write(rows))?,
+    };
     let written = files.finish()?;
     let second = if played.energy.is_none() { audited() } else { None };
     let audited: &Scene = second.as_deref().unwrap_or(&scene);
@@ -100,6 +105,7 @@ pub fn run(args: &RenderArgs) -> Outcome {
         refused: played.performance.state.refused,
         warnings: load::warnings(&scene.findings),
         probes: &probes,
+        halves: halves.as_ref(),
     };
     summary.warn();
     if args.quiet {
@@ -114,6 +120,12 @@ pub fn run(args: &RenderArgs) -> Outcome {
         summary.text()?;
     }
     Ok(if summary.degraded() { Ended::Degraded } else { Ended::Well })
+}
+
+/// The scene in two, for two threads.
+fn halves(loaded: &Loaded, options: &Options, scene: &Scene) -> Result<Halves, Failure> {
+    let cut = ca_compile::halves(&loaded.model, &catalog(), options, scene);
+    cut.map_err(|why| Failure::Usage(format!("--threads 2: `{}` is not cut in two, since {why}", loaded.name)))
 }
 
 /// Where the sound goes.

@@ -9,11 +9,12 @@ use crate::term::short;
 use crate::{Failure, term};
 use ca_core::Scene;
 use ca_core::kind::Unit;
+use ca_core::scene::Halves;
 use ca_core::scene::certificate::{Certificate, Level};
 use ca_core::state::Ledger;
 use ca_io::sound::Written;
-use ca_lab::play::gain;
 pub(crate) use ca_lab::play::{Divergence, relative};
+use ca_lab::play::{gain, unbalanced};
 use ca_model::quantity::{show, six};
 use serde_json::{Value as Json, json};
 use std::io::Write as _;
@@ -41,6 +42,8 @@ pub(crate) struct Summary<'a> {
     pub refused: u64,
     pub warnings: usize,
     pub probes: &'a [Probe],
+    /// what two threads played
+    pub halves: Option<&'a Halves>,
 }
 
 /// What would make the loudest sample fit, as the end of a sentence.
@@ -87,7 +90,12 @@ pub(crate) fn joule(v: f64) -> String {
 impl Summary<'_> {
     /// Whether something is not as meant.
     pub fn degraded(&self) -> bool {
-        self.divergence.is_some() || !self.written.is_faithful() || self.refused > 0
+        self.divergence.is_some() || !self.written.is_faithful() || self.refused > 0 || self.unbalanced().is_some()
+    }
+
+    /// The residual of the ledger, where that does not balance \[J\].
+    fn unbalanced(&self) -> Option<f64> {
+        unbalanced(&self.energy.filter(|_| self.divergence.is_none())?.ledger.balance())
     }
 
     fn loudest(&self) -> f64 {
@@ -122,6 +130,11 @@ impl Summary<'_> {
                 format!("it can be played at {} by `--gesture`", ticked(ports.into_iter()))
             };
             term::note(&format!("nothing sounds; {help}"));
+        }
+        if let Some(residual) = self.unbalanced() {
+            let what = format!("the energy ledger does not balance: {} are not accounted for", joule(residual));
+            let help = "parameters or places are beyond what 64-bit numbers add up, or this is an error of the program";
+            term::warning(&format!("{what}; {help}, see `{}`", self.check()));
         }
         if self.refused > 0 {
             term::warning(&format!("{} inputs had no value; the last good one was held instead", self.refused));
@@ -160,6 +173,11 @@ impl Summary<'_> {
         let rtf = self.real_time_factor();
         let how = if self.args.energy { " with the energy ledger" } else { "" };
         writeln!(out, "  speed      {} times real time{how} (real-time factor {})", short(1.0 / rtf), short(rtf))?;
+        if let Some(h) = self.halves {
+            let s = if h.across == 1 { "" } else { "s" };
+            let (share, across) = (100.0 * h.share, h.across);
+            writeln!(out, "  threads    2; the larger half has {share:.0} % of the work, {across} link{s} across")?;
+        }
         let name = |i: usize| self.scene.channel_names.get(i).map_or("?", String::as_str);
         let peaks: Vec<String> = (0..w.level.peak.len())
             .map(|i| format!("{} {}", name(i), level(w.level.peak[i], self.divergence.is_some())))
@@ -269,6 +287,7 @@ impl Summary<'_> {
             "stability": stability_json(&self.scene.certificate), "warnings": self.warnings, "probes": probes,
             "clipped": clipped, "without_value": w.level.non_finite, "refused_inputs": self.refused, "blown_up": divergence,
             "degraded": self.degraded(),
+            "threads": self.halves.map(|h| json!({"share": h.share, "across": h.across})),
         });
         writeln!(std::io::stdout().lock(), "{all:#}")?;
         Ok(())
