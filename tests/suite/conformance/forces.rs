@@ -105,9 +105,21 @@ proptest! {
             for step in [step, -step] {
                 if bound.hardens {
                     let (near, nearer) = (over(rise(1e-5 * step)), over(rise(1e-9 * step)));
-                    prop_assert!(nearer <= 0.5 * near.max(0.0), "{nearer} above {} at rest\n{}", bound.k, l.named);
+                    prop_assert!(
+                        nearer <= 0.5 * near.max(0.0),
+                        "the slope at rest, at the elongation {e}, is {nearer} above `k` = {} of `bound`: rest is 0, and of a \
+                         contact (`CONTACT = true`) the end of `idle`\n{}",
+                        bound.k,
+                        l.named
+                    );
                 } else {
-                    prop_assert!(over(rise(step)) <= 0.0, "{} above {}\n{}", rise(step), bound.k, l.named);
+                    prop_assert!(
+                        over(rise(step)) <= 0.0,
+                        "the slope {} at the elongation {e} is above `k` = {} of `bound`, which does not say `hardens`\n{}",
+                        rise(step),
+                        bound.k,
+                        l.named
+                    );
                 }
             }
             let f = [w + 1e-6, w].map(|w| {
