@@ -60,11 +60,17 @@ pub fn written(unit: Unit, (min, max): (f64, f64), rng: &mut Random) -> f64 {
     let size = |lo: i32, hi: i32| 10f64.powf(f64::from(lo) + u * f64::from(hi - lo));
     let v = match unit.symbol {
         "N/m" => size(0, 4),
-        "N s/m" => size(-4, -1),
+        "N s/m" | "s" => size(-4, -1),
         "m" => size(-4, -3),
         "N" | "m/s" => size(-2, 0),
         "N/m^3" => size(4, 9),
-        _ => u,
+        "N/m^2" => size(3, 7),
+        "" | "s/m" => u,
+        other => panic!(
+            "no size is known of a parameter in `{other}`: add to this list, `written` in {}, from … to where a link of an \
+             instrument has it (powers of ten), so that forces that are drawn are some newtons",
+            file!()
+        ),
     };
     v.clamp(min, max)
 }
