@@ -73,10 +73,12 @@ pub trait Phi<const C: usize, const M: usize> {
         e
     }
 
-    /// True where the law does nothing, and remembers nothing, on one side of a threshold (see [`Phi::idle`]).
+    /// True where the law has no force on one side of a threshold, which [`Phi::idle`] then says. There a law without memory
+    /// is not called; one with memory is, so that it may forget or relax.
     const CONTACT: bool = false;
 
-    /// The elongations from … to at which there is no force, for contacts; kernels in space then skip the square root.
+    /// The elongations from … to at which there is no force, for [`Phi::CONTACT`]; kernels in space then skip the square
+    /// root, of laws without memory. The finite end is where the slopes of [`Phi::bound`] are those at rest.
     fn idle(_c: &[Real; C]) -> (Real, Real) {
         (Real::INFINITY, Real::NEG_INFINITY)
     }
@@ -92,7 +94,7 @@ pub trait Phi<const C: usize, const M: usize> {
     /// The force \[N\], F > 0 pulls the ends together.
     fn force(c: &[Real; C], mem: &mut [Real; M], tables: &[Table], e: Real, w: Real) -> Real;
 
-    /// Potential energy \[J\] at elongation `e`.
+    /// Potential energy \[J\] at elongation `e`. This, `stored` and `lost` get the memory as the force of the tick left it.
     #[inline(always)]
     fn potential(_c: &[Real; C], _mem: &[Real; M], _tables: &[Table], _e: Real) -> Real {
         0.0
@@ -105,7 +107,9 @@ pub trait Phi<const C: usize, const M: usize> {
         0.5 * (Self::potential(c, mem, tables, e0) + Self::potential(c, mem, tables, e1))
     }
 
-    /// Energy turned to heat during a tick \[J\], from the elongations at the tick before, at it, and after.
+    /// Energy turned to heat during a tick \[J\], ≥ 0, from the elongations at the tick before, at it, and after. The force was
+    /// that at `e[1]`, with `w = e[1] − e[0]`. Of a law with memory it includes what `stored` gives up as memory changes at
+    /// that tick, which such a law remembers.
     #[inline(always)]
     fn lost(_c: &[Real; C], _mem: &[Real; M], _tables: &[Table], _e: [Real; 3]) -> Real {
         0.0
