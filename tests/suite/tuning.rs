@@ -36,7 +36,8 @@ fn played_pitch(text: &str, rate: f64, f: f64, shape: &[f64]) -> (f64, f64) {
     (f * rate, t60 / rate)
 }
 
-/// Everything that `f` tunes: its section, the name of mass `i` in it, and the shape of its first mode.
+/// Everything that `f` tunes: its section, the name of mass `i` in it, and the shape of its first mode; where masses differ,
+/// times the mass of each, so that no other mode is heard in the sum.
 fn tuned(f: f64, t60: f64) -> Vec<(String, Vec<String>, Vec<f64>)> {
     let row = |n: usize| (1..=n).map(|j| (PI * j as f64 / (n + 1) as f64).sin()).collect::<Vec<f64>>();
     let names = |n: usize| (0..n).map(|i| format!("x[{i}]")).collect::<Vec<_>>();
@@ -80,7 +81,11 @@ fn everything_that_has_a_pitch_is_in_the_table() {
     for kind in ca_tests::catalog().iter().filter(|k| k.param("f").is_some() && k.code != "WAVEGUIDE") {
         let sounds = matches!(kind.role, Role::Mat(_) | Role::Generator(_));
         let is_in = rows.iter().any(|(text, ..)| text.contains(&format!("[{}]", kind.code)));
-        assert!(!sounds || is_in, "{} has `f`: add it to `tuned`, with the shape of its first mode", kind.code);
+        assert!(
+            !sounds || is_in,
+            "{} has `f`: add it to `tuned`, with the shape of its first mode (times its masses, where they differ)",
+            kind.code
+        );
     }
 }
 
