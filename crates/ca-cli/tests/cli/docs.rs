@@ -21,7 +21,10 @@ fn the_page_of_kinds_is_fresh() {
         fs::write(&path, &want).unwrap();
     }
     let is = fs::read_to_string(&path).unwrap_or_default();
-    assert!(is == want, "docs/kinds.md is stale; run `UPDATE=1 cargo test -p ca-cli docs` and look at what changed");
+    assert!(
+        is == want,
+        "docs/kinds.md is stale; run `UPDATE=1 cargo test $ALL --test cli -- docs` ($ALL is in CONTRIBUTING.md) and look at what changed"
+    );
 }
 
 #[test]
