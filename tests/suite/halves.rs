@@ -53,7 +53,8 @@ fn same(text: &str, probes: &[&str], gesture: Option<&Gesture>, frames: u64) -> 
                 _ if ended.diverged => 1e-3 * peak,
                 _ => 1e-9 * peak,
             };
-            let differs = |(a, b): (&f64, &f64)| a.to_bits() != b.to_bits() && !((a - b).abs() <= tolerance);
+            let near = |a: f64, b: f64| a.to_bits() == b.to_bits() || (a - b).abs() <= tolerance;
+            let differs = |(a, b): (&f64, &f64)| !near(*a, *b);
             let first = whole.iter().zip(parts).position(differs);
             assert_eq!(first, None, "{kernel:?}, the first number of {what} that differs:\n{text}");
         }

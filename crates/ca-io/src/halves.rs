@@ -203,7 +203,9 @@ fn mixed<E>(
             let own = half.outputs.len();
             for (from, to) in rows.chunks_exact(own.max(1)).zip(all.chunks_exact_mut(n_out.max(1))) {
                 for (v, at) in from.iter().zip(&half.outputs) {
-                    at.iter().for_each(|at| to[*at as usize] = *v);
+                    if let Some(at) = at {
+                        to[*at as usize] = *v;
+                    }
                 }
             }
         }

@@ -75,7 +75,7 @@ pub fn play_halves<'a, E>(
     halves: &'a Halves,
     gesture: Option<&Gesture>,
     (frames, block): (u64, u64),
-    heard: &mut dyn FnMut(&[f64], u64) -> Result<(), E>,
+    heard: &mut ca_io::halves::Sink<E>,
 ) -> Result<Result<Played<'a>, E>, FileError> {
     let begin = Instant::now();
     let mut performance = match ca_io::halves::play(p, halves, gesture, (frames, block), heard)? {

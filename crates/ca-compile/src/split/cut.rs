@@ -212,11 +212,10 @@ fn together(net: &Pruned) -> Sets {
         let hub = channels.entry(o.channel).or_default();
         let mut all: Vec<u32> = match o.tap {
             OutputTap::Position(End::Mat(_)) => Vec::new(),
-            OutputTap::Position(e) => under(e).collect(),
             OutputTap::ForceOn(End::Mat(m)) if summed.contains_key(&m) => {
                 summed[&m].map(|m| m as u32).into_iter().collect()
             }
-            OutputTap::ForceOn(e) => under(e).collect(),
+            OutputTap::Position(e) | OutputTap::ForceOn(e) => under(e).collect(),
             OutputTap::ForceOf(l) => moving(net, &net.lias[l as usize]).collect(),
         };
         *hub = hub.or_else(|| all.first().map(|m| *m as usize));

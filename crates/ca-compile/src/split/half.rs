@@ -48,7 +48,9 @@ fn writers(net: &Pruned, cut: &Cut) -> BTreeMap<u32, bool> {
                 let pulls = |l: &&crate::net::LiaNode| l.all_ends().any(|end| end == e);
                 let mut at = net.under(e).iter().copied().find(|m| moves(net, *m));
                 at = at.or_else(|| net.lias.iter().filter(pulls).find_map(|l| moving(net, l).next()));
-                at.into_iter().for_each(|m| side(m, sure));
+                if let Some(m) = at {
+                    side(m, sure);
+                }
             }
         }
     }
