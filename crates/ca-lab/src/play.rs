@@ -109,6 +109,10 @@ pub struct Audit {
     pub diverged: bool,
 }
 
+/// What is audited without being asked \[s\]: long enough for a stroke and what follows it. A whole second of a ledger costs
+/// more than the sound of some models (`benches/render.rs`).
+const SECONDS: f64 = 0.5;
+
 /// Modules times ticks the audited scene may take: a second of a thousand-mass string. Larger scenes are audited for
 /// less, and the summary says for how long.
 const AUDITED: u64 = 100_000_000;
@@ -116,10 +120,10 @@ const AUDITED: u64 = 100_000_000;
 /// Ticks between two looks at whether an audited scene has left its range: at every tick a look takes as long as half of it.
 const LOOK: u64 = 64;
 
-/// Plays the first second once more with the ledger kept, up to the last tick before any divergence.
+/// Plays the first half second once more with the ledger kept, up to the last tick before any divergence.
 pub fn audit(audited: &Scene, gesture: Option<&Gesture>, frames: u64) -> Option<Audit> {
     let afford = AUDITED / (audited.n_mat + audited.n_lia).max(1) as u64;
-    let ticks = frames.min(audited.rate as u64).min(afford).max(1);
+    let ticks = frames.min((SECONDS * audited.rate) as u64).min(afford).max(1);
     let bounded = |look: u64| {
         let mut p = Performance::new(audited, gesture).ok()?;
         while p.state.tick < ticks + 1 && p.state.is_bounded(DIVERGED) {

@@ -37,7 +37,7 @@ fn a_model_sounds_by_its_own_gesture() {
     let desk = Desk::new();
     desk.put("struck.ca.toml", STRUCK);
     let r = desk.ca(&["render", "struck.ca.toml"]).is(0);
-    let r = r.says(&["struck.wav", "4.000 s", "48 kHz", "real-time factor", "dBFS", "first 1 s", "margin"]);
+    let r = r.says(&["struck.wav", "4.000 s", "48 kHz", "real-time factor", "dBFS", "first 0.5 s", "margin"]);
     assert_eq!(r.err, "");
     assert_eq!(desk.files(), ["struck.ca.toml", "struck.wav"]);
     let (spec, samples) = desk.wav("struck.wav");
@@ -92,7 +92,7 @@ fn formats_hold_the_same_sound() {
     }
 }
 
-/// Its first second is audited, and at rest until a port moves it later.
+/// Its first half second is audited, and at rest until a port moves it later.
 #[test]
 fn a_model_that_diverges_after_its_audit_is_not_told_a_time_that_nobody_saw() {
     let desk = Desk::new();
@@ -102,7 +102,7 @@ fn a_model_that_diverges_after_its_audit_is_not_told_a_time_that_nobody_saw() {
          = { from = \"bob\" }\n[gesture]\nhand = [[0, 0], [1.5, 0], [1.6, \"1 mm\"]]\n",
     );
     let r = desk.ca(&["render", "late.ca.toml", "--seconds", "2"]).is(3);
-    assert!(r.out.contains("diverged after 1.0000 s") && r.out.contains("`--energy` says when"), "{}", r.out);
+    assert!(r.out.contains("diverged after 0.5000 s") && r.out.contains("`--energy` says when"), "{}", r.out);
     let r = desk.ca(&["render", "late.ca.toml", "--seconds", "2", "--energy"]).is(3);
     assert!(r.out.contains("diverged at 1.5"), "{}", r.out);
 }
@@ -357,7 +357,7 @@ fn the_energy_ledger_is_shown() {
     let r = desk.ca(&["render", "struck.ca.toml", "--energy"]).is(0);
     r.says(&["received", "lost", "error", "stored", "of it by `strike`"]);
     let j = desk.ca(&["render", "struck.ca.toml", "--json"]).is(0).json();
-    assert_eq!((j["energy"]["seconds"].as_f64(), j["energy"]["whole"].as_bool()), (Some(1.0), Some(false)));
+    assert_eq!((j["energy"]["seconds"].as_f64(), j["energy"]["whole"].as_bool()), (Some(0.5), Some(false)));
     assert!(j["energy"]["relative_residual"].as_f64().unwrap() < 1e-10);
     assert!(j["real_time_factor"].as_f64().unwrap() > 0.0 && j["degraded"] == false);
     assert_eq!(j["channels"][1]["name"], "right");
