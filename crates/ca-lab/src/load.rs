@@ -122,7 +122,7 @@ pub fn set(loaded: &mut Loaded, name: &str, value: Value) -> Result<(), Failure>
         loaded.look();
         return Ok(());
     }
-    if let Some(what) = of_group(model, name) {
+    if let Some(what) = of_group(model, name).or_else(|| of_member(model, name)) {
         return Err(Failure::Usage(what));
     }
     let mut all: Vec<String> = model.params.iter().map(|e| e.key.clone()).collect();
@@ -143,6 +143,16 @@ pub fn set(loaded: &mut Loaded, name: &str, value: Value) -> Result<(), Failure>
 fn place(model: &Model, span: Span) -> Option<String> {
     let known = span.is_some() && !model.text.is_empty();
     known.then(|| format!("{}:{}", model.file, line_column(&model.text, span.start).0))
+}
+
+/// What to say of one module of those that a line makes.
+fn of_member(model: &Model, name: &str) -> Option<String> {
+    let (line, rest) = name.split_once('[')?;
+    let item = model.items.iter().find(|i| i.name == line)?;
+    let key = rest.split_once("].").map_or("", |(_, key)| key);
+    let whole = keys(item).is_some_and(|all| all.contains(&key));
+    let fix = if whole { format!("; `{line}.{key}` sets it for all of them") } else { String::new() };
+    Some(format!("`{name}`: the modules of `{line}` come from one line and have no numbers of their own to set{fix}"))
 }
 
 /// What to say of a property of a group, which is no parameter.

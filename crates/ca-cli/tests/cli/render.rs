@@ -64,6 +64,16 @@ fn the_same_bits_in_two_runs_and_with_either_kernel() {
 }
 
 #[test]
+fn a_module_of_a_line_is_not_set_by_itself() {
+    let desk = Desk::new();
+    desk.put("struck.ca.toml", STRUCK);
+    let r = desk.ca(&["render", "struck.ca.toml", "--set", "low[3].m=2 g"]).is(2);
+    r.says(&["`low[3].m`: the modules of `low` come from one line", "`low.m` sets it for all"]);
+    let r = desk.ca(&["render", "struck.ca.toml", "--set", "low[3].colour=2"]).is(2);
+    assert!(!r.err.contains("sets it for all"), "{}", r.err);
+}
+
+#[test]
 fn two_threads_play_the_same_sound() {
     let desk = Desk::new();
     desk.put("struck.ca.toml", STRUCK);
