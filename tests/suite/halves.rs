@@ -56,7 +56,12 @@ fn same(text: &str, probes: &[&str], gesture: Option<&Gesture>, frames: u64) -> 
             let near = |a: f64, b: f64| a.to_bits() == b.to_bits() || (a - b).abs() <= tolerance;
             let differs = |(a, b): (&f64, &f64)| !near(*a, *b);
             let first = whole.iter().zip(parts).position(differs);
-            assert_eq!(first, None, "{kernel:?}, the first number of {what} that differs:\n{text}");
+            if let Some(i) = first {
+                panic!(
+                    "{kernel:?}: {what} of {i} is {} in halves, {} in the whole, of {peak}:\n{text}",
+                    parts[i], whole[i]
+                );
+            }
         }
         assert_eq!((whole.state.tick, whole.diverged), (ended.state.tick, ended.diverged), "{text}");
     }
@@ -142,7 +147,10 @@ fn gestures_and_live_parameters_reach_both_halves() {
 fn what_diverges_is_silent_in_both_halves_from_the_same_tick_on() {
     let text = "[STRING]\ns = { n = 80, m = \"1 g\", k = \"1 MN/m\" }\n[MAS]\nh = { m = \"5 g\", v = 1 }\n[RES]\nb = { between = [\"h\", \
                 \"s[4]\"], k = \"20 MN/m\" }\n[SOX]\nout = { from = \"s[7]\" }\nfar = { from = \"s[70]\" }\n";
-    same(text, &["s[79]"], None, 2000).expect("it is cut");
+    // which half is ahead of the other is chance
+    for _ in 0..20 {
+        same(text, &["s[79]"], None, 2000).expect("it is cut");
+    }
 }
 
 /// Each bundled model is cut, or says why it is not.

@@ -1,8 +1,9 @@
 //! Halves: a scene played by two threads, a half each.
 //!
-//! Decides for one exchange in each tick, by two arrays that are written in turn: who is done with a tick writes the places
-//! that the other half looks at and then how many ticks it has done, and who begins the next one waits until the other has
-//! done as many. A half is at most one tick ahead, so what is read is never what is being written. Waiting is a loop and no
+//! Decides for one exchange in each tick, by two arrays that are written in turn: who is done with a tick writes how the
+//! places moved that the other half looks at and then how many ticks it has done, and who begins the next one waits until
+//! the other has done as many. Motions alone, of which positions are the sum: what one core wrote and another reads costs
+//! far more than an addition. A half is at most one tick ahead, so what is read is never what is being written. Waiting is a loop and no
 //! lock: at some tens of microseconds a tick, a thread that sleeps would wake too late. For files, not for devices: in real
 //! time the second core belongs to the others that play.
 
@@ -18,25 +19,26 @@ const PATIENCE: u32 = 500;
 /// Blocks of outputs that wait to be written.
 const AHEAD: usize = 2;
 
-/// What one half tells the other.
+/// What one half tells the other. Aligned, so that what one writes does not take from the other the line it is reading.
+#[repr(align(128))]
 struct Mailbox {
-    /// positions, then motions, of the places the other half looks at, as bits: after an even and after an odd tick
+    /// motions of the places the other half looks at, as bits: after an even and after an odd tick
     numbers: [Vec<AtomicU64>; 2],
     /// ticks done
     done: AtomicU64,
-    /// it has diverged
-    diverged: AtomicBool,
+    /// the tick from which on it is silent, since it has diverged; the other half may not have got there yet
+    silent_from: AtomicU64,
     /// it plays no more
     gone: AtomicBool,
 }
 
 impl Mailbox {
     fn new(shared: usize) -> Mailbox {
-        let numbers = || (0..2 * shared).map(|_| AtomicU64::new(0)).collect();
+        let numbers = || (0..shared).map(|_| AtomicU64::new(0)).collect();
         Mailbox {
             numbers: [numbers(), numbers()],
             done: AtomicU64::new(0),
-            diverged: AtomicBool::new(false),
+            silent_from: AtomicU64::new(u64::MAX),
             gone: AtomicBool::new(false),
         }
     }
@@ -57,6 +59,8 @@ struct Part<'a> {
     performance: Performance<'a>,
     mine: &'a Mailbox,
     other: &'a Mailbox,
+    /// positions of the ghosts, which the tick of this half would move too
+    ghosts: Vec<f64>,
     ticks: u64,
 }
 
@@ -71,11 +75,12 @@ impl Part<'_> {
         let numbers = &self.mine.numbers[self.ticks as usize % 2];
         let s = &self.performance.state;
         let shared = self.half.shared.iter().map(|at| *at as usize);
-        for (number, at) in numbers.chunks_exact(2).zip(shared) {
-            number[0].store(s.x[at].to_bits(), Ordering::Relaxed);
-            number[1].store(s.d[at].to_bits(), Ordering::Relaxed);
+        for (number, at) in numbers.iter().zip(shared) {
+            number.store(s.d[at].to_bits(), Ordering::Relaxed);
         }
-        self.mine.diverged.store(self.performance.diverged, Ordering::Relaxed);
+        if self.performance.diverged {
+            self.mine.silent_from.fetch_min(self.ticks, Ordering::Relaxed);
+        }
         self.mine.done.store(self.ticks, Ordering::Release);
         true
     }
@@ -91,12 +96,15 @@ impl Part<'_> {
             if turns < PATIENCE { std::hint::spin_loop() } else { std::thread::yield_now() }
         }
         // the whole scene would have been silent from this tick on
-        self.performance.diverged |= self.other.diverged.load(Ordering::Relaxed);
+        self.performance.diverged |= self.other.silent_from.load(Ordering::Relaxed) <= self.ticks;
         let numbers = &self.other.numbers[self.ticks as usize % 2];
         let s = &mut self.performance.state;
-        for (number, at) in numbers.chunks_exact(2).zip(self.half.ghosts.iter().map(|at| *at as usize)) {
-            s.x[at] = f64::from_bits(number[0].load(Ordering::Relaxed));
-            s.d[at] = f64::from_bits(number[1].load(Ordering::Relaxed));
+        let ghosts = self.half.ghosts.iter().map(|at| *at as usize);
+        for ((number, x), at) in numbers.iter().zip(&mut self.ghosts).zip(ghosts) {
+            let d = f64::from_bits(number.load(Ordering::Relaxed));
+            // as it moves in the other half, bit by bit
+            *x += d;
+            (s.x[at], s.d[at]) = (*x, d);
         }
         true
     }
@@ -140,8 +148,10 @@ pub fn play<'a, E>(
         Ok::<_, FileError>(p)
     };
     let (a, b) = (part(first)?, part(second)?);
-    let mut a = Part { half: first, performance: a, mine: &boxes[0], other: &boxes[1], ticks: 0 };
-    let mut b = Part { half: second, performance: b, mine: &boxes[1], other: &boxes[0], ticks: 0 };
+    let placed = |half: &Half, p: &Performance| half.ghosts.iter().map(|at| p.state.x[*at as usize]).collect();
+    let [of_a, of_b]: [Vec<f64>; 2] = [placed(first, &a), placed(second, &b)];
+    let mut a = Part { half: first, performance: a, mine: &boxes[0], other: &boxes[1], ghosts: of_a, ticks: 0 };
+    let mut b = Part { half: second, performance: b, mine: &boxes[1], other: &boxes[0], ghosts: of_b, ticks: 0 };
     let n_out = whole.scene.n_out;
     let (send, receive) = sync_channel(AHEAD);
     let blocks = || (0..frames.div_ceil(block)).map(move |i| block.min(frames - i * block));
