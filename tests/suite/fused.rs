@@ -120,6 +120,21 @@ fn a_row_is_fused_where_one_number_comes_behind_it() {
     }
 }
 
+/// A link from the last MAT to a moving point that stands behind it is in no row that integrates.
+#[test]
+fn a_link_to_the_slot_behind_the_last_mass_is_no_row() {
+    for place in ["0.3,0.4", "place,0.4"] {
+        same(
+            &format!(
+                "[param]\nplace = {{ value = 0.3, live = true, min = 0.05, max = 0.95 }}\n[MESH]\nskin = {{ nx = 4, ny = 4, m = \"1 g\", k \
+                 = \"38 kN/m\", z = 0.01 }}\n[SOL]\nwall = {{}}\n[REF]\ntie = {{ between = [\"wall\", \"skin@{place}\"], k = 100, z = \
+                 0.01 }}\n[ENF]\npush = {{ to = \"skin[1,2]\" }}\n[SOX]\no = {{ from = \"skin[1,1]\" }}\n"
+            ),
+            500,
+        );
+    }
+}
+
 /// Links with a length of their own, in a row that is written by hand.
 #[test]
 fn a_row_under_tension_has_the_bits_of_its_list() {

@@ -178,6 +178,16 @@ fn what_needs_all_of_it_is_not_cut_and_says_so() {
     refused(&format!("{string}[rate]\noversample = 2\n"), &plain, "several ticks");
     refused(&format!("{string}[model]\nmethod = \"pefrl\"\n"), &plain, "several times");
     refused("[CEL]\na = { f = \"440 Hz\", m = \"1 g\", v = 1 }\n[SOX]\nout = { from = \"a\" }\n", &plain, "no link");
+    refused(&format!("{string}[model]\nstart = \"mi.lib\"\n"), &plain, "mi.lib");
+    let live = "[param]\nkk = { value = 100, unit = \"N/m\", live = true, min = 0, max = 1000 }\n[SOL]\ng = {}\n[REF]\nl = { between = \
+                [\"b\", \"g\"], k = \"kk\", method = \"implicit\" }\n[RES]\nr = { between = [\"b\", \"c\"], k = \"kk\" }\n[CEL]\nb = { \
+                m = \"2 g\", f = 357, dx0 = \"1 mm\" }\nc = { m = \"2 g\", f = 357 }\n[SOX]\no = { from = \"c\" }\n";
+    refused(live, &plain, "live parameter");
+    // a port that an implicit link holds is under way for all
+    let port = "[ENX]\ng = {}\n[REF]\nl1 = { between = [\"a\", \"g\"], k = 1000, method = \"implicit\" }\nl2 = { between = [\"b\", \"g\"], k \
+                = 1000, z = 1 }\n[CEL]\na = { m = \"2 g\", f = 244 }\nb = { m = \"2 g\", f = 183 }\n[SOX]\no = { from = \"a\" }\np = { from = \"b\" \
+                }\n[gesture]\ng = [[0, 0], [0.02, \"-10 mm\"]]\n";
+    refused(port, &plain, "solved at once");
     let implicit = format!("{string}[model]\nmethod = \"implicit\"\n");
     refused(&implicit, &plain, "solved at once");
 }

@@ -201,12 +201,15 @@ pub fn relative(b: &Balance) -> f64 {
 /// below 1e-12.
 const UNBALANCED: f64 = 1e-6;
 
+/// A residual that nobody asks about \[J\]: what rounding of places leaves of a motion of nanometres.
+const NOTHING: f64 = 1e-24;
+
 /// The residual of a ledger, where that is more than rounding makes of what went through it \[J\].
 pub fn unbalanced(b: &Balance) -> Option<f64> {
     let through = [b.h0, b.h, b.work, b.lost, b.scheme_error, b.changed].map(f64::abs);
     let scale = through.into_iter().fold(b.peak, f64::max);
     // a residual that is not a number is none that rounding makes
-    let balances = b.residual.abs() <= UNBALANCED * scale;
+    let balances = b.residual.abs() <= (UNBALANCED * scale).max(NOTHING);
     (!balances).then_some(b.residual)
 }
 
@@ -234,5 +237,6 @@ mod tests {
             None
         );
         assert_eq!(unbalanced(&Balance::default()), None);
+        assert_eq!(unbalanced(&Balance { residual: 5e-35, work: 2e-31, ..Balance::default() }), None);
     }
 }

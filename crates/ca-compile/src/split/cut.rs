@@ -6,8 +6,8 @@
 //! networks, and leave rows of regular ones in pieces.
 
 use crate::net::disjoint::Sets;
-use crate::net::{End, LiaNode, OutputTap, Pruned};
-use alloc::collections::{BTreeMap, VecDeque};
+use crate::net::{End, LiaNode, MatRole, OutputTap, Pruned};
+use alloc::collections::{BTreeMap, BTreeSet, VecDeque};
 use alloc::vec::Vec;
 
 /// What a link between distances costs, beside one on a line.
@@ -28,10 +28,15 @@ pub struct Cut {
 /// Why a scene is not cut.
 pub fn obstacle(net: &Pruned) -> Option<&'static str> {
     let links = net.lias.iter().filter(|l| l.all_ends().any(|e| net.under(e).iter().any(|m| moves(net, *m))));
+    let implicit = net.lias.iter().any(|l| l.law.implicit);
     match () {
         () if net.oversample > 1 => Some("`oversample` runs several ticks in a sample"),
         () if net.is_composed() => Some("`pefrl` sums forces several times in a tick"),
         () if !net.lines.is_empty() => Some("a waveguide is one module"),
+        () if net.as_milib => Some("its first two samples are those of mi.lib"),
+        () if implicit && !net.params.is_empty() => {
+            Some("a live parameter changes at once what follows it, where links are implicit")
+        }
         () if links.count() == 0 => Some("no link moves anything in it"),
         () => None,
     }
@@ -190,8 +195,13 @@ fn together(net: &Pruned) -> Sets {
             }
         }
     }
+    let solved = |l: &LiaNode| l.law.implicit || l.law.is_staged();
+    // a port that such a link holds is under way at the first tick, to all others too
+    let port = |m: u32| matches!(net.mats[m as usize].role, MatRole::Port(..));
+    let held = net.lias.iter().filter(|l| solved(l)).flat_map(LiaNode::all_ends).flat_map(|e| net.under(e));
+    let held: BTreeSet<u32> = held.filter(|m| port(*m)).collect();
     for l in &net.lias {
-        if l.law.implicit || l.law.is_staged() {
+        if solved(l) || l.all_ends().any(|e| matches!(e, End::Mat(m) if held.contains(&m))) {
             join(&mut moving(net, l), Some(n));
         }
         let point = |e: End| matches!(e, End::Point(_));

@@ -206,7 +206,7 @@ pub fn ledger(_op: &Op, layout: &Layout, s: &mut State) {
         l.h0 = load(layout, s, &mut near, &mut l);
         s.near = near;
         l.h = l.h0;
-        l.peak = l.h0.abs();
+        l.peak = l.h0.abs().max(l.kinetic);
         s.ledger = Some(l);
         return;
     }
@@ -240,7 +240,8 @@ pub fn ledger(_op: &Op, layout: &Layout, s: &mut State) {
     l.h = h;
     l.worst = l.worst.max((h - before - work + lost - of_links.error).abs());
     l.heat += lost.abs();
-    l.peak = l.peak.max(h.abs() + l.heat);
+    // what is in motion may come from a potential that is as negative
+    l.peak = l.peak.max(h.abs().max(kinetic) + l.heat);
     s.near = near;
     s.ledger = Some(l);
 }

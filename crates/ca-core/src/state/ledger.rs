@@ -35,7 +35,7 @@ pub struct Ledger {
     pub h: f64,
     /// its part in motion
     pub kinetic: f64,
-    /// largest |h| + Σ|lost| so far, the scale of the residual
+    /// largest so far of |h|, or of its part in motion, + Σ|lost|: the scale of the residual
     pub peak: f64,
     /// heat of MATs with dampers of their own, and of the ends of waveguides
     pub lost_mats: f64,

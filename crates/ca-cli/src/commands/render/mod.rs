@@ -40,6 +40,8 @@ pub(crate) struct Probe {
 
 /// Runs the command.
 pub fn run(args: &RenderArgs) -> Outcome {
+    // before there is a file that would be left behind
+    listen();
     let loaded = load::load(&args.source)?;
     let output = output(args, &loaded)?;
     let probes = probes(args, &output)?;

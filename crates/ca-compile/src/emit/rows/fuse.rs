@@ -40,14 +40,16 @@ pub fn mark(plan: &Plan, options: &Options, classes: &mut [Option<Class>], batch
         }
     }
     for (i, row) in batches.iter_mut().enumerate() {
+        if row.mesh.is_some() || row.stride != 1 || !fits(row) {
+            continue;
+        }
         let slot = plan.ends(row.links[0])[0] as usize;
         let range = slot..slot + row.links.len() + 1;
         let begins = |slot: usize| added.begins(slot, |k| (k == i).then_some(0));
-        if row.mesh.is_some() || row.stride != 1 || !fits(row) || !range.clone().all(begins) {
-            continue;
-        }
-        if class_of(&classes[range.clone()]).is_some() {
-            row.integrate = integrate(&mut classes[range]);
+        // behind the last MAT there are moving points, which no pass integrates
+        let Some(classes) = classes.get_mut(range.clone()) else { continue };
+        if range.clone().all(begins) && class_of(classes).is_some() {
+            row.integrate = integrate(classes);
         }
     }
 }
