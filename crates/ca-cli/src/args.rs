@@ -214,7 +214,8 @@ pub struct RenderArgs {
     #[arg(long)]
     pub energy: bool,
     /// Threads that play it: 2 for one big scene, in two halves that wait for each other in each tick, on two cores that
-    /// nobody else uses. The samples are the same to rounding, which collisions may amplify, and to the bit with `--kernel reference`
+    /// nobody else uses. The samples are the same to rounding, which collisions may amplify, and to the bit with
+    /// `--kernel reference`. Small scenes are slower by it
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=2))]
     pub threads: u8,
     /// Which passes run the links; `reference` is slower, link by link, and may round otherwise

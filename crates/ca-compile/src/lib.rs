@@ -174,20 +174,15 @@ pub fn halves(model: &Model, catalog: &Catalog, options: &Options, whole: &Scene
     let across = half::across(&net, &cut);
     let alive: Vec<u32> = (0..net.mats.len() as u32).filter(|m| net.alive[*m as usize]).collect();
     let place: BTreeMap<u32, u32> = alive.into_iter().zip(whole.symbols.places().iter().copied()).collect();
-    drop(net);
-    let mut parts = Vec::with_capacity(2);
-    for second in [false, true] {
-        let mut net = pruned()?;
-        let kept = half::keep(&mut net, &cut, second);
-        let mut diags = Diags::new();
+    let mut nets = [net, pruned()?];
+    let [first, second] = &mut nets;
+    let kept = [half::keep(first, &cut, false), half::keep(second, &cut, true)];
+    let half = |this: usize| {
+        let (net, mut diags) = (&nets[this], Diags::new());
         let certificate = whole.certificate.clone();
-        let order = order(&net, options);
-        let scene = schedule::schedule(model, &net, &order, options, certificate, &mut diags);
-        parts.push((net, kept, scene.ok_or("a half of it is no scene")?));
-    }
-    let (Some(b), Some(a)) = (parts.pop(), parts.pop()) else { return Err("it has no halves".into()) };
-    let ghosts = [a.1.ghosts.clone(), b.1.ghosts.clone()];
-    let [first, second] = [(a, &ghosts[1]), (b, &ghosts[0])]
-        .map(|((net, kept, scene), shared)| half::half(&net, &kept, scene, &place, shared));
+        let scene = schedule::schedule(model, net, &order(net, options), options, certificate, &mut diags);
+        scene.map(|scene| half::half(net, &kept[this], scene, &place, &kept[1 - this].ghosts))
+    };
+    let (Some(first), Some(second)) = (half(0), half(1)) else { return Err("a half of it is no scene".into()) };
     Ok(Halves { halves: [first, second], share: cut.share, across })
 }

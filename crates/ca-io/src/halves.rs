@@ -129,14 +129,14 @@ pub type Sink<'a, E> = dyn FnMut(&[f64], u64) -> Result<(), E> + 'a;
 /// every `block` of samples, `heard` gets their outputs. What is returned is `whole` at its end.
 ///
 /// # Errors
-/// Those of `heard`, which end it; in the outer result, where the gesture does not fit.
-pub fn play<'a, E>(
+/// Those of `heard`, which end it; where the gesture does not fit.
+pub fn play<'a, E: From<FileError>>(
     mut whole: Performance<'a>,
     halves: &'a Halves,
     gesture: Option<&Gesture>,
     (frames, block): (u64, u64),
     heard: &mut Sink<E>,
-) -> Result<Result<Performance<'a>, E>, FileError> {
+) -> Result<Performance<'a>, E> {
     let boxes = halves.halves.each_ref().map(|h| Mailbox::new(h.shared.len()));
     let [first, second] = &halves.halves;
     let part = |half: &'a Half| {
@@ -159,6 +159,7 @@ pub fn play<'a, E>(
         let beside = threads.spawn(|| {
             let _leaving = Leaving(b.mine);
             blocks().all(|n| sent(&mut b, n, &send));
+            // nobody waits for a block that will not come
             drop(send);
         });
         let played = {
@@ -172,9 +173,7 @@ pub fn play<'a, E>(
         }
         played
     });
-    if let Err(e) = played {
-        return Ok(Err(e));
-    }
+    played?;
     for part in [&a, &b] {
         for [here, there] in part.half.own.iter().map(|at| at.map(|at| at as usize)) {
             (whole.state.x[there], whole.state.d[there]) =
@@ -183,7 +182,7 @@ pub fn play<'a, E>(
     }
     whole.state.placed();
     whole.ended_as(a.performance);
-    Ok(Ok(whole))
+    Ok(whole)
 }
 
 /// Plays a block of the second half and hands its outputs over.

@@ -69,23 +69,20 @@ pub fn play<'a, E>(mut p: Performance<'a>, frames: u64, block: u64, heard: &mut 
 /// As [`play`], but by two threads, each of which plays one of the `halves` of the scene; without the energy ledger.
 ///
 /// # Errors
-/// Those of `heard`, which end it; in the outer result, where the gesture does not fit.
-pub fn play_halves<'a, E>(
+/// Those of `heard`, which end it; where the gesture does not fit.
+pub fn play_halves<'a, E: From<FileError>>(
     p: Performance<'a>,
     halves: &'a Halves,
     gesture: Option<&Gesture>,
     (frames, block): (u64, u64),
     heard: &mut ca_io::halves::Sink<E>,
-) -> Result<Result<Played<'a>, E>, FileError> {
+) -> Result<Played<'a>, E> {
     let begin = Instant::now();
-    let mut performance = match ca_io::halves::play(p, halves, gesture, (frames, block), heard)? {
-        Ok(p) => p,
-        Err(e) => return Ok(Err(e)),
-    };
+    let mut performance = ca_io::halves::play(p, halves, gesture, (frames, block), heard)?;
     let wall = begin.elapsed();
     performance.diverged |= !performance.state.is_bounded(DIVERGED);
     let diverged_at = performance.diverged.then_some(performance.state.tick);
-    Ok(Ok(Played { performance, wall, diverged_at, energy: None, energy_ticks: 0 }))
+    Ok(Played { performance, wall, diverged_at, energy: None, energy_ticks: 0 })
 }
 
 /// Where a ledger is kept and the positions have just left every range: the ledger as it was.

@@ -4,6 +4,7 @@ mod accuracy;
 mod against;
 mod bench;
 mod border;
+mod degraded;
 mod desk;
 mod docs;
 mod equiv;

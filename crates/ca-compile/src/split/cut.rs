@@ -27,7 +27,7 @@ pub struct Cut {
 
 /// Why a scene is not cut.
 pub fn obstacle(net: &Pruned) -> Option<&'static str> {
-    let links = net.lias.iter().filter(|l| l.all_ends().any(|e| net.under(e).iter().any(|m| moves(net, *m))));
+    let still = net.lias.iter().all(|l| moving(net, l).next().is_none());
     let implicit = net.lias.iter().any(|l| l.law.implicit);
     match () {
         () if net.oversample > 1 => Some("`oversample` runs several ticks in a sample"),
@@ -37,7 +37,7 @@ pub fn obstacle(net: &Pruned) -> Option<&'static str> {
         () if implicit && !net.params.is_empty() => {
             Some("a live parameter changes at once what follows it, where links are implicit")
         }
-        () if links.count() == 0 => Some("no link moves anything in it"),
+        () if still => Some("no link moves anything in it"),
         () => None,
     }
 }

@@ -94,7 +94,6 @@ pub fn keep(net: &mut Pruned, cut: &Cut, second: bool) -> Kept {
     let lias = core::mem::take(&mut net.lias);
     net.drop_links(lias, &stays);
     net.alive = alive;
-    net.as_milib = false;
     let channels = net.outs.iter().zip(was).map(|(o, was)| (o.channel, was)).collect();
     Kept { channels, own: mine, ghosts }
 }

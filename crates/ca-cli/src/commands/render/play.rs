@@ -39,7 +39,6 @@ struct Progress {
 
 impl Progress {
     fn new(frames: u64, show: bool) -> Progress {
-        listen();
         Progress { bar: None, begin: Instant::now(), frames, show }
     }
 
@@ -91,7 +90,7 @@ pub(crate) fn play_halves<'a>(
     let played = ca_lab::play::play_halves(p, halves, gesture, (frames, BLOCK), &mut |rows, done| {
         heard(rows)?;
         progress.step(done)
-    })??;
+    })?;
     progress.end();
     Ok(played)
 }

@@ -26,6 +26,7 @@ const REFERENCE: u32 = 32;
 
 /// Plays the model and tells all of it.
 pub(super) fn report(args: &ReportArgs) -> Result<(String, Report), Failure> {
+    render::listen();
     let loaded = load::load(&args.source)?;
     // the ledger is of the explicit scheme
     let composed = matches!(loaded.model.meta("method").map(|e| &e.value), Some(Value::Text(t)) if t == "pefrl");
