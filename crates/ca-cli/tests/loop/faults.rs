@@ -14,12 +14,13 @@ fn h9_a_throw_brakes_and_ends() {
     let stage = Stage::new();
     // a weak spring: nothing pushes at either end
     stage.put("weak.ca.toml", &KEY.replace("0.9 mm", "0 mm").replace("k = 500", "k = 10"));
-    // 15 mm in 10 ms, every second and a half: some come while forces are on
+    // 15 mm in 20 ms, half as fast again as the trip and slower than what cannot be true, every second and a half:
+    // some come while forces are on
     let mut throws = String::from("time,key\n0,-0.0075\n");
     for k in 0..40 {
         let t = 1.5 * f64::from(k) + 3.0;
         let [a, b] = if k % 2 == 0 { [-0.0075, 0.0075] } else { [0.0075, -0.0075] };
-        writeln!(throws, "{t},{a}\n{},{b}", t + 0.01).unwrap();
+        writeln!(throws, "{t},{a}\n{},{b}", t + 0.02).unwrap();
     }
     stage.put("throw.csv", &throws);
     let watch = Watch::of(&stage.site, "key");

@@ -1,0 +1,183 @@
+//! Frames of every kind of device, and how fast the hand was said to move.
+
+use super::*;
+
+const FRAME_DT: f64 = 1.0 / 3000.0;
+
+/// The largest speed seen while a device of `rate` frames a second moves at `speed`, with a clock of its own and one
+/// frame at `spike` metres from the truth.
+fn fastest(rate: u32, speed: f64, clock: impl Fn(f64) -> u64, spike: f64) -> (f64, f64, u64) {
+    let mut p = Profile::shipped("tgr12").expect("shipped");
+    (p.dof, p.rate, p.guard.speed) = (1, f64::from(rate), 1.0);
+    let (mut validator, mut hand) = (InputValidator::new(&p, FRAME_DT), GuardFrame::new(1, FRAME_DT));
+    let mut f = DeviceFrame::new("key", 1);
+    let (mut most, mut last) = (0.0f64, 0.0);
+    let every = 3000 / rate;
+    for n in 0..3000_u32 {
+        if n.is_multiple_of(every) {
+            let t = f64::from(n) * FRAME_DT;
+            f.seq += 1;
+            f.t_device_ns = clock(t);
+            f.pos[0] = speed * t + if n == 1500 { spike } else { 0.0 };
+            validator.take(&f, &mut hand);
+        }
+        validator.update(&mut hand);
+        (hand.frame, hand.fresh) = (hand.frame + 1, false);
+        most = most.max(hand.v[0].abs());
+        last = hand.v[0];
+    }
+    (most, last, validator.dropped)
+}
+
+#[test]
+fn speed_is_that_of_the_hand_whatever_its_clock_says() {
+    type Clock = (&'static str, fn(f64) -> u64);
+    let clocks: [Clock; 5] = [
+        ("right", |t| (t * 1e9) as u64 + 77),
+        ("none", |_| 0),
+        ("microseconds", |t| (t * 1e6) as u64),
+        ("a thousand times too fast", |t| (t * 1e12) as u64),
+        ("backwards", |t| 10_000_000_000 - (t * 1e9) as u64),
+    ];
+    for rate in [3000, 1000, 500] {
+        for (name, clock) in clocks {
+            let (most, last, dropped) = fastest(rate, 0.4, clock, 0.0);
+            assert!((most - 0.4).abs() < 1e-5 && (last - 0.4).abs() < 1e-5, "{rate} Hz, {name}: {most} {last}");
+            assert_eq!(dropped, 0, "{rate} Hz, {name}");
+        }
+    }
+}
+
+#[test]
+fn one_wrong_position_is_no_throw() {
+    for rate in [3000, 1000, 500] {
+        let frame = 1.0 / f64::from(rate);
+        let clock = |t: f64| (t * 1e9) as u64;
+        // as far as H10 lets pass, from a hand at rest; farther is dropped
+        let (most, _, dropped) = fastest(rate, 0.0, clock, 1.99 * (frame + FRAME_DT));
+        assert!(dropped == 0 && most > 0.5 && most < 1.0, "{rate} Hz: {most} m/s, {dropped} dropped");
+        let (most, _, dropped) = fastest(rate, 0.0, clock, 5.0 * frame);
+        assert!(dropped == 1 && most == 0.0, "{rate} Hz: {most} m/s, {dropped} dropped");
+    }
+}
+
+/// Why forces end when a device of `rate` frames a second goes on with what `wrong` makes of its frames; false where
+/// it sends none.
+fn ended(rate: u32, wrong: impl Fn(u32, &mut DeviceFrame) -> bool) -> Cause {
+    let mut p = Profile::shipped("tgr12").expect("shipped");
+    (p.dof, p.rate, p.guard.speed) = (2, f64::from(rate), 1.0);
+    let (mut validator, mut hand) = (InputValidator::new(&p, FRAME_DT), GuardFrame::new(2, FRAME_DT));
+    let mut chain = crate::guard::Chain::new(&p, FRAME_DT);
+    chain.order(crate::guard::Order::Arm);
+    hand.met = u32::MAX;
+    let every = 3000 / rate;
+    for n in 0..12_000_u32 {
+        if n.is_multiple_of(every) {
+            let mut f = DeviceFrame::new("key", 2);
+            (f.seq, f.t_device_ns) = (u64::from(n / every) + 1, u64::from(n) * 333_333);
+            if n < 6000 || wrong(n / every, &mut f) {
+                validator.take(&f, &mut hand);
+            }
+        }
+        validator.update(&mut hand);
+        hand.met = u32::MAX;
+        chain.pass(&mut hand);
+        (hand.frame, hand.fresh, hand.tripped) = (hand.frame + 1, false, Cause::None);
+        if n == 5999 {
+            assert_eq!((hand.mode, hand.cause), (Mode::On, Cause::None), "{rate} Hz");
+        }
+    }
+    assert_eq!(hand.mode, Mode::Fault, "{rate} Hz");
+    hand.cause
+}
+
+#[test]
+fn forces_end_for_what_was_wrong_at_every_rate() {
+    for rate in [3000, 1000, 500, 250] {
+        let far = ended(rate, |n, f| {
+            f.pos[1] = if n % 2 == 0 { 2.0 } else { 4.0 };
+            true
+        });
+        assert_eq!(far, Cause::Implausible, "jumps of 2 m at {rate} Hz");
+        let stays = ended(rate, |_, f| {
+            f.pos = [2.0; DOF];
+            true
+        });
+        assert_eq!(stays, Cause::Implausible, "2 m away at {rate} Hz");
+        let nan = ended(rate, |_, f| {
+            f.pos[0] = f64::NAN;
+            true
+        });
+        assert_eq!(nan, Cause::Implausible, "not finite at {rate} Hz");
+        for mask in [0, 1, 2, u32::MAX - 2] {
+            let masked = ended(rate, |_, f| {
+                f.mask = mask;
+                true
+            });
+            assert_eq!(masked, Cause::Implausible, "mask {mask:x} at {rate} Hz");
+        }
+        assert_eq!(ended(rate, |_, _| false), Cause::WatchdogIn, "silence at {rate} Hz");
+    }
+}
+
+#[test]
+fn a_position_that_is_not_valid_moves_nothing() {
+    let mut p = Profile::shipped("tgr12").expect("shipped");
+    p.dof = 2;
+    let (mut validator, mut hand) = (InputValidator::new(&p, FRAME_DT), GuardFrame::new(2, FRAME_DT));
+    let mut f = DeviceFrame::new("key", 3);
+    for (seq, mask, verdict) in [
+        (1, 0, FrameVerdict::Masked),
+        (2, 0b01, FrameVerdict::Masked),
+        (3, 0b110, FrameVerdict::Masked),
+        // what the profile does not have need not be valid
+        (4, 0b011, FrameVerdict::Good),
+        (5, u32::MAX, FrameVerdict::Good),
+    ] {
+        (f.seq, f.mask, f.pos) = (seq, mask, [1e-3; DOF]);
+        assert_eq!(validator.take(&f, &mut hand), verdict, "mask {mask:b}");
+        let moved = if verdict == FrameVerdict::Good { 1e-3 } else { 0.0 };
+        assert_eq!(hand.x[..2], [moved; 2], "mask {mask:b}");
+    }
+    assert_eq!(validator.dropped, 3);
+}
+
+/// Why forces end in a throw at `speed` times the speed of the trip, with `at_once` frames of the device to one of the
+/// engine, as a busy machine delivers them.
+fn thrown(speed: f64, at_once: u32) -> Cause {
+    let mut p = Profile::shipped("tgr12").expect("shipped");
+    (p.dof, p.rate, p.guard.speed, p.range) = (1, 3000.0, 0.5, [-10.0, 10.0]);
+    let (mut validator, mut hand) = (InputValidator::new(&p, FRAME_DT), GuardFrame::new(1, FRAME_DT));
+    let mut chain = crate::guard::Chain::new(&p, FRAME_DT);
+    chain.order(crate::guard::Order::Arm);
+    let mut f = DeviceFrame::new("key", 1);
+    for n in 0..12_000_u32 {
+        let last = n % at_once == at_once - 1;
+        for k in (0..at_once).rev().filter(|_| last) {
+            f.seq += 1;
+            f.t_device_ns = u64::from(n - k) * 333_333;
+            f.pos[0] = 0.5 * speed * FRAME_DT * f64::from((n - k).saturating_sub(6000).min(60));
+            validator.take(&f, &mut hand);
+        }
+        validator.update(&mut hand);
+        hand.met = u32::MAX;
+        chain.pass(&mut hand);
+        (hand.frame, hand.fresh, hand.tripped) = (hand.frame + 1, false, Cause::None);
+        if n == 5999 {
+            assert_eq!((hand.mode, hand.cause), (Mode::On, Cause::None), "{at_once} frames at once");
+        }
+    }
+    assert_eq!(hand.mode, Mode::Fault, "{speed} of the trip, {at_once} frames at once");
+    hand.cause
+}
+
+#[test]
+fn a_throw_ends_forces_however_its_frames_come() {
+    // with more than these the device is late, and forces do not begin
+    for at_once in 1..=4 {
+        assert_eq!(thrown(1.5, at_once), Cause::Velocity, "{at_once} frames at once");
+        // faster than any hand that is believed: found first as a throw only where each frame comes alone
+        let cause = if at_once == 1 { Cause::Velocity } else { Cause::Implausible };
+        assert_eq!(thrown(3.0, at_once), cause, "{at_once} frames at once");
+    }
+}
