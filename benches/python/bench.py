@@ -218,8 +218,8 @@ def peers() -> list[tuple[str, float, float]]:
 
 
 VERDICT = """\
-The engine's vectors run along the rows of one scene already, so that side by side there is little left to gain, less than
-a second thread gains. There is no batch path for that: `ca.sweep` plays whole scenes, a thread each."""
+The engine's vectors run along the rows of one scene already: what lanes add to that depends on the processor and on how
+far a scene fills its vectors. There is no batch path for that: `ca.sweep` plays whole scenes, a thread each."""
 
 
 def machine() -> str:
