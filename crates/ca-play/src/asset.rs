@@ -1,0 +1,27 @@
+//! The files of the page.
+//!
+//! Decides that they are in the program: nothing on the disk can be reached through the server, and a page and its
+//! server are always of the same version.
+
+/// A file of the page.
+pub(crate) struct Asset {
+    pub(crate) name: &'static str,
+    pub(crate) kind: &'static str,
+    pub(crate) bytes: &'static [u8],
+}
+
+macro_rules! assets {
+    ($($name:literal $kind:literal),* $(,)?) => {
+        &[$(Asset { name: $name, kind: $kind, bytes: include_bytes!(concat!("../page/", $name)) }),*]
+    };
+}
+
+const ASSETS: &[Asset] = assets![
+    "index.html" "text/html; charset=utf-8",
+];
+
+/// The file of this name; the page itself where there is no name.
+pub(crate) fn find(name: &str) -> Option<&'static Asset> {
+    let name = if name.is_empty() { "index.html" } else { name };
+    ASSETS.iter().find(|a| a.name == name)
+}

@@ -1,0 +1,287 @@
+//! The server of a page.
+//!
+//! Decides that it is on the loopback alone, that a browser gets at most [`MOST`] connections at a time, and that what
+//! people ask is handed over in order, with a bound: who asks more than is answered gets "no" at once.
+
+use crate::asset;
+use crate::client::Client;
+use crate::http::{self, Head, Place};
+use serde_json::{Value, json};
+use std::net::{Ipv4Addr, TcpListener, TcpStream};
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering::Relaxed};
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread::{Builder, JoinHandle};
+use std::time::{Duration, Instant};
+use tungstenite::protocol::frame::coding::CloseCode;
+use tungstenite::{Bytes, Utf8Bytes};
+
+/// Connections at a time.
+const MOST: usize = 32;
+/// Requests that wait for an answer at most.
+const ASKED: usize = 256;
+/// How long pages are waited for at the end.
+const LEAVE: Duration = Duration::from_millis(200);
+
+/// Something that came from a page.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Asked {
+    /// the client
+    pub client: u64,
+    /// what it asks, an object; `None`: it is gone
+    pub request: Option<Value>,
+}
+
+/// What all threads look at.
+struct Hub {
+    place: Place,
+    clients: Mutex<Vec<Arc<Client>>>,
+    /// what a client is sent first
+    greeting: Mutex<Utf8Bytes>,
+    connections: AtomicUsize,
+    number: AtomicU64,
+    stop: AtomicBool,
+    asked: SyncSender<Asked>,
+}
+
+/// A page that is served; ends with its value.
+pub struct Page {
+    hub: Arc<Hub>,
+    asked: Receiver<Asked>,
+    thread: Option<JoinHandle<()>>,
+}
+
+fn locked<T>(what: &Mutex<T>) -> MutexGuard<'_, T> {
+    what.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Page {
+    /// Serves the page at `port` of this machine, 0 for any that is free. Clients are first sent `greeting`.
+    ///
+    /// # Errors
+    /// Where the port is taken, or the system has no random numbers or no thread.
+    pub fn open(port: u16, greeting: &Value) -> std::io::Result<Page> {
+        let mut random = [0_u8; 16];
+        getrandom::fill(&mut random).map_err(std::io::Error::other)?;
+        let token = random.iter().fold(String::new(), |s, b| s + &format!("{b:02x}"));
+        let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port))?;
+        let place = Place { port: listener.local_addr()?.port(), token };
+        let (tell, asked) = sync_channel(ASKED);
+        let hub = Arc::new(Hub {
+            place,
+            clients: Mutex::default(),
+            greeting: Mutex::new(text(greeting)),
+            connections: AtomicUsize::new(0),
+            number: AtomicU64::new(0),
+            stop: AtomicBool::new(false),
+            asked: tell,
+        });
+        let of = hub.clone();
+        let thread = Builder::new().name("ca page".into()).spawn(move || accept(&of, &listener))?;
+        Ok(Page { hub, asked, thread: Some(thread) })
+    }
+
+    /// Where it is; whoever has this address can play.
+    pub fn address(&self) -> String {
+        format!("http://127.0.0.1:{}/{}/", self.hub.place.port, self.hub.place.token)
+    }
+
+    /// What came since, in order.
+    pub fn asked(&self) -> impl Iterator<Item = Asked> {
+        self.asked.try_iter()
+    }
+
+    /// Pages that are open.
+    pub fn clients(&self) -> usize {
+        locked(&self.hub.clients).len()
+    }
+
+    /// What feeds all pages, for another thread.
+    pub fn feed(&self) -> Feed {
+        Feed(self.hub.clone())
+    }
+
+    /// Who comes from now on is sent this first; who is here, now.
+    pub fn greet(&self, greeting: &Value) {
+        let text = text(greeting);
+        (*locked(&self.hub.greeting)).clone_from(&text);
+        self.hub.all(|c| c.tell(text.clone()));
+    }
+
+    /// Tells one client.
+    pub fn tell(&self, client: u64, message: &Value) {
+        self.hub.all(|c| {
+            if c.number == client {
+                c.tell(text(message));
+            }
+        });
+    }
+
+    /// Tells all clients.
+    pub fn tell_all(&self, message: &Value) {
+        let text = text(message);
+        self.hub.all(|c| c.tell(text.clone()));
+    }
+}
+
+impl Drop for Page {
+    /// Closes all pages; those that do not listen are left.
+    fn drop(&mut self) {
+        self.hub.stop.store(true, Relaxed);
+        self.hub.all(|c| c.close(CloseCode::Away));
+        // so that it looks
+        let woken = TcpStream::connect((Ipv4Addr::LOCALHOST, self.hub.place.port));
+        if let Some(thread) = self.thread.take().filter(|_| woken.is_ok()) {
+            let _ = thread.join();
+        }
+        let end = Instant::now() + LEAVE;
+        while self.hub.connections.load(Relaxed) > 0 && Instant::now() < end {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    }
+}
+
+/// Feeds all pages, from any thread; never waits for one.
+#[derive(Clone)]
+pub struct Feed(Arc<Hub>);
+
+impl Feed {
+    /// True where a page is open: nothing needs to be drawn for nobody.
+    pub fn is_seen(&self) -> bool {
+        !locked(&self.0.clients).is_empty()
+    }
+
+    /// True where a page wants sound.
+    pub fn is_heard(&self) -> bool {
+        locked(&self.0.clients).iter().any(|c| c.hears.load(Relaxed))
+    }
+
+    /// Sends a picture ([`message::view`](crate::message::view)); one that was not fetched yet is left out.
+    pub fn view(&self, picture: &[u8]) {
+        let bytes = Bytes::copy_from_slice(picture);
+        self.0.all(|c| c.view(bytes.clone()));
+    }
+
+    /// Sends sound ([`message::sound`](crate::message::sound)) to those who asked for it.
+    pub fn sound(&self, block: &[u8]) {
+        let bytes = Bytes::copy_from_slice(block);
+        self.0.all(|c| c.sound(bytes.clone()));
+    }
+
+    /// Tells all clients.
+    pub fn tell_all(&self, message: &Value) {
+        let text = text(message);
+        self.0.all(|c| c.tell(text.clone()));
+    }
+}
+
+impl Hub {
+    fn all(&self, f: impl Fn(&Client)) {
+        locked(&self.clients).iter().for_each(|c| f(c));
+    }
+
+    /// Serves one connection.
+    fn serve(self: &Arc<Hub>, mut stream: TcpStream) {
+        let _ = stream.set_write_timeout(Some(http::PATIENCE));
+        match self.place.read(&mut stream) {
+            None => {}
+            Some(Head::Refused(status)) => {
+                let _ = http::refuse(&mut stream, status);
+            }
+            Some(Head::File(name)) => {
+                let _ = match asset::find(&name) {
+                    Some(file) => http::send(&mut stream, file),
+                    None => http::refuse(&mut stream, 404),
+                };
+            }
+            Some(Head::Socket(key, rest)) => {
+                if http::agree(&mut stream, &key).is_ok() {
+                    self.talk(stream, rest);
+                }
+            }
+        }
+    }
+
+    /// A client from beginning to end.
+    fn talk(&self, stream: TcpStream, rest: Vec<u8>) {
+        let client = Arc::new(Client::new(self.number.fetch_add(1, Relaxed)));
+        {
+            // in this order under one lock, so that no greeting of a new scene is missed
+            let mut clients = locked(&self.clients);
+            client.tell(locked(&self.greeting).clone());
+            clients.push(client.clone());
+        }
+        client.run(stream, rest, &mut |text| self.ask(&client, text));
+        locked(&self.clients).retain(|c| c.number != client.number);
+        let mut gone = Asked { client: client.number, request: None };
+        // what it held must be let go, however much else waits
+        while let Err(std::sync::mpsc::TrySendError::Full(back)) = self.asked.try_send(gone) {
+            if self.stop.load(Relaxed) {
+                return;
+            }
+            gone = back;
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    }
+
+    /// Hands over what came, or says why not.
+    fn ask(&self, client: &Client, message: &str) {
+        let refuse = |id: Option<&Value>, why: &str| {
+            client.tell(text(&json!({"type": "reply", "id": id, "ok": false, "text": why})));
+        };
+        let request = match serde_json::from_str::<Value>(message) {
+            Ok(request) if request.is_object() => request,
+            Ok(_) => return refuse(None, "a request is an object"),
+            Err(e) => return refuse(None, &format!("no JSON: {e}")),
+        };
+        let id = request.get("id").cloned();
+        if request["type"] == "sound" {
+            let on = request["on"] == true;
+            client.hears.store(on, Relaxed);
+            client.tell(text(
+                &json!({"type": "reply", "id": id, "ok": true, "text": if on { "sound" } else { "silent" }}),
+            ));
+            return;
+        }
+        if self.asked.try_send(Asked { client: client.number, request: Some(request) }).is_err() {
+            refuse(id.as_ref(), "more is asked than can be answered; try again");
+        }
+    }
+}
+
+/// Counts a connection, however its thread ends.
+struct Counted(Arc<Hub>);
+
+impl Drop for Counted {
+    fn drop(&mut self) {
+        self.0.connections.fetch_sub(1, Relaxed);
+    }
+}
+
+fn accept(hub: &Arc<Hub>, listener: &TcpListener) {
+    for stream in listener.incoming() {
+        if hub.stop.load(Relaxed) {
+            return;
+        }
+        let Ok(mut stream) = stream else {
+            // no handle is free: others have to end first
+            std::thread::sleep(Duration::from_millis(20));
+            continue;
+        };
+        let counted = Counted(hub.clone());
+        if hub.connections.fetch_add(1, Relaxed) >= MOST {
+            let _ = stream.set_write_timeout(Some(Duration::from_millis(10)));
+            let _ = http::refuse(&mut stream, 503);
+            continue;
+        }
+        // one that gets no thread is closed
+        let _ = Builder::new().name("ca client".into()).spawn(move || {
+            let counted = counted;
+            counted.0.serve(stream);
+        });
+    }
+}
+
+fn text(message: &Value) -> Utf8Bytes {
+    message.to_string().into()
+}

@@ -1,0 +1,231 @@
+//! The server over real sockets: what a page gets, and what nobody else does.
+
+use ca_play::{Page, message};
+use proptest::prelude::*;
+use serde_json::{Value, json};
+use std::io::{Read as _, Write as _};
+use std::net::TcpStream;
+use std::time::{Duration, Instant};
+use tungstenite::client::IntoClientRequest as _;
+use tungstenite::{Message, WebSocket};
+
+fn page() -> Page {
+    Page::open(0, &json!({"type": "scene", "generation": 1})).unwrap()
+}
+
+/// Host and path of a page.
+fn place(page: &Page) -> (String, String) {
+    let address = page.address();
+    let rest = address.strip_prefix("http://").unwrap();
+    let (host, path) = rest.split_once('/').unwrap();
+    (host.into(), format!("/{path}"))
+}
+
+/// What the server answers to these bytes until it closes.
+fn said(page: &Page, bytes: &[u8]) -> String {
+    let mut stream = TcpStream::connect(place(page).0).unwrap();
+    stream.set_read_timeout(Some(Duration::from_secs(10))).unwrap();
+    let _ = stream.write_all(bytes);
+    let _ = stream.shutdown(std::net::Shutdown::Write);
+    let mut all = Vec::new();
+    let _ = stream.read_to_end(&mut all);
+    String::from_utf8_lossy(&all).into_owned()
+}
+
+fn socket(page: &Page) -> WebSocket<TcpStream> {
+    let (host, path) = place(page);
+    let stream = TcpStream::connect(&host).unwrap();
+    stream.set_read_timeout(Some(Duration::from_secs(10))).unwrap();
+    let mut request = format!("ws://{host}{path}ws").into_client_request().unwrap();
+    request.headers_mut().insert("Origin", format!("http://{host}").parse().unwrap());
+    tungstenite::client(request, stream).unwrap().0
+}
+
+/// The next text.
+fn text(socket: &mut WebSocket<TcpStream>) -> Value {
+    loop {
+        if let Message::Text(text) = socket.read().unwrap() {
+            return serde_json::from_str(&text).unwrap();
+        }
+    }
+}
+
+fn until(what: &str, mut is: impl FnMut() -> bool) {
+    let end = Instant::now() + Duration::from_secs(10);
+    while !is() {
+        assert!(Instant::now() < end, "{what}");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+}
+
+#[test]
+fn the_page_is_served_to_who_knows_the_token() {
+    let page = page();
+    let (host, path) = place(&page);
+    let got = said(&page, format!("GET {path} HTTP/1.1\r\nHost: {host}\r\n\r\n").as_bytes());
+    assert!(got.starts_with("HTTP/1.1 200") && got.contains("<!doctype html>"), "{got}");
+    assert!(got.contains("Content-Security-Policy: default-src 'none'"), "{got}");
+    for (path, host) in [
+        ("/".to_string(), host.clone()),
+        (path.replace(&path[1..5], "0000"), host.clone()),
+        (format!("{path}../Cargo.toml"), host.clone()),
+        (format!("{path}%2e%2e/Cargo.toml"), host.clone()),
+        (path.clone(), "evil.example".into()),
+    ] {
+        let got = said(&page, format!("GET {path} HTTP/1.1\r\nHost: {host}\r\n\r\n").as_bytes());
+        assert!(got.starts_with("HTTP/1.1 40"), "{path} of {host}: {got}");
+        assert!(!got.contains('<'), "no word more: {got}");
+    }
+    let long = format!("GET {path} HTTP/1.1\r\nHost: {host}\r\nX: {}\r\n\r\n", "a".repeat(9000));
+    assert!(said(&page, long.as_bytes()).starts_with("HTTP/1.1 4"), "a head without end");
+}
+
+#[test]
+fn a_page_is_greeted_asks_and_is_answered() {
+    let page = page();
+    let mut s = socket(&page);
+    assert_eq!(text(&mut s), json!({"type": "scene", "generation": 1}));
+    s.send(Message::text(r#"{"id": 7, "type": "grab", "mass": 3}"#)).unwrap();
+    let mut asked = Vec::new();
+    until("the request comes", || {
+        asked.extend(page.asked());
+        !asked.is_empty()
+    });
+    assert_eq!(asked[0].request, Some(json!({"id": 7, "type": "grab", "mass": 3})));
+    page.tell(asked[0].client, &json!({"type": "reply", "id": 7, "ok": true}));
+    assert_eq!(text(&mut s)["id"], 7);
+    for wrong in ["", "7", "[]", "{", "null", "\"x\""] {
+        s.send(Message::text(wrong)).unwrap();
+        let reply = text(&mut s);
+        assert_eq!((&reply["type"], &reply["ok"]), (&json!("reply"), &json!(false)), "{wrong:?}: {reply}");
+    }
+    page.greet(&json!({"type": "scene", "generation": 2}));
+    assert_eq!(text(&mut s)["generation"], 2);
+    assert_eq!(text(&mut socket(&page))["generation"], 2);
+    // one that vanishes is reported, so that what it holds is let go
+    let before = page.clients();
+    drop(s);
+    let mut gone = Vec::new();
+    until("it is gone", || {
+        gone.extend(page.asked().filter(|a| a.request.is_none()));
+        gone.iter().any(|g| g.client == asked[0].client)
+    });
+    assert!(page.clients() < before);
+}
+
+#[test]
+fn sound_goes_to_who_asked_and_of_pictures_the_newest() {
+    let page = page();
+    let (mut hears, mut sees) = (socket(&page), socket(&page));
+    text(&mut hears);
+    text(&mut sees);
+    let feed = page.feed();
+    assert!(feed.is_seen() && !feed.is_heard());
+    hears.send(Message::text(r#"{"type": "sound", "on": true}"#)).unwrap();
+    assert_eq!(text(&mut hears)["ok"], true);
+    assert!(feed.is_heard());
+    let mut block = Vec::new();
+    message::sound(&mut block, 1, 480.0, &[0.5, -0.25]);
+    feed.sound(&block);
+    message::view(&mut block, 9, 480.0);
+    block.extend_from_slice(&1.5_f32.to_le_bytes());
+    feed.view(&block);
+    let Message::Binary(sound) = hears.read().unwrap() else { panic!("no sound") };
+    assert_eq!(sound[..4], 2_u32.to_le_bytes());
+    assert_eq!(sound[8..16], 480.0_f64.to_le_bytes());
+    assert_eq!(sound[16..], [0.5_f32.to_le_bytes(), (-0.25_f32).to_le_bytes()].concat());
+    let Message::Binary(picture) = sees.read().unwrap() else { panic!("no picture") };
+    assert_eq!((&picture[..4], &picture[4..8]), (&1_u32.to_le_bytes()[..], &9_u32.to_le_bytes()[..]));
+    assert_eq!(picture[16..], 1.5_f32.to_le_bytes());
+}
+
+#[test]
+fn a_client_that_does_not_fetch_stands_in_nobodys_way() {
+    let page = page();
+    let (mut slow, mut quick) = (socket(&page), socket(&page));
+    text(&mut slow);
+    text(&mut quick);
+    let feed = page.feed();
+    // far more than the system keeps for it
+    let picture = vec![0_u8; 1 << 20];
+    for n in 0..200 {
+        feed.view(&picture);
+        page.tell_all(&json!({"n": n}));
+    }
+    for n in 0..200 {
+        assert_eq!(text(&mut quick)["n"], n);
+    }
+    // it asks nothing, but what it is sent has an end: the queue of its news
+    let news = json!({"long": "x".repeat(1000)});
+    let begin = Instant::now();
+    while page.clients() == 2 && begin.elapsed() < Duration::from_secs(20) {
+        page.tell_all(&news);
+        quick.get_ref().set_nonblocking(true).unwrap();
+        while quick.read().is_ok() {}
+    }
+    assert_eq!(page.clients(), 1, "the slow one is closed");
+}
+
+#[test]
+fn who_floods_is_closed() {
+    let page = page();
+    for long in [false, true] {
+        let mut s = socket(&page);
+        text(&mut s);
+        let message = if long { "x".repeat(1 << 17) } else { r#"{"type": "drag"}"#.into() };
+        let mut sent = 0;
+        while sent < 20_000 && s.send(Message::text(message.clone())).is_ok() {
+            sent += 1;
+            // somebody answers, quickly
+            let _ = page.asked().count();
+        }
+        assert!(sent < 20_000, "closed after {sent}");
+        until("no client is left", || page.clients() == 0);
+    }
+}
+
+#[test]
+fn connections_have_an_end() {
+    let page = page();
+    let (host, path) = place(&page);
+    let idle: Vec<TcpStream> = (0..40).filter_map(|_| TcpStream::connect(&host).ok()).collect();
+    until("one is refused", || {
+        let got = said(&page, format!("GET {path} HTTP/1.1\r\nHost: {host}\r\n\r\n").as_bytes());
+        got.is_empty() || got.starts_with("HTTP/1.1 503")
+    });
+    drop(idle);
+    until("served again", || {
+        said(&page, format!("GET {path} HTTP/1.1\r\nHost: {host}\r\n\r\n").as_bytes()).starts_with("HTTP/1.1 200")
+    });
+}
+
+#[test]
+fn pages_are_closed_at_the_end() {
+    let page = page();
+    let mut s = socket(&page);
+    text(&mut s);
+    drop(page);
+    let Ok(Message::Close(Some(frame))) = s.read() else { panic!("not closed") };
+    assert_eq!(u16::from(frame.code), 1001);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 64, ..ProptestConfig::default() })]
+
+    /// Whatever comes, the server goes on.
+    #[test]
+    fn anything_may_come(bytes in prop::collection::vec(any::<u8>(), 0..400), in_socket in any::<bool>()) {
+        let page = page();
+        if in_socket {
+            let mut s = socket(&page);
+            let _ = s.get_mut().write_all(&bytes);
+            let _ = s.get_mut().shutdown(std::net::Shutdown::Write);
+            while s.read().is_ok() {}
+        } else {
+            said(&page, &bytes);
+        }
+        let (host, path) = place(&page);
+        let got = said(&page, format!("GET {path} HTTP/1.1\r\nHost: {host}\r\n\r\n").as_bytes());
+        prop_assert!(got.starts_with("HTTP/1.1 200"), "{}", got);
+    }
+}
