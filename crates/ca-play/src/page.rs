@@ -194,11 +194,8 @@ impl Hub {
                     None => http::refuse(&mut stream, 404),
                 };
             }
-            Some(Head::Socket(key, rest)) => {
-                if http::agree(&mut stream, &key).is_ok() {
-                    self.talk(stream, rest);
-                }
-            }
+            Some(Head::Socket(key, rest)) if http::agree(&mut stream, &key).is_ok() => self.talk(stream, rest),
+            Some(Head::Socket(..)) => {}
         }
     }
 
