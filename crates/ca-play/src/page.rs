@@ -184,7 +184,6 @@ impl Hub {
     fn serve(self: &Arc<Hub>, mut stream: TcpStream) {
         let _ = stream.set_write_timeout(Some(http::PATIENCE));
         match self.place.read(&mut stream) {
-            None => {}
             Some(Head::Refused(status)) => {
                 let _ = http::refuse(&mut stream, status);
             }
@@ -195,7 +194,7 @@ impl Hub {
                 };
             }
             Some(Head::Socket(key, rest)) if http::agree(&mut stream, &key).is_ok() => self.talk(stream, rest),
-            Some(Head::Socket(..)) => {}
+            None | Some(Head::Socket(..)) => {}
         }
     }
 
