@@ -1,0 +1,176 @@
+//! Loose: masses that belong to no body, each placed at what it is linked to.
+//!
+//! Decides to go from link to link, from the bodies on: first what moves (hammers, plectra, their keys), then what many hang on
+//! (a bridge), fixed points last, since they stand where all that they hold is. What rests apart from its neighbour along the
+//! motion stands right there, so that a blow is seen as one; else it is moved aside a little. No two stand at one place.
+
+use crate::graph::Graph;
+use crate::place::{Places, Stand, points, tie_one};
+use std::collections::{BTreeSet, HashMap};
+
+/// Masses with at least so many links are placed late.
+const MANY: usize = 5;
+
+/// In which turn a mass is placed.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Turn {
+    Moves,
+    Bridge,
+    Fixed,
+}
+
+/// Places all that is not yet placed.
+pub fn place(graph: &Graph, p: &mut Places) {
+    let free: Vec<u32> = graph
+        .items
+        .iter()
+        .filter(|i| !i.space)
+        .flat_map(crate::graph::Item::nodes)
+        .filter(|n| p.stand[*n].is_none())
+        .map(|n| n as u32)
+        .collect();
+    if free.is_empty() {
+        return;
+    }
+    let around = neighbours(graph, &free);
+    // what is tied to space stands there
+    let tied: Vec<u32> = p.tied.keys().copied().filter(|n| p.stand[*n as usize].is_none()).collect();
+    tied.into_iter().for_each(|n| tie_one(graph, p, n));
+    points(graph, p);
+    let grain = 0.03 * p.width;
+    let mut taken: HashMap<[i64; 4], u32> = p.stand.iter().flatten().map(|s| (cell(s, grain), 0)).collect();
+    let turn = |i: usize| {
+        let n = free[i] as usize;
+        match () {
+            () if graph.is_fixed(n) => Turn::Fixed,
+            () if around[i].len() >= MANY && !graph.is_port(n) => Turn::Bridge,
+            () => Turn::Moves,
+        }
+    };
+    // places in `free` by node, for those that are next to something new
+    let mut of = vec![usize::MAX; graph.len()];
+    free.iter().enumerate().for_each(|(i, n)| of[*n as usize] = i);
+    let mut waiting: BTreeSet<(Turn, usize)> = BTreeSet::new();
+    for i in 0..free.len() {
+        if p.stand[free[i] as usize].is_none() && around[i].iter().any(|n| p.stand[*n as usize].is_some()) {
+            waiting.insert((turn(i), i));
+        }
+    }
+    let left = (0..free.len()).filter(|i| p.stand[free[*i] as usize].is_none());
+    let mut left: BTreeSet<(Turn, usize)> = left.map(|i| (turn(i), i)).collect();
+    let mut alone = 0;
+    loop {
+        // all of one turn that are next to what stands, at once
+        let round: Vec<usize> = match waiting.first() {
+            Some((now, _)) => waiting.iter().take_while(|w| w.0 == *now).map(|w| w.1).collect(),
+            None => match left.first() {
+                Some(l) => vec![l.1],
+                None => break,
+            },
+        };
+        let stands: Vec<Stand> = round
+            .iter()
+            .map(|i| {
+                beside(graph, p, free[*i] as usize, &around[*i], turn(*i)).unwrap_or_else(|| {
+                    alone += 1;
+                    by_itself(graph, p, free[*i] as usize, alone - 1)
+                })
+            })
+            .collect();
+        for (i, mut stand) in round.iter().zip(stands) {
+            aside(&mut stand, p.width, grain, &mut taken);
+            p.stand[free[*i] as usize] = Some(stand);
+            waiting.remove(&(turn(*i), *i));
+            left.remove(&(turn(*i), *i));
+        }
+        for i in round {
+            for n in &around[i] {
+                let next = of[*n as usize];
+                if next != usize::MAX && p.stand[*n as usize].is_none() {
+                    waiting.insert((turn(next), next));
+                }
+            }
+        }
+    }
+}
+
+/// For each free mass the nodes on a line it is linked to.
+fn neighbours(graph: &Graph, free: &[u32]) -> Vec<Vec<u32>> {
+    let mut of = vec![usize::MAX; graph.len()];
+    free.iter().enumerate().for_each(|(i, n)| of[*n as usize] = i);
+    let mut all = vec![Vec::new(); free.len()];
+    for e in &graph.edges {
+        let [a, b] = e.ends;
+        for (from, to) in [(a, b), (b, a)] {
+            if let Some(list) = all.get_mut(of[from as usize]) {
+                if !graph.is_space(to as usize) {
+                    list.push(to);
+                }
+            }
+        }
+    }
+    all
+}
+
+/// The place of a mass beside those it is linked to, as far as they stand.
+fn beside(graph: &Graph, p: &Places, node: usize, around: &[u32], turn: Turn) -> Option<Stand> {
+    let w = p.width;
+    let standing = || around.iter().filter_map(|n| p.stand[*n as usize]);
+    let frame = standing().next()?.frame;
+    let (mut sum, mut n) = ([0.0; 3], 0.0);
+    for s in standing().filter(|s| s.frame == frame) {
+        (0..3).for_each(|k| sum[k] += s.at[k]);
+        n += 1.0;
+    }
+    let [u, v, height] = sum.map(|s| s / n);
+    let rest = graph.rest[node][0];
+    // at the end of a row that it holds
+    if let (Turn::Fixed, 1.0) = (turn, n) {
+        let beyond = around.iter().map(|m| p.beyond[*m as usize]).find(|b| *b != 0.0);
+        if let Some(beyond) = beyond {
+            return Some(Stand { frame, at: [u + beyond, v, rest] });
+        }
+    }
+    let apart = (rest - height).abs() >= 0.04 * w;
+    let at = match turn {
+        Turn::Moves if apart => [u, v, rest],
+        Turn::Moves if graph.code(node) == "CEL" => [u, v + 0.1 * w, rest + 0.06 * w],
+        Turn::Moves => [u, v - 0.06 * w, rest - 0.08 * w],
+        Turn::Bridge => [u, v + 0.2 * w, rest],
+        Turn::Fixed if apart => [u, v - 0.04 * w, rest],
+        Turn::Fixed => [u, v - 0.02 * w, rest - 0.16 * w],
+    };
+    Some(Stand { frame, at })
+}
+
+/// A place for the mass that is linked to nothing that stands, in rows before all else.
+fn by_itself(graph: &Graph, p: &Places, node: usize, i: usize) -> Stand {
+    let (column, row) = ((i % 9) as f64, (i / 9) as f64);
+    let at = [(column - 4.0) / 8.0 * p.width, p.front - (0.25 + 0.12 * row) * p.width, graph.rest[node][0]];
+    Stand { frame: 0, at }
+}
+
+/// Where a node stands, in cells of a grid.
+fn cell(s: &Stand, grain: f64) -> [i64; 4] {
+    let [a, b, c] = s.at.map(|v| libm::round(v / grain) as i64);
+    [s.frame as i64, a, b, c]
+}
+
+/// Moves a mass aside, around the place it should have, until it stands by itself. Each cell knows how often it was asked for.
+fn aside(s: &mut Stand, width: f64, grain: f64, taken: &mut HashMap<[i64; 4], u32>) {
+    let (wanted, from) = (cell(s, grain), s.at);
+    let mut k = taken.get(&wanted).copied().unwrap_or(0);
+    while taken.contains_key(&cell(s, grain)) {
+        k += 1;
+        // a row to both sides, then a spiral
+        let (right, back) = if k <= 12 {
+            (f64::from(k.div_ceil(2)) * if k % 2 == 0 { -1.0 } else { 1.0 }, 0.0)
+        } else {
+            let (r, angle) = (libm::sqrt(f64::from(k)) + 4.0, 2.399_963_229_728_653 * f64::from(k));
+            (r * libm::cos(angle), r * libm::sin(angle))
+        };
+        s.at = [from[0] + 0.045 * width * right, from[1] + 0.045 * width * back, from[2]];
+    }
+    taken.insert(cell(s, grain), 0);
+    taken.insert(wanted, k);
+}

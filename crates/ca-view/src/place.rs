@@ -1,0 +1,304 @@
+//! Place: where each node is drawn.
+//!
+//! Decides for frames: what moves on a line has a place across its motion (to the right, into the depth) and one along it
+//! (its rest, at the scale of the motion, so that a hammer 6 mm below its string is drawn there and meets it). All that moves
+//! on a line stands in one frame with its motion upwards, the strings of an instrument one behind the other; but what a link
+//! ties to a mass in space along an axis stands in a frame at that mass, moving along that axis. Masses in space stand where
+//! they are.
+
+use crate::bodies::{Body, Shape};
+use crate::graph::{Graph, Source};
+use crate::loose;
+use std::collections::BTreeMap;
+
+/// Width of a scene that does not say how large it is \[m\].
+const WIDTH: f64 = 0.1;
+/// A scene is so many times as wide as its masses on a line are apart along their motion.
+const FLAT: f64 = 5.0;
+
+/// Directions of what is drawn together: to the right, into the depth, along the motion; and where their middle is.
+#[derive(Clone, Copy, Debug)]
+pub struct Frame {
+    /// the three directions
+    pub axes: [[f64; 3]; 3],
+    /// the middle \[m\]
+    pub origin: [f64; 3],
+}
+
+impl Frame {
+    /// With the motion along an axis of space.
+    fn new(axis: usize, sign: f64) -> Frame {
+        let unit = |k: usize, s: f64| {
+            let mut v = [0.0; 3];
+            v[k] = s;
+            v
+        };
+        let right = unit(usize::from(axis == 0), 1.0);
+        let up = unit(axis, sign);
+        let cross = |a: [f64; 3], b: [f64; 3]| {
+            [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+        };
+        Frame { axes: [right, cross(up, right), up], origin: [0.0; 3] }
+    }
+
+    /// A place of the frame in space \[m\].
+    fn point(&self, at: [f64; 3]) -> [f64; 3] {
+        [0, 1, 2].map(|k| self.origin[k] + (0..3).map(|a| self.axes[a][k] * at[a]).sum::<f64>())
+    }
+
+    /// The same, without the part along the motion.
+    fn across(&self, p: [f64; 3]) -> [f64; 3] {
+        let h: f64 = (0..3).map(|k| p[k] * self.axes[2][k]).sum();
+        [0, 1, 2].map(|k| p[k] - h * self.axes[2][k])
+    }
+}
+
+/// Where a node stands: in which frame, and there to the right, into the depth and along the motion \[m\].
+#[derive(Clone, Copy, Debug)]
+pub struct Stand {
+    /// index of the frame
+    pub frame: usize,
+    /// the place in it
+    pub at: [f64; 3],
+}
+
+/// Nodes, as they are placed one after the other.
+pub struct Places {
+    /// the first is that of all that is tied to no axis of space
+    pub frames: Vec<Frame>,
+    /// where nodes on a line stand, as far as they are placed (nodes)
+    pub stand: Vec<Option<Stand>>,
+    /// width of what is drawn \[m\]
+    pub width: f64,
+    /// distance of neighbours at the ends of rows, by node; 0 elsewhere (nodes)
+    pub beyond: Vec<f64>,
+    /// masses on a line that are tied to some in space, see [`tied`]
+    pub tied: BTreeMap<u32, (u8, [f64; 3])>,
+    /// the front of all bodies \[m\]
+    pub front: f64,
+}
+
+/// Low and high corner.
+type Corners = [[f64; 3]; 2];
+
+/// What is in space, if anything is.
+fn space(graph: &Graph) -> Option<Corners> {
+    let mut all: Option<Corners> = None;
+    let mut add = |p: [f64; 3], r: f64| {
+        let [low, high] = all.get_or_insert([p, p]);
+        for k in 0..3 {
+            low[k] = low[k].min(p[k] - r);
+            high[k] = high[k].max(p[k] + r);
+        }
+    };
+    (0..graph.len()).filter(|n| graph.is_space(*n)).for_each(|n| add(graph.rest[n], 0.0));
+    graph.spheres.iter().for_each(|(n, r)| add(graph.rest[*n as usize], *r));
+    // masses on a line along an axis of it
+    for e in &graph.edges {
+        if let Some(axis) = e.axis {
+            let [a, b] = e.ends.map(|n| n as usize);
+            let (line, point) = if graph.is_space(b) { (a, b) } else { (b, a) };
+            let mut p = graph.rest[point];
+            p[axis as usize] = graph.rest[line][0];
+            add(p, 0.0);
+        }
+    }
+    all
+}
+
+/// How wide what moves on a line is drawn: as what is in space, or as far as its masses are apart along their motion.
+fn width(graph: &Graph, space: Option<Corners>, gestures: &[f64]) -> f64 {
+    let size = space.map_or(0.0, |[low, high]| (0..3).map(|k| high[k] - low[k]).fold(0.0, f64::max));
+    if size > 0.0 {
+        return 0.9 * size;
+    }
+    let line = (0..graph.len())
+        .filter(|n| matches!(graph.source[*n], Source::Line(_)) && !graph.under.contains_key(&(*n as u32)));
+    let (low, high) = line
+        .map(|n| graph.rest[n][0])
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), h| (low.min(h), high.max(h)));
+    let apart = if high > low { high - low } else { gestures.iter().copied().fold(f64::INFINITY, f64::min) };
+    if apart > 0.0 && apart.is_finite() { FLAT * apart } else { WIDTH }
+}
+
+/// The place of every node \[m\] and the direction of its motion, nothing in space; and what is up.
+pub fn place(graph: &Graph, bodies: &[Body], gestures: &[f64]) -> (Vec<[f64; 3]>, Vec<[f64; 3]>, [f64; 3]) {
+    let n = graph.len();
+    let space = space(graph);
+    let (axis, sign) = graph.up.unwrap_or((1, 1.0));
+    let main = Frame::new(axis, sign);
+    let mut p = Places {
+        frames: vec![main],
+        stand: vec![None; n],
+        width: width(graph, space, gestures),
+        beyond: vec![0.0; n],
+        tied: tied(graph),
+        front: 0.0,
+    };
+    arrange(graph, bodies, &mut p);
+    points(graph, &mut p);
+    loose::place(graph, &mut p);
+    // beside what is in space
+    if let Some([low, high]) = space {
+        let [right, depth, up] = main.axes;
+        let part = |v: [f64; 3], p: [f64; 3]| (0..3).map(|k| v[k] * p[k]).sum::<f64>();
+        let middle = [0, 1, 2].map(|k| 0.5 * (low[k] + high[k]));
+        let edge = part(right, high).max(part(right, low));
+        let left = p.stand.iter().flatten().filter(|s| s.frame == 0).map(|s| s.at[0]).fold(f64::INFINITY, f64::min);
+        let to =
+            [edge + 0.3 * p.width - if left.is_finite() { left } else { 0.0 }, part(depth, middle), part(up, middle)];
+        p.frames[0].origin = main.point(to);
+    }
+    let mut at = Vec::with_capacity(n);
+    let mut axes = Vec::with_capacity(n);
+    for node in 0..n {
+        match (graph.source[node], p.stand[node]) {
+            (Source::Space(_), _) => {
+                at.push(graph.rest[node]);
+                axes.push([0.0; 3]);
+            }
+            (_, stand) => {
+                let stand = stand.unwrap_or(Stand { frame: 0, at: [0.0; 3] });
+                let frame = &p.frames[stand.frame];
+                at.push(frame.point(stand.at));
+                axes.push(frame.axes[2]);
+            }
+        }
+    }
+    (at, axes, main.axes[2])
+}
+
+/// Bodies: rows one behind the other, what is flat beside each other behind them.
+fn arrange(graph: &Graph, bodies: &[Body], p: &mut Places) {
+    let w = p.width;
+    let of = body_of(graph, bodies);
+    let mut tied: Vec<Option<u32>> = vec![None; bodies.len()];
+    for line in p.tied.keys() {
+        if let Some(body) = of[*line as usize].checked_sub(1) {
+            tied[body as usize].get_or_insert(*line);
+        }
+    }
+    let rows = bodies.iter().zip(&tied).filter(|(b, t)| b.shape == Shape::Row && t.is_none()).count();
+    let flat = bodies.iter().zip(&tied).filter(|(b, t)| b.shape == Shape::Plane && t.is_none()).count();
+    let longest = bodies.iter().filter(|b| b.shape == Shape::Row).map(|b| b.long).max().unwrap_or(1);
+    let step = f64::min(0.16, 1.5 / rows.max(1) as f64) * w;
+    let beside = (1..).find(|k| k * k >= flat).unwrap_or(1);
+    let size = if beside > 1 { 1.6 / beside as f64 } else { 1.0 } * w;
+    // rows in front, then shelves
+    let (mut depth, mut shelf, mut deepest, mut placed) = (0.0, 0, 0.0f64, Vec::new());
+    for (i, body) in bodies.iter().enumerate() {
+        let long = match body.shape {
+            Shape::Row => w * (body.long as f64 / longest as f64).max(0.35),
+            Shape::Plane => size,
+        };
+        if let Some(line) = tied[i] {
+            tie(graph, p, body, long, line);
+            continue;
+        }
+        let middle = match body.shape {
+            Shape::Row => {
+                depth += step;
+                [0.0, depth - step]
+            }
+            Shape::Plane => {
+                let column = shelf % beside;
+                shelf += 1;
+                [1.15 * size * (column as f64 - 0.5 * (beside as f64 - 1.0)), f64::NAN]
+            }
+        };
+        placed.push((i, long, middle));
+    }
+    let mut column = 0;
+    for (i, long, middle) in &mut placed {
+        if middle[1].is_nan() {
+            let deep = bodies[*i].sides[1] * *long;
+            middle[1] = depth + 0.5 * deep;
+            deepest = deepest.max(depth + deep + 0.15 * size);
+            column += 1;
+            if column % beside == 0 {
+                depth = deepest;
+            }
+        }
+    }
+    let back = if flat == 0 { depth - step } else { deepest - 0.15 * size };
+    for (i, long, middle) in placed {
+        stand(graph, p, &bodies[i], long, [middle[0], middle[1] - 0.5 * back], 0);
+    }
+    p.front = -0.5 * back;
+}
+
+/// The body of each node, from 1; 0 for none.
+fn body_of(graph: &Graph, bodies: &[Body]) -> Vec<u32> {
+    let mut of = vec![0u32; graph.len()];
+    for (i, body) in bodies.iter().enumerate() {
+        body.nodes.iter().for_each(|n| of[*n as usize] = i as u32 + 1);
+    }
+    of
+}
+
+/// Places a body in a frame.
+fn stand(graph: &Graph, p: &mut Places, body: &Body, long: f64, middle: [f64; 2], frame: usize) {
+    for (n, at) in body.nodes.iter().zip(&body.at) {
+        let n = *n as usize;
+        let at = [middle[0] + long * at[0], middle[1] + long * at[1], graph.rest[n][0]];
+        p.stand[n] = Some(Stand { frame, at });
+    }
+    if let (Shape::Row, Some(first), Some(last)) = (body.shape, body.nodes.first(), body.nodes.last()) {
+        let apart = long / (body.long as f64 - 1.0).max(4.0);
+        p.beyond[*first as usize] = -apart;
+        p.beyond[*last as usize] = apart;
+    }
+}
+
+/// What masses on a line are tied to in space, by their nodes: the axis, and the middle of the masses there \[m\].
+fn tied(graph: &Graph) -> BTreeMap<u32, (u8, [f64; 3])> {
+    let mut all: BTreeMap<u32, (u8, [f64; 3], f64)> = BTreeMap::new();
+    for e in &graph.edges {
+        let Some(axis) = e.axis else { continue };
+        let [a, b] = e.ends;
+        let (line, point) = if graph.is_space(b as usize) { (a, b) } else { (b, a) };
+        let (_, sum, n) = all.entry(line).or_insert((axis, [0.0; 3], 0.0));
+        (0..3).for_each(|k| sum[k] += graph.rest[point as usize][k]);
+        *n += 1.0;
+    }
+    all.into_iter().map(|(line, (axis, sum, n))| (line, (axis, sum.map(|v| v / n)))).collect()
+}
+
+/// Places a body so that the mass of it that is tied to one in space stands there, along that axis.
+fn tie(graph: &Graph, p: &mut Places, body: &Body, long: f64, line: u32) {
+    let Some((axis, middle)) = p.tied.get(&line).copied() else { return };
+    let frame = p.frames.len();
+    let mut new = Frame::new(axis as usize, 1.0);
+    let here = body.nodes.iter().position(|n| *n == line).map_or([0.0; 2], |i| body.at[i]);
+    new.origin = new.across(middle);
+    p.frames.push(new);
+    stand(graph, p, body, long, here.map(|v| -v * long), frame);
+}
+
+/// Places a mass on a line that is tied to one in space: beside it, towards where its axis comes from.
+pub fn tie_one(graph: &Graph, p: &mut Places, line: u32) {
+    let Some((axis, middle)) = p.tied.get(&line).copied() else { return };
+    let frame = p.frames.len();
+    let mut new = Frame::new(axis as usize, 1.0);
+    let (across, aside) = (new.across(middle), new.axes[2].map(|v| -0.7 * p.width * v));
+    new.origin = [0, 1, 2].map(|k| across[k] + aside[k]);
+    p.frames.push(new);
+    p.stand[line as usize] = Some(Stand { frame, at: [0.0, 0.0, graph.rest[line as usize][0]] });
+}
+
+/// Moving points stand between the masses they are held by.
+pub fn points(graph: &Graph, p: &mut Places) {
+    for (node, under) in &graph.under {
+        let mut at = [0.0; 3];
+        let mut frame = None;
+        for (n, weight) in under {
+            if let Some(stand) = p.stand[*n as usize] {
+                frame = Some(stand.frame);
+                (0..3).for_each(|k| at[k] += weight * stand.at[k]);
+            }
+        }
+        if let Some(frame) = frame {
+            p.stand[*node as usize] = Some(Stand { frame, at });
+        }
+    }
+}

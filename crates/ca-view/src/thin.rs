@@ -1,0 +1,64 @@
+//! Thin: which nodes are drawn where there are too many.
+//!
+//! Decides for every k-th of what was made together, on a grid every √k-th both ways, with the last of each row: the shape
+//! stays. A link stands between what its ends are near to, where they hang together in the order they were made in; elsewhere
+//! it is drawn where both its ends are.
+
+use crate::graph::{Graph, Item, NONE};
+use ca_core::kind::name::Index;
+
+/// Masses that are drawn at most, or a few more.
+pub const MOST: usize = 20_000;
+
+/// Drawn nodes in their order, and for each node the drawn one that stands for it, [`NONE`] for none.
+pub fn thin(graph: &Graph, chained: &[bool], most: usize) -> (Vec<u32>, Vec<u32>) {
+    let n = graph.len();
+    if n <= most {
+        return ((0..n as u32).collect(), (0..n as u32).collect());
+    }
+    let k = n.div_ceil(most.max(1)) as u32;
+    let both = (1..).find(|s| s * s >= k).unwrap_or(1);
+    let single = |item: &&Item| item.len == 1 && !item.between;
+    let crowd = graph.items.iter().filter(single).count() > most / 10;
+    let (mut kept, mut near, mut singles) = (vec![false; n], vec![NONE; n], 0);
+    for (item, chained) in graph.items.iter().zip(chained) {
+        if item.len == 1 {
+            let shown = item.between || !crowd || singles % k == 0;
+            singles += u32::from(!item.between);
+            kept[item.first as usize] = shown;
+            near[item.first as usize] = item.first;
+            continue;
+        }
+        let mut corner = std::collections::HashMap::new();
+        for node in item.nodes() {
+            let (i, row) = (node as u32 - item.first, graph.index[node]);
+            let (shown, to) = match (item.grid, row) {
+                (Some([nx, ny]), Index::Two(i, j)) => {
+                    let shown = (i % both == 0 || i + 1 == nx) && (j % both == 0 || j + 1 == ny);
+                    let cell = [i, j].map(|v| v / both);
+                    if shown {
+                        corner.entry(cell).or_insert(node as u32);
+                    }
+                    // the last of a row stands in a cell of its own, or is the one before's
+                    (shown, corner.get(&cell).copied().unwrap_or(NONE))
+                }
+                _ => {
+                    let last = i + 1 == item.len;
+                    (i % k == 0 || last, if last { node as u32 } else { item.first + i / k * k })
+                }
+            };
+            kept[node] = shown;
+            near[node] = if shown { node as u32 } else { to };
+            if !*chained && !shown {
+                near[node] = NONE;
+            }
+        }
+    }
+    let drawn: Vec<u32> = (0..n as u32).filter(|i| kept[*i as usize]).collect();
+    for to in &mut near {
+        if *to != NONE && !kept[*to as usize] {
+            *to = NONE;
+        }
+    }
+    (drawn, near)
+}
