@@ -37,6 +37,7 @@ mod peers;
 mod pefrl;
 mod play;
 mod pluck;
+mod pointer;
 mod published;
 mod quantity;
 mod reader;

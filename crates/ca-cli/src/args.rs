@@ -13,6 +13,7 @@ mod device;
 mod equiv;
 mod explain;
 mod modes;
+mod play;
 mod report;
 mod serve;
 mod sweep;
@@ -25,6 +26,7 @@ pub use device::{CalibrateArgs, ConformanceArgs, DeviceArgs, DeviceCommand, Scri
 pub use equiv::EquivArgs;
 pub use explain::ExplainArgs;
 pub use modes::ModesArgs;
+pub use play::PlayArgs;
 pub use report::ReportArgs;
 pub use serve::{ArmArgs, ClockKind, ServeArgs, SetArgs, ShmArgs, ShmWhat, StatusArgs};
 pub use sweep::SweepArgs;
@@ -81,6 +83,7 @@ pub enum Command {
     Explain(ExplainArgs),
     New(NewArgs),
     Import(ImportArgs),
+    Play(PlayArgs),
     Serve(ServeArgs),
     Set(SetArgs),
     /// Turns the forces of a running `ca serve` on

@@ -111,6 +111,7 @@ fn main() -> ExitCode {
         Command::Explain(a) => commands::explain::run(a),
         Command::New(a) => commands::new::run(a),
         Command::Import(a) => commands::import::run(a),
+        Command::Play(a) => commands::play::run(a),
         Command::Serve(a) => commands::serve::run(a),
         Command::Set(a) => commands::control::set(a),
         Command::Arm(a) => commands::control::arm(a),

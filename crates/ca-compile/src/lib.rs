@@ -82,7 +82,7 @@ fn network(model: &Model, catalog: &Catalog, options: &Options) -> Result<(Prune
     params::report_unused(&net, &mut diags);
     implicit::choose(&mut net);
     specialise::specialise(model, &mut net, &mut diags);
-    let mut net = prune::prune(model, net, &mut diags);
+    let mut net = prune::prune(model, net, options, &mut diags);
     solve_order::choose(model, &mut net, &mut diags);
     implicit::check(model, &net, &mut diags);
     waves::settle(model, &mut net, &mut diags);

@@ -31,4 +31,6 @@ pub struct Options {
     pub exact: bool,
     /// which passes run the links
     pub kernel: KernelClass,
+    /// keep what nothing hears: somebody looks at it
+    pub whole: bool,
 }

@@ -40,6 +40,7 @@ pub mod method;
 pub mod numeric;
 pub mod op;
 pub mod phi;
+pub mod pointer;
 pub mod scene;
 pub mod state;
 mod tick;

@@ -3,7 +3,7 @@
 //! Decides that the real-time thread hands over plain values through a ring and never waits: a record that finds no room
 //! is counted and gone. Boxes travel the same way, so that they are freed where freeing is allowed.
 
-use crate::engine::Retired;
+use crate::engine::{OwnGesture, Retired, Touched};
 use crate::frame::{DeviceFrame, ForceFrame};
 use crate::guard::Order;
 use crate::guard::wait::Wait;
@@ -43,6 +43,15 @@ pub enum Record {
         port: Option<u32>,
         /// what was asked
         order: Order,
+    },
+    /// a hand without a device did something
+    Touched {
+        /// when
+        tick: u64,
+        /// what
+        touched: Touched,
+        /// a gesture that ended by it
+        gone: Option<Box<OwnGesture>>,
     },
     /// a hash of the state, once a second
     Hash {
@@ -84,6 +93,7 @@ impl Record {
             Record::Force { frame, .. } => frame.tick,
             Record::Retired { tick, .. }
             | Record::Order { tick, .. }
+            | Record::Touched { tick, .. }
             | Record::Hash { tick, .. }
             | Record::Energy { tick, .. }
             | Record::Waiting { tick, .. }

@@ -18,6 +18,16 @@ macro_rules! assets {
 
 const ASSETS: &[Asset] = assets![
     "index.html" "text/html; charset=utf-8",
+    "page.css" "text/css; charset=utf-8",
+    "main.js" "text/javascript; charset=utf-8",
+    "socket.js" "text/javascript; charset=utf-8",
+    "scene.js" "text/javascript; charset=utf-8",
+    "gl.js" "text/javascript; charset=utf-8",
+    "pointer.js" "text/javascript; charset=utf-8",
+    "sound.js" "text/javascript; charset=utf-8",
+    "worklet.js" "text/javascript; charset=utf-8",
+    "meters.js" "text/javascript; charset=utf-8",
+    "controls.js" "text/javascript; charset=utf-8",
 ];
 
 /// The file of this name; the page itself where there is no name.

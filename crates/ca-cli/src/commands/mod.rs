@@ -13,6 +13,7 @@ pub mod list;
 pub mod log;
 pub mod modes;
 pub mod new;
+pub mod play;
 pub mod render;
 pub mod replay;
 pub mod report;

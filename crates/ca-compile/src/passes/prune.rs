@@ -3,6 +3,7 @@
 
 use crate::net::disjoint::Sets;
 use crate::net::{End, MatRole, OutputTap, Pruned, Wired};
+use crate::options::Options;
 use alloc::format;
 use alloc::vec::Vec;
 use ca_core::kind::{PortRole, Role};
@@ -10,7 +11,7 @@ use ca_model::Model;
 use ca_model::diag::{Diag, Diags};
 
 /// Marks the MATs that stay and drops the links that do not.
-pub fn prune(model: &Model, mut net: Wired, diags: &mut Diags) -> Pruned {
+pub fn prune(model: &Model, mut net: Wired, options: &Options, diags: &mut Diags) -> Pruned {
     let heard_at_all =
         !net.outs.is_empty() || net.mats.iter().any(|m| matches!(m.role, MatRole::Port(PortRole::Tgr, _)));
     if net.mats.is_empty() {
@@ -21,6 +22,9 @@ pub fn prune(model: &Model, mut net: Wired, diags: &mut Diags) -> Pruned {
     if !heard_at_all {
         let d = Diag::warning("W108", "the model has no output: it computes, and nobody hears it");
         diags.push(d.help("add e.g. `[SOX]` with `out = { from = \"…\" }`"));
+        return whole(net);
+    }
+    if options.whole {
         return whole(net);
     }
     let n = net.mats.len();

@@ -211,7 +211,8 @@ pub fn ledger(_op: &Op, layout: &Layout, s: &mut State) {
         return;
     }
     let before = l.h;
-    let mut work = 0.0;
+    let mut work = core::mem::take(&mut l.pulled);
+    l.pointer += work;
     let moved = |m: u32, d0: &[Real]| 0.5 * wide(s.d[m as usize] + d0[m as usize]);
     for (k, p) in layout.enx.iter().chain(&layout.tgr).enumerate() {
         let w = -l.port[k] * moved(p.mat, &l.d0);

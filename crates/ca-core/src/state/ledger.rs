@@ -45,6 +45,10 @@ pub struct Ledger {
     pub scheme_error: Vec<f64>,
     /// work received from each port: position ports, device ports, force ports
     pub work: Vec<f64>,
+    /// work received from a pointer that pulls, see [`crate::pointer`]
+    pub pointer: f64,
+    /// that of the tick which the ledger has not entered yet
+    pub(crate) pulled: f64,
     /// what crossed each device port (tgr), counted by frames
     pub hands: Vec<Exchange>,
     /// energy that came in by changing parameters or moving interaction points
@@ -111,7 +115,7 @@ pub struct Balance {
     pub lost: f64,
     /// error of the scheme: what non-linear links gave that nothing gave them \[J\]
     pub scheme_error: f64,
-    /// received from ports \[J\]
+    /// received from ports and a pointer \[J\]
     pub work: f64,
     /// received by changes \[J\]
     pub changed: f64,
@@ -126,7 +130,7 @@ impl Ledger {
     pub fn balance(&self) -> Balance {
         let (lost, scheme_error) =
             (self.lost_mats + self.lost.iter().sum::<f64>(), self.scheme_error.iter().sum::<f64>());
-        let work = self.work.iter().sum::<f64>();
+        let work = self.work.iter().sum::<f64>() + self.pointer;
         let residual = self.h - self.h0 - work + lost - scheme_error - self.changed;
         Balance { h0: self.h0, h: self.h, lost, scheme_error, work, changed: self.changed, residual, peak: self.peak }
     }

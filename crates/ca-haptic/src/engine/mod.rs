@@ -13,9 +13,12 @@ mod refit;
 mod sound;
 #[cfg(test)]
 pub(crate) mod tests;
+mod touch;
 
 pub use port::{Link, Port, Setup};
 pub use refit::Refit;
+pub(crate) use touch::LEAD;
+pub use touch::{OwnGesture, Touch, Touched};
 
 use crate::frame::{DeviceFrame, ForceFrame};
 use crate::guard::Order;
@@ -24,6 +27,7 @@ use ca_core::live::Patch;
 use ca_core::{Scene, State, compute_forces, integrate};
 use sound::PeakLimit;
 use std::sync::Arc;
+use touch::Hands;
 
 /// Several parameters that change in one tick, made ready outside the engine.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -45,6 +49,8 @@ pub enum EngineCommand {
     Reload(Box<State>),
     /// a device said what it is: its port made anew outside, since that allocates
     Refit(Box<Refit>),
+    /// a hand without a device does something
+    Touch(Touch),
 }
 
 /// What an act leaves behind, to be freed elsewhere.
@@ -56,6 +62,8 @@ pub enum Retired {
     State(Box<State>),
     /// the port before a refit, with the profile that took its place
     Port(Box<Refit>),
+    /// a gesture that ended
+    Gesture(Box<OwnGesture>),
 }
 
 /// Numbers of an engine that are not of the scene.
@@ -107,6 +115,7 @@ pub struct Engine {
     sound: Vec<f64>,
     filled: usize,
     peak_limit: PeakLimit,
+    hands: Hands,
     diverged: bool,
     /// the scene is at the force of the frame
     prepared: bool,
@@ -121,6 +130,7 @@ impl Engine {
         let channels = scene.channels;
         let sound = vec![0.0; scene.ratio as usize * channels];
         let peak_limit = PeakLimit::new(channels, scene.rate);
+        let hands = Hands::new(&scene);
         let mut engine = Engine {
             scene,
             state,
@@ -130,6 +140,7 @@ impl Engine {
             sound,
             filled: 0,
             peak_limit,
+            hands,
             diverged: false,
             prepared: false,
             past_faults: 0,
@@ -186,6 +197,7 @@ impl Engine {
                     core::mem::swap(&mut self.state, &mut state);
                     self.diverged = false;
                     self.peak_limit.reset();
+                    self.hands.let_go();
                     for p in &mut self.ports {
                         p.chain.order(Order::Disarm);
                         p.reach_again(&self.state);
@@ -203,6 +215,11 @@ impl Engine {
                 }
                 return Some(Retired::Port(refit));
             }
+            EngineCommand::Touch(touch) => {
+                let (gone, done) = self.hands.touch(&self.scene, &self.state, touch);
+                self.counts.refused += u64::from(!done);
+                return gone.map(Retired::Gesture);
+            }
         }
         None
     }
@@ -219,11 +236,14 @@ impl Engine {
             p.place(&mut self.state);
             self.counts.stale += u64::from(p.is_stale());
         }
+        let ports = &self.ports;
+        let silent = |input: usize| !ports.iter().any(|p| p.speaks_for(input));
+        self.hands.frame(&self.scene, &mut self.state, silent);
         self.filled = 0;
         let ticks = if first { 1 } else { self.scene.ratio };
         for j in 1..=ticks {
             if j > 1 && !self.diverged {
-                integrate(&self.scene, &mut self.state);
+                self.advance();
             }
             self.sample();
         }
@@ -249,10 +269,22 @@ impl Engine {
             // time goes on, so that frames keep their numbers
             self.state.tick += 1;
         } else {
-            integrate(&self.scene, &mut self.state);
+            self.advance();
         }
         self.counts.frames += 1;
         &self.sound[..self.filled]
+    }
+
+    /// The masses move.
+    fn advance(&mut self) {
+        match &mut self.hands.pointer {
+            None => integrate(&self.scene, &mut self.state),
+            Some(pointer) => {
+                pointer.prepare(&self.state);
+                integrate(&self.scene, &mut self.state);
+                pointer.apply(&mut self.state);
+            }
+        }
     }
 
     /// One tick up to its outputs.
@@ -263,6 +295,7 @@ impl Engine {
             // the tick of the frame's last sample moves in `finish`
             self.state.tick += u64::from(self.filled > 0);
         } else {
+            self.hands.tick(&mut self.state);
             compute_forces(&self.scene, &mut self.state);
         }
         let to = &mut self.sound[self.filled..self.filled + n];

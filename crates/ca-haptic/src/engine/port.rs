@@ -146,6 +146,11 @@ impl Port {
         }
     }
 
+    /// True where the device has spoken and moves this input of the scene.
+    pub(super) fn speaks_for(&self, input: usize) -> bool {
+        self.hand.age != u32::MAX && self.links.iter().any(|l| l.input == input)
+    }
+
     /// True where the device is there and its next frame did not come when it was due.
     pub(super) fn is_stale(&self) -> bool {
         self.hand.age != u32::MAX && self.hand.age >= self.pace

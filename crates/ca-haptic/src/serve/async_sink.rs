@@ -308,7 +308,10 @@ impl Sink for SinkHandle {
             return Ok(());
         }
         let tick = record.tick();
-        let decides = matches!(record, Record::Retired { .. } | Record::Order { .. } | Record::Lost { .. });
+        let decides = matches!(
+            record,
+            Record::Retired { .. } | Record::Order { .. } | Record::Touched { .. } | Record::Lost { .. }
+        );
         if !decides && !self.has_room(tick, 0, 1) {
             self.missing += 1;
             return Ok(());

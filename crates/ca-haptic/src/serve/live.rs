@@ -6,7 +6,7 @@
 use super::audio::Follow;
 use super::clock::{Clock, Pace, Start, wait_for};
 use crate::blocks::put;
-use crate::engine::{Engine, EngineCommand};
+use crate::engine::{Engine, EngineCommand, Retired};
 use crate::frame::{Cause, DeviceFrame, ForceFrame, Mode};
 use crate::guard::Order;
 use crate::guard::wait::Wait;
@@ -247,8 +247,14 @@ impl Live {
             if let EngineCommand::Order(port, order) = act {
                 self.keep(Record::Order { tick, port, order });
             }
-            if let Some(retired) = self.engine.command(act) {
-                self.keep(Record::Retired { tick, retired });
+            let touched = if let EngineCommand::Touch(touch) = &act { Some(touch.touched()) } else { None };
+            match (self.engine.command(act), touched) {
+                (Some(Retired::Gesture(gone)), Some(touched)) => {
+                    self.keep(Record::Touched { tick, touched, gone: Some(gone) });
+                }
+                (_, Some(touched)) => self.keep(Record::Touched { tick, touched, gone: None }),
+                (Some(retired), None) => self.keep(Record::Retired { tick, retired }),
+                (None, None) => {}
             }
         }
     }

@@ -1,5 +1,6 @@
 //! The recorder: takes what the engine leaves behind to those who want it, and what people ask to the engine.
 
+mod hand;
 mod seen;
 
 use super::async_sink::missing;
@@ -8,7 +9,7 @@ use super::sink::{Notice, Sink};
 use super::summary::{Fault, StatsSnapshot, Summary};
 use super::{FrameTiming, RecorderEnds, Shared};
 use crate::blocks::take;
-use crate::engine::{Change, Engine, EngineCommand, Port, Refit, Setup};
+use crate::engine::{Change, Engine, EngineCommand, Port, Refit, Retired, Setup};
 use crate::frame::{Cause, Mode};
 use crate::guard::Order;
 use crate::record::Record;
@@ -51,6 +52,7 @@ pub struct Recorder {
     block: Vec<f64>,
     broken: Vec<FileError>,
     audio: Option<Watch>,
+    hand: hand::Hand,
     /// what was reported as left out for want of room in the rings of the engine, and at which gesture frame
     reported: ([u64; 3], u64),
 }
@@ -81,6 +83,7 @@ impl Recorder {
             block: Vec::new(),
             broken: Vec::new(),
             audio: None,
+            hand: hand::Hand::new(&scene),
             reported: ([0; 3], 0),
             scene,
         }
@@ -119,6 +122,7 @@ impl Recorder {
         while let Ok(timing) = self.ends.timings.pop() {
             self.timing(timing);
         }
+        self.turn_gesture();
         self.missing();
         for (bad, text) in self.sinks.iter_mut().filter_map(|s| s.news()).collect::<Vec<_>>() {
             self.say(bad, text);
@@ -161,6 +165,10 @@ impl Recorder {
 
     fn timing(&mut self, timing: FrameTiming) {
         self.frames += 1;
+        if self.seen.is_empty() {
+            // nobody is sent a force that says how far it is
+            self.tick = (self.frames - 1) * u64::from(self.scene.ratio);
+        }
         self.frame_times.add(timing.took);
         self.late_times.add(timing.start.late);
         self.second.frames.add(timing.took);
@@ -220,6 +228,8 @@ impl Recorder {
                 let all = self.seen.iter_mut().enumerate();
                 all.filter(|(k, _)| meant(*k)).for_each(|(_, seen)| seen.order(*tick, *order));
             }
+            Record::Retired { retired: Retired::State(_), .. } => self.hand.let_go(),
+            Record::Touched { tick, touched, .. } => self.hand.touched(*tick, touched),
             Record::Waiting { tick, port, wait } => {
                 let Some(seen) = self.seen.get_mut(*port as usize) else { return };
                 self.notices.extend(seen.waits(*tick, wait, &self.scene));

@@ -4,6 +4,7 @@
 //! it, so that bytes in the file, row in NumPy and structure in memory are one. A macro writes both from one list of
 //! fields and types, so they cannot differ; a structure with padding does not compile.
 
+use crate::engine::Touched;
 use ca_core::state::Balance;
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
 
@@ -55,6 +56,52 @@ flat! {
 impl Ordered {
     /// Number that stands for all devices.
     pub const ALL: u32 = u32::MAX;
+}
+
+flat! {
+    /// A hand without a device did something.
+    Hand {
+        /// sound sample before which it took effect
+        tick: u64,
+        /// where a mass is pulled to, from rest \[m\]; of a port, x is its position \[m\] or force \[N\]
+        x: f64,
+        /// as `x`
+        y: f64,
+        /// as `x`
+        z: f64,
+        /// 0 grab, 1 pull, 2 release, 3 own gesture, 4 its end, 5 port
+        act: u32,
+        /// number of the MAT, or index of the port into [`State::input`](ca_core::State::input)
+        which: u32,
+    }
+}
+
+impl Hand {
+    /// What was done at a tick.
+    pub fn new(tick: u64, touched: Touched) -> Hand {
+        let hand = |act, which, [x, y, z]: [f64; 3]| Hand { tick, x, y, z, act, which };
+        match touched {
+            Touched::Grab(mass) => hand(0, mass, [0.0; 3]),
+            Touched::Pull(to) => hand(1, 0, to),
+            Touched::Release => hand(2, 0, [0.0; 3]),
+            Touched::Play => hand(3, 0, [0.0; 3]),
+            Touched::Stop => hand(4, 0, [0.0; 3]),
+            Touched::Port(port, value) => hand(5, port, [value, 0.0, 0.0]),
+        }
+    }
+
+    /// What was done; `None` where it is nothing that is known.
+    pub fn touched(&self) -> Option<Touched> {
+        Some(match self.act {
+            0 => Touched::Grab(self.which),
+            1 => Touched::Pull([self.x, self.y, self.z]),
+            2 => Touched::Release,
+            3 => Touched::Play,
+            4 => Touched::Stop,
+            5 => Touched::Port(self.which, self.x),
+            _ => return None,
+        })
+    }
 }
 
 flat! {

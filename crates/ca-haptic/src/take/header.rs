@@ -205,6 +205,7 @@ impl Header {
             ("asked.energy", self.options.energy.to_string()),
             ("asked.probes", json(&self.options.probes)),
             ("asked.kernel", kernel.into()),
+            ("asked.whole", self.options.whole.to_string()),
             ("engine.session", self.engine.session.to_string()),
             ("engine.wild", exact(self.engine.diverged)),
             ("sound.rate", exact(self.rate)),
@@ -280,6 +281,8 @@ impl Header {
                 probes: list("asked.probes")?,
                 clouds,
                 kernel,
+                // none in takes of before it could be asked for
+                whole: meta.get("asked.whole").is_some_and(|w| w == "true"),
                 ..Options::default()
             },
             setups,

@@ -25,7 +25,7 @@ mod summary;
 mod views;
 mod write;
 
-pub use flat::{Energy, Hashed, Lost, Ordered, Reloaded, Rt};
+pub use flat::{Energy, Hand, Hashed, Lost, Ordered, Reloaded, Rt};
 pub use gesture::gesture;
 pub use header::{FORMAT, Header, META};
 pub use read::{Event, Events, Take};
@@ -49,6 +49,8 @@ pub mod topic {
     pub const RELOAD: &str = "/reload";
     /// forces armed, disarmed or tripped
     pub const ORDER: &str = "/order";
+    /// hands without a device: pointer, ports, the model's own gesture
+    pub const HAND: &str = "/hand";
     /// a device said what it is
     pub const PROFILE: &str = "/profile";
     /// hashes of the state

@@ -4,11 +4,12 @@
 //! topics that are not ours, and those for viewers, are passed over by name, so that a take somebody added to still
 //! replays.
 
-use super::flat::{Energy, Hashed, Lost, Ordered, Reloaded, Rt};
+use super::flat::{Energy, Hand, Hashed, Lost, Ordered, Reloaded, Rt};
 use super::header::{Header, META};
 use super::source::{End, Item, Source, torn};
 use super::{cdr, topic};
 use crate::engine::Change;
+use crate::engine::Touched;
 use crate::frame::{Cause, DeviceFrame, ForceFrame};
 use crate::guard::Order;
 use crate::profile::Profile;
@@ -29,6 +30,8 @@ pub enum Event {
     Reload(Reloaded),
     /// forces were armed, disarmed or tripped before this tick, of one device or all
     Order(u64, Option<u32>, Order),
+    /// a hand without a device did something before this tick
+    Hand(u64, Touched),
     /// a device said what it is before this tick
     Profile(u64, usize, Box<Profile>),
     /// a hash of the state
@@ -139,6 +142,10 @@ impl Events {
                     _ => return None,
                 };
                 Event::Order(o.tick, (o.port != Ordered::ALL).then_some(o.port), order)
+            }
+            topic::HAND => {
+                let hand: Hand = cdr::record(data)?;
+                Event::Hand(hand.tick, hand.touched()?)
             }
             topic::PROFILE => {
                 let mut r = cdr::In::new(data)?;

@@ -200,7 +200,7 @@ impl Replay {
         // what must have been computed before this
         let due = match &event {
             Event::Device(_, f) => f.tick,
-            Event::Change(tick, _) | Event::Order(tick, ..) | Event::Profile(tick, ..) => *tick,
+            Event::Change(tick, _) | Event::Order(tick, ..) | Event::Hand(tick, _) | Event::Profile(tick, ..) => *tick,
             Event::Reload(r) => r.tick,
             Event::Hash(h) => h.tick,
             Event::Force(_, f) => f.tick + 1,
@@ -214,7 +214,9 @@ impl Replay {
         let late = |what: &str, tick: u64| (what.to_owned(), format!("at tick {tick}"), format!("due at {now}"));
         let odd = match event {
             Event::Device(_, f) if f.tick != now => Some(late("a device frame between frames", f.tick)),
-            Event::Change(tick, _) | Event::Order(tick, ..) | Event::Profile(tick, ..) if tick != now => {
+            Event::Change(tick, _) | Event::Order(tick, ..) | Event::Hand(tick, _) | Event::Profile(tick, ..)
+                if tick != now =>
+            {
                 Some(late("an act between frames", tick))
             }
             Event::Reload(r) if r.tick != now => Some(late("a reload between frames", r.tick)),
@@ -229,6 +231,13 @@ impl Replay {
             }
             Event::Order(_, port, order) => {
                 self.engine.command(EngineCommand::Order(port, order));
+                None
+            }
+            Event::Hand(_, touched) => {
+                // what this scene cannot do differs from what it did, which frames and hashes will show
+                if let Some(touch) = touched.again(&self.engine.scene) {
+                    self.engine.command(EngineCommand::Touch(touch));
+                }
                 None
             }
             Event::Profile(_, k, profile) => {

@@ -9,7 +9,7 @@
 //! listen to. The file is there from the first moment, under its own name: a take is not made again, so an existing
 //! file is never overwritten, and an unfinished one is never removed.
 
-use super::flat::{Energy, Hashed, Lost, Ordered, Reloaded, Rt};
+use super::flat::{Energy, Hand, Hashed, Lost, Ordered, Reloaded, Rt};
 use super::header::{Header, META};
 use super::views::{self, Level, Picture};
 use super::{cdr, options, topic};
@@ -65,6 +65,7 @@ struct Ids {
     param: u16,
     reload: u16,
     order: u16,
+    hand: u16,
     profile: u16,
     hash: u16,
     energy: u16,
@@ -218,6 +219,13 @@ impl TakeWriter {
                 let port = port.unwrap_or(Ordered::ALL);
                 cdr::body(&mut self.data, &Ordered { tick, port, order: number, cause, reserved: 0 });
                 self.put(self.ids.order, tick)
+            }
+            // it comes with what ended it
+            Record::Retired { retired: Retired::Gesture(_), .. } => Ok(()),
+            Record::Touched { tick, touched, .. } => {
+                self.tick = tick;
+                cdr::body(&mut self.data, &Hand::new(tick, touched));
+                self.put(self.ids.hand, tick)
             }
             Record::Lost { tick, records } => {
                 self.tick = tick;
@@ -399,11 +407,12 @@ fn channels(
             said: (u32::MAX, u16::MAX),
         });
     }
-    let [change, param, reload, order, profile, hash, energy, lost, rt, sound] = [
+    let [change, param, reload, order, hand, profile, hash, energy, lost, rt, sound] = [
         (topic::CHANGE, "Change", cdr::CHANGE),
         (topic::PARAM, "Param", cdr::PARAM),
         (topic::RELOAD, "Reloaded", Reloaded::SCHEMA),
         (topic::ORDER, "Ordered", Ordered::SCHEMA),
+        (topic::HAND, "Hand", Hand::SCHEMA),
         (topic::PROFILE, "Profile", cdr::PROFILE),
         (topic::HASH, "Hashed", Hashed::SCHEMA),
         (topic::ENERGY, "Energy", Energy::SCHEMA),
@@ -421,6 +430,7 @@ fn channels(
         param: param?,
         reload: reload?,
         order: order?,
+        hand: hand?,
         profile: profile?,
         hash: hash?,
         energy: energy?,

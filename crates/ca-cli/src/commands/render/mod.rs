@@ -52,6 +52,7 @@ pub fn run(args: &RenderArgs) -> Outcome {
         kernel: if args.kernel == Kernel::Fast { KernelClass::Fast } else { KernelClass::Reference },
         clouds: loaded.clouds.clone(),
         exact: false,
+        whole: false,
     };
     let scene = load::scene(&loaded, &options)?;
     if scene.channels == 0 {

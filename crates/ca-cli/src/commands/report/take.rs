@@ -347,6 +347,9 @@ impl Recorded {
                     };
                     reported(tick, device(port), what);
                 }
+                Event::Hand(tick, touched) => {
+                    touched.words(scene).into_iter().for_each(|what| reported(tick, "hand".into(), what));
+                }
                 Event::Profile(tick, k, p) => {
                     let of = h.setups.get(k).map_or_else(String::new, |s| s.device.clone());
                     let what = format!("says: {}, {} degrees of freedom; at most {} N", p.title, p.dof, p.force);

@@ -9,7 +9,7 @@ use serde_json::{Map, Value, json};
 use std::fmt::Write as _;
 
 /// Does what is asked; sets `leave` where that is the end.
-pub(super) fn answer(recorder: &mut Recorder, request: Request, leave: &mut bool) -> Reply {
+pub(crate) fn answer(recorder: &mut Recorder, request: Request, leave: &mut bool) -> Reply {
     let done = |r: Result<(), String>, text: String| match r {
         Ok(()) => Reply::done(text),
         Err(why) => Reply::refused(why),

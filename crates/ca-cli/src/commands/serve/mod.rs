@@ -13,9 +13,11 @@ mod summary;
 mod talk;
 mod wav;
 
-use crate::args::{ClockKind, ServeArgs};
+use super::play;
+use crate::args::{ClockKind, PlayArgs, ServeArgs};
 use crate::load;
 use crate::{Ended, Failure, Outcome, term};
+pub(super) use answer::answer;
 use ca_compile::Options;
 use ca_haptic::engine::Engine;
 use ca_haptic::guard::Order;
@@ -49,9 +51,19 @@ const NICE: i8 = -11;
 
 /// Runs the command.
 pub fn run(args: &ServeArgs) -> Outcome {
+    session(args, None)
+}
+
+/// Plays in real time; in a page where that is asked.
+pub(crate) fn session(args: &ServeArgs, page: Option<&PlayArgs>) -> Outcome {
     let loaded = load::load(&args.source)?;
-    let options =
-        Options { rate: args.source.rate, energy: args.energy, clouds: loaded.clouds.clone(), ..Options::default() };
+    let options = Options {
+        rate: args.source.rate,
+        energy: args.energy,
+        clouds: loaded.clouds.clone(),
+        whole: page.is_some_and(|p| !p.lean),
+        ..Options::default()
+    };
     let compiled = load::scene(&loaded, &options)?;
     load::warn(&loaded, &compiled);
     let scene = Arc::new(compiled.scene);
@@ -60,8 +72,8 @@ pub fn run(args: &ServeArgs) -> Outcome {
     if args.clock == ClockKind::Device && names.is_empty() {
         return Err(Failure::Usage("--clock device: the model has no device".into()));
     }
-    if names.is_empty() {
-        term::note("the model has no device: nobody can play it; `ca render` plays its own gesture");
+    if names.is_empty() && page.is_none() {
+        term::note("the model has no device: nobody can play it from one; `ca play` lets you touch it in the browser");
     }
     let session = ca_haptic::host::session();
     let engine = setup::engine(scene.clone(), &setups, session);
@@ -103,7 +115,17 @@ pub fn run(args: &ServeArgs) -> Outcome {
         None => None,
     };
 
-    let pictures = if take.is_some() { PICTURES } else { 0 };
+    let mut desk = match page {
+        Some(page) => {
+            let (desk, sink) = play::open(page, &loaded.name, &scene)?;
+            sinks.push(Box::new(sink));
+            Some(desk)
+        }
+        None => None,
+    };
+
+    let looks = take.is_some() || desk.is_some();
+    let pictures = if looks { PICTURES } else { 0 };
     let (mut ends, gateway_ends, recorder_ends) = rings(&scene, names.len(), pictures);
     let shared = Arc::new(Shared::default());
     let mut recorder = Recorder::new(recorder_ends, shared.clone(), scene.clone(), &engine.ports, sinks);
@@ -124,7 +146,7 @@ pub fn run(args: &ServeArgs) -> Outcome {
     let each = |a_second: f64, wanted: bool| if wanted { (frame_rate / a_second).max(1.0) as u64 } else { 0 };
     let every = RecordIntervals {
         energy: each(100.0, args.energy),
-        view: each(f64::from(PICTURES), take.is_some()),
+        view: each(f64::from(PICTURES), looks),
         // of a large state it would take longer than a frame has
         hash: each(1.0, take.is_some() && scene.n_mat <= HASHED),
     };
@@ -146,7 +168,8 @@ pub fn run(args: &ServeArgs) -> Outcome {
         }
     }
 
-    let engine = attend(thread, &mut recorder, &mut talk, playing.as_ref(), &shared);
+    let engine = attend(thread, &mut recorder, &mut talk, desk.as_mut(), playing.as_ref(), &shared);
+    drop(desk);
     if let Some(playing) = playing {
         playing.end(scene.rate);
     }
@@ -229,6 +252,7 @@ fn attend(
     thread: JoinHandle<Engine>,
     recorder: &mut Recorder,
     talk: &mut talk::Talk,
+    mut desk: Option<&mut play::Desk>,
     playing: Option<&audio::Playing>,
     shared: &Arc<Shared>,
 ) -> std::thread::Result<Engine> {
@@ -241,7 +265,8 @@ fn attend(
             playing.turn(recorder);
         }
         recorder.poll();
-        if talk.turn(recorder, turns.is_multiple_of(SWEEP)) {
+        let page = desk.as_mut().is_some_and(|d| d.turn(recorder, shared));
+        if talk.turn(recorder, turns.is_multiple_of(SWEEP)) || page {
             shared.stop.store(true, Relaxed);
         }
         turns += 1;

@@ -1,0 +1,33 @@
+//! Playing in the browser.
+
+use super::ServeArgs;
+use clap::Args;
+
+/// Plays a model in the browser: you see it move, touch it, and hear it
+///
+/// Prints one address on this machine and opens it: the moving instrument, whose masses can be grabbed and pulled, its
+/// live parameters as sliders, its own gesture, levels and spectrum. Sound is played by the page, or by a sound device
+/// (`--audio`). It is the engine of `ca serve` with a page: devices take part as there, and a take (`--log`) has what was
+/// done in the page, too. The page cannot arm forces unless `--allow-arm` says so. Whoever has the address can play;
+/// nobody beyond this machine can reach it. Ends with Ctrl-C, `ca stop` or the page.
+#[derive(Args)]
+#[command(after_long_help = "Examples:
+  ca play hammered_string --no-open --seconds 2
+  ca play rattle --no-open --seconds 1 -o shaken.wav --log shaken.mcap")]
+pub struct PlayArgs {
+    /// what `ca serve` has, too
+    #[command(flatten)]
+    pub serve: ServeArgs,
+    /// Prints the address and opens nothing
+    #[arg(long)]
+    pub no_open: bool,
+    /// Where the page is served; any free port if left out
+    #[arg(long, value_name = "PORT", default_value_t = 0, hide_default_value = true)]
+    pub port: u16,
+    /// Lets the page arm the forces of devices
+    #[arg(long)]
+    pub allow_arm: bool,
+    /// Leaves out what nothing hears, as `ca serve` does, though it could be seen
+    #[arg(long)]
+    pub lean: bool,
+}

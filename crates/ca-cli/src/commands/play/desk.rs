@@ -1,0 +1,204 @@
+//! What people do in a page.
+//!
+//! Decides that a page asks as `ca set` and `ca disarm` do, by the same words and with the same answers; that one client at
+//! a time holds a mass, which is let go when that client is gone; and that a page never arms forces by itself: somebody
+//! who can type on this machine has to allow it.
+
+use super::sink::{PageSink, Stats};
+use crate::args::PlayArgs;
+use crate::commands::serve::answer;
+use ca_core::Scene;
+use ca_haptic::host::control::Request;
+use ca_haptic::serve::{Recorder, Shared};
+use ca_play::{Asked, Page};
+use ca_view::Drawing;
+use serde_json::{Map, Value, json};
+use std::sync::Arc;
+use std::sync::atomic::Ordering::Relaxed;
+use std::time::{Duration, Instant};
+
+/// Between two words on how it goes.
+const NEWS: Duration = Duration::from_millis(250);
+
+/// The page of a running engine.
+pub(crate) struct Desk {
+    page: Page,
+    drawing: Arc<Drawing>,
+    scene: Arc<Scene>,
+    stats: Stats,
+    /// what plays the sound besides the page
+    sound: String,
+    allow_arm: bool,
+    /// the client that holds a mass
+    holder: Option<u64>,
+    news: Instant,
+}
+
+/// What is answered: words for people, and more for the page.
+type Answer = Result<(String, Map<String, Value>), String>;
+
+impl Desk {
+    pub(super) fn new(page: Page, drawing: Arc<Drawing>, scene: Arc<Scene>, sink: &PageSink, args: &PlayArgs) -> Desk {
+        let sound = if args.serve.audio.is_some() { "device" } else { "page" };
+        Desk {
+            page,
+            drawing,
+            scene,
+            stats: sink.stats(),
+            sound: sound.into(),
+            allow_arm: args.allow_arm,
+            holder: None,
+            news: Instant::now(),
+        }
+    }
+
+    /// One turn: what was asked, and now and then how it goes. True where somebody asked to stop.
+    pub(crate) fn turn(&mut self, recorder: &mut Recorder, shared: &Shared) -> bool {
+        let mut leave = false;
+        let all: Vec<Asked> = self.page.asked().collect();
+        for Asked { client, request } in all {
+            let Some(request) = request else {
+                if self.holder == Some(client) {
+                    self.holder = None;
+                    self.report(recorder.release());
+                }
+                continue;
+            };
+            let (ok, text, mut fields) = match self.answer(recorder, client, &request, &mut leave) {
+                Ok((text, fields)) => (true, text, fields),
+                Err(why) => (false, why, Map::new()),
+            };
+            // of what nobody numbered only a refusal is worth a word
+            if request.get("id").is_some() || !ok {
+                fields.insert("type".into(), json!("reply"));
+                fields.insert("id".into(), request["id"].clone());
+                fields.insert("ok".into(), json!(ok));
+                fields.insert("text".into(), json!(text));
+                self.page.tell(client, &Value::Object(fields));
+            }
+        }
+        let now = Instant::now();
+        if now >= self.news && self.page.clients() > 0 {
+            self.news = now + NEWS;
+            self.page.tell_all(&self.state(recorder, shared));
+        }
+        leave
+    }
+
+    fn report(&self, done: Result<(), String>) {
+        if let Err(why) = done {
+            self.page.tell_all(&json!({"type": "said", "bad": true, "text": why}));
+        }
+    }
+
+    fn answer(&mut self, recorder: &mut Recorder, client: u64, request: &Value, leave: &mut bool) -> Answer {
+        let done = |text: &str| Ok((text.to_string(), Map::new()));
+        let mut control = |recorder: &mut Recorder, request: Request| {
+            let reply = answer(recorder, request, leave);
+            if reply.ok { Ok((reply.text, reply.fields)) } else { Err(reply.text) }
+        };
+        match request["type"].as_str().unwrap_or_default() {
+            "grab" => {
+                if self.holder.is_some_and(|h| h != client) {
+                    return Err("somebody else holds a mass".into());
+                }
+                recorder.grab(self.mass(request)?)?;
+                self.holder = Some(client);
+                done("held")
+            }
+            "drag" => {
+                if self.holder != Some(client) {
+                    return Err("no mass is held; grab one first".into());
+                }
+                recorder.drag(vector(&request["by"])?)?;
+                done("pulled")
+            }
+            "release" => {
+                if self.holder == Some(client) {
+                    self.holder = None;
+                    recorder.release()?;
+                }
+                done("let go")
+            }
+            "gesture" => {
+                recorder.gesture(request["play"] == true)?;
+                done(if request["play"] == true { "the model's own gesture plays" } else { "the gesture has stopped" })
+            }
+            "port" => {
+                let name = request["name"].as_str().ok_or("`name`: which port?")?;
+                recorder.port(name, request["value"].as_f64().ok_or("`value` is a number [m or N]")?)?;
+                done(name)
+            }
+            "set" => {
+                let values = serde_json::from_value(request["values"].clone())
+                    .map_err(|_| "`values` are names with numbers, or texts with units".to_string())?;
+                control(recorder, Request::Set { values })
+            }
+            "arm" if request["on"] == true && !self.allow_arm => {
+                Err("forces are not armed from here: use `ca arm`, or start with --allow-arm".into())
+            }
+            "arm" if request["on"] == true => control(recorder, Request::Arm { device: None }),
+            "arm" => control(recorder, Request::Disarm { device: None }),
+            "stop" => control(recorder, Request::Stop),
+            "pick" => self.pick(request),
+            other => Err(format!("`{other}` is nothing a page can ask")),
+        }
+    }
+
+    /// Number of the MAT that a request is about.
+    fn mass(&self, request: &Value) -> Result<usize, String> {
+        let drawn = request["mass"].as_u64().ok_or("`mass` is a number of the drawing")?;
+        let mass = usize::try_from(drawn).ok().and_then(|n| self.drawing.scene_mass(n));
+        mass.ok_or_else(|| format!("{drawn}: there is no such mass to touch"))
+    }
+
+    /// What a mass is.
+    fn pick(&self, request: &Value) -> Answer {
+        let mass = self.mass(request)?;
+        let symbol = self.scene.symbols.get(mass).ok_or("no such mass")?;
+        let mut fields = Map::new();
+        fields.insert("mass".into(), request["mass"].clone());
+        fields.insert("name".into(), json!(symbol.name.to_string()));
+        fields.insert("kind".into(), json!(symbol.code));
+        Ok((symbol.name.to_string(), fields))
+    }
+
+    /// How it goes.
+    fn state(&self, recorder: &Recorder, shared: &Shared) -> Value {
+        let (_, tick) = recorder.progress();
+        let stats = self.stats.get();
+        let devices: Vec<Value> = recorder
+            .devices()
+            .map(|(name, mode, cause, _)| json!({"name": name, "mode": mode.name(), "cause": cause.name()}))
+            .collect();
+        let params: Map<String, Value> =
+            recorder.controls().params().iter().map(|p| (p.name.clone(), json!(p.value))).collect();
+        json!({
+            "type": "state",
+            "tick": tick,
+            "seconds": tick as f64 / self.scene.rate,
+            "load": stats.as_ref().map(|s| s.load),
+            "late": shared.missed.load(Relaxed),
+            "lost": recorder.lost(),
+            "clipped": shared.clipped.load(Relaxed),
+            "diverged": shared.diverged.load(Relaxed),
+            "playing": recorder.playing(),
+            "pointer": recorder.held().and_then(|m| self.drawing.drawn_mass(m)).map_or(-1, |m| m as i64),
+            "devices": devices,
+            "params": params,
+            "clients": self.page.clients(),
+            "sound": self.sound,
+        })
+    }
+}
+
+/// One number, or three.
+fn vector(by: &Value) -> Result<[f64; 3], String> {
+    let why = "`by` is where the mass is pulled to, from where it rests [m]: [u], or [x, y, z] in space";
+    let list: Vec<f64> = by.as_array().ok_or(why)?.iter().filter_map(Value::as_f64).collect();
+    match list[..] {
+        [u] => Ok([u, 0.0, 0.0]),
+        [x, y, z] => Ok([x, y, z]),
+        _ => Err(why.into()),
+    }
+}

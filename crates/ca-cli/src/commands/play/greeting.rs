@@ -1,0 +1,47 @@
+//! What a page is sent first: what there is to see and to touch.
+
+use ca_core::Scene;
+use ca_core::scene::{Input, InputRole};
+use ca_view::Drawing;
+use serde_json::{Value, json};
+
+/// The message `scene`.
+pub(super) fn greeting(scene: &Scene, drawing: &Drawing, model: &str) -> Value {
+    let params: Vec<Value> = scene
+        .controls()
+        .params()
+        .iter()
+        .map(|p| json!({"name": p.name, "value": p.value, "min": finite(p.min), "max": finite(p.max), "unit": p.unit.symbol, "doc": p.doc}))
+        .collect();
+    let ports: Vec<Value> = scene.inputs.iter().enumerate().map(|(k, i)| port(scene, drawing, k, i)).collect();
+    json!({
+        "type": "scene",
+        "generation": 1,
+        "title": scene.title,
+        "model": model,
+        "rate": scene.rate,
+        "frame": scene.ratio,
+        "channels": scene.channel_names,
+        "drawing": drawing.json(),
+        "params": params,
+        "ports": ports,
+        "gesture": !scene.gestures.is_empty(),
+        "seconds": scene.seconds,
+    })
+}
+
+/// A bound that JSON can hold; none where there is none.
+fn finite(x: f64) -> Option<f64> {
+    x.is_finite().then_some(x)
+}
+
+fn port(scene: &Scene, drawing: &Drawing, k: usize, input: &Input) -> Value {
+    let role = match input.role {
+        InputRole::Position => "position",
+        InputRole::Force => "force",
+        InputRole::Device => "device",
+    };
+    let place = scene.layout.enx.iter().find(|p| p.input as usize == k).map(|p| p.mat);
+    let mass = place.and_then(|place| scene.symbols.places().iter().position(|p| *p == place));
+    json!({"name": input.name, "role": role, "mass": mass.and_then(|m| drawing.drawn_mass(m)), "rest": input.rest})
+}

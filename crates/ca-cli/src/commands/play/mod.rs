@@ -1,0 +1,47 @@
+//! `ca play`: a model in the browser.
+//!
+//! Decides that this is `ca serve` with a page, not a second host: what people do in the page becomes commands of the same
+//! recorder ([`desk`]), what they see and hear comes from a sink like any other ([`sink`]), and the page is greeted with
+//! what there is to see ([`greeting`]).
+
+mod desk;
+mod greeting;
+mod sink;
+
+use crate::args::PlayArgs;
+use crate::commands::serve;
+use crate::{Failure, Outcome, term};
+use ca_core::Scene;
+use ca_play::Page;
+use ca_view::Drawing;
+pub(super) use desk::Desk;
+pub(super) use sink::PageSink;
+use std::sync::Arc;
+
+/// Runs the command.
+pub fn run(args: &PlayArgs) -> Outcome {
+    serve::session(&args.serve, Some(args))
+}
+
+/// Serves the page of a scene, and opens it.
+pub(super) fn open(args: &PlayArgs, name: &str, scene: &Arc<Scene>) -> Result<(Desk, PageSink), Failure> {
+    let drawing = Arc::new(Drawing::new(scene));
+    let greeting = greeting::greeting(scene, &drawing, name);
+    let page = Page::open(args.port, &greeting)
+        .map_err(|e| Failure::Failed(format!("no page at port {}: {e}; leave out --port for a free one", args.port)))?;
+    let address = page.address();
+    // whatever else is quiet: without it nobody can play
+    eprintln!("play it at {address}");
+    if !args.no_open && has_screen() {
+        if let Err(e) = open::that_detached(&address) {
+            term::note(&format!("no browser opens ({e}); open the address in one"));
+        }
+    }
+    let sink = PageSink::new(page.feed(), drawing.clone(), scene.channels);
+    Ok((Desk::new(page, drawing, scene.clone(), &sink, args), sink))
+}
+
+/// Whether there is a screen for a browser; without one, some desktops would open a browser of text in this terminal.
+fn has_screen() -> bool {
+    !cfg!(target_os = "linux") || ["DISPLAY", "WAYLAND_DISPLAY"].iter().any(|v| std::env::var_os(v).is_some())
+}

@@ -1,0 +1,91 @@
+//! What a page sees and hears of a performance.
+//!
+//! Decides that nothing is drawn or sent where nobody looks or listens, and that sound goes in blocks of 5 ms: a message a
+//! gesture frame would cost the page more than it plays.
+
+use ca_haptic::serve::{Notice, Sink, SinkStreams, StatsSnapshot};
+use ca_io::FileError;
+use ca_play::{Feed, message};
+use ca_view::Drawing;
+use serde_json::json;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// Samples of a block, for each channel.
+const BLOCK: usize = 256;
+
+/// The last statistics of the engine, as the page shows them.
+#[derive(Clone, Default)]
+pub(crate) struct Stats(Arc<Mutex<Option<StatsSnapshot>>>);
+
+impl Stats {
+    pub(super) fn get(&self) -> Option<StatsSnapshot> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+}
+
+/// Feeds a page.
+pub(crate) struct PageSink {
+    feed: Feed,
+    drawing: Arc<Drawing>,
+    channels: usize,
+    stats: Stats,
+    /// tick of the first sample of `samples`
+    tick: u64,
+    samples: Vec<f64>,
+    message: Vec<u8>,
+}
+
+impl PageSink {
+    pub(super) fn new(feed: Feed, drawing: Arc<Drawing>, channels: usize) -> PageSink {
+        PageSink { feed, drawing, channels, stats: Stats::default(), tick: 0, samples: Vec::new(), message: Vec::new() }
+    }
+
+    pub(super) fn stats(&self) -> Stats {
+        self.stats.clone()
+    }
+}
+
+impl Sink for PageSink {
+    fn streams(&self) -> SinkStreams {
+        SinkStreams { sound: true, views: true, stats: true, ..SinkStreams::WORDS }
+    }
+
+    fn sound(&mut self, tick: u64, frames: &[f64]) -> Result<(), FileError> {
+        if !self.feed.is_heard() {
+            self.samples.clear();
+            return Ok(());
+        }
+        let next = self.tick + (self.samples.len() / self.channels.max(1)) as u64;
+        if self.samples.is_empty() || tick != next {
+            // what is missing is missing: the page sees it by the tick
+            self.samples.clear();
+            self.tick = tick;
+        }
+        self.samples.extend_from_slice(frames);
+        if self.samples.len() >= BLOCK * self.channels {
+            message::sound(&mut self.message, self.channels as u32, self.tick as f64, &self.samples);
+            self.feed.sound(&self.message);
+            self.samples.clear();
+        }
+        Ok(())
+    }
+
+    fn view(&mut self, tick: u64, x: &[f64]) -> Result<(), FileError> {
+        if self.feed.is_seen() {
+            message::view(&mut self.message, 1, tick as f64);
+            self.drawing.view(x, &mut self.message);
+            self.feed.view(&self.message);
+        }
+        Ok(())
+    }
+
+    fn snapshot(&mut self, snapshot: &StatsSnapshot) -> Result<(), FileError> {
+        *self.stats.0.lock().unwrap_or_else(PoisonError::into_inner) = Some(snapshot.clone());
+        Ok(())
+    }
+
+    fn said(&mut self, notice: &Notice) -> Result<(), FileError> {
+        self.feed.tell_all(&json!({"type": "said", "bad": notice.bad, "text": notice.text}));
+        Ok(())
+    }
+}

@@ -1,0 +1,273 @@
+//! Hands without a device: a pointer that pulls on a mass, ports moved by a slider, and the gesture that a model brings along.
+//!
+//! Decides that all of them end in what a scene knows already, its inputs and the [`Pointer`], so that a scene without them pays nothing but a question a
+//! tick; that nothing jumps, since a jump of a port is a blow: ports glide to where they are sent, and the model's own
+//! gesture begins with a lead-in from where its ports are; and that who stops a gesture leaves positions where they are and lets go of
+//! forces. A port of a device is moved by a gesture as long as no device has spoken. Live parameters in a
+//! gesture are the recorder's, which knows what else was set: they come as changes.
+
+use ca_core::pointer::Pointer;
+use ca_core::scene::InputRole;
+use ca_core::{Scene, State};
+use ca_io::gesture::Track;
+
+/// Time a port takes to where it is sent \[s\]: a slider in a page speaks 60 times a second.
+const GLIDE: f64 = 1.0 / 60.0;
+/// Time from where ports are to where a gesture begins \[s\].
+pub(crate) const LEAD: f64 = 0.05;
+
+/// What a hand without a device does.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Touch {
+    /// holds a mass
+    Grab(Pointer),
+    /// pulls it to this displacement from rest \[m\]
+    Pull([f64; 3]),
+    /// lets go
+    Release,
+    /// begins the model's own gesture
+    Play(Box<OwnGesture>),
+    /// ends it
+    Stop,
+    /// sends a port, by its index into [`State::input`], to a position \[m\] or a force \[N\]
+    Port(u32, f64),
+}
+
+/// The same without what it needs: for the record.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Touched {
+    /// MAT number `.0` is held
+    Grab(u32),
+    /// it is pulled to this displacement \[m\]
+    Pull([f64; 3]),
+    /// it is let go
+    Release,
+    /// the model's own gesture begins
+    Play,
+    /// it ends
+    Stop,
+    /// a port is sent to a position \[m\] or a force \[N\]
+    Port(u32, f64),
+}
+
+impl Touch {
+    /// What is recorded of it.
+    pub fn touched(&self) -> Touched {
+        match self {
+            Touch::Grab(pointer) => Touched::Grab(pointer.mass() as u32),
+            Touch::Pull(to) => Touched::Pull(*to),
+            Touch::Release => Touched::Release,
+            Touch::Play(_) => Touched::Play,
+            Touch::Stop => Touched::Stop,
+            Touch::Port(port, value) => Touched::Port(*port, *value),
+        }
+    }
+}
+
+impl Touched {
+    /// What does it again in a scene; `None` where that has no such mass or gesture.
+    pub fn again(&self, scene: &Scene) -> Option<Touch> {
+        Some(match *self {
+            Touched::Grab(mass) => Touch::Grab(Pointer::new(scene, mass as usize).ok()?),
+            Touched::Pull(to) => Touch::Pull(to),
+            Touched::Release => Touch::Release,
+            Touched::Play => Touch::Play(Box::new(OwnGesture::new(scene)?)),
+            Touched::Stop => Touch::Stop,
+            Touched::Port(port, value) => Touch::Port(port, value),
+        })
+    }
+}
+
+impl Touched {
+    /// In words; none for what comes many times a second.
+    pub fn words(&self, scene: Option<&Scene>) -> Option<String> {
+        Some(match self {
+            Touched::Grab(mass) => {
+                let symbol = scene.and_then(|s| s.symbols.get(*mass as usize));
+                symbol.map_or_else(|| format!("grabs mass {mass}"), |s| format!("grabs {}", s.name))
+            }
+            Touched::Release => "lets go".into(),
+            Touched::Play => "the model's own gesture begins".into(),
+            Touched::Stop => "the model's own gesture ends".into(),
+            Touched::Pull(_) | Touched::Port(..) => return None,
+        })
+    }
+}
+
+/// A port that a gesture moves.
+#[derive(Clone, Debug, PartialEq)]
+struct Driven {
+    input: usize,
+    role: InputRole,
+    track: Track,
+    near: usize,
+    /// where it was when the gesture began
+    from: f64,
+}
+
+/// The gesture that a model brings along, as an engine plays it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OwnGesture {
+    driven: Vec<Driven>,
+    /// tick at which it began
+    start: u64,
+    /// ticks of its lead-in
+    lead: u64,
+    sample_dt: f64,
+    /// the scene was loaded again: nothing of it is left but its memory, which is freed elsewhere
+    over: bool,
+}
+
+impl OwnGesture {
+    /// Of a scene; `None` where the model brings none.
+    pub fn new(scene: &Scene) -> Option<OwnGesture> {
+        if scene.gestures.is_empty() {
+            return None;
+        }
+        let track = |(name, points): &(String, Vec<[f64; 2]>)| {
+            let input = scene.input(name)?;
+            let track = Track::points(name.clone(), points.iter().map(|p| (p[0], p[1])).collect()).ok()?;
+            Some(Driven { input, role: scene.inputs[input].role, track, near: 0, from: 0.0 })
+        };
+        let driven = scene.gestures.iter().filter_map(track).collect();
+        let lead = (LEAD * scene.rate).round() as u64;
+        Some(OwnGesture { driven, start: 0, lead, sample_dt: scene.sample_dt, over: false })
+    }
+
+    /// Ticks of its lead-in.
+    pub fn lead(&self) -> u64 {
+        self.lead
+    }
+
+    fn begin(&mut self, state: &State) {
+        self.start = state.tick;
+        for d in &mut self.driven {
+            (d.from, d.near) = (state.input[d.input], 0);
+        }
+    }
+
+    /// Moves the ports of one kind to where they are at `tick`.
+    fn drive(&mut self, tick: u64, input: &mut [f64], is: impl Fn(InputRole, usize) -> bool) {
+        if self.over {
+            return;
+        }
+        let since = tick.saturating_sub(self.start);
+        for d in &mut self.driven {
+            if !is(d.role, d.input) {
+                continue;
+            }
+            let t = since.saturating_sub(self.lead) as f64 * self.sample_dt;
+            let value = d.track.at_near(&mut d.near, t);
+            input[d.input] =
+                if since < self.lead { d.from + (value - d.from) * since as f64 / self.lead as f64 } else { value };
+        }
+    }
+}
+
+/// A port on its way.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Glide {
+    input: usize,
+    to: f64,
+    step: f64,
+    left: u32,
+}
+
+/// All hands of an engine that are no device.
+pub(super) struct Hands {
+    pub(super) pointer: Option<Pointer>,
+    own: Option<Box<OwnGesture>>,
+    /// room for every port
+    glides: Vec<Glide>,
+    glide: u32,
+}
+
+impl Hands {
+    pub(super) fn new(scene: &Scene) -> Hands {
+        let glide = (GLIDE * scene.rate).max(1.0) as u32;
+        Hands { pointer: None, own: None, glides: Vec::with_capacity(scene.inputs.len()), glide }
+    }
+
+    /// Does what is asked; gives back what is to be freed elsewhere, and false where the scene has no such port.
+    pub(super) fn touch(&mut self, scene: &Scene, state: &State, touch: Touch) -> (Option<Box<OwnGesture>>, bool) {
+        match touch {
+            Touch::Grab(mut pointer) => {
+                pointer.hold(state);
+                self.pointer = Some(pointer);
+            }
+            Touch::Pull(to) => {
+                if let Some(pointer) = &mut self.pointer {
+                    pointer.pull(to);
+                }
+            }
+            Touch::Release => self.pointer = None,
+            Touch::Play(mut own) => {
+                own.begin(state);
+                return (self.own.replace(own), true);
+            }
+            Touch::Stop => return (self.stop(state), true),
+            Touch::Port(port, value) => {
+                let is = |i: &&ca_core::scene::Input| i.role != InputRole::Device && value.is_finite();
+                if scene.inputs.get(port as usize).filter(is).is_none() {
+                    return (None, false);
+                }
+                self.send(state, port as usize, value);
+            }
+        }
+        (None, true)
+    }
+
+    fn send(&mut self, state: &State, input: usize, to: f64) {
+        let step = (to - state.input[input]) / f64::from(self.glide);
+        let glide = Glide { input, to, step, left: self.glide };
+        let room = self.glides.len() < self.glides.capacity();
+        match self.glides.iter_mut().find(|g| g.input == input) {
+            Some(g) => *g = glide,
+            // one for each port, for which there is room
+            None if room => self.glides.push(glide),
+            None => {}
+        }
+    }
+
+    fn stop(&mut self, state: &State) -> Option<Box<OwnGesture>> {
+        let own = self.own.take()?;
+        for d in own.driven.iter().filter(|d| d.role == InputRole::Force) {
+            self.send(state, d.input, 0.0);
+        }
+        Some(own)
+    }
+
+    /// Lets go of everything.
+    pub(super) fn let_go(&mut self) {
+        self.pointer = None;
+        self.glides.clear();
+        if let Some(own) = &mut self.own {
+            own.over = true;
+        }
+    }
+
+    /// Once a gesture frame: ports of devices, of those for which nobody speaks.
+    pub(super) fn frame(&mut self, scene: &Scene, state: &mut State, silent: impl Fn(usize) -> bool) {
+        if let Some(own) = &mut self.own {
+            // at a frame it is read where the frame ends, as everywhere
+            let end = state.tick + if state.tick == 0 { 0 } else { u64::from(scene.ratio) - 1 };
+            own.drive(end, &mut state.input, |role, input| role == InputRole::Device && silent(input));
+        }
+    }
+
+    /// Once a tick, before its forces.
+    #[inline]
+    pub(super) fn tick(&mut self, state: &mut State) {
+        if !self.glides.is_empty() {
+            for g in &mut self.glides {
+                let x = &mut state.input[g.input];
+                *x = if g.left > 1 { *x + g.step } else { g.to };
+                g.left = g.left.saturating_sub(1);
+            }
+            self.glides.retain(|g| g.left > 0);
+        }
+        if let Some(own) = &mut self.own {
+            own.drive(state.tick, &mut state.input, |role, _| role != InputRole::Device);
+        }
+    }
+}

@@ -1,0 +1,154 @@
+//! Hands without a device, as the recorder knows them: what is held, and how far the model's own gesture is.
+//!
+//! Decides that live parameters of a gesture are set from here, as by anybody else: the recorder alone knows what else
+//! was set, and what it sets is recorded, so that a take has the same bits however late this thread was.
+
+use super::Recorder;
+use crate::engine::{EngineCommand, OwnGesture, Touch, Touched};
+use ca_core::Scene;
+use ca_core::pointer::Pointer;
+use ca_core::scene::InputRole;
+use ca_io::gesture::Track;
+
+/// What the recorder knows of hands without a device.
+pub(super) struct Hand {
+    /// MAT that is held
+    held: Option<usize>,
+    /// the tick at which the gesture began to move things, after its lead-in
+    began: Option<u64>,
+    /// ticks that it takes
+    length: u64,
+    /// live parameters in it
+    params: Vec<Track>,
+}
+
+impl Hand {
+    pub(super) fn new(scene: &Scene) -> Hand {
+        let all: Vec<Track> = scene
+            .gestures
+            .iter()
+            .filter_map(|(name, p)| Track::points(name.clone(), p.iter().map(|p| (p[0], p[1])).collect()).ok())
+            .collect();
+        let length = all.iter().map(Track::duration).fold(0.0, f64::max) * scene.rate;
+        let params = all.into_iter().filter(|t| scene.input(t.name()).is_none()).collect();
+        Hand { held: None, began: None, length: length.ceil() as u64, params }
+    }
+
+    /// The scene was loaded again.
+    pub(super) fn let_go(&mut self) {
+        (self.held, self.began) = (None, None);
+    }
+
+    /// The engine did it.
+    pub(super) fn touched(&mut self, tick: u64, touched: &Touched) {
+        match touched {
+            Touched::Grab(mass) => self.held = Some(*mass as usize),
+            Touched::Release => self.held = None,
+            Touched::Stop => self.began = None,
+            Touched::Play | Touched::Pull(_) | Touched::Port(..) => {}
+        }
+        if *touched == Touched::Play {
+            self.began = Some(tick);
+        }
+    }
+}
+
+impl Recorder {
+    /// A pointer holds MAT number `mass` of the scene, where it is; one that held another lets go of that.
+    ///
+    /// # Errors
+    /// In words, where it cannot be held, or the engine takes no order.
+    pub fn grab(&mut self, mass: usize) -> Result<(), String> {
+        let pointer = Pointer::new(&self.scene, mass).map_err(|e| e.to_string())?;
+        self.command(EngineCommand::Touch(Touch::Grab(pointer)))
+    }
+
+    /// Pulls the mass that is held to a displacement from rest \[m\]; on a line the first number counts.
+    ///
+    /// # Errors
+    /// In words, where that is no place, or the engine takes no order.
+    pub fn drag(&mut self, to: [f64; 3]) -> Result<(), String> {
+        if to.iter().any(|x| !x.is_finite()) {
+            return Err("a mass is pulled to a place [m]".into());
+        }
+        self.command(EngineCommand::Touch(Touch::Pull(to)))
+    }
+
+    /// Lets go of the mass that is held.
+    ///
+    /// # Errors
+    /// In words, where the engine takes no order.
+    pub fn release(&mut self) -> Result<(), String> {
+        self.command(EngineCommand::Touch(Touch::Release))
+    }
+
+    /// Begins the model's own gesture, from its start, or ends it.
+    ///
+    /// # Errors
+    /// In words, where the model has none, or the engine takes no order.
+    pub fn gesture(&mut self, play: bool) -> Result<(), String> {
+        if !play {
+            return self.command(EngineCommand::Touch(Touch::Stop));
+        }
+        let own = OwnGesture::new(&self.scene).ok_or("the model brings no gesture; give it a `[gesture]`")?;
+        self.command(EngineCommand::Touch(Touch::Play(Box::new(own))))
+    }
+
+    /// Sends a position port to a position \[m\], or a force port to a force \[N\].
+    ///
+    /// # Errors
+    /// In words, where there is no such port, it is that of a device, or the engine takes no order.
+    pub fn port(&mut self, name: &str, value: f64) -> Result<(), String> {
+        let all = || {
+            let ports = self.scene.inputs.iter().filter(|i| i.role != InputRole::Device);
+            let names: Vec<String> = ports.map(|i| format!("`{}`", i.name)).collect();
+            if names.is_empty() { "it has none".into() } else { format!("there is {}", names.join(", ")) }
+        };
+        let Some(input) = self.scene.input(name) else {
+            return Err(format!("the model has no port `{name}`; {}", all()));
+        };
+        if self.scene.inputs[input].role == InputRole::Device {
+            return Err(format!("`{name}` is moved by its device; {}", all()));
+        }
+        if !value.is_finite() {
+            return Err(format!("`{name}` goes to a number [m or N]"));
+        }
+        self.command(EngineCommand::Touch(Touch::Port(input as u32, value)))
+    }
+
+    /// The MAT that a pointer holds.
+    pub fn held(&self) -> Option<usize> {
+        self.hand.held
+    }
+
+    /// Whether the model's own gesture is under way.
+    pub fn playing(&self) -> bool {
+        let lead = (crate::engine::LEAD * self.scene.rate).round() as u64;
+        self.hand.began.is_some_and(|began| self.tick < began + lead + self.hand.length)
+    }
+
+    /// Sets the live parameters of the gesture to where they are now.
+    pub(super) fn turn_gesture(&mut self) {
+        if self.hand.params.is_empty() || !self.playing() {
+            return;
+        }
+        let lead = (crate::engine::LEAD * self.scene.rate).round() as u64;
+        let Some(began) = self.hand.began else { return };
+        let t = self.tick.saturating_sub(began + lead) as f64 * self.scene.sample_dt;
+        let params = self.controls.params();
+        let changes: Vec<(String, f64)> = self
+            .hand
+            .params
+            .iter()
+            .filter_map(|track| {
+                let param = params.iter().find(|p| p.name == track.name())?;
+                let value = track.at(t).clamp(param.min, param.max);
+                (value != param.value).then(|| (param.name.clone(), value))
+            })
+            .collect();
+        if !changes.is_empty() {
+            // an engine that has more to do than it can take is asked again at the next turn
+            let _ = self.set(&changes);
+        }
+    }
+}

@@ -1,0 +1,225 @@
+//! A pointer that holds a mass: the coupling in closed form, what it costs who does not use it, its work in the ledger, and
+//! that no hand makes a scene diverge with it; ports and the model's own gesture by an engine.
+
+use crate::play::{Random, audited, mat, scene, with};
+use ca_compile::{Options, compile};
+use ca_core::pointer::{Pointer, Refused};
+use ca_core::{Scene, State, compute_forces, integrate};
+use ca_haptic::engine::{Engine, EngineCommand, Options as EngineOptions, OwnGesture, Touch, Touched};
+use ca_model::read;
+use ca_tests::{catalog, texts};
+use std::sync::Arc;
+
+const STRING: &str = "[STRING]\ns = { n = 40, f = \"110 Hz\", t60 = \"2 s\", m = \"1 g\" }\n[SOX]\nout = \"s[7]\"\n";
+const MESH: &str = "[MESH]\nm = { nx = 9, ny = 7, f = \"90 Hz\", t60 = \"2 s\" }\n[SOX]\nout = \"m[3,2]\"\n";
+const CLOTH: &str = r#"
+[w]
+dim = 3
+[w.MAS]
+a = { m = "1 g", at = ["0 cm", "0 cm", "0 cm"] }
+b = { m = "2 g", at = ["3 cm", "0 cm", "0 cm"] }
+c = { m = "1 g", at = ["0 cm", "3 cm", "1 cm"] }
+[w.RES]
+ab = { between = ["w.a", "w.b"], k = 900 }
+bc = { between = ["w.b", "w.c"], k = 700 }
+ca = { between = ["w.c", "w.a"], k = 800 }
+[SOX]
+out = { from = "w.a", along = [1, 0, 0] }
+"#;
+
+/// One tick with a pointer, as an engine runs it.
+fn tick(scene: &Scene, s: &mut State, pointer: &mut Pointer) {
+    compute_forces(scene, s);
+    pointer.prepare(s);
+    integrate(scene, s);
+    pointer.apply(s);
+}
+
+#[test]
+fn a_mass_alone_follows_in_closed_form() {
+    let scene = scene("[MAS]\nm = { m = \"3 g\" }\n[SOX]\nout = \"m\"\n");
+    let (mut s, mut pointer) = (scene.state(), Pointer::new(&scene, 0).unwrap());
+    pointer.hold(&s);
+    pointer.pull([5e-3, 0.0, 0.0]);
+    // the glide, and then a target that stands still
+    let glide = (scene.rate / 60.0) as u64;
+    for _ in 0..glide {
+        tick(&scene, &mut s, &mut pointer);
+    }
+    let [k, z] = pointer.coupling(&scene, &s);
+    let t = scene.sample_dt;
+    let (kappa, nu) = (k * t * t / 3e-3, z * t / 3e-3);
+    // x_{n+1} = (2 − κ − ν) x_n − (1 − ν) x_{n−1} about the target
+    let (b, c) = (0.5 * (2.0 - kappa - nu), 1.0 - nu);
+    let x0 = s.x[0] - 5e-3;
+    let before = s.x[0] - s.d[0] - 5e-3;
+    let root = (b * b - c).abs().sqrt();
+    let mut largest: f64 = 0.0;
+    for n in 1..2000 {
+        tick(&scene, &mut s, &mut pointer);
+        let n = f64::from(n);
+        // x_{-1} = before, x_0: two amplitudes
+        let want = if b * b >= c {
+            let (r1, r2) = (b + root, b - root);
+            let a = (x0 - before * r2) * r1 / (r1 - r2);
+            a * r1.powf(n) + (x0 - a) * r2.powf(n)
+        } else {
+            let (r, w) = (c.sqrt(), root.atan2(b));
+            let a = (x0 * w.cos() - before * r) / w.sin();
+            r.powf(n) * (x0 * (w * n).cos() + a * (w * n).sin())
+        };
+        largest = largest.max((s.x[0] - 5e-3 - want).abs());
+    }
+    assert!(largest < 1e-12, "{largest:e} m of 5 mm");
+    assert!((s.x[0] - 5e-3).abs() < 1e-9, "it is where it was pulled to");
+}
+
+#[test]
+fn who_holds_at_rest_changes_no_bit_and_who_lets_go_is_gone() {
+    for text in [STRING, MESH, CLOTH] {
+        let scene = scene(text);
+        let (mut alone, mut held) = (scene.state(), scene.state());
+        let mut pointer = Pointer::new(&scene, scene.mats() / 2).unwrap();
+        pointer.hold(&held);
+        for n in 0..500 {
+            ca_core::tick(&scene, &mut alone);
+            if n < 250 {
+                tick(&scene, &mut held, &mut pointer);
+            } else {
+                ca_core::tick(&scene, &mut held);
+            }
+        }
+        assert_eq!(alone.bits(), held.bits(), "{text}");
+    }
+}
+
+#[test]
+fn what_a_pointer_gives_stands_in_the_ledger() {
+    for text in [STRING, MESH, CLOTH] {
+        let scene = audited(text);
+        let (mut s, mut pointer) = (scene.state(), Pointer::new(&scene, scene.mats() / 2).unwrap());
+        let mut random = Random(7);
+        pointer.hold(&s);
+        for n in 0..6000 {
+            if n < 4000 {
+                if n % 500 == 0 {
+                    pointer.pull([0.0; 3].map(|_: f64| 5e-4 * random.uniform()));
+                }
+                tick(&scene, &mut s, &mut pointer);
+            } else {
+                ca_core::tick(&scene, &mut s);
+            }
+        }
+        let ledger = s.ledger.as_deref().unwrap();
+        let balance = ledger.balance();
+        assert!(balance.work > 0.0 && balance.work == ledger.pointer, "{balance:?}");
+        assert!(balance.residual.abs() <= 1e-9 * balance.peak, "{text}\n{balance:?}");
+    }
+}
+
+#[test]
+fn what_cannot_be_held_says_why() {
+    let scene = scene(
+        "[SOL]\nwall = {}\n[MAS]\nm = { m = 1 }\n[ENX]\npush = {}\n[REF]\na = { between = [\"wall\", \"m\"], k = 1e5, z = 1 }\n\
+         b = { between = [\"push\", \"m\"], k = 1e4, z = 1 }\n[SOX]\nout = \"m\"\n",
+    );
+    let refused = |name: &str| {
+        let place = mat(&scene, name) as u32;
+        Pointer::new(&scene, scene.symbols.places().iter().position(|p| *p == place).unwrap()).err()
+    };
+    assert_eq!(refused("wall"), Some(Refused::Fixed("wall".into())));
+    assert_eq!(refused("push"), Some(Refused::Port("push".into())));
+    assert_eq!(refused("m"), None);
+    assert_eq!(Pointer::new(&scene, 3).err(), Some(Refused::Unknown));
+    let stiff = |k: f64| {
+        let text = format!(
+            "[SOL]\nw = {{}}\n[MAS]\nm = {{ m = 1 }}\n[RES]\na = {{ between = [\"w\", \"m\"], k = {k} }}\n[SOX]\nout = \"m\"\n"
+        );
+        let scene = crate::play::scene(&text);
+        let at = scene.symbols.places().iter().position(|p| *p == mat(&scene, "m") as u32).unwrap();
+        Pointer::new(&scene, at).map(|p| p.coupling(&scene, &scene.state())[0])
+    };
+    // κ = kT²/m: nothing is left at 4, and the coupling takes half of what is
+    let limit = 4.0 * 48_000.0 * 48_000.0;
+    assert_eq!(stiff(limit), Err(Refused::Margin("m".into())));
+    let [soft, firm] = [0.999, 0.5].map(|part| stiff(part * limit).unwrap());
+    assert!(soft < 0.01 * firm, "{soft} {firm}");
+}
+
+/// Whatever is done to any mass of a bundled model, it does not diverge, and comes to no more once it is let go.
+#[test]
+fn no_hand_makes_a_bundled_model_diverge() {
+    let wild = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300, -1e300, 0.0];
+    for (name, text) in texts() {
+        let (model, _) = read::read(&text, &name, &catalog());
+        let Ok(compiled) = compile(&model, &catalog(), &Options { whole: true, ..Options::default() }) else {
+            continue;
+        };
+        let scene = Arc::new(compiled.scene);
+        let mut random = Random(11);
+        let mut held = 0;
+        let step = (scene.mats() / 12).max(1);
+        for mass in (0..scene.mats()).step_by(step) {
+            let Some(grab) = Touched::Grab(mass as u32).again(&scene) else { continue };
+            held += 1;
+            let mut engine = Engine::new(scene.clone(), Vec::new(), EngineOptions::default());
+            engine.command(EngineCommand::Touch(grab));
+            let frame = |engine: &mut Engine| {
+                let _ = engine.answer().count();
+                engine.finish();
+            };
+            for n in 0..600 {
+                if n % 50 == 0 {
+                    let any = |r: &mut Random| {
+                        if r.uniform() < -0.4 { wild[(r.uniform().abs() * 6.0) as usize % 6] } else { r.uniform() }
+                    };
+                    let to = [any(&mut random), any(&mut random), any(&mut random)];
+                    engine.command(EngineCommand::Touch(Touch::Pull(to)));
+                }
+                frame(&mut engine);
+            }
+            engine.command(EngineCommand::Touch(Touch::Release));
+            for _ in 0..300 {
+                frame(&mut engine);
+            }
+            let at = scene.symbols.get(mass).map(|s| s.name.to_string()).unwrap_or_default();
+            assert!(!engine.has_diverged() && engine.state.is_bounded(1e3), "{name}: `{at}`");
+        }
+        eprintln!("{name}: {held} masses held");
+    }
+}
+
+#[test]
+fn ports_glide_and_a_gesture_begins_where_they_are() {
+    let text = "[ENX]\np = { x = \"1 mm\" }\n[MAS]\nm = { m = \"1 g\" }\n[REF]\nl = { between = [\"p\", \"m\"], k = 1e4, z = 0.1 }\n\
+                [SOX]\nout = \"m\"\n[gesture]\np = [[0, 2e-3], [0.1, 5e-3]]\n";
+    let scene = Arc::new(with(text, &Options::default()).scene);
+    let mut engine = Engine::new(scene.clone(), Vec::new(), EngineOptions::default());
+    let input = scene.input("p").unwrap();
+    let mut moved: f64 = 0.0;
+    let mut run = |engine: &mut Engine, seconds: f64| {
+        for _ in 0..(3000.0 * seconds) as u32 {
+            let before = engine.state.input[input];
+            let _ = engine.answer().count();
+            engine.finish();
+            moved = moved.max((engine.state.input[input] - before).abs());
+        }
+        engine.state.input[input]
+    };
+    let at = run(&mut engine, 0.05);
+    engine.command(EngineCommand::Touch(Touch::Port(input as u32, 4e-3)));
+    assert_eq!(run(&mut engine, 0.05), 4e-3, "from {at}");
+    engine.command(EngineCommand::Touch(Touch::Play(Box::new(OwnGesture::new(&scene).unwrap()))));
+    assert_eq!(run(&mut engine, 0.3), 5e-3, "the end of the gesture");
+    // from the beginning, and ended half-way: it stays
+    engine.command(EngineCommand::Touch(Touch::Play(Box::new(OwnGesture::new(&scene).unwrap()))));
+    let half = run(&mut engine, 0.1);
+    assert!(half > 2.5e-3 && half < 4.5e-3, "{half}");
+    assert!(engine.command(EngineCommand::Touch(Touch::Stop)).is_some(), "its memory is given back");
+    assert_eq!(run(&mut engine, 0.1), half);
+    // 3 mm in 17 ms is the fastest of it: 60 µm a frame
+    assert!(moved < 8e-5, "a jump of {moved} m");
+    engine.command(EngineCommand::Touch(Touch::Port(99, 1.0)));
+    engine.command(EngineCommand::Touch(Touch::Port(input as u32, f64::NAN)));
+    assert_eq!(engine.counts.refused, 2);
+}
