@@ -4,14 +4,16 @@
 use crate::play::{Random, audited, mat, scene, with};
 use ca_compile::{Options, compile};
 use ca_core::pointer::{Pointer, Refused};
+use ca_core::scene::certificate::Level;
 use ca_core::{Scene, State, compute_forces, integrate};
 use ca_haptic::engine::{Engine, EngineCommand, Options as EngineOptions, OwnGesture, Touch, Touched};
 use ca_model::read;
 use ca_tests::{catalog, texts};
 use std::sync::Arc;
 
-const STRING: &str = "[STRING]\ns = { n = 40, f = \"110 Hz\", t60 = \"2 s\", m = \"1 g\" }\n[SOX]\nout = \"s[7]\"\n";
-const MESH: &str = "[MESH]\nm = { nx = 9, ny = 7, f = \"90 Hz\", t60 = \"2 s\" }\n[SOX]\nout = \"m[3,2]\"\n";
+const STRING: &str =
+    "[STRING]\ns = { n = 40, f = \"110 Hz\", t60 = \"2 s\", m = \"1 g\" }\n[SOX]\nout = { from = \"s[7]\" }\n";
+const MESH: &str = "[MESH]\nm = { nx = 9, ny = 7, f = \"90 Hz\", m = \"1 g\", t60 = \"2 s\" }\n[SOX]\nout = { from = \"m[3,2]\" }\n";
 const CLOTH: &str = r#"
 [w]
 dim = 3
@@ -37,7 +39,7 @@ fn tick(scene: &Scene, s: &mut State, pointer: &mut Pointer) {
 
 #[test]
 fn a_mass_alone_follows_in_closed_form() {
-    let scene = scene("[MAS]\nm = { m = \"3 g\" }\n[SOX]\nout = \"m\"\n");
+    let scene = scene("[MAS]\nm = { m = \"3 g\" }\n[SOX]\nout = { from = \"m\" }\n");
     let (mut s, mut pointer) = (scene.state(), Pointer::new(&scene, 0).unwrap());
     pointer.hold(&s);
     pointer.pull([5e-3, 0.0, 0.0]);
@@ -121,7 +123,7 @@ fn what_a_pointer_gives_stands_in_the_ledger() {
 fn what_cannot_be_held_says_why() {
     let scene = scene(
         "[SOL]\nwall = {}\n[MAS]\nm = { m = 1 }\n[ENX]\npush = {}\n[REF]\na = { between = [\"wall\", \"m\"], k = 1e5, z = 1 }\n\
-         b = { between = [\"push\", \"m\"], k = 1e4, z = 1 }\n[SOX]\nout = \"m\"\n",
+         b = { between = [\"push\", \"m\"], k = 1e4, z = 1 }\n[SOX]\nout = { from = \"m\" }\n",
     );
     let refused = |name: &str| {
         let place = mat(&scene, name) as u32;
@@ -133,7 +135,7 @@ fn what_cannot_be_held_says_why() {
     assert_eq!(Pointer::new(&scene, 3).err(), Some(Refused::Unknown));
     let stiff = |k: f64| {
         let text = format!(
-            "[SOL]\nw = {{}}\n[MAS]\nm = {{ m = 1 }}\n[RES]\na = {{ between = [\"w\", \"m\"], k = {k} }}\n[SOX]\nout = \"m\"\n"
+            "[SOL]\nw = {{}}\n[MAS]\nm = {{ m = 1 }}\n[RES]\na = {{ between = [\"w\", \"m\"], k = {k} }}\n[SOX]\nout = {{ from = \"m\" }}\n"
         );
         let scene = crate::play::scene(&text);
         let at = scene.symbols.places().iter().position(|p| *p == mat(&scene, "m") as u32).unwrap();
@@ -146,9 +148,13 @@ fn what_cannot_be_held_says_why() {
     assert!(soft < 0.01 * firm, "{soft} {firm}");
 }
 
-/// Whatever is done to any mass of a bundled model, it does not diverge, and comes to no more once it is let go.
+/// Whatever is done to any mass of a bundled model, it does not diverge; nor does any model that is proven to be stable. Laws
+/// that stiffen without end, in the models of tests, can be pressed beyond what their rule of thumb covers: those are silent
+/// then (H15).
 #[test]
 fn no_hand_makes_a_bundled_model_diverge() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../models");
+    let bundled = |name: &str| folder.join(name).exists();
     let wild = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300, -1e300, 0.0];
     for (name, text) in texts() {
         let (model, _) = read::read(&text, &name, &catalog());
@@ -183,7 +189,9 @@ fn no_hand_makes_a_bundled_model_diverge() {
                 frame(&mut engine);
             }
             let at = scene.symbols.get(mass).map(|s| s.name.to_string()).unwrap_or_default();
-            assert!(!engine.has_diverged() && engine.state.is_bounded(1e3), "{name}: `{at}`");
+            let must = bundled(&name) || scene.certificate.level == Level::Proven;
+            assert!(!(must && engine.has_diverged()), "{name}: `{at}`");
+            assert!(engine.has_diverged() || engine.state.is_bounded(1e3), "{name}: `{at}`");
         }
         eprintln!("{name}: {held} masses held");
     }
@@ -192,7 +200,7 @@ fn no_hand_makes_a_bundled_model_diverge() {
 #[test]
 fn ports_glide_and_a_gesture_begins_where_they_are() {
     let text = "[ENX]\np = { x = \"1 mm\" }\n[MAS]\nm = { m = \"1 g\" }\n[REF]\nl = { between = [\"p\", \"m\"], k = 1e4, z = 0.1 }\n\
-                [SOX]\nout = \"m\"\n[gesture]\np = [[0, 2e-3], [0.1, 5e-3]]\n";
+                [SOX]\nout = { from = \"m\" }\n[gesture]\np = [[0, 2e-3], [0.1, 5e-3]]\n";
     let scene = Arc::new(with(text, &Options::default()).scene);
     let mut engine = Engine::new(scene.clone(), Vec::new(), EngineOptions::default());
     let input = scene.input("p").unwrap();

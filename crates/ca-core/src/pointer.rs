@@ -13,8 +13,9 @@
 //! live parameter that makes the mass lighter makes the coupling weaker too.
 //!
 //! The pointer moves in a straight line from where it was to where it was last seen, since a mouse is read 60 to 120 times
-//! a second. How far it may be from rest has a bound ([`Pointer::reach`]): what is out of scale with the instrument is a
-//! mistake of the hand, and would only test what its laws do out of their range.
+//! a second. How far it may be from rest has a bound ([`Pointer::reach`]), and so has how hard it pulls: as the spring does
+//! at a hundredth of that. A hand is no vice, and laws that stiffen with the cube of their length, which no
+//! certificate covers far from rest, are not pressed to where they diverge.
 
 use crate::numeric::{real, wide};
 use crate::scene::certificate::{Certificate, Level};
@@ -28,8 +29,10 @@ const FEEL: f64 = 1000.0;
 const GLIDE: f64 = 1.0 / 60.0;
 /// Least reach of a pointer \[m\].
 const REACH: f64 = 0.01;
+/// The coupling pulls as hard as its spring does at this share of the reach.
+const STRETCH: f64 = 0.01;
 /// Speeds at load are as far as they would go in this time \[s\].
-const THROW: f64 = 0.01;
+const THROW: f64 = 1e-3;
 
 /// Why a mass cannot be held.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -195,7 +198,8 @@ impl Pointer {
             let (x, d) = (wide(s.x[self.place + k]), wide(s.d[self.place + k]));
             let step = if moves { self.step[k] } else { 0.0 };
             self.before[k] = d;
-            self.add[k] = self.spring * (self.at[k] - x) + self.damper * (step - d);
+            let most = self.spring * STRETCH * self.reach;
+            self.add[k] = (self.spring * (self.at[k] - x) + self.damper * (step - d)).clamp(-most, most);
             self.at[k] = if self.left > 1 { self.at[k] + step } else { self.to[k] };
         }
         self.left = self.left.saturating_sub(1);

@@ -11,7 +11,7 @@ void main() {
   vec2 c = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0 - 1.0;
   corner = c; v_tone = tone; v_fixed = fixed_; v_marked = float(gl_InstanceID) == u_marked ? 1.0 : 0.0;
   vec4 p = u_matrix * vec4(at, 1.0);
-  float grow = v_marked > 0.5 ? 1.6 : (fixed_ > 0.5 ? 0.8 : 1.0);
+  float grow = v_marked > 0.5 ? 1.7 : (fixed_ > 0.5 ? 0.9 : 1.0);
   gl_Position = p + vec4(c * u_size * grow, 0.0, 0.0);
 }`;
 const DISC_COLOUR = `#version 300 es
@@ -141,7 +141,7 @@ export class Picture {
     }
     gl.useProgram(this.discs.program);
     gl.uniformMatrix4fv(this.discs.at("u_matrix"), false, matrix);
-    const r = Math.max(scene.radius, 2.2 * camera.pixel);
+    const r = Math.max(scene.radius, 2.4 * camera.pixel);
     gl.uniform2f(this.discs.at("u_size"), r * camera.clip[0], r * camera.clip[1]);
     gl.uniform1f(this.discs.at("u_marked"), marked);
     for (const name of ["low", "middle", "high", "fixed", "mark"]) gl.uniform3fv(this.discs.at("u_" + name), theme[name]);

@@ -9,7 +9,7 @@ const re = new Float64Array(N), im = new Float64Array(N);
 export class Meters {
   constructor(scope, spectrum, sound) {
     Object.assign(this, { scope, spectrum, sound });
-    this.smooth = new Float32Array(N / 2);
+    this.smooth = new Float32Array(N / 2).fill(-140);
   }
 
   draw() {
@@ -26,38 +26,43 @@ export class Meters {
       }
       return;
     }
+    this.still ??= 0;
     // from a rising zero, so that it stands still
     let from = (at - 2048) & (N - 1);
     for (let i = 0; i < 1024; i++) {
-      const a = recent[(from + i) & (N - 1)], b = recent[(from + i + 1) & (N - 1)];
+      const a = recent[(from + i) & (N - 1)] - this.still, b = recent[(from + i + 1) & (N - 1)] - this.still;
       if (a < 0 && b >= 0) {
         from = (from + i) & (N - 1);
         break;
       }
     }
     const [w, h] = [wave.canvas.clientWidth, wave.canvas.clientHeight];
+    // what stands still is not heard
+    let still = 0;
+    for (let i = 0; i < N; i++) still += recent[i] / N;
+    this.still = still;
     let most = 1e-6;
-    for (let i = 0; i < 960; i++) most = Math.max(most, Math.abs(recent[(from + i) & (N - 1)]));
+    for (let i = 0; i < 960; i++) most = Math.max(most, Math.abs(recent[(from + i) & (N - 1)] - still));
     const full = Math.max(most, 1e-4);
     wave.strokeStyle = accent;
     wave.lineWidth = 1.4;
     wave.beginPath();
-    for (let i = 0; i < 960; i++) wave.lineTo((i / 959) * w, h / 2 - (recent[(from + i) & (N - 1)] / full) * (h / 2 - 6));
+    for (let i = 0; i < 960; i++) wave.lineTo((i / 959) * w, h / 2 - ((recent[(from + i) & (N - 1)] - still) / full) * (h / 2 - 6));
     wave.stroke();
     wave.fillStyle = dim;
     wave.font = "11px system-ui, sans-serif";
     wave.fillText(`${decibel(most)} dB, 20 ms`, 8, 14);
 
-    for (let i = 0; i < N; i++) [re[i], im[i]] = [recent[(at + i) & (N - 1)] * hann[i], 0];
+    for (let i = 0; i < N; i++) [re[i], im[i]] = [(recent[(at + i) & (N - 1)] - still) * hann[i], 0];
     transform(re, im);
-    let loud = 0;
+    let loud = 2;
     lines.strokeStyle = accent;
     lines.lineWidth = 1.2;
     lines.beginPath();
     for (let i = 1; i < N / 2; i++) {
       const db = 10 * Math.log10((re[i] * re[i] + im[i] * im[i]) * (16 / N / N) + 1e-14);
-      this.smooth[i] = Math.max(db, this.smooth[i] - 3 || db);
-      if (this.smooth[i] > this.smooth[loud]) loud = i;
+      this.smooth[i] = Math.max(db, this.smooth[i] - 3);
+      if (i > 1 && this.smooth[i] > this.smooth[loud]) loud = i;
       const hz = (i * rate) / N;
       if (hz < 20 || hz > 20000) continue;
       const x = (Math.log(hz / 20) / Math.log(1000)) * w;

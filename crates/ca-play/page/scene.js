@@ -32,12 +32,28 @@ export class Scene {
         high[k] = Math.max(high[k], centre[k] + radius);
       }
     }
+    [this.low, this.high] = [low, high];
     this.middle = n ? low.map((l, k) => (l + high[k]) / 2) : [0, 0, 0];
     this.size = Math.max(1e-6, Math.hypot(...low.map((l, k) => high[k] - l)) / 2 || 0.05);
     this.up = drawing.up ?? [0, 0, 1];
     this.flat = this.space.every((s) => s === 0);
-    // where neighbours stand near, masses are small
-    this.radius = Math.min(0.03, Math.max(0.004, 0.35 / Math.sqrt(Math.max(n, 1)))) * this.size;
+    // a sheet lies in both directions across its motion, and is seen from above
+    const across = low.map((l, k) => (high[k] - l) * (1 - Math.abs(this.up[k]))).sort((a, b) => b - a);
+    this.sheet = across[1] > 0.15 * across[0];
+    this.radius = Math.min(0.025 * this.size, Math.max(0.005 * this.size, 0.42 * this.spacing()));
+  }
+
+  /** Median length of the links, contacts aside: where neighbours stand near, masses are small. */
+  spacing() {
+    const all = [];
+    for (const { contact, ends } of this.links) {
+      for (let i = 0; !contact && i < ends.length && all.length < 20000; i += 2) {
+        const [a, b] = [3 * ends[i], 3 * ends[i + 1]];
+        all.push(Math.hypot(...[0, 1, 2].map((k) => this.rest[a + k] - this.rest[b + k])));
+      }
+    }
+    all.sort((a, b) => a - b);
+    return all.length ? all[all.length >> 1] : this.size / Math.sqrt(Math.max(1, this.n));
   }
 
   /** A picture came: tick, and displacements. */
@@ -111,9 +127,10 @@ export class Camera {
   }
 
   reset() {
-    this.turn = this.scene.flat ? 0 : 0.6;
-    this.tilt = this.scene.flat ? 0.12 : 0.35;
+    this.turn = this.scene.flat ? (this.scene.sheet ? 0.45 : 0) : 0.6;
+    this.tilt = this.scene.sheet ? 0.6 : this.scene.flat ? 0.06 : 0.35;
     this.zoom = 1;
+    this.home = this.axes();
   }
 
   orbit(dx, dy) {
@@ -142,15 +159,21 @@ export class Camera {
   matrix(width, height) {
     const { right, up, forward } = this.axes();
     const m = this.scene.middle, r = this.scene.size;
-    const fit = this.zoom / (r * 1.12), aspect = width / Math.max(1, height);
-    const [sx, sy] = aspect > 1 ? [fit / aspect, fit] : [fit, fit * aspect];
-    const wide = aspect > 1.35 && this.scene.flat ? 1.35 : 1;
+    // the box of the scene as it is seen, with room for motion, fills the picture
+    const half = (axis, more) => {
+      const { low, high, size } = this.scene;
+      return Math.max(0.05 * size, axis.reduce((sum, v, k) => sum + Math.abs(v) * (high[k] - low[k]) * 0.5, 0)) + more * size;
+    };
+    const moves = this.scene.flat ? 0.2 : 0.08;
+    const [w, h] = [half(this.home.right, 0.08), half(this.home.up, moves)];
+    const scale = Math.min((0.9 * width) / w, (0.78 * height) / h) * this.zoom;
+    const [sx, sy] = [scale / Math.max(1, width), scale / Math.max(1, height)];
     const dot = (a) => a[0] * m[0] + a[1] * m[1] + a[2] * m[2];
     const z = 0.25 / r / Math.max(1, this.zoom);
-    this.pixel = 2 / (sx * wide * width);
-    this.clip = [sx * wide, sy * wide, z];
-    const rows = [right.map((v) => v * sx * wide), up.map((v) => v * sy * wide), forward.map((v) => v * z)];
-    const shift = [-dot(right) * sx * wide, -dot(up) * sy * wide, -dot(forward) * z];
+    this.pixel = 2 / scale;
+    this.clip = [sx, sy, z];
+    const rows = [right.map((v) => v * sx), up.map((v) => v * sy), forward.map((v) => v * z)];
+    const shift = [-dot(right) * sx, -dot(up) * sy, -dot(forward) * z];
     const out = new Float32Array(16);
     for (let k = 0; k < 3; k++) {
       for (let j = 0; j < 3; j++) out[4 * j + k] = rows[k][j];

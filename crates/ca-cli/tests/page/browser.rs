@@ -1,0 +1,141 @@
+//! A real Chromium without a screen, spoken to by its DevTools protocol.
+
+use crate::skipped::skipped;
+use serde_json::{Value, json};
+use std::io::{BufRead as _, BufReader, Read as _};
+use std::net::TcpStream;
+use std::process::{Child, Command, Stdio};
+use std::time::Duration;
+use tungstenite::{Message, WebSocket};
+
+/// A page in a browser of its own.
+pub struct Tab {
+    socket: WebSocket<TcpStream>,
+    id: u64,
+    session: String,
+    errors: Vec<String>,
+    child: Child,
+    _profile: tempfile::TempDir,
+}
+
+impl Drop for Tab {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+impl Tab {
+    /// Opens an address; `None` where there is no Chromium.
+    pub fn open(address: &str) -> Option<Tab> {
+        let profile = tempfile::tempdir().unwrap();
+        let mut command = Command::new("chromium");
+        command.args(["--headless=new", "--no-sandbox", "--no-first-run", "--disable-background-networking"]);
+        command.args([
+            "--use-gl=angle",
+            "--use-angle=swiftshader",
+            "--enable-unsafe-swiftshader",
+            "--window-size=1440,900",
+        ]);
+        command.args(["--remote-debugging-port=0", "--disable-component-update", "--disable-sync", "about:blank"]);
+        command.arg(format!("--user-data-dir={}", profile.path().display()));
+        let Ok(mut child) = command.stderr(Stdio::piped()).stdout(Stdio::null()).spawn() else {
+            skipped("chromium", "no Chromium, so no page is played");
+            return None;
+        };
+        let mut err = BufReader::new(child.stderr.take().unwrap());
+        let at = loop {
+            let mut line = String::new();
+            assert!(err.read_line(&mut line).unwrap() > 0, "Chromium ended");
+            if let Some(at) = line.find("ws://") {
+                break line[at..].trim().to_owned();
+            }
+        };
+        std::thread::spawn(move || err.read_to_string(&mut String::new()));
+        let stream = TcpStream::connect(at["ws://".len()..].split('/').next().unwrap()).unwrap();
+        stream.set_read_timeout(Some(Duration::from_secs(30))).unwrap();
+        let socket = tungstenite::client(at.as_str(), stream).unwrap().0;
+        let mut tab = Tab { socket, id: 0, session: String::new(), errors: Vec::new(), child, _profile: profile };
+        let target = tab.command("Target.createTarget", json!({"url": "about:blank"}));
+        let attach = json!({"targetId": target["targetId"], "flatten": true});
+        tab.session = tab.command("Target.attachToTarget", attach)["sessionId"].as_str().unwrap().into();
+        for domain in ["Page", "Runtime", "Log"] {
+            tab.command(&format!("{domain}.enable"), json!({}));
+        }
+        tab.command("Page.navigate", json!({"url": address}));
+        Some(tab)
+    }
+
+    fn command(&mut self, method: &str, params: Value) -> Value {
+        self.id += 1;
+        let mut request = json!({"id": self.id, "method": method, "params": params});
+        if !self.session.is_empty() {
+            request["sessionId"] = json!(self.session);
+        }
+        self.socket.send(Message::text(request.to_string())).unwrap();
+        loop {
+            let Message::Text(text) = self.socket.read().unwrap() else { continue };
+            let message: Value = serde_json::from_str(&text).unwrap();
+            if message["id"] == self.id {
+                assert!(message["error"].is_null(), "{method}: {message}");
+                return message["result"].clone();
+            }
+            let bad = |level: &Value| level == "error" || level == "warning";
+            match message["method"].as_str().unwrap_or_default() {
+                "Runtime.exceptionThrown" => self.errors.push(message["params"].to_string()),
+                "Log.entryAdded" if bad(&message["params"]["entry"]["level"]) => {
+                    self.errors.push(message["params"].to_string());
+                }
+                "Runtime.consoleAPICalled" if bad(&message["params"]["type"]) => {
+                    self.errors.push(message["params"].to_string());
+                }
+                _ => {}
+            }
+        }
+    }
+
+    /// What an expression is in the page.
+    pub fn js(&mut self, expression: &str) -> Value {
+        let asked = json!({"expression": expression, "awaitPromise": true, "returnByValue": true});
+        self.command("Runtime.evaluate", asked)["result"]["value"].clone()
+    }
+
+    pub fn mouse(&mut self, kind: &str, x: f64, y: f64) {
+        let down = i32::from(kind != "mouseReleased");
+        let event = json!({"type": kind, "x": x, "y": y, "button": "left", "buttons": down, "clickCount": 1});
+        self.command("Input.dispatchMouseEvent", event);
+    }
+
+    /// A place at which a mass can be pressed.
+    pub fn near(&mut self) -> Option<[f64; 2]> {
+        let size = self.js("(() => { const r = document.getElementById('view').getBoundingClientRect(); return [r.width, r.height]; })()");
+        let [w, h] = [0, 1].map(|k| size[k].as_f64().unwrap());
+        for part in [0.5, 0.45, 0.55, 0.4, 0.6, 0.35, 0.65, 0.3, 0.7] {
+            for step in 0..40 {
+                let at = [part * w, h * (0.5 + 0.01 * f64::from(step / 2) * if step % 2 == 0 { 1.0 } else { -1.0 })];
+                let event = json!({"type": "mouseMoved", "x": at[0], "y": at[1], "button": "none", "buttons": 0});
+                self.command("Input.dispatchMouseEvent", event);
+                // the drawn string is what rings
+                let near = self.js("document.getElementById('view').classList.contains('near')");
+                if near == true && self.js("document.getElementById('tip').textContent").as_str().is_some() {
+                    let tip = "new Promise(r => setTimeout(() => r(document.getElementById('tip').textContent), 150))";
+                    if self.js(tip).as_str().is_some_and(|t| t.starts_with("low[")) {
+                        return Some(at);
+                    }
+                }
+            }
+        }
+        None
+    }
+
+    /// The picture as it is now.
+    pub fn picture(&mut self) -> String {
+        self.command("Page.captureScreenshot", json!({}))["data"].as_str().unwrap().into()
+    }
+
+    /// What went wrong in the page: exceptions, and messages that are errors or warnings.
+    pub fn errors(&mut self) -> Vec<String> {
+        // the software renderer of a machine without a screen says that it is slow
+        self.errors.iter().filter(|e| !e.contains("GL Driver Message") && !e.contains("GPU stall")).cloned().collect()
+    }
+}

@@ -1,0 +1,162 @@
+//! A running `ca play`, and a client of its page.
+
+use serde_json::{Value, json};
+use std::io::{BufRead as _, BufReader, Read as _};
+use std::net::TcpStream;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+use tungstenite::client::IntoClientRequest as _;
+use tungstenite::{Message, WebSocket};
+
+/// Tries again and again until it is so.
+#[track_caller]
+pub fn until(what: &str, mut is: impl FnMut() -> bool) {
+    let end = Instant::now() + Duration::from_secs(30);
+    while !is() {
+        assert!(Instant::now() < end, "{what}: not within 30 s");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
+/// The largest sample.
+pub fn peak(samples: &[f32]) -> f32 {
+    samples.iter().fold(0.0, |p, x| p.max(x.abs()))
+}
+
+/// The command, playing; ends with its value.
+pub struct Host {
+    dir: tempfile::TempDir,
+    child: Child,
+    pub address: String,
+}
+
+impl Host {
+    /// Plays a model.
+    pub fn play(model: &str, more: &[&str]) -> Host {
+        let dir = tempfile::Builder::new().prefix("cap").tempdir_in("/tmp").unwrap();
+        std::fs::write(dir.path().join("model.ca.toml"), model).unwrap();
+        let args = [&["play", "model.ca.toml", "--no-open", "--priority", "0", "--no-lock"], more].concat();
+        let mut child = command(dir.path()).args(args).stderr(Stdio::piped()).stdout(Stdio::null()).spawn().unwrap();
+        let mut err = BufReader::new(child.stderr.take().unwrap());
+        let mut all = String::new();
+        let address = loop {
+            let mut line = String::new();
+            assert!(err.read_line(&mut line).unwrap() > 0, "it ended: {all}");
+            all += &line;
+            if let Some(at) = line.find("http://") {
+                break line[at..].trim().to_owned();
+            }
+        };
+        // somebody has to read what it says, or it would wait
+        std::thread::spawn(move || err.read_to_string(&mut String::new()));
+        Host { dir, child, address }
+    }
+
+    /// A page of it.
+    pub fn page(&self) -> Client {
+        let place = self.address.strip_prefix("http://").unwrap();
+        let host = place.split('/').next().unwrap();
+        let stream = TcpStream::connect(host).unwrap();
+        stream.set_read_timeout(Some(Duration::from_secs(30))).unwrap();
+        let mut request = format!("ws://{place}ws").into_client_request().unwrap();
+        request.headers_mut().insert("Origin", format!("http://{host}").parse().unwrap());
+        Client { socket: tungstenite::client(request, stream).unwrap().0, id: 0 }
+    }
+
+    /// Waits for its end.
+    pub fn ended(&mut self) {
+        until("it ends", || self.child.try_wait().unwrap().is_some());
+    }
+
+    /// Another command in the same place; what it prints.
+    pub fn ca(&self, args: &[&str]) -> String {
+        let ran = command(self.dir.path()).args(args).output().unwrap();
+        let [out, err] = [ran.stdout, ran.stderr].map(|b| String::from_utf8(b).unwrap());
+        assert!(ran.status.success(), "{args:?}: {out}{err}");
+        out
+    }
+}
+
+impl Drop for Host {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+fn command(dir: &std::path::Path) -> Command {
+    let mut c = Command::new(env!("CARGO_BIN_EXE_ca"));
+    c.current_dir(dir).env("CA_SHM_ROOT", dir.join("s")).env("CA_CONFIG", dir.join("c"));
+    c
+}
+
+/// A page without a browser.
+pub struct Client {
+    socket: WebSocket<TcpStream>,
+    id: u64,
+}
+
+impl Client {
+    /// The next text of a type.
+    pub fn next(&mut self, kind: &str) -> Value {
+        loop {
+            if let Message::Text(text) = self.socket.read().unwrap() {
+                let message: Value = serde_json::from_str(&text).unwrap();
+                if message["type"] == kind {
+                    return message;
+                }
+            }
+        }
+    }
+
+    /// Asks, and waits for the answer.
+    pub fn ask(&mut self, request: &Value) -> Value {
+        self.id += 1;
+        let mut request = request.clone();
+        request["id"] = json!(self.id);
+        self.socket.send(Message::text(request.to_string())).unwrap();
+        loop {
+            let reply = self.next("reply");
+            if reply["id"] == self.id {
+                return reply;
+            }
+        }
+    }
+
+    /// Asks for what must be done.
+    #[track_caller]
+    pub fn done(&mut self, request: &Value) {
+        let reply = self.ask(request);
+        assert_eq!(reply["ok"], true, "{request}: {reply}");
+    }
+
+    /// The next block of bytes of a kind: numbers behind the head.
+    fn bytes(&mut self, kind: u32) -> (u32, Vec<f32>) {
+        loop {
+            if let Message::Binary(bytes) = self.socket.read().unwrap() {
+                if bytes[..4] == kind.to_le_bytes() {
+                    let second = u32::from_le_bytes(bytes[4..8].try_into().unwrap());
+                    let numbers = bytes[16..].chunks_exact(4).map(|c| f32::from_le_bytes(c.try_into().unwrap()));
+                    return (second, numbers.collect());
+                }
+            }
+        }
+    }
+
+    /// The next picture.
+    pub fn look(&mut self) -> Vec<f32> {
+        self.bytes(1).1
+    }
+
+    /// So many seconds of sound from now on, interleaved.
+    pub fn hear(&mut self, seconds: f64) -> Vec<f32> {
+        let mut all = Vec::new();
+        loop {
+            let (channels, block) = self.bytes(2);
+            all.extend(block);
+            if all.len() as f64 >= seconds * 48_000.0 * f64::from(channels) {
+                return all;
+            }
+        }
+    }
+}
