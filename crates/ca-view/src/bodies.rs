@@ -16,8 +16,10 @@ const NET: usize = 8;
 /// How the masses of a body stand.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shape {
-    /// one behind the other
+    /// one behind the other, linked
     Row,
+    /// one behind the other, each by itself, as the cells of a bank
+    Cells,
     /// in the plane
     Plane,
 }
@@ -64,6 +66,12 @@ impl Body {
     fn row(nodes: Vec<u32>, along: impl Iterator<Item = f64>) -> Body {
         let long = nodes.len();
         Body::new(nodes, along.map(|u| [u, 0.0]).collect(), Shape::Row, long)
+    }
+
+    /// Nodes in a row that do not hold each other.
+    fn cells(nodes: Vec<u32>) -> Body {
+        let n = nodes.len();
+        Body { shape: Shape::Cells, ..Body::row(nodes, (0..n).map(|i| i as f64)) }
     }
 
     /// Nodes in a circle, the first in front.
@@ -137,7 +145,7 @@ pub fn bodies(graph: &Graph) -> (Vec<Body>, Vec<bool>) {
                 };
                 Body::new(nodes, item.nodes().map(at).collect(), Shape::Plane, size[0].max(size[1]) as usize)
             }
-            // cells in a row that know only their neighbours, or nobody
+            None if !w.any => Body::cells(nodes),
             None if w.is_row(n) && (!w.closed || n < 4 || w.next + 1 < n) => Body::row(nodes, (0..n).map(|i| i as f64)),
             None if w.is_row(n) || n <= NET * NET => Body::ring(nodes),
             None => net(graph, nodes),
@@ -217,9 +225,8 @@ fn by_hand(graph: &Graph, taken: &mut [bool]) -> Vec<Body> {
         cells = row("MAS");
     }
     if !cells.is_empty() {
-        let n = cells.len();
         cells.iter().for_each(|n| taken[*n as usize] = true);
-        bodies.push(Body::row(cells, (0..n).map(|i| i as f64)));
+        bodies.push(Body::cells(cells));
     }
     bodies
 }

@@ -5,7 +5,7 @@
 //! motion stands right there, so that a blow is seen as one; else it is moved aside a little. No two stand at one place.
 
 use crate::graph::Graph;
-use crate::place::{Places, Stand, points, tie_one};
+use crate::place::{Places, Stand, tie_one};
 use std::collections::{BTreeSet, HashMap};
 
 /// Masses with at least so many links are placed late.
@@ -33,12 +33,16 @@ pub fn place(graph: &Graph, p: &mut Places) {
         return;
     }
     let around = neighbours(graph, &free);
+    let grain = 0.006 * p.width;
+    let mut taken: HashMap<[i64; 4], u32> = p.stand.iter().flatten().map(|s| (cell(s, grain), 0)).collect();
     // what is tied to space stands there
     let tied: Vec<u32> = p.tied.keys().copied().filter(|n| p.stand[*n as usize].is_none()).collect();
-    tied.into_iter().for_each(|n| tie_one(graph, p, n));
-    points(graph, p);
-    let grain = 0.03 * p.width;
-    let mut taken: HashMap<[i64; 4], u32> = p.stand.iter().flatten().map(|s| (cell(s, grain), 0)).collect();
+    for n in tied {
+        if let Some(mut stand) = tie_one(graph, p, n) {
+            aside(&mut stand, p.width, grain, &mut taken);
+            p.stand[n as usize] = Some(stand);
+        }
+    }
     let turn = |i: usize| {
         let n = free[i] as usize;
         match () {
@@ -117,28 +121,34 @@ fn beside(graph: &Graph, p: &Places, node: usize, around: &[u32], turn: Turn) ->
     let w = p.width;
     let standing = || around.iter().filter_map(|n| p.stand[*n as usize]);
     let frame = standing().next()?.frame;
-    let (mut sum, mut n) = ([0.0; 3], 0.0);
+    let (mut sum, mut low, mut high, mut n) = ([0.0; 3], [f64::INFINITY; 3], [f64::NEG_INFINITY; 3], 0.0);
     for s in standing().filter(|s| s.frame == frame) {
-        (0..3).for_each(|k| sum[k] += s.at[k]);
+        for k in 0..3 {
+            sum[k] += s.at[k];
+            low[k] = low[k].min(s.at[k]);
+            high[k] = high[k].max(s.at[k]);
+        }
         n += 1.0;
     }
     let [u, v, height] = sum.map(|s| s / n);
     let rest = graph.rest[node][0];
-    // at the end of a row that it holds
-    if let (Turn::Fixed, 1.0) = (turn, n) {
-        let beyond = around.iter().map(|m| p.beyond[*m as usize]).find(|b| *b != 0.0);
-        if let Some(beyond) = beyond {
-            return Some(Stand { frame, at: [u + beyond, v, rest] });
-        }
-    }
-    let apart = (rest - height).abs() >= 0.04 * w;
+    let apart = (rest - height).abs() >= 0.004 * w;
     let at = match turn {
         Turn::Moves if apart => [u, v, rest],
         Turn::Moves if graph.code(node) == "CEL" => [u, v + 0.1 * w, rest + 0.06 * w],
         Turn::Moves => [u, v - 0.06 * w, rest - 0.08 * w],
-        Turn::Bridge => [u, v + 0.2 * w, rest],
-        Turn::Fixed if apart => [u, v - 0.04 * w, rest],
-        Turn::Fixed => [u, v - 0.02 * w, rest - 0.16 * w],
+        Turn::Bridge => [u, high[1] + 0.16 * w, rest],
+        Turn::Fixed => {
+            let beyond = around.iter().map(|m| p.beyond[*m as usize]).find(|b| *b != 0.0);
+            let wide = high[0] - low[0];
+            match beyond {
+                // the end of a row
+                Some(beyond) if n == 1.0 => [u + beyond, v, rest],
+                // what holds many in a row is seen along it
+                _ if n > 2.0 && high[1] - low[1] < 0.5 * wide => [low[0] - 0.08 * w, v, height - 0.03 * w],
+                _ => [u - if n > 1.0 { 0.0 } else { 0.07 * w }, v - 0.02 * w, height - 0.14 * w],
+            }
+        }
     };
     Some(Stand { frame, at })
 }
