@@ -157,7 +157,7 @@ pub fn bodies(graph: &Graph) -> (Vec<Body>, Vec<bool>) {
 
 /// A network.
 fn net(graph: &Graph, nodes: Vec<u32>) -> Body {
-    let adjacent = Adjacent::new(graph.len(), &nodes, graph.edges.iter().filter(|e| e.law.is_some()).map(|e| e.ends));
+    let adjacent = Adjacent::new(graph.len(), &nodes, &graph.edges.iter().filter(|e| e.law.is_some()).map(|e| e.ends));
     let at = spread(&adjacent);
     let long = libm::sqrt(nodes.len() as f64) as usize + 1;
     Body::new(nodes, at, Shape::Plane, long)
@@ -175,13 +175,13 @@ fn by_hand(graph: &Graph, taken: &mut [bool]) -> Vec<Body> {
         .map(|n| n as u32)
         .collect();
     let springs = || graph.edges.iter().filter(|e| e.law.is_some() && !graph.is_contact(e)).map(|e| e.ends);
-    let all = Adjacent::new(graph.len(), &free, springs());
+    let all = Adjacent::new(graph.len(), &free, &springs());
     let degrees: Vec<usize> = (0..free.len()).map(|i| all.around(i).len()).collect();
     let linked = degrees.iter().filter(|d| **d > 0).count().max(1);
     let mean = degrees.iter().sum::<usize>() as f64 / linked as f64;
     let is_hub = |d: usize| d >= 5 && d as f64 > 3.0 * mean;
     let some: Vec<u32> = free.iter().zip(&degrees).filter(|(_, d)| !is_hub(**d)).map(|(n, _)| *n).collect();
-    let parts = Adjacent::new(graph.len(), &some, springs());
+    let parts = Adjacent::new(graph.len(), &some, &springs());
     let mut bodies = Vec::new();
     for part in parts.parts() {
         let ends: Vec<usize> = part.iter().copied().filter(|i| parts.around(*i).len() < 2).collect();
@@ -210,12 +210,13 @@ fn by_hand(graph: &Graph, taken: &mut [bool]) -> Vec<Body> {
         body.nodes.iter().for_each(|n| taken[*n as usize] = true);
         bodies.push(body);
     }
-    // cells that hang on no body stand in a row, as those of a bank do
+    // cells that hang on no body, and on nothing in space, stand in a row, as those of a bank do
     let mut held = vec![false; graph.len()];
     for [a, b] in springs() {
         held[a as usize] |= taken[b as usize];
         held[b as usize] |= taken[a as usize];
     }
+    graph.edges.iter().filter(|e| e.axis.is_some()).for_each(|e| e.ends.iter().for_each(|n| held[*n as usize] = true));
     let row = |code: &str| -> Vec<u32> {
         let fits = |n: &u32| graph.code(*n as usize) == code && !taken[*n as usize] && !held[*n as usize];
         some.iter().copied().filter(fits).collect()
@@ -225,7 +226,9 @@ fn by_hand(graph: &Graph, taken: &mut [bool]) -> Vec<Body> {
         cells = row("MAS");
     }
     if !cells.is_empty() {
-        cells.iter().for_each(|n| taken[*n as usize] = true);
+        for n in &cells {
+            taken[*n as usize] = true;
+        }
         bodies.push(Body::cells(cells));
     }
     bodies

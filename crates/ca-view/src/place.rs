@@ -42,7 +42,7 @@ impl Frame {
     }
 
     /// A place of the frame in space \[m\].
-    fn point(&self, at: [f64; 3]) -> [f64; 3] {
+    pub fn point(&self, at: [f64; 3]) -> [f64; 3] {
         [0, 1, 2].map(|k| self.origin[k] + (0..3).map(|a| self.axes[a][k] * at[a]).sum::<f64>())
     }
 
@@ -147,7 +147,8 @@ pub fn place(graph: &Graph, bodies: &[Body], gestures: &[f64]) -> (Vec<[f64; 3]>
         let [right, depth, up] = main.axes;
         let part = |v: [f64; 3], p: [f64; 3]| (0..3).map(|k| v[k] * p[k]).sum::<f64>();
         let middle = [0, 1, 2].map(|k| 0.5 * (low[k] + high[k]));
-        let edge = part(right, high).max(part(right, low));
+        let tied = p.stand.iter().flatten().filter(|s| s.frame > 0).map(|s| part(right, p.frames[s.frame].point(s.at)));
+        let edge = tied.fold(part(right, high).max(part(right, low)), f64::max);
         let left = p.stand.iter().flatten().filter(|s| s.frame == 0).map(|s| s.at[0]).fold(f64::INFINITY, f64::min);
         let to =
             [edge + 0.3 * p.width - if left.is_finite() { left } else { 0.0 }, part(depth, middle), part(up, middle)];
@@ -192,7 +193,7 @@ fn arrange(graph: &Graph, bodies: &[Body], p: &mut Places) {
     let columns = cells > 1 && !joined;
     let longest = bodies.iter().filter(|b| b.shape == Shape::Row).map(|b| b.long).max().unwrap_or(1);
     let gap = f64::min(0.16, 1.5 / (rows + cells).max(1) as f64) * w;
-    let beside = (1..).find(|k| k * k >= flat).unwrap_or(1);
+    let beside = (flat.saturating_sub(1).isqrt() + 1).max(1);
     let size = if beside > 1 { 1.6 / beside as f64 } else { 1.0 } * w;
     let long = |b: &Body| match b.shape {
         Shape::Row => w * (b.long as f64 / longest as f64).max(0.35),
