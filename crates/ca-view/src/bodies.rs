@@ -16,8 +16,10 @@ const NET: usize = 8;
 /// How the masses of a body stand.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shape {
-    /// one behind the other
+    /// one behind the other, linked
     Row,
+    /// one behind the other, each by itself, as the cells of a bank
+    Cells,
     /// in the plane
     Plane,
 }
@@ -64,6 +66,12 @@ impl Body {
     fn row(nodes: Vec<u32>, along: impl Iterator<Item = f64>) -> Body {
         let long = nodes.len();
         Body::new(nodes, along.map(|u| [u, 0.0]).collect(), Shape::Row, long)
+    }
+
+    /// Nodes in a row that do not hold each other.
+    fn cells(nodes: Vec<u32>) -> Body {
+        let n = nodes.len();
+        Body { shape: Shape::Cells, ..Body::row(nodes, (0..n).map(|i| i as f64)) }
     }
 
     /// Nodes in a circle, the first in front.
@@ -137,7 +145,7 @@ pub fn bodies(graph: &Graph) -> (Vec<Body>, Vec<bool>) {
                 };
                 Body::new(nodes, item.nodes().map(at).collect(), Shape::Plane, size[0].max(size[1]) as usize)
             }
-            // cells in a row that know only their neighbours, or nobody
+            None if !w.any => Body::cells(nodes),
             None if w.is_row(n) && (!w.closed || n < 4 || w.next + 1 < n) => Body::row(nodes, (0..n).map(|i| i as f64)),
             None if w.is_row(n) || n <= NET * NET => Body::ring(nodes),
             None => net(graph, nodes),
@@ -149,7 +157,7 @@ pub fn bodies(graph: &Graph) -> (Vec<Body>, Vec<bool>) {
 
 /// A network.
 fn net(graph: &Graph, nodes: Vec<u32>) -> Body {
-    let adjacent = Adjacent::new(graph.len(), &nodes, graph.edges.iter().filter(|e| e.law.is_some()).map(|e| e.ends));
+    let adjacent = Adjacent::new(graph.len(), &nodes, &graph.edges.iter().filter(|e| e.law.is_some()).map(|e| e.ends));
     let at = spread(&adjacent);
     let long = libm::sqrt(nodes.len() as f64) as usize + 1;
     Body::new(nodes, at, Shape::Plane, long)
@@ -167,13 +175,13 @@ fn by_hand(graph: &Graph, taken: &mut [bool]) -> Vec<Body> {
         .map(|n| n as u32)
         .collect();
     let springs = || graph.edges.iter().filter(|e| e.law.is_some() && !graph.is_contact(e)).map(|e| e.ends);
-    let all = Adjacent::new(graph.len(), &free, springs());
+    let all = Adjacent::new(graph.len(), &free, &springs());
     let degrees: Vec<usize> = (0..free.len()).map(|i| all.around(i).len()).collect();
     let linked = degrees.iter().filter(|d| **d > 0).count().max(1);
     let mean = degrees.iter().sum::<usize>() as f64 / linked as f64;
     let is_hub = |d: usize| d >= 5 && d as f64 > 3.0 * mean;
     let some: Vec<u32> = free.iter().zip(&degrees).filter(|(_, d)| !is_hub(**d)).map(|(n, _)| *n).collect();
-    let parts = Adjacent::new(graph.len(), &some, springs());
+    let parts = Adjacent::new(graph.len(), &some, &springs());
     let mut bodies = Vec::new();
     for part in parts.parts() {
         let ends: Vec<usize> = part.iter().copied().filter(|i| parts.around(*i).len() < 2).collect();
@@ -202,12 +210,13 @@ fn by_hand(graph: &Graph, taken: &mut [bool]) -> Vec<Body> {
         body.nodes.iter().for_each(|n| taken[*n as usize] = true);
         bodies.push(body);
     }
-    // cells that hang on no body stand in a row, as those of a bank do
+    // cells that hang on no body, and on nothing in space, stand in a row, as those of a bank do
     let mut held = vec![false; graph.len()];
     for [a, b] in springs() {
         held[a as usize] |= taken[b as usize];
         held[b as usize] |= taken[a as usize];
     }
+    graph.edges.iter().filter(|e| e.axis.is_some()).for_each(|e| e.ends.iter().for_each(|n| held[*n as usize] = true));
     let row = |code: &str| -> Vec<u32> {
         let fits = |n: &u32| graph.code(*n as usize) == code && !taken[*n as usize] && !held[*n as usize];
         some.iter().copied().filter(fits).collect()
@@ -217,9 +226,10 @@ fn by_hand(graph: &Graph, taken: &mut [bool]) -> Vec<Body> {
         cells = row("MAS");
     }
     if !cells.is_empty() {
-        let n = cells.len();
-        cells.iter().for_each(|n| taken[*n as usize] = true);
-        bodies.push(Body::row(cells, (0..n).map(|i| i as f64)));
+        for n in &cells {
+            taken[*n as usize] = true;
+        }
+        bodies.push(Body::cells(cells));
     }
     bodies
 }

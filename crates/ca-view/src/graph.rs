@@ -7,7 +7,7 @@
 
 use ca_core::Scene;
 use ca_core::kind::name::{Index, Part};
-use ca_core::op::layout::{MeasureKind, Termination};
+use ca_core::op::layout::{CoordinateSource, MeasureKind, Termination};
 use ca_core::op::{Op, pass};
 use ca_core::scene::Location;
 use std::collections::{BTreeMap, BTreeSet};
@@ -95,12 +95,16 @@ pub struct Graph {
     pub laws: Vec<(&'static str, bool)>,
     /// nodes under a moving point, and their weights, by its node
     pub under: BTreeMap<u32, Vec<(u32, f64)>>,
+    /// ports that lead moving points, with those
+    leads: Vec<(u32, u32)>,
     /// strings of waves
     pub waves: Vec<Wave>,
     /// spheres that hold others: the node in their middle, and their radius \[m\]
     pub spheres: Vec<(u32, f64)>,
-    /// the axis and the direction that is up, against the weight of what is in space
-    pub up: Option<(usize, f64)>,
+    /// the axis that is up, and which way along it
+    pub up: (usize, f64),
+    /// how far from its rest a mass on a line begins at most \[m\]
+    pub begin: f64,
 }
 
 impl Graph {
@@ -119,6 +123,14 @@ impl Graph {
             graph.link(scene, op, i, &of, &mut balls);
         }
         graph.spheres = balls.into_iter().map(|(node, bits)| (node, f64::from_bits(bits))).collect();
+        // a port that only says where a moving point stands: a share of a way, no place of its own
+        for (port, point) in std::mem::take(&mut graph.leads) {
+            if !graph.edges.iter().any(|e| e.law.is_some() && e.ends.contains(&port)) {
+                graph.source[port as usize] = Source::Still;
+                graph.rest[port as usize] = [0.0; 3];
+                graph.edges.push(Edge { ends: [port, point], law: None, axis: None });
+            }
+        }
         graph.up = up(scene, &graph, &of);
         graph
     }
@@ -201,6 +213,10 @@ impl Graph {
             } else {
                 (Source::Line(place), [at(0), 0.0, 0.0])
             };
+            if !space {
+                let x = scene.initial.x.get(place as usize).map_or(0.0, |x| x.abs());
+                self.begin = self.begin.max(finite(x));
+            }
             let node = self.node(source, s.code, s.name.index, rest.map(finite));
             for (axis, slot) in of.iter_mut().skip(place as usize).take(if space { 3 } else { 1 }).enumerate() {
                 *slot = (node, axis as u8);
@@ -219,6 +235,11 @@ impl Graph {
             let node = self.node(Source::Line(p.mat), "@", Index::None, [0.0; 3]);
             of[p.mat as usize] = (node, 0);
             self.under.insert(node, under);
+            for at in p.at {
+                if let CoordinateSource::Mat(port) = at {
+                    self.leads.push((of[port as usize].0, node));
+                }
+            }
             self.close(true);
         }
         let mut group = None;
@@ -300,7 +321,8 @@ impl Graph {
             return;
         }
         // plucks and bows touch too, though they have no threshold
-        let contact = law.contact || ["PLK", "ATT", "BOW"].iter().any(|code| law.code.ends_with(code));
+        let code = law.code.split(' ').next().unwrap_or(law.code);
+        let contact = law.contact || ["PLK", "ATT", "BOW"].iter().any(|touch| code.ends_with(touch));
         let ports = [
             (scene.ends.get(op.first + i), true),
             (op.ports.onto.and_then(|(_, first, _)| scene.onto.get(first + i)), false),
@@ -317,7 +339,7 @@ impl Graph {
                 [false, true] => Some(b.1),
                 _ => None,
             };
-            let law = drawn.then(|| self.law(law.code, contact));
+            let law = drawn.then(|| self.law(code, contact));
             self.edges.push(Edge { ends: [a.0, b.0], law, axis });
             if drawn {
                 balls.extend(radius.filter(|_| self.is_space(a.0 as usize)).map(|r| (a.0, r.to_bits())));
@@ -335,18 +357,24 @@ fn holds(scene: &Scene, op: &Op, i: usize) -> Option<f64> {
     (from == f64::NEG_INFINITY && to > 0.0 && to.is_finite()).then_some(to)
 }
 
-/// The axis that is up, and which way along it: against the weight of what is in space.
-fn up(scene: &Scene, graph: &Graph, of: &[(u32, u8)]) -> Option<(usize, f64)> {
-    let op = scene.forces.iter().find(|op| op.name == "weight" && op.law.is_none())?;
+/// The axis that is up, and which way along it: against the weight of what is in space, else the last of its axes, as one number
+/// for `gravity` would have it; on a line the second, which is up on a screen.
+fn up(scene: &Scene, graph: &Graph, of: &[(u32, u8)]) -> (usize, f64) {
     let mut sum = [0.0; 3];
-    for (k, slot) in scene.weighed.iter().enumerate() {
-        let (node, axis) = of.get(*slot as usize).copied().filter(|(node, _)| *node != NONE)?;
-        if graph.is_space(node as usize) {
-            sum[axis as usize] += scene.initial.coef.get(op.coef + k).copied().unwrap_or(0.0);
+    if let Some(op) = scene.forces.iter().find(|op| op.name == "weight" && op.law.is_none()) {
+        for (k, slot) in scene.weighed.iter().enumerate() {
+            let (node, axis) = of.get(*slot as usize).copied().unwrap_or((NONE, 0));
+            if node != NONE && graph.is_space(node as usize) {
+                sum[axis as usize] += scene.initial.coef.get(op.coef + k).copied().unwrap_or(0.0);
+            }
         }
     }
-    let axis = (0..3).max_by(|a, b| f64::abs(sum[*a]).total_cmp(&f64::abs(sum[*b])))?;
-    (sum[axis] != 0.0).then(|| (axis, -sum[axis].signum()))
+    let axis = (0..3).fold(0, |best, k| if f64::abs(sum[k]) > f64::abs(sum[best]) { k } else { best });
+    if sum[axis] != 0.0 {
+        return (axis, -sum[axis].signum());
+    }
+    let solid = scene.symbols.iter().take(scene.mats()).any(|s| s.axes == 3);
+    (if solid { 2 } else { 1 }, 1.0)
 }
 
 /// A number to draw.

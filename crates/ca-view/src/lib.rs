@@ -6,7 +6,7 @@
 //! their motion across, sheets lie in a plane and move along its normal, hammers stand at what they strike. Coordinates are
 //! numbers of the same scene on every machine.
 //!
-//! [`bodies`] finds what hangs together, [`place`] and [`loose`] say where it stands, [`thin`] what of too much is shown.
+//! `bodies` finds what hangs together, `place` and `loose` say where it stands, `thin` what of too much is shown.
 #![forbid(unsafe_code)]
 
 mod bodies;
@@ -180,7 +180,9 @@ fn links(graph: &Graph, near: &[u32], number: &[u32], thinned: bool) -> Vec<Link
     }
     let mut links: Vec<Links> =
         graph.laws.iter().map(|(kind, contact)| Links { kind, contact: *contact, ends: Vec::new() }).collect();
-    all.into_iter().for_each(|(law, ends)| links[law as usize].ends.extend(ends));
+    for (law, ends) in all {
+        links[law as usize].ends.extend(ends);
+    }
     links.retain(|l| !l.ends.is_empty());
     links
 }

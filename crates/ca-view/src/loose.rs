@@ -5,7 +5,7 @@
 //! motion stands right there, so that a blow is seen as one; else it is moved aside a little. No two stand at one place.
 
 use crate::graph::Graph;
-use crate::place::{Places, Stand, points, tie_one};
+use crate::place::{Frame, Places, Stand, tie_one};
 use std::collections::{BTreeSet, HashMap};
 
 /// Masses with at least so many links are placed late.
@@ -33,12 +33,17 @@ pub fn place(graph: &Graph, p: &mut Places) {
         return;
     }
     let around = neighbours(graph, &free);
+    let grain = 0.006 * p.width;
+    let cells = p.stand.iter().flatten().map(|s| (cell(&p.frames, s, grain, [0.0; 3]), 0)).collect();
+    let mut taken = Taken { cells, grain, width: p.width };
     // what is tied to space stands there
     let tied: Vec<u32> = p.tied.keys().copied().filter(|n| p.stand[*n as usize].is_none()).collect();
-    tied.into_iter().for_each(|n| tie_one(graph, p, n));
-    points(graph, p);
-    let grain = 0.03 * p.width;
-    let mut taken: HashMap<[i64; 4], u32> = p.stand.iter().flatten().map(|s| (cell(s, grain), 0)).collect();
+    for n in tied {
+        if let Some(mut stand) = tie_one(graph, p, n) {
+            taken.aside(&p.frames, &mut stand);
+            p.stand[n as usize] = Some(stand);
+        }
+    }
     let turn = |i: usize| {
         let n = free[i] as usize;
         match () {
@@ -52,7 +57,7 @@ pub fn place(graph: &Graph, p: &mut Places) {
     free.iter().enumerate().for_each(|(i, n)| of[*n as usize] = i);
     let mut waiting: BTreeSet<(Turn, usize)> = BTreeSet::new();
     for i in 0..free.len() {
-        if p.stand[free[i] as usize].is_none() && around[i].iter().any(|n| p.stand[*n as usize].is_some()) {
+        if p.stand[free[i] as usize].is_none() && around[i].iter().any(|(n, _)| p.stand[*n as usize].is_some()) {
             waiting.insert((turn(i), i));
         }
     }
@@ -78,13 +83,13 @@ pub fn place(graph: &Graph, p: &mut Places) {
             })
             .collect();
         for (i, mut stand) in round.iter().zip(stands) {
-            aside(&mut stand, p.width, grain, &mut taken);
+            taken.aside(&p.frames, &mut stand);
             p.stand[free[*i] as usize] = Some(stand);
             waiting.remove(&(turn(*i), *i));
             left.remove(&(turn(*i), *i));
         }
         for i in round {
-            for n in &around[i] {
+            for (n, _) in &around[i] {
                 let next = of[*n as usize];
                 if next != usize::MAX && p.stand[*n as usize].is_none() {
                     waiting.insert((turn(next), next));
@@ -94,8 +99,8 @@ pub fn place(graph: &Graph, p: &mut Places) {
     }
 }
 
-/// For each free mass the nodes on a line it is linked to.
-fn neighbours(graph: &Graph, free: &[u32]) -> Vec<Vec<u32>> {
+/// For each free mass the nodes on a line it is linked to, and whether by a contact.
+fn neighbours(graph: &Graph, free: &[u32]) -> Vec<Vec<(u32, bool)>> {
     let mut of = vec![usize::MAX; graph.len()];
     free.iter().enumerate().for_each(|(i, n)| of[*n as usize] = i);
     let mut all = vec![Vec::new(); free.len()];
@@ -104,7 +109,7 @@ fn neighbours(graph: &Graph, free: &[u32]) -> Vec<Vec<u32>> {
         for (from, to) in [(a, b), (b, a)] {
             if let Some(list) = all.get_mut(of[from as usize]) {
                 if !graph.is_space(to as usize) {
-                    list.push(to);
+                    list.push((to, graph.is_contact(e)));
                 }
             }
         }
@@ -113,32 +118,41 @@ fn neighbours(graph: &Graph, free: &[u32]) -> Vec<Vec<u32>> {
 }
 
 /// The place of a mass beside those it is linked to, as far as they stand.
-fn beside(graph: &Graph, p: &Places, node: usize, around: &[u32], turn: Turn) -> Option<Stand> {
+fn beside(graph: &Graph, p: &Places, node: usize, around: &[(u32, bool)], turn: Turn) -> Option<Stand> {
     let w = p.width;
-    let standing = || around.iter().filter_map(|n| p.stand[*n as usize]);
+    let standing = || around.iter().filter_map(|(n, _)| p.stand[*n as usize]);
     let frame = standing().next()?.frame;
-    let (mut sum, mut n) = ([0.0; 3], 0.0);
+    let (mut sum, mut low, mut high, mut n) = ([0.0; 3], [f64::INFINITY; 3], [f64::NEG_INFINITY; 3], 0.0);
     for s in standing().filter(|s| s.frame == frame) {
-        (0..3).for_each(|k| sum[k] += s.at[k]);
+        for k in 0..3 {
+            sum[k] += s.at[k];
+            low[k] = low[k].min(s.at[k]);
+            high[k] = high[k].max(s.at[k]);
+        }
         n += 1.0;
     }
     let [u, v, height] = sum.map(|s| s / n);
     let rest = graph.rest[node][0];
-    // at the end of a row that it holds
-    if let (Turn::Fixed, 1.0) = (turn, n) {
-        let beyond = around.iter().map(|m| p.beyond[*m as usize]).find(|b| *b != 0.0);
-        if let Some(beyond) = beyond {
-            return Some(Stand { frame, at: [u + beyond, v, rest] });
-        }
-    }
-    let apart = (rest - height).abs() >= 0.04 * w;
+    let apart = (rest - height).abs() >= 0.004 * w;
     let at = match turn {
         Turn::Moves if apart => [u, v, rest],
         Turn::Moves if graph.code(node) == "CEL" => [u, v + 0.1 * w, rest + 0.06 * w],
         Turn::Moves => [u, v - 0.06 * w, rest - 0.08 * w],
-        Turn::Bridge => [u, v + 0.2 * w, rest],
-        Turn::Fixed if apart => [u, v - 0.04 * w, rest],
-        Turn::Fixed => [u, v - 0.02 * w, rest - 0.16 * w],
+        Turn::Bridge => [u, high[1] + 0.16 * w, rest],
+        Turn::Fixed => {
+            let beyond = around.iter().map(|(m, _)| p.beyond[*m as usize]).find(|b| *b != 0.0);
+            let wide = high[0] - low[0];
+            // what is met stands where it is met
+            let met = apart && around.iter().any(|(_, contact)| *contact);
+            let below = |by: f64| if met { rest } else { height - by * w };
+            match beyond {
+                // the end of a row
+                Some(beyond) if n == 1.0 => [u + beyond, v, rest],
+                // what holds many in a row is seen along it
+                _ if n > 2.0 && high[1] - low[1] < 0.5 * wide => [low[0] - 0.08 * w, v, below(0.03)],
+                _ => [u - if n > 1.0 { 0.0 } else { 0.07 * w }, v - 0.02 * w, below(0.14)],
+            }
+        }
     };
     Some(Stand { frame, at })
 }
@@ -150,27 +164,45 @@ fn by_itself(graph: &Graph, p: &Places, node: usize, i: usize) -> Stand {
     Stand { frame: 0, at }
 }
 
-/// Where a node stands, in cells of a grid.
-fn cell(s: &Stand, grain: f64) -> [i64; 4] {
-    let [a, b, c] = s.at.map(|v| libm::round(v / grain) as i64);
-    [s.frame as i64, a, b, c]
+/// The cell of a grid in which a node stands, moved by so much of a cell: of the first frame, or of space.
+fn cell(frames: &[Frame], s: &Stand, grain: f64, moved: [f64; 3]) -> [i64; 4] {
+    let at = if s.frame == 0 { s.at } else { frames[s.frame].point(s.at) };
+    let [a, b, c] = [0, 1, 2].map(|k| libm::floor(at[k] / grain + moved[k]) as i64);
+    [s.frame.min(1) as i64, a, b, c]
 }
 
-/// Moves a mass aside, around the place it should have, until it stands by itself. Each cell knows how often it was asked for.
-fn aside(s: &mut Stand, width: f64, grain: f64, taken: &mut HashMap<[i64; 4], u32>) {
-    let (wanted, from) = (cell(s, grain), s.at);
-    let mut k = taken.get(&wanted).copied().unwrap_or(0);
-    while taken.contains_key(&cell(s, grain)) {
-        k += 1;
-        // a row to both sides, then a spiral
-        let (right, back) = if k <= 12 {
-            (f64::from(k.div_ceil(2)) * if k % 2 == 0 { -1.0 } else { 1.0 }, 0.0)
-        } else {
-            let (r, angle) = (libm::sqrt(f64::from(k)) + 4.0, 2.399_963_229_728_653 * f64::from(k));
-            (r * libm::cos(angle), r * libm::sin(angle))
-        };
-        s.at = [from[0] + 0.045 * width * right, from[1] + 0.045 * width * back, from[2]];
+/// What stands where.
+struct Taken {
+    /// cells in which something stands, with how often somebody else wanted to
+    cells: HashMap<[i64; 4], u32>,
+    grain: f64,
+    width: f64,
+}
+
+impl Taken {
+    /// Whether something stands within a quarter of a cell.
+    fn has(&self, frames: &[Frame], s: &Stand) -> bool {
+        let corner = |i: u32| [0, 1, 2].map(|k| if i >> k & 1 == 0 { -0.25 } else { 0.25 });
+        (0..8).any(|i| self.cells.contains_key(&cell(frames, s, self.grain, corner(i))))
     }
-    taken.insert(cell(s, grain), 0);
-    taken.insert(wanted, k);
+
+    /// Moves a mass aside, around the place it should have, until it stands by itself.
+    fn aside(&mut self, frames: &[Frame], s: &mut Stand) {
+        let (wanted, from) = (cell(frames, s, self.grain, [0.0; 3]), s.at);
+        let mut k = self.cells.get(&wanted).copied().unwrap_or(0);
+        while self.has(frames, s) {
+            k += 1;
+            // a row to both sides, then a spiral
+            let (right, back) = if k <= 12 {
+                (f64::from(k.div_ceil(2)) * if k % 2 == 0 { -1.0 } else { 1.0 }, 0.0)
+            } else {
+                let (r, angle) = (libm::sqrt(f64::from(k)) + 4.0, 2.399_963_229_728_653 * f64::from(k));
+                (r * libm::cos(angle), r * libm::sin(angle))
+            };
+            let step = 0.045 * self.width;
+            s.at = [from[0] + step * right, from[1] + step * back, from[2]];
+        }
+        self.cells.insert(cell(frames, s, self.grain, [0.0; 3]), 0);
+        self.cells.insert(wanted, k);
+    }
 }

@@ -42,7 +42,7 @@ impl Frame {
     }
 
     /// A place of the frame in space \[m\].
-    fn point(&self, at: [f64; 3]) -> [f64; 3] {
+    pub fn point(&self, at: [f64; 3]) -> [f64; 3] {
         [0, 1, 2].map(|k| self.origin[k] + (0..3).map(|a| self.axes[a][k] * at[a]).sum::<f64>())
     }
 
@@ -74,6 +74,8 @@ pub struct Places {
     pub beyond: Vec<f64>,
     /// masses on a line that are tied to some in space, see [`tied`]
     pub tied: BTreeMap<u32, (u8, [f64; 3])>,
+    /// frames of single masses tied to space, by axis and middle
+    ties: BTreeMap<(u8, [u64; 3]), usize>,
     /// the front of all bodies \[m\]
     pub front: f64,
 }
@@ -117,7 +119,8 @@ fn width(graph: &Graph, space: Option<Corners>, gestures: &[f64]) -> f64 {
     let (low, high) = line
         .map(|n| graph.rest[n][0])
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), h| (low.min(h), high.max(h)));
-    let apart = if high > low { high - low } else { gestures.iter().copied().fold(f64::INFINITY, f64::min) };
+    let apart = graph.begin.max(if high > low { high - low } else { 0.0 });
+    let apart = if apart > 0.0 { apart } else { gestures.iter().copied().fold(f64::INFINITY, f64::min) };
     if apart > 0.0 && apart.is_finite() { FLAT * apart } else { WIDTH }
 }
 
@@ -125,7 +128,7 @@ fn width(graph: &Graph, space: Option<Corners>, gestures: &[f64]) -> f64 {
 pub fn place(graph: &Graph, bodies: &[Body], gestures: &[f64]) -> (Vec<[f64; 3]>, Vec<[f64; 3]>, [f64; 3]) {
     let n = graph.len();
     let space = space(graph);
-    let (axis, sign) = graph.up.unwrap_or((1, 1.0));
+    let (axis, sign) = graph.up;
     let main = Frame::new(axis, sign);
     let mut p = Places {
         frames: vec![main],
@@ -133,6 +136,7 @@ pub fn place(graph: &Graph, bodies: &[Body], gestures: &[f64]) -> (Vec<[f64; 3]>
         width: width(graph, space, gestures),
         beyond: vec![0.0; n],
         tied: tied(graph),
+        ties: BTreeMap::new(),
         front: 0.0,
     };
     arrange(graph, bodies, &mut p);
@@ -143,7 +147,8 @@ pub fn place(graph: &Graph, bodies: &[Body], gestures: &[f64]) -> (Vec<[f64; 3]>
         let [right, depth, up] = main.axes;
         let part = |v: [f64; 3], p: [f64; 3]| (0..3).map(|k| v[k] * p[k]).sum::<f64>();
         let middle = [0, 1, 2].map(|k| 0.5 * (low[k] + high[k]));
-        let edge = part(right, high).max(part(right, low));
+        let tied = p.stand.iter().flatten().filter(|s| s.frame > 0).map(|s| part(right, p.frames[s.frame].point(s.at)));
+        let edge = tied.fold(part(right, high).max(part(right, low)), f64::max);
         let left = p.stand.iter().flatten().filter(|s| s.frame == 0).map(|s| s.at[0]).fold(f64::INFINITY, f64::min);
         let to =
             [edge + 0.3 * p.width - if left.is_finite() { left } else { 0.0 }, part(depth, middle), part(up, middle)];
@@ -168,7 +173,8 @@ pub fn place(graph: &Graph, bodies: &[Body], gestures: &[f64]) -> (Vec<[f64; 3]>
     (at, axes, main.axes[2])
 }
 
-/// Bodies: rows one behind the other, what is flat beside each other behind them.
+/// Bodies: rows one behind the other, what is flat beside each other behind them. Several banks of cells that no link joins
+/// are notes of one instrument: they stand beside each other, each into the depth.
 fn arrange(graph: &Graph, bodies: &[Body], p: &mut Places) {
     let w = p.width;
     let of = body_of(graph, bodies);
@@ -178,51 +184,53 @@ fn arrange(graph: &Graph, bodies: &[Body], p: &mut Places) {
             tied[body as usize].get_or_insert(*line);
         }
     }
-    let rows = bodies.iter().zip(&tied).filter(|(b, t)| b.shape == Shape::Row && t.is_none()).count();
-    let flat = bodies.iter().zip(&tied).filter(|(b, t)| b.shape == Shape::Plane && t.is_none()).count();
+    let free = |shape| bodies.iter().zip(&tied).filter(move |(b, t)| b.shape == shape && t.is_none()).count();
+    let (rows, cells, flat) = (free(Shape::Row), free(Shape::Cells), free(Shape::Plane));
+    let joined = graph.edges.iter().any(|e| {
+        let [a, b] = e.ends.map(|n| of[n as usize]);
+        a != b && a > 0 && b > 0
+    });
+    let columns = cells > 1 && !joined;
     let longest = bodies.iter().filter(|b| b.shape == Shape::Row).map(|b| b.long).max().unwrap_or(1);
-    let step = f64::min(0.16, 1.5 / rows.max(1) as f64) * w;
-    let beside = (1..).find(|k| k * k >= flat).unwrap_or(1);
+    let gap = f64::min(0.16, 1.5 / (rows + cells).max(1) as f64) * w;
+    let beside = (flat.saturating_sub(1).isqrt() + 1).max(1);
     let size = if beside > 1 { 1.6 / beside as f64 } else { 1.0 } * w;
-    // rows in front, then shelves
-    let (mut depth, mut shelf, mut deepest, mut placed) = (0.0, 0, 0.0f64, Vec::new());
-    for (i, body) in bodies.iter().enumerate() {
-        let long = match body.shape {
-            Shape::Row => w * (body.long as f64 / longest as f64).max(0.35),
-            Shape::Plane => size,
-        };
-        if let Some(line) = tied[i] {
-            tie(graph, p, body, long, line);
-            continue;
-        }
-        let middle = match body.shape {
-            Shape::Row => {
-                depth += step;
-                [0.0, depth - step]
-            }
-            Shape::Plane => {
-                let column = shelf % beside;
-                shelf += 1;
-                [1.15 * size * (column as f64 - 0.5 * (beside as f64 - 1.0)), f64::NAN]
-            }
-        };
-        placed.push((i, long, middle));
+    let long = |b: &Body| match b.shape {
+        Shape::Row => w * (b.long as f64 / longest as f64).max(0.35),
+        Shape::Cells if columns => f64::min(0.07 * (b.long - 1) as f64, 0.6) * w,
+        Shape::Cells => f64::min(0.125 * (b.long - 1) as f64, 1.0) * w,
+        Shape::Plane => size,
+    };
+    // the middle of the n-th of so many beside each other
+    let column = |n: usize, of: usize, apart: f64| apart * (n as f64 - 0.5 * (of as f64 - 1.0));
+    let (mut depth, mut placed) = (0.0, Vec::new());
+    let standing: Vec<&Body> =
+        bodies.iter().zip(&tied).filter(|(b, t)| t.is_none() && b.shape == Shape::Cells).map(|(b, _)| b).collect();
+    if columns {
+        let apart = f64::min(0.25 * w, w / (cells - 1) as f64);
+        let deepest = standing.iter().map(|b| long(b)).fold(0.0, f64::max);
+        placed.extend(standing.iter().enumerate().map(|(i, b)| (*b, [column(i, cells, apart), 0.5 * deepest], true)));
+        depth += deepest + gap;
     }
-    let mut column = 0;
-    for (i, long, middle) in &mut placed {
-        if middle[1].is_nan() {
-            let deep = bodies[*i].sides[1] * *long;
-            middle[1] = depth + 0.5 * deep;
-            deepest = deepest.max(depth + deep + 0.15 * size);
-            column += 1;
-            if column % beside == 0 {
-                depth = deepest;
-            }
+    for (body, tied) in bodies.iter().zip(&tied) {
+        if let Some(line) = tied {
+            tie(graph, p, body, long(body), *line);
+        } else if body.shape == Shape::Row || body.shape == Shape::Cells && !columns {
+            placed.push((body, [0.0, depth], false));
+            depth += gap;
         }
     }
-    let back = if flat == 0 { depth - step } else { deepest - 0.15 * size };
-    for (i, long, middle) in placed {
-        stand(graph, p, &bodies[i], long, [middle[0], middle[1] - 0.5 * back], 0);
+    let flats: Vec<&Body> =
+        bodies.iter().zip(&tied).filter(|(b, t)| t.is_none() && b.shape == Shape::Plane).map(|(b, _)| b).collect();
+    for shelf in flats.chunks(beside) {
+        let deepest = shelf.iter().map(|b| b.sides[1] * size).fold(0.0, f64::max);
+        let middle = |i: usize| [column(i, shelf.len(), 1.15 * size), depth + 0.5 * deepest];
+        placed.extend(shelf.iter().enumerate().map(|(i, b)| (*b, middle(i), false)));
+        depth += deepest + gap;
+    }
+    let back = (depth - gap).max(0.0);
+    for (body, middle, turned) in placed {
+        stand(graph, p, body, long(body), [middle[0], middle[1] - 0.5 * back], 0, turned);
     }
     p.front = -0.5 * back;
 }
@@ -237,9 +245,9 @@ fn body_of(graph: &Graph, bodies: &[Body]) -> Vec<u32> {
 }
 
 /// Places a body in a frame.
-fn stand(graph: &Graph, p: &mut Places, body: &Body, long: f64, middle: [f64; 2], frame: usize) {
+fn stand(graph: &Graph, p: &mut Places, body: &Body, long: f64, middle: [f64; 2], frame: usize, turned: bool) {
     for (n, at) in body.nodes.iter().zip(&body.at) {
-        let n = *n as usize;
+        let (n, at) = (*n as usize, if turned { [at[1], at[0]] } else { *at });
         let at = [middle[0] + long * at[0], middle[1] + long * at[1], graph.rest[n][0]];
         p.stand[n] = Some(Stand { frame, at });
     }
@@ -267,27 +275,32 @@ fn tied(graph: &Graph) -> BTreeMap<u32, (u8, [f64; 3])> {
 /// Places a body so that the mass of it that is tied to one in space stands there, along that axis.
 fn tie(graph: &Graph, p: &mut Places, body: &Body, long: f64, line: u32) {
     let Some((axis, middle)) = p.tied.get(&line).copied() else { return };
-    let frame = p.frames.len();
-    let mut new = Frame::new(axis as usize, 1.0);
     let here = body.nodes.iter().position(|n| *n == line).map_or([0.0; 2], |i| body.at[i]);
+    let mut new = Frame::new(axis as usize, 1.0);
     new.origin = new.across(middle);
+    // where another body is tied to the same, beside it
+    let others = p.frames.iter().skip(1).filter(|f| (f.axes, f.origin) == (new.axes, new.origin)).count();
     p.frames.push(new);
-    stand(graph, p, body, long, here.map(|v| -v * long), frame);
+    let middle = [1.2 * p.width * others as f64 - here[0] * long, -here[1] * long];
+    stand(graph, p, body, long, middle, p.frames.len() - 1, false);
 }
 
-/// Places a mass on a line that is tied to one in space: beside it, towards where its axis comes from.
-pub fn tie_one(graph: &Graph, p: &mut Places, line: u32) {
-    let Some((axis, middle)) = p.tied.get(&line).copied() else { return };
-    let frame = p.frames.len();
+/// The place of a mass on a line that is tied to one in space: beside it, towards where its axis comes from.
+pub fn tie_one(graph: &Graph, p: &mut Places, line: u32) -> Option<Stand> {
+    let (axis, middle) = p.tied.get(&line).copied()?;
     let mut new = Frame::new(axis as usize, 1.0);
-    let (across, aside) = (new.across(middle), new.axes[2].map(|v| -0.7 * p.width * v));
-    new.origin = [0, 1, 2].map(|k| across[k] + aside[k]);
-    p.frames.push(new);
-    p.stand[line as usize] = Some(Stand { frame, at: [0.0, 0.0, graph.rest[line as usize][0]] });
+    let across = new.across(middle);
+    new.origin = [0, 1, 2].map(|k| across[k] - 0.7 * p.width * new.axes[2][k]);
+    let key = (axis, new.origin.map(f64::to_bits));
+    let frame = *p.ties.entry(key).or_insert_with(|| {
+        p.frames.push(new);
+        p.frames.len() - 1
+    });
+    Some(Stand { frame, at: [0.0, 0.0, graph.rest[line as usize][0]] })
 }
 
 /// Moving points stand between the masses they are held by.
-pub fn points(graph: &Graph, p: &mut Places) {
+fn points(graph: &Graph, p: &mut Places) {
     for (node, under) in &graph.under {
         let mut at = [0.0; 3];
         let mut frame = None;

@@ -1,9 +1,10 @@
 //! Spread: places in a plane for the nodes of a network, so that what is far apart along the links is far apart there.
 //!
-//! Decides for the high-dimensional embedding of Harel and Koren (2002): distances to a few nodes that are far from each
-//! other, counted in links, and of these numbers the two directions in which they differ most. It takes one walk over the
-//! network for each of them, however long the network is; eigenvectors of the Laplacian by iteration take as many as the
-//! square of its length, and springs that find their balance take more.
+//! Decides for multidimensional scaling by pivots (Brandes and Pich, 2007): distances to a few nodes that are far from each
+//! other, counted in links, and of what their squares say of the places the two directions in which they differ most. It takes
+//! one walk over the network for each of them, however long the network is; eigenvectors of the Laplacian by iteration take as
+//! many as the square of its length, and springs that find their balance take more. Without the squares, which is simpler, what
+//! is long is bent to a bow.
 
 use crate::graph::NONE;
 
@@ -18,7 +19,7 @@ pub struct Adjacent {
 
 impl Adjacent {
     /// Among `nodes` of `n`, which are numbered in their order; a pair that is linked twice stands here once.
-    pub fn new(n: usize, nodes: &[u32], links: impl Iterator<Item = [u32; 2]> + Clone) -> Adjacent {
+    pub fn new(n: usize, nodes: &[u32], links: &(impl Iterator<Item = [u32; 2]> + Clone)) -> Adjacent {
         let mut number = vec![NONE; n];
         nodes.iter().enumerate().for_each(|(i, n)| number[*n as usize] = i as u32);
         let pairs = || {
@@ -125,22 +126,50 @@ pub fn spread(net: &Adjacent) -> Vec<[f64; 2]> {
         all.push(d);
         pivot = (0..n).fold(0, |best, i| if nearest[i] > nearest[best] { i } else { best });
     }
+    let far = largest(&all);
+    let pivots = all.len() as f64;
+    let mut of_node = vec![0.0; n];
     for d in &mut all {
+        for v in d.iter_mut() {
+            *v *= *v;
+        }
         let mean = d.iter().sum::<f64>() / n as f64;
-        d.iter_mut().for_each(|v| *v -= mean);
+        d.iter_mut().zip(&mut of_node).for_each(|(v, sum)| {
+            *v -= mean;
+            *sum += *v / pivots;
+        });
+    }
+    for d in &mut all {
+        d.iter_mut().zip(&of_node).for_each(|(v, mean)| *v = -0.5 * (*v - mean));
     }
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let mut matrix: Vec<Vec<f64>> = all.iter().map(|a| all.iter().map(|b| dot(a, b)).collect()).collect();
     let axes = [0, 1].map(|_| principal(&mut matrix));
     let along = |i: usize, axis: &[f64]| all.iter().zip(axis).map(|(d, a)| d[i] * a).sum::<f64>();
+    let mut at: Vec<[f64; 2]> = (0..n).map(|i| [along(i, &axes[0]), along(i, &axes[1])]).collect();
+    // products of distances are as large as squares of places
+    for k in 0..2 {
+        let size = libm::pow(at.iter().map(|p| p[k] * p[k]).sum::<f64>(), 0.25);
+        if size > 0.0 {
+            for p in &mut at {
+                p[k] /= size;
+            }
+        }
+    }
+    let (low, high) = at.iter().fold((0.0f64, 0.0f64), |(low, high), p| (low.min(p[0]), high.max(p[0])));
+    let link = if high > low { (high - low) / far } else { 1.0 };
     // what is equally far from all pivots (leaves of one branch) is moved apart, each in a direction of its own
-    let golden = 2.399_963_229_728_653;
-    let at = |i: usize| {
-        let [x, y] = [0, 1].map(|k| along(i, &axes[k]));
-        let r = if net.around(i).len() < 2 { 0.45 } else { 0.05 };
-        [x + r * libm::cos(golden * i as f64), y + r * libm::sin(golden * i as f64)]
-    };
-    (0..n).map(at).collect()
+    for (i, p) in at.iter_mut().enumerate() {
+        let r = link * if net.around(i).len() < 2 { 0.4 } else { 0.05 };
+        let angle = 2.399_963_229_728_653 * i as f64;
+        *p = [p[0] + r * libm::cos(angle), p[1] + r * libm::sin(angle)];
+    }
+    at
+}
+
+/// The largest of all distances, at least 1.
+fn largest(all: &[Vec<f64>]) -> f64 {
+    all.iter().flatten().copied().fold(1.0, f64::max)
 }
 
 /// The eigenvector of the largest eigenvalue of a symmetric matrix, which is then taken out of it.
@@ -160,4 +189,48 @@ fn principal(matrix: &mut [Vec<f64>]) -> Vec<f64> {
         row.iter_mut().zip(&v).for_each(|(m, b)| *m -= value * a * b);
     }
     v
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn apart(a: [f64; 2], b: [f64; 2]) -> f64 {
+        libm::hypot(a[0] - b[0], a[1] - b[1])
+    }
+
+    #[test]
+    fn a_grid_is_spread_as_a_grid() {
+        let (nx, ny) = (12u32, 9u32);
+        let along = (0..nx * ny).filter(|n| n % ny + 1 < ny).map(|n| [n, n + 1]);
+        let across = (0..(nx - 1) * ny).map(|n| [n, n + ny]);
+        let links: Vec<[u32; 2]> = along.chain(across).collect();
+        let nodes: Vec<u32> = (0..nx * ny).collect();
+        let at = spread(&Adjacent::new(nodes.len(), &nodes, &links.iter().copied()));
+        let lengths: Vec<f64> = links.iter().map(|[a, b]| apart(at[*a as usize], at[*b as usize])).collect();
+        let (short, long) = lengths.iter().fold((f64::INFINITY, 0.0f64), |(s, l), v| (s.min(*v), l.max(*v)));
+        assert!(long < 3.0 * short, "{short} to {long}");
+        // no two nodes are nearer to each other than links are long
+        for i in 0..at.len() {
+            assert!((0..i).all(|j| apart(at[i], at[j]) > 0.5 * short), "{i}");
+        }
+    }
+
+    #[test]
+    fn what_is_long_is_not_bent_and_leaves_stand_apart() {
+        // a ladder of 40 steps, with three leaves at one of its ends
+        let mut links: Vec<[u32; 2]> = (0..40).flat_map(|i| [[2 * i, 2 * i + 2], [2 * i + 1, 2 * i + 3]]).collect();
+        links.extend((0..41).map(|i| [2 * i, 2 * i + 1]));
+        links.extend((82..85).map(|leaf| [81, leaf]));
+        let nodes: Vec<u32> = (0..85).collect();
+        let net = Adjacent::new(85, &nodes, &links.iter().copied());
+        let at = spread(&net);
+        let length = apart(at[0], at[80]);
+        let (low, high) = at.iter().fold((0.0f64, 0.0f64), |(l, h), p| (l.min(p[1]), h.max(p[1])));
+        assert!(high - low < 0.3 * length, "{} of {length}", high - low);
+        assert!((0..40).all(|i| (at[2 * i + 2][0] - at[2 * i][0]) * (at[80][0] - at[0][0]) > 0.0));
+        assert!(apart(at[82], at[83]) > 0.002 * length && apart(at[83], at[84]) > 0.002 * length);
+        assert_eq!(net.parts().len(), 1);
+        assert!(spread(&Adjacent::new(0, &[], &[].into_iter())).is_empty());
+    }
 }

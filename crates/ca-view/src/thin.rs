@@ -17,7 +17,7 @@ pub fn thin(graph: &Graph, chained: &[bool], most: usize) -> (Vec<u32>, Vec<u32>
         return ((0..n as u32).collect(), (0..n as u32).collect());
     }
     let k = n.div_ceil(most.max(1)) as u32;
-    let both = (1..).find(|s| s * s >= k).unwrap_or(1);
+    let both = (k - 1).isqrt() + 1;
     let single = |item: &&Item| item.len == 1 && !item.between;
     let crowd = graph.items.iter().filter(single).count() > most / 10;
     let (mut kept, mut near, mut singles) = (vec![false; n], vec![NONE; n], 0);
@@ -32,20 +32,17 @@ pub fn thin(graph: &Graph, chained: &[bool], most: usize) -> (Vec<u32>, Vec<u32>
         let mut corner = std::collections::HashMap::new();
         for node in item.nodes() {
             let (i, row) = (node as u32 - item.first, graph.index[node]);
-            let (shown, to) = match (item.grid, row) {
-                (Some([nx, ny]), Index::Two(i, j)) => {
-                    let shown = (i % both == 0 || i + 1 == nx) && (j % both == 0 || j + 1 == ny);
-                    let cell = [i, j].map(|v| v / both);
-                    if shown {
-                        corner.entry(cell).or_insert(node as u32);
-                    }
-                    // the last of a row stands in a cell of its own, or is the one before's
-                    (shown, corner.get(&cell).copied().unwrap_or(NONE))
+            let (shown, to) = if let (Some([nx, ny]), Index::Two(i, j)) = (item.grid, row) {
+                let shown = (i % both == 0 || i + 1 == nx) && (j % both == 0 || j + 1 == ny);
+                let cell = [i, j].map(|v| v / both);
+                if shown {
+                    corner.entry(cell).or_insert(node as u32);
                 }
-                _ => {
-                    let last = i + 1 == item.len;
-                    (i % k == 0 || last, if last { node as u32 } else { item.first + i / k * k })
-                }
+                // what is not shown goes to the first of its cell
+                (shown, corner.get(&cell).copied().unwrap_or(NONE))
+            } else {
+                let last = i + 1 == item.len;
+                (i % k == 0 || last, if last { node as u32 } else { item.first + i / k * k })
             };
             kept[node] = shown;
             near[node] = if shown { node as u32 } else { to };

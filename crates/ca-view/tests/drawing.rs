@@ -103,8 +103,16 @@ fn check(name: &str, scene: &Scene, d: &Drawing) {
     let cell = |v: [f64; 3]| v.map(|x| (x / (1e-6 * width)).round() as i64);
     let mut taken = BTreeMap::new();
     for i in (0..p.n).filter(|i| !p.space[*i] && p.kinds[*i] != "@") {
-        let other = taken.insert(cell(p.rest[i]), i);
-        assert!(other.is_none(), "{name}: {i} and {other:?} of {} at {:?}", p.n, p.rest[i]);
+        let Some(other) = taken.insert(cell(p.rest[i]), i) else { continue };
+        // strings and meshes that are tied to masses in space, along their axes, may cross there
+        let names = [i, other].map(|i| d.scene_mass(i).and_then(|m| scene.symbols.get(m)).map(|s| s.name));
+        let cross = match &names {
+            [Some(a), Some(b)] => {
+                a.of != b.of && (a.index, b.index) != (Index::None, Index::None) && p.space.contains(&true)
+            }
+            _ => false,
+        };
+        assert!(cross, "{name}: {names:?} at {:?}", p.rest[i]);
     }
 }
 
@@ -121,6 +129,12 @@ fn views(name: &str, scene: &Scene, d: &Drawing, ticks: usize) {
         let n = if *space { 3 } else { 1 };
         if let Some(s) = d.scene_mass(i).and_then(|m| scene.symbols.get(m)) {
             let Location::Mat(place) = s.location else { panic!() };
+            // a port that is a share of a way has no place to move from
+            if s.name == "slide" {
+                assert_eq!(seen[at], 0.0);
+                at += n;
+                continue;
+            }
             for k in 0..n {
                 let x = play.state.x[place as usize + k] as f32;
                 assert_eq!(seen[at + k].to_bits(), x.to_bits(), "{name}: {} of {}", s.name, s.code);
@@ -167,8 +181,11 @@ fn in_order(name: &str, scene: &Scene, d: &Drawing, p: &Page) {
         let steps: Vec<f64> = masses.windows(2).map(|w| apart(p.rest[w[0]], p.rest[w[1]])).collect();
         let even = steps.iter().all(|s| (s - steps[0]).abs() < 1e-4 * steps[0]);
         assert!(wave || even, "{name}: {row} {steps:?}");
+        // a bank among banks goes into the depth
         let along = masses.windows(2).all(|w| p.rest[w[0]][0] < p.rest[w[1]][0]);
-        assert!(ring || along, "{name}: {row} not in order");
+        let deep = masses.windows(2).all(|w| p.rest[w[0]][0] == p.rest[w[1]][0] && p.rest[w[0]][2] > p.rest[w[1]][2]);
+        let banks = ["marimba", "piano_key"].iter().any(|r| name.starts_with(r));
+        assert!(ring || if banks { deep } else { along }, "{name}: {row} not in order");
     }
     let lengths: Vec<f64> = grid
         .iter()
@@ -196,11 +213,24 @@ fn in_order(name: &str, scene: &Scene, d: &Drawing, p: &Page) {
 /// Strings long enough to be folded, a mesh, and a row of cells; each mass is where its name says.
 #[test]
 fn folded_masses_are_seen_by_their_names() {
-    let text = "[STRING]\na = { n = 200, m = \"1 g\", k = \"90 kN/m\", z = 0.1 }\nb = { n = 77, m = \"1 g\", k = \"80 kN/m\" }\n[MESH]\nm \
-                = { nx = 24, ny = 20, m = \"1 g\", k = \"50 kN/m\", z = 0.05, edges = \"closed\" }\n[MAS]\nh = { m = \"5 g\", x = \"-0.1 mm\", v \
-                = 1 }\ng = { m = \"5 g\", x = \"-0.1 mm\", v = 1 }\n[BUT]\nka = { between = [\"h\", \"a[9]\"], k = \"9 kN/m\" }\nkb = { \
-                between = [\"g\", \"m[7,5]\"], k = \"9 kN/m\" }\n[RES]\nt = { between = [\"a[50]\", \"b[40]\"], k = 100 }\n[SOX]\nout = { from \
-                = \"a[7]\" }\n";
+    let text = r#"
+[STRING]
+a = { n = 200, m = "1 g", k = "90 kN/m", z = 0.1 }
+b = { n = 77, m = "1 g", k = "80 kN/m" }
+[MESH]
+m = { nx = 24, ny = 20, m = "1 g", k = "50 kN/m", z = 0.05, edges = "closed" }
+[MAS]
+h = { m = "5 g", x = "-0.1 mm", v = 1 }
+g = { m = "5 g", x = "-0.1 mm", v = 1 }
+[BUT]
+strike = { between = [["h", "g"], ["a[9]", "m[7,5]"]], k = "9 kN/m" }
+[RES]
+tie = { between = ["a[50]", "b[40]"], k = 100 }
+[SOX]
+oa = { from = "a[7]", channel = 0 }
+ob = { from = "b[7]", channel = 0 }
+om = { from = "m[2,3]", channel = 0 }
+"#;
     let scene = compiled(text, "folded.ca.toml");
     assert!(scene.moves.iter().chain(&scene.forces).any(|op| op.form.folded), "nothing is folded");
     let d = Drawing::new(&scene);
@@ -244,7 +274,7 @@ fn what_contains_is_a_sphere() {
 fn too_much_is_thinned() {
     let string = "[STRING]\ns = { n = 99998, m = \"1 g\", k = \"50 kN/m\" }\n[SOX]\nout = { from = \"s[7]\" }\n";
     let mesh = "[MESH]\nm = { nx = 300, ny = 200, m = \"1 g\", k = \"50 kN/m\" }\n[SOX]\nout = { from = \"m[7,3]\" }\n";
-    let grains = "[r]\ndim = 3\n[r.GRAINS]\ng = { n = 50000, m = \"1 g\", gap = \"1 cm\" }\n[SOX]\nout = { from = \"r.g[7]\", along = \"x\" }\n";
+    let grains = "[r]\ndim = 3\n[r.GRAINS]\ng = { n = 50000, m = \"1 g\", gap = \"1 cm\" }\n[SOX]\nout = { from = \"r.g[*]\", along = \"x\", channel = 0 }\n";
     for (name, text, linked) in [("string", string, true), ("mesh", mesh, true), ("grains", grains, false)] {
         let scene = compiled(text, name);
         let d = Drawing::new(&scene);
@@ -300,7 +330,8 @@ fn random(seed: u64) -> String {
         let _ = writeln!(t, "m{i} = {{ m = 1, x = {} }}", [0.0, -0.01, 0.02][below(3)]);
         line.push(format!("m{i}"));
     }
-    t += "[SOL]\n";
+    t += "[SOL]\nanchor = {}\n";
+    line.push("anchor".into());
     (0..f).for_each(|i| {
         let _ = writeln!(t, "f{i} = {{}}");
         line.push(format!("f{i}"));
@@ -334,8 +365,6 @@ fn random(seed: u64) -> String {
     for i in 0..space {
         let _ = writeln!(t, "m{i} = {{ m = 1, x = [{}, {}, {}] }}", below(9), below(9), i);
     }
-    line.push("anchor".into());
-    t += "[SOL.anchor]\n[MAS.last]\nm = 1\n";
     for (kind, numbers) in [("REF", "k = 10, z = 0.1"), ("BUT", "k = 10"), ("FRO", "z = 0.1"), ("BOW", "f = 1, v0 = 1")]
     {
         let _ = writeln!(t, "[{kind}]");
@@ -358,21 +387,32 @@ fn random(seed: u64) -> String {
             }
         }
     }
-    t + "[REF.hold]\nbetween = [\"anchor\", \"last\"]\nk = 1\nz = 0\n[SOX]\nout = { from = \"last\" }\n"
+    // what nobody hears is left out
+    t += "[SOX]\n";
+    for (i, name) in line.iter().enumerate() {
+        let _ = writeln!(t, "o{i} = {{ from = \"{name}\", channel = 0 }}");
+    }
+    for i in 0..space {
+        let _ = writeln!(t, "a{i} = {{ from = \"w.m{i}\", along = \"x\", channel = 0 }}");
+    }
+    t
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 300, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn what_is_linked_at_random_is_drawn(seed in any::<u64>()) {
         let text = random(seed);
         let scene = compiled(&text, "random.ca.toml");
         let d = Drawing::new(&scene);
-        check(&text, &scene, &d);
-        views(&text, &scene, &d, 5);
+        let name = format!("random {seed}");
+        check(&name, &scene, &d);
+        views(&name, &scene, &d, 5);
         let few = Drawing::of_at_most(&scene, 10);
-        prop_assert!(few.masses() <= scene.mats() + scene.moving_points.len());
+        prop_assert!(few.masses() <= d.masses());
+        let p = page(&few);
+        prop_assert!(p.links.iter().all(|(_, _, [a, b])| a.max(b) < &p.n && a != b));
     }
 }
 
@@ -384,7 +424,7 @@ fn much_is_laid_out_in_time() {
         (0..n).for_each(|i| _ = writeln!(t, "m{i} = {{ m = 1 }}"));
         t += "[REF]\n";
         (1..n).for_each(|i| {
-            _ = writeln!(t, "l{i} = {{ between = [\"m{}\", \"m{i}\"], k = 1, z = 0 }}", i * 7 % i.min(300))
+            _ = writeln!(t, "l{i} = {{ between = [\"m{}\", \"m{i}\"], k = 1, z = 0 }}", i * 7 % i.min(300));
         });
         t
     };
