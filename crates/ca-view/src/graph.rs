@@ -264,7 +264,8 @@ impl Graph {
         for d in &all.delays {
             let ticks = d.len.max(1) as f64;
             let here = node(d.junction);
-            let next = all.junctions.iter().position(|j| j.memory <= d.to && d.to < j.memory + 2).map_or(NONE, node);
+            // junctions have their memory one behind the other
+            let next = all.junctions.partition_point(|j| j.memory <= d.to).checked_sub(1).map_or(NONE, node);
             match (&mut begun, d.end) {
                 (Some(wave), Termination::Open) => {
                     if next != here && !wave.nodes.contains(&next) {

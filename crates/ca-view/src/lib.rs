@@ -17,6 +17,7 @@ mod spread;
 mod thin;
 
 use ca_core::Scene;
+use ca_core::op::layout::{Output, Tap};
 use ca_core::scene::InputRole;
 use graph::{Edge, Graph, NONE, Source};
 use serde_json::{Value, json};
@@ -71,7 +72,7 @@ impl Drawing {
     pub fn of_at_most(scene: &Scene, masses: usize) -> Drawing {
         let graph = Graph::new(scene);
         let (bodies, chained) = bodies::bodies(&graph);
-        let (at, axes, up) = place::place(&graph, &bodies, &gestures(scene));
+        let (at, axes, up) = place::place(&graph, &bodies, motion(scene));
         let (shown, near) = thin::thin(&graph, &chained, masses);
         let mut number = vec![NONE; graph.len()];
         shown.iter().enumerate().for_each(|(i, n)| number[*n as usize] = i as u32);
@@ -153,15 +154,26 @@ impl Drawing {
     }
 }
 
-/// How far the gestures of a scene move its ports \[m\].
-fn gestures(scene: &Scene) -> Vec<f64> {
+/// How far a gesture of a scene moves a port at least, or else what it hears moves at full scale \[m\].
+fn motion(scene: &Scene) -> Option<f64> {
     let port = |name: &str| scene.inputs.iter().any(|i| i.name == name && i.role != InputRole::Force);
     let range = |points: &[[f64; 2]]| {
         let values = || points.iter().map(|p| p[1]);
         values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min)
     };
     let ranges = scene.gestures.iter().filter(|(name, _)| port(name)).map(|(_, points)| range(points));
-    ranges.filter(|r| (1e-9..STROKE).contains(r)).collect()
+    let least = ranges.filter(|r| (1e-9..STROKE).contains(r)).fold(f64::INFINITY, f64::min);
+    if least.is_finite() {
+        return Some(least);
+    }
+    let gains = scene.writes.first().map(|op| op.coef - op.first)?;
+    let gain = |(k, o): (usize, &Output)| {
+        let heard = matches!(o.tap, Tap::Position(_)) && (o.channel as usize) < scene.channels;
+        scene.initial.coef.get(gains + k).map(|gain| gain.abs()).filter(|gain| heard && *gain > 0.0)
+    };
+    let mut all: Vec<f64> = scene.outputs.iter().enumerate().filter_map(gain).collect();
+    all.sort_unstable_by(f64::total_cmp);
+    all.get(all.len() / 2).map(|gain| 2.0 / gain).filter(|m| m.is_finite())
 }
 
 /// Links between drawn masses, by kind.

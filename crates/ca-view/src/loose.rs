@@ -8,7 +8,7 @@ use crate::graph::Graph;
 use crate::place::{Frame, Places, Stand, tie_one};
 use std::collections::{BTreeSet, HashMap};
 
-/// Masses with at least so many links are placed late.
+/// Masses that at least so many hang on, by more than a contact, are placed late.
 const MANY: usize = 5;
 
 /// In which turn a mass is placed.
@@ -44,11 +44,12 @@ pub fn place(graph: &Graph, p: &mut Places) {
             p.stand[n as usize] = Some(stand);
         }
     }
+    let held = |around: &[(u32, bool)]| around.iter().filter(|(_, contact)| !contact).count();
     let turn = |i: usize| {
         let n = free[i] as usize;
         match () {
             () if graph.is_fixed(n) => Turn::Fixed,
-            () if around[i].len() >= MANY && !graph.is_port(n) => Turn::Bridge,
+            () if held(&around[i]) >= MANY && !graph.is_port(n) => Turn::Bridge,
             () => Turn::Moves,
         }
     };
@@ -150,7 +151,8 @@ fn beside(graph: &Graph, p: &Places, node: usize, around: &[(u32, bool)], turn: 
                 Some(beyond) if n == 1.0 => [u + beyond, v, rest],
                 // what holds many in a row is seen along it
                 _ if n > 2.0 && high[1] - low[1] < 0.5 * wide => [low[0] - 0.08 * w, v, below(0.03)],
-                _ => [u - if n > 1.0 { 0.0 } else { 0.07 * w }, v - 0.02 * w, below(0.14)],
+                _ if n > 1.0 => [u, v, below(if n < MANY as f64 { 0.14 } else { 0.3 })],
+                _ => [u - 0.07 * w, v - 0.02 * w, below(0.14)],
             }
         }
     };

@@ -108,8 +108,8 @@ fn space(graph: &Graph) -> Option<Corners> {
     all
 }
 
-/// How wide what moves on a line is drawn: as what is in space, or as far as its masses are apart along their motion.
-fn width(graph: &Graph, space: Option<Corners>, gestures: &[f64]) -> f64 {
+/// How wide what moves on a line is drawn: as what is in space, or as its masses are apart along their motion, or as they move.
+fn width(graph: &Graph, space: Option<Corners>, motion: Option<f64>) -> f64 {
     let size = space.map_or(0.0, |[low, high]| (0..3).map(|k| high[k] - low[k]).fold(0.0, f64::max));
     if size > 0.0 {
         return 0.9 * size;
@@ -120,12 +120,12 @@ fn width(graph: &Graph, space: Option<Corners>, gestures: &[f64]) -> f64 {
         .map(|n| graph.rest[n][0])
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), h| (low.min(h), high.max(h)));
     let apart = graph.begin.max(if high > low { high - low } else { 0.0 });
-    let apart = if apart > 0.0 { apart } else { gestures.iter().copied().fold(f64::INFINITY, f64::min) };
-    if apart > 0.0 && apart.is_finite() { FLAT * apart } else { WIDTH }
+    let apart = if apart > 0.0 { apart } else { motion.unwrap_or(0.0) };
+    if apart > 0.0 { FLAT * apart } else { WIDTH }
 }
 
 /// The place of every node \[m\] and the direction of its motion, nothing in space; and what is up.
-pub fn place(graph: &Graph, bodies: &[Body], gestures: &[f64]) -> (Vec<[f64; 3]>, Vec<[f64; 3]>, [f64; 3]) {
+pub fn place(graph: &Graph, bodies: &[Body], motion: Option<f64>) -> (Vec<[f64; 3]>, Vec<[f64; 3]>, [f64; 3]) {
     let n = graph.len();
     let space = space(graph);
     let (axis, sign) = graph.up;
@@ -133,7 +133,7 @@ pub fn place(graph: &Graph, bodies: &[Body], gestures: &[f64]) -> (Vec<[f64; 3]>
     let mut p = Places {
         frames: vec![main],
         stand: vec![None; n],
-        width: width(graph, space, gestures),
+        width: width(graph, space, motion),
         beyond: vec![0.0; n],
         tied: tied(graph),
         ties: BTreeMap::new(),

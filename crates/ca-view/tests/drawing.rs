@@ -253,6 +253,33 @@ om = { from = "m[2,3]", channel = 0 }
     assert!(hold && d.json()["spheres"].as_array().unwrap().is_empty());
 }
 
+/// Of a string that goes by its modes, these are drawn, and the masses that are played or heard, which are no MATs.
+#[test]
+fn modes_are_cells_and_the_masses_they_move_stand_beside() {
+    let text = r#"
+[low]
+method = "modal"
+[low.STRING]
+s = { n = 40, f = "110 Hz", t60 = "4 s", m = "1 g", ends = "fixed" }
+[MAS]
+head = { m = "10 g", x = "-6 mm", v = "1 m/s" }
+[BUT]
+strike = { between = ["head", "low.s[8]"], k = "8 kN/m", z = "0.2 N s/m" }
+[SOX]
+out = { from = "low.s[3]", gain = 20 }
+"#;
+    let scene = compiled(text, "modes.ca.toml");
+    assert!(!scene.modal.is_empty() && scene.symbols.iter().any(|s| s.name.part == Part::Mode));
+    let d = Drawing::new(&scene);
+    check("modes", &scene, &d);
+    views("modes", &scene, &d, 900);
+    let p = page(&d);
+    assert_eq!(p.n, scene.mats() + scene.modal.len());
+    let blows: Vec<_> = p.links.iter().filter(|l| l.1).collect();
+    let [(_, _, [_, struck])] = blows[..] else { panic!("{blows:?}") };
+    assert!(d.scene_mass(*struck).is_none() && !p.fixed[*struck]);
+}
+
 /// What holds others is a sphere around its mass.
 #[test]
 fn what_contains_is_a_sphere() {
@@ -435,6 +462,6 @@ fn much_is_laid_out_in_time() {
         let d = Drawing::new(&scene);
         let took = begin.elapsed();
         println!("{name}: {} of {} masses in {took:?}", d.masses(), scene.mats());
-        assert!(took.as_secs() < 20, "{name}: {took:?}");
+        assert!(took.as_secs() < 5, "{name}: {took:?}");
     }
 }
