@@ -18,9 +18,9 @@ const CLOTH: &str = r#"
 [w]
 dim = 3
 [w.MAS]
-a = { m = "1 g", at = ["0 cm", "0 cm", "0 cm"] }
-b = { m = "2 g", at = ["3 cm", "0 cm", "0 cm"] }
-c = { m = "1 g", at = ["0 cm", "3 cm", "1 cm"] }
+a = { m = "1 g", x = ["0 cm", "0 cm", "0 cm"] }
+b = { m = "2 g", x = ["3 cm", "0 cm", "0 cm"] }
+c = { m = "1 g", x = ["0 cm", "3 cm", "1 cm"] }
 [w.RES]
 ab = { between = ["w.a", "w.b"], k = 900 }
 bc = { between = ["w.b", "w.c"], k = 700 }

@@ -6,7 +6,7 @@
 //! nothing for it and keeps its bits, and no kernel has to know.
 //!
 //! It cannot make a scene unstable. With κ = k·C and ν = z·C, both without unit, the coupling adds a matrix of rank one
-//! with the eigenvalue κ + 2ν to T²M⁻¹K + 2TM⁻¹Z, whose eigenvalues must lie below 4 (docs/numerics.md §3); by Weyl's inequality the
+//! with the eigenvalue κ + 2ν to T²M⁻¹K + 2TM⁻¹Z, whose eigenvalues must lie below 4 (docs/numerics.md §8); by Weyl's inequality the
 //! largest of the sum is at most [`Certificate::bound`] + κ + 2ν, and for contacts, which the bound leaves out, each that
 //! touches the mass adds at most twice its stiffness ratio. κ and ν take half of what is left at most, and no more than
 //! what is wanted: a mass that follows the pointer at [`FEEL`] hertz, critically damped. They are kept without unit, so that a
