@@ -202,7 +202,8 @@ pub fn ledger(_op: &Op, layout: &Layout, s: &mut State) {
     for (at, p) in l.points.iter_mut().zip(&layout.moving_points) {
         *at = [&s.x, &s.d].map(|v| v[p.mat as usize]);
     }
-    if s.tick == 0 {
+    if s.tick == 0 || !l.begun {
+        l.begun = true;
         l.h0 = load(layout, s, &mut near, &mut l);
         s.near = near;
         l.h = l.h0;

@@ -71,6 +71,8 @@ pub struct Ledger {
     pub(crate) stored_mats: f64,
     /// mass of each MAT, as T²C⁻¹; 0 of what no force moves (n_mat)
     pub(crate) mass: Vec<f64>,
+    /// whether it has looked at what everything holds at load: a state at load may be played on from any tick
+    pub(crate) begun: bool,
     /// whether coefficients were on their way then
     pub(crate) turning: bool,
     /// numbers in passing
