@@ -11,6 +11,7 @@ mod engine;
 mod large;
 mod live;
 mod rings;
+mod touch;
 
 use ca_benches::rattle;
 use ca_compile::{KernelClass, Options, compile};

@@ -13,7 +13,8 @@ use std::sync::Arc;
 
 const STRING: &str =
     "[STRING]\ns = { n = 40, f = \"110 Hz\", t60 = \"2 s\", m = \"1 g\" }\n[SOX]\nout = { from = \"s[7]\" }\n";
-const MESH: &str = "[MESH]\nm = { nx = 9, ny = 7, f = \"90 Hz\", m = \"1 g\", t60 = \"2 s\" }\n[SOX]\nout = { from = \"m[3,2]\" }\n";
+const MESH: &str =
+    "[MESH]\nm = { nx = 9, ny = 7, f = \"90 Hz\", m = \"1 g\", t60 = \"2 s\" }\n[SOX]\nout = { from = \"m[3,2]\" }\n";
 const CLOTH: &str = r#"
 [w]
 dim = 3

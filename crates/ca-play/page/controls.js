@@ -1,59 +1,194 @@
-// Sliders of live parameters and ports.
-//
-// Decides that a slider is a position between 0 and 1, logarithmic where a range spans decades, and that the field beside
-// it takes whatever the model takes, units too; who double-clicks gets the value at load.
+// Sliders: of parameters, of ports, of the picture. A slider is by decades where its range spans them; arrow keys move it
+// by half a per cent of its travel, with Shift by a twentieth of one; a value can be typed, with its unit; a double click,
+// or the small button beside the name, goes back to the value at load. While a hand is on it, news from the server does
+// not move it.
 
-const STEPS = 1000;
+import { format, typed, scaleOf } from "./units.js";
 
-/** A row: name, field, slider, words. `send` gets a number or a text and promises an answer. */
-export function slider({ name, value, min, max, unit, doc }, send, refused) {
-  const low = min ?? Math.min(0, 2 * value), high = max ?? Math.max(1, 2 * value);
-  const decades = low > 0 && high / low > 100;
-  const position = (v) => (decades ? Math.log(v / low) / Math.log(high / low) : (v - low) / (high - low)) * STEPS;
-  const number = (p) => (decades ? low * Math.pow(high / low, p / STEPS) : low + ((high - low) * p) / STEPS);
-  const row = document.createElement("div");
-  row.className = "row";
-  const label = document.createElement("label");
-  const field = document.createElement("input");
-  const range = document.createElement("input");
-  label.textContent = name;
-  label.htmlFor = range.id = `param-${name}`;
-  field.type = "text";
-  field.setAttribute("aria-label", `${name}, typed`);
-  Object.assign(range, { type: "range", min: 0, max: STEPS, step: 1 });
-  row.append(label, field, range);
-  if (doc) {
-    const words = document.createElement("small");
-    words.textContent = doc;
-    row.append(words);
+const STEPS = 10000;
+let serial = 0;
+
+const element = (tag, attributes = {}, ...children) => {
+  const e = document.createElement(tag);
+  for (const [name, value] of Object.entries(attributes)) {
+    if (name === "text") e.textContent = value;
+    else if (value !== null && value !== undefined && value !== false) e.setAttribute(name, value);
   }
-  const show = (v) => {
-    if (document.activeElement !== field) field.value = `${tidy(v)}${unit ? " " + unit : ""}`;
-    if (!row.moving) range.value = position(Math.min(high, Math.max(low, v)));
-    range.setAttribute("aria-valuetext", field.value);
-  };
-  const set = async (v) => {
-    const answer = await send(v);
-    if (!answer.ok) refused(answer.text);
-  };
-  range.oninput = () => {
-    const v = number(Number(range.value));
-    field.value = `${tidy(v)}${unit ? " " + unit : ""}`;
-    set(v);
-  };
-  range.onpointerdown = () => (row.moving = true);
-  range.onpointerup = range.onpointercancel = () => (row.moving = false);
-  range.ondblclick = () => set(value).then(() => show(value));
-  field.onchange = () => {
-    set(field.value.trim());
-    field.blur();
-  };
-  show(value);
-  return { row, show };
+  e.append(...children);
+  return e;
+};
+
+export class Slider {
+  // spec: name, value, min, max, unit, doc, plainText(value) for what is shown; set(value or text) -> promise of {ok, text} or nothing
+  constructor(spec, set) {
+    this.spec = spec;
+    this.set = set;
+    this.value = this.first = spec.value;
+    let { min, max } = spec;
+    if (!Number.isFinite(min)) min = spec.value > 0 ? spec.value / 100 : spec.value - 1;
+    if (!Number.isFinite(max)) max = spec.value > 0 ? spec.value * 100 : spec.value + 1;
+    this.min = Math.min(min, spec.value); this.max = Math.max(max, spec.value);
+    this.scale = scaleOf(this.min, this.max, spec.value);
+    this.busy = 0;
+    this.wanted = null;
+    const id = "s" + serial++;
+    this.range = element("input", { type: "range", id, min: 0, max: STEPS, step: 1, "aria-describedby": spec.doc ? id + "d" : null });
+    this.field = element("input", { type: "text", class: "value", "aria-label": spec.name + ", value", inputmode: "text", autocomplete: "off", spellcheck: "false" });
+    this.back = element("button", { class: "back", type: "button", title: "Back to the value at load", "aria-label": `${spec.name}: back to the value at load`, hidden: "", text: "↺" });
+    this.error = element("p", { class: "error", role: "status", hidden: "" });
+    const label = element("label", { for: id, text: spec.label || spec.name });
+    this.row = element("div", { class: "slider" }, element("div", { class: "head" }, label, this.back, this.field), this.range);
+    if (spec.doc) this.row.append(element("p", { class: "doc", id: id + "d", title: spec.doc, text: spec.doc }));
+    this.row.append(this.error);
+
+    this.range.addEventListener("input", () => this.byHand(this.scale.value(this.range.value / STEPS)));
+    this.range.addEventListener("change", () => { this.busy = performance.now() + 600; if (spec.ended) spec.ended(); });
+    this.range.addEventListener("keydown", e => this.key(e));
+    this.range.addEventListener("dblclick", () => this.byHand(this.first));
+    label.addEventListener("dblclick", () => this.byHand(this.first));
+    this.back.addEventListener("click", () => { this.byHand(this.first); this.range.focus(); });
+    this.field.addEventListener("focus", () => this.field.select());
+    this.field.addEventListener("blur", () => { if (this.field.value !== this.written) this.type(); });
+    this.field.addEventListener("keydown", e => {
+      if (e.key === "Enter") { this.type(); this.field.select(); }
+      else if (e.key === "Escape") { this.say(""); this.write(true); this.field.blur(); }
+      e.stopPropagation();
+    });
+    this.write(true);
+  }
+
+  text(value) {
+    return this.spec.plainText ? this.spec.plainText(value) : format(value, this.spec.unit, 5);
+  }
+
+  key(e) {
+    const sign = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1, PageUp: 10, PageDown: -10 }[e.key];
+    if (!sign || e.ctrlKey || e.metaKey || e.altKey) return;
+    e.preventDefault();
+    const place = Math.min(1, Math.max(0, this.scale.place(this.value) + sign * (e.shiftKey ? 0.0005 : 0.005)));
+    this.byHand(this.scale.value(place));
+  }
+
+  byHand(value) {
+    // no more digits than a hand means, so that values are readable and repeatable
+    const clean = value === this.first ? value : +value.toPrecision(4);
+    this.value = Math.min(this.max, Math.max(this.min, clean));
+    this.busy = performance.now() + 600;
+    this.write();
+    this.push(this.value);
+  }
+
+  type() {
+    const wanted = typed(this.field.value, this.value, this.spec.unit);
+    if (wanted === null || this.field.value === this.written) return this.write(true);
+    this.busy = performance.now() + 600;
+    if (typeof wanted === "number") {
+      this.value = wanted;
+      this.write(true);
+    }
+    this.push(wanted);
+  }
+
+  // the newest value only, once a frame, and the next one after the answer
+  push(value) {
+    this.wanted = value;
+    if (this.sending) return;
+    this.sending = true;
+    requestAnimationFrame(async () => {
+      while (this.wanted !== null) {
+        const next = this.wanted;
+        this.wanted = null;
+        const reply = await this.set(next);
+        if (this.wanted !== null) continue;
+        if (reply && reply.ok === false) { this.busy = 0; this.say(reply.text || "refused"); }
+        else { this.say(""); if (typeof next === "string") this.busy = 0; }
+      }
+      this.sending = false;
+    });
+  }
+
+  say(text) {
+    this.error.textContent = text;
+    this.error.hidden = !text;
+    this.row.classList.toggle("refused", !!text);
+  }
+
+  // news from the server, or from the picture
+  update(value) {
+    if (!Number.isFinite(value) || this.sending || performance.now() < this.busy || value === this.value) return;
+    this.value = value;
+    this.write();
+  }
+
+  write(force = false) {
+    const place = this.scale.place(this.value), text = this.text(this.value);
+    this.range.value = Math.round(place * STEPS);
+    this.range.setAttribute("aria-valuetext", text);
+    this.range.style.setProperty("--fill", (100 * Math.min(1, Math.max(0, place))).toFixed(2) + "%");
+    if (force || document.activeElement !== this.field) { this.field.value = text; this.written = text; }
+    this.back.hidden = this.spec.noBack || Math.abs(this.value - this.first) <= 1e-9 * Math.abs(this.first);
+  }
 }
 
-export function tidy(v) {
-  if (v === 0) return "0";
-  const size = Math.abs(v);
-  return size >= 1e5 || size < 1e-3 ? v.toExponential(3).replace(/\.?0+e/, "e").replace("e+", "e") : String(Number(v.toPrecision(4)));
+// the parameters of a scene; values at load stay those of the first scene, while the names are the same
+export class Parameters {
+  constructor(box, filter, connection) {
+    this.box = box; this.filter = filter; this.connection = connection;
+    this.sliders = new Map();
+    filter.addEventListener("input", () => this.find());
+    filter.addEventListener("keydown", e => e.stopPropagation());
+  }
+
+  build(specs) {
+    const first = new Map(this.sliders);
+    this.sliders.clear();
+    this.box.replaceChildren();
+    if (specs.length === 0) this.box.append(element("p", { class: "doc", text: "This model declares no parameter that changes while it plays." }));
+    for (const spec of specs) {
+      const slider = new Slider(spec, value => this.connection.ask({ type: "set", values: { [spec.name]: value } }));
+      const old = first.get(spec.name);
+      if (Number.isFinite(spec.load)) slider.first = spec.load;
+      else if (old && old.spec.unit === spec.unit) slider.first = old.first;
+      slider.write(true);
+      this.sliders.set(spec.name, slider);
+      this.box.append(slider.row);
+    }
+    this.filter.hidden = specs.length < 10;
+    this.find();
+  }
+
+  find() {
+    const words = this.filter.hidden ? "" : this.filter.value.trim().toLowerCase();
+    for (const [name, s] of this.sliders) s.row.hidden = words !== "" && !(name + " " + (s.spec.doc || "")).toLowerCase().includes(words);
+  }
+
+  update(values) {
+    for (const name in values) {
+      const slider = this.sliders.get(name);
+      if (slider) slider.update(values[name]);
+    }
+  }
 }
+
+// ports that a person may move: positions stay where they are put, forces go back to none when they are let go
+export function ports(box, list, connection) {
+  box.replaceChildren();
+  const own = list.filter(p => p.role !== "device");
+  for (const p of own) {
+    const force = p.role === "force", rest = Number.isFinite(p.rest) ? p.rest : 0;
+    const spec = {
+      name: p.name, value: force ? 0 : rest, unit: p.unit || (force ? "N" : "m"),
+      min: Number.isFinite(p.min) ? p.min : force ? -5 : rest - 0.02, max: Number.isFinite(p.max) ? p.max : force ? 5 : rest + 0.02,
+      doc: force ? "Force; none when it is let go" : "Position", ended: null,
+    };
+    const slider = new Slider(spec, value => connection.ask({ type: "port", name: p.name, value }));
+    if (force) {
+      const go = () => { if (slider.value !== 0) slider.byHand(0); };
+      for (const name of ["pointerup", "pointercancel", "keyup", "blur"]) slider.range.addEventListener(name, () => setTimeout(go, 0));
+    }
+    box.append(slider.row);
+  }
+  return own.length;
+}
+
+export { element };

@@ -1,192 +1,240 @@
-// Draws a scene with WebGL2.
-//
-// Decides on two programs and three calls a frame: links as lines, spheres as rings, masses as instanced discs that a
-// fragment shader makes round. Arrays are made once; a frame uploads places and colours alone.
+// Draws a scene with WebGL2. A frame costs the script a few uniforms and calls; the work that grows with the number of
+// masses is one upload for each view. All edges are made smooth by the shaders, so no samples are multiplied. After a loss of the context everything is made anew from the scene.
 
-const DISC = `#version 300 es
-uniform mat4 u_matrix; uniform vec2 u_size; uniform float u_marked;
-layout(location = 0) in vec3 at; layout(location = 1) in float tone; layout(location = 2) in float fixed_;
-out vec2 corner; out float v_tone; out float v_fixed; out float v_marked;
-void main() {
-  vec2 c = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0 - 1.0;
-  corner = c; v_tone = tone; v_fixed = fixed_; v_marked = float(gl_InstanceID) == u_marked ? 1.0 : 0.0;
-  vec4 p = u_matrix * vec4(at, 1.0);
-  float grow = v_marked > 0.5 ? 1.7 : (fixed_ > 0.5 ? 0.9 : 1.0);
-  gl_Position = p + vec4(c * u_size * grow, 0.0, 0.0);
-}`;
-const DISC_COLOUR = `#version 300 es
-precision highp float;
-uniform vec3 u_low; uniform vec3 u_middle; uniform vec3 u_high; uniform vec3 u_fixed; uniform vec3 u_mark;
-in vec2 corner; in float v_tone; in float v_fixed; in float v_marked; out vec4 colour;
-void main() {
-  float r = length(corner);
-  if (v_fixed > 0.5) { if (max(abs(corner.x), abs(corner.y)) > 0.8) discard; colour = vec4(u_fixed, 1.0); return; }
-  float edge = fwidth(r);
-  float cover = 1.0 - smoothstep(1.0 - edge, 1.0, r);
-  if (cover <= 0.0) discard;
-  vec3 normal = vec3(corner, sqrt(max(0.0, 1.0 - r * r)));
-  float light = 0.55 + 0.45 * max(0.0, dot(normal, normalize(vec3(-0.4, 0.6, 0.75))));
-  vec3 tone = v_tone < 0.5 ? mix(u_low, u_middle, v_tone * 2.0) : mix(u_middle, u_high, v_tone * 2.0 - 1.0);
-  colour = vec4(mix(tone * light, u_mark, v_marked * 0.6), cover);
-}`;
-const LINE = `#version 300 es
-uniform mat4 u_matrix; layout(location = 0) in vec3 at;
-void main() { gl_Position = u_matrix * vec4(at, 1.0); }`;
-const LINE_COLOUR = `#version 300 es
-precision highp float; uniform vec4 u_colour; out vec4 colour;
-void main() { colour = u_colour; }`;
+import { MASS, LINK, WIRE, SKIN } from "./shaders.js";
+import { maps, kindColour } from "./colour.js";
 
-const THEMES = {
-  dark: { back: [0.059, 0.071, 0.086], low: [0.25, 0.35, 0.62], middle: [0.36, 0.78, 1], high: [1, 0.93, 0.55],
-    fixed: [0.45, 0.49, 0.55], mark: [1, 1, 1], line: [0.55, 0.63, 0.74, 0.55], touch: [1, 0.6, 0.35, 0.8] },
-  light: { back: [0.961, 0.965, 0.973], low: [0.45, 0.55, 0.75], middle: [0.06, 0.45, 0.75], high: [0.85, 0.3, 0.1],
-    fixed: [0.6, 0.64, 0.69], mark: [0, 0, 0], line: [0.35, 0.4, 0.48, 0.5], touch: [0.8, 0.35, 0.1, 0.8] },
-};
+const ROW = 1024;
+
+function wires() {
+  const out = [], turn = 2 * Math.PI, steps = 72;
+  const ring = point => { for (let i = 0; i < steps; i++) out.push(...point(i / steps * turn), ...point((i + 1) / steps * turn)); };
+  for (let k = 0; k < 6; k++) { const a = k * Math.PI / 6; ring(t => [Math.sin(t) * Math.cos(a), Math.cos(t), Math.sin(t) * Math.sin(a)]); }
+  for (let k = 1; k < 6; k++) { const a = k * Math.PI / 6, r = Math.sin(a), y = Math.cos(a); ring(t => [r * Math.cos(t), y, r * Math.sin(t)]); }
+  return new Float32Array(out);
+}
 
 export class Picture {
   constructor(canvas) {
     this.canvas = canvas;
-    const gl = canvas.getContext("webgl2", { antialias: true, preserveDrawingBuffer: false });
-    this.gl = gl;
-    if (!gl) return;
-    this.discs = program(gl, DISC, DISC_COLOUR);
-    this.lines = program(gl, LINE, LINE_COLOUR);
-    this.theme = THEMES.dark;
-    this.rubber = new Float32Array(6);
+    this.scene = null;
+    this.theme = "dark";
+    this.mode = 0;
+    this.contacts = false;
+    this.hover = -1;
+    this.held = -1;
+    this.ratio = 1;
+    this.lost = false;
+    canvas.addEventListener("webglcontextlost", event => { event.preventDefault(); this.lost = true; });
+    canvas.addEventListener("webglcontextrestored", () => { this.lost = false; this.start(); if (this.scene) this.load(this.scene); });
+    try {
+      this.start();
+    } catch (error) {
+      console.error(error);
+      this.gl = null;
+    }
   }
 
-  wear(theme) {
-    this.theme = THEMES[theme];
+  start() {
+    const gl = this.canvas.getContext("webgl2", { antialias: false, alpha: true, premultipliedAlpha: true, powerPreference: "high-performance" });
+    this.gl = gl;
+    if (!gl) return;
+    this.mass = this.program(MASS);
+    this.link = this.program(LINK, ["ends"]);
+    this.wire = this.program(WIRE, ["from", "to"]);
+    this.skin = this.program(SKIN);
+    this.empty = gl.createVertexArray();
+    this.wireArray = gl.createVertexArray();
+    gl.bindVertexArray(this.wireArray);
+    const points = wires();
+    this.wireCount = points.length / 6;
+    gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
+    gl.bufferData(gl.ARRAY_BUFFER, points, gl.STATIC_DRAW);
+    for (let k = 0; k < 2; k++) {
+      gl.enableVertexAttribArray(k);
+      gl.vertexAttribPointer(k, 3, gl.FLOAT, false, 24, 12 * k);
+      gl.vertexAttribDivisor(k, 1);
+    }
+    gl.bindVertexArray(null);
+    this.colours = this.texture();
+    this.setTheme(this.theme);
+    gl.enable(gl.BLEND);
+    gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
+    gl.enable(gl.DEPTH_TEST);
+    gl.depthFunc(gl.LEQUAL);
+  }
+
+  program([vertex, fragment], attributes = []) {
+    const gl = this.gl, program = gl.createProgram();
+    for (const [kind, text] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]]) {
+      const shader = gl.createShader(kind);
+      gl.shaderSource(shader, text);
+      gl.compileShader(shader);
+      if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS) && !gl.isContextLost()) throw new Error(gl.getShaderInfoLog(shader));
+      gl.attachShader(program, shader);
+    }
+    attributes.forEach((name, k) => gl.bindAttribLocation(program, k, name));
+    gl.linkProgram(program);
+    if (!gl.getProgramParameter(program, gl.LINK_STATUS) && !gl.isContextLost()) throw new Error(gl.getProgramInfoLog(program));
+    const at = {};
+    const count = gl.getProgramParameter(program, gl.ACTIVE_UNIFORMS) || 0;
+    for (let i = 0; i < count; i++) { const { name } = gl.getActiveUniform(program, i); at[name] = gl.getUniformLocation(program, name); }
+    return { program, at };
+  }
+
+  texture() {
+    const gl = this.gl, texture = gl.createTexture();
+    gl.bindTexture(gl.TEXTURE_2D, texture);
+    for (const p of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, p, gl.NEAREST);
+    for (const p of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T]) gl.texParameteri(gl.TEXTURE_2D, p, gl.CLAMP_TO_EDGE);
+    return texture;
+  }
+
+  setTheme(theme) {
+    this.theme = theme;
+    const gl = this.gl;
+    if (!gl) return;
+    gl.bindTexture(gl.TEXTURE_2D, this.colours);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA8, 256, 3, 0, gl.RGBA, gl.UNSIGNED_BYTE, maps(theme));
+    this.ink = theme === "dark" ? [0.93, 0.95, 0.98, 1] : [0.1, 0.13, 0.18, 1];
+    this.ground = theme === "dark" ? [0.075, 0.09, 0.115] : [0.955, 0.962, 0.972];
+    this.lineColour = theme === "dark" ? [0.55, 0.62, 0.72] : [0.42, 0.48, 0.57];
   }
 
   load(scene) {
-    const gl = this.gl;
     this.scene = scene;
+    this.hover = this.held = -1;
+    const gl = this.gl;
     if (!gl) return;
-    this.places = buffer(gl, gl.ARRAY_BUFFER, scene.at, gl.DYNAMIC_DRAW);
-    this.tones = buffer(gl, gl.ARRAY_BUFFER, scene.colour, gl.DYNAMIC_DRAW);
-    const fixed = buffer(gl, gl.ARRAY_BUFFER, Float32Array.from(scene.fixed), gl.STATIC_DRAW);
-    this.masses = gl.createVertexArray();
-    gl.bindVertexArray(this.masses);
-    for (const [slot, source, size] of [[0, this.places, 3], [1, this.tones, 1], [2, fixed, 1]]) {
-      gl.bindBuffer(gl.ARRAY_BUFFER, source);
-      gl.enableVertexAttribArray(slot);
-      gl.vertexAttribPointer(slot, size, gl.FLOAT, false, 0, 0);
-      gl.vertexAttribDivisor(slot, 1);
+    for (const t of this.textures || []) gl.deleteTexture(t);
+    for (const l of this.lines || []) { gl.deleteBuffer(l.buffer); gl.deleteVertexArray(l.array); }
+    const rows = Math.max(1, Math.ceil(scene.n / ROW));
+    this.rows = rows;
+    this.room = new Float32Array(4 * ROW * rows);
+    for (let i = 0; i < scene.n; i++) {
+      this.room.set(scene.rest.subarray(3 * i, 3 * i + 3), 4 * i);
+      this.room[4 * i + 3] = scene.space[i] + 2 * scene.fixed[i] + 4 * scene.kind[i];
     }
-    this.joined = [false, true].map((contact) => {
-      const ends = Uint32Array.from(scene.links.filter((l) => l.contact === contact).flatMap((l) => l.ends));
-      const array = gl.createVertexArray();
-      gl.bindVertexArray(array);
-      gl.bindBuffer(gl.ARRAY_BUFFER, this.places);
-      gl.enableVertexAttribArray(0);
-      gl.vertexAttribPointer(0, 3, gl.FLOAT, false, 0, 0);
-      buffer(gl, gl.ELEMENT_ARRAY_BUFFER, ends, gl.STATIC_DRAW);
-      return { array, n: ends.length };
+    this.textures = [0, 1, 2].map(() => {
+      const t = this.texture();
+      gl.texStorage2D(gl.TEXTURE_2D, 1, gl.RGBA32F, ROW, rows);
+      return t;
     });
-    this.rings = scene.spheres.map(({ mass, centre, radius }) => ({ mass, centre, points: rings(radius) }));
-    this.free = gl.createVertexArray();
-    gl.bindVertexArray(this.free);
-    this.loose = buffer(gl, gl.ARRAY_BUFFER, new Float32Array(3 * 3 * 2 * 64 + 6), gl.DYNAMIC_DRAW);
-    gl.enableVertexAttribArray(0);
-    gl.vertexAttribPointer(0, 3, gl.FLOAT, false, 0, 0);
-    gl.bindVertexArray(null);
+    gl.bindTexture(gl.TEXTURE_2D, this.textures[0]);
+    gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, ROW, rows, gl.RGBA, gl.FLOAT, this.room);
+    this.room.fill(0);
+    this.loaded = [null, null];
+    this.lines = scene.links.map((l, k) => {
+      const array = gl.createVertexArray(), buffer = gl.createBuffer();
+      const ends = l.ends.every(e => e < scene.n) ? l.ends : l.ends.map(e => Math.min(e, scene.n - 1));
+      gl.bindVertexArray(array);
+      gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
+      gl.bufferData(gl.ARRAY_BUFFER, ends, gl.STATIC_DRAW);
+      gl.enableVertexAttribArray(0);
+      gl.vertexAttribIPointer(0, 2, gl.UNSIGNED_INT, 8, 0);
+      gl.vertexAttribDivisor(0, 1);
+      gl.bindVertexArray(null);
+      return { array, buffer, count: ends.length >> 1, contact: l.contact, k };
+    });
+    this.count = this.lines.reduce((s, l) => s + (l.contact ? 0 : l.count), 0);
   }
 
-  /** One frame; `show` has the camera, the mass to mark, whether contacts are shown, and what a pointer pulls. */
-  draw({ camera, marked, contacts, pulled }) {
-    const { gl, scene, theme, canvas } = this;
-    if (!gl || !scene) return;
-    const scale = Math.min(devicePixelRatio || 1, 2);
-    const [w, h] = [Math.round(canvas.clientWidth * scale), Math.round(canvas.clientHeight * scale)];
-    if (canvas.width !== w || canvas.height !== h) [canvas.width, canvas.height] = [w, h];
-    gl.viewport(0, 0, w, h);
-    gl.clearColor(...theme.back, 1);
+  // a view into one of the two textures, where it is not there already
+  upload(view, spare) {
+    const gl = this.gl;
+    let k = this.loaded.indexOf(view);
+    if (k >= 0) return k;
+    k = this.loaded[0] === spare ? 1 : 0;
+    this.scene.expand(view.u, this.room);
+    gl.bindTexture(gl.TEXTURE_2D, this.textures[1 + k]);
+    gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, ROW, this.rows, gl.RGBA, gl.FLOAT, this.room);
+    this.loaded[k] = view;
+    return k;
+  }
+
+  draw(camera, pair, motion) {
+    const gl = this.gl, scene = this.scene;
+    if (!gl || this.lost || !scene) return;
+    const early = this.upload(pair.from, pair.to), late = this.upload(pair.to, pair.from);
+    const { width, height } = this.canvas, scale = camera.scale * this.ratio;
+    gl.viewport(0, 0, width, height);
+    gl.clearColor(0, 0, 0, 0);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
-    const matrix = camera.matrix(canvas.clientWidth, canvas.clientHeight);
-    gl.bindBuffer(gl.ARRAY_BUFFER, this.places);
-    gl.bufferSubData(gl.ARRAY_BUFFER, 0, scene.at);
-    gl.bindBuffer(gl.ARRAY_BUFFER, this.tones);
-    gl.bufferSubData(gl.ARRAY_BUFFER, 0, scene.colour);
-    gl.enable(gl.BLEND);
-    gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
-    gl.disable(gl.DEPTH_TEST);
-    gl.useProgram(this.lines.program);
-    gl.uniformMatrix4fv(this.lines.at("u_matrix"), false, matrix);
-    gl.uniform4fv(this.lines.at("u_colour"), theme.line);
-    const line = (l) => {
-      if (!l.n) return;
-      gl.bindVertexArray(l.array);
-      gl.drawElements(gl.LINES, l.n, gl.UNSIGNED_INT, 0);
+    [this.textures[0], this.textures[1 + early], this.textures[1 + late], this.colours].forEach((t, k) => {
+      gl.activeTexture(gl.TEXTURE0 + k);
+      gl.bindTexture(gl.TEXTURE_2D, t);
+    });
+    gl.activeTexture(gl.TEXTURE0);
+    const speed = pair.from === pair.to ? 0 : 1 / (Math.max(motion.speed, 1e-12) * pair.dt);
+    const fading = scene.spatial ? 0.62 : 0.3;
+    const use = p => {
+      const at = p.at;
+      gl.useProgram(p.program);
+      ["rest", "early", "late", "colours"].forEach((name, k) => { if (at[name]) gl.uniform1i(at[name], k); });
+      gl.uniformMatrix4fv(at.view, false, camera.view);
+      gl.uniformMatrix4fv(at.projection, false, camera.projection);
+      gl.uniform2f(at.size, width, height);
+      gl.uniform1f(at.share, pair.mix);
+      gl.uniform2f(at.factor, scene.line, scene.true);
+      gl.uniform1f(at.reach, scene.reach);
+      gl.uniform3f(at.amounts, speed, 1 / Math.max(motion.far, 1e-12), this.mode);
+      gl.uniform4f(at.ground, ...this.ground, fading);
+      gl.uniform2f(at.depths, camera.distance - 0.25 * scene.extent, 0.75 * scene.extent);
+      gl.uniform1f(at.scale, scale);
+      gl.uniform4fv(at.ink, this.ink);
+      return at;
     };
-    line(this.joined[0]);
-    if (contacts) {
-      gl.uniform4fv(this.lines.at("u_colour"), theme.touch);
-      line(this.joined[1]);
-    }
-    gl.bindVertexArray(this.free);
-    gl.bindBuffer(gl.ARRAY_BUFFER, this.loose);
-    for (const ring of this.rings) {
-      const at = ring.mass >= 0 ? scene.at.subarray(3 * ring.mass, 3 * ring.mass + 3) : ring.centre;
-      gl.uniform4fv(this.lines.at("u_colour"), [...theme.line.slice(0, 3), 0.35]);
-      gl.bufferSubData(gl.ARRAY_BUFFER, 0, ring.points.map((v, i) => v + at[i % 3]));
-      gl.drawArrays(gl.LINES, 0, ring.points.length / 3);
-    }
-    if (pulled) {
-      this.rubber.set(scene.at.subarray(3 * pulled.mass, 3 * pulled.mass + 3));
-      this.rubber.set(pulled.to, 3);
-      gl.uniform4fv(this.lines.at("u_colour"), theme.touch);
-      gl.bufferSubData(gl.ARRAY_BUFFER, 0, this.rubber);
-      gl.drawArrays(gl.LINES, 0, 2);
-    }
-    gl.useProgram(this.discs.program);
-    gl.uniformMatrix4fv(this.discs.at("u_matrix"), false, matrix);
-    const r = Math.max(scene.radius, 2.4 * camera.pixel);
-    gl.uniform2f(this.discs.at("u_size"), r * camera.clip[0], r * camera.clip[1]);
-    gl.uniform1f(this.discs.at("u_marked"), marked);
-    for (const name of ["low", "middle", "high", "fixed", "mark"]) gl.uniform3fv(this.discs.at("u_" + name), theme[name]);
-    gl.enable(gl.DEPTH_TEST);
-    gl.bindVertexArray(this.masses);
-    gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, scene.n);
-    gl.bindVertexArray(null);
+    this.masses(use(this.mass), camera);
+    this.strips(use(this.link));
+    if (scene.spheres.length) this.balls(use, pair);
   }
-}
 
-function program(gl, vertex, fragment) {
-  const all = gl.createProgram();
-  for (const [kind, text] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]]) {
-    const shader = gl.createShader(kind);
-    gl.shaderSource(shader, text);
-    gl.compileShader(shader);
-    if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS)) throw new Error(gl.getShaderInfoLog(shader));
-    gl.attachShader(all, shader);
+  masses(at, camera) {
+    const gl = this.gl, r = this.ratio, least = Math.min(2.6, Math.max(0.9, 1.4 * this.scene.radius * camera.scale / camera.distance));
+    gl.depthMask(true);
+    gl.bindVertexArray(this.empty);
+    gl.uniform3f(at.ball, this.scene.radius, least * r, 15 * r);
+    gl.uniform2i(at.marked, this.hover, this.held);
+    gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, this.scene.n);
   }
-  gl.linkProgram(all);
-  const places = new Map();
-  const at = (name) => {
-    if (!places.has(name)) places.set(name, gl.getUniformLocation(all, name));
-    return places.get(name);
-  };
-  return { program: all, at };
-}
 
-function buffer(gl, target, data, usage) {
-  const made = gl.createBuffer();
-  gl.bindBuffer(target, made);
-  gl.bufferData(target, data, usage);
-  return made;
-}
+  strips(at) {
+    const gl = this.gl, r = this.ratio;
+    gl.depthMask(false);
+    const half = (this.count < 400 ? 0.95 : this.count < 4000 ? 0.65 : 0.5) * r;
+    for (const l of this.lines) {
+      if (l.contact && !this.contacts) continue;
+      gl.bindVertexArray(l.array);
+      const byKind = this.mode === 2;
+      const colour = byKind ? kindColour(this.theme, l.k + this.scene.kinds.length).map(v => v / 255) : this.lineColour;
+      gl.uniform4f(at.line, ...colour, byKind ? 0 : l.contact ? 0 : 0.72);
+      gl.uniform1f(at.half_width, l.contact ? 0.5 * r : half);
+      gl.uniform1f(at.opacity, l.contact ? (l.count > 400 ? 0.18 : 0.5) : this.count > 4000 ? 0.6 : 0.85);
+      gl.uniform1f(at.dash, l.contact ? 7 * r : 0);
+      gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, l.count);
+    }
+  }
 
-/** Three circles of a sphere, as pairs of points. */
-function rings(radius) {
-  const all = [];
-  for (let plane = 0; plane < 3; plane++) {
-    for (let i = 0; i < 64; i++) {
-      for (const j of [i, i + 1]) {
-        const [c, s] = [Math.cos((j * Math.PI) / 32) * radius, Math.sin((j * Math.PI) / 32) * radius];
-        all.push(...(plane === 0 ? [c, s, 0] : plane === 1 ? [c, 0, s] : [0, c, s]));
+  balls(use, pair) {
+    const gl = this.gl, scene = this.scene, p = [0, 0, 0];
+    gl.depthMask(false);
+    for (const [program, half] of [[this.skin, 0], [this.wire, 0.5 * this.ratio]]) {
+      const at = use(program);
+      gl.bindVertexArray(half ? this.wireArray : this.empty);
+      for (const s of scene.spheres) {
+        for (let k = 0; k < 3; k++) p[k] = s.centre[k] - scene.middle[k];
+        if (s.mass >= 0 && s.mass < scene.n) {
+          scene.place(s.mass, pair, p);
+          for (let k = 0; k < 3; k++) p[k] += s.centre[k] - scene.middle[k] - scene.rest[3 * s.mass + k];
+        }
+        gl.uniform4f(at.ball, ...p, s.radius);
+        gl.uniform1f(at.opacity, half ? 0.2 : 1);
+        if (half) {
+          gl.uniform1f(at.half_width, half);
+          gl.uniform1f(at.dash, 0);
+          gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, this.wireCount);
+        } else gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
       }
     }
   }
-  return Float32Array.from(all);
 }

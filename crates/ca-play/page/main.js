@@ -1,199 +1,216 @@
-// The page: what comes over the line goes to the picture, to the ears and to the panel, and what hands do goes back.
+// Puts the parts together: the connection feeds the scene, the motion, the meters and the sound; the pointer and the
+// controls send. One loop draws, at the rate of the screen, and does nothing where nothing changed or nobody looks. What
+// went wrong and what a frame costs is counted in attributes of the root element, so that whoever tests the page sees it.
 
-import { Socket } from "./socket.js";
-import { Camera, Scene } from "./scene.js";
+import { Connection } from "./socket.js";
+import { Scene } from "./scene.js";
+import { Motion } from "./motion.js";
+import { Camera } from "./camera.js";
 import { Picture } from "./gl.js";
-import { Hand } from "./pointer.js";
+import { Pointer } from "./pointer.js";
 import { Sound } from "./sound.js";
 import { Meters } from "./meters.js";
-import { slider, tidy } from "./controls.js";
+import { Parameters, ports, element } from "./controls.js";
+import { Status } from "./status.js";
+import { View } from "./view.js";
 
-const $ = (id) => document.getElementById(id);
-const canvas = $("view");
-const picture = new Picture(canvas);
-const host = { scene: null, camera: null, gain, pointed, touched, refused };
-let state = {}, params = {}, manual = 1, tipUntil = 0, where = [0, 0], busy = 0;
+const find = id => document.getElementById(id);
+const root = document.documentElement.dataset;
+root.errors = root.violations = root.frames = 0;
+addEventListener("error", () => root.errors++);
+addEventListener("unhandledrejection", () => root.errors++);
+addEventListener("securitypolicyviolation", () => root.violations++);
 
-const socket = new Socket({
-  line: (how) => {
-    const words = { open: "", lost: "The line to the engine is lost. Trying again…", ended: "The engine has ended." };
-    $("banner").textContent = words[how];
-    $("banner").hidden = how === "open";
-    if (how !== "open") hand.release();
-    else if (sound.on) sound.again();
+const canvas = find("canvas");
+const camera = new Camera(), picture = new Picture(canvas);
+let scene = null, motion = null, pair = null, state = null;
+
+const address = new URL("ws", location.href);
+address.protocol = location.protocol === "https:" ? "wss:" : "ws:";
+
+const connection = new Connection(address, {
+  status(name, detail) {
+    status.link(name, detail);
+    if (name !== "open") pointer.release(false);
+    if (name === "open") sound.asked = false;
+    pointer.enabled = name === "open";
   },
   scene: load,
-  state: news,
-  said: ({ bad, text }) => say(text, bad),
-  view: (generation, tick, x) => generation === host.scene?.generation && host.scene.view(tick, x, performance.now()),
-  heard: (channels, _, samples) => sound.heard(channels, samples),
+  state(message) {
+    const other = !state || state.sound !== message.sound;
+    state = message;
+    if (other) showSound(sound);
+    status.state(message, sound);
+    parameters.update(message.params || {});
+    gesture(message.playing);
+    root.tick = message.tick;
+  },
+  said: message => status.say(message.text, message.bad),
+  view(generation, tick, floats) {
+    if (scene && generation === scene.generation) motion.push(floats, tick / scene.message.rate, performance.now() / 1000);
+  },
+  sound(channels, tick, floats) {
+    meters.push(channels, floats);
+    sound.push(channels, floats);
+  },
 });
-const sound = new Sound(socket);
-const meters = new Meters($("scope"), $("spectrum"), sound);
-const hand = new Hand(canvas, socket, host);
+
+const status = new Status(find, connection);
+const parameters = new Parameters(find("params"), find("filter"), connection);
+const meters = new Meters(find("scope"), find("spectrum"), find("level"), find("decibels"), find("scopeScale"));
+const view = new View(find, { picture, camera, meters, scene: () => scene, motion: () => motion });
+const sound = new Sound({ send: m => connection.send(m), changed: showSound });
+const pointer = new Pointer({
+  canvas, camera,
+  scene: () => scene,
+  pair: () => pair || motion.still,
+  send: m => connection.send(m),
+  ask: m => connection.ask(m),
+  held(mass) {
+    picture.held = mass;
+    if (motion) motion.frozen = mass >= 0;
+    find("stage").classList.toggle("holding", mass >= 0);
+    find("hint").classList.add("gone");
+  },
+  hover: (mass, x, y) => view.hover(mass, x, y, connection),
+  refuse: (text, x, y) => view.refuse(text, x, y),
+  turned: () => find("hint").classList.add("gone"),
+});
 
 function load(message) {
-  const { drawing } = message;
-  host.scene = new Scene(drawing, message.generation);
-  host.camera = new Camera(host.scene);
-  picture.load(host.scene);
-  $("title").textContent = message.title || message.model;
-  document.title = `${message.model} – ca play`;
-  const links = drawing.links.reduce((n, l) => n + l.ends.length / 2, 0);
-  const part = drawing.decimated ? `, ${drawing.decimated.shown} of ${drawing.decimated.of} shown` : "";
-  $("facts").textContent = `${drawing.masses} masses, ${links} links${part}, ${message.rate / 1000} kHz. Drag a mass to pull it.`;
-  $("sound").hidden = !message.channels.length;
-  $("gesture").hidden = !message.gesture;
-  params = rows($("params"), message.params, (p) => (v) => socket.ask({ type: "set", values: { [p.name]: v } }));
-  const ports = message.ports.filter((p) => p.role !== "device");
-  const span = (p) => (p.role === "force" ? 10 : Math.max(0.01, 2 * Math.abs(p.rest)));
-  const port = (p) => ({ ...p, value: p.rest, min: p.rest - span(p), max: p.rest + span(p), unit: p.role === "force" ? "N" : "m" });
-  rows($("ports"), ports.map(port), (p) => (v) => socket.ask({ type: "port", name: p.name, value: Number.parseFloat(v) }));
-  sound.scene(message.channels.length, message.rate);
+  const old = scene, before = motion;
+  scene = new Scene(message);
+  motion = new Motion(scene);
+  if (old && Math.abs(old.extent / scene.extent - 1) < 0.3) motion.carry(before);
+  pair = motion.still;
+  pointer.release(false);
+  picture.load(scene);
+  pointer.show(-1);
+  // an edited model is seen from where the person looked, unless it is of another size
+  if (!old || !camera.touched || Math.abs(old.extent / scene.extent - 1) > 0.3) camera.fit(scene);
+  else camera.depth = scene.extent;
+  status.scene(message);
+  parameters.build(message.params || []);
+  find("portsBox").hidden = ports(find("ports"), message.ports || [], connection) === 0;
+  find("gesture").hidden = !message.gesture;
+  meters.setScene(message.rate, message.channels || []);
+  view.channels(message.channels || []);
+  sound.scene(message.rate, Math.max(1, (message.channels || []).length));
+  view.scene();
+  setTimeout(() => find("hint").classList.add("gone"), 12000);
+  canvas.setAttribute("aria-label", `The moving instrument: ${scene.n} masses`);
+  if (scene.decimated) status.say(`The picture shows ${scene.decimated.shown} of ${scene.decimated.of} masses.`);
+  root.generation = scene.generation;
 }
 
-function rows(section, list, send) {
-  section.hidden = !list.length;
-  const made = list.map((p) => [p.name, slider(p, send(p), refused)]);
-  section.querySelector(".rows").replaceChildren(...made.map(([, s]) => s.row));
-  return Object.fromEntries(made);
+function gesture(playing) {
+  const b = find("gesture");
+  if (b.dataset.on === String(!!playing)) return;
+  b.dataset.on = String(!!playing);
+  b.querySelector("span").textContent = playing ? "Stop gesture" : "Play gesture";
 }
 
-function news(message) {
-  state = message;
-  for (const [name, value] of Object.entries(message.params)) params[name]?.show(value);
-  pressed($("gesture"), message.playing);
-  $("gesture").textContent = message.playing ? "Stop" : "Play";
-  $("devices").hidden = !message.devices.length;
-  const device = ({ name, mode, cause }) => item("li", `${name}: ${mode}${cause === "NONE" ? "" : ` (${cause})`}`);
-  $("devices").querySelector("ul").replaceChildren(...message.devices.map(device));
-  const facts = [
-    ["time", `${message.seconds.toFixed(1)} s`],
-    ["computing", message.load == null ? "…" : `${(100 * message.load).toFixed(1)} %`, message.load > 0.8],
-    ["late periods", message.late, message.late > 0],
-    ["lost", message.lost, message.lost > 0],
-    ["clipped samples", message.clipped, message.clipped > 0],
-    ["sound", sound.on ? `page, ${(1000 * sound.latency()).toFixed(0)} ms` : message.sound === "page" ? "off" : message.sound],
-    ["pages open", message.clients],
-    ["drawing", `${busy.toFixed(1)} ms`],
-  ];
-  $("state").replaceChildren(...facts.flatMap(([name, value, bad]) => [item("dt", name), item("dd", value, bad && "bad")]));
-  if (message.diverged) {
-    $("banner").hidden = false;
-    $("banner").textContent = "The model has diverged: it is silent. Start it again.";
+function toggleGesture() {
+  if (!scene || !scene.message.gesture) return;
+  const play = !(state && state.playing);
+  if (state) state.playing = play;
+  gesture(play);
+  connection.send({ type: "gesture", play });
+}
+
+function showSound(s) {
+  const b = find("sound"), on = s.state === "on";
+  b.dataset.on = String(on);
+  const elsewhere = !!(state && state.sound && state.sound !== "page");
+  b.classList.toggle("primary", !on && !elsewhere);
+  b.querySelector("span").textContent = on ? "Sound off" : s.state === "starting" ? "Starting…" : elsewhere ? "Also play here" : "Sound on";
+  find("loudness").classList.toggle("off", !on);
+  const mute = find("mute");
+  mute.setAttribute("aria-pressed", String(s.muted));
+  mute.textContent = s.muted ? "Muted" : "Mute";
+  find("volume").style.setProperty("--fill", 100 * s.volume + "%");
+  if (s.state === "failed" && root.sound !== "failed") status.say("No sound in this page: " + s.reason, true);
+  root.sound = s.state;
+  root.gaps = s.gaps;
+  root.ahead = s.ahead;
+}
+
+// sound starts with the first gesture, where it is the page that plays; a press on the button itself is its own
+function firstGesture(event) {
+  if (event.target.closest && event.target.closest("#sound, #stop, #mute")) return done();
+  if (event.type === "keydown" && /^(Tab|Shift|Control|Alt|Meta|Escape|s|m)$/.test(event.key)) return;
+  done();
+  if (sound.state === "off" && (!state || !state.sound || state.sound === "page")) sound.start();
+  function done() {
+    removeEventListener("pointerup", firstGesture, true);
+    removeEventListener("keydown", firstGesture, true);
   }
 }
+addEventListener("pointerup", firstGesture, true);
+addEventListener("keydown", firstGesture, true);
 
-function item(kind, text, name) {
-  const made = document.createElement(kind);
-  made.textContent = text;
-  if (name) made.className = name;
-  return made;
-}
+find("gesture").addEventListener("click", toggleGesture);
+find("sound").addEventListener("click", () => sound.toggle());
+find("mute").addEventListener("click", () => sound.mute());
+find("volume").addEventListener("input", e => sound.setVolume(+e.target.value));
+const reset = () => { if (scene) camera.fit(scene); };
+find("reset").addEventListener("click", reset);
+find("nearer").addEventListener("click", () => camera.zoom(0.8));
+find("farther").addEventListener("click", () => camera.zoom(1.25));
 
-function say(text, bad) {
-  const list = $("news");
-  list.prepend(item("li", text, bad ? "bad" : ""));
-  while (list.children.length > 50) list.lastChild.remove();
-}
-
-function refused(text) {
-  tip(text, true);
-  tipUntil = performance.now() + 2500;
-}
-
-function tip(text, bad) {
-  const at = $("tip");
-  at.textContent = text;
-  at.hidden = !text;
-  at.classList.toggle("bad", Boolean(bad));
-  const x = Math.min(where[0] + 14, canvas.clientWidth - at.offsetWidth - 8);
-  at.style.left = `${Math.max(8, x)}px`;
-  at.style.top = `${Math.min(where[1] + 14, canvas.clientHeight - at.offsetHeight - 8)}px`;
-}
-
-async function pointed(mass) {
-  if (performance.now() < tipUntil) return;
-  if (mass < 0) return tip("");
-  const answer = await socket.ask({ type: "pick", mass });
-  if (hand.marked === mass && performance.now() >= tipUntil) tip(answer.ok ? `${answer.name} (${answer.kind})` : answer.text);
-}
-
-function touched() {
-  // a browser lets a page sound once somebody has touched it
-  if (!sound.on && !touched.once) toggleSound();
-  touched.once = true;
-}
-
-async function toggleSound() {
-  pressed($("sound"), await sound.toggle());
-}
-
-function pressed(button, on) {
-  button.setAttribute("aria-pressed", on ? "true" : "false");
-}
-
-function play() {
-  socket.ask({ type: "gesture", play: !state.playing }).then((a) => a.ok || refused(a.text));
-  touched();
-}
-
-function gain() {
-  return $("auto").checked ? host.scene?.shown || 1 : manual;
-}
-
-function theme() {
-  const chosen = $("theme").value;
-  if (chosen) document.documentElement.dataset.theme = chosen;
-  else delete document.documentElement.dataset.theme;
-  const light = chosen ? chosen === "light" : matchMedia("(prefers-color-scheme: light)").matches;
-  picture.wear(light ? "light" : "dark");
-}
-
-canvas.addEventListener("pointermove", (e) => (where = [e.offsetX, e.offsetY]));
-$("sound").onclick = () => ((touched.once = true), toggleSound());
-$("gesture").onclick = play;
-$("home").onclick = () => host.camera?.reset();
-$("arm").onclick = () => socket.ask({ type: "arm", on: true }).then((a) => say(a.text, !a.ok));
-$("disarm").onclick = () => socket.ask({ type: "arm", on: false }).then((a) => say(a.text, !a.ok));
-$("theme").onchange = theme;
-matchMedia("(prefers-color-scheme: light)").addEventListener("change", theme);
-$("gain").oninput = () => {
-  $("auto").checked = false;
-  manual = Math.pow(10, Number($("gain").value));
-};
-document.addEventListener("keydown", (e) => {
-  if (e.target.matches("input, select, textarea") || e.ctrlKey || e.metaKey || e.altKey) return;
-  const key = e.key.toLowerCase();
-  if (key === " " && !e.target.matches("button") && !$("gesture").hidden) play();
-  else if (key === "s") $("sound").click();
-  else if (key === "0") host.camera?.reset();
-  else if (key === "arrowleft" || key === "arrowright") host.camera?.orbit(key === "arrowleft" ? 20 : -20, 0);
-  else if (key === "+" || key === "-") host.camera?.scale(key === "+" ? 1.15 : 1 / 1.15);
+addEventListener("keydown", event => {
+  if (event.ctrlKey || event.metaKey || event.altKey || event.defaultPrevented) return;
+  const on = event.target, typing = on.matches("input[type=text], input[type=search], textarea");
+  if (typing) return;
+  if (event.key === " " && !on.matches("button, summary, input[type=checkbox], input[type=radio]")) toggleGesture();
+  else if (event.key === "s") sound.toggle();
+  else if (event.key === "m") sound.mute();
+  else if (event.key === "0") reset();
+  else if (event.key === "Escape") { pointer.release(); pointer.show(-1); }
   else return;
-  e.preventDefault();
+  event.preventDefault();
 });
 
-let frames = 0;
-function frame(now) {
+const resized = new ResizeObserver(() => {
+  const w = canvas.clientWidth, h = canvas.clientHeight, ratio = Math.min(2, devicePixelRatio || 1);
+  if (!w || !h) return;
+  picture.ratio = ratio;
+  canvas.width = Math.round(w * ratio);
+  canvas.height = Math.round(h * ratio);
+  camera.resize(w, h);
+  if (scene && !camera.touched) camera.fit(scene);
+});
+resized.observe(canvas);
+
+// time of the script in a frame [ms]: the median and the worst of a second
+const costs = [];
+let since = performance.now();
+function frame(at) {
   requestAnimationFrame(frame);
-  const begin = performance.now();
-  if (host.scene) {
-    const { scene, camera } = host;
-    if ($("auto").checked && !hand.held) scene.automatic();
-    scene.update(now, gain(), $("colour").value);
-    picture.draw({ camera, marked: hand.marked, contacts: $("contacts").checked, pulled: hand.held });
-    if (frames % 12 === 0) {
-      $("gain-value").textContent = scene.space.every((s) => s) ? "true" : `× ${tidy(gain())}`;
-      if ($("auto").checked) $("gain").value = Math.log10(gain());
-    }
+  if (!scene) return;
+  const began = performance.now(), now = began / 1000;
+  pair = motion.at(now);
+  motion.exaggerate(now);
+  pointer.frame();
+  picture.draw(camera, pair, motion);
+  view.frame(pointer, pair, now);
+  meters.draw(at);
+  const ms = performance.now() - began;
+  costs.push(ms);
+  root.frames = +root.frames + 1;
+  if (began - since > 1000) {
+    root.fps = (1000 * costs.length / (began - since)).toFixed(1);
+    costs.sort((a, b) => a - b);
+    root.scriptMs = costs[costs.length >> 1].toFixed(2);
+    root.worstMs = costs[costs.length - 1].toFixed(2);
+    costs.length = 0;
+    since = began;
   }
-  busy += 0.1 * (performance.now() - begin - busy);
-  if (frames++ % 6 === 0) meters.draw();
 }
-theme();
+
 if (!picture.gl) {
-  $("banner").hidden = false;
-  $("banner").textContent = "This browser has no WebGL2: no picture; sound and controls work.";
+  find("stage").append(element("p", { class: "none", text: "This browser gives no WebGL2, so there is no picture. Sound, parameters and meters work." }));
 }
+showSound(sound);
+connection.connect();
 requestAnimationFrame(frame);

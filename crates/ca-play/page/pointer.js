@@ -1,140 +1,267 @@
-// The hand: what is near, what is held, and how the eye turns.
-//
-// Decides that a press near a mass holds it, and that a press beside all of them turns the view; with a finger "near" is
-// as wide as a finger. On a line a mass is pulled along its axis as it is drawn, in space in the plane of the picture.
+// The hand in the picture: what is under the pointer, what is held, where it is pulled to, and the camera. It decides that
+// a press near a mass holds it, a tap plucks it, and a press beside everything turns the picture; that the pull is
+// relative to where the mass was taken, so that taking it does not move it; and that a drag is sent at most 120 times a second, the last place
+// always. Everything that ends a press releases: up, cancel, blur, a lost connection, another scene.
 
-const NEAR = { mouse: 16, pen: 20, touch: 30 };
+const REACH = { mouse: 20, pen: 22, touch: 32 };
+const LEAST = 1000 / 120;
 
-export class Hand {
-  constructor(canvas, socket, host) {
-    Object.assign(this, { canvas, socket, host });
-    this.marked = -1;
-    this.held = null;
-    this.fingers = new Map();
-    this.sent = 0;
-    const on = (name, f) => canvas.addEventListener(name, f.bind(this));
-    on("pointerdown", this.down);
-    on("pointermove", this.move);
-    on("pointerup", this.up);
-    on("pointercancel", this.up);
-    on("lostpointercapture", this.up);
-    on("pointerleave", () => this.held || this.mark(-1));
-    on("contextmenu", (e) => e.preventDefault());
-    canvas.addEventListener("wheel", (e) => {
-      e.preventDefault();
-      host.camera?.scale(Math.exp(-e.deltaY * 0.0015));
-    }, { passive: false });
-    window.addEventListener("blur", () => this.release());
+export class Pointer {
+  // world: canvas, camera, scene(), pair(), send(message), ask(message) -> promise, held(mass), hover(mass, x, y), refuse(text, x, y)
+  constructor(world) {
+    this.world = world;
+    this.downs = new Map();
+    this.grip = null;
+    this.hover = -1;
+    this.spot = null;
+    this.enabled = true;
+    this.turned = false;
+    const c = world.canvas;
+    c.addEventListener("pointerdown", e => this.down(e));
+    c.addEventListener("pointermove", e => this.move(e));
+    if ("onpointerrawupdate" in window) c.addEventListener("pointerrawupdate", e => { if (this.grip && this.grip.pointer === e.pointerId) this.move(e); });
+    for (const name of ["pointerup", "pointercancel", "lostpointercapture"]) c.addEventListener(name, e => this.up(e));
+    c.addEventListener("pointerleave", e => { if (!this.downs.has(e.pointerId)) { this.spot = null; this.show(-1); } });
+    c.addEventListener("wheel", e => this.wheel(e), { passive: false });
+    c.addEventListener("contextmenu", e => e.preventDefault());
+    c.addEventListener("keydown", e => this.key(e));
+    addEventListener("blur", () => this.release());
+    document.addEventListener("visibilitychange", () => { if (document.hidden) this.release(); });
   }
 
-  /** The mass nearest to a point of the picture, or −1. */
-  near(x, y, within) {
-    const { scene, camera } = this.host;
+  at(e) {
+    const r = this.world.canvas.getBoundingClientRect();
+    return [e.clientX - r.left, e.clientY - r.top];
+  }
+
+  // the mass nearest to a place on the screen, within a radius; fixed ones only where no other is
+  pick(x, y, radius) {
+    const { camera } = this.world, scene = this.world.scene();
     if (!scene) return -1;
-    const [w, h] = [this.canvas.clientWidth, this.canvas.clientHeight];
-    const m = camera.matrix(w, h);
-    let best = within * within, found = -1;
-    for (let i = 0, p = 0; i < scene.n; i++, p += 3) {
-      const [a, b, c] = [scene.at[p], scene.at[p + 1], scene.at[p + 2]];
-      const dx = ((m[0] * a + m[4] * b + m[8] * c + m[12] + 1) / 2) * w - x;
-      const dy = ((1 - (m[1] * a + m[5] * b + m[9] * c + m[13])) / 2) * h - y;
-      const d = dx * dx + dy * dy + (scene.fixed[i] ? 60 : 0);
-      if (d < best) [best, found] = [d, i];
+    const pair = this.world.pair(), p = this.room || (this.room = new Float64Array(6));
+    let best = -1, least = radius * radius, nearest = Infinity;
+    for (let i = 0; i < scene.n; i++) {
+      scene.place(i, pair, p, 0);
+      camera.project(p, 0, p, 3);
+      if (!(p[5] > 0)) continue;
+      const dx = p[3] - x, dy = p[4] - y, ball = Math.min(12, scene.radius * camera.scale / p[5]);
+      let d = Math.max(0, Math.hypot(dx, dy) - ball * 0.8);
+      if (scene.fixed[i]) d += 0.3 * radius;
+      d *= d;
+      if (d > least || (d === least && p[5] >= nearest)) continue;
+      least = d; best = i; nearest = p[5];
     }
-    return found;
+    return best;
   }
 
-  mark(mass) {
-    if (mass === this.marked) return;
-    this.marked = mass;
-    this.canvas.classList.toggle("near", mass >= 0);
-    this.host.pointed(mass);
+  down(e) {
+    const [x, y] = this.at(e), { canvas } = this.world;
+    if (e.pointerType !== "touch") canvas.focus({ preventScroll: true, focusVisible: false });
+    if (this.downs.size === 0) this.turned = false;
+    const hold = { x, y, kind: "turn" };
+    this.downs.set(e.pointerId, hold);
+    try { canvas.setPointerCapture(e.pointerId); } catch { /* a pointer that is gone again */ }
+    e.preventDefault();
+    if (e.pointerType === "mouse" && e.button === 1 || e.shiftKey) { hold.kind = "pan"; return; }
+    if (e.button === 2) return;
+    if (this.grip) {
+      // two fingers that come down together turn and zoom, also where the first met a mass
+      const g = this.grip, both = e.pointerType === "touch" && performance.now() - g.began < 250 && Math.hypot(g.x - g.startX, g.y - g.startY) < 12;
+      if (both) this.release();
+      else hold.kind = "idle";
+      return;
+    }
+    if (this.downs.size > 1) return;
+    const mass = this.enabled ? this.pick(x, y, REACH[e.pointerType] || 20) : -1;
+    if (mass >= 0) this.take(mass, e.pointerId, x, y);
+    else if (e.pointerType === "touch") this.show(-1);
   }
 
-  async down(e) {
-    this.canvas.focus({ preventScroll: true });
-    this.canvas.setPointerCapture(e.pointerId);
-    this.fingers.set(e.pointerId, [e.offsetX, e.offsetY]);
-    if (this.fingers.size > 1) return this.release();
-    this.host.touched();
-    const mass = e.button === 0 ? this.near(e.offsetX, e.offsetY, NEAR[e.pointerType] ?? 16) : -1;
-    if (mass < 0) return;
-    this.mark(mass);
-    const { scene } = this.host;
-    const p = 3 * mass;
-    const gain = this.host.gain();
-    const from = [0, 1, 2].map((k) => scene.at[p + k] - scene.rest[p + k]);
-    const u = scene.space[mass] ? from : [from.reduce((s, v, k) => s + v * scene.axis[p + k], 0) / gain];
-    const held = { mass, id: e.pointerId, start: [e.offsetX, e.offsetY], from: u, by: u, to: [...scene.at.subarray(p, p + 3)] };
-    this.held = held;
-    this.canvas.classList.add("held");
-    const answer = await this.socket.ask({ type: "grab", mass });
-    if (!answer.ok && this.held === held) {
-      this.held = null;
-      this.canvas.classList.remove("held");
-      this.host.refused(answer.text);
+  take(mass, pointer, x, y) {
+    const scene = this.world.scene(), { camera } = this.world, p = new Float64Array(6);
+    const pair = this.world.pair();
+    scene.place(mass, pair, p, 0);
+    camera.project(p, 0, p, 3);
+    const space = !!scene.space[mass], o = scene.offset[mass];
+    const now = k => pair.a[o + k] + (pair.b[o + k] - pair.a[o + k]) * pair.mix;
+    const grip = { mass, pointer, x, y, startX: x, startY: y, space, depth: p[5], generation: scene.generation, began: performance.now(), sent: null, last: -Infinity, timer: 0 };
+    if (space) {
+      grip.from = [now(0), now(1), now(2)];
+      grip.anchor = camera.unproject(x, y, p[5]);
+    } else {
+      // what is drawn at the edge of the picture is taken where it is drawn
+      const drawn = scene.near(now(0) * scene.line);
+      grip.from = [drawn / scene.line];
     }
+    this.grip = grip;
+    this.world.held(mass);
+    this.show(-1);
+    this.world.ask({ type: "grab", mass }).then(reply => {
+      if (this.grip !== grip) return;
+      if (reply.ok === false) {
+        // without an answer the server may hold it all the same
+        if (reply.lost) this.world.send({ type: "release" });
+        clearTimeout(grip.timer);
+        this.grip = null;
+        this.world.held(-1);
+        const hold = this.downs.get(pointer);
+        if (hold) hold.kind = "idle";
+        if (!reply.lost) this.world.refuse(reply.text || "This mass cannot be held.", grip.x, grip.y);
+      }
+    });
+    this.pull(true);
+  }
+
+  // displacement from rest [m] that the pointer asks for
+  wanted() {
+    const g = this.grip, scene = this.world.scene(), { camera } = this.world;
+    if (g.space) {
+      const here = camera.unproject(g.x, g.y, g.depth), f = scene.true || 1;
+      return [0, 1, 2].map(k => g.from[k] + (here[k] - g.anchor[k]) / f);
+    }
+    const p = new Float64Array(6), q = new Float64Array(6), i = 3 * g.mass, step = 0.01 * scene.extent;
+    for (let k = 0; k < 3; k++) { p[k] = scene.rest[i + k]; q[k] = p[k] + step * scene.axis[i + k]; }
+    camera.project(p, 0, p, 3); camera.project(q, 0, q, 3);
+    let gx = (q[3] - p[3]) / step, gy = (q[4] - p[4]) / step;
+    const full = camera.scale / p[5];
+    // an axis that points at the viewer is pulled by up and down
+    if (Math.hypot(gx, gy) < 0.15 * full) { gx = 0; gy = -full; }
+    const drawn = ((g.x - g.startX) * gx + (g.y - g.startY) * gy) / (gx * gx + gy * gy);
+    return [g.from[0] + drawn / scene.line];
+  }
+
+  pull(force = false) {
+    const g = this.grip;
+    if (!g) return;
+    const now = performance.now();
+    if (!force && now - g.last < LEAST) {
+      if (!g.timer) g.timer = setTimeout(() => { g.timer = 0; if (this.grip === g) this.pull(); }, LEAST - (now - g.last));
+      return;
+    }
+    const by = this.wanted();
+    if (!by.every(Number.isFinite)) return;
+    if (g.sent && by.every((v, k) => v === g.sent[k])) return;
+    g.last = now;
+    g.sent = by;
+    this.world.send({ type: "drag", by });
   }
 
   move(e) {
-    const last = this.fingers.get(e.pointerId);
-    if (!last) return this.mark(this.near(e.offsetX, e.offsetY, NEAR[e.pointerType] ?? 16));
-    const [dx, dy] = [e.offsetX - last[0], e.offsetY - last[1]];
-    const others = [...this.fingers].filter(([id]) => id !== e.pointerId);
-    this.fingers.set(e.pointerId, [e.offsetX, e.offsetY]);
-    if (others.length) {
-      const far = (p) => Math.hypot(p[0] - others[0][1][0], p[1] - others[0][1][1]);
-      this.host.camera?.scale(far([e.offsetX, e.offsetY]) / Math.max(1, far(last)));
-      this.host.camera?.orbit(dx / 2, dy / 2);
+    const [x, y] = this.at(e), hold = this.downs.get(e.pointerId), { camera } = this.world;
+    if (!hold) {
+      if (e.pointerType !== "touch") this.spot = [x, y, e.pointerType];
       return;
     }
-    if (this.held?.id === e.pointerId) this.pull(e.offsetX, e.offsetY);
-    else this.host.camera?.orbit(dx, dy);
-  }
-
-  pull(x, y) {
-    const { scene, camera } = this.host;
-    const { mass, start, from } = this.held;
-    const p = 3 * mass;
-    const { right, up } = camera.axes();
-    const pixel = [x - start[0], y - start[1]];
-    const world = [0, 1, 2].map((k) =>
-      (2 * pixel[0] * right[k]) / (camera.clip[0] * this.canvas.clientWidth) -
-      (2 * pixel[1] * up[k]) / (camera.clip[1] * this.canvas.clientHeight));
-    if (scene.space[mass]) {
-      this.held.by = from.map((v, k) => v + world[k]);
-      this.held.to = [0, 1, 2].map((k) => scene.rest[p + k] + this.held.by[k]);
-    } else {
-      const axis = [...scene.axis.subarray(p, p + 3)];
-      const across = axis.reduce((s, v, k) => s + v * world[k], 0);
-      // an axis that is seen from its end would make a step of every pixel
-      const seen = Math.hypot(axis.reduce((s, v, k) => s + v * right[k], 0), axis.reduce((s, v, k) => s + v * up[k], 0));
-      const along = across / Math.max(0.3, seen * seen);
-      this.held.by = [from[0] + along / this.host.gain()];
-      this.held.to = [0, 1, 2].map((k) => scene.rest[p + k] + axis[k] * this.held.by[0] * this.host.gain());
+    const dx = x - hold.x, dy = y - hold.y;
+    if (this.grip && this.grip.pointer === e.pointerId) {
+      hold.x = x; hold.y = y;
+      this.grip.x = x; this.grip.y = y;
+      this.pull();
+      return;
     }
-    const now = performance.now();
-    if (now - this.sent > 8) this.send(now);
-    else this.late ??= setTimeout(() => this.held && this.send(performance.now()), 9);
-  }
-
-  send(now) {
-    this.sent = now;
-    this.late = undefined;
-    this.socket.say({ type: "drag", by: this.held.by });
+    const turning = [...this.downs.values()].filter(h => h.kind !== "idle");
+    if (hold.kind === "idle" || (dx === 0 && dy === 0)) return;
+    if (turning.length >= 2 && !this.grip) {
+      const other = turning.find(h => h !== hold);
+      const before = Math.hypot(hold.x - other.x, hold.y - other.y), after = Math.hypot(x - other.x, y - other.y);
+      if (before > 10 && after > 10) camera.zoom(before / after, (x + other.x) / 2, (y + other.y) / 2);
+      camera.orbit(dx / 2, dy / 2);
+    } else if (hold.kind === "pan") camera.pan(dx, dy);
+    else camera.orbit(dx, dy);
+    this.turned = true;
+    hold.x = x; hold.y = y;
+    if (this.world.turned) this.world.turned();
   }
 
   up(e) {
-    this.fingers.delete(e.pointerId);
-    if (this.held?.id === e.pointerId) this.release();
+    const known = this.downs.delete(e.pointerId);
+    const g = this.grip;
+    if (g && g.pointer === e.pointerId) {
+      const tap = e.type === "pointerup" && performance.now() - g.began < 250 && Math.hypot(g.x - g.startX, g.y - g.startY) < 5;
+      if (tap) this.pluck(g, 26, 70, e.pointerType === "touch");
+      else if (!g.tapped) this.release();
+    }
+    else if (known && e.type === "pointerup" && !this.turned && e.pointerType === "touch") {
+      const [x, y] = this.at(e);
+      this.show(this.pick(x, y, REACH.touch), x, y);
+    }
   }
 
-  release() {
-    if (!this.held) return;
-    clearTimeout(this.late);
-    this.late = undefined;
-    this.held = null;
-    this.canvas.classList.remove("held");
-    this.socket.say({ type: "release" });
+  release(say = true) {
+    const g = this.grip;
+    if (!g) return;
+    clearTimeout(g.timer);
+    this.grip = null;
+    if (say) this.world.send({ type: "release" });
+    this.world.held(-1);
+  }
+
+  wheel(e) {
+    e.preventDefault();
+    const [x, y] = this.at(e), step = e.deltaY * (e.deltaMode === 1 ? 20 : e.deltaMode === 2 ? 400 : 1);
+    this.world.camera.zoom(Math.exp(Math.min(240, Math.max(-240, step)) * (e.ctrlKey ? 0.008 : 0.0016)), x, y);
+  }
+
+  // the picture by keys: turn, zoom, go from mass to mass, pluck the one that is marked
+  key(e) {
+    const { camera } = this.world, scene = this.world.scene();
+    if (!scene || e.ctrlKey || e.metaKey || e.altKey) return;
+    const turns = { ArrowLeft: [-24, 0], ArrowRight: [24, 0], ArrowUp: [0, -24], ArrowDown: [0, 24] };
+    if (turns[e.key]) camera.orbit(...turns[e.key]);
+    else if (e.key === "+" || e.key === "=") camera.zoom(0.85);
+    else if (e.key === "-") camera.zoom(1 / 0.85);
+    else if (e.key === "," || e.key === ".") {
+      const step = (e.key === "." ? 1 : -1) * (e.shiftKey ? 10 : 1), p = new Float64Array(6);
+      const next = scene.n ? ((this.hover < 0 ? (step > 0 ? -1 : 0) : this.hover) + step + scene.n) % scene.n : -1;
+      this.spot = null;
+      if (next < 0) return;
+      scene.place(next, this.world.pair(), p, 0);
+      camera.project(p, 0, p, 3);
+      this.show(next, p[3], p[4]);
+    } else if (e.key === "Enter" && this.hover >= 0) this.pluckMass(this.hover);
+    else return;
+    e.preventDefault();
+  }
+
+  pluckMass(mass) {
+    if (this.grip) return;
+    const scene = this.world.scene(), p = new Float64Array(6);
+    scene.place(mass, this.world.pair(), p, 0);
+    this.world.camera.project(p, 0, p, 3);
+    this.take(mass, -1, p[3], p[4]);
+    this.pluck(this.grip, 50, 140);
+  }
+
+  // a held mass is pulled up by so many pixels, and let go after so many milliseconds
+  pluck(grip, pixels, time, tell = false) {
+    grip.tapped = true;
+    grip.y -= pixels;
+    this.pull(true);
+    setTimeout(() => {
+      if (this.grip !== grip) return;
+      this.release();
+      // a finger does not hover: what it tapped tells its name
+      if (tell) this.show(grip.mass, grip.x, grip.y);
+    }, time);
+  }
+
+  show(mass, x = 0, y = 0) {
+    this.hover = mass;
+    this.world.hover(mass, x, y);
+  }
+
+  // once a frame: what the pointer is over, and a pull that the motion of the camera changed
+  frame() {
+    if (this.grip) {
+      const scene = this.world.scene();
+      if (!scene || this.grip.generation !== scene.generation) this.release(false);
+      else this.pull();
+      return;
+    }
+    if (this.spot && this.downs.size === 0) {
+      const [x, y, kind] = this.spot;
+      const mass = this.enabled ? this.pick(x, y, REACH[kind] || 20) : -1;
+      if (mass !== this.hover) this.show(mass, x, y);
+    }
   }
 }

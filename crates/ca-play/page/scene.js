@@ -1,189 +1,128 @@
-// What is drawn, and from where it is looked at.
-//
-// Decides that places are computed here, once a frame, into arrays that stay: rest + axis · displacement · exaggeration
-// on a line, rest + displacement · exaggeration in space. Between the two last pictures they move in a straight line.
+// The drawing of a scene as flat arrays, and where each mass is drawn: rest + displacement × factor, for masses on a line
+// along their axis. What lies beyond `reach` is drawn nearer, smoothly, so that a hammer that flew off stays in the
+// picture; masses in space are drawn where they are. The vertex shaders of gl.js compute the same, from the same numbers.
 
 export class Scene {
-  constructor(drawing, generation) {
-    const n = drawing.masses;
+  constructor(message) {
+    const d = message.drawing, n = d.masses | 0;
+    this.message = message;
+    this.generation = message.generation;
     this.n = n;
-    this.generation = generation;
-    this.rest = Float32Array.from(drawing.rest);
-    this.axis = Float32Array.from(drawing.axis);
-    this.space = Uint8Array.from(drawing.space);
-    this.fixed = Uint8Array.from(drawing.fixed);
-    this.kind = Uint8Array.from(drawing.kind);
-    this.kinds = drawing.kinds;
-    this.links = drawing.links;
-    this.spheres = drawing.spheres ?? [];
-    this.at = this.rest.slice();
-    this.colour = new Float32Array(n);
-    this.speed = new Float32Array(n);
-    this.views = [];
-    this.peak = 0;
+    this.space = Uint8Array.from(d.space || [], Number);
+    this.fixed = Uint8Array.from(d.fixed || [], Number);
+    this.kind = Uint16Array.from(d.kind || [], Number);
+    if (this.space.length < n) this.space = new Uint8Array(n);
+    if (this.fixed.length < n) this.fixed = new Uint8Array(n);
+    if (this.kind.length < n) this.kind = new Uint16Array(n);
+    this.kinds = d.kinds || [];
+    this.axis = Float32Array.from(d.axis || []);
+    if (this.axis.length < 3 * n) this.axis = new Float32Array(3 * n);
+    this.links = (d.links || []).map(l => ({ kind: l.kind, contact: !!l.contact, ends: Uint32Array.from(l.ends) }));
+    this.spheres = d.spheres || [];
+    this.decimated = d.decimated || null;
+    this.up = Array.isArray(d.up) && d.up.length === 3 && Math.hypot(...d.up) > 0.5 ? d.up : null;
+
+    this.measure(d.rest || []);
+    this.offset = new Uint32Array(n + 1);
+    this.lines = 0;
+    for (let i = 0; i < n; i++) {
+      this.offset[i + 1] = this.offset[i] + (this.space[i] ? 3 : 1);
+      if (!this.space[i]) this.lines++;
+    }
+    this.numbers = this.offset[n];
+    this.linear = this.lines > 0;
+    this.spatial = this.lines < n;
+    this.count();
+    this.radius = this.size();
+    this.reach = 0.42 * this.extent;
+    // before anything moved, 5 mm are taken for the most motion there will be, so that a first pull is no blow
+    this.line = Math.max(1, 0.1 * this.extent / 5e-3);
+    this.true = 1;
+    this.port = new Uint8Array(n);
+    for (const p of message.ports || []) if (p.mass != null && p.mass >= 0 && p.mass < n) this.port[p.mass] = 1;
+  }
+
+  // rest positions about the middle of the drawing, and its size [m]
+  measure(rest) {
     const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
-    for (let i = 0; i < 3 * n; i++) {
-      low[i % 3] = Math.min(low[i % 3], this.rest[i]);
-      high[i % 3] = Math.max(high[i % 3], this.rest[i]);
-    }
-    for (const { centre, radius } of this.spheres) {
-      for (let k = 0; k < 3; k++) {
-        low[k] = Math.min(low[k], centre[k] - radius);
-        high[k] = Math.max(high[k], centre[k] + radius);
-      }
-    }
-    [this.low, this.high] = [low, high];
-    this.middle = n ? low.map((l, k) => (l + high[k]) / 2) : [0, 0, 0];
-    this.size = Math.max(1e-6, Math.hypot(...low.map((l, k) => high[k] - l)) / 2 || 0.05);
-    this.up = drawing.up ?? [0, 0, 1];
-    this.flat = this.space.every((s) => s === 0);
-    // a sheet lies in both directions across its motion, and is seen from above
-    const across = low.map((l, k) => (high[k] - l) * (1 - Math.abs(this.up[k]))).sort((a, b) => b - a);
-    this.sheet = across[1] > 0.15 * across[0];
-    this.radius = Math.min(0.025 * this.size, Math.max(0.005 * this.size, 0.42 * this.spacing()));
-  }
-
-  /** Median length of the links, contacts aside: where neighbours stand near, masses are small. */
-  spacing() {
-    const all = [];
-    for (const { contact, ends } of this.links) {
-      for (let i = 0; !contact && i < ends.length && all.length < 20000; i += 2) {
-        const [a, b] = [3 * ends[i], 3 * ends[i + 1]];
-        all.push(Math.hypot(...[0, 1, 2].map((k) => this.rest[a + k] - this.rest[b + k])));
-      }
-    }
-    all.sort((a, b) => a - b);
-    return all.length ? all[all.length >> 1] : this.size / Math.sqrt(Math.max(1, this.n));
-  }
-
-  /** A picture came: tick, and displacements. */
-  view(tick, x, now) {
-    const last = this.views[this.views.length - 1];
-    if (last && tick <= last.tick) this.views.length = 0;
-    this.views.push({ tick, x: x.slice(), now });
-    if (this.views.length > 2) this.views.shift();
-    if (this.views.length < 2) return;
-    const [a, b] = this.views;
-    const dt = b.now - a.now || 16;
-    let peak = 0;
-    for (let i = 0, j = 0; i < this.n; i++) {
-      const many = this.space[i] ? 3 : 1;
-      let moved = 0;
-      for (let k = 0; k < many; k++, j++) {
-        const d = b.x[j] - a.x[j];
-        moved += d * d;
-        if (!this.space[i] && !this.fixed[i]) peak = Math.max(peak, Math.abs(b.x[j]));
-      }
-      this.speed[i] = Math.sqrt(moved) / dt;
-    }
-    // quick up, slow down: motion is visible, and does not jump
-    this.peak = peak > this.peak ? peak : Math.max(peak, this.peak * 0.985);
-  }
-
-  /** The exaggeration that shows what moves on a line. */
-  automatic() {
-    const wanted = this.peak > 0 ? (0.16 * this.size) / this.peak : 1;
-    this.shown = this.shown ? this.shown * Math.pow(wanted / this.shown, 0.06) : wanted;
-    return this.shown;
-  }
-
-  /** Places and colours for a moment. */
-  update(now, gain, colour) {
-    const { views, at, rest, axis, space } = this;
-    if (!views.length) return;
-    const b = views[views.length - 1], a = views[0];
-    const t = views.length > 1 ? Math.min(1, (now - b.now) / Math.max(1, b.now - a.now)) : 1;
-    let most = 1e-12;
-    for (let i = 0, j = 0; i < this.n; i++) {
-      const p = 3 * i;
-      if (space[i]) {
-        let u = 0;
-        for (let k = 0; k < 3; k++, j++) {
-          const x = a.x[j] + t * (b.x[j] - a.x[j]);
-          at[p + k] = rest[p + k] + x;
-          u += x * x;
-        }
-        this.colour[i] = colour === "place" ? Math.sqrt(u) : this.speed[i];
-      } else {
-        const x = a.x[j] + t * (b.x[j] - a.x[j]);
-        j++;
-        for (let k = 0; k < 3; k++) at[p + k] = rest[p + k] + axis[p + k] * x * gain;
-        this.colour[i] = colour === "place" ? Math.abs(x) : this.speed[i];
-      }
-      if (colour === "kind") this.colour[i] = this.kinds.length > 1 ? this.kind[i] / (this.kinds.length - 1) : 0.5;
-      else most = Math.max(most, this.colour[i]);
-    }
-    if (colour === "kind") return;
-    this.most = Math.max(most, (this.most ?? most) * 0.97);
-    for (let i = 0; i < this.n; i++) this.colour[i] = Math.sqrt(this.colour[i] / this.most);
-  }
-}
-
-/** A camera that turns about the middle of a scene. */
-export class Camera {
-  constructor(scene) {
-    this.scene = scene;
-    this.reset();
-  }
-
-  reset() {
-    this.turn = this.scene.flat ? (this.scene.sheet ? 0.45 : 0) : 0.6;
-    this.tilt = this.scene.sheet ? 0.6 : this.scene.flat ? 0.06 : 0.35;
-    this.zoom = 1;
-    this.home = this.axes();
-  }
-
-  orbit(dx, dy) {
-    this.turn -= dx * 0.007;
-    this.tilt = Math.max(-1.5, Math.min(1.5, this.tilt + dy * 0.007));
-  }
-
-  scale(by) {
-    this.zoom = Math.max(0.2, Math.min(20, this.zoom * by));
-  }
-
-  /** Right, up and forward of the eye. */
-  axes() {
-    const up = this.scene.up;
-    const side = Math.abs(up[0]) < 0.9 ? [1, 0, 0] : [0, 1, 0];
-    const along = cross(up, side), right0 = cross(along, up);
-    const [c, s] = [Math.cos(this.turn), Math.sin(this.turn)];
-    const right = right0.map((v, k) => c * v + s * along[k]);
-    const level = cross(up, right);
-    const [ct, st] = [Math.cos(this.tilt), Math.sin(this.tilt)];
-    const forward = level.map((v, k) => ct * v - st * up[k]);
-    return { right, up: cross(right, forward), forward };
-  }
-
-  /** World to clip space, column by column, for a picture of so many pixels. */
-  matrix(width, height) {
-    const { right, up, forward } = this.axes();
-    const m = this.scene.middle, r = this.scene.size;
-    // the box of the scene as it is seen, with room for motion, fills the picture
-    const half = (axis, more) => {
-      const { low, high, size } = this.scene;
-      return Math.max(0.05 * size, axis.reduce((sum, v, k) => sum + Math.abs(v) * (high[k] - low[k]) * 0.5, 0)) + more * size;
+    const take = (k, v) => {
+      if (!Number.isFinite(v)) return;
+      if (v < low[k]) low[k] = v;
+      if (v > high[k]) high[k] = v;
     };
-    const moves = this.scene.flat ? 0.2 : 0.08;
-    const [w, h] = [half(this.home.right, 0.08), half(this.home.up, moves)];
-    const scale = Math.min((0.9 * width) / w, (0.78 * height) / h) * this.zoom;
-    const [sx, sy] = [scale / Math.max(1, width), scale / Math.max(1, height)];
-    const dot = (a) => a[0] * m[0] + a[1] * m[1] + a[2] * m[2];
-    const z = 0.25 / r / Math.max(1, this.zoom);
-    this.pixel = 2 / scale;
-    this.clip = [sx, sy, z];
-    const rows = [right.map((v) => v * sx), up.map((v) => v * sy), forward.map((v) => v * z)];
-    const shift = [-dot(right) * sx, -dot(up) * sy, -dot(forward) * z];
-    const out = new Float32Array(16);
-    for (let k = 0; k < 3; k++) {
-      for (let j = 0; j < 3; j++) out[4 * j + k] = rows[k][j];
-      out[12 + k] = shift[k];
-    }
-    out[15] = 1;
-    return out;
+    for (let i = 0; i < 3 * this.n; i++) take(i % 3, rest[i]);
+    for (const s of this.spheres) for (let k = 0; k < 3; k++) { take(k, s.centre[k] - s.radius); take(k, s.centre[k] + s.radius); }
+    this.middle = low.map((l, k) => (l <= high[k] ? (l + high[k]) / 2 : 0));
+    const span = low.map((l, k) => (l <= high[k] ? high[k] - l : 0));
+    this.span = span;
+    this.extent = Math.hypot(...span) || 0.1;
+    this.rest = new Float32Array(3 * this.n);
+    for (let i = 0; i < 3 * this.n; i++) this.rest[i] = (Number.isFinite(rest[i]) ? rest[i] : 0) - this.middle[i % 3];
   }
-}
 
-function cross(a, b) {
-  return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+  // which masses tell how large the motion is: those that a link which is no contact holds, or all where none is held
+  count() {
+    this.counted = new Uint8Array(this.n);
+    let held = 0;
+    for (const l of this.links) {
+      if (l.contact) continue;
+      for (const e of l.ends) if (e < this.n && !this.counted[e]) { this.counted[e] = 1; held++; }
+    }
+    if (held < this.n / 4) this.counted.fill(1);
+  }
+
+  // radius of a mass in the drawing [m]: a part of what lies between neighbours
+  size() {
+    const lengths = [];
+    for (const l of this.links) {
+      if (l.contact) continue;
+      const step = 2 * Math.max(1, Math.floor(l.ends.length / 2 / 500));
+      for (let i = 0; i + 1 < l.ends.length; i += step) {
+        const a = 3 * l.ends[i], b = 3 * l.ends[i + 1], r = this.rest;
+        const length = Math.hypot(r[a] - r[b], r[a + 1] - r[b + 1], r[a + 2] - r[b + 2]);
+        if (length > 1e-9) lengths.push(length);
+      }
+    }
+    const dimensions = this.span.filter(s => s > 0.02 * this.extent).length || 1;
+    const spread = 0.2 * this.extent / Math.max(1, this.n) ** (1 / dimensions);
+    if (lengths.length < 3) return Math.min(Math.max(spread, 0.004 * this.extent), 0.03 * this.extent);
+    lengths.sort((a, b) => a - b);
+    return Math.min(0.3 * lengths[lengths.length >> 1], 0.022 * this.extent);
+  }
+
+  // one view into four numbers per mass: displacement in the drawing [m] and, signed on a line, its amount
+  expand(u, out) {
+    const { n, space, axis } = this;
+    let at = 0;
+    for (let i = 0, a = 0, o = 0; i < n; i++, a += 3, o += 4) {
+      if (space[i]) {
+        const x = u[at], y = u[at + 1], z = u[at + 2];
+        at += 3;
+        out[o] = x; out[o + 1] = y; out[o + 2] = z;
+        out[o + 3] = Math.sqrt(x * x + y * y + z * z);
+      } else {
+        const v = u[at++];
+        out[o] = v * axis[a]; out[o + 1] = v * axis[a + 1]; out[o + 2] = v * axis[a + 2];
+        out[o + 3] = v;
+      }
+    }
+  }
+
+  // where mass i is drawn, from two views and the share of the second, into out[at..at+3]
+  place(i, pair, out, at = 0) {
+    const { a, b, mix } = pair, r = 3 * i, o = this.offset[i];
+    if (this.space[i]) {
+      for (let k = 0; k < 3; k++) out[at + k] = this.rest[r + k] + (a[o + k] + (b[o + k] - a[o + k]) * mix) * this.true;
+    } else {
+      const drawn = this.near((a[o] + (b[o] - a[o]) * mix) * this.line);
+      for (let k = 0; k < 3; k++) out[at + k] = this.rest[r + k] + drawn * this.axis[r + k];
+    }
+  }
+
+  // a drawn displacement, kept in reach
+  near(drawn) {
+    const size = Math.abs(drawn), knee = 0.7 * this.reach;
+    if (size <= knee) return drawn;
+    return Math.sign(drawn) * (knee + 0.3 * this.reach * (1 - Math.exp((knee - size) / (0.3 * this.reach))));
+  }
 }

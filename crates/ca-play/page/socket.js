@@ -1,69 +1,119 @@
-// The line to the engine.
-//
-// Decides that a lost line is tried again by itself, less and less often, and that who waits for an answer gets one: "no"
-// where the line is gone.
+// The connection to `ca play`: it decides what counts as lost, ended and late, and when to try again. Requests that want
+// an answer get a promise; without an answer in four seconds, or when the connection goes, they resolve to a refusal, so
+// that nobody waits for ever. Binary messages are handed on as they are: a view of floats into the received bytes.
 
-export class Socket {
-  constructor(on) {
-    this.on = on;
-    this.asked = new Map();
-    this.number = 0;
-    this.wait = 250;
-    this.open();
+const WAITS = [300, 600, 1200, 2500, 5000];
+const ENDED = new Set([1000, 1001]);
+
+export class Connection {
+  // handlers: scene, state, said, view(generation, tick, floats), sound(channels, tick, floats, bytes), status(name, detail)
+  constructor(address, handlers) {
+    this.address = address;
+    this.on = handlers;
+    this.waiting = new Map();
+    this.next = 1;
+    this.tries = 0;
+    this.timer = 0;
+    this.open = false;
   }
 
-  open() {
-    const at = new URL("ws", location.href);
-    at.protocol = "ws:";
-    const line = new WebSocket(at);
-    line.binaryType = "arraybuffer";
-    this.line = line;
-    line.onopen = () => {
-      this.wait = 250;
-      this.on.line("open");
-    };
-    line.onmessage = ({ data }) => (typeof data === "string" ? this.text(JSON.parse(data)) : this.bytes(data));
-    line.onclose = ({ code }) => {
-      for (const answer of this.asked.values()) answer({ ok: false, text: "the line to the engine is gone" });
-      this.asked.clear();
-      this.on.line(code === 1001 ? "ended" : "lost");
-      setTimeout(() => this.open(), this.wait);
-      this.wait = Math.min(2 * this.wait, 5000);
-    };
-  }
-
-  text(message) {
-    if (message.type === "reply") {
-      const answer = this.asked.get(message.id);
-      this.asked.delete(message.id);
-      if (answer) answer(message);
-      else if (!message.ok) this.on.said({ bad: true, text: message.text });
+  connect() {
+    clearTimeout(this.timer);
+    this.on.status("connecting", { tries: this.tries });
+    let socket;
+    try {
+      socket = new WebSocket(this.address);
+    } catch (error) {
+      this.retry();
       return;
     }
-    this.on[message.type]?.(message);
+    this.socket = socket;
+    socket.binaryType = "arraybuffer";
+    socket.onopen = () => {
+      this.open = true;
+      this.tries = 0;
+      this.on.status("open", {});
+    };
+    socket.onmessage = event => { if (socket === this.socket) this.receive(event.data); };
+    socket.onclose = event => {
+      if (socket !== this.socket) return;
+      const was = this.open;
+      this.open = false;
+      this.refuseAll();
+      if (was && ENDED.has(event.code)) this.on.status("ended", { reason: event.reason });
+      else this.retry();
+    };
   }
 
-  bytes(data) {
-    const head = new DataView(data);
-    const [kind, second, tick] = [head.getUint32(0, true), head.getUint32(4, true), head.getFloat64(8, true)];
-    const numbers = new Float32Array(data, 16);
-    if (kind === 1) this.on.view(second, tick, numbers);
-    if (kind === 2) this.on.heard(second, tick, numbers);
+  retry() {
+    const wait = WAITS[Math.min(this.tries, WAITS.length - 1)];
+    this.tries++;
+    this.on.status("lost", { tries: this.tries, wait });
+    this.timer = setTimeout(() => this.connect(), wait);
   }
 
-  /** Says something that needs no answer; false where nobody hears it. */
-  say(message) {
-    if (this.line.readyState !== WebSocket.OPEN) return false;
-    this.line.send(JSON.stringify(message));
+  again() {
+    this.tries = 0;
+    this.connect();
+  }
+
+  receive(data) {
+    if (typeof data !== "string") return this.binary(data);
+    let message;
+    try {
+      message = JSON.parse(data);
+    } catch {
+      return;
+    }
+    switch (message.type) {
+      case "scene": return this.on.scene(message);
+      case "state": return this.on.state(message);
+      case "said": return this.on.said(message);
+      case "reply": return this.answer(message);
+      default:
+    }
+  }
+
+  binary(bytes) {
+    if (bytes.byteLength < 16) return;
+    const head = new DataView(bytes);
+    const floats = new Float32Array(bytes, 16, (bytes.byteLength - 16) >> 2);
+    const kind = head.getUint32(0, true), second = head.getUint32(4, true), tick = head.getFloat64(8, true);
+    if (kind === 1) this.on.view(second, tick, floats);
+    else if (kind === 2) this.on.sound(second, tick, floats);
+  }
+
+  answer(message) {
+    const waiting = this.waiting.get(message.id);
+    if (!waiting) return;
+    this.waiting.delete(message.id);
+    clearTimeout(waiting.timer);
+    waiting.done(message);
+  }
+
+  refuseAll() {
+    for (const { done, timer } of this.waiting.values()) {
+      clearTimeout(timer);
+      done({ ok: false, lost: true, text: "the connection was lost" });
+    }
+    this.waiting.clear();
+  }
+
+  send(message) {
+    if (!this.open || this.socket.readyState !== 1) return false;
+    this.socket.send(JSON.stringify(message));
     return true;
   }
 
-  /** Asks, and promises the answer. */
   ask(message) {
-    return new Promise((answer) => {
-      const id = ++this.number;
-      if (this.say({ ...message, id })) this.asked.set(id, answer);
-      else answer({ ok: false, text: "the line to the engine is gone" });
+    const id = this.next++;
+    if (!this.send({ ...message, id })) return Promise.resolve({ ok: false, lost: true, text: "not connected" });
+    return new Promise(done => {
+      const timer = setTimeout(() => {
+        this.waiting.delete(id);
+        done({ ok: false, lost: true, text: "no answer" });
+      }, 4000);
+      this.waiting.set(id, { done, timer });
     });
   }
 }

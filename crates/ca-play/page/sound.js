@@ -1,66 +1,122 @@
-// Sound: from the engine to the ears of who has asked for it.
-//
-// Decides that the page is silent until somebody presses something, as browsers demand, and that what is heard is also
-// what the meters show.
+// Sound in the page: asks the server for samples, and gives them to the worklet. It decides when a context is made (at the
+// first gesture of a person, as browsers want it), at which rate (the scene's, or else the browser's own, resampled) and
+// how loud. Samples are asked for also without sound, as the meters show them; not while the page is hidden and silent.
 
 export class Sound {
-  constructor(socket) {
-    this.socket = socket;
-    this.on = false;
-    this.delay = 0;
-    this.recent = new Float32Array(4096);
-    this.at = 0;
-    this.peak = 0;
+  // world: send(message), changed(state)
+  constructor(world) {
+    this.world = world;
+    this.state = "off";       // off, starting, on, failed
+    this.muted = false;
+    this.volume = 0.8;
+    this.rate = 0;
+    this.channels = 0;
+    this.ahead = 0;
+    this.gaps = 0;
+    this.context = null;
+    this.node = null;
+    this.asked = false;
+    document.addEventListener("visibilitychange", () => this.ask());
   }
 
-  scene(channels, rate) {
-    this.channels = channels;
+  scene(rate, channels) {
+    const other = rate !== this.rate || channels !== this.channels;
     this.rate = rate;
-    if (this.on) this.again();
+    this.channels = channels;
+    this.asked = false;
+    this.ask();
+    if (other && this.state === "on") this.configure();
   }
 
-  async toggle() {
-    if (!this.channels) return false;
-    this.on = !this.on;
-    if (this.on) await this.again();
-    else await this.context?.suspend();
-    this.socket.say({ type: "sound", on: this.on });
-    return this.on;
+  ask() {
+    const want = this.state === "on" || !document.hidden;
+    if (want !== this.asked && this.world.send({ type: "sound", on: want })) this.asked = want;
   }
 
-  /** A new scene, or a line that was lost: the same again. */
-  async again() {
-    if (!this.context) {
-      this.context = new AudioContext({ latencyHint: "interactive" });
-      await this.context.audioWorklet.addModule("worklet.js");
+  async start() {
+    if (this.state === "on" || this.state === "starting" || !this.rate) return;
+    this.set("starting");
+    try {
+      if (!this.context) {
+        try {
+          this.context = new AudioContext({ sampleRate: this.rate, latencyHint: "interactive" });
+        } catch {
+          this.context = new AudioContext({ latencyHint: "interactive" });
+        }
+        if (!this.context.audioWorklet) throw new Error("this browser plays no sound from an address that is not local");
+        await this.context.audioWorklet.addModule("worklet.js");
+        this.node = new AudioWorkletNode(this.context, "player", { numberOfInputs: 0, outputChannelCount: [2] });
+        this.node.port.onmessage = ({ data }) => {
+          this.ahead = data.ahead;
+          this.gaps = data.gaps;
+          this.world.changed(this);
+        };
+        this.node.connect(this.context.destination);
+        this.context.onstatechange = () => {
+          if (this.state === "on" && this.context.state === "suspended") this.set("off");
+        };
+      }
+      await this.context.resume();
+      this.configure();
+      this.set("on");
+      this.ask();
+    } catch (error) {
+      this.reason = String(error.message || error);
+      this.set("failed");
     }
-    await this.context.resume();
-    this.node?.disconnect();
-    this.node = new AudioWorkletNode(this.context, "ca-player", {
-      numberOfInputs: 0,
-      outputChannelCount: [2],
-      processorOptions: { channels: this.channels, rate: this.rate },
-    });
-    this.node.port.onmessage = ({ data }) => ({ delay: this.delay, gaps: this.gaps } = data);
-    this.node.connect(this.context.destination);
-    this.socket.say({ type: "sound", on: true });
   }
 
-  /** A block came. */
-  heard(channels, samples) {
-    if (!this.on || channels !== this.channels) return;
-    for (let i = 0; i < samples.length; i += channels) {
-      let x = 0;
-      for (let c = 0; c < channels; c++) x += samples[i + c];
-      this.recent[this.at] = x / channels;
-      this.at = (this.at + 1) & 4095;
-      this.peak = Math.max(this.peak * 0.9999, Math.abs(x / channels));
+  configure() {
+    this.node.port.postMessage({ type: "config", rate: this.rate, channels: this.channels });
+    this.loud();
+  }
+
+  stop() {
+    if (this.state !== "on") return;
+    this.set("off");
+    this.context.suspend();
+    this.ask();
+  }
+
+  toggle() {
+    if (this.state === "on") this.stop();
+    else this.start();
+  }
+
+  mute(muted = !this.muted) {
+    this.muted = muted;
+    this.loud();
+    this.world.changed(this);
+  }
+
+  setVolume(volume) {
+    this.volume = volume;
+    this.muted = false;
+    this.loud();
+    this.world.changed(this);
+  }
+
+  loud() {
+    if (this.node) this.node.port.postMessage({ type: "level", level: this.muted ? 0 : this.volume ** 2 });
+  }
+
+  push(channels, floats) {
+    if (this.state !== "on" || !this.node) return;
+    if (channels !== this.channels) {
+      this.channels = channels;
+      this.configure();
     }
-    this.node?.port.postMessage(samples);
+    const copy = floats.slice();
+    this.node.port.postMessage(copy, [copy.buffer]);
   }
 
-  /** From the engine to the ear [s]. */
-  latency() {
-    return this.delay + (this.context?.outputLatency ?? 0) + (this.context?.baseLatency ?? 0);
+  // from the sample in the server's hand to the loudspeaker, as far as the page knows [s]
+  get latency() {
+    return this.ahead + (this.context ? (this.context.baseLatency || 0) + (this.context.outputLatency || 0) : 0);
+  }
+
+  set(state) {
+    this.state = state;
+    this.world.changed(this);
   }
 }

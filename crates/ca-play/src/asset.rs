@@ -18,16 +18,23 @@ macro_rules! assets {
 
 const ASSETS: &[Asset] = assets![
     "index.html" "text/html; charset=utf-8",
-    "page.css" "text/css; charset=utf-8",
-    "main.js" "text/javascript; charset=utf-8",
-    "socket.js" "text/javascript; charset=utf-8",
-    "scene.js" "text/javascript; charset=utf-8",
-    "gl.js" "text/javascript; charset=utf-8",
-    "pointer.js" "text/javascript; charset=utf-8",
-    "sound.js" "text/javascript; charset=utf-8",
-    "worklet.js" "text/javascript; charset=utf-8",
-    "meters.js" "text/javascript; charset=utf-8",
+    "camera.js" "text/javascript; charset=utf-8",
+    "colour.js" "text/javascript; charset=utf-8",
     "controls.js" "text/javascript; charset=utf-8",
+    "gl.js" "text/javascript; charset=utf-8",
+    "main.js" "text/javascript; charset=utf-8",
+    "meters.js" "text/javascript; charset=utf-8",
+    "motion.js" "text/javascript; charset=utf-8",
+    "page.css" "text/css; charset=utf-8",
+    "pointer.js" "text/javascript; charset=utf-8",
+    "scene.js" "text/javascript; charset=utf-8",
+    "shaders.js" "text/javascript; charset=utf-8",
+    "socket.js" "text/javascript; charset=utf-8",
+    "sound.js" "text/javascript; charset=utf-8",
+    "status.js" "text/javascript; charset=utf-8",
+    "units.js" "text/javascript; charset=utf-8",
+    "view.js" "text/javascript; charset=utf-8",
+    "worklet.js" "text/javascript; charset=utf-8",
 ];
 
 /// The file of this name; the page itself where there is no name.

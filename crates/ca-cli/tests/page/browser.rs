@@ -108,20 +108,20 @@ impl Tab {
 
     /// A place at which a mass can be pressed.
     pub fn near(&mut self) -> Option<[f64; 2]> {
-        let size = self.js("(() => { const r = document.getElementById('view').getBoundingClientRect(); return [r.width, r.height]; })()");
-        let [w, h] = [0, 1].map(|k| size[k].as_f64().unwrap());
+        let size = self.js("(() => { const r = document.getElementById('canvas').getBoundingClientRect(); \
+             return [r.x, r.y, r.width, r.height]; })()");
+        let [left, top, w, h] = [0, 1, 2, 3].map(|k| size[k].as_f64().unwrap());
         for part in [0.5, 0.45, 0.55, 0.4, 0.6, 0.35, 0.65, 0.3, 0.7] {
             for step in 0..40 {
-                let at = [part * w, h * (0.5 + 0.01 * f64::from(step / 2) * if step % 2 == 0 { 1.0 } else { -1.0 })];
+                let off = 0.01 * f64::from(step / 2) * if step % 2 == 0 { 1.0 } else { -1.0 };
+                let at = [left + part * w, top + h * (0.5 + off)];
                 let event = json!({"type": "mouseMoved", "x": at[0], "y": at[1], "button": "none", "buttons": 0});
                 self.command("Input.dispatchMouseEvent", event);
-                // the drawn string is what rings
-                let near = self.js("document.getElementById('view').classList.contains('near')");
-                if near == true && self.js("document.getElementById('tip').textContent").as_str().is_some() {
-                    let tip = "new Promise(r => setTimeout(() => r(document.getElementById('tip').textContent), 150))";
-                    if self.js(tip).as_str().is_some_and(|t| t.starts_with("low[")) {
-                        return Some(at);
-                    }
+                // somewhere on the string, which rings
+                let tip = "new Promise(r => setTimeout(() => r(document.getElementById('tooltip').textContent), 250))";
+                let over = self.js("document.getElementById('stage').classList.contains('over')");
+                if over == true && self.js(tip).as_str().is_some_and(|t| t.contains("low[")) {
+                    return Some(at);
                 }
             }
         }

@@ -1,0 +1,126 @@
+// From views that come when they come to a motion at the rate of the screen. It decides how far behind the newest view the
+// picture runs (one interval and what the network's unevenness asks, no more), which two views it lies between, and how
+// much motion on a line is exaggerated: by a peak that rises in a third of a second and falls in many, so that the
+// picture never jumps, a decay is seen as one, and silence is not blown up into noise.
+
+const KEPT = 8;
+
+export class Motion {
+  constructor(scene) {
+    this.scene = scene;
+    this.views = [];
+    this.serial = 0;
+    this.offset = null;
+    this.interval = 1 / 60;
+    this.uneven = 0;
+    this.head = -Infinity;
+    this.pair = null;
+    const zero = { u: new Float32Array(scene.numbers), seconds: 0, serial: this.serial++ };
+    this.still = { a: zero.u, b: zero.u, mix: 0, dt: 1, from: zero, to: zero };
+    this.peak = 0;          // of what is on a line [m]
+    this.most = 0;          // the most it ever was
+    this.speed = 0;         // running peak of speed [m/s]
+    this.far = 0;           // running peak of displacement, of all [m]
+    this.lineLog = Math.log(scene.line);
+    this.auto = true;
+    this.frozen = false;    // a hand holds a mass: the factor under it must not change
+    this.last = 0;
+  }
+
+  push(u, seconds, now) {
+    if (u.length !== this.scene.numbers) return false;
+    let last = this.views[this.views.length - 1];
+    if (last && seconds <= last.seconds) {
+      if (last.seconds - seconds < 1e-9) return false;
+      this.views.length = 0;
+      this.offset = null;
+      last = undefined;
+    }
+    const here = now - seconds;
+    if (this.offset === null || Math.abs(here - this.offset) > 0.6) {
+      this.offset = here;
+      this.head = -Infinity;
+    } else {
+      const late = here - this.offset;
+      this.uneven += (Math.abs(late) - this.uneven) * 0.05;
+      this.offset += late * (late < 0 ? 0.3 : 0.03);
+    }
+    if (last) {
+      const gap = Math.min(seconds - last.seconds, 0.5);
+      this.interval += (gap - this.interval) * 0.1;
+      this.measure(last.u, u, seconds - last.seconds);
+    }
+    this.views.push({ u, seconds, serial: this.serial++ });
+    if (this.views.length > KEPT) this.views.shift();
+    return true;
+  }
+
+  measure(before, u, dt) {
+    const { n, offset, space, counted } = this.scene;
+    let line = 0, far = 0, fast = 0;
+    for (let i = 0; i < n; i++) {
+      if (!counted[i]) continue;
+      const o = offset[i];
+      if (space[i]) {
+        const x = u[o], y = u[o + 1], z = u[o + 2], p = x - before[o], q = y - before[o + 1], r = z - before[o + 2];
+        const d = x * x + y * y + z * z, v = p * p + q * q + r * r;
+        if (d > far) far = d;
+        if (v > fast) fast = v;
+      } else {
+        const d = u[o] * u[o], v = u[o] - before[o];
+        if (d > line) line = d;
+        if (v * v > fast) fast = v * v;
+      }
+    }
+    line = Math.sqrt(line); far = Math.sqrt(Math.max(far, line * line)); fast = Math.sqrt(fast) / dt;
+    const hold = Math.exp(-dt / 9), rise = 1 - Math.exp(-dt / 0.1);
+    const follow = (old, fresh) => (fresh > old ? (old === 0 ? fresh : old + (fresh - old) * rise) : Math.max(fresh, old * hold));
+    if (Number.isFinite(line)) this.peak = follow(this.peak, line);
+    if (Number.isFinite(far)) this.far = follow(this.far, far);
+    if (Number.isFinite(fast)) this.speed = follow(this.speed, fast);
+    this.most = Math.max(this.most, this.peak);
+  }
+
+  // the views about the moment that is drawn at `now` [s], and the share of the second
+  at(now) {
+    const views = this.views;
+    if (views.length === 0) return this.still;
+    if (views.length === 1) return { a: views[0].u, b: views[0].u, mix: 0, dt: 1, from: views[0], to: views[0] };
+    const behind = Math.min(1.1 * this.interval + 2 * this.uneven + 0.002, 0.4);
+    this.head = Math.max(this.head, now - this.offset - behind);
+    let k = views.length - 1;
+    while (k > 1 && views[k - 1].seconds > this.head) k--;
+    const from = views[k - 1], to = views[k], dt = to.seconds - from.seconds;
+    const mix = Math.min(1, Math.max(0, (this.head - from.seconds) / dt));
+    return { a: from.u, b: to.u, mix, dt, from, to };
+  }
+
+  // the exaggeration of what is on a line, once a frame
+  exaggerate(now) {
+    const dt = Math.min(0.1, Math.max(0, now - this.last)), scene = this.scene;
+    this.last = now;
+    if (!this.auto || this.frozen || !scene.linear) return scene.line;
+    const peak = Math.max(this.peak, 1e-3 * this.most);
+    if (!(peak > 1e-9)) return scene.line;
+    const want = Math.log(Math.min(1e9, Math.max(1e-3, 0.1 * scene.extent / peak)));
+    const time = want < this.lineLog ? 0.25 : 1.5;
+    this.lineLog += (want - this.lineLog) * (1 - Math.exp(-dt / time));
+    scene.line = Math.exp(this.lineLog);
+    return scene.line;
+  }
+
+  // from the motion of the scene before, where this one is the same instrument edited: no jump in the picture
+  carry(before) {
+    for (const name of ["peak", "most", "speed", "far", "lineLog", "auto", "interval", "uneven"]) this[name] = before[name];
+    this.scene.line = before.scene.line;
+    this.scene.true = before.scene.true;
+  }
+
+  // by hand; null is automatic again
+  setLine(factor) {
+    this.auto = factor === null;
+    if (factor === null) return;
+    this.scene.line = factor;
+    this.lineLog = Math.log(factor);
+  }
+}

@@ -1,0 +1,110 @@
+// What the page says of the state of things: load, lateness, losses, devices, news, the connection. It decides what is
+// worth a colour (what is lost, diverged or refused), what is worth a line that stays, and what fades after a while.
+
+import { element } from "./controls.js";
+
+const count = (n, one, many = one + "s") => `${n} ${n === 1 ? one : many}`;
+
+export class Status {
+  constructor(find, connection) {
+    this.find = find;
+    this.before = {};
+    find("arm").addEventListener("click", () => this.arm(connection, true));
+    find("disarm").addEventListener("click", () => this.arm(connection, false));
+    const stop = find("stop");
+    stop.addEventListener("click", () => {
+      if (!stop.classList.contains("sure")) {
+        stop.classList.add("sure");
+        stop.textContent = "Press again to end it";
+        setTimeout(() => { stop.classList.remove("sure"); stop.replaceChildren("End ", element("code", { text: "ca play" })); }, 3000);
+      } else connection.ask({ type: "stop" });
+    });
+    find("again").addEventListener("click", () => connection.again());
+  }
+
+  async arm(connection, on) {
+    const reply = await connection.ask({ type: "arm", on });
+    if (reply.ok === false) this.say(reply.text || "refused", true);
+  }
+
+  // the connection
+  link(name, { tries = 0 } = {}) {
+    const dot = this.find("link"), banner = this.find("banner"), text = this.find("bannerText"), again = this.find("again");
+    const told = { open: "connected", connecting: "connecting", lost: "connection lost", ended: "ended" }[name];
+    if (name !== "connecting" || tries === 0) { dot.dataset.state = name; dot.setAttribute("aria-label", told); dot.title = told; }
+    document.body.classList.toggle("away", name === "ended" || name === "lost" || (name === "connecting" && tries > 0));
+    if (name === "open") banner.hidden = true;
+    else if (name === "ended") {
+      text.textContent = "ca play has ended. The picture shows its last moment.";
+      again.hidden = false;
+      banner.hidden = false;
+    } else if (name === "lost" || tries > 0) {
+      text.textContent = tries > 8
+        ? "No answer from ca play. It may have ended: start it again, and open its new address."
+        : "Connection lost. Trying again…";
+      again.hidden = tries <= 3;
+      banner.hidden = false;
+    }
+  }
+
+  scene(message) {
+    this.find("title").textContent = message.title || message.model || "Untitled";
+    this.find("model").textContent = message.model || "";
+    document.title = (message.title || message.model || "Untitled") + " – ca play";
+    this.before = {};
+  }
+
+  state(s, sound) {
+    const load = Number.isFinite(s.load) ? s.load : 0, meter = this.find("load");
+    meter.value = Math.min(1, load);
+    this.find("loadText").textContent = `${Math.round(100 * load)} %`;
+    const seconds = Math.max(0, s.seconds || 0), minutes = Math.floor(seconds / 60);
+    this.find("clock").textContent = `${minutes}:${String(Math.floor(seconds % 60)).padStart(2, "0")}`;
+    const facts = [
+      ["Load", `${Math.round(100 * load)} % of real time`, load > 0.85],
+      ["Late", s.late ? count(s.late, "period") : "never", s.late > (this.before.late ?? s.late)],
+      ["Lost", s.lost ? count(s.lost, "frame") : "none", s.lost > (this.before.lost ?? s.lost)],
+      ["Clipped", s.clipped ? count(s.clipped, "sample") : "none", s.clipped > (this.before.clipped ?? s.clipped)],
+      ["Sound", s.sound === "page" ? "by this page" : s.sound || "–", false],
+    ];
+    if (sound.state === "on") facts.push(["Here", `${Math.round(1000 * sound.latency)} ms behind, ${sound.gaps ? count(sound.gaps, "gap") : "no gaps"}`, false]);
+    if (s.clients > 1) facts.push(["Pages", `${s.clients} open`, false]);
+    if (s.diverged) facts.unshift(["Model", "diverged: numbers left every range", true]);
+    // what was missed lately colours the load for three seconds
+    if (s.late > this.before.late || s.lost > this.before.lost) this.missed = performance.now();
+    this.find("gauge").classList.toggle("bad", load > 0.95 || performance.now() - (this.missed ?? -1e9) < 3000);
+    if (s.diverged && !this.before.diverged) this.say("The model diverged: its numbers left every range. Reset a parameter, or mend the model and save it.", true);
+    this.before = { late: s.late, lost: s.lost, clipped: s.clipped, diverged: s.diverged };
+    const list = this.find("facts");
+    if (list.children.length !== 2 * facts.length) list.replaceChildren(...facts.flatMap(() => [element("dt"), element("dd")]));
+    facts.forEach(([name, text, bad], k) => {
+      const dt = list.children[2 * k], dd = list.children[2 * k + 1];
+      if (dt.textContent !== name) dt.textContent = name;
+      if (dd.textContent !== text) dd.textContent = text;
+      dd.classList.toggle("bad", bad);
+    });
+    this.devices(s.devices || []);
+  }
+
+  devices(list) {
+    this.find("devicesBox").hidden = list.length === 0;
+    const key = JSON.stringify(list);
+    if (key === this.shown) return;
+    this.shown = key;
+    this.find("devices").replaceChildren(...list.map(d => element("div", { class: "device", "data-mode": d.mode },
+      element("span", { class: "dot" }), element("strong", { text: d.name }), element("span", { text: d.mode + (d.cause ? `: ${d.cause}` : "") }))));
+  }
+
+  // news; what is bad stays longer and can be closed
+  say(text, bad = false) {
+    const box = this.find("news");
+    const close = element("button", { class: "close", "aria-label": "Close", text: "×" });
+    const item = element("div", { class: "said" + (bad ? " bad" : "") }, element("span", { text }), close);
+    const gone = () => item.remove();
+    close.addEventListener("click", gone);
+    for (const old of [...box.children]) if (old.firstChild.textContent === text) old.remove();
+    box.append(item);
+    while (box.children.length > 4) box.firstChild.remove();
+    setTimeout(gone, bad ? 20000 : 6000);
+  }
+}

@@ -1,0 +1,58 @@
+//! Nor do hands without a device: a mass that is held, ports that are sent somewhere, and the model's own gesture.
+
+use super::calls;
+use ca_compile::{Options as Compile, compile};
+use ca_haptic::engine::{Engine, EngineCommand, Options, OwnGesture, Retired, Touch, Touched};
+use ca_model::read;
+use std::sync::Arc;
+
+const TEXT: &str = r#"
+[STRING]
+s = { n = 30, f = "110 Hz", m = "1 g" }
+[ENX]
+finger = { x = "-1 mm" }
+[ENF]
+push = { to = "s[4]" }
+[BUT]
+touch = { between = ["finger", "s[8]"], k = 500 }
+[SOX]
+out = { from = "s[3]", gain = 100 }
+[gesture]
+push = [[0, 0], [0.1, 0.4], [0.2, 0]]
+finger = [[0, -1e-3], [0.2, 0], [0.4, -1e-3]]
+"#;
+
+#[test]
+fn hands_without_a_device_allocate_nothing() {
+    let catalog = ca_tests::catalog();
+    let (model, _) = read::read(TEXT, "string.ca.toml", &catalog);
+    for energy in [false, true] {
+        let options = Compile { energy, ..Compile::default() };
+        let scene = Arc::new(compile(&model, &catalog, &options).expect("it compiles").scene);
+        let again = |touched: Touched| touched.again(&scene).expect("it can be done");
+        let finger = scene.input("finger").expect("a port") as u32;
+        let mut touches: Vec<Touch> = Vec::new();
+        for n in 0..4 {
+            touches.extend([again(Touched::Grab(12 + n)), Touch::Pull([1e-3, f64::NAN, f64::INFINITY])]);
+            touches.push(Touch::Play(Box::new(OwnGesture::new(&scene).expect("it has one"))));
+            touches.extend([Touch::Port(finger, -5e-4), Touch::Pull([-2e-3, 0.0, 0.0]), Touch::Release, Touch::Stop]);
+        }
+        touches.reverse();
+        let mut retired: Vec<Retired> = Vec::with_capacity(16);
+        let mut e = Engine::new(scene.clone(), Vec::new(), Options::default());
+        let counted = calls(|| {
+            for n in 0..3000 {
+                if n % 100 == 0 {
+                    if let Some(touch) = touches.pop() {
+                        retired.extend(e.command(EngineCommand::Touch(touch)));
+                    }
+                }
+                e.prepare();
+                assert_eq!(e.answer().count(), 0);
+                e.finish();
+            }
+        });
+        assert_eq!((counted, retired.len(), touches.len()), (0, 4, 0), "energy {energy}");
+        assert!(!e.has_diverged() && e.state.x.iter().any(|x| x.abs() > 1e-6));
+    }
+}
