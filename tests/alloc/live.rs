@@ -141,7 +141,9 @@ fn nor_does_the_loop_while_both_cores_are_busy() {
                 _ => None,
             };
             // where it has no room, the engine has enough to do
-            let _ = act.map(|a| recorder.commands.push((0, a)));
+            if let Some(a) = act {
+                let _ = recorder.commands.push((0, a));
+            }
             turns += 1;
             std::thread::sleep(Duration::from_millis(20));
         }

@@ -9,7 +9,7 @@
 //! with the eigenvalue κ + 2ν to T²M⁻¹K + 2TM⁻¹Z, whose eigenvalues must lie below 4 (docs/numerics.md §8); by Weyl's inequality the
 //! largest of the sum is at most [`Certificate::bound`] + κ + 2ν, and for contacts, which the bound leaves out, each that
 //! touches the mass adds at most twice its stiffness ratio. κ and ν take half of what is left at most, and no more than
-//! what is wanted: a mass that follows the pointer at [`FEEL`] hertz, critically damped. They are kept without unit, so that a
+//! what is wanted: a mass that follows the pointer at a thousand hertz, critically damped. They are kept without unit, so that a
 //! live parameter that makes the mass lighter makes the coupling weaker too.
 //!
 //! The pointer moves in a straight line from where it was to where it was last seen, since a mouse is read 60 to 120 times
@@ -134,7 +134,7 @@ impl Pointer {
         }
         let room = room(&scene.certificate);
         let (spring, damper) = coupling(room, scene.sample_dt);
-        if !(spring > 0.0) {
+        if spring == 0.0 {
             return Err(Refused::Margin(name()));
         }
         Ok(Pointer {
@@ -182,9 +182,9 @@ impl Pointer {
     /// The pointer was seen at `to`, a displacement from rest \[m\] (on a line the first number alone). What is not finite
     /// counts for nothing, what is out of reach is as far as that.
     pub fn pull(&mut self, to: [f64; 3]) {
-        for k in 0..self.axes {
-            if to[k].is_finite() {
-                self.to[k] = to[k].clamp(-self.reach, self.reach);
+        for (k, to) in to.into_iter().enumerate().take(self.axes) {
+            if to.is_finite() {
+                self.to[k] = to.clamp(-self.reach, self.reach);
             }
             self.step[k] = (self.to[k] - self.at[k]) / f64::from(self.glide);
         }
@@ -235,7 +235,7 @@ fn room(c: &Certificate) -> f64 {
 /// Stiffness and damping without unit: critically damped, at [`FEEL`] or with κ + 2ν = κ + 4√κ no more than half the room.
 fn coupling(room: f64, sample_dt: f64) -> (f64, f64) {
     let most = 0.5 * room;
-    if !(most > 0.0) {
+    if most.is_nan() || most <= 0.0 {
         return (0.0, 0.0);
     }
     let wanted = core::f64::consts::TAU * FEEL * sample_dt;

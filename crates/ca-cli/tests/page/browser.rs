@@ -56,17 +56,17 @@ impl Tab {
         stream.set_read_timeout(Some(Duration::from_secs(30))).unwrap();
         let socket = tungstenite::client(at.as_str(), stream).unwrap().0;
         let mut tab = Tab { socket, id: 0, session: String::new(), errors: Vec::new(), child, _profile: profile };
-        let target = tab.command("Target.createTarget", json!({"url": "about:blank"}));
+        let target = tab.command("Target.createTarget", &json!({"url": "about:blank"}));
         let attach = json!({"targetId": target["targetId"], "flatten": true});
-        tab.session = tab.command("Target.attachToTarget", attach)["sessionId"].as_str().unwrap().into();
+        tab.session = tab.command("Target.attachToTarget", &attach)["sessionId"].as_str().unwrap().into();
         for domain in ["Page", "Runtime", "Log"] {
-            tab.command(&format!("{domain}.enable"), json!({}));
+            tab.command(&format!("{domain}.enable"), &json!({}));
         }
-        tab.command("Page.navigate", json!({"url": address}));
+        tab.command("Page.navigate", &json!({"url": address}));
         Some(tab)
     }
 
-    fn command(&mut self, method: &str, params: Value) -> Value {
+    fn command(&mut self, method: &str, params: &Value) -> Value {
         self.id += 1;
         let mut request = json!({"id": self.id, "method": method, "params": params});
         if !self.session.is_empty() {
@@ -97,13 +97,13 @@ impl Tab {
     /// What an expression is in the page.
     pub fn js(&mut self, expression: &str) -> Value {
         let asked = json!({"expression": expression, "awaitPromise": true, "returnByValue": true});
-        self.command("Runtime.evaluate", asked)["result"]["value"].clone()
+        self.command("Runtime.evaluate", &asked)["result"]["value"].clone()
     }
 
     pub fn mouse(&mut self, kind: &str, x: f64, y: f64) {
         let down = i32::from(kind != "mouseReleased");
         let event = json!({"type": kind, "x": x, "y": y, "button": "left", "buttons": down, "clickCount": 1});
-        self.command("Input.dispatchMouseEvent", event);
+        self.command("Input.dispatchMouseEvent", &event);
     }
 
     /// A place at which a mass can be pressed.
@@ -116,7 +116,7 @@ impl Tab {
                 let off = 0.01 * f64::from(step / 2) * if step % 2 == 0 { 1.0 } else { -1.0 };
                 let at = [left + part * w, top + h * (0.5 + off)];
                 let event = json!({"type": "mouseMoved", "x": at[0], "y": at[1], "button": "none", "buttons": 0});
-                self.command("Input.dispatchMouseEvent", event);
+                self.command("Input.dispatchMouseEvent", &event);
                 // somewhere on the string, which rings
                 let tip = "new Promise(r => setTimeout(() => r(document.getElementById('tooltip').textContent), 250))";
                 let over = self.js("document.getElementById('stage').classList.contains('over')");
@@ -130,7 +130,7 @@ impl Tab {
 
     /// The picture as it is now.
     pub fn picture(&mut self) -> String {
-        self.command("Page.captureScreenshot", json!({}))["data"].as_str().unwrap().into()
+        self.command("Page.captureScreenshot", &json!({}))["data"].as_str().unwrap().into()
     }
 
     /// What went wrong in the page: exceptions, and messages that are errors or warnings.

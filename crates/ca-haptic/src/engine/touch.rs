@@ -207,8 +207,8 @@ impl Hands {
             }
             Touch::Stop => return (self.stop(state), true),
             Touch::Port(port, value) => {
-                let is = |i: &&ca_core::scene::Input| i.role != InputRole::Device && value.is_finite();
-                if scene.inputs.get(port as usize).filter(is).is_none() {
+                let is = |i: &ca_core::scene::Input| i.role != InputRole::Device && value.is_finite();
+                if !scene.inputs.get(port as usize).is_some_and(is) {
                     return (None, false);
                 }
                 self.send(state, port as usize, value);

@@ -220,8 +220,6 @@ impl TakeWriter {
                 cdr::body(&mut self.data, &Ordered { tick, port, order: number, cause, reserved: 0 });
                 self.put(self.ids.order, tick)
             }
-            // it comes with what ended it
-            Record::Retired { retired: Retired::Gesture(_), .. } => Ok(()),
             Record::Touched { tick, touched, .. } => {
                 self.tick = tick;
                 cdr::body(&mut self.data, &Hand::new(tick, touched));
@@ -232,7 +230,8 @@ impl TakeWriter {
                 self.lost(records, 0, 0)
             }
             // of no meaning for a replay: what was said of it is in the log
-            Record::Waiting { .. } => Ok(()),
+            // a gesture that ended comes with what ended it
+            Record::Waiting { .. } | Record::Retired { retired: Retired::Gesture(_), .. } => Ok(()),
             Record::Hash { tick, bits } => {
                 self.tick = tick;
                 cdr::body(&mut self.data, &Hashed { tick, bits });

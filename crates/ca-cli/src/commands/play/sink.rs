@@ -19,7 +19,7 @@ pub(crate) struct Stats(Arc<Mutex<Option<StatsSnapshot>>>);
 
 impl Stats {
     pub(super) fn get(&self) -> Option<StatsSnapshot> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -80,7 +80,7 @@ impl Sink for PageSink {
     }
 
     fn snapshot(&mut self, snapshot: &StatsSnapshot) -> Result<(), FileError> {
-        *self.stats.0.lock().unwrap_or_else(PoisonError::into_inner) = Some(snapshot.clone());
+        *self.stats.0.lock().unwrap_or_else(PoisonError::into_inner) = Some(*snapshot);
         Ok(())
     }
 
