@@ -11,9 +11,9 @@ use std::collections::{BTreeSet, HashMap};
 /// Masses that at least so many hang on, by more than a contact, are placed late.
 const MANY: usize = 5;
 
-/// In which turn a mass is placed.
+/// In which order masses are placed.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Turn {
+enum Placement {
     Moves,
     Bridge,
     Fixed,
@@ -48,22 +48,22 @@ pub fn place(graph: &Graph, p: &mut Places) {
     let turn = |i: usize| {
         let n = free[i] as usize;
         match () {
-            () if graph.is_fixed(n) => Turn::Fixed,
-            () if held(&around[i]) >= MANY && !graph.is_port(n) => Turn::Bridge,
-            () => Turn::Moves,
+            () if graph.is_fixed(n) => Placement::Fixed,
+            () if held(&around[i]) >= MANY && !graph.is_port(n) => Placement::Bridge,
+            () => Placement::Moves,
         }
     };
     // places in `free` by node, for those that are next to something new
     let mut of = vec![usize::MAX; graph.len()];
     free.iter().enumerate().for_each(|(i, n)| of[*n as usize] = i);
-    let mut waiting: BTreeSet<(Turn, usize)> = BTreeSet::new();
+    let mut waiting: BTreeSet<(Placement, usize)> = BTreeSet::new();
     for i in 0..free.len() {
         if p.stand[free[i] as usize].is_none() && around[i].iter().any(|(n, _)| p.stand[*n as usize].is_some()) {
             waiting.insert((turn(i), i));
         }
     }
     let left = (0..free.len()).filter(|i| p.stand[free[*i] as usize].is_none());
-    let mut left: BTreeSet<(Turn, usize)> = left.map(|i| (turn(i), i)).collect();
+    let mut left: BTreeSet<(Placement, usize)> = left.map(|i| (turn(i), i)).collect();
     let mut alone = 0;
     loop {
         // all of one turn that are next to what stands, at once
@@ -119,7 +119,7 @@ fn neighbours(graph: &Graph, free: &[u32]) -> Vec<Vec<(u32, bool)>> {
 }
 
 /// The place of a mass beside those it is linked to, as far as they stand.
-fn beside(graph: &Graph, p: &Places, node: usize, around: &[(u32, bool)], turn: Turn) -> Option<Stand> {
+fn beside(graph: &Graph, p: &Places, node: usize, around: &[(u32, bool)], turn: Placement) -> Option<Stand> {
     let w = p.width;
     let standing = || around.iter().filter_map(|(n, _)| p.stand[*n as usize]);
     let frame = standing().next()?.frame;
@@ -136,11 +136,11 @@ fn beside(graph: &Graph, p: &Places, node: usize, around: &[(u32, bool)], turn: 
     let rest = graph.rest[node][0];
     let apart = (rest - height).abs() >= 0.004 * w;
     let at = match turn {
-        Turn::Moves if apart => [u, v, rest],
-        Turn::Moves if graph.code(node) == "CEL" => [u, v + 0.1 * w, rest + 0.06 * w],
-        Turn::Moves => [u, v - 0.06 * w, rest - 0.08 * w],
-        Turn::Bridge => [u, high[1] + 0.16 * w, rest],
-        Turn::Fixed => {
+        Placement::Moves if apart => [u, v, rest],
+        Placement::Moves if graph.code(node) == "CEL" => [u, v + 0.1 * w, rest + 0.06 * w],
+        Placement::Moves => [u, v - 0.06 * w, rest - 0.08 * w],
+        Placement::Bridge => [u, high[1] + 0.16 * w, rest],
+        Placement::Fixed => {
             let beyond = around.iter().map(|(m, _)| p.beyond[*m as usize]).find(|b| *b != 0.0);
             let wide = high[0] - low[0];
             // what is met stands where it is met

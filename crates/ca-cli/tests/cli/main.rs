@@ -156,7 +156,7 @@ fn examples_of_command_help_run() {
     let mut ran = 0;
     for command in [
         "render", "check", "accuracy", "report", "equiv", "modes", "tune", "sweep", "list", "explain", "new", "import",
-        "serve", "replay", "log", "shm",
+        "play", "serve", "replay", "log", "shm",
     ] {
         let desk = Desk::new();
         if ["replay", "log", "report"].contains(&command) {
@@ -171,7 +171,10 @@ fn examples_of_command_help_run() {
         );
         let (_, examples) = help.split_once("Examples:\n").unwrap_or_else(|| panic!("{command} has no examples"));
         for line in examples.lines().filter(|l| !l.trim().is_empty()) {
-            desk.sh(line).is(0);
+            let done = desk.sh(line);
+            // in real time a machine that does something else meanwhile is degraded, and says so
+            let late = ["play", "serve"].contains(&command) && done.code == 3;
+            done.is(if late { 3 } else { 0 });
             ran += 1;
         }
     }

@@ -53,7 +53,7 @@ impl Tab {
         };
         std::thread::spawn(move || err.read_to_string(&mut String::new()));
         let stream = TcpStream::connect(at["ws://".len()..].split('/').next().unwrap()).unwrap();
-        stream.set_read_timeout(Some(Duration::from_secs(30))).unwrap();
+        stream.set_read_timeout(Some(Duration::from_secs(120))).unwrap();
         let socket = tungstenite::client(at.as_str(), stream).unwrap().0;
         let mut tab = Tab { socket, id: 0, session: String::new(), errors: Vec::new(), child, _profile: profile };
         let target = tab.command("Target.createTarget", &json!({"url": "about:blank"}));

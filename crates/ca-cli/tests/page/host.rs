@@ -11,9 +11,9 @@ use tungstenite::{Message, WebSocket};
 /// Tries again and again until it is so.
 #[track_caller]
 pub fn until(what: &str, mut is: impl FnMut() -> bool) {
-    let end = Instant::now() + Duration::from_secs(30);
+    let end = Instant::now() + Duration::from_secs(120);
     while !is() {
-        assert!(Instant::now() < end, "{what}: not within 30 s");
+        assert!(Instant::now() < end, "{what}: not within two minutes");
         std::thread::sleep(Duration::from_millis(5));
     }
 }
@@ -57,7 +57,7 @@ impl Host {
         let place = self.address.strip_prefix("http://").unwrap();
         let host = place.split('/').next().unwrap();
         let stream = TcpStream::connect(host).unwrap();
-        stream.set_read_timeout(Some(Duration::from_secs(30))).unwrap();
+        stream.set_read_timeout(Some(Duration::from_secs(120))).unwrap();
         let mut request = format!("ws://{place}ws").into_client_request().unwrap();
         request.headers_mut().insert("Origin", format!("http://{host}").parse().unwrap());
         Client { socket: tungstenite::client(request, stream).unwrap().0, id: 0 }
