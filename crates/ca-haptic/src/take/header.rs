@@ -332,7 +332,7 @@ mod tests {
         let points = vec![[0.1, -1.0 / 3.0, 1e-300], [1.0, 2.0, 3.0], [0.0, 0.5, 1e300]];
         let cloud = Cloud { points, edges: vec![[0, 2], [1, 2]], merged: 0, flat: 0 };
         let mut options =
-            Options { rate: Some(44_100.0), energy: true, probes: vec!["r".into()], ..Options::default() };
+            Options { rate: Some(44_100.0), energy: true, probes: vec!["r".into()], whole: true, ..Options::default() };
         options.clouds.insert("a/b c.ply".into(), Ok(Arc::new(cloud.clone())));
         let scene = ca_compile::compile(&model, &ca_model::catalog(), &options).expect("it compiles");
         for (name, _) in SHIPPED {
@@ -351,6 +351,7 @@ mod tests {
             let back = Header::read(&files, &meta).unwrap_or_else(|e| panic!("{name}: {e}"));
             assert_eq!((back.arithmetic, &back.setups), (ARITHMETIC, &h.setups));
             assert_eq!((back.engine, back.rate, back.start, back.began_ns), (h.engine, h.rate, h.start, h.began_ns));
+            assert!(back.options.whole);
             assert_eq!(back.options.clouds["a/b c.ply"], Ok(Arc::new(cloud.clone())));
             assert_eq!((back.file.as_str(), back.text.as_str()), ("key.ca.toml", text));
             assert!(back.resolved.contains("k = 7"));
@@ -361,7 +362,11 @@ mod tests {
                 less.remove(key);
                 let read = Header::read(&files, &less);
                 // takes without it were written before there was one
-                let old = read.as_ref().is_ok_and(|h| key == "arithmetic" && h.arithmetic == 0);
+                let old = read.as_ref().is_ok_and(|h| match key.as_str() {
+                    "arithmetic" => h.arithmetic == 0,
+                    "asked.whole" => !h.options.whole,
+                    _ => false,
+                });
                 assert!(read.is_err() || old, "without `{key}`");
             }
         }
