@@ -1,7 +1,7 @@
 // From views that come when they come to a motion at the rate of the screen. It decides how far behind the newest view the
 // picture runs (one interval and what the network's unevenness asks, no more), which two views it lies between, and how
 // much motion on a line is exaggerated: by a peak that rises in a third of a second and falls in many, so that the
-// picture never jumps, a decay is seen as one, and silence is not blown up into noise.
+// picture never jumps, a decay is seen as one, and silence is not magnified into noise.
 
 const KEPT = 8;
 

@@ -37,7 +37,7 @@ export class View {
       input.addEventListener("change", () => { world.picture.mode = +input.value; remembered("colour", input.value); this.legend(); });
       if (input.value === remembered("colour")) { input.checked = true; world.picture.mode = +input.value; }
     }
-    find("contacts").addEventListener("change", e => { world.picture.contacts = e.target.checked; });
+    find("contacts").addEventListener("change", e => { world.picture.contacts = e.target.checked; this.legend(); });
   }
 
   theme(name) {
@@ -67,6 +67,7 @@ export class View {
       this.auto.checked = motion.auto;
       this.auto.addEventListener("change", () => motion.setLine(this.auto.checked ? null : scene.line));
       this.line.row.querySelector(".head").insertBefore(element("label", { class: "check small" }, this.auto, element("span", { text: "auto" })), this.line.field);
+      this.line.update(scene.line);
       box.append(this.line.row);
     }
     if (scene.spatial) {
@@ -78,6 +79,7 @@ export class View {
         this.space.update(factor);
         return { ok: true };
       });
+      this.space.update(scene.true);
       box.append(this.space.row);
     }
     this.told = null;

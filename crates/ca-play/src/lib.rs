@@ -14,4 +14,4 @@ mod http;
 pub mod message;
 mod page;
 
-pub use page::{Asked, Feed, Page};
+pub use page::{Feed, Page, PageRequest};

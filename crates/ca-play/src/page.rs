@@ -25,7 +25,7 @@ const LEAVE: Duration = Duration::from_millis(200);
 
 /// Something that came from a page.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Asked {
+pub struct PageRequest {
     /// the client
     pub client: u64,
     /// what it asks, an object; `None`: it is gone
@@ -41,13 +41,13 @@ struct Hub {
     connections: AtomicUsize,
     number: AtomicU64,
     stop: AtomicBool,
-    asked: SyncSender<Asked>,
+    asked: SyncSender<PageRequest>,
 }
 
 /// A page that is served; ends with its value.
 pub struct Page {
     hub: Arc<Hub>,
-    asked: Receiver<Asked>,
+    asked: Receiver<PageRequest>,
     thread: Option<JoinHandle<()>>,
 }
 
@@ -87,7 +87,7 @@ impl Page {
     }
 
     /// What came since, in order.
-    pub fn asked(&self) -> impl Iterator<Item = Asked> {
+    pub fn asked(&self) -> impl Iterator<Item = PageRequest> {
         self.asked.try_iter()
     }
 
@@ -209,7 +209,7 @@ impl Hub {
         }
         client.run(stream, rest, &mut |text| self.ask(&client, text));
         locked(&self.clients).retain(|c| c.number != client.number);
-        let mut gone = Asked { client: client.number, request: None };
+        let mut gone = PageRequest { client: client.number, request: None };
         // what it held must be let go, however much else waits
         while let Err(std::sync::mpsc::TrySendError::Full(back)) = self.asked.try_send(gone) {
             if self.stop.load(Relaxed) {
@@ -239,7 +239,7 @@ impl Hub {
             ));
             return;
         }
-        if self.asked.try_send(Asked { client: client.number, request: Some(request) }).is_err() {
+        if self.asked.try_send(PageRequest { client: client.number, request: Some(request) }).is_err() {
             refuse(id.as_ref(), "more is asked than can be answered; try again");
         }
     }

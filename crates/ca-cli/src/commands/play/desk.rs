@@ -10,7 +10,7 @@ use crate::commands::serve::answer;
 use ca_core::Scene;
 use ca_haptic::host::control::Request;
 use ca_haptic::serve::{Recorder, Shared};
-use ca_play::{Asked, Page};
+use ca_play::{Page, PageRequest};
 use ca_view::Drawing;
 use serde_json::{Map, Value, json};
 use std::sync::Arc;
@@ -55,8 +55,8 @@ impl Desk {
     /// One turn: what was asked, and now and then how it goes. True where somebody asked to stop.
     pub(crate) fn turn(&mut self, recorder: &mut Recorder, shared: &Shared) -> bool {
         let mut leave = false;
-        let all: Vec<Asked> = self.page.asked().collect();
-        for Asked { client, request } in all {
+        let all: Vec<PageRequest> = self.page.asked().collect();
+        for PageRequest { client, request } in all {
             let Some(request) = request else {
                 if self.holder == Some(client) {
                     self.holder = None;
