@@ -1,4 +1,5 @@
-//! `ca play` as people use it: the built command, its page over a real socket and in a real Chromium.
+//! `ca play` as people use it: the built command, its page over a real socket and in a real Chromium. In real time, so that they
+//! run with those of the loop, not beside them.
 
 mod browser;
 mod host;
@@ -30,102 +31,106 @@ right = { from = "bob", gain = 200 }
 push = [[0, 0], [0.01, 0.5], [0.02, 0], [0.6, 0]]
 "#;
 
-/// Two seconds of one session by pointer, port, parameter and gesture: seen, heard, and replayed to the bit.
-#[test]
-fn what_is_done_in_a_page_is_seen_heard_and_replayed_to_the_bit() {
-    let mut host = Host::play(STRING, &["--log", "take.mcap", "--energy"]);
-    let mut page = host.page();
-    let scene = page.next("scene");
-    assert_eq!((&scene["channels"], &scene["gesture"]), (&json!(["left", "right"]), &json!(true)));
-    assert_eq!(scene["params"][0]["unit"], "N/m");
-    let masses = scene["drawing"]["masses"].as_u64().unwrap();
-    let named = |page: &mut host::Client, name: &str| {
-        (0..masses).find(|m| page.ask(&json!({"type": "pick", "mass": m}))["name"] == name).unwrap()
-    };
-    page.done(&json!({"type": "sound", "on": true}));
-    assert_eq!(peak(&page.hear(0.1)), 0.0, "nobody has touched it");
-    let still = page.look();
-    assert!(still.iter().all(|x| *x == 0.0));
+mod in_real_time {
+    use super::*;
 
-    let mass = named(&mut page, "low[10]");
-    page.done(&json!({"type": "grab", "mass": mass}));
-    for n in 1..=20 {
-        page.done(&json!({"type": "drag", "by": [1e-4 * f64::from(n)]}));
-    }
-    // as far as the string lets it
-    until("the mass follows", || page.look()[mass as usize] > 1e-4);
-    until("it is said who is held", || page.next("state")["pointer"] == mass);
-    page.done(&json!({"type": "release"}));
-    let rung = page.hear(0.2);
-    assert!(peak(&rung) > 0.01, "a string that was let go sounds: {}", peak(&rung));
-    until("nobody is held", || page.next("state")["pointer"] == -1);
+    /// Two seconds of one session by pointer, port, parameter and gesture: seen, heard, and replayed to the bit.
+    #[test]
+    fn what_is_done_in_a_page_is_seen_heard_and_replayed_to_the_bit() {
+        let mut host = Host::play(STRING, &["--log", "take.mcap", "--energy"]);
+        let mut page = host.page();
+        let scene = page.next("scene");
+        assert_eq!((&scene["channels"], &scene["gesture"]), (&json!(["left", "right"]), &json!(true)));
+        assert_eq!(scene["params"][0]["unit"], "N/m");
+        let masses = scene["drawing"]["masses"].as_u64().unwrap();
+        let named = |page: &mut host::Client, name: &str| {
+            (0..masses).find(|m| page.ask(&json!({"type": "pick", "mass": m}))["name"] == name).unwrap()
+        };
+        page.done(&json!({"type": "sound", "on": true}));
+        assert_eq!(peak(&page.hear(0.1)), 0.0, "nobody has touched it");
+        let still = page.look();
+        assert!(still.iter().all(|x| *x == 0.0));
 
-    page.done(&json!({"type": "set", "values": {"k": "900 N/m"}}));
-    until("the parameter is shown", || page.next("state")["params"]["k"] == 900.0);
-    page.done(&json!({"type": "port", "name": "push", "value": 0.2}));
-    page.done(&json!({"type": "gesture", "play": true}));
-    until("it plays", || page.next("state")["playing"] == true);
-    until("it has ended", || page.next("state")["playing"] == false);
-    for (request, why) in [
-        (json!({"type": "grab", "mass": 1_000_000}), "no such mass"),
-        (json!({"type": "grab", "mass": named(&mut page, "wall")}), "fixed"),
-        (json!({"type": "drag", "by": [1]}), "no mass is held"),
-        (json!({"type": "set", "values": {"k": 1e9}}), "between"),
-        (json!({"type": "set", "values": {"kk": 1}}), "not a live parameter"),
-        (json!({"type": "port", "name": "pull", "value": 1}), "`push`"),
-        (json!({"type": "port", "name": "push", "value": "x"}), "number"),
-        (json!({"type": "arm", "on": true}), "--allow-arm"),
-        (json!({"type": "fly"}), "`fly`"),
-    ] {
-        let reply = page.ask(&request);
-        assert_eq!(reply["ok"], false, "{request}");
-        assert!(reply["text"].as_str().unwrap().contains(why), "{request}: {reply}");
-    }
-    // one that vanishes lets go
-    let mut other = host.page();
-    let mass = named(&mut page, "low[3]");
-    other.done(&json!({"type": "grab", "mass": mass}));
-    let second = page.ask(&json!({"type": "grab", "mass": mass}));
-    assert!(second["text"].as_str().unwrap().contains("somebody else"), "{second}");
-    drop(other);
-    until("it is let go", || page.next("state")["pointer"] == -1);
-    page.done(&json!({"type": "stop"}));
-    host.ended();
-    let replayed = host.ca(&["replay", "take.mcap", "--verify", "--energy", "--json"]);
-    let verdict: serde_json::Value = serde_json::from_str(&replayed).unwrap_or_else(|e| panic!("{e}: {replayed}"));
-    assert!(replayed.contains("identical") || verdict["identical"] == true, "{replayed}");
-}
+        let mass = named(&mut page, "low[10]");
+        page.done(&json!({"type": "grab", "mass": mass}));
+        for n in 1..=20 {
+            page.done(&json!({"type": "drag", "by": [1e-4 * f64::from(n)]}));
+        }
+        // as far as the string lets it
+        until("the mass follows", || page.look()[mass as usize] > 1e-4);
+        until("it is said who is held", || page.next("state")["pointer"] == mass);
+        page.done(&json!({"type": "release"}));
+        let rung = page.hear(0.2);
+        assert!(peak(&rung) > 0.01, "a string that was let go sounds: {}", peak(&rung));
+        until("nobody is held", || page.next("state")["pointer"] == -1);
 
-/// In a browser: the page opens without an error, moves, and a mouse that drags a mass holds it and sounds.
-#[test]
-fn a_mouse_in_a_browser_plays() {
-    let mut host = Host::play(STRING, &["--seconds", "120"]);
-    let Some(mut tab) = browser::Tab::open(&host.address) else { return };
-    until("the scene is there", || tab.js("document.getElementById('title').textContent") == "A string and a bob");
-    let mut watch = host.page();
-    watch.next("scene");
-    let before = tab.picture();
-    // where a mass is: anywhere the page says it is near one
-    let [x, y] = tab.near().expect("some mass is near the middle");
-    tab.mouse("mousePressed", x, y);
-    until("it is held", || watch.next("state")["pointer"].as_i64() >= Some(0));
-    for n in 0..15 {
-        tab.mouse("mouseMoved", x, y - 4.0 * f64::from(n));
+        page.done(&json!({"type": "set", "values": {"k": "900 N/m"}}));
+        until("the parameter is shown", || page.next("state")["params"]["k"] == 900.0);
+        page.done(&json!({"type": "port", "name": "push", "value": 0.2}));
+        page.done(&json!({"type": "gesture", "play": true}));
+        until("it plays", || page.next("state")["playing"] == true);
+        until("it has ended", || page.next("state")["playing"] == false);
+        for (request, why) in [
+            (json!({"type": "grab", "mass": 1_000_000}), "no such mass"),
+            (json!({"type": "grab", "mass": named(&mut page, "wall")}), "fixed"),
+            (json!({"type": "drag", "by": [1]}), "no mass is held"),
+            (json!({"type": "set", "values": {"k": 1e9}}), "between"),
+            (json!({"type": "set", "values": {"kk": 1}}), "not a live parameter"),
+            (json!({"type": "port", "name": "pull", "value": 1}), "`push`"),
+            (json!({"type": "port", "name": "push", "value": "x"}), "number"),
+            (json!({"type": "arm", "on": true}), "--allow-arm"),
+            (json!({"type": "fly"}), "`fly`"),
+        ] {
+            let reply = page.ask(&request);
+            assert_eq!(reply["ok"], false, "{request}");
+            assert!(reply["text"].as_str().unwrap().contains(why), "{request}: {reply}");
+        }
+        // one that vanishes lets go
+        let mut other = host.page();
+        let mass = named(&mut page, "low[3]");
+        other.done(&json!({"type": "grab", "mass": mass}));
+        let second = page.ask(&json!({"type": "grab", "mass": mass}));
+        assert!(second["text"].as_str().unwrap().contains("somebody else"), "{second}");
+        drop(other);
+        until("it is let go", || page.next("state")["pointer"] == -1);
+        page.done(&json!({"type": "stop"}));
+        host.ended();
+        let replayed = host.ca(&["replay", "take.mcap", "--verify", "--energy", "--json"]);
+        let verdict: serde_json::Value = serde_json::from_str(&replayed).unwrap_or_else(|e| panic!("{e}: {replayed}"));
+        assert!(replayed.contains("identical") || verdict["identical"] == true, "{replayed}");
     }
-    until("the picture moves", || tab.picture() != before);
-    tab.mouse("mouseReleased", x, y - 60.0);
-    until("it is let go", || watch.next("state")["pointer"] == -1);
-    watch.done(&json!({"type": "sound", "on": true}));
-    assert!(peak(&watch.hear(0.1)) > 1e-4, "it rings");
-    // a page may sound by itself once it was touched
-    tab.js("document.getElementById('sound').dataset.on === 'true' || document.getElementById('sound').click()");
-    until("the page plays, too", || tab.js("document.getElementById('sound').dataset.on") == "true");
-    // a slider
-    tab.js("(() => { const r = document.querySelector('#params input[type=range]'); r.value = 0; \
-         r.dispatchEvent(new Event('input')); })()");
-    until("the slider has set it", || watch.next("state")["params"]["k"] == 200.0);
-    assert_eq!(tab.errors(), Vec::<String>::new());
-    watch.done(&json!({"type": "stop"}));
-    host.ended();
-    until("the page says so", || tab.js("!document.getElementById('banner').hidden") == true);
+
+    /// In a browser: the page opens without an error, moves, and a mouse that drags a mass holds it and sounds.
+    #[test]
+    fn a_mouse_in_a_browser_plays() {
+        let mut host = Host::play(STRING, &["--seconds", "120"]);
+        let Some(mut tab) = browser::Tab::open(&host.address) else { return };
+        until("the scene is there", || tab.js("document.getElementById('title').textContent") == "A string and a bob");
+        let mut watch = host.page();
+        watch.next("scene");
+        let before = tab.picture();
+        // where a mass is: anywhere the page says it is near one
+        let [x, y] = tab.near().expect("some mass is near the middle");
+        tab.mouse("mousePressed", x, y);
+        until("it is held", || watch.next("state")["pointer"].as_i64() >= Some(0));
+        for n in 0..15 {
+            tab.mouse("mouseMoved", x, y - 4.0 * f64::from(n));
+        }
+        until("the picture moves", || tab.picture() != before);
+        tab.mouse("mouseReleased", x, y - 60.0);
+        until("it is let go", || watch.next("state")["pointer"] == -1);
+        watch.done(&json!({"type": "sound", "on": true}));
+        assert!(peak(&watch.hear(0.1)) > 1e-4, "it rings");
+        // a page may sound by itself once it was touched
+        tab.js("document.getElementById('sound').dataset.on === 'true' || document.getElementById('sound').click()");
+        until("the page plays, too", || tab.js("document.getElementById('sound').dataset.on") == "true");
+        // a slider
+        tab.js("(() => { const r = document.querySelector('#params input[type=range]'); r.value = 0; \
+             r.dispatchEvent(new Event('input')); })()");
+        until("the slider has set it", || watch.next("state")["params"]["k"] == 200.0);
+        assert_eq!(tab.errors(), Vec::<String>::new());
+        watch.done(&json!({"type": "stop"}));
+        host.ended();
+        until("the page says so", || tab.js("!document.getElementById('banner').hidden") == true);
+    }
 }
