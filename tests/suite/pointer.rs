@@ -156,6 +156,7 @@ fn what_cannot_be_held_says_why() {
 fn no_hand_makes_a_bundled_model_diverge() {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../models");
     let bundled = |name: &str| folder.join(name).exists();
+    let mut unheld = Vec::new();
     let wild = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300, -1e300, 0.0];
     for (name, text) in texts() {
         let (model, _) = read::read(&text, &name, &catalog());
@@ -194,8 +195,13 @@ fn no_hand_makes_a_bundled_model_diverge() {
             assert!(!(must && engine.has_diverged()), "{name}: `{at}`");
             assert!(engine.has_diverged() || engine.state.is_bounded(1e3), "{name}: `{at}`");
         }
-        eprintln!("{name}: {held} masses held");
+        if held == 0 && bundled(&name) {
+            unheld.push(name);
+        }
     }
+    // those of which no mass that was tried can be held: the certificate of all of it leaves nothing for a hand
+    unheld.sort();
+    assert_eq!(unheld, ["bowed_string", "harmonic_chain", "wave_guitar", "wind"].map(|n| format!("{n}.ca.toml")));
 }
 
 #[test]

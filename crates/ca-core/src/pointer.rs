@@ -5,17 +5,17 @@
 //! coupling adds, C·F to motion and place, can be added once the passes have run. A scene that nobody holds pays
 //! nothing for it and keeps its bits, and no kernel has to know.
 //!
-//! It cannot make a scene unstable. With κ = k·C and ν = z·C, both without unit, the coupling adds a matrix of rank one
-//! with the eigenvalue κ + 2ν to T²M⁻¹K + 2TM⁻¹Z, whose eigenvalues must lie below 4 (docs/numerics.md §8); by Weyl's inequality the
-//! largest of the sum is at most [`Certificate::bound`] + κ + 2ν, and for contacts, which the bound leaves out, each that
-//! touches the mass adds at most twice its stiffness ratio. κ and ν take half of what is left at most, and no more than
-//! what is wanted: a mass that follows the pointer at a thousand hertz, critically damped. They are kept without unit, so that a
-//! live parameter that makes the mass lighter makes the coupling weaker too.
+//! It leaves a linear scene stable. With κ = k·C and ν = z·C, both without unit, the coupling adds a matrix of rank one
+//! with the eigenvalue κ + 2ν to T²M⁻¹K + 2TM⁻¹Z, whose eigenvalues must lie below 4 (docs/numerics.md §8); by Weyl's
+//! inequality the largest of the sum is at most [`Certificate::bound`] + κ + 2ν. For contacts and friction, which the bound leaves out, twice
+//! the largest ratio of the certificate is set aside, a rule of thumb as the certificate's own. κ and ν take half of what is
+//! left at most, and no more than what is wanted: a mass that follows the pointer at a thousand hertz, critically damped. They
+//! are kept without unit, so that a live parameter that makes the mass lighter makes the coupling weaker too.
 //!
 //! The pointer moves in a straight line from where it was to where it was last seen, since a mouse is read 60 to 120 times
-//! a second. How far it may be from rest has a bound ([`Pointer::reach`]), and so has how hard it pulls: as the spring does
-//! at a hundredth of that. A hand is no vice, and laws that stiffen with the cube of their length, which no
-//! certificate covers far from rest, are not pressed to where they diverge.
+//! a second. How far it may be from rest has a bound, its reach, and so has how hard it pulls: as the spring does at a
+//! hundredth of that. Laws that stiffen with the cube of their length, which no certificate covers far from rest, are not
+//! pressed to where they diverge.
 
 use crate::numeric::{real, wide};
 use crate::scene::certificate::{Certificate, Level};
@@ -158,11 +158,6 @@ impl Pointer {
     /// Number of the MAT that it is for.
     pub fn mass(&self) -> usize {
         self.mass
-    }
-
-    /// How far from rest it may pull \[m\], along each axis.
-    pub fn reach(&self) -> f64 {
-        self.reach
     }
 
     /// Stiffness \[N/m\] and damping \[N s/m\] of the coupling, in this state.

@@ -78,9 +78,10 @@ impl<'a> Performance<'a> {
             patch: Patch { scene: scene.identity(), set: Vec::with_capacity(scene.live.coefs.len()) },
             diverged: false,
         };
-        for (name, points) in &scene.gestures {
-            if gesture.is_none_or(|g| g.track(name).is_none()) {
-                p.drive(Track::points(name.clone(), points.iter().map(|p| (p[0], p[1])).collect())?)?;
+        for track in own(scene) {
+            let track = track?;
+            if gesture.is_none_or(|g| g.track(track.name()).is_none()) {
+                p.drive(track)?;
             }
         }
         for track in gesture.map_or(&[][..], Gesture::tracks) {
@@ -235,6 +236,14 @@ impl<'a> Performance<'a> {
         let m = self.state.furthest();
         (self.scene.mat_name(m).into(), "it went furthest".into())
     }
+}
+
+/// The tracks of the gesture that a scene brings along; an error for one that is no curve over time.
+pub fn own(scene: &Scene) -> impl Iterator<Item = Result<Track, FileError>> {
+    scene
+        .gestures
+        .iter()
+        .map(|(name, points)| Track::points(name.clone(), points.iter().map(|p| (p[0], p[1])).collect()))
 }
 
 /// How long a scene is played \[s\]: as asked, as its author says, or until its gestures have died away.

@@ -119,8 +119,7 @@ impl Page {
 
     /// Tells all clients.
     pub fn tell_all(&self, message: &Value) {
-        let text = text(message);
-        self.hub.all(|c| c.tell(text.clone()));
+        self.feed().tell_all(message);
     }
 }
 

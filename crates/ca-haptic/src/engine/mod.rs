@@ -17,7 +17,7 @@ mod touch;
 
 pub use port::{Link, Port, Setup};
 pub use refit::Refit;
-pub(crate) use touch::LEAD;
+pub(crate) use touch::lead;
 pub use touch::{OwnGesture, Touch, Touched};
 
 use crate::frame::{DeviceFrame, ForceFrame};

@@ -10,11 +10,17 @@ use ca_core::pointer::Pointer;
 use ca_core::scene::InputRole;
 use ca_core::{Scene, State};
 use ca_io::gesture::Track;
+use ca_io::perform::own;
 
 /// Time a port takes to where it is sent \[s\]: a slider in a page speaks 60 times a second.
 const GLIDE: f64 = 1.0 / 60.0;
 /// Time from where ports are to where a gesture begins \[s\].
-pub(crate) const LEAD: f64 = 0.05;
+const LEAD: f64 = 0.05;
+
+/// Ticks of the lead-in of a gesture.
+pub(crate) fn lead(scene: &Scene) -> u64 {
+    (LEAD * scene.rate).round() as u64
+}
 
 /// What a hand without a device does.
 #[derive(Clone, Debug, PartialEq)]
@@ -124,19 +130,12 @@ impl OwnGesture {
         if scene.gestures.is_empty() {
             return None;
         }
-        let track = |(name, points): &(String, Vec<[f64; 2]>)| {
-            let input = scene.input(name)?;
-            let track = Track::points(name.clone(), points.iter().map(|p| (p[0], p[1])).collect()).ok()?;
+        let driven = own(scene).flatten().filter_map(|track| {
+            let input = scene.input(track.name())?;
             Some(Driven { input, role: scene.inputs[input].role, track, near: 0, from: 0.0 })
-        };
-        let driven = scene.gestures.iter().filter_map(track).collect();
-        let lead = (LEAD * scene.rate).round() as u64;
-        Some(OwnGesture { driven, start: 0, lead, sample_dt: scene.sample_dt, over: false })
-    }
-
-    /// Ticks of its lead-in.
-    pub fn lead(&self) -> u64 {
-        self.lead
+        });
+        let driven = driven.collect();
+        Some(OwnGesture { driven, start: 0, lead: lead(scene), sample_dt: scene.sample_dt, over: false })
     }
 
     fn begin(&mut self, state: &State) {

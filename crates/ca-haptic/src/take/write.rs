@@ -9,20 +9,22 @@
 //! listen to. The file is there from the first moment, under its own name: a take is not made again, so an existing
 //! file is never overwritten, and an unfinished one is never removed.
 
+mod channels;
+
 use super::flat::{Energy, Hand, Hashed, Lost, Ordered, Reloaded, Rt};
 use super::header::{Header, META};
 use super::views::{self, Level, Picture};
-use super::{cdr, options, topic};
+use super::{cdr, options};
 use crate::engine::Retired;
-use crate::frame::{Cause, DOF, DeviceFrame, ForceFrame, Mode};
+use crate::frame::{Cause, DeviceFrame, ForceFrame, Mode};
 use crate::guard::Order;
 use crate::record::Record;
 use ca_core::Scene;
 use ca_io::error::{FileError, FileErrorKind};
+use channels::{DeviceChannels, Ids};
 use mcap::records::MessageHeader;
 use mcap::write::NoSeek;
-use mcap::{Attachment, McapError, McapResult, Writer};
-use std::collections::BTreeMap;
+use mcap::{Attachment, McapError, Writer};
 use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
@@ -48,43 +50,12 @@ pub struct Finished {
     pub lost: u64,
 }
 
-/// A device as it is written.
-struct GuardFrame {
-    name: String,
-    joints: Vec<String>,
-    /// where the hand is \[m\], and the force on it \[N\]
-    at: ([f64; DOF], [f32; DOF]),
-    said: (u32, u16),
-    take: u16,
-    give: u16,
-}
-
-/// Numbers of the channels.
-struct Ids {
-    change: u16,
-    param: u16,
-    reload: u16,
-    order: u16,
-    hand: u16,
-    profile: u16,
-    hash: u16,
-    energy: u16,
-    lost: u16,
-    rt: u16,
-    sound: u16,
-    audio: u16,
-    joints: u16,
-    masses: u16,
-    scene: u16,
-    log: u16,
-}
-
 /// A take under way.
 pub struct TakeWriter {
     out: Writer<NoSeek<BufWriter<File>>>,
     path: PathBuf,
     header: Header,
-    hands: Vec<GuardFrame>,
+    hands: Vec<DeviceChannels>,
     params: Vec<String>,
     ids: Ids,
     picture: Picture,
@@ -132,7 +103,7 @@ impl TakeWriter {
                 })?;
             }
             out.write_metadata(&mcap::records::Metadata { name: META.into(), metadata })?;
-            let (ids, hands) = channels(&mut out, header, scene)?;
+            let (ids, hands) = channels::declare(&mut out, header, scene)?;
             out.flush()?;
             Ok((out, ids, hands))
         };
@@ -381,68 +352,6 @@ impl TakeWriter {
         file.sync_all().map_err(|e| io(&e))?;
         Ok(self.reported)
     }
-}
-
-/// Declares all channels.
-fn channels(
-    out: &mut Writer<NoSeek<BufWriter<File>>>,
-    header: &Header,
-    scene: &Scene,
-) -> McapResult<(Ids, Vec<GuardFrame>)> {
-    let none = BTreeMap::new();
-    let mut flat = |topic: &str, name: &str, schema: &str| {
-        let id = out.add_schema(&format!("ca_v1/msg/{name}"), "ros2msg", schema.as_bytes())?;
-        out.add_channel(id, topic, "cdr", &none)
-    };
-    let mut hands = Vec::new();
-    for s in &header.setups {
-        let name = &s.device;
-        hands.push(GuardFrame {
-            take: flat(&topic::device(name), "DeviceFrame", DeviceFrame::SCHEMA)?,
-            give: flat(&topic::force(name), "ForceFrame", ForceFrame::SCHEMA)?,
-            joints: (0..s.profile.dof as usize).map(|k| views::joint(scene, name, k)).collect(),
-            name: name.clone(),
-            at: ([0.0; DOF], [0.0; DOF]),
-            said: (u32::MAX, u16::MAX),
-        });
-    }
-    let [change, param, reload, order, hand, profile, hash, energy, lost, rt, sound] = [
-        (topic::CHANGE, "Change", cdr::CHANGE),
-        (topic::PARAM, "Param", cdr::PARAM),
-        (topic::RELOAD, "Reloaded", Reloaded::SCHEMA),
-        (topic::ORDER, "Ordered", Ordered::SCHEMA),
-        (topic::HAND, "Hand", Hand::SCHEMA),
-        (topic::PROFILE, "Profile", cdr::PROFILE),
-        (topic::HASH, "Hashed", Hashed::SCHEMA),
-        (topic::ENERGY, "Energy", Energy::SCHEMA),
-        (topic::LOST, "Lost", Lost::SCHEMA),
-        (topic::RT, "Rt", Rt::SCHEMA),
-        (topic::SOUND, "Sound", cdr::SOUND),
-    ]
-    .map(|(topic, name, schema)| flat(topic, name, schema));
-    let mut view = |topic: &str, (name, encoding, data): (String, String, Vec<u8>)| {
-        let id = out.add_schema(&name, &encoding, &data)?;
-        out.add_channel(id, topic, "protobuf", &none)
-    };
-    let ids = Ids {
-        change: change?,
-        param: param?,
-        reload: reload?,
-        order: order?,
-        hand: hand?,
-        profile: profile?,
-        hash: hash?,
-        energy: energy?,
-        lost: lost?,
-        rt: rt?,
-        sound: sound?,
-        audio: view(topic::AUDIO, views::schema::<foxglove::messages::RawAudio>())?,
-        joints: view(topic::JOINTS, views::schema::<foxglove::messages::JointStates>())?,
-        masses: view(topic::MASSES, views::schema::<foxglove::messages::PointCloud>())?,
-        scene: view(topic::SCENE, views::schema::<foxglove::messages::SceneUpdate>())?,
-        log: view(topic::LOG, views::schema::<foxglove::messages::Log>())?,
-    };
-    Ok((ids, hands))
 }
 
 /// What the library says, as an error of ours.

@@ -60,7 +60,9 @@ impl Desk {
             let Some(request) = request else {
                 if self.holder == Some(client) {
                     self.holder = None;
-                    self.report(recorder.release());
+                    if let Err(why) = recorder.release() {
+                        self.page.tell_all(&json!({"type": "said", "bad": true, "text": why}));
+                    }
                 }
                 continue;
             };
@@ -83,12 +85,6 @@ impl Desk {
             self.page.tell_all(&self.state(recorder, shared));
         }
         leave
-    }
-
-    fn report(&self, done: Result<(), String>) {
-        if let Err(why) = done {
-            self.page.tell_all(&json!({"type": "said", "bad": true, "text": why}));
-        }
     }
 
     fn answer(&mut self, recorder: &mut Recorder, client: u64, request: &Value, leave: &mut bool) -> Answer {

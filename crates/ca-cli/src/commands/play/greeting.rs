@@ -1,5 +1,6 @@
 //! What a page is sent first: what there is to see and to touch.
 
+use crate::commands::serve::param;
 use ca_core::Scene;
 use ca_core::scene::{Input, InputRole};
 use ca_view::Drawing;
@@ -7,12 +8,7 @@ use serde_json::{Value, json};
 
 /// The message `scene`.
 pub(super) fn greeting(scene: &Scene, drawing: &Drawing, model: &str) -> Value {
-    let params: Vec<Value> = scene
-        .controls()
-        .params()
-        .iter()
-        .map(|p| json!({"name": p.name, "value": p.value, "min": finite(p.min), "max": finite(p.max), "unit": p.unit.symbol, "doc": p.doc}))
-        .collect();
+    let params: Vec<Value> = scene.controls().params().iter().map(param).collect();
     let ports: Vec<Value> = scene.inputs.iter().enumerate().map(|(k, i)| port(scene, drawing, k, i)).collect();
     json!({
         "type": "scene",
@@ -28,11 +24,6 @@ pub(super) fn greeting(scene: &Scene, drawing: &Drawing, model: &str) -> Value {
         "gesture": !scene.gestures.is_empty(),
         "seconds": scene.seconds,
     })
-}
-
-/// A bound that JSON can hold; none where there is none.
-fn finite(x: f64) -> Option<f64> {
-    x.is_finite().then_some(x)
 }
 
 fn port(scene: &Scene, drawing: &Drawing, k: usize, input: &Input) -> Value {

@@ -67,9 +67,13 @@ fn value(recorder: &Recorder, name: &str, given: Given) -> Result<f64, String> {
     }
 }
 
+/// A live parameter, for programs; a bound that is infinite is null.
+pub(crate) fn param(p: &LiveParam) -> Value {
+    json!({"name": p.name, "value": p.value, "min": p.min, "max": p.max, "unit": p.unit.symbol, "doc": p.doc})
+}
+
 fn status(recorder: &Recorder) -> Reply {
     let (frames, tick) = recorder.progress();
-    let param = |p: &LiveParam| json!({"name": p.name, "value": p.value, "min": p.min, "max": p.max, "unit": p.unit.symbol, "doc": p.doc});
     let params: Vec<Value> = recorder.controls().params().iter().map(param).collect();
     let devices: Vec<Value> = recorder
         .devices()

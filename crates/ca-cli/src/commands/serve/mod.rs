@@ -17,7 +17,7 @@ use super::play;
 use crate::args::{ClockKind, PlayArgs, ServeArgs};
 use crate::load;
 use crate::{Ended, Failure, Outcome, term};
-pub(super) use answer::answer;
+pub(super) use answer::{answer, param};
 use ca_compile::Options;
 use ca_haptic::engine::Engine;
 use ca_haptic::guard::Order;

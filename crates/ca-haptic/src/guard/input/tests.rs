@@ -61,62 +61,70 @@ fn one_wrong_position_is_no_throw() {
     }
 }
 
-/// Why forces end when a device of `rate` frames a second goes on with what `wrong` makes of its frames; false where
-/// it sends none.
-fn ended(rate: u32, wrong: impl Fn(u32, &mut DeviceFrame) -> bool) -> Cause {
-    let mut p = Profile::shipped("tgr12").expect("shipped");
-    (p.dof, p.rate, p.guard.speed) = (2, f64::from(rate), 1.0);
-    let (mut validator, mut hand) = (InputValidator::new(&p, FRAME_DT), GuardFrame::new(2, FRAME_DT));
-    let mut chain = crate::guard::Chain::new(&p, FRAME_DT);
+/// Why forces end in four seconds of a device of one profile that is armed from the beginning; `frames` hands over what it
+/// sends before each frame of the engine, and in the first two seconds nothing that is wrong.
+fn ended(p: &Profile, what: &str, mut frames: impl FnMut(u32, &mut dyn FnMut(&DeviceFrame))) -> Cause {
+    let mut validator = InputValidator::new(p, FRAME_DT);
+    let mut hand = GuardFrame::new(p.dof as usize, FRAME_DT);
+    let mut chain = crate::guard::Chain::new(p, FRAME_DT);
     chain.order(crate::guard::Order::Arm);
-    hand.met = u32::MAX;
-    let every = 3000 / rate;
     for n in 0..12_000_u32 {
-        if n.is_multiple_of(every) {
-            let mut f = DeviceFrame::new("key", 2);
-            (f.seq, f.t_device_ns) = (u64::from(n / every) + 1, u64::from(n) * 333_333);
-            if n < 6000 || wrong(n / every, &mut f) {
-                validator.take(&f, &mut hand);
-            }
-        }
+        frames(n, &mut |f| _ = validator.take(f, &mut hand));
         validator.update(&mut hand);
         hand.met = u32::MAX;
         chain.pass(&mut hand);
         (hand.frame, hand.fresh, hand.tripped) = (hand.frame + 1, false, Cause::None);
         if n == 5999 {
-            assert_eq!((hand.mode, hand.cause), (Mode::On, Cause::None), "{rate} Hz");
+            assert_eq!((hand.mode, hand.cause), (Mode::On, Cause::None), "{what}");
         }
     }
-    assert_eq!(hand.mode, Mode::Fault, "{rate} Hz");
+    assert_eq!(hand.mode, Mode::Fault, "{what}");
     hand.cause
+}
+
+/// Why forces end when a device of `rate` frames a second goes on with what `wrong` makes of its frames; false where
+/// it sends none.
+fn wronged(rate: u32, wrong: impl Fn(u32, &mut DeviceFrame) -> bool) -> Cause {
+    let mut p = Profile::shipped("tgr12").expect("shipped");
+    (p.dof, p.rate, p.guard.speed) = (2, f64::from(rate), 1.0);
+    let every = 3000 / rate;
+    ended(&p, &format!("{rate} Hz"), |n, send| {
+        if n.is_multiple_of(every) {
+            let mut f = DeviceFrame::new("key", 2);
+            (f.seq, f.t_device_ns) = (u64::from(n / every) + 1, u64::from(n) * 333_333);
+            if n < 6000 || wrong(n / every, &mut f) {
+                send(&f);
+            }
+        }
+    })
 }
 
 #[test]
 fn forces_end_for_what_was_wrong_at_every_rate() {
     for rate in [3000, 1000, 500, 250] {
-        let far = ended(rate, |n, f| {
+        let far = wronged(rate, |n, f| {
             f.pos[1] = if n % 2 == 0 { 2.0 } else { 4.0 };
             true
         });
         assert_eq!(far, Cause::Implausible, "jumps of 2 m at {rate} Hz");
-        let stays = ended(rate, |_, f| {
+        let stays = wronged(rate, |_, f| {
             f.pos = [2.0; DOF];
             true
         });
         assert_eq!(stays, Cause::Implausible, "2 m away at {rate} Hz");
-        let nan = ended(rate, |_, f| {
+        let nan = wronged(rate, |_, f| {
             f.pos[0] = f64::NAN;
             true
         });
         assert_eq!(nan, Cause::Implausible, "not finite at {rate} Hz");
         for mask in [0, 1, 2, u32::MAX - 2] {
-            let masked = ended(rate, |_, f| {
+            let masked = wronged(rate, |_, f| {
                 f.mask = mask;
                 true
             });
             assert_eq!(masked, Cause::Implausible, "mask {mask:x} at {rate} Hz");
         }
-        assert_eq!(ended(rate, |_, _| false), Cause::WatchdogIn, "silence at {rate} Hz");
+        assert_eq!(wronged(rate, |_, _| false), Cause::WatchdogIn, "silence at {rate} Hz");
     }
 }
 
@@ -147,28 +155,16 @@ fn a_position_that_is_not_valid_moves_nothing() {
 fn thrown(speed: f64, at_once: u32) -> Cause {
     let mut p = Profile::shipped("tgr12").expect("shipped");
     (p.dof, p.rate, p.guard.speed, p.range) = (1, 3000.0, 0.5, [-10.0, 10.0]);
-    let (mut validator, mut hand) = (InputValidator::new(&p, FRAME_DT), GuardFrame::new(1, FRAME_DT));
-    let mut chain = crate::guard::Chain::new(&p, FRAME_DT);
-    chain.order(crate::guard::Order::Arm);
     let mut f = DeviceFrame::new("key", 1);
-    for n in 0..12_000_u32 {
+    ended(&p, &format!("{speed} of the trip, {at_once} frames at once"), |n, send| {
         let last = n % at_once == at_once - 1;
         for k in (0..at_once).rev().filter(|_| last) {
             f.seq += 1;
             f.t_device_ns = u64::from(n - k) * 333_333;
             f.pos[0] = 0.5 * speed * FRAME_DT * f64::from((n - k).saturating_sub(6000).min(60));
-            validator.take(&f, &mut hand);
+            send(&f);
         }
-        validator.update(&mut hand);
-        hand.met = u32::MAX;
-        chain.pass(&mut hand);
-        (hand.frame, hand.fresh, hand.tripped) = (hand.frame + 1, false, Cause::None);
-        if n == 5999 {
-            assert_eq!((hand.mode, hand.cause), (Mode::On, Cause::None), "{at_once} frames at once");
-        }
-    }
-    assert_eq!(hand.mode, Mode::Fault, "{speed} of the trip, {at_once} frames at once");
-    hand.cause
+    })
 }
 
 #[test]

@@ -4,19 +4,21 @@
 //! was set, and what it sets is recorded, so that a take has the same bits however late this thread was.
 
 use super::Recorder;
-use crate::engine::{EngineCommand, OwnGesture, Touch, Touched};
+use crate::engine::{EngineCommand, OwnGesture, Touch, Touched, lead};
 use ca_core::Scene;
 use ca_core::pointer::Pointer;
 use ca_core::scene::InputRole;
 use ca_io::gesture::Track;
+use ca_io::perform::own;
 
 /// What the recorder knows of hands without a device.
 pub(super) struct Hand {
     /// MAT that is held
     held: Option<usize>,
-    /// the tick at which the gesture began to move things, after its lead-in
+    /// the tick from which the gesture is played as it is written, after its lead-in
     began: Option<u64>,
-    /// ticks that it takes
+    /// ticks of the lead-in, and that it takes
+    lead: u64,
     length: u64,
     /// live parameters in it
     params: Vec<Track>,
@@ -24,14 +26,10 @@ pub(super) struct Hand {
 
 impl Hand {
     pub(super) fn new(scene: &Scene) -> Hand {
-        let all: Vec<Track> = scene
-            .gestures
-            .iter()
-            .filter_map(|(name, p)| Track::points(name.clone(), p.iter().map(|p| (p[0], p[1])).collect()).ok())
-            .collect();
+        let all: Vec<Track> = own(scene).flatten().collect();
         let length = all.iter().map(Track::duration).fold(0.0, f64::max) * scene.rate;
         let params = all.into_iter().filter(|t| scene.input(t.name()).is_none()).collect();
-        Hand { held: None, began: None, length: length.ceil() as u64, params }
+        Hand { held: None, began: None, lead: lead(scene), length: length.ceil() as u64, params }
     }
 
     /// The scene was loaded again.
@@ -44,11 +42,9 @@ impl Hand {
         match touched {
             Touched::Grab(mass) => self.held = Some(*mass as usize),
             Touched::Release => self.held = None,
+            Touched::Play => self.began = Some(tick + self.lead),
             Touched::Stop => self.began = None,
-            Touched::Play | Touched::Pull(_) | Touched::Port(..) => {}
-        }
-        if *touched == Touched::Play {
-            self.began = Some(tick);
+            Touched::Pull(_) | Touched::Port(..) => {}
         }
     }
 }
@@ -123,8 +119,7 @@ impl Recorder {
 
     /// Whether the model's own gesture is under way.
     pub fn playing(&self) -> bool {
-        let lead = (crate::engine::LEAD * self.scene.rate).round() as u64;
-        self.hand.began.is_some_and(|began| self.tick < began + lead + self.hand.length)
+        self.hand.began.is_some_and(|began| self.tick < began + self.hand.length)
     }
 
     /// Sets the live parameters of the gesture to where they are now.
@@ -132,9 +127,8 @@ impl Recorder {
         if self.hand.params.is_empty() || !self.playing() {
             return;
         }
-        let lead = (crate::engine::LEAD * self.scene.rate).round() as u64;
         let Some(began) = self.hand.began else { return };
-        let t = self.tick.saturating_sub(began + lead) as f64 * self.scene.sample_dt;
+        let t = self.tick.saturating_sub(began) as f64 * self.scene.sample_dt;
         let params = self.controls.params();
         let changes: Vec<(String, f64)> = self
             .hand
