@@ -6,11 +6,14 @@
 //! waits for memory. `benches/counts/run` holds the sums against what it counts, `PASSES=1 benches/counts/run` prints counted
 //! and predicted pass by pass: from that the table is made.
 //!
-//! Nothing is decided by it at load: which form runs is also decided by what waits for what, and some forms have another order
-//! of sums. The test below says which of those constants this table agrees with, and which not.
+//! The compiler chooses by it where two forms have the same bits: whether a row is folded ([`folds`]), rows run as one
+//! ([`joins`]), a list from one place is a pass of its own ([`fans`]), and short stretches move with their neighbours
+//! ([`merges`]). It does not choose which rows become runs: the order in which a state is hashed goes by these, and that of takes
+//! that exist has to stay. A test below says what the table would choose there.
 
 use ca_core::op::{Band, Hub, Integrate, Kernel, MeasureKind, Op, pass};
 use ca_core::scene::Scene;
+use ca_core::state::Fold;
 
 /// A pass: `fixed` and for each module `each`; for links, `fixed_coef` and `each_coef` more for each coefficient of a law.
 #[derive(Clone, Copy)]
@@ -32,10 +35,14 @@ impl Price {
         Price { fixed, each, fixed_coef: 0.0, each_coef: 0.0 }
     }
 
+    /// A module whose law has so many coefficients.
+    fn each(self, coefs: usize) -> f64 {
+        self.each + self.each_coef * coefs as f64
+    }
+
     /// A pass of `n` modules whose law has so many coefficients.
     fn at(self, n: usize, coefs: usize) -> f64 {
-        let coefs = coefs as f64;
-        self.fixed + self.fixed_coef * coefs + n as f64 * (self.each + self.each_coef * coefs)
+        self.fixed + self.fixed_coef * coefs as f64 + n as f64 * self.each(coefs)
     }
 }
 
@@ -94,8 +101,8 @@ const PASSES: [(&str, Price); 16] = [
     ("flush", Price::of(14.0, 0.01)),
     ("heard links", Price::of(60.0, 71.0)),
     ("high pass", Price::of(89.0, 45.0)),
-    ("integrate CEL", Price::of(125.0, 3.75)),
-    ("integrate MAS", Price::of(118.0, 8.0)),
+    ("integrate CEL", INTEGRATE_CEL),
+    ("integrate MAS", INTEGRATE_MAS),
     ("points", Price::of(40.0, 70.0)),
     ("points back", Price::of(30.0, 45.0)),
     ("waves in", Price::of(20.0, 61.0)),
@@ -103,6 +110,8 @@ const PASSES: [(&str, Price); 16] = [
     ("weight", Price::of(32.0, 12.0)),
 ];
 
+const INTEGRATE_CEL: Price = Price::of(125.0, 3.75);
+const INTEGRATE_MAS: Price = Price::of(118.0, 8.0);
 /// Stretches of so many masses are moved in vectors as a whole.
 const LONG: usize = 48;
 const INTEGRATE_LONG: Price = Price::of(215.0, 2.0);
@@ -118,6 +127,38 @@ const CALL: f64 = 5.0;
 
 /// All passes again, for each tick between two samples.
 const BETWEEN: &str = "ticks between";
+
+/// True where a row that integrates its masses is cheaper folded, its law having so many coefficients, though `ends` of links
+/// of other rows on its masses are looked up then instead of being in a row.
+pub(crate) fn folds(masses: usize, coefs: usize, ends: usize) -> bool {
+    let more = (GATHER.each(coefs) - RUN.each(coefs)) / 2.0 * ends as f64;
+    FOLDED.at(masses.next_multiple_of(Fold::LANES), coefs) + more < FUSED.at(masses - 1, coefs)
+}
+
+/// True where a mesh is cheaper as one, of so many nodes, though `ends` of links of other rows on its masses are looked up then.
+pub(crate) fn bands(nodes: usize, coefs: usize, ends: usize) -> bool {
+    let more = (GATHER.each(coefs) - RUN.each(coefs)) / 2.0 * ends as f64;
+    let nodes = nodes.next_multiple_of(Fold::LANES);
+    BAND.at(nodes, coefs) + more < FUSED.at(nodes - 1, coefs) + RUN.at(nodes, coefs)
+}
+
+/// True where two rows of such a law are cheaper as one, with so many joints between them.
+pub(crate) fn joins(joints: usize, coefs: usize) -> bool {
+    joints as f64 * RUN.each(coefs) < CALL + RUN.at(0, coefs)
+}
+
+/// True where `n` links from one place to a row are cheaper as a pass of their own than among links that are looked up;
+/// `cuts` where they stand behind some of these, which become two passes.
+pub(crate) fn fans(n: usize, coefs: usize, cuts: bool) -> bool {
+    let more = if cuts { CALL + GATHER.at(0, coefs) } else { 0.0 };
+    CALL + FAN.at(n, coefs) + more < n as f64 * GATHER.each(coefs)
+}
+
+/// True where `n` MAS are cheaper in the pass of the CELs beside them.
+pub(crate) fn merges(n: usize) -> bool {
+    let alone = if n >= LONG { INTEGRATE_LONG } else { INTEGRATE_MAS };
+    n as f64 * INTEGRATE_CEL.each < CALL + alone.at(n, 0)
+}
 
 /// Instructions of one pass; `None` where the table does not have it.
 #[must_use]
@@ -185,38 +226,39 @@ fn links(scene: &Scene, op: &Op) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::emit::pass_list::SHORT;
-    use crate::emit::rows::{batches, fans, fold, join};
+    use crate::emit::rows::batches;
     use ca_core::op::pass::MANY;
 
     /// Coefficients of RES and of REF.
     const LINEAR: [usize; 2] = [1, 2];
 
-    fn pass_more(price: Price, coefs: usize) -> f64 {
-        CALL + price.at(0, coefs)
+    /// The least size from which on each of the forms is chosen, by what was counted when the table was made.
+    #[test]
+    fn forms_are_chosen_from_the_sizes_at_which_they_cost_less() {
+        let from = |chosen: &dyn Fn(usize) -> bool| (1..200).find(|n| (*n..200).all(chosen));
+        for (coefs, alone, behind_others) in [(1, 9, 16), (2, 8, 14)] {
+            assert_eq!(from(&|n| fans(n, coefs, false)), Some(alone));
+            assert_eq!(from(&|n| fans(n, coefs, true)), Some(behind_others));
+        }
+        for coefs in LINEAR {
+            assert_eq!(from(&|masses| folds(masses + 1, coefs, 0)), Some(1));
+            // a mesh that is none costs less as rows
+            assert!(folds(400, coefs, 100) && !folds(400, coefs, 900));
+            assert!(bands(400, coefs, 74) && !bands(400, coefs, 1500));
+        }
+        let longest = |joined: &dyn Fn(usize) -> bool| (1..200).take_while(|n| joined(*n)).last();
+        assert_eq!(LINEAR.map(|coefs| longest(&|joints| joins(joints, coefs))), [Some(71), Some(74)]);
+        assert_eq!(longest(&merges), Some(125));
     }
 
-    /// What a constant chooses takes fewer instructions where it begins to choose it.
+    /// One choice is made where the outputs are computed.
     #[test]
-    fn constants_that_choose_a_form_agree_with_the_table() {
-        for coefs in LINEAR {
-            // instead of as many links among others that are looked up, and without what these have for themselves
-            let links = |n: usize| GATHER.at(n, coefs) - GATHER.at(0, coefs);
-            let fan = |n: usize| CALL + FAN.at(n, coefs);
-            assert!(fan(fans::SHORTEST) < links(fans::SHORTEST));
-            assert!(fan(fans::SHORTEST / 2) > links(fans::SHORTEST / 2));
-            let masses: usize = fold::SHORTEST + 1;
-            assert!(FOLDED.at(masses.next_multiple_of(8), coefs) < FUSED.at(masses - 1, coefs));
-            let joints = RUN.at(join::LONGEST_GAP, coefs) - RUN.at(0, coefs);
-            assert!(joints < pass_more(RUN, coefs));
-        }
-        let of = |name: &str| PASSES.iter().find(|p| p.0 == name).map_or(Price::of(0.0, 0.0), |p| p.1);
-        let (full, free) = (of("integrate CEL"), of("integrate MAS"));
-        assert!(full.at(SHORT, 0) - full.at(0, 0) < CALL + free.at(SHORT, 0));
+    fn outputs_are_summed_in_lanes_where_that_costs_less() {
         assert!(MANY_OUTPUTS.at(MANY, 0) < OUTPUTS.at(MANY, 0));
     }
 
-    /// Instructions are not all: measured in ns, eleven links are faster as a run, which has more of them.
+    /// Rows become runs from another size on, which the order of hashes keeps. Instructions are not all: measured in ns, eleven
+    /// links are faster as a run, which has more of them.
     #[test]
     fn a_run_has_fewer_instructions_only_from_some_links_on() {
         let fewer = |coefs| (1..100).find(|n| RUN.at(*n, coefs) < GATHER.at(*n, coefs));

@@ -1,5 +1,6 @@
 //! Pass list: the lists of what a tick runs, in order. What the scene does not have makes no entry.
 
+use crate::emit::cost;
 use crate::emit::plan::Plan;
 use crate::net::MatRole;
 use alloc::collections::BTreeSet;
@@ -164,15 +165,11 @@ impl Plan<'_> {
     }
 }
 
-/// A stretch of MAS up to this long goes with the CELs beside it, though it has no use for P and Q: of the bundled
-/// `hammer_piano`, 23 passes less saved 90 ns of 304.
-pub const SHORT: usize = 32;
-
-/// Integration with short stretches of MAS in the pass of their neighbours: P is 1 for them and Q is 0, which changes no bit.
+/// Integration with stretches of MAS in the pass of the CELs beside them where that costs less ([`cost`]): P is 1 for them and Q is 0, which changes no bit.
 pub fn merged(moves: Vec<Op>) -> Vec<Op> {
     let is = |op: &Op, kernel: Kernel| core::ptr::fn_addr_eq(op.kernel, kernel);
     let full = |op: &Op| is(op, pass::integrate_full);
-    let short = |op: &Op| is(op, pass::integrate_free) && op.n <= SHORT;
+    let short = |op: &Op| is(op, pass::integrate_free) && cost::merges(op.n);
     let mut all: Vec<Op> = Vec::with_capacity(moves.len());
     for op in moves {
         match all.last_mut() {

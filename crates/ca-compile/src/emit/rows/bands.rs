@@ -4,9 +4,10 @@
 //! that are a constant width apart. As a row is fused, so is a mesh: only where the list of passes sums in that order too
 //! ([`Added`]), along first.
 
+use crate::emit::cost;
 use crate::emit::plan::Plan;
 use crate::emit::rows::added::Added;
-use crate::emit::rows::batch::{Batch, FEW, JOINT, Mesh};
+use crate::emit::rows::batch::{Batch, JOINT, Mesh};
 use alloc::vec::Vec;
 use ca_core::op::Band;
 use ca_core::state::Fold;
@@ -104,7 +105,7 @@ pub fn meshes(
         if wide
             && of.iter().any(|k| batches[*k].stride == 1)
             && ordered
-            && rows_over <= mesh.slots as usize / FEW
+            && cost::bands(mesh.nodes(), across.law.coefs, rows_over)
             && alike(places.clone())
             && places.all(|slot| added.begins(slot, |k| stages[k]))
         {

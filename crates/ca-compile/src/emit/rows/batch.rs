@@ -93,10 +93,6 @@ impl Mesh {
     }
 }
 
-/// Ends of links of other rows that are looked up one by one, at most one to so many masses of a folded row. A mesh of 20 × 20
-/// whose author turned at its corners takes 272 ns with 37 links looked up, and 546 not folded.
-pub const FEW: usize = 4;
-
 /// True where numbers of the tick are as wide as vectors of eight are made for.
 pub fn can_fold() -> bool {
     size_of::<Real>() == size_of::<f64>()

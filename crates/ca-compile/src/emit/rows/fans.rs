@@ -5,16 +5,15 @@
 //! mass is given its forces as before. And for places in the order of the document ([`settled`](Plan::settled)) where that
 //! makes such lists: the storage order puts a note behind its hammer, which is of use to rows alone.
 
+use crate::emit::cost;
 use crate::emit::plan::Plan;
 use crate::emit::rows::batch::Batch;
+use crate::emit::rows::batches::SHORTEST_RUN;
 use crate::net::{End, MatNode};
 use crate::options::{KernelClass, Options};
 use alloc::collections::BTreeSet;
 use alloc::vec::Vec;
 use ca_core::op::Hub;
-
-/// Shorter lists stay among the links that are looked up: what is before and behind them there becomes a pass more.
-pub const SHORTEST: usize = 12;
 
 impl Plan<'_> {
     /// The order of the MATs with those in the order of the document that are in none of the rows among `batches`, and on whose
@@ -50,7 +49,7 @@ impl Plan<'_> {
         places.iter().zip(&mats).for_each(|(i, m)| now[*i] = *m);
         let settled = Plan::new(net, &now);
         let looked_up = batches.iter().filter(|b| b.law.wide && b.is_looked_up(&settled));
-        looked_up.flat_map(|b| settled.cut(&b.links)).any(|part| part.1 != Part::Loose).then_some(now)
+        looked_up.flat_map(|b| settled.cut(b)).any(|part| part.1 != Part::Loose).then_some(now)
     }
 
     /// Where each slot went, whose MATs `to` has in another order.
@@ -72,7 +71,7 @@ impl Plan<'_> {
                 all.push(batch);
                 continue;
             }
-            for (links, part) in self.cut(&batch.links) {
+            for (links, part) in self.cut(&batch) {
                 let (stride, hub) = match part {
                     Part::Loose => (0, Hub::None),
                     Part::Run(stride) => (stride, Hub::None),
@@ -84,12 +83,14 @@ impl Plan<'_> {
         all
     }
 
-    /// Links in their order, cut into parts.
-    fn cut(&self, links: &[u32]) -> Vec<(Vec<u32>, Part)> {
+    /// The links of a batch in their order, cut into parts.
+    fn cut(&self, batch: &Batch) -> Vec<(Vec<u32>, Part)> {
+        let links = &batch.links;
         let mut all: Vec<(Vec<u32>, Part)> = Vec::new();
         let mut at = 0;
         while at < links.len() {
-            let (n, part) = self.part(&links[at..]);
+            let behind_loose = matches!(all.last(), Some((_, Part::Loose)));
+            let (n, part) = self.part(&links[at..], |n| cost::fans(n, batch.law.coefs, behind_loose));
             match all.last_mut() {
                 Some((loose, Part::Loose)) if part == Part::Loose => loose.extend(&links[at..at + n]),
                 _ => all.push((links[at..at + n].to_vec(), part)),
@@ -99,8 +100,8 @@ impl Plan<'_> {
         all
     }
 
-    /// The list that begins with the first of some links, or that link alone.
-    fn part(&self, links: &[u32]) -> (usize, Part) {
+    /// The list that begins with the first of some links, where one of its length is worth it, or that link alone.
+    fn part(&self, links: &[u32], worth: impl Fn(usize) -> bool) -> (usize, Part) {
         let [first, second] = self.ends(links[0]);
         let along = |steps: [u32; 2]| {
             let here = |(i, l): &(usize, &u32)| {
@@ -113,9 +114,9 @@ impl Plan<'_> {
         let apart = |hub: u32, row: u32, n: usize| hub < row || hub >= row + n as u32;
         let (run, from_first, from_second) = (along([1, 1]), along([0, 1]), along([1, 0]));
         match () {
-            () if run >= SHORTEST && second > first => (run, Part::Run((second - first) as usize)),
-            () if from_first >= SHORTEST && apart(first, second, from_first) => (from_first, Part::Fan(Hub::First)),
-            () if from_second >= SHORTEST && apart(second, first, from_second) => (from_second, Part::Fan(Hub::Second)),
+            () if run >= SHORTEST_RUN && second > first => (run, Part::Run((second - first) as usize)),
+            () if worth(from_first) && apart(first, second, from_first) => (from_first, Part::Fan(Hub::First)),
+            () if worth(from_second) && apart(second, first, from_second) => (from_second, Part::Fan(Hub::Second)),
             () => (1, Part::Loose),
         }
     }

@@ -6,23 +6,20 @@
 //! cache lines: on a processor with vectors of eight that is a third of the time. Only where a vector of eight is wide in
 //! numbers of the tick: in single precision rows run as they stand.
 
+use crate::emit::cost;
 use crate::emit::masses::Masses;
 use crate::emit::pass_list::{self, Class};
 use crate::emit::plan::Plan;
-use crate::emit::rows::batch::{Batch, FEW, JOINT, Mesh, can_fold};
+use crate::emit::rows::batch::{Batch, JOINT, Mesh, can_fold};
 use alloc::collections::BTreeMap;
 use alloc::vec::Vec;
 use ca_core::op::{Band, Integrate};
 use ca_core::state::Fold;
 
-/// Rows of fewer links run as they stand. Folded, a string of 24 masses takes 21 ns where it took 47; shorter ones were not
-/// measured, and what crosses lanes is a larger part of them.
-pub const SHORTEST: usize = 16;
-
-/// Which batches are rows that are worth it. Other rows over their masses will go by places in a row no more: they are looked up
-/// one by one, which is worth it where they are few.
+/// Which batches are rows that are worth it, as [`cost`] says. Other rows over their masses will go by places in a row no more:
+/// they are looked up one by one.
 fn chosen(plan: &Plan, batches: &[Batch]) -> Vec<bool> {
-    let wide = |b: &Batch| b.integrate != Integrate::No && b.law.wide && b.masses() > SHORTEST;
+    let wide = |b: &Batch| b.integrate != Integrate::No && b.law.wide;
     let mut folds: Vec<bool> = batches.iter().map(|b| can_fold() && wide(b)).collect();
     let mut owner: Vec<u32> = alloc::vec![u32::MAX; plan.coef_slots()];
     for (i, b) in batches.iter().enumerate().filter(|(i, _)| folds[*i]) {
@@ -38,7 +35,10 @@ fn chosen(plan: &Plan, batches: &[Batch]) -> Vec<bool> {
     let others = || batches.iter().filter(|b| b.stride > 0 && b.integrate == Integrate::No);
     others().for_each(|b| touched(b, &mut |i| over[i] += 1));
     for (i, b) in batches.iter().enumerate() {
-        folds[i] &= over[i] <= b.masses() / FEW;
+        folds[i] &= match b.mesh {
+            None => cost::folds(b.masses(), b.law.coefs, over[i]),
+            Some(mesh) => cost::bands(mesh.nodes(), b.law.coefs, over[i]),
+        };
     }
     folds
 }

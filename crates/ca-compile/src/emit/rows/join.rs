@@ -3,16 +3,13 @@
 //! Decides this after what integrates is known: two rows are one only where they do the same, and where every mass is given its
 //! forces in the same order.
 
+use crate::emit::cost;
 use crate::emit::plan::Plan;
 use crate::emit::rows::bands;
 use crate::emit::rows::batch::{Batch, JOINT, Mesh};
 use crate::options::{KernelClass, Options};
 use alloc::vec::Vec;
 use ca_core::op::Integrate;
-
-/// Rows further apart are not joined. A joint costs as much as a link, some 0.4 ns; of a mesh of 20 x 20, 19 passes less
-/// saved 320 ns.
-pub const LONGEST_GAP: usize = 8;
 
 impl Plan<'_> {
     /// Rows joined to longer ones where the next begins soon behind the one before: a pass for each row of a mesh waits
@@ -47,7 +44,8 @@ impl Plan<'_> {
                 let alike = core::ptr::eq(a.law, b.law) && (a.integrate, a.stride) == (b.integrate, b.stride);
                 let [last, next] = [a.links[a.links.len() - 1], b.links[0]].map(|l| self.ends(l)[0]);
                 let gap = next.checked_sub(last + 1).filter(|_| alike && b.stride > 0 && b.law.wide)? as usize;
-                (gap <= if b.integrate == Integrate::No { LONGEST_GAP } else { 1 }).then_some(gap)
+                let worth = || cost::joins(gap, b.law.coefs);
+                (if b.integrate == Integrate::No { worth() } else { gap <= 1 }).then_some(gap)
             };
             let joints = all.last().and_then(between);
             match (all.last_mut(), joints) {
