@@ -402,7 +402,8 @@ fn lists_have_the_bits_of_their_list() {
         let fans = s.summed().iter().filter(|op| op.form.hub != Hub::None);
         let fans: Vec<_> = fans.map(|op| (op.n, op.form.hub)).collect();
         let each = [(n, Hub::First), (n, Hub::Second), (n, Hub::First)];
-        assert_eq!(fans, if n < 12 { &[][..] } else { &each }, "{text}");
+        // one that is short is worth it where none that are looked up stand before it
+        assert_eq!(fans, if n < 12 { &each[..1] } else { &each }, "{text}");
     }
 }
 

@@ -1,5 +1,6 @@
 //! Peers: programs of ours that play the networks of a model by other means, and what is expected of the engine beside
-//! them. `cargo bench -p ca-benches --bench peers` runs them; the page is `docs/measured/peers.md`.
+//! them. `cargo bench -p ca-benches --bench peers` runs them; the page is `docs/measured/peers.md`, or
+//! `peers-avx2.md` where there is no AVX-512.
 //!
 //! Decides for peers as processes that time themselves and are asked in turn (`benches/peers/player.h`): no foreign call,
 //! and Python takes part. They read the same clock as the engine here, the processor time of one thread.

@@ -7,10 +7,11 @@
 //!
 //! It leaves a linear scene stable. With κ = k·C and ν = z·C, both without unit, the coupling adds a matrix of rank one
 //! with the eigenvalue κ + 2ν to T²M⁻¹K + 2TM⁻¹Z, whose eigenvalues must lie below 4 (docs/numerics.md §8); by Weyl's
-//! inequality the largest of the sum is at most [`Certificate::bound`] + κ + 2ν. For contacts and friction, which the bound leaves out, twice
-//! the largest ratio of the certificate is set aside, a rule of thumb as the certificate's own. κ and ν take half of what is
-//! left at most, and no more than what is wanted: a mass that follows the pointer at a thousand hertz, critically damped. They
-//! are kept without unit, so that a live parameter that makes the mass lighter makes the coupling weaker too.
+//! inequality the largest of the sum is at most [`Certificate::bound`] + κ + 2ν; where a factorisation decided, it says what is
+//! left ([`Certificate::room`]). κ and ν take half of that at most. A coupling that takes the share q of what is left makes the
+//! ends of a contact or of a friction at most 1/(1 − q) times as easy to move, so q is no more than keeps them within
+//! the rules of the certificate. And never more than what is wanted: a mass that follows the pointer at a thousand
+//! hertz, critically damped. They are kept without unit, so that a live parameter that makes the mass lighter makes the coupling weaker too.
 //!
 //! The pointer moves in a straight line from where it was to where it was last seen, since a mouse is read 60 to 120 times
 //! a second. How far it may be from rest has a bound, its reach, and so has how hard it pulls: as the spring does at a
@@ -31,6 +32,11 @@ const GLIDE: f64 = 1.0 / 60.0;
 const REACH: f64 = 0.01;
 /// The coupling pulls as hard as its spring does at this share of the reach.
 const STRETCH: f64 = 0.01;
+/// Share of what is left that the coupling takes at most.
+const SHARE: f64 = 0.5;
+/// The rules of the certificate: the largest ratio of a contact, and the steepest friction (docs/numerics.md §3.2, §3.5).
+const CONTACT: f64 = 1.0;
+const FRICTION: f64 = 1.5;
 /// Speeds at load are as far as they would go in this time \[s\].
 const THROW: f64 = 1e-3;
 
@@ -132,8 +138,7 @@ impl Pointer {
         if scene.moves.iter().any(|op| op.name == "kick") {
             return Err(Refused::Scheme("the method `pefrl`"));
         }
-        let room = room(&scene.certificate);
-        let (spring, damper) = coupling(room, scene.sample_dt);
+        let (spring, damper) = coupling(room(&scene.certificate), scene.sample_dt);
         if spring == 0.0 {
             return Err(Refused::Margin(name()));
         }
@@ -219,17 +224,19 @@ impl Pointer {
     }
 }
 
-/// What the certificate leaves: 4, less all that is there.
+/// What the certificate leaves for κ + 2ν.
 fn room(c: &Certificate) -> f64 {
-    match c.level {
-        Level::Unstable => 0.0,
-        _ => 4.0 - c.largest.map_or(c.bound, |l| l.1) - 2.0 * c.contact - 2.0 * c.friction,
-    }
+    let linear = match (c.level, c.room) {
+        (Level::Unstable, _) => 0.0,
+        (_, Some(room)) => room,
+        _ => 4.0 - c.largest.map_or(c.bound, |l| l.1),
+    };
+    let share = (1.0 - c.contact / CONTACT).min(1.0 - c.friction / FRICTION).min(SHARE);
+    share * linear
 }
 
-/// Stiffness and damping without unit: critically damped, at [`FEEL`] or with κ + 2ν = κ + 4√κ no more than half the room.
-fn coupling(room: f64, sample_dt: f64) -> (f64, f64) {
-    let most = 0.5 * room;
+/// Stiffness and damping without unit: critically damped, at [`FEEL`] or with κ + 2ν = κ + 4√κ no more than `most`.
+fn coupling(most: f64, sample_dt: f64) -> (f64, f64) {
     if most.is_nan() || most <= 0.0 {
         return (0.0, 0.0);
     }

@@ -108,6 +108,19 @@ impl Exact {
             .reduce(f64::max)
     }
 
+    /// What [`Certificate::room`] says: 4 − H − h e eᵀ is definite where h eᵀ(4 − H)⁻¹e is below 1, for the mass that leaves
+    /// least. `None` where that depends on where points are, or would take long.
+    pub fn room(&self) -> Option<f64> {
+        let factor = self.factor.as_ref().filter(|_| self.whole && self.linear.moving_links.is_empty())?;
+        let dofs = &self.linear.dofs;
+        if dofs.len().saturating_mul(dofs.len()) > WORK {
+            return None;
+        }
+        let of = |i: usize| dofs[i].c / factor.quadratic_form(&[(i as u32, 1.0)]);
+        let least = (0..dofs.len()).filter(|i| dofs[*i].c > 0.0).map(of).reduce(f64::min)?;
+        (least > 0.0).then(|| libm::exp2(libm::floor(libm::log2(least))))
+    }
+
     /// Bounds of the largest eigenvalue; `None` where points wander or sets are tied, so that it depends.
     pub fn largest(&self, cert: &Certificate, asked: bool) -> Option<(f64, f64)> {
         let fixed = self.whole && self.linear.moving_links.is_empty();

@@ -27,6 +27,10 @@ impl Exact {
         match *self {}
     }
     /// Never asked.
+    pub fn room(&self) -> Option<f64> {
+        match *self {}
+    }
+    /// Never asked.
     pub fn largest(&self, _: &Certificate, _: bool) -> Option<(f64, f64)> {
         match *self {}
     }

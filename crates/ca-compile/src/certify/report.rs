@@ -4,6 +4,7 @@ use crate::certify::accumulate::Accumulated;
 use crate::certify::blame::{span, unstable};
 use crate::certify::bound::Bounds;
 use crate::certify::decide::Decision;
+use crate::certify::exact::Exact;
 use crate::certify::rules::{contacts, devices, frictions};
 use crate::certify::{keys, rigid, ripple};
 use crate::net::{LiaNode, Pruned};
@@ -39,6 +40,7 @@ pub fn report(
         ..Certificate::default()
     };
     cert.largest = exact.filter(|_| asked).and_then(|e| e.largest(&cert, true));
+    cert.room = exact.filter(|_| decided.verdict == FactorVerdict::Stable).and_then(Exact::room);
     // of what is unstable by itself, that; what is nearest to the limit may owe it to what is not certainly there
     let blamed = bounds.cause.filter(|_| bounds.lower >= 4.0).or(bounds.worst);
     match (cert.level, blamed) {

@@ -131,6 +131,10 @@ const BETWEEN: &str = "ticks between";
 /// True where a row that integrates its masses is cheaper folded, its law having so many coefficients, though `ends` of links
 /// of other rows on its masses are looked up then instead of being in a row.
 pub(crate) fn folds(masses: usize, coefs: usize, ends: usize) -> bool {
+    // its kernel has two vectors at least
+    if masses <= Fold::LANES {
+        return false;
+    }
     let more = (GATHER.each(coefs) - RUN.each(coefs)) / 2.0 * ends as f64;
     FOLDED.at(masses.next_multiple_of(Fold::LANES), coefs) + more < FUSED.at(masses - 1, coefs)
 }
@@ -241,7 +245,7 @@ mod tests {
             assert_eq!(from(&|n| fans(n, coefs, true)), Some(behind_others));
         }
         for coefs in LINEAR {
-            assert_eq!(from(&|masses| folds(masses + 1, coefs, 0)), Some(1));
+            assert_eq!(from(&|masses| folds(masses, coefs, 0)), Some(Fold::LANES + 1));
             // a mesh that is none costs less as rows
             assert!(folds(400, coefs, 100) && !folds(400, coefs, 900));
             assert!(bands(400, coefs, 74) && !bands(400, coefs, 1500));

@@ -69,6 +69,10 @@ pub struct Certificate {
     pub exact: bool,
     /// the largest eigenvalue itself, from … to, where it was asked for
     pub largest: Option<(f64, f64)>,
+    /// where a factorisation decided: how much T²k + 2Tz of one more link from any one mass to the ground may be against
+    /// its mass \[1\], rounded down to a power of two, so that its last digits, which differ between processors, decide nothing.
+    /// `None` where it was not looked at
+    pub room: Option<f64>,
     /// of a linearised scene: by what share of itself the energy above that of rest may at most rise, at any time, above
     /// what it was at any time before; for motions small against the lengths of links, about a pose of rest in which no
     /// link is pressed, and left alone. `None` where that is not known

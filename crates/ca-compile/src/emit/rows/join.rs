@@ -34,6 +34,12 @@ impl Plan<'_> {
         }
         // links across a mesh stay behind those along
         rows.sort_by_key(|b| b.slot(self));
+        // joints at masses of a row that integrates them would be links of another row over it
+        let taken: Vec<[u32; 2]> = rows.iter().map(|b| [b.slot(self), b.slot(self) + b.masses() as u32]).collect();
+        let is_free = |from: u32, to: u32| {
+            let next = taken.partition_point(|t| t[1] <= from);
+            taken.get(next).is_none_or(|t| to <= t[0])
+        };
         let mut all: Vec<Batch> = Vec::with_capacity(rows.len() + others.len());
         for b in rows.into_iter().chain(others) {
             // links that would stand between the two
@@ -44,7 +50,11 @@ impl Plan<'_> {
                 let alike = core::ptr::eq(a.law, b.law) && (a.integrate, a.stride) == (b.integrate, b.stride);
                 let [last, next] = [a.links[a.links.len() - 1], b.links[0]].map(|l| self.ends(l)[0]);
                 let gap = next.checked_sub(last + 1).filter(|_| alike && b.stride > 0 && b.law.wide)? as usize;
-                let worth = || cost::joins(gap, b.law.coefs);
+                let stride = b.stride as u32;
+                let worth = || {
+                    let free = is_free(last + 1, next) && is_free(last + 1 + stride, next + stride);
+                    gap <= 1 || cost::joins(gap, b.law.coefs) && free
+                };
                 (if b.integrate == Integrate::No { worth() } else { gap <= 1 }).then_some(gap)
             };
             let joints = all.last().and_then(between);
