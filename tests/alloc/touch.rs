@@ -2,7 +2,7 @@
 
 use super::calls;
 use ca_compile::{Options as Compile, compile};
-use ca_haptic::engine::{Engine, EngineCommand, Options, OwnGesture, Retired, Touch, Touched};
+use ca_haptic::engine::{Engine, EngineCommand, GLIDE, Options, OwnGesture, Retired, Touch, Touched};
 use ca_model::read;
 use std::sync::Arc;
 
@@ -35,7 +35,12 @@ fn hands_without_a_device_allocate_nothing() {
         for n in 0..4 {
             touches.extend([again(Touched::Grab(12 + n)), Touch::Pull([1e-3, f64::NAN, f64::INFINITY])]);
             touches.push(Touch::Play(Box::new(OwnGesture::new(&scene).expect("it has one"))));
-            touches.extend([Touch::Port(finger, -5e-4), Touch::Pull([-2e-3, 0.0, 0.0]), Touch::Release, Touch::Stop]);
+            touches.extend([
+                Touch::Port(finger, -5e-4, GLIDE),
+                Touch::Pull([-2e-3, 0.0, 0.0]),
+                Touch::Release,
+                Touch::Stop,
+            ]);
         }
         touches.reverse();
         let mut retired: Vec<Retired> = Vec::with_capacity(16);

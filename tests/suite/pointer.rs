@@ -6,7 +6,7 @@ use ca_compile::{Options, compile};
 use ca_core::pointer::{Pointer, Refused};
 use ca_core::scene::certificate::Level;
 use ca_core::{Scene, State, compute_forces, integrate};
-use ca_haptic::engine::{Engine, EngineCommand, Options as EngineOptions, OwnGesture, Touch, Touched};
+use ca_haptic::engine::{Engine, EngineCommand, GLIDE, Options as EngineOptions, OwnGesture, Touch, Touched};
 use ca_model::read;
 use ca_tests::{catalog, texts};
 use std::sync::Arc;
@@ -199,9 +199,7 @@ fn no_hand_makes_a_bundled_model_diverge() {
             unheld.push(name);
         }
     }
-    // those of which no mass that was tried can be held: the certificate of all of it leaves nothing for a hand
-    unheld.sort();
-    assert_eq!(unheld, ["bowed_string", "harmonic_chain", "wave_guitar", "wind"].map(|n| format!("{n}.ca.toml")));
+    assert!(unheld.is_empty(), "nothing that was tried can be held in {unheld:?}");
 }
 
 #[test]
@@ -222,7 +220,7 @@ fn ports_glide_and_a_gesture_begins_where_they_are() {
         engine.state.input[input]
     };
     let at = run(&mut engine, 0.05);
-    engine.command(EngineCommand::Touch(Touch::Port(input as u32, 4e-3)));
+    engine.command(EngineCommand::Touch(Touch::Port(input as u32, 4e-3, GLIDE)));
     assert_eq!(run(&mut engine, 0.05), 4e-3, "from {at}");
     engine.command(EngineCommand::Touch(Touch::Play(Box::new(OwnGesture::new(&scene).unwrap()))));
     assert_eq!(run(&mut engine, 0.3), 5e-3, "the end of the gesture");
@@ -234,7 +232,7 @@ fn ports_glide_and_a_gesture_begins_where_they_are() {
     assert_eq!(run(&mut engine, 0.1), half);
     // 3 mm in 17 ms is the fastest of it: 60 µm a frame
     assert!(moved < 8e-5, "a jump of {moved} m");
-    engine.command(EngineCommand::Touch(Touch::Port(99, 1.0)));
-    engine.command(EngineCommand::Touch(Touch::Port(input as u32, f64::NAN)));
+    engine.command(EngineCommand::Touch(Touch::Port(99, 1.0, GLIDE)));
+    engine.command(EngineCommand::Touch(Touch::Port(input as u32, f64::NAN, GLIDE)));
     assert_eq!(engine.counts.refused, 2);
 }

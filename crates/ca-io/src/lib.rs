@@ -43,6 +43,7 @@ pub mod cloud;
 pub mod error;
 pub mod gesture;
 pub mod halves;
+pub mod live_midi;
 pub mod perform;
 pub mod probe;
 pub mod reading;

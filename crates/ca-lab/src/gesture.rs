@@ -15,13 +15,18 @@ pub fn port_and_file<'a>(text: &'a str, folder: &Path) -> (Option<&'a str>, &'a 
     }
 }
 
+/// The ports of a scene that listen to MIDI.
+pub fn port_maps(scene: &Scene) -> Vec<PortMap> {
+    let map = |i: &ca_core::scene::Input| Some(PortMap { port: i.name.clone(), map: i.midi? });
+    scene.inputs.iter().filter_map(map).collect()
+}
+
 /// All files as one gesture; none of none. `rate` \[Hz\] is for arrays without times. A file is looked for in `folder`.
 ///
 /// # Errors
 /// [`Failure::Usage`] where a file drives nothing or cannot be called by one port, and what its reader says.
 pub fn open(files: &[String], rate: Option<f64>, scene: &Scene, folder: &Path) -> Result<Option<Gesture>, Failure> {
-    let map = |i: &ca_core::scene::Input| Some(PortMap { port: i.name.clone(), map: i.midi? });
-    let ports: Vec<PortMap> = scene.inputs.iter().filter_map(map).collect();
+    let ports = port_maps(scene);
     let mut tracks: Vec<Track> = Vec::new();
     for text in files {
         let (port, file) = port_and_file(text, folder);

@@ -40,6 +40,15 @@ pub struct ServeArgs {
     /// Writes a take: every frame, event and sample, to be played again by `ca replay`
     #[arg(long, value_name = "FILE.mcap")]
     pub log: Option<PathBuf>,
+    /// Plays by MIDI: a device of this machine, a pipe or a file of raw bytes; all devices (/dev/snd/midiC*D*) without a path
+    #[arg(long, value_name = "PATH", num_args = 0..=1, default_missing_value = "")]
+    pub midi: Option<PathBuf>,
+    /// Plays by OSC, from this machine: a UDP port; 0 takes a free one
+    #[arg(long, value_name = "PORT")]
+    pub osc: Option<u16>,
+    /// Plays the model's own gesture from the start
+    #[arg(long)]
+    pub gesture: bool,
     /// What a device is: a profile by name (`ca device list`) or file; for all of them without `DEVICE=`; repeatable
     #[arg(long, value_name = "[DEVICE=]PROFILE")]
     pub profile: Vec<String>,

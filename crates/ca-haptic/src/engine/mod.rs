@@ -18,7 +18,7 @@ mod touch;
 pub use port::{Link, Port, Setup};
 pub use refit::Refit;
 pub(crate) use touch::lead;
-pub use touch::{OwnGesture, Touch, Touched};
+pub use touch::{GLIDE, LONGEST, OwnGesture, Touch, Touched};
 
 use crate::frame::{DeviceFrame, ForceFrame};
 use crate::guard::Order;
@@ -295,7 +295,7 @@ impl Engine {
             // the tick of the frame's last sample moves in `finish`
             self.state.tick += u64::from(self.filled > 0);
         } else {
-            self.hands.tick(&mut self.state);
+            self.hands.tick(&self.scene, &mut self.state);
             compute_forces(&self.scene, &mut self.state);
         }
         let to = &mut self.sound[self.filled..self.filled + n];

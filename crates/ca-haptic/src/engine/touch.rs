@@ -1,9 +1,10 @@
 //! Hands without a device: a pointer that pulls on a mass, ports moved by a slider, and the gesture that a model brings along.
 //!
 //! Decides that all of them end in what a scene knows already, its inputs and the [`Pointer`], so that a scene without them pays nothing but a question a
-//! tick; that nothing jumps, since a jump of a port is a blow: ports glide to where they are sent, and the model's own
+//! tick; that nothing jumps, since a jump of a port is a blow: ports glide to where they are sent (over no time only where a model
+//! says so of its MIDI), and the model's own
 //! gesture begins with a lead-in from where its ports are; and that who stops a gesture leaves positions where they are and lets go of
-//! forces. A port of a device is moved by a gesture as long as no device has spoken. Live parameters in a
+//! forces. A port of a device is moved by a gesture, or sent somewhere, as long as no device has spoken. Live parameters in a
 //! gesture are the recorder's, which knows what else was set: they come as changes.
 
 use ca_core::pointer::Pointer;
@@ -12,8 +13,10 @@ use ca_core::{Scene, State};
 use ca_io::gesture::Track;
 use ca_io::perform::own;
 
-/// Time a port takes to where it is sent \[s\]: a slider in a page speaks 60 times a second.
-const GLIDE: f64 = 1.0 / 60.0;
+/// Time a port takes to where a slider sends it \[s\]: that of a page speaks 60 times a second.
+pub const GLIDE: f64 = 1.0 / 60.0;
+/// No port takes longer to where it is sent \[s\].
+pub const LONGEST: f64 = 60.0;
 /// Time from where ports are to where a gesture begins \[s\].
 const LEAD: f64 = 0.05;
 
@@ -35,8 +38,8 @@ pub enum Touch {
     Play(Box<OwnGesture>),
     /// ends it
     Stop,
-    /// sends a port, by its index into [`State::input`], to a position \[m\] or a force \[N\]
-    Port(u32, f64),
+    /// sends a port, by its index into [`State::input`], to a position \[m\] or a force \[N\] in so long \[s\]
+    Port(u32, f64, f64),
 }
 
 /// The same without what it needs: for the record.
@@ -52,8 +55,8 @@ pub enum Touched {
     Play,
     /// it ends
     Stop,
-    /// a port is sent to a position \[m\] or a force \[N\]
-    Port(u32, f64),
+    /// a port is sent to a position \[m\] or a force \[N\] in so long \[s\]
+    Port(u32, f64, f64),
 }
 
 impl Touch {
@@ -65,7 +68,7 @@ impl Touch {
             Touch::Release => Touched::Release,
             Touch::Play(_) => Touched::Play,
             Touch::Stop => Touched::Stop,
-            Touch::Port(port, value) => Touched::Port(*port, *value),
+            Touch::Port(port, value, over) => Touched::Port(*port, *value, *over),
         }
     }
 }
@@ -79,7 +82,7 @@ impl Touched {
             Touched::Release => Touch::Release,
             Touched::Play => Touch::Play(Box::new(OwnGesture::new(scene)?)),
             Touched::Stop => Touch::Stop,
-            Touched::Port(port, value) => Touch::Port(port, value),
+            Touched::Port(port, value, over) => Touch::Port(port, value, over),
         })
     }
 }
@@ -172,19 +175,27 @@ struct Glide {
     left: u32,
 }
 
+impl Glide {
+    /// So many ticks on.
+    fn turn(&mut self, input: &mut [f64], ticks: u32) {
+        let x = &mut input[self.input];
+        *x = if self.left > ticks { *x + self.step * f64::from(ticks) } else { self.to };
+        self.left = self.left.saturating_sub(ticks);
+    }
+}
+
 /// All hands of an engine that are no device.
 pub(super) struct Hands {
     pub(super) pointer: Option<Pointer>,
     own: Option<Box<OwnGesture>>,
     /// room for every port
     glides: Vec<Glide>,
-    glide: u32,
+    rate: f64,
 }
 
 impl Hands {
     pub(super) fn new(scene: &Scene) -> Hands {
-        let glide = (GLIDE * scene.rate).max(1.0) as u32;
-        Hands { pointer: None, own: None, glides: Vec::with_capacity(scene.inputs.len()), glide }
+        Hands { pointer: None, own: None, glides: Vec::with_capacity(scene.inputs.len()), rate: scene.rate }
     }
 
     /// Does what is asked; gives back what is to be freed elsewhere, and false where the scene has no such port.
@@ -205,20 +216,21 @@ impl Hands {
                 return (self.own.replace(own), true);
             }
             Touch::Stop => return (self.stop(state), true),
-            Touch::Port(port, value) => {
-                let is = |i: &ca_core::scene::Input| i.role != InputRole::Device && value.is_finite();
-                if !scene.inputs.get(port as usize).is_some_and(is) {
+            Touch::Port(port, value, over) => {
+                let good = value.is_finite() && (0.0..=LONGEST).contains(&over);
+                if !good || port as usize >= scene.inputs.len() {
                     return (None, false);
                 }
-                self.send(state, port as usize, value);
+                self.send(state, port as usize, value, over);
             }
         }
         (None, true)
     }
 
-    fn send(&mut self, state: &State, input: usize, to: f64) {
-        let step = (to - state.input[input]) / f64::from(self.glide);
-        let glide = Glide { input, to, step, left: self.glide };
+    fn send(&mut self, state: &State, input: usize, to: f64, over: f64) {
+        let ticks = (over * self.rate).max(1.0) as u32;
+        let step = (to - state.input[input]) / f64::from(ticks);
+        let glide = Glide { input, to, step, left: ticks };
         let room = self.glides.len() < self.glides.capacity();
         match self.glides.iter_mut().find(|g| g.input == input) {
             Some(g) => *g = glide,
@@ -231,7 +243,7 @@ impl Hands {
     fn stop(&mut self, state: &State) -> Option<Box<OwnGesture>> {
         let own = self.own.take()?;
         for d in own.driven.iter().filter(|d| d.role == InputRole::Force) {
-            self.send(state, d.input, 0.0);
+            self.send(state, d.input, 0.0, GLIDE);
         }
         Some(own)
     }
@@ -247,6 +259,16 @@ impl Hands {
 
     /// Once a gesture frame: ports of devices, of those for which nobody speaks.
     pub(super) fn frame(&mut self, scene: &Scene, state: &mut State, silent: impl Fn(usize) -> bool) {
+        let is_device = |input: usize| scene.inputs[input].role == InputRole::Device;
+        for g in self.glides.iter_mut().filter(|g| is_device(g.input)) {
+            // whose device speaks goes where that is
+            if !silent(g.input) {
+                g.left = 0;
+                continue;
+            }
+            g.turn(&mut state.input, scene.ratio);
+        }
+        self.glides.retain(|g| g.left > 0 || !is_device(g.input));
         if let Some(own) = &mut self.own {
             // at a frame it is read where the frame ends, as everywhere
             let end = state.tick + if state.tick == 0 { 0 } else { u64::from(scene.ratio) - 1 };
@@ -256,14 +278,11 @@ impl Hands {
 
     /// Once a tick, before its forces.
     #[inline]
-    pub(super) fn tick(&mut self, state: &mut State) {
+    pub(super) fn tick(&mut self, scene: &Scene, state: &mut State) {
         if !self.glides.is_empty() {
-            for g in &mut self.glides {
-                let x = &mut state.input[g.input];
-                *x = if g.left > 1 { *x + g.step } else { g.to };
-                g.left = g.left.saturating_sub(1);
-            }
-            self.glides.retain(|g| g.left > 0);
+            let is_device = |g: &Glide| scene.inputs[g.input].role == InputRole::Device;
+            self.glides.iter_mut().filter(|g| !is_device(g)).for_each(|g| g.turn(&mut state.input, 1));
+            self.glides.retain(|g| g.left > 0 || is_device(g));
         }
         if let Some(own) = &mut self.own {
             own.drive(state.tick, &mut state.input, |role, _| role != InputRole::Device);

@@ -4,7 +4,7 @@
 //! it, so that bytes in the file, row in NumPy and structure in memory are one. A macro writes both from one list of
 //! fields and types, so they cannot differ; a structure with padding does not compile.
 
-use crate::engine::Touched;
+use crate::engine::{GLIDE, Touched};
 use ca_core::state::Balance;
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
 
@@ -63,13 +63,14 @@ flat! {
     Hand {
         /// sound sample before which it took effect
         tick: u64,
-        /// where a mass is pulled to, from rest \[m\]; of a port, x is its position \[m\] or force \[N\]
+        /// where a mass is pulled to, from rest \[m\]; of a port, x is its position \[m\] or force \[N\], y the time
+        /// it takes \[s\]
         x: f64,
         /// as `x`
         y: f64,
         /// as `x`
         z: f64,
-        /// 0 grab, 1 pull, 2 release, 3 own gesture, 4 its end, 5 port
+        /// 0 grab, 1 pull, 2 release, 3 own gesture, 4 its end, 5 port that takes the time of a slider, 6 port
         act: u32,
         /// number of the MAT, or index of the port into [`State::input`](ca_core::State::input)
         which: u32,
@@ -86,7 +87,7 @@ impl Hand {
             Touched::Release => hand(2, 0, [0.0; 3]),
             Touched::Play => hand(3, 0, [0.0; 3]),
             Touched::Stop => hand(4, 0, [0.0; 3]),
-            Touched::Port(port, value) => hand(5, port, [value, 0.0, 0.0]),
+            Touched::Port(port, value, over) => hand(6, port, [value, over, 0.0]),
         }
     }
 
@@ -98,7 +99,8 @@ impl Hand {
             2 => Touched::Release,
             3 => Touched::Play,
             4 => Touched::Stop,
-            5 => Touched::Port(self.which, self.x),
+            5 => Touched::Port(self.which, self.x, GLIDE),
+            6 => Touched::Port(self.which, self.x, self.y),
             _ => return None,
         })
     }

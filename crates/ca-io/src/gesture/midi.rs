@@ -1,9 +1,7 @@
 //! Standard MIDI Files as gestures: events become breakpoints of position or force, port by port.
 //!
-//! Decides that a port is monophonic. Of overlapping notes the newest wins, and its release falls back to the newest
-//! still held; a key that is struck again while down is one key. A glide starts from wherever the port is at that
-//! moment, so nothing ever jumps unless `attack` or `release` is 0. The sustain pedal is a controller like others.
-//! Polyphony is many ports with a note each, which is how an instrument of strings is built anyway.
+//! Decides that what an event asks of a port is the same as while it is played ([`MidiPort`]), and that a glide starts from wherever
+//! the port is at that moment, so nothing ever jumps unless `attack` or `release` is 0.
 //!
 //! Before its first event a port stands at `from`, a pitch bend midway (the middle of its 14 bits is the middle of the
 //! way, both ends are reached exactly). Ports which the file does not move rest there throughout; that it moves none
@@ -12,6 +10,7 @@
 //! Times are exact: ticks and the tempo map are summed as integers, and divided once per event. A file that is cut
 //! short or malformed is an error; the parser below would drop the rest of a track without a word.
 
+use super::midi_port::{Glide, MidiPort};
 use super::smf::{self, Event};
 use super::{Gesture, PortMap, Track};
 use crate::error::FileError;
@@ -57,75 +56,25 @@ fn check(p: &PortMap) -> Result<(), FileError> {
 }
 
 /// One port while the events go by.
-struct PortTrack<'a> {
-    map: &'a MidiMap,
+struct PortTrack {
+    port: MidiPort,
     points: Vec<(f64, f64)>,
     /// the glide under way: start and end
     glide: Option<((f64, f64), (f64, f64))>,
     /// value when no glide is under way
     rest: f64,
-    /// notes held: channel, key, velocity; the newest last
-    held: Vec<(u8, u8, u8)>,
     touched: bool,
 }
 
-impl<'a> PortTrack<'a> {
-    fn new(map: &'a MidiMap) -> PortTrack<'a> {
-        let rest = if map.source == MidiSource::PitchBend { way(map, 0.5) } else { map.from };
-        PortTrack { map, points: Vec::new(), glide: None, rest, held: Vec::new(), touched: false }
+impl PortTrack {
+    fn new(map: &MidiMap) -> PortTrack {
+        let port = MidiPort::new(map);
+        PortTrack { rest: port.rest(), port, points: Vec::new(), glide: None, touched: false }
     }
 
     fn event(&mut self, e: &Event) {
-        let map = self.map;
-        if map.channel.is_some_and(|c| c != e.channel) {
-            return;
-        }
-        match (map.source, e.message) {
-            (MidiSource::Note { low, high }, MidiMessage::NoteOn { key, vel }) => {
-                let key = key.as_int();
-                if !(low..=high).contains(&key) {
-                    return;
-                }
-                if vel == 0 {
-                    return self.release(e, |n| (n.0, n.1) == (e.channel, key));
-                }
-                self.held.retain(|n| (n.0, n.1) != (e.channel, key));
-                self.held.push((e.channel, key, vel.as_int()));
-                self.go(e.time, way(map, f64::from(vel.as_int()) / 127.0), map.attack);
-            }
-            (MidiSource::Note { .. }, MidiMessage::NoteOff { key, .. }) => {
-                self.release(e, |n| (n.0, n.1) == (e.channel, key.as_int()));
-            }
-            // all sound off, all notes off
-            (MidiSource::Note { .. }, MidiMessage::Controller { controller, .. })
-                if matches!(controller.as_int(), 120 | 123) =>
-            {
-                self.release(e, |n| n.0 == e.channel);
-            }
-            (MidiSource::Control(n), MidiMessage::Controller { controller, value }) if controller == n => {
-                self.go(e.time, way(map, f64::from(value.as_int()) / 127.0), map.attack);
-            }
-            (MidiSource::Pressure, MidiMessage::ChannelAftertouch { vel }) => {
-                self.go(e.time, way(map, f64::from(vel.as_int()) / 127.0), map.attack);
-            }
-            (MidiSource::PitchBend, MidiMessage::PitchBend { bend }) => {
-                let b = f64::from(bend.0.as_int()) - 8192.0;
-                self.go(e.time, way(map, 0.5 + 0.5 * b / if b < 0.0 { 8192.0 } else { 8191.0 }), map.attack);
-            }
-            _ => {}
-        }
-    }
-
-    /// Lets go of some notes; if the newest is among them, back to the newest still held, or to rest.
-    fn release(&mut self, e: &Event, gone: impl Fn(&(u8, u8, u8)) -> bool) {
-        let newest = self.held.last().copied();
-        self.held.retain(|n| !gone(n));
-        if newest == self.held.last().copied() {
-            return;
-        }
-        match self.held.last() {
-            Some(n) => self.go(e.time, way(self.map, f64::from(n.2) / 127.0), self.map.attack),
-            None => self.go(e.time, self.map.from, self.map.release),
+        if let Some(Glide { to, over }) = self.port.event(e.channel, e.message) {
+            self.go(e.time, to, over);
         }
     }
 
@@ -164,11 +113,6 @@ impl<'a> PortTrack<'a> {
         }
         self.points
     }
-}
-
-/// The value at a part of the way, exact at both ends.
-fn way(m: &MidiMap, part: f64) -> f64 {
-    if part >= 1.0 { m.to } else { m.from + (m.to - m.from) * part }
 }
 
 fn wants(m: &MidiMap) -> String {

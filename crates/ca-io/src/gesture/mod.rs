@@ -20,11 +20,13 @@ use std::path::Path;
 
 mod csv;
 mod midi;
+mod midi_port;
 mod npy;
 mod smf;
 mod track;
 mod wav;
 
+pub use midi_port::{Glide, MidiPort};
 pub(crate) use track::check_rate;
 pub use track::{Cursor, Curve, LONGEST, Track};
 

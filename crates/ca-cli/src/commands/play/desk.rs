@@ -6,8 +6,9 @@
 
 use super::sink::{PageSink, Stats};
 use crate::args::PlayArgs;
-use crate::commands::serve::answer;
+use crate::commands::serve::{Inputs, answer};
 use ca_core::Scene;
+use ca_haptic::engine::GLIDE;
 use ca_haptic::host::control::Request;
 use ca_haptic::serve::{Recorder, Shared};
 use ca_play::{Page, PageRequest};
@@ -53,7 +54,7 @@ impl Desk {
     }
 
     /// One turn: what was asked, and now and then how it goes. True where somebody asked to stop.
-    pub(crate) fn turn(&mut self, recorder: &mut Recorder, shared: &Shared) -> bool {
+    pub(crate) fn turn(&mut self, recorder: &mut Recorder, inputs: &mut Inputs, shared: &Shared) -> bool {
         let mut leave = false;
         let all: Vec<PageRequest> = self.page.asked().collect();
         for PageRequest { client, request } in all {
@@ -66,7 +67,7 @@ impl Desk {
                 }
                 continue;
             };
-            let (ok, text, mut fields) = match self.answer(recorder, client, &request, &mut leave) {
+            let (ok, text, mut fields) = match self.answer(recorder, inputs, client, &request, &mut leave) {
                 Ok((text, fields)) => (true, text, fields),
                 Err(why) => (false, why, Map::new()),
             };
@@ -82,12 +83,19 @@ impl Desk {
         let now = Instant::now();
         if now >= self.news && self.page.clients() > 0 {
             self.news = now + NEWS;
-            self.page.tell_all(&self.state(recorder, shared));
+            self.page.tell_all(&self.state(recorder, inputs, shared));
         }
         leave
     }
 
-    fn answer(&mut self, recorder: &mut Recorder, client: u64, request: &Value, leave: &mut bool) -> Answer {
+    fn answer(
+        &mut self,
+        recorder: &mut Recorder,
+        inputs: &mut Inputs,
+        client: u64,
+        request: &Value,
+        leave: &mut bool,
+    ) -> Answer {
         let done = |text: &str| Ok((text.to_string(), Map::new()));
         let mut control = |recorder: &mut Recorder, request: Request| {
             let reply = answer(recorder, request, leave);
@@ -122,8 +130,16 @@ impl Desk {
             }
             "port" => {
                 let name = request["name"].as_str().ok_or("`name`: which port?")?;
-                recorder.port(name, request["value"].as_f64().ok_or("`value` is a number [m or N]")?)?;
+                recorder.port(name, request["value"].as_f64().ok_or("`value` is a number [m or N]")?, GLIDE)?;
                 done(name)
+            }
+            "midi" => {
+                inputs.midi(recorder, &bytes(&request["bytes"])?);
+                done("played")
+            }
+            "learn" => {
+                inputs.learn(recorder, request["name"].as_str())?;
+                done(if request["name"].is_string() { "move a controller" } else { "no controller is bound" })
             }
             "set" => {
                 let values = serde_json::from_value(request["values"].clone())
@@ -160,7 +176,7 @@ impl Desk {
     }
 
     /// How it goes.
-    fn state(&self, recorder: &Recorder, shared: &Shared) -> Value {
+    fn state(&self, recorder: &Recorder, inputs: &Inputs, shared: &Shared) -> Value {
         let (_, tick) = recorder.progress();
         let stats = self.stats.get();
         let devices: Vec<Value> = recorder
@@ -183,9 +199,19 @@ impl Desk {
             "devices": devices,
             "params": params,
             "clients": self.page.clients(),
+            "learning": inputs.learning(),
+            "bound": inputs.bound().map(|(c, n, name)| json!({"channel": c, "number": n, "name": name})).collect::<Value>(),
             "sound": self.sound,
         })
     }
+}
+
+/// MIDI, as much as a chord needs.
+fn bytes(list: &Value) -> Result<Vec<u8>, String> {
+    let why = "`bytes` are up to 96 numbers from 0 to 255";
+    let list = list.as_array().filter(|l| l.len() <= 96).ok_or(why)?;
+    let byte = |v: &Value| v.as_u64().and_then(|n| u8::try_from(n).ok());
+    list.iter().map(byte).collect::<Option<Vec<u8>>>().ok_or_else(|| why.into())
 }
 
 /// One number, or three.

@@ -2,6 +2,7 @@
 
 use crate::commands::serve::param;
 use ca_core::Scene;
+use ca_core::io::midi::MidiSource;
 use ca_core::scene::{Input, InputRole};
 use ca_view::Drawing;
 use serde_json::{Value, json};
@@ -22,8 +23,19 @@ pub(super) fn greeting(scene: &Scene, drawing: &Drawing, model: &str) -> Value {
         "params": params,
         "ports": ports,
         "gesture": !scene.gestures.is_empty(),
+        "notes": notes(scene),
         "seconds": scene.seconds,
     })
+}
+
+/// The keys that some port listens to: from … to, or none.
+fn notes(scene: &Scene) -> Value {
+    let range = |i: &Input| match i.midi?.source {
+        MidiSource::Note { low, high } => Some((low, high)),
+        _ => None,
+    };
+    let all = scene.inputs.iter().filter_map(range).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
+    all.map_or(Value::Null, |(low, high)| json!([low, high]))
 }
 
 fn port(scene: &Scene, drawing: &Drawing, k: usize, input: &Input) -> Value {

@@ -45,7 +45,8 @@ pub(crate) fn answer(recorder: &mut Recorder, request: Request, leave: &mut bool
     }
 }
 
-fn value(recorder: &Recorder, name: &str, given: Given) -> Result<f64, String> {
+/// What is given for a live parameter \[SI\].
+pub(super) fn value(recorder: &Recorder, name: &str, given: Given) -> Result<f64, String> {
     let params = recorder.controls().params();
     let Some(param) = params.iter().find(|p| p.name == name) else {
         let meant = ca_model::suggest::nearest(name, params.iter().map(|p| p.name.as_str()));

@@ -8,6 +8,7 @@
 mod answer;
 #[cfg_attr(not(feature = "audio"), path = "no_audio.rs")]
 mod audio;
+mod inputs;
 mod setup;
 mod summary;
 mod talk;
@@ -28,6 +29,7 @@ use ca_haptic::serve::{
 use ca_haptic::take::{Header, TakeWriter};
 use ca_io::FileError;
 use ca_io::sound::{Format, WavOut};
+pub(crate) use inputs::Inputs;
 pub(crate) use setup::devices;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -131,6 +133,11 @@ pub(crate) fn session(args: &ServeArgs, page: Option<&PlayArgs>) -> Outcome {
     let mut recorder = Recorder::new(recorder_ends, shared.clone(), scene.clone(), &engine.ports, sinks);
     let (playing, follow) = audio::open(args, &scene, &mut recorder)?.unzip();
     ends.audio = follow;
+    let mut inputs = Inputs::open(args, &scene, page.is_some())?;
+    inputs.said().into_iter().for_each(|text| recorder.say(false, text));
+    if args.gesture {
+        recorder.gesture(true).map_err(Failure::Failed)?;
+    }
     let mut talk = talk::Talk::open(&setups, unknown, &scene, gateway_ends, rt_request(args, -5))?;
     if args.arm {
         recorder.order(None, Order::Arm).map_err(Failure::Failed)?;
@@ -168,7 +175,7 @@ pub(crate) fn session(args: &ServeArgs, page: Option<&PlayArgs>) -> Outcome {
         }
     }
 
-    let engine = attend(thread, &mut recorder, &mut talk, desk.as_mut(), playing.as_ref(), &shared);
+    let engine = attend(thread, &mut recorder, &mut talk, &mut inputs, desk.as_mut(), playing.as_ref(), &shared);
     drop(desk);
     if let Some(playing) = playing {
         playing.end(scene.rate);
@@ -252,6 +259,7 @@ fn attend(
     thread: JoinHandle<Engine>,
     recorder: &mut Recorder,
     talk: &mut talk::Talk,
+    inputs: &mut Inputs,
     mut desk: Option<&mut play::Desk>,
     playing: Option<&audio::Playing>,
     shared: &Arc<Shared>,
@@ -265,7 +273,8 @@ fn attend(
             playing.turn(recorder);
         }
         recorder.poll();
-        let page = desk.as_mut().is_some_and(|d| d.turn(recorder, shared));
+        inputs.turn(recorder);
+        let page = desk.as_mut().is_some_and(|d| d.turn(recorder, inputs, shared));
         if talk.turn(recorder, turns.is_multiple_of(SWEEP)) || page {
             shared.stop.store(true, Relaxed);
         }

@@ -4,10 +4,9 @@
 //! was set, and what it sets is recorded, so that a take has the same bits however late this thread was.
 
 use super::Recorder;
-use crate::engine::{EngineCommand, OwnGesture, Touch, Touched, lead};
+use crate::engine::{EngineCommand, LONGEST, OwnGesture, Touch, Touched, lead};
 use ca_core::Scene;
 use ca_core::pointer::Pointer;
-use ca_core::scene::InputRole;
 use ca_io::gesture::Track;
 use ca_io::perform::own;
 
@@ -90,26 +89,26 @@ impl Recorder {
         self.command(EngineCommand::Touch(Touch::Play(Box::new(own))))
     }
 
-    /// Sends a position port to a position \[m\], or a force port to a force \[N\].
+    /// Sends a position port, or a device key whose device has said nothing, to a position \[m\], or a force port to a force \[N\], in so long \[s\].
     ///
     /// # Errors
     /// In words, where there is no such port, it is that of a device, or the engine takes no order.
-    pub fn port(&mut self, name: &str, value: f64) -> Result<(), String> {
+    pub fn port(&mut self, name: &str, value: f64, over: f64) -> Result<(), String> {
         let all = || {
-            let ports = self.scene.inputs.iter().filter(|i| i.role != InputRole::Device);
-            let names: Vec<String> = ports.map(|i| format!("`{}`", i.name)).collect();
+            let names: Vec<String> = self.scene.inputs.iter().map(|i| format!("`{}`", i.name)).collect();
             if names.is_empty() { "it has none".into() } else { format!("there is {}", names.join(", ")) }
         };
         let Some(input) = self.scene.input(name) else {
             return Err(format!("the model has no port `{name}`; {}", all()));
         };
-        if self.scene.inputs[input].role == InputRole::Device {
-            return Err(format!("`{name}` is moved by its device; {}", all()));
+        let device = self.scene.inputs[input].device.as_ref();
+        if let Some(device) = device.filter(|d| self.seen.iter().any(|s| s.name == d.0 && s.frames > 0)) {
+            return Err(format!("`{name}` is moved by its device, `{}`", device.0));
         }
         if !value.is_finite() {
             return Err(format!("`{name}` goes to a number [m or N]"));
         }
-        self.command(EngineCommand::Touch(Touch::Port(input as u32, value)))
+        self.command(EngineCommand::Touch(Touch::Port(input as u32, value, over.clamp(0.0, LONGEST))))
     }
 
     /// The MAT that a pointer holds.

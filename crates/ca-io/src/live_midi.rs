@@ -1,0 +1,175 @@
+//! MIDI while it is played: bytes in, what becomes of each event out.
+//!
+//! Decides that bytes may come in any pieces, from a cable or a page, as a stream with running status and clocks between;
+//! that ports move as they do from a file ([`MidiPort`]); and that what moves nothing is told, not dropped in silence, though
+//! each kind of it only once. A controller up to 31 is fine where the one 32 above it follows (14 bits).
+
+use crate::gesture::{Glide, MidiPort, PortMap};
+use midly::MidiMessage;
+use midly::live::LiveEvent;
+use midly::stream::MidiStream;
+use std::collections::BTreeSet;
+
+/// What became of an event.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Played {
+    /// a port goes somewhere
+    Port(String, Glide),
+    /// a controller went to a part of its way, 0 … 1; whoever wants may bind it
+    Control {
+        /// from 1
+        channel: u8,
+        /// 0 … 127
+        number: u8,
+        /// 0 … 1
+        part: f64,
+        /// true where it moved a port
+        used: bool,
+    },
+    /// nothing listens to it, in words; once for each kind
+    Unheard(String),
+}
+
+/// One cable, or whatever else bytes come by: its running status, and what is not whole yet.
+#[derive(Default)]
+pub struct Cable(MidiStream);
+
+/// The ports of a model that listen to MIDI.
+pub struct LiveMidi {
+    ports: Vec<(String, MidiPort)>,
+    /// upper seven bits of the controllers that may be fine
+    coarse: [[u8; 32]; 16],
+    unheard: BTreeSet<(u8, u8)>,
+}
+
+impl LiveMidi {
+    /// With no note held.
+    pub fn new(ports: &[PortMap]) -> LiveMidi {
+        let port = |p: &PortMap| (p.port.clone(), MidiPort::new(&p.map));
+        LiveMidi { ports: ports.iter().map(port).collect(), coarse: [[0; 32]; 16], unheard: BTreeSet::new() }
+    }
+
+    /// Whether some port listens.
+    pub fn listens(&self) -> bool {
+        !self.ports.is_empty()
+    }
+
+    /// Takes bytes as they come by a cable; gives what became of the events that they complete.
+    pub fn feed(&mut self, cable: &mut Cable, bytes: &[u8]) -> Vec<Played> {
+        let mut events = Vec::new();
+        cable.0.feed(bytes, |event| {
+            if let LiveEvent::Midi { channel, message } = event {
+                events.push((channel.as_int() + 1, message));
+            }
+        });
+        events.into_iter().flat_map(|(channel, message)| self.event(channel, message)).collect()
+    }
+
+    fn event(&mut self, channel: u8, message: MidiMessage) -> Vec<Played> {
+        let moved =
+            |(name, port): &mut (String, MidiPort)| Some(Played::Port(name.clone(), port.event(channel, message)?));
+        let mut all: Vec<Played> = self.ports.iter_mut().filter_map(moved).collect();
+        let used = !all.is_empty();
+        match message {
+            MidiMessage::Controller { controller, value } => {
+                let (number, value) = (controller.as_int(), value.as_int());
+                let coarse = &mut self.coarse[usize::from(channel - 1)];
+                let (number, part) = match number {
+                    0..=31 => {
+                        coarse[usize::from(number)] = value;
+                        (number, f64::from(value) / 127.0)
+                    }
+                    32..=63 => {
+                        let all = u16::from(coarse[usize::from(number - 32)]) << 7 | u16::from(value);
+                        (number - 32, f64::from(all) / 16383.0)
+                    }
+                    _ => (number, f64::from(value) / 127.0),
+                };
+                // those from 120 on are orders to the channel
+                if number < 120 {
+                    all.push(Played::Control { channel, number, part, used });
+                }
+            }
+            MidiMessage::NoteOn { key, vel } if vel > 0 && !used && self.unheard.insert((channel, key.as_int())) => {
+                all.push(Played::Unheard(format!("note {} on channel {channel} moves no port", key.as_int())));
+            }
+            _ => {}
+        }
+        all
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ca_core::io::midi::{MidiMap, MidiSource};
+
+    fn port(name: &str, source: MidiSource) -> PortMap {
+        let map = MidiMap { source, channel: None, from: 1.0, to: 2.0, attack: 0.25, release: 0.5 };
+        PortMap { port: name.to_owned(), map }
+    }
+
+    struct Keys(LiveMidi, Cable);
+
+    impl Keys {
+        fn feed(&mut self, bytes: &[u8]) -> Vec<Played> {
+            self.0.feed(&mut self.1, bytes)
+        }
+    }
+
+    fn key() -> Keys {
+        let ports = [port("key", MidiSource::Note { low: 60, high: 62 }), port("mod", MidiSource::Control(1))];
+        Keys(LiveMidi::new(&ports), Cable::default())
+    }
+
+    fn goes(to: f64, over: f64) -> Played {
+        Played::Port("key".into(), Glide { to, over })
+    }
+
+    #[test]
+    fn notes_in_pieces_with_running_status_and_clocks_between_move_a_port() {
+        let mut midi = key();
+        assert!(midi.0.listens());
+        assert_eq!(midi.feed(&[0x90]), []);
+        assert_eq!(midi.feed(&[60, 0xf8]), []);
+        assert_eq!(midi.feed(&[127]), [goes(2.0, 0.25)]);
+        // running status; the newest wins, and its end goes back to what is held
+        assert_eq!(midi.feed(&[61, 0, 62, 64]), [goes(1.0 + 64.0 / 127.0, 0.25)]);
+        assert_eq!(midi.feed(&[62, 0]), [goes(2.0, 0.25)]);
+        assert_eq!(midi.feed(&[0x80, 60, 0]), [goes(1.0, 0.5)]);
+    }
+
+    #[test]
+    fn what_nothing_listens_to_is_told_once() {
+        let mut midi = key();
+        let note = midi.feed(&[0x91, 30, 9, 30, 9]);
+        assert_eq!(note, [Played::Unheard("note 30 on channel 2 moves no port".into())]);
+        assert_eq!(midi.feed(&[0x91, 30, 9]), []);
+    }
+
+    #[test]
+    fn controllers_are_there_for_whoever_binds_them_in_seven_or_fourteen_bits() {
+        let mut midi = key();
+        let control = |number, part, used| Played::Control { channel: 1, number, part, used };
+        assert_eq!(midi.feed(&[0xb0, 74, 127]), [control(74, 1.0, false)]);
+        let moved = Played::Port("mod".into(), Glide { to: 2.0, over: 0.25 });
+        assert_eq!(midi.feed(&[0xb0, 1, 127]), [moved, control(1, 1.0, true)]);
+        assert_eq!(midi.feed(&[0xb0, 33, 127]), [control(1, 1.0, false)]);
+        assert_eq!(
+            midi.feed(&[0xb0, 2, 64, 34, 0]),
+            [control(2, 64.0 / 127.0, false), control(2, 8192.0 / 16383.0, false)]
+        );
+    }
+
+    #[test]
+    fn any_bytes_are_taken() {
+        let mut midi = key();
+        let mut x = 1_u32;
+        for n in 0..20_000 {
+            x = x.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            let all = midi.feed(&x.to_le_bytes()[..n % 5]);
+            let fits = |p: &Played| !matches!(p, Played::Control { part, .. } if !(0.0..=1.0).contains(part));
+            assert!(all.iter().all(fits));
+        }
+    }
+}
