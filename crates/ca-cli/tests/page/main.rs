@@ -3,6 +3,8 @@
 
 mod browser;
 mod host;
+#[cfg(unix)]
+mod midi_osc;
 #[path = "../../../../tests/src/skipped.rs"]
 mod skipped;
 
@@ -98,6 +100,13 @@ mod in_real_time {
         let replayed = host.ca(&["replay", "take.mcap", "--verify", "--energy", "--json"]);
         let verdict: serde_json::Value = serde_json::from_str(&replayed).unwrap_or_else(|e| panic!("{e}: {replayed}"));
         assert_eq!(verdict["identical"], true, "{replayed}");
+    }
+
+    /// By MIDI and OSC, from a pipe, a page and another process.
+    #[cfg(unix)]
+    #[test]
+    fn midi_and_osc_play_and_are_replayed_to_the_bit() {
+        midi_osc::plays();
     }
 
     /// In a browser: the page opens without an error, moves, and a mouse that drags a mass holds it and sounds.
