@@ -150,6 +150,12 @@ export class Parameters {
       if (Number.isFinite(spec.load)) slider.first = spec.load;
       else if (old && old.spec.unit === spec.unit) slider.first = old.first;
       slider.write(true);
+      slider.learn = element("button", { class: "learn", type: "button", title: "Bind the next MIDI controller that moves", text: "CC" });
+      slider.learn.addEventListener("click", async () => {
+        const reply = await this.connection.ask({ type: "learn", name: this.learning === spec.name ? null : spec.name });
+        slider.say(reply.ok === false ? reply.text || "refused" : "");
+      });
+      slider.back.before(slider.learn);
       this.sliders.set(spec.name, slider);
       this.box.append(slider.row);
     }
@@ -162,6 +168,32 @@ export class Parameters {
     for (const [name, s] of this.sliders) s.row.hidden = words !== "" && !(name + " " + (s.spec.doc || "")).toLowerCase().includes(words);
   }
 
+  // which controllers are bound, and which parameter waits for one
+  bind(bound, learning) {
+    this.learning = learning;
+    const by = new Map(bound.map(b => [b.name, b]));
+    for (const [name, s] of this.sliders) {
+      const b = by.get(name), text = learning === name ? "move one…" : b ? `CC ${b.number}` : "CC";
+      s.learn.classList.toggle("bound", !!b || learning === name);
+      if (s.learn.textContent !== text) s.learn.textContent = text;
+    }
+  }
+
+  values() {
+    return Object.fromEntries([...this.sliders].map(([name, s]) => [name, s.value]));
+  }
+
+  // all at once, as one hand that turns them
+  set(values) {
+    for (const name in values) {
+      const s = this.sliders.get(name);
+      s.value = values[name];
+      s.busy = performance.now() + 600;
+      s.write();
+    }
+    this.connection.ask({ type: "set", values });
+  }
+
   update(values) {
     for (const name in values) {
       const slider = this.sliders.get(name);
@@ -170,16 +202,16 @@ export class Parameters {
   }
 }
 
-// ports that a person may move: positions stay where they are put, forces go back to none when they are let go
+// ports that a person may move: positions stay where they are put, forces go back to none when they are let go; a key of a
+// device goes as long as its device says nothing
 export function ports(box, list, connection) {
   box.replaceChildren();
-  const own = list.filter(p => p.role !== "device");
-  for (const p of own) {
+  for (const p of list) {
     const force = p.role === "force", rest = Number.isFinite(p.rest) ? p.rest : 0;
     const spec = {
       name: p.name, value: force ? 0 : rest, unit: p.unit || (force ? "N" : "m"),
       min: Number.isFinite(p.min) ? p.min : force ? -5 : rest - 0.02, max: Number.isFinite(p.max) ? p.max : force ? 5 : rest + 0.02,
-      doc: force ? "Force; none when it is let go" : "Position", ended: null,
+      doc: force ? "Force; none when it is let go" : p.role === "device" ? "Device key; moves while no device does" : "Position", ended: null,
     };
     const slider = new Slider(spec, value => connection.ask({ type: "port", name: p.name, value }));
     if (force) {
@@ -188,7 +220,7 @@ export function ports(box, list, connection) {
     }
     box.append(slider.row);
   }
-  return own.length;
+  return list.length;
 }
 
 export { element };

@@ -13,6 +13,8 @@ import { Meters } from "./meters.js";
 import { Parameters, ports, element } from "./controls.js";
 import { Status } from "./status.js";
 import { View } from "./view.js";
+import { Keyboard } from "./keyboard.js";
+import { Presets } from "./presets.js";
 
 const find = id => document.getElementById(id);
 const root = document.documentElement.dataset;
@@ -42,6 +44,7 @@ const connection = new Connection(address, {
     if (other) showSound(sound);
     status.state(message, sound);
     parameters.update(message.params || {});
+    parameters.bind(message.bound || [], message.learning);
     gesture(message.playing);
     root.tick = message.tick;
   },
@@ -57,6 +60,11 @@ const connection = new Connection(address, {
 
 const status = new Status(find, connection);
 const parameters = new Parameters(find("params"), find("filter"), connection);
+const keyboard = new Keyboard(find, {
+  send: bytes => connection.send({ type: "midi", bytes }),
+  say: (text, bad) => status.say(text, bad),
+});
+const presets = new Presets(find, { values: () => parameters.values(), set: values => parameters.set(values) });
 const meters = new Meters(find("scope"), find("spectrum"), find("level"), find("decibels"), find("scopeScale"));
 const view = new View(find, { picture, camera, meters, scene: () => scene, motion: () => motion });
 const sound = new Sound({ send: m => connection.send(m), changed: showSound });
@@ -91,6 +99,8 @@ function load(message) {
   else camera.depth = scene.extent;
   status.scene(message);
   parameters.build(message.params || []);
+  keyboard.build(message.notes || null);
+  presets.scene(message.model || message.title || "", (message.params || []).length > 0);
   find("portsBox").hidden = ports(find("ports"), message.ports || [], connection) === 0;
   find("gesture").hidden = !message.gesture;
   meters.setScene(message.rate, message.channels || []);

@@ -25,7 +25,7 @@ wall = {}
 [REF]
 spring = { between = ["wall", "bob"], k = "k", z = 0.2 }
 [ENF]
-push = { to = "low[4]" }
+push = { to = "low[4]", midi = { note = ["C4", "E5"], to = "5 N", attack = "1 ms" } }
 [SOX]
 left = { from = "low[6]", gain = 200 }
 right = { from = "bob", gain = 200 }
@@ -133,10 +133,39 @@ mod in_real_time {
         // a page may sound by itself once it was touched
         tab.js("document.getElementById('sound').dataset.on === 'true' || document.getElementById('sound').click()");
         until("the page plays, too", || tab.js("document.getElementById('sound').dataset.on") == "true");
+        // keys on the screen, and of the computer once that is switched on
+        let at = |tab: &mut browser::Tab, what: &str| {
+            let place = tab.js(&format!(
+                "(() => {{ const e = document.querySelector('{what}'); e.scrollIntoView(); \
+                 const r = e.getBoundingClientRect(); return [r.x + r.width / 2, r.y + 0.9 * r.height]; }})()"
+            ));
+            [0, 1].map(|k| place[k].as_f64().unwrap())
+        };
+        until("the string is quiet", || peak(&watch.hear(0.05)) < 0.01);
+        let [x, y] = at(&mut tab, "[data-note=\"64\"]");
+        tab.mouse("mousePressed", x, y);
+        until("a key sounds", || peak(&watch.hear(0.05)) > 0.02);
+        tab.mouse("mouseReleased", x, y);
+        assert_eq!(tab.js("document.querySelector('#keyboard .down') === null"), true);
+        until("it is quiet again", || peak(&watch.hear(0.05)) < 0.01);
+        tab.js("document.getElementById('letters').click()");
+        tab.js("dispatchEvent(new KeyboardEvent('keydown', { code: 'KeyX', bubbles: true }))");
+        assert_eq!(tab.js("document.querySelector('#keyboard .down')?.dataset.note"), "62");
+        until("a letter sounds", || peak(&watch.hear(0.05)) > 0.02);
+        tab.js("dispatchEvent(new KeyboardEvent('keyup', { code: 'KeyX', bubbles: true }))");
+        tab.js("document.getElementById('letters').click()");
+        // a preset, and half of the way back to it
+        tab.js("document.getElementById('presetsBox').open = true");
+        tab.js("(() => { document.getElementById('presetName').value = 'soft'; \
+             document.querySelector('#presetForm button').click(); })()");
         // a slider
         tab.js("(() => { const r = document.querySelector('#params input[type=range]'); r.value = 0; \
              r.dispatchEvent(new Event('input')); })()");
         until("the slider has set it", || watch.next("state")["params"]["k"] == 200.0);
+        tab.js("document.querySelector('#presets .pick').click()");
+        until("the preset has set it", || watch.next("state")["params"]["k"] == 2000.0);
+        tab.js("(() => { const m = document.getElementById('morph'); m.value = 50; m.dispatchEvent(new Event('input')); })()");
+        until("half of the way is half of it", || watch.next("state")["params"]["k"] == 1100.0);
         assert_eq!(tab.errors(), Vec::<String>::new());
         watch.done(&json!({"type": "stop"}));
         host.ended();

@@ -1,0 +1,80 @@
+// Presets: all parameters under a name, kept by this browser for a model of this name. One that is chosen is the far end of a
+// slider whose near end is what was there: half of the way is half of each parameter.
+
+import { element } from "./controls.js";
+
+const KEY = "ca play presets ";
+
+export class Presets {
+  // values() -> {name: number}, set({name: number})
+  constructor(find, { values, set }) {
+    this.box = find("presetsBox"); this.list = find("presets"); this.name = find("presetName"); this.way = find("morph");
+    this.values = values; this.set = set;
+    this.model = "";
+    this.near = this.far = null;
+    find("presetForm").addEventListener("submit", e => { e.preventDefault(); this.save(this.name.value.trim()); });
+    this.name.addEventListener("keydown", e => e.stopPropagation());
+    this.way.addEventListener("input", () => this.morph());
+  }
+
+  scene(model, any) {
+    this.model = model;
+    this.box.hidden = !any;
+    this.far = null;
+    this.draw();
+  }
+
+  read() {
+    try {
+      const all = JSON.parse(localStorage.getItem(KEY + this.model));
+      return all && typeof all === "object" ? all : {};
+    } catch {
+      return {};
+    }
+  }
+
+  write(all) {
+    try {
+      localStorage.setItem(KEY + this.model, JSON.stringify(all));
+    } catch {
+      // a browser that keeps nothing keeps no presets
+    }
+    this.draw();
+  }
+
+  save(name) {
+    if (!name) return;
+    this.write({ ...this.read(), [name]: this.values() });
+    this.name.value = "";
+  }
+
+  choose(name) {
+    const now = this.values(), far = this.read()[name] || {};
+    this.near = now;
+    // what this model has, and is a number
+    this.far = Object.fromEntries(Object.entries(far).filter(([n, v]) => n in now && Number.isFinite(v)));
+    this.way.value = 100;
+    this.morph();
+    this.draw(name);
+  }
+
+  morph() {
+    if (!this.far) return;
+    const t = this.way.value / 100;
+    this.way.style.setProperty("--fill", 100 * t + "%");
+    const all = Object.entries(this.far).map(([n, v]) => [n, t >= 1 ? v : this.near[n] + t * (v - this.near[n])]);
+    if (all.length) this.set(Object.fromEntries(all));
+  }
+
+  draw(chosen) {
+    const all = this.read();
+    this.list.replaceChildren(...Object.keys(all).map(name => {
+      const pick = element("button", { type: "button", class: "pick", "aria-pressed": String(name === chosen), text: name });
+      pick.addEventListener("click", () => this.choose(name));
+      const drop = element("button", { type: "button", class: "back", title: "Delete", "aria-label": `Delete ${name}`, text: "×" });
+      drop.addEventListener("click", () => { const rest = this.read(); delete rest[name]; this.write(rest); });
+      return element("div", { class: "preset" }, pick, drop);
+    }));
+    this.way.parentNode.hidden = !this.far;
+  }
+}
