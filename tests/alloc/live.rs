@@ -94,7 +94,9 @@ impl Found {
                 Record::Energy { .. } | Record::Hash { .. } => self.regular += 1,
                 Record::Waiting { .. } => {}
                 Record::Retired { retired: Retired::State(_), .. } => self.reloads += 1,
-                Record::Retired { .. } | Record::Order { .. } | Record::Touched { .. } => self.commands += 1,
+                Record::Retired { .. } | Record::Order { .. } | Record::Touched { .. } | Record::Swapped { .. } => {
+                    self.commands += 1;
+                }
             }
         }
         // what there is, each with its tick and its length

@@ -1,8 +1,9 @@
-//! Nor do hands without a device: a mass that is held, ports that are sent somewhere, and the model's own gesture.
+//! Nor do hands without a device: a mass that is held, ports that are sent somewhere, and the model's own gesture; nor another
+//! version of the scene.
 
 use super::calls;
 use ca_compile::{Options as Compile, compile};
-use ca_haptic::engine::{Engine, EngineCommand, GLIDE, Options, OwnGesture, Retired, Touch, Touched};
+use ca_haptic::engine::{Engine, EngineCommand, GLIDE, Options, OwnGesture, Retired, Swap, Touch, Touched};
 use ca_model::read;
 use std::sync::Arc;
 
@@ -60,4 +61,35 @@ fn hands_without_a_device_allocate_nothing() {
         assert_eq!((counted, retired.len(), touches.len()), (0, 4, 0), "energy {energy}");
         assert!(!e.has_diverged() && e.state.x.iter().any(|x| x.abs() > 1e-6));
     }
+}
+
+#[test]
+fn another_version_of_the_scene_allocates_nothing() {
+    let catalog = ca_tests::catalog();
+    let make = |text: &str| {
+        let (model, _) = read::read(text, "string.ca.toml", &catalog);
+        Arc::new(compile(&model, &catalog, &Compile::default()).expect("it compiles").scene)
+    };
+    let scenes = [make(TEXT), make(&TEXT.replace("n = 30", "n = 50")), make(&TEXT.replace("110 Hz", "90 Hz"))];
+    let mut e = Engine::new(scenes[0].clone(), Vec::new(), Options::default());
+    let swaps = (1..3).map(|k| {
+        let swap = Swap::new(&scenes[k - 1], scenes[k].clone(), scenes[k].state(), &[], k as u32).expect("they fit");
+        Box::new(swap)
+    });
+    let mut swaps: Vec<Box<Swap>> = swaps.rev().collect();
+    let mut retired: Vec<Retired> = Vec::with_capacity(4);
+    e.state.input[1] = 0.4;
+    let counted = calls(|| {
+        for n in 0..600 {
+            if n % 200 == 100 {
+                if let Some(swap) = swaps.pop() {
+                    retired.extend(e.command(EngineCommand::Swap(swap)));
+                }
+            }
+            assert_eq!(e.answer().count(), 0);
+            e.finish();
+        }
+    });
+    assert_eq!((counted, retired.len(), swaps.len()), (0, 1, 0));
+    assert!(!e.has_diverged() && e.state.x.iter().any(|x| x.abs() > 1e-6));
 }

@@ -52,6 +52,7 @@ mod skipped;
 mod soak;
 mod space;
 mod stable;
+mod swap;
 mod thresholds;
 mod tuning;
 mod waveguide;

@@ -113,7 +113,7 @@ pub enum Command {
 }
 
 /// Which model, and what to change in it.
-#[derive(Args)]
+#[derive(Args, Clone)]
 pub struct Source {
     /// `*.ca.toml` file, MIMS `.mdl` file, or name of a bundled model
     pub model: String,

@@ -3,7 +3,7 @@
 //! Decides that the real-time thread hands over plain values through a ring and never waits: a record that finds no room
 //! is counted and gone. Boxes travel the same way, so that they are freed where freeing is allowed.
 
-use crate::engine::{OwnGesture, Retired, Touched};
+use crate::engine::{OwnGesture, Retired, Swap, Touched};
 use crate::frame::{DeviceFrame, ForceFrame};
 use crate::guard::Order;
 use crate::guard::wait::Wait;
@@ -53,6 +53,15 @@ pub enum Record {
         /// a gesture that ended by it
         gone: Option<Box<OwnGesture>>,
     },
+    /// another version of the scene plays from here on
+    Swapped {
+        /// when
+        tick: u64,
+        /// how many there were before it
+        number: u32,
+        /// the one that faded out when it came
+        gone: Option<Box<Swap>>,
+    },
     /// a hash of the state, once a second
     Hash {
         /// when
@@ -94,6 +103,7 @@ impl Record {
             Record::Retired { tick, .. }
             | Record::Order { tick, .. }
             | Record::Touched { tick, .. }
+            | Record::Swapped { tick, .. }
             | Record::Hash { tick, .. }
             | Record::Energy { tick, .. }
             | Record::Waiting { tick, .. }

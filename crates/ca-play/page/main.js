@@ -49,6 +49,7 @@ const connection = new Connection(address, {
     root.tick = message.tick;
   },
   said: message => status.say(message.text, message.bad),
+  report: message => status.report(message),
   view(generation, tick, floats) {
     if (scene && generation === scene.generation) motion.push(floats, tick / scene.message.rate, performance.now() / 1000);
   },
@@ -159,6 +160,13 @@ function firstGesture(event) {
 addEventListener("pointerup", firstGesture, true);
 addEventListener("keydown", firstGesture, true);
 
+find("changeForm").addEventListener("submit", async event => {
+  event.preventDefault();
+  const [name, value] = ["changeName", "changeValue"].map(id => find(id).value.trim());
+  const reply = await connection.ask({ type: "change", name, value });
+  if (reply.ok === false) status.say(reply.text, true);
+});
+for (const id of ["changeName", "changeValue"]) find(id).addEventListener("keydown", e => e.stopPropagation());
 find("gesture").addEventListener("click", toggleGesture);
 find("sound").addEventListener("click", () => sound.toggle());
 find("mute").addEventListener("click", () => sound.mute());

@@ -6,7 +6,7 @@ const WAITS = [300, 600, 1200, 2500, 5000];
 const ENDED = new Set([1000, 1001]);
 
 export class Connection {
-  // handlers: scene, state, said, view(generation, tick, floats), sound(channels, tick, floats, bytes), status(name, detail)
+  // handlers: scene, state, said, report, view(generation, tick, floats), sound(channels, tick, floats, bytes), status(name, detail)
   constructor(address, handlers) {
     this.address = address;
     this.on = handlers;
@@ -69,6 +69,7 @@ export class Connection {
       case "scene": return this.on.scene(message);
       case "state": return this.on.state(message);
       case "said": return this.on.said(message);
+      case "report": return this.on.report(message);
       case "reply": return this.answer(message);
       default:
     }

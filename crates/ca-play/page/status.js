@@ -19,7 +19,14 @@ export class Status {
         setTimeout(() => { stop.classList.remove("sure"); stop.replaceChildren("End ", element("code", { text: "ca play" })); }, 3000);
       } else connection.ask({ type: "stop" });
     });
+    find("reportClose").addEventListener("click", () => { find("report").hidden = true; });
     find("again").addEventListener("click", () => connection.again());
+  }
+
+  // a version of the model that was made, or why there is none
+  report({ ok, text }) {
+    this.find("report").hidden = ok;
+    this.find("reportText").textContent = ok ? "" : text;
   }
 
   async arm(connection, on) {

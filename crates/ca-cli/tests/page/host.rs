@@ -52,6 +52,11 @@ impl Host {
         Host { dir, child, address }
     }
 
+    /// Saves another text of the model.
+    pub fn write(&self, model: &str) {
+        std::fs::write(self.dir.path().join("model.ca.toml"), model).unwrap();
+    }
+
     /// A page of it.
     pub fn page(&self) -> Client {
         let place = self.address.strip_prefix("http://").unwrap();
@@ -98,8 +103,11 @@ pub struct Client {
 
 impl Client {
     /// The next text of a type.
+    #[track_caller]
     pub fn next(&mut self, kind: &str) -> Value {
+        let end = Instant::now() + Duration::from_secs(60);
         loop {
+            assert!(Instant::now() < end, "no `{kind}` within a minute");
             if let Message::Text(text) = self.socket.read().unwrap() {
                 let message: Value = serde_json::from_str(&text).unwrap();
                 if message["type"] == kind {
@@ -146,6 +154,16 @@ impl Client {
     /// The next picture.
     pub fn look(&mut self) -> Vec<f32> {
         self.bytes(1).1
+    }
+
+    /// The next picture of a version.
+    pub fn look_at(&mut self, generation: u32) -> Vec<f32> {
+        loop {
+            let (of, picture) = self.bytes(1);
+            if of == generation {
+                return picture;
+            }
+        }
     }
 
     /// So many seconds of sound from now on, interleaved.

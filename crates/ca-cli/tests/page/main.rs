@@ -44,6 +44,8 @@ mod in_real_time {
         let scene = page.next("scene");
         assert_eq!((&scene["channels"], &scene["gesture"]), (&json!(["left", "right"]), &json!(true)));
         assert_eq!(scene["params"][0]["unit"], "N/m");
+        let refused = page.ask(&json!({"type": "change", "name": "low.t60", "value": "1 s"}));
+        assert!(refused["text"].as_str().unwrap().contains("--log"), "{refused}");
         let masses = scene["drawing"]["masses"].as_u64().unwrap();
         let named = |page: &mut host::Client, name: &str| {
             (0..masses).find(|m| page.ask(&json!({"type": "pick", "mass": m}))["name"] == name).unwrap()
@@ -100,6 +102,53 @@ mod in_real_time {
         let replayed = host.ca(&["replay", "take.mcap", "--verify", "--energy", "--json"]);
         let verdict: serde_json::Value = serde_json::from_str(&replayed).unwrap_or_else(|e| panic!("{e}: {replayed}"));
         assert_eq!(verdict["identical"], true, "{replayed}");
+    }
+
+    /// The file is saved while it plays: another version goes on; one that is broken is reported, and the one before plays on; a
+    /// number that is not live is changed.
+    #[test]
+    fn an_edited_model_plays_on() {
+        let mut host = Host::play(STRING, &[]);
+        let mut page = host.page();
+        assert_eq!(page.next("scene")["generation"], 1);
+        page.done(&json!({"type": "sound", "on": true}));
+        page.done(&json!({"type": "set", "values": {"k": 1000}}));
+        page.done(&json!({"type": "port", "name": "push", "value": 2}));
+        until("the string is pressed", || peak(&page.hear(0.05)) > 0.01);
+        let edited = STRING.replace("n = 30", "n = 34").replace("max = 4000", "max = 5000");
+        host.write(&edited);
+        let report = page.next("report");
+        assert_eq!(report["ok"], true, "{report}");
+        let scene = page.next("scene");
+        assert_eq!((&scene["generation"], &scene["params"][0]["max"]), (&json!(2), &json!(5000.0)));
+        let masses = scene["drawing"]["masses"].as_u64().unwrap();
+        until("pictures are of it", || page.look_at(2).len() as u64 == masses);
+        // what was set by hand stays, and so does the port
+        until("the parameter is where it was", || page.next("state")["params"]["k"] == 1000.0);
+        assert!(peak(&page.hear(0.05)) > 0.01, "the port presses on");
+
+        host.write(&edited.replace("[STRING]", "[STRNG]"));
+        let report = page.next("report");
+        assert_eq!(report["ok"], false);
+        assert!(report["text"].as_str().unwrap().contains("model.ca.toml"), "{report}");
+        assert!(peak(&page.hear(0.05)) > 0.01, "the one before plays on");
+        host.write(&edited.replace("left =", "links ="));
+        let report = page.next("report");
+        assert!(report["text"].as_str().unwrap().contains("outputs"), "{report}");
+        host.write(STRING);
+        assert_eq!(page.next("scene")["generation"], 3);
+
+        page.done(&json!({"type": "change", "name": "low.t60", "value": "0.5 s"}));
+        assert_eq!(page.next("scene")["generation"], 4);
+        page.done(&json!({"type": "change", "name": "low.tt", "value": "1"}));
+        let report = page.next("report");
+        assert!(report["ok"] == false && report["text"].as_str().unwrap().contains("`tt`"), "{report}");
+        page.done(&json!({"type": "change", "name": "low.t60", "value": "5 s"}));
+        assert_eq!(page.next("scene")["generation"], 5);
+        // a mass of it can be held
+        page.done(&json!({"type": "grab", "mass": 3}));
+        page.done(&json!({"type": "stop"}));
+        host.ended();
     }
 
     /// By MIDI and OSC, from a pipe, a page and another process.

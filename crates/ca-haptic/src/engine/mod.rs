@@ -11,12 +11,14 @@
 mod port;
 mod refit;
 mod sound;
+mod swap;
 #[cfg(test)]
 pub(crate) mod tests;
 mod touch;
 
 pub use port::{Link, Port, Setup};
 pub use refit::Refit;
+pub use swap::Swap;
 pub(crate) use touch::lead;
 pub use touch::{GLIDE, LONGEST, OwnGesture, Touch, Touched};
 
@@ -51,6 +53,8 @@ pub enum EngineCommand {
     Refit(Box<Refit>),
     /// a hand without a device does something
     Touch(Touch),
+    /// another version of the scene, made outside, since that allocates
+    Swap(Box<Swap>),
 }
 
 /// What an act leaves behind, to be freed elsewhere.
@@ -64,6 +68,8 @@ pub enum Retired {
     Port(Box<Refit>),
     /// a gesture that ended
     Gesture(Box<OwnGesture>),
+    /// the scene before the one that a swap took out, or one that had nothing to give
+    Swap(Box<Swap>),
 }
 
 /// Numbers of an engine that are not of the scene.
@@ -116,6 +122,8 @@ pub struct Engine {
     filled: usize,
     peak_limit: PeakLimit,
     hands: Hands,
+    /// the scene before this one, which fades out
+    before: Option<Box<Swap>>,
     diverged: bool,
     /// the scene is at the force of the frame
     prepared: bool,
@@ -141,6 +149,7 @@ impl Engine {
             filled: 0,
             peak_limit,
             hands,
+            before: None,
             diverged: false,
             prepared: false,
             past_faults: 0,
@@ -220,6 +229,19 @@ impl Engine {
                 self.counts.refused += u64::from(!done);
                 return gone.map(Retired::Gesture);
             }
+            EngineCommand::Swap(mut swap) => {
+                let faults = self.ports.iter().map(|p| p.chain.faults()).sum::<u64>();
+                let Engine { scene, state, ports, hands, .. } = self;
+                if !swap.swap(scene, state, ports, hands, !self.diverged) {
+                    self.counts.refused += 1;
+                    return Some(Retired::Swap(swap));
+                }
+                self.past_faults += faults;
+                if core::mem::take(&mut self.diverged) {
+                    self.peak_limit.reset();
+                }
+                return self.before.replace(swap).map(Retired::Swap);
+            }
         }
         None
     }
@@ -277,6 +299,9 @@ impl Engine {
 
     /// The masses move.
     fn advance(&mut self) {
+        if let Some(before) = &mut self.before {
+            before.advance();
+        }
         match &mut self.hands.pointer {
             None => integrate(&self.scene, &mut self.state),
             Some(pointer) => {
@@ -300,6 +325,9 @@ impl Engine {
         }
         let to = &mut self.sound[self.filled..self.filled + n];
         to.copy_from_slice(&self.state.output[..n]);
+        if let Some(before) = self.before.as_mut().filter(|_| !self.diverged) {
+            before.sample(to);
+        }
         self.counts.clipped += self.peak_limit.pass(to, self.diverged);
         self.filled += n;
     }

@@ -310,7 +310,11 @@ impl Sink for SinkHandle {
         let tick = record.tick();
         let decides = matches!(
             record,
-            Record::Retired { .. } | Record::Order { .. } | Record::Touched { .. } | Record::Lost { .. }
+            Record::Retired { .. }
+                | Record::Order { .. }
+                | Record::Touched { .. }
+                | Record::Swapped { .. }
+                | Record::Lost { .. }
         );
         if !decides && !self.has_room(tick, 0, 1) {
             self.missing += 1;

@@ -247,8 +247,15 @@ impl Live {
             if let EngineCommand::Order(port, order) = act {
                 self.keep(Record::Order { tick, port, order });
             }
+            let number = if let EngineCommand::Swap(swap) = &act { Some(swap.number) } else { None };
             let touched = if let EngineCommand::Touch(touch) = &act { Some(touch.touched()) } else { None };
             match (self.engine.command(act), touched) {
+                (Some(Retired::Swap(gone)), _) => {
+                    self.keep(Record::Swapped { tick, number: number.unwrap_or_default(), gone: Some(gone) });
+                }
+                (None, None) if number.is_some() => {
+                    self.keep(Record::Swapped { tick, number: number.unwrap_or_default(), gone: None });
+                }
                 (Some(Retired::Gesture(gone)), Some(touched)) => {
                     self.keep(Record::Touched { tick, touched, gone: Some(gone) });
                 }

@@ -2,6 +2,7 @@
 
 mod hand;
 mod seen;
+mod swap;
 
 use super::async_sink::missing;
 use super::audio::Watch;
@@ -53,6 +54,9 @@ pub struct Recorder {
     broken: Vec<FileError>,
     audio: Option<Watch>,
     hand: hand::Hand,
+    /// a version of the scene that the engine is to play, with its parameters; and how many came before
+    coming: Option<(Arc<Scene>, Controls)>,
+    versions: u32,
     /// what was reported as left out for want of room in the rings of the engine, and at which gesture frame
     reported: ([u64; 3], u64),
 }
@@ -84,6 +88,8 @@ impl Recorder {
             broken: Vec::new(),
             audio: None,
             hand: hand::Hand::new(&scene),
+            coming: None,
+            versions: 0,
             reported: ([0; 3], 0),
             scene,
         }
@@ -230,6 +236,7 @@ impl Recorder {
             }
             Record::Retired { retired: Retired::State(_), .. } => self.hand.let_go(),
             Record::Touched { tick, touched, .. } => self.hand.touched(*tick, touched),
+            Record::Swapped { tick, .. } => self.swapped(*tick),
             Record::Waiting { tick, port, wait } => {
                 let Some(seen) = self.seen.get_mut(*port as usize) else { return };
                 self.notices.extend(seen.waits(*tick, wait, &self.scene));
@@ -239,6 +246,10 @@ impl Recorder {
     }
 
     fn command(&mut self, act: EngineCommand) -> Result<(), String> {
+        // what is made for a scene is not for the one after it
+        if self.is_swapping() && !matches!(act, EngineCommand::Order(..)) {
+            return Err("another version of the model is on its way; try again".into());
+        }
         let disarms = self.shared.disarms.load(Relaxed);
         self.ends
             .commands

@@ -2,6 +2,7 @@
 
 use super::summary::StatsSnapshot;
 use crate::record::Record;
+use ca_core::Scene;
 use ca_io::FileError;
 
 /// Where records end: a sound file, a take, a terminal.
@@ -40,6 +41,14 @@ pub trait Sink {
     /// Where it cannot be written any more; the sink is then left out.
     fn view(&mut self, tick: u64, x: &[f64]) -> Result<(), FileError> {
         let _ = (tick, x);
+        Ok(())
+    }
+    /// From `tick` on another version of the scene plays, and pictures are of that.
+    ///
+    /// # Errors
+    /// Where it cannot be written; the sink is then left out.
+    fn swapped(&mut self, tick: u64, scene: &Scene) -> Result<(), FileError> {
+        let _ = (tick, scene);
         Ok(())
     }
     /// Once a second.

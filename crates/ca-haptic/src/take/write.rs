@@ -196,13 +196,16 @@ impl TakeWriter {
                 cdr::body(&mut self.data, &Hand::new(tick, touched));
                 self.put(self.ids.hand, tick)
             }
+            Record::Swapped { .. } => {
+                Err(FileError::usage("another version of the model came, which a take does not hold"))
+            }
             Record::Lost { tick, records } => {
                 self.tick = tick;
                 self.lost(records, 0, 0)
             }
             // of no meaning for a replay: what was said of it is in the log
             // a gesture that ended comes with what ended it
-            Record::Waiting { .. } | Record::Retired { retired: Retired::Gesture(_), .. } => Ok(()),
+            Record::Waiting { .. } | Record::Retired { retired: Retired::Gesture(_) | Retired::Swap(_), .. } => Ok(()),
             Record::Hash { tick, bits } => {
                 self.tick = tick;
                 cdr::body(&mut self.data, &Hashed { tick, bits });

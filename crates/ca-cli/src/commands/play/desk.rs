@@ -4,11 +4,13 @@
 //! a time holds a mass, which is let go when that client is gone; and that a page never arms forces by itself: somebody
 //! who can type on this machine has to allow it.
 
-use super::sink::{PageSink, Stats};
+use super::edit::{Edit, Made};
+use super::greeting::greeting;
+use super::sink::{Coming, PageSink, Stats};
 use crate::args::PlayArgs;
 use crate::commands::serve::{Inputs, answer};
 use ca_core::Scene;
-use ca_haptic::engine::GLIDE;
+use ca_haptic::engine::{GLIDE, Setup};
 use ca_haptic::host::control::Request;
 use ca_haptic::serve::{Recorder, Shared};
 use ca_play::{Page, PageRequest};
@@ -32,6 +34,12 @@ pub(crate) struct Desk {
     allow_arm: bool,
     /// the client that holds a mass
     holder: Option<u64>,
+    name: String,
+    edit: Edit,
+    /// which version of the model plays, and the one that is on its way
+    generation: u32,
+    coming: Coming,
+    next: Option<(Arc<Scene>, Arc<Drawing>)>,
     news: Instant,
 }
 
@@ -39,7 +47,15 @@ pub(crate) struct Desk {
 type Answer = Result<(String, Map<String, Value>), String>;
 
 impl Desk {
-    pub(super) fn new(page: Page, drawing: Arc<Drawing>, scene: Arc<Scene>, sink: &PageSink, args: &PlayArgs) -> Desk {
+    pub(super) fn new(
+        page: Page,
+        name: &str,
+        drawing: Arc<Drawing>,
+        scene: Arc<Scene>,
+        sink: &PageSink,
+        args: &PlayArgs,
+        edit: Edit,
+    ) -> Desk {
         let sound = if args.serve.audio.is_some() { "device" } else { "page" };
         Desk {
             page,
@@ -49,13 +65,31 @@ impl Desk {
             sound: sound.into(),
             allow_arm: args.allow_arm,
             holder: None,
+            name: name.into(),
+            edit,
+            generation: 1,
+            coming: sink.coming(),
+            next: None,
             news: Instant::now(),
         }
     }
 
     /// One turn: what was asked, and now and then how it goes. True where somebody asked to stop.
-    pub(crate) fn turn(&mut self, recorder: &mut Recorder, inputs: &mut Inputs, shared: &Shared) -> bool {
+    pub(crate) fn turn(
+        &mut self,
+        recorder: &mut Recorder,
+        inputs: &mut Inputs,
+        setups: &[Setup],
+        shared: &Shared,
+    ) -> bool {
         let mut leave = false;
+        if recorder.is_swapping() {
+            return leave;
+        }
+        self.version(recorder, inputs, setups);
+        if recorder.is_swapping() {
+            return leave;
+        }
         let all: Vec<PageRequest> = self.page.asked().collect();
         for PageRequest { client, request } in all {
             let Some(request) = request else {
@@ -86,6 +120,29 @@ impl Desk {
             self.page.tell_all(&self.state(recorder, inputs, shared));
         }
         leave
+    }
+
+    /// Takes up a version of the model that the engine plays now, and hands on one that was made.
+    fn version(&mut self, recorder: &mut Recorder, inputs: &mut Inputs, setups: &[Setup]) {
+        if let Some((scene, drawing)) = self.next.take() {
+            inputs.version(&scene);
+            (self.scene, self.drawing, self.holder) = (scene, drawing, None);
+            self.page.greet(&greeting(&self.scene, &self.drawing, &self.name, self.generation));
+        }
+        let Some(made) = self.edit.turn() else { return };
+        let (ok, text) = match made.and_then(|Made { scene, drawing, said }| {
+            recorder.swap(scene.clone(), setups)?;
+            self.generation += 1;
+            self.coming.put(self.generation, drawing.clone());
+            self.next = Some((scene, drawing));
+            Ok(said)
+        }) {
+            Ok(said) => (true, said),
+            Err(why) => (false, why),
+        };
+        self.page.tell_all(&json!({"type": "report", "ok": ok, "text": text}));
+        let what = if ok { "the model was read again" } else { "the model as it was plays on" };
+        recorder.say(!ok, format!("{}: {what}{}{text}", self.name, if text.is_empty() { "" } else { "\n" }));
     }
 
     fn answer(
@@ -132,6 +189,14 @@ impl Desk {
                 let name = request["name"].as_str().ok_or("`name`: which port?")?;
                 recorder.port(name, request["value"].as_f64().ok_or("`value` is a number [m or N]")?, GLIDE)?;
                 done(name)
+            }
+            "change" => {
+                let [name, value] = ["name", "value"].map(|k| request[k].as_str().unwrap_or_default().trim());
+                if name.is_empty() || value.is_empty() {
+                    return Err("`name` and `value`: which number of the model, and what it is to be".into());
+                }
+                self.edit.change(name, value)?;
+                done("the model is made anew")
             }
             "midi" => {
                 inputs.midi(recorder, &bytes(&request["bytes"])?);

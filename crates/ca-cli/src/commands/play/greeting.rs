@@ -8,12 +8,12 @@ use ca_view::Drawing;
 use serde_json::{Value, json};
 
 /// The message `scene`.
-pub(super) fn greeting(scene: &Scene, drawing: &Drawing, model: &str) -> Value {
+pub(super) fn greeting(scene: &Scene, drawing: &Drawing, model: &str, generation: u32) -> Value {
     let params: Vec<Value> = scene.controls().params().iter().map(param).collect();
     let ports: Vec<Value> = scene.inputs.iter().enumerate().map(|(k, i)| port(scene, drawing, k, i)).collect();
     json!({
         "type": "scene",
-        "generation": 1,
+        "generation": generation,
         "title": scene.title,
         "model": model,
         "rate": scene.rate,

@@ -1,20 +1,23 @@
 //! `ca play`: a model in the browser.
 //!
 //! Decides that this is `ca serve` with a page, not a second host: what people do in the page becomes commands of the same
-//! recorder ([`desk`]), what they see and hear comes from a sink like any other ([`sink`]), and the page is greeted with
+//! recorder ([`desk`]), an edited model another version of the scene ([`edit`]), what they see and hear comes from a sink like any other ([`sink`]), and the page is greeted with
 //! what there is to see ([`greeting`]).
 
 mod desk;
+mod edit;
 mod greeting;
 mod sink;
 
 use crate::args::PlayArgs;
 use crate::commands::serve;
 use crate::{Failure, Outcome, term};
+use ca_compile::Options;
 use ca_core::Scene;
 use ca_play::Page;
 use ca_view::Drawing;
 pub(super) use desk::Desk;
+use edit::Edit;
 pub(super) use sink::PageSink;
 use std::sync::Arc;
 
@@ -24,9 +27,14 @@ pub fn run(args: &PlayArgs) -> Outcome {
 }
 
 /// Serves the page of a scene, and opens it.
-pub(super) fn open(args: &PlayArgs, name: &str, scene: &Arc<Scene>) -> Result<(Desk, PageSink), Failure> {
+pub(super) fn open(
+    args: &PlayArgs,
+    name: &str,
+    scene: &Arc<Scene>,
+    options: &Options,
+) -> Result<(Desk, PageSink), Failure> {
     let drawing = Arc::new(Drawing::new(scene));
-    let greeting = greeting::greeting(scene, &drawing, name);
+    let greeting = greeting::greeting(scene, &drawing, name, 1);
     let page = Page::open(args.port, &greeting)
         .map_err(|e| Failure::Failed(format!("no page at port {}: {e}; leave out --port for a free one", args.port)))?;
     let address = page.address();
@@ -38,7 +46,8 @@ pub(super) fn open(args: &PlayArgs, name: &str, scene: &Arc<Scene>) -> Result<(D
         }
     }
     let sink = PageSink::new(page.feed(), drawing.clone(), scene.channels);
-    Ok((Desk::new(page, drawing, scene.clone(), &sink, args), sink))
+    let edit = Edit::new(&args.serve, options);
+    Ok((Desk::new(page, name, drawing, scene.clone(), &sink, args, edit), sink))
 }
 
 /// Whether there is a screen for a browser; without one, some desktops would open a browser of text in this terminal.

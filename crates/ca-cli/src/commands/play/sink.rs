@@ -3,6 +3,7 @@
 //! Decides that nothing is drawn or sent where nobody looks or listens, and that sound goes in blocks of 5 ms: a message a
 //! gesture frame would cost the page more than it plays.
 
+use ca_core::Scene;
 use ca_haptic::serve::{Notice, Sink, SinkStreams, StatsSnapshot};
 use ca_io::FileError;
 use ca_play::{Feed, message};
@@ -23,12 +24,27 @@ impl Stats {
     }
 }
 
+/// The drawing of a version of the scene that is on its way, from the desk to the sink.
+#[derive(Clone, Default)]
+pub(crate) struct Coming(Arc<Mutex<Option<(u32, Arc<Drawing>)>>>);
+
+impl Coming {
+    pub(super) fn put(&self, generation: u32, drawing: Arc<Drawing>) {
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Some((generation, drawing));
+    }
+}
+
 /// Feeds a page.
 pub(crate) struct PageSink {
     feed: Feed,
     drawing: Arc<Drawing>,
     channels: usize,
     stats: Stats,
+    /// the drawing of the version that comes next
+    coming: Coming,
+    /// which version is drawn, and since when
+    generation: u32,
+    since: u64,
     /// tick of the first sample of `samples`
     tick: u64,
     samples: Vec<f64>,
@@ -37,7 +53,22 @@ pub(crate) struct PageSink {
 
 impl PageSink {
     pub(super) fn new(feed: Feed, drawing: Arc<Drawing>, channels: usize) -> PageSink {
-        PageSink { feed, drawing, channels, stats: Stats::default(), tick: 0, samples: Vec::new(), message: Vec::new() }
+        PageSink {
+            feed,
+            drawing,
+            channels,
+            stats: Stats::default(),
+            coming: Coming::default(),
+            generation: 1,
+            since: 0,
+            tick: 0,
+            samples: Vec::new(),
+            message: Vec::new(),
+        }
+    }
+
+    pub(super) fn coming(&self) -> Coming {
+        self.coming.clone()
     }
 
     pub(super) fn stats(&self) -> Stats {
@@ -71,10 +102,19 @@ impl Sink for PageSink {
     }
 
     fn view(&mut self, tick: u64, x: &[f64]) -> Result<(), FileError> {
-        if self.feed.is_seen() {
-            message::view(&mut self.message, 1, tick as f64);
+        // pictures of the version before are none of this one
+        if self.feed.is_seen() && tick >= self.since {
+            message::view(&mut self.message, self.generation, tick as f64);
             self.drawing.view(x, &mut self.message);
             self.feed.view(&self.message);
+        }
+        Ok(())
+    }
+
+    fn swapped(&mut self, tick: u64, _: &Scene) -> Result<(), FileError> {
+        let coming = self.coming.0.lock().unwrap_or_else(PoisonError::into_inner).take();
+        if let Some((generation, drawing)) = coming {
+            (self.generation, self.drawing, self.since) = (generation, drawing, tick);
         }
         Ok(())
     }

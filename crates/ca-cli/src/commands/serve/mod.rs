@@ -109,7 +109,7 @@ pub(crate) fn session(args: &ServeArgs, page: Option<&PlayArgs>) -> Outcome {
     let take = match &args.log {
         Some(path) => {
             let changes = args.source.changes().collect();
-            let header = Header::new(&loaded.model, changes, options, &scene, setups.clone(), engine.options());
+            let header = Header::new(&loaded.model, changes, options.clone(), &scene, setups.clone(), engine.options());
             let writer = TakeWriter::create(path, &header, &scene)?;
             unplayed.0 = Some(path.clone());
             Some(aside(&mut sinks, "ca take", writer, room, busy)?)
@@ -119,7 +119,7 @@ pub(crate) fn session(args: &ServeArgs, page: Option<&PlayArgs>) -> Outcome {
 
     let mut desk = match page {
         Some(page) => {
-            let (desk, sink) = play::open(page, &loaded.name, &scene)?;
+            let (desk, sink) = play::open(page, &loaded.name, &scene, &options)?;
             sinks.push(Box::new(sink));
             Some(desk)
         }
@@ -274,7 +274,7 @@ fn attend(
         }
         recorder.poll();
         inputs.turn(recorder);
-        let page = desk.as_mut().is_some_and(|d| d.turn(recorder, inputs, shared));
+        let page = desk.as_mut().is_some_and(|d| d.turn(recorder, inputs, talk.setups(), shared));
         if talk.turn(recorder, turns.is_multiple_of(SWEEP)) || page {
             shared.stop.store(true, Relaxed);
         }

@@ -86,6 +86,11 @@ impl Talk {
         self.gateway.as_ref().map(|g| g.granted.to_string())
     }
 
+    /// What each device is, as far as is known.
+    pub(super) fn setups(&self) -> &[Setup] {
+        &self.setups
+    }
+
     /// One turn: what devices do, what people ask. True where somebody asked to stop.
     pub(super) fn turn(&mut self, recorder: &mut Recorder, sweep: bool) -> bool {
         while let Ok((k, event)) = self.events.try_recv() {

@@ -46,6 +46,11 @@ impl Inputs {
         })
     }
 
+    /// Another version of the model plays: notes that were held are let go of with their ports.
+    pub(crate) fn version(&mut self, scene: &Scene) {
+        self.live = LiveMidi::new(&port_maps(scene));
+    }
+
     /// What there is, in words.
     pub(super) fn said(&self) -> Vec<String> {
         let midi = self.cables.iter().flat_map(Cables::names).map(|name| format!("MIDI: {name}"));
@@ -55,6 +60,10 @@ impl Inputs {
 
     /// One turn: what came since the last one.
     pub(super) fn turn(&mut self, recorder: &mut Recorder) {
+        // it waits where it is
+        if recorder.is_swapping() {
+            return;
+        }
         if let Some(mut cables) = self.cables.take() {
             cables.turn(|cable, bytes| self.feed(recorder, cable, bytes));
             for (bad, text) in cables.news() {

@@ -1,0 +1,159 @@
+//! Edit and hear: a model that is saved, or a number of it that is changed, becomes another version of the scene while it plays.
+//!
+//! Decides that files are looked at a few times a second by when they were written and how long they are: that is portable, holds
+//! for editors that write a new file in place of the old, and needs no library; that a model is read and compiled on a thread of
+//! its own; and that one with errors is reported and changes nothing. With a take (`--log`) there is none of it: a take
+//! holds one model.
+
+use crate::args::{ServeArgs, Source};
+use ca_compile::Options;
+use ca_core::Scene;
+use ca_lab::{Failure, load};
+use ca_model::diag::Severity;
+use ca_model::render;
+use ca_view::Drawing;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use std::time::{Duration, Instant, SystemTime};
+
+/// Between two looks at a file: half of what is taken for finished.
+const LOOK: Duration = Duration::from_millis(60);
+
+/// A version that was made.
+pub(super) struct Made {
+    pub(super) scene: Arc<Scene>,
+    pub(super) drawing: Arc<Drawing>,
+    /// its warnings, or nothing
+    pub(super) said: String,
+}
+
+/// When a file was written, and how long it is.
+type Stamp = (SystemTime, u64);
+
+/// Makes versions of a model.
+pub(super) struct Edit {
+    source: Source,
+    options: Options,
+    /// numbers that were changed since, in order
+    changes: Vec<(String, String)>,
+    /// those that are being made
+    tried: Vec<(String, String)>,
+    /// those of the last version that was good
+    good: Vec<(String, String)>,
+    /// the file, where the model is one; as it was read, and as it was last seen
+    file: Option<PathBuf>,
+    read: Option<Stamp>,
+    seen: Option<Stamp>,
+    looked: Instant,
+    /// what is being made, and whether something changed meanwhile
+    making: Option<Receiver<Result<Made, String>>>,
+    again: bool,
+    /// why there is none of it
+    never: Option<&'static str>,
+}
+
+fn stamp(path: &Path) -> Option<Stamp> {
+    let m = std::fs::metadata(path).ok()?;
+    Some((m.modified().ok()?, m.len()))
+}
+
+impl Edit {
+    pub(super) fn new(args: &ServeArgs, options: &Options) -> Edit {
+        let source = args.source.clone();
+        let file = Some(PathBuf::from(&source.model)).filter(|p| p.is_file());
+        let read = file.as_deref().and_then(stamp);
+        Edit {
+            source,
+            options: options.clone(),
+            changes: Vec::new(),
+            tried: Vec::new(),
+            good: Vec::new(),
+            file,
+            read,
+            seen: read,
+            looked: Instant::now(),
+            making: None,
+            again: false,
+            never: args
+                .log
+                .is_some()
+                .then_some("a take holds one model: start without --log to change it while it plays"),
+        }
+    }
+
+    /// A number of the model is to be another, as by `--set`.
+    pub(super) fn change(&mut self, name: &str, value: &str) -> Result<(), String> {
+        if let Some(why) = self.never {
+            return Err(why.into());
+        }
+        self.changes.retain(|c| c.0 != name);
+        self.changes.push((name.into(), value.into()));
+        self.again = true;
+        Ok(())
+    }
+
+    /// One turn: a version that is ready, or why there is none.
+    pub(super) fn turn(&mut self) -> Option<Result<Made, String>> {
+        if self.never.is_some() {
+            return None;
+        }
+        let now = Instant::now();
+        if now >= self.looked + LOOK {
+            self.looked = now;
+            let stamp = self.file.as_deref().and_then(stamp);
+            // written to the end: as it was at the last look
+            if stamp.is_some() && stamp == self.seen && stamp != self.read {
+                self.read = stamp;
+                self.again = true;
+            }
+            self.seen = stamp;
+        }
+        let made = match self.making.as_ref().map(Receiver::try_recv) {
+            Some(Err(TryRecvError::Empty)) => return None,
+            Some(Ok(made)) => Some(made),
+            Some(Err(TryRecvError::Disconnected)) => Some(Err("the model could not be made: its thread ended".into())),
+            None => None,
+        };
+        self.making = None;
+        match made {
+            Some(Ok(_)) => self.good.clone_from(&self.tried),
+            // a change that is refused is none, unless there is another by now
+            Some(Err(_)) if self.changes == self.tried => self.changes.clone_from(&self.good),
+            _ => {}
+        }
+        if core::mem::take(&mut self.again) {
+            let (source, changes, options) = (self.source.clone(), self.changes.clone(), self.options.clone());
+            self.tried.clone_from(&changes);
+            let (tell, making) = channel();
+            let start = move || {
+                let _ = tell.send(make(&source, &changes, options));
+            };
+            if let Err(e) = std::thread::Builder::new().name("ca model".into()).spawn(start) {
+                return Some(Err(format!("no thread to make the model: {e}")));
+            }
+            self.making = Some(making);
+        }
+        made
+    }
+}
+
+/// Reads and compiles.
+fn make(source: &Source, changes: &[(String, String)], options: Options) -> Result<Made, String> {
+    let words = |e: Failure| match e {
+        Failure::Usage(text) | Failure::Failed(text) => text,
+        Failure::Found(found) => render::text(&found.diags, &found.model, false),
+        Failure::Stopped => "stopped".into(),
+    };
+    let mut loaded = load::load(&source.model).map_err(words)?;
+    for (name, value) in source.changes().chain(changes.iter().cloned()) {
+        load::set_typed(&mut loaded, &name, &value).map_err(words)?;
+    }
+    let options = Options { clouds: loaded.clouds.clone(), ..options };
+    let compiled = load::scene(&loaded, &options).map_err(words)?;
+    let drawing = Arc::new(Drawing::new(&compiled.scene));
+    let mut warnings = compiled.findings;
+    warnings.list.retain(|d| d.severity == Severity::Warning);
+    let said = if warnings.list.is_empty() { String::new() } else { render::text(&warnings, &loaded.model, false) };
+    Ok(Made { scene: Arc::new(compiled.scene), drawing, said })
+}

@@ -1,0 +1,173 @@
+//! Another version of the scene while it plays: masses of the same name go on from where they are.
+//!
+//! Decides that all of it is made outside, since that allocates, and put in the place of the old scene between two gesture
+//! frames; that the old one runs on for [`FADE`], unheard by any hand, and its sound fades into that of the new one, so
+//! that nothing clicks; and that it stays in memory until the next swap, since the engine frees nothing. Both must have
+//! the same rates, outputs and devices, for clocks, rings and files are made for these. Ports of devices are made anew: forces
+//! begin from nothing, where the device is armed.
+
+use super::port::{Port, Setup};
+use super::touch::Hands;
+use crate::guard::Order;
+use ca_core::scene::{InputRole, Location};
+use ca_core::{Scene, State, compute_forces, integrate};
+use std::collections::HashMap;
+use std::sync::Arc;
+
+/// Time in which the sound of the old scene fades out \[s\].
+const FADE: f64 = 0.02;
+
+/// A scene to put in the place of another; afterwards, the other. A copy knows its number, for the record, and has no scene to
+/// give.
+pub struct Swap {
+    /// how many there were before
+    pub number: u32,
+    next: Option<Next>,
+}
+
+struct Next {
+    scene: Arc<Scene>,
+    state: State,
+    ports: Vec<Port>,
+    hands: Hands,
+    /// places that go on: in the old state, and in the new one
+    carried: Vec<[u32; 2]>,
+    /// inputs that go on
+    inputs: Vec<[u32; 2]>,
+    /// ticks of the fade that are left, and all of them
+    left: u32,
+    fade: u32,
+}
+
+/// Devices of a scene, in the order of its inputs.
+fn devices(scene: &Scene) -> Vec<&(String, u32)> {
+    scene.inputs.iter().filter(|i| i.role == InputRole::Device).filter_map(|i| i.device.as_ref()).collect()
+}
+
+/// First place and axes of each MAT, by name.
+fn places(scene: &Scene) -> HashMap<String, (u32, u8)> {
+    let mats = (0..scene.mats()).filter_map(|i| scene.symbols.get(i));
+    let place = |s: ca_core::scene::Symbol| {
+        let Location::Mat(place) = s.location else { return None };
+        Some((s.name.to_string(), (place, if s.axes > 1 { 3 } else { 1 })))
+    };
+    mats.filter_map(place).collect()
+}
+
+impl Swap {
+    /// From `old` to `scene`, which begins in `state` but where masses of the same name go on.
+    ///
+    /// # Errors
+    /// In words, where the two differ in what cannot change while it plays.
+    pub fn new(
+        old: &Scene,
+        scene: Arc<Scene>,
+        mut state: State,
+        setups: &[Setup],
+        number: u32,
+    ) -> Result<Swap, String> {
+        let differs = |what: &str| Err(format!("{what} cannot change while it plays; end it, and start it again"));
+        if (old.rate, old.ratio) != (scene.rate, scene.ratio) {
+            return differs("the rates");
+        }
+        if old.channel_names != scene.channel_names {
+            return differs("the outputs");
+        }
+        if devices(old) != devices(&scene) {
+            return differs("the devices");
+        }
+        let before = places(old);
+        let mut carried: Vec<[u32; 2]> = Vec::new();
+        for (name, (to, axes)) in places(&scene) {
+            if let Some((from, _)) = before.get(&name).filter(|b| b.1 == axes) {
+                carried.extend((0..u32::from(axes)).map(|k| [from + k, to + k]));
+            }
+        }
+        // one after the other in memory
+        carried.sort_unstable_by_key(|c| c[1]);
+        let same = |i: &ca_core::scene::Input| old.inputs.iter().position(|o| (&o.name, o.role) == (&i.name, i.role));
+        let inputs = scene.inputs.iter().enumerate().filter_map(|(to, i)| Some([same(i)? as u32, to as u32]));
+        let inputs = inputs.collect();
+        state.placed();
+        let ports = setups.iter().map(|s| Port::new(&scene, s.clone())).collect();
+        let fade = (FADE * scene.rate).round() as u32;
+        let hands = Hands::new(&scene);
+        Ok(Swap { number, next: Some(Next { scene, state, ports, hands, carried, inputs, left: fade, fade }) })
+    }
+
+    /// Changes places with what an engine plays; `goes_on` where the old state is worth it. False where there is no scene to
+    /// give. Nothing allocates.
+    pub(super) fn swap(
+        &mut self,
+        scene: &mut Arc<Scene>,
+        state: &mut State,
+        ports: &mut Vec<Port>,
+        hands: &mut Hands,
+        goes_on: bool,
+    ) -> bool {
+        let Some(next) = &mut self.next else { return false };
+        if goes_on {
+            for [from, to] in &next.carried {
+                let (from, to) = (*from as usize, *to as usize);
+                (next.state.x[to], next.state.d[to]) = (state.x[from], state.d[from]);
+            }
+            for [from, to] in &next.inputs {
+                next.state.input[*to as usize] = state.input[*from as usize];
+                next.state.last_input[*to as usize] = state.last_input[*from as usize];
+            }
+        } else {
+            next.left = 0;
+        }
+        next.state.tick = state.tick;
+        for (new, old) in next.ports.iter_mut().zip(ports.iter()) {
+            if old.chain.is_armed() {
+                new.chain.order(Order::Arm);
+            }
+            new.follow(old);
+            new.reach_again(&next.state);
+        }
+        core::mem::swap(scene, &mut next.scene);
+        core::mem::swap(state, &mut next.state);
+        core::mem::swap(ports, &mut next.ports);
+        core::mem::swap(hands, &mut next.hands);
+        true
+    }
+
+    /// One tick of the old scene up to its outputs, which fade into `sound`, those of the new one.
+    pub(super) fn sample(&mut self, sound: &mut [f64]) {
+        let Some(next) = self.next.as_mut().filter(|n| n.left > 0) else { return };
+        compute_forces(&next.scene, &mut next.state);
+        let share = f64::from(next.left) / f64::from(next.fade);
+        for (to, old) in sound.iter_mut().zip(&next.state.output) {
+            // one that diverges meanwhile is not heard
+            let old = if old.is_finite() { *old } else { 0.0 };
+            *to += share * (old - *to);
+        }
+        next.left -= 1;
+    }
+
+    /// Masses of the old scene move, as long as it is heard.
+    pub(super) fn advance(&mut self) {
+        if let Some(next) = self.next.as_mut().filter(|n| n.left > 0) {
+            integrate(&next.scene, &mut next.state);
+        }
+    }
+}
+
+impl Clone for Swap {
+    fn clone(&self) -> Swap {
+        Swap { number: self.number, next: None }
+    }
+}
+
+impl PartialEq for Swap {
+    fn eq(&self, other: &Swap) -> bool {
+        self.number == other.number
+    }
+}
+
+impl core::fmt::Debug for Swap {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_struct("Swap").field("number", &self.number).finish_non_exhaustive()
+    }
+}

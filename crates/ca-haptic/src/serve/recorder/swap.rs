@@ -1,0 +1,60 @@
+//! Another version of the scene, as the recorder knows it: made ready, on its way, and there.
+//!
+//! Decides that live parameters that somebody has moved stay where they are, and those that nobody has are as the new version
+//! says: who edits a value wants to hear it.
+
+use super::{Recorder, hand};
+use crate::engine::{EngineCommand, Setup, Swap};
+use ca_core::Scene;
+use std::sync::Arc;
+
+/// Pictures of a new version that the ring must have room for.
+const PICTURES: usize = 8;
+
+impl Recorder {
+    /// Another version of the scene plays from the next gesture frame on: masses of the same name go on from where they are.
+    ///
+    /// # Errors
+    /// In words, where the two differ in what cannot change while it plays, or the engine takes no order.
+    pub fn swap(&mut self, scene: Arc<Scene>, setups: &[Setup]) -> Result<(), String> {
+        let room = self.ends.views.as_ref().map(|v| v.buffer().capacity());
+        if room.is_some_and(|room| room < PICTURES * (scene.n_mat + 2)) {
+            return Err("it is so much larger that it needs to be started anew".into());
+        }
+        let (mut controls, mut state) = (scene.controls(), scene.state());
+        let load = self.scene.controls();
+        let moved = self.controls.params().iter().zip(load.params()).filter(|(now, load)| now.value != load.value);
+        for (param, _) in moved {
+            let fits = |p: &&ca_core::live::LiveParam| p.name == param.name && p.unit.dim.same(param.unit.dim);
+            if controls.params().iter().any(|p| fits(&p)) {
+                // out of the range of the new version: as that says
+                if let Ok(patch) = controls.set(&param.name, param.value) {
+                    state.apply(&patch, 1);
+                }
+            }
+        }
+        let swap = Swap::new(&self.scene, scene.clone(), state, setups, self.versions + 1)?;
+        self.command(EngineCommand::Swap(Box::new(swap)))?;
+        self.versions += 1;
+        self.coming = Some((scene, controls));
+        Ok(())
+    }
+
+    /// Whether a version is on its way to the engine: who asks something of the scene has to wait a few milliseconds.
+    pub fn is_swapping(&self) -> bool {
+        self.coming.is_some()
+    }
+
+    /// The scene that plays, or is about to.
+    pub fn scene(&self) -> &Arc<Scene> {
+        self.coming.as_ref().map_or(&self.scene, |c| &c.0)
+    }
+
+    /// The engine plays it.
+    pub(super) fn swapped(&mut self, tick: u64) {
+        let Some((scene, controls)) = self.coming.take() else { return };
+        self.hand = hand::Hand::new(&scene);
+        (self.scene, self.controls) = (scene.clone(), controls);
+        self.tell(|s| s.swapped(tick, &scene));
+    }
+}
