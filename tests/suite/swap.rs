@@ -55,10 +55,16 @@ fn the_same_version_goes_on_to_the_bit() {
 /// versions do.
 #[test]
 fn another_version_goes_on_from_where_masses_are_without_a_click() {
-    let (first, other) = (string(110.0, ""), string(220.0, "[CEL]\nnew = { m = \"1 g\", f = \"300 Hz\" }\n[RES]\nn = { between = [\"new\", \"s[20]\"], k = 10 }\n"));
+    let (first, other) = (
+        string(110.0, ""),
+        string(
+            220.0,
+            "[CEL]\nnew = { m = \"1 g\", f = \"300 Hz\" }\n[RES]\nn = { between = [\"new\", \"s[20]\"], k = 10 }\n",
+        ),
+    );
     let mut engine = playing(&first);
     let place = |s: &Scene, name: &str| {
-        let at = s.symbols.iter().position(|m| m.name.to_string() == name).expect(name);
+        let at = s.symbols.iter().position(|m| m.name == name).expect(name);
         s.symbols.places()[at] as usize
     };
     let last = heard(&mut engine, 1);

@@ -242,6 +242,7 @@ pub struct RenderArgs {
 /// device can render: each key's stiffness against the device's own and against what stays passive, the force over the
 /// travel against the largest, degrees of freedom and rates. Exit code 1 with errors, 3 if the model is certainly unstable
 /// or asks more of the device than it can give.
+#[allow(clippy::struct_excessive_bools)]
 #[derive(Args)]
 #[command(after_long_help = "Examples:
   ca check hammered_string
@@ -263,6 +264,9 @@ pub struct CheckArgs {
     /// Compares with a device: the name of a profile that comes with us, or a file `profile.toml`
     #[arg(long, value_name = "NAME|FILE")]
     pub device: Option<String>,
+    /// Checks again whenever the file is saved, until Ctrl-C
+    #[arg(long, conflicts_with = "json")]
+    pub watch: bool,
     /// Prints `{diagnostics, summary, schedule, device}` as JSON
     #[arg(long)]
     pub json: bool,

@@ -10,6 +10,7 @@ mod load;
 mod page;
 mod store;
 mod term;
+mod watch;
 
 use args::{Cli, Command};
 use ca_haptic::host::{HostError, HostErrorKind};

@@ -122,7 +122,7 @@ mod tests {
         Keys(LiveMidi::new(&ports), Cable::default())
     }
 
-    fn goes(to: f64, over: f64) -> Played {
+    fn glides(to: f64, over: f64) -> Played {
         Played::Port("key".into(), Glide { to, over })
     }
 
@@ -132,11 +132,11 @@ mod tests {
         assert!(midi.0.listens());
         assert_eq!(midi.feed(&[0x90]), []);
         assert_eq!(midi.feed(&[60, 0xf8]), []);
-        assert_eq!(midi.feed(&[127]), [goes(2.0, 0.25)]);
+        assert_eq!(midi.feed(&[127]), [glides(2.0, 0.25)]);
         // running status; the newest wins, and its end goes back to what is held
-        assert_eq!(midi.feed(&[61, 0, 62, 64]), [goes(1.0 + 64.0 / 127.0, 0.25)]);
-        assert_eq!(midi.feed(&[62, 0]), [goes(2.0, 0.25)]);
-        assert_eq!(midi.feed(&[0x80, 60, 0]), [goes(1.0, 0.5)]);
+        assert_eq!(midi.feed(&[61, 0, 62, 64]), [glides(1.0 + 64.0 / 127.0, 0.25)]);
+        assert_eq!(midi.feed(&[62, 0]), [glides(2.0, 0.25)]);
+        assert_eq!(midi.feed(&[0x80, 60, 0]), [glides(1.0, 0.5)]);
     }
 
     #[test]

@@ -23,6 +23,7 @@ mod shm;
 mod skipped;
 mod sweep;
 mod take;
+mod watch;
 mod words;
 
 use desk::{BAR, Desk, KEY, mims};

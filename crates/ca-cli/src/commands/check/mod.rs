@@ -11,6 +11,7 @@ use crate::commands::border;
 use crate::commands::render::{rippling, stability, stability_json};
 use crate::load::{self, Loaded};
 use crate::term::short;
+use crate::watch::{LOOK, Watch};
 use crate::{Ended, Failure, Outcome, term};
 use ca_compile::Options;
 use ca_core::Scene;
@@ -22,6 +23,27 @@ use std::io::Write as _;
 
 /// Runs the command.
 pub fn run(args: &CheckArgs) -> Outcome {
+    if !args.watch {
+        return once(args);
+    }
+    let model = &args.source.model;
+    let mut watch = Watch::of(model)
+        .ok_or_else(|| Failure::Usage(format!("--watch: `{model}` is no file; a bundled model does not change")))?;
+    loop {
+        match once(args) {
+            Err(Failure::Usage(text) | Failure::Failed(text)) => term::error(&text),
+            Err(Failure::Reported) | Ok(_) => {}
+            Err(other) => return Err(other),
+        }
+        term::note(&format!("{model}: checked again when it is saved; Ctrl-C ends it"));
+        while !watch.is_new() {
+            std::thread::sleep(LOOK);
+        }
+        writeln!(std::io::stdout().lock())?;
+    }
+}
+
+fn once(args: &CheckArgs) -> Outcome {
     let profile = args.device.as_deref().map(crate::store::profile).transpose()?;
     let loaded = load::load(&args.source)?;
     let options = Options { rate: args.source.rate, exact: args.exact, ..Options::default() };

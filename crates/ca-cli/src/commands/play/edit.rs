@@ -1,24 +1,18 @@
 //! Edit and hear: a model that is saved, or a number of it that is changed, becomes another version of the scene while it plays.
 //!
-//! Decides that files are looked at a few times a second by when they were written and how long they are: that is portable, holds
-//! for editors that write a new file in place of the old, and needs no library; that a model is read and compiled on a thread of
-//! its own; and that one with errors is reported and changes nothing. With a take (`--log`) there is none of it: a take
+//! Decides that a model is read and compiled on a thread of its own; and that one with errors is reported and changes nothing. With a take (`--log`) there is none of it: a take
 //! holds one model.
 
 use crate::args::{ServeArgs, Source};
+use crate::watch::Watch;
 use ca_compile::Options;
 use ca_core::Scene;
 use ca_lab::{Failure, load};
 use ca_model::diag::Severity;
 use ca_model::render;
 use ca_view::Drawing;
-use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
-use std::time::{Duration, Instant, SystemTime};
-
-/// Between two looks at a file: half of what is taken for finished.
-const LOOK: Duration = Duration::from_millis(60);
 
 /// A version that was made.
 pub(super) struct Made {
@@ -27,9 +21,6 @@ pub(super) struct Made {
     /// its warnings, or nothing
     pub(super) said: String,
 }
-
-/// When a file was written, and how long it is.
-type Stamp = (SystemTime, u64);
 
 /// Makes versions of a model.
 pub(super) struct Edit {
@@ -41,11 +32,8 @@ pub(super) struct Edit {
     tried: Vec<(String, String)>,
     /// those of the last version that was good
     good: Vec<(String, String)>,
-    /// the file, where the model is one; as it was read, and as it was last seen
-    file: Option<PathBuf>,
-    read: Option<Stamp>,
-    seen: Option<Stamp>,
-    looked: Instant,
+    /// the file, where the model is one
+    file: Option<Watch>,
     /// what is being made, and whether something changed meanwhile
     making: Option<Receiver<Result<Made, String>>>,
     again: bool,
@@ -53,26 +41,16 @@ pub(super) struct Edit {
     never: Option<&'static str>,
 }
 
-fn stamp(path: &Path) -> Option<Stamp> {
-    let m = std::fs::metadata(path).ok()?;
-    Some((m.modified().ok()?, m.len()))
-}
-
 impl Edit {
     pub(super) fn new(args: &ServeArgs, options: &Options) -> Edit {
         let source = args.source.clone();
-        let file = Some(PathBuf::from(&source.model)).filter(|p| p.is_file());
-        let read = file.as_deref().and_then(stamp);
         Edit {
+            file: Watch::of(&source.model),
             source,
             options: options.clone(),
             changes: Vec::new(),
             tried: Vec::new(),
             good: Vec::new(),
-            file,
-            read,
-            seen: read,
-            looked: Instant::now(),
             making: None,
             again: false,
             never: args
@@ -98,17 +76,7 @@ impl Edit {
         if self.never.is_some() {
             return None;
         }
-        let now = Instant::now();
-        if now >= self.looked + LOOK {
-            self.looked = now;
-            let stamp = self.file.as_deref().and_then(stamp);
-            // written to the end: as it was at the last look
-            if stamp.is_some() && stamp == self.seen && stamp != self.read {
-                self.read = stamp;
-                self.again = true;
-            }
-            self.seen = stamp;
-        }
+        self.again |= self.file.as_mut().is_some_and(Watch::is_new);
         let made = match self.making.as_ref().map(Receiver::try_recv) {
             Some(Err(TryRecvError::Empty)) => return None,
             Some(Ok(made)) => Some(made),

@@ -24,9 +24,12 @@ impl Stats {
     }
 }
 
+/// A drawing, and of which version of the scene.
+type Version = (u32, Arc<Drawing>);
+
 /// The drawing of a version of the scene that is on its way, from the desk to the sink.
 #[derive(Clone, Default)]
-pub(crate) struct Coming(Arc<Mutex<Option<(u32, Arc<Drawing>)>>>);
+pub(crate) struct Coming(Arc<Mutex<Option<Version>>>);
 
 impl Coming {
     pub(super) fn put(&self, generation: u32, drawing: Arc<Drawing>) {

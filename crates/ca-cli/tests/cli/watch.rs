@@ -1,0 +1,34 @@
+//! `ca check --watch`: a file is checked again each time it is saved.
+
+use crate::desk::Desk;
+use std::io::{BufRead as _, BufReader};
+
+#[test]
+fn a_file_is_checked_whenever_it_is_saved() {
+    let desk = Desk::new();
+    let good = "[CEL]\nm = { m = \"1 g\", f = \"100 Hz\" }\n[SOX]\no = { from = \"m\" }\n";
+    desk.put("mine.ca.toml", good);
+    let mut child = desk.start(&["check", "mine.ca.toml", "--watch"]);
+    let mut lines = BufReader::new(child.stderr.take().unwrap()).lines();
+    // all that is said until it waits again
+    let mut said = || {
+        let mut all = Vec::new();
+        for line in lines.by_ref() {
+            let line = line.unwrap();
+            if line.contains("checked again when it is saved") {
+                return all.join("\n");
+            }
+            all.push(line);
+        }
+        panic!("it ended: {all:?}");
+    };
+    assert_eq!(said(), "");
+    desk.put("mine.ca.toml", &good.replace("[CEL]", "[CELL]"));
+    let wrong = said();
+    assert!(wrong.contains("mine.ca.toml") && wrong.contains("error"), "{wrong}");
+    desk.put("mine.ca.toml", &good.replace("100 Hz", "200 Hz"));
+    assert_eq!(said(), "");
+    child.kill().unwrap();
+    child.wait().unwrap();
+    Desk::new().ca(&["check", "rattle", "--watch"]).is(2).says(&["bundled"]);
+}
