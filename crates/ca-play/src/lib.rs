@@ -10,8 +10,10 @@
 
 mod asset;
 mod client;
+mod film;
 mod http;
 pub mod message;
 mod page;
 
+pub use film::script as film_script;
 pub use page::{Feed, Page, PageRequest};

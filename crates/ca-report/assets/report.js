@@ -155,6 +155,13 @@
     if (image) options.axes.forEach(a => a.grid = { show: false });
     const u = new uPlot(options, [x, ...columns], place);
     if (time) {
+      // a click, which is no drag, goes to that place in the sound, and in the picture
+      let down = null;
+      u.over.addEventListener("pointerdown", e => { down = [e.clientX, e.clientY]; });
+      u.over.addEventListener("click", e => {
+        if (!down || Math.hypot(e.clientX - down[0], e.clientY - down[1]) > 4) return;
+        seek(u.posToVal(e.clientX - u.over.getBoundingClientRect().left, "x"));
+      });
       const head = document.createElement("div");
       head.className = "playhead";
       head.hidden = true;
@@ -177,6 +184,10 @@
   };
 
   const players = [...document.querySelectorAll("audio")];
+  const seek = t => {
+    for (const p of players) if (t >= 0 && t < p.duration) p.currentTime = t;
+    dispatchEvent(new CustomEvent("seek", { detail: t }));
+  };
   const follow = () => {
     const now = players.find(p => !p.paused);
     for (const u of drawn.filter(u => u.playhead)) {

@@ -75,6 +75,19 @@ pub enum Block {
     Source(String, String),
 }
 
+/// The moving instrument at the top of a page: what a script of its own draws.
+#[derive(Clone, Debug)]
+pub struct Picture {
+    /// what the script is told of it, without its bytes
+    pub about: serde_json::Value,
+    /// the pictures, as the script reads them
+    pub bytes: Vec<u8>,
+    /// the script
+    pub script: String,
+    /// what is not as it was, in words; or nothing
+    pub told: String,
+}
+
 /// A part of the page, in its table of contents.
 #[derive(Clone, Debug)]
 pub struct Section {
@@ -98,6 +111,8 @@ pub struct Report {
     pub title: String,
     /// one line below: of what, by whom
     pub subtitle: String,
+    /// the moving instrument, where there is one
+    pub picture: Option<Picture>,
     /// what a reader must know before all else
     pub notes: Vec<(Weight, String)>,
     /// the parts, in order
@@ -107,7 +122,13 @@ pub struct Report {
 impl Report {
     /// A page with nothing on it yet.
     pub fn new(title: &str, subtitle: &str) -> Report {
-        Report { title: title.into(), subtitle: subtitle.into(), notes: Vec::new(), sections: Vec::new() }
+        Report {
+            title: title.into(),
+            subtitle: subtitle.into(),
+            picture: None,
+            notes: Vec::new(),
+            sections: Vec::new(),
+        }
     }
 
     /// The page.

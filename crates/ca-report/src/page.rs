@@ -5,7 +5,7 @@
 //! what comes with us: style, script and uPlot.
 
 use crate::plot::Plot;
-use crate::{Block, Report, Section, Sound, Table, Weight};
+use crate::{Block, Picture, Report, Section, Sound, Table, Weight};
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
@@ -49,7 +49,12 @@ fn words(text: &str) -> Markup {
 pub(crate) fn page(report: &Report) -> String {
     let mut plots: Vec<Json> = Vec::new();
     let sections: Vec<Markup> = report.sections.iter().enumerate().map(|(i, s)| section(i, s, &mut plots)).collect();
-    let data = json!({ "plots": plots }).to_string().replace('<', "\\u003c");
+    let film = report.picture.as_ref().map(|p| {
+        let mut about = p.about.clone();
+        about["bytes"] = STANDARD.encode(&p.bytes).into();
+        about
+    });
+    let data = json!({ "plots": plots, "film": film }).to_string().replace('<', "\\u003c");
     let whole = html! {
         (DOCTYPE)
         html lang="en" {
@@ -74,6 +79,7 @@ pub(crate) fn page(report: &Report) -> String {
                     }
                 }
                 main {
+                    @if let Some(picture) = &report.picture { (film_box(picture)) }
                     @for (weight, text) in &report.notes {
                         p.note.warning[*weight == Weight::Warning] role="note" { (words(text)) }
                     }
@@ -89,10 +95,26 @@ pub(crate) fn page(report: &Report) -> String {
                 script type="application/json" id="data" { (PreEscaped(data)) }
                 script { (PreEscaped(UPLOT)) }
                 script { (PreEscaped(SCRIPT)) }
+                @if let Some(picture) = &report.picture { script { (PreEscaped(&picture.script)) } }
             }
         }
     };
     whole.into_string()
+}
+
+/// The moving instrument, in step with the first player.
+fn film_box(picture: &Picture) -> Markup {
+    html! {
+        figure id="film" {
+            canvas id="filmCanvas" tabindex="0" role="img" aria-label="The moving instrument" {}
+            div.film {
+                button id="filmPlay" type="button" { "Play" }
+                input id="filmAt" type="range" min="0" max="1" step="any" value="0" aria-label="Time";
+                output id="filmTime" { "0.00 s" }
+            }
+            @if !picture.told.is_empty() { p.told { (words(&picture.told)) } }
+        }
+    }
 }
 
 fn section(i: usize, s: &Section, plots: &mut Vec<Json>) -> Markup {

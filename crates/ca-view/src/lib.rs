@@ -6,15 +6,19 @@
 //! their motion across, sheets lie in a plane and move along its normal, hammers stand at what they strike. Coordinates are
 //! numbers of the same scene on every machine.
 //!
-//! `bodies` finds what hangs together, `place` and `loose` say where it stands, `thin` what of too much is shown.
+//! `bodies` finds what hangs together, `place` and `loose` say where it stands, `thin` what of too much is shown, [`Film`] keeps a
+//! performance for a page without a server.
 #![forbid(unsafe_code)]
 
 mod bodies;
+mod film;
 mod graph;
 mod loose;
 mod place;
 mod spread;
 mod thin;
+
+pub use film::Film;
 
 use ca_core::Scene;
 use ca_core::op::layout::{Output, Tap};

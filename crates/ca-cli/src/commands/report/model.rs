@@ -13,12 +13,15 @@ use ca_io::perform::Performance;
 use ca_lab::accuracy::{self, AccuracyOptions};
 use ca_model::{Item, Value};
 use ca_report::{Axis, Block, Curve, Envelope, Plot, Report, Section, Sound, Weight};
+use ca_view::Film;
 use std::path::Path;
 
 /// Most curves of one plot.
 const CURVES: usize = 8;
 /// Times the ledger is looked at.
 const LOOKS: u64 = 1000;
+/// A state is looked at so often a second for the picture \[Hz\].
+const PICTURE: f64 = 240.0;
 /// What is tried for error against run time: its length \[s\], multiples of the rate, and that of the reference.
 const TRIED: f64 = 0.2;
 const TIMES: [u32; 3] = [1, 2, 4];
@@ -52,12 +55,15 @@ pub(super) fn report(args: &ReportArgs) -> Result<(String, Report), Failure> {
     let mut sound = Sound::new(scene.rate, &scene.channel_names);
     let mut motion = Envelope::new(scene.rate, scene.n_out - scene.channels);
     let mut ledger = EnergyOverTime::default();
-    let block = (frames / LOOKS).clamp(1, 1024);
+    let mut film = Film::new(&scene, seconds);
+    // often enough for a picture that does not jerk
+    let block = (frames / LOOKS).clamp(1, (scene.rate / PICTURE).max(1.0) as u64).min(1024);
     let played = render::play(performance, frames, block, !args.quiet, &mut |p, rows| {
         for row in rows.chunks_exact(scene.n_out.max(1)) {
             sound.push(&row[..scene.channels]);
             motion.push(&row[scene.channels..]);
         }
+        film.look(p.state.tick as f64 * scene.sample_dt, &p.state.x);
         if !p.diverged && p.state.is_bounded(ca_io::perform::DIVERGED) {
             ledger.look(p.state.tick as f64 * scene.sample_dt, p.state.ledger.as_deref());
         }
@@ -69,6 +75,7 @@ pub(super) fn report(args: &ReportArgs) -> Result<(String, Report), Failure> {
     ledger.diverged_at = divergence.as_ref().map(|b| b.time);
     let title = if scene.title.is_empty() { &loaded.name } else { &scene.title };
     let mut report = Report::new(title, &format!("`{}`, {}", source_name(&loaded), finished()));
+    report.picture = parts::picture(&film)?;
     report.notes = parts::notes(&sound, divergence.is_some());
     if let Some(divergence) = &divergence {
         report.notes.insert(0, (Weight::Warning, divergence.to_string()));

@@ -1,0 +1,121 @@
+//! A performance as a film: displacements of what is drawn, so many times a second, small enough for a page.
+//!
+//! Decides for 16 bits a number, of the largest displacement on a line and in space each, and for the difference to the picture
+//! before, low bytes and high bytes apart, which a general compressor makes small: no codec of our own. What would be too
+//! much has fewer pictures a second first, and then fewer masses.
+
+use crate::Drawing;
+use ca_core::Scene;
+use flate2::Compression;
+use flate2::write::ZlibEncoder;
+use serde_json::{Value, json};
+use std::io::Write as _;
+
+/// Pictures a second, at most and at least.
+const MOST: f64 = 60.0;
+const LEAST: f64 = 20.0;
+/// Numbers of a whole film: with 2 bytes each and as text, 5 MB at most.
+const NUMBERS: f64 = 1.8e6;
+/// Masses that are drawn in any case.
+const FEW: usize = 100;
+
+/// A film.
+pub struct Film {
+    drawing: Drawing,
+    /// pictures a second
+    rate: f64,
+    numbers: usize,
+    /// whether a number is of a mass in space (numbers)
+    space: Vec<bool>,
+    /// all pictures \[m\]
+    views: Vec<f32>,
+    frames: usize,
+    bytes: Vec<u8>,
+}
+
+impl Film {
+    /// For so many seconds of a scene.
+    pub fn new(scene: &Scene, seconds: f64) -> Film {
+        let mut drawing = Drawing::new(scene);
+        let fits = |numbers: usize| NUMBERS / (numbers.max(1) as f64 * seconds.max(0.1));
+        let mut numbers = drawing.bytes / 4;
+        if fits(numbers) < LEAST {
+            let share = fits(numbers) / LEAST;
+            drawing = Drawing::of_at_most(scene, ((drawing.masses() as f64 * share) as usize).max(FEW));
+            numbers = drawing.bytes / 4;
+        }
+        let rate = fits(numbers).clamp(1.0, MOST);
+        let space = drawing.source.iter().flat_map(|s| {
+            let n = if matches!(s, crate::graph::Source::Space(_)) { 3 } else { 1 };
+            std::iter::repeat_n(n == 3, n)
+        });
+        let space = space.collect();
+        Film { rate, numbers, space, views: Vec::new(), frames: 0, bytes: Vec::new(), drawing }
+    }
+
+    /// The positions of a state at a time \[s\]; kept where a picture is due.
+    pub fn look(&mut self, time: f64, x: &[f64]) {
+        // as many as are due by now: one that came late stands for those that are missing
+        let due = (time * self.rate + 1e-9).floor() as usize + 1;
+        if due <= self.frames || !time.is_finite() {
+            return;
+        }
+        self.bytes.clear();
+        self.drawing.view(x, &mut self.bytes);
+        let of = |b: &[u8]| {
+            let v = f32::from_le_bytes([b[0], b[1], b[2], b[3]]);
+            if v.is_finite() { v } else { 0.0 }
+        };
+        let view: Vec<f32> = self.bytes.chunks_exact(4).map(of).collect();
+        while self.frames < due && (self.views.len() + self.numbers) as f64 <= 2.0 * NUMBERS {
+            self.views.extend_from_slice(&view);
+            self.frames += 1;
+        }
+    }
+
+    /// How many pictures there are a second.
+    pub fn rate(&self) -> f64 {
+        self.rate
+    }
+
+    /// How many pictures there are.
+    pub fn frames(&self) -> usize {
+        self.frames
+    }
+
+    /// As a page reads it: the `drawing`, `rate` \[1/s\], `frames`, `scale` of a number on a line and in space \[m\], and `bytes`: differences
+    /// of 16 bits, first all low bytes, then all high bytes, compressed (zlib).
+    ///
+    /// # Errors
+    /// Where the compressor has no memory.
+    pub fn json(&self) -> std::io::Result<(Value, Vec<u8>)> {
+        let most = |space: bool| {
+            let all = self.views.chunks_exact(self.numbers.max(1)).flat_map(|v| v.iter().zip(&self.space));
+            let largest = all.filter(|(_, s)| **s == space).map(|(v, _)| v.abs()).fold(0.0_f32, f32::max);
+            if largest > 0.0 { largest / 32767.0 } else { 1.0 }
+        };
+        let scale = [most(false), most(true)];
+        let mut before = vec![0_i16; self.numbers];
+        let (mut low, mut high) = (Vec::with_capacity(self.views.len()), Vec::with_capacity(self.views.len()));
+        for view in self.views.chunks_exact(self.numbers.max(1)) {
+            for ((v, space), before) in view.iter().zip(&self.space).zip(&mut before) {
+                let now = (v / scale[usize::from(*space)]).round() as i16;
+                let [l, h] = now.wrapping_sub(*before).to_le_bytes();
+                low.push(l);
+                high.push(h);
+                *before = now;
+            }
+        }
+        let mut out = ZlibEncoder::new(Vec::new(), Compression::best());
+        out.write_all(&low)?;
+        out.write_all(&high)?;
+        let about = json!({
+            "drawing": self.drawing.json(),
+            "rate": self.rate,
+            "frames": self.frames,
+            "numbers": self.numbers,
+            "scale": scale,
+        });
+        Ok((about, out.finish()?))
+    }
+}
