@@ -56,8 +56,8 @@ impl Film {
     /// The positions of a state at a time \[s\]; kept where a picture is due.
     pub fn look(&mut self, time: f64, x: &[f64]) {
         // as many as are due by now: one that came late stands for those that are missing
-        let due = (time * self.rate + 1e-9).floor() as usize + 1;
-        if due <= self.frames || !time.is_finite() {
+        let due = ((time * self.rate + 1e-9).floor() as usize).saturating_add(1);
+        if due <= self.frames || !time.is_finite() || time < 0.0 {
             return;
         }
         self.bytes.clear();

@@ -133,6 +133,16 @@ impl Tab {
         self.command("Page.captureScreenshot", &json!({}))["data"].as_str().unwrap().into()
     }
 
+    /// An element as it is drawn now.
+    pub fn part(&mut self, id: &str) -> String {
+        let place = self.js(&format!(
+            "(() => {{ const r = document.getElementById('{id}').getBoundingClientRect(); return [r.x, r.y, r.width, r.height]; }})()"
+        ));
+        let [x, y, width, height] = [0, 1, 2, 3].map(|k| place[k].as_f64().unwrap());
+        let clip = json!({"x": x, "y": y, "width": width, "height": height, "scale": 1});
+        self.command("Page.captureScreenshot", &json!({ "clip": clip }))["data"].as_str().unwrap().into()
+    }
+
     /// What went wrong in the page: exceptions, and messages that are errors or warnings.
     pub fn errors(&mut self) -> Vec<String> {
         // the software renderer of a machine without a screen says that it is slow

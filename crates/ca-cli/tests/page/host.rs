@@ -89,7 +89,8 @@ impl Drop for Host {
     }
 }
 
-fn command(dir: &std::path::Path) -> Command {
+/// The command in a place.
+pub fn command(dir: &std::path::Path) -> Command {
     let mut c = Command::new(env!("CARGO_BIN_EXE_ca"));
     c.current_dir(dir).env("CA_SHM_ROOT", dir.join("s")).env("CA_CONFIG", dir.join("c"));
     c

@@ -158,6 +158,46 @@ mod in_real_time {
         midi_osc::plays();
     }
 
+    /// The page of a report without a server: what moves is drawn at the time that is chosen, there and in the waveform.
+    #[test]
+    fn a_report_shows_the_moving_instrument() {
+        let dir = tempfile::tempdir().unwrap();
+        std::fs::write(dir.path().join("model.ca.toml"), STRING).unwrap();
+        let page = dir.path().join("r.html");
+        let mut report = host::command(dir.path());
+        report.args(["report", "model.ca.toml", "-q", "--seconds", "1", "--accuracy", "0", "-o", "r.html"]);
+        assert!(report.status().unwrap().success());
+        let Some(mut tab) = browser::Tab::open(&format!("file://{}", page.display())) else { return };
+        let film = |tab: &mut browser::Tab| tab.js("document.documentElement.dataset.film");
+        until("it is drawn", || film(&mut tab) == "0.000");
+        assert_eq!(tab.js("+document.documentElement.dataset.filmFrames >= 60"), true);
+        let still = tab.part("filmCanvas");
+        tab.js("(() => { const s = document.getElementById('filmAt'); s.value = 0.03; s.dispatchEvent(new Event('input')); })()");
+        until("it goes to the time that is chosen", || film(&mut tab) == "0.030");
+        assert_ne!(tab.part("filmCanvas"), still, "it moves");
+        assert_eq!(tab.js("document.querySelector('audio').currentTime.toFixed(3)"), "0.030");
+        // a click in a plot over time
+        tab.js("document.querySelector('.u-over').scrollIntoView({ behavior: 'instant' })");
+        let place = tab.js(
+            "(() => { const r = document.querySelector('.u-over').getBoundingClientRect(); return [r.x + r.width / 2, r.y + 20]; })()",
+        );
+        let [x, y] = [0, 1].map(|k| place[k].as_f64().unwrap());
+        tab.mouse("mousePressed", x, y);
+        tab.mouse("mouseReleased", x, y);
+        until("the player goes there", || {
+            tab.js("document.querySelector('audio').currentTime").as_f64().is_some_and(|t| (t - 0.5).abs() < 0.02)
+        });
+        tab.js("document.getElementById('film').scrollIntoView({ behavior: 'instant' })");
+        until("and the picture", || {
+            film(&mut tab).as_str().is_some_and(|t| (t.parse::<f64>().unwrap() - 0.5).abs() < 0.02)
+        });
+        assert_eq!(
+            tab.js("document.documentElement.dataset.errors + document.documentElement.dataset.violations"),
+            "00"
+        );
+        assert_eq!(tab.errors(), Vec::<String>::new());
+    }
+
     /// In a browser: the page opens without an error, moves, and a mouse that drags a mass holds it and sounds.
     #[test]
     fn a_mouse_in_a_browser_plays() {

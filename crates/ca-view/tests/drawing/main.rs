@@ -1,6 +1,7 @@
 //! Drawings of all bundled models, of what is large and of what is linked at random.
 
 mod check;
+mod film;
 mod random;
 
 use ca_view::Drawing;
