@@ -29,13 +29,12 @@ pub struct ServeArgs {
     /// Writes the sound to a WAV file
     #[arg(short, long, value_name = "FILE.wav")]
     pub output: Option<PathBuf>,
-    /// Plays the sound on the system's sound device, whose clock the gesture frames follow: a device by name, `jack`,
-    /// or the default one. Needs a build with the feature `audio`
+    /// Plays the sound on a sound device, whose clock the gesture frames follow: `jack`, or with the feature `audio` a device by
+    /// name or the default one. `ca play` takes a JACK server that is there; `page` leaves the sound to the page
     #[arg(long, value_name = "DEVICE", num_args = 0..=1, default_missing_value = "", conflicts_with = "clock")]
     pub audio: Option<String>,
     /// Frames the sound device is given at once; 256, or what its server decides
     #[arg(long, value_name = "FRAMES", requires = "audio", value_parser = clap::value_parser!(u32).range(1..=65536))]
-    #[cfg_attr(not(feature = "audio"), allow(dead_code))]
     pub audio_buffer: Option<u32>,
     /// Writes a take: every frame, event and sample, to be played again by `ca replay`
     #[arg(long, value_name = "FILE.mcap")]

@@ -108,7 +108,7 @@ fn ears() {
         // what is under way is there before this turn is over
         std::thread::sleep(Duration::from_millis(10));
         if !listens && !over {
-            let speaks = client.as_client().ports(Some("cpal_client_.*:out_0"), None, jack::PortFlags::empty());
+            let speaks = client.as_client().ports(Some("ca.*:out_0"), None, jack::PortFlags::empty());
             listens = speaks.first().is_some_and(|p| client.as_client().connect_ports_by_name(p, &ours).is_ok());
         }
         loop {
@@ -226,7 +226,30 @@ fn what_no_device_plays_is_refused_before_anything_is_written() {
     run(&nobody, &["--audio", "jack"]).says(&["no JACK server answers", "jackd -d"]);
     run(&nobody, &["--audio", "organ"]).says(&["no sound device `organ`", "there is"]);
     let Some(jack) = Jack::start(&stage, 128) else { return };
-    run(&jack, &["--audio", "organ"]).says(&["jack:output"]);
+    run(&jack, &["--audio", "organ"]).says(&["`jack`"]);
     run(&jack, &["--audio", "jack", "--rate", "96 kHz"]).says(&["48000 Hz, not at 96000", "--rate 48000Hz"]);
     run(&jack, &["--audio", "jack", "--audio-buffer", "64"]).says(&["buffers of 128 frames, not 64", "-p 64"]);
+}
+
+/// `ca play` takes a server that is there, unasked, unless it does not play the model as it is.
+#[test]
+fn a_server_that_is_there_is_played_in_a_page_too() {
+    let stage = Stage::new();
+    stage.put("bar.ca.toml", BAR);
+    let Some(jack) = Jack::start(&stage, 256) else { return };
+    let play = |more: &[&str]| {
+        let args = ["play", "bar.ca.toml", "--no-open", "--seconds", "1", "--json"];
+        let played = jack.ca(&stage, &[&args[..], more].concat()).end();
+        (played.json(), played.err)
+    };
+    let (reported, _) = play(&[]);
+    assert_eq!(
+        (&reported["audio"]["host"], &reported["audio"]["rate"]),
+        (&"JACK".into(), &48_000.into()),
+        "{reported:#}"
+    );
+    let (reported, err) = play(&["--rate", "44.1 kHz"]);
+    assert!(reported["audio"].is_null() && err.contains("the page plays the sound"), "{reported:#} {err}");
+    let (reported, _) = play(&["--audio", "page"]);
+    assert!(reported["audio"].is_null(), "{reported:#}");
 }

@@ -20,9 +20,8 @@ fn decoded(film: &Film) -> (Vec<Vec<f64>>, serde_json::Value, usize) {
     let (low, high) = bytes.split_at(n * frames);
     let mut now = vec![0_i16; n];
     let view = |f: usize| {
-        for i in 0..n {
-            let at = f * n + i;
-            now[i] = now[i].wrapping_add(i16::from_le_bytes([low[at], high[at]]));
+        for (now, at) in now.iter_mut().zip(f * n..) {
+            *now = now.wrapping_add(i16::from_le_bytes([low[at], high[at]]));
         }
         now.iter().zip(&scales).map(|(v, s)| f64::from(*v) * s).collect()
     };
@@ -88,10 +87,10 @@ fn a_film_of_too_much_is_small() {
         let mut x = vec![0.0; scene.n_mat];
         let mut seed = 1_u32;
         for n in 0..(seconds * 60.0) as u32 {
-            x.iter_mut().for_each(|x| {
+            for x in &mut x {
                 seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
                 *x = f64::from(seed >> 8);
-            });
+            }
             film.look(f64::from(n) / 60.0, &x);
         }
         let (about, packed) = film.json().unwrap();

@@ -56,13 +56,12 @@ impl Desk {
         args: &PlayArgs,
         edit: Edit,
     ) -> Desk {
-        let sound = if args.serve.audio.is_some() { "device" } else { "page" };
         Desk {
             page,
             drawing,
             scene,
             stats: sink.stats(),
-            sound: sound.into(),
+            sound: "page".into(),
             allow_arm: args.allow_arm,
             holder: None,
             name: name.into(),
@@ -72,6 +71,11 @@ impl Desk {
             next: None,
             news: Instant::now(),
         }
+    }
+
+    /// Something else plays the sound.
+    pub(crate) fn sounds_by(&mut self, host: &str) {
+        self.sound = host.into();
     }
 
     /// One turn: what was asked, and now and then how it goes. True where somebody asked to stop.

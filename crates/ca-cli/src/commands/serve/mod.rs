@@ -6,7 +6,6 @@
 //! goes to a device only where that is asked.
 
 mod answer;
-#[cfg_attr(not(feature = "audio"), path = "no_audio.rs")]
 mod audio;
 mod inputs;
 mod setup;
@@ -131,7 +130,7 @@ pub(crate) fn session(args: &ServeArgs, page: Option<&PlayArgs>) -> Outcome {
     let (mut ends, gateway_ends, recorder_ends) = rings(&scene, names.len(), pictures);
     let shared = Arc::new(Shared::default());
     let mut recorder = Recorder::new(recorder_ends, shared.clone(), scene.clone(), &engine.ports, sinks);
-    let (playing, follow) = audio::open(args, &scene, &mut recorder)?.unzip();
+    let (mut playing, follow) = audio::open(args, &scene, &mut recorder, page.is_some())?.unzip();
     ends.audio = follow;
     let mut inputs = Inputs::open(args, &scene, page.is_some())?;
     inputs.said().into_iter().for_each(|text| recorder.say(false, text));
@@ -159,7 +158,10 @@ pub(crate) fn session(args: &ServeArgs, page: Option<&PlayArgs>) -> Outcome {
     };
     let frames = args.seconds.map(|s| (s * frame_rate).round().max(1.0) as u64);
     let live = Live::new(engine, ends, shared.clone(), clock, every);
-    playing.as_ref().map_or(Ok(()), audio::Playing::start)?;
+    playing.as_mut().map_or(Ok(()), audio::Playing::start)?;
+    if let Some((desk, playing)) = desk.as_mut().zip(playing.as_ref()) {
+        desk.sounds_by(playing.host());
+    }
     let (thread, granted) = engine_thread(live, rt_request(args, 0), frames)?;
     unplayed.0 = None;
     let mut threads = vec![("engine".to_string(), granted)];

@@ -4,46 +4,31 @@
 //! converted to another rate here. Its callback takes samples from a ring and reads the clock, no more; what a device
 //! complains of is reported by the recorder.
 
-use crate::args::ServeArgs;
+use super::{Output as Any, Playing};
 use crate::{Failure, load};
 use ca_core::Scene;
 use ca_haptic::rt::now_ns;
 use ca_haptic::serve::Recorder;
-use ca_haptic::serve::audio::{Counts, Follow, PlaybackDevice, link};
+use ca_haptic::serve::audio::{Follow, PlaybackDevice, link};
 use cpal::traits::{DeviceTrait as _, HostTrait as _, StreamTrait as _};
 use cpal::{
     BufferSize, Device, ErrorKind, HostId, SampleFormat, StreamConfig, SupportedBufferSize, SupportedStreamConfigRange,
 };
-use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
-use std::sync::mpsc::{Receiver, channel};
-use std::time::{Duration, Instant};
+use std::sync::mpsc::channel;
 
 /// Frames a device is given at once where nobody says and it has a choice.
 const BUFFER: u32 = 256;
-/// What is in the ring at the end is waited for at most so long, besides the time it takes to play.
-const LATE: Duration = Duration::from_millis(200);
-
-/// An open device.
-pub(super) struct Playing {
-    stream: cpal::Stream,
-    counts: Arc<Counts>,
-    words: Receiver<String>,
-    name: String,
-}
-
-/// Opens what was asked for, and hands the engine's side of it to engine and recorder; `None` where nothing was.
+/// Opens what was asked for, and hands the engine's side of it to engine and recorder.
 pub(super) fn open(
-    args: &ServeArgs,
+    wanted: &str,
+    buffer: Option<u32>,
     scene: &Scene,
     recorder: &mut Recorder,
-) -> Result<Option<(Playing, Follow)>, Failure> {
-    let Some(wanted) = &args.audio else { return Ok(None) };
-    // what the library would print, cpal says in words of its own
-    jack::set_logger(jack::LoggerType::None);
+) -> Result<(Playing, Follow), Failure> {
     let (host, device) = find(wanted)?;
     let name = device.to_string();
-    let (config, buffer) = fit(&device, scene, args.audio_buffer)?;
+    let (config, buffer) = fit(&device, scene, buffer)?;
     let wide = config.channels as usize;
     let who = PlaybackDevice {
         host: host.name().into(),
@@ -76,29 +61,18 @@ pub(super) fn open(
         )
         .map_err(failed)?;
     recorder.hears(watch);
-    Ok(Some((Playing { stream, counts, words, name }, follow)))
+    let output = Any::Device(Output { stream });
+    Ok((Playing { output, counts, words, name, host: host.name() }, follow))
 }
 
-impl Playing {
-    /// From now on the device asks.
-    pub(super) fn start(&self) -> Result<(), Failure> {
-        self.stream.play().map_err(|e| Failure::Failed(format!("`{}` does not start: {e}", self.name)))
-    }
+/// An open device.
+pub(super) struct Output {
+    stream: cpal::Stream,
+}
 
-    /// What the device complains of.
-    pub(super) fn turn(&self, recorder: &mut Recorder) {
-        for text in self.words.try_iter() {
-            recorder.say(true, format!("{}: {text}", self.name));
-        }
-    }
-
-    /// Lets what the engine left be heard.
-    pub(super) fn end(self, rate: f64) {
-        let left = 2.0 * self.counts.lead.load(Relaxed) as f64 / rate;
-        let end = Instant::now() + LATE + Duration::from_secs_f64(left);
-        while !self.counts.done.load(Relaxed) && Instant::now() < end {
-            std::thread::sleep(Duration::from_millis(1));
-        }
+impl Output {
+    pub(super) fn start(&self) -> Result<(), cpal::Error> {
+        self.stream.play()
     }
 }
 
@@ -112,15 +86,7 @@ fn find(wanted: &str) -> Result<(HostId, Device), Failure> {
     }
     if let Ok(id) = wanted.parse::<HostId>() {
         let host = cpal::host_from_id(id).map_err(|e| Failure::Failed(format!("--audio {wanted}: {e}")))?;
-        let none = || {
-            let how = if id == HostId::Jack {
-                "no JACK server answers; start one, e.g. `jackd -d alsa -r 48000 -p 64`, or name it in \
-                 JACK_DEFAULT_SERVER"
-            } else {
-                "it has no device that plays"
-            };
-            Failure::Failed(format!("--audio {wanted}: {how}"))
-        };
+        let none = || Failure::Failed(format!("--audio {wanted}: it has no device that plays"));
         return Ok((id, host.default_output_device().ok_or_else(none)?));
     }
     let is = |d: &Device| {
@@ -138,7 +104,10 @@ fn all() -> Vec<(HostId, Device)> {
 }
 
 fn there_is() -> String {
-    let names: Vec<String> = all().iter().filter_map(|(_, d)| Some(d.id().ok()?.to_string())).collect();
+    let mut names: Vec<String> = all().iter().filter_map(|(_, d)| Some(d.id().ok()?.to_string())).collect();
+    if super::jack::is_there() {
+        names.push("jack".into());
+    }
     if names.is_empty() {
         return "there is none; a JACK server is one, `--audio jack`".into();
     }

@@ -1,0 +1,150 @@
+//! Sound by a JACK server, as PipeWire is one.
+//!
+//! Decides that a server is never started from here, and taken as it is: its rate and its buffer are its own, and a model of another
+//! rate is refused with the rate to say. The callback fills a buffer of its own and hands it out channel by channel; it
+//! neither allocates nor locks.
+
+use super::{Output as Any, Playing};
+use crate::Failure;
+use ca_core::Scene;
+use ca_haptic::rt::now_ns;
+use ca_haptic::serve::Recorder;
+use ca_haptic::serve::audio::{Counts, Follow, PlaybackDevice, Player, link};
+use jack::{
+    AsyncClient, AudioOut, Client, ClientOptions, Control, Frames, LatencyType, NotificationHandler, Port, PortFlags,
+    ProcessHandler, ProcessScope,
+};
+use std::sync::Arc;
+use std::sync::atomic::Ordering::Relaxed;
+use std::sync::mpsc::{Sender, channel};
+
+/// Frames that are filled at once: more than a server asks for.
+const MOST: usize = 8192;
+
+/// A client of a server, before and after it plays.
+pub(super) struct Output {
+    waits: Option<(Client, Process, Notes)>,
+    plays: Option<AsyncClient<Notes, Process>>,
+    /// names of our ports
+    ports: Vec<String>,
+    counts: Arc<Counts>,
+    rate: f64,
+    words: Sender<String>,
+}
+
+/// Opens a client: [`Failure::Failed`] where no server answers, [`Failure::Usage`] where it does not play the scene as it is.
+pub(super) fn open(scene: &Scene, buffer: Option<u32>, recorder: &mut Recorder) -> Result<(Playing, Follow), Failure> {
+    let none = |_| {
+        let how =
+            "no JACK server answers; start one, e.g. `jackd -d alsa -r 48000 -p 64`, or name it in JACK_DEFAULT_SERVER";
+        Failure::Failed(format!("--audio jack: {how}"))
+    };
+    let (client, _) = Client::new("ca", ClientOptions::NO_START_SERVER).map_err(none)?;
+    let (rate, frames) = (client.sample_rate(), client.buffer_size());
+    if f64::from(rate) != scene.rate {
+        let why = format!("JACK plays at {rate} Hz, not at {}; say `--rate {rate}Hz`", scene.rate);
+        return Err(Failure::Usage(why));
+    }
+    if let Some(n) = buffer.filter(|n| *n != frames) {
+        let why =
+            format!("JACK is asked in buffers of {frames} frames, not {n}; its server decides that (jackd -p {n})");
+        return Err(Failure::Usage(why));
+    }
+    // one channel is heard on both sides
+    let wide = if scene.channels == 1 { 2 } else { scene.channels };
+    let failed = |e: jack::Error| Failure::Failed(format!("--audio jack: {e}"));
+    let ports: Vec<Port<AudioOut>> = (0..wide)
+        .map(|k| client.register_port(&format!("out_{k}"), AudioOut::default()))
+        .collect::<Result<_, _>>()
+        .map_err(failed)?;
+    let names: Vec<String> = ports.iter().map(Port::name).collect::<Result<_, _>>().map_err(failed)?;
+    let name = client.name().to_string();
+    let who = PlaybackDevice { host: "JACK".into(), device: name.clone(), rate, channels: wide as u16 };
+    let (follow, player, watch) = link(scene.channels, scene.ratio, who, frames);
+    let (tell, words) = channel();
+    let counts = watch.counts.clone();
+    let process = Process { ports, player, mixed: vec![0.0; MOST * wide] };
+    let notes = Notes { counts: counts.clone() };
+    recorder.hears(watch);
+    let output = Output {
+        waits: Some((client, process, notes)),
+        plays: None,
+        ports: names,
+        counts: counts.clone(),
+        rate: f64::from(rate),
+        words: tell,
+    };
+    Ok((Playing { output: Any::Jack(Box::new(output)), counts, words, name, host: "JACK" }, follow))
+}
+
+/// Whether a server answers.
+#[cfg(feature = "audio")]
+pub(super) fn is_there() -> bool {
+    Client::new("ca", ClientOptions::NO_START_SERVER).is_ok()
+}
+
+impl Output {
+    pub(super) fn start(&mut self) -> Result<(), jack::Error> {
+        let Some((client, process, notes)) = self.waits.take() else { return Ok(()) };
+        let plays = client.activate_async(notes, process)?;
+        let client = plays.as_client();
+        let to = client.ports(None, Some("32 bit float mono audio"), PortFlags::IS_PHYSICAL | PortFlags::IS_INPUT);
+        for (ours, to) in self.ports.iter().zip(&to) {
+            if let Err(e) = client.connect_ports_by_name(ours, to) {
+                let _ = self.words.send(format!("{ours} is not connected to {to}: {e}"));
+            }
+        }
+        let port = self.ports.first().and_then(|p| client.port_by_name(p));
+        let late = port.map_or(0, |p| p.get_latency_range(LatencyType::Playback).1);
+        self.counts.delay.store((f64::from(late) / self.rate * 1e9) as u64, Relaxed);
+        self.plays = Some(plays);
+        Ok(())
+    }
+
+    /// Without a word to the server.
+    pub(super) fn leave(self) {
+        std::mem::forget(self.plays);
+    }
+}
+
+/// What a server tells beside asking. That it has ended is seen by its not asking.
+struct Notes {
+    counts: Arc<Counts>,
+}
+
+impl NotificationHandler for Notes {
+    fn xrun(&mut self, _: &Client) -> Control {
+        self.counts.xruns.fetch_add(1, Relaxed);
+        Control::Continue
+    }
+}
+
+/// What it asks.
+struct Process {
+    ports: Vec<Port<AudioOut>>,
+    player: Player,
+    /// interleaved
+    mixed: Vec<f32>,
+}
+
+impl ProcessHandler for Process {
+    fn process(&mut self, _: &Client, scope: &ProcessScope) -> Control {
+        let (at, wide) = (now_ns(), self.ports.len());
+        let (mut from, all) = (0, scope.n_frames() as usize);
+        while from < all {
+            let n = (all - from).min(MOST);
+            let mixed = &mut self.mixed[..n * wide];
+            self.player.fill(mixed, wide, at);
+            for (k, port) in self.ports.iter_mut().enumerate() {
+                let out = port.as_mut_slice(scope).iter_mut().skip(from);
+                out.zip(mixed[k..].iter().step_by(wide)).for_each(|(to, x)| *to = *x);
+            }
+            from += n;
+        }
+        Control::Continue
+    }
+
+    fn buffer_size(&mut self, _: &Client, _: Frames) -> Control {
+        Control::Continue
+    }
+}

@@ -1,0 +1,125 @@
+//! Sound straight to whatever plays it: a JACK server ([`jack`]), or a sound device of the system (`device`, feature `audio`).
+//!
+//! Decides that JACK is spoken to by its library, loaded at run time, so that a build needs no headers, and a machine without it
+//! runs the same program; and that `ca play` takes a server that is there and plays the model as it is, unasked, while it says
+//! nothing of one that is not.
+
+#[cfg(feature = "audio")]
+mod device;
+mod jack;
+
+use crate::args::ServeArgs;
+use crate::{Failure, term};
+use ca_core::Scene;
+use ca_haptic::serve::Recorder;
+use ca_haptic::serve::audio::{Counts, Follow};
+use std::sync::Arc;
+use std::sync::atomic::Ordering::Relaxed;
+use std::sync::mpsc::Receiver;
+use std::time::{Duration, Instant};
+
+/// What is in the ring at the end is waited for at most so long, besides the time it takes to play.
+const LATE: Duration = Duration::from_millis(200);
+
+/// Something that plays.
+pub(super) struct Playing {
+    output: Output,
+    counts: Arc<Counts>,
+    words: Receiver<String>,
+    name: String,
+    host: &'static str,
+}
+
+enum Output {
+    Jack(Box<jack::Output>),
+    #[cfg(feature = "audio")]
+    Device(device::Output),
+}
+
+/// Opens what was asked for, or a JACK server that is there where `plays` says that nobody needs to ask, and hands the engine's
+/// side of it to engine and recorder; `None` where nothing was.
+pub(super) fn open(
+    args: &ServeArgs,
+    scene: &Scene,
+    recorder: &mut Recorder,
+    plays: bool,
+) -> Result<Option<(Playing, Follow)>, Failure> {
+    match args.audio.as_deref() {
+        Some("page") if plays => Ok(None),
+        Some("page") => Err(Failure::Usage("--audio page: `ca serve` has no page; `ca play` does".into())),
+        Some("jack") => match jack::open(scene, args.audio_buffer, recorder) {
+            Err(Failure::Usage(why)) => Err(Failure::Failed(format!("--audio jack: {why}"))),
+            opened => opened.map(Some),
+        },
+        Some(wanted) => device(wanted, args, scene, recorder).map(Some),
+        None if plays && scene.channels > 0 && args.clock == crate::args::ClockKind::Monotonic => {
+            match jack::open(scene, None, recorder) {
+                Ok(playing) => Ok(Some(playing)),
+                Err(Failure::Usage(why)) => {
+                    term::note(&format!("{why}; the page plays the sound"));
+                    Ok(None)
+                }
+                // no server: what most machines are
+                Err(_) => Ok(None),
+            }
+        }
+        None => Ok(None),
+    }
+}
+
+#[cfg(feature = "audio")]
+fn device(
+    wanted: &str,
+    args: &ServeArgs,
+    scene: &Scene,
+    recorder: &mut Recorder,
+) -> Result<(Playing, Follow), Failure> {
+    device::open(wanted, args.audio_buffer, scene, recorder)
+}
+
+#[cfg(not(feature = "audio"))]
+fn device(wanted: &str, _: &ServeArgs, _: &Scene, _: &mut Recorder) -> Result<(Playing, Follow), Failure> {
+    let wanted = if wanted.is_empty() { "--audio".into() } else { format!("--audio {wanted}") };
+    Err(Failure::Failed(format!(
+        "{wanted}: this `ca` plays by a JACK server (`--audio jack`), and is built without other sound devices; `cargo install \
+         --path crates/ca-cli --features audio` builds one with them (on Linux with the headers of ALSA: libasound2-dev)"
+    )))
+}
+
+impl Playing {
+    /// From now on it asks.
+    pub(super) fn start(&mut self) -> Result<(), Failure> {
+        let started = match &mut self.output {
+            Output::Jack(output) => output.start().map_err(|e| e.to_string()),
+            #[cfg(feature = "audio")]
+            Output::Device(output) => output.start().map_err(|e| e.to_string()),
+        };
+        started.map_err(|e| Failure::Failed(format!("`{}` does not start: {e}", self.name)))
+    }
+
+    /// What plays, for a page.
+    pub(super) fn host(&self) -> &'static str {
+        self.host
+    }
+
+    /// What it complains of.
+    pub(super) fn turn(&self, recorder: &mut Recorder) {
+        for text in self.words.try_iter() {
+            recorder.say(true, format!("{}: {text}", self.name));
+        }
+    }
+
+    /// Lets what the engine left be heard.
+    pub(super) fn end(self, rate: f64) {
+        let left = 2.0 * self.counts.lead.load(Relaxed) as f64 / rate;
+        let end = Instant::now() + LATE + Duration::from_secs_f64(left);
+        while !self.counts.done.load(Relaxed) && Instant::now() < end {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        match self.output {
+            // a server that is gone would be waited for without end
+            Output::Jack(output) if !self.counts.done.load(Relaxed) => output.leave(),
+            _ => {}
+        }
+    }
+}
