@@ -127,6 +127,6 @@ fn setup_installs_nothing_without_need_or_right() {
     let (said, asked) = set_up(all.path());
     assert_eq!((said.lines().count(), asked.as_str()), (1, ""), "{said}");
     let (said, asked) = set_up(machine("1000", &["faust", "c++"]).path());
-    assert!(said.contains("sudo apt-get install jackd2 libjack-jackd2-dev"), "{said}");
+    assert!(said.contains("sudo apt-get install jackd2 libasound2-dev"), "{said}");
     assert_eq!(asked, "", "{said}");
 }
