@@ -1,6 +1,8 @@
 //! A real Chromium without a screen, spoken to by its DevTools protocol.
 
 use crate::skipped::skipped;
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};
 use std::io::{BufRead as _, BufReader, Read as _};
 use std::net::TcpStream;
@@ -141,6 +143,22 @@ impl Tab {
         let [x, y, width, height] = [0, 1, 2, 3].map(|k| place[k].as_f64().unwrap());
         let clip = json!({"x": x, "y": y, "width": width, "height": height, "scale": 1});
         self.command("Page.captureScreenshot", &json!({ "clip": clip }))["data"].as_str().unwrap().into()
+    }
+
+    /// A window of this size, and the colours that its person prefers.
+    pub fn looks(&mut self, width: u32, height: u32, colours: &str) {
+        let size = json!({"width": width, "height": height, "deviceScaleFactor": 1, "mobile": false});
+        self.command("Emulation.setDeviceMetricsOverride", &size);
+        let media = json!({"features": [{"name": "prefers-color-scheme", "value": colours}]});
+        self.command("Emulation.setEmulatedMedia", &media);
+        self.command("Page.reload", &json!({}));
+    }
+
+    /// The window as it is now, small.
+    pub fn webp(&mut self) -> Vec<u8> {
+        let asked = json!({"format": "webp", "quality": 80});
+        let text = self.command("Page.captureScreenshot", &asked)["data"].as_str().unwrap().to_owned();
+        STANDARD.decode(text).unwrap()
     }
 
     /// What went wrong in the page: exceptions, and messages that are errors or warnings.

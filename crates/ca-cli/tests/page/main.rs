@@ -5,6 +5,7 @@ mod browser;
 mod host;
 #[cfg(unix)]
 mod midi_osc;
+mod pictures;
 #[path = "../../../../tests/src/skipped.rs"]
 mod skipped;
 
@@ -156,6 +157,11 @@ mod in_real_time {
     #[test]
     fn midi_and_osc_play_and_are_replayed_to_the_bit() {
         midi_osc::plays();
+    }
+
+    #[test]
+    fn pictures_of_the_page_are_made() {
+        pictures::are_made();
     }
 
     /// The page of a report without a server: what moves is drawn at the time that is chosen, there and in the waveform.

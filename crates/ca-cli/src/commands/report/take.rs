@@ -16,6 +16,7 @@ use ca_haptic::frame::{DeviceFrame, ForceFrame, Mode};
 use ca_haptic::guard::Order;
 use ca_haptic::take::{End, Event, Replay, Rt, Take};
 use ca_report::{Axis, Block, Curve, Envelope, Grid, Look, Mark, Plot, Report, Section, Sound, Table, Weight};
+use ca_view::Film;
 use std::collections::VecDeque;
 use std::path::Path;
 
@@ -62,7 +63,7 @@ pub(super) fn report(args: &ReportArgs, file: &Path) -> Result<(String, Report),
     if records + samples + views > 0 {
         note(format!("lost on the way to the file: {records} records, {samples} sound samples, {views} views"));
     }
-    let again = again(&take);
+    let again = again(&take, summary.seconds);
     if let Err(why) = &again {
         note(why.clone());
     }
@@ -81,7 +82,7 @@ pub(super) fn report(args: &ReportArgs, file: &Path) -> Result<(String, Report),
     for (name, value) in &h.changes {
         facts.add("changed", format!("{name} = {value}"));
     }
-    if let Ok((verdict, _)) = &again {
+    if let Ok((verdict, ..)) = &again {
         facts.add("played again", verdict.clone());
     }
     report.sections.push(facts.section());
@@ -104,7 +105,10 @@ pub(super) fn report(args: &ReportArgs, file: &Path) -> Result<(String, Report),
         report.sections.push(Section::new("Events", blocks));
     }
     report.sections.extend(loops.section(h.rate, h.rate / f64::from(h.ratio)));
-    if let (Ok((_, ledger)), Ok(scene)) = (&again, &scene) {
+    if let Ok((.., film)) = &again {
+        report.picture = parts::picture(film)?;
+    }
+    if let (Ok((_, ledger, _)), Ok(scene)) = (&again, &scene) {
         report.sections.extend(ledger.section(scene, scene.equivalence.of("").energy()));
     }
     report.sections.extend(modes.map(|m| m.section()));
@@ -114,12 +118,14 @@ pub(super) fn report(args: &ReportArgs, file: &Path) -> Result<(String, Report),
     Ok((name, report))
 }
 
-/// The verdict of a replay in words, and its energy ledger; or why there is none.
-fn again(take: &Take) -> Result<(String, EnergyOverTime), String> {
+/// The verdict of a replay in words, its energy ledger, and how it moved for so many seconds; or why there is none.
+fn again(take: &Take, seconds: f64) -> Result<(String, EnergyOverTime, Film), String> {
     let mut replay = Replay::new(take, &catalog()).map_err(|e| e.to_string())?;
+    let mut film = Film::new(&replay.engine.scene, seconds);
     let mut ledger = EnergyOverTime::default();
     let (mut seen, every) = (0_u64, (take.header.rate / f64::from(take.header.ratio) / 50.0).max(1.0) as u64);
     let mut look = |engine: &ca_haptic::engine::Engine| {
+        film.look(engine.state.tick as f64 / take.header.rate, &engine.state.x);
         if seen.is_multiple_of(every) {
             ledger.look(engine.state.tick as f64 / take.header.rate, engine.state.ledger.as_deref());
         }
@@ -136,7 +142,7 @@ fn again(take: &Take) -> Result<(String, EnergyOverTime), String> {
             } else {
                 "identical to the bit".into()
             };
-            Ok((format!("{alike}: {} force frames, {} sound samples", verdict.forces, verdict.samples), ledger))
+            Ok((format!("{alike}: {} force frames, {} sound samples", verdict.forces, verdict.samples), ledger, film))
         }
     }
 }

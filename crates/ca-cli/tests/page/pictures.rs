@@ -1,0 +1,48 @@
+//! The page while instruments play, wide and narrow, dark and light: the picture moves, nothing is in the console, and nothing is
+//! wider than the window. `UPDATE=1 cargo test --workspace --test page pictures` writes `docs/pictures/`, which the README shows.
+
+use crate::browser::Tab;
+use crate::host::{Host, until};
+use std::path::Path;
+
+/// Model, width, height, colours, seconds into its gesture.
+const SHOWN: [(&str, u32, u32, &str, f64); 5] = [
+    ("hammered_string", 1440, 900, "dark", 1.0),
+    ("rattle", 1440, 900, "light", 2.0),
+    ("membrane", 1440, 900, "dark", 1.0),
+    ("hammer_piano", 390, 844, "light", 2.0),
+    ("plucked_string", 390, 844, "dark", 1.0),
+];
+
+pub fn are_made() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let update = std::env::var_os("UPDATE").is_some();
+    // one wide and one narrow are enough to see that it can be done
+    let tried = |shown: &&(&str, u32, u32, &str, f64)| update || ["rattle", "plucked_string"].contains(&shown.0);
+    for (model, width, height, colours, seconds) in SHOWN.iter().copied().filter(|s| tried(&s)) {
+        let text = std::fs::read_to_string(root.join("models").join(format!("{model}.ca.toml"))).unwrap();
+        let mut host = Host::play(&text, &["--seconds", "60"]);
+        let Some(mut tab) = Tab::open(&host.address) else { return };
+        tab.looks(width, height, colours);
+        until("it is drawn", || tab.js("+document.documentElement.dataset.frames > 20") == true);
+        let canvas = tab.part("canvas");
+        tab.js("document.getElementById('gesture').click()");
+        let began = tab.js("+document.documentElement.dataset.tick").as_f64().unwrap_or_default();
+        until("it plays", || {
+            let tick = tab.js("+document.documentElement.dataset.tick").as_f64().unwrap_or_default();
+            tick > began + seconds * 48_000.0
+        });
+        assert_ne!(tab.part("canvas"), canvas, "{model}: the picture moves");
+        assert_eq!(tab.js("document.documentElement.scrollWidth <= innerWidth"), true, "{model} at {width}");
+        assert_eq!(tab.js("document.documentElement.dataset.errors"), "0", "{model}");
+        if update {
+            let folder = root.join("docs/pictures");
+            std::fs::create_dir_all(&folder).unwrap();
+            std::fs::write(folder.join(format!("{model}.webp")), tab.webp()).unwrap();
+        }
+        assert_eq!(tab.errors(), Vec::<String>::new(), "{model}");
+        let mut page = host.page();
+        page.done(&serde_json::json!({"type": "stop"}));
+        host.ended();
+    }
+}
