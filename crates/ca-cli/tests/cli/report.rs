@@ -200,7 +200,7 @@ fn no_word_of_a_model_becomes_markup() {
     desk.ca(&["report", "bad & <b>.ca.toml", "-o", "e.html"]).is(0);
     let page = Page::of(&desk, "e.html");
     page.says(&["bad &amp; &lt;b&gt;.ca.toml", "&lt;/title&gt;"]);
-    assert_eq!((page.html.matches("<script").count(), page.html.matches("<img src='").count()), (3, 0));
+    assert_eq!((page.html.matches("<script").count(), page.html.matches("<img src='").count()), (4, 0));
     browse(&desk, &["e.html"]);
 }
 
@@ -312,7 +312,9 @@ fn browse(desk: &Desk, pages: &[&str]) {
         for want in [format!("data-ready=\"{plots}\""), "data-errors=\"0\"".into(), "data-violations=\"0\"".into()] {
             assert!(root.contains(&want), "{name}: no {want} in {root}>");
         }
-        assert_eq!(dom.matches("<canvas").count(), plots, "{name}: a canvas for each plot");
+        // and one for the moving instrument
+        let film = dom.matches("id=\"filmCanvas\"").count();
+        assert_eq!(dom.matches("<canvas").count() - film, plots, "{name}: a canvas for each plot");
         // uPlot draws the labels of axes on the canvas and the names of curves beside it
         assert_eq!(dom.matches("class=\"uplot").count(), plots, "{name}");
     }
