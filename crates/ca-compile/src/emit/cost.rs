@@ -6,9 +6,9 @@
 //! waits for memory. `benches/counts/run` holds the sums against what it counts, `PASSES=1 benches/counts/run` prints counted
 //! and predicted pass by pass: from that the table is made.
 //!
-//! The compiler chooses by it where two forms have the same bits: whether a row is folded ([`folds`]), rows run as one
-//! ([`joins`]), a list from one place is a pass of its own ([`fans`]), and short stretches move with their neighbours
-//! ([`merges`]). It does not choose which rows become runs: the order in which a state is hashed goes by these, and that of takes
+//! The compiler chooses by it where two forms have the same bits: whether a row is folded (`folds`), rows run as one
+//! (`joins`), a list from one place is a pass of its own (`fans`), and short stretches move with their neighbours
+//! (`merges`). It does not choose which rows become runs: the order in which a state is hashed goes by these, and that of takes
 //! that exist has to stay. A test below says what the table would choose there.
 
 use ca_core::op::{Band, Hub, Integrate, Kernel, MeasureKind, Op, pass};
