@@ -158,10 +158,10 @@ fn a_client_that_does_not_fetch_stands_in_nobodys_way() {
     // it asks nothing, but what it is sent has an end: the queue of its news
     let news = json!({"long": "x".repeat(1000)});
     let begin = Instant::now();
-    while page.clients() == 2 && begin.elapsed() < Duration::from_secs(20) {
+    while page.clients() == 2 && begin.elapsed() < Duration::from_secs(60) {
         page.tell_all(&news);
-        quick.get_ref().set_nonblocking(true).unwrap();
-        while quick.read().is_ok() {}
+        // the quick one keeps up, however busy the machine is
+        text(&mut quick);
     }
     assert_eq!(page.clients(), 1, "the slow one is closed");
 }
