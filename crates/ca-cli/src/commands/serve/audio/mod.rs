@@ -118,8 +118,13 @@ impl Playing {
         }
         match self.output {
             // a server that is gone would be waited for without end
-            Output::Jack(output) if !self.counts.done.load(Relaxed) => output.leave(),
-            _ => {}
+            Output::Jack(output) => {
+                if !self.counts.done.load(Relaxed) {
+                    output.leave();
+                }
+            }
+            #[cfg(feature = "audio")]
+            Output::Device(_) => {}
         }
     }
 }
