@@ -2,7 +2,7 @@
 //! clouds of points) and a scene played to its end without a device are in `ca-io`.
 //!
 //! ```text
-//! frame, profile, calibration, equivalence → guard → engine → record → serve
+//! frame, profile, calibration, equivalence → guard → engine → record, version → serve
 //!                                 rt, stats ──────────────────────────────┘
 //! simulated (a device as physics)    host (shared memory, feature `iceoryx`)    take (MCAP, feature `mcap`)
 //! ```
@@ -23,3 +23,4 @@ pub mod simulated;
 pub mod stats;
 #[cfg(feature = "mcap")]
 pub mod take;
+pub mod version;

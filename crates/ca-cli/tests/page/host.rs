@@ -57,6 +57,11 @@ impl Host {
         std::fs::write(self.dir.path().join("model.ca.toml"), model).unwrap();
     }
 
+    /// A file beside the model.
+    pub fn path(&self, name: &str) -> std::path::PathBuf {
+        self.dir.path().join(name)
+    }
+
     /// A page of it.
     pub fn page(&self) -> Client {
         let place = self.address.strip_prefix("http://").unwrap();

@@ -18,7 +18,7 @@ mod touch;
 
 pub use port::{Link, Port, Setup};
 pub use refit::Refit;
-pub use swap::Swap;
+pub use swap::{Swap, carried};
 pub(crate) use touch::lead;
 pub use touch::{GLIDE, LONGEST, OwnGesture, Touch, Touched};
 

@@ -44,6 +44,20 @@ fn devices(scene: &Scene) -> Vec<&(String, u32)> {
     scene.inputs.iter().filter(|i| i.role == InputRole::Device).filter_map(|i| i.device.as_ref()).collect()
 }
 
+/// Places in the state of `old`, and those in that of `scene`, of the MAT that have the same name in both, in order of the latter.
+pub fn carried(old: &Scene, scene: &Scene) -> Vec<[u32; 2]> {
+    let before = places(old);
+    let mut carried: Vec<[u32; 2]> = Vec::new();
+    for (name, (to, axes)) in places(scene) {
+        if let Some((from, _)) = before.get(&name).filter(|b| b.1 == axes) {
+            carried.extend((0..u32::from(axes)).map(|k| [from + k, to + k]));
+        }
+    }
+    // one after the other in memory
+    carried.sort_unstable_by_key(|c| c[1]);
+    carried
+}
+
 /// First place and axes of each MAT, by name.
 fn places(scene: &Scene) -> HashMap<String, (u32, u8)> {
     let mats = (0..scene.mats()).filter_map(|i| scene.symbols.get(i));
@@ -76,19 +90,11 @@ impl Swap {
         if devices(old) != devices(&scene) {
             return differs("the devices");
         }
-        let before = places(old);
-        let mut carried: Vec<[u32; 2]> = Vec::new();
-        for (name, (to, axes)) in places(&scene) {
-            if let Some((from, _)) = before.get(&name).filter(|b| b.1 == axes) {
-                carried.extend((0..u32::from(axes)).map(|k| [from + k, to + k]));
-            }
-        }
-        // one after the other in memory
-        carried.sort_unstable_by_key(|c| c[1]);
         let same = |i: &ca_core::scene::Input| old.inputs.iter().position(|o| (&o.name, o.role) == (&i.name, i.role));
         let inputs = scene.inputs.iter().enumerate().filter_map(|(to, i)| Some([same(i)? as u32, to as u32]));
         let inputs = inputs.collect();
         state.placed();
+        let carried = carried(old, &scene);
         let ports = setups.iter().map(|s| Port::new(&scene, s.clone())).collect();
         let fade = (FADE * scene.rate).round() as u32;
         let hands = Hands::new(&scene);

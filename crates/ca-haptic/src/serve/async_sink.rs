@@ -15,6 +15,7 @@ use super::sink::{Notice, Sink, SinkStreams};
 use super::summary::StatsSnapshot;
 use crate::record::Record;
 use crate::rt::{self, Granted, RtRequest};
+use crate::version::Version;
 use ca_core::Scene;
 use ca_io::error::FileError;
 use std::fmt::Write as _;
@@ -49,6 +50,7 @@ enum Message {
     Record(Box<Record>),
     Sound(u64, Vec<f64>),
     View(u64, Vec<f64>),
+    Swapped(u64, Arc<Version>),
     StatsSnapshot(StatsSnapshot),
     Said(Notice),
     End,
@@ -59,7 +61,7 @@ impl Message {
     fn tick(&self) -> Option<u64> {
         match self {
             Message::Record(r) => Some(r.tick()),
-            Message::Sound(tick, _) | Message::View(tick, _) => Some(*tick),
+            Message::Sound(tick, _) | Message::View(tick, _) | Message::Swapped(tick, _) => Some(*tick),
             Message::StatsSnapshot(_) | Message::Said(_) | Message::End => None,
         }
     }
@@ -70,7 +72,8 @@ impl Message {
                 Message::Record(_) => size_of::<Record>(),
                 Message::Sound(_, v) | Message::View(_, v) => size_of_val(&v[..]),
                 Message::Said(h) => h.text.len(),
-                Message::StatsSnapshot(_) | Message::End => 0,
+                // it is there anyway
+                Message::Swapped(..) | Message::StatsSnapshot(_) | Message::End => 0,
             }
     }
 }
@@ -222,6 +225,7 @@ fn work(sink: &mut impl Sink, from: &Receiver<Message>, shared: &Shared) -> Resu
             Message::Record(r) => sink.record(&r)?,
             Message::Sound(tick, frames) => sink.sound(tick, &frames)?,
             Message::View(tick, x) => sink.view(tick, &x)?,
+            Message::Swapped(tick, version) => sink.swapped(tick, &version)?,
             Message::StatsSnapshot(p) => sink.snapshot(&p)?,
             Message::Said(h) => sink.said(&h)?,
             Message::End => break,
@@ -339,6 +343,10 @@ impl Sink for SinkHandle {
             self.put(Message::View(tick, x.to_vec()))?;
         }
         Ok(())
+    }
+
+    fn swapped(&mut self, tick: u64, version: &Arc<Version>) -> Result<(), FileError> {
+        self.put(Message::Swapped(tick, version.clone()))
     }
 
     fn snapshot(&mut self, snapshot: &StatsSnapshot) -> Result<(), FileError> {

@@ -15,6 +15,7 @@ use crate::frame::{Cause, Mode};
 use crate::guard::Order;
 use crate::record::Record;
 use crate::stats::Times;
+use crate::version::Version;
 use ca_core::Scene;
 use ca_core::live::Controls;
 use ca_io::FileError;
@@ -55,7 +56,7 @@ pub struct Recorder {
     audio: Option<Watch>,
     hand: hand::Hand,
     /// a version of the scene that the engine is to play, with its parameters; and how many came before
-    coming: Option<(Arc<Scene>, Controls)>,
+    coming: Option<(Arc<Version>, Controls)>,
     versions: u32,
     /// what was reported as left out for want of room in the rings of the engine, and at which gesture frame
     reported: ([u64; 3], u64),

@@ -2,8 +2,9 @@
 
 use super::summary::StatsSnapshot;
 use crate::record::Record;
-use ca_core::Scene;
+use crate::version::Version;
 use ca_io::FileError;
+use std::sync::Arc;
 
 /// Where records end: a sound file, a take, a terminal.
 pub trait Sink {
@@ -43,12 +44,12 @@ pub trait Sink {
         let _ = (tick, x);
         Ok(())
     }
-    /// From `tick` on another version of the scene plays, and pictures are of that.
+    /// From `tick` on another version of the scene plays, and pictures of then and later are of that.
     ///
     /// # Errors
     /// Where it cannot be written; the sink is then left out.
-    fn swapped(&mut self, tick: u64, scene: &Scene) -> Result<(), FileError> {
-        let _ = (tick, scene);
+    fn swapped(&mut self, tick: u64, version: &Arc<Version>) -> Result<(), FileError> {
+        let _ = (tick, version);
         Ok(())
     }
     /// Once a second.

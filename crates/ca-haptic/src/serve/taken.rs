@@ -4,7 +4,9 @@ use super::sink::{Notice, Sink};
 use super::summary::StatsSnapshot;
 use crate::record::Record;
 use crate::take::{Level, Rt, TakeWriter};
+use crate::version::Version;
 use ca_io::error::FileError;
+use std::sync::Arc;
 
 impl Sink for TakeWriter {
     fn record(&mut self, record: &Record) -> Result<(), FileError> {
@@ -17,6 +19,10 @@ impl Sink for TakeWriter {
 
     fn view(&mut self, tick: u64, x: &[f64]) -> Result<(), FileError> {
         TakeWriter::view(self, tick, x)
+    }
+
+    fn swapped(&mut self, tick: u64, version: &Arc<Version>) -> Result<(), FileError> {
+        TakeWriter::swapped(self, tick, version)
     }
 
     fn snapshot(&mut self, p: &StatsSnapshot) -> Result<(), FileError> {
@@ -58,7 +64,7 @@ mod tests {
     use ca_compile::compile;
     use ca_core::Scene;
     use ca_model::read;
-    use std::sync::{Arc, Mutex, PoisonError};
+    use std::sync::{Mutex, PoisonError};
 
     /// The scene of a key, the start of its take and an engine for it.
     fn key() -> (Header, Arc<Scene>, Engine) {

@@ -3,15 +3,18 @@
 //! Decides to replay the take and to read the ports of its scene, frame by frame, rather than the frames of the
 //! devices: what the scene had is what calibrations, gains and input checks left of them, in its own metres. The tracks
 //! are called like those ports and sampled at the gesture rate, so the same model at the same rates gets the same
-//! bits. Parameters that were changed are tracks of steps.
+//! bits. Parameters that were changed are tracks of steps. Where the take has several versions of its model, ports and parameters
+//! are those of the first, and found by name in the others.
 
 use super::read::{Event, Take};
 use super::replay::Replay;
-use ca_core::Catalog;
-use ca_core::scene::InputRole;
+use crate::version;
+use ca_core::scene::{Input, InputRole};
+use ca_core::{Catalog, Scene};
 use ca_io::error::FileError;
 use ca_io::gesture::{Gesture, Track};
 use std::path::Path;
+use std::sync::Arc;
 
 /// The gesture in the take at `path`.
 ///
@@ -22,20 +25,26 @@ pub fn gesture(path: impl AsRef<Path>, catalog: &Catalog) -> Result<Gesture, Fil
     let take = Take::open(path)?;
     let mut replay = Replay::new(&take, catalog)?;
     let scene = replay.engine.scene.clone();
-    let ports: Vec<usize> = scene
-        .inputs
-        .iter()
-        .enumerate()
-        .filter(|(_, i)| i.role == InputRole::Device)
-        .filter(|(_, i)| i.device.as_ref().is_some_and(|d| take.header.setups.iter().any(|s| s.device == d.0)))
-        .map(|(k, _)| k)
-        .collect();
+    let from_device = |i: &&Input| {
+        let device = i.device.as_ref().filter(|_| i.role == InputRole::Device);
+        device.is_some_and(|d| take.header.setups.iter().any(|s| s.device == d.0))
+    };
+    let ports: Vec<&str> = scene.inputs.iter().filter(from_device).map(|i| i.name.as_str()).collect();
+    // where they are in the version of the model that plays
+    let places = |scene: &Scene| -> Vec<Option<usize>> {
+        ports.iter().map(|name| scene.inputs.iter().position(|i| i.name == *name)).collect()
+    };
+    let mut now = (scene.clone(), places(&scene));
     let mut seen: Vec<Vec<f64>> = vec![Vec::new(); ports.len()];
     let verdict = replay.run(
         &take,
         &mut |engine| {
-            for (to, k) in seen.iter_mut().zip(&ports) {
-                to.push(engine.state.input[*k]);
+            if !Arc::ptr_eq(&now.0, &engine.scene) {
+                now = (engine.scene.clone(), places(&engine.scene));
+            }
+            for (to, k) in seen.iter_mut().zip(&now.1) {
+                // one that is gone stays where it was
+                to.push(k.map_or_else(|| to.last().copied().unwrap_or(0.0), |k| engine.state.input[k]));
             }
         },
         &mut |_| Ok(()),
@@ -51,30 +60,42 @@ pub fn gesture(path: impl AsRef<Path>, catalog: &Catalog) -> Result<Gesture, Fil
     }
     let rate = scene.rate / f64::from(scene.ratio);
     let mut tracks = Vec::new();
-    for (samples, k) in seen.into_iter().zip(ports) {
-        tracks.push(Track::sampled(&scene.inputs[k].name, rate, samples).map_err(|e| e.file(path.display()))?);
+    for (samples, name) in seen.into_iter().zip(ports) {
+        tracks.push(Track::sampled(name, rate, samples).map_err(|e| e.file(path.display()))?);
     }
-    for (p, param) in scene.live.params.iter().enumerate() {
-        let mut points = vec![(0.0, param.value)];
-        for event in take.events()? {
-            let (tick, new) = match event? {
-                Event::Change(tick, change) => {
-                    let new = change.params.iter().rfind(|c| c.0 as usize == p).map(|c| c.1);
-                    (tick, new)
-                }
-                // as at load again
-                Event::Reload(r) => (r.tick, Some(param.value)),
-                _ => continue,
-            };
+    tracks.extend(steps(&take, &scene, catalog).map_err(|e| e.file(path.display()))?);
+    Gesture::new(tracks).map_err(|e| e.file(path.display()))
+}
+
+/// Parameters of the first version of the model that were changed, by the values that they had.
+fn steps(take: &Take, first: &Arc<Scene>, catalog: &Catalog) -> Result<Vec<Track>, FileError> {
+    let load = |scene: &Scene| scene.live.params.iter().map(|p| (p.name.clone(), p.value)).collect::<Vec<_>>();
+    let mut curves: Vec<Vec<(f64, f64)>> = load(first).iter().map(|p| vec![(0.0, p.1)]).collect();
+    let mut now = first.clone();
+    for event in take.events()? {
+        let (tick, new) = match event? {
+            Event::Change(tick, change) => {
+                let name = |k: u32| now.live.params.get(k as usize).map(|p| p.name.clone());
+                (tick, change.params.iter().filter_map(|(k, v)| Some((name(*k)?, *v))).collect())
+            }
+            // as at load again
+            Event::Reload(r) => (r.tick, load(&now)),
+            Event::Model(tick, next) => {
+                now = Arc::new(take.header.version(&next).scene(catalog)?.scene);
+                let (_, controls) = version::begin(&now, &next.moved);
+                (tick, controls.params().iter().map(|p| (p.name.clone(), p.value)).collect())
+            }
+            _ => continue,
+        };
+        let t = tick as f64 * first.sample_dt;
+        for (points, param) in curves.iter_mut().zip(&first.live.params) {
             let last = points[points.len() - 1].1;
+            let new = new.iter().rfind(|n| n.0 == param.name).map(|n| n.1);
             if let Some(new) = new.filter(|v| *v != last) {
-                let t = tick as f64 * scene.sample_dt;
                 points.extend([(t, last), (t, new)]);
             }
         }
-        if points.len() > 1 {
-            tracks.push(Track::points(&param.name, points).map_err(|e| e.file(path.display()))?);
-        }
     }
-    Gesture::new(tracks).map_err(|e| e.file(path.display()))
+    let changed = first.live.params.iter().zip(curves).filter(|(_, points)| points.len() > 1);
+    changed.map(|(p, points)| Track::points(&p.name, points)).collect()
 }

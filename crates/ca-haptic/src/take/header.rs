@@ -9,10 +9,12 @@
 //! rounds a scene otherwise, the hash says nothing, and a replay compares to a tolerance. A take without it is older than
 //! the number, which is arithmetic 0.
 
+use super::next::NextModel;
 use crate::calibration::Calibration;
 use crate::engine::{self, Engine, Port, Setup};
 use crate::equivalence::Gains;
 use crate::profile::Profile;
+use crate::version::ModelText;
 use ca_compile::{Compiled, KernelClass, Options};
 use ca_core::kind::cloud::Clouds;
 use ca_core::{ARITHMETIC, Catalog, Scene};
@@ -20,7 +22,7 @@ use ca_import::mims;
 use ca_io::cloud;
 use ca_io::error::FileError;
 use ca_model::diag::Diags;
-use ca_model::{Model, read, write};
+use ca_model::{Model, read};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -82,13 +84,7 @@ impl Header {
         setups: Vec<Setup>,
         engine: engine::Options,
     ) -> Header {
-        let resolved = write::write(model);
-        // a model that a program built has no text but this one
-        let built = model.text.is_empty();
-        let text = if built { resolved.clone() } else { model.text.clone() };
-        let changes = if built { Vec::new() } else { changes };
-        let file = model.file.rsplit(['/', '\\']).next().unwrap_or_default();
-        let file = if file.is_empty() { "model.ca.toml" } else { file };
+        let ModelText { file, text, changes, resolved } = ModelText::of(model, changes);
         let since = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap_or_default();
         let cpus = std::thread::available_parallelism().map_or(0, std::num::NonZero::get);
         let host = [
@@ -100,7 +96,7 @@ impl Header {
         ];
         Header {
             title: scene.title.clone(),
-            file: file.into(),
+            file,
             text,
             changes,
             resolved,
@@ -154,6 +150,14 @@ impl Header {
             return Err(FileError::content("its model compiles to other numbers here").fix(self.other()));
         }
         Ok(compiled)
+    }
+
+    /// The same performance with another version of its model, read by the bodies in `clouds`.
+    #[must_use]
+    pub fn version(&self, next: &NextModel) -> Header {
+        let ModelText { file, text, changes, resolved } = next.model.clone();
+        let options = Options { clouds: next.clouds.clone(), ..self.options.clone() };
+        Header { file, text, changes, resolved, options, start: next.start, ..self.clone() }
     }
 
     /// True where `scene`, compiled from it, plays the same bits here: its arithmetic is this one, or rounds it alike.

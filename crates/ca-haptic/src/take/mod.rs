@@ -7,7 +7,8 @@
 //! | topic | what | encoding |
 //! |---|---|---|
 //! | `/device/<name>/in`, `/device/<name>/out` | every frame looked at, every frame sent | CDR |
-//! | `/change`, `/order`, `/reload`, `/profile` | what was asked of the engine; what a device said it is | CDR |
+//! | `/change`, `/order`, `/reload`, `/hand`, `/model` | what was asked of the engine; another version of its model | CDR |
+//! | `/profile` | what a device said it is | CDR |
 //! | `/hash`, `/sound` | a hash of the state each second; sound, 64 bits | CDR |
 //! | `/param`, `/energy`, `/rt`, `/lost` | for plots: parameters, energy, timing, what found no room | CDR |
 //! | `/gesture/joints`, `/audio`, `/masses`, `/scene`, `/log` | for viewers | protobuf of Foxglove |
@@ -17,6 +18,7 @@ pub mod export;
 mod flat;
 mod gesture;
 mod header;
+mod next;
 mod read;
 mod recover;
 mod replay;
@@ -28,6 +30,7 @@ mod write;
 pub use flat::{Energy, Hand, Hashed, Lost, Ordered, Reloaded, Rt};
 pub use gesture::gesture;
 pub use header::{FORMAT, Header, META};
+pub use next::NextModel;
 pub use read::{Event, Events, Take};
 pub use recover::{Recovered, recover};
 pub use replay::{Difference, Replay, ReplayVerdict};
@@ -47,6 +50,8 @@ pub mod topic {
     pub const PARAM: &str = "/param";
     /// the scene was loaded again
     pub const RELOAD: &str = "/reload";
+    /// another version of the model
+    pub const MODEL: &str = "/model";
     /// forces armed, disarmed or tripped
     pub const ORDER: &str = "/order";
     /// hands without a device: pointer, ports, the model's own gesture

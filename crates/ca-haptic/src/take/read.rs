@@ -6,6 +6,7 @@
 
 use super::flat::{Energy, Hand, Hashed, Lost, Ordered, Reloaded, Rt};
 use super::header::{Header, META};
+use super::next::{self, NextModel};
 use super::source::{End, Item, Source, torn};
 use super::{cdr, topic};
 use crate::engine::Change;
@@ -28,6 +29,8 @@ pub enum Event {
     Change(u64, Change),
     /// the scene was loaded again
     Reload(Reloaded),
+    /// another version of the model plays from this tick on
+    Model(u64, Box<NextModel>),
     /// forces were armed, disarmed or tripped before this tick, of one device or all
     Order(u64, Option<u32>, Order),
     /// a hand without a device did something before this tick
@@ -133,6 +136,10 @@ impl Events {
                 Event::Change(tick, change)
             }
             topic::RELOAD => Event::Reload(cdr::record(data)?),
+            topic::MODEL => {
+                let (tick, model) = next::read(data)?;
+                Event::Model(tick, Box::new(model))
+            }
             topic::ORDER => {
                 let o: Ordered = cdr::record(data)?;
                 let order = match o.order {

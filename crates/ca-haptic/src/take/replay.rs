@@ -9,14 +9,21 @@
 //! differ by [`TOLERANCE`] of their peak, and hashes are not compared. That the peak is known at the end only is why such a
 //! replay goes on to the end.
 
+mod verdict;
+
+use super::header::Header;
+use super::next::NextModel;
 use super::read::{Event, Take};
 use super::source::End;
-use crate::engine::{Change, Engine, EngineCommand, Refit, Retired, Setup};
+use crate::engine::{Change, Engine, EngineCommand, Refit, Retired, Setup, Swap};
 use crate::frame::{DeviceFrame, ForceFrame};
+use crate::version;
 use ca_core::Catalog;
 use ca_io::error::FileError;
 use std::collections::VecDeque;
-use std::fmt;
+use std::sync::Arc;
+use verdict::{Apart, which};
+pub use verdict::{Difference, ReplayVerdict};
 use zerocopy::IntoBytes;
 
 /// Force frames that wait to be compared, of each device.
@@ -26,99 +33,12 @@ const MADE: usize = 65_536;
 /// is to 32 bits.
 pub const TOLERANCE: f64 = 1e-9;
 
-/// The first thing that is not as it was, or, to a tolerance, what is furthest from it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Difference {
-    /// sound sample
-    pub tick: u64,
-    /// when \[s\]
-    pub time: f64,
-    /// what: which frame of which device and which of its fields, which sample, which hash
-    pub what: String,
-    /// as it was
-    pub was: String,
-    /// as it is
-    pub is: String,
-}
-
-impl fmt::Display for Difference {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Difference { tick, time, what, was, is } = self;
-        write!(f, "{what} at {time:.6} s (tick {tick}): it was {was}, it is {is}")
-    }
-}
-
-/// What a replay found.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct ReplayVerdict {
-    /// gesture frames computed again
-    pub frames: u64,
-    /// device frames given to the engine
-    pub taken: u64,
-    /// force frames compared
-    pub forces: u64,
-    /// sound samples compared, of all channels
-    pub samples: u64,
-    /// hashes of the state compared
-    pub hashes: u64,
-    /// length \[s\]
-    pub seconds: f64,
-    /// how far forces and sound may be from what they were, as a part of their peak; 0 where to the bit
-    pub tolerance: f64,
-    /// the first thing that is not as it was
-    pub difference: Option<Difference>,
-    /// where something is missing in the take, so that nothing after it was compared \[s\]
-    pub hole: Option<f64>,
-    /// why the file ends early, or is not used to its end, where that is so
-    pub cut: Option<String>,
-    /// true where that is because bytes in it are not as they were written
-    pub damaged: bool,
-}
-
-impl ReplayVerdict {
-    /// True where something was compared, all of it is as it was, to the tolerance, and nothing is missing up to the end of the
-    /// file.
-    pub fn is_identical(&self) -> bool {
-        let compared = self.forces > 0 || self.samples > 0 || self.hashes > 0;
-        compared && self.difference.is_none() && self.hole.is_none()
-    }
-}
-
-/// Numbers of one kind, compared to a tolerance.
-#[derive(Default)]
-struct Apart {
-    peak: f64,
-    /// the largest difference so far, and where it is
-    worst: Option<(f64, Difference)>,
-}
-
-impl Apart {
-    fn see(&mut self, was: f64, is: f64, difference: impl FnOnce() -> Difference) {
-        self.peak = self.peak.max(was.abs());
-        let apart = (is - was).abs();
-        // NaN agrees with NaN only
-        let apart = if was.to_bits() == is.to_bits() {
-            0.0
-        } else if apart.is_nan() {
-            f64::INFINITY
-        } else {
-            apart
-        };
-        if apart > self.worst.as_ref().map_or(0.0, |w| w.0) {
-            self.worst = Some((apart, difference()));
-        }
-    }
-
-    /// What is further off than `part` of the peak.
-    fn beyond(self, part: f64) -> Option<Difference> {
-        self.worst.filter(|(apart, _)| *apart > part * self.peak).map(|(_, d)| d)
-    }
-}
-
 /// A replay under way.
 pub struct Replay {
-    /// the engine
+    /// the engine; its scene changes where the take has another version of the model
     pub engine: Engine,
+    header: Header,
+    catalog: Catalog,
     /// its devices, as the header has them and as they said later
     setups: Vec<Setup>,
     rate: f64,
@@ -146,11 +66,13 @@ impl Replay {
         let loose = if take.header.is_exact(&engine.scene) { None } else { Some(Default::default()) };
         let tolerance = if loose.is_some() { TOLERANCE } else { 0.0 };
         Ok(Replay {
+            header: take.header.clone(),
+            catalog: catalog.clone(),
             loose,
             setups: take.header.setups.clone(),
             rate: engine.scene.rate,
             channels: engine.scene.channels,
-            verdict: ReplayVerdict { tolerance, ..ReplayVerdict::default() },
+            verdict: ReplayVerdict { tolerance, versions: 1, ..ReplayVerdict::default() },
             made: engine.ports.iter().map(|_| VecDeque::new()).collect(),
             sound: VecDeque::new(),
             sound_tick: 0,
@@ -200,7 +122,11 @@ impl Replay {
         // what must have been computed before this
         let due = match &event {
             Event::Device(_, f) => f.tick,
-            Event::Change(tick, _) | Event::Order(tick, ..) | Event::Hand(tick, _) | Event::Profile(tick, ..) => *tick,
+            Event::Change(tick, _)
+            | Event::Order(tick, ..)
+            | Event::Hand(tick, _)
+            | Event::Model(tick, _)
+            | Event::Profile(tick, ..) => *tick,
             Event::Reload(r) => r.tick,
             Event::Hash(h) => h.tick,
             Event::Force(_, f) => f.tick + 1,
@@ -214,7 +140,11 @@ impl Replay {
         let late = |what: &str, tick: u64| (what.to_owned(), format!("at tick {tick}"), format!("due at {now}"));
         let odd = match event {
             Event::Device(_, f) if f.tick != now => Some(late("a device frame between frames", f.tick)),
-            Event::Change(tick, _) | Event::Order(tick, ..) | Event::Hand(tick, _) | Event::Profile(tick, ..)
+            Event::Change(tick, _)
+            | Event::Order(tick, ..)
+            | Event::Hand(tick, _)
+            | Event::Model(tick, _)
+            | Event::Profile(tick, ..)
                 if tick != now =>
             {
                 Some(late("an act between frames", tick))
@@ -238,6 +168,10 @@ impl Replay {
                 if let Some(touch) = touched.again(&self.engine.scene) {
                     self.engine.command(EngineCommand::Touch(touch));
                 }
+                None
+            }
+            Event::Model(_, next) => {
+                self.swap(&next)?;
                 None
             }
             Event::Profile(_, k, profile) => {
@@ -326,8 +260,23 @@ impl Replay {
         self.verdict.taken += 1;
     }
 
+    /// Another version of the model plays from here on.
+    fn swap(&mut self, next: &NextModel) -> Result<(), FileError> {
+        let header = self.header.version(next);
+        let scene = Arc::new(header.scene(&self.catalog)?.scene);
+        if self.loose.is_none() && !header.is_exact(&scene) {
+            (self.loose, self.verdict.tolerance) = (Some(Default::default()), TOLERANCE);
+        }
+        let (state, _) = version::begin(&scene, &next.moved);
+        let swap = Swap::new(&self.engine.scene, scene, state, &self.setups, self.verdict.versions);
+        self.verdict.versions += 1;
+        let swap = swap.map_err(|why| FileError::content(format!("another version of its model: {why}")))?;
+        self.engine.command(EngineCommand::Swap(Box::new(swap)));
+        Ok(())
+    }
+
     fn change(&mut self, mut change: Change) {
-        // a take holds one scene, which was looked at when the engine was made
+        // the take says which scene was there then
         change.patches.iter_mut().for_each(|p| p.scene = self.engine.scene.identity());
         self.engine.command(EngineCommand::Set(Box::new(change)));
     }
@@ -396,31 +345,4 @@ impl Replay {
         let time = tick as f64 / self.rate;
         self.verdict.difference.get_or_insert(Difference { tick, time, what, was, is });
     }
-}
-
-/// The first field in which two force frames differ, with both values.
-fn which(was: &ForceFrame, is: &ForceFrame) -> (String, String, String) {
-    if let Some(k) = (0..was.force.len()).find(|k| was.force[*k].to_bits() != is.force[*k].to_bits()) {
-        return (format!("the force of degree {k}"), format!("{:e} N", was.force[k]), format!("{:e} N", is.force[k]));
-    }
-    let fields = |f: &ForceFrame| {
-        [
-            ("mode", u64::from(f.mode)),
-            ("cause", u64::from(f.cause)),
-            ("flags", u64::from(f.flags)),
-            ("inject", u64::from(f.inject.to_bits())),
-            ("seq", f.seq),
-            ("session", f.session),
-            ("ack", f.ack),
-            ("ack_session", f.ack_session),
-            ("tick", f.tick),
-            ("calibration", f.calibration),
-            ("ttl_us", u64::from(f.ttl_us)),
-        ]
-    };
-    let differ = fields(was).into_iter().zip(fields(is)).find(|(a, b)| a.1 != b.1);
-    differ.map_or_else(
-        || ("the head".into(), "other bytes".into(), "others".into()),
-        |(a, b)| (format!("`{}`", a.0), a.1.to_string(), b.1.to_string()),
-    )
 }

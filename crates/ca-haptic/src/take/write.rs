@@ -14,11 +14,12 @@ mod channels;
 use super::flat::{Energy, Hand, Hashed, Lost, Ordered, Reloaded, Rt};
 use super::header::{Header, META};
 use super::views::{self, Level, Picture};
-use super::{cdr, options};
+use super::{cdr, next, options};
 use crate::engine::Retired;
 use crate::frame::{Cause, DeviceFrame, ForceFrame, Mode};
 use crate::guard::Order;
 use crate::record::Record;
+use crate::version::Version;
 use ca_core::Scene;
 use ca_io::error::{FileError, FileErrorKind};
 use channels::{DeviceChannels, Ids};
@@ -59,6 +60,8 @@ pub struct TakeWriter {
     params: Vec<String>,
     ids: Ids,
     picture: Picture,
+    /// tick of the first picture of this version of the model
+    pictures_from: u64,
     /// the present message
     data: Vec<u8>,
     sequence: u32,
@@ -117,6 +120,7 @@ impl TakeWriter {
             params: scene.live.params.iter().map(|p| p.name.clone()).collect(),
             ids,
             picture: Picture::new(scene),
+            pictures_from: 0,
             data: Vec::new(),
             sequence: 0,
             tick: 0,
@@ -196,16 +200,15 @@ impl TakeWriter {
                 cdr::body(&mut self.data, &Hand::new(tick, touched));
                 self.put(self.ids.hand, tick)
             }
-            Record::Swapped { .. } => {
-                Err(FileError::usage("another version of the model came, which a take does not hold"))
-            }
             Record::Lost { tick, records } => {
                 self.tick = tick;
                 self.lost(records, 0, 0)
             }
             // of no meaning for a replay: what was said of it is in the log
-            // a gesture that ended comes with what ended it
-            Record::Waiting { .. } | Record::Retired { retired: Retired::Gesture(_) | Retired::Swap(_), .. } => Ok(()),
+            // a gesture that ended comes with what ended it, a version by `swapped`
+            Record::Waiting { .. }
+            | Record::Swapped { .. }
+            | Record::Retired { retired: Retired::Gesture(_) | Retired::Swap(_), .. } => Ok(()),
             Record::Hash { tick, bits } => {
                 self.tick = tick;
                 cdr::body(&mut self.data, &Hashed { tick, bits });
@@ -217,6 +220,23 @@ impl TakeWriter {
                 self.put(self.ids.energy, tick)
             }
         }
+    }
+
+    /// Writes that another version of the model plays from `tick` on.
+    ///
+    /// # Errors
+    /// Where the disk takes no more.
+    pub fn swapped(&mut self, tick: u64, version: &Version) -> Result<(), FileError> {
+        self.tick = tick;
+        next::write(&mut self.data, tick, version);
+        self.put(self.ids.model, tick)?;
+        let scene = &version.scene;
+        self.params = scene.live.params.iter().map(|p| p.name.clone()).collect();
+        for h in &mut self.hands {
+            h.joints = (0..h.joints.len()).map(|k| views::joint(scene, &h.name, k)).collect();
+        }
+        (self.picture, self.pictures_from) = (Picture::new(scene), tick);
+        self.log(tick, Level::Info, "model", "another version plays")
     }
 
     fn device(&mut self, port: usize, frame: &DeviceFrame) -> Result<(), FileError> {
@@ -295,11 +315,14 @@ impl TakeWriter {
         Ok(())
     }
 
-    /// Draws the scene, given the displacements of its state.
+    /// Draws the scene, given the displacements of its state; not one of a version of the model that is gone.
     ///
     /// # Errors
     /// Where the disk takes no more.
     pub fn view(&mut self, tick: u64, x: &[f64]) -> Result<(), FileError> {
+        if tick < self.pictures_from {
+            return Ok(());
+        }
         let (masses, scene) = self.picture.draw(self.header.time(tick), x);
         views::bytes(&mut self.data, &masses);
         self.put(self.ids.masses, tick)?;

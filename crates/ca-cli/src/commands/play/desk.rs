@@ -78,19 +78,21 @@ impl Desk {
         self.sound = host.into();
     }
 
-    /// One turn: what was asked, and now and then how it goes. True where somebody asked to stop.
+    /// One turn: what was asked, and now and then how it goes; no new version of the model where `setups` is none. True where somebody asked to stop.
     pub(crate) fn turn(
         &mut self,
         recorder: &mut Recorder,
         inputs: &mut Inputs,
-        setups: &[Setup],
+        setups: Option<&[Setup]>,
         shared: &Shared,
     ) -> bool {
         let mut leave = false;
         if recorder.is_swapping() {
             return leave;
         }
-        self.version(recorder, inputs, setups);
+        if let Some(setups) = setups {
+            self.version(recorder, inputs, setups);
+        }
         if recorder.is_swapping() {
             return leave;
         }
@@ -134,8 +136,9 @@ impl Desk {
             self.page.greet(&greeting(&self.scene, &self.drawing, &self.name, self.generation));
         }
         let Some(made) = self.edit.turn() else { return };
-        let (ok, text) = match made.and_then(|Made { scene, drawing, said }| {
-            recorder.swap(scene.clone(), setups)?;
+        let (ok, text) = match made.and_then(|Made { version, drawing, said }| {
+            let scene = version.scene.clone();
+            recorder.swap(version, setups)?;
             self.generation += 1;
             self.coming.put(self.generation, drawing.clone());
             self.next = Some((scene, drawing));
@@ -199,7 +202,7 @@ impl Desk {
                 if name.is_empty() || value.is_empty() {
                     return Err("`name` and `value`: which number of the model, and what it is to be".into());
                 }
-                self.edit.change(name, value)?;
+                self.edit.change(name, value);
                 done("the model is made anew")
             }
             "midi" => {

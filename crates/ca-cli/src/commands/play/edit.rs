@@ -1,12 +1,11 @@
 //! Edit and hear: a model that is saved, or a number of it that is changed, becomes another version of the scene while it plays.
 //!
-//! Decides that a model is read and compiled on a thread of its own; and that one with errors is reported and changes nothing. With a take (`--log`) there is none of it: a take
-//! holds one model.
+//! Decides that a model is read and compiled on a thread of its own; and that one with errors is reported and changes nothing.
 
 use crate::args::{ServeArgs, Source};
 use crate::watch::Watch;
 use ca_compile::Options;
-use ca_core::Scene;
+use ca_haptic::version::{ModelText, Version};
 use ca_lab::{Failure, load};
 use ca_model::diag::Severity;
 use ca_model::render;
@@ -16,7 +15,7 @@ use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
 /// A version that was made.
 pub(super) struct Made {
-    pub(super) scene: Arc<Scene>,
+    pub(super) version: Version,
     pub(super) drawing: Arc<Drawing>,
     /// its warnings, or nothing
     pub(super) said: String,
@@ -37,8 +36,6 @@ pub(super) struct Edit {
     /// what is being made, and whether something changed meanwhile
     making: Option<Receiver<Result<Made, String>>>,
     again: bool,
-    /// why there is none of it
-    never: Option<&'static str>,
 }
 
 impl Edit {
@@ -53,29 +50,18 @@ impl Edit {
             good: Vec::new(),
             making: None,
             again: false,
-            never: args
-                .log
-                .is_some()
-                .then_some("a take holds one model: start without --log to change it while it plays"),
         }
     }
 
     /// A number of the model is to be another, as by `--set`.
-    pub(super) fn change(&mut self, name: &str, value: &str) -> Result<(), String> {
-        if let Some(why) = self.never {
-            return Err(why.into());
-        }
+    pub(super) fn change(&mut self, name: &str, value: &str) {
         self.changes.retain(|c| c.0 != name);
         self.changes.push((name.into(), value.into()));
         self.again = true;
-        Ok(())
     }
 
     /// One turn: a version that is ready, or why there is none.
     pub(super) fn turn(&mut self) -> Option<Result<Made, String>> {
-        if self.never.is_some() {
-            return None;
-        }
         self.again |= self.file.as_mut().is_some_and(Watch::is_new);
         let made = match self.making.as_ref().map(Receiver::try_recv) {
             Some(Err(TryRecvError::Empty)) => return None,
@@ -114,8 +100,9 @@ fn make(source: &Source, changes: &[(String, String)], options: Options) -> Resu
         Failure::Stopped => "stopped".into(),
     };
     let mut loaded = load::load(&source.model).map_err(words)?;
-    for (name, value) in source.changes().chain(changes.iter().cloned()) {
-        load::set_typed(&mut loaded, &name, &value).map_err(words)?;
+    let changes: Vec<_> = source.changes().chain(changes.iter().cloned()).collect();
+    for (name, value) in &changes {
+        load::set_typed(&mut loaded, name, value).map_err(words)?;
     }
     let options = Options { clouds: loaded.clouds.clone(), ..options };
     let compiled = load::scene(&loaded, &options).map_err(words)?;
@@ -123,5 +110,7 @@ fn make(source: &Source, changes: &[(String, String)], options: Options) -> Resu
     let mut warnings = compiled.findings;
     warnings.list.retain(|d| d.severity == Severity::Warning);
     let said = if warnings.list.is_empty() { String::new() } else { render::text(&warnings, &loaded.model, false) };
-    Ok(Made { scene: Arc::new(compiled.scene), drawing, said })
+    let model = ModelText::of(&loaded.model, changes);
+    let version = Version { scene: Arc::new(compiled.scene), model, options, moved: Vec::new() };
+    Ok(Made { version, drawing, said })
 }

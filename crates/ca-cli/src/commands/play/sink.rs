@@ -3,8 +3,8 @@
 //! Decides that nothing is drawn or sent where nobody looks or listens, and that sound goes in blocks of 5 ms: a message a
 //! gesture frame would cost the page more than it plays.
 
-use ca_core::Scene;
 use ca_haptic::serve::{Notice, Sink, SinkStreams, StatsSnapshot};
+use ca_haptic::version::Version;
 use ca_io::FileError;
 use ca_play::{Feed, message};
 use ca_view::Drawing;
@@ -25,11 +25,11 @@ impl Stats {
 }
 
 /// A drawing, and of which version of the scene.
-type Version = (u32, Arc<Drawing>);
+type Drawn = (u32, Arc<Drawing>);
 
 /// The drawing of a version of the scene that is on its way, from the desk to the sink.
 #[derive(Clone, Default)]
-pub(crate) struct Coming(Arc<Mutex<Option<Version>>>);
+pub(crate) struct Coming(Arc<Mutex<Option<Drawn>>>);
 
 impl Coming {
     pub(super) fn put(&self, generation: u32, drawing: Arc<Drawing>) {
@@ -114,7 +114,7 @@ impl Sink for PageSink {
         Ok(())
     }
 
-    fn swapped(&mut self, tick: u64, _: &Scene) -> Result<(), FileError> {
+    fn swapped(&mut self, tick: u64, _: &Arc<Version>) -> Result<(), FileError> {
         let coming = self.coming.0.lock().unwrap_or_else(PoisonError::into_inner).take();
         if let Some((generation, drawing)) = coming {
             (self.generation, self.drawing, self.since) = (generation, drawing, tick);

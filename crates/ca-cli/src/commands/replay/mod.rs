@@ -66,6 +66,10 @@ fn text(take: &Take, v: &ReplayVerdict, account: Option<&Account>) -> Result<(),
             "  arithmetic {by}, here {ARITHMETIC}: its scene rounds otherwise since, so no bits are compared"
         )?;
     }
+    if v.versions > 1 {
+        let energy = if account.is_some() { "; energy is that since the last" } else { "" };
+        writeln!(out, "  {} versions of the model were played{energy}", v.versions)?;
+    }
     if let Some(account) = account {
         account.text(&mut out)?;
     }
@@ -98,7 +102,7 @@ fn json_of(take: &Take, v: &ReplayVerdict, account: Option<&Account>) -> Result<
         "file": take.path.display().to_string(), "title": take.header.title, "seconds": v.seconds,
         "identical": v.is_identical(), "tolerance": v.tolerance, "gesture_frames": v.frames, "device_frames": v.taken, "force_frames": v.forces,
         "samples": v.samples, "hashes": v.hashes, "difference": difference, "hole": v.hole, "cut": v.cut,
-        "damaged": v.damaged,
+        "damaged": v.damaged, "versions": v.versions,
         "energy": account.map(Account::json),
     });
     writeln!(std::io::stdout().lock(), "{all:#}")?;

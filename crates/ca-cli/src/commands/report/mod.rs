@@ -4,6 +4,7 @@
 //! the model. Everything that a page can be made of is made into one, also silence, a divergence or a take that was cut
 //! off; the exit code says what the note on the page says. How the page looks is `ca-report`'s.
 
+mod loops;
 mod model;
 mod parts;
 mod played;

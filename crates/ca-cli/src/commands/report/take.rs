@@ -2,9 +2,10 @@
 //!
 //! Decides to show what the file holds rather than what a replay makes of it: sound, positions and forces as they were,
 //! holes as holes. The energy ledger and the verdict come of a replay; where this build cannot play the take, the page
-//! says so and is written without them. The times of the loop are those of the device's clock, from a frame to the first
-//! that was made under the force which answers it: force frames are recorded before anybody sends them.
+//! says so and is written without them. Where the model changed in the middle, the picture is of the masses that were there from
+//! the start, and there is no ledger, which is that of one scene.
 
+use super::loops::{Clock, Loops, Stamp};
 use super::parts::{self, Facts, finished};
 use super::played::EnergyOverTime;
 use super::useless;
@@ -12,13 +13,14 @@ use crate::args::ReportArgs;
 use crate::term::short;
 use crate::{Failure, catalog};
 use ca_core::Scene;
+use ca_haptic::engine::carried;
 use ca_haptic::frame::{DeviceFrame, ForceFrame, Mode};
 use ca_haptic::guard::Order;
-use ca_haptic::take::{End, Event, Replay, Rt, Take};
-use ca_report::{Axis, Block, Curve, Envelope, Grid, Look, Mark, Plot, Report, Section, Sound, Table, Weight};
+use ca_haptic::take::{End, Event, Replay, Take};
+use ca_report::{Axis, Block, Curve, Envelope, Mark, Plot, Report, Section, Sound, Table, Weight};
 use ca_view::Film;
-use std::collections::VecDeque;
 use std::path::Path;
+use std::sync::Arc;
 
 /// Degrees of freedom drawn of each device.
 const CURVES: usize = 8;
@@ -26,10 +28,6 @@ const CURVES: usize = 8;
 const EVENTS: usize = 100;
 /// Frames that may be on their way round.
 const RECENT: usize = 256;
-/// Longest time by which what the engine took is older than what was published \[s\].
-const AWAY: f64 = 5.0;
-/// Columns of a histogram for a factor of ten.
-const BINS: f64 = 25.0;
 
 /// Tells all of a take.
 pub(super) fn report(args: &ReportArgs, file: &Path) -> Result<(String, Report), Failure> {
@@ -105,11 +103,16 @@ pub(super) fn report(args: &ReportArgs, file: &Path) -> Result<(String, Report),
         report.sections.push(Section::new("Events", blocks));
     }
     report.sections.extend(loops.section(h.rate, h.rate / f64::from(h.ratio)));
-    if let Ok((.., film)) = &again {
+    if let Ok((.., film, _)) = &again {
         report.picture = parts::picture(film)?;
     }
-    if let (Ok((_, ledger, _)), Ok(scene)) = (&again, &scene) {
+    if let (Ok((_, ledger, ..)), Ok(scene)) = (&again, &scene) {
         report.sections.extend(ledger.section(scene, scene.equivalence.of("").energy()));
+    }
+    if matches!(&again, Ok((.., versions)) if *versions > 1) {
+        let text = "The model was changed while it played, so its energy is not one account; the picture follows the masses that \
+                    were there from the start.";
+        report.notes.push((Weight::Note, text.into()));
     }
     report.sections.extend(modes.map(|m| m.section()));
     report.sections.extend(scene.as_ref().ok().map(parts::stability));
@@ -118,21 +121,38 @@ pub(super) fn report(args: &ReportArgs, file: &Path) -> Result<(String, Report),
     Ok((name, report))
 }
 
-/// The verdict of a replay in words, its energy ledger, and how it moved for so many seconds; or why there is none.
-fn again(take: &Take, seconds: f64) -> Result<(String, EnergyOverTime, Film), String> {
+/// The verdict of a replay in words, its energy ledger, how it moved for so many seconds, and how many versions of its model there
+/// are; or why
+/// there is none.
+fn again(take: &Take, seconds: f64) -> Result<(String, EnergyOverTime, Film, u32), String> {
     let mut replay = Replay::new(take, &catalog()).map_err(|e| e.to_string())?;
     let mut film = Film::new(&replay.engine.scene, seconds);
     let mut ledger = EnergyOverTime::default();
     let (mut seen, every) = (0_u64, (take.header.rate / f64::from(take.header.ratio) / 50.0).max(1.0) as u64);
+    let first = replay.engine.scene.clone();
+    // displacements of the first version of the model, and where they are in the one that plays
+    let (mut x, mut now, mut places) = (Vec::new(), first.clone(), Vec::new());
     let mut look = |engine: &ca_haptic::engine::Engine| {
-        film.look(engine.state.tick as f64 / take.header.rate, &engine.state.x);
-        if seen.is_multiple_of(every) {
+        if Arc::ptr_eq(&engine.scene, &first) {
+            x.clear();
+            x.extend_from_slice(&engine.state.x);
+        } else {
+            if !Arc::ptr_eq(&engine.scene, &now) {
+                now = engine.scene.clone();
+                places = carried(&first, &now);
+            }
+            for [to, from] in &places {
+                x[*to as usize] = engine.state.x[*from as usize];
+            }
+        }
+        film.look(engine.state.tick as f64 / take.header.rate, &x);
+        if seen.is_multiple_of(every) && Arc::ptr_eq(&engine.scene, &first) {
             ledger.look(engine.state.tick as f64 / take.header.rate, engine.state.ledger.as_deref());
         }
         seen += 1;
     };
     let verdict = replay.run(take, &mut look, &mut |_| Ok(())).map_err(|e| e.to_string())?;
-    ledger.end = replay.engine.state.ledger.as_deref().cloned();
+    ledger.end = replay.engine.state.ledger.as_deref().filter(|_| verdict.versions == 1).cloned();
     match (&verdict.difference, verdict.hole) {
         (Some(d), _) => Err(format!("played again, it is not as it was: {d}")),
         (None, Some(t)) => Err(format!("it cannot be played again from {t:.3} s on: records are missing there")),
@@ -142,7 +162,12 @@ fn again(take: &Take, seconds: f64) -> Result<(String, EnergyOverTime, Film), St
             } else {
                 "identical to the bit".into()
             };
-            Ok((format!("{alike}: {} force frames, {} sound samples", verdict.forces, verdict.samples), ledger, film))
+            Ok((
+                format!("{alike}: {} force frames, {} sound samples", verdict.forces, verdict.samples),
+                ledger,
+                film,
+                verdict.versions,
+            ))
         }
     }
 }
@@ -169,111 +194,6 @@ impl DevicePlots {
         let mut forces = Plot::over_time("Force on the hand", Axis::linear("force", "N"), grid(), curves(n));
         forces.marks = faults.to_vec();
         Section::new(&format!("Hand at {}", self.device), vec![Block::Plot(places), Block::Plot(forces)])
-    }
-}
-
-/// How the real-time loop did.
-#[derive(Default)]
-struct Loops {
-    /// between device frames, and from one to the first under the force that answers it \[µs\]
-    apart: Vec<f64>,
-    around: Vec<f64>,
-    seconds: Vec<Rt>,
-}
-
-/// How many of the times \[µs\] lie in each column of equal ratios.
-fn histogram(title: &str, times: &[f64]) -> Option<Plot> {
-    let bin = |t: f64| (t.log10() * BINS).floor() as i64;
-    let some = || times.iter().copied().filter(|t| *t > 0.0);
-    let (from, to) = some().map(bin).fold((i64::MAX, i64::MIN), |(a, b), i| (a.min(i), b.max(i)));
-    if from > to {
-        return None;
-    }
-    let mut counts = vec![0.0; (to - from + 1) as usize];
-    some().for_each(|t| counts[(bin(t) - from) as usize] += 1.0);
-    let middle = |i: usize| 10f64.powf(((from + i as i64) as f64 + 0.5) / BINS);
-    Some(Plot {
-        title: title.into(),
-        x: Axis::log("time", "µs").over(10f64.powf((from - 1) as f64 / BINS), 10f64.powf((to + 2) as f64 / BINS)),
-        y: Axis::log("frames", "").over(0.5, 2.0 * counts.iter().copied().fold(1.0, f64::max)),
-        grid: Grid::Points((0..counts.len()).map(middle).collect()),
-        curves: vec![Curve { name: "frames".into(), y: counts, look: Look::Bars }],
-        marks: Vec::new(),
-        image: None,
-    })
-}
-
-/// A row of a table of times \[µs\].
-fn row(name: &str, mut times: Vec<f64>) -> Option<Vec<String>> {
-    times.sort_by(f64::total_cmp);
-    let at = |q: f64| times.get(((times.len().saturating_sub(1)) as f64 * q).round() as usize).map(|t| short(*t));
-    Some(vec![name.into(), times.len().to_string(), at(0.5)?, at(0.99)?, at(0.999)?, at(1.0)?])
-}
-
-impl Loops {
-    fn section(self, rate: f64, gesture: f64) -> Option<Section> {
-        let mut blocks = Vec::new();
-        blocks.extend(histogram("Time between device frames", &self.apart).map(Block::Plot));
-        blocks.extend(histogram("Time from hand to force to hand", &self.around).map(Block::Plot));
-        if let Some(last) = self.seconds.last() {
-            let curve = |name: &str, of: fn(&Rt) -> f64| Curve::line(name, self.seconds.iter().map(of).collect());
-            let times = Grid::Points(self.seconds.iter().map(|s| s.tick as f64 / rate).collect());
-            let curves =
-                vec![curve("median", |s| s.late_p50), curve("99 %", |s| s.late_p99), curve("largest", |s| s.late_max)];
-            blocks.push(Block::Plot(Plot::over_time(
-                "How late frames began, of each second",
-                Axis::log("late", "µs"),
-                times,
-                curves,
-            )));
-            blocks.push(Block::Table(Table::pairs([
-                ("gesture frames", format!("{}, {} a second", last.frames, short(gesture))),
-                ("missed", last.missed.to_string()),
-                ("without news of a device", last.stale.to_string()),
-                ("device frames refused", last.dropped.to_string()),
-                ("faults", last.faults.to_string()),
-                ("sound samples at the peak limit", last.clipped.to_string()),
-                ("underruns of the sound device", last.underruns.to_string()),
-                ("busy, in the last second", format!("{:.1} %", 100.0 * last.busy)),
-            ])));
-        }
-        let rows: Vec<Vec<String>> =
-            [row("between device frames", self.apart), row("hand to force to hand", self.around)]
-                .into_iter()
-                .flatten()
-                .collect();
-        if !rows.is_empty() {
-            let head = ["time [µs]", "frames", "median", "99 %", "99.9 %", "largest"];
-            blocks.push(Block::Table(Table::new(&head, rows)));
-        }
-        (!blocks.is_empty()).then(|| Section::new("Real time", blocks))
-    }
-}
-
-/// Frames of a device on their way round.
-#[derive(Clone, Default)]
-struct Clock {
-    session: u64,
-    /// when its last frame was published
-    last: Option<Stamp>,
-    /// recent frames: number, and when they were published
-    frames: VecDeque<(u64, Stamp)>,
-    /// recent force frames: number, and when the frame they answer was published
-    forces: VecDeque<(u64, Stamp)>,
-}
-
-/// When a frame was published, by its device \[ns\], and when it was taken, by the engine \[s\].
-#[derive(Clone, Copy)]
-struct Stamp {
-    ns: u64,
-    taken: f64,
-}
-
-impl Stamp {
-    /// Time from an earlier one \[µs\]; none where a clock that is not ours, or none at all, says more than can have passed.
-    fn since(self, earlier: Stamp) -> Option<f64> {
-        let us = self.ns.checked_sub(earlier.ns)? as f64 * 1e-3;
-        (us <= 1e6 * (self.taken - earlier.taken + AWAY)).then_some(us)
     }
 }
 
@@ -314,7 +234,8 @@ impl Recorded {
             modes: vec![Mode::Off; h.setups.len()],
         };
         let device = |k: Option<u32>| k.map_or_else(|| "all".into(), |k| h.setups[k as usize].device.clone());
-        let param = |k: u32| scene.and_then(|s| s.live.params.get(k as usize)).map_or("?", |p| p.name.as_str());
+        let names = |s: &Scene| s.live.params.iter().map(|p| p.name.clone()).collect::<Vec<_>>();
+        let mut params = scene.map(names).unwrap_or_default();
         for event in take.events()? {
             let mut reported = |tick: u64, of: String, what: String| {
                 r.events.push(vec![format!("{:.4}", tick as f64 / h.rate), of, what]);
@@ -342,8 +263,17 @@ impl Recorded {
                     r.sound.push(&samples);
                 }
                 Event::Change(tick, change) => {
-                    let list = change.params.iter().map(|(k, v)| format!("{} = {}", param(*k), short(*v)));
+                    let list = change.params.iter().map(|(k, v)| {
+                        format!("{} = {}", params.get(*k as usize).map_or("?", String::as_str), short(*v))
+                    });
                     reported(tick, "parameters".into(), list.collect::<Vec<_>>().join(", "));
+                }
+                Event::Model(tick, next) => {
+                    let set = next.model.changes.iter().map(|(name, value)| format!("{name} = {value}"));
+                    let set: Vec<_> = set.collect();
+                    let with = if set.is_empty() { String::new() } else { format!(", with {}", set.join(", ")) };
+                    reported(tick, "model".into(), format!("another version of it plays{with}"));
+                    params = h.version(&next).scene(&catalog()).as_deref().map(names).unwrap_or_default();
                 }
                 Event::Order(tick, port, order) => {
                     let what = match order {
@@ -413,19 +343,5 @@ impl Recorded {
             clock.forces.push_front((f.seq, *t));
             clock.forces.truncate(RECENT);
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_clock_that_is_none_makes_no_time_of_the_loop() {
-        let (a, b) = (Stamp { ns: 5_000_000, taken: 0.0 }, Stamp { ns: 5_700_000, taken: 0.001 });
-        assert_eq!(b.since(a), Some(700.0));
-        assert_eq!(a.since(b), None);
-        let never = Stamp { ns: u64::MAX, taken: 0.002 };
-        assert_eq!((never.since(a), a.since(never)), (None, None));
     }
 }

@@ -87,8 +87,8 @@ impl Talk {
     }
 
     /// What each device is, as far as is known.
-    pub(super) fn setups(&self) -> &[Setup] {
-        &self.setups
+    pub(super) fn setups(&self) -> Option<&[Setup]> {
+        self.refits.is_empty().then_some(&self.setups)
     }
 
     /// One turn: what devices do, what people ask. True where somebody asked to stop.

@@ -5,7 +5,9 @@
 
 use super::{Recorder, hand};
 use crate::engine::{EngineCommand, Setup, Swap};
+use crate::version::{self, Version};
 use ca_core::Scene;
+use ca_core::live::LiveParam;
 use std::sync::Arc;
 
 /// Pictures of a new version that the ring must have room for.
@@ -16,27 +18,21 @@ impl Recorder {
     ///
     /// # Errors
     /// In words, where the two differ in what cannot change while it plays, or the engine takes no order.
-    pub fn swap(&mut self, scene: Arc<Scene>, setups: &[Setup]) -> Result<(), String> {
+    pub fn swap(&mut self, mut version: Version, setups: &[Setup]) -> Result<(), String> {
+        let scene = version.scene.clone();
         let room = self.ends.views.as_ref().map(|v| v.buffer().capacity());
         if room.is_some_and(|room| room < PICTURES * (scene.n_mat + 2)) {
             return Err("it is so much larger that it needs to be started anew".into());
         }
-        let (mut controls, mut state) = (scene.controls(), scene.state());
-        let load = self.scene.controls();
+        let (load, new) = (self.scene.controls(), scene.controls());
         let moved = self.controls.params().iter().zip(load.params()).filter(|(now, load)| now.value != load.value);
-        for (param, _) in moved {
-            let fits = |p: &&ca_core::live::LiveParam| p.name == param.name && p.unit.dim.same(param.unit.dim);
-            if controls.params().iter().any(|p| fits(&p)) {
-                // out of the range of the new version: as that says
-                if let Ok(patch) = controls.set(&param.name, param.value) {
-                    state.apply(&patch, 1);
-                }
-            }
-        }
-        let swap = Swap::new(&self.scene, scene.clone(), state, setups, self.versions + 1)?;
+        let fits = |now: &LiveParam| new.params().iter().any(|p| p.name == now.name && p.unit.dim.same(now.unit.dim));
+        version.moved = moved.filter(|(now, _)| fits(now)).map(|(now, _)| (now.name.clone(), now.value)).collect();
+        let (state, controls) = version::begin(&scene, &version.moved);
+        let swap = Swap::new(&self.scene, scene, state, setups, self.versions + 1)?;
         self.command(EngineCommand::Swap(Box::new(swap)))?;
         self.versions += 1;
-        self.coming = Some((scene, controls));
+        self.coming = Some((Arc::new(version), controls));
         Ok(())
     }
 
@@ -47,14 +43,14 @@ impl Recorder {
 
     /// The scene that plays, or is about to.
     pub fn scene(&self) -> &Arc<Scene> {
-        self.coming.as_ref().map_or(&self.scene, |c| &c.0)
+        self.coming.as_ref().map_or(&self.scene, |c| &c.0.scene)
     }
 
     /// The engine plays it.
     pub(super) fn swapped(&mut self, tick: u64) {
-        let Some((scene, controls)) = self.coming.take() else { return };
-        self.hand = hand::Hand::new(&scene);
-        (self.scene, self.controls) = (scene.clone(), controls);
-        self.tell(|s| s.swapped(tick, &scene));
+        let Some((version, controls)) = self.coming.take() else { return };
+        self.hand = hand::Hand::new(&version.scene);
+        (self.scene, self.controls) = (version.scene.clone(), controls);
+        self.tell(|s| s.swapped(tick, &version));
     }
 }

@@ -4,6 +4,7 @@
 
 use super::super::flat::{Energy, Hand, Hashed, Lost, Ordered, Reloaded, Rt};
 use super::super::header::Header;
+use super::super::next::MODEL;
 use super::super::{cdr, topic, views};
 use crate::frame::{DOF, DeviceFrame, ForceFrame};
 use ca_core::Scene;
@@ -29,6 +30,7 @@ pub(super) struct Ids {
     pub(super) change: u16,
     pub(super) param: u16,
     pub(super) reload: u16,
+    pub(super) model: u16,
     pub(super) order: u16,
     pub(super) hand: u16,
     pub(super) profile: u16,
@@ -67,10 +69,11 @@ pub(super) fn declare(
             said: (u32::MAX, u16::MAX),
         });
     }
-    let [change, param, reload, order, hand, profile, hash, energy, lost, rt, sound] = [
+    let [change, param, reload, model, order, hand, profile, hash, energy, lost, rt, sound] = [
         (topic::CHANGE, "Change", cdr::CHANGE),
         (topic::PARAM, "Param", cdr::PARAM),
         (topic::RELOAD, "Reloaded", Reloaded::SCHEMA),
+        (topic::MODEL, "Model", MODEL),
         (topic::ORDER, "Ordered", Ordered::SCHEMA),
         (topic::HAND, "Hand", Hand::SCHEMA),
         (topic::PROFILE, "Profile", cdr::PROFILE),
@@ -89,6 +92,7 @@ pub(super) fn declare(
         change: change?,
         param: param?,
         reload: reload?,
+        model: model?,
         order: order?,
         hand: hand?,
         profile: profile?,

@@ -1,0 +1,63 @@
+//! A version of a scene's model: all that is needed to make the scene again, beside it.
+//!
+//! Decides that it holds the model as its author wrote it and the changes made to it, as the header of a take does; what was
+//! asked of the compiler stays as at the start, but for the bodies that the model reads from files.
+
+use ca_compile::Options;
+use ca_core::live::Controls;
+use ca_core::{Scene, State};
+use ca_model::{Model, write};
+use std::sync::Arc;
+
+/// A model as text.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ModelText {
+    /// name of its file, without its folder
+    pub file: String,
+    /// as its author wrote it
+    pub text: String,
+    /// what was changed besides, in order: name and value
+    pub changes: Vec<(String, String)>,
+    /// with these changes, for people
+    pub resolved: String,
+}
+
+impl ModelText {
+    /// Of `model`, to which `changes` were made.
+    pub fn of(model: &Model, changes: Vec<(String, String)>) -> ModelText {
+        let resolved = write::write(model);
+        // a model that a program built has no text but this one
+        let built = model.text.is_empty();
+        let file = model.file.rsplit(['/', '\\']).next().unwrap_or_default();
+        ModelText {
+            file: if file.is_empty() { "model.ca.toml" } else { file }.into(),
+            text: if built { resolved.clone() } else { model.text.clone() },
+            changes: if built { Vec::new() } else { changes },
+            resolved,
+        }
+    }
+}
+
+/// Another version of a scene that plays.
+pub struct Version {
+    /// the scene
+    pub scene: Arc<Scene>,
+    /// its model
+    pub model: ModelText,
+    /// what was asked of the compiler
+    pub options: Options,
+    /// live parameters that somebody had moved before, and their values \[SI\]
+    pub moved: Vec<(String, f64)>,
+}
+
+/// The state in which `scene` begins, and its parameters, where `moved` stay as they are. One that is out of the range of this
+/// scene, or is none of it, is as the scene says.
+pub fn begin(scene: &Scene, moved: &[(String, f64)]) -> (State, Controls) {
+    let (mut controls, mut state) = (scene.controls(), scene.state());
+    for (name, value) in moved {
+        if let Ok(patch) = controls.set(name, *value) {
+            state.apply(&patch, 1);
+        }
+    }
+    (state, controls)
+}
