@@ -12,6 +12,7 @@ mod compile_fuzz;
 mod conformance;
 mod costs;
 mod diagnostics;
+mod driven;
 mod equivalence;
 mod files;
 mod friction;

@@ -8,7 +8,7 @@
 use crate::kind::builder::{Arg, Args, Generator};
 use crate::kind::{Kind, MatSpec, Unit};
 use crate::method::implicit::Inertia;
-use crate::numeric::{Plain, real, wide};
+use crate::numeric::{Plain, Real, real, wide};
 use crate::op::Law;
 use crate::state::{Identity, State};
 use crate::tuning::Scheme;
@@ -31,6 +31,17 @@ pub struct LiveParam {
     pub value: f64,
     /// one line for people
     pub doc: String,
+}
+
+/// A parameter that a port drives ([`crate::op::driven`]).
+#[derive(Clone, Debug, PartialEq)]
+pub struct DrivenParam {
+    /// the parameter; its value is that before the port is looked at
+    pub param: LiveParam,
+    /// name of the port
+    pub port: String,
+    /// where the port is at its smallest and largest value \[m\] or \[N\]
+    pub span: [f64; 2],
 }
 
 /// Where a number of a module comes from.
@@ -94,6 +105,10 @@ pub struct LivePlan {
     pub params: Vec<LiveParam>,
     /// the coefficients they reach: indices into [`State::coef`]
     pub coefs: Vec<u32>,
+    /// parameters that ports drive, which nobody else sets
+    pub driven: Vec<DrivenParam>,
+    /// the coefficients that these reach: indices into `coefs`, rising
+    pub driven_coefs: Vec<u32>,
     /// how to get from one to the other
     pub items: Vec<LiveItem>,
     /// what has to be solved anew, where implicit links depend on them
@@ -150,6 +165,8 @@ pub enum Refused {
     Unknown(String),
     /// outside the range it was declared with
     Range(String, f64, f64),
+    /// a port drives it: its name, and that of the port
+    Driven(String, String),
     /// the values together have no solution, e.g. a pitch out of reach
     Unsolvable(String),
 }
@@ -159,6 +176,7 @@ impl core::fmt::Display for Refused {
         match self {
             Refused::Unknown(n) => write!(f, "`{n}` is not a live parameter: declare it in [param] with live = true"),
             Refused::Range(n, lo, hi) => write!(f, "`{n}` must lie between {} and {}", Plain(*lo), Plain(*hi)),
+            Refused::Driven(n, port) => write!(f, "`{n}` is driven by the port `{port}`: move that"),
             Refused::Unsolvable(why) => write!(f, "{why}"),
         }
     }
@@ -207,7 +225,9 @@ impl Controls {
     /// [`Refused`], and nothing has changed.
     pub fn set(&mut self, name: &str, value: f64) -> Result<Patch, Refused> {
         let Some(p) = self.plan.params.iter().position(|p| p.name == name) else {
-            return Err(Refused::Unknown(name.into()));
+            let driven = self.plan.driven.iter().find(|d| d.param.name == name);
+            let by_port = driven.map(|d| Refused::Driven(name.into(), d.port.clone()));
+            return Err(by_port.unwrap_or_else(|| Refused::Unknown(name.into())));
         };
         let mut patch = Patch::default();
         self.turn(p, value, &mut patch)?;
@@ -256,6 +276,9 @@ impl Controls {
             if room.before.len() > touched {
                 item.patch(tick_dt, room, patch)?;
             }
+        }
+        if !self.plan.driven.is_empty() {
+            patch.set.retain(|(place, _)| self.plan.driven_coefs.binary_search(place).is_err());
         }
         let follows = self.plan.implicit.as_mut().is_none_or(|a| a.follow(&self.plan.coefs, room, patch));
         if !follows || patch.set.iter().any(|(_, v)| !real(*v).is_finite()) {
@@ -338,16 +361,28 @@ impl State {
         let whole = patch.set.iter().any(|(i, _)| *i >= self.ramps.whole);
         let ticks = if whole { 1 } else { ticks.max(1) };
         for (i, v) in &patch.set {
-            let i = *i as usize;
-            let r = &mut self.ramps;
-            if r.left[i] == 0 {
-                r.active[r.moving] = i as u32;
-                r.moving += 1;
-            }
-            r.left[i] = ticks;
-            r.target[i] = real(*v);
-            r.step[i] = real((*v - wide(self.coef[r.index[i] as usize])) / f64::from(ticks));
+            self.ramp(*i as usize, *v, ticks);
         }
         true
+    }
+
+    /// Live coefficient number `i` goes to `v` over so many ticks, unless it is there or on its way.
+    pub(crate) fn turn(&mut self, i: usize, v: Real, ticks: u32) {
+        let r = &self.ramps;
+        let goal = if r.left[i] == 0 { self.coef[r.index[i] as usize] } else { r.target[i] };
+        if goal.to_bits() != v.to_bits() {
+            self.ramp(i, wide(v), ticks);
+        }
+    }
+
+    fn ramp(&mut self, i: usize, v: f64, ticks: u32) {
+        let r = &mut self.ramps;
+        if r.left[i] == 0 {
+            r.active[r.moving] = i as u32;
+            r.moving += 1;
+        }
+        r.left[i] = ticks;
+        r.target[i] = real(v);
+        r.step[i] = real((v - wide(self.coef[r.index[i] as usize])) / f64::from(ticks));
     }
 }

@@ -122,8 +122,13 @@ fn params() -> Json {
             "value": number, "min": number, "max": number,
             "unit": {"type": "string"}, "doc": {"type": "string"},
             "live": {"type": "boolean", "description": "may be changed while it sounds"},
+            "port": {"type": "string", "description": "the port that drives it, from `min` to `max`"},
+            "span": {
+                "type": "array", "minItems": 2, "maxItems": 2, "items": number,
+                "description": "where the port is at `min` and at `max`",
+            },
         },
-        "required": ["value"],
+        "anyOf": [{"required": ["value"]}, {"required": ["port", "span", "min", "max"]}],
     });
     json!({
         "type": "object",

@@ -2,6 +2,7 @@
 
 pub mod cost;
 pub mod cutoff;
+mod driven;
 pub mod implicit;
 pub mod masses;
 pub mod milib;

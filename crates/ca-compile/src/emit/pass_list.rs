@@ -8,7 +8,7 @@ use alloc::vec::Vec;
 use ca_core::border;
 use ca_core::method::implicit;
 use ca_core::op::layout::{Layout, Output, OutputRow, Tap};
-use ca_core::op::{Kernel, Op, SolveStage, blocker, energy, heard, lowpass, pass, wave};
+use ca_core::op::{Kernel, Op, SolveStage, blocker, driven, energy, heard, lowpass, pass, wave};
 
 /// Before the forces: ports, the ledger of the tick before, changes, moving points.
 pub fn reads(layout: &Layout, live: usize, aimed: bool) -> Vec<Op> {
@@ -16,13 +16,14 @@ pub fn reads(layout: &Layout, live: usize, aimed: bool) -> Vec<Op> {
     let points = layout.moving_points.len();
     let modules = layout.n_mat + layout.n_lia;
     let modal = layout.modal.len();
-    let list: [(bool, &'static str, Kernel, usize); 9] = [
+    let list: [(bool, &'static str, Kernel, usize); 10] = [
         (!layout.enx.is_empty(), "ENX", pass::enx, layout.enx.len()),
         (!layout.tgr.is_empty(), "TGR in", border::position(layout), layout.tgr.len()),
         (modal > 0, "modal ports", pass::sum, modal),
         // the ledger needs the points where the last tick had them
         (kept && points > 0, "points", pass::project, points),
         (kept, "ledger", energy::ledger, modules),
+        (!layout.driven.is_empty(), "driven", driven::drive, layout.driven.iter().map(|d| d.places.len()).sum()),
         (live > 0, "changes", pass::ramp, live),
         (aimed, "aim", pass::aim, points),
         (points > 0 && (!kept || aimed), "points", pass::project, points),

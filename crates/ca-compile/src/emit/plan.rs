@@ -163,7 +163,15 @@ impl Plan<'_> {
             .collect();
         // whose it is is known when all else is
         let scene = Identity::default();
-        LivePlan { scene, params: self.net.params.clone(), coefs: self.live.clone(), items, implicit }
+        LivePlan {
+            scene,
+            params: self.net.params.clone(),
+            coefs: self.live.clone(),
+            driven: Vec::new(),
+            driven_coefs: Vec::new(),
+            items,
+            implicit,
+        }
     }
 }
 

@@ -1,6 +1,7 @@
 //! Schedule: flat arrays and the list of passes. What a scene does not have makes no entry here.
 
 use crate::emit::cutoff::{blockers, plain_first};
+use crate::emit::driven;
 use crate::emit::masses::{Masses, masses, weigh};
 use crate::emit::milib;
 use crate::emit::oversample::oversample;
@@ -134,6 +135,7 @@ pub fn schedule(
         enx,
         enf,
         tgr,
+        driven: driven::tables(net, &mut live, diags),
         crossing: net.crossing,
         waves,
         weighed,

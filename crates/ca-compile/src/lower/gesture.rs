@@ -26,6 +26,12 @@ pub fn gestures(model: &Model, net: &mut Resolved, alg: Option<f64>, named: &[Na
                 continue;
             }
         };
+        if let Some(d) = net.driven.iter().find(|d| net.params[d.param].name == e.key) {
+            let port = &net.inputs[d.input as usize].name;
+            let d = Diag::error("E021", format!("gesture `{}` drives a parameter that a port drives", e.key));
+            diags.push(d.at(e.key_span, "driven by a port").help(format!("let it move `{port}` instead")));
+            continue;
+        }
         let limits = param.map(|p| (p.min, p.max));
         // times are seconds in every unit system; only the values follow the model's units
         let mut v = Values::new(None, diags);

@@ -2,8 +2,8 @@
 
 use alloc::string::String;
 use ca_core::kind::Unit;
-use ca_model::Span;
 use ca_model::quantity::Quantity;
+use ca_model::{Entry, Span};
 
 /// A number as written in `[param]`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,6 +33,9 @@ pub struct Named {
     pub value: Option<Raw>,
     /// may change while playing
     pub live: bool,
+    /// the port that drives it, and where that is at `min` and `max`
+    pub port: Option<Entry>,
+    pub span_of_port: Option<Entry>,
     /// smallest value while playing
     pub min: Option<Raw>,
     /// largest value while playing
@@ -54,6 +57,8 @@ impl Named {
             name: name.into(),
             value: None,
             live: false,
+            port: None,
+            span_of_port: None,
             min: None,
             max: None,
             doc: String::new(),

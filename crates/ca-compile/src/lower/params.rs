@@ -3,18 +3,19 @@
 use crate::findings::{bad_quantity, inside, range_help, type_name, wrong_unit};
 use crate::lower::named::{Named, Raw};
 use crate::lower::values::Values;
-use crate::net::Resolved;
+use crate::net::{NetDriven, Resolved};
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
-use ca_core::kind::{Dim, Unit};
+use ca_core::kind::{ANY, Dim, Unit};
 use ca_core::live::LiveParam;
+use ca_core::scene::InputRole;
 use ca_model::diag::{Diag, Diags};
 use ca_model::quantity::Plain;
 use ca_model::suggest::nearest;
 use ca_model::{Entry, Model, Span, Value, quantity};
 
-const KEYS: &[&str] = &["value", "unit", "live", "min", "max", "doc"];
+const KEYS: &[&str] = &["value", "unit", "live", "min", "max", "port", "span", "doc"];
 
 /// The parameters of a model.
 pub fn all(model: &Model, diags: &mut Diags) -> Vec<Named> {
@@ -96,7 +97,14 @@ fn named(e: &Entry, diags: &mut Diags) -> Named {
             ("min", _) => (n.min, spans[0]) = (raw(&with_unit(x), &format!("`min` of {what}"), diags), x.span),
             ("max", _) => (n.max, spans[1]) = (raw(&with_unit(x), &format!("`max` of {what}"), diags), x.span),
             ("live", Value::Bool(b)) => n.live = *b,
+            ("port", Value::Text(_)) => (n.port, n.live) = (Some(x.clone()), true),
+            ("span", Value::List(_)) => n.span_of_port = Some(x.clone()),
             ("unit" | "doc", Value::Text(_)) => {}
+            ("span", other) => {
+                let title = format!("`span` of {what} must be a list of two numbers, not {}", type_name(other));
+                let d = Diag::error("E006", title).at(x.span, "wrong type");
+                diags.push(d.help("write where the port is at `min` and at `max`, e.g. `span = [0, \"20 mm\"]`"));
+            }
             ("live", other) => {
                 let d = Diag::error(
                     "E006",
@@ -104,7 +112,7 @@ fn named(e: &Entry, diags: &mut Diags) -> Named {
                 );
                 diags.push(d.at(x.span, "wrong type").help("write `live = true`").fix(x.span, "true"));
             }
-            ("unit" | "doc", other) => {
+            ("unit" | "doc" | "port", other) => {
                 let d = Diag::error("E006", format!("`{}` of {what} must be a text, not {}", x.key, type_name(other)));
                 diags.push(d.at(x.span, "wrong type").help("put it in quotes"));
             }
@@ -113,18 +121,44 @@ fn named(e: &Entry, diags: &mut Diags) -> Named {
                     Diag::error("E004", format!("unknown key in {what}: `{}`", x.key)).at(x.key_span, "not known here");
                 diags.push(match nearest(&x.key, KEYS.iter().copied()) {
                     Some(near) => d.help(format!("did you mean `{near}`?")).fix(x.key_span, near),
-                    None => d.help("a parameter has `value`, `unit`, `live`, `min`, `max` and `doc`"),
+                    None => {
+                        d.help("a parameter has `value`, `unit`, `live`, `min`, `max`, `doc`, and `port` with `span`")
+                    }
                 });
             }
         }
     }
     n.doc = text("doc").map(|d| d.0).unwrap_or_default();
-    if !entries.iter().any(|x| x.key == "value") {
+    if n.port.is_some() {
+        driven(&mut n, e, &what, diags);
+    } else if !entries.iter().any(|x| x.key == "value") {
         let d = Diag::error("E005", format!("{what} has no `value`")).at(e.key_span, "without `value`");
         diags.push(d.help("add e.g. `value = 0.5`, or `value = \"8 kN/m\"`"));
     }
     limits(&mut n, spans, &what, diags);
     n
+}
+
+/// What a port drives has bounds, a span of the port, and is at its smallest value until the port is looked at.
+fn driven(n: &mut Named, e: &Entry, what: &str, diags: &mut Diags) {
+    let missing = [("min", n.min.is_none()), ("max", n.max.is_none()), ("span", n.span_of_port.is_none())];
+    for (key, _) in missing.into_iter().filter(|m| m.1) {
+        let broken = matches!(&e.value, Value::Table(t) if t.iter().any(|x| x.key == key));
+        if !broken {
+            let d = Diag::error("E005", format!("{what} has a `port` and no `{key}`")).at(e.key_span, "incomplete");
+            diags.push(d.help(
+                "a port drives it from `min` to `max` while it goes from the first to the second of `span`, e.g. \
+                 `{ port = \"press\", span = [0, \"20 mm\"], min = 0, max = \"2 N\" }`",
+            ));
+        }
+        n.port = None;
+    }
+    // 0 is 0 in every unit
+    let least = match (n.min, n.max) {
+        (Some(Raw::Bare(0.0)), Some(Raw::Quantity(q))) => Some(Raw::Quantity(quantity::Quantity { value: 0.0, ..q })),
+        (min, _) => min,
+    };
+    n.value = n.value.or(least);
 }
 
 /// `min` and `max` are of the kind of `value`, in order, and `value` lies between them.
@@ -218,11 +252,47 @@ pub fn place(v: &mut Values<'_>, net: &mut Resolved) {
             doc: n.doc.clone(),
         });
     }
+    let by_ports: Vec<(usize, Named)> = v.named.iter().cloned().enumerate().filter(|n| n.1.port.is_some()).collect();
+    for (i, n) in by_ports.iter().filter(|n| renumber[n.0] != usize::MAX) {
+        let driven = drives(n, net, v).map(|drive| NetDriven { param: renumber[*i], ..drive });
+        net.driven.extend(driven);
+    }
     for item in &mut net.items {
         for f in &mut item.follows {
             f.1 = renumber[f.1];
         }
     }
+}
+
+/// The port that drives a parameter, and how.
+fn drives(n: &Named, net: &Resolved, v: &mut Values<'_>) -> Option<NetDriven> {
+    let (port, span) = (n.port.as_ref()?, n.span_of_port.as_ref()?);
+    let Value::Text(name) = &port.value else { return None };
+    let Some(input) = net.inputs.iter().position(|i| i.name == *name) else {
+        let d = Diag::error("E021", format!("parameter `{}` is driven by `{name}`, which is no port", n.name));
+        let d = d.at(port.span, "no such port");
+        v.diags.push(match nearest(name, net.inputs.iter().map(|i| i.name.as_str())) {
+            Some(near) => d.help(format!("did you mean `{near}`?")).fix(port.span, format!("\"{near}\"")),
+            None => d.help("a port is an ENX, a TGR or an ENF; one in space has `.x`, `.y`, `.z`"),
+        });
+        return None;
+    };
+    let unit = if net.inputs[input].role == InputRole::Force { Unit::NEWTON } else { Unit::METRE };
+    let what = format!("`span` of parameter `{}`", n.name);
+    let Value::List(ends) = &span.value else { return None };
+    let [from, to] = &ends[..] else {
+        let d = Diag::error("E019", format!("{what} has two ends, not {}", ends.len())).at(span.span, "not a pair");
+        v.diags.push(d.help("write where the port is at `min` and at `max`, e.g. `span = [0, \"20 mm\"]`"));
+        return None;
+    };
+    let span = [from, to].map(|e| v.constant(e, unit, ANY, &what));
+    let [Some(from), Some(to)] = span else { return None };
+    if from == to {
+        let d = Diag::error("E009", format!("{what} is a single point")).at(n.span, "declared here");
+        v.diags.push(d.help("write two different places of the port"));
+        return None;
+    }
+    Some(NetDriven { input: input as u32, span: [from, to], param: 0, at: n.span })
 }
 
 /// Parameters that no module and no moving point follows.

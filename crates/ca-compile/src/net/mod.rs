@@ -10,7 +10,7 @@ mod stage;
 pub mod worst;
 
 pub use families::Family;
-pub use stage::{Pruned, Resolved, Wired};
+pub use stage::{NetDriven, Pruned, Resolved, Wired};
 
 use alloc::boxed::Box;
 use alloc::string::String;

@@ -24,6 +24,18 @@ use ca_core::tuning::{Method, Scheme};
 use ca_model::Span;
 use core::ops::{Deref, DerefMut};
 
+/// A parameter that a port drives.
+pub struct NetDriven {
+    /// its number
+    pub param: usize,
+    /// the port: a place in [`Resolved::inputs`]
+    pub input: u32,
+    /// where the port is at the smallest and at the largest value \[m\] or \[N\]
+    pub span: [f64; 2],
+    /// where it is declared
+    pub at: Span,
+}
+
 /// Every module by itself, its numbers in SI: MATs, and what generators made.
 #[derive(Default)]
 pub struct Resolved {
@@ -57,6 +69,8 @@ pub struct Resolved {
     pub inputs: Vec<Input>,
     /// live parameters
     pub params: Vec<LiveParam>,
+    /// those of them that ports drive
+    pub driven: Vec<NetDriven>,
     /// parameters that nothing has used so far, and where they are declared
     pub unused: Vec<(String, Span)>,
     /// a name that is there but broken, to which something refers

@@ -106,7 +106,9 @@ pub fn prune(model: &Model, mut net: Wired, options: &Options, diags: &mut Diags
         }
     }
     for (i, m) in net.mats.iter().enumerate() {
-        alive[i] |= matches!(m.role, MatRole::Port(PortRole::Tgr, _));
+        let MatRole::Port(role, inputs) = m.role else { continue };
+        let drives = |input: Option<u32>| net.driven.iter().any(|d| Some(d.input) == input);
+        alive[i] |= role == PortRole::Tgr || inputs.into_iter().any(drives);
     }
     report(model, &mut net, &alive, &keep, diags);
     let unheard = (0..n as u32).filter(|m| !alive[*m as usize] && !fixed[*m as usize]).collect();

@@ -11,6 +11,7 @@ use crate::state::State;
 
 pub mod account;
 pub mod blocker;
+pub mod driven;
 pub mod energy;
 pub mod heard;
 pub mod layout;

@@ -116,6 +116,7 @@ impl Words {
             enx,
             enf,
             tgr,
+            driven,
             crossing,
             waves,
             weighed,
@@ -144,6 +145,9 @@ impl Words {
         self.all(heard.iter().map(|h| (h.ends, h.e0, h.coef, h.step, h.coefs, h.tap)));
         self.debug(&(pair_sets, moving_points, modal, tables));
         self.debug(&(enx, enf, tgr, crossing, waves));
+        if !driven.is_empty() {
+            self.debug(driven);
+        }
         self.debug(&(outputs, blockers, lowpass, implicit));
         let accounts = ledger.iter().flat_map(|l| &l.accounts);
         self.debug(&ledger.as_ref().map(|l| (l.weight, l.live)));

@@ -17,7 +17,7 @@ use ca_compile::Options;
 use ca_core::Scene;
 use ca_core::scene::certificate::Level;
 use ca_model::quantity::Plain;
-use ca_model::render;
+use ca_model::{quantity, render};
 use serde_json::{Value as Json, json};
 use std::io::Write as _;
 
@@ -117,6 +117,11 @@ fn summary(loaded: &Loaded, scene: &Scene, exact: bool) -> Result<(), Failure> {
         let names: Vec<&str> = scene.live.params.iter().map(|p| p.name.as_str()).collect();
         writeln!(out, "  live       {}", names.join(", "))?;
     }
+    for d in &scene.live.driven {
+        let p = &d.param;
+        let [min, max] = [p.min, p.max].map(|v| quantity::show(v, p.unit));
+        writeln!(out, "  driven     {} from {min} to {max} by {}", p.name, d.port)?;
+    }
     writeln!(out, "  rates      {}, {} ticks a frame", border::rates(scene), scene.frame)?;
     border::crossing(&mut out, scene)?;
     border::text(&mut out, scene)?;
@@ -158,11 +163,12 @@ fn summary_json(loaded: &Loaded, scene: &Scene) -> Json {
     let codes: serde_json::Map<String, Json> = codes(scene).iter().map(|(c, n)| ((*c).to_owned(), json!(n))).collect();
     let inputs: Vec<&str> = scene.inputs.iter().map(|i| i.name.as_str()).collect();
     let live: Vec<&str> = scene.live.params.iter().map(|p| p.name.as_str()).collect();
+    let driven: Vec<Json> = scene.live.driven.iter().map(|d| json!({"name": d.param.name, "port": d.port})).collect();
     json!({
         "name": loaded.name, "title": scene.title, "n_mat": scene.mats(), "n_lia": scene.lias(), "modules": codes,
         "passes": ops(scene), "rate": scene.rate, "gesture_rate": scene.rate / f64::from(scene.ratio),
         "ratio": scene.ratio, "oversample": scene.oversample(), "latency": border::json(scene),
         "outputs": scene.channel_names, "inputs": inputs,
-        "live": live, "seconds": scene.seconds, "stability": stability_json(&scene.certificate),
+        "live": live, "driven": driven, "seconds": scene.seconds, "stability": stability_json(&scene.certificate),
     })
 }

@@ -13,6 +13,7 @@ pub use outputs::{Blocker, HeardLink, Output, OutputRow, Tap};
 pub use waves::{Delay, Junction, Termination, Waves};
 
 use super::Vectors;
+use super::driven::Driven;
 use crate::numeric::ldl::Pattern;
 use crate::numeric::{Real, Table};
 use crate::state::State;
@@ -266,6 +267,8 @@ pub struct Layout {
     pub enf: Vec<Enf>,
     /// device ports (any), across the border
     pub tgr: Vec<Enx>,
+    /// parameters that ports drive (any)
+    pub driven: Vec<Driven>,
     /// how they cross it
     pub crossing: Crossing,
     /// waveguides

@@ -1,0 +1,129 @@
+//! Tables of the coefficients that ports drive.
+//!
+//! Decides that a table has two rows where its coefficients are straight lines over the parameter, as of stiffness, friction and
+//! gain, and [`ROWS`] else; and that each coefficient follows one thing only, a port or what somebody sets: what two of them
+//! together make of it no table says.
+
+use crate::net::{NetDriven, Resolved};
+use alloc::collections::BTreeSet;
+use alloc::format;
+use alloc::string::String;
+use alloc::vec::Vec;
+use ca_core::live::{Controls, DrivenParam, LivePlan, Patch};
+use ca_core::numeric::real;
+use ca_core::op::driven::Driven;
+use ca_model::diag::{Diag, Diags};
+
+/// Rows of a table of what is not straight: a pitch over an octave is then off by less than 0.01 cents.
+const ROWS: usize = 257;
+/// How far coefficients may be from a straight line, as a part of the largest in their column.
+const STRAIGHT: f64 = 1e-12;
+
+/// The tables of all that ports drive; says in `plan` which coefficients these are.
+pub fn tables(net: &Resolved, plan: &mut LivePlan, diags: &mut Diags) -> Vec<Driven> {
+    if net.driven.is_empty() {
+        return Vec::new();
+    }
+    let free = plan.clone();
+    let reach: Vec<BTreeSet<u32>> = (0..free.params.len()).map(|p| reached(&free, net.tick_dt, p)).collect();
+    let mut all = Vec::new();
+    for d in &net.driven {
+        let name = &plan.params[d.param].name;
+        let places = &reach[d.param];
+        if plan.implicit.as_ref().is_some_and(|i| places.iter().any(|p| *p >= i.first)) {
+            let title = format!("parameter `{name}` is driven by a port and changes implicit links");
+            let help = "drive a number of links that are explicit, or take the port from it and set it";
+            diags.push(Diag::error("E025", title).at(d.at, "driven here").help(help));
+            continue;
+        }
+        let other = (0..free.params.len()).find(|q| *q != d.param && !reach[*q].is_disjoint(places));
+        if let Some(q) = other {
+            let title = format!("parameters `{name}` and `{}` change the same coefficients", plan.params[q].name);
+            let help = "a number that a port drives follows that port alone: make the other one constant";
+            diags.push(Diag::error("E025", title).at(d.at, "driven here").help(help));
+            continue;
+        }
+        match table(&free, net.tick_dt, d, places) {
+            Ok(driven) => {
+                plan.driven_coefs.extend(places);
+                all.push(driven);
+            }
+            Err(why) => {
+                let d = Diag::error("E025", format!("parameter `{name}` cannot be driven: {why}"))
+                    .at(d.at, "declared here");
+                diags.push(d.help("choose `min` and `max` closer"));
+            }
+        }
+    }
+    plan.driven_coefs.sort_unstable();
+    taken_out(net, plan);
+    all
+}
+
+/// What ports drive is nothing that somebody sets.
+fn taken_out(net: &Resolved, plan: &mut LivePlan) {
+    let driven = |p: usize| net.driven.iter().find(|d| d.param == p);
+    let mut number = 0;
+    let mut renumber = Vec::new();
+    for p in 0..plan.params.len() {
+        renumber.push(driven(p).is_none().then_some(number));
+        number += usize::from(driven(p).is_none());
+    }
+    for (p, param) in core::mem::take(&mut plan.params).into_iter().enumerate() {
+        match driven(p) {
+            None => plan.params.push(param),
+            Some(d) => {
+                let port = net.inputs[d.input as usize].name.clone();
+                plan.driven.push(DrivenParam { param, port, span: d.span });
+            }
+        }
+    }
+    for item in &mut plan.items {
+        item.follows.retain_mut(|f| renumber[f.1].map(|to| f.1 = to).is_some());
+    }
+}
+
+/// The coefficients at so many equal steps of parameter `p`: their places, then a row for each.
+fn rows(controls: &mut Controls, p: usize, rows: usize) -> Result<(Vec<u32>, Vec<Vec<f64>>), String> {
+    let (mut patch, mut all) = (Patch::default(), Vec::new());
+    let [min, max] = [controls.params()[p].min, controls.params()[p].max];
+    for k in 0..rows {
+        let part = k as f64 / (rows - 1) as f64;
+        let v = if k + 1 == rows { max } else { min + part * (max - min) };
+        controls.turn(p, v, &mut patch).map_err(|e| format!("{e}"))?;
+        all.push(patch.set.iter().map(|s| s.1).collect());
+    }
+    Ok((patch.set.iter().map(|s| s.0).collect(), all))
+}
+
+/// The coefficients that parameter `p` changes; all that it is written to where it has no bounds to compare.
+fn reached(plan: &LivePlan, tick_dt: f64, p: usize) -> BTreeSet<u32> {
+    let (mut controls, mut patch) = (Controls::new(plan, tick_dt), Patch::default());
+    // a factor of 0 would hide what stands beside it, and some value at load is 0
+    for (q, param) in plan.params.iter().enumerate().filter(|(q, _)| *q != p) {
+        let _ = controls.turn(q, param.min + 0.37 * (param.max - param.min), &mut patch);
+    }
+    if let Ok((places, rows)) = rows(&mut controls, p, 5) {
+        let changes = |j: &usize| rows.iter().any(|r| r[*j].to_bits() != rows[0][*j].to_bits());
+        return (0..places.len()).filter(changes).map(|j| places[j]).collect();
+    }
+    let _ = controls.turn(p, plan.params[p].value, &mut patch);
+    patch.set.iter().map(|s| s.0).collect()
+}
+
+/// The table of one.
+fn table(plan: &LivePlan, tick_dt: f64, d: &NetDriven, places: &BTreeSet<u32>) -> Result<Driven, String> {
+    let (written, all) = rows(&mut Controls::new(plan, tick_dt), d.param, ROWS)?;
+    let columns: Vec<usize> = (0..written.len()).filter(|j| places.contains(&written[*j])).collect();
+    let last = ROWS - 1;
+    let straight = columns.iter().all(|j| {
+        let (a, b) = (all[0][*j], all[last][*j]);
+        let largest = all.iter().map(|r| r[*j].abs()).fold(0.0, f64::max);
+        let off = |(k, r): (usize, &Vec<f64>)| (r[*j] - (a + k as f64 / last as f64 * (b - a))).abs();
+        all.iter().enumerate().map(off).fold(0.0, f64::max) <= STRAIGHT * largest
+    });
+    let kept: Vec<&Vec<f64>> = if straight { alloc::vec![&all[0], &all[last]] } else { all.iter().collect() };
+    let table = kept.iter().flat_map(|r| columns.iter().map(|j| real(r[*j]))).collect();
+    let places = columns.iter().map(|j| written[*j]).collect();
+    Ok(Driven { input: d.input, span: d.span, rows: kept.len(), places, table })
+}

@@ -1,0 +1,51 @@
+//! Numbers of the model that a port drives, such as the pressure of a bow.
+//!
+//! Decides that the tick looks up coefficients in a table, which the compiler made by the functions that [`Controls`](crate::live::Controls)
+//! uses: laws are written for a compiler, and derive coefficients by roots and generators that no tick has time for. A port is looked at
+//! once a gesture frame, and coefficients go to what it says in a straight line over the frame, as those of a live parameter do.
+
+use super::Op;
+use crate::numeric::{Real, real, wide};
+use crate::op::layout::Layout;
+use crate::op::substep::phase;
+use crate::state::State;
+use alloc::vec::Vec;
+
+/// A parameter that a port drives.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Driven {
+    /// the port: a place in [`State::input`]
+    pub input: u32,
+    /// where the port is at the smallest and at the largest value of the parameter \[m\] or \[N\]
+    pub span: [f64; 2],
+    /// rows of the table, at least two
+    pub rows: usize,
+    /// the coefficients that it reaches: indices into [`LivePlan::coefs`](crate::live::LivePlan::coefs) (places)
+    pub places: Vec<u32>,
+    /// their values at equal steps of the parameter (rows x places)
+    pub table: Vec<Real>,
+}
+
+/// Turns what ports drive, at the first tick of a gesture frame. A port that is not finite drives nothing.
+pub fn drive(_op: &Op, layout: &Layout, s: &mut State) {
+    if phase(layout.frame, s.tick) > 1 {
+        return;
+    }
+    // at once where nothing has sounded yet
+    let ticks = if s.tick == 0 { 1 } else { layout.frame };
+    for d in &layout.driven {
+        let [from, to] = d.span;
+        let at = (s.input[d.input as usize] - from) / (to - from);
+        if !at.is_finite() {
+            continue;
+        }
+        let at = at.clamp(0.0, 1.0) * (d.rows - 1) as f64;
+        let row = (at as usize).min(d.rows - 2);
+        let (part, n) = (at - row as f64, d.places.len());
+        let (below, above) = (&d.table[row * n..][..n], &d.table[(row + 1) * n..][..n]);
+        for ((place, a), b) in d.places.iter().zip(below).zip(above) {
+            let (a, b) = (wide(*a), wide(*b));
+            s.turn(*place as usize, real(a + part * (b - a)), ticks);
+        }
+    }
+}
