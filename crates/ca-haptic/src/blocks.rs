@@ -3,11 +3,13 @@
 
 use rtrb::{Consumer, Producer};
 
-/// Head and values, all or nothing.
-pub(crate) fn put(ring: &mut Producer<f64>, head: [f64; 2], values: &[f64]) -> bool {
-    match ring.write_chunk_uninit(values.len() + 2) {
+/// A tick, how many values there are, and they, in two parts: all or nothing.
+pub(crate) fn put(ring: &mut Producer<f64>, tick: u64, values: &[f64], more: &[f64]) -> bool {
+    let n = values.len() + more.len();
+    match ring.write_chunk_uninit(n + 2) {
         Ok(chunk) => {
-            chunk.fill_from_iter(head.into_iter().chain(values.iter().copied()));
+            let head = [tick as f64, n as f64];
+            chunk.fill_from_iter(head.into_iter().chain(values.iter().copied()).chain(more.iter().copied()));
             true
         }
         Err(_) => false,

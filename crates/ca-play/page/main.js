@@ -10,6 +10,7 @@ import { Picture } from "./gl.js";
 import { Pointer } from "./pointer.js";
 import { Sound } from "./sound.js";
 import { Meters } from "./meters.js";
+import { Energy } from "./energy.js";
 import { Parameters, ports, element } from "./controls.js";
 import { Status } from "./status.js";
 import { View } from "./view.js";
@@ -50,6 +51,7 @@ const connection = new Connection(address, {
   },
   said: message => status.say(message.text, message.bad),
   report: message => status.report(message),
+  energy: message => energy.push(message),
   view(generation, tick, floats) {
     if (scene && generation === scene.generation) motion.push(floats, tick / scene.message.rate, performance.now() / 1000);
   },
@@ -67,7 +69,8 @@ const keyboard = new Keyboard(find, {
 });
 const presets = new Presets(find, { values: () => parameters.values(), set: values => parameters.set(values) });
 const meters = new Meters(find("scope"), find("spectrum"), find("level"), find("decibels"), find("scopeScale"));
-const view = new View(find, { picture, camera, meters, scene: () => scene, motion: () => motion });
+const energy = new Energy(find("energy"), find("energyScale"));
+const view = new View(find, { picture, camera, meters, energy, scene: () => scene, motion: () => motion });
 const sound = new Sound({ send: m => connection.send(m), changed: showSound });
 const pointer = new Pointer({
   canvas, camera,
@@ -106,6 +109,8 @@ function load(message) {
   find("gesture").hidden = !message.gesture;
   meters.setScene(message.rate, message.channels || []);
   view.channels(message.channels || []);
+  find("energyBox").hidden = (message.energy || []).length === 0;
+  energy.scene(message.energy || []);
   sound.scene(message.rate, Math.max(1, (message.channels || []).length));
   view.scene();
   setTimeout(() => find("hint").classList.add("gone"), 12000);
@@ -213,6 +218,7 @@ function frame(at) {
   picture.draw(camera, pair, motion);
   view.frame(pointer, pair, now);
   meters.draw(at);
+  energy.draw(at);
   const ms = performance.now() - began;
   costs.push(ms);
   root.frames = +root.frames + 1;

@@ -4,6 +4,21 @@
 
 const SIZE = 4096, ROOM = 16384, FLOOR = -100;
 
+// canvas and its size; null where it is not seen
+export function board(canvas) {
+  const w = canvas.clientWidth, h = canvas.clientHeight, ratio = Math.min(2, devicePixelRatio || 1);
+  if (!w || !h) return null;
+  if (canvas.width !== Math.round(w * ratio) || canvas.height !== Math.round(h * ratio)) {
+    canvas.width = Math.round(w * ratio);
+    canvas.height = Math.round(h * ratio);
+  }
+  const c = canvas.getContext("2d");
+  c.setTransform(ratio, 0, 0, ratio, 0, 0);
+  c.clearRect(0, 0, w, h);
+  c.font = "11px system-ui, sans-serif";
+  return { c, w, h };
+}
+
 export class Meters {
   constructor(scope, spectrum, level, readout, scale) {
     this.scale = scale;
@@ -59,21 +74,6 @@ export class Meters {
     this.fresh = true;
   }
 
-  // canvas and its size; null where it is not seen
-  board(canvas) {
-    const w = canvas.clientWidth, h = canvas.clientHeight, ratio = Math.min(2, devicePixelRatio || 1);
-    if (!w || !h) return null;
-    if (canvas.width !== Math.round(w * ratio) || canvas.height !== Math.round(h * ratio)) {
-      canvas.width = Math.round(w * ratio);
-      canvas.height = Math.round(h * ratio);
-    }
-    const c = canvas.getContext("2d");
-    c.setTransform(ratio, 0, 0, ratio, 0, 0);
-    c.clearRect(0, 0, w, h);
-    c.font = "11px system-ui, sans-serif";
-    return { c, w, h };
-  }
-
   draw(now) {
     if (!this.rings || now - this.last < 33 || !this.fresh) return;
     const dt = Math.min(0.2, (now - this.last) / 1000);
@@ -85,7 +85,7 @@ export class Meters {
   }
 
   drawScope() {
-    const b = this.board(this.scope);
+    const b = board(this.scope);
     if (!b) return;
     const { c, w, h } = b, n = Math.round(Math.min(0.03 * this.rate, ROOM / 3)), mask = ROOM - 1, first = this.rings[0];
     let start = this.write - n, largest = 0;
@@ -146,7 +146,7 @@ export class Meters {
   }
 
   drawSpectrum(dt) {
-    const b = this.board(this.spectrum);
+    const b = board(this.spectrum);
     if (!b) return;
     const { c, w } = b, h = b.h - 15, low = 20, top = Math.min(20000, this.rate / 2), span = Math.log(top / low);
     this.transform();
@@ -182,7 +182,7 @@ export class Meters {
   }
 
   drawLevel(now, dt) {
-    const b = this.board(this.level);
+    const b = board(this.level);
     const decibels = v => 20 * Math.log10(Math.max(v, 1e-6));
     let loudest = -120;
     for (let k = 0; k < this.channels; k++) {

@@ -68,6 +68,7 @@ export class Connection {
     switch (message.type) {
       case "scene": return this.on.scene(message);
       case "state": return this.on.state(message);
+      case "energy": return this.on.energy(message);
       case "said": return this.on.said(message);
       case "report": return this.on.report(message);
       case "reply": return this.answer(message);

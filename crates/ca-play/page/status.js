@@ -19,6 +19,9 @@ export class Status {
         setTimeout(() => { stop.classList.remove("sure"); stop.replaceChildren("End ", element("code", { text: "ca play" })); }, 3000);
       } else connection.ask({ type: "stop" });
     });
+    const record = find("record");
+    record.addEventListener("click", () => this.ask(connection, { type: "record", on: record.getAttribute("aria-pressed") !== "true" }));
+    find("save").addEventListener("click", () => this.ask(connection, { type: "save" }));
     find("reportClose").addEventListener("click", () => { find("report").hidden = true; });
     find("again").addEventListener("click", () => connection.again());
   }
@@ -29,8 +32,10 @@ export class Status {
     this.find("reportText").textContent = ok ? "" : text;
   }
 
-  async arm(connection, on) {
-    const reply = await connection.ask({ type: "arm", on });
+  arm(connection, on) { return this.ask(connection, { type: "arm", on }); }
+
+  async ask(connection, request) {
+    const reply = await connection.ask(request);
     if (reply.ok === false) this.say(reply.text || "refused", true);
   }
 
@@ -59,6 +64,7 @@ export class Status {
     this.find("model").textContent = message.model || "";
     document.title = (message.title || message.model || "Untitled") + " – ca play";
     this.before = {};
+    this.stability = message.stability;
   }
 
   state(s, sound) {
@@ -75,13 +81,19 @@ export class Status {
       ["Sound", s.sound === "page" ? "by this page" : s.sound || "–", false],
     ];
     if (sound.state === "on") facts.push(["Here", `${Math.round(1000 * sound.latency)} ms behind, ${sound.gaps ? count(sound.gaps, "gap") : "no gaps"}`, false]);
+    if (s.sound !== "page" && Number.isFinite(s.underruns)) facts.push(["Underruns", s.underruns ? String(s.underruns) : "none", s.underruns > (this.before.underruns ?? s.underruns)]);
+    if (this.stability) facts.push(["Stability", this.stability, false]);
+    const record = this.find("record");
+    record.setAttribute("aria-pressed", String(!!s.recording));
+    record.textContent = s.recording ? "Stop recording" : "Record sound";
+    if (s.recording) facts.push(["Records", s.recording, false]);
     if (s.clients > 1) facts.push(["Pages", `${s.clients} open`, false]);
     if (s.diverged) facts.unshift(["Model", "diverged: numbers left every range", true]);
     // what was missed lately colours the load for three seconds
     if (s.late > this.before.late || s.lost > this.before.lost) this.missed = performance.now();
     this.find("gauge").classList.toggle("bad", load > 0.95 || performance.now() - (this.missed ?? -1e9) < 3000);
     if (s.diverged && !this.before.diverged) this.say("The model diverged: its numbers left every range. Reset a parameter, or mend the model and save it.", true);
-    this.before = { late: s.late, lost: s.lost, clipped: s.clipped, diverged: s.diverged };
+    this.before = { late: s.late, lost: s.lost, clipped: s.clipped, underruns: s.underruns, diverged: s.diverged };
     const list = this.find("facts");
     if (list.children.length !== 2 * facts.length) list.replaceChildren(...facts.flatMap(() => [element("dt"), element("dd")]));
     facts.forEach(([name, text, bad], k) => {

@@ -44,6 +44,7 @@ export class View {
     document.documentElement.dataset.theme = name;
     this.world.picture.setTheme(name);
     this.world.meters.setTheme();
+    this.world.energy.setTheme();
     this.legend();
   }
 

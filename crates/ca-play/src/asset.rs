@@ -21,6 +21,7 @@ const ASSETS: &[Asset] = assets![
     "camera.js" "text/javascript; charset=utf-8",
     "colour.js" "text/javascript; charset=utf-8",
     "controls.js" "text/javascript; charset=utf-8",
+    "energy.js" "text/javascript; charset=utf-8",
     "film.js" "text/javascript; charset=utf-8",
     "gl.js" "text/javascript; charset=utf-8",
     "keyboard.js" "text/javascript; charset=utf-8",

@@ -5,14 +5,15 @@
 //!
 //! | text | what it has |
 //! |---|---|
-//! | `scene` | `generation`, `title`, `model`, `rate` \[Hz\], `frame` \[ticks\], `channels`, `drawing`, `params`, `ports`, `gesture`, `seconds`; once, and again when another scene is played |
-//! | `state` | `tick`, `seconds`, `load` (share of real time), `late`, `lost`, `clipped`, `diverged`, `playing`, `pointer` (mass, or −1), `devices`, `params`, `clients`; a few times a second |
+//! | `scene` | `generation`, `title`, `model`, `rate` \[Hz\], `frame` \[ticks\], `channels`, `drawing`, `params`, `ports`, `gesture`, `seconds`, `energy` (names), `stability` (words); once, and again when another scene is played |
+//! | `state` | `tick`, `seconds`, `load` (share of real time), `late`, `lost`, `clipped`, `diverged`, `playing`, `pointer` (mass, or −1), `devices`, `params`, `clients`, `sound`, `underruns`, `recording` (a file, or none); a few times a second |
+//! | `energy` | `seconds`, `motion` \[J\], one for each name: some twenty times a second |
 //! | `said` | `bad`, `text`: news for people |
 //! | `reply` | `id`, `ok`, `text` and what was asked: to each request with an `id` |
 //!
 //! and of bytes [`view`] and [`sound`]. From the page, all of it text: `sound` (`on`), `grab` (`mass`), `drag` (`by`
-//! \[m\]), `release`, `set` (`values`), `gesture` (`play`), `port` (`name`, `value`), `pick` (`mass`), `arm` (`on`) and
-//! `stop`.
+//! \[m\]), `release`, `set` (`values`), `gesture` (`play`), `port` (`name`, `value`), `pick` (`mass`), `arm` (`on`),
+//! `record` (`on`), `save` and `stop`.
 
 /// The beginning of a picture: kind 1, generation of the scene, tick; behind it come displacements \[m\], f32, one for each
 /// drawn mass on a line and three for one in space.

@@ -163,6 +163,44 @@ mod in_real_time {
         assert!(report.contains("The model was changed while it played"), "and why there is no ledger");
     }
 
+    /// Sound from now on and all that was done so far are kept when somebody asks in the page; the energy of motion is told.
+    #[test]
+    fn what_was_played_is_kept() {
+        let mut host = Host::play(STRING, &[]);
+        let mut page = host.page();
+        let scene = page.next("scene");
+        assert_eq!(scene["energy"], json!(["low", "bob"]));
+        assert!(scene["stability"].as_str().unwrap().contains("margin"), "{scene}");
+        page.done(&json!({"type": "port", "name": "push", "value": 0.3}));
+        until("it moves", || page.next("energy")["motion"][0].as_f64().unwrap() > 0.0);
+        let early = page.ask(&json!({"type": "record", "on": false}));
+        assert_eq!(early["text"], "nothing is recorded");
+        page.done(&json!({"type": "record", "on": true}));
+        until("it is said what is recorded", || page.next("state")["recording"] == "model-1.wav");
+        page.done(&json!({"type": "sound", "on": true}));
+        page.done(&json!({"type": "gesture", "play": true}));
+        assert!(peak(&page.hear(1.2)) > 0.0);
+        page.done(&json!({"type": "record", "on": false}));
+        let finished = |name: &str, page: &mut host::Client| {
+            until(name, || page.next("said")["text"].as_str().unwrap().contains(name));
+        };
+        finished("model-1.wav", &mut page);
+        page.done(&json!({"type": "save"}));
+        finished("model-1.mcap", &mut page);
+        page.done(&json!({"type": "save"}));
+        finished("model-2.mcap", &mut page);
+        page.done(&json!({"type": "stop"}));
+        host.ended();
+        let wav = std::fs::read(host.path("model-1.wav")).unwrap();
+        assert!(wav.len() > 2 * 4 * 48_000, "a second, in two channels: {}", wav.len());
+        for take in ["model-1.mcap", "model-2.mcap"] {
+            let replayed = host.ca(&["replay", take, "--verify", "--json"]);
+            let verdict: serde_json::Value = serde_json::from_str(&replayed).unwrap();
+            assert_eq!(verdict["identical"], true, "{replayed}");
+            assert!(verdict["hashes"].as_u64().unwrap() > 0, "{replayed}");
+        }
+    }
+
     /// By MIDI and OSC, from a pipe, a page and another process.
     #[cfg(unix)]
     #[test]
@@ -236,6 +274,7 @@ mod in_real_time {
         until("it is let go", || watch.next("state")["pointer"] == -1);
         watch.done(&json!({"type": "sound", "on": true}));
         assert!(peak(&watch.hear(0.1)) > 1e-4, "it rings");
+        until("its energy is drawn", || tab.js("+document.documentElement.dataset.energy > 0") == true);
         // a page may sound by itself once it was touched
         tab.js("document.getElementById('sound').dataset.on === 'true' || document.getElementById('sound').click()");
         until("the page plays, too", || tab.js("document.getElementById('sound').dataset.on") == "true");

@@ -217,7 +217,7 @@ impl Live {
             note(rings, missing, shared, Record::Force { port, frame: *out });
         }
         let sound = engine.finish();
-        if !put(&mut rings.sound, [due as f64, sound.len() as f64], sound) {
+        if !put(&mut rings.sound, due, sound, &[]) {
             shared.lost_sound.fetch_add(sound.len() as u64, Relaxed);
         }
         if let Some(audio) = &mut rings.audio {
@@ -310,8 +310,8 @@ impl Live {
             }
         }
         if let Some(views) = self.rings.views.as_mut().filter(|_| due(self.every.view)) {
-            let x = &self.engine.state.x;
-            if !put(views, [tick as f64, x.len() as f64], x) {
+            let (x, d) = (&self.engine.state.x, &self.engine.state.d);
+            if !put(views, tick, x, d) {
                 self.shared.lost_views.fetch_add(1, Relaxed);
             }
         }

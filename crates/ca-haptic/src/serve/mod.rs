@@ -59,6 +59,11 @@ pub struct RecorderEnds {
 /// How long the recorder may be away \[s\] before something is lost, and counted.
 const AWAY: f64 = 4.0;
 
+/// Numbers of a picture: displacements and motion, and the head.
+fn picture(scene: &Scene) -> usize {
+    2 * scene.n_mat + 2
+}
+
 /// Rings for a scene with so many devices; `pictures` a second, 0 for none. What plays sound at once comes from
 /// [`audio::link`].
 pub fn rings(scene: &Scene, devices: usize, pictures: u32) -> (Rings, GatewayEnds, RecorderEnds) {
@@ -72,7 +77,7 @@ pub fn rings(scene: &Scene, devices: usize, pictures: u32) -> (Rings, GatewayEnd
     let (sound_in, sound_out) = RingBuffer::new((AWAY * scene.rate) as usize * scene.channels + 2 * frames);
     let (beats_in, beats_out) = RingBuffer::new(frames);
     let (views_in, views_out) = if pictures > 0 {
-        let places = scene.n_mat + 2;
+        let places = picture(scene);
         let (a, b) = RingBuffer::new(places * (AWAY * f64::from(pictures)).max(2.0) as usize);
         (Some(a), Some(b))
     } else {

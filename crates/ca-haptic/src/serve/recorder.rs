@@ -123,7 +123,8 @@ impl Recorder {
             self.tell(|s| s.sound(tick, &block));
         }
         while let Some(tick) = self.ends.views.as_mut().and_then(|v| take(v, &mut block)) {
-            self.tell(|s| s.view(tick, &block));
+            let (x, d) = block.split_at(block.len() / 2);
+            self.tell(|s| s.view(tick, x).and_then(|()| s.motion(tick, d)));
         }
         self.block = block;
         while let Ok(timing) = self.ends.timings.pop() {

@@ -44,6 +44,14 @@ pub trait Sink {
         let _ = (tick, x);
         Ok(())
     }
+    /// The motion in a picture: displacement \[m\] in a tick, of every place of the state. A sink on a thread of its own gets none.
+    ///
+    /// # Errors
+    /// Where it cannot be written any more; the sink is then left out.
+    fn motion(&mut self, tick: u64, d: &[f64]) -> Result<(), FileError> {
+        let _ = (tick, d);
+        Ok(())
+    }
     /// From `tick` on another version of the scene plays, and pictures of then and later are of that.
     ///
     /// # Errors

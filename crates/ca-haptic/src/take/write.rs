@@ -363,6 +363,15 @@ impl TakeWriter {
         self.log(self.tick, Level::Warning, "take", &what)
     }
 
+    /// Puts on the disk what was written so far, so that [`recover`](super::recover()) finds it.
+    ///
+    /// # Errors
+    /// Where the disk takes no more.
+    pub fn flush(&mut self) -> Result<(), FileError> {
+        self.flushed = Instant::now();
+        self.out.flush().map_err(|e| failed(&self.path, &e))
+    }
+
     /// Completes the file: its index, and everything on the disk. Of the records, sound samples and views that found no
     /// room in all, those that were not reported where they are missing are reported at the end.
     ///

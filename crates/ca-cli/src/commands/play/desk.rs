@@ -6,6 +6,7 @@
 
 use super::edit::{Edit, Made};
 use super::greeting::greeting;
+use super::keep::Keep;
 use super::sink::{Coming, PageSink, Stats};
 use crate::args::PlayArgs;
 use crate::commands::serve::{Inputs, answer};
@@ -36,6 +37,7 @@ pub(crate) struct Desk {
     holder: Option<u64>,
     name: String,
     edit: Edit,
+    keep: Keep,
     /// which version of the model plays, and the one that is on its way
     generation: u32,
     coming: Coming,
@@ -54,7 +56,7 @@ impl Desk {
         scene: Arc<Scene>,
         sink: &PageSink,
         args: &PlayArgs,
-        edit: Edit,
+        (edit, keep): (Edit, Keep),
     ) -> Desk {
         Desk {
             page,
@@ -66,6 +68,7 @@ impl Desk {
             holder: None,
             name: name.into(),
             edit,
+            keep,
             generation: 1,
             coming: sink.coming(),
             next: None,
@@ -87,6 +90,7 @@ impl Desk {
         shared: &Shared,
     ) -> bool {
         let mut leave = false;
+        self.keep.turn(recorder);
         if recorder.is_swapping() {
             return leave;
         }
@@ -213,6 +217,8 @@ impl Desk {
                 inputs.learn(recorder, request["name"].as_str())?;
                 done(if request["name"].is_string() { "move a controller" } else { "no controller is bound" })
             }
+            "record" => done(&self.keep.record(request["on"] == true, &self.scene)?),
+            "save" => done(&self.keep.save()?),
             "set" => {
                 let values = serde_json::from_value(request["values"].clone())
                     .map_err(|_| "`values` are names with numbers, or texts with units".to_string())?;
@@ -274,6 +280,8 @@ impl Desk {
             "learning": inputs.learning(),
             "bound": inputs.bound().map(|(c, n, name)| json!({"channel": c, "number": n, "name": name})).collect::<Value>(),
             "sound": self.sound,
+            "underruns": stats.as_ref().map(|s| s.underruns),
+            "recording": self.keep.recording().map(|p| p.display().to_string()),
         })
     }
 }

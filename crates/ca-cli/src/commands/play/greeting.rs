@@ -1,5 +1,7 @@
 //! What a page is sent first: what there is to see and to touch.
 
+use super::energy::KineticEnergy;
+use crate::commands::render::stability;
 use crate::commands::serve::param;
 use ca_core::Scene;
 use ca_core::io::midi::MidiSource;
@@ -25,6 +27,8 @@ pub(super) fn greeting(scene: &Scene, drawing: &Drawing, model: &str, generation
         "gesture": !scene.gestures.is_empty(),
         "notes": notes(scene),
         "seconds": scene.seconds,
+        "energy": KineticEnergy::new(scene).names(),
+        "stability": stability(&scene.certificate),
     })
 }
 

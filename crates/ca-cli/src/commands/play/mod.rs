@@ -6,7 +6,9 @@
 
 mod desk;
 mod edit;
+mod energy;
 mod greeting;
+mod keep;
 mod sink;
 
 use crate::args::PlayArgs;
@@ -18,6 +20,7 @@ use ca_play::Page;
 use ca_view::Drawing;
 pub(super) use desk::Desk;
 use edit::Edit;
+pub(super) use keep::{Keep, Kept, TapeSink};
 pub(super) use sink::PageSink;
 use std::sync::Arc;
 
@@ -32,6 +35,7 @@ pub(super) fn open(
     name: &str,
     scene: &Arc<Scene>,
     options: &Options,
+    keep: Keep,
 ) -> Result<(Desk, PageSink), Failure> {
     let drawing = Arc::new(Drawing::new(scene));
     let greeting = greeting::greeting(scene, &drawing, name, 1);
@@ -45,9 +49,9 @@ pub(super) fn open(
             term::note(&format!("no browser opens ({e}); open the address in one"));
         }
     }
-    let sink = PageSink::new(page.feed(), drawing.clone(), scene.channels);
+    let sink = PageSink::new(page.feed(), drawing.clone(), scene);
     let edit = Edit::new(&args.serve, options);
-    Ok((Desk::new(page, name, drawing, scene.clone(), &sink, args, edit), sink))
+    Ok((Desk::new(page, name, drawing, scene.clone(), &sink, args, (edit, keep)), sink))
 }
 
 /// Whether there is a screen for a browser; without one, some desktops would open a browser of text in this terminal.

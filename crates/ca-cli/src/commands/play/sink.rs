@@ -3,6 +3,8 @@
 //! Decides that nothing is drawn or sent where nobody looks or listens, and that sound goes in blocks of 5 ms: a message a
 //! gesture frame would cost the page more than it plays.
 
+use super::energy::KineticEnergy;
+use ca_core::Scene;
 use ca_haptic::serve::{Notice, Sink, SinkStreams, StatsSnapshot};
 use ca_haptic::version::Version;
 use ca_io::FileError;
@@ -13,6 +15,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 /// Samples of a block, for each channel.
 const BLOCK: usize = 256;
+
+/// Pictures for each word on energy.
+const ENERGIES: u64 = 3;
 
 /// The last statistics of the engine, as the page shows them.
 #[derive(Clone, Default)]
@@ -52,14 +57,21 @@ pub(crate) struct PageSink {
     tick: u64,
     samples: Vec<f64>,
     message: Vec<u8>,
+    energy: KineticEnergy,
+    /// time of a sample \[s\]
+    sample: f64,
+    pictures: u64,
 }
 
 impl PageSink {
-    pub(super) fn new(feed: Feed, drawing: Arc<Drawing>, channels: usize) -> PageSink {
+    pub(super) fn new(feed: Feed, drawing: Arc<Drawing>, scene: &Scene) -> PageSink {
         PageSink {
             feed,
             drawing,
-            channels,
+            channels: scene.channels,
+            energy: KineticEnergy::new(scene),
+            sample: scene.sample_dt,
+            pictures: 0,
             stats: Stats::default(),
             coming: Coming::default(),
             generation: 1,
@@ -114,7 +126,20 @@ impl Sink for PageSink {
         Ok(())
     }
 
-    fn swapped(&mut self, tick: u64, _: &Arc<Version>) -> Result<(), FileError> {
+    fn motion(&mut self, tick: u64, d: &[f64]) -> Result<(), FileError> {
+        if self.feed.is_seen() && tick >= self.since {
+            self.pictures += 1;
+            if self.pictures.is_multiple_of(ENERGIES) {
+                let seconds = tick as f64 * self.sample;
+                let joules = self.energy.of(d);
+                self.feed.tell_all(&json!({"type": "energy", "seconds": seconds, "motion": joules}));
+            }
+        }
+        Ok(())
+    }
+
+    fn swapped(&mut self, tick: u64, version: &Arc<Version>) -> Result<(), FileError> {
+        self.energy = KineticEnergy::new(&version.scene);
         let coming = self.coming.0.lock().unwrap_or_else(PoisonError::into_inner).take();
         if let Some((generation, drawing)) = coming {
             (self.generation, self.drawing, self.since) = (generation, drawing, tick);

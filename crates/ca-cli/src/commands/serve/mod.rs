@@ -35,6 +35,7 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
 use std::thread::JoinHandle;
 use std::time::Duration;
+pub(crate) use wav::Wav;
 
 /// Between two turns of the recorder.
 const TURN: Duration = Duration::from_millis(2);
@@ -105,10 +106,13 @@ pub(crate) fn session(args: &ServeArgs, page: Option<&PlayArgs>) -> Outcome {
     }
     // before `take`, so that its file is closed when it is removed
     let mut unplayed = Unplayed(None);
+    let header = || {
+        let changes = args.source.changes().collect();
+        Header::new(&loaded.model, changes, options.clone(), &scene, setups.clone(), engine.options())
+    };
     let take = match &args.log {
         Some(path) => {
-            let changes = args.source.changes().collect();
-            let header = Header::new(&loaded.model, changes, options.clone(), &scene, setups.clone(), engine.options());
+            let header = header();
             let writer = TakeWriter::create(path, &header, &scene)?;
             unplayed.0 = Some(path.clone());
             Some(aside(&mut sinks, "ca take", writer, room, busy)?)
@@ -118,7 +122,16 @@ pub(crate) fn session(args: &ServeArgs, page: Option<&PlayArgs>) -> Outcome {
 
     let mut desk = match page {
         Some(page) => {
-            let (desk, sink) = play::open(page, &loaded.name, &scene, &options)?;
+            let mut kept = None;
+            if take.is_none() && names.is_empty() {
+                let (begun, line) = play::Kept::begin(&header(), &scene)?;
+                sinks.push(Box::new(line));
+                kept = Some(begun);
+            }
+            let tape = play::TapeSink::default();
+            sinks.push(Box::new(tape.clone()));
+            let (desk, sink) =
+                play::open(page, &loaded.name, &scene, &options, play::Keep::new(&loaded.name, kept, tape))?;
             sinks.push(Box::new(sink));
             Some(desk)
         }
@@ -154,7 +167,7 @@ pub(crate) fn session(args: &ServeArgs, page: Option<&PlayArgs>) -> Outcome {
         energy: each(100.0, args.energy),
         view: each(f64::from(PICTURES), looks),
         // of a large state it would take longer than a frame has
-        hash: each(1.0, take.is_some() && scene.n_mat <= HASHED),
+        hash: each(1.0, looks && scene.n_mat <= HASHED),
     };
     let frames = args.seconds.map(|s| (s * frame_rate).round().max(1.0) as u64);
     let live = Live::new(engine, ends, shared.clone(), clock, every);

@@ -5,18 +5,25 @@ use ca_io::FileError;
 use ca_io::sound::{WavOut, Written};
 
 /// A WAV file. Sound that was lost is silence there, so that the rest stays where it belongs.
-pub(super) struct Wav {
+pub(crate) struct Wav {
     out: WavOut,
     channels: usize,
-    next: u64,
+    /// tick of the next sample; none before the first
+    next: Option<u64>,
 }
 
 impl Wav {
+    /// From tick 0 on.
     pub(super) fn new(out: WavOut, channels: usize) -> Wav {
-        Wav { out, channels, next: 0 }
+        Wav { out, channels, next: Some(0) }
     }
 
-    pub(super) fn finish(self) -> Result<Written, FileError> {
+    /// From the first sound that comes.
+    pub(crate) fn from_now(out: WavOut, channels: usize) -> Wav {
+        Wav { out, channels, next: None }
+    }
+
+    pub(crate) fn finish(self) -> Result<Written, FileError> {
         self.out.finish()
     }
 }
@@ -27,10 +34,11 @@ impl Sink for Wav {
     }
 
     fn sound(&mut self, tick: u64, frames: &[f64]) -> Result<(), FileError> {
-        if tick > self.next {
-            self.out.write(&vec![0.0; (tick - self.next) as usize * self.channels])?;
+        let missing = self.next.map_or(0, |next| tick.saturating_sub(next));
+        if missing > 0 {
+            self.out.write(&vec![0.0; missing as usize * self.channels])?;
         }
-        self.next = tick + (frames.len() / self.channels) as u64;
+        self.next = Some(tick + (frames.len() / self.channels) as u64);
         self.out.write(frames)
     }
 }

@@ -3,6 +3,7 @@
 //! Decides that live parameters that somebody has moved stay where they are, and those that nobody has are as the new version
 //! says: who edits a value wants to hear it.
 
+use super::super::picture;
 use super::{Recorder, hand};
 use crate::engine::{EngineCommand, Setup, Swap};
 use crate::version::{self, Version};
@@ -21,7 +22,7 @@ impl Recorder {
     pub fn swap(&mut self, mut version: Version, setups: &[Setup]) -> Result<(), String> {
         let scene = version.scene.clone();
         let room = self.ends.views.as_ref().map(|v| v.buffer().capacity());
-        if room.is_some_and(|room| room < PICTURES * (scene.n_mat + 2)) {
+        if room.is_some_and(|room| room < PICTURES * picture(&scene)) {
             return Err("it is so much larger that it needs to be started anew".into());
         }
         let (load, new) = (self.scene.controls(), scene.controls());

@@ -1,0 +1,226 @@
+//! What somebody keeps of a performance from the page: its sound from now on as WAV, and all that was done so far as a take.
+//!
+//! Decides that what is done is always written down, without sound, into a file for the time being, so that who has just played
+//! something good can still keep it; that a model with devices, which would fill the disk, keeps it only by `--log`; and that files
+//! are written where the program was started, under a name that is free, on threads of their own.
+
+use crate::commands::serve::Wav;
+use crate::term;
+use ca_core::Scene;
+use ca_haptic::record::Record;
+use ca_haptic::rt::RtRequest;
+use ca_haptic::serve::{AsyncSink, BufferLimits, Recorder, Sink, SinkHandle, SinkStreams};
+use ca_haptic::take::{Header, TakeWriter, recover};
+use ca_haptic::version::Version;
+use ca_io::FileError;
+use ca_io::sound::{Format, WavOut, Written};
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::{Receiver, channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread;
+
+/// Names that are tried.
+const TRIES: u32 = 10_000;
+
+/// What was done so far.
+pub(crate) struct Kept {
+    writer: Arc<Mutex<TakeWriter>>,
+    path: PathBuf,
+    _sink: AsyncSink<KeptSink>,
+}
+
+/// Its sink.
+pub(crate) struct KeptSink(Arc<Mutex<TakeWriter>>);
+
+impl Sink for KeptSink {
+    fn streams(&self) -> SinkStreams {
+        SinkStreams { records: true, ..SinkStreams::WORDS }
+    }
+
+    fn record(&mut self, record: &Record) -> Result<(), FileError> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).record(record)
+    }
+
+    fn swapped(&mut self, tick: u64, version: &Arc<Version>) -> Result<(), FileError> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).swapped(tick, version)
+    }
+}
+
+impl Kept {
+    /// Begins, and gives the recorder's end.
+    ///
+    /// # Errors
+    /// Where nothing can be written for the time being.
+    pub(crate) fn begin(header: &Header, scene: &Scene) -> Result<(Kept, SinkHandle), FileError> {
+        let path = std::env::temp_dir().join(format!("ca-{:016x}.mcap", header.engine.session));
+        let writer = Arc::new(Mutex::new(TakeWriter::create(&path, header, scene)?));
+        let sink = KeptSink(writer.clone());
+        let (line, sink) = AsyncSink::start("ca kept", sink, BufferLimits::of(scene), RtRequest::default())?;
+        Ok((Kept { writer, path, _sink: sink }, line))
+    }
+}
+
+impl Drop for Kept {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_file(&self.path);
+    }
+}
+
+/// Sound that is being written.
+struct Tape {
+    path: PathBuf,
+    sink: AsyncSink<Wav>,
+}
+
+/// The recorder's end of the sound, where some is written.
+#[derive(Clone, Default)]
+pub(crate) struct TapeSink(Arc<Mutex<Option<SinkHandle>>>);
+
+impl TapeSink {
+    fn set(&self, line: Option<SinkHandle>) {
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = line;
+    }
+}
+
+impl Sink for TapeSink {
+    fn streams(&self) -> SinkStreams {
+        SinkStreams { sound: true, ..SinkStreams::WORDS }
+    }
+
+    fn news(&mut self) -> Option<(bool, String)> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).as_mut().and_then(Sink::news)
+    }
+
+    fn sound(&mut self, tick: u64, frames: &[f64]) -> Result<(), FileError> {
+        let mut line = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        // one that fails ends by itself: it is told why when it is stopped
+        if line.as_mut().is_some_and(|l| l.sound(tick, frames).is_err()) {
+            *line = None;
+        }
+        Ok(())
+    }
+}
+
+/// What a page can keep.
+pub(crate) struct Keep {
+    /// name of the model without its folder and endings
+    stem: String,
+    kept: Option<Kept>,
+    tape: Option<Tape>,
+    line: TapeSink,
+    /// files that are being finished
+    ends: Vec<Receiver<Result<String, String>>>,
+}
+
+impl Keep {
+    /// For a model of this name; what was done so far in `kept`.
+    pub(crate) fn new(model: &str, kept: Option<Kept>, line: TapeSink) -> Keep {
+        let file = model.rsplit(['/', '\\']).next().unwrap_or(model);
+        let stem = file.split('.').next().filter(|s| !s.is_empty()).unwrap_or("take").to_string();
+        Keep { stem, kept, tape: None, line, ends: Vec::new() }
+    }
+
+    /// The file in which sound is written now.
+    pub(super) fn recording(&self) -> Option<&Path> {
+        self.tape.as_ref().map(|t| t.path.as_path())
+    }
+
+    /// What came of files that were finished, one each.
+    pub(super) fn turn(&mut self, recorder: &mut Recorder) {
+        self.ends.retain(|end| match end.try_recv() {
+            Ok(Ok(text)) => {
+                recorder.say(false, text);
+                false
+            }
+            Ok(Err(text)) => {
+                recorder.say(true, text);
+                false
+            }
+            Err(e) => e == std::sync::mpsc::TryRecvError::Empty,
+        });
+    }
+
+    /// Writes sound from now on into a new file, or ends it.
+    pub(super) fn record(&mut self, on: bool, scene: &Scene) -> Result<String, String> {
+        if !on {
+            return self.stop().ok_or_else(|| "nothing is recorded".into());
+        }
+        if self.tape.is_some() {
+            return Err("it is recorded already".into());
+        }
+        if scene.channels == 0 {
+            return Err("the model has no output, so there is no sound to record".into());
+        }
+        let path = self.free("wav")?;
+        let out = WavOut::create(&path, scene.rate, scene.channels, Format::F32).map_err(|e| e.to_string())?;
+        let wav = Wav::from_now(out, scene.channels);
+        let started = AsyncSink::start("ca record", wav, BufferLimits::of(scene), RtRequest::default());
+        let (line, sink) = started.map_err(|e| e.to_string())?;
+        self.line.set(Some(line));
+        let text = format!("records into {}", path.display());
+        self.tape = Some(Tape { path, sink });
+        Ok(text)
+    }
+
+    /// Ends what is recorded, if it is.
+    pub(super) fn stop(&mut self) -> Option<String> {
+        let Tape { path, sink } = self.tape.take()?;
+        self.line.set(None);
+        let text = format!("{} is finished", path.display());
+        self.aside(move || {
+            let written = sink.end().and_then(|w| w.map(Wav::finish).transpose());
+            let told = |w: Option<Written>| match w {
+                Some(w) => format!("recorded {:.1} s into {}", w.frames as f64 / f64::from(w.rate), path.display()),
+                None => format!("{} could not be written to its end", path.display()),
+            };
+            written.map(told).map_err(|e| e.to_string())
+        });
+        Some(text)
+    }
+
+    /// All that was done so far, as a take.
+    pub(super) fn save(&mut self) -> Result<String, String> {
+        let Some(kept) = &self.kept else {
+            return Err("what devices did is kept only with --log TAKE, from the start".into());
+        };
+        let (writer, from) = (kept.writer.clone(), kept.path.clone());
+        let path = self.free("mcap")?;
+        let text = format!("saves {}", path.display());
+        self.aside(move || {
+            let mut writer = writer.lock().unwrap_or_else(PoisonError::into_inner);
+            writer.flush().map_err(|e| e.to_string())?;
+            let saved = recover(&from, &path).map_err(|e| e.to_string())?;
+            Ok(format!("saved {:.1} s as {}; `ca replay` plays it again", saved.seconds, path.display()))
+        });
+        Ok(text)
+    }
+
+    /// A file that is not there yet.
+    fn free(&self, ending: &str) -> Result<PathBuf, String> {
+        let path = |n: u32| PathBuf::from(format!("{}-{n}.{ending}", self.stem));
+        let free = (1..TRIES).map(path).find(|p| !p.exists());
+        free.ok_or_else(|| format!("there are {TRIES} files {}-… here already", self.stem))
+    }
+
+    /// What may wait for a disk.
+    fn aside(&mut self, work: impl FnOnce() -> Result<String, String> + Send + 'static) {
+        let (tell, end) = channel();
+        let run = move || {
+            let _ = tell.send(work());
+        };
+        if let Err(e) = thread::Builder::new().name("ca keep".into()).spawn(run) {
+            term::warning(&format!("no thread to write with: {e}"));
+        }
+        self.ends.push(end);
+    }
+}
+
+impl Drop for Keep {
+    /// What is recorded is finished before the program is.
+    fn drop(&mut self) {
+        self.stop();
+        for end in self.ends.drain(..) {
+            let _ = end.recv();
+        }
+    }
+}

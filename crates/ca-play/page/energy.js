@@ -1,0 +1,75 @@
+// Energy of motion of each part of the instrument over the last 20 seconds, six decades down from the largest of them. It is had
+// from the pictures, some twenty times a second, and not from the ledger, which is kept only where that is asked.
+
+import { board } from "./meters.js";
+
+const SPAN = 20, DECADES = 6;
+
+export class Energy {
+  constructor(canvas, readout) {
+    this.canvas = canvas;
+    this.readout = readout;
+    this.scene([]);
+    this.setTheme();
+  }
+
+  scene(names) {
+    this.names = names;
+    this.points = [];
+    this.top = null;
+    this.fresh = true;
+  }
+
+  setTheme() {
+    const css = getComputedStyle(document.documentElement), get = n => css.getPropertyValue(n).trim();
+    this.colours = [get("--trace-0"), get("--trace-1"), get("--trace-2"), get("--trace-3")];
+    this.soft = get("--soft"); this.rule = get("--rule");
+    this.fresh = true;
+  }
+
+  push({ seconds, motion }) {
+    const last = this.points[this.points.length - 1];
+    if (motion.length !== this.names.length) return;
+    if (last && seconds < last.seconds) this.points = [];
+    this.points.push({ seconds, motion });
+    while (this.points[0].seconds < seconds - SPAN) this.points.shift();
+    this.fresh = true;
+  }
+
+  draw(now) {
+    if (!this.fresh || now - (this.last || 0) < 100) return;
+    const b = board(this.canvas);
+    if (!b) return;
+    this.last = now;
+    this.fresh = false;
+    const { c, w, h } = b, end = this.points.length ? this.points[this.points.length - 1].seconds : SPAN;
+    let largest = 0;
+    for (const p of this.points) for (const e of p.motion) if (e > largest) largest = e;
+    document.documentElement.dataset.energy = largest;
+    // a scale in whole decades, so that it stays where it is
+    const top = largest > 0 ? Math.ceil(Math.log10(largest)) : -3;
+    this.readout.textContent = largest > 0 ? `top 1e${top} J`.replace("-", "−") : "at rest";
+    const x = s => w - (end - s) / SPAN * w, y = e => Math.min(1, (top - Math.log10(Math.max(e, 1e-300))) / DECADES) * (h - 3) + 1;
+    c.strokeStyle = this.rule; c.lineWidth = 1;
+    c.beginPath();
+    for (let k = 1; k < DECADES; k++) { const at = Math.round(k / DECADES * h) + 0.5; c.moveTo(0, at); c.lineTo(w, at); }
+    c.stroke();
+    this.names.forEach((name, k) => {
+      c.strokeStyle = this.colours[k % 4]; c.lineWidth = 1.4; c.lineJoin = "round";
+      c.setLineDash(k < 4 ? [] : [3, 3]);
+      c.beginPath();
+      this.points.forEach((p, i) => { if (i) c.lineTo(x(p.seconds), y(p.motion[k])); else c.moveTo(x(p.seconds), y(p.motion[k])); });
+      c.stroke();
+    });
+    c.setLineDash([]);
+    c.textBaseline = "top";
+    let left = 2;
+    this.names.forEach((name, k) => {
+      const wide = c.measureText(name).width;
+      if (left + wide > w) return;
+      c.fillStyle = this.colours[k % 4];
+      c.fillText(name, left, 1);
+      left += wide + 10;
+    });
+  }
+}
