@@ -10,7 +10,7 @@ use std::io::Write as _;
 use std::panic::Location;
 
 /// What `tests/setup` installs, by its names there.
-pub const INSTALLED: [&str; 5] = ["jackd", "faust", "c++", "chromium", "valgrind"];
+pub const INSTALLED: [&str; 6] = ["jackd", "pulseaudio", "faust", "c++", "chromium", "valgrind"];
 
 /// Notes that the calling test is skipped, since there is no `needs`; `why` says it in a few words.
 ///

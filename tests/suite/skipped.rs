@@ -106,7 +106,7 @@ fn set_up(dir: &Path) -> (String, String) {
 
 #[test]
 fn setup_says_what_it_installs_and_what_it_could_not() {
-    let dir = machine("0", &["jackd", "pkg-config", "g++"]);
+    let dir = machine("0", &["jackd", "pulseaudio", "pkg-config", "g++"]);
     let (said, asked) = set_up(dir.path());
     let at = |words: &str| said.find(words).unwrap_or_else(|| panic!("no `{words}` in\n{said}"));
     // what for, then what, then what came of it
@@ -123,10 +123,10 @@ fn setup_says_what_it_installs_and_what_it_could_not() {
 
 #[test]
 fn setup_installs_nothing_without_need_or_right() {
-    let all = machine("0", &["jackd", "pkg-config", "faust", "c++", "chromium", "valgrind"]);
+    let all = machine("0", &["jackd", "pulseaudio", "pkg-config", "faust", "c++", "chromium", "valgrind"]);
     let (said, asked) = set_up(all.path());
     assert_eq!((said.lines().count(), asked.as_str()), (1, ""), "{said}");
     let (said, asked) = set_up(machine("1000", &["faust", "c++"]).path());
-    assert!(said.contains("sudo apt-get install jackd2 libasound2-dev"), "{said}");
+    assert!(said.contains("sudo apt-get install jackd2 libasound2-dev pkg-config pulseaudio"), "{said}");
     assert_eq!(asked, "", "{said}");
 }

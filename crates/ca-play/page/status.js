@@ -78,7 +78,7 @@ export class Status {
       ["Late", s.late ? count(s.late, "period") : "never", s.late > (this.before.late ?? s.late)],
       ["Lost", s.lost ? count(s.lost, "frame") : "none", s.lost > (this.before.lost ?? s.lost)],
       ["Clipped", s.clipped ? count(s.clipped, "sample") : "none", s.clipped > (this.before.clipped ?? s.clipped)],
-      ["Sound", s.sound === "page" ? "by this page" : s.sound || "–", false],
+      ["Sound", s.sound === "page" ? "by this page" : s.sound ? `${s.sound}, ${(s.latency ?? 0).toFixed(1)} ms` : "–", false],
     ];
     if (sound.state === "on") facts.push(["Here", `${Math.round(1000 * sound.latency)} ms behind, ${sound.gaps ? count(sound.gaps, "gap") : "no gaps"}`, false]);
     if (s.sound !== "page" && Number.isFinite(s.underruns)) facts.push(["Underruns", s.underruns ? String(s.underruns) : "none", s.underruns > (this.before.underruns ?? s.underruns)]);

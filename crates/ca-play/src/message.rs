@@ -6,7 +6,7 @@
 //! | text | what it has |
 //! |---|---|
 //! | `scene` | `generation`, `title`, `model`, `rate` \[Hz\], `frame` \[ticks\], `channels`, `drawing`, `params`, `ports`, `gesture`, `seconds`, `energy` (names), `stability` (words); once, and again when another scene is played |
-//! | `state` | `tick`, `seconds`, `load` (share of real time), `late`, `lost`, `clipped`, `diverged`, `playing`, `pointer` (mass, or −1), `devices`, `params`, `clients`, `sound`, `underruns`, `recording` (a file, or none); a few times a second |
+//! | `state` | `tick`, `seconds`, `load` (share of real time), `late`, `lost`, `clipped`, `diverged`, `playing`, `pointer` (mass, or −1), `devices`, `params`, `clients`, `sound`, `latency` \[ms\], `underruns`, `recording` (a file, or none); a few times a second |
 //! | `energy` | `seconds`, `motion` \[J\], one for each name: some twenty times a second |
 //! | `said` | `bad`, `text`: news for people |
 //! | `reply` | `id`, `ok`, `text` and what was asked: to each request with an `id` |

@@ -29,8 +29,9 @@ pub struct ServeArgs {
     /// Writes the sound to a WAV file
     #[arg(short, long, value_name = "FILE.wav")]
     pub output: Option<PathBuf>,
-    /// Plays the sound on a sound device, whose clock the gesture frames follow: `jack`, or with the feature `audio` a device by
-    /// name or the default one. `ca play` takes a JACK server that is there; `page` leaves the sound to the page
+    /// Plays the sound on a server or a sound device, whose clock the gesture frames follow: `jack`, `pulse`, or with the feature
+    /// `audio` a device by name or the default one. `ca play` takes a JACK server that is there, or else a PulseAudio server;
+    /// `page` leaves the sound to the page
     #[arg(long, value_name = "DEVICE", num_args = 0..=1, default_missing_value = "", conflicts_with = "clock")]
     pub audio: Option<String>,
     /// Frames the sound device is given at once; 256, or what its server decides

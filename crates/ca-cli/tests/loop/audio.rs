@@ -11,7 +11,7 @@ use std::io::Write as _;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-const BAR: &str = "[CEL]\nbar = { m = \"1 g\", f = \"220 Hz\", t60 = \"20 s\", dx0 = \"1 mm\" }\n\
+pub const BAR: &str = "[CEL]\nbar = { m = \"1 g\", f = \"220 Hz\", t60 = \"20 s\", dx0 = \"1 mm\" }\n\
                    [SOX]\nout = { from = \"bar\", gain = 500 }\n";
 
 /// A JACK server of a name of its own.
@@ -125,7 +125,7 @@ fn ears() {
     }
 }
 
-fn samples(bytes: &[u8]) -> Vec<f32> {
+pub fn samples(bytes: &[u8]) -> Vec<f32> {
     bytes.chunks_exact(4).map(|b| f32::from_le_bytes(b.try_into().unwrap())).collect()
 }
 
@@ -133,7 +133,7 @@ fn samples(bytes: &[u8]) -> Vec<f32> {
 const SURE: usize = 48;
 
 /// How much of `heard` is `written`, in order; how often it had to look for where it goes on.
-fn compare(heard: &[f32], written: &[f32]) -> (usize, usize) {
+pub fn compare(heard: &[f32], written: &[f32]) -> (usize, usize) {
     let (mut same, mut breaks, mut from, mut at) = (0, 0, 0, 0);
     let mut looked = 0;
     while at + SURE <= heard.len() {
@@ -249,7 +249,7 @@ fn a_server_that_is_there_is_played_in_a_page_too() {
         "{reported:#}"
     );
     let (reported, err) = play(&["--rate", "44.1 kHz"]);
-    assert!(reported["audio"].is_null() && err.contains("the page plays the sound"), "{reported:#} {err}");
+    assert!(reported["audio"].is_null() && err.contains("sound: by the page"), "{reported:#} {err}");
     let (reported, _) = play(&["--audio", "page"]);
     assert!(reported["audio"].is_null(), "{reported:#}");
 }

@@ -26,6 +26,8 @@ mod in_real_time {
     mod limits;
     mod other;
     mod piano;
+    #[cfg(feature = "audio")]
+    mod pulse;
     mod quiet;
     mod soak;
     mod stopped;

@@ -98,9 +98,13 @@ impl Recorder {
 
     /// Sound goes to a device, too.
     pub fn hears(&mut self, audio: Watch) {
-        let playback = &audio.playback;
-        self.say(false, format!("sound: {} ({}), {} Hz", playback.device, playback.host, playback.rate));
         self.audio = Some(audio);
+    }
+
+    /// The device that plays the sound, by name, and how late that is heard \[ms\], as far as is known yet.
+    pub fn heard(&self) -> Option<(String, f64)> {
+        let a = self.audio.as_ref()?.summary();
+        Some((format!("{} ({}), {} Hz", a.playback.device, a.playback.host, a.playback.rate), a.latency_ms))
     }
 
     /// Something people should know, and a take: reported at the next turn.

@@ -81,6 +81,11 @@ impl Desk {
         self.sound = host.into();
     }
 
+    /// The page is gone; what it keeps.
+    pub(crate) fn close(self) -> Keep {
+        self.keep
+    }
+
     /// One turn: what was asked, and now and then how it goes; no new version of the model where `setups` is none. True where somebody asked to stop.
     pub(crate) fn turn(
         &mut self,
@@ -280,6 +285,7 @@ impl Desk {
             "learning": inputs.learning(),
             "bound": inputs.bound().map(|(c, n, name)| json!({"channel": c, "number": n, "name": name})).collect::<Value>(),
             "sound": self.sound,
+            "latency": recorder.heard().map(|h| h.1),
             "underruns": stats.as_ref().map(|s| s.underruns),
             "recording": self.keep.recording().map(|p| p.display().to_string()),
         })

@@ -143,7 +143,7 @@ pub(crate) fn session(args: &ServeArgs, page: Option<&PlayArgs>) -> Outcome {
     let (mut ends, gateway_ends, recorder_ends) = rings(&scene, names.len(), pictures);
     let shared = Arc::new(Shared::default());
     let mut recorder = Recorder::new(recorder_ends, shared.clone(), scene.clone(), &engine.ports, sinks);
-    let (mut playing, follow) = audio::open(args, &scene, &mut recorder, page.is_some())?.unzip();
+    let (mut playing, follow) = audio::open(args, &scene, &mut recorder, page.is_some(), rt_request(args, -5))?.unzip();
     ends.audio = follow;
     let mut inputs = Inputs::open(args, &scene, page.is_some())?;
     inputs.said().into_iter().for_each(|text| recorder.say(false, text));
@@ -172,6 +172,13 @@ pub(crate) fn session(args: &ServeArgs, page: Option<&PlayArgs>) -> Outcome {
     let frames = args.seconds.map(|s| (s * frame_rate).round().max(1.0) as u64);
     let live = Live::new(engine, ends, shared.clone(), clock, every);
     playing.as_mut().map_or(Ok(()), audio::Playing::start)?;
+    match recorder.heard() {
+        Some((device, ms)) => recorder.say(false, format!("sound: {device}, {ms:.1} ms after the model")),
+        None if page.is_some() && scene.channels > 0 => {
+            recorder.say(false, "sound: by the page, which says how late".into());
+        }
+        None => {}
+    }
     if let Some((desk, playing)) = desk.as_mut().zip(playing.as_ref()) {
         desk.sounds_by(playing.host());
     }
@@ -191,7 +198,8 @@ pub(crate) fn session(args: &ServeArgs, page: Option<&PlayArgs>) -> Outcome {
     }
 
     let engine = attend(thread, &mut recorder, &mut talk, &mut inputs, desk.as_mut(), playing.as_ref(), &shared);
-    drop(desk);
+    // what it keeps is finished once all has come
+    let keep = desk.map(play::Desk::close);
     if let Some(playing) = playing {
         playing.end(scene.rate);
     }
@@ -200,6 +208,7 @@ pub(crate) fn session(args: &ServeArgs, page: Option<&PlayArgs>) -> Outcome {
     recorder.poll();
     let _ = words.map(AsyncSink::end);
     let mut summary = recorder.summary(&engine, threads);
+    drop(keep);
     // of the take: what the rings had no room for, and what waited for it too long
     let on_its_way = take.as_ref().map_or([0; 3], AsyncSink::lost);
     let lost = std::array::from_fn(|k| shared.lost()[k] + on_its_way[k]);

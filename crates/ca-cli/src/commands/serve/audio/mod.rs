@@ -1,16 +1,19 @@
-//! Sound straight to whatever plays it: a JACK server ([`jack`]), or a sound device of the system (`device`, feature `audio`).
+//! Sound straight to whatever plays it: a JACK server ([`jack`]), a PulseAudio server ([`pulse`]), or a sound device of the system
+//! (`device`, feature `audio`).
 //!
-//! Decides that JACK is spoken to by its library, loaded at run time, so that a build needs no headers, and a machine without it
-//! runs the same program; and that `ca play` takes a server that is there and plays the model as it is, unasked, while it says
-//! nothing of one that is not.
+//! Decides that neither server needs anything when `ca` is built: libjack is loaded at run time, and PulseAudio is spoken to by its
+//! socket; a machine without them runs the same program. `ca play` takes the first that is there and plays the model as it is,
+//! unasked, while it says nothing of those that are not.
 
 #[cfg(feature = "audio")]
 mod device;
 mod jack;
+mod pulse;
 
 use crate::args::ServeArgs;
 use crate::{Failure, term};
 use ca_core::Scene;
+use ca_haptic::rt::RtRequest;
 use ca_haptic::serve::Recorder;
 use ca_haptic::serve::audio::{Counts, Follow};
 use std::sync::Arc;
@@ -20,6 +23,9 @@ use std::time::{Duration, Instant};
 
 /// What is in the ring at the end is waited for at most so long, besides the time it takes to play.
 const LATE: Duration = Duration::from_millis(200);
+
+/// No server is waited for longer than this, whatever it says of its latency.
+const FAR: Duration = Duration::from_secs(1);
 
 /// Something that plays.
 pub(super) struct Playing {
@@ -32,38 +38,49 @@ pub(super) struct Playing {
 
 enum Output {
     Jack(Box<jack::Output>),
+    Pulse(pulse::PulseStream),
     #[cfg(feature = "audio")]
     Device(device::Output),
 }
 
-/// Opens what was asked for, or a JACK server that is there where `plays` says that nobody needs to ask, and hands the engine's
-/// side of it to engine and recorder; `None` where nothing was.
+/// Opens what was asked for, or a server that is there where `plays` says that nobody needs to ask, and hands the engine's
+/// side of it to engine and recorder; `None` where nothing was. A thread of its own asks the system for `request`.
 pub(super) fn open(
     args: &ServeArgs,
     scene: &Scene,
     recorder: &mut Recorder,
     plays: bool,
+    request: RtRequest,
 ) -> Result<Option<(Playing, Follow)>, Failure> {
     match args.audio.as_deref() {
         Some("page") if plays => Ok(None),
         Some("page") => Err(Failure::Usage("--audio page: `ca serve` has no page; `ca play` does".into())),
-        Some("jack") => match jack::open(scene, args.audio_buffer, recorder) {
-            Err(Failure::Usage(why)) => Err(Failure::Failed(format!("--audio jack: {why}"))),
-            opened => opened.map(Some),
-        },
+        Some("jack") => named("jack", jack::open(scene, args.audio_buffer, recorder)),
+        Some("pulse") => named("pulse", pulse::open(scene, args.audio_buffer, recorder, request)),
         Some(wanted) => device(wanted, args, scene, recorder).map(Some),
         None if plays && scene.channels > 0 && args.clock == crate::args::ClockKind::Monotonic => {
-            match jack::open(scene, None, recorder) {
-                Ok(playing) => Ok(Some(playing)),
-                Err(Failure::Usage(why)) => {
-                    term::note(&format!("{why}; the page plays the sound"));
-                    Ok(None)
-                }
-                // no server: what most machines are
-                Err(_) => Ok(None),
-            }
+            Ok(there(jack::open(scene, None, recorder)).or_else(|| there(pulse::open(scene, None, recorder, request))))
         }
         None => Ok(None),
+    }
+}
+
+/// A server that plays this, if it is there.
+fn there(opened: Result<(Playing, Follow), Failure>) -> Option<(Playing, Follow)> {
+    match opened {
+        Ok(playing) => return Some(playing),
+        Err(Failure::Usage(why)) => term::note(&why),
+        // no server: what most machines are
+        Err(_) => {}
+    }
+    None
+}
+
+/// One that was asked for by name.
+fn named(name: &str, opened: Result<(Playing, Follow), Failure>) -> Result<Option<(Playing, Follow)>, Failure> {
+    match opened {
+        Err(Failure::Usage(why)) => Err(Failure::Failed(format!("--audio {name}: {why}"))),
+        opened => opened.map(Some),
     }
 }
 
@@ -81,7 +98,7 @@ fn device(
 fn device(wanted: &str, _: &ServeArgs, _: &Scene, _: &mut Recorder) -> Result<(Playing, Follow), Failure> {
     let wanted = if wanted.is_empty() { "--audio".into() } else { format!("--audio {wanted}") };
     Err(Failure::Failed(format!(
-        "{wanted}: this `ca` plays by a JACK server (`--audio jack`), and is built without other sound devices; `cargo install \
+        "{wanted}: this `ca` plays by a JACK or a PulseAudio server (`--audio jack`, `--audio pulse`), and is built without other sound devices; `cargo install \
          --path crates/ca-cli --features audio` builds one with them (on Linux with the headers of ALSA: libasound2-dev)"
     )))
 }
@@ -91,6 +108,8 @@ impl Playing {
     pub(super) fn start(&mut self) -> Result<(), Failure> {
         let started = match &mut self.output {
             Output::Jack(output) => output.start().map_err(|e| e.to_string()),
+            // it counts time from its first word on
+            Output::Pulse(_) => Ok(()),
             #[cfg(feature = "audio")]
             Output::Device(output) => output.start().map_err(|e| e.to_string()),
         };
@@ -113,7 +132,8 @@ impl Playing {
     pub(super) fn end(self, rate: f64) {
         let left = 2.0 * self.counts.lead.load(Relaxed) as f64 / rate;
         let end = Instant::now() + LATE + Duration::from_secs_f64(left);
-        while !self.counts.done.load(Relaxed) && Instant::now() < end {
+        let is_over = matches!(&self.output, Output::Pulse(pulse) if pulse.is_over());
+        while !self.counts.done.load(Relaxed) && !is_over && Instant::now() < end {
             std::thread::sleep(Duration::from_millis(1));
         }
         match self.output {
@@ -122,6 +142,13 @@ impl Playing {
                 if !self.counts.done.load(Relaxed) {
                     output.leave();
                 }
+            }
+            // what it has queued is heard
+            Output::Pulse(_) => {
+                // from what was given last, which is as long as what is asked for at once
+                let last = Duration::from_secs_f64(self.counts.buffer.load(Relaxed) as f64 / rate);
+                let queued = Duration::from_nanos(self.counts.delay.load(Relaxed)) + last;
+                std::thread::sleep(if is_over { Duration::ZERO } else { queued.min(FAR) });
             }
             #[cfg(feature = "audio")]
             Output::Device(_) => {}

@@ -1,0 +1,291 @@
+//! Sound by a PulseAudio server, or by PipeWire in the place of one.
+//!
+//! Decides that the server queues about 20 ms, since it is no server of real time: it asks for more whenever some of it is
+//! played, and what it asks for is what the engine's clock follows. The queue begins with silence. It plays on where it is
+//! empty, and asks for as much more, so that what was asked for counts time all along; each time it was empty is told, and
+//! counted as an underrun of the device. A sink that has another rate, after it was offered that of the model, or no device
+//! at all, is refused. A thread here answers the server; between its messages it neither allocates nor locks.
+
+mod line;
+
+use super::{Output, Playing};
+use crate::Failure;
+use ca_core::Scene;
+use ca_haptic::rt::{self, RtRequest, now_ns};
+use ca_haptic::serve::Recorder;
+use ca_haptic::serve::audio::{Counts, Follow, PlaybackDevice, Player, link};
+use line::{Line, News};
+use pulseaudio::protocol::{
+    self, ChannelMap, Command, CorkStreamParams, CreatePlaybackStreamReply, GetSinkInfo, LatencyParams,
+    PlaybackLatency, PlaybackStreamParams, Prop, Props, SampleFormat, SampleSpec, SinkInfo,
+    stream::{BufferAttr, StreamFlags},
+};
+use std::io::{Error, Result};
+use std::net::Shutdown;
+use std::os::unix::net::UnixStream;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use std::sync::mpsc::{Sender, channel};
+use std::thread;
+use std::time::{Duration, SystemTime};
+
+const NAME: &str = "PulseAudio";
+/// Samples asked for at once where nobody says.
+const BUFFER: u32 = 256;
+/// A server that does not answer is given up after so long.
+const PATIENCE: Duration = Duration::from_secs(2);
+/// What the server queues, in what it asks for at once.
+const QUEUED: u32 = 4;
+/// The most samples filled at once; what is more is filled in pieces.
+const MOST: usize = 16384;
+/// The sink of a server that has no device.
+const DUMMY: &[u8] = b"auto_null";
+
+/// A stream that is about to play.
+struct Stream {
+    line: Line,
+    made: CreatePlaybackStreamReply,
+    sink: SinkInfo,
+    latency: PlaybackLatency,
+}
+
+/// Opens a stream that plays a scene: [`Failure::Failed`] where no server answers, [`Failure::Usage`] where it does not play the
+/// scene as it is.
+pub(super) fn open(
+    scene: &Scene,
+    buffer: Option<u32>,
+    recorder: &mut Recorder,
+    request: RtRequest,
+) -> std::result::Result<(Playing, Follow), Failure> {
+    let buffer = buffer.unwrap_or(BUFFER);
+    // a server that stands still may keep us from the first word on
+    let (tell, told) = channel();
+    let asked = thread::Builder::new().name("ca pulse".into()).spawn(move || {
+        let _ = tell.send(Line::open(PATIENCE).map(default_sink));
+    });
+    let absent = |why: &str| {
+        let how = "start one, e.g. `pulseaudio --start`, or name it in PULSE_SERVER";
+        Failure::Failed(format!("--audio pulse: no PulseAudio server answers{why}; {how}"))
+    };
+    let opened = asked.ok().and_then(|_| told.recv_timeout(PATIENCE).ok()).ok_or_else(|| absent(" in time"))?;
+    let (line, sink) = opened.map_err(|_| absent(""))?;
+    let refused = |e: Error| Failure::Usage(format!("{NAME} does not play this: {e}"));
+    let Some(sink) = sink.filter(|s| s.name.as_bytes() != DUMMY) else {
+        return Err(Failure::Usage(format!("{NAME} has no device to play on")));
+    };
+    let wide = channels(&sink, scene)?;
+    let hz = scene.rate;
+    if hz.fract() != 0.0 || hz > f64::from(protocol::sample_spec::MAX_RATE) {
+        return Err(Failure::Usage(format!("{NAME} plays at no rate of {hz} Hz")));
+    }
+    let map = ChannelMap::new((&sink.channel_map).into_iter().take(wide));
+    let Stream { line, made, sink, latency } = stream(line, sink.index, hz as u32, map, buffer).map_err(refused)?;
+    let plays = sink.sample_spec.sample_rate;
+    if f64::from(plays) != hz {
+        return Err(Failure::Usage(format!("{NAME} plays at {plays} Hz, not at {hz}; say `--rate {plays}Hz`")));
+    }
+
+    let frame = 4 * wide as u32;
+    let device = sink.description.as_ref().unwrap_or(&sink.name).to_string_lossy().into_owned();
+    let who = PlaybackDevice { host: NAME.into(), device, rate: hz as u32, channels: wide as u16 };
+    let at_once = (made.buffer_attr.minimum_request_length / frame).max(1);
+    let (follow, player, watch) = link(scene.channels, scene.ratio, who, at_once);
+    // until it is measured: what is queued before what is given next, and what the device has
+    let queued = made.buffer_attr.target_length.saturating_sub(made.buffer_attr.minimum_request_length) / frame;
+    let delay = 1e9 * f64::from(queued) / hz + 1e3 * latency.sink_usec as f64;
+    watch.counts.delay.store(delay as u64, Relaxed);
+    let (counts, (tell, words)) = (watch.counts.clone(), channel());
+    let pulse = speak(line, made.channel, player, (counts.clone(), tell), wide, hz as usize, request);
+    let output = Output::Pulse(pulse.map_err(refused)?);
+    recorder.hears(watch);
+    Ok((Playing { output, counts, words, name: NAME.into(), host: NAME }, follow))
+}
+
+/// How many channels the sink is given: one is heard on both sides.
+fn channels(sink: &SinkInfo, scene: &Scene) -> std::result::Result<usize, Failure> {
+    let most = usize::from(sink.channel_map.num_channels());
+    if scene.channels > most {
+        let n = scene.channels;
+        return Err(Failure::Usage(format!("{NAME} plays {most} channels, and the model has {n} outputs; join some")));
+    }
+    Ok(if scene.channels == 1 { most.min(2) } else { scene.channels })
+}
+
+/// The sink that plays what is not sent to another; `None` where there is none.
+fn default_sink(mut line: Line) -> (Line, Option<SinkInfo>) {
+    let name = Some(protocol::DEFAULT_SINK.to_owned());
+    let sink = line.ask(&Command::GetSinkInfo(GetSinkInfo { index: None, name })).ok();
+    (line, sink)
+}
+
+/// Makes a stream, whose queue is full of silence, and lets it play.
+fn stream(mut line: Line, sink: u32, hz: u32, map: ChannelMap, buffer: u32) -> Result<Stream> {
+    let wide = map.num_channels();
+    let at_once = 4 * u32::from(wide) * buffer;
+    let mut props = Props::new();
+    props.set(Prop::MediaName, c"ca");
+    let params = PlaybackStreamParams {
+        sample_spec: SampleSpec { format: SampleFormat::Float32Le, channels: wide, sample_rate: hz },
+        channel_map: map,
+        sink_index: Some(sink),
+        buffer_attr: BufferAttr {
+            target_length: QUEUED * at_once,
+            pre_buffering: 0,
+            minimum_request_length: at_once,
+            ..BufferAttr::default()
+        },
+        props,
+        flags: StreamFlags {
+            start_corked: true,
+            adjust_latency: true,
+            no_remix_channels: true,
+            ..StreamFlags::default()
+        },
+        ..PlaybackStreamParams::default()
+    };
+    let made: CreatePlaybackStreamReply = line.ask(&Command::CreatePlaybackStream(params))?;
+    // now at the rate of the stream, where it can be
+    let info = Command::GetSinkInfo(GetSinkInfo { index: Some(made.sink_index), name: None });
+    let sink = line.ask(&info)?;
+    let mut silence = vec![0; protocol::DESCRIPTOR_SIZE + made.requested_bytes as usize];
+    head(&mut silence, made.channel);
+    line.send(&silence)?;
+    line.order(&Command::CorkPlaybackStream(CorkStreamParams { channel: made.channel, cork: false }))?;
+    let latency = line.ask(&latency(made.channel))?;
+    Ok(Stream { line, made, sink, latency })
+}
+
+fn latency(channel: u32) -> Command {
+    Command::GetPlaybackLatency(LatencyParams { channel, now: SystemTime::UNIX_EPOCH })
+}
+
+/// Writes the head of a message of sound that stands behind it.
+fn head(message: &mut [u8], channel: u32) {
+    let length = message.len().saturating_sub(protocol::DESCRIPTOR_SIZE) as u32;
+    let head = protocol::Descriptor { length, channel, offset: 0, flags: protocol::DescriptorFlags::empty() };
+    if let Some(at) = message.first_chunk_mut() {
+        protocol::encode_descriptor(at, &head);
+    }
+}
+
+/// Starts the thread that answers the server.
+fn speak(
+    mut line: Line,
+    channel: u32,
+    player: Player,
+    (counts, tell): (Arc<Counts>, Sender<String>),
+    wide: usize,
+    rate: usize,
+    request: RtRequest,
+) -> Result<PulseStream> {
+    line.wait()?;
+    let end = line.end()?;
+    let query = line.encoded(&latency(channel))?;
+    let sound = vec![0.0; MOST * wide];
+    let message = Vec::with_capacity(protocol::DESCRIPTOR_SIZE + 4 * MOST * wide);
+    let speaker = Speaker { line, channel, player, counts, wide, rate, sound, message, query, given: 0, last: 0 };
+    let over = Arc::new(AtomicBool::new(false));
+    let ended = over.clone();
+    let thread = thread::Builder::new().name("ca pulse".into()).spawn(move || {
+        rt::ask(request);
+        let why = speaker.run();
+        ended.store(true, Relaxed);
+        let _ = tell.send(why);
+    })?;
+    Ok(PulseStream { end, over, thread: Some(thread) })
+}
+
+/// The thread's side.
+struct Speaker {
+    line: Line,
+    channel: u32,
+    player: Player,
+    counts: Arc<Counts>,
+    wide: usize,
+    /// samples a second
+    rate: usize,
+    /// interleaved
+    sound: Vec<f32>,
+    message: Vec<u8>,
+    /// how the latency is asked for, and the number of that question
+    query: (u32, Vec<u8>),
+    /// samples since it was asked for
+    given: usize,
+    /// samples of the last message before it was
+    last: usize,
+}
+
+impl Speaker {
+    /// Until the line ends; why it did.
+    fn run(mut self) -> String {
+        loop {
+            if let Err(e) = self.give() {
+                return format!("the server is gone ({e})");
+            }
+            match self.line.next() {
+                Ok(News::Answer(n, at)) if n == self.query.0 => self.measure(at),
+                Ok(News::Underflow) => {
+                    self.counts.xruns.fetch_add(1, Relaxed);
+                }
+                Ok(News::Killed) => return "the server has ended the stream".into(),
+                Ok(_) => {}
+                Err(e) => return format!("the server is gone ({e})"),
+            }
+        }
+    }
+
+    /// Gives what is owed.
+    fn give(&mut self) -> Result<()> {
+        let frame = 4 * self.wide;
+        let at = now_ns();
+        while self.line.owed >= frame {
+            let n = (self.line.owed / frame).min(MOST);
+            let sound = &mut self.sound[..n * self.wide];
+            self.player.fill(sound, self.wide, at);
+            self.message.clear();
+            self.message.resize(protocol::DESCRIPTOR_SIZE, 0);
+            self.message.extend(sound.iter().flat_map(|x| x.to_le_bytes()));
+            head(&mut self.message, self.channel);
+            self.line.send(&self.message)?;
+            self.line.owed -= n * frame;
+            (self.given, self.last) = (self.given + n, n);
+        }
+        if self.given >= self.rate {
+            self.given = 0;
+            self.line.send(&self.query.1)?;
+        }
+        Ok(())
+    }
+
+    /// How late the first sample of the last message is heard: behind all that is queued, and what the device has.
+    fn measure(&self, at: usize) {
+        if let Ok(l) = self.line.answer::<PlaybackLatency>(at) {
+            let queued = (l.write_offset - l.read_offset) / (4 * self.wide) as i64 - self.last as i64;
+            let delay = 1e9 * queued.max(0) as f64 / self.rate as f64 + 1e3 * l.sink_usec as f64;
+            self.counts.delay.store(delay as u64, Relaxed);
+        }
+    }
+}
+
+/// A stream that plays.
+pub(super) struct PulseStream {
+    end: UnixStream,
+    over: Arc<AtomicBool>,
+    thread: Option<thread::JoinHandle<()>>,
+}
+
+impl PulseStream {
+    /// True where nothing will be asked for any more.
+    pub(super) fn is_over(&self) -> bool {
+        self.over.load(Relaxed)
+    }
+}
+
+impl Drop for PulseStream {
+    fn drop(&mut self) {
+        let _ = self.end.shutdown(Shutdown::Both);
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}

@@ -1,0 +1,205 @@
+//! Sound by PulseAudio: a real server whose sink plays to nobody, and a recorder of what that sink is given. What it hears is
+//! what the same run wrote to its file, to the bit, wherever nothing was counted as lost.
+
+use super::audio::{BAR, compare};
+use crate::skipped::skipped;
+use crate::stage::{Proc, Ran, Stage, until};
+use ca_haptic::host::control::Request;
+use pulseaudio::protocol::{
+    ChannelMap, RecordStreamParams, SampleFormat, SampleSpec,
+    stream::{BufferAttr, StreamFlags},
+};
+use pulseaudio::{Client, ClientError, RecordStream};
+use std::future::Future;
+use std::io::Write as _;
+use std::os::unix::net::{UnixListener, UnixStream};
+use std::pin::pin;
+use std::process::{Command, Stdio};
+use std::sync::{Arc, Mutex};
+use std::task::{Context, Poll, Waker};
+
+/// A PulseAudio server of its own.
+struct Server {
+    server: Option<Proc>,
+    socket: String,
+}
+
+impl Server {
+    /// One whose sink is made with these words; `None` where PulseAudio is not installed.
+    #[track_caller]
+    fn start(stage: &Stage, sink: &str) -> Option<Server> {
+        let there = Command::new("pulseaudio").arg("--version").stdout(Stdio::null()).stderr(Stdio::null()).status();
+        if there.is_err() {
+            skipped("pulseaudio", "no PulseAudio server");
+            return None;
+        }
+        let socket = stage.path("pa.sock").display().to_string();
+        let protocol = format!("module-native-protocol-unix auth-anonymous=1 socket={socket}");
+        let mut c = stage.command("pulseaudio", &["-n", "--daemonize=no", "--use-pid-file=no", "--exit-idle-time=-1"]);
+        c.args(["-L", &format!("module-null-sink {sink}"), "-L", &protocol]);
+        let home = stage.path("");
+        for name in ["HOME", "XDG_RUNTIME_DIR", "XDG_CONFIG_HOME", "PULSE_RUNTIME_PATH", "PULSE_STATE_PATH"] {
+            c.env(name, &home);
+        }
+        let mut pulse = Server { server: Some(stage.start(c)), socket };
+        until("the server of PulseAudio answers", || {
+            let server = pulse.server.as_mut().unwrap();
+            assert!(server.lives(), "{}", server.said());
+            client(&pulse.socket).is_some()
+        });
+        Some(pulse)
+    }
+
+    /// `ca` with this server.
+    fn ca(&self, stage: &Stage, args: &[&str]) -> Proc {
+        let mut c = stage.command(env!("CARGO_BIN_EXE_ca"), args);
+        c.env("PULSE_SERVER", format!("unix:{}", self.socket));
+        stage.start(c)
+    }
+}
+
+fn client(socket: &str) -> Option<Client> {
+    Client::new_unix(c"ears", UnixStream::connect(socket).ok()?, Some([0; 256])).ok()
+}
+
+/// What a client answers, without a runtime.
+fn wait<T>(answer: impl Future<Output = Result<T, ClientError>>) -> T {
+    let mut answer = pin!(answer);
+    let mut context = Context::from_waker(Waker::noop());
+    let mut got = None;
+    until("PulseAudio answers", || {
+        if let Poll::Ready(r) = answer.as_mut().poll(&mut context) {
+            got = Some(r.unwrap());
+        }
+        got.is_some()
+    });
+    got.unwrap()
+}
+
+/// Hears one channel of a sink of two from now on.
+fn ears(client: &Client) -> (RecordStream, Arc<Mutex<Vec<f32>>>) {
+    let heard = Arc::new(Mutex::new(Vec::new()));
+    let ears = heard.clone();
+    let params = RecordStreamParams {
+        sample_spec: SampleSpec { format: SampleFormat::Float32Le, channels: 2, sample_rate: 48_000 },
+        channel_map: ChannelMap::stereo(),
+        source_name: Some(c"ca_test.monitor".to_owned()),
+        buffer_attr: BufferAttr { fragment_size: 8 * 480, ..BufferAttr::default() },
+        // or the sink plays two seconds at once, which nobody takes back from who has heard them
+        flags: StreamFlags { adjust_latency: true, ..StreamFlags::default() },
+        ..RecordStreamParams::default()
+    };
+    let listen = move |bytes: &[u8]| {
+        let left = bytes.chunks_exact(8).map(|f| f32::from_le_bytes(f[..4].try_into().unwrap()));
+        ears.lock().unwrap().extend(left);
+    };
+    (wait(client.create_record_stream(params, listen)), heard)
+}
+
+const SINK: &str = "sink_name=ca_test format=float32le rate=48000 channels=2";
+
+#[test]
+fn what_pulse_audio_hears_is_what_is_written() {
+    for buffer in [None, Some("128")] {
+        let stage = Stage::new();
+        stage.put("bar.ca.toml", BAR);
+        let Some(pulse) = Server::start(&stage, SINK) else { return };
+        let client = client(&pulse.socket).unwrap();
+        let (_stream, heard) = ears(&client);
+        until("it listens", || !heard.lock().unwrap().is_empty());
+        let args = ["serve", "bar.ca.toml", "--audio", "pulse", "--seconds", "5", "-o", "bar.wav", "--json"];
+        let more = buffer.map_or(vec![], |n| vec!["--audio-buffer", n]);
+        let played = pulse.ca(&stage, &[&args[..], &more].concat()).end();
+        let end = heard.lock().unwrap().len() + 24_000;
+        until("the rest has come", || heard.lock().unwrap().len() > end);
+        let heard = heard.lock().unwrap().clone();
+        let reported = played.json();
+        let audio = &reported["audio"];
+        let n = |k: &str| audio[k].as_u64().unwrap_or_else(|| panic!("no {k} in {audio:#}"));
+        assert_eq!((&audio["host"], n("rate"), n("channels")), (&"PulseAudio".into(), 48_000, 2));
+        let latency = audio["latency_ms"].as_f64().unwrap();
+        assert!(latency >= (n("lead") + n("buffer")) as f64 / 48.0 && latency < 1000.0, "{audio:#}");
+        let lost = n("underruns") + n("xruns") + n("stops") + n("skipped") + n("unheard");
+        assert_eq!(played.code, Some(if reported["faithful"] == true { 0 } else { 3 }), "{reported:#}");
+        assert!(lost == 0 || played.code == Some(3), "{reported:#}");
+        let mut wav = hound::WavReader::open(stage.path("bar.wav")).unwrap();
+        let written: Vec<f32> = wav.samples().map(Result::unwrap).collect();
+        let (same, breaks) = compare(&heard, &written);
+        println!("{buffer:?}: {same} of {} samples to the bit, {breaks} breaks, {audio:#}", written.len());
+        assert!(same >= 48_000, "{same} of {} samples", written.len());
+        assert!(breaks as u64 <= lost, "{breaks} breaks, and {lost} were counted: {audio:#}");
+        // sound begins with a 0
+        assert!(lost > 0 || same + 48 > written.len(), "{same} of {}: {audio:#}", written.len());
+    }
+}
+
+#[test]
+fn a_pulse_server_that_dies_takes_no_force_along() {
+    let stage = Stage::new();
+    let Some(mut pulse) = Server::start(&stage, SINK) else { return };
+    let mut server = pulse.ca(&stage, &["serve", "key.ca.toml", "--audio", "pulse", "--json"]);
+    let frames = || stage.ask(&Request::Status).map_or(0, |r| r.fields["frames"].as_u64().unwrap());
+    until("it plays", || {
+        assert!(server.lives(), "{}", server.said());
+        // a sink that has just been made plays two seconds at once before it asks
+        frames() > 9000
+    });
+    pulse.server.take().unwrap().kill();
+    until("it is reported", || {
+        let said = server.said();
+        said.contains("no longer asks for sound") && said.contains("PulseAudio: the server is gone")
+    });
+    let begin = frames();
+    until("frames go on", || frames() > begin + 6000);
+    let reported = server.stop().is(3).json();
+    assert_eq!((&reported["audio"]["stops"], &reported["faithful"]), (&1.into(), &false.into()), "{reported:#}");
+    assert!(reported["audio"]["unheard"].as_u64().unwrap() > 0, "{reported:#}");
+}
+
+/// `ca play` takes it where it plays the model; with another rate, too few channels or no answer, the page plays.
+#[test]
+fn a_page_is_heard_by_pulse_audio_where_it_plays_it() {
+    let stage = Stage::new();
+    stage.put("bar.ca.toml", BAR);
+    let play = |pulse: &Server, more: &[&str]| {
+        let args = ["play", "bar.ca.toml", "--no-open", "--seconds", "1", "--json"];
+        pulse.ca(&stage, &[&args, more].concat()).end()
+    };
+    let page = |ran: Ran| {
+        let ran = ran.says(&["sound: by the page"]);
+        assert!(matches!(ran.code, Some(0 | 3)) && ran.json()["audio"].is_null(), "{}{}", ran.out, ran.err);
+        ran
+    };
+    let serve = |pulse: &Server, more: &[&str]| {
+        let args = ["serve", "bar.ca.toml", "--audio", "pulse", "--seconds", "1"];
+        pulse.ca(&stage, &[&args, more].concat()).end()
+    };
+    // one that takes a line and says nothing
+    let silent = Server { server: None, socket: stage.path("silent").display().to_string() };
+    let listener = UnixListener::bind(&silent.socket).unwrap();
+    assert!(!page(play(&silent, &[])).err.contains("PulseAudio"), "a server that is not there is no news");
+    serve(&silent, &[]).is(1).says(&["no PulseAudio server answers"]);
+    // and one that says what no server says; it ends with this process
+    std::thread::spawn(move || {
+        for line in listener.incoming().map_while(Result::ok) {
+            let _ = (&line).write_all(&[0xff; 64]);
+        }
+    });
+    serve(&silent, &[]).is(1).says(&["no PulseAudio server answers"]);
+
+    let Some(pulse) = Server::start(&stage, SINK) else { return };
+    let ran = play(&pulse, &[]).says(&["sound: ", "(PulseAudio), 48000 Hz, ", " ms after the model"]);
+    assert_eq!(ran.json()["audio"]["host"], "PulseAudio", "{}", ran.out);
+    page(play(&pulse, &["--audio", "page"]));
+    page(play(&pulse, &["--rate", "96 kHz"])).says(&["PulseAudio plays at 48000 Hz, not at 96000"]);
+    serve(&pulse, &["--rate", "96 kHz"]).is(1).says(&["PulseAudio plays at 48000 Hz", "--rate 48000Hz"]);
+    stage.put("bar.ca.toml", &choir(3));
+    page(play(&pulse, &[])).says(&["PulseAudio plays 2 channels"]);
+    serve(&pulse, &[]).is(1).says(&["plays 2 channels", "3 outputs"]);
+}
+
+/// A model with so many outputs.
+fn choir(outputs: usize) -> String {
+    let outs: Vec<String> = (0..outputs).map(|k| format!("o{k} = {{ from = \"bar\", gain = 500 }}\n")).collect();
+    BAR.split("out =").next().unwrap().to_string() + &outs.concat()
+}
