@@ -21,7 +21,9 @@ pub(crate) const PATIENCE: Duration = Duration::from_secs(5);
 
 /// What a page may load: its own files, and a socket to its server.
 const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; \
-                      worker-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+                      worker-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors ";
+/// In which pages it may be shown: in none, or in those of this machine, as a notebook is.
+const FRAMES: [&str; 2] = ["'none'", "http://127.0.0.1:* http://localhost:*"];
 
 /// What a request is answered.
 #[derive(Debug, PartialEq)]
@@ -39,6 +41,8 @@ pub(crate) enum Head {
 pub(crate) struct Place {
     pub(crate) port: u16,
     pub(crate) token: String,
+    /// whether pages of this machine may show it in a frame
+    pub(crate) framed: bool,
 }
 
 impl Place {
@@ -110,9 +114,10 @@ impl Place {
 }
 
 /// Sends a file.
-pub(crate) fn send(stream: &mut TcpStream, file: &Asset) -> std::io::Result<()> {
+pub(crate) fn send(stream: &mut TcpStream, file: &Asset, framed: bool) -> std::io::Result<()> {
+    let frames = FRAMES[usize::from(framed)];
     let head = format!(
-        "HTTP/1.1 200 OK\r\nContent-Type: {}\r\nContent-Length: {}\r\nContent-Security-Policy: {POLICY}\r\n\
+        "HTTP/1.1 200 OK\r\nContent-Type: {}\r\nContent-Length: {}\r\nContent-Security-Policy: {POLICY}{frames}\r\n\
          X-Content-Type-Options: nosniff\r\nReferrer-Policy: no-referrer\r\nCross-Origin-Resource-Policy: same-origin\r\n\
          Cache-Control: no-store\r\nConnection: close\r\n\r\n",
         file.kind,
@@ -143,7 +148,7 @@ mod tests {
     use super::*;
 
     fn judged(text: &str) -> Head {
-        let place = Place { port: 4000, token: "secret".into() };
+        let place = Place { port: 4000, token: "secret".into(), framed: false };
         let mut headers = [httparse::EMPTY_HEADER; HEADERS];
         let mut head = httparse::Request::new(&mut headers);
         let text = text.replace('\n', "\r\n");

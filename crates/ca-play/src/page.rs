@@ -56,16 +56,17 @@ fn locked<T>(what: &Mutex<T>) -> MutexGuard<'_, T> {
 }
 
 impl Page {
-    /// Serves the page at `port` of this machine, 0 for any that is free. Clients are first sent `greeting`.
+    /// Serves the page at `port` of this machine, 0 for any that is free. Clients are first sent `greeting`; `framed` lets other
+    /// pages of this machine show it in a frame.
     ///
     /// # Errors
     /// Where the port is taken, or the system has no random numbers or no thread.
-    pub fn open(port: u16, greeting: &Value) -> std::io::Result<Page> {
+    pub fn open(port: u16, greeting: &Value, framed: bool) -> std::io::Result<Page> {
         let mut random = [0_u8; 16];
         getrandom::fill(&mut random).map_err(std::io::Error::other)?;
         let token = random.iter().fold(String::new(), |s, b| s + &format!("{b:02x}"));
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port))?;
-        let place = Place { port: listener.local_addr()?.port(), token };
+        let place = Place { port: listener.local_addr()?.port(), token, framed };
         let (tell, asked) = sync_channel(ASKED);
         let hub = Arc::new(Hub {
             place,
@@ -188,7 +189,7 @@ impl Hub {
             }
             Some(Head::File(name)) => {
                 let _ = match asset::find(&name) {
-                    Some(file) => http::send(&mut stream, file),
+                    Some(file) => http::send(&mut stream, file, self.place.framed),
                     None => http::refuse(&mut stream, 404),
                 };
             }

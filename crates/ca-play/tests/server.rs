@@ -10,7 +10,7 @@ use tungstenite::client::IntoClientRequest as _;
 use tungstenite::{Message, WebSocket};
 
 fn page() -> Page {
-    Page::open(0, &json!({"type": "scene", "generation": 1})).unwrap()
+    Page::open(0, &json!({"type": "scene", "generation": 1}), false).unwrap()
 }
 
 /// Host and path of a page.

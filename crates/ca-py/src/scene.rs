@@ -12,7 +12,7 @@ use ca_io::perform::Performance;
 use ca_io::sound::Level;
 use ca_lab::load::{self, Loaded};
 use ca_lab::play::{self, BLOCK, Divergence};
-use ca_lab::{Failure, bytes};
+use ca_lab::{Failure, bytes, view};
 use ca_model::diag::Diags;
 use numpy::IntoPyArray as _;
 use pyo3::prelude::*;
@@ -173,6 +173,27 @@ impl Scene {
             d.set_item("energy", energy(py, scene, ledger, played.energy_ticks)?)?;
         }
         Ok(d)
+    }
+
+    /// The page of a film of it: see `cordis_anima.Scene.view`.
+    #[pyo3(signature = (seconds, gesture, progress))]
+    fn view(
+        &self,
+        py: Python,
+        seconds: Option<f64>,
+        gesture: Option<&Gesture>,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<String> {
+        // what nothing hears is seen all the same
+        let options = Options { whole: true, energy: false, probes: Vec::new(), ..self.options.clone() };
+        let whole = load::compiled(&self.loaded, &options).0;
+        let (scene, gesture) = (whole.as_ref().unwrap_or(&self.compiled), gesture.map(|g| &g.gesture));
+        let mut wait = Wait::new(progress);
+        let page = py.detach(|| view::scene(scene, gesture, seconds, &mut |done, all| wait.goes_on(done, all)));
+        match (wait.error, page) {
+            (Some(e), _) => Err(e),
+            (None, page) => page.map_err(|e| failure(py, e)),
+        }
     }
 
     /// From a file: CSV, NPY, WAV, MIDI (by the mappings of its ports) or a take; `port` names its only track, `rate` [Hz] is

@@ -6,7 +6,7 @@ use crate::model::Model;
 use ca_haptic::frame::{Cause, DOF, Mode};
 use ca_haptic::take::{self, Event, Replay, ReplayVerdict};
 use ca_io::{FileError, FileErrorKind};
-use ca_lab::{Loaded, catalog};
+use ca_lab::{Loaded, catalog, view};
 use numpy::IntoPyArray as _;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -203,6 +203,11 @@ impl Take {
         d.set_item("lost", summary.lost)?;
         d.set_item("cut", summary.end.early().map(|(why, _)| why))?;
         Ok(d)
+    }
+
+    /// The page of a film of it: see `cordis_anima.Take.view`.
+    fn view(&self, py: Python) -> PyResult<String> {
+        py.detach(|| view::take(&self.take, &catalog())).map_err(|e| failure(py, e))
     }
 
     /// Plays it again: what was compared, and the first thing that is not as it was.

@@ -24,6 +24,9 @@ pub struct PlayArgs {
     /// Where the page is served; any free port if left out
     #[arg(long, value_name = "PORT", default_value_t = 0, hide_default_value = true)]
     pub port: u16,
+    /// Lets other pages of this machine show it in a frame, as a notebook does
+    #[arg(long)]
+    pub framed: bool,
     /// Lets the page arm the forces of devices
     #[arg(long)]
     pub allow_arm: bool,

@@ -18,12 +18,14 @@ from typing import NamedTuple
 from . import _core, examples
 from ._errors import CaError, Diagnostic, FailedError, FileError, MissingError, ModelError, UnstableError, UsageError
 from ._model import Check, Model
+from ._play import Playing
 from ._render import Params, Render
 from ._results import Accuracy, Certificate, Energy, Modes, Param, Port
 from ._scene import Curve, Gesture, Progress, Scene
 from ._sim import Block, Inputs, Sim
 from ._sweep import Range, Sweep, sweep
 from ._take import Fault, Hand, Take, Verdict, record
+from ._view import View
 
 __version__: str = _core.VERSION
 
@@ -49,6 +51,7 @@ __all__ = [
     "Modes",
     "Param",
     "Params",
+    "Playing",
     "Port",
     "Progress",
     "Range",
@@ -60,6 +63,7 @@ __all__ = [
     "UnstableError",
     "UsageError",
     "Verdict",
+    "View",
     "examples",
     "kinds",
     "load",

@@ -127,9 +127,9 @@ class Model:
         self._core.group(name, _entries(name, values))
         return self
 
-    def param(self, name: str, value: object, **about: object) -> Model:
+    def param(self, name: str, value: object = None, **about: object) -> Model:
         """Adds a parameter, or writes it anew. The ends of its range are quantities as its value is, or plain numbers in
-        its ``unit``.
+        its ``unit``. One that a port drives has no value, but ``port``, ``span``, ``min`` and ``max``.
 
         >>> import cordis_anima as ca
         >>> m = ca.Model().param("k", "3 kN/m", live=True, min="100 N/m", max="9 kN/m", doc="stiffness")
@@ -137,8 +137,12 @@ class Model:
         >>> m = m.add("CEL", "bar", m="1 g", k="k", z="felt", dx0="1 mm").add("SOX", "out", from_="bar")
         >>> m.compile().params["k"].min
         100.0
+        >>> m = m.param("felt", port="press", span=[0, "20 mm"], min=0, max="1 N s/m").add("ENX", "press")
+        >>> [p.name for p in m.compile().inputs], list(m.compile().params)
+        (['press'], ['k'])
         """
-        return self.put("param", name, {"value": value, **about} if about else value)
+        full = about if value is None else {"value": value, **about}
+        return self.put("param", name, full if about else value)
 
     def gesture(self, name: str, points: object) -> Model:
         """What drives a port or a live parameter by itself: a list of times [s] and values.

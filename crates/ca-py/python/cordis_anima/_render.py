@@ -4,11 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from . import _html
 from ._results import Energy, Floats, Param, Sound, Status
+from ._view import View
+
+if TYPE_CHECKING:
+    from ._scene import Gesture, Scene
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -54,11 +59,24 @@ class Render:
     non_finite: int
     #: time it took [s]
     run_time: float
+    #: of what, for how long, and by which gesture
+    _played: tuple[Scene, float | None, Gesture]
 
     @property
     def rtf(self) -> float:
         """Run time over length: below 1 is faster than real time."""
         return self.run_time / self.seconds
+
+    def view(self) -> View:
+        """The moving instrument in step with what is heard: the scene is played once more by the same gesture, since positions
+        are not kept. See `Scene.view`.
+
+        >>> import cordis_anima as ca
+        >>> ca.load("rattle").render(0.2).view().html.startswith("<!DOCTYPE html>")
+        True
+        """
+        scene, seconds, gesture = self._played
+        return scene.view(seconds, gesture=gesture)
 
     def __repr__(self) -> str:
         n, c = self.audio.shape

@@ -14,7 +14,9 @@ from ._errors import Diagnostic, UnstableError, UsageError, diagnostics
 from ._render import Params, Render
 from ._results import Accuracy, Certificate, Floats, Modes, Param, Port, Status, length, number, reals, value
 from ._results import energy as _energy
+from ._play import Playing
 from ._sim import Sim
+from ._view import View
 
 #: called with what is done and how much there is; an exception ends the call
 Progress = Callable[[int, int], object]
@@ -258,6 +260,7 @@ class Scene:
             status=status,
             message=message,
             failed=failed,
+            _played=(self, seconds, gesture),
             peak=raw["peak"],
             clipped=raw["clipped"],
             non_finite=raw["non_finite"],
@@ -310,6 +313,48 @@ class Scene:
         """
         core = self._model.compile(rate=self._asked[0], energy=True) if energy else self._compiled
         return Sim(core, block)
+
+    # seen and touched
+
+    def view(
+        self, seconds: float | str | None = None, *, gesture: Gesture = None, progress: Progress | None = None
+    ) -> View:
+        """Plays it once more and keeps how it moves: a page with the moving instrument, as at the head of ``ca report``. Modules
+        that nothing hears are drawn, too. Large scenes and long ones have fewer pictures or masses, which the page tells.
+
+        Args:
+            seconds: as for `render`.
+            gesture: as for `render`.
+            progress: as for `render`.
+
+        Raises:
+            UsageError: nothing is driven by such a name, or a length that makes no sense.
+
+        >>> import cordis_anima as ca
+        >>> ca.load("rattle").view(0.2)._repr_html_().startswith("<iframe srcdoc=")
+        True
+        """
+        return View(self._compiled.view(None if seconds is None else length(seconds), self._gesture(gesture), progress))
+
+    def play(self, *args: str, ca: Path | None = None) -> Playing:
+        """Plays it by hand in the page of ``ca play``, a program of its own, which is shown inline in a notebook. What the model
+        reads from files beside it has to be named by whole paths.
+
+        Args:
+            args: more for the program, as on the command line, e.g. ``"--log", "take.mcap"`` or ``"--audio", "page"``.
+            ca: the program; without, that in the environment variable ``CA``, or ``ca`` on the path.
+
+        Raises:
+            UsageError: there is no such program.
+            FailedError: it does not play; what it says.
+
+        >>> import cordis_anima as ca
+        >>> with ca.load("plucked_string").play("--audio", "page") as playing:
+        ...     "<iframe" in playing._repr_html_()
+        True
+        """
+        rate = () if self._asked[0] is None else ("--rate", f"{self._asked[0]!r} Hz")
+        return Playing._of(self._model, self._model.toml(), ca, [*rate, *args])
 
     # what is known of it
 

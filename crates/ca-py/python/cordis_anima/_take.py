@@ -13,6 +13,7 @@ import numpy.typing as npt
 from . import _core, _html
 from ._results import Floats, length
 from ._scene import Gesture, Path, Progress, Scene
+from ._view import View
 
 Texts = npt.NDArray[np.object_]
 #: how much of a take a page plays [s]: takes are long, and what is played is in the page
@@ -221,6 +222,14 @@ class Take:
     def replay(self) -> Verdict:
         """Plays it again, with the frames that came and at the same ticks, and compares every force and every sample."""
         return Verdict(**self._core.replay())
+
+    def view(self) -> View:
+        """The moving instrument in step with its sound, as it is when it is played again. See `Scene.view`.
+
+        Raises:
+            FileError: it cannot be played again.
+        """
+        return View(self._core.view())
 
     def __reduce__(self) -> tuple[Any, ...]:
         return (Take, (self.path,))

@@ -39,7 +39,7 @@ pub(super) fn open(
 ) -> Result<(Desk, PageSink), Failure> {
     let drawing = Arc::new(Drawing::new(scene));
     let greeting = greeting::greeting(scene, &drawing, name, 1);
-    let page = Page::open(args.port, &greeting)
+    let page = Page::open(args.port, &greeting, args.framed)
         .map_err(|e| Failure::Failed(format!("no page at port {}: {e}; leave out --port for a free one", args.port)))?;
     let address = page.address();
     // whatever else is quiet: without it nobody can play

@@ -75,7 +75,7 @@ pub(super) fn report(args: &ReportArgs) -> Result<(String, Report), Failure> {
     ledger.diverged_at = divergence.as_ref().map(|b| b.time);
     let title = if scene.title.is_empty() { &loaded.name } else { &scene.title };
     let mut report = Report::new(title, &format!("`{}`, {}", source_name(&loaded), finished()));
-    report.picture = parts::picture(&film)?;
+    report.picture = ca_lab::view::picture(&film)?;
     report.notes = parts::notes(&sound, divergence.is_some());
     if let Some(divergence) = &divergence {
         report.notes.insert(0, (Weight::Warning, divergence.to_string()));

@@ -3,7 +3,6 @@
 //! Decides that frequencies of modes are marked in the spectrum as they are heard, and only those that an output hears:
 //! a mark where nothing can be tells less than none. The table has them all the same.
 
-use crate::Failure;
 use crate::catalog;
 use crate::commands::border;
 use crate::commands::check::codes;
@@ -17,11 +16,7 @@ use ca_core::scene::certificate::Level;
 use ca_model::Model;
 use ca_model::diag::Severity;
 use ca_model::quantity::Plain;
-use ca_play::film_script;
-use ca_report::{
-    Axis, Block, LOWEST, Mark, Picture, Plot, Point, Section, Sound, Spectrum, Table, Weight, spectrogram,
-};
-use ca_view::Film;
+use ca_report::{Axis, Block, LOWEST, Mark, Plot, Point, Section, Sound, Spectrum, Table, Weight, spectrogram};
 
 /// Most places of a network whose modes are on the page: more would take longer than playing it.
 const PLACES: usize = 1000;
@@ -33,21 +28,6 @@ const SILENT: f64 = -60.0;
 /// Who wrote the page.
 pub(super) fn finished() -> String {
     format!("by ca {}", env!("CARGO_PKG_VERSION"))
-}
-
-/// The moving instrument; none where nothing is drawn.
-pub(super) fn picture(film: &Film) -> Result<Option<Picture>, Failure> {
-    if film.frames() == 0 {
-        return Ok(None);
-    }
-    let (about, bytes) = film.json().map_err(|e| Failure::Failed(format!("the picture: {e}")))?;
-    let masses = &about["drawing"]["decimated"];
-    let fewer = masses.is_object().then(|| format!("{} of {} masses", masses["shown"], masses["of"]));
-    let slower = (film.rate() < 59.0).then(|| format!("{:.0} pictures a second", film.rate()));
-    let told: Vec<String> = fewer.into_iter().chain(slower).collect();
-    let told =
-        if told.is_empty() { String::new() } else { format!("So that the page stays small: {}.", told.join(", ")) };
-    Ok(Some(Picture { about, bytes, script: film_script(), told }))
 }
 
 /// What is wrong with a sound.

@@ -13,14 +13,13 @@ use crate::args::ReportArgs;
 use crate::term::short;
 use crate::{Failure, catalog};
 use ca_core::Scene;
-use ca_haptic::engine::carried;
 use ca_haptic::frame::{DeviceFrame, ForceFrame, Mode};
 use ca_haptic::guard::Order;
 use ca_haptic::take::{End, Event, Replay, Take};
+use ca_lab::view::{TakeFilm, judged, picture};
 use ca_report::{Axis, Block, Curve, Envelope, Mark, Plot, Report, Section, Sound, Table, Weight};
 use ca_view::Film;
 use std::path::Path;
-use std::sync::Arc;
 
 /// Degrees of freedom drawn of each device.
 const CURVES: usize = 8;
@@ -104,7 +103,7 @@ pub(super) fn report(args: &ReportArgs, file: &Path) -> Result<(String, Report),
     }
     report.sections.extend(loops.section(h.rate, h.rate / f64::from(h.ratio)));
     if let Ok((.., film, _)) = &again {
-        report.picture = parts::picture(film)?;
+        report.picture = picture(film)?;
     }
     if let (Ok((_, ledger, ..)), Ok(scene)) = (&again, &scene) {
         report.sections.extend(ledger.section(scene, scene.equivalence.of("").energy()));
@@ -126,50 +125,25 @@ pub(super) fn report(args: &ReportArgs, file: &Path) -> Result<(String, Report),
 /// there is none.
 fn again(take: &Take, seconds: f64) -> Result<(String, EnergyOverTime, Film, u32), String> {
     let mut replay = Replay::new(take, &catalog()).map_err(|e| e.to_string())?;
-    let mut film = Film::new(&replay.engine.scene, seconds);
+    let mut film = TakeFilm::new(&replay.engine.scene, seconds);
     let mut ledger = EnergyOverTime::default();
     let (mut seen, every) = (0_u64, (take.header.rate / f64::from(take.header.ratio) / 50.0).max(1.0) as u64);
-    let first = replay.engine.scene.clone();
-    // displacements of the first version of the model, and where they are in the one that plays
-    let (mut x, mut now, mut places) = (Vec::new(), first.clone(), Vec::new());
     let mut look = |engine: &ca_haptic::engine::Engine| {
-        if Arc::ptr_eq(&engine.scene, &first) {
-            x.clear();
-            x.extend_from_slice(&engine.state.x);
-        } else {
-            if !Arc::ptr_eq(&engine.scene, &now) {
-                now = engine.scene.clone();
-                places = carried(&first, &now);
-            }
-            for [to, from] in &places {
-                x[*to as usize] = engine.state.x[*from as usize];
-            }
-        }
-        film.look(engine.state.tick as f64 / take.header.rate, &x);
-        if seen.is_multiple_of(every) && Arc::ptr_eq(&engine.scene, &first) {
+        if film.look(engine) && seen.is_multiple_of(every) {
             ledger.look(engine.state.tick as f64 / take.header.rate, engine.state.ledger.as_deref());
         }
         seen += 1;
     };
     let verdict = replay.run(take, &mut look, &mut |_| Ok(())).map_err(|e| e.to_string())?;
     ledger.end = replay.engine.state.ledger.as_deref().filter(|_| verdict.versions == 1).cloned();
-    match (&verdict.difference, verdict.hole) {
-        (Some(d), _) => Err(format!("played again, it is not as it was: {d}")),
-        (None, Some(t)) => Err(format!("it cannot be played again from {t:.3} s on: records are missing there")),
-        (None, None) => {
-            let alike = if verdict.tolerance > 0.0 {
-                format!("of an older arithmetic, and alike to {:e} of the peak", verdict.tolerance)
-            } else {
-                "identical to the bit".into()
-            };
-            Ok((
-                format!("{alike}: {} force frames, {} sound samples", verdict.forces, verdict.samples),
-                ledger,
-                film,
-                verdict.versions,
-            ))
-        }
-    }
+    judged(&verdict).map_err(|e| e.to_string())?;
+    let alike = if verdict.tolerance > 0.0 {
+        format!("of an older arithmetic, and alike to {:e} of the peak", verdict.tolerance)
+    } else {
+        "identical to the bit".into()
+    };
+    let words = format!("{alike}: {} force frames, {} sound samples", verdict.forces, verdict.samples);
+    Ok((words, ledger, film.film, verdict.versions))
 }
 
 /// What a hand did and felt.
