@@ -14,6 +14,7 @@ use clap::Args;
 #[command(after_long_help = "Examples:
   ca play hammered_string --no-open --seconds 2
   ca play rattle --no-open --seconds 1 -o shaken.wav --log shaken.mcap")]
+#[allow(clippy::struct_excessive_bools, reason = "each is an option of its own")]
 pub struct PlayArgs {
     /// what `ca serve` has, too
     #[command(flatten)]

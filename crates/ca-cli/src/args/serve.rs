@@ -90,10 +90,11 @@ pub enum ClockKind {
     Device,
 }
 
-/// Changes live parameters of a running `ca serve`
+/// Changes live parameters of a running `ca serve` or `ca play`, and any number of the model of `ca play`
 ///
-/// All of them change in the same tick, ramped over one gesture frame, or none where one is refused. Values may have
+/// All live parameters change in the same tick, ramped over one gesture frame, or none where one is refused. Values may have
 /// units; plain numbers are in SI units. Without any, the live parameters and their values are listed.
+/// Any other number, as by `--set`, makes the model of `ca play` anew, which plays on; what is wrong with it is told there.
 #[derive(Args)]
 #[command(after_long_help = "Examples:
   ca set

@@ -73,6 +73,11 @@ impl Host {
         Client { socket: tungstenite::client(request, stream).unwrap().0, id: 0 }
     }
 
+    /// Number of its process.
+    pub fn process(&self) -> u32 {
+        self.child.id()
+    }
+
     /// Waits for its end.
     pub fn ended(&mut self) {
         until("it ends", || self.child.try_wait().unwrap().is_some());

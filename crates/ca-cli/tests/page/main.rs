@@ -6,8 +6,10 @@ mod host;
 #[cfg(unix)]
 mod midi_osc;
 mod pictures;
+
 #[path = "../../../../tests/src/skipped.rs"]
 mod skipped;
+mod soak;
 
 use host::{Host, peak, until};
 use serde_json::json;
@@ -144,6 +146,10 @@ mod in_real_time {
         assert!(report["ok"] == false && report["text"].as_str().unwrap().contains("`tt`"), "{report}");
         page.done(&json!({"type": "change", "name": "low.t60", "value": "5 s"}));
         assert_eq!(page.next("scene")["generation"], 5);
+        // by another process, too, beside a parameter that is live
+        let said = host.ca(&["set", "low.t60=4 s", "k=700"]);
+        assert!(said.contains("k = 700") && said.contains("low.t60 = 4 s: the model is made anew"), "{said}");
+        assert_eq!(page.next("scene")["generation"], 6);
         // a mass of it can be held
         page.done(&json!({"type": "grab", "mass": 3}));
         page.done(&json!({"type": "drag", "by": [1e-3]}));
@@ -151,15 +157,15 @@ mod in_real_time {
         until("it is set", || page.next("state")["params"]["k"] == 600.0);
         page.done(&json!({"type": "stop"}));
         host.ended();
-        // the take has all five versions, and what was done to each
+        // the take has all six versions, and what was done to each
         let replayed = host.ca(&["replay", "take.mcap", "--verify", "--energy", "--json"]);
         let verdict: serde_json::Value = serde_json::from_str(&replayed).unwrap_or_else(|e| panic!("{e}: {replayed}"));
-        assert_eq!((&verdict["identical"], &verdict["versions"]), (&json!(true), &json!(5)), "{replayed}");
+        assert_eq!((&verdict["identical"], &verdict["versions"]), (&json!(true), &json!(6)), "{replayed}");
         let energy = |what: &str| verdict["energy"][what].as_f64().unwrap();
         assert!(energy("residual").abs() < 1e-9 * energy("peak"), "the account since the last: {replayed}");
         host.ca(&["report", "take.mcap", "-q", "-o", "r.html"]);
         let report = std::fs::read_to_string(host.path("r.html")).unwrap();
-        assert!(report.contains("another version of it plays, with low.t60 = 5 s"), "its events are told");
+        assert!(report.contains("another version of it plays, with low.t60 = 4 s"), "its events are told");
         assert!(report.contains("The model was changed while it played"), "and why there is no ledger");
     }
 
@@ -199,6 +205,11 @@ mod in_real_time {
             assert_eq!(verdict["identical"], true, "{replayed}");
             assert!(verdict["hashes"].as_u64().unwrap() > 0, "{replayed}");
         }
+    }
+
+    #[test]
+    fn a_long_session_stays_within_its_memory_and_replays() {
+        soak::a_long_session();
     }
 
     /// By MIDI and OSC, from a pipe, a page and another process.

@@ -15,9 +15,12 @@ use ca_io::perform::Performance;
 use ca_lab::timing::Timing;
 use serde_json::{Value as Json, json};
 use std::io::Write as _;
+use std::time::{Duration, Instant};
 
 /// Playing so long brings the state into motion \[s\].
 const WARM: f64 = 0.2;
+/// A large scene is played no longer than this for it.
+const PATIENCE: Duration = Duration::from_secs(1);
 
 /// One pass.
 pub(super) struct PassRow {
@@ -44,7 +47,11 @@ pub(super) struct Measured {
 pub(super) fn measure(scene: &Scene) -> Result<Measured, Failure> {
     let mut state = scene.state();
     if let Ok(mut p) = Performance::new(scene, None) {
-        for _ in 0..(WARM * scene.rate) as u64 {
+        let end = Instant::now() + PATIENCE;
+        for n in 0..(WARM * scene.rate) as u64 {
+            if n % 16 == 0 && Instant::now() > end {
+                break;
+            }
             p.tick();
         }
         if !p.diverged {

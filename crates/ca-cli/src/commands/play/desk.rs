@@ -81,6 +81,11 @@ impl Desk {
         self.sound = host.into();
     }
 
+    /// A number of the model is to be another, as by `--set`.
+    pub(crate) fn change(&mut self, name: &str, value: &str) {
+        self.edit.change(name, value);
+    }
+
     /// The page is gone; what it keeps.
     pub(crate) fn close(self) -> Keep {
         self.keep
@@ -171,7 +176,7 @@ impl Desk {
     ) -> Answer {
         let done = |text: &str| Ok((text.to_string(), Map::new()));
         let mut control = |recorder: &mut Recorder, request: Request| {
-            let reply = answer(recorder, request, leave);
+            let reply = answer(recorder, request, leave, None);
             if reply.ok { Ok((reply.text, reply.fields)) } else { Err(reply.text) }
         };
         match request["type"].as_str().unwrap_or_default() {

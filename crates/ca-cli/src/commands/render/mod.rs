@@ -60,8 +60,9 @@ pub fn run(args: &RenderArgs) -> Outcome {
         return Err(Failure::Failed(format!("{what}; add e.g. `[SOX]` with `out = {{ from = \"…\" }}`")));
     }
     border::idle(&args.source, &scene);
+    // with its probes, which keep what they hear
     let audited = || {
-        let options = Options { energy: true, probes: Vec::new(), ..options.clone() };
+        let options = Options { energy: true, ..options.clone() };
         compile(&loaded.model, &catalog(), &options).ok()
     };
     let gesture = gesture(&args.playing, &scene, &output)?;

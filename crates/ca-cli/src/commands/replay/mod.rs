@@ -46,7 +46,8 @@ pub fn run(args: &ReplayArgs) -> Outcome {
 
 fn text(take: &Take, v: &ReplayVerdict, account: Option<&Account>) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
-    writeln!(out, "{}: {:.3} s of `{}`", take.path.display(), v.seconds, take.header.title)?;
+    let title = if take.header.title.is_empty() { &take.header.file } else { &take.header.title };
+    writeln!(out, "{}: {:.3} s of `{title}`", take.path.display(), v.seconds)?;
     writeln!(
         out,
         "  compared   {} force frames, {} sound samples, {} hashes of the state",

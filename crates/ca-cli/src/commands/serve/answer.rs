@@ -8,8 +8,12 @@ use ca_model::quantity;
 use serde_json::{Map, Value, json};
 use std::fmt::Write as _;
 
-/// Does what is asked; sets `leave` where that is the end.
-pub(crate) fn answer(recorder: &mut Recorder, request: Request, leave: &mut bool) -> Reply {
+/// Changes a number of the model that is not live, as by `--set`: its name and value.
+pub(crate) type Change<'a> = &'a mut dyn FnMut(&str, &str);
+
+/// Does what is asked; sets `leave` where that is the end. Where there is a `change`, what is no live parameter is a number of the
+/// model that is made anew.
+pub(crate) fn answer(recorder: &mut Recorder, request: Request, leave: &mut bool, change: Option<Change<'_>>) -> Reply {
     let done = |r: Result<(), String>, text: String| match r {
         Ok(()) => Reply::done(text),
         Err(why) => Reply::refused(why),
@@ -17,14 +21,29 @@ pub(crate) fn answer(recorder: &mut Recorder, request: Request, leave: &mut bool
     match request {
         Request::Set { values } => {
             let mut list: Vec<(String, f64)> = Vec::new();
+            let live = |name: &String| recorder.controls().params().iter().any(|p| p.name == *name);
+            let (values, anew) = values.into_iter().partition::<Vec<_>, _>(|(name, _)| change.is_none() || live(name));
             for (name, given) in values {
                 match value(recorder, &name, given) {
                     Ok(v) => list.push((name, v)),
                     Err(why) => return Reply::refused(why),
                 }
             }
-            let names: Vec<String> = list.iter().map(|(n, v)| format!("{n} = {}", quantity::Plain(*v))).collect();
-            done(recorder.set(&list), names.join(", "))
+            let mut names: Vec<String> = list.iter().map(|(n, v)| format!("{n} = {}", quantity::Plain(*v))).collect();
+            if let Err(why) = if anew.is_empty() || !list.is_empty() { recorder.set(&list) } else { Ok(()) } {
+                return Reply::refused(why);
+            }
+            if let Some(change) = change {
+                for (name, given) in anew {
+                    let text = match given {
+                        Given::Number(v) => format!("{v:?}"),
+                        Given::Text(text) => text,
+                    };
+                    change(&name, text.trim());
+                    names.push(format!("{name} = {}: the model is made anew", text.trim()));
+                }
+            }
+            Reply::done(names.join(", "))
         }
         Request::Arm { device } => {
             let who = device.as_deref().unwrap_or("all devices").to_string();

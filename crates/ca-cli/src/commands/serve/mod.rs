@@ -299,7 +299,12 @@ fn attend(
         recorder.poll();
         inputs.turn(recorder);
         let page = desk.as_mut().is_some_and(|d| d.turn(recorder, inputs, talk.setups(), shared));
-        if talk.turn(recorder, turns.is_multiple_of(SWEEP)) || page {
+        let sweep = turns.is_multiple_of(SWEEP);
+        let asked = match &mut desk {
+            Some(desk) => talk.turn(recorder, sweep, Some(&mut |name, value| desk.change(name, value))),
+            None => talk.turn(recorder, sweep, None),
+        };
+        if asked || page {
             shared.stop.store(true, Relaxed);
         }
         turns += 1;

@@ -1,6 +1,6 @@
 //! What goes through shared memory: the gateway of the devices, and the control.
 
-use super::answer::answer;
+use super::answer::{Change, answer};
 use crate::Failure;
 use ca_core::Scene;
 use ca_haptic::engine::Setup;
@@ -91,8 +91,9 @@ impl Talk {
         self.refits.is_empty().then_some(&self.setups)
     }
 
-    /// One turn: what devices do, what people ask. True where somebody asked to stop.
-    pub(super) fn turn(&mut self, recorder: &mut Recorder, sweep: bool) -> bool {
+    /// One turn: what devices do, what people ask. True where somebody asked to stop. `change` takes numbers of
+    /// the model that are not live, where it can be made anew.
+    pub(super) fn turn(&mut self, recorder: &mut Recorder, sweep: bool, mut change: Option<Change<'_>>) -> bool {
         while let Ok((k, event)) = self.events.try_recv() {
             let name = self.names.get(k as usize).map_or("?", String::as_str);
             match event {
@@ -131,7 +132,14 @@ impl Talk {
         }
         let mut leave = false;
         if let Some(control) = &mut self.control {
-            control.poll(&mut |request| answer(recorder, request, &mut leave));
+            control.poll(&mut |request| {
+                // a borrow for each request
+                let change: Option<Change<'_>> = match &mut change {
+                    Some(change) => Some(*change),
+                    None => None,
+                };
+                answer(recorder, request, &mut leave, change)
+            });
         }
         leave
     }

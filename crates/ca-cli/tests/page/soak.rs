@@ -1,0 +1,90 @@
+//! Long sessions: somebody pulls, plays, changes and edits all the time, another listens, and now and then one vanishes. Memory stays
+//! bounded, and the take that is saved at the end replays to the bit. Five seconds; an hour with `CA_LONG=1`.
+
+use crate::STRING;
+use crate::host::{Host, until};
+use serde_json::{Value, json};
+use std::time::{Duration, Instant};
+
+/// Memory \[MB\] that a session may gain once it is under way.
+const GROWTH: f64 = 64.0;
+
+/// A few numbers after each other, the same every time.
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, n: u64) -> u64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 33) % n
+    }
+
+    fn part(&mut self) -> f64 {
+        self.below(1000) as f64 / 1000.0
+    }
+}
+
+/// Memory of a process \[MB\], where the system tells.
+fn memory(process: u32) -> f64 {
+    let status = std::fs::read_to_string(format!("/proc/{process}/status")).unwrap_or_default();
+    let line = status.lines().find(|l| l.starts_with("VmRSS:"));
+    line.and_then(|l| l.split_whitespace().nth(1)?.parse::<f64>().ok()).map_or(0.0, |kb| kb / 1024.0)
+}
+
+pub fn a_long_session() {
+    let long = std::env::var_os("CA_LONG").is_some();
+    let seconds = if long { 3600 } else { 5 };
+    let mut host = Host::play(STRING, &[]);
+    let (mut page, mut listens) = (host.page(), host.page());
+    listens.done(&json!({"type": "sound", "on": true}));
+    let masses = page.next("scene")["drawing"]["masses"].as_u64().unwrap();
+    let (mut random, begin) = (Random(1), Instant::now());
+    let (mut done, mut refused, mut edits, mut early) = (0_u64, 0_u64, 0_u32, None);
+    while begin.elapsed() < Duration::from_secs(seconds) {
+        let request = match random.below(10) {
+            0 => json!({"type": "grab", "mass": random.below(masses)}),
+            1..=3 => json!({"type": "drag", "by": [2e-3 * (random.part() - 0.5)]}),
+            4 => json!({"type": "release"}),
+            5 => json!({"type": "port", "name": "push", "value": random.part()}),
+            6 => json!({"type": "set", "values": {"k": 200.0 + 3000.0 * random.part()}}),
+            7 => json!({"type": "midi", "bytes": [0x90, 60 + random.below(5), random.below(128)]}),
+            8 => json!({"type": "gesture", "play": random.below(2) == 0}),
+            // what nobody can ask, too
+            _ => json!({"type": "fly", "to": "nowhere"}),
+        };
+        let reply = page.ask(&request);
+        done += 1;
+        refused += u64::from(reply["ok"] == false);
+        if done.is_multiple_of(200) {
+            edits += 1;
+            host.write(&STRING.replace("n = 30", &format!("n = {}", 28 + edits % 5)));
+            // one that vanishes while it holds a mass
+            let mut other = host.page();
+            let _ = other.ask(&json!({"type": "grab", "mass": 3}));
+            drop(other);
+        }
+        if done.is_multiple_of(20) {
+            assert!(!listens.hear(0.01).is_empty());
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        // once all that is made at the beginning is made
+        if early.is_none() && begin.elapsed() > Duration::from_secs(seconds / 3) {
+            early = Some(memory(host.process()));
+        }
+    }
+    assert!(done > 100 && refused < done, "{refused} of {done} refused");
+    let state: Value = page.next("state");
+    assert_eq!(state["diverged"], false, "{state}");
+    let (early, late) = (early.unwrap_or_default(), memory(host.process()));
+    println!("{seconds} s: {done} requests, {refused} refused, {edits} edits; memory {early:.1} MB, then {late:.1} MB");
+    assert!(late < early + GROWTH, "memory grew from {early} to {late} MB");
+    page.done(&json!({"type": "release"}));
+    // a second more, so that a hash stands behind the last of it
+    listens.hear(1.1);
+    page.done(&json!({"type": "save"}));
+    until("the take is there", || page.next("said")["text"].as_str().unwrap().contains("model-1.mcap"));
+    page.done(&json!({"type": "stop"}));
+    host.ended();
+    let replayed = host.ca(&["replay", "model-1.mcap", "--verify", "--json"]);
+    let verdict: Value = serde_json::from_str(&replayed).unwrap();
+    assert_eq!(verdict["identical"], true, "{replayed}");
+}
