@@ -6,17 +6,20 @@ use crate::skipped::skipped;
 use crate::stage::{Proc, Ran, Stage, until};
 use ca_haptic::host::control::Request;
 use pulseaudio::protocol::{
-    ChannelMap, RecordStreamParams, SampleFormat, SampleSpec,
+    self, AuthReply, ChannelMap, CreatePlaybackStreamReply, PlaybackLatency, RecordStreamParams, SampleFormat,
+    SampleSpec, SetClientNameReply, SinkInfo,
     stream::{BufferAttr, StreamFlags},
 };
 use pulseaudio::{Client, ClientError, RecordStream};
 use std::future::Future;
-use std::io::Write as _;
+use std::io::{BufReader, Cursor, Read as _, Write as _};
+use std::net::Shutdown;
 use std::os::unix::net::{UnixListener, UnixStream};
 use std::pin::pin;
 use std::process::{Command, Stdio};
 use std::sync::{Arc, Mutex};
 use std::task::{Context, Poll, Waker};
+use std::time::{Duration, SystemTime};
 
 /// A PulseAudio server of its own.
 struct Server {
@@ -118,7 +121,7 @@ fn what_pulse_audio_hears_is_what_is_written() {
         let n = |k: &str| audio[k].as_u64().unwrap_or_else(|| panic!("no {k} in {audio:#}"));
         assert_eq!((&audio["host"], n("rate"), n("channels")), (&"PulseAudio".into(), 48_000, 2));
         let latency = audio["latency_ms"].as_f64().unwrap();
-        assert!(latency >= (n("lead") + n("buffer")) as f64 / 48.0 && latency < 1000.0, "{audio:#}");
+        assert!(latency + 1e-9 >= (n("lead") + n("buffer")) as f64 / 48.0 && latency < 1000.0, "{audio:#}");
         let lost = n("underruns") + n("xruns") + n("stops") + n("skipped") + n("unheard");
         assert_eq!(played.code, Some(if reported["faithful"] == true { 0 } else { 3 }), "{reported:#}");
         assert!(lost == 0 || played.code == Some(3), "{reported:#}");
@@ -196,6 +199,135 @@ fn a_page_is_heard_by_pulse_audio_where_it_plays_it() {
     stage.put("bar.ca.toml", &choir(3));
     page(play(&pulse, &[])).says(&["PulseAudio plays 2 channels"]);
     serve(&pulse, &[]).is(1).says(&["plays 2 channels", "3 outputs"]);
+}
+
+/// Servers that go by the protocol until they say what no server says: they are refused, or gone, in bounded time and memory.
+#[test]
+fn a_pulse_server_that_lies_is_given_up() {
+    let said = [
+        (Lie::Talks, 1, "no PulseAudio server answers in time"),
+        (Lie::Queues, 1, "it asks for too much at once"),
+        (Lie::Stands, 1, "its server does not answer in time"),
+        (Lie::Asks, 3, "PulseAudio: the server is gone (it asks for too much at once)"),
+        (Lie::Leaves, 3, "PulseAudio: the server is gone"),
+    ];
+    for (lie, code, why) in said {
+        let stage = Stage::new();
+        stage.put("bar.ca.toml", BAR);
+        let server = Server { server: None, socket: stage.path("liar").display().to_string() };
+        let listener = UnixListener::bind(&server.socket).unwrap();
+        // it ends with this process
+        std::thread::spawn(move || {
+            for line in listener.incoming().map_while(Result::ok) {
+                let _ = lies(&line, lie);
+            }
+        });
+        server.ca(&stage, &["serve", "bar.ca.toml", "--audio", "pulse", "--seconds", "2"]).end().is(code).says(&[why]);
+    }
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Lie {
+    /// has no end of news where a sink is asked for
+    Talks,
+    /// wants 4 GiB of silence to begin with
+    Queues,
+    /// sends an answer byte by byte, and never the last
+    Stands,
+    /// plays, and asks for 4 GiB
+    Asks,
+    /// plays, and is gone in the middle of a word
+    Leaves,
+}
+
+/// Answers until the line ends.
+fn lies(line: &UnixStream, lie: Lie) -> Option<()> {
+    const VERSION: u16 = protocol::MAX_VERSION;
+    let (mut from, mut to) = (BufReader::new(line), line);
+    loop {
+        let head = protocol::read_descriptor(&mut from).ok()?;
+        let mut body = vec![0; head.length as usize];
+        from.read_exact(&mut body).ok()?;
+        // sound
+        if head.channel != u32::MAX {
+            continue;
+        }
+        let (n, asked) = protocol::Command::read_tag_prefixed(&mut Cursor::new(body), VERSION).ok()?;
+        let done = match asked {
+            protocol::Command::Auth(_) => {
+                let auth = AuthReply { version: VERSION, use_memfd: false, use_shm: false };
+                protocol::write_reply_message(&mut to, n, &auth, VERSION)
+            }
+            protocol::Command::SetClientName(_) => {
+                protocol::write_reply_message(&mut to, n, &SetClientNameReply { client_id: 1 }, VERSION)
+            }
+            protocol::Command::GetSinkInfo(_) if lie == Lie::Talks => loop {
+                protocol::write_command_message(&mut to, u32::MAX, &protocol::Command::Started(0), VERSION).ok()?;
+            },
+            protocol::Command::GetSinkInfo(_) => {
+                let sample_spec = SampleSpec { format: SampleFormat::Float32Le, channels: 2, sample_rate: 48_000 };
+                let sink = SinkInfo { sample_spec, channel_map: ChannelMap::stereo(), ..SinkInfo::new_dummy(1) };
+                protocol::write_reply_message(&mut to, n, &sink, VERSION)
+            }
+            protocol::Command::CreatePlaybackStream(_) if lie == Lie::Stands => {
+                to.write_all(&[0, 0, 255, 255]).ok()?;
+                loop {
+                    to.write_all(&[255]).ok()?;
+                    std::thread::sleep(Duration::from_millis(100));
+                }
+            }
+            protocol::Command::CreatePlaybackStream(_) => {
+                let buffer_attr =
+                    BufferAttr { minimum_request_length: 2048, target_length: 8192, ..BufferAttr::default() };
+                let requested_bytes = if lie == Lie::Queues { u32::MAX } else { 8192 };
+                let made = CreatePlaybackStreamReply { requested_bytes, buffer_attr, ..Default::default() };
+                protocol::write_reply_message(&mut to, n, &made, VERSION)
+            }
+            protocol::Command::CorkPlaybackStream(_) => protocol::write_ack_message(&mut to, n),
+            protocol::Command::GetPlaybackLatency(_) => {
+                let now = SystemTime::UNIX_EPOCH;
+                let latency = PlaybackLatency {
+                    sink_usec: u64::MAX,
+                    source_usec: 0,
+                    playing: true,
+                    local_time: now,
+                    remote_time: now,
+                    write_offset: i64::MAX,
+                    read_offset: i64::MIN,
+                    underrun_for: 0,
+                    playing_for: 0,
+                };
+                protocol::write_reply_message(&mut to, n, &latency, VERSION).ok()?;
+                // sound is read meanwhile, since both of us may wait otherwise
+                std::thread::scope(|s| {
+                    s.spawn(|| std::io::copy(&mut from, &mut std::io::sink()));
+                    let _ = asks(line, lie);
+                });
+                return None;
+            }
+            _ => return None,
+        };
+        done.ok()?;
+    }
+}
+
+/// Asks for sound for a second, as a server does.
+fn asks(mut line: &UnixStream, lie: Lie) -> Option<()> {
+    let mut ask = |length| {
+        let mut message = Vec::new();
+        let more = protocol::Command::Request(protocol::Request { channel: 0, length });
+        protocol::write_command_message(&mut message, u32::MAX, &more, protocol::MAX_VERSION).ok()?;
+        line.write_all(&message).ok()
+    };
+    for _ in 0..100 {
+        ask(3840)?;
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    if lie == Lie::Asks {
+        return ask(u32::MAX);
+    }
+    line.write_all(&[0, 0]).ok()?;
+    line.shutdown(Shutdown::Both).ok()
 }
 
 /// A model with so many outputs.

@@ -132,10 +132,11 @@ impl Playing {
     pub(super) fn end(self, rate: f64) {
         let left = 2.0 * self.counts.lead.load(Relaxed) as f64 / rate;
         let end = Instant::now() + LATE + Duration::from_secs_f64(left);
-        let is_over = matches!(&self.output, Output::Pulse(pulse) if pulse.is_over());
-        while !self.counts.done.load(Relaxed) && !is_over && Instant::now() < end {
+        let is_over = || matches!(&self.output, Output::Pulse(pulse) if pulse.is_over());
+        while !self.counts.done.load(Relaxed) && !is_over() && Instant::now() < end {
             std::thread::sleep(Duration::from_millis(1));
         }
+        let is_over = is_over();
         match self.output {
             // a server that is gone would be waited for without end
             Output::Jack(output) => {

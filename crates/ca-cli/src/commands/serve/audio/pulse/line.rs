@@ -4,7 +4,9 @@
 //! a thread of its own that no priority can be asked for, allocates a megabyte for each message, and says nothing of
 //! underruns. Once sound flows, this reads into one buffer and allocates for nothing that comes more than once in a while.
 
-use pulseaudio::protocol::{self, AuthParams, AuthReply, Command, CommandReply, Prop, Props, TagStructReader};
+use pulseaudio::protocol::{
+    self, AuthParams, AuthReply, Command, CommandReply, CommandTag, Prop, Props, TagStructReader,
+};
 use std::env;
 use std::io::{Cursor, Error, ErrorKind, Read as _, Result, Write as _};
 use std::os::unix::net::UnixStream;
@@ -13,6 +15,16 @@ use std::time::Duration;
 
 /// A message from the server is never longer \[bytes\].
 const LONGEST: usize = 1 << 20;
+/// Nor does it ever ask for more at once \[bytes\]; servers queue 4 MiB at most, and ask for as much again for each gap.
+const LARGEST: u32 = 1 << 26;
+/// What is read; other messages may have texts and tables of any length.
+const HEARD: [CommandTag; 5] = [
+    CommandTag::Error,
+    CommandTag::Reply,
+    CommandTag::Request,
+    CommandTag::Underflow,
+    CommandTag::PlaybackStreamKilled,
+];
 /// Length of a cookie \[bytes\]; who has none sends zeros, and is known by the socket.
 const COOKIE: usize = 256;
 
@@ -53,7 +65,7 @@ fn socket() -> Option<PathBuf> {
     runtime.or_else(|| env::var_os("XDG_RUNTIME_DIR").map(|d| PathBuf::from(d).join("pulse/native")))
 }
 
-fn wrong(what: impl std::fmt::Display) -> Error {
+pub(super) fn wrong(what: impl std::fmt::Display) -> Error {
     Error::new(ErrorKind::InvalidData, format!("{what}"))
 }
 
@@ -141,20 +153,24 @@ impl Line {
             if head.channel != u32::MAX {
                 continue;
             }
-            let mut body = Cursor::new(&self.message[..]);
-            match Command::read_tag_prefixed(&mut body, self.version) {
-                Ok((number, Command::Reply)) => return Ok(News::Answer(number, body.position() as usize)),
-                Ok((_, Command::Request(r))) => {
-                    self.owed = self.owed.saturating_add(r.length as usize);
-                    return Ok(News::Other);
-                }
-                Ok((_, Command::Error(e))) => return Ok(News::Refused(format!("{e:?}"))),
-                Ok((_, Command::Underflow(_))) => return Ok(News::Underflow),
-                Ok((_, Command::PlaybackStreamKilled(_))) => return Ok(News::Killed),
-                Ok(_) => return Ok(News::Other),
-                // what a later server says, and this crate does not know
-                Err(_) => {}
+            let tag = self.message.get(1..5).and_then(|b| Some(u32::from_be_bytes(b.try_into().ok()?)));
+            if !HEARD.iter().any(|h| tag == Some(*h as u32)) {
+                return Ok(News::Other);
             }
+            let mut body = Cursor::new(&self.message[..]);
+            let news = match Command::read_tag_prefixed(&mut body, self.version).map_err(wrong)? {
+                (number, Command::Reply) => News::Answer(number, body.position() as usize),
+                (_, Command::Request(r)) if r.length > LARGEST => return Err(wrong("it asks for too much at once")),
+                (_, Command::Request(r)) => {
+                    self.owed = self.owed.saturating_add(r.length as usize);
+                    News::Other
+                }
+                (_, Command::Error(e)) => News::Refused(format!("{e:?}")),
+                (_, Command::Underflow(_)) => News::Underflow,
+                (_, Command::PlaybackStreamKilled(_)) => News::Killed,
+                _ => News::Other,
+            };
+            return Ok(news);
         }
     }
 }

@@ -14,7 +14,7 @@ use ca_core::Scene;
 use ca_haptic::rt::{self, RtRequest, now_ns};
 use ca_haptic::serve::Recorder;
 use ca_haptic::serve::audio::{Counts, Follow, PlaybackDevice, Player, link};
-use line::{Line, News};
+use line::{Line, News, wrong};
 use pulseaudio::protocol::{
     self, ChannelMap, Command, CorkStreamParams, CreatePlaybackStreamReply, GetSinkInfo, LatencyParams,
     PlaybackLatency, PlaybackStreamParams, Prop, Props, SampleFormat, SampleSpec, SinkInfo,
@@ -34,6 +34,10 @@ const NAME: &str = "PulseAudio";
 const BUFFER: u32 = 256;
 /// A server that does not answer is given up after so long.
 const PATIENCE: Duration = Duration::from_secs(2);
+/// So is one that has not made a stream; its device may have to wake up.
+const WAKING: Duration = Duration::from_secs(5);
+/// No server queues more \[bytes\].
+const LARGEST: u32 = 1 << 22;
 /// What the server queues, in what it asks for at once.
 const QUEUED: u32 = 4;
 /// The most samples filled at once; what is more is filled in pieces.
@@ -58,16 +62,11 @@ pub(super) fn open(
     request: RtRequest,
 ) -> std::result::Result<(Playing, Follow), Failure> {
     let buffer = buffer.unwrap_or(BUFFER);
-    // a server that stands still may keep us from the first word on
-    let (tell, told) = channel();
-    let asked = thread::Builder::new().name("ca pulse".into()).spawn(move || {
-        let _ = tell.send(Line::open(PATIENCE).map(default_sink));
-    });
     let absent = |why: &str| {
         let how = "start one, e.g. `pulseaudio --start`, or name it in PULSE_SERVER";
         Failure::Failed(format!("--audio pulse: no PulseAudio server answers{why}; {how}"))
     };
-    let opened = asked.ok().and_then(|_| told.recv_timeout(PATIENCE).ok()).ok_or_else(|| absent(" in time"))?;
+    let opened = within(PATIENCE, || Line::open(PATIENCE).map(default_sink)).ok_or_else(|| absent(" in time"))?;
     let (line, sink) = opened.map_err(|_| absent(""))?;
     let refused = |e: Error| Failure::Usage(format!("{NAME} does not play this: {e}"));
     let Some(sink) = sink.filter(|s| s.name.as_bytes() != DUMMY) else {
@@ -79,7 +78,9 @@ pub(super) fn open(
         return Err(Failure::Usage(format!("{NAME} plays at no rate of {hz} Hz")));
     }
     let map = ChannelMap::new((&sink.channel_map).into_iter().take(wide));
-    let Stream { line, made, sink, latency } = stream(line, sink.index, hz as u32, map, buffer).map_err(refused)?;
+    let made = within(WAKING, move || stream(line, sink.index, hz as u32, map, buffer));
+    let made = made.unwrap_or_else(|| Err(Error::other("its server does not answer in time")));
+    let Stream { line, made, sink, latency } = made.map_err(refused)?;
     let plays = sink.sample_spec.sample_rate;
     if f64::from(plays) != hz {
         return Err(Failure::Usage(format!("{NAME} plays at {plays} Hz, not at {hz}; say `--rate {plays}Hz`")));
@@ -99,6 +100,16 @@ pub(super) fn open(
     let output = Output::Pulse(pulse.map_err(refused)?);
     recorder.hears(watch);
     Ok((Playing { output, counts, words, name: NAME.into(), host: NAME }, follow))
+}
+
+/// Asks a server on a thread of its own, which is left where that takes longer: one that stands still, or talks without end, may
+/// keep us at any word.
+fn within<T: Send + 'static>(patience: Duration, ask: impl FnOnce() -> T + Send + 'static) -> Option<T> {
+    let (tell, told) = channel();
+    let asked = thread::Builder::new().name("ca pulse".into()).spawn(move || {
+        let _ = tell.send(ask());
+    });
+    asked.ok().and_then(|_| told.recv_timeout(patience).ok())
 }
 
 /// How many channels the sink is given: one is heard on both sides.
@@ -144,6 +155,9 @@ fn stream(mut line: Line, sink: u32, hz: u32, map: ChannelMap, buffer: u32) -> R
         ..PlaybackStreamParams::default()
     };
     let made: CreatePlaybackStreamReply = line.ask(&Command::CreatePlaybackStream(params))?;
+    if made.requested_bytes.max(made.buffer_attr.minimum_request_length) > LARGEST {
+        return Err(wrong("it asks for too much at once"));
+    }
     // now at the rate of the stream, where it can be
     let info = Command::GetSinkInfo(GetSinkInfo { index: Some(made.sink_index), name: None });
     let sink = line.ask(&info)?;
@@ -260,7 +274,7 @@ impl Speaker {
     /// How late the first sample of the last message is heard: behind all that is queued, and what the device has.
     fn measure(&self, at: usize) {
         if let Ok(l) = self.line.answer::<PlaybackLatency>(at) {
-            let queued = (l.write_offset - l.read_offset) / (4 * self.wide) as i64 - self.last as i64;
+            let queued = l.write_offset.saturating_sub(l.read_offset) / (4 * self.wide) as i64 - self.last as i64;
             let delay = 1e9 * queued.max(0) as f64 / self.rate as f64 + 1e3 * l.sink_usec as f64;
             self.counts.delay.store(delay as u64, Relaxed);
         }
