@@ -40,7 +40,8 @@ pub struct ServeArgs {
     /// Writes a take: every frame, event and sample, to be played again by `ca replay`
     #[arg(long, value_name = "FILE.mcap")]
     pub log: Option<PathBuf>,
-    /// Plays by MIDI: a device of this machine, a pipe or a file of raw bytes; all devices (/dev/snd/midiC*D*) without a path
+    /// Plays by MIDI: a device of this machine, a pipe or a file of raw bytes; all devices (/dev/snd/midiC*D*) without a path.
+    /// A JACK server that plays the sound brings MIDI by a port `midi_in`, unasked
     #[arg(long, value_name = "PATH", num_args = 0..=1, default_missing_value = "")]
     pub midi: Option<PathBuf>,
     /// Plays by OSC, from this machine: a UDP port; 0 takes a free one

@@ -9,10 +9,16 @@ use ca_haptic::host::control::Request;
 use std::fs;
 use std::io::Write as _;
 use std::process::{Command, Stdio};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::time::{Duration, Instant};
 
 pub const BAR: &str = "[CEL]\nbar = { m = \"1 g\", f = \"220 Hz\", t60 = \"20 s\", dx0 = \"1 mm\" }\n\
                    [SOX]\nout = { from = \"bar\", gain = 500 }\n";
+
+const STRING: &str = "[STRING]\nlow = { n = 30, f = \"110 Hz\", t60 = \"3 s\", m = \"1 g\" }\n\
+    [ENF]\npush = { to = \"low[4]\", midi = { note = [\"C4\", \"E4\"], to = \"0.5 N\", attack = \"1 ms\" } }\n\
+    [SOX]\nout = { from = \"low[6]\", gain = 200 }\n";
 
 /// A JACK server of a name of its own.
 struct Jack {
@@ -125,6 +131,47 @@ fn ears() {
     }
 }
 
+/// Hands: a keyboard that is connected sends a note, and what nobody listens to around it.
+struct Hands(jack::Port<jack::MidiOut>, Arc<AtomicBool>);
+
+impl jack::ProcessHandler for Hands {
+    fn process(&mut self, _: &jack::Client, scope: &jack::ProcessScope) -> jack::Control {
+        let mut out = self.0.writer(scope);
+        if self.1.swap(false, Relaxed) {
+            for bytes in [&[0xf0, 1, 2, 3, 4, 0xf7][..], &[0xf8], &[0x90, 60, 127]] {
+                // what found no room is not heard
+                let _ = out.write(&jack::RawMidi { time: 0, bytes });
+            }
+        }
+        jack::Control::Continue
+    }
+}
+
+#[test]
+#[ignore = "a part of other tests"]
+fn hands() {
+    let Some(job) = Job::asked() else { return };
+    let (client, _) = jack::Client::new("hands", jack::ClientOptions::NO_START_SERVER).unwrap();
+    let port = client.register_port("out", jack::MidiOut::default()).unwrap();
+    let ours = port.name().unwrap();
+    let now = Arc::new(AtomicBool::new(false));
+    let client = client.activate_async((), Hands(port, now.clone())).unwrap();
+    job.ready();
+    let mut played = false;
+    while !job.is_over() {
+        std::thread::sleep(Duration::from_millis(10));
+        let listens = client.as_client().ports(Some("ca.*:midi_in"), None, jack::PortFlags::IS_INPUT);
+        if !played && listens.first().is_some_and(|p| client.as_client().connect_ports_by_name(&ours, p).is_ok()) {
+            // the connection is there from the next cycle on
+            std::thread::sleep(Duration::from_millis(100));
+            now.store(true, Relaxed);
+            played = true;
+        }
+    }
+    // as ears do
+    std::process::exit(i32::from(!played));
+}
+
 pub fn samples(bytes: &[u8]) -> Vec<f32> {
     bytes.chunks_exact(4).map(|b| f32::from_le_bytes(b.try_into().unwrap())).collect()
 }
@@ -191,6 +238,28 @@ fn what_is_heard_is_what_is_written() {
         let log = stage.ca(&["log", "info", "bar.mcap"]);
         assert_eq!(log.code, Some(0), "{}{}", log.out, log.err);
     }
+}
+
+/// A note of another client moves a port, and a take has it.
+#[test]
+fn midi_comes_by_jack() {
+    let stage = Stage::new();
+    stage.put("string.ca.toml", STRING);
+    let Some(jack) = Jack::start(&stage, 256) else { return };
+    let hands = Role::start(&stage.site, "in_real_time::audio::hands", &jack.name, 0);
+    let args = ["serve", "string.ca.toml", "--audio", "jack", "--seconds", "3", "-o", "string.wav", "--json"];
+    let played = jack.ca(&stage, &[&args[..], &["--log", "string.mcap"]].concat()).end();
+    drop(hands.end());
+    let played = played.says(&["MIDI: JACK port ca:midi_in"]);
+    assert!(matches!(played.code, Some(0 | 3)), "{}{}", played.out, played.err);
+    let mut wav = hound::WavReader::open(stage.path("string.wav")).unwrap();
+    let written: Vec<f32> = wav.samples().map(Result::unwrap).collect();
+    let sounds = written.iter().position(|x| *x != 0.0);
+    assert!(sounds.is_some_and(|k| k > 0), "{sounds:?}");
+    let peak = written.iter().fold(0.0_f32, |m, x| m.max(x.abs()));
+    assert!(peak > 0.01, "{peak}");
+    // played again to the bit
+    stage.ca(&["replay", "string.mcap", "--verify"]).is(0);
 }
 
 #[test]

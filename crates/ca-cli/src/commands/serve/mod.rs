@@ -145,7 +145,8 @@ pub(crate) fn session(args: &ServeArgs, page: Option<&PlayArgs>) -> Outcome {
     let mut recorder = Recorder::new(recorder_ends, shared.clone(), scene.clone(), &engine.ports, sinks);
     let (mut playing, follow) = audio::open(args, &scene, &mut recorder, page.is_some(), rt_request(args, -5))?.unzip();
     ends.audio = follow;
-    let mut inputs = Inputs::open(args, &scene, page.is_some())?;
+    let events = playing.as_mut().and_then(audio::Playing::events);
+    let mut inputs = Inputs::open(args, &scene, page.is_some(), events)?;
     inputs.said().into_iter().for_each(|text| recorder.say(false, text));
     if args.gesture {
         recorder.gesture(true).map_err(Failure::Failed)?;

@@ -62,7 +62,7 @@ pub(super) fn open(
         .map_err(failed)?;
     recorder.hears(watch);
     let output = Any::Device(Output { stream });
-    Ok((Playing { output, counts, words, name, host: host.name() }, follow))
+    Ok((Playing { output, counts, words, name, host: host.name(), events: None }, follow))
 }
 
 /// An open device.

@@ -2,8 +2,10 @@
 //!
 //! Decides that a server is never started from here, and taken as it is: its rate and its buffer are its own, and a model of another
 //! rate is refused with the rate to say. The callback fills a buffer of its own and hands it out channel by channel; it
-//! neither allocates nor locks.
+//! neither allocates nor locks. MIDI comes by a port beside those of sound, which is connected to nothing by itself: what stands behind
+//! a server may be a device that is read without it, too.
 
+use super::super::inputs::events::{EventReader, EventWriter, ring};
 use super::{Output as Any, Playing};
 use crate::Failure;
 use ca_core::Scene;
@@ -11,8 +13,8 @@ use ca_haptic::rt::now_ns;
 use ca_haptic::serve::Recorder;
 use ca_haptic::serve::audio::{Counts, Follow, PlaybackDevice, Player, link};
 use jack::{
-    AsyncClient, AudioOut, Client, ClientOptions, Control, Frames, LatencyType, NotificationHandler, Port, PortFlags,
-    ProcessHandler, ProcessScope,
+    AsyncClient, AudioOut, Client, ClientOptions, Control, Frames, LatencyType, MidiIn, NotificationHandler, Port,
+    PortFlags, ProcessHandler, ProcessScope,
 };
 use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
@@ -33,7 +35,13 @@ pub(super) struct Output {
 }
 
 /// Opens a client: [`Failure::Failed`] where no server answers, [`Failure::Usage`] where it does not play the scene as it is.
-pub(super) fn open(scene: &Scene, buffer: Option<u32>, recorder: &mut Recorder) -> Result<(Playing, Follow), Failure> {
+/// It takes MIDI where `midi` says so.
+pub(super) fn open(
+    scene: &Scene,
+    buffer: Option<u32>,
+    midi: bool,
+    recorder: &mut Recorder,
+) -> Result<(Playing, Follow), Failure> {
     let none = |_| {
         let how =
             "no JACK server answers; start one, e.g. `jackd -d alsa -r 48000 -p 64`, or name it in JACK_DEFAULT_SERVER";
@@ -58,12 +66,13 @@ pub(super) fn open(scene: &Scene, buffer: Option<u32>, recorder: &mut Recorder) 
         .collect::<Result<_, _>>()
         .map_err(failed)?;
     let names: Vec<String> = ports.iter().map(Port::name).collect::<Result<_, _>>().map_err(failed)?;
+    let (midi, events) = midi.then(|| midi_in(&client)).transpose().map_err(failed)?.unzip();
     let name = client.name().to_string();
     let who = PlaybackDevice { host: "JACK".into(), device: name.clone(), rate, channels: wide as u16 };
     let (follow, player, watch) = link(scene.channels, scene.ratio, who, frames);
     let (tell, words) = channel();
     let counts = watch.counts.clone();
-    let process = Process { ports, player, mixed: vec![0.0; MOST * wide] };
+    let process = Process { ports, midi, player, mixed: vec![0.0; MOST * wide] };
     let notes = Notes { counts: counts.clone() };
     recorder.hears(watch);
     let output = Output {
@@ -74,7 +83,14 @@ pub(super) fn open(scene: &Scene, buffer: Option<u32>, recorder: &mut Recorder) 
         rate: f64::from(rate),
         words: tell,
     };
-    Ok((Playing { output: Any::Jack(Box::new(output)), counts, words, name, host: "JACK" }, follow))
+    Ok((Playing { output: Any::Jack(Box::new(output)), counts, words, name, host: "JACK", events }, follow))
+}
+
+/// A port of MIDI, and both ends of where its events go.
+fn midi_in(client: &Client) -> Result<((Port<MidiIn>, EventWriter), EventReader), jack::Error> {
+    let port = client.register_port("midi_in", MidiIn::default())?;
+    let (writer, reader) = ring(format!("JACK port {}", port.name()?));
+    Ok(((port, writer), reader))
 }
 
 /// Whether a server answers.
@@ -122,6 +138,7 @@ impl NotificationHandler for Notes {
 /// What it asks.
 struct Process {
     ports: Vec<Port<AudioOut>>,
+    midi: Option<(Port<MidiIn>, EventWriter)>,
     player: Player,
     /// interleaved
     mixed: Vec<f32>,
@@ -130,6 +147,9 @@ struct Process {
 impl ProcessHandler for Process {
     fn process(&mut self, _: &Client, scope: &ProcessScope) -> Control {
         let (at, wide) = (now_ns(), self.ports.len());
+        if let Some((port, events)) = &mut self.midi {
+            port.iter(scope).for_each(|e| events.push(e.bytes));
+        }
         let (mut from, all) = (0, scope.n_frames() as usize);
         while from < all {
             let n = (all - from).min(MOST);

@@ -10,12 +10,14 @@ mod device;
 mod jack;
 mod pulse;
 
+use super::inputs::events::EventReader;
 use crate::args::ServeArgs;
 use crate::{Failure, term};
 use ca_core::Scene;
 use ca_haptic::rt::RtRequest;
 use ca_haptic::serve::Recorder;
 use ca_haptic::serve::audio::{Counts, Follow};
+use ca_lab::gesture::port_maps;
 use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
 use std::sync::mpsc::Receiver;
@@ -34,6 +36,8 @@ pub(super) struct Playing {
     words: Receiver<String>,
     name: String,
     host: &'static str,
+    /// MIDI that it brings
+    events: Option<EventReader>,
 }
 
 enum Output {
@@ -52,14 +56,17 @@ pub(super) fn open(
     plays: bool,
     request: RtRequest,
 ) -> Result<Option<(Playing, Follow)>, Failure> {
+    // in a page a controller may be bound to a parameter of any model
+    let midi = plays || !port_maps(scene).is_empty();
     match args.audio.as_deref() {
         Some("page") if plays => Ok(None),
         Some("page") => Err(Failure::Usage("--audio page: `ca serve` has no page; `ca play` does".into())),
-        Some("jack") => named("jack", jack::open(scene, args.audio_buffer, recorder)),
+        Some("jack") => named("jack", jack::open(scene, args.audio_buffer, midi, recorder)),
         Some("pulse") => named("pulse", pulse::open(scene, args.audio_buffer, recorder, request)),
         Some(wanted) => device(wanted, args, scene, recorder).map(Some),
         None if plays && scene.channels > 0 && args.clock == crate::args::ClockKind::Monotonic => {
-            Ok(there(jack::open(scene, None, recorder)).or_else(|| there(pulse::open(scene, None, recorder, request))))
+            Ok(there(jack::open(scene, None, midi, recorder))
+                .or_else(|| there(pulse::open(scene, None, recorder, request))))
         }
         None => Ok(None),
     }
@@ -119,6 +126,11 @@ impl Playing {
     /// What plays, for a page.
     pub(super) fn host(&self) -> &'static str {
         self.host
+    }
+
+    /// MIDI that it brings, for whoever asks first.
+    pub(super) fn events(&mut self) -> Option<EventReader> {
+        self.events.take()
     }
 
     /// What it complains of.

@@ -1,9 +1,10 @@
-//! What plays a running model besides devices and pages: MIDI ([`midi`]) and OSC ([`osc`]).
+//! What plays a running model besides devices and pages: MIDI ([`midi`], [`events`]) and OSC ([`osc`]).
 //!
 //! Decides that both end in what the recorder does for anybody: ports that glide, live parameters, the model's own gesture, so that a
 //! take has all of it. A port moves by MIDI as its `midi` says; a controller that no port listens to can be bound to a live
 //! parameter while it plays ([`Inputs::learn`]), and what moves nothing is told once.
 
+pub(super) mod events;
 mod midi;
 mod osc;
 
@@ -13,6 +14,7 @@ use ca_core::Scene;
 use ca_haptic::serve::Recorder;
 use ca_io::live_midi::{Cable, LiveMidi, Played};
 use ca_lab::gesture::port_maps;
+use events::EventReader;
 use midi::Cables;
 use osc::Osc;
 use std::collections::{BTreeMap, BTreeSet};
@@ -24,6 +26,8 @@ type Control = (u8, u8);
 pub(crate) struct Inputs {
     live: LiveMidi,
     cables: Option<Cables>,
+    /// of the server of sound
+    events: Option<EventReader>,
     osc: Option<Osc>,
     /// the parameter that a controller sets
     bound: BTreeMap<Control, String>,
@@ -34,11 +38,17 @@ pub(crate) struct Inputs {
 }
 
 impl Inputs {
-    /// Opens what is asked for; `plays` where a MIDI device that is there needs no asking.
-    pub(super) fn open(args: &ServeArgs, scene: &Scene, plays: bool) -> Result<Inputs, Failure> {
+    /// Opens what is asked for; `plays` where a MIDI device that is there needs no asking; `events` of the server of sound.
+    pub(super) fn open(
+        args: &ServeArgs,
+        scene: &Scene,
+        plays: bool,
+        events: Option<EventReader>,
+    ) -> Result<Inputs, Failure> {
         Ok(Inputs {
             live: LiveMidi::new(&port_maps(scene)),
             cables: Cables::open(args.midi.as_deref(), plays)?,
+            events,
             osc: args.osc.map(Osc::open).transpose()?,
             bound: BTreeMap::new(),
             learning: None,
@@ -55,7 +65,8 @@ impl Inputs {
     pub(super) fn said(&self) -> Vec<String> {
         let midi = self.cables.iter().flat_map(Cables::names).map(|name| format!("MIDI: {name}"));
         let osc = self.osc.iter().map(|o| format!("OSC: UDP port {} of this machine", o.port()));
-        midi.chain(osc).collect()
+        let events = self.events.iter().map(|e| format!("MIDI: {}", e.name()));
+        midi.chain(events).chain(osc).collect()
     }
 
     /// One turn: what came since the last one.
@@ -70,6 +81,13 @@ impl Inputs {
                 recorder.say(bad, text);
             }
             self.cables = Some(cables);
+        }
+        if let Some(mut events) = self.events.take() {
+            events.turn(|cable, bytes| self.feed(recorder, cable, bytes));
+            if let Some(text) = events.news() {
+                recorder.say(true, text);
+            }
+            self.events = Some(events);
         }
         if let Some(mut osc) = self.osc.take() {
             osc.turn(self, recorder);

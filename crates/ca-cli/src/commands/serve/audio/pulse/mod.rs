@@ -99,7 +99,7 @@ pub(super) fn open(
     let pulse = speak(line, made.channel, player, (counts.clone(), tell), wide, hz as usize, request);
     let output = Output::Pulse(pulse.map_err(refused)?);
     recorder.hears(watch);
-    Ok((Playing { output, counts, words, name: NAME.into(), host: NAME }, follow))
+    Ok((Playing { output, counts, words, name: NAME.into(), host: NAME, events: None }, follow))
 }
 
 /// Asks a server on a thread of its own, which is left where that takes longer: one that stands still, or talks without end, may

@@ -1,0 +1,103 @@
+//! MIDI that a callback of sound brings, as that of JACK does: a ring from it to whoever plays.
+//!
+//! Decides that only events of channels pass, since nothing listens to others; and that one which finds no room is left out
+//! whole, and told, because a callback cannot wait. The callback neither allocates nor locks.
+
+use ca_io::live_midi::Cable;
+use rtrb::{Consumer, Producer, RingBuffer};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+use std::time::{Duration, Instant};
+
+/// Bytes that may wait: more than a cable brings in a second.
+const WAITING: usize = 4096;
+/// What is lost is told once in this time.
+const QUIET: Duration = Duration::from_secs(1);
+
+/// The end of the callback.
+pub(crate) struct EventWriter {
+    bytes: Producer<u8>,
+    lost: Arc<AtomicU64>,
+}
+
+/// The end of whoever plays.
+pub(crate) struct EventReader {
+    name: String,
+    bytes: Consumer<u8>,
+    cable: Cable,
+    lost: Arc<AtomicU64>,
+    told: (u64, Option<Instant>),
+}
+
+/// Both ends of a port of this name.
+pub(crate) fn ring(name: String) -> (EventWriter, EventReader) {
+    let (writer, bytes) = RingBuffer::new(WAITING);
+    let lost = Arc::new(AtomicU64::new(0));
+    let reader = EventReader { name, bytes, cable: Cable::default(), lost: lost.clone(), told: (0, None) };
+    (EventWriter { bytes: writer, lost }, reader)
+}
+
+impl EventWriter {
+    /// One event, with its status.
+    pub(crate) fn push(&mut self, event: &[u8]) {
+        let of_channel = event.first().is_some_and(|status| (0x80..0xf0).contains(status));
+        if of_channel && self.bytes.push_entire_slice(event).is_err() {
+            self.lost.fetch_add(1, Relaxed);
+        }
+    }
+}
+
+impl EventReader {
+    pub(super) fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// What came since the last turn.
+    pub(super) fn turn(&mut self, feed: impl FnOnce(&mut Cable, &[u8])) {
+        let mut piece = [0; WAITING];
+        let (came, _) = self.bytes.pop_partial_slice(&mut piece);
+        feed(&mut self.cable, came);
+    }
+
+    /// What people should know since the last call: what was lost, in words.
+    pub(super) fn news(&mut self) -> Option<String> {
+        let (before, at) = self.told;
+        let lost = self.lost.load(Relaxed);
+        if lost == before || at.is_some_and(|at| at.elapsed() < QUIET) {
+            return None;
+        }
+        self.told = (lost, Some(Instant::now()));
+        Some(format!("MIDI: {}: {} events came faster than they are played, and are lost", self.name, lost - before))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn came(reader: &mut EventReader) -> Vec<u8> {
+        let mut all = Vec::new();
+        reader.turn(|_, bytes| all.extend(bytes));
+        all
+    }
+
+    #[test]
+    fn events_of_channels_pass_whole_or_are_told() {
+        let (mut writer, mut reader) = ring("midi_in".into());
+        for event in [&[0x90, 60, 127][..], &[0xf8], &[0xf0, 1, 2, 3, 0xf7], &[60, 0], &[], &[0xc2, 5]] {
+            writer.push(event);
+        }
+        assert_eq!(came(&mut reader), [0x90, 60, 127, 0xc2, 5]);
+        assert_eq!(reader.news(), None);
+        for _ in 0..WAITING / 3 + 2 {
+            writer.push(&[0x80, 60, 0]);
+        }
+        assert_eq!(came(&mut reader).len(), WAITING / 3 * 3);
+        assert!(reader.news().unwrap().contains("2 events"));
+        writer.push(&[0; WAITING + 1]);
+        writer.push(&[0x90; WAITING + 1]);
+        // not again at once
+        assert_eq!(reader.news(), None);
+        assert!(came(&mut reader).is_empty());
+    }
+}
