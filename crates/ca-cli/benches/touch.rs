@@ -226,7 +226,15 @@ mod linux {
             .collect();
         // what the page keeps ahead, and its browser, as the page tells people
         let behind = Tab::open(&played.address).map(|mut tab| {
-            tab.js("document.getElementById('sound').click()");
+            let end = Instant::now() + Duration::from_secs(20);
+            while tab.js("+document.documentElement.dataset.frames > 20") != true && Instant::now() < end {
+                std::thread::sleep(Duration::from_millis(50));
+            }
+            // sound begins with a press of somebody
+            let at = tab.js("(r => [r.x + r.width / 2, r.y + r.height / 2])(document.getElementById('sound').getBoundingClientRect())");
+            let [x, y] = [0, 1].map(|k| at[k].as_f64().unwrap_or_default());
+            tab.mouse("mousePressed", x, y);
+            tab.mouse("mouseReleased", x, y);
             std::thread::sleep(Duration::from_secs(4));
             tab.js("[...document.querySelectorAll('#facts dt')].find(e => e.textContent === 'Here')?.nextSibling.textContent ?? 'none'")
         });
