@@ -17,7 +17,6 @@ mod watch;
 
 #[path = "."]
 mod in_real_time {
-    #[cfg(feature = "audio")]
     mod audio;
     mod conform;
     mod described;
@@ -26,7 +25,6 @@ mod in_real_time {
     mod limits;
     mod other;
     mod piano;
-    #[cfg(feature = "audio")]
     mod pulse;
     mod quiet;
     mod soak;

@@ -191,6 +191,10 @@ fn a_page_is_heard_by_pulse_audio_where_it_plays_it() {
     serve(&silent, &[]).is(1).says(&["no PulseAudio server answers"]);
 
     let Some(pulse) = Server::start(&stage, SINK) else { return };
+    if cfg!(feature = "audio") {
+        let args = ["serve", "bar.ca.toml", "--audio", "organ", "--seconds", "1"];
+        pulse.ca(&stage, &args).end().is(1).says(&["no sound device `organ`", "`pulse`"]);
+    }
     let ran = play(&pulse, &[]).says(&["sound: ", "(PulseAudio), 48000 Hz, ", " ms after the model"]);
     assert_eq!(ran.json()["audio"]["host"], "PulseAudio", "{}", ran.out);
     page(play(&pulse, &["--audio", "page"]));

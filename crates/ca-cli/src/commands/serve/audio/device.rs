@@ -108,8 +108,11 @@ fn there_is() -> String {
     if super::jack::is_there() {
         names.push("jack".into());
     }
+    if super::pulse::is_there() {
+        names.push("pulse".into());
+    }
     if names.is_empty() {
-        return "there is none; a JACK server is one, `--audio jack`".into();
+        return "there is none; a JACK or a PulseAudio server is one, `--audio jack` or `--audio pulse`".into();
     }
     format!("there is {}", load::ticked(names.iter().map(String::as_str)))
 }

@@ -105,8 +105,9 @@ fn device(
 fn device(wanted: &str, _: &ServeArgs, _: &Scene, _: &mut Recorder) -> Result<(Playing, Follow), Failure> {
     let wanted = if wanted.is_empty() { "--audio".into() } else { format!("--audio {wanted}") };
     Err(Failure::Failed(format!(
-        "{wanted}: this `ca` plays by a JACK or a PulseAudio server (`--audio jack`, `--audio pulse`), and is built without other sound devices; `cargo install \
-         --path crates/ca-cli --features audio` builds one with them (on Linux with the headers of ALSA: libasound2-dev)"
+        "{wanted}: this `ca` plays by a JACK or a PulseAudio server (`--audio jack`, `--audio pulse`), and is built \
+         without other sound devices; `cargo install --path crates/ca-cli --features audio` builds one with them (on \
+         Linux with the headers of ALSA: libasound2-dev)"
     )))
 }
 

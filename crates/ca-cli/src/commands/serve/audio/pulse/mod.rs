@@ -102,6 +102,12 @@ pub(super) fn open(
     Ok((Playing { output, counts, words, name: NAME.into(), host: NAME, events: None }, follow))
 }
 
+/// Whether a server answers.
+#[cfg(feature = "audio")]
+pub(super) fn is_there() -> bool {
+    within(PATIENCE, || Line::open(PATIENCE).is_ok()) == Some(true)
+}
+
 /// Asks a server on a thread of its own, which is left where that takes longer: one that stands still, or talks without end, may
 /// keep us at any word.
 fn within<T: Send + 'static>(patience: Duration, ask: impl FnOnce() -> T + Send + 'static) -> Option<T> {
