@@ -91,7 +91,7 @@ pub enum ClockKind {
     Device,
 }
 
-/// Changes live parameters of a running `ca serve` or `ca play`, and any number of the model of `ca play`
+/// Changes parameters of a running `ca serve` or `ca play`
 ///
 /// All live parameters change in the same tick, ramped over one gesture frame, or none where one is refused. Values may have
 /// units; plain numbers are in SI units. Without any, the live parameters and their values are listed.
