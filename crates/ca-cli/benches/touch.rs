@@ -182,7 +182,7 @@ mod linux {
         let heard = Arc::new(AtomicU64::new(1));
         let options = jack::ClientOptions::NO_START_SERVER;
         let (client, _) = jack::Client::new("ears", options).ok()?;
-        let port = client.register_port("in", jack::AudioIn::default()).ok()?;
+        let port = client.register_port("in", jack::AudioIn).ok()?;
         let ours = port.name().ok()?;
         let client = client.activate_async((), Ears(port, heard.clone())).ok()?;
         let end = Instant::now() + Duration::from_secs(20);

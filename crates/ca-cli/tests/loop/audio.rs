@@ -101,7 +101,7 @@ impl jack::ProcessHandler for Ears {
 fn ears() {
     let Some(job) = Job::asked() else { return };
     let (client, _) = jack::Client::new("ears", jack::ClientOptions::NO_START_SERVER).unwrap();
-    let port = client.register_port("in", jack::AudioIn::default()).unwrap();
+    let port = client.register_port("in", jack::AudioIn).unwrap();
     let ours = port.name().unwrap();
     // ten seconds
     let (mut heard, writer) = jack::RingBuffer::new(4 * 480_000).unwrap().into_reader_writer();
@@ -152,7 +152,7 @@ impl jack::ProcessHandler for Hands {
 fn hands() {
     let Some(job) = Job::asked() else { return };
     let (client, _) = jack::Client::new("hands", jack::ClientOptions::NO_START_SERVER).unwrap();
-    let port = client.register_port("out", jack::MidiOut::default()).unwrap();
+    let port = client.register_port("out", jack::MidiOut).unwrap();
     let ours = port.name().unwrap();
     let now = Arc::new(AtomicBool::new(false));
     let client = client.activate_async((), Hands(port, now.clone())).unwrap();

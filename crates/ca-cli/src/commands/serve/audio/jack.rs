@@ -48,7 +48,7 @@ pub(super) fn open(
         Failure::Failed(format!("--audio jack: {how}"))
     };
     let (client, _) = Client::new("ca", ClientOptions::NO_START_SERVER).map_err(none)?;
-    let (rate, frames) = (client.sample_rate(), client.buffer_size());
+    let (rate, frames) = (client.sample_rate() as u32, client.buffer_size());
     if f64::from(rate) != scene.rate {
         let why = format!("JACK plays at {rate} Hz, not at {}; say `--rate {rate}Hz`", scene.rate);
         return Err(Failure::Usage(why));
@@ -62,7 +62,7 @@ pub(super) fn open(
     let wide = if scene.channels == 1 { 2 } else { scene.channels };
     let failed = |e: jack::Error| Failure::Failed(format!("--audio jack: {e}"));
     let ports: Vec<Port<AudioOut>> = (0..wide)
-        .map(|k| client.register_port(&format!("out_{k}"), AudioOut::default()))
+        .map(|k| client.register_port(&format!("out_{k}"), AudioOut))
         .collect::<Result<_, _>>()
         .map_err(failed)?;
     let names: Vec<String> = ports.iter().map(Port::name).collect::<Result<_, _>>().map_err(failed)?;
@@ -88,7 +88,7 @@ pub(super) fn open(
 
 /// A port of MIDI, and both ends of where its events go.
 fn midi_in(client: &Client) -> Result<((Port<MidiIn>, EventWriter), EventReader), jack::Error> {
-    let port = client.register_port("midi_in", MidiIn::default())?;
+    let port = client.register_port("midi_in", MidiIn)?;
     let (writer, reader) = ring(format!("JACK port {}", port.name()?));
     Ok(((port, writer), reader))
 }
