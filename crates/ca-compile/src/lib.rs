@@ -37,6 +37,7 @@ pub use emit::cost;
 pub use load::load;
 pub use options::{KernelClass, Options};
 
+use alloc::boxed::Box;
 use alloc::collections::BTreeMap;
 use alloc::string::String;
 use alloc::vec::Vec;
@@ -58,6 +59,8 @@ use split::{cut, half};
 pub struct Compiled {
     /// what runs
     pub scene: Scene,
+    /// the same with the energy ledger, where [`Options::audited`] asks for it and one can be kept
+    pub audited: Option<Box<Scene>>,
     /// warnings and notes, sorted by place
     pub findings: Diags,
 }
@@ -136,12 +139,16 @@ pub fn compile(model: &Model, catalog: &Catalog, options: &Options) -> Result<Co
         return Err(diags);
     }
     let order = order(&net, options);
-    let scene = schedule::schedule(model, &net, &order, options, certificate, &mut diags);
+    let emit = |options: &Options, diags: &mut Diags| {
+        schedule::schedule(model, &net, &order, options, certificate.clone(), diags).filter(|_| !diags.has_errors())
+    };
+    let scene = emit(options, &mut diags);
     diags.sort();
-    match scene {
-        Some(scene) if !diags.has_errors() => Ok(Compiled { scene, findings: diags }),
-        _ => Err(diags),
-    }
+    let Some(scene) = scene else { return Err(diags) };
+    // `pefrl` keeps no ledger
+    let audited = options.audited && !options.energy && !net.is_composed();
+    let kept = || emit(&Options { energy: true, ..options.clone() }, &mut Diags::new());
+    Ok(Compiled { scene, audited: if audited { kept().map(Box::new) } else { None }, findings: diags })
 }
 
 /// The order of the MATs in the state.

@@ -49,7 +49,7 @@ pub fn finish(model: &Model, found: Diags, catalog: &Catalog, options: &Options)
             all
         };
         return match result {
-            Ok(Compiled { scene, findings }) => Ok(Compiled { scene, findings: merge(findings) }),
+            Ok(Compiled { scene, audited, findings }) => Ok(Compiled { scene, audited, findings: merge(findings) }),
             Err(diags) => Err(merge(diags)),
         };
     }

@@ -18,11 +18,15 @@ pub enum KernelClass {
 
 /// What the caller asks of a compilation.
 #[derive(Clone, Debug, Default)]
+#[allow(clippy::struct_excessive_bools, reason = "each is asked for by itself")]
 pub struct Options {
     /// sound rate \[Hz\]; the model's own if `None`
     pub rate: Option<f64>,
     /// keep the energy ledger
     pub energy: bool,
+    /// make the scene without a ledger and with it, [`Compiled::audited`](crate::Compiled::audited): what takes long, the modes
+    /// of a large scene above all, is computed once for both
+    pub audited: bool,
     /// selectors of modules to be heard besides the outputs: displacement of a MAT, force of a LIA
     pub probes: Vec<String>,
     /// what the files named in the model hold

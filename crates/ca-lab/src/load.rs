@@ -207,7 +207,7 @@ pub fn ticked<'a>(words: impl Iterator<Item = &'a str>) -> String {
 /// Compiles. Findings of reader and compiler together, in order of place; one is not said twice.
 pub fn compiled(loaded: &Loaded, options: &Options) -> (Option<Scene>, Diags) {
     match loaded.compile(options) {
-        Ok(Compiled { scene, findings }) => (Some(scene), findings),
+        Ok(Compiled { scene, findings, .. }) => (Some(scene), findings),
         Err(found) => (None, found.diags),
     }
 }

@@ -32,7 +32,7 @@ pub struct Scene {
 
 impl Scene {
     /// A scene, with what it was compiled from.
-    pub fn new(Compiled { scene, findings }: Compiled, loaded: Loaded, options: Options) -> Scene {
+    pub fn new(Compiled { scene, findings, .. }: Compiled, loaded: Loaded, options: Options) -> Scene {
         Scene { compiled: Arc::new(scene), found: findings, loaded, options }
     }
 }

@@ -17,7 +17,7 @@ use crate::args::{Kernel, Playing, RenderArgs, SampleFormat};
 use crate::commands::border;
 use crate::load::{self, Loaded};
 use crate::{Ended, Failure, Outcome, catalog, term};
-use ca_compile::{KernelClass, Options, compile};
+use ca_compile::{KernelClass, Options};
 use ca_core::Scene;
 use ca_core::scene::Halves;
 use ca_io::gesture::Gesture;
@@ -48,23 +48,21 @@ pub fn run(args: &RenderArgs) -> Outcome {
     let options = Options {
         rate: args.source.rate,
         energy: args.energy,
+        // with its probes, which keep what they hear
+        audited: !args.energy,
         probes: probes.iter().map(|p| p.name.clone()).collect(),
         kernel: if args.kernel == Kernel::Fast { KernelClass::Fast } else { KernelClass::Reference },
         clouds: loaded.clouds.clone(),
         exact: false,
         whole: false,
     };
-    let scene = load::scene(&loaded, &options)?;
+    let mut scene = load::scene(&loaded, &options)?;
+    let second = scene.audited.take();
     if scene.channels == 0 {
         let what = format!("`{}` has no output, so there is nothing to write", loaded.name);
         return Err(Failure::Failed(format!("{what}; add e.g. `[SOX]` with `out = {{ from = \"…\" }}`")));
     }
     border::idle(&args.source, &scene);
-    // with its probes, which keep what they hear
-    let audited = || {
-        let options = Options { energy: true, ..options.clone() };
-        compile(&loaded.model, &catalog(), &options).ok()
-    };
     let gesture = gesture(&args.playing, &scene, &output)?;
     let performance = Performance::new(&scene, gesture.as_ref())?;
     let (seconds, frames) = length(&args.playing, &scene, &performance);
@@ -88,7 +86,6 @@ pub fn run(args: &RenderArgs) -> Outcome {
         None => play(performance, frames, play::BLOCK, show, &mut |_, rows| files.write(rows))?,
     };
     let written = files.finish()?;
-    let second = if played.energy.is_none() { audited() } else { None };
     let audited: &Scene = second.as_deref().unwrap_or(&scene);
     let energy = match &played.energy {
         Some(ledger) => {
