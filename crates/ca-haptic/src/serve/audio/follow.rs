@@ -5,7 +5,8 @@
 //! was played, or sound that was left out, moves it by as much, and the ring holds the same amount whatever happened.
 //! Where it holds less, frames come at twice the rate until it is full again, never faster: each is a step of the hand.
 //! Where it holds more, at half the rate, never slower: forces do not depend on a sound device, and one that no longer
-//! asks is left out; frames go on at the rate it had.
+//! asks is left out; frames go on at the rate it had. One that stood still may ask for all of that time at once: the lead
+//! never exceeds half of the ring, or no sound would fit into it any more.
 
 use super::{Call, Counts, Dll};
 use crate::rt::{Waits, now_ns};
@@ -39,6 +40,8 @@ pub struct Follow {
     frame: u32,
     buffer: u32,
     lead: u64,
+    /// the largest lead: half of what the ring holds
+    most: u64,
     /// frames handed over
     sent: u64,
     /// from a sample of ours to that of the device which plays it
@@ -62,6 +65,7 @@ impl Follow {
         calls: Consumer<Call>,
         counts: Arc<Counts>,
     ) -> Follow {
+        let most = (samples.buffer().capacity() / channels.max(1) / 2) as u64;
         Follow {
             samples,
             calls,
@@ -73,6 +77,7 @@ impl Follow {
             frame,
             buffer,
             lead: lead(buffer, frame, rate),
+            most,
             sent: 0,
             shift: 0,
             planned: 0.0,
@@ -103,7 +108,7 @@ impl Follow {
             self.heard = call.at;
             if call.frames > self.buffer {
                 self.buffer = call.frames;
-                self.lead = lead(self.buffer, self.frame, self.rate);
+                self.lead = lead(self.buffer, self.frame, self.rate).min(self.most);
                 self.counts.lead.store(self.lead, Relaxed);
             }
         }

@@ -148,11 +148,14 @@ impl Watch {
         }
         let alive = self.counts.alive.load(Relaxed);
         if alive != self.was_alive {
-            let what =
-                if alive { "asks for sound" } else { "no longer asks for sound; the engine goes on at its last rate" };
+            let what = if alive {
+                "asks for sound"
+            } else {
+                "no longer asks for sound; the engine goes on at its last rate, and is heard again once it asks"
+            };
             // that it begins is what everybody expects
             if !alive || self.counts.stops.load(Relaxed) > 0 {
-                news.push(format!("{}: {what}", self.playback.device));
+                news.push(format!("{}: {what}", self.playback.host));
             }
             self.was_alive = alive;
         }

@@ -216,6 +216,35 @@ fn forces_do_not_depend_on_a_sound_device() {
     assert!(h.began.windows(2).skip(1).all(|w| (0.49..2.01).contains(&steps(w))), "never a jump of the frames");
 }
 
+/// The device stands still, and asks for all of that time at once: the lead stays within the ring, and sound comes back.
+#[test]
+fn a_device_that_makes_up_for_a_stall_is_heard_again() {
+    let mut h = Hall::new(256, 0.0);
+    h.run(2.0);
+    let n = h.sent;
+    h.asks = false;
+    h.run(0.7);
+    (h.asks, h.ask) = (true, h.now + 1e6);
+    h.call = 33_600;
+    let calls = h.calls;
+    while h.calls == calls {
+        h.run(1e-3);
+    }
+    (h.call, h.ask) = (256, h.now + 5e6);
+    h.run(2.0);
+    let unheard = h.reported().unheard;
+    let heard = h.heard.len();
+    h.run(2.0);
+    let reported = h.reported();
+    assert_eq!(reported.unheard, unheard, "all finds room again: {reported:?}");
+    let mut next = (n..h.sent).find(|k| sound(*k) as f32 == h.heard[heard]).expect("it plays");
+    for x in &h.heard[heard..] {
+        assert_eq!(*x, sound(next) as f32, "{next}");
+        next += 1;
+    }
+    assert!(h.sent - next <= reported.lead + 64 && reported.lead < 48_000 / 8, "{reported:?}");
+}
+
 /// A device of more channels is given silence on the others; of as many, each its own.
 #[test]
 fn channels_go_where_they_belong() {

@@ -38,6 +38,8 @@ const PATIENCE: Duration = Duration::from_secs(2);
 const WAKING: Duration = Duration::from_secs(5);
 /// No server queues more \[bytes\].
 const LARGEST: u32 = 1 << 22;
+/// No device is later \[µs\].
+const LATEST: u64 = 60_000_000;
 /// What the server queues, in what it asks for at once.
 const QUEUED: u32 = 4;
 /// The most samples filled at once; what is more is filled in pieces.
@@ -93,7 +95,7 @@ pub(super) fn open(
     let (follow, player, watch) = link(scene.channels, scene.ratio, who, at_once);
     // until it is measured: what is queued before what is given next, and what the device has
     let queued = made.buffer_attr.target_length.saturating_sub(made.buffer_attr.minimum_request_length) / frame;
-    let delay = 1e9 * f64::from(queued) / hz + 1e3 * latency.sink_usec as f64;
+    let delay = 1e9 * f64::from(queued) / hz + 1e3 * latency.sink_usec.min(LATEST) as f64;
     watch.counts.delay.store(delay as u64, Relaxed);
     let (counts, (tell, words)) = (watch.counts.clone(), channel());
     let pulse = speak(line, made.channel, player, (counts.clone(), tell), wide, hz as usize, request);
@@ -281,7 +283,8 @@ impl Speaker {
     fn measure(&self, at: usize) {
         if let Ok(l) = self.line.answer::<PlaybackLatency>(at) {
             let queued = l.write_offset.saturating_sub(l.read_offset) / (4 * self.wide) as i64 - self.last as i64;
-            let delay = 1e9 * queued.max(0) as f64 / self.rate as f64 + 1e3 * l.sink_usec as f64;
+            let delay =
+                1e9 * queued.clamp(0, LARGEST.into()) as f64 / self.rate as f64 + 1e3 * l.sink_usec.min(LATEST) as f64;
             self.counts.delay.store(delay as u64, Relaxed);
         }
     }
