@@ -73,7 +73,8 @@ fn another_version_of_the_scene_allocates_nothing() {
     let scenes = [make(TEXT), make(&TEXT.replace("n = 30", "n = 50")), make(&TEXT.replace("110 Hz", "90 Hz"))];
     let mut e = Engine::new(scenes[0].clone(), Vec::new(), Options::default());
     let swaps = (1..3).map(|k| {
-        let swap = Swap::new(&scenes[k - 1], scenes[k].clone(), scenes[k].state(), &[], k as u32).expect("they fit");
+        let swap =
+            Swap::new(&scenes[k - 1], scenes[k].clone(), scenes[k].state(), &[], (k as u32, false)).expect("they fit");
         Box::new(swap)
     });
     let mut swaps: Vec<Box<Swap>> = swaps.rev().collect();

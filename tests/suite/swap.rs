@@ -25,7 +25,7 @@ fn heard(engine: &mut Engine, frames: usize) -> Vec<f64> {
 }
 
 fn swap(engine: &mut Engine, to: &Arc<Scene>, number: u32) -> Option<Retired> {
-    let swap = Swap::new(&engine.scene, to.clone(), to.state(), &[], number).expect("they fit");
+    let swap = Swap::new(&engine.scene, to.clone(), to.state(), &[], (number, false)).expect("they fit");
     engine.command(EngineCommand::Swap(Box::new(swap)))
 }
 
@@ -104,7 +104,7 @@ fn what_cannot_change_is_refused() {
     let first = string(110.0, "");
     let refused = |text: &str| {
         let other = Arc::new(scene(text).scene);
-        Swap::new(&first, other.clone(), other.state(), &[], 1).expect_err(text)
+        Swap::new(&first, other.clone(), other.state(), &[], (1, false)).expect_err(text)
     };
     let outputs = "[SOX]\nleft = { from = \"m\" }\nright = { from = \"m\" }\n";
     let mass = "[CEL]\nm = { m = \"1 g\", f = \"100 Hz\" }\n";

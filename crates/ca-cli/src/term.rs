@@ -15,7 +15,13 @@ pub fn color() -> bool {
     !set("NO_COLOR") && std::env::var_os("TERM").is_none_or(|t| t != "dumb") && std::io::stderr().is_terminal()
 }
 
+/// Without what would move the cursor, or worse: some of what is said comes from files and pages.
+fn plain(text: &str) -> String {
+    text.chars().map(|c| if c.is_control() && c != '\n' { '\u{fffd}' } else { c }).collect()
+}
+
 fn lead(word: &str, code: &str, text: &str) {
+    let text = plain(text);
     let mut err = std::io::stderr().lock();
     let _ =
         if color() { writeln!(err, "\x1b[1;{code}m{word}\x1b[0m: {text}") } else { writeln!(err, "{word}: {text}") };
@@ -87,4 +93,12 @@ pub fn progress(steps: u64) -> ProgressBar {
         bar.set_style(style);
     }
     bar
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn what_is_said_moves_no_cursor() {
+        assert_eq!(super::plain("a\x1b]0;x\x07b\nc\r"), "a\u{fffd}]0;x\u{fffd}b\nc\u{fffd}");
+    }
 }

@@ -9,6 +9,9 @@ use std::time::{Duration, Instant, SystemTime};
 /// Between two looks: half of what is taken for finished.
 pub const LOOK: Duration = Duration::from_millis(60);
 
+/// How long a file is missed before it is gone.
+const GONE: Duration = Duration::from_secs(1);
+
 /// When a file was written, and how long it is.
 type Stamp = (SystemTime, u64);
 
@@ -19,10 +22,14 @@ pub struct Watch {
     read: Option<Stamp>,
     seen: Option<Stamp>,
     looked: Instant,
+    /// when it was there, and whether it is known that it is not any more
+    there: Instant,
+    missed: bool,
 }
 
+/// `None` of what is no file: a pipe would be waited for.
 fn stamp(path: &Path) -> Option<Stamp> {
-    let m = std::fs::metadata(path).ok()?;
+    let m = std::fs::metadata(path).ok().filter(std::fs::Metadata::is_file)?;
     Some((m.modified().ok()?, m.len()))
 }
 
@@ -30,8 +37,9 @@ impl Watch {
     /// The file that a word for a model means; `None` where it means a bundled one.
     pub fn of(model: &str) -> Option<Watch> {
         let path = PathBuf::from(model);
-        let read = stamp(&path).filter(|_| path.is_file())?;
-        Some(Watch { path, read: Some(read), seen: Some(read), looked: Instant::now() })
+        let read = stamp(&path)?;
+        let now = Instant::now();
+        Some(Watch { path, read: Some(read), seen: Some(read), looked: now, there: now, missed: false })
     }
 
     /// Whether it was written since it was read, and is as it was at the last look; it counts as read then. To be asked again and
@@ -48,6 +56,16 @@ impl Watch {
             self.read = stamp;
         }
         self.seen = stamp;
+        if stamp.is_some() {
+            (self.there, self.missed) = (now, false);
+        }
         new
+    }
+
+    /// Whether it has not been there for a while; once each time. Editors that write a new file may remove the old one before.
+    pub fn is_gone(&mut self) -> bool {
+        let gone = !self.missed && self.looked > self.there + GONE;
+        self.missed |= gone;
+        gone
     }
 }

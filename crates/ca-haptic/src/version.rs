@@ -48,6 +48,8 @@ pub struct Version {
     pub options: Options,
     /// live parameters that somebody had moved before, and their values \[SI\]
     pub moved: Vec<(String, f64)>,
+    /// begins as at load: no mass goes on from where it is
+    pub anew: bool,
 }
 
 /// The state in which `scene` begins, and its parameters, where `moved` stay as they are. One that is out of the range of this

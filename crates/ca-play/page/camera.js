@@ -62,7 +62,7 @@ export class Camera {
   }
 
   // what has to be seen: four numbers each, place and radius; masses on a line with room for their motion
-  outline(scene) {
+  outline(scene, pair) {
     const { rest, axis, space, fixed, n, spheres, middle } = scene, out = new Float64Array(4 * (2 * n + spheres.length + 1));
     const swing = 0.13 * scene.extent;
     let k = 0;
@@ -70,6 +70,8 @@ export class Camera {
       const s = space[i] || fixed[i] ? 0 : swing;
       for (const sign of s ? [1, -1] : [1]) {
         for (let j = 0; j < 3; j++) out[k + j] = rest[3 * i + j] + sign * s * axis[3 * i + j];
+        // what flies is where it is
+        if (pair && space[i]) scene.place(i, pair, out, k);
         k += 4;
       }
     }
@@ -82,13 +84,11 @@ export class Camera {
     return out.subarray(0, k);
   }
 
-  // the nearest distance from which all of it is seen
-  fit(scene) {
-    if (this.aimed !== scene) {
-      this.aim(scene);
-      this.points = this.outline(scene);
-      this.aimed = scene;
-    }
+  // the nearest distance from which all of it is seen: at rest, or where it is now
+  fit(scene, pair = null) {
+    if (this.aimed !== scene) this.aim(scene);
+    if (this.aimed !== scene || pair) this.points = this.outline(scene, pair);
+    this.aimed = scene;
     this.yaw = this.home.yaw; this.pitch = this.home.pitch;
     this.touched = false;
     const { right, up, toward } = this.axes(), points = this.points;

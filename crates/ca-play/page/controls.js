@@ -203,9 +203,10 @@ export class Parameters {
 }
 
 // ports that a person may move: positions stay where they are put, forces go back to none when they are let go; a key of a
-// device goes as long as its device says nothing
+// device goes as long as its device says nothing. What is returned shows where positions are, whoever moves them.
 export function ports(box, list, connection) {
   box.replaceChildren();
+  const seen = [];
   for (const p of list) {
     const force = p.role === "force", rest = Number.isFinite(p.rest) ? p.rest : 0;
     const spec = {
@@ -218,9 +219,14 @@ export function ports(box, list, connection) {
       const go = () => { if (slider.value !== 0) slider.byHand(0); };
       for (const name of ["pointerup", "pointercancel", "keyup", "blur"]) slider.range.addEventListener(name, () => setTimeout(go, 0));
     }
+    if (!force && p.mass != null) seen.push([slider, p.mass, rest]);
     box.append(slider.row);
   }
-  return list.length;
+  return (scene, pair) => {
+    for (const [slider, mass, rest] of seen) {
+      if (!scene.space[mass]) slider.update(rest + pair.b[scene.offset[mass]]);
+    }
+  };
 }
 
 export { element };

@@ -4,6 +4,10 @@
 import { board } from "./meters.js";
 
 const SPAN = 20, DECADES = 6;
+// above the curves, for their names [px]
+const HEAD = 14;
+// less than this [J] is at rest
+const STILL = 1e-24;
 
 export class Energy {
   constructor(canvas, readout) {
@@ -22,7 +26,7 @@ export class Energy {
 
   setTheme() {
     const css = getComputedStyle(document.documentElement), get = n => css.getPropertyValue(n).trim();
-    this.colours = [get("--trace-0"), get("--trace-1"), get("--trace-2"), get("--trace-3")];
+    this.colours = [0, 1, 2, 3, 4, 5].map(k => get("--trace-" + k));
     this.soft = get("--soft"); this.rule = get("--rule");
     this.fresh = true;
   }
@@ -47,27 +51,25 @@ export class Energy {
     for (const p of this.points) for (const e of p.motion) if (e > largest) largest = e;
     document.documentElement.dataset.energy = largest;
     // a scale in whole decades, so that it stays where it is
-    const top = largest > 0 ? Math.ceil(Math.log10(largest)) : -3;
-    this.readout.textContent = largest > 0 ? `top 1e${top} J`.replace("-", "−") : "at rest";
-    const x = s => w - (end - s) / SPAN * w, y = e => Math.min(1, (top - Math.log10(Math.max(e, 1e-300))) / DECADES) * (h - 3) + 1;
+    const moves = largest > STILL, top = moves ? Math.ceil(Math.log10(largest)) : -3;
+    this.readout.textContent = moves ? `top 1e${top} J`.replace("-", "−") : "at rest";
+    const x = s => w - (end - s) / SPAN * w, y = e => Math.min(1, (top - Math.log10(Math.max(e, 1e-300))) / DECADES) * (h - HEAD - 2) + HEAD;
     c.strokeStyle = this.rule; c.lineWidth = 1;
     c.beginPath();
-    for (let k = 1; k < DECADES; k++) { const at = Math.round(k / DECADES * h) + 0.5; c.moveTo(0, at); c.lineTo(w, at); }
+    for (let k = 0; k < DECADES; k++) { const at = Math.round(HEAD + k / DECADES * (h - HEAD)) + 0.5; c.moveTo(0, at); c.lineTo(w, at); }
     c.stroke();
     this.names.forEach((name, k) => {
-      c.strokeStyle = this.colours[k % 4]; c.lineWidth = 1.4; c.lineJoin = "round";
-      c.setLineDash(k < 4 ? [] : [3, 3]);
+      c.strokeStyle = this.colours[k]; c.lineWidth = 1.4; c.lineJoin = "round";
       c.beginPath();
       this.points.forEach((p, i) => { if (i) c.lineTo(x(p.seconds), y(p.motion[k])); else c.moveTo(x(p.seconds), y(p.motion[k])); });
       c.stroke();
     });
-    c.setLineDash([]);
     c.textBaseline = "top";
     let left = 2;
     this.names.forEach((name, k) => {
       const wide = c.measureText(name).width;
       if (left + wide > w) return;
-      c.fillStyle = this.colours[k % 4];
+      c.fillStyle = this.colours[k];
       c.fillText(name, left, 1);
       left += wide + 10;
     });

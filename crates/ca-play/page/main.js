@@ -26,7 +26,7 @@ addEventListener("securitypolicyviolation", () => root.violations++);
 
 const canvas = find("canvas");
 const camera = new Camera(), picture = new Picture(canvas);
-let scene = null, motion = null, pair = null, state = null;
+let scene = null, motion = null, pair = null, state = null, follow = () => {};
 
 const address = new URL("ws", location.href);
 address.protocol = location.protocol === "https:" ? "wss:" : "ws:";
@@ -44,12 +44,14 @@ const connection = new Connection(address, {
     state = message;
     if (other) showSound(sound);
     status.state(message, sound);
+    if (scene && pair) follow(scene, pair);
     parameters.update(message.params || {});
     parameters.bind(message.bound || [], message.learning);
     gesture(message.playing);
     root.tick = message.tick;
   },
-  said: message => status.say(message.text, message.bad),
+  // a report of several lines has a place of its own
+  said: message => status.say(message.text.split("\n")[0], message.bad),
   report: message => status.report(message),
   energy: message => energy.push(message),
   view(generation, tick, floats) {
@@ -105,7 +107,8 @@ function load(message) {
   parameters.build(message.params || []);
   keyboard.build(message.notes || null);
   presets.scene(message.model || message.title || "", (message.params || []).length > 0);
-  find("portsBox").hidden = ports(find("ports"), message.ports || [], connection) === 0;
+  follow = ports(find("ports"), message.ports || [], connection);
+  find("portsBox").hidden = (message.ports || []).length === 0;
   find("gesture").hidden = !message.gesture;
   meters.setScene(message.rate, message.channels || []);
   view.channels(message.channels || []);
@@ -173,10 +176,15 @@ find("changeForm").addEventListener("submit", async event => {
 });
 for (const id of ["changeName", "changeValue"]) find(id).addEventListener("keydown", e => e.stopPropagation());
 find("gesture").addEventListener("click", toggleGesture);
+const restart = async () => {
+  const reply = await connection.ask({ type: "restart" });
+  if (reply.ok === false) status.say(reply.text, true);
+};
+find("restart").addEventListener("click", restart);
 find("sound").addEventListener("click", () => sound.toggle());
 find("mute").addEventListener("click", () => sound.mute());
 find("volume").addEventListener("input", e => sound.setVolume(+e.target.value));
-const reset = () => { if (scene) camera.fit(scene); };
+const reset = () => { if (scene) camera.fit(scene, pair); };
 find("reset").addEventListener("click", reset);
 find("nearer").addEventListener("click", () => camera.zoom(0.8));
 find("farther").addEventListener("click", () => camera.zoom(1.25));
@@ -189,6 +197,7 @@ addEventListener("keydown", event => {
   else if (event.key === "s") sound.toggle();
   else if (event.key === "m") sound.mute();
   else if (event.key === "0") reset();
+  else if (event.key === "r") restart();
   else if (event.key === "Escape") { pointer.release(); pointer.show(-1); }
   else return;
   event.preventDefault();

@@ -212,7 +212,10 @@ export class Pointer {
     else if (e.key === "-") camera.zoom(1 / 0.85);
     else if (e.key === "," || e.key === ".") {
       const step = (e.key === "." ? 1 : -1) * (e.shiftKey ? 10 : 1), p = new Float64Array(6);
-      const next = scene.n ? ((this.hover < 0 ? (step > 0 ? -1 : 0) : this.hover) + step + scene.n) % scene.n : -1;
+      const after = k => (((k < 0 ? (step > 0 ? -1 : 0) : k) + step) % scene.n + scene.n) % scene.n;
+      let next = scene.n ? after(this.hover) : -1;
+      // what is fixed cannot be plucked
+      for (let tries = 0; next >= 0 && scene.fixed[next] && tries < scene.n; tries++) next = after(next);
       this.spot = null;
       if (next < 0) return;
       scene.place(next, this.world.pair(), p, 0);

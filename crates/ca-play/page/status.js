@@ -3,6 +3,7 @@
 
 import { element } from "./controls.js";
 
+const LOAD = "Share of real time that computing takes";
 const count = (n, one, many = one + "s") => `${n} ${n === 1 ? one : many}`;
 
 export class Status {
@@ -30,6 +31,8 @@ export class Status {
   report({ ok, text }) {
     this.find("report").hidden = ok;
     this.find("reportText").textContent = ok ? "" : text;
+    // what is mended is no news
+    if (ok) this.find("news").querySelectorAll(".bad").forEach(old => old.remove());
   }
 
   arm(connection, on) { return this.ask(connection, { type: "arm", on }); }
@@ -47,11 +50,11 @@ export class Status {
     document.body.classList.toggle("away", name === "ended" || name === "lost" || (name === "connecting" && tries > 0));
     if (name === "open") banner.hidden = true;
     else if (name === "ended") {
-      text.textContent = "ca play has ended. The picture shows its last moment.";
-      again.hidden = false;
+      text.textContent = "ca play has ended. The picture shows its last moment; to play on, start it in the terminal and open its new address.";
+      again.hidden = true;
       banner.hidden = false;
     } else if (name === "lost" || tries > 0) {
-      text.textContent = tries > 8
+      text.textContent = tries > 3
         ? "No answer from ca play. It may have ended: start it again, and open its new address."
         : "Connection lost. Trying again…";
       again.hidden = tries <= 3;
@@ -86,13 +89,19 @@ export class Status {
     const record = this.find("record");
     record.setAttribute("aria-pressed", String(!!s.recording));
     record.textContent = s.recording ? "Stop recording" : "Record sound";
+    const save = this.find("save");
+    save.disabled = s.keeps === false;
+    if (save.disabled) save.title = "What devices do is kept only with --log TAKE, from the start";
     if (s.recording) facts.push(["Records", s.recording, false]);
     if (s.clients > 1) facts.push(["Pages", `${s.clients} open`, false]);
     if (s.diverged) facts.unshift(["Model", "diverged: numbers left every range", true]);
     // what was missed lately colours the load for three seconds
     if (s.late > this.before.late || s.lost > this.before.lost) this.missed = performance.now();
-    this.find("gauge").classList.toggle("bad", load > 0.95 || performance.now() - (this.missed ?? -1e9) < 3000);
-    if (s.diverged && !this.before.diverged) this.say("The model diverged: its numbers left every range. Reset a parameter, or mend the model and save it.", true);
+    const missed = performance.now() - (this.missed ?? -1e9) < 3000, gauge = this.find("gauge");
+    gauge.classList.toggle("bad", load > 0.95 || missed);
+    const why = missed ? `Red: the machine was busy, ${count(s.late || 0, "period")} began late so far. ` : "";
+    if (gauge.title !== why + LOAD) gauge.title = why + LOAD;
+    if (s.diverged && !this.before.diverged) this.say("The model diverged: its numbers left every range. Change a number of the model, or save it: it then begins as at load.", true);
     this.before = { late: s.late, lost: s.lost, clipped: s.clipped, underruns: s.underruns, diverged: s.diverged };
     const list = this.find("facts");
     if (list.children.length !== 2 * facts.length) list.replaceChildren(...facts.flatMap(() => [element("dt"), element("dd")]));
@@ -111,7 +120,7 @@ export class Status {
     if (key === this.shown) return;
     this.shown = key;
     this.find("devices").replaceChildren(...list.map(d => element("div", { class: "device", "data-mode": d.mode },
-      element("span", { class: "dot" }), element("strong", { text: d.name }), element("span", { text: d.mode + (d.cause ? `: ${d.cause}` : "") }))));
+      element("span", { class: "dot" }), element("strong", { text: d.name }), element("span", { text: d.mode + (d.cause && d.cause !== "NONE" ? `: ${d.cause}` : "") }))));
   }
 
   // news; what is bad stays longer and can be closed

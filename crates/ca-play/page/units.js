@@ -6,10 +6,14 @@ const PREFIXES = [[1e9, "G"], [1e6, "M"], [1e3, "k"], [1, ""], [1e-3, "m"], [1e-
 const SIMPLE = /^(m|s|Hz|N|W|J|Pa|g|N\/m|N s\/m|m\/s)$/;
 const SHORT = new Set(["m", "s", "g"]);
 
+// what is smaller than any number that means something in a picture is shown as zero
+const NOTHING = 1e-24;
+
 // at most `digits` significant ones, without trailing zeros
 export function plain(value, digits = 4) {
   if (!Number.isFinite(value)) return "–";
   const size = Math.abs(value);
+  if (size < NOTHING) return "0";
   if (size !== 0 && (size < 1e-4 || size >= 1e7)) return value.toExponential(Math.min(2, digits - 1)).replace(/\.?0+e/, "e").replace("e+", "e");
   return String(+value.toPrecision(size >= 1000 ? Math.max(digits, 5) : digits));
 }

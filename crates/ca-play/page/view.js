@@ -126,12 +126,9 @@ export class View {
     this.timer = setTimeout(async () => {
       const reply = await connection.ask({ type: "pick", mass });
       if (picture.hover !== mass || reply.ok === false) return;
-      const rows = [];
-      if (reply.mass !== undefined && reply.mass !== null && reply.mass !== "") rows.push(["mass", typeof reply.mass === "number" ? format(reply.mass, "kg") : reply.mass]);
-      for (const [name, value] of reply.more || []) rows.push([name, value]);
       tip.replaceChildren(
         element("p", {}, element("strong", { text: reply.name || `mass ${mass}` }), element("span", { class: "kind", text: reply.kind || "" })),
-        element("dl", {}, ...rows.slice(0, 10).flatMap(([name, value]) => [element("dt", { text: name }), element("dd", { text: String(value) })]), element("dt", { text: "displacement" }), element("dd", { class: "live" })));
+        element("dl", {}, element("dt", { text: "displacement" }), element("dd", { class: "live" })));
       tip.hidden = false;
       this.told = mass;
     }, STAY);
@@ -139,6 +136,7 @@ export class View {
 
   refuse(text, x, y) {
     const box = this.find("refusal"), stage = this.find("stage");
+    this.find("tooltip").hidden = true;
     box.textContent = text;
     box.hidden = false;
     const w = Math.min(box.offsetWidth, stage.clientWidth - 16);

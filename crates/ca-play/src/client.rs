@@ -5,7 +5,7 @@
 //! either, or asks faster than any hand moves, is closed, with the reason as the code of the close frame.
 
 use std::collections::VecDeque;
-use std::io::ErrorKind;
+use std::io::{ErrorKind, Read, Write};
 use std::net::TcpStream;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -18,14 +18,22 @@ use tungstenite::{Bytes, Error, Message, Utf8Bytes, WebSocket};
 const LONGEST: usize = 1 << 16;
 /// Messages of a client a second at most; a hand that drags sends 120.
 const MOST: f64 = 1000.0;
+/// Bytes of a client a second at most, whatever they are: frames without a word in them are no messages.
+const BYTES: f64 = (1 << 20) as f64;
 /// News that wait for a client at most.
 const NEWS: usize = 1024;
 /// Blocks of sound that wait for a client at most, of 5 ms.
 const BLOCKS: usize = 50;
 /// Between two looks at what waits.
 const LOOK: Duration = Duration::from_millis(2);
+/// Between two pings, and how long a client that answers none may hold what it holds.
+const PING: Duration = Duration::from_secs(1);
+const ANSWERS: Duration = Duration::from_secs(6);
 /// Longest time in which a client takes nothing.
 const STUCK: Duration = Duration::from_secs(5);
+
+/// What is asked for a client that is there and answers nothing.
+const RELEASE: &str = r#"{"type":"release"}"#;
 
 /// What waits for a client.
 #[derive(Default)]
@@ -92,6 +100,7 @@ impl Client {
             .max_frame_size(Some(LONGEST))
             .read_buffer_size(4096)
             .write_buffer_size(0);
+        let stream = Paced { stream, budget: Budget::new(BYTES) };
         let mut socket = WebSocket::from_partially_read(stream, rest, Role::Server, Some(config));
         let code = self.talk(&mut socket, asked);
         let reason = CloseFrame { code, reason: Utf8Bytes::default() };
@@ -99,12 +108,21 @@ impl Client {
     }
 
     /// Until there is a reason to close.
-    fn talk(&self, socket: &mut WebSocket<TcpStream>, asked: &mut impl FnMut(&str)) -> CloseCode {
-        let mut budget = Budget::new();
+    fn talk(&self, socket: &mut WebSocket<Paced>, asked: &mut impl FnMut(&str)) -> CloseCode {
+        let mut budget = Budget::new(MOST);
+        let (mut heard, mut pinged, mut held) = (Instant::now(), Instant::now(), true);
         loop {
-            match socket.read() {
+            let read = socket.read();
+            let now = Instant::now();
+            if read.is_ok() {
+                (heard, held) = (now, true);
+            } else if held && now > heard + ANSWERS {
+                held = false;
+                asked(RELEASE);
+            }
+            match read {
                 Ok(Message::Text(text)) => {
-                    if !budget.spend() {
+                    if !budget.spend(1.0) {
                         return CloseCode::Policy;
                     }
                     asked(&text);
@@ -112,14 +130,21 @@ impl Client {
                 Ok(Message::Binary(_)) => return CloseCode::Unsupported,
                 // answers to a ping are written by the library
                 Ok(Message::Ping(_) | Message::Pong(_) | Message::Frame(_)) => {
-                    if !budget.spend() {
+                    if !budget.spend(1.0) {
                         return CloseCode::Policy;
                     }
                 }
                 Ok(Message::Close(_)) => return CloseCode::Normal,
                 Err(Error::Io(e)) if matches!(e.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => {}
+                Err(Error::Io(e)) if e.kind() == ErrorKind::QuotaExceeded => return CloseCode::Policy,
                 Err(Error::Capacity(_)) => return CloseCode::Size,
                 Err(_) => return CloseCode::Protocol,
+            }
+            if now > pinged + PING {
+                pinged = now;
+                if socket.send(Message::Ping(Bytes::new())).is_err() {
+                    return CloseCode::Protocol;
+                }
             }
             let waiting = std::mem::take(&mut *self.waiting());
             let news = waiting.news.into_iter().map(Message::Text);
@@ -136,21 +161,45 @@ impl Client {
     }
 }
 
-/// How many messages a client may send now.
+/// How much of something a client may send now: as much as in a second, at once.
 struct Budget {
+    most: f64,
     left: f64,
     at: Instant,
 }
 
 impl Budget {
-    fn new() -> Budget {
-        Budget { left: MOST, at: Instant::now() }
+    fn new(most: f64) -> Budget {
+        Budget { most, left: most, at: Instant::now() }
     }
 
-    fn spend(&mut self) -> bool {
+    fn spend(&mut self, n: f64) -> bool {
         let now = Instant::now();
-        self.left = (self.left + MOST * now.duration_since(self.at).as_secs_f64()).min(MOST) - 1.0;
+        self.left = (self.left + self.most * now.duration_since(self.at).as_secs_f64()).min(self.most) - n;
         self.at = now;
         self.left >= 0.0
+    }
+}
+
+/// The line of a client, which is cut where more comes than [`BYTES`].
+struct Paced {
+    stream: TcpStream,
+    budget: Budget,
+}
+
+impl Read for Paced {
+    fn read(&mut self, to: &mut [u8]) -> std::io::Result<usize> {
+        let n = self.stream.read(to)?;
+        if self.budget.spend(n as f64) { Ok(n) } else { Err(ErrorKind::QuotaExceeded.into()) }
+    }
+}
+
+impl Write for Paced {
+    fn write(&mut self, from: &[u8]) -> std::io::Result<usize> {
+        self.stream.write(from)
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        self.stream.flush()
     }
 }

@@ -47,7 +47,9 @@ pub(crate) struct Place {
 
 impl Place {
     fn is_host(&self, host: &str) -> bool {
-        [format!("127.0.0.1:{}", self.port), format!("localhost:{}", self.port)].iter().any(|h| h == host)
+        // browsers leave out the port that is meant where none is said
+        let (name, port) = host.split_once(':').unwrap_or((host, "80"));
+        ["127.0.0.1", "localhost"].contains(&name) && port == self.port.to_string()
     }
 
     /// Looks at a whole head, and `rest` that came behind it.
@@ -170,6 +172,7 @@ mod tests {
             ("GET http://localhost:4000/secret/ HTTP/1.1\nHost: localhost:4000\n\n", Head::Refused(404)),
             ("GET /secret/ HTTP/1.1\nHost: evil.example:4000\n\n", Head::Refused(403)),
             ("GET /secret/ HTTP/1.1\nHost: localhost\n\n", Head::Refused(403)),
+            ("GET /secret/ HTTP/1.1\nHost: localhost:04000\n\n", Head::Refused(403)),
             ("GET /secret/ HTTP/1.1\n\n", Head::Refused(403)),
             ("GET /secret/ HTTP/1.1\nHost: localhost:4000\nHost: localhost:4000\n\n", Head::Refused(403)),
             ("GET /secret/ HTTP/1.1\nHost: localhost:4000\nOrigin: http://evil.example\n\n", Head::Refused(403)),

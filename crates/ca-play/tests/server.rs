@@ -184,6 +184,43 @@ fn who_floods_is_closed() {
     }
 }
 
+/// Frames without a word in them are no messages, and have an end all the same.
+#[test]
+fn who_sends_frames_without_end_is_closed() {
+    let page = page();
+    let mut s = socket(&page);
+    text(&mut s);
+    let s = s.get_mut();
+    // a text that is never whole: empty pieces, masked as those of a client
+    let begun = s.write_all(&[0x01, 0x80, 0, 0, 0, 0]).is_ok();
+    let pieces = [0x00, 0x80, 0, 0, 0, 0].repeat(1000);
+    let sent = (0..5000).take_while(|_| s.write_all(&pieces).is_ok()).count();
+    assert!(begun && sent < 5000, "closed after {sent}");
+    until("no client is left", || page.clients() == 0);
+}
+
+/// A client that is there and reads nothing holds nothing for long.
+#[test]
+fn who_answers_no_ping_lets_go() {
+    let page = page();
+    let (mut deaf, mut alive) = (socket(&page), socket(&page));
+    text(&mut deaf);
+    text(&mut alive);
+    deaf.send(Message::text(r#"{"type": "grab"}"#)).unwrap();
+    alive.get_mut().set_read_timeout(Some(Duration::from_millis(5))).unwrap();
+    let mut released = Vec::new();
+    let end = Instant::now() + Duration::from_secs(60);
+    while released.is_empty() && Instant::now() < end {
+        // pings are answered by reading
+        let _ = alive.read();
+        released.extend(page.asked().filter(|a| a.request.as_ref().is_some_and(|r| r["type"] == "release")));
+    }
+    let [one] = &released[..] else { panic!("{released:?}") };
+    let other = socket(&page);
+    assert_eq!((one.client, page.clients() >= 2), (0, true), "the first client, which is still there");
+    drop(other);
+}
+
 #[test]
 fn connections_have_an_end() {
     let page = page();

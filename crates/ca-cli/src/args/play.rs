@@ -22,9 +22,9 @@ pub struct PlayArgs {
     /// Prints the address and opens nothing
     #[arg(long)]
     pub no_open: bool,
-    /// Where the page is served; any free port if left out
-    #[arg(long, value_name = "PORT", default_value_t = 0, hide_default_value = true)]
-    pub port: u16,
+    /// Where the page is served; if left out 8730, so that the browser finds its presets again, or any free port
+    #[arg(long, value_name = "PORT")]
+    pub port: Option<u16>,
     /// Lets other pages of this machine show it in a frame, as a notebook does
     #[arg(long)]
     pub framed: bool,

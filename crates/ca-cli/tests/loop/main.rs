@@ -22,6 +22,7 @@ mod in_real_time {
     mod described;
     mod dialogue;
     mod faults;
+    mod flood;
     mod limits;
     mod other;
     mod piano;

@@ -5,6 +5,7 @@ mod browser;
 mod host;
 #[cfg(unix)]
 mod midi_osc;
+mod moments;
 mod pictures;
 
 #[path = "../../../../tests/src/skipped.rs"]
@@ -205,6 +206,21 @@ mod in_real_time {
             assert_eq!(verdict["identical"], true, "{replayed}");
             assert!(verdict["hashes"].as_u64().unwrap() > 0, "{replayed}");
         }
+    }
+
+    #[test]
+    fn it_begins_anew() {
+        moments::it_begins_anew();
+    }
+
+    #[test]
+    fn a_wrong_change_takes_no_good_one_along() {
+        moments::a_wrong_change_takes_no_good_one_along();
+    }
+
+    #[test]
+    fn two_play_side_by_side() {
+        moments::two_play_side_by_side();
     }
 
     #[test]

@@ -69,7 +69,7 @@ fn places(scene: &Scene) -> HashMap<String, (u32, u8)> {
 }
 
 impl Swap {
-    /// From `old` to `scene`, which begins in `state` but where masses of the same name go on.
+    /// From `old` to `scene`, which begins in `state` but where masses of the same name go on; `anew` none does.
     ///
     /// # Errors
     /// In words, where the two differ in what cannot change while it plays.
@@ -78,7 +78,7 @@ impl Swap {
         scene: Arc<Scene>,
         mut state: State,
         setups: &[Setup],
-        number: u32,
+        (number, anew): (u32, bool),
     ) -> Result<Swap, String> {
         let differs = |what: &str| Err(format!("{what} cannot change while it plays; end it, and start it again"));
         if (old.rate, old.ratio) != (scene.rate, scene.ratio) {
@@ -92,9 +92,9 @@ impl Swap {
         }
         let same = |i: &ca_core::scene::Input| old.inputs.iter().position(|o| (&o.name, o.role) == (&i.name, i.role));
         let inputs = scene.inputs.iter().enumerate().filter_map(|(to, i)| Some([same(i)? as u32, to as u32]));
-        let inputs = inputs.collect();
+        let inputs = if anew { Vec::new() } else { inputs.collect() };
         state.placed();
-        let carried = carried(old, &scene);
+        let carried = if anew { Vec::new() } else { carried(old, &scene) };
         let ports = setups.iter().map(|s| Port::new(&scene, s.clone())).collect();
         let fade = (FADE * scene.rate).round() as u32;
         let hands = Hands::new(&scene);

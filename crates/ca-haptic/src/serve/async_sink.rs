@@ -23,6 +23,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering::Relaxed};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{Builder, JoinHandle};
+use std::time::{Duration, Instant};
 
 /// How much may wait for a sink.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -206,6 +207,19 @@ impl<T: Sink + Send + 'static> AsyncSink<T> {
         self.shared.lost()
     }
 
+    /// Ends it, and waits so long for what is still to be written; a thread that stands still is left, for who does not need its sink.
+    pub fn leave(mut self, patience: Duration) {
+        let _ = self.to.send(Message::End);
+        let end = Instant::now() + patience;
+        while !self.shared.over.load(Relaxed) {
+            if Instant::now() > end {
+                self.thread = None;
+                return;
+            }
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    }
+
     /// The sink, once everything handed over is written; none where it failed and the recorder has reported it.
     ///
     /// # Errors
@@ -242,7 +256,10 @@ fn work(sink: &mut impl Sink, from: &Receiver<Message>, shared: &Shared) -> Resu
 impl SinkHandle {
     fn put(&mut self, thing: Message) -> Result<(), FileError> {
         self.newest = self.newest.max(thing.tick().unwrap_or(0));
-        self.shared.waiting.fetch_add(1, Relaxed);
+        // where nothing waits nothing is late, however long nothing came
+        if self.shared.waiting.fetch_add(1, Relaxed) == 0 {
+            self.shared.done.fetch_max(self.newest, Relaxed);
+        }
         self.shared.bytes.fetch_add(thing.bytes(), Relaxed);
         let gone = || FileError::content("the thread that wrote it has ended");
         self.to.send(thing).map_err(|_| self.shared.failed().unwrap_or_else(gone))

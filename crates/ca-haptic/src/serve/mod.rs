@@ -59,6 +59,9 @@ pub struct RecorderEnds {
 /// How long the recorder may be away \[s\] before something is lost, and counted.
 const AWAY: f64 = 4.0;
 
+/// Commands that wait for the engine at most: it takes all of them in each gesture frame.
+const COMMANDS: usize = 1024;
+
 /// Numbers of a picture: displacements and motion, and the head.
 fn picture(scene: &Scene) -> usize {
     2 * scene.n_mat + 2
@@ -72,7 +75,7 @@ pub fn rings(scene: &Scene, devices: usize, pictures: u32) -> (Rings, GatewayEnd
     // the gateway is never away: a device that sends in bursts, or one that is suspended and comes back
     let (frames_in, frames_out) = RingBuffer::new(64 * devices.max(1));
     let (forces_in, forces_out) = RingBuffer::new(64 * devices.max(1));
-    let (acts_in, acts_out) = RingBuffer::new(64);
+    let (acts_in, acts_out) = RingBuffer::new(COMMANDS);
     let (records_in, records_out) = RingBuffer::new(frames * (2 * devices + 1) + 256);
     let (sound_in, sound_out) = RingBuffer::new((AWAY * scene.rate) as usize * scene.channels + 2 * frames);
     let (beats_in, beats_out) = RingBuffer::new(frames);

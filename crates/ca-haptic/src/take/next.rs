@@ -12,7 +12,8 @@ use std::sync::Arc;
 
 /// The definition of the message: `ca/msg/Model`. `start` is the hash of its state at load, `changes` a list of names and values,
 /// `clouds` bodies as OBJ by name, `moved` the names of parameters that somebody had moved before, whose `values` they keep
-/// \[SI\]; the three are JSON.
+/// \[SI\]; the three are JSON; where `anew`, all masses begin as
+/// at load.
 pub const MODEL: &str = "\
 uint64 tick
 uint64 start
@@ -23,6 +24,7 @@ string text
 string changes
 string resolved
 string clouds
+bool anew
 ";
 
 /// A version of the model, as a take holds it.
@@ -36,6 +38,8 @@ pub struct NextModel {
     pub start: u64,
     /// live parameters that stay where somebody had moved them \[SI\]
     pub moved: Vec<(String, f64)>,
+    /// no mass goes on from where it was
+    pub anew: bool,
 }
 
 /// Writes `version`, which plays from `tick` on.
@@ -54,7 +58,8 @@ pub(super) fn write(out: &mut Vec<u8>, tick: u64, version: &Version) {
         .text(&m.text)
         .text(&json(&m.changes))
         .text(&m.resolved)
-        .text(&json(&clouds));
+        .text(&json(&clouds))
+        .put(u8::from(version.anew));
 }
 
 /// Reads one, with its tick; `None` where that is not what is there.
@@ -73,7 +78,9 @@ pub(super) fn read(data: &[u8]) -> Option<(u64, NextModel)> {
     }
     let model = ModelText { file, text, changes, resolved };
     let moved = (names.len() == values.len()).then(|| names.into_iter().zip(values).collect())?;
-    Some((tick, NextModel { model, clouds, start, moved }))
+    // takes of before have none
+    let anew = r.get::<u8>().is_some_and(|b| b != 0);
+    Some((tick, NextModel { model, clouds, start, moved, anew }))
 }
 
 fn json<T: serde::Serialize>(v: &T) -> String {

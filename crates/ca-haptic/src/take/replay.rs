@@ -268,7 +268,7 @@ impl Replay {
             (self.loose, self.verdict.tolerance) = (Some(Default::default()), TOLERANCE);
         }
         let (state, _) = version::begin(&scene, &next.moved);
-        let swap = Swap::new(&self.engine.scene, scene, state, &self.setups, self.verdict.versions);
+        let swap = Swap::new(&self.engine.scene, scene, state, &self.setups, (self.verdict.versions, next.anew));
         self.verdict.versions += 1;
         let swap = swap.map_err(|why| FileError::content(format!("another version of its model: {why}")))?;
         self.engine.command(EngineCommand::Swap(Box::new(swap)));

@@ -76,14 +76,19 @@ impl Desk {
         }
     }
 
+    /// Where the page is.
+    pub(crate) fn address(&self) -> String {
+        self.page.address()
+    }
+
     /// Something else plays the sound.
     pub(crate) fn sounds_by(&mut self, host: &str) {
         self.sound = host.into();
     }
 
     /// A number of the model is to be another, as by `--set`.
-    pub(crate) fn change(&mut self, name: &str, value: &str) {
-        self.edit.change(name, value);
+    pub(crate) fn change(&mut self, name: &str, value: &str) -> Result<(), String> {
+        self.edit.change(name, value)
     }
 
     /// The page is gone; what it keeps.
@@ -91,13 +96,14 @@ impl Desk {
         self.keep
     }
 
-    /// One turn: what was asked, and now and then how it goes; no new version of the model where `setups` is none. True where somebody asked to stop.
+    /// One turn: what was asked, one request at least and no more after `end`, and now and then how it goes; no new version of the
+    /// model where `setups` is none. True where somebody asked to stop.
     pub(crate) fn turn(
         &mut self,
         recorder: &mut Recorder,
         inputs: &mut Inputs,
         setups: Option<&[Setup]>,
-        shared: &Shared,
+        (shared, end): (&Shared, Instant),
     ) -> bool {
         let mut leave = false;
         self.keep.turn(recorder);
@@ -110,8 +116,10 @@ impl Desk {
         if recorder.is_swapping() {
             return leave;
         }
-        let all: Vec<PageRequest> = self.page.asked().collect();
-        for PageRequest { client, request } in all {
+        let mut late = false;
+        while !late {
+            let Some(PageRequest { client, request }) = self.page.asked().next() else { break };
+            late = Instant::now() >= end;
             let Some(request) = request else {
                 if self.holder == Some(client) {
                     self.holder = None;
@@ -216,8 +224,12 @@ impl Desk {
                 if name.is_empty() || value.is_empty() {
                     return Err("`name` and `value`: which number of the model, and what it is to be".into());
                 }
-                self.edit.change(name, value);
+                self.edit.change(name, value)?;
                 done("the model is made anew")
+            }
+            "restart" => {
+                self.edit.restart();
+                done("all begins as at load")
             }
             "midi" => {
                 inputs.midi(recorder, &bytes(&request["bytes"])?);
@@ -292,6 +304,7 @@ impl Desk {
             "sound": self.sound,
             "latency": recorder.heard().map(|h| h.1),
             "underruns": stats.as_ref().map(|s| s.underruns),
+            "keeps": self.keep.keeps(),
             "recording": self.keep.recording().map(|p| p.display().to_string()),
         })
     }
@@ -308,7 +321,8 @@ fn bytes(list: &Value) -> Result<Vec<u8>, String> {
 /// One number, or three.
 fn vector(by: &Value) -> Result<[f64; 3], String> {
     let why = "`by` is where the mass is pulled to, from where it rests [m]: [u], or [x, y, z] in space";
-    let list: Vec<f64> = by.as_array().ok_or(why)?.iter().filter_map(Value::as_f64).collect();
+    let list: Option<Vec<f64>> = by.as_array().ok_or(why)?.iter().map(Value::as_f64).collect();
+    let list = list.ok_or(why)?;
     match list[..] {
         [u] => Ok([u, 0.0, 0.0]),
         [x, y, z] => Ok([x, y, z]),

@@ -1,6 +1,7 @@
 //! Edit and hear: a model that is saved, or a number of it that is changed, becomes another version of the scene while it plays.
 //!
-//! Decides that a model is read and compiled on a thread of its own; and that one with errors is reported and changes nothing.
+//! Decides that a model is read and compiled on a thread of its own; that one with errors is reported and changes nothing; and that
+//! of several changes that came together a wrong one takes no good one along.
 
 use crate::args::{ServeArgs, Source};
 use crate::watch::Watch;
@@ -10,6 +11,7 @@ use ca_lab::{Failure, load};
 use ca_model::diag::Severity;
 use ca_model::render;
 use ca_view::Drawing;
+use std::collections::VecDeque;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
@@ -21,6 +23,10 @@ pub(super) struct Made {
     pub(super) said: String,
 }
 
+/// The most numbers that are changed, and the longest name or value of one \[bytes\].
+const MOST: usize = 200;
+const LONGEST: usize = 300;
+
 /// Makes versions of a model.
 pub(super) struct Edit {
     source: Source,
@@ -31,11 +37,15 @@ pub(super) struct Edit {
     tried: Vec<(String, String)>,
     /// those of the last version that was good
     good: Vec<(String, String)>,
+    /// those that were refused together, and are tried one by one
+    singly: VecDeque<(String, String)>,
     /// the file, where the model is one
     file: Option<Watch>,
     /// what is being made, and whether something changed meanwhile
     making: Option<Receiver<Result<Made, String>>>,
     again: bool,
+    /// the next version begins as at load
+    anew: bool,
 }
 
 impl Edit {
@@ -48,22 +58,38 @@ impl Edit {
             changes: Vec::new(),
             tried: Vec::new(),
             good: Vec::new(),
+            singly: VecDeque::new(),
             making: None,
             again: false,
+            anew: false,
         }
     }
 
+    /// All begins as at load, with the numbers as they are.
+    pub(super) fn restart(&mut self) {
+        (self.again, self.anew) = (true, true);
+    }
+
     /// A number of the model is to be another, as by `--set`.
-    pub(super) fn change(&mut self, name: &str, value: &str) {
-        self.changes.retain(|c| c.0 != name);
-        self.changes.push((name.into(), value.into()));
+    pub(super) fn change(&mut self, name: &str, value: &str) -> Result<(), String> {
+        if self.changes.len() >= MOST && !self.changes.iter().any(|c| c.0 == name) {
+            return Err(format!("{MOST} numbers are changed already; write them into the file of the model"));
+        }
+        if name.len().max(value.len()) > LONGEST {
+            return Err(format!("`name` and `value` have {LONGEST} bytes at most"));
+        }
+        put(&mut self.changes, (name.into(), value.into()));
         self.again = true;
+        Ok(())
     }
 
     /// One turn: a version that is ready, or why there is none.
     pub(super) fn turn(&mut self) -> Option<Result<Made, String>> {
         self.again |= self.file.as_mut().is_some_and(Watch::is_new);
-        let made = match self.making.as_ref().map(Receiver::try_recv) {
+        if self.file.as_mut().is_some_and(Watch::is_gone) {
+            return Some(Err(format!("`{}` is not there any more, or is no file; save it again", self.source.model)));
+        }
+        let mut made = match self.making.as_ref().map(Receiver::try_recv) {
             Some(Err(TryRecvError::Empty)) => return None,
             Some(Ok(made)) => Some(made),
             Some(Err(TryRecvError::Disconnected)) => Some(Err("the model could not be made: its thread ended".into())),
@@ -72,16 +98,29 @@ impl Edit {
         self.making = None;
         match made {
             Some(Ok(_)) => self.good.clone_from(&self.tried),
-            // a change that is refused is none, unless there is another by now
-            Some(Err(_)) if self.changes == self.tried => self.changes.clone_from(&self.good),
-            _ => {}
+            // changes that are refused are none; those that came since are tried
+            Some(Err(_)) => {
+                let now = core::mem::replace(&mut self.changes, self.good.clone());
+                now.into_iter().filter(|c| !self.tried.contains(c)).for_each(|c| put(&mut self.changes, c));
+                let new: Vec<_> = self.tried.iter().filter(|c| !self.good.contains(c)).cloned().collect();
+                if new.len() > 1 {
+                    self.singly.extend(new);
+                    made = None;
+                }
+            }
+            None => {}
+        }
+        if let Some(change) = (!self.again).then(|| self.singly.pop_front()).flatten() {
+            put(&mut self.changes, change);
+            self.again = true;
         }
         if core::mem::take(&mut self.again) {
             let (source, changes, options) = (self.source.clone(), self.changes.clone(), self.options.clone());
+            let anew = core::mem::take(&mut self.anew);
             self.tried.clone_from(&changes);
             let (tell, making) = channel();
             let start = move || {
-                let _ = tell.send(make(&source, &changes, options));
+                let _ = tell.send(make(&source, &changes, options, anew));
             };
             if let Err(e) = std::thread::Builder::new().name("ca model".into()).spawn(start) {
                 return Some(Err(format!("no thread to make the model: {e}")));
@@ -92,8 +131,14 @@ impl Edit {
     }
 }
 
+/// One more change, in the place of an earlier one of the same number.
+fn put(changes: &mut Vec<(String, String)>, change: (String, String)) {
+    changes.retain(|c| c.0 != change.0);
+    changes.push(change);
+}
+
 /// Reads and compiles.
-fn make(source: &Source, changes: &[(String, String)], options: Options) -> Result<Made, String> {
+fn make(source: &Source, changes: &[(String, String)], options: Options, anew: bool) -> Result<Made, String> {
     let words = |e: Failure| match e {
         Failure::Usage(text) | Failure::Failed(text) => text,
         Failure::Found(found) => render::text(&found.diags, &found.model, false),
@@ -111,6 +156,6 @@ fn make(source: &Source, changes: &[(String, String)], options: Options) -> Resu
     warnings.list.retain(|d| d.severity == Severity::Warning);
     let said = if warnings.list.is_empty() { String::new() } else { render::text(&warnings, &loaded.model, false) };
     let model = ModelText::of(&loaded.model, changes);
-    let version = Version { scene: Arc::new(compiled.scene), model, options, moved: Vec::new() };
+    let version = Version { scene: Arc::new(compiled.scene), model, options, moved: Vec::new(), anew };
     Ok(Made { version, drawing, said })
 }

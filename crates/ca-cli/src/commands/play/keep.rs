@@ -15,8 +15,8 @@ use ca_haptic::version::Version;
 use ca_io::FileError;
 use ca_io::sound::{Format, WavOut, Written};
 use std::path::{Path, PathBuf};
-use std::sync::mpsc::{Receiver, channel};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread;
 
 /// Names that are tried.
@@ -72,13 +72,24 @@ struct Tape {
     sink: AsyncSink<Wav>,
 }
 
-/// The recorder's end of the sound, where some is written.
+/// The recorder's end of the sound, where some is written, and why it was ended where nobody did.
+#[derive(Default)]
+struct TapeEnd {
+    line: Option<SinkHandle>,
+    failed: Option<FileError>,
+}
+
+/// Both, for the recorder and for who records.
 #[derive(Clone, Default)]
-pub(crate) struct TapeSink(Arc<Mutex<Option<SinkHandle>>>);
+pub(crate) struct TapeSink(Arc<Mutex<TapeEnd>>);
 
 impl TapeSink {
+    fn end(&self) -> MutexGuard<'_, TapeEnd> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     fn set(&self, line: Option<SinkHandle>) {
-        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = line;
+        *self.end() = TapeEnd { line, failed: None };
     }
 }
 
@@ -88,14 +99,13 @@ impl Sink for TapeSink {
     }
 
     fn news(&mut self) -> Option<(bool, String)> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).as_mut().and_then(Sink::news)
+        self.end().line.as_mut().and_then(Sink::news)
     }
 
     fn sound(&mut self, tick: u64, frames: &[f64]) -> Result<(), FileError> {
-        let mut line = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        // one that fails ends by itself: it is told why when it is stopped
-        if line.as_mut().is_some_and(|l| l.sound(tick, frames).is_err()) {
-            *line = None;
+        let mut end = self.end();
+        if let Some(Err(e)) = end.line.as_mut().map(|l| l.sound(tick, frames)) {
+            *end = TapeEnd { line: None, failed: Some(e) };
         }
         Ok(())
     }
@@ -110,6 +120,8 @@ pub(crate) struct Keep {
     line: TapeSink,
     /// files that are being finished
     ends: Vec<Receiver<Result<String, String>>>,
+    /// that of a take
+    saves: Option<Receiver<Result<String, String>>>,
 }
 
 impl Keep {
@@ -117,7 +129,12 @@ impl Keep {
     pub(crate) fn new(model: &str, kept: Option<Kept>, line: TapeSink) -> Keep {
         let file = model.rsplit(['/', '\\']).next().unwrap_or(model);
         let stem = file.split('.').next().filter(|s| !s.is_empty()).unwrap_or("take").to_string();
-        Keep { stem, kept, tape: None, line, ends: Vec::new() }
+        Keep { stem, kept, tape: None, line, ends: Vec::new(), saves: None }
+    }
+
+    /// Whether what was done can be saved as a take.
+    pub(super) fn keeps(&self) -> bool {
+        self.kept.is_some()
     }
 
     /// The file in which sound is written now.
@@ -127,17 +144,19 @@ impl Keep {
 
     /// What came of files that were finished, one each.
     pub(super) fn turn(&mut self, recorder: &mut Recorder) {
-        self.ends.retain(|end| match end.try_recv() {
-            Ok(Ok(text)) => {
-                recorder.say(false, text);
+        let failed = self.line.end().failed.take();
+        if let Some((e, tape)) = failed.and_then(|e| Some((e, self.tape.take()?))) {
+            recorder.say(true, format!("{} is not recorded any more: {e}", tape.path.display()));
+        }
+        let mut waits = |end: &Receiver<Result<String, String>>| match end.try_recv() {
+            Ok(came) => {
+                recorder.say(came.is_err(), came.unwrap_or_else(|why| why));
                 false
             }
-            Ok(Err(text)) => {
-                recorder.say(true, text);
-                false
-            }
-            Err(e) => e == std::sync::mpsc::TryRecvError::Empty,
-        });
+            Err(e) => e == TryRecvError::Empty,
+        };
+        self.ends.retain(&mut waits);
+        self.saves = self.saves.take().filter(waits);
     }
 
     /// Writes sound from now on into a new file, or ends it.
@@ -167,7 +186,7 @@ impl Keep {
         let Tape { path, sink } = self.tape.take()?;
         self.line.set(None);
         let text = format!("{} is finished", path.display());
-        self.aside(move || {
+        let end = aside(move || {
             let written = sink.end().and_then(|w| w.map(Wav::finish).transpose());
             let told = |w: Option<Written>| match w {
                 Some(w) => format!("recorded {:.1} s into {}", w.frames as f64 / f64::from(w.rate), path.display()),
@@ -175,6 +194,7 @@ impl Keep {
             };
             written.map(told).map_err(|e| e.to_string())
         });
+        self.ends.push(end);
         Some(text)
     }
 
@@ -183,15 +203,18 @@ impl Keep {
         let Some(kept) = &self.kept else {
             return Err("what devices did is kept only with --log TAKE, from the start".into());
         };
+        if self.saves.is_some() {
+            return Err("a take is being saved; once that is done, save another".into());
+        }
         let (writer, from) = (kept.writer.clone(), kept.path.clone());
         let path = self.free("mcap")?;
         let text = format!("saves {}", path.display());
-        self.aside(move || {
+        self.saves = Some(aside(move || {
             let mut writer = writer.lock().unwrap_or_else(PoisonError::into_inner);
             writer.flush().map_err(|e| e.to_string())?;
             let saved = recover(&from, &path).map_err(|e| e.to_string())?;
             Ok(format!("saved {:.1} s as {}; `ca replay` plays it again", saved.seconds, path.display()))
-        });
+        }));
         Ok(text)
     }
 
@@ -201,25 +224,25 @@ impl Keep {
         let free = (1..TRIES).map(path).find(|p| !p.exists());
         free.ok_or_else(|| format!("there are {TRIES} files {}-… here already", self.stem))
     }
+}
 
-    /// What may wait for a disk.
-    fn aside(&mut self, work: impl FnOnce() -> Result<String, String> + Send + 'static) {
-        let (tell, end) = channel();
-        let run = move || {
-            let _ = tell.send(work());
-        };
-        if let Err(e) = thread::Builder::new().name("ca keep".into()).spawn(run) {
-            term::warning(&format!("no thread to write with: {e}"));
-        }
-        self.ends.push(end);
+/// Does what may wait for a disk on a thread of its own; what came of it.
+fn aside(work: impl FnOnce() -> Result<String, String> + Send + 'static) -> Receiver<Result<String, String>> {
+    let (tell, end) = channel();
+    let run = move || {
+        let _ = tell.send(work());
+    };
+    if let Err(e) = thread::Builder::new().name("ca keep".into()).spawn(run) {
+        term::warning(&format!("no thread to write with: {e}"));
     }
+    end
 }
 
 impl Drop for Keep {
     /// What is recorded is finished before the program is.
     fn drop(&mut self) {
         self.stop();
-        for end in self.ends.drain(..) {
+        for end in self.ends.drain(..).chain(self.saves.take()) {
             let _ = end.recv();
         }
     }

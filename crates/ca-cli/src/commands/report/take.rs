@@ -1,7 +1,7 @@
 //! A take on a page: what was recorded, as it was, and the ledger of playing it again.
 //!
 //! Decides to show what the file holds rather than what a replay makes of it: sound, positions and forces as they were,
-//! holes as holes. The energy ledger and the verdict come of a replay; where this build cannot play the take, the page
+//! holes as holes; a take without sound, as the page of `ca play` saves them, is heard as it is played again. The energy ledger and the verdict come of a replay; where this build cannot play the take, the page
 //! says so and is written without them. Where the model changed in the middle, the picture is of the masses that were there from
 //! the start, and there is no ledger, which is that of one scene.
 
@@ -45,12 +45,14 @@ pub(super) fn report(args: &ReportArgs, file: &Path) -> Result<(String, Report),
     let mut take = Take::open(file)?;
     let summary = take.summary()?;
     let scene = take.header.scene(&catalog());
-    let recorded = Recorded::of(&take, scene.as_deref().ok())?;
+    let mut recorded = Recorded::of(&take, scene.as_deref().ok())?;
     take.header.options.energy = true;
     let h = &take.header;
     let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let title = if h.title.is_empty() { &name } else { &h.title };
     let mut report = Report::new(title, &format!("a take, {:.3} s, `{name}.mcap`, {}", summary.seconds, finished()));
+    let silent = recorded.sound.seconds() == 0.0;
+    let again = again(&take, summary.seconds, silent.then_some(&mut recorded.sound));
     report.notes = parts::notes(&recorded.sound, false);
     let mut note = |text: String| report.notes.push((Weight::Warning, text));
     if summary.end != End::Whole {
@@ -60,7 +62,6 @@ pub(super) fn report(args: &ReportArgs, file: &Path) -> Result<(String, Report),
     if records + samples + views > 0 {
         note(format!("lost on the way to the file: {records} records, {samples} sound samples, {views} views"));
     }
-    let again = again(&take, summary.seconds);
     if let Err(why) = &again {
         note(why.clone());
     }
@@ -123,7 +124,11 @@ pub(super) fn report(args: &ReportArgs, file: &Path) -> Result<(String, Report),
 /// The verdict of a replay in words, its energy ledger, how it moved for so many seconds, and how many versions of its model there
 /// are; or why
 /// there is none.
-fn again(take: &Take, seconds: f64) -> Result<(String, EnergyOverTime, Film, u32), String> {
+fn again(
+    take: &Take,
+    seconds: f64,
+    mut sound: Option<&mut Sound>,
+) -> Result<(String, EnergyOverTime, Film, u32), String> {
     let mut replay = Replay::new(take, &catalog()).map_err(|e| e.to_string())?;
     let mut film = TakeFilm::new(&replay.engine.scene, seconds);
     let mut ledger = EnergyOverTime::default();
@@ -134,7 +139,14 @@ fn again(take: &Take, seconds: f64) -> Result<(String, EnergyOverTime, Film, u32
         }
         seen += 1;
     };
-    let verdict = replay.run(take, &mut look, &mut |_| Ok(())).map_err(|e| e.to_string())?;
+    let verdict = replay
+        .run(take, &mut look, &mut |heard| {
+            if let Some(sound) = &mut sound {
+                sound.push(heard);
+            }
+            Ok(())
+        })
+        .map_err(|e| e.to_string())?;
     ledger.end = replay.engine.state.ledger.as_deref().filter(|_| verdict.versions == 1).cloned();
     judged(&verdict).map_err(|e| e.to_string())?;
     let alike = if verdict.tolerance > 0.0 {

@@ -8,8 +8,11 @@ use ca_model::quantity;
 use serde_json::{Map, Value, json};
 use std::fmt::Write as _;
 
+/// The longest name that is looked for \[bytes\].
+const LONGEST: usize = 300;
+
 /// Changes a number of the model that is not live, as by `--set`: its name and value.
-pub(crate) type Change<'a> = &'a mut dyn FnMut(&str, &str);
+pub(crate) type Change<'a> = &'a mut dyn FnMut(&str, &str) -> Result<(), String>;
 
 /// Does what is asked; sets `leave` where that is the end. Where there is a `change`, what is no live parameter is a number of the
 /// model that is made anew.
@@ -39,7 +42,9 @@ pub(crate) fn answer(recorder: &mut Recorder, request: Request, leave: &mut bool
                         Given::Number(v) => format!("{v:?}"),
                         Given::Text(text) => text,
                     };
-                    change(&name, text.trim());
+                    if let Err(why) = change(&name, text.trim()) {
+                        return Reply::refused(why);
+                    }
                     names.push(format!("{name} = {}: the model is made anew", text.trim()));
                 }
             }
@@ -67,6 +72,9 @@ pub(crate) fn answer(recorder: &mut Recorder, request: Request, leave: &mut bool
 /// What is given for a live parameter \[SI\].
 pub(super) fn value(recorder: &Recorder, name: &str, given: Given) -> Result<f64, String> {
     let params = recorder.controls().params();
+    if name.len() > LONGEST {
+        return Err(format!("a name has {LONGEST} bytes at most"));
+    }
     let Some(param) = params.iter().find(|p| p.name == name) else {
         let meant = ca_model::suggest::nearest(name, params.iter().map(|p| p.name.as_str()));
         let hint = match meant {

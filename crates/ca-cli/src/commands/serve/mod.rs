@@ -34,10 +34,10 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
 use std::thread::JoinHandle;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 pub(crate) use wav::Wav;
 
-/// Between two turns of the recorder.
+/// Between two turns of the recorder, and the most that inputs, and then pages, take of one.
 const TURN: Duration = Duration::from_millis(2);
 
 /// Between two sweeps of dead processes, in turns.
@@ -48,6 +48,9 @@ const PICTURES: u32 = 60;
 const HASHED: usize = 10_000;
 /// How long the engine waits for a device that sets the pace \[ns\].
 const PATIENCE: u64 = 100_000_000;
+/// How long a terminal that stands still is waited for at the end, and how long after a first Ctrl-C a second ends the process.
+const TERMINAL: Duration = Duration::from_secs(1);
+const SURE: Duration = Duration::from_millis(500);
 /// Share of the cores that this thread and those which write files ask for: twelve times that of another program.
 const NICE: i8 = -11;
 
@@ -85,12 +88,16 @@ pub(crate) fn session(args: &ServeArgs, page: Option<&PlayArgs>) -> Outcome {
     rt::ask(busy);
     let room = BufferLimits::of(&scene);
     let mut sinks: Vec<Box<dyn Sink>> = Vec::new();
+    let shared = Arc::new(Shared::default());
+    // before there is a file that would be left behind
+    listen(&shared);
     let words = Words { quiet: args.quiet };
-    let words = if names.is_empty() {
+    // a terminal may stand still: neither a hand nor a page waits for it
+    let words = if names.is_empty() && page.is_none() {
         sinks.push(Box::new(words));
         None
     } else {
-        Some(aside(&mut sinks, "ca words", words, room, RtRequest::default())?)
+        Some(aside(&mut sinks, "ca terminal", words, room, RtRequest::default())?)
     };
     let wav = match &args.output {
         Some(path) if scene.channels > 0 => {
@@ -124,9 +131,13 @@ pub(crate) fn session(args: &ServeArgs, page: Option<&PlayArgs>) -> Outcome {
         Some(page) => {
             let mut kept = None;
             if take.is_none() && names.is_empty() {
-                let (begun, line) = play::Kept::begin(&header(), &scene)?;
-                sinks.push(Box::new(line));
-                kept = Some(begun);
+                match play::Kept::begin(&header(), &scene) {
+                    Ok((begun, line)) => {
+                        sinks.push(Box::new(line));
+                        kept = Some(begun);
+                    }
+                    Err(e) => term::warning(&format!("what is played cannot be saved as a take afterwards: {e}")),
+                }
             }
             let tape = play::TapeSink::default();
             sinks.push(Box::new(tape.clone()));
@@ -141,7 +152,6 @@ pub(crate) fn session(args: &ServeArgs, page: Option<&PlayArgs>) -> Outcome {
     let looks = take.is_some() || desk.is_some();
     let pictures = if looks { PICTURES } else { 0 };
     let (mut ends, gateway_ends, recorder_ends) = rings(&scene, names.len(), pictures);
-    let shared = Arc::new(Shared::default());
     let mut recorder = Recorder::new(recorder_ends, shared.clone(), scene.clone(), &engine.ports, sinks);
     let (mut playing, follow) = audio::open(args, &scene, &mut recorder, page.is_some(), rt_request(args, -5))?.unzip();
     ends.audio = follow;
@@ -151,7 +161,7 @@ pub(crate) fn session(args: &ServeArgs, page: Option<&PlayArgs>) -> Outcome {
     if args.gesture {
         recorder.gesture(true).map_err(Failure::Failed)?;
     }
-    let mut talk = talk::Talk::open(&setups, unknown, &scene, gateway_ends, rt_request(args, -5))?;
+    let mut talk = talk::Talk::open(&setups, unknown, &scene, gateway_ends, rt_request(args, -5), page.is_some())?;
     if args.arm {
         recorder.order(None, Order::Arm).map_err(Failure::Failed)?;
     }
@@ -185,6 +195,9 @@ pub(crate) fn session(args: &ServeArgs, page: Option<&PlayArgs>) -> Outcome {
     }
     let (thread, granted) = engine_thread(live, rt_request(args, 0), frames)?;
     unplayed.0 = None;
+    if let Some((desk, page)) = desk.as_ref().zip(page) {
+        play::announce(&desk.address(), page);
+    }
     let mut threads = vec![("engine".to_string(), granted)];
     threads.extend(talk.granted().map(|g| ("gateway".to_string(), g)));
     threads.extend(wav.as_ref().map(|w| ("sound file".to_string(), w.granted().to_string())));
@@ -207,7 +220,9 @@ pub(crate) fn session(args: &ServeArgs, page: Option<&PlayArgs>) -> Outcome {
     let traffic = talk.end();
     let engine = engine.map_err(|_| Failure::Failed("the engine thread ended by itself".into()))?;
     recorder.poll();
-    let _ = words.map(AsyncSink::end);
+    if let Some(words) = words {
+        words.leave(TERMINAL);
+    }
     let mut summary = recorder.summary(&engine, threads);
     drop(keep);
     // of the take: what the rings had no room for, and what waited for it too long
@@ -234,6 +249,18 @@ pub(crate) fn session(args: &ServeArgs, page: Option<&PlayArgs>) -> Outcome {
         summary::text(&summary, &loaded.name, &files, traffic, scene.rate)?;
     }
     Ok(if summary.is_faithful() { Ended::Well } else { Ended::Degraded })
+}
+
+/// Ctrl-C and SIGTERM end the session; once more, half a second later, the process, should something stand still. A handler
+/// can be set once in a process; where that fails, they end it as they would anyway.
+fn listen(shared: &Arc<Shared>) {
+    let (stop, mut first) = (shared.clone(), None);
+    let _ = ctrlc::set_handler(move || {
+        stop.stop.store(true, Relaxed);
+        if first.get_or_insert_with(Instant::now).elapsed() > SURE {
+            std::process::exit(130);
+        }
+    });
 }
 
 /// The file of a take that nothing was played into yet: where serving is refused before it begins, it goes again.
@@ -289,22 +316,22 @@ fn attend(
     playing: Option<&audio::Playing>,
     shared: &Arc<Shared>,
 ) -> std::thread::Result<Engine> {
-    // a handler can be set once in a process; where that fails, Ctrl-C ends the process as it would anyway
-    let stop = shared.clone();
-    let _ = ctrlc::set_handler(move || stop.stop.store(true, Relaxed));
     let mut turns = 0_u64;
     while !thread.is_finished() {
         if let Some(playing) = playing {
             playing.turn(recorder);
         }
         recorder.poll();
-        inputs.turn(recorder);
-        let page = desk.as_mut().is_some_and(|d| d.turn(recorder, inputs, talk.setups(), shared));
         let sweep = turns.is_multiple_of(SWEEP);
         let asked = match &mut desk {
             Some(desk) => talk.turn(recorder, sweep, Some(&mut |name, value| desk.change(name, value))),
             None => talk.turn(recorder, sweep, None),
         };
+        // what asks without end has to wait; whoever disarms has not
+        let end = Instant::now() + TURN;
+        inputs.turn(recorder, end);
+        let end = Instant::now() + TURN;
+        let page = desk.as_mut().is_some_and(|d| d.turn(recorder, inputs, talk.setups(), (shared, end)));
         if asked || page {
             shared.stop.store(true, Relaxed);
         }

@@ -1,7 +1,7 @@
 //! What goes through shared memory: the gateway of the devices, and the control.
 
 use super::answer::{Change, answer};
-use crate::Failure;
+use crate::{Failure, term};
 use ca_core::Scene;
 use ca_haptic::engine::Setup;
 use ca_haptic::frame::About;
@@ -29,12 +29,15 @@ pub(super) struct Talk {
 }
 
 impl Talk {
+    /// Opens what the scene needs. Beside another server, which has the control of this user, a scene with a `page` and
+    /// without devices goes without: it is set in its page.
     pub(super) fn open(
         setups: &[Setup],
         unknown: Vec<Option<Profile>>,
         scene: &Scene,
         ends: GatewayEnds,
         request: RtRequest,
+        page: bool,
     ) -> Result<Talk, Failure> {
         let (tell, events) = channel();
         let names: Vec<String> = setups.iter().map(|s| s.device.clone()).collect();
@@ -60,7 +63,11 @@ impl Talk {
             let rings = Rings { incoming: ends.frames, outgoing: ends.forces, events: tell };
             talk.gateway = Some(Gateway::start(&site, &names, rings, request)?);
         }
-        talk.control = Some(ControlServer::open(&site)?);
+        match ControlServer::open(&site) {
+            Ok(control) => talk.control = Some(control),
+            Err(e) if page && names.is_empty() => term::note(&format!("`ca set` does not reach this one: {e}")),
+            Err(e) => return Err(e.into()),
+        }
         talk.site = Some(site);
         Ok(talk)
     }

@@ -249,3 +249,18 @@ fn a_full_disk_is_reported_once() {
     assert_eq!(p.broken[1] + usize::from(p.disk.is_err()), 1);
     assert!(p.disk.is_err() || p.disk.is_ok_and(|d| d.is_none()));
 }
+
+/// A sink that nothing came to for long is not late with the first thing that comes, and loses nothing of it.
+#[test]
+fn who_had_nothing_to_write_is_not_late() {
+    let (mut line, aside, still) = disk(room(2.0), usize::MAX);
+    let held = still.lock().expect("nobody panics");
+    // recorded from the tenth second on
+    for n in 30_000..30_600 {
+        line.sound(16 * n, &FRAME).expect("handed over");
+        assert_eq!(line.news(), None, "{n}");
+    }
+    drop(held);
+    assert_eq!(aside.lost(), [0; 3]);
+    assert_eq!(aside.end().expect("no failure").expect("a disk").ticks.len(), 600);
+}

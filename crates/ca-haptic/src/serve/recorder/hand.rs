@@ -10,6 +10,9 @@ use ca_core::pointer::Pointer;
 use ca_io::gesture::Track;
 use ca_io::perform::own;
 
+/// No port is sent further than this \[m or N\]: no model that is played is so large, and its numbers would leave every range.
+const FURTHEST: f64 = 1e6;
+
 /// What the recorder knows of hands without a device.
 pub(super) struct Hand {
     /// MAT that is held
@@ -107,6 +110,9 @@ impl Recorder {
         }
         if !value.is_finite() {
             return Err(format!("`{name}` goes to a number [m or N]"));
+        }
+        if value.abs() > FURTHEST {
+            return Err(format!("`{name}` goes no further than {FURTHEST:e} [m or N]"));
         }
         self.command(EngineCommand::Touch(Touch::Port(input as u32, value, over.clamp(0.0, LONGEST))))
     }

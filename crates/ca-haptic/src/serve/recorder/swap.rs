@@ -30,7 +30,7 @@ impl Recorder {
         let fits = |now: &LiveParam| new.params().iter().any(|p| p.name == now.name && p.unit.dim.same(now.unit.dim));
         version.moved = moved.filter(|(now, _)| fits(now)).map(|(now, _)| (now.name.clone(), now.value)).collect();
         let (state, controls) = version::begin(&scene, &version.moved);
-        let swap = Swap::new(&self.scene, scene, state, setups, self.versions + 1)?;
+        let swap = Swap::new(&self.scene, scene, state, setups, (self.versions + 1, version.anew))?;
         self.command(EngineCommand::Swap(Box::new(swap)))?;
         self.versions += 1;
         self.coming = Some((Arc::new(version), controls));

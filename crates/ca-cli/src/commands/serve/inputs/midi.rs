@@ -14,8 +14,8 @@ use std::time::Duration;
 /// Bytes that are read at once, and pieces that may wait.
 const PIECE: usize = 256;
 const WAITING: usize = 16;
-/// Pieces that are played in a turn.
-const TURN: usize = 16;
+/// Pieces that are played in a turn: fewer events than the engine takes in one.
+const TURN: usize = 4;
 /// A pipe whose writer has gone is opened again after so long.
 const AGAIN: Duration = Duration::from_millis(50);
 

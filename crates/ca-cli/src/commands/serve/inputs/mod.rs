@@ -18,6 +18,7 @@ use events::EventReader;
 use midi::Cables;
 use osc::Osc;
 use std::collections::{BTreeMap, BTreeSet};
+use std::time::Instant;
 
 /// Channel and number of a controller.
 type Control = (u8, u8);
@@ -69,8 +70,8 @@ impl Inputs {
         midi.chain(events).chain(osc).collect()
     }
 
-    /// One turn: what came since the last one.
-    pub(super) fn turn(&mut self, recorder: &mut Recorder) {
+    /// One turn: what came since the last one; OSC until `end`, the rest waits.
+    pub(super) fn turn(&mut self, recorder: &mut Recorder, end: Instant) {
         // it waits where it is
         if recorder.is_swapping() {
             return;
@@ -90,7 +91,7 @@ impl Inputs {
             self.events = Some(events);
         }
         if let Some(mut osc) = self.osc.take() {
-            osc.turn(self, recorder);
+            osc.turn(self, recorder, end);
             self.osc = Some(osc);
         }
     }

@@ -19,16 +19,17 @@ use ca_haptic::host::control::Given;
 use ca_haptic::serve::Recorder;
 use rosc::{OscMessage, OscPacket, OscType, decoder, encoder};
 use std::net::{Ipv4Addr, SocketAddr, UdpSocket};
+use std::time::Instant;
 
 /// The largest packet \[bytes\].
 const LARGEST: usize = 4096;
-/// Packets that are taken in a turn.
-const TURN: usize = 64;
 
 /// An open port.
 pub(super) struct Osc {
     socket: UdpSocket,
     packet: Vec<u8>,
+    /// the packet asks for the state
+    asked: bool,
 }
 
 impl Osc {
@@ -39,16 +40,16 @@ impl Osc {
             Ok(socket)
         };
         let failed = |e: std::io::Error| Failure::Failed(format!("--osc {port}: {e}; 0 takes a free port"));
-        Ok(Osc { socket: open().map_err(failed)?, packet: vec![0; LARGEST + 1] })
+        Ok(Osc { socket: open().map_err(failed)?, packet: vec![0; LARGEST + 1], asked: false })
     }
 
     pub(super) fn port(&self) -> u16 {
         self.socket.local_addr().map_or(0, |a| a.port())
     }
 
-    /// What came since the last turn.
-    pub(super) fn turn(&mut self, inputs: &mut Inputs, recorder: &mut Recorder) {
-        for _ in 0..TURN {
+    /// What came since the last turn, one packet at least, and no more after `end`.
+    pub(super) fn turn(&mut self, inputs: &mut Inputs, recorder: &mut Recorder, end: Instant) {
+        loop {
             let Ok((n, from)) = self.socket.recv_from(&mut self.packet) else { return };
             let packet = match decoder::decode_udp(&self.packet[..n]) {
                 _ if n > LARGEST => Err(format!("a packet has at most {LARGEST} bytes")),
@@ -59,7 +60,7 @@ impl Osc {
             match packet {
                 Ok(packet) => {
                     let mut sets = Vec::new();
-                    self.apply(packet, inputs, recorder, &mut sets, &mut wrong, from);
+                    self.apply(packet, inputs, recorder, &mut sets, &mut wrong);
                     if !sets.is_empty() {
                         wrong.extend(recorder.set(&sets).err().map(|why| ("/param".into(), why)));
                     }
@@ -69,26 +70,32 @@ impl Osc {
             for (address, why) in wrong {
                 self.reply(from, "/error", vec![OscType::String(address), OscType::String(why)]);
             }
+            if core::mem::take(&mut self.asked) {
+                self.state(recorder, from);
+            }
+            if Instant::now() >= end {
+                return;
+            }
         }
     }
 
     fn apply(
-        &self,
+        &mut self,
         packet: OscPacket,
         inputs: &mut Inputs,
         recorder: &mut Recorder,
         sets: &mut Vec<(String, f64)>,
         wrong: &mut Vec<(String, String)>,
-        from: SocketAddr,
     ) {
         match packet {
             OscPacket::Bundle(bundle) => {
-                bundle.content.into_iter().for_each(|p| self.apply(p, inputs, recorder, sets, wrong, from));
+                bundle.content.into_iter().for_each(|p| self.apply(p, inputs, recorder, sets, wrong));
             }
             OscPacket::Message(m) => {
                 let done = match m.addr.as_str() {
+                    // once for a packet
                     "/state" => {
-                        self.state(recorder, from);
+                        self.asked = true;
                         Ok(())
                     }
                     _ => message(&m, inputs, recorder, sets),
@@ -131,7 +138,13 @@ fn message(
         ("/param", [OscType::String(name), v]) => sets.push((name.clone(), value(recorder, name, given(v)?)?)),
         ("/param", _) => return Err("takes the name of a live parameter and its value".into()),
         ("/port", [OscType::String(name), v]) => recorder.port(name, number(v)?, GLIDE)?,
-        ("/port", [OscType::String(name), v, over]) => recorder.port(name, number(v)?, number(over)?)?,
+        ("/port", [OscType::String(name), v, over]) => {
+            let over = number(over)?;
+            if over.is_nan() {
+                return Err("the third value is a time [s]".into());
+            }
+            recorder.port(name, number(v)?, over)?;
+        }
         ("/port", _) => return Err("takes the name of a port, its value and, if you like, seconds".into()),
         ("/note", [key, velocity, rest @ ..]) => inputs.midi(recorder, &midi(0x90, [key, velocity], rest)?),
         ("/note", _) => return Err("takes a key, a velocity (0 to let go) and, if you like, a channel".into()),
@@ -162,7 +175,13 @@ fn given(v: &OscType) -> Result<Given, String> {
 }
 
 fn truth(v: &OscType) -> Result<bool, String> {
-    if let OscType::Bool(v) = v { Ok(*v) } else { Ok(number(v)? != 0.0) }
+    match v {
+        OscType::Bool(v) => Ok(*v),
+        v => match number(v)? {
+            n if n.is_nan() => Err("takes 1 or 0".into()),
+            n => Ok(n != 0.0),
+        },
+    }
 }
 
 /// The bytes of an event of a channel, the first where none is given.

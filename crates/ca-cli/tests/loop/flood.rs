@@ -1,0 +1,59 @@
+//! Who asks without end keeps nobody from disarming.
+
+use crate::stage::{KEY, Stage, until};
+use ca_haptic::host::control::Request;
+use rosc::{OscBundle, OscMessage, OscPacket, OscTime, encoder};
+use std::fmt::Write as _;
+use std::net::UdpSocket;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use std::thread;
+
+/// Live parameters: each is a packet in every answer to `/state`.
+const PARAMS: usize = 100;
+
+/// Two others of this machine send bundles of questions by OSC as fast as they can: the server disarms, and ends, all the same.
+#[test]
+fn a_flood_of_osc_does_not_keep_forces_on() {
+    let stage = Stage::new();
+    let mut model = String::from("[param]\n");
+    for n in 0..PARAMS {
+        let _ = writeln!(model, "p{n} = {{ value = 1, live = true, min = 0, max = 2 }}");
+    }
+    stage.put("many.ca.toml", &(model + KEY));
+    let server = stage.serve("many.ca.toml", &["--osc", "0"]);
+    let _key = stage.key(&[]);
+    stage.on();
+    let port = || server.said().split("OSC: UDP port ").nth(1)?.split(' ').next()?.parse::<u16>().ok();
+    until("it says where it listens", || port().is_some());
+    let to = (std::net::Ipv4Addr::LOCALHOST, port().unwrap());
+
+    let ask = OscPacket::Message(OscMessage { addr: "/state".into(), args: Vec::new() });
+    let timetag = OscTime { seconds: 0, fractional: 1 };
+    let bundle = encoder::encode(&OscPacket::Bundle(OscBundle { timetag, content: vec![ask; 160] })).unwrap();
+    let over = Arc::new(AtomicBool::new(false));
+    let senders: Vec<_> = (0..2)
+        .map(|_| {
+            let (bundle, over) = (bundle.clone(), over.clone());
+            thread::spawn(move || {
+                let socket = UdpSocket::bind((std::net::Ipv4Addr::LOCALHOST, 0)).unwrap();
+                while !over.load(Relaxed) {
+                    let _ = socket.send_to(&bundle, to);
+                    // faster than any answer, and a core is left
+                    thread::sleep(std::time::Duration::from_micros(100));
+                }
+            })
+        })
+        .collect();
+    thread::sleep(std::time::Duration::from_millis(500));
+    // a machine that is busy may let go by itself: then forces are off as well
+    let answered = stage.ask(&Request::Disarm { device: None });
+    assert!(answered.is_some_and(|r| r.ok), "who disarms is answered: {}", server.said());
+    until("forces are off", || stage.state().0 == "off");
+    let ended = stage.ask(&Request::Stop);
+    assert!(ended.is_some_and(|r| r.ok), "and so is who stops: {}", server.said());
+    let ran = server.end();
+    over.store(true, Relaxed);
+    senders.into_iter().for_each(|s| s.join().unwrap());
+    assert!(matches!(ran.code, Some(0 | 3)), "{}{}", ran.out, ran.err);
+}

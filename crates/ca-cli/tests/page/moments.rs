@@ -1,0 +1,101 @@
+//! Requests at bad moments, and a model that begins anew.
+
+use crate::host::{Host, command, until};
+use serde_json::json;
+
+/// Flies by 1 m a second.
+const BIRD: &str = r#"
+[param]
+z = { value = "1 g/s", unit = "N s/m", live = true, min = 0, max = 1 }
+[MAS]
+bird = { m = "1 g", v = "1 m/s" }
+bob = { m = "10 g" }
+[SOL]
+wall = {}
+[REF]
+spring = { between = ["wall", "bob"], k = "2 kN/m", z = "z" }
+[SOX]
+left = { from = "bird", gain = 0.01 }
+right = { from = "bob", gain = 1 }
+"#;
+
+/// What has flown away is where it began, and a take has it; the account of energy begins anew, too.
+pub fn it_begins_anew() {
+    let mut host = Host::play(BIRD, &["--log", "take.mcap", "--energy"]);
+    let mut page = host.page();
+    page.next("scene");
+    page.done(&json!({"type": "set", "values": {"z": 0.5}}));
+    until("it is far away", || page.look()[0] > 2.0);
+    page.done(&json!({"type": "restart"}));
+    assert_eq!(page.next("scene")["generation"], 2);
+    let again = page.look_at(2)[0];
+    assert!(again < 2.0, "it began anew: {again} m");
+    until("the parameter is where it was", || page.next("state")["params"]["z"] == 0.5);
+    page.done(&json!({"type": "stop"}));
+    host.ended();
+    let replayed = host.ca(&["replay", "take.mcap", "--verify", "--energy", "--json"]);
+    let verdict: serde_json::Value = serde_json::from_str(&replayed).unwrap();
+    assert_eq!((&verdict["identical"], &verdict["versions"]), (&json!(true), &json!(2)), "{replayed}");
+}
+
+/// A wrong change takes no good one along, whether they come together or one while the other is made; a file that is gone is told,
+/// and so is one that is no file.
+pub fn a_wrong_change_takes_no_good_one_along() {
+    let mut host = Host::play(BIRD, &[]);
+    let mut page = host.page();
+    page.next("scene");
+    let change = |name: &str, value: &str| json!({"type": "change", "name": name, "value": value});
+    for n in 0..20 {
+        page.done(&change(&format!("bob.{}", "y".repeat(1 + n)), "1"));
+    }
+    page.done(&change("bird.m", "2 g"));
+    page.done(&change("bob.mm", "1"));
+    // one of them is good
+    page.look_at(2);
+    let long = page.ask(&change(&"x".repeat(1000), "1"));
+    assert_eq!((&long["ok"], long["text"].as_str().unwrap().contains("at most")), (&json!(false), true), "{long}");
+    let far = page.ask(&json!({"type": "port", "name": "bird", "value": 1e308}));
+    assert_eq!(far["ok"], false, "{far}");
+    let crooked = page.ask(&json!({"type": "drag", "by": ["x", 1]}));
+    assert_eq!(crooked["ok"], false, "{crooked}");
+
+    std::fs::remove_file(host.path("model.ca.toml")).unwrap();
+    let gone = |page: &mut crate::host::Client| {
+        until("it is told", || page.next("report")["text"].as_str().unwrap().contains("not there any more"));
+    };
+    gone(&mut page);
+    host.write(BIRD);
+    until("it is there again", || page.next("report")["ok"] == true);
+    std::fs::remove_file(host.path("model.ca.toml")).unwrap();
+    std::fs::create_dir(host.path("model.ca.toml")).unwrap();
+    gone(&mut page);
+    page.done(&json!({"type": "stop"}));
+    host.ended();
+}
+
+/// Two of them play side by side, though the control is of one; takes that are saved at once have each a name, or are refused.
+pub fn two_play_side_by_side() {
+    let mut host = Host::play(BIRD, &[]);
+    let mut page = host.page();
+    page.next("scene");
+    let args = ["play", "model.ca.toml", "--no-open", "--priority", "0", "--no-lock", "--seconds", "0.5"];
+    let second = command(&host.path("")).args(args).output().unwrap();
+    let said = String::from_utf8(second.stderr).unwrap();
+    assert!(matches!(second.status.code(), Some(0 | 3)), "{said}");
+    assert!(said.contains("`ca set` does not reach this one") && said.contains("play it at http://"), "{said}");
+    assert!(host.ca(&["set", "z=0.25"]).contains("z = 0.25"));
+
+    let [first, second] = [(); 2].map(|()| page.ask(&json!({"type": "save"})));
+    assert_eq!(first["ok"], true, "{first}");
+    if second["ok"] == true {
+        assert_ne!(first["text"], second["text"]);
+    } else {
+        assert!(second["text"].as_str().unwrap().contains("being saved"), "{second}");
+    }
+    page.done(&json!({"type": "stop"}));
+    host.ended();
+    // it has no sound, and is heard as it is played again
+    host.ca(&["report", "model-1.mcap", "-q", "-o", "r.html"]);
+    let report = std::fs::read_to_string(host.path("r.html")).unwrap();
+    assert!(!report.contains("nothing sounds") && report.contains("audio"), "its sound is there");
+}
