@@ -11,6 +11,8 @@ use ca_core::{Scene, State, tick};
 use std::hint::black_box;
 use std::io::Write as _;
 
+#[path = "../../src/grains.rs"]
+mod grains;
 #[path = "../../../crates/ca-lab/src/bench/networks.rs"]
 #[allow(dead_code, reason = "a bench asks for more of a network than its text")]
 mod networks;
@@ -39,6 +41,9 @@ const MODELS: &[&str] = &[
     "wind",
 ];
 
+/// Grains that may all touch, and the part of their shell that they fill.
+const GRAINS: [(&str, f64); 2] = [("grains", 0.1), ("packed grains", 0.35)];
+
 /// By how many percent a prediction may be off: of a network, which is of one kind of links, and of a model, whose contacts
 /// press now and then.
 const WITHIN: [u32; 2] = [10, 35];
@@ -57,10 +62,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let sizes = if by_pass { &passes::SIZES[..] } else { &[MASSES] };
     let networks =
         sizes.iter().flat_map(|n| networks::NETWORKS.iter().map(|net| (net.name, Ok((net.text)(*n)), WITHIN[0])));
+    let grains =
+        sizes.iter().flat_map(|n| GRAINS.map(|(name, fill)| (name, Ok(grains::grains(*n, fill, 1e-3)), WITHIN[1])));
     let path = |name: &str| format!("{}/../../models/{name}.ca.toml", env!("CARGO_MANIFEST_DIR"));
     let models = MODELS.iter().map(|name| (*name, std::fs::read_to_string(path(name)), WITHIN[1]));
     let catalog = ca_model::catalog().with(ca_lpr::KINDS);
-    for (name, text, within) in networks.chain(models) {
+    for (name, text, within) in networks.chain(grains).chain(models) {
         let (model, findings) = ca_model::read::read(&text?, name, &catalog);
         if findings.has_errors() {
             return Err(findings.to_string().into());

@@ -11,6 +11,8 @@
 //! (`merges`). It does not choose which rows become runs: the order in which a state is hashed goes by these, and that of takes
 //! that exist has to stay. A test below says what the table would choose there.
 
+use ca_core::numeric::Real;
+use ca_core::op::links::pair_set;
 use ca_core::op::{Band, Hub, Integrate, Kernel, MeasureKind, Op, pass};
 use ca_core::scene::Scene;
 use ca_core::state::Fold;
@@ -70,8 +72,11 @@ const IN_ROWS: f64 = 23.0;
 const FEWEST: usize = 16;
 /// A quadripole: measured by distance, pulling on a line.
 const ONTO: Price = Price::of_links([120.0, 10.0], [121.0, 4.0]);
-/// All pairs of a set: for each of its points.
-const PAIRS: Price = Price::of(140.0, 78.0);
+/// All pairs of a set: for each of its points; for each pair that is listed as near, of which some are measured; and for each
+/// that is tested when the list is made anew, in grains that fly by a thousandth of their diameter in a tick.
+const PAIRS: Price = Price::of(140.0, 82.0);
+const LISTED: f64 = 42.0;
+const TESTED: f64 = 0.2;
 
 /// Laws that are no sum of products: what their force takes beside its coefficients, looked up one by one and in a row.
 /// A contact that is apart is done before its coefficients are read, so that it takes less.
@@ -206,7 +211,15 @@ fn links(scene: &Scene, op: &Op) -> Option<f64> {
         None => return None,
     };
     if let Some(set) = op.ports.pair_set {
-        return Some(PAIRS.at(scene.pair_sets[set].members.len(), 0));
+        let (set, start) = (&scene.pair_sets[set], &scene.initial);
+        let idle = (law.idle)(start.coef.get(op.coef..op.coef + law.coefs)?);
+        let [listed, measured] = pair_set::neighbours(set, &scene.rest, &start.x, idle);
+        let near = match listed {
+            // what contains measures all
+            0 if idle.1 < Real::INFINITY => RADIAL.each(law.coefs) * measured as f64,
+            listed => LISTED * listed as f64 + TESTED * set.pairs() as f64,
+        };
+        return Some(PAIRS.at(set.members.len(), 0) + near);
     }
     let own = if form.integrate == Integrate::Cel { OWN * n as f64 } else { 0.0 };
     let blocks = form.measure == MeasureKind::Radial && form.onto.is_none() && n >= FEWEST && !law.contact;

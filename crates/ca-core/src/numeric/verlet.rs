@@ -117,6 +117,11 @@ impl VerletList {
         if self.first == 0 { 0.5 * n * (n - 1.0) } else { rows * (n - rows) }
     }
 
+    /// Number of pairs in the list; 0 where all are tested instead.
+    pub fn listed(&self) -> usize {
+        if self.full { 0 } else { self.start.last().map_or(0, |end| *end as usize) }
+    }
+
     /// Puts the points where they are: `point` is the rest position and the displacement of each \[m\].
     #[inline(always)]
     pub fn place(&mut self, point: impl Fn(usize) -> [[Real; 3]; 2]) {

@@ -105,6 +105,17 @@ pub fn pressed(
     found
 }
 
+/// How many pairs a neighbour list has where nothing moves, and how many of them are near enough to be measured; of what
+/// contains, all are measured, and none is listed.
+pub fn neighbours(set: &PairSet, rest: &[Real], x: &[Real], idle: (Real, Real)) -> [usize; 2] {
+    let mut near = VerletList::new(set.members.len(), set.rows, set.columns);
+    place(&mut near, set, rest, x);
+    near.renew(radius(idle), |_| 0.0);
+    let mut measured = 0;
+    near.each(radius(idle), |_, _| measured += 1);
+    [near.listed(), measured]
+}
+
 /// Two members of a pair set by number, their distance \[m\], and the force between them \[N\].
 pub type Pressed = (usize, usize, Real, Real);
 
