@@ -89,6 +89,9 @@ export class Status {
     const record = this.find("record");
     record.setAttribute("aria-pressed", String(!!s.recording));
     record.textContent = s.recording ? "Stop recording" : "Record sound";
+    const arm = this.find("arm");
+    arm.disabled = s.arms === false;
+    arm.title = arm.disabled ? "By `ca arm`, or start with --allow-arm" : "";
     const save = this.find("save");
     save.disabled = s.keeps === false;
     if (save.disabled) save.title = "What devices do is kept only with --log TAKE, from the start";

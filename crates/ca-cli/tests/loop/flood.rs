@@ -54,6 +54,8 @@ fn a_flood_of_osc_does_not_keep_forces_on() {
     assert!(ended.is_some_and(|r| r.ok), "and so is who stops: {}", server.said());
     let ran = server.end();
     over.store(true, Relaxed);
-    senders.into_iter().for_each(|s| s.join().unwrap());
+    for sender in senders {
+        sender.join().unwrap();
+    }
     assert!(matches!(ran.code, Some(0 | 3)), "{}{}", ran.out, ran.err);
 }

@@ -158,19 +158,17 @@ impl Desk {
             self.page.greet(&greeting(&self.scene, &self.drawing, &self.name, self.generation));
         }
         let Some(made) = self.edit.turn() else { return };
-        let (ok, text) = match made.and_then(|Made { version, drawing, said }| {
-            let scene = version.scene.clone();
+        let made = made.and_then(|Made { version, drawing, said }| {
+            let (scene, anew) = (version.scene.clone(), version.anew);
             recorder.swap(version, setups)?;
             self.generation += 1;
             self.coming.put(self.generation, drawing.clone());
             self.next = Some((scene, drawing));
-            Ok(said)
-        }) {
-            Ok(said) => (true, said),
-            Err(why) => (false, why),
-        };
+            Ok((if anew { "begins anew" } else { "the model was read again" }, said))
+        });
+        let ok = made.is_ok();
+        let (what, text) = made.unwrap_or_else(|why| ("the model as it was plays on", why));
         self.page.tell_all(&json!({"type": "report", "ok": ok, "text": text}));
-        let what = if ok { "the model was read again" } else { "the model as it was plays on" };
         recorder.say(!ok, format!("{}: {what}{}{text}", self.name, if text.is_empty() { "" } else { "\n" }));
     }
 
@@ -304,6 +302,7 @@ impl Desk {
             "sound": self.sound,
             "latency": recorder.heard().map(|h| h.1),
             "underruns": stats.as_ref().map(|s| s.underruns),
+            "arms": self.allow_arm,
             "keeps": self.keep.keeps(),
             "recording": self.keep.recording().map(|p| p.display().to_string()),
         })

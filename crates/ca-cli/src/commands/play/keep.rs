@@ -54,6 +54,9 @@ impl Kept {
     pub(crate) fn begin(header: &Header, scene: &Scene) -> Result<(Kept, SinkHandle), FileError> {
         let path = std::env::temp_dir().join(format!("ca-{:016x}.mcap", header.engine.session));
         let writer = Arc::new(Mutex::new(TakeWriter::create(&path, header, scene)?));
+        // others of this machine share the folder
+        #[cfg(unix)]
+        let _ = std::fs::set_permissions(&path, std::os::unix::fs::PermissionsExt::from_mode(0o600));
         let sink = KeptSink(writer.clone());
         let (line, sink) = AsyncSink::start("ca kept", sink, BufferLimits::of(scene), RtRequest::default())?;
         Ok((Kept { writer, path, _sink: sink }, line))

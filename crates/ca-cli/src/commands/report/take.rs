@@ -93,6 +93,7 @@ pub(super) fn report(args: &ReportArgs, file: &Path) -> Result<(String, Report),
         of.map(|f| Mark { x: f.time, y: None, text: f.cause.name().into() }).collect::<Vec<_>>()
     };
     report.sections.extend(hands.iter().map(|hand| hand.section(&faults(&hand.device))));
+    let events = shortened(events);
     if !events.is_empty() {
         let more = events.len().saturating_sub(EVENTS);
         let mut blocks = vec![Block::Table(Table::new(&["time [s]", "of", "what"], events))];
@@ -119,6 +120,26 @@ pub(super) fn report(args: &ReportArgs, file: &Path) -> Result<(String, Report),
     let text = vec![Block::Source(h.file.clone(), h.text.clone())];
     report.sections.push(Section::new("Model", text));
     Ok((name, report))
+}
+
+/// Events without the steps of parameters that were turned: of the same ones in a row, the first and the last.
+fn shortened(events: Vec<Vec<String>>) -> Vec<Vec<String>> {
+    fn names(row: &[String]) -> Option<Vec<&str>> {
+        (row[1] == "parameters").then(|| row[2].split(", ").filter_map(|set| set.split(" = ").next()).collect())
+    }
+    let mut kept: Vec<Vec<String>> = Vec::new();
+    let mut steps = 0;
+    for row in events {
+        let turned =
+            |n: usize| names(&row).is_some_and(|now| kept.len() >= n && names(&kept[kept.len() - n]) == Some(now));
+        steps = if turned(1) { steps + 1 } else { 0 };
+        // the one before is neither the first nor the last
+        if steps > 1 && turned(2) {
+            kept.pop();
+        }
+        kept.push(row);
+    }
+    kept
 }
 
 /// The verdict of a replay in words, its energy ledger, how it moved for so many seconds, and how many versions of its model there
@@ -329,5 +350,21 @@ impl Recorded {
             clock.forces.push_front((f.seq, *t));
             clock.forces.truncate(RECENT);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn of_a_parameter_that_is_turned_the_first_and_the_last_step_are_told() {
+        let row = |t: u32, of: &str, what: &str| vec![t.to_string(), of.to_string(), what.to_string()];
+        let turned = (0..5).map(|t| row(t, "parameters", &format!("k = {t}")));
+        let all = turned.chain([
+            row(5, "hand", "grabs"),
+            row(6, "parameters", "k = 6"),
+            row(7, "parameters", "k = 1, z = 2"),
+        ]);
+        let times: Vec<String> = super::shortened(all.collect()).into_iter().map(|r| r[0].clone()).collect();
+        assert_eq!(times, ["0", "4", "5", "6", "7"]);
     }
 }
