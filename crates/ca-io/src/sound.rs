@@ -215,6 +215,29 @@ impl WavOut {
     /// Where the disk takes no more; the file is then removed.
     pub fn finish(mut self) -> Result<Written, FileError> {
         self.flush()?;
+        self.complete()
+    }
+
+    /// Completes the file where a disk took no more, with the whole frames that it took: what was played once is kept. Levels are
+    /// of all that was written.
+    ///
+    /// # Errors
+    /// Where it took none, or not even this; the file is then removed.
+    pub fn finish_short(mut self) -> Result<Written, FileError> {
+        let _ = self.flush();
+        let frame = (self.written.level.peak.len() * usize::from(self.format.bits() / 8)) as u64;
+        let failed = |e: &std::io::Error| FileError::io(&self.written.path, "it cannot be written", e);
+        let length = self.file.metadata().map_err(|e| failed(&e))?.len();
+        let frames = length.saturating_sub(self.header.into()) / frame;
+        if frames == 0 {
+            return Err(FileError::content("nothing of it is on the disk").file(self.written.path.display()));
+        }
+        self.file.set_len(u64::from(self.header) + frames * frame).map_err(|e| failed(&e))?;
+        self.written.frames = frames;
+        self.complete()
+    }
+
+    fn complete(self) -> Result<Written, FileError> {
         let WavOut { mut file, staged, format, header, written, .. } = self;
         let data = written.frames as u32 * written.level.peak.len() as u32 * u32::from(format.bits() / 8);
         // what was not known at the beginning: the length of all behind the length, and of the samples
@@ -287,6 +310,24 @@ mod tests {
         let (_dir, written) = render(Format::I16, &[0.5 / 32_768.0, 1.5 / 32_768.0, -2.5 / 32_768.0]);
         let got: Vec<i32> = WavReader::open(&written.path).unwrap().samples().map(Result::unwrap).collect();
         assert_eq!(got, [0, 2, -2]);
+    }
+
+    #[test]
+    fn what_a_disk_took_before_it_was_full_is_kept() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.wav");
+        let create = || WavOut::create(&path, 48_000.0, 2, Format::F32).unwrap();
+        let mut out = create();
+        out.limit = 1000;
+        while out.write(&[0.25, -0.5].repeat(100)).is_ok() {}
+        // half a frame more, as a disk leaves it
+        out.flush().unwrap();
+        out.file.write_all(&[1, 2, 3, 4]).unwrap();
+        let written = out.finish_short().unwrap();
+        let got: Vec<f32> = WavReader::open(&path).unwrap().samples().map(Result::unwrap).collect();
+        assert_eq!((written.frames, got), (1000, [0.25, -0.5].repeat(1000)));
+        std::fs::remove_file(&path).unwrap();
+        assert!(create().finish_short().is_err() && !path.exists(), "nothing is no sound");
     }
 
     #[test]
