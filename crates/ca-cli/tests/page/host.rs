@@ -4,6 +4,7 @@ use serde_json::{Value, json};
 use std::io::{BufRead as _, BufReader, Read as _};
 use std::net::TcpStream;
 use std::process::{Child, Command, Stdio};
+use std::thread::{JoinHandle, spawn};
 use std::time::{Duration, Instant};
 use tungstenite::client::IntoClientRequest as _;
 use tungstenite::{Message, WebSocket};
@@ -175,6 +176,22 @@ impl Client {
                 return picture;
             }
         }
+    }
+
+    /// Listens on a thread of its own until it is closed; how many samples came.
+    pub fn listen(mut self) -> JoinHandle<usize> {
+        self.done(&json!({"type": "sound", "on": true}));
+        spawn(move || {
+            let mut samples = 0;
+            while let Ok(message) = self.socket.read() {
+                if let Message::Binary(bytes) = message
+                    && bytes[..4] == 2_u32.to_le_bytes()
+                {
+                    samples += bytes[16..].len() / 4;
+                }
+            }
+            samples
+        })
     }
 
     /// So many seconds of sound from now on, interleaved.
