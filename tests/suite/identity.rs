@@ -145,6 +145,10 @@ fn every_model_is_a_scene_of_its_own() {
         let heard = with(&text, &Options { energy: true, ..Options::default() });
         assert_ne!(plain.identity(), heard.identity(), "{name}: a ledger is another state");
         assert_eq!(plain.identity(), with(&text, &Options::default()).identity(), "{name}");
+        // both at once are the same two
+        let both = with(&text, &Options { audited: true, ..Options::default() });
+        assert_eq!(both.identity(), plain.identity(), "{name}");
+        assert_eq!(both.audited.map(|s| s.identity()), Some(heard.identity()), "{name}");
         for s in [&plain, &heard] {
             assert!(s.identity() != Identity::default() && s.state().scene == s.identity(), "{name}");
             let numbers = s.state();
