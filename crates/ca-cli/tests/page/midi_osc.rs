@@ -84,6 +84,12 @@ pub fn plays() {
     let mut page = host.page();
     let scene = page.next("scene");
     assert_eq!(scene["notes"], json!([60, 65]));
+    // where a slider looks, if somebody else moves the port
+    let seen = |name: &str| {
+        let ports = scene["ports"].as_array().unwrap();
+        ports.iter().find(|p| p["name"] == name).unwrap()["mass"].is_u64()
+    };
+    assert!(seen("key") && !seen("push"), "{}", scene["ports"]);
     page.done(&json!({"type": "sound", "on": true}));
     let mut cable = std::fs::OpenOptions::new().write(true).open(&pipe).unwrap();
 

@@ -48,7 +48,8 @@ fn port(scene: &Scene, drawing: &Drawing, k: usize, input: &Input) -> Value {
         InputRole::Force => "force",
         InputRole::Device => "device",
     };
-    let place = scene.layout.enx.iter().find(|p| p.input as usize == k).map(|p| p.mat);
+    let mut ports = scene.layout.enx.iter().chain(&scene.layout.tgr);
+    let place = ports.find(|p| p.input as usize == k).map(|p| p.mat);
     let mass = place.and_then(|place| scene.symbols.places().iter().position(|p| *p == place));
     json!({"name": input.name, "role": role, "mass": mass.and_then(|m| drawing.drawn_mass(m)), "rest": input.rest})
 }
