@@ -108,8 +108,8 @@ impl Recorder {
         if let Some(device) = device.filter(|d| self.seen.iter().any(|s| s.name == d.0 && s.frames > 0)) {
             return Err(format!("`{name}` is moved by its device, `{}`", device.0));
         }
-        if !value.is_finite() {
-            return Err(format!("`{name}` goes to a number [m or N]"));
+        if !value.is_finite() || over.is_nan() {
+            return Err(format!("`{name}` goes to a number [m or N], in a time [s]"));
         }
         if value.abs() > FURTHEST {
             return Err(format!("`{name}` goes no further than {FURTHEST:e} [m or N]"));

@@ -138,13 +138,7 @@ fn message(
         ("/param", [OscType::String(name), v]) => sets.push((name.clone(), value(recorder, name, given(v)?)?)),
         ("/param", _) => return Err("takes the name of a live parameter and its value".into()),
         ("/port", [OscType::String(name), v]) => recorder.port(name, number(v)?, GLIDE)?,
-        ("/port", [OscType::String(name), v, over]) => {
-            let over = number(over)?;
-            if over.is_nan() {
-                return Err("the third value is a time [s]".into());
-            }
-            recorder.port(name, number(v)?, over)?;
-        }
+        ("/port", [OscType::String(name), v, over]) => recorder.port(name, number(v)?, number(over)?)?,
         ("/port", _) => return Err("takes the name of a port, its value and, if you like, seconds".into()),
         ("/note", [key, velocity, rest @ ..]) => inputs.midi(recorder, &midi(0x90, [key, velocity], rest)?),
         ("/note", _) => return Err("takes a key, a velocity (0 to let go) and, if you like, a channel".into()),
