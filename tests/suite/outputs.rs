@@ -1,6 +1,7 @@
 //! The output stage: the high pass of an output and the low-pass of all channels, against their closed forms.
 
 use crate::play::{PI, TURN, apart, mat, reference, scene, with, within};
+use ca_compile::{Options, load};
 use ca_core::border::delays;
 use ca_core::{ARITHMETIC, Scene, tick};
 use std::fmt::Write as _;
@@ -248,6 +249,50 @@ fn every_channel_is_filtered_and_no_probe() {
         within("the other channel", (y[1] + 3.0 * y[0]).abs(), 1e-14);
         if t > 3 * n {
             within("late", (y[0] - heard[t - n][2]).abs(), 1e-4);
+        }
+    }
+}
+
+#[test]
+fn a_pickup_hears_speed_acceleration_force_and_differences() {
+    for (oversample, dt) in [(1, 1.0 / 48_000.0), (4, 1.0 / 192_000.0)] {
+        let text = format!(
+            "[rate]\noversample = {oversample}\n[CEL]\nbar = {{ m = '1 g', f = 330, t60 = 1, dx0 = '1 mm' }}\n\
+             other = {{ m = '2 g', f = 500, t60 = 1, dx0 = '2 mm' }}\n[RES]\ntie = {{ between = ['bar', 'other'], k = 900 }}\n\
+             [SOX]\nx = {{ from = 'bar' }}\ny = {{ from = 'other' }}\nv = {{ from = 'bar', hear = 'speed' }}\n\
+             a = {{ from = 'bar', hear = 'acceleration' }}\nf = {{ from = 'bar', hear = 'force' }}\n\
+             twice = {{ from = 'bar', minus = 'other', gain = 2 }}\n\
+             coils = {{ from = 'bar', minus = 'other', hear = 'speed' }}\n[SOF]\nsame = {{ from = 'bar' }}\n"
+        );
+        let options = Options {
+            probes: ["v", "a", "bar", "other", "f", "same", "twice", "coils"].map(Into::into).to_vec(),
+            ..Options::default()
+        };
+        let scene = load(&text, "m.ca.toml", &ca_tests::catalog(), &options).1.unwrap().scene;
+        let mut s = scene.state();
+        let first = scene.channels;
+        let mut last: Option<(f64, f64, f64)> = None;
+        for n in 0..2000 {
+            let before = [mat(&scene, "bar"), mat(&scene, "other")].map(|m| s.d[m]);
+            tick(&scene, &mut s);
+            let [v, a, x, y, f, same, twice, coils] = std::array::from_fn(|k| s.output[first + k]);
+            assert_eq!(f.to_bits(), same.to_bits());
+            within("one minus another, as a probe without its gain", (twice - (x - y)).abs(), 1e-18);
+            if oversample == 1 {
+                within("speed of the tick before", (v - before[0] / dt).abs(), 1e-9);
+                within("two coils", (coils - (before[0] - before[1]) / dt).abs(), 1e-9);
+                if let Some((x1, v1, _)) = last {
+                    within("speed is the change of position", (v - (x - x1) / dt).abs(), 1e-8 * v.abs().max(1.0));
+                    within("acceleration is the change of speed", (a - (v - v1) / dt).abs(), 1e-6 * a.abs().max(1.0));
+                }
+            } else if n > 4 {
+                // four ticks a sample: against the cell's own motion, of second order
+                if let Some((x1, _, x2)) = last {
+                    let (slope, bend) = ((x - x2) / (8.0 * dt), (x - 2.0 * x1 + x2) / (16.0 * dt * dt));
+                    within("speed between samples", (v - slope - bend * 3.5 * dt).abs(), 2e-3 * v.abs().max(1.0));
+                }
+            }
+            last = Some((x, v, last.map_or(x, |l| l.0)));
         }
     }
 }

@@ -46,6 +46,7 @@ pub fn finish(model: &Model, found: Diags, catalog: &Catalog, options: &Options)
             let mut all = found.clone();
             all.extend(more);
             all.sort();
+            all.merge_instances();
             all
         };
         return match result {
@@ -61,6 +62,7 @@ pub fn finish(model: &Model, found: Diags, catalog: &Catalog, options: &Options)
         }
     }
     all.sort();
+    all.merge_instances();
     Err(all)
 }
 

@@ -4,9 +4,12 @@
 //! asked of the compiler stays as at the start, but for the bodies that the model reads from files.
 
 use ca_compile::Options;
+use ca_core::kind::cloud::Unread;
 use ca_core::live::Controls;
-use ca_core::{Scene, State};
-use ca_model::{Model, write};
+use ca_core::{Catalog, Scene, State};
+use ca_model::diag::Diags;
+use ca_model::{Model, read, write};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// A model as text.
@@ -20,6 +23,8 @@ pub struct ModelText {
     pub changes: Vec<(String, String)>,
     /// with these changes, for people
     pub resolved: String,
+    /// the files that it takes parts from, by their paths from its folder
+    pub parts: BTreeMap<String, String>,
 }
 
 impl ModelText {
@@ -34,7 +39,16 @@ impl ModelText {
             text: if built { resolved.clone() } else { model.text.clone() },
             changes: if built { Vec::new() } else { changes },
             resolved,
+            parts: model.files.iter().map(|f| (f.name.clone(), f.text.clone())).collect(),
         }
+    }
+
+    /// The model, without its changes, with what its reader found.
+    pub fn read(&self, catalog: &Catalog) -> (Model, Diags) {
+        read::read_with(&self.text, &self.file, catalog, &mut |name| {
+            let missing = || Unread { what: format!("`{name}` is not attached to it"), help: String::new() };
+            self.parts.get(name).cloned().ok_or_else(missing)
+        })
     }
 }
 

@@ -6,6 +6,7 @@
 use crate::Failure;
 use ca_compile::{Compiled, Options};
 use ca_core::Scene;
+use ca_core::kind::cloud::Unread;
 use ca_model::diag::{Diags, Severity};
 use ca_model::render::line_column;
 use ca_model::suggest::nearest;
@@ -66,6 +67,27 @@ pub fn load(word: &str) -> Result<Loaded, Failure> {
     } else {
         Err(Failure::Usage(no_model(word)))
     }
+}
+
+/// The model as its author wrote it, with the files it takes parts from as they were read.
+pub fn read_again(model: &Model) -> Loaded {
+    read_other(model, &model.text)
+}
+
+/// The same of a text that was changed.
+fn read_other(model: &Model, text: &str) -> Loaded {
+    Loaded::read_with(text, &model.file, &mut |name| {
+        let known = model.files.iter().find(|f| f.name == name);
+        let missing = || Unread { what: format!("`{name}` is not at hand"), help: "read the model anew".into() };
+        known.map(|f| f.text.clone()).ok_or_else(missing)
+    })
+}
+
+/// A model whose text was changed, with its files as they were read.
+#[must_use]
+pub fn reread(loaded: &Loaded, text: &str) -> Loaded {
+    let Loaded { model, diags, .. } = read_other(&loaded.model, text);
+    Loaded { model, diags, name: loaded.name.clone(), clouds: loaded.clouds.clone() }
 }
 
 fn no_model(word: &str) -> String {
@@ -141,8 +163,9 @@ pub fn set(loaded: &mut Loaded, name: &str, value: Value) -> Result<(), Failure>
 
 /// Where something stands in the text of a model, in words; nothing for one that was built.
 fn place(model: &Model, span: Span) -> Option<String> {
-    let known = span.is_some() && !model.text.is_empty();
-    known.then(|| format!("{}:{}", model.file, line_column(&model.text, span.start).0))
+    let source = model.source(span);
+    let known = span.is_some() && !source.text.is_empty();
+    known.then(|| format!("{}:{}", source.file, line_column(source.text, source.within(span).start).0))
 }
 
 /// What to say of one module of those that a line makes.

@@ -144,6 +144,39 @@ impl Diags {
     pub fn has_errors(&self) -> bool {
         self.list.iter().any(|d| d.severity == Severity::Error)
     }
+    /// Leaves one of the findings that instances of a part have in common, and says in how many others it is found.
+    pub fn merge_instances(&mut self) {
+        // `note[3].hammer` and `note[4].hammer` are alike
+        let alike = |title: &str| -> String {
+            title.split("].").map(|t| t.trim_end_matches(|c: char| c.is_ascii_digit())).collect::<Vec<_>>().join("].")
+        };
+        let mut first: Vec<(String, usize, usize)> = Vec::new();
+        let mut kept: Vec<Diag> = Vec::new();
+        for d in core::mem::take(&mut self.list) {
+            if !d.title.contains("].") || !d.span().is_some() {
+                kept.push(d);
+                continue;
+            }
+            let title = alike(&d.title);
+            let same = |at: usize| kept.get(at).is_some_and(|k| k.code == d.code && k.span() == d.span());
+            if let Some(f) = first.iter_mut().find(|f| f.0 == title && same(f.1)) {
+                f.2 += 1;
+            } else {
+                first.push((title, kept.len(), 0));
+                kept.push(d);
+            }
+        }
+        for (_, at, more) in first.into_iter().filter(|f| f.2 > 0) {
+            let Some(d) = kept.get_mut(at) else { continue };
+            let more = format!("the same in {more} other instance{}", if more == 1 { "" } else { "s" });
+            d.help = Some(match d.help.take() {
+                Some(help) => format!("{help} ({more})"),
+                None => more,
+            });
+        }
+        self.list = kept;
+    }
+
     /// Orders by place, keeping the order of findings at one place; findings without a place come last.
     pub fn sort(&mut self) {
         self.list.sort_by_key(|d| (d.span().start, d.severity));
@@ -195,6 +228,7 @@ pub const CODES: &[(&str, &str)] = &[
     ("E030", "not a MIMS model"),
     ("E031", "file that cannot be read"),
     ("E032", "equivalences that do not fit together"),
+    ("E033", "a part that uses itself"),
     ("W101", "nothing hears it"),
     ("W102", "a contact acts at load"),
     ("W103", "unstable"),

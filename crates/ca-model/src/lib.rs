@@ -16,6 +16,8 @@ extern crate std;
 use alloc::string::String;
 use alloc::vec::Vec;
 use ca_core::Catalog;
+use part::files::SourceFile;
+use part::{Part, Use};
 
 #[cfg(feature = "parse")]
 mod blocks;
@@ -28,6 +30,7 @@ pub mod generate;
 #[cfg(feature = "parse")]
 mod members;
 pub mod names;
+pub mod part;
 pub mod quantity;
 #[cfg(feature = "parse")]
 pub mod read;
@@ -37,8 +40,7 @@ mod reader;
 pub mod render;
 #[cfg(feature = "parse")]
 pub mod schema;
-#[cfg(feature = "parse")]
-mod sections;
+pub mod sections;
 pub mod select;
 pub mod suggest;
 #[cfg(feature = "parse")]
@@ -197,6 +199,12 @@ pub struct Model {
     pub gestures: Vec<Entry>,
     /// `[equivalence]`: quantity = [real, simulated]
     pub equivalence: Vec<Entry>,
+    /// `[part.NAME]`: pieces that are used many times, as written
+    pub parts: Vec<Part>,
+    /// `[use]`: instances of parts, as written; their modules are among the others
+    pub uses: Vec<Use>,
+    /// the other files that parts were taken from
+    pub files: Vec<SourceFile>,
     /// groups in document order
     pub groups: Vec<Group>,
     /// modules in document order

@@ -6,6 +6,7 @@ use super::diag::Diag;
 use super::entry::{Key, article, ordered};
 use super::reader::{Reader, is_code, ticked};
 use super::sections::GROUP;
+use super::select::is_group;
 use super::suggest::nearest;
 use super::{Entry, Group, Item, Span};
 use alloc::borrow::ToOwned;
@@ -17,7 +18,7 @@ use toml::de::{DeTable, DeValue};
 impl Reader<'_, '_> {
     pub(super) fn group(&mut self, key: &Key, table: &DeTable) {
         let name = key.get_ref().as_ref();
-        let valid = self.check_name(name, self.span(key));
+        let valid = is_group(name) || self.check_word(name, self.span(key));
         let index = self.model.groups.len();
         let mut props = Vec::new();
         self.model.groups.push(Group { name: name.into(), span: self.span(key), props: Vec::new() });

@@ -9,7 +9,9 @@
 use super::diag::{Diag, Diags};
 use super::entry::{Key, Val, article, ordered};
 use super::names::all_differ;
+use super::part;
 use super::reader::{Reader, is_code, ticked};
+use super::sections::CURVES;
 pub use super::sections::{GROUP, META, RATES, SECTIONS};
 use super::select::is_word;
 use super::suggest::nearest;
@@ -20,6 +22,7 @@ use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
 use ca_core::Catalog;
+use ca_core::kind::cloud::Unread;
 use toml::de::{DeTable, DeValue};
 
 /// Reads the text of a model. `file` is its name in reports.
@@ -36,6 +39,28 @@ use toml::de::{DeTable, DeValue};
 /// assert_eq!(diags.list[0].title, "`bob`: unknown parameter `mm`");
 /// ```
 pub fn read(text: &str, file: &str, catalog: &Catalog) -> (Model, Diags) {
+    read_with(text, file, catalog, &mut |name| {
+        let help = "save the model in a file beside it; a program that reads hands over what files hold";
+        Err(Unread { what: format!("`{name}` is not at hand"), help: help.into() })
+    })
+}
+
+/// As [`read`], where `open` gives the text of the files that parts are taken from, by their paths from the folder of the
+/// model, or says why there is none.
+pub fn read_with(
+    text: &str,
+    file: &str,
+    catalog: &Catalog,
+    open: &mut dyn FnMut(&str) -> Result<String, Unread>,
+) -> (Model, Diags) {
+    let (mut model, mut diags) = one_file(text, file, catalog);
+    part::expand(&mut model, &mut diags, catalog, open);
+    diags.sort();
+    (model, diags)
+}
+
+/// One file, whose parts are as written.
+pub(super) fn one_file(text: &str, file: &str, catalog: &Catalog) -> (Model, Diags) {
     let mut diags = Diags::new();
     let source = Source::mend(text, catalog, &mut diags);
     let mut model = Model { file: file.into(), text: text.into(), header: header(text), ..Model::default() };
@@ -58,7 +83,6 @@ pub fn read(text: &str, file: &str, catalog: &Catalog) -> (Model, Diags) {
     }
     unique(&mut model, &mut diags);
     broken_lines(&mut model, &diags);
-    diags.sort();
     (model, diags)
 }
 
@@ -86,14 +110,15 @@ fn header(text: &str) -> String {
 }
 
 /// Sorts modules by place and leaves out those whose name is taken.
-fn unique(model: &mut Model, diags: &mut Diags) {
+pub(super) fn unique(model: &mut Model, diags: &mut Diags) {
     model.items.sort_by_key(|i| i.name_span);
     model.items.shrink_to_fit();
-    let names = model.groups.iter().map(|g| g.name.as_str()).chain(model.items.iter().map(|i| i.name.as_str()));
-    if all_differ(names) {
+    let groups = model.groups.iter().map(|g| (g.name.as_str(), g.span));
+    let groups = groups.chain(model.uses.iter().map(|u| (u.name.as_str(), u.span)));
+    if all_differ(groups.clone().map(|g| g.0).chain(model.items.iter().map(|i| i.name.as_str()))) {
         return;
     }
-    let mut taken: BTreeMap<&str, Span> = model.groups.iter().map(|g| (g.name.as_str(), g.span)).collect();
+    let mut taken: BTreeMap<&str, Span> = groups.collect();
     let mut kept = Vec::with_capacity(model.items.len());
     for item in &model.items {
         let first = taken.get(item.name.as_str()).copied();
@@ -114,7 +139,7 @@ fn unique(model: &mut Model, diags: &mut Diags) {
 }
 
 impl Reader<'_, '_> {
-    fn root(&mut self, key: &Key, value: &Val) {
+    pub(super) fn root(&mut self, key: &Key, value: &Val) {
         let name = key.get_ref().as_ref();
         let DeValue::Table(table) = value.get_ref() else { return self.root_value(key, value) };
         if SECTIONS.contains(&name) {
@@ -169,6 +194,8 @@ impl Reader<'_, '_> {
             "model" => !self.model.meta.is_empty(),
             "rate" => !self.model.rate.is_empty(),
             "param" => !self.model.params.is_empty(),
+            "part" => !self.model.parts.is_empty(),
+            "use" => !self.model.uses.is_empty(),
             "gesture" => !self.model.gestures.is_empty(),
             _ => !self.model.equivalence.is_empty(),
         }
@@ -202,6 +229,8 @@ impl Reader<'_, '_> {
             "model" => self.model.meta = self.known(name, table, META),
             "rate" => self.model.rate = self.known(name, table, RATES),
             "param" => self.model.params = self.params(table),
+            "part" => self.parts(table),
+            "use" => self.uses(table),
             "gesture" => {
                 let mut list = Vec::new();
                 self.paths("", table, &mut list);
@@ -216,7 +245,10 @@ impl Reader<'_, '_> {
         for (key, value) in ordered(table) {
             let path = format!("{prefix}{}", key.get_ref());
             match value.get_ref() {
-                DeValue::Table(inner) => self.paths(&format!("{path}."), inner, out),
+                // a table with such a key makes a gesture; any other holds gestures
+                DeValue::Table(inner) if !inner.keys().any(|k| CURVES.iter().any(|c| c.0 == k.get_ref().as_ref())) => {
+                    self.paths(&format!("{path}."), inner, out);
+                }
                 _ => out.extend(self.entry(path, key, value)),
             }
         }

@@ -3,7 +3,7 @@
 //! Decides what is a name, what is nearly a known key, and that what cannot be read is remembered by name.
 
 use super::diag::{Diag, Diags};
-use super::select::is_word;
+use super::select::{is_name, is_word};
 use super::suggest::nearest;
 use super::syntax::Source;
 use super::{Entry, Model, Span};
@@ -93,7 +93,14 @@ impl Reader<'_, '_> {
         self.model.lost.extend(table.keys().map(|k| String::from(k.get_ref().as_ref())));
     }
 
+    /// A name of a module or a parameter. One with dots stood in quotes: it is of an instance, as a model is written whose parts
+    /// are put in.
     pub(super) fn check_name(&mut self, word: &str, span: Span) -> bool {
+        is_name(word) || self.check_word(word, span)
+    }
+
+    /// A name of one word.
+    pub(super) fn check_word(&mut self, word: &str, span: Span) -> bool {
         if is_word(word) {
             return true;
         }

@@ -6,6 +6,7 @@
 //! tests; its lines and columns start at 1, columns count characters.
 
 use super::diag::{Diag, Diags, KEPT, Severity};
+use super::part::files::Source;
 use super::{Model, Span};
 use alloc::format;
 use alloc::string::{String, ToString};
@@ -65,31 +66,41 @@ fn groups<'a>(d: &'a Diag, model: &'a Model) -> Vec<Group<'a>> {
         Severity::Note => Level::NOTE,
     };
     let mut main = Group::with_title(level.primary_title(d.title.as_str()).id(d.code));
-    let view = view(d, model);
-    let within = |r: Range<usize>| r.start - view.start..r.end - view.start;
-    let mut snippet = source(model, &view);
-    let mut places = 0;
-    for (span, label) in &d.labels {
-        let Some(range) = clamp(*span, &model.text) else { continue };
-        let kind = if places == 0 { AnnotationKind::Primary } else { AnnotationKind::Context };
-        let a = kind.span(within(range));
-        snippet = snippet.annotation(if label.is_empty() { a } else { a.label(label.as_str()) });
-        places += 1;
+    // a snippet for each file, that of the first place first
+    let mut files: Vec<Source> = Vec::new();
+    for source in d.labels.iter().filter(|l| l.0.is_some()).map(|l| model.source(l.0)) {
+        if !source.text.is_empty() && !files.iter().any(|f| f.start == source.start) {
+            files.push(source);
+        }
     }
-    if places > 0 {
+    let mut kind = AnnotationKind::Primary;
+    for file in files {
+        let view = view(d, model, file);
+        let mut snippet = lines(file, &view);
+        for (span, label) in d.labels.iter().filter(|l| model.source(l.0).start == file.start) {
+            let Some(range) = clamp(file.within(*span), file.text) else { continue };
+            let a = kind.span(range.start - view.start..range.end - view.start);
+            kind = AnnotationKind::Context;
+            snippet = snippet.annotation(if label.is_empty() { a } else { a.label(label.as_str()) });
+        }
         main = main.element(snippet);
     }
-    let patch = d.fix.as_ref().and_then(|f| Some((clamp(f.span, &model.text)?, f.text.as_str())));
-    let patch = patch.filter(|(range, _)| line_length(&model.text, range.start) <= LONG);
-    let Some((range, new)) = patch else {
+    let patch = d.fix.as_ref().and_then(|f| {
+        let file = model.source(f.span);
+        Some((file, clamp(file.within(f.span), file.text)?, f.text.as_str()))
+    });
+    let patch = patch.filter(|(file, range, _)| line_length(file.text, range.start) <= LONG);
+    let Some((file, range, new)) = patch else {
         if let Some(help) = &d.help {
             main = main.element(Level::HELP.message(help.as_str()));
         }
         return alloc::vec![main];
     };
     let help = d.help.as_deref().unwrap_or("write it so");
-    let fix = Group::with_title(Level::HELP.secondary_title(help))
-        .element(source(model, &view).patch(Patch::new(within(range), new)));
+    let view = view(d, model, file);
+    let range = range.start - view.start..range.end - view.start;
+    let fix =
+        Group::with_title(Level::HELP.secondary_title(help)).element(lines(file, &view).patch(Patch::new(range, new)));
     alloc::vec![main, fix]
 }
 
@@ -98,12 +109,13 @@ fn line_length(text: &str, at: usize) -> usize {
     before.len() - before.rfind('\n').map_or(0, |i| i + 1) + after.find('\n').unwrap_or(after.len())
 }
 
-/// The part of the text a finding is shown in: all of it, or of a long one the lines from its first place to its last.
+/// The part of a file a finding is shown in: all of it, or of a long one the lines from its first place to its last.
 /// The renderer splits what it is given into lines, for each finding anew.
-fn view(d: &Diag, model: &Model) -> Range<usize> {
-    let text = model.text.as_str();
+fn view(d: &Diag, model: &Model, file: Source<'_>) -> Range<usize> {
+    let text = file.text;
     let spans = d.labels.iter().map(|l| l.0).chain(d.fix.as_ref().map(|f| f.span));
-    let ranges: Vec<Range<usize>> = spans.filter_map(|s| clamp(s, text)).collect();
+    let spans = spans.filter(|s| model.source(*s).start == file.start);
+    let ranges: Vec<Range<usize>> = spans.filter_map(|s| clamp(file.within(s), text)).collect();
     let (Some(from), Some(to)) = (ranges.iter().map(|r| r.start).min(), ranges.iter().map(|r| r.end).max()) else {
         return 0..text.len();
     };
@@ -113,10 +125,10 @@ fn view(d: &Diag, model: &Model) -> Range<usize> {
     text[..from].rfind('\n').map_or(0, |i| i + 1)..text[to..].find('\n').map_or(text.len(), |i| to + i)
 }
 
-fn source<'a, T: Clone>(model: &'a Model, view: &Range<usize>) -> Snippet<'a, T> {
-    let above = model.text[..view.start].bytes().filter(|&b| b == b'\n').count();
-    let snippet = Snippet::source(&model.text[view.clone()]).line_start(above + 1);
-    if model.file.is_empty() { snippet } else { snippet.path(model.file.as_str()) }
+fn lines<'a, T: Clone>(file: Source<'a>, view: &Range<usize>) -> Snippet<'a, T> {
+    let above = file.text[..view.start].bytes().filter(|&b| b == b'\n').count();
+    let snippet = Snippet::source(&file.text[view.clone()]).line_start(above + 1);
+    if file.file.is_empty() { snippet } else { snippet.path(file.file) }
 }
 
 /// A span as a range that is within the text and on character borders; nothing for a model without text.
@@ -147,10 +159,10 @@ pub fn line_column(text: &str, at: usize) -> (usize, usize) {
 /// A list of `{code, severity, title, file, line, column, end_line, end_column, labels, help, fix}`. What has no place
 /// has `null` for its lines and columns.
 pub fn json(diags: &Diags, model: &Model) -> Json {
-    let place = |span: Span| match clamp(span, &model.text) {
+    let place = |span: Span| match clamp(model.source(span).within(span), model.source(span).text) {
         Some(r) => {
-            let ((line, column), (end_line, end_column)) =
-                (line_column(&model.text, r.start), line_column(&model.text, r.end));
+            let text = model.source(span).text;
+            let ((line, column), (end_line, end_column)) = (line_column(text, r.start), line_column(text, r.end));
             json!({"line": line, "column": column, "end_line": end_line, "end_column": end_column})
         }
         None => json!({"line": null, "column": null, "end_line": null, "end_column": null}),
@@ -169,7 +181,7 @@ pub fn json(diags: &Diags, model: &Model) -> Json {
         };
         let labels: Vec<Json> = d.labels.iter().map(|(s, t)| with(place(*s), json!({"text": t}))).collect();
         let fix = d.fix.as_ref().map(|f| with(place(f.span), json!({"text": f.text})));
-        let head = json!({"code": d.code, "severity": severity, "title": d.title, "file": model.file});
+        let head = json!({"code": d.code, "severity": severity, "title": d.title, "file": model.source(d.span()).file});
         with(with(head, place(d.span())), json!({"labels": labels, "help": d.help, "fix": fix}))
     };
     Json::Array(diags.list.iter().map(one).collect())

@@ -38,7 +38,7 @@ pub fn schema(catalog: &Catalog) -> Json {
     );
     defs.insert(
         "name".into(),
-        json!({"type": "string", "pattern": r"^[A-Za-z_][A-Za-z0-9_.]*$", "description": "a `[param]`"}),
+        json!({"type": "string", "pattern": r"^[A-Za-z_][A-Za-z0-9_.#♯♭+ −-]*$", "description": "a `[param]`, or a note"}),
     );
     defs.insert(
         "number".into(),
@@ -62,7 +62,10 @@ pub fn schema(catalog: &Catalog) -> Json {
     let mut properties = kinds;
     properties.insert("model".into(), section("what the model is", META));
     properties.insert("rate".into(), section("the two rates", RATES));
-    properties.insert("param".into(), params());
+    properties.insert("param".into(), params(true));
+    defs.insert("use".into(), uses());
+    properties.insert("use".into(), json!({"$ref": "#/$defs/use"}));
+    properties.insert("part".into(), parts(&group));
     properties.insert(
         "gesture".into(),
         json!({"type": "object", "description": "a port or a live parameter, and its breakpoints [time, value]"}),
@@ -114,9 +117,48 @@ fn known(key: &str, method: &Param) -> Json {
     }
 }
 
-fn params() -> Json {
-    let number = json!({"$ref": "#/$defs/number"});
+/// Parts: their parameters, kinds, groups and properties.
+fn parts(group: &Map<String, Json>) -> Json {
+    let mut part = group.clone();
+    part.insert("param".into(), params(false));
+    part.insert("use".into(), json!({"$ref": "#/$defs/use"}));
+    part.insert("gesture".into(), json!({"type": "object", "description": "what it plays by itself"}));
+    part.insert("doc".into(), json!({"type": "string", "description": "what it is"}));
+    let part = json!({
+        "type": "object", "properties": part, "propertyNames": {"pattern": WORD},
+        "additionalProperties": {"$ref": "#/$defs/group"},
+    });
+    json!({
+        "type": "object", "description": "pieces that `[use]` makes instances of", "propertyNames": {"pattern": WORD},
+        "additionalProperties": part,
+    })
+}
+
+fn uses() -> Json {
     let full = json!({
+        "type": "object",
+        "properties": {
+            "part": {"type": "string", "description": "name of the part"},
+            "file": {"type": "string", "description": "the file it stands in, from the folder of this one"},
+            "n": {
+                "anyOf": [{"type": "integer", "minimum": 1}, {"$ref": "#/$defs/name"}],
+                "description": "how many instances; without it one, which has no index",
+            },
+            "with": {"type": "object", "description": "its parameters; of many instances a list has one value for each"},
+        },
+        "additionalProperties": false,
+        "anyOf": [{"required": ["part"]}, {"required": ["file"]}],
+    });
+    json!({
+        "type": "object", "description": "instances of parts", "propertyNames": {"pattern": WORD},
+        "additionalProperties": {"anyOf": [{"type": "string"}, full]},
+    })
+}
+
+/// Named numbers; those of a part need no value.
+fn params(valued: bool) -> Json {
+    let number = json!({"$ref": "#/$defs/number"});
+    let mut full = json!({
         "type": "object",
         "properties": {
             "value": number, "min": number, "max": number,
@@ -128,8 +170,10 @@ fn params() -> Json {
                 "description": "where the port is at `min` and at `max`",
             },
         },
-        "anyOf": [{"required": ["value"]}, {"required": ["port", "span", "min", "max"]}],
     });
+    if valued {
+        full["anyOf"] = json!([{"required": ["value"]}, {"required": ["port", "span", "min", "max"]}]);
+    }
     json!({
         "type": "object",
         "description": "named numbers",
@@ -239,7 +283,8 @@ fn param(p: &Param) -> Json {
             let end = json!({"anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}}]});
             (json!({"type": "array", "minItems": 2, "maxItems": 2, "items": end}), None)
         }
-        Type::Module | Type::Text | Type::File => (json!({"type": "string"}), None),
+        Type::Module => (json!({"anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}}]}), None),
+        Type::Text | Type::File => (json!({"type": "string"}), None),
         Type::Midi => (json!({"type": "object"}), None),
     };
     let mut doc = Vec::from([p.doc.to_string()]);

@@ -1,7 +1,7 @@
 //! The sections that can stand at the root of a document besides kinds, and the keys they know.
 
 /// Root sections that are not kinds, in the order [`super::write`] gives them.
-pub const SECTIONS: &[&str] = &["model", "rate", "param", "gesture", "equivalence"];
+pub const SECTIONS: &[&str] = &["model", "rate", "param", "part", "use", "gesture", "equivalence"];
 /// Keys of `[model]`.
 pub const META: &[&str] = &[
     "title",
@@ -21,3 +21,17 @@ pub const META: &[&str] = &[
 pub const RATES: &[&str] = &["sound", "oversample", "gesture", "border", "latency", "feedback", "filter"];
 /// Properties of a group.
 pub const GROUP: &[&str] = &["gravity", "friction", "method", "theta", "dim"];
+/// Root sections that may stand in a part too.
+pub const IN_PART: &[&str] = &["param", "use", "gesture"];
+/// Keys of a line of `[use]`.
+pub const USE: &[&str] = &["part", "file", "n", "with"];
+/// What makes a gesture that is written as a table, and the keys beside it.
+pub const CURVES: &[(&str, &[&str])] = &[
+    ("points", &["every", "to"]),
+    ("ramp", &["from", "to"]),
+    ("sine", &["f", "phase", "offset", "from", "to"]),
+    ("noise", &["f", "seed", "offset", "from", "to"]),
+    ("pulse", &["at", "every", "rise", "hold", "fall", "offset", "to"]),
+    ("follow", &["gain", "delay", "offset"]),
+    ("sum", &[]),
+];

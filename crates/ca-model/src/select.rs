@@ -6,6 +6,7 @@
 //! low[2..5]   plate[3,4]       a half-open range; row and column of a mesh
 //! low.link[3]   low.end[0]     its links, the fixed points at its ends
 //! low@0.31  plate@0.3,0.4      a moving point between the ends; the place may be a name: low@place
+//! key[3].hammer   key[3].s[8]  the same of an instance of a part; `key[*].hammer` is made a list before ([`super::part`])
 //! ```
 //! Decides that a selector is one string with one small grammar, the same in a file, on the command line and in
 //! Python. Only the text is judged here; whether the names exist and the index is in range is for the compiler.
@@ -94,9 +95,23 @@ pub fn is_word(text: &str) -> bool {
         && text.bytes().all(|c| c.is_ascii_alphanumeric() || c == b'_')
 }
 
-/// Whether `text` is a full name: words joined by dots.
+/// Whether `text` is a full name: words joined by dots, where all but the last may have the index of an instance, as in
+/// `key[3].hammer`.
 pub fn is_name(text: &str) -> bool {
-    text.split('.').all(is_word)
+    match text.rsplit_once('.') {
+        Some((group, last)) => is_word(last) && is_group(group),
+        None => is_word(text),
+    }
+}
+
+/// Whether `text` is the full name of a group, which may be an instance: `beads`, `key[3]`, `key[3].room`.
+pub fn is_group(text: &str) -> bool {
+    let is_index = |t: &str| !t.is_empty() && t.bytes().all(|b| b.is_ascii_digit());
+    let instance = |w: &str| match w.split_once('[') {
+        Some((word, index)) => is_word(word) && index.strip_suffix(']').is_some_and(is_index),
+        None => is_word(w),
+    };
+    text.split('.').all(instance)
 }
 
 /// Reads a selector.
@@ -118,8 +133,13 @@ pub fn parse(text: &str) -> Result<Selector, SelectError> {
         None => (whole, None),
     };
     let left = left.trim_end();
-    let (mut name, index) = match left.split_once('[') {
-        Some((name, inner)) => (name.trim_end(), brackets(inner, lead + name.len() + 1)?),
+    // what stands in brackets before a dot tells instances apart
+    let instances = left.rfind("].").map_or(0, |i| i + 2);
+    let (mut name, index) = match left[instances..].split_once('[') {
+        Some((word, inner)) => {
+            let at = instances + word.len();
+            (left[..at].trim_end(), brackets(inner, lead + at + 1)?)
+        }
         None => (left, Index::None),
     };
     let mut part = Part::Mass;
@@ -162,6 +182,7 @@ fn odd_name(name: &str) -> String {
     }
     match name[first_odd(name)..].chars().next() {
         Some(']') => "`]` without `[`".into(),
+        Some('[') => "before a dot stands the index of an instance, as in `key[3].hammer`".into(),
         Some(c) if c.is_ascii_digit() => "a name starts with a letter".into(),
         Some(c) => format!("`{}` is not part of a name", c.escape_debug()),
         None => "a name does not end with a dot".into(),

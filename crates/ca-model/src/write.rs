@@ -62,8 +62,9 @@ fn section(out: &mut String, name: &str, entries: &[Entry]) {
 /// The group a module is written in, and its name there.
 fn place<'m>(model: &'m Model, item: &'m Item) -> (&'m str, &'m str) {
     let own = item.group.and_then(|g| model.groups.get(g)).map(|g| g.name.as_str());
-    match item.name.split_once('.') {
-        Some((g, word)) if own.is_none_or(|o| o == g) && is_word(g) && is_word(word) => (g, word),
+    let of_own = own.and_then(|o| Some((o, item.name.strip_prefix(o)?.strip_prefix('.')?)));
+    match of_own.or_else(|| item.name.split_once('.').filter(|_| own.is_none())) {
+        Some((g, word)) if is_word(word) && (of_own.is_some() || is_word(g)) => (g, word),
         _ => ("", &item.name),
     }
 }
@@ -99,8 +100,8 @@ fn modules(out: &mut String, model: &Model) {
         if !group.is_empty() {
             open(out, group, false);
         }
-        let dot = if group.is_empty() { "" } else { "." };
-        head(out, &format!("{group}{dot}{}", quoted_key(kind)));
+        let group = if group.is_empty() { String::new() } else { quoted_key(group) + "." };
+        head(out, &format!("{group}{}", quoted_key(kind)));
         let pad = padding(members.iter().map(|m| m.0));
         for (word, item) in members {
             module(out, &quoted_key(word), pad, item);

@@ -9,9 +9,11 @@ use ca_compile::Options;
 use ca_core::kind::Role;
 use ca_lab::load::{self, BUNDLED, Loaded};
 use ca_lab::{bytes, take};
+use ca_model::diag::Severity;
+use ca_model::part::{Part, Use};
 use ca_model::select::{is_name, is_word};
 use ca_model::suggest::nearest;
-use ca_model::{Entry, Value, read, write};
+use ca_model::{Entry, Span, Value, read, write};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use std::collections::HashSet;
@@ -138,8 +140,24 @@ impl Model {
             let group = item.name.rsplit_once('.').map(|(group, _)| group);
             item.group = group.and_then(|group| model.groups.iter().position(|g| g.name == group));
         }
+        loaded.diags.extend(ca_model::part::lists(model, &ca_lab::catalog()));
         loaded.look();
         loaded
+    }
+
+    /// What `part` of it is, or all of it where that is a model.
+    fn part(&self, py: Python, name: &str) -> PyResult<Part> {
+        let parts = &self.loaded.model.parts;
+        parts.iter().find(|p| p.name == name).cloned().ok_or_else(|| {
+            let near = nearest(name, parts.iter().map(|p| p.name.as_str()));
+            let all = load::ticked(parts.iter().map(|p| p.name.as_str()));
+            let hint = match near {
+                Some(near) => format!("did you mean `{near}`?"),
+                None if parts.is_empty() => "give a model in its place".into(),
+                None => format!("its parts are {all}"),
+            };
+            usage(py, &format!("the model has no part `{name}`; {hint}"))
+        })
     }
 }
 
@@ -246,6 +264,41 @@ impl Model {
         self.take(py, name)?;
         let group = ca_model::Group { name: name.into(), span: ca_model::Span::NONE, props: entries(props) };
         self.loaded.model.groups.push(group);
+        Ok(())
+    }
+
+    /// Adds instances of a part: one of this model by its name, or another model as it is.
+    #[pyo3(signature = (name, part, of, n, given))]
+    fn use_part(
+        &mut self,
+        py: Python,
+        name: &str,
+        part: &str,
+        of: Option<PyRef<'_, Model>>,
+        n: Option<f64>,
+        given: Vec<(String, Given)>,
+    ) -> PyResult<()> {
+        let part = match of {
+            None => self.part(py, part)?,
+            Some(of) if !part.is_empty() => of.part(py, part)?,
+            Some(of) => {
+                let whole = of.whole();
+                let name = if whole.name.is_empty() { name.into() } else { whole.name };
+                Part { name, span: Span::NONE, doc: String::new(), props: Vec::new(), body: whole.model }
+            }
+        };
+        self.take(py, name)?;
+        let mut u = Use::new(name);
+        (u.n, u.with) = (n.map(|n| Entry::new("n", n)), entries(given));
+        let mut next = self.loaded.model.clone();
+        let found = ca_model::part::add(&mut next, &part, &u, &ca_lab::catalog());
+        if let Some(first) = found.list.iter().find(|d| d.severity == Severity::Error) {
+            self.names.remove(name);
+            let help = first.help.as_ref().map(|h| format!("; {h}")).unwrap_or_default();
+            return Err(usage(py, &format!("{}{help}", first.title)));
+        }
+        self.loaded.model = next;
+        self.names.clear();
         Ok(())
     }
 

@@ -6,7 +6,7 @@ use crate::{Error, Found};
 use ca_compile::load::finish;
 use ca_compile::{Compiled, Options};
 use ca_core::Catalog;
-use ca_core::kind::cloud::Clouds;
+use ca_core::kind::cloud::{Clouds, Unread};
 use ca_import::mims;
 use ca_io::error::FileErrorKind;
 use ca_io::{FileError, reading};
@@ -56,7 +56,13 @@ impl Loaded {
 
     /// A model from its text; `file` is its name in reports, and where the files it names are looked for.
     pub fn read(text: &str, file: &str) -> Loaded {
-        let (model, diags) = read::read(text, file, &catalog());
+        let folder = Path::new(file).parent().unwrap_or(Path::new("")).to_owned();
+        Loaded::read_with(text, file, &mut |name| part(&folder, name))
+    }
+
+    /// A model from its text, and the files it takes parts from, of which `open` gives the texts.
+    pub fn read_with(text: &str, file: &str, open: &mut dyn FnMut(&str) -> Result<String, Unread>) -> Loaded {
+        let (model, diags) = read::read_with(text, file, &catalog(), open);
         Loaded::found(model, diags, file)
     }
 
@@ -101,6 +107,14 @@ impl Loaded {
         finish(&self.model, self.diags.clone(), &catalog(), &options)
             .map_err(|diags| Box::new(Found { model: self.model.clone(), diags }))
     }
+}
+
+/// The text of a file that a model in `folder` takes parts from.
+fn part(folder: &Path, name: &str) -> Result<String, Unread> {
+    text(&folder.join(name)).map_err(|e| {
+        let what = FileError { fix: String::new(), ..e.clone() }.to_string();
+        Unread { what, help: if e.fix.is_empty() { "put it beside the model".into() } else { e.fix } }
+    })
 }
 
 /// The text of a MIMS file, in whatever way it was saved.

@@ -116,7 +116,7 @@ fn text(name: &str, network: &Network, found: &Modes, most: usize) -> Result<(),
     if !network.force_outputs.is_empty() {
         writeln!(
             out,
-            "  these hear forces, which are no displacements: {}",
+            "  these hear other than displacements, and are left out: {}",
             load::ticked(network.force_outputs.iter().map(String::as_str))
         )?;
     }

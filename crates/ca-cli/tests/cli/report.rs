@@ -155,7 +155,7 @@ fn modes_are_not_silent_to_who_hears_forces() {
     for (name, levels) in [("force", false), ("both", true)] {
         desk.ca(&["report", &format!("{name}.ca.toml"), "--seconds", "1", "--accuracy", "0"]);
         let page = Page::of(&desk, &format!("{name}.html"));
-        page.says(&["These outputs hear forces"]);
+        page.says(&["These outputs hear other than displacements"]);
         for lie in ["silent", "not heard"] {
             assert!(!page.html.contains(&format!(">{lie}<")), "{name}: `{lie}` on the page");
         }

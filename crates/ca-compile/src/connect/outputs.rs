@@ -8,6 +8,7 @@ use crate::net::{End, OutNode, OutputTap};
 use alloc::format;
 use alloc::string::ToString;
 use alloc::vec::Vec;
+use ca_core::io::{HEAR, Hear};
 use ca_core::live::Source;
 use ca_model::LARGEST;
 use ca_model::diag::Diag;
@@ -42,11 +43,15 @@ impl Wiring<'_> {
     }
 
     pub(super) fn taps(&mut self, e: &Entry, name: &str, force: bool) -> Vec<OutputTap> {
-        let Value::Text(text) = &e.value else {
-            let title = format!("`from` of `{name}` must be the name of a module, not {}", type_name(&e.value));
-            let help = "put the name in quotes, e.g. `\"bar\"`; several of one kind are `\"low[*]\"`";
-            self.diags.push(Diag::error("E006", title).at(e.span, "not a name").help(help));
-            return Vec::new();
+        let text = match &e.value {
+            Value::Text(text) => text,
+            Value::List(l) if !l.is_empty() => return l.iter().flat_map(|e| self.taps(e, name, force)).collect(),
+            other => {
+                let title = format!("`from` of `{name}` must be the name of a module, not {}", type_name(other));
+                let help = "put the name in quotes, e.g. `\"bar\"`; several of one kind are `\"low[*]\"`";
+                self.diags.push(Diag::error("E006", title).at(e.span, "not a name").help(help));
+                return Vec::new();
+            }
         };
         let why = "SOX hears the position of a mass; SOF hears the force of a link";
         match self.select(Written { text, span: e.span, owner: name }, (!force).then_some(why)) {
@@ -63,8 +68,30 @@ impl Wiring<'_> {
         let index = |key: &str| kind.param(key).unwrap_or(0);
         let channel = item.args[index("channel")].num();
         let along = kind.param("along").and_then(|i| space::direction(&item.args[i]));
+        let hear = kind.param(HEAR.name).map_or(Hear::Position, |i| Hear::of(item.args[i].num()));
+        let force = force || hear == Hear::Force;
+        if let (Hear::Acceleration, Some(e)) = (hear, self.entry(id, "dc")) {
+            let d = Diag::error("E010", format!("`{name}`: `dc` and `hear = \"acceleration\"` exclude each other"));
+            let d = d.at(e.span, "of an acceleration nothing is steady");
+            self.diags.push(d.help("leave out `dc`, or hear the speed"));
+        }
         let Some(e) = self.entry(id, "from") else { return };
         let taps = self.taps(e, &name, force);
+        let minus = self.entry(id, "minus").map(|e| (e, self.taps(e, &name, force)));
+        if let Some((m, other)) = &minus {
+            if !other.is_empty() && !taps.is_empty() && other.len() != taps.len() {
+                let (a, b) = (taps.len(), other.len());
+                let d =
+                    Diag::error("E018", format!("`{name}` hears {a} modules minus {b}")).at(m.span, "other in number");
+                self.diags.push(d.help("name as many in `minus` as in `from`"));
+                return;
+            }
+        }
+        let per_tick = match hear {
+            Hear::Speed => 1.0 / self.net.tick_dt,
+            Hear::Acceleration => 1.0 / (self.net.tick_dt * self.net.tick_dt),
+            _ => 1.0,
+        };
         let many = taps.len() > 1 && channel.is_none();
         for (i, tap) in taps.into_iter().enumerate() {
             let own = if many { format!("{name}[{i}]") } else { name.to_string() };
@@ -85,13 +112,19 @@ impl Wiring<'_> {
                 self.net.channels.push(own.clone());
             }
             let gain = Source::Slot(index("gain") as u32);
-            let parts = match tap {
-                OutputTap::Position(end) | OutputTap::ForceOn(end) => self.directed(end, along, &name, e.span, "hears"),
-                OutputTap::ForceOf(_) => Some(alloc::vec![(0, 1.0)]),
-            };
-            for (axis, share) in parts.into_iter().flatten() {
-                let name = own.clone();
-                self.net.outs.push(OutNode { name, tap, axis, share, channel, gain, item: Some(id), asked: 0 });
+            let other = minus.as_ref().and_then(|(e, all)| Some((*all.get(i)?, e.span, -per_tick)));
+            for (tap, span, factor) in [(tap, e.span, per_tick)].into_iter().chain(other) {
+                let parts = match tap {
+                    OutputTap::Position(end) | OutputTap::ForceOn(end) => {
+                        self.directed(end, along, &name, span, "hears")
+                    }
+                    OutputTap::ForceOf(_) => Some(alloc::vec![(0, 1.0)]),
+                };
+                for (axis, share) in parts.into_iter().flatten() {
+                    let (name, share) = (own.clone(), share * factor);
+                    let item = Some(id);
+                    self.net.outs.push(OutNode { name, tap, hear, axis, share, channel, gain, item, asked: 0 });
+                }
             }
         }
     }
@@ -132,7 +165,8 @@ impl Wiring<'_> {
             for axis in 0..if axes > 1 { 3 } else { 1 } {
                 let name = if axes > 1 { format!("{name}.{}", space::AXES[axis as usize]) } else { name.clone() };
                 let (channel, gain) = (self.next_probe(), Source::Const(1.0));
-                self.net.outs.push(OutNode { name, tap, axis, share: 1.0, channel, gain, item: None, asked });
+                let (hear, share, item) = (Hear::Position, 1.0, None);
+                self.net.outs.push(OutNode { name, tap, hear, axis, share, channel, gain, item, asked });
             }
         }
     }

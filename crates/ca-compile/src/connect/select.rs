@@ -12,11 +12,12 @@ use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 use ca_core::kind::{Kind, PortRole, Role};
 use ca_model::LARGEST;
-use ca_model::Span;
 use ca_model::diag::Diag;
+use ca_model::part::Use;
 use ca_model::quantity::Plain;
 use ca_model::select::{self, Coord, Index, Part, Selector};
 use ca_model::suggest::nearest;
+use ca_model::{Item, Span};
 
 /// What a selector means.
 pub(super) enum Meaning {
@@ -50,7 +51,7 @@ impl Written<'_> {
     }
 }
 
-impl Wiring<'_> {
+impl<'a> Wiring<'a> {
     /// Reads one selector and looks it up. `wants_mat`: why a MAT is wanted, if one is.
     pub(super) fn select(&mut self, w: Written<'_>, wants_mat: Option<&str>) -> Option<Meaning> {
         let sel = match select::parse(w.text) {
@@ -144,17 +145,20 @@ impl Wiring<'_> {
             return;
         }
         let d = Diag::error("E013", format!("`{}`: no module `{name}`", w.owner)).at(w.name(name), "unknown");
-        let group = self.model.groups.iter().any(|g| g.name == name);
+        // of instances any stands for all
+        let many = |g: &str| g.strip_prefix(name).is_some_and(|r| r.starts_with('['));
+        let is = |g: &&str| *g == w.text.trim() || *g == name || many(g);
+        let group = self.model.groups.iter().map(|g| g.name.as_str()).find(is);
         let known = self.net.families.names();
         let member = known.iter().copied().find(|k| k.rsplit('.').next() == Some(name));
         // modules that are broken themselves are meant no less
         let names = known.iter().copied().chain(self.broken.iter().copied());
-        let near = member.or_else(|| nearest(name, names));
+        let near = member.or_else(|| self.of_instance(name, w.owner)).or_else(|| nearest(name, names));
         let d = if self.model.params.iter().any(|p| p.key == name) {
             d.help("that is a parameter; the ends of links and outputs are modules")
-        } else if group {
-            let first = known.iter().find(|k| k.starts_with(&format!("{name}.")));
-            let first = first.map_or_else(|| format!("{name}.…"), ToString::to_string);
+        } else if let Some(group) = group {
+            let first = known.iter().find(|k| k.starts_with(&format!("{group}.")));
+            let first = first.map_or_else(|| format!("{group}.…"), ToString::to_string);
             d.help(format!("that is a group; name one of its modules, e.g. `{first}`"))
         } else if let Some(near) = near {
             // a part of the text can be mended only where it can be told from the whole
@@ -165,6 +169,14 @@ impl Wiring<'_> {
             d.help(format!("declare it, e.g. `{name} = {{ m = \"20 g\" }}` under `[MAS]`"))
         };
         self.diags.push(d);
+    }
+
+    /// The module of a part that is nearly called `name`, where the owner is of an instance of it: as it is called there.
+    fn of_instance(&self, name: &str, owner: &str) -> Option<&'a str> {
+        let of = |u: &Use| owner.strip_prefix(u.name.as_str()).is_some_and(|r| r.starts_with(['.', '[']));
+        let (instance, _) = owner.rsplit_once('.').filter(|_| self.model.uses.iter().any(of))?;
+        let own = |i: &'a Item| i.name.strip_prefix(instance).and_then(|r| r.strip_prefix('.'));
+        nearest(name, self.model.items.iter().filter_map(own))
     }
 
     /// A moving point; the same text is the same point.

@@ -6,6 +6,7 @@ use crate::net::{OutNode, Pruned};
 use alloc::collections::BTreeSet;
 use alloc::format;
 use alloc::vec::Vec;
+use ca_core::io::Hear;
 use ca_core::kind::Unit;
 use ca_core::numeric::real;
 use ca_core::op::layout::Blocker;
@@ -27,18 +28,28 @@ fn cutoff(net: &Pruned, o: &OutNode) -> Option<f64> {
     written.or_else(own).filter(|f| *f > 0.0)
 }
 
+/// Whether an output passes a filter of its own.
+fn is_passed(net: &Pruned, o: &OutNode) -> bool {
+    o.hear == Hear::Acceleration || cutoff(net, o).is_some()
+}
+
 /// Outputs without a high pass, by channel and in each in their order, then those with one.
 pub fn plain_first(net: &Pruned) -> impl Iterator<Item = &OutNode> {
-    let (mut plain, passed): (Vec<&OutNode>, Vec<_>) = net.outs.iter().partition(|o| cutoff(net, o).is_none());
+    let (mut plain, passed): (Vec<&OutNode>, Vec<_>) = net.outs.iter().partition(|o| !is_passed(net, o));
     plain.sort_by_key(|o| o.channel);
     plain.into_iter().chain(passed)
 }
 
-/// The high passes, in that order: bilinear, so −3 dB exactly at the cut-off.
+/// The high passes, in that order: bilinear, so −3 dB exactly at the cut-off. That of an acceleration is the change of the
+/// motion itself.
 pub fn blockers(model: &Model, net: &Pruned, diags: &mut Diags) -> Vec<Blocker> {
     let mut reported = BTreeSet::new();
     let mut all = Vec::new();
-    for (o, f) in net.outs.iter().filter_map(|o| Some((o, cutoff(net, o)?))) {
+    for o in net.outs.iter().filter(|o| is_passed(net, o)) {
+        let Some(f) = cutoff(net, o).filter(|_| o.hear != Hear::Acceleration) else {
+            all.push(Blocker { r: 0.0, g: 1.0 });
+            continue;
+        };
         if f * net.tick_dt >= 0.5 && o.item.is_some_and(|i| reported.insert(i)) {
             diags.push(too_high(model, net, o, f));
         }

@@ -20,6 +20,7 @@ use alloc::boxed::Box;
 use alloc::collections::BTreeSet;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
+use ca_core::io::Hear;
 use ca_core::kind::PortRole;
 use ca_core::live::Loader;
 use ca_core::numeric::{Aligned, Real, VerletList, real};
@@ -274,7 +275,8 @@ fn outputs(plan: &mut Plan, links: &Links) -> Option<(usize, Vec<Output>)> {
     let mut all = Vec::new();
     for o in plain_first(plan.net) {
         let tap = match o.tap {
-            OutputTap::Position(e) => Tap::Position(plan.alive(e, o.axis)?),
+            OutputTap::Position(e) if o.hear == Hear::Position => Tap::Position(plan.alive(e, o.axis)?),
+            OutputTap::Position(e) => Tap::Motion(plan.alive(e, o.axis)?),
             OutputTap::ForceOn(e) => Tap::ForceOn(plan.alive(e, o.axis)?),
             OutputTap::ForceOf(l) => {
                 let (op, k) = links.where_is[l as usize];

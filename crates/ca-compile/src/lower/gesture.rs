@@ -1,8 +1,10 @@
 //! `[gesture]`: what the model plays by itself, as points \[s, value\] for a port or a live parameter.
 
+use crate::lower::curve::Curves;
 use crate::lower::named::Named;
 use crate::lower::values::Values;
 use crate::net::Resolved;
+use alloc::collections::BTreeMap;
 use alloc::format;
 use alloc::vec::Vec;
 use ca_core::kind::Unit;
@@ -14,6 +16,7 @@ use ca_model::{Entry, Model, Value};
 
 /// Reads all gestures.
 pub fn gestures(model: &Model, net: &mut Resolved, alg: Option<f64>, named: &[Named], diags: &mut Diags) {
+    let all: BTreeMap<&str, &Entry> = model.gestures.iter().map(|e| (e.key.as_str(), e)).collect();
     for e in &model.gestures {
         let input = net.inputs.iter().find(|i| i.name == e.key);
         let param = net.params.iter().find(|p| p.name == e.key);
@@ -33,50 +36,34 @@ pub fn gestures(model: &Model, net: &mut Resolved, alg: Option<f64>, named: &[Na
             continue;
         }
         let limits = param.map(|p| (p.min, p.max));
-        // times are seconds in every unit system; only the values follow the model's units
         let mut v = Values::new(None, diags);
+        v.named = named.to_vec();
+        let alg = alg.filter(|_| param.is_none());
+        let within = Vec::from([e.key.clone()]);
         let what = format!("gesture `{}`", e.key);
-        let Some(mut points) = v.points(e, Unit::SECOND, unit, &what) else { continue };
-        let Value::List(list) = &e.value else { continue };
-        if let Some(tr) = alg {
-            for (p, written) in points.iter_mut().zip(list) {
-                if let Value::List(pair) = &written.value {
-                    if matches!(pair[1].value, Value::Num(_)) && param.is_none() {
-                        p[1] *= unit.dim.alg_to_si(tr);
-                    }
-                }
-            }
-        }
-        if points.is_empty() {
-            let d = Diag::error("E019", format!("{what} has no points")).at(e.span, "empty");
-            diags.push(d.help("write `[[seconds, value], …]`, times rising"));
-            continue;
-        }
-        let back = (1..points.len()).find(|i| points[*i][0] < points[i - 1][0]);
-        if let Some(i) = back {
-            let d = Diag::error(
-                "E019",
-                format!("{what} goes back in time: {} s after {} s", Plain(points[i][0]), Plain(points[i - 1][0])),
-            );
-            let d = d.at(list[i].span, "earlier than the point before").at(list[i - 1].span, "the point before");
-            diags.push(d.help("write the points in order of time"));
-            continue;
-        }
-        if let Some(i) = points.iter().position(|p| p[0] < 0.0) {
-            let d = Diag::error("E019", format!("{what} begins before time 0: {} s", Plain(points[i][0])));
-            diags.push(d.at(list[i].span, "before the beginning").help("times are seconds from the first sample"));
-            continue;
-        }
+        let points = Curves { v: &mut v, net, all: &all, unit, alg, within }.curve(e, &what);
+        refer(&e.value, &mut |name| net.unused.retain(|u| u.0 != name));
+        let Some(points) = points else { continue };
+        let span = |i: usize| if let Value::List(l) = &e.value { l.get(i).map_or(e.span, |p| p.span) } else { e.span };
         if let Some((min, max)) = limits {
             if let Some(i) = points.iter().position(|p| p[1] < min || p[1] > max) {
                 let title = format!("{what} leaves the range of the parameter: {}", Plain(points[i][1]));
-                let d = Diag::error("E009", title).at(list[i].span, "out of range");
+                let d = Diag::error("E009", title).at(span(i), "out of range");
                 let help = crate::findings::range_help(min, max, |v| format!("{}", Plain(v)));
                 diags.push(d.help(help));
                 continue;
             }
         }
         net.gestures.push((e.key.clone(), points));
+    }
+}
+
+/// Every text in a value.
+fn refer(value: &Value, named: &mut dyn FnMut(&str)) {
+    match value {
+        Value::Text(t) => named(t),
+        Value::List(l) | Value::Table(l) => l.iter().for_each(|e| refer(&e.value, named)),
+        _ => {}
     }
 }
 
@@ -104,7 +91,8 @@ fn drives_nothing(e: &Entry, model: &Model, net: &Resolved, named: &[Named], dia
     d = d.at(e.key_span, "neither a port nor a live parameter");
     let names = || net.inputs.iter().map(|i| i.name.as_str()).chain(net.params.iter().map(|p| p.name.as_str()));
     if let Some(near) = nearest(&e.key, names()) {
-        d = d.help(format!("did you mean `{near}`?")).fix(e.key_span, near);
+        let new = if near.contains('[') { format!("\"{near}\"") } else { near.into() };
+        d = d.help(format!("did you mean `{near}`?")).fix(e.key_span, new);
     } else if names().next().is_some() {
         let all: Vec<_> = names().take(12).map(|n| format!("`{n}`")).collect();
         d = d.help(format!("a gesture drives an ENX, ENF or TGR, or a live parameter: {}", all.join(", ")));

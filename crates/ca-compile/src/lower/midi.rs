@@ -7,6 +7,7 @@ use alloc::string::String;
 use ca_core::io::midi::{MidiMap, MidiSource};
 use ca_core::kind::{ANY, POSITIVE, Unit};
 use ca_model::diag::Diag;
+use ca_model::quantity::note_number;
 use ca_model::suggest::nearest;
 use ca_model::{Entry, Value};
 
@@ -122,7 +123,7 @@ impl Values<'_> {
 
     fn note(&mut self, e: &Entry, what: &str) -> Option<u8> {
         let Value::Text(t) = &e.value else { return self.small(e, (0, 127), "notes", what) };
-        let found = named_note(t);
+        let found = note_number(t);
         if found.is_none() {
             let d = Diag::error("E026", format!("{what}: no note `{t}`")).at(e.span, "not a note");
             let d = match meant(t) {
@@ -144,33 +145,10 @@ fn small(e: &Entry) -> Option<u8> {
     }
 }
 
-/// `C4` is 60.
-fn named_note(t: &str) -> Option<u8> {
-    let mut chars = t.chars();
-    let step = match chars.next()?.to_ascii_uppercase() {
-        'C' => 0,
-        'D' => 2,
-        'E' => 4,
-        'F' => 5,
-        'G' => 7,
-        'A' => 9,
-        'B' => 11,
-        _ => return None,
-    };
-    let rest = chars.as_str();
-    let (sharp, octave) = match rest.chars().next()? {
-        c @ ('#' | '♯') => (1, &rest[c.len_utf8()..]),
-        c @ ('b' | '♭') => (-1, &rest[c.len_utf8()..]),
-        _ => (0, rest),
-    };
-    let number = 12 * (octave.parse::<i32>().ok()?.checked_add(1)?.clamp(-9, 20)) + step + sharp;
-    u8::try_from(number).ok().filter(|n| *n < 128)
-}
-
 /// What a German note name, a missing octave or a number in quotes was meant to be.
 fn meant(t: &str) -> Option<String> {
     let t = t.trim();
     let german = t.strip_prefix(['H', 'h']).map(|rest| format!("B{rest}"));
     let candidates = [german, Some(t.into()), Some(format!("{t}4"))];
-    candidates.into_iter().flatten().find(|c| named_note(c).is_some())
+    candidates.into_iter().flatten().find(|c| note_number(c).is_some())
 }

@@ -2,6 +2,7 @@
 //! and generators become nodes of the network. Links wait for all names to be known ([`super::connect`]).
 
 pub mod crossing;
+pub mod curve;
 pub mod equivalence;
 pub mod expand;
 pub mod gesture;

@@ -11,7 +11,7 @@ use ca_core::kind::{ANY, Dim, Unit};
 use ca_core::live::LiveParam;
 use ca_core::scene::InputRole;
 use ca_model::diag::{Diag, Diags};
-use ca_model::quantity::Plain;
+use ca_model::quantity::{Plain, Quantity};
 use ca_model::suggest::nearest;
 use ca_model::{Entry, Model, Span, Value, quantity};
 
@@ -40,6 +40,9 @@ fn raw(e: &Entry, what: &str, diags: &mut Diags) -> Option<Raw> {
                 None
             }
         },
+        Value::Text(t) if let Some(value) = quantity::note(t) => {
+            Some(Raw::Quantity(Quantity { value, dim: Dim::FREQUENCY, has_unit: true }))
+        }
         other => {
             let title = format!("{what} must be a number or a quantity, not {}", type_name(other));
             let d = Diag::error("E006", title).at(e.span, "not a number");
@@ -299,6 +302,7 @@ fn drives(n: &Named, net: &Resolved, v: &mut Values<'_>) -> Option<NetDriven> {
 pub fn report_unused(net: &Resolved, diags: &mut Diags) {
     for (name, span) in &net.unused {
         let d = Diag::warning("W109", format!("parameter `{name}` is used by nothing")).at(*span, "declared here");
-        diags.push(d.help(format!("write `\"{name}\"` where a module should follow it, or remove it")));
+        let short = name.rsplit('.').next().unwrap_or(name);
+        diags.push(d.help(format!("write `\"{short}\"` where a module should follow it, or remove it")));
     }
 }

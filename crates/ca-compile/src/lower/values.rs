@@ -70,7 +70,11 @@ impl Values<'_> {
         let followed = match &e.value {
             Value::Num(v) => (*v * self.bare(unit.dim), None),
             Value::Text(t) if quantity::is_quantity(t) => (self.measured(t, unit, e, what)?, None),
-            Value::Text(t) => self.named_number(t, unit, range, e, what)?,
+            // a parameter of that name comes first
+            Value::Text(t) => match quantity::note(t).filter(|_| unit.dim.same(Dim::FREQUENCY)) {
+                Some(f) if !self.named.iter().any(|n| n.name == *t) => (f, None),
+                _ => self.named_number(t, unit, range, e, what)?,
+            },
             other => {
                 let title = format!("{what} must be a number, not {}", type_name(other));
                 let help = format!("write e.g. `{}`, or the name of a `[param]`", quoted(unit));

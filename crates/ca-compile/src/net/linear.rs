@@ -7,10 +7,11 @@ use crate::analysis::{Dof, Linear, MovingLink, Network, Port};
 use crate::net::linearisation;
 use crate::net::linearisation::Own;
 use crate::net::lines::LineNode;
-use crate::net::{Coordinate, End, LiaNode, MatNode, Measure, OutputTap, Pruned, Wired};
+use crate::net::{Coordinate, End, LiaNode, MatNode, Measure, OutNode, OutputTap, Pruned, Wired};
 use alloc::string::String;
 use alloc::string::ToString;
 use alloc::vec::Vec;
+use ca_core::io::Hear;
 use ca_core::law::Bound;
 use ca_core::op::pass;
 use ca_core::tuning::Scheme;
@@ -98,8 +99,9 @@ pub fn network(net: &Pruned) -> Network {
     let (mut ports, mut force_outputs): (Vec<Port>, Vec<_>) = (Vec::new(), Vec::new());
     // the last port and its channel: a probe may have the name of an output
     let mut last: Option<(&str, u32)> = None;
-    for (name, tap, axis, share, channel) in net.outs.iter().map(|o| (&o.name, o.tap, o.axis, o.share, o.channel)) {
-        let OutputTap::Position(end) = tap else {
+    for OutNode { name, tap, hear, axis, share, channel, .. } in &net.outs {
+        let (axis, share, channel) = (*axis, *share, *channel);
+        let (OutputTap::Position(end), Hear::Position) = (*tap, *hear) else {
             force_outputs.push(name.clone());
             continue;
         };

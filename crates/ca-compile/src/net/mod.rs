@@ -16,6 +16,7 @@ use alloc::boxed::Box;
 use alloc::string::String;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
+use ca_core::io::Hear;
 use ca_core::kind::builder::Arg;
 use ca_core::kind::name::Name;
 use ca_core::kind::{Kind, MatSpec, PortRole};
@@ -236,7 +237,7 @@ pub struct PointNode {
 /// What an output hears.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OutputTap {
-    /// displacement
+    /// displacement, or what [`OutNode::hear`] says of it
     Position(End),
     /// summed force
     ForceOn(End),
@@ -251,6 +252,8 @@ pub struct OutNode {
     pub name: String,
     /// what it hears
     pub tap: OutputTap,
+    /// what of a position
+    pub hear: Hear,
     /// of something in space, the axis it hears
     pub axis: u8,
     /// factor, beside the gain: the share of this axis in the direction it hears

@@ -8,6 +8,31 @@ use crate::kind::{ANY, Kind, Need, POSITIVE, Param, PortRole, Role, Type, Unit};
 
 pub mod midi;
 
+crate::choice! {
+    /// What an output hears of a MAT.
+    pub enum Hear {
+        /// displacement from rest \[m\]
+        Position = "position",
+        /// its change in a tick over the tick \[m/s\]
+        Speed = "speed",
+        /// the change of that in a tick over the tick \[m/s²\]
+        Acceleration = "acceleration",
+        /// summed force on it \[N\]
+        Force = "force",
+    }
+}
+
+/// `hear` of SOX.
+pub const HEAR: Param = Param::new(
+    "hear",
+    Type::Choice(Hear::WORDS),
+    Need::Default(0.0),
+    "what of it: its position, its speed as a coil does [m/s], its acceleration [m/s^2], or the force on it [N]",
+);
+/// `minus` of SOX.
+const MINUS: Param =
+    Param::new("minus", Type::Module, Need::Optional, "the MAT of which the same is taken away, as of two coils");
+
 /// All port kinds, in the order of the documentation.
 pub const KINDS: &[&Kind] = &[&ENX, &ENF, &SOX, &SOF, &TGR];
 
@@ -93,9 +118,10 @@ blow = [[0, 0], [0.001, "2 N"], [0.002, 0]]
 pub static SOX: Kind = Kind {
     code: "SOX",
     title: "position output",
-    equation: "out = gain (x - rest)",
-    doc: "A microphone on a MAT: its displacement from rest, in metres times `gain`. One channel each unless they \
-          share a `channel`.",
+    equation: "out = gain (x - rest), or of its speed, its acceleration, the force on it",
+    doc: "A pickup on a MAT: its displacement from rest in metres, or what `hear` says, times `gain`. One channel each \
+          unless they share a `channel`. `minus` takes away the same of another MAT. Speed is the mean over the tick \
+          before: late by half a tick.",
     source: &["CMJ 1993"],
     params: &[
         Param::new("from", Type::Module, Need::Required, "the MAT it hears; a point `low@0.3` may move"),
@@ -103,6 +129,8 @@ pub static SOX: Kind = Kind {
         CHANNEL,
         DC,
         ALONG,
+        HEAR,
+        MINUS,
     ],
     one_of: &[],
     example: r#"
@@ -110,6 +138,7 @@ pub static SOX: Kind = Kind {
 bar = { m = "1 g", f = "220 Hz", t60 = "1 s", dx0 = "1 mm" }
 [SOX]
 out = { from = "bar", gain = 500 }
+coil = { from = "bar", gain = 0.3, hear = "speed" }
 "#,
     role: Role::Port(PortRole::Sox),
 };

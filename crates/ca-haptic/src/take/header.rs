@@ -21,8 +21,8 @@ use ca_core::{ARITHMETIC, Catalog, Scene};
 use ca_import::mims;
 use ca_io::cloud;
 use ca_io::error::FileError;
+use ca_model::Model;
 use ca_model::diag::Diags;
-use ca_model::{Model, read};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -44,6 +44,8 @@ pub struct Header {
     pub changes: Vec<(String, String)>,
     /// the model with these changes, for people
     pub resolved: String,
+    /// the files that it takes parts from, by their paths from its folder
+    pub parts: BTreeMap<String, String>,
     /// what was asked of the compiler
     pub options: Options,
     /// the devices
@@ -84,7 +86,7 @@ impl Header {
         setups: Vec<Setup>,
         engine: engine::Options,
     ) -> Header {
-        let ModelText { file, text, changes, resolved } = ModelText::of(model, changes);
+        let ModelText { file, text, changes, resolved, parts } = ModelText::of(model, changes);
         let since = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap_or_default();
         let cpus = std::thread::available_parallelism().map_or(0, std::num::NonZero::get);
         let host = [
@@ -100,6 +102,7 @@ impl Header {
             text,
             changes,
             resolved,
+            parts,
             options,
             setups,
             engine,
@@ -124,14 +127,18 @@ impl Header {
     /// Where a file of the model is missing in the take.
     pub fn model(&self, catalog: &Catalog) -> Result<(Model, Diags), FileError> {
         let mdl = self.file.to_ascii_lowercase().ends_with(".mdl");
-        let (mut model, found) =
-            if mdl { mims::import(&self.text, &self.file) } else { read::read(&self.text, &self.file, catalog) };
+        let (mut model, found) = if mdl { mims::import(&self.text, &self.file) } else { self.text_of().read(catalog) };
         for (name, value) in &self.changes {
             if !model.set(name, value) {
                 return Err(FileError::content(format!("its model has no `{name}`, which was set to `{value}`")));
             }
         }
         Ok((model, found))
+    }
+
+    fn text_of(&self) -> ModelText {
+        let Header { file, text, changes, resolved, parts, .. } = self.clone();
+        ModelText { file, text, changes, resolved, parts }
     }
 
     /// The scene that was played, compiled again.
@@ -155,9 +162,9 @@ impl Header {
     /// The same performance with another version of its model, read by the bodies in `clouds`.
     #[must_use]
     pub fn version(&self, next: &NextModel) -> Header {
-        let ModelText { file, text, changes, resolved } = next.model.clone();
+        let ModelText { file, text, changes, resolved, parts } = next.model.clone();
         let options = Options { clouds: next.clouds.clone(), ..self.options.clone() };
-        Header { file, text, changes, resolved, options, start: next.start, ..self.clone() }
+        Header { file, text, changes, resolved, parts, options, start: next.start, ..self.clone() }
     }
 
     /// True where `scene`, compiled from it, plays the same bits here: its arithmetic is this one, or rounds it alike.
@@ -187,6 +194,9 @@ impl Header {
         let mut put = |name: String, media, data| files.push(Attached { name, media, data });
         put(format!("model/{}", self.file), toml, self.text.clone());
         put("resolved.ca.toml".into(), toml, self.resolved.clone());
+        for (name, text) in &self.parts {
+            put(format!("part/{name}"), toml, text.clone());
+        }
         for s in &self.setups {
             put(format!("profile/{}.toml", s.device), toml, s.profile.write());
             put(format!("calibration/{}.toml", s.device), toml, s.calibration.write());
@@ -268,6 +278,7 @@ impl Header {
                 clouds.insert(own.into(), Ok(Arc::new(cloud::read_obj(data.as_bytes())?)));
             }
         }
+        let parts = files.iter().filter_map(|(n, t)| Some((n.strip_prefix("part/")?.to_owned(), t.clone()))).collect();
         let asked = text("asked.rate")?;
         let rate = if asked.is_empty() { None } else { Some(number("asked.rate")?) };
         let kernel = if text("asked.kernel")? == "reference" { KernelClass::Reference } else { KernelClass::Fast };
@@ -277,6 +288,7 @@ impl Header {
             title: text("title")?,
             text: file_of(&format!("model/{file}"))?,
             resolved: file_of("resolved.ca.toml")?,
+            parts,
             file,
             changes: serde_json::from_str(&text("changes")?).map_err(|_| bad("changes"))?,
             options: Options {
@@ -327,11 +339,15 @@ mod tests {
     use crate::calibration::Axis;
     use crate::profile::SHIPPED;
     use ca_core::kind::cloud::Cloud;
+    use ca_model::read;
 
     #[test]
     fn everything_comes_back_to_the_bit() {
-        let text = "[TGR]\nkey = { device = \"a b\", dof = 0 }\n[SOL]\nw = {}\n[RES]\nr = { between = [\"key\", \"w\"], k = 5 }\n[SOX]\nout = { from = \"key\" }\n";
-        let (mut model, _) = read::read(text, "some/where/key.ca.toml", &ca_model::catalog());
+        let text = "[TGR]\nkey = { device = \"a b\", dof = 0 }\n[SOL]\nw = {}\n[RES]\nr = { between = [\"key\", \"w\"], k = 5 }\n[SOX]\nout = { from = \"b.m\" }\n[use]\nb = \"p/b.ca.toml\"\n";
+        let (mut model, _) = read::read_with(text, "some/where/key.ca.toml", &ca_model::catalog(), &mut |name| {
+            assert_eq!(name, "p/b.ca.toml");
+            Ok("[MAS]\nm = { m = 1 }\n".into())
+        });
         assert!(model.set("r.k", "7"));
         let points = vec![[0.1, -1.0 / 3.0, 1e-300], [1.0, 2.0, 3.0], [0.0, 0.5, 1e300]];
         let cloud = Cloud { points, edges: vec![[0, 2], [1, 2]], merged: 0, flat: 0 };
@@ -361,6 +377,7 @@ mod tests {
             assert!(back.resolved.contains("k = 7"));
             let again = back.scene(&ca_model::catalog()).expect("it compiles again");
             assert_eq!(again.state().bits(), scene.state().bits());
+            assert_eq!(back.parts, h.parts);
             for key in meta.keys().filter(|k| !k.starts_with("host.")) {
                 let mut less = meta.clone();
                 less.remove(key);

@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 /// The definition of the message: `ca/msg/Model`. `start` is the hash of its state at load, `changes` a list of names and values,
 /// `clouds` bodies as OBJ by name, `moved` the names of parameters that somebody had moved before, whose `values` they keep
-/// \[SI\]; the three are JSON; where `anew`, all masses begin as
+/// \[SI\], `parts` the texts of files that it takes parts from, by name; the four are JSON; where `anew`, all masses begin as
 /// at load.
 pub const MODEL: &str = "\
 uint64 tick
@@ -25,6 +25,7 @@ string changes
 string resolved
 string clouds
 bool anew
+string parts
 ";
 
 /// A version of the model, as a take holds it.
@@ -59,7 +60,8 @@ pub(super) fn write(out: &mut Vec<u8>, tick: u64, version: &Version) {
         .text(&json(&m.changes))
         .text(&m.resolved)
         .text(&json(&clouds))
-        .put(u8::from(version.anew));
+        .put(u8::from(version.anew))
+        .text(&json(&m.parts));
 }
 
 /// Reads one, with its tick; `None` where that is not what is there.
@@ -76,10 +78,11 @@ pub(super) fn read(data: &[u8]) -> Option<(u64, NextModel)> {
     for (name, obj) in bodies {
         clouds.insert(name, Ok(Arc::new(cloud::read_obj(obj.as_bytes()).ok()?)));
     }
-    let model = ModelText { file, text, changes, resolved };
     let moved = (names.len() == values.len()).then(|| names.into_iter().zip(values).collect())?;
-    // takes of before have none
+    // takes of before have neither
     let anew = r.get::<u8>().is_some_and(|b| b != 0);
+    let parts = r.text().and_then(|t| serde_json::from_str(&t).ok()).unwrap_or_default();
+    let model = ModelText { file, text, changes, resolved, parts };
     Some((tick, NextModel { model, clouds, start, moved, anew }))
 }
 

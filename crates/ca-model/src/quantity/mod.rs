@@ -6,12 +6,14 @@
 //! multiplying by 1e-3, is one bit off for every third number and would make a model's bits depend on how its author
 //! likes to write. No units library: three exponents and six symbols are all that mechanics needs here.
 
+mod note;
 mod read;
 mod show;
 mod units;
 mod value;
 
 pub use ca_core::numeric::Plain;
+pub use note::{note, note_number};
 pub use read::{is_quantity, parse};
 pub use show::{rounded, show, six, unit_of};
 pub use value::{Quantity, QuantityError};

@@ -127,6 +127,28 @@ class Model:
         self._core.group(name, _entries(name, values))
         return self
 
+    def use(
+        self, name: str, part: str | Model, *, n: int | None = None, of: Model | None = None, **values: object
+    ) -> Model:
+        """Adds instances of a part: one of this model or of the model ``of``, by its name, or another model whole. With
+        ``n`` there are so many, ``name[0]`` to ``name[n - 1]``, and a list among the values has one for each.
+
+        Raises:
+            UsageError: no such part, a value that is missing, unknown, or not one for each; a name that is taken.
+
+        >>> import cordis_anima as ca
+        >>> tine = ca.Model().param("f", unit="Hz").add("CEL", "bar", m="1 g", f="f", t60="2 s", dx0="1 mm")
+        >>> m = ca.Model().use("tine", tine, n=3, f=["C4", "E4 -14 c", "392 Hz"])
+        >>> m.add("SOX", "out", from_="tine[*].bar", channel=0).check().ok
+        True
+        >>> m.items[2]
+        ('CEL', 'tine[2].bar')
+        """
+        source = part if isinstance(part, Model) else of
+        word = part if isinstance(part, str) else ""
+        self._core.use_part(name, word, None if source is None else source._core, n, _entries(name, values))
+        return self
+
     def param(self, name: str, value: object = None, **about: object) -> Model:
         """Adds a parameter, or writes it anew. The ends of its range are quantities as its value is, or plain numbers in
         its ``unit``. One that a port drives has no value, but ``port``, ``span``, ``min`` and ``max``.

@@ -8,11 +8,11 @@ mod edit;
 mod table;
 
 use crate::args::{EquivArgs, Source};
-use crate::load::{self, Loaded};
-use crate::{Ended, Failure, Outcome, catalog, term};
+use crate::load;
+use crate::{Ended, Failure, Outcome, term};
 use ca_compile::Options;
 use ca_io::atomic_file;
-use ca_model::{read, write};
+use ca_model::write;
 use std::io::Write as _;
 use std::path::Path;
 
@@ -24,8 +24,7 @@ pub fn run(args: &EquivArgs) -> Outcome {
     let mut text = if mdl { write::write(&loaded.model) } else { loaded.model.text.clone() };
     if !args.set.is_empty() || args.anchor.is_some() || args.key.is_some() {
         text = edit::edit(&text, &loaded.model, &scene.equivalence, args)?;
-        let (model, diags) = read::read(&text, &loaded.model.file, &catalog());
-        loaded = Loaded { model, diags, ..loaded };
+        loaded = ca_lab::load::reread(&loaded, &text);
         scene = load::scene(&loaded, &Options::default())?;
     }
     if args.to.in_place {

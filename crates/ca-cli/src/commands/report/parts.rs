@@ -164,8 +164,7 @@ impl ModesPart {
         if !forces.is_empty() {
             let names = crate::load::ticked(forces.iter().map(String::as_str));
             let rest = if places { "; the levels are of the others" } else { "" };
-            let note =
-                format!("These outputs hear forces, which are no displacements, and may hear any mode: {names}{rest}.");
+            let note = format!("These outputs hear other than displacements, and may hear any mode: {names}{rest}.");
             blocks.push(Block::Text(note));
         }
         // what an output that hears forces makes of a mode is not known, and no silence

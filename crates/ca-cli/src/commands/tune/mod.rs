@@ -4,6 +4,7 @@
 //! and it is heard through the scheme. A generator that knows `f` is right at once; what is left is found by the secant
 //! of two logarithms, since a frequency is a power of a stiffness. What is written is found again by reading it.
 
+mod instance;
 mod pitch;
 
 use crate::args::{Source, TuneArgs};
@@ -12,7 +13,7 @@ use crate::{Ended, Failure, Outcome, catalog, term};
 use ca_compile::Options;
 use ca_compile::analysis::{Mode, Network, modes};
 use ca_core::scene::certificate::Level;
-use ca_model::{Model, Value, quantity, read};
+use ca_model::{Model, Value, quantity};
 use pitch::pitch;
 use serde_json::{Value as Json, json};
 use std::io::Write as _;
@@ -38,6 +39,8 @@ struct Variable {
     cell: Option<usize>,
     /// keys from the root of the file to the number
     path: Vec<String>,
+    /// where the number stands in a list, if in one
+    place: Option<usize>,
     /// unit it is written in
     unit: &'static str,
     /// pitch over number, as powers
@@ -158,6 +161,9 @@ fn variable(model: &Model, part: &str, cell: Option<usize>) -> Result<Variable, 
         }
     };
     let entry = of(key).map(|e| &e.value);
+    if let Some(found) = instance::variable(model, item, entry, (key, unit, slope)) {
+        return found;
+    }
     if let (Some(Value::List(list)), None) = (entry, cell) {
         let n = list.len();
         return Err(Failure::Usage(format!(
@@ -174,7 +180,7 @@ fn variable(model: &Model, part: &str, cell: Option<usize>) -> Result<Variable, 
             path.extend(matches!(p.value, Value::Table(_)).then(|| "value".to_owned()));
         }
     }
-    Ok(Variable { part: part.into(), cell, path, unit, slope })
+    Ok(Variable { part: part.into(), cell, path, place: cell, unit, slope })
 }
 
 /// The value of a variable, in SI or in the model's own.
@@ -183,11 +189,14 @@ fn number(doc: &DocumentMut, variable: &Variable) -> Option<(f64, bool)> {
     for key in &variable.path {
         at = at.get(key.as_str())?;
     }
-    let value = match variable.cell {
+    let value = match variable.place {
         Some(k) => at.as_array()?.get(k)?,
         None => at.as_value()?,
     };
     if let Some(text) = value.as_str() {
+        if let Some(f) = quantity::note(text) {
+            return Some((f, true));
+        }
         let q = quantity::parse(text).ok()?;
         return Some((q.value, q.has_unit));
     }
@@ -203,7 +212,7 @@ fn turn(doc: &mut DocumentMut, variable: &Variable, v: f64, units: bool) -> Opti
     for key in &variable.path {
         at = at.get_mut(key.as_str())?;
     }
-    let place = match variable.cell {
+    let place = match variable.place {
         Some(k) => at.as_array_mut()?.get_mut(k)?,
         None => at.as_value_mut()?,
     };
@@ -247,9 +256,7 @@ fn tune(
             return Err(outside());
         }
         written = turn(doc, variable, next, units).ok_or_else(outside)?;
-        let (model, diags) = read::read(&doc.to_string(), &loaded.model.file, &catalog());
-        *loaded =
-            Loaded { model, diags, name: std::mem::take(&mut loaded.name), clouds: std::mem::take(&mut loaded.clouds) };
+        *loaded = ca_lab::load::reread(loaded, &doc.to_string());
         let f = heard(loaded, &name, variable, mode)?;
         let (moved, turned) = ((f / now).log2(), (next / v).log2());
         if turned.abs() > 1e-9 && (0.05..5.0).contains(&(moved / turned)) {

@@ -8,6 +8,8 @@ use crate::numeric::Real;
 pub enum Tap {
     /// displacement of a MAT from its rest position
     Position(u32),
+    /// how far a MAT went in the last tick
+    Motion(u32),
     /// summed force on a MAT
     ForceOn(u32),
     /// force of a LIA, at this index of [`State::tap`](crate::state::State)

@@ -1,0 +1,66 @@
+//! Which number of the text tunes a module of an instance: that which `[use]` gives its parameter.
+//!
+//! Decides that a number of a part which several instances share is not touched: it would tune them all.
+
+use super::Variable;
+use crate::Failure;
+use ca_model::part::Use;
+use ca_model::{Item, Model, Value};
+
+/// The variable of a module that is of an instance; `None` where it is not.
+pub(super) fn variable(
+    model: &Model,
+    item: &Item,
+    entry: Option<&Value>,
+    (key, unit, slope): (&'static str, &'static str, f64),
+) -> Option<Result<Variable, Failure>> {
+    let (u, index, rest) = model.uses.iter().find_map(|u| of(u, &item.name))?;
+    let refuse = |what: String| Some(Err(Failure::Usage(format!("`{}`: {what}", item.name))));
+    if rest.contains(['[', '.']) {
+        return refuse("it is of an instance within an instance; tune it by the parameters of these".into());
+    }
+    let prefix = index.map_or(format!("{}.", u.name), |i| format!("{}[{i}].", u.name));
+    let param = match entry {
+        Some(Value::Text(name)) => name.strip_prefix(&prefix),
+        _ => None,
+    };
+    let made =
+        |path: Vec<String>, place| Some(Ok(Variable { part: item.name.clone(), cell: None, path, place, unit, slope }));
+    let path = |words: &[&str]| words.iter().map(|w| (*w).to_owned()).collect::<Vec<_>>();
+    if let Some(name) = param {
+        match u.with.iter().find(|e| e.key == name).map(|e| &e.value) {
+            Some(Value::List(_)) if index.is_some() => return made(path(&["use", &u.name, "with", name]), index),
+            Some(_) if index.is_none() => return made(path(&["use", &u.name, "with", name]), None),
+            Some(_) => {
+                let n = "a list with one value for each";
+                return refuse(format!("all instances of `{}` have one `{name}`; write {n} in `with`", u.name));
+            }
+            None => {}
+        }
+    }
+    let part = u.part.as_ref().map(|e| &e.value);
+    match (part, index) {
+        (Some(Value::Text(part)), None) if u.file.is_none() => match param {
+            Some(name) => {
+                let p = model.parts.iter().find(|p| p.name == *part)?.body.params.iter().find(|p| p.key == name)?;
+                let mut path = path(&["part", part, "param", name]);
+                path.extend(matches!(p.value, Value::Table(_)).then(|| "value".to_owned()));
+                made(path, None)
+            }
+            None => made(path(&["part", part, &item.kind, rest, key]), None),
+        },
+        _ => {
+            refuse(format!("its `{key}` is one number of the part, for all; make it a parameter and give it in `with`"))
+        }
+    }
+}
+
+/// The index of the instance of `u` that a module is of, and its name there.
+fn of<'m>(u: &'m Use, name: &'m str) -> Option<(&'m Use, Option<usize>, &'m str)> {
+    let rest = name.strip_prefix(u.name.as_str())?;
+    if let Some(rest) = rest.strip_prefix('.') {
+        return Some((u, None, rest));
+    }
+    let (index, rest) = rest.strip_prefix('[')?.split_once("].")?;
+    Some((u, Some(index.parse().ok()?), rest))
+}

@@ -1,0 +1,397 @@
+//! Curve: a built-in gesture as written: points, or what makes them.
+//!
+//! Decides that all of them become points joined by straight lines before anything is played, as gestures of files are: whoever
+//! plays a scene knows one kind of gesture, and a take holds the same. Between its points a sine is then as straight as the hand
+//! of a device between its frames: it has one at every gesture frame, and at every sample where it is too fast for these.
+
+use crate::lower::values::Values;
+use crate::net::Resolved;
+use alloc::collections::BTreeMap;
+use alloc::format;
+use alloc::string::String;
+use alloc::vec::Vec;
+use ca_core::kind::{ANY, POSITIVE, Unit};
+use ca_model::diag::Diag;
+use ca_model::quantity::Plain;
+use ca_model::sections::CURVES;
+use ca_model::suggest::nearest;
+use ca_model::{Entry, Span, Value};
+use core::f64::consts::PI;
+
+/// More points than this are refused.
+const MOST: usize = 1 << 22;
+/// A gesture that follows one that follows another, and so on, no further than this.
+const DEEP: usize = 16;
+/// So many points of a period make a sine: it is then true to 5e-4 of its amplitude.
+const OF_PERIOD: f64 = 100.0;
+
+/// Points \[s, value\].
+pub type Points = Vec<[f64; 2]>;
+
+/// What a curve is made for.
+pub struct Curves<'a, 'v> {
+    pub v: &'a mut Values<'v>,
+    pub net: &'a Resolved,
+    /// all gestures as written
+    pub all: &'a BTreeMap<&'a str, &'a Entry>,
+    /// unit of the values
+    pub unit: Unit,
+    /// tick of the reference rate, where bare values are in `alg` units; times are seconds in every unit system
+    pub alg: Option<f64>,
+    /// those that are being followed
+    pub within: Vec<String>,
+}
+
+impl Curves<'_, '_> {
+    /// The points of a gesture; `None` is reported.
+    pub fn curve(&mut self, e: &Entry, what: &str) -> Option<Points> {
+        match &e.value {
+            Value::Table(t) => self.made(e, t, what),
+            _ => self.points(e, what),
+        }
+    }
+
+    fn points(&mut self, e: &Entry, what: &str) -> Option<Points> {
+        let mut points = self.v.points(e, Unit::SECOND, self.unit, what)?;
+        let Value::List(list) = &e.value else { return None };
+        if let Some(tr) = self.alg {
+            for (p, written) in points.iter_mut().zip(list) {
+                if let Value::List(pair) = &written.value {
+                    if matches!(pair[1].value, Value::Num(_)) {
+                        p[1] *= self.unit.dim.alg_to_si(tr);
+                    }
+                }
+            }
+        }
+        if points.is_empty() {
+            let d = Diag::error("E019", format!("{what} has no points")).at(e.span, "empty");
+            self.v.diags.push(d.help("write `[[seconds, value], …]`, times rising"));
+            return None;
+        }
+        let back = (1..points.len()).find(|i| points[*i][0] < points[i - 1][0]);
+        if let Some(i) = back {
+            let (now, before) = (Plain(points[i][0]), Plain(points[i - 1][0]));
+            let d = Diag::error("E019", format!("{what} goes back in time: {now} s after {before} s"));
+            let d = d.at(list[i].span, "earlier than the point before").at(list[i - 1].span, "the point before");
+            self.v.diags.push(d.help("write the points in order of time"));
+            return None;
+        }
+        if let Some(i) = points.iter().position(|p| p[0] < 0.0) {
+            let d = Diag::error("E019", format!("{what} begins before time 0: {} s", Plain(points[i][0])));
+            self.v
+                .diags
+                .push(d.at(list[i].span, "before the beginning").help("times are seconds from the first sample"));
+            return None;
+        }
+        Some(points)
+    }
+
+    fn made(&mut self, e: &Entry, t: &[Entry], what: &str) -> Option<Points> {
+        let makers = || CURVES.iter().map(|m| m.0);
+        let found: Vec<&Entry> = t.iter().filter(|x| makers().any(|m| m == x.key)).collect();
+        let [of] = found[..] else {
+            let many = if found.is_empty() { "nothing that makes it" } else { "more than one thing that makes it" };
+            let all = makers().map(|m| format!("`{m}`")).collect::<Vec<_>>().join(", ");
+            let d = Diag::error("E019", format!("{what} says {many}")).at(e.span, "one of them is wanted");
+            self.v.diags.push(d.help(format!("write points, or a table with one of {all}; `sum` adds several")));
+            return None;
+        };
+        let keys = CURVES.iter().find(|m| m.0 == of.key).map_or(&[][..], |m| m.1);
+        let mut good = true;
+        for x in t.iter().filter(|x| x.key != of.key && !keys.contains(&x.key.as_str())) {
+            let d = Diag::error("E004", format!("{what}: a {} has no `{}`", of.key, x.key))
+                .at(x.key_span, "not known here");
+            let all = keys.iter().map(|k| format!("`{k}`")).collect::<Vec<_>>().join(", ");
+            self.v.diags.push(match nearest(&x.key, keys.iter().copied()) {
+                Some(near) => d.help(format!("did you mean `{near}`?")).fix(x.key_span, near),
+                None if keys.is_empty() => d.help("it stands alone"),
+                None => d.help(format!("it has {all}")),
+            });
+            good = false;
+        }
+        let mut m = Maker { c: self, t, at: e.span, what };
+        let points = match of.key.as_str() {
+            "points" => m.looped(of),
+            "ramp" => m.ramp(of),
+            "sine" => m.sine(of),
+            "noise" => m.noise(of),
+            "pulse" => m.pulse(of),
+            "follow" => m.follow(of),
+            _ => m.sum(of),
+        };
+        points.filter(|_| good)
+    }
+}
+
+/// One table at work.
+struct Maker<'m, 'a, 'v> {
+    c: &'m mut Curves<'a, 'v>,
+    t: &'m [Entry],
+    at: Span,
+    what: &'m str,
+}
+
+impl Maker<'_, '_, '_> {
+    fn find(&self, key: &str) -> Option<&Entry> {
+        self.t.iter().find(|x| x.key == key)
+    }
+
+    fn constant(&mut self, e: &Entry, unit: Unit, range: (f64, f64)) -> Option<f64> {
+        let what = format!("`{}` of {}", if e.key.is_empty() { "a value" } else { &e.key }, self.what);
+        self.c.v.constant(e, unit, range, &what)
+    }
+
+    /// A time \[s\].
+    fn time(&mut self, key: &str, or: f64, range: (f64, f64)) -> Option<f64> {
+        let Some(e) = self.find(key).cloned() else { return Some(or) };
+        self.constant(&e, Unit::SECOND, range)
+    }
+
+    fn value(&mut self, e: &Entry) -> Option<f64> {
+        self.c.v.alg = self.c.alg;
+        let value = self.constant(e, self.c.unit, ANY);
+        self.c.v.alg = None;
+        value
+    }
+
+    fn offset(&mut self) -> Option<f64> {
+        self.find("offset").cloned().map_or(Some(0.0), |e| self.value(&e))
+    }
+
+    fn number(&mut self, key: &str, or: f64, range: (f64, f64)) -> Option<f64> {
+        let Some(e) = self.find(key).cloned() else { return Some(or) };
+        self.constant(&e, Unit::NONE, range)
+    }
+
+    /// When it ends \[s\]: as written, or with the model.
+    fn end(&mut self) -> Option<f64> {
+        let end = self.time("to", self.c.net.seconds.unwrap_or(f64::NAN), (0.0, 86_400.0))?;
+        if end.is_nan() {
+            let d = Diag::error("E005", format!("{} does not say when it ends", self.what)).at(self.at, "without `to`");
+            self.c.v.diags.push(d.help("add e.g. `to = 4`, in seconds, or `seconds` to `[model]`"));
+            return None;
+        }
+        Some(end)
+    }
+
+    fn missing<T>(&mut self, key: &str, such: &str) -> Option<T> {
+        let d = Diag::error("E005", format!("{} needs `{key}`", self.what)).at(self.at, format!("without `{key}`"));
+        self.c.v.diags.push(d.help(format!("add e.g. `{key} = {such}`")));
+        None
+    }
+
+    fn frequency(&mut self) -> Option<f64> {
+        let Some(e) = self.find("f").cloned() else { return self.missing("f", "\"2 Hz\"") };
+        self.constant(&e, Unit::HERTZ, (f64::MIN_POSITIVE, self.c.net.rate / 2.0))
+    }
+
+    /// A curve sampled so many times a second, from one time to another.
+    fn sampled(&mut self, (from, to): (f64, f64), rate: f64, at: impl FnMut(f64) -> f64) -> Option<Points> {
+        let n = libm::ceil((to - from).max(0.0) * rate) + 1.0;
+        if n > MOST as f64 {
+            return self.too_many();
+        }
+        let n = n as usize;
+        let times = (0..n).map(|i| if i + 1 == n { to.max(from) } else { from + i as f64 / rate });
+        let mut at = at;
+        Some(times.map(|t| [t, at(t)]).collect())
+    }
+
+    fn too_many<T>(&mut self) -> Option<T> {
+        let d = Diag::error("E027", format!("{} has more than {MOST} points", self.what)).at(self.at, "too long");
+        self.c.v.diags.push(d.help("let it end sooner, or play it from a file"));
+        None
+    }
+
+    /// Points, again and again.
+    fn looped(&mut self, of: &Entry) -> Option<Points> {
+        let what = self.what;
+        let once = self.c.points(of, what)?;
+        if self.find("every").is_none() {
+            return Some(once);
+        }
+        let last = once.last().map_or(0.0, |p| p[0]);
+        let (every, end) = (self.time("every", last, (f64::MIN_POSITIVE, 86_400.0))?, self.end()?);
+        let times = libm::ceil(end / every);
+        if times * once.len() as f64 > MOST as f64 {
+            return self.too_many();
+        }
+        let mut all = Vec::new();
+        for i in 0..times as usize {
+            let start = i as f64 * every;
+            // the next time begins whether this one has ended or not
+            all.extend(once.iter().filter(|p| p[0] <= every).map(|p| [start + p[0], p[1]]));
+        }
+        Some(all)
+    }
+
+    fn ramp(&mut self, of: &Entry) -> Option<Points> {
+        let Value::List(ends) = &of.value else { return self.not_two(of) };
+        let [a, b] = &ends[..] else { return self.not_two(of) };
+        let (a, b) = (self.value(a)?, self.value(b)?);
+        let from = self.time("from", 0.0, (0.0, 86_400.0))?;
+        let to = self.end()?.max(from);
+        Some(Vec::from([[from, a], [to, b]]))
+    }
+
+    fn not_two<T>(&mut self, of: &Entry) -> Option<T> {
+        let d = Diag::error("E019", format!("`ramp` of {} has a first and a last value", self.what));
+        let two = "write e.g. `ramp = [0, \"20 mm\"]`";
+        self.c.v.diags.push(d.at(of.span, "not two values").help(two));
+        None
+    }
+
+    fn sine(&mut self, of: &Entry) -> Option<Points> {
+        let (amplitude, f, offset) = (self.value(of)?, self.frequency()?, self.offset()?);
+        let phase = self.number("phase", 0.0, (-1e6, 1e6))?;
+        let from = self.time("from", 0.0, (0.0, 86_400.0))?;
+        let to = self.end()?;
+        let net = self.c.net;
+        let frames = net.rate / f64::from(net.ratio.max(1));
+        let rate = if f * OF_PERIOD > frames { net.rate } else { frames };
+        let turns = |t: f64| f * (t - from) + phase;
+        self.sampled((from, to), rate, |t| offset + amplitude * libm::sin(2.0 * PI * turns(t)))
+    }
+
+    /// Values drawn evenly from both sides of the offset, 2 f of them a second.
+    fn noise(&mut self, of: &Entry) -> Option<Points> {
+        let (amplitude, f, offset) = (self.value(of)?, self.frequency()?, self.offset()?);
+        let seed = self.number("seed", 1.0, (0.0, 9e15))?;
+        let from = self.time("from", 0.0, (0.0, 86_400.0))?;
+        let to = self.end()?;
+        let mut state = seed as u64;
+        self.sampled((from, to), 2.0 * f, |_| offset + amplitude * (2.0 * uniform(&mut state) - 1.0))
+    }
+
+    /// Up, a while, and down again, once or many times.
+    fn pulse(&mut self, of: &Entry) -> Option<Points> {
+        let (height, offset) = (self.value(of)?, self.offset()?);
+        let rise = self.time("rise", 0.0, (0.0, 86_400.0))?;
+        let hold = self.time("hold", 0.0, (0.0, 86_400.0))?;
+        let fall = self.time("fall", rise, (0.0, 86_400.0))?;
+        let mut starts = match self.find("at").cloned() {
+            None => Vec::from([0.0]),
+            Some(Entry { value: Value::List(list), .. }) => {
+                list.iter().map(|e| self.constant(e, Unit::SECOND, (0.0, 86_400.0))).collect::<Option<_>>()?
+            }
+            Some(e) => Vec::from([self.constant(&e, Unit::SECOND, (0.0, 86_400.0))?]),
+        };
+        if self.find("every").is_some() {
+            let every = self.time("every", 1.0, POSITIVE)?;
+            let (first, end) = (starts.first().copied().unwrap_or(0.0), self.end()?);
+            let n = libm::ceil((end - first).max(0.0) / every);
+            if n * 4.0 > MOST as f64 {
+                return self.too_many();
+            }
+            starts = (0..n as usize).map(|i| first + i as f64 * every).collect();
+        }
+        let mut points: Points = Vec::new();
+        for start in starts {
+            if points.last().is_some_and(|p| p[0] > start) {
+                let d = Diag::error("E019", format!("{}: a pulse begins before the last has ended", self.what));
+                self.c.v.diags.push(d.at(self.at, format!("at {} s", Plain(start))).help("shorten it, or begin later"));
+                return None;
+            }
+            let up = start + rise;
+            let ends =
+                [[start, offset], [up, offset + height], [up + hold, offset + height], [up + hold + fall, offset]];
+            points.extend(ends);
+        }
+        Some(points)
+    }
+
+    fn follow(&mut self, of: &Entry) -> Option<Points> {
+        let Value::Text(name) = &of.value else {
+            let d = Diag::error("E006", format!("`follow` of {} is the name of a gesture", self.what));
+            self.c.v.diags.push(d.at(of.span, "not a name").help("write e.g. `follow = \"key\"`"));
+            return None;
+        };
+        let Some(other) = self.c.all.get(name.as_str()).copied() else {
+            let d = Diag::error("E013", format!("{}: no gesture `{name}`", self.what)).at(of.span, "unknown");
+            self.c.v.diags.push(match nearest(name, self.c.all.keys().copied()) {
+                Some(near) => d.help(format!("did you mean `{near}`?")).fix(of.span, format!("\"{near}\"")),
+                None => d.help("name a key of `[gesture]`"),
+            });
+            return None;
+        };
+        if self.c.within.contains(name) || self.c.within.len() >= DEEP {
+            let d = Diag::error("E019", format!("{} follows itself", self.what)).at(of.span, "again here");
+            self.c.v.diags.push(d.help("let one of them say what it plays"));
+            return None;
+        }
+        let (gain, offset) = (self.number("gain", 1.0, ANY)?, self.offset()?);
+        let delay = self.time("delay", 0.0, (0.0, 86_400.0))?;
+        self.c.within.push(name.clone());
+        let what = format!("gesture `{name}`");
+        let points = self.c.curve(other, &what);
+        self.c.within.pop();
+        Some(points?.into_iter().map(|[t, v]| [t + delay, offset + gain * v]).collect())
+    }
+
+    /// Values at the times of all of them.
+    fn sum(&mut self, of: &Entry) -> Option<Points> {
+        let Value::List(list) = &of.value else {
+            let d = Diag::error("E019", format!("`sum` of {} is a list", self.what)).at(of.span, "not a list");
+            self.c
+                .v
+                .diags
+                .push(d.help("write e.g. `sum = [{ sine = \"1 mm\", f = \"2 Hz\" }, [[0, 0], [1, \"4 mm\"]]]`"));
+            return None;
+        };
+        let what = self.what;
+        let all: Vec<Points> = list.iter().map(|e| self.c.curve(e, what)).collect::<Option<_>>()?;
+        if all.iter().map(Vec::len).sum::<usize>() > MOST {
+            return self.too_many();
+        }
+        let mut times: Vec<f64> = all.iter().flatten().map(|p| p[0]).collect();
+        times.sort_by(f64::total_cmp);
+        times.dedup();
+        // a jump of one is a jump of the sum: before it, then from it on
+        let jumps = |t: f64| all.iter().any(|p| p.windows(2).any(|w| w[0][0] == t && w[1][0] == t));
+        let total = |t: f64, before: bool| all.iter().map(|p| value_at(p, t, before)).sum::<f64>();
+        let mut points = Vec::with_capacity(times.len());
+        for t in times {
+            if jumps(t) {
+                points.push([t, total(t, true)]);
+            }
+            points.push([t, total(t, false)]);
+        }
+        Some(points)
+    }
+}
+
+/// The value at `t`; where it jumps there, that from then on, or that before.
+fn value_at(p: &[[f64; 2]], t: f64, before: bool) -> f64 {
+    let i = p.partition_point(|q| if before { q[0] < t } else { q[0] <= t });
+    match (i.checked_sub(1).map(|k| p[k]), p.get(i)) {
+        (Some([t0, a]), Some([t1, b])) if *t1 > t0 => a + (b - a) * (t - t0) / (t1 - t0),
+        (_, Some([_, b])) if before || i == 0 => *b,
+        (Some([_, a]), _) => a,
+        (None, None) => 0.0,
+        (None, Some([_, b])) => *b,
+    }
+}
+
+/// From 0 to 1: SplitMix64, which every machine computes alike.
+fn uniform(state: &mut u64) -> f64 {
+    *state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    let mut z = *state;
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    (z ^ (z >> 31)) as f64 / 18_446_744_073_709_551_616.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_curve_has_its_values_and_its_jumps() {
+        let p = [[0.0, 1.0], [1.0, 3.0], [1.0, 7.0], [2.0, 7.0]];
+        for (t, before, value) in
+            [(-1.0, false, 1.0), (0.5, false, 2.0), (1.0, true, 3.0), (1.0, false, 7.0), (9.0, false, 7.0)]
+        {
+            assert_eq!(value_at(&p, t, before), value, "at {t}");
+        }
+    }
+}

@@ -1,0 +1,109 @@
+//! Find: the part that a line of `[use]` means, in its file or in another one.
+//!
+//! Decides that the reader opens no file itself: whoever reads a model says what the files hold, as the files of a take are
+//! in the take. Paths stay below the folder of the model, so that a model can be handed on with it.
+
+use super::files::SourceFile;
+use super::read::first;
+use super::shift::{next_file, shift_diags, shift_model};
+use super::{Part, Use};
+use crate::diag::Diag;
+use crate::part::expand::Expander;
+use crate::read::one_file;
+use crate::suggest::nearest;
+use crate::{Entry, Model, Value};
+use alloc::format;
+use alloc::rc::Rc;
+use alloc::string::String;
+use alloc::vec::Vec;
+
+/// A file whose parts may be used.
+pub(super) struct Home {
+    /// its path from the folder of the model; of the model itself there is none
+    pub file: String,
+    /// its parts, and for another file its modules too
+    pub model: Model,
+}
+
+impl Home {
+    /// The folder of its file, with a slash.
+    pub fn folder(&self) -> &str {
+        self.file.rfind('/').map_or("", |i| &self.file[..=i])
+    }
+}
+
+impl Expander<'_> {
+    /// The part, and where it stands; `None` is reported.
+    pub fn find(&mut self, u: &Use, home: &Rc<Home>) -> Option<(Part, Rc<Home>)> {
+        let home = match &u.file {
+            Some(e) => self.file(u, e, home)?,
+            None => home.clone(),
+        };
+        let Some(e) = &u.part else {
+            let body = Model { parts: Vec::new(), ..home.model.clone() };
+            return Some((
+                Part { name: home.file.clone(), span: u.span, doc: String::new(), props: Vec::new(), body },
+                home,
+            ));
+        };
+        let name = text(e);
+        if let Some(part) = home.model.parts.iter().find(|p| p.name == name) {
+            return Some((part.clone(), home));
+        }
+        let place = if home.file.is_empty() { "here".into() } else { format!("in `{}`", home.file) };
+        let d = Diag::error("E013", format!("`{}`: no part `{name}` {place}", u.name)).at(e.span, "unknown");
+        let parts = || home.model.parts.iter().map(|p| p.name.as_str());
+        let all: Vec<String> = parts().map(|p| format!("`{p}`")).collect();
+        self.diags.push(match nearest(name, parts()) {
+            Some(near) => d.help(format!("did you mean `{near}`?")).fix(e.span, format!("\"{near}\"")),
+            None if all.is_empty() => d.help(format!("write its modules in sections such as `[part.{name}.MAS]`")),
+            None => d.help(format!("its parts are {}", all.join(", "))),
+        });
+        None
+    }
+
+    /// The file that is named, read once.
+    fn file(&mut self, u: &Use, e: &Entry, home: &Home) -> Option<Rc<Home>> {
+        let name = text(e);
+        let Some(path) = below(home.folder(), name) else {
+            let d = Diag::error("E031", format!("`{}`: `{name}` is not below the folder of the model", u.name));
+            let help = "name it from the folder of this file, with `/`, without `..`; put it beside the model";
+            self.diags.push(d.at(e.span, "elsewhere").help(help));
+            return None;
+        };
+        if let Some(known) = self.files.get(&path) {
+            return known.clone();
+        }
+        let text = match (self.open)(&path) {
+            Ok(text) => text,
+            Err(why) => {
+                let d = Diag::error("E031", format!("`{}`: {}", u.name, why.what));
+                self.diags.push(d.at(first(u.file.as_ref(), u.span), "cannot be read").help(why.help));
+                self.files.insert(path, None);
+                return None;
+            }
+        };
+        let (mut model, mut found) = one_file(&text, &path, self.catalog);
+        let start = next_file(&self.model);
+        shift_model(&mut model, start);
+        shift_diags(&mut found, start);
+        self.diags.extend(found);
+        model.text = String::new();
+        self.model.files.push(SourceFile { name: path.clone(), text, start });
+        let home = Rc::new(Home { file: path.clone(), model });
+        self.files.insert(path, Some(home.clone()));
+        Some(home)
+    }
+}
+
+/// A text that was found to be one.
+fn text(e: &Entry) -> &str {
+    if let Value::Text(t) = &e.value { t.trim() } else { "" }
+}
+
+/// The path of a file that is named in `folder`; nothing where it leads elsewhere.
+pub(super) fn below(folder: &str, name: &str) -> Option<String> {
+    let plain = |w: &str| !matches!(w, "" | "." | "..") && !w.contains(['\\', ':']) && !w.chars().any(char::is_control);
+    let words: Vec<&str> = name.strip_prefix("./").unwrap_or(name).split('/').collect();
+    words.iter().all(|w| plain(w)).then(|| format!("{folder}{}", words.join("/")))
+}

@@ -1,0 +1,236 @@
+//! Instance: one use of a part: its parameters get their values, its names the name of the instance.
+
+use super::expand::Expander;
+use super::find::{Home, below};
+use super::read::first;
+use super::scope::{Arg, Scope, is_number};
+use super::{Part, Use};
+use crate::diag::Diag;
+use crate::suggest::nearest;
+use crate::{Entry, Group, LARGEST, Value};
+use alloc::collections::BTreeMap;
+use alloc::format;
+use alloc::rc::Rc;
+use alloc::string::String;
+use alloc::vec::Vec;
+use ca_core::kind::{Kind, Type};
+
+/// A part within a part, and so on, no deeper than this.
+const DEEP: usize = 16;
+
+impl Expander<'_> {
+    /// Puts in what a line of `[use]` says, in `outer`.
+    pub fn place(&mut self, u: &Use, home: &Rc<Home>, outer: &Scope) {
+        let name = format!("{}{}", outer.prefix, u.name);
+        let Some((part, home)) = self.find(u, home) else {
+            self.model.lost.push(name);
+            return;
+        };
+        let this = (home.file.clone(), part.name.clone());
+        if self.within.contains(&this) || self.within.len() >= DEEP {
+            let d = Diag::error("E033", format!("`{name}`: the part `{}` uses itself", part.name));
+            self.diags
+                .push(d.at(first(u.part.as_ref(), u.span), "again here").help("a part uses others, never itself"));
+            self.model.lost.push(name);
+            return;
+        }
+        let Ok(n) = self.count(u, &name, outer) else {
+            self.model.lost.push(name);
+            return;
+        };
+        self.unknown(u, &name, &part);
+        self.lengths(u, &name, n, &part);
+        self.within.push(this);
+        for i in 0..n.unwrap_or(1) {
+            let full = if n.is_some() { format!("{name}[{i}]") } else { name.clone() };
+            let with = u.with.iter().map(|e| (e.key.as_str(), of_instance(e, n.map(|_| i)))).collect();
+            self.instance(&full, u, &with, &part, &home, outer);
+            if self.model.items.len() >= LARGEST || self.diags.is_full() {
+                break;
+            }
+        }
+        self.within.pop();
+    }
+
+    /// How many instances; without a number one, without an index. An error is reported.
+    fn count(&mut self, u: &Use, name: &str, outer: &Scope) -> Result<Option<usize>, ()> {
+        let Some(e) = &u.n else { return Ok(None) };
+        let written = match &e.value {
+            Value::Text(t) => match outer.args.get(t.trim()) {
+                Some(Arg::Number(v, _)) => v.clone(),
+                _ => e.value.clone(),
+            },
+            v => v.clone(),
+        };
+        match written {
+            Value::Num(v) if v == libm::floor(v) && (1.0..=LARGEST as f64).contains(&v) => Ok(Some(v as usize)),
+            _ => {
+                let d = Diag::error("E006", format!("`n` of `{name}` must be a whole number from 1 on"));
+                self.diags.push(d.at(e.span, "not a count").help("write how many of them there are, e.g. `n = 12`"));
+                Err(())
+            }
+        }
+    }
+
+    fn unknown(&mut self, u: &Use, name: &str, part: &Part) {
+        for e in u.with.iter().filter(|e| !part.body.params.iter().any(|p| p.key == e.key)) {
+            let d = Diag::error("E004", format!("`{name}`: the part `{}` has no parameter `{}`", part.name, e.key));
+            let d = d.at(e.key_span, "not known here");
+            let params = || part.body.params.iter().map(|p| p.key.as_str());
+            let all: Vec<String> = params().map(|p| format!("`{p}`")).collect();
+            self.diags.push(match nearest(&e.key, params()) {
+                Some(near) => d.help(format!("did you mean `{near}`?")).fix(e.key_span, near),
+                None if all.is_empty() => d.help(format!("it has none; declare it in `[part.{}.param]`", part.name)),
+                None => d.help(format!("it has {}", all.join(", "))),
+            });
+        }
+    }
+
+    /// A list of many instances has a value for each.
+    fn lengths(&mut self, u: &Use, name: &str, n: Option<usize>, part: &Part) {
+        let Some(n) = n else { return };
+        for e in &u.with {
+            let Value::List(l) = &e.value else { continue };
+            if l.len() != n {
+                let d =
+                    Diag::error("E018", format!("`{}` of `{name}` has {} values for {n} instances", e.key, l.len()));
+                let d = d
+                    .at(e.span, format!("{} values", l.len()))
+                    .at(first(u.n.as_ref(), u.span), format!("{n} of `{}`", part.name));
+                self.diags.push(d.help("write one value for each, or one for all"));
+            }
+        }
+    }
+
+    fn instance(
+        &mut self,
+        full: &str,
+        u: &Use,
+        with: &BTreeMap<&str, Option<Entry>>,
+        part: &Part,
+        home: &Rc<Home>,
+        outer: &Scope,
+    ) {
+        let body = &part.body;
+        let own = body.items.iter().map(|i| head(&i.name)).chain(body.groups.iter().map(|g| g.name.as_str()));
+        let own = own.chain(body.uses.iter().map(|u| u.name.as_str())).chain(body.lost.iter().map(|l| head(l)));
+        let mut scope = Scope { prefix: format!("{full}."), own: own.map(Into::into).collect(), ..Scope::default() };
+        let mut params = Vec::new();
+        for p in &body.params {
+            let (arg, param) = self.param(full, u, with.get(p.key.as_str()), p, outer, &scope);
+            scope.args.insert(p.key.clone(), arg);
+            params.push(param);
+        }
+        // the group of the instance, then those of the part, which have its properties where they say nothing else
+        let props: Vec<Entry> = part.props.iter().map(|e| scope.entry(e, None)).collect();
+        let mut groups = alloc::vec![self.model.groups.len()];
+        self.model.groups.push(Group { name: full.into(), span: u.span, props: props.clone() });
+        for g in &body.groups {
+            let mut own: Vec<Entry> = g.props.iter().map(|e| scope.entry(e, None)).collect();
+            own.extend(props.iter().filter(|p| !g.props.iter().any(|o| o.key == p.key)).cloned());
+            groups.push(self.model.groups.len());
+            self.model.groups.push(Group { name: format!("{full}.{}", g.name), span: g.span, props: own });
+        }
+        self.model.lost.extend(body.lost.iter().map(|l| format!("{full}.{l}")));
+        self.lines(&body.items, &body.uses, Some(&groups), home, &scope);
+        for g in &body.gestures {
+            self.model.gestures.push(Entry { key: scope.name(&g.key), ..scope.given(g) });
+        }
+        let used = scope.used.into_inner();
+        for (p, param) in body.params.iter().zip(params) {
+            // one that nothing refers to is said to be so once
+            let said = full.ends_with(']') && !full.ends_with("[0]");
+            self.model.params.extend(param.filter(|_| used.contains(&p.key) || !said));
+        }
+    }
+
+    /// The value of a parameter, and the `[param]` it becomes where it is a number.
+    fn param(
+        &mut self,
+        full: &str,
+        u: &Use,
+        given: Option<&Option<Entry>>,
+        p: &Entry,
+        outer: &Scope,
+        scope: &Scope,
+    ) -> (Arg, Option<Entry>) {
+        let key = format!("{full}.{}", p.key);
+        let known = |name: &str| self.root.contains(name) || outer.own.contains(name) || outer.args.contains_key(name);
+        let table = if let Value::Table(t) = &p.value { Some(t) } else { None };
+        if let Some(given) = given {
+            let Some(e) = given else {
+                self.model.lost.push(key);
+                return (Arg::Missing, None);
+            };
+            let meant = outer.given(e).value;
+            if !is_number(&e.value, &known) {
+                return (Arg::Other(meant, e.span), None);
+            }
+            let param = match table {
+                Some(t) => {
+                    let rest = t.iter().filter(|x| !matches!(x.key.as_str(), "value" | "port" | "span"));
+                    let value = Entry { key: "value".into(), key_span: e.key_span, value: meant.clone(), span: e.span };
+                    Value::Table(rest.cloned().chain([value]).collect())
+                }
+                None => meant.clone(),
+            };
+            return (Arg::Number(meant, e.span), Some(Entry { key, key_span: p.key_span, value: param, span: e.span }));
+        }
+        let default = match table {
+            Some(t) => t.iter().find(|x| x.key == "value").map(|x| &x.value),
+            None => Some(&p.value),
+        };
+        let driven = table.is_some_and(|t| t.iter().any(|x| x.key == "port"));
+        let Some(default) = default.or(driven.then_some(&Value::Num(0.0))) else {
+            let d =
+                Diag::error("E005", format!("`{full}` needs `{}`", p.key)).at(u.span, format!("without `{}`", p.key));
+            self.diags.push(
+                d.at(p.key_span, "declared without a value")
+                    .help(format!("add it to `with`, e.g. `with = {{ {} = … }}`", p.key)),
+            );
+            self.model.lost.push(key);
+            return (Arg::Missing, None);
+        };
+        let inner = |name: &str| self.root.contains(name) || scope.own.contains(name);
+        if !is_number(default, &inner) {
+            let default = Entry { value: default.clone(), ..p.clone() };
+            return (Arg::Other(scope.given(&default).value, p.span), None);
+        }
+        let mut value = p.value.clone();
+        if let Value::Table(t) = &mut value {
+            for port in t.iter_mut().filter(|x| x.key == "port") {
+                if let Value::Text(name) = &port.value {
+                    port.value = Value::Text(scope.name(name));
+                }
+            }
+        }
+        (Arg::Number(default.clone(), p.span), Some(Entry { key, value, ..p.clone() }))
+    }
+}
+
+/// A file that a part names is looked for beside the file of the part.
+pub(super) fn of_part(mut e: Entry, kind: Option<&'static Kind>, home: &Home) -> Entry {
+    let file = kind.and_then(|k| k.param(&e.key).map(|i| k.params[i].ty)).is_some_and(|t| matches!(t, Type::File));
+    if let (true, Value::Text(name)) = (file && !home.folder().is_empty(), &e.value) {
+        if let Some(path) = below(home.folder(), name) {
+            e.value = Value::Text(path);
+        }
+    }
+    e
+}
+
+/// Of what is written for all, what is meant for instance `i`; nothing where the list is too short.
+fn of_instance(e: &Entry, i: Option<usize>) -> Option<Entry> {
+    match (&e.value, i) {
+        (Value::List(l), Some(i)) => {
+            let of = l.get(i)?;
+            Some(Entry { key: e.key.clone(), key_span: e.key_span, ..of.clone() })
+        }
+        _ => Some(e.clone()),
+    }
+}
+
+/// The first word of a name.
+fn head(name: &str) -> &str {
+    name.split('.').next().unwrap_or(name)
+}

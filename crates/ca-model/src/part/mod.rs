@@ -1,0 +1,83 @@
+//! Parts: a piece of an instrument that is written once, with parameters, and used many times.
+//!
+//! Decides that a part is read as a small model and that its instances are modules like all others, called `key[3].hammer`:
+//! nobody behind the reader knows of parts, so whatever works for a module works for one of an instance. A number that
+//! stands for a parameter of the part becomes a `[param]` of the model, called `key[3].f`, so that units, limits, live changes
+//! and findings are those of any other; what is no number (a module, a word, a file) is put in its place. A name is looked
+//! for in the part first, then at the root of the model. Against templates of text: a finding could not point into them.
+
+#[cfg(feature = "parse")]
+mod expand;
+#[cfg(feature = "parse")]
+mod fan;
+pub mod files;
+#[cfg(feature = "parse")]
+mod find;
+#[cfg(feature = "parse")]
+mod instance;
+#[cfg(feature = "parse")]
+mod read;
+#[cfg(feature = "parse")]
+mod scope;
+#[cfg(feature = "parse")]
+mod shift;
+
+#[cfg(feature = "parse")]
+use super::diag::Diags;
+use super::{Entry, Model, Span};
+use alloc::string::String;
+use alloc::vec::Vec;
+#[cfg(feature = "parse")]
+use ca_core::Catalog;
+#[cfg(feature = "parse")]
+pub use expand::add;
+#[cfg(feature = "parse")]
+pub(super) use expand::expand;
+
+/// `[part.NAME]`, as written.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Part {
+    /// its name
+    pub name: String,
+    /// where the name is written
+    pub span: Span,
+    /// one line for people
+    pub doc: String,
+    /// properties of the group that each instance is
+    pub props: Vec<Entry>,
+    /// its parameters, modules, groups, gestures and the parts it uses
+    pub body: Model,
+}
+
+/// A line of `[use]`, as written.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Use {
+    /// name of the instance, or of all of them
+    pub name: String,
+    /// where the name is written
+    pub span: Span,
+    /// name of the part; of a whole file there is none
+    pub part: Option<Entry>,
+    /// the file it stands in, if it is another one, from the folder of this
+    pub file: Option<Entry>,
+    /// how many; without it there is one, whose modules have no index
+    pub n: Option<Entry>,
+    /// values of its parameters; where there are many, a list has one for each
+    pub with: Vec<Entry>,
+}
+
+impl Use {
+    /// One instance, called so, of a part that is handed over with it.
+    pub fn new(name: &str) -> Use {
+        Use { name: name.into(), span: Span::NONE, part: None, file: None, n: None, with: Vec::new() }
+    }
+}
+
+/// Makes lists of names of many instances, `key[*].hammer`, in a model that a program built; where there are no such
+/// instances it says so.
+#[cfg(feature = "parse")]
+pub fn lists(model: &mut Model, catalog: &Catalog) -> Diags {
+    let mut diags = Diags::new();
+    fan::fan(model, catalog, &mut diags);
+    diags
+}

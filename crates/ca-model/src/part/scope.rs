@@ -1,0 +1,152 @@
+//! Scope: what a name within a part means in one of its instances.
+//!
+//! Decides by the type of the place a name stands in: a number refers to a `[param]` of the instance, a selector to a module,
+//! anything else gets what is written for the parameter.
+
+use crate::quantity::{is_quantity, note};
+use crate::select::is_name;
+use crate::{Entry, Span, Value};
+use alloc::collections::{BTreeMap, BTreeSet};
+use alloc::format;
+use alloc::string::String;
+use alloc::vec::Vec;
+use ca_core::kind::{Kind, Type};
+use core::cell::RefCell;
+
+/// What stands for a parameter of a part, and where that is written.
+pub(super) enum Arg {
+    /// a number: a `[param]` of the instance
+    Number(Value, Span),
+    /// the name of something, a list, a flag
+    Other(Value, Span),
+    /// nothing, which has been reported
+    Missing,
+}
+
+/// What a text means, and where that is written if not where the text stands.
+type Meaning = (Value, Option<Span>);
+
+/// The names of one instance; at the root of the model there are none.
+#[derive(Default)]
+pub(super) struct Scope {
+    /// full name of the instance, with a dot
+    pub prefix: String,
+    /// its modules, groups and instances
+    pub own: BTreeSet<String>,
+    /// its parameters
+    pub args: BTreeMap<String, Arg>,
+    /// those that something refers to
+    pub used: RefCell<BTreeSet<String>>,
+}
+
+impl Scope {
+    /// A value whose names mean what they mean here.
+    pub fn entry(&self, e: &Entry, kind: Option<&'static Kind>) -> Entry {
+        let ty = kind.and_then(|k| k.param(&e.key).map(|i| k.params[i].ty));
+        match ty {
+            Some(Type::Between | Type::Module) => each(e, &|t| self.selector(t)),
+            Some(Type::Choice(words)) => match &e.value {
+                Value::Text(t) if words.contains(&t.as_str()) => e.clone(),
+                _ => each(e, &|t| self.word(t)),
+            },
+            Some(Type::Flag | Type::Text | Type::File | Type::Midi) => each(e, &|t| self.word(t)),
+            _ => each(e, &|t| self.number(t)),
+        }
+    }
+
+    /// A value written for a part within this scope: whatever it names is meant here.
+    pub fn given(&self, e: &Entry) -> Entry {
+        each(e, &|t| self.number(t).or_else(|| self.selector(t)))
+    }
+
+    fn arg(&self, name: &str) -> Option<&Arg> {
+        let (name, arg) = self.args.get_key_value(name.trim())?;
+        self.used.borrow_mut().insert(name.clone());
+        Some(arg)
+    }
+
+    /// Where a number belongs.
+    fn number(&self, text: &str) -> Option<Meaning> {
+        match self.arg(text)? {
+            Arg::Number(..) | Arg::Missing => Some((Value::Text(format!("{}{}", self.prefix, text.trim())), None)),
+            Arg::Other(v, span) => Some((v.clone(), Some(*span))),
+        }
+    }
+
+    /// Where a word belongs.
+    fn word(&self, text: &str) -> Option<Meaning> {
+        match self.arg(text)? {
+            Arg::Number(v, span) | Arg::Other(v, span) => Some((v.clone(), Some(*span))),
+            Arg::Missing => None,
+        }
+    }
+
+    /// Where a module belongs: its own, one that a parameter names, or else one of the model.
+    fn selector(&self, text: &str) -> Option<Meaning> {
+        let text = text.trim();
+        let (of, places) = match text.split_once('@') {
+            Some((of, places)) => (of, Some(places)),
+            None => (text, None),
+        };
+        let head = of.split(['.', '[', ' ']).next().unwrap_or("");
+        let place = |p: &str| match self.arg(p) {
+            Some(Arg::Other(Value::Text(t), _)) => t.clone(),
+            Some(_) => format!("{}{}", self.prefix, p.trim()),
+            None if self.own.contains(p.trim()) => format!("{}{}", self.prefix, p.trim()),
+            None => p.into(),
+        };
+        let places = places.map(|all| format!("@{}", all.split(',').map(place).collect::<Vec<_>>().join(",")));
+        let places = places.unwrap_or_default();
+        if self.own.contains(head) {
+            return Some((Value::Text(format!("{}{of}{places}", self.prefix)), None));
+        }
+        let rest = of.get(head.len()..).unwrap_or("");
+        match self.arg(head) {
+            Some(Arg::Other(Value::Text(t), span)) => {
+                let whole = rest.is_empty() && places.is_empty();
+                Some((Value::Text(format!("{t}{rest}{places}")), whole.then_some(*span)))
+            }
+            Some(Arg::Other(v, span)) if rest.is_empty() && places.is_empty() => Some((v.clone(), Some(*span))),
+            _ if places.is_empty() => None,
+            _ => Some((Value::Text(format!("{of}{places}")), None)),
+        }
+    }
+
+    /// The full name of what a key of `[gesture]` or a `port` means.
+    pub fn name(&self, text: &str) -> String {
+        match self.arg(text) {
+            Some(Arg::Other(Value::Text(t), _)) => return t.clone(),
+            Some(Arg::Number(..)) => return format!("{}{text}", self.prefix),
+            _ => {}
+        }
+        match self.selector(text) {
+            Some((Value::Text(t), _)) => t,
+            _ => text.into(),
+        }
+    }
+}
+
+/// As `e`, where every text that means something else is replaced.
+fn each(e: &Entry, means: &dyn Fn(&str) -> Option<Meaning>) -> Entry {
+    let list = |l: &[Entry]| -> Vec<Entry> { l.iter().map(|x| each(x, means)).collect() };
+    let (value, span) = match &e.value {
+        Value::Text(t) => match means(t) {
+            Some((value, span)) => (value, span.filter(|s| s.is_some()).unwrap_or(e.span)),
+            None => (e.value.clone(), e.span),
+        },
+        Value::List(l) => (Value::List(list(l)), e.span),
+        Value::Table(l) => (Value::Table(list(l)), e.span),
+        other => (other.clone(), e.span),
+    };
+    Entry { key: e.key.clone(), key_span: e.key_span, value, span }
+}
+
+/// Whether a value is a number; a text is one unless it names something in the model.
+pub(super) fn is_number(value: &Value, known: &dyn Fn(&str) -> bool) -> bool {
+    match value {
+        Value::Num(_) | Value::Table(_) => true,
+        Value::Text(t) if is_name(t.trim()) && known(t.trim()) => false,
+        Value::Text(t) => is_quantity(t) || note(t).is_some(),
+        _ => false,
+    }
+}
