@@ -18,7 +18,15 @@ fn ports() -> Vec<PortMap> {
         .enumerate()
         .map(|(i, source)| PortMap {
             port: format!("p{i}"),
-            map: MidiMap { source, channel: None, from: 0.0, to: -0.005, attack: 0.01, release: 0.02 },
+            map: MidiMap {
+                source,
+                channel: None,
+                from: 0.0,
+                to: -0.005,
+                attack: 0.01,
+                release: 0.02,
+                ..MidiMap::new(source)
+            },
         })
         .collect()
 }

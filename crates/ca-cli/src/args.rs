@@ -184,14 +184,16 @@ pub enum Border {
 ///
 /// The model is played by its built-in gesture, or by files: CSV, NPY, WAV or MIDI, whose tracks are named like the
 /// ports and live parameters they drive. The same model, gesture and options give the same bits on every machine. The
-/// length is `--seconds`, else `seconds` of the model, else the gesture and 2 s more, at least 3 s. Samples beyond
-/// full scale are cut off and counted; a model that diverges is silenced, and the guilty module named: both finish
-/// with exit code 3.
+/// length is `--seconds`, else `seconds` of the model, else the gesture and 2 s more, at least 3 s. Floats hold what the
+/// model makes, beyond full scale too; in 24 and 16 bits that is cut off and counted. A model that diverges is silenced, and the
+/// guilty module named: what is cut off or diverged finishes with exit code 3.
+#[allow(clippy::struct_excessive_bools)]
 #[derive(Args)]
 #[command(after_long_help = "Examples:
   ca render hammered_string
   ca render hammered_string -o slow.wav --seconds 6 --set hammer.m='30 g'
   ca render hammered_string -o take.wav --gesture key.csv --format 24
+  ca render hammered_string --normalize -1dBFS --no-fade
   ca render hammered_string --probe 'low[3]' --probe strike=blow.csv --seconds '500 ms'
   ca render hammered_string --energy --json
   ca render piano_key --latency 30 --no-feedback
@@ -210,6 +212,15 @@ pub struct RenderArgs {
     /// Samples: 32-bit float (lossless, the default), or 24 or 16 bits
     #[arg(long, value_enum, default_value_t = SampleFormat::F32)]
     pub format: SampleFormat,
+    /// Cuts off what is beyond full scale in 32-bit floats too, as 24 and 16 bits always do
+    #[arg(long)]
+    pub ceiling: bool,
+    /// Makes the loudest sample just so loud, e.g. -1dBFS
+    #[arg(long, value_name = "DBFS", value_parser = dbfs, allow_hyphen_values = true)]
+    pub normalize: Option<f64>,
+    /// Leaves the end of a sound that goes on as it is; else its last 20 ms are faded where they are above -60 dBFS
+    #[arg(long)]
+    pub no_fade: bool,
     /// Writes any quantity to a file, `.npy` (default) or `.csv`: `low[3]`, `strike`, `low@0.3`; repeatable
     #[arg(long, value_name = "NAME[=FILE]")]
     pub probe: Vec<String>,
@@ -247,6 +258,7 @@ pub struct RenderArgs {
 #[command(after_long_help = "Examples:
   ca check hammered_string
   ca check hammered_string --schedule
+  ca check hammered_string --levels
   ca check hammered_string --set hammer.m='30 g' --rate '96 kHz' --json
   ca check harmonic_chain --exact
   ca check piano_key --latency 1
@@ -258,6 +270,9 @@ pub struct CheckArgs {
     /// Shows the passes of one tick and measures what each costs
     #[arg(long)]
     pub schedule: bool,
+    /// Plays the model and shows how loud each output is, and by how much its gain is off
+    #[arg(long)]
+    pub levels: bool,
     /// Narrows down the largest eigenvalue, and so how much stiffer everything could be
     #[arg(long)]
     pub exact: bool,
@@ -267,7 +282,7 @@ pub struct CheckArgs {
     /// Checks again whenever the file is saved, until Ctrl-C
     #[arg(long, conflicts_with = "json")]
     pub watch: bool,
-    /// Prints `{diagnostics, summary, schedule, device}` as JSON
+    /// Prints `{diagnostics, summary, schedule, levels, device}` as JSON
     #[arg(long)]
     pub json: bool,
 }
@@ -385,6 +400,15 @@ fn count(text: &str) -> Result<usize, String> {
 
 fn hertz(text: &str) -> Result<f64, String> {
     quantity_of(text, Unit::HERTZ, (1.0, 1e6))
+}
+
+/// A level as a part of full scale.
+fn dbfs(text: &str) -> Result<f64, String> {
+    let number = text.trim().trim_end_matches("FS").trim_end_matches("dB").trim();
+    match number.parse::<f64>() {
+        Ok(v) if (-200.0..=0.0).contains(&v) => Ok(10.0_f64.powf(v / 20.0)),
+        _ => Err(format!("`{text}` is no level from -200 to 0 dBFS, such as -1dBFS")),
+    }
 }
 
 fn metres(text: &str) -> Result<f64, String> {

@@ -40,6 +40,7 @@
 
 pub mod atomic_file;
 pub mod cloud;
+pub mod ending;
 pub mod error;
 pub mod gesture;
 pub mod halves;

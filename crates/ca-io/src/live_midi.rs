@@ -105,7 +105,8 @@ mod tests {
     use ca_core::io::midi::{MidiMap, MidiSource};
 
     fn port(name: &str, source: MidiSource) -> PortMap {
-        let map = MidiMap { source, channel: None, from: 1.0, to: 2.0, attack: 0.25, release: 0.5 };
+        let map =
+            MidiMap { source, channel: None, from: 1.0, to: 2.0, attack: 0.25, release: 0.5, ..MidiMap::new(source) };
         PortMap { port: name.to_owned(), map }
     }
 

@@ -22,10 +22,17 @@ pub fn port_maps(scene: &Scene) -> Vec<PortMap> {
 }
 
 /// All files as one gesture; none of none. `rate` \[Hz\] is for arrays without times. A file is looked for in `folder`.
+/// What of a file moves nothing is handed to `note`.
 ///
 /// # Errors
 /// [`Failure::Usage`] where a file drives nothing or cannot be called by one port, and what its reader says.
-pub fn open(files: &[String], rate: Option<f64>, scene: &Scene, folder: &Path) -> Result<Option<Gesture>, Failure> {
+pub fn open(
+    files: &[String],
+    rate: Option<f64>,
+    scene: &Scene,
+    folder: &Path,
+    note: &mut dyn FnMut(&str),
+) -> Result<Option<Gesture>, Failure> {
     let ports = port_maps(scene);
     let mut tracks: Vec<Track> = Vec::new();
     for text in files {
@@ -38,6 +45,9 @@ pub fn open(files: &[String], rate: Option<f64>, scene: &Scene, folder: &Path) -
         } else {
             Gesture::open(file, &ports, rate.filter(|_| array))?
         };
+        if let Some(what) = gesture.unheard() {
+            note(&format!("`{}`: {what}", file.display()));
+        }
         match (port, gesture.tracks()) {
             (None, all) => {
                 nameless(all, scene, file)?;

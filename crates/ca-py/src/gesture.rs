@@ -76,6 +76,12 @@ impl Gesture {
         self.gesture.tracks().iter().map(one).collect()
     }
 
+    /// What of a file moves nothing, in words.
+    #[getter]
+    fn unheard(&self) -> Option<&str> {
+        self.gesture.unheard()
+    }
+
     /// Time of its last value [s].
     #[getter]
     fn duration(&self) -> f64 {

@@ -257,18 +257,26 @@ impl Builder<'_> {
     }
 
     fn output(&mut self, i: &Item) {
-        let (links, chosen) = self.pick(word(i, "from"));
         let gain = self.numbers.maybe(i, "gain").unwrap_or(1.0);
         let n = self.numbers.along(i).unwrap_or([1.0, 0.0, 0.0]);
-        for at in chosen {
+        let hear = i.args.iter().find(|e| e.key == "hear").map_or("position", |_| word(i, "hear"));
+        assert_ne!(hear, "acceleration", "outputs.rs has a test of it");
+        let per_tick = if hear == "speed" { 1.0 / self.numbers.tick_dt } else { 1.0 };
+        let (links, chosen) = self.pick(word(i, "from"));
+        let minus = i.args.iter().find(|e| e.key == "minus").map(|_| self.pick(word(i, "minus")).1);
+        for (j, at) in chosen.into_iter().enumerate() {
             let channel = self.numbers.maybe(i, "channel").map_or(self.net.channels(), |c| c as usize);
-            let heard = |k: usize| match i.kind.as_str() {
-                _ if links => Heard::ForceOf(at),
-                "SOF" => Heard::ForceOn(at, k),
-                _ => Heard::Position(at, k),
-            };
-            let axes = (0..3).filter(|k| n[*k] != 0.0);
-            self.net.outputs.extend(axes.map(|k| (channel, n[k] * gain, heard(k))));
+            let other = minus.as_ref().map(|m| (m[j], -per_tick));
+            for (at, factor) in [(at, per_tick)].into_iter().chain(other) {
+                let heard = |k: usize| match (i.kind.as_str(), hear) {
+                    _ if links => Heard::ForceOf(at),
+                    ("SOF", _) | (_, "force") => Heard::ForceOn(at, k),
+                    (_, "speed") => Heard::Motion(at, k),
+                    _ => Heard::Position(at, k),
+                };
+                let axes = (0..3).filter(|k| n[*k] != 0.0);
+                self.net.outputs.extend(axes.map(|k| (channel, n[k] * factor * gain, heard(k))));
+            }
         }
     }
 }

@@ -93,6 +93,7 @@ pub struct Port {
 /// What an output listens to, by number of the MAT and its axis, or of the link.
 pub enum Heard {
     Position(usize, usize),
+    Motion(usize, usize),
     ForceOn(usize, usize),
     ForceOf(usize),
 }

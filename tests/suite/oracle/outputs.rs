@@ -8,6 +8,7 @@ impl Network {
         let of_channel = self.outputs.iter().filter(|(c, _, _)| *c == channel);
         let value = |heard: &Heard| match heard {
             Heard::Position(m, k) => self.mats[*m].x[*k],
+            Heard::Motion(m, k) => self.mats[*m].d[*k],
             Heard::ForceOn(m, k) => self.mats[*m].f[*k],
             Heard::ForceOf(link) => self.links[*link].f,
         };

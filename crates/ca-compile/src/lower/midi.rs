@@ -4,14 +4,15 @@ use crate::findings::type_name;
 use crate::lower::values::Values;
 use alloc::format;
 use alloc::string::String;
-use ca_core::io::midi::{MidiMap, MidiSource};
+use ca_core::io::midi::{MidiMap, MidiSource, Velocity};
 use ca_core::kind::{ANY, POSITIVE, Unit};
 use ca_model::diag::Diag;
 use ca_model::quantity::note_number;
 use ca_model::suggest::nearest;
 use ca_model::{Entry, Value};
 
-const KEYS: &[&str] = &["note", "cc", "bend", "pressure", "channel", "from", "to", "attack", "release"];
+const KEYS: &[&str] =
+    &["note", "cc", "bend", "pressure", "channel", "from", "to", "attack", "release", "velocity", "back"];
 
 impl Values<'_> {
     /// The mapping written in `e`; `unit` is what the port takes.
@@ -23,8 +24,7 @@ impl Values<'_> {
             self.diags.push(Diag::error("E026", title).at(e.span, "not a table").help(help));
             return None;
         };
-        let mut map =
-            MidiMap { source: MidiSource::PitchBend, channel: None, from: 0.0, to: 0.0, attack: 0.005, release: 0.03 };
+        let mut map = MidiMap::new(MidiSource::PitchBend);
         let mut source: Option<&Entry> = None;
         let (mut to, mut good) = (false, true);
         for m in entries {
@@ -39,6 +39,8 @@ impl Values<'_> {
                 "from" => self.constant(m, unit, ANY, &what).map(|v| map.from = v),
                 "to" => self.constant(m, unit, ANY, &what).map(|v| map.to = v),
                 "attack" => self.constant(m, Unit::SECOND, POSITIVE, &what).map(|v| map.attack = v),
+                "velocity" => self.velocity(m, &what).map(|v| map.velocity = v),
+                "back" => self.flag(m, &what).map(|v| map.back = v),
                 "release" => self.constant(m, Unit::SECOND, POSITIVE, &what).map(|v| map.release = v),
                 _ => {
                     let d = Diag::error("E026", format!("{what} is not known")).at(m.key_span, "not part of a mapping");
@@ -46,7 +48,7 @@ impl Values<'_> {
                         Some(near) => d.help(format!("did you mean `{near}`?")).fix(m.key_span, near),
                         None => d.help(
                             "a mapping has one of `note`, `cc`, `bend`, `pressure`, then `to`, and if you like \
-                             `from`, `channel`, `attack`, `release`",
+                             `from`, `channel`, `attack`, `release`, `velocity`, `back`",
                         ),
                     });
                     None
@@ -77,7 +79,34 @@ impl Values<'_> {
             self.diags.push(d.help(help));
             return None;
         }
+        if let (true, Some(e)) = (good, entries.iter().find(|e| matches!(e.key.as_str(), "velocity" | "back"))) {
+            if !matches!(map.source, MidiSource::Note { .. }) {
+                let d = Diag::error("E026", format!("`{}` in {what} is for notes", e.key)).at(e.key_span, "no notes");
+                self.diags.push(d.help("leave it out, or let notes move the port"));
+                return None;
+            }
+        }
         good.then_some(map)
+    }
+
+    fn velocity(&mut self, e: &Entry, what: &str) -> Option<Velocity> {
+        match &e.value {
+            Value::Text(t) if t == "depth" => return Some(Velocity::Depth),
+            Value::Text(t) if t == "speed" => return Some(Velocity::Speed),
+            _ => {}
+        }
+        let d = Diag::error("E026", format!("{what} is `\"depth\"` or `\"speed\"`")).at(e.span, "neither");
+        self.diags.push(d.help("`depth`: how far it goes; `speed`: how fast it goes all the way"));
+        None
+    }
+
+    fn flag(&mut self, e: &Entry, what: &str) -> Option<bool> {
+        if let Value::Bool(b) = e.value {
+            return Some(b);
+        }
+        let d = Diag::error("E026", format!("{what} is `true` or `false`")).at(e.span, "neither");
+        self.diags.push(d.help("with `false` each note brings it to its other side, and none back"));
+        None
     }
 
     fn yes(&mut self, e: &Entry, what: &str) -> Option<()> {

@@ -3,7 +3,7 @@
 use alloc::format;
 use ca_core::kind::builder::{Arg, Args};
 use ca_core::kind::{Kind, Type};
-use ca_core::phi::bow::CurveShape;
+use ca_core::phi::bow::{CurveShape, FrictionMethod};
 use ca_model::Item;
 use ca_model::diag::{Diag, Diags};
 
@@ -16,6 +16,7 @@ pub fn parameters(kind: &Kind, item: &Item, args: &[Arg], diags: &mut Diags) -> 
         let span = entry(beside).map_or(item.name_span, |e| e.key_span);
         d.at(span, format!("without `{name}`")).help(help)
     };
+    let set_valued = kind.code == "BOW" && FrictionMethod::of(num("method")) == FrictionMethod::SetValued;
     let d = match kind.code {
         "BOW" if CurveShape::of(num("curve")) == CurveShape::Table && entry("points").is_none() => missing(
             "points",
@@ -26,7 +27,13 @@ pub fn parameters(kind: &Kind, item: &Item, args: &[Arg], diags: &mut Diags) -> 
             let d = missing("curve", "points", "add `curve = \"table\"`");
             entry("curve").map_or(d.clone(), |e| d.fix(e.span, "\"table\""))
         }
-        "BOW" if entry("f").is_some() && entry("v0").is_none() => {
+        "BOW" if set_valued && CurveShape::of(num("curve")) != CurveShape::Coulomb => {
+            let d =
+                Diag::error("E010", format!("`{}`: `method = \"set-valued\"` is for `curve = \"coulomb\"`", item.name));
+            let d = d.at(entry("method").map_or(item.name_span, |e| e.span), "another curve");
+            d.help("add `curve = \"coulomb\"`, or choose `method = \"newton\"`")
+        }
+        "BOW" if entry("f").is_some() && entry("v0").is_none() && !set_valued => {
             missing("v0", "f", "add e.g. `v0 = \"50 mm/s\"` (speed of the largest force)")
         }
         "BOW" if falls_backwards(num("v0"), num("v1")) => {

@@ -6,7 +6,7 @@
 /// What moves the port.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MidiSource {
-    /// notes `low ..= high` (0 to 127); the velocity scales the way from `from` to `to`
+    /// notes `low ..= high` (0 to 127)
     Note {
         /// lowest note number
         low: u8,
@@ -19,6 +19,16 @@ pub enum MidiSource {
     PitchBend,
     /// channel pressure
     Pressure,
+}
+
+/// What the velocity of a note says.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Velocity {
+    /// how far the port goes: `to` at 127
+    #[default]
+    Depth,
+    /// how fast it goes, all the way to `to`: in `attack` at 127, else longer by 127/velocity, as a finger on a key
+    Speed,
 }
 
 /// The mapping of one port.
@@ -36,4 +46,17 @@ pub struct MidiMap {
     pub attack: f64,
     /// time to fall back after note off \[s\]; the way is linear
     pub release: f64,
+    /// what the velocity of a note says
+    pub velocity: Velocity,
+    /// whether the port falls back after note off; where it does not, each note goes to the other side: a plectrum, which
+    /// would pluck again on its way back
+    pub back: bool,
+}
+
+impl MidiMap {
+    /// A port that is moved by `source` on any channel, from 0 to 0, as fast as where nothing else is written.
+    pub const fn new(source: MidiSource) -> MidiMap {
+        let (attack, release) = (0.005, 0.03);
+        MidiMap { source, channel: None, from: 0.0, to: 0.0, attack, release, velocity: Velocity::Depth, back: true }
+    }
 }

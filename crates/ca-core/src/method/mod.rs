@@ -12,6 +12,7 @@
 //! against it, and as a tension of the link it is F = −side·N. A push N kept over a tick takes the work N·s/2 from the
 //! masses, where s = η₊ − η₋ is the change of penetration over two ticks (docs/numerics.md §2.2).
 
+pub(crate) mod coulomb;
 pub(crate) mod friction;
 pub(crate) mod gradient;
 pub mod implicit;

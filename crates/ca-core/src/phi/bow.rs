@@ -6,12 +6,14 @@
 //!   coulomb    v/v0 clipped to ±1: sliding friction with a viscous hold below v0
 //!   table      the points of `points` \[m/s, N\]
 //! Parameters: f \[N\], v0 \[m/s\], v1 \[m/s\], fd \[N\]. Source: ICMC 2013 (LNL friction), LAC 2019 (nlBow), HSP v2.
+//!   With method "set-valued" of coulomb what sticks stands still, up to f; what slides feels fd ([`crate::method`]).
 //! Stability: the slope f/v0 counts as a viscosity; with method "ca" slope·T/m < 1.5 for a faithful stick
 //! (docs/numerics.md §3.5), and passive where the curve resists, i.e. always but for a table that does not. "secant"
 //! and "newton" are passive at any slope ([`crate::method`]). Test: B07.
 
 use super::{ALONG, BETWEEN, Bound, Law, PAIRS, ParamBinding, Phi, lnl};
 use crate::kind::{ABOVE_ZERO, Kind, Need, POSITIVE, Param, Role, Type, Unit};
+use crate::method::coulomb;
 use crate::method::friction::{self, Curve};
 use crate::numeric::{NONE, Real, Table};
 use alloc::vec::Vec;
@@ -38,6 +40,8 @@ crate::choice! {
         Secant = "secant",
         /// by Newton's method
         Newton = "newton",
+        /// Coulomb's law as it is: any force up to the largest holds
+        SetValued = "set-valued",
     }
 }
 
@@ -56,7 +60,13 @@ pub static KIND: Kind = Kind {
         Param::number("f", Unit::NEWTON, POSITIVE, Need::Optional, "largest friction force"),
         Param::number("v0", Unit::SPEED, ABOVE_ZERO, Need::Optional, "speed of the largest force"),
         Param::number("v1", Unit::SPEED, ABOVE_ZERO, Need::Optional, "piecewise: speed where the fall ends; 3 v0"),
-        Param::number("fd", Unit::NEWTON, POSITIVE, Need::Default(0.0), "piecewise: force of fast sliding"),
+        Param::number(
+            "fd",
+            Unit::NEWTON,
+            POSITIVE,
+            Need::Optional,
+            "force of sliding: of piecewise, 0 if left out; of set-valued, `f`",
+        ),
         Param::new("points", Type::Points { x: Unit::SPEED, y: Unit::NEWTON }, Need::Optional, "table: [speed, force]"),
         PAIRS,
         ALONG,
@@ -65,7 +75,7 @@ pub static KIND: Kind = Kind {
             Type::Choice(FrictionMethod::WORDS),
             Need::Default(0.0),
             "ca: explicit, as in the field; secant: only resists, at any slope; newton: the same and more exact; where \
-             the slope is too steep or the place is shared, secant",
+             the slope is too steep or the place is shared, secant; set-valued, of the curve coulomb: what sticks stands still",
         ),
     ],
     one_of: &[crate::kind::OneOf { sets: &[&["f", "v0", "v1", "fd"], &["points"]], required: true }],
@@ -103,12 +113,17 @@ pub static TABLE: Law = Law {
 };
 
 /// Curves, each by each method.
-static LAWS: [[&Law; 3]; 4] = [
-    [&SMOOTH, &SMOOTH_SECANT, &SMOOTH_NEWTON],
-    [&PIECEWISE, &PIECEWISE_SECANT, &PIECEWISE_NEWTON],
-    [&COULOMB, &COULOMB_SECANT, &COULOMB_NEWTON],
-    [&TABLE, &TABLE_SECANT, &TABLE_NEWTON],
+static LAWS: [[&Law; 4]; 4] = [
+    [&SMOOTH, &SMOOTH_SECANT, &SMOOTH_NEWTON, &SMOOTH_NEWTON],
+    [&PIECEWISE, &PIECEWISE_SECANT, &PIECEWISE_NEWTON, &PIECEWISE_NEWTON],
+    [&COULOMB, &COULOMB_SECANT, &COULOMB_NEWTON, &SET_VALUED],
+    [&TABLE, &TABLE_SECANT, &TABLE_NEWTON, &TABLE_NEWTON],
 ];
+
+/// With `curve = "coulomb"` and `method = "set-valued"`; where it shares a mass with other implicit links, by a curve.
+pub static SET_VALUED: Law = coulomb::alone("BOW set-valued", SLIDING, &SLIDING_TOGETHER);
+static SLIDING: Law = Law::of::<SetValued, 3, 0>("BOW sliding");
+static SLIDING_TOGETHER: Law = friction::together::<SetValued, _>("BOW set-valued shared", SLIDING);
 
 /// A curve by method: alone, and together with others.
 macro_rules! methods {
@@ -216,6 +231,40 @@ impl Curve<5> for Piecewise {
         } else {
             0.0
         }
+    }
+}
+
+/// Coefficients f, fd, v0 T of the creep where it is a curve.
+pub struct SetValued;
+
+/// The creep where links share a mass, if nothing else is written \[m/s\].
+const CREEP: f64 = 1e-4;
+
+impl Phi<3, 0> for SetValued {
+    fn coefs(p: &[Option<f64>], tick_dt: f64) -> [f64; 3] {
+        let f = p[at::F].unwrap_or(0.0);
+        [f, p[at::FD].unwrap_or(f).min(f), p[at::V0].unwrap_or(CREEP) * tick_dt]
+    }
+    #[inline(always)]
+    fn force(c: &[Real; 3], _: &mut [Real; 0], _: &[Table], _e: Real, w: Real) -> Real {
+        coulomb::sliding(*c, w)
+    }
+    #[inline(always)]
+    fn lost(c: &[Real; 3], _: &[Real; 0], _: &[Table], e: [Real; 3]) -> Real {
+        let w = e[1] - e[0];
+        coulomb::sliding(*c, w) * w
+    }
+    fn bound(&[f, _, v0]: &[f64; 3], _: &[Table]) -> Bound {
+        Bound { z: f / v0, curve: true, ..Bound::default() }
+    }
+}
+
+impl Curve<3> for SetValued {
+    fn chord(c: &[Real; 3], tables: &[Table], w: Real) -> Real {
+        coulomb::chord(*c, tables, w)
+    }
+    fn slope(c: &[Real; 3], tables: &[Table], w: Real) -> Real {
+        if w.abs() <= c[2] { coulomb::chord(*c, tables, w) } else { 0.0 }
     }
 }
 

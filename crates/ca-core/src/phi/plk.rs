@@ -1,12 +1,36 @@
 //! PLK: a plectrum, with true hysteresis.
 //!
-//! Equation: engaged, F = k e + (z/T) w; lets go when |e| ≥ d; takes hold again when e changes sign. Parameters:
+//! Equation: engaged, F = k e + (z/T) w; lets go when |e| ≥ d; takes hold again when e changes sign. One-sided, it takes hold
+//! only when e rises through 0 (up) or falls (down), and lets go when e comes back to 0. Parameters:
 //! k \[N/m\], z \[N s/m\], d \[m\] > 0. Source: HSP v2 (contact-pluck), docs/numerics.md §2.2 for the energy: what is
 //! stored at release is entered as lost. Stability: as REF while engaged. Test: `tests/suite/pluck.rs`.
 
 use super::{ALONG, BETWEEN, Bound, Law, PAIRS, Phi, linear_lost, linear_stored};
-use crate::kind::{ABOVE_ZERO, Kind, Need, POSITIVE, Param, Role, Unit};
+use crate::kind::{ABOVE_ZERO, Kind, Need, POSITIVE, Param, Role, Type, Unit};
 use crate::numeric::{NONE, Real, Table};
+
+crate::choice! {
+    /// On which way it plucks.
+    pub enum Side {
+        /// both
+        Both = "both",
+        /// when the second end rises past the first
+        Up = "up",
+        /// when it falls past it
+        Down = "down",
+    }
+}
+
+impl Side {
+    /// The sign of the elongation in which it holds; 0 where both do.
+    fn sign(self) -> f64 {
+        match self {
+            Side::Both => 0.0,
+            Side::Up => 1.0,
+            Side::Down => -1.0,
+        }
+    }
+}
 
 /// PLK in the catalog.
 pub static KIND: Kind = Kind {
@@ -14,13 +38,21 @@ pub static KIND: Kind = Kind {
     title: "pluck with hysteresis",
     equation: "F = k e + z de/dt while engaged; lets go at |e| >= d, engages when e changes sign",
     doc: "Holds like a spring until it is drawn out by `d`, then lets go for good: it takes hold again only when the \
-          plectrum has come back through the string. One note per passage, however slow.",
+          plectrum has come back through the string. One note per passage, however slow. With `side = \"up\"` it passes freely \
+          on its way down; with `engaged = false` it takes hold at its first passage, and not at load.",
     source: &["HSP v2"],
     params: &[
         BETWEEN,
         Param::number("k", Unit::STIFFNESS, POSITIVE, Need::Required, "stiffness while engaged"),
         Param::number("z", Unit::VISCOSITY, POSITIVE, Need::Default(0.0), "viscosity while engaged"),
         Param::number("d", Unit::METRE, ABOVE_ZERO, Need::Required, "elongation at which it lets go"),
+        Param::new(
+            "side",
+            Type::Choice(Side::WORDS),
+            Need::Default(0.0),
+            "the way of the second end on which it plucks",
+        ),
+        Param::new("engaged", Type::Flag, Need::Default(1.0), "whether it holds at load, where its ends are that near"),
         PAIRS,
         ALONG,
     ],
@@ -40,45 +72,51 @@ plectrum = [[0, 0], [0.3, "3 mm"], [0.6, "3 mm"], [1, "-3 mm"]]
     role: Role::Lia(&LAW),
 };
 
-crate::positions!(KIND: K = "k", Z = "z", D = "d");
+crate::positions!(KIND: K = "k", Z = "z", D = "d", SIDE = "side", ENGAGED = "engaged");
 
 /// The law of PLK.
-pub static LAW: Law = Law::of::<Plk, 3, 3>("PLK");
+pub static LAW: Law = Law::of::<Plk, 5, 3>("PLK");
 
-/// Coefficients k, z/T, d; memory: 1 while engaged, the last elongation, energy given up at the last tick.
+/// Coefficients k, z/T, d, sign of the side, 1 where it holds at load; memory: 1 while engaged, the last elongation, energy given up at the last tick.
 pub struct Plk;
 
-impl Phi<3, 3> for Plk {
-    fn coefs(p: &[Option<f64>], tick_dt: f64) -> [f64; 3] {
-        [p[at::K].unwrap_or(0.0), p[at::Z].unwrap_or(0.0) / tick_dt, p[at::D].unwrap_or(NONE)]
+impl Phi<5, 3> for Plk {
+    fn coefs(p: &[Option<f64>], tick_dt: f64) -> [f64; 5] {
+        let side = Side::of(p[at::SIDE]).sign();
+        let engaged = if p[at::ENGAGED] == Some(0.0) { 0.0 } else { 1.0 };
+        [p[at::K].unwrap_or(0.0), p[at::Z].unwrap_or(0.0) / tick_dt, p[at::D].unwrap_or(NONE), side, engaged]
     }
-    fn start(&[_, _, d]: &[Real; 3], e: Real) -> [Real; 3] {
-        [if e.abs() < d { 1.0 } else { 0.0 }, e, 0.0]
+    fn start(&[_, _, d, side, engaged]: &[Real; 5], e: Real) -> [Real; 3] {
+        [if e.abs() < d && side * e >= 0.0 { engaged } else { 0.0 }, e, 0.0]
     }
     #[inline(always)]
-    fn force(&[k, z, d]: &[Real; 3], mem: &mut [Real; 3], _: &[Table], e: Real, w: Real) -> Real {
+    fn force(&[k, z, d, side, _]: &[Real; 5], mem: &mut [Real; 3], _: &[Table], e: Real, w: Real) -> Real {
         let [engaged, last, released] = mem;
         *released = 0.0;
         if *engaged != 0.0 {
-            if e.abs() >= d {
+            if e.abs() >= d || side * e < 0.0 {
                 *engaged = 0.0;
                 *released = 0.5 * k * e * e;
             }
-        } else if e.abs() < d && ((*last <= 0.0 && e >= 0.0) || (*last >= 0.0 && e <= 0.0)) {
-            *engaged = 1.0;
+        } else if e.abs() < d {
+            // from one sign to the other, or from nothing to the side it holds on
+            let (rises, falls) = (*last <= 0.0 && e >= 0.0, *last >= 0.0 && e <= 0.0);
+            if (rises && side >= 0.0) || (falls && side <= 0.0) {
+                *engaged = 1.0;
+            }
         }
         *last = e;
         if *engaged == 0.0 { 0.0 } else { k * e + z * w }
     }
     #[inline(always)]
-    fn stored(&[k, z, _]: &[Real; 3], mem: &[Real; 3], _: &[Table], e0: Real, e1: Real) -> Real {
+    fn stored(&[k, z, ..]: &[Real; 5], mem: &[Real; 3], _: &[Table], e0: Real, e1: Real) -> Real {
         if mem[0] == 0.0 { 0.0 } else { linear_stored(k, z, e0, e1) }
     }
     #[inline(always)]
-    fn lost(&[_, z, _]: &[Real; 3], mem: &[Real; 3], _: &[Table], e: [Real; 3]) -> Real {
+    fn lost(&[_, z, ..]: &[Real; 5], mem: &[Real; 3], _: &[Table], e: [Real; 3]) -> Real {
         if mem[0] == 0.0 { mem[2] } else { linear_lost(z, e) }
     }
-    fn bound(&[k, z, _]: &[f64; 3], _: &[Table]) -> Bound {
+    fn bound(&[k, z, ..]: &[f64; 5], _: &[Table]) -> Bound {
         Bound { k, z, contact: true, ..Bound::default() }
     }
 }

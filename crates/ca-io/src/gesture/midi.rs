@@ -39,8 +39,34 @@ pub(super) fn read(bytes: &[u8], ports: &[PortMap]) -> Result<Gesture, FileError
         return Err(e.fix("change `midi` of a port to what the file has"));
     }
     let tracks = ports.iter().zip(port_tracks).map(|(p, f)| Track::points(&p.port, f.finish()));
-    Gesture::new(tracks.collect::<Result<_, _>>()?)
+    Ok(Gesture { unheard: unheard(&events, ports), ..Gesture::new(tracks.collect::<Result<_, _>>()?)? })
 }
+
+/// The notes that move no port, in words.
+fn unheard(events: &[Event], ports: &[PortMap]) -> Option<String> {
+    let mut all: BTreeMap<u8, BTreeMap<u8, usize>> = BTreeMap::new();
+    for e in events {
+        let MidiMessage::NoteOn { key, vel } = e.message else { continue };
+        let moves = |m: &MidiMap| {
+            let notes = matches!(m.source, MidiSource::Note { low, high } if (low..=high).contains(&key.as_int()));
+            notes && m.channel.is_none_or(|c| c == e.channel)
+        };
+        if vel > 0 && !ports.iter().any(|p| moves(&p.map)) {
+            *all.entry(e.channel).or_default().entry(key.as_int()).or_default() += 1;
+        }
+    }
+    let times: usize = all.values().flat_map(BTreeMap::values).sum();
+    let of = |(channel, notes): (&u8, &BTreeMap<u8, usize>)| {
+        let shown: Vec<String> = notes.keys().take(SHOWN).map(u8::to_string).collect();
+        let rest = if notes.len() > SHOWN { format!(" and {} others", notes.len() - SHOWN) } else { String::new() };
+        format!("{}{rest} on channel {channel}", shown.join(", "))
+    };
+    let notes: Vec<String> = all.iter().map(of).collect();
+    (times > 0).then(|| format!("{times} notes move no port: {}", notes.join("; ")))
+}
+
+/// So many notes that move nothing are named.
+const SHOWN: usize = 12;
 
 fn check(p: &PortMap) -> Result<(), FileError> {
     let m = &p.map;

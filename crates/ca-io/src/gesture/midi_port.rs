@@ -1,10 +1,11 @@
 //! One port that MIDI moves: what each event asks of it, in a file or while it is played.
 //!
 //! Decides that a port is monophonic. Of overlapping notes the newest wins, and its release falls back to the newest
-//! still held; a key that is struck again while down is one key. The sustain pedal is a controller like others.
+//! still held; a key that is struck again while down is one key. One that notes do not bring back (`back = false`) goes to its other
+//! side with each. The sustain pedal is a controller like others.
 //! Polyphony is many ports with a note each, which is how an instrument of strings is built anyway.
 
-use ca_core::io::midi::{MidiMap, MidiSource};
+use ca_core::io::midi::{MidiMap, MidiSource, Velocity};
 use midly::MidiMessage;
 
 /// Where a port goes from wherever it is.
@@ -22,12 +23,14 @@ pub struct MidiPort {
     map: MidiMap,
     /// notes held: channel, key, velocity; the newest last
     held: Vec<(u8, u8, u8)>,
+    /// where notes do not bring it back: it is at the far side
+    far: bool,
 }
 
 impl MidiPort {
     /// With no note held.
     pub fn new(map: &MidiMap) -> MidiPort {
-        MidiPort { map: *map, held: Vec::new() }
+        MidiPort { map: *map, held: Vec::new(), far: false }
     }
 
     /// Where it stands before its first event: at `from`, a pitch bend midway.
@@ -51,7 +54,10 @@ impl MidiPort {
                 }
                 self.held.retain(|n| (n.0, n.1) != (channel, key));
                 self.held.push((channel, key, vel.as_int()));
-                Some(self.go(vel.as_int()))
+                if !self.map.back {
+                    self.far = !self.far;
+                }
+                Some(self.note(vel.as_int()))
             }
             (MidiSource::Note { .. }, MidiMessage::NoteOff { key, .. }) => {
                 self.release(|n| (n.0, n.1) == (channel, key.as_int()))
@@ -79,13 +85,25 @@ impl MidiPort {
     fn release(&mut self, gone: impl Fn(&(u8, u8, u8)) -> bool) -> Option<Glide> {
         let newest = self.held.last().copied();
         self.held.retain(|n| !gone(n));
-        if newest == self.held.last().copied() {
+        if newest == self.held.last().copied() || !self.map.back {
             return None;
         }
         Some(match self.held.last() {
-            Some(n) => self.go(n.2),
+            Some(n) => self.note(n.2),
             None => Glide { to: self.map.from, over: self.map.release },
         })
+    }
+
+    /// Where a note of this velocity brings it, from 1 on.
+    fn note(&self, velocity: u8) -> Glide {
+        let part = f64::from(velocity) / 127.0;
+        let speed = self.map.velocity == Velocity::Speed;
+        let to = match (self.map.back || self.far, speed) {
+            (false, _) => self.map.from,
+            (true, true) => self.map.to,
+            (true, false) => self.way(part),
+        };
+        Glide { to, over: if speed { self.map.attack / part } else { self.map.attack } }
     }
 
     fn go(&self, value: u8) -> Glide {

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::error::FileErrorKind;
+use ca_core::io::midi::Velocity;
 
 /// A file of this format and timing, each track given as (delta, bytes of the event) without its end.
 fn file(format: u16, timing: u16, tracks: &[&[(u32, &[u8])]]) -> Vec<u8> {
@@ -28,7 +29,7 @@ fn file(format: u16, timing: u16, tracks: &[&[(u32, &[u8])]]) -> Vec<u8> {
 }
 
 fn port(name: &str, source: MidiSource, channel: Option<u8>) -> PortMap {
-    let map = MidiMap { source, channel, from: 1.0, to: 2.0, attack: 0.25, release: 0.5 };
+    let map = MidiMap { source, channel, from: 1.0, to: 2.0, attack: 0.25, release: 0.5, ..MidiMap::new(source) };
     PortMap { port: name.to_owned(), map }
 }
 
@@ -230,4 +231,49 @@ fn refuses_what_it_would_misread() {
     p.map.attack = f64::NAN;
     assert_eq!(read(&good, &[p]).unwrap_err().kind, FileErrorKind::Usage);
     assert!(read(&good, &[key(), key()]).unwrap_err().what.contains("two tracks"));
+}
+
+#[test]
+fn a_velocity_may_be_how_fast_it_goes() {
+    let mut map = key();
+    map.map.velocity = Velocity::Speed;
+    let t =
+        one(map, &[(1000, &[0x90, 60, 127]), (1000, &[0x80, 60, 0]), (1000, &[0x90, 60, 32]), (2000, &[0x80, 60, 0])]);
+    // all the way, in a quarter of a second at 127 and in 127/32 times that
+    let slow = 0.25 * 127.0 / 32.0;
+    for (time, want) in
+        [(1.125, 1.5), (1.25, 2.0), (2.25, 1.5), (2.5, 1.0), (3.0 + 0.5 * slow, 1.5), (3.0 + slow, 2.0), (5.5, 1.0)]
+    {
+        assert!((t.at(time) - want).abs() < 1e-12, "at {time}: {}", t.at(time));
+    }
+}
+
+#[test]
+fn a_plectrum_goes_to_its_other_side_with_each_note_and_never_back_alone() {
+    let mut map = key();
+    map.map.back = false;
+    let events: &[(u32, &[u8])] = &[
+        (1000, &[0x90, 60, 127]),
+        (500, &[0x80, 60, 0]),
+        (1500, &[0x90, 62, 64]),
+        (500, &[0x80, 62, 0]),
+        (500, &[0x90, 60, 64]),
+        (100, &[0xb0, 123, 0]),
+    ];
+    let t = one(map, events);
+    for (time, want) in
+        [(0.9, 1.0), (1.25, 2.0), (2.9, 2.0), (3.25, 1.0), (3.9, 1.0), (4.25, velocity(64.0)), (9.0, velocity(64.0))]
+    {
+        assert!((t.at(time) - want).abs() < 1e-12, "at {time}: {}", t.at(time));
+    }
+}
+
+#[test]
+fn notes_that_move_nothing_are_named() {
+    let events: &[(u32, &[u8])] =
+        &[(0, &[0x90, 60, 127]), (1, &[0x90, 40, 1]), (1, &[0x90, 40, 0]), (1, &[0x99, 36, 9]), (1, &[0x99, 36, 9])];
+    let g = read(&file(0, MS, &[events]), &[key()]).unwrap();
+    assert_eq!(g.unheard(), Some("3 notes move no port: 40 on channel 1; 36 on channel 10"));
+    let g = read(&file(0, MS, &[&[(0, &[0x90, 60, 127])]]), &[key()]).unwrap();
+    assert_eq!(g.unheard(), None);
 }

@@ -70,6 +70,7 @@ impl GestureFormat {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Gesture {
     tracks: Vec<Track>,
+    unheard: Option<String>,
 }
 
 impl Gesture {
@@ -87,7 +88,7 @@ impl Gesture {
                 return Err(e.fix("rename or remove one"));
             }
         }
-        Ok(Gesture { tracks })
+        Ok(Gesture { tracks, unheard: None })
     }
 
     /// Reads the file at `path` in the format its extension stands for.
@@ -133,6 +134,11 @@ impl Gesture {
     /// All tracks, in the order of the file.
     pub fn tracks(&self) -> &[Track] {
         &self.tracks
+    }
+
+    /// What of a file moves nothing, in words.
+    pub fn unheard(&self) -> Option<&str> {
+        self.unheard.as_deref()
     }
 
     /// The track of that name.

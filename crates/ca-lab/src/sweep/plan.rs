@@ -248,7 +248,7 @@ pub fn read(path: &Path) -> Result<Plan, Failure> {
     let gesture = match files {
         Some(files) => {
             let scene = load::scene(&loaded, &Options { rate: ask.rate, ..Options::default() })?;
-            gesture::open(&files, gesture_rate, &scene, beside)?
+            gesture::open(&files, gesture_rate, &scene, beside, &mut |_| {})?
         }
         None => None,
     };

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Literal, Union
 
@@ -274,20 +275,27 @@ class Scene:
         inner = bool(index) and name.endswith(".link")
         return "N" if inner or any(item == name and kind in _FORCES for kind, item in self._model.items) else "m"
 
+    def _file(self, path: str | os.PathLike[str], port: str | None, rate: float | None) -> _core.Gesture:
+        """A gesture from a file; notes that move no port are a warning."""
+        gesture = self._compiled.gesture(os.fspath(path), port, rate)
+        if gesture.unheard is not None:
+            warnings.warn(f"`{os.fspath(path)}`: {gesture.unheard}", stacklevel=4)
+        return gesture
+
     def _gesture(self, gesture: Gesture) -> _core.Gesture | None:
         if gesture is None:
             return None
         if isinstance(gesture, (str, os.PathLike)):
-            return self._compiled.gesture(os.fspath(gesture), None, None)
+            return self._file(gesture, None, None)
         if not isinstance(gesture, Mapping):
             raise UsageError("a gesture is a file, or names of ports with what drives them")
         files: list[_core.Gesture] = []
         tracks: list[tuple[str, Any]] = []
         for name, curve in gesture.items():
             if isinstance(curve, (str, os.PathLike)):
-                files.append(self._compiled.gesture(os.fspath(curve), name, None))
+                files.append(self._file(curve, name, None))
             elif isinstance(curve, tuple) and len(curve) == 2 and isinstance(curve[0], (str, os.PathLike)):
-                files.append(self._compiled.gesture(os.fspath(curve[0]), name, number(f"rate of `{name}`", curve[1], "Hz")))
+                files.append(self._file(curve[0], name, number(f"rate of `{name}`", curve[1], "Hz")))
             elif isinstance(curve, tuple) and len(curve) == 2 and _ndim(curve[0]) == 1 and _ndim(curve[1]) == 0:
                 tracks.append((name, (number(f"rate of `{name}`", curve[1], "Hz"), reals(name, curve[0], dense=True))))
             else:

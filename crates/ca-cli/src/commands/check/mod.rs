@@ -4,6 +4,7 @@
 //! for, goes to stdout.
 
 mod device;
+mod levels;
 mod schedule;
 
 use crate::args::CheckArgs;
@@ -49,12 +50,15 @@ fn once(args: &CheckArgs) -> Outcome {
     let options = Options { rate: args.source.rate, exact: args.exact, ..Options::default() };
     let (scene, diags) = load::compiled(&loaded, &options);
     let rows = scene.as_ref().filter(|_| args.schedule).map(schedule::measure).transpose()?;
+    let quiet = args.json || args.watch;
+    let levels = scene.as_ref().filter(|_| args.levels).map(|s| levels::levels(s, !quiet)).transpose()?;
     let asked = scene.as_ref().zip(profile.as_ref()).map(|(s, p)| device::DeviceDemands::new(s, p));
     if args.json {
         let all = json!({
             "diagnostics": render::json(&diags, &loaded.model),
             "summary": scene.as_ref().map(|s| summary_json(&loaded, s)),
             "schedule": scene.as_ref().zip(rows.as_ref()).map(|(s, r)| schedule::json(s, r)),
+            "levels": levels.as_deref().map(levels::json),
             "device": asked.as_ref().map(device::DeviceDemands::json),
         });
         writeln!(std::io::stdout().lock(), "{all:#}")?;
@@ -66,6 +70,9 @@ fn once(args: &CheckArgs) -> Outcome {
         }
         if let Some((scene, rows)) = scene.as_ref().zip(rows.as_ref()) {
             schedule::text(scene, rows)?;
+        }
+        if let Some(levels) = &levels {
+            levels::text(levels)?;
         }
         if let Some(asked) = &asked {
             asked.text(&mut std::io::stdout().lock())?;

@@ -1,10 +1,11 @@
 //! `ca render`: a model into a WAV file.
 //!
 //! Decides that everything that can be refused is refused before the first tick, so that a long render never ends in a
-//! spelling mistake; and that sound which is not what the model meant (cut off, diverged) is still written, finite and
-//! within full scale, but never called a success.
+//! spelling mistake; and that sound which is not what the model meant (cut off, diverged) is still written, finite, and after a
+//! divergence within full scale, but never called a success.
 
 mod play;
+mod slow;
 mod summary;
 
 pub(crate) use play::{listen, play, stopped};
@@ -20,10 +21,11 @@ use crate::{Ended, Failure, Outcome, catalog, term};
 use ca_compile::{KernelClass, Options};
 use ca_core::Scene;
 use ca_core::scene::Halves;
+use ca_io::ending::{Ending, RenderOut};
 use ca_io::gesture::Gesture;
 use ca_io::perform::Performance;
 use ca_io::probe::ProbeOut;
-use ca_io::sound::{Format, WavOut};
+use ca_io::sound::Format;
 use ca_lab::gesture;
 use std::path::{Path, PathBuf};
 
@@ -77,15 +79,17 @@ pub fn run(args: &RenderArgs) -> Outcome {
         return Err(Failure::Usage(format!("{what}; render less with `--seconds`, or `--format 16`")));
     }
     let halves = if args.threads > 1 { Some(halves(&loaded, &options, &scene)?) } else { None };
-    let wav = WavOut::create(&output, scene.rate, scene.channels, format)?;
+    let ending = Ending { format, ceiling: args.ceiling, fade: !args.no_fade, normalize: args.normalize };
+    let wav = RenderOut::create(&output, scene.rate, scene.channels, ending)?;
+    let slow = slow::Slow::new(scene.channels, scene.rate);
     let outs = open_probes(&probes, &scene)?;
     let show = !args.quiet && !args.json;
-    let mut files = play::Files { wav, probes: outs, channels: scene.channels, waiting: Vec::new() };
+    let mut files = play::Files { wav, slow, probes: outs, channels: scene.channels, waiting: Vec::new() };
     let played = match &halves {
         Some(h) => play::play_halves(performance, h, gesture.as_ref(), frames, show, &mut |rows| files.write(rows))?,
         None => play(performance, frames, play::BLOCK, show, &mut |_, rows| files.write(rows))?,
     };
-    let written = files.finish()?;
+    let (ended, slow) = files.finish(played.diverged_at.is_some())?;
     let audited: &Scene = second.as_deref().unwrap_or(&scene);
     let energy = match &played.energy {
         Some(ledger) => {
@@ -99,7 +103,10 @@ pub fn run(args: &RenderArgs) -> Outcome {
         args,
         scene: &scene,
         audited,
-        written: &written,
+        written: &ended.written,
+        ended: &ended,
+        slow: slow.found().collect(),
+        furthest: scene.mat_name(played.performance.state.furthest()).into(),
         wall: played.wall,
         energy: energy.as_ref(),
         divergence: divergence.as_ref(),
@@ -187,7 +194,7 @@ pub(crate) fn gesture(args: &Playing, scene: &Scene, output: &Path) -> Result<Op
             return Err(Failure::Usage(format!("{what}; choose another file with `-o`")));
         }
     }
-    Ok(gesture::open(&args.gesture, args.gesture_rate, scene, Path::new(""))?)
+    Ok(gesture::open(&args.gesture, args.gesture_rate, scene, Path::new(""), &mut |what| term::note(what))?)
 }
 
 /// How long it is played \[s\], and in ticks.

@@ -1,11 +1,12 @@
 //! The loop that plays.
 
+use super::slow::Slow;
 use crate::{Failure, term};
 use ca_core::scene::Halves;
+use ca_io::ending::{Ended, RenderOut};
 use ca_io::gesture::Gesture;
 use ca_io::perform::Performance;
 use ca_io::probe::ProbeOut;
-use ca_io::sound::{WavOut, Written};
 pub(crate) use ca_lab::play::{Audit, BLOCK, Played, audit};
 use indicatif::ProgressBar;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -97,7 +98,8 @@ pub(crate) fn play_halves<'a>(
 
 /// Where the outputs of a render go.
 pub(crate) struct Files {
-    pub wav: WavOut,
+    pub wav: RenderOut,
+    pub slow: Slow,
     /// files of probes, each with the number of its columns
     pub probes: Vec<(ProbeOut, usize)>,
     pub channels: usize,
@@ -120,6 +122,7 @@ impl Files {
                 rest = others;
             }
         }
+        self.slow.hear(&self.waiting[0]);
         self.wav.write(&self.waiting[0])?;
         for ((file, _), values) in self.probes.iter_mut().zip(&self.waiting[1..]) {
             file.write(values)?;
@@ -128,11 +131,11 @@ impl Files {
     }
 
     /// Completes all of them.
-    pub fn finish(self) -> Result<Written, Failure> {
-        let written = self.wav.finish()?;
+    pub fn finish(self, diverged: bool) -> Result<(Ended, Slow), Failure> {
+        let ended = self.wav.finish(diverged)?;
         for (file, _) in self.probes {
             file.finish()?;
         }
-        Ok(written)
+        Ok((ended, self.slow))
     }
 }

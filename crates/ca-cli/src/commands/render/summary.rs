@@ -2,6 +2,7 @@
 
 use super::Probe;
 use super::play::Audit;
+use super::slow::EDGE;
 use crate::args::{RenderArgs, SampleFormat};
 use crate::commands::border;
 use crate::load::ticked;
@@ -12,6 +13,7 @@ use ca_core::kind::Unit;
 use ca_core::scene::Halves;
 use ca_core::scene::certificate::{Certificate, Level};
 use ca_core::state::Ledger;
+use ca_io::ending::Ended;
 use ca_io::sound::Written;
 pub(crate) use ca_lab::play::{Divergence, relative};
 use ca_lab::play::{gain, unbalanced};
@@ -36,6 +38,11 @@ pub(crate) struct Summary<'a> {
     /// the same with the energy ledger, which knows its links by name
     pub audited: &'a Scene,
     pub written: &'a Written,
+    pub ended: &'a Ended,
+    /// channels of which more than half is too slow to be heard, with the share
+    pub slow: Vec<(usize, f64)>,
+    /// the module that is furthest from its rest at the end
+    pub furthest: String,
     pub wall: Duration,
     pub energy: Option<&'a Audit>,
     pub divergence: Option<&'a Divergence>,
@@ -120,6 +127,21 @@ impl Summary<'_> {
             };
             term::warning(&format!("{}{help}", too_loud(self.written.level.clipped)));
         }
+        if self.written.level.beyond > 0 && !self.args.quiet {
+            let n = self.written.level.beyond;
+            let what = if n == 1 { "1 sample is".into() } else { format!("{n} samples are") };
+            let kept = "kept as it is in 32-bit floats; `--normalize` or `--ceiling` keep it within";
+            term::note(&format!("{what} beyond full scale, {kept}{}", fitting(self.loudest())));
+        }
+        if self.divergence.is_none() && !self.args.quiet {
+            for (channel, share) in &self.slow {
+                let name = self.scene.channel_names.get(*channel).map_or("", String::as_str);
+                let percent = (100.0 * share).round();
+                let what = format!("{percent} % of the power of `{name}` is below {EDGE} Hz, where nothing is heard");
+                let help = format!("`{}` is furthest from its rest: hold it, or give the output a `dc`", self.furthest);
+                term::warning(&format!("{what}; {help}"));
+            }
+        }
         if self.loudest() < SILENT && !self.args.quiet {
             let ports: Vec<&str> = self.scene.inputs.iter().map(|i| i.name.as_str()).collect();
             let help = if self.loudest() > 0.0 {
@@ -173,6 +195,12 @@ impl Summary<'_> {
         let rtf = self.real_time_factor();
         let how = if self.args.energy { " with the energy ledger" } else { "" };
         writeln!(out, "  speed      {} times real time{how} (real-time factor {})", short(1.0 / rtf), short(rtf))?;
+        if self.ended.gain != 1.0 {
+            writeln!(out, "  gain       all samples times {}", short(self.ended.gain))?;
+        }
+        if self.ended.faded {
+            writeln!(out, "  ending     still sounds: its last 20 ms are faded; `--no-fade` leaves them")?;
+        }
         if let Some(h) = self.halves {
             let s = if h.across == 1 { "" } else { "s" };
             let (share, across) = (100.0 * h.share, h.across);
@@ -285,7 +313,9 @@ impl Summary<'_> {
             "file": w.path, "seconds": w.duration(), "frames": w.frames, "rate": w.rate, "format": self.format(),
             "channels": channels, "latency": border::json(self.scene), "real_time_factor": self.real_time_factor(), "energy": energy,
             "stability": stability_json(&self.scene.certificate), "warnings": self.warnings, "probes": probes,
-            "clipped": clipped, "without_value": w.level.non_finite, "refused_inputs": self.refused, "blown_up": divergence,
+            "clipped": clipped, "beyond_full_scale": w.level.beyond, "gain": self.ended.gain, "faded": self.ended.faded,
+            "slow": self.slow.iter().map(|(c, share)| json!({"channel": c, "share": share})).collect::<Vec<_>>(),
+            "without_value": w.level.non_finite, "refused_inputs": self.refused, "blown_up": divergence,
             "degraded": self.degraded(),
             "threads": self.halves.map(|h| json!({"share": h.share, "across": h.across})),
         });

@@ -1,0 +1,69 @@
+//! How loud each output is when the model plays by itself, and which gain would make it as loud as a sound should be.
+
+use super::super::render::{decibel, level, play};
+use crate::term::short;
+use crate::{Failure, term};
+use ca_core::Scene;
+use ca_io::perform::Performance;
+use serde_json::{Value as Json, json};
+use std::io::Write;
+
+/// A peak that leaves room: −6 dB of full scale.
+const WANTED: f64 = 0.5;
+/// A peak below which no gain helps.
+const SILENT: f64 = 1e-10;
+
+/// A channel.
+pub(super) struct LevelRow {
+    name: String,
+    peak: f64,
+}
+
+/// Plays the model as `ca render` would.
+pub(super) fn levels(scene: &Scene, show: bool) -> Result<Vec<LevelRow>, Failure> {
+    let performance = Performance::new(scene, None)?;
+    let seconds = ca_lab::play::seconds(&performance, None);
+    let frames = ca_lab::play::frames(scene, seconds);
+    let n = scene.channels.max(1);
+    let mut peaks = vec![0.0_f64; scene.channels];
+    let played = play(performance, frames, 1024, show, &mut |_, rows| {
+        for frame in rows.chunks_exact(n) {
+            for (peak, x) in peaks.iter_mut().zip(frame) {
+                *peak = peak.max(x.abs());
+            }
+        }
+        Ok(())
+    })?;
+    if played.diverged_at.is_some() {
+        term::warning("the model diverges, so its levels say nothing");
+    }
+    Ok(scene.channel_names.iter().zip(peaks).map(|(name, peak)| LevelRow { name: name.clone(), peak }).collect())
+}
+
+impl LevelRow {
+    /// What the gain of its outputs times this makes of it.
+    fn factor(&self) -> Option<f64> {
+        (self.peak > SILENT).then(|| WANTED / self.peak)
+    }
+}
+
+pub(super) fn text(rows: &[LevelRow]) -> Result<(), Failure> {
+    let mut out = std::io::stdout().lock();
+    for (i, row) in rows.iter().enumerate() {
+        let head = if i == 0 { "levels" } else { "" };
+        let what = match row.factor() {
+            Some(f) => format!("{}; its gain times {} makes it -6 dBFS", level(row.peak, false), short(f)),
+            None => "silent".into(),
+        };
+        writeln!(out, "  {head:<10} `{}`: {what}", row.name)?;
+    }
+    Ok(())
+}
+
+pub(super) fn json(rows: &[LevelRow]) -> Json {
+    let one = |row: &LevelRow| {
+        let dbfs = (row.peak > 0.0).then(|| decibel(row.peak));
+        json!({"name": row.name, "peak": row.peak, "peak_dbfs": dbfs, "gain_factor": row.factor()})
+    };
+    rows.iter().map(one).collect()
+}

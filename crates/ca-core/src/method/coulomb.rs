@@ -1,0 +1,79 @@
+//! Coulomb's friction as a set-valued law: what sticks stands still, and any force up to the largest holds it
+//! (docs/numerics.md §3.5).
+//!
+//! A curve, however steep, creeps where it should stick. Here the force is asked for instead: with r what all other forces make
+//! of the relative motion in this tick, and c the mobility of both ends, F = r/c leaves none of it. If that is no more than the
+//! static force of what stuck, or the sliding force of what slid, it sticks; else it slides on against the sliding force. Where
+//! the motion turns round by itself within a tick, there is no force in that tick. So F·(w + w₊)/2 ≥ 0 always: heat, never a
+//! gift, and of what sticks none at all. Of first order in the moments of sticking and slipping. Against a solver for all links
+//! at once: where a mass has several of them, or contacts that keep energy, the curve takes over, with a creep that is said.
+
+use super::{free_motion, mobility};
+use crate::law::Bound;
+use crate::numeric::{Real, Table};
+use crate::op::layout::Layout;
+use crate::op::{Energies, Law, Op, SolveStage};
+use crate::state::State;
+
+/// What a link remembers: 1 where it sticks, and the heat of the tick \[J\].
+const MEM: usize = 2;
+
+/// Coulomb's friction alone, whose first coefficients are f and fd; where it may not act alone, `together` runs.
+pub const fn alone(code: &'static str, curve: Law, together: &'static Law) -> Law {
+    Law {
+        code,
+        mem: MEM,
+        // what is at rest at load holds
+        start: |_, _, mem| mem.fill(0.0),
+        energies: Energies::kept(curve.energies.stored, |_, mem, _, _| mem[1]),
+        bound: |_, _| Bound { curve: true, ..Bound::default() },
+        kernel: |_| rub,
+        stage: SolveStage::Single(together),
+        simpler: |_| None,
+        ..curve
+    }
+}
+
+/// Applies the links of `op`, one by one.
+fn rub(op: &Op, layout: &Layout, s: &mut State) {
+    for i in 0..op.n {
+        let [f, fd]: [Real; 2] = core::array::from_fn(|k| s.coef[op.coef + k * op.n + i]);
+        let [p, q] = layout.ends[op.first + i].map(|m| m as usize);
+        let stuck = s.mem[op.mem + i] != 0.0;
+        // what stuck has no motion but that of rounding
+        let w = if stuck { 0.0 } else { s.d[q] - s.d[p] };
+        let r = free_motion(layout, s, q) - free_motion(layout, s, p);
+        let c = mobility(layout, s, p) + mobility(layout, s, q);
+        let (force, sticks) = hold([f, fd], [w, r], c, stuck);
+        s.f[p] += force;
+        s.f[q] -= force;
+        s.mem[op.mem + i] = if sticks { 1.0 } else { 0.0 };
+        s.mem[op.mem + op.n + i] = force * 0.5 * (w + (r - c * force));
+        if op.form.tap {
+            s.tap[op.tap + i] = force;
+        }
+    }
+}
+
+/// The force, and whether it sticks in this tick.
+fn hold([f, fd]: [Real; 2], [w, r]: [Real; 2], c: Real, stuck: bool) -> (Real, bool) {
+    let most = if stuck { f } else { fd };
+    if w * r < 0.0 || (c <= 0.0 && r == 0.0) {
+        return (0.0, stuck && c <= 0.0);
+    }
+    // between two ports nothing can be held
+    let needed = if c > 0.0 { r / c } else { Real::INFINITY.copysign(r) };
+    if needed.abs() <= most { (needed, true) } else { (fd.copysign(r), false) }
+}
+
+/// The force of what slides, and the curve where links share a mass: a creep of `v0`.
+#[inline(always)]
+pub fn sliding([f, fd, v0]: [Real; 3], w: Real) -> Real {
+    if w.abs() <= v0 { f * (w / v0) } else { fd.copysign(w) }
+}
+
+/// The same over the motion.
+#[inline(always)]
+pub fn chord([f, fd, v0]: [Real; 3], _: &[Table], w: Real) -> Real {
+    if w.abs() <= v0 { f / v0 } else { fd / w.abs() }
+}

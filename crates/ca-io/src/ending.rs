@@ -1,0 +1,226 @@
+//! The sound of a render: how loud it is, and how it ends.
+//!
+//! Decides that floats hold what the model makes, beyond full scale too: nothing of them is lost, and a gain mends it later. A sound
+//! that does not die away is faded in its last 20 ms, since its end would be a click that no model makes; the rest keeps its bits.
+//! Both are of files alone: what is computed from a render has all of it. What is to be as loud as asked is written twice, the
+//! first time as floats, because how loud it is becomes known at its end.
+
+use crate::error::FileError;
+use crate::sound::{Format, WavOut, Written};
+use hound::WavReader;
+use std::f64::consts::PI;
+use std::path::{Path, PathBuf};
+
+/// What a fade lasts \[s\].
+pub const FADE: f64 = 0.02;
+/// A sound that ends below is let be: −60 dB of full scale.
+pub const QUIET: f64 = 1e-3;
+/// Samples that are written again at once.
+const BLOCK: usize = 1 << 14;
+
+/// How a render is written.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ending {
+    /// its samples
+    pub format: Format,
+    /// whether floats are kept within full scale, as integers are
+    pub ceiling: bool,
+    /// whether its end is faded, where it still sounds
+    pub fade: bool,
+    /// its peak, of full scale, if it is to be just as loud
+    pub normalize: Option<f64>,
+}
+
+/// What became of a render.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ended {
+    /// the file
+    pub written: Written,
+    /// whether its end was faded
+    pub faded: bool,
+    /// what all samples were multiplied by
+    pub gain: f64,
+}
+
+/// A render under way.
+pub struct RenderOut {
+    out: WavOut,
+    path: PathBuf,
+    /// (\[Hz\], channels)
+    shape: (f64, usize),
+    ending: Ending,
+    /// its last samples so far, as many as a fade has
+    tail: Vec<f64>,
+}
+
+impl RenderOut {
+    /// Begins the file at `path`, as [`WavOut::create`].
+    ///
+    /// # Errors
+    /// Those of [`WavOut::create`].
+    pub fn create(path: &Path, rate: f64, channels: usize, ending: Ending) -> Result<RenderOut, FileError> {
+        let out = match ending.normalize {
+            Some(_) => WavOut::create(staged(path), rate, channels, Format::F32)?.unlimited(),
+            None if ending.ceiling => WavOut::create(path, rate, channels, ending.format)?,
+            None => WavOut::create(path, rate, channels, ending.format)?.unlimited(),
+        };
+        Ok(RenderOut { out, path: path.to_owned(), shape: (rate, channels), ending, tail: Vec::new() })
+    }
+
+    /// Samples of a fade.
+    fn room(&self) -> usize {
+        let (rate, channels) = self.shape;
+        (rate * FADE).round().max(1.0) as usize * channels
+    }
+
+    /// Appends whole frames of interleaved samples.
+    ///
+    /// # Errors
+    /// Those of [`WavOut::write`].
+    pub fn write(&mut self, frames: &[f64]) -> Result<(), FileError> {
+        let room = self.room();
+        self.tail.extend_from_slice(frames);
+        if self.tail.len() >= 2 * room {
+            let done = self.tail.len() - room;
+            self.out.write(&self.tail[..done])?;
+            self.tail.drain(..done);
+        }
+        Ok(())
+    }
+
+    /// Completes the file. Where the model `diverged`, it is kept within full scale and not faded.
+    ///
+    /// # Errors
+    /// Those of [`WavOut::finish`].
+    pub fn finish(mut self, diverged: bool) -> Result<Ended, FileError> {
+        let loudest = |all: &[f64]| all.iter().filter(|x| x.is_finite()).fold(0.0, |m: f64, x| m.max(x.abs()));
+        let peak = loudest(&self.out.so_far().level.peak).max(loudest(&self.tail));
+        let gain = match self.ending.normalize {
+            Some(to) if peak > 0.0 && !diverged => to / peak,
+            _ => 1.0,
+        };
+        let room = self.room();
+        let end = self.tail.len().saturating_sub(room);
+        let last = self.tail.get_mut(end..).unwrap_or_default();
+        let faded = self.ending.fade && !diverged && gain * loudest(last) > QUIET;
+        if faded {
+            let channels = self.shape.1;
+            let n = last.len() / channels;
+            for (i, frame) in last.chunks_exact_mut(channels).enumerate() {
+                let w = 0.5 + 0.5 * (PI * (i + 1) as f64 / n as f64).cos();
+                for x in frame.iter_mut() {
+                    *x *= w;
+                }
+            }
+        }
+        self.out.write(&self.tail)?;
+        let again = self.ending.normalize.is_some() || diverged && self.out.so_far().level.beyond > 0;
+        let written = if again { self.again(gain, diverged)? } else { self.out.finish()? };
+        Ok(Ended { written, faded, gain })
+    }
+
+    /// Writes all of it a second time.
+    fn again(self, gain: f64, diverged: bool) -> Result<Written, FileError> {
+        let first = self.out.finish()?;
+        let unread =
+            |e: hound::Error| FileError::format(format!("it cannot be read again: {e}")).file(first.path.display());
+        let copy = || {
+            let Ending { format, ceiling, .. } = self.ending;
+            let out = WavOut::create(&self.path, self.shape.0, self.shape.1, format)?;
+            let mut out = if ceiling || diverged { out } else { out.unlimited() };
+            let mut from = WavReader::open(&first.path).map_err(unread)?;
+            let mut block = Vec::with_capacity(BLOCK * self.shape.1);
+            for x in from.samples::<f32>() {
+                block.push(f64::from(x.map_err(unread)?) * gain);
+                if block.len() == block.capacity() {
+                    out.write(&block)?;
+                    block.clear();
+                }
+            }
+            out.write(&block)?;
+            out.finish()
+        };
+        let copied = copy();
+        if first.path != self.path {
+            let _ = std::fs::remove_file(&first.path);
+        }
+        let mut written = copied?;
+        written.level.non_finite = first.level.non_finite;
+        Ok(written)
+    }
+}
+
+/// Where a sound stands that is to be written twice.
+fn staged(path: &Path) -> PathBuf {
+    let mut name = path.file_name().unwrap_or_default().to_owned();
+    name.push(".float");
+    path.with_file_name(name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ENDING: Ending = Ending { format: Format::F32, ceiling: false, fade: true, normalize: None };
+
+    fn render(ending: Ending, samples: &[f64], diverged: bool) -> (Vec<f64>, Ended) {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.wav");
+        let mut out = RenderOut::create(&path, 1000.0, 2, ending).unwrap();
+        samples.chunks(14).for_each(|c| out.write(c).unwrap());
+        let ended = out.finish(diverged).unwrap();
+        assert_eq!(std::fs::read_dir(&dir).unwrap().count(), 1, "one file is left");
+        let mut file = WavReader::open(&path).unwrap();
+        let full = f64::from(ending.format.bits() - 1).exp2();
+        let got = match ending.format {
+            Format::F32 => file.samples::<f32>().map(|s| f64::from(s.unwrap())).collect(),
+            _ => file.samples::<i32>().map(|s| f64::from(s.unwrap()) / full).collect(),
+        };
+        (got, ended)
+    }
+
+    #[test]
+    fn a_sound_that_goes_on_is_faded_in_its_last_20_ms_alone() {
+        let samples = [0.5, -2.0].repeat(100);
+        let (got, ended) = render(ENDING, &samples, false);
+        assert!(ended.faded && ended.written.is_faithful());
+        assert_eq!((&got[..160], ended.written.level.beyond), (&samples[..160], 100 - 11));
+        for i in 0..20 {
+            let w = 0.5 + 0.5 * (PI * f64::from(i + 1) / 20.0).cos();
+            let at = 160 + 2 * i as usize;
+            assert!((got[at] - 0.5 * w).abs() < 1e-7 && (got[at + 1] + 2.0 * w).abs() < 1e-6, "{i}");
+        }
+        let (got, ended) = render(Ending { fade: false, ..ENDING }, &samples, false);
+        assert_eq!((got, ended.faded), (samples.clone(), false));
+        // what has died away is let be, a sound that is shorter than a fade is not
+        let quiet = [[0.5, -2.0].repeat(80), [9e-4, -9e-4].repeat(20)].concat();
+        assert!(!render(ENDING, &quiet, false).1.faded);
+        let (got, ended) = render(ENDING, &[1.0, 1.0, 1.0, 1.0], false);
+        assert_eq!((got, ended.faded), (vec![0.5, 0.5, 0.0, 0.0], true));
+    }
+
+    #[test]
+    fn it_is_as_loud_as_asked_in_every_format() {
+        let samples: Vec<f64> = (0..400).map(|i| 3.0 * (f64::from(i) * 0.1).sin()).collect();
+        let peak = samples.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+        for (format, step) in [(Format::F32, 1e-6), (Format::I24, 2e-7), (Format::I16, 4e-5)] {
+            let ending = Ending { format, fade: false, normalize: Some(0.5), ..ENDING };
+            let (got, ended) = render(ending, &samples, false);
+            assert!((ended.gain - 0.5 / peak).abs() < 1e-15 && ended.written.is_faithful());
+            let far = got.iter().zip(&samples).fold(0.0, |m: f64, (a, b)| m.max((a - b * ended.gain).abs()));
+            assert!(far < step, "{format:?}: {far}");
+            // what is silent stays so
+            assert_eq!(render(ending, &[0.0; 40], false).1.gain, 1.0);
+        }
+    }
+
+    #[test]
+    fn a_ceiling_and_a_divergence_keep_within_full_scale() {
+        let samples = [0.5, -2.0].repeat(100);
+        let ceiling = Ending { ceiling: true, fade: false, ..ENDING };
+        let (got, ended) = render(ceiling, &samples, false);
+        assert_eq!((got, ended.written.level.clipped), ([0.5, -1.0].repeat(100), 100));
+        let (got, ended) = render(ENDING, &samples, true);
+        assert_eq!((got, ended.written.level.clipped, ended.faded), ([0.5, -1.0].repeat(100), 100, false));
+    }
+}
