@@ -1,8 +1,8 @@
 //! Parameters that ports drive: what they do is what a live parameter does that is set once a gesture frame.
 
-use crate::play::{audited, mat, scene};
+use crate::play::{audited, mat, scene, within};
 use ca_core::live::{Controls, Patch, Refused};
-use ca_core::{Scene, State, compute_forces, integrate};
+use ca_core::{Scene, State, compute_forces, integrate, tick};
 
 const STRING: &str = "[STRING]\ns = { n = 24, f = \"110 Hz\", t60 = \"3 s\", m = \"2 g\" }\n[ENX]\nbow = {}\npress = {}\n\
                       [BOW]\nhair = { between = [\"bow\", \"s[3]\"], f = \"pressure\", v0 = \"0.1 m/s\" }\n[FRO]\nfelt = { between = [\"s[0]\", \"s[9]\"], z = \"felt_z\" }\n\
@@ -110,5 +110,25 @@ fn what_a_port_drives_nobody_else_sets() {
         let coef = |s: &State| s.coef[by_port.live.coefs[at] as usize];
         let (full, _) = play(&by_port, 40, |s, _| s.input[press] = 0.02);
         assert_eq!(coef(&s), force * coef(&full), "at {x}");
+    }
+}
+
+/// What a port brings into a scene by a number that it drives is in the ledger, from the first tick of each frame on.
+#[test]
+fn the_ledger_balances_while_a_port_drives() {
+    for (kind, number, unit, max) in [("FRO", "z", "N s/m", 1.0), ("RES", "k", "N/m", 1000.0)] {
+        let scene = audited(&format!(
+            "[param]\nby_hand = {{ port = \"press\", span = [0, \"10 mm\"], unit = \"{unit}\", min = 0, max = {max} }}\n[CEL]\nb = {{ m = \"1 g\", f = 220, t60 = 3, dx0 = \"1 mm\" }}\n\
+             [ENX]\npress = {{}}\n[SOL]\nw = {{}}\n[{kind}]\npad = {{ between = [\"w\", \"b\"], {number} = \"by_hand\" }}\n[SOX]\no = {{ from = \"b\" }}\n"
+        ));
+        let mut s = scene.state();
+        for n in 0..24_000u32 {
+            // up, and still for a while
+            s.input[0] = 8e-3 * f64::from(n.saturating_sub(4800).min(2400)) / 2400.0;
+            tick(&scene, &mut s);
+        }
+        let b = s.ledger.as_ref().expect("a ledger").balance();
+        within(&format!("ledger of a driven {number}"), b.residual.abs() / b.peak, 1e-12);
+        assert!(b.changed.abs() > 1e-9 * b.peak, "the port brought something: {}", b.changed);
     }
 }

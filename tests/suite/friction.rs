@@ -350,6 +350,25 @@ fn set_valued_friction_holds_and_stops_exactly() {
     within("all is heat", off(heat(&scene, &s), s.ledger.as_ref().expect("a ledger").h0), 1e-9);
 }
 
+/// Several links keep what they remember apart.
+#[test]
+fn the_heat_of_several_is_that_of_each() {
+    let scene = audited(
+        "[SOL]\ntable = {}\n[MAS]\na = { m = 0.01, v = 0.3 }\nb = { m = 0.01, v = 0.5 }\nc = { m = 0.02, v = -0.1 }\n[BOW]\n\
+         rub = { between = [\"table\", [\"a\", \"b\", \"c\"]], curve = \"coulomb\", method = \"set-valued\", f = 0.03 }\n[SOX]\nout = { from = \"a\" }\n\
+         other = { from = \"b\" }\nlast = { from = \"c\" }\n",
+    );
+    let mut s = scene.state();
+    (0..24_000).for_each(|_| tick(&scene, &mut s));
+    let ledger = s.ledger.as_ref().expect("a ledger");
+    for (i, h0) in [0.5 * 0.01 * 0.09, 0.5 * 0.01 * 0.25, 0.5 * 0.02 * 0.01].into_iter().enumerate() {
+        // the first tick takes some of the speed
+        within(&format!("heat of link {i}"), off(ledger.lost[i], h0), 1e-3);
+    }
+    within("heat of all", off(heat(&scene, &s), ledger.h0), 1e-9);
+    within("made", made(&s), 1e-12);
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 200, ..ProptestConfig::default() })]
 

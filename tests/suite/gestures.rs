@@ -111,7 +111,12 @@ fn what_makes_no_gesture_says_why() {
         ("{ sine = '1 mm', f = '30 kHz' }", "E009", "out of range"),
         ("{ sine = '1 mm', f = 2, pulse = 1 }", "E019", "more than one"),
         ("{ noise = '1 mm', f = 20000, to = 86400 }", "E027", "more than"),
-        ("{ points = [[0, 0], [1, 1]], every = 1e-9, to = 1000 }", "E027", "more than"),
+        ("{ points = [[0, 0]], every = 1e-9, to = 1000 }", "E027", "more than"),
+        ("{ points = [[0, 0], [1, 1]], every = 0.5 }", "E019", "lasts 1 s and begins anew every 0.5 s"),
+        ("{ pulse = 1 }", "E005", "needs `hold`"),
+        ("{ pulse = 1, hold = 1, at = [] }", "E019", "has no points"),
+        ("{ sum = [] }", "E019", "has no points"),
+        ("{ ramp = [0, 1], from = 1, to = 0.5 }", "E019", "begins at 1 s and ends at 0.5 s"),
         ("{ pulse = 1, at = [0, 0.1], hold = 1 }", "E019", "before the last has ended"),
         ("{ follow = 'hond' }", "E013", "no gesture `hond`"),
         ("{ follow = 'hand' }", "E019", "follows itself"),
@@ -129,4 +134,22 @@ fn what_makes_no_gesture_says_why() {
     let (model, result) = load(&text, "m.ca.toml", &catalog(), &Options::default());
     let all = result.map(|_| ()).map_err(|d| render::text(&d, &model, false)).unwrap_err();
     assert!(all.contains("does not say when it ends"), "{all}");
+}
+
+/// A parameter follows a port, which is counted in another unit.
+#[test]
+fn what_follows_may_be_counted_otherwise() {
+    for gain in ["100", "'100 m^-1'"] {
+        let text = with(&format!(
+            "hand = {{ pulse = '3 mm', hold = 1, rise = 0.1 }}\nloud = {{ follow = 'hand', gain = {gain}, offset = 0.2 }}"
+        ));
+        let text = text
+            .replace("deep = '3 mm'", "loud = { value = 0.5, live = true, min = 0, max = 1 }")
+            .replace("from = 'bar' }", "from = 'bar', gain = 'loud' }");
+        let made = scene(&text).scene;
+        let p = points(&made, "loud");
+        for (t, want) in [(0.0, 0.2), (0.05, 0.35), (0.5, 0.5)] {
+            assert!((follow(p, t) - want).abs() < 1e-12, "{gain}: {t} s: {}", follow(p, t));
+        }
+    }
 }

@@ -190,6 +190,8 @@ fn a_part_of_another_file_points_into_that_file() {
     let (model, diags) = found(text, &[("parts/bow.ca.toml", &good)]);
     assert!(!diags.has_errors(), "{}", render::text(&diags, &model, false));
     assert_eq!(model.files[0].text, good);
+    let all = errors("[use]\nx = 'bow.ca.toml'\n", &[("bow.ca.toml", &good)]);
+    assert!(all.contains("no part is named") && all.contains("add `part = \"bow\"`"), "{all}");
     // a file that is a part as a whole, which uses another beside it
     let chain = "[use]\nbow = { file = 'bow.ca.toml', part = 'bow', with = { string = 'reed' } }\n[CEL]\nreed = { m = 1, f = 9 }";
     let (model, diags) = found(
@@ -235,6 +237,19 @@ fn what_is_wrong_is_said_once_and_where_it_stands() {
             "`p` has 2: [0] to [1]",
         ),
         ("p = { part = 'p', n = 2, with = { f = 9 } }", "[SOF]\nx = { from = 'p[1]' }\n", "E013", "that is a group"),
+        ("p = { part = 'p', n = 2, with = { f = 'H4' } }", "", "E013", "did you mean `B4`?"),
+        (
+            "p = { part = 'p', n = 2, with = { f = 9 } }",
+            "[SOF]\nx = { from = 'p.bar' }\n",
+            "E013",
+            "`p[*].bar` for all",
+        ),
+        (
+            "p = { part = 'p', n = 2, with = { f = 9 } }",
+            "[SOF]\nx = { from = 'p[*].baar' }\n",
+            "E013",
+            "did you mean `p[0].bar`?",
+        ),
         ("p = { part = 'p', n = 2, with = { f = 'bor' } }", "", "E013", "no parameter `bor`"),
         (
             "p = { part = 'p', n = 1e6, with = { f = 9 } }\nq = { part = 'p', n = 1e6, with = { f = 9 } }",

@@ -148,6 +148,7 @@ fn ledger(with: &'static str, modules: usize, text: String) -> CostRow {
 const PRESSED: &str = "k = 100, d = \"1 mm\"";
 const OPEN: &str = "k = 100, d = \"-1 mm\"";
 const RUBS: &str = "f = \"0.1 mN\", v0 = \"20 mm/s\"";
+const DRY: &str = "curve = \"coulomb\", f = \"0.1 mN\"";
 
 /// Rows of the tick.
 pub(super) fn rows() -> Vec<CostRow> {
@@ -326,6 +327,7 @@ fn methods() -> Vec<CostRow> {
         ),
         beside("method `secant`", "BOW", N, pressing("BOW", RUBS, "secant"), &apart("BOW", RUBS, "secant")),
         beside("method `newton`", "BOW", N, pressing("BOW", RUBS, "newton"), &apart("BOW", RUBS, "newton")),
+        beside("method `set-valued`", "BOW", N, pressing("BOW", DRY, "set-valued"), &apart("BOW", DRY, "set-valued")),
     ]
 }
 

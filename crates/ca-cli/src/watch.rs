@@ -15,12 +15,35 @@ const GONE: Duration = Duration::from_secs(1);
 /// When a file was written, and how long it is.
 type Stamp = (SystemTime, u64);
 
-/// One file.
-pub struct Watch {
+/// A file as it was read, and as it was last seen.
+struct Seen {
     path: PathBuf,
-    /// as it was read, and as it was last seen
     read: Option<Stamp>,
     seen: Option<Stamp>,
+}
+
+impl Seen {
+    fn new(path: PathBuf) -> Seen {
+        let read = stamp(&path);
+        Seen { path, read, seen: read }
+    }
+
+    /// Whether it is as at the last look, and other than it was read; it counts as read then.
+    fn look(&mut self) -> bool {
+        let stamp = stamp(&self.path);
+        let new = stamp.is_some() && stamp == self.seen && stamp != self.read;
+        if new {
+            self.read = stamp;
+        }
+        self.seen = stamp;
+        new
+    }
+}
+
+/// One file, and those it takes parts from.
+pub struct Watch {
+    file: Seen,
+    beside: Vec<Seen>,
     looked: Instant,
     /// when it was there, and whether it is known that it is not any more
     there: Instant,
@@ -36,27 +59,35 @@ fn stamp(path: &Path) -> Option<Stamp> {
 impl Watch {
     /// The file that a word for a model means; `None` where it means a bundled one.
     pub fn of(model: &str) -> Option<Watch> {
-        let path = PathBuf::from(model);
-        let read = stamp(&path)?;
+        let file = Seen::new(PathBuf::from(model));
+        file.read?;
         let now = Instant::now();
-        Some(Watch { path, read: Some(read), seen: Some(read), looked: now, there: now, missed: false })
+        Some(Watch { file, beside: Vec::new(), looked: now, there: now, missed: false })
     }
 
-    /// Whether it was written since it was read, and is as it was at the last look; it counts as read then. To be asked again and
-    /// again.
+    /// Looks at these files too, named from the folder of the model; those that it looked at before are as they were read then.
+    pub fn also(&mut self, names: &[String]) {
+        let folder = self.file.path.parent().unwrap_or(Path::new("")).to_owned();
+        let mut before = std::mem::take(&mut self.beside);
+        for path in names.iter().map(|n| folder.join(n)) {
+            let known = before.iter().position(|s| s.path == path);
+            self.beside.push(known.map_or_else(|| Seen::new(path), |i| before.swap_remove(i)));
+        }
+    }
+
+    /// Whether it or a file beside was written since it was read, and is as it was at the last look; it counts as read then. To
+    /// be asked again and again.
     pub fn is_new(&mut self) -> bool {
         let now = Instant::now();
         if now < self.looked + LOOK {
             return false;
         }
         self.looked = now;
-        let stamp = stamp(&self.path);
-        let new = stamp.is_some() && stamp == self.seen && stamp != self.read;
-        if new {
-            self.read = stamp;
+        let mut new = self.file.look();
+        for file in &mut self.beside {
+            new |= file.look();
         }
-        self.seen = stamp;
-        if stamp.is_some() {
+        if self.file.seen.is_some() {
             (self.there, self.missed) = (now, false);
         }
         new

@@ -94,15 +94,15 @@ impl RenderOut {
     /// Those of [`WavOut::finish`].
     pub fn finish(mut self, diverged: bool) -> Result<Ended, FileError> {
         let loudest = |all: &[f64]| all.iter().filter(|x| x.is_finite()).fold(0.0, |m: f64, x| m.max(x.abs()));
-        let peak = loudest(&self.out.so_far().level.peak).max(loudest(&self.tail));
-        let gain = match self.ending.normalize {
+        let gain = |peak: f64| match self.ending.normalize {
             Some(to) if peak > 0.0 && !diverged => to / peak,
             _ => 1.0,
         };
-        let room = self.room();
+        let before = loudest(&self.out.so_far().level.peak);
+        let (room, tail) = (self.room(), loudest(&self.tail));
         let end = self.tail.len().saturating_sub(room);
         let last = self.tail.get_mut(end..).unwrap_or_default();
-        let faded = self.ending.fade && !diverged && gain * loudest(last) > QUIET;
+        let faded = self.ending.fade && !diverged && gain(before.max(tail)) * loudest(last) > QUIET;
         if faded {
             let channels = self.shape.1;
             let n = last.len() / channels;
@@ -113,6 +113,7 @@ impl RenderOut {
                 }
             }
         }
+        let gain = gain(before.max(loudest(&self.tail)));
         self.out.write(&self.tail)?;
         let again = self.ending.normalize.is_some() || diverged && self.out.so_far().level.beyond > 0;
         let written = if again { self.again(gain, diverged)? } else { self.out.finish()? };

@@ -74,6 +74,18 @@ pub fn read_again(model: &Model) -> Loaded {
     read_other(model, &model.text)
 }
 
+/// The files that a model takes parts from, those too that could not be read, by their paths from its folder.
+pub fn part_files(model: &Model) -> Vec<String> {
+    let asked = model.uses.iter().filter_map(|u| match &u.file.as_ref()?.value {
+        Value::Text(t) => Some(t.trim().to_owned()),
+        _ => None,
+    });
+    let mut all: Vec<String> = model.files.iter().map(|f| f.name.clone()).chain(asked).collect();
+    all.sort();
+    all.dedup();
+    all
+}
+
 /// The same of a text that was changed.
 fn read_other(model: &Model, text: &str) -> Loaded {
     Loaded::read_with(text, &model.file, &mut |name| {

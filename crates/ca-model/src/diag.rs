@@ -148,12 +148,13 @@ impl Diags {
     pub fn merge_instances(&mut self) {
         // `note[3].hammer` and `note[4].hammer` are alike
         let alike = |title: &str| -> String {
-            title.split("].").map(|t| t.trim_end_matches(|c: char| c.is_ascii_digit())).collect::<Vec<_>>().join("].")
+            title.split(']').map(|t| t.trim_end_matches(|c: char| c.is_ascii_digit())).collect::<Vec<_>>().join("]")
         };
         let mut first: Vec<(String, usize, usize)> = Vec::new();
         let mut kept: Vec<Diag> = Vec::new();
         for d in core::mem::take(&mut self.list) {
-            if !d.title.contains("].") || !d.span().is_some() {
+            let of_instance = d.title.contains("].") || d.title.contains("]` needs");
+            if !of_instance || !d.span().is_some() {
                 kept.push(d);
                 continue;
             }

@@ -47,8 +47,12 @@ pub fn ways() -> Vec<(&'static Kind, &'static str)> {
     all
 }
 
-/// Writes the method, where it is another than the first.
+/// Writes the method, where it is another than the first, and the only curve that it knows.
 fn by(way: &str, args: &mut Vec<Entry>) {
+    if way == "set-valued" {
+        args.retain(|e| !matches!(e.key.as_str(), "curve" | "points" | "f" | "fd"));
+        args.extend([Entry::new("curve", "coulomb"), Entry::new("f", 0.3), Entry::new("fd", 0.2)]);
+    }
     if way != "ca" {
         args.push(Entry::new("method", way));
     }

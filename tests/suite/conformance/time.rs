@@ -35,7 +35,9 @@ fn a_live_change_ends_where_a_fresh_compile_begins() {
     let mut dialled = std::collections::BTreeSet::new();
     for (name, text) in texts() {
         let plain = model(&text);
-        if plain.items.len() > 60 {
+        // what a port drives is on its way too
+        let driven = |e: &Entry| matches!(&e.value, Value::Table(t) if t.iter().any(|x| x.key == "port"));
+        if plain.items.len() > 60 || plain.params.iter().any(driven) {
             continue;
         }
         let rate = built(&plain, &Options::default()).rate;

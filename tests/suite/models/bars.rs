@@ -64,3 +64,25 @@ pub fn marimba() {
     assert!(with < 0.8 * alone, "T60 {with:.2} s, alone {alone:.2} s");
     assert!(centroid(h.at(0, 0.12, 0.22), h.rate) > centroid(h.at(0, 0.5, 0.8), h.rate));
 }
+
+pub fn kalimba() {
+    let tines: Vec<String> = (0..7).map(|i| format!("tine[{i}].pluck[0]")).collect();
+    let h = play("kalimba", &tines.iter().map(String::as_str).collect::<Vec<_>>());
+    // the tune, one tine at a time: number and moment
+    let scale = [261.6256, 293.6648, 329.6276, 349.2282, 391.9954, 440.0, 523.2511];
+    for (tine, t) in [(0, 0.1), (2, 0.5), (4, 0.9), (6, 1.3), (5, 1.9), (3, 2.1), (1, 3.3)] {
+        let (c, f) = (tine % 2, scale[tine]);
+        let pitch_is = partial(h.at(c, t + 0.06, t + 0.39), h.rate, f, 8.0).0;
+        assert!(cents(pitch_is, f).abs() < 5.0, "tine {tine} sounds {pitch_is:.2} Hz");
+        // it holds on the way up, lets go, and on its way back 50 to 130 ms later is no more than brushed by what rings
+        let pluck = peak(h.probed(tine, t, t + 0.04));
+        assert!(pluck > 0.5, "tine {tine} is plucked with {pluck} N");
+        let brushed = peak(h.probed(tine, t + 0.07, t + 0.19));
+        assert!(brushed < 0.35 * pluck, "tine {tine} is plucked with {pluck} N and then with {brushed} N");
+    }
+    // the second mode is that of a clamped bar
+    let over = partial(h.at(0, 0.12, 0.4), h.rate, 6.267 * scale[0], 40.0).0;
+    assert!(cents(over, 6.267 * scale[0]).abs() < 60.0, "{over}");
+    // a tine rings on in the others: the box joins them
+    assert!(rms(h.at(0, 5.0, 5.5)) > 1e-4);
+}

@@ -9,7 +9,7 @@ mod played;
 mod space;
 mod strings;
 
-use bars::{glass, iron_bar, marimba};
+use bars::{glass, iron_bar, kalimba, marimba};
 use heard::{file_names, load};
 use piano::hammer_piano;
 use plates::{gong, membrane, plate};
@@ -43,6 +43,7 @@ models!(
     hoop,
     iron_bar,
     jack,
+    kalimba,
     maracas,
     marimba,
     membrane,

@@ -69,7 +69,7 @@ fn a_render_is_late_without_a_force_or_filtered() {
     let desk = Desk::new();
     desk.put("struck.ca.toml", STRUCK).put("key.csv", KEY);
     let play = |more: &[&str]| {
-        let args = ["render", "struck.ca.toml", "--gesture", "key.csv", "--seconds", "500 ms", "-q"];
+        let args = ["render", "struck.ca.toml", "--gesture", "key.csv", "--seconds", "500 ms", "-q", "--no-fade"];
         desk.ca(&[&args[..], more].concat()).is(0);
         desk.wav("struck.wav").1
     };

@@ -92,14 +92,52 @@ fn an_unstable_model_is_named_and_silenced() {
 fn what_is_cut_off_is_counted_and_the_gain_fits() {
     let desk = Desk::new();
     desk.put("bar.ca.toml", BAR);
-    let j = desk.ca(&["render", "bar.ca.toml", "--set", "loud=1500", "--json"]).is(3).json();
+    let loud = ["render", "bar.ca.toml", "--set", "loud=1500"];
+    let j = desk.ca(&[&loud[..], &["--json", "--ceiling"]].concat()).is(3).json();
     assert!(j["clipped"]["samples"].as_u64().unwrap() > 100 && j["blown_up"].is_null());
     assert!((j["channels"][0]["peak"].as_f64().unwrap() - 1.5).abs() < 0.01);
     assert_eq!(peak(&desk.wav("bar.wav").1), 1.0);
     let fits = 1500.0 * j["clipped"]["gain"].as_f64().unwrap();
     desk.ca(&["render", "bar.ca.toml", "--set", &format!("loud={fits}")]).is(0);
     assert!(peak(&desk.wav("bar.wav").1) > 0.99);
-    desk.ca(&["render", "bar.ca.toml", "--set", "loud=1500"]).is(3).says(&["beyond full scale", "0.66"]);
+    desk.ca(&[&loud[..], &["--format", "16"]].concat()).is(3).says(&["beyond full scale, cut off", "0.66"]);
+}
+
+#[test]
+fn floats_hold_what_is_beyond_full_scale_and_a_level_may_be_asked_for() {
+    let desk = Desk::new();
+    desk.put("bar.ca.toml", BAR);
+    let loud = ["render", "bar.ca.toml", "--set", "loud=1500"];
+    desk.ca(&loud).is(0).says(&["beyond full scale, kept as it is", "0.66"]);
+    let (_, all) = desk.wav("bar.wav");
+    assert!((peak(&all) - 1.5).abs() < 0.01, "{}", peak(&all));
+    let j = desk.ca(&[&loud[..], &["--normalize", "-1dBFS", "--json", "--no-fade"]].concat()).is(0).json();
+    let (_, same) = desk.wav("bar.wav");
+    let (to, gain) = (10.0_f64.powf(-1.0 / 20.0), j["gain"].as_f64().unwrap());
+    assert!((peak(&same) - to).abs() < 1e-6 && j["clipped"].is_null() && j["faded"] == false);
+    assert!((gain * 1.5 / to - 1.0).abs() < 0.01, "{gain}");
+    assert!(!desk.path("bar.wav.float").exists(), "what was written first is gone");
+    let levels = desk.ca(&["check", "bar.ca.toml", "--set", "loud=1500", "--levels", "--json"]).is(0).json();
+    let row = &levels["levels"][0];
+    assert!((row["peak"].as_f64().unwrap() * row["gain_factor"].as_f64().unwrap() - 0.5).abs() < 1e-12, "{levels:#}");
+    for wrong in ["3", "loud", "-201dBFS", "nan"] {
+        desk.ca(&["render", "bar.ca.toml", "--normalize", wrong]).is(2).says(&["dBFS"]);
+    }
+}
+
+#[test]
+fn a_body_that_drifts_is_named_and_a_sound_that_goes_on_is_faded() {
+    let desk = Desk::new();
+    desk.put("drift.ca.toml", "[MAS]\nloose = { m = \"1 g\", v = \"0.1 m/s\" }\n[CEL]\nbar = { m = \"1 g\", f = \"A4\", t60 = 9, dx0 = \"1 mm\" }\n\
+         [SOX]\nout = { from = \"loose\" }\nbar_x = { from = \"bar\", gain = 500 }\n");
+    let r = desk.ca(&["render", "drift.ca.toml", "--seconds", "2"]).is(0);
+    let r = r.says(&["of the power of `out` is below 5 Hz", "`loose` is furthest from its rest"]);
+    assert!(r.out.contains("its last 20 ms are faded"), "{}", r.out);
+    let (_, faded) = desk.wav("drift.wav");
+    assert_eq!(faded[faded.len() - 1], 0.0);
+    desk.ca(&["render", "drift.ca.toml", "--seconds", "2", "--no-fade"]).is(0);
+    let (_, plain) = desk.wav("drift.wav");
+    assert!(plain[..plain.len() - 2 * 960] == faded[..plain.len() - 2 * 960] && plain[plain.len() - 1] != 0.0);
 }
 
 #[test]

@@ -136,7 +136,7 @@ fn a_run_is_a_render() {
     assert!(k.iter().flatten().all(|k| (1e3..9e3).contains(k)));
     for run in [0, 7, 22] {
         let set = [format!("low.k={:?}", k[run].unwrap()), format!("low.n={}", n[run].unwrap())];
-        let mut args = vec!["render", "struck.ca.toml", "--seconds", "0.05", "-o", "r.wav", "--json"];
+        let mut args = vec!["render", "struck.ca.toml", "--seconds", "0.05", "-o", "r.wav", "--json", "--no-fade"];
         args.extend(set.iter().flat_map(|s| ["--set", s]));
         let reported: serde_json::Value = serde_json::from_str(&desk.ca(&args).is(0).out).unwrap();
         let mine = fs::read(desk.path("s").join(files[run].as_ref().unwrap())).unwrap();

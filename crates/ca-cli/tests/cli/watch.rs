@@ -28,6 +28,14 @@ fn a_file_is_checked_whenever_it_is_saved() {
     assert!(wrong.contains("mine.ca.toml") && wrong.contains("error"), "{wrong}");
     desk.put("mine.ca.toml", &good.replace("100 Hz", "200 Hz"));
     assert_eq!(said(), "");
+    // and when a file is saved that it takes a part from, which was not there before
+    let uses = format!("{good}[use]\nx = \"part.ca.toml\"\n");
+    desk.put("mine.ca.toml", &uses);
+    let missing = said();
+    assert!(missing.contains("part.ca.toml") && missing.contains("E031"), "{missing}");
+    desk.put("part.ca.toml", "[MAS]\nbob = { m = \"-1 g\" }\n");
+    let wrong = said();
+    assert!(wrong.contains("part.ca.toml:2") && wrong.contains("E009"), "{wrong}");
     child.kill().unwrap();
     child.wait().unwrap();
     Desk::new().ca(&["check", "rattle", "--watch"]).is(2).says(&["bundled"]);

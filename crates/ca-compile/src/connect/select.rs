@@ -160,15 +160,31 @@ impl<'a> Wiring<'a> {
             let first = known.iter().find(|k| k.starts_with(&format!("{group}.")));
             let first = first.map_or_else(|| format!("{group}.…"), ToString::to_string);
             d.help(format!("that is a group; name one of its modules, e.g. `{first}`"))
+        } else if let Some(u) = self.model.uses.iter().find(|u| u.n.is_some() && is_of(name, &u.name)) {
+            let rest = name.get(u.name.len()..).unwrap_or("");
+            d.help(format!("`{0}` has instances: write `{0}[0]{rest}` for one of them, `{0}[*]{rest}` for all", u.name))
+        } else if let Some(near) = near.filter(|_| !self.is_as_written(w)) {
+            // the text was made of another one
+            d.help(format!("did you mean `{near}`?"))
         } else if let Some(near) = near {
             // a part of the text can be mended only where it can be told from the whole
             let span = w.name(name);
             let new = if span == w.span { format!("\"{near}\"") } else { near.to_string() };
             d.help(format!("did you mean `{near}`?")).fix(span, new)
         } else {
-            d.help(format!("declare it, e.g. `{name} = {{ m = \"20 g\" }}` under `[MAS]`"))
+            let inner =
+                self.model.uses.iter().any(|u| is_of(w.owner, &u.name) || w.owner.starts_with(&format!("{}[", u.name)));
+            let under = if inner { "in the part, or in the model under `[MAS]`" } else { "under `[MAS]`" };
+            d.help(format!("declare it, e.g. `{name} = {{ m = \"20 g\" }}` {under}"))
         };
         self.diags.push(d);
+    }
+
+    /// Whether the text stands there as it is; lists of instances and values of parts do not.
+    fn is_as_written(&self, w: Written<'_>) -> bool {
+        let source = self.model.source(w.span);
+        let at = source.within(w.span);
+        !w.span.is_some() || source.text.get(at.start..at.end).is_none_or(|t| t.contains(w.text))
     }
 
     /// The module of a part that is nearly called `name`, where the owner is of an instance of it: as it is called there.
@@ -309,6 +325,11 @@ impl<'a> Wiring<'a> {
         self.diags.push(d.at(w.index(), "beyond the end").help("0 is one end, 1 the other"));
         None
     }
+}
+
+/// Whether a name is one of what is called `of`.
+fn is_of(name: &str, of: &str) -> bool {
+    name.strip_prefix(of).is_some_and(|r| r.starts_with('.'))
 }
 
 /// `low(3)`, `low{3}`, `low 3` and `low.3` as `low[3]`.

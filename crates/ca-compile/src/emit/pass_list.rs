@@ -20,10 +20,11 @@ pub fn reads(layout: &Layout, live: usize, aimed: bool) -> Vec<Op> {
         (!layout.enx.is_empty(), "ENX", pass::enx, layout.enx.len()),
         (!layout.tgr.is_empty(), "TGR in", border::position(layout), layout.tgr.len()),
         (modal > 0, "modal ports", pass::sum, modal),
-        // the ledger needs the points where the last tick had them
+        // the ledger asks whether anything is on its way
+        (!layout.driven.is_empty(), "driven", driven::drive, layout.driven.iter().map(|d| d.places.len()).sum()),
+        // and needs the points where the last tick had them
         (kept && points > 0, "points", pass::project, points),
         (kept, "ledger", energy::ledger, modules),
-        (!layout.driven.is_empty(), "driven", driven::drive, layout.driven.iter().map(|d| d.places.len()).sum()),
         (live > 0, "changes", pass::ramp, live),
         (aimed, "aim", pass::aim, points),
         (points > 0 && (!kept || aimed), "points", pass::project, points),

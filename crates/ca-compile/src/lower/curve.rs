@@ -10,7 +10,7 @@ use alloc::collections::BTreeMap;
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
-use ca_core::kind::{ANY, POSITIVE, Unit};
+use ca_core::kind::{ABOVE_ZERO, ANY, Dim, Unit};
 use ca_model::diag::Diag;
 use ca_model::quantity::Plain;
 use ca_model::sections::CURVES;
@@ -36,6 +36,8 @@ pub struct Curves<'a, 'v> {
     pub all: &'a BTreeMap<&'a str, &'a Entry>,
     /// unit of the values
     pub unit: Unit,
+    /// unit of any gesture, by its name
+    pub units: &'a dyn Fn(&str) -> Option<Unit>,
     /// tick of the reference rate, where bare values are in `alg` units; times are seconds in every unit system
     pub alg: Option<f64>,
     /// those that are being followed
@@ -174,6 +176,21 @@ impl Maker<'_, '_, '_> {
         Some(end)
     }
 
+    /// When it begins and ends \[s\].
+    fn span(&mut self) -> Option<(f64, f64)> {
+        let (from, to) = (self.time("from", 0.0, (0.0, 86_400.0))?, self.end()?);
+        if to < from {
+            let (from, to) = (Plain(from), Plain(to));
+            let d = Diag::error("E019", format!("{} begins at {from} s and ends at {to} s", self.what));
+            self.c
+                .v
+                .diags
+                .push(d.at(self.at, "ends before it begins").help("write a later `to`, or an earlier `from`"));
+            return None;
+        }
+        Some((from, to))
+    }
+
     fn missing<T>(&mut self, key: &str, such: &str) -> Option<T> {
         let d = Diag::error("E005", format!("{} needs `{key}`", self.what)).at(self.at, format!("without `{key}`"));
         self.c.v.diags.push(d.help(format!("add e.g. `{key} = {such}`")));
@@ -203,6 +220,12 @@ impl Maker<'_, '_, '_> {
         None
     }
 
+    fn nothing<T>(&mut self) -> Option<T> {
+        let d = Diag::error("E019", format!("{} has no points", self.what)).at(self.at, "empty");
+        self.c.v.diags.push(d.help("write what it plays, or leave it out"));
+        None
+    }
+
     /// Points, again and again.
     fn looped(&mut self, of: &Entry) -> Option<Points> {
         let what = self.what;
@@ -211,7 +234,14 @@ impl Maker<'_, '_, '_> {
             return Some(once);
         }
         let last = once.last().map_or(0.0, |p| p[0]);
-        let (every, end) = (self.time("every", last, (f64::MIN_POSITIVE, 86_400.0))?, self.end()?);
+        let (every, end) = (self.time("every", last, ABOVE_ZERO)?, self.end()?);
+        if last > every {
+            let (last, every) = (Plain(last), Plain(every));
+            let d = Diag::error("E019", format!("{what} lasts {last} s and begins anew every {every} s"));
+            let d = d.at(self.at, "too long");
+            self.c.v.diags.push(d.help("make `every` longer, or leave out what comes after it"));
+            return None;
+        }
         let times = libm::ceil(end / every);
         if times * once.len() as f64 > MOST as f64 {
             return self.too_many();
@@ -219,8 +249,7 @@ impl Maker<'_, '_, '_> {
         let mut all = Vec::new();
         for i in 0..times as usize {
             let start = i as f64 * every;
-            // the next time begins whether this one has ended or not
-            all.extend(once.iter().filter(|p| p[0] <= every).map(|p| [start + p[0], p[1]]));
+            all.extend(once.iter().map(|p| [start + p[0], p[1]]));
         }
         Some(all)
     }
@@ -229,8 +258,7 @@ impl Maker<'_, '_, '_> {
         let Value::List(ends) = &of.value else { return self.not_two(of) };
         let [a, b] = &ends[..] else { return self.not_two(of) };
         let (a, b) = (self.value(a)?, self.value(b)?);
-        let from = self.time("from", 0.0, (0.0, 86_400.0))?;
-        let to = self.end()?.max(from);
+        let (from, to) = self.span()?;
         Some(Vec::from([[from, a], [to, b]]))
     }
 
@@ -244,8 +272,7 @@ impl Maker<'_, '_, '_> {
     fn sine(&mut self, of: &Entry) -> Option<Points> {
         let (amplitude, f, offset) = (self.value(of)?, self.frequency()?, self.offset()?);
         let phase = self.number("phase", 0.0, (-1e6, 1e6))?;
-        let from = self.time("from", 0.0, (0.0, 86_400.0))?;
-        let to = self.end()?;
+        let (from, to) = self.span()?;
         let net = self.c.net;
         let frames = net.rate / f64::from(net.ratio.max(1));
         let rate = if f * OF_PERIOD > frames { net.rate } else { frames };
@@ -257,8 +284,7 @@ impl Maker<'_, '_, '_> {
     fn noise(&mut self, of: &Entry) -> Option<Points> {
         let (amplitude, f, offset) = (self.value(of)?, self.frequency()?, self.offset()?);
         let seed = self.number("seed", 1.0, (0.0, 9e15))?;
-        let from = self.time("from", 0.0, (0.0, 86_400.0))?;
-        let to = self.end()?;
+        let (from, to) = self.span()?;
         let mut state = seed as u64;
         self.sampled((from, to), 2.0 * f, |_| offset + amplitude * (2.0 * uniform(&mut state) - 1.0))
     }
@@ -269,6 +295,9 @@ impl Maker<'_, '_, '_> {
         let rise = self.time("rise", 0.0, (0.0, 86_400.0))?;
         let hold = self.time("hold", 0.0, (0.0, 86_400.0))?;
         let fall = self.time("fall", rise, (0.0, 86_400.0))?;
+        if rise + hold + fall == 0.0 {
+            return self.missing("hold", "\"50 ms\"` or `rise = \"20 ms\"");
+        }
         let mut starts = match self.find("at").cloned() {
             None => Vec::from([0.0]),
             Some(Entry { value: Value::List(list), .. }) => {
@@ -277,7 +306,7 @@ impl Maker<'_, '_, '_> {
             Some(e) => Vec::from([self.constant(&e, Unit::SECOND, (0.0, 86_400.0))?]),
         };
         if self.find("every").is_some() {
-            let every = self.time("every", 1.0, POSITIVE)?;
+            let every = self.time("every", 1.0, ABOVE_ZERO)?;
             let (first, end) = (starts.first().copied().unwrap_or(0.0), self.end()?);
             let n = libm::ceil((end - first).max(0.0) / every);
             if n * 4.0 > MOST as f64 {
@@ -297,7 +326,7 @@ impl Maker<'_, '_, '_> {
                 [[start, offset], [up, offset + height], [up + hold, offset + height], [up + hold + fall, offset]];
             points.extend(ends);
         }
-        Some(points)
+        if points.is_empty() { self.nothing() } else { Some(points) }
     }
 
     fn follow(&mut self, of: &Entry) -> Option<Points> {
@@ -319,11 +348,23 @@ impl Maker<'_, '_, '_> {
             self.c.v.diags.push(d.help("let one of them say what it plays"));
             return None;
         }
-        let (gain, offset) = (self.number("gain", 1.0, ANY)?, self.offset()?);
-        let delay = self.time("delay", 0.0, (0.0, 86_400.0))?;
+        // what it follows may be counted in another unit: the gain then has one unit over the other, or is a number of SI units
+        let (own, alg) = (self.c.unit, self.c.alg);
+        let theirs = (self.c.units)(name).unwrap_or(own);
+        let ratio = Dim { m: own.dim.m - theirs.dim.m, kg: own.dim.kg - theirs.dim.kg, s: own.dim.s - theirs.dim.s };
+        let gain = match self.find("gain").cloned() {
+            Some(e) => self.constant(&e, Unit { symbol: own.symbol, dim: ratio }, ANY)?,
+            None => 1.0,
+        };
+        let (offset, delay) = (self.offset()?, self.time("delay", 0.0, (0.0, 86_400.0))?);
         self.c.within.push(name.clone());
         let what = format!("gesture `{name}`");
+        (self.c.unit, self.c.alg) = (theirs, if theirs.dim.same(own.dim) { alg } else { None });
+        let before = self.c.v.diags.list.len();
         let points = self.c.curve(other, &what);
+        // what is wrong with it is said where it stands
+        self.c.v.diags.list.truncate(before);
+        (self.c.unit, self.c.alg) = (own, alg);
         self.c.within.pop();
         Some(points?.into_iter().map(|[t, v]| [t + delay, offset + gain * v]).collect())
     }
@@ -349,6 +390,9 @@ impl Maker<'_, '_, '_> {
         // a jump of one is a jump of the sum: before it, then from it on
         let jumps = |t: f64| all.iter().any(|p| p.windows(2).any(|w| w[0][0] == t && w[1][0] == t));
         let total = |t: f64, before: bool| all.iter().map(|p| value_at(p, t, before)).sum::<f64>();
+        if times.is_empty() {
+            return self.nothing();
+        }
         let mut points = Vec::with_capacity(times.len());
         for t in times {
             if jumps(t) {

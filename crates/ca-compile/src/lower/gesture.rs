@@ -17,18 +17,18 @@ use ca_model::{Entry, Model, Value};
 /// Reads all gestures.
 pub fn gestures(model: &Model, net: &mut Resolved, alg: Option<f64>, named: &[Named], diags: &mut Diags) {
     let all: BTreeMap<&str, &Entry> = model.gestures.iter().map(|e| (e.key.as_str(), e)).collect();
+    // what a key of the section drives, and in which unit
+    let drives = |net: &Resolved, name: &str| -> Option<Unit> {
+        let input = net.inputs.iter().find(|i| i.name == name).map(|i| i.role == InputRole::Force);
+        let param = || net.params.iter().find(|p| p.name == name).map(|p| p.unit);
+        input.map(|force| if force { Unit::NEWTON } else { Unit::METRE }).or_else(param)
+    };
     for e in &model.gestures {
-        let input = net.inputs.iter().find(|i| i.name == e.key);
-        let param = net.params.iter().find(|p| p.name == e.key);
-        let unit = match (input, param) {
-            (Some(i), _) if i.role == InputRole::Force => Unit::NEWTON,
-            (Some(_), _) => Unit::METRE,
-            (None, Some(p)) => p.unit,
-            (None, None) => {
-                drives_nothing(e, model, net, named, diags);
-                continue;
-            }
+        let Some(unit) = drives(net, &e.key) else {
+            drives_nothing(e, model, net, named, diags);
+            continue;
         };
+        let param = net.params.iter().find(|p| p.name == e.key);
         if let Some(d) = net.driven.iter().find(|d| net.params[d.param].name == e.key) {
             let port = &net.inputs[d.input as usize].name;
             let d = Diag::error("E021", format!("gesture `{}` drives a parameter that a port drives", e.key));
@@ -41,7 +41,8 @@ pub fn gestures(model: &Model, net: &mut Resolved, alg: Option<f64>, named: &[Na
         let alg = alg.filter(|_| param.is_none());
         let within = Vec::from([e.key.clone()]);
         let what = format!("gesture `{}`", e.key);
-        let points = Curves { v: &mut v, net, all: &all, unit, alg, within }.curve(e, &what);
+        let points =
+            Curves { v: &mut v, net, all: &all, unit, units: &|name| drives(net, name), alg, within }.curve(e, &what);
         refer(&e.value, &mut |name| net.unused.retain(|u| u.0 != name));
         let Some(points) = points else { continue };
         let span = |i: usize| if let Value::List(l) = &e.value { l.get(i).map_or(e.span, |p| p.span) } else { e.span };

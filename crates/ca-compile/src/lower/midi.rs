@@ -3,11 +3,10 @@
 use crate::findings::type_name;
 use crate::lower::values::Values;
 use alloc::format;
-use alloc::string::String;
 use ca_core::io::midi::{MidiMap, MidiSource, Velocity};
 use ca_core::kind::{ANY, POSITIVE, Unit};
 use ca_model::diag::Diag;
-use ca_model::quantity::note_number;
+use ca_model::quantity::{near_note, note_number};
 use ca_model::suggest::nearest;
 use ca_model::{Entry, Value};
 
@@ -155,7 +154,7 @@ impl Values<'_> {
         let found = note_number(t);
         if found.is_none() {
             let d = Diag::error("E026", format!("{what}: no note `{t}`")).at(e.span, "not a note");
-            let d = match meant(t) {
+            let d = match near_note(t) {
                 Some(m) => d.help(format!("did you mean `{m}`?")).fix(e.span, format!("\"{m}\"")),
                 None => d.help(
                     "write a letter from A to G, `#` or `b` if any, and the octave: `C4` is 60; from `C-1` to `G9`",
@@ -172,12 +171,4 @@ fn small(e: &Entry) -> Option<u8> {
         Value::Num(v) if v == libm::floor(v) && (0.0..=127.0).contains(&v) => Some(v as u8),
         _ => None,
     }
-}
-
-/// What a German note name, a missing octave or a number in quotes was meant to be.
-fn meant(t: &str) -> Option<String> {
-    let t = t.trim();
-    let german = t.strip_prefix(['H', 'h']).map(|rest| format!("B{rest}"));
-    let candidates = [german, Some(t.into()), Some(format!("{t}4"))];
-    candidates.into_iter().flatten().find(|c| note_number(c).is_some())
 }

@@ -46,7 +46,13 @@ fn raw(e: &Entry, what: &str, diags: &mut Diags) -> Option<Raw> {
         other => {
             let title = format!("{what} must be a number or a quantity, not {}", type_name(other));
             let d = Diag::error("E006", title).at(e.span, "not a number");
-            diags.push(d.help("write e.g. `0.5` or `\"8 kN/m\"`; parameters cannot be made of other parameters"));
+            let note = if let Value::Text(t) = other { quantity::near_note(t) } else { None };
+            diags.push(match note {
+                Some(note) => d.help(format!("did you mean `{note}`?")).fix(e.span, format!("\"{note}\"")),
+                None => {
+                    d.help("write e.g. `0.5`, `\"8 kN/m\"` or `\"A4\"`; parameters cannot be made of other parameters")
+                }
+            });
             None
         }
     }

@@ -33,6 +33,11 @@ pub fn parameters(kind: &Kind, item: &Item, args: &[Arg], diags: &mut Diags) -> 
             let d = d.at(entry("method").map_or(item.name_span, |e| e.span), "another curve");
             d.help("add `curve = \"coulomb\"`, or choose `method = \"newton\"`")
         }
+        "BOW" if set_valued && num("fd").zip(num("f")).is_some_and(|(fd, f)| fd > f) => {
+            let d = Diag::error("E009", format!("`fd` of `{}` is above `f`", item.name));
+            let d = d.at(entry("fd").map_or(item.name_span, |e| e.span), "what slides is held less than what sticks");
+            d.help("make `f` larger, or `fd` smaller")
+        }
         "BOW" if entry("f").is_some() && entry("v0").is_none() && !set_valued => {
             missing("v0", "f", "add e.g. `v0 = \"50 mm/s\"` (speed of the largest force)")
         }

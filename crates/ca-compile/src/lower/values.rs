@@ -6,6 +6,7 @@
 use crate::findings::{bad_quantity, instead, quoted, range_help, type_name, unit_span, wanted, wrong_unit};
 use crate::lower::named::{Named, Raw};
 use alloc::format;
+use alloc::string::ToString;
 use alloc::vec::Vec;
 use ca_core::kind::builder::Arg;
 use ca_core::kind::cloud::Clouds;
@@ -111,8 +112,13 @@ impl Values<'_> {
         let Some(i) = self.named.iter().position(|n| n.name == name) else {
             let d = Diag::error("E013", format!("{what}: no parameter `{name}`")).at(e.span, "not in `[param]`");
             let near = nearest(name, self.named.iter().filter(|n| n.value.is_some()).map(|n| n.name.as_str()));
-            self.diags.push(match near {
+            let near = near.map(ToString::to_string);
+            let note = || quantity::near_note(name).filter(|_| unit.dim.same(Dim::FREQUENCY));
+            self.diags.push(match near.or_else(note) {
                 Some(near) => d.help(format!("did you mean `{near}`?")).fix(e.span, format!("\"{near}\"")),
+                None if unit.dim.same(Dim::FREQUENCY) => d.help(
+                    "declare it under `[param]`, or write a value such as `\"440 Hz\"` or a note such as `\"A4 +5 c\"`",
+                ),
                 None => d.help(format!("declare it under `[param]`, or write a value such as `{}`", quoted(unit))),
             });
             return None;

@@ -39,7 +39,8 @@ fn rub(op: &Op, layout: &Layout, s: &mut State) {
     for i in 0..op.n {
         let [f, fd]: [Real; 2] = core::array::from_fn(|k| s.coef[op.coef + k * op.n + i]);
         let [p, q] = layout.ends[op.first + i].map(|m| m as usize);
-        let stuck = s.mem[op.mem + i] != 0.0;
+        let mem = op.mem + MEM * i;
+        let stuck = s.mem[mem] != 0.0;
         // what stuck has no motion but that of rounding
         let w = if stuck { 0.0 } else { s.d[q] - s.d[p] };
         let r = free_motion(layout, s, q) - free_motion(layout, s, p);
@@ -47,8 +48,8 @@ fn rub(op: &Op, layout: &Layout, s: &mut State) {
         let (force, sticks) = hold([f, fd], [w, r], c, stuck);
         s.f[p] += force;
         s.f[q] -= force;
-        s.mem[op.mem + i] = if sticks { 1.0 } else { 0.0 };
-        s.mem[op.mem + op.n + i] = force * 0.5 * (w + (r - c * force));
+        s.mem[mem] = if sticks { 1.0 } else { 0.0 };
+        s.mem[mem + 1] = force * 0.5 * (w + (r - c * force));
         if op.form.tap {
             s.tap[op.tap + i] = force;
         }

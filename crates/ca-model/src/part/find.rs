@@ -11,7 +11,7 @@ use crate::diag::Diag;
 use crate::part::expand::Expander;
 use crate::read::one_file;
 use crate::suggest::nearest;
-use crate::{Entry, Model, Value};
+use crate::{Entry, Model, Span, Value};
 use alloc::format;
 use alloc::rc::Rc;
 use alloc::string::String;
@@ -40,6 +40,13 @@ impl Expander<'_> {
             None => home.clone(),
         };
         let Some(e) = &u.part else {
+            let m = &home.model;
+            if let (Some(first), true) = (m.parts.first(), m.items.is_empty() && m.uses.is_empty()) {
+                let d = Diag::error("E013", format!("`{}`: `{}` holds parts, and no part is named", u.name, home.file));
+                let d = d.at(first_place(u), "which part?");
+                self.diags.push(d.help(format!("add `part = \"{}\"`", first.name)));
+                return None;
+            }
             let body = Model { parts: Vec::new(), ..home.model.clone() };
             return Some((
                 Part { name: home.file.clone(), span: u.span, doc: String::new(), props: Vec::new(), body },
@@ -78,7 +85,13 @@ impl Expander<'_> {
             Ok(text) => text,
             Err(why) => {
                 let d = Diag::error("E031", format!("`{}`: {}", u.name, why.what));
-                self.diags.push(d.at(first(u.file.as_ref(), u.span), "cannot be read").help(why.help));
+                let here = home.model.parts.iter().any(|p| p.name == name);
+                let help = if here {
+                    format!("for the part `{name}` of this file write `{{ part = \"{name}\" }}`")
+                } else {
+                    why.help
+                };
+                self.diags.push(d.at(first_place(u), "cannot be read").help(help));
                 self.files.insert(path, None);
                 return None;
             }
@@ -94,6 +107,11 @@ impl Expander<'_> {
         self.files.insert(path, Some(home.clone()));
         Some(home)
     }
+}
+
+/// Where the file stands.
+fn first_place(u: &Use) -> Span {
+    first(u.file.as_ref(), u.span)
 }
 
 /// A text that was found to be one.

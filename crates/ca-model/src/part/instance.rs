@@ -136,11 +136,12 @@ impl Expander<'_> {
         for g in &body.gestures {
             self.model.gestures.push(Entry { key: scope.name(&g.key), ..scope.given(g) });
         }
-        let used = scope.used.into_inner();
+        let (used, named) = (scope.used.into_inner(), scope.named.into_inner());
+        // one that nothing refers to is said to be so once
+        let said = full.ends_with(']') && !full.ends_with("[0]");
         for (p, param) in body.params.iter().zip(params) {
-            // one that nothing refers to is said to be so once
-            let said = full.ends_with(']') && !full.ends_with("[0]");
-            self.model.params.extend(param.filter(|_| used.contains(&p.key) || !said));
+            let keep = named.contains(&p.key) || !used.contains(&p.key) && !said;
+            self.model.params.extend(param.filter(|_| keep));
         }
     }
 

@@ -37,6 +37,8 @@ pub(super) struct Scope {
     pub args: BTreeMap<String, Arg>,
     /// those that something refers to
     pub used: RefCell<BTreeSet<String>>,
+    /// those of them that a number refers to by name
+    pub named: RefCell<BTreeSet<String>>,
 }
 
 impl Scope {
@@ -68,7 +70,10 @@ impl Scope {
     /// Where a number belongs.
     fn number(&self, text: &str) -> Option<Meaning> {
         match self.arg(text)? {
-            Arg::Number(..) | Arg::Missing => Some((Value::Text(format!("{}{}", self.prefix, text.trim())), None)),
+            Arg::Number(..) | Arg::Missing => {
+                self.named.borrow_mut().insert(text.trim().into());
+                Some((Value::Text(format!("{}{}", self.prefix, text.trim())), None))
+            }
             Arg::Other(v, span) => Some((v.clone(), Some(*span))),
         }
     }
@@ -91,7 +96,10 @@ impl Scope {
         let head = of.split(['.', '[', ' ']).next().unwrap_or("");
         let place = |p: &str| match self.arg(p) {
             Some(Arg::Other(Value::Text(t), _)) => t.clone(),
-            Some(_) => format!("{}{}", self.prefix, p.trim()),
+            Some(_) => {
+                self.named.borrow_mut().insert(p.trim().into());
+                format!("{}{}", self.prefix, p.trim())
+            }
             None if self.own.contains(p.trim()) => format!("{}{}", self.prefix, p.trim()),
             None => p.into(),
         };
@@ -116,7 +124,10 @@ impl Scope {
     pub fn name(&self, text: &str) -> String {
         match self.arg(text) {
             Some(Arg::Other(Value::Text(t), _)) => return t.clone(),
-            Some(Arg::Number(..)) => return format!("{}{text}", self.prefix),
+            Some(Arg::Number(..)) => {
+                self.named.borrow_mut().insert(text.trim().into());
+                return format!("{}{text}", self.prefix);
+            }
             _ => {}
         }
         match self.selector(text) {

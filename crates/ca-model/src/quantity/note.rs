@@ -3,7 +3,10 @@
 //! Decides for equal temperament with A4 at 440 Hz, and for scientific pitch notation, in which C4 is note 60 of MIDI. Other
 //! temperaments are written as frequencies, or as cents.
 
+use alloc::borrow::ToOwned;
+use alloc::format;
 use alloc::string::String;
+use alloc::vec::Vec;
 
 /// Number of a note of MIDI: `C4` is 60.
 pub fn note_number(text: &str) -> Option<u8> {
@@ -20,20 +23,44 @@ pub fn note_number(text: &str) -> Option<u8> {
 /// ```
 pub fn note(text: &str) -> Option<f64> {
     let text = text.trim();
-    let (name, cents) = match text.split_once(char::is_whitespace) {
-        Some((name, cents)) => (name, cents_of(cents)?),
-        None => (text, 0.0),
-    };
+    // a sign behind the digits of the octave begins the cents
+    let digit = text.find(|c: char| c.is_ascii_digit())?;
+    let end = text[digit..].find(|c: char| !c.is_ascii_digit()).map_or(text.len(), |i| digit + i);
+    let (name, cents) = text.split_at(end);
+    let cents = if cents.is_empty() { 0.0 } else { cents_of(cents)? };
     let steps = f64::from(number(name)? - 69) + cents / 100.0;
     Some(440.0 * libm::exp2(steps / 12.0))
 }
 
-/// `+5 c`, `-12.5 c`
+/// `+5 c`, `-12.5 c`, `+5`
 fn cents_of(text: &str) -> Option<f64> {
-    let value = text.trim().strip_suffix('c')?.trim_end();
+    let value = text.trim();
+    let value = value.strip_suffix('c').unwrap_or(value).trim_end();
     let signed = value.starts_with(['+', '-', '−']);
     let digits: String = value.replace('−', "-");
     digits.parse().ok().filter(|v: &f64| signed && v.abs() <= 10_000.0)
+}
+
+/// What `text` was probably meant to be, where it is no note: of a German name, one without an octave, a name in words.
+pub fn near_note(text: &str) -> Option<String> {
+    let t = text.trim();
+    let german = |t: &str| {
+        let (name, rest) = t.split_at(t.find(|c: char| !c.is_ascii_alphabetic()).unwrap_or(t.len()));
+        let name = match name {
+            "H" | "h" => "B",
+            "Cis" | "cis" => "C#",
+            "Dis" | "dis" => "D#",
+            "Es" | "es" => "Eb",
+            "Fis" | "fis" => "F#",
+            "Gis" | "gis" => "G#",
+            "As" | "as" => "Ab",
+            "Ais" | "ais" => "A#",
+            other => other,
+        };
+        format!("{name}{rest}")
+    };
+    let all = [t.to_owned(), german(t), format!("{t}4"), format!("{}4", german(t))];
+    all.into_iter().find(|c| c.starts_with(|c: char| c.is_ascii_uppercase()) && note(c).is_some())
 }
 
 /// Semitones above C-1.
@@ -50,11 +77,15 @@ fn number(text: &str) -> Option<i32> {
         _ => return None,
     };
     let rest = chars.as_str();
-    let (sharp, octave) = match rest.chars().next()? {
-        c @ ('#' | '♯') => (1, &rest[c.len_utf8()..]),
-        c @ ('b' | '♭') => (-1, &rest[c.len_utf8()..]),
-        _ => (0, rest),
+    let bent = |c: char| match c {
+        '#' | '♯' => Some(1),
+        'b' | '♭' => Some(-1),
+        _ => None,
     };
+    // two signs at most: a double sharp, a double flat
+    let signs: Vec<char> = rest.chars().take(2).take_while(|c| bent(*c).is_some()).collect();
+    let sharp: i32 = signs.iter().filter_map(|c| bent(*c)).sum();
+    let octave = rest.get(signs.iter().map(|c| c.len_utf8()).sum()..)?;
     let octave: i32 = octave.parse().ok().filter(|o| (-1..=12).contains(o))?;
     Some(12 * (octave + 1) + step + sharp)
 }

@@ -17,7 +17,7 @@ from conftest import KEY
 
 @pytest.mark.parametrize("name", ["hammered_string", "rattle", "bowed_string", "wave_guitar", "harmonic_chain"])
 def test_the_command_says_the_same(name: str, command: Callable[..., str], tmp_path: Path) -> None:
-    command("render", name, "-o", "a.wav", "--seconds", "0.4", "--quiet")
+    command("render", name, "-o", "a.wav", "--seconds", "0.4", "--quiet", "--no-fade")
     wav, sr = soundfile.read(tmp_path / "a.wav", dtype="float32", always_2d=True)
     r = ca.load(name).render(0.4)
     assert sr == r.sr
@@ -31,7 +31,7 @@ def test_with_gestures_changes_rates_and_probes(command: Callable[..., str], tmp
     rows = "\n".join(f"{t},{x},{2000 + 9000 * t}" for t, x in points)
     (tmp_path / "hand.csv").write_text("time,key,grip\n" + rows + "\n")
     command(
-        *("render key.ca.toml -o a.wav --seconds 0.5 --quiet --gesture hand.csv --rate 96000".split()),
+        *("render key.ca.toml -o a.wav --seconds 0.5 --quiet --no-fade --gesture hand.csv --rate 96000".split()),
         *("--set", "low.t60=2 s", "--probe", "strike=strike.npy", "--probe", "low[*]=low.npy"),
     )
     wav, sr = soundfile.read(tmp_path / "a.wav", dtype="float32", always_2d=True)

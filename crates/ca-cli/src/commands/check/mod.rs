@@ -25,13 +25,16 @@ use std::io::Write as _;
 /// Runs the command.
 pub fn run(args: &CheckArgs) -> Outcome {
     if !args.watch {
-        return once(args);
+        return once(args, &mut Vec::new());
     }
     let model = &args.source.model;
     let mut watch = Watch::of(model)
         .ok_or_else(|| Failure::Usage(format!("--watch: `{model}` is no file; a bundled model does not change")))?;
     loop {
-        match once(args) {
+        let mut files = Vec::new();
+        let checked = once(args, &mut files);
+        watch.also(&files);
+        match checked {
             Err(Failure::Usage(text) | Failure::Failed(text)) => term::error(&text),
             Err(Failure::Reported) | Ok(_) => {}
             Err(other) => return Err(other),
@@ -44,9 +47,10 @@ pub fn run(args: &CheckArgs) -> Outcome {
     }
 }
 
-fn once(args: &CheckArgs) -> Outcome {
+fn once(args: &CheckArgs, files: &mut Vec<String>) -> Outcome {
     let profile = args.device.as_deref().map(crate::store::profile).transpose()?;
     let loaded = load::load(&args.source)?;
+    *files = ca_lab::load::part_files(&loaded.model);
     let options = Options { rate: args.source.rate, exact: args.exact, ..Options::default() };
     let (scene, diags) = load::compiled(&loaded, &options);
     let rows = scene.as_ref().filter(|_| args.schedule).map(schedule::measure).transpose()?;

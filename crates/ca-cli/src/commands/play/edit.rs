@@ -23,6 +23,9 @@ pub(super) struct Made {
     pub(super) said: String,
 }
 
+/// The files that a model takes parts from, and what became of it.
+type Making = (Vec<String>, Result<Made, String>);
+
 /// The most numbers that are changed, and the longest name or value of one \[bytes\].
 const MOST: usize = 200;
 const LONGEST: usize = 300;
@@ -42,7 +45,7 @@ pub(super) struct Edit {
     /// the file, where the model is one
     file: Option<Watch>,
     /// what is being made, and whether something changed meanwhile
-    making: Option<Receiver<Result<Made, String>>>,
+    making: Option<Receiver<Making>>,
     again: bool,
     /// the next version begins as at load
     anew: bool,
@@ -51,8 +54,12 @@ pub(super) struct Edit {
 impl Edit {
     pub(super) fn new(args: &ServeArgs, options: &Options) -> Edit {
         let source = args.source.clone();
+        let mut file = Watch::of(&source.model);
+        if let (Some(file), Ok(loaded)) = (&mut file, load::load(&source.model)) {
+            file.also(&load::part_files(&loaded.model));
+        }
         Edit {
-            file: Watch::of(&source.model),
+            file,
             source,
             options: options.clone(),
             changes: Vec::new(),
@@ -91,7 +98,12 @@ impl Edit {
         }
         let mut made = match self.making.as_ref().map(Receiver::try_recv) {
             Some(Err(TryRecvError::Empty)) => return None,
-            Some(Ok(made)) => Some(made),
+            Some(Ok((files, made))) => {
+                if let Some(file) = &mut self.file {
+                    file.also(&files);
+                }
+                Some(made)
+            }
             Some(Err(TryRecvError::Disconnected)) => Some(Err("the model could not be made: its thread ended".into())),
             None => None,
         };
@@ -120,7 +132,9 @@ impl Edit {
             self.tried.clone_from(&changes);
             let (tell, making) = channel();
             let start = move || {
-                let _ = tell.send(make(&source, &changes, options, anew));
+                let mut files = Vec::new();
+                let made = make(&source, &changes, options, anew, &mut files);
+                let _ = tell.send((files, made));
             };
             if let Err(e) = std::thread::Builder::new().name("ca model".into()).spawn(start) {
                 return Some(Err(format!("no thread to make the model: {e}")));
@@ -138,13 +152,20 @@ fn put(changes: &mut Vec<(String, String)>, change: (String, String)) {
 }
 
 /// Reads and compiles.
-fn make(source: &Source, changes: &[(String, String)], options: Options, anew: bool) -> Result<Made, String> {
+fn make(
+    source: &Source,
+    changes: &[(String, String)],
+    options: Options,
+    anew: bool,
+    files: &mut Vec<String>,
+) -> Result<Made, String> {
     let words = |e: Failure| match e {
         Failure::Usage(text) | Failure::Failed(text) => text,
         Failure::Found(found) => render::text(&found.diags, &found.model, false),
         Failure::Stopped => "stopped".into(),
     };
     let mut loaded = load::load(&source.model).map_err(words)?;
+    *files = load::part_files(&loaded.model);
     let changes: Vec<_> = source.changes().chain(changes.iter().cloned()).collect();
     for (name, value) in &changes {
         load::set_typed(&mut loaded, name, value).map_err(words)?;

@@ -106,7 +106,7 @@ pub fn run(args: &RenderArgs) -> Outcome {
         written: &ended.written,
         ended: &ended,
         slow: slow.found().collect(),
-        furthest: scene.mat_name(played.performance.state.furthest()).into(),
+        furthest: slow::furthest(&scene, &played.performance.state),
         wall: played.wall,
         energy: energy.as_ref(),
         divergence: divergence.as_ref(),

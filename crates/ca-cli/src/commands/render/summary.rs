@@ -138,7 +138,8 @@ impl Summary<'_> {
                 let name = self.scene.channel_names.get(*channel).map_or("", String::as_str);
                 let percent = (100.0 * share).round();
                 let what = format!("{percent} % of the power of `{name}` is below {EDGE} Hz, where nothing is heard");
-                let help = format!("`{}` is furthest from its rest: hold it, or give the output a `dc`", self.furthest);
+                let help =
+                    format!("`{}` is furthest from its rest: hold it, or give the output a higher `dc`", self.furthest);
                 term::warning(&format!("{what}; {help}"));
             }
         }

@@ -7,40 +7,16 @@ use ca_model::quantity;
 /// A pitch \[Hz\]: `220 Hz`, `220`, `A3`, `C#4`, `Bb2+14.5`.
 pub(super) fn pitch(text: &str, a4: f64) -> Result<f64, String> {
     let text = text.trim();
-    let f = if text.starts_with(|c: char| c.is_ascii_alphabetic()) { note(text, a4) } else { hertz(text) };
+    let f = quantity::note(text).map(|f| f * (a4 / 440.0)).or_else(|| hertz(text));
     match f {
         Some(f) if f.is_finite() && f > 0.0 => Ok(f),
-        _ => Err(format!("`{text}` is no pitch; write `220 Hz`, `A3`, `C#4` or `Bb2+14.5`")),
+        _ => Err(format!("`{text}` is no pitch; write `220 Hz`, `A3`, `C#4` or `Bb2 +14.5 c`")),
     }
 }
 
 fn hertz(text: &str) -> Option<f64> {
     let q = quantity::parse(text).ok()?;
     (!q.has_unit || q.dim.same(Unit::HERTZ.dim)).then_some(q.value)
-}
-
-fn note(text: &str, a4: f64) -> Option<f64> {
-    let mut rest = text.chars();
-    let step = match rest.next()?.to_ascii_uppercase() {
-        'C' => -9,
-        'D' => -7,
-        'E' => -5,
-        'F' => -4,
-        'G' => -2,
-        'A' => 0,
-        'B' => 2,
-        _ => return None,
-    };
-    let rest = rest.as_str();
-    let signs = rest.chars().take_while(|c| matches!(c, '#' | 'b')).count();
-    let bent: i32 = rest.chars().take(signs).map(|c| if c == '#' { 1 } else { -1 }).sum();
-    let rest = &rest[signs..];
-    // the octave may be negative; a sign after its digits begins the cents
-    let cut = rest.char_indices().skip(1).find(|(_, c)| matches!(c, '+' | '-')).map_or(rest.len(), |(i, _)| i);
-    let octave: i32 = rest[..cut].parse().ok()?;
-    let cents: f64 = if cut < rest.len() { rest[cut..].parse().ok()? } else { 0.0 };
-    let octaves = f64::from(octave.clamp(-20, 20) - 4);
-    Some(a4 * (octaves + (f64::from(step + bent) + cents / 100.0) / 12.0).exp2())
 }
 
 impl Scale {
