@@ -114,6 +114,9 @@ fn what_makes_no_gesture_says_why() {
         ("{ points = [[0, 0]], every = 1e-9, to = 1000 }", "E027", "more than"),
         ("{ points = [[0, 0], [1, 1]], every = 0.5 }", "E019", "lasts 1 s and begins anew every 0.5 s"),
         ("{ pulse = 1 }", "E005", "needs `hold`"),
+        ("{ pulse = 1, hold = 0.1, at = [0, 1], every = 0.5 }", "E010", "exclude each other"),
+        ("{ pulse = 1, hold = 0.1, every = 0 }", "E009", "out of range"),
+        ("{ sum = [[[0, 1.7e308]], [[0, 1.7e308]]] }", "E009", "no value at 0 s"),
         ("{ pulse = 1, hold = 1, at = [] }", "E019", "has no points"),
         ("{ sum = [] }", "E019", "has no points"),
         ("{ ramp = [0, 1], from = 1, to = 0.5 }", "E019", "begins at 1 s and ends at 0.5 s"),
@@ -150,6 +153,27 @@ fn what_follows_may_be_counted_otherwise() {
         let p = points(&made, "loud");
         for (t, want) in [(0.0, 0.2), (0.05, 0.35), (0.5, 0.5)] {
             assert!((follow(p, t) - want).abs() < 1e-12, "{gain}: {t} s: {}", follow(p, t));
+        }
+    }
+}
+
+/// A curve ends where it is said to, in the middle of a period too.
+#[test]
+fn loops_and_pulses_are_cut_at_their_end() {
+    let made = scene(&with(
+        "hand = { points = [[0, 0], [1, 0.001]], every = 1, to = 1.25 }\nother = { pulse = 0.001, every = 1, rise = 0.5, to = 1.1 }",
+    ))
+    .scene;
+    for (name, values) in [
+        ("hand", [(0.5, 0.5e-3), (1.0, 0.0), (1.2, 0.2e-3), (1.25, 0.25e-3), (1.9, 0.25e-3)]),
+        ("other", [(0.25, 0.5e-3), (0.5, 1e-3), (1.05, 0.1e-3), (1.1, 0.2e-3), (1.9, 0.2e-3)]),
+    ] {
+        for (t, want) in values {
+            assert!(
+                (follow(points(&made, name), t) - want).abs() < 1e-12,
+                "{name} at {t} s: {}",
+                follow(points(&made, name), t)
+            );
         }
     }
 }

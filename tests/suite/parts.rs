@@ -8,6 +8,7 @@ use ca_model::diag::Diags;
 use ca_model::{Model, Value, part, read, render, write};
 use ca_tests::{catalog, gesture};
 use std::collections::BTreeMap;
+use std::fmt::Write as _;
 
 const NOTES: &str = r#"
 [part.note.param]
@@ -296,4 +297,46 @@ fn a_program_adds_instances_and_lists_them() {
     let last = &model.items.last().unwrap().args[0].value;
     assert!(matches!(last, Value::List(l) if l.len() == 2), "{last:?}");
     assert!(part::add(&mut model, &note, &part::Use::new("bare"), &catalog()).has_errors(), "without its pitch");
+}
+
+#[test]
+fn small_files_take_neither_time_nor_memory_without_end() {
+    // fifteen parts in each other, a thousand times each, with nothing in them
+    let mut deep = String::new();
+    for i in 0..15 {
+        let _ = writeln!(deep, "[part.p{i}.use]\nx = {{ part = 'p{}', n = 1000 }}", i + 1);
+    }
+    deep += "[part.p15]\ndoc = 'e'\n[use]\na = { part = 'p0', n = 1000 }\n";
+    assert!(errors(&deep, &[]).contains("E027"));
+    // lists that multiply
+    let fans = "[part.c.ENX]\nz = {}\n[part.b.use]\nc = { part = 'c', n = 10 }\n[part.a.use]\nb = { part = 'b', n = 100 }\n[use]\na = { part = 'a', n = 100 }\n\
+                [SOX]\no = { from = 'a[0].b[0].c[0].z' }\n[gesture]\n";
+    let points: Vec<String> = (0..1000).map(|i| format!("[{i}, 0]")).collect();
+    let all = errors(&format!("{fans}\"a[*].b[*].c[*].z\" = [{}]\n", points.join(", ")), &[]);
+    assert!(all.contains("E027") && all.contains("too many points"), "{all}");
+    // gestures that follow each other in every way there is
+    let mut follow = String::from(
+        "[model]\nseconds = 1\n[ENX]\np = {}\n[SOX]\no = { from = 'p' }\n[gesture]\np = { follow = 'x0' }\n",
+    );
+    for i in 0..14 {
+        let next = vec![format!("{{ follow = 'x{}' }}", i + 1); 30].join(", ");
+        let _ = writeln!(follow, "x{i} = {{ sum = [{next}] }}");
+    }
+    assert!(errors(&(follow + "x14 = [[0, 1]]\n"), &[]).contains("E021"));
+    // many parameters
+    let many = "[part.q.param]\nm = '1 g'\n[part.q.MAS]\na = { m = 'm' }\n[use]\nq = { part = 'q', n = 30000 }\n[SOX]\no = { from = 'q[*].a', channel = 0 }\n";
+    assert!(!found(many, &[]).1.has_errors());
+}
+
+#[test]
+fn a_parameter_that_is_called_like_a_note_is_no_note() {
+    let text = "[part.p.param]\nf0 = { unit = 'Hz' }\ng = { value = 'f0' }\n[part.p.CEL]\nc = { m = 1e-3, f = 'g', t60 = 1 }\n[use]\nk = { part = 'p', with = { f0 = '300 Hz' } }\n\
+                [SOX]\no = { from = 'k.c' }\n";
+    let (model, diags) = found(text, &[]);
+    assert!(!diags.has_errors(), "{}", render::text(&diags, &model, false));
+    let of = |model: &Model| model.items[0].args.iter().find(|e| e.key == "f").map(|e| e.value.clone());
+    assert_eq!(of(&model), Some(Value::from("k.f0")));
+    let all =
+        errors("[param]\nf0 = '300 Hz'\ng = 'f0'\n[CEL]\nc = { m = 1, f = 'g' }\n[SOX]\no = { from = 'c' }\n", &[]);
+    assert!(all.contains("parameters cannot be made of other parameters"), "{all}");
 }

@@ -80,3 +80,21 @@ fn what_is_not_engaged_at_load_pulls_nothing_until_it_has_passed() {
         assert_eq!(s.output[0] != 0.0, holds, "{more}");
     }
 }
+
+/// A mass that swings through a one-sided plectrum which never lets go: what it makes at a passage it takes at another, as any contact.
+#[test]
+fn a_one_sided_plectrum_makes_no_energy_in_the_long_run() {
+    for side in ["up", "down"] {
+        let scene = audited(&format!(
+            "[SOL]\ng = {{}}\n[MAS]\na = {{ m = \"1 g\", v = \"0.3 m/s\" }}\n[RES]\nr = {{ between = [\"g\", \"a\"], k = \"10 kN/m\" }}\n\
+             [PLK]\np = {{ between = [\"g\", \"a\"], k = \"10 kN/m\", d = \"1 m\", side = \"{side}\" }}\n[SOX]\no = {{ from = \"a\" }}\n"
+        ));
+        let mut s = scene.state();
+        for _ in 0..480_000 {
+            tick(&scene, &mut s);
+        }
+        let b = s.ledger.as_ref().expect("a ledger").balance();
+        within(&format!("heat of a plectrum, {side}"), b.lost / b.h0, 1e-12);
+        within(&format!("energy it made, {side}"), b.scheme_error.abs() / b.h0, 0.02);
+    }
+}

@@ -16,16 +16,16 @@ const GONE: Duration = Duration::from_secs(1);
 type Stamp = (SystemTime, u64);
 
 /// A file as it was read, and as it was last seen.
-struct Seen {
+struct Watched {
     path: PathBuf,
     read: Option<Stamp>,
     seen: Option<Stamp>,
 }
 
-impl Seen {
-    fn new(path: PathBuf) -> Seen {
+impl Watched {
+    fn new(path: PathBuf) -> Watched {
         let read = stamp(&path);
-        Seen { path, read, seen: read }
+        Watched { path, read, seen: read }
     }
 
     /// Whether it is as at the last look, and other than it was read; it counts as read then.
@@ -42,8 +42,8 @@ impl Seen {
 
 /// One file, and those it takes parts from.
 pub struct Watch {
-    file: Seen,
-    beside: Vec<Seen>,
+    file: Watched,
+    beside: Vec<Watched>,
     looked: Instant,
     /// when it was there, and whether it is known that it is not any more
     there: Instant,
@@ -59,7 +59,7 @@ fn stamp(path: &Path) -> Option<Stamp> {
 impl Watch {
     /// The file that a word for a model means; `None` where it means a bundled one.
     pub fn of(model: &str) -> Option<Watch> {
-        let file = Seen::new(PathBuf::from(model));
+        let file = Watched::new(PathBuf::from(model));
         file.read?;
         let now = Instant::now();
         Some(Watch { file, beside: Vec::new(), looked: now, there: now, missed: false })
@@ -71,7 +71,7 @@ impl Watch {
         let mut before = std::mem::take(&mut self.beside);
         for path in names.iter().map(|n| folder.join(n)) {
             let known = before.iter().position(|s| s.path == path);
-            self.beside.push(known.map_or_else(|| Seen::new(path), |i| before.swap_remove(i)));
+            self.beside.push(known.map_or_else(|| Watched::new(path), |i| before.swap_remove(i)));
         }
     }
 

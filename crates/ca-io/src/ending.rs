@@ -10,6 +10,7 @@ use crate::sound::{Format, WavOut, Written};
 use hound::WavReader;
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
+use std::time::{SystemTime, UNIX_EPOCH};
 
 /// What a fade lasts \[s\].
 pub const FADE: f64 = 0.02;
@@ -151,11 +152,12 @@ impl RenderOut {
     }
 }
 
-/// Where a sound stands that is to be written twice.
+/// Where a sound stands that is to be written twice: beside it, under a name that nobody has.
 fn staged(path: &Path) -> PathBuf {
-    let mut name = path.file_name().unwrap_or_default().to_owned();
-    name.push(".float");
-    path.with_file_name(name)
+    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default().as_nanos();
+    let mut all = (0..u128::MAX).map(|i| path.with_file_name(format!(".{name}.{:x}.float", since + i)));
+    all.find(|p| std::fs::symlink_metadata(p).is_err()).unwrap_or_else(|| path.to_owned())
 }
 
 #[cfg(test)]
@@ -213,6 +215,22 @@ mod tests {
             // what is silent stays so
             assert_eq!(render(ending, &[0.0; 40], false).1.gain, 1.0);
         }
+    }
+
+    #[test]
+    fn what_is_written_twice_takes_no_name_that_somebody_has() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.wav");
+        let others = ["a.wav.float", ".a.wav.float"].map(|n| dir.path().join(n));
+        others.iter().for_each(|o| std::fs::write(o, "precious").unwrap());
+        let ending = Ending { normalize: Some(0.5), fade: true, ..ENDING };
+        let mut out = RenderOut::create(&path, 1000.0, 1, ending).unwrap();
+        out.write(&[0.1, 0.9, 1.0, 1.0]).unwrap();
+        let ended = out.finish(false).unwrap();
+        assert!(others.iter().all(|o| std::fs::read(o).unwrap() == b"precious"));
+        assert_eq!(std::fs::read_dir(&dir).unwrap().count(), 3);
+        // and what is faded is as loud as asked afterwards
+        assert!((ended.written.level.peak[0] - 0.5).abs() < 1e-7, "{:?}", ended.written.level);
     }
 
     #[test]

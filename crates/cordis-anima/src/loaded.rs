@@ -111,7 +111,19 @@ impl Loaded {
 
 /// The text of a file that a model in `folder` takes parts from.
 fn part(folder: &Path, name: &str) -> Result<String, Unread> {
-    text(&folder.join(name)).map_err(|e| {
+    let path = folder.join(name);
+    let unread = |what: &str, help: &str| Unread { what: format!("`{name}`: {what}"), help: help.into() };
+    // a pipe would be waited for; what is not there is said by who reads it
+    if path.metadata().is_ok_and(|m| !m.is_file()) {
+        return Err(unread("it is no file", "name a model file beside this one"));
+    }
+    let here = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    if let (Ok(real), Ok(here)) = (path.canonicalize(), here.canonicalize()) {
+        if !real.starts_with(here) {
+            return Err(unread("it leads out of the folder of the model", "copy the file beside the model"));
+        }
+    }
+    text(&path).map_err(|e| {
         let what = FileError { fix: String::new(), ..e.clone() }.to_string();
         Unread { what, help: if e.fix.is_empty() { "put it beside the model".into() } else { e.fix } }
     })

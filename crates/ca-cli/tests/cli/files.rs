@@ -63,3 +63,25 @@ fn nothing_is_read_without_end() {
     ca("import nul.mdl").says(&["byte 0 is NUL"]);
     ca("sweep nul.toml").says(&["byte 0 is NUL"]);
 }
+
+/// A part comes from a file below the folder of the model, and from nothing that would be waited for.
+#[cfg(unix)]
+#[test]
+fn a_part_is_a_file_beside_its_model() {
+    let desk = Desk::new();
+    let outside = Desk::new();
+    outside.put("secret.ca.toml", "[MAS]\nm = { m = 1 }\n");
+    std::os::unix::fs::symlink(outside.path("secret.ca.toml"), desk.path("link.ca.toml")).unwrap();
+    desk.put("own.ca.toml", "[MAS]\nm = { m = 1 }\n");
+    std::os::unix::fs::symlink(desk.path("own.ca.toml"), desk.path("inside.ca.toml")).unwrap();
+    assert!(std::process::Command::new("mkfifo").arg(desk.path("pipe.ca.toml")).status().unwrap().success());
+    for (file, code, says) in [
+        ("link.ca.toml", 1, "leads out of the folder"),
+        ("pipe.ca.toml", 1, "it is no file"),
+        ("none.ca.toml", 1, "no such file"),
+        ("inside.ca.toml", 0, ""),
+    ] {
+        desk.put("model.ca.toml", &format!("[use]\nx = \"{file}\"\n[SOX]\no = {{ from = \"x.m\" }}\n"));
+        desk.ca(&["check", "model.ca.toml"]).is(code).says(&[says]);
+    }
+}

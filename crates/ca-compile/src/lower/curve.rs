@@ -19,7 +19,7 @@ use ca_model::{Entry, Span, Value};
 use core::f64::consts::PI;
 
 /// More points than this are refused.
-const MOST: usize = 1 << 22;
+pub const MOST: usize = 1 << 22;
 /// A gesture that follows one that follows another, and so on, no further than this.
 const DEEP: usize = 16;
 /// So many points of a period make a sine: it is then true to 5e-4 of its amplitude.
@@ -42,6 +42,8 @@ pub struct Curves<'a, 'v> {
     pub alg: Option<f64>,
     /// those that are being followed
     pub within: Vec<String>,
+    /// those that are made already
+    pub made: &'a mut BTreeMap<String, Option<Points>>,
 }
 
 impl Curves<'_, '_> {
@@ -220,6 +222,19 @@ impl Maker<'_, '_, '_> {
         None
     }
 
+    /// What of a curve comes before its end.
+    fn cut(&mut self, mut points: Points, end: f64) -> Option<Points> {
+        let after = points.partition_point(|p| p[0] <= end);
+        if after < points.len() && after > 0 {
+            let last = value_at(&points, end, true);
+            points.truncate(after);
+            points.push([end, last]);
+        } else {
+            points.truncate(after);
+        }
+        if points.is_empty() { self.nothing() } else { Some(points) }
+    }
+
     fn nothing<T>(&mut self) -> Option<T> {
         let d = Diag::error("E019", format!("{} has no points", self.what)).at(self.at, "empty");
         self.c.v.diags.push(d.help("write what it plays, or leave it out"));
@@ -251,7 +266,7 @@ impl Maker<'_, '_, '_> {
             let start = i as f64 * every;
             all.extend(once.iter().map(|p| [start + p[0], p[1]]));
         }
-        Some(all)
+        self.cut(all, end)
     }
 
     fn ramp(&mut self, of: &Entry) -> Option<Points> {
@@ -306,6 +321,15 @@ impl Maker<'_, '_, '_> {
             Some(e) => Vec::from([self.constant(&e, Unit::SECOND, (0.0, 86_400.0))?]),
         };
         if self.find("every").is_some() {
+            if starts.len() > 1 {
+                let d =
+                    Diag::error("E010", format!("{}: `every` and a list of times `at` exclude each other", self.what));
+                self.c
+                    .v
+                    .diags
+                    .push(d.at(self.at, "both are written").help("write one time, the first, or leave out `every`"));
+                return None;
+            }
             let every = self.time("every", 1.0, ABOVE_ZERO)?;
             let (first, end) = (starts.first().copied().unwrap_or(0.0), self.end()?);
             let n = libm::ceil((end - first).max(0.0) / every);
@@ -326,7 +350,14 @@ impl Maker<'_, '_, '_> {
                 [[start, offset], [up, offset + height], [up + hold, offset + height], [up + hold + fall, offset]];
             points.extend(ends);
         }
-        if points.is_empty() { self.nothing() } else { Some(points) }
+        match self.find("to").is_some() || self.find("every").is_some() {
+            true => {
+                let end = self.end()?;
+                self.cut(points, end)
+            }
+            false if points.is_empty() => self.nothing(),
+            false => Some(points),
+        }
     }
 
     fn follow(&mut self, of: &Entry) -> Option<Points> {
@@ -344,7 +375,10 @@ impl Maker<'_, '_, '_> {
             return None;
         };
         if self.c.within.contains(name) || self.c.within.len() >= DEEP {
-            let d = Diag::error("E019", format!("{} follows itself", self.what)).at(of.span, "again here");
+            let itself = self.c.within.contains(name);
+            let how =
+                if itself { "follows itself".into() } else { format!("follows one of more than {DEEP} in a row") };
+            let d = Diag::error("E019", format!("{} {how}", self.what)).at(of.span, "one too many");
             self.c.v.diags.push(d.help("let one of them say what it plays"));
             return None;
         }
@@ -357,6 +391,10 @@ impl Maker<'_, '_, '_> {
             None => 1.0,
         };
         let (offset, delay) = (self.offset()?, self.time("delay", 0.0, (0.0, 86_400.0))?);
+        if let Some(made) = self.c.made.get(name) {
+            let points = made.as_ref()?.iter().map(|[t, v]| [t + delay, offset + gain * v]).collect();
+            return Some(points);
+        }
         self.c.within.push(name.clone());
         let what = format!("gesture `{name}`");
         (self.c.unit, self.c.alg) = (theirs, if theirs.dim.same(own.dim) { alg } else { None });
@@ -366,6 +404,7 @@ impl Maker<'_, '_, '_> {
         self.c.v.diags.list.truncate(before);
         (self.c.unit, self.c.alg) = (own, alg);
         self.c.within.pop();
+        self.c.made.insert(name.clone(), points.clone());
         Some(points?.into_iter().map(|[t, v]| [t + delay, offset + gain * v]).collect())
     }
 
@@ -388,7 +427,10 @@ impl Maker<'_, '_, '_> {
         times.sort_by(f64::total_cmp);
         times.dedup();
         // a jump of one is a jump of the sum: before it, then from it on
-        let jumps = |t: f64| all.iter().any(|p| p.windows(2).any(|w| w[0][0] == t && w[1][0] == t));
+        let mut jumping: Vec<f64> =
+            all.iter().flat_map(|p| p.windows(2)).filter(|w| w[0][0] == w[1][0]).map(|w| w[0][0]).collect();
+        jumping.sort_by(f64::total_cmp);
+        let jumps = |t: f64| jumping.binary_search_by(|j| j.total_cmp(&t)).is_ok();
         let total = |t: f64, before: bool| all.iter().map(|p| value_at(p, t, before)).sum::<f64>();
         if times.is_empty() {
             return self.nothing();

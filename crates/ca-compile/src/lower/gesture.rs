@@ -1,14 +1,15 @@
 //! `[gesture]`: what the model plays by itself, as points \[s, value\] for a port or a live parameter.
 
-use crate::lower::curve::Curves;
+use crate::lower::curve::{Curves, MOST};
 use crate::lower::named::Named;
 use crate::lower::values::Values;
 use crate::net::Resolved;
-use alloc::collections::BTreeMap;
+use alloc::collections::{BTreeMap, BTreeSet};
 use alloc::format;
+use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 use ca_core::kind::Unit;
-use ca_core::scene::InputRole;
+use ca_core::scene::{Input, InputRole};
 use ca_model::diag::{Diag, Diags};
 use ca_model::quantity::Plain;
 use ca_model::suggest::nearest;
@@ -16,42 +17,61 @@ use ca_model::{Entry, Model, Value};
 
 /// Reads all gestures.
 pub fn gestures(model: &Model, net: &mut Resolved, alg: Option<f64>, named: &[Named], diags: &mut Diags) {
+    if model.gestures.is_empty() {
+        return;
+    }
     let all: BTreeMap<&str, &Entry> = model.gestures.iter().map(|e| (e.key.as_str(), e)).collect();
     // what a key of the section drives, and in which unit
-    let drives = |net: &Resolved, name: &str| -> Option<Unit> {
-        let input = net.inputs.iter().find(|i| i.name == name).map(|i| i.role == InputRole::Force);
-        let param = || net.params.iter().find(|p| p.name == name).map(|p| p.unit);
-        input.map(|force| if force { Unit::NEWTON } else { Unit::METRE }).or_else(param)
-    };
+    let params = net.params.iter().map(|p| (p.name.clone(), (p.unit, Some((p.min, p.max)))));
+    let force = |i: &Input| if i.role == InputRole::Force { Unit::NEWTON } else { Unit::METRE };
+    let ports = net.inputs.iter().map(|i| (i.name.clone(), (force(i), None)));
+    let driven: BTreeMap<String, (Unit, Option<(f64, f64)>)> = params.chain(ports).collect();
+    let by_port: BTreeMap<String, u32> =
+        net.driven.iter().map(|d| (net.params[d.param].name.clone(), d.input)).collect();
+    let units = |name: &str| driven.get(name).map(|d| d.0);
+    let (mut made, mut spent) = (BTreeMap::new(), 0);
+    let mut v = Values::new(None, diags);
+    v.name(named.to_vec());
     for e in &model.gestures {
-        let Some(unit) = drives(net, &e.key) else {
-            drives_nothing(e, model, net, named, diags);
+        let Some((unit, limits)) = driven.get(&e.key).copied() else {
+            drives_nothing(e, model, net, named, v.diags);
             continue;
         };
-        let param = net.params.iter().find(|p| p.name == e.key);
-        if let Some(d) = net.driven.iter().find(|d| net.params[d.param].name == e.key) {
-            let port = &net.inputs[d.input as usize].name;
+        if let Some(input) = by_port.get(&e.key) {
+            let port = &net.inputs[*input as usize].name;
             let d = Diag::error("E021", format!("gesture `{}` drives a parameter that a port drives", e.key));
-            diags.push(d.at(e.key_span, "driven by a port").help(format!("let it move `{port}` instead")));
+            v.diags.push(d.at(e.key_span, "driven by a port").help(format!("let it move `{port}` instead")));
             continue;
         }
-        let limits = param.map(|p| (p.min, p.max));
-        let mut v = Values::new(None, diags);
-        v.named = named.to_vec();
-        let alg = alg.filter(|_| param.is_none());
-        let within = Vec::from([e.key.clone()]);
         let what = format!("gesture `{}`", e.key);
-        let points =
-            Curves { v: &mut v, net, all: &all, unit, units: &|name| drives(net, name), alg, within }.curve(e, &what);
-        refer(&e.value, &mut |name| net.unused.retain(|u| u.0 != name));
+        let (alg, within) = (alg.filter(|_| limits.is_none()), Vec::from([e.key.clone()]));
+        let curves = Curves { v: &mut v, net, all: &all, unit, units: &units, alg, within, made: &mut made };
+        let points = { curves }.curve(e, &what);
+        let mut used = BTreeSet::new();
+        refer(&e.value, &mut |name| _ = used.insert(name.to_string()));
+        if !used.is_empty() {
+            net.unused.retain(|u| !used.contains(&u.0));
+        }
         let Some(points) = points else { continue };
+        spent += points.len();
+        if spent > MOST {
+            let d = Diag::error("E027", format!("the gestures have more than {MOST} points"));
+            let help = "let some of them end sooner, or play them from files";
+            v.diags.push(d.at(e.key_span, "with this one").help(help));
+            return;
+        }
+        if let Some([t, x]) = points.iter().find(|p| !(p[0].is_finite() && p[1].is_finite())) {
+            let title = format!("{what} has no value at {} s: {}", Plain(*t), Plain(*x));
+            v.diags.push(Diag::error("E009", title).at(e.span, "out of range").help("use smaller numbers"));
+            continue;
+        }
         let span = |i: usize| if let Value::List(l) = &e.value { l.get(i).map_or(e.span, |p| p.span) } else { e.span };
         if let Some((min, max)) = limits {
             if let Some(i) = points.iter().position(|p| p[1] < min || p[1] > max) {
                 let title = format!("{what} leaves the range of the parameter: {}", Plain(points[i][1]));
                 let d = Diag::error("E009", title).at(span(i), "out of range");
                 let help = crate::findings::range_help(min, max, |v| format!("{}", Plain(v)));
-                diags.push(d.help(help));
+                v.diags.push(d.help(help));
                 continue;
             }
         }

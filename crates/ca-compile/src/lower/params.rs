@@ -4,6 +4,7 @@ use crate::findings::{bad_quantity, inside, range_help, type_name, wrong_unit};
 use crate::lower::named::{Named, Raw};
 use crate::lower::values::Values;
 use crate::net::{NetDriven, Resolved};
+use alloc::collections::BTreeSet;
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
@@ -20,12 +21,14 @@ const KEYS: &[&str] = &["value", "unit", "live", "min", "max", "port", "span", "
 /// The parameters of a model.
 pub fn all(model: &Model, diags: &mut Diags) -> Vec<Named> {
     let lost = model.lost.iter().map(|name| Named::broken(name, Span::NONE));
-    let mut list: Vec<Named> = model.params.iter().map(|e| named(e, diags)).collect();
+    let keys: BTreeSet<&str> = model.params.iter().map(|e| e.key.as_str()).collect();
+    let is_param = |name: &str| keys.contains(name);
+    let mut list: Vec<Named> = model.params.iter().map(|e| named(e, &is_param, diags)).collect();
     list.extend(lost);
     list
 }
 
-fn raw(e: &Entry, what: &str, diags: &mut Diags) -> Option<Raw> {
+fn raw(e: &Entry, what: &str, is_param: &dyn Fn(&str) -> bool, diags: &mut Diags) -> Option<Raw> {
     match &e.value {
         Value::Num(v) if v.is_finite() => Some(Raw::Bare(*v)),
         Value::Num(v) => {
@@ -40,7 +43,11 @@ fn raw(e: &Entry, what: &str, diags: &mut Diags) -> Option<Raw> {
                 None
             }
         },
-        Value::Text(t) if let Some(value) = quantity::note(t) => {
+        // a name of a parameter comes first
+        Value::Text(t)
+            if !is_param(t)
+                && let Some(value) = quantity::note(t) =>
+        {
             Some(Raw::Quantity(Quantity { value, dim: Dim::FREQUENCY, has_unit: true }))
         }
         other => {
@@ -58,11 +65,11 @@ fn raw(e: &Entry, what: &str, diags: &mut Diags) -> Option<Raw> {
     }
 }
 
-fn named(e: &Entry, diags: &mut Diags) -> Named {
+fn named(e: &Entry, is_param: &dyn Fn(&str) -> bool, diags: &mut Diags) -> Named {
     let what = format!("parameter `{}`", e.key);
     let mut n = Named { value_span: e.span, ..Named::broken(&e.key, e.key_span) };
     let Value::Table(entries) = &e.value else {
-        n.value = raw(e, &what, diags);
+        n.value = raw(e, &what, is_param, diags);
         return n;
     };
     let text = |key: &str| match entries.iter().find(|x| x.key == key).map(|x| (&x.value, x.span)) {
@@ -100,11 +107,15 @@ fn named(e: &Entry, diags: &mut Diags) -> Named {
     for x in entries {
         match (x.key.as_str(), &x.value) {
             ("value", _) => {
-                n.value = raw(&with_unit(x), &what, diags);
+                n.value = raw(&with_unit(x), &what, is_param, diags);
                 n.value_span = x.span;
             }
-            ("min", _) => (n.min, spans[0]) = (raw(&with_unit(x), &format!("`min` of {what}"), diags), x.span),
-            ("max", _) => (n.max, spans[1]) = (raw(&with_unit(x), &format!("`max` of {what}"), diags), x.span),
+            ("min", _) => {
+                (n.min, spans[0]) = (raw(&with_unit(x), &format!("`min` of {what}"), is_param, diags), x.span);
+            }
+            ("max", _) => {
+                (n.max, spans[1]) = (raw(&with_unit(x), &format!("`max` of {what}"), is_param, diags), x.span);
+            }
             ("live", Value::Bool(b)) => n.live = *b,
             ("port", Value::Text(_)) => (n.port, n.live) = (Some(x.clone()), true),
             ("span", Value::List(_)) => n.span_of_port = Some(x.clone()),

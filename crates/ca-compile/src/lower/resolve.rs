@@ -51,7 +51,8 @@ pub fn resolve(model: &Model, catalog: &Catalog, options: &Options, diags: &mut 
     unique(model, diags);
     let mut v = Values::new(alg, diags);
     v.clouds.clone_from(&options.clouds);
-    v.named = params::all(model, v.diags);
+    let named = params::all(model, v.diags);
+    v.name(named);
     rates::media(model, &mut net, &mut v);
     let mut unknown = BTreeSet::new();
     // modules of one kind stand one behind the other

@@ -6,7 +6,7 @@
 use crate::findings::{bad_quantity, instead, quoted, range_help, type_name, unit_span, wanted, wrong_unit};
 use crate::lower::named::{Named, Raw};
 use alloc::format;
-use alloc::string::ToString;
+use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 use ca_core::kind::builder::Arg;
 use ca_core::kind::cloud::Clouds;
@@ -17,6 +17,7 @@ use ca_model::quantity;
 use ca_model::quantity::Plain;
 use ca_model::suggest::nearest;
 use ca_model::{Entry, Span, Value};
+use hashbrown::HashMap;
 
 /// A number and, if it follows a live parameter, which one and by what factor.
 pub type Followed = (f64, Option<(usize, f64)>);
@@ -25,8 +26,10 @@ pub type Followed = (f64, Option<(usize, f64)>);
 pub struct Values<'a> {
     /// tick of the reference rate for `alg` units; `None` in SI
     pub alg: Option<f64>,
-    /// the parameters
+    /// the parameters, by [`Values::name`]
     pub named: Vec<Named>,
+    /// where each stands among them
+    index: HashMap<String, usize>,
     /// what the files hold
     pub clouds: Clouds,
     /// tables met so far
@@ -38,11 +41,18 @@ pub struct Values<'a> {
 impl<'a> Values<'a> {
     /// Without named parameters.
     pub fn new(alg: Option<f64>, diags: &'a mut Diags) -> Values<'a> {
-        Values { alg, named: Vec::new(), clouds: Clouds::new(), tables: Vec::new(), diags }
+        Values { alg, named: Vec::new(), index: HashMap::new(), clouds: Clouds::new(), tables: Vec::new(), diags }
     }
 }
 
 impl Values<'_> {
+    /// Gives the parameters their names.
+    pub fn name(&mut self, named: Vec<Named>) {
+        // of two of one name, which is reported, the first counts
+        self.index = named.iter().enumerate().rev().map(|(i, n)| (n.name.clone(), i)).collect();
+        self.named = named;
+    }
+
     /// Factor from a bare number of dimension `dim` to SI.
     fn bare(&self, dim: Dim) -> f64 {
         self.alg.map_or(1.0, |tr| dim.alg_to_si(tr))
@@ -73,7 +83,7 @@ impl Values<'_> {
             Value::Text(t) if quantity::is_quantity(t) => (self.measured(t, unit, e, what)?, None),
             // a parameter of that name comes first
             Value::Text(t) => match quantity::note(t).filter(|_| unit.dim.same(Dim::FREQUENCY)) {
-                Some(f) if !self.named.iter().any(|n| n.name == *t) => (f, None),
+                Some(f) if !self.index.contains_key(t) => (f, None),
                 _ => self.named_number(t, unit, range, e, what)?,
             },
             other => {
@@ -99,7 +109,7 @@ impl Values<'_> {
         };
         let mut d = Diag::error("E009", format!("{what} is out of range: {written}")).at(e.span, "out of range");
         if let Value::Text(t) = &e.value {
-            if let Some(n) = self.named.iter().find(|n| n.name == *t) {
+            if let Some(n) = self.index.get(t).map(|i| &self.named[*i]) {
                 d = d.at(n.value_span, "from here");
             }
         }
@@ -109,7 +119,7 @@ impl Values<'_> {
     }
 
     fn named_number(&mut self, name: &str, unit: Unit, range: (f64, f64), e: &Entry, what: &str) -> Option<Followed> {
-        let Some(i) = self.named.iter().position(|n| n.name == name) else {
+        let Some(i) = self.index.get(name).copied() else {
             let d = Diag::error("E013", format!("{what}: no parameter `{name}`")).at(e.span, "not in `[param]`");
             let near = nearest(name, self.named.iter().filter(|n| n.value.is_some()).map(|n| n.name.as_str()));
             let near = near.map(ToString::to_string);
@@ -168,7 +178,7 @@ impl Values<'_> {
             },
             Some(Value::Num(p)) => *p,
             Some(Value::Text(t)) if quantity::is_quantity(t) => quantity::parse(t).ok()?.value,
-            Some(Value::Text(t)) => self.named.iter().find(|n| n.name == *t)?.value?.number(),
+            Some(Value::Text(t)) => self.named[*self.index.get(t)?].value?.number(),
             Some(_) => return None,
         };
         (quarters(p) && (1.0..=5.0).contains(&p)).then_some(p)

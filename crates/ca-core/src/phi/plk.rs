@@ -94,9 +94,12 @@ impl Phi<5, 3> for Plk {
         let [engaged, last, released] = mem;
         *released = 0.0;
         if *engaged != 0.0 {
-            if e.abs() >= d || side * e < 0.0 {
+            if e.abs() >= d {
                 *engaged = 0.0;
                 *released = 0.5 * k * e * e;
+            } else if side * e < 0.0 {
+                // next to nothing is stored there, and what a tick leaves of it is no heat
+                *engaged = 0.0;
             }
         } else if e.abs() < d {
             // from one sign to the other, or from nothing to the side it holds on

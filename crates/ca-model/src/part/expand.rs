@@ -14,6 +14,7 @@ use alloc::string::String;
 use alloc::vec::Vec;
 use ca_core::Catalog;
 use ca_core::kind::cloud::Unread;
+use hashbrown::HashSet;
 
 /// What a file holds, by its path from the folder of the model.
 pub(crate) type Open<'f> = &'f mut dyn FnMut(&str) -> Result<String, Unread>;
@@ -28,6 +29,8 @@ pub(super) struct Expander<'e> {
     pub files: BTreeMap<String, Option<Rc<Home>>>,
     /// parameters and modules at the root
     pub root: BTreeSet<String>,
+    /// there are too many of them
+    pub over: bool,
     /// the parts that are being put in, each in the one before: file and name
     pub within: Vec<(String, String)>,
 }
@@ -98,6 +101,7 @@ fn into(model: &mut Model, diags: &mut Diags, catalog: &Catalog, open: Open<'_>,
         diags: core::mem::take(diags),
         files: BTreeMap::new(),
         root,
+        over: false,
         within: Vec::new(),
     };
     let gestures = core::mem::take(&mut e.model.gestures);
@@ -105,8 +109,9 @@ fn into(model: &mut Model, diags: &mut Diags, catalog: &Catalog, open: Open<'_>,
     let of_parts = core::mem::replace(&mut e.model.gestures, gestures);
     fan(&mut e.model, catalog, &mut e.diags);
     // what is written in the model counts, not what its parts would play
+    let mut written: HashSet<String> = e.model.gestures.iter().map(|g| g.key.clone()).collect();
     for g in of_parts {
-        if !e.model.gestures.iter().any(|o| o.key == g.key) {
+        if written.insert(g.key.clone()) {
             e.model.gestures.push(g);
         }
     }
@@ -118,6 +123,9 @@ impl Expander<'_> {
     /// what they say.
     pub fn lines(&mut self, items: &[Item], uses: &[Use], groups: Option<&[usize]>, home: &Rc<Home>, scope: &Scope) {
         for line in lines(items, uses) {
+            if self.is_over() {
+                return;
+            }
             match line {
                 Line::Use(u) => self.place(u, home, scope),
                 Line::Module(i) if self.model.items.len() >= LARGEST => {
@@ -139,7 +147,13 @@ impl Expander<'_> {
         }
     }
 
-    fn too_many(&mut self, at: Span) {
+    /// Whether nothing more is put in.
+    pub fn is_over(&self) -> bool {
+        self.over || self.diags.is_full()
+    }
+
+    pub fn too_many(&mut self, at: Span) {
+        self.over = true;
         if !self.diags.list.iter().any(|d| d.code == "E027") {
             let d =
                 Diag::error("E027", format!("more than {LARGEST} modules, with those of parts")).at(at, "from here on");

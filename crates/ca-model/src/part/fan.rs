@@ -55,7 +55,12 @@ impl Fans<'_> {
         match &mut e.value {
             Value::List(l) => l.iter_mut().for_each(|x| self.entry(x, owner)),
             Value::Text(t) if t.contains('[') => {
-                let Ok(Some(all)) = self.names(&t.clone(), e, owner) else { return };
+                let all = match self.names(&t.clone(), e, owner) {
+                    Ok(Some(all)) => all,
+                    Ok(None) => return,
+                    // goes on with an instance that there is, so that one mistake is one finding
+                    Err(()) => Vec::from([first_instance(&e.value)]),
+                };
                 let one = |name: &String| Entry { value: Value::Text(name.clone()), ..e.clone() };
                 e.value = Value::List(all.iter().map(one).collect());
             }
@@ -70,6 +75,11 @@ impl Fans<'_> {
         }
         for g in core::mem::take(gestures) {
             match self.names(&g.key, &g, "gesture") {
+                Ok(Some(all)) if all.len().saturating_mul(size(&g)) > LARGEST => {
+                    let d =
+                        Diag::error("E027", format!("gesture `{}` has too many points for {} ports", g.key, all.len()));
+                    self.diags.push(d.at(g.key_span, "too many").help("let fewer ports play it, or fewer points"));
+                }
                 Ok(Some(all)) => gestures.extend(all.into_iter().map(|key| Entry { key, ..g.clone() })),
                 Ok(None) => gestures.push(g),
                 Err(()) => {}
@@ -120,6 +130,29 @@ struct Outside {
     name: String,
     index: String,
     n: usize,
+}
+
+/// The name with the first instance in the place of each index but the last.
+fn first_instance(value: &Value) -> String {
+    let Value::Text(t) = value else { return String::new() };
+    let mut out = String::new();
+    let mut rest = t.as_str();
+    while let Some((before, after)) = rest.split_once('[') {
+        let Some((index, more)) = after.split_once(']') else { break };
+        let of_instance = more.starts_with('.');
+        out += before;
+        out.extend(["[", if of_instance { "0" } else { index }, "]"]);
+        rest = more;
+    }
+    out + rest
+}
+
+/// Values in a gesture.
+fn size(e: &Entry) -> usize {
+    match &e.value {
+        Value::List(l) | Value::Table(l) => 1 + l.iter().map(size).sum::<usize>(),
+        _ => 1,
+    }
 }
 
 /// Which instances an index means; nothing where there are none such.

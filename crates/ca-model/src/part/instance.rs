@@ -45,7 +45,11 @@ impl Expander<'_> {
             let full = if n.is_some() { format!("{name}[{i}]") } else { name.clone() };
             let with = u.with.iter().map(|e| (e.key.as_str(), of_instance(e, n.map(|_| i)))).collect();
             self.instance(&full, u, &with, &part, &home, outer);
-            if self.model.items.len() >= LARGEST || self.diags.is_full() {
+            // each instance is a group, however little stands in it
+            if self.model.items.len().max(self.model.groups.len()) >= LARGEST {
+                self.too_many(u.span);
+            }
+            if self.is_over() {
                 break;
             }
         }
@@ -57,7 +61,10 @@ impl Expander<'_> {
         let Some(e) = &u.n else { return Ok(None) };
         let written = match &e.value {
             Value::Text(t) => match outer.args.get(t.trim()) {
-                Some(Arg::Number(v, _)) => v.clone(),
+                Some(Arg::Number(v, _)) => {
+                    outer.used.borrow_mut().insert(t.trim().into());
+                    v.clone()
+                }
                 _ => e.value.clone(),
             },
             v => v.clone(),
@@ -117,7 +124,7 @@ impl Expander<'_> {
         let mut scope = Scope { prefix: format!("{full}."), own: own.map(Into::into).collect(), ..Scope::default() };
         let mut params = Vec::new();
         for p in &body.params {
-            let (arg, param) = self.param(full, u, with.get(p.key.as_str()), p, outer, &scope);
+            let (arg, param) = self.param(full, u, with.get(p.key.as_str()), (p, &body.params), outer, &scope);
             scope.args.insert(p.key.clone(), arg);
             params.push(param);
         }
@@ -151,7 +158,7 @@ impl Expander<'_> {
         full: &str,
         u: &Use,
         given: Option<&Option<Entry>>,
-        p: &Entry,
+        (p, params): (&Entry, &[Entry]),
         outer: &Scope,
         scope: &Scope,
     ) -> (Arg, Option<Entry>) {
@@ -192,7 +199,8 @@ impl Expander<'_> {
             self.model.lost.push(key);
             return (Arg::Missing, None);
         };
-        let inner = |name: &str| self.root.contains(name) || scope.own.contains(name);
+        let inner =
+            |name: &str| self.root.contains(name) || scope.own.contains(name) || params.iter().any(|p| p.key == name);
         if !is_number(default, &inner) {
             let default = Entry { value: default.clone(), ..p.clone() };
             return (Arg::Other(scope.given(&default).value, p.span), None);
