@@ -222,7 +222,9 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("a.wav");
         let others = ["a.wav.float", ".a.wav.float"].map(|n| dir.path().join(n));
-        others.iter().for_each(|o| std::fs::write(o, "precious").unwrap());
+        for other in &others {
+            std::fs::write(other, "precious").unwrap();
+        }
         let ending = Ending { normalize: Some(0.5), fade: true, ..ENDING };
         let mut out = RenderOut::create(&path, 1000.0, 1, ending).unwrap();
         out.write(&[0.1, 0.9, 1.0, 1.0]).unwrap();
