@@ -148,7 +148,7 @@ fn ledger(with: &'static str, modules: usize, text: String) -> CostRow {
 const PRESSED: &str = "k = 100, d = \"1 mm\"";
 const OPEN: &str = "k = 100, d = \"-1 mm\"";
 const RUBS: &str = "f = \"0.1 mN\", v0 = \"20 mm/s\"";
-const DRY: &str = "curve = \"coulomb\", f = \"0.1 mN\"";
+const DRY: &str = "curve = \"coulomb\", f = \"0.1 mN\", v0 = \"20 mm/s\"";
 
 /// Rows of the tick.
 pub(super) fn rows() -> Vec<CostRow> {
