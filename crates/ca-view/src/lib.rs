@@ -171,8 +171,10 @@ fn motion(scene: &Scene) -> Option<f64> {
         return Some(least);
     }
     let gains = scene.writes.first().map(|op| op.coef - op.first)?;
+    let plain = scene.outputs.len() - scene.blockers.len() - scene.of_motion[0];
     let gain = |(k, o): (usize, &Output)| {
-        let heard = matches!(o.tap, Tap::Position(_)) && (o.channel as usize) < scene.channels;
+        let place = matches!(o.tap, Tap::Position(_)) && k < plain;
+        let heard = place && (o.channel as usize) < scene.channels;
         scene.initial.coef.get(gains + k).map(|gain| gain.abs()).filter(|gain| heard && *gain > 0.0)
     };
     let mut all: Vec<f64> = scene.outputs.iter().enumerate().filter_map(gain).collect();

@@ -96,7 +96,7 @@ const LAWS: [(&str, f64, f64); 12] = [
 ];
 
 /// Passes that are not links, by their names.
-const PASSES: [(&str, Price); 16] = [
+const PASSES: [(&str, Price); 18] = [
     ("ENF", Price::of(41.0, 25.0)),
     ("ENX", Price::of(74.0, 31.0)),
     ("TGR in", Price::of(154.0, 18.3)),
@@ -106,6 +106,8 @@ const PASSES: [(&str, Price); 16] = [
     ("flush", Price::of(14.0, 0.01)),
     ("heard links", Price::of(60.0, 71.0)),
     ("high pass", Price::of(89.0, 45.0)),
+    ("high pass of motion", Price::of(89.0, 45.0)),
+    ("outputs of motion", Price::of(30.0, 12.0)),
     ("integrate CEL", INTEGRATE_CEL),
     ("integrate MAS", INTEGRATE_MAS),
     ("points", Price::of(40.0, 70.0)),

@@ -33,11 +33,30 @@ fn is_passed(net: &Pruned, o: &OutNode) -> bool {
     o.hear == Hear::Acceleration || cutoff(net, o).is_some()
 }
 
-/// Outputs without a high pass, by channel and in each in their order, then those with one.
+/// Whether an output hears motion.
+fn moves(o: &OutNode) -> bool {
+    matches!(o.hear, Hear::Speed | Hear::Acceleration)
+}
+
+/// Outputs as [`Layout::outputs`](ca_core::op::layout::Layout::outputs) has them: without a high pass, by channel and in each in their
+/// order, then those of motion, then the same of those with one.
 pub fn plain_first(net: &Pruned) -> impl Iterator<Item = &OutNode> {
-    let (mut plain, passed): (Vec<&OutNode>, Vec<_>) = net.outs.iter().partition(|o| !is_passed(net, o));
+    let (plain, passed): (Vec<&OutNode>, Vec<_>) = net.outs.iter().partition(|o| !is_passed(net, o));
+    let (motion, mut plain): (Vec<&OutNode>, Vec<_>) = plain.into_iter().partition(|o| moves(o));
     plain.sort_by_key(|o| o.channel);
-    plain.into_iter().chain(passed)
+    plain.into_iter().chain(motion).chain(still_first(passed))
+}
+
+fn still_first(passed: Vec<&OutNode>) -> impl Iterator<Item = &OutNode> {
+    let (motion, still): (Vec<&OutNode>, Vec<_>) = passed.into_iter().partition(|o| moves(o));
+    still.into_iter().chain(motion)
+}
+
+/// How many hear motion: as it is, and through a high pass.
+pub fn of_motion(net: &Pruned) -> [usize; 2] {
+    let all = net.outs.iter().filter(|o| moves(o));
+    let passed = all.clone().filter(|o| is_passed(net, o)).count();
+    [all.count() - passed, passed]
 }
 
 /// The high passes, in that order: bilinear, so −3 dB exactly at the cut-off. That of an acceleration is the change of the
@@ -45,7 +64,7 @@ pub fn plain_first(net: &Pruned) -> impl Iterator<Item = &OutNode> {
 pub fn blockers(model: &Model, net: &Pruned, diags: &mut Diags) -> Vec<Blocker> {
     let mut reported = BTreeSet::new();
     let mut all = Vec::new();
-    for o in net.outs.iter().filter(|o| is_passed(net, o)) {
+    for o in still_first(net.outs.iter().filter(|o| is_passed(net, o)).collect()) {
         let Some(f) = cutoff(net, o).filter(|_| o.hear != Hear::Acceleration) else {
             all.push(Blocker { r: 0.0, g: 1.0 });
             continue;

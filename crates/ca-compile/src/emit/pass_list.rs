@@ -91,7 +91,7 @@ pub fn forces(layout: &Layout, mut links: Vec<Op>, late: usize, weight: usize) -
 
 /// Where a channel has many outputs, see [`Layout::output_rows`].
 pub fn output_rows(layout: &Layout) -> Vec<OutputRow> {
-    let plain = &layout.outputs[..layout.outputs.len() - layout.blockers.len()];
+    let plain = &layout.outputs[..layout.outputs.len() - layout.blockers.len() - layout.of_motion[0]];
     let channels = || plain.chunk_by(|a, b| a.channel == b.channel);
     if channels().all(|of_channel| of_channel.len() < pass::MANY) {
         return Vec::new();
@@ -112,20 +112,23 @@ pub fn output_rows(layout: &Layout) -> Vec<OutputRow> {
 /// Outputs; `gains` is the coefficient of the first.
 pub fn writes(layout: &Layout, gains: usize) -> Vec<Op> {
     let high = layout.blockers.len();
-    let plain = layout.outputs.len() - high;
+    let [motion, passed] = layout.of_motion;
+    let plain = layout.outputs.len() - high - motion;
     let again = layout.heard.len();
     let position = |(i, o): (usize, &Output)| o.channel as usize == i && matches!(o.tap, Tap::Position(_));
     let each = layout.outputs.len() == layout.n_out && layout.outputs.iter().enumerate().all(position);
     let outputs = match () {
-        () if each && high == 0 => pass::positions,
+        () if each && high + motion == 0 => pass::positions,
         () if layout.output_rows.is_empty() => pass::outputs,
         () => pass::many_outputs,
     };
     let list = [
         (again > 0, "heard links", heard::heard as Kernel, again, 0),
         // it clears what the others add to
-        (plain + high > 0, "outputs", outputs, plain, 0),
-        (high > 0, "high pass", blocker::blocker, high, plain),
+        (plain + motion + high > 0, "outputs", outputs, plain, 0),
+        (motion > 0, "outputs of motion", pass::motions, motion, plain),
+        (high > passed, "high pass", blocker::blocker, high - passed, plain + motion),
+        (passed > 0, "high pass of motion", blocker::of_motion, passed, layout.outputs.len() - passed),
         (!layout.lowpass.is_empty(), "low pass", lowpass::lowpass, layout.channels, 0),
     ];
     let op = |(_, name, kernel, n, first)| Op { first, coef: gains + first, ..Op::pass(name, kernel, n) };

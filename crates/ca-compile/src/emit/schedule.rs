@@ -1,6 +1,6 @@
 //! Schedule: flat arrays and the list of passes. What a scene does not have makes no entry here.
 
-use crate::emit::cutoff::{blockers, plain_first};
+use crate::emit::cutoff::{blockers, of_motion, plain_first};
 use crate::emit::driven;
 use crate::emit::masses::{Masses, masses, weigh};
 use crate::emit::milib;
@@ -20,7 +20,6 @@ use alloc::boxed::Box;
 use alloc::collections::BTreeSet;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
-use ca_core::io::Hear;
 use ca_core::kind::PortRole;
 use ca_core::live::Loader;
 use ca_core::numeric::{Aligned, Real, VerletList, real};
@@ -142,6 +141,7 @@ pub fn schedule(
         weighed,
         heard: links.heard.into_iter().map(|(_, h)| h).collect(),
         outputs,
+        of_motion: of_motion(net),
         blockers: blockers(model, net, diags),
         lowpass: if net.channels.is_empty() { Vec::new() } else { reals(net.lowpass.clone()) },
         implicit: implicit.map(|a| a.0),
@@ -275,8 +275,7 @@ fn outputs(plan: &mut Plan, links: &Links) -> Option<(usize, Vec<Output>)> {
     let mut all = Vec::new();
     for o in plain_first(plan.net) {
         let tap = match o.tap {
-            OutputTap::Position(e) if o.hear == Hear::Position => Tap::Position(plan.alive(e, o.axis)?),
-            OutputTap::Position(e) => Tap::Motion(plan.alive(e, o.axis)?),
+            OutputTap::Position(e) => Tap::Position(plan.alive(e, o.axis)?),
             OutputTap::ForceOn(e) => Tap::ForceOn(plan.alive(e, o.axis)?),
             OutputTap::ForceOf(l) => {
                 let (op, k) = links.where_is[l as usize];

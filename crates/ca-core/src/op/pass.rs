@@ -144,8 +144,8 @@ pub fn share(op: &Op, layout: &Layout, s: &mut State) {
 /// Outputs of this tick, channel by channel as the compiler sorts them: a sum in a register waits for itself alone, one in
 /// memory for what was written there.
 pub fn outputs(op: &Op, layout: &Layout, s: &mut State) {
-    let State { x, d, f, tap, coef, output, .. } = s;
-    let heard = Heard { x, d, f, tap };
+    let State { x, f, tap, coef, output, .. } = s;
+    let heard = Heard { x, f, tap };
     let (outputs, gains) = (&layout.outputs[..op.n], &coef[op.coef..][..op.n]);
     output.fill(0.0);
     let (mut channel, mut sum) = (outputs.first().map_or(0, |o| o.channel), 0.0);
@@ -158,6 +158,15 @@ pub fn outputs(op: &Op, layout: &Layout, s: &mut State) {
     }
     if !outputs.is_empty() {
         output[channel as usize] = sum;
+    }
+}
+
+/// Adds the outputs from `op.first` on that hear motion.
+pub fn motions(op: &Op, layout: &Layout, s: &mut State) {
+    for (o, gain) in layout.outputs[op.first..][..op.n].iter().zip(&s.coef[op.coef..]) {
+        if let Tap::Position(m) = o.tap {
+            s.output[o.channel as usize] += wide(gain * s.d[m as usize]);
+        }
     }
 }
 
@@ -177,8 +186,8 @@ struct ManyOutputs;
 impl Body for ManyOutputs {
     #[inline(always)]
     fn run<S: Simd>(_: S, op: &Op, layout: &Layout, s: &mut State) {
-        let State { x, d, f, tap, coef, output, .. } = s;
-        let heard = Heard { x, d, f, tap };
+        let State { x, f, tap, coef, output, .. } = s;
+        let heard = Heard { x, f, tap };
         let (mut outputs, mut gains) = (&layout.outputs[..op.n], &coef[op.coef..][..op.n]);
         output.fill(0.0);
         for row in &layout.output_rows {
@@ -233,10 +242,9 @@ pub fn positions(op: &Op, layout: &Layout, s: &mut State) {
     }
 }
 
-/// What outputs hear at this tick: positions, motion, forces on MATs, forces of links.
+/// What outputs hear at this tick: positions, forces on MATs, forces of links.
 pub(super) struct Heard<'a> {
     x: &'a [Real],
-    d: &'a [Real],
     f: &'a [Real],
     tap: &'a [Real],
 }
@@ -245,7 +253,7 @@ impl<'a> Heard<'a> {
     /// Those of a state.
     #[inline(always)]
     pub(super) fn of(s: &'a State) -> Heard<'a> {
-        Heard { x: &s.x, d: &s.d, f: &s.f, tap: &s.tap }
+        Heard { x: &s.x, f: &s.f, tap: &s.tap }
     }
 
     /// What an output hears.
@@ -253,7 +261,6 @@ impl<'a> Heard<'a> {
     pub(super) fn by(&self, o: &Output) -> Real {
         match o.tap {
             Tap::Position(m) => self.x[m as usize],
-            Tap::Motion(m) => self.d[m as usize],
             Tap::ForceOn(m) => self.f[m as usize],
             Tap::ForceOf(t) => self.tap[t as usize],
         }

@@ -122,6 +122,7 @@ impl Words {
             weighed,
             heard,
             outputs,
+            of_motion,
             blockers,
             lowpass,
             implicit,
@@ -147,6 +148,9 @@ impl Words {
         self.debug(&(enx, enf, tgr, crossing, waves));
         if !driven.is_empty() {
             self.debug(driven);
+        }
+        if *of_motion != [0; 2] {
+            self.debug(of_motion);
         }
         self.debug(&(outputs, blockers, lowpass, implicit));
         let accounts = ledger.iter().flat_map(|l| &l.accounts);

@@ -277,8 +277,10 @@ pub struct Layout {
     pub weighed: Vec<u32>,
     /// links of fused passes whose forces are heard (any)
     pub heard: Vec<HeardLink>,
-    /// what is heard (any): as it is first, then what goes through a high pass
+    /// what is heard (any): as it is first, then motion, then what goes through a high pass, and last motion that does
     pub outputs: Vec<Output>,
+    /// how many of them hear motion: as it is, and through a high pass. A list of their own, so that the others need not be asked
+    pub of_motion: [usize; 2],
     /// channels with outputs as they are, where one has so many that they are summed in lanes
     /// ([`pass::MANY`](crate::op::pass::MANY)) (channels, or none)
     pub output_rows: Vec<OutputRow>,

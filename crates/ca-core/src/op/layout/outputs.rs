@@ -6,10 +6,8 @@ use crate::numeric::Real;
 /// What an output hears.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tap {
-    /// displacement of a MAT from its rest position
+    /// displacement of a MAT from its rest position; of outputs that hear motion, how far it went in the last tick
     Position(u32),
-    /// how far a MAT went in the last tick
-    Motion(u32),
     /// summed force on a MAT
     ForceOn(u32),
     /// force of a LIA, at this index of [`State::tap`](crate::state::State)
