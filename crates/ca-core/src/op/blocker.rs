@@ -7,35 +7,35 @@
 use super::Op;
 use super::pass::Heard;
 use crate::numeric::{Real, TINY, wide};
-use crate::op::layout::{Layout, Output, Tap};
+use crate::op::layout::{Blocker, Layout, Tap};
 use crate::state::State;
 
 /// Adds the outputs from `op.first` on, each through its high pass.
 pub fn blocker(op: &Op, layout: &Layout, s: &mut State) {
-    for (k, o) in layout.outputs[op.first..][..op.n].iter().enumerate() {
+    for (k, (o, c)) in layout.outputs[op.first..].iter().zip(&layout.blockers[..op.n]).enumerate() {
         let v = s.coef[op.coef + k] * Heard::of(s).by(o);
-        pass(layout, s, o, k, v);
+        let y = step(*c, &mut s.blocked[k], s.tick, v);
+        s.output[o.channel as usize] += wide(y);
     }
 }
 
 /// The last outputs, from `op.first` on: they hear motion.
 pub fn of_motion(op: &Op, layout: &Layout, s: &mut State) {
     let before = layout.blockers.len() - op.n;
-    for (k, o) in layout.outputs[op.first..].iter().enumerate() {
-        if let Tap::Position(m) = o.tap {
-            let v = s.coef[op.coef + k] * s.d[m as usize];
-            pass(layout, s, o, before + k, v);
-        }
+    for (k, (o, c)) in layout.outputs[op.first..].iter().zip(&layout.blockers[before..]).enumerate() {
+        let Tap::Position(m) = o.tap else { continue };
+        let v = s.coef[op.coef + k] * s.d[m as usize];
+        let y = step(*c, &mut s.blocked[before + k], s.tick, v);
+        s.output[o.channel as usize] += wide(y);
     }
 }
 
-/// Adds what high pass `k` makes of `v`.
+/// What a high pass makes of `v`.
 #[inline(always)]
-fn pass(layout: &Layout, s: &mut State, o: &Output, k: usize, v: Real) {
-    let c = &layout.blockers[k];
-    let [before, y] = if s.tick == 0 { [v, 0.0] } else { s.blocked[k] };
+fn step(c: Blocker, kept: &mut [Real; 2], tick: u64, v: Real) -> Real {
+    let [before, y] = if tick == 0 { [v, 0.0] } else { *kept };
     let y = c.r * y + c.g * (v - before);
     let y = if y.abs() < TINY { 0.0 } else { y };
-    s.blocked[k] = [v, y];
-    s.output[o.channel as usize] += wide(y);
+    *kept = [v, y];
+    y
 }
