@@ -78,7 +78,7 @@ fn a_pitch_by_a_port_is_in_tune() {
              [SOX]\nout = {{ from = \"c\", gain = 300 }}\n"
         )
     };
-    let pitch = "[param]\npitch = { port = \"slide\", span = [\"0.1\", 0], min = \"80 Hz\", max = \"160 Hz\" }\n";
+    let pitch = "[param]\npitch = { port = \"slide\", span = [\"0.1 m\", 0], min = \"80 Hz\", max = \"160 Hz\" }\n";
     let by_port = scene(&text("\"pitch\"", pitch));
     assert_eq!(by_port.layout.driven[0].rows, 257);
     let (slide, place) = (input(&by_port, "slide"), mat(&by_port, "c"));

@@ -205,3 +205,21 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn a_number_in_quotes_has_its_unit() {
+    let found = |m: &str, x: &str| {
+        let text = format!("[MAS]\nb = {{ m = {m}, x = {x} }}\n[SOX]\no = {{ from = \"b\", gain = \"3\" }}\n");
+        let (model, result) =
+            ca_compile::load(&text, "m.ca.toml", &ca_tests::catalog(), &ca_compile::Options::default());
+        match result {
+            Ok(_) => String::new(),
+            Err(diags) => ca_model::render::text(&diags, &model, false),
+        }
+    };
+    // a number without a dimension needs none, and nothing is nothing in every unit
+    assert_eq!(found("\"20 g\"", "\"0\""), "");
+    assert_eq!(found("0.02", "0.1"), "");
+    let all = found("\"20\"", "0");
+    assert!(all.contains("E008") && all.contains("`m` of `b` has no unit: `20`") && all.contains("\"20 kg\""), "{all}");
+}

@@ -15,13 +15,13 @@ const INSTRUMENT: &str = r#"
 low = { device = "key", dof = 0 }
 high = { device = "key", dof = 1 }
 [MAS]
-one = { m = "5 g", x = "-0.1" }
-two = { m = "3 g", x = "-0.1" }
+one = { m = "5 g", x = -0.1 }
+two = { m = "3 g", x = -0.1 }
 [REF]
 a = { between = ["low", "one"], k = "2 kN/m", z = "0.05 N s/m" }
 b = { between = ["high", "two"], k = "1 kN/m", z = "0.05 N s/m" }
 [STRING]
-string = { n = 10, f = "110 Hz", t60 = "1 s", m = "1 g", x = "-0.2" }
+string = { n = 10, f = "110 Hz", t60 = "1 s", m = "1 g", x = -0.2 }
 [BUT]
 c = { between = ["string[3]", "one"], k = "200 N/m", z = "0.01 N s/m", d = 0 }
 d = { between = ["string[6]", "two"], k = "200 N/m", z = "0.01 N s/m", d = 0 }

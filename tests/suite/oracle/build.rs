@@ -230,7 +230,16 @@ impl Builder<'_> {
             ("POW", _) => Law::Power { k, q: self.num(i, "q"), quarters, z },
             ("BUT", _) => Law::Buffer { k, z, d, side, sticky: entry(&i.args, "sticky") != Some(&Value::Bool(false)) },
             ("HRZ", _) => Law::Hertz { k, quarters, h, d, side },
-            ("PLK", _) => Law::Pluck { k, z, d, held: None, last: 0.0 },
+            ("PLK", _) => {
+                let value = |key: &str| i.args.iter().find(|e| e.key == key).map(|e| &e.value);
+                let side = match value("side") {
+                    Some(Value::Text(t)) if t == "up" => 1.0,
+                    Some(Value::Text(t)) if t == "down" => -1.0,
+                    _ => 0.0,
+                };
+                let engaged = value("engaged") != Some(&Value::Bool(false));
+                Law::Pluck { k, z, d, side, engaged, held: None, last: 0.0 }
+            }
             ("ATT", _) => Law::Attract { k, z, d, rho: self.numbers.maybe(i, "rho").unwrap_or(0.5) },
             ("LNL", _) => {
                 let (spring, friction) =

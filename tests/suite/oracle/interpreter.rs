@@ -31,9 +31,13 @@ impl Law {
             Law::Attract { d, .. } if e.abs() >= d => 0.0,
             Law::Attract { k, z, d, rho } if e.abs() < rho * d => k * e + z * w,
             Law::Attract { k, z, d, rho } => (k * rho / (1.0 - rho) * (d - e.abs())).copysign(e) + z * w,
-            Law::Pluck { k, z, d, ref mut held, ref mut last } => {
-                let crossed = *last <= 0.0 && e >= 0.0 || *last >= 0.0 && e <= 0.0;
-                let holds = e.abs() < d && (held.unwrap_or(true) || crossed);
+            Law::Pluck { k, z, d, side, engaged, ref mut held, ref mut last } => {
+                if held.is_none() {
+                    (*held, *last) = (Some(engaged && side * e >= 0.0), e);
+                }
+                let (rises, falls) = (*last <= 0.0 && e >= 0.0, *last >= 0.0 && e <= 0.0);
+                let takes = rises && side >= 0.0 || falls && side <= 0.0;
+                let holds = e.abs() < d && if *held == Some(true) { side * e >= 0.0 } else { takes };
                 (*held, *last) = (Some(holds), e);
                 if holds { k * e + z * w } else { 0.0 }
             }

@@ -23,16 +23,67 @@ pub type Curve = Vec<[f64; 2]>;
 
 /// A contact within distance d has side −1, one beyond it 1. Powers are in quarters; table velocities in m/s.
 pub enum Law {
-    Linear { k: f64, z: f64 },
-    Cubic { k: f64, k3: f64, z: f64 },
-    Power { k: f64, q: f64, quarters: u32, z: f64 },
-    Buffer { k: f64, z: f64, d: f64, side: f64, sticky: bool },
-    Hertz { k: f64, quarters: u32, h: f64, d: f64, side: f64 },
-    Attract { k: f64, z: f64, d: f64, rho: f64 },
-    Pluck { k: f64, z: f64, d: f64, held: Option<bool>, last: f64 },
-    Curves { spring: Option<Curve>, friction: Option<Curve>, tick_dt: f64 },
-    Stribeck { f: f64, fd: f64, v0: f64, v1: f64 },
-    Smooth { f: f64, v0: f64, bell: Curve },
+    Linear {
+        k: f64,
+        z: f64,
+    },
+    Cubic {
+        k: f64,
+        k3: f64,
+        z: f64,
+    },
+    Power {
+        k: f64,
+        q: f64,
+        quarters: u32,
+        z: f64,
+    },
+    Buffer {
+        k: f64,
+        z: f64,
+        d: f64,
+        side: f64,
+        sticky: bool,
+    },
+    Hertz {
+        k: f64,
+        quarters: u32,
+        h: f64,
+        d: f64,
+        side: f64,
+    },
+    Attract {
+        k: f64,
+        z: f64,
+        d: f64,
+        rho: f64,
+    },
+    /// `side` is the sign of the elongation in which it holds, 0 where both do; `engaged` whether it may at load
+    Pluck {
+        k: f64,
+        z: f64,
+        d: f64,
+        side: f64,
+        engaged: bool,
+        held: Option<bool>,
+        last: f64,
+    },
+    Curves {
+        spring: Option<Curve>,
+        friction: Option<Curve>,
+        tick_dt: f64,
+    },
+    Stribeck {
+        f: f64,
+        fd: f64,
+        v0: f64,
+        v1: f64,
+    },
+    Smooth {
+        f: f64,
+        v0: f64,
+        bell: Curve,
+    },
     Listed(Listed),
 }
 

@@ -61,7 +61,15 @@ impl Values<'_> {
     /// A quantity in SI, if its dimension is that of `unit`; `what` names the place for the report.
     fn measured(&mut self, text: &str, unit: Unit, e: &Entry, what: &str) -> Option<f64> {
         match quantity::parse(text) {
-            Ok(q) if !q.has_unit => Some(q.value * self.bare(unit.dim)),
+            // nothing is nothing in every unit
+            Ok(q) if !q.has_unit && (unit.dim.same(Dim::NONE) || q.value == 0.0) => Some(q.value),
+            Ok(q) if !q.has_unit => {
+                let d = Diag::error("E008", format!("{what} has no unit: `{}`", text.trim()));
+                let d = d.at(e.span, format!("in quotes a number has its unit, here {}", wanted(unit.symbol)));
+                let new = format!("\"{} {}\"", text.trim(), unit.symbol);
+                self.diags.push(d.help("write the unit, or leave out the quotes").fix(e.span, new));
+                None
+            }
             Ok(q) if q.dim.same(unit.dim) => Some(q.value),
             Ok(q) => {
                 let d = wrong_unit(what, unit.symbol, &quantity::unit_of(q.dim), unit_span(e, text));
@@ -195,8 +203,8 @@ impl Values<'_> {
         let v = match &e.value {
             Value::Num(v) => *v * self.bare(unit.dim),
             Value::Text(t) if quantity::is_quantity(t) => match quantity::parse(t) {
-                Ok(q) if !q.has_unit => q.value * self.bare(unit.dim),
-                Ok(q) if q.dim.same(unit.dim) => q.value,
+                Ok(q) if !q.has_unit && unit.dim.same(Dim::NONE) => q.value,
+                Ok(q) if q.has_unit && q.dim.same(unit.dim) => q.value,
                 _ => return None,
             },
             _ => return None,

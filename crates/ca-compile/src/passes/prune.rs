@@ -15,8 +15,13 @@ pub fn prune(model: &Model, mut net: Wired, options: &Options, diags: &mut Diags
     let heard_at_all =
         !net.outs.is_empty() || net.mats.iter().any(|m| matches!(m.role, MatRole::Port(PortRole::Tgr, _)));
     if net.mats.is_empty() {
-        diags
-            .push(Diag::error("E024", "the model has no modules").help("add `[MAS]`, `[SOL]` and a link, or `ca new`"));
+        let help = match model.parts.first() {
+            Some(part) => {
+                format!("it has parts alone: `[use]` with `x = {{ part = \"{}\" }}` makes one of it", part.name)
+            }
+            None => "add `[MAS]`, `[SOL]` and a link, or `ca new`".into(),
+        };
+        diags.push(Diag::error("E024", "the model has no modules").help(help));
         return whole(net);
     }
     if !heard_at_all {
