@@ -1,138 +1,26 @@
-//! Curve: a built-in gesture as written: points, or what makes them.
-//!
-//! Decides that all of them become points joined by straight lines before anything is played, as gestures of files are: whoever
-//! plays a scene knows one kind of gesture, and a take holds the same. Between its points a sine is then as straight as the hand
-//! of a device between its frames: it has one at every gesture frame, and at every sample where it is too fast for these.
+//! Maker: what makes the points of a gesture: a line, a sine, noise, pulses, another gesture, a sum.
 
-use crate::lower::values::Values;
-use crate::net::Resolved;
-use alloc::collections::BTreeMap;
+use super::{Curves, MOST, Points};
 use alloc::format;
-use alloc::string::String;
 use alloc::vec::Vec;
 use ca_core::kind::{ABOVE_ZERO, ANY, Dim, Unit};
 use ca_model::diag::Diag;
 use ca_model::quantity::Plain;
-use ca_model::sections::CURVES;
 use ca_model::suggest::nearest;
 use ca_model::{Entry, Span, Value};
 use core::f64::consts::PI;
 
-/// More points than this are refused.
-pub const MOST: usize = 1 << 22;
 /// A gesture that follows one that follows another, and so on, no further than this.
 const DEEP: usize = 16;
 /// So many points of a period make a sine: it is then true to 5e-4 of its amplitude.
 const OF_PERIOD: f64 = 100.0;
 
-/// Points \[s, value\].
-pub type Points = Vec<[f64; 2]>;
-
-/// What a curve is made for.
-pub struct Curves<'a, 'v> {
-    pub v: &'a mut Values<'v>,
-    pub net: &'a Resolved,
-    /// all gestures as written
-    pub all: &'a BTreeMap<&'a str, &'a Entry>,
-    /// unit of the values
-    pub unit: Unit,
-    /// unit of any gesture, by its name
-    pub units: &'a dyn Fn(&str) -> Option<Unit>,
-    /// tick of the reference rate, where bare values are in `alg` units; times are seconds in every unit system
-    pub alg: Option<f64>,
-    /// those that are being followed
-    pub within: Vec<String>,
-    /// those that are made already
-    pub made: &'a mut BTreeMap<String, Option<Points>>,
-}
-
-impl Curves<'_, '_> {
-    /// The points of a gesture; `None` is reported.
-    pub fn curve(&mut self, e: &Entry, what: &str) -> Option<Points> {
-        match &e.value {
-            Value::Table(t) => self.made(e, t, what),
-            _ => self.points(e, what),
-        }
-    }
-
-    fn points(&mut self, e: &Entry, what: &str) -> Option<Points> {
-        let mut points = self.v.points(e, Unit::SECOND, self.unit, what)?;
-        let Value::List(list) = &e.value else { return None };
-        if let Some(tr) = self.alg {
-            for (p, written) in points.iter_mut().zip(list) {
-                if let Value::List(pair) = &written.value {
-                    if matches!(pair[1].value, Value::Num(_)) {
-                        p[1] *= self.unit.dim.alg_to_si(tr);
-                    }
-                }
-            }
-        }
-        if points.is_empty() {
-            let d = Diag::error("E019", format!("{what} has no points")).at(e.span, "empty");
-            self.v.diags.push(d.help("write `[[seconds, value], …]`, times rising"));
-            return None;
-        }
-        let back = (1..points.len()).find(|i| points[*i][0] < points[i - 1][0]);
-        if let Some(i) = back {
-            let (now, before) = (Plain(points[i][0]), Plain(points[i - 1][0]));
-            let d = Diag::error("E019", format!("{what} goes back in time: {now} s after {before} s"));
-            let d = d.at(list[i].span, "earlier than the point before").at(list[i - 1].span, "the point before");
-            self.v.diags.push(d.help("write the points in order of time"));
-            return None;
-        }
-        if let Some(i) = points.iter().position(|p| p[0] < 0.0) {
-            let d = Diag::error("E019", format!("{what} begins before time 0: {} s", Plain(points[i][0])));
-            self.v
-                .diags
-                .push(d.at(list[i].span, "before the beginning").help("times are seconds from the first sample"));
-            return None;
-        }
-        Some(points)
-    }
-
-    fn made(&mut self, e: &Entry, t: &[Entry], what: &str) -> Option<Points> {
-        let makers = || CURVES.iter().map(|m| m.0);
-        let found: Vec<&Entry> = t.iter().filter(|x| makers().any(|m| m == x.key)).collect();
-        let [of] = found[..] else {
-            let many = if found.is_empty() { "nothing that makes it" } else { "more than one thing that makes it" };
-            let all = makers().map(|m| format!("`{m}`")).collect::<Vec<_>>().join(", ");
-            let d = Diag::error("E019", format!("{what} says {many}")).at(e.span, "one of them is wanted");
-            self.v.diags.push(d.help(format!("write points, or a table with one of {all}; `sum` adds several")));
-            return None;
-        };
-        let keys = CURVES.iter().find(|m| m.0 == of.key).map_or(&[][..], |m| m.1);
-        let mut good = true;
-        for x in t.iter().filter(|x| x.key != of.key && !keys.contains(&x.key.as_str())) {
-            let d = Diag::error("E004", format!("{what}: a {} has no `{}`", of.key, x.key))
-                .at(x.key_span, "not known here");
-            let all = keys.iter().map(|k| format!("`{k}`")).collect::<Vec<_>>().join(", ");
-            self.v.diags.push(match nearest(&x.key, keys.iter().copied()) {
-                Some(near) => d.help(format!("did you mean `{near}`?")).fix(x.key_span, near),
-                None if keys.is_empty() => d.help("it stands alone"),
-                None => d.help(format!("it has {all}")),
-            });
-            good = false;
-        }
-        let mut m = Maker { c: self, t, at: e.span, what };
-        let points = match of.key.as_str() {
-            "points" => m.looped(of),
-            "ramp" => m.ramp(of),
-            "sine" => m.sine(of),
-            "noise" => m.noise(of),
-            "pulse" => m.pulse(of),
-            "follow" => m.follow(of),
-            _ => m.sum(of),
-        };
-        points.filter(|_| good)
-    }
-}
-
 /// One table at work.
-struct Maker<'m, 'a, 'v> {
-    c: &'m mut Curves<'a, 'v>,
-    t: &'m [Entry],
-    at: Span,
-    what: &'m str,
+pub(super) struct Maker<'m, 'a, 'v> {
+    pub(super) c: &'m mut Curves<'a, 'v>,
+    pub(super) t: &'m [Entry],
+    pub(super) at: Span,
+    pub(super) what: &'m str,
 }
 
 impl Maker<'_, '_, '_> {
@@ -242,7 +130,7 @@ impl Maker<'_, '_, '_> {
     }
 
     /// Points, again and again.
-    fn looped(&mut self, of: &Entry) -> Option<Points> {
+    pub(super) fn looped(&mut self, of: &Entry) -> Option<Points> {
         let what = self.what;
         let once = self.c.points(of, what)?;
         if self.find("every").is_none() {
@@ -269,7 +157,7 @@ impl Maker<'_, '_, '_> {
         self.cut(all, end)
     }
 
-    fn ramp(&mut self, of: &Entry) -> Option<Points> {
+    pub(super) fn ramp(&mut self, of: &Entry) -> Option<Points> {
         let Value::List(ends) = &of.value else { return self.not_two(of) };
         let [a, b] = &ends[..] else { return self.not_two(of) };
         let (a, b) = (self.value(a)?, self.value(b)?);
@@ -284,7 +172,7 @@ impl Maker<'_, '_, '_> {
         None
     }
 
-    fn sine(&mut self, of: &Entry) -> Option<Points> {
+    pub(super) fn sine(&mut self, of: &Entry) -> Option<Points> {
         let (amplitude, f, offset) = (self.value(of)?, self.frequency()?, self.offset()?);
         let phase = self.number("phase", 0.0, (-1e6, 1e6))?;
         let (from, to) = self.span()?;
@@ -296,7 +184,7 @@ impl Maker<'_, '_, '_> {
     }
 
     /// Values drawn evenly from both sides of the offset, 2 f of them a second.
-    fn noise(&mut self, of: &Entry) -> Option<Points> {
+    pub(super) fn noise(&mut self, of: &Entry) -> Option<Points> {
         let (amplitude, f, offset) = (self.value(of)?, self.frequency()?, self.offset()?);
         let seed = self.number("seed", 1.0, (0.0, 9e15))?;
         let (from, to) = self.span()?;
@@ -305,7 +193,7 @@ impl Maker<'_, '_, '_> {
     }
 
     /// Up, a while, and down again, once or many times.
-    fn pulse(&mut self, of: &Entry) -> Option<Points> {
+    pub(super) fn pulse(&mut self, of: &Entry) -> Option<Points> {
         let (height, offset) = (self.value(of)?, self.offset()?);
         let rise = self.time("rise", 0.0, (0.0, 86_400.0))?;
         let hold = self.time("hold", 0.0, (0.0, 86_400.0))?;
@@ -360,7 +248,7 @@ impl Maker<'_, '_, '_> {
         }
     }
 
-    fn follow(&mut self, of: &Entry) -> Option<Points> {
+    pub(super) fn follow(&mut self, of: &Entry) -> Option<Points> {
         let Value::Text(name) = &of.value else {
             let d = Diag::error("E006", format!("`follow` of {} is the name of a gesture", self.what));
             self.c.v.diags.push(d.at(of.span, "not a name").help("write e.g. `follow = \"key\"`"));
@@ -409,7 +297,7 @@ impl Maker<'_, '_, '_> {
     }
 
     /// Values at the times of all of them.
-    fn sum(&mut self, of: &Entry) -> Option<Points> {
+    pub(super) fn sum(&mut self, of: &Entry) -> Option<Points> {
         let Value::List(list) = &of.value else {
             let d = Diag::error("E019", format!("`sum` of {} is a list", self.what)).at(of.span, "not a list");
             self.c
