@@ -308,6 +308,11 @@ fn small_files_take_neither_time_nor_memory_without_end() {
     }
     deep += "[part.p15]\ndoc = 'e'\n[use]\na = { part = 'p0', n = 1000 }\n";
     assert!(errors(&deep, &[]).contains("E027"));
+    let deeper = deep.replace("n = 1000", "n = 1").replace(
+        "[part.p15]\n",
+        "[part.p15.use]\nx = { part = 'p16' }\n[part.p16.use]\nx = { part = 'p17' }\n[part.p17]\n",
+    );
+    assert!(errors(&deeper, &[]).contains("is one of more than 16 within each other"));
     // lists that multiply
     let fans = "[part.c.ENX]\nz = {}\n[part.b.use]\nc = { part = 'c', n = 10 }\n[part.a.use]\nb = { part = 'b', n = 100 }\n[use]\na = { part = 'a', n = 100 }\n\
                 [SOX]\no = { from = 'a[0].b[0].c[0].z' }\n[gesture]\n";

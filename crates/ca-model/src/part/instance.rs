@@ -28,9 +28,13 @@ impl Expander<'_> {
         };
         let this = (home.file.clone(), part.name.clone());
         if self.within.contains(&this) || self.within.len() >= DEEP {
-            let d = Diag::error("E033", format!("`{name}`: the part `{}` uses itself", part.name));
-            self.diags
-                .push(d.at(first(u.part.as_ref(), u.span), "again here").help("a part uses others, never itself"));
+            let itself = self.within.contains(&this);
+            let what =
+                if itself { "uses itself".into() } else { format!("is one of more than {DEEP} within each other") };
+            let label = if itself { "again here" } else { "one too many" };
+            let d = Diag::error("E033", format!("`{name}`: the part `{}` {what}", part.name));
+            let d = d.at(first(u.part.as_ref(), u.span), label);
+            self.diags.push(d.help("a part uses others, never itself"));
             self.model.lost.push(name);
             return;
         }
