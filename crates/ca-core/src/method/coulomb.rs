@@ -10,7 +10,7 @@
 
 use super::{free_motion, mobility};
 use crate::law::Bound;
-use crate::numeric::{Real, Table};
+use crate::numeric::Real;
 use crate::op::layout::Layout;
 use crate::op::{Energies, Law, Op, SolveStage};
 use crate::state::State;
@@ -75,6 +75,6 @@ pub fn sliding([f, fd, v0]: [Real; 3], w: Real) -> Real {
 
 /// The same over the motion.
 #[inline(always)]
-pub fn chord([f, fd, v0]: [Real; 3], _: &[Table], w: Real) -> Real {
+pub fn chord([f, fd, v0]: [Real; 3], w: Real) -> Real {
     if w.abs() <= v0 { f / v0 } else { fd / w.abs() }
 }

@@ -260,11 +260,11 @@ impl Phi<3, 0> for SetValued {
 }
 
 impl Curve<3> for SetValued {
-    fn chord(c: &[Real; 3], tables: &[Table], w: Real) -> Real {
-        coulomb::chord(*c, tables, w)
+    fn chord(c: &[Real; 3], _: &[Table], w: Real) -> Real {
+        coulomb::chord(*c, w)
     }
-    fn slope(c: &[Real; 3], tables: &[Table], w: Real) -> Real {
-        if w.abs() <= c[2] { coulomb::chord(*c, tables, w) } else { 0.0 }
+    fn slope(c: &[Real; 3], _: &[Table], w: Real) -> Real {
+        if w.abs() <= c[2] { coulomb::chord(*c, w) } else { 0.0 }
     }
 }
 

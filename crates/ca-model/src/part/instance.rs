@@ -27,8 +27,8 @@ impl Expander<'_> {
             return;
         };
         let this = (home.file.clone(), part.name.clone());
-        if self.within.contains(&this) || self.within.len() >= DEEP {
-            let itself = self.within.contains(&this);
+        let itself = self.within.contains(&this);
+        if itself || self.within.len() >= DEEP {
             let what =
                 if itself { "uses itself".into() } else { format!("is one of more than {DEEP} within each other") };
             let label = if itself { "again here" } else { "one too many" };

@@ -3,7 +3,7 @@
 //! Decides that a part is read as a small model and that its instances are modules like all others, called `key[3].hammer`:
 //! nobody behind the reader knows of parts, so whatever works for a module works for one of an instance. A number that
 //! stands for a parameter of the part becomes a `[param]` of the model, called `key[3].f`, so that units, limits, live changes
-//! and findings are those of any other; what is no number (a module, a word, a file) is put in its place. A name is looked
+//! and findings are those of any other; anything else (a module, a word, a file) is put in its place. A name is looked
 //! for in the part first, then at the root of the model. Against templates of text: a finding could not point into them.
 
 #[cfg(feature = "parse")]
