@@ -29,12 +29,14 @@ impl Expander<'_> {
         let this = (home.file.clone(), part.name.clone());
         let itself = self.within.contains(&this);
         if itself || self.within.len() >= DEEP {
-            let what =
-                if itself { "uses itself".into() } else { format!("is one of more than {DEEP} within each other") };
-            let label = if itself { "again here" } else { "one too many" };
+            let (what, label, help) = if itself {
+                ("uses itself".into(), "again here", "a part uses others, never itself")
+            } else {
+                let what = format!("is one of more than {DEEP} within each other");
+                (what, "one too many", "let one of the parts around it hold these modules itself")
+            };
             let d = Diag::error("E033", format!("`{name}`: the part `{}` {what}", part.name));
-            let d = d.at(first(u.part.as_ref(), u.span), label);
-            self.diags.push(d.help("a part uses others, never itself"));
+            self.diags.push(d.at(first(u.part.as_ref(), u.span), label).help(help));
             self.model.lost.push(name);
             return;
         }
