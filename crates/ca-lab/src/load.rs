@@ -8,6 +8,7 @@ use ca_compile::{Compiled, Options};
 use ca_core::Scene;
 use ca_core::kind::cloud::Unread;
 use ca_model::diag::{Diags, Severity};
+use ca_model::part::library::is_shipped;
 use ca_model::render::line_column;
 use ca_model::suggest::nearest;
 use ca_model::{Entry, Item, Model, Span, Value, read};
@@ -74,13 +75,14 @@ pub fn read_again(model: &Model) -> Loaded {
     read_other(model, &model.text)
 }
 
-/// The files that a model takes parts from, those too that could not be read, by their paths from its folder.
+/// The files on disk that a model takes parts from, those too that could not be read, by their paths from its folder.
 pub fn part_files(model: &Model) -> Vec<String> {
     let asked = model.uses.iter().filter_map(|u| match &u.file.as_ref()?.value {
         Value::Text(t) => Some(t.trim().to_owned()),
         _ => None,
     });
-    let mut all: Vec<String> = model.files.iter().map(|f| f.name.clone()).chain(asked).collect();
+    let mut all: Vec<String> =
+        model.files.iter().map(|f| f.name.clone()).chain(asked).filter(|f| !is_shipped(f)).collect();
     all.sort();
     all.dedup();
     all

@@ -16,6 +16,8 @@ mod find;
 #[cfg(feature = "parse")]
 mod instance;
 #[cfg(feature = "parse")]
+pub mod library;
+#[cfg(feature = "parse")]
 mod read;
 #[cfg(feature = "parse")]
 mod scope;
@@ -30,9 +32,9 @@ use alloc::vec::Vec;
 #[cfg(feature = "parse")]
 use ca_core::Catalog;
 #[cfg(feature = "parse")]
-pub use expand::add;
-#[cfg(feature = "parse")]
 pub(super) use expand::expand;
+#[cfg(feature = "parse")]
+pub use expand::{add, add_shipped};
 
 /// `[part.NAME]`, as written.
 #[derive(Clone, Debug, PartialEq)]

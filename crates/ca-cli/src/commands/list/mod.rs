@@ -3,6 +3,7 @@
 //! Decides that pages, tables and schema come from the catalog alone, so none of them can fall behind it.
 
 mod page;
+mod parts;
 
 use crate::args::ListArgs;
 use crate::load::{self, BUNDLED};
@@ -10,6 +11,7 @@ use crate::{Ended, Failure, Outcome, catalog};
 use ca_core::Catalog;
 use ca_core::kind::{Kind, Role};
 use ca_model::Model;
+use ca_model::part::library::{LIBRARY, shipped};
 use ca_model::suggest::nearest;
 use ca_model::{read, schema};
 use serde_json::{Value as Json, json};
@@ -42,16 +44,20 @@ pub fn run(args: &ListArgs) -> Outcome {
         return Ok(Ended::Well);
     }
     let text = match args.what.as_deref() {
-        None if args.json => pretty(&json!({"kinds": kinds_json(&catalog), "models": models_json(&catalog)})),
+        None if args.json => pretty(&json!({"kinds": kinds_json(&catalog), "models": models_json(&catalog),
+            "parts": parts::all_json(&catalog)})),
         None => format!(
-            "{}\nBundled models\n{}\n`ca list BUT` shows one of them in full; `ca render NAME` plays a model.\n",
+            "{}\nBundled models\n{}\nParts for `[use]`\n{}\n`ca list BUT` shows one of them in full; `ca render NAME` plays a model.\n",
             kinds(&catalog),
-            models(&catalog)
+            models(&catalog),
+            parts::all(&catalog)
         ),
         Some("kinds") if args.json => pretty(&kinds_json(&catalog)),
         Some("kinds") => kinds(&catalog),
         Some("models") if args.json => pretty(&models_json(&catalog)),
         Some("models") => models(&catalog),
+        Some("parts") if args.json => pretty(&parts::all_json(&catalog)),
+        Some("parts") => parts::all(&catalog),
         Some(word) => one(word, &catalog, args.json)?,
     };
     print(&text)?;
@@ -77,13 +83,17 @@ fn one(word: &str, catalog: &Catalog, json: bool) -> Result<String, Failure> {
         let model = read::read(text, word, catalog).0;
         return Ok(if json { pretty(&model_json(word, &model)) } else { about(word, &model) });
     }
-    let names =
-        ["kinds", "models"].into_iter().chain(catalog.iter().map(|k| k.code)).chain(BUNDLED.iter().map(|m| m.0));
+    if let Some((part, header)) = shipped(word, catalog) {
+        return Ok(if json { pretty(&parts::json(&part, &header)) } else { parts::page(&part, &header) });
+    }
+    let shipped = LIBRARY.iter().map(|p| p.0);
+    let words = ["kinds", "models", "parts"].into_iter().chain(catalog.iter().map(|k| k.code));
+    let names = words.chain(BUNDLED.iter().map(|m| m.0)).chain(shipped);
     let hint = match nearest(word, names) {
         Some(m) => format!("did you mean `{m}`?"),
         None => "`ca list` shows them all".into(),
     };
-    Err(Failure::Usage(format!("`{word}` is neither a kind nor a bundled model; {hint}")))
+    Err(Failure::Usage(format!("`{word}` is no kind, no bundled model and no part; {hint}")))
 }
 
 /// Kinds in families: code, title, equation.
