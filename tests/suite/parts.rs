@@ -2,11 +2,12 @@
 
 use crate::play::{scene, within};
 use ca_compile::{Options, load};
+use ca_core::io::midi::MidiSource;
 use ca_core::kind::cloud::Unread;
 use ca_core::{Scene, tick};
 use ca_model::diag::Diags;
 use ca_model::part::library::{LIBRARY, shipped};
-use ca_model::{Model, Value, part, read, render, write};
+use ca_model::{Entry, Model, Value, part, read, render, write};
 use ca_tests::{catalog, gesture};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -352,11 +353,21 @@ fn with_shipped(name: &str) -> String {
     let (part, header) = shipped(name, &catalog()).expect(name);
     assert!(!part.doc.is_empty() && !header.is_empty(), "{name} says what it is");
     assert!(part.body.params.iter().all(|p| matches!(&p.value, Value::Table(t) if t.iter().any(|e| e.key == "doc"))));
-    let on = if part.body.params.iter().any(|p| p.key == "on") { "on = \"low[8]\", " } else { "" };
-    let note = if part.body.params.iter().any(|p| p.key == "note") { "note = \"C4\"" } else { "" };
+    let value = |key: &str| match key {
+        "on" => "low[8]",
+        "note" => "C4",
+        "key" => "hand",
+        "f" | "f2" => "220 Hz",
+        other => panic!("{name}: nothing is known of `{other}`"),
+    };
+    let has = |p: &Entry| matches!(&p.value, Value::Table(t) if t.iter().any(|e| e.key == "value" || e.key == "port"));
+    let needed = part.body.params.iter().filter(|p| !has(p)).map(|p| format!("{} = \"{}\"", p.key, value(&p.key)));
+    let with: Vec<String> = needed.collect();
+    let hand = if with.iter().any(|w| w.starts_with("key")) { "[TGR]\nhand = {}\n" } else { "" };
     format!(
-        "[STRING]\nlow = {{ n = 24, f = \"196 Hz\", t60 = \"2 s\", m = \"1 g\" }}\n\
-         [use]\nit = {{ part = \"{name}\", with = {{ {on}{note} }} }}\n[SOX]\nout = {{ from = \"low[3]\", gain = 1 }}\n"
+        "[STRING]\nlow = {{ n = 24, f = \"196 Hz\", t60 = \"2 s\", m = \"1 g\" }}\n{hand}\
+         [use]\nit = {{ part = \"{name}\", with = {{ {} }} }}\n[SOX]\nout = {{ from = \"low[3]\", gain = 1 }}\n",
+        with.join(", ")
     )
 }
 
@@ -368,7 +379,11 @@ fn parts_of_the_program_are_used_without_a_file() {
         let file = format!("ca:{name}.ca.toml");
         assert!(model.files.iter().any(|f| f.name == file && f.text == *text), "its text is one of the files");
         let compiled = ca_compile::compile(&model, &catalog(), &Options::default()).expect("a scene");
-        assert!(!compiled.scene.inputs.is_empty(), "{name} is played by a hand");
+        let (part, _) = shipped(name, &catalog()).expect(name);
+        for key in part.body.items.iter().filter(|i| i.kind == "TGR") {
+            let port = format!("it.{}", key.name);
+            assert!(compiled.scene.inputs.iter().any(|i| i.name == port), "{name} is played by `{port}`");
+        }
     }
     let names: Vec<&str> = LIBRARY.iter().map(|p| p.0).collect();
     let mut folder: Vec<String> = std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/../models/parts"))
@@ -408,7 +423,8 @@ fn a_number_is_handed_on_to_where_no_reference_stands() {
     assert!(!diags.has_errors(), "{}", render::text(&diags, &model, false));
     let scene = ca_compile::compile(&model, &catalog(), &Options::default()).expect("a scene").scene;
     let port = |name: &str| scene.inputs.iter().find(|p| p.name == name).expect(name);
-    assert_eq!(port("o[1].m.i.key").midi.iter().map(|m| m.note).collect::<Vec<_>>().len(), 1);
+    let source: Vec<MidiSource> = port("o[1].m.i.key").midi.iter().map(|m| m.source).collect();
+    assert_eq!(source, [MidiSource::Note { low: 64, high: 64 }]);
     let hz = |name: &str| model.params.iter().any(|p| p.key == name);
     assert!(hz("o[0].f") && hz("o[1].f"), "one parameter for each, changed at the outermost");
 }
