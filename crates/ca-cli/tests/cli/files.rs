@@ -85,3 +85,19 @@ fn a_part_is_a_file_beside_its_model() {
         desk.ca(&["check", "model.ca.toml"]).is(code).says(&[says]);
     }
 }
+
+#[test]
+fn a_name_of_many_instances_is_set_and_probed_in_each() {
+    let desk = Desk::new();
+    let render = |set: &str, to: &str| {
+        let probe = format!("tine[*].thumb={to}");
+        desk.ca(&["render", "kalimba", "-q", "--seconds", "0.2", "--set", set, "--probe", &probe]).is(0);
+        std::fs::read_to_string(desk.path(to)).expect(to)
+    };
+    let (plain, heavy) = (render("tine[2..5].thumb.m=1 g", "plain.csv"), render("tine[*].thumb.m=3 g", "heavy.csv"));
+    let head = plain.lines().next().expect("a head");
+    assert!(head.contains("tine[0].thumb") && head.contains("tine[6].thumb"), "{head}");
+    assert_ne!(plain, heavy, "the thumb of 1 g, as it is, and one of 3 g");
+    desk.ca(&["render", "kalimba", "--set", "tine[9].thumb.m=3 g"]).is(2).says(&["`tine[9].thumb`"]);
+    desk.ca(&["render", "kalimba", "--set", "tine[*].tumb.m=3 g"]).is(2).says(&["did you mean"]);
+}
