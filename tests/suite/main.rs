@@ -1,7 +1,6 @@
 //! The whole suite in one binary, one file per theme.
 
 mod accuracy;
-mod acoustics;
 mod atlas;
 mod begin;
 mod beside;
@@ -25,6 +24,7 @@ mod hertz;
 mod identity;
 mod implicit;
 mod imports;
+mod instruments;
 mod large;
 mod live;
 mod lpr;
@@ -60,3 +60,5 @@ mod thresholds;
 mod tuning;
 mod waveguide;
 mod writer;
+
+use ca_benches::acoustics;

@@ -7,7 +7,7 @@ use ca_core::Scene;
 use ca_io::gesture::Gesture;
 use ca_io::perform::Performance;
 use ca_model::read::read;
-use ca_model::{Model, Value, quantity, render};
+use ca_model::{Model, render};
 use ca_tests::catalog;
 use std::path::PathBuf;
 
@@ -96,16 +96,7 @@ impl Heard {
     }
     /// The numbers of a parameter as written, in SI.
     pub fn numbers(&self, owner: &str, key: &str) -> Vec<f64> {
-        let item = self.model.items.iter().find(|i| i.name == owner).unwrap();
-        let value = |v: &Value| match v {
-            Value::Num(v) => *v,
-            Value::Text(t) => quantity::parse(t).unwrap().value,
-            other => panic!("{owner}.{key}: {other:?}"),
-        };
-        match &item.args.iter().find(|e| e.key == key).unwrap_or_else(|| panic!("{owner}.{key}")).value {
-            Value::List(l) => l.iter().map(|e| value(&e.value)).collect(),
-            v => vec![value(v)],
-        }
+        ca_benches::instruments::numbers(&self.model, owner, key)
     }
     pub fn number(&self, owner: &str, key: &str) -> f64 {
         self.numbers(owner, key)[0]
