@@ -30,6 +30,7 @@ mod live;
 mod lpr;
 mod mims;
 mod modal;
+mod modal_stable;
 mod models;
 mod modes;
 mod oracle;

@@ -133,6 +133,7 @@ pub fn linear(model: &Model, catalog: &Catalog, options: &Options) -> Result<cra
 pub fn compile(model: &Model, catalog: &Catalog, options: &Options) -> Result<Compiled, Diags> {
     let (mut net, mut diags) = network(model, catalog, options)?;
     modal::modal(model, &mut net, &mut diags);
+    solve_order::choose_modes(&mut net);
     let certificate = certify::certify(model, &net, options.exact, &mut diags);
     if diags.has_errors() {
         diags.sort();
@@ -171,6 +172,7 @@ pub fn halves(model: &Model, catalog: &Catalog, options: &Options, whole: &Scene
     let pruned = || {
         let (mut net, mut diags) = network(model, catalog, options).map_err(|_| "it has errors")?;
         modal::modal(model, &mut net, &mut diags);
+        solve_order::choose_modes(&mut net);
         Ok::<Pruned, &str>(net)
     };
     let net = pruned()?;

@@ -6,7 +6,7 @@ use crate::net::MatRole;
 use alloc::collections::BTreeSet;
 use alloc::vec::Vec;
 use ca_core::border;
-use ca_core::method::implicit;
+use ca_core::method::{implicit, modes, quadratised};
 use ca_core::op::layout::{Layout, Output, OutputRow, Tap};
 use ca_core::op::{Kernel, Op, SolveStage, blocker, driven, energy, heard, lowpass, pass, wave};
 
@@ -67,8 +67,17 @@ pub fn forces(layout: &Layout, mut links: Vec<Op>, late: usize, weight: usize) -
     let together = late
         .iter()
         .find_map(|o| if let Some(SolveStage::Coupled(f)) = o.law.map(|l| l.stage) { Some(f) } else { None });
+    let solved = layout.solved_modal.len();
+    if solved > 0 {
+        list.push(Op::pass("modes ahead", modes::ahead, solved));
+    }
     list.extend(late);
+    let coupled = !layout.modal_couplings.is_empty();
+    let together = together.map(|solve| if coupled { quadratised::solve_modes as Kernel } else { solve });
     list.extend(together.map(|solve| Op::pass("contacts", solve, layout.n_touch)));
+    if solved > 0 {
+        list.push(Op::pass("modes again", modes::back, solved));
+    }
     let (keys, kept, feedback) = (layout.tgr.len(), layout.ledger.is_some(), layout.crossing.feedback);
     let aside = keys > 0 && kept && !feedback;
     if aside {

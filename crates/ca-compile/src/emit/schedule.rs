@@ -8,12 +8,13 @@ use crate::emit::oversample::oversample;
 use crate::emit::pass_list;
 use crate::emit::pefrl;
 use crate::emit::plan::Plan;
+use crate::emit::points::{self, Points, points};
 use crate::emit::rows::fold::fold;
 use crate::emit::rows::fuse::{self, Passes};
 use crate::emit::rows::links::{Links, own_tables};
 use crate::emit::rows::space::rows;
 use crate::emit::rows::written::Written;
-use crate::net::{Coordinate, End, LiaNode, MatRole, OutNode, OutputTap, Pruned};
+use crate::net::{End, LiaNode, MatRole, OutNode, OutputTap, Pruned};
 use crate::options::{KernelClass, Options};
 use crate::passes::implicit;
 use alloc::boxed::Box;
@@ -23,9 +24,7 @@ use alloc::vec::Vec;
 use ca_core::kind::PortRole;
 use ca_core::live::Loader;
 use ca_core::numeric::{Aligned, Real, VerletList, real};
-use ca_core::op::layout::{
-    Account, CoordinateSource, Enf, Enx, Layout, LedgerPlan, MeasureKind, Modal, MovingPoint, Output, Row, Tap,
-};
+use ca_core::op::layout::{Account, Enf, Enx, Layout, LedgerPlan, MeasureKind, Output, Row, SolvedModal, Tap};
 use ca_core::op::{Op, Vectors};
 use ca_core::scene::certificate::Certificate;
 use ca_core::scene::{InputRole, Location, Order, Scene, Symbols, start};
@@ -73,6 +72,7 @@ pub fn schedule(
     let links = plan.links(batches, options, diags, model);
     written.coefs(n_mat, first_of_links..plan.coef.len(), &links);
     let Points { nodes, moving: moving_points, modal, shares, aimed } = points(&mut plan);
+    let solved_modal = points::solved(&mut plan, n_mat, links.tap, (&modal, &shares));
     let (gains, outputs) = outputs(&mut plan, &links)?;
     let implicit = plan.implicit(n_mat, &links, model, diags);
     // what stands before the links in the list of forces moves them back; moving points and what is implicit only those
@@ -80,7 +80,8 @@ pub fn schedule(
     let waves = plan.waves(links.mem);
     let lead = [enf.is_empty(), weighed.is_empty(), waves.delays.is_empty()].iter().filter(|none| !**none).count();
     let solved = implicit.as_ref().map_or([false; 2], |(a, _)| [!a.places.is_empty(), !a.pairs.is_empty()]);
-    let back = [!moving_points.is_empty(), !modal.is_empty(), solved[0], solved[1]].into_iter().filter(|b| *b).count();
+    let back = [!moving_points.is_empty(), !modal.is_empty(), solved[0], solved[1], !solved_modal.list.is_empty()];
+    let back = back.into_iter().filter(|b| *b).count();
     let place = |op: usize| op + lead + if op >= links.late { back } else { 0 };
     let ported: BTreeSet<u32> = enx.iter().chain(&tgr).map(|p| p.mat).collect();
     let ledger = options.energy.then(|| {
@@ -116,7 +117,7 @@ pub fn schedule(
         n_coef: coef.len(),
         n_mem: links.mem + waves.len,
         n_touch: links.touch,
-        n_tap: links.tap,
+        n_tap: links.tap + solved_modal.list.len() * SolvedModal::TAPS,
         channels: net.channels.len(),
         n_out: net.outs.iter().map(|o| o.channel as usize + 1).max().unwrap_or(0).max(net.channels.len()),
         ends: links.ends,
@@ -131,6 +132,9 @@ pub fn schedule(
         moving_points,
         modal,
         shares: reals(shares),
+        solved_modal: solved_modal.list,
+        modal_couplings: solved_modal.groups,
+        couplings: reals(solved_modal.couplings),
         tables: net.tables.iter().cloned().chain(own_tables(net).into_iter().map(|(_, t)| t)).collect(),
         enx,
         enf,
@@ -219,52 +223,6 @@ fn ports(plan: &Plan, role: PortRole) -> Vec<Enx> {
         for (k, input) in inputs.iter().enumerate().filter(|_| r == role) {
             all.extend(input.map(|input| Enx { input, mat: at + k as u32, rest: m.rest[k], implicit: implicit(at) }));
         }
-    }
-    all
-}
-
-/// Moving points and masses that go by modes, laid out.
-#[derive(Default)]
-struct Points {
-    /// the MATs under them
-    nodes: Vec<u32>,
-    moving: Vec<MovingPoint>,
-    /// masses that go by modes, and their shares
-    modal: Vec<Modal>,
-    shares: Vec<f64>,
-    /// whether one of them moves along what it stands on
-    aimed: bool,
-}
-
-fn points(plan: &mut Plan) -> Points {
-    let net = plan.net;
-    let mut all = Points::default();
-    for (i, p) in net.points.iter().enumerate() {
-        let mat = plan.point[i];
-        if mat == u32::MAX {
-            continue;
-        }
-        let family = net.families.of(&p.family);
-        if let Some((weights, _)) = &p.shape {
-            // modes are tied to nothing, so they stand as they were made: in a row
-            let first = family.nodes.first().map_or(0, |mode| plan.slot[*mode as usize]);
-            let (share, n) = (all.shares.len() as u32, weights.len() as u32);
-            all.shares.extend(weights);
-            all.modal.push(Modal { mat, first, share, n });
-            continue;
-        }
-        let first = all.nodes.len() as u32;
-        all.nodes.extend(family.nodes.iter().map(|m| plan.slot[*m as usize]));
-        let mut at = [CoordinateSource::Coef(0); 2];
-        for (k, c) in p.at.iter().enumerate() {
-            at[k] = match c {
-                Coordinate::Port(m) => CoordinateSource::Mat(plan.slot[*m as usize]),
-                Coordinate::At(v) => plan.coordinate(*v, None),
-                Coordinate::Live(q) => plan.coordinate(net.params[*q as usize].value, Some(*q)),
-            };
-            all.aimed |= !matches!(c, Coordinate::At(_));
-        }
-        all.moving.push(MovingPoint { mat, first, size: family.size, at });
     }
     all
 }

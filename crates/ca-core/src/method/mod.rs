@@ -16,9 +16,10 @@ pub(crate) mod coulomb;
 pub(crate) mod friction;
 pub(crate) mod gradient;
 pub mod implicit;
+pub mod modes;
 mod newton;
 pub mod pefrl;
-pub(crate) mod quadratised;
+pub mod quadratised;
 pub(crate) mod spring;
 
 use crate::numeric::Real;

@@ -95,6 +95,8 @@ fn weigh(layout: &Layout, s: &State, mass: &mut [f64]) {
     for (m, c) in mass.iter_mut().zip(&s.coef[2 * layout.n_mat..]) {
         *m = if *c == 0.0 { 0.0 } else { 1.0 / wide(*c) };
     }
+    // what is a sum of modes has its inertia in these
+    layout.solved_modal.iter().for_each(|h| mass[h.mat as usize] = 0.0);
 }
 
 /// Energy of the MATs, and of weight.

@@ -112,6 +112,9 @@ impl Words {
             moving_points,
             modal,
             shares,
+            solved_modal,
+            modal_couplings,
+            couplings,
             tables,
             enx,
             enf,
@@ -146,6 +149,10 @@ impl Words {
         self.all(heard.iter().map(|h| (h.ends, h.e0, h.coef, h.step, h.coefs, h.tap)));
         self.debug(&(pair_sets, moving_points, modal, tables));
         self.debug(&(enx, enf, tgr, crossing, waves));
+        if !solved_modal.is_empty() {
+            self.debug(&(solved_modal, modal_couplings));
+            self.numbers(couplings.iter());
+        }
         if !driven.is_empty() {
             self.debug(driven);
         }

@@ -5,10 +5,12 @@
 //! once, by the compiler.
 
 mod ledger;
+mod modal;
 mod outputs;
 mod waves;
 
 pub use ledger::{Account, LedgerPlan, Row};
+pub use modal::{Modal, ModalCoupling, SolvedModal};
 pub use outputs::{Blocker, HeardLink, Output, OutputRow, Tap};
 pub use waves::{Delay, Junction, Termination, Waves};
 
@@ -115,19 +117,6 @@ pub struct MovingPoint {
     pub size: [u32; 2],
     /// coordinates 0 … 1
     pub at: [CoordinateSource; 2],
-}
-
-/// A mass in a group that goes by its modes: a MAT without mass, the sum of its shares in modes that stand in a row.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Modal {
-    /// its own place among the MATs
-    pub mat: u32,
-    /// place of the first mode
-    pub first: u32,
-    /// first of its shares in [`Layout::shares`]; how many: [`Modal::n`]
-    pub share: u32,
-    /// number of modes
-    pub n: u32,
 }
 
 /// How the position of a device comes in and its force goes out where a frame has several ticks.
@@ -259,6 +248,12 @@ pub struct Layout {
     pub modal: Vec<Modal>,
     /// their shares in the modes (any)
     pub shares: Vec<Real>,
+    /// those of the masses at which links count on the motion to come, group by group (any)
+    pub solved_modal: Vec<SolvedModal>,
+    /// groups with several of these (any)
+    pub modal_couplings: Vec<ModalCoupling>,
+    /// how much a force on one of them moves another, as a part of what one on that itself does (any)
+    pub couplings: Vec<Real>,
     /// tables of laws (any)
     pub tables: Vec<Table>,
     /// position ports (any)
