@@ -51,13 +51,17 @@ pub(super) fn couple(layout: &Layout, push: &mut [Real], tap: &mut [Real]) {
         for (h, row) in held.iter().zip(rows) {
             tap[response(h)] = held.iter().zip(row).map(|(of, c)| c * push[of.mat as usize]).sum();
         }
-        held.iter().for_each(|h| push[h.mat as usize] = tap[response(h)]);
+        for h in held {
+            push[h.mat as usize] = tap[response(h)];
+        }
     }
 }
 
 /// Leaves no push on such masses.
 pub(super) fn clear(layout: &Layout, push: &mut [Real]) {
-    layout.solved_modal.iter().for_each(|h| push[h.mat as usize] = 0.0);
+    for h in &layout.solved_modal {
+        push[h.mat as usize] = 0.0;
+    }
 }
 
 fn response(h: &SolvedModal) -> usize {
