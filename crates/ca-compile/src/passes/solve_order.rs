@@ -25,7 +25,7 @@ pub fn choose(model: &Model, net: &mut Pruned, diags: &mut Diags) {
     let mut count: Vec<[u32; 3]> = alloc::vec![[0; 3]; net.mats.len()];
     let mut reported = BTreeSet::new();
     for l in net.lias.iter().filter(|l| l.law.is_staged()) {
-        if let Some(point) = l.ends.into_iter().find(|e| matches!(e, End::Point(_))) {
+        if let Some(point) = l.all_ends().find(|e| matches!(e, End::Point(_))) {
             if reported.insert(l.item) {
                 let title =
                     format!("the method of `{}` does not work at a moving point, `{}`", l.name, net.end_name(point));
@@ -38,10 +38,22 @@ pub fn choose(model: &Model, net: &mut Pruned, diags: &mut Diags) {
             count[m as usize][axis as usize] += 1;
         }
     }
-    let shared = |l: &LiaNode| {
-        !matches!(l.measure, Measure::Line(_))
-            || places(net, l).iter().any(|(m, k)| count[*m as usize][*k as usize] > 1)
-    };
+    let twice = |l: &LiaNode| places(net, l).into_iter().find(|(m, k)| count[*m as usize][*k as usize] > 1);
+    for l in net.lias.iter().filter(|l| l.law.is_staged() && l.onto.is_some()) {
+        // no method solves four ends together with others
+        if let Some((m, _)) = twice(l).filter(|_| reported.insert(l.item)) {
+            let title =
+                format!("`{}` shares `{}` with another link by such a method", l.name, net.mats[m as usize].name);
+            let help = "use `method = \"ca\"` for one of them";
+            diags.push(no_method(
+                &model.items[net.items[l.item as usize].model],
+                title,
+                "not together with others",
+                help,
+            ));
+        }
+    }
+    let shared = |l: &LiaNode| !matches!(l.measure, Measure::Line(_)) || twice(l).is_some();
     let shared: Vec<bool> = net.lias.iter().map(|l| l.law.is_staged() && shared(l)).collect();
     together(net, &shared);
 }
@@ -91,13 +103,16 @@ fn families<'n>(net: &'n Pruned, l: &LiaNode) -> impl Iterator<Item = &'n str> {
 /// The places that a link moves: MATs and axes.
 fn places(net: &Pruned, l: &LiaNode) -> Vec<(u32, u8)> {
     let mut all = Vec::new();
-    for (side, end) in l.ends.into_iter().enumerate() {
-        let End::Mat(m) = end else { continue };
-        let mat = &net.mats[m as usize];
-        match l.measure {
-            _ if mat.is_fixed() => {}
-            Measure::Line(axes) => all.push((m, axes[side])),
-            Measure::Along(_) | Measure::Radial => all.extend((0..mat.axes).map(|k| (m, k))),
+    let second = l.onto.iter().map(|o| (o.ends, o.measure));
+    for (ends, measure) in core::iter::once((l.ends, l.measure)).chain(second) {
+        for (side, end) in ends.into_iter().enumerate() {
+            let End::Mat(m) = end else { continue };
+            let mat = &net.mats[m as usize];
+            match measure {
+                _ if mat.is_fixed() => {}
+                Measure::Line(axes) => all.push((m, axes[side])),
+                Measure::Along(_) | Measure::Radial => all.extend((0..mat.axes).map(|k| (m, k))),
+            }
         }
     }
     all
