@@ -15,4 +15,5 @@ pub mod plan;
 pub mod points;
 pub mod rows;
 pub mod schedule;
+pub mod slow;
 pub mod waves;

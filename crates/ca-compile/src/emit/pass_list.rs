@@ -166,6 +166,7 @@ impl Plan<'_> {
                 let at = classes.len();
                 classes.push(match m.role {
                     MatRole::Port(_, inputs) if inputs[k].is_some() => Some(Class::Held),
+                    MatRole::Slow => Some(Class::Held),
                     MatRole::Mat(s) if !s.fixed && k < m.axes as usize => {
                         let own = self.coef[at] != 1.0 || self.coef[n_mat + at] != 0.0 || live.contains(&(at as u32));
                         Some(if own { Class::Full } else { Class::Free })

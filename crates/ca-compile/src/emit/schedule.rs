@@ -14,12 +14,14 @@ use crate::emit::rows::fuse::{self, Passes};
 use crate::emit::rows::links::{Links, own_tables};
 use crate::emit::rows::space::rows;
 use crate::emit::rows::written::Written;
+use crate::emit::slow::{self, Slow};
 use crate::net::{End, LiaNode, MatRole, OutNode, OutputTap, Pruned};
 use crate::options::{KernelClass, Options};
 use crate::passes::implicit;
 use alloc::boxed::Box;
 use alloc::collections::BTreeSet;
 use alloc::string::{String, ToString};
+use alloc::sync::Arc;
 use alloc::vec::Vec;
 use ca_core::kind::PortRole;
 use ca_core::live::Loader;
@@ -33,13 +35,14 @@ use ca_model::Model;
 use ca_model::diag::Diags;
 use core::ops::Range;
 
-/// Builds the scene. `None` where the findings hold an error.
+/// Builds the scene, with groups at the gesture rate where there are any. `None` where the findings hold an error.
 pub fn schedule(
     model: &Model,
     net: &Pruned,
     order: &[u32],
     options: &Options,
     certificate: Certificate,
+    slow: Option<&Slow>,
     diags: &mut Diags,
 ) -> Option<Scene> {
     let plan = Plan::new(net, order);
@@ -103,6 +106,7 @@ pub fn schedule(
         let accounts = accounts.into_iter().map(|a| Account { live: live(&a), ..a }).collect();
         LedgerPlan { accounts, weight, live: turns(0..3 * n_mat) || turns(weight..weight + weighed.len()) }
     });
+    let slow = slow.map(|slow| (slow, slow.group(&plan), slow.reach(&plan)));
     let mut symbols = symbols(&plan, &links, place);
     let (moves, own) = pass_list::moves(&classes, n_mat, waves.delays.len());
     let mut live = plan.live_plan(implicit.as_ref());
@@ -150,12 +154,16 @@ pub fn schedule(
         lowpass: if net.channels.is_empty() { Vec::new() } else { reals(net.lowpass.clone()) },
         implicit: implicit.map(|a| a.0),
         ledger,
+        slow: None,
         substeps: None,
         vectors: Vectors::detect(),
     };
     layout.rows = rows(&links.forces, &layout.ends, &layout.reach, &layout.rest);
     let mut reads = pass_list::reads(&layout, live_places.len(), aimed);
     let mut forces = pass_list::forces(&layout, links.forces, links.late, weight);
+    if let Some((_, group, _)) = &slow {
+        slow::passes(group, &mut reads, &mut forces);
+    }
     layout.output_rows = pass_list::output_rows(&layout);
     let mut writes = pass_list::writes(&layout, gains);
     let mut moves = if net.is_composed() { pefrl::moves(&layout, &forces, own) } else { moves };
@@ -168,6 +176,7 @@ pub fn schedule(
         moves = pass_list::merged(moves);
     }
     let summed = &forces[..forces.len() - fused];
+    let tick = slow.as_ref().map(|_| slow::Tick { forces: summed.to_vec(), moves: moves.clone() });
     oversample(net, &mut layout, &mut reads, summed, &mut writes, &mut moves);
     milib::check(model, net, &layout, &listed, diags);
     let begin = match () {
@@ -177,6 +186,13 @@ pub fn schedule(
     };
     let mut loaded = loaded(net, &layout, x, &v, coef, (live_places, whole));
     loaded.written = written.orders(loaded.coef.len());
+    if let Some(((slow, mut group, reach), tick)) = slow.zip(tick) {
+        let own = slow.state(&group);
+        let blank = slow::blank(&loaded, own.clone());
+        group.response = slow::response(&layout, &group, &tick, &blank, &reach);
+        loaded.slow = Some(Box::new(own));
+        layout.slow = Some(Arc::new(group));
+    }
     let as_milib = net.as_milib && !diags.has_errors();
     let ahead = !as_milib && net.oversample == 1 && layout.enx.iter().any(|p| p.implicit);
     let before = ahead.then(|| (begin, loaded.clone()));
@@ -326,6 +342,7 @@ fn loaded(
         output: alloc::vec![0.0; layout.n_out],
         near: layout.pair_sets.iter().map(|c| VerletList::new(c.members.len(), c.rows, c.columns)).collect(),
         cells: alloc::vec![Cell::default(); layout.moving_points.len()],
+        slow: None,
         border: alloc::vec![Border::default(); layout.tgr.len()],
         late: alloc::vec![0.0; layout.tgr.len() * layout.crossing.latency as usize],
         blocked: alloc::vec![[0.0; 2]; layout.blockers.len()],

@@ -227,6 +227,18 @@ pub fn ledger(_op: &Op, layout: &Layout, s: &mut State) {
         l.work[k] += w;
         work += w;
     }
+    if let (Some(group), Some(slow)) = (&layout.slow, &s.slow) {
+        let each = group.ports.iter().zip(&slow.ports).take(group.coupled);
+        let w: f64 = each.clone().map(|(p, b)| -b.force * moved(p.at, &l.d0)).sum();
+        work += w;
+        l.crossed += w;
+        if s.tick == 1 {
+            // what came with the motion into the pose of load is held at load
+            let before: f64 = each.map(|(p, b)| -b.force * 0.5 * wide(l.d0[p.at as usize])).sum();
+            l.crossed -= before;
+            l.h0 += before;
+        }
+    }
     if s.tick == 1 {
         let given: f64 = l.kick.iter().zip(0..).map(|(f, m)| wide(*f) * moved(m, &l.d0)).sum();
         l.changed += given;

@@ -130,6 +130,7 @@ impl Words {
             lowpass,
             implicit,
             ledger,
+            slow,
             substeps,
             // follows from ends, reach and rest
             rows: _,
@@ -165,6 +166,10 @@ impl Words {
         self.all(
             accounts.map(|a| (a.op, a.n, a.ports, a.first, a.coef, a.mem, a.tap, a.coefs, a.mems, (a.linear, a.live))),
         );
+        if let Some(group) = slow {
+            self.layout(&group.layout);
+            self.debug(&(&group.ports, group.coupled, &group.shown, &group.response));
+        }
         self.debug(&substeps.as_ref().map(|f| (f.times, &f.inputs)));
     }
 }

@@ -4,11 +4,13 @@
 //! of those between two samples, so that what the tick depends on is visible in one place. All of it is written
 //! once, by the compiler.
 
+mod group;
 mod ledger;
 mod modal;
 mod outputs;
 mod waves;
 
+pub use group::{Copied, Response, SlowGroup};
 pub use ledger::{Account, LedgerPlan, Row};
 pub use modal::{Modal, ModalCoupling, SolvedModal};
 pub use outputs::{Blocker, HeardLink, Output, OutputRow, Tap};
@@ -287,6 +289,8 @@ pub struct Layout {
     pub implicit: Option<ImplicitLinks>,
     /// what the ledger needs, where the scene keeps one
     pub ledger: Option<LedgerPlan>,
+    /// groups at the gesture rate
+    pub slow: Option<Arc<SlowGroup>>,
     /// where a sample has several ticks
     pub substeps: Option<Substeps>,
     /// the vectors its passes use; the bits are the same with all
