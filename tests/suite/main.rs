@@ -53,6 +53,7 @@ mod set;
 mod sets;
 mod single;
 mod skipped;
+mod slow;
 mod soak;
 mod space;
 mod stable;

@@ -49,7 +49,7 @@ pub fn find(model: &Model, net: &Pruned, diags: &mut Diags) -> Option<SlowPart> 
         } else {
             "use `[MAS]`, `[SOL]` and links, or let the group go at the sound rate"
         };
-        say.item(m.item, &format!("`{}` is a {}", m.name, m.code), "no mass and no fixed point", help);
+        say.item(m.item, &format!("`{}` is of the kind {}", m.name, m.code), "no mass and no fixed point", help);
     }
     for l in net.lines.iter().filter(|l| in_slow(net.items[l.item as usize].group)) {
         let name = &net.items[l.item as usize].name;
@@ -147,9 +147,11 @@ fn varies(net: &Pruned, l: &LiaNode) -> Option<String> {
         () if net.is_live(l.item) => "follows a live parameter".into(),
         () if l.law.implicit || l.law.is_staged() => "is implicit".into(),
         () if !l.law.linear || l.law.mem > 0 || l.sets.is_some() => {
-            format!("is a {}, which is not linear", l.kind.code)
+            format!("is of the kind {}, which is not linear", l.kind.code)
         }
-        () if radial => "measures a distance in space, which is not linear".into(),
+        () if radial => {
+            "measures a distance in space instead of a difference `along` an axis, which is not linear".into()
+        }
         () if l.onto.is_some() => "joins two pairs of ends".into(),
         () => return None,
     })
@@ -238,6 +240,12 @@ impl Findings<'_> {
         slow.and_then(|(g, _)| g.props.iter().find(|e| e.key == "rate")).map_or(Span::NONE, |e| e.span)
     }
 
+    /// What mends an answer that is not known.
+    fn farther(&self) -> String {
+        let frame = self.net.ratio * self.net.oversample;
+        format!("more than {frame} links from the group it may be so; or let the group go at the sound rate")
+    }
+
     fn item(&mut self, item: u32, why: &str, label: &str, help: &str) {
         if self.said.insert(item) {
             let at = self.model.items[self.net.items[item as usize].model].name_span;
@@ -253,7 +261,8 @@ impl Findings<'_> {
             let links = if distance == 1 { "1 link".into() } else { format!("{distance} links") };
             let title = format!("{why}, and answers a group at the gesture rate within a frame, {links} from it");
             let d = Diag::error("E034", title).at(at, "not known as the frame begins");
-            self.diags.push(d.help(SOUND));
+            let farther = self.farther();
+            self.diags.push(d.help(farther));
         }
     }
 
@@ -265,7 +274,8 @@ impl Findings<'_> {
             let at = self.model.items[self.net.items[l.item as usize].model].name_span;
             let title = format!("`{}` {why}, and ties a group at the gesture rate to the sound", l.name);
             let d = Diag::error("E034", title).at(at, "not known as the frame begins");
-            self.diags.push(d.help(SOUND));
+            let farther = self.farther();
+            self.diags.push(d.help(farther));
         }
     }
 
@@ -305,5 +315,3 @@ impl Findings<'_> {
         }
     }
 }
-
-const SOUND: &str = "put masses at the sound rate between the two, or let the group go at the sound rate";

@@ -65,6 +65,7 @@ fn end(slow: &SlowState, p: Copied) -> f64 {
 
 /// Its places were written: the copies begin the next frame where it is now, held by nothing across.
 pub fn placed(group: &SlowGroup, slow: &mut SlowState) {
+    slow.state.placed();
     for (k, p) in group.ports.iter().enumerate() {
         let to = end(slow, *p);
         slow.ports[k] = Between { from: to, to, force: 0.0 };
