@@ -71,7 +71,7 @@ fn energy(scene: &Scene, s: &State, [small, border]: [usize; 2], big: f64, k: f6
 }
 
 /// E05: two masses across the rates neither gain nor lose in 100 s, also where the link, at the rate of the group, is a hundred
-/// times what its mass could bear: kT²/M = 111. Mean force of the frame before would grow at kT/4M: 2 /s and 8000 /s.
+/// times what its mass could bear: kT²/M = 111. By the mean force of the frame before they would grow at KT/4M, both springs in series: 1.7 /s and 1600 /s.
 #[test]
 fn e05_two_masses_across_the_rates_keep_their_energy() {
     for (big, m, k, n) in [("0.2 kg", 0.2, 5e3, 300_000), ("1 g", 1e-3, 1e6, 30_000)] {
