@@ -428,3 +428,13 @@ fn a_number_is_handed_on_to_where_no_reference_stands() {
     let hz = |name: &str| model.params.iter().any(|p| p.key == name);
     assert!(hz("o[0].f") && hz("o[1].f"), "one parameter for each, changed at the outermost");
 }
+
+#[test]
+fn a_probe_of_many_instances_is_one_of_each() {
+    let (model, _) = found(NOTES, &[]);
+    let options = Options { probes: vec!["note[*].hammer".into(), "note[1..3].s[2]".into()], ..Options::default() };
+    let scene = ca_compile::compile(&model, &catalog(), &options).expect("a scene").scene;
+    let names: Vec<&str> = scene.probe_names.iter().map(|n| &**n).collect();
+    let want = ["note[0].hammer", "note[1].hammer", "note[2].hammer", "note[1].s[2]", "note[2].s[2]"];
+    assert_eq!((names, &*scene.probe_of), (want.to_vec(), &[0, 0, 0, 1, 1][..]));
+}

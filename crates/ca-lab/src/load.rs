@@ -8,6 +8,7 @@ use ca_compile::{Compiled, Options};
 use ca_core::Scene;
 use ca_core::kind::cloud::Unread;
 use ca_model::diag::{Diags, Severity};
+use ca_model::part::instances;
 use ca_model::part::library::is_shipped;
 use ca_model::render::line_column;
 use ca_model::suggest::nearest;
@@ -131,11 +132,14 @@ fn no_model(word: &str) -> String {
     }
 }
 
-/// Sets a parameter as [`Model::put`] does, and reads what files it names then.
+/// Sets a parameter as [`Model::put`] does, and reads what files it names then; `key[*].f` is that of each instance.
 ///
 /// # Errors
 /// [`Failure::Usage`] with the nearest name where there is none such.
 pub fn set(loaded: &mut Loaded, name: &str, value: Value) -> Result<(), Failure> {
+    if let Some(each) = instances(&loaded.model, name) {
+        return each.iter().try_for_each(|name| set(loaded, name, value.clone()));
+    }
     let model = &mut loaded.model;
     if let Some((owner, key)) = name.rsplit_once('.') {
         let known: Option<Vec<&str>> = match owner {
@@ -211,6 +215,9 @@ fn of_group(model: &Model, name: &str) -> Option<String> {
 /// # Errors
 /// Those of [`set`], and [`Failure::Usage`] for a list, with the place where it is to be written.
 pub fn set_typed(loaded: &mut Loaded, name: &str, text: &str) -> Result<(), Failure> {
+    if let Some(each) = instances(&loaded.model, name) {
+        return each.iter().try_for_each(|name| set_typed(loaded, name, text));
+    }
     let model = &loaded.model;
     let (owner, key) = name.rsplit_once('.').unwrap_or(("", name));
     // titles and the like are free text

@@ -88,6 +88,9 @@ fn known(key: &str, method: &Param) -> Json {
     match key {
         "units" => json!({"enum": ["si", "alg"], "default": "si", "description": "units of bare numbers"}),
         "start" => json!({"enum": ["centred", "mi.lib"], "default": "centred", "description": "how it starts"}),
+        "rate" => {
+            json!({"enum": ["sound", "gesture"], "default": "sound", "description": "how often a group is computed"})
+        }
         "dim" => json!({"enum": [1, 2, 3], "description": "dimensions of space"}),
         "reference_rate" => number("rate whose sample is the unit of time of `alg` units [Hz]"),
         "gravity" => param(&GRAVITY),

@@ -7,7 +7,7 @@ use ca_core::Scene;
 use ca_io::gesture::{Gesture, Track};
 use ca_io::perform::Performance;
 use ca_model::read::read;
-use ca_model::{Model, Value, quantity, render};
+use ca_model::{Model, render};
 use ca_tests::catalog;
 use std::path::PathBuf;
 
@@ -107,24 +107,7 @@ impl Heard {
     }
     /// The numbers of a parameter as written, in SI.
     pub fn numbers(&self, owner: &str, key: &str) -> Vec<f64> {
-        let item = self.model.items.iter().find(|i| i.name == owner).unwrap();
-        let value = |v: &Value| self.value(v).unwrap_or_else(|| panic!("{owner}.{key}: {v:?}"));
-        match &item.args.iter().find(|e| e.key == key).unwrap_or_else(|| panic!("{owner}.{key}")).value {
-            Value::List(l) => l.iter().map(|e| value(&e.value)).collect(),
-            v => vec![value(v)],
-        }
-    }
-    /// A number, a note, a quantity, or the parameter that is named.
-    fn value(&self, v: &Value) -> Option<f64> {
-        match v {
-            Value::Num(v) => Some(*v),
-            Value::Text(t) => match self.model.params.iter().find(|p| p.key == *t) {
-                Some(p) => self.value(&p.value),
-                None => quantity::note(t).or_else(|| quantity::parse(t).ok().map(|q| q.value)),
-            },
-            Value::Table(t) => self.value(&t.iter().find(|e| e.key == "value")?.value),
-            _ => None,
-        }
+        ca_benches::instruments::numbers(&self.model, owner, key)
     }
     pub fn number(&self, owner: &str, key: &str) -> f64 {
         self.numbers(owner, key)[0]

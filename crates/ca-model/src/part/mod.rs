@@ -15,6 +15,8 @@ pub mod files;
 mod find;
 #[cfg(feature = "parse")]
 mod instance;
+#[cfg_attr(not(feature = "parse"), allow(dead_code))]
+mod instances;
 #[cfg(feature = "parse")]
 pub mod library;
 #[cfg(feature = "parse")]
@@ -35,6 +37,7 @@ use ca_core::Catalog;
 pub(super) use expand::expand;
 #[cfg(feature = "parse")]
 pub use expand::{add, add_shipped};
+pub use instances::instances;
 
 /// `[part.NAME]`, as written.
 #[derive(Clone, Debug, PartialEq)]

@@ -10,9 +10,9 @@ use crate::load::{self, BUNDLED};
 use crate::{Ended, Failure, Outcome, catalog};
 use ca_core::Catalog;
 use ca_core::kind::{Kind, Role};
-use ca_model::Model;
 use ca_model::part::library::{LIBRARY, shipped};
 use ca_model::suggest::nearest;
+use ca_model::{Item, Model, Value};
 use ca_model::{read, schema};
 use serde_json::{Value as Json, json};
 use std::fmt::Write as _;
@@ -114,14 +114,48 @@ fn kinds_json(catalog: &Catalog) -> Json {
 }
 
 fn models(catalog: &Catalog) -> String {
-    let width = BUNDLED.iter().map(|m| m.0.len()).max().unwrap_or(0);
+    let all: Vec<(&str, Model)> =
+        BUNDLED.iter().map(|(name, text)| (*name, read::read(text, name, catalog).0)).collect();
+    let by: Vec<String> = all.iter().map(|(_, model)| played(model).join(", ")).collect();
+    let width = all.iter().map(|m| m.0.len()).max().unwrap_or(0);
+    let wide = by.iter().map(String::len).max().unwrap_or(0);
     let line =
-        |(name, text): &(&str, &str)| format!("  {name:<width$}  {}\n", read::read(text, name, catalog).0.title());
-    BUNDLED.iter().map(line).collect()
+        |((name, model), by): (&(&str, Model), &String)| format!("  {name:<width$}  {by:<wide$}  {}\n", model.title());
+    let mut out: String = all.iter().zip(&by).map(line).collect();
+    out += "docs/instruments.md has the sound, the spectrogram and the measured pitch and decay of each.\n";
+    out
+}
+
+/// How a model is played: by ports of a device, by notes of MIDI, by its own gesture; by itself where by none.
+fn played(model: &Model) -> Vec<&'static str> {
+    let mut by = Vec::new();
+    let ports = || model.items.iter().filter(|i| i.kind == "TGR");
+    let of = |i: &Item, device: &str| {
+        i.args.iter().any(|e| e.key == "device" && matches!(&e.value, Value::Text(t) if t.starts_with(device)))
+    };
+    if ports().any(|i| of(i, "tgr")) {
+        by.push("TGR keys");
+    }
+    if ports().any(|i| !of(i, "tgr")) {
+        by.push("device");
+    }
+    if model.items.iter().any(|i| i.args.iter().any(|e| e.key == "midi")) {
+        by.push("MIDI");
+    }
+    if !model.gestures.is_empty() {
+        by.push("gesture");
+    }
+    if by.is_empty() {
+        by.push("by itself");
+    }
+    by
 }
 
 fn models_json(catalog: &Catalog) -> Json {
-    let one = |(name, text): &(&str, &str)| json!({"name": name, "title": read::read(text, name, catalog).0.title()});
+    let one = |(name, text): &(&str, &str)| {
+        let model = read::read(text, name, catalog).0;
+        json!({"name": name, "title": model.title(), "played": played(&model)})
+    };
     Json::Array(BUNDLED.iter().map(one).collect())
 }
 
