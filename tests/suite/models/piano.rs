@@ -65,7 +65,7 @@ pub fn hammer_piano() {
     // two slopes
     let long = one_key(&h.model, "key[0].key", &[], 0.3, 6.0, 6.0);
     let (early, late) = (t60(long.at(0, 0.2, 1.0), h.rate, 261.63), t60(long.at(0, 3.0, 5.9), h.rate, 261.63));
-    assert!((2.0..3.5).contains(&early) && (7.0..11.0).contains(&late), "T60 {early:.2} s, then {late:.2} s");
+    assert!((1.6..3.2).contains(&early) && (7.0..15.0).contains(&late), "T60 {early:.2} s, then {late:.2} s");
     // let go, it is down by 40 dB within 0.3 s
     let short = one_key(&h.model, "key[0].key", &[], 0.3, 0.8, 1.3);
     let fell = db(rms(short.at(0, 0.7, 0.8)) / rms(short.at(0, 1.1, 1.2)));
@@ -274,7 +274,14 @@ fn account(f: &Finger) -> [f64; ROWS.len()] {
     };
     let links = LINKS.map(lost);
     let all: f64 = ledger.lost.iter().sum();
-    assert!((links.iter().sum::<f64>() - all).abs() <= 1e-12 * all, "heat in a link that is not in the table");
+    assert!(
+        (links.iter().sum::<f64>() - all).abs() <= 1e-12 * all,
+        "heat in a link that is not in the table: {:?}",
+        (0..ledger.lost.len())
+            .filter(|i| ledger.lost[*i] != 0.0)
+            .filter_map(|i| f.scene.audited_name(i))
+            .collect::<Vec<_>>()
+    );
     let [key, jack, hammer, felt, damper] = links;
     let made = -ledger.scheme_error.iter().sum::<f64>();
     let moving = ledger.h - ledger.h0;
