@@ -21,8 +21,11 @@ fn string(method: &str, more: &Lines) -> String {
     }
     let names = |from: usize, to: usize| (from..to).map(|i| format!("\"low.s{i}\"")).collect::<Vec<_>>().join(", ");
     let mut sections: BTreeMap<&str, String> = BTreeMap::new();
-    more.iter().for_each(|(section, line)| *sections.entry(section).or_default() += line);
-    let more: String = sections.iter().map(|(section, lines)| format!("[{section}]\n{lines}")).collect();
+    for (section, line) in more {
+        *sections.entry(section).or_default() += line;
+    }
+    let text = |(section, lines): (_, &String)| format!("[{section}]\n{lines}");
+    let more: String = sections.iter().map(text).collect();
     format!(
         "[rate]\nsound = 1\ngesture = 1\n[low]\nmethod = \"{method}\"\n[low.SOL]\nl = {{}}\nr = {{}}\n[low.MAS]\n{masses}[low.RES]\n\
          k = {{ between = [[\"low.l\", {}], [{}, \"low.r\"]], k = 0.25 }}\n[SOX]\nout = {{ from = \"low.s7\" }}\n{more}",

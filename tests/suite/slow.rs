@@ -51,7 +51,7 @@ seen = { from = "body.d", along = "z" }
 
 /// A hand that moves, read as a frame begins.
 fn move_hand(scene: &Scene, s: &mut State) {
-    if s.tick == 0 || (s.tick - 1) % u64::from(scene.ratio) == 0 {
+    if s.tick == 0 || (s.tick - 1).is_multiple_of(u64::from(scene.ratio)) {
         let t = s.tick as f64 / scene.rate;
         for (k, x) in s.input.iter_mut().enumerate() {
             *x = 0.02 * (20.0 * t * (k + 1) as f64).sin();

@@ -187,7 +187,9 @@ fn a_limit_at_nothing_or_at_a_count_is_there_too() {
     let across = |n: i32| {
         let names: Vec<String> = (0..n).map(|i| format!("\"m{i}\"")).collect();
         let mut text = String::from("[slow]\nrate = \"gesture\"\n[slow.MAS]\n");
-        names.iter().for_each(|m| text += &format!("{} = {{ m = 1 }}\n", m.trim_matches('"')));
+        for m in &names {
+            let _ = writeln!(text, "{} = {{ m = 1 }}", m.trim_matches('"'));
+        }
         let all: Vec<String> = names.iter().map(|m| format!("\"slow.{}", &m[1..])).collect();
         bob(&format!("[RES]\nr = {{ between = [[{}], \"bob\"], k = 1 }}\n{text}", all.join(", ")))
     };

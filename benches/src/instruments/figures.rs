@@ -72,10 +72,7 @@ pub fn figures(p: &Plays) -> Figures {
     let i = p.instrument;
     let built = p.play(BUILT);
     let of_cut = |c: Cut| p.centroid(c);
-    let level = |from: f64| {
-        let most = built.sound.iter().map(|c| peak(&c[(from * built.rate) as usize..])).fold(0.0, f64::max);
-        most
-    };
+    let level = |from: f64| built.sound.iter().map(|c| peak(&c[(from * built.rate) as usize..])).fold(0.0, f64::max);
     let n = built.sound[0].len() as f64;
     let end = level(n / built.rate - FADE);
     Figures {

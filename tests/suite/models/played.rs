@@ -23,10 +23,8 @@ pub fn wind() {
     let level = |speed: f64| {
         let turn = 0.6 / speed;
         let mut way = vec![(0.0, -0.6)];
-        (1..)
-            .map(|i| (f64::from(i) * 2.0 * turn, if i % 2 == 1 { 0.6 } else { -0.6 }))
-            .take_while(|p| p.0 < 3.0 + 2.0 * turn)
-            .for_each(|p| way.push(p));
+        let strokes = (3.0 / (2.0 * turn)).ceil() as usize + 1;
+        way.extend((1..=strokes).map(|i| (i as f64 * 2.0 * turn, if i % 2 == 1 { 0.6 } else { -0.6 })));
         let g = by_hand(&h.model, &[], &[("hand", &way)], 3.0);
         db(rms(g.at(0, 1.0, 3.0)))
     };

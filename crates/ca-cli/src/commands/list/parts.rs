@@ -13,7 +13,8 @@ use std::fmt::Write as _;
 pub fn all(catalog: &Catalog) -> String {
     let width = LIBRARY.iter().map(|p| p.0.len()).max().unwrap_or(0);
     let about = |name: &str| shipped(name, catalog).map(|p| p.0.doc).unwrap_or_default();
-    LIBRARY.iter().map(|(name, _)| format!("  {name:<width$}  {}\n", about(name))).collect()
+    let line = |(name, _): &(&str, &str)| format!("  {name:<width$}  {}\n", about(name));
+    LIBRARY.iter().map(line).collect()
 }
 
 pub fn all_json(catalog: &Catalog) -> Json {
