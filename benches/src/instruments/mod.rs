@@ -11,6 +11,7 @@
 //!     pitch: Some(Pitch { hertz: 110.0, cut: BUILT.at(3.5, 5.5) }),     // left out where no pitch is claimed
 //!     soft: BUILT.at(0.1, 0.8),                                         // or BUILT.set(&["hammer.v=0.3 m/s"]).at(0.0, 1.0)
 //!     loud: BUILT.at(3.3, 4.0),                                         // or BUILT.moved(&[("hand", &[[0.0, 0.0], …])])
+//!     remark: "Louder is brighter; …",                                  // what the figures say of it, and what is weak
 //!     ..Instrument::new("hammered_string")
 //! }
 //! ```
@@ -88,6 +89,8 @@ pub struct Instrument {
     pub probes: &'static [&'static str],
     /// how a simulated device plays it
     pub stroke: Stroke,
+    /// what the figures say of the sound, and what of it is weak
+    pub remark: &'static str,
     /// what its header says
     pub claims: &'static [Claim],
 }
@@ -103,6 +106,7 @@ impl Instrument {
             decay: BUILT.whole(),
             probes: &[],
             stroke: Stroke::DEFAULT,
+            remark: "",
             claims: &[],
         }
     }

@@ -94,9 +94,10 @@ pub fn page(all: &[(&Instrument, Figures)], machine: &str, times: &dyn Fn(&str) 
         t += &row(i, f, &times(i.model));
     }
     t += "\n## What the headers say, and what is measured\n\n\
-          Words of the header of each model, and the figure that supports them with the bounds that a test keeps.\n";
-    for (i, f) in all.iter().filter(|(i, _)| !i.claims.is_empty()) {
-        let _ = write!(t, "\n### {}\n\n", i.model);
+          What the figures say of each sound and what of it is weak; words of the header of each model, and the figure that supports\n\
+          them with the bounds that a test keeps.\n";
+    for (i, f) in all {
+        let _ = write!(t, "\n### {}\n\n{}\n\n", i.model, one_line(i.remark));
         for (c, figure) in i.claims.iter().zip(&f.claims) {
             t += &claim(c, *figure);
         }

@@ -201,6 +201,36 @@ impl Plays {
         acoustics::centroid(&x, rate)
     }
 
+    /// Power spectrum of all channels, every moment of the cut alike, and the width of its bins \[Hz\].
+    fn power(&self, cut: Cut) -> (Vec<f64>, f64) {
+        let r = self.play(cut.take);
+        // windows a quarter of a half apart: a Gaussian is narrow
+        let parts = r.sound.iter().map(|c| r.part(c, cut.from, cut.to));
+        let mut all = parts.flat_map(|x| (0..4).map(|k| acoustics::density(&x[256 * k..], r.rate, 2048)));
+        let (mut sum, bin) = all.next().expect("a channel");
+        all.for_each(|(power, _)| sum.iter_mut().zip(power).for_each(|(s, p)| *s += p));
+        (sum, bin)
+    }
+
+    /// Power between two frequencies \[Hz\], in decibels of no particular reference.
+    pub fn band(&self, lo: f64, hi: f64, cut: Cut) -> f64 {
+        let (power, bin) = self.power(cut);
+        let at = |f: f64| ((f / bin) as usize).min(power.len());
+        0.5 * acoustics::db(power[at(lo)..at(hi)].iter().sum::<f64>() / (cut.to - cut.from))
+    }
+
+    /// Part of the power that is above `f` \[Hz\].
+    pub fn above(&self, f: f64, cut: Cut) -> f64 {
+        let (power, bin) = self.power(cut);
+        power[(f / bin) as usize..].iter().sum::<f64>() / power.iter().sum::<f64>()
+    }
+
+    /// Centre of gravity of the power spectrum \[Hz\], every moment of the cut alike.
+    pub fn colour(&self, cut: Cut) -> f64 {
+        let (power, bin) = self.power(cut);
+        power.iter().enumerate().map(|(i, p)| i as f64 * bin * p).sum::<f64>() / power.iter().sum::<f64>()
+    }
+
     /// Time in which the partial at `f` \[Hz\] falls by 60 dB \[s\].
     pub fn t60(&self, f: f64, cut: Cut) -> f64 {
         let (x, rate) = self.heard(cut);
