@@ -3,9 +3,11 @@
 #![allow(clippy::missing_errors_doc, clippy::missing_panics_doc)]
 
 pub mod accuracy;
+pub mod acoustics;
 pub mod atlas;
 pub mod costs;
 mod grains;
+pub mod instruments;
 pub mod latency;
 pub mod peers;
 pub mod rattle;

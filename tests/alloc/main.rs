@@ -17,7 +17,7 @@ use ca_benches::rattle;
 use ca_compile::{KernelClass, Options, compile};
 use ca_core::{Scene, State, compute_forces, integrate, process, tick};
 use ca_io::perform::Performance;
-use ca_model::{Model, read};
+use ca_model::{Item, Model, Value, read};
 use ca_tests::{gesture, texts};
 use counting::{calls, most};
 
@@ -27,7 +27,9 @@ fn burdened(model: &Model, border: &str, feedback: &str) -> Model {
     for (key, value) in [("border", border), ("latency", "3"), ("feedback", feedback), ("filter", "2 kHz")] {
         assert!(m.set(&format!("rate.{key}"), value));
     }
-    let outputs = model.items.iter().filter(|i| matches!(i.kind.as_str(), "SOX" | "SOF"));
+    // what hears acceleration has no DC to filter
+    let bare = |i: &Item| !i.args.iter().any(|e| e.key == "hear" && e.value == Value::Text("acceleration".into()));
+    let outputs = model.items.iter().filter(|i| matches!(i.kind.as_str(), "SOX" | "SOF") && bare(i));
     outputs.for_each(|i| assert!(m.set(&format!("{}.dc", i.name), "7 Hz")));
     m
 }
@@ -63,6 +65,31 @@ more = { from = "b" }
         .into()
 }
 
+/// Groups at the gesture rate, in space and in finer ticks.
+fn slow() -> Vec<(String, String)> {
+    let body = r#"
+[body]
+dim = 3
+rate = "gesture"
+gravity = "9.81 m/s^2"
+[body.GRAINS]
+beads = { n = 20, m = "1 g", gap = "6 mm" }
+[body.SOL]
+roof = { x = [0, 0, "20 cm"] }
+[BUT]
+hits = { between = ["body.beads[*]", "body.beads[*]"], k = "2 kN/m", z = "10 mN s/m", d = "7 mm" }
+[REF]
+up = { between = ["body.roof", "body.beads[*]"], k = "50 N/m" }
+tie = { between = ["body.beads[0]", "low[10]"], along = "y", k = "1 kN/m", z = "0.1 N s/m" }
+[STRING]
+low = { n = 40, f = "110 Hz", t60 = "2 s", m = "4 g" }
+[SOX]
+out = { from = "low[5]", gain = 100 }
+"#;
+    let fine = format!("[rate]\noversample = 3\n{body}");
+    [("slow group", body.into()), ("slow group in finer ticks", fine)].map(|(n, t)| (n.into(), t)).into()
+}
+
 fn scenes() -> Vec<(String, Scene)> {
     let catalog = ca_tests::catalog();
     let mut all = Vec::new();
@@ -81,6 +108,15 @@ fn scenes() -> Vec<(String, Scene)> {
                     all.push((format!("{name}{what}, energy {energy}, {kernel:?}"), scene));
                 }
             }
+        }
+    }
+    for (name, text) in slow() {
+        let (model, _) = read::read(&text, &name, &catalog);
+        for energy in [false, true] {
+            let options = Options { energy, ..Options::default() };
+            let scene = compile(&model, &catalog, &options).unwrap_or_else(|d| panic!("{name}: {d}")).scene;
+            assert!(scene.slow.is_some(), "{name}");
+            all.push((format!("{name}, energy {energy}"), scene));
         }
     }
     assert!(all.len() > 100);

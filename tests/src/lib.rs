@@ -15,7 +15,7 @@ pub fn catalog() -> Catalog {
     ca_model::catalog().with(ca_lpr::KINDS)
 }
 
-/// Name and text of every model: the examples of the catalog, `models/` and `tests/models/`.
+/// Name and text of every model: the examples of the catalog, `models/` without its parts, and `tests/models/`.
 pub fn texts() -> Vec<(String, String)> {
     let mut all: Vec<_> = catalog().iter().map(|k| (format!("example of {}", k.code), k.example.into())).collect();
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
@@ -30,7 +30,7 @@ pub fn texts() -> Vec<(String, String)> {
 
 fn collect(folder: &Path, found: &mut Vec<(String, String)>) {
     for path in std::fs::read_dir(folder).into_iter().flatten().flatten().map(|e| e.path()) {
-        if path.is_dir() {
+        if path.is_dir() && !path.ends_with("parts") {
             collect(&path, found);
         } else if path.to_string_lossy().ends_with(".ca.toml") {
             if let Ok(text) = std::fs::read_to_string(&path) {

@@ -1,7 +1,6 @@
 //! The whole suite in one binary, one file per theme.
 
 mod accuracy;
-mod acoustics;
 mod atlas;
 mod begin;
 mod beside;
@@ -25,11 +24,13 @@ mod hertz;
 mod identity;
 mod implicit;
 mod imports;
+mod instruments;
 mod large;
 mod live;
 mod lpr;
 mod mims;
 mod modal;
+mod modal_stable;
 mod models;
 mod modes;
 mod oracle;
@@ -52,6 +53,7 @@ mod set;
 mod sets;
 mod single;
 mod skipped;
+mod slow;
 mod soak;
 mod space;
 mod stable;
@@ -60,3 +62,5 @@ mod thresholds;
 mod tuning;
 mod waveguide;
 mod writer;
+
+use ca_benches::acoustics;

@@ -202,9 +202,9 @@ fn what_cannot_be() {
         let Err(found) = found else { panic!("{text}") };
         assert!(found.list.iter().any(|d| d.code == code && d.title.contains(word)), "{found:?}");
     };
-    let stable =
-        "[MAS]\nh = { m = 1, x = -1 }\n[BUT]\nhit = { between = [\"h\", \"low.s3\"], k = 1, method = \"stable\" }\n";
-    refused(&string("modal", 0.25, 0.0, stable), "E028", "is implicit");
+    let implicit =
+        "[MAS]\nh = { m = 1, x = -1 }\n[RES]\nhold = { between = [\"h\", \"low.s3\"], k = 1, method = \"implicit\" }\n";
+    refused(&string("modal", 0.25, 0.0, implicit), "E028", "is implicit");
     refused(&string("modal", 0.25, 0.0, "[SOF]\nf = { from = \"low.k[3]\" }\n"), "E028", "no force of its own");
     let heavy = string("modal", 0.25, 0.0, "").replace("method = \"modal\"", "method = \"modal\"\ngravity = 1");
     refused(&heavy, "E028", "weight");

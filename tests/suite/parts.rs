@@ -2,10 +2,12 @@
 
 use crate::play::{scene, within};
 use ca_compile::{Options, load};
+use ca_core::io::midi::MidiSource;
 use ca_core::kind::cloud::Unread;
 use ca_core::{Scene, tick};
 use ca_model::diag::Diags;
-use ca_model::{Model, Value, part, read, render, write};
+use ca_model::part::library::{LIBRARY, shipped};
+use ca_model::{Entry, Model, Value, part, read, render, write};
 use ca_tests::{catalog, gesture};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -223,7 +225,7 @@ fn what_is_wrong_is_said_once_and_where_it_stands() {
         ("p = { part = 'p', n = 3, with = { f = [9, 9] } }", "", "E018", "2 values for 3 instances"),
         ("p = { part = 'p', n = 3 }", "", "E005", "`p[0]` needs `f`"),
         ("p = { part = 'p', n = 3, with = { g = 9, f = 9 } }", "", "E004", "has no parameter `g`"),
-        ("p = { part = 'q', n = 3 }", "", "E013", "its parts are `p`"),
+        ("p = { part = 'q', n = 3 }", "", "E013", "there are `p`, `bow`"),
         ("p = { part = 'p', n = 1.5, with = { f = 9 } }", "", "E006", "a whole number"),
         ("p = { n = 1 }", "", "E005", "does not say what it uses"),
         ("p = 3", "", "E003", "must say what is used"),
@@ -344,4 +346,95 @@ fn a_parameter_that_is_called_like_a_note_is_no_note() {
     let all =
         errors("[param]\nf0 = '300 Hz'\ng = 'f0'\n[CEL]\nc = { m = 1, f = 'g' }\n[SOX]\no = { from = 'c' }\n", &[]);
     assert!(all.contains("parameters cannot be made of other parameters"), "{all}");
+}
+
+/// A string under whatever part is used on it.
+fn with_shipped(name: &str) -> String {
+    let (part, header) = shipped(name, &catalog()).expect(name);
+    assert!(!part.doc.is_empty() && !header.is_empty(), "{name} says what it is");
+    assert!(part.body.params.iter().all(|p| matches!(&p.value, Value::Table(t) if t.iter().any(|e| e.key == "doc"))));
+    let value = |key: &str| match key {
+        "on" => "low[8]",
+        "note" => "C4",
+        "key" => "hand",
+        "f" | "f2" => "220 Hz",
+        other => panic!("{name}: nothing is known of `{other}`"),
+    };
+    let has = |p: &Entry| matches!(&p.value, Value::Table(t) if t.iter().any(|e| e.key == "value" || e.key == "port"));
+    let needed = part.body.params.iter().filter(|p| !has(p)).map(|p| format!("{} = \"{}\"", p.key, value(&p.key)));
+    let with: Vec<String> = needed.collect();
+    let hand = if with.iter().any(|w| w.starts_with("key")) { "[TGR]\nhand = {}\n" } else { "" };
+    format!(
+        "[STRING]\nlow = {{ n = 24, f = \"196 Hz\", t60 = \"2 s\", m = \"1 g\" }}\n{hand}\
+         [use]\nit = {{ part = \"{name}\", with = {{ {} }} }}\n[SOX]\nout = {{ from = \"low[3]\", gain = 1 }}\n",
+        with.join(", ")
+    )
+}
+
+#[test]
+fn parts_of_the_program_are_used_without_a_file() {
+    for (name, text) in LIBRARY {
+        let (model, diags) = found(&with_shipped(name), &[]);
+        assert!(!diags.has_errors(), "{name}: {}", render::text(&diags, &model, false));
+        let file = format!("ca:{name}.ca.toml");
+        assert!(model.files.iter().any(|f| f.name == file && f.text == *text), "its text is one of the files");
+        let compiled = ca_compile::compile(&model, &catalog(), &Options::default()).expect("a scene");
+        let (part, _) = shipped(name, &catalog()).expect(name);
+        for key in part.body.items.iter().filter(|i| i.kind == "TGR") {
+            let port = format!("it.{}", key.name);
+            assert!(compiled.scene.inputs.iter().any(|i| i.name == port), "{name} is played by `{port}`");
+        }
+    }
+    let names: Vec<&str> = LIBRARY.iter().map(|p| p.0).collect();
+    let mut folder: Vec<String> = std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/../models/parts"))
+        .expect("the folder")
+        .map(|f| f.expect("a file").file_name().into_string().expect("a name").replace(".ca.toml", ""))
+        .collect();
+    folder.sort();
+    assert_eq!(names, folder, "all of the folder, in order");
+}
+
+#[test]
+fn a_part_of_the_model_or_a_text_at_hand_comes_before_that_of_the_program() {
+    let own = format!(
+        "[part.plectrum.MAS]\nmine = {{ m = \"1 g\" }}\n{}",
+        with_shipped("plectrum").replace("with", "n = 1, with")
+    );
+    let own = own.replace("on = \"low[8]\", note = \"C4\"", "");
+    assert!(found(&own, &[]).0.items.iter().any(|i| i.name == "it[0].mine"));
+    let old = "[part.plectrum.param]\non = {}\nnote = {}\n[part.plectrum.MAS]\nold = { m = \"1 g\" }\n";
+    let (model, _) = found(&with_shipped("plectrum"), &[("ca:plectrum.ca.toml", old)]);
+    assert!(model.items.iter().any(|i| i.name == "it.old"), "a take is replayed with its own text");
+    let (model, diags) = found(&with_shipped("plectrum").replace("\"plectrum\"", "\"plectrun\""), &[]);
+    assert!(render::text(&diags, &model, false).contains("did you mean `plectrum`?"));
+}
+
+#[test]
+fn a_number_is_handed_on_to_where_no_reference_stands() {
+    let text = "[part.in.param]\nf = {}\nwhich = {}\ncount = {}\n\
+        [part.in.TGR]\nkey = { dof = \"which\", midi = { note = \"f\", to = \"1 mm\" } }\n\
+        [part.in.CHAIN]\nc = { n = \"count\", m = \"1 g\", k = \"1 N/m\" }\n\
+        [part.in.CEL]\nbar = { m = \"1 g\", f = \"f\" }\n[part.in.RES]\nr = { between = [\"key\", \"bar\"], k = 1 }\n\
+        [part.mid.param]\nf = {}\nd = 0\n[part.mid.use]\ni = { part = \"in\", with = { f = \"f\", which = \"d\", count = 3 } }\n\
+        [part.out.param]\nf = {}\nd = 0\n[part.out.use]\nm = { part = \"mid\", with = { f = \"f\", d = \"d\" } }\n\
+        [use]\no = { part = \"out\", n = 2, with = { f = [\"C4\", \"E4\"], d = [4, 5] } }\n\
+        [SOX]\nout = { from = \"o[*].m.i.bar\", gain = 1, channel = 0 }\n";
+    let (model, diags) = found(text, &[]);
+    assert!(!diags.has_errors(), "{}", render::text(&diags, &model, false));
+    let scene = ca_compile::compile(&model, &catalog(), &Options::default()).expect("a scene").scene;
+    let port = |name: &str| scene.inputs.iter().find(|p| p.name == name).expect(name);
+    let source: Vec<MidiSource> = port("o[1].m.i.key").midi.iter().map(|m| m.source).collect();
+    assert_eq!(source, [MidiSource::Note { low: 64, high: 64 }]);
+    let hz = |name: &str| model.params.iter().any(|p| p.key == name);
+    assert!(hz("o[0].f") && hz("o[1].f"), "one parameter for each, changed at the outermost");
+}
+
+#[test]
+fn a_probe_of_many_instances_is_one_of_each() {
+    let (model, _) = found(NOTES, &[]);
+    let options = Options { probes: vec!["note[*].hammer".into(), "note[1..3].s[2]".into()], ..Options::default() };
+    let scene = ca_compile::compile(&model, &catalog(), &options).expect("a scene").scene;
+    let names: Vec<&str> = scene.probe_names.iter().map(|n| &**n).collect();
+    let want = ["note[0].hammer", "note[1].hammer", "note[2].hammer", "note[1].s[2]", "note[2].s[2]"];
+    assert_eq!((names, &*scene.probe_of), (want.to_vec(), &[0, 0, 0, 1, 1][..]));
 }

@@ -114,3 +114,30 @@ fn what_cannot_change_is_refused() {
     let key = "[TGR]\nk = { device = \"d\", dof = 0 }\n[RES]\nr = { between = [\"k\", \"m\"], k = 10 }\n";
     assert!(refused(&format!("{mass}{key}{outputs}")).contains("devices"));
 }
+
+/// A group at the gesture rate goes on too, with what it was held by as the frame ended: the same version, to the bit.
+#[test]
+fn a_group_at_the_gesture_rate_goes_on_to_the_bit() {
+    let slow = |k: f64| {
+        let text = format!(
+            "[slow]\nrate = \"gesture\"\n[slow.MAS]\nbig = {{ m = \"50 g\", v = 0.5 }}\nfar = {{ m = \"50 g\" }}\n[STRING]\ns = {{ n \
+             = 40, f = \"110 Hz\", t60 = \"2 s\", m = \"1 g\" }}\n[REF]\nin = {{ between = [\"slow.big\", \"slow.far\"], k = {k} \
+             }}\ntie = {{ between = [\"slow.big\", \"s[9]\"], k = 200, z = 0.1 }}\n[SOX]\nleft = {{ from = \"s[7]\", gain = 100 }}\n"
+        );
+        Arc::new(scene(&text).scene)
+    };
+    let first = slow(900.0);
+    let playing = |scene: &Arc<Scene>| {
+        let mut engine = Engine::new(scene.clone(), Vec::new(), Options::default());
+        heard(&mut engine, 200);
+        engine
+    };
+    let [mut with, mut without] = [playing(&first), playing(&first)];
+    swap(&mut with, &slow(900.0), 1);
+    assert_eq!(heard(&mut with, 600), heard(&mut without, 600));
+    // another version begins from there
+    swap(&mut with, &slow(1800.0), 2);
+    let places = |e: &Engine| e.state.slow.as_ref().expect("a group").state.x.to_vec();
+    assert_eq!(places(&with), places(&without));
+    assert_ne!(heard(&mut with, 600), heard(&mut without, 600));
+}

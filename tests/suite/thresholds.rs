@@ -175,7 +175,32 @@ fn a_limit_at_nothing_or_at_a_count_is_there_too() {
     let dim = |n: i32| format!("[room]\ndim = {n}\n{}", bob(""));
     let oversample = |n: i32| rate(&format!("oversample = {n}"));
     let latency = |n: i32| rate(&format!("latency = {n}"));
+    let slow = |more: &str| {
+        format!(
+            "[rate]\ngesture = 48\n[slow]\nrate = \"gesture\"\n[slow.MAS]\n{}",
+            bob(more)
+                .replacen("[MAS]\n", "", 1)
+                .replacen("[SOL]\nwall = {}\n", "", 1)
+                .replace("\"bob\"", "\"slow.bob\"")
+        )
+    };
+    let across = |n: i32| {
+        let names: Vec<String> = (0..n).map(|i| format!("\"m{i}\"")).collect();
+        let mut text = String::from("[slow]\nrate = \"gesture\"\n[slow.MAS]\n");
+        for m in &names {
+            let _ = writeln!(text, "{} = {{ m = 1 }}", m.trim_matches('"'));
+        }
+        let all: Vec<String> = names.iter().map(|m| format!("\"slow.{}", &m[1..])).collect();
+        bob(&format!("[RES]\nr = {{ between = [[{}], \"bob\"], k = 1 }}\n{text}", all.join(", ")))
+    };
+    let behind = |n: i32| {
+        slow(&format!(
+            "[STRING]\ns = {{ n = {n}, m = 1, k = 1 }}\n[RES]\nr = {{ between = [\"slow.bob\", \"s[0]\"], k = 1 }}\n"
+        ))
+    };
     for (code, words, quiet, reported) in [
+        ("E034", "48 are the most", across(48), across(49)),
+        ("E034", "with so many ticks 65 are the most", behind(65), behind(66)),
         ("W105", "viscosity straight on a device key", key(0.0), key(1e-9)),
         ("W110", "may feed energy in", table(0.0), table(-1e-9)),
         ("E009", "dim", dim(3), dim(4)),

@@ -296,10 +296,11 @@ pub struct CheckArgs {
   ca list
   ca list BUT
   ca list hammered_string
+  ca list plectrum
   ca list kinds --markdown
   ca list --schema > ca.schema.json")]
 pub struct ListArgs {
-    /// `kinds`, `models`, the code of a kind or the name of a bundled model
+    /// `kinds`, `models`, `parts`, the code of a kind, the name of a bundled model or of a part
     pub what: Option<String>,
     /// As JSON
     #[arg(long, conflicts_with_all = ["schema", "markdown"])]

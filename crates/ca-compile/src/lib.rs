@@ -44,15 +44,18 @@ use alloc::vec::Vec;
 use ca_core::Catalog;
 use ca_core::kind::Unit;
 use ca_core::numeric::SINGLE;
+use ca_core::scene::certificate::Certificate;
 use ca_core::scene::{Halves, Scene};
 use ca_model::diag::Diags;
 use ca_model::{Entry, Model};
 use connect::wire;
+use emit::slow::Slow;
 use emit::{ordering, schedule};
 use lower::{params, resolve, values};
 use net::Pruned;
-use passes::{implicit, modal, pefrl, prune, reach, single, solve_order, specialise, waves};
-use split::{cut, half};
+use passes::slow::SlowPart;
+use passes::{implicit, modal, pefrl, prune, reach, single, slow, solve_order, specialise, waves};
+use split::{cut, half, rates};
 
 /// What a model became.
 #[derive(Debug)]
@@ -132,15 +135,39 @@ pub fn linear(model: &Model, catalog: &Catalog, options: &Options) -> Result<cra
 /// All findings, sorted, with an error among them.
 pub fn compile(model: &Model, catalog: &Catalog, options: &Options) -> Result<Compiled, Diags> {
     let (mut net, mut diags) = network(model, catalog, options)?;
+    let part = slow::find(model, &net, &mut diags);
+    let group = match &part {
+        Some(_) if diags.has_errors() => {
+            diags.sort();
+            return Err(diags);
+        }
+        Some(part) => {
+            rates::sound(&mut net, part);
+            // the same once more: what was said of it is said
+            let (mut own, _) = network(model, catalog, options)?;
+            rates::group(&mut own, part);
+            Some((own, part))
+        }
+        None => None,
+    };
     modal::modal(model, &mut net, &mut diags);
-    let certificate = certify::certify(model, &net, options.exact, &mut diags);
+    solve_order::choose_modes(&mut net);
+    let mut certificate = certify::certify(model, &net, options.exact, &mut diags);
+    if let Some((own, _)) = &group {
+        certificate = certificate.beside(certify::certify(model, own, options.exact, &mut diags));
+    }
     if diags.has_errors() {
         diags.sort();
         return Err(diags);
     }
     let order = order(&net, options);
     let emit = |options: &Options, diags: &mut Diags| {
-        schedule::schedule(model, &net, &order, options, certificate.clone(), diags).filter(|_| !diags.has_errors())
+        let slow = match &group {
+            Some((own, part)) => Some(slow_scene(model, own, part, options, diags)?),
+            None => None,
+        };
+        let scene = schedule::schedule(model, &net, &order, options, certificate.clone(), slow.as_ref(), diags);
+        scene.filter(|_| !diags.has_errors())
     };
     let scene = emit(options, &mut diags);
     diags.sort();
@@ -149,6 +176,21 @@ pub fn compile(model: &Model, catalog: &Catalog, options: &Options) -> Result<Co
     let audited = options.audited && !options.energy && !net.is_composed();
     let kept = || emit(&Options { energy: true, ..options.clone() }, &mut Diags::new());
     Ok(Compiled { scene, audited: if audited { kept().map(Box::new) } else { None }, findings: diags })
+}
+
+/// The groups at the gesture rate as a scene of their own. Its rows are not fused: the force on a mass is known before it moves.
+fn slow_scene<'a>(
+    model: &Model,
+    net: &Pruned,
+    part: &'a SlowPart,
+    options: &Options,
+    diags: &mut Diags,
+) -> Option<Slow<'a>> {
+    let kernel = if options.kernel == KernelClass::Fast { KernelClass::Listed } else { options.kernel };
+    let options = Options { kernel, ..options.clone() };
+    let order = order(net, &options);
+    let scene = schedule::schedule(model, net, &order, &options, Certificate::default(), None, diags)?;
+    Some(Slow::new(net, part, scene))
 }
 
 /// The order of the MATs in the state.
@@ -171,6 +213,7 @@ pub fn halves(model: &Model, catalog: &Catalog, options: &Options, whole: &Scene
     let pruned = || {
         let (mut net, mut diags) = network(model, catalog, options).map_err(|_| "it has errors")?;
         modal::modal(model, &mut net, &mut diags);
+        solve_order::choose_modes(&mut net);
         Ok::<Pruned, &str>(net)
     };
     let net = pruned()?;
@@ -187,7 +230,7 @@ pub fn halves(model: &Model, catalog: &Catalog, options: &Options, whole: &Scene
     let half = |this: usize| {
         let (net, mut diags) = (&nets[this], Diags::new());
         let certificate = whole.certificate.clone();
-        let scene = schedule::schedule(model, net, &order(net, options), options, certificate, &mut diags);
+        let scene = schedule::schedule(model, net, &order(net, options), options, certificate, None, &mut diags);
         scene.map(|scene| half::half(net, &kept[this], scene, &place, &kept[1 - this].ghosts))
     };
     let (Some(first), Some(second)) = (half(0), half(1)) else { return Err("a half of it is no scene".into()) };

@@ -54,6 +54,8 @@ pub enum Refused {
     Modal(String),
     /// what moves it is solved together with other masses
     Implicit(String),
+    /// it is computed once a gesture frame
+    Slow(String),
     /// the scheme of the scene has several steps in a sample
     Scheme(&'static str),
     /// the certificate leaves nothing for a coupling
@@ -68,6 +70,7 @@ impl core::fmt::Display for Refused {
             Refused::Port(m) => write!(f, "`{m}` is a port; move it by its slider or its device"),
             Refused::Modal(m) => write!(f, "`{m}` is in a group that goes by its modes; pull on a mass outside of it"),
             Refused::Implicit(m) => write!(f, "`{m}` is held by implicit links; pull on a mass outside of them"),
+            Refused::Slow(m) => write!(f, "`{m}` is in a group at the gesture rate; pull on a mass outside of it"),
             Refused::Scheme(what) => write!(f, "a model with {what} cannot be pulled on; push it by a port"),
             Refused::Margin(m) => write!(f, "`{m}`: nothing is left of the stability margin for a hand (`ca check`)"),
         }
@@ -124,6 +127,11 @@ impl Pointer {
         if let Some(links) = &scene.layout.implicit {
             if links.places.iter().chain(links.pairs.iter().flat_map(|p| &p.ends)).any(mine) {
                 return Err(Refused::Implicit(name()));
+            }
+        }
+        if let Some(group) = &scene.layout.slow {
+            if group.ports.iter().chain(&group.shown).any(|p| mine(&p.at)) {
+                return Err(Refused::Slow(name()));
             }
         }
         let inertia = 2 * scene.layout.n_mat + first;

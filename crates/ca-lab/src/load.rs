@@ -8,6 +8,8 @@ use ca_compile::{Compiled, Options};
 use ca_core::Scene;
 use ca_core::kind::cloud::Unread;
 use ca_model::diag::{Diags, Severity};
+use ca_model::part::instances;
+use ca_model::part::library::is_shipped;
 use ca_model::render::line_column;
 use ca_model::suggest::nearest;
 use ca_model::{Entry, Item, Model, Span, Value, read};
@@ -74,13 +76,14 @@ pub fn read_again(model: &Model) -> Loaded {
     read_other(model, &model.text)
 }
 
-/// The files that a model takes parts from, those too that could not be read, by their paths from its folder.
+/// The files on disk that a model takes parts from, those too that could not be read, by their paths from its folder.
 pub fn part_files(model: &Model) -> Vec<String> {
     let asked = model.uses.iter().filter_map(|u| match &u.file.as_ref()?.value {
         Value::Text(t) => Some(t.trim().to_owned()),
         _ => None,
     });
-    let mut all: Vec<String> = model.files.iter().map(|f| f.name.clone()).chain(asked).collect();
+    let mut all: Vec<String> =
+        model.files.iter().map(|f| f.name.clone()).chain(asked).filter(|f| !is_shipped(f)).collect();
     all.sort();
     all.dedup();
     all
@@ -129,11 +132,14 @@ fn no_model(word: &str) -> String {
     }
 }
 
-/// Sets a parameter as [`Model::put`] does, and reads what files it names then.
+/// Sets a parameter as [`Model::put`] does, and reads what files it names then; `key[*].f` is that of each instance.
 ///
 /// # Errors
 /// [`Failure::Usage`] with the nearest name where there is none such.
 pub fn set(loaded: &mut Loaded, name: &str, value: Value) -> Result<(), Failure> {
+    if let Some(each) = instances(&loaded.model, name) {
+        return each.iter().try_for_each(|name| set(loaded, name, value.clone()));
+    }
     let model = &mut loaded.model;
     if let Some((owner, key)) = name.rsplit_once('.') {
         let known: Option<Vec<&str>> = match owner {
@@ -209,6 +215,9 @@ fn of_group(model: &Model, name: &str) -> Option<String> {
 /// # Errors
 /// Those of [`set`], and [`Failure::Usage`] for a list, with the place where it is to be written.
 pub fn set_typed(loaded: &mut Loaded, name: &str, text: &str) -> Result<(), Failure> {
+    if let Some(each) = instances(&loaded.model, name) {
+        return each.iter().try_for_each(|name| set_typed(loaded, name, text));
+    }
     let model = &loaded.model;
     let (owner, key) = name.rsplit_once('.').unwrap_or(("", name));
     // titles and the like are free text

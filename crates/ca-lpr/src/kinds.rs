@@ -1,7 +1,7 @@
 //! The kinds: one for each law, made of the kind of the core at compile time.
 //!
 //! Decides that parameters, their docs and their alternatives are those of the law, copied as data, so that they cannot
-//! fall apart; what is taken away is `along`, since both ports measure what their world is made of, and `method`; what is added
+//! fall apart; what is taken away is `along`, since both ports measure what their world is made of, and `method`, of which only LPR_BOW has one; what is added
 //! is `onto`, behind the others, since a law knows its parameters by number.
 
 use crate::laws;
@@ -67,6 +67,24 @@ pub const fn params<const N: usize>(kind: &Kind) -> [Param; N] {
     all
 }
 
+/// They, the last of them from `more`.
+const fn with<const N: usize>(mut all: [Param; N], more: &[Param]) -> [Param; N] {
+    let mut i = 0;
+    while i < more.len() {
+        all[N - more.len() + i] = more[i];
+        i += 1;
+    }
+    all
+}
+
+/// The methods of LPR_BOW.
+const DRY: Param = Param::new(
+    "method",
+    Type::Choice(&["ca", "set-valued"]),
+    Need::Default(0.0),
+    "ca: explicit; set-valued, of the curve coulomb: what sticks stands still in the sum of both",
+);
+
 /// A body of two masses in space whose edge is the link, heard on a cell: `speed` along the edge.
 macro_rules! edge {
     ($code:literal, $speed:literal, $args:literal, $gain:literal) => {
@@ -104,15 +122,16 @@ macro_rules! drawn {
 }
 
 macro_rules! kind {
-    ($name:ident, $code:literal, $law:ident, $of:path, $title:literal, $doc:literal, $example:expr) => {
-        static $name: Kind = Kind {
+    ($name:ident, $code:literal, $law:ident, $of:path, $title:literal, $doc:literal, $example:expr $(, $more:ident)?) => {
+        pub static $name: Kind = Kind {
             code: $code,
             title: $title,
             doc: text!($doc, PAGE),
             source: &["Rattle"],
             params: {
-                const N: usize = count(&$of);
-                const PARAMS: [Param; N] = params(&$of);
+                const MORE: &[Param] = &[$($more)?];
+                const N: usize = count(&$of) + MORE.len();
+                const PARAMS: [Param; N] = with(params(&$of), MORE);
                 &PARAMS
             },
             example: $example,
@@ -222,5 +241,6 @@ kind!(
     phi::bow::KIND,
     "bow friction across two worlds",
     "One bow for two: what it draws is the sum of their speeds.",
-    drawn!("LPR_BOW", "f = \"0.3 N\", v0 = \"50 mm/s\"", "2000", "[[0, 0], [1, \"0.2 m\"]]")
+    drawn!("LPR_BOW", "f = \"0.3 N\", v0 = \"50 mm/s\"", "2000", "[[0, 0], [1, \"0.2 m\"]]"),
+    DRY
 );

@@ -6,6 +6,8 @@
 //! taken, and the general law would run.
 
 use crate::op::kernel;
+use crate::{dry, kinds};
+use ca_core::kind::Type;
 use ca_core::op::Law;
 use ca_core::phi;
 
@@ -37,11 +39,32 @@ laws! {
     FRICTION "LPR_LNL friction" phi::lnl::FRICTION, phi::lnl::TableFriction;
     PLK "LPR_PLK" phi::plk::LAW, phi::plk::Plk;
     ATT "LPR_ATT" phi::att::LAW, phi::att::Att;
-    BOW "LPR_BOW smooth" phi::bow::SMOOTH, phi::bow::Smooth;
     PIECEWISE "LPR_BOW piecewise" phi::bow::PIECEWISE, phi::bow::Piecewise;
     COULOMB "LPR_BOW coulomb" phi::bow::COULOMB, phi::bow::Coulomb;
     TABLE "LPR_BOW table" phi::bow::TABLE, phi::lnl::TableFriction;
 }
+
+/// That of LPR_BOW, by its words: the curve, and the method, which has fewer words than that of BOW.
+pub static BOW: Law = Law {
+    code: "LPR_BOW smooth",
+    kernel: kernel::<phi::bow::Smooth, _, _>,
+    simpler: |p| {
+        let is = |name: &str, word: &str| {
+            let at = kinds::LPR_BOW.param(name)?;
+            let (Type::Choice(words), Some(v)) = (kinds::LPR_BOW.params[at].ty, p.get(at)?.number()) else {
+                return None;
+            };
+            Some(words.get(v as usize) == Some(&word))
+        };
+        if is("method", "set-valued") == Some(true) && is("curve", "coulomb") == Some(true) {
+            return Some(&dry::LAW);
+        }
+        // the law of the core would take the method for one of its own
+        let method = kinds::LPR_BOW.param("method")?;
+        quadripole((phi::bow::SMOOTH.simpler)(p.get(..method)?)?)
+    },
+    ..phi::bow::SMOOTH
+};
 
 /// The law of this crate that is the form of `law`.
 pub fn quadripole(law: &'static Law) -> Option<&'static Law> {

@@ -32,6 +32,7 @@
 
 #[macro_use]
 mod quadripoles;
+mod dry;
 mod kinds;
 mod laws;
 pub mod op;

@@ -230,6 +230,7 @@ pub const CODES: &[(&str, &str)] = &[
     ("E031", "file that cannot be read"),
     ("E032", "equivalences that do not fit together"),
     ("E033", "a part that uses itself"),
+    ("E034", "a group at the gesture rate"),
     ("W101", "nothing hears it"),
     ("W102", "a contact acts at load"),
     ("W103", "unstable"),

@@ -44,13 +44,18 @@ pub fn schema(catalog: &Catalog) -> Json {
         "number".into(),
         json!({"anyOf": [{"type": "number"}, {"$ref": "#/$defs/quantity"}, {"$ref": "#/$defs/name"}]}),
     );
-    let mut kinds = Map::new();
+    let (mut kinds, mut of_part) = (Map::new(), Map::new());
     for kind in catalog.iter() {
-        defs.insert(kind.code.into(), members(kind));
+        defs.insert(kind.code.into(), members(kind, false));
         kinds.insert(kind.code.into(), json!({"$ref": format!("#/$defs/{}", kind.code)}));
+        let in_part = format!("{}_of_part", kind.code);
+        of_part.insert(kind.code.into(), json!({"$ref": format!("#/$defs/{in_part}")}));
+        defs.insert(in_part, members(kind, true));
     }
     let mut group = kinds.clone();
-    group.extend(GROUP.iter().map(|p| ((*p).to_string(), known(p, &OF_GROUP))));
+    for kinds in [&mut group, &mut of_part] {
+        kinds.extend(GROUP.iter().map(|p| ((*p).to_string(), known(p, &OF_GROUP))));
+    }
     defs.insert(
         "group".into(),
         json!({"type": "object", "description": "modules that share a medium", "properties": group, "additionalProperties": false}),
@@ -65,7 +70,7 @@ pub fn schema(catalog: &Catalog) -> Json {
     properties.insert("param".into(), params(true));
     defs.insert("use".into(), uses());
     properties.insert("use".into(), json!({"$ref": "#/$defs/use"}));
-    properties.insert("part".into(), parts(&group));
+    properties.insert("part".into(), parts(&of_part));
     properties.insert(
         "gesture".into(),
         json!({"type": "object", "description": "a port or a live parameter, and its breakpoints [time, value]"}),
@@ -88,6 +93,9 @@ fn known(key: &str, method: &Param) -> Json {
     match key {
         "units" => json!({"enum": ["si", "alg"], "default": "si", "description": "units of bare numbers"}),
         "start" => json!({"enum": ["centred", "mi.lib"], "default": "centred", "description": "how it starts"}),
+        "rate" => {
+            json!({"enum": ["sound", "gesture"], "default": "sound", "description": "how often a group is computed"})
+        }
         "dim" => json!({"enum": [1, 2, 3], "description": "dimensions of space"}),
         "reference_rate" => number("rate whose sample is the unit of time of `alg` units [Hz]"),
         "gravity" => param(&GRAVITY),
@@ -155,13 +163,14 @@ fn uses() -> Json {
     })
 }
 
-/// Named numbers; those of a part need no value.
+/// Named numbers; those of a part need no value, and may stand for a word, a module or a list, too.
 fn params(valued: bool) -> Json {
     let number = json!({"$ref": "#/$defs/number"});
+    let value = if valued { number.clone() } else { json!({"type": ["number", "string", "boolean", "array"]}) };
     let mut full = json!({
         "type": "object",
         "properties": {
-            "value": number, "min": number, "max": number,
+            "value": value, "min": number, "max": number,
             "unit": {"type": "string"}, "doc": {"type": "string"},
             "live": {"type": "boolean", "description": "may be changed while it sounds"},
             "port": {"type": "string", "description": "the port that drives it, from `min` to `max`"},
@@ -178,7 +187,7 @@ fn params(valued: bool) -> Json {
         "type": "object",
         "description": "named numbers",
         "propertyNames": {"pattern": WORD},
-        "additionalProperties": {"anyOf": [number, full]},
+        "additionalProperties": {"anyOf": [value, full]},
     })
 }
 
@@ -205,9 +214,13 @@ fn equivalence() -> Json {
     })
 }
 
-/// The section of one kind.
-fn members(kind: &Kind) -> Json {
-    let properties: Map<String, Json> = kind.params.iter().map(|p| (p.name.to_string(), param(p))).collect();
+/// The section of one kind; in a part a word or a flag may be a parameter of that part.
+fn members(kind: &Kind, of_part: bool) -> Json {
+    let one = |p: &Param| match p.ty {
+        Type::Choice(_) | Type::Flag if of_part => json!({"anyOf": [param(p), {"$ref": "#/$defs/name"}]}),
+        _ => param(p),
+    };
+    let properties: Map<String, Json> = kind.params.iter().map(|p| (p.name.to_string(), one(p))).collect();
     let required: Vec<&str> = kind.params.iter().filter(|p| p.need == Need::Required).map(|p| p.name).collect();
     let mut rules = Vec::new();
     for one_of in kind.one_of {

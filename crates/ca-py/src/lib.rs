@@ -27,7 +27,7 @@ mod _core {
     #[pymodule_export]
     use crate::measure::quantity;
     #[pymodule_export]
-    use crate::model::{Model, bundled, kinds};
+    use crate::model::{Model, bundled, kinds, parts};
     #[pymodule_export]
     use crate::scene::Scene;
     #[pymodule_export]

@@ -10,7 +10,8 @@ use ca_core::kind::Role;
 use ca_lab::load::{self, BUNDLED, Loaded};
 use ca_lab::{bytes, take};
 use ca_model::diag::Severity;
-use ca_model::part::{Part, Use};
+use ca_model::part::library::LIBRARY;
+use ca_model::part::{self, Part, Use};
 use ca_model::select::{is_name, is_word};
 use ca_model::suggest::nearest;
 use ca_model::{Entry, Span, Value, read, write};
@@ -87,6 +88,13 @@ pub fn bundled() -> Vec<&'static str> {
     BUNDLED.iter().map(|m| m.0).collect()
 }
 
+/// Parts that come with the program: name and a line about each.
+#[pyfunction]
+pub fn parts() -> Vec<(&'static str, String)> {
+    let doc = |name: &str| part::library::shipped(name, &ca_lab::catalog()).map(|p| p.0.doc);
+    LIBRARY.iter().map(|p| (p.0, doc(p.0).unwrap_or_default())).collect()
+}
+
 /// All kinds: code, title, equation, family, and parameters as name, unit, document.
 #[pyfunction]
 #[allow(clippy::type_complexity)]
@@ -149,12 +157,10 @@ impl Model {
     fn part(&self, py: Python, name: &str) -> PyResult<Part> {
         let parts = &self.loaded.model.parts;
         parts.iter().find(|p| p.name == name).cloned().ok_or_else(|| {
-            let near = nearest(name, parts.iter().map(|p| p.name.as_str()));
-            let all = load::ticked(parts.iter().map(|p| p.name.as_str()));
-            let hint = match near {
+            let names = || parts.iter().map(|p| p.name.as_str()).chain(LIBRARY.iter().map(|p| p.0));
+            let hint = match nearest(name, names()) {
                 Some(near) => format!("did you mean `{near}`?"),
-                None if parts.is_empty() => "give a model in its place".into(),
-                None => format!("its parts are {all}"),
+                None => format!("there are {}, or give a model in its place", load::ticked(names())),
             };
             usage(py, &format!("the model has no part `{name}`; {hint}"))
         })
@@ -267,7 +273,7 @@ impl Model {
         Ok(())
     }
 
-    /// Adds instances of a part: one of this model by its name, or another model as it is.
+    /// Adds instances of a part: one of this model or of the program by its name, or another model as it is.
     #[pyo3(signature = (name, part, of, n, given))]
     fn use_part(
         &mut self,
@@ -278,20 +284,27 @@ impl Model {
         n: Option<f64>,
         given: Vec<(String, Given)>,
     ) -> PyResult<()> {
+        let shipped = of.is_none() && !self.loaded.model.parts.iter().any(|p| p.name == part);
+        let shipped = LIBRARY.iter().map(|p| p.0).find(|p| shipped && *p == part);
         let part = match of {
-            None => self.part(py, part)?,
-            Some(of) if !part.is_empty() => of.part(py, part)?,
+            None if shipped.is_some() => None,
+            None => Some(self.part(py, part)?),
+            Some(of) if !part.is_empty() => Some(of.part(py, part)?),
             Some(of) => {
                 let whole = of.whole();
                 let name = if whole.name.is_empty() { name.into() } else { whole.name };
-                Part { name, span: Span::NONE, doc: String::new(), props: Vec::new(), body: whole.model }
+                Some(Part { name, span: Span::NONE, doc: String::new(), props: Vec::new(), body: whole.model })
             }
         };
         self.take(py, name)?;
         let mut u = Use::new(name);
         (u.n, u.with) = (n.map(|n| Entry::new("n", n)), entries(given));
         let mut next = self.loaded.model.clone();
-        let found = ca_model::part::add(&mut next, &part, &u, &ca_lab::catalog());
+        let found = match (&part, shipped) {
+            (None, Some(name)) => part::add_shipped(&mut next, name, &u, &ca_lab::catalog()),
+            (Some(part), _) => part::add(&mut next, part, &u, &ca_lab::catalog()),
+            (None, None) => return Err(usage(py, "no part is given")),
+        };
         if let Some(first) = found.list.iter().find(|d| d.severity == Severity::Error) {
             self.names.remove(name);
             let help = first.help.as_ref().map(|h| format!("; {h}")).unwrap_or_default();

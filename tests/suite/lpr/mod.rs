@@ -1,5 +1,6 @@
 //! Quadripoles: energy, statics, modes, and silence of what only moves.
 
+mod dry;
 mod plain;
 
 use crate::play::{Random, audited, case, list, mat, num, off, scene, within};

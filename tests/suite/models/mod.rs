@@ -2,22 +2,26 @@
 //! gesture at a good level, and sounds as its header says, by spectrum and envelope.
 
 mod bars;
+mod bowed;
 mod heard;
+mod keys;
 mod piano;
 mod plates;
 mod played;
 mod space;
 mod strings;
 
-use bars::{glass, iron_bar, kalimba, marimba};
+use bars::{iron_bar, kalimba, marimba};
+use bowed::{bowed_plate, bowed_string, glass, physical_lfo};
 use heard::{file_names, load};
+use keys::{piano_key, piano_wire, piano24};
 use piano::hammer_piano;
-use plates::{gong, membrane, plate};
-use played::{physical_lfo, piano_key, rain_stick, wind};
-use space::{chimes, crystal, jack, maracas, rattle, rattle_stick};
+use plates::{gong, membrane, plate, snare, tam_tam};
+use played::{rain_stick, wind};
+use space::{chimes, crystal, jack, maracas, rattle, rattle_stick, tossed_grains};
 use std::collections::BTreeSet;
 use strings::{
-    bowed_string, hammered_string, harmonic_chain, hoop, natural_harmonic, piano_wire, pinched_string, plucked_string,
+    hammered_string, harmonic_chain, hoop, natural_harmonic, pinched_string, plucked_string, prepared_string,
     slide_guitar, wave_guitar,
 };
 
@@ -32,6 +36,7 @@ macro_rules! models {
 }
 
 models!(
+    bowed_plate,
     bowed_string,
     chimes,
     crystal,
@@ -49,15 +54,20 @@ models!(
     membrane,
     natural_harmonic,
     physical_lfo,
+    piano24,
     piano_key,
     piano_wire,
     pinched_string,
     plate,
     plucked_string,
+    prepared_string,
     rain_stick,
     rattle,
     rattle_stick,
     slide_guitar,
+    snare,
+    tam_tam,
+    tossed_grains,
     wave_guitar,
     wind,
 );

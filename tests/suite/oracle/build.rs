@@ -271,7 +271,11 @@ impl Builder<'_> {
         let hear = i.args.iter().find(|e| e.key == "hear").map_or("position", |_| word(i, "hear"));
         assert_ne!(hear, "acceleration", "outputs.rs has a test of it");
         let per_tick = if hear == "speed" { 1.0 / self.numbers.tick_dt } else { 1.0 };
-        let (links, chosen) = self.pick(word(i, "from"));
+        let from = entry(&i.args, "from").expect("from");
+        let (links, chosen) = match from {
+            Value::List(all) => (false, all.iter().flat_map(|e| self.side(&e.value)).collect()),
+            _ => self.pick(word(i, "from")),
+        };
         let minus = i.args.iter().find(|e| e.key == "minus").map(|_| self.pick(word(i, "minus")).1);
         for (j, at) in chosen.into_iter().enumerate() {
             let channel = self.numbers.maybe(i, "channel").map_or(self.net.channels(), |c| c as usize);

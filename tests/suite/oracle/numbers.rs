@@ -56,7 +56,8 @@ impl<'a> Numbers<'a> {
                     (Some(Value::Num(v)), Some(Value::Text(u))) if !u.is_empty() => read(&format!("{v} {u}")),
                     (v, _) => self.value(v.expect("a value"), power),
                 },
-                v => self.value(v.expect("a parameter"), power),
+                Some(v) => self.value(v, power),
+                None => quantity::note(t).expect("a parameter or a note"),
             },
             _ => f64::NAN,
         }

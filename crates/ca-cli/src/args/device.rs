@@ -16,6 +16,7 @@ use std::path::PathBuf;
   ca device doctor
   ca device sim --seconds 1
   ca device sim --rest '-8 mm' --depth '7.4 mm' --speed '0.4 m/s' --seconds 1
+  ca device sim --dof 0,4 --rest='0,0,0,0,-8 mm' --seconds 1
   ca device sim --profile falcon --script shake --rate 500 --seconds 1 --force-log felt.csv
   ca device calibrate tgr12 --low 0 --high 4095 -o tgr12.toml
   ca device sim --profile falcon --script hold --seconds 20 & ca device conformance falcon; kill $!")]
@@ -57,9 +58,13 @@ pub struct SimArgs {
     /// What its hand does
     #[arg(long, value_enum, default_value_t = ScriptKind::Strike)]
     pub script: ScriptKind,
-    /// Where its hand rests; the middle of its travel if left out
-    #[arg(long, value_name = "M", value_parser = metres, allow_hyphen_values = true)]
-    pub rest: Option<f64>,
+    /// Where its hand rests: one place, or one for each degree of freedom in order, of which the last is that of all others; the
+    /// middle of its travel if left out
+    #[arg(long, value_name = "M,...", value_parser = metres, allow_hyphen_values = true, value_delimiter = ',')]
+    pub rest: Vec<f64>,
+    /// Degrees of freedom that move, counted from 0; all others rest. All move if left out
+    #[arg(long, value_name = "N,...", value_delimiter = ',')]
+    pub dof: Vec<usize>,
     /// How far its hand goes from there, down where negative
     #[arg(long, value_name = "M", value_parser = metres, allow_hyphen_values = true)]
     pub depth: Option<f64>,

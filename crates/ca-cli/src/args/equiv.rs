@@ -19,7 +19,7 @@ use std::path::PathBuf;
   ca equiv piano_key --set mass='20 g:10 g' --write heavy.ca.toml
   ca equiv heavy.ca.toml --set position='20 mm:10 mm' --in-place
   ca equiv heavy.ca.toml --set energy='1 mJ:2 mJ' --anchor impedance --json
-  ca equiv heavy.ca.toml --key g --lever 2 --verbose")]
+  ca equiv heavy.ca.toml --key 'key[2].key' --lever 2 --verbose")]
 #[command(group(clap::ArgGroup::new("own").multiple(true)))]
 pub struct EquivArgs {
     /// `*.ca.toml` file, MIMS `.mdl` file, or name of a bundled model

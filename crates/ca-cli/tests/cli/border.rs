@@ -118,3 +118,26 @@ fn what_is_asked_of_a_border_that_is_not_there_is_said() {
     desk.ca(&["check", "bar.ca.toml", "--latency", "-1"]).is(2);
     desk.ca(&["check", "bar.ca.toml", "--border", "cubic"]).is(2).says(&["linear", "hold"]);
 }
+
+/// A group at the gesture rate: what is of it, and what a frame of it takes against the tick.
+#[test]
+fn a_group_at_the_gesture_rate_is_reported() {
+    let desk = Desk::new();
+    desk.put(
+        "slow.ca.toml",
+        "[slow]\nrate = \"gesture\"\n[slow.STRING]\nlow = { n = 200, k = \"5 kN/m\", m = \"10 g\" }\n[MAS]\nbob = { m = \"1 g\", dx0 \
+         = \"1 mm\" }\n[RES]\ntie = { between = [\"slow.low[50]\", \"bob\"], k = 100 }\n[SOX]\nout = { from = \"bob\" }\n",
+    );
+    let r = desk.ca(&["check", "slow.ca.toml", "--schedule"]).is(0);
+    r.says(&["group      200 masses and 201 links once a frame; links across hold 1 of their axes, exactly"]).says(&[
+        "gesture group",
+        "the group: 200 masses and 201 links take",
+        "once in 16 ticks",
+        "proven",
+    ]);
+    let j = desk.ca(&["check", "slow.ca.toml", "--schedule", "--json"]).is(0).json();
+    assert_eq!(j["summary"]["slow"], serde_json::json!({"masses": 200, "links": 201, "coupled": 1}));
+    assert!(j["schedule"]["ns_of_group_per_frame"].as_f64().unwrap() > 0.0);
+    desk.put("struck.ca.toml", STRUCK);
+    assert!(desk.ca(&["check", "struck.ca.toml", "--json"]).is(0).json()["summary"]["slow"].is_null());
+}

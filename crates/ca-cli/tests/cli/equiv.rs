@@ -156,20 +156,32 @@ fn check_says_what_a_device_cannot_render() {
 #[test]
 fn check_compares_what_the_gesture_asks_for_with_the_travel() {
     let desk = Desk::new();
-    let reported = desk.ca(&["check", "rattle", "--device", "tgr12"]).is(3);
-    let reported = reported.says(&["`key_x` is to go from -44.3 mm to 44.6 mm, the device goes from -10 mm to 10 mm"]);
+    // as written 90 mm of the model are 20 mm of the hand, and 40 mm of it are asked for
+    let asks = |file: &str, code: i32| {
+        let j = desk.ca(&["check", file, "--device", "tgr12", "--json"]).is(code).json();
+        let key = &j["device"]["keys"][0];
+        assert_eq!(key["name"], "key_x");
+        ([0, 1].map(|i| key["asks"][i].as_f64().unwrap()), key["beyond_travel"].as_bool().unwrap())
+    };
+    let (span, beyond) = asks("rattle", 0);
+    near(span[0], -0.04 * 20.0 / 90.0);
+    near(span[1], 0.04 * 20.0 / 90.0);
+    assert!(!beyond);
+    // as large in the hand as in the model it does not fit
+    desk.ca(&["equiv", "rattle", "--set", "position=1 m:1 m", "--write", "plain.ca.toml"]).is(0);
+    let reported = desk.ca(&["check", "plain.ca.toml", "--device", "tgr12"]).is(3);
+    let reported = reported.says(&["`key_x` is to go from -40 mm to 40 mm, the device goes from -10 mm to 10 mm"]);
     reported.says(&["beyond its travel", "ca equiv --set position="]);
-    let j = desk.ca(&["check", "rattle", "--device", "tgr12", "--json"]).is(3).json();
-    let key = &j["device"]["keys"][0];
-    near(key["asks"][0].as_f64().unwrap(), -0.0443);
-    near(key["asks"][1].as_f64().unwrap(), 0.0446);
-    assert_eq!(key["beyond_travel"], true);
+    let (span, beyond) = asks("plain.ca.toml", 3);
+    near(span[0], -0.04);
+    near(span[1], 0.04);
+    assert!(beyond);
     // scaled to the hand it fits, and not by a hair more
     for (real, fits) in [("10 mm", true), ("9.9 mm", true), ("10.1 mm", false)] {
-        let set = format!("position={real}:44.6 mm");
+        let set = format!("position={real}:40 mm");
         desk.ca(&["equiv", "rattle", "--set", &set, "--write", "small.ca.toml", "--force"]).is(0);
-        let j = desk.ca(&["check", "small.ca.toml", "--device", "tgr12", "--json"]).json();
-        assert_eq!(j["device"]["keys"][0]["beyond_travel"], !fits, "{real}: {}", j["device"]["keys"][0]);
+        let (span, beyond) = asks("small.ca.toml", if fits { 0 } else { 3 });
+        assert_eq!(beyond, !fits, "{real}: {span:?}");
     }
     // a key that rests where the device cannot be
     desk.put("far.ca.toml", "[TGR]\nkey = { device = \"tgr12\", x = \"11 mm\" }\n[SOX]\nout = { from = \"key\" }\n");

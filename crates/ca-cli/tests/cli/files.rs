@@ -85,3 +85,48 @@ fn a_part_is_a_file_beside_its_model() {
         desk.ca(&["check", "model.ca.toml"]).is(code).says(&[says]);
     }
 }
+
+#[test]
+fn a_name_of_many_instances_is_set_and_probed_in_each() {
+    let desk = Desk::new();
+    let render = |set: &str, to: &str| {
+        let probe = format!("tine[*].thumb={to}");
+        desk.ca(&["render", "kalimba", "-q", "--seconds", "0.2", "--set", set, "--probe", &probe]).is(0);
+        std::fs::read_to_string(desk.path(to)).expect(to)
+    };
+    let (plain, heavy) = (render("tine[2..5].thumb.m=1 g", "plain.csv"), render("tine[*].thumb.m=3 g", "heavy.csv"));
+    let head = plain.lines().next().expect("a head");
+    assert!(head.contains("tine[0].thumb") && head.contains("tine[6].thumb"), "{head}");
+    assert_ne!(plain, heavy, "the thumb of 1 g, as it is, and one of 3 g");
+    desk.ca(&["render", "kalimba", "--set", "tine[9].thumb.m=3 g"]).is(2).says(&["`tine[9].thumb`"]);
+    desk.ca(&["render", "kalimba", "--set", "tine[*].tumb.m=3 g"]).is(2).says(&["did you mean"]);
+}
+
+/// A MIDI file with one note of each velocity, a second apart.
+fn strokes(note: u8, velocities: &[u8]) -> Vec<u8> {
+    let mut track = Vec::new();
+    for (i, v) in velocities.iter().enumerate() {
+        // ticks since the event before, 480 to half a second: 720 is 85 50 in MIDI's digits of seven bits
+        track.extend(if i == 0 { vec![0] } else { vec![0x85, 0x50] });
+        track.extend([0x90, note, *v, 0x81, 0x70, 0x80, note, 0]);
+    }
+    track.extend([0, 0xff, 0x2f, 0]);
+    let mut file = b"MThd\0\0\0\x06\0\0\0\x01\x01\xe0MTrk".to_vec();
+    file.extend((track.len() as u32).to_be_bytes());
+    file.extend(track);
+    file
+}
+
+#[test]
+fn velocity_is_how_loud_a_pluck_is() {
+    let desk = Desk::new();
+    for (model, note) in [("kalimba", 64), ("plucked_string", 50), ("natural_harmonic", 45), ("pinched_string", 45)] {
+        std::fs::write(desk.path("strokes.mid"), strokes(note, &[20, 60, 120])).expect("written");
+        desk.ca(&["render", model, "-q", "--seconds", "2.9", "--gesture", "strokes.mid", "-o", "x.wav"]).is(0);
+        let (spec, sound) = desk.wav("x.wav");
+        let second = spec.sample_rate as usize * usize::from(spec.channels);
+        // what a stroke adds: the first 0.2 s after each
+        let loud: Vec<f64> = (0..3).map(|i| crate::desk::peak(&sound[i * second..i * second + second / 5])).collect();
+        assert!(loud[1] > 1.3 * loud[0] && loud[2] > 1.3 * loud[1], "{model}: {loud:?}");
+    }
+}

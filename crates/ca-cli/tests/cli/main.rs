@@ -43,6 +43,13 @@ fn what_is_misspelt_gets_an_answer() {
     desk.ca(&["render", "bar.ca.toml", "--probe", "bat"]).is(1).says(&["E013", "`bat`", "`bar`"]);
     desk.ca(&["explain", "e13"]).is(2).says(&["did you mean `E013`?"]);
     desk.ca(&["list", "BTU"]).is(2).says(&["did you mean `BUT`?"]);
+    desk.ca(&["list", "parts"]).is(0).says(&["  plectrum ", "  a key that plucks a string"]);
+    desk.ca(&["list", "plectrum"]).is(0).says(&[
+        "on ",
+        "required",
+        "plectrum = { part = \"plectrum\", with = { on = …",
+    ]);
+    desk.ca(&["list", "plectrun"]).is(2).says(&["did you mean `plectrum`?"]);
     desk.ca(&["new", "x.ca.toml", "--from", "strin"]).is(2).says(&["did you mean `string`?"]);
     desk.ca(&["rendr"]).is(2).says(&["render"]);
     assert_eq!(desk.files(), ["bar.ca.toml"]);

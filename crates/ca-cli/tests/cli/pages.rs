@@ -95,6 +95,18 @@ fn bundled_models_have_a_title_and_no_errors() {
 }
 
 #[test]
+fn the_list_of_models_says_how_each_is_played() {
+    let desk = Desk::new();
+    let list = desk.ca(&["list", "models"]).is(0).says(&["docs/instruments.md"]).out;
+    let j = desk.ca(&["list", "models", "--json"]).is(0).json();
+    let by = |name: &str| j.as_array().unwrap().iter().find(|m| m["name"] == name).unwrap()["played"].clone();
+    assert_eq!(by("hammer_piano"), serde_json::json!(["TGR keys", "MIDI", "gesture"]));
+    assert_eq!(by("jack"), serde_json::json!(["by itself"]));
+    let line = list.lines().find(|l| l.contains(" hammer_piano ")).unwrap();
+    assert!(line.contains("TGR keys, MIDI, gesture"), "{line}");
+}
+
+#[test]
 fn a_new_model_checks_and_sounds() {
     let desk = Desk::new();
     desk.ca(&["new", "mine.ca.toml"]).is(0).says(&["ca render mine.ca.toml"]);

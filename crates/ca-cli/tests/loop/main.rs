@@ -23,6 +23,7 @@ mod in_real_time {
     mod dialogue;
     mod faults;
     mod flood;
+    mod instruments;
     mod limits;
     mod other;
     mod piano;

@@ -41,8 +41,9 @@ pub fn unstable(model: &Model, net: &Pruned, sums: &Accumulated, i: usize) -> Di
     let s = &sums.mats[i];
     let at = s.certain * s.scaled_mobility;
     let title = format!(
-        "`{}` is too stiff for its mass at this sound rate: {:.3}, the limit is 4",
+        "`{}` is too stiff for its mass at this {} rate: {:.3}, the limit is 4",
         m.name,
+        net.clock(),
         quantity::Plain(at)
     );
     let d = Diag::warning("W103", title).at(span(model, net, m.item), "this mass");
@@ -90,10 +91,11 @@ pub fn unstable(model: &Model, net: &Pruned, sums: &Accumulated, i: usize) -> Di
 pub fn faster(net: &Pruned, now: f64, viscous: bool) -> String {
     let times = if viscous { now / 4.0 } else { libm::sqrt(now / 4.0) };
     let above = net.rate * times;
-    let rate = format!("raise the sound rate above {:.0} Hz", quantity::Plain(above));
+    let rate = format!("raise the {} rate above {:.0} Hz", net.clock(), quantity::Plain(above));
     let ticks = libm::floor(f64::from(net.oversample) * times) + 1.0;
     let finer = format!("write `oversample = {ticks}` in `[rate]`");
-    any(&[if above < CLOCK.1 { &rate } else { "" }, if ticks > f64::from(FINEST) { "" } else { &finer }])
+    let finer = if net.slow || ticks > f64::from(FINEST) { "" } else { &finer };
+    any(&[if above < CLOCK.1 { &rate } else { "" }, finer])
 }
 
 /// Ways to mend it, one of which is enough; those that are empty are none.

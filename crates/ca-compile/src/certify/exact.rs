@@ -134,7 +134,8 @@ impl Exact {
         let largest = StabilityMatrix::new(&linear, |_| 1.0)
             .map_or(4.0, |p| p.largest(cert.lower, cert.bound, MESSAGE_TOLERANCE).1);
         let title = format!(
-            "too stiff for the masses at this sound rate, all together: {:.4}, the limit is 4",
+            "too stiff for the masses at this {} rate, all together: {:.4}, the limit is 4",
+            net.clock(),
             quantity::Plain(largest)
         );
         let d = Diag::warning("W103", title).at(span(model, net, m.item), "nearest to the limit by itself");

@@ -72,7 +72,7 @@ fn not_proven(model: &Model, net: &Pruned, bounds: &Bounds, cert: &Certificate) 
         d = d.at(span(model, net, net.mats[i].item), "nearest to the limit");
     }
     let help = "it may well be stable; to be sure, lower the stiffness and viscosity at";
-    d.help(format!("{help} `{}`, make it heavier, or raise the sound rate", cert.worst))
+    d.help(format!("{help} `{}`, make it heavier, or raise the {} rate", cert.worst, net.clock()))
 }
 
 /// Items of which some mass is left out, since nothing hears it. Masses whose modes stand for them are heard.

@@ -50,7 +50,7 @@ pub fn contacts(
                 let z = |b: f64| quantity::show(round_down(b / (c / net.tick_dt)), Unit::VISCOSITY);
                 format!("use `k` up to {safe}, or viscosity `z` between {} and {}", z(lo), z(hi))
             } else {
-                format!("use `k` up to {safe}, heavier masses, a higher sound rate")
+                format!("use `k` up to {safe}, heavier masses, a higher {} rate", net.clock())
             };
             let stable = if l.kind.param("method").is_some() { ", or `method = \"stable\"`" } else { "" };
             diags.push(d.at(span(model, net, l.item), "stiff contact").help(help + stable));
@@ -82,7 +82,8 @@ pub fn frictions(
             let less = quantity::Plain(round_up(steep / 1.5));
             let other = if l.kind.param("method").is_some() { ", or `method = \"newton\"`" } else { "" };
             let help = format!(
-                "a {less} times smaller force or larger speed of stick, heavier masses, or a higher sound rate{other}"
+                "a {less} times smaller force or larger speed of stick, heavier masses, or a higher {} rate{other}",
+                net.clock()
             );
             diags.push(Diag::warning("W113", title).at(span(model, net, l.item), "steep friction").help(help));
         }

@@ -12,6 +12,7 @@ use ca_core::io::{HEAR, Hear};
 use ca_core::live::Source;
 use ca_model::LARGEST;
 use ca_model::diag::Diag;
+use ca_model::part::instances;
 use ca_model::{Entry, Span, Value};
 
 impl Wiring<'_> {
@@ -131,6 +132,9 @@ impl Wiring<'_> {
 
     /// A probe: one value for what lives on a line, a value for each axis of what lives in space.
     pub(super) fn probe(&mut self, text: &str, asked: u32) {
+        if let Some(each) = instances(self.model, text) {
+            return each.iter().for_each(|name| self.probe(name, asked));
+        }
         // an output's name means what it hears, along the direction it hears it; one that hears several on channels of
         // their own is a value for each
         let of = |o: &OutNode| o.item.is_some_and(|i| o.name == text || *self.net.items[i as usize].name == *text);

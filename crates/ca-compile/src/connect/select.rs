@@ -172,9 +172,8 @@ impl<'a> Wiring<'a> {
             let new = if span == w.span { format!("\"{near}\"") } else { near.to_string() };
             d.help(format!("did you mean `{near}`?")).fix(span, new)
         } else {
-            let inner =
-                self.model.uses.iter().any(|u| is_of(w.owner, &u.name) || w.owner.starts_with(&format!("{}[", u.name)));
-            let under = if inner { "in the part, or in the model under `[MAS]`" } else { "under `[MAS]`" };
+            let under =
+                if self.is_in_part(w.owner) { "in the part, or in the model under `[MAS]`" } else { "under `[MAS]`" };
             d.help(format!("declare it, e.g. `{name} = {{ m = \"20 g\" }}` {under}"))
         };
         self.diags.push(d);
@@ -189,10 +188,15 @@ impl<'a> Wiring<'a> {
 
     /// The module of a part that is nearly called `name`, where the owner is of an instance of it: as it is called there.
     fn of_instance(&self, name: &str, owner: &str) -> Option<&'a str> {
-        let of = |u: &Use| owner.strip_prefix(u.name.as_str()).is_some_and(|r| r.starts_with(['.', '[']));
-        let (instance, _) = owner.rsplit_once('.').filter(|_| self.model.uses.iter().any(of))?;
+        let (instance, _) = owner.rsplit_once('.').filter(|_| self.is_in_part(owner))?;
         let own = |i: &'a Item| i.name.strip_prefix(instance).and_then(|r| r.strip_prefix('.'));
         nearest(name, self.model.items.iter().filter_map(own))
+    }
+
+    /// Whether `name` is that of a module of an instance.
+    fn is_in_part(&self, name: &str) -> bool {
+        let of = |u: &Use| name.strip_prefix(u.name.as_str()).is_some_and(|r| r.starts_with(['.', '[']));
+        self.model.uses.iter().any(of)
     }
 
     /// A moving point; the same text is the same point.

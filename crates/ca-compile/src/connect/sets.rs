@@ -13,6 +13,7 @@ use alloc::sync::Arc;
 use alloc::vec::Vec;
 use ca_core::kind::name::Name;
 use ca_core::op::Law;
+use ca_model::part::instances;
 use ca_model::select::parse;
 use ca_model::{Model, Value};
 
@@ -23,7 +24,8 @@ const FEWEST: f64 = 1.5;
 pub fn heard(model: &Model, options: &Options) -> BTreeSet<String> {
     let from = model.items.iter().flat_map(|i| &i.args).filter(|e| e.key == "from");
     let texts = from.filter_map(|e| if let Value::Text(t) = &e.value { Some(t) } else { None });
-    texts.chain(&options.probes).filter_map(|t| parse(t).ok()).map(|s| s.name).collect()
+    let probes = options.probes.iter().flat_map(|p| instances(model, p).unwrap_or_else(|| alloc::vec![p.clone()]));
+    texts.cloned().chain(probes).filter_map(|t| parse(&t).ok()).map(|s| s.name).collect()
 }
 
 impl Wiring<'_> {

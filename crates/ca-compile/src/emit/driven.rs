@@ -85,15 +85,24 @@ fn taken_out(net: &Resolved, plan: &mut LivePlan) {
 
 /// The coefficients at so many equal steps of parameter `p`: their places, then a row for each.
 fn rows(controls: &mut Controls, p: usize, rows: usize) -> Result<(Vec<u32>, Vec<Vec<f64>>), String> {
-    let (mut patch, mut all) = (Patch::default(), Vec::new());
+    let (mut patch, mut all, mut places) = (Patch::default(), Vec::new(), Vec::new());
     let [min, max] = [controls.params()[p].min, controls.params()[p].max];
     for k in 0..rows {
         let part = k as f64 / (rows - 1) as f64;
         let v = if k + 1 == rows { max } else { min + part * (max - min) };
         controls.turn(p, v, &mut patch).map_err(|e| format!("{e}"))?;
         all.push(patch.set.iter().map(|s| s.1).collect());
+        let written: Vec<u32> = patch.set.iter().map(|s| s.0).collect();
+        if k == 0 {
+            places = written;
+        } else if places != written {
+            return Err(
+                "a link is implicit at some of its values and not at others, and an implicit one follows no port"
+                    .into(),
+            );
+        }
     }
-    Ok((patch.set.iter().map(|s| s.0).collect(), all))
+    Ok((places, all))
 }
 
 /// The coefficients that parameter `p` changes; all that it is written to where it has no bounds to compare.

@@ -12,6 +12,8 @@ pub mod pass_list;
 pub mod pefrl;
 pub mod penetration;
 pub mod plan;
+pub mod points;
 pub mod rows;
 pub mod schedule;
+pub mod slow;
 pub mod waves;

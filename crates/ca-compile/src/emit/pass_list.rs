@@ -6,7 +6,7 @@ use crate::net::MatRole;
 use alloc::collections::BTreeSet;
 use alloc::vec::Vec;
 use ca_core::border;
-use ca_core::method::implicit;
+use ca_core::method::{implicit, modes, quadratised};
 use ca_core::op::layout::{Layout, Output, OutputRow, Tap};
 use ca_core::op::{Kernel, Op, SolveStage, blocker, driven, energy, heard, lowpass, pass, wave};
 
@@ -67,8 +67,17 @@ pub fn forces(layout: &Layout, mut links: Vec<Op>, late: usize, weight: usize) -
     let together = late
         .iter()
         .find_map(|o| if let Some(SolveStage::Coupled(f)) = o.law.map(|l| l.stage) { Some(f) } else { None });
+    let solved = layout.solved_modal.len();
+    if solved > 0 {
+        list.push(Op::pass("modes ahead", modes::ahead, solved));
+    }
     list.extend(late);
+    let coupled = !layout.modal_couplings.is_empty();
+    let together = together.map(|solve| if coupled { quadratised::solve_modes as Kernel } else { solve });
     list.extend(together.map(|solve| Op::pass("contacts", solve, layout.n_touch)));
+    if solved > 0 {
+        list.push(Op::pass("modes again", modes::back, solved));
+    }
     let (keys, kept, feedback) = (layout.tgr.len(), layout.ledger.is_some(), layout.crossing.feedback);
     let aside = keys > 0 && kept && !feedback;
     if aside {
@@ -157,6 +166,7 @@ impl Plan<'_> {
                 let at = classes.len();
                 classes.push(match m.role {
                     MatRole::Port(_, inputs) if inputs[k].is_some() => Some(Class::Held),
+                    MatRole::Slow => Some(Class::Held),
                     MatRole::Mat(s) if !s.fixed && k < m.axes as usize => {
                         let own = self.coef[at] != 1.0 || self.coef[n_mat + at] != 0.0 || live.contains(&(at as u32));
                         Some(if own { Class::Full } else { Class::Free })

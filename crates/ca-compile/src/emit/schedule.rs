@@ -8,24 +8,25 @@ use crate::emit::oversample::oversample;
 use crate::emit::pass_list;
 use crate::emit::pefrl;
 use crate::emit::plan::Plan;
+use crate::emit::points::{self, Points, points};
 use crate::emit::rows::fold::fold;
 use crate::emit::rows::fuse::{self, Passes};
 use crate::emit::rows::links::{Links, own_tables};
 use crate::emit::rows::space::rows;
 use crate::emit::rows::written::Written;
-use crate::net::{Coordinate, End, LiaNode, MatRole, OutNode, OutputTap, Pruned};
+use crate::emit::slow::{self, Slow};
+use crate::net::{End, LiaNode, MatRole, OutNode, OutputTap, Pruned};
 use crate::options::{KernelClass, Options};
 use crate::passes::implicit;
 use alloc::boxed::Box;
 use alloc::collections::BTreeSet;
 use alloc::string::{String, ToString};
+use alloc::sync::Arc;
 use alloc::vec::Vec;
 use ca_core::kind::PortRole;
 use ca_core::live::Loader;
 use ca_core::numeric::{Aligned, Real, VerletList, real};
-use ca_core::op::layout::{
-    Account, CoordinateSource, Enf, Enx, Layout, LedgerPlan, MeasureKind, Modal, MovingPoint, Output, Row, Tap,
-};
+use ca_core::op::layout::{Account, Enf, Enx, Layout, LedgerPlan, MeasureKind, Output, Row, SolvedModal, Tap};
 use ca_core::op::{Op, Vectors};
 use ca_core::scene::certificate::Certificate;
 use ca_core::scene::{InputRole, Location, Order, Scene, Symbols, start};
@@ -34,13 +35,14 @@ use ca_model::Model;
 use ca_model::diag::Diags;
 use core::ops::Range;
 
-/// Builds the scene. `None` where the findings hold an error.
+/// Builds the scene, with groups at the gesture rate where there are any. `None` where the findings hold an error.
 pub fn schedule(
     model: &Model,
     net: &Pruned,
     order: &[u32],
     options: &Options,
     certificate: Certificate,
+    slow: Option<&Slow>,
     diags: &mut Diags,
 ) -> Option<Scene> {
     let plan = Plan::new(net, order);
@@ -73,6 +75,7 @@ pub fn schedule(
     let links = plan.links(batches, options, diags, model);
     written.coefs(n_mat, first_of_links..plan.coef.len(), &links);
     let Points { nodes, moving: moving_points, modal, shares, aimed } = points(&mut plan);
+    let solved_modal = points::solved(&mut plan, n_mat, links.tap, (&modal, &shares));
     let (gains, outputs) = outputs(&mut plan, &links)?;
     let implicit = plan.implicit(n_mat, &links, model, diags);
     // what stands before the links in the list of forces moves them back; moving points and what is implicit only those
@@ -80,7 +83,8 @@ pub fn schedule(
     let waves = plan.waves(links.mem);
     let lead = [enf.is_empty(), weighed.is_empty(), waves.delays.is_empty()].iter().filter(|none| !**none).count();
     let solved = implicit.as_ref().map_or([false; 2], |(a, _)| [!a.places.is_empty(), !a.pairs.is_empty()]);
-    let back = [!moving_points.is_empty(), !modal.is_empty(), solved[0], solved[1]].into_iter().filter(|b| *b).count();
+    let back = [!moving_points.is_empty(), !modal.is_empty(), solved[0], solved[1], !solved_modal.list.is_empty()];
+    let back = back.into_iter().filter(|b| *b).count();
     let place = |op: usize| op + lead + if op >= links.late { back } else { 0 };
     let ported: BTreeSet<u32> = enx.iter().chain(&tgr).map(|p| p.mat).collect();
     let ledger = options.energy.then(|| {
@@ -102,6 +106,7 @@ pub fn schedule(
         let accounts = accounts.into_iter().map(|a| Account { live: live(&a), ..a }).collect();
         LedgerPlan { accounts, weight, live: turns(0..3 * n_mat) || turns(weight..weight + weighed.len()) }
     });
+    let slow = slow.map(|slow| (slow, slow.group(&plan), slow.reach(&plan)));
     let mut symbols = symbols(&plan, &links, place);
     let (moves, own) = pass_list::moves(&classes, n_mat, waves.delays.len());
     let mut live = plan.live_plan(implicit.as_ref());
@@ -116,7 +121,7 @@ pub fn schedule(
         n_coef: coef.len(),
         n_mem: links.mem + waves.len,
         n_touch: links.touch,
-        n_tap: links.tap,
+        n_tap: links.tap + solved_modal.list.len() * SolvedModal::TAPS,
         channels: net.channels.len(),
         n_out: net.outs.iter().map(|o| o.channel as usize + 1).max().unwrap_or(0).max(net.channels.len()),
         ends: links.ends,
@@ -131,6 +136,9 @@ pub fn schedule(
         moving_points,
         modal,
         shares: reals(shares),
+        solved_modal: solved_modal.list,
+        modal_couplings: solved_modal.groups,
+        couplings: reals(solved_modal.couplings),
         tables: net.tables.iter().cloned().chain(own_tables(net).into_iter().map(|(_, t)| t)).collect(),
         enx,
         enf,
@@ -146,12 +154,16 @@ pub fn schedule(
         lowpass: if net.channels.is_empty() { Vec::new() } else { reals(net.lowpass.clone()) },
         implicit: implicit.map(|a| a.0),
         ledger,
+        slow: None,
         substeps: None,
         vectors: Vectors::detect(),
     };
     layout.rows = rows(&links.forces, &layout.ends, &layout.reach, &layout.rest);
     let mut reads = pass_list::reads(&layout, live_places.len(), aimed);
     let mut forces = pass_list::forces(&layout, links.forces, links.late, weight);
+    if let Some((_, group, _)) = &slow {
+        slow::passes(group, &mut reads, &mut forces);
+    }
     layout.output_rows = pass_list::output_rows(&layout);
     let mut writes = pass_list::writes(&layout, gains);
     let mut moves = if net.is_composed() { pefrl::moves(&layout, &forces, own) } else { moves };
@@ -164,6 +176,7 @@ pub fn schedule(
         moves = pass_list::merged(moves);
     }
     let summed = &forces[..forces.len() - fused];
+    let tick = slow.as_ref().map(|_| slow::Tick { forces: summed.to_vec(), moves: moves.clone() });
     oversample(net, &mut layout, &mut reads, summed, &mut writes, &mut moves);
     milib::check(model, net, &layout, &listed, diags);
     let begin = match () {
@@ -173,6 +186,13 @@ pub fn schedule(
     };
     let mut loaded = loaded(net, &layout, x, &v, coef, (live_places, whole));
     loaded.written = written.orders(loaded.coef.len());
+    if let Some(((slow, mut group, reach), tick)) = slow.zip(tick) {
+        let own = slow.state(&group);
+        let blank = slow::blank(&loaded, own.clone());
+        group.response = slow::response(&layout, &group, &tick, &blank, &reach);
+        loaded.slow = Some(Box::new(own));
+        layout.slow = Some(Arc::new(group));
+    }
     let as_milib = net.as_milib && !diags.has_errors();
     let ahead = !as_milib && net.oversample == 1 && layout.enx.iter().any(|p| p.implicit);
     let before = ahead.then(|| (begin, loaded.clone()));
@@ -219,52 +239,6 @@ fn ports(plan: &Plan, role: PortRole) -> Vec<Enx> {
         for (k, input) in inputs.iter().enumerate().filter(|_| r == role) {
             all.extend(input.map(|input| Enx { input, mat: at + k as u32, rest: m.rest[k], implicit: implicit(at) }));
         }
-    }
-    all
-}
-
-/// Moving points and masses that go by modes, laid out.
-#[derive(Default)]
-struct Points {
-    /// the MATs under them
-    nodes: Vec<u32>,
-    moving: Vec<MovingPoint>,
-    /// masses that go by modes, and their shares
-    modal: Vec<Modal>,
-    shares: Vec<f64>,
-    /// whether one of them moves along what it stands on
-    aimed: bool,
-}
-
-fn points(plan: &mut Plan) -> Points {
-    let net = plan.net;
-    let mut all = Points::default();
-    for (i, p) in net.points.iter().enumerate() {
-        let mat = plan.point[i];
-        if mat == u32::MAX {
-            continue;
-        }
-        let family = net.families.of(&p.family);
-        if let Some((weights, _)) = &p.shape {
-            // modes are tied to nothing, so they stand as they were made: in a row
-            let first = family.nodes.first().map_or(0, |mode| plan.slot[*mode as usize]);
-            let (share, n) = (all.shares.len() as u32, weights.len() as u32);
-            all.shares.extend(weights);
-            all.modal.push(Modal { mat, first, share, n });
-            continue;
-        }
-        let first = all.nodes.len() as u32;
-        all.nodes.extend(family.nodes.iter().map(|m| plan.slot[*m as usize]));
-        let mut at = [CoordinateSource::Coef(0); 2];
-        for (k, c) in p.at.iter().enumerate() {
-            at[k] = match c {
-                Coordinate::Port(m) => CoordinateSource::Mat(plan.slot[*m as usize]),
-                Coordinate::At(v) => plan.coordinate(*v, None),
-                Coordinate::Live(q) => plan.coordinate(net.params[*q as usize].value, Some(*q)),
-            };
-            all.aimed |= !matches!(c, Coordinate::At(_));
-        }
-        all.moving.push(MovingPoint { mat, first, size: family.size, at });
     }
     all
 }
@@ -368,6 +342,7 @@ fn loaded(
         output: alloc::vec![0.0; layout.n_out],
         near: layout.pair_sets.iter().map(|c| VerletList::new(c.members.len(), c.rows, c.columns)).collect(),
         cells: alloc::vec![Cell::default(); layout.moving_points.len()],
+        slow: None,
         border: alloc::vec![Border::default(); layout.tgr.len()],
         late: alloc::vec![0.0; layout.tgr.len() * layout.crossing.latency as usize],
         blocked: alloc::vec![[0.0; 2]; layout.blockers.len()],

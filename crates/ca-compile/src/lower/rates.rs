@@ -22,6 +22,18 @@ pub const FINEST: u32 = 64;
 const OVERSAMPLE: Param =
     Param::new("oversample", Type::Count { min: 1, max: FINEST }, Need::Default(1.0), "ticks in a sample");
 
+ca_core::choice! {
+    /// How often a group is computed.
+    enum GroupRate {
+        /// in every tick
+        Sound = "sound",
+        /// once a gesture frame
+        Gesture = "gesture",
+    }
+}
+const RATE: Param =
+    Param::new("rate", Type::Choice(GroupRate::WORDS), Need::Default(0.0), "how often a group is computed");
+
 /// Sound rate, ticks in a sample, tick and ratio.
 pub fn rates(model: &Model, options: &Options, net: &mut Resolved, diags: &mut Diags) {
     let hertz = |key: &str, diags: &mut Diags| {
@@ -145,6 +157,7 @@ fn medium(props: &[Entry], [owner, name]: [&str; 2], outer: Medium, methods: &Pa
                 }
             }
             "method" => m.method = v.word(methods, e, name).map_or(m.method, Method::of),
+            "rate" => m.slow = GroupRate::of(v.word(&RATE, e, name)) == GroupRate::Gesture,
             "theta" => m.theta = v.word(&THETA, e, name).or(m.theta),
             _ => {}
         }

@@ -16,7 +16,11 @@ pub fn parameters(kind: &Kind, item: &Item, args: &[Arg], diags: &mut Diags) -> 
         let span = entry(beside).map_or(item.name_span, |e| e.key_span);
         d.at(span, format!("without `{name}`")).help(help)
     };
-    let set_valued = kind.code == "BOW" && FrictionMethod::of(num("method")) == FrictionMethod::SetValued;
+    let chosen = |name: &str| {
+        let Type::Choice(words) = kind.params[kind.param(name)?].ty else { return None };
+        words.get(num(name)? as usize).copied()
+    };
+    let set_valued = chosen("method") == Some(FrictionMethod::WORDS[FrictionMethod::SetValued as usize]);
     let d = match kind.code {
         "BOW" if CurveShape::of(num("curve")) == CurveShape::Table && entry("points").is_none() => missing(
             "points",
@@ -27,13 +31,13 @@ pub fn parameters(kind: &Kind, item: &Item, args: &[Arg], diags: &mut Diags) -> 
             let d = missing("curve", "points", "add `curve = \"table\"`");
             entry("curve").map_or(d.clone(), |e| d.fix(e.span, "\"table\""))
         }
-        "BOW" if set_valued && CurveShape::of(num("curve")) != CurveShape::Coulomb => {
+        "BOW" | "LPR_BOW" if set_valued && CurveShape::of(num("curve")) != CurveShape::Coulomb => {
             let d =
                 Diag::error("E010", format!("`{}`: `method = \"set-valued\"` is for `curve = \"coulomb\"`", item.name));
             let d = d.at(entry("method").map_or(item.name_span, |e| e.span), "another curve");
-            d.help("add `curve = \"coulomb\"`, or choose `method = \"newton\"`")
+            d.help("add `curve = \"coulomb\"`, or choose another method")
         }
-        "BOW" if set_valued && num("fd").zip(num("f")).is_some_and(|(fd, f)| fd > f) => {
+        "BOW" | "LPR_BOW" if set_valued && num("fd").zip(num("f")).is_some_and(|(fd, f)| fd > f) => {
             let d = Diag::error("E009", format!("`fd` of `{}` is above `f`", item.name));
             let d = d.at(entry("fd").map_or(item.name_span, |e| e.span), "what slides is held less than what sticks");
             d.help("make `f` larger, or `fd` smaller")

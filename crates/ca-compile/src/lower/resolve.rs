@@ -299,8 +299,8 @@ fn nodes(mut item: NetItem, source: &Item, net: &mut Resolved, v: &mut Values<'_
                 return;
             }
             let scheme = net.scheme(item.group);
-            let args =
-                Args { code: kind.code, params: kind.params, values: &item.args, tick_dt: net.tick_dt, dim, scheme };
+            let tick_dt = net.tick_of(item.group);
+            let args = Args { code: kind.code, params: kind.params, values: &item.args, tick_dt, dim, scheme };
             let before = net.mats.len() + net.lias.len();
             let will = requirements::modules(&args);
             if will.saturating_add(before) > LARGEST {

@@ -53,6 +53,8 @@ pub enum MatRole {
     Mat(&'static MatSpec),
     /// moved from outside, each axis through its index in [`Resolved::inputs`]; axes without one are fixed
     Port(PortRole, [Option<u32>; 3]),
+    /// moved by its group at the gesture rate: what the sound side sees of a mass there
+    Slow,
 }
 
 /// A MAT.
@@ -85,7 +87,7 @@ impl MatNode {
     pub fn is_fixed(&self) -> bool {
         match self.role {
             MatRole::Mat(s) => s.fixed,
-            MatRole::Port(..) => true,
+            MatRole::Port(..) | MatRole::Slow => true,
         }
     }
 
@@ -281,11 +283,13 @@ pub struct Medium {
     pub method: Method,
     /// its θ, if written
     pub theta: Option<f64>,
+    /// whether it is computed once a gesture frame
+    pub slow: bool,
 }
 
 impl Default for Medium {
     fn default() -> Medium {
-        Medium { dim: 1, gravity: [0.0; 3], friction: 0.0, method: Method::Ca, theta: None }
+        Medium { dim: 1, gravity: [0.0; 3], friction: 0.0, method: Method::Ca, theta: None, slow: false }
     }
 }
 

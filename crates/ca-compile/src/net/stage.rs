@@ -85,6 +85,8 @@ pub struct Resolved {
     pub gestures: Vec<(String, Vec<[f64; 2]>)>,
     /// how long it sounds \[s\], if said
     pub seconds: Option<f64>,
+    /// whether this is the network of groups at the gesture rate, whose ticks are frames
+    pub slow: bool,
     /// whether the first two samples are those of mi.lib
     pub as_milib: bool,
     /// what was left out, in words
@@ -209,6 +211,21 @@ impl Resolved {
     /// The medium of a group; that of the model without one.
     pub fn medium_of(&self, group: Option<u32>) -> Medium {
         group.and_then(|g| self.media.get(g as usize)).or(self.media.last()).copied().unwrap_or_default()
+    }
+
+    /// The tick of a group \[s\]: that of the sound, or a gesture frame.
+    pub fn tick_of(&self, group: Option<u32>) -> f64 {
+        if self.medium_of(group).slow { self.frame_dt() } else { self.tick_dt }
+    }
+
+    /// What its ticks are of, for people.
+    pub fn clock(&self) -> &'static str {
+        if self.slow { "gesture" } else { "sound" }
+    }
+
+    /// A gesture frame \[s\].
+    pub fn frame_dt(&self) -> f64 {
+        f64::from(self.ratio) / self.rate
     }
 
     /// How what is linear in a group is computed.

@@ -8,6 +8,7 @@ pub mod pefrl;
 pub mod prune;
 pub mod reach;
 pub mod single;
+pub mod slow;
 pub mod solve_order;
 pub mod specialise;
 pub mod waves;

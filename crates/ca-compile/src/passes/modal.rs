@@ -187,7 +187,7 @@ fn obstacle(model: &Model, net: &Pruned, within: &[bool], name: &str, item: u32,
             let title = format!("{name} goes by its modes: `{}` has no force of its own", l.name);
             return refuse(l.item, "E028", title, "hear a mass, or what touches it, or use `method = \"ca\"`");
         }
-        if l.law.is_staged() || l.law.implicit {
+        if l.law.implicit || l.law.is_staged() && l.onto.is_some() {
             let title = format!("`{}` is implicit at a mass of {name}, which goes by its modes", l.name);
             return refuse(l.item, "E028", title, "use `method = \"ca\"` for one of them");
         }

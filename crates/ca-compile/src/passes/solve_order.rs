@@ -2,16 +2,22 @@
 //!
 //! A link that counts on the motion all other forces would cause is right only if no other link of its kind changes
 //! that motion. Decides by counting at every place that moves, so a row of contacts between separate pairs stays a row
-//! of closed forms, and only those that share a mass pay for a solver.
+//! of closed forms, and only those that share a mass, or a group that goes by its modes, pay for a solver.
 
 use crate::findings::no_method;
+use crate::net::worst::{worst_bounds, worst_mats};
 use crate::net::{End, LiaNode, Measure, Pruned};
-use alloc::collections::BTreeSet;
+use alloc::collections::{BTreeMap, BTreeSet};
 use alloc::format;
+use alloc::string::String;
 use alloc::vec::Vec;
 use ca_core::op::SolveStage;
 use ca_model::Model;
 use ca_model::diag::Diags;
+
+/// A contact of more than this kT²/m at a mass that goes by its modes loses its closed form: its depth is the difference of two
+/// places, each rounded, and k times that is more than 1e-13 of its energy (docs/numerics.md §3.3).
+const STIFFEST: f64 = 1e3;
 
 /// Gives links that may not act alone the law that acts together; refuses those at moving points, whose motion is that
 /// of several masses.
@@ -19,7 +25,7 @@ pub fn choose(model: &Model, net: &mut Pruned, diags: &mut Diags) {
     let mut count: Vec<[u32; 3]> = alloc::vec![[0; 3]; net.mats.len()];
     let mut reported = BTreeSet::new();
     for l in net.lias.iter().filter(|l| l.law.is_staged()) {
-        if let Some(point) = l.ends.into_iter().find(|e| matches!(e, End::Point(_))) {
+        if let Some(point) = l.all_ends().find(|e| matches!(e, End::Point(_))) {
             if reported.insert(l.item) {
                 let title =
                     format!("the method of `{}` does not work at a moving point, `{}`", l.name, net.end_name(point));
@@ -32,31 +38,81 @@ pub fn choose(model: &Model, net: &mut Pruned, diags: &mut Diags) {
             count[m as usize][axis as usize] += 1;
         }
     }
-    let shared = |l: &LiaNode| {
-        !matches!(l.measure, Measure::Line(_))
-            || places(net, l).iter().any(|(m, k)| count[*m as usize][*k as usize] > 1)
+    let twice = |l: &LiaNode| places(net, l).into_iter().find(|(m, k)| count[*m as usize][*k as usize] > 1);
+    for l in net.lias.iter().filter(|l| l.law.is_staged() && l.onto.is_some()) {
+        // no method solves four ends together with others
+        if let Some((m, _)) = twice(l).filter(|_| reported.insert(l.item)) {
+            let title =
+                format!("`{}` shares `{}` with another link by such a method", l.name, net.mats[m as usize].name);
+            let help = "use `method = \"ca\"` for one of them";
+            diags.push(no_method(
+                &model.items[net.items[l.item as usize].model],
+                title,
+                "not together with others",
+                help,
+            ));
+        }
+    }
+    let shared = |l: &LiaNode| !matches!(l.measure, Measure::Line(_)) || twice(l).is_some();
+    let shared: Vec<bool> = net.lias.iter().map(|l| l.law.is_staged() && shared(l)).collect();
+    together(net, &shared);
+}
+
+/// The same for links at masses of groups that have become modes: a force on one of them moves all of its group. Contacts beyond
+/// [`STIFFEST`] too are solved as one of several would be, since that carries their energy instead of having it from places.
+pub fn choose_modes(net: &mut Pruned) {
+    let mut count: BTreeMap<String, u32> = BTreeMap::new();
+    for l in net.lias.iter().filter(|l| l.law.is_staged()) {
+        for family in families(net, l) {
+            *count.entry(family.into()).or_default() += 1;
+        }
+    }
+    if count.is_empty() {
+        return;
+    }
+    let (mats, bounds) = (worst_mats(net), worst_bounds(net));
+    let mobility = |net: &Pruned, e: End| -> f64 {
+        let c = |m: u32| mats[m as usize].c;
+        let End::Point(p) = e else { return net.under(e).into_iter().map(c).sum() };
+        let weights = net.points[p as usize].shape.iter().flat_map(|s| &s.0);
+        net.under(e).into_iter().zip(weights).map(|(m, w)| w * w * c(m)).sum()
     };
-    let laws: Vec<_> = net
-        .lias
-        .iter()
-        .map(|l| match l.law.stage {
-            SolveStage::Single(together) if shared(l) => together,
-            _ => l.law,
-        })
-        .collect();
-    net.lias.iter_mut().zip(laws).for_each(|(l, law)| l.law = law);
+    let all = net.lias.iter().zip(&bounds).map(|(l, b)| {
+        let shares = families(net, l).any(|family| count.get(family).is_some_and(|n| *n > 1));
+        let moves = || l.ends.into_iter().map(|e| mobility(net, e)).sum::<f64>();
+        shares || b.contact && families(net, l).next().is_some() && b.k * moves() > STIFFEST
+    });
+    let all: Vec<bool> = all.collect();
+    together(net, &all);
+}
+
+/// Gives links that are `shared` the law that acts together.
+fn together(net: &mut Pruned, shared: &[bool]) {
+    for (l, shared) in net.lias.iter_mut().zip(shared) {
+        if let (SolveStage::Single(together), true) = (l.law.stage, shared) {
+            l.law = together;
+        }
+    }
+}
+
+/// The groups of the points that a link holds, end by end.
+fn families<'n>(net: &'n Pruned, l: &LiaNode) -> impl Iterator<Item = &'n str> {
+    l.ends.into_iter().filter_map(|e| if let End::Point(p) = e { Some(&*net.points[p as usize].family) } else { None })
 }
 
 /// The places that a link moves: MATs and axes.
 fn places(net: &Pruned, l: &LiaNode) -> Vec<(u32, u8)> {
     let mut all = Vec::new();
-    for (side, end) in l.ends.into_iter().enumerate() {
-        let End::Mat(m) = end else { continue };
-        let mat = &net.mats[m as usize];
-        match l.measure {
-            _ if mat.is_fixed() => {}
-            Measure::Line(axes) => all.push((m, axes[side])),
-            Measure::Along(_) | Measure::Radial => all.extend((0..mat.axes).map(|k| (m, k))),
+    let second = l.onto.iter().map(|o| (o.ends, o.measure));
+    for (ends, measure) in core::iter::once((l.ends, l.measure)).chain(second) {
+        for (side, end) in ends.into_iter().enumerate() {
+            let End::Mat(m) = end else { continue };
+            let mat = &net.mats[m as usize];
+            match measure {
+                _ if mat.is_fixed() => {}
+                Measure::Line(axes) => all.push((m, axes[side])),
+                Measure::Along(_) | Measure::Radial => all.extend((0..mat.axes).map(|k| (m, k))),
+            }
         }
     }
     all

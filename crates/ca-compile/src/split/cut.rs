@@ -32,6 +32,7 @@ pub fn obstacle(net: &Pruned) -> Option<&'static str> {
     match () {
         () if net.oversample > 1 => Some("`oversample` runs several ticks in a sample"),
         () if net.is_composed() => Some("`pefrl` sums forces several times in a tick"),
+        () if net.media.iter().any(|m| m.slow) => Some("a group at the gesture rate takes forces of all of a frame"),
         () if !net.lines.is_empty() => Some("a waveguide is one module"),
         () if net.as_milib => Some("its first two samples are those of mi.lib"),
         () if implicit && !net.params.is_empty() => {

@@ -10,6 +10,9 @@
 //! link the bits are the same; the fast passes find rows in each half by itself, and may round otherwise. The same cut is
 //! made each time, and on every processor. What is solved at once, or shares numbers with others (a moving point, a set of
 //! contacts, a quadripole, implicit links), stays in one half.
+//!
+//! Groups at the gesture rate are cut out in the same way, to be a scene of their own at another tick (`rates`).
 
 pub mod cut;
 pub mod half;
+pub mod rates;

@@ -18,6 +18,7 @@ use crate::op::{Kernel, Op};
 use crate::state::{Border, State};
 
 mod delays;
+pub mod group;
 mod hold;
 mod ledger;
 mod linear;

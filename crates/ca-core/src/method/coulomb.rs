@@ -16,7 +16,7 @@ use crate::op::{Energies, Law, Op, SolveStage};
 use crate::state::State;
 
 /// What a link remembers: 1 where it sticks, and the heat of the tick \[J\].
-const MEM: usize = 2;
+pub const MEM: usize = 2;
 
 /// Coulomb's friction alone, whose first coefficients are f and fd; where it may not act alone, `together` runs.
 pub const fn alone(code: &'static str, curve: Law, together: &'static Law) -> Law {
@@ -56,8 +56,9 @@ fn rub(op: &Op, layout: &Layout, s: &mut State) {
     }
 }
 
-/// The force, and whether it sticks in this tick.
-fn hold([f, fd]: [Real; 2], [w, r]: [Real; 2], c: Real, stuck: bool) -> (Real, bool) {
+/// The force \[N\], and whether it sticks in this tick: of the largest forces of sticking and of sliding, the relative motion of the last
+/// tick and that which all other forces make \[m/tick\], the mobility of all ends \[m/N\], and whether it stuck before.
+pub fn hold([f, fd]: [Real; 2], [w, r]: [Real; 2], c: Real, stuck: bool) -> (Real, bool) {
     let most = if stuck { f } else { fd };
     if w * r < 0.0 || (c <= 0.0 && r == 0.0) {
         return (0.0, stuck && c <= 0.0);

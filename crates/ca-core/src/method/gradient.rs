@@ -13,7 +13,7 @@
 //! folded in by (1 + β)s = η* + βa − c·slope with β = cz/2.
 //!
 //! Only sound where no other such contact moves the same place, since c and η* know nothing of it, and for a gradient
-//! that does not turn during the tick: on a line. Everywhere else [`super::quadratised`] runs instead. With
+//! that does not turn during the tick: on a line. At a mass that goes by its modes c is that of all its modes ([`super::modes`]). Everywhere else [`super::quadratised`] runs instead. With
 //! `sticky = false` a pull is left out; then s = η*, and U(a) − U(s), half of it, is lost.
 
 use super::spring::{Contact, Spring};

@@ -12,13 +12,14 @@
 //! against it, and as a tension of the link it is F = −side·N. A push N kept over a tick takes the work N·s/2 from the
 //! masses, where s = η₊ − η₋ is the change of penetration over two ticks (docs/numerics.md §2.2).
 
-pub(crate) mod coulomb;
+pub mod coulomb;
 pub(crate) mod friction;
 pub(crate) mod gradient;
 pub mod implicit;
+pub mod modes;
 mod newton;
 pub mod pefrl;
-pub(crate) mod quadratised;
+pub mod quadratised;
 pub(crate) mod spring;
 
 use crate::numeric::Real;
@@ -27,12 +28,12 @@ use crate::state::State;
 
 /// The change of position \[m/tick\] that all forces so far give to a slot in this tick. A port goes on as it went:
 /// where it will be is not known yet.
-fn free_motion(layout: &Layout, s: &State, slot: usize) -> Real {
+pub fn free_motion(layout: &Layout, s: &State, slot: usize) -> Real {
     let n = layout.n_mat;
     s.coef[slot] * s.d[slot] + s.coef[n + slot] * s.x[slot] + s.coef[2 * n + slot] * s.f[slot]
 }
 
 /// Mobility T²/m of a slot \[m/N\].
-fn mobility(layout: &Layout, s: &State, slot: usize) -> Real {
+pub fn mobility(layout: &Layout, s: &State, slot: usize) -> Real {
     s.coef[2 * layout.n_mat + slot]
 }

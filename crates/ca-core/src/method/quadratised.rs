@@ -29,7 +29,7 @@
 //! follows the motion as far as that loses energy.
 
 use super::spring::{Contact, Spring};
-use super::{free_motion, mobility};
+use super::{free_motion, mobility, modes};
 use crate::numeric::{Real, SINGLE, sqrt};
 use crate::op::layout::{Layout, MeasureKind};
 use crate::op::links::measure::{Along, Line, Measure, Radial};
@@ -136,8 +136,17 @@ pub(super) fn join(s: &mut State, link: ActiveContact) {
     touches.n += 1;
 }
 
+/// What a push does: the mobility of each place, and where masses go by their modes (`MODES`) how these couple them.
+struct Response<'a, const MODES: bool> {
+    layout: &'a Layout,
+    mobility: &'a [Real],
+    push: &'a mut [Real],
+    tap: &'a mut [Real],
+}
+
 /// Sets `q` of each contact to W p.
-fn respond(list: &mut [ActiveContact], push: &mut [Real], mobility: &[Real]) {
+fn respond<const MODES: bool>(list: &mut [ActiveContact], to: &mut Response<MODES>) {
+    let Response { layout, mobility, push, tap } = to;
     let places = |t: &ActiveContact| {
         let ([a, b], n) = (t.ends.map(|m| m as usize), t.axes);
         (0..n).map(move |k| (a + k, b + k, k))
@@ -148,6 +157,9 @@ fn respond(list: &mut [ActiveContact], push: &mut [Real], mobility: &[Real]) {
             push[b] += t.g[k] * t.p;
         }
     }
+    if MODES {
+        modes::couple(layout, push, tap);
+    }
     for t in &mut *list {
         t.q = places(t).map(|(a, b, k)| t.g[k] * (mobility[b] * push[b] - mobility[a] * push[a])).sum();
     }
@@ -156,14 +168,17 @@ fn respond(list: &mut [ActiveContact], push: &mut [Real], mobility: &[Real]) {
             (push[a], push[b]) = (0.0, 0.0);
         }
     }
+    if MODES {
+        modes::clear(layout, push);
+    }
 }
 
 /// Solves for `y` of all contacts listed.
-fn conjugate(list: &mut [ActiveContact], push: &mut [Real], mobility: &[Real]) {
+fn conjugate<const MODES: bool>(list: &mut [ActiveContact], to: &mut Response<MODES>) {
     for t in &mut *list {
         t.p = t.gamma * t.psi;
     }
-    respond(list, push, mobility);
+    respond(list, to);
     let mut rho = 0.0;
     for t in &mut *list {
         (t.y, t.r) = (0.0, t.free - t.q);
@@ -177,7 +192,7 @@ fn conjugate(list: &mut [ActiveContact], push: &mut [Real], mobility: &[Real]) {
         if rho.is_nan() || rho <= goal {
             break;
         }
-        respond(list, push, mobility);
+        respond(list, to);
         let mut along = 0.0;
         for t in &mut *list {
             t.q += t.p / t.stiff;
@@ -197,13 +212,23 @@ fn conjugate(list: &mut [ActiveContact], push: &mut [Real], mobility: &[Real]) {
 }
 
 /// Computes the pushes of all contacts collected and applies them.
-pub(super) fn solve(_op: &Op, layout: &Layout, s: &mut State) {
-    let mobility = &s.coef[2 * layout.n_mat..];
+pub(super) fn solve(op: &Op, layout: &Layout, s: &mut State) {
+    together::<false>(op, layout, s);
+}
+
+/// The same where several act at masses of one group that goes by its modes.
+pub fn solve_modes(op: &Op, layout: &Layout, s: &mut State) {
+    together::<true>(op, layout, s);
+}
+
+#[inline(always)]
+fn together<const MODES: bool>(_op: &Op, layout: &Layout, s: &mut State) {
     let ActiveContacts { n, list, push } = &mut s.touches;
+    let mut to = Response::<MODES> { layout, mobility: &s.coef[2 * layout.n_mat..], push, tap: &mut s.tap };
     let all = &mut list[..core::mem::take(n)];
     let mut acting = all.len();
     loop {
-        conjugate(&mut all[..acting], push, mobility);
+        conjugate(&mut all[..acting], &mut to);
         let before = acting;
         let mut i = 0;
         while i < acting {
@@ -238,7 +263,7 @@ pub(super) fn solve(_op: &Op, layout: &Layout, s: &mut State) {
         for t in &mut all[acting..] {
             t.p = 0.0;
         }
-        respond(all, push, mobility);
+        respond(all, &mut Response::<MODES> { layout, mobility: &s.coef[2 * layout.n_mat..], push, tap: &mut s.tap });
         for t in &all[acting..] {
             let follows = t.psi + 0.5 * t.gamma * (t.free - t.q);
             let left = follows.abs().min(t.psi);

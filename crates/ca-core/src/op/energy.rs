@@ -95,6 +95,8 @@ fn weigh(layout: &Layout, s: &State, mass: &mut [f64]) {
     for (m, c) in mass.iter_mut().zip(&s.coef[2 * layout.n_mat..]) {
         *m = if *c == 0.0 { 0.0 } else { 1.0 / wide(*c) };
     }
+    // what is a sum of modes has its inertia in these
+    layout.solved_modal.iter().for_each(|h| mass[h.mat as usize] = 0.0);
 }
 
 /// Energy of the MATs, and of weight.
@@ -224,6 +226,18 @@ pub fn ledger(_op: &Op, layout: &Layout, s: &mut State) {
         let w = l.port[k] * moved(p.mat, &l.d0);
         l.work[k] += w;
         work += w;
+    }
+    if let (Some(group), Some(slow)) = (&layout.slow, &s.slow) {
+        let each = group.ports.iter().zip(&slow.ports).take(group.coupled);
+        let w: f64 = each.clone().map(|(p, b)| -b.force * moved(p.at, &l.d0)).sum();
+        work += w;
+        l.crossed += w;
+        if s.tick == 1 {
+            // what came with the motion into the pose of load is held at load
+            let before: f64 = each.map(|(p, b)| -b.force * 0.5 * wide(l.d0[p.at as usize])).sum();
+            l.crossed -= before;
+            l.h0 += before;
+        }
     }
     if s.tick == 1 {
         let given: f64 = l.kick.iter().zip(0..).map(|(f, m)| wide(*f) * moved(m, &l.d0)).sum();

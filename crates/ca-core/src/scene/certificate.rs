@@ -4,7 +4,7 @@ use alloc::string::String;
 use alloc::vec::Vec;
 
 /// How sure the statement is.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Level {
     /// every link is linear and the bound is below the limit: passive by theorem at every setting; changing a parameter
     /// or moving a point does work
@@ -92,6 +92,32 @@ pub struct Certificate {
 }
 
 impl Certificate {
+    /// That of a scene and of its groups at the gesture rate together, from one of each by itself: what crosses between them is
+    /// exact, so that each is as stable as alone with what the other holds of it fixed (docs/numerics.md §5.4).
+    #[must_use]
+    pub fn beside(self, slow: Certificate) -> Certificate {
+        let nearer = slow.bound > self.bound;
+        let largest = match (self.largest, slow.largest) {
+            (Some(a), Some(b)) => Some(if b.1 > a.1 { b } else { a }),
+            (a, b) => a.or(b),
+        };
+        let stiffest = if slow.contact > self.contact { slow.stiffest } else { self.stiffest };
+        Certificate {
+            level: self.level.max(slow.level),
+            bound: self.bound.max(slow.bound),
+            lower: self.lower.max(slow.lower),
+            exact: self.exact || slow.exact,
+            largest,
+            // of a scene that is left alone
+            ripple: None,
+            worst: if nearer { slow.worst } else { self.worst },
+            contact: self.contact.max(slow.contact),
+            stiffest,
+            friction: self.friction.max(slow.friction),
+            ..self
+        }
+    }
+
     /// How many times stiffer everything could be: limit over what is known of the largest eigenvalue from above, or what
     /// the rules leave to the stiffest contact (up to 1) and the steepest friction (up to 1.5), where that is less.
     /// Infinite where nothing has a limit: without links, or with methods that have none.

@@ -112,6 +112,9 @@ impl Words {
             moving_points,
             modal,
             shares,
+            solved_modal,
+            modal_couplings,
+            couplings,
             tables,
             enx,
             enf,
@@ -127,6 +130,7 @@ impl Words {
             lowpass,
             implicit,
             ledger,
+            slow,
             substeps,
             // follows from ends, reach and rest
             rows: _,
@@ -146,6 +150,10 @@ impl Words {
         self.all(heard.iter().map(|h| (h.ends, h.e0, h.coef, h.step, h.coefs, h.tap)));
         self.debug(&(pair_sets, moving_points, modal, tables));
         self.debug(&(enx, enf, tgr, crossing, waves));
+        if !solved_modal.is_empty() {
+            self.debug(&(solved_modal, modal_couplings));
+            self.numbers(couplings.iter());
+        }
         if !driven.is_empty() {
             self.debug(driven);
         }
@@ -158,6 +166,10 @@ impl Words {
         self.all(
             accounts.map(|a| (a.op, a.n, a.ports, a.first, a.coef, a.mem, a.tap, a.coefs, a.mems, (a.linear, a.live))),
         );
+        if let Some(group) = slow {
+            self.layout(&group.layout);
+            self.debug(&(&group.ports, group.coupled, &group.shown, &group.response));
+        }
         self.debug(&substeps.as_ref().map(|f| (f.times, &f.inputs)));
     }
 }

@@ -47,6 +47,10 @@ pub struct Ledger {
     pub work: Vec<f64>,
     /// work received from a pointer that pulls, see [`crate::pointer`]
     pub pointer: f64,
+    /// work received from groups at the gesture rate
+    pub(crate) crossed: f64,
+    /// what these groups hold and lose by a ledger of their own, up to the last frame
+    pub slow: Balance,
     /// that of the tick which the ledger has not entered yet
     pub(crate) pulled: f64,
     /// what crossed each device port (tgr), counted by frames
@@ -133,8 +137,24 @@ impl Ledger {
         let (lost, scheme_error) =
             (self.lost_mats + self.lost.iter().sum::<f64>(), self.scheme_error.iter().sum::<f64>());
         let work = self.work.iter().sum::<f64>() + self.pointer;
-        let residual = self.h - self.h0 - work + lost - scheme_error - self.changed;
-        Balance { h0: self.h0, h: self.h, lost, scheme_error, work, changed: self.changed, residual, peak: self.peak }
+        let residual = self.h - self.h0 - work - self.crossed + lost - scheme_error - self.changed;
+        let slow = &self.slow;
+        Balance {
+            h0: self.h0 + slow.h0,
+            h: self.h + slow.h + self.under_way(),
+            lost: lost + slow.lost,
+            scheme_error: scheme_error + slow.scheme_error,
+            work,
+            changed: self.changed + slow.changed,
+            residual: residual + slow.residual,
+            peak: self.peak + slow.peak,
+        }
+    }
+
+    /// What one side of the border of groups at the gesture rate gave and the other has not entered yet \[J\], a part of the energy
+    /// now: when a frame is entered, what the links across do in half a tick.
+    pub fn under_way(&self) -> f64 {
+        -(self.crossed + self.slow.work)
     }
 
     /// The link that made the most energy, with its account; `None` where none made any.

@@ -40,6 +40,36 @@ pub struct Border {
     pub force: f64,
 }
 
+/// A place of a group at the gesture rate within its frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Between {
+    /// position at the start of the frame \[m\], relative to rest
+    pub from: f64,
+    /// position at its end \[m\]
+    pub to: f64,
+    /// force of the links across on it at the last tick \[N\]
+    pub force: f64,
+}
+
+/// The groups at the gesture rate.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SlowState {
+    /// their own state, whose tick is a frame: positions are those half a frame after the one just played, `d` the motion
+    /// since half a frame before
+    pub state: State,
+    /// as [`SlowGroup::ports`](crate::op::layout::SlowGroup::ports)
+    pub ports: Vec<Between>,
+    /// motion in the frame without what answers it \[m\], in passing (coupled)
+    pub(crate) free: Vec<f64>,
+}
+
+impl SlowState {
+    /// At load: `state` as it begins, so many `ports`, so many of them `coupled`.
+    pub fn new(state: State, ports: usize, coupled: usize) -> SlowState {
+        SlowState { state, ports: alloc::vec![Between::default(); ports], free: alloc::vec![0.0; coupled] }
+    }
+}
+
 /// Coefficients on their way (live coefficients each).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Ramps {
@@ -137,6 +167,8 @@ pub struct State {
     pub cells: Vec<Cell>,
     /// which members of sets are near (pair sets); written by `forces`, and no part of what decides the future
     pub near: Vec<VerletList>,
+    /// groups at the gesture rate; boxed, since a pass takes it out for the time it writes it
+    pub slow: Option<Box<SlowState>>,
     /// device ports (tgr); written by the border
     pub border: Vec<Border>,
     /// positions of devices that are under way, absolute \[m\] (tgr x latency), a ring each; written by the border
@@ -205,6 +237,10 @@ impl State {
             for v in [b.from, b.to, b.sum] {
                 word(&mut h, v.to_bits());
             }
+        }
+        if let Some(slow) = &self.slow {
+            word(&mut h, slow.state.bits());
+            slow.ports.iter().flat_map(|p| [p.from, p.to, p.force]).for_each(|v| word(&mut h, v.to_bits()));
         }
         h.write(&self.tick.to_le_bytes());
         h.finish()

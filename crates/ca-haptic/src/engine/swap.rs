@@ -9,6 +9,8 @@
 use super::port::{Port, Setup};
 use super::touch::Hands;
 use crate::guard::Order;
+use ca_core::border::group;
+use ca_core::op::layout::SlowGroup;
 use ca_core::scene::{InputRole, Location};
 use ca_core::{Scene, State, compute_forces, integrate};
 use std::collections::HashMap;
@@ -32,6 +34,10 @@ struct Next {
     hands: Hands,
     /// places that go on: in the old state, and in the new one
     carried: Vec<[u32; 2]>,
+    /// the same of groups at the gesture rate, in their own states
+    slow: Vec<[u32; 2]>,
+    /// of what links across hold there, numbers of those that go on
+    held: Vec<[u32; 2]>,
     /// inputs that go on
     inputs: Vec<[u32; 2]>,
     /// ticks of the fade that are left, and all of them
@@ -56,6 +62,23 @@ pub fn carried(old: &Scene, scene: &Scene) -> Vec<[u32; 2]> {
     // one after the other in memory
     carried.sort_unstable_by_key(|c| c[1]);
     carried
+}
+
+/// Of places that go on, those of groups at the gesture rate in both: as they stand in the states of these, and among what links
+/// across hold.
+fn slow(old: &Scene, scene: &Scene, carried: &[[u32; 2]]) -> [Vec<[u32; 2]>; 2] {
+    let own = |scene: &Scene| -> HashMap<u32, (u32, Option<u32>)> {
+        let of = |g: &Arc<SlowGroup>| {
+            let held = |i: usize| (i < g.coupled).then_some(i as u32);
+            let all = g.ports.iter().chain(&g.shown).enumerate();
+            all.map(|(i, p)| (p.at, (p.own, held(i)))).collect::<Vec<_>>()
+        };
+        scene.slow.iter().flat_map(of).collect()
+    };
+    let (before, now) = (own(old), own(scene));
+    let both: Vec<_> = carried.iter().filter_map(|[from, to]| Some([*before.get(from)?, *now.get(to)?])).collect();
+    let held = both.iter().filter_map(|[from, to]| Some([from.1?, to.1?])).collect();
+    [both.iter().map(|[from, to]| [from.0, to.0]).collect(), held]
 }
 
 /// First place and axes of each MAT, by name.
@@ -95,10 +118,14 @@ impl Swap {
         let inputs = if anew { Vec::new() } else { inputs.collect() };
         state.placed();
         let carried = if anew { Vec::new() } else { carried(old, &scene) };
+        let [slow, held] = slow(old, &scene, &carried);
         let ports = setups.iter().map(|s| Port::new(&scene, s.clone())).collect();
         let fade = (FADE * scene.rate).round() as u32;
         let hands = Hands::new(&scene);
-        Ok(Swap { number, next: Some(Next { scene, state, ports, hands, carried, inputs, left: fade, fade }) })
+        Ok(Swap {
+            number,
+            next: Some(Next { scene, state, ports, hands, carried, slow, held, inputs, left: fade, fade }),
+        })
     }
 
     /// Changes places with what an engine plays; `goes_on` where the old state is worth it. False where there is no scene to
@@ -116,6 +143,18 @@ impl Swap {
             for [from, to] in &next.carried {
                 let (from, to) = (*from as usize, *to as usize);
                 (next.state.x[to], next.state.d[to]) = (state.x[from], state.d[from]);
+            }
+            let own = (state.slow.as_deref(), next.state.slow.as_deref_mut(), next.scene.slow.as_deref());
+            if let (Some(old), Some(slow), Some(group)) = own {
+                for [from, to] in &next.slow {
+                    let (from, to) = (*from as usize, *to as usize);
+                    (slow.state.x[to], slow.state.d[to]) = (old.state.x[from], old.state.d[from]);
+                }
+                group::placed(group, slow);
+                for [from, to] in &next.held {
+                    slow.ports[*to as usize].force = old.ports[*from as usize].force;
+                }
+                slow.state.tick = old.state.tick;
             }
             for [from, to] in &next.inputs {
                 next.state.input[*to as usize] = state.input[*from as usize];

@@ -60,6 +60,8 @@ pub enum Script {
         /// with what \[N\]
         force: f64,
     },
+    /// a script for each DOF; those it lacks do what the last one does
+    Each(Vec<Script>),
     /// the tracks of a gesture, one per DOF \[m\]; those it lacks stay at 0
     File(Gesture),
 }
@@ -113,6 +115,9 @@ impl Script {
 
     /// What DOF `k` intends at `t` seconds.
     pub fn at(&self, k: usize, t: f64) -> Intention {
+        if let Script::Each(all) = self {
+            return all.get(k).or(all.last()).map_or(Intention::default(), |s| s.at(k, t));
+        }
         let turn = std::f64::consts::TAU;
         let t = t - BEGIN - LATER * k as f64;
         let since = t.max(0.0);
@@ -129,6 +134,7 @@ impl Script {
             }
             Script::Shake { rest, depth, rate } => rest + depth * (turn * rate * since).sin(),
             Script::Hold { rest } => *rest,
+            Script::Each(_) => 0.0,
             Script::Push { force } => return Intention { position: 0.0, force: *force },
             // a file has its own beginning
             Script::File(g) => g.tracks().get(k).map_or(0.0, |track| track.at(t + BEGIN + LATER * k as f64)),
@@ -182,6 +188,17 @@ mod tests {
                 assert!((0.95..1.01).contains(&(fastest / want)) && fastest > 0.03, "{script}: {fastest} m/s");
             }
         }
+    }
+
+    #[test]
+    fn each_dof_has_a_script_of_its_own() {
+        let (hold, other) = (Script::Hold { rest: -0.004 }, Script::Hold { rest: 0.002 });
+        let p = Profile::shipped("tgr12").expect("shipped");
+        let strike = Script::named("strike", &p, ScriptOptions::default()).expect("a script");
+        let s = Script::Each(vec![hold, strike.clone(), other]);
+        assert!([0.0, 1.7, 3.0].into_iter().all(|t| s.at(0, t).position == -0.004 && s.at(1, t) == strike.at(1, t)));
+        assert!((2..12).all(|k| s.at(k, 1.8).position == 0.002));
+        assert_eq!(Script::Each(Vec::new()).at(0, 1.0), Intention::default());
     }
 
     #[test]

@@ -11,7 +11,7 @@ mod measure;
 pub mod plan;
 mod table;
 
-pub use audio::Audio;
+pub use audio::{Audio, flac16};
 pub use axis::{Axis, Space};
 pub use table::{Column, RunTable};
 

@@ -80,9 +80,20 @@ pub(crate) fn expand(model: &mut Model, diags: &mut Diags, catalog: &Catalog, op
 /// assert_eq!(model.items[1].name, "tine[1].bar");
 /// ```
 pub fn add(model: &mut Model, part: &Part, u: &Use, catalog: &Catalog) -> Diags {
+    let body = Model { parts: Vec::from([part.clone()]), ..Model::default() };
+    add_from(model, &part.name, u, body, catalog)
+}
+
+/// Adds what `u` says of the part `name` that comes with the program, see [`super::library`].
+pub fn add_shipped(model: &mut Model, name: &str, u: &Use, catalog: &Catalog) -> Diags {
+    add_from(model, name, u, Model::default(), catalog)
+}
+
+/// The same of a part called `name` among those of `body`, or else of the program.
+fn add_from(model: &mut Model, name: &str, u: &Use, body: Model, catalog: &Catalog) -> Diags {
     let (mut diags, mut u) = (Diags::new(), u.clone());
-    u.part = Some(Entry::new("part", part.name.as_str()));
-    let home = Home { file: String::new(), model: Model { parts: Vec::from([part.clone()]), ..Model::default() } };
+    u.part = Some(Entry::new("part", name));
+    let home = Home { file: String::new(), model: body };
     let mut open = |name: &str| Err(Unread { what: format!("`{name}` is not at hand"), help: String::new() });
     into(model, &mut diags, catalog, &mut open, |e| e.place(&u, &Rc::new(home), &Scope::default()));
     diags.merge_instances();

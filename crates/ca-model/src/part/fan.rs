@@ -2,19 +2,19 @@
 //!
 //! Decides that lists are made before anything is compiled, and that one of them stands wherever a module may.
 
+use super::instances::{Counts, Outside};
 use crate::diag::{Diag, Diags};
 use crate::select::parse;
 use crate::{Entry, Item, LARGEST, Model, Value};
-use alloc::collections::BTreeMap;
 use alloc::format;
-use alloc::string::{String, ToString};
+use alloc::string::String;
 use alloc::vec::Vec;
 use ca_core::Catalog;
 use ca_core::kind::Type;
 
 /// How many instances there are of each name, and where to say what is wrong.
 pub(super) struct Fans<'f> {
-    counts: BTreeMap<String, usize>,
+    counts: Counts,
     diags: &'f mut Diags,
     /// names that are none, which has been reported
     lost: Vec<String>,
@@ -22,13 +22,7 @@ pub(super) struct Fans<'f> {
 
 /// Makes lists of all names of many instances in `model`.
 pub(crate) fn fan(model: &mut Model, catalog: &Catalog, diags: &mut Diags) {
-    let mut counts = BTreeMap::new();
-    // each instance is a group
-    let instances = model.groups.iter().filter_map(|g| g.name.strip_suffix(']')?.rsplit_once('['));
-    for (name, index) in instances {
-        let n: &mut usize = counts.entry(name.into()).or_default();
-        *n = (*n).max(index.parse().map_or(0, |i: usize| i + 1));
-    }
+    let counts = Counts::of(model);
     if counts.is_empty() {
         return;
     }
@@ -90,7 +84,7 @@ impl Fans<'_> {
     /// The names that `text` means, or none where it means itself; nothing where that is reported.
     fn names(&mut self, text: &str, e: &Entry, owner: &str) -> Result<Option<Vec<String>>, ()> {
         let mut all = Vec::new();
-        match self.each(String::new(), text.trim(), &mut all) {
+        match self.counts.each(String::new(), text.trim(), &mut all) {
             Ok(many) => Ok(many.then_some(all)),
             Err(Outside { name, index, n }) => {
                 self.lost.extend(parse(text).ok().map(|s| s.name));
@@ -101,35 +95,6 @@ impl Fans<'_> {
             }
         }
     }
-
-    /// Adds all names that begin with `done`, where `rest` is still to be read; true where an index means other than itself.
-    fn each(&self, mut done: String, rest: &str, all: &mut Vec<String>) -> Result<bool, Outside> {
-        let index =
-            rest.split_once('[').and_then(|(word, r)| r.split_once(']').map(|(index, rest)| (word, index, rest)));
-        let Some((word, index, rest)) = index.filter(|_| all.len() < LARGEST) else {
-            all.push(done + rest);
-            return Ok(false);
-        };
-        done += word;
-        let Some(n) = self.counts.get(done.as_str()).copied() else {
-            return self.each(format!("{done}[{index}]"), rest, all);
-        };
-        let Some(which) = indices(index.trim(), n) else {
-            return Err(Outside { name: done, index: index.into(), n });
-        };
-        let mut many = which.first().map(ToString::to_string).as_deref() != Some(index);
-        for i in which {
-            many |= self.each(format!("{done}[{i}]"), rest, all)?;
-        }
-        Ok(many)
-    }
-}
-
-/// An index that no instance has.
-struct Outside {
-    name: String,
-    index: String,
-    n: usize,
 }
 
 /// The name with the first instance in the place of each index but the last.
@@ -153,20 +118,4 @@ fn size(e: &Entry) -> usize {
         Value::List(l) | Value::Table(l) => 1 + l.iter().map(size).sum::<usize>(),
         _ => 1,
     }
-}
-
-/// Which instances an index means; nothing where there are none such.
-fn indices(index: &str, n: usize) -> Option<Vec<usize>> {
-    let one = |t: &str| -> Option<usize> {
-        let i: i64 = t.trim().parse().ok()?;
-        usize::try_from(if i < 0 { i + n as i64 } else { i }).ok().filter(|i| *i <= n)
-    };
-    if index == "*" {
-        return Some((0..n).collect());
-    }
-    if let Some((a, b)) = index.split_once("..") {
-        let (a, b) = (one(a)?, one(b)?);
-        return (a < b).then(|| (a..b).collect());
-    }
-    one(index).filter(|i| *i < n).map(|i| Vec::from([i]))
 }

@@ -6,7 +6,7 @@
 use super::files::SourceFile;
 use super::read::first;
 use super::shift::{next_file, shift_diags, shift_model};
-use super::{Part, Use};
+use super::{Part, Use, library};
 use crate::diag::Diag;
 use crate::part::expand::Expander;
 use crate::read::one_file;
@@ -57,16 +57,35 @@ impl Expander<'_> {
         if let Some(part) = home.model.parts.iter().find(|p| p.name == name) {
             return Some((part.clone(), home));
         }
+        let shipped = library::file(name).filter(|_| u.file.is_none());
+        if let Some((file, text)) = shipped {
+            let home = self.shipped(file, text)?;
+            let part = home.model.parts.iter().find(|p| p.name == name)?.clone();
+            return Some((part, home));
+        }
         let place = if home.file.is_empty() { "here".into() } else { format!("in `{}`", home.file) };
         let d = Diag::error("E013", format!("`{}`: no part `{name}` {place}", u.name)).at(e.span, "unknown");
-        let parts = || home.model.parts.iter().map(|p| p.name.as_str());
+        let library = library::LIBRARY.iter().map(|p| p.0).filter(|_| u.file.is_none());
+        let parts = || home.model.parts.iter().map(|p| p.name.as_str()).chain(library.clone());
         let all: Vec<String> = parts().map(|p| format!("`{p}`")).collect();
         self.diags.push(match nearest(name, parts()) {
             Some(near) => d.help(format!("did you mean `{near}`?")).fix(e.span, format!("\"{near}\"")),
-            None if all.is_empty() => d.help(format!("write its modules in sections such as `[part.{name}.MAS]`")),
-            None => d.help(format!("its parts are {}", all.join(", "))),
+            None if home.model.parts.is_empty() && u.file.is_none() => d.help(format!(
+                "write its modules in sections such as `[part.{name}.MAS]`; {} come with the program",
+                all.join(", ")
+            )),
+            None => d.help(format!("there are {}", all.join(", "))),
         });
         None
+    }
+
+    /// The file of a part that comes with the program, as the files at hand have it, else as this program ships it.
+    fn shipped(&mut self, path: String, text: &str) -> Option<Rc<Home>> {
+        if let Some(known) = self.files.get(&path) {
+            return known.clone();
+        }
+        let text = (self.open)(&path).unwrap_or_else(|_| text.into());
+        Some(self.read(path, text))
     }
 
     /// The file that is named, read once.
@@ -96,6 +115,11 @@ impl Expander<'_> {
                 return None;
             }
         };
+        Some(self.read(path, text))
+    }
+
+    /// Reads a file, which is one of those of the model from then on.
+    fn read(&mut self, path: String, text: String) -> Rc<Home> {
         let (mut model, mut found) = one_file(&text, &path, self.catalog);
         let start = next_file(&self.model);
         shift_model(&mut model, start);
@@ -105,7 +129,7 @@ impl Expander<'_> {
         self.model.files.push(SourceFile { name: path.clone(), text, start });
         let home = Rc::new(Home { file: path.clone(), model });
         self.files.insert(path, Some(home.clone()));
-        Some(home)
+        home
     }
 }
 

@@ -66,12 +66,12 @@ impl Expander<'_> {
     fn count(&mut self, u: &Use, name: &str, outer: &Scope) -> Result<Option<usize>, ()> {
         let Some(e) = &u.n else { return Ok(None) };
         let written = match &e.value {
-            Value::Text(t) => match outer.args.get(t.trim()) {
-                Some(Arg::Number(v, _)) => {
+            Value::Text(t) => match outer.plain(t) {
+                Some(v) => {
                     outer.used.borrow_mut().insert(t.trim().into());
                     v.clone()
                 }
-                _ => e.value.clone(),
+                None => e.value.clone(),
             },
             v => v.clone(),
         };
@@ -178,7 +178,11 @@ impl Expander<'_> {
             };
             let meant = outer.given(e).value;
             if !is_number(&e.value, &known) {
-                return (Arg::Other(meant, e.span), None);
+                let number = if let Value::Text(t) = &e.value { outer.plain(t) } else { None };
+                return match number {
+                    Some(number) => (Arg::Outer(meant, number.clone(), e.span), None),
+                    None => (Arg::Other(meant, e.span), None),
+                };
             }
             let param = match table {
                 Some(t) => {

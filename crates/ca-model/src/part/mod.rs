@@ -15,6 +15,10 @@ pub mod files;
 mod find;
 #[cfg(feature = "parse")]
 mod instance;
+#[cfg_attr(not(feature = "parse"), allow(dead_code))]
+mod instances;
+#[cfg(feature = "parse")]
+pub mod library;
 #[cfg(feature = "parse")]
 mod read;
 #[cfg(feature = "parse")]
@@ -30,9 +34,10 @@ use alloc::vec::Vec;
 #[cfg(feature = "parse")]
 use ca_core::Catalog;
 #[cfg(feature = "parse")]
-pub use expand::add;
-#[cfg(feature = "parse")]
 pub(super) use expand::expand;
+#[cfg(feature = "parse")]
+pub use expand::{add, add_shipped};
+pub use instances::instances;
 
 /// `[part.NAME]`, as written.
 #[derive(Clone, Debug, PartialEq)]

@@ -17,6 +17,8 @@ use core::cell::RefCell;
 pub(super) enum Arg {
     /// a number: a `[param]` of the instance
     Number(Value, Span),
+    /// a number of the part around: the name of its `[param]`, and the number for where no reference can stand
+    Outer(Value, Value, Span),
     /// the name of something, a list, a flag
     Other(Value, Span),
     /// nothing, which has been reported
@@ -74,14 +76,22 @@ impl Scope {
                 self.named.borrow_mut().insert(text.trim().into());
                 Some((Value::Text(format!("{}{}", self.prefix, text.trim())), None))
             }
-            Arg::Other(v, span) => Some((v.clone(), Some(*span))),
+            Arg::Outer(v, _, span) | Arg::Other(v, span) => Some((v.clone(), Some(*span))),
+        }
+    }
+
+    /// The number that a parameter of this name stands for.
+    pub fn plain(&self, name: &str) -> Option<&Value> {
+        match self.args.get(name.trim())? {
+            Arg::Number(v, _) | Arg::Outer(_, v, _) => Some(v),
+            Arg::Other(..) | Arg::Missing => None,
         }
     }
 
     /// Where a word belongs.
     fn word(&self, text: &str) -> Option<Meaning> {
         match self.arg(text)? {
-            Arg::Number(v, span) | Arg::Other(v, span) => Some((v.clone(), Some(*span))),
+            Arg::Number(v, span) | Arg::Outer(_, v, span) | Arg::Other(v, span) => Some((v.clone(), Some(*span))),
             Arg::Missing => None,
         }
     }
@@ -95,7 +105,7 @@ impl Scope {
         };
         let head = of.split(['.', '[', ' ']).next().unwrap_or("");
         let place = |p: &str| match self.arg(p) {
-            Some(Arg::Other(Value::Text(t), _)) => t.clone(),
+            Some(Arg::Other(Value::Text(t), _) | Arg::Outer(Value::Text(t), ..)) => t.clone(),
             Some(_) => {
                 self.named.borrow_mut().insert(p.trim().into());
                 format!("{}{}", self.prefix, p.trim())
@@ -123,7 +133,7 @@ impl Scope {
     /// The full name of what a key of `[gesture]` or a `port` means.
     pub fn name(&self, text: &str) -> String {
         match self.arg(text) {
-            Some(Arg::Other(Value::Text(t), _)) => return t.clone(),
+            Some(Arg::Other(Value::Text(t), _) | Arg::Outer(Value::Text(t), ..)) => return t.clone(),
             Some(Arg::Number(..)) => {
                 self.named.borrow_mut().insert(text.trim().into());
                 return format!("{}{text}", self.prefix);

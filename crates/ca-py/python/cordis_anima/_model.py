@@ -130,8 +130,9 @@ class Model:
     def use(
         self, name: str, part: str | Model, *, n: int | None = None, of: Model | None = None, **values: object
     ) -> Model:
-        """Adds instances of a part: one of this model or of the model ``of``, by its name, or another model whole. With
-        ``n`` there are so many, ``name[0]`` to ``name[n - 1]``, and a list among the values has one for each.
+        """Adds instances of a part: one of this model, of the model ``of`` or of those that come with the program
+        (``examples.parts()``), by its name, or another model whole. With ``n`` there are so many, ``name[0]`` to
+        ``name[n - 1]``, and a list among the values has one for each.
 
         Raises:
             UsageError: no such part, a value that is missing, unknown, or not one for each; a name that is taken.
@@ -143,6 +144,8 @@ class Model:
         True
         >>> m.items[2]
         ('CEL', 'tine[2].bar')
+        >>> m.use("thumb", "plectrum", on="tine[0].bar", note="C4").check().ok
+        True
         """
         source = part if isinstance(part, Model) else of
         word = part if isinstance(part, str) else ""

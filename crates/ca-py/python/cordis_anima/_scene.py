@@ -216,7 +216,7 @@ class Scene:
 
         >>> import cordis_anima as ca
         >>> key = ca.load("hammered_string")
-        >>> r = key.render(1.0, gesture={"key": [(0, 0), (0.05, -0.008), (0.5, 0)]}, energy=True)
+        >>> r = key.render(1.0, gesture={"key": [(0, -0.008), (0.02, 0), (0.5, -0.008)]}, energy=True)
         >>> r.status, abs(r.energy.residual) < 1e-9 * r.energy.peak
         ('ok', True)
         """

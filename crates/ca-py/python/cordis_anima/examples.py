@@ -43,6 +43,16 @@ def names() -> list[str]:
     return list(_core.bundled())
 
 
+def parts() -> dict[str, str]:
+    """What comes with the program to be used in any model, by name: a line about each; see ``Model.use``.
+
+    >>> from cordis_anima import examples
+    >>> examples.parts()["plectrum"]
+    'a key that plucks a string with a plectrum'
+    """
+    return dict(_core.parts())
+
+
 def _load(name: str) -> Scene:
     from ._model import Model
 

@@ -21,7 +21,7 @@ def struck(hardness: float) -> tuple[float, str]:
 def played() -> int:
     """Samples of a scene that is played by hand."""
     with ca.load("hammered_string").open(block=160) as sim:
-        audio, force = sim.step({"key": np.linspace(-0.006, 0.0, 160)})
+        audio, force = sim.step({"key": np.linspace(-0.008, 0.0, 160)})
         sim.params["rest"] = 1.0
         return len(audio) + len(force)
 

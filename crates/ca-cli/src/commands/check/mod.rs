@@ -134,6 +134,13 @@ fn summary(loaded: &Loaded, scene: &Scene, exact: bool) -> Result<(), Failure> {
         writeln!(out, "  driven     {} from {min} to {max} by {}", p.name, d.port)?;
     }
     writeln!(out, "  rates      {}, {} ticks a frame", border::rates(scene), scene.frame)?;
+    if let Some(group) = &scene.slow {
+        writeln!(
+            out,
+            "  group      {} masses and {} links once a frame; links across hold {} of their axes, exactly",
+            group.masses, group.links, group.coupled
+        )?;
+    }
     border::crossing(&mut out, scene)?;
     border::text(&mut out, scene)?;
     border::keys(&mut out, scene)?;
@@ -180,6 +187,7 @@ fn summary_json(loaded: &Loaded, scene: &Scene) -> Json {
         "passes": ops(scene), "rate": scene.rate, "gesture_rate": scene.rate / f64::from(scene.ratio),
         "ratio": scene.ratio, "oversample": scene.oversample(), "latency": border::json(scene),
         "outputs": scene.channel_names, "inputs": inputs,
+        "slow": scene.slow.as_ref().map(|g| json!({"masses": g.masses, "links": g.links, "coupled": g.coupled})),
         "live": live, "driven": driven, "seconds": scene.seconds, "stability": stability_json(&scene.certificate),
     })
 }

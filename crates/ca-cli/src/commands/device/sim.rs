@@ -85,10 +85,11 @@ fn script(args: &SimArgs, profile: &Profile) -> Result<Script, Failure> {
     if args.push.is_some() && args.script != ScriptKind::Push {
         return Err(Failure::Usage("--push is the force of `--script push`".into()));
     }
-    let options = ScriptOptions { rest: args.rest, depth: args.depth, speed: args.speed };
-    if options != ScriptOptions::default() && matches!(args.script, ScriptKind::Push | ScriptKind::File) {
+    let asked = ScriptOptions { rest: args.rest.first().copied(), depth: args.depth, speed: args.speed };
+    let goes = !matches!(args.script, ScriptKind::Push | ScriptKind::File);
+    if !goes && (asked != ScriptOptions::default() || !args.dof.is_empty()) {
         return Err(Failure::Usage(
-            "--rest, --depth and --speed are of scripts that go somewhere by themselves".into(),
+            "--rest, --dof, --depth and --speed are of scripts that go somewhere by themselves".into(),
         ));
     }
     if args.gesture.is_some() && args.script != ScriptKind::File {
@@ -110,22 +111,40 @@ fn script(args: &SimArgs, profile: &Profile) -> Result<Script, Failure> {
         }
     };
     let [low, high] = profile.range;
-    let rest = args.rest.unwrap_or(0.5 * (low + high));
-    for (what, x) in [("--rest", rest), ("--rest and --depth", rest + args.depth.unwrap_or(0.0))] {
-        if !(low..=high).contains(&x) {
-            let travel = format!("its travel is {} to {} m", short(low), short(high));
-            return Err(Failure::Usage(format!(
-                "{what}: {} m is where a {} cannot be; {travel}",
-                short(x),
-                profile.title
-            )));
+    let n = profile.dof as usize;
+    if let Some(k) = args.dof.iter().find(|k| **k >= n) {
+        let what = format!("--dof {k}: a {} has {n} degrees of freedom, 0 to {}", profile.title, n.saturating_sub(1));
+        return Err(Failure::Usage(what));
+    }
+    if args.rest.len() > n {
+        let what = format!("--rest: {} places for the {n} degrees of freedom of a {}", args.rest.len(), profile.title);
+        return Err(Failure::Usage(what));
+    }
+    let moves = |k: usize| args.dof.is_empty() || args.dof.contains(&k);
+    let rest = |k: usize| args.rest.get(k).or(args.rest.last()).copied().unwrap_or(0.5 * (low + high));
+    for k in 0..n {
+        let end = rest(k) + if moves(k) { args.depth.unwrap_or(0.0) } else { 0.0 };
+        for (what, x) in [("--rest", rest(k)), ("--rest and --depth", end)] {
+            if !(low..=high).contains(&x) {
+                let travel = format!("its travel is {} to {} m", short(low), short(high));
+                return Err(Failure::Usage(format!(
+                    "{what}: {} m is where a {} cannot be; {travel}",
+                    short(x),
+                    profile.title
+                )));
+            }
         }
     }
     if args.depth == Some(0.0) {
         return Err(Failure::Usage("--depth 0 is `--script hold`".into()));
     }
-    // every name above is one of a script
-    Script::named(name, profile, options).ok_or_else(|| Failure::Usage(format!("no script `{name}`")))
+    let one = |k: usize| {
+        let name = if moves(k) { name } else { "hold" };
+        // every name above is one of a script
+        Script::named(name, profile, ScriptOptions { rest: Some(rest(k)), ..asked })
+            .ok_or_else(|| Failure::Usage(format!("no script `{name}`")))
+    };
+    Ok(Script::Each((0..n).map(one).collect::<Result<_, _>>()?))
 }
 
 /// A device under way.

@@ -3,14 +3,16 @@
 //! Decides that pages, tables and schema come from the catalog alone, so none of them can fall behind it.
 
 mod page;
+mod parts;
 
 use crate::args::ListArgs;
 use crate::load::{self, BUNDLED};
 use crate::{Ended, Failure, Outcome, catalog};
 use ca_core::Catalog;
 use ca_core::kind::{Kind, Role};
-use ca_model::Model;
+use ca_model::part::library::{LIBRARY, shipped};
 use ca_model::suggest::nearest;
+use ca_model::{Item, Model, Value};
 use ca_model::{read, schema};
 use serde_json::{Value as Json, json};
 use std::fmt::Write as _;
@@ -42,16 +44,20 @@ pub fn run(args: &ListArgs) -> Outcome {
         return Ok(Ended::Well);
     }
     let text = match args.what.as_deref() {
-        None if args.json => pretty(&json!({"kinds": kinds_json(&catalog), "models": models_json(&catalog)})),
+        None if args.json => pretty(&json!({"kinds": kinds_json(&catalog), "models": models_json(&catalog),
+            "parts": parts::all_json(&catalog)})),
         None => format!(
-            "{}\nBundled models\n{}\n`ca list BUT` shows one of them in full; `ca render NAME` plays a model.\n",
+            "{}\nBundled models\n{}\nParts for `[use]`\n{}\n`ca list BUT` shows one of them in full; `ca render NAME` plays a model.\n",
             kinds(&catalog),
-            models(&catalog)
+            models(&catalog),
+            parts::all(&catalog)
         ),
         Some("kinds") if args.json => pretty(&kinds_json(&catalog)),
         Some("kinds") => kinds(&catalog),
         Some("models") if args.json => pretty(&models_json(&catalog)),
         Some("models") => models(&catalog),
+        Some("parts") if args.json => pretty(&parts::all_json(&catalog)),
+        Some("parts") => parts::all(&catalog),
         Some(word) => one(word, &catalog, args.json)?,
     };
     print(&text)?;
@@ -77,13 +83,17 @@ fn one(word: &str, catalog: &Catalog, json: bool) -> Result<String, Failure> {
         let model = read::read(text, word, catalog).0;
         return Ok(if json { pretty(&model_json(word, &model)) } else { about(word, &model) });
     }
-    let names =
-        ["kinds", "models"].into_iter().chain(catalog.iter().map(|k| k.code)).chain(BUNDLED.iter().map(|m| m.0));
+    if let Some((part, header)) = shipped(word, catalog) {
+        return Ok(if json { pretty(&parts::json(&part, &header)) } else { parts::page(&part, &header) });
+    }
+    let shipped = LIBRARY.iter().map(|p| p.0);
+    let words = ["kinds", "models", "parts"].into_iter().chain(catalog.iter().map(|k| k.code));
+    let names = words.chain(BUNDLED.iter().map(|m| m.0)).chain(shipped);
     let hint = match nearest(word, names) {
         Some(m) => format!("did you mean `{m}`?"),
         None => "`ca list` shows them all".into(),
     };
-    Err(Failure::Usage(format!("`{word}` is neither a kind nor a bundled model; {hint}")))
+    Err(Failure::Usage(format!("`{word}` is no kind, no bundled model and no part; {hint}")))
 }
 
 /// Kinds in families: code, title, equation.
@@ -104,14 +114,48 @@ fn kinds_json(catalog: &Catalog) -> Json {
 }
 
 fn models(catalog: &Catalog) -> String {
-    let width = BUNDLED.iter().map(|m| m.0.len()).max().unwrap_or(0);
+    let all: Vec<(&str, Model)> =
+        BUNDLED.iter().map(|(name, text)| (*name, read::read(text, name, catalog).0)).collect();
+    let by: Vec<String> = all.iter().map(|(_, model)| played(model).join(", ")).collect();
+    let width = all.iter().map(|m| m.0.len()).max().unwrap_or(0);
+    let wide = by.iter().map(String::len).max().unwrap_or(0);
     let line =
-        |(name, text): &(&str, &str)| format!("  {name:<width$}  {}\n", read::read(text, name, catalog).0.title());
-    BUNDLED.iter().map(line).collect()
+        |((name, model), by): (&(&str, Model), &String)| format!("  {name:<width$}  {by:<wide$}  {}\n", model.title());
+    let mut out: String = all.iter().zip(&by).map(line).collect();
+    out += "docs/instruments.md has the sound, the spectrogram and the measured pitch and decay of each.\n";
+    out
+}
+
+/// How a model is played: by ports of a device, by notes of MIDI, by its own gesture; by itself where by none.
+fn played(model: &Model) -> Vec<&'static str> {
+    let mut by = Vec::new();
+    let ports = || model.items.iter().filter(|i| i.kind == "TGR");
+    let of = |i: &Item, device: &str| {
+        i.args.iter().any(|e| e.key == "device" && matches!(&e.value, Value::Text(t) if t.starts_with(device)))
+    };
+    if ports().any(|i| of(i, "tgr")) {
+        by.push("TGR keys");
+    }
+    if ports().any(|i| !of(i, "tgr")) {
+        by.push("device");
+    }
+    if model.items.iter().any(|i| i.args.iter().any(|e| e.key == "midi")) {
+        by.push("MIDI");
+    }
+    if !model.gestures.is_empty() {
+        by.push("gesture");
+    }
+    if by.is_empty() {
+        by.push("by itself");
+    }
+    by
 }
 
 fn models_json(catalog: &Catalog) -> Json {
-    let one = |(name, text): &(&str, &str)| json!({"name": name, "title": read::read(text, name, catalog).0.title()});
+    let one = |(name, text): &(&str, &str)| {
+        let model = read::read(text, name, catalog).0;
+        json!({"name": name, "title": model.title(), "played": played(&model)})
+    };
     Json::Array(BUNDLED.iter().map(one).collect())
 }
 

@@ -100,14 +100,25 @@ fn at_hand(port: &Port, scale: f64, f: fn(&Port, usize) -> f64) -> f64 {
     sum
 }
 
+/// The line of the file that a link comes from: without its own index, those of instances as `[*]`.
+fn line(name: &str) -> String {
+    let own = name.rfind('[').filter(|i| !name[*i..].contains('.')).unwrap_or(name.len());
+    let mut parts = name[..own].split('[');
+    let mut line = parts.next().unwrap_or("?").to_owned();
+    for part in parts {
+        line += "[*]";
+        line += part.split_once(']').map_or(part, |p| p.1);
+    }
+    line
+}
+
 /// Heat of links, by their name in the file, most first.
 fn lost(scene: &Scene, ledger: &Ledger) -> Vec<(String, f64)> {
     let mut list: Vec<(String, f64)> = Vec::new();
     let mut links: Vec<_> = scene.audited_links().collect();
     links.sort_by_key(|(i, _)| *i);
     for (i, name) in links {
-        let name = name.to_string();
-        let name = format!("lost in `{}`", name.split('[').next().unwrap_or("?"));
+        let name = format!("lost in `{}`", line(&name.to_string()));
         match list.iter_mut().find(|r| r.0 == name) {
             Some(row) => row.1 += ledger.lost[i],
             None => list.push((name, ledger.lost[i])),
@@ -115,4 +126,20 @@ fn lost(scene: &Scene, ledger: &Ledger) -> Vec<(String, f64)> {
     }
     list.sort_by(|a, b| b.1.total_cmp(&a.1));
     list
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn links_of_all_instances_are_one_line() {
+        for (name, line) in [
+            ("hair", "hair"),
+            ("low[3]", "low"),
+            ("key[11].strike", "key[*].strike"),
+            ("key[0].s.one.bend[4]", "key[*].s.one.bend"),
+            ("a[1].b[2].c[3]", "a[*].b[*].c"),
+        ] {
+            assert_eq!(super::line(name), line);
+        }
+    }
 }

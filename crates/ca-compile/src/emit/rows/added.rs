@@ -68,7 +68,7 @@ impl Added {
         }
         for (m, slot) in net.mats.iter().zip(&plan.slot).filter(|(_, slot)| **slot != u32::MAX) {
             let weighed = !m.is_fixed() && net.medium(m).gravity.iter().any(|g| *g != 0.0);
-            if weighed || matches!(m.role, MatRole::Port(..)) {
+            if weighed || matches!(m.role, MatRole::Port(..) | MatRole::Slow) {
                 mark(&mut self.whole, *slot, m.slots() as usize);
             }
         }

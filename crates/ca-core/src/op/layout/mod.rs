@@ -4,11 +4,15 @@
 //! of those between two samples, so that what the tick depends on is visible in one place. All of it is written
 //! once, by the compiler.
 
+mod group;
 mod ledger;
+mod modal;
 mod outputs;
 mod waves;
 
+pub use group::{Copied, Response, SlowGroup};
 pub use ledger::{Account, LedgerPlan, Row};
+pub use modal::{Modal, ModalCoupling, SolvedModal};
 pub use outputs::{Blocker, HeardLink, Output, OutputRow, Tap};
 pub use waves::{Delay, Junction, Termination, Waves};
 
@@ -115,19 +119,6 @@ pub struct MovingPoint {
     pub size: [u32; 2],
     /// coordinates 0 … 1
     pub at: [CoordinateSource; 2],
-}
-
-/// A mass in a group that goes by its modes: a MAT without mass, the sum of its shares in modes that stand in a row.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Modal {
-    /// its own place among the MATs
-    pub mat: u32,
-    /// place of the first mode
-    pub first: u32,
-    /// first of its shares in [`Layout::shares`]; how many: [`Modal::n`]
-    pub share: u32,
-    /// number of modes
-    pub n: u32,
 }
 
 /// How the position of a device comes in and its force goes out where a frame has several ticks.
@@ -259,6 +250,12 @@ pub struct Layout {
     pub modal: Vec<Modal>,
     /// their shares in the modes (any)
     pub shares: Vec<Real>,
+    /// those of the masses at which links count on the motion to come, group by group (any)
+    pub solved_modal: Vec<SolvedModal>,
+    /// groups with several of these (any)
+    pub modal_couplings: Vec<ModalCoupling>,
+    /// how much a force on one of them moves another, as a part of what one on that itself does (any)
+    pub couplings: Vec<Real>,
     /// tables of laws (any)
     pub tables: Vec<Table>,
     /// position ports (any)
@@ -292,6 +289,8 @@ pub struct Layout {
     pub implicit: Option<ImplicitLinks>,
     /// what the ledger needs, where the scene keeps one
     pub ledger: Option<LedgerPlan>,
+    /// groups at the gesture rate
+    pub slow: Option<Arc<SlowGroup>>,
     /// where a sample has several ticks
     pub substeps: Option<Substeps>,
     /// the vectors its passes use; the bits are the same with all

@@ -1,6 +1,6 @@
 //! Measures of sound: what a listener with a frequency counter and a stopwatch would write down.
 //!
-//! Decides for windows whose answers are exact where it matters: a Gaussian window keeps the peak of a decaying sine a
+//! Tests and the page of instruments share them. Decides for windows whose answers are exact where it matters: a Gaussian window keeps the peak of a decaying sine a
 //! parabola in decibels, so that three points give its frequency far below a cent.
 
 use realfft::RealFftPlanner;
@@ -199,28 +199,33 @@ pub fn eigenvalues(mut m: Vec<Vec<f64>>) -> Vec<f64> {
     v
 }
 
-#[test]
-fn the_measures_measure() {
-    let rate = 48_000.0;
-    let (a, b) = (stiffness(441.3, damping(1.7, rate), rate), damping(1.7, rate));
-    assert!(cents(mode(a, b, rate).0, 441.3).abs() < 1e-6 && (mode(a, b, rate).1 - 1.7).abs() < 1e-9);
-    let tone = |f: f64, t60: f64| {
-        move |i: usize| (TAU * f * i as f64 / rate).sin() * (-3.0 * LN_10 * i as f64 / (rate * t60)).exp()
-    };
-    let (one, two) = (tone(441.3, 1.7), tone(900.0, 0.9));
-    let x: Vec<f64> = (0..48_000).map(|i| one(i) + 0.3 * two(i)).collect();
-    assert!(cents(partial(&x, rate, 440.0, 30.0).0, 441.3).abs() < 0.01);
-    assert!((t60(&x, rate, 441.3) - 1.7).abs() < 0.01, "{}", t60(&x, rate, 441.3));
-    assert!((t60(&x, rate, 900.0) - 0.9).abs() < 0.01);
-    assert!((period(&x[..4800], rate, 0.002, 0.0025).0 * 441.3 - 1.0).abs() < 0.02);
-    let mut seed = 1_u64;
-    let noise: Vec<f64> = (0..48_000)
-        .map(|_| {
-            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (seed >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
-        })
-        .collect();
-    assert!(flatness(&noise, rate, 500.0, 5000.0) > 0.85 && flatness(&x, rate, 300.0, 1500.0) < 0.1);
-    let e = eigenvalues(vec![vec![2.0, -1.0, 0.0], vec![-1.0, 2.0, -1.0], vec![0.0, -1.0, 2.0]]);
-    assert!((e[0] - (2.0 - 2f64.sqrt())).abs() < 1e-12 && (e[2] - (2.0 + 2f64.sqrt())).abs() < 1e-12);
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_measures_measure() {
+        let rate = 48_000.0;
+        let (a, b) = (stiffness(441.3, damping(1.7, rate), rate), damping(1.7, rate));
+        assert!(cents(mode(a, b, rate).0, 441.3).abs() < 1e-6 && (mode(a, b, rate).1 - 1.7).abs() < 1e-9);
+        let tone = |f: f64, t60: f64| {
+            move |i: usize| (TAU * f * i as f64 / rate).sin() * (-3.0 * LN_10 * i as f64 / (rate * t60)).exp()
+        };
+        let (one, two) = (tone(441.3, 1.7), tone(900.0, 0.9));
+        let x: Vec<f64> = (0..48_000).map(|i| one(i) + 0.3 * two(i)).collect();
+        assert!(cents(partial(&x, rate, 440.0, 30.0).0, 441.3).abs() < 0.01);
+        assert!((t60(&x, rate, 441.3) - 1.7).abs() < 0.01, "{}", t60(&x, rate, 441.3));
+        assert!((t60(&x, rate, 900.0) - 0.9).abs() < 0.01);
+        assert!((period(&x[..4800], rate, 0.002, 0.0025).0 * 441.3 - 1.0).abs() < 0.02);
+        let mut seed = 1_u64;
+        let noise: Vec<f64> = (0..48_000)
+            .map(|_| {
+                seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                (seed >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
+            })
+            .collect();
+        assert!(flatness(&noise, rate, 500.0, 5000.0) > 0.85 && flatness(&x, rate, 300.0, 1500.0) < 0.1);
+        let e = eigenvalues(vec![vec![2.0, -1.0, 0.0], vec![-1.0, 2.0, -1.0], vec![0.0, -1.0, 2.0]]);
+        assert!((e[0] - (2.0 - 2f64.sqrt())).abs() < 1e-12 && (e[2] - (2.0 + 2f64.sqrt())).abs() < 1e-12);
+    }
 }

@@ -1,0 +1,86 @@
+//! The page of instruments with its pictures and sounds: what does not depend on time is measured by
+//! `ca_benches::instruments`, as the test does; how fast each is by one thread, nothing else running, the best of three.
+//!
+//! Prints the page; with `UPDATE=1` writes it to `docs/instruments.md`, and pictures and sounds to `docs/instruments/`.
+
+use ca_benches::instruments::page::page;
+use ca_benches::instruments::{BUILT, Figures, Instrument, Plays, all, figures, on_all_cores};
+use ca_lab::sweep::flac16;
+use ca_report::{Sound, spectrogram};
+use std::path::Path;
+
+/// Most bytes of a sound.
+const LARGEST: usize = 140_000;
+/// What a sound that is cut is faded over \[s\].
+const FADE: f64 = 0.05;
+
+/// The loudest channel as FLAC of 16 bits, cut where it would be too large.
+fn sound(x: &[f64], rate: f64) -> Vec<u8> {
+    let whole: Vec<f32> = x.iter().map(|v| v.clamp(-1.0, 1.0) as f32).collect();
+    let mut n = whole.len();
+    loop {
+        let mut cut = whole[..n].to_vec();
+        if n < whole.len() {
+            let fade = (FADE * rate) as usize;
+            let begin = n - fade;
+            cut[begin..].iter_mut().enumerate().for_each(|(k, v)| *v *= 1.0 - k as f32 / fade as f32);
+        }
+        let bytes = flac16(&cut, 1, rate).expect("a sound can be encoded");
+        if bytes.len() <= LARGEST {
+            return bytes;
+        }
+        n = n * LARGEST / bytes.len() * 49 / 50;
+    }
+}
+
+/// The spectrogram of all channels.
+fn picture(channels: &[Vec<f64>], rate: f64) -> Vec<u8> {
+    let names: Vec<String> = (0..channels.len()).map(|k| k.to_string()).collect();
+    let mut sound = Sound::new(rate, &names);
+    for n in 0..channels[0].len() {
+        sound.push(&channels.iter().map(|c| c[n]).collect::<Vec<_>>());
+    }
+    spectrogram(&sound).and_then(|p| p.image).expect("a sound that is not silent").png
+}
+
+fn main() {
+    // `cargo test --benches` asks whether it runs at all
+    if !std::env::args().any(|a| a == "--bench") {
+        let p = Plays::new(all()[0]);
+        assert!(!p.play(BUILT).sound.is_empty());
+        return;
+    }
+    let made: Vec<(&Instrument, Figures, Vec<u8>, Vec<u8>)> = on_all_cores(|i| {
+        let p = Plays::new(i);
+        let r = p.play(BUILT);
+        (i, figures(&p), picture(&r.sound, r.rate), sound(r.heard(0.0, f64::INFINITY), r.rate))
+    });
+    // one by one: nothing else runs
+    let times: Vec<(&str, String)> = made
+        .iter()
+        .map(|(i, ..)| {
+            let p = Plays::new(i);
+            let quickness = |_| {
+                let r = p.render(BUILT, &[]);
+                r.sound[0].len() as f64 / r.rate / r.wall
+            };
+            (i.model, format!("{:.0} ×", (0..3).map(quickness).fold(0.0, f64::max)))
+        })
+        .collect();
+    let time = |name: &str| times.iter().find(|t| t.0 == name).map_or(String::new(), |t| t.1.clone());
+    let rows: Vec<(&Instrument, Figures)> = made.iter().map(|m| (m.0, m.1.clone())).collect();
+    let text = page(&rows, &ca_benches::machine(), &time);
+    println!("{text}");
+    if std::env::var_os("UPDATE").is_some() {
+        let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs");
+        let folder = docs.join("instruments");
+        // of models that are no more, too
+        let _ = std::fs::remove_dir_all(&folder);
+        std::fs::create_dir_all(&folder).expect("docs/ can be written");
+        for (i, _, picture, sound) in &made {
+            std::fs::write(folder.join(format!("{}.png", i.model)), picture).expect("a picture can be written");
+            std::fs::write(folder.join(format!("{}.flac", i.model)), sound).expect("a sound can be written");
+        }
+        std::fs::write(docs.join("instruments.md"), text).expect("the page can be written");
+    }
+}

@@ -1,0 +1,110 @@
+//! The figures of an instrument that its row has.
+//!
+//! Decides for levels of short blocks rather than an integral from the end for the decay: what still sounds at the end would bend
+//! an integral. Early is the first 12 dB, late the second half of what is above the end, at most 60 dB.
+
+use super::{BUILT, Cut, Plays, Render};
+use crate::acoustics::{db, peak, slope};
+use ca_io::ending::{FADE, QUIET};
+
+/// What of a row does not depend on time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Figures {
+    /// claimed \[Hz\] and its error \[cents\]
+    pub pitch: Option<[f64; 2]>,
+    /// of a soft and a loud stroke \[Hz\]
+    pub centroid: [f64; 2],
+    /// T60, early and late \[s\]
+    pub decay: [Option<f64>; 2],
+    /// largest sample \[dBFS\]
+    pub level: f64,
+    /// largest mean of a channel \[dBFS\]
+    pub dc: f64,
+    /// largest sample of the last 20 ms \[dBFS\]
+    pub end: f64,
+    /// whether `ca render` fades that
+    pub faded: bool,
+    /// MAT and LIA
+    pub modules: [usize; 2],
+    /// of each claim
+    pub claims: Vec<f64>,
+}
+
+/// Seconds of a block whose level is one point of the decay.
+const BLOCK: f64 = 0.02;
+/// How far the decay is followed \[dB\].
+const DEPTH: f64 = 60.0;
+/// What of it is early \[dB\].
+const EARLY: f64 = 12.0;
+/// A longer T60 is none \[s\].
+const LONGEST: f64 = 60.0;
+
+/// T60 early and late \[s\] of a part of a render, from its loudest block on; `None` where it does not decay.
+fn decay(r: &Render, from: f64, to: f64) -> [Option<f64>; 2] {
+    let len = (BLOCK * r.rate) as usize;
+    let parts: Vec<&[f64]> = r.sound.iter().map(|c| r.part(c, from, to)).collect();
+    let blocks = parts[0].len() / len;
+    let power = |b: usize| -> f64 {
+        let one = |c: &&[f64]| {
+            let x = &c[b * len..(b + 1) * len];
+            let mean = x.iter().sum::<f64>() / len as f64;
+            x.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>()
+        };
+        parts.iter().map(one).sum::<f64>() / len as f64
+    };
+    let levels: Vec<f64> = (0..blocks).map(|b| 0.5 * db(power(b))).collect();
+    let Some((loudest, top)) = levels.iter().copied().enumerate().max_by(|a, b| a.1.total_cmp(&b.1)) else {
+        return [None; 2];
+    };
+    let end = levels[loudest..].iter().take_while(|l| **l > top - DEPTH).count();
+    let points: Vec<[f64; 2]> =
+        levels[loudest..loudest + end].iter().enumerate().map(|(k, l)| [k as f64 * BLOCK, *l]).collect();
+    let fit = |p: &[[f64; 2]]| {
+        let t60 = -DEPTH / slope(p);
+        (p.len() >= 3 && t60 > 0.0 && t60 < LONGEST).then_some(t60)
+    };
+    let early = points.iter().take_while(|p| p[1] > top - EARLY).count().max(3).min(points.len());
+    [fit(&points[..early]), fit(&points[points.len() / 2..])]
+}
+
+/// Measures an instrument.
+pub fn figures(p: &Plays) -> Figures {
+    let i = p.instrument;
+    let built = p.play(BUILT);
+    let of_cut = |c: Cut| p.centroid(c);
+    let level = |from: f64| built.sound.iter().map(|c| peak(&c[(from * built.rate) as usize..])).fold(0.0, f64::max);
+    let n = built.sound[0].len() as f64;
+    let end = level(n / built.rate - FADE);
+    Figures {
+        pitch: i.pitch.map(|pitch| [pitch.hertz, p.cents(pitch.hertz, pitch.cut)]),
+        centroid: [of_cut(i.soft), of_cut(i.loud)],
+        decay: decay(&p.play(i.decay.take), i.decay.from, i.decay.to),
+        level: db(level(0.0)),
+        dc: db(built.sound.iter().map(|c| (c.iter().sum::<f64>() / n).abs()).fold(0.0, f64::max)),
+        end: db(end),
+        faded: end > QUIET,
+        modules: built.modules,
+        claims: i.claims.iter().map(|c| (c.measure)(p)).collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::{LN_10, TAU};
+
+    /// Two exponentials, 60 dB in 0.5 s and, a tenth as strong, in 4 s.
+    #[test]
+    fn both_slopes_of_a_decay_are_found() {
+        let at = |k: usize, t60: f64| (-3.0 * LN_10 * k as f64 / (t60 * 48e3)).exp();
+        let x = |f: &dyn Fn(usize) -> f64| {
+            (0..96_000).map(|k| f(k) * (TAU * 441.0 * k as f64 / 48e3).sin()).collect::<Vec<f64>>()
+        };
+        let render = |x| Render { rate: 48e3, sound: vec![x], probe: Vec::new(), modules: [0; 2], wall: 0.0 };
+        let [early, late] = decay(&render(x(&|k| at(k, 0.5) + 0.05 * at(k, 4.0))), 0.0, 9.0).map(Option::unwrap);
+        assert!((0.5..0.6).contains(&early) && (late - 4.0).abs() < 0.1, "{early} {late}");
+        let [early, late] = decay(&render(x(&|k| at(k, 1.3))), 0.0, 9.0).map(Option::unwrap);
+        assert!((early - 1.3).abs() < 0.02 && (late - 1.3).abs() < 0.02, "{early} {late}");
+        assert_eq!(decay(&render(x(&|_| 0.5)), 0.0, 9.0)[1], None);
+    }
+}

@@ -1,0 +1,153 @@
+//! The page `docs/instruments.md`: how rows and claims are written, so that a test finds them there again.
+//!
+//! Decides for digits by which no machine differs: renders are the same to the bit, transforms are not.
+
+use super::{Claim, Figures, Instrument, one_line};
+use std::fmt::Write as _;
+
+/// The text above the table.
+pub const HEAD: &str = "# The bundled instruments, measured
+
+Made by `UPDATE=1 cargo bench -p ca-benches --bench instruments`: do not edit.
+
+Each instrument is played by its own gesture, unless its entry in `benches/src/instruments` says otherwise, and measured. A test
+measures all of it anew but the times, and fails where this page says otherwise; another plays each instrument with ports of a
+device by a simulated device, through `ca serve`. `ca render NAME` plays one, `ca list NAME` says what it is.
+
+- **pitch**: the strongest partial near the pitch that is claimed, and how far it is from that.
+- **centroid**: centre of gravity of the power spectrum of a soft and a loud stroke.
+- **T60**: time in which the level falls by 60 dB: by the line through its first 12 dB, and through the second half of its
+  fall as far as it is there, at most 60 dB. One number where both are alike; – where it does not decay.
+- **peak**, **DC**: largest sample and largest mean of a channel, in dBFS.
+- **end**: largest sample of the last 20 ms, in dBFS; *faded* where `ca render` fades it, which it does above −60.
+- **real time**: seconds of sound in a second, by one thread, with the build of the bench, on ";
+const COLUMNS: &str = "| instrument | pitch (Hz) | centroid soft / loud (Hz) | T60 early / late (s) | peak | DC | end | real time | \
+                       MAT + LIA | picture | sound |\n|---|---|---|---|---|---|---|---|---|---|---|\n";
+
+/// A number with a minus that reads as one.
+fn minus(text: &str) -> String {
+    let zero = !text.contains(|c: char| ('1'..='9').contains(&c));
+    text.replace('-', if zero { "" } else { "−" })
+}
+
+/// Three digits.
+pub fn three(v: f64) -> String {
+    if v.fract() == 0.0 || !v.is_finite() {
+        return minus(&v.to_string());
+    }
+    if v.abs() < 1e-3 {
+        return minus(&format!("{v:.1e}"));
+    }
+    let digits = (2 - v.abs().log10().floor() as i32).clamp(0, 6) as usize;
+    minus(&format!("{v:.digits$}"))
+}
+
+fn level(v: f64) -> String {
+    // below any sample of 24 bits
+    if v < -150.0 { "none".into() } else { minus(&format!("{v:.1}")) }
+}
+
+fn decay(d: [Option<f64>; 2]) -> String {
+    let one = |v: Option<f64>| v.map_or("–".into(), |v| minus(&format!("{v:.2}")));
+    match d {
+        [None, None] => "–".into(),
+        [Some(a), Some(b)] if (a / b).ln().abs() < 0.15 => one(Some(b)),
+        [a, b] => format!("{} / {}", one(a), one(b)),
+    }
+}
+
+/// The row of an instrument; `times` is its cell of real time.
+pub fn row(i: &Instrument, f: &Figures, times: &str) -> String {
+    let name = i.model;
+    let pitch = f.pitch.map_or("–".into(), |[hz, off]| format!("{hz:.2}, {} cents", minus(&format!("{off:+.1}"))));
+    let [soft, loud] = f.centroid.map(|v| minus(&format!("{v:.0}")));
+    let end = format!("{}{}", level(f.end), if f.faded { ", faded" } else { "" });
+    format!(
+        "| [{name}](../models/{name}.ca.toml) | {pitch} | {soft} / {loud} | {} | {} | {} | {end} | {times} | {} + {} | \
+         ![spectrogram](instruments/{name}.png) | [FLAC](instruments/{name}.flac) |\n",
+        decay(f.decay),
+        level(f.level),
+        level(f.dc),
+        f.modules[0],
+        f.modules[1],
+    )
+}
+
+fn claim(c: &Claim, figure: f64) -> String {
+    let [least, most] = c.keeps.map(three);
+    let keeps = match c.keeps {
+        [a, b] if a == b => format!("must be {least}"),
+        [_, b] if b == f64::INFINITY => format!("at least {least}"),
+        [a, _] if a == f64::NEG_INFINITY => format!("at most {most}"),
+        _ => format!("{least} to {most}"),
+    };
+    format!("- “{}”: {} ({keeps})\n", one_line(c.says), c.shows.replace("{}", &three(figure)))
+}
+
+/// The whole page: `times` gives the cell of real time of each instrument, `machine` whose times these are.
+pub fn page(all: &[(&Instrument, Figures)], machine: &str, times: &dyn Fn(&str) -> String) -> String {
+    let mut t = format!("{HEAD}{machine}.\n- **MAT + LIA**: modules that are computed.\n\n");
+    t += "Pictures show 40 Hz to half the sound rate from below upwards, equal distances being equal ratios, over the time of the\n\
+          whole sound, 90 dB from the loudest to black. Sounds are one channel, the loudest, and may be its beginning alone.\n\n";
+    t += COLUMNS;
+    for (i, f) in all {
+        t += &row(i, f, &times(i.model));
+    }
+    t += "\n## What the headers say, and what is measured\n\n\
+          What the figures say of each sound and what of it is weak; words of the header of each model, and the figure that supports\n\
+          them with the bounds that a test keeps.\n";
+    for (i, f) in all {
+        let _ = write!(t, "\n### {}\n\n{}\n\n", i.model, one_line(i.remark));
+        for (c, figure) in i.claims.iter().zip(&f.claims) {
+            t += &claim(c, *figure);
+        }
+    }
+    t
+}
+
+/// What a page says of times: the machine, and the cell of each instrument.
+pub fn times_of(page: &str) -> Option<(&str, Vec<(&str, &str)>)> {
+    let machine = page.strip_prefix(HEAD)?.split_once(".\n- **MAT")?.0;
+    let rows = page
+        .lines()
+        .filter_map(|l| l.strip_prefix("| ["))
+        .filter_map(|l| Some((l.split_once(']')?.0, l.split(" | ").nth(7)?)));
+    Some((machine, rows.collect()))
+}
+
+/// Whether two pages say the same, but for one of the last digit of a number with a point.
+pub fn same(a: &str, b: &str) -> Result<(), String> {
+    if a.lines().count() != b.lines().count() {
+        return Err(format!("{} lines, not {}", a.lines().count(), b.lines().count()));
+    }
+    let near = |a: &str, b: &str| {
+        let number = |t: &str| {
+            let t = t.trim_matches(|c: char| "(),:;".contains(c)).replace('−', "-");
+            Some((t.parse::<f64>().ok()?, t.split_once('.').map_or(0, |p| p.1.len())))
+        };
+        match (number(a), number(b)) {
+            (Some((a, d)), Some((b, e))) => d == e && (a - b).abs() < 1.5 * 10f64.powi(-(d as i32)),
+            _ => a == b,
+        }
+    };
+    for (a, b) in a.lines().zip(b.lines()) {
+        let words = [a, b].map(|l| l.split(' ').collect::<Vec<_>>());
+        if words[0].len() != words[1].len() || !words[0].iter().zip(&words[1]).all(|(a, b)| near(a, b)) {
+            return Err(format!("the page says\n{a}\nand measured is\n{b}"));
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn digits_are_three_and_a_page_may_differ_by_one_of_the_last() {
+        assert_eq!([1234.6, -0.012_34, 5.0, 0.0, 2.5e-15].map(three), ["1235", "−0.0123", "5", "0", "2.5e−15"]);
+        assert!(same("| a | 1.25 |", "| a | 1.26 |").is_ok() && same("a (−0.3)", "a (−0.2)").is_ok());
+        assert!(same("| a | 1.25 |", "| a | 1.27 |").is_err() && same("| a |", "| b |").is_err());
+        assert!(same("0.1", "0.10").is_err() && same("a\nb", "a").is_err());
+    }
+}

@@ -1,0 +1,245 @@
+//! Skins, sheets and gongs.
+
+use super::{BUILT, Claim, Instrument, Pitch, Stroke, Take};
+
+const NEVER_MORE: f64 = f64::INFINITY;
+
+/// Part of the power of the gong above 900 Hz in 80 ms from `t` \[s\] on.
+fn high(p: &super::Plays, t: f64) -> f64 {
+    p.above(900.0, BUILT.at(t, t + 0.08))
+}
+
+/// The bow of the plate at 0.2 m/s and 0.8 N; by 24 N/m of the key, 6 N are at 0.25 m.
+const LIGHT: Take = BUILT
+    .moved(&[
+        ("bow.draw", &[[0.0, -0.22], [0.2, -0.22], [2.2, 0.18]]),
+        ("bow.press", &[[0.0, 0.0], [0.15, 0.8 / 24.0]]),
+    ])
+    .seconds(2.0);
+/// The same at 1.2 N.
+const FIRM: Take = BUILT
+    .moved(&[
+        ("bow.draw", &[[0.0, -0.22], [0.2, -0.22], [2.2, 0.18]]),
+        ("bow.press", &[[0.0, 0.0], [0.15, 1.2 / 24.0]]),
+    ])
+    .seconds(2.0);
+/// The same at 3 N.
+const STRONG: Take = BUILT
+    .moved(&[
+        ("bow.draw", &[[0.0, -0.22], [0.2, -0.22], [2.2, 0.18]]),
+        ("bow.press", &[[0.0, 0.0], [0.15, 3.0 / 24.0]]),
+    ])
+    .seconds(2.0);
+/// The same at 5 N.
+const HEAVY: Take = BUILT
+    .moved(&[
+        ("bow.draw", &[[0.0, -0.22], [0.2, -0.22], [2.2, 0.18]]),
+        ("bow.press", &[[0.0, 0.0], [0.15, 5.0 / 24.0]]),
+    ])
+    .seconds(2.0);
+
+/// Period \[s\] after which the second half of a stroke is most like itself, and how much.
+fn repeats(p: &super::Plays, take: Take) -> (f64, f64) {
+    let (x, rate) = p.heard(take.at(1.2, 2.0));
+    crate::acoustics::period(&x, rate, 1.0 / 400.0, 1.0 / 200.0)
+}
+
+/// The hard stroke alone on a sheet whose springs do not harden.
+const LINEAR: Take = BUILT
+    .set(&["along.k3=0", "across.k3=0"])
+    .moved(&[("hand", &[[0.0, -9e-3], [0.05, -9e-3], [0.065, 9e-3], [0.1, -9e-3]])])
+    .seconds(0.3);
+
+pub static ALL: &[Instrument] = &[
+    Instrument {
+        pitch: Some(Pitch { hertz: 309.0, cut: FIRM.at(1.0, 2.0) }),
+        soft: FIRM.at(1.0, 2.0),
+        loud: BUILT.at(2.6, 3.6),
+        decay: BUILT.at(5.2, 6.5),
+        // the hair goes there and back
+        stroke: Stroke { script: "bow", rest: &[-0.0088, 0.0024, 0.0], depth: 0.0128, speed: 0.008, ..Stroke::DEFAULT },
+        claims: &[
+            Claim {
+                says: "at 0.2 m/s 1.2 N gives 309 Hz",
+                shows: "inverse of the period after which the sound is most like itself: {} Hz",
+                measure: |p| 1.0 / repeats(p, FIRM).0,
+                keeps: [307.0, 311.0],
+            },
+            Claim {
+                says: "3 N adds a strong ninth harmonic at 2.7 kHz",
+                shows: "partial there above the first: {} dB",
+                measure: |p| p.partial(2717.0, STRONG.at(1.0, 2.0)) - p.partial(302.0, STRONG.at(1.0, 2.0)),
+                keeps: [-6.0, 6.0],
+            },
+            Claim {
+                says: "5 N is raucous, without a pitch",
+                shows: "likeness of the sound to itself after its best period, 1 where it repeats: {}",
+                measure: |p| repeats(p, HEAVY).1,
+                keeps: [0.0, 0.5],
+            },
+            Claim {
+                says: "below about 1 N nothing starts",
+                shows: "level at 1.2 N above that at 0.8 N: {} dB",
+                measure: |p| p.level(FIRM.at(1.0, 2.0)) - p.level(LIGHT.at(1.0, 2.0)),
+                keeps: [20.0, NEVER_MORE],
+            },
+        ],
+        remark: "One mode locks to the bow and force chooses which; the sheet has tension and no bending stiffness, so that its modes lie as \
+                 those of a membrane with a free edge do.",
+        ..Instrument::new("bowed_plate")
+    },
+    Instrument {
+        soft: BUILT.at(0.1, 0.5),
+        loud: BUILT.at(1.6, 2.4),
+        decay: BUILT.at(1.5, 6.0),
+        claims: &[
+            Claim {
+                says: "the share of the sound above 900 Hz grows by half in the 0.15 s after the blow",
+                shows: "that share 0.12 to 0.2 s after the blow over that in its first 80 ms: {}",
+                measure: |p| high(p, 1.64) / high(p, 1.52),
+                keeps: [1.4, 1.8],
+            },
+            Claim {
+                says: "a strong stroke blooms",
+                shows: "that share then over that as long after the soft stroke: {}",
+                measure: |p| high(p, 1.64) / high(p, 0.25),
+                keeps: [1.5, NEVER_MORE],
+            },
+            Claim {
+                says: "strikes softly, then strongly, and damps",
+                shows: "fall of the level by the palm: {} dB",
+                measure: |p| p.level(BUILT.at(6.8, 7.0)) - p.level(BUILT.at(7.5, 7.7)),
+                keeps: [15.0, NEVER_MORE],
+            },
+        ],
+        remark: "Strong strokes grow brighter after the blow, modestly: little passes 2 kHz; `tam_tam` goes farther.",
+        ..Instrument::new("gong")
+    },
+    Instrument {
+        pitch: Some(Pitch { hertz: 147.0, cut: BUILT.at(2.3, 3.3) }),
+        soft: BUILT.at(0.1, 0.4),
+        loud: BUILT.at(1.83, 2.13),
+        decay: BUILT.at(2.25, 4.0),
+        claims: &[
+            Claim {
+                says: "the pitch stays",
+                shows: "from the first stroke to the last: {} cents",
+                measure: |p| p.cents(147.0, BUILT.at(2.3, 2.9)) - p.cents(147.0, BUILT.at(0.2, 0.7)),
+                keeps: [-2.0, 2.0],
+            },
+            Claim {
+                says: "centroid 680 Hz at the centre",
+                shows: "of the first stroke: {} Hz",
+                measure: |p| p.colour(BUILT.at(0.08, 0.48)),
+                keeps: [640.0, 720.0],
+            },
+            Claim {
+                says: "1 kHz near the rim",
+                shows: "of the stroke before the last: {} Hz",
+                measure: |p| p.colour(BUILT.at(1.83, 2.2)),
+                keeps: [980.0, 1100.0],
+            },
+        ],
+        remark: "Pitch exact, colour opens towards the rim; 37 by 33 masses stop at 3.2 kHz, so that the click of a hard stick is missing.",
+        ..Instrument::new("membrane")
+    },
+    Instrument {
+        soft: BUILT.at(0.1, 0.6),
+        loud: BUILT.at(2.3, 2.8),
+        decay: BUILT.at(2.3, 4.2),
+        claims: &[
+            Claim {
+                says: "strikes three times, each harder",
+                shows: "least rise from one stroke to the next: {} dB",
+                measure: |p| {
+                    let blow = |t: f64| p.peak(BUILT.at(t, t + 0.3));
+                    (blow(1.2) - blow(0.1)).min(blow(2.3) - blow(1.2))
+                },
+                keeps: [1.0, NEVER_MORE],
+            },
+            Claim {
+                says: "damps the last by 22 dB in 0.6 s",
+                shows: "fall of the level: {} dB",
+                measure: |p| p.level(BUILT.at(4.1, 4.2)) - p.level(BUILT.at(4.75, 4.85)),
+                keeps: [20.0, 26.0],
+            },
+            Claim {
+                says: "Half of the power is above 3 kHz",
+                shows: "share of it, of the whole sound: {}",
+                measure: |p| p.above(3000.0, BUILT.at(0.0, 5.0)),
+                keeps: [0.4, 0.65],
+            },
+        ],
+        remark: "Dense and bright; louder is only a little brighter, and a sheet under tension has no dispersion of bending, so that the \
+                 shimmer of thin metal is not there.",
+        ..Instrument::new("plate")
+    },
+    Instrument {
+        pitch: Some(Pitch { hertz: 180.0, cut: BUILT.at(5.02, 5.5) }),
+        soft: BUILT.at(3.28, 3.5),
+        loud: BUILT.at(0.18, 0.4),
+        decay: BUILT.at(5.0, 5.8),
+        claims: &[
+            Claim {
+                says: "With the wires up each stroke has a noisy tail",
+                shows: "power above 1 kHz from 20 to 120 ms after the stroke, above that with the wires down: {} dB",
+                measure: |p| p.band(1e3, 2e4, BUILT.at(0.23, 0.33)) - p.band(1e3, 2e4, BUILT.at(3.33, 3.43)),
+                keeps: [10.0, NEVER_MORE],
+            },
+            Claim {
+                says: "with them down it is a tom",
+                shows: "part of the power above 1 kHz in the 0.2 s after 20 ms, with the wires down: {}",
+                measure: |p| p.above(1e3, BUILT.at(3.33, 3.53)),
+                keeps: [0.0, 0.1],
+            },
+        ],
+        remark: "The wires rattle and stop within 0.4 s; a stroke at the edge is only some 50 Hz brighter than one in the middle, and 11 by 11 \
+                 masses give the skin few modes.",
+        ..Instrument::new("snare")
+    },
+    Instrument {
+        pitch: Some(Pitch { hertz: 110.0, cut: BUILT.at(5.6, 7.2) }),
+        soft: BUILT.at(0.1, 0.3),
+        loud: BUILT.at(3.4, 3.6),
+        decay: BUILT.at(3.4, 7.2),
+        stroke: Stroke { seconds: 1.5, ..Stroke::DEFAULT },
+        claims: &[
+            Claim {
+                says: "8919 modules in all",
+                shows: "MAT and LIA that are computed: {}",
+                measure: |p| p.play(BUILT).modules.iter().sum::<usize>() as f64,
+                keeps: [8919.0, 8919.0],
+            },
+            Claim {
+                says: "the centroid of the first 0.2 s is at 370 Hz after the soft stroke",
+                shows: "after the soft stroke: {} Hz",
+                measure: |p| p.colour(BUILT.at(0.12, 0.34)),
+                keeps: [340.0, 400.0],
+            },
+            Claim {
+                says: "at 1.6 kHz after the hard one",
+                shows: "after the hard one: {} Hz",
+                measure: |p| p.colour(BUILT.at(3.4, 3.62)),
+                keeps: [1500.0, 1750.0],
+            },
+            Claim {
+                says: "glides from 127 Hz to 110 Hz",
+                shows: "from 0.1 s after the hard stroke: {} Hz",
+                measure: |p| {
+                    let (x, rate) = p.heard(BUILT.at(3.5, 3.9));
+                    crate::acoustics::partial(&x, rate, 124.0, 12.0).0
+                },
+                keeps: [118.0, 132.0],
+            },
+            Claim {
+                says: "(a linear membrane)",
+                shows: "centroid of the hard stroke without hardening: {} Hz",
+                measure: |p| p.colour(LINEAR.at(0.05, 0.3)),
+                keeps: [100.0, 300.0],
+            },
+        ],
+        remark: "A hard stroke becomes noise within 0.1 s and its pitch glides; as a linear sheet it ends at 3.1 kHz, and what is above comes \
+                 from hardening alone, so that the hiss of a real one is missing.",
+        ..Instrument::new("tam_tam")
+    },
+];

@@ -1,0 +1,222 @@
+//! What flies, falls and collides in space.
+
+use super::{BUILT, Claim, Instrument, Pitch, Plays, Stroke};
+
+const NEVER_MORE: f64 = f64::INFINITY;
+
+/// How long each force of these probes lasts in a take as it is built \[s\].
+fn blows(p: &Plays, of: &str) -> Vec<f64> {
+    let r = p.play(BUILT);
+    let mut all = Vec::new();
+    for (_, force) in r.probe.iter().filter(|x| x.0.starts_with(of)) {
+        all.extend(force.split(|f| *f == 0.0).filter(|b| !b.is_empty()).map(|b| b.len() as f64 / r.rate));
+    }
+    all.sort_by(f64::total_cmp);
+    all
+}
+
+pub static ALL: &[Instrument] = &[
+    Instrument {
+        pitch: Some(Pitch { hertz: 880.0, cut: BUILT.at(5.0, 8.0) }),
+        soft: BUILT.way(0.8).seconds(5.0).at(0.0, 5.0),
+        loud: BUILT.at(0.0, 5.0),
+        decay: BUILT.at(4.3, 9.0),
+        probes: &["knock_a", "knock_b", "knock_c", "knock_d", "knock_e"],
+        // the clapper goes to a tube
+        stroke: Stroke { script: "bow", depth: 0.03, speed: 0.15, heard: -50.0, ..Stroke::DEFAULT },
+        claims: &[
+            Claim {
+                says: "the tubes have rung out at 11 s",
+                shows: "largest sample of the last half second: {} dBFS",
+                measure: |p| p.peak(BUILT.at(10.5, 11.0)),
+                keeps: [f64::NEG_INFINITY, -80.0],
+            },
+            Claim {
+                says: "then the air stills the threads",
+                shows: "last blow of the clapper: {} s",
+                measure: |p| {
+                    let r = p.play(BUILT);
+                    let last =
+                        |x: &(String, Vec<f64>)| x.1.iter().rposition(|f| *f != 0.0).unwrap_or(0) as f64 / r.rate;
+                    r.probe.iter().map(last).fold(0.0, f64::max)
+                },
+                keeps: [3.0, 8.0],
+            },
+        ],
+        remark: "Five tubes in tune with bright, inharmonic partials; each is one stiff string of five masses, so that it has five partials and \
+                 no more, and the harder blow is little brighter.",
+        ..Instrument::new("chimes")
+    },
+    Instrument {
+        soft: BUILT.set(&["room.pebble.m=1 g"]).at(0.0, 1.0),
+        loud: BUILT.at(0.0, 1.0),
+        claims: &[
+            Claim {
+                says: "room.pebble.m=\"1 g\" (softer",
+                shows: "level with a pebble of 1 g below that as it is: {} dB",
+                measure: |p| p.level(BUILT.at(0.0, 1.0)) - p.level(BUILT.set(&["room.pebble.m=1 g"]).at(0.0, 1.0)),
+                keeps: [2.0, 12.0],
+            },
+            Claim {
+                says: "room.crystal.k=\"100 kN/m\" (lower)",
+                shows: "centroid with it over that as it is; √(1/5) is 0.447: {}",
+                measure: |p| {
+                    p.colour(BUILT.set(&["room.crystal.k=100 kN/m"]).at(0.0, 1.0)) / p.colour(BUILT.at(0.0, 1.0))
+                },
+                keeps: [0.38, 0.52],
+            },
+        ],
+        remark: "Four partials from 1.9 to 4.7 kHz, the lowest by far the strongest, so that it is thin; a softer blow is hardly of another colour.",
+        ..Instrument::new("crystal")
+    },
+    Instrument {
+        pitch: Some(Pitch { hertz: 220.0, cut: BUILT.at(0.15, 0.28) }),
+        soft: BUILT.at(0.6, 1.0),
+        loud: BUILT.at(0.1, 0.6),
+        claims: &[
+            Claim {
+                says: "comes to rest on the skin",
+                shows: "largest sample of the last half second: {} dBFS",
+                measure: |p| p.peak(BUILT.at(3.5, 4.0)),
+                keeps: [f64::NEG_INFINITY, -60.0],
+            },
+            Claim {
+                says: "Its own edges ring far above the drum and are heard on the right",
+                shows: "centroid of the right over that of the left: {}",
+                measure: |p| {
+                    let r = p.play(BUILT);
+                    let of = |k: usize| crate::acoustics::centroid(r.part(&r.sound[k], 0.1, 1.0), r.rate);
+                    of(1) / of(0)
+                },
+                keeps: [3.0, NEVER_MORE],
+            },
+        ],
+        remark: "The rhythm of a thing that tumbles; the drum is eleven masses wide and simple, the star of seven points has few partials.",
+        ..Instrument::new("jack")
+    },
+    Instrument {
+        soft: BUILT.way(0.7).seconds(2.0).at(0.0, 2.0),
+        loud: BUILT.at(0.0, 2.0),
+        decay: BUILT.at(3.3, 5.0),
+        stroke: Stroke { script: "shake", dof: &[1], depth: 0.0086, speed: 0.2, clear: 0.15, ..Stroke::DEFAULT },
+        claims: &[
+            Claim {
+                says: "95 % of the power is above 3 kHz",
+                shows: "share of it: {}",
+                measure: |p| p.above(3000.0, BUILT.at(0.0, 5.0)),
+                keeps: [0.92, 0.98],
+            },
+            Claim {
+                says: "they come to rest and the sound ends",
+                shows: "largest sample of the last 0.3 s: {} dBFS",
+                measure: |p| p.peak(BUILT.at(4.7, 5.0)),
+                keeps: [f64::NEG_INFINITY, -55.0],
+            },
+        ],
+        remark: "Bright grains with the rhythm of the hand; the gourd itself, which should be heard below 2 kHz, is hardly there.",
+        ..Instrument::new("maracas")
+    },
+    Instrument {
+        soft: BUILT.way(0.7).seconds(2.5).at(0.4, 2.5),
+        loud: BUILT.at(0.4, 2.5),
+        decay: BUILT.at(4.4, 6.0),
+        probes: &["keep[*]"],
+        stroke: Stroke { script: "shake", dof: &[0, 1], depth: 0.0088, speed: 0.3, clear: 0.1, ..Stroke::DEFAULT },
+        claims: &[
+            Claim {
+                says: "Blows of a fifth of a millisecond",
+                shows: "median of all blows on the shell: {} ms",
+                measure: |p| {
+                    let all = blows(p, "keep");
+                    1e3 * all[all.len() / 2]
+                },
+                keeps: [0.15, 0.25],
+            },
+            Claim {
+                says: "80 % of the power is above 3 kHz",
+                shows: "share of it: {}",
+                measure: |p| p.above(3000.0, BUILT.at(0.0, 7.0)),
+                keeps: [0.77, 0.83],
+            },
+        ],
+        remark: "Sharp, as the rattle of the paper is; what is left, a fifth of the power, is nearly all between 1 and 3 kHz, so that there is \
+                 no body below.",
+        ..Instrument::new("rattle")
+    },
+    Instrument {
+        soft: BUILT.way(0.7).seconds(2.5).at(0.4, 2.5),
+        loud: BUILT.at(0.4, 2.5),
+        decay: BUILT.at(4.8, 6.0),
+        probes: &["keep[*]"],
+        stroke: Stroke { script: "shake", dof: &[0, 1], depth: 0.0088, speed: 0.25, clear: 0.45, ..Stroke::DEFAULT },
+        claims: &[
+            Claim {
+                says: "Blows last a fifth of a millisecond, as there",
+                shows: "median of all blows on the shell: {} ms",
+                measure: |p| {
+                    let all = blows(p, "keep");
+                    1e3 * all[all.len() / 2]
+                },
+                keeps: [0.15, 0.25],
+            },
+            Claim {
+                says: "84 % of the power is above 3 kHz",
+                shows: "share of it: {}",
+                measure: |p| p.above(3000.0, BUILT.at(0.0, 7.0)),
+                keeps: [0.81, 0.87],
+            },
+        ],
+        remark: "The sound is that of `rattle`; a shake strikes up to 0.2 s after the turn of the hand, so that it is harder to time than a knock \
+                 by two keys.",
+        ..Instrument::new("rattle_stick")
+    },
+    Instrument {
+        pitch: Some(Pitch { hertz: 1174.7, cut: BUILT.at(2.0, 4.0) }),
+        soft: BUILT.at(3.0, 5.0),
+        loud: BUILT.at(0.1, 1.5),
+        probes: &["hop[4]"],
+        claims: &[
+            Claim {
+                says: "falls by its own weight from its own height",
+                shows: "first touch of bead `e` after √(2 h / g), later by: {} %",
+                measure: |p| {
+                    let x = p.probe("hop[4]", BUILT.whole());
+                    let first = x.iter().position(|f| *f != 0.0).unwrap_or(0) as f64 / p.play(BUILT).rate;
+                    100.0 * (first / (2.0 * p.number("beads.e.x") / 9.81).sqrt() - 1.0)
+                },
+                keeps: [-0.2, 0.2],
+            },
+            Claim {
+                says: "the last chime is silent before 7 s",
+                shows: "largest sample of the last 0.2 s: {} dBFS",
+                measure: |p| p.peak(BUILT.at(6.8, 7.0)),
+                keeps: [f64::NEG_INFINITY, -60.0],
+            },
+        ],
+        remark: "The rhythm of bouncing balls; a chime is one mode, so that each is a sine with a click, the first four cents sharp.",
+        ..Instrument::new("rain_stick")
+    },
+    Instrument {
+        soft: BUILT.at(1.0, 2.2),
+        loud: BUILT.at(3.4, 4.6),
+        decay: BUILT.at(4.0, 6.0),
+        stroke: Stroke { depth: 0.019, speed: 0.8, ..Stroke::DEFAULT },
+        claims: &[
+            Claim {
+                says: "the faster, the louder (8.5 dB from the first to the third toss of the gesture)",
+                shows: "the third above the first: {} dB",
+                measure: |p| p.level(BUILT.at(3.4, 4.6)) - p.level(BUILT.at(1.0, 2.2)),
+                keeps: [6.0, 11.0],
+            },
+            Claim {
+                says: "Thirty-two grains lie in a box",
+                shows: "level of the half second before the first toss, below that of the toss: {} dB",
+                measure: |p| p.level(BUILT.at(1.0, 2.2)) - p.level(BUILT.at(0.5, 1.0)),
+                keeps: [10.0, NEVER_MORE],
+            },
+        ],
+        remark: "A rain of notes that no hand could play, the louder the faster; blows are of one hardness, so that loud tosses are hardly \
+                 brighter.",
+        ..Instrument::new("tossed_grains")
+    },
+];

@@ -1,0 +1,65 @@
+//! What is drawn on and blown.
+
+use super::bars::loss_a_second;
+use super::{BUILT, Claim, Instrument, Stroke, Take};
+use crate::acoustics::{envelope, flatness, period};
+
+/// The hairs at 0.05 m/s, and at 2 m/s.
+const SLOW: Take = BUILT.moved(&[("hand", &[[0.0, -0.65], [2.0, -0.55]])]).seconds(2.0);
+const QUICK: Take = BUILT.moved(&[("hand", &[[0.0, -0.65], [0.65, 0.65]])]).seconds(0.65);
+
+pub static ALL: &[Instrument] = &[
+    Instrument {
+        soft: BUILT.at(8.0, 10.0),
+        loud: BUILT.at(0.0, 2.0),
+        probes: &["pendulum"],
+        stroke: Stroke { script: "bow", depth: 0.008, speed: 0.05, ..Stroke::DEFAULT },
+        claims: &[
+            Claim {
+                says: "the sound swells once a second",
+                shows: "time after which the level is most like itself: {} s",
+                measure: |p| {
+                    let (x, rate) = p.heard(BUILT.at(0.5, 6.5));
+                    let len = (0.02 * rate) as usize;
+                    period(&envelope(&x, len), rate / len as f64, 0.7, 1.3).0
+                },
+                keeps: [0.95, 1.05],
+            },
+            Claim {
+                says: "every swell costs the pendulum some of its swing: 12 % a second",
+                shows: "loss a second from 0 to 4 s: {}",
+                measure: |p| {
+                    loss_a_second(&|a, b| p.probe("pendulum", BUILT.at(a.max(0.0), b)), &[0.0, 1.0, 2.0, 3.0, 4.0])
+                },
+                keeps: [0.1, 0.15],
+            },
+        ],
+        remark: "It swells and tires as said; the two strings are short and dark, and a push is needed to keep it going for longer than 10 s.",
+        ..Instrument::new("physical_lfo")
+    },
+    Instrument {
+        soft: SLOW.at(0.5, 2.0),
+        loud: QUICK.at(0.15, 0.6),
+        decay: BUILT.at(6.0, 7.0),
+        stroke: Stroke { script: "bow", rest: &[-0.01], depth: 0.0195, speed: 0.02, ..Stroke::DEFAULT },
+        claims: &[
+            Claim {
+                says: "15 dB from 0.05 to 2 m/s",
+                shows: "level at 2 m/s above that at 0.05 m/s: {} dB",
+                measure: |p| p.level(QUICK.at(0.15, 0.6)) - p.level(SLOW.at(0.5, 2.0)),
+                keeps: [12.0, 18.0],
+            },
+            Claim {
+                says: "collide between two walls: noise",
+                shows: "flatness between 150 Hz and 8 kHz (1 is white): {}",
+                measure: |p| {
+                    let (x, rate) = p.heard(BUILT.at(1.0, 5.0));
+                    flatness(&x, rate, 150.0, 8000.0)
+                },
+                keeps: [0.15, 1.0],
+            },
+        ],
+        remark: "A coloured noise that follows the hand in loudness; its colour does not change with speed.",
+        ..Instrument::new("wind")
+    },
+];

@@ -1,0 +1,92 @@
+//! Every bundled instrument with ports of a device, played by `ca serve` and a simulated device across shared memory: it sounds, the
+//! hand feels a force, and nothing trips the guard.
+//!
+//! Device and engine wait for each other, so that a run is as fast as both compute; two run at once. How
+//! each is played stands in `benches/src/instruments`.
+
+use crate::stage::Stage;
+use ca_benches::instruments::{Instrument, all};
+use ca_compile::Options;
+use ca_haptic::profile::SHIPPED;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+
+/// What of a run is not as it must be; `None` where the engine went on without its device on a busy machine.
+fn attempt(stage: &Stage, i: &Instrument, hand: &[String]) -> Option<Vec<String>> {
+    let sound = format!("{}.wav", i.model);
+    let server = stage.serve(i.model, &["--clock", "device", "--arm", "--json", "-o", &sound]);
+    let mut args = vec!["device", "sim", "--lockstep", "--wait", "--json"];
+    args.extend(hand.iter().map(String::as_str));
+    let felt = stage.spawn(&args).end();
+    let run = server.stop();
+    if felt.code != Some(0) {
+        return Some(vec![felt.err]);
+    }
+    let (felt, summary) = (felt.json(), run.json());
+    let frames = &summary["devices"][0]["frames"];
+    let faults = summary["faults"].as_array().expect("a list");
+    if *frames != felt["frames"] || faults.iter().any(|f| f.to_string().contains("DEVICE_LOST")) {
+        return None;
+    }
+    let mut wrong = Vec::new();
+    if !faults.is_empty() || summary["unstable"] != false || run.code != Some(0) {
+        wrong.push(format!("exit {:?}, faults {}, unstable {}", run.code, summary["faults"], summary["unstable"]));
+    }
+    if summary["devices"][0]["forces_on"] != true {
+        wrong.push(format!("forces stay off: {}", summary["devices"][0]["waits"]));
+    }
+    let largest = felt["largest"].as_array().expect("a list").iter().filter_map(serde_json::Value::as_f64);
+    let largest = largest.fold(0.0, f64::max);
+    if largest < i.stroke.felt {
+        wrong.push(format!("the hand feels {largest:.4} N, not {} N", i.stroke.felt));
+    }
+    let sound = hound::WavReader::open(stage.path(&sound)).expect("a sound");
+    let peak = sound.into_samples::<f32>().map(|s| f64::from(s.expect("a sample").abs())).fold(0.0, f64::max);
+    let level = 20.0 * peak.max(1e-9).log10();
+    if !(i.stroke.heard..=0.0).contains(&level) {
+        wrong.push(format!("it peaks at {level:.1} dBFS, not at {} or more", i.stroke.heard));
+    }
+    eprintln!("{}: {level:.1} dBFS, {largest:.3} N", i.model);
+    Some(wrong)
+}
+
+/// What is wrong, of one instrument.
+fn played(i: &Instrument) -> Option<String> {
+    let scene = i.load().compile(&Options::default()).expect("a bundled model compiles").scene;
+    let hand = i.stroke.arguments(&scene)?;
+    let stage = Stage::beside();
+    if i.stroke.clear > 0.0 {
+        let device = scene.inputs.iter().find_map(|i| i.device.as_ref()).expect("a port of a device").0.as_str();
+        let shipped = |name: &str| SHIPPED.iter().find(|s| s.0 == name).map(|s| s.1);
+        // as its owner would describe it
+        let text =
+            shipped(device).or(shipped("unknown")).expect("shipped").replace("\"unknown\"", &format!("{device:?}"));
+        let clear = format!("[guard]\nclear = {}\n", i.stroke.clear);
+        let text = if text.contains("[guard]") { text.replace("[guard]", &clear) } else { format!("{text}\n{clear}") };
+        stage.put(&format!("c/profiles/{device}.toml"), &text);
+    }
+    let wrong = (0..4).find_map(|_| attempt(&stage, i, &hand)).unwrap_or(vec!["no run without a hole".into()]);
+    Some(if wrong.is_empty() {
+        String::new()
+    } else {
+        format!("{}, {}: {}", i.model, hand.join(" "), wrong.join("; "))
+    })
+}
+
+#[test]
+fn every_instrument_with_ports_of_a_device_is_played_by_one() {
+    let (all, next, found) = (all(), AtomicUsize::new(0), Mutex::new(Vec::new()));
+    std::thread::scope(|s| {
+        for _ in 0..2 {
+            s.spawn(|| {
+                while let Some(i) = all.get(next.fetch_add(1, Relaxed)) {
+                    found.lock().unwrap().extend(played(i));
+                }
+            });
+        }
+    });
+    let found = found.into_inner().unwrap();
+    assert!(found.len() >= 10, "only {} instruments have ports of a device", found.len());
+    let wrong: Vec<String> = found.into_iter().filter(|w| !w.is_empty()).collect();
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}

@@ -1,0 +1,104 @@
+//! Points: moving points and masses that go by modes, as the tick reads them, and how easily forces move the latter.
+//!
+//! Decides that the mobility of such a mass, and what couples several of a group, are numbers computed once: its modes do not
+//! follow live parameters. Only masses at which a link counts on the motion to come have them.
+
+use crate::emit::plan::Plan;
+use crate::net::{Coordinate, End};
+use alloc::collections::BTreeSet;
+use alloc::vec::Vec;
+use ca_core::op::layout::{CoordinateSource, Modal, ModalCoupling, MovingPoint, SolvedModal};
+
+/// Moving points and masses that go by modes, laid out.
+#[derive(Default)]
+pub struct Points {
+    /// the MATs under them
+    pub nodes: Vec<u32>,
+    /// they
+    pub moving: Vec<MovingPoint>,
+    /// masses that go by modes
+    pub modal: Vec<Modal>,
+    /// their shares in the modes
+    pub shares: Vec<f64>,
+    /// whether one of them moves along what it stands on
+    pub aimed: bool,
+}
+
+/// Lays them out.
+pub fn points(plan: &mut Plan) -> Points {
+    let net = plan.net;
+    let mut all = Points::default();
+    for (i, p) in net.points.iter().enumerate() {
+        let mat = plan.point[i];
+        if mat == u32::MAX {
+            continue;
+        }
+        let family = net.families.of(&p.family);
+        if let Some((weights, _)) = &p.shape {
+            // modes are tied to nothing, so they stand as they were made: in a row
+            let first = family.nodes.first().map_or(0, |mode| plan.slot[*mode as usize]);
+            let (share, n) = (all.shares.len() as u32, weights.len() as u32);
+            all.shares.extend(weights);
+            all.modal.push(Modal { mat, first, share, n });
+            continue;
+        }
+        let first = all.nodes.len() as u32;
+        all.nodes.extend(family.nodes.iter().map(|m| plan.slot[*m as usize]));
+        let mut at = [CoordinateSource::Coef(0); 2];
+        for (k, c) in p.at.iter().enumerate() {
+            at[k] = match c {
+                Coordinate::Port(m) => CoordinateSource::Mat(plan.slot[*m as usize]),
+                Coordinate::At(v) => plan.coordinate(*v, None),
+                Coordinate::Live(q) => plan.coordinate(net.params[*q as usize].value, Some(*q)),
+            };
+            all.aimed |= !matches!(c, Coordinate::At(_));
+        }
+        all.moving.push(MovingPoint { mat, first, size: family.size, at });
+    }
+    all
+}
+
+/// Masses that go by modes and at which links count on the motion to come.
+#[derive(Default)]
+pub struct Solved {
+    /// they, group by group
+    pub list: Vec<SolvedModal>,
+    /// groups with several
+    pub groups: Vec<ModalCoupling>,
+    /// their matrices
+    pub couplings: Vec<f64>,
+}
+
+/// Finds them and gives their places their mobility; `tap` is the first number in passing that is free.
+pub fn solved(plan: &mut Plan, n_mat: usize, tap: usize, (modal, shares): (&[Modal], &[f64])) -> Solved {
+    let staged = plan.net.lias.iter().filter(|l| l.law.is_staged()).flat_map(|l| l.ends);
+    let held: BTreeSet<u32> = staged.filter(|e| matches!(e, End::Point(_))).map(|e| plan.at(e)).collect();
+    let mut list: Vec<usize> = (0..modal.len()).filter(|i| held.contains(&modal[*i].mat)).collect();
+    list.sort_by_key(|i| modal[*i].first);
+    let mut all = Solved::default();
+    for group in list.chunk_by(|a, b| modal[*a].first == modal[*b].first) {
+        let moves = |p: usize, r: usize, coef: &[f64]| -> f64 {
+            let [p, r] = [p, r].map(|i| &modal[i]);
+            let of = |m: &Modal| &shares[m.share as usize..][..m.n as usize];
+            let mobility = &coef[2 * n_mat + p.first as usize..];
+            of(p).iter().zip(of(r)).zip(mobility).map(|((p, r), c)| p * r * c).sum()
+        };
+        let (first, numbers) = (all.list.len() as u32, all.couplings.len() as u32);
+        for p in group {
+            let mat = modal[*p].mat;
+            let tap = (tap + all.list.len() * SolvedModal::TAPS) as u32;
+            all.list.push(SolvedModal { modal: *p as u32, mat, tap });
+            let own = moves(*p, *p, &plan.coef);
+            (plan.coef[mat as usize], plan.coef[2 * n_mat + mat as usize]) = (1.0, own);
+            if group.len() > 1 {
+                // at a node of all modes nothing moves
+                let part = |r: &usize| if own > 0.0 { moves(*p, *r, &plan.coef) / own } else { 0.0 };
+                all.couplings.extend(group.iter().map(part));
+            }
+        }
+        if group.len() > 1 {
+            all.groups.push(ModalCoupling { first, n: group.len() as u32, numbers });
+        }
+    }
+    all
+}

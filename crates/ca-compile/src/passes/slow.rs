@@ -1,0 +1,317 @@
+//! Slow: which modules are computed once a gesture frame, which links cross to the sound, and how far in the sound that
+//! counts within one frame.
+//!
+//! Decides that a link is of the group where it joins masses of the group with each other and with fixed points; any other
+//! with a mass of the group crosses. A force reaches one link further in each tick, so of the sound only what is fewer
+//! links away than a frame has ticks can answer within the frame: that, and nothing beyond it, has to be linear and the
+//! same at all times (docs/numerics.md §5.4).
+
+use crate::net::{End, LiaNode, MatRole, Measure, OutputTap, Pruned};
+use alloc::collections::BTreeSet;
+use alloc::format;
+use alloc::string::String;
+use alloc::vec::Vec;
+use ca_core::kind::PortRole;
+use ca_core::mat::{MAS, SOL};
+use ca_core::op::layout::Shape;
+use ca_core::tuning::{Method, Scheme};
+use ca_model::diag::{Diag, Diags};
+use ca_model::{Model, Span};
+
+/// Most axes of masses that links across may hold.
+pub const MOST: usize = 48;
+/// Most MATs within reach of a frame, times the ticks of it: each is a number in every frame, and two frames at load.
+pub const REACH: usize = 65_536;
+
+/// What is computed once a gesture frame.
+pub struct SlowPart {
+    /// masses, by document number
+    pub slow: Vec<bool>,
+    /// links among them, by document number
+    pub inner: Vec<bool>,
+    /// axes of masses that links across hold
+    pub coupled: Vec<(u32, u8)>,
+    /// MATs of the sound that answer within a frame
+    pub reach: Vec<u32>,
+}
+
+/// Finds it, and says what may not be; `None` where nothing is at the gesture rate.
+pub fn find(model: &Model, net: &Pruned, diags: &mut Diags) -> Option<SlowPart> {
+    if !net.media.iter().any(|m| m.slow) {
+        return None;
+    }
+    let in_slow = |group: Option<u32>| net.medium_of(group).slow;
+    let mut say = Findings { model, net, diags, said: BTreeSet::new() };
+    say.groups();
+    for m in net.mats.iter().filter(|m| in_slow(m.group) && m.code != MAS.code && m.code != SOL.code) {
+        let help = if matches!(m.role, MatRole::Port(..)) {
+            "put the port into a group of its own, and hold a mass of this one by a link"
+        } else {
+            "use `[MAS]`, `[SOL]` and links, or let the group go at the sound rate"
+        };
+        say.item(m.item, &format!("`{}` is of the kind {}", m.name, m.code), "no mass and no fixed point", help);
+    }
+    for l in net.lines.iter().filter(|l| in_slow(net.items[l.item as usize].group)) {
+        let name = &net.items[l.item as usize].name;
+        say.item(l.item, &format!("`{name}` is a string of waves"), "no masses", "use a `[STRING]`");
+    }
+    let slow: Vec<bool> = net.mats.iter().map(|m| in_slow(m.group) && !m.is_fixed()).collect();
+    for m in (0..).zip(&net.mats).filter(|(i, m)| slow[*i as usize] && net.is_live(m.item)).map(|(_, m)| m) {
+        say.item(m.item, &format!("`{}` follows a live parameter", m.name), "not the same at all times", LIVE);
+    }
+    let holds = |e: End, slow: &[bool]| net.under(e).iter().any(|m| slow[*m as usize]);
+    for p in net.pushes.iter().filter(|p| holds(p.end, &slow)) {
+        let name = net.inputs[p.input as usize].name.clone();
+        let item = net.under(p.end).first().map_or(0, |m| net.mats[*m as usize].item);
+        let help = "push a mass at the sound rate that a link ties to this one";
+        say.item(item, &format!("`{name}` pushes `{}`", net.end_name(p.end)), "pushed from outside", help);
+    }
+    let fixed = |m: u32| matches!(net.mats[m as usize].role, MatRole::Mat(s) if s.fixed);
+    let point = |e: End| matches!(e, End::Point(_));
+    let mut part = SlowPart {
+        inner: net
+            .lias
+            .iter()
+            .map(|l| {
+                let own = |e: End| matches!(e, End::Mat(m) if slow[m as usize] || fixed(m));
+                l.all_ends().all(own) && l.all_ends().any(|e| holds(e, &slow))
+            })
+            .collect(),
+        slow,
+        coupled: Vec::new(),
+        reach: Vec::new(),
+    };
+    let slow = &part.slow;
+    let (mut coupled, mut edge) = (BTreeSet::new(), BTreeSet::new());
+    for (l, inner) in net.lias.iter().zip(&part.inner) {
+        if *inner {
+            if l.law.implicit || l.law.is_staged() {
+                let help = "leave out its `method`, or let the group go at the sound rate";
+                say.item(l.item, &format!("`{}` is implicit", l.name), "solved with the motion to come", help);
+            } else if net.is_live(l.item) {
+                say.item(l.item, &format!("`{}` follows a live parameter", l.name), "not the same at all times", LIVE);
+            }
+            continue;
+        }
+        if !l.all_ends().any(|e| holds(e, slow)) {
+            continue;
+        }
+        if l.all_ends().any(point) {
+            let help = "end the link at a mass";
+            say.item(l.item, &format!("`{}` ends at a moving point", l.name), "no mass of its own", help);
+            continue;
+        }
+        if let Some(why) = varies(net, l) {
+            say.varies(l, &why, None);
+            continue;
+        }
+        for (end, axes) in l.ends.into_iter().zip(axes(net, l)) {
+            let End::Mat(m) = end else { continue };
+            if slow[m as usize] {
+                coupled.extend(axes.into_iter().map(|k| (m, k)));
+            } else {
+                edge.insert(m);
+            }
+        }
+    }
+    part.coupled = coupled.into_iter().collect();
+    part.reach = reach(net, &part, edge, &mut say);
+    say.outputs(&part);
+    if part.coupled.len() > MOST {
+        let title = format!(
+            "{} axes of masses at the gesture rate are held by links across, {MOST} are the most",
+            part.coupled.len()
+        );
+        let help = "tie them to fewer masses, or let the group go at the sound rate";
+        say.diags.push(Diag::error("E034", title).at(say.group(), "this group").help(help));
+    }
+    let frame = (net.ratio * net.oversample) as usize;
+    if part.reach.len() * frame > REACH {
+        let title = format!(
+            "{} modules answer the group within a frame of {frame} ticks; with so many ticks {} are the most",
+            part.reach.len(),
+            REACH / frame
+        );
+        let help = "raise `gesture` in `[rate]`, or let the group go at the sound rate";
+        say.diags.push(Diag::error("E034", title).at(say.group(), "this group").help(help));
+    }
+    Some(part)
+}
+
+const LIVE: &str = "give it a number, or let the group go at the sound rate";
+
+/// Why the force of a link is no linear function of places and motion, the same at all times, if it is none.
+fn varies(net: &Pruned, l: &LiaNode) -> Option<String> {
+    let radial = l.measure == Measure::Radial || l.onto.as_ref().is_some_and(|o| o.measure == Measure::Radial);
+    Some(match () {
+        () if net.is_live(l.item) => "follows a live parameter".into(),
+        () if l.law.implicit || l.law.is_staged() => "is implicit".into(),
+        () if !l.law.linear || l.law.mem > 0 || l.sets.is_some() => {
+            format!("is of the kind {}, which is not linear", l.kind.code)
+        }
+        () if radial => {
+            "measures a distance in space instead of a difference `along` an axis, which is not linear".into()
+        }
+        () if l.onto.is_some() => "joins two pairs of ends".into(),
+        () => return None,
+    })
+}
+
+/// The axes by which a link holds each of its ends.
+fn axes(net: &Pruned, l: &LiaNode) -> [Vec<u8>; 2] {
+    [0, 1].map(|side| match l.measure {
+        Measure::Line(axis) => alloc::vec![axis[side]],
+        Measure::Along(n) => (0..net.axes(l.ends[side])).filter(|k| n[*k as usize] != 0.0).collect(),
+        Measure::Radial => Vec::new(),
+    })
+}
+
+/// MATs of the sound that answer within a frame, walking along links from those at the `edge`.
+fn reach(net: &Pruned, part: &SlowPart, edge: BTreeSet<u32>, say: &mut Findings) -> Vec<u32> {
+    let mut at: Vec<Vec<u32>> = alloc::vec![Vec::new(); net.mats.len()];
+    for (i, l) in (0..).zip(&net.lias).filter(|(i, _)| !part.inner[*i as usize]) {
+        for m in l.all_ends().flat_map(|e| net.under(e)) {
+            at[m as usize].push(i);
+        }
+    }
+    let pushed: BTreeSet<u32> = net.pushes.iter().flat_map(|p| net.under(p.end)).collect();
+    let waves: BTreeSet<u32> = net.lines.iter().flat_map(crate::net::lines::LineNode::junctions).collect();
+    let frame = net.ratio * net.oversample;
+    let (mut seen, mut now, mut distance) = (edge.clone(), edge, 1);
+    while !now.is_empty() && distance <= frame {
+        let mut next = BTreeSet::new();
+        for m in now {
+            let mat = &net.mats[m as usize];
+            let last = distance == frame;
+            let why = match mat.role {
+                MatRole::Port(PortRole::Tgr, _) if net.crossing.shape == Shape::Hold => {
+                    "is a key with `border = \"hold\"`"
+                }
+                MatRole::Port(PortRole::Tgr, _) => continue,
+                MatRole::Port(..) => "is moved from outside in every sample",
+                _ if mat.is_fixed() || part.slow[m as usize] => continue,
+                _ if net.scheme(mat.group) == Scheme::Modal => "goes by its modes",
+                _ if waves.contains(&m) => "is part of a string of waves",
+                _ if net.is_live(mat.item) => "follows a live parameter",
+                _ if pushed.contains(&m) && !last => "is pushed from outside in every sample",
+                _ => "",
+            };
+            if !why.is_empty() {
+                say.reached(mat.item, &format!("`{}` {why}", mat.name), distance);
+                continue;
+            }
+            if last {
+                continue;
+            }
+            for l in &at[m as usize] {
+                let l = &net.lias[*l as usize];
+                if l.all_ends().any(|e| matches!(e, End::Point(_))) {
+                    say.varies(l, "ends at a moving point", Some(distance));
+                } else if let Some(why) = varies(net, l) {
+                    say.varies(l, &why, Some(distance));
+                } else {
+                    next.extend(l.all_ends().flat_map(|e| net.under(e)).filter(|m| !seen.contains(m)));
+                }
+            }
+        }
+        seen.extend(&next);
+        (now, distance) = (next, distance + 1);
+    }
+    // what does not move answers nothing, and what is of the group is a port
+    let moves = |m: &u32| {
+        let mat = &net.mats[*m as usize];
+        !part.slow[*m as usize] && (!mat.is_fixed() || matches!(mat.role, MatRole::Port(..)))
+    };
+    seen.into_iter().filter(moves).collect()
+}
+
+/// What is said, once of each item.
+struct Findings<'a> {
+    model: &'a Model,
+    net: &'a Pruned,
+    diags: &'a mut Diags,
+    said: BTreeSet<u32>,
+}
+
+impl Findings<'_> {
+    /// Where the first group says its rate.
+    fn group(&self) -> Span {
+        let slow = self.model.groups.iter().zip(&self.net.media).find(|(_, m)| m.slow);
+        slow.and_then(|(g, _)| g.props.iter().find(|e| e.key == "rate")).map_or(Span::NONE, |e| e.span)
+    }
+
+    /// What mends an answer that is not known.
+    fn farther(&self) -> String {
+        let frame = self.net.ratio * self.net.oversample;
+        format!("more than {frame} links from the group it may be so; or let the group go at the sound rate")
+    }
+
+    fn item(&mut self, item: u32, why: &str, label: &str, help: &str) {
+        if self.said.insert(item) {
+            let at = self.model.items[self.net.items[item as usize].model].name_span;
+            self.diags
+                .push(Diag::error("E034", format!("{why}, in a group at the gesture rate")).at(at, label).help(help));
+        }
+    }
+
+    /// A module of the sound whose answer cannot be known as a frame begins.
+    fn reached(&mut self, item: u32, why: &str, distance: u32) {
+        if self.said.insert(item) {
+            let at = self.model.items[self.net.items[item as usize].model].name_span;
+            let links = if distance == 1 { "1 link".into() } else { format!("{distance} links") };
+            let title = format!("{why}, and answers a group at the gesture rate within a frame, {links} from it");
+            let d = Diag::error("E034", title).at(at, "not known as the frame begins");
+            let farther = self.farther();
+            self.diags.push(d.help(farther));
+        }
+    }
+
+    fn varies(&mut self, l: &LiaNode, why: &str, distance: Option<u32>) {
+        if let Some(distance) = distance {
+            return self.reached(l.item, &format!("`{}` {why}", l.name), distance);
+        }
+        if self.said.insert(l.item) {
+            let at = self.model.items[self.net.items[l.item as usize].model].name_span;
+            let title = format!("`{}` {why}, and ties a group at the gesture rate to the sound", l.name);
+            let d = Diag::error("E034", title).at(at, "not known as the frame begins");
+            let farther = self.farther();
+            self.diags.push(d.help(farther));
+        }
+    }
+
+    /// Methods and starts that are of one rate.
+    fn groups(&mut self) {
+        for (g, m) in self.model.groups.iter().zip(&self.net.media).filter(|(_, m)| m.slow) {
+            let at = |key: &str| g.props.iter().find(|e| e.key == key).map_or(Span::NONE, |e| e.span);
+            if m.method != Method::Ca {
+                let title = format!("`{}` is at the gesture rate, which only `method = \"ca\"` has", g.name);
+                let d = Diag::error("E034", title).at(at("rate"), "not by this method");
+                self.diags.push(d.help("leave out one of the two"));
+            }
+            if self.net.as_milib {
+                let title = format!("`{}` is at the gesture rate, and the model starts as mi.lib does", g.name);
+                let d = Diag::error("E034", title).at(at("rate"), "mi.lib has one rate");
+                self.diags.push(d.help("leave out one of the two"));
+            }
+        }
+    }
+
+    /// Forces that no state of the sound holds.
+    fn outputs(&mut self, part: &SlowPart) {
+        let net = self.net;
+        for o in &net.outs {
+            let slow = |e: End| net.under(e).iter().any(|m| part.slow[*m as usize]);
+            let what = match o.tap {
+                OutputTap::ForceOn(e) if slow(e) => "the force on a mass",
+                OutputTap::Position(e @ End::Point(_)) if slow(e) => "a moving point",
+                OutputTap::ForceOf(l) if part.inner[l as usize] => "the force of a link",
+                _ => continue,
+            };
+            let item = o.item.map(|i| net.items[i as usize].model);
+            let at = item.map_or(Span::NONE, |i| self.model.items[i].name_span);
+            let title = format!("`{}` hears {what} in a group at the gesture rate", o.name);
+            let d = Diag::error("E034", title).at(at, "no part of the sound");
+            self.diags.push(d.help("hear the position of a mass, or a link that ties the group to the sound"));
+        }
+    }
+}

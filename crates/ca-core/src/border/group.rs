@@ -1,0 +1,129 @@
+//! Groups at the gesture rate: the step of a frame, and what the sound side sees of it (docs/numerics.md §5.4).
+//!
+//! Decides where such a group stands in time. Its own scheme knows positions X_n, a frame apart; through frame n the sound
+//! side sees it move on a straight line between the means ½(X_{n−1} + X_n) and ½(X_n + X_{n+1}). So the motion of the
+//! border in a frame is the one by which the scheme of the group counts the work of a force from outside, and the mean
+//! force of the frame carries the energy across exactly, whatever law it is of and whatever holds the group together. A
+//! border that goes through the X_n themselves would be half a frame late, which is a negative damper.
+//!
+//! That mean force hangs on the motion it drives. What the sound side answers in a frame is linear in what is known as the
+//! frame begins and in the motion of the border, so both are had at once from a matrix that the compiler made, and no
+//! tick of sound is run twice.
+
+use crate::numeric::{real, wide};
+use crate::op::Op;
+use crate::op::layout::{Copied, Layout, SlowGroup};
+use crate::op::substep::phase;
+use crate::state::{Between, SlowState, State};
+
+/// Steps the group as a frame begins, and moves the copies of its places in every tick.
+pub fn advance(_op: &Op, layout: &Layout, s: &mut State) {
+    let Some(group) = layout.slow.as_deref() else { return };
+    let Some(mut slow) = s.slow.take() else { return };
+    let j = phase(layout.frame, s.tick);
+    if j == 0 {
+        placed(group, &mut slow);
+        // its ledger looks at what it holds
+        run(&group.reads, group, &mut slow.state);
+    } else if j == 1 {
+        step(group, layout, s, &mut slow);
+    }
+    if j <= 1 {
+        show(group, &slow, s);
+        if let Some((l, own)) = s.ledger.as_mut().zip(slow.state.ledger.as_ref()) {
+            l.slow = own.balance();
+        }
+    }
+    let part = f64::from(j) / f64::from(layout.frame);
+    let whole = j == 0 || j == layout.frame;
+    for (k, (p, b)) in group.ports.iter().zip(&slow.ports).enumerate() {
+        let (m, at) = (p.at as usize, if whole { b.to } else { b.from + part * (b.to - b.from) });
+        let x = real(at);
+        // as far as anyone can tell, it came to where it is at load as it goes on
+        s.d[m] = if j == 0 { slow.state.d[p.own as usize] * real(1.0 / f64::from(layout.frame)) } else { x - s.x[m] };
+        s.x[m] = x;
+        if k < group.coupled {
+            s.f[m] = 0.0;
+        }
+    }
+    s.slow = Some(slow);
+}
+
+/// Keeps the forces on what links across hold, after the forces of a tick.
+pub fn collect(_op: &Op, layout: &Layout, s: &mut State) {
+    let (Some(group), Some(slow)) = (layout.slow.as_deref(), s.slow.as_mut()) else { return };
+    for (p, b) in group.ports.iter().zip(&mut slow.ports).take(group.coupled) {
+        b.force = wide(s.f[p.at as usize]);
+    }
+}
+
+/// Where a place of the group is at the end of the frame.
+fn end(slow: &SlowState, p: Copied) -> f64 {
+    let m = p.own as usize;
+    wide(slow.state.x[m]) - 0.5 * wide(slow.state.d[m])
+}
+
+/// Its places were written: the copies begin the next frame where it is now, held by nothing across.
+pub fn placed(group: &SlowGroup, slow: &mut SlowState) {
+    slow.state.placed();
+    for (k, p) in group.ports.iter().enumerate() {
+        let to = end(slow, *p);
+        slow.ports[k] = Between { from: to, to, force: 0.0 };
+    }
+}
+
+/// The copies that are only looked at.
+fn show(group: &SlowGroup, slow: &SlowState, s: &mut State) {
+    for p in &group.shown {
+        s.x[p.at as usize] = real(end(slow, *p));
+    }
+}
+
+fn run(list: &[Op], group: &SlowGroup, s: &mut State) {
+    for op in list {
+        (op.kernel)(op, &group.layout, s);
+    }
+}
+
+/// One frame of the group: its own forces, those of the links across, integration.
+fn step(group: &SlowGroup, layout: &Layout, s: &State, slow: &mut SlowState) {
+    run(&group.reads, group, &mut slow.state);
+    run(&group.forces, group, &mut slow.state);
+    couple(group, layout, s, slow);
+    run(&group.after, group, &mut slow.state);
+    run(&group.moves, group, &mut slow.state);
+    slow.state.tick += 1;
+    for (k, p) in group.ports.iter().enumerate() {
+        let to = end(slow, *p);
+        let b = &mut slow.ports[k];
+        (b.from, b.to) = (b.to, to);
+    }
+}
+
+/// The mean force of the frame on each port, as a force from outside.
+fn couple(group: &SlowGroup, layout: &Layout, s: &State, slow: &mut SlowState) {
+    let (response, n) = (&group.response, group.layout.n_mat);
+    let width = 1 + 2 * response.places.len();
+    let SlowState { state, ports, free } = slow;
+    let half = 0.5 / f64::from(layout.frame);
+    for (i, p) in group.ports.iter().enumerate().take(group.coupled) {
+        let row = &response.known[i * width..][..width];
+        let mut force = row[0] + half * ports[i].force;
+        for (weights, at) in row[1..].chunks_exact(2).zip(&response.places) {
+            let at = *at as usize;
+            force += weights[0] * wide(s.x[at]) + weights[1] * wide(s.d[at]);
+        }
+        let m = p.own as usize;
+        let [x, d, f] = [state.x[m], state.d[m], state.f[m]].map(wide);
+        let [p, q, c] = [0, n, 2 * n].map(|first| wide(state.coef[first + m]));
+        // half of it is the motion before, half that which the scheme makes of all these forces
+        free[i] = 0.5 * (d + p * d + q * x + c * (f + force));
+        state.input[i] = force;
+    }
+    for i in 0..group.coupled {
+        let row = &response.answer[i * group.coupled..][..group.coupled];
+        let answer: f64 = row.iter().zip(&free[..]).map(|(a, d)| a * d).sum();
+        state.input[i] += answer;
+        state.f[group.ports[i].own as usize] += real(state.input[i]);
+    }
+}

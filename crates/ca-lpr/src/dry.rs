@@ -1,0 +1,77 @@
+//! Set-valued Coulomb friction across two worlds: what sticks stands still in the sum of two motions (docs/numerics.md §3.5, §4.1).
+//!
+//! Decides for the law of the core ([`coulomb`]) over the gradient of both ports, b = (−u, u, −1, 1): r is what all other forces
+//! make of b·d, c = Σ b² T²/m is the mobility of all four ends, and F = r/c leaves none of it. A port in space has its direction at the tick; while
+//! it turns, what is left of the motion after a tick is of the second order, and so is the heat of what sticks. Alone on its places: no law
+//! is solved together with others over four ends, and the compiler refuses what shares a mass.
+
+use ca_core::State;
+use ca_core::method::coulomb::{MEM, hold};
+use ca_core::method::{free_motion, mobility};
+use ca_core::op::layout::Layout;
+use ca_core::op::links::measure::{Elongation, Line, Measure, Radial};
+use ca_core::op::{Form, Kernel, Law, MeasureKind, Op, SolveStage};
+use ca_core::phi;
+
+/// With `curve = "coulomb"` and `method = "set-valued"`.
+pub static LAW: Law =
+    Law { code: "LPR_BOW set-valued", kernel, stage: SolveStage::Single(&LAW), ..phi::bow::SET_VALUED };
+
+fn kernel(form: Form) -> Kernel {
+    match (form.measure, form.onto) {
+        (MeasureKind::Line, _) => rub::<Line, Line>,
+        (_, Some(MeasureKind::Radial)) => rub::<Radial, Radial>,
+        _ => rub::<Radial, Line>,
+    }
+}
+
+/// Applies the quadripoles of `op`, one by one.
+fn rub<A: Measure, B: Measure>(op: &Op, layout: &Layout, s: &mut State) {
+    let Some((_, onto, far)) = op.ports.onto else { return };
+    for i in 0..op.n {
+        let [most, sliding]: [f64; 2] = core::array::from_fn(|k| s.coef[op.coef + k * op.n + i]);
+        let (first, second) = (layout.ends[op.first + i], layout.onto[onto + i]);
+        let (first, second) = (first.map(|m| m as usize), second.map(|m| m as usize));
+        let a = Port::of::<A>(layout, s, first, op.ports.reach + i);
+        let b = Port::of::<B>(layout, s, second, far + i);
+        let mem = op.mem + MEM * i;
+        let stuck = s.mem[mem] != 0.0;
+        let (w, r, c) = (a.moves + b.moves, a.free + b.free, a.mobility + b.mobility);
+        // what stuck has no motion but that of rounding, and of a port that turned
+        let (force, sticks) = hold([most, sliding], [if stuck { 0.0 } else { w }, r], c, stuck);
+        A::pull(&mut s.f, first, &a.measured, force);
+        B::pull(&mut s.f, second, &b.measured, force);
+        s.mem[mem] = if sticks { 1.0 } else { 0.0 };
+        s.mem[mem + 1] = force * 0.5 * (w + (r - c * force));
+        if op.form.tap {
+            s.tap[op.tap + i] = force;
+        }
+    }
+}
+
+/// What a port adds to the motion of the sum.
+struct Port {
+    measured: Elongation,
+    /// the change of its elongation in the last tick, along its gradient \[m/tick\]
+    moves: f64,
+    /// that which all other forces make
+    free: f64,
+    /// \[m/N\]
+    mobility: f64,
+}
+
+impl Port {
+    fn of<G: Measure>(layout: &Layout, s: &State, ends: [usize; 2], reach: usize) -> Port {
+        let reach = if G::SPACE { &layout.reach[reach] } else { &[0.0; 4] };
+        let measured = G::measure(&s.x, &s.d, ends, reach);
+        let gradient: [f64; 3] = measured.gradient().into();
+        let [mut moves, mut free, mut c] = [0.0; 3];
+        for (k, g) in gradient[..if G::SPACE { 3 } else { 1 }].iter().enumerate() {
+            let [p, q] = ends.map(|m| m + k);
+            moves += g * (s.d[q] - s.d[p]);
+            free += g * (free_motion(layout, s, q) - free_motion(layout, s, p));
+            c += g * g * (mobility(layout, s, p) + mobility(layout, s, q));
+        }
+        Port { measured, moves, free, mobility: c }
+    }
+}
