@@ -97,7 +97,8 @@ fn what_blows_up_is_reported() {
     let found = measured(text, &["--seconds", "0.01", "--times", "1,8", "--reference", "16", "--error", "2"]);
     let plain = row(&found, "as written", 1);
     assert!(plain["stability"] == "unstable" && plain["front"] == false && plain["error"].is_null(), "{plain}");
-    assert_ne!(found["recommended"]["times"], 1, "{found:#}");
+    let best = &found["recommended"];
+    assert!(best["method"] != "as written" || best["times"] != 1, "{found:#}");
     let why = found["refused"].as_array().expect("a list");
     assert!(why.iter().any(|r| r["method"] == "implicit 1/4"), "{found:#}");
 }

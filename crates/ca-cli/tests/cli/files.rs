@@ -98,7 +98,7 @@ fn a_name_of_many_instances_is_set_and_probed_in_each() {
     let head = plain.lines().next().expect("a head");
     assert!(head.contains("tine[0].thumb") && head.contains("tine[6].thumb"), "{head}");
     assert_ne!(plain, heavy, "the thumb of 1 g, as it is, and one of 3 g");
-    desk.ca(&["render", "kalimba", "--set", "tine[9].thumb.m=3 g"]).is(2).says(&["`tine[9].thumb`"]);
+    desk.ca(&["render", "kalimba", "--set", "tine[9].thumb.m=3 g"]).is(2).says(&["`tine[9].thumb.m`"]);
     desk.ca(&["render", "kalimba", "--set", "tine[*].tumb.m=3 g"]).is(2).says(&["did you mean"]);
 }
 
