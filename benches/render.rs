@@ -57,6 +57,7 @@ fn main() {
     let only: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with('-')).collect();
     let dir = concat!(env!("CARGO_MANIFEST_DIR"), "/../models");
     let mut files: Vec<_> = std::fs::read_dir(dir).expect("models").map(|f| f.expect("a file").path()).collect();
+    files.retain(|f| f.is_file());
     files.sort();
     let to = std::env::temp_dir().join(format!("ca-bench-render-{}.wav", std::process::id()));
     println!(

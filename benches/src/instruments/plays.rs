@@ -166,7 +166,7 @@ impl Plays {
         assert!(!p.diverged && out.iter().flatten().all(|v| v.is_finite()), "{name} diverges");
         let probed = out.split_off(scene.channels);
         let probe = scene.probe_names.iter().cloned().zip(probed).collect();
-        Render { rate: scene.rate, sound: out, probe, modules: [scene.n_mat, scene.n_lia], wall }
+        Render { rate: scene.rate, sound: out, probe, modules: [scene.mats(), scene.lias()], wall }
     }
 
     /// The loudest channel of a cut, and the sound rate \[Hz\].

@@ -77,7 +77,7 @@ pub fn perform(model: Model, scene: &Scene, gesture: Option<&Gesture>, seconds: 
     let ledger = p.state.ledger.as_ref().unwrap().balance();
     let (open, made) = (ledger.residual.abs() / ledger.peak, ledger.scheme_error.abs() / ledger.peak);
     assert!(
-        ledger.peak == 0.0 || (open < 1e-9 && made < 0.03),
+        ledger.peak == 0.0 || (open < 1e-9 && made < 0.02),
         "{}: open {open:e}, made {made:e} {}",
         scene.title,
         ledger.scheme_error

@@ -80,7 +80,7 @@ pub fn hammer_piano() {
     let mut found = Finger::at("hammer_piano", 0.0);
     found.stay(1.5);
     assert_eq!(found.engine.ports[0].hand.met, u32::MAX);
-    assert!(peak(&found.sound) < 1e-3, "{:.1} dBFS", db(peak(&found.sound)));
+    assert!(peak(&found.sound) < 2e-3, "{:.1} dBFS", db(peak(&found.sound)));
 }
 
 /// A finger on the first key of a TGR, and the engine that answers.
@@ -192,7 +192,7 @@ fn page() -> (String, f64) {
             of tail, jack and hammer, felt through the lever of the key, and the let-off. The level is that of the loudest sample, the\n\
             centroid that of the spectrum of the half second.\n\n\
             | speed (m/s) | travel (N) | level (dBFS) | centroid (Hz) |\n|---|---|---|---|\n";
-    let speeds = [0.05, 0.08, 0.12, 0.2, 0.3, 0.45, 0.6];
+    let speeds = [0.05, 0.08, 0.12, 0.2, 0.28, 0.36, 0.45];
     let mut energy: Vec<[f64; ROWS.len()]> = Vec::new();
     let mut levels = Vec::new();
     for speed in speeds {

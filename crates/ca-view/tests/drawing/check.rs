@@ -19,6 +19,8 @@ pub fn compiled(text: &str, file: &str) -> Scene {
 pub fn models() -> Vec<(String, Scene)> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../models");
     let mut all: Vec<_> = std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().path()).collect();
+    // the folder of parts stands beside the models
+    all.retain(|p| p.is_file());
     all.sort();
     let named = all.iter().map(|p| (p.file_name().unwrap().to_string_lossy().into_owned(), p));
     named.map(|(name, p)| (name, cordis_anima::load(p).unwrap_or_else(|e| panic!("{e}")).scene)).collect()
