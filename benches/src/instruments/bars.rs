@@ -42,7 +42,6 @@ pub static ALL: &[Instrument] = &[
         soft: SLOW_FINGER.at(4.0, 6.0),
         loud: QUICK_FINGER.at(4.0, 6.0),
         decay: BUILT.at(6.0, 7.0),
-        stroke: Stroke { script: "bow", depth: 0.017, speed: 0.004, ..Stroke::DEFAULT },
         claims: &[
             Claim {
                 says: "feeds the rim at any speed from 0.02 to 0.3 m/s",
@@ -111,6 +110,7 @@ pub static ALL: &[Instrument] = &[
         ],
         remark: "Partials of a free bar, the fourth a quarter of a semitone flat, as 25 masses make it; between soft and loud the colour \
                  changes by less than on a piano.",
+        stroke: Stroke { slower: 2.0, ..Stroke::DEFAULT },
         ..Instrument::new("iron_bar")
     },
     Instrument {

@@ -5,7 +5,7 @@ use crate::acoustics::peak;
 
 const NEVER_MORE: f64 = f64::INFINITY;
 /// What suits a key that goes down 9.2 mm.
-const KEY: Stroke = Stroke { depth: 0.0093, felt: 0.5, ..Stroke::DEFAULT };
+const KEY: Stroke = Stroke { felt: 0.5, ..Stroke::DEFAULT };
 
 /// C4 of `hammer_piano` alone, its key at 0.05 m/s.
 const SILENT: Take = BUILT

@@ -45,7 +45,7 @@ mod wind;
 
 pub use figures::{Figures, figures};
 pub use plays::{BUILT, Cut, Plays, Render, Take, numbers};
-pub use stroke::Stroke;
+pub use stroke::{Stroke, hand};
 
 use cordis_anima::Loaded;
 use std::path::PathBuf;

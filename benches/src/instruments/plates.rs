@@ -57,7 +57,6 @@ pub static ALL: &[Instrument] = &[
         loud: BUILT.at(2.6, 3.6),
         decay: BUILT.at(5.2, 6.5),
         // the hair goes there and back
-        stroke: Stroke { script: "bow", rest: &[-0.0088, 0.0024, 0.0], depth: 0.0128, speed: 0.008, ..Stroke::DEFAULT },
         claims: &[
             Claim {
                 says: "at 0.2 m/s 1.2 N gives 309 Hz",
@@ -141,6 +140,7 @@ pub static ALL: &[Instrument] = &[
             },
         ],
         remark: "Pitch exact, colour opens towards the rim; 37 by 33 masses stop at 3.2 kHz, so that the click of a hard stick is missing.",
+        stroke: Stroke { slower: 2.0, ..Stroke::DEFAULT },
         ..Instrument::new("membrane")
     },
     Instrument {
@@ -172,6 +172,7 @@ pub static ALL: &[Instrument] = &[
         ],
         remark: "Dense and bright; louder is only a little brighter, and a sheet under tension has no dispersion of bending, so that the \
                  shimmer of thin metal is not there.",
+        stroke: Stroke { slower: 2.0, ..Stroke::DEFAULT },
         ..Instrument::new("plate")
     },
     Instrument {

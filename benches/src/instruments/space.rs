@@ -15,6 +15,21 @@ fn blows(p: &Plays, of: &str) -> Vec<f64> {
     all
 }
 
+/// A hand that swings a thread of 150 mm in time, 1.29 Hz.
+const SWUNG: &[[f64; 2]] = &[
+    [0.0, 0.0],
+    [0.194, 9e-3],
+    [0.582, -9e-3],
+    [0.97, 9e-3],
+    [1.358, -9e-3],
+    [1.746, 9e-3],
+    [2.134, -9e-3],
+    [2.522, 9e-3],
+    [2.91, -9e-3],
+    [3.298, 9e-3],
+    [3.686, 0.0],
+];
+
 pub static ALL: &[Instrument] = &[
     Instrument {
         pitch: Some(Pitch { hertz: 880.0, cut: BUILT.at(5.0, 8.0) }),
@@ -22,8 +37,8 @@ pub static ALL: &[Instrument] = &[
         loud: BUILT.at(0.0, 5.0),
         decay: BUILT.at(4.3, 9.0),
         probes: &["knock_a", "knock_b", "knock_c", "knock_d", "knock_e"],
-        // the clapper goes to a tube
-        stroke: Stroke { script: "bow", depth: 0.03, speed: 0.15, heard: -50.0, ..Stroke::DEFAULT },
+        // the wind is not the hand's
+        stroke: Stroke { ways: &[(0, SWUNG)], ..Stroke::DEFAULT },
         claims: &[
             Claim {
                 says: "the tubes have rung out at 11 s",
@@ -98,7 +113,7 @@ pub static ALL: &[Instrument] = &[
         soft: BUILT.way(0.7).seconds(2.0).at(0.0, 2.0),
         loud: BUILT.at(0.0, 2.0),
         decay: BUILT.at(3.3, 5.0),
-        stroke: Stroke { script: "shake", dof: &[1], depth: 0.0086, speed: 0.2, clear: 0.15, ..Stroke::DEFAULT },
+        stroke: Stroke { clear: 0.15, ..Stroke::DEFAULT },
         claims: &[
             Claim {
                 says: "95 % of the power is above 3 kHz",
@@ -121,7 +136,7 @@ pub static ALL: &[Instrument] = &[
         loud: BUILT.at(0.4, 2.5),
         decay: BUILT.at(4.4, 6.0),
         probes: &["keep[*]"],
-        stroke: Stroke { script: "shake", dof: &[0, 1], depth: 0.0088, speed: 0.3, clear: 0.1, ..Stroke::DEFAULT },
+        stroke: Stroke { clear: 0.1, ..Stroke::DEFAULT },
         claims: &[
             Claim {
                 says: "Blows of a fifth of a millisecond",
@@ -148,7 +163,7 @@ pub static ALL: &[Instrument] = &[
         loud: BUILT.at(0.4, 2.5),
         decay: BUILT.at(4.8, 6.0),
         probes: &["keep[*]"],
-        stroke: Stroke { script: "shake", dof: &[0, 1], depth: 0.0088, speed: 0.25, clear: 0.45, ..Stroke::DEFAULT },
+        stroke: Stroke { clear: 0.45, ..Stroke::DEFAULT },
         claims: &[
             Claim {
                 says: "Blows last a fifth of a millisecond, as there",
@@ -200,7 +215,6 @@ pub static ALL: &[Instrument] = &[
         soft: BUILT.at(1.0, 2.2),
         loud: BUILT.at(3.4, 4.6),
         decay: BUILT.at(4.0, 6.0),
-        stroke: Stroke { depth: 0.019, speed: 0.8, ..Stroke::DEFAULT },
         claims: &[
             Claim {
                 says: "the faster, the louder (8.5 dB from the first to the third toss of the gesture)",

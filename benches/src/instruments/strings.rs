@@ -27,7 +27,6 @@ pub static ALL: &[Instrument] = &[
         decay: BUILT.at(5.3, 6.0),
         probes: &["low[11]"],
         // the hair goes there and back over the string, which the other key presses
-        stroke: Stroke { script: "bow", rest: &[-0.0088, 0.003], depth: 0.0176, speed: 0.01, ..Stroke::DEFAULT },
         claims: &[
             Claim {
                 says: "The string slips once a period (Helmholtz motion)",
@@ -91,6 +90,7 @@ pub static ALL: &[Instrument] = &[
             },
         ],
         remark: "One clean contact a stroke, and the colour of the sound grows with the speed of the key; one string without a body is dry.",
+        stroke: Stroke { slower: 2.0, ..Stroke::DEFAULT },
         ..Instrument::new("hammered_string")
     },
     Instrument {
@@ -318,6 +318,7 @@ pub static ALL: &[Instrument] = &[
             },
         ],
         remark: "Loud strokes are brighter by the rattle of the screw; the screw chatters as a point and has no thread to grip the string.",
+        stroke: Stroke { slower: 2.0, ..Stroke::DEFAULT },
         ..Instrument::new("prepared_string")
     },
     Instrument {

@@ -1,29 +1,26 @@
-//! How a simulated device plays an instrument: the arguments of `ca device sim`.
+//! How a simulated device plays an instrument: by the gesture that its model has built in.
 //!
-//! Decides that the built-in gesture says where a hand rests and how far it goes, so that most instruments need no numbers of their
-//! own: each degree of freedom rests where its port begins, and one of them strikes as far as its gesture goes.
+//! Decides that the hand of the simulated device follows the gesture itself, in the lengths of the hand, rather than a script with
+//! numbers of its own: so a built-in gesture that no hand could play, by its travel, is found out, and one that is too fast says by how much.
 
 use ca_core::Scene;
-use ca_core::scene::Input;
+use std::collections::BTreeMap;
+use std::fmt::Write;
 
-/// A stroke of a simulated hand. Lengths are those of the hand.
+/// What is asked of an instrument that is played by a device.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stroke {
-    /// `--script`
-    pub script: &'static str,
-    /// degrees of freedom that move, the others rest; the first that the built-in gesture moves where empty
-    pub dof: &'static [u32],
-    /// where each degree of freedom rests \[m\]; where the built-in gesture begins where empty
-    pub rest: &'static [f64],
-    /// how far it goes \[m\]; as far as the built-in gesture where 0
-    pub depth: f64,
-    /// fastest moment \[m/s\]
-    pub speed: f64,
     /// part of the largest force of the device that may press while forces begin, where the instrument has a weight that the
     /// hand carries; that of the profile of the device where 0
     pub clear: f64,
     /// how long it plays, from before forces come \[s\]
     pub seconds: f64,
+    /// how many times slower than the gesture that is built in the hand goes, where a mallet is swung faster than the guard of
+    /// the device lets a hand go
+    pub slower: f64,
+    /// where degrees of freedom go, as times \[s\] and places \[m\] in the lengths of the hand, where the model has no gesture of
+    /// theirs built in
+    pub ways: &'static [(u32, &'static [[f64; 2]])],
     /// least peak that must be heard \[dBFS\]
     pub heard: f64,
     /// least force that must be felt \[N\]
@@ -31,51 +28,44 @@ pub struct Stroke {
 }
 
 impl Stroke {
-    /// What suits a key.
-    pub const DEFAULT: Stroke = Stroke {
-        script: "strike",
-        dof: &[],
-        rest: &[],
-        depth: 0.0,
-        speed: 0.4,
-        clear: 0.0,
-        seconds: 4.0,
-        heard: -40.0,
-        felt: 0.05,
-    };
+    /// What suits most.
+    pub const DEFAULT: Stroke = Stroke { clear: 0.0, slower: 1.0, seconds: 5.0, ways: &[], heard: -40.0, felt: 0.05 };
+}
 
-    /// Arguments of `ca device sim` that play this scene; `None` where it has no port of a device.
-    pub fn arguments(&self, scene: &Scene) -> Option<Vec<String>> {
-        let ports: Vec<(&Input, &str, u32)> =
-            scene.inputs.iter().filter_map(|i| i.device.as_ref().map(|(d, k)| (i, d.as_str(), *k))).collect();
-        let device = ports.first()?.1;
-        let ports = || ports.iter().filter(|p| p.1 == device);
-        let points = |i: &Input| scene.gestures.iter().find(|g| g.0 == i.name).map(|g| &g.1);
-        let begin = |i: &Input| points(i).and_then(|p| p.first()).map_or(i.rest, |p| p[1]) / i.gains.alpha;
-        let mut rest = self.rest.to_vec();
-        if rest.is_empty() {
-            rest = vec![0.0; 1 + ports().map(|p| p.2 as usize).max()?];
-            ports().for_each(|p| rest[p.2 as usize] = begin(p.0));
+/// The first device of a scene and its gesture, as a CSV file with a column for each degree of freedom \[m\]; `None` where the
+/// scene has no port of a device. A degree of freedom without a gesture stays where its port begins.
+pub fn hand<'a>(scene: &'a Scene, stroke: &Stroke) -> Option<(&'a str, String)> {
+    let device = scene.inputs.iter().find_map(|i| i.device.as_ref())?.0.as_str();
+    let mut ways: BTreeMap<u32, Vec<[f64; 2]>> = BTreeMap::new();
+    for i in &scene.inputs {
+        let Some((name, dof)) = &i.device else { continue };
+        if name != device {
+            continue;
         }
-        let moved = ports().find(|p| if self.dof.is_empty() { points(p.0).is_some() } else { p.2 == self.dof[0] });
-        let moved = moved.or_else(|| ports().next())?;
-        let way = |i: &Input| {
-            let all = points(i).into_iter().flatten().map(|p| p[1] / i.gains.alpha - begin(i));
-            all.max_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or(0.0)
-        };
-        let depth = if self.depth == 0.0 { way(moved.0) } else { self.depth };
-        let dof = if self.dof.is_empty() { vec![moved.2] } else { self.dof.to_vec() };
-        let list = |v: Vec<String>| v.join(",");
-        let profile = if device == "stick" && self.clear == 0.0 { "unknown" } else { device };
-        let mut all: Vec<String> =
-            ["--profile", profile, "--name", device, "--script", self.script].map(String::from).into();
-        all.push(format!("--rest={}", list(rest.iter().map(f64::to_string).collect())));
-        all.push(format!("--dof={}", list(dof.iter().map(u32::to_string).collect())));
-        if !["hold", "push"].contains(&self.script) {
-            all.push(format!("--depth={depth}"));
-            all.push(format!("--speed={}", self.speed));
+        let points = scene
+            .gestures
+            .iter()
+            .find(|g| g.0 == i.name)
+            .map(|g| g.1.iter().map(|p| [p[0] * stroke.slower, p[1]]).collect());
+        let way: Vec<[f64; 2]> = points.unwrap_or_else(|| vec![[0.0, i.rest]]);
+        let own = stroke.ways.iter().find(|w| w.0 == *dof);
+        if let Some((_, way)) = own {
+            ways.insert(*dof, way.to_vec());
+            continue;
         }
-        all.push(format!("--seconds={}", self.seconds));
-        Some(all)
+        ways.insert(*dof, way.into_iter().map(|[t, x]| [t, x / i.gains.alpha]).collect());
     }
+    let mut csv = String::from("time");
+    let last = *ways.keys().next_back()?;
+    (0..=last).for_each(|k| _ = write!(csv, ",dof{k}"));
+    csv.push('\n');
+    let mut rows: Vec<(f64, u32, f64)> = (0..=last).map(|k| (0.0, k, ways.get(&k).map_or(0.0, |w| w[0][1]))).collect();
+    rows.extend(ways.iter().flat_map(|(k, w)| w.iter().map(|p| (p[0], *k, p[1]))));
+    rows.sort_by(|a, b| a.0.total_cmp(&b.0));
+    for (t, k, x) in rows {
+        _ = write!(csv, "{t}");
+        (0..=last).for_each(|c| _ = if c == k { write!(csv, ",{x}") } else { write!(csv, ",") });
+        csv.push('\n');
+    }
+    Some((device, csv))
 }
