@@ -10,7 +10,7 @@ use ca_report::{Sound, spectrogram};
 use std::path::Path;
 
 /// Most bytes of a sound.
-const LARGEST: usize = 140_000;
+const LARGEST: usize = 110_000;
 /// What a sound that is cut is faded over \[s\].
 const FADE: f64 = 0.05;
 
