@@ -6,7 +6,7 @@
 use realfft::RealFftPlanner;
 use std::f64::consts::{LN_10, PI, TAU};
 
-/// Power spectrum through a Gaussian window, and the width of its bins [Hz].
+/// Power spectrum through a Gaussian window, and the width of its bins \[Hz\].
 fn spectrum(x: &[f64], rate: f64) -> (Vec<f64>, f64) {
     let (n, size) = (x.len() as f64, (4 * x.len()).next_power_of_two());
     let mut buffer = vec![0.0; size];
@@ -22,7 +22,7 @@ fn spectrum(x: &[f64], rate: f64) -> (Vec<f64>, f64) {
     (out.iter().map(|c| c.norm_sqr() * scale * scale).collect(), rate / size as f64)
 }
 
-/// The strongest partial within `reach` of `near` [Hz]: its frequency [Hz] and amplitude.
+/// The strongest partial within `reach` of `near` \[Hz\]: its frequency \[Hz\] and amplitude.
 pub fn partial(x: &[f64], rate: f64, near: f64, reach: f64) -> (f64, f64) {
     let (power, bin) = spectrum(x, rate);
     let (lo, hi) = (((near - reach) / bin).ceil().max(1.0) as usize, ((near + reach) / bin) as usize);
@@ -58,7 +58,7 @@ pub fn envelope(x: &[f64], len: usize) -> Vec<f64> {
     x.chunks_exact(len).map(rms).collect()
 }
 
-/// Time [s] in which the partial at `f` [Hz] falls by 60 dB: a straight line through its level in overlapping Gaussian
+/// Time \[s\] in which the partial at `f` \[Hz\] falls by 60 dB: a straight line through its level in overlapping Gaussian
 /// windows of a sixth of `x`.
 pub fn t60(x: &[f64], rate: f64, f: f64) -> f64 {
     let len = x.len() / 6;
@@ -88,14 +88,14 @@ pub fn slope(points: &[[f64; 2]]) -> f64 {
     over / points.iter().map(|p| (p[0] - mx) * (p[0] - mx)).sum::<f64>()
 }
 
-/// Centre of gravity of the power spectrum [Hz].
+/// Centre of gravity of the power spectrum \[Hz\].
 pub fn centroid(x: &[f64], rate: f64) -> f64 {
     let (power, bin) = spectrum(x, rate);
     let moment: f64 = power.iter().enumerate().map(|(i, p)| i as f64 * bin * p).sum();
     moment / power.iter().sum::<f64>()
 }
 
-/// Power spectral density averaged over windows of `len` samples, and the width of its bins [Hz].
+/// Power spectral density averaged over windows of `len` samples, and the width of its bins \[Hz\].
 pub fn density(x: &[f64], rate: f64, len: usize) -> (Vec<f64>, f64) {
     let mut sum: Vec<f64> = Vec::new();
     let mut bin = 0.0;
@@ -116,7 +116,7 @@ pub fn flatness(x: &[f64], rate: f64, lo: f64, hi: f64) -> f64 {
     (band.iter().map(|p| (p + 1e-300).ln()).sum::<f64>() / n).exp() / (band.iter().sum::<f64>() / n)
 }
 
-/// Period [s] between `lo` and `hi` [s] at which `x` is most like itself, and how much (1: exactly).
+/// Period \[s\] between `lo` and `hi` \[s\] at which `x` is most like itself, and how much (1: exactly).
 pub fn period(x: &[f64], rate: f64, lo: f64, hi: f64) -> (f64, f64) {
     let mean = x.iter().sum::<f64>() / x.len() as f64;
     let y: Vec<f64> = x.iter().map(|v| v - mean).collect();
@@ -143,7 +143,7 @@ pub fn velocity(x: &[f64], rate: f64) -> Vec<f64> {
     x.windows(2).map(|w| (w[1] - w[0]) * rate).collect()
 }
 
-/// How the scheme sounds a mode of stiffness ratio `a` = λT² and damping ratio `b`: frequency [Hz] and T60 [s]
+/// How the scheme sounds a mode of stiffness ratio `a` = λT² and damping ratio `b`: frequency \[Hz\] and T60 \[s\]
 /// (roots of w² − (2 − a − b) w + 1 − b).
 pub fn mode(a: f64, b: f64, rate: f64) -> (f64, f64) {
     let r = (1.0 - b).sqrt();
@@ -151,12 +151,12 @@ pub fn mode(a: f64, b: f64, rate: f64) -> (f64, f64) {
     (theta * rate / TAU, if b > 0.0 { -3.0 * LN_10 / (r.ln() * rate) } else { f64::INFINITY })
 }
 
-/// Stiffness ratio with which the scheme sounds `f` [Hz] at damping ratio `b`.
+/// Stiffness ratio with which the scheme sounds `f` \[Hz\] at damping ratio `b`.
 pub fn stiffness(f: f64, b: f64, rate: f64) -> f64 {
     2.0 - b - 2.0 * (1.0 - b).sqrt() * (TAU * f / rate).cos()
 }
 
-/// Damping ratio that takes 60 dB in `t60` [s].
+/// Damping ratio that takes 60 dB in `t60` \[s\].
 pub fn damping(t60: f64, rate: f64) -> f64 {
     1.0 - (-6.0 * LN_10 / (t60 * rate)).exp()
 }

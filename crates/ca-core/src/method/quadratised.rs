@@ -23,7 +23,7 @@
 //! large. A factorisation was the alternative; it needs room that grows with the square. s is then taken as y/R, so an
 //! error ε of the solver makes no more energy than N·ε/2, which `EXACT` keeps at the rounding of the blow itself.
 //!
-//! Friction joins in with γ = 0 and the viscosity of its secant ([`super::friction`]).
+//! Friction joins in with γ = 0 and the viscosity of its secant (`friction.rs` beside this).
 //!
 //! With `sticky = false` contacts that would pull are taken out and the rest is solved again, until none does; their ψ
 //! follows the motion as far as that loses energy.
