@@ -4,6 +4,7 @@
 use crate::play::{audited, mat, model, off, rel_l2, scene, within};
 use ca_compile::{Options, compile};
 use ca_core::scene::certificate::Level;
+use ca_core::state::Unknown;
 use ca_core::{Scene, State, tick};
 use ca_tests::catalog;
 use faer::c64;
@@ -375,7 +376,7 @@ fn a_snapshot_goes_on_to_the_bit() {
         (0..1000).for_each(|_| tick(&scene, s));
     }
     assert_eq!(s.bits(), kept.bits());
-    kept.slow.as_mut().expect("its state").unknown.fill(Default::default());
+    kept.slow.as_mut().expect("its state").unknown.fill(Unknown::default());
     assert_ne!(s.bits(), kept.bits(), "what is expected decides the next frame");
 }
 
